@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-// The resource that one run's counters name is the one whose perfection brings most, within 2 %. Real scenes at larger
-// sizes are in DEVIATIONS.md; here small built-in ones, on machines that are limited by different things.
+// The resource that one run's counters name is the one whose perfection brings most, within 2 %. Random machines are in
+// docs/bottleneck.md; here small built-in scenes, on machines that are limited by different things.
 
 namespace tools {
 namespace {

@@ -1,6 +1,7 @@
 #include "tools/analysis/limiter.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string_view>
 
@@ -14,30 +15,41 @@
 namespace tools {
 namespace {
 
-// Chosen: fitted to the measured bounds of sixty frames (fifteen scenes, twelve machines), of which they name the right
-// resource for fifty-eight (tests/validation/DEVIATIONS.md).
+// Chosen: fitted to 39 random machines, of another draw than those in the tables of docs/bottleneck.md.
 
 /// Share of a cache's MSHRs in use on average when there is nothing but misses to wait for.
 constexpr double kRegistersInUse = 2.0 / 3;
 /// Share of the data bus that a frame's accesses reach.
 constexpr double kBusAtBest = 0.9;
+/// A channel that was busy for other reasons than data, such as rows, can do part of that beside other requests' data.
+constexpr double kBusyWeight = 1.0 / 3;
+/// Share of time that lines can be on the wires of a port, to which requests come in bursts.
+constexpr double kPortAtBest = 0.7;
+/// Share of time that a unit of the T&I can test, to which rays come in bursts.
+constexpr double kTestsAtBest = 0.85;
 /// Share that is hidden of what more ray slots could hide at most.
 constexpr double kSlotsGain = 0.6;
 constexpr double kEndsOfTiles = 0.35, kSlotsWeight = 5;  // see never_full()
 
-/// The time of two stages together that need `a` and `b` alone.
-double together(double a, double b, double p) {
-  if (a <= 0 || b <= 0) return std::max({a, b, 0.0});
-  return std::pow(std::pow(a, p) + std::pow(b, p), 1 / p);
+/// Stages of a core, each with the time that it would need alone.
+using Stages = std::array<double, 3>;
+
+/// The time of all stages together.
+double together(const Stages& stages, double p) {
+  const double longest = std::ranges::max(stages);
+  if (longest <= 0) return 0;
+  double sum = 0;
+  for (const double stage : stages) sum += std::pow(std::max(stage, 0.0) / longest, p);
+  return longest * std::pow(sum, 1 / p);
 }
 
-/// How two stages overlapped: p of together(a, b, p) = time.
-double overlap(double a, double b, double time) {
-  if (a <= 0 || b <= 0 || a + b <= time) return 1;
+/// How the stages overlapped: p of together(stages, p) = time.
+double overlap(const Stages& stages, double time) {
+  if (together(stages, 1) <= time) return 1;
   double low = 1, high = 40;
   for (int i = 0; i < 60; ++i) {
     const double p = (low + high) / 2;
-    (together(a, b, p) > time ? low : high) = p;
+    (together(stages, p) > time ? low : high) = p;
   }
   return low;
 }
@@ -49,8 +61,33 @@ double never_full(const CoreTime::Demands& d) {
   return std::min(1.0, kEndsOfTiles + kSlotsWeight * d.no_slots * (1 - d.tracing / d.fed));
 }
 
-/// The rest of `misses` if a part of their latency goes.
-double without(double misses, double part) { return misses * (1 - part); }
+/// The share of queues that is left at a memory if a part of its traffic goes: the queue of a station that is busy for
+/// a share r of the time is as r / (1 - r).
+double queue_left(double busy, double gone) {
+  constexpr double kMostBusy = 0.95;  // a frame is finite, and so are its queues
+  if (busy <= 0) return 1;
+  const double r = std::min(busy, kMostBusy), left = r * (1 - gone);
+  return left / (1 - left) / (r / (1 - r));
+}
+
+/// Least times of the frame for what is still needed, whatever is ideal beside it.
+struct Least {
+  double memory = 0, lines = 0, wires = 0, tests = 0;
+};
+Least least_times(const CoreTime::Demands& d) {
+  return {.memory = (1 - kBusyWeight) * d.dram_bus / kBusAtBest + kBusyWeight * d.dram_busy,
+          .lines = 2 * d.l2_lines / (1 + d.l2_lines),  // half of the MSHRs that are free now can be in use, too
+          .wires = d.port_lines / kPortAtBest,
+          .tests = d.tests / kTestsAtBest};
+}
+
+/// The stages if every ray slot fits: memory has shorter queues, and the L2 is less often blocked by it. `tree`: time
+/// of the T&I unit that goes to misses.
+Stages without_spills(const CoreTime& t, double tree) {
+  const double relief = t.demands.dram_queue * (1 - queue_left(t.demands.dram_busy, t.demands.spills));
+  const auto saved = [&](const MissLevels& m) { return relief * (m.dram + m.blocked()); };
+  return {t.busy() + t.data_misses * (1 - saved(t.data_levels)), t.demands.fed - tree * saved(t.tree_levels), 0};
+}
 
 std::string_view words_of(std::string_view resource) {
   return std::ranges::find(hw::IdealConfig::kResources, resource, &hw::IdealConfig::Resource::name)->words;
@@ -68,39 +105,59 @@ Utilisation utilisation(std::span<const sim::UnitReport> units) {
 std::vector<Estimate> estimate(const CoreTime& t) {
   const CoreTime::Demands& d = t.demands;
   const double time = 1 - (t.raster + t.raster_misses + t.transfers + t.no_tile);
-  const double kernels = t.busy(), data = t.data_misses, shading = kernels + data;
-  const double p = overlap(shading, d.fed, time);
+  const double kernels = t.busy(), shading = kernels + t.data_misses;
+  const double spilling = std::min(d.spilling, time);
+  const double p = overlap({shading, d.fed, spilling}, time);
   const double tree = t.tracing() > 0 ? d.fed * t.tree_misses / t.tracing() : 0;  // share of the T&I unit's time
-  const double tracing = d.tracing + (d.fed - d.tracing) * never_full(d);
-  const double memory = std::max(d.dram_bus / kBusAtBest, d.l2_lines / kRegistersInUse);
-  const auto least = [](double lines, double measured) { return std::min(measured, lines / kRegistersInUse); };
+  const double ideal_tree = std::max(std::min(d.fed, d.tree_lines / kRegistersInUse), std::min(tree, d.tree_waits));
+  const double ideal_data = std::min(t.data_misses, d.data_lines / kRegistersInUse);
+  const double full_tracing = d.tracing + (d.fed - d.tracing) * never_full(d);
 
-  const auto levels = [&](double data_part, double tree_part) {
-    return together(kernels + without(data, data_part), d.fed - tree + without(tree, tree_part), p);
+  const Least least = least_times(d);
+  const double moved = least.memory * d.transfers;  // goes past caches and L2
+  const double all = std::max({least.memory, least.lines, least.wires});
+
+  // Stages, and the rest of the rasteriser's misses, if such parts of the misses' latencies go.
+  using Part = double (*)(const MissLevels&);
+  const auto without = [&](Part part, double spills) {
+    return together({kernels + t.data_misses * (1 - part(t.data_levels)), d.fed - tree * part(t.tree_levels), spills},
+                    p);
   };
-  const MissLevels &of_data = t.data_levels, &of_tree = t.tree_levels, &of_raster = t.raster_levels;
-  // The rest of the two stages together, of the time spent on transfers, which wait for memory, and ray slots that fit
-  // make none, and of the time in which the rasteriser waited for lines.
+  const auto raster_without = [&](Part part) { return t.raster_misses * (1 - part(t.raster_levels)); };
+  const Part everything = [](const MissLevels&) { return 1.0; };
+  const Part of_l2 = [](const MissLevels& m) { return m.l2 + m.dram + m.blocked_request; };
+  const Part of_dram = [](const MissLevels& m) { return m.dram + m.blocked(); };
+  const Part of_wires = [](const MissLevels& m) { return m.wires; };
+
+  const double moving = std::min(spilling, d.spill_lines);  // spilled slots with a memory that takes no time
+
+  const Stages fitting = without_spills(t, tree);
+  const double fitting_time = together(fitting, p);
+  const double hidden = std::clamp(fitting_time - std::ranges::max(fitting), 0.0, d.no_slots + t.banks);
+
   struct Rest {
     const char* resource;
-    double stages, transfers, waits = 1;  ///< waits: of raster_misses, what is left
+    double stages, transfers, raster_misses;
+    double least_time;  ///< of the frame
   };
-  const double more_slots = std::min(d.no_slots + t.banks, time - std::max(shading, d.fed));
   const std::vector<Rest> rests = {
-      {"tni", std::max(together(shading, std::max(tree, least(d.tree_lines, d.fed)), p), memory), t.transfers},
-      {"l1", std::max(levels(1, 1), memory * d.records), t.transfers, 0},
-      {"l2", levels(of_data.l2 + of_data.dram, of_tree.l2 + of_tree.dram), t.transfers,
-       1 - of_raster.l2 - of_raster.dram},
-      {"dram", levels(of_data.dram, of_tree.dram), 0, 1 - of_raster.dram},
-      {"srp", std::max(together(least(d.data_lines, data), tracing, p), memory), t.transfers},
-      {"tile_buffer", time - kSlotsGain * std::max(0.0, more_slots), 0},
-      {"interconnect", std::max(levels(of_data.interconnect / 2, of_tree.interconnect / 2), memory), t.transfers,
-       1 - of_raster.interconnect / 2},
+      {"tni", together({shading, ideal_tree, spilling}, p), t.transfers, t.raster_misses, all},
+      {"l1", without(everything, spilling), t.transfers, 0, std::max({all * d.records, moved, least.tests})},
+      {"l2", without(of_l2, spilling), t.transfers, raster_without(of_l2), std::max({moved, least.wires, least.tests})},
+      {"dram", without(of_dram, moving), spilling > 0 ? t.transfers * moving / spilling : 0, raster_without(of_dram),
+       std::max(least.wires, least.tests)},
+      {"srp", together({ideal_data, full_tracing, spilling}, p), t.transfers, t.raster_misses, all},
+      {"tile_buffer", fitting_time - kSlotsGain * hidden, 0, t.raster_misses,
+       std::max((1 - d.spills) * std::max(least.memory, least.lines), least.wires)},
+      {"interconnect", without(of_wires, spilling), t.transfers, raster_without(of_wires),
+       std::max(least.memory, least.lines)},
   };
   std::vector<Estimate> estimates;
-  for (const auto& [resource, stages, transfers, waits] : rests) {
-    const double total = std::min(stages, time) + t.no_tile + transfers + t.raster + waits * t.raster_misses;
-    estimates.push_back({resource, total > 0 ? 1 / total : 1});
+  for (const Rest& rest : rests) {
+    // Cores that wait for the others' last tiles wait as long as these take.
+    const double busy = std::min(rest.stages, time) + rest.transfers + t.raster + rest.raster_misses;
+    const double total = t.no_tile < 1 ? std::max(busy / (1 - t.no_tile), rest.least_time) : 1;
+    estimates.push_back({rest.resource, total > 0 && total < 1 ? 1 / total : 1});
   }
   return estimates;
 }

@@ -22,13 +22,16 @@ struct Estimate {
   double speedup = 1;
 };
 
-/// An estimate for every resource, from the counters of one run.
+/// Estimates the speed-up by each resource from the counters of one run.
 ///
-/// A core is two stages that work side by side: the shader core (kernels, and stalls for its data cache) and the T&I
-/// unit (rays inside). How well they overlap is taken from the run itself: with S and F the time of each alone and T
-/// the time they took together, p solves S^p + F^p = T^p (1: one after the other; large: the longer one hides the
-/// shorter). An ideal resource shortens S or F by what it was charged with, p stays, and memory that is still needed
-/// sets a floor: the data buses, and the MSHRs, which are never all in use all the time.
+/// A core is three stages that work side by side: the shader core (kernels, and stalls for its data cache), the T&I
+/// unit (rays inside) and the DMA with ray slots that do not fit. With the times S, F and D of each alone and T of all
+/// together, p solves S^p + F^p + D^p = T^p (1: one after the other; large: the longest hides the others).
+/// 1. An ideal resource shortens a stage by what that resource is charged with; p stays.
+/// 2. A queue is charged to what it waits for: in front of an L2 without a free MSHR it is charged to memory, too.
+/// 3. What is still needed sets the least time of the frame: data buses, MSHRs, wires, tests.
+/// 4. Time without a tile shrinks with the time of tiles.
+/// Not modelled: other hit rates or another deal of tiles in the faster machine.
 std::vector<Estimate> estimate(const CoreTime& time);
 
 /// The resource that would be worth most if it were ideal.

@@ -11,7 +11,9 @@
 #include <nlohmann/json.hpp>
 
 #include "hw_models/dram/dram_channel.h"
+#include "hw_models/frame/dma.h"
 #include "hw_models/frame/memory_interface.h"
+#include "hw_models/memory/core_port.h"
 #include "hw_models/memory/l2_bank.h"
 #include "hw_models/memory/unit_names.h"
 #include "hw_models/raster/raster_unit.h"
@@ -37,24 +39,54 @@ using OfRaster = hw::RasterUnit::CycleReason;
 
 double ratio(auto a, auto b) { return b == 0 ? 0 : static_cast<double>(a) / static_cast<double>(b); }
 
-/// Average latency of the machine's L2 seen from its ports, and the part of it for which DRAM is waited for, in ns.
+/// Average times of the machine's L2 and memory, in ns, and what queues in the L2 wait for.
 struct Beyond {
-  double l2 = 0, dram = 0;
+  double l2 = 0;            ///< from a read's arrival until its line leaves
+  double dram = 0;          ///< part of it in which memory is waited for
+  double blocked_bank = 0;  ///< part of it in which the read waits for an MSHR or for room on the way to memory
+  double port_blocked = 0;  ///< part of the queues in front of the L2, 0 to 1, that is there because of that
+  double wires = 0;         ///< of a request and its line between core and L2, without queues
+  double ideal_wires = 0;   ///< the same with an ideal interconnect
 };
 
-Beyond beyond(std::span<const UnitReport> units) {
+/// Time between a core and the L2 without queues, in cycles of the L2's clock: a cycle in the port, the distance both
+/// ways, and the line on the wires.
+double wire_cycles(std::uint32_t distance, std::uint32_t line) { return 1.0 + 2.0 * distance + line; }
+
+Beyond beyond(std::span<const UnitReport> units, const hw::GpuConfig& config) {
+  using OfBank = hw::L2Bank::CycleReason;
+  constexpr double kOftenBlocked = 0.05;  // chosen: queues of the ports' own making are seen below this share of time
   const Units<hw::L2Bank> banks(units);
   const double ns = 1000 / banks.clock_mhz();
-  const std::uint64_t requests = banks.counted(&L2Stats::reads);
-  return {ns * ratio(banks.counted(&L2Stats::latency), requests),
-          ns * ratio(banks.counted(&L2Stats::memory_cycles), requests)};
+  const std::uint64_t reads = banks.counted(&L2Stats::reads);
+  Beyond b{.l2 = ns * ratio(banks.counted(&L2Stats::latency), reads),
+           .dram = ns * ratio(banks.counted(&L2Stats::memory_cycles), reads)};
+  const double look_ups = ns * ratio(banks.counted(&L2Stats::hits) * config.l2.cache.hit_cycles +
+                                         banks.counted(&L2Stats::misses) * (config.l2.lookup_cycles + 1),
+                                     reads);
+  const double blocked = banks.share(OfBank::kMshrFull) + banks.share(OfBank::kMemoryFull);
+  const double moving = banks.share(OfBank::kServing) + banks.share(OfBank::kOutputFull);
+  b.blocked_bank = std::max(0.0, b.l2 - b.dram - look_ups) * ratio(blocked, blocked + moving);
+  b.port_blocked = std::min(1.0, blocked / kOftenBlocked);
+  b.wires = ns * wire_cycles(config.interconnect.latency, config.interconnect.cycles_of(hw::kLineBytes));
+  b.ideal_wires = ns * wire_cycles(1, 1);
+  return b;
 }
 
-/// `latency`: of a miss, in ns.
-MissLevels levels(double latency, const Beyond& b) {
+/// All times in ns. `latency`: of a miss; `crossing`: part of it for the look-up and between clocks; `line_wait`: part
+/// of it in queues for the wires down.
+MissLevels levels(double latency, const Beyond& b, double crossing, double line_wait) {
   if (latency == 0) return {};
   const double dram = std::min(b.dram, latency), l2 = std::clamp(b.l2 - b.dram, 0.0, latency - dram);
-  return {(latency - dram - l2) / latency, l2 / latency, dram / latency};
+  const double interconnect = latency - dram - l2;
+  const double queues = std::max(0.0, interconnect - b.wires - crossing - line_wait);  // on the way up
+  const double wires = std::min(interconnect - queues, b.wires - b.ideal_wires + line_wait);
+  return {.interconnect = interconnect / latency,
+          .l2 = l2 / latency,
+          .dram = dram / latency,
+          .wires = (wires + queues * (1 - b.port_blocked)) / latency,
+          .blocked_request = queues * b.port_blocked / latency,
+          .blocked_bank = std::min(b.blocked_bank, l2) / latency};
 }
 
 /// Work of the rays inside a T&I unit, as shares of the time in which traversal units have any.
@@ -76,9 +108,49 @@ Inside inside(const Trvs& trvs, const Ists& ist) {
           ratio(misses_of(trvs), there) + at_ist * ratio(misses_of(ist), leaves)};
 }
 
-/// Lines that a first-level cache can have on their way at once.
-double mshrs(const hw::TniConfig& config, const hw::CacheConfig& cache) {
-  return config.miss_handling == hw::MissHandling::kBlocking ? 1 : cache.mshrs;
+/// Sum of the misses' times over the units' elapsed time: misses under way on average.
+template <class Unit>
+double misses_under_way(const Units<Unit>& units) {
+  return ratio(units.counted(&Unit::Stats::l1_miss_cycles), units.elapsed());
+}
+
+/// The same for rays that wait: several may wait for one line.
+template <class Unit>
+double rays_waiting(const Units<Unit>& units) {
+  return misses_under_way(units) * ratio(units.counted(&Unit::Stats::l1_late), units.counted(&Unit::Stats::l1_fills));
+}
+
+/// What the DMA and ray slots without room make of the traffic of memory.
+void add_traffic(std::span<const UnitReport> units, std::uint32_t core, const hw::GpuConfig& config,
+                 const Beyond& memory, CoreTime::Demands& d) {
+  using Stats = hw::Dma::Stats;
+  constexpr auto kSpill = static_cast<std::size_t>(hw::Area::kSpill);
+  const Units<hw::Dma> all(units), dma(units, hw::name_in_core(hw::Dma::kName, core));
+  const Units<hw::CorePort> port(units, hw::name_in_core(hw::CorePort::kDmaPort, core));
+  const Units<hw::DramChannel> channels(units);
+  const Units<hw::L2Bank> banks(units);
+  const auto lines = [](const Units<hw::Dma>& of) {
+    return of.counted(&Stats::lines_written) + of.counted(&Stats::lines_read);
+  };
+  const auto spilled = [](const Units<hw::Dma>& of) {
+    return of.counted([](const Stats& s) -> const std::uint64_t& { return s.lines[kSpill].written; }) +
+           of.counted([](const Stats& s) -> const std::uint64_t& { return s.lines[kSpill].read; });
+  };
+  const std::uint64_t memory_lines =
+      channels.counted(&hw::DramChannel::Stats::reads) + channels.counted(&hw::DramChannel::Stats::writes);
+  d.transfers = ratio(lines(all), memory_lines);
+  d.spills = ratio(spilled(all), memory_lines);
+  d.spilling = dma.empty() ? 0 : (1 - dma.share(hw::Dma::CycleReason::kIdle)) * ratio(spilled(dma), lines(dma));
+  d.spill_lines = ratio(spilled(dma) * config.interconnect.cycles_of(hw::kLineBytes), port.elapsed());
+  d.dram_bus = data_bus_share(units);
+  d.dram_busy = channels.empty()
+                    ? 0
+                    : 1 - channels.share(hw::DramCycleReason::kIdle) - channels.share(hw::DramCycleReason::kLatency);
+  const hw::DramTiming& timing = config.dram.timing;
+  const double idle_ns = static_cast<double>(config.dram.fabric.time + timing.ck.time * (timing.rcd + timing.rl)) /
+                         static_cast<double>(sim::kFemtosecondsPerSecond / 1'000'000'000);
+  const double line_ns = memory.dram * ratio(banks.counted(&L2Stats::reads), banks.counted(&L2Stats::misses));
+  d.dram_queue = line_ns > idle_ns ? 1 - idle_ns / line_ns : 0;
 }
 
 double record_share(std::span<const UnitReport> units, const Units<hw::L2Bank>& banks) {
@@ -107,11 +179,13 @@ void part_from_transfers(const Units<hw::RasterUnit>& rasteriser, const Beyond& 
   t.transfers -= awaited;
   t.raster_misses = awaited * misses / busy;
   t.raster = awaited - t.raster_misses;
-  t.raster_levels = levels(memory.l2, memory);
+  t.raster_levels = levels(memory.l2, memory, 0, 0);
 }
 
-CoreTime core_time(std::span<const UnitReport> units, const std::string& core, const Beyond& memory,
+CoreTime core_time(std::span<const UnitReport> units, std::uint32_t number, const Beyond& memory,
                    const hw::GpuConfig& config) {
+  constexpr double kIdealRays = 64;  // of a traversal unit (hw::IdealConfig)
+  const std::string core = hw::name_in_core("core.", number);
   const Units<hw::Srp> srp(units, core);
   const Trvs trvs(units, core);
   const Ists ist(units, core);
@@ -122,18 +196,23 @@ CoreTime core_time(std::span<const UnitReport> units, const std::string& core, c
   t.banks = srp.share(OfSrp::kBanks);
   t.data_misses = srp.share(OfSrp::kCacheMiss);
   t.no_tile = srp.share(OfSrp::kStarved);
+  const Units<hw::CorePort> port(units, hw::name_in_core(hw::CorePort::kCachePort, number));
+  using PortStats = hw::CorePort::Stats;
   t.demands = {
       .no_slots = srp.share(OfSrp::kNoSlots),
       .fed = ratio(srp.counted(&SrpStats::fed), srp.elapsed()),
       .occupied = 1 - trvs.share(OfTrv::kStarved),
-      .tree_lines = std::max(
-          ratio(trvs.counted(&TrvStats::l1_miss_cycles), trvs.elapsed()) / mshrs(config.tni, config.tni.trv.l1),
-          ratio(ist.counted(&hw::Ist::Stats::l1_miss_cycles), ist.elapsed()) / mshrs(config.tni, config.tni.ist.l1)),
+      .tree_lines =
+          std::max(misses_under_way(trvs) / config.tni.trv.l1.mshrs, misses_under_way(ist) / config.tni.ist.l1.mshrs),
+      .tree_waits = std::max(rays_waiting(trvs), rays_waiting(ist)) / kIdealRays,
+      .tests = std::max(trvs.share(OfTrv::kVisiting) + trvs.share(OfTrv::kSerial), ist.share(OfIst::kTesting)),
       .data_lines = ratio(srp.counted(&SrpStats::cache_miss_cycles), srp.elapsed()) / config.srp.data_cache.mshrs,
       .l2_lines = ratio(banks.counted(&L2Stats::line_cycles), banks.elapsed()) / config.l2.mshrs_per_bank(),
-      .dram_bus = data_bus_share(units),
+      .port_lines =
+          ratio(port.counted(&PortStats::lines_down) * config.interconnect.cycles_of(hw::kLineBytes), port.elapsed()),
       .tracing = tracing_demand(trvs),
       .records = record_share(units, banks)};
+  add_traffic(units, number, config, memory, t.demands);
   const double tracing = ratio(srp.counted(&SrpStats::awaited), srp.elapsed());
   t.transfers = std::max(0.0, srp.share(OfSrp::kWaiting) + srp.share(OfSrp::kBorders) + t.demands.no_slots - tracing);
   part_from_transfers(Units<hw::RasterUnit>(units, core), memory, t);
@@ -142,13 +221,16 @@ CoreTime core_time(std::span<const UnitReport> units, const std::string& core, c
   t.triangles = tracing * in.triangles;
   t.tree_misses = tracing * in.misses;
   t.pipes = tracing - t.boxes - t.triangles - t.tree_misses;
-  const double srp_ns = 1000 / srp.clock_mhz(), tni_ns = 1000 / trvs.clock_mhz();
-  t.data_levels =
-      levels(srp_ns * ratio(srp.counted(&SrpStats::cache_miss_cycles), srp.counted(&SrpStats::cache_fills)), memory);
+  const double srp_ns = 1000 / srp.clock_mhz(), tni_ns = 1000 / trvs.clock_mhz(), l2_ns = 1000 / banks.clock_mhz();
+  const double line_wait = l2_ns * ratio(port.counted(&PortStats::line_wait), port.counted(&PortStats::lines_down));
+  // A cycle of the cache to look up, and where clocks differ the synchronisers both ways.
+  const auto crossing = [&](double ns) { return ns + (ns == l2_ns ? 0 : config.clocks.synchroniser * (ns + l2_ns)); };
+  t.data_levels = levels(srp_ns * ratio(srp.counted(&SrpStats::cache_miss_cycles), srp.counted(&SrpStats::cache_fills)),
+                         memory, crossing(srp_ns), line_wait);
   t.tree_levels =
       levels(tni_ns * ratio(trvs.counted(&TrvStats::l1_miss_cycles) + ist.counted(&hw::Ist::Stats::l1_miss_cycles),
                             trvs.counted(&TrvStats::l1_fills) + ist.counted(&hw::Ist::Stats::l1_fills)),
-             memory);
+             memory, crossing(tni_ns), line_wait);
   return t;
 }
 
@@ -163,8 +245,10 @@ void each_share(A& a, const CoreTime& b, F&& f) {
   }
   using Demands = CoreTime::Demands;
   for (double Demands::*demand :
-       {&Demands::no_slots, &Demands::fed, &Demands::occupied, &Demands::tree_lines, &Demands::data_lines,
-        &Demands::l2_lines, &Demands::dram_bus, &Demands::tracing, &Demands::records}) {
+       {&Demands::no_slots, &Demands::fed, &Demands::occupied, &Demands::tree_lines, &Demands::tree_waits,
+        &Demands::tests, &Demands::data_lines, &Demands::l2_lines, &Demands::port_lines, &Demands::dram_bus,
+        &Demands::dram_busy, &Demands::dram_queue, &Demands::transfers, &Demands::spills, &Demands::spilling,
+        &Demands::spill_lines, &Demands::tracing, &Demands::records}) {
     f(a.demands.*demand, b.demands.*demand);
   }
 }
@@ -177,7 +261,8 @@ constexpr std::array<std::pair<double CoreTime::*, MissLevels CoreTime::*>, 3> k
 
 /// Adds the levels of a core's misses to those of all: a core counts as much as it missed.
 void add_levels(MissLevels& all, const MissLevels& core, double weight) {
-  for (double MissLevels::*level : {&MissLevels::interconnect, &MissLevels::l2, &MissLevels::dram}) {
+  for (double MissLevels::*level : {&MissLevels::interconnect, &MissLevels::l2, &MissLevels::dram, &MissLevels::wires,
+                                    &MissLevels::blocked_request, &MissLevels::blocked_bank}) {
     all.*level += core.*level * weight;
   }
 }
@@ -221,10 +306,10 @@ double data_bus_share(std::span<const UnitReport> units) {
 }
 
 TopDown top_down(std::span<const UnitReport> units, const hw::GpuConfig& config) {
-  const Beyond memory = beyond(units);
+  const Beyond memory = beyond(units, config);
   TopDown view;
   for (std::uint32_t c = 0; !Units<hw::Srp>(units, hw::name_in_core(hw::Srp::kName, c)).empty(); ++c) {
-    view.cores.push_back(core_time(units, hw::name_in_core("core.", c), memory, config));
+    view.cores.push_back(core_time(units, c, memory, config));
   }
   const auto cores = static_cast<double>(view.cores.size());
   CoreTime& gpu = view.gpu;
@@ -257,9 +342,18 @@ nlohmann::ordered_json time_json(const CoreTime& t) {
             {"fed", t.demands.fed},
             {"occupied", t.demands.occupied},
             {"tree_lines", t.demands.tree_lines},
+            {"tree_waits", t.demands.tree_waits},
+            {"tests", t.demands.tests},
             {"data_lines", t.demands.data_lines},
             {"l2_lines", t.demands.l2_lines},
+            {"port_lines", t.demands.port_lines},
             {"dram_bus", t.demands.dram_bus},
+            {"dram_busy", t.demands.dram_busy},
+            {"dram_queue", t.demands.dram_queue},
+            {"transfers", t.demands.transfers},
+            {"spills", t.demands.spills},
+            {"spilling", t.demands.spilling},
+            {"spill_lines", t.demands.spill_lines},
             {"tracing", t.demands.tracing},
             {"records", t.demands.records}}}};
 }

@@ -15,6 +15,12 @@ struct MissLevels {
   double interconnect = 0;  ///< ports and wires, and queues in front of them
   double l2 = 0;            ///< its queues and look-ups
   double dram = 0;          ///< from the L2's miss to its fill: controller, device and fabric
+  // Parts of the first two:
+  double wires = 0;            ///< of `interconnect`: saved if it took a cycle each way and had room for everything
+  double blocked_request = 0;  ///< of `interconnect`: queues in front of an L2 that waits for memory
+  double blocked_bank = 0;     ///< of `l2`: queues inside for the same reason
+  /// Time that an ideal memory, or an ideal L2, would not need queues for.
+  double blocked() const { return blocked_request + blocked_bank; }
 };
 
 /// Where the time of a core goes, seen from its shader core: every cycle is in one place, shares of elapsed time.
@@ -34,15 +40,24 @@ struct CoreTime {
   double transfers = 0, no_tile = 0;
   /// Time that parts of the core would need alone, as shares of the same time; they overlap with each other.
   struct Demands {
-    double no_slots = 0;    ///< launches waited for ray slots of the tile buffer
-    double fed = 0;         ///< rays were in the T&I unit
-    double occupied = 0;    ///< time in which an average traversal unit had rays inside
-    double tree_lines = 0;  ///< least time for the T&I unit's misses, all MSHRs of a cache always in use
-    double data_lines = 0;  ///< likewise for the data cache
-    double l2_lines = 0;    ///< likewise for the L2
-    double dram_bus = 0;    ///< data were on the channels' buses
-    double tracing = 0;     ///< time of the T&I unit, at the pace it has with a ray in every slot
-    double records = 0;     ///< share of the L2's requests that carry rays and hits through memory
+    double no_slots = 0;     ///< launches waited for ray slots of the tile buffer
+    double fed = 0;          ///< rays were in the T&I unit
+    double occupied = 0;     ///< time in which an average traversal unit had rays inside
+    double tree_lines = 0;   ///< least time for the T&I unit's misses, all MSHRs of a cache always in use
+    double tree_waits = 0;   ///< least time for its rays' waits for lines, 64 rays waiting side by side
+    double tests = 0;        ///< least time for its box tests or triangle tests, whichever is longer
+    double data_lines = 0;   ///< likewise for the data cache
+    double l2_lines = 0;     ///< likewise for the L2
+    double port_lines = 0;   ///< lines were on the wires of a core's cache port
+    double dram_bus = 0;     ///< data were on the channels' buses
+    double dram_busy = 0;    ///< channels were not idle, nor only waiting for the latency of their last data
+    double dram_queue = 0;   ///< share of the L2's wait for a line that an idle memory would not have taken
+    double transfers = 0;    ///< share of memory's lines that the DMA moved
+    double spills = 0;       ///< share of memory's lines that were ray slots without room in the tile buffer
+    double spilling = 0;     ///< the DMA moved such slots
+    double spill_lines = 0;  ///< least time for these: their lines were on the wires of its port
+    double tracing = 0;      ///< time of the T&I unit, at the pace it has with a ray in every slot
+    double records = 0;      ///< share of the L2's requests that carry rays and hits through memory
   };
   Demands demands{};
   /// Levels on which the misses of its caches spent their time.

@@ -48,7 +48,7 @@ TEST(Limiter, NoIdealUnitHelpsWhereTheMshrsOfTheL2AreAllInUse) {
   const CoreTime t = {.kernels = 0.1,
                       .boxes = 0.2,
                       .tree_misses = 0.7,
-                      .demands = {.fed = 1, .occupied = 1, .tree_lines = 0.6, .l2_lines = 0.7, .tracing = 1},
+                      .demands = {.fed = 1, .occupied = 1, .tree_lines = 0.6, .l2_lines = 1, .tracing = 1},
                       .tree_levels = {.interconnect = 0.1, .l2 = 0.4, .dram = 0.5}};
   EXPECT_EQ(worth(t, "tni"), 1);
   EXPECT_EQ(worth(t, "srp"), 1);
@@ -68,6 +68,74 @@ TEST(Limiter, TimeThatIsTheRasterisersOwnGoesByNoIdealUnit) {
   EXPECT_NEAR(worth(t, "dram"), 1 / 0.7, 1e-6) << "the L2 keeps its part";
   EXPECT_NEAR(worth(t, "srp"), 1 / 0.8, 1e-6);
   EXPECT_LT(worth(t, "tile_buffer"), 1.01);
+}
+
+TEST(Limiter, TimeWithoutATileShrinksWithTheTimeOfTiles) {
+  const CoreTime t = {.kernels = 0.5, .no_tile = 0.5, .demands = {.fed = 0.125, .occupied = 0.125, .tracing = 0.125}};
+  EXPECT_NEAR(worth(t, "srp"), 4, 1e-6) << "the last tiles are shorter, too";
+}
+
+TEST(Limiter, MemoryThatIsStillNeededBoundsTheFrameAndNotItsBusyPart) {
+  // Half of the MSHRs of the L2 are in use, times without a tile included. Three quarters are the most to expect.
+  const CoreTime t = {.kernels = 0.1,
+                      .boxes = 0.7,
+                      .no_tile = 0.2,
+                      .demands = {.fed = 0.7, .occupied = 0.7, .l2_lines = 0.5, .tracing = 0.7}};
+  EXPECT_NEAR(worth(t, "tni"), 0.75 / 0.5, 1e-6);
+}
+
+TEST(Limiter, AQueueInFrontOfAnL2WithoutMshrsIsOfMemoryToo) {
+  const CoreTime t = {
+      .kernels = 0.2,
+      .data_misses = 0.8,
+      .data_levels = {
+          .interconnect = 0.5, .l2 = 0.3, .dram = 0.2, .wires = 0.05, .blocked_request = 0.4, .blocked_bank = 0.2}};
+  EXPECT_NEAR(worth(t, "dram"), 1 / (0.2 + 0.8 * (1 - 0.2 - 0.4 - 0.2)), 1e-6);
+  EXPECT_NEAR(worth(t, "l2"), 1 / (0.2 + 0.8 * 0.1), 1e-6) << "the wires stay, without a queue for the L2";
+  EXPECT_NEAR(worth(t, "interconnect"), 1 / (0.2 + 0.8 * 0.95), 1e-6);
+  EXPECT_NEAR(worth(t, "l1"), 1 / 0.2, 1e-6);
+}
+
+TEST(Limiter, AnIdealUnitHasManyMissesUnderWayWhereTheRealOneBlocks) {
+  // A blocking unit with one miss under way for 80 % of the time; its cache has 8 MSHRs.
+  const CoreTime t = {
+      .kernels = 0.05,
+      .boxes = 0.15,
+      .tree_misses = 0.8,
+      .demands = {.fed = 0.95, .occupied = 0.95, .tree_lines = 0.1, .tree_waits = 0.0125, .tracing = 0.95},
+      .tree_levels = {.interconnect = 0.4, .l2 = 0.3, .dram = 0.3}};
+  EXPECT_NEAR(worth(t, "tni"), 1 / (0.05 + 0.1 / (2.0 / 3)), 1e-6) << "kernels, and lines with the MSHRs in use";
+}
+
+TEST(Limiter, WiresBoundWhatIdealMemoryCanBring) {
+  const CoreTime t = {.kernels = 0.1,
+                      .data_misses = 0.9,
+                      .demands = {.port_lines = 0.35},
+                      .data_levels = {.interconnect = 0.1, .l2 = 0.1, .dram = 0.8}};
+  EXPECT_NEAR(worth(t, "l2"), 0.7 / 0.35, 1e-6);
+  EXPECT_NEAR(worth(t, "dram"), 0.7 / 0.35, 1e-6);
+  EXPECT_NEAR(worth(t, "l1"), 1 / 0.1, 1e-6) << "no line comes any more";
+}
+
+TEST(Limiter, SlotsThatDoNotFitAreAStageThatAnIdealTileBufferHasNot) {
+  // Nothing overlaps: half of the time goes to spilled slots.
+  const CoreTime t = {.kernels = 0.3,
+                      .boxes = 0.2,
+                      .transfers = 0.0,
+                      .demands = {.fed = 0.2, .occupied = 0.2, .spilling = 0.5, .spill_lines = 0.1, .tracing = 0.2}};
+  EXPECT_NEAR(worth(t, "tile_buffer"), 1 / 0.5, 1e-6);
+  EXPECT_NEAR(worth(t, "dram"), 1 / (0.3 + 0.2 + 0.1), 1e-6) << "they still go over the wires";
+  EXPECT_NEAR(worth(t, "srp"), 1 / (0.2 + 0.5), 1e-6);
+}
+
+TEST(Limiter, WithoutSpilledSlotsMemoryHasShorterQueues) {
+  // Memory is busy for 80 % of the time, half of that with spilled slots: a queue as 4 to 1 becomes one as 2 to 3.
+  const double left = (0.4 / 0.6) / (0.8 / 0.2);
+  const CoreTime t = {.kernels = 0.2,
+                      .data_misses = 0.8,
+                      .demands = {.dram_busy = 0.8, .dram_queue = 0.5, .spills = 0.5},
+                      .data_levels = {.interconnect = 0.1, .l2 = 0.1, .dram = 0.8}};
+  EXPECT_NEAR(worth(t, "tile_buffer"), 1 / (0.2 + 0.8 * (1 - 0.8 * 0.5 * (1 - left))), 1e-6);
 }
 
 TEST(Limiter, NamesNothingThatIsWorthNothing) {

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "hw_models/dram/dram_channel.h"
+#include "hw_models/frame/dma.h"
+#include "hw_models/memory/core_port.h"
 #include "hw_models/memory/l2_bank.h"
 #include "hw_models/srp/srp.h"
 #include "hw_models/tni/ist.h"
@@ -21,13 +23,20 @@ struct MadeUpMachine {
   Reasons trv = {{"starved", 100}};
   Reasons ist = {{"starved", 100}};
   Reasons srp = {{"starved", 100}};
+  Reasons l2 = {{"idle", 100}};
   Reasons dram = {{"idle", 100}};
-  Counters of_trv{}, of_srp{}, of_l2{};
+  Reasons dma = {{"idle", 100}};
+  Counters of_trv{}, of_srp{}, of_l2{}, of_dram{}, of_dma{}, of_port{}, of_dma_port{};
 
   std::vector<sim::UnitReport> units() const {
-    return {unit<hw::Trv>("core0.tni.trv0", trv, of_trv), unit<hw::Ist>("core0.tni.ist", ist, {}),
-            unit<hw::Srp>("core0.srp", srp, of_srp), unit<hw::L2Bank>("l2.bank0", {{"idle", 100}}, of_l2),
-            unit<hw::DramChannel>("dram.channel0", dram, {})};
+    return {unit<hw::Trv>("core0.tni.trv0", trv, of_trv),
+            unit<hw::Ist>("core0.tni.ist", ist, {}),
+            unit<hw::Srp>("core0.srp", srp, of_srp),
+            unit<hw::L2Bank>("l2.bank0", l2, of_l2),
+            unit<hw::DramChannel>("dram.channel0", dram, of_dram),
+            unit<hw::Dma>("core0.dma", dma, of_dma),
+            unit<hw::CorePort>("core0.cache_port", {{"idle", 100}}, of_port),
+            unit<hw::CorePort>("core0.dma_port", {{"idle", 100}}, of_dma_port)};
   }
 
  private:

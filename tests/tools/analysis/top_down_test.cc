@@ -48,6 +48,54 @@ TEST(TopDown, MissesGoToTheLevelsAtWhichTheirTimePasses) {
   EXPECT_EQ(t.tree_levels.dram, 0) << "there was no such miss";
 }
 
+TEST(TopDown, QueuesInFrontOfAnL2WithoutMshrsAreSeenApartFromWires) {
+  // A miss takes 100 ns: a cycle to look up, 11 of wires (a cycle in the port, twice the distance of 4, 32 bytes a
+  // cycle), 60 in the L2, and the other 28 in front of it. In the L2 it waits 30 for memory and 5 for its look-up. Of
+  // the other 25, half are for an MSHR: as often as a bank was seen to wait for one rather than to serve.
+  const test::MadeUpMachine machine{.trv = {{"visiting", 40}, {"l1_miss", 60}},
+                                    .l2 = {{"serving", 30}, {"mshr_full", 30}, {"memory", 40}},
+                                    .of_trv = {{"l1_fills", 1}, {"l1_miss_cycles", 100}, {"l1_late", 3}},
+                                    .of_l2 = {{"reads", 1}, {"misses", 1}, {"latency", 60}, {"memory_cycles", 30}},
+                                    .of_port = {{"lines_down", 10}}};
+  const CoreTime t = top_down(machine.units(), {}).cores.at(0);
+  EXPECT_DOUBLE_EQ(t.tree_levels.interconnect, 0.40);
+  EXPECT_DOUBLE_EQ(t.tree_levels.l2, 0.30);
+  EXPECT_DOUBLE_EQ(t.tree_levels.dram, 0.30);
+  EXPECT_NEAR(t.tree_levels.blocked_request, 0.28, 1e-12);
+  EXPECT_NEAR(t.tree_levels.blocked_bank, 0.125, 1e-12);
+  EXPECT_NEAR(t.tree_levels.wires, 0.07, 1e-12) << "an ideal one takes 4 of the 11";
+  EXPECT_DOUBLE_EQ(t.demands.tree_lines, 1.0 / 8) << "a miss under way all the time, of 8 MSHRs";
+  EXPECT_DOUBLE_EQ(t.demands.tree_waits, 3.0 / 64) << "three rays wait for the line";
+  EXPECT_DOUBLE_EQ(t.demands.tests, 0.40);
+  EXPECT_DOUBLE_EQ(t.demands.port_lines, 0.20) << "ten lines of two cycles each";
+}
+
+TEST(TopDown, QueuesInFrontOfAnL2ThatTakesRequestsAreThePortsOwn) {
+  const test::MadeUpMachine machine{.trv = {{"visiting", 40}, {"l1_miss", 60}},
+                                    .l2 = {{"serving", 60}, {"memory", 40}},
+                                    .of_trv = {{"l1_fills", 1}, {"l1_miss_cycles", 100}},
+                                    .of_l2 = {{"reads", 1}, {"misses", 1}, {"latency", 60}, {"memory_cycles", 30}}};
+  const MissLevels l = top_down(machine.units(), {}).cores.at(0).tree_levels;
+  EXPECT_EQ(l.blocked(), 0);
+  EXPECT_NEAR(l.wires, 0.28 + 0.07, 1e-12);
+}
+
+TEST(TopDown, OfMemorysTrafficTheSpilledSlotsAreSeenApart) {
+  // Memory moved 40 lines, 20 of them for the DMA, 10 of these spilled slots. The DMA had work for 50 of 100 cycles.
+  const test::MadeUpMachine machine{
+      .dram = {{"reading", 40}, {"row_conflict", 30}, {"latency", 10}, {"idle", 20}},
+      .dma = {{"moving", 20}, {"waiting", 30}, {"idle", 50}},
+      .of_dram = {{"reads", 25}, {"writes", 15}},
+      .of_dma = {{"lines_written", 15}, {"lines_read", 5}, {"spill_lines_written", 5}, {"spill_lines_read", 5}}};
+  const CoreTime::Demands d = top_down(machine.units(), {}).gpu.demands;
+  EXPECT_DOUBLE_EQ(d.transfers, 0.5);
+  EXPECT_DOUBLE_EQ(d.spills, 0.25);
+  EXPECT_DOUBLE_EQ(d.spilling, 0.5 * 10 / 20);
+  EXPECT_DOUBLE_EQ(d.spill_lines, 0.20) << "ten lines of two cycles each";
+  EXPECT_DOUBLE_EQ(d.dram_bus, 0.40);
+  EXPECT_DOUBLE_EQ(d.dram_busy, 0.70);
+}
+
 TEST(TopDown, CoresThatHadNothingToDoTakeNothingFromTheLevelsOfOthers) {
   JobOptions options;
   options.resolution = "16x16";  // one tile
