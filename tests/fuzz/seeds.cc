@@ -76,8 +76,10 @@ void add_yaml(const fs::path& folder) {
             "programs: ['full:1', undersample]\naxes:\n  cores: {from: 1, to: 8, factor: 2}\n"
             "  caches: {keys: [tni.trv.l1.size, tni.trv.rays], values: [[8 KiB, 4], [16 KiB, 8]]}\n"
             "  render.depth: {from: 1, to: 5, step: 2}\n  dram.mhz: {from: 100, to: 200, count: 3, scale: log}\n"
-            "exclude:\n  - {cores: 8, render.depth: '> 1'}\nwhere: [{cores: '< 8'}]\nsubset: {sobol: 4, seed: 3}\n"
+            "exclude:\n  - {cores: 8, render.depth: '> 1'}\nwhere: [{cores: '< 8'}]\n"
             "sets: [tni.trvs=4]\nresolution: 8x8\n");
+  sweep.add("subset.yaml",
+            "schema: raywatt-sweep/1\naxes: {cores: [1, 2, 4], tni.trvs: [1, 2, 4]}\nsubset: {sobol: 4, seed: 3}\n");
   Writer suite(folder, "suite");
   suite.add_files(source / "tests" / "baseline");
   suite.add("runs.yaml",

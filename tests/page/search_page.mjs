@@ -45,3 +45,14 @@ test("points that a search asked for show the commands that front.csv has", () =
   assert.equal(await page.locator(".command code").innerText(), front[0].command.replace(/^"|"$/g, "").replaceAll('""', '"'));
   assert.equal(await page.locator('[data-block="points"] tbody tr').count(), table("search", "results.csv").length);
 }));
+
+test("the page says how many points meet the constraint, and how much room the best one has", () => look("search.html", {}, async (page) => {
+  const powers = table("search", "results.csv").map((row) => Number(row["totals.power_w.nominal"]));
+  const met = powers.filter((power) => power < LIMIT).length;
+  assert.ok((await page.locator("body").innerText()).includes(`${met} of ${powers.length} points meet all constraints`));
+  const cells = await page.locator('[data-block="limits-table"] tbody tr').first().locator("td, th").allInnerTexts();
+  assert.equal(cells[0], `power_w.nominal < ${LIMIT}`);
+  assert.equal(numberOf(cells[1]), met);
+  const room = 100 * (1 - numberOf(cells[2]) / LIMIT);
+  assert.ok(Math.abs(numberOf(cells[4]) - room) < 0.06, `${cells[4]} is not ${room} %`);
+}));

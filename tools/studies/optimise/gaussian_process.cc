@@ -17,9 +17,11 @@ constexpr int kMostClimbs = 6;
 constexpr std::array<int, 4> kStrides = {1, -1, 3, -3};  // long ones lead out of what is highest only nearby
 constexpr int kShortest = -4, kLongest = 6;  // lengths: powers of kStep; at 1 an axis changes much from end to end
 constexpr double kStep = 1.7;
-constexpr std::array<double, 4> kNuggets = {1e-6, 1e-4, 1e-2, 1e-1};  // roughness, of the variance
-constexpr double kPriorDeviation = 3;                                 // deviation of a length, in steps, about 1
-constexpr int kRounds = 4;                                            // rounds until errors have their weight
+constexpr std::array<double, 4> kNuggets = {1e-6, 1e-4, 1e-2, 1e-1};   // roughness, of the variance
+constexpr std::array<double, 4> kErrorShares = {1, 0.5, 0.25, 0.125};  // of the errors' deviations
+constexpr double kPriorOfShare = 0.5;    // how much likelier, as a logarithm, is the next larger one
+constexpr double kPriorDeviation = 3;    // deviation of a length, in steps, about 1
+constexpr int kRounds = 4;               // rounds until errors have their weight
 constexpr double kPriorOfRoughness = 1;  // how much likelier, as a logarithm, is the next lower one
 
 Index index(std::size_t i) { return static_cast<Index>(i); }
@@ -81,6 +83,7 @@ GaussianProcess::Solution GaussianProcess::solve(std::span<const Observation> ob
   inverse_lengths_ = inverses(lengths_);
   const Index n = index(observations.size());
   Solution s;
+  const double share = kErrorShares.at(static_cast<std::size_t>(error_share_));
   s.nugget = kNuggets.at(static_cast<std::size_t>(roughness_));
   s.values.resize(n);
   s.factor.resize(n, n);
@@ -90,7 +93,7 @@ GaussianProcess::Solution GaussianProcess::solve(std::span<const Observation> ob
     for (Index j = 0; j < i; ++j) {
       s.factor(i, j) = covariance(here.at, observations[static_cast<std::size_t>(j)].at);
     }
-    s.factor(i, i) = 1 + s.nugget + here.variance / (scale_ * scale_ * variance);
+    s.factor(i, i) = 1 + s.nugget + here.variance * share * share / (scale_ * scale_ * variance);
   }
   const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factored(s.factor);  // in place
   const Eigen::VectorXd ones = Eigen::VectorXd::Ones(n);
@@ -103,11 +106,12 @@ GaussianProcess::Solution GaussianProcess::solve(std::span<const Observation> ob
   s.likelihood = -0.5 * count * std::log(s.variance) - s.factor.diagonal().array().log().sum();
   for (const int length : lengths_) s.likelihood -= 0.5 * (length / kPriorDeviation) * (length / kPriorDeviation);
   s.likelihood -= kPriorOfRoughness * roughness_;
+  s.likelihood -= kPriorOfShare * error_share_;
   if (factored.info() != Eigen::Success || !std::isfinite(s.likelihood)) s.likelihood = -1e300;
   return s;
 }
 
-double GaussianProcess::fit(std::vector<Observation> observations) {
+double GaussianProcess::fit(std::vector<Observation> observations, bool errors_are_bounds) {
   seen_ = std::move(observations);
   const auto count = static_cast<double>(seen_.size());
   shift_ = 0;
@@ -138,6 +142,7 @@ double GaussianProcess::fit(std::vector<Observation> observations) {
     higher = false;
     for (int& length : lengths_) higher |= climb(length, kShortest, kLongest);
     higher |= climb(roughness_, 0, static_cast<int>(kNuggets.size()) - 1);
+    if (errors_are_bounds) higher |= climb(error_share_, 0, static_cast<int>(kErrorShares.size()) - 1);
   }
   solution_ = std::make_unique<Solution>(solve(seen_));
   return best / static_cast<double>(fitted.size()) - std::log(scale_);

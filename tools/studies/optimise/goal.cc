@@ -40,6 +40,21 @@ std::string Goal::text() const {
                         : fmt::format("{} {} {}", figure_name(figure), name, limit);
 }
 
+std::string Goal::room_title() const {
+  return fmt::format("room to {} {}", names_of(kind).at(static_cast<std::size_t>(kind)), limit);
+}
+
+double Goal::room(double value) const {
+  const double distance = is_upper() ? limit - value : value - limit;
+  return limit == 0 ? distance : distance / std::abs(limit);
+}
+
+std::string Goal::room_text(double value) const {
+  if (limit == 0) return fmt::format("{:.3g}", room(value));
+  const double percent = 100 * room(value);
+  return std::abs(percent) < 1 ? fmt::format("{:.2g} %", percent) : fmt::format("{:.1f} %", percent);
+}
+
 Goal read_constraint(const std::string& text) {
   const std::size_t sign = text.find_first_of("<>");
   if (sign != std::string::npos) {

@@ -19,6 +19,13 @@ struct Goal {
   /// Is the constraint met?
   bool is_met(double value) const;
   std::string text() const;
+  /// Title of a column of rooms: "room to < 1.4".
+  std::string room_title() const;
+  /// Distance of a value from a constraint's limit, below 0 if it breaks it: a share of the limit, or if that is 0 the
+  /// difference itself.
+  double room(double value) const;
+  /// The same for people: "1.7 %", "-0.25".
+  std::string room_text(double value) const;
 };
 constexpr std::array<std::string_view, 6> names_of(Goal::Kind) { return {"max", "min", "<", "<=", ">", ">="}; }
 

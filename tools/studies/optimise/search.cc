@@ -1,6 +1,8 @@
 #include "tools/studies/optimise/search.h"
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <iterator>
 #include <numeric>
 
@@ -11,11 +13,28 @@
 namespace tools::optimise {
 namespace {
 
-constexpr std::uint64_t kSmallSpace = 1U << 16;  // points that are listed, so that the last ones are found too
+constexpr std::uint64_t kSmallSpace = 1U << 12;  // points that are listed: each of them is a candidate
 constexpr std::uint64_t kMostDraws = 1U << 20;   // for points of a larger space that are wanted
 constexpr std::uint32_t kGenerations = 30;       // generations of NSGA-II
-constexpr std::size_t kRandom = 32;              // points that are looked at beside what NSGA-II brings
-constexpr double kForbidden = 1000, kKnown = 10, kInfeasible = 3;  // penalties; scores are about 0 to 1
+constexpr std::size_t kRandom = 32;              // candidates beside what NSGA-II brings
+constexpr std::size_t kRanked = 64;              // candidates that are rated again after each choice for a batch
+constexpr double kForbidden = 1e9, kKnown = 1e6, kInfeasible = 3;  // penalties; scores are about 0 to 1
+constexpr double kHopeless = 1e5;  // largest fitness of an unknown point; NSGA-II needs finite numbers
+
+/// Points in an order that the seed alone decides, so that of equally good ones no corner of the space is first.
+void shuffle(std::vector<Choice>& points, std::uint64_t seed) {
+  std::ranges::sort(points, {}, [&](const Choice& point) {
+    std::uint64_t h = seed;
+    for (const std::uint32_t value : point) h = sim::hash(h, value);
+    return std::pair(h, point);
+  });
+}
+
+/// 0 to 1: 0 if the point is feasible with a number of deviations of luck.
+double infeasibility(double log_feasible, double optimism) {
+  const double short_of = std::max(log_normal_cdf(-optimism) - log_feasible, 0.0);
+  return std::isfinite(short_of) ? short_of / (1 + short_of) : 1;
+}
 
 }  // namespace
 
@@ -28,6 +47,9 @@ Search::Search(Space space, std::vector<Goal> goals, const Options& options)
       looks_(goals_.size()) {
   objectives_ = static_cast<std::size_t>(std::ranges::count_if(goals_, &Goal::is_objective));
   for (std::size_t g = 0; g <= goals_.size(); ++g) surrogates_.emplace_back(space_.axes);
+  for (std::size_t g = 0; g < goals_.size(); ++g) {
+    if (!goals_[g].is_objective() && !(goals_[g].limit > 0)) surrogates_[g].forbid_log();
+  }
   std::uint64_t points = 1;
   for (std::size_t a = 0; a < space_.axes.size(); ++a) {
     sizes_.push_back(space_.axes[a].values);
@@ -46,8 +68,9 @@ Score Search::score_of(const std::vector<double>& figures) const {
 }
 
 void Search::tell(const Choice& point, const std::optional<std::vector<double>>& figures,
-                  const std::vector<double>& errors) {
+                  const std::vector<double>& errors, bool are_bounds) {
   if (!told_.emplace(point, figures.has_value()).second || !figures) return;
+  errors_are_bounds_ = errors_are_bounds_ || are_bounds;
   bool is_feasible = true;
   for (std::size_t g = 0; g < goals_.size(); ++g) {
     figures_[g].emplace(point, figures->at(g));
@@ -142,20 +165,17 @@ std::vector<Choice> Search::evolve(Models& models, double optimism, std::uint64_
     for (const Choice& genes : generation) {
       const Choice point = to_point(genes);
       const Models::Estimated& e = models.at(point);
-      const double penalty =
-          !space_.is_wanted(point) ? kForbidden : (told_.contains(point) ? kKnown : 0) + kInfeasible * (1 - e.feasible);
-      fitness.push_back(penalty - models.score(e, 0, optimism));
-      fitness.push_back(penalty - (objectives_ == 2 ? models.score(e, 1, optimism) : models.uncertainty(e)));
+      const double known = !space_.is_wanted(point) ? kForbidden : told_.contains(point) ? kKnown : 0;
+      const double penalty = known + kInfeasible * infeasibility(e.log_feasible, optimism);
+      fitness.push_back(objectives_ == 2 ? penalty - models.score(e, 0, optimism)
+                                         : known + std::min(-models.log_promise(point), kHopeless));
+      fitness.push_back(penalty - models.score(e, objectives_ - 1, optimism));
     }
     return fitness;
   };
   std::vector<Choice> begin = neighbours_of_front();
   std::erase_if(begin, [&](const Choice& point) { return !is_new(point); });
-  std::ranges::sort(begin, {}, [&](const Choice& point) {
-    std::uint64_t h = task.seed;
-    for (const std::uint32_t value : point) h = sim::hash(h, value);
-    return std::pair(h, point);
-  });
+  shuffle(begin, task.seed);
   begin.resize(std::min<std::size_t>(begin.size(), options_.population / 2));
   while (begin.size() < options_.population) begin.push_back(draw());
   for (const Choice& point : begin) {
@@ -168,32 +188,36 @@ std::vector<Choice> Search::evolve(Models& models, double optimism, std::uint64_
   return points;
 }
 
+/// Points that may be proposed: all of a small space, of a large one what NSGA-II and neighbourhoods bring.
+std::vector<Choice> Search::candidates(Models& models, std::size_t count) {
+  std::set<Choice> points;
+  const auto add = [&](const std::vector<Choice>& more) {
+    std::ranges::copy_if(more, std::inserter(points, points.end()), [&](const Choice& p) { return is_new(p); });
+  };
+  if (!all_.empty()) {
+    add(all_);
+  } else {
+    add(evolve(models, 0, 0));
+    add(evolve(models, 1.5, 1));
+    add(neighbours_of_front());
+    add_random(std::max(kRandom, count), points);
+  }
+  return {points.begin(), points.end()};
+}
+
 std::vector<Choice> Search::propose(std::size_t count) {
   if (figures_.front().empty()) return spread(count);
   Models models(*this);
-  std::set<Choice> candidates;
-  const auto add = [&](const std::vector<Choice>& points) {
-    std::ranges::copy_if(points, std::inserter(candidates, candidates.end()),
-                         [&](const Choice& p) { return is_new(p); });
-  };
-  add(evolve(models, 0, 0));
-  add(evolve(models, 1.5, 1));
-  add(neighbours_of_front());
-  add_random(std::max(kRandom, count), candidates);
-  std::vector<Choice> chosen;
-  while (chosen.size() < count && !candidates.empty()) {
-    auto best = candidates.begin();
-    double most = -1;
-    for (auto point = candidates.begin(); point != candidates.end(); ++point) {
-      const double promise = models.promise(*point);
-      if (promise > most) {
-        best = point;
-        most = promise;
-      }
-    }
+  std::vector<Choice> open = candidates(models, count), chosen;
+  shuffle(open, sim::hash(options_.seed, told_.size()));
+  const auto promise = [&](const Choice& point) { return models.log_promise(point); };
+  std::ranges::stable_sort(open, std::greater{}, promise);
+  open.resize(std::min(open.size(), std::max(kRanked, count)));
+  while (chosen.size() < count && !open.empty()) {
+    const auto best = std::ranges::max_element(open, {}, promise);
     models.believe(*best);
     chosen.push_back(*best);
-    candidates.erase(best);
+    open.erase(best);
   }
   return chosen;
 }

@@ -36,10 +36,10 @@ class Search {
   /// Different points of which nothing has been told; fewer than `count` only if no others can be found.
   std::vector<Choice> propose(std::size_t count);
 
-  /// A point's figures, one for each goal; nothing if it cannot be computed. `errors`: their standard deviations, where
-  /// noise moves them.
+  /// Adds a point's figures, one for each goal, or none if it cannot be computed. `errors`: standard deviations of noisy
+  /// figures; `are_bounds`: they are assumed upper bounds, not measured.
   void tell(const Choice& point, const std::optional<std::vector<double>>& figures,
-            const std::vector<double>& errors = {});
+            const std::vector<double>& errors = {}, bool are_bounds = false);
   /// The same, roughly: the point may still be proposed.
   void tell_look(const Choice& point, const std::vector<double>& figures);
 
@@ -56,6 +56,7 @@ class Search {
   std::vector<Choice> spread(std::size_t count);
   void add_random(std::size_t count, std::set<Choice>& points);
   std::vector<Choice> neighbours_of_front() const;
+  std::vector<Choice> candidates(Models& models, std::size_t count);
   std::vector<Choice> evolve(Models& models, double optimism, std::uint64_t seed);
 
   const Space space_;
@@ -68,6 +69,7 @@ class Search {
 
   std::map<Choice, bool> told_;                              ///< had it figures?
   std::vector<Surrogate::Values> figures_, errors_, looks_;  ///< for each goal
+  bool errors_are_bounds_ = false;
   std::map<Choice, Score> scores_;
   std::vector<Surrogate> surrogates_;  ///< for each goal, then for whether a point can be computed
   std::uint64_t draws_ = 0;

@@ -2,9 +2,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <vector>
 
+#include "tools/studies/optimise/acquisition.h"
 #include "tools/studies/optimise/search.h"
 
 namespace tools::optimise {
@@ -18,17 +20,19 @@ constexpr std::array<double, 5> kNodes = {-2.8569700138728056, -1.35562617997426
 constexpr std::array<double, 5> kWeights = {0.0112574113277207, 0.2220759220056126, 0.5333333333333333,
                                             0.2220759220056126, 0.0112574113277207};
 
-inline double probability_below(const Estimate& estimate, double limit) {
-  if (!(estimate.deviation > 0)) return estimate.mean < limit ? 1 : 0;
-  return 0.5 * std::erfc((estimate.mean - limit) / estimate.deviation / std::sqrt(2.0));
-}
-
-/// Estimates from all that the search has been told.
+/// Estimates from all results that the search has, and what each other point promises.
+///
+/// 1. Figures of all points are modelled, feasible or not. Scores are scaled by the range of all of them, so that the
+///    scale exists whether no point is feasible, or one, or many.
+/// 2. As long as no point is feasible, a point promises its probability to be feasible.
+/// 3. After that it promises this probability times the gain that is expected of it: of one objective the improvement
+///    over the best feasible point in closed form, of two the hypervolume by quadrature.
+/// 4. A point that is chosen counts as its estimate for the rest of the batch, as feasible if that is likely.
 class Search::Models {
  public:
   explicit Models(Search& search) : search_(search), gain_(Score(search.objectives_, kCorner)) {
     for (std::size_t g = 0; g < search.goals_.size(); ++g) {
-      search.surrogates_[g].fit(search.figures_[g], search.looks_[g], search.errors_[g]);
+      search.surrogates_[g].fit(search.figures_[g], search.looks_[g], search.errors_[g], search.errors_are_bounds_);
     }
     any_failed_ = std::ranges::any_of(search.told_, [](const auto& told) { return !told.second; });
     if (any_failed_) {
@@ -37,33 +41,16 @@ class Search::Models {
       search.surrogates_.back().fit(computable, {});
     }
     set_range();
-    for (const auto& [point, score] : search.scores_) gain_.add(normalised(smoothed(point)));
-  }
-
-  /// The worth of a point that was told: where noise moves its figures, what the estimates make of them.
-  Score smoothed(const Choice& point) const {
-    std::vector<double> figures(search_.objectives_);
-    for (std::size_t o = 0; o < figures.size(); ++o) {
-      const Surrogate& surrogate = search_.surrogates_[o];
-      const bool noisy = search_.errors_[o].contains(point);
-      figures[o] = noisy ? surrogate.inverse(surrogate.at(point).mean) : search_.figures_[o].at(point);
+    for (const auto& [point, score] : search.scores_) {
+      std::vector<Estimate> figures;
+      for (std::size_t o = 0; o < search.objectives_; ++o) figures.push_back({smoothed(point, o), 0});
+      add_feasible({figures, 0});
     }
-    return search_.score_of(figures);
-  }
-
-  /// 0 to 1 within the range of what is known.
-  Score normalised(const Score& score) const {
-    Score out;
-    for (std::size_t o = 0; o < score.size(); ++o) {
-      const double range = best_[o] - worst_[o];
-      out.push_back(range > 0 ? (score[o] - worst_[o]) / range : 0);
-    }
-    return out;
   }
 
   struct Estimated {
     std::vector<Estimate> figures;  ///< objectives, as the surrogates have them
-    double feasible = 1;            ///< how probable it is that the point can be computed and meets all constraints
+    double log_feasible = 0;  ///< logarithm of the probability that the point can be computed and meets all constraints
   };
 
   const Estimated& at(const Choice& point) {
@@ -77,24 +64,18 @@ class Search::Models {
       if (goal.is_objective()) {
         e.figures.push_back(estimate);
       } else {
-        // The logarithm of a limit below 0 is none; such a figure is above it.
-        const double limit = surrogate.forward(goal.limit);
-        const double below = std::isnan(limit) ? 0 : probability_below(estimate, limit);
-        e.feasible *= goal.is_upper() ? below : 1 - below;
+        e.log_feasible += log_probability(estimate, surrogate.forward(goal.limit), !goal.is_upper());
       }
     }
-    if (any_failed_) e.feasible *= 1 - probability_below(search_.surrogates_.back().at(point), 0.5);
+    if (any_failed_) e.log_feasible += log_probability(search_.surrogates_.back().at(point), 0.5, true);
     return e;
   }
 
-  /// The normalised score if each figure is so many deviations better than its mean.
+  /// The score if the figure is better than its mean by a number of deviations: 0 to 1 within the range of known ones.
   double score(const Estimated& e, std::size_t objective, double deviations) const {
-    const bool is_max = search_.goals_[objective].kind == Goal::Kind::kMax;
-    const Estimate& estimate = e.figures[objective];
-    const double figure =
-        search_.surrogates_[objective].inverse(estimate.mean + (is_max ? 1 : -1) * deviations * estimate.deviation);
-    const double range = best_[objective] - worst_[objective];
-    return range > 0 ? ((is_max ? figure : -figure) - worst_[objective]) / range : 0;
+    const Estimate& figure = e.figures[objective];
+    const double better = figure.mean + (is_max(objective) ? 1 : -1) * deviations * figure.deviation;
+    return (upward(search_.surrogates_[objective].inverse(better), objective) - low_[objective]) / range_[objective];
   }
 
   /// Half the distance between what the score may well be at most and at least.
@@ -104,31 +85,26 @@ class Search::Models {
     return sum;
   }
 
-  /// Hypervolume that the point is expected to add; what is most likely to be feasible, as long as nothing is.
-  double promise(const Choice& point) {
+  /// Returns the logarithm of a point's acquisition value, by rules 2 and 3 of the class.
+  double log_promise(const Choice& point) {
     const Estimated& e = at(point);
-    if (search_.scores_.empty()) return e.feasible + kCuriosity * uncertainty(e);
+    if (!has_feasible_) return e.log_feasible;
+    if (search_.objectives_ == 1) {
+      const Estimate& figure = e.figures[0];
+      return e.log_feasible + log_expected_gain({upward(figure.mean, 0), figure.deviation}, best_);
+    }
     double gain = 0;
     for (std::size_t i = 0; i < kNodes.size(); ++i) {
-      if (search_.objectives_ == 1) {
-        gain += kWeights[i] * gain_.of({score(e, 0, kNodes[i])});
-        continue;
-      }
       for (std::size_t j = 0; j < kNodes.size(); ++j) {
         gain += kWeights[i] * kWeights[j] * gain_.of({score(e, 0, kNodes[i]), score(e, 1, kNodes[j])});
       }
     }
-    return e.feasible * (gain + kCuriosity * uncertainty(e));
+    return e.log_feasible + std::log(gain + kCuriosity * uncertainty(e));
   }
 
   /// Adds the point with the figures that are expected of it (Kriging believer).
   void believe(const Choice& point) {
-    const Estimated e = at(point);
-    if (e.feasible >= 0.5) {
-      Score mean;
-      for (std::size_t o = 0; o < e.figures.size(); ++o) mean.push_back(score(e, o, 0));
-      gain_.add(mean);
-    }
+    if (const Estimated& e = at(point); e.log_feasible >= std::log(0.5)) add_feasible(e);
     for (std::size_t g = 0; g < search_.surrogates_.size(); ++g) {
       if (g == search_.goals_.size() && !any_failed_) continue;
       Surrogate& surrogate = search_.surrogates_[g];
@@ -138,26 +114,38 @@ class Search::Models {
   }
 
  private:
+  bool is_max(std::size_t objective) const { return search_.goals_[objective].kind == Goal::Kind::kMax; }
+  /// A figure, or the surrogate's value of it, so that more is better.
+  double upward(double value, std::size_t objective) const { return is_max(objective) ? value : -value; }
+
+  /// The figure of a simulated point, as its surrogate has it; where noise moves it, what the estimates make of it.
+  double smoothed(const Choice& point, std::size_t objective) const {
+    const Surrogate& surrogate = search_.surrogates_[objective];
+    if (search_.errors_[objective].contains(point)) return surrogate.at(point).mean;
+    return surrogate.forward(search_.figures_[objective].at(point));
+  }
+
+  void add_feasible(const Estimated& e) {
+    has_feasible_ = true;
+    if (search_.objectives_ == 2) return gain_.add({score(e, 0, 0), score(e, 1, 0)});
+    best_ = std::max(best_, upward(e.figures[0].mean, 0));
+  }
+
   void set_range() {
-    const auto add = [&](const Score& score) {
-      if (best_.empty()) best_ = worst_ = score;
-      for (std::size_t o = 0; o < score.size(); ++o) {
-        best_[o] = std::max(best_[o], score[o]);
-        worst_[o] = std::min(worst_[o], score[o]);
-      }
-    };
-    for (const auto& [point, score] : search_.scores_) add(smoothed(point));
-    if (!search_.scores_.empty()) return;
-    for (const auto& [point, first] : search_.figures_.front()) {
-      std::vector<double> figures;
-      for (const Surrogate::Values& values : search_.figures_) figures.push_back(values.at(point));
-      add(search_.score_of(figures));
+    for (std::size_t o = 0; o < search_.objectives_; ++o) {
+      std::vector<double> values;
+      for (const auto& [point, figure] : search_.figures_[o]) values.push_back(upward(figure, o));
+      const auto [least, most] = std::ranges::minmax(values);
+      low_.push_back(least);
+      range_.push_back(most > least ? most - least : 1);
     }
   }
 
   Search& search_;
   bool any_failed_ = false;
-  Score best_, worst_;
+  std::vector<double> low_, range_;  ///< of the scores of all points that have figures
+  bool has_feasible_ = false;
+  double best_ = -std::numeric_limits<double>::infinity();  ///< of feasible points; upward() in a single objective
   Gain gain_;
   std::map<Choice, Estimated> estimated_;
 };

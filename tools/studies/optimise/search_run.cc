@@ -12,6 +12,7 @@
 #include "sim/io/printable.h"
 #include "tools/analysis/report_paths.h"
 #include "tools/sampling/tile_sampling.h"
+#include "tools/studies/sweep/results/notes.h"
 #include "tools/studies/sweep/spec/magnitude.h"
 
 namespace tools::optimise {
@@ -67,8 +68,7 @@ void check_looks(const Task& task) {
 }
 
 /// The numbers of a report, of which each that a search may want is finite.
-std::vector<ReportNumber> figures_of(const std::string& report) {
-  auto json = sim::parse_json<nlohmann::ordered_json>(report);
+std::vector<ReportNumber> figures_of(nlohmann::ordered_json json) {
   const nlohmann::ordered_json::json_pointer identical("/totals/identical");
   if (json.contains(identical) && json[identical] == true) json["totals"]["psnr_db"] = kIdentical;
   return report_numbers(json);
@@ -117,7 +117,9 @@ void SearchRun::find_figures(const std::vector<std::string>& paths) {
 void SearchRun::read_figures(Trial& trial, const sweep::Store& store) {
   const std::optional<std::string> report = store.report(trial.point.id);
   if (!report) throw sim::IoError(fmt::format("{}: the result is gone", store.folder(trial.point.id).string()));
-  const std::vector<ReportNumber> numbers = figures_of(*report);
+  const auto json = sim::parse_json<nlohmann::ordered_json>(*report);
+  trial.extrapolations = results::extrapolation_lines(json);
+  const std::vector<ReportNumber> numbers = figures_of(json);
   if (!has_paths_) {
     std::vector<std::string> paths;
     for (const ReportNumber& number : numbers) paths.push_back(number.path);
@@ -213,7 +215,8 @@ bool SearchRun::compute(const std::vector<Choice>& choices, bool looks, sweep::L
     } else {
       std::vector<double> errors;
       std::ranges::transform(trial.seen, std::back_inserter(errors), &SeenFigure::error);
-      search_.tell(choices[c], is_done ? std::optional(trial.figures) : std::nullopt, errors);
+      const bool are_assumed = std::ranges::any_of(trial.seen, [](const SeenFigure& s) { return s.assumed > 0; });
+      search_.tell(choices[c], is_done ? std::optional(trial.figures) : std::nullopt, errors, are_assumed);
     }
   }
   batches_ += 1;

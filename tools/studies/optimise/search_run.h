@@ -20,12 +20,13 @@ struct Trial {
   sweep::Point point;
   Choice choice;
   enum class State : std::uint8_t { kDone, kFailed, kImpossible } state = State::kDone;
-  bool is_look = false;          ///< an estimate by tile sampling
-  bool is_feasible = false;      ///< it meets all constraints
-  std::uint32_t batch = 0;       ///< with which it was simulated
-  std::vector<double> figures;   ///< for each goal; means of replicates, if there are any
-  std::vector<SeenFigure> seen;  ///< the same with their noise
-  std::string error;             ///< why there are none
+  bool is_look = false;                     ///< an estimate by tile sampling
+  bool is_feasible = false;                 ///< it meets all constraints
+  std::uint32_t batch = 0;                  ///< with which it was simulated
+  std::vector<double> figures;              ///< for each goal; means of replicates, if there are any
+  std::vector<SeenFigure> seen;             ///< the same with their noise
+  std::string error;                        ///< why there are none
+  std::vector<std::string> extrapolations;  ///< warnings of its report, if some of its figures are extrapolated
 };
 constexpr std::array<std::string_view, 3> names_of(Trial::State) { return {"done", "failed", "impossible"}; }
 

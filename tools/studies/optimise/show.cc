@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -20,7 +21,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMostCommands = 20, kMostNear = 20;  // in the terminal; front.csv and history.jsonl have all
+constexpr std::size_t kMostCommands = 20, kMostNear = 20,
+                      kMostNamed = 20;  // in the terminal; front.csv and history.jsonl have all
 
 std::string command_of(const Trial& trial) { return command_text(trial.point.options().argv); }
 
@@ -46,7 +48,80 @@ std::size_t number_of(const SearchRun& search, const Trial& trial) {
   return static_cast<std::size_t>(&trial - search.trials().data());
 }
 
-/// Points, a line each, with half of the 95 % interval of each figure that noise moves.
+/// Points that were simulated and have figures.
+std::vector<const Trial*> done(const SearchRun& search) {
+  std::vector<const Trial*> all;
+  for (const Trial& trial : search.trials()) {
+    if (trial.state == Trial::State::kDone && !trial.is_look) all.push_back(&trial);
+  }
+  return all;
+}
+
+/// "perf.fps >= 60: 20, power_w.nominal < 1: 25": how many points meet each constraint.
+std::string met_text(const SearchRun& search) {
+  const std::vector<const Trial*> all = done(search);
+  std::vector<std::string> each;
+  for (std::size_t g = 0; g < search.goals().size(); ++g) {
+    const Goal& goal = search.goals()[g];
+    if (goal.is_objective()) continue;
+    const auto met = std::ranges::count_if(all, [&](const Trial* t) { return goal.is_met(t->figures[g]); });
+    each.push_back(fmt::format("{}: {}", goal.text(), met));
+  }
+  return fmt::format("{}", fmt::join(each, ", "));
+}
+
+/// How many points are feasible; empty if there are no constraints.
+std::string feasible_text(const SearchRun& search) {
+  const std::string met = met_text(search);
+  if (met.empty()) return "";
+  return fmt::format("{} of {} points meet all constraints ({})\n", search.feasible().size(), done(search).size(), met);
+}
+
+/// Constraints that noise may break at a point: its room is less than half of the figure's 95 % interval.
+std::string doubtful_text(const SearchRun& search, const std::vector<const Trial*>& trials) {
+  std::string text;
+  for (std::size_t g = 0; g < search.goals().size(); ++g) {
+    const Goal& goal = search.goals()[g];
+    if (goal.is_objective()) continue;
+    std::vector<std::size_t> points;
+    for (const Trial* trial : trials) {
+      if (std::abs(trial->figures[g] - goal.limit) < trial->seen[g].half_width()) {
+        points.push_back(number_of(search, *trial));
+      }
+    }
+    if (points.empty()) continue;
+    text += fmt::format("within the noise of the limit {}: {} {}\n", goal.text(),
+                        points.size() == 1 ? "point" : "points", fmt::join(points, ", "));
+  }
+  return text;
+}
+
+/// What is extrapolated in the points of an answer, line by line, and in which other points.
+std::string extrapolations_text(const SearchRun& search, const std::vector<const Trial*>& answer) {
+  std::map<std::string, std::vector<std::size_t>> lines;
+  for (const Trial* trial : answer) {
+    for (const std::string& line : trial->extrapolations) lines[line].push_back(number_of(search, *trial));
+  }
+  std::string text;
+  for (const auto& [line, points] : lines) {
+    text += fmt::format("warning: {} {}: {}\n", points.size() == 1 ? "point" : "points", fmt::join(points, ", "),
+                        sim::printable(line, 500));
+  }
+  std::vector<std::size_t> others;
+  for (const Trial* trial : done(search)) {
+    if (!trial->extrapolations.empty() && std::ranges::find(answer, trial) == answer.end()) {
+      others.push_back(number_of(search, *trial));
+    }
+  }
+  if (others.empty()) return text;
+  const std::size_t all = others.size();
+  others.resize(std::min(all, kMostNamed));
+  return text + fmt::format("{}points with extrapolated figures, which warnings[] of their reports name: {}{}\n",
+                            lines.empty() ? "" : "more ", fmt::join(others, ", "),
+                            all > others.size() ? fmt::format(" and {} more", all - others.size()) : "");
+}
+
+/// Points, a line each, with half of the 95 % interval of each figure that noise moves and the room to its limits.
 std::string table_text(const SearchRun& search, const std::vector<const Trial*>& trials) {
   const std::vector<std::size_t> goals = shown_goals(search);
   std::vector<std::string> header = {"n"};
@@ -57,13 +132,20 @@ std::string table_text(const SearchRun& search, const std::vector<const Trial*>&
     std::vector<results::Value> values;
     for (const Trial* trial : trials) values.emplace_back(trial->figures[g]);
     columns.push_back(results::shown_cells(values));
-    if (std::ranges::none_of(trials, [&](const Trial* t) { return t->seen[g].error() > 0; })) continue;
-    header.emplace_back("95 %");
-    std::vector<std::string>& intervals = columns.emplace_back();
-    for (const Trial* trial : trials) {
-      const SeenFigure& seen = trial->seen[g];
-      const double share = seen.value == 0 ? 0 : seen.half_width() / std::abs(seen.value);
-      intervals.push_back(fmt::format("± {:.2g} %", 100 * share));
+    if (std::ranges::any_of(trials, [&](const Trial* t) { return t->seen[g].error() > 0; })) {
+      header.emplace_back("95 %");
+      std::vector<std::string>& intervals = columns.emplace_back();
+      for (const Trial* trial : trials) {
+        const SeenFigure& seen = trial->seen[g];
+        const double share = seen.value == 0 ? 0 : seen.half_width() / std::abs(seen.value);
+        intervals.push_back(fmt::format("± {:.2g} %", 100 * share));
+      }
+    }
+    for (const Goal& goal : search.goals()) {
+      if (goal.is_objective() || goal.figure != search.goals()[g].figure) continue;
+      header.push_back(goal.room_title());
+      std::vector<std::string>& rooms = columns.emplace_back();
+      for (const Trial* trial : trials) rooms.push_back(goal.room_text(trial->figures[g]));
     }
   }
   sim::Table table(header);
@@ -95,8 +177,13 @@ std::string near_text(const SearchRun& search) {
 
 std::string pareto_front_text(const SearchRun& search) {
   const std::vector<const Trial*> front = search.pareto_front();
-  std::string text = fmt::format("{}{}\n\n{}{}\nto run them again:\n", front.size() == 1 ? "best: " : "front of ",
-                                 goals_text(search), table_text(search, front), near_text(search));
+  std::string text = front.size() == 1 ? "best: " : "front of ";
+  text += fmt::format("{}\n{}\n{}", goals_text(search), feasible_text(search), table_text(search, front));
+  for (const std::string& more :
+       {doubtful_text(search, front), extrapolations_text(search, front), near_text(search)}) {
+    if (!more.empty()) text += more.front() == '\n' ? more : "\n" + more;
+  }
+  text += "\nto run them again:\n";
   for (std::size_t i = 0; i < std::min(front.size(), kMostCommands); ++i) {
     text += fmt::format("  {:<4} {}\n", number_of(search, *front[i]), sim::printable(command_of(*front[i]), 4096));
   }
@@ -151,13 +238,16 @@ std::string infeasible_text(const SearchRun& search) {
   for (std::size_t g = 0; g < search.goals().size(); ++g) {
     const Goal& goal = search.goals()[g];
     if (!goal.is_met(nearest->figures[g])) {
-      missed.push_back(fmt::format("{:.4g} where {} is asked for", nearest->figures[g], goal.text()));
+      missed.push_back(fmt::format("{:.4g} where {} is asked for (room {})", nearest->figures[g], goal.text(),
+                                   goal.room_text(nearest->figures[g])));
     }
   }
   std::vector<std::string> axes;
   for (const auto& [name, value] : nearest->point.axes) axes.push_back(sim::printable(name + "=" + value));
-  return fmt::format("none of {} points meets the constraints; the nearest is {} ({}), with {}\n", search.simulated(),
-                     number_of(search, *nearest), fmt::join(axes, ", "), fmt::join(missed, ", "));
+  return fmt::format(
+      "none of {} points meets the constraints; the nearest is {} ({}), with {}\npoints that meet {}\n{}",
+      search.simulated(), number_of(search, *nearest), fmt::join(axes, ", "), fmt::join(missed, ", "), met_text(search),
+      extrapolations_text(search, {nearest}));
 }
 
 }  // namespace tools::optimise

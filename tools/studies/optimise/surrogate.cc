@@ -52,18 +52,18 @@ std::vector<Observation> Surrogate::observations(const Values& simulated, const 
   return all;
 }
 
-void Surrogate::fit(const Values& simulated, const Values& looks, const Values& errors) {
+void Surrogate::fit(const Values& simulated, const Values& looks, const Values& errors, bool errors_are_bounds) {
   is_log_ = false;
-  const double plain = plain_.fit(observations(simulated, looks, errors));
+  const double plain = plain_.fit(observations(simulated, looks, errors), errors_are_bounds);
   const auto is_positive = [](const Values::value_type& v) { return v.second > 0; };
-  if (!std::ranges::all_of(simulated, is_positive) || !std::ranges::all_of(looks, is_positive)) return;
+  if (!may_be_log_ || !std::ranges::all_of(simulated, is_positive) || !std::ranges::all_of(looks, is_positive)) return;
   is_log_ = true;
   const std::vector<Observation> logs = observations(simulated, looks, errors);
   double jacobian = 0;
   for (const Observation& o : logs)
     jacobian += o.value;  // Jacobian of the logarithm: a value's density is over the value
   jacobian /= static_cast<double>(logs.size());
-  is_log_ = log_.fit(logs) - jacobian > plain;
+  is_log_ = log_.fit(logs, errors_are_bounds) - jacobian > plain;
 }
 
 }  // namespace tools::optimise

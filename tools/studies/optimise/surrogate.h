@@ -14,10 +14,12 @@ class Surrogate {
  public:
   explicit Surrogate(std::span<const AxisShape> axes);
 
-  /// Values by point: those that were simulated, at least one, and first looks. `errors`: standard deviations of the
-  /// simulated ones that noise moves.
+  /// Fits the model to values by point: at least one simulated value, and approximate looks. `errors`: standard
+  /// deviations of noisy simulated values; `errors_are_bounds`: they are assumed upper bounds, not measured.
   using Values = std::map<Choice, double>;
-  void fit(const Values& simulated, const Values& looks, const Values& errors = {});
+  void fit(const Values& simulated, const Values& looks, const Values& errors = {}, bool errors_are_bounds = false);
+  /// Prevents the logarithm: for a figure whose limit is 0 or less, and so has none.
+  void forbid_log() { may_be_log_ = false; }
   /// The figure as it is estimated: inverse() makes it a figure again.
   Estimate at(const Choice& point) const { return process().at(point); }
   double inverse(double value) const;
@@ -29,7 +31,7 @@ class Surrogate {
   std::vector<Observation> observations(const Values& simulated, const Values& looks, const Values& errors) const;
 
   GaussianProcess plain_, log_;
-  bool is_log_ = false;
+  bool may_be_log_ = true, is_log_ = false;
 };
 
 }  // namespace tools::optimise

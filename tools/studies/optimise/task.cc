@@ -1,5 +1,6 @@
 #include "tools/studies/optimise/task.h"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -38,6 +39,11 @@ void read_objectives(const YamlValue& value, std::vector<Goal>& goals) {
     value.refuse(fmt::format("has {} objectives; allowed: one or two", goals.size()));
   }
 }
+
+/// Reason for refusing workloads as an axis of a search: the search would choose the easiest workload.
+constexpr std::string_view kOneWorkload =
+    "would make the easiest workload part of the answer; allowed: one workload, by scene, camera, frames and "
+    "resolution";
 
 void read_constraints(const YamlValue& value, std::vector<Goal>& goals) {
   for (const YamlValue& item : value.items()) {
@@ -81,10 +87,14 @@ Task read_task(const std::filesystem::path& file) {
     } else if (key == "fidelity") {
       if (entry.text() != "full" && entry.text() != "sampled") entry.refuse("allowed: full, sampled");
       task.sampled = entry.text() == "sampled";
+    } else if (key == "workloads") {
+      entry.refuse(kOneWorkload);
     } else if (key == "subset") {
       entry.refuse("is for sweeps; a search finds its own points");
     }
   }
+  const auto of_workloads = std::ranges::find_if(task.space.axes, &sweep::moves_workload);
+  if (of_workloads != task.space.axes.end()) sim::refuse(of_workloads->at, "axes." + of_workloads->name, kOneWorkload);
   if (task.goals.empty()) root.refuse("has no objectives; allowed: e.g. objectives: [{max: perf.fps}]");
   task.goals.insert(task.goals.end(), constraints.begin(), constraints.end());
   if (task.looks_sampling.empty()) task.looks_sampling = "auto";

@@ -3,6 +3,7 @@
 #include <set>
 #include <sstream>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "tests/tools/studies/sweep/small_sweep.h"
@@ -179,7 +180,8 @@ TEST_F(Optimise, SaysWhichPointComesNearestIfNoneMeetsTheConstraints) {
   const Ending ending = run(kSearch + "constraints: [power_w.nominal < 0.0001, cycles > 0]\n");
   EXPECT_EQ(ending.exit, 1) << ending.err;
   EXPECT_SAYS(ending.out, "none of 10 points meets the constraints; the nearest is ");
-  EXPECT_SAYS(ending.out, "where power_w.nominal < 0.0001 is asked for");
+  EXPECT_SAYS(ending.out, "where power_w.nominal < 0.0001 is asked for (room -");
+  EXPECT_SAYS(ending.out, "points that meet power_w.nominal < 0.0001: 0, cycles > 0: 10");
   EXPECT_EQ(front().size(), 1U) << "the header";
 }
 
@@ -189,12 +191,35 @@ TEST_F(Optimise, KeepsItsFrontWithinTheConstraints) {
       run(kAxes + "objectives: [max: perf.fps]\nconstraints: [power_w.nominal <= 0.45]\nbudget: 12\n");
   ASSERT_EQ(ending.exit, 0) << ending.err;
   double best = 0;
+  std::size_t feasible = 0;
   for (const Json& point : history()) {
     const Json& figures = point["figures"];
     EXPECT_EQ(point["feasible"], figures["totals.power_w.nominal"] <= 0.45);
     if (point["feasible"]) best = std::max(best, figures["totals.perf.fps"].get<double>());
+    feasible += point["feasible"] ? 1 : 0;
   }
+  EXPECT_SAYS(ending.out,
+              fmt::format("{0} of 12 points meet all constraints (power_w.nominal <= 0.45: {0})", feasible));
+  EXPECT_SAYS(ending.out, "room to <= 0.45");
   EXPECT_EQ(std::stod(front()[1][6]), best);
+}
+
+TEST_F(Optimise, SaysWhatIsExtrapolated) {
+  const Ending ending = run("axes: {clocks.tni: [300 MHz], cores: [1, 2]}\nobjectives: [min: area_mm2]\nbudget: 4\n");
+  ASSERT_EQ(ending.exit, 0) << ending.err;
+  EXPECT_SAYS(ending.out, "warning: point 0: power.dvfs: clocks.tni of 300 MHz");
+  EXPECT_SAYS(ending.out, "more points with extrapolated figures, which warnings[] of their reports name: 1\n");
+  EXPECT_EQ(run("axes: {cores: [1, 2]}\nobjectives: [min: area_mm2]\nbudget: 4\n").out.find("extrapolated"),
+            std::string::npos);
+}
+
+TEST_F(Optimise, SaysWhereNoiseMayBreakALimit) {
+  const std::string lines = "axes: {cores: [1, 2]}\nobjectives: [min: area_mm2]\nbudget: 4\nconstraints: ";
+  EXPECT_EQ(run(lines + "[cycles > 1]\n").out.find("within the noise"), std::string::npos);
+  double cycles = 0;
+  for (const Json& point : history()) cycles = std::max(cycles, point["figures"]["totals.cycles"].get<double>());
+  EXPECT_SAYS(run(lines + fmt::format("[cycles < {}]\n", 1.01 * cycles)).out,
+              "within the noise of the limit cycles < ");
 }
 
 TEST_F(Optimise, CountsNoPointWhoseValuesDoNotGoTogether) {
@@ -249,6 +274,11 @@ TEST_F(Optimise, RefusesWhatItCannotUse) {
   refused(axes + "objectives: [{min: cycles}]\nbudget: 3\n", {"budget", "4 to 1000"});
   refused(axes + "objectives: [{min: cycles}]\npopulation: 10\n", {"population", "multiple of 4"});
   refused(axes + "objectives: [{min: cycles}]\nsubset: {random: 4}\n", {"subset", "is for sweeps"});
+  refused("workloads: [cornell, teapot]\n" + axes + "objectives: [{min: cycles}]\n",
+          {":3:12", "workloads", "easiest workload", "allowed: one workload"});
+  for (const std::string key : {"scene: [cornell, teapot]", "resolution: [8x8, 16x16]", "frames: ['0', '1']"}) {
+    refused("axes: {cores: [1, 2], " + key + "}\nobjectives: [{min: cycles}]\n", {"axes.", "allowed: one workload"});
+  }
   refused(axes + "objectives: [{min: cycles}]\nbugdet: 30\n", {"bugdet", "did you mean 'budget'"});
   refused("axes: {cores: [1, 1000]}\nobjectives: [{min: cycles}]\n", {"cores", "64"});
   refused("program: supersample\nfidelity: sampled\n" + axes + "objectives: [{min: cycles}]\n", {"supersample"});

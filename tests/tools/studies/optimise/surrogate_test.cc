@@ -68,6 +68,19 @@ TEST(GaussianProcess, SmoothsWhatErrorsBlur) {
   }
 }
 
+TEST(GaussianProcess, TakesErrorsThatAreBoundsForSmallerOnesWhereValuesShowIt) {
+  std::vector<Observation> slope;
+  for (std::uint32_t i = 0; i < 21; i += 2) slope.push_back({{i}, 0.1 * i, 0.25});
+  GaussianProcess stated(kLine), bounded(kLine);
+  stated.fit(slope);
+  bounded.fit(slope, true);
+  for (const std::uint32_t i : {1U, 19U}) {
+    EXPECT_GT(std::abs(stated.at({i}).mean - 0.1 * i), 0.1) << i;
+    EXPECT_NEAR(bounded.at({i}).mean, 0.1 * i, 0.05) << i;
+    EXPECT_LT(bounded.at({i}).deviation, 0.5 * stated.at({i}).deviation) << i;
+  }
+}
+
 TEST(GaussianProcess, NoisePromisesNoFigure) {
   // A slope with one lucky point far above it.
   std::vector<Observation> seen;
@@ -150,6 +163,14 @@ TEST(Surrogate, EstimatesProductsByTheirLogarithms) {
   for (std::uint32_t i = 0; i < 21; ++i) {
     EXPECT_NEAR(surrogate.inverse(surrogate.at({i}).mean) / f(i), 1, 0.02) << i;
   }
+}
+
+TEST(Surrogate, EstimatesNoLogarithmsIfForbidden) {
+  Surrogate surrogate(kLine);
+  surrogate.forbid_log();
+  surrogate.fit(sampled([](double x) { return std::exp(0.5 * x); }, 4), {});
+  EXPECT_EQ(surrogate.forward(-1), -1) << "a limit of 0 or less has a value";
+  EXPECT_GT(surrogate.at({2}).deviation, 0);
 }
 
 TEST(Surrogate, EstimatesSumsAsTheyAre) {

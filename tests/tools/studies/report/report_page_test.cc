@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -239,6 +240,23 @@ TEST_F(Pages, OfASearchCallBestWhatIsOnTheFrontWherePointsTie) {
   const std::vector<Json> fps = column(view, "points", "totals.perf.fps");
   ASSERT_EQ(std::set<Json>(fps.begin(), fps.end()).size(), 1U) << "one tile, one core";
   EXPECT_SAYS(view["verdict"].dump(), "(cores 1)");
+}
+
+TEST_F(Pages, OfASearchCountFeasiblePointsAndSayHowFarTheLimitsAre) {
+  folder->write("limits.yaml",
+                "schema: raywatt-optimise/1\nresolution: 16x16\nsets: [scene.triangles=500]\nbudget: 4\n"
+                "axes: {cores: [1, 2], clocks.tni: [300 MHz]}\nobjectives: [min: area_mm2]\n"
+                "constraints: [area_mm2 > 1, power_w < 100]\n");
+  ASSERT_EQ(in_folder({"optimise", "limits.yaml", "-o", "limits", "--store", "store", "-j", "1"}).exit, 0);
+  const Json view = view_of({"limits"});
+  EXPECT_SAYS(view["facts"].dump(), "2 of 2 points");
+  EXPECT_EQ(column(view, "limits", "constraint"), (std::vector<Json>{"area_mm2 > 1", "power_w < 100"}));
+  EXPECT_EQ(column(view, "limits", "met"), (std::vector<Json>{2, 2}));
+  const double power = column(view, "limits", "best")[1].get<double>();
+  EXPECT_EQ(column(view, "limits", "room")[1], fmt::format("{:.1f} %", 100 - power)) << "a group means its nominal";
+  EXPECT_SAYS(view["notices"].dump(), "power.dvfs: clocks.tni of 300 MHz");
+  EXPECT_SAYS(view["notices"].back().get<std::string>(),
+              "There are figures beyond what the tables cover, as warnings[] of the reports say: points 0, 1");
 }
 
 TEST_F(Pages, AreTheSameBytesForTheSameRun) { EXPECT_EQ(page_of({"base"}), page_of({"base"})); }

@@ -153,6 +153,12 @@ TEST(SweepSpec, ALineGivesItsPointBack) {
   }
 }
 
+TEST(SweepSpec, RangesMayMixUnitsOfOneKind) {
+  const auto points = points_of("axes:\n  l2.size: {from: 128 KiB, to: 1 MiB, factor: 2}\n");
+  ASSERT_EQ(points.size(), 4U);
+  EXPECT_SAYS(tools::sweep::to_line(points.back()), "1024 KiB");
+}
+
 TEST(SweepSpec, ComplaintsNameThePlaceTheKeyAndWhatIsAllowed) {
   // Behind two lines that write_sweep() begins with.
   const std::vector<std::pair<std::string, Words>> wrong = {
@@ -168,7 +174,7 @@ TEST(SweepSpec, ComplaintsNameThePlaceTheKeyAndWhatIsAllowed) {
       {"axes:\n  cores: {from: 1, to: 4}\n", {"axes.cores: allowed: one of step, factor and count"}},
       {"axes:\n  cores: {from: 4, to: 1, step: 1}\n", {"the step does not lead"}},
       {"axes:\n  cores: {from: 1, to: 1e30, step: 1}\n", {"has more than 10000 values"}},
-      {"axes:\n  clocks.tni: {from: 1 MHz, to: 1 GHz, step: 1 MHz}\n", {"from, to and step in one unit"}},
+      {"axes:\n  clocks.tni: {from: 1 MHz, to: 1 GHz, step: 1 KiB}\n", {"in units of one kind"}},
       {"axes:\n  a: {keys: [cores, tni.trvs], values: [[1, 2, 3]]}\n", {"axes.a", "has 3 values for 2 keys"}},
       {"axes:\n  a: {keys: [cores], values: [1]}\n  cores: [2]\n", {"cores: moves 'cores', which 'a' moves already"}},
       {"axes: {program: [full:3]}\n", {"axes.program: ", "full:3"}},
@@ -180,6 +186,10 @@ TEST(SweepSpec, ComplaintsNameThePlaceTheKeyAndWhatIsAllowed) {
       {"subset: {random: 0}\n", {"sweep.yaml:3:18: subset.random: '0' is not allowed"}},
       {"subset: some\n", {"subset: allowed: grid, or {random: N}"}},
       {"subset: {random: 3, sobol: 4}\n", {"allowed: one of random, latin_hypercube, sobol"}},
+      {"workloads: [cornell, teapot]\naxes: {cores: [1, 2]}\nsubset: {random: 2}\n",
+       {"sweep.yaml:5:9: subset: draws 'workload' and 'cores' together", "allowed: grid, or one workload"}},
+      {"axes: {scene: [cornell, teapot], cores: [1, 2]}\nsubset: {sobol: 2}\n",
+       {"sweep.yaml:4:9: subset: draws 'scene' and 'cores' together"}},
       {"image: maybe\n", {"sweep.yaml:3:8: image: 'maybe' is not allowed; allowed: yes, no"}},
       {"scene: teapott\n", {"sweep.yaml:3:8: scene: no scene", "'teapott'", "did you mean 'teapot'?"}},
       {"scene: ./none.glb\n", {"sweep.yaml:3:8: scene: ", "none.glb: no such file"}},

@@ -7,6 +7,7 @@
 
 #include "sim/error.h"
 #include "sim/io/printable.h"
+#include "tools/analysis/report_paths.h"
 #include "tools/host/command_text.h"
 #include "tools/studies/report/sweep/sweep_parts.h"
 #include "tools/studies/sweep/results/figure_noise.h"
@@ -91,12 +92,9 @@ Dataset points_of(const Sweep& sweep) {
 /// Two figures to begin with: what a search is about, else power and frame rate.
 std::pair<std::string, std::string> first_figures(const Sweep& sweep) {
   std::vector<std::string> asked;
-  if (sweep.task) {
-    for (const optimise::Goal& goal : sweep.task->goals) {
-      for (const Metric& metric : sweep.metrics) {
-        if (goal.is_objective() && metric.path.ends_with(goal.figure)) asked.push_back(metric.path);
-      }
-    }
+  for (std::size_t g = 0; g < sweep.goal_paths.size(); ++g) {
+    const Metric* const metric = sweep.metric_of_goal(g);
+    if (metric != nullptr && sweep.task->goals[g].is_objective()) asked.push_back(metric->path);
   }
   for (const char* path : {"totals.power_w.nominal", "totals.perf.fps", "totals.cycles", "totals.energy_mj.nominal"}) {
     if (sweep.metric(path) != nullptr && std::ranges::count(asked, path) == 0) asked.emplace_back(path);
@@ -139,16 +137,13 @@ bool Sweep::has_constraints() const { return task && !std::ranges::all_of(task->
 std::vector<bool> Sweep::eligible() const {
   std::vector<bool> out = done();
   if (!has_constraints()) return out;
-  for (const optimise::Goal& goal : task->goals) {
+  for (std::size_t g = 0; g < task->goals.size(); ++g) {
+    const optimise::Goal& goal = task->goals[g];
     if (goal.is_objective()) continue;
-    try {
-      const results::Objective figure(results, goal.figure);
-      for (std::size_t row = 0; row < out.size(); ++row) {
-        const std::optional<double> value = figure.of(row);
-        out[row] = out[row] && value && goal.is_met(*value);
-      }
-    } catch (const sim::InputError&) {
-      out.assign(out.size(), false);  // no point has it
+    const Metric* const figure = metric_of_goal(g);
+    for (std::size_t row = 0; row < out.size(); ++row) {
+      const auto value = figure == nullptr ? std::nullopt : amount_of(values_of(*figure).values[row]);
+      out[row] = out[row] && value && goal.is_met(value->value);
     }
   }
   return out;
@@ -163,13 +158,23 @@ const results::Column& Sweep::values_of(const Metric& metric) const {
   return values[static_cast<std::size_t>(std::ranges::find(metrics, metric.path, &Metric::path) - metrics.begin())];
 }
 
-std::vector<Metric> metrics_of(const results::Results& results, const std::optional<optimise::Task>& task) {
-  std::vector<Metric> wanted = usual_metrics();
-  if (task) {
-    for (const optimise::Goal& goal : task->goals) {
-      const auto is_same = [&](const Metric& metric) { return metric.path.ends_with(goal.figure); };
-      if (std::ranges::none_of(wanted, is_same)) wanted.insert(wanted.begin(), {goal.figure, goal.figure});
+std::vector<std::string> goal_paths_of(const results::Results& results, const optimise::Task& task) {
+  std::vector<std::string> paths;
+  for (const optimise::Goal& goal : task.goals) {
+    try {
+      paths.push_back(results::Objective(results, goal.figure).column.name);
+    } catch (const sim::InputError&) {
+      paths.emplace_back();  // no point has it
     }
+  }
+  return paths;
+}
+
+std::vector<Metric> metrics_of(const results::Results& results, const std::vector<std::string>& goal_paths) {
+  std::vector<Metric> wanted = usual_metrics();
+  for (const std::string& path : goal_paths) {
+    const bool is_known = path.empty() || std::ranges::find(wanted, path, &Metric::path) != wanted.end();
+    if (!is_known) wanted.insert(wanted.begin(), {path, figure_name(path)});
   }
   std::vector<Metric> found;
   for (Metric& metric : wanted) {

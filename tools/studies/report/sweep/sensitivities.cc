@@ -31,17 +31,10 @@ std::optional<results::Sensitivity> sensitivity_to(const Sweep& sweep, const std
   return std::nullopt;
 }
 
-/// The metric that a goal is about; nullptr if no point has it.
-const Metric* metric_of(const Sweep& sweep, const optimise::Goal& goal) {
-  const auto found =
-      std::ranges::find_if(sweep.metrics, [&](const Metric& metric) { return metric.path.ends_with(goal.figure); });
-  return found == sweep.metrics.end() ? nullptr : &*found;
-}
-
 /// The figure that the page is about: the first that a search asks for, or frames per joule.
 const Metric* main_metric(const Sweep& sweep) {
   if (sweep.task) {
-    if (const Metric* const asked = metric_of(sweep, sweep.task->goals.front())) return asked;
+    if (const Metric* const asked = sweep.metric_of_goal(0)) return asked;
   }
   const Metric* const usual = sweep.metric(kMain);
   return usual != nullptr || sweep.metrics.empty() ? usual : &sweep.metrics.front();
@@ -50,10 +43,8 @@ const Metric* main_metric(const Sweep& sweep) {
 /// The figures by which points are told apart, in this order: this one, what a search asks for, what is usually asked.
 std::vector<const Metric*> order_of(const Sweep& sweep, const Metric& metric) {
   std::vector<const Metric*> order = {&metric};
-  if (sweep.task) {
-    for (const optimise::Goal& goal : sweep.task->goals) {
-      if (const Metric* const other = metric_of(sweep, goal)) order.push_back(other);
-    }
+  for (std::size_t g = 0; g < sweep.goal_paths.size(); ++g) {
+    if (const Metric* const other = sweep.metric_of_goal(g)) order.push_back(other);
   }
   for (const char* path : kAsked) {
     if (const Metric* const other = sweep.metric(path)) order.push_back(other);
@@ -191,6 +182,8 @@ void add_sweep_verdict(const Sweep& sweep, View& view) {
                                                                   {"what each axis does", "sensitivity"}};
   const Metric* const metric = main_metric(sweep);
   const std::optional<std::size_t> best = metric != nullptr ? best_row(sweep, *metric) : std::nullopt;
+  add_extrapolations(sweep, best, view);
+  add_limits(sweep, best, view);
   if (!best) {
     return view.verdict(finished > 0 && sweep.has_constraints() ? "No point that has a result meets the constraints."
                                                                 : "No point of this sweep has a result yet.",

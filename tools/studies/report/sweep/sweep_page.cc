@@ -48,13 +48,20 @@ void collect_in(const fs::path& folder) {
 
 View view_of(const fs::path& folder) {
   const results::Results results(folder);
-  Sweep sweep{results, sweep::SweepFolder::open(folder).points(), {}, {}, task_in(folder), results.varying(), {}, {}};
+  Sweep sweep{results, sweep::SweepFolder::open(folder).points(), {}, {}, task_in(folder), {}, results.varying(), {},
+              {}};
   const bool fits = sweep.points.size() == results.rows().size() &&
                     std::ranges::equal(sweep.points, results.rows(), {}, &sweep::Point::id, &results::Row::id);
   if (!fits) throw sim::InputError(folder.string() + ": has other points than its index; run 'raywatt sweep collect'");
   sweep.name = sim::printable(fs::absolute(folder / "x").parent_path().filename().string());
   sweep.question = sweep.task ? sweep.task->space.question : question_in(folder);
-  sweep.metrics = metrics_of(results, sweep.task);
+  if (sweep.task) sweep.goal_paths = goal_paths_of(results, *sweep.task);
+  sweep.metrics = metrics_of(results, sweep.goal_paths);
+  for (std::size_t g = 0; g < sweep.goal_paths.size(); ++g) {
+    const optimise::Goal& goal = sweep.task->goals[g];
+    const auto metric = std::ranges::find(sweep.metrics, sweep.goal_paths[g], &Metric::path);
+    if (goal.is_objective() && metric != sweep.metrics.end()) metric->more = goal.kind == optimise::Goal::Kind::kMax;
+  }
   for (const Metric& metric : sweep.metrics) sweep.values.push_back(results::column_of_means(results, metric.path));
   View view(sweep.name);
   add_sweep_verdict(sweep, view);

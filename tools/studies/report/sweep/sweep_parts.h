@@ -26,6 +26,7 @@ struct Sweep {
   std::vector<sweep::Point> points;
   std::string name, question;
   std::optional<optimise::Task> task;   ///< a search's
+  std::vector<std::string> goal_paths;  ///< of the task's goals, in full; empty for a figure that no point has
   std::vector<results::Column> axes;    ///< that vary
   std::vector<Metric> metrics;          ///< that points have
   std::vector<results::Column> values;  ///< the metrics', means of replicates where there are some
@@ -35,13 +36,20 @@ struct Sweep {
   /// Points that are done and meet the constraints of a search: those that may be best, or on the front.
   std::vector<bool> eligible() const;
   const Metric* metric(const std::string& path) const;
+  /// The metric of one of the task's goals; nullptr if no point has it.
+  const Metric* metric_of_goal(std::size_t goal) const { return metric(goal_paths[goal]); }
   /// Values of one of `metrics`.
   const results::Column& values_of(const Metric& metric) const;
 };
 
+std::vector<std::string> goal_paths_of(const results::Results& results, const optimise::Task& task);
 /// Figures of which at least one point has a number: the usual ones, and those that a search is about.
-std::vector<Metric> metrics_of(const results::Results& results, const std::optional<optimise::Task>& task);
+std::vector<Metric> metrics_of(const results::Results& results, const std::vector<std::string>& goal_paths);
 
+/// Notices of extrapolated figures: what they are at the best point, and which other points have some.
+void add_extrapolations(const Sweep& sweep, std::optional<std::size_t> best, View& view);
+/// How many points meet each constraint of a search, and how far the best one is from its limits.
+void add_limits(const Sweep& sweep, std::optional<std::size_t> best, View& view);
 void add_sweep_verdict(const Sweep& sweep, View& view);
 void add_points(const Sweep& sweep, View& view);
 void add_sensitivities(const Sweep& sweep, View& view);

@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "tools/studies/sweep/results/figure_noise.h"
 #include "tools/studies/sweep/results/results.h"
 
@@ -12,6 +14,9 @@ namespace tools::results {
 
 /// The points among `rows` of which figures of energy, area or latency lie beyond the curves of their tables.
 std::string extrapolated_note(const Results& results, const std::vector<std::size_t>& rows);
+
+/// The lines of `warnings[]` of a report that has extrapolated figures; none if it has none.
+std::vector<std::string> extrapolation_lines(const nlohmann::ordered_json& report);
 
 /// Limits of draws of the energy tables for figures: they know no noise, have the counts of one play and leave area as
 /// it is.

@@ -13,6 +13,7 @@
 #include "sim/config/config_tree.h"
 #include "sim/io/printable.h"
 #include "tools/simulation/load_config.h"
+#include "tools/studies/sweep/spec/magnitude.h"
 
 namespace tools::sweep {
 namespace {
@@ -39,6 +40,14 @@ Number read_number(const YamlValue& value) {
     value.refuse(fmt::format("'{}' is no number with or without unit", sim::printable(text)));
   }
   return number;
+}
+
+/// The number in another unit of its kind; none if the units are of two kinds.
+std::optional<Number> convert(const Number& number, const std::string& unit) {
+  if (number.unit == unit) return number;
+  const std::optional<Magnitude> one = magnitude_of("1" + number.unit), other = magnitude_of("1" + unit);
+  if (!one || !other || one->kind != other->kind) return std::nullopt;
+  return Number{number.value * one->value / other->value, unit};
 }
 
 bool is_whole(const std::string& key) {
@@ -70,9 +79,10 @@ class Range {
     }
     if (log_ && !count_) value.refuse("allowed: scale with count");
     for (const char* name : {"to", "step"}) {
-      if (numbers_.contains(name) && numbers_[name].unit != numbers_["from"].unit) {
-        value.refuse("allowed: from, to and step in one unit");
-      }
+      if (!numbers_.contains(name)) continue;
+      const std::optional<Number> converted = convert(numbers_[name], numbers_["from"].unit);
+      if (!converted) value.refuse("allowed: from, to and step in units of one kind, e.g. 128 KiB and 1 MiB");
+      numbers_[name] = *converted;
     }
   }
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "shader_kernels/programs/program_spec.h"
+#include "sim/config/config_tree.h"
 #include "sim/error.h"
 #include "sim/io/file.h"
 #include "sim/io/printable.h"
@@ -75,6 +76,14 @@ bool is_work_key(const std::string& key) {
   return std::ranges::find(kWorkKeys, key) != kWorkKeys.end();
 }
 
+bool moves_workload(const Axis& axis) {
+  const auto is_of_workload = [](const std::string& key) {
+    return (is_work_key(key) && key != "program") || key.starts_with("scene.") || key == "render.width" ||
+           key == "render.height";
+  };
+  return std::ranges::any_of(axis.keys, is_of_workload);
+}
+
 Spec read_spec(const std::filesystem::path& file) {
   const std::string name = sim::printable(file.string());
   const auto tree = sim::parse_yaml_mapping(sim::read_file(file, kMostSpecBytes), name);
@@ -95,6 +104,21 @@ void check_schema(const YamlValue& root, std::string_view schema) {
                             is_sweep    ? "; a sweep is run by raywatt sweep run"
                             : is_search ? "; a search is run by raywatt optimise"
                                         : ""));
+}
+
+/// Refuses a random subset of a space that has workloads as an axis: each machine would run other workloads, so that
+/// machines could not be compared.
+void check_subset(const Spec& spec) {
+  if (spec.subset.kind == Subset::Kind::kGrid) return;
+  const Axis *workload = nullptr, *machine = nullptr;
+  for (const Axis& axis : spec.axes) {
+    if (axis.values.size() > 1) (moves_workload(axis) ? workload : machine) = &axis;
+  }
+  if (workload == nullptr || machine == nullptr) return;
+  sim::refuse(spec.key_positions.at("subset"), "subset",
+              fmt::format("draws '{}' and '{}' together, so machines would render different workloads; allowed: grid, "
+                          "or one workload",
+                          sim::printable(workload->name), sim::printable(machine->name)));
 }
 
 }  // namespace
@@ -156,6 +180,7 @@ Spec read_spec(const YamlValue& root, std::string_view schema, std::span<const s
   check_axes(spec.axes);
   if (exclude) spec.exclude = read_conditions(*exclude, spec.axes);
   if (where) spec.where = read_conditions(*where, spec.axes);
+  check_subset(spec);
   return spec;
 }
 

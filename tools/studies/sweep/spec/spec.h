@@ -27,6 +27,8 @@ struct Axis {
 
 /// The keys of an axis that are no keys of the configuration.
 bool is_work_key(const std::string& key);
+/// True if points of the axis render different pictures: it moves the scene, camera, frames or resolution.
+bool moves_workload(const Axis& axis);
 
 enum class Comparison : std::uint8_t { kEqual, kUnequal, kLess, kLessEqual, kGreater, kGreaterEqual };
 
