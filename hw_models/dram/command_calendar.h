@@ -49,12 +49,12 @@ class CommandCalendar {
   /// Returns the first cycle, `from` or later, at which the command meets nothing booked.
   Cycle first_free(DramCommand command, Cycle from) const {
     if (command != DramCommand::kActivate) return first_free(index(command), from);
-    if (half_ == 0) return from + free_bits(ahead(blocked_[kActivate], from));
+    if (half_ == 0) return from + distance_to_free(ahead(blocked_[kActivate], from));
     from = std::max(from, second_at_ + half_);
     std::uint64_t blocked = ahead(blocked_[kActivate], from);
     std::uint64_t no_second = ~std::uint64_t{0};
     for (std::uint32_t d = half_; d <= aad_; ++d) no_second &= blocked >> d;
-    return from + free_bits(blocked | no_second);
+    return from + distance_to_free(blocked | no_second);
   }
   /// Returns the first cycle, `from` or later, at which a CAS fits with a column command after it.
   Cycle first_free_with_sync(Cycle from) const { return first_free(kSync, from); }
@@ -66,7 +66,7 @@ class CommandCalendar {
     book(index(command), at);
     if (command != DramCommand::kActivate || half_ == 0) return;
     second_until_ = at + aad_;
-    second_at_ = at + half_ + free_bits(blocked_[kActivate] >> half_);
+    second_at_ = at + half_ + distance_to_free(blocked_[kActivate] >> half_);
     assert(second_at_ <= second_until_);
   }
   /// Books a CAS at `at`, and a column command after it.
@@ -77,14 +77,15 @@ class CommandCalendar {
   static constexpr std::uint32_t kLatest = 32;  ///< more than the cycles from a command to any ACT-2 that it may meet
 
   static constexpr std::size_t index(DramCommand command) { return static_cast<std::size_t>(command); }
-  static Cycle free_bits(std::uint64_t blocked) { return static_cast<Cycle>(std::countr_one(blocked)); }
+  /// Returns the first start that is not blocked.
+  static Cycle distance_to_free(std::uint64_t blocked) { return static_cast<Cycle>(std::countr_one(blocked)); }
 
   Cycle first_free(std::size_t kind, Cycle from) const {
     std::uint64_t blocked = ahead(blocked_[kind], from);
-    Cycle at = from + free_bits(blocked);
+    Cycle at = from + distance_to_free(blocked);
     while (meets_second(kind, at) && !can_displace_second(kind, at)) {
       blocked |= std::uint64_t{1} << (at - from);
-      at = from + free_bits(blocked);
+      at = from + distance_to_free(blocked);
     }
     return at;
   }
@@ -97,7 +98,7 @@ class CommandCalendar {
   }
   /// Returns the slot to which ACT-2 moves if the command is booked at `at`.
   Cycle second_if_booked(std::size_t kind, Cycle at) const {
-    return at + free_bits(ahead(blocked_[kActivate], at) | forbids_[kind][kActivate]);
+    return at + distance_to_free(ahead(blocked_[kActivate], at) | forbids_[kind][kActivate]);
   }
   void book(std::size_t kind, Cycle at) {
     if (meets_second(kind, at)) second_at_ = second_if_booked(kind, at);

@@ -13,7 +13,8 @@ class DramClosedForms {
       : t_(c.timing),
         bursts_(c.bursts_per_line()),
         commands_(c.commands_per_line()),
-        banks_(c.organisation.banks),
+        ranks_(c.organisation.ranks),
+        banks_(c.organisation.all_banks()),
         groups_(c.organisation.bank_groups),
         bank_refresh_interval_(static_cast<double>(c.bank_refresh_interval())),
         refresh_((c.controller.refresh == RefreshKind::kAllBank ? t_.rp_ab + t_.rfc_ab : t_.rp + t_.rfc_pb)) {}
@@ -39,7 +40,7 @@ class DramClosedForms {
   double streamed_line() const { return bursts_ * std::max(t_.burst, groups_ > 1 ? t_.ccd_s : t_.ccd_l); }
   /// `lines` of a row, then as many of the next bank: the tightest of activates, buses and banks.
   double line_of_own_row(std::uint32_t lines) const {
-    const double activate = std::max<double>(t_.rrd, t_.faw / 4.0);
+    const double activate = std::max<double>(t_.rrd, t_.faw / 4.0) / ranks_;  // each rank has windows of its own
     const std::uint32_t hits = (lines - 1) * bursts_ * t_.ccd_l + train();
     const double row = std::max(t_.rc, std::max(t_.ras, t_.rcd + hits + t_.rtp) + t_.rp);
     const double commands = t_.ca_activate + lines * commands_ * t_.ca_column + t_.ca_precharge;
@@ -53,12 +54,12 @@ class DramClosedForms {
   }
 
  private:
-  /// The CAS of a read that waits for tWTR, if WCK has stopped by then.
+  /// Cycles of the CAS before a read that waited for tWTR; 0 if WCK is still running then.
   std::uint32_t cas_after_write() const { return t_.wtr_s >= t_.wck_post ? t_.wck_sync : 0; }
   std::uint32_t train() const { return (bursts_ - 1) * t_.ccd_l; }  ///< first to last column command of a line
 
   const DramTiming t_;
-  const std::uint32_t bursts_, commands_, banks_, groups_;
+  const std::uint32_t bursts_, commands_, ranks_, banks_, groups_;
   const double bank_refresh_interval_;
   const double refresh_;
 };

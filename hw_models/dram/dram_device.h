@@ -87,8 +87,8 @@ class DramDevice {
     const BankLanes& at = bank_at_[static_cast<std::size_t>(kCommand)];
     return kCommand == DramCommand::kColumn ? at.least_of_larger(group_at_[write], banks) : at.least(banks);
   }
-  /// Returns the first cycle at which the buses are free for a command that is ready at `ready`: that of its CAS for a
-  /// read or write while WCK stands still. Any bank of the rank that is ready by then could have the slot instead.
+  /// Returns the first cycle from `ready` on at which the buses are free for the command. For a read or write while WCK
+  /// is stopped, it is the cycle of the CAS that precedes the command.
   Cycle slot(DramCommand command, std::uint32_t rank, Cycle ready) const {
     const Rank& of = rank_[rank];
     Cycle free = calendar_.first_free(command, ready);

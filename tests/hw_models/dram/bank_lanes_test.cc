@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/hash.h"
+#include "tests/param_name.h"
 
 namespace hw {
 namespace {
@@ -71,7 +72,7 @@ TEST_P(BankLanesOf, AreReplacedAllTogether) {
   for (std::uint32_t bank = 0; bank < GetParam(); ++bank) EXPECT_EQ(lanes[bank], 3 * before[bank] + 1);
 }
 
-INSTANTIATE_TEST_SUITE_P(Sizes, BankLanesOf, testing::Values(1U, 2U, 4U, 8U, 16U, 32U));
+INSTANTIATE_TEST_SUITE_P(Sizes, BankLanesOf, testing::Values(1U, 2U, 4U, 8U, 16U, 32U), ::test::ParamName());
 
 TEST(BankLanes, HoldWhatTakesAllBitsOfACycle) {
   BankLanes lanes(8);

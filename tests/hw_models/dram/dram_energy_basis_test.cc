@@ -35,7 +35,7 @@ sim::Spread operator*(const Derating& d, double maximum) {
   return {d.low * maximum, d.nominal * maximum, d.high * maximum};
 }
 
-/// What a grade puts in front of the die.
+/// Interface of a grade outside the DRAM die.
 struct Pins {
   const char* file;
   double vdd2;             ///< V

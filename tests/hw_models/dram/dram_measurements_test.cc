@@ -59,6 +59,14 @@ TEST(DramClosedForms, LinesOfManyRowsAreHeldBackByTheCommandBusWhereCommandsAreL
   EXPECT_EQ(DramClosedForms(c).line_of_own_row(2), (c.timing.ca_activate + 4 * 20 + c.timing.ca_precharge) / 2.0);
 }
 
+TEST(DramClosedForms, LinesOfManyRowsHaveTheActivateWindowsOfAllRanks) {
+  DramConfig c;
+  c.timing.faw = 400;
+  EXPECT_EQ(DramClosedForms(c).line_of_own_row(1), 100);
+  c.organisation.ranks = 2;
+  EXPECT_EQ(DramClosedForms(c).line_of_own_row(1), 50);
+}
+
 TEST(DramMeasurement, OfRefreshesThatLeaveNoTimeIsLeftOut) {
   DramConfig grade = load("lpddr4-3200");
   const std::size_t all = dram_measurements(grade).size();

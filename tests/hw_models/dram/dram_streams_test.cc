@@ -23,7 +23,7 @@ DramConfig quiet_lpddr5() {
   return c;
 }
 
-/// A line of the first row of a bank: banks of different parity are of different groups.
+/// Address of a line in row 0 of a bank. Even and odd banks belong to different bank groups.
 std::uint64_t line_in(std::uint64_t bank, std::uint64_t column) { return (column * 16 + bank) * kLine; }
 
 double clocks_of(const DramConfig& c, sim::Time time) {
@@ -78,7 +78,7 @@ TEST(Lpddr5Streams, ALineReadAndALineWrittenInTurnPayBothTurnaroundsAndACas) {
   EXPECT_EQ(clocks_a_pair(0, 4, 44), 4 + 12 + 4 + 23 + 1) << "same bank group";
 }
 
-/// Lines copied in groups of about `n`, as the controller makes them.
+/// A copy of lines: batches of about `n` reads, then `n` writes, as the controller groups them.
 struct Copy {
   double clocks;
   double pairs_of_groups;  ///< one of reads, one of writes

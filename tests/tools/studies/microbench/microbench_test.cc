@@ -39,7 +39,16 @@ TEST(MicrobenchDram, HoldsEveryGradeToItsClosedForms) {
   }
 }
 
-// Derived from one die in docs/design/energy.md: idle is precharge standby and refresh, 2905 pJ each 488.75 ns.
+// Expected values are derived in docs/design/energy.md for one die. Idle: precharge standby, and a refresh of 2905 pJ
+// every 488.75 ns.
+TEST(MicrobenchDram, RefusesAGradeAndAStreamWithAllGrades) {
+  for (const char* benchmark : {"dram", "bandwidth"}) {
+    expect_refusal(raywatt({"microbench", benchmark, "--all-grades", "--set", "dram.extends=dram/lpddr5-6400"}),
+                   {"--all-grades does not go with --set dram.extends=dram/lpddr5-6400"});
+  }
+  expect_refusal(raywatt({"microbench", "dram", "--all-grades", "--stream", "nothere"}), {"does not go with --stream"});
+}
+
 TEST(MicrobenchDram, ComparesTheEnergyOfAllGrades) {
   const Ending ending = raywatt({"microbench", "dram", "--all-grades", "--json"});
   ASSERT_EQ(ending.exit, 0) << ending.err;
