@@ -70,7 +70,7 @@ double queue_left(double busy, double gone) {
   return left / (1 - left) / (r / (1 - r));
 }
 
-/// Least times of the frame for what is still needed, whatever is ideal beside it.
+/// Lower bounds on the frame time from the work that remains when other resources are ideal.
 struct Least {
   double memory = 0, lines = 0, wires = 0, tests = 0;
 };

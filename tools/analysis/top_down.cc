@@ -223,7 +223,7 @@ CoreTime core_time(std::span<const UnitReport> units, std::uint32_t number, cons
   t.pipes = tracing - t.boxes - t.triangles - t.tree_misses;
   const double srp_ns = 1000 / srp.clock_mhz(), tni_ns = 1000 / trvs.clock_mhz(), l2_ns = 1000 / banks.clock_mhz();
   const double line_wait = l2_ns * ratio(port.counted(&PortStats::line_wait), port.counted(&PortStats::lines_down));
-  // A cycle of the cache to look up, and where clocks differ the synchronisers both ways.
+  // Latency in ns: one cache cycle for the look-up, plus the synchronisers in both directions if the clocks differ.
   const auto crossing = [&](double ns) { return ns + (ns == l2_ns ? 0 : config.clocks.synchroniser * (ns + l2_ns)); };
   t.data_levels = levels(srp_ns * ratio(srp.counted(&SrpStats::cache_miss_cycles), srp.counted(&SrpStats::cache_fills)),
                          memory, crossing(srp_ns), line_wait);

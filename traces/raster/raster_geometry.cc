@@ -38,7 +38,7 @@ class ToWorld {
   glm::dvec3 offset_{0};
 };
 
-/// The face that a triangle has not, where its mesh may be mirrored on the way to the world.
+/// Flags of the culled face of a triangle in world space; a mirrored instance swaps front and back.
 std::uint32_t missing_face(const TriangleRecord& triangle, bool is_mirrored) {
   const std::uint32_t missing = triangle.material & (kNoClockwise | kNoCounterClockwise);
   return missing != 0 && is_mirrored ? missing ^ (kNoClockwise | kNoCounterClockwise) : missing;

@@ -49,9 +49,9 @@ TEST(TopDown, MissesGoToTheLevelsAtWhichTheirTimePasses) {
 }
 
 TEST(TopDown, QueuesInFrontOfAnL2WithoutMshrsAreSeenApartFromWires) {
-  // A miss takes 100 ns: a cycle to look up, 11 of wires (a cycle in the port, twice the distance of 4, 32 bytes a
-  // cycle), 60 in the L2, and the other 28 in front of it. In the L2 it waits 30 for memory and 5 for its look-up. Of
-  // the other 25, half are for an MSHR: as often as a bank was seen to wait for one rather than to serve.
+  // A miss takes 100 ns: 1 for the look-up, 11 on wires (1 in the port, 2 x 4 of distance, 2 for 64 bytes at 32 bytes a
+  // cycle), 60 in the L2, and 28 queued in front of the L2. The 60 are 30 for memory, 5 for the look-up and 25 more.
+  // Half of the 25 is charged to MSHRs, because a bank waited for an MSHR in half of its sampled cycles.
   const test::MadeUpMachine machine{.trv = {{"visiting", 40}, {"l1_miss", 60}},
                                     .l2 = {{"serving", 30}, {"mshr_full", 30}, {"memory", 40}},
                                     .of_trv = {{"l1_fills", 1}, {"l1_miss_cycles", 100}, {"l1_late", 3}},

@@ -31,7 +31,7 @@ TEST(ExportOfNodes, AShearComesBackFromTwoNodes) {
 
 TEST(ExportOfNodes, AFlatMatrixComesBack) {
   Scene scene = traces::build_scene("cornell");
-  // Ranks 2, 1, 0: columns that depend on each other, and none at right angles.
+  // Singular matrices of rank 2, 1 and 0. No two columns of a matrix are orthogonal.
   const glm::mat4 flat[] = {{{1, 2, 3, 0}, {2, 1, -1, 0}, {3, 3, 2, 0}, {5, 6, 7, 1}},
                             {{1, 2, 3, 0}, {-2, -4, -6, 0}, {0.5F, 1, 1.5F, 0}, {0, 0, 1, 1}},
                             {{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}, {1, 0, 0, 1}}};

@@ -85,11 +85,12 @@ TEST(Tangents, SplitVerticesWhereTheTextureIsMirrored) {
   }
 }
 
-/// Two triangles about the origin, with an angle of 90 and of 45 degrees there; u grows along (1, 0) and (1, -1).
+/// Two triangles that share the origin. Their angles there are 90 and 45 degrees; u increases along (1, 0) in the
+/// first and along (1, -1) in the second.
 constexpr std::array<glm::vec2, 4> kFanAt{{{0, 0}, {1, 0}, {0, 1}, {-1, 1}}};
 constexpr std::array<glm::vec2, 4> kFanUvs{{{0, 0}, {1, 0}, {0, -1}, {-1, 0}}};
 /// 90 (1, 0) + 45 (1, -1) / sqrt(2), made a unit vector.
-const glm::vec4 kFanTangent(0.967540F, -0.252726F, 0, 1);
+const glm::vec4 kFanTangent(0.9675382F, -0.2527247F, 0, 1);
 
 TEST(Tangents, AreWeightedByAngle) {
   Mesh mesh = flat_mesh({kFanAt.begin(), kFanAt.end()}, {kFanUvs.begin(), kFanUvs.end()}, {{0, 1, 2}, {0, 2, 3}});

@@ -22,7 +22,7 @@ ChangedKeys changed_keys(const FlatConfig& was, const FlatConfig& is);
 /// Empty for a key without a group: "cores".
 std::string unit_of_key(std::string_view key);
 
-/// True if a kind of units is the unit of keys or a part of it: "core.tni.trv" is part of "tni".
+/// True if a unit kind is the unit that a key configures, or a subunit of it: "core.tni.trv" is part of "tni".
 bool is_part_of(std::string_view kind, std::string_view unit);
 
 /// "Changed in l2.bank: l2.mshrs was 32, is 8", a line for each key that is given, those of one unit together.

@@ -81,7 +81,7 @@ const std::set<std::string>& function_keys() {
   return keys;
 }
 
-/// Moves the keys that change the work out of `keys` into lines of refusal.
+/// Removes the keys that change the recorded work from `keys` and adds a refusal for each.
 void refuse_other_work(std::vector<KeyPair>& keys, std::vector<std::string>& refusals) {
   for (const KeyPair& key : keys) {
     if (!function_keys().contains(key.key)) continue;

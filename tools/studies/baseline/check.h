@@ -53,7 +53,7 @@ const RunCheck* clearest(const Checked& checked);
 std::string check_line(const RunCheck& run);
 /// Lines on the runs that are not good: keys that changed, figures that moved, and the unit.
 std::string check_details(const Checked& checked);
-/// "most likely in l2.bank: why.lookup 1921 -> 2364 cycles (+443)"; of a run with a located unit.
+/// Returns "most likely in l2.bank: why.lookup 1921 -> 2364 cycles (+443)". The run must have a located unit.
 std::string located_text(const RunCheck& run);
 /// "100 -> 104 (+4, +4.0 %)"
 std::string moved_text(const Moved& moved);

@@ -130,7 +130,7 @@ std::string check_details(const Checked& checked) {
   std::string out;
   for (std::size_t i = 0; i < std::min(bad.size(), kMost); ++i) out += details(*bad[i]);
   if (bad.size() > kMost) out += fmt::format("\nand {} more runs; --junit writes all\n", bad.size() - kMost);
-  // What is known stands before what counters suggest.
+  // Changed keys are facts and come before the guess from counters.
   const std::vector<KeyPair> changed = keys_of_all(checked, &ChangedKeys::changed);
   if (!changed.empty()) out += "\n" + changed_text(changed);
   if (const RunCheck* run = clearest(checked); run != nullptr) {

@@ -69,10 +69,10 @@ double time_of(const Values& values, std::uint64_t Unit::Stats::*counter, std::s
 struct Traffic {
   double requested = 0, served = 0;
   double request_time = 0, service_time = 0;
-  /// The time spent between the two levels. Nothing if the next level also served others: their time is in
-  /// `service_time` alone, and the difference of the two sums is no time of anything.
+  /// Time spent between the two levels. None if the next level also served other requesters: their time is only in
+  /// `service_time`, so that the difference of the sums would be meaningless. The same holds if it would be negative.
   std::optional<double> between() const {
-    if (requested != served) return {};
+    if (requested != served || request_time < service_time) return {};
     return request_time - service_time;
   }
 };

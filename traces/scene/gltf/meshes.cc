@@ -64,6 +64,7 @@ std::uint32_t Meshes::material_of(const tinygltf::Primitive& primitive) {
     Material material;
     material.name = "default";
     material.base_colour = glm::vec3(1);
+    material.double_sided = false;
     context_.scene.materials.push_back(material);
   }
   return default_material_;

@@ -12,7 +12,7 @@
 namespace traces::gltf {
 namespace {
 
-/// `is_good` becomes false if a percent sign is not followed by two hexadecimal digits; it then stands for itself.
+/// Decodes percent escapes. Sets `is_good` to false if a percent sign lacks two hexadecimal digits, and keeps that sign.
 std::string decode_percent(std::string_view text, bool& is_good) {
   std::string out;
   out.reserve(text.size());

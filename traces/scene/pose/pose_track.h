@@ -9,7 +9,7 @@ namespace traces {
 /// arc. Made of arithmetic and square roots only, so that every host gets the same bits.
 void sample(const Track& track, double seconds, std::span<double> out);
 
-/// The change per second at that time of the numbers of a cubic spline.
+/// Returns in `out` the time derivative, per second, of a cubic spline track at a time.
 void sample_slope(const Track& track, double seconds, std::span<double> out);
 
 }  // namespace traces

@@ -2,6 +2,7 @@
 #include <cctype>
 #include <map>
 #include <optional>
+#include <regex>
 #include <set>
 #include <sstream>
 
@@ -156,6 +157,7 @@ TEST(SingleKey, ThatChangedIsNamedWithItsUnitBeforeAnyOther) {
     named += is_right ? 1 : 0;
     table += fmt::format("{} {}={}: {}\n", is_right ? "right" : "WRONG", change.field.path, change.value, line);
     EXPECT_EQ(ending.out.find("-> -"), std::string::npos) << "a negative count\n" << ending.out;
+    EXPECT_FALSE(std::regex_search(ending.out, std::regex(" -[0-9]+ ->"))) << "a negative count\n" << ending.out;
   }
   EXPECT_GE(named, kLeastNamed) << table;
 }
