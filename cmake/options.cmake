@@ -79,7 +79,8 @@ function(raywatt_test folder)
   if(test_FAST)
     set(labels LABELS fast)
   endif()
-  gtest_discover_tests(${name} TEST_PREFIX "${folder}/" DISCOVERY_MODE PRE_TEST
+  # Names of values are those that a test's generator gives: GoogleTest prints structs as bytes and pointers.
+  gtest_discover_tests(${name} TEST_PREFIX "${folder}/" DISCOVERY_MODE PRE_TEST NO_PRETTY_VALUES
     WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} PROPERTIES TIMEOUT 600 ${labels})
 endfunction()
 

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/report/report_json.h"
+#include "tests/param_name.h"
 #include "tools/simulation/run_job.h"
 
 // Small runs whose every counter is stored in tests/golden/*.json, summed over units of one kind. After a change that
@@ -70,6 +71,8 @@ std::string difference(const Json& was, const Json& is, const std::string& path 
   return same ? "" : path + " was " + was.dump() + ", is " + is.dump() + "\n";
 }
 
+std::string case_name(const testing::TestParamInfo<Case>& parameter) { return ::test::name_of_text(parameter.param.name); }
+
 class Golden : public testing::TestWithParam<Case> {};
 
 TEST_P(Golden, RunHasNotMovedByACounter) {
@@ -86,7 +89,8 @@ INSTANTIATE_TEST_SUITE_P(Runs, Golden,
                          testing::Values(Case{"cornell-full1", "cornell", "full:1"},
                                          Case{"cornell-full4", "cornell", "full:4"},
                                          Case{"teapot-full1", "teapot", "full:1"},
-                                         Case{"teapot-full4", "teapot", "full:4"}));
+                                         Case{"teapot-full4", "teapot", "full:4"}),
+                         case_name);
 
 }  // namespace
 }  // namespace tools

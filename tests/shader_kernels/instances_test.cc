@@ -9,6 +9,7 @@
 #include "shader_kernels/catalogue.h"
 #include "shader_kernels/programs/programs.h"
 #include "showcase.h"
+#include "tests/param_name.h"
 
 // Scenes of instances in two levels show what they show flattened.
 
@@ -73,7 +74,8 @@ TEST_P(InstancedProgram, ShowsTheFlattenedPicture) {
 
 INSTANTIATE_TEST_SUITE_P(All, InstancedProgram,
                          ::testing::Values("full:1", "multirate:under", "multirate:super", "undersample",
-                                           "supersample"));
+                                           "supersample"),
+                         ::test::ParamName());
 
 TEST(Instanced, AHitReadsTheRecordOfItsInstance) {
   const traces::Scene scene = placed_showcase();

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "block_harness.h"
+#include "tests/param_name.h"
 
 // Rates of tiles from frame to frame.
 
@@ -109,7 +110,8 @@ class MixedRates : public testing::TestWithParam<std::uint64_t> {
   }
 };
 INSTANTIATE_TEST_SUITE_P(Patterns, MixedRates,
-                         testing::Values(0x5555555555555555U, 0x3a5c96f0e17d2b84U, 0xc3c3a5a50f0f9669U, 0x1U, 0U));
+                         testing::Values(0x5555555555555555U, 0x3a5c96f0e17d2b84U, 0xc3c3a5a50f0f9669U, 0x1U, 0U),
+                         ::test::ParamName());
 
 TEST_P(MixedRates, ThePictureDoesNotDependOnWhoTracesTheHalo) {
   for (const std::uint32_t grid : {1U, 2U}) {

@@ -4,6 +4,7 @@
 
 #include "tests/hw_models/machines/gpu_harness.h"
 #include "tests/hw_models/machines/random_config.h"
+#include "tests/param_name.h"
 #include "traces/scenes/library.h"
 
 // Hybrid frames: a rasteriser's primary hits, and rays of other effects than Whitted's.
@@ -48,7 +49,8 @@ TEST_P(HybridFrames, AreTheSameOnAnyEngineAndNumberOfThreads) {
 INSTANTIATE_TEST_SUITE_P(Programs, HybridFrames,
                          testing::Combine(testing::Values("full:1", "multirate:under", "supersample", "reconstruct"),
                                           testing::Values("none", "occlusion, shadows",
-                                                          "occlusion, soft_shadows, reflections, refractions")));
+                                                          "occlusion, soft_shadows, reflections, refractions")),
+                         ::test::ParamName());
 
 class RatedFrames : public testing::TestWithParam<kernels::EffectRate> {};
 
@@ -71,7 +73,8 @@ TEST_P(RatedFrames, AreTheSameOnAnyEngineAndNumberOfThreads) {
   EXPECT_EQ(play(by_rays, config).function.rgb, fast.function.rgb);
 }
 INSTANTIATE_TEST_SUITE_P(Rates, RatedFrames,
-                         testing::Values(kernels::EffectRate::kHalf, kernels::EffectRate::kCheckerboard));
+                         testing::Values(kernels::EffectRate::kHalf, kernels::EffectRate::kCheckerboard),
+                         ::test::ParamName());
 
 TEST(HybridFrame, OfAllEffectsEndsOnTheSmallestMachine) {
   const Method method(traces::open_scene("cornell"), "full:1", {}, hybrid("occlusion, soft_shadows, reflections"));

@@ -9,6 +9,7 @@
 #include "tests/hw_models/machines/conservation.h"
 #include "tests/hw_models/machines/gpu_harness.h"
 #include "tests/hw_models/machines/random_config.h"
+#include "tests/param_name.h"
 
 namespace hw {
 namespace {
@@ -51,7 +52,8 @@ TEST_P(RandomMachines, MakeTheSamePictureRaysAndStepsAndLoseNothing) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(TwoHundred, RandomMachines, ::testing::Range(std::uint64_t{0}, kSeeds / kPart));
+INSTANTIATE_TEST_SUITE_P(TwoHundred, RandomMachines, ::testing::Range(std::uint64_t{0}, kSeeds / kPart),
+                         ::test::ParamName());
 
 /// How often each value of each choice (enum or switch) was drawn.
 using Draws = std::map<std::string, std::map<std::string, int>>;

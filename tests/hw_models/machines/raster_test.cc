@@ -9,6 +9,7 @@
 #include "sim/config/config.h"
 #include "tests/hw_models/machines/gpu_harness.h"
 #include "tests/hw_models/machines/random_config.h"
+#include "tests/param_name.h"
 #include "traces/scenes/library.h"
 
 // Primary visibility from a rasteriser: the picture of rays, other work.
@@ -84,7 +85,8 @@ TEST_P(Rasterised, FramesAreTheSameOnAnyEngineAndNumberOfThreads) {
 }
 INSTANTIATE_TEST_SUITE_P(Programs, Rasterised,
                          testing::Values("full:1", "full:4", "multirate:under", "multirate:super", "undersample",
-                                         "supersample", "reconstruct", "reconstruct:sraa"));
+                                         "supersample", "reconstruct", "reconstruct:sraa"),
+                         ::test::ParamName());
 
 TEST(RasterisedFrame, ReadsWhatItHasWrittenAndLosesNoSample) {
   const Method raster(method("cornell", "full:1", kernels::Primary::kRaster));

@@ -2,6 +2,7 @@
 #include <sys/stat.h>
 
 #include "harness.h"
+#include "tests/param_name.h"
 
 namespace sim::test {
 namespace {
@@ -11,6 +12,10 @@ struct Case {
   const char* complaint;
 };
 void PrintTo(const Case& c, std::ostream* out) { *out << c.text; }
+std::string case_name(const ::testing::TestParamInfo<Case>& info) {
+  const std::string name = ::test::name_of_text(info.param.text);
+  return name.substr(0, 40) + (name.empty() ? "" : "_") + std::to_string(info.index);
+}
 
 class ConfigError : public ::testing::TestWithParam<Case> {};
 
@@ -27,10 +32,12 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"unit: {rays: 99999999999}",
              "a.yaml:1:14: unit.rays: '99999999999' is out of range; allowed: 1 to 64 rays"},
         Case{"unit: {rays: 1.5}", "a.yaml:1:14: unit.rays: '1.5' is not a whole number; allowed: 1 to 64 rays"},
-        Case{"unit: {rays: -1}", "a.yaml:1:14: unit.rays: '-1' is not a whole number; allowed: 1 to 64 rays"},
+        Case{"unit: {rays: -1}", "a.yaml:1:14: unit.rays: '-1' is out of range; allowed: 1 to 64 rays"},
         Case{"unit: {rays: 6 cycles}",
              "a.yaml:1:14: unit.rays: '6 cycles' is not a whole number; allowed: 1 to 64 rays"},
-        Case{"unit: {rays: [1]}", "a.yaml:1:14: unit.rays: has no value; allowed: 1 to 64 rays"},
+        Case{"unit: {rays: [1]}",
+             "a.yaml:1:14: unit.rays: is a list; allowed: one value, 1 to 64 rays; lists are for axes of a sweep "
+             "(docs/sweeps.md)"},
         Case{"unit: {rays: {x: 1}}", "a.yaml:1:14: unit.rays: has no value; allowed: 1 to 64 rays"},
         Case{"unit:\n  rays:\n", "a.yaml:2:3: unit.rays: has no value; allowed: 1 to 64 rays"},
         Case{"seed: 18446744073709551616",
@@ -62,7 +69,8 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"events: {a: -1}", "a.yaml:1:13: events.a: '-1' is out of range; allowed: at least 0 pJ"},
         Case{"unit: 3", "a.yaml:1:7: unit: is a group of fields; allowed: a mapping"},
         Case{"seed: 1\nl2: {line: 32 B, size: 100 B}", "a.yaml:2:18: l2.size: is no whole number of sets"},
-        Case{"l2: {ways: 3}", "a.yaml:1:1: l2.size: is no whole number of sets"}));
+        Case{"l2: {ways: 3}", "a.yaml:1:1: l2.size: is no whole number of sets"}),
+    case_name);
 
 INSTANTIATE_TEST_SUITE_P(
     Keys, ConfigError,
@@ -71,7 +79,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Case{"l2: {blue: 1}", "a.yaml:1:6: l2.blue: unknown key 'blue'; allowed: size, line, ways"},
                       Case{"seed: 1\nseed: 2", "a.yaml:2:1: the key 'seed' is given twice"},
                       Case{"? [a]\n: 1", "a.yaml:1:3: a key must be plain text"},
-                      Case{"~: 1", "a.yaml:1:1: a key must be plain text"}));
+                      Case{"~: 1", "a.yaml:1:1: a key must be plain text"}),
+    case_name);
 
 INSTANTIATE_TEST_SUITE_P(
     Files, ConfigError,
@@ -86,7 +95,8 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"unit: &x {l1: *x}", "a.yaml:1:15: an alias stands inside the value it repeats"},
         Case{"unit: {rays: 1\nseed: 3\nl2: 4\n", "a.yaml:2:5: is not valid YAML: end of map flow not found"},
         Case{"name: \"plain\nseed: 1\n", "a.yaml:2:8: is not valid YAML: illegal EOF in scalar"},
-        Case{"seed: 1\n\tunit: 2\n", "a.yaml:2:1: is not valid YAML: illegal tab when looking for indentation"}));
+        Case{"seed: 1\n\tunit: 2\n", "a.yaml:2:1: a tab indents this line; allowed: spaces"}),
+    case_name);
 
 TEST(ConfigFile, AliasBombsAreRefusedAtOnce) {
   std::string bomb = "a0: &a0 [x, x]\n";
@@ -124,7 +134,7 @@ TEST(ConfigFile, MustBeAReadableFileOfSensibleSize) {
 
 TEST(ConfigFile, MessagesAreOneLineOfPrintableText) {
   const std::string message = ConfigHarness().error("unit: {\"ra\\nys\\e[31m\": 1}");
-  EXPECT_EQ(message, "a.yaml:1:8: unit.ra?ys?[31m: unknown key 'ra?ys?[31m'; allowed: rays, stack, l1");
+  EXPECT_EQ(message, "a.yaml:1:8: unit.ra?ys?[31m: unknown key 'ra?ys?[31m'; allowed: rays, stack, prefetch, l1");
 }
 
 TEST(ConfigRules, BlameTheFileThatChangedWhatTheValueOfOneBelowItGoesWith) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "support.h"
+#include "tests/param_name.h"
 #include "tests/real_scenes.h"
 #include "traces/accel/build.h"
 #include "traces/accel/bvh_tracer.h"
@@ -78,7 +79,8 @@ TEST_P(MovingScene, IsHitAsEmbreeHitsItAtAnyTime) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Files, MovingScene, ::testing::Values("hotel-room-animated.glb", "cesium-man-skinned-5k.glb"));
+INSTANTIATE_TEST_SUITE_P(Files, MovingScene, ::testing::Values("hotel-room-animated.glb", "cesium-man-skinned-5k.glb"),
+                         ::test::ParamName());
 
 }  // namespace
 }  // namespace traces

@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
+#include "tests/param_name.h"
 #include "tests/real_scenes.h"
 #include "tests/traces/raster/support.h"
 #include "traces/accel/bvh_tracer.h"
@@ -121,7 +122,8 @@ TEST_P(RasterAgainstTracer, FindsTheSameWithoutBackFaces) {
   expect_agreement(scene, 256, 128);
 }
 INSTANTIATE_TEST_SUITE_P(Scenes, RasterAgainstTracer,
-                         testing::Values("cornell", "teapot", "conference", "atrium", "chess", "car"));
+                         testing::Values("cornell", "teapot", "conference", "atrium", "chess", "car"),
+                         ::test::ParamName());
 
 class RasterAgainstTracerOfFiles : public testing::TestWithParam<const char*> {};
 
@@ -130,7 +132,8 @@ TEST_P(RasterAgainstTracerOfFiles, FindsTheSameTriangleAndDepthAtEverySampleButE
   if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not here";
   expect_agreement(open_scene(file.string()), 512, 256);
 }
-INSTANTIATE_TEST_SUITE_P(Scenes, RasterAgainstTracerOfFiles, testing::Values("chess-42k.glb", "hotel-room-99k.glb"));
+INSTANTIATE_TEST_SUITE_P(Scenes, RasterAgainstTracerOfFiles, testing::Values("chess-42k.glb", "hotel-room-99k.glb"),
+                         ::test::ParamName());
 
 TEST(RasterAgainstTracer, AgreesInScenesOfTwoLevels) {
   const Scene scene = open_scene("forest");
