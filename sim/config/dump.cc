@@ -10,6 +10,13 @@
 namespace sim {
 namespace {
 
+/// Value of a field in a configuration file. Quoted if YAML 1.1 readers such as PyYAML would read a boolean.
+std::string yaml_value(const ConfigNode& field) {
+  const std::string text = value_text(field);
+  const bool reads_as_boolean = field.kind() == FieldKind::kEnum && boolean_of_word(text).has_value();
+  return reads_as_boolean ? double_quoted(text) : text;
+}
+
 class Dump {
  public:
   Dump(Comments comments, std::optional<Affects> only) : comments_(comments), only_(only) {}
@@ -23,7 +30,8 @@ class Dump {
       } else if (node.kind() == FieldKind::kSpreadMap) {
         map(node, depth);
       } else {
-        line(depth, node.key + ": " + value_text(node), comment(node));
+        // A hash is of the plain text, so that it does not depend on how a file quotes.
+        line(depth, node.key + ": " + (comments_ == Comments::kOn ? yaml_value(node) : value_text(node)), comment(node));
       }
     }
   }

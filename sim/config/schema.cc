@@ -45,6 +45,15 @@ Json spread_schema(const ConfigNode& field) {
   return {{"anyOf", {number, band}}};
 }
 
+/// The names, and the booleans that YAML 1.1 readers make of `off` and `on`.
+Json enum_schema(const std::vector<std::string_view>& names) {
+  Json choices = names;
+  for (const std::string_view name : names) {
+    if (const std::optional<bool> boolean = boolean_of_word(name)) choices.push_back(*boolean);
+  }
+  return {{"enum", choices}};
+}
+
 Json type_schema(const ConfigNode& field) {
   switch (field.kind()) {
     case FieldKind::kBool:
@@ -71,7 +80,7 @@ Json type_schema(const ConfigNode& field) {
     case FieldKind::kSpreadMap:
       return {{"type", "object"}, {"additionalProperties", spread_schema(field)}};
     case FieldKind::kEnum:
-      return {{"enum", std::get<EnumTarget>(*field.target).names}};
+      return enum_schema(std::get<EnumTarget>(*field.target).names);
   }
   return {};
 }

@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -24,6 +25,8 @@ std::string value_problem(const ConfigNode& field);
 /// The value as in a configuration file, on one line; `assign` and the YAML reader turn it back into the same value.
 std::string value_text(const ConfigNode& field);
 std::string spread_text(const Spread& spread);
+/// The boolean that YAML 1.1 readers make of an unquoted word ("off", "on"); none for all other words.
+std::optional<bool> boolean_of_word(std::string_view word);
 /// `text` as a YAML scalar in double quotes.
 std::string double_quoted(std::string_view text);
 /// `key` as a YAML key, in quotes unless it is safe without.

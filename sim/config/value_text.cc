@@ -80,6 +80,12 @@ std::string spread_text(const Spread& spread) {
   return fmt::format("{{low: {}, nominal: {}, high: {}}}", spread.low, spread.nominal, spread.high);
 }
 
+std::optional<bool> boolean_of_word(std::string_view word) {
+  if (word == "on" || word == "yes" || word == "y") return true;
+  if (word == "off" || word == "no" || word == "n") return false;
+  return {};
+}
+
 std::string double_quoted(std::string_view text) {
   using Json = nlohmann::json;
   return json_line(Json(with_escaped_bytes(text)));

@@ -19,6 +19,7 @@ MachineConfig unusual() {
   c.refresh = {1e-9, 1.0 / 3, 1e22};
   c.events = {{"a b: c", {0, 0, 0}}, {"null", {1, 2, 3}}, {"tni.box_test@16KiB", {0.1, 0.2, 0.3}}};
   c.unit.stack = Stack::kRestart;
+  c.unit.prefetch = Mode::kOn;
   c.l2 = {{3 * 1024}, {32}, 3};
   return c;
 }
@@ -48,6 +49,7 @@ events:  # [pJ] of one event
 unit:  # traversal unit
   rays: 32  # [rays] rays held at once
   stack: full  # where far children wait | full: all of them
+  prefetch: "off"  # next line on a miss
   l1:  # private cache
     size: 16 KiB  # data held
     line: 64 B  # data of one line
@@ -57,6 +59,14 @@ l2:  # shared cache
   line: 64 B  # data of one line
   ways: 4  # [ways] lines of a set
 )");
+}
+
+TEST(DumpConfig, IsReadBackFromReadersThatTakeOffAndOnForBooleans) {
+  ConfigHarness b;
+  EXPECT_EQ(b.load("unit: {prefetch: true}\n").unit.prefetch, Mode::kOn);
+  EXPECT_EQ(b.load("unit: {prefetch: false}\n").unit.prefetch, Mode::kOff);
+  EXPECT_EQ(b.load("seed: 1\n", {"unit.prefetch=\"on\""}).unit.prefetch, Mode::kOn);
+  EXPECT_NE(b.error("unit: {stack: false}\n").find("allowed: full, short, restart"), std::string::npos);
 }
 
 TEST(ConfigHash, ChangesWithItsFieldsOnly) {
@@ -77,7 +87,7 @@ TEST(ListFields, GivesEveryFieldAsASetArgument) {
   std::vector<std::string> sets;
   for (const FieldInfo& field : fields) sets.push_back(field.path + "=" + field.value);
   EXPECT_EQ(ConfigHarness().load("seed: 1\n", sets), c);
-  ASSERT_EQ(fields.size(), 16U);
+  ASSERT_EQ(fields.size(), 17U);
   const FieldInfo& stack = fields.at(9);
   EXPECT_EQ(stack.path, "unit.stack");
   EXPECT_EQ(stack.kind, FieldKind::kEnum);
@@ -106,6 +116,8 @@ TEST(ConfigSchema, DescribesEveryFieldAndNothingElse) {
   EXPECT_EQ(unit.at("properties").at("rays").at("anyOf").at(0).at("maximum"), 64);
   EXPECT_EQ(unit.at("properties").at("rays").at("default"), 32);
   EXPECT_EQ(unit.at("properties").at("stack").at("enum").size(), 3U);
+  EXPECT_EQ(unit.at("properties").at("prefetch").at("enum"),
+            (nlohmann::json{"off", "on", "alternate", false, true}));
   EXPECT_EQ(unit.at("properties").at("extends").at("type"), "string");
   EXPECT_EQ(schema.at("properties").at("clock").at("pattern"), "^[0-9]+(\\.[0-9]+)? *(Hz|kHz|MHz|GHz)$");
 }

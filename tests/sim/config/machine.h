@@ -13,6 +13,9 @@ namespace sim::test {
 enum class Stack : std::uint8_t { kFull, kShort, kRestart };
 constexpr std::array<std::string_view, 3> names_of(Stack) { return {"full", "short", "restart"}; }
 
+enum class Mode : std::uint8_t { kOff, kOn, kAlternate };
+constexpr std::array<std::string_view, 3> names_of(Mode) { return {"off", "on", "alternate"}; }
+
 struct CacheConfig {
   ByteSize size{16 * 1024};
   ByteSize line{64};
@@ -31,10 +34,12 @@ struct CacheConfig {
 struct UnitConfig {
   std::uint32_t rays = 32;
   Stack stack = Stack::kFull;
+  Mode prefetch = Mode::kOff;
   CacheConfig l1;
   static void describe(auto& c, auto&& field) {
     field(NAMED(c.rays), "rays", "rays held at once", between(1, 64), Affects::kTiming);
     field(NAMED(c.stack), "", "where far children wait | full: all of them", any(), Affects::kWalk);
+    field(NAMED(c.prefetch), "", "next line on a miss", any(), Affects::kTiming);
     field.group(NAMED(c.l1), "private cache");
   }
   friend bool operator==(const UnitConfig&, const UnitConfig&) = default;
