@@ -24,6 +24,16 @@ axes:
   cores: [1, 2]
   tni.trv.l1.size: [4 KiB, 16 KiB]
 """
+SEARCH = """schema: raywatt-optimise/1
+scene: cornell
+resolution: 16x16
+axes:
+  cores: [1, 2]
+  tni.trvs: [1, 2, 4]
+objectives:
+  - max: perf.fps
+budget: 4
+"""
 
 
 def run(*arguments):
@@ -139,6 +149,23 @@ class Loaded(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "other/report.json: schema 'raywatt-rays/1'"):
             raywatt.load(other)
 
+    def test_figures_have_the_names_of_the_command_line(self):
+        totals = self.loaded.totals
+        self.assertEqual(totals["fps"], totals["perf.fps"])
+        self.assertEqual(totals["totals.perf.fps"], totals["perf.fps"])
+        self.assertEqual(totals["power_w"], totals["power_w.nominal"])
+        with self.assertRaisesRegex(KeyError, "'cycles_total'"):
+            totals["cycles_total"]
+
+    def test_another_folder_is_refused_in_one_line(self):
+        folder = pathlib.Path(WORK.name, "no-run")
+        folder.mkdir(exist_ok=True)
+        with self.assertRaisesRegex(ValueError, "no-run: has no report.json; allowed: "):
+            raywatt.load(folder)
+        (folder / "sweep.json").write_text("{}")
+        with self.assertRaisesRegex(ValueError, "no-run: has sweep.json and no report.json; use raywatt.load_sweep"):
+            raywatt.load(folder)
+
     def test_trace_info_is_what_the_program_says(self):
         run(PROGRAM, "trace", "record", "--scene", "cornell", "--resolution", "16x16", "a.trace")
         file = pathlib.Path(WORK.name, "a.trace")
@@ -163,10 +190,68 @@ class Sweep(unittest.TestCase):
         self.assertEqual(list(self.points["totals.cycles"]), [int(row["totals.cycles"]) for row in rows])
         self.assertEqual(list(self.points["tni.trv.l1.size"]), ["4 KiB", "16 KiB"] * 2)
 
+    def test_columns_have_the_names_of_the_command_line(self):
+        self.assertEqual(list(self.points["perf.fps"]), list(self.points["totals.perf.fps"]))
+        self.assertEqual(list(self.points["power_w"]), list(self.points["totals.power_w.nominal"]))
+
+    def test_values_equal_the_table_to_the_last_digit(self):
+        folder = pathlib.Path(WORK.name, "digits")
+        folder.mkdir()
+        digits = ["0.1234567890123456", "7.656713209432834e-05", "123456789.12345679"]
+        names = ["NA", "null", "nan"]
+        lines = [f"{n},{name},{value}" for n, (name, value) in enumerate(zip(names, digits))]
+        (folder / "results.csv").write_text("\n".join(["n,scene.camera,totals.time_ms", *lines, "3,x,"]) + "\n")
+        points = raywatt.load_sweep(folder)
+        self.assertEqual(list(points["totals.time_ms"][:3]), [float(value) for value in digits])
+        self.assertTrue(points["totals.time_ms"].isna()[3])
+        self.assertEqual(list(points["scene.camera"]), [*names, "x"])
+
+    def test_a_folder_without_a_table_is_refused(self):
+        with self.assertRaisesRegex(ValueError, "results.csv: is not there; `raywatt sweep collect "):
+            raywatt.load_sweep(pathlib.Path(WORK.name))
+
     def test_the_example_tells_the_fastest_first(self):
         shown = run(sys.executable, "-B", EXAMPLES / "explore_sweep.py", "sweep").splitlines()
         fastest = self.points["totals.perf.fps"].idxmax()
         self.assertEqual(shown[2].split()[0], str(fastest))
+
+
+class Search(unittest.TestCase):
+    def test_points_are_those_of_the_history(self):
+        pathlib.Path(WORK.name, "o.yaml").write_text(SEARCH)
+        run(PROGRAM, "optimise", "o.yaml", "-o", "search", "--store", "store")
+        folder = pathlib.Path(WORK.name, "search")
+        history = [json.loads(line) for line in (folder / "history.jsonl").read_text().splitlines()]
+        points = raywatt.load_search(folder)
+        self.assertEqual(len(points), len(history))
+        self.assertEqual(list(points["id"]), [point["id"] for point in history])
+        with self.assertRaisesRegex(ValueError, "history.jsonl: is not there"):
+            raywatt.load_search(pathlib.Path(WORK.name))
+
+
+def varint(value):
+    low = [value >> shift & 127 for shift in range(0, max(1, value.bit_length()), 7)]
+    return bytes([digit | 128 for digit in low[:-1]] + low[-1:])
+
+
+@unittest.skipIf(importlib.util.find_spec("zstandard") is None, "no zstandard (Debian's python3-zstandard)")
+class HostileIntervals(unittest.TestCase):
+    NAMES = b"raywatt-intervals/1\n" + b"\1\1\1u\1\1r\0"  # one frame, unit "u" with the reason "r", no counter
+
+    def refused(self, *blocks):
+        import zstandard
+        file = pathlib.Path(WORK.name, "intervals.bin.zst")
+        file.write_bytes(b"".join(zstandard.ZstdCompressor().compress(block) for block in blocks))
+        with self.assertRaisesRegex(ValueError, "intervals.bin.zst: ") as caught:
+            raywatt._intervals.load(file.parent, None)
+        return str(caught.exception)
+
+    def test_sizes_are_bounded(self):
+        self.assertIn("over 64 bits", self.refused(self.NAMES, b"\xff" * 20_000_000 + b"\1"))
+        self.assertIn("a number over", self.refused(self.NAMES[:20] + b"\xff" * 20_000_000))
+        self.assertIn("unpacks to over 128 MiB", self.refused(self.NAMES, bytes(200_000_000)))
+        frame = b"".join(map(varint, (0, 10**9, 10**15, 1_000_000, 0)))
+        self.assertIn("over 2048 intervals", self.refused(self.NAMES, frame))
 
 
 class Reproduced(unittest.TestCase):

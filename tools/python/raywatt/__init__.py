@@ -5,7 +5,8 @@
     run.totals["energy_mj.nominal"]
     run.units.query("kind == 'why'").groupby("name")["value"].sum()
 
-Names are those of the files (docs/report.md): nested ones are joined by dots, as in results.csv of a sweep.
+Names are those of the files (docs/report.md): nested ones are joined by dots, as in results.csv of a sweep. Figures
+may also be named as on the command line: run.totals["fps"], points["perf.fps"].
 """
 import dataclasses
 import functools
@@ -16,8 +17,9 @@ import subprocess
 import pandas
 
 from . import _intervals
+from ._figures import FigureFrame, FigureSeries
 
-__all__ = ["Run", "load", "load_reproduce", "load_sweep", "load_trace_info"]
+__all__ = ["Run", "load", "load_reproduce", "load_search", "load_sweep", "load_trace_info"]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -61,9 +63,11 @@ def load(folder):
     folder = pathlib.Path(folder)
     if folder.name == "report.json" and not folder.is_dir():
         folder = folder.parent
+    if not (folder / "report.json").exists():
+        raise ValueError(_no_run(folder))
     report = _read(folder / "report.json", "raywatt-report/1")
     return Run(
-        totals=pandas.Series(_flat(_without_kernels(report["totals"])), dtype=object, name=str(folder)),
+        totals=FigureSeries(_flat(_without_kernels(report["totals"])), dtype=object, name=str(folder)),
         frames=pandas.DataFrame([_flat(_without_kernels(frame)) for frame in report["frames"]]).set_index("frame"),
         units=pandas.DataFrame(_unit_rows(report["units"]), columns=["unit", "kind", "name", "value"]),
         kernels=pandas.DataFrame.from_dict(report["totals"].get("kernels", {}), orient="index"),
@@ -78,7 +82,24 @@ def load_sweep(folder):
 
     Values of axes that carry a unit are text, as in the sweep's file. `raywatt sweep collect` brings them up to date.
     """
-    return pandas.read_csv(pathlib.Path(folder, "results.csv"), index_col="n")
+    file = pathlib.Path(folder, "results.csv")
+    if not file.exists():
+        raise ValueError(f"{file}: is not there; `raywatt sweep collect {folder}` writes it for a sweep or a search")
+    # "NA" and "null" are values of axes; an empty cell is a missing value.
+    return FigureFrame(pandas.read_csv(file, index_col="n", float_precision="round_trip", keep_default_na=False,
+                                       na_values=[""]))
+
+
+def load_search(folder):
+    """Points of a `raywatt optimise` folder in the order of the search: a row a point, nested names joined by dots."""
+    file = pathlib.Path(folder, "history.jsonl")
+    if not file.exists():
+        raise ValueError(f"{file}: is not there; allowed: a folder that `raywatt optimise -o` has written")
+    try:
+        points = [json.loads(line) for line in file.read_text().splitlines()]
+    except json.JSONDecodeError as problem:
+        raise ValueError(f"{file}: is no JSON ({problem})") from None
+    return FigureFrame(pandas.DataFrame([_flat(point) for point in points]))
 
 
 def load_reproduce(folder):
@@ -98,6 +119,15 @@ def load_trace_info(file, program="raywatt"):
     if asked.returncode != 0:
         raise ValueError(asked.stderr.strip())
     return pandas.Series(_flat(json.loads(asked.stdout)), dtype=object, name=str(file))
+
+
+def _no_run(folder):
+    """Error text for a folder without report.json; names the function that reads it."""
+    readers = {"history.jsonl": "load_search", "sweep.json": "load_sweep", "reproduce.json": "load_reproduce"}
+    for name, reader in readers.items():
+        if (folder / name).exists():
+            return f"{folder}: has {name} and no report.json; use raywatt.{reader}({str(folder)!r})"
+    return f"{folder}: has no report.json; allowed: a folder that `raywatt run` or `raywatt trace replay` has written"
 
 
 def _tiles(file):

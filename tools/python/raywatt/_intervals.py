@@ -5,6 +5,11 @@ import pandas
 FILE = "intervals.bin.zst"
 MAGIC = b"raywatt-intervals/1\n"
 PEAK = 1
+CHUNK_BYTES = 1 << 12  # packed bytes read at once: bounds what one call can unpack
+MAX_VARINT_BYTES = 10  # a 64-bit value, 7 bits a byte
+MAX_ROWS = 1 << 24  # of all frames together: below 1 GiB as a frame of pandas
+MAX_BYTES = 8 * MAX_ROWS  # of all blocks, unpacked
+MAX_INTERVALS, MAX_UNITS, MAX_COUNTERS, MAX_NAME_BYTES = 2048, 65536, 1024, 256
 COLUMNS = ["frame", "interval", "begin_us", "end_us", "unit", "kind", "name", "value"]
 
 
@@ -21,11 +26,20 @@ def load(folder, units):
         raise ValueError(f"{file}: is no file of {MAGIC.decode().strip()}")
     try:
         values = _values_of(names)
-        rows = pandas.concat([_rows(numbers, values) for numbers in map(_numbers, frames)], ignore_index=True)
+        numbers = [_numbers(frame) for frame in frames]
+        _check_size(numbers, values)
+        rows = pandas.concat([_rows(of_frame, values) for of_frame in numbers], ignore_index=True)
     except (ValueError, IndexError) as problem:
         raise ValueError(f"{file}: is damaged ({problem})") from None
     _check_sums(file, rows, units, values)
     return rows
+
+
+def _check_size(frames, values):
+    """Raises ValueError for more intervals or rows than the format allows."""
+    intervals = [int(numbers[3]) for numbers in frames]
+    if max(intervals, default=0) > MAX_INTERVALS or sum(intervals) * len(values) > MAX_ROWS:
+        raise ValueError(f"over {MAX_INTERVALS} intervals in a frame or over {MAX_ROWS} rows")
 
 
 def _check_sums(file, rows, units, values):
@@ -43,54 +57,73 @@ def _blocks(file):
         import zstandard
     except ImportError:
         raise ImportError(f"{file}: reading it needs zstandard (Debian's python3-zstandard)") from None
-    packed, blocks = file.read_bytes(), []
-    while packed:
-        block = zstandard.ZstdDecompressor().decompressobj()
-        try:
-            blocks.append(block.decompress(packed))
-        except zstandard.ZstdError as problem:
-            raise ValueError(f"{file}: is damaged ({problem})") from None
-        if not block.eof:
-            raise ValueError(f"{file}: is damaged (it ends within a block)")
-        packed = block.unused_data
+    blocks, left = [], MAX_BYTES
+    with file.open("rb") as packed:
+        chunk = packed.read(CHUNK_BYTES)
+        while chunk:
+            block, parts = zstandard.ZstdDecompressor().decompressobj(), []
+            while not block.eof:
+                try:
+                    parts.append(block.decompress(chunk))
+                except zstandard.ZstdError as problem:
+                    raise ValueError(f"{file}: is damaged ({problem})") from None
+                left -= len(parts[-1])
+                if left < 0:
+                    raise ValueError(f"{file}: unpacks to over {MAX_BYTES >> 20} MiB; nothing this large is read")
+                if not block.eof:
+                    chunk = packed.read(CHUNK_BYTES)
+                    if not chunk:
+                        raise ValueError(f"{file}: is damaged (it ends within a block)")
+            blocks.append(b"".join(parts))
+            chunk = block.unused_data or packed.read(CHUNK_BYTES)
     return blocks
 
 
 def _numbers(block):
     """All varints of a block: 7 bits a byte, lowest first."""
     digits = numpy.frombuffer(block, numpy.uint8)
-    begins = numpy.concatenate(([0], numpy.flatnonzero(digits < 128)[:-1] + 1))
-    places = numpy.arange(len(digits)) - numpy.repeat(begins, numpy.diff(numpy.append(begins, len(digits))))
-    return numpy.add.reduceat((digits & 127).astype(numpy.uint64) << (7 * places).astype(numpy.uint64), begins)
+    ends = numpy.flatnonzero(digits < 128)
+    begins = numpy.concatenate(([0], ends[:-1] + 1))
+    sizes = ends - begins + 1
+    if len(ends) == 0 or sizes.max() > MAX_VARINT_BYTES:
+        raise ValueError("a number of no byte or of over 64 bits")
+    numbers = numpy.zeros(len(ends), numpy.uint64)
+    for byte in range(int(sizes.max())):
+        has_byte = sizes > byte
+        digit = (digits[begins[has_byte] + byte] & 127).astype(numpy.uint64)
+        numbers[has_byte] |= digit << numpy.uint64(7 * byte)
+    return numbers
 
 
 def _values_of(block):
     """The first block's values in their order, as (unit, kind, name, is a peak)."""
     at = len(MAGIC)
 
-    def number():
+    def number(limit):
         nonlocal at
-        value = shift = 0
-        while True:
+        value = 0
+        for byte in range(MAX_VARINT_BYTES):
             digit = block[at]
             at += 1
-            value |= (digit & 127) << shift
-            shift += 7
+            value |= (digit & 127) << 7 * byte
             if digit < 128:
-                return value
+                break
+        if digit >= 128 or value > limit:
+            raise ValueError(f"a number over {limit}")
+        return value
 
     def name():
         nonlocal at
-        size = number()
+        size = number(MAX_NAME_BYTES)
         at += size
         return block[at - size:at].decode()
 
     values = []
-    number()  # of frames
-    for _ in range(number()):
+    number(MAX_ROWS)  # of frames
+    for _ in range(number(MAX_UNITS)):
         unit = name()
-        values += [(unit, "why", name(), False) for _ in range(number())]
-        values += [(unit, "counter", name(), number() == PEAK) for _ in range(number())]
+        values += [(unit, "why", name(), False) for _ in range(number(MAX_COUNTERS))]
+        values += [(unit, "counter", name(), number(2) == PEAK) for _ in range(number(MAX_COUNTERS))]
     return values
 
 
