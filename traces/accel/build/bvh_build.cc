@@ -43,8 +43,15 @@ float half_area(const Bounds& b) {
   return d.x * d.y + d.y * d.z + d.z * d.x;
 }
 
+/// Memory of the builder. Throws std::bad_alloc, which ends the build, where Embree returns a null pointer.
+void* allocate(RTCThreadLocalAllocator allocator, std::size_t bytes) {
+  void* memory = rtcThreadLocalAlloc(allocator, bytes, alignof(InnerNode));
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
+}
+
 void* create_node(RTCThreadLocalAllocator allocator, unsigned, void*) {
-  return new (rtcThreadLocalAlloc(allocator, sizeof(InnerNode), alignof(InnerNode))) InnerNode;
+  return new (allocate(allocator, sizeof(InnerNode))) InnerNode;
 }
 
 void set_children(void* node, void** children, unsigned count, void*) {
@@ -62,7 +69,7 @@ void set_bounds(void* node, const RTCBounds** bounds, unsigned count, void*) {
 void* create_leaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* primitives, std::size_t count, void*) {
   assert(count >= 1 && count <= kMaxLeafTriangles);
   const std::size_t bytes = sizeof(LeafNode) + count * sizeof(std::uint32_t);
-  auto* leaf = new (rtcThreadLocalAlloc(allocator, bytes, alignof(InnerNode))) LeafNode;
+  auto* leaf = new (allocate(allocator, bytes)) LeafNode;
   leaf->count = static_cast<std::uint32_t>(count);
   std::transform(primitives, primitives + count, leaf->triangles(),
                  [](const RTCBuildPrimitive& p) { return p.primID; });

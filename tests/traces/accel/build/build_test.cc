@@ -1,6 +1,12 @@
 #include "traces/accel/build.h"
 
+#include <sys/resource.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <new>
 #include <set>
 
 #include <glm/gtc/matrix_transform.hpp>
@@ -8,6 +14,7 @@
 
 #include "sim/error.h"
 #include "tests/traces/accel/support.h"
+#include "traces/accel/build/bvh_build.h"
 #include "traces/accel/bvh_info.h"
 #include "traces/walk.h"
 
@@ -263,6 +270,38 @@ TEST(MemoryImage, RefusesAMeshThatNamesWhatItDoesNotHave) {
   scene.instances[0].mesh = 1;
   EXPECT_THROW(build_memory_image(scene), sim::InputError);
 }
+
+#ifndef RAYWATT_SANITIZED  // sanitizers end the process instead
+/// Leaves the process 8 MiB of new memory from the first call on.
+bool limit_memory() {
+  static const bool is_done = [] {
+    std::uint64_t pages = 0;
+    std::ifstream("/proc/self/statm") >> pages;
+    rlimit limit{};
+    getrlimit(RLIMIT_AS, &limit);
+    limit.rlim_cur = pages * static_cast<rlim_t>(::getpagesize()) + (8U << 20);
+    setrlimit(RLIMIT_AS, &limit);
+    return true;
+  }();
+  return !is_done;
+}
+
+TEST(BvhBuilder, ThrowsBadAllocIfMemoryEndsDuringTheBuild) {
+  for (const unsigned threads : {1U, 2U}) {
+    EXPECT_EXIT(
+        {
+          const std::vector<Bounds> boxes(500'000, Bounds{{0, 0, 0}, {1, 1, 1}});
+          try {
+            BvhBuilder({}, threads, limit_memory).over(boxes);
+          } catch (const std::bad_alloc&) {
+            std::_Exit(74);
+          }
+          std::_Exit(0);
+        },
+        testing::ExitedWithCode(74), "");
+  }
+}
+#endif
 
 }  // namespace
 }  // namespace traces
