@@ -207,7 +207,7 @@ RunFolder::RunFolder(fs::path target, bool force, const ResultsOf& verb)
                       target_.string(), verb_.mark));
     }
   }
-  Staging probe(target_, dated_ ? Staging::Left::kOfAnyName : Staging::Left::kOfItsName);
+  Staging probe(target_);
   error = probe.make();
   if (error) throw sim::InputError(cannot_be_written(target_, error));
 }

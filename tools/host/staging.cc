@@ -17,6 +17,18 @@ namespace {
 
 constexpr std::string_view kEnd = ".raywatt-tmp";  // as of files that are being written (sim/io/file.h)
 
+/// True for the name of a temporary folder: ".NAME.PID.NUMBER.raywatt-tmp".
+bool is_staging_name(std::string_view name) {
+  if (!name.starts_with('.') || !name.ends_with(kEnd)) return false;
+  name.remove_suffix(kEnd.size());
+  for (int numbers = 0; numbers < 2; ++numbers) {
+    const std::size_t digits = name.find_last_not_of("0123456789") + 1;
+    if (digits < 2 || digits == name.size() || name[digits - 1] != '.') return false;
+    name = name.substr(0, digits - 1);
+  }
+  return true;
+}
+
 }  // namespace
 
 bool FolderLock::take(const fs::path& folder) {
@@ -61,23 +73,11 @@ std::error_code Staging::make() {
   return error ? error : std::make_error_code(std::errc::file_exists);
 }
 
-/// ".out.PID.NUMBER.raywatt-tmp"
-bool Staging::is_left(std::string_view name) const {
-  if (!name.ends_with(kEnd)) return false;
-  name.remove_suffix(kEnd.size());
-  for (int numbers = 0; numbers < 2; ++numbers) {
-    const std::size_t digits = name.find_last_not_of("0123456789") + 1;
-    if (digits < 2 || digits == name.size() || name[digits - 1] != '.') return false;
-    name = name.substr(0, digits - 1);
-  }
-  return left_ == Left::kOfAnyName ? name.starts_with('.') : std::string(name) + "." == begin();
-}
-
 void Staging::remove_left() const {
   std::error_code failed, ignored;
   fs::directory_iterator entry(target_.parent_path(), failed);
   for (; !failed && entry != fs::directory_iterator(); entry.increment(failed)) {
-    if (!is_left(entry->path().filename().string())) continue;
+    if (!is_staging_name(entry->path().filename().string())) continue;
     FolderLock lock;
     if (lock.take(entry->path())) fs::remove_all(entry->path(), ignored);
   }

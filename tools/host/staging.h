@@ -26,14 +26,11 @@ class FolderLock {
   int folder_ = -1;
 };
 
-/// A folder beside `target` to write into, with what parents are missing. Whatever it holds in the end is removed, and
-/// so is what a killed run has left of its own: nobody has the lock of that.
+/// A temporary folder beside `target`, with the parents that are missing. The destructor removes it. Temporary folders
+/// of killed runs in the same parent, whose lock is free, are removed when a new one is made.
 class Staging {
  public:
-  enum class Left : std::uint8_t { kOfItsName, kOfAnyName };
-  /// `left`: what killed runs have left is removed only if it was to become `target`, or whatever its name.
-  explicit Staging(std::filesystem::path target, Left left = Left::kOfItsName)
-      : target_(std::move(target)), left_(left) {}
+  explicit Staging(std::filesystem::path target) : target_(std::move(target)) {}
   ~Staging();
   Staging(const Staging&) = delete;
   Staging& operator=(const Staging&) = delete;
@@ -44,11 +41,9 @@ class Staging {
 
  private:
   std::string begin() const { return "." + target_.filename().string() + "."; }
-  bool is_left(std::string_view name) const;
   void remove_left() const;
 
   const std::filesystem::path target_;
-  const Left left_;
   std::filesystem::path folder_;
   FolderLock lock_;
   std::vector<std::filesystem::path> made_;  ///< innermost first
