@@ -28,6 +28,10 @@ test("the verdict comes first and names the report's own bound", () => look("run
   assert.equal(await page.evaluate(() => document.activeElement.id), "cycles");
 }));
 
+test("a malformed address shows the page", () => look("run.html", { hash: "#%" }, async (page) => {
+  near(await figure(page, "time_ms"), report.totals.time_ms);
+}));
+
 test("figures equal report.json", () => look("run.html", {}, async (page) => {
   const t = report.totals;
   for (const [id, value] of [["time_ms", t.time_ms], ["fps", t.perf.fps], ["energy_mj", t.energy_mj.nominal], ["power_w", t.power_w.nominal],

@@ -4,9 +4,15 @@ const listeners = new Map();
 let state = read();
 let isDrawn = false;  // what listens from now on is part of the view that is drawn
 
+/** State in the fragment. A malformed one ("#%") gives the default state. */
 function read() {
-  const text = decodeURIComponent(location.hash.slice(1));
-  return text.includes("=") ? new URLSearchParams(location.hash.slice(1)) : new URLSearchParams(text ? { at: text } : {});
+  const fragment = location.hash.slice(1);
+  try {
+    const text = decodeURIComponent(fragment);
+    return text.includes("=") ? new URLSearchParams(fragment) : new URLSearchParams(text ? { at: text } : {});
+  } catch {
+    return new URLSearchParams();
+  }
 }
 
 export const get = (key, otherwise = "") => state.get(key) ?? otherwise;
