@@ -66,6 +66,7 @@ struct ConfigNode {
   std::optional<Target> target;                ///< a field's member; none for a group
   std::vector<ConfigNode> children;            ///< a group's fields and groups, as declared
   std::function<void(const Complain&)> check;  ///< a group's own rules; empty if it has none
+  std::map<std::string, std::string, std::less<>> not_modelled;  ///< a group's keys that do not exist, and why
   std::string origin;                          ///< where its value was given last (kSetOrigin); empty for a default
   std::size_t nearness = 0;  ///< origin, as the user sees it: a file is nearer than those it extends, --set nearest
 
@@ -101,6 +102,9 @@ class TreeBuilder {
   void group(Group& member, std::string_view key, std::string_view meaning) {
     bind(add(key, meaning), member);
   }
+
+  /// Declares a key of a mechanism that the model lacks: its use is refused with `reason`.
+  void not_modelled(std::string_view key, std::string_view reason) { group_.not_modelled.emplace(key, reason); }
 
   /// Fills `node` with the fields of `config`.
   template <class Config>

@@ -45,15 +45,19 @@ std::vector<std::filesystem::path> known_files() {
   return files;
 }
 
-/// "; did you mean 'dram/lpddr3-1600'?" for the nearest file of the group that asks, or nothing if all are far off.
-std::string nearest_file(const std::filesystem::path& name, std::string_view group) {
+/// The files of the group that asks: "; did you mean 'dram/lpddr3-1600'?" if one is near, and "; known: ...".
+std::string known_files_of(const std::filesystem::path& name, std::string_view group) {
   const std::string stem = name.stem().string();
   const std::string_view start = start_of(stem);
   auto files = known_files();
   std::erase_if(files, [&](const std::filesystem::path& file) { return file.parent_path() != group; });
   const auto found = nearest_of(start, files, start.size() / 2,
                                 [](const std::filesystem::path& file) { return file.stem().string(); });
-  return found == files.end() ? "" : fmt::format("; did you mean '{}'?", found->string());
+  std::string text = found == files.end() ? "" : fmt::format("; did you mean '{}'?", found->string());
+  if (files.empty()) return text;
+  std::vector<std::string> stems;
+  for (const std::filesystem::path& file : files) stems.push_back(file.stem().string());
+  return text + fmt::format("; known: {}; or a path to a .yaml file", fmt::join(stems, ", "));
 }
 
 std::string_view first_key(std::string_view path) { return path.substr(0, path.find('.')); }
@@ -63,6 +67,9 @@ std::string path_of(const ConfigNode& group, std::string_view key) {
 }
 
 std::string unknown_key(const ConfigNode& root, const ConfigNode& group, std::string_view key) {
+  if (const auto absent = group.not_modelled.find(key); absent != group.not_modelled.end()) {
+    return fmt::format("is not modelled: {} (docs/design/not-modelled.md)", absent->second);
+  }
   return fmt::format("unknown key '{}'; {}", key, suggest(root, group, key));
 }
 
@@ -119,11 +126,7 @@ std::filesystem::path find_config(const std::filesystem::path& name, const std::
       }
     }
   }
-  std::vector<std::string> shown;
-  for (const std::filesystem::path& folder : folders) shown.push_back(folder.empty() ? "." : folder.string());
-  refuse(asked_at, {},
-         fmt::format("no configuration file '{}' in {}{}", name.string(), fmt::join(shown, ", "),
-                     nearest_file(name, group)));
+  refuse(asked_at, {}, fmt::format("no configuration file '{}'{}", name.string(), known_files_of(name, group)));
 }
 
 std::string ConfigLoader::Source::at(TextPosition position) const {
@@ -200,6 +203,10 @@ void ConfigLoader::apply_value(ConfigNode& node, const YamlNode& value, const So
     }
     return;
   }
+  if (value.kind == YamlNode::Kind::kSequence) {
+    refuse(at, node.path, fmt::format("is a list; allowed: one value, {}; lists are for axes of a sweep (docs/sweeps.md)",
+                                      allowed_text(node)));
+  }
   if (value.kind != YamlNode::Kind::kScalar) {
     refuse(at, node.path, fmt::format("has no value; allowed: {}", allowed_text(node)));
   }
@@ -233,7 +240,7 @@ void ConfigLoader::apply_spread(const ConfigNode& field, const YamlNode& mapping
 void ConfigLoader::apply_set(const std::string& argument) {
   const Source source{std::string(kSetOrigin) + printable(argument), {}, kNearestFile + 1, false};
   const std::size_t equals = argument.find('=');
-  if (equals == std::string::npos || equals == 0) refuse(source.name, {}, "allowed: key=value");
+  if (equals == std::string::npos || equals == 0) refuse(source.name, {}, "allowed: key=value, e.g. --set cores=2");
   const auto value = set_value(argument.substr(equals + 1), source.name);
   ConfigNode* node = &root_;
   std::string_view path = std::string_view(argument).substr(0, equals);

@@ -31,15 +31,24 @@ std::string_view without_unit(std::string_view text, std::string_view unit) {
   throw BadValue{fmt::format("'{}' is not {}; allowed: {}", text, what, allowed_text(field))};
 }
 
+std::string out_of_range(const ConfigNode& field, std::string_view text) {
+  return fmt::format("'{}' is out of range; allowed: {}", text, allowed_text(field));
+}
+
 template <class Integer>
 Integer integer_of(const ConfigNode& field, std::string_view text) {
   const std::string_view digits = without_unit(text, field.unit);
   Integer value = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (error == std::errc::result_out_of_range && end == digits.data() + digits.size()) {
-    throw BadValue{fmt::format("'{}' is out of range; allowed: {}", text, allowed_text(field))};
+    throw BadValue{out_of_range(field, text)};
   }
-  if (error != std::errc{} || end != digits.data() + digits.size()) not_a(text, "a whole number", field);
+  if (error != std::errc{} || end != digits.data() + digits.size()) {
+    const bool is_negative = digits.size() > 1 && digits.find_first_not_of("0123456789", 1) == std::string_view::npos &&
+                             digits.front() == '-';
+    if (is_negative) throw BadValue{out_of_range(field, text)};
+    not_a(text, "a whole number", field);
+  }
   return value;
 }
 
@@ -55,10 +64,6 @@ bool within(double value, const Limits& limits) {
   if (!(value >= limits.min && value <= limits.max)) return false;
   int exponent = 0;
   return !limits.power_of_two || (value >= 1 && std::frexp(value, &exponent) == 0.5);
-}
-
-std::string out_of_range(const ConfigNode& field, std::string_view text) {
-  return fmt::format("'{}' is out of range; allowed: {}", text, allowed_text(field));
 }
 
 std::string spread_problem(const ConfigNode& field, const Spread& spread) {
@@ -132,7 +137,13 @@ void assign(const ConfigNode& field, std::string_view raw) {
                  },
                  [&](std::map<std::string, Spread>*) { not_a(text, "a mapping of names to figures", field); },
                  [&](const EnumTarget& member) {
-                   const auto name = std::ranges::find(member.names, text);
+                   auto name = std::ranges::find(member.names, text);
+                   if (name == member.names.end() && (text == "true" || text == "false")) {
+                     // PyYAML writes `off` back as `false`.
+                     name = std::ranges::find_if(member.names, [&](std::string_view choice) {
+                       return boolean_of_word(choice) == (text == "true");
+                     });
+                   }
                    if (name == member.names.end()) not_a(text, "one of the choices", field);
                    member.set(static_cast<std::size_t>(name - member.names.begin()));
                  },

@@ -145,7 +145,9 @@ std::shared_ptr<const YamlNode> parse_yaml_mapping(const std::string& text, cons
   } catch (const YAML::DeepRecursion& error) {
     builder.refuse_at(error.mark, "is nested too deeply");
   } catch (const YAML::Exception& error) {
-    builder.refuse_at(error.mark, fmt::format("is not valid YAML: {}", error.msg));
+    const bool is_tab = error.msg.find("tab") != std::string::npos;
+    builder.refuse_at(error.mark, is_tab ? "a tab indents this line; allowed: spaces"
+                                         : fmt::format("is not valid YAML: {}", error.msg));
   }
   const Node root = builder.root();
   if (root == nullptr || root->kind == YamlNode::Kind::kEmpty) refuse(name, {}, "is empty; allowed: a mapping");

@@ -20,7 +20,7 @@ using Json = nlohmann::ordered_json;
 
 std::string text_of(const Bottleneck& b) {
   std::string out =
-      fmt::format("{} cycles of the T&I clock\nlimited by    {}\ntime goes to  {}\n\n",
+      fmt::format("{} cycles of the T&I clock\nlimited by (estimate)  {}\ntime goes to           {}\n\n",
                   sim::si_text(static_cast<double>(b.cycles)), b.limiter, top_down_text(time_json(b.time)));
   const bool replicated = b.plays.count > 1;
   sim::Table table({"made perfect", "cycles", "speed-up", "estimated",

@@ -28,9 +28,8 @@ void add_dvfs(CLI::App& app) {
       ->delimiter(',')
       ->capture_default_str()
       ->type_name("LIST");
-  verb->add_option("--fps", options->fps, "frames a second that are wanted; as a rule those of the slowest point")
-      ->check(CLI::PositiveNumber)
-      ->type_name("NUMBER");
+  require_positive(*verb->add_option("--fps", options->fps, "target frame rate (default: that of the slowest point)")
+                        ->type_name("NUMBER"));
   verb->add_flag("--json", *json, "as JSON");
   add_progress_option(*verb, options->job.progress);
   verb->footer("Example: raywatt dvfs sgrt-balanced --scene chess --resolution 512x256 --fps 60");

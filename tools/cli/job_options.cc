@@ -1,8 +1,13 @@
 #include "tools/cli/job_options.h"
 
+#include <charconv>
+#include <cmath>
+
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
 #include "hw_models/machines/ideal_config.h"
+#include "sim/io/printable.h"
 
 namespace tools {
 
@@ -20,7 +25,14 @@ void add_config_options(CLI::App& verb, std::string& config, std::vector<std::st
 
 void add_set_option(CLI::App& verb, std::vector<std::string>& sets) {
   verb.add_option("--set", sets, "change one field: KEY=VALUE, e.g. cores=2 or tni.trv.l1.size='32 KiB' (repeatable)")
-      ->allow_extra_args(false);
+      ->allow_extra_args(false)
+      ->check({[](const std::string& set) {
+                 const bool is_key = !set.empty() && set.find('=') == std::string::npos;
+                 return is_key ? fmt::format("'{0}' has no value; allowed: KEY=VALUE, e.g. --set {0}=2",
+                                             sim::printable(set))
+                               : std::string();
+               },
+               ""});
 }
 
 /// Refuses the value of a variable that is not set.
@@ -133,6 +145,19 @@ void refuse_empty_values(CLI::App& app) {
                    ""});
   }
   for (CLI::App* verb : app.get_subcommands([](CLI::App*) { return true; })) refuse_empty_values(*verb);
+}
+
+void require_positive(CLI::Option& option) {
+  option.check({[](const std::string& value) {
+                  double number = 0;
+                  const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
+                  const bool is_positive =
+                      error == std::errc{} && end == value.data() + value.size() && number > 0 && std::isfinite(number);
+                  return is_positive
+                             ? std::string()
+                             : fmt::format("'{}' is no number; allowed: a number above 0", sim::printable(value));
+                },
+                ""});
 }
 
 void refuse_negative(CLI::Option& option) {

@@ -45,5 +45,7 @@ void add_progress_option(CLI::App& verb, std::string& progress);
 void refuse_empty_values(CLI::App& app);
 /// Refuses a negative number, which CLI11 takes for a huge one.
 void refuse_negative(CLI::Option& option);
+/// Refuses values that are no finite number above 0.
+void require_positive(CLI::Option& option);
 
 }  // namespace tools

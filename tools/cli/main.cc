@@ -66,8 +66,33 @@ std::string unknown_option(const CLI::App& verb) {
     for (const std::string& name : each->get_lnames()) known.push_back("--" + name);
   }
   const std::string asked = option->substr(0, option->find('='));
+  if (verb.get_parent() == nullptr) {
+    // "raywatt --resolution 64x32": the option of a verb that is missing.
+    for (const CLI::App* sub : verb.get_subcommands([](const CLI::App*) { return true; })) {
+      if (sub->get_option_no_throw(asked) == nullptr) continue;
+      return fmt::format("'{0}' is an option of a verb; allowed: raywatt {1} {0} ...", sim::printable(asked),
+                         sub->get_name());
+    }
+  }
   return fmt::format("unknown option '{}'{}; see {} --help", sim::printable(asked), traces::did_you_mean(asked, known),
                      command(verb));
+}
+
+/// "report needs DIR (folder of a run ...)" if a required argument is missing.
+std::string missing_argument(const CLI::App& verb) {
+  for (const CLI::Option* option : verb.get_options()) {
+    if (!option->get_required() || option->count() != 0) continue;
+    const std::string& about = option->get_description();
+    return fmt::format("{} needs {}: {}; see {} --help", command(verb), option->get_name(),
+                       sim::printable(about.substr(0, about.find('\n'))), command(verb));
+  }
+  return {};
+}
+
+/// What to type instead of "raywatt help run"; empty for other command lines.
+std::string help_as_word(const CLI::App& verb, int argc, char** argv) {
+  if (argc < 2 || std::string_view(argv[1]) != "help") return {};
+  return fmt::format("help is an option; allowed: {} --help", command(verb));
 }
 
 int run(int argc, char** argv) {
@@ -109,10 +134,14 @@ int run(int argc, char** argv) {
       return exit;
     }
     const CLI::App& verb = reached(app);
-    std::string unknown = unknown_verb(verb);
-    if (unknown.empty()) unknown = unknown_option(verb);
-    return complain(unknown.empty() ? fmt::format("{}; see {} --help", error.what(), command(verb)) : unknown,
-                    tools::kBadInput);
+    std::string problem = help_as_word(verb, argc, argv);
+    if (problem.empty()) problem = unknown_verb(verb);
+    if (problem.empty()) problem = unknown_option(verb);
+    if (problem.empty() && error.get_exit_code() == static_cast<int>(CLI::ExitCodes::RequiredError)) {
+      problem = missing_argument(verb);
+    }
+    if (problem.empty()) problem = fmt::format("{}; see {} --help", error.what(), command(verb));
+    return complain(problem, tools::kBadInput);
   }
   tools::flush_output();
   return exit;

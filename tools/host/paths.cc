@@ -144,6 +144,9 @@ fs::path find_config(const std::string& argument) {
   check_no_scene(argument);
   if (argument.find('/') != std::string::npos || argument.ends_with(".yaml")) return argument;
   if (const std::optional<fs::path> found = find_yaml(config_folders(), argument)) return *found;
+  if (argument.find('=') != std::string::npos) {
+    throw sim::InputError(fmt::format("'{0}' is a setting, not a configuration; allowed: --set {0}", sim::printable(argument)));
+  }
   const std::vector<std::string> names = config_names();
   throw sim::InputError(fmt::format("no configuration is called '{}'{}; {}; or give a path to a .yaml file",
                                     sim::printable(argument), what_was_meant(argument, names), known(names)));

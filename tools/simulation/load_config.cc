@@ -52,6 +52,17 @@ void check_scene_name(const std::string& name) {
     if (scene.name == name) return;
     names.push_back(scene.name);
   }
+  const std::filesystem::path path(name);
+  for (const char* extension : {".glb", ".gltf"}) {
+    std::error_code failed;
+    if (!std::filesystem::exists(name + extension, failed)) continue;
+    throw sim::InputError(fmt::format("no scene is called '{0}'; allowed: --scene {0}{1}", sim::printable(name), extension));
+  }
+  if (path.has_extension()) {
+    throw sim::InputError(
+        fmt::format("'{}' is no glTF file; allowed: .glb, .gltf; convert it first, e.g. with npx obj2gltf or Blender",
+                    sim::printable(name)));
+  }
   throw sim::InputError(
       fmt::format("no scene is called '{}'{}; built in, and workloads: {}; a file is given with its extension (.glb, "
                   ".gltf)",

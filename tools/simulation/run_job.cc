@@ -128,6 +128,9 @@ Inputs load_inputs(const RunConfig& config, std::uint32_t threads, Progress* pro
   in.scene.name = sim::with_escaped_bytes(in.scene.name);
   in.scene_sha256 = scene.sha256;
   in.warnings = scene.warnings;
+  if (in.frames() > 1 && scene.tracks.empty() && in.config.scene.camera_path == traces::CameraPath::kScene) {
+    in.warnings.emplace_back("all frames are equal: the scene has no animation; scene.camera_path=orbit moves the camera");
+  }
   phase("building the tree");
   in.image =
       traces::build_memory_image(scene, in.config.bvh, host_threads(threads), interrupted, in.config.render.mip_maps);

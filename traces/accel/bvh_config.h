@@ -44,6 +44,8 @@ struct BvhConfig {
           kFunction);
     field(NAMED(c.intersection_cost), "", "surface area heuristic: cost of a triangle", sim::between(0.01, 100),
           kFunction);
+    field.not_modelled("width", "every node has two children");
+    field.not_modelled("compression", "only bvh.numbers reduces the size of boxes");
     field(NAMED(c.update), "",
           "moving scenes: build the tree anew for each frame, or refit the boxes of the first frame's tree", sim::any(),
           kFunction);

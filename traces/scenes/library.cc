@@ -1,6 +1,7 @@
 #include "traces/scenes/library.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cstdlib>
 #include <filesystem>
 #include <optional>
@@ -32,7 +33,10 @@ std::optional<std::filesystem::path> find_in_path(const std::string& name) {
 }  // namespace
 
 bool is_scene_file(const std::string& text) {
-  return text.find('/') != std::string::npos || text.ends_with(".glb") || text.ends_with(".gltf");
+  if (text.find('/') != std::string::npos) return true;
+  std::string extension = std::filesystem::path(text).extension().string();
+  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension == ".glb" || extension == ".gltf";
 }
 
 std::filesystem::path scene_file(const std::string& name_or_path) {

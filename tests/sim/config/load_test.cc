@@ -67,7 +67,7 @@ TEST(Extends, LooksBesideTheFileThenAlongTheSearchPath) {
   ConfigHarness b;
   b.file("share/base.yaml", "seed: 2\nl2: {extends: caches/big}\n").file("share/caches/big.yaml", "size: 1 MiB\n");
   EXPECT_EQ(b.error("extends: base\n"),
-            "a.yaml:1:10: extends: no configuration file 'base' in " + b.folder().path().string());
+            "a.yaml:1:10: extends: no configuration file 'base'");
   set_config_search_path({b.folder().path() / "none", b.folder().path() / "share"});
   EXPECT_EQ(b.load("extends: base\n").l2.size.bytes, 1024U * 1024);
   b.file("base.yaml", "seed: 3\n");
@@ -130,14 +130,14 @@ TEST(Sets, ErrorsNameTheArgument) {
   EXPECT_EQ(b.error("seed: 1\n", {"unit.rays=l33t"}),
             "--set unit.rays=l33t: unit.rays: 'l33t' is not a whole number; allowed: 1 to 64 rays");
   EXPECT_EQ(b.error("seed: 1\n", {"rays=1"}), "--set rays=1: rays: unknown key 'rays'; did you mean 'unit.rays'?");
-  EXPECT_EQ(b.error("seed: 1\n", {"seed"}), "--set seed: allowed: key=value");
-  EXPECT_EQ(b.error("seed: 1\n", {"=1"}), "--set =1: allowed: key=value");
+  EXPECT_EQ(b.error("seed: 1\n", {"seed"}), "--set seed: allowed: key=value, e.g. --set cores=2");
+  EXPECT_EQ(b.error("seed: 1\n", {"=1"}), "--set =1: allowed: key=value, e.g. --set cores=2");
   EXPECT_EQ(b.error("seed: 1\n", {"seed.x=1"}), "--set seed.x=1: seed.x: 'seed' is one value, without keys inside");
   EXPECT_EQ(b.error("seed: 1\n", {"unit=1"}), "--set unit=1: unit: is a group of fields; allowed: a mapping");
   EXPECT_EQ(b.error("seed: 1\n", {"unit={rays: 1, rays: 2}"}),
             "--set unit={rays: 1, rays: 2}:1:11: the key 'rays' is given twice");
   EXPECT_EQ(b.error("seed: 1\n", {"l2.ways=3"}), "--set l2.ways=3: l2.size: is no whole number of sets");
-  EXPECT_EQ(b.error("seed: 1\n", {"l2.extends=x"}), "--set l2.extends=x: l2.extends: no configuration file 'x' in .");
+  EXPECT_EQ(b.error("seed: 1\n", {"l2.extends=x"}), "--set l2.extends=x: l2.extends: no configuration file 'x'");
 }
 
 TEST(ApplySets, ChangesAConfigurationInPlace) {

@@ -136,7 +136,8 @@ TEST(BadConfig, SetOfAValueThatDoesNotFitTheOthers) {
 }
 
 TEST(BadConfig, SetWithoutAValue) {
-  for (const char* set : {"", "=", "=1", "cores"}) expect_set_refused(set, {"allowed: key=value"});
+  for (const char* set : {"", "=", "=1"}) expect_set_refused(set, {"allowed: key=value"});
+  expect_set_refused("cores", {"'cores' has no value; allowed: KEY=VALUE, e.g. --set cores=2"});
 }
 
 }  // namespace

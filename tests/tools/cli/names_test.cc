@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/tools/program.h"
+#include "tests/traces/scene/tiny_gltf_file.h"
 
 // Names that are not there get the nearest one; what does nothing, or more than was asked for, is said.
 
@@ -50,6 +51,42 @@ TEST(Names, GetTheNearestOneOfTheirKind) {
   expect_nearest({"kernels", "show", "shade_difuse"}, "shade_diffuse");
   expect_nearest({"sweep", "run", "trv-croes"}, "trv-cores");
   expect_nearest({"optimise", "optimise-croes"}, "optimise-cores");
+}
+
+TEST(Refusals, SayWhatToTypeInstead) {
+  const TempFolder folder;
+  folder.write("mine.glb", TinyGltf().glb());
+  const Surroundings here{folder.path(), {}, 0, {}};
+  const auto refused = [&](const Words& arguments, const Words& parts) {
+    expect_refusal(raywatt(arguments, here), parts);
+  };
+  refused({"run", "--set", "cores", "2"}, {"--set: 'cores' has no value; allowed: KEY=VALUE, e.g. --set cores=2"});
+  refused({"run", "--set", "cores=2", "tni.trvs=2"}, {"'tni.trvs=2' is a setting", "--set tni.trvs=2"});
+  refused({"config", "show", "--set", "cores=-1"}, {"cores: '-1' is out of range; allowed: 1 to 64 cores"});
+  refused({"config", "show", "--set", "dram.extends=lpddr9"},
+          {"no configuration file 'lpddr9'", "known: lpddr3-1600, lpddr4-3200, "});
+  refused({"config", "show", "--set", "bvh.width=8"}, {"bvh.width: is not modelled", "docs/design/not-modelled.md"});
+  refused({"run", "--scene", "chess.obj"}, {"'chess.obj' is no glTF file; allowed: .glb, .gltf; convert it first"});
+  refused({"run", "--scene", "mine"}, {"no scene is called 'mine'; allowed: --scene mine.glb"});
+  refused({"dvfs", "--fps", "abc"}, {"--fps: 'abc' is no number; allowed: a number above 0"});
+  refused({"report"}, {"raywatt report needs what: folder of a run"});
+  refused({"trace", "record"}, {"raywatt trace record needs arguments: [CONFIG] FILE"});
+  refused({"help", "run"}, {"help is an option; allowed: raywatt run --help"});
+  refused({"help"}, {"help is an option; allowed: raywatt --help"});
+  refused({"--resolution", "64x32"}, {"'--resolution' is an option of a verb; allowed: raywatt run --resolution ..."});
+  EXPECT_EQ(names_in(folder.path()), Words{"mine.glb"});
+}
+
+TEST(Names, OfSceneFilesMayBeInCapitals) {
+  const TempFolder folder;
+  folder.write("BOX.GLB", TinyGltf().glb());
+  ending_well({"scenes", "info", "BOX.GLB"}, {folder.path(), {}, 0, {}});
+}
+
+TEST(Frames, OfASceneWithoutAnimationAreSaidToBeEqual) {
+  const TempFolder folder;
+  const Ending ending = ending_well(small_run(folder.path() / "out", {"--frames", "0:1"}));
+  EXPECT_SAYS(ending.err, "warning: all frames are equal: the scene has no animation");
 }
 
 TEST(Names, OfExperimentsAreBareOnes) {

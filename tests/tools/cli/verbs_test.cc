@@ -146,6 +146,12 @@ TEST(Camera, IsChosenByNameOrIndex) {
   EXPECT_NE(picture({"--camera", "near"}), picture({"--camera", "far"}));
 }
 
+TEST(ConfigManual, IsThePageInTheDocumentation) {
+  const std::string page = read_bytes("docs/manual.md"), mark = "<!-- generated -->\n\n";
+  ASSERT_NE(page.find(mark), std::string::npos);
+  EXPECT_EQ(page.substr(page.find(mark) + mark.size()), output_of({"config", "manual"})) << "docs/refresh writes it";
+}
+
 TEST(LookUp, FindsConfigurationsAndScenesInTheFoldersOfRaywattPath) {
   const TempFolder first, second;
   second.write("mine.yaml", "extends: sgrt-2016\ncores: 3\n");
