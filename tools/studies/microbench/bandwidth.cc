@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include "tools/host/paths.h"
 #include "tools/studies/microbench/benchmark.h"
 #include "tools/studies/microbench/memory_forms.h"
 #include "tools/studies/microbench/memory_side.h"
@@ -53,9 +52,7 @@ Figure figure_of(const hw::GpuConfig& config, bool random) {
 Findings measure(const JobOptions& job, bool all_grades) {
   std::vector<hw::GpuConfig> machines;
   if (!all_grades) machines.push_back(real_machine(job).gpu);
-  for (const std::string& grade : all_grades ? config_names_in("dram") : std::vector<std::string>{}) {
-    JobOptions of_grade = job;
-    of_grade.sets.insert(of_grade.sets.begin(), "dram.extends=" + grade);
+  for (const JobOptions& of_grade : all_grades ? jobs_of_all_grades(job) : std::vector<JobOptions>{}) {
     machines.push_back(real_machine(of_grade).gpu);
   }
   Findings found{"lines read through the L2", {}};

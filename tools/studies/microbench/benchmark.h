@@ -48,6 +48,8 @@ BenchmarkOption json_option();
 
 /// The configured machine without ideal resources: what costs no time has no figure.
 RunConfig real_machine(const JobOptions& job);
+/// The job on each grade in configs/dram. InputError if it sets the grade itself.
+std::vector<JobOptions> jobs_of_all_grades(const JobOptions& job);
 
 /// Line after line once a unit is busy: the mean rate, per second, between the first tenth and the last of these
 /// moments (in fs, in any order).

@@ -7,10 +7,10 @@
 
 #include "hw_models/dram/dram_energy.h"
 #include "hw_models/dram/dram_measurements.h"
+#include "sim/error.h"
 #include "sim/report/conversions.h"
 #include "sim/report/report_json.h"
 #include "sim/report/table.h"
-#include "tools/host/paths.h"
 #include "tools/simulation/load_config.h"
 #include "tools/studies/microbench/benchmark.h"
 #include "tools/studies/microbench/dram_stream.h"
@@ -176,9 +176,7 @@ void add(Findings& findings, const std::string& prefix, const std::vector<hw::Dr
 /// Energy of every grade in configs/dram, a channel each.
 Findings energies_of_grades(const BenchmarkJob& job) {
   Findings findings{"energy of a channel of each grade", {}};
-  for (const std::string& grade : config_names_in("dram")) {
-    JobOptions of_grade = job.machine;
-    of_grade.sets.insert(of_grade.sets.begin(), "dram.extends=" + grade);
+  for (const JobOptions& of_grade : jobs_of_all_grades(job.machine)) {
     const hw::DramConfig config = memory_of(job, of_grade);
     add(findings, config.grade + ", ", hw::dram_energy_measurements(config));
   }
@@ -186,6 +184,9 @@ Findings energies_of_grades(const BenchmarkJob& job) {
 }
 
 Findings measure(const BenchmarkJob& job) {
+  if (job.all_grades && !job.stream.empty()) {
+    throw sim::InputError("--all-grades does not go with --stream; allowed: one of them");
+  }
   if (job.all_grades) return energies_of_grades(job);
   const hw::DramConfig config = memory_of(job, job.machine);
   if (job.stream.empty()) {
