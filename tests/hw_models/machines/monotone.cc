@@ -22,7 +22,7 @@ const Improvement& improvement_of(std::uint64_t seed) { return kImprovements[see
 namespace {
 
 constexpr KnownSlower kKnownSlower[] = {
-    {"cornell", 3, 5.29},     // l2.mshrs
+    {"cornell", 6, 1.02},     // srp.data_cache.size
     {"cornell", 17, 1.34},    // dram.channels
     {"cornell", 27, 2.98},    // tni.trv.l1.mshrs
     {"cornell", 31, 1.30},    // tni.trv.l1.size

@@ -59,7 +59,7 @@ TEST(Streams, TheTableGoesToStdoutAndIntoAFile) {
 TEST(Streams, WarningsGoToStderr) {
   const TempFolder folder;
   TinyGltf file;
-  file.material()["pbrMetallicRoughness"]["baseColorFactor"] = {1, 1};
+  file.json["extensionsUsed"] = {"KHR_materials_pbrSpecularGlossiness"};
   const std::string scene = folder.write("warned.gltf", file.text()).string();
   const Ending ending = raywatt(small_run(folder.path() / "out", {"--scene", scene}));
   EXPECT_EQ(ending.exit, 0);
@@ -128,6 +128,7 @@ TEST(Extends, ListsOnlyWhatDiffers) {
 TEST(Camera, IsChosenByNameOrIndex) {
   const TempFolder folder;
   TinyGltf file;
+  file.material()["doubleSided"] = true;
   file.json["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 0.8}, {"znear", 0.1}}}}};
   for (const auto& [name, distance] : {std::pair{"near", 2}, std::pair{"far", 9}}) {
     file.json["nodes"].push_back({{"name", name}, {"camera", 0}, {"translation", {0.3, 0.3, distance}}});

@@ -17,7 +17,7 @@ class Runs : public testing::Test {
   void run(const std::string& name) const {
     static const std::map<std::string, Words> kMore = {{"base", {}},
                                                        {"same", {}},
-                                                       {"ports", {"--set", "srp.array.cache_ports=2"}},
+                                                       {"ports", {"--set", "srp.switch_cycles=16"}},
                                                        {"slow-l2", {"--set", "l2.hit_cycles=40"}},
                                                        {"teapot", {"--scene", "teapot"}},
                                                        {"larger", {"--resolution", "48x32"}},

@@ -33,7 +33,7 @@ class Pages : public testing::Test {
           ports = {"run", "--quiet", "--threads", "1", "-o", "ports"};
     base.insert(base.end(), small.begin(), small.end());
     ports.insert(ports.end(), small.begin(), small.end());
-    ports.insert(ports.end(), {"--set", "srp.array.cache_ports=2"});
+    ports.insert(ports.end(), {"--set", "tni.trvs=2"});
     ASSERT_EQ(in_folder(base).exit, 0);
     ASSERT_EQ(in_folder(ports).exit, 0);
     folder->write("sweep.yaml",
@@ -125,7 +125,7 @@ TEST_F(Pages, OfTwoRunsGoFromOneToTheOtherWithoutAGap) {
   EXPECT_EQ(to.back(), b);
   for (std::size_t i = 1; i + 1 < to.size(); ++i) EXPECT_NEAR(from[i].get<double>(), to[i - 1].get<double>(), 1e-6 * a);
   EXPECT_NEAR(to[to.size() - 2].get<double>(), b, 1e-6 * a);
-  EXPECT_EQ(column(view, "keys", "key"), std::vector<Json>{"srp.array.cache_ports"});
+  EXPECT_EQ(column(view, "keys", "key"), std::vector<Json>{"tni.trvs"});
 }
 
 TEST_F(Pages, OfSeveralFramesHaveTheDebugPicturesOfTheFirstWhateverItsNumber) {
