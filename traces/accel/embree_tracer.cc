@@ -95,7 +95,7 @@ void keep_best(const RTCFilterFunctionNArguments* arguments) {
   const std::uint32_t instance = levels ? hit.instID[0] : 0;
   const std::uint32_t first = levels ? query.image->trees[query.image->tree_of[instance]].first_triangle : 0;
   if (!query.is_there(instance, first + hit.primID)) {
-    arguments->valid[0] = 0;  // Embree goes on behind it
+    arguments->valid[0] = 0;  // Embree continues after this triangle
     return;
   }
   query.offer({ray.tfar, hit.u, hit.v, first + hit.primID}, instance);

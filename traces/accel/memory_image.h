@@ -59,17 +59,16 @@ struct alignas(64) InstanceRecord {
 };
 static_assert(sizeof(InstanceRecord) == 64);
 
-// In TriangleRecord::material: a ray that sees the triangle's corners run that way passes through it. The first phase
-// of the intersection test says so, with the sign of the plane's slope along the ray.
+// Culled faces in TriangleRecord::material: a ray that sees the corners in that order passes through the triangle. The
+// first phase of the intersection test decides it by the sign of the plane's slope along the ray.
 inline constexpr std::uint32_t kNoClockwise = 1U << 29, kNoCounterClockwise = 1U << 28;
-inline constexpr std::uint32_t kMaterialMask = kNoCounterClockwise - 1;
 
 /// Triangle for the intersection unit: 48 bytes, three vertices and what a hit must say without another fetch.
 struct TriangleRecord {
   glm::vec3 v0, v1, v2;
   std::uint32_t object;    ///< object id: index of the instance, with kFocusObject above it; 0 if that is for
                            ///< InstanceRecord to say
-  std::uint32_t material;  ///< with the faces that it has not and the flags of ray.h above it
+  std::uint32_t material;  ///< index; above it the culled faces and the flags of ray.h
   std::uint32_t source;  ///< index of the triangle before leaf order (instance by instance; in two levels: in its mesh)
   std::uint32_t flags() const { return material & ~kTriangleMask; }
 };

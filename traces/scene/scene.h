@@ -106,7 +106,7 @@ struct Material {
   float opacity = 1;  ///< alpha, times the base texture's and the vertex colours'
   float alpha_cutoff = 0.5F;
   glm::vec3 absorption{0};   ///< per unit of length inside: light falls with exp(-absorption x length)
-  bool double_sided = true;  ///< false: rays pass through back faces, but for those of a material that transmits
+  bool double_sided = true;  ///< false: rays pass through back faces, unless the material transmits
   bool casts_light = true;   ///< an emission of 1 or more makes a light (not so for glTF's unlit surfaces)
 };
 

@@ -12,7 +12,8 @@
 namespace traces::gltf {
 namespace {
 
-/// Decodes percent escapes. Sets `is_good` to false if a percent sign lacks two hexadecimal digits, and keeps that sign.
+/// Decodes percent escapes. Sets `is_good` to false if a percent sign lacks two hexadecimal digits, and keeps that
+/// sign.
 std::string decode_percent(std::string_view text, bool& is_good) {
   std::string out;
   out.reserve(text.size());
@@ -67,8 +68,7 @@ std::string fault_of_header(std::string_view header, bool& is_base64) {
   return {};
 }
 
-/// Replaces the text by the bytes it stands for; returns what is wrong with it, or nothing. The '=' at the end may be
-/// left out.
+/// Decodes base64 in place; returns the fault, or an empty text. The '=' at the end may be left out.
 std::string decode_base64(std::string& text) {
   while (text.ends_with('=')) text.pop_back();
   const std::size_t size = text.size();

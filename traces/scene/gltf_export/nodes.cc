@@ -33,7 +33,7 @@ std::vector<std::uint32_t> roots_of(const Scene& scene) {
   return roots;
 }
 
-/// Puts all roots below one, but for skinned meshes, which nothing above them may seem to place.
+/// Puts all roots below one node, except skinned meshes: a parent's transform has no effect on them.
 void join_roots(Document& out) {
   std::vector<int>& roots = out.model.scenes[0].nodes;
   const auto joined = std::ranges::stable_partition(
