@@ -87,7 +87,7 @@ endfunction()
 # raywatt_test_program(NAME sources...): all of them share what the first precompiles.
 function(raywatt_test_program name)
   add_executable(${name} ${ARGN})
-  target_link_libraries(${name} PRIVATE raywatt_options GTest::gtest_main)
+  target_link_libraries(${name} PRIVATE raywatt_options GTest::gtest_main nlohmann_json::nlohmann_json)
   raywatt_light(${name})
   raywatt_joined(${name})
   if(name STREQUAL test_sim)

@@ -1,21 +1,21 @@
 #pragma once
-#include <nlohmann/json.hpp>
 
 #include "sim/config/config_tree.h"
 #include "sim/config/describe.h"
+#include "sim/io/json.h"
 
 namespace sim {
 
 /// A JSON Schema (draft 2020-12) of the configuration files of this type.
 template <class Config>
-nlohmann::json config_schema() {
+Json config_schema() {
   Config defaults;
   return schema_of(config_tree(defaults));
 }
 
 /// The configuration as nested objects: numbers as numbers, quantities as the texts that a file has ("500 MHz").
 template <class Config>
-nlohmann::json config_json(const Config& config) {
+Json config_json(const Config& config) {
   Config copy = config;
   return json_of(config_tree(copy));
 }

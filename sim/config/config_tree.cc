@@ -81,6 +81,13 @@ void check_rules(const ConfigNode& group, std::string_view origin) {
 
 }  // namespace
 
+ConfigNode::ConfigNode() = default;
+ConfigNode::~ConfigNode() = default;
+ConfigNode::ConfigNode(const ConfigNode&) = default;
+ConfigNode::ConfigNode(ConfigNode&&) noexcept = default;
+ConfigNode& ConfigNode::operator=(const ConfigNode&) = default;
+ConfigNode& ConfigNode::operator=(ConfigNode&&) noexcept = default;
+
 const ConfigNode* ConfigNode::child(std::string_view name) const {
   const auto found = std::ranges::find(children, name, &ConfigNode::key);
   return found == children.end() ? nullptr : &*found;

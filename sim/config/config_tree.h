@@ -57,17 +57,25 @@ inline constexpr std::size_t kNearestFile = 16;  ///< ConfigNode::nearness of a 
 
 /// One field or group of a configuration, bound to one instance of its struct, which must outlive it.
 struct ConfigNode {
+  // Defined once, in config_tree.cc: those of `target` take long to compile.
+  ConfigNode();
+  ~ConfigNode();
+  ConfigNode(const ConfigNode&);
+  ConfigNode(ConfigNode&&) noexcept;
+  ConfigNode& operator=(const ConfigNode&);
+  ConfigNode& operator=(ConfigNode&&) noexcept;
+
   std::string key;
   std::string path;  ///< from the root, keys joined by dots
   std::string unit;
   std::string meaning;
   Limits limits;
   Affects affects = Affects::kTiming;
-  std::optional<Target> target;                ///< a field's member; none for a group
-  std::vector<ConfigNode> children;            ///< a group's fields and groups, as declared
-  std::function<void(const Complain&)> check;  ///< a group's own rules; empty if it has none
+  std::optional<Target> target;                                  ///< a field's member; none for a group
+  std::vector<ConfigNode> children;                              ///< a group's fields and groups, as declared
+  std::function<void(const Complain&)> check;                    ///< a group's own rules; empty if it has none
   std::map<std::string, std::string, std::less<>> not_modelled;  ///< a group's keys that do not exist, and why
-  std::string origin;                          ///< where its value was given last (kSetOrigin); empty for a default
+  std::string origin;        ///< where its value was given last (kSetOrigin); empty for a default
   std::size_t nearness = 0;  ///< origin, as the user sees it: a file is nearer than those it extends, --set nearest
 
   bool is_group() const { return !target.has_value(); }

@@ -1,9 +1,9 @@
 #include "sim/config/describe.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/config/value.h"
+#include "sim/io/json.h"
 #include "sim/io/printable.h"
 
 namespace sim {
@@ -23,11 +23,11 @@ void collect(const ConfigNode& group, std::vector<FieldInfo>& fields) {
   }
 }
 
-nlohmann::json spread_json(const Spread& spread) {
+Json spread_json(const Spread& spread) {
   return {{"low", spread.low}, {"nominal", spread.nominal}, {"high", spread.high}};
 }
 
-nlohmann::json value_json(const ConfigNode& field) {
+Json value_json(const ConfigNode& field) {
   switch (field.kind()) {
     case FieldKind::kBool:
       return *std::get<bool*>(*field.target);
@@ -47,7 +47,7 @@ nlohmann::json value_json(const ConfigNode& field) {
     case FieldKind::kSpread:
       return spread_json(*std::get<Spread*>(*field.target));
     case FieldKind::kSpreadMap: {
-      nlohmann::json map = nlohmann::json::object();
+      Json map = Json::object();
       for (const auto& [name, spread] : *std::get<std::map<std::string, Spread>*>(*field.target)) {
         map[name] = spread_json(spread);
       }
@@ -99,9 +99,10 @@ std::vector<FieldInfo> fields_of(const ConfigNode& root) {
   return fields;
 }
 
-nlohmann::json json_of(const ConfigNode& root) {
-  nlohmann::json json = nlohmann::json::object();
+Json json_of(const ConfigNode& root) {
+  Json json = Json::object();
   for (const ConfigNode& node : root.children) json[node.key] = node.is_group() ? json_of(node) : value_json(node);
+  json.sort_keys();
   return json;
 }
 

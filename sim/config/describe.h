@@ -3,9 +3,8 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "sim/config/config_tree.h"
+#include "sim/io/json.h"
 
 namespace sim {
 
@@ -27,8 +26,8 @@ enum class Comments : std::uint8_t { kOff, kOn };
 std::string dump_tree(const ConfigNode& root, Comments comments, std::optional<Affects> only = {});
 std::string hash_tree(const ConfigNode& root, std::optional<Affects> only);
 std::vector<FieldInfo> fields_of(const ConfigNode& root);
-nlohmann::json json_of(const ConfigNode& root);
-nlohmann::json schema_of(const ConfigNode& root);
+Json json_of(const ConfigNode& root);
+Json schema_of(const ConfigNode& root);
 std::string manual_of(const ConfigNode& root);
 
 }  // namespace sim

@@ -1,16 +1,14 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/config/describe.h"
 #include "sim/config/quantity.h"
 #include "sim/config/value.h"
+#include "sim/io/json.h"
 
 namespace sim {
 namespace {
-
-using Json = nlohmann::json;
 
 /// A character that has a meaning in regular expressions gets a backslash.
 std::string literal(std::string_view text) {
@@ -103,9 +101,10 @@ Json group_schema(const ConfigNode& group) {
 
 }  // namespace
 
-nlohmann::json schema_of(const ConfigNode& root) {
+Json schema_of(const ConfigNode& root) {
   Json schema = group_schema(root);
   schema["$schema"] = "https://json-schema.org/draft/2020-12/schema";
+  schema.sort_keys();
   return schema;
 }
 

@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/config/overloaded.h"
 #include "sim/config/quantity.h"
@@ -86,10 +85,7 @@ std::optional<bool> boolean_of_word(std::string_view word) {
   return {};
 }
 
-std::string double_quoted(std::string_view text) {
-  using Json = nlohmann::json;
-  return json_line(Json(with_escaped_bytes(text)));
-}
+std::string double_quoted(std::string_view text) { return json_line(Json(with_escaped_bytes(text))); }
 
 std::string key_text(std::string_view key) {
   constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.@";

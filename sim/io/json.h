@@ -1,14 +1,287 @@
 #pragma once
+#include <array>
+#include <concepts>
 #include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <iosfwd>
+#include <iterator>
+#include <map>
+#include <set>
+#include <span>
+#include <stdexcept>
 #include <string>
 #include <string_view>
-
-#include <nlohmann/json.hpp>
+#include <vector>
 
 namespace sim {
 
 /// Levels of any JSON file of ours.
 inline constexpr std::size_t kDeepestJson = 64;
+/// Keys of one object of a JSON file: several times what a report of the largest machine has in all its objects.
+inline constexpr std::size_t kMostJsonKeys = 250'000;
+
+/// A JSON value of another type than its reader expects, an absent key or element, or text that is not JSON.
+class JsonError : public std::runtime_error {
+ public:
+  enum class Kind : std::uint8_t { kSyntax, kNumberRange, kType, kKey, kIndex };
+
+  JsonError(Kind found, const std::string& what, std::size_t bytes = 0)
+      : std::runtime_error(what), kind(found), bytes_read(bytes) {}
+
+  Kind kind;
+  std::size_t bytes_read;  ///< kSyntax: up to the byte that is wrong, with it
+};
+
+/// An iterator over the elements of an array or the values of an object.
+template <class Value, class Entry>
+class JsonIterator {
+ public:
+  using iterator_category = std::forward_iterator_tag;
+  using value_type = std::remove_const_t<Value>;
+  using difference_type = std::ptrdiff_t;
+  using pointer = Value*;
+  using reference = Value&;
+
+  JsonIterator() = default;
+  explicit JsonIterator(Value* element) : element_(element) {}
+  explicit JsonIterator(Entry* entry) : entry_(entry) {}
+
+  Value& operator*() const { return entry_ != nullptr ? entry_->value : *element_; }
+  Value* operator->() const { return &**this; }
+  JsonIterator& operator++() {
+    if (entry_ != nullptr) {
+      ++entry_;
+    } else {
+      ++element_;
+    }
+    return *this;
+  }
+  JsonIterator operator++(int) {
+    JsonIterator before = *this;
+    ++*this;
+    return before;
+  }
+  bool operator==(const JsonIterator&) const = default;
+
+ private:
+  Value* element_ = nullptr;
+  Entry* entry_ = nullptr;
+};
+
+/// The place of a value in a tree: "/frames/0/cycles". "~1" is a '/' in a key and "~0" a '~'.
+class JsonPointer {
+ public:
+  explicit JsonPointer(std::string_view text);
+  const std::vector<std::string>& tokens() const { return tokens_; }
+
+ private:
+  std::vector<std::string> tokens_;
+};
+
+/// A JSON value. Objects keep the order in which their keys were added; finding a key takes logarithmic time.
+///
+/// A braced list is an object if each of its elements is a list of a text and a value, and an array otherwise. Of equal
+/// keys the first counts there. Functions throw JsonError for a value of the wrong type, an absent key or an absent
+/// element. Iteration visits the elements of an array, the values of an object, nothing of null, and any other value
+/// itself.
+class Json {
+ public:
+  enum class Type : std::uint8_t { kNull, kBoolean, kInteger, kUnsigned, kDouble, kString, kArray, kObject };
+  struct Entry;
+  using value_type = Json;
+  using iterator = JsonIterator<Json, Entry>;
+  using const_iterator = JsonIterator<const Json, const Entry>;
+
+  Json() = default;
+  Json(std::nullptr_t) {}
+  template <std::same_as<bool> T>
+  Json(T value) : type_(Type::kBoolean) {
+    value_.boolean = value;
+  }
+  template <std::signed_integral T>
+  Json(T value) : type_(Type::kInteger) {
+    value_.integer = value;
+  }
+  template <std::unsigned_integral T>
+  requires(!std::same_as<T, bool>) Json(T value) : type_(Type::kUnsigned) { value_.natural = value; }
+  template <std::floating_point T>
+  Json(T value) : type_(Type::kDouble) {
+    value_.real = static_cast<double>(value);
+  }
+  Json(const char* text);
+  Json(std::string text);
+  Json(std::string_view text);
+  Json(std::initializer_list<Json> list);
+  Json(std::vector<Json> elements);
+  template <class T>
+  Json(const std::vector<T>& values) : Json(array()) {
+    for (const T& value : values) push_back(value);
+  }
+  template <class T, std::size_t N>
+  Json(const std::array<T, N>& values) : Json(array()) {
+    for (const T& value : values) push_back(value);
+  }
+  template <class T, std::size_t N>
+  Json(std::span<T, N> values) : Json(array()) {
+    for (const T& value : values) push_back(value);
+  }
+  template <class T>
+  Json(const std::set<T>& values) : Json(array()) {
+    for (const T& value : values) push_back(value);
+  }
+  template <class T>
+  Json(const std::map<std::string, T>& values) : Json(object()) {
+    for (const auto& [key, value] : values) (*this)[key] = value;
+  }
+  Json(const Json& other);
+  Json(Json&& other) noexcept;
+  Json& operator=(Json other) noexcept;
+  ~Json();
+
+  static Json array() { return Json(Type::kArray); }
+  static Json array(std::initializer_list<Json> elements);
+  static Json object() { return Json(Type::kObject); }
+
+  bool is_null() const { return type_ == Type::kNull; }
+  bool is_boolean() const { return type_ == Type::kBoolean; }
+  bool is_number() const { return is_number_integer() || type_ == Type::kDouble; }
+  bool is_number_integer() const { return type_ == Type::kInteger || type_ == Type::kUnsigned; }
+  bool is_number_unsigned() const { return type_ == Type::kUnsigned; }
+  bool is_number_float() const { return type_ == Type::kDouble; }
+  bool is_string() const { return type_ == Type::kString; }
+  bool is_array() const { return type_ == Type::kArray; }
+  bool is_object() const { return type_ == Type::kObject; }
+  bool is_structured() const { return is_array() || is_object(); }
+
+  /// T: bool, a number, std::string, or a vector of std::string, double or std::uint64_t. Numbers are converted.
+  template <class T>
+  T get() const;
+  /// T: const std::string&, valid until the value changes.
+  template <class T>
+  T get_ref() const;
+
+  std::size_t size() const;  ///< 0 for null, 1 for what is no array or object
+  bool empty() const { return size() == 0; }
+  iterator begin();
+  iterator end();
+  const_iterator begin() const;
+  const_iterator end() const;
+  Json& front();
+  const Json& front() const;
+  Json& back();
+  const Json& back() const;
+
+  /// The entries of an object in their order; none of null. Keys must not be changed.
+  std::span<Entry> items();
+  std::span<const Entry> items() const;
+  bool contains(std::string_view key) const;
+  bool contains(const JsonPointer& pointer) const;
+  iterator find(std::string_view key);
+  const_iterator find(std::string_view key) const;
+
+  Json& at(std::string_view key);
+  const Json& at(std::string_view key) const;
+  Json& at(std::size_t index);
+  const Json& at(std::size_t index) const;
+  const Json& at(const JsonPointer& pointer) const;
+  /// Adds null if the key is absent; null itself becomes an object.
+  Json& operator[](std::string_view key);
+  Json& operator[](std::size_t index) { return at(index); }
+  /// Adds what is absent on the way: arrays for tokens of digits, objects for others.
+  Json& operator[](const JsonPointer& pointer);
+  const Json& operator[](std::string_view key) const { return at(key); }
+  const Json& operator[](std::size_t index) const { return at(index); }
+  const Json& operator[](const JsonPointer& pointer) const { return at(pointer); }
+
+  /// The value of a key of an object, converted as by get(), or `otherwise` if the key is absent.
+  template <class T>
+  T value(std::string_view key, T otherwise) const {
+    const Json* found = find_for_value(key);
+    return found != nullptr ? found->get<T>() : otherwise;
+  }
+  std::string value(std::string_view key, const char* otherwise) const { return value(key, std::string(otherwise)); }
+
+  /// Null becomes an array.
+  void push_back(Json element);
+  /// Sets the keys of another object; null becomes an object.
+  void update(const Json& other);
+  /// Removes a key, if it is there. Takes time proportional to the number of keys.
+  void erase(std::string_view key);
+  /// Sorts the keys of all objects of the tree by their bytes.
+  void sort_keys();
+  /// An object of all values of the tree that are no array or object, or are empty, by the texts of their pointers.
+  Json flatten() const;
+
+  /// Numbers are equal by value, objects if their entries are in the same order.
+  friend bool operator==(const Json& a, const Json& b) { return a.equals(b); }
+
+ private:
+  friend class JsonBuilder;
+  struct Object;
+  union Value {
+    bool boolean;
+    std::int64_t integer;
+    std::uint64_t natural = 0;
+    double real;
+    std::string* text;
+    std::vector<Json>* elements;
+    Object* object;
+  };
+
+  explicit Json(Type type);
+  [[noreturn]] void refuse(int number, const char* what) const;
+  Json take() const noexcept;  ///< of an element of a braced list, which is used once
+  bool equals(const Json& other) const;
+  const Json* find_value(std::string_view key) const;
+  const Json* find_for_value(std::string_view key) const;
+  const Json* find_at(const JsonPointer& pointer) const;
+  Json& add(std::string key);
+  template <class T>
+  T number() const;
+  template <class T>
+  std::vector<T> list() const;
+
+  // Mutable, so that the elements of a braced list, which are const, can be moved instead of copied. Nothing else
+  // changes a const value.
+  mutable Type type_ = Type::kNull;
+  mutable Value value_;
+};
+
+struct Json::Entry {
+  std::string key;
+  Json value;
+};
+
+template <>
+bool Json::get() const;
+template <>
+int Json::get() const;
+template <>
+std::uint32_t Json::get() const;
+template <>
+std::int64_t Json::get() const;
+template <>
+std::uint64_t Json::get() const;
+template <>
+float Json::get() const;
+template <>
+double Json::get() const;
+template <>
+std::string Json::get() const;
+template <>
+Json Json::get() const;
+template <>
+std::vector<std::string> Json::get() const;
+template <>
+std::vector<double> Json::get() const;
+template <>
+std::vector<std::uint64_t> Json::get() const;
+template <>
+const std::string& Json::get_ref() const;
+
+/// The JSON as a line, for test messages.
+std::ostream& operator<<(std::ostream& out, const Json& json);
 
 /// Does the JSON nest objects and lists deeper than that? Whoever walks through it, the parser's own values too, takes
 /// a frame of the stack for each level. Text that is no JSON may give either answer.
@@ -18,28 +291,34 @@ bool is_nested_deeper(std::string_view json, std::size_t levels);
 void check_json_depth(std::string_view json, std::size_t levels = kDeepestJson);
 
 /// JSON as a line, and as text of many lines. Bytes that are no UTF-8 become U+FFFD: nothing that has been found is
-/// lost for a name's sake (printable.h has with_escaped_bytes).
-template <class Json>
-std::string json_line(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-template <class Json>
-std::string json_lines(const Json& json) {
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
+/// lost for a name's sake (printable.h has with_escaped_bytes). Numbers are the shortest that read back exactly.
+std::string json_line(const Json& json);
+std::string json_lines(const Json& json);
 
-/// JSON from outside. InputError as check_json_depth(); nlohmann's exceptions for text that is no JSON.
-template <class Json>
-Json parse_json(std::string_view text, std::size_t levels = kDeepestJson) {
-  check_json_depth(text, levels);
-  return Json::parse(text);
-}
+/// Parses JSON from outside. The last of equal keys counts, at the place of the first. InputError as check_json_depth()
+/// and for an object of more than kMostJsonKeys keys; JsonError for text that is not JSON.
+Json parse_json(std::string_view text, std::size_t levels = kDeepestJson);
+/// Parses the next value of a stream, whose depth its reader has checked; other errors as above.
+Json parse_json(std::istream& text);
 
-/// Hands JSON from outside to a reader of nlohmann's events, piece by piece; complaints as parse_json().
-template <class Json, class Reader>
-void scan_json(std::string_view text, Reader& reader) {
-  check_json_depth(text);
-  Json::sax_parse(text.begin(), text.end(), &reader);
-}
+/// Receives JSON piece by piece, in the order of the text. A function that returns false ends the reading.
+class JsonReader {
+ public:
+  virtual ~JsonReader() = default;
+  virtual bool null() = 0;
+  virtual bool boolean(bool value) = 0;
+  virtual bool integer(std::int64_t value) = 0;  ///< below 0
+  virtual bool natural(std::uint64_t value) = 0;
+  virtual bool real(double value) = 0;
+  virtual bool text(std::string& value) = 0;
+  virtual bool key(std::string& name) = 0;
+  virtual bool begin_object() = 0;
+  virtual bool end_object() = 0;
+  virtual bool begin_array() = 0;
+  virtual bool end_array() = 0;
+};
+
+/// Hands JSON from outside to a reader; errors as parse_json(), without the limit of keys.
+void scan_json(std::string_view text, JsonReader& reader);
 
 }  // namespace sim

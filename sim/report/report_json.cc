@@ -2,14 +2,11 @@
 
 #include <string_view>
 
-#include <nlohmann/json.hpp>
-
 #include "sim/io/json.h"
 
 namespace sim {
 namespace {
 
-using Json = nlohmann::ordered_json;
 constexpr double kMillijoulesPerPicojoule = 1e-9;
 
 Json& at_path(Json& tree, std::string_view path) {

@@ -18,11 +18,10 @@ tools::Stretch nothing() {
 }
 
 void there_and_back(std::string_view text) {
-  using Json = nlohmann::ordered_json;
   try {
-    const Json written = tools::slice_json(tools::read_slice(sim::parse_json<Json>(text), nothing()));
+    const sim::Json written = tools::slice_json(tools::read_slice(sim::parse_json(text), nothing()));
     if (tools::slice_json(tools::read_slice(written, nothing())) != written) std::abort();
-  } catch (const Json::exception&) {  // text that is no JSON, which the store's checksum does not let through
+  } catch (const sim::JsonError&) {  // text that is no JSON, which the store's checksum does not let through
   }
 }
 

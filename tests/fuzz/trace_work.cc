@@ -15,7 +15,7 @@
 
 namespace {
 
-using traces::Json;
+using Json = nlohmann::ordered_json;
 using Parts = std::vector<std::string>;
 
 Parts split(std::string_view bytes) {

@@ -5,7 +5,6 @@
 #include <string>
 
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/report/report_json.h"
 #include "tests/param_name.h"
@@ -17,7 +16,7 @@
 namespace tools {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using sim::Json;
 
 struct Case {
   const char* name;
@@ -68,10 +67,12 @@ std::string difference(const Json& was, const Json& is, const std::string& path 
   const bool same = was.is_number_float()
                         ? std::abs(was.get<double>() - is.get<double>()) <= 1e-9 * std::abs(was.get<double>())
                         : was == is;
-  return same ? "" : path + " was " + was.dump() + ", is " + is.dump() + "\n";
+  return same ? "" : path + " was " + sim::json_line(was) + ", is " + sim::json_line(is) + "\n";
 }
 
-std::string case_name(const testing::TestParamInfo<Case>& parameter) { return ::test::name_of_text(parameter.param.name); }
+std::string case_name(const testing::TestParamInfo<Case>& parameter) {
+  return ::test::name_of_text(parameter.param.name);
+}
 
 class Golden : public testing::TestWithParam<Case> {};
 
@@ -82,7 +83,7 @@ TEST_P(Golden, RunHasNotMovedByACounter) {
   if (std::getenv("RAYWATT_ACCEPT") != nullptr) std::ofstream(file) << sim::json_text(now);
   std::ifstream in(file);
   ASSERT_TRUE(in) << file << " is missing; make it with RAYWATT_ACCEPT=1";
-  EXPECT_EQ(difference(Json::parse(in), now), "");
+  EXPECT_EQ(difference(sim::parse_json(in), now), "");
 }
 
 INSTANTIATE_TEST_SUITE_P(Runs, Golden,

@@ -1,16 +1,15 @@
 #include "tools/analysis/cost_totals.h"
 
-#include <nlohmann/json.hpp>
-
+#include "sim/io/json.h"
 #include "sim/report/conversions.h"
 #include "sim/report/report_json.h"
 
 namespace tools {
 
-nlohmann::ordered_json energy_totals_json(const sim::EnergyReport& energy, const WorkDone& work) {
+sim::Json energy_totals_json(const sim::EnergyReport& energy, const WorkDone& work) {
   const double mj = energy.total_pj.nominal / sim::kPicojoulesPerMillijoule;
   const double tni_mj = energy.blocks.at("tni").total().nominal / sim::kPicojoulesPerMillijoule;
-  nlohmann::ordered_json out = sim::energy_json(energy);
+  sim::Json out = sim::energy_json(energy);
   out["power_w"] = sim::spread_json(energy.total_pj * (1 / (sim::kPicojoulesPerMillijoule * work.time_ms)));
   out["perf"] = {{"nj_per_ray", mj * 1e6 / work.rays},
                  {"frames_per_joule_gpu", 1000 * work.frames / mj},
@@ -21,7 +20,7 @@ nlohmann::ordered_json energy_totals_json(const sim::EnergyReport& energy, const
 namespace {
 
 /// Statistics of a figure's replicates, all divided by an area.
-nlohmann::ordered_json per_mm2(nlohmann::ordered_json statistics, double mm2) {
+sim::Json per_mm2(sim::Json statistics, double mm2) {
   for (auto& [name, number] : statistics.items()) {
     if (!number.is_array()) {
       number = number.get<double>() / mm2;
@@ -34,7 +33,7 @@ nlohmann::ordered_json per_mm2(nlohmann::ordered_json statistics, double mm2) {
 
 }  // namespace
 
-void add_area(nlohmann::ordered_json& totals, std::span<const sim::UnitReport> units, const RunConfig& config) {
+void add_area(sim::Json& totals, std::span<const sim::UnitReport> units, const RunConfig& config) {
   if (config.area.arrays.empty()) return;
   const sim::AreaReport area = sim::compute_area(units, config.energy, config.area);
   const double mm2 = area.total.nominal;

@@ -5,21 +5,21 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
+#include "sim/io/json.h"
 #include "sim/report/table.h"
 #include "tools/noise/noise.h"
 
 namespace tools {
 
-using Json = nlohmann::ordered_json;
+using sim::Json;
 
 namespace {
 
-Json::json_pointer pointer_to(const std::string& path) {
+sim::JsonPointer pointer_to(const std::string& path) {
   std::string pointer = "/" + path;
   std::ranges::replace(pointer, '.', '/');
-  return Json::json_pointer(pointer);
+  return sim::JsonPointer(pointer);
 }
 
 std::string path_of(const std::string& pointer) {
@@ -50,7 +50,7 @@ Json replicates_json(const Result& result, const Json& plain) {
   const Json flat = plain.flatten();
   for (const auto& [pointer, value] : flat.items()) {
     if (!value.is_number() || !is_noisy(path_of(pointer))) continue;
-    const Json::json_pointer at(pointer);
+    const sim::JsonPointer at(pointer);
     const auto has_it = [&](const Json& play) { return play.contains(at); };
     if (!std::ranges::all_of(plays, has_it)) continue;
     std::vector<double> values;
@@ -94,7 +94,7 @@ std::string replicates_table(const Json& replicates) {
   sim::Table table(
       {fmt::format("of {} plays", replicates["count"].get<int>()), "mean", "deviation", "95 %, low", "high"});
   for (const char* path : kFigures) {
-    const Json::json_pointer at = pointer_to(path);
+    const sim::JsonPointer at = pointer_to(path);
     if (!replicates["figures"].contains(at)) continue;
     const Json& figure = replicates["figures"].at(at);
     std::vector<std::string> cells = {path};

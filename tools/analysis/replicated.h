@@ -2,8 +2,7 @@
 #include <optional>
 #include <string>
 
-#include <nlohmann/json_fwd.hpp>
-
+#include "sim/io/json.h"
 #include "tools/analysis/report.h"
 #include "tools/analysis/report_file.h"
 #include "tools/noise/statistics.h"
@@ -11,11 +10,11 @@
 namespace tools {
 
 /// `totals.replicates` of a report: statistics of these figures over all plays, the first of which is `plain`.
-nlohmann::ordered_json replicates_json(const Result& result, const nlohmann::ordered_json& plain);
+sim::Json replicates_json(const Result& result, const sim::Json& plain);
 
 /// The same in a line, and of the figures that people look at first as a table.
-std::string replicates_text(const nlohmann::ordered_json& replicates);
-std::string replicates_table(const nlohmann::ordered_json& replicates);
+std::string replicates_text(const sim::Json& replicates);
+std::string replicates_table(const sim::Json& replicates);
 
 /// Draws of a figure, e.g. "energy_mj.nominal", that a report has; none without replicates.
 std::optional<Draws> draws_in(const ReportFile& report, const std::string& figure);

@@ -6,7 +6,6 @@
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -16,6 +15,7 @@
 #include "shader_kernels/catalogue.h"
 #include "sim/config/config.h"
 #include "sim/config/config_json.h"
+#include "sim/io/json.h"
 #include "sim/report/conversions.h"
 #include "sim/report/report_json.h"
 #include "tools/analysis/cost_totals.h"
@@ -31,7 +31,7 @@
 
 namespace tools {
 
-using Json = nlohmann::ordered_json;
+using sim::Json;
 
 namespace {
 

@@ -1,8 +1,7 @@
 #pragma once
 #include <string>
 
-#include <nlohmann/json_fwd.hpp>
-
+#include "sim/io/json.h"
 #include "tools/simulation/run_job.h"
 
 namespace tools {
@@ -15,33 +14,33 @@ struct Result {
 };
 
 /// A frame (`frames[]`) or all of them (`totals`) in report.json.
-nlohmann::ordered_json totals_json(const Result& result);
+sim::Json totals_json(const Result& result);
 
 struct Report {
   const Inputs& inputs;
   const JobOptions& options;
   const Result& totals;
-  const nlohmann::ordered_json& frames;  ///< one entry per frame
-  bool partial = false;                  ///< interrupted before the last frame
-  double wall_seconds = 0;               ///< time of the whole job
+  const sim::Json& frames;  ///< one entry per frame
+  bool partial = false;     ///< interrupted before the last frame
+  double wall_seconds = 0;  ///< time of the whole job
 };
 
 /// report.json, schema raywatt-report/1: everything but `host` and `provenance.argv` depends on the inputs alone.
-nlohmann::ordered_json report_json(const Report& report);
+sim::Json report_json(const Report& report);
 
 /// Origin of the result: program, configuration, scene, command line.
-nlohmann::ordered_json provenance_json(const Inputs& inputs, const JobOptions& options);
+sim::Json provenance_json(const Inputs& inputs, const JobOptions& options);
 
 /// The table for a terminal, from the JSON.
-std::string report_table(const nlohmann::ordered_json& report);
+std::string report_table(const sim::Json& report);
 
 /// Peak resident memory of this process, in MiB.
 double peak_rss_mib();
 
 /// Samples that a frame program traced of those wanted, why, and the cost of deciding: totals.sampling of a report.
-nlohmann::ordered_json sampling_json(const Simulation& simulation);
+sim::Json sampling_json(const Simulation& simulation);
 
 /// The share of similar samples among those checked, and the blocks' side, of each tile, row by row.
-nlohmann::ordered_json tiles_json(const kernels::Sampling& sampling);
+sim::Json tiles_json(const kernels::Sampling& sampling);
 
 }  // namespace tools

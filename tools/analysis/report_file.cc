@@ -10,7 +10,7 @@
 
 namespace tools {
 
-using Json = nlohmann::ordered_json;
+using sim::Json;
 
 namespace {
 
@@ -26,13 +26,13 @@ constexpr int kDeepest = 32;
 /// Figures with a band stay together.
 void flatten(const Json& node, const std::string& key, int depth, FlatConfig& out) {
   if (node.is_object() && node.size() == 3 && node.contains("nominal")) {
-    out[sim::printable(key)] = sim::printable(node.dump());
+    out[sim::printable(key)] = sim::printable(sim::json_line(node));
   } else if (node.is_object() && depth < kDeepest) {
     for (const auto& [name, value] : node.items()) {
       flatten(value, key.empty() ? name : key + "." + name, depth + 1, out);
     }
   } else if (!node.is_structured()) {
-    out[sim::printable(key)] = sim::printable(node.is_string() ? node.get<std::string>() : node.dump());
+    out[sim::printable(key)] = sim::printable(node.is_string() ? node.get<std::string>() : sim::json_line(node));
   }
 }
 
@@ -71,11 +71,11 @@ ReportFile parse_report(const std::string& bytes, const std::filesystem::path& f
                     report.file.string(), why));
   };
   try {
-    report.json = sim::parse_json<Json>(bytes);
-  } catch (const Json::exception& error) {
+    report.json = sim::parse_json(bytes);
+  } catch (const sim::JsonError& error) {
     throw refuse(fmt::format("is not JSON: {}", error.what()));
-  } catch (const sim::InputError& error) {
-    throw refuse(error.what());
+  } catch (const sim::InputError& error) {  // it says what is allowed
+    throw sim::InputError(fmt::format("{}: {}", report.file.string(), error.what()));
   }
   if (schema_of(report.json) != "schema 'raywatt-report/1'") throw refuse("has " + schema_of(report.json));
   try {

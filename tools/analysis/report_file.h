@@ -4,7 +4,7 @@
 #include <map>
 #include <string>
 
-#include <nlohmann/json.hpp>
+#include "sim/io/json.h"
 
 namespace tools {
 
@@ -16,7 +16,7 @@ inline constexpr const char* kReferenceReport = "reference.json";
 /// A report.json that somebody has handed in.
 struct ReportFile {
   std::filesystem::path file;
-  nlohmann::ordered_json json;
+  sim::Json json;
   std::map<std::string, double> numbers;  ///< report_numbers() by path
 
   /// 0 where the report has none.
@@ -38,6 +38,6 @@ ReportFile parse_report(const std::string& bytes, const std::filesystem::path& f
 
 /// A configuration, as report.json has it, key by key: "tni.trv.l1.size" -> "16 KiB".
 using FlatConfig = std::map<std::string, std::string>;
-FlatConfig flat_config(const nlohmann::ordered_json& config);
+FlatConfig flat_config(const sim::Json& config);
 
 }  // namespace tools

@@ -2,21 +2,22 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <map>
 #include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/error.h"
+#include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "traces/scene/did_you_mean.h"
 
 namespace tools {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using sim::Json;
 using Numbers = std::vector<ReportNumber>;
 
 constexpr int kDeepestReport = 32;
@@ -156,11 +157,13 @@ Numbers report_numbers(const Json& report) {
   for (const auto& [key, value] : report.items()) {
     if (key != "host" && key != "provenance" && key != "sampled_counters") flatten(value, key, 1, out);
   }
-  std::set<std::string> known;
-  for (const ReportNumber& number : out) known.insert(number.path);
-  for (ReportNumber& sum : unit_sums(report)) {
-    if (!known.contains(sum.path)) out.push_back(std::move(sum));
+  Numbers sums = unit_sums(report);
+  {
+    std::set<std::string_view> known;
+    for (const ReportNumber& number : out) known.insert(number.path);
+    std::erase_if(sums, [&](const ReportNumber& sum) { return known.contains(sum.path); });
   }
+  std::ranges::move(sums, std::back_inserter(out));
   return out;
 }
 

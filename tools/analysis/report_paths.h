@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
+#include "sim/io/json.h"
 
 namespace tools {
 
@@ -17,11 +17,11 @@ struct ReportNumber {
 
 /// Every number of a report in its order, but those of `host` and `provenance`, which differ between equal runs, and
 /// intervals of counters; behind them unit_sums(). InputError for what is nested more deeply than any report.
-std::vector<ReportNumber> report_numbers(const nlohmann::ordered_json& report);
+std::vector<ReportNumber> report_numbers(const sim::Json& report);
 
 /// A path without the numbers of its units is their sum: "units.core.tni.trv.counters.l1_hits" is that of all traversal
 /// units, "units.core.tni.trv.units" says how many there are. Units that are alone are told as well.
-std::vector<ReportNumber> unit_sums(const nlohmann::ordered_json& report);
+std::vector<ReportNumber> unit_sums(const sim::Json& report);
 
 /// Is this a path of `totals`?
 bool is_total(std::string_view path);

@@ -1,13 +1,12 @@
 #include <cmath>
 
-#include <nlohmann/json.hpp>
-
+#include "sim/io/json.h"
 #include "tools/analysis/kernel_shares.h"
 #include "tools/analysis/report.h"
 
 namespace tools {
 
-using Json = nlohmann::ordered_json;
+using sim::Json;
 
 namespace {
 

@@ -4,8 +4,8 @@
 #include <numbers>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
+#include "sim/io/json.h"
 #include "sim/report/table.h"
 #include "traces/accel/bvh_info.h"
 #include "traces/accel/node_format.h"
@@ -14,7 +14,7 @@
 namespace tools {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using sim::Json;
 
 Json numbers(const glm::vec4& v) { return {v.x, v.y, v.z}; }
 
@@ -54,7 +54,7 @@ Json memory_json(const traces::MemoryImage& image) {
                                   image.details.size() * sizeof(traces::MaterialDetailRecord)}};
   if (image.has_levels()) parts["instances"] = image.instances.size() * sizeof(traces::InstanceRecord);
   std::uint64_t sum = 0;
-  for (const auto& part : parts.items()) sum += part.value().get<std::uint64_t>();
+  for (const auto& [name, part] : parts.items()) sum += part.get<std::uint64_t>();
   parts["textures"] = image.layout.end - std::min(image.layout.end, sum);
   return {{"bytes", image.layout.end},
           {"parts", parts},
@@ -71,8 +71,8 @@ std::string bytes_text(const Json& bytes) { return sim::si_text(bytes.get<double
 
 std::string sizes_text(const Json& sizes) {
   std::string text;
-  for (const auto& size : sizes.items()) {
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", size.key(), bytes_text(size.value()));
+  for (const auto& [name, size] : sizes.items()) {
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name, bytes_text(size));
   }
   return text;
 }
@@ -80,9 +80,10 @@ std::string sizes_text(const Json& sizes) {
 std::string animation_text(const Json& animation) {
   if (animation["tracks"] == 0) return "none";
   return fmt::format("{:.3g} s, {}, {}, {}, {} move", animation["duration_s"].get<double>(),
-                     plural(animation["tracks"], "track"), plural(animation["skins"], "skin"),
-                     plural(animation["morph_targets"], "morph target"),
-                     plural(animation["moving_instances"], "instance"));
+                     plural(animation["tracks"].get<std::uint64_t>(), "track"),
+                     plural(animation["skins"].get<std::uint64_t>(), "skin"),
+                     plural(animation["morph_targets"].get<std::uint64_t>(), "morph target"),
+                     plural(animation["moving_instances"].get<std::uint64_t>(), "instance"));
 }
 
 /// Memory by the triangle only where triangles, not the program itself, are most of it.
@@ -144,10 +145,10 @@ std::string scene_info_text(const Json& info, bool cameras) {
   const auto line = [&](std::string_view what, const std::string& value) {
     text += fmt::format("{:<18}{}\n", what, value);
   };
-  const std::uint64_t triangles = info["triangles"], stored = info["stored_triangles"];
-  line("scene", info["name"]);
+  const auto triangles = info["triangles"].get<std::uint64_t>(), stored = info["stored_triangles"].get<std::uint64_t>();
+  line("scene", info["name"].get<std::string>());
   line("triangles", triangles == stored ? std::to_string(triangles) : fmt::format("{} ({} stored)", triangles, stored));
-  const std::uint64_t meshes = info["meshes"];
+  const auto meshes = info["meshes"].get<std::uint64_t>();
   line("instances",
        fmt::format("{} of {} {}", info["instances"].get<std::uint64_t>(), meshes, meshes == 1 ? "mesh" : "meshes"));
   line("materials", std::to_string(info["materials"].get<std::uint64_t>()));
@@ -169,9 +170,9 @@ std::string scene_info_text(const Json& info, bool cameras) {
   line("memory image", fmt::format("{} ({})", bytes_text(memory["bytes"]), sizes_text(memory["parts"])));
   line("nodes by format", sizes_text(memory["nodes_by_format"]));
   const Json& tree = info["bvh"];
-  line("BVH",
-       fmt::format("{}, {}, depth {}, SAH cost {:.1f}", plural(tree["nodes"], "node"), plural(tree["leaves"], "leaf"),
-                   tree["depth"].get<std::uint64_t>(), tree["sah_cost"].get<double>()));
+  line("BVH", fmt::format("{}, {}, depth {}, SAH cost {:.1f}", plural(tree["nodes"].get<std::uint64_t>(), "node"),
+                          plural(tree["leaves"].get<std::uint64_t>(), "leaf"), tree["depth"].get<std::uint64_t>(),
+                          tree["sah_cost"].get<double>()));
   line("host", host_text(info["host"], triangles));
   return text;
 }

@@ -2,8 +2,7 @@
 #include <cstdint>
 #include <string>
 
-#include <nlohmann/json_fwd.hpp>
-
+#include "sim/io/json.h"
 #include "traces/accel/memory_image.h"
 #include "traces/scene/scene.h"
 
@@ -17,10 +16,9 @@ struct SceneCost {
 };
 
 /// Description of a scene: schema raywatt-scene/1. All but `host` follows from the scene alone.
-nlohmann::ordered_json scene_info_json(const traces::Scene& scene, const traces::MemoryImage& image,
-                                       const SceneCost& cost);
+sim::Json scene_info_json(const traces::Scene& scene, const traces::MemoryImage& image, const SceneCost& cost);
 
 /// The same for people; `cameras`: also where each camera stands.
-std::string scene_info_text(const nlohmann::ordered_json& info, bool cameras);
+std::string scene_info_text(const sim::Json& info, bool cameras);
 
 }  // namespace tools

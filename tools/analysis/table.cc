@@ -8,15 +8,15 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
+#include "sim/io/json.h"
 #include "tools/analysis/replicated.h"
 #include "tools/analysis/report.h"
 #include "tools/analysis/top_down.h"
 
 namespace tools {
 
-using Json = nlohmann::ordered_json;
+using sim::Json;
 using sim::si_text;
 
 namespace {
@@ -151,7 +151,9 @@ std::string overview(const Json& report) {
     out += fmt::format("  {:<22}{}\n", name, value);
   };
   if (frames.size() > 1) {
-    const auto by_cycles = [](const Json& a, const Json& b) { return a["cycles"] < b["cycles"]; };
+    const auto by_cycles = [](const Json& a, const Json& b) {
+      return a["cycles"].get<double>() < b["cycles"].get<double>();
+    };
     const auto [least, most] = std::minmax_element(frames.begin(), frames.end(), by_cycles);
     line("frames", fmt::format("{} to {}, added up; {} to {} cycles each", frames.front()["frame"].get<int>(),
                                frames.back()["frame"].get<int>(), count((*least)["cycles"]), count((*most)["cycles"])));

@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include "hw_models/dram/dram_channel.h"
 #include "hw_models/frame/dma.h"
@@ -20,6 +19,7 @@
 #include "hw_models/srp/srp.h"
 #include "hw_models/tni/ist.h"
 #include "hw_models/tni/trv.h"
+#include "sim/io/json.h"
 #include "tools/analysis/units.h"
 
 namespace tools {
@@ -267,7 +267,7 @@ void add_levels(MissLevels& all, const MissLevels& core, double weight) {
   }
 }
 
-nlohmann::ordered_json levels_json(const MissLevels& l, double share) {
+sim::Json levels_json(const MissLevels& l, double share) {
   return {{"interconnect", share * l.interconnect}, {"l2", share * l.l2}, {"dram", share * l.dram}};
 }
 
@@ -292,9 +292,9 @@ const char* word_for(const std::string& name) {
 }
 
 /// A share, or the sum of those of its levels.
-double sum_of_levels(const nlohmann::ordered_json& share) {
+double sum_of_levels(const sim::Json& share) {
   double all = 0;
-  for (const auto& [level, part] : share.items()) all += part.get<double>();
+  for (const sim::Json& part : share) all += part.get<double>();
   return all;
 }
 
@@ -324,7 +324,7 @@ TopDown top_down(std::span<const UnitReport> units, const hw::GpuConfig& config)
   return view;
 }
 
-nlohmann::ordered_json time_json(const CoreTime& t) {
+sim::Json time_json(const CoreTime& t) {
   return {{"kernels", t.kernels},
           {"switches", t.switches},
           {"banks", t.banks},
@@ -358,13 +358,13 @@ nlohmann::ordered_json time_json(const CoreTime& t) {
             {"records", t.demands.records}}}};
 }
 
-nlohmann::ordered_json top_down_json(const TopDown& view) {
-  nlohmann::ordered_json out = {{"gpu", time_json(view.gpu)}, {"cores", nlohmann::ordered_json::array()}};
+sim::Json top_down_json(const TopDown& view) {
+  sim::Json out = {{"gpu", time_json(view.gpu)}, {"cores", sim::Json::array()}};
   for (const CoreTime& core : view.cores) out["cores"].push_back(time_json(core));
   return out;
 }
 
-std::string top_down_text(const nlohmann::ordered_json& time) {
+std::string top_down_text(const sim::Json& time) {
   std::vector<std::pair<double, std::string>> parts;
   for (const auto& [name, share] : time.items()) {
     if (name == "demands") continue;

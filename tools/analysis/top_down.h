@@ -3,9 +3,8 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "hw_models/machines/gpu_config.h"
+#include "sim/io/json.h"
 #include "sim/unit_report.h"
 
 namespace tools {
@@ -77,16 +76,16 @@ double data_bus_share(std::span<const sim::UnitReport> units);
 
 TopDown top_down(std::span<const sim::UnitReport> units, const hw::GpuConfig& config);
 
-nlohmann::ordered_json time_json(const CoreTime& time);
+sim::Json time_json(const CoreTime& time);
 /// {gpu, cores[]}, each as above.
-nlohmann::ordered_json top_down_json(const TopDown& view);
+sim::Json top_down_json(const TopDown& view);
 /// A line in words of what time_json() gives: "kernels 44 %, data-cache misses 30 % (DRAM 22 %, ...), ...", largest
 /// first.
-std::string top_down_text(const nlohmann::ordered_json& time);
+std::string top_down_text(const sim::Json& time);
 
 /// A run's time_json(), and its cycles.
 struct TimeInCycles {
-  const nlohmann::ordered_json& time;
+  const sim::Json& time;
   double cycles = 0;
 };
 struct GrownPart {

@@ -8,7 +8,7 @@
 
 namespace tools {
 
-using Json = nlohmann::ordered_json;
+using sim::Json;
 
 namespace {
 

@@ -4,8 +4,8 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
+#include "sim/io/json.h"
 #include "sim/report/report_json.h"
 #include "tools/cli/job_options.h"
 #include "tools/cli/verbs.h"
@@ -15,11 +15,10 @@ namespace tools {
 namespace {
 
 void bench(const BenchOptions& options, bool json) {
-  nlohmann::ordered_json other;
+  sim::Json other;
   if (!options.against.empty()) other = load_bench(options.against);
-  nlohmann::ordered_json out = options.measured.empty()
-                                   ? measure_scenes(options, options.against.empty() ? nullptr : &other)
-                                   : load_bench(options.measured);
+  sim::Json out = options.measured.empty() ? measure_scenes(options, options.against.empty() ? nullptr : &other)
+                                           : load_bench(options.measured);
   if (!options.against.empty()) {
     check_comparable(out, other, options.against);
     compare_bench(out, other);

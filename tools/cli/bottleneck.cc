@@ -4,8 +4,8 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
+#include "sim/io/json.h"
 #include "sim/report/report_json.h"
 #include "sim/report/table.h"
 #include "tools/cli/job_options.h"
@@ -16,7 +16,7 @@
 namespace tools {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using sim::Json;
 
 std::string text_of(const Bottleneck& b) {
   std::string out =

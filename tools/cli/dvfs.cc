@@ -4,8 +4,8 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
+#include "sim/io/json.h"
 #include "sim/report/report_json.h"
 #include "tools/cli/job_options.h"
 #include "tools/cli/verbs.h"

@@ -6,11 +6,11 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/error.h"
 #include "sim/host_clock.h"
 #include "sim/io/file.h"
+#include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "sim/report/report_json.h"
 #include "sim/report/table.h"
@@ -79,7 +79,7 @@ void show(const InfoOptions& options) {
   cost.peak_bytes = std::max(memory_in_use("VmHWM"), before) - before;
   std::error_code ignored;
   if (!file.empty()) cost.file_bytes = std::filesystem::file_size(file, ignored);
-  const nlohmann::ordered_json info = scene_info_json(scene, image, cost);
+  const sim::Json info = scene_info_json(scene, image, cost);
   fmt::print("{}", options.json ? sim::json_text(info) : scene_info_text(info, options.cameras));
   print_warnings(scene);
 }
@@ -133,7 +133,8 @@ void add_scenes(CLI::App& app) {
   info->callback([asked] { show(*asked); });
 
   const auto wanted = std::make_shared<ExportOptions>();
-  CLI::App* out = add_scene_verb(*verb, "export", "Write a scene as glTF 2.0 that passes the Khronos validator", wanted->scene);
+  CLI::App* out =
+      add_scene_verb(*verb, "export", "Write a scene as glTF 2.0 that passes the Khronos validator", wanted->scene);
   out->add_option("-o,--output", wanted->out, "the file, .glb")->required();
   out->add_flag("--force", wanted->force, "replace the file if it exists");
   out->footer("Example: raywatt scenes export cornell -o cornell.glb");

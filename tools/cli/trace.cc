@@ -75,7 +75,7 @@ void add_info(CLI::App& group) {
   verb->add_flag("--json", *json, "as JSON");
   verb->footer("Example: raywatt trace info chess.trace --json");
   verb->callback([=] {
-    const nlohmann::ordered_json info = trace_info(traces::TraceReader(*file));
+    const sim::Json info = trace_info(traces::TraceReader(*file));
     fmt::print("{}", *json ? sim::json_text(info) : trace_info_text(info));
   });
 }

@@ -12,7 +12,6 @@
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
@@ -94,7 +93,7 @@ std::string progress_line(const ProgressState& s, std::size_t columns) {
 }
 
 std::string progress_json(const ProgressState& s) {
-  nlohmann::ordered_json json = {{"time", s.seconds}, {"phase", s.phase}};
+  sim::Json json = {{"time", s.seconds}, {"phase", s.phase}};
   if (!s.label.empty()) json["label"] = s.label;
   json.update({{"frame", s.frame},
                {"part", s.part},
@@ -104,8 +103,7 @@ std::string progress_json(const ProgressState& s) {
                {"rays", s.rays},
                {"cycles", s.cycles},
                {"rays_per_s", s.rays_per_s()}});
-  json["seconds_left"] =
-      s.seconds_left() >= 0 ? nlohmann::ordered_json(s.seconds_left()) : nlohmann::ordered_json(nullptr);
+  json["seconds_left"] = s.seconds_left() >= 0 ? sim::Json(s.seconds_left()) : sim::Json(nullptr);
   return sim::json_line(json) + "\n";
 }
 

@@ -2,10 +2,10 @@
 #include <optional>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/error.h"
 #include "sim/host_clock.h"
+#include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "sim/report/report_json.h"
 #include "tools/analysis/picture.h"
@@ -181,7 +181,7 @@ std::filesystem::path record_file(const JobOptions& options, const std::filesyst
   throw sim::InputError(asked + ": the run's own results have a file of this name; allowed: another");
 }
 
-void tell_results(const Job& job, const nlohmann::ordered_json& json, const std::filesystem::path& folder) {
+void tell_results(const Job& job, const sim::Json& json, const std::filesystem::path& folder) {
   fmt::print("{}\n", for_terminal(report_table(json)));
   if (job.has_picture()) fmt::print("picture: {}\n", (folder / "image.png").string());
   if (job.timeline.selection()) fmt::print("timeline: {}\n", (folder / kTimelineFile).string());
@@ -226,7 +226,7 @@ void run_frames(const JobOptions& options) {
   }
   progress.expect(inputs.frames() * (reference ? 2 : 1) * options.replicates);
 
-  nlohmann::ordered_json json;
+  sim::Json json;
   folder.fill([&](const RunFolder::Open& open) {
     std::optional<traces::TraceWriter> trace;
     if (!options.record.empty()) {

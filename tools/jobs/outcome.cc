@@ -30,7 +30,7 @@ void keep(Simulation frame, std::optional<Simulation>& total) {
 void Outcome::add(std::uint32_t number, Simulation frame, std::optional<Simulation> compared, double error,
                   const sim::Intervals* over_time) {
   const auto entry_of = [&](const Simulation& s, const Result& result) {
-    nlohmann::ordered_json entry = {{"frame", number}};
+    sim::Json entry = {{"frame", number}};
     if (s.is_part()) entry.update({{"finished_tiles", s.finished_tiles}, {"tiles", s.tiles}});
     entry.update(totals_json(result));
     if (!s.function.sampling.similar.empty()) entry["sampling"]["tiles"] = tiles_json(s.function.sampling);
@@ -59,21 +59,21 @@ std::string Outcome::kept(std::size_t all) const {
 
 std::size_t frames_to_replace(const std::filesystem::path& file) {
   try {
-    const auto former = sim::parse_json<nlohmann::json>(sim::read_file(file, kLargestReport));
+    const auto former = sim::parse_json(sim::read_file(file, kLargestReport));
     if (!former.at("schema").get<std::string>().starts_with("raywatt-")) return 1;
     return former.at("frames").size() + (former.value("partial", false) ? 0 : 1);
   } catch (const sim::InputError&) {
-  } catch (const nlohmann::json::exception&) {
+  } catch (const sim::JsonError&) {
   }
   return 1;
 }
 
-void tell_warnings(const nlohmann::ordered_json& report, std::size_t told) {
-  const nlohmann::ordered_json& lines = report.at("warnings");
+void tell_warnings(const sim::Json& report, std::size_t told) {
+  const sim::Json& lines = report.at("warnings");
   for (std::size_t i = told; i < lines.size(); ++i) tell("warning: {}", lines[i].get<std::string>());
 }
 
-void write_report(const std::filesystem::path& folder, const nlohmann::ordered_json& json, const RunConfig& config,
+void write_report(const std::filesystem::path& folder, const sim::Json& json, const RunConfig& config,
                   const Outcome& outcome) {
   sim::write_file_atomically(folder / "report.json", sim::json_text(json));
   sim::write_file_atomically(folder / "report.txt", report_table(json));
@@ -89,12 +89,11 @@ void write_reference(const std::filesystem::path& folder, const Origin& origin, 
   const Simulation& run = *out.reference;
   const double load = origin.inputs.load_seconds + origin.inputs.update_seconds;
   const double wall = load + run.wall_seconds + run.replicate_seconds;
-  nlohmann::ordered_json json =
-      report_json({origin.inputs, origin.options, {run}, out.reference_frames, out.partial, wall});
+  sim::Json json = report_json({origin.inputs, origin.options, {run}, out.reference_frames, out.partial, wall});
   // A copy of the inputs would have the scene in memory twice.
   RunConfig config = origin.inputs.config;
   config.render = reference_render(config.render);
-  json["config"] = nlohmann::ordered_json(sim::config_json(config));
+  json["config"] = sim::config_json(config);
   json["provenance"]["config_hash"] = sim::config_hash(config);
   sim::write_file_atomically(folder / kReferenceReport, sim::json_text(json));
 }

@@ -4,8 +4,7 @@
 #include <optional>
 #include <string>
 
-#include <nlohmann/json.hpp>
-
+#include "sim/io/json.h"
 #include "tools/analysis/report.h"
 #include "tools/intervals/interval_file.h"
 #include "tools/tiles/tile_table.h"
@@ -16,9 +15,9 @@ namespace tools {
 struct Outcome {
   std::optional<Simulation> total, reference;
   double squared_error = 0;  ///< sum over frames
-  nlohmann::ordered_json frames = nlohmann::ordered_json::array();
+  sim::Json frames = sim::Json::array();
   IntervalPacker intervals;
-  nlohmann::ordered_json reference_frames = nlohmann::ordered_json::array();
+  sim::Json reference_frames = sim::Json::array();
   bool partial = false;
   TileTable tiles;  ///< those of frames that were itemised
 
@@ -35,10 +34,10 @@ struct Outcome {
 std::size_t frames_to_replace(const std::filesystem::path& file);
 
 /// Says on standard error what stands in `warnings` of a report behind the first `told`.
-void tell_warnings(const nlohmann::ordered_json& report, std::size_t told);
+void tell_warnings(const sim::Json& report, std::size_t told);
 
 /// Writes report.json, report.txt, config.yaml and, where there are any, intervals and tiles.json into a folder.
-void write_report(const std::filesystem::path& folder, const nlohmann::ordered_json& json, const RunConfig& config,
+void write_report(const std::filesystem::path& folder, const sim::Json& json, const RunConfig& config,
                   const Outcome& outcome);
 
 /// Inputs and options of a run.

@@ -3,8 +3,7 @@
 #include <optional>
 #include <utility>
 
-#include <nlohmann/json.hpp>
-
+#include "sim/io/json.h"
 #include "tools/analysis/picture.h"
 #include "tools/analysis/report.h"
 #include "tools/jobs/outcome.h"
@@ -22,7 +21,7 @@ struct Program {
 
 }  // namespace
 
-nlohmann::ordered_json plain_report(Inputs inputs, const JobOptions& options, Progress* progress) {
+sim::Json plain_report(Inputs inputs, const JobOptions& options, Progress* progress) {
   Program program(options.program, inputs);
   std::optional<Program> reference;
   if (!options.reference.empty()) reference.emplace(options.reference, inputs);

@@ -1,6 +1,6 @@
 #pragma once
-#include <nlohmann/json_fwd.hpp>
 
+#include "sim/io/json.h"
 #include "tools/host/progress.h"
 #include "tools/simulation/run_job.h"
 
@@ -8,6 +8,6 @@ namespace tools {
 
 /// The report of a run, without pictures: all frames of the inputs' configuration, by the program, the reference, the
 /// threads and the replicates of `options`. `progress` may be null.
-nlohmann::ordered_json plain_report(Inputs inputs, const JobOptions& options, Progress* progress = nullptr);
+sim::Json plain_report(Inputs inputs, const JobOptions& options, Progress* progress = nullptr);
 
 }  // namespace tools

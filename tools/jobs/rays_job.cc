@@ -1,7 +1,6 @@
 #include <optional>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "hw_models/dram/dram_energy.h"
 #include "hw_models/machines/ray_machine.h"
@@ -9,6 +8,7 @@
 #include "sim/config/config_json.h"
 #include "sim/host_clock.h"
 #include "sim/io/file.h"
+#include "sim/io/json.h"
 #include "sim/report/conversions.h"
 #include "sim/report/report_json.h"
 #include "sim/report/table.h"
@@ -29,7 +29,7 @@
 namespace tools {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using sim::Json;
 
 /// `listed`: all rays that there are.
 Json totals_of(const hw::RayMachine& machine, std::uint64_t listed, const std::vector<sim::UnitReport>& units,

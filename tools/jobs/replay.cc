@@ -90,7 +90,7 @@ Replay::Replay(const std::filesystem::path& file,
   try {
     trace_.naming_file([&] { check_header(trace_.header()); });
     inputs_.config = config(trace_.header(), name);
-  } catch (const traces::Json::exception& error) {
+  } catch (const sim::JsonError& error) {
     throw sim::InputError(fmt::format("{}: is damaged: {}", name, sim::printable(error.what())));
   }
   trace_.naming_file([&] {

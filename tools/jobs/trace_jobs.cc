@@ -3,10 +3,10 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/error.h"
 #include "sim/host_clock.h"
+#include "sim/io/json.h"
 #include "tools/analysis/picture.h"
 #include "tools/analysis/report.h"
 #include "tools/analysis/trace_info.h"
@@ -41,11 +41,11 @@ struct Recorder {
 };
 
 /// A trace says of whole frames only what was sampled, and how many rays went on.
-void leave_out_sampling(nlohmann::ordered_json& report) {
-  for (nlohmann::ordered_json* figures : {&report["totals"], &report["frames"].front()}) {
+void leave_out_sampling(sim::Json& report) {
+  for (sim::Json* figures : {&report["totals"], &report["frames"].front()}) {
     figures->erase("traced_ratio");
     (*figures)["rays"].erase("continued");
-    (*figures)["sampling"] = nlohmann::ordered_json::object();
+    (*figures)["sampling"] = sim::Json::object();
   }
 }
 
@@ -97,7 +97,7 @@ void replay_trace(const JobOptions& options, const std::filesystem::path& file) 
   progress.expect(job.parts());
   const std::size_t to_replace = frames_to_replace(folder.target() / "report.json");
   hold.emplace();
-  nlohmann::ordered_json json;
+  sim::Json json;
   folder.fill([&](const RunFolder::Open& open) {
     const Outcome out = job.run(options.threads, {.progress = &progress,
                                                   .keep_part = !folder.holds_former_run(),

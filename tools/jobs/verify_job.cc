@@ -1,9 +1,9 @@
 #include <optional>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/io/file.h"
+#include "sim/io/json.h"
 #include "sim/report/report_json.h"
 #include "tools/analysis/picture.h"
 #include "tools/analysis/report.h"
@@ -23,7 +23,7 @@
 namespace tools {
 namespace {
 
-nlohmann::ordered_json counts_json(const traces::VerifyCounts& counts) {
+sim::Json counts_json(const traces::VerifyCounts& counts) {
   return {{"rays", counts.rays},
           {"missing_hits", counts.missing_hits},
           {"extra_hits", counts.extra_hits},
@@ -43,10 +43,10 @@ struct Verdict {
   traces::VerifyCounts counts;
   double squared_error = 0;
 
-  nlohmann::ordered_json json() const {
+  sim::Json json() const {
     const std::optional<double> psnr = psnr_db(squared_error);
-    nlohmann::ordered_json json = counts_json(counts);
-    json["psnr_db"] = psnr ? nlohmann::ordered_json(*psnr) : nlohmann::ordered_json(nullptr);
+    sim::Json json = counts_json(counts);
+    json["psnr_db"] = psnr ? sim::Json(*psnr) : sim::Json(nullptr);
     json["identical"] = !psnr.has_value();
     return json;
   }
@@ -74,12 +74,12 @@ Verdict verify_frame(const Inputs& inputs, const kernels::ProgramSpec& program, 
 /// Frame after frame; how all of them compare so far, after each.
 struct Verification {
   Verdict total;  ///< its squared error is a sum
-  nlohmann::ordered_json frames = nlohmann::ordered_json::array();
+  sim::Json frames = sim::Json::array();
 
   Verdict mean() const { return {total.counts, total.squared_error / static_cast<double>(frames.size())}; }
 
   void add(std::uint32_t frame, const Verdict& verdict) {
-    nlohmann::ordered_json entry = {{"frame", frame}};
+    sim::Json entry = {{"frame", frame}};
     entry.update(verdict.json());
     frames.push_back(std::move(entry));
     total.counts += verdict.counts;
@@ -125,7 +125,7 @@ int verify_frames(const JobOptions& options) {
     const bool partial = done.frames.size() < inputs.frames();
     progress.end(partial ? "interrupted" : "done");
     if (partial && done.frames.size() < to_replace) throw Interrupted();
-    nlohmann::ordered_json json = {{"schema", "raywatt-verify/1"}, {"partial", partial}};
+    sim::Json json = {{"schema", "raywatt-verify/1"}, {"partial", partial}};
     json.update(done.mean().json());
     json["frames"] = done.frames;
     json["provenance"] = provenance_json(inputs, options);
@@ -158,7 +158,7 @@ int verify_rays(const JobOptions& options) {
   progress.tiles_done(1, counts.rays, 0);
   progress.end("done");
   folder.fill([&](const RunFolder::Open& open) {
-    nlohmann::ordered_json json = {{"schema", "raywatt-verify/1"}, {"partial", false}};
+    sim::Json json = {{"schema", "raywatt-verify/1"}, {"partial", false}};
     json.update(counts_json(counts));
     json["provenance"] = provenance_json(inputs, options);
     json["provenance"]["rays_sha256"] = list.sha256;

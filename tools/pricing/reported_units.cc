@@ -13,7 +13,7 @@
 namespace tools {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using sim::Json;
 
 std::string name_of(const ReportFile& report) { return sim::printable(report.file.string()); }
 
@@ -44,7 +44,7 @@ RunConfig reported_config(const ReportFile& report) {
   }
   RunConfig config;
   sim::ConfigNode tree = sim::config_tree(config);
-  sim::ConfigLoader(tree).apply_text(json->dump(), name_of(report) + ": config");
+  sim::ConfigLoader(tree).apply_text(sim::json_line(*json), name_of(report) + ": config");
   check_run_config(config, name_of(report));
   return config;
 }

@@ -23,11 +23,11 @@ class ReportedCounts {
   [[noreturn]] void refuse(const std::string& why) const;
 
  private:
-  std::uint64_t number(const nlohmann::ordered_json& node, const char* group, const std::string& name,
+  std::uint64_t number(const sim::Json& node, const char* group, const std::string& name,
                        const sim::UnitReport& unit) const;
 
   const ReportFile& report_;
-  const nlohmann::ordered_json* units_ = nullptr;
+  const sim::Json* units_ = nullptr;
 };
 
 }  // namespace tools

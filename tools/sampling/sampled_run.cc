@@ -4,9 +4,8 @@
 #include <cmath>
 #include <numeric>
 
-#include <nlohmann/json.hpp>
-
 #include "sim/engine.h"
+#include "sim/io/json.h"
 #include "sim/report/report_json.h"
 #include "tools/analysis/report_paths.h"
 #include "tools/analysis/units.h"

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <iterator>
+#include <span>
 #include <type_traits>
 #include <utility>
 
@@ -14,7 +15,7 @@
 namespace tools {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using sim::Json;
 
 /// Counts of kernels, sampling and slices as a file has them.
 constexpr std::pair<const char*, std::uint64_t hw::KernelUse::*> kKernelCounts[] = {
@@ -107,7 +108,7 @@ Json slice_json(const SlicePart& part) {
           {"before", probe_json(played.before)},
           {"after", probe_json(played.after)},
           {"function",
-           {{"rays", function.rays},
+           {{"rays", std::span(function.rays)},
             {"continued", function.continued},
             {"traversal_steps", function.traversal_steps},
             {"sampling", counts_json(kSamplingCounts, function.sampling)}}},
@@ -136,7 +137,7 @@ SlicePart read_slice(const Json& json, Stretch nothing) {
     part.function.waited = amount_in(host.at("waited_s"));
     part.wall_seconds = amount_in(host.at("wall_s"));
     return part;
-  } catch (const Json::exception& error) {
+  } catch (const sim::JsonError& error) {
     throw sim::InputError(sim::printable(error.what()));
   }
 }

@@ -1,6 +1,6 @@
 #pragma once
-#include <nlohmann/json.hpp>
 
+#include "sim/io/json.h"
 #include "tools/sampling/slice_play.h"
 
 namespace tools {
@@ -13,10 +13,10 @@ struct SlicePart {
 };
 
 /// All digits of a part, for whoever adds up the frame. What a machine's units are called and made of is not in it.
-nlohmann::ordered_json slice_json(const SlicePart& part);
+sim::Json slice_json(const SlicePart& part);
 
 /// Reads a part back; `nothing` is the slice's machine before its first cycle. InputError for what is no part of such a
 /// machine.
-SlicePart read_slice(const nlohmann::ordered_json& json, Stretch nothing);
+SlicePart read_slice(const sim::Json& json, Stretch nothing);
 
 }  // namespace tools

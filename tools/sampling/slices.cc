@@ -113,8 +113,8 @@ Simulation simulate_slices(const Inputs& inputs, const kernels::ProgramSpec& pro
   return s;
 }
 
-nlohmann::ordered_json simulate_slice(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
-                                      std::uint32_t slices, std::uint32_t index) {
+sim::Json simulate_slice(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
+                         std::uint32_t slices, std::uint32_t index) {
   const sim::HostClock::time_point begin = sim::HostClock::now();
   threads = host_threads(threads);
   CutFrame cut(inputs, program, threads, slices);
@@ -126,22 +126,21 @@ nlohmann::ordered_json simulate_slice(const Inputs& inputs, const kernels::Progr
   return slice_json(part);
 }
 
-Simulation join_slices(const Inputs& inputs, const kernels::ProgramSpec& program,
-                       std::span<const nlohmann::ordered_json> slices) {
+Simulation join_slices(const Inputs& inputs, const kernels::ProgramSpec& program, std::span<const sim::Json> slices) {
   const SlicePlayer player(inputs, frame_of(inputs, program));
   const Stretch nothing = player.nothing();
   std::vector<PlayedSlice> played;
   FrontEnd::Result function;
   double wall_seconds = 0;
   std::uint32_t next = 0;
-  const auto read = [&](const nlohmann::ordered_json& slice) {
+  const auto read = [&](const sim::Json& slice) {
     try {
       return read_slice(slice, nothing);
     } catch (const sim::InputError& error) {
       throw sim::InputError(fmt::format("slice {}: {}", played.size() + 1, error.what()));
     }
   };
-  for (const nlohmann::ordered_json& slice : slices) {
+  for (const sim::Json& slice : slices) {
     SlicePart part = read(slice);
     const bool follows = part.played.slice.first == next && part.played.slice.end > next;
     next = part.played.slice.end;

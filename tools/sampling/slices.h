@@ -3,8 +3,7 @@
 #include <span>
 #include <string>
 
-#include <nlohmann/json_fwd.hpp>
-
+#include "sim/io/json.h"
 #include "tools/simulation/run_job.h"
 
 namespace tools {
@@ -28,12 +27,11 @@ Simulation simulate_slices(const Inputs& inputs, const kernels::ProgramSpec& pro
                            std::uint32_t slices, Progress* progress = nullptr);
 
 /// Plays slice `index`, from 0, of so many alone. What it comes to, to be kept until all others are there.
-nlohmann::ordered_json simulate_slice(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
-                                      std::uint32_t slices, std::uint32_t index);
+sim::Json simulate_slice(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
+                         std::uint32_t slices, std::uint32_t index);
 /// The frame that all of its slices make, in order: as by simulate_slices(), without the picture. InputError for what
 /// are no slices of the frame.
-Simulation join_slices(const Inputs& inputs, const kernels::ProgramSpec& program,
-                       std::span<const nlohmann::ordered_json> slices);
+Simulation join_slices(const Inputs& inputs, const kernels::ProgramSpec& program, std::span<const sim::Json> slices);
 
 /// Marks a frame that was played whole as one that has one slice.
 SlicedFrame uncut(const Simulation& s);

@@ -5,12 +5,12 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/config/config.h"
 #include "sim/config/config_json.h"
 #include "sim/error.h"
 #include "sim/io/file.h"
+#include "sim/io/json.h"
 #include "sim/sha256.h"
 #include "tools/host/build_info.h"
 #include "tools/host/interrupt.h"
@@ -43,14 +43,14 @@ class Restored {
 };
 
 std::string name_of(const Inputs& inputs, std::uint32_t samples) {
-  const nlohmann::json config = sim::config_json(inputs.config);
+  const sim::Json config = sim::config_json(inputs.config);
   const glm::mat4& eye = inputs.camera.to_world;
   const std::string_view camera(reinterpret_cast<const char*>(&eye[0][0]), sizeof(float) * 16);
   sim::Sha256 key;
   key.add(build_info().model_id);
   key.add(inputs.scene_sha256);
-  key.add(config["scene"].dump());
-  key.add(config["render"].dump());
+  key.add(sim::json_line(config["scene"]));
+  key.add(sim::json_line(config["render"]));
   key.add(camera);
   key.add(fmt::format("fov {} frame {} samples {}", inputs.camera.vertical_fov, inputs.frame, samples));
   return "truth-" + key.hex();

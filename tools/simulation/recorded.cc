@@ -7,11 +7,11 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "shader_kernels/catalogue.h"
 #include "sim/config/config.h"
 #include "sim/error.h"
+#include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "tools/host/build_info.h"
 #include "tools/host/paths.h"
@@ -132,7 +132,7 @@ Counts reordered(const Counts& counts, bool is_from_file) {
 /// Another build may not have had all keys that change the work here: what it did then is what the default does.
 void check_not_recorded(const Json& header, const std::string& file,
                         const std::map<std::string, sim::FieldInfo>& asked) {
-  const Json::json_pointer id("/made_by/model_id");
+  const sim::JsonPointer id("/made_by/model_id");
   if (!header.contains(id) || header.at(id) == build_info().model_id) return;
   const auto program = header.at("program").get<std::string>(), reference = header.at("reference").get<std::string>();
   const auto defaults = fields(RunConfig{});
@@ -177,7 +177,7 @@ Json recorded_frame(std::uint32_t number, double error) { return {{"frame", numb
 
 Json recorded_result(const FrontEnd::Result& result) {
   const kernels::Sampling& s = result.sampling;
-  return {{"rays", result.rays},
+  return {{"rays", std::span(result.rays)},
           {"traversal_steps", result.traversal_steps},
           {"continued", result.continued},
           {"sampling",
@@ -238,7 +238,7 @@ FrontEnd::Result result_of(const Json& json) {
 
 void check_header(const Json& header) {
   for (const HeaderKey& key : kHeaderKeys) {
-    const Json::json_pointer pointer(key.pointer);
+    const sim::JsonPointer pointer(key.pointer);
     std::string name = key.pointer + 1;
     std::ranges::replace(name, '/', '.');
     if (!header.contains(pointer)) throw sim::InputError(fmt::format("the header has no '{}'", name));

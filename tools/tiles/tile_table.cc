@@ -5,7 +5,6 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/error.h"
 #include "sim/io/file.h"
@@ -16,7 +15,7 @@
 namespace tools {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using sim::Json;
 
 constexpr std::string_view kSchema = "raywatt-tiles/1";
 constexpr std::uint64_t kLargestFile = std::uint64_t{4} << 30;
@@ -68,7 +67,7 @@ TileFrame frame_of(const Json& json, const Json& units, const std::string& file)
 /// InputError, with the file's name, for what is nested too deeply.
 Json parsed(const std::string& bytes, const std::string& name) {
   try {
-    return sim::parse_json<Json>(bytes);
+    return sim::parse_json(bytes);
   } catch (const sim::InputError& error) {
     throw sim::InputError(fmt::format("{}: {}", name, error.what()));
   }
@@ -116,7 +115,7 @@ TileTable load_tiles(const std::filesystem::path& file_or_folder) {
       throw sim::InputError(fmt::format("{}: schema '{}'; allowed: '{}'", name, sim::printable(schema), kSchema));
     }
     for (const Json& frame : json.at("frames")) table.frames.push_back(frame_of(frame, json.at("units"), name));
-  } catch (const Json::exception& error) {
+  } catch (const sim::JsonError& error) {
     throw sim::InputError(fmt::format("{}: is no tiles.json of raywatt ({})", name, sim::printable(error.what())));
   }
   return table;

@@ -3,10 +3,10 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/error.h"
 #include "sim/io/file.h"
+#include "sim/io/json.h"
 
 namespace tools {
 
@@ -43,7 +43,7 @@ void TimelineJob::end_frame(const Simulation& s, const TileFrame& tiles, const R
   recorder_.reset();
 }
 
-void TimelineJob::write(const std::filesystem::path& folder, nlohmann::ordered_json& report) const {
+void TimelineJob::write(const std::filesystem::path& folder, sim::Json& report) const {
   if (!problem_.empty()) report["warnings"].push_back(problem_ + "; no timeline is written");
   if (!made_) return;
   sim::write_file_atomically(folder / kTimelineFile, made_->bytes);

@@ -4,8 +4,7 @@
 #include <optional>
 #include <string>
 
-#include <nlohmann/json_fwd.hpp>
-
+#include "sim/io/json.h"
 #include "tools/timeline/timeline.h"
 
 namespace tools {
@@ -25,7 +24,7 @@ class TimelineJob {
   /// a warning instead of a timeline: the frame is not lost.
   void end_frame(const Simulation& s, const TileFrame& tiles, const RunConfig& config);
   /// Writes the file, and into the report what is in it and what had no room.
-  void write(const std::filesystem::path& folder, nlohmann::ordered_json& report) const;
+  void write(const std::filesystem::path& folder, sim::Json& report) const;
 
  private:
   const std::string asked_;

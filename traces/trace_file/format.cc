@@ -1,7 +1,6 @@
 #include "traces/trace_file/format.h"
 
-#include <nlohmann/json.hpp>
-
+#include "sim/io/json.h"
 #include "traces/trace_file/bytes.h"
 #include "traces/walk.h"
 

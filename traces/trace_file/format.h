@@ -5,8 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include <nlohmann/json_fwd.hpp>
-
+#include "sim/io/json.h"
 #include "traces/trace_file/tile_code.h"
 
 namespace traces {
@@ -18,7 +17,7 @@ namespace traces {
 // Each block between magic and footer is a zstd frame. A part is a frame of the picture, as one frame program renders
 // it.
 
-using Json = nlohmann::ordered_json;
+using sim::Json;
 
 inline constexpr std::string_view kTraceMagic = "raywatt-trace/4\n";
 inline constexpr std::string_view kFormerMagic = "raywatt-trace/3\n";  ///< the same without rasterisers: read, too
@@ -49,7 +48,7 @@ std::uint64_t number_at(const Json& json, const char* key, std::uint64_t most);
 
 Json to_json(const ImageCounts& counts);
 Json to_json(const FrameRequirements& requirements);
-/// InputError, without the file's name, for what no scene has; nlohmann's exceptions for what is not there.
+/// InputError, without the file's name, for what no scene has; JsonError for what is not there.
 ImageCounts counts_of_json(const Json& json);
 FrameRequirements requirements_of_json(const Json& json);
 

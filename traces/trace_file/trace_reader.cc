@@ -39,14 +39,13 @@ TraceReader::TraceReader(std::filesystem::path path) : path_(std::move(path)) {
 
 TraceReader::~TraceReader() { ::close(file_); }
 
-std::string TraceReader::damage_of(const Json::exception& error) {
-  constexpr int kNoKey = 403, kParsing = 100,
-                kWrongType = 300;  // numbers of nlohmann's exceptions; the latter, hundreds
+std::string TraceReader::damage_of(const sim::JsonError& error) {
   const std::string what = error.what();
   const std::size_t begin = what.find('\''), end = what.rfind('\'');
-  if (error.id == kNoKey && begin < end) return "has no key " + what.substr(begin, end - begin + 1);
-  if (error.id / 100 * 100 == kParsing) return "is damaged: a block holds no JSON";
-  if (error.id / 100 * 100 == kWrongType) return "is damaged: a value is of a wrong kind";
+  if (error.kind == sim::JsonError::Kind::kKey && begin < end)
+    return "has no key " + what.substr(begin, end - begin + 1);
+  if (error.kind == sim::JsonError::Kind::kSyntax) return "is damaged: a block holds no JSON";
+  if (error.kind == sim::JsonError::Kind::kType) return "is damaged: a value is of a wrong kind";
   return "is damaged: a list is too short";
 }
 
@@ -94,7 +93,7 @@ void TraceReader::read_header() {
   version_ = start.starts_with(kTraceMagic) ? kTraceVersion : kTraceVersion - 1;
   const FileRange range{start.size(), load<std::uint32_t>(start.data() + kTraceMagic.size())};
   if (range.bytes > size_ - range.offset) throw sim::InputError("ends early");
-  header_ = sim::parse_json<Json>(block(range, kMaxHeaderBytes));
+  header_ = sim::parse_json(block(range, kMaxHeaderBytes));
 }
 
 void TraceReader::read_contents() {
@@ -104,7 +103,7 @@ void TraceReader::read_contents() {
   if (!footer.ends_with(kTraceEnd)) throw sim::InputError("ends early, or with something other than a footer");
   const FileRange range{load<std::uint64_t>(footer.data()), load<std::uint32_t>(footer.data() + 8)};
   if (range.offset > size_ || range.bytes > size_ - range.offset) throw sim::InputError("footer is damaged");
-  Json contents = sim::parse_json<Json>(block(range, kMaxContentsBytes));
+  Json contents = sim::parse_json(block(range, kMaxContentsBytes));
   for (const Json& tree : contents.at("trees")) {
     trees_.push_back({range_of(tree), number_at(tree, "nodes", kMaxNodes), counts_of_json(tree.at("counts"))});
   }

@@ -4,8 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
+#include "sim/io/json.h"
 #include "traces/trace_file/format.h"
 #include "traces/trace_file/packing.h"
 
@@ -67,7 +66,7 @@ class TraceReader {
       return f();
     } catch (const sim::InputError& error) {
       complain(error.what());
-    } catch (const Json::exception& error) {
+    } catch (const sim::JsonError& error) {
       complain(damage_of(error));
     }
   }
@@ -78,7 +77,7 @@ class TraceReader {
     std::uint64_t nodes = 0;
     ImageCounts counts;
   };
-  static std::string damage_of(const Json::exception& error);
+  static std::string damage_of(const sim::JsonError& error);
   [[noreturn]] void complain(const std::string& what) const;
   void read_at(const FileRange& range, std::string& out) const;
   /// A block, unpacked.

@@ -4,8 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
+#include "sim/io/json.h"
 #include "traces/trace_file/format.h"
 #include "traces/trace_file/output_file.h"
 #include "traces/trace_file/packing.h"

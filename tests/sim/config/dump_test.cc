@@ -1,5 +1,4 @@
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 #include "harness.h"
 #include "sim/config/config_json.h"
@@ -100,7 +99,7 @@ TEST(ListFields, GivesEveryFieldAsASetArgument) {
 }
 
 TEST(ConfigJson, HasNumbersAsNumbersAndQuantitiesAsText) {
-  const nlohmann::json json = config_json(MachineConfig{});
+  const Json json = config_json(MachineConfig{});
   EXPECT_EQ(json.at("unit").at("rays"), 32);
   EXPECT_EQ(json.at("unit").at("l1").at("size"), "16 KiB");
   EXPECT_EQ(json.at("direct"), true);
@@ -110,14 +109,13 @@ TEST(ConfigJson, HasNumbersAsNumbersAndQuantitiesAsText) {
 }
 
 TEST(ConfigSchema, DescribesEveryFieldAndNothingElse) {
-  const nlohmann::json schema = config_schema<MachineConfig>();
-  const nlohmann::json& unit = schema.at("properties").at("unit");
+  const Json schema = config_schema<MachineConfig>();
+  const Json& unit = schema.at("properties").at("unit");
   EXPECT_EQ(unit.at("additionalProperties"), false);
   EXPECT_EQ(unit.at("properties").at("rays").at("anyOf").at(0).at("maximum"), 64);
   EXPECT_EQ(unit.at("properties").at("rays").at("default"), 32);
   EXPECT_EQ(unit.at("properties").at("stack").at("enum").size(), 3U);
-  EXPECT_EQ(unit.at("properties").at("prefetch").at("enum"),
-            (nlohmann::json{"off", "on", "alternate", false, true}));
+  EXPECT_EQ(unit.at("properties").at("prefetch").at("enum"), (Json{"off", "on", "alternate", false, true}));
   EXPECT_EQ(unit.at("properties").at("extends").at("type"), "string");
   EXPECT_EQ(schema.at("properties").at("clock").at("pattern"), "^[0-9]+(\\.[0-9]+)? *(Hz|kHz|MHz|GHz)$");
 }

@@ -1,5 +1,4 @@
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/config/config.h"
 #include "sim/config/config_json.h"

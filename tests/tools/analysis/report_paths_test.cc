@@ -5,9 +5,9 @@
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/error.h"
+#include "sim/io/json.h"
 #include "tests/temp_folder.h"
 
 // Every number of a report has a path, and any end of it that is clear names it.
@@ -15,10 +15,10 @@
 namespace tools {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using sim::Json;
 
 const Json& report() {
-  static const Json json = Json::parse(R"({
+  static const Json json = sim::parse_json(R"({
     "schema": "raywatt-report/1",
     "resolution": [64, 32],
     "config": {"cores": 2, "clocks": {"tni": "500 MHz"}},

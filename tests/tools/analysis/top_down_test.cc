@@ -1,7 +1,6 @@
 #include "tools/analysis/top_down.h"
 
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 #include "tests/tools/analysis/made_up_machine.h"
 #include "tools/simulation/run_job.h"

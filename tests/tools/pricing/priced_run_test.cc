@@ -1,7 +1,6 @@
 #include "tools/pricing/priced_run.h"
 
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/error.h"
 #include "tests/tools/pricing/two_designs.h"
@@ -11,15 +10,15 @@
 namespace test {
 namespace {
 
+using sim::Json;
 using tools::energy_totals_json;
 using tools::load_report;
 using tools::PricedRun;
 using tools::PriceTable;
-using OrderedJson = nlohmann::ordered_json;
 
 /// Totals of a report that follow from energy.
 void expect_totals(const PricedRun& run, const std::filesystem::path& report) {
-  const OrderedJson totals = load_report(report).json["totals"], priced = energy_totals_json(run.energy(), run.work());
+  const Json totals = load_report(report).json["totals"], priced = energy_totals_json(run.energy(), run.work());
   for (const auto& [key, value] : priced.items()) {
     if (key == "perf") continue;
     EXPECT_EQ(value, totals[key]) << key;
@@ -50,7 +49,7 @@ TEST(PricedRun, OfSeveralFramesIsTheirSum) {
   const auto out = run_into(folder.path() / "a", {"--scene", "car", "--frames", "0:2"});
   const PricedRun run(load_report(out));
   EXPECT_EQ(run.work().frames, 3);
-  const OrderedJson totals = load_report(out).json["totals"], priced = energy_totals_json(run.energy(), run.work());
+  const Json totals = load_report(out).json["totals"], priced = energy_totals_json(run.energy(), run.work());
   EXPECT_NEAR(priced["energy_mj"]["high"].get<double>() / totals["energy_mj"]["high"].get<double>(), 1, 1e-12);
   EXPECT_NEAR(
       priced["perf"]["frames_per_joule_gpu"].get<double>() / totals["perf"]["frames_per_joule_gpu"].get<double>(), 1,

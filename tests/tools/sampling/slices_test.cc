@@ -111,11 +111,11 @@ TEST(Slices, ThePictureAndAllThatIsCountedOfItAreTheWholeFrames) {
 }
 
 /// Eight slices, each played alone and read from its text.
-const std::vector<nlohmann::ordered_json>& eight_parts() {
-  static const std::vector<nlohmann::ordered_json> parts = [] {
-    std::vector<nlohmann::ordered_json> all(8);
+const std::vector<sim::Json>& eight_parts() {
+  static const std::vector<sim::Json> parts = [] {
+    std::vector<sim::Json> all(8);
     for (std::uint32_t i = 8; i-- != 0;)
-      all[i] = nlohmann::ordered_json::parse(simulate_slice(teapot_tiles(), kFull, i % 3 + 1, 8, i).dump());
+      all[i] = sim::parse_json(sim::json_line(simulate_slice(teapot_tiles(), kFull, i % 3 + 1, 8, i)));
     return all;
   }();
   return parts;
@@ -132,7 +132,7 @@ TEST(Slices, PlayedEachAloneTheyAddUpToTheSameFrameToTheLastCounter) {
 
 TEST(Slices, WhatIsNoSliceOfTheFrameIsNotJoined) {
   const auto refused = [](auto&& damage) {
-    std::vector<nlohmann::ordered_json> parts = eight_parts();
+    std::vector<sim::Json> parts = eight_parts();
     damage(parts);
     try {
       join_slices(teapot_tiles(), kFull, parts);

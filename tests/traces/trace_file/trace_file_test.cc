@@ -2,7 +2,6 @@
 #include <fstream>
 
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 #include <sys/stat.h>
 
 #include "sim/error.h"
@@ -140,7 +139,7 @@ TEST(TraceFile, ItemsThatTakeNoBytesAreNotTooMany) {
 
 TEST(TraceFile, DemandsOfOneWaveAndOnePassAreLeftOut) {
   const FrameRequirements plain{.tile_samples = 4, .attribute_bytes = 64, .region_bytes = {4096, 512, 16}};
-  const nlohmann::ordered_json json = to_json(plain);
+  const Json json = to_json(plain);
   EXPECT_FALSE(json.contains("wave_samples"));
   EXPECT_FALSE(json.contains("pass_attribute_bytes"));
   EXPECT_EQ(requirements_of_json(json), plain);
@@ -236,10 +235,10 @@ TEST(TraceFile, APartHasNoMoreTilesThanTheFileHasRoomFor) {
   const auto offset = load<std::uint64_t>(good.data() + good.size() - kFooterBytes);
   const auto size = load<std::uint32_t>(good.data() + good.size() - kFooterBytes + 8);
   Unpacker unpacker;
-  Json contents = Json::parse(unpacker.unpack(std::string_view(good).substr(offset, size), kMaxContentsBytes));
+  Json contents = sim::parse_json(unpacker.unpack(std::string_view(good).substr(offset, size), kMaxContentsBytes));
   const auto says = [&](std::uint64_t tiles) {
     contents["parts"][0]["tiles"] = tiles;
-    const auto path = folder.write("b.trace", with_contents(good, contents.dump()));
+    const auto path = folder.write("b.trace", with_contents(good, sim::json_line(contents)));
     return complaint<sim::InputError>(folder, [&] { const TraceReader trace(path); });
   };
   EXPECT_EQ(says(kTiles), "no error");

@@ -26,7 +26,7 @@
 namespace tools {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using sim::Json;
 
 /// The report of a run, or {"error": why there is none, "is_input": the user can mend it}; std::bad_alloc.
 Json report_or_error(const JobOptions& options) {
@@ -55,7 +55,7 @@ StoredDraws draws_of_replicates(const Json& replicates) {
     const std::string at = pointer.substr(0, pointer.size() - kMean.size());
     std::string path = "totals" + at;
     std::ranges::replace(path, '/', '.');
-    out[path] = {count, mean.get<double>(), figures.at(Json::json_pointer(at + "/deviation")).get<double>()};
+    out[path] = {count, mean.get<double>(), figures.at(sim::JsonPointer(at + "/deviation")).get<double>()};
   }
   return out;
 }
@@ -69,8 +69,8 @@ Measured measured_from(const SuiteRun& run, const std::string& text, int status,
   }
   Json report;
   try {
-    report = sim::parse_json<Json>(text);
-  } catch (const Json::exception&) {  // it did not come to the end of it
+    report = sim::parse_json(text);
+  } catch (const sim::JsonError&) {  // it did not come to the end of it
   }
   if (WEXITSTATUS(status) == kIoFailed) throw std::bad_alloc();
   if (!report.is_object()) {

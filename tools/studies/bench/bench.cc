@@ -31,7 +31,7 @@
 
 namespace tools {
 
-using Json = nlohmann::ordered_json;
+using sim::Json;
 
 namespace {
 
@@ -253,7 +253,7 @@ Json measure_apart(const std::string& scene, const BenchOptions& options, const 
   if (WIFSIGNALED(status))
     throw std::runtime_error(fmt::format("signal {} while measuring {}", WTERMSIG(status), scene));
   if (WEXITSTATUS(status) != 0) std::exit(WEXITSTATUS(status));
-  return sim::parse_json<Json>(text);
+  return sim::parse_json(text);
 }
 
 }  // namespace

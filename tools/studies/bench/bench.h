@@ -5,8 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
+#include "sim/io/json.h"
 #include "tools/simulation/job_options.h"
 
 namespace tools {
@@ -38,23 +37,23 @@ const std::vector<BenchFigure>& bench_figures();
 /// figure is a median over `runs` rounds, and a round measures everything in turn. If a scene's process fails, which
 /// has said why, this one ends with its exit code. So it does, before it measures, if a scene's figures could not be
 /// compared with those of `other`, if that is given.
-nlohmann::ordered_json measure_scenes(const BenchOptions& options, const nlohmann::ordered_json* other = nullptr);
+sim::Json measure_scenes(const BenchOptions& options, const sim::Json* other = nullptr);
 
 /// Reads what `raywatt bench --json` has printed; of several results of one kind, one behind the other, the medians.
 /// InputError.
-nlohmann::ordered_json load_bench(const std::filesystem::path& file);
+sim::Json load_bench(const std::filesystem::path& file);
 
 /// InputError that says what differs if figures of scenes that both have are of different frames, machines or threads;
 /// and with `need_one` if there is no such scene. What one of them does not say, being of an older build, may be
 /// anything. `file`: of `other`.
-void check_comparable(const nlohmann::ordered_json& bench, const nlohmann::ordered_json& other,
-                      const std::filesystem::path& file, bool need_one = true);
+void check_comparable(const sim::Json& bench, const sim::Json& other, const std::filesystem::path& file,
+                      bool need_one = true);
 
 /// Adds to each scene of `bench` that `other` has, too, `against`: how many times as good each figure is.
-void compare_bench(nlohmann::ordered_json& bench, const nlohmann::ordered_json& other);
+void compare_bench(sim::Json& bench, const sim::Json& other);
 
 /// Tables for a terminal: whole runs, then replays and samples; as many again if there is something to compare.
-std::string bench_table(const nlohmann::ordered_json& bench);
+std::string bench_table(const sim::Json& bench);
 
 /// The median of at least one value; for an even number the mean of the two in the middle.
 inline double median(std::vector<double> values) {

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/error.h"
 #include "sim/io/file.h"
@@ -14,7 +13,7 @@
 
 namespace tools {
 
-using Json = nlohmann::ordered_json;
+using sim::Json;
 
 namespace {
 
@@ -149,7 +148,7 @@ Json load_bench(const std::filesystem::path& file) {
   try {
     while (text >> std::ws && text.peek() != std::char_traits<char>::eof()) {
       Json& result = results.emplace_back();
-      text >> result;
+      result = sim::parse_json(text);
       if (const std::string why = fault(result); !why.empty()) throw refuse(why);
       if (result["schema"] == "raywatt-bench/1") read_as_version_2(result);
       for (const Json& scene : result["scenes"]) {
@@ -159,7 +158,7 @@ Json load_bench(const std::filesystem::path& file) {
         if (!all.empty()) throw refuse(fmt::format("has results of different kinds: {}", fmt::join(all, ", ")));
       }
     }
-  } catch (const nlohmann::json::exception&) {
+  } catch (const sim::JsonError&) {
     throw refuse(text.eof() ? "ends early" : "is no JSON");
   }
   if (results.empty()) throw refuse("is empty");

@@ -18,7 +18,7 @@
 namespace tools {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using sim::Json;
 
 /// Figures that people look at first: a name, and where a report has it.
 constexpr std::array<std::pair<const char*, const char*>, 15> kFigures = {{

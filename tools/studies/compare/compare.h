@@ -65,7 +65,7 @@ void add_replicates(ReportFile& report, std::uint32_t count, std::uint32_t threa
 Comparison compare(const ReportFile& a, const ReportFile& b);
 
 /// Reports side by side, the first against each other one: schema raywatt-compare/1.
-nlohmann::ordered_json comparison_json(const std::vector<ReportFile>& reports, const std::vector<Comparison>& against);
+sim::Json comparison_json(const std::vector<ReportFile>& reports, const std::vector<Comparison>& against);
 
 /// The same for a terminal.
 std::string comparison_text(const std::vector<ReportFile>& reports, const std::vector<Comparison>& against);

@@ -1,9 +1,9 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/error.h"
+#include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "tools/analysis/report_paths.h"
 #include "tools/jobs/plain_report.h"
@@ -22,14 +22,15 @@ void add_replicates(ReportFile& report, std::uint32_t count, std::uint32_t threa
   };
   if (report.json.value("partial", false)) refuse("is of a run that was interrupted");
   if (report.has("totals.sampled.tiles")) refuse("has estimates (--tile-sampling), and replicates play all tiles");
-  if (report.has("totals.sliced.cycles.estimate")) refuse("has sums of slices (--slices), and replicates play all tiles");
+  if (report.has("totals.sliced.cycles.estimate"))
+    refuse("has sums of slices (--slices), and replicates play all tiles");
   const auto program = report.json.find("program");
   if (program == report.json.end() || !program->is_string()) refuse("has no frame program");
   JobOptions options;
   options.program = program->get<std::string>();
   options.threads = threads;
   options.replicates = count;
-  nlohmann::ordered_json played = plain_report(load_inputs(reported_config(report), threads, progress), options, progress);
+  sim::Json played = plain_report(load_inputs(reported_config(report), threads, progress), options, progress);
   const auto cycles = played["totals"]["cycles"].get<double>();
   if (cycles != report.number("totals.cycles")) {
     refuse(fmt::format("says {:.0f} cycles, and played again it takes {:.0f}", report.number("totals.cycles"), cycles));

@@ -1,5 +1,5 @@
-#include <nlohmann/json.hpp>
 
+#include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "sim/report/report_json.h"
 #include "tools/analysis/picture.h"
@@ -8,7 +8,7 @@
 namespace tools {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using sim::Json;
 
 Json pairs_json(const std::vector<Pair>& pairs) {
   Json out = Json::array();

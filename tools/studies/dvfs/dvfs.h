@@ -3,9 +3,8 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "sim/config/field.h"
+#include "sim/io/json.h"
 #include "tools/simulation/job_options.h"
 
 namespace tools {
@@ -49,6 +48,6 @@ void choose_points(DvfsCurve& curve, double period_ms);
 DvfsCurve dvfs_curve(const DvfsOptions& options, Progress* progress = nullptr);
 
 std::string dvfs_text(const DvfsCurve& curve);
-nlohmann::ordered_json dvfs_json(const DvfsCurve& curve);
+sim::Json dvfs_json(const DvfsCurve& curve);
 
 }  // namespace tools

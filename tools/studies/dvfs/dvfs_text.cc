@@ -1,6 +1,6 @@
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
+#include "sim/io/json.h"
 #include "sim/report/report_json.h"
 #include "sim/report/table.h"
 #include "tools/simulation/power.h"
@@ -9,7 +9,7 @@
 namespace tools {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using sim::Json;
 
 std::string marks_of(const DvfsCurve& curve, std::size_t i) {
   std::string marks;

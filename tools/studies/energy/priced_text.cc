@@ -15,9 +15,9 @@
 namespace tools {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using sim::Json;
 
-double at(const Json& totals, const char* pointer) { return totals.at(Json::json_pointer(pointer)).get<double>(); }
+double at(const Json& totals, const char* pointer) { return totals.at(sim::JsonPointer(pointer)).get<double>(); }
 
 std::string percent(double from, double to) { return fmt::format("{:+.1f} %", 100 * (to / from - 1)); }
 

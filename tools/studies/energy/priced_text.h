@@ -4,8 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
+#include "sim/io/json.h"
 #include "tools/studies/energy/price.h"
 
 namespace tools {
@@ -15,7 +14,7 @@ struct Priced {
   std::string run;                                          ///< path of the run or of the sweep
   std::string n{};                                          ///< number of a point of a sweep
   std::vector<std::pair<std::string, std::string>> axes{};  ///< its axes
-  nlohmann::ordered_json own, asked;                        ///< energy_totals_json()
+  sim::Json own, asked;                                     ///< energy_totals_json()
   std::vector<FigureChange> changes;
   std::size_t plays = 1;                  ///< the run's; priced is the first
   std::vector<std::string> extrapolated;  ///< sizes outside the curves of the table asked for

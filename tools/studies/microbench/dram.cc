@@ -3,11 +3,11 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "hw_models/dram/dram_energy.h"
 #include "hw_models/dram/dram_measurements.h"
 #include "sim/error.h"
+#include "sim/io/json.h"
 #include "sim/report/conversions.h"
 #include "sim/report/report_json.h"
 #include "sim/report/table.h"
@@ -19,7 +19,7 @@
 namespace tools {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using sim::Json;
 
 double ns_of(sim::Time time) { return static_cast<double>(time) / sim::kFemtosecondsPerNs; }
 

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
+#include "sim/io/json.h"
 #include "sim/report/report_json.h"
 #include "sim/report/table.h"
 
@@ -80,7 +80,7 @@ std::string table_of(const Findings& findings) {
 }
 
 std::string json_of(std::string_view benchmark, const Findings& findings) {
-  nlohmann::ordered_json figures = nlohmann::ordered_json::array();
+  sim::Json figures = sim::Json::array();
   for (const Figure& f : findings.figures) {
     figures.push_back({{"name", f.name},
                        {"unit", f.unit},

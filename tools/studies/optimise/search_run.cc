@@ -68,8 +68,8 @@ void check_looks(const Task& task) {
 }
 
 /// The numbers of a report, of which each that a search may want is finite.
-std::vector<ReportNumber> figures_of(nlohmann::ordered_json json) {
-  const nlohmann::ordered_json::json_pointer identical("/totals/identical");
+std::vector<ReportNumber> figures_of(sim::Json json) {
+  const sim::JsonPointer identical("/totals/identical");
   if (json.contains(identical) && json[identical] == true) json["totals"]["psnr_db"] = kIdentical;
   return report_numbers(json);
 }
@@ -117,7 +117,7 @@ void SearchRun::find_figures(const std::vector<std::string>& paths) {
 void SearchRun::read_figures(Trial& trial, const sweep::Store& store) {
   const std::optional<std::string> report = store.report(trial.point.id);
   if (!report) throw sim::IoError(fmt::format("{}: the result is gone", store.folder(trial.point.id).string()));
-  const auto json = sim::parse_json<nlohmann::ordered_json>(*report);
+  const auto json = sim::parse_json(*report);
   trial.extrapolations = results::extrapolation_lines(json);
   const std::vector<ReportNumber> numbers = figures_of(json);
   if (!has_paths_) {

@@ -19,7 +19,7 @@
 namespace tools::optimise {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using sim::Json;
 
 constexpr std::size_t kMostCommands = 20, kMostNear = 20,
                       kMostNamed = 20;  // in the terminal; front.csv and history.jsonl have all

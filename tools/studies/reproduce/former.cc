@@ -2,8 +2,6 @@
 
 #include <map>
 
-#include <nlohmann/json.hpp>
-
 #include "sim/error.h"
 #include "sim/io/file.h"
 #include "sim/io/json.h"
@@ -15,7 +13,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using sim::Json;
 
 constexpr std::uint64_t kMostResultBytes = 64 << 20;  ///< results of whole papers have some 200 KB
 constexpr std::uint64_t kMostOfScene = 8ULL << 30;
@@ -33,12 +31,13 @@ bool is_same_run(const Json& former, const Json& head) {
 }
 
 Row row_of(const Json& entry) {
-  Row row{.figure = {entry.at("experiment"), entry.at("scene"), entry.at("setting"), entry.at("figure")},
-          .stand_in = entry.at("stand_in"),
-          .width = entry.at("resolution").at(0),
-          .height = entry.at("resolution").at(1),
-          .program = entry.at("program"),
-          .reference = entry.at("reference"),
+  const auto text = [&](const char* key) { return entry.at(key).get<std::string>(); };
+  Row row{.figure = {text("experiment"), text("scene"), text("setting"), text("figure")},
+          .stand_in = text("stand_in"),
+          .width = entry.at("resolution").at(0).get<std::uint32_t>(),
+          .height = entry.at("resolution").at(1).get<std::uint32_t>(),
+          .program = text("program"),
+          .reference = text("reference"),
           .measured = {},
           .why_not = entry.value("why_not", ""),
           .published = {}};
@@ -70,9 +69,9 @@ std::string digest_of_file(const fs::path& scene) {
 
 Former load_former(const fs::path& folder, const Json& head) {
   try {
-    return read_former(sim::parse_json<Json>(sim::read_file(folder / "reproduce.json", kMostResultBytes)), head);
+    return read_former(sim::parse_json(sim::read_file(folder / "reproduce.json", kMostResultBytes)), head);
   } catch (const sim::InputError&) {
-  } catch (const nlohmann::json::exception&) {
+  } catch (const sim::JsonError&) {
   }
   return {};
 }

@@ -2,8 +2,7 @@
 #include <filesystem>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
+#include "sim/io/json.h"
 #include "tools/studies/reproduce/results.h"
 
 namespace tools::reproduce {
@@ -16,7 +15,7 @@ struct Former {
 
 /// Reads the folder's reproduce.json, if it is there and can be read. A row is finished if paper, sizes, program and
 /// configuration are those of `head`, the first members of this run's own, and its scene's file has not changed.
-Former load_former(const std::filesystem::path& folder, const nlohmann::ordered_json& head);
+Former load_former(const std::filesystem::path& folder, const sim::Json& head);
 
 /// SHA-256 of a scene's file; empty for a built-in scene, which comes with the program.
 std::string digest_of_file(const std::filesystem::path& scene);

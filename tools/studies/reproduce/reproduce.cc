@@ -8,11 +8,11 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/config/config.h"
 #include "sim/error.h"
 #include "sim/io/file.h"
+#include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "sim/report/report_json.h"
 #include "tools/host/build_info.h"
@@ -39,7 +39,7 @@ const Paper& find_paper(const std::string& name) {
                                     traces::did_you_mean(name, known), fmt::join(known, ", ")));
 }
 
-nlohmann::ordered_json provenance(const Options& options, const RunConfig& config) {
+sim::Json provenance(const Options& options, const RunConfig& config) {
   const BuildInfo build = build_info();
   return {{"version", build.version},   {"git", build.git},
           {"dirty", build.dirty},       {"compiler", build.compiler},
@@ -177,13 +177,13 @@ class Job {
   }
 
   /// Members before the rows: all that these depend on beside their cases.
-  nlohmann::ordered_json head() const {
+  sim::Json head() const {
     return {{"schema", "raywatt-reproduce/1"}, {"paper", results_.paper},     {"quick", results_.quick},
             {"shrink", results_.shrink},       {"partial", results_.partial}, {"provenance", provenance_}};
   }
 
   void write(const fs::path& folder) const {
-    nlohmann::ordered_json json = head();
+    sim::Json json = head();
     json.erase("provenance");
     json["rows"] = rows_json(results_);
     json["scenes"] = scenes_;
@@ -205,8 +205,8 @@ class Job {
   std::size_t next_ = 0;
   Former former_;
   Results results_;
-  nlohmann::ordered_json scenes_ = nlohmann::ordered_json::object();  ///< digests of the files that stand in
-  nlohmann::ordered_json provenance_;
+  sim::Json scenes_ = sim::Json::object();  ///< digests of the files that stand in
+  sim::Json provenance_;
 };
 
 /// The paper's experiments at the size that is asked for.

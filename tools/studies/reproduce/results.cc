@@ -5,8 +5,8 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
+#include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "sim/report/table.h"
 
@@ -57,18 +57,18 @@ std::vector<Row> by_experiment(std::vector<Row> rows) {
   return rows;
 }
 
-nlohmann::ordered_json rows_json(const Results& results) {
-  nlohmann::ordered_json out = nlohmann::ordered_json::array();
+sim::Json rows_json(const Results& results) {
+  sim::Json out = sim::Json::array();
   for (const Row& row : results.rows) {
-    nlohmann::ordered_json entry = {{"experiment", row.figure.experiment},
-                                    {"scene", row.figure.scene},
-                                    {"stand_in", sim::printable(row.stand_in, 4096)},
-                                    {"resolution", {row.width, row.height}},
-                                    {"setting", row.figure.setting},
-                                    {"program", row.program},
-                                    {"reference", row.reference},
-                                    {"figure", row.figure.metric}};
-    entry["measured"] = row.measured ? nlohmann::ordered_json(*row.measured) : nlohmann::ordered_json(nullptr);
+    sim::Json entry = {{"experiment", row.figure.experiment},
+                       {"scene", row.figure.scene},
+                       {"stand_in", sim::printable(row.stand_in, 4096)},
+                       {"resolution", {row.width, row.height}},
+                       {"setting", row.figure.setting},
+                       {"program", row.program},
+                       {"reference", row.reference},
+                       {"figure", row.figure.metric}};
+    entry["measured"] = row.measured ? sim::Json(*row.measured) : sim::Json(nullptr);
     if (!row.measured) entry["why_not"] = sim::printable(row.why_not, 4096);
     if (row.published && row.published->low == row.published->high) {
       entry["published"] = row.published->low;

@@ -4,8 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
+#include "sim/io/json.h"
 #include "tools/studies/reproduce/metrics.h"
 #include "tools/studies/reproduce/published.h"
 
@@ -32,7 +31,7 @@ struct Results {
 /// Rows of an experiment together, experiments in the order in which they first occur.
 std::vector<Row> by_experiment(std::vector<Row> rows);
 
-nlohmann::ordered_json rows_json(const Results& results);
+sim::Json rows_json(const Results& results);
 /// A table for the terminal, and one per experiment for Markdown.
 std::string results_text(const Results& results);
 std::string results_markdown(const Results& results, const std::vector<std::string>& pictures);

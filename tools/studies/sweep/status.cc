@@ -7,9 +7,9 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/error.h"
+#include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "sim/report/report_json.h"
 #include "tools/host/command_text.h"
@@ -27,11 +27,11 @@ using sweep::Store;
 using sweep::SweepFolder;
 
 /// How far a sweep is, from its folder and the store alone.
-nlohmann::ordered_json status_of(const SweepFolder& folder) {
+sim::Json status_of(const SweepFolder& folder) {
   const Store store = folder.store();
   std::uint64_t done = 0, failed = 0, running = 0, damaged = 0, slices = 0, slices_done = 0;
   const std::vector<Point> points = folder.points();
-  nlohmann::ordered_json failures = nlohmann::ordered_json::array();
+  sim::Json failures = sim::Json::array();
   for (const Point& point : points) {
     const Store::State state = store.state(point.id);
     if (state == Store::State::kGood) {
@@ -51,26 +51,23 @@ nlohmann::ordered_json status_of(const SweepFolder& folder) {
     }
   }
   const std::optional<SweepFolder::Runner> runner = folder.runner();
-  nlohmann::ordered_json status = {
+  sim::Json status = {
       {"points", points.size()},
       {"done", done},
       {"failed", failed},
       {"missing", points.size() - done - failed},
       {"running", running},
       {"damaged", damaged},
-      {"runner", runner ? nlohmann::ordered_json{{"host", runner->host}, {"process", runner->process}}
-                        : nlohmann::ordered_json(nullptr)},
+      {"runner", runner ? sim::Json{{"host", runner->host}, {"process", runner->process}} : sim::Json(nullptr)},
       {"store", store.root().string()},
       {"failures", failures}};
   if (slices != 0) status["slices_of_missing"] = {{"slices", slices}, {"done", slices_done}};
   return status;
 }
 
-std::uint64_t count_of(const nlohmann::ordered_json& status, const char* key) {
-  return status.at(key).get<std::uint64_t>();
-}
+std::uint64_t count_of(const sim::Json& status, const char* key) { return status.at(key).get<std::uint64_t>(); }
 
-std::string counts_text(const nlohmann::ordered_json& status) {
+std::string counts_text(const sim::Json& status) {
   std::string text = fmt::format("{} points: {} done, {} failed, {} missing ({} of them being computed, {} damaged)",
                                  count_of(status, "points"), count_of(status, "done"), count_of(status, "failed"),
                                  count_of(status, "missing"), count_of(status, "running"), count_of(status, "damaged"));
@@ -81,7 +78,7 @@ std::string counts_text(const nlohmann::ordered_json& status) {
 }
 
 /// Points that have no result; where they are cut, slices.
-std::uint64_t missing_pieces(const nlohmann::ordered_json& status) {
+std::uint64_t missing_pieces(const sim::Json& status) {
   const auto slices = status.find("slices_of_missing");
   return slices == status.end() ? count_of(status, "missing") : count_of(*slices, "slices") - count_of(*slices, "done");
 }
@@ -110,7 +107,7 @@ void watch_sweep(const fs::path& path) {
   constexpr auto kBetween = std::chrono::seconds(1);
   const SweepFolder folder = SweepFolder::open(path);
   SweepView view;
-  nlohmann::ordered_json status = status_of(folder);
+  sim::Json status = status_of(folder);
   std::uint32_t all = 0;
   for (const Point& point : folder.points()) all += point.pieces();
   const auto known = [&status, all] { return all - static_cast<std::uint32_t>(missing_pieces(status)); };
@@ -133,8 +130,8 @@ void watch_sweep(const fs::path& path) {
 
 void print_sweep_status(const fs::path& path, bool json) {
   const SweepFolder folder = SweepFolder::open(path);
-  nlohmann::ordered_json status = status_of(folder);
-  const std::optional<nlohmann::ordered_json> slurm = slurm_status(folder);
+  sim::Json status = status_of(folder);
+  const std::optional<sim::Json> slurm = slurm_status(folder);
   if (slurm) status["slurm"] = *slurm;
   if (json) {
     fmt::print("{}", sim::json_text(status));

@@ -16,7 +16,7 @@
 namespace traces::gltf {
 namespace {
 
-using Json = nlohmann::json;
+using sim::Json;
 
 using enum PropertyType;
 
@@ -54,7 +54,7 @@ bool has_type(const Json& value, PropertyType type) {
 bool fits(const Json& value, const Property& property) {
   if (!has_type(value, property.type)) return false;
   if (property.is_choice) {
-    return is_among(value.is_string() ? value.get<std::string>() : value.dump(), property.allowed);
+    return is_among(value.is_string() ? value.get<std::string>() : sim::json_line(value), property.allowed);
   }
   return property.type != kNumber || is_within(value.get<double>(), property);
 }

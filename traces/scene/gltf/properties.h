@@ -1,7 +1,7 @@
 #pragma once
 #include <string>
 
-#include <nlohmann/json.hpp>
+#include "sim/io/json.h"
 
 namespace traces::gltf {
 
@@ -16,6 +16,6 @@ namespace traces::gltf {
 ///
 /// tinygltf ignores properties of the wrong type. Not checked: properties that glTF does not define, extras, other
 /// extensions. `name`: of the file.
-void check_properties(const nlohmann::json& json, const std::string& name);
+void check_properties(const sim::Json& json, const std::string& name);
 
 }  // namespace traces::gltf

@@ -3,12 +3,12 @@
 #include <cstdint>
 #include <utility>
 
-#include <nlohmann/json.hpp>
+#include "sim/io/json.h"
 
 namespace traces::gltf {
 namespace {
 
-using nlohmann::json;
+using json = sim::Json;
 
 json* member(json& object, const char* key) {
   if (!object.is_object()) return nullptr;

@@ -2,7 +2,7 @@
 #include <cstddef>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
+#include "sim/io/json.h"
 
 namespace traces::gltf {
 
@@ -13,6 +13,6 @@ namespace traces::gltf {
 /// - An accessor of indices without a buffer view (sparse, all zeros, or KHR_draco_mesh_compression) gets the first
 /// view.
 ///   Its index is appended to `lent`; after parsing, the view must be removed again.
-bool make_parsable(nlohmann::json& json, std::vector<std::size_t>& lent);
+bool make_parsable(sim::Json& json, std::vector<std::size_t>& lent);
 
 }  // namespace traces::gltf

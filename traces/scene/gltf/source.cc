@@ -7,7 +7,6 @@
 #include <string_view>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/error.h"
 #include "sim/io/file.h"
@@ -61,25 +60,24 @@ std::string_view json_of(const Source& source) {
   return std::string_view(source.bytes).substr(source.json_begin, source.json_size);
 }
 
-nlohmann::json parse(const Source& source, std::size_t levels) {
+sim::Json parse(const Source& source, std::size_t levels) {
   const std::string_view text = json_of(source);
   try {
-    nlohmann::json json = sim::parse_json<nlohmann::json>(text, levels);
+    sim::Json json = sim::parse_json(text, levels);
     if (!json.is_object()) refuse(source, "the JSON must be an object");
     return json;
-  } catch (const nlohmann::json::parse_error& error) {
-    const std::string_view before = text.substr(0, error.byte == 0 ? 0 : error.byte - 1);
+  } catch (const sim::JsonError& error) {
+    if (error.kind == sim::JsonError::Kind::kNumberRange) refuse(source, "a number in the JSON is out of range");
+    const std::string_view before = text.substr(0, error.bytes_read == 0 ? 0 : error.bytes_read - 1);
     const auto line = std::count(before.begin(), before.end(), '\n') + 1;
     const std::size_t line_begin = before.rfind('\n') + 1;  // npos + 1 is 0
     refuse(source, fmt::format("line {}, column {}: not valid JSON", line, before.size() - line_begin + 1));
-  } catch (const nlohmann::json::exception&) {
-    refuse(source, "a number in the JSON is out of range");
   } catch (const sim::InputError& error) {
     refuse(source, fmt::format("the JSON {}", error.what()));
   }
 }
 
-void check_lists(const Source& source, const nlohmann::json& json, const SceneLimits& limits) {
+void check_lists(const Source& source, const sim::Json& json, const SceneLimits& limits) {
   for (const auto& [key, value] : json.items()) {
     if (value.is_array() && value.size() > limits.nodes) {
       refuse(source,
@@ -97,10 +95,10 @@ void check_lists(const Source& source, const nlohmann::json& json, const SceneLi
   if (required == json.end() || !required->is_array()) return;
   for (const auto& extension : *required) {
     if (!extension.is_string() || !is_supported_extension(extension.get<std::string>())) {
-      refuse(source,
-             fmt::format("needs the extension {}, which is not supported; supported: {}",
-                         sim::printable(extension.is_string() ? extension.get<std::string>() : extension.dump()),
-                         supported_extensions()));
+      refuse(source, fmt::format("needs the extension {}, which is not supported; supported: {}",
+                                 sim::printable(extension.is_string() ? extension.get<std::string>()
+                                                                      : sim::json_line(extension)),
+                                 supported_extensions()));
     }
   }
 }
@@ -136,13 +134,13 @@ class Resources {
   /// Reads what the entries of the list name, and replaces their URIs by keys of Source::external. tinygltf itself
   /// knows few data: URIs, takes a '+' in the name of a file for a blank and refuses files longer than byteLength.
   /// Returns true if there were any.
-  bool read(nlohmann::json& json, const char* list) {
+  bool read(sim::Json& json, const char* list) {
     const auto entries = json.find(list);
     if (entries == json.end()) return false;
     const bool is_buffers = std::string_view(list) == "buffers";
     bool any = false;
     for (std::size_t i = 0; i < entries->size(); ++i) {
-      nlohmann::json& entry = (*entries)[i];
+      sim::Json& entry = (*entries)[i];
       const auto uri = entry.find("uri");
       const std::string where = fmt::format("{}: {}[{}]", source_.shown_name, list, i);
       if (uri == entry.end()) {
@@ -164,7 +162,7 @@ class Resources {
       if (bytes.empty()) throw sim::InputError(where + ": its URI holds no bytes; allowed: 1 or more");
       if (!is_data_uri(uri->get_ref<const std::string&>()) && entry.value("name", "").empty()) entry["name"] = *uri;
       *uri = fmt::format("{}-{}", list, i);
-      source_.external.emplace(*uri, std::move(bytes));
+      source_.external.emplace(uri->get<std::string>(), std::move(bytes));
       any = true;
     }
     return any;
@@ -209,7 +207,7 @@ Source read_source(const std::filesystem::path& path, const SceneLimits& limits,
   if (source.binary) check_container(source);
   if (source.json_size == 0) refuse(source, "the file is empty");
   budget.take(source.json_size, kJsonExpansion, "the JSON");
-  nlohmann::json json = parse(source, limits.json_depth);
+  sim::Json json = parse(source, limits.json_depth);
   check_lists(source, json, limits);
   check_properties(json, source.shown_name);
   Resources resources(source, path.parent_path(), budget, limits);
@@ -217,7 +215,7 @@ Source read_source(const std::filesystem::path& path, const SceneLimits& limits,
   changed |= resources.read(json, "images");
   if (!resources.digests().empty()) source.sha256 = sim::sha256_hex(source.sha256 + resources.digests());
   changed |= make_parsable(json, source.lent);
-  if (changed) replace_json(source, json.dump());
+  if (changed) replace_json(source, sim::json_line(json));
   return source;
 }
 

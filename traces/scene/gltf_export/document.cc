@@ -4,8 +4,6 @@
 #include <limits>
 #include <sstream>
 
-#include <nlohmann/json.hpp>
-
 #include "sim/error.h"
 #include "sim/io/json.h"
 #include "traces/scene/glb.h"
@@ -14,11 +12,11 @@ namespace traces::gltf_export {
 namespace {
 
 /// tinygltf writes an object without members, such as a node that only stands in the tree, as null.
-bool replace_nulls(nlohmann::json& value) {
+bool replace_nulls(sim::Json& value) {
   bool changed = value.is_null();
-  if (changed) value = nlohmann::json::object();
+  if (changed) value = sim::Json::object();
   if (value.is_structured()) {
-    for (nlohmann::json& member : value) changed |= replace_nulls(member);
+    for (sim::Json& member : value) changed |= replace_nulls(member);
   }
   return changed;
 }
@@ -119,8 +117,8 @@ std::string Document::glb() && {
   std::ostringstream out;
   tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, out, false, true);
   std::string glb = std::move(out).str();
-  auto json = sim::parse_json<nlohmann::json>(glb_json(glb));
-  if (replace_nulls(json)) set_glb_json(glb, json.dump());
+  auto json = sim::parse_json(glb_json(glb));
+  if (replace_nulls(json)) set_glb_json(glb, sim::json_line(json));
   return glb;
 }
 

@@ -49,7 +49,7 @@ TEST_F(Runs, TellWhichKeysDifferAndHowMuchFasterOneIs) {
 
 TEST_F(Runs, HaveFiguresThatOtherVerbsKnowByTheSameNames) {
   std::vector<std::string> paths;
-  const auto report = nlohmann::ordered_json::parse(read_bytes(path("base") + "/report.json"));
+  const auto report = sim::parse_json(read_bytes(path("base") + "/report.json"));
   for (const tools::ReportNumber& number : tools::report_numbers(report)) paths.push_back(number.path);
   std::istringstream text(raywatt({"compare", path("base"), path("ports")}).out);
   std::size_t figures = 0;

@@ -14,7 +14,7 @@ namespace {
 std::vector<std::string> parts_between(double a, const std::vector<Pair>& changes, double b) {
   std::vector<std::string> names;
   const Json data = waterfall("before", a, changes, "after", b, "").json();
-  for (const Json& row : data["rows"]) names.push_back(row[0]);
+  for (const Json& row : data["rows"]) names.push_back(row[0].get<std::string>());
   return names;
 }
 
@@ -37,7 +37,7 @@ Json verdict(const NoisyDifference& of_cycles, const NoisyDifference& of_energy)
   Comparison found;
   found.no_picture = "there are none";
   found.figures = {{"cycles", 100, 98, of_cycles}, {"energy_mj", 100, 98, of_energy}};
-  const ReportFile none;
+  const ReportFile none{};
   View view("page");
   add_diff_verdict({none, none, "base", "other", found}, view);
   return view.json()["verdict"];

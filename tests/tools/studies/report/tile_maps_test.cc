@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/error.h"
+#include "sim/io/json.h"
 #include "tests/tools/program.h"
 #include "tools/studies/report/page/page_file.h"
 #include "tools/studies/report/page/page_picture.h"
@@ -60,7 +61,7 @@ TEST(TileMaps, RefuseTilesOutsideOfThePictureAndTablesWithoutPlaces) {
 }
 
 TEST(TileMaps, HoldWholeNumbersExactlyAndOthersInFiveDigits) {
-  EXPECT_EQ(tile_numbers({123456789, -2, 0, 1.0 / 3, 123456.7}).dump(), "[123456789,-2,0,0.33333,123460.0]");
+  EXPECT_EQ(sim::json_line(tile_numbers({123456789, -2, 0, 1.0 / 3, 123456.7})), "[123456789,-2,0,0.33333,123460.0]");
 }
 
 TEST(PagePictures, AreAveragedOverSquaresWhereTheyAreTooLarge) {

@@ -24,8 +24,8 @@ using State = Store::State;
 struct SweepStore : testing::Test {
   TempFolder folder;
   Store store{folder.path() / "store"};
-  nlohmann::ordered_json made_of = {{"schema", "raywatt-point/1"}, {"config_hash", "c"}};
-  std::string id = sim::sha256_hex(made_of.dump());
+  sim::Json made_of = {{"schema", "raywatt-point/1"}, {"config_hash", "c"}};
+  std::string id = sim::sha256_hex(sim::json_line(made_of));
 
   void put() {
     store.put(id, made_of, [](const fs::path& to) {

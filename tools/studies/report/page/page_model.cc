@@ -82,7 +82,7 @@ void View::headline(const Headline& figure) {
 }
 
 const Json& at(const Json& json, std::initializer_list<std::string_view> keys) {
-  static const Json kNothing;
+  static const Json kNothing{};
   const Json* found = &json;
   for (const std::string_view key : keys) {
     if (!found->is_object()) return kNothing;

@@ -4,11 +4,11 @@
 #include <string_view>
 #include <vector>
 
-#include <nlohmann/json.hpp>
+#include "sim/io/json.h"
 
 namespace tools::pages {
 
-using Json = nlohmann::ordered_json;
+using sim::Json;
 
 /// How people read the values of a column.
 enum class Show : std::uint8_t {

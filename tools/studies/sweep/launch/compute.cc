@@ -76,7 +76,7 @@ void refuse_changed(const Point& point) {
                   point.n));
 }
 
-void write_results(const fs::path& folder, const nlohmann::ordered_json& report, const RunConfig& config) {
+void write_results(const fs::path& folder, const sim::Json& report, const RunConfig& config) {
   write_durably(folder / "report.json", sim::json_text(report));
   write_durably(folder / "config.yaml", sim::dump_config(config));
 }
@@ -90,7 +90,7 @@ Inputs& PointComputer::inputs_for(const Point& point, const PointKeys::Key& key,
     if (inputs_.frames() == 1) inputs_key_ = wanted;  // later frames change them
   }
   inputs_.config = config;
-  const std::string planned = key.made_of.at("scene_sha256");
+  const auto planned = key.made_of.at("scene_sha256").get<std::string>();
   if (planned != kBuiltIn && planned != inputs_.scene_sha256) {
     inputs_key_.clear();
     refuse_changed(point);
@@ -180,7 +180,7 @@ void PointComputer::replay(const Point& point, const PointKeys::Key& key, const 
   const Outcome out = job.run(threads_, {.replicates = point.replicates});
   if (out.partial) throw Interrupted{};
   const Result result = out.result();
-  const nlohmann::ordered_json report =
+  const sim::Json report =
       report_json({job.inputs(), point.options(), result, out.frames, false, sim::seconds_since(begin)});
   store_.put(point.id, key.made_of, [&](const fs::path& folder) { write_results(folder, report, config); });
 }

@@ -29,7 +29,7 @@ constexpr std::array<std::string_view, 5> names_of(Fate) {
 [[noreturn]] void refuse_changed(const Point& point);
 
 /// A point's report into its folder, which is being put into the store.
-void write_results(const std::filesystem::path& folder, const nlohmann::ordered_json& report, const RunConfig& config);
+void write_results(const std::filesystem::path& folder, const sim::Json& report, const RunConfig& config);
 
 /// Computes points, one after the other, each into the store. Keeps a scene and its tree for the next point. Whoever
 /// computes the last of a point's slices joins them.

@@ -17,7 +17,7 @@ namespace tools::sweep {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
+using sim::Json;
 
 Failure failure_of_whole(const Point& slice, Failure failure) {
   failure.id = slice.whole;
@@ -32,7 +32,7 @@ Json frames_in(const Store& store, const Point& slice) {
     throw sim::IoError(fmt::format("point {}: slice {} has been taken out of the store; the same command computes it",
                                    slice.n, slice.slice));
   }
-  return sim::parse_json<Json>(*bytes).at("frames");
+  return sim::parse_json(*bytes).at("frames");
 }
 
 /// One frame's of all slices.
@@ -66,7 +66,7 @@ void PointComputer::join(const Point& whole, const PointKeys::Key& key, const Ru
       for_each_frame(inputs, threads_, nullptr, [&] {
         out.add(inputs.frame, join_slices(inputs, program, at_frame(slices, out.frames.size())), std::nullopt, 0);
       });
-    } catch (const Json::exception& error) {
+    } catch (const sim::JsonError& error) {
       throw sim::InputError(fmt::format("a slice in the store is damaged: {}", sim::printable(error.what())));
     }
     const Result result = out.result();

@@ -20,7 +20,7 @@
 namespace tools::sweep {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using sim::Json;
 
 constexpr int kGlance = 200;  // ms: how late an interrupt may be seen
 constexpr int kAttempts = 2;  // for a point whose worker somebody has killed

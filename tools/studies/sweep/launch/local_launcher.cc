@@ -26,7 +26,7 @@
 namespace tools::sweep {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using sim::Json;
 
 constexpr double kPatience = 10;  // s: for workers that shall end
 

@@ -58,20 +58,20 @@ void tell_missing(const sweep::SweepFolder& folder, std::uint64_t missing) {
   fmt::print("{}", words.empty() ? "" : fmt::format("  last said in {}/{}\n", folder.log().string(), words));
 }
 
-std::optional<nlohmann::ordered_json> slurm_status(const sweep::SweepFolder& folder) {
+std::optional<sim::Json> slurm_status(const sweep::SweepFolder& folder) {
   if (!sweep::was_submitted(folder)) return std::nullopt;
   try {
     const sweep::SlurmQueue queue = sweep::queue_of(folder);
-    return nlohmann::ordered_json{
+    return sim::Json{
         {"running", queue.running}, {"waiting", queue.waiting}, {"jobs", queue.jobs}, {"reasons", queue.reasons}};
   } catch (const sim::InputError& error) {
-    return nlohmann::ordered_json{{"error", error.what()}};
+    return sim::Json{{"error", error.what()}};
   } catch (const sim::IoError& error) {
-    return nlohmann::ordered_json{{"error", error.what()}};
+    return sim::Json{{"error", error.what()}};
   }
 }
 
-void print_slurm_status(const nlohmann::ordered_json& status) {
+void print_slurm_status(const sim::Json& status) {
   if (status.contains("error")) {
     fmt::print("Slurm's queue is unknown: {}\n", status["error"].get<std::string>());
     return;

@@ -4,8 +4,7 @@
 #include <optional>
 #include <span>
 
-#include <nlohmann/json_fwd.hpp>
-
+#include "sim/io/json.h"
 #include "tools/studies/sweep/launch/slurm_launcher.h"
 
 namespace tools {
@@ -18,9 +17,9 @@ void tell_missing(const sweep::SweepFolder& folder, std::uint64_t missing);
 
 /// State of a sweep that has been handed in: {"running", "waiting", "jobs", "reasons"}, or {"error"} if Slurm does not
 /// tell.
-std::optional<nlohmann::ordered_json> slurm_status(const sweep::SweepFolder& folder);
+std::optional<sim::Json> slurm_status(const sweep::SweepFolder& folder);
 /// "in Slurm's queue: ..."
-void print_slurm_status(const nlohmann::ordered_json& status);
+void print_slurm_status(const sim::Json& status);
 
 /// Cancels the sweep's jobs; false if none was in the queue.
 bool cancel_on_slurm(const sweep::SweepFolder& folder);

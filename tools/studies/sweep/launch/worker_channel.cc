@@ -10,12 +10,12 @@
 
 namespace tools::sweep {
 
-using Json = nlohmann::ordered_json;
+using sim::Json;
 
 void give_up(const char* what) { throw std::system_error(errno, std::generic_category(), what); }
 
 void send_message(int socket, const Json& message) {
-  const std::string text = message.dump();
+  const std::string text = sim::json_line(message);
   if (::send(socket, text.data(), text.size(), MSG_NOSIGNAL) < 0 && errno != EPIPE && errno != ECONNRESET) {
     give_up("a worker cannot be told what to do");
   }
@@ -29,7 +29,7 @@ std::optional<Json> receive_message(int socket) {
     if (size <= 0) return std::nullopt;
     std::string text(static_cast<std::size_t>(size), '\0');
     if (::recv(socket, text.data(), text.size(), 0) != size) return std::nullopt;
-    return sim::parse_json<Json>(text);
+    return sim::parse_json(text);
   }
 }
 

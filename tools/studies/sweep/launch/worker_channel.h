@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <optional>
 
-#include <nlohmann/json.hpp>
+#include "sim/io/json.h"
 
 namespace tools::sweep {
 
@@ -13,9 +13,9 @@ constexpr std::size_t kLogTail = 2000;  ///< bytes of what a worker says that ar
 /// Throws what errno says.
 [[noreturn]] void give_up(const char* what);
 
-void send_message(int socket, const nlohmann::ordered_json& message);
+void send_message(int socket, const sim::Json& message);
 /// Nothing if the other side is gone.
-std::optional<nlohmann::ordered_json> receive_message(int socket);
+std::optional<sim::Json> receive_message(int socket);
 
 /// 0 if there is none.
 std::uint64_t size_of(const std::filesystem::path& file);

@@ -5,7 +5,8 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
+
+#include "sim/io/json.h"
 
 namespace tools::results {
 
@@ -28,13 +29,13 @@ std::string extrapolated_note(const Results& results, const std::vector<std::siz
                      more == 0 ? "" : fmt::format(" and {} more", more));
 }
 
-std::vector<std::string> extrapolation_lines(const nlohmann::ordered_json& report) {
-  const nlohmann::ordered_json::json_pointer count("/totals/extrapolated"), warnings("/warnings");
+std::vector<std::string> extrapolation_lines(const sim::Json& report) {
+  const sim::JsonPointer count("/totals/extrapolated"), warnings("/warnings");
   std::vector<std::string> lines;
   if (!report.contains(count) || report[count] == 0 || !report.contains(warnings)) return lines;
   // These warnings begin with the table that is left; other warnings do not.
   constexpr std::array<std::string_view, 4> kTables = {"energy.events", "area.arrays", "latency.arrays", "power.dvfs"};
-  for (const nlohmann::ordered_json& line : report[warnings]) {
+  for (const sim::Json& line : report[warnings]) {
     if (!line.is_string()) continue;
     const auto is_of = [text = line.get<std::string>()](std::string_view table) { return text.starts_with(table); };
     if (std::ranges::any_of(kTables, is_of)) lines.push_back(line.get<std::string>());

@@ -3,10 +3,12 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "tools/studies/sweep/results/figure_noise.h"
 #include "tools/studies/sweep/results/results.h"
+
+namespace sim {
+class Json;
+}
 
 namespace tools::results {
 
@@ -16,7 +18,7 @@ namespace tools::results {
 std::string extrapolated_note(const Results& results, const std::vector<std::size_t>& rows);
 
 /// The lines of `warnings[]` of a report that has extrapolated figures; none if it has none.
-std::vector<std::string> extrapolation_lines(const nlohmann::ordered_json& report);
+std::vector<std::string> extrapolation_lines(const sim::Json& report);
 
 /// Limits of draws of the energy tables for figures: they know no noise, have the counts of one play and leave area as
 /// it is.

@@ -4,7 +4,6 @@
 #include <map>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/error.h"
 #include "sim/io/file.h"
@@ -46,8 +45,7 @@ bool occurs_in(std::string_view text, std::string_view path) {
 /// Numbers of the report of a point; none if it can no longer be read.
 std::vector<ReportNumber> numbers_of(const std::filesystem::path& folder) {
   try {
-    return report_numbers(
-        sim::parse_json<nlohmann::ordered_json>(sim::read_file(folder / "report.json", kMostReportBytes)));
+    return report_numbers(sim::parse_json(sim::read_file(folder / "report.json", kMostReportBytes)));
   } catch (const std::exception&) {
     return {};
   }

@@ -1,7 +1,6 @@
 #include "tools/studies/sweep/spec/point.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/error.h"
 #include "sim/io/json.h"
@@ -12,7 +11,7 @@
 namespace tools::sweep {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using sim::Json;
 
 /// The members that are plain texts, with their names in a line and as options of a run.
 struct Text {
@@ -106,7 +105,7 @@ bool is_key(const std::string& text) {
 Point read_line(const std::string& line, const std::string& where) {
   try {
     if (sim::is_nested_deeper(line, sim::kDeepestJson)) throw sim::InputError(where + ": is nested too deeply");
-    const Json json = sim::parse_json<Json>(line);
+    const Json json = sim::parse_json(line);
     Point point;
     point.n = sim::whole_number<std::uint64_t>(json.at("n"), where + ": its number 'n'");
     point.id = json.at("id").get<std::string>();
@@ -132,7 +131,7 @@ Point read_line(const std::string& line, const std::string& where) {
     point.sets = json.at("sets").get<std::vector<std::string>>();
     point.error = json.value("error", "");
     return point;
-  } catch (const Json::exception& error) {
+  } catch (const sim::JsonError& error) {
     throw sim::InputError(fmt::format("{}: is no point of a sweep: {}", where, sim::printable(error.what())));
   }
 }

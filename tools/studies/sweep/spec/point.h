@@ -4,8 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
+#include "sim/io/json.h"
 #include "tools/simulation/job_options.h"
 
 namespace tools::sweep {
@@ -41,7 +40,7 @@ std::vector<Point> slices_of(const Point& point);
 /// The point that it is a slice of.
 Point whole_of(const Point& slice);
 /// Contents of which the id of a slice is the hash.
-nlohmann::ordered_json made_of(const Point& slice);
+sim::Json made_of(const Point& slice);
 
 /// A line of points.jsonl, without its end, and back. InputError that begins with `where` for anything else.
 std::string to_line(const Point& point);

@@ -20,7 +20,7 @@
 namespace tools::sweep {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using sim::Json;
 
 /// Pictures and estimates are no streams.
 bool can_share(const Point& point) { return point.tile_sampling.empty() && !point.image && point.slices == 0; }

@@ -4,8 +4,7 @@
 #include <string_view>
 #include <utility>
 
-#include <nlohmann/json.hpp>
-
+#include "sim/io/json.h"
 #include "tools/simulation/load_config.h"
 #include "tools/studies/sweep/spec/point.h"
 
@@ -18,9 +17,9 @@ inline constexpr std::string_view kBuiltIn = "built-in";
 class PointKeys {
  public:
   struct Key {
-    nlohmann::ordered_json made_of;  ///< all that the result depends on
-    std::string id;                  ///< its hash
-    std::string stream;              ///< as in Point
+    sim::Json made_of;   ///< all that the result depends on
+    std::string id;      ///< its hash
+    std::string stream;  ///< as in Point
   };
 
   /// The effective configuration. InputError if its values do not go together.

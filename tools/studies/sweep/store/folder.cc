@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using sim::Json;
 
 constexpr std::string_view kFolderSchema = "raywatt-sweep-folder/1";
 constexpr std::uint64_t kMostFolderBytes = std::uint64_t{1} << 32;
@@ -54,8 +54,8 @@ void read_description(const fs::path& path, auto&& f) {
         fmt::format("{}/sweep.json: is damaged: {}", sim::printable(path.string()), sim::printable(error.what())));
   };
   try {
-    f(sim::parse_json<Json>(bytes));
-  } catch (const Json::exception& error) {
+    f(sim::parse_json(bytes));
+  } catch (const sim::JsonError& error) {
     throw damaged(error);
   } catch (const sim::InputError& error) {
     throw damaged(error);
@@ -87,7 +87,7 @@ void check_free(const fs::path& path, std::string_view of) {
     read_description(path, [&](const Json& json) { is = json.value("of", Json()); });
     if (is.is_null() || is == of) return;
     throw sim::InputError(
-        fmt::format("{}: holds a {}, not a {}; choose another folder", shown, sim::printable(is.dump()), of));
+        fmt::format("{}: holds a {}, not a {}; choose another folder", shown, sim::printable(sim::json_line(is)), of));
   }
   if (!fs::is_directory(path, failed)) throw sim::InputError(shown + ": is a file, not a folder");
   for (const fs::directory_entry& entry : fs::directory_iterator(path)) {

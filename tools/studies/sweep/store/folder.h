@@ -4,8 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
+#include "sim/io/json.h"
 #include "tools/studies/sweep/spec/point.h"
 #include "tools/studies/sweep/store/lock.h"
 #include "tools/studies/sweep/store/store.h"
@@ -47,7 +46,7 @@ class SweepFolder {
   std::optional<Runner> runner() const;
 
   /// Adds a line to log/runs.jsonl.
-  void note_run(const nlohmann::ordered_json& run) const;
+  void note_run(const sim::Json& run) const;
 
  private:
   explicit SweepFolder(std::filesystem::path path) : path_(std::move(path)) {}

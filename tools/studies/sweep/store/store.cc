@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using sim::Json;
 
 constexpr std::uint64_t kMostPointBytes = std::uint64_t{1} << 30;
 constexpr const char* kPointFile = "point.json";
@@ -46,7 +46,7 @@ template <class F>
 auto if_sound(F&& read) -> decltype(read()) {
   try {
     return read();
-  } catch (const Json::exception&) {
+  } catch (const sim::JsonError&) {
   } catch (const sim::InputError&) {
   }
   return {};
@@ -54,8 +54,8 @@ auto if_sound(F&& read) -> decltype(read()) {
 
 /// Digests of a point's files, if point.json is sound.
 Json digests_of(const fs::path& folder, const std::string& id) {
-  const Json point = sim::parse_json<Json>(sim::read_file(folder / kPointFile, kMostPointBytes));
-  if (sim::sha256_hex(point.at("made_of").dump()) != id ||
+  const Json point = sim::parse_json(sim::read_file(folder / kPointFile, kMostPointBytes));
+  if (sim::sha256_hex(sim::json_line(point.at("made_of"))) != id ||
       !(point.at("files").contains(kReportFile) || point.at("files").contains(kSliceFile))) {
     throw sim::InputError("another point");
   }
@@ -103,7 +103,7 @@ std::optional<std::string> Store::slice(const std::string& id) const {
 
 std::optional<Failure> Store::failure(const std::string& id) const {
   return if_sound([&]() -> std::optional<Failure> {
-    const Json json = sim::parse_json<Json>(sim::read_file(failure_file(id), kMostPointBytes));
+    const Json json = sim::parse_json(sim::read_file(failure_file(id), kMostPointBytes));
     return Failure{id,
                    sim::whole_number<int>(json.at("exit"), "the number 'exit'"),
                    json.at("error").get<std::string>(),

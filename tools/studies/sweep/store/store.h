@@ -5,8 +5,7 @@
 #include <optional>
 #include <string>
 
-#include <nlohmann/json_fwd.hpp>
-
+#include "sim/io/json.h"
 #include "tools/studies/sweep/store/lock.h"
 
 namespace tools::sweep {
@@ -62,7 +61,7 @@ class Store {
 
   // Only for who holds the lock.
   /// `write` puts files into a folder, which then becomes the point's.
-  void put(const std::string& id, const nlohmann::ordered_json& made_of,
+  void put(const std::string& id, const sim::Json& made_of,
            const std::function<void(const std::filesystem::path& folder)>& write) const;
   void put_failure(const Failure& failure) const;
   void forget_failure(const std::string& id) const;

@@ -16,7 +16,7 @@ namespace {
 
 void write_bytes(const fs::path& file, const std::string& bytes) { std::ofstream(file, std::ios::binary) << bytes; }
 
-OrderedJson made_of(std::uint64_t n) { return {{"n", n}}; }
+sim::Json made_of(std::uint64_t n) { return {{"n", n}}; }
 
 OrderedJson core(int loads) { return {{"srp", {{"counters", {{"loads", loads}}}}}}; }
 
@@ -49,7 +49,7 @@ OrderedJson made_report(double cycles) {
 std::size_t MadeSweep::add(const Axes& axes, const std::string& program) {
   tools::sweep::Point point;
   point.n = points_.size();
-  point.id = sim::sha256_hex(made_of(point.n).dump());
+  point.id = sim::sha256_hex(sim::json_line(made_of(point.n)));
   point.axes = axes;
   point.program = program;
   points_.push_back(std::move(point));

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
+#include <nlohmann/json.hpp>
 
 #include "tests/temp_folder.h"
 #include "tools/studies/sweep/results/index/collect.h"

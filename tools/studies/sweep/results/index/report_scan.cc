@@ -5,7 +5,6 @@
 #include <limits>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/error.h"
 #include "sim/io/json.h"
@@ -14,13 +13,13 @@
 namespace tools::results {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using sim::Json;
 
 // Levels of nesting: the report's own is the first.
 constexpr std::size_t kInHost = 2, kInFrames = 2, kInFrame = 3, kDeepest = 32;
 
 /// Follows the paths of a report while it is read: "totals.top_down.cores[2].boxes".
-class Scanner : public nlohmann::json_sax<Json> {
+class Scanner : public sim::JsonReader {
  public:
   Scanner(MetricNames& names, ReportScan& scan) : names_(names), scan_(scan) {}
 
@@ -29,33 +28,27 @@ class Scanner : public nlohmann::json_sax<Json> {
     if (section_ == Section::kPartial) partial_ = is_true;
     return value(std::string(is_true ? "true" : "false"));
   }
-  bool number_integer(number_integer_t number) override { return value(std::int64_t{number}); }
-  bool number_unsigned(number_unsigned_t number) override {
+  bool integer(std::int64_t number) override { return value(number); }
+  bool natural(std::uint64_t number) override {
     if (number > std::uint64_t{std::numeric_limits<std::int64_t>::max()}) return value(static_cast<double>(number));
     return value(static_cast<std::int64_t>(number));
   }
-  bool number_float(number_float_t number, const string_t& /*digits*/) override { return value(number); }
-  bool string(string_t& text) override {
+  bool real(double number) override { return value(number); }
+  bool text(std::string& text) override {
     if (section_ == Section::kSchema) schema_ = text;
     return section_ == Section::kNone || value(text);
   }
-  bool binary(binary_t& /*bytes*/) override { return false; }
-  bool start_object(std::size_t /*elements*/) override { return open(false); }
-  bool start_array(std::size_t /*elements*/) override { return open(true); }
+  bool begin_object() override { return open(false); }
+  bool begin_array() override { return open(true); }
   bool end_object() override { return close(); }
   bool end_array() override { return close(); }
-  bool key(string_t& name) override {
+  bool key(std::string& name) override {
     if (levels_.size() == 1) begin_section(name);
     if (section_ == Section::kNone) return true;
     path_.resize(levels_.back().path);
     if (levels_.size() > 1) path_ += '.';
     path_ += name;
     return true;
-  }
-  bool parse_error(std::size_t /*at*/, const std::string& /*token*/, const Json::exception& error) override {
-    const std::string_view text = error.what();
-    const std::size_t head = text.find("] ");  // the end of "[json.exception.parse_error.101] "
-    return fail(sim::printable(text.substr(head == std::string_view::npos ? 0 : head + 2)));
   }
 
   std::optional<std::string> problem() const {
@@ -138,7 +131,11 @@ class Scanner : public nlohmann::json_sax<Json> {
 std::optional<std::string> scan_report(std::string_view json, MetricNames& names, ReportScan& scan) {
   Scanner scanner(names, scan);
   try {
-    sim::scan_json<Json>(json, scanner);
+    sim::scan_json(json, scanner);
+  } catch (const sim::JsonError& error) {
+    const std::string_view text = error.what();
+    const std::size_t head = text.find("] ");  // the end of "[json.exception.parse_error.101] "
+    return sim::printable(text.substr(head == std::string_view::npos ? 0 : head + 2));
   } catch (const sim::InputError& error) {
     return error.what();
   }
