@@ -4,6 +4,7 @@ import { frame } from "./block.js";
 import { records, saveSpec } from "./files.js";
 import { fitted } from "./fit.js";
 import { libraries } from "./lib.js";
+import { specOf } from "./specs.js";
 import * as theme from "./theme.js";
 
 const options = (expressionInterpreter) => ({
@@ -46,10 +47,11 @@ export function drawn(element, spec, data, ready, more = {}) {
 /** A chart of the page's data; drawn when it comes near the window, so that the first screen need not wait. */
 export function chart(block, data) {
   const body = h("div", { class: "drawing", "data-about": block.about });
-  const spec = h("button", { type: "button", "aria-label": `${block.title}: Vega-Lite specification`,
-    onclick: () => saveSpec(block.id, block.spec, data) }, "Vega-Lite");
-  const figure = frame(block, body, { data, more: [spec] });
-  whenNear(figure, () => drawn(body, block.spec, data).done);
+  const spec = specOf(block.chart, block.about);
+  const save = h("button", { type: "button", "aria-label": `${block.title}: Vega-Lite specification`,
+    onclick: () => saveSpec(block.id, spec, data) }, "Vega-Lite");
+  const figure = frame(block, body, { data, more: [save] });
+  whenNear(figure, () => drawn(body, spec, data).done);
   return figure;
 }
 

@@ -4,6 +4,7 @@ import { frame } from "./block.js";
 import { whenNear, drawn } from "./chart.js";
 import { records, saveSpec } from "./files.js";
 import { digits } from "./format.js";
+import { specOf } from "./specs.js";
 import * as link from "./link.js";
 import * as state from "./state.js";
 
@@ -32,11 +33,11 @@ export function series(block, _, all) {
 
   /** The chart's own marks, a brush, and a band for the tile that is pointed at. */
   function spec() {
-    const { encoding, mark, transform, ...rest } = chart().spec;
+    const { encoding, mark, transform, ...rest } = specOf(chart().chart, chart().about);
     const brush = { name: "brush", select: { type: "interval", encodings: ["x"] } };
     if (span()) brush.value = { x: span() };
     return {
-      ...rest, description: chart().about, autosize: { type: "fit-x", contains: "padding" },
+      ...rest,
       layer: [
         { params: [brush], transform, mark, encoding },
         { data: { name: "pointed" }, mark: { type: "rect", color: "#1c2733", opacity: 0.22 },
@@ -71,7 +72,7 @@ export function series(block, _, all) {
   };
   const pick = choice("Figure", block.charts.map((c) => ({ value: c.id, name: c.name })), chart().id,
     (value) => state.set({ series: value === block.charts[0].id ? "" : value }));
-  const save = h("button", { type: "button", "aria-label": `${block.title}: Vega-Lite specification`, onclick: () => saveSpec(chart().id, chart().spec, data()) }, "Vega-Lite");
+  const save = h("button", { type: "button", "aria-label": `${block.title}: Vega-Lite specification`, onclick: () => saveSpec(chart().id, specOf(chart().chart, chart().about), data()) }, "Vega-Lite");
   const figure = frame(block, h("div", {}, body, h("div", { class: "under" }, readout, times)), { data, name: () => chart().data, more: [pick, save] });
   state.listen("series", () => { figure.refresh(); redraw(); });
   state.listen("time", redraw);

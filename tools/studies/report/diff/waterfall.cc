@@ -5,7 +5,6 @@
 
 #include "sim/report/table.h"
 #include "tools/studies/report/diff/diff_parts.h"
-#include "tools/studies/report/page/specs.h"
 
 namespace tools::pages {
 namespace {
@@ -82,7 +81,7 @@ void add_waterfalls(const Difference& d, View& view) {
     view.data("cycles", waterfall(d.name_a, cycles->a, in_words(d.found.time), d.name_b, cycles->b, ""));
     section.chart("cycles-waterfall", "Cycles of an average core",
                   "Cycles of the first run, the change by each part of a core's time, cycles of the second", "cycles",
-                  waterfall_spec("T&I cycles", "cycles", "~s"));
+                  {{"kind", "waterfall"}, {"title", "T&I cycles"}, {"unit", "cycles"}, {"format", "~s"}});
   } else {
     section.text("Both runs spent the same cycles in the same parts.");
   }
@@ -91,7 +90,7 @@ void add_waterfalls(const Difference& d, View& view) {
     view.data("energy", waterfall(d.name_a, energy->a, d.found.blocks, d.name_b, energy->b, "mJ"));
     section.chart("energy-waterfall", "Energy by block, nominal",
                   "Energy of the first run, the change by each block, energy of the second", "energy",
-                  waterfall_spec("mJ", "mJ", "~g"));
+                  {{"kind", "waterfall"}, {"title", "mJ"}, {"unit", "mJ"}, {"format", "~g"}});
   }
   view.add(section);
 }

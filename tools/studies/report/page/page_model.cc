@@ -34,13 +34,9 @@ Section::Section(std::string id, std::string title, std::string lead)
 
 void Section::text(std::string words) { json_["blocks"].push_back({{"type", "text"}, {"text", std::move(words)}}); }
 
-void Section::chart(std::string id, std::string title, std::string about, std::string dataset, Json spec) {
-  spec["$schema"] = "https://vega.github.io/schema/vega-lite/v6.json";
-  spec["description"] = about;
-  spec["data"] = {{"name", dataset}};
-  spec["autosize"] = {{"type", "fit-x"}, {"contains", "padding"}};
+void Section::chart(std::string id, std::string title, std::string about, std::string dataset, Json chart) {
   block("chart", std::move(id), std::move(title),
-        {{"about", std::move(about)}, {"data", std::move(dataset)}, {"spec", std::move(spec)}});
+        {{"about", std::move(about)}, {"data", std::move(dataset)}, {"chart", std::move(chart)}});
 }
 
 void Section::table(std::string id, std::string title, std::string dataset) {

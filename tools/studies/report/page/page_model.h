@@ -53,8 +53,9 @@ class Section {
   Section(std::string id, std::string title, std::string lead = {});
 
   void text(std::string words);
-  /// A Vega-Lite chart of a dataset. `about` says in words what it shows.
-  void chart(std::string id, std::string title, std::string about, std::string dataset, Json spec);
+  /// A chart of a dataset. `about` describes it for screen readers; `chart` holds its kind and options
+  /// (tools/report_page/src/specs.js).
+  void chart(std::string id, std::string title, std::string about, std::string dataset, Json chart);
   void table(std::string id, std::string title, std::string dataset);
   /// A block of another type, which a script of that name draws.
   void block(std::string type, std::string id, std::string title, Json more);

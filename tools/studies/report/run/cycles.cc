@@ -8,7 +8,6 @@
 #include "hw_models/machines/unit_kinds.h"
 #include "sim/io/printable.h"
 #include "tools/studies/report/page/colours.h"
-#include "tools/studies/report/page/specs.h"
 #include "tools/studies/report/run/run_parts.h"
 
 namespace tools::pages {
@@ -121,6 +120,11 @@ void add_reasons(const Run& run, View& view) {
   view.data("kinds", kinds);
 }
 
+/// Options of a chart of one column over the frames.
+Json frame_line(const char* column, const char* unit) {
+  return {{"kind", "lines"}, {"x", "frame"}, {"xTitle", "frame"}, {"xFormat", "d"}, {"y", column}, {"yTitle", unit}};
+}
+
 }  // namespace
 
 void add_cycles(const Run& run, View& view) {
@@ -135,21 +139,34 @@ void add_cycles(const Run& run, View& view) {
   }
   const std::vector<Part> parts = parts_of(run);
   view.data("stacks", stacks_of(run, parts));
-  Colours colours;
-  for (const Part& part : parts) colours.emplace_back(part.words, part.colour);
+  Json colours = Json::array();
+  for (const Part& part : parts) colours.push_back(Json::array({part.words, part.colour}));
   section.chart("stacks", "Cycle stacks of the cores", "Shares of each core's time by what it went to", "stacks",
-                stack_spec({"who", "core"}, "part", "share", colours));
+                {{"kind", "stack"},
+                 {"name", "who"},
+                 {"nameTitle", "core"},
+                 {"part", "part"},
+                 {"share", "share"},
+                 {"colours", std::move(colours)}});
   section.chart("bounds", "What each resource would be worth, made ideal",
                 "Estimated speed-up of the frame for each resource made ideal, one at a time", "bounds",
-                bars_spec({"resource", ""}, {"speedup", "times as fast"}, "label", 1));
+                {{"kind", "bars"},
+                 {"name", "resource"},
+                 {"value", "speedup"},
+                 {"title", "times as fast"},
+                 {"label", "label"},
+                 {"from", 1}});
   add_reasons(run, view);
-  section.chart("kinds", "Cycles of every unit by kind",
-                "Shares of the cycles of each kind of unit: working, waiting, idle, background", "kinds",
-                stack_spec({"unit", "unit"}, "kind", "share",
-                           {{"working", colours::kWork},
-                            {"waiting", colours::kWaitMiddle},
-                            {"idle", colours::kRestLight},
-                            {"background", colours::kTraceLight}}));
+  section.chart(
+      "kinds", "Cycles of every unit by kind",
+      "Shares of the cycles of each kind of unit: working, waiting, idle, background", "kinds",
+      {{"kind", "stack"},
+       {"name", "unit"},
+       {"part", "kind"},
+       {"share", "share"},
+       {"colours",
+        Json::array({Json::array({"working", colours::kWork}), Json::array({"waiting", colours::kWaitMiddle}),
+                     Json::array({"idle", colours::kRestLight}), Json::array({"background", colours::kTraceLight})})}});
   section.table("reasons", "Every reason of every unit", "reasons");
   view.add(section);
 }
@@ -169,9 +186,9 @@ void add_frames(const Run& run, View& view) {
   view.data("frames", data);
   Section section("frames", "Frames", "Figures above are sums and means of all frames.");
   section.chart("frame-times", "Time of each frame", "Time of each frame in milliseconds", "frames",
-                lines_spec({"frame", "frame", "d"}, {"time_ms", "ms"}, ""));
+                frame_line("time_ms", "ms"));
   section.chart("frame-energies", "Energy of each frame", "Nominal energy of each frame in millijoules", "frames",
-                lines_spec({"frame", "frame", "d"}, {"energy_mj", "mJ"}, ""));
+                frame_line("energy_mj", "mJ"));
   view.add(section);
 }
 

@@ -6,7 +6,6 @@
 
 #include "hw_models/dram/dram_energy.h"
 #include "sim/report/conversions.h"
-#include "tools/studies/report/page/specs.h"
 #include "tools/studies/report/run/run_parts.h"
 
 namespace tools::pages {

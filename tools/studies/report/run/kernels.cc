@@ -6,7 +6,6 @@
 #include "hw_models/srp/schedule.h"
 #include "shader_kernels/catalogue.h"
 #include "sim/io/printable.h"
-#include "tools/studies/report/page/specs.h"
 #include "tools/studies/report/run/run_parts.h"
 
 namespace tools::pages {
@@ -79,7 +78,13 @@ void add_kernels(const Run& run, View& view) {
   }
   view.data("kernels", data);
   section.chart("kernel-shares", "Shares of the shader cores' cycles", "Share of the cycles of all kernels, by kernel",
-                "kernels", bars_spec({"kernel", ""}, {"share", "of the cycles of all kernels", ".0%"}, "label"));
+                "kernels",
+                {{"kind", "bars"},
+                 {"name", "kernel"},
+                 {"value", "share"},
+                 {"title", "of the cycles of all kernels"},
+                 {"format", ".0%"},
+                 {"label", "label"}});
   section.table("kernel-table", "Intervals, and what bounds them", "kernels");
   view.add(section);
 }

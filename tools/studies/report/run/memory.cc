@@ -6,7 +6,6 @@
 #include "hw_models/tni/ist.h"
 #include "hw_models/tni/trv.h"
 #include "sim/report/table.h"
-#include "tools/studies/report/page/specs.h"
 #include "tools/studies/report/run/run_parts.h"
 
 namespace tools::pages {
@@ -101,10 +100,21 @@ void add_memory(const Run& run, View& view) {
   add_traffic(run, view);
   add_dram(run, view);
   section.chart("hit-rates", "Hit rates", "Hit rate of each kind of cache", "caches",
-                bars_spec({"cache", ""}, {"rate", "of its accesses, retries included", ".0%"}, "label"));
+                {{"kind", "bars"},
+                 {"name", "cache"},
+                 {"value", "rate"},
+                 {"title", "of its accesses, retries included"},
+                 {"format", ".0%"},
+                 {"label", "label"}});
   section.table("cache-table", "Caches, all units of a kind", "caches");
   section.chart("traffic", "DRAM traffic by who asked", "Bytes over the memory channels, by who asked for them",
-                "traffic", bars_spec({"client", ""}, {"bytes", "bytes", "~s"}, "label"));
+                "traffic",
+                {{"kind", "bars"},
+                 {"name", "client"},
+                 {"value", "bytes"},
+                 {"title", "bytes"},
+                 {"format", "~s"},
+                 {"label", "label"}});
   section.table("dram-table", "Memory channels", "dram");
   view.add(section);
 }

@@ -8,7 +8,6 @@
 #include "hw_models/srp/srp.h"
 #include "hw_models/tni/trv.h"
 #include "sim/report/table.h"
-#include "tools/studies/report/page/specs.h"
 #include "tools/studies/report/run/run_parts.h"
 
 namespace tools::pages {
@@ -57,7 +56,7 @@ void add_roofline(const Run& run, View& view) {
                high = std::max(per_ray, bandwidth / least) * kBeyond;
   const bool is_left = std::log(per_ray / low) < std::log(high / low) / 2;
   data.row({fmt::format("this run: {} at {} a ray", sim::si_text(rate, "rays/s"), sim::si_text(per_ray, "B")), per_ray,
-            rate, "", is_left ? "before" : "behind"});
+            rate, "", is_left ? "right of point" : "left of point"});
   const auto line = [&](const std::string& words, double ceiling, double at_low, double at_high, const char* label) {
     const std::string name = fmt::format("{}: {}", words, sim::si_text(ceiling, words == "DRAM" ? "B/s" : "rays/s"));
     data.row({name, low, at_low, words, label});
@@ -69,7 +68,7 @@ void add_roofline(const Run& run, View& view) {
   view.data("roofline", data);
   section.chart("roofline-chart", "Rays per second against bytes per ray",
                 "This run below the ceilings of memory, T&I units and shader cores, on logarithmic axes", "roofline",
-                roofline_spec());
+                {{"kind", "roofline"}});
   view.add(section);
 }
 

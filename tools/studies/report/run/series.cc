@@ -10,7 +10,6 @@
 #include "sim/error.h"
 #include "tools/host/standard_streams.h"
 #include "tools/studies/report/page/colours.h"
-#include "tools/studies/report/page/specs.h"
 #include "tools/studies/report/run/run_parts.h"
 
 namespace tools::pages {
@@ -59,13 +58,13 @@ std::vector<const IntervalSeries*> members(const IntervalTable& table, const Gro
 }
 
 /// Each name's colour if all are blocks of the GPU, else none.
-Colours block_colours(const std::vector<std::string>& names) {
+Json block_colours(const std::vector<std::string>& names) {
   constexpr auto kNames = hw::names_of(hw::Block{});
-  Colours found;
+  Json found = Json::array();
   for (const std::string& name : names) {
     const auto at = static_cast<std::size_t>(std::ranges::find(kNames, name) - kNames.begin());
-    if (at == kNames.size()) return {};
-    found.emplace_back(name, colours::kBlocks.at(at));
+    if (at == kNames.size()) return Json::array();
+    found.push_back(Json::array({name, colours::kBlocks.at(at)}));
   }
   return found;
 }
@@ -92,7 +91,12 @@ void add_group(const IntervalTable& table, const Group& group, View& view, Json&
                     {"name", group.words},
                     {"about", group.about},
                     {"data", name},
-                    {"spec", series_spec(names, unit, group.stacked, block_colours(names))}});
+                    {"chart",
+                     {{"kind", "series"},
+                      {"names", names},
+                      {"unit", unit},
+                      {"stacked", group.stacked},
+                      {"colours", block_colours(names)}}}});
 }
 
 }  // namespace

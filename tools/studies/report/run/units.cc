@@ -9,7 +9,6 @@
 #include "hw_models/tni/ray_dispatcher.h"
 #include "hw_models/tni/trv.h"
 #include "sim/report/table.h"
-#include "tools/studies/report/page/specs.h"
 #include "tools/studies/report/run/run_parts.h"
 
 namespace tools::pages {
@@ -75,11 +74,15 @@ void add_units(const Run& run, View& view) {
     return view.add(section);
   }
   view.data("peaks", data);
-  Json spec = bars_spec({"unit", ""}, {"share", "of the unit's peak", ".0%"}, "label");
-  spec["encoding"]["x"]["scale"] = {{"domain", {0, 1}}};
   section.chart("peaks", "Busy at their peak",
                 "Share of the cycles of each kind of unit in which it worked at its peak rate", "peaks",
-                std::move(spec));
+                {{"kind", "bars"},
+                 {"name", "unit"},
+                 {"value", "share"},
+                 {"title", "of the unit's peak"},
+                 {"format", ".0%"},
+                 {"label", "label"},
+                 {"domain", {0, 1}}});
   view.add(section);
 }
 

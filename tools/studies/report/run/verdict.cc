@@ -6,7 +6,6 @@
 
 #include "hw_models/machines/ideal_config.h"
 #include "sim/report/table.h"
-#include "tools/studies/report/page/specs.h"
 #include "tools/studies/report/run/run_parts.h"
 
 namespace tools::pages {

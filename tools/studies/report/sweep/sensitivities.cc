@@ -9,7 +9,6 @@
 
 #include "sim/error.h"
 #include "sim/io/printable.h"
-#include "tools/studies/report/page/specs.h"
 #include "tools/studies/report/sweep/sweep_parts.h"
 #include "tools/studies/sweep/results/sensitivity.h"
 #include "tools/studies/sweep/results/ties.h"
@@ -232,7 +231,7 @@ void add_sensitivities(const Sweep& sweep, View& view) {
   if (!note.empty()) section.text(note);
   view.data("sensitivity", data);
   section.chart("shares", "Shares of variance", "Share of the variance of each figure that each axis explains",
-                "sensitivity", sensitivity_spec());
+                "sensitivity", {{"kind", "sensitivity"}});
   section.table("shares-table", "Shares with their intervals", "sensitivity");
   view.add(section);
 }
