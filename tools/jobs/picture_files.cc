@@ -24,20 +24,24 @@ namespace {
 class PictureFiles {
  public:
   PictureFiles(const std::filesystem::path& folder, const FramePictures& of)
-      : folder_(folder), of_(of), width_(of.inputs.config.render.width), height_(of.inputs.config.render.height) {}
+      : folder_(folder),
+        of_(of),
+        width_(of.played.inputs.config.render.width),
+        height_(of.played.inputs.config.render.height) {}
 
   /// Files that take longest come first.
   std::vector<std::function<void()>> jobs() {
-    const std::vector<float>& rgb = of_.frame.function.rgb;
-    if (of_.is_first && of_.has_picture && !of_.frame.is_part()) exr("image.exr", rgb);
-    if (of_.is_first && of_.compared != nullptr) exr("reference.exr", of_.compared->function.rgb);
-    if (of_.is_first && of_.has_picture) png("image.png", [&rgb] { return to_rgb8(rgb); });
-    if (of_.is_first && of_.compared != nullptr) add_comparison(rgb, of_.compared->function.rgb);
-    if (of_.inputs.frames() > 1 && of_.has_picture) {
-      png(fmt::format("frame-{:04}.png", of_.inputs.frame), [&rgb] { return to_rgb8(rgb); });
+    const std::vector<float>& rgb = of_.played.frame.function.rgb;
+    if (of_.played.is_first && of_.has_picture && !of_.played.frame.is_part()) exr("image.exr", rgb);
+    if (of_.played.is_first && of_.played.reference != nullptr)
+      exr("reference.exr", of_.played.reference->function.rgb);
+    if (of_.played.is_first && of_.has_picture) png("image.png", [&rgb] { return to_rgb8(rgb); });
+    if (of_.played.is_first && of_.played.reference != nullptr) add_comparison(rgb, of_.played.reference->function.rgb);
+    if (of_.played.inputs.frames() > 1 && of_.has_picture) {
+      png(fmt::format("frame-{:04}.png", of_.played.inputs.frame), [&rgb] { return to_rgb8(rgb); });
     }
-    if (of_.is_first && !of_.frame.is_part() && !of_.frame.function.pixels.empty()) {
-      add([this] { write_pixels(folder_ / kPixelsFile, of_.frame.function.pixels, width_, height_, notes_); });
+    if (of_.played.is_first && !of_.played.frame.is_part() && !of_.played.frame.function.pixels.empty()) {
+      add([this] { write_pixels(folder_ / kPixelsFile, of_.played.frame.function.pixels, width_, height_, notes_); });
     }
     add_debug_pictures();
     return std::move(jobs_);
@@ -58,14 +62,14 @@ class PictureFiles {
     png("difference.png", [&rgb, &reference] { return difference_rgb8(rgb, reference); });
   }
   void add_debug_pictures() {
-    const Inputs& inputs = of_.inputs;
+    const Inputs& inputs = of_.played.inputs;
     const std::string prefix = inputs.frames() > 1 ? fmt::format("frame-{:04}-", inputs.frame) : "";
-    if (of_.debug && of_.tiles != nullptr && !of_.frame.function.pixels.empty()) {
+    if (of_.debug && of_.played.tiles != nullptr && !of_.played.frame.function.pixels.empty()) {
       add([this, prefix] {
-        write_heat_maps(folder_, prefix, heat_maps(of_.frame, *of_.tiles, width_, height_), notes_);
+        write_heat_maps(folder_, prefix, heat_maps(of_.played.frame, *of_.played.tiles, width_, height_), notes_);
       });
     }
-    std::vector<DebugPicture> pictures = debug_pictures(of_.program, of_.frame.function, width_, height_);
+    std::vector<DebugPicture> pictures = debug_pictures(of_.program, of_.played.frame.function, width_, height_);
     if (of_.debug && inputs.config.render.primary == kernels::Primary::kRaster) {
       std::vector<DebugPicture> more = raster_pictures(inputs.image, inputs.camera, inputs.config.render);
       std::ranges::move(more, std::back_inserter(pictures));
@@ -80,7 +84,7 @@ class PictureFiles {
   const std::filesystem::path folder_;
   const FramePictures& of_;
   const std::uint32_t width_, height_;
-  const std::vector<traces::ImageNote> notes_ = notes_of(of_.inputs, of_.program);
+  const std::vector<traces::ImageNote> notes_ = notes_of(of_.played.inputs, of_.program);
   std::vector<std::function<void()>> jobs_;
 };
 

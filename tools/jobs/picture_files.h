@@ -2,21 +2,16 @@
 #include <cstddef>
 #include <filesystem>
 
-#include "tools/simulation/run_job.h"
-#include "tools/tiles/tile_table.h"
+#include "tools/jobs/run.h"
 
 namespace tools {
 
-/// A finished frame, and what it looks like.
+/// A finished frame and which of its pictures are written.
 struct FramePictures {
-  const Inputs& inputs;
+  const PlayedFrame& played;
   const kernels::ProgramSpec& program;
-  const Simulation& frame;
-  const Simulation* compared = nullptr;  ///< frame of the reference, if there is one
-  const TileFrame* tiles = nullptr;      ///< account of its tiles, for debug pictures
-  bool is_first = true;                  ///< frame of the run: its pictures have names of their own
-  bool has_picture = true;               ///< a sampled frame may have none
-  bool debug = false;                    ///< writes debug pictures as well
+  bool has_picture = true;  ///< false for a sampled frame without tiles that are not timed
+  bool debug = false;       ///< writes debug pictures as well
 };
 
 /// Writes the frame's picture and what it looks like otherwise: its reference, what pixels and tiles took, debug

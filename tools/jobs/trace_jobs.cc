@@ -14,8 +14,7 @@
 #include "tools/host/run_folder.h"
 #include "tools/host/standard_streams.h"
 #include "tools/jobs/jobs.h"
-#include "tools/jobs/outcome.h"
-#include "tools/jobs/replay.h"
+#include "tools/jobs/stored_frames.h"
 #include "tools/simulation/host_time.h"
 #include "tools/simulation/recorded.h"
 #include "tools/timeline/timeline_job.h"
@@ -91,30 +90,29 @@ void replay_trace(const JobOptions& options, const std::filesystem::path& file) 
   if (timeline.selection() && timeline.selection()->needs_places()) {
     throw sim::InputError("--timeline: a trace does not know where tiles lie in the picture; allowed: all, slowest:N");
   }
-  Replay job(file, options);
-  tell_warnings(job.inputs().warnings, &progress);
-  tell_long(host_seconds(job.recorded_steps()), {}, progress);
-  progress.expect(job.parts());
+  StoredFrames frames(file, options);
+  tell_warnings(frames.inputs().warnings, &progress);
+  tell_long(host_seconds(frames.recorded_steps()), {}, progress);
+  progress.expect(frames.count() * (frames.has_reference() ? 2 : 1));
   const std::size_t to_replace = frames_to_replace(folder.target() / "report.json");
   hold.emplace();
   sim::Json json;
   folder.fill([&](const RunFolder::Open& open) {
-    const Outcome out = job.run(options.threads, {.progress = &progress,
-                                                  .keep_part = !folder.holds_former_run(),
-                                                  .intervals = options.intervals,
-                                                  .itemised = true,
-                                                  .timeline = &timeline});
-    progress.end(out.partial ? "interrupted" : "done");
-    if (out.partial && out.frames.size() < to_replace) throw Interrupted();
+    const RunResult result = run(frames, {.progress = &progress,
+                                          .keep_part = !folder.holds_former_run(),
+                                          .intervals = options.intervals,
+                                          .itemised = true,
+                                          .timeline = &timeline});
+    progress.end(result.partial ? "interrupted" : "done");
+    if (result.partial && result.frames.size() < to_replace) throw Interrupted();
     const double wall = sim::seconds_since(begin);
-    const Result result = out.result();
-    json = report_json({job.inputs(), options, result, out.frames, out.partial, wall});
-    if (out.total->is_part()) leave_out_sampling(json);
+    json = report_json({frames.inputs(), options, result.totals(), result.frames, result.partial, wall});
+    if (result.total->is_part()) leave_out_sampling(json);
     timeline.write(open(), json);
-    write_report(open(), json, job.inputs().config, out);
-    write_reference(open(), {job.inputs(), options}, out);
-    tell_warnings(json, job.inputs().warnings.size());  // before an interrupt ends the run, which throws
-    return out.kept(job.frames());
+    write_report(open(), json, frames.inputs().config, result);
+    write_reference(open(), {frames.inputs(), options}, result);
+    tell_warnings(json, frames.inputs().warnings.size());  // before an interrupt ends the run, which throws
+    return result.kept(frames.count());
   });
   hold.reset();
   if (options.quiet) return;

@@ -11,7 +11,7 @@
 #include "tools/host/interrupt.h"
 #include "tools/host/run_folder.h"
 #include "tools/jobs/jobs.h"
-#include "tools/jobs/outcome.h"
+#include "tools/jobs/run_result.h"
 #include "tools/jobs/ray_list.h"
 #include "tools/simulation/host_time.h"
 #include "tools/simulation/run_job.h"

@@ -7,7 +7,7 @@
 #include "tests/hw_models/machines/random_config.h"
 #include "tests/tools/program.h"
 #include "tools/analysis/report.h"
-#include "tools/jobs/replay.h"
+#include "tools/jobs/stored_frames.h"
 #include "tools/simulation/recorded.h"
 #include "traces/trace_file/trace_writer.h"
 
@@ -62,10 +62,10 @@ void expect_same_on_machines(std::uint64_t count, traces::InstanceLevels levels)
     const tools::JobOptions options = options_for(write_config(folder, seed, levels));
     const tools::Inputs inputs = tools::load_inputs(options);
     const tools::Simulation run = tools::simulate(inputs, {}, 1);
-    tools::Replay job(trace, options);
-    const tools::Outcome replayed = job.run(1, {});
-    EXPECT_EQ(sim::config_hash(job.inputs().config), sim::config_hash(inputs.config));
-    EXPECT_EQ(tools::totals_json({run}), tools::totals_json(replayed.result()));
+    tools::StoredFrames frames(trace, options);
+    const tools::RunResult replayed = tools::run(frames, {});
+    EXPECT_EQ(sim::config_hash(frames.inputs().config), sim::config_hash(inputs.config));
+    EXPECT_EQ(tools::totals_json({run}), tools::totals_json(replayed.totals()));
     ASSERT_EQ(run.units.size(), replayed.total->units.size());
     for (std::size_t u = 0; u < run.units.size(); ++u) {
       const sim::UnitReport &a = run.units[u], &b = replayed.total->units[u];

@@ -22,7 +22,7 @@
 #include "tools/analysis/report.h"
 #include "tools/host/build_info.h"
 #include "tools/host/interrupt.h"
-#include "tools/jobs/replay.h"
+#include "tools/jobs/stored_frames.h"
 #include "tools/sampling/tile_sampling.h"
 #include "tools/simulation/recorded.h"
 #include "tools/simulation/run_job.h"
@@ -63,15 +63,17 @@ Json conditions_of(const Inputs& inputs) {
 }
 
 /// The work of a frame as a trace, written into `folder`. The file has no name any more when this is there.
-std::unique_ptr<Replay> recorded(const Inputs& inputs, const BenchOptions& options, const std::filesystem::path& folder,
-                                 Progress& progress) {
+std::unique_ptr<StoredFrames> recorded(const Inputs& inputs, const BenchOptions& options,
+                                       const std::filesystem::path& folder, Progress& progress) {
   const std::filesystem::path file = folder / "a.trace";
   traces::TraceWriter writer(file, trace_header(inputs, options.job));
   render(inputs, kernels::parse_program(options.job.program), traces::BvhTracer(inputs.image), options.job.threads,
          {.progress = &progress, .trace = &writer});
   writer.end_frame(recorded_frame(inputs.frame, 0));
   writer.commit();
-  auto replay = std::make_unique<Replay>(file, options.job);
+  JobOptions on_one_thread = options.job;
+  on_one_thread.threads = 1;
+  auto replay = std::make_unique<StoredFrames>(file, on_one_thread);
   std::filesystem::remove(file);
   return replay;
 }
@@ -110,7 +112,8 @@ class Rounds {
     // Peak memory is that of whole runs.
     if (peak_mib_ == 0) peak_mib_ = peak_rss_mib();
     if (replay_ == nullptr) replay_ = recorded(inputs_, options_, scratch_, progress_);
-    add("replay_s_per_timing_s", replay_->run(1, {.progress = &progress_}).total->wall_seconds / timing);
+    replay_->rewind();
+    add("replay_s_per_timing_s", tools::run(*replay_, {.progress = &progress_}).total->wall_seconds / timing);
     if (sampling_) add_sampled(one, timing);
   }
 
@@ -143,7 +146,7 @@ class Rounds {
   const kernels::ProgramSpec program_;
   Progress& progress_;
   double peak_mib_ = 0;
-  std::unique_ptr<Replay> replay_;
+  std::unique_ptr<StoredFrames> replay_;
   std::optional<TileSampling> sampling_;  ///< for programs whose tiles can be sampled
   std::uint64_t rays_ = 0, steps_ = 0;
   std::vector<std::pair<std::string, std::vector<double>>> values_;

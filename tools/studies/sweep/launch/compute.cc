@@ -15,9 +15,7 @@
 #include "tools/host/exit_code.h"
 #include "tools/host/interrupt.h"
 #include "tools/host/standard_streams.h"
-#include "tools/jobs/outcome.h"
-#include "tools/jobs/replay.h"
-#include "tools/sampling/tile_sampling.h"
+#include "tools/jobs/stored_frames.h"
 #include "tools/simulation/recorded.h"
 #include "tools/studies/sweep/store/durable.h"
 #include "traces/scene/images.h"
@@ -28,44 +26,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The frames of a point.
-struct Frames {
-  const Point& point;
-  Inputs& inputs;
-  std::uint32_t threads;
-  traces::TraceWriter* trace;
-  fs::path picture;  ///< picture of the first frame; empty: none
-  Outcome out{};
+/// run() of frames that are no part of a result unless all are there.
+RunResult run_all(FrameSource& frames, const RunOptions& options) {
+  RunResult result = run(frames, options);
+  if (result.partial) throw Interrupted{};
+  return result;
+}
 
-  void run() {
-    const kernels::ProgramSpec program = kernels::parse_program(point.program);
-    kernels::RateMap rates(inputs.config.programs.multirate), reference_rates = rates;
-    std::optional<TileSampling> sampling;
-    if (!point.tile_sampling.empty()) {
-      check_tile_sampling(program);
-      sampling = parse_tile_sampling(point.tile_sampling, point.image ? "full" : "none");
-    }
-    for_each_frame(inputs, threads, nullptr, [&] {
-      Simulation frame = sampling ? simulate_sampled(inputs, program, threads, *sampling)
-                                  : simulate(inputs, program, threads,
-                                             {.rates = &rates, .trace = trace, .replicates = point.replicates});
-      std::optional<Simulation> compared;
-      double error = 0;
-      if (!point.reference.empty()) {
-        compared =
-            simulate(inputs, kernels::parse_program(point.reference), threads,
-                     {.rates = &reference_rates, .trace = trace, .reference = true, .replicates = point.replicates});
-        error = mean_squared_error(frame.function.rgb, compared->function.rgb);
-      }
-      if (trace != nullptr) trace->end_frame(recorded_frame(inputs.frame, error));
-      if (!picture.empty() && out.frames.empty()) {
-        const kernels::RenderConfig& render = inputs.config.render;
-        traces::write_png(picture, render.width, render.height, to_rgb8(frame.function.rgb));
-      }
-      out.add(inputs.frame, std::move(frame), std::move(compared), error);
-    });
-  }
-};
+/// Writes the picture of the first frame.
+void write_picture(const PlayedFrame& played, const fs::path& file) {
+  if (!played.is_first) return;
+  const kernels::RenderConfig& render = played.inputs.config.render;
+  traces::write_png(file, render.width, render.height, to_rgb8(played.frame.function.rgb));
+}
 
 }  // namespace
 
@@ -164,24 +137,23 @@ void PointComputer::compute_now(const Point& point, const PointKeys::Key& key, c
     Inputs& inputs = inputs_for(point, key, config);
     std::optional<Recording> recording;
     if (record && !key.stream.empty()) recording = begin_recording(key.stream, inputs, options);
-    Frames frames{point, inputs, threads_, recording ? recording->trace.get() : nullptr,
-                  point.image ? folder / "image.png" : fs::path()};
-    frames.run();
+    RenderedFrames frames(inputs, make_plan(options), threads_, nullptr);
+    RunOptions how{.trace = recording ? recording->trace.get() : nullptr};
+    if (point.image) how.on_frame = [&](const PlayedFrame& played) { write_picture(played, folder / "image.png"); };
+    const RunResult result = run_all(frames, how);
     if (recording) recording->trace->commit();
-    const Result result = frames.out.result();
-    write_results(folder, report_json({inputs, options, result, frames.out.frames, false, sim::seconds_since(begin)}),
+    write_results(folder,
+                  report_json({inputs, options, result.totals(), result.frames, false, sim::seconds_since(begin)}),
                   config);
   });
 }
 
 void PointComputer::replay(const Point& point, const PointKeys::Key& key, const RunConfig& config) {
   const auto begin = sim::HostClock::now();
-  Replay job(store_.stream(key.stream), config);
-  const Outcome out = job.run(threads_, {.replicates = point.replicates});
-  if (out.partial) throw Interrupted{};
-  const Result result = out.result();
+  StoredFrames frames(store_.stream(key.stream), config, threads_, point.replicates);
+  const RunResult result = run_all(frames, {});
   const sim::Json report =
-      report_json({job.inputs(), point.options(), result, out.frames, false, sim::seconds_since(begin)});
+      report_json({frames.inputs(), point.options(), result.totals(), result.frames, false, sim::seconds_since(begin)});
   store_.put(point.id, key.made_of, [&](const fs::path& folder) { write_results(folder, report, config); });
 }
 

@@ -8,7 +8,8 @@
 #include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "tools/analysis/report.h"
-#include "tools/jobs/outcome.h"
+#include "tools/host/interrupt.h"
+#include "tools/jobs/run.h"
 #include "tools/sampling/slices.h"
 #include "tools/studies/sweep/launch/compute.h"
 #include "tools/studies/sweep/store/durable.h"
@@ -42,6 +43,25 @@ std::vector<Json> at_frame(std::span<const Json> slices, std::size_t frame) {
   return out;
 }
 
+/// Frames that are added up from the results of their slices.
+class JoinedSlices final : public PosedFrames {
+ public:
+  /// `slices`: the frames of each slice.
+  JoinedSlices(Inputs& inputs, const kernels::ProgramSpec& program, std::vector<Json> slices, std::uint32_t threads)
+      : PosedFrames(inputs, threads, nullptr), program_(program), slices_(std::move(slices)) {}
+  bool has_whole_frames() const override { return false; }
+  bool has_reference() const override { return false; }
+  Simulation play(const Extras&) override {
+    return join_slices(inputs_, program_, at_frame(slices_, inputs_.frame - inputs_.config.scene.first_frame));
+  }
+  Simulation play_reference(const Extras&) override { throw std::logic_error("slices have no reference"); }
+  double squared_error(const Simulation&, const Simulation&) const override { return 0; }
+
+ private:
+  const kernels::ProgramSpec program_;
+  const std::vector<Json> slices_;
+};
+
 }  // namespace
 
 void PointComputer::play_slice(const Point& slice, const PointKeys::Key& key, const RunConfig& config) {
@@ -59,19 +79,18 @@ void PointComputer::join(const Point& whole, const PointKeys::Key& key, const Ru
   const kernels::ProgramSpec program = kernels::parse_program(whole.program);
   store_.put(whole.id, key.made_of, [&](const fs::path& folder) {
     Inputs& inputs = inputs_for(whole, key, config);
-    Outcome out;
+    RunResult result;
     try {
       std::vector<Json> slices;
       for (const Point& slice : slices_of(whole)) slices.push_back(frames_in(store_, slice));
-      for_each_frame(inputs, threads_, nullptr, [&] {
-        out.add(inputs.frame, join_slices(inputs, program, at_frame(slices, out.frames.size())), std::nullopt, 0);
-      });
+      JoinedSlices frames(inputs, program, std::move(slices), threads_);
+      result = run(frames, {});
     } catch (const sim::JsonError& error) {
       throw sim::InputError(fmt::format("a slice in the store is damaged: {}", sim::printable(error.what())));
     }
-    const Result result = out.result();
-    const double wall = result.run.wall_seconds + inputs.load_seconds + inputs.update_seconds;
-    write_results(folder, report_json({inputs, whole.options(), result, out.frames, false, wall}), config);
+    if (result.partial) throw Interrupted{};
+    const double wall = result.total->wall_seconds + inputs.load_seconds + inputs.update_seconds;
+    write_results(folder, report_json({inputs, whole.options(), result.totals(), result.frames, false, wall}), config);
   });
 }
 

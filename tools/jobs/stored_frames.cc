@@ -1,4 +1,4 @@
-#include "tools/jobs/replay.h"
+#include "tools/jobs/stored_frames.h"
 
 #include <algorithm>
 
@@ -8,10 +8,8 @@
 #include "sim/error.h"
 #include "sim/host_clock.h"
 #include "sim/io/printable.h"
-#include "tools/host/interrupt.h"
 #include "tools/simulation/recorded.h"
 #include "tools/simulation/replay_program.h"
-#include "tools/tiles/tile_frame.h"
 #include "traces/accel/bvh_config.h"
 
 namespace tools {
@@ -61,7 +59,7 @@ void place_tree(const traces::TileScope& scope, const traces::BvhConfig& config,
 
 }  // namespace
 
-double Replay::recorded_steps() const {
+double StoredFrames::recorded_steps() const {
   double steps = 0;
   for (const traces::TraceReader::Part& part : trace_.parts()) {
     const bool says = part.result.contains("traversal_steps") && part.result["traversal_steps"].is_number_unsigned();
@@ -70,22 +68,28 @@ double Replay::recorded_steps() const {
   return steps;
 }
 
-Replay::Replay(const std::filesystem::path& file, const JobOptions& options)
-    : Replay(file, [&](const traces::Json& header, const std::string& name) {
-        return replay_config(header, name, options);
-      }) {
+StoredFrames::StoredFrames(const std::filesystem::path& file, const JobOptions& options)
+    : StoredFrames(
+          file,
+          [&](const traces::Json& header, const std::string& name) { return replay_config(header, name, options); },
+          options.threads, 1) {
   inputs_.warnings = idle_settings(options, inputs_.config);
 }
 
-Replay::Replay(const std::filesystem::path& file, const RunConfig& config)
-    : Replay(file, [&](const traces::Json& header, const std::string& name) {
-        check_recorded(header, name, config);
-        return config;
-      }) {}
+StoredFrames::StoredFrames(const std::filesystem::path& file, const RunConfig& config, std::uint32_t threads,
+                           std::uint32_t replicates)
+    : StoredFrames(
+          file,
+          [&](const traces::Json& header, const std::string& name) {
+            check_recorded(header, name, config);
+            return config;
+          },
+          threads, replicates) {}
 
-Replay::Replay(const std::filesystem::path& file,
-               const std::function<RunConfig(const traces::Json& header, const std::string& name)>& config)
-    : trace_(file) {
+StoredFrames::StoredFrames(const std::filesystem::path& file,
+                           const std::function<RunConfig(const traces::Json& header, const std::string& name)>& config,
+                           std::uint32_t threads, std::uint32_t replicates)
+    : trace_(file), threads_(threads), replicates_(replicates) {
   const std::string name = sim::printable(file.string());
   try {
     trace_.naming_file([&] { check_header(trace_.header()); });
@@ -109,16 +113,36 @@ Replay::Replay(const std::filesystem::path& file,
     kernels_ = kernels_of(header.at("kernels"));
     if (trace_.frames().empty()) throw sim::InputError("has no frames");
   });
+  read_frame(0);
 }
 
-const Part& Replay::part(std::uint32_t frame, bool reference) const {
-  const auto found = std::ranges::find_if(
-      trace_.parts(), [&](const Part& p) { return p.frame == frame && p.reference == reference && p.tiles != 0; });
-  if (found == trace_.parts().end()) throw sim::InputError(fmt::format("has no work of frame {}", frame));
-  return *found;
+void StoredFrames::read_frame(std::size_t index) {
+  index_ = index;
+  trace_.naming_file([&] {
+    const traces::Json& frame = trace_.frames()[index];
+    squared_error_ = frame.at("squared_error").get<double>();
+    if (!(squared_error_ >= 0 && squared_error_ < 4)) throw sim::InputError("squared_error is out of range");
+    inputs_.frame = static_cast<std::uint32_t>(traces::number_at(frame, "frame", traces::kMaxFrame));
+  });
 }
 
-void Replay::load_tree(const Part& part) {
+bool StoredFrames::advance() {
+  if (index_ + 1 == trace_.frames().size()) return false;
+  read_frame(index_ + 1);
+  return true;
+}
+
+const Part& StoredFrames::part(bool reference) const {
+  return trace_.naming_file([&]() -> const Part& {
+    const auto found = std::ranges::find_if(trace_.parts(), [&](const Part& p) {
+      return p.frame == inputs_.frame && p.reference == reference && p.tiles != 0;
+    });
+    if (found == trace_.parts().end()) throw sim::InputError(fmt::format("has no work of frame {}", inputs_.frame));
+    return *found;
+  });
+}
+
+void StoredFrames::load_tree(const Part& part) {
   const sim::HostClock::time_point begin = sim::HostClock::now();
   if (tree_ != part.tree) {
     scope_ = trace_.scope(part, static_cast<std::uint32_t>(kernels_.size()));
@@ -131,64 +155,16 @@ void Replay::load_tree(const Part& part) {
   inputs_.load_seconds += sim::seconds_since(begin);
 }
 
-Simulation Replay::play(const Part& part, const kernels::ProgramSpec& program, std::uint32_t threads, const How& how,
-                        sim::Intervals* intervals) {
+Simulation StoredFrames::play_part(const Part& part, const kernels::ProgramSpec& program, const Extras& extras) {
   load_tree(part);
   ReplayProgram frame(trace_, part, scope_, kernels_);
-  inputs_.frame = part.frame;
-  const hw::Watchers watchers = how.timeline != nullptr ? how.timeline->begin_frame(inputs_.config) : hw::Watchers{};
-  return tools::play(inputs_, program, frame, NoTracer(), threads,
-                     {.keep_part = how.keep_part,
-                      .progress = how.progress,
-                      .intervals = intervals,
-                      .replicates = how.replicates,
-                      .itemised = how.itemised,
-                      .watchers = watchers});
+  return tools::play(inputs_, program, frame, NoTracer(), threads_, extras);
 }
 
-Outcome Replay::run(std::uint32_t threads, const How& how) {
-  Outcome out;
-  try {
-    for (const traces::Json& frame : trace_.frames()) {
-      const auto checked = trace_.naming_file([&] {
-        const double difference = frame.at("squared_error").get<double>();
-        if (!(difference >= 0 && difference < 4)) throw sim::InputError("squared_error is out of range");
-        return std::pair{static_cast<std::uint32_t>(traces::number_at(frame, "frame", traces::kMaxFrame)), difference};
-      });
-      const std::uint32_t number = checked.first;
-      const double error = checked.second;
-      const Part& work = trace_.naming_file([&]() -> const Part& { return part(number, false); });
-      How whole = how;
-      whole.keep_part = false;
-      How other_program = whole;
-      other_program.itemised = false;
-      const bool may_be_part = how.keep_part && out.frames.empty();
-      std::optional<sim::Intervals> intervals;
-      if (how.intervals) intervals = intervals_of_frame(frames());
-      sim::Intervals* const over_time = intervals ? &*intervals : nullptr;
-      Simulation played = play(work, program_, threads, may_be_part ? how : whole, over_time);
-      if (!played.tile_accounts.empty()) {
-        out.tiles.frames.push_back(tile_frame(played, inputs_.config, number));
-        if (how.timeline != nullptr) how.timeline->end_frame(played, out.tiles.frames.back(), inputs_.config);
-      }
-      std::optional<Simulation> compared;
-      if (reference_ && !played.is_part()) {
-        const Part& other = trace_.naming_file([&]() -> const Part& { return part(number, true); });
-        try {
-          compared = play(other, *reference_, threads, other_program);
-        } catch (const Interrupted&) {
-          if (!may_be_part) throw;
-        }
-      }
-      out.partial = played.is_part() || (reference_ && !compared);
-      out.add(number, std::move(played), std::move(compared), out.partial ? 0 : error, over_time);
-      if (out.partial) break;
-    }
-  } catch (const Interrupted&) {
-    if (out.frames.empty()) throw;
-    out.partial = true;
-  }
-  return out;
-}
+Simulation StoredFrames::play(const Extras& extras) { return play_part(part(false), program_, extras); }
+
+Simulation StoredFrames::play_reference(const Extras& extras) { return play_part(part(true), *reference_, extras); }
+
+double StoredFrames::squared_error(const Simulation&, const Simulation&) const { return squared_error_; }
 
 }  // namespace tools

@@ -1,4 +1,4 @@
-#include "tools/jobs/outcome.h"
+#include "tools/jobs/run_result.h"
 
 #include <utility>
 
@@ -27,8 +27,8 @@ void keep(Simulation frame, std::optional<Simulation>& total) {
 
 }  // namespace
 
-void Outcome::add(std::uint32_t number, Simulation frame, std::optional<Simulation> compared, double error,
-                  const sim::Intervals* over_time) {
+void RunResult::add(std::uint32_t number, Simulation frame, std::optional<Simulation> compared, double error,
+                    const sim::Intervals* over_time) {
   const auto entry_of = [&](const Simulation& s, const Result& result) {
     sim::Json entry = {{"frame", number}};
     if (s.is_part()) entry.update({{"finished_tiles", s.finished_tiles}, {"tiles", s.tiles}});
@@ -44,11 +44,11 @@ void Outcome::add(std::uint32_t number, Simulation frame, std::optional<Simulati
   if (compared) keep(*std::move(compared), reference);
 }
 
-Result Outcome::result() const {
+Result RunResult::totals() const {
   return {*total, reference ? &*reference : nullptr, squared_error / static_cast<double>(frames.size())};
 }
 
-std::string Outcome::kept(std::size_t all) const {
+std::string RunResult::kept(std::size_t all) const {
   if (total->is_part()) {
     return fmt::format("{} of {} tiles of frame {}", total->finished_tiles, total->tiles,
                        frames.front()["frame"].get<std::uint32_t>());
@@ -74,22 +74,22 @@ void tell_warnings(const sim::Json& report, std::size_t told) {
 }
 
 void write_report(const std::filesystem::path& folder, const sim::Json& json, const RunConfig& config,
-                  const Outcome& outcome) {
+                  const RunResult& result) {
   sim::write_file_atomically(folder / "report.json", sim::json_text(json));
   sim::write_file_atomically(folder / "report.txt", report_table(json));
   sim::write_file_atomically(folder / "config.yaml", sim::dump_config(config));
-  if (!outcome.intervals.empty()) {
-    sim::write_file_atomically(folder / kIntervalFile, outcome.intervals.file(outcome.total->units));
+  if (!result.intervals.empty()) {
+    sim::write_file_atomically(folder / kIntervalFile, result.intervals.file(result.total->units));
   }
-  if (!outcome.tiles.frames.empty()) sim::write_file_atomically(folder / kTilesFile, tiles_text(outcome.tiles));
+  if (!result.tiles.frames.empty()) sim::write_file_atomically(folder / kTilesFile, tiles_text(result.tiles));
 }
 
-void write_reference(const std::filesystem::path& folder, const Origin& origin, const Outcome& out) {
-  if (!out.reference) return;
-  const Simulation& run = *out.reference;
+void write_reference(const std::filesystem::path& folder, const Origin& origin, const RunResult& result) {
+  if (!result.reference) return;
+  const Simulation& run = *result.reference;
   const double load = origin.inputs.load_seconds + origin.inputs.update_seconds;
   const double wall = load + run.wall_seconds + run.replicate_seconds;
-  sim::Json json = report_json({origin.inputs, origin.options, {run}, out.reference_frames, out.partial, wall});
+  sim::Json json = report_json({origin.inputs, origin.options, {run}, result.reference_frames, result.partial, wall});
   // A copy of the inputs would have the scene in memory twice.
   RunConfig config = origin.inputs.config;
   config.render = reference_render(config.render);

@@ -11,8 +11,8 @@
 
 namespace tools {
 
-/// Results of the frames so far.
-struct Outcome {
+/// The frames of a run added up.
+struct RunResult {
   std::optional<Simulation> total, reference;
   double squared_error = 0;  ///< sum over frames
   sim::Json frames = sim::Json::array();
@@ -24,7 +24,7 @@ struct Outcome {
   /// Adds a frame, and what it is compared with, if anything: `error` is their pictures' mean squared difference.
   void add(std::uint32_t number, Simulation frame, std::optional<Simulation> compared, double error,
            const sim::Intervals* over_time = nullptr);
-  Result result() const;
+  Result totals() const;
   /// Part that an interrupted run has kept, in words; `all` frames were wanted.
   std::string kept(std::size_t all) const;
 };
@@ -38,7 +38,7 @@ void tell_warnings(const sim::Json& report, std::size_t told);
 
 /// Writes report.json, report.txt, config.yaml and, where there are any, intervals and tiles.json into a folder.
 void write_report(const std::filesystem::path& folder, const sim::Json& json, const RunConfig& config,
-                  const Outcome& outcome);
+                  const RunResult& result);
 
 /// Inputs and options of a run.
 struct Origin {
@@ -47,7 +47,7 @@ struct Origin {
 };
 
 /// Writes the reference's own report beside that of the run, if there is a reference.
-void write_reference(const std::filesystem::path& folder, const Origin& origin, const Outcome& out);
+void write_reference(const std::filesystem::path& folder, const Origin& origin, const RunResult& result);
 
 /// Says where it is, and how the two are compared.
 void tell_reference(const std::filesystem::path& folder);
