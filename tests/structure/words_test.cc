@@ -36,7 +36,7 @@ constexpr std::array kWords = {
     Retired{"DramFigures", "DramMeasurements"},
     Retired{"MatteRecord", "DiffuseRecord"},
     Retired{"OpticsRecord", "SpecularRecord"},
-    Retired{"OfferedTiles", "ProgressTileSource"},
+    Retired{"OfferedTiles", "RunTiles"},
     Retired{"scene_sheet", "scene_info"},
     Retired{"pronounce", "write_verdict"},
     Retired{"miss register", "MSHR"},

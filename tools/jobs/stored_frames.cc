@@ -8,6 +8,7 @@
 #include "sim/error.h"
 #include "sim/host_clock.h"
 #include "sim/io/printable.h"
+#include "tools/simulation/kept_work.h"
 #include "tools/simulation/recorded.h"
 #include "tools/simulation/replay_program.h"
 #include "traces/accel/bvh_config.h"
@@ -16,12 +17,6 @@ namespace tools {
 namespace {
 
 using Part = traces::TraceReader::Part;
-
-/// A replay traces nothing.
-class NoTracer final : public traces::Tracer {
- public:
-  void trace(std::span<const traces::Ray>, traces::RayKind, std::span<traces::Hit>, traces::WalkSink*) const override {}
-};
 
 std::vector<traces::KernelId> kernels_of(const traces::Json& names) {
   std::vector<traces::KernelId> ids;

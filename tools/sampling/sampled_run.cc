@@ -9,13 +9,13 @@
 #include "sim/report/report_json.h"
 #include "tools/analysis/report_paths.h"
 #include "tools/analysis/units.h"
-#include "tools/simulation/progress_tile_source.h"
+#include "tools/simulation/run_tiles.h"
 
 namespace tools {
 namespace {
 
 /// Difference of two marks.
-MeasuredPart between(const SampledTiles::Mark& a, const SampledTiles::Mark& b) {
+MeasuredPart between(const Mark& a, const Mark& b) {
   MeasuredPart part{b.time - a.time, b.units, b.kernels, {}};
   sim::take_off_reports(part.units, a.units);
   for (std::size_t k = 0; k < part.kernels.size(); ++k) part.kernels[k] -= a.kernels[k];
@@ -24,10 +24,10 @@ MeasuredPart between(const SampledTiles::Mark& a, const SampledTiles::Mark& b) {
 
 /// Traits of what was worked on: what the machine counts itself, and otherwise those of the tiles that were under way,
 /// each for the share of its time that lies in the part.
-TileTraits traits_of(const MeasuredPart& part, sim::Time begin, sim::Time end, const SampledTiles& tiles,
+TileTraits traits_of(const MeasuredPart& part, sim::Time begin, sim::Time end, const TimedTiles& tiles,
                      std::span<const TileTraits> traits, std::span<const hw::KernelSchedule> kernels) {
   TileTraits sum;
-  for (const SampledTiles::Played& tile : tiles.played()) {
+  for (const TimedTiles::Played& tile : tiles.played()) {
     const sim::Time from = std::max(tile.begin, begin), to = std::min(tile.end, end);
     if (from < to)
       sum.add(traits[tile.tile], static_cast<double>(to - from) / static_cast<double>(tile.end - tile.begin));
@@ -44,9 +44,14 @@ TileTraits traits_of(const MeasuredPart& part, sim::Time begin, sim::Time end, c
 
 }  // namespace
 
-SampledRun run_blocks(const Inputs& inputs, ProgressTileSource& source, const kernels::FrameRequirements& requirements,
+SampledRun run_blocks(const Inputs& inputs, RunTiles& source, const kernels::FrameRequirements& requirements,
                       std::span<const TimedBlock> blocks, std::span<const TileTraits> traits) {
-  SampledTiles tiles(source, blocks);
+  std::vector<std::uint32_t> marked;
+  for (const TimedBlock& block : blocks) {
+    if (block.first != blocks.front().first) marked.push_back(block.first);
+    if (marked.empty() || block.measured != marked.back()) marked.push_back(block.measured);
+  }
+  TimedTiles tiles(source, {blocks.begin(), blocks.end()}, std::move(marked));
   const auto gpu = std::make_unique<hw::Gpu>(inputs.config.gpu,
                                              hw::Gpu::Workload{inputs.image, inputs.parents, requirements,
                                                                inputs.config.render.srgb == kernels::SrgbEncoder::kDma},
@@ -64,13 +69,16 @@ SampledRun run_blocks(const Inputs& inputs, ProgressTileSource& source, const ke
   run.timed = tiles.played().size();
   run.warmed = tiles.warmed();
   run.warming_seconds = tiles.warming_seconds();
-  const std::vector<SampledTiles::Mark>& marks = tiles.marks();
-  for (std::size_t i = 0; i < marks.size(); i += 2) {
-    MeasuredPart part = between(marks[i], marks[i + 1]);
-    part.traits = traits_of(part, marks[i].time, marks[i + 1].time, tiles, traits, run.kernels);
+  // A measured part ends where the next block is dispatched, the last one with the run.
+  const Mark finished{0, gpu->elapsed(), gpu->report(), gpu->kernel_use()};
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const bool is_last = i + 1 == blocks.size();
+    const Mark &begin = tiles.at(blocks[i].measured), &end = is_last ? finished : tiles.at(blocks[i + 1].first);
+    MeasuredPart part = between(begin, end);
+    part.traits = traits_of(part, begin.time, end.time, tiles, traits, run.kernels);
     if (i == 0) {
       run.begin = std::move(part);
-    } else if (i + 2 == marks.size()) {
+    } else if (is_last) {
       run.end = std::move(part);
     } else {
       run.parts.push_back(std::move(part));

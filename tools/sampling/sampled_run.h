@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "tools/sampling/sampled_tiles.h"
 #include "tools/sampling/tile_pilot.h"
-#include "tools/simulation/progress_tile_source.h"
+#include "tools/sampling/timed_tiles.h"
 #include "tools/simulation/run_job.h"
+#include "tools/simulation/run_tiles.h"
 
 namespace tools {
 
@@ -32,7 +32,7 @@ struct SampledRun {
 };
 
 /// Plays blocks of a frame. `traits`: of each of its tiles, by the pilot.
-SampledRun run_blocks(const Inputs& inputs, ProgressTileSource& source, const kernels::FrameRequirements& requirements,
+SampledRun run_blocks(const Inputs& inputs, RunTiles& source, const kernels::FrameRequirements& requirements,
                       std::span<const TimedBlock> blocks, std::span<const TileTraits> traits);
 
 /// Counters of like units added up, by path: "core.tni.trv.counters.l1_hits". Without those that are no sums over time.

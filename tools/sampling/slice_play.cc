@@ -16,7 +16,7 @@ class EmptyTileList final : public hw::TileSource {
 
 }  // namespace
 
-void Stretch::take_off(const SliceTiles::Mark& earlier) {
+void Stretch::take_off(const Mark& earlier) {
   time -= earlier.time;
   sim::take_off_reports(units, earlier.units);
   for (std::size_t k = 0; k < kernels.size(); ++k) kernels[k] -= earlier.kernels[k];
@@ -52,7 +52,13 @@ PlayedSlice SlicePlayer::play(SharedFrame& frame, const traces::Tracer& tracer, 
   std::vector<std::uint32_t> tile_indices((is_last ? slice.end : slice.end + 1) - slice.begin());
   std::iota(tile_indices.begin(), tile_indices.end(), slice.begin());
   FrontEnd front_end(program, tracer, workers, true, std::move(tile_indices));
-  SliceTiles tiles(front_end, slice, shape_.probe, is_last);
+  std::vector<std::uint32_t> marked;
+  if (slice.first != 0) marked = {slice.first - shape_.probe, slice.first};
+  if (!is_last) marked.insert(marked.end(), {slice.end - shape_.probe, slice.end});
+  std::optional<std::uint32_t> stop_at;
+  if (!is_last) stop_at = slice.end;
+  TimedTiles tiles(front_end, {{slice.lead_begin(), slice.first, is_last ? slice.end : slice.end + 1, slice.warming}},
+                   std::move(marked), stop_at);
   const auto gpu = machine(tiles);
   tiles.connect(*gpu);
   run_to_end(*gpu);
@@ -71,7 +77,7 @@ PlayedSlice SlicePlayer::play(SharedFrame& frame, const traces::Tracer& tracer, 
   return played;
 }
 
-Probe SlicePlayer::probe(const SliceTiles& tiles, std::uint32_t border) const {
+Probe SlicePlayer::probe(const TimedTiles& tiles, std::uint32_t border) const {
   Stretch stretch(tiles.at(border));
   stretch.take_off(tiles.at(border - shape_.probe));
   return {static_cast<double>(stretch.time), energy_of(stretch.units, stretch.time, inputs_.config).total_pj.nominal};

@@ -6,7 +6,7 @@
 #include "hw_models/machines/gpu.h"
 #include "tools/sampling/slice_plan.h"
 #include "tools/sampling/slice_program.h"
-#include "tools/sampling/slice_tiles.h"
+#include "tools/sampling/timed_tiles.h"
 #include "tools/simulation/run_job.h"
 
 namespace tools {
@@ -19,8 +19,8 @@ struct Stretch {
 
   Stretch() = default;
   explicit Stretch(const hw::Gpu& gpu) : time(gpu.elapsed()), units(gpu.report()), kernels(gpu.kernel_use()) {}
-  explicit Stretch(const SliceTiles::Mark& mark) : time(mark.time), units(mark.units), kernels(mark.kernels) {}
-  void take_off(const SliceTiles::Mark& earlier);
+  explicit Stretch(const Mark& mark) : time(mark.time), units(mark.units), kernels(mark.kernels) {}
+  void take_off(const Mark& earlier);
   void add(const Stretch& other);
 };
 
@@ -55,7 +55,7 @@ class SlicePlayer {
 
  private:
   std::unique_ptr<hw::Gpu> machine(hw::TileSource& tiles) const;
-  Probe probe(const SliceTiles& tiles, std::uint32_t border) const;
+  Probe probe(const TimedTiles& tiles, std::uint32_t border) const;
 
   const Inputs& inputs_;
   const kernels::FrameRequirements requirements_;

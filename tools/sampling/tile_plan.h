@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "tools/sampling/sampled_tiles.h"
+#include "tools/sampling/timed_tiles.h"
 
 namespace tools {
 

@@ -215,8 +215,8 @@ Simulation simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& pr
     const std::vector<std::uint32_t> tile_indices =
         picture ? std::vector<std::uint32_t>{} : tile_indices_of(plan.blocks);
     FrontEnd front_end(frame, tracer, host_threads(threads) - 1, true, tile_indices);
-    ProgressTileSource source(front_end, picture ? frame.tiles() : static_cast<std::uint32_t>(tile_indices.size()),
-                              progress, false, &told);
+    RunTiles source(front_end, picture ? frame.tiles() : static_cast<std::uint32_t>(tile_indices.size()), progress,
+                    false, &told);
     source.begin("simulating", inputs.frame);
     runs.push_back(run_blocks(inputs, source, frame.requirements(), plan.blocks, pilot.traits));
     const SampledRun& run = runs.back();

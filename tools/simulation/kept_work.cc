@@ -1,6 +1,5 @@
 #include "tools/simulation/kept_work.h"
 
-#include <algorithm>
 #include <string_view>
 #include <utility>
 
@@ -31,21 +30,11 @@ void KeptWork::read(std::uint32_t tile_index, traces::TileDecoder& decoder, trac
   decoder.decode(bytes.substr(0, bytes.size() - traces::kBitsPadding), scope_, out);
 }
 
-const traces::TileWork* KeptTiles::next() {
+void KeptProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& /*tracer*/, bool /*record*/,
+                           kernels::TileResult& out) const {
   if (interrupted()) throw Interrupted{};
-  if (next_ == work_.tiles()) return nullptr;
-  if (spare_.empty()) spare_.push_back(std::make_unique<traces::TileWork>());
-  work_.read(next_++, decoder_, *spare_.back());
-  handed_.push_back(std::move(spare_.back()));
-  spare_.pop_back();
-  return handed_.back().get();
-}
-
-void KeptTiles::give_back(const traces::TileWork* work) {
-  const auto at = std::ranges::find(handed_, work, &Tile::get);
-  spare_.push_back(std::move(*at));
-  handed_.erase(at);
-  finished_();
+  work_.read(tile_index, decoder_, out.work);
+  on_tile_();
 }
 
 }  // namespace tools

@@ -1,12 +1,14 @@
 #pragma once
 #include <cstdint>
 #include <functional>
-#include <memory>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "hw_models/frame/tile_dispatcher.h"
+#include "shader_kernels/programs/wavefront/frame_program.h"
 #include "traces/trace_file/tile_code.h"
+#include "traces/tracer.h"
 
 namespace tools {
 
@@ -33,23 +35,32 @@ class KeptWork {
   std::vector<std::string> tiles_;
 };
 
-/// Kept work on its way to one machine. Interrupted from next() after an interrupt by the user.
-class KeptTiles final : public hw::TileSource {
+/// Kept work in place of a frame program: tiles are decoded, not rendered, for a front end without workers. Interrupted
+/// after an interrupt by the user.
+class KeptProgram final : public kernels::FrameProgram {
  public:
-  /// `finished` is called for each tile that the machine has finished.
-  KeptTiles(const KeptWork& work, std::function<void()> finished) : work_(work), finished_(std::move(finished)) {}
+  /// `on_tile` is called for each tile that has been decoded.
+  KeptProgram(const KeptWork& work, const kernels::FrameRequirements& requirements, std::function<void()> on_tile)
+      : FrameProgram(0, 0), work_(work), requirements_(requirements), on_tile_(std::move(on_tile)) {}
 
-  const traces::TileWork* next() override;
-  void give_back(const traces::TileWork* work) override;
+  std::uint32_t tiles() const override { return work_.tiles(); }
+  kernels::FrameRequirements requirements() const override { return requirements_; }
+  void run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
+                kernels::TileResult& out) const override;
+  void keep(const kernels::TileResult& /*tile*/) override {}
 
  private:
-  using Tile = std::unique_ptr<traces::TileWork>;
-
   const KeptWork& work_;
-  const std::function<void()> finished_;
-  traces::TileDecoder decoder_;
-  std::uint32_t next_ = 0;
-  std::vector<Tile> handed_, spare_;  ///< out in the machine; to be used again
+  const kernels::FrameRequirements requirements_;
+  const std::function<void()> on_tile_;
+  mutable traces::TileDecoder decoder_;
+};
+
+/// The tracer of work that is not rendered.
+class NoTracer final : public traces::Tracer {
+ public:
+  void trace(std::span<const traces::Ray> /*rays*/, traces::RayKind /*kind*/, std::span<traces::Hit> /*hits*/,
+             traces::WalkSink* /*walk*/) const override {}
 };
 
 }  // namespace tools

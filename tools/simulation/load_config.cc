@@ -56,7 +56,8 @@ void check_scene_name(const std::string& name) {
   for (const char* extension : {".glb", ".gltf"}) {
     std::error_code failed;
     if (!std::filesystem::exists(name + extension, failed)) continue;
-    throw sim::InputError(fmt::format("no scene is called '{0}'; allowed: --scene {0}{1}", sim::printable(name), extension));
+    throw sim::InputError(
+        fmt::format("no scene is called '{0}'; allowed: --scene {0}{1}", sim::printable(name), extension));
   }
   if (path.has_extension()) {
     throw sim::InputError(

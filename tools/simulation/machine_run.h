@@ -18,7 +18,8 @@ std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const RunConfig& config,
                                   const hw::Perturbation& perturbation = {}, const hw::Watchers& watchers = {},
                                   std::shared_ptr<const hw::ScheduledKernels> scheduled = nullptr);
 
-/// InputError for a figure of energy or area that its units call for and the configuration lacks, or the other way round.
+/// InputError for a figure of energy or area that its units call for and the configuration lacks, or the other way
+/// round.
 void check_figures(const hw::Gpu& gpu, const RunConfig& config);
 
 /// Plays all tiles, or until the machine is stopped. sim::Deadlock if the machine is stuck.

@@ -32,7 +32,9 @@ class Plays {
 
  private:
   void play_one(std::size_t i) {
-    KeptTiles tiles(work_, [&] { tile_done(); });
+    KeptProgram program(work_, requirements_, [&] { tile_done(); });
+    const NoTracer no_tracer;
+    FrontEnd tiles(program, no_tracer, 0);
     const RunConfig& config = plays_[i].config;
     const auto gpu = make_gpu(inputs_, config, requirements_, tiles, plays_[i].perturbation, {}, plays_[i].scheduled);
     run_to_end(*gpu);

@@ -13,10 +13,10 @@
 #include "tools/host/interrupt.h"
 #include "tools/simulation/kept_work.h"
 #include "tools/simulation/machine_run.h"
-#include "tools/simulation/progress_tile_source.h"
 #include "tools/simulation/recorded.h"
 #include "tools/simulation/replay_program.h"
 #include "tools/simulation/replicates.h"
+#include "tools/simulation/run_tiles.h"
 #include "traces/accel/build.h"
 #include "traces/accel/bvh_info.h"
 #include "traces/accel/bvh_tracer.h"
@@ -28,44 +28,23 @@
 namespace tools {
 namespace {
 
-/// Writes the work of a frame into a trace while it goes by, and keeps it for replicates; with neither it just goes
-/// by.
-class Recording final : public hw::TileSource {
- public:
-  Recording(hw::TileSource& source, const Inputs& inputs, const kernels::FrameRequirements& requirements,
-            const Extras& extras, const kernels::FrameProgram& frame)
-      : source_(source), trace_(extras.trace) {
-    if (extras.replicates > 1) {
-      traces::TileScope scope{traces::links_of(inputs.image), traces::counts_of(inputs.image), 0,
-                              requirements.region_bytes, requirements.raster};
-      if (const traces::TileScope* recorded = scope_of(frame)) scope = *recorded;
-      scope.kernels = static_cast<std::uint32_t>(kernels::catalogue().size());
-      scope.tile_bytes = traces::most_tile_bytes(requirements);
-      kept_.emplace(std::move(scope), inputs.config.limits.memory.bytes, extras.kept_for);
-    }
-    if (trace_ == nullptr) return;
-    trace_->begin_part({inputs.frame, extras.reference}, traces::links_of(inputs.image),
-                       traces::counts_of(inputs.image), requirements);
-  }
-  const traces::TileWork* next() override {
-    const traces::TileWork* work = source_.next();
-    if (trace_ != nullptr && work != nullptr) trace_->add(*work);
-    if (kept_ && work != nullptr) kept_->add(*work);
-    return work;
-  }
-  void give_back(const traces::TileWork* work) override { source_.give_back(work); }
-  /// Call once, when the last tile has gone by.
-  void finish(const FrontEnd::Result& result) {
-    if (trace_ != nullptr) trace_->end_part(recorded_result(result));
-  }
-  /// All work that went by, if there are to be replicates.
-  const KeptWork& kept() const { return *kept_; }
+/// An empty record of the frame's work. `kept_for` names who wants it in errors.
+KeptWork work_to_keep(const Inputs& inputs, const kernels::FrameRequirements& requirements,
+                      const kernels::FrameProgram& frame, const char* kept_for) {
+  traces::TileScope scope{traces::links_of(inputs.image), traces::counts_of(inputs.image), 0, requirements.region_bytes,
+                          requirements.raster};
+  if (const traces::TileScope* recorded = scope_of(frame)) scope = *recorded;
+  scope.kernels = static_cast<std::uint32_t>(kernels::catalogue().size());
+  scope.tile_bytes = traces::most_tile_bytes(requirements);
+  return {std::move(scope), inputs.config.limits.memory.bytes, kept_for};
+}
 
- private:
-  hw::TileSource& source_;
-  traces::TraceWriter* const trace_;
-  std::optional<KeptWork> kept_;
-};
+/// Begins the part of the trace that the frame's work goes to, if there is a trace.
+void begin_part(const Inputs& inputs, const kernels::FrameRequirements& requirements, const Extras& extras) {
+  if (extras.trace == nullptr) return;
+  extras.trace->begin_part({inputs.frame, extras.reference}, traces::links_of(inputs.image),
+                           traces::counts_of(inputs.image), requirements);
+}
 
 /// The picture to render.
 kernels::RenderConfig render_of(const Inputs& inputs, bool is_reference) {
@@ -129,7 +108,8 @@ Inputs load_inputs(const RunConfig& config, std::uint32_t threads, Progress* pro
   in.scene_sha256 = scene.sha256;
   in.warnings = scene.warnings;
   if (in.frames() > 1 && scene.tracks.empty() && in.config.scene.camera_path == traces::CameraPath::kScene) {
-    in.warnings.emplace_back("all frames are equal: the scene has no animation; scene.camera_path=orbit moves the camera");
+    in.warnings.emplace_back(
+        "all frames are equal: the scene has no animation; scene.camera_path=orbit moves the camera");
   }
   phase("building the tree");
   in.image =
@@ -207,21 +187,26 @@ Simulation play(const Inputs& inputs, const kernels::ProgramSpec& program, kerne
                 const traces::Tracer& tracer, std::uint32_t threads, const Extras& extras) {
   const sim::HostClock::time_point begin = sim::HostClock::now();
   FrontEnd front_end(frame, tracer, host_threads(threads) - 1, true, {}, extras.itemised);
-  ProgressTileSource offered(front_end, frame.tiles(), extras.progress, extras.keep_part);
+  RunTiles tiles(front_end, frame.tiles(), extras.progress, extras.keep_part);
   const kernels::FrameRequirements requirements = frame.requirements();
-  Recording tiles(offered, inputs, requirements, extras, frame);
+  std::optional<KeptWork> kept;
+  if (extras.replicates > 1) kept.emplace(work_to_keep(inputs, requirements, frame, extras.kept_for));
+  begin_part(inputs, requirements, extras);
+  tiles.record_to(extras.trace, kept ? &*kept : nullptr);
   hw::TileBook book(extras.itemised ? frame.tiles() : 0);
   hw::Watchers watchers = extras.watchers;
   if (extras.itemised) watchers.book = &book;
   const std::unique_ptr<hw::Gpu> gpu = make_gpu(inputs, requirements, tiles, {}, watchers);
   check_figures(*gpu, inputs.config);  // what is missing is told before the work, not after it
   if (extras.intervals != nullptr) gpu->machine().record(*extras.intervals);
-  offered.begin("simulating", inputs.frame);
-  offered.played_by(*gpu);
+  tiles.begin("simulating", inputs.frame);
+  tiles.played_by(*gpu);
   if (extras.watcher != nullptr) extras.watcher->begin(gpu->report(), extras.intervals);
-  offered.watched_by(extras.watcher);
+  tiles.watched_by(extras.watcher);
   run_to_end(*gpu);
-  if (offered.finished() == frame.tiles()) tiles.finish(front_end.result());
+  if (extras.trace != nullptr && tiles.finished() == frame.tiles()) {
+    extras.trace->end_part(recorded_result(front_end.result()));
+  }
 
   Simulation s;
   s.program = program;
@@ -232,11 +217,11 @@ Simulation play(const Inputs& inputs, const kernels::ProgramSpec& program, kerne
   s.rest = book.rest();
   s.wall_seconds = sim::seconds_since(begin);
   s.tiles = frame.tiles();
-  s.finished_tiles = offered.finished();
+  s.finished_tiles = tiles.finished();
   if (extras.replicates == 1 || s.is_part()) return s;
   try {
-    s.replicates = play_replicates(inputs, requirements, tiles.kept(), s, *gpu, extras.replicates - 1,
-                                   host_threads(threads), extras.progress);
+    s.replicates = play_replicates(inputs, requirements, *kept, s, *gpu, extras.replicates - 1, host_threads(threads),
+                                   extras.progress);
     s.replicate_seconds = sim::seconds_since(begin) - s.wall_seconds;
   } catch (const Interrupted&) {
     if (!extras.keep_part) throw;
@@ -251,10 +236,11 @@ std::vector<Simulation> simulate_on(const Inputs& inputs, const kernels::Program
   const traces::BvhTracer tracer(inputs.image);
   FrontEnd front_end(*made.frame, tracer, host_threads(threads));
   if (progress != nullptr) progress->expect(static_cast<std::uint32_t>(configs.size()) + 1);
-  ProgressTileSource offered(front_end, made.frame->tiles(), progress, false);
+  RunTiles tiles(front_end, made.frame->tiles(), progress);
   const kernels::FrameRequirements requirements = made.frame->requirements();
-  Recording tiles(offered, inputs, requirements, {.replicates = 2, .kept_for = kept_for}, *made.frame);
-  offered.begin("rendering", inputs.frame);
+  KeptWork kept = work_to_keep(inputs, requirements, *made.frame, kept_for);
+  tiles.record_to(nullptr, &kept);
+  tiles.begin("rendering", inputs.frame);
   while (const traces::TileWork* work = tiles.next()) tiles.give_back(work);
   Simulation plain;
   plain.program = program;
@@ -262,18 +248,19 @@ std::vector<Simulation> simulate_on(const Inputs& inputs, const kernels::Program
   plain.tiles = plain.finished_tiles = made.frame->tiles();
   std::vector<Play> plays;
   for (const RunConfig& config : configs) plays.push_back({config, {}, {}});
-  return play_kept(inputs, requirements, tiles.kept(), plain, plays, "simulating", threads, progress);
+  return play_kept(inputs, requirements, kept, plain, plays, "simulating", threads, progress);
 }
 
 FrontEnd::Result render(const Inputs& inputs, const kernels::ProgramSpec& program, const traces::Tracer& tracer,
                         std::uint32_t threads, const Extras& extras) {
   const Program made(inputs, program, extras);
   FrontEnd front_end(*made.frame, tracer, host_threads(threads), extras.trace != nullptr);
-  ProgressTileSource offered(front_end, made.frame->tiles(), extras.progress, extras.keep_part);
-  Recording tiles(offered, inputs, made.frame->requirements(), extras, *made.frame);
-  offered.begin("rendering", inputs.frame);
+  RunTiles tiles(front_end, made.frame->tiles(), extras.progress);
+  begin_part(inputs, made.frame->requirements(), extras);
+  tiles.record_to(extras.trace, nullptr);
+  tiles.begin("rendering", inputs.frame);
   while (const traces::TileWork* work = tiles.next()) tiles.give_back(work);
-  tiles.finish(front_end.result());
+  if (extras.trace != nullptr) extras.trace->end_part(recorded_result(front_end.result()));
   if (extras.rates != nullptr) extras.rates->advance(front_end.result().sampling);
   return front_end.result();
 }

@@ -73,7 +73,9 @@ TEST(KeptWork, IsTheWorkThatWasRecordedToTheLastCounter) {
   for (const traces::TileWork& work : frame.record()) kept.add(work);
   EXPECT_EQ(kept.tiles(), frame.program().tiles());
   std::uint32_t finished = 0;
-  KeptTiles tiles(kept, [&] { finished += 1; });
+  KeptProgram program(kept, frame.workload().needs, [&] { finished += 1; });
+  const NoTracer no_tracer;
+  FrontEnd tiles(program, no_tracer, 0);
   const hw::GpuConfig config;
   EXPECT_EQ(difference(hw::test::play(frame, tiles, config, {}), hw::test::play(frame, config)), "");
   EXPECT_EQ(finished, kept.tiles());

@@ -3,8 +3,13 @@
 
 #include "hw_models/machines/gpu.h"
 #include "tools/host/progress.h"
-#include "tools/simulation/front_end.h"
 #include "tools/host/run_watcher.h"
+#include "tools/simulation/front_end.h"
+#include "tools/simulation/kept_work.h"
+
+namespace traces {
+class TraceWriter;
+}
 
 namespace tools {
 
@@ -18,16 +23,18 @@ struct FormerTiles {
   }
 };
 
-/// The tiles of a frame on their way to the machine that plays them. Reports progress. After an interrupt by the user
-/// it throws Interrupted or, if the finished part is to be kept, ends the list: the machine finishes the tiles it has.
-class ProgressTileSource final : public hw::TileSource {
+/// Tiles of a frame from the front end to the machine. Reports progress and records their work. After an interrupt it
+/// throws Interrupted or, if the finished part is kept, ends the list: the machine finishes the tiles that it has.
+class RunTiles final : public hw::TileSource {
  public:
   /// `tiles`: how many there are. With `former` they follow those, and are added to them; the part that `progress` is
   /// told of goes on until its end().
-  ProgressTileSource(FrontEnd& front_end, std::uint32_t tiles, Progress* progress, bool keep_part = false,
-                     FormerTiles* former = nullptr)
+  RunTiles(FrontEnd& front_end, std::uint32_t tiles, Progress* progress, bool keep_part = false,
+           FormerTiles* former = nullptr)
       : front_end_(front_end), tiles_(tiles), progress_(progress), keep_part_(keep_part), former_(former) {}
 
+  /// Also writes the work of each tile there; either may be null.
+  void record_to(traces::TraceWriter* trace, KeptWork* kept) { trace_ = trace, kept_ = kept; }
   void begin(const char* phase, std::uint32_t frame) const;
   void played_by(const hw::Gpu& gpu) { gpu_ = &gpu; }
   void watched_by(RunWatcher* watcher) { watcher_ = watcher; }
@@ -43,6 +50,8 @@ class ProgressTileSource final : public hw::TileSource {
   FormerTiles* const former_;
   const hw::Gpu* gpu_ = nullptr;
   RunWatcher* watcher_ = nullptr;
+  traces::TraceWriter* trace_ = nullptr;
+  KeptWork* kept_ = nullptr;
   std::uint32_t finished_ = 0;
 };
 

@@ -1,21 +1,27 @@
-#include "tools/simulation/progress_tile_source.h"
+#include "tools/simulation/run_tiles.h"
 
 #include "tools/host/interrupt.h"
+#include "traces/trace_file/trace_writer.h"
 
 namespace tools {
 
-void ProgressTileSource::begin(const char* phase, std::uint32_t frame) const {
+void RunTiles::begin(const char* phase, std::uint32_t frame) const {
   if (progress_ != nullptr) progress_->begin_part(phase, frame, tiles_ + (former_ != nullptr ? former_->tiles : 0));
 }
 
-const traces::TileWork* ProgressTileSource::next() {
-  if (!interrupted()) return front_end_.next();
-  if (!keep_part_ || finished_ == 0) throw Interrupted{};
-  front_end_.keep_picture();
-  return nullptr;
+const traces::TileWork* RunTiles::next() {
+  if (interrupted()) {
+    if (!keep_part_ || finished_ == 0) throw Interrupted{};
+    front_end_.keep_picture();
+    return nullptr;
+  }
+  const traces::TileWork* work = front_end_.next();
+  if (trace_ != nullptr && work != nullptr) trace_->add(*work);
+  if (kept_ != nullptr && work != nullptr) kept_->add(*work);
+  return work;
 }
 
-void ProgressTileSource::give_back(const traces::TileWork* work) {
+void RunTiles::give_back(const traces::TileWork* work) {
   front_end_.give_back(work);
   finished_ += 1;
   if (watcher_ != nullptr && watcher_->wants()) watcher_->note(front_end_.picture());

@@ -1,15 +1,20 @@
-#include "tools/sampling/sampled_tiles.h"
+#include "tools/sampling/timed_tiles.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "sim/host_clock.h"
 
 namespace tools {
 
-const traces::TileWork* SampledTiles::next() {
+TimedTiles::TimedTiles(hw::TileSource& source, std::vector<TimedBlock> blocks, std::vector<std::uint32_t> marked,
+                       std::optional<std::uint32_t> stop_at)
+    : source_(source), blocks_(std::move(blocks)), marked_(std::move(marked)), stop_at_(stop_at) {}
+
+const traces::TileWork* TimedTiles::next() {
   while (block_ < blocks_.size()) {
     const TimedBlock& block = blocks_[block_];
-    const traces::TileWork* work = source_.next();
+    const traces::TileWork* work = take();
     if (work == nullptr) return nullptr;
     if (work->tile >= block.first) {
       if (work->tile + 1 == block.end) block_ += 1;
@@ -22,16 +27,23 @@ const traces::TileWork* SampledTiles::next() {
       source_.give_back(work);
     }
   }
-  while (const traces::TileWork* work = source_.next()) source_.give_back(work);
+  while (const traces::TileWork* work = take()) source_.give_back(work);
   return nullptr;
 }
 
-void SampledTiles::give_back(const traces::TileWork* work) {
+const traces::TileWork* TimedTiles::take() {
+  const double begin = sim::thread_seconds();
+  const traces::TileWork* work = source_.next();
+  making_seconds_ += sim::thread_seconds() - begin;
+  return work;
+}
+
+void TimedTiles::give_back(const traces::TileWork* work) {
   back_.push_back(work->tile);
   source_.give_back(work);
 }
 
-void SampledTiles::dispatched(sim::Time now) {
+void TimedTiles::dispatched(sim::Time now) {
   const std::uint32_t tile = waiting_.back();
   waiting_.pop_back();
   for (const std::uint32_t ended : back_) {
@@ -39,21 +51,16 @@ void SampledTiles::dispatched(sim::Time now) {
   }
   back_.clear();
   if (tile >= blocks_[dispatched_block_].end) dispatched_block_ += 1;
-  const TimedBlock& block = blocks_[dispatched_block_];
-  if (tile == block.first) {
-    if (dispatched_block_ != 0) mark(now);
-    warm();
+  if (std::ranges::binary_search(marked_, tile)) {
+    gpu_->bring_up_to(now);
+    marks_.push_back({tile, now, gpu_->report(), gpu_->kernel_use()});
   }
-  if (tile == block.measured) mark(now);
+  if (tile == blocks_[dispatched_block_].first) warm();
   played_.push_back({tile, now, now});
+  if (stop_at_ == tile) gpu_->stop();
 }
 
-void SampledTiles::mark(sim::Time now) {
-  gpu_->bring_up_to(now);
-  marks_.push_back({now, gpu_->report(), gpu_->kernel_use()});
-}
-
-void SampledTiles::warm() {
+void TimedTiles::warm() {
   const sim::HostClock::time_point begin = sim::HostClock::now();
   std::uint32_t core = 0;
   for (const traces::TileWork* work : for_warming_) {
@@ -66,11 +73,12 @@ void SampledTiles::warm() {
   warming_seconds_ += sim::seconds_since(begin);
 }
 
-void SampledTiles::finish() {
+void TimedTiles::finish() {
   for (Played& tile : played_) {
     if (tile.end == tile.begin) tile.end = gpu_->elapsed();
   }
-  mark(gpu_->elapsed());
 }
+
+const Mark& TimedTiles::at(std::uint32_t tile) const { return *std::ranges::find(marks_, tile, &Mark::tile); }
 
 }  // namespace tools
