@@ -1,38 +1,56 @@
+#include "sim/config/dump.h"
+
 #include <algorithm>
 #include <string>
 
 #include <fmt/format.h>
 
-#include "sim/config/describe.h"
 #include "sim/config/value.h"
 #include "sim/sha256.h"
 
 namespace sim {
 namespace {
 
-/// Value of a field in a configuration file. Quoted if YAML 1.1 readers such as PyYAML would read a boolean.
+/// Numbers such as 1e-05 as 1.0e-05: YAML 1.1 readers such as PyYAML take a number without a point for a text.
+std::string with_points(const std::string& text) {
+  std::string out;
+  bool is_whole = false;  // the number so far, digits without a point
+  for (const char c : text) {
+    if (c == 'e' && is_whole) out += ".0";
+    const bool begins = out.empty() || out.back() == ' ' || out.back() == '-';
+    is_whole = c >= '0' && c <= '9' && (is_whole || begins);
+    out += c;
+  }
+  return out;
+}
+
+/// Value of a field in a configuration file. Quoted if YAML 1.1 readers would read a boolean.
 std::string yaml_value(const ConfigNode& field) {
   const std::string text = value_text(field);
-  const bool reads_as_boolean = field.kind() == FieldKind::kEnum && boolean_of_word(text).has_value();
-  return reads_as_boolean ? double_quoted(text) : text;
+  const FieldKind kind = field.kind();
+  if (kind == FieldKind::kDouble || kind == FieldKind::kSpread) return with_points(text);
+  return kind == FieldKind::kEnum && boolean_of_word(text) ? double_quoted(text) : text;
 }
 
 class Dump {
  public:
   Dump(Comments comments, std::optional<Affects> only) : comments_(comments), only_(only) {}
 
-  void group(const ConfigNode& group, std::size_t depth) {
-    for (const ConfigNode& node : group.children) {
+  void group(const ConfigNode& parent, std::size_t depth) {
+    for (const ConfigNode& node : parent.children) {
       if (!wanted(node)) continue;
-      if (node.is_group()) {
-        line(depth, node.key + ":", node.meaning);
-        this->group(node, depth + 1);
-      } else if (node.kind() == FieldKind::kSpreadMap) {
-        map(node, depth);
-      } else {
-        // A hash is of the plain text, so that it does not depend on how a file quotes.
-        line(depth, node.key + ": " + (comments_ == Comments::kOn ? yaml_value(node) : value_text(node)), comment(node));
-      }
+      this->node(node, depth);
+      group(node, depth + 1);
+    }
+  }
+  void node(const ConfigNode& node, std::size_t depth) {
+    if (node.is_group()) {
+      line(depth, node.key + ":", node.meaning);
+    } else if (node.kind() == FieldKind::kSpreadMap) {
+      map(node, depth);
+    } else {
+      // A hash is of the plain text, so that it does not depend on how a file quotes.
+      line(depth, node.key + ": " + (comments_ == Comments::kOn ? yaml_value(node) : value_text(node)), comment(node));
     }
   }
   std::string text() && { return std::move(text_); }
@@ -56,7 +74,8 @@ class Dump {
     const auto& spreads = *std::get<std::map<std::string, Spread>*>(*node.target);
     line(depth, node.key + (spreads.empty() ? ": {}" : ":"), comment(node));
     for (const auto& [name, spread] : spreads) {
-      line(depth + 1, fmt::format("{}: {}", key_text(name), spread_text(spread)), {});
+      const std::string text = spread_text(spread);
+      line(depth + 1, fmt::format("{}: {}", key_text(name), comments_ == Comments::kOn ? with_points(text) : text), {});
     }
   }
   void line(std::size_t depth, std::string_view content, std::string_view remark) {
@@ -75,6 +94,12 @@ class Dump {
 std::string dump_tree(const ConfigNode& root, Comments comments, std::optional<Affects> only) {
   Dump dump(comments, only);
   dump.group(root, 0);
+  return std::move(dump).text();
+}
+
+std::string dump_node(const ConfigNode& node, std::size_t depth, Comments comments) {
+  Dump dump(comments, {});
+  dump.node(node, depth);
   return std::move(dump).text();
 }
 

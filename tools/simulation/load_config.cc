@@ -13,6 +13,7 @@
 #include "sim/error.h"
 #include "sim/io/printable.h"
 #include "tools/host/paths.h"
+#include "tools/simulation/config_variants.h"
 #include "tools/simulation/power.h"
 #include "traces/scene/did_you_mean.h"
 #include "traces/scenes/library.h"
@@ -86,7 +87,9 @@ void load_base(sim::ConfigLoader& loader, RunConfig& config, const std::string& 
   }
 }
 
-void apply_rest(sim::ConfigLoader& loader, const sim::ConfigNode& tree, RunConfig& config, const JobOptions& options) {
+/// `origin` is where the configuration comes from.
+void apply_rest(sim::ConfigLoader& loader, const sim::ConfigNode& tree, RunConfig& config, const JobOptions& options,
+                const std::string& origin) {
   for (const std::string& argument : options.sets) loader.apply_set(argument);
   if (!options.scene.empty() && !find_workload(options.scene)) {
     check_scene_name(options.scene);
@@ -104,7 +107,6 @@ void apply_rest(sim::ConfigLoader& loader, const sim::ConfigNode& tree, RunConfi
     config.render.width = r.width;
     config.render.height = r.height;
   }
-  const std::string origin = find_config(options.config).string();
   set_hit_cycles(config);
   sim::check_tree(tree, origin);
   check_energy_figures(config, origin);
@@ -156,7 +158,7 @@ RunConfig load_run_config(const JobOptions& options) {
   sim::ConfigNode tree = sim::config_tree(config);
   sim::ConfigLoader loader(tree);
   load_base(loader, config, options.config, options.scene);
-  apply_rest(loader, tree, config, options);
+  apply_rest(loader, tree, config, options, find_config(options.config).string());
   return config;
 }
 
@@ -168,11 +170,19 @@ RunConfig load_base_config(const std::string& name, const std::string& scene) {
   return config;
 }
 
-RunConfig apply_options(RunConfig config, const JobOptions& options) {
-  sim::ConfigNode tree = sim::config_tree(config);
-  sim::ConfigLoader loader(tree);
-  apply_rest(loader, tree, config, options);
-  return config;
+ConfigVariants::ConfigVariants(RunConfig base, std::string origin)
+    : base_(std::move(base)),
+      config_(base_),
+      origin_(std::move(origin)),
+      base_tree_(sim::config_tree(base_)),
+      tree_(sim::config_tree(config_)),
+      variant_(base_tree_, tree_) {}
+
+const RunConfig& ConfigVariants::apply(const JobOptions& options) {
+  variant_.reset();
+  sim::ConfigLoader loader(tree_);
+  apply_rest(loader, tree_, config_, options, origin_);
+  return config_;
 }
 
 std::vector<std::string> idle_settings(const JobOptions& options, const RunConfig& config) {

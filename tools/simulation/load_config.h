@@ -56,11 +56,9 @@ std::vector<std::string> idle_settings(const JobOptions& options, const RunConfi
 /// InputError for a name that no scene or workload has and that is no file's.
 void check_scene(const std::string& name);
 
-// Its steps, for callers that load many configurations that differ little.
+// Its first step; config_variants.h has the others.
 /// The file, then the workload, if `scene` names one. Not checked yet.
 RunConfig load_base_config(const std::string& config, const std::string& scene);
-/// Applies the other options to that, and checks the result.
-RunConfig apply_options(RunConfig base, const JobOptions& options);
 
 // Its last steps, for configurations that come from elsewhere.
 void apply_ideal(RunConfig& config, const std::vector<std::string>& resources);

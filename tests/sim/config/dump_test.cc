@@ -33,6 +33,21 @@ TEST(DumpConfig, LoadsBackToTheSameConfigurationAndTheSameDump) {
   }
 }
 
+TEST(DumpConfig, GivesNumbersAPointThatYaml11ReadersNeed) {
+  MachineConfig c;
+  c.threshold = 1e-05;
+  c.refresh = {1e-9, 2.5e-7, 1e22};
+  c.events = {{"step", {3e-7, 3e-7, 3e-7}}};
+  const std::string dump = dump_config(c);
+  for (const char* line :
+       {"threshold: 1.0e-05  #", "refresh: {low: 1.0e-09, nominal: 2.5e-07, high: 1.0e+22}  #", "  step: 3.0e-07\n"}) {
+    EXPECT_NE(dump.find(line), std::string::npos) << dump;
+  }
+  const ConfigNode tree = config_tree(c);
+  EXPECT_NE(dump_tree(tree, Comments::kOff).find("threshold: 1e-05\n"), std::string::npos)
+      << "hashes stay as they were";
+}
+
 TEST(DumpConfig, ShowsEveryFieldWithUnitAndMeaning) {
   MachineConfig c;
   c.events["tni.box_test"] = {1, 2, 3};

@@ -86,7 +86,7 @@ Fate PointComputer::compute(const Point& point, const Order& order) try {
   try {
     if (!point.error.empty()) throw sim::InputError(point.error);
     const RunConfig config = keys_.config_of(point);
-    const PointKeys::Key key = keys_.key_of(point, config);
+    const PointKeys::Key key = keys_.key_of(point);
     if (key.id != (point.slice != 0 ? point.whole : point.id)) refuse_changed(point);
     if (const std::optional<Failure> failure = complete(point, order)) {
       store_.put_failure(*failure);

@@ -1,6 +1,5 @@
 #include "tools/studies/sweep/spec/point_keys.h"
 
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -27,13 +26,20 @@ bool can_share(const Point& point) { return point.tile_sampling.empty() && !poin
 
 }  // namespace
 
-RunConfig PointKeys::config_of(const Point& point) {
-  auto base = bases_.find({point.config, point.scene});
+const ConfigVariants& PointKeys::apply(const Point& point) {
+  const std::pair key(point.config, point.scene);
+  auto base = bases_.find(key);
   if (base == bases_.end()) {
-    base = bases_.emplace(std::pair{point.config, point.scene}, load_base_config(point.config, point.scene)).first;
+    RunConfig config = load_base_config(point.config, point.scene);
+    base = bases_.try_emplace(key, std::move(config), sim::find_config(point.config).string()).first;
   }
-  return apply_options(base->second, point.options());
+  base->second.apply(point.options());
+  return base->second;
 }
+
+const RunConfig& PointKeys::config_of(const Point& point) { return apply(point).config(); }
+
+PointKeys::Key PointKeys::key_of(const Point& point) { return make_key(point, apply(point)); }
 
 std::string PointKeys::scene_digest(const RunConfig& config) {
   const std::filesystem::path file = traces::scene_file(config.scene.name);
@@ -49,19 +55,18 @@ std::string PointKeys::scene_digest(const RunConfig& config) {
   return digest->second;
 }
 
-PointKeys::Key PointKeys::key_of(const Point& point, RunConfig config) {
-  const sim::ConfigNode tree = sim::config_tree(config);  // once for both hashes: sweeps have thousands of points
+PointKeys::Key PointKeys::make_key(const Point& point, const ConfigVariants& applied) {
   const BuildInfo build = build_info();
   const std::string program = kernels::parse_program(point.program).name();
   const std::string reference = point.reference.empty() ? "" : kernels::parse_program(point.reference).name();
   Json work = {{"model_id", build.model_id},
-               {"scene_sha256", scene_digest(config)},
+               {"scene_sha256", scene_digest(applied.config())},
                {"program", program},
                {"reference", reference}};
   Key key;
   key.made_of = {{"schema", "raywatt-point/1"},
                  {"report_id", build.report_id},
-                 {"config_hash", sim::hash_tree(tree, {})},
+                 {"config_hash", applied.hash({})},
                  {"tile_sampling", point.tile_sampling},
                  {"image", point.image},
                  {"replicates", point.replicates},
@@ -69,7 +74,7 @@ PointKeys::Key PointKeys::key_of(const Point& point, RunConfig config) {
   key.made_of.update(work);
   key.id = sim::sha256_hex(sim::json_line(key.made_of));
   if (can_share(point)) {
-    work["function_hash"] = sim::hash_tree(tree, sim::Affects::kFunction);
+    work["function_hash"] = applied.hash(sim::Affects::kFunction);
     key.stream = sim::sha256_hex(sim::json_line(work));
   }
   return key;
@@ -78,10 +83,10 @@ PointKeys::Key PointKeys::key_of(const Point& point, RunConfig config) {
 void PointKeys::set_key(Point& point) {
   point.stream.clear();
   point.error.clear();
-  std::optional<RunConfig> config;
+  const ConfigVariants* applied = nullptr;
   try {
-    config = config_of(point);
-    if (point.slices != 0) tools::slices_of(*config, kernels::parse_program(point.program), point.slices);
+    applied = &apply(point);
+    if (point.slices != 0) tools::slices_of(applied->config(), kernels::parse_program(point.program), point.slices);
   } catch (const sim::InputError& error) {
     point.error = error.what();
     point.id.clear();
@@ -90,7 +95,7 @@ void PointKeys::set_key(Point& point) {
     point.n = n;
     return;
   }
-  Key key = key_of(point, std::move(*config));
+  Key key = make_key(point, *applied);
   point.id = std::move(key.id);
   point.stream = std::move(key.stream);
 }
