@@ -78,7 +78,10 @@ void run_frames(const JobOptions& options) {
   timeline.check(inputs, plan.program);
   tell_warnings(inputs.warnings, &progress);
   if (plan.sampling() == nullptr) {
-    tell_long(estimated_host_seconds(inputs, plan.program) * inputs.frames(),
+    const Plays plays{options.threads, frames.replicates(), frames.slices()};
+    double frame = estimated_seconds(inputs, plan.program, plays);
+    if (frames.has_reference()) frame += estimated_seconds(inputs, *plan.whole()->reference, plays);
+    tell_long(inputs.load_seconds + frame * inputs.frames(),
               "a smaller --resolution, fewer --frames or --tile-sampling take less", progress);
   }
   progress.expect(inputs.frames() * (frames.has_reference() ? 2 : 1) * frames.replicates());

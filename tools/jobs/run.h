@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -51,6 +52,8 @@ class RenderedFrames final : public PosedFrames {
  public:
   /// InputError if frames of this configuration cannot be cut into the plan's slices.
   RenderedFrames(Inputs& inputs, const RunPlan& plan, std::uint32_t threads, Progress* progress);
+  /// Slices that run side by side; 1 for a frame that is not cut.
+  std::uint32_t slices() const { return std::max(1U, slices_); }
   bool has_whole_frames() const override;
   bool has_reference() const override { return plan_.whole() != nullptr && plan_.whole()->reference; }
   std::uint32_t replicates() const override { return plan_.whole() != nullptr ? plan_.whole()->replicates : 1; }

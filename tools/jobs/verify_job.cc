@@ -103,9 +103,9 @@ struct Verification {
 
 /// Seconds of the host that this may take.
 double seconds_of(const Inputs& inputs, const JobOptions& options) {
-  constexpr double kOfMachine = 0.25;  // chosen: of what a machine takes; rays are traced three times, on all threads
-  const double seconds = kOfMachine * estimated_host_seconds(inputs, kernels::parse_program(options.program));
-  return seconds * inputs.frames() / host_threads(options.threads);
+  constexpr double kTimes = 2;  // chosen: rays are traced three times, and shaded once
+  const kernels::ProgramSpec spec = kernels::parse_program(options.program);
+  return inputs.load_seconds + estimated_functional_seconds(inputs, spec, kTimes, options.threads) * inputs.frames();
 }
 
 }  // namespace

@@ -8,16 +8,38 @@
 
 namespace tools {
 
-/// Seconds of the host that a machine may take for so many traversal steps: right within a factor of some.
-double host_seconds(double steps);
+/// Processor seconds of the host per traversal step of a frame.
+struct HostRate {
+  double functional = 0;  ///< to trace and shade it
+  double machine = 0;     ///< to play it on the machine
+};
+/// Rate of a usual scene on a usual host, where none is measured.
+inline constexpr HostRate kUsualRate{.functional = 12e-9, .machine = 100e-9};
 
-/// Seconds for the present frame, from a few rays all over the picture.
-double estimated_host_seconds(const Inputs& inputs, const kernels::ProgramSpec& spec);
+/// Plays of a frame's work.
+struct Plays {
+  std::uint32_t threads = 1;     ///< of the host; 0: all it has
+  std::uint32_t replicates = 1;  ///< plays of each frame
+  std::uint32_t slices = 1;      ///< machines that play a frame side by side
+};
 
-/// Seconds to record that frame on so many threads, without a machine.
-double estimated_recording_seconds(const Inputs& inputs, const kernels::ProgramSpec& spec, std::uint32_t threads);
+/// Returns the traversal steps of the present frame, scaled up from a thin picture.
+double estimated_steps(const Inputs& inputs, const kernels::ProgramSpec& spec);
 
-/// Says so before work that takes minutes; `less` tells how it takes less, or is empty.
+/// Renders and plays a few tiles, spread over the present frame, and returns the rate of this host.
+HostRate measured_rate(const Inputs& inputs, const kernels::ProgramSpec& spec);
+
+/// Returns the seconds of a frame with this number of steps.
+double frame_seconds(double steps, const HostRate& rate, const Plays& plays);
+
+/// Returns the seconds of the present frame. The rate is measured only where the frame may take minutes.
+double estimated_seconds(const Inputs& inputs, const kernels::ProgramSpec& spec, const Plays& plays);
+
+/// Returns the seconds to trace and shade the present frame `times` times, without a machine.
+double estimated_functional_seconds(const Inputs& inputs, const kernels::ProgramSpec& spec, double times,
+                                    std::uint32_t threads);
+
+/// Prints a hint before work that takes minutes; `less` says how it takes less, or is empty.
 void tell_long(double seconds, std::string_view less, Progress& progress);
 
 }  // namespace tools
