@@ -36,7 +36,8 @@ void collect_if_possible(const fs::path& sweep) {
   try {
     results::collect(sweep::SweepFolder::open(sweep));
   } catch (const sim::IoError& error) {
-    if (!fs::exists(sweep / "index.sqlite")) throw;
+    std::error_code failed;
+    if (!fs::exists(sweep / "index.sqlite", failed)) throw;
     tell("warning: {}; what follows is what was last collected", error.what());
   }
 }

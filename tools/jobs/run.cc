@@ -83,8 +83,7 @@ void play_frame(FrameSource& frames, const RunOptions& options, RunResult& out) 
       if (!may_be_part) throw;
     }
   }
-  const bool lacks_replicates = frame.replicates.size() + 1 < frames.replicates();
-  out.partial = frame.is_part() || lacks_replicates || (frames.has_reference() && !reference);
+  out.set_partial(frame, frames.replicates(), frames.has_reference() && !reference);
   const double error = reference ? frames.squared_error(frame, *reference) : 0;
   if (options.trace != nullptr && !out.partial) options.trace->end_frame(recorded_frame(inputs.frame, error));
   if (options.on_frame) {

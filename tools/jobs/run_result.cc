@@ -48,13 +48,20 @@ Result RunResult::totals() const {
   return {*total, reference ? &*reference : nullptr, squared_error / static_cast<double>(frames.size())};
 }
 
+void RunResult::set_partial(const Simulation& frame, std::uint32_t replicates, bool lacks_reference) {
+  const bool lacks_replicates = frame.replicates.size() + 1 < replicates;
+  lacks = fmt::format("{}{}{}", lacks_replicates ? "its replicates" : "",
+                      lacks_replicates && lacks_reference ? " and " : "", lacks_reference ? "its reference" : "");
+  partial = frame.is_part() || !lacks.empty();
+}
+
 std::string RunResult::kept(std::size_t all) const {
   if (total->is_part()) {
     return fmt::format("{} of {} tiles of frame {}", total->finished_tiles, total->tiles,
                        frames.front()["frame"].get<std::uint32_t>());
   }
   if (all > 1) return fmt::format("{} of {} frames", frames.size(), all);
-  return partial ? "the run without its reference" : "the whole run";
+  return lacks.empty() ? "the whole run" : "the run without " + lacks;
 }
 
 std::size_t frames_to_replace(const std::filesystem::path& file) {

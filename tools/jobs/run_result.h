@@ -19,12 +19,15 @@ struct RunResult {
   IntervalPacker intervals;
   sim::Json reference_frames = sim::Json::array();
   bool partial = false;
-  TileTable tiles;  ///< those of frames that were itemised
+  std::string lacks;  ///< parts that an interrupt has left out, in words: "its replicates"
+  TileTable tiles;    ///< those of frames that were itemised
 
   /// Adds a frame, and what it is compared with, if anything: `error` is their pictures' mean squared difference.
   void add(std::uint32_t number, Simulation frame, std::optional<Simulation> compared, double error,
            const sim::Intervals* over_time = nullptr);
   Result totals() const;
+  /// Sets `partial` and `lacks` by a frame that should have `replicates` plays and may lack its reference.
+  void set_partial(const Simulation& frame, std::uint32_t replicates, bool lacks_reference);
   /// Part that an interrupted run has kept, in words; `all` frames were wanted.
   std::string kept(std::size_t all) const;
 };

@@ -104,7 +104,8 @@ std::string tiles_text(const TileTable& table) {
 }
 
 TileTable load_tiles(const std::filesystem::path& file_or_folder) {
-  const bool is_folder = std::filesystem::is_directory(file_or_folder);
+  std::error_code failed;
+  const bool is_folder = std::filesystem::is_directory(file_or_folder, failed);
   const std::filesystem::path file = is_folder ? file_or_folder / kTilesFile : file_or_folder;
   const std::string name = sim::printable(file.string());
   TileTable table;

@@ -38,6 +38,23 @@ TEST(BadScene, AnEmptyFile) { expect_file_refused("empty.glb", "", {"empty"}); }
 
 TEST(BadScene, AFileThatIsNoGltf) { expect_file_refused("hello.gltf", "hello", {"line 1, column 1"}); }
 
+TEST(BadScene, APictureWithTheNameOfAScene) {
+  expect_file_refused("a.glb", "\x89PNG\r\n\x1a\n more",
+                      {"is a PNG picture, not a glTF scene; allowed: .glb and .gltf"});
+  expect_file_refused("a.gltf", "\xff\xd8\xff\xe0 more", {"is a JPEG picture, not a glTF scene"});
+}
+
+TEST(BadScene, AFileLargerThanTheLimitGetsTheLimitsKey) {
+  const TempFolder folder;
+  const std::string scene = folder.write("large.gltf", TinyGltf().text() + std::string(1 << 20, ' ')).string();
+  expect_refusal(
+      raywatt({"run", "--scene", scene, "--set", "limits.memory=1 MiB", "-o", (folder.path() / "o").string()}),
+      {scene, "bytes, more than limits.memory, 1 MiB; allowed: a larger one, e.g. --set limits.memory='8 GiB'"});
+  expect_refusal(
+      raywatt({"run", "--scene", scene, "--set", "limits.memory=2 MiB", "-o", (folder.path() / "o").string()}),
+      {scene, "more than is left of the limit of 2 MiB; allowed: a larger limits.memory"});
+}
+
 TEST(BadScene, AMissingTexture) {
   TinyGltf file;
   file.json["images"] = {{{"uri", "nowhere.png"}}};

@@ -231,6 +231,19 @@ TEST(Interrupt, InTheReferenceKeepsTheRun) {
   EXPECT_FALSE(report["totals"].contains("relative"));
 }
 
+TEST(Interrupt, InReplicatesKeepsTheRunAndSpeaksOfThem) {
+  const TempFolder folder;
+  const fs::path out = folder.path() / "out";
+  Program program({"run", "--resolution", "256x128", "--replicates", "100", "--threads", "1", "--progress", "json",
+                   "-o", out.string()});
+  EXPECT_TRUE(wait_for(program, "part", 1));
+  program.send(SIGINT);
+  const Ending ending = program.wait();
+  EXPECT_EQ(ending.exit, 128 + SIGINT);
+  EXPECT_SAYS(ending.err, "raywatt: interrupted; kept the run without its replicates in " + out.string() + "\n");
+  EXPECT_EQ(read_json(out / "report.json")["partial"], true);
+}
+
 TEST(Interrupt, OfAReplayKeepsTheFinishedPartOfTheFirstFrame) {
   const TempFolder folder;
   const fs::path out = folder.path() / "out";

@@ -67,7 +67,8 @@ void check_values_file(const Suite& suite, bool force) {
 }
 
 Baseline stored_values(const Suite& suite) {
-  if (!std::filesystem::exists(suite.values)) {
+  std::error_code failed;
+  if (!std::filesystem::exists(suite.values, failed)) {
     throw sim::InputError(fmt::format("{}: no stored values; make them with 'raywatt baseline record {}'",
                                       suite.values.string(), suite.file.string()));
   }
@@ -79,7 +80,8 @@ Baseline stored_values(const Suite& suite) {
 int record_baseline(const BaselineOptions& options) {
   const Suite suite = suite_of(options);
   check_values_file(suite, options.force);
-  if (!options.force && std::filesystem::exists(suite.values)) {
+  std::error_code failed;
+  if (!options.force && std::filesystem::exists(suite.values, failed)) {
     throw sim::InputError(
         fmt::format("{}: there are values already; 'raywatt baseline accept' shows what has moved and "
                     "takes the new ones, --force replaces them unseen",

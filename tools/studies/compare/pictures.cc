@@ -30,9 +30,13 @@ traces::Texture read_png(const std::filesystem::path& file) {
   return traces::read_image(std::as_bytes(std::span(bytes.data(), bytes.size())), file.string());
 }
 
-bool have(const ReportFile& a, const ReportFile& b, const char* type) {
-  return std::filesystem::is_regular_file(a.picture(type)) && std::filesystem::is_regular_file(b.picture(type));
+/// True if there is something of this name, be it a picture or not.
+bool has(const ReportFile& report, const char* type) {
+  std::error_code failed;
+  return std::filesystem::exists(std::filesystem::symlink_status(report.picture(type), failed));
 }
+
+bool have(const ReportFile& a, const ReportFile& b, const char* type) { return has(a, type) && has(b, type); }
 
 template <class Image>
 bool same_size(const Image& a, const Image& b, Comparison& out) {

@@ -202,6 +202,7 @@ int run_sweep(const SweepOptions& options) {
   watcher.end(end.interrupted ? "interrupted" : "done");
   const std::uint64_t computed = end.count(Fate::kComputed), found = end.count(Fate::kFound),
                       failed = end.count(Fate::kFailed), missing = end.count(Fate::kMissing);
+  folder.check_there();
   folder.note_run({{"date", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)))},
                    {"host", sweep::host_name()},
                    {"points", planned.points.size()},

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/config/quantity.h"
 #include "sim/error.h"
 
 namespace traces::gltf {
@@ -18,8 +19,9 @@ class Budget {
   void take(std::uint64_t count, std::uint64_t bytes_each, std::string_view what) {
     if (count != 0 && bytes_each > left_ / count) {
       throw sim::InputError(
-          fmt::format("{}: {} would take {} x {} bytes, more than is left of the limit of {} bytes for a scene", file_,
-                      what, count, bytes_each, limit_));
+          fmt::format("{}: {} would take {} x {} bytes, more than is left of the limit of {}; allowed: a larger "
+                      "limits.memory",
+                      file_, what, count, bytes_each, sim::quantity_text(limit_, sim::byte_units())));
     }
     left_ -= count * bytes_each;
   }

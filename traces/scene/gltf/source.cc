@@ -1,13 +1,16 @@
 #include "traces/scene/gltf/source.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <cstring>
 #include <set>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "sim/config/quantity.h"
 #include "sim/error.h"
 #include "sim/io/file.h"
 #include "sim/io/json.h"
@@ -21,6 +24,19 @@
 
 namespace traces::gltf {
 namespace {
+
+/// Reads a file of a scene. InputError with the key that allows more if it is larger than limits.memory.
+std::string read_limited(const std::filesystem::path& file, const SceneLimits& limits) {
+  std::error_code failed;
+  const std::uintmax_t size = std::filesystem::file_size(file, failed);
+  if (!failed && size > limits.memory.bytes) {
+    throw sim::InputError(
+        fmt::format("{}: has {} bytes, more than limits.memory, {}; allowed: a larger one, e.g. --set "
+                    "limits.memory='8 GiB'",
+                    sim::printable(file.string()), size, sim::quantity_text(limits.memory.bytes, sim::byte_units())));
+  }
+  return sim::read_file(file, limits.memory.bytes);
+}
 
 [[noreturn]] void refuse(const Source& source, const std::string& why) {
   throw sim::InputError(source.shown_name + ": " + why);
@@ -58,6 +74,17 @@ void check_container(Source& source) {
 
 std::string_view json_of(const Source& source) {
   return std::string_view(source.bytes).substr(source.json_begin, source.json_size);
+}
+
+/// Pictures that have the name of a scene: their first bytes and their names.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kPictures = {
+    {{"\x89PNG", "PNG"}, {"\xff\xd8\xff", "JPEG"}, {"\x76\x2f\x31\x01", "OpenEXR"}}};
+
+void check_no_picture(const Source& source) {
+  for (const auto& [begin, name] : kPictures) {
+    if (!source.bytes.starts_with(begin)) continue;
+    refuse(source, fmt::format("is a {} picture, not a glTF scene; allowed: .glb and .gltf files of scenes", name));
+  }
 }
 
 sim::Json parse(const Source& source, std::size_t levels) {
@@ -179,7 +206,7 @@ class Resources {
     }
     const std::string relative = local_path(uri, where);
     check_inside(folder_, relative, where);
-    std::string bytes = sim::read_file(folder_ / relative, limits_.memory.bytes);
+    std::string bytes = read_limited(folder_ / relative, limits_);
     budget_.take(bytes.size(), 2, fmt::format("the file '{}'", sim::printable(relative)));
     if (files_.insert(relative).second) digests_ += sim::sha256_hex(bytes);
     return bytes;
@@ -199,12 +226,13 @@ Source read_source(const std::filesystem::path& path, const SceneLimits& limits,
   constexpr std::uint64_t kJsonExpansion = 16;  // bytes that a parsed value may take for each of its text
   Source source;
   source.shown_name = sim::printable(path.string());
-  source.bytes = sim::read_file(path, limits.memory.bytes);
+  source.bytes = read_limited(path, limits);
   budget.take(source.bytes.size(), 2, "the file");
   source.sha256 = sim::sha256_hex(source.bytes);
   source.json_size = source.bytes.size();
   source.binary = source.bytes.starts_with("glTF");
   if (source.binary) check_container(source);
+  check_no_picture(source);
   if (source.json_size == 0) refuse(source, "the file is empty");
   budget.take(source.json_size, kJsonExpansion, "the JSON");
   sim::Json json = parse(source, limits.json_depth);

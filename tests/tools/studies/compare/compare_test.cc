@@ -142,6 +142,10 @@ TEST_F(Runs, EightBitPicturesDoWhereOneHasNoOthers) {
                bytes = compared("base", "copy")["picture"]["psnr_db"];
   EXPECT_NEAR(floats, bytes, 0.2);
   EXPECT_NE(floats, bytes);
+  std::filesystem::create_symlink("image.exr", copy / "image.exr");
+  EXPECT_EQ(compared("base", "copy")["picture"]["why_not"],
+            (copy / "image.exr").string() + ": Too many levels of symbolic links");
+  std::filesystem::remove(copy / "image.exr");
   std::filesystem::remove(copy / "image.png");
   EXPECT_SAYS(compared("base", "copy")["picture"]["why_not"].get<std::string>(), "not both");
   folder.write("copy/image.png", "no picture");

@@ -44,6 +44,24 @@ struct SweepFaults : testing::Test {
   }
 };
 
+TEST_F(SweepFaults, AFolderRenamedDuringTheRunIsNamedWithWhatToDo) {
+  const fs::path file = write_sweep(folder, kTwelve), moved = folder.path() / "moved";
+  {
+    Program program(sweep_run(folder, file, {"-j", "1"}));
+    EXPECT_TRUE(wait_until([&] { return program.ended() || points_in(store) >= 1; }));
+    fs::rename(out, moved);
+    const Ending ending = program.wait();
+    EXPECT_EQ(ending.exit, 74);
+    EXPECT_EQ(ending.err, "raywatt: " + out.string() +
+                              ": was moved or removed during the run; computed points are in " + store.string() +
+                              "; move it back and type the same command again\n");
+  }
+  fs::rename(moved, out);
+  ASSERT_EQ(raywatt(sweep_run(folder, file)).exit, 0);
+  EXPECT_EQ(last_run(out), (Tally{12, 0, 12, 0}));
+  EXPECT_EQ(read_bytes(out / "results.csv"), undisturbed(kTwelve));
+}
+
 TEST_F(SweepFaults, KilledAgainAndAgainItEndsWithTheSameTable) {
   const fs::path file = write_sweep(folder, kTwelve);
   std::size_t before = 0;

@@ -41,7 +41,8 @@ void collect_in(const fs::path& folder) {
   try {
     results::collect(sweep::SweepFolder::open(folder));
   } catch (const sim::IoError& error) {
-    if (!fs::exists(folder / "index.sqlite")) throw;
+    std::error_code failed;
+    if (!fs::exists(folder / "index.sqlite", failed)) throw;
     tell("warning: {}; the page has what was last collected", error.what());
   }
 }

@@ -170,6 +170,15 @@ std::optional<SweepFolder::Runner> SweepFolder::runner() const {
   return runner;
 }
 
+void SweepFolder::check_there() const {
+  std::error_code failed;
+  if (fs::exists(path_ / "sweep.json", failed)) return;
+  throw sim::IoError(
+      fmt::format("{}: was moved or removed during the run; computed points are in {}; move it back and type the same "
+                  "command again",
+                  sim::printable(path_.string()), sim::printable(store_.string())));
+}
+
 void SweepFolder::note_run(const Json& run) const {
   const fs::path file = log() / "runs.jsonl";
   sim::append_to_file(file, sim::json_line(run) + "\n");

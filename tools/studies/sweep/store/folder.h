@@ -45,6 +45,8 @@ class SweepFolder {
   };
   std::optional<Runner> runner() const;
 
+  /// IoError if the folder was moved or removed after it was made.
+  void check_there() const;
   /// Adds a line to log/runs.jsonl.
   void note_run(const sim::Json& run) const;
 

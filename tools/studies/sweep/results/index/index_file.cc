@@ -129,7 +129,8 @@ std::string index_bytes(const Collection& all, const SweepFacts& facts) {
 
 Database open_index(const std::filesystem::path& file) {
   const std::string shown = sim::printable(file.string());
-  if (!std::filesystem::exists(file)) {
+  std::error_code failed;
+  if (!std::filesystem::exists(file, failed)) {
     throw sim::InputError(fmt::format("{}: no such file; 'raywatt sweep collect {}' makes it", shown,
                                       sim::printable(file.parent_path().string())));
   }
