@@ -16,11 +16,18 @@ namespace {
 
 constexpr std::size_t kMostSuggested = 5;
 
-void find_all(const ConfigNode& group, std::string_view key, std::vector<std::string>& paths) {
+void find_all(const ConfigNode& group, std::string_view key, std::vector<const ConfigNode*>& nodes) {
   for (const ConfigNode& child : group.children) {
-    if (child.key == key) paths.push_back(child.path);
-    find_all(child, key, paths);
+    if (child.key == key) nodes.push_back(&child);
+    find_all(child, key, nodes);
   }
+}
+
+/// True if a field elsewhere may have been meant in this group. One without groups inside has fields of its kinds only.
+bool may_be_meant(const ConfigNode& elsewhere, const ConfigNode& group) {
+  if (std::ranges::any_of(group.children, &ConfigNode::is_group)) return true;
+  return !elsewhere.is_group() &&
+         std::ranges::any_of(group.children, [&](const ConfigNode& child) { return child.kind() == elsewhere.kind(); });
 }
 
 void check_limits(const ConfigNode& node, std::string_view origin) {
@@ -121,8 +128,12 @@ void refuse(std::string_view origin, std::string_view path, std::string_view pro
 }
 
 std::string suggest(const ConfigNode& root, const ConfigNode& group, std::string_view key) {
+  std::vector<const ConfigNode*> same_name;
+  find_all(root, key, same_name);
   std::vector<std::string> elsewhere;
-  find_all(root, key, elsewhere);
+  for (const ConfigNode* node : same_name) {
+    if (may_be_meant(*node, group)) elsewhere.push_back(node->path);
+  }
   if (!elsewhere.empty() && elsewhere.size() <= kMostSuggested)
     return fmt::format("did you mean '{}'?", fmt::join(elsewhere, "' or '"));
   const std::string_view start = start_of(key);

@@ -81,10 +81,11 @@ std::string end_of(std::string_view path, std::string_view text) {
   return std::string(path.substr(at + 1));
 }
 
+constexpr std::size_t kMostShown = 8;
+
 [[noreturn]] void refuse_several(std::string_view text, const char* what, const std::vector<std::string>& candidates,
                                  const std::string& hint = "") {
-  constexpr std::size_t kMost = 8;
-  const std::size_t shown = std::min(candidates.size(), kMost);
+  const std::size_t shown = std::min(candidates.size(), kMostShown);
   throw sim::InputError(
       fmt::format("the report path '{}' {}: {}{}{}", sim::printable(text), what,
                   fmt::join(candidates.begin(), candidates.begin() + static_cast<std::ptrdiff_t>(shown), ", "),
@@ -182,7 +183,12 @@ std::string resolve_report_path(std::string_view text, std::span<const std::stri
   if (std::string nominal = nominal_of(m.group); !nominal.empty()) return nominal;
   if (!m.group.empty()) {
     const bool is_of_figures = m.group.front().starts_with("totals.");
-    refuse_several(text, "is a group of", m.group, is_of_figures ? "" : nearest_end(text, paths, "totals."));
+    const std::string figure = is_of_figures ? "" : nearest_end(text, paths, "totals.");
+    if (!figure.empty() && m.group.size() > kMostShown) {
+      throw sim::InputError(fmt::format("the report path '{}' is a group of {} numbers, none of them a figure{}",
+                                        sim::printable(text), m.group.size(), figure));
+    }
+    refuse_several(text, "is a group of", m.group, figure);
   }
   if (!m.several.empty()) refuse_several(text, "may mean any of", m.several);
   throw sim::InputError(

@@ -150,6 +150,18 @@ TEST(ReportPath, AGroupIsRefusedWithWhatIsInIt) {
   }
 }
 
+TEST(ReportPath, ALargeGroupThatIsNoFigureGetsTheNearestFigureAlone) {
+  std::vector<std::string> keys = {"totals.energy_mj.high", "totals.energy_mj.low", "totals.energy_mj.nominal"};
+  for (int i = 0; i < 20; ++i) keys.push_back("config.dram.energy.key" + std::to_string(i));
+  try {
+    resolve_report_path("energy", keys);
+    ADD_FAILURE() << "20 keys of the configuration";
+  } catch (const sim::InputError& error) {
+    EXPECT_EQ(std::string(error.what()),
+              "the report path 'energy' is a group of 20 numbers, none of them a figure, did you mean 'energy_mj'?");
+  }
+}
+
 TEST(ReportPath, AFigureWithABandMeansItsNominalOne) {
   const std::vector<std::string> band = {"totals.energy_mj.high", "totals.energy_mj.low", "totals.energy_mj.nominal",
                                          "totals.replicates.figures.energy_mj.nominal.mean"};

@@ -83,6 +83,11 @@ TEST(BadArguments, AVerbThatIsNotThereGetsTheNearestOneAndTheList) {
                  {"unknown option '--no-such'", "; see raywatt trace replay --help"});
 }
 
+TEST(BadArguments, AnOptionCutShortGetsTheOneThatBeginsSo) {
+  expect_run_refused({"--res", "64x32"}, {"unknown option '--res', did you mean '--resolution'?"});
+  expect_run_refused({"--deb"}, {"unknown option '--deb', did you mean '--debug-images'?"});
+}
+
 TEST(BadArguments, AKernelThatIsNotThereGetsTheNearestOne) {
   expect_refusal(raywatt({"kernels", "show", "shade_difuse"}), {"'shade_difuse'", "did you mean 'shade_diffuse'?"});
 }

@@ -123,6 +123,11 @@ TEST(BadConfig, SetOfAnUnknownKey) {
   expect_set_refused("tni.trv.rais=1", {"tni.trv.rais", "did you mean 'tni.trv.rays'?"});
 }
 
+TEST(BadConfig, AClockThatIsNotThereGetsTheClocksThatAre) {
+  // Neither the group dram nor the boolean ideal.dram is a clock.
+  expect_set_refused("clocks.dram=3", {"clocks.dram: unknown key 'dram'; allowed: tni, srp, l2, synchroniser"});
+}
+
 TEST(BadConfig, SetOfABadValue) {
   expect_set_refused("l2.size=-1", {"l2.size", "'-1'", "allowed: 64 B to 16 MiB"});
   expect_set_refused("l2.ways=many", {"l2.ways", "'many'", "allowed: 1 to"});

@@ -69,7 +69,7 @@ TEST(Refusals, SayWhatToTypeInstead) {
   refused({"run", "--scene", "chess.obj"}, {"'chess.obj' is no glTF file; allowed: .glb, .gltf; convert it first"});
   refused({"run", "--scene", "mine"}, {"no scene is called 'mine'; allowed: --scene mine.glb"});
   refused({"dvfs", "--fps", "abc"}, {"--fps: 'abc' is no number; allowed: a number above 0"});
-  refused({"report"}, {"raywatt report needs what: folder of a run"});
+  refused({"report"}, {"raywatt report needs DIR: folder of a run"});
   refused({"trace", "record"}, {"raywatt trace record needs arguments: [CONFIG] FILE"});
   refused({"help", "run"}, {"help is an option; allowed: raywatt run --help"});
   refused({"help"}, {"help is an option; allowed: raywatt --help"});

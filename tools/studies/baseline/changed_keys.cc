@@ -28,6 +28,12 @@ std::string_view kind_of_group(std::string_view group) {
   return kinds_inside == 1 ? inside : std::string_view();
 }
 
+/// "dram.timing" of "dram.timing.rcd"; empty for a key without a group.
+std::string_view group_of(std::string_view key) {
+  const std::size_t dot = key.rfind('.');
+  return dot == std::string_view::npos ? std::string_view() : key.substr(0, dot);
+}
+
 }  // namespace
 
 ChangedKeys changed_keys(const FlatConfig& was, const FlatConfig& is) {
@@ -61,7 +67,10 @@ bool is_part_of(std::string_view kind, std::string_view unit) {
   return kind == unit || (name.starts_with(unit) && name.size() > unit.size() && name[unit.size()] == '.');
 }
 
+std::string changed_text(const KeyPair& key) { return fmt::format("{} was {}, is {}", key.key, key.a, key.b); }
+
 std::string changed_text(const std::vector<KeyPair>& keys) {
+  constexpr std::ptrdiff_t kMostOfGroup = 4;
   std::vector<std::string> units;
   for (const KeyPair& key : keys) {
     std::string unit = unit_of_key(key.key);
@@ -69,9 +78,16 @@ std::string changed_text(const std::vector<KeyPair>& keys) {
   }
   std::string out;
   for (const std::string& unit : units) {
+    std::string_view said;  // group of the last line
     for (const KeyPair& key : keys) {
       if (unit_of_key(key.key) != unit) continue;
-      out += fmt::format("Changed{}: {} was {}, is {}\n", unit.empty() ? "" : " in " + unit, key.key, key.a, key.b);
+      const std::string_view group = group_of(key.key);
+      const auto others = std::ranges::count(keys, group, [](const KeyPair& k) { return group_of(k.key); }) - 1;
+      const bool is_many = !group.empty() && others >= kMostOfGroup;
+      if (is_many && group == said) continue;
+      said = group;
+      out += fmt::format("Changed{}: {}{}\n", unit.empty() ? "" : " in " + unit, changed_text(key),
+                         is_many ? fmt::format(", and {} more keys of {}", others, group) : "");
     }
   }
   return out;

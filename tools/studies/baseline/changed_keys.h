@@ -25,7 +25,10 @@ std::string unit_of_key(std::string_view key);
 /// True if a unit kind is the unit that a key configures, or a subunit of it: "core.tni.trv" is part of "tni".
 bool is_part_of(std::string_view kind, std::string_view unit);
 
-/// "Changed in l2.bank: l2.mshrs was 32, is 8", a line for each key that is given, those of one unit together.
+/// "l2.mshrs was 32, is 8"
+std::string changed_text(const KeyPair& key);
+/// "Changed in l2.bank: l2.mshrs was 32, is 8", those of one unit together: a line for each key, or for a group of more
+/// than four.
 std::string changed_text(const std::vector<KeyPair>& keys);
 
 }  // namespace tools

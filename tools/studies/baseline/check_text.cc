@@ -34,11 +34,11 @@ std::string number_text(double number) {
                                                                  : fmt::format("{:.6g}", number);
 }
 
-/// The first of the lines, and the number of the others.
-std::string first_line(const std::string& lines) {
-  const std::size_t end = lines.find('\n');
-  const auto others = std::count(lines.begin(), lines.end(), '\n') - 1;
-  return lines.substr(0, end) + (others > 0 ? fmt::format(", and {} more keys\n", others) : "\n");
+/// The first of the keys, and the number of the others.
+std::string first_changed(const std::vector<KeyPair>& keys) {
+  const std::string line = changed_text(std::vector{keys.front()});
+  return fmt::format("{}{}\n", line.substr(0, line.find('\n')),
+                     keys.size() > 1 ? fmt::format(", and {} more keys", keys.size() - 1) : "");
 }
 
 std::string details(const RunCheck& run) {
@@ -46,7 +46,7 @@ std::string details(const RunCheck& run) {
   if (!run.error.empty()) return fmt::format("\n{}: {}\n", run.name, run.error);
   std::string out = fmt::format("\n{}\n", run.name);
   for (const std::string& why : run.refused) out += fmt::format("  {}\n", why);
-  if (!run.keys.changed.empty()) out += "  " + first_line(changed_text(run.keys.changed));
+  if (!run.keys.changed.empty()) out += "  " + first_changed(run.keys.changed);
   std::size_t shown = 0;
   const auto show = [&](bool of_units, std::string_view prefix) {
     for (const Moved& moved : run.moved) {

@@ -65,8 +65,16 @@ Goal read_constraint(const std::string& text) {
     goal.figure = trimmed(text.substr(0, sign));
     const std::string number = trimmed(text.substr(sign + (or_equal ? 2 : 1)));
     const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), goal.limit);
-    const bool is_number = error == std::errc() && end == number.data() + number.size() && std::isfinite(goal.limit);
-    if (is_number && !goal.figure.empty()) return goal;
+    const bool is_number = error == std::errc() && std::isfinite(goal.limit) && !goal.figure.empty();
+    const std::string_view unit(end, number.data() + number.size());
+    if (is_number && unit.empty()) return goal;
+    if (is_number) {
+      throw sim::InputError(
+          fmt::format("constraint '{}': '{}' is no part of a number; figures have the unit of their name; "
+                      "allowed: '{}'",
+                      sim::printable(text), sim::printable(trimmed(std::string(unit))),
+                      sim::printable(text.substr(0, text.size() - unit.size()))));
+    }
   }
   throw sim::InputError(
       fmt::format("'{}' is no constraint; allowed: PATH < NUMBER, or with <=, >, >=, e.g. "

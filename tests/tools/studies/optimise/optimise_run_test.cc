@@ -271,6 +271,9 @@ TEST_F(Optimise, RefusesWhatItCannotUse) {
   refused(axes + "objectives: [{min: cycels}]\n", {":4:20", "cycels", "did you mean 'cycles'"});
   refused(axes + "objectives: [{min: cycles}]\nconstraints: [cycles = 3]\n", {":5:15", "cycles = 3", "PATH < NUMBER"});
   refused(axes + "objectives: [{min: cycles}]\nconstraints: [cycles < many]\n", {"PATH < NUMBER"});
+  refused(
+      axes + "objectives: [{min: cycles}]\nconstraints: [power_w.nominal < 1 W]\n",
+      {":5:15", "'W' is no part of a number; figures have the unit of their name", "allowed: 'power_w.nominal < 1'"});
   refused(axes + "objectives: [{min: cycles}]\nbudget: 3\n", {"budget", "4 to 1000"});
   refused(axes + "objectives: [{min: cycles}]\npopulation: 10\n", {"population", "multiple of 4"});
   refused(axes + "objectives: [{min: cycles}]\nsubset: {random: 4}\n", {"subset", "is for sweeps"});
