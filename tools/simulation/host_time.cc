@@ -19,8 +19,8 @@ constexpr double kLong = 60;                       // seconds that are worth a h
 constexpr std::uint32_t kAcross = 24, kDown = 12;  // pixels of the thin picture
 constexpr std::uint32_t kOneOf = 3;                // columns and rows of a small picture: cheap beside its run
 constexpr double kSlowestStep = 4e-6;              // seconds; chosen: hairball at 96x64 takes 3.5 us
-constexpr std::uint32_t kMostTiles = 32;           // tiles played to measure the rate
-constexpr std::uint32_t kOneTileOf = 50;           // tiles, of which one is played: 2 % of the run
+constexpr std::uint32_t kFewestTiles = 16, kMostTiles = 32;  // tiles played to measure the rate
+constexpr std::uint32_t kOneTileOf = 50;                     // tiles, of which one is played: 2 % of a large frame
 
 /// Passes tiles on; counts their steps and the time it takes to make them.
 class MeasuredTiles final : public hw::TileSource {
@@ -81,7 +81,7 @@ HostRate measured_rate(const Inputs& inputs, const kernels::ProgramSpec& spec) {
   const traces::BvhTracer tracer(inputs.image);
   const std::uint32_t tiles = program.tiles();
   FrontEnd front(program, tracer, 0, true,
-                 spread_over(tiles, std::clamp(tiles / kOneTileOf, std::min(tiles, 4U), kMostTiles)));
+                 spread_over(tiles, std::min(tiles, std::clamp(tiles / kOneTileOf, kFewestTiles, kMostTiles))));
   MeasuredTiles source(front);
   const auto gpu = make_gpu(inputs, program.requirements(), source);
   const double begin = sim::thread_seconds();
