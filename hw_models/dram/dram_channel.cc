@@ -244,4 +244,165 @@ std::string DramChannel::state() const {
                      writes_.size(), returns_.size(), device_.open_banks(), writing_ ? "writing" : "reading");
 }
 
+/// Replaces `best` by the best such command in these banks of a rank, if that is better. Except for its bank, all banks
+/// of the rank wait for the same things. So the rank's first slot belongs to the oldest request whose bank is ready by
+/// then. If no bank is, the first slot after the earliest bank is ready is assigned in the same way.
+template <DramCommand kCommand>
+[[gnu::always_inline]] inline void DramChannel::best_of(const DramQueue& queue, std::uint32_t banks, std::uint32_t rank,
+                                                        Cycle from, ScheduledCommand& best) const {
+  if (banks == 0) return;
+  const auto none_is_better = [&](Cycle at) { return best < ScheduledCommand(at, kCommand, 0, 0); };
+  const Cycle rank_ready = device_.rank_ready(kCommand, rank, writing_, from);
+  if (none_is_better(rank_ready)) return;
+  const auto take = [&](Cycle at, std::uint64_t positions) {
+    const auto oldest = static_cast<std::uint32_t>(std::countr_zero(positions));
+    best = std::min(best, ScheduledCommand(at, kCommand, oldest, queue.at(oldest).address.bank));
+  };
+  // True if that slot is not better, or has been given away.
+  const auto is_over = [&](Cycle slot) {
+    if (none_is_better(slot)) return true;
+    const std::uint32_t ready = banks & device_.ready_banks<kCommand>(writing_, slot);
+    if (ready != 0) take(slot, kCommand == DramCommand::kColumn ? queue.hits_in(ready) : queue.waiting_in(ready));
+    return ready != 0;
+  };
+  if (is_over(device_.slot(kCommand, rank, rank_ready))) return;
+  is_over(device_.slot(kCommand, rank, device_.first_ready<kCommand>(banks, writing_)));
+}
+
+ScheduledCommand DramChannel::best_command(const DramQueue& queue, Cycle now) const {
+  const bool in_turn = controller_.scheduler == DramScheduler::kFcfs;
+  std::uint32_t banks = queue.banks(), columns = queue.hit_banks();
+  if (in_turn || due(queue) <= now) [[unlikely]] {
+    const std::uint32_t first = 1U << queue.oldest().address.bank;
+    if ((queue.hits(queue.oldest().address.bank) & 1) == 0) columns &= ~first;
+    if (in_turn) banks = first;
+  }
+  const Cycle from = device_.awake(now);
+  ScheduledCommand best;
+  for (std::uint32_t rank = 0; rank < ranks_; ++rank) {
+    const std::uint32_t here = banks & device_.banks_of(rank), others = here & ~columns;
+    best_of<DramCommand::kColumn>(queue, here & columns, rank, from, best);
+    best_of<DramCommand::kActivate>(queue, others & ~device_.open_mask(), rank, from, best);
+    best_of<DramCommand::kPrecharge>(queue, others & device_.open_mask(), rank, from, best);
+  }
+  return best;
+}
+
+/// Runs every refresh due by now, each at its own time: the outcome is the same whenever this is called.
+void DramChannel::refresh(Cycle now) {
+  const auto due_after = [&](std::uint64_t turns) {
+    return refresh_interval_ * (turns / ranks_ + 1) + refresh_interval_ * (turns % ranks_) / ranks_;
+  };
+  while (refresh_at_ <= now) {
+    Cycle due = refresh_at_;
+    power_down(due);
+    if (is_down_) {
+      if (due > down_since_) {
+        count_power_down(due);
+        due += exit_cycles_;
+        device_.wake(due);
+      }
+      down_since_ = std::max(due, down_since_) + refresh_cycles_;
+    }
+    refresh_banks(static_cast<std::uint32_t>(refresh_turn_ % ranks_), due);
+    refresh_at_ += due_after(refresh_turn_ + 1) - due_after(refresh_turn_);
+    refresh_turn_ += 1;
+    next_is_stale_ = true;
+  }
+}
+
+void DramChannel::refresh_banks(std::uint32_t rank, Cycle due) {
+  if (controller_.refresh == RefreshKind::kAllBank) {
+    device_.refresh_rank(rank, due);
+    close_rows(device_.banks_of(rank));
+    stats_.refreshes_all += 1;
+    return;
+  }
+  const std::uint32_t leader = next_refresh(rank);
+  const std::uint32_t banks = device_.refreshed_with(leader);
+  device_.refresh(banks, due);
+  close_rows(banks);
+  stats_.refreshes += 1;
+  to_refresh_ &= ~(1U << leader);
+  const std::uint32_t of_rank = device_.banks_of(rank);
+  if ((to_refresh_ & of_rank) == 0) to_refresh_ |= device_.refresh_leaders() & of_rank;
+}
+
+std::uint32_t DramChannel::next_refresh(std::uint32_t rank) const {
+  const std::uint32_t candidates = to_refresh_ & device_.banks_of(rank);
+  if (controller_.refresh_order == RefreshOrder::kIdleFirst) {
+    const std::uint32_t wanted = reads_.banks() | writes_.banks();
+    for (std::uint32_t left = candidates; left != 0; left &= left - 1) {
+      const auto leader = static_cast<std::uint32_t>(std::countr_zero(left));
+      if ((wanted & device_.refreshed_with(leader)) == 0) return leader;
+    }
+  }
+  return static_cast<std::uint32_t>(std::countr_zero(candidates));
+}
+
+/// The device has closed these banks.
+void DramChannel::close_rows(std::uint32_t banks) {
+  for (std::uint32_t left = banks; left != 0; left &= left - 1) {
+    const auto bank = static_cast<std::uint32_t>(std::countr_zero(left));
+    reads_.row_closed(bank);
+    writes_.row_closed(bank);
+  }
+}
+
+/// Powers down if the channel has been idle for long enough before `now`: as with refreshes, it does not matter when
+/// this is called, as long as it is before something changes.
+void DramChannel::power_down(Cycle now) {
+  const Cycle due = data_end_ + controller_.power_down_after;
+  if (!controller_.power_down || is_down_ || due >= now || !reads_.empty() || !writes_.empty()) return;
+  is_down_ = true;
+  down_since_ = due;
+  for (std::uint32_t rank = 0; rank < ranks_; ++rank)
+    down_since_ = std::max(down_since_, device_.precharge_all(device_.banks_of(rank), due));
+}
+
+void DramChannel::count_power_down(Cycle until) {
+  const Cycle from = std::max(down_since_, down_counted_);
+  if (!is_down_ || until <= from) return;
+  stats_.power_down += ranks_ * (until - from);
+  down_counted_ = until;
+}
+
+/// A request has arrived.
+void DramChannel::wake(Cycle now) {
+  if (!is_down_) return;
+  count_power_down(now);
+  is_down_ = false;
+  if (now <= down_since_) return;
+  stats_.power_downs += 1;
+  device_.wake(now + exit_cycles_);
+}
+
+/// An ideal channel takes and answers all that has come.
+sim::Time DramChannel::tick_ideal(sim::Time now) {
+  CycleReason why = CycleReason::kIdle;
+  bool blocked = false;
+  sim::Time wake = sim::kNever;
+  for (std::size_t port = 0; port < ports_in_.size(); ++port) {
+    sim::Link<MemRequest>& in = ports_in_[port];
+    sim::Link<MemResponse>& out = *ports_out_[port];
+    while (in.can_pop(now) && (in.front().write || out.can_push(now))) {
+      const MemRequest r = in.pop(now);
+      (r.write ? stats_.writes : stats_.reads) += 1;
+      (r.write ? stats_.write_bursts : stats_.read_bursts) += bursts_;
+      stats_.bytes += line_bytes_;
+      stats_.row_hits += 1;
+      why = r.write ? CycleReason::kWriting : CycleReason::kReading;
+      if (!r.write) out.push(now, {r.line, r.source, r.tag});
+      if (is_watched_) show(r, now + clock_.period());
+    }
+    const bool stuck = in.can_pop(now);
+    blocked |= stuck;
+    if (stuck) wake = std::min(wake, std::max(now + clock_.period(), out.push_at()));
+    if (!stuck && in.pop_at() != sim::kNever) wake = std::min(wake, in.pop_at());
+  }
+  const CycleReason then = blocked ? CycleReason::kReturnsFull : CycleReason::kIdle;
+  activity_.spend(now, clock_.period(), why == CycleReason::kIdle ? then : why, then);
+  return wake;
+}
+
 }  // namespace hw

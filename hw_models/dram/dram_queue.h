@@ -7,7 +7,7 @@
 #include <cstdint>
 
 #include "hw_models/dram/bank_lanes.h"
-#include "hw_models/dram/dram_map.h"
+#include "hw_models/dram/dram_config.h"
 #include "hw_models/memory/messages.h"
 
 namespace hw {

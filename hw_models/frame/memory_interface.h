@@ -1,9 +1,12 @@
 #pragma once
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "hw_models/frame/direct_interface_config.h"
-#include "hw_models/frame/record_stream.h"
+#include "hw_models/memory/messages.h"
 #include "hw_models/memory/unit_names.h"
 #include "hw_models/tni/messages.h"
 #include "sim/activity.h"
@@ -12,6 +15,145 @@
 #include "sim/named.h"
 
 namespace hw {
+
+/// One direction of the way through memory: records are written to a ring of theirs and read back in order.
+///
+///   in --> [records of a line] --write--> ring in memory --read--> [lines that have come] --> out
+///
+/// Records lie behind each other; a line is written when it is full, or when no whole record is under way that could
+/// be waited for. What is written is read at once, as long as fewer than `depth` records are asked for or wait at the
+/// end; a read follows its write on the same link, so it cannot overtake it on the way to the L2. Memory holds up to
+/// `ring` records.
+template <class Record>
+class RecordStream {
+ public:
+  struct Shape {
+    Addr base = 0;  ///< a line's first byte
+    std::uint32_t record_bytes = 0, ring = 0, depth = 0;
+    std::uint16_t port = 0;  ///< the stream's number as a client of the core's port
+  };
+  struct Links {
+    sim::Link<Record>& in;
+    sim::Link<Record>& out;
+    sim::Link<MemRequest>& memory_out;
+    sim::Link<MemResponse>& memory_in;
+  };
+  struct Counts {
+    std::uint64_t records = 0, written = 0, read = 0;  ///< the latter two in lines, or parts of them
+    sim::Time inside = 0;  ///< sum of times at which records left minus those at which they came
+  };
+  enum class Waits : std::uint8_t { kNothing, kMemory, kPort, kOutput };
+
+  RecordStream(const Shape& shape, const Links& links)
+      : shape_(shape), links_(links), records_(shape.ring), chunks_(most_chunks(shape)) {}
+
+  /// Bytes of memory that it needs: whole lines.
+  static Addr bytes_of(const Shape& shape) { return end_of_line(Addr{shape.ring} * shape.record_bytes - 1); }
+
+  /// Does what can be done; true if something was.
+  bool tick(sim::Time now) {
+    take_lines(now);
+    bool moved = hand_on(now);
+    moved |= ask(now);
+    moved |= take_record(now);
+    return moved;
+  }
+
+  Waits waits(sim::Time now) const {
+    if (has_record()) return Waits::kOutput;
+    if ((may_read() || may_write()) && !links_.memory_out.can_push(now)) return Waits::kPort;
+    return accepted_ != delivered_ ? Waits::kMemory : Waits::kNothing;
+  }
+
+  sim::Time next_wake(sim::Time next) const {
+    sim::Time at = links_.memory_in.pop_at();
+    if (has_record()) at = std::min(at, links_.out.push_at());
+    if (may_read() || may_write()) at = std::min(at, links_.memory_out.push_at());
+    if (has_room()) at = std::min(at, links_.in.pop_at());
+    return std::max(next, at);
+  }
+
+  const Counts& counts() const { return counts_; }
+  std::uint64_t inside() const { return accepted_ - delivered_; }
+
+ private:
+  /// The part of the stream that one request reads, up to byte `end`.
+  struct Chunk {
+    Addr end = 0;
+    bool come = false;
+  };
+
+  static Addr end_of_line(Addr byte) { return line_of(byte) + kLineBytes; }
+  /// Requests that begin within the records that may be asked for, each up to a record's or a line's end.
+  static std::size_t most_chunks(const Shape& s) { return s.depth * (std::size_t{s.record_bytes} / kLineBytes + 2); }
+
+  bool has_room() const { return accepted_ - delivered_ < shape_.ring; }
+  bool has_record() const { return come_ >= (delivered_ + 1) * shape_.record_bytes; }
+  bool may_read() const { return asked_ < written_ && asked_ < (delivered_ + shape_.depth) * shape_.record_bytes; }
+  bool may_write() const {
+    const Addr accepted = accepted_ * shape_.record_bytes;
+    if (written_ == accepted) return false;
+    return accepted >= end_of_line(written_) || written_ / shape_.record_bytes == delivered_;
+  }
+
+  void take_lines(sim::Time now) {
+    while (links_.memory_in.can_pop(now)) chunks_[links_.memory_in.pop(now).tag].come = true;
+    for (; first_ != last_ && chunks_[first_ % chunks_.size()].come; ++first_) {
+      come_ = chunks_[first_ % chunks_.size()].end;
+    }
+  }
+
+  bool hand_on(sim::Time now) {
+    if (!has_record() || !links_.out.can_push(now)) return false;
+    links_.out.push(now, records_[delivered_ % shape_.ring]);
+    counts_.inside += now;
+    delivered_ += 1;
+    return true;
+  }
+
+  /// Reads go first: they make room.
+  bool ask(sim::Time now) {
+    const bool read = may_read();
+    if ((!read && !may_write()) || !links_.memory_out.can_push(now)) return false;
+    Addr& at = read ? asked_ : written_;
+    const Addr end = std::min(end_of_line(at), read ? written_ : accepted_ * shape_.record_bytes);
+    const auto first = static_cast<std::uint32_t>(at % kLineBytes / kSectorBytes);
+    const auto past = static_cast<std::uint32_t>((end - 1) % kLineBytes / kSectorBytes + 1);
+    MemRequest request{shape_.base + line_of(at) % bytes_of(shape_),
+                       shape_.port,
+                       0,
+                       !read,
+                       static_cast<SectorMask>((1U << past) - (1U << first)),
+                       records_[at / shape_.record_bytes % shape_.ring].owner};
+    if (read) {
+      request.tag = static_cast<std::uint16_t>(last_ % chunks_.size());
+      chunks_[request.tag] = {end, false};
+      last_ += 1;
+    }
+    links_.memory_out.push(now, request);
+    at = end;
+    (read ? counts_.read : counts_.written) += 1;
+    return true;
+  }
+
+  bool take_record(sim::Time now) {
+    if (!has_room() || !links_.in.can_pop(now)) return false;
+    counts_.inside -= links_.in.pop_at();
+    records_[accepted_ % shape_.ring] = links_.in.pop(now);
+    accepted_ += 1;
+    counts_.records += 1;
+    return true;
+  }
+
+  const Shape shape_;
+  Links links_;
+  std::vector<Record> records_;                 ///< the ring's contents, for the simulator alone
+  std::vector<Chunk> chunks_;                   ///< asked for, in order
+  std::uint64_t first_ = 0, last_ = 0;          ///< chunks under way: [first_, last_)
+  std::uint64_t accepted_ = 0, delivered_ = 0;  ///< records so far
+  Addr written_ = 0, asked_ = 0, come_ = 0;     ///< bytes of the stream so far
+  Counts counts_;
+};
 
 /// Replacement of the direct interface when that is off: rays and hits of a core travel through memory.
 ///

@@ -4,10 +4,43 @@
 #include <optional>
 #include <utility>
 
+#include "hw_models/frame/tile_lines.h"
 #include "hw_models/machines/patience.h"
-#include "hw_models/tni/scene_in_memory.h"
+#include "hw_models/tni/tni_core.h"
+#include "shader_kernels/catalogue.h"
+#include "sim/hash.h"
 
 namespace hw {
+
+ScheduledKernels schedule_kernels(const GpuConfig& config) {
+  SrpConfig srp = config.srp;
+  if (config.ideal.tile_buffer) srp.array.local_ports = 64;  // more than any kernel can use
+  ScheduledKernels out;
+  for (const kernels::KernelInfo& kernel : kernels::catalogue()) {
+    out.kernels.push_back(schedule(kernel.graph, srp));
+    out.conflicts.push_back(bank_conflicts(out.kernels.back(), kernel.graph, config.tile_buffer.banks));
+  }
+  return out;
+}
+
+namespace {
+
+constexpr std::uint32_t kStarts = 8;   // a core starts up to seven cycles late
+constexpr std::uint32_t kFabrics = 3;  // a cycle less, none, a cycle more
+
+}  // namespace
+
+Perturbation draw_perturbation(std::uint32_t cores, std::uint32_t frame, std::uint32_t replicate) {
+  Perturbation drawn;
+  if (replicate == 0) return drawn;
+  for (std::uint32_t core = 0; core < cores; ++core) {
+    drawn.starts.push_back(static_cast<std::uint32_t>(sim::hash(frame, replicate, 1, core) % kStarts));
+  }
+  drawn.dram.fabric = static_cast<std::int32_t>(sim::hash(frame, replicate, 2) % kFabrics) - 1;
+  drawn.dram.refresh = static_cast<std::uint32_t>(sim::hash(frame, replicate, 3));
+  return drawn;
+}
+
 namespace {
 
 /// Bytes set aside for a core's largest spill: a chunk's rays and hits, two batches of them.
@@ -196,6 +229,24 @@ std::vector<KernelUse> Gpu::kernel_use() const {
     for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += core.srp->kernel_use()[k];
   }
   return sum;
+}
+
+void Gpu::warm(const traces::TileWork& work, std::uint32_t core) {
+  const Core& c = cores_[core];
+  const std::vector<Trv*>& trvs = c.tni.trvs();
+  const Interleave banks = config_.l2.interleave();
+  const auto second_level = [&](Addr line) { memory_.banks()[banks.owner(line)]->warm(line); };
+  for_each_line(
+      work, layout_,
+      [&](std::uint32_t ray, Addr line) {
+        if (!trvs[ray % trvs.size()]->warm(line)) second_level(line);
+      },
+      [&](Addr line) {
+        if (!c.tni.ist().warm(line)) second_level(line);
+      },
+      [&](Addr line) {
+        if (!c.srp->warm(line)) second_level(line);
+      });
 }
 
 }  // namespace hw

@@ -6,15 +6,16 @@
 #include <span>
 #include <vector>
 
+#include "hw_models/dram/dram_config.h"
 #include "hw_models/frame/dma.h"
 #include "hw_models/frame/memory_interface.h"
 #include "hw_models/frame/tile_dispatcher.h"
 #include "hw_models/machines/gpu_config.h"
 #include "hw_models/machines/memory_system.h"
-#include "hw_models/machines/perturbation.h"
-#include "hw_models/machines/scheduled_kernels.h"
 #include "hw_models/machines/watchers.h"
 #include "hw_models/raster/raster_unit.h"
+#include "hw_models/srp/bank_conflicts.h"
+#include "hw_models/srp/schedule.h"
 #include "hw_models/srp/srp.h"
 #include "hw_models/tni/tni_core.h"
 #include "sim/machine.h"
@@ -22,6 +23,25 @@
 #include "traces/accel/memory_image.h"
 
 namespace hw {
+
+/// All kernels as a machine's shader cores run them, by KernelId.
+struct ScheduledKernels {
+  std::vector<KernelSchedule> kernels;
+  std::vector<BankConflicts> conflicts;
+};
+ScheduledKernels schedule_kernels(const GpuConfig& config);
+
+/// Displacements that no architect would notice, but that make a frame another draw of the races in it: cores start
+/// some cycles apart, the memory's fabric is a cycle of its command clock longer or shorter, refreshes come at another
+/// phase. After Alameldeen and Wood, "Variability in Architectural Simulations of Multi-threaded Workloads", HPCA 2003
+/// (docs/noise.md). None by default.
+struct Perturbation {
+  std::vector<std::uint32_t> starts;  ///< cycles of the tile dispatcher before a core gets its first tile; empty: none
+  DramShift dram;
+};
+
+/// Draws the perturbation of a replicate of a frame; replicate 0 has none.
+Perturbation draw_perturbation(std::uint32_t cores, std::uint32_t frame, std::uint32_t replicate);
 
 /// The machine: cores and what they share.
 ///
@@ -79,7 +99,7 @@ class Gpu {
   std::uint32_t cores() const { return static_cast<std::uint32_t>(cores_.size()); }
 
   /// Puts what a tile reads into the caches of a core, and into the L2 what these do not hold, as if the tile had just
-  /// been run: in no time, and uncounted (warming.cc).
+  /// been run: in no time, and uncounted.
   void warm(const traces::TileWork& work, std::uint32_t core);
 
  private:

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "hw_models/machines/patience.h"
-#include "hw_models/tni/scene_in_memory.h"
+#include "hw_models/tni/tni_core.h"
 #include "sim/engine.h"
 #include "traces/walk_steps.h"
 

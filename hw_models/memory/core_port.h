@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "hw_models/memory/arbiter.h"
-#include "hw_models/memory/interleave.h"
 #include "hw_models/memory/messages.h"
 #include "hw_models/memory/tile_book.h"
 #include "hw_models/memory/unit_names.h"

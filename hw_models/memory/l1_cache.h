@@ -64,7 +64,7 @@ class L1Cache {
     return misses_.release(line);
   }
 
-  /// Takes the line as read, in no time (hw_models/machines/warming.cc). False if it was not here.
+  /// Takes the line as read, in no time (Gpu::warm). False if it was not here.
   bool warm(Addr line) {
     if (ideal_ || tags_.probe(line)) return true;
     tags_.fill(line);

@@ -259,4 +259,97 @@ std::string L2Bank::state() const {
       filled_.count - filled_.next, store_.dirty_lines());
 }
 
+/// Does what the policy says with the head, a write; false if it must stay.
+bool L2Bank::write(sim::Time now) {
+  if (!has_room(1)) return false;
+  const MemRequest& r = head_.request;
+  if (writes_ == L2Writes::kBack) {
+    write_here(now);
+  } else {
+    const bool here = store_.find(r.line, r.sectors) != L2Store::Found::kNot;
+    const bool stored = here && writes_ == L2Writes::kThrough;
+    if (here && !stored) store_.take_out(r.line);
+    stats_.write_hits += here;
+    (stored ? stats_.stored : stats_.not_stored) += 1;
+    to_memory(now, MemRequest{r.line, index_, 0, true, r.sectors, r.owner});
+    stats_.passed_on += 1;
+  }
+  if (book_ != nullptr) [[unlikely]]
+    book_->count(r.owner, &TileAccount::l2_writes);
+  stats_.writes += 1;
+  stats_.bytes_written += sector_bytes_ * static_cast<std::uint32_t>(std::popcount(r.sectors));
+  return true;
+}
+
+/// Keeps what the head writes.
+void L2Bank::write_here(sim::Time now) {
+  const MemRequest& r = head_.request;
+  SectorMask overwritten = 0;
+  bool hit = true;
+  if (Waiters* waiters = misses_.find(r.line)) {
+    overwritten = waiters->dirty & r.sectors;
+    waiters->dirty |= r.sectors;
+  } else if (store_.find(r.line, r.sectors) != L2Store::Found::kNot) {
+    overwritten = store_.write(r.line, r.sectors);
+  } else {
+    hit = false;
+    write_back(now, store_.put_in(r.line, r.sectors, r.sectors), r.owner);
+  }
+  stats_.write_hits += hit;
+  stats_.stored += 1;
+  stats_.bytes_overwritten += sector_bytes_ * static_cast<std::uint32_t>(std::popcount(overwritten));
+}
+
+/// After the end of the frame a dirty line goes each cycle.
+bool L2Bank::flush(sim::Time now) {
+  if (flush_in_->can_pop(now)) {
+    flush_in_->pop(now);
+    flushing_ = true;
+  }
+  if (!flushing_ || store_.dirty_lines() == 0 || !has_room(1)) return false;
+  write_back(now, store_.clean_next());
+  return true;
+}
+
+/// An ideal bank takes any number of requests a cycle, each core's apart from the others'.
+sim::Time L2Bank::tick_ideal(sim::Time now) {
+  bool served = false;
+  CycleReason then = CycleReason::kIdle;
+  sim::Time wake = sim::kNever;
+  for (std::size_t core = 0; core < ideal_.size(); ++core) {
+    sim::Link<MemRequest>& in = cores_in_[core];
+    sim::Link<MemResponse>&pipe = ideal_[core], &out = *cores_out_[core];
+    for (; pipe.can_pop(now) && out.can_push(now); served = true) {
+      out.push(now, pipe.pop(now));
+      latency_ += now;
+    }
+    for (; in.can_pop(now) && pipe.can_push(now); served = true) {
+      if (!in.front().write) latency_ -= in.pop_at();
+      const MemRequest r = in.pop(now);
+      if (r.write) {
+        if (book_ != nullptr) book_->count(r.owner, &TileAccount::l2_writes);
+        stats_.writes += 1;
+        stats_.write_hits += 1;
+        stats_.stored += 1;
+        stats_.bytes_written += sector_bytes_ * static_cast<std::uint32_t>(std::popcount(r.sectors));
+      } else {
+        pipe.push(now, {r.line, r.source, r.tag});
+        if (is_watched_) show_read(true, r.owner, now);
+        stats_.reads += 1;
+        stats_.hits += 1;
+      }
+    }
+    if (pipe.can_pop(now)) {
+      then = CycleReason::kOutputFull;
+    } else if (pipe.pop_at() != sim::kNever && then == CycleReason::kIdle) {
+      then = CycleReason::kLookup;
+    }
+    const sim::Time next = now + clock_.period();
+    wake = std::min(wake, sim::opens(now, clock_.period(), in.pop_at(), pipe.push_at()));
+    wake = std::min(wake, sim::opens(now, clock_.period(), pipe.pop_at(), std::max(next, out.push_at())));
+  }
+  activity_.spend(now, clock_.period(), served ? CycleReason::kServing : then, then);
+  return wake;
+}
+
 }  // namespace hw

@@ -1,19 +1,221 @@
 #pragma once
+#include <algorithm>
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "hw_models/memory/l1_cache.h"
+#include "hw_models/memory/messages.h"
 #include "hw_models/memory/unit_names.h"
-#include "hw_models/raster/raster_fetch.h"
-#include "hw_models/raster/raster_memory.h"
-#include "hw_models/raster/raster_stats.h"
 #include "hw_models/raster/raster_unit_config.h"
-#include "hw_models/raster/raster_writes.h"
 #include "hw_models/srp/messages.h"
 #include "sim/activity.h"
 #include "sim/link.h"
+#include "sim/named.h"
+#include "sim/ring.h"
+#include "traces/stream.h"
 
 namespace hw {
+
+/// Arrays of a rasteriser in memory, one behind the other, each on lines of its own.
+struct RasterMemory {
+  static constexpr std::uint32_t kPositionBytes = 12;     ///< a vertex as the scene has it: three floats
+  static constexpr std::uint32_t kIndexBytes = 12;        ///< a triangle: the numbers of its vertices
+  static constexpr std::uint32_t kTransformedBytes = 16;  ///< a vertex in the picture: four floats
+  static constexpr std::uint32_t kEntryBytes = 4;         ///< an entry of a list: the number of a triangle
+
+  Addr positions = 0, indices = 0, transformed = 0, lists = 0, end = 0;
+
+  RasterMemory() = default;
+  RasterMemory(Addr base, const traces::RasterDemands& demands) : positions(base) {
+    indices = whole_lines(positions + Addr{demands.vertices} * kPositionBytes);
+    transformed = whole_lines(indices + Addr{demands.triangles} * kIndexBytes);
+    lists = whole_lines(transformed + Addr{demands.vertices} * kTransformedBytes);
+    end = whole_lines(lists + Addr{demands.entries} * kEntryBytes);
+  }
+  Addr position_at(std::uint32_t vertex) const { return positions + Addr{vertex} * kPositionBytes; }
+  Addr index_at(std::uint32_t triangle) const { return indices + Addr{triangle} * kIndexBytes; }
+  Addr transformed_at(std::uint32_t vertex) const { return transformed + Addr{vertex} * kTransformedBytes; }
+  Addr entry_at(std::uint32_t entry) const { return lists + Addr{entry} * kEntryBytes; }
+};
+
+/// Counters of a rasteriser.
+struct RasterStats {
+  std::uint64_t batches = 0, waves = 0;
+  std::uint64_t triangles = 0, triangles_culled = 0, vertices_transformed = 0, vertices_reused = 0;
+  std::uint64_t entries_written = 0, entries_read = 0, triangles_set_up = 0;
+  std::uint64_t blocks = 0, blocks_hidden = 0, quads = 0, quads_hidden = 0, quad_passes = 0;
+  std::uint64_t samples_covered = 0, samples_hidden = 0, samples_failed = 0, samples_passed = 0, samples_out = 0;
+  std::uint64_t l1_accesses = 0, l1_hits = 0, l1_misses = 0, l1_fills = 0;
+  std::uint64_t writes = 0;
+
+  static void describe(auto& s, auto&& counter) {
+    counter(NAMED(s.batches), "batches of triangles put into lists");
+    counter(NAMED(s.waves), "waves of samples whose primary hits were found");
+    counter(NAMED(s.triangles), "triangles of these batches");
+    counter(NAMED(s.triangles_culled), "of these, triangles that show nowhere in the picture");
+    counter(NAMED(s.vertices_transformed), "vertices transformed", "raster.vertex");
+    counter(NAMED(s.vertices_reused), "vertices found in the vertex cache");
+    counter(NAMED(s.entries_written), "entries of lists written", "raster.list_entry");
+    counter(NAMED(s.entries_read), "entries of lists read");
+    counter(NAMED(s.triangles_set_up), "triangles set up for coverage", "raster.setup");
+    counter(NAMED(s.blocks), "blocks of pixels tested for coarse coverage", "raster.block");
+    counter(NAMED(s.blocks_hidden), "of these, blocks that the hierarchical z buffer left out");
+    counter(NAMED(s.quads), "quads tested for fine coverage");
+    counter(NAMED(s.quads_hidden), "quads in blocks that were left out");
+    counter(NAMED(s.quad_passes), "times that a quad's samples were tested, so many of a pixel at once", "raster.quad");
+    counter(NAMED(s.samples_covered), "samples that triangles cover: those left out, failed and passed together");
+    counter(NAMED(s.samples_hidden), "of these, samples in blocks that were left out");
+    counter(NAMED(s.samples_failed), "of these, samples behind a nearer triangle", "raster.depth_test");
+    counter(NAMED(s.samples_passed), "of these, samples nearer than all before", "raster.depth_write");
+    counter(NAMED(s.samples_out), "samples that left for the tile buffer, with a hit or without", "raster.plane");
+    counter(NAMED(s.l1_accesses), "probes of the L1, but for those that found no free miss register");
+    counter(NAMED(s.l1_hits), "probes that found the line", "cache.l1_read");
+    counter(NAMED(s.l1_misses), "probes that did not", "cache.l1_probe");
+    counter(NAMED(s.l1_fills), "lines filled", "cache.l1_fill");
+    counter(NAMED(s.writes), "lines or parts of lines written: vertices and lists");
+  }
+};
+
+/// Writes of a rasteriser to memory: bytes that follow each other in a line leave together.
+class RasterWrites {
+ public:
+  RasterWrites(std::uint32_t lines, std::uint16_t port) : lines_(lines), port_(port) {}
+
+  /// Room for so many lines besides the one that is being filled.
+  bool has_room(std::uint32_t lines) const { return queue_.size() + lines <= lines_; }
+  bool empty() const { return queue_.empty() && open_.sectors == 0; }
+  /// A line or more waits for the way to memory.
+  bool waiting() const { return !queue_.empty(); }
+  /// Lines closed and sent so far.
+  std::uint64_t closed() const { return sent_ + queue_.size(); }
+  std::uint64_t sent() const { return sent_; }
+
+  /// Adds bytes of one line for a tile. Needs room for a line.
+  void add(Addr first, std::uint32_t bytes, Owner owner) {
+    const Addr line = line_of(first);
+    if (open_.sectors != 0 && open_.line != line) close();
+    const Addr from = (first - line) / kSectorBytes, to = (first + bytes - 1 - line) / kSectorBytes;
+    open_.line = line;
+    open_.source = port_;
+    open_.write = true;
+    open_.owner = owner;
+    open_.sectors = static_cast<SectorMask>(open_.sectors | ((2U << to) - (1U << from)));
+  }
+  /// Nothing more follows in the line that is being filled.
+  void close() {
+    if (open_.sectors == 0) return;
+    queue_.push_back(open_);
+    open_.sectors = 0;
+  }
+  /// Sends a line, if one waits and the link has room; true if so.
+  bool send(sim::Time now, sim::Link<MemRequest>& out) {
+    if (queue_.empty() || !out.can_push(now)) return false;
+    out.push(now, queue_.front());
+    queue_.pop_front();
+    sent_ += 1;
+    return true;
+  }
+
+ private:
+  const std::uint32_t lines_;
+  const std::uint16_t port_;
+  MemRequest open_{.sectors = 0};
+  sim::Ring<MemRequest> queue_;
+  std::uint64_t sent_ = 0;
+};
+
+/// Vertices lately transformed, by number; the oldest goes, whether it has been used again or not.
+class VertexCache {
+ public:
+  explicit VertexCache(std::uint32_t entries) : entries_(entries, kNothing) {}
+
+  /// True if the vertex is here; otherwise it is from now on.
+  bool use(std::uint32_t vertex) {
+    if (std::ranges::find(entries_, std::uint64_t{vertex}) != entries_.end()) return true;
+    entries_[next_] = vertex;
+    next_ = next_ + 1 == entries_.size() ? 0 : next_ + 1;
+    return false;
+  }
+
+ private:
+  static constexpr std::uint64_t kNothing = ~std::uint64_t{0};
+  std::vector<std::uint64_t> entries_;
+  std::size_t next_ = 0;
+};
+
+/// Fetches what triangles need, in their order, ahead of their use.
+///
+///   triangle --> [ entry of the list ] --> [ numbers of its vertices ] --> [ vertices ] --> ready, oldest first
+///
+/// Each stage looks its lines up in the L1, a triangle after the other, and waits for none: a triangle goes on to the
+/// next stage once its lines have come. Of a batch there is no list to read, and vertices lately transformed are not
+/// fetched again. Not modelled: the time that a hit takes, which the window hides.
+class RasterFetch {
+ public:
+  RasterFetch(const RasterUnitConfig& config, const RasterMemory& memory, std::uint16_t port, bool ideal,
+              RasterStats& stats)
+      : memory_(memory),
+        l1_(config.l1, port, ideal),
+        lookups_(config.lookups),
+        slots_(config.window),
+        vertex_cache_(config.vertex_cache),
+        stats_(stats) {}
+
+  bool has_room() const { return entered_ - left_ < slots_.size(); }
+  bool empty() const { return entered_ == left_; }
+  /// A triangle enters; `entry`: where it stands among the lists, or kBatch; `owner`: the tile that it is for.
+  void enter(const traces::RasterTriangle& triangle, std::uint32_t entry, Owner owner);
+  static constexpr std::uint32_t kBatch = traces::WorkNode::kNone;
+
+  /// The oldest triangle has all that it needs.
+  bool ready() const { return !empty() && done_[kLast] > left_ && slot(left_).pending == 0; }
+  /// Vertices of it that must be transformed.
+  std::uint32_t missed() const { return slot(left_).missed; }
+  std::array<std::uint32_t, 3> missed_vertices() const { return slot(left_).vertices; }
+  void leave() { left_ += 1; }
+
+  /// Looks lines up; true if something was done.
+  bool look_up();
+  void fill(Addr line);
+  void send(sim::Time now, sim::Link<MemRequest>& out) { l1_.send(now, out); }
+  sim::Time send_at(sim::Time next, const sim::Link<MemRequest>& out) const { return l1_.send_at(next, out); }
+  std::string state() const;
+
+ private:
+  enum Stage : std::uint8_t { kList, kIndices, kVertices, kStages };
+  static constexpr Stage kLast = kVertices;
+  static constexpr std::size_t kMostLines = 6;  ///< three vertices, each across the end of a line
+  struct Slot {
+    const traces::RasterTriangle* triangle = nullptr;
+    std::uint32_t entry = kBatch;
+    std::uint32_t pending = 0;  ///< lines on their way
+    std::array<Addr, kMostLines> lines{};
+    std::uint32_t count = 0, next = 0;  ///< lines of the present stage, and the next to be looked up
+    bool listed = false;                ///< `lines` are those of the present stage
+    std::uint32_t missed = 0;
+    std::array<std::uint32_t, 3> vertices{};  ///< those missed
+  };
+
+  Slot& slot(std::uint64_t number) { return slots_[number % slots_.size()]; }
+  const Slot& slot(std::uint64_t number) const { return slots_[number % slots_.size()]; }
+  /// Looks one line up at a stage, or lets a triangle without any pass; false if it cannot. Counts what it looked up.
+  bool advance(Stage stage, std::uint32_t& looked);
+  void list_lines(Stage stage, Slot& slot);
+  void list_vertices(Slot& slot);
+  static void add(Slot& slot, Addr first, std::uint32_t bytes);
+
+  const RasterMemory memory_;
+  L1Cache l1_;
+  const std::uint32_t lookups_;
+  std::vector<Slot> slots_;
+  std::uint64_t entered_ = 0, left_ = 0;       ///< triangles, counted
+  std::array<std::uint64_t, kStages> done_{};  ///< triangles that have been through a stage's look-ups
+  VertexCache vertex_cache_;
+  RasterStats& stats_;
+};
 
 /// A core's tile-based rasteriser. In the geometry pass it puts triangles into lists, later it finds a wave's primary
 /// hits by the list of its tile:

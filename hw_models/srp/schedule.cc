@@ -8,8 +8,6 @@
 #include <optional>
 
 #include "hw_models/srp/schedule_graph.h"
-#include "hw_models/srp/schedule_rows.h"
-#include "hw_models/srp/schedule_units.h"
 
 namespace hw {
 namespace {

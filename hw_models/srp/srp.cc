@@ -1,9 +1,13 @@
 #include "hw_models/srp/srp.h"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
+#include <utility>
 
 #include <fmt/format.h>
+
+#include "hw_models/srp/data_cache.h"
 
 namespace hw {
 
@@ -265,6 +269,289 @@ std::string Srp::state() const {
   return fmt::format("{}, rays in T&I {}, ray slots {}/{}, feeds {}, DMA jobs {}{}",
                      run_.active ? (run_.stalled_since == sim::kNever ? "running" : "stalled") : "array idle",
                      rays_out_, buffer_.used(), buffer_.slots(), feeds_.size(), dma_.size(), tiles);
+}
+
+using traces::WorkNode;
+
+bool Srp::fits(std::uint32_t tile, std::uint32_t node) const {
+  const TileRun& run = tiles_[tile];
+  const std::uint64_t rays = run.rays_made(node, run.done(node), run.chunk_items(node));
+  if (rays == 0) return true;
+  const std::uint32_t wave = frame_.needs.wave_samples != 0 ? frame_.needs.wave_samples : frame_.needs.tile_samples;
+  const bool first_rays_of_younger = tile != by_age_.front() && !run.follows_rays(node);
+  return buffer_.free() >= rays + (first_rays_of_younger ? wave : 0);
+}
+
+void Srp::start_chunk(sim::Time now) {
+  look_ = false;
+  blocked_ = false;
+  for (const std::uint32_t tile : by_age_) {
+    const std::uint32_t node = tiles_[tile].next_launch([&](std::uint32_t n) {
+      if (fits(tile, n)) return true;
+      blocked_ = true;
+      return false;
+    });
+    if (node != TileRun::kNone) return begin_chunk(now, tile, node);
+  }
+  if (!blocked_) return;
+  const bool rays_can_go = std::ranges::any_of(feeds_, [&](const Feed& f) { return feed_at(f) != sim::kNever; });
+  // The oldest tile's imports come, as they are of tiles that are older still. Those of younger tiles may be of this
+  // one.
+  const bool data_come =
+      spills_done_ < spills_asked_ || transfers_awaited_ > 0 || tiles_[by_age_.front()].awaits_border();
+  if (rays_out_ > 0 || rays_can_go || data_come) return;
+  for (const std::uint32_t tile : by_age_) {
+    const std::uint32_t node = tiles_[tile].next_launch([](std::uint32_t) { return true; });
+    if (node != TileRun::kNone) return begin_chunk(now, tile, node);
+  }
+}
+
+/// Cycles until the array can run the kernel.
+std::uint64_t Srp::switch_to(traces::KernelId kernel) {
+  if (std::exchange(configured_, kernel) == kernel || frame_.ideal) return 0;
+  const std::uint32_t rows = frame_.kernels[kernel].ii;
+  const bool resident = config_memory_.use(kernel, config_.config_bytes(rows));
+  stats_.add_switch(rows, resident);
+  return config_.switch_cycles + (resident ? 0 : config_.load_cycles(rows));
+}
+
+/// Puts a launch's next chunk into the loop. Rays for which there are no slots go out to memory and back.
+void Srp::add_part(std::uint32_t tile, std::uint32_t node) {
+  TileRun& run = tiles_[tile];
+  const std::uint32_t first = run.done(node), items = run.chunk_items(node);
+  run_.parts.add({tile, node, first, items, run.working(node, first, items)});
+  const std::uint64_t spilled = buffer_.take(run.rays_made(node, first, items));
+  for (const std::uint32_t batch : run.batches_of(node)) {
+    if (first == 0 && run.node(batch).kind == WorkNode::Kind::kRays) feeds_.push_back({tile, batch, 0, 0});
+  }
+  if (spilled == 0) return;
+  // Ray out and in again before it is issued, then its hit out and in again before it is shaded.
+  const auto bytes = static_cast<std::uint32_t>(2 * spilled * buffer_.slot_bytes());
+  buffer_.read(bytes / kAccess);
+  buffer_.write(bytes / kAccess);
+  const Addr spill = frame_.areas[static_cast<std::size_t>(Area::kSpill)];
+  dma_.push_back({spill, bytes, true, kSpillTag, Area::kSpill, 0, run.owner()});
+  dma_.push_back({spill, bytes, false, kSpillTag, Area::kSpill, 0, run.owner()});
+  spills_asked_ += 2;
+  for (Feed& f : feeds_) {
+    if (f.tile == tile && run.producer(f.batch) == node) f.after_spill = spills_asked_;
+  }
+}
+
+/// Puts into the loop what else waits for this kernel, oldest tile first, as far as a chunk's items and ray slots go.
+void Srp::join_launches(const WorkNode& work) {
+  for (const std::uint32_t tile : by_age_) {
+    const TileRun& run = tiles_[tile];
+    const auto joins = [&](std::uint32_t n) {
+      return run.node(n).kernel == work.kernel && run.node(n).has_accesses == work.has_accesses &&
+             run_.parts.items() + run.chunk_items(n) <= config_.chunk && run_.parts.find(tile, n) == nullptr &&
+             fits(tile, n);
+    };
+    for (std::uint32_t n = run.next_launch(joins); n != TileRun::kNone; n = run.next_launch(joins)) add_part(tile, n);
+  }
+}
+
+void Srp::begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node) {
+  const WorkNode& work = tiles_[tile].node(node);
+  const KernelSchedule& kernel = frame_.kernels[work.kernel];
+  blocked_ = false;
+  run_.parts.clear();
+  lines_of_ = kNoItem;
+  add_part(tile, node);
+  if (config_.merge) join_launches(work);
+  const std::uint32_t items = run_.parts.items(), working = run_.parts.working();
+  const bool conflicts = !frame_.ideal && !frame_.ideal_buffer;
+  const std::uint64_t conflict_cycles = conflicts ? frame_.conflicts[work.kernel].of(items) : 0;
+  const sim::Time configured = clock_.after(now, switch_to(work.kernel));
+  run_ = Run{.active = true,
+             .kernel = work.kernel,
+             .parts = std::move(run_.parts),
+             .loading = work.has_accesses ? working : 0,
+             .begin = now,
+             .without_rays = time_without_rays(now),
+             .configured = configured,
+             .start = clock_.after(configured, conflict_cycles),
+             .ii = frame_.ideal ? 0 : kernel.ii,
+             .depth = frame_.ideal ? 1 : kernel.depth};
+  stats_.add(kernel, items, working);
+  stats_.launches += run_.parts.size();
+  if (run_.parts.size() > 1) stats_.merged += 1;
+  buffer_.read(std::uint64_t{items} * kernel.local_reads);
+  buffer_.write(std::uint64_t{items} * kernel.local_writes);
+  buffer_.conflict(conflict_cycles);
+  kernel_use_[work.kernel].launches += 1;
+  kernel_use_[work.kernel].items += items;
+  kernel_use_[work.kernel].idle += items - working;
+}
+
+/// Shares out a loop's cycles among its tiles by their items, whole cycles that add up.
+void Srp::charge_tiles(std::uint64_t cycles) {
+  std::uint64_t items = 0, charged = 0;
+  for (const LoopPart& part : run_.parts) {
+    items += part.items;
+    const std::uint64_t until = cycles * items / run_.parts.items();
+    frame_.book->of(tiles_[part.tile].owner()).srp_cycles += until - charged;
+    charged = until;
+  }
+}
+
+void Srp::show_loop(sim::Time now, std::uint64_t cycles) const {
+  frame_.observer->loop_ends(frame_.core, {.kernel = run_.kernel,
+                                           .begin = run_.begin,
+                                           .configured = run_.configured,
+                                           .start = run_.start,
+                                           .end = now,
+                                           .stalled = run_.stall_time,
+                                           .cycles = cycles,
+                                           .items = run_.parts.items(),
+                                           .launches = static_cast<std::uint32_t>(run_.parts.size()),
+                                           .tile = tiles_[run_.parts.begin()->tile].owner()});
+}
+
+/// The hit may have been the last of its batch.
+void Srp::show_hit(sim::Time now, std::uint32_t tile, std::uint32_t ray) const {
+  const TileRun& run = tiles_[tile];
+  const std::uint32_t batch = run.batch_of(ray);
+  if (run.complete(batch)) frame_.observer->batch_ends(frame_.core, tile, batch, run.node(batch), rays_out_, now);
+}
+
+void Srp::fill(sim::Time now) {
+  if (arrivals_.lines > now) return;
+  const L1Cache::Miss miss = cache_.fill(links_.memory_in.pop(now).line);
+  stats_.cache_fills += 1;
+  stats_.cache_miss_cycles += clock_.cycles(now) - miss.asked_at;
+  for (std::uint64_t waited = miss.slots; waited != 0; waited &= waited - 1) {
+    const auto slot = static_cast<std::uint32_t>(std::countr_zero(waited));
+    if (--lines_missing_[slot] == 0) missing_ &= ~(std::uint64_t{1} << slot);
+  }
+  full_ = false;
+}
+
+/// True if the lines that are needed at this point of array time have come; else the array stalls.
+bool Srp::loads_in_time(sim::Time now) {
+  if (run_.stalled_since != sim::kNever) {
+    const bool late =
+        !loads_.empty() && loads_.front().needed == array_time(now) && ((missing_ >> loads_.front().slot) & 1U) != 0;
+    if (late || full_) return false;
+    resume(now);
+  }
+  const sim::Time at = array_time(now);
+  while (!loads_.empty() && loads_.front().needed <= at) {
+    if ((missing_ >> loads_.front().slot) & 1U) {
+      stall(now);
+      return false;
+    }
+    loads_.pop_front();
+  }
+  return true;
+}
+
+/// The item that enters the loop now asks the data cache for its lines. False if the array stalled.
+bool Srp::issue_loads(sim::Time now) {
+  const sim::Time at = array_time(now);
+  if (run_.next_item == run_.loading || at < sim::Time{run_.next_item} * run_.ii * clock_.period()) return true;
+  const std::uint32_t slot = run_.next_item % kMostLoadCycles;
+  if (!ask(now, run_.next_item)) {
+    stall(now);
+    return false;
+  }
+  if ((missing_ >> slot & 1U) != 0) loads_.push_back({at + config_.latency.cached() * clock_.period(), slot});
+  run_.next_item += 1;
+  issue_ready_hits();
+  return true;
+}
+
+/// Issues items ahead of their time where that changes nothing: those that touch no line, and those whose lines are all
+/// here while none is on its way, so that nothing is filled.
+inline void Srp::issue_ready_hits() {
+  for (; run_.next_item < run_.loading; ++run_.next_item) {
+    if (accesses_of(run_.next_item).empty()) continue;
+    if (cache_.outstanding() != 0) return;
+    collect_lines(run_.next_item);
+    if (!std::ranges::all_of(item_lines_, [&](Addr line) { return cache_.holds(line); })) return;
+    for (const Addr line : item_lines_) cache_.access(line, 0);
+    stats_.cache_accesses += item_lines_.size();
+    stats_.cache_hits += item_lines_.size();
+  }
+}
+
+/// An item of the present chunk asks for its lines, those it has not asked for yet. False if there is no MSHR
+/// left.
+inline bool Srp::ask(sim::Time now, std::uint32_t item) {
+  const std::uint32_t slot = item % kMostLoadCycles;
+  collect_lines(item);
+  cache_.belongs(slot, tiles_[run_.parts.of(item).tile].owner());
+  for (; run_.next_line < item_lines_.size(); ++run_.next_line) {
+    stats_.cache_accesses += 1;
+    const L1Cache::Result result = cache_.access(item_lines_[run_.next_line], slot, clock_.cycles(now));
+    if (result == L1Cache::Result::kHit) {
+      stats_.cache_hits += 1;
+      continue;
+    }
+    stats_.cache_misses += 1;
+    if (result == L1Cache::Result::kFull) {
+      stats_.mshr_full += 1;
+      full_ = true;
+      return false;
+    }
+    lines_missing_[slot] += 1;
+    missing_ |= std::uint64_t{1} << slot;
+  }
+  run_.next_line = 0;
+  return true;
+}
+
+/// All items of an ideal shader core ask at once, as far as there are MSHRs. True when every line has come.
+bool Srp::load_all(sim::Time now) {
+  while (!full_ && run_.next_item < run_.loading && ask(now, run_.next_item)) run_.next_item += 1;
+  if (full_ || cache_.outstanding() > 0) {
+    if (run_.stalled_since == sim::kNever) stall(now);
+    return false;
+  }
+  if (run_.stalled_since != sim::kNever) resume(now);
+  return true;
+}
+
+/// Accesses of an item of the present loop.
+inline std::span<const traces::Access> Srp::accesses_of(std::uint32_t item) const {
+  const LoopPart& part = run_.parts.of(item);
+  const traces::TileWork& work = tiles_[part.tile].work();
+  const std::uint32_t* begin = &work.access_begin[work.nodes[part.node].first + part.first + item - part.begin];
+  return std::span(work.accesses).subspan(begin[0], begin[1] - begin[0]);
+}
+
+void Srp::collect_lines(std::uint32_t item) {
+  if (lines_of_ == item) return;
+  lines_of_ = item;
+  item_lines_.clear();
+  for (const traces::Access& access : accesses_of(item)) {
+    const LineSet lines = lines_of(access, *frame_.layout);
+    for (std::uint32_t i = 0; i < lines.count; ++i) {
+      if (std::ranges::find(item_lines_, lines.line[i]) == item_lines_.end()) item_lines_.push_back(lines.line[i]);
+    }
+  }
+}
+
+void Srp::start_raster(std::uint32_t tile, std::uint32_t node) {
+  raster_.push_back({&tiles_[tile].work(), node, handle_of(tile, node), tiles_[tile].owner()});
+  if (tiles_[tile].is_awaited(node)) transfers_awaited_ += 1;
+}
+
+/// Hands nodes to the rasteriser and takes them back.
+void Srp::meet_rasteriser(sim::Time now) {
+  if (links_.raster_in->can_pop(now)) {
+    const std::uint32_t tag = links_.raster_in->pop(now).tag;
+    const std::uint32_t tile = tile_of_handle(tag), node = index_of_handle(tag);
+    const traces::WorkNode& done = tiles_[tile].node(node);
+    if (done.kind == traces::WorkNode::Kind::kRaster) {
+      buffer_.write((std::uint64_t{done.items} * frame_.plane_bytes + kAccess - 1) / kAccess);
+    }
+    if (tiles_[tile].is_awaited(node)) transfers_awaited_ -= 1;
+    finish_items(now, tile, node, done.items);
+  }
+  if (raster_.empty() || !links_.raster_out->can_push(now)) return;
+  links_.raster_out->push(now, raster_.front());
+  raster_.pop_front();
 }
 
 }  // namespace hw

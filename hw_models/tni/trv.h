@@ -11,13 +11,28 @@
 #include "hw_models/tni/timing_wheel.h"
 #include "hw_models/tni/tni_config.h"
 #include "hw_models/tni/tree_in_memory.h"
-#include "hw_models/tni/trv_features.h"
 #include "sim/activity.h"
 #include "sim/counter_kind.h"
 #include "sim/link.h"
 #include "sim/named.h"
 
 namespace hw {
+
+/// Features of a traversal unit that it asks about in every cycle.
+struct TrvFeatures {
+  bool instances = false;   ///< a visit may carry the ray into an instance instead
+  bool plain = true;        ///< a visit is one pass that reads one line and tests two boxes in floating point
+  bool one_pipe = false;    ///< passes, pops and leaves share a pipe
+  bool ideal = false;       ///< any number of operations a cycle
+  bool prefetches = false;  ///< far nodes are asked for ahead of need
+  bool reorders = true;     ///< misses are reordered, and there are some
+  bool stack = true;        ///< a ray's stack keeps at least one entry
+
+  friend bool operator==(const TrvFeatures&, const TrvFeatures&) = default;
+};
+
+/// The features of the default machine, which Trv::tick knows while it is compiled.
+inline constexpr TrvFeatures kDefaultTrvFeatures{};
 
 /// A traversal unit (TRV): takes independent rays through a 2-wide BVH, three sub-pipes side by side, each one
 /// operation a cycle.
@@ -34,7 +49,7 @@ namespace hw {
 /// With one box tester (the unit of before 2014) a visit is two passes, child 0 then child 1, and passes, pops and
 /// leaves share one pipe: one of them enters a cycle, a leaf for `count` cycles. Each keeps its own latency.
 /// In a scene of instances a ray that comes to one reads its record, a line through the L1, and is carried into its
-/// space instead of a visit (trv_instances.cc). Its slot keeps the ray as it was, so that leaving, which goes with the
+/// space instead of a visit. Its slot keeps the ray as it was, so that leaving, which goes with the
 /// pop of an entry from outside, costs nothing more. Not modelled: under `rau` a ray could give its slot of the input
 /// buffer to another while it waits in the table.
 class Trv {

@@ -6,7 +6,7 @@
 #include <benchmark/benchmark.h>
 
 #include "hw_models/dram/dram_channel.h"
-#include "hw_models/dram/dram_player.h"
+#include "hw_models/dram/dram_measurements.h"
 #include "hw_models/memory/cache_tags.h"
 #include "sim/config/config.h"
 #include "sim/hash.h"

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "hw_models/machines/ideal_config.h"
+#include "hw_models/machines/gpu_config.h"
 #include "hw_models/srp/srp.h"
 #include "hw_models/tni/trv.h"
 #include "tools/analysis/units.h"

@@ -6,7 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "hw_models/machines/ideal_config.h"
+#include "hw_models/machines/gpu_config.h"
 #include "sim/io/printable.h"
 
 namespace tools {

@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "hw_models/dram/dram_closed_forms.h"
-#include "hw_models/dram/dram_player.h"
+#include "hw_models/dram/dram_measurements.h"
 #include "tests/hw_models/dram/dram_harness.h"
 
 // Page policies, schedulers, a device of two ranks; every kind of controller on every engine.

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "hw_models/dram/dram_map.h"
+#include "hw_models/dram/dram_config.h"
 
 namespace hw {
 namespace {

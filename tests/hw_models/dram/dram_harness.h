@@ -1,6 +1,5 @@
 #pragma once
-#include "hw_models/dram/dram_closed_forms.h"
-#include "hw_models/dram/dram_player.h"
+#include "hw_models/dram/dram_measurements.h"
 #include "tests/hw_models/memory/harness.h"
 
 namespace hw::test {

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "hw_models/dram/dram_device.h"
-#include "hw_models/dram/dram_player.h"
+#include "hw_models/dram/dram_measurements.h"
 #include "sim/config/config.h"
 #include "sim/error.h"
 

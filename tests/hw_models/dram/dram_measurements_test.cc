@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include "hw_models/dram/dram_closed_forms.h"
 #include "sim/config/config.h"
 
 namespace hw::test {

@@ -1,6 +1,6 @@
-#include "hw_models/dram/dram_page_policy.h"
-
 #include <gtest/gtest.h>
+
+#include "hw_models/dram/dram_scheduler.h"
 
 namespace hw {
 namespace {

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "hw_models/dram/dram_closed_forms.h"
+#include "hw_models/dram/dram_measurements.h"
 #include "tests/hw_models/dram/dram_harness.h"
 
 // Refreshes bank by bank, in pairs and of whole ranks; power-down.

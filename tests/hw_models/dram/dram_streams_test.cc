@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "hw_models/dram/dram_player.h"
+#include "hw_models/dram/dram_measurements.h"
 #include "sim/config/config.h"
 
 // LPDDR5 streams beside the published rules of Ramulator 2.1 (python/ramulator/dram/lpddr5.py, LPDDR controller), in

@@ -1,9 +1,8 @@
-#include "hw_models/machines/perturbation.h"
-
 #include <set>
 
 #include <gtest/gtest.h>
 
+#include "hw_models/machines/gpu.h"
 #include "tests/hw_models/machines/gpu_harness.h"
 #include "tests/hw_models/machines/random_config.h"
 

@@ -1,6 +1,6 @@
-#include "hw_models/memory/l2_store.h"
-
 #include <gtest/gtest.h>
+
+#include "hw_models/memory/l2_bank.h"
 
 namespace hw {
 namespace {

@@ -1,8 +1,8 @@
-#include "hw_models/srp/config_memory.h"
-
 #include <array>
 
 #include <gtest/gtest.h>
+
+#include "hw_models/srp/array_loop.h"
 
 namespace hw {
 namespace {

@@ -1,7 +1,6 @@
-#include "hw_models/srp/schedule_rows.h"
-
 #include <gtest/gtest.h>
 
+#include "hw_models/srp/schedule_graph.h"
 #include "sim/hash.h"
 
 namespace hw::test {

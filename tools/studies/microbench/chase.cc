@@ -1,6 +1,6 @@
 #include <optional>
 
-#include "hw_models/dram/dram_map.h"
+#include "hw_models/dram/dram_config.h"
 #include "sim/report/conversions.h"
 #include "tools/studies/microbench/benchmark.h"
 #include "tools/studies/microbench/memory_forms.h"

@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "hw_models/dram/dram_player.h"
+#include "hw_models/dram/dram_measurements.h"
 
 namespace tools {
 

@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdint>
 
-#include "hw_models/dram/dram_closed_forms.h"
+#include "hw_models/dram/dram_measurements.h"
 #include "hw_models/machines/gpu.h"
 #include "sim/time.h"
 #include "tools/studies/microbench/figure.h"

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "hw_models/machines/ray_source.h"
+#include "hw_models/machines/ray_machine.h"
 #include "sim/engine.h"
 #include "tools/studies/microbench/benchmark.h"
 #include "tools/studies/microbench/tni_forms.h"

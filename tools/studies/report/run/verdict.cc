@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "hw_models/machines/ideal_config.h"
+#include "hw_models/machines/gpu_config.h"
 #include "sim/report/table.h"
 #include "tools/studies/report/run/run_parts.h"
 
