@@ -54,8 +54,8 @@ class L1Cache {
     return true;
   }
 
-  /// Takes what a slot asks for from now on as asked for this tile.
-  void belongs(std::uint32_t slot, Owner owner) { owners_[slot] = owner; }
+  /// Attributes later requests of this slot to the given tile.
+  void set_slot_tile(std::uint32_t slot, Owner owner) { owners_[slot] = owner; }
   Owner owner(std::uint32_t slot) const { return owners_[slot]; }
 
   /// The line has come: who waited for it, since when it was on its way.

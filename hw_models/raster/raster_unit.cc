@@ -8,7 +8,7 @@
 namespace hw {
 
 void RasterFetch::enter(const traces::RasterTriangle& triangle, std::uint32_t entry, Owner owner) {
-  l1_.belongs(static_cast<std::uint32_t>(entered_ % slots_.size()), owner);
+  l1_.set_slot_tile(static_cast<std::uint32_t>(entered_ % slots_.size()), owner);
   Slot& s = slot(entered_++);
   s = Slot{};
   s.triangle = &triangle;

@@ -480,7 +480,7 @@ inline void Srp::issue_ready_hits() {
 inline bool Srp::ask(sim::Time now, std::uint32_t item) {
   const std::uint32_t slot = item % kMostLoadCycles;
   collect_lines(item);
-  cache_.belongs(slot, tiles_[run_.parts.of(item).tile].owner());
+  cache_.set_slot_tile(slot, tiles_[run_.parts.of(item).tile].owner());
   for (; run_.next_line < item_lines_.size(); ++run_.next_line) {
     stats_.cache_accesses += 1;
     const L1Cache::Result result = cache_.access(item_lines_[run_.next_line], slot, clock_.cycles(now));

@@ -14,7 +14,7 @@ void FetchStage::missed(Addr line, std::uint64_t slot) {
   if (l1_.on_its_way(line)->slots == slot) rows_used_ += 1;
 }
 
-void FetchStage::go_on(Addr line, std::uint64_t slots) {
+void FetchStage::unblock_waiters(Addr line, std::uint64_t slots) {
   resume(no_mshr_);
   if (handling_ == MissHandling::kBlocking) {
     if (slots != 0) stalled_ = false;

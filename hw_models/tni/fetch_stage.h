@@ -73,14 +73,16 @@ class FetchStage {
   FetchStage(const FetchStage&) = delete;
   FetchStage& operator=(const FetchStage&) = delete;
 
-  /// Slots that may read now, among those that want to.
-  std::uint64_t able() const {
+  /// Slots that may probe in this cycle.
+  std::uint64_t issuable_slots() const {
     if (handling_ <= MissHandling::kBypass) return ready_;
     const std::uint64_t first = ready_ & (served_ | resumed_);
     return (first != 0 || stalled_) ? first : ready_;
   }
-  /// True if a slot stands in the fetch stage, or goes on from where it stood, before all others.
-  bool stands() const { return handling_ >= MissHandling::kRau && (stalled_ || (ready_ & (served_ | resumed_)) != 0); }
+  /// True while a stalled (or just resumed) slot has priority over all others.
+  bool is_stalled() const {
+    return handling_ >= MissHandling::kRau && (stalled_ || (ready_ & (served_ | resumed_)) != 0);
+  }
   bool bypasses() const { return handling_ == MissHandling::kBypass; }
   /// The resource that slots wait for, the scarcest first.
   Wait waits_for() const {
@@ -89,7 +91,7 @@ class FetchStage {
     return missing_ != 0 ? Wait::kLine : Wait::kNothing;
   }
 
-  /// A slot of able() probes for its line. If it misses, it tries again by itself, except under `bypass`.
+  /// A slot of issuable_slots() probes for its line. If it misses, it tries again by itself, except under `bypass`.
   [[gnu::noinline]] Wait read(std::uint32_t slot, Addr line, std::uint64_t cycle) {
     const std::uint64_t bit = std::uint64_t{1} << slot;
     ready_ &= ~bit;
@@ -134,17 +136,16 @@ class FetchStage {
     return Wait::kMshr;
   }
 
-  /// Reads the line at the slot's first probe if it is here, as it nearly always is: the unit then takes the slot out
-  /// of `ready`. False, and nothing done, if read() is needed. For misses that are reordered, in a cache that is not
-  /// ideal.
-  bool reads_at_once(std::uint64_t bit, Addr line) {
+  /// Fast path: a first probe that hits; the unit then clears the slot's bit in `ready`. Returns false without side
+  /// effects if read() is needed. Only for reordered misses in a cache that is not ideal.
+  bool try_first_probe_hit(std::uint64_t bit, Addr line) {
     if (((served_ | late_) & bit) != 0 || !l1_.hit(line)) [[unlikely]]
       return false;
     stats_.l1_hits += 1;
     return true;
   }
 
-  /// A line has come.
+  /// Fills a line and makes the slots that wait for it ready.
   void fill(Addr line, std::uint64_t cycle) {
     const L1Cache::Miss miss = l1_.fill(line);
     stats_.l1_fills += 1;
@@ -153,7 +154,7 @@ class FetchStage {
     if (bypasses()) return;
     missing_ &= ~miss.slots;
     ready_ |= miss.slots | no_mshr_;  // an MSHR is free again: those that found none try again
-    if (handling_ != MissHandling::kReorder) go_on(line, miss.slots);
+    if (handling_ != MissHandling::kReorder) unblock_waiters(line, miss.slots);
     no_mshr_ = 0;
   }
 
@@ -165,8 +166,8 @@ class FetchStage {
   bool can_prefetch() const { return l1_.free_mshrs() >= 2; }
   /// Prefetches the line, on behalf of a slot, unless it is here or on its way.
   bool prefetch(Addr line, std::uint32_t slot, std::uint64_t cycle) { return l1_.prefetch(line, slot, cycle); }
-  /// Takes what a slot asks for from now on as asked for this tile.
-  void belongs(std::uint32_t slot, Owner owner) { l1_.belongs(slot, owner); }
+  /// Attributes later requests of this slot to the given tile.
+  void set_slot_tile(std::uint32_t slot, Owner owner) { l1_.set_slot_tile(slot, owner); }
   Owner owner(std::uint32_t slot) const { return l1_.owner(slot); }
 
   /// Requests that have not left yet.
@@ -187,21 +188,21 @@ class FetchStage {
  private:
   static constexpr Addr kAnyRow = ~Addr{0};
 
-  /// A slot has read its line, at the first probe or later.
+  /// Counts a read that succeeded, at the first probe or later.
   void note_read(std::uint64_t slot) {
     stats_.l1_late += (late_ & slot) != 0;
     late_ &= ~slot;
   }
-  /// A slot that tries again no longer waits for what it missed.
+  /// Clears the wait states of a slot that probes again.
   void forget(std::uint64_t slot) {
     missing_ &= ~slot;
     no_mshr_ &= ~slot;
     resumed_ &= ~slot;
   }
-  /// A slot now waits for the line: under `rau` in a row, under `blocking` where it stands.
+  /// Makes a slot that missed wait: under `rau` in a row of the table, under `blocking` in the fetch stage.
   void missed(Addr line, std::uint64_t slot);
-  /// A line has come, or an MSHR is free: slots that stand in the fetch stage go on.
-  void go_on(Addr line, std::uint64_t slots);
+  /// A fill or a freed MSHR unblocks stalled slots.
+  void unblock_waiters(Addr line, std::uint64_t slots);
   bool room_in_table(Addr line);
   void leave_table(std::uint64_t slot);
   void resume(std::uint64_t slot);

@@ -51,14 +51,14 @@ inline bool Ist::take_leaf(sim::Time now) {
   occupied_ |= bit(index);
   waiting_[kToFetch] |= bit(index);
   slots_[index] = Slot{leaves_in_[trv].pop(now), trv, 0, false, 0};
-  fetch_.belongs(index, slots_[index].job.owner);
+  fetch_.set_slot_tile(index, slots_[index].job.owner);
   fetch_.look_ahead(line_of(triangles_.base + Addr{slots_[index].job.first} * triangles_.bytes));
   stats_.leaves_in += 1;
   return true;
 }
 
 /// Slots that may read now, among those that want to.
-inline std::uint64_t Ist::able() const { return reorders_ ? waiting_[kToFetch] : fetch_.able(); }
+inline std::uint64_t Ist::issuable_slots() const { return reorders_ ? waiting_[kToFetch] : fetch_.issuable_slots(); }
 
 inline void Ist::read(Slot& slot, std::uint32_t index, bool last_line, std::uint64_t cycle) {
   if (!last_line) {
@@ -89,7 +89,7 @@ inline void Ist::read(Slot& slot, std::uint32_t index, bool last_line, std::uint
   // Found without a branch: whether it is the first or the second line no host foresees.
   const Addr line = line_of(begin + (triangles_.bytes - 1) * Addr{slot.second_line});
   FetchStage::Wait wait = FetchStage::Wait::kNothing;
-  if (reorders_ && fetch_.reads_at_once(bit(index), line)) {
+  if (reorders_ && fetch_.try_first_probe_hit(bit(index), line)) {
     waiting_[kToFetch] &= ~bit(index);
   } else {
     wait = fetch_.read(index, line, cycle);
@@ -107,7 +107,7 @@ inline void Ist::read(Slot& slot, std::uint32_t index, bool last_line, std::uint
 
 [[gnu::always_inline]] inline Ist::CycleReason Ist::issue(std::uint64_t cycle) {
   CycleReason why = CycleReason::kStarved;  // nothing is tried
-  for (std::uint64_t slots = able(); slots != 0; slots = ideal_ ? able() : 0) {
+  for (std::uint64_t slots = issuable_slots(); slots != 0; slots = ideal_ ? issuable_slots() : 0) {
     const CycleReason one = issue_one(slots, cycle);
     if (why == CycleReason::kStarved || one == CycleReason::kTesting) why = one;
   }
@@ -137,7 +137,7 @@ inline Ist::CycleReason Ist::waiting() const {
 
 inline sim::Time Ist::next_wake(const Cycle& cycle) const {
   const sim::Time next = cycle.next;
-  if ((able() | waiting_[kToAnswer]) != 0) return next;
+  if ((issuable_slots() | waiting_[kToAnswer]) != 0) return next;
   sim::Time at = pipe_.next(cycle);
   if (free_ != 0) at = std::min(at, std::max(next, leaves_in_.pop_at()));
   at = std::min(at, std::max(next, line_at_));
@@ -147,11 +147,11 @@ inline sim::Time Ist::next_wake(const Cycle& cycle) const {
 sim::Time Ist::tick(const Cycle& cycle) {
   const sim::Time now = cycle.now;
   pipe_.take(cycle.number, waiting_);
-  if (line_at_ <= now) as_often_as_may_be(ideal_, [&] { return fill(cycle); });
-  as_often_as_may_be(ideal_, [&] { return take_leaf(now); });
+  if (line_at_ <= now) run_once_or_drain(ideal_, [&] { return fill(cycle); });
+  run_once_or_drain(ideal_, [&] { return take_leaf(now); });
   const CycleReason tested = issue(cycle.number);
   const bool tried = tested != CycleReason::kStarved;
-  if (waiting_[kToAnswer] != 0) as_often_as_may_be(ideal_, [&] { return answer(now); });
+  if (waiting_[kToAnswer] != 0) run_once_or_drain(ideal_, [&] { return answer(now); });
   fetch_.send(now, memory_out_);
   const sim::Time wake = next_wake(cycle);
   const CycleReason then = tried && wake == cycle.next ? tested : waiting();

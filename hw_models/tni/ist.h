@@ -104,7 +104,7 @@ class Ist {
 
   bool fill(const Cycle& cycle);
   bool take_leaf(sim::Time now);
-  std::uint64_t able() const;
+  std::uint64_t issuable_slots() const;
   CycleReason issue(std::uint64_t cycle);
   CycleReason issue_one(std::uint64_t able, std::uint64_t cycle);
   void read(Slot& slot, std::uint32_t index, bool last_line, std::uint64_t cycle);

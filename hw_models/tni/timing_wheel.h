@@ -38,8 +38,8 @@ class TimingWheel {
     assert(last_ < kMostSpan);
   }
 
-  /// Takes the slots that come out in this cycle into `waiting`, without a branch: whether any do no host foresees. The
-  /// cycles in which some do are asked for one after the other: next() says which.
+  /// Moves the slots that complete in this cycle into `waiting`. Branch-free: completions are unpredictable. Must be
+  /// called in every cycle in which slots complete, in order (next()).
   void take(std::uint64_t cycle, Masks& waiting) {
     const std::uint64_t bin = cycle & last_;
     All out, here;
@@ -57,9 +57,9 @@ class TimingWheel {
     bins_[bin][pipe] |= std::uint64_t{1} << slot;
     occupied_ |= std::uint64_t{1} << bin;
   }
-  /// Is 1 if a slot comes out in this cycle, else 0.
+  /// Returns 1 if a slot comes out in this cycle, else 0.
   std::uint64_t comes_out(std::uint64_t cycle) const { return (occupied_ >> (cycle & last_)) & 1U; }
-  /// When the next slot comes out, behind this cycle; kNever if the pipes are empty.
+  /// Returns when the next slot comes out after this cycle; kNever if the pipes are empty.
   sim::Time next(const Cycle& cycle) const {
     if (occupied_ == 0) return sim::kNever;
     const std::uint64_t bin = cycle.number & last_;
@@ -78,10 +78,10 @@ class TimingWheel {
   std::array<Masks, kMostSpan> bins_{};
 };
 
-/// Does a step that a unit takes once in a cycle; an ideal one takes it until it returns false.
+/// Runs `step` once or, for an ideal unit, until it returns false.
 template <class Step>
-void as_often_as_may_be(bool ideal, Step&& step) {
-  while (step() && ideal) {
+void run_once_or_drain(bool drain_all, Step&& step) {
+  while (step() && drain_all) {
   }
 }
 

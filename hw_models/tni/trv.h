@@ -10,6 +10,7 @@
 #include "hw_models/tni/messages.h"
 #include "hw_models/tni/timing_wheel.h"
 #include "hw_models/tni/tni_config.h"
+#include "hw_models/tni/traversal_slot.h"
 #include "hw_models/tni/tree_in_memory.h"
 #include "sim/activity.h"
 #include "sim/counter_kind.h"
@@ -18,7 +19,7 @@
 
 namespace hw {
 
-/// Features of a traversal unit that it asks about in every cycle.
+/// Features of a traversal unit that every tick tests.
 struct TrvFeatures {
   bool instances = false;   ///< a visit may carry the ray into an instance instead
   bool plain = true;        ///< a visit is one pass that reads one line and tests two boxes in floating point
@@ -31,7 +32,7 @@ struct TrvFeatures {
   friend bool operator==(const TrvFeatures&, const TrvFeatures&) = default;
 };
 
-/// The features of the default machine, which Trv::tick knows while it is compiled.
+/// Features of the default machine. Trv::tick is compiled once for these and once for any features.
 inline constexpr TrvFeatures kDefaultTrvFeatures{};
 
 /// A traversal unit (TRV): takes independent rays through a 2-wide BVH, three sub-pipes side by side, each one
@@ -82,15 +83,14 @@ class Trv {
       {CycleReason::kRauFull,
        sim::waiting("rau_full", "a ray stands in the fetch stage for lack of room in the table (rau)")},
   });
-  struct Stats : FetchStats {
-    std::uint64_t visits = 0, pushes = 0, pops = 0;
+  struct Stats : FetchStats, StackStats {
+    std::uint64_t visits = 0, leaves = 0;
     std::uint64_t rays_in = 0, rays_out = 0;
     std::uint64_t restarted_visits = 0, first_passes = 0;
     std::uint64_t box_tests = 0, hybrid_box_tests = 0;  ///< counted by stats()
     std::uint64_t transforms = 0;
     std::uint64_t bypass_passes = 0, prefetch_probes = 0, prefetches = 0;
     std::uint64_t full = 0, full_visits = 0;
-    std::uint64_t dropped = 0, restarts = 0, leaves = 0;
     static void describe(auto& s, auto&& counter) {
       counter(NAMED(s.rays_in), "rays accepted into the input buffer", "tni.ray_buffer_write");
       counter(NAMED(s.rays_out), "rays retired", "tni.ray_buffer_read");
@@ -108,10 +108,7 @@ class Trv {
               "tni.bypass_pass");
       counter(NAMED(s.prefetch_probes), "far nodes looked up ahead of need", "cache.l1_probe");
       counter(NAMED(s.prefetches), "of these, lines asked for");
-      counter(NAMED(s.pushes), "stack entries written", "tni.stack_push");
-      counter(NAMED(s.pops), "stack entries read", "tni.stack_pop");
-      counter(NAMED(s.dropped), "stack entries dropped because the short stack was full");
-      counter(NAMED(s.restarts), "restarts from the link or the root");
+      StackStats::describe(s, counter);
       counter(NAMED(s.leaves), "leaves sent to the intersection unit", "tni.ray_route");
     }
   };
@@ -142,39 +139,14 @@ class Trv {
   bool warm(Addr line) { return fetch_.warm(line); }
 
  private:
-  /// Sub-pipes a slot can come out of.
-  enum Pipe : std::size_t { kToInner, kToStack, kToLeaf, kToRetire, kPipes };
-  struct Slot {
-    const std::uint32_t* next = nullptr;  ///< the step to take now
-    std::uint32_t step = 0;               ///< its first word
-    std::uint32_t id = 0;
-    std::uint32_t culls = 0;             ///< stack entries still to pop and drop before `next`
-    std::uint16_t stack_depth = 0;       ///< entries not popped yet, dropped ones included
-    std::uint16_t short_stack_size = 0;  ///< those of them that are in the short stack
-    bool must_pop = false;               ///< `next` is reached through the stack
-    bool restarting = false;             ///< on the way back down: its nodes are in paths_
-    std::uint8_t child = 0;              ///< the box to test (one tester)
-    std::uint8_t fetched = 0;            ///< lines of the present visit or pass that have been read
-
-    void go(const std::uint32_t* to) {
-      next = to;
-      step = *to;
-    }
-  };
-  /// Origin of a stack entry: the node at which it was pushed, in the tree over instances (kNone) or in an instance's.
-  struct Push {
-    std::uint32_t node = 0;
-    std::uint32_t instance = traces::kNone;
-  };
+  using Pipe = TraversalSlot::Pipe;
+  static constexpr Pipe kToInner = Pipe::kToInner, kToStack = Pipe::kToStack, kToLeaf = Pipe::kToLeaf,
+                        kToRetire = Pipe::kToRetire, kPipes = Pipe::kPipes;
   struct FarNode {
     std::uint32_t node = 0, slot = 0;
   };
-  static constexpr std::size_t kMostDepth = 128;  ///< room reserved for a path; deeper trees take more
-  /// Marks an entry of a path that is an instance, not a node.
-  static constexpr std::uint32_t kEnter = 1U << 31;
-  static_assert(sizeof(Slot) == 32, "two slots a cache line of the host: a tick touches little else");
 
-  /// `kDefault`: the unit is_default_, and asks nothing whose answer is known.
+  /// `kDefault`: the unit is_default_; its features are constants of the compiler (kDefaultTrvFeatures).
   template <bool kDefault>
   sim::Time tick_as(const Cycle& cycle);
   sim::Time tick_as_declared(const Cycle& cycle);
@@ -183,28 +155,27 @@ class Trv {
     return kDefault ? kDefaultTrvFeatures : features_;
   }
 
-  // Each does at most one operation; true if it did.
+  // Each does at most one operation and returns true if it did.
   bool take_ray(sim::Time now);
   bool take_answer(sim::Time now);
   bool fill(const Cycle& cycle);
   bool issue_leaf(sim::Time now);
   bool retire(sim::Time now);
 
-  /// Takes the line, answer and ray that have come.
+  /// Takes the line, answer and ray that have arrived.
   void take_arrivals(const Cycle& cycle);
-  /// Is there a leaf that may leave, a ray that is done or a request? One question for the host, whose answer it
-  /// foresees more often than the answers to five.
-  bool has_output(sim::Time now) const { return (free_leaves(now) | waiting_[kToRetire] | fetch_.unsent()) != 0; }
-  /// Slots with a leaf that may leave.
-  std::uint64_t free_leaves(sim::Time now) const {
+  /// True if any output can be issued. One combined test, as the single conditions are unpredictable.
+  bool has_output(sim::Time now) const { return (issuable_leaves(now) | waiting_[kToRetire] | fetch_.unsent()) != 0; }
+  /// Slots with a leaf, if the leaf pipe and the link are free.
+  std::uint64_t issuable_leaves(sim::Time now) const {
     const bool room = std::max(leaf_free_at_, links_.leaves_out.push_at()) <= now;
     return waiting_[kToLeaf] & (std::uint64_t{0} - std::uint64_t{room});
   }
-  /// Sends a leaf, retires a ray, asks for far nodes ahead of need and sends a request, as far as there are some and
-  /// room for them.
-  void put_out(const Cycle& cycle);
+  /// Sends a leaf, retires a ray, prefetches far nodes and sends a memory request, each if there is one and room for
+  /// it.
+  void issue_outputs(const Cycle& cycle);
 
-  /// The slot of a mask whose turn it is (round robin).
+  /// Returns the next slot of a mask, round robin.
   std::uint32_t next_of(std::uint64_t slots) {
     const std::uint32_t index = round_robin(slots, inner_turn_);
     inner_turn_ = (index + 1) % 64;
@@ -213,31 +184,21 @@ class Trv {
   template <bool kDefault>
   CycleReason issue_visit(std::uint32_t index, const Cycle& cycle);
   CycleReason missed(FetchStage::Wait wait, std::uint32_t index, std::uint64_t cycle);
-  bool enters_instance(const Slot& slot, std::uint32_t index) const;
-  CycleReason issue_transform(Slot& slot, std::uint32_t index, std::uint64_t cycle);
+  bool enters_instance(const TraversalSlot& slot, std::uint32_t index) const;
+  CycleReason issue_transform(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle);
   CycleReason issue_any(const Cycle& cycle);
   std::uint64_t shared_work(bool room_for_leaves) const;
   void issue_pop(const Cycle& cycle);
   void pop(std::uint32_t index, std::uint64_t cycle);
   void send_leaf(sim::Time now, std::uint32_t index);
-  /// Ends a pass. False if the visit needs another, which the slot now makes.
-  bool ends_with_pass(Slot& slot, std::uint32_t index, std::uint64_t cycle);
+  /// Ends a pass. False if the visit needs another pass.
+  bool ends_with_pass(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle);
   template <bool kDefault>
-  void visited(Slot& slot, std::uint32_t index, std::uint64_t cycle);
-  /// Goes on to the next step, with a push if both children were hit. True if they were.
-  template <bool kDefault>
-  bool step_on(Slot& slot);
-  void visited_again(Slot& slot, std::uint32_t index);
-  /// The youngest entry of the stack is dropped, being behind the hit, or is where the ray goes on.
-  static void take_entry(Slot& slot);
-  /// The sub-pipe that the slot needs for its next step.
-  static Pipe next_pipe(Slot& slot, bool instances = true);
-  static Pipe next_pipe_of_few(Slot& slot);
-  void restart(Slot& slot, std::uint32_t index);
-  void find_pushes(const Slot& slot, std::uint32_t index);
+  void complete_visit(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle);
+  bool has_trail() const { return config_.stack == StackScheme::kRestartTrail; }
   template <bool kDefault>
   void take_from_pipes(const Cycle& cycle);
-  /// These visits have hit both children: their far ones may be asked for ahead of need.
+  /// Lists the far children of visits that hit both children, for prefetch_far_nodes().
   void note_far_nodes(std::uint64_t visited);
   void prefetch_far_nodes(std::uint64_t cycle);
   /// Reason for a cycle, from `next` on, in which no node enters the box pipe.
@@ -260,7 +221,7 @@ class Trv {
   const bool is_default_;    ///< the features are the default machine's
   bool rays_moved_ = false;  ///< in this cycle: rays have come or gone
   bool full_ = false;  ///< since a tick at `full_since_`, behind `full_since_visit_`, there is a ray in every slot
-  std::vector<Slot> slots_;
+  std::vector<TraversalSlot> slots_;
   const sim::Clock clock_;
   sim::Activity<CycleReason> activity_;
   Stats stats_;
@@ -275,10 +236,9 @@ class Trv {
   std::uint64_t both_children_hit_ = 0;  ///< in the box pipe, about to hit both children (prefetching)
   const TrvConfig config_;
   std::vector<const std::uint32_t*> begins_;  ///< the first step of each slot's ray
-  /// Per slot: nodes to test again after a restart, and the instance to enter again (kEnter), last one first.
-  std::vector<std::vector<std::uint32_t>> paths_;
-  std::vector<Push> pushed_;        ///< for restart()
-  std::vector<FarNode> far_nodes_;  ///< to be prefetched in this cycle
+  std::vector<RestartPath> paths_;            ///< by slot
+  std::vector<StackEntryOrigin> entries_;     ///< scratch space for a restart
+  std::vector<FarNode> far_nodes_;            ///< to be prefetched in this cycle
   sim::Time full_since_ = 0, full_time_ = 0;
   std::uint64_t full_since_visit_ = 0;
 };

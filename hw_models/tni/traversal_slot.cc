@@ -1,0 +1,92 @@
+#include "hw_models/tni/traversal_slot.h"
+
+#include <algorithm>
+#include <cassert>
+
+namespace hw {
+
+using traces::StepKind;
+
+void RestartPath::plan(std::span<const StackEntryOrigin> entries, const TreeInMemory& tree, bool from_root) {
+  const std::uint32_t from = from_root ? 0 : entries.front().node;
+  const std::uint32_t instance = entries.back().instance;
+  const std::uint32_t root = instance == traces::kNone ? traces::kNone : tree.placed[instance].root;
+  // Upwards, from the tree of an instance into the tree over instances unless `from` is in it.
+  for (std::uint32_t node = entries.back().node;;) {
+    path_.push_back(node);
+    if (node == from) break;
+    if (node == root) {
+      path_.push_back(kEnter | instance);
+      node = tree.parents[tree.links.size() + instance];
+    } else {
+      node = tree.parents[node];
+    }
+  }
+}
+
+/// next_pipe() for the rare steps that its table does not cover.
+TraversalSlot::Pipe TraversalSlot::next_pipe_slow_path() {
+  if (restarting_) return kToInner;
+  if (traces::kind_of(step_) == StepKind::kCull) {
+    culls_ = traces::culled_of(step_);
+    go_to(next_ + 1);
+  }
+  if (culls_ > 0) return kToStack;
+  return next_pipe();
+}
+
+/// Lists where the entries now on the stack were pushed, oldest first, by following the walk up to its next step.
+/// Restarts are rare; a list for every ray would not be worth the memory.
+void TraversalSlot::list_entries(const std::uint32_t* walk, std::vector<StackEntryOrigin>& entries) const {
+  entries.clear();
+  std::uint32_t instance = traces::kNone;
+  bool must_pop = false;
+  for (const std::uint32_t* step = walk; step != next_; ++step) {
+    const StepKind kind = traces::kind_of(*step);
+    if (kind == StepKind::kCull) {
+      // The culls just before `next_` are under way: `stack_depth_` tells how far.
+      if (step + 1 != next_) entries.resize(entries.size() - traces::culled_of(*step));
+      continue;
+    }
+    if (must_pop) {
+      instance = entries.back().instance;  // the ray continues in the instance of the entry
+      entries.pop_back();
+    }
+    if (traces::is_enter(*step)) {
+      instance = traces::instance_of(*step);
+      must_pop = false;
+      continue;
+    }
+    must_pop = kind == StepKind::kLeaf || traces::hits_of(*step) == 0;
+    if (kind == StepKind::kLeaf) {
+      ++step;  // its exit phases
+    } else if (traces::hits_of(*step) == 3) {
+      entries.push_back({traces::node_of(*step), instance});
+    }
+  }
+  entries.resize(stack_depth_);
+}
+
+void TraversalSlot::restart(const std::uint32_t* walk, const TreeInMemory& tree, bool has_trail, std::uint32_t capacity,
+                            std::vector<StackEntryOrigin>& entries, RestartPath& path, StackStats& stats) {
+  assert(stack_depth_ > 0 && "a pop from an empty stack");
+  // Each visit on the path finds its far child again, so the short stack ends up with the youngest entries. With a
+  // trail the last visit continues without a pop.
+  list_entries(walk, entries);
+  path.plan(entries, tree, has_trail);
+  restarting_ = true;
+  stats.restarts += 1;
+  const std::uint32_t found = stack_depth_ - (has_trail ? 1U : 0U);
+  short_stack_size_ = static_cast<std::uint16_t>(std::min(found, capacity));
+  if (capacity == 0) return;
+  stats.pushes += found;
+  stats.dropped += found - short_stack_size_;
+}
+
+void TraversalSlot::complete_replayed_visit(RestartPath& path, bool has_trail) {
+  path.pop();
+  restarting_ = !path.is_empty();
+  if (!restarting_ && has_trail) consume_entry();
+}
+
+}  // namespace hw

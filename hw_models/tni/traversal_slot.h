@@ -1,0 +1,172 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "hw_models/tni/tree_in_memory.h"
+#include "sim/named.h"
+#include "traces/walk.h"
+
+namespace hw {
+
+/// Node at which a stack entry was pushed: of the tree over instances (kNone), or of an instance's tree.
+struct StackEntryOrigin {
+  std::uint32_t node = 0;
+  std::uint32_t instance = traces::kNone;
+};
+
+/// The nodes that a ray visits again after a restart, and the instance that it enters again, last one first.
+class RestartPath {
+ public:
+  RestartPath() { path_.reserve(kUsualDepth); }
+
+  /// Sets the way from `from` (`from_root`: the root) down to the node of the youngest entry.
+  void plan(std::span<const StackEntryOrigin> entries, const TreeInMemory& tree, bool from_root);
+  bool is_empty() const { return path_.empty(); }
+  bool enters_instance() const { return (path_.back() & kEnter) != 0; }
+  std::uint32_t instance() const { return path_.back() & ~kEnter; }
+  std::uint32_t node() const { return path_.back(); }
+  void pop() { path_.pop_back(); }
+
+ private:
+  static constexpr std::size_t kUsualDepth = 128;    ///< reserved; deeper trees take more
+  static constexpr std::uint32_t kEnter = 1U << 31;  ///< marks an instance
+
+  std::vector<std::uint32_t> path_;
+};
+
+/// Counters of the stacks of a unit's rays, a part of their unit's Stats.
+struct StackStats {
+  std::uint64_t pushes = 0, pops = 0, dropped = 0, restarts = 0;
+  static void describe(auto& s, auto&& counter) {
+    counter(NAMED(s.pushes), "stack entries written", "tni.stack_push");
+    counter(NAMED(s.pops), "stack entries read", "tni.stack_pop");
+    counter(NAMED(s.dropped), "stack entries dropped because the short stack was full");
+    counter(NAMED(s.restarts), "restarts from the link or the root");
+  }
+};
+
+/// A ray in the input buffer of a traversal unit: the state machine that expands its canonical walk (traces/walk.h).
+///
+///   visit: one child hit --> its visit or leaf        leaf, visit without a hit --> pop --> the far child pushed last
+///          both hit ------> push far, visit near      no entry left ------------> end
+///
+/// 1. The next step decides the sub-pipe (next_pipe()); a step behind a leaf or a visit without a hit needs a pop
+/// first.
+/// 2. A visit that hits both children pushes the far one. In a full short stack the oldest entry is dropped.
+/// 3. Each entry that begins behind the ray's hit is popped and dropped: an operation of the stack pipe each.
+/// 4. A pop from an empty short stack restarts: the ray visits the nodes down to the wanted entry again, from the node
+///    of the oldest dropped entry or, with a restart trail, from the root. That refills the short stack.
+class TraversalSlot {
+ public:
+  /// Sub-pipes that a step may need.
+  enum Pipe : std::size_t { kToInner, kToStack, kToLeaf, kToRetire, kPipes };
+
+  TraversalSlot() = default;
+  TraversalSlot(const std::uint32_t* walk, std::uint32_t id) : id_(id) { go_to(walk); }
+
+  std::uint32_t id() const { return id_; }
+  /// First word of the next step.
+  std::uint32_t step() const { return step_; }
+  /// Word of the visit completed last.
+  std::uint32_t last_visit() const { return next_[-1]; }
+  /// Exit phases of the leaf that is the next step.
+  std::uint32_t exit_phases() const { return next_[1]; }
+  bool is_restarting() const { return restarting_; }
+  /// Stack entries not popped yet, dropped ones included; entries in the short stack.
+  std::uint32_t stack_depth() const { return stack_depth_; }
+  std::uint32_t short_stack_size() const { return short_stack_size_; }
+
+  /// Returns the sub-pipe of the next step. `instances`: the scene has some.
+  [[gnu::always_inline]] Pipe next_pipe(bool instances = true) {
+    // Indexed by kind of step; the second half is for steps that need a pop first.
+    static constexpr std::array<Pipe, 8> kPipeOf{kToInner, kToLeaf,  kToStack, kToRetire,
+                                                 kToStack, kToStack, kToStack, kToRetire};
+    const traces::StepKind kind = traces::kind_of(step_);
+    if (restarting_ || culls_ > 0 || kind == traces::StepKind::kCull) [[unlikely]]
+      return next_pipe_slow_path();
+    if (instances && !must_pop_ && traces::is_enter(step_)) [[unlikely]]
+      return kToInner;
+    return kPipeOf[static_cast<std::size_t>(kind) + (must_pop_ ? 4U : 0U)];
+  }
+
+  /// Completes a visit and returns whether it hit both children. `capacity`: entries of the short stack;
+  /// `keeps_entries`: it is not 0. Branch-free except for a full stack: nearly as many rays hit both children as do
+  /// not.
+  [[gnu::always_inline]] bool advance_to_next_step(std::uint32_t capacity, bool keeps_entries, StackStats& stats) {
+    const std::uint32_t hits = traces::hits_of(step_);
+    go_to(next_ + 1);
+    __builtin_prefetch(next_ + 8);  // into the host's cache: steps of the ray's later visits
+    must_pop_ = hits == 0;
+    const unsigned both = hits == 3;
+    stack_depth_ = static_cast<std::uint16_t>(stack_depth_ + both);
+    if (!keeps_entries) return both != 0;
+    stats.pushes += both;
+    if (short_stack_size_ != capacity) [[likely]] {
+      short_stack_size_ = static_cast<std::uint16_t>(short_stack_size_ + both);
+    } else {
+      stats.dropped += both;
+    }
+    return both != 0;
+  }
+  /// Completes an instance's transform: the ray continues in the instance's tree.
+  void enter_instance() { go_to(next_ + 1); }
+  /// The leaf that is the next step is sent to the intersection unit; its answer is followed by a pop or the end.
+  void send_leaf() { go_to(next_ + 2); }
+  void take_answer() { must_pop_ = true; }
+
+  /// Pops the youngest entry; false if the short stack is empty and the ray must restart.
+  [[gnu::always_inline]] bool pop_stack_entry(StackStats& stats) {
+    if (short_stack_size_ == 0) return false;
+    stats.pops += 1;
+    short_stack_size_ -= 1;
+    consume_entry();
+    return true;
+  }
+  /// Restarts the ray, whose walk begins at `walk`. `entries`: scratch space for the stack's entries.
+  void restart(const std::uint32_t* walk, const TreeInMemory& tree, bool has_trail, std::uint32_t capacity,
+               std::vector<StackEntryOrigin>& entries, RestartPath& path, StackStats& stats);
+  /// Completes a visit on the restart path. With a trail the last one needs no pop.
+  void complete_replayed_visit(RestartPath& path, bool has_trail);
+
+  // A visit's lines and passes.
+  std::uint32_t lines_read() const { return lines_read_; }
+  void count_line() { lines_read_ += 1; }
+  void reset_lines() { lines_read_ = 0; }
+  /// The child whose box is tested, with one box tester.
+  std::uint32_t child() const { return child_; }
+  void switch_child() { child_ ^= 1U; }
+
+ private:
+  void go_to(const std::uint32_t* to) {
+    next_ = to;
+    step_ = *to;
+  }
+  /// An entry was popped: it is dropped if it lies behind the hit, otherwise the ray continues at it.
+  void consume_entry() {
+    stack_depth_ -= 1;
+    if (culls_ > 0) {
+      culls_ -= 1;
+    } else {
+      must_pop_ = false;
+    }
+  }
+  Pipe next_pipe_slow_path();
+  void list_entries(const std::uint32_t* walk, std::vector<StackEntryOrigin>& entries) const;
+
+  const std::uint32_t* next_ = nullptr;
+  std::uint32_t step_ = 0;
+  std::uint32_t id_ = 0;
+  std::uint32_t culls_ = 0;  ///< entries still to pop and drop before `next_`
+  std::uint16_t stack_depth_ = 0;
+  std::uint16_t short_stack_size_ = 0;
+  bool must_pop_ = false;  ///< `next_` is reached through the stack
+  bool restarting_ = false;
+  std::uint8_t child_ = 0;
+  std::uint8_t lines_read_ = 0;
+};
+static_assert(sizeof(TraversalSlot) == 32, "two slots per cache line of the host: a tick touches little else");
+
+}  // namespace hw

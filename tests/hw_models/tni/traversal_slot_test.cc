@@ -1,0 +1,168 @@
+#include "hw_models/tni/traversal_slot.h"
+
+#include <vector>
+
+#include <gtest/gtest.h>
+
+// The state machine of one ray, without pipes, caches or links. Expected steps follow from traces/walk.h by hand.
+
+namespace hw {
+namespace {
+
+using traces::cull_step;
+using traces::end_step;
+using traces::enter_step;
+using traces::leaf_step;
+using traces::visit_step;
+using Walk = std::vector<std::uint32_t>;
+using enum TraversalSlot::Pipe;
+
+constexpr std::uint32_t kFullStack = ~0U;
+
+/// A complete binary tree of fifteen nodes: the children of node n are 2n + 1 and 2n + 2.
+struct SmallTree {
+  SmallTree() {
+    parents.push_back(0);
+    for (std::uint32_t node = 1; node < 15; ++node) parents.push_back((node - 1) / 2);
+    tree.parents = parents;
+  }
+  std::vector<std::uint32_t> parents;
+  TreeInMemory tree;
+};
+
+// Pads a walk, as a slot prefetches steps beyond the present one.
+Walk padded(Walk walk) {
+  walk.resize(walk.size() + 16, end_step(false));
+  return walk;
+}
+
+TEST(TraversalSlot, FollowsTheOnlyChildHitWithoutAPop) {
+  const Walk walk = padded({visit_step(0, 1, 0), visit_step(1, 2, 0), leaf_step(7, 2), 0x11, end_step(false)});
+  TraversalSlot slot(walk.data(), 3);
+  StackStats stats;
+  EXPECT_EQ(slot.id(), 3U);
+  EXPECT_EQ(slot.next_pipe(), kToInner);
+  EXPECT_FALSE(slot.advance_to_next_step(kFullStack, true, stats));
+  EXPECT_EQ(slot.next_pipe(), kToInner);
+  slot.advance_to_next_step(kFullStack, true, stats);
+  EXPECT_EQ(slot.next_pipe(), kToLeaf);
+  EXPECT_EQ(slot.exit_phases(), 0x11U);
+  slot.send_leaf();
+  slot.take_answer();
+  EXPECT_EQ(slot.next_pipe(), kToRetire) << "nothing is on the stack";
+  EXPECT_EQ(slot.stack_depth(), 0U);
+}
+
+TEST(TraversalSlot, PopsTheFarChildAfterAVisitWithoutAHit) {
+  const Walk walk = padded({visit_step(0, 3, 0), visit_step(1, 0, 0), visit_step(2, 0, 0), end_step(false)});
+  TraversalSlot slot(walk.data(), 0);
+  StackStats stats;
+  EXPECT_TRUE(slot.advance_to_next_step(kFullStack, true, stats));
+  EXPECT_EQ(stats.pushes, 1U);
+  EXPECT_EQ(stats.dropped, 0U);
+  EXPECT_EQ(slot.next_pipe(), kToInner) << "the near child first";
+  slot.advance_to_next_step(kFullStack, true, stats);
+  EXPECT_EQ(slot.next_pipe(), kToStack);
+  EXPECT_TRUE(slot.pop_stack_entry(stats));
+  EXPECT_EQ(slot.next_pipe(), kToInner);
+  slot.advance_to_next_step(kFullStack, true, stats);
+  EXPECT_EQ(slot.next_pipe(), kToRetire);
+}
+
+TEST(TraversalSlot, PopsEachCulledEntryBeforeTheOneThatItContinuesAt) {
+  // Three pushes; two of the entries lie behind the hit.
+  const Walk walk = padded({visit_step(0, 3, 0), visit_step(1, 3, 0), visit_step(3, 3, 0), leaf_step(0, 1), 0x3,
+                            cull_step(2), visit_step(2, 0, 0), end_step(true)});
+  TraversalSlot slot(walk.data(), 0);
+  StackStats stats;
+  for (int visit = 0; visit < 3; ++visit) slot.advance_to_next_step(kFullStack, true, stats);
+  slot.send_leaf();
+  slot.take_answer();
+  for (int pop = 0; pop < 3; ++pop) {
+    EXPECT_EQ(slot.next_pipe(), kToStack);
+    EXPECT_TRUE(slot.pop_stack_entry(stats));
+  }
+  EXPECT_EQ(slot.next_pipe(), kToInner);
+  EXPECT_EQ(slot.stack_depth(), 0U);
+}
+
+TEST(TraversalSlot, DropsTheOldestEntryOfAFullShortStack) {
+  const Walk walk = padded({visit_step(0, 3, 0), visit_step(1, 3, 0), visit_step(3, 3, 0), end_step(false)});
+  TraversalSlot slot(walk.data(), 0);
+  StackStats stats;
+  for (int visit = 0; visit < 3; ++visit) slot.advance_to_next_step(2, true, stats);
+  EXPECT_EQ(stats.pushes, 3U);
+  EXPECT_EQ(stats.dropped, 1U);
+  EXPECT_EQ(slot.short_stack_size(), 2U);
+  EXPECT_EQ(slot.stack_depth(), 3U);
+}
+
+TEST(TraversalSlot, CountsNoPushOfAStackThatKeepsNothing) {
+  const Walk walk = padded({visit_step(0, 3, 0), visit_step(1, 0, 0), visit_step(2, 0, 0), end_step(false)});
+  TraversalSlot slot(walk.data(), 0);
+  StackStats stats;
+  EXPECT_TRUE(slot.advance_to_next_step(0, false, stats));
+  EXPECT_EQ(stats.pushes + stats.dropped, 0U);
+  slot.advance_to_next_step(0, false, stats);
+  EXPECT_EQ(slot.next_pipe(), kToStack);
+  EXPECT_FALSE(slot.pop_stack_entry(stats)) << "a restart is needed";
+}
+
+TEST(TraversalSlot, EntersAnInstanceThroughTheBoxPipe) {
+  const Walk walk = padded({visit_step(0, 1, 0), enter_step(4), visit_step(9, 0, 0), end_step(false)});
+  TraversalSlot slot(walk.data(), 0);
+  StackStats stats;
+  slot.advance_to_next_step(kFullStack, true, stats);
+  EXPECT_EQ(slot.next_pipe(), kToInner);
+  EXPECT_EQ(traces::instance_of(slot.step()), 4U);
+  slot.enter_instance();
+  EXPECT_EQ(traces::node_of(slot.step()), 9U);
+}
+
+/// Walk with entries pushed at nodes 0, 1 and 3, then a visit without a hit at node 7; the entry of node 3 is next.
+const Walk kThreeEntries = padded({visit_step(0, 3, 0), visit_step(1, 3, 0), visit_step(3, 3, 0), visit_step(7, 0, 0),
+                                   visit_step(8, 0, 0), visit_step(4, 0, 0), visit_step(2, 0, 0), end_step(false)});
+
+/// Nodes that a ray with an empty short stack visits again before it can pop the entry of node 3.
+std::vector<std::uint32_t> replayed(bool has_trail, std::uint32_t capacity, TraversalSlot& slot, StackStats& stats) {
+  const SmallTree small;
+  std::vector<StackEntryOrigin> scratch;
+  RestartPath path;
+  for (int visit = 0; visit < 4; ++visit) slot.advance_to_next_step(capacity, capacity != 0, stats);
+  while (slot.pop_stack_entry(stats)) {
+    // The youngest entries are there; the nodes that they lead to hit nothing.
+    slot.advance_to_next_step(capacity, capacity != 0, stats);
+  }
+  EXPECT_EQ(slot.next_pipe(), kToStack);
+  slot.restart(kThreeEntries.data(), small.tree, has_trail, capacity, scratch, path, stats);
+  std::vector<std::uint32_t> nodes;
+  while (slot.is_restarting()) {
+    EXPECT_EQ(slot.next_pipe(), kToInner);
+    nodes.push_back(path.node());
+    slot.complete_replayed_visit(path, has_trail);
+  }
+  return nodes;
+}
+
+TEST(Restart, VisitsTheNodesFromTheOldestDroppedEntryDownToTheWantedOne) {
+  // Two entries fit: those of nodes 1 and 3 are popped, that of node 0 was dropped.
+  TraversalSlot slot(kThreeEntries.data(), 0);
+  StackStats stats;
+  EXPECT_EQ(replayed(false, 2, slot, stats), (std::vector<std::uint32_t>{0}));
+  EXPECT_EQ(stats.restarts, 1U);
+  EXPECT_EQ(slot.next_pipe(), kToStack) << "the entry that was found again is popped";
+  EXPECT_TRUE(slot.pop_stack_entry(stats));
+  EXPECT_EQ(traces::node_of(slot.step()), 2U);
+}
+
+TEST(Restart, WithoutAnyStackDescendsFromTheRootForEachPop) {
+  TraversalSlot slot(kThreeEntries.data(), 0);
+  StackStats stats;
+  EXPECT_EQ(replayed(true, 0, slot, stats), (std::vector<std::uint32_t>{0, 1, 3}));
+  EXPECT_EQ(slot.next_pipe(), kToInner) << "a trail needs no pop";
+  EXPECT_EQ(traces::node_of(slot.step()), 8U);
+  EXPECT_EQ(slot.stack_depth(), 2U);
+}
+
+}  // namespace
+}  // namespace hw
