@@ -47,8 +47,8 @@ void MemoryInterface::finish(sim::Time end) {
             .ray_reads = rays.read,
             .hit_writes = hits.written,
             .hit_reads = hits.read,
-            .ray_latency = clock_.cycles(rays.inside + end * rays_.inside()),
-            .hit_latency = clock_.cycles(hits.inside + end * hits_.inside())};
+            .ray_latency = clock_.cycles(rays_.latency().until(end)),
+            .hit_latency = clock_.cycles(hits_.latency().until(end))};
 }
 
 std::string MemoryInterface::state() const {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "hw_models/frame/direct_interface_config.h"
+#include "hw_models/memory/latency_sum.h"
 #include "hw_models/memory/messages.h"
 #include "hw_models/memory/unit_names.h"
 #include "hw_models/tni/messages.h"
@@ -40,7 +41,6 @@ class RecordStream {
   };
   struct Counts {
     std::uint64_t records = 0, written = 0, read = 0;  ///< the latter two in lines, or parts of them
-    sim::Time inside = 0;  ///< sum of times at which records left minus those at which they came
   };
   enum class Waits : std::uint8_t { kNothing, kMemory, kPort, kOutput };
 
@@ -75,8 +75,13 @@ class RecordStream {
 
   const Counts& counts() const { return counts_; }
   std::uint64_t inside() const { return accepted_ - delivered_; }
+  const LatencySum& latency() const { return latency_; }
 
  private:
+  struct Entry {
+    Record record;
+    sim::Time arrived = 0;
+  };
   /// The part of the stream that one request reads, up to byte `end`.
   struct Chunk {
     Addr end = 0;
@@ -105,8 +110,9 @@ class RecordStream {
 
   bool hand_on(sim::Time now) {
     if (!has_record() || !links_.out.can_push(now)) return false;
-    links_.out.push(now, records_[delivered_ % shape_.ring]);
-    counts_.inside += now;
+    const Entry& entry = records_[delivered_ % shape_.ring];
+    links_.out.push(now, entry.record);
+    latency_.depart(entry.arrived, now);
     delivered_ += 1;
     return true;
   }
@@ -124,7 +130,7 @@ class RecordStream {
                        0,
                        !read,
                        static_cast<SectorMask>((1U << past) - (1U << first)),
-                       records_[at / shape_.record_bytes % shape_.ring].owner};
+                       records_[at / shape_.record_bytes % shape_.ring].record.owner};
     if (read) {
       request.tag = static_cast<std::uint16_t>(last_ % chunks_.size());
       chunks_[request.tag] = {end, false};
@@ -138,8 +144,9 @@ class RecordStream {
 
   bool take_record(sim::Time now) {
     if (!has_room() || !links_.in.can_pop(now)) return false;
-    counts_.inside -= links_.in.pop_at();
-    records_[accepted_ % shape_.ring] = links_.in.pop(now);
+    const sim::Time arrived = links_.in.pop_at();
+    records_[accepted_ % shape_.ring] = {links_.in.pop(now), arrived};
+    latency_.arrive(arrived);
     accepted_ += 1;
     counts_.records += 1;
     return true;
@@ -147,12 +154,13 @@ class RecordStream {
 
   const Shape shape_;
   Links links_;
-  std::vector<Record> records_;                 ///< the ring's contents, for the simulator alone
+  std::vector<Entry> records_;                  ///< contents of the ring; memory itself holds no data
   std::vector<Chunk> chunks_;                   ///< asked for, in order
   std::uint64_t first_ = 0, last_ = 0;          ///< chunks under way: [first_, last_)
   std::uint64_t accepted_ = 0, delivered_ = 0;  ///< records so far
   Addr written_ = 0, asked_ = 0, come_ = 0;     ///< bytes of the stream so far
   Counts counts_;
+  LatencySum latency_;
 };
 
 /// Replacement of the direct interface when that is off: rays and hits of a core travel through memory.

@@ -42,9 +42,7 @@ L2Bank::L2Bank(const L2Config& config, std::uint16_t index, Links links, Interle
 
 sim::Time L2Bank::tick(sim::Time now) {
   if (!ideal_.empty()) return tick_ideal(now);
-  settle(now);
-  while (sent_ != 0 && leaves_[(leave_ - sent_) % leaves_.size()] <= now) sent_ -= 1;
-  bool served = reply_at_ == now || reply(now);
+  bool served = reply(now);
   if (!filled_.pending() && channels_in_.pop_at() <= now) {
     take_fill(now);
     served = true;
@@ -58,31 +56,11 @@ sim::Time L2Bank::tick(sim::Time now) {
   return wake;
 }
 
-/// Charges the time since the last tick: a line has left since, or the last request has gone to memory, and no tick was
-/// needed to see it.
-inline void L2Bank::settle(sim::Time until) {
-  for (;;) {
-    const sim::Time accounted = activity_.accounted();
-    const sim::Time at = std::min(reply_at_ >= accounted ? reply_at_ : until, sent_at_ >= accounted ? sent_at_ : until);
-    if (at >= until) return;
-    const CycleReason then = waiting(at);
-    activity_.spend(at, clock_.period(), at == reply_at_ ? CycleReason::kServing : then, then);
-  }
-}
-
 void L2Bank::finish(sim::Time end) {
-  settle(end);
   activity_.finish(end);
-  // Reads that have not ended yet have lasted until now.
-  std::uint64_t waiters = 0;
-  misses_.each([&](const Waiters& of_line) { waiters += of_line.count; });
-  std::uint64_t reads = waiters + hits_.size() + (filled_.count - filled_.next);
-  if (head_.full && !head_.request.write) reads += 1;
-  for (const sim::Link<MemResponse>& answers : ideal_) reads += answers.size();
-  const sim::Time ahead = reply_at_ == end + clock_.period() ? clock_.period() : 0;
-  stats_.latency = clock_.cycles(latency_ + end * reads - ahead);
-  stats_.memory_cycles = clock_.cycles(memory_time_ + end * waiters);
-  stats_.line_cycles = clock_.cycles(line_time_ + end * misses_.size());
+  stats_.latency = clock_.cycles(read_time_.until(end));
+  stats_.memory_cycles = clock_.cycles(memory_time_.until(end));
+  stats_.line_cycles = clock_.cycles(line_time_.until(end));
 }
 
 bool L2Bank::idle() const {
@@ -90,26 +68,24 @@ bool L2Bank::idle() const {
   return !dirty && !head_.full && !filled_.pending() && misses_.empty() && unsent_.empty() && hits_.empty();
 }
 
-/// One line per cycle leaves: first those of the last fill, then hits.
-[[gnu::always_inline]] inline bool L2Bank::reply(sim::Time now) {
+/// Sends one line per cycle: the lines of the last fill first, then hits.
+inline bool L2Bank::reply(sim::Time now) {
   const std::uint16_t core = reply_core(now);
   if (core == kNoCore || !cores_out_[core]->can_push(now)) return false;
-  send_reply(*cores_out_[core], now);
+  if (filled_.pending()) {
+    const Waiter& waiter = filled_.first();
+    cores_out_[core]->push(now, {filled_.line, waiter.source, waiter.tag});
+    read_time_.depart(waiter.arrived, now);
+    filled_.next += 1;
+  } else {
+    const Reply hit = hits_.pop(now);
+    cores_out_[core]->push(now, hit.response);
+    read_time_.depart(hit.arrived, now);
+  }
   return true;
 }
 
-void L2Bank::send_reply(sim::Link<MemResponse>& core, sim::Time now) {
-  if (filled_.pending()) {
-    const Waiter& waiter = filled_.first();
-    core.push(now, {filled_.line, waiter.source, waiter.tag});
-    filled_.next += 1;
-  } else {
-    core.push(now, hits_.pop(now).response);
-  }
-  latency_ += now;
-}
-
-/// A line has come. The first who waited for it is answered in the next cycle, whatever else happens.
+/// Takes a line from memory. Its waiters are answered from the next cycle on.
 void L2Bank::take_fill(sim::Time now) {
   const std::uint32_t channel = channels_turn_.choose(
       channels_in_.holding(), [&](std::uint32_t i) { return channels_in_.can_pop(i, now); },
@@ -118,33 +94,24 @@ void L2Bank::take_fill(sim::Time now) {
   const Addr line = channels_in_[channel].pop(now).line;
   const Waiters& waiters = misses_.release(line);
   filled_ = {line, 0, waiters.count, &waiters};
-  line_time_ += now;
-  memory_time_ += now * waiters.count;
-  write_back(now, store_.put_in(line, kWholeLine, waiters.dirty), waiters.owner);
+  line_time_.depart(waiters.list[0].missed, now);
+  for (std::uint32_t i = 0; i < waiters.count; ++i) memory_time_.depart(waiters.list[i].missed, now);
+  write_back(now, store_.allocate(line, kWholeLine, waiters.dirty), waiters.owner);
   if (book_ != nullptr) [[unlikely]]
     book_->count(waiters.owner, &TileAccount::l2_fills);
   stats_.fills += 1;
-  if (const sim::Time next = now + clock_.period(); reply(next)) reply_at_ = next;
 }
 
 inline void L2Bank::send_to_memory(sim::Time now) {
-  if (sent_at_ >= now || !unsent_.can_pop(now)) return;
+  if (!unsent_.can_pop(now)) return;
   sim::Link<MemRequest>& channel = channel_of(unsent_.front());
   if (!channel.can_push(now)) return;
   channel.push(now, unsent_.pop(now));
 }
 
-/// If nothing is in its way, the request is sent at once, for when it has been looked up.
+/// Queues a request to memory, which leaves when it has been looked up.
 void L2Bank::to_memory(sim::Time now, const MemRequest& request) {
-  sim::Link<MemRequest>& channel = channel_of(request);
-  const sim::Time at = now + unsent_.latency();
-  if (unsent_.empty() && sent_at_ < at && channel.can_push(at)) {
-    channel.push(at, request);
-    leaves_[leave_++ % leaves_.size()] = sent_at_ = at;
-    sent_ += 1;
-  } else {
-    unsent_.push(now, request);
-  }
+  unsent_.push(now, request);
   if (request.write)
     stats_.bytes_to_memory += sector_bytes_ * static_cast<std::uint32_t>(std::popcount(request.sectors));
 }
@@ -155,7 +122,7 @@ void L2Bank::write_back(sim::Time now, const L2Store::Victim& victim, Owner owne
   stats_.written_back += 1;
 }
 
-/// Takes a request into the head, if that is empty, and sends the head on its way if it can go.
+/// Takes a request into the head if that is empty, then processes the head if it can proceed.
 inline bool L2Bank::take_request(sim::Time now) {
   const bool waited = head_.full;
   if (waited && waits_for_fill()) return false;
@@ -165,11 +132,11 @@ inline bool L2Bank::take_request(sim::Time now) {
         [&](std::uint32_t i) { return cores_in_.pop_at(i); });
     if (core == cores_.count()) return false;
     cores_.served(core);
-    const sim::Time came = cores_in_.pop_at(core);
+    head_.arrived = cores_in_.pop_at(core);
     head_.request = cores_in_[core].pop(now);
     head_.core = static_cast<std::uint16_t>(core);
     head_.needs_mshr = false;
-    if (!head_.request.write) latency_ -= came;
+    if (!head_.request.write) read_time_.arrive(head_.arrived);
   }
   head_.full = !(head_.request.write ? write(now) : read(now));
   return !waited || !head_.full;
@@ -180,9 +147,9 @@ inline bool L2Bank::read(sim::Time now) {
   const MemRequest& r = head_.request;
   const L2Store::Found found = store_.find(r.line, r.sectors);
   if (found == L2Store::Found::kAll) {
-    hits_.push(now, Reply{{r.line, r.source, r.tag}, head_.core});
+    hits_.push(now, Reply{{r.line, r.source, r.tag}, head_.core, head_.arrived});
     if (is_watched_) [[unlikely]]
-      show_read(true, r.owner, now);
+      notify_lookup(true, r.owner, now);
     stats_.hits += 1;
   } else {
     Waiters* waiters = misses_.find(r.line);
@@ -192,26 +159,26 @@ inline bool L2Bank::read(sim::Time now) {
     }
     if (waiters == nullptr) {
       waiters = &misses_.allocate(r.line);
-      line_time_ -= now;
+      line_time_.arrive(now);
       waiters->count = 0;
       waiters->dirty = 0;
       waiters->owner = r.owner;
-      if (found == L2Store::Found::kPart) waiters->dirty = store_.take_out(r.line);
+      if (found == L2Store::Found::kPart) waiters->dirty = store_.invalidate(r.line);
       to_memory(now, MemRequest{r.line, index_, 0, false, kWholeLine, r.owner});
     } else {
       stats_.merges += 1;
     }
-    waiters->list[waiters->count++] = {head_.core, r.source, r.tag};
-    memory_time_ -= now;
+    waiters->list[waiters->count++] = {head_.core, r.source, r.tag, head_.arrived, now};
+    memory_time_.arrive(now);
     if (is_watched_) [[unlikely]]
-      show_read(false, r.owner, now);
+      notify_lookup(false, r.owner, now);
     stats_.misses += 1;
   }
   stats_.reads += 1;
   return true;
 }
 
-void L2Bank::show_read(bool hit, Owner owner, sim::Time now) {
+void L2Bank::notify_lookup(bool hit, Owner owner, sim::Time now) {
   if (watcher_ != nullptr) watcher_->looked_up(hit, now);
   if (book_ != nullptr) (hit ? book_->of(owner).l2_hits : book_->of(owner).l2_misses) += 1;
 }
@@ -223,7 +190,7 @@ inline L2Bank::CycleReason L2Bank::waiting(sim::Time now) const {
     const bool to_memory = head_.request.write || (!misses_.full() && !has_room(2));
     return to_memory ? CycleReason::kMemoryFull : CycleReason::kMshrFull;
   }
-  if (!hits_.empty() || sent_at_ > now || (!unsent_.empty() && !unsent_.can_pop(now))) return CycleReason::kLookup;
+  if (!hits_.empty() || (!unsent_.empty() && !unsent_.can_pop(now))) return CycleReason::kLookup;
   if (!misses_.empty()) return CycleReason::kMemory;
   return !unsent_.empty() || (flushing_ && store_.dirty_lines() != 0) ? CycleReason::kMemoryFull : CycleReason::kIdle;
 }
@@ -232,11 +199,10 @@ inline sim::Time L2Bank::next_wake(sim::Time now) const {
   const sim::Time next = now + clock_.period();
   sim::Time wake = sim::kNever;
   const auto at = [&](sim::Time time) { wake = std::min(wake, time); };
-  const sim::Time reply_from = reply_at_ == next ? next + clock_.period() : next;
   if (const std::uint16_t core = reply_core(now); core != kNoCore) {
-    at(std::max(reply_from, cores_out_[core]->push_at()));
+    at(cores_out_[core]->push_at());
   } else {
-    at(std::max(reply_from, hits_.pop_at()));
+    at(hits_.pop_at());
   }
   if (!filled_.pending()) at(channels_in_.pop_at());
   if (!head_.full) {
@@ -246,7 +212,6 @@ inline sim::Time L2Bank::next_wake(sim::Time now) const {
   }  // else it waits for a fill or for memory to take something: that tick looks it up again
   if (flush_in_ != nullptr) at(flush_in_->pop_at());
   if (flushing_ && store_.dirty_lines() != 0 && has_room(1)) at(next);
-  if (sent_ != 0 && (flushing_ || (head_.full && !waits_for_fill()))) at(next);  // room comes with each that leaves
   at(unsent_.can_pop(now) ? channel_of(unsent_.front()).push_at() : unsent_.pop_at());
   return std::max(next, wake);
 }
@@ -255,8 +220,8 @@ std::string L2Bank::state() const {
   return fmt::format(
       "{} lines under way, head {}, {} hits in the pipe, {} requests to memory to send, {} waiters to answer, "
       "{} dirty lines",
-      misses_.size(), head_.full ? "waits" : "empty", hits_.size(), unsent_.size() + sent_,
-      filled_.count - filled_.next, store_.dirty_lines());
+      misses_.size(), head_.full ? "waits" : "empty", hits_.size(), unsent_.size(), filled_.count - filled_.next,
+      store_.dirty_lines());
 }
 
 /// Does what the policy says with the head, a write; false if it must stay.
@@ -268,7 +233,7 @@ bool L2Bank::write(sim::Time now) {
   } else {
     const bool here = store_.find(r.line, r.sectors) != L2Store::Found::kNot;
     const bool stored = here && writes_ == L2Writes::kThrough;
-    if (here && !stored) store_.take_out(r.line);
+    if (here && !stored) store_.invalidate(r.line);
     stats_.write_hits += here;
     (stored ? stats_.stored : stats_.not_stored) += 1;
     to_memory(now, MemRequest{r.line, index_, 0, true, r.sectors, r.owner});
@@ -293,7 +258,7 @@ void L2Bank::write_here(sim::Time now) {
     overwritten = store_.write(r.line, r.sectors);
   } else {
     hit = false;
-    write_back(now, store_.put_in(r.line, r.sectors, r.sectors), r.owner);
+    write_back(now, store_.allocate(r.line, r.sectors, r.sectors), r.owner);
   }
   stats_.write_hits += hit;
   stats_.stored += 1;
@@ -318,13 +283,15 @@ sim::Time L2Bank::tick_ideal(sim::Time now) {
   sim::Time wake = sim::kNever;
   for (std::size_t core = 0; core < ideal_.size(); ++core) {
     sim::Link<MemRequest>& in = cores_in_[core];
-    sim::Link<MemResponse>&pipe = ideal_[core], &out = *cores_out_[core];
+    sim::Link<Reply>& pipe = ideal_[core];
+    sim::Link<MemResponse>& out = *cores_out_[core];
     for (; pipe.can_pop(now) && out.can_push(now); served = true) {
-      out.push(now, pipe.pop(now));
-      latency_ += now;
+      const Reply hit = pipe.pop(now);
+      out.push(now, hit.response);
+      read_time_.depart(hit.arrived, now);
     }
     for (; in.can_pop(now) && pipe.can_push(now); served = true) {
-      if (!in.front().write) latency_ -= in.pop_at();
+      const sim::Time arrived = in.pop_at();
       const MemRequest r = in.pop(now);
       if (r.write) {
         if (book_ != nullptr) book_->count(r.owner, &TileAccount::l2_writes);
@@ -333,8 +300,9 @@ sim::Time L2Bank::tick_ideal(sim::Time now) {
         stats_.stored += 1;
         stats_.bytes_written += sector_bytes_ * static_cast<std::uint32_t>(std::popcount(r.sectors));
       } else {
-        pipe.push(now, {r.line, r.source, r.tag});
-        if (is_watched_) show_read(true, r.owner, now);
+        pipe.push(now, Reply{{r.line, r.source, r.tag}, static_cast<std::uint16_t>(core), arrived});
+        read_time_.arrive(arrived);
+        if (is_watched_) notify_lookup(true, r.owner, now);
         stats_.reads += 1;
         stats_.hits += 1;
       }

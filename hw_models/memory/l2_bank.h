@@ -9,6 +9,7 @@
 #include "hw_models/memory/arbiter.h"
 #include "hw_models/memory/cache_config.h"
 #include "hw_models/memory/cache_tags.h"
+#include "hw_models/memory/latency_sum.h"
 #include "hw_models/memory/messages.h"
 #include "hw_models/memory/mshr_file.h"
 #include "hw_models/memory/tile_book.h"
@@ -33,17 +34,17 @@ class L2Store {
   };
 
   explicit L2Store(const L2Config& config)
-      : tags_(config.cache, config.banks), here_(tags_.slots(), kWholeLine), dirty_(tags_.slots(), 0) {}
+      : tags_(config.cache, config.banks), valid_(tags_.slots(), kWholeLine), dirty_(tags_.slots(), 0) {}
 
   /// Are these sectors of the line here?
   Found find(Addr line, SectorMask wanted) {
     const std::size_t slot = tags_.look_up(line);
     if (slot == CacheTags::kNoSlot) return Found::kNot;
-    return (wanted & ~here_[slot]) == 0 ? Found::kAll : Found::kPart;
+    return (wanted & ~valid_[slot]) == 0 ? Found::kAll : Found::kPart;
   }
 
-  /// Takes a line that is here out, and returns its dirty sectors.
-  SectorMask take_out(Addr line) {
+  /// Removes a line that is here, and returns its dirty sectors.
+  SectorMask invalidate(Addr line) {
     const std::size_t slot = tags_.look_up(line);
     tags_.remove(slot);
     return clean(slot);
@@ -53,16 +54,17 @@ class L2Store {
   SectorMask write(Addr line, SectorMask sectors) {
     const std::size_t slot = tags_.look_up(line);
     const SectorMask before = dirty_[slot] & sectors;
-    here_[slot] |= sectors;
+    valid_[slot] |= sectors;
     make_dirty(slot, sectors);
     return before;
   }
 
-  /// Puts a line in that is not here: these sectors of it, some of them dirty.
-  Victim put_in(Addr line, SectorMask sectors, SectorMask dirty) {
+  /// Allocates a line that is not here, with these valid sectors, some of them dirty. Returns the victim's dirty
+  /// sectors.
+  Victim allocate(Addr line, SectorMask sectors, SectorMask dirty) {
     const CacheTags::Filled filled = tags_.fill(line);
     const Victim victim{filled.evicted, clean(filled.slot)};
-    here_[filled.slot] = sectors;
+    valid_[filled.slot] = sectors;
     make_dirty(filled.slot, dirty);
     return victim;
   }
@@ -88,7 +90,7 @@ class L2Store {
   }
 
   CacheTags tags_;
-  std::vector<SectorMask> here_, dirty_;  ///< by slot
+  std::vector<SectorMask> valid_, dirty_;  ///< by slot
   std::size_t dirty_lines_ = 0;
   std::size_t next_ = 0;  ///< for clean_next()
 };
@@ -196,16 +198,18 @@ class L2Bank {
   std::string state() const;
   /// Takes the line as read, in no time. Dirty sectors of a line that goes for it are dropped.
   void warm(Addr line) {
-    if (store_.find(line, 0) == L2Store::Found::kNot) store_.put_in(line, kWholeLine, 0);
+    if (store_.find(line, 0) == L2Store::Found::kNot) store_.allocate(line, kWholeLine, 0);
   }
 
  private:
   struct Reply {
     MemResponse response;
     std::uint16_t core = 0;
+    sim::Time arrived = 0;
   };
   struct Waiter {
     std::uint16_t core = 0, source = 0, tag = 0;
+    sim::Time arrived = 0, missed = 0;  ///< at the bank; in its tags
   };
   struct Waiters {
     std::uint32_t count = 0;
@@ -218,6 +222,7 @@ class L2Bank {
     std::uint16_t core = 0;
     bool full = false;
     bool needs_mshr = false;  ///< it found all of them taken
+    sim::Time arrived = 0;
   };
   /// The line being handed to those who waited for it.
   struct Filled {
@@ -228,15 +233,13 @@ class L2Bank {
     const Waiter& first() const { return waiters->list[next]; }
   };
 
-  void settle(sim::Time until);
   bool reply(sim::Time now);
-  void send_reply(sim::Link<MemResponse>& core, sim::Time now);
   void take_fill(sim::Time now);
   void send_to_memory(sim::Time now);
   bool take_request(sim::Time now);
   bool read(sim::Time now);
-  /// Tells who watches of a look-up; apart from read(), which is inlined where nobody does.
-  [[gnu::noinline]] void show_read(bool hit, Owner owner, sim::Time now);
+  /// Notifies observers of a lookup; out of line to keep read() small.
+  [[gnu::noinline]] void notify_lookup(bool hit, Owner owner, sim::Time now);
   bool write(sim::Time now);
   void write_here(sim::Time now);
   bool flush(sim::Time now);
@@ -245,7 +248,7 @@ class L2Bank {
   /// Can nothing but a fill move the head on?
   bool waits_for_fill() const { return head_.needs_mshr && misses_.full(); }
   /// Is there room towards memory for so many, beside a dirty victim of every miss?
-  bool has_room(std::uint32_t requests) const { return unsent_.size() + sent_ + misses_.size() + requests <= room_; }
+  bool has_room(std::uint32_t requests) const { return unsent_.size() + misses_.size() + requests <= room_; }
   sim::Time tick_ideal(sim::Time now);
   CycleReason waiting(sim::Time now) const;
   sim::Time next_wake(sim::Time now) const;
@@ -278,19 +281,15 @@ class L2Bank {
   sim::Link<Reply> hits_;
   std::uint32_t room_;
   sim::Link<MemRequest> unsent_;
-  std::array<sim::Time, 64> leaves_{};  ///< when the last requests leave that are in their channel's link already
-  std::uint32_t leave_ = 0, sent_ = 0;  ///< index of the next; how many of them have not left
-  sim::Time sent_at_ = 0;               ///< when the last of them leaves
-  sim::Time reply_at_ =
-      sim::kNever;  ///< when the first line of the last fill leaves, if it is in its core's link already
   Head head_;
   Filled filled_;
   Arbiter cores_;
   Arbiter channels_turn_;
   bool flushing_ = false;
-  std::deque<sim::Link<MemResponse>> ideal_;  ///< answers to each core, a cycle long; none unless ideal
-  sim::Time latency_ = 0, memory_time_ = 0,
-            line_time_ = 0;  ///< sums of ends minus sums of beginnings: exact with an end for what is under way
+  std::deque<sim::Link<Reply>> ideal_;  ///< answers to each core, a cycle long; none unless ideal
+  LatencySum read_time_;                ///< of reads, from their arrival to their departure
+  LatencySum memory_time_;              ///< of misses, from their lookup to the fill
+  LatencySum line_time_;                ///< of lines, from the first miss to the fill
   Stats stats_;
   sim::Activity<CycleReason> activity_;
 };

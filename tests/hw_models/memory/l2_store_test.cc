@@ -16,7 +16,7 @@ L2Config four_lines() {
 
 TEST(L2Store, IsCleanedInTheOrderOfItsSlotsAndRoundTheirEnd) {
   L2Store store(four_lines());
-  for (const Addr line : {192U, 64U, 0U}) store.put_in(line, kWholeLine, 0b1);
+  for (const Addr line : {192U, 64U, 0U}) store.allocate(line, kWholeLine, 0b1);
   EXPECT_EQ(store.dirty_lines(), 3U);
   EXPECT_EQ(store.clean_next().line, 0U);
   EXPECT_EQ(store.clean_next().line, 64U);
@@ -31,23 +31,23 @@ TEST(L2Store, IsCleanedInTheOrderOfItsSlotsAndRoundTheirEnd) {
 TEST(L2Store, TellsLinesThatAreHereInPartFromThoseThatAreWhole) {
   L2Store store(four_lines());
   EXPECT_EQ(store.find(64, 0b1), L2Store::Found::kNot);
-  store.put_in(64, 0b0011, 0b0001);
+  store.allocate(64, 0b0011, 0b0001);
   EXPECT_EQ(store.find(64, 0b0011), L2Store::Found::kAll);
   EXPECT_EQ(store.find(64, 0b0110), L2Store::Found::kPart);
   EXPECT_EQ(store.write(64, 0b0101), 0b0001U) << "dirty before";
   EXPECT_EQ(store.find(64, 0b0111), L2Store::Found::kAll);
-  EXPECT_EQ(store.take_out(64), 0b0101U) << "what is dirty";
+  EXPECT_EQ(store.invalidate(64), 0b0101U) << "what is dirty";
   EXPECT_EQ(store.find(64, 0b1), L2Store::Found::kNot);
 }
 
 TEST(L2Store, GivesUpTheDirtySectorsOfAVictimAlone) {
   L2Store store(four_lines());
-  store.put_in(64, kWholeLine, 0b1010);
-  const L2Store::Victim victim = store.put_in(64 + 256, kWholeLine, 0);
+  store.allocate(64, kWholeLine, 0b1010);
+  const L2Store::Victim victim = store.allocate(64 + 256, kWholeLine, 0);
   EXPECT_EQ(victim.line, 64U);
   EXPECT_EQ(victim.sectors, 0b1010U);
   EXPECT_EQ(store.dirty_lines(), 0U);
-  EXPECT_EQ(store.put_in(64, kWholeLine, 0).sectors, 0U) << "it was clean";
+  EXPECT_EQ(store.allocate(64, kWholeLine, 0).sectors, 0U) << "it was clean";
 }
 
 }  // namespace
