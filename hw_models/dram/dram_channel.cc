@@ -17,7 +17,6 @@ DramChannel::DramChannel(const DramConfig& c, Links links, bool ideal, const Dra
       map_(c),
       ranks_(c.organisation.ranks),
       ideal_(ideal),
-      is_watched_(links.watcher != nullptr || links.book != nullptr),
       bursts_(c.bursts_per_line()),
       line_bytes_(c.line.bytes),
       fabric_(shift.moved_fabric((c.fabric.time + c.timing.ck.time - 1) / c.timing.ck.time)),
@@ -27,8 +26,7 @@ DramChannel::DramChannel(const DramConfig& c, Links links, bool ideal, const Dra
       clock_(c.timing.ck.time),
       ports_in_(std::move(links.ports_in)),
       ports_out_(std::move(links.ports_out)),
-      watcher_(links.watcher),
-      book_(links.book),
+      observer_(links.observer),
       device_(c),
       data_bus_(most_bursts(c.timing)),
       page_policy_(c.controller.page_policy),
@@ -166,8 +164,8 @@ inline void DramChannel::issue(sim::Time now, Cycle cycle) {
     case DramCommand::kActivate:
       entry.activated = true;
       stats_.activates += 1;
-      if (book_ != nullptr) [[unlikely]]
-        book_->count(entry.request.owner, &TileAccount::activates);
+      if (observer_ != nullptr) [[unlikely]]
+        notify(*observer_, RowActivated{entry.request.owner});
       device_.activate(address.bank, address.row, cycle);
       reads_.row_opened(address.bank, address.row);
       writes_.row_opened(address.bank, address.row);
@@ -187,20 +185,12 @@ inline void DramChannel::row_done(const DramAddress& address) {
   if (page_policy_.closes(address.bank, address.row, others)) device_.auto_precharge(address.bank);
 }
 
-void DramChannel::show(const MemRequest& request, sim::Time end) const {
-  if (watcher_ != nullptr) watcher_->served(request, end);
-  if (book_ != nullptr)
-    (request.write ? book_->of(request.owner).dram_writes : book_->of(request.owner).dram_reads) += 1;
-}
-
 /// Moves the request's line over the data bus.
 inline void DramChannel::transfer(const DramQueue::Entry& entry, sim::Time now, Cycle cycle) {
   const MemRequest& r = entry.request;
   const Cycle data = r.write ? device_.write(entry.address.bank, cycle) : device_.read(entry.address.bank, cycle);
   const Cycle end = data + device_.data_cycles();
   data_end_ = std::max(data_end_, end);
-  if (is_watched_) [[unlikely]]
-    show(r, end * clock_.period());
   device_.each_burst(data, [&](Cycle begin, Cycle burst_end) { data_bus_.book({begin, burst_end, r.write}); });
   if (r.write) {
     stats_.writes += 1;
@@ -215,6 +205,10 @@ inline void DramChannel::transfer(const DramQueue::Entry& entry, sim::Time now, 
   }
   stats_.bytes += line_bytes_;
   (entry.precharged ? stats_.row_conflicts : entry.activated ? stats_.row_misses : stats_.row_hits) += 1;
+  if (observer_ != nullptr) [[unlikely]] {
+    const RowState row = entry.precharged ? RowState::kConflict : entry.activated ? RowState::kMiss : RowState::kHit;
+    notify(*observer_, DramServed{r, row, end * clock_.period()});
+  }
 }
 
 /// Charges the cycles before `until`: to the data bus while it moves data, else to what the next command waits for.
@@ -393,7 +387,7 @@ sim::Time DramChannel::tick_ideal(sim::Time now) {
       stats_.row_hits += 1;
       why = r.write ? CycleReason::kWriting : CycleReason::kReading;
       if (!r.write) out.push(now, {r.line, r.source, r.tag});
-      if (is_watched_) show(r, now + clock_.period());
+      if (observer_ != nullptr) notify(*observer_, DramServed{r, RowState::kHit, now + clock_.period()});
     }
     const bool stuck = in.can_pop(now);
     blocked |= stuck;

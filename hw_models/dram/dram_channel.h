@@ -11,7 +11,7 @@
 #include "hw_models/dram/dram_scheduler.h"
 #include "hw_models/memory/arbiter.h"
 #include "hw_models/memory/messages.h"
-#include "hw_models/memory/tile_book.h"
+#include "hw_models/memory/observer.h"
 #include "hw_models/memory/unit_names.h"
 #include "sim/activity.h"
 #include "sim/counter_kind.h"
@@ -118,17 +118,10 @@ class DramChannel {
       counter(NAMED(s.power_downs), "times that the channel woke from power-down for a request");
     }
   };
-  /// Is told of every request when its data are booked on the bus; `end` is when the last of them will be over.
-  class Watcher {
-   public:
-    virtual ~Watcher() = default;
-    virtual void served(const MemRequest& request, sim::Time end) = 0;
-  };
   struct Links {
     std::vector<sim::Link<MemRequest>*> ports_in;
     std::vector<sim::Link<MemResponse>*> ports_out;
-    Watcher* watcher = nullptr;
-    TileBook* book = nullptr;  ///< told of what is done, if there is one
+    Observer* observer = nullptr;
   };
 
   DramChannel(const DramConfig& config, Links links, bool ideal = false, const DramShift& shift = {});
@@ -179,8 +172,6 @@ class DramChannel {
   void issue(sim::Time now, Cycle cycle);
   void row_done(const DramAddress& address);
   void transfer(const DramQueue::Entry& entry, sim::Time now, Cycle cycle);
-  /// Tells of a request whose data end at that time; apart, for machines that nobody watches.
-  [[gnu::cold, gnu::noinline]] void show(const MemRequest& request, sim::Time end) const;
   /// When its oldest request may no longer be overtaken in its bank.
   Cycle due(const DramQueue& queue) const {
     return queue.empty() ? sim::kNever : queue.oldest().arrived + controller_.age_limit;
@@ -191,7 +182,6 @@ class DramChannel {
   const DramMap map_;
   const std::uint32_t ranks_;
   const bool ideal_;
-  const bool is_watched_;  ///< there is a book or a watcher
   const std::uint32_t bursts_;
   const std::uint64_t line_bytes_;
   const Cycle fabric_;
@@ -201,8 +191,7 @@ class DramChannel {
   const sim::Clock clock_;
   const sim::Inputs<MemRequest> ports_in_;
   const std::vector<sim::Link<MemResponse>*> ports_out_;
-  Watcher* const watcher_;
-  TileBook* const book_;
+  Observer* const observer_;
 
   DramDevice device_;
   DataBus data_bus_;

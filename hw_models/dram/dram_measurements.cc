@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t kAnswers = 64;
 
 /// A channel and all that goes into it. Requests spend a cycle on the wire, so that inside all times are a cycle late.
-class Player : DramChannel::Watcher {
+class Player : Observer {
  public:
   Player(const DramConfig& config, std::span<const DramRequest> requests, std::uint32_t outstanding)
       : requests_(requests),
@@ -63,7 +63,10 @@ class Player : DramChannel::Watcher {
     for (; taken_ + in_.size() < next_; ++taken_) waiting_ -= requests_[taken_].write ? 1 : 0;
   }
 
-  void served(const MemRequest& r, sim::Time end) override {
+  void on_event(const Event& event) override {
+    if (const DramServed* served = std::get_if<DramServed>(&event)) serve(served->request, served->end);
+  }
+  void serve(const MemRequest& r, sim::Time end) {
     const std::size_t i = std::size_t{r.source} << 16 | r.tag;
     play_.done[i] = end - clock_.period();
     play_.end = std::max(play_.end, play_.done[i]);

@@ -23,7 +23,10 @@ sim::Time Dma::tick(sim::Time now) {
   const bool moved = active_ && move_line(now);
   if (active_ && lines_left_ == 0 && replies_left_ == 0 && links_.done_out.can_push(now)) {
     links_.done_out.push(now, DmaDone{job_.tag});
-    if (links_.observer != nullptr) links_.observer->transfer_ends(links_.core, job_, begun_at_, now);
+    if (links_.observer != nullptr) {
+      notify(*links_.observer,
+             TransferEnded{links_.core, job_.owner, job_.area, job_.write, job_.base, job_.bytes, begun_at_, now});
+    }
     active_ = false;
     stats_.jobs += 1;
   }

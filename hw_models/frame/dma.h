@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <string>
 
+#include "hw_models/memory/observer.h"
 #include "hw_models/memory/unit_names.h"
 #include "hw_models/srp/messages.h"
-#include "hw_models/srp/observer.h"
 #include "sim/activity.h"
 #include "sim/link.h"
 #include "sim/named.h"
@@ -58,8 +58,8 @@ class Dma {
     sim::Link<DmaDone>& done_out;
     sim::Link<MemRequest>& memory_out;
     sim::Link<MemResponse>& memory_in;
-    Observer* observer = nullptr;  ///< told of each transfer, if there is one
-    std::uint32_t core = 0;        ///< as whose it knows this one
+    Observer* observer = nullptr;
+    std::uint32_t core = 0;  ///< its core in events
   };
 
   Dma(Links links, std::uint16_t port, sim::Clock clock) : clock_(clock), links_(links), port_(port) {}

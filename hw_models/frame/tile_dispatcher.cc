@@ -56,8 +56,10 @@ bool TileDispatcher::dispatch(sim::Time now) {
   for (std::size_t k = 0; k < cores; ++k) {
     const std::size_t core = (turn_ + k) % cores;
     if (!has_room(core) || now < start_at_[core] || !links_.to_core[core]->can_push(now)) continue;
-    const Owner owner = links_.book != nullptr ? links_.book->open(static_cast<std::uint32_t>(core), now) : kNoOwner;
-    const TileJob job{next_, missing(*next_), owner};
+    const auto tag = static_cast<TileTag>(stats_.dispatched & kTileTagMask);
+    if (links_.observer != nullptr)
+      notify(*links_.observer, TileDispatched{tag, static_cast<std::uint32_t>(core), now});
+    const TileJob job{next_, missing(*next_), tag};
     links_.to_core[core]->push(now, job);
     if (job.missing != 0) {
       importers_.push_back({core, job});
@@ -85,7 +87,7 @@ void TileDispatcher::collect(sim::Time now) {
       continue;
     }
     written(done.work->tile, (1U << traces::kMostBorders) - 1);  // those that it has not written will not change
-    if (links_.book != nullptr) links_.book->close(done.owner, now);
+    if (links_.observer != nullptr) notify(*links_.observer, TileFinished{done.owner, now});
     source_.give_back(done.work);
     in_flight_[core] -= 1;
     stats_.finished += 1;

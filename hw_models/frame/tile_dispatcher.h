@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "hw_models/memory/messages.h"
-#include "hw_models/memory/tile_book.h"
+#include "hw_models/memory/observer.h"
 #include "hw_models/memory/unit_names.h"
 #include "hw_models/srp/messages.h"
 #include "hw_models/srp/tile_buffer.h"
@@ -60,7 +60,7 @@ class TileDispatcher {
     std::vector<sim::Link<TileJob>*> to_core;
     std::vector<sim::Link<TileDone>*> from_core;
     std::vector<sim::Link<Flush>*> to_l2;  ///< told when the last tile is finished; may be none
-    TileBook* book = nullptr;              ///< told of each tile, if there is one
+    Observer* observer = nullptr;
   };
 
   /// `starts`: cycles before a core may get its first tile, one of each core; empty: none.

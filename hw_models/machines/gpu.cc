@@ -81,12 +81,12 @@ Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles, c
       scheduled_(workload.scheduled ? workload.scheduled
                                     : std::make_shared<const ScheduledKernels>(schedule_kernels(config))),
       machine_(config.clocks.synchroniser),
-      memory_(machine_, config_, MemorySystem::Dma::kYes, perturbation.dram, workload.watchers),
+      memory_(machine_, config_, MemorySystem::Dma::kYes, perturbation.dram, workload.observer),
       dispatcher_id_(machine_.unit({TileDispatcher::kName, l2_clock_})) {
   patience_ = hw::patience(config, scheduled_->kernels, scheduled_->conflicts);
 
   TileDispatcher::Links links;
-  links.book = workload.watchers.book;
+  links.observer = workload.observer;
   for (std::uint32_t c = 0; c < config.cores; ++c) {
     const Core& core = declare_core(c);
     links.to_core.push_back(&core.tiles_in);
@@ -132,7 +132,7 @@ Gpu::RasterWires Gpu::link_rasteriser(const Core& core, std::uint32_t c) {
       machine_.unit({name_in_core(RasterUnit::kName, c), tni_clock_, c + 1, raster.sram_bytes(), raster.l1.size.bytes});
   auto& jobs = machine_.link<RasterJob>(raster.jobs, 1, core.srp_id, unit);
   auto& done = machine_.link<RasterDone>(2 * raster.jobs, 1, unit, core.srp_id);
-  return {unit, jobs, done, memory_.cache_client(c, {unit, raster.l1.mshrs, Asker::kRaster})};
+  return {unit, jobs, done, memory_.cache_client(c, {unit, raster.l1.mshrs, RequesterKind::kRaster})};
 }
 
 Srp::Frame Gpu::frame_of(const Workload& workload, std::uint32_t core) const {
@@ -147,8 +147,7 @@ Srp::Frame Gpu::frame_of(const Workload& workload, std::uint32_t core) const {
           .ideal = config_.ideal.srp,
           .ideal_buffer = config_.ideal.tile_buffer,
           .ideal_cache = config_.ideal.l1,
-          .book = workload.watchers.book,
-          .observer = workload.watchers.cores,
+          .observer = workload.observer,
           .core = core};
 }
 
@@ -161,7 +160,7 @@ void Gpu::build_core(std::uint32_t c, const Workload& workload) {
   const Interface wires = link_interface(core, between.value_or(core.srp_id));
 
   const std::vector<MemoryPort> tni = memory_.cache_clients(c, core.tni.memory_clients());
-  const MemoryPort data = memory_.cache_client(c, {core.srp_id, config_.srp.data_cache.mshrs, Asker::kShading});
+  const MemoryPort data = memory_.cache_client(c, {core.srp_id, config_.srp.data_cache.mshrs, RequesterKind::kShading});
   const MemoryPort transfers = memory_.dma_client(c, dma);
   const std::uint32_t in_flight = in_flight_.most();
   auto& dma_jobs = machine_.link<DmaJob>(in_flight, 1, core.srp_id, dma);
@@ -178,7 +177,7 @@ void Gpu::build_core(std::uint32_t c, const Workload& workload) {
   core.tni.build(machine_, scene_in_memory(workload.image, workload.parents), direct.interval,
                  {wires.rays_to_tni, wires.hits_from_tni, tni});
   core.dma = &machine_.build<Dma>(
-      dma, Dma::Links{dma_jobs, dma_dones, transfers.requests, transfers.responses, workload.watchers.cores, c},
+      dma, Dma::Links{dma_jobs, dma_dones, transfers.requests, transfers.responses, workload.observer, c},
       transfers.client, srp_clock_);
   if (raster) {
     machine_.build<RasterUnit>(
@@ -188,7 +187,7 @@ void Gpu::build_core(std::uint32_t c, const Workload& workload) {
   }
   std::vector<MemoryPort> records;  // rays', then hits'
   if (between) {
-    const MemoryClient client{*between, config_.interconnect.link_depth, Asker::kRecords};
+    const MemoryClient client{*between, config_.interconnect.link_depth, RequesterKind::kRecords};
     records = memory_.cache_clients(c, std::array{client, client});
   }
   core.tni.cluster(machine_, memory_.cache_port_id(c), memory_.build_ports(c));

@@ -12,7 +12,7 @@
 #include "hw_models/frame/tile_dispatcher.h"
 #include "hw_models/machines/gpu_config.h"
 #include "hw_models/machines/memory_system.h"
-#include "hw_models/machines/watchers.h"
+#include "hw_models/memory/observer.h"
 #include "hw_models/raster/raster_unit.h"
 #include "hw_models/srp/bank_conflicts.h"
 #include "hw_models/srp/schedule.h"
@@ -60,7 +60,7 @@ class Gpu {
     std::span<const std::uint32_t> parents;  ///< the parent of each node of the tree
     traces::FrameRequirements needs{.tile_samples = 256};
     bool dma_encodes = false;  ///< the DMA sRGB-encodes finished pixels
-    Watchers watchers = {};    ///< are told what it does
+    Observer* observer = nullptr;
     /// Kernels of a machine with the same shader cores; null: scheduled anew.
     std::shared_ptr<const ScheduledKernels> scheduled{};
   };

@@ -10,12 +10,12 @@ constexpr std::uint32_t kIdealDepth = 256;  // links of an ideal interconnect: m
 }  // namespace
 
 MemorySystem::MemorySystem(sim::Machine& machine, const GpuConfig& config, Dma dma, const DramShift& shift,
-                           const Watchers& watchers)
+                           Observer* observer)
     : machine_(machine),
       config_(config),
       dma_(dma),
       shift_(shift),
-      watchers_(watchers),
+      observer_(observer),
       clock_(config.clocks.l2.clock()),
       distance_(config.ideal.interconnect ? 1 : config.interconnect.latency),
       link_depth_(config.ideal.interconnect ? kIdealDepth : config.interconnect.link_depth) {
@@ -93,7 +93,7 @@ MemoryPort MemorySystem::client(Port& port, const MemoryClient& client, std::uin
   auto& down = machine_.link<MemResponse>(client.lines, 1, port.unit, client.unit);
   port.links.clients_in.push_back(&up);
   port.links.clients_out.push_back(&down);
-  port.links.asks.push_back(client.asks);
+  port.links.requesters.push_back(client.requester);
   return {up, down, static_cast<std::uint16_t>(port.links.clients_in.size() - 1)};
 }
 
@@ -108,7 +108,7 @@ std::vector<MemoryPort> MemorySystem::cache_clients(std::uint32_t core, std::spa
 }
 
 MemoryPort MemorySystem::dma_client(std::uint32_t core, sim::UnitId dma) {
-  return client(dma_ports_[core], {dma, config_.dma.depth, Asker::kTransfers}, config_.dma.depth);
+  return client(dma_ports_[core], {dma, config_.dma.depth, RequesterKind::kTransfers}, config_.dma.depth);
 }
 
 std::vector<sim::Link<Flush>*> MemorySystem::flushes(sim::UnitId from) {
@@ -119,7 +119,7 @@ std::vector<sim::Link<Flush>*> MemorySystem::flushes(sim::UnitId from) {
 
 CorePort& MemorySystem::build_ports(std::uint32_t core) {
   const auto build = [&](Port& port, Interleave targets) -> CorePort& {
-    port.links.book = watchers_.book;
+    port.links.observer = observer_;
     return *built_ports_.emplace_back(&machine_.build<CorePort>(port.unit, config_.interconnect, port.links, targets,
                                                                 clock_, config_.l2.cache.line.bytes,
                                                                 config_.ideal.interconnect));
@@ -131,15 +131,13 @@ CorePort& MemorySystem::build_ports(std::uint32_t core) {
 
 void MemorySystem::build_banks_and_channels() {
   for (Bank& bank : declared_banks_) {
-    bank.links.book = watchers_.book;
-    bank.links.watcher = watchers_.l2;
+    bank.links.observer = observer_;
     banks_.push_back(&machine_.build<L2Bank>(bank.unit, config_.l2, static_cast<std::uint16_t>(banks_.size()),
                                              bank.links, config_.dram.interleave(), clock_,
                                              config_.interconnect.arbitration, config_.ideal.l2));
   }
   for (Channel& channel : declared_channels_) {
-    channel.links.book = watchers_.book;
-    channel.links.watcher = watchers_.dram;
+    channel.links.observer = observer_;
     channels_.push_back(
         &machine_.build<DramChannel>(channel.unit, config_.dram, channel.links, config_.ideal.dram, shift_));
   }

@@ -5,10 +5,10 @@
 
 #include "hw_models/dram/dram_channel.h"
 #include "hw_models/machines/gpu_config.h"
-#include "hw_models/machines/watchers.h"
 #include "hw_models/memory/core_port.h"
 #include "hw_models/memory/l2_bank.h"
 #include "hw_models/memory/memory_port.h"
+#include "hw_models/memory/observer.h"
 #include "sim/machine.h"
 
 namespace hw {
@@ -28,7 +28,7 @@ class MemorySystem {
 
   /// `config` must outlive it.
   MemorySystem(sim::Machine& machine, const GpuConfig& config, Dma dma, const DramShift& shift = {},
-               const Watchers& watchers = {});
+               Observer* observer = nullptr);
 
   /// The ports of the next core.
   void declare_ports();
@@ -72,7 +72,7 @@ class MemorySystem {
   const GpuConfig& config_;
   const Dma dma_;
   const DramShift shift_;
-  const Watchers watchers_;
+  Observer* const observer_;
   const sim::Clock clock_;
   const std::uint32_t distance_, link_depth_;  ///< between ports and what they lead to
   std::vector<Port> cache_ports_, dma_ports_;  ///< one of each core; there may be no DMA

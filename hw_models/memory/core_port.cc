@@ -15,8 +15,8 @@ CorePort::CorePort(const InterconnectConfig& config, Links links, Interleave tar
       targets_out_(std::move(links.targets_out)),
       clients_in_(std::move(links.clients_in)),
       targets_in_(std::move(links.targets_in)),
-      asks_(std::move(links.asks)),
-      book_(links.book),
+      requesters_(std::move(links.requesters)),
+      observer_(links.observer),
       targets_(targets),
       clock_(clock),
       ideal_(ideal),
@@ -29,10 +29,9 @@ CorePort::CorePort(const InterconnectConfig& config, Links links, Interleave tar
   assert(targets_in_.size() == targets_out_.size());
 }
 
-template <bool kBooked>
-sim::Time CorePort::tick_as(sim::Time now) {
+sim::Time CorePort::tick(sim::Time now) {
   settle(now);
-  const bool requested = clients_in_.holding() != 0 && send_up<kBooked>(now);
+  const bool requested = clients_in_.holding() != 0 && send_up(now);
   if (targets_in_.holding() != 0) carry_down(now);
   const sim::Time next = now + clock_.period();
   const sim::Time wake = look_ahead(now);
@@ -57,12 +56,11 @@ inline void CorePort::settle(sim::Time until) {
     activity_.spend(line_until_, clock_.period(), waiting_, waiting_);
 }
 
-template <bool kBooked>
 inline bool CorePort::send_up(sim::Time now) {
   if (ideal_) {
     bool any = false;
     for (std::uint32_t client = 0; client < up_.count(); ++client) {
-      for (; can_send(client, now); any = true) send<kBooked>(client, now);
+      for (; can_send(client, now); any = true) send(client, now);
     }
     return any;
   }
@@ -71,12 +69,11 @@ inline bool CorePort::send_up(sim::Time now) {
       clients_in_.holding(), [&](std::uint32_t i) { return can_send(i, now); },
       [&](std::uint32_t i) { return clients_in_.pop_at(i); });
   if (client == up_.count()) return false;
-  send<kBooked>(client, now);
+  send(client, now);
   up_.served(client);
   return true;
 }
 
-template <bool kBooked>
 inline void CorePort::send(std::uint32_t client, sim::Time now) {
   request_wait_ += now - clients_in_.pop_at(client);
   const MemRequest request = clients_in_[client].pop(now);
@@ -86,7 +83,8 @@ inline void CorePort::send(std::uint32_t client, sim::Time now) {
     up_free_ = now + carry_time_[static_cast<std::size_t>(std::popcount(request.sectors))];
     line_until_ = std::max(line_until_, up_free_);
   }
-  if constexpr (kBooked) book_->count(request.owner, asks_[client]);
+  if (observer_ != nullptr) [[unlikely]]
+    notify(*observer_, LineRequested{request.owner, requesters_[client]});
   stats_.requests += 1;
   stats_.lines_up += request.write;
 }
@@ -140,9 +138,6 @@ inline void CorePort::carry(std::uint32_t target, sim::Time now) {
       CycleReason::kClientFull);
   return std::max(wake, now + clock_.period());
 }
-
-template sim::Time CorePort::tick_as<true>(sim::Time);
-template sim::Time CorePort::tick_as<false>(sim::Time);
 
 std::string CorePort::state() const {
   std::size_t requests = 0, lines = 0;

@@ -6,7 +6,7 @@
 
 #include "hw_models/memory/arbiter.h"
 #include "hw_models/memory/messages.h"
-#include "hw_models/memory/tile_book.h"
+#include "hw_models/memory/observer.h"
 #include "hw_models/memory/unit_names.h"
 #include "sim/activity.h"
 #include "sim/config/field.h"
@@ -78,8 +78,8 @@ class CorePort {
     std::vector<sim::Link<MemResponse>*> clients_out;
     std::vector<sim::Link<MemRequest>*> targets_out;
     std::vector<sim::Link<MemResponse>*> targets_in;
-    std::vector<Asker> asks;   ///< what each client's lines are for, if there is a book
-    TileBook* book = nullptr;  ///< told of each request, if there is one
+    std::vector<RequesterKind> requesters;  ///< by client, if there is an observer
+    Observer* observer = nullptr;
   };
 
   CorePort(const InterconnectConfig& config, Links links, Interleave targets, sim::Clock clock,
@@ -87,7 +87,7 @@ class CorePort {
   CorePort(const CorePort&) = delete;
   CorePort& operator=(const CorePort&) = delete;
 
-  sim::Time tick(sim::Time now) { return book_ == nullptr ? tick_as<false>(now) : tick_as<true>(now); }
+  sim::Time tick(sim::Time now);
   void finish(sim::Time end);
 
   const sim::Clock& clock() const { return clock_; }
@@ -96,14 +96,8 @@ class CorePort {
   std::string state() const;
 
  private:
-  /// `kBooked`: there is a book, and each request is charged to its tile. The test stands here and nowhere within, so
-  /// that a port without a book keeps all in registers.
-  template <bool kBooked>
-  sim::Time tick_as(sim::Time now);
-  template <bool kBooked>
   bool send_up(sim::Time now);
   void carry_down(sim::Time now);
-  template <bool kBooked>
   void send(std::uint32_t client, sim::Time now);
   void carry(std::uint32_t target, sim::Time now);
   bool can_send(std::uint32_t client, sim::Time now) const {
@@ -123,8 +117,8 @@ class CorePort {
   const std::vector<sim::Link<MemRequest>*> targets_out_;
   const sim::Inputs<MemRequest> clients_in_;
   const sim::Inputs<MemResponse> targets_in_;
-  const std::vector<Asker> asks_;
-  TileBook* const book_;
+  const std::vector<RequesterKind> requesters_;
+  Observer* const observer_;
   Interleave targets_;
   sim::Clock clock_;
   const bool ideal_;

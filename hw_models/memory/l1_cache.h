@@ -55,8 +55,8 @@ class L1Cache {
   }
 
   /// Attributes later requests of this slot to the given tile.
-  void set_slot_tile(std::uint32_t slot, Owner owner) { owners_[slot] = owner; }
-  Owner owner(std::uint32_t slot) const { return owners_[slot]; }
+  void set_slot_tile(std::uint32_t slot, TileTag owner) { owners_[slot] = owner; }
+  TileTag owner(std::uint32_t slot) const { return owners_[slot]; }
 
   /// The line has come: who waited for it, since when it was on its way.
   Miss fill(Addr line) {
@@ -99,15 +99,15 @@ class L1Cache {
  private:
   struct Unsent {
     Addr line = 0;
-    Owner owner = kNoOwner;
+    TileTag owner = kNoTile;
   };
 
-  static std::array<Owner, 64> no_owners() {
-    std::array<Owner, 64> all{};
-    all.fill(kNoOwner);
+  static std::array<TileTag, 64> no_owners() {
+    std::array<TileTag, 64> all{};
+    all.fill(kNoTile);
     return all;
   }
-  void ask(Addr line, Miss miss, Owner owner) {
+  void ask(Addr line, Miss miss, TileTag owner) {
     misses_.allocate(line) = miss;
     unsent_.push_back({line, owner});
   }
@@ -115,7 +115,7 @@ class L1Cache {
   sim::Ring<Unsent> unsent_;
   CacheTags tags_;
   MshrFile<Miss> misses_;
-  std::array<Owner, 64> owners_ = no_owners();
+  std::array<TileTag, 64> owners_ = no_owners();
   std::uint16_t source_;
   bool ideal_;
 };

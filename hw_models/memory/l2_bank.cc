@@ -16,11 +16,9 @@ L2Bank::L2Bank(const L2Config& config, std::uint16_t index, Links links, Interle
       cores_in_(std::move(links.cores_in)),
       channels_in_(std::move(links.channels_in)),
       flush_in_(links.flush_in),
-      book_(links.book),
-      watcher_(links.watcher),
+      observer_(links.observer),
       channels_(channels),
       clock_(clock),
-      is_watched_(book_ != nullptr || watcher_ != nullptr),
       index_(index),
       targets_(config.targets),
       writes_(config.writes),
@@ -97,8 +95,8 @@ void L2Bank::take_fill(sim::Time now) {
   line_time_.depart(waiters.list[0].missed, now);
   for (std::uint32_t i = 0; i < waiters.count; ++i) memory_time_.depart(waiters.list[i].missed, now);
   write_back(now, store_.allocate(line, kWholeLine, waiters.dirty), waiters.owner);
-  if (book_ != nullptr) [[unlikely]]
-    book_->count(waiters.owner, &TileAccount::l2_fills);
+  if (observer_ != nullptr) [[unlikely]]
+    notify(*observer_, L2Filled{waiters.owner});
   stats_.fills += 1;
 }
 
@@ -116,7 +114,7 @@ void L2Bank::to_memory(sim::Time now, const MemRequest& request) {
     stats_.bytes_to_memory += sector_bytes_ * static_cast<std::uint32_t>(std::popcount(request.sectors));
 }
 
-void L2Bank::write_back(sim::Time now, const L2Store::Victim& victim, Owner owner) {
+void L2Bank::write_back(sim::Time now, const L2Store::Victim& victim, TileTag owner) {
   if (victim.sectors == 0) return;
   to_memory(now, MemRequest{victim.line, index_, 0, true, victim.sectors, owner});
   stats_.written_back += 1;
@@ -148,8 +146,8 @@ inline bool L2Bank::read(sim::Time now) {
   const L2Store::Found found = store_.find(r.line, r.sectors);
   if (found == L2Store::Found::kAll) {
     hits_.push(now, Reply{{r.line, r.source, r.tag}, head_.core, head_.arrived});
-    if (is_watched_) [[unlikely]]
-      notify_lookup(true, r.owner, now);
+    if (observer_ != nullptr) [[unlikely]]
+      notify(*observer_, L2LookedUp{r.owner, true, now});
     stats_.hits += 1;
   } else {
     Waiters* waiters = misses_.find(r.line);
@@ -170,17 +168,12 @@ inline bool L2Bank::read(sim::Time now) {
     }
     waiters->list[waiters->count++] = {head_.core, r.source, r.tag, head_.arrived, now};
     memory_time_.arrive(now);
-    if (is_watched_) [[unlikely]]
-      notify_lookup(false, r.owner, now);
+    if (observer_ != nullptr) [[unlikely]]
+      notify(*observer_, L2LookedUp{r.owner, false, now});
     stats_.misses += 1;
   }
   stats_.reads += 1;
   return true;
-}
-
-void L2Bank::notify_lookup(bool hit, Owner owner, sim::Time now) {
-  if (watcher_ != nullptr) watcher_->looked_up(hit, now);
-  if (book_ != nullptr) (hit ? book_->of(owner).l2_hits : book_->of(owner).l2_misses) += 1;
 }
 
 inline L2Bank::CycleReason L2Bank::waiting(sim::Time now) const {
@@ -239,8 +232,8 @@ bool L2Bank::write(sim::Time now) {
     to_memory(now, MemRequest{r.line, index_, 0, true, r.sectors, r.owner});
     stats_.passed_on += 1;
   }
-  if (book_ != nullptr) [[unlikely]]
-    book_->count(r.owner, &TileAccount::l2_writes);
+  if (observer_ != nullptr) [[unlikely]]
+    notify(*observer_, L2Written{r.owner});
   stats_.writes += 1;
   stats_.bytes_written += sector_bytes_ * static_cast<std::uint32_t>(std::popcount(r.sectors));
   return true;
@@ -294,7 +287,7 @@ sim::Time L2Bank::tick_ideal(sim::Time now) {
       const sim::Time arrived = in.pop_at();
       const MemRequest r = in.pop(now);
       if (r.write) {
-        if (book_ != nullptr) book_->count(r.owner, &TileAccount::l2_writes);
+        if (observer_ != nullptr) notify(*observer_, L2Written{r.owner});
         stats_.writes += 1;
         stats_.write_hits += 1;
         stats_.stored += 1;
@@ -302,7 +295,7 @@ sim::Time L2Bank::tick_ideal(sim::Time now) {
       } else {
         pipe.push(now, Reply{{r.line, r.source, r.tag}, static_cast<std::uint16_t>(core), arrived});
         read_time_.arrive(arrived);
-        if (is_watched_) notify_lookup(true, r.owner, now);
+        if (observer_ != nullptr) notify(*observer_, L2LookedUp{r.owner, true, now});
         stats_.reads += 1;
         stats_.hits += 1;
       }

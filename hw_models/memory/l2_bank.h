@@ -12,7 +12,7 @@
 #include "hw_models/memory/latency_sum.h"
 #include "hw_models/memory/messages.h"
 #include "hw_models/memory/mshr_file.h"
-#include "hw_models/memory/tile_book.h"
+#include "hw_models/memory/observer.h"
 #include "hw_models/memory/unit_names.h"
 #include "sim/activity.h"
 #include "sim/counter_kind.h"
@@ -118,7 +118,7 @@ class L2Bank {
  public:
   static constexpr const char* kName = "l2.bank";
   static constexpr Block kBlock = Block::kL2;
-  static constexpr std::size_t kAtOnce = 2;  ///< lines to a core in one tick at most: of this cycle, and of the next
+  static constexpr std::size_t kAtOnce = 1;  ///< lines to a core in one tick at most
   enum class CycleReason : std::uint8_t {
     kIdle,
     kServing,
@@ -166,20 +166,13 @@ class L2Bank {
       counter(NAMED(s.line_cycles), "sum over lines of cycles from the miss to the fill", "", sim::CounterKind::kAtEnd);
     }
   };
-  /// Is told of every line that is to be read, when it has been looked for.
-  class Watcher {
-   public:
-    virtual ~Watcher() = default;
-    virtual void looked_up(bool hit, sim::Time now) = 0;
-  };
   struct Links {
     std::vector<sim::Link<MemRequest>*> cores_in;
     std::vector<sim::Link<MemResponse>*> cores_out;
     std::vector<sim::Link<MemRequest>*> channels_out;
     std::vector<sim::Link<MemResponse>*> channels_in;
     sim::Link<Flush>* flush_in = nullptr;  ///< none: nothing is ever flushed
-    TileBook* book = nullptr;              ///< told of what is done, if there is one
-    Watcher* watcher = nullptr;            ///< likewise
+    Observer* observer = nullptr;
   };
 
   L2Bank(const L2Config& config, std::uint16_t index, Links links, Interleave channels, sim::Clock clock,
@@ -213,8 +206,8 @@ class L2Bank {
   };
   struct Waiters {
     std::uint32_t count = 0;
-    SectorMask dirty = 0;    ///< sectors of the line that came by writes
-    Owner owner = kNoOwner;  ///< the tile whose request missed
+    SectorMask dirty = 0;     ///< sectors of the line that came by writes
+    TileTag owner = kNoTile;  ///< the tile whose request missed
     std::array<Waiter, L2Config::kMaxTargets> list;
   };
   struct Head {
@@ -238,13 +231,11 @@ class L2Bank {
   void send_to_memory(sim::Time now);
   bool take_request(sim::Time now);
   bool read(sim::Time now);
-  /// Notifies observers of a lookup; out of line to keep read() small.
-  [[gnu::noinline]] void notify_lookup(bool hit, Owner owner, sim::Time now);
   bool write(sim::Time now);
   void write_here(sim::Time now);
   bool flush(sim::Time now);
   void to_memory(sim::Time now, const MemRequest& request);
-  void write_back(sim::Time now, const L2Store::Victim& victim, Owner owner = kNoOwner);
+  void write_back(sim::Time now, const L2Store::Victim& victim, TileTag owner = kNoTile);
   /// Can nothing but a fill move the head on?
   bool waits_for_fill() const { return head_.needs_mshr && misses_.full(); }
   /// Is there room towards memory for so many, beside a dirty victim of every miss?
@@ -267,11 +258,9 @@ class L2Bank {
   const sim::Inputs<MemRequest> cores_in_;
   const sim::Inputs<MemResponse> channels_in_;
   sim::Link<Flush>* const flush_in_;
-  TileBook* const book_;
-  Watcher* const watcher_;
+  Observer* const observer_;
   Interleave channels_;
   sim::Clock clock_;
-  const bool is_watched_;  ///< there is a book or a watcher
   std::uint16_t index_;
   std::uint32_t targets_;
   L2Writes writes_;

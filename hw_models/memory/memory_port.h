@@ -2,7 +2,7 @@
 #include <cstdint>
 
 #include "hw_models/memory/messages.h"
-#include "hw_models/memory/tile_book.h"
+#include "hw_models/memory/observer.h"
 #include "sim/link.h"
 #include "sim/machine.h"
 
@@ -12,7 +12,7 @@ namespace hw {
 struct MemoryClient {
   sim::UnitId unit;
   std::uint32_t lines = 1;
-  Asker asks = Asker::kNodes;
+  RequesterKind requester = RequesterKind::kNodes;
 };
 
 /// A client's wires to its port.

@@ -21,9 +21,18 @@ using SectorMask = std::uint8_t;
 inline constexpr SectorMask kWholeLine = 0xff;
 inline constexpr Addr kSectorBytes = kLineBytes / 8;
 
-/// A tile that something is done for, as its book names it (tile_book.h).
-using Owner = std::uint16_t;
-inline constexpr Owner kNoOwner = 0xffff;
+/// Tag of the tile for which something is done: its number in the tile list, modulo more tiles than can be in flight.
+using TileTag = std::uint16_t;
+inline constexpr TileTag kNoTile = 0xffff;
+inline constexpr std::uint32_t kTileTagMask = 0x7fff;
+/// Returns the number of the tile with that tag, given that of another tile in flight at the same time.
+constexpr std::uint32_t tile_number_near(TileTag tag, std::uint32_t other) {
+  const std::uint32_t ahead = (tag - other) & kTileTagMask;
+  return ahead <= kTileTagMask / 2 ? other + ahead : other + ahead - (kTileTagMask + 1);
+}
+
+/// Parts of memory that only the DMA reads and writes: the regions of the frame, and room for ray slots.
+enum class Area : std::uint8_t { kPicture, kSamples, kRates, kSpill, kCount };
 
 /// A request for one cache line (or part of one) on its way to memory.
 struct MemRequest {
@@ -32,7 +41,7 @@ struct MemRequest {
   std::uint16_t tag = 0;     ///< the requester's own mark, returned unchanged
   bool write = false;
   SectorMask sectors = kWholeLine;  ///< sectors that are written, or wanted
-  Owner owner = kNoOwner;
+  TileTag owner = kNoTile;
 };
 
 /// A line that came back. Writes are posted and have no response.

@@ -7,7 +7,7 @@
 
 namespace hw {
 
-void RasterFetch::enter(const traces::RasterTriangle& triangle, std::uint32_t entry, Owner owner) {
+void RasterFetch::enter(const traces::RasterTriangle& triangle, std::uint32_t entry, TileTag owner) {
   l1_.set_slot_tile(static_cast<std::uint32_t>(entered_ % slots_.size()), owner);
   Slot& s = slot(entered_++);
   s = Slot{};
@@ -178,7 +178,7 @@ void RasterUnit::begin_front(sim::Time now) {
 
 /// Sends transformed vertices to memory.
 void RasterUnit::transform() {
-  const Owner owner = job(setting_.job).job.owner;
+  const TileTag owner = job(setting_.job).job.owner;
   for (std::uint32_t i = 0; i < fetch_.missed(); ++i) {
     writes_.add(memory_.transformed_at(fetch_.missed_vertices()[i]), RasterMemory::kTransformedBytes, owner);
   }

@@ -94,7 +94,7 @@ class RasterWrites {
   std::uint64_t sent() const { return sent_; }
 
   /// Adds bytes of one line for a tile. Needs room for a line.
-  void add(Addr first, std::uint32_t bytes, Owner owner) {
+  void add(Addr first, std::uint32_t bytes, TileTag owner) {
     const Addr line = line_of(first);
     if (open_.sectors != 0 && open_.line != line) close();
     const Addr from = (first - line) / kSectorBytes, to = (first + bytes - 1 - line) / kSectorBytes;
@@ -167,7 +167,7 @@ class RasterFetch {
   bool has_room() const { return entered_ - left_ < slots_.size(); }
   bool empty() const { return entered_ == left_; }
   /// A triangle enters; `entry`: where it stands among the lists, or kBatch; `owner`: the tile that it is for.
-  void enter(const traces::RasterTriangle& triangle, std::uint32_t entry, Owner owner);
+  void enter(const traces::RasterTriangle& triangle, std::uint32_t entry, TileTag owner);
   static constexpr std::uint32_t kBatch = traces::WorkNode::kNone;
 
   /// The oldest triangle has all that it needs.

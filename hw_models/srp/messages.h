@@ -11,7 +11,7 @@ namespace hw {
 struct TileJob {
   const traces::TileWork* work = nullptr;
   std::uint32_t missing = 0;  ///< borders that are not in memory yet: a bit for each of TileWork::imports
-  Owner owner = kNoOwner;
+  TileTag owner = kNoTile;
 };
 static_assert(traces::kMostImports <= 32 && traces::kMostBorders <= 8);
 
@@ -19,11 +19,9 @@ static_assert(traces::kMostImports <= 32 && traces::kMostBorders <= 8);
 struct TileDone {
   const traces::TileWork* work = nullptr;
   std::uint32_t border = traces::WorkNode::kNone;  ///< kNone: all of the tile
-  Owner owner = kNoOwner;
+  TileTag owner = kNoTile;
 };
 
-/// Parts of memory that only the DMA reads and writes: the regions of the frame, and room for ray slots.
-enum class Area : std::uint8_t { kPicture, kSamples, kRates, kSpill, kCount };
 inline constexpr std::size_t kAreas = static_cast<std::size_t>(Area::kCount);
 inline constexpr std::size_t kRegions = static_cast<std::size_t>(traces::Region::kCount);
 static_assert(kAreas == kRegions + 1);
@@ -39,7 +37,7 @@ struct DmaJob {
   std::uint32_t tag = 0;  ///< returned when done
   Area area = Area::kPicture;
   std::uint32_t encode_cycles = 0;  ///< that a line's pixels take to be sRGB-encoded on the way; 0: not at all
-  Owner owner = kNoOwner;
+  TileTag owner = kNoTile;
 };
 
 struct DmaDone {
@@ -51,7 +49,7 @@ struct RasterJob {
   const traces::TileWork* work = nullptr;
   std::uint32_t node = 0;
   std::uint32_t tag = 0;  ///< returned when done
-  Owner owner = kNoOwner;
+  TileTag owner = kNoTile;
 };
 
 struct RasterDone {

@@ -84,7 +84,7 @@ void Srp::take_tile(sim::Time now) {
   if (by_age_.empty()) buffer_.in_use(now, true);
   by_age_.push_back(tile);
   stats_.tiles += 1;
-  if (frame_.observer != nullptr) frame_.observer->tile_begins(frame_.core, tile, job.owner, now);
+  if (frame_.observer != nullptr) notify(*frame_.observer, TileStarted{frame_.core, tile, job.owner, now});
   start_transfers(tile);
 }
 
@@ -102,7 +102,7 @@ inline void Srp::take_hit(sim::Time now) {
   const std::uint32_t tile = tile_of_handle(id);
   const bool news = tiles_[tile].finish_ray(index_of_handle(id));
   if (frame_.observer != nullptr) [[unlikely]]
-    show_hit(now, tile, index_of_handle(id));
+    notify_hit(now, tile, index_of_handle(id));
   if (news) start_transfers(tile);
   if (news || rays_out_ == 0) look_ = true;
 }
@@ -139,8 +139,7 @@ void Srp::finish_chunk(sim::Time now) {
   const std::uint64_t cycles = clock_.cycles(now - run_.begin);
   use.cycles += cycles;
   use.starved += clock_.cycles(time_without_rays(now) - run_.without_rays);
-  if (frame_.book != nullptr) charge_tiles(cycles);
-  if (frame_.observer != nullptr) show_loop(now, cycles);
+  if (frame_.observer != nullptr) notify_loop(now, cycles);
   run_.active = false;
   for (const LoopPart& part : run_.parts) finish_items(now, part.tile, part.node, part.items);
 }
@@ -174,7 +173,7 @@ void Srp::end_tile(sim::Time now, std::uint32_t tile) {
   if (!tiles_[tile].active() || !tiles_[tile].all_complete()) return;
   assert(links_.tiles_out.can_push(now) && "room for all that tiles in flight have to say");
   links_.tiles_out.push(now, TileDone{&tiles_[tile].work(), WorkNode::kNone, tiles_[tile].owner()});
-  if (frame_.observer != nullptr) frame_.observer->tile_ends(frame_.core, tile, now);
+  if (frame_.observer != nullptr) notify(*frame_.observer, TileEnded{frame_.core, tile, now});
   tiles_[tile].end();
   std::erase(by_age_, tile);
   if (by_age_.empty()) buffer_.in_use(now, false);
@@ -207,7 +206,7 @@ inline bool Srp::feed_ray(sim::Time now) {
   rays_out_ += 1;
   stats_.rays += 1;
   if (frame_.observer != nullptr && feed->next == 0) {
-    frame_.observer->batch_begins(frame_.core, feed->tile, feed->batch, rays_out_, now);
+    notify(*frame_.observer, BatchStarted{frame_.core, feed->tile, feed->batch, rays_out_, now});
   }
   feed_free_at_ = clock_.edge_at_or_after(now + frame_.ray_interval);
   if (++feed->next == run.node(feed->batch).items) feeds_.erase(feed);
@@ -384,35 +383,34 @@ void Srp::begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node) {
   kernel_use_[work.kernel].idle += items - working;
 }
 
-/// Shares out a loop's cycles among its tiles by their items, whole cycles that add up.
-void Srp::charge_tiles(std::uint64_t cycles) {
+/// Reports a loop, and shares its cycles out among its tiles by their items, in whole cycles that add up.
+void Srp::notify_loop(sim::Time now, std::uint64_t cycles) const {
   std::uint64_t items = 0, charged = 0;
   for (const LoopPart& part : run_.parts) {
     items += part.items;
     const std::uint64_t until = cycles * items / run_.parts.items();
-    frame_.book->of(tiles_[part.tile].owner()).srp_cycles += until - charged;
+    notify(*frame_.observer, LoopCharged{tiles_[part.tile].owner(), until - charged});
     charged = until;
   }
+  notify(*frame_.observer, LoopEnded{.core = frame_.core,
+                                     .kernel = run_.kernel,
+                                     .begin = run_.begin,
+                                     .configured = run_.configured,
+                                     .start = run_.start,
+                                     .end = now,
+                                     .stalled = run_.stall_time,
+                                     .cycles = cycles,
+                                     .items = run_.parts.items(),
+                                     .launches = static_cast<std::uint32_t>(run_.parts.size()),
+                                     .tile = tiles_[run_.parts.begin()->tile].owner()});
 }
 
-void Srp::show_loop(sim::Time now, std::uint64_t cycles) const {
-  frame_.observer->loop_ends(frame_.core, {.kernel = run_.kernel,
-                                           .begin = run_.begin,
-                                           .configured = run_.configured,
-                                           .start = run_.start,
-                                           .end = now,
-                                           .stalled = run_.stall_time,
-                                           .cycles = cycles,
-                                           .items = run_.parts.items(),
-                                           .launches = static_cast<std::uint32_t>(run_.parts.size()),
-                                           .tile = tiles_[run_.parts.begin()->tile].owner()});
-}
-
-/// The hit may have been the last of its batch.
-void Srp::show_hit(sim::Time now, std::uint32_t tile, std::uint32_t ray) const {
+/// Reports the end of a batch if the hit is its last one.
+void Srp::notify_hit(sim::Time now, std::uint32_t tile, std::uint32_t ray) const {
   const TileRun& run = tiles_[tile];
   const std::uint32_t batch = run.batch_of(ray);
-  if (run.complete(batch)) frame_.observer->batch_ends(frame_.core, tile, batch, run.node(batch), rays_out_, now);
+  if (!run.complete(batch)) return;
+  notify(*frame_.observer, BatchEnded{frame_.core, tile, batch, &run.node(batch), rays_out_, now});
 }
 
 void Srp::fill(sim::Time now) {

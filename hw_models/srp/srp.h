@@ -6,12 +6,11 @@
 #include <vector>
 
 #include "hw_models/memory/l1_cache.h"
-#include "hw_models/memory/tile_book.h"
+#include "hw_models/memory/observer.h"
 #include "hw_models/memory/unit_names.h"
 #include "hw_models/srp/array_loop.h"
 #include "hw_models/srp/bank_conflicts.h"
 #include "hw_models/srp/messages.h"
-#include "hw_models/srp/observer.h"
 #include "hw_models/srp/schedule.h"
 #include "hw_models/srp/srp_config.h"
 #include "hw_models/srp/srp_stats.h"
@@ -94,9 +93,8 @@ class Srp {
     bool ideal = false;                ///< kernels cost no time
     bool ideal_buffer = false;         ///< the tile buffer has room for everything and no bank conflicts
     bool ideal_cache = false;          ///< every probe of the data cache hits
-    TileBook* book = nullptr;          ///< told of each loop, if there is one
-    Observer* observer = nullptr;      ///< likewise, of all that happens
-    std::uint32_t core = 0;            ///< as whose the observer knows this one
+    Observer* observer = nullptr;
+    std::uint32_t core = 0;  ///< its number in events
   };
 
   Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& frame, Links links, std::uint16_t port,
@@ -170,9 +168,8 @@ class Srp {
   std::span<const traces::Access> accesses_of(std::uint32_t item) const;
   void collect_lines(std::uint32_t item);
   void finish_chunk(sim::Time now);
-  void charge_tiles(std::uint64_t cycles);
-  void show_loop(sim::Time now, std::uint64_t cycles) const;
-  void show_hit(sim::Time now, std::uint32_t tile, std::uint32_t ray) const;
+  void notify_loop(sim::Time now, std::uint64_t cycles) const;
+  void notify_hit(sim::Time now, std::uint32_t tile, std::uint32_t ray) const;
   void start_chunk(sim::Time now);
   bool fits(std::uint32_t tile, std::uint32_t node) const;
   void begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node);

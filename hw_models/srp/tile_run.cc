@@ -26,7 +26,7 @@ void make_room(std::vector<T>& list, std::size_t needed) {
 
 }  // namespace
 
-void TileRun::begin(const traces::TileWork& work, std::uint32_t chunk, std::uint32_t missing, Owner owner) {
+void TileRun::begin(const traces::TileWork& work, std::uint32_t chunk, std::uint32_t missing, TileTag owner) {
   if (work.ray_begin.size() > kMaxRays) {
     throw sim::InputError(
         "render.tile: a tile has more than 16777216 rays; allowed: a smaller tile, depth or number of lights");
@@ -49,9 +49,8 @@ void TileRun::begin(const traces::TileWork& work, std::uint32_t chunk, std::uint
     Progress& p = progress_[n];
     const WorkNode& w = node(n);
     assert(w.items > 0);
-    p.follows_rays = std::ranges::any_of(w.inputs, [&](const Edge& e) {
-      return has_slots(node(e.node)) || progress_[e.node].follows_rays;
-    });
+    p.follows_rays = std::ranges::any_of(
+        w.inputs, [&](const Edge& e) { return has_slots(node(e.node)) || progress_[e.node].follows_rays; });
     if (w.kind == WorkNode::Kind::kRays) {
       assert(w.inputs.size() == 1 && w.inputs.front().kind == Edge::Kind::kEach && "rays come from one launch each");
       progress_[producer(n)].batches += 1;

@@ -18,13 +18,13 @@ class TileRun {
  public:
   /// `chunk`: items of a launch that run together; a launch's next chunk is ready when all inputs of its items are.
   /// `missing`: borders that it imports and that are not in memory yet, a bit each.
-  void begin(const traces::TileWork& work, std::uint32_t chunk, std::uint32_t missing = 0, Owner owner = kNoOwner);
+  void begin(const traces::TileWork& work, std::uint32_t chunk, std::uint32_t missing = 0, TileTag owner = kNoTile);
   void borders_missing(std::uint32_t missing) { missing_ = missing; }
   void end() { work_ = nullptr; }
 
   bool active() const { return work_ != nullptr; }
   const traces::TileWork& work() const { return *work_; }
-  Owner owner() const { return owner_; }
+  TileTag owner() const { return owner_; }
   const traces::WorkNode& node(std::uint32_t n) const { return work_->nodes[n]; }
   std::uint32_t nodes() const { return static_cast<std::uint32_t>(work_->nodes.size()); }
   /// Items of node `n`, then those that idle.
@@ -116,7 +116,7 @@ class TileRun {
   const traces::TileWork* work_ = nullptr;
   std::uint32_t chunk_ = 1;
   std::uint32_t missing_ = 0;  ///< borders, a bit each
-  Owner owner_ = kNoOwner;
+  TileTag owner_ = kNoTile;
   bool awaits_border_ = false;
   std::uint32_t nodes_left_ = 0;
   std::vector<Progress> progress_;

@@ -167,8 +167,8 @@ class FetchStage {
   /// Prefetches the line, on behalf of a slot, unless it is here or on its way.
   bool prefetch(Addr line, std::uint32_t slot, std::uint64_t cycle) { return l1_.prefetch(line, slot, cycle); }
   /// Attributes later requests of this slot to the given tile.
-  void set_slot_tile(std::uint32_t slot, Owner owner) { l1_.set_slot_tile(slot, owner); }
-  Owner owner(std::uint32_t slot) const { return l1_.owner(slot); }
+  void set_slot_tile(std::uint32_t slot, TileTag owner) { l1_.set_slot_tile(slot, owner); }
+  TileTag owner(std::uint32_t slot) const { return l1_.owner(slot); }
 
   /// Requests that have not left yet.
   std::size_t unsent() const { return l1_.unsent(); }

@@ -10,13 +10,13 @@ namespace hw {
 struct RayJob {
   const std::uint32_t* walk = nullptr;
   std::uint32_t id = 0;
-  Owner owner = kNoOwner;
+  TileTag owner = kNoTile;
 };
 
 /// A finished ray on its way back.
 struct RayDone {
   std::uint32_t id = 0;
-  Owner owner = kNoOwner;
+  TileTag owner = kNoTile;
 };
 
 /// A leaf that a traversal unit hands to the intersection unit.
@@ -25,7 +25,7 @@ struct LeafJob {
   std::uint32_t phases = 0;  ///< exit phase of each test, as in walk.h
   std::uint8_t count = 0;
   std::uint8_t slot = 0;  ///< the ray's slot in its traversal unit: also the slot reserved for the answer
-  Owner owner = kNoOwner;
+  TileTag owner = kNoTile;
 };
 
 /// All triangles of a leaf are tested.

@@ -37,8 +37,8 @@ TniCore::TniCore(sim::Machine& machine, const TniConfig& config, const Ideal& id
 
 std::vector<MemoryClient> TniCore::memory_clients() const {
   std::vector<MemoryClient> all;
-  for (const sim::UnitId trv : trv_ids_) all.push_back({trv, config_.trv.l1.mshrs, Asker::kNodes});
-  all.push_back({ist_id_, config_.ist.l1.mshrs, Asker::kTriangles});
+  for (const sim::UnitId trv : trv_ids_) all.push_back({trv, config_.trv.l1.mshrs, RequesterKind::kNodes});
+  all.push_back({ist_id_, config_.ist.l1.mshrs, RequesterKind::kTriangles});
   return all;
 }
 

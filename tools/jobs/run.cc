@@ -68,7 +68,7 @@ void play_frame(FrameSource& frames, const RunOptions& options, RunResult& out) 
   own.watcher = options.live;
   own.itemised = options.itemised;
   if (options.timeline != nullptr && frames.has_whole_frames())
-    own.watchers = options.timeline->begin_frame(inputs.config);
+    own.observer = options.timeline->begin_frame(inputs.config);
   Simulation frame = frames.play(own);
   const bool has_tiles = !frame.tile_accounts.empty();
   if (has_tiles) {

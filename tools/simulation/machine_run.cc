@@ -10,19 +10,18 @@
 namespace tools {
 
 std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const kernels::FrameRequirements& requirements,
-                                  hw::TileSource& tiles, const hw::Perturbation& perturbation,
-                                  const hw::Watchers& watchers) {
-  return make_gpu(inputs, inputs.config, requirements, tiles, perturbation, watchers);
+                                  hw::TileSource& tiles, const hw::Perturbation& perturbation, hw::Observer* observer) {
+  return make_gpu(inputs, inputs.config, requirements, tiles, perturbation, observer);
 }
 
 std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const RunConfig& config,
                                   const kernels::FrameRequirements& requirements, hw::TileSource& tiles,
-                                  const hw::Perturbation& perturbation, const hw::Watchers& watchers,
+                                  const hw::Perturbation& perturbation, hw::Observer* observer,
                                   std::shared_ptr<const hw::ScheduledKernels> scheduled) {
   const bool dma_encodes = config.render.srgb == kernels::SrgbEncoder::kDma;
   return std::make_unique<hw::Gpu>(
       config.gpu,
-      hw::Gpu::Workload{inputs.image, inputs.parents, requirements, dma_encodes, watchers, std::move(scheduled)}, tiles,
+      hw::Gpu::Workload{inputs.image, inputs.parents, requirements, dma_encodes, observer, std::move(scheduled)}, tiles,
       perturbation);
 }
 

@@ -10,12 +10,12 @@ namespace tools {
 /// The machine that `inputs` name, before its first cycle.
 std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const kernels::FrameRequirements& requirements,
                                   hw::TileSource& tiles, const hw::Perturbation& perturbation = {},
-                                  const hw::Watchers& watchers = {});
+                                  hw::Observer* observer = nullptr);
 /// The machine of another configuration, for the work of `inputs`. `scheduled`: kernels of a machine with the same
 /// shader cores, if there is one.
 std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const RunConfig& config,
                                   const kernels::FrameRequirements& requirements, hw::TileSource& tiles,
-                                  const hw::Perturbation& perturbation = {}, const hw::Watchers& watchers = {},
+                                  const hw::Perturbation& perturbation = {}, hw::Observer* observer = nullptr,
                                   std::shared_ptr<const hw::ScheduledKernels> scheduled = nullptr);
 
 /// InputError for a figure of energy or area that its units call for and the configuration lacks, or the other way

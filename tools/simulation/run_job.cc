@@ -193,10 +193,11 @@ Simulation play(const Inputs& inputs, const kernels::ProgramSpec& program, kerne
   if (extras.replicates > 1) kept.emplace(work_to_keep(inputs, requirements, frame, extras.kept_for));
   begin_part(inputs, requirements, extras);
   tiles.record_to(extras.trace, kept ? &*kept : nullptr);
-  hw::TileBook book(extras.itemised ? frame.tiles() : 0);
-  hw::Watchers watchers = extras.watchers;
-  if (extras.itemised) watchers.book = &book;
-  const std::unique_ptr<hw::Gpu> gpu = make_gpu(inputs, requirements, tiles, {}, watchers);
+  hw::TileAccounting accounting(extras.itemised ? frame.tiles() : 0);
+  hw::ObserverList observers;
+  if (extras.itemised) observers.add(&accounting);
+  observers.add(extras.observer);
+  const std::unique_ptr<hw::Gpu> gpu = make_gpu(inputs, requirements, tiles, {}, observers.get());
   check_figures(*gpu, inputs.config);  // what is missing is told before the work, not after it
   if (extras.intervals != nullptr) gpu->machine().record(*extras.intervals);
   tiles.begin("simulating", inputs.frame);
@@ -213,8 +214,8 @@ Simulation play(const Inputs& inputs, const kernels::ProgramSpec& program, kerne
   s.machine = inputs.config.gpu;
   s.function = front_end.result();
   take(*gpu, inputs.config, s);
-  s.tile_accounts = book.take_tiles();
-  s.rest = book.rest();
+  s.tile_accounts = accounting.take_tiles();
+  s.rest = accounting.rest();
   s.wall_seconds = sim::seconds_since(begin);
   s.tiles = frame.tiles();
   s.finished_tiles = tiles.finished();

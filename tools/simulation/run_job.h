@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "hw_models/machines/watchers.h"
-#include "hw_models/memory/tile_book.h"
+#include "hw_models/memory/observer.h"
+#include "hw_models/memory/tile_accounting.h"
 #include "hw_models/srp/schedule.h"
 #include "hw_models/srp/srp_stats.h"
 #include "shader_kernels/programs/adaptive/rate_map.h"
@@ -144,7 +144,7 @@ struct Extras {
   std::uint32_t replicates = 1;           ///< plays of the work, of which the first is not perturbed
   const char* kept_for = "--replicates";  ///< option or verb that wants them, for who runs out of memory
   bool itemised = false;                  ///< what each tile and pixel took is kept
-  hw::Watchers watchers = {};             ///< those of the machine
+  hw::Observer* observer = nullptr;       ///< of the machine
 };
 
 /// Runs a frame program on the machine.

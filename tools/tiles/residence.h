@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "hw_models/memory/tile_book.h"
+#include "hw_models/memory/tile_accounting.h"
 
 namespace tools {
 

@@ -103,8 +103,8 @@ class Builder {
   }
   void add_memory() {
     const auto bytes = [](std::uint64_t lines) { return static_cast<double>(hw::kLineBytes * lines); };
-    for (std::size_t a = 0; a < hw::kAskers; ++a) {
-      add_sum(std::string("bytes_").append(names_of(hw::Asker{})[a]), "bytes", bytes(s_.rest.lines[a]),
+    for (std::size_t a = 0; a < hw::kRequesterKinds; ++a) {
+      add_sum(std::string("bytes_").append(names_of(hw::RequesterKind{})[a]), "bytes", bytes(s_.rest.lines[a]),
               [&](std::size_t i) { return bytes(account(i).lines[a]); });
     }
     add_sum("dram_bytes", "bytes", bytes(s_.rest.dram_reads + s_.rest.dram_writes),

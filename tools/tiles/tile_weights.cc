@@ -114,7 +114,7 @@ std::optional<Kind> usual_kind(const sim::UnitReport& unit) {
   return {};
 }
 
-std::uint64_t lines_of(const hw::TileAccount& account, hw::Asker asker) {
+std::uint64_t lines_of(const hw::TileAccount& account, hw::RequesterKind asker) {
   return account.lines[static_cast<std::size_t>(asker)];
 }
 
@@ -147,14 +147,14 @@ TileWeights::TileWeights(const Simulation& s)
 }
 
 void TileWeights::add_account(const hw::TileAccount& account, double* values) const {
-  using hw::Asker;
+  using hw::RequesterKind;
   const auto set = [&](Kind kind, std::uint64_t value) { values[kind] = static_cast<double>(value); };
-  set(kNodeLines, lines_of(account, Asker::kNodes));
-  set(kTriangleLines, lines_of(account, Asker::kTriangles));
-  set(kShadingLines, lines_of(account, Asker::kShading));
-  set(kTransferLines, lines_of(account, Asker::kTransfers));
-  set(kRecordLines, lines_of(account, Asker::kRecords));
-  set(kRasterLines, lines_of(account, Asker::kRaster));
+  set(kNodeLines, lines_of(account, RequesterKind::kNodes));
+  set(kTriangleLines, lines_of(account, RequesterKind::kTriangles));
+  set(kShadingLines, lines_of(account, RequesterKind::kShading));
+  set(kTransferLines, lines_of(account, RequesterKind::kTransfers));
+  set(kRecordLines, lines_of(account, RequesterKind::kRecords));
+  set(kRasterLines, lines_of(account, RequesterKind::kRaster));
   for (const Kind kind : {kNodeLines, kTriangleLines, kShadingLines, kRecordLines, kRasterLines}) {
     values[kCacheLines] += values[kind];
   }

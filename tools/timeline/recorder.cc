@@ -4,34 +4,52 @@
 
 namespace tools {
 
-/// Owners are entries of the tile list, as far as 15 bits go: of those that a core has, no two are the same.
-std::uint32_t TimelineRecorder::entry_of(std::uint32_t core, hw::Owner tile) const {
+void TimelineRecorder::on_event(const hw::Event& event) {
+  std::visit(
+      hw::HandleEvents{
+          [&](const hw::TileStarted& e) { start_tile(e); },
+          [&](const hw::TileEnded& e) { end_tile(e); },
+          [&](const hw::LoopEnded& e) { add_loop(e); },
+          [&](const hw::BatchStarted& e) {
+            batches_[e.core].push_back({e.slot, e.node, static_cast<std::uint32_t>(e.rays), e.at});
+          },
+          [&](const hw::BatchEnded& e) { end_batch(e); },
+          [&](const hw::TransferEnded& e) { add_transfer(e); },
+          [&](const hw::L2LookedUp& e) { (e.hit ? bin(e.at).l2_hits : bin(e.at).l2_misses) += 1; },
+          [&](const hw::DramServed& e) { (e.request.write ? bin(e.end).lines_written : bin(e.end).lines_read) += 1; },
+      },
+      event);
+}
+
+/// Tags are entries of the tile list modulo 2^15: the tiles of a core have different ones.
+std::uint32_t TimelineRecorder::entry_of(std::uint32_t core, hw::TileTag tile) const {
   const auto slot = std::ranges::find(slots_[core], tile, &Slot::owner);
   return slot == slots_[core].end() ? RecordedSlice::kNoEntry : slot->entry;
 }
 
-void TimelineRecorder::tile_begins(std::uint32_t core, std::uint32_t slot, hw::Owner tile, sim::Time now) {
-  if (slots_[core].size() <= slot) slots_[core].resize(slot + 1);
-  slots_[core][slot] = {tile, hw::TileBook::number_near(tile, newest_), now};
-  newest_ = std::max(newest_, slots_[core][slot].entry);
+void TimelineRecorder::start_tile(const hw::TileStarted& event) {
+  std::vector<Slot>& slots = slots_[event.core];
+  if (slots.size() <= event.slot) slots.resize(event.slot + 1);
+  slots[event.slot] = {event.tile, hw::tile_number_near(event.tile, newest_), event.at};
+  newest_ = std::max(newest_, slots[event.slot].entry);
 }
 
-void TimelineRecorder::tile_ends(std::uint32_t core, std::uint32_t slot, sim::Time now) {
-  Slot& tile = slots_[core][slot];
+void TimelineRecorder::end_tile(const hw::TileEnded& event) {
+  Slot& tile = slots_[event.core][event.slot];
   slices_.push_back({.kind = RecordedSlice::Kind::kTile,
-                     .core = static_cast<std::uint16_t>(core),
-                     .slot = static_cast<std::uint16_t>(slot),
+                     .core = static_cast<std::uint16_t>(event.core),
+                     .slot = static_cast<std::uint16_t>(event.slot),
                      .entry = tile.entry,
                      .begin = tile.begin,
-                     .end = now});
+                     .end = event.at});
   tile = {};
 }
 
-void TimelineRecorder::loop_ends(std::uint32_t core, const hw::ObservedLoop& loop) {
+void TimelineRecorder::add_loop(const hw::LoopEnded& loop) {
   slices_.push_back({.kind = RecordedSlice::Kind::kLoop,
-                     .core = static_cast<std::uint16_t>(core),
+                     .core = static_cast<std::uint16_t>(loop.core),
                      .kernel = loop.kernel,
-                     .entry = entry_of(core, loop.tile),
+                     .entry = entry_of(loop.core, loop.tile),
                      .amount = loop.items,
                      .launches = loop.launches,
                      .begin = loop.begin,
@@ -42,36 +60,31 @@ void TimelineRecorder::loop_ends(std::uint32_t core, const hw::ObservedLoop& loo
                      .stalled = loop.stalled});
 }
 
-void TimelineRecorder::batch_begins(std::uint32_t core, std::uint32_t slot, std::uint32_t node, std::uint64_t rays,
-                                    sim::Time now) {
-  batches_[core].push_back({slot, node, static_cast<std::uint32_t>(rays), now});
-}
-
-void TimelineRecorder::batch_ends(std::uint32_t core, std::uint32_t slot, std::uint32_t node,
-                                  const traces::WorkNode& batch, std::uint64_t rays, sim::Time now) {
+void TimelineRecorder::end_batch(const hw::BatchEnded& event) {
+  std::vector<Batch>& batches = batches_[event.core];
   const auto begun =
-      std::ranges::find_if(batches_[core], [&](const Batch& b) { return b.slot == slot && b.node == node; });
+      std::ranges::find_if(batches, [&](const Batch& b) { return b.slot == event.slot && b.node == event.node; });
   slices_.push_back({.kind = RecordedSlice::Kind::kRays,
-                     .what = static_cast<std::uint8_t>(batch.ray_kind),
-                     .core = static_cast<std::uint16_t>(core),
-                     .entry = slots_[core][slot].entry,
-                     .amount = batch.items,
+                     .what = static_cast<std::uint8_t>(event.batch->ray_kind),
+                     .core = static_cast<std::uint16_t>(event.core),
+                     .entry = slots_[event.core][event.slot].entry,
+                     .amount = event.batch->items,
                      .rays_at_begin = begun->rays,
-                     .rays_at_end = static_cast<std::uint32_t>(rays),
+                     .rays_at_end = static_cast<std::uint32_t>(event.rays),
                      .begin = begun->begin,
-                     .end = now});
-  batches_[core].erase(begun);
+                     .end = event.at});
+  batches.erase(begun);
 }
 
-void TimelineRecorder::transfer_ends(std::uint32_t core, const hw::DmaJob& job, sim::Time begin, sim::Time end) {
+void TimelineRecorder::add_transfer(const hw::TransferEnded& transfer) {
   slices_.push_back({.kind = RecordedSlice::Kind::kTransfer,
-                     .what = static_cast<std::uint8_t>(job.area),
-                     .to_memory = job.write,
-                     .core = static_cast<std::uint16_t>(core),
-                     .entry = entry_of(core, job.owner),
-                     .amount = job.bytes,
-                     .begin = begin,
-                     .end = end});
+                     .what = static_cast<std::uint8_t>(transfer.area),
+                     .to_memory = transfer.to_memory,
+                     .core = static_cast<std::uint16_t>(transfer.core),
+                     .entry = entry_of(transfer.core, transfer.tile),
+                     .amount = transfer.bytes,
+                     .begin = transfer.begin,
+                     .end = transfer.end});
 }
 
 }  // namespace tools

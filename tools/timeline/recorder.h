@@ -2,10 +2,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "hw_models/dram/dram_channel.h"
-#include "hw_models/machines/watchers.h"
-#include "hw_models/memory/l2_bank.h"
-#include "hw_models/srp/observer.h"
+#include "hw_models/memory/observer.h"
 
 namespace tools {
 
@@ -36,33 +33,26 @@ struct MemoryBin {
 };
 
 /// Keeps what a machine does in a frame, to be shown as a timeline.
-class TimelineRecorder final : public hw::Observer, public hw::L2Bank::Watcher, public hw::DramChannel::Watcher {
+class TimelineRecorder final : public hw::Observer {
  public:
   static constexpr sim::Time kBin = 1'000'000'000;  ///< a microsecond
 
   explicit TimelineRecorder(std::uint32_t cores) : slots_(cores), batches_(cores) {}
-  hw::Watchers watchers() { return {.cores = this, .l2 = this, .dram = this}; }
+  void on_event(const hw::Event& event) override;
 
   /// In the order in which they ended.
   const std::vector<RecordedSlice>& slices() const { return slices_; }
   const std::vector<MemoryBin>& memory() const { return memory_; }
 
-  void tile_begins(std::uint32_t core, std::uint32_t slot, hw::Owner tile, sim::Time now) override;
-  void tile_ends(std::uint32_t core, std::uint32_t slot, sim::Time now) override;
-  void loop_ends(std::uint32_t core, const hw::ObservedLoop& loop) override;
-  void batch_begins(std::uint32_t core, std::uint32_t slot, std::uint32_t node, std::uint64_t rays,
-                    sim::Time now) override;
-  void batch_ends(std::uint32_t core, std::uint32_t slot, std::uint32_t node, const traces::WorkNode& batch,
-                  std::uint64_t rays, sim::Time now) override;
-  void transfer_ends(std::uint32_t core, const hw::DmaJob& job, sim::Time begin, sim::Time end) override;
-  void looked_up(bool hit, sim::Time now) override { (hit ? bin(now).l2_hits : bin(now).l2_misses) += 1; }
-  void served(const hw::MemRequest& request, sim::Time end) override {
-    (request.write ? bin(end).lines_written : bin(end).lines_read) += 1;
-  }
-
  private:
+  void start_tile(const hw::TileStarted& event);
+  void end_tile(const hw::TileEnded& event);
+  void add_loop(const hw::LoopEnded& loop);
+  void end_batch(const hw::BatchEnded& event);
+  void add_transfer(const hw::TransferEnded& transfer);
+
   struct Slot {
-    hw::Owner owner = hw::kNoOwner;
+    hw::TileTag owner = hw::kNoTile;
     std::uint32_t entry = RecordedSlice::kNoEntry;
     sim::Time begin = 0;
   };
@@ -77,7 +67,7 @@ class TimelineRecorder final : public hw::Observer, public hw::L2Bank::Watcher, 
       memory_.resize(index + 1);
     return memory_[index];
   }
-  std::uint32_t entry_of(std::uint32_t core, hw::Owner tile) const;
+  std::uint32_t entry_of(std::uint32_t core, hw::TileTag tile) const;
 
   std::uint32_t newest_ = 0;                 ///< entry of the tile list that a core has taken
   std::vector<std::vector<Slot>> slots_;     ///< by core

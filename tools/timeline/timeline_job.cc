@@ -26,10 +26,10 @@ void TimelineJob::check(const Inputs& inputs, const kernels::ProgramSpec& progra
       what, what, counts.columns, counts.rows, counts.columns - 1, counts.rows - 1));
 }
 
-hw::Watchers TimelineJob::begin_frame(const RunConfig& config) {
-  if (!selection_ || made_) return {};
+hw::Observer* TimelineJob::begin_frame(const RunConfig& config) {
+  if (!selection_ || made_) return nullptr;
   recorder_.emplace(config.gpu.cores);
-  return recorder_->watchers();
+  return &*recorder_;
 }
 
 void TimelineJob::end_frame(const Simulation& s, const TileFrame& tiles, const RunConfig& config) {

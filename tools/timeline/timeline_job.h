@@ -18,8 +18,8 @@ class TimelineJob {
   const std::optional<TimelineSelection>& selection() const { return selection_; }
   /// InputError if the picture of the frame that `inputs` stand at has no such tile or pixel.
   void check(const Inputs& inputs, const kernels::ProgramSpec& program) const;
-  /// Watchers of the next frame's machine: none from the second on.
-  hw::Watchers begin_frame(const RunConfig& config);
+  /// Returns the observer of the next frame's machine: null from the second on.
+  hw::Observer* begin_frame(const RunConfig& config);
   /// The frame is over; later ones are not looked at. If it was interrupted before a tile that was asked for, there is
   /// a warning instead of a timeline: the frame is not lost.
   void end_frame(const Simulation& s, const TileFrame& tiles, const RunConfig& config);

@@ -5,14 +5,9 @@ namespace hw::test {
 
 /// Cores, one bank, and a memory whose answers take `memory` cycles.
 struct BankHarness {
-  /// Listeners that are told of what the bank does.
-  struct Told {
-    TileBook* book;
-    L2Bank::Watcher* watcher;
-  };
   explicit BankHarness(L2Config config = small(), std::size_t cores = 2, std::size_t capacity = 64,
                        std::uint64_t memory = 50, Arbitration arbitration = Arbitration::kRoundRobin,
-                       bool ideal = false, const Told& told = {nullptr, nullptr})
+                       bool ideal = false, Observer* observer = nullptr)
       : flush(1, kFlushAt, kClock) {
     const sim::UnitId bank = harness.unit("l2");
     L2Bank::Links links;
@@ -31,8 +26,7 @@ struct BankHarness {
     links.channels_out.push_back(&up);
     links.channels_in.push_back(&down);
     links.flush_in = &flush;
-    links.book = told.book;
-    links.watcher = told.watcher;
+    links.observer = observer;
     flush.push(0, Flush{});
     harness.add_bank(bank, config, std::uint16_t{0}, links, Interleave(64, 1), kClock, arbitration, ideal);
   }

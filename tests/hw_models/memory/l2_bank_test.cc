@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "hw_models/memory/tile_accounting.h"
 #include "tests/hw_models/memory/bank_harness.h"
 
 namespace hw::test {
@@ -18,56 +19,77 @@ TEST(L2Bank, AMissTakesLookUpMemoryAndFillAHitItsPipe) {
   EXPECT_EQ(b.stats().fills, 1U);
 }
 
-/// Hits and misses, in the order in which they were told of.
-struct Lookups : L2Bank::Watcher {
-  void looked_up(bool hit, sim::Time /*now*/) override { hits.push_back(hit); }
+/// Hits and misses, in the order of their events.
+struct Lookups : Observer {
+  void on_event(const Event& event) override {
+    if (const auto* lookup = std::get_if<L2LookedUp>(&event)) hits.push_back(lookup->hit);
+  }
   std::vector<bool> hits;
 };
 
-TEST(L2Bank, TellsItsWatcherOfEachLineThatIsReadOnce) {
+TEST(L2Bank, ReportsEachLineThatIsReadOnce) {
   Lookups lookups;
-  BankHarness b(BankHarness::small(), 1, 64, 50, Arbitration::kRoundRobin, false, {nullptr, &lookups});
+  BankHarness b(BankHarness::small(), 1, 64, 50, Arbitration::kRoundRobin, false, &lookups);
   b.core(0).send(640);
   for (const std::uint64_t cycle : {200U, 300U}) b.core(0).send(640, cycle);
   b.harness.run();
   EXPECT_EQ(lookups.hits, (std::vector<bool>{false, true, true}));
 }
 
-TEST(L2Bank, ChargesHitsMissesAndFillsToThoseWhoAsk) {
-  TileBook book(1);
-  BankHarness b(BankHarness::small(), 1, 64, 50, Arbitration::kRoundRobin, false, {&book, nullptr});
+TEST(L2Bank, ChargesHitsMissesAndFillsToTheRequester) {
+  TileAccounting accounting(1);
+  BankHarness b(BankHarness::small(), 1, 64, 50, Arbitration::kRoundRobin, false, &accounting);
   b.core(0).send(640);
   for (const std::uint64_t cycle : {200U, 300U}) b.core(0).send(640, cycle);
   b.harness.run();
-  EXPECT_EQ(book.rest().l2_hits, 2U) << "the harness asks for no tile";
-  EXPECT_EQ(book.rest().l2_misses, 1U);
-  EXPECT_EQ(book.rest().l2_fills, 1U);
+  EXPECT_EQ(accounting.rest().l2_hits, 2U) << "the harness sends requests for no tile";
+  EXPECT_EQ(accounting.rest().l2_misses, 1U);
+  EXPECT_EQ(accounting.rest().l2_fills, 1U);
 }
 
-TEST(TileBook, CountsOneByOneForTheTileInWhoseNameItIsDone) {
-  TileBook book(2);
-  const Owner first = book.open(0, 10), second = book.open(1, 20);
-  for (int i = 0; i < 3; ++i) book.count(second, &TileAccount::activates);
-  book.count(kNoOwner, &TileAccount::activates);
-  EXPECT_EQ(book.of(first).activates, 0U);
-  EXPECT_EQ(book.of(second).activates, 3U);
-  EXPECT_EQ(book.rest().activates, 1U);
+TEST(TileAccounting, CountsEventsForTheirTile) {
+  TileAccounting accounting(2);
+  accounting.on_event(TileDispatched{0, 0, 10});
+  accounting.on_event(TileDispatched{1, 3, 20});
+  for (int i = 0; i < 3; ++i) accounting.on_event(RowActivated{1});
+  accounting.on_event(RowActivated{kNoTile});
+  accounting.on_event(TileFinished{0, 30});
+  EXPECT_EQ(accounting.tiles()[0].activates, 0U);
+  EXPECT_EQ(accounting.tiles()[0].finished, 30U);
+  EXPECT_EQ(accounting.tiles()[1].activates, 3U);
+  EXPECT_EQ(accounting.tiles()[1].core, 3U);
+  EXPECT_EQ(accounting.tiles()[1].dispatched, 20U);
+  EXPECT_EQ(accounting.rest().activates, 1U);
 }
 
-TEST(TileBook, CountsLinesByWhoAskedForThem) {
-  TileBook book(1);
-  const Owner tile = book.open(0, 0);
-  for (int i = 0; i < 2; ++i) book.count(tile, Asker::kTriangles);
-  EXPECT_EQ(book.of(tile).lines[static_cast<std::size_t>(Asker::kTriangles)], 2U);
-  EXPECT_EQ(book.of(tile).lines[static_cast<std::size_t>(Asker::kNodes)], 0U);
+TEST(TileAccounting, CountsLinesByTheirRequester) {
+  TileAccounting accounting(1);
+  accounting.on_event(TileDispatched{0, 0, 0});
+  for (int i = 0; i < 2; ++i) accounting.on_event(LineRequested{0, RequesterKind::kTriangles});
+  EXPECT_EQ(accounting.tiles()[0].lines[static_cast<std::size_t>(RequesterKind::kTriangles)], 2U);
+  EXPECT_EQ(accounting.tiles()[0].lines[static_cast<std::size_t>(RequesterKind::kNodes)], 0U);
 }
 
-TEST(TileBook, FindsTheNumberOfATileByThatOfAnotherInFlightAlsoWhereNamesBeginAnew) {
-  constexpr std::uint32_t kNames = 0x8000;
-  EXPECT_EQ(TileBook::number_near(12, 10), 12U);
-  EXPECT_EQ(TileBook::number_near(8, 10), 8U);
-  EXPECT_EQ(TileBook::number_near(3, kNames - 2), kNames + 3);
-  EXPECT_EQ(TileBook::number_near(kNames - 2, kNames + 3), kNames - 2);
+TEST(ObserverList, PassesEventsOnToAllAndNamesNoneIfThereIsNone) {
+  ObserverList none, one, two;
+  TileAccounting first(1), second(1);
+  none.add(nullptr);
+  one.add(&first);
+  two.add(&first);
+  two.add(&second);
+  EXPECT_EQ(none.get(), nullptr);
+  EXPECT_EQ(one.get(), &first);
+  two.get()->on_event(RowActivated{kNoTile});
+  EXPECT_EQ(first.rest().activates, 1U);
+  EXPECT_EQ(second.rest().activates, 1U);
+}
+
+TEST(TileTag, TellsTheNumberOfATileByThatOfAnotherInFlightAlsoWhereTagsRepeat) {
+  constexpr std::uint32_t kTags = 0x8000;
+  EXPECT_EQ(tile_number_near(12, 10), 12U);
+  EXPECT_EQ(tile_number_near(8, 10), 8U);
+  EXPECT_EQ(tile_number_near(3, kTags - 2), kTags + 3);
+  EXPECT_EQ(tile_number_near(kTags - 2, kTags + 3), kTags - 2);
 }
 
 TEST(L2Bank, HitsLeaveOnePerCycle) {

@@ -35,7 +35,6 @@ SrpHarness::SrpHarness(const Setup& setup, const std::vector<Kernel>& kernels)
                          .ray_interval = setup.ray_interval * clock_.period(),
                          .areas = kBases,
                          .ideal = setup.ideal,
-                         .book = setup.book,
                          .observer = setup.observer};
   machine_.build<World>(world_id_, *this);
   srp_ = &machine_.build<Srp>(

@@ -30,7 +30,6 @@ class SrpHarness {
     std::uint32_t tile_samples = 16;
     std::uint32_t wave_samples = 0;
     bool ideal = false;
-    TileBook* book = nullptr;
     Observer* observer = nullptr;
   };
   struct Kernel {

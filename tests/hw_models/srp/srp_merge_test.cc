@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "hw_models/memory/tile_accounting.h"
 #include "tests/hw_models/srp/srp_harness.h"
 
 // Launches of one kernel that wait together run as one loop, across the tiles in flight.
@@ -56,12 +57,12 @@ TEST(SrpMerge, LaunchesThatWaitTogetherPayOneSwitchOnePrologueAndOneDrain) {
 }
 
 TEST(SrpMerge, ALoopsCyclesAreSharedOutAmongItsTilesToTheLastOne) {
-  TileBook book(0);
+  TileAccounting accounting(0);
   SrpHarness::Setup setup = merging();
-  setup.book = &book;
+  setup.observer = &accounting;
   SrpHarness harness(setup, kKernels);
   harness.add(keeps_the_array()).add(short_tile(1)).add(short_tile(2)).add(short_tile(3)).run();
-  EXPECT_EQ(book.of(kNoOwner).srp_cycles, harness.cycles(kA) + harness.cycles(kB)) << "all tiles go by no name here";
+  EXPECT_EQ(accounting.rest().srp_cycles, harness.cycles(kA) + harness.cycles(kB)) << "all tiles go by no name here";
 }
 
 TEST(SrpMerge, OffEachPaysItsOwn) {

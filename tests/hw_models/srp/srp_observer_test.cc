@@ -5,7 +5,7 @@
 
 #include "tests/hw_models/srp/srp_harness.h"
 
-// Those who watch a shader core are told of tiles, loops and batches of rays, each once.
+// A shader core reports its tiles, loops and batches of rays to its observer, each once.
 
 namespace hw {
 namespace {
@@ -16,26 +16,25 @@ using test::TileBuilder;
 
 /// Numbers of calls, and of rays that were in the T&I unit at batches' ends.
 struct Watched : Observer {
-  void tile_begins(std::uint32_t /*core*/, std::uint32_t /*slot*/, Owner /*tile*/, sim::Time /*now*/) override {
-    tiles_begun += 1;
-  }
-  void tile_ends(std::uint32_t /*core*/, std::uint32_t /*slot*/, sim::Time /*now*/) override { tiles_ended += 1; }
-  void loop_ends(std::uint32_t /*core*/, const ObservedLoop& loop) override { items.push_back(loop.items); }
-  void batch_begins(std::uint32_t /*core*/, std::uint32_t /*slot*/, std::uint32_t node, std::uint64_t rays,
-                    sim::Time now) override {
-    batches_begun.push_back(node);
-    rays_at_begin.push_back(rays);
-    begin = now;
-  }
-  void batch_ends(std::uint32_t /*core*/, std::uint32_t /*slot*/, std::uint32_t node, const traces::WorkNode& batch,
-                  std::uint64_t rays, sim::Time now) override {
-    batches_ended.push_back(node);
-    rays_of_batch.push_back(batch.items);
-    rays_at_end.push_back(rays);
-    end = now;
-  }
-  void transfer_ends(std::uint32_t /*core*/, const DmaJob& /*job*/, sim::Time /*begin*/, sim::Time /*end*/) override {
-    ADD_FAILURE() << "the DMA tells of transfers";
+  void on_event(const Event& event) override {
+    std::visit(HandleEvents{
+                   [&](const TileStarted&) { tiles_begun += 1; },
+                   [&](const TileEnded&) { tiles_ended += 1; },
+                   [&](const LoopEnded& loop) { items.push_back(loop.items); },
+                   [&](const BatchStarted& batch) {
+                     batches_begun.push_back(batch.node);
+                     rays_at_begin.push_back(batch.rays);
+                     begin = batch.at;
+                   },
+                   [&](const BatchEnded& ended) {
+                     batches_ended.push_back(ended.node);
+                     rays_of_batch.push_back(ended.batch->items);
+                     rays_at_end.push_back(ended.rays);
+                     end = ended.at;
+                   },
+                   [&](const TransferEnded&) { ADD_FAILURE() << "the DMA reports transfers"; },
+               },
+               event);
   }
 
   int tiles_begun = 0, tiles_ended = 0;
@@ -44,7 +43,7 @@ struct Watched : Observer {
   sim::Time begin = 0, end = 0;
 };
 
-TEST(SrpObserver, IsToldOfABatchWithItsFirstRayAndWithItsLastHit) {
+TEST(SrpObserver, SeesABatchWithItsFirstRayAndWithItsLastHit) {
   Watched watched;
   SrpHarness::Setup setup;
   setup.observer = &watched;

@@ -46,7 +46,7 @@ void expect_sums(const Simulation& s, const TileFrame& frame) {
   for (const hw::KernelUse& use : s.kernel_use) kernel_cycles += use.cycles;
   EXPECT_EQ(sum_of_column(frame, "srp_cycles"), counted(kernel_cycles));
   double bytes = 0;
-  for (const std::string_view asker : names_of(hw::Asker{})) {
+  for (const std::string_view asker : names_of(hw::RequesterKind{})) {
     bytes += sum_of_column(frame, ("bytes_" + std::string(asker)).c_str());
   }
   EXPECT_EQ(bytes, counted(hw::kLineBytes * Units<hw::CorePort>(s.units).counted(&hw::CorePort::Stats::requests)));

@@ -21,7 +21,7 @@ namespace {
 struct Recorded {
   Inputs inputs = small_inputs({"render.tile=16", "cores=2"});
   TimelineRecorder recorder{2};
-  Simulation s = simulate(inputs, {}, 1, {.itemised = true, .watchers = recorder.watchers()});
+  Simulation s = simulate(inputs, {}, 1, {.itemised = true, .observer = &recorder});
   TileFrame tiles = tile_frame(s, inputs.config, 0);
 
   Timeline make(const std::string& asked, std::uint64_t most_bytes = kMostTimelineBytes) const {
@@ -171,7 +171,7 @@ TEST(Timelines, ChangeNothing) {
 TEST(Timelines, AreTheSameForAnyNumberOfThreads) {
   const Recorded& r = recorded();
   TimelineRecorder recorder(2);
-  const Simulation s = simulate(r.inputs, {}, 3, {.itemised = true, .watchers = recorder.watchers()});
+  const Simulation s = simulate(r.inputs, {}, 3, {.itemised = true, .observer = &recorder});
   EXPECT_EQ(make_timeline(recorder, {}, s, r.tiles, r.inputs.config).bytes, r.make("all").bytes);
 }
 
