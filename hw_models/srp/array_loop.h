@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "sim/time.h"
 #include "traces/stream.h"
 
 namespace hw {
@@ -82,6 +83,35 @@ class LoopParts {
  private:
   std::vector<LoopPart> parts_;
   std::uint32_t items_ = 0, working_ = 0;
+};
+
+/// The loop on the array. Array time stands still while the array is stalled.
+struct ArrayLoop {
+  bool active = false;
+  traces::KernelId kernel = 0;
+  LoopParts parts;
+  std::uint32_t loading = 0;              ///< leading items that touch the data cache
+  sim::Time begin = 0;                    ///< switch begins
+  sim::Time without_rays = 0;             ///< time without rays before
+  sim::Time configured = 0;               ///< switch is over
+  sim::Time start = 0;                    ///< loop begins
+  sim::Time stall_time = 0;               ///< stall time so far
+  sim::Time stalled_since = sim::kNever;  ///< kNever: not stalled
+  std::uint32_t next_item = 0;            ///< the next item to issue its loads
+  std::uint32_t next_line = 0;            ///< the next line of that item
+  std::uint32_t ii = 1, depth = 0;
+
+  bool is_stalled() const { return stalled_since != sim::kNever; }
+  void stall(sim::Time now) { stalled_since = now; }
+  void resume(sim::Time now) {
+    stall_time += now - stalled_since;
+    stalled_since = sim::kNever;
+  }
+  sim::Time array_time(sim::Time now) const { return (is_stalled() ? stalled_since : now) - start - stall_time; }
+  /// Returns when an item has left the array, if nothing more stalls.
+  sim::Time leaves_at(const sim::Clock& clock, std::uint32_t item) const {
+    return start + stall_time + (depth + sim::Time{item} * ii) * clock.period();
+  }
 };
 
 }  // namespace hw

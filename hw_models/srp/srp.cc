@@ -22,16 +22,16 @@ Srp::Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& f
       buffer_(buffer, frame.needs, clock, frame.ideal_buffer),
       cache_(config.data_cache, port, frame.ideal_cache),
       tiles_(tiles_in_flight(buffer, frame.needs, frame.ideal_buffer).most()),
-      lines_missing_(kMostLoadCycles),
-      config_memory_(config.config_memory.bytes, frame.kernels.size()),
+      launch_{.config_memory = ConfigMemory(config.config_memory.bytes, frame.kernels.size())},
       kernel_use_(frame.kernels.size()) {
   links_.tiles_in.shows(&arrivals_.tiles);
   links_.hits_in.shows(&arrivals_.hits);
   links_.memory_in.shows(&arrivals_.lines);
   links_.dma_in.shows(&arrivals_.transfers);
-  feeds_.reserve(64);
-  run_.parts.reserve(64);
-  item_lines_.reserve(64);
+  loads_.lines_missing.resize(kMostLoadCycles);
+  rays_.feeds.reserve(64);
+  loop_.parts.reserve(64);
+  loads_.lines.reserve(64);
 }
 
 sim::Time Srp::tick(sim::Time now) {
@@ -39,16 +39,16 @@ sim::Time Srp::tick(sim::Time now) {
   take_hit(now);
   fill(now);
   take_dma(now);
-  if (links_.raster_out != nullptr) meet_rasteriser(now);
+  if (links_.raster_out != nullptr) service_rasteriser_links(now);
   run_array(now);
   while (feed_ray(now) && frame_.ray_interval == 0) {
   }
   cache_.send(now, links_.memory_out);
-  if (!dma_.empty() && links_.dma_out.can_push(now)) {
-    links_.dma_out.push(now, dma_.front());
-    dma_.pop_front();
+  if (!transfers_.dma.empty() && links_.dma_out.can_push(now)) {
+    links_.dma_out.push(now, transfers_.dma.front());
+    transfers_.dma.pop_front();
   }
-  const CycleReason reason = why(now);
+  const CycleReason reason = current_reason(now);
   account(now);
   activity_.spend(now, clock_.period(), reason, reason);
   return next_wake(now);
@@ -56,172 +56,29 @@ sim::Time Srp::tick(sim::Time now) {
 
 /// Charges the time since the last tick to the state in which that left the core.
 inline void Srp::account(sim::Time now) {
-  const std::uint64_t cycles = clock_.cycles(now - accounted_);
-  if (fed_) stats_.fed += cycles;
-  if (fed_ && !busy_) stats_.awaited += cycles;
-  accounted_ = now;
-  fed_ = rays_out_ > 0;
-  busy_ = run_.active;
+  const std::uint64_t cycles = clock_.cycles(now - occupancy_.until);
+  if (occupancy_.tni_had_rays) stats_.fed += cycles;
+  if (occupancy_.tni_had_rays && !occupancy_.array_was_busy) stats_.awaited += cycles;
+  occupancy_.until = now;
+  occupancy_.tni_had_rays = rays_.in_flight > 0;
+  occupancy_.array_was_busy = loop_.active;
 }
 
 void Srp::finish(sim::Time end) {
-  if (end > accounted_) account(end);
+  if (end > occupancy_.until) account(end);
   activity_.finish(end);
   buffer_.finish(end);
 }
 
-void Srp::take_tile(sim::Time now) {
-  if (!has_room(links_.tiles_in.front())) return;
-  const TileJob job = links_.tiles_in.pop(now);
-  std::uint32_t tile = tile_of(job);
-  look_ = true;
-  if (tile != tiles_.size()) {
-    tiles_[tile].borders_missing(job.missing);
-    return start_transfers(tile);
-  }
-  tile = static_cast<std::uint32_t>(std::ranges::find_if_not(tiles_, &TileRun::active) - tiles_.begin());
-  tiles_[tile].begin(*job.work, config_.chunk, job.missing, job.owner);
-  if (by_age_.empty()) buffer_.in_use(now, true);
-  by_age_.push_back(tile);
-  stats_.tiles += 1;
-  if (frame_.observer != nullptr) notify(*frame_.observer, TileStarted{frame_.core, tile, job.owner, now});
-  start_transfers(tile);
-}
-
-std::uint32_t Srp::tile_of(const TileJob& job) const {
-  const auto tile = std::ranges::find_if(by_age_, [&](std::uint32_t t) { return &tiles_[t].work() == job.work; });
-  return tile == by_age_.end() ? static_cast<std::uint32_t>(tiles_.size()) : *tile;
-}
-
-inline void Srp::take_hit(sim::Time now) {
-  if (arrivals_.hits > now) return;
-  const std::uint32_t id = links_.hits_in.pop(now).id;
-  buffer_.write(sizeof(traces::Hit) / kAccess);
-  if (--rays_out_ == 0) empty_since_ = now;
-  stats_.hits += 1;
-  const std::uint32_t tile = tile_of_handle(id);
-  const bool news = tiles_[tile].finish_ray(index_of_handle(id));
-  if (frame_.observer != nullptr) [[unlikely]]
-    notify_hit(now, tile, index_of_handle(id));
-  if (news) start_transfers(tile);
-  if (news || rays_out_ == 0) look_ = true;
-}
-
-inline void Srp::take_dma(sim::Time now) {
-  if (arrivals_.transfers > now) return;
-  const std::uint32_t tag = links_.dma_in.pop(now).tag;
-  if (tag == kSpillTag) {
-    spills_done_ += 1;
-    look_ = true;
-    return;
-  }
-  const std::uint32_t tile = tile_of_handle(tag), node = index_of_handle(tag);
-  if (tiles_[tile].is_awaited(node)) transfers_awaited_ -= 1;
-  const WorkNode& moved = tiles_[tile].node(node);
-  if (moved.to_memory && moved.border != WorkNode::kNone) {
-    links_.tiles_out.push(now, TileDone{&tiles_[tile].work(), moved.border, tiles_[tile].owner()});
-  }
-  finish_items(now, tile, node, tiles_[tile].node(node).items);
-}
-
-inline void Srp::run_array(sim::Time now) {
-  if (run_.active && now >= run_.start) {
-    const bool flowing = frame_.ideal ? load_all(now) : loads_in_time(now) && issue_loads(now);
-    if (flowing && run_.next_item == run_.loading && loads_.empty() && now >= leaves_at(run_.parts.items() - 1)) {
-      finish_chunk(now);
-    }
-  }
-  if (!run_.active && look_) start_chunk(now);
-}
-
-void Srp::finish_chunk(sim::Time now) {
-  KernelUse& use = kernel_use_[run_.kernel];
-  const std::uint64_t cycles = clock_.cycles(now - run_.begin);
-  use.cycles += cycles;
-  use.starved += clock_.cycles(time_without_rays(now) - run_.without_rays);
-  if (frame_.observer != nullptr) notify_loop(now, cycles);
-  run_.active = false;
-  for (const LoopPart& part : run_.parts) finish_items(now, part.tile, part.node, part.items);
-}
-
-void Srp::finish_items(sim::Time now, std::uint32_t tile, std::uint32_t node, std::uint32_t items) {
-  buffer_.give_back(tiles_[tile].finish_items(node, items));
-  look_ = true;
-  start_transfers(tile);
-  end_tile(now, tile);
-}
-
-void Srp::start_transfers(std::uint32_t tile) {
-  tiles_[tile].start_transfers([&](std::uint32_t n) {
-    const WorkNode& node = tiles_[tile].node(n);
-    if (node.kind != WorkNode::Kind::kTransfer) return start_raster(tile, n);
-    const Area area = area_of(node.region);
-    const Addr base = frame_.areas[static_cast<std::size_t>(area)] + node.offset;
-    const std::uint32_t cycles = area == Area::kPicture ? frame_.encode_cycles : 0;
-    dma_.push_back({base, node.items, node.to_memory, handle_of(tile, n), area, cycles, tiles_[tile].owner()});
-    const std::uint64_t accesses = (std::uint64_t{node.items} * std::max(cycles, 1U) + kAccess - 1) / kAccess;
-    if (node.to_memory) {
-      buffer_.read(accesses);
-    } else {
-      buffer_.write(accesses);
-    }
-    if (tiles_[tile].is_awaited(n)) transfers_awaited_ += 1;
-  });
-}
-
-void Srp::end_tile(sim::Time now, std::uint32_t tile) {
-  if (!tiles_[tile].active() || !tiles_[tile].all_complete()) return;
-  assert(links_.tiles_out.can_push(now) && "room for all that tiles in flight have to say");
-  links_.tiles_out.push(now, TileDone{&tiles_[tile].work(), WorkNode::kNone, tiles_[tile].owner()});
-  if (frame_.observer != nullptr) notify(*frame_.observer, TileEnded{frame_.core, tile, now});
-  tiles_[tile].end();
-  std::erase(by_age_, tile);
-  if (by_age_.empty()) buffer_.in_use(now, false);
-  look_ = true;
-}
-
-sim::Time Srp::feed_at(const Feed& feed) const {
-  if (spills_done_ < feed.after_spill) return sim::kNever;
-  const TileRun& run = tiles_[feed.tile];
-  const std::uint32_t launch = run.producer(feed.batch);
-  const std::uint32_t item = run.source(feed.batch, feed.next);
-  if (item < run.done(launch)) return 0;
-  const LoopPart* part = run_.active ? run_.parts.find(feed.tile, launch) : nullptr;
-  if (part == nullptr || item >= part->first + part->working) return sim::kNever;
-  if (frame_.ideal && run_.stalled_since != sim::kNever) return sim::kNever;
-  const sim::Time leaves = leaves_at(part->begin + item - part->first);
-  return leaves <= run_.stalled_since ? leaves : sim::kNever;
-}
-
-inline bool Srp::feed_ray(sim::Time now) {
-  if (feeds_.empty() || now < feed_free_at_ || !links_.rays_out.can_push(now)) return false;
-  const auto feed = std::ranges::find_if(feeds_, [&](const Feed& f) { return feed_at(f) <= now; });
-  if (feed == feeds_.end()) return false;
-  const TileRun& run = tiles_[feed->tile];
-  const std::uint32_t ray = run.node(feed->batch).first + feed->next;
-  const traces::TileWork& work = run.work();
-  links_.rays_out.push(now, RayJob{work.walk.data() + work.ray_begin[ray], handle_of(feed->tile, ray), run.owner()});
-  buffer_.read(sizeof(traces::Ray) / kAccess);
-  without_rays_ = time_without_rays(now);
-  rays_out_ += 1;
-  stats_.rays += 1;
-  if (frame_.observer != nullptr && feed->next == 0) {
-    notify(*frame_.observer, BatchStarted{frame_.core, feed->tile, feed->batch, rays_out_, now});
-  }
-  feed_free_at_ = clock_.edge_at_or_after(now + frame_.ray_interval);
-  if (++feed->next == run.node(feed->batch).items) feeds_.erase(feed);
-  return true;
-}
-
-inline Srp::CycleReason Srp::why(sim::Time now) const {
-  if (run_.active) {
-    if (now < run_.configured) return CycleReason::kSwitching;
-    if (now < run_.start) return CycleReason::kBanks;
-    return run_.stalled_since == sim::kNever ? CycleReason::kRunning : CycleReason::kCacheMiss;
+inline Srp::CycleReason Srp::current_reason(sim::Time now) const {
+  if (loop_.active) {
+    if (now < loop_.configured) return CycleReason::kSwitching;
+    if (now < loop_.start) return CycleReason::kBanks;
+    return !loop_.is_stalled() ? CycleReason::kRunning : CycleReason::kCacheMiss;
   }
   if (by_age_.empty()) return CycleReason::kStarved;
-  if (blocked_) return CycleReason::kNoSlots;
-  const bool moves = rays_out_ > 0 || !feeds_.empty() || transfers_awaited_ > 0;
+  if (launch_.is_blocked) return CycleReason::kNoSlots;
+  const bool moves = rays_.in_flight > 0 || !rays_.feeds.empty() || transfers_.awaited > 0;
   const bool borders =
       !moves && std::ranges::any_of(by_age_, [&](std::uint32_t t) { return tiles_[t].awaits_border(); });
   return borders ? CycleReason::kBorders : CycleReason::kWaiting;
@@ -229,29 +86,30 @@ inline Srp::CycleReason Srp::why(sim::Time now) const {
 
 inline sim::Time Srp::next_wake(sim::Time now) const {
   const sim::Time next = clock_.after(now, 1);
-  if (!run_.active && look_) return next;
+  if (!loop_.active && launch_.check_pending) return next;
   sim::Time at = sim::kNever;
-  if (run_.active && now < run_.start) {
-    at = now < run_.configured ? run_.configured : run_.start;
-  } else if (run_.active && run_.stalled_since == sim::kNever) {
-    const sim::Time origin = run_.start + run_.stall_time;
-    at = leaves_at(run_.parts.items() - 1);
-    if (run_.next_item < run_.loading) at = origin + sim::Time{run_.next_item} * run_.ii * clock_.period();
-    if (!loads_.empty()) at = std::min(at, origin + loads_.front().needed);
+  if (loop_.active && now < loop_.start) {
+    at = now < loop_.configured ? loop_.configured : loop_.start;
+  } else if (loop_.active && !loop_.is_stalled()) {
+    const sim::Time origin = loop_.start + loop_.stall_time;
+    at = loop_.leaves_at(clock_, loop_.parts.items() - 1);
+    if (loop_.next_item < loop_.loading) at = origin + sim::Time{loop_.next_item} * loop_.ii * clock_.period();
+    if (!loads_.queue.empty()) at = std::min(at, origin + loads_.queue.front().needed);
     at = std::max(at, next);
   }
-  if (!feeds_.empty()) {
-    const sim::Time open = std::max({next, feed_free_at_, links_.rays_out.push_at()});
-    for (auto f = feeds_.begin(); f != feeds_.end() && open < at; ++f) at = std::min(at, std::max(open, feed_at(*f)));
+  if (!rays_.feeds.empty()) {
+    const sim::Time open = std::max({next, rays_.next_at, links_.rays_out.push_at()});
+    for (auto f = rays_.feeds.begin(); f != rays_.feeds.end() && open < at; ++f)
+      at = std::min(at, std::max(open, ray_ready_at(*f)));
   }
-  if (!dma_.empty()) at = std::min(at, std::max(next, links_.dma_out.push_at()));
+  if (!transfers_.dma.empty()) at = std::min(at, std::max(next, links_.dma_out.push_at()));
   if (arrivals_.tiles != sim::kNever && has_room(links_.tiles_in.front())) {
     at = std::min(at, std::max(next, arrivals_.tiles));
   }
   at = std::min(at, std::max(next, std::min({arrivals_.hits, arrivals_.lines, arrivals_.transfers})));
   if (links_.raster_out != nullptr) {
     at = std::min(at, std::max(next, links_.raster_in->pop_at()));
-    if (!raster_.empty()) at = std::min(at, std::max(next, links_.raster_out->push_at()));
+    if (!transfers_.raster.empty()) at = std::min(at, std::max(next, links_.raster_out->push_at()));
   }
   return std::min(at, cache_.send_at(next, links_.memory_out));
 }
@@ -266,151 +124,96 @@ std::string Srp::state() const {
     }
   }
   return fmt::format("{}, rays in T&I {}, ray slots {}/{}, feeds {}, DMA jobs {}{}",
-                     run_.active ? (run_.stalled_since == sim::kNever ? "running" : "stalled") : "array idle",
-                     rays_out_, buffer_.used(), buffer_.slots(), feeds_.size(), dma_.size(), tiles);
+                     loop_.active ? (!loop_.is_stalled() ? "running" : "stalled") : "array idle", rays_.in_flight,
+                     buffer_.used(), buffer_.slots(), rays_.feeds.size(), transfers_.dma.size(), tiles);
 }
 
-using traces::WorkNode;
+// Tiles.
 
-bool Srp::fits(std::uint32_t tile, std::uint32_t node) const {
-  const TileRun& run = tiles_[tile];
-  const std::uint64_t rays = run.rays_made(node, run.done(node), run.chunk_items(node));
-  if (rays == 0) return true;
-  const std::uint32_t wave = frame_.needs.wave_samples != 0 ? frame_.needs.wave_samples : frame_.needs.tile_samples;
-  const bool first_rays_of_younger = tile != by_age_.front() && !run.follows_rays(node);
-  return buffer_.free() >= rays + (first_rays_of_younger ? wave : 0);
-}
-
-void Srp::start_chunk(sim::Time now) {
-  look_ = false;
-  blocked_ = false;
-  for (const std::uint32_t tile : by_age_) {
-    const std::uint32_t node = tiles_[tile].next_launch([&](std::uint32_t n) {
-      if (fits(tile, n)) return true;
-      blocked_ = true;
-      return false;
-    });
-    if (node != TileRun::kNone) return begin_chunk(now, tile, node);
+void Srp::take_tile(sim::Time now) {
+  if (!has_room(links_.tiles_in.front())) return;
+  const TileJob job = links_.tiles_in.pop(now);
+  std::uint32_t tile = find_in_flight_slot(job);
+  launch_.check_pending = true;
+  if (tile != tiles_.size()) {
+    tiles_[tile].set_missing_borders(job.missing);
+    return start_transfers(tile);
   }
-  if (!blocked_) return;
-  const bool rays_can_go = std::ranges::any_of(feeds_, [&](const Feed& f) { return feed_at(f) != sim::kNever; });
-  // The oldest tile's imports come, as they are of tiles that are older still. Those of younger tiles may be of this
-  // one.
-  const bool data_come =
-      spills_done_ < spills_asked_ || transfers_awaited_ > 0 || tiles_[by_age_.front()].awaits_border();
-  if (rays_out_ > 0 || rays_can_go || data_come) return;
-  for (const std::uint32_t tile : by_age_) {
-    const std::uint32_t node = tiles_[tile].next_launch([](std::uint32_t) { return true; });
-    if (node != TileRun::kNone) return begin_chunk(now, tile, node);
-  }
+  tile = static_cast<std::uint32_t>(std::ranges::find_if_not(tiles_, &TileRun::active) - tiles_.begin());
+  tiles_[tile].begin(*job.work, config_.chunk, job.missing, job.owner);
+  if (by_age_.empty()) buffer_.in_use(now, true);
+  by_age_.push_back(tile);
+  stats_.tiles += 1;
+  if (frame_.observer != nullptr) notify(*frame_.observer, TileStarted{frame_.core, tile, job.owner, now});
+  start_transfers(tile);
 }
 
-/// Cycles until the array can run the kernel.
-std::uint64_t Srp::switch_to(traces::KernelId kernel) {
-  if (std::exchange(configured_, kernel) == kernel || frame_.ideal) return 0;
-  const std::uint32_t rows = frame_.kernels[kernel].ii;
-  const bool resident = config_memory_.use(kernel, config_.config_bytes(rows));
-  stats_.add_switch(rows, resident);
-  return config_.switch_cycles + (resident ? 0 : config_.load_cycles(rows));
+std::uint32_t Srp::find_in_flight_slot(const TileJob& job) const {
+  const auto tile = std::ranges::find_if(by_age_, [&](std::uint32_t t) { return &tiles_[t].work() == job.work; });
+  return tile == by_age_.end() ? static_cast<std::uint32_t>(tiles_.size()) : *tile;
 }
 
-/// Puts a launch's next chunk into the loop. Rays for which there are no slots go out to memory and back.
-void Srp::add_part(std::uint32_t tile, std::uint32_t node) {
-  TileRun& run = tiles_[tile];
-  const std::uint32_t first = run.done(node), items = run.chunk_items(node);
-  run_.parts.add({tile, node, first, items, run.working(node, first, items)});
-  const std::uint64_t spilled = buffer_.take(run.rays_made(node, first, items));
-  for (const std::uint32_t batch : run.batches_of(node)) {
-    if (first == 0 && run.node(batch).kind == WorkNode::Kind::kRays) feeds_.push_back({tile, batch, 0, 0});
-  }
-  if (spilled == 0) return;
-  // Ray out and in again before it is issued, then its hit out and in again before it is shaded.
-  const auto bytes = static_cast<std::uint32_t>(2 * spilled * buffer_.slot_bytes());
-  buffer_.read(bytes / kAccess);
-  buffer_.write(bytes / kAccess);
-  const Addr spill = frame_.areas[static_cast<std::size_t>(Area::kSpill)];
-  dma_.push_back({spill, bytes, true, kSpillTag, Area::kSpill, 0, run.owner()});
-  dma_.push_back({spill, bytes, false, kSpillTag, Area::kSpill, 0, run.owner()});
-  spills_asked_ += 2;
-  for (Feed& f : feeds_) {
-    if (f.tile == tile && run.producer(f.batch) == node) f.after_spill = spills_asked_;
-  }
+void Srp::finish_items(sim::Time now, std::uint32_t tile, std::uint32_t node, std::uint32_t items) {
+  buffer_.give_back(tiles_[tile].finish_items(node, items));
+  launch_.check_pending = true;
+  start_transfers(tile);
+  end_tile(now, tile);
 }
 
-/// Puts into the loop what else waits for this kernel, oldest tile first, as far as a chunk's items and ray slots go.
-void Srp::join_launches(const WorkNode& work) {
-  for (const std::uint32_t tile : by_age_) {
-    const TileRun& run = tiles_[tile];
-    const auto joins = [&](std::uint32_t n) {
-      return run.node(n).kernel == work.kernel && run.node(n).has_accesses == work.has_accesses &&
-             run_.parts.items() + run.chunk_items(n) <= config_.chunk && run_.parts.find(tile, n) == nullptr &&
-             fits(tile, n);
-    };
-    for (std::uint32_t n = run.next_launch(joins); n != TileRun::kNone; n = run.next_launch(joins)) add_part(tile, n);
-  }
+void Srp::end_tile(sim::Time now, std::uint32_t tile) {
+  if (!tiles_[tile].active() || !tiles_[tile].all_complete()) return;
+  assert(links_.tiles_out.can_push(now) && "room for all that tiles in flight have to say");
+  links_.tiles_out.push(now, TileDone{&tiles_[tile].work(), WorkNode::kNone, tiles_[tile].owner()});
+  if (frame_.observer != nullptr) notify(*frame_.observer, TileEnded{frame_.core, tile, now});
+  tiles_[tile].end();
+  std::erase(by_age_, tile);
+  if (by_age_.empty()) buffer_.in_use(now, false);
+  launch_.check_pending = true;
 }
 
-void Srp::begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node) {
-  const WorkNode& work = tiles_[tile].node(node);
-  const KernelSchedule& kernel = frame_.kernels[work.kernel];
-  blocked_ = false;
-  run_.parts.clear();
-  lines_of_ = kNoItem;
-  add_part(tile, node);
-  if (config_.merge) join_launches(work);
-  const std::uint32_t items = run_.parts.items(), working = run_.parts.working();
-  const bool conflicts = !frame_.ideal && !frame_.ideal_buffer;
-  const std::uint64_t conflict_cycles = conflicts ? frame_.conflicts[work.kernel].of(items) : 0;
-  const sim::Time configured = clock_.after(now, switch_to(work.kernel));
-  run_ = Run{.active = true,
-             .kernel = work.kernel,
-             .parts = std::move(run_.parts),
-             .loading = work.has_accesses ? working : 0,
-             .begin = now,
-             .without_rays = time_without_rays(now),
-             .configured = configured,
-             .start = clock_.after(configured, conflict_cycles),
-             .ii = frame_.ideal ? 0 : kernel.ii,
-             .depth = frame_.ideal ? 1 : kernel.depth};
-  stats_.add(kernel, items, working);
-  stats_.launches += run_.parts.size();
-  if (run_.parts.size() > 1) stats_.merged += 1;
-  buffer_.read(std::uint64_t{items} * kernel.local_reads);
-  buffer_.write(std::uint64_t{items} * kernel.local_writes);
-  buffer_.conflict(conflict_cycles);
-  kernel_use_[work.kernel].launches += 1;
-  kernel_use_[work.kernel].items += items;
-  kernel_use_[work.kernel].idle += items - working;
+// Array loop and its loads.
+
+inline void Srp::run_array(sim::Time now) {
+  if (loop_.active && now >= loop_.start) {
+    const bool flowing = frame_.ideal ? load_all(now) : loads_in_time(now) && issue_loads(now);
+    if (flowing && loop_.next_item == loop_.loading && loads_.queue.empty() &&
+        now >= loop_.leaves_at(clock_, loop_.parts.items() - 1)) {
+      finish_chunk(now);
+    }
+  }
+  if (!loop_.active && launch_.check_pending) start_chunk(now);
+}
+
+void Srp::finish_chunk(sim::Time now) {
+  KernelUse& use = kernel_use_[loop_.kernel];
+  const std::uint64_t cycles = clock_.cycles(now - loop_.begin);
+  use.cycles += cycles;
+  use.starved += clock_.cycles(rays_.time_without_rays(now) - loop_.without_rays);
+  if (frame_.observer != nullptr) notify_loop(now, cycles);
+  loop_.active = false;
+  for (const LoopPart& part : loop_.parts) finish_items(now, part.tile, part.node, part.items);
 }
 
 /// Reports a loop, and shares its cycles out among its tiles by their items, in whole cycles that add up.
 void Srp::notify_loop(sim::Time now, std::uint64_t cycles) const {
   std::uint64_t items = 0, charged = 0;
-  for (const LoopPart& part : run_.parts) {
+  for (const LoopPart& part : loop_.parts) {
     items += part.items;
-    const std::uint64_t until = cycles * items / run_.parts.items();
+    const std::uint64_t until = cycles * items / loop_.parts.items();
     notify(*frame_.observer, LoopCharged{tiles_[part.tile].owner(), until - charged});
     charged = until;
   }
   notify(*frame_.observer, LoopEnded{.core = frame_.core,
-                                     .kernel = run_.kernel,
-                                     .begin = run_.begin,
-                                     .configured = run_.configured,
-                                     .start = run_.start,
+                                     .kernel = loop_.kernel,
+                                     .begin = loop_.begin,
+                                     .configured = loop_.configured,
+                                     .start = loop_.start,
                                      .end = now,
-                                     .stalled = run_.stall_time,
+                                     .stalled = loop_.stall_time,
                                      .cycles = cycles,
-                                     .items = run_.parts.items(),
-                                     .launches = static_cast<std::uint32_t>(run_.parts.size()),
-                                     .tile = tiles_[run_.parts.begin()->tile].owner()});
-}
-
-/// Reports the end of a batch if the hit is its last one.
-void Srp::notify_hit(sim::Time now, std::uint32_t tile, std::uint32_t ray) const {
-  const TileRun& run = tiles_[tile];
-  const std::uint32_t batch = run.batch_of(ray);
-  if (!run.complete(batch)) return;
-  notify(*frame_.observer, BatchEnded{frame_.core, tile, batch, &run.node(batch), rays_out_, now});
+                                     .items = loop_.parts.items(),
+                                     .launches = static_cast<std::uint32_t>(loop_.parts.size()),
+                                     .tile = tiles_[loop_.parts.begin()->tile].owner()});
 }
 
 void Srp::fill(sim::Time now) {
@@ -420,41 +223,42 @@ void Srp::fill(sim::Time now) {
   stats_.cache_miss_cycles += clock_.cycles(now) - miss.asked_at;
   for (std::uint64_t waited = miss.slots; waited != 0; waited &= waited - 1) {
     const auto slot = static_cast<std::uint32_t>(std::countr_zero(waited));
-    if (--lines_missing_[slot] == 0) missing_ &= ~(std::uint64_t{1} << slot);
+    if (--loads_.lines_missing[slot] == 0) loads_.missing &= ~(std::uint64_t{1} << slot);
   }
-  full_ = false;
+  loads_.mshrs_full = false;
 }
 
 /// True if the lines that are needed at this point of array time have come; else the array stalls.
 bool Srp::loads_in_time(sim::Time now) {
-  if (run_.stalled_since != sim::kNever) {
-    const bool late =
-        !loads_.empty() && loads_.front().needed == array_time(now) && ((missing_ >> loads_.front().slot) & 1U) != 0;
-    if (late || full_) return false;
-    resume(now);
+  if (loop_.is_stalled()) {
+    const bool late = !loads_.queue.empty() && loads_.queue.front().needed == loop_.array_time(now) &&
+                      ((loads_.missing >> loads_.queue.front().slot) & 1U) != 0;
+    if (late || loads_.mshrs_full) return false;
+    loop_.resume(now);
   }
-  const sim::Time at = array_time(now);
-  while (!loads_.empty() && loads_.front().needed <= at) {
-    if ((missing_ >> loads_.front().slot) & 1U) {
-      stall(now);
+  const sim::Time at = loop_.array_time(now);
+  while (!loads_.queue.empty() && loads_.queue.front().needed <= at) {
+    if ((loads_.missing >> loads_.queue.front().slot) & 1U) {
+      loop_.stall(now);
       return false;
     }
-    loads_.pop_front();
+    loads_.queue.pop_front();
   }
   return true;
 }
 
 /// The item that enters the loop now asks the data cache for its lines. False if the array stalled.
 bool Srp::issue_loads(sim::Time now) {
-  const sim::Time at = array_time(now);
-  if (run_.next_item == run_.loading || at < sim::Time{run_.next_item} * run_.ii * clock_.period()) return true;
-  const std::uint32_t slot = run_.next_item % kMostLoadCycles;
-  if (!ask(now, run_.next_item)) {
-    stall(now);
+  const sim::Time at = loop_.array_time(now);
+  if (loop_.next_item == loop_.loading || at < sim::Time{loop_.next_item} * loop_.ii * clock_.period()) return true;
+  const std::uint32_t slot = loop_.next_item % kMostLoadCycles;
+  if (!request_lines(now, loop_.next_item)) {
+    loop_.stall(now);
     return false;
   }
-  if ((missing_ >> slot & 1U) != 0) loads_.push_back({at + config_.latency.cached() * clock_.period(), slot});
-  run_.next_item += 1;
+  if ((loads_.missing >> slot & 1U) != 0)
+    loads_.queue.push_back({at + config_.latency.cached() * clock_.period(), slot});
+  loop_.next_item += 1;
   issue_ready_hits();
   return true;
 }
@@ -462,26 +266,26 @@ bool Srp::issue_loads(sim::Time now) {
 /// Issues items ahead of their time where that changes nothing: those that touch no line, and those whose lines are all
 /// here while none is on its way, so that nothing is filled.
 inline void Srp::issue_ready_hits() {
-  for (; run_.next_item < run_.loading; ++run_.next_item) {
-    if (accesses_of(run_.next_item).empty()) continue;
+  for (; loop_.next_item < loop_.loading; ++loop_.next_item) {
+    if (accesses_of(loop_.next_item).empty()) continue;
     if (cache_.outstanding() != 0) return;
-    collect_lines(run_.next_item);
-    if (!std::ranges::all_of(item_lines_, [&](Addr line) { return cache_.holds(line); })) return;
-    for (const Addr line : item_lines_) cache_.access(line, 0);
-    stats_.cache_accesses += item_lines_.size();
-    stats_.cache_hits += item_lines_.size();
+    collect_lines(loop_.next_item);
+    if (!std::ranges::all_of(loads_.lines, [&](Addr line) { return cache_.holds(line); })) return;
+    for (const Addr line : loads_.lines) cache_.access(line, 0);
+    stats_.cache_accesses += loads_.lines.size();
+    stats_.cache_hits += loads_.lines.size();
   }
 }
 
 /// An item of the present chunk asks for its lines, those it has not asked for yet. False if there is no MSHR
 /// left.
-inline bool Srp::ask(sim::Time now, std::uint32_t item) {
+inline bool Srp::request_lines(sim::Time now, std::uint32_t item) {
   const std::uint32_t slot = item % kMostLoadCycles;
   collect_lines(item);
-  cache_.set_slot_tile(slot, tiles_[run_.parts.of(item).tile].owner());
-  for (; run_.next_line < item_lines_.size(); ++run_.next_line) {
+  cache_.set_slot_tile(slot, tiles_[loop_.parts.of(item).tile].owner());
+  for (; loop_.next_line < loads_.lines.size(); ++loop_.next_line) {
     stats_.cache_accesses += 1;
-    const L1Cache::Result result = cache_.access(item_lines_[run_.next_line], slot, clock_.cycles(now));
+    const L1Cache::Result result = cache_.access(loads_.lines[loop_.next_line], slot, clock_.cycles(now));
     if (result == L1Cache::Result::kHit) {
       stats_.cache_hits += 1;
       continue;
@@ -489,54 +293,263 @@ inline bool Srp::ask(sim::Time now, std::uint32_t item) {
     stats_.cache_misses += 1;
     if (result == L1Cache::Result::kFull) {
       stats_.mshr_full += 1;
-      full_ = true;
+      loads_.mshrs_full = true;
       return false;
     }
-    lines_missing_[slot] += 1;
-    missing_ |= std::uint64_t{1} << slot;
+    loads_.lines_missing[slot] += 1;
+    loads_.missing |= std::uint64_t{1} << slot;
   }
-  run_.next_line = 0;
+  loop_.next_line = 0;
   return true;
 }
 
 /// All items of an ideal shader core ask at once, as far as there are MSHRs. True when every line has come.
 bool Srp::load_all(sim::Time now) {
-  while (!full_ && run_.next_item < run_.loading && ask(now, run_.next_item)) run_.next_item += 1;
-  if (full_ || cache_.outstanding() > 0) {
-    if (run_.stalled_since == sim::kNever) stall(now);
+  while (!loads_.mshrs_full && loop_.next_item < loop_.loading && request_lines(now, loop_.next_item))
+    loop_.next_item += 1;
+  if (loads_.mshrs_full || cache_.outstanding() > 0) {
+    if (!loop_.is_stalled()) loop_.stall(now);
     return false;
   }
-  if (run_.stalled_since != sim::kNever) resume(now);
+  if (loop_.is_stalled()) loop_.resume(now);
   return true;
 }
 
 /// Accesses of an item of the present loop.
 inline std::span<const traces::Access> Srp::accesses_of(std::uint32_t item) const {
-  const LoopPart& part = run_.parts.of(item);
+  const LoopPart& part = loop_.parts.of(item);
   const traces::TileWork& work = tiles_[part.tile].work();
   const std::uint32_t* begin = &work.access_begin[work.nodes[part.node].first + part.first + item - part.begin];
   return std::span(work.accesses).subspan(begin[0], begin[1] - begin[0]);
 }
 
 void Srp::collect_lines(std::uint32_t item) {
-  if (lines_of_ == item) return;
-  lines_of_ = item;
-  item_lines_.clear();
+  if (loads_.lines_of_item == item) return;
+  loads_.lines_of_item = item;
+  loads_.lines.clear();
   for (const traces::Access& access : accesses_of(item)) {
     const LineSet lines = lines_of(access, *frame_.layout);
     for (std::uint32_t i = 0; i < lines.count; ++i) {
-      if (std::ranges::find(item_lines_, lines.line[i]) == item_lines_.end()) item_lines_.push_back(lines.line[i]);
+      if (std::ranges::find(loads_.lines, lines.line[i]) == loads_.lines.end()) loads_.lines.push_back(lines.line[i]);
     }
   }
 }
 
+// Launch scheduler.
+
+void Srp::start_chunk(sim::Time now) {
+  launch_.check_pending = false;
+  launch_.is_blocked = false;
+  for (const std::uint32_t tile : by_age_) {
+    const std::uint32_t node = tiles_[tile].next_launch([&](std::uint32_t n) {
+      if (has_ray_slots(tile, n)) return true;
+      launch_.is_blocked = true;
+      return false;
+    });
+    if (node != TileRun::kNone) return begin_chunk(now, tile, node);
+  }
+  if (!launch_.is_blocked) return;
+  const bool rays_can_go =
+      std::ranges::any_of(rays_.feeds, [&](const RayFeed& f) { return ray_ready_at(f) != sim::kNever; });
+  // The oldest tile's imports come, as they are of tiles that are older still. Those of younger tiles may be of this
+  // one.
+  const bool data_come = transfers_.spills_done < transfers_.spills_started || transfers_.awaited > 0 ||
+                         tiles_[by_age_.front()].awaits_border();
+  if (rays_.in_flight > 0 || rays_can_go || data_come) return;
+  for (const std::uint32_t tile : by_age_) {
+    const std::uint32_t node = tiles_[tile].next_launch([](std::uint32_t) { return true; });
+    if (node != TileRun::kNone) return begin_chunk(now, tile, node);
+  }
+}
+
+bool Srp::has_ray_slots(std::uint32_t tile, std::uint32_t node) const {
+  const TileRun& run = tiles_[tile];
+  const std::uint64_t rays = run.rays_made(node, run.done(node), run.chunk_items(node));
+  if (rays == 0) return true;
+  const std::uint32_t wave = frame_.needs.wave_samples != 0 ? frame_.needs.wave_samples : frame_.needs.tile_samples;
+  const bool first_rays_of_younger = tile != by_age_.front() && !run.follows_rays(node);
+  return buffer_.free() >= rays + (first_rays_of_younger ? wave : 0);
+}
+
+void Srp::begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node) {
+  const WorkNode& work = tiles_[tile].node(node);
+  const KernelSchedule& kernel = frame_.kernels[work.kernel];
+  launch_.is_blocked = false;
+  loop_.parts.clear();
+  loads_.lines_of_item = kNoItem;
+  add_part(tile, node);
+  if (config_.merge) join_launches(work);
+  const std::uint32_t items = loop_.parts.items(), working = loop_.parts.working();
+  const bool conflicts = !frame_.ideal && !frame_.ideal_buffer;
+  const std::uint64_t conflict_cycles = conflicts ? frame_.conflicts[work.kernel].of(items) : 0;
+  const sim::Time configured = clock_.after(now, switch_to(work.kernel));
+  loop_ = ArrayLoop{.active = true,
+                    .kernel = work.kernel,
+                    .parts = std::move(loop_.parts),
+                    .loading = work.has_accesses ? working : 0,
+                    .begin = now,
+                    .without_rays = rays_.time_without_rays(now),
+                    .configured = configured,
+                    .start = clock_.after(configured, conflict_cycles),
+                    .ii = frame_.ideal ? 0 : kernel.ii,
+                    .depth = frame_.ideal ? 1 : kernel.depth};
+  stats_.add(kernel, items, working);
+  stats_.launches += loop_.parts.size();
+  if (loop_.parts.size() > 1) stats_.merged += 1;
+  buffer_.read(std::uint64_t{items} * kernel.local_reads);
+  buffer_.write(std::uint64_t{items} * kernel.local_writes);
+  buffer_.conflict(conflict_cycles);
+  kernel_use_[work.kernel].launches += 1;
+  kernel_use_[work.kernel].items += items;
+  kernel_use_[work.kernel].idle += items - working;
+}
+
+/// Cycles until the array can run the kernel.
+std::uint64_t Srp::switch_to(traces::KernelId kernel) {
+  if (std::exchange(launch_.kernel, kernel) == kernel || frame_.ideal) return 0;
+  const std::uint32_t rows = frame_.kernels[kernel].ii;
+  const bool resident = launch_.config_memory.use(kernel, config_.config_bytes(rows));
+  stats_.add_switch(rows, resident);
+  return config_.switch_cycles + (resident ? 0 : config_.load_cycles(rows));
+}
+
+/// Puts a launch's next chunk into the loop. Rays for which there are no slots go out to memory and back.
+void Srp::add_part(std::uint32_t tile, std::uint32_t node) {
+  TileRun& run = tiles_[tile];
+  const std::uint32_t first = run.done(node), items = run.chunk_items(node);
+  loop_.parts.add({tile, node, first, items, run.working(node, first, items)});
+  const std::uint64_t spilled = buffer_.take(run.rays_made(node, first, items));
+  for (const std::uint32_t batch : run.batches_of(node)) {
+    if (first == 0 && run.node(batch).kind == WorkNode::Kind::kRays) rays_.feeds.push_back({tile, batch, 0, 0});
+  }
+  if (spilled == 0) return;
+  // Ray out and in again before it is issued, then its hit out and in again before it is shaded.
+  const auto bytes = static_cast<std::uint32_t>(2 * spilled * buffer_.slot_bytes());
+  buffer_.read(bytes / kAccess);
+  buffer_.write(bytes / kAccess);
+  const Addr spill = frame_.areas[static_cast<std::size_t>(Area::kSpill)];
+  transfers_.dma.push_back({spill, bytes, true, kSpillTag, Area::kSpill, 0, run.owner()});
+  transfers_.dma.push_back({spill, bytes, false, kSpillTag, Area::kSpill, 0, run.owner()});
+  transfers_.spills_started += 2;
+  for (RayFeed& f : rays_.feeds) {
+    if (f.tile == tile && run.producer(f.batch) == node) f.after_spill = transfers_.spills_started;
+  }
+}
+
+/// Puts into the loop what else waits for this kernel, oldest tile first, as far as a chunk's items and ray slots go.
+void Srp::join_launches(const WorkNode& work) {
+  for (const std::uint32_t tile : by_age_) {
+    const TileRun& run = tiles_[tile];
+    const auto joins = [&](std::uint32_t n) {
+      return run.node(n).kernel == work.kernel && run.node(n).has_accesses == work.has_accesses &&
+             loop_.parts.items() + run.chunk_items(n) <= config_.chunk && loop_.parts.find(tile, n) == nullptr &&
+             has_ray_slots(tile, n);
+    };
+    for (std::uint32_t n = run.next_launch(joins); n != TileRun::kNone; n = run.next_launch(joins)) add_part(tile, n);
+  }
+}
+
+// Ray feeder.
+
+sim::Time Srp::ray_ready_at(const RayFeed& feed) const {
+  if (transfers_.spills_done < feed.after_spill) return sim::kNever;
+  const TileRun& run = tiles_[feed.tile];
+  const std::uint32_t launch = run.producer(feed.batch);
+  const std::uint32_t item = run.source(feed.batch, feed.next);
+  if (item < run.done(launch)) return 0;
+  const LoopPart* part = loop_.active ? loop_.parts.find(feed.tile, launch) : nullptr;
+  if (part == nullptr || item >= part->first + part->working) return sim::kNever;
+  if (frame_.ideal && loop_.is_stalled()) return sim::kNever;
+  const sim::Time leaves = loop_.leaves_at(clock_, part->begin + item - part->first);
+  return leaves <= loop_.stalled_since ? leaves : sim::kNever;
+}
+
+inline bool Srp::feed_ray(sim::Time now) {
+  if (rays_.feeds.empty() || now < rays_.next_at || !links_.rays_out.can_push(now)) return false;
+  const auto feed = std::ranges::find_if(rays_.feeds, [&](const RayFeed& f) { return ray_ready_at(f) <= now; });
+  if (feed == rays_.feeds.end()) return false;
+  const TileRun& run = tiles_[feed->tile];
+  const std::uint32_t ray = run.node(feed->batch).first + feed->next;
+  const traces::TileWork& work = run.work();
+  links_.rays_out.push(now, RayJob{work.walk.data() + work.ray_begin[ray], handle_of(feed->tile, ray), run.owner()});
+  buffer_.read(sizeof(traces::Ray) / kAccess);
+  rays_.send(now);
+  stats_.rays += 1;
+  if (frame_.observer != nullptr && feed->next == 0) {
+    notify(*frame_.observer, BatchStarted{frame_.core, feed->tile, feed->batch, rays_.in_flight, now});
+  }
+  rays_.next_at = clock_.edge_at_or_after(now + frame_.ray_interval);
+  if (++feed->next == run.node(feed->batch).items) rays_.feeds.erase(feed);
+  return true;
+}
+
+inline void Srp::take_hit(sim::Time now) {
+  if (arrivals_.hits > now) return;
+  const std::uint32_t id = links_.hits_in.pop(now).id;
+  buffer_.write(sizeof(traces::Hit) / kAccess);
+  rays_.take_back(now);
+  stats_.hits += 1;
+  const std::uint32_t tile = tile_of_handle(id);
+  const bool news = tiles_[tile].finish_ray(index_of_handle(id));
+  if (frame_.observer != nullptr) [[unlikely]]
+    notify_hit(now, tile, index_of_handle(id));
+  if (news) start_transfers(tile);
+  if (news || rays_.in_flight == 0) launch_.check_pending = true;
+}
+
+/// Reports the end of a batch if the hit is its last one.
+void Srp::notify_hit(sim::Time now, std::uint32_t tile, std::uint32_t ray) const {
+  const TileRun& run = tiles_[tile];
+  const std::uint32_t batch = run.batch_of(ray);
+  if (!run.complete(batch)) return;
+  notify(*frame_.observer, BatchEnded{frame_.core, tile, batch, &run.node(batch), rays_.in_flight, now});
+}
+
+// Transfers.
+
+void Srp::start_transfers(std::uint32_t tile) {
+  tiles_[tile].start_transfers([&](std::uint32_t n) {
+    const WorkNode& node = tiles_[tile].node(n);
+    if (node.kind != WorkNode::Kind::kTransfer) return start_raster(tile, n);
+    const Area area = area_of(node.region);
+    const Addr base = frame_.areas[static_cast<std::size_t>(area)] + node.offset;
+    const std::uint32_t cycles = area == Area::kPicture ? frame_.encode_cycles : 0;
+    transfers_.dma.push_back(
+        {base, node.items, node.to_memory, handle_of(tile, n), area, cycles, tiles_[tile].owner()});
+    const std::uint64_t accesses = (std::uint64_t{node.items} * std::max(cycles, 1U) + kAccess - 1) / kAccess;
+    if (node.to_memory) {
+      buffer_.read(accesses);
+    } else {
+      buffer_.write(accesses);
+    }
+    if (tiles_[tile].is_awaited(n)) transfers_.awaited += 1;
+  });
+}
+
+inline void Srp::take_dma(sim::Time now) {
+  if (arrivals_.transfers > now) return;
+  const std::uint32_t tag = links_.dma_in.pop(now).tag;
+  if (tag == kSpillTag) {
+    transfers_.spills_done += 1;
+    launch_.check_pending = true;
+    return;
+  }
+  const std::uint32_t tile = tile_of_handle(tag), node = index_of_handle(tag);
+  if (tiles_[tile].is_awaited(node)) transfers_.awaited -= 1;
+  const WorkNode& moved = tiles_[tile].node(node);
+  if (moved.to_memory && moved.border != WorkNode::kNone) {
+    links_.tiles_out.push(now, TileDone{&tiles_[tile].work(), moved.border, tiles_[tile].owner()});
+  }
+  finish_items(now, tile, node, tiles_[tile].node(node).items);
+}
+
 void Srp::start_raster(std::uint32_t tile, std::uint32_t node) {
-  raster_.push_back({&tiles_[tile].work(), node, handle_of(tile, node), tiles_[tile].owner()});
-  if (tiles_[tile].is_awaited(node)) transfers_awaited_ += 1;
+  transfers_.raster.push_back({&tiles_[tile].work(), node, handle_of(tile, node), tiles_[tile].owner()});
+  if (tiles_[tile].is_awaited(node)) transfers_.awaited += 1;
 }
 
 /// Hands nodes to the rasteriser and takes them back.
-void Srp::meet_rasteriser(sim::Time now) {
+void Srp::service_rasteriser_links(sim::Time now) {
   if (links_.raster_in->can_pop(now)) {
     const std::uint32_t tag = links_.raster_in->pop(now).tag;
     const std::uint32_t tile = tile_of_handle(tag), node = index_of_handle(tag);
@@ -544,12 +557,12 @@ void Srp::meet_rasteriser(sim::Time now) {
     if (done.kind == traces::WorkNode::Kind::kRaster) {
       buffer_.write((std::uint64_t{done.items} * frame_.plane_bytes + kAccess - 1) / kAccess);
     }
-    if (tiles_[tile].is_awaited(node)) transfers_awaited_ -= 1;
+    if (tiles_[tile].is_awaited(node)) transfers_.awaited -= 1;
     finish_items(now, tile, node, done.items);
   }
-  if (raster_.empty() || !links_.raster_out->can_push(now)) return;
-  links_.raster_out->push(now, raster_.front());
-  raster_.pop_front();
+  if (transfers_.raster.empty() || !links_.raster_out->can_push(now)) return;
+  links_.raster_out->push(now, transfers_.raster.front());
+  transfers_.raster.pop_front();
 }
 
 }  // namespace hw

@@ -11,6 +11,7 @@
 #include "hw_models/srp/array_loop.h"
 #include "hw_models/srp/bank_conflicts.h"
 #include "hw_models/srp/messages.h"
+#include "hw_models/srp/ray_feeder.h"
 #include "hw_models/srp/schedule.h"
 #include "hw_models/srp/srp_config.h"
 #include "hw_models/srp/srp_stats.h"
@@ -125,80 +126,86 @@ class Srp {
   }
   static constexpr std::uint32_t tile_of_handle(std::uint32_t handle) { return handle >> kTileShift; }
   static constexpr std::uint32_t index_of_handle(std::uint32_t handle) { return handle & ((1U << kTileShift) - 1); }
-  /// The loop on the array. Array time stands still while the array is stalled.
-  struct Run {
-    bool active = false;
-    traces::KernelId kernel = 0;
-    LoopParts parts;
-    std::uint32_t loading = 0;              ///< leading items that touch the data cache
-    sim::Time begin = 0;                    ///< switch begins
-    sim::Time without_rays = 0;             ///< time without rays before
-    sim::Time configured = 0;               ///< switch is over
-    sim::Time start = 0;                    ///< loop begins
-    sim::Time stall_time = 0;               ///< stall time so far
-    sim::Time stalled_since = sim::kNever;  ///< since when the array is stalled
-    std::uint32_t next_item = 0;            ///< the next item to issue its loads
-    std::uint32_t next_line = 0;            ///< the next line of that item
-    std::uint32_t ii = 1, depth = 0;
+  /// Loads of the loop on the array, through the data cache.
+  struct Loads {
+    /// An item whose lines have not all come yet.
+    struct Item {
+      sim::Time needed = 0;  ///< array time
+      std::uint32_t slot = 0;
+    };
+    sim::Ring<Item> queue;
+    std::uint64_t missing = 0;                 ///< slots of items that wait for lines
+    std::vector<std::uint32_t> lines_missing;  ///< by slot
+    std::vector<Addr> lines;
+    std::uint32_t lines_of_item = kNoItem;  ///< the item of the loop whose lines these are
+    bool mshrs_full = false;                ///< the array stalls for lack of an MSHR
   };
-  /// An item whose lines have not all come yet.
-  struct Load {
-    sim::Time needed = 0;  ///< array time
-    std::uint32_t slot = 0;
+  /// The launch scheduler.
+  struct Launch {
+    bool check_pending = false;          ///< an event may have made a launch ready
+    bool is_blocked = false;             ///< a launch found no ray slots
+    std::uint32_t kernel = 0xffffffffU;  ///< configured on the array
+    ConfigMemory config_memory;
   };
-  struct Feed {
-    std::uint32_t tile = 0, batch = 0, next = 0;
-    std::uint64_t after_spill = 0;  ///< spill transfers that must be done first
+  /// DMA jobs and rasteriser nodes to be sent.
+  struct Transfers {
+    sim::Ring<DmaJob> dma;
+    sim::Ring<RasterJob> raster;
+    std::uint64_t spills_started = 0, spills_done = 0;
+    std::uint64_t awaited = 0;  ///< in progress, and nodes wait for them
+  };
+  /// State since the last tick, for the counters `fed` and `awaited`.
+  struct Occupancy {
+    bool tni_had_rays = false, array_was_busy = false;
+    sim::Time until = 0;  ///< accounted so far
   };
 
+  // Tiles.
   void take_tile(sim::Time now);
-  /// The tile in flight that news are for; tiles_.size() if it is a new one.
-  std::uint32_t tile_of(const TileJob& job) const;
-  bool has_room(const TileJob& job) const { return by_age_.size() < tiles_.size() || tile_of(job) != tiles_.size(); }
-  void take_hit(sim::Time now);
-  void fill(sim::Time now);
-  void take_dma(sim::Time now);
-  void meet_rasteriser(sim::Time now);
+  /// Returns the slot of a tile in flight that receives a border update; tiles_.size() for a new tile.
+  std::uint32_t find_in_flight_slot(const TileJob& job) const;
+  bool has_room(const TileJob& job) const {
+    return by_age_.size() < tiles_.size() || find_in_flight_slot(job) != tiles_.size();
+  }
+  void finish_items(sim::Time now, std::uint32_t tile, std::uint32_t node, std::uint32_t items);
+  void end_tile(sim::Time now, std::uint32_t tile);
+
+  // Array loop and its loads.
   void run_array(sim::Time now);
+  void fill(sim::Time now);
   bool issue_loads(sim::Time now);
   bool load_all(sim::Time now);
   void issue_ready_hits();
-  bool ask(sim::Time now, std::uint32_t item);
+  bool request_lines(sim::Time now, std::uint32_t item);
   bool loads_in_time(sim::Time now);
   std::span<const traces::Access> accesses_of(std::uint32_t item) const;
   void collect_lines(std::uint32_t item);
   void finish_chunk(sim::Time now);
   void notify_loop(sim::Time now, std::uint64_t cycles) const;
-  void notify_hit(sim::Time now, std::uint32_t tile, std::uint32_t ray) const;
+
+  // Launch scheduler.
   void start_chunk(sim::Time now);
-  bool fits(std::uint32_t tile, std::uint32_t node) const;
+  bool has_ray_slots(std::uint32_t tile, std::uint32_t node) const;
   void begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node);
   std::uint64_t switch_to(traces::KernelId kernel);
   void add_part(std::uint32_t tile, std::uint32_t node);
   void join_launches(const traces::WorkNode& work);
-  void finish_items(sim::Time now, std::uint32_t tile, std::uint32_t node, std::uint32_t items);
+
+  // Ray feeder.
+  bool feed_ray(sim::Time now);
+  void take_hit(sim::Time now);
+  void notify_hit(sim::Time now, std::uint32_t tile, std::uint32_t ray) const;
+  /// Returns when the next ray of a feed can be sent; kNever if that is not known.
+  sim::Time ray_ready_at(const RayFeed& feed) const;
+
+  // Transfers.
   void start_transfers(std::uint32_t tile);
   void start_raster(std::uint32_t tile, std::uint32_t node);
-  void end_tile(sim::Time now, std::uint32_t tile);
-  bool feed_ray(sim::Time now);
-  /// All time up to `now` in which the T&I unit had no rays of this core.
-  sim::Time time_without_rays(sim::Time now) const { return without_rays_ + (rays_out_ == 0 ? now - empty_since_ : 0); }
-  void stall(sim::Time now) { run_.stalled_since = now; }
-  void resume(sim::Time now) {
-    run_.stall_time += now - run_.stalled_since;
-    run_.stalled_since = sim::kNever;
-  }
-  sim::Time array_time(sim::Time now) const {
-    return (run_.stalled_since != sim::kNever ? run_.stalled_since : now) - run_.start - run_.stall_time;
-  }
-  /// When item `item` of the present loop has left the array, if nothing more stalls.
-  sim::Time leaves_at(std::uint32_t item) const {
-    return run_.start + run_.stall_time + (run_.depth + sim::Time{item} * run_.ii) * clock_.period();
-  }
-  /// When the ray at the head of a feed can go; kNever if nothing is known.
-  sim::Time feed_at(const Feed& feed) const;
+  void take_dma(sim::Time now);
+  void service_rasteriser_links(sim::Time now);
+
   void account(sim::Time now);
-  CycleReason why(sim::Time now) const;
+  CycleReason current_reason(sim::Time now) const;
   sim::Time next_wake(sim::Time now) const;
 
   const SrpConfig config_;
@@ -213,28 +220,12 @@ class Srp {
   L1Cache cache_;
   std::vector<TileRun> tiles_;
   std::vector<std::uint32_t> by_age_;  ///< active tiles, oldest first
-  Run run_;
-  sim::Ring<Load> loads_;
-  std::uint64_t missing_ = 0;                 ///< slots of items that wait for lines
-  std::vector<std::uint32_t> lines_missing_;  ///< per slot
-  std::vector<Addr> item_lines_;
-  std::uint32_t lines_of_ = kNoItem;        ///< the item of the present loop whose lines these are
-  bool full_ = false;                       ///< stalled for want of an MSHR
-  bool look_ = false;                       ///< something happened that may let a launch start
-  bool blocked_ = false;                    ///< a launch found no ray slots
-  std::uint32_t configured_ = 0xffffffffU;  ///< kernel on the array
-  ConfigMemory config_memory_;
-  std::vector<Feed> feeds_;
-  sim::Time feed_free_at_ = 0;
-  std::uint64_t rays_out_ = 0;       ///< in the T&I unit
-  sim::Time without_rays_ = 0;       ///< time without any there, but for the present one
-  sim::Time empty_since_ = 0;        ///< if there are none
-  bool fed_ = false, busy_ = false;  ///< since the last tick: rays were in the T&I unit, a chunk was on the array
-  sim::Time accounted_ = 0;
-  sim::Ring<DmaJob> dma_;
-  sim::Ring<RasterJob> raster_;
-  std::uint64_t spills_asked_ = 0, spills_done_ = 0;
-  std::uint64_t transfers_awaited_ = 0;  ///< under way, and something waits for them
+  ArrayLoop loop_;
+  Loads loads_;
+  Launch launch_;
+  RayFeeder rays_;
+  Transfers transfers_;
+  Occupancy occupancy_;
   std::vector<KernelUse> kernel_use_;
   Stats stats_;
   sim::Activity<CycleReason> activity_;

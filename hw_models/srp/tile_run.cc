@@ -87,7 +87,7 @@ void TileRun::list_batches() {
 
 std::uint32_t TileRun::available(std::uint32_t n, const Edge& edge) const {
   const Progress& from = progress_[edge.node];
-  if (edge.kind == Edge::Kind::kAll) return settled(edge.node) ? node(n).items : 0;
+  if (edge.kind == Edge::Kind::kAll) return dependents_released(edge.node) ? node(n).items : 0;
   const std::uint32_t prefix = node(edge.node).kind == WorkNode::Kind::kRays ? from.prefix : from.done;
   const std::uint32_t map = node(n).sources;
   if (map == WorkNode::kNone) return prefix;
@@ -103,8 +103,8 @@ bool TileRun::ready(std::uint32_t n) const {
   return std::ranges::all_of(node(n).inputs, [&](const Edge& e) { return available(n, e) >= want; });
 }
 
-bool TileRun::inputs_settled(std::uint32_t n) const {
-  return std::ranges::all_of(node(n).inputs, [&](const Edge& e) { return settled(e.node); });
+bool TileRun::inputs_released(std::uint32_t n) const {
+  return std::ranges::all_of(node(n).inputs, [&](const Edge& e) { return dependents_released(e.node); });
 }
 
 std::uint32_t TileRun::rays_made(std::uint32_t n, std::uint32_t first, std::uint32_t items) const {

@@ -19,7 +19,7 @@ class TileRun {
   /// `chunk`: items of a launch that run together; a launch's next chunk is ready when all inputs of its items are.
   /// `missing`: borders that it imports and that are not in memory yet, a bit each.
   void begin(const traces::TileWork& work, std::uint32_t chunk, std::uint32_t missing = 0, TileTag owner = kNoTile);
-  void borders_missing(std::uint32_t missing) { missing_ = missing; }
+  void set_missing_borders(std::uint32_t missing) { missing_ = missing; }
   void end() { work_ = nullptr; }
 
   bool active() const { return work_ != nullptr; }
@@ -32,7 +32,7 @@ class TileRun {
   /// How many of them are finished.
   std::uint32_t done(std::uint32_t n) const { return progress_[n].done; }
   /// Nodes that wait for node `n` need wait no longer; idle items may be left.
-  bool settled(std::uint32_t n) const { return progress_[n].done >= node(n).items; }
+  bool dependents_released(std::uint32_t n) const { return progress_[n].done >= node(n).items; }
   bool complete(std::uint32_t n) const { return progress_[n].done == total(n); }
   bool all_complete() const { return nodes_left_ == 0; }
   /// Node `n` waits for rays, itself or through others.
@@ -56,7 +56,7 @@ class TileRun {
     std::size_t left = 0;
     awaits_border_ = false;
     for (const std::uint32_t n : transfers_) {
-      const bool settled = inputs_settled(n), lacks = settled && lacks_border(n);
+      const bool settled = inputs_released(n), lacks = settled && lacks_border(n);
       awaits_border_ |= lacks;
       if (settled && !lacks) {
         start(n);
@@ -107,7 +107,7 @@ class TileRun {
   };
   void list_batches();
   bool ready(std::uint32_t n) const;
-  bool inputs_settled(std::uint32_t n) const;
+  bool inputs_released(std::uint32_t n) const;
   bool lacks_border(std::uint32_t n) const {
     return node(n).border != kNone && !node(n).to_memory && (missing_ >> node(n).border & 1U) != 0;
   }
