@@ -164,10 +164,7 @@ class DramChannel {
   void reschedule(Cycle now);
   bool writes_first(Cycle read_due, Cycle write_due, Cycle now) const;
   bool next_survives(bool write, std::uint32_t bank, bool row_is_open) const;
-  ScheduledCommand best_command(const DramQueue& queue, Cycle now) const;
-  template <DramCommand kCommand>
-  void best_of(const DramQueue& queue, std::uint32_t banks, std::uint32_t rank, Cycle from,
-               ScheduledCommand& best) const;
+  ScheduledCommand best_command(Cycle now) const;
   CycleReason waiting() const;
   void issue(sim::Time now, Cycle cycle);
   void row_done(const DramAddress& address);
@@ -194,6 +191,7 @@ class DramChannel {
   Observer* const observer_;
 
   DramDevice device_;
+  const DramScheduling scheduler_;
   DataBus data_bus_;
   DramPagePolicy page_policy_;
   Cycle refresh_at_;

@@ -30,6 +30,7 @@ BankLanes lanes(const DramConfig& c) { return BankLanes(c.organisation.all_banks
 
 DramDevice::DramDevice(const DramConfig& c)
     : t_(c.timing),
+      table_(c),
       ranks_(c.organisation.ranks),
       rank_shift_(log2(c.organisation.banks)),
       groups_(c.organisation.bank_groups),
@@ -38,20 +39,20 @@ DramDevice::DramDevice(const DramConfig& c)
       refresh_set_(c.organisation.refresh_banks == 1 ? 1 : 1 | 1U << pair_distance(c.organisation)),
       refresh_leaders_(leaders(c.organisation)),
       train_length_(Cycle{c.bursts_per_line() - 1} * c.timing.ccd_l),
-      bank_at_{lanes(c), lanes(c), lanes(c)},
+      bank_at_{lanes(c), lanes(c), lanes(c), lanes(c)},
       group_at_{lanes(c), lanes(c)},
       calendar_(c.timing, c.bursts_per_line(), c.commands_per_line()) {
   assert(c.organisation.all_banks() <= kMaxBanks && c.organisation.ranks <= kMaxRanks);
 }
 
 DramCycleReason DramDevice::reason(DramCommand command, std::uint32_t bank, bool write, Cycle at) const {
-  const bool by_bank = at == this->at(command, bank);
+  const bool by_bank = at == this->at(op_of(command, write), bank);
   const Rank& rank = rank_[rank_of(bank)];
   if (at == awake_at_ && at != 0) return DramCycleReason::kPowerDown;
   switch (command) {
     case kColumn:
       if (by_bank) return DramCycleReason::kActivate;
-      if (at == rank.column_at[write]) return rank.column_reason[write];
+      if (at == rank.at[index(column(write))]) return rank.reason[index(column(write))];
       if (at == group_at_[write][bank])
         return last_was_write_ && !write ? DramCycleReason::kTurnaround : DramCycleReason::kColumn;
       return calendar_.data_free(at - 1) ? DramCycleReason::kCommandBus : DramCycleReason::kColumn;
@@ -72,12 +73,7 @@ void DramDevice::activate(std::uint32_t bank, std::uint32_t row, Cycle now) {
   }
   open_ |= 1U << bank;
   rows_[bank] = row;
-  at(kColumn, bank) = now + t_.rcd;
-  at(kPrecharge, bank) = now + t_.ras;
-  at(kActivate, bank) = now + t_.rc;
-  rank.activate_at = now + t_.rrd;
-  rank.four_activates[rank.oldest_activate] = now + t_.faw;
-  rank.oldest_activate = (rank.oldest_activate + 1) % 4;
+  constrain(DramOp::kActivate, bank, now);
   calendar_.book(kActivate, now);
 }
 
@@ -88,51 +84,61 @@ void DramDevice::precharge(std::uint32_t bank, Cycle now) {
 
 void DramDevice::close(std::uint32_t bank, Cycle now) {
   open_ &= ~(1U << bank);
-  at(kActivate, bank) = std::max(at(kActivate, bank), now + t_.rp);
-  closed_reason_[bank] = DramCycleReason::kRowConflict;
+  constrain(DramOp::kPrecharge, bank, now);
   Rank& rank = rank_[rank_of(bank)];
   rank.active_until = std::max(rank.active_until, now);
 }
 
 DramDevice::Cycle DramDevice::read(std::uint32_t bank, Cycle now) {
   now = book_train(bank, false, now);
-  const Cycle last = now + train_length_;
-  at(kPrecharge, bank) = std::max(at(kPrecharge, bank), last + t_.rtp);
-  hold_group(kReadTrain, bank, last + t_.ccd_l);
-  hold_group(kWriteTrain, bank, last + t_.ccd_l);
-  const Cycle end = last + t_.rl + t_.dqsck + t_.burst;
-  rank_[rank_of(bank)].wck_stops_at = end + t_.wck_post;
-  for (std::uint32_t r = 0; r < ranks_; ++r) {
-    if (r == rank_of(bank)) {
-      rank_[r].raise(true, end + t_.rtw - t_.wl, DramCycleReason::kTurnaround);
-    } else {
-      rank_[r].raise(false, last + t_.burst + t_.rtrs, DramCycleReason::kRankSwitch);
-      rank_[r].raise(true, end + std::max(t_.rtw, t_.rtrs) - t_.wl,
-                     t_.rtrs > t_.rtw ? DramCycleReason::kRankSwitch : DramCycleReason::kTurnaround);
-    }
-  }
-  return now + t_.rl + t_.dqsck;
+  constrain(DramOp::kRead, bank, now);
+  const Cycle data = now + t_.rl + t_.dqsck;
+  rank_[rank_of(bank)].wck_stops_at = data + data_cycles() + t_.wck_post;
+  return data;
 }
 
 DramDevice::Cycle DramDevice::write(std::uint32_t bank, Cycle now) {
   now = book_train(bank, true, now);
-  const Cycle last = now + train_length_;
-  const Cycle last_data = last + t_.wl + t_.dqss;
-  at(kPrecharge, bank) = std::max(at(kPrecharge, bank), last_data + t_.burst + t_.wr);
-  hold_group(kReadTrain, bank, last_data + t_.ccd_l + t_.wtr_l);
-  hold_group(kWriteTrain, bank, last + t_.ccd_l);
-  const Cycle end = last_data + t_.burst;
-  rank_[rank_of(bank)].wck_stops_at = end + t_.wck_post;
-  for (std::uint32_t r = 0; r < ranks_; ++r) {
-    if (r == rank_of(bank)) {
-      rank_[r].raise(false, end + t_.wtr_s, DramCycleReason::kTurnaround);
-    } else {
-      const Cycle read_delay = Cycle{t_.rl} + t_.dqsck;
-      rank_[r].raise(false, std::max(end + t_.rtrs, read_delay) - read_delay, DramCycleReason::kRankSwitch);
-      rank_[r].raise(true, last + t_.burst + t_.rtrs, DramCycleReason::kRankSwitch);
+  constrain(DramOp::kWrite, bank, now);
+  const Cycle data = now + t_.wl + t_.dqss;
+  rank_[rank_of(bank)].wck_stops_at = data + data_cycles() + t_.wck_post;
+  return data;
+}
+
+void DramDevice::constrain(DramOp from, std::uint32_t bank, Cycle now) {
+  const std::uint32_t own_rank = rank_of(bank);
+  for (const DramConstraint& row : table_.after(from)) {
+    const auto signed_at = static_cast<std::int64_t>(now) + row.cycles;
+    const auto at = static_cast<Cycle>(std::max(signed_at, std::int64_t{0}));
+    switch (row.scope) {
+      case DramScope::kBank:
+        this->at(row.to, bank) = std::max(this->at(row.to, bank), at);
+        if (row.to == DramOp::kActivate) closed_reason_[bank] = row.reason;
+        break;
+      case DramScope::kBankGroup:
+        constrain_group(row.to, bank, at);
+        break;
+      case DramScope::kRank:
+        if (row.count == 1) {
+          rank_[own_rank].raise(row.to, at, row.reason);
+        } else {
+          rank_[own_rank].add_to_window(at);
+        }
+        break;
+      case DramScope::kOtherRanks:
+        for (std::uint32_t r = 0; r < ranks_; ++r) {
+          if (r != own_rank) rank_[r].raise(row.to, at, row.reason);
+        }
+        break;
     }
   }
-  return now + t_.wl + t_.dqss;
+}
+
+/// Allows no `to`, a read or a write, before `at` in the bank's group.
+void DramDevice::constrain_group(DramOp to, std::uint32_t bank, Cycle at) {
+  BankLanes& lanes = group_at_[to == DramOp::kWrite];
+  const std::uint32_t end = (rank_of(bank) + 1) << rank_shift_;
+  for (std::uint32_t of = bank & group_mask_; of < end; of += groups_) lanes[of] = std::max(lanes[of], at);
 }
 
 /// The cycle of the first column command of a line that begins at `now`, perhaps with a CAS.
@@ -150,31 +156,30 @@ DramDevice::Cycle DramDevice::book_train(std::uint32_t bank, bool write, Cycle n
 void DramDevice::refresh(std::uint32_t banks, Cycle due) {
   for (std::uint32_t left = banks & open_; left != 0; left &= left - 1) {
     const std::uint32_t bank = log2(left);
-    close(bank, std::max(due, at(kPrecharge, bank)));
+    close(bank, std::max(due, at(DramOp::kPrecharge, bank)));
   }
   Rank& rank = rank_[rank_of(log2(banks))];
   const Cycle begin = begin_of_refresh(banks, due);
   rank.refreshed_at =
-      t_.pbr2act == 0 ? begin : std::max({begin, rank.activate_at, rank.four_activates[rank.oldest_activate]});
-  keep_busy(banks, rank.refreshed_at, t_.rfc_pb);
+      t_.pbr2act == 0 ? begin
+                      : std::max({begin, rank.at[index(DramOp::kActivate)], rank.four_activates[rank.oldest_activate]});
+  start_refresh(DramOp::kRefresh, banks, rank.refreshed_at);
 }
 
 void DramDevice::refresh_rank(std::uint32_t rank, Cycle due) {
   const std::uint32_t banks = banks_of(rank);
-  keep_busy(banks, begin_of_refresh(banks, precharge_all(banks, due)), t_.rfc_ab);
+  start_refresh(DramOp::kRefreshRank, banks, begin_of_refresh(banks, precharge_all(banks, due)));
 }
 
 /// The first cycle, `from` or later, at which all of the banks are precharged.
 DramDevice::Cycle DramDevice::begin_of_refresh(std::uint32_t banks, Cycle from) const {
-  for (std::uint32_t left = banks; left != 0; left &= left - 1) from = std::max(from, at(kActivate, log2(left)));
+  for (std::uint32_t left = banks; left != 0; left &= left - 1)
+    from = std::max(from, at(DramOp::kActivate, log2(left)));
   return from;
 }
 
-void DramDevice::keep_busy(std::uint32_t banks, Cycle begin, std::uint32_t cycles) {
-  for (std::uint32_t left = banks; left != 0; left &= left - 1) {
-    at(kActivate, log2(left)) = begin + cycles;
-    closed_reason_[log2(left)] = DramCycleReason::kRefresh;
-  }
+void DramDevice::start_refresh(DramOp refresh, std::uint32_t banks, Cycle begin) {
+  for (std::uint32_t left = banks; left != 0; left &= left - 1) constrain(refresh, log2(left), begin);
 }
 
 DramDevice::Cycle DramDevice::precharge_all(std::uint32_t banks, Cycle from) {
@@ -182,7 +187,8 @@ DramDevice::Cycle DramDevice::precharge_all(std::uint32_t banks, Cycle from) {
   const Cycle closed = rank_[rank_of(log2(banks))].active_until;  // a precharge may have been booked ahead
   if (open == 0) return closed == 0 ? from : std::max(from, closed + t_.rp);
   Cycle begin = std::max(from, closed);
-  for (std::uint32_t left = open; left != 0; left &= left - 1) begin = std::max(begin, at(kPrecharge, log2(left)));
+  for (std::uint32_t left = open; left != 0; left &= left - 1)
+    begin = std::max(begin, at(DramOp::kPrecharge, log2(left)));
   for (std::uint32_t left = open; left != 0; left &= left - 1) close(log2(left), begin);
   return begin + t_.rp_ab;
 }

@@ -8,7 +8,7 @@
 
 #include "hw_models/dram/bank_lanes.h"
 #include "hw_models/dram/dram_config.h"
-#include "sim/activity.h"
+#include "hw_models/dram/dram_timing_table.h"
 
 namespace hw {
 
@@ -145,41 +145,6 @@ class CommandCalendar {
   std::array<std::uint64_t, kKinds> second_{};   ///< starts of each kind that meet an ACT-2 kLatest cycles from now
 };
 
-/// Reasons for a channel's cycles.
-enum class DramCycleReason : std::uint8_t {
-  kIdle,
-  kReading,
-  kWriting,
-  kLatency,
-  kRowConflict,
-  kActivate,
-  kRefresh,
-  kTurnaround,
-  kColumn,
-  kCommandBus,
-  kReturnsFull,
-  kRankSwitch,
-  kPowerDown,
-  kCount
-};
-inline constexpr auto kDramReasons = sim::reasons<DramCycleReason>({
-    {DramCycleReason::kIdle, sim::idle("idle", "nothing queued, no data expected")},
-    {DramCycleReason::kReading, sim::working("reading", "read data on the bus")},
-    {DramCycleReason::kWriting, sim::working("writing", "write data on the bus")},
-    {DramCycleReason::kLatency, sim::working("latency", "nothing queued, data on their way")},
-    {DramCycleReason::kRowConflict,
-     sim::working("row_conflict", "another row must be closed first (tRAS, tRTP, tWR, tRP)")},
-    {DramCycleReason::kActivate,
-     sim::working("activate", "a row is being opened, or activates follow too closely (tRCD, tRC, tRRD, tFAW)")},
-    {DramCycleReason::kRefresh, sim::background("refresh", "the bank is refreshing")},
-    {DramCycleReason::kTurnaround, sim::working("turnaround", "the data bus changes direction")},
-    {DramCycleReason::kColumn, sim::working("column", "column commands follow too closely (tCCD)")},
-    {DramCycleReason::kCommandBus, sim::working("command_bus", "the command bus is taken")},
-    {DramCycleReason::kReturnsFull, sim::waiting("returns_full", "reads cannot start because responses do not leave")},
-    {DramCycleReason::kRankSwitch, sim::working("rank_switch", "the data bus changes from one rank to another")},
-    {DramCycleReason::kPowerDown, sim::working("power_down_exit", "the device leaves power-down (tXP)")},
-});
-
 /// The banks and buses of one channel: which command may run when. Its state holds first allowed cycles, never
 /// countdowns. Cycles are those of the command clock.
 class DramDevice {
@@ -201,24 +166,24 @@ class DramDevice {
   /// The first cycle, `from` or later, at which the rank allows the command in any of its banks.
   Cycle rank_ready(DramCommand command, std::uint32_t rank, bool write, Cycle from) const {
     if (command == DramCommand::kActivate) return rank_[rank].next_activate(from, t_);
-    return command == DramCommand::kColumn ? std::max(from, rank_[rank].column_at[write]) : from;
+    return command == DramCommand::kColumn ? std::max(from, rank_[rank].at[index(column(write))]) : from;
   }
   /// The first cycle at which the command may run in the bank, as far as the buses are free for it.
   Cycle ready(DramCommand command, std::uint32_t bank, bool write, Cycle rank_ready) const {
-    const Cycle ready = std::max(rank_ready, at(command, bank));
+    const Cycle ready = std::max(rank_ready, at(op_of(command, write), bank));
     if (command != DramCommand::kColumn) return ready;
     return std::max(ready, group_at_[write][bank]);
   }
   /// Banks that are ready for the command by then, whatever their rank and the buses allow, as a mask.
   template <DramCommand kCommand>
   std::uint32_t ready_banks(bool write, Cycle by) const {
-    const BankLanes& at = bank_at_[static_cast<std::size_t>(kCommand)];
+    const BankLanes& at = bank_at_[index(op_of(kCommand, write))];
     return kCommand == DramCommand::kColumn ? at.both_up_to(group_at_[write], by) : at.up_to(by);
   }
   /// The cycle at which the first of these banks is ready for the command, likewise.
   template <DramCommand kCommand>
   Cycle first_ready(std::uint32_t banks, bool write) const {
-    const BankLanes& at = bank_at_[static_cast<std::size_t>(kCommand)];
+    const BankLanes& at = bank_at_[index(op_of(kCommand, write))];
     return kCommand == DramCommand::kColumn ? at.least_of_larger(group_at_[write], banks) : at.least(banks);
   }
   /// Returns the first cycle from `ready` on at which the buses are free for the command. For a read or write while WCK
@@ -242,7 +207,7 @@ class DramDevice {
   void activate(std::uint32_t bank, std::uint32_t row, Cycle now);
   void precharge(std::uint32_t bank, Cycle now);
   /// The last read or write of the bank's open row brings its precharge along, which takes no command slot.
-  void auto_precharge(std::uint32_t bank) { close(bank, at(DramCommand::kPrecharge, bank)); }
+  void auto_precharge(std::uint32_t bank) { close(bank, at(DramOp::kPrecharge, bank)); }
   /// The bursts of one line, behind a CAS if WCK stands still; returns the cycle of the first data.
   Cycle read(std::uint32_t bank, Cycle now);
   Cycle write(std::uint32_t bank, Cycle now);
@@ -275,26 +240,27 @@ class DramDevice {
   Cycle active_cycles(Cycle until);
 
  private:
-  enum GroupRule : std::uint8_t { kReadTrain, kWriteTrain };
-
-  Cycle& at(DramCommand command, std::uint32_t bank) { return bank_at_[static_cast<std::size_t>(command)][bank]; }
-  Cycle at(DramCommand command, std::uint32_t bank) const { return bank_at_[static_cast<std::size_t>(command)][bank]; }
-  std::uint32_t rank_of(std::uint32_t bank) const { return bank >> rank_shift_; }
-  /// Lets no read or write, as the rule says, begin before `at` in the bank's group.
-  void hold_group(GroupRule rule, std::uint32_t bank, Cycle at) {
-    const std::uint32_t end = (rank_of(bank) + 1) << rank_shift_;
-    for (std::uint32_t of = bank & group_mask_; of < end; of += groups_) group_at_[rule][of] = at;
+  static constexpr std::size_t index(DramOp op) { return static_cast<std::size_t>(op); }
+  static constexpr DramOp column(bool write) { return write ? DramOp::kWrite : DramOp::kRead; }
+  static constexpr DramOp op_of(DramCommand command, bool write) {
+    if (command == DramCommand::kColumn) return column(write);
+    return command == DramCommand::kActivate ? DramOp::kActivate : DramOp::kPrecharge;
   }
+  Cycle& at(DramOp op, std::uint32_t bank) { return bank_at_[index(op)][bank]; }
+  Cycle at(DramOp op, std::uint32_t bank) const { return bank_at_[index(op)][bank]; }
+  std::uint32_t rank_of(std::uint32_t bank) const { return bank >> rank_shift_; }
+  /// Applies the constraints that lead from an operation of the bank at `now`.
+  void constrain(DramOp from, std::uint32_t bank, Cycle now);
+  void constrain_group(DramOp to, std::uint32_t bank, Cycle at);
   void close(std::uint32_t bank, Cycle now);
   Cycle book_train(std::uint32_t bank, bool write, Cycle now);
   Cycle begin_of_refresh(std::uint32_t banks, Cycle from) const;
-  void keep_busy(std::uint32_t banks, Cycle begin, std::uint32_t cycles);
+  void start_refresh(DramOp refresh, std::uint32_t banks, Cycle begin);
 
   struct Rank {
-    std::array<Cycle, 2> column_at{};                ///< reads, writes: after data in the other direction
-    std::array<DramCycleReason, 2> column_reason{};  ///< reasons of the same; or another rank's data
-    Cycle activate_at = 0;                           ///< tRRD
-    std::array<Cycle, 4> four_activates{};           ///< tFAW: when each of the last four leaves the window
+    std::array<Cycle, 3> at{};                ///< first cycle of a read, write or activate, by DramOp
+    std::array<DramCycleReason, 3> reason{};  ///< of the same
+    std::array<Cycle, 4> four_activates{};    ///< tFAW: when each of the last four leaves the window
     std::uint32_t oldest_activate = 0;
     Cycle active = 0;  ///< counted up to active_since
     Cycle active_since = 0, active_until = 0;
@@ -303,21 +269,26 @@ class DramDevice {
     Cycle wck_stops_at = 0;  ///< WCK runs before that cycle; a read or write at it or later needs a CAS
 
     Cycle next_activate(Cycle from, const DramTiming& t) const {
-      Cycle at = std::max({from, activate_at, four_activates[oldest_activate]});
-      if (t.pbr2act == 0 || refreshed_at == 0) return at;
-      if (at + t.pbr2act > refreshed_at) at = std::max(at, refreshed_at + t.pbr2act);
+      Cycle activate = std::max({from, at[index(DramOp::kActivate)], four_activates[oldest_activate]});
+      if (t.pbr2act == 0 || refreshed_at == 0) return activate;
+      if (activate + t.pbr2act > refreshed_at) activate = std::max(activate, refreshed_at + t.pbr2act);
       const Cycle window = refreshed_at + t.faw;
-      if (!t.pbr_in_faw || at < refreshed_at || at >= window) return at;
-      return std::max(at, std::min(window, four_activates[(oldest_activate + 1) % 4]));
+      if (!t.pbr_in_faw || activate < refreshed_at || activate >= window) return activate;
+      return std::max(activate, std::min(window, four_activates[(oldest_activate + 1) % 4]));
     }
-    void raise(bool write, Cycle at, DramCycleReason why) {
-      if (at <= column_at[write]) return;
-      column_at[write] = at;
-      column_reason[write] = why;
+    void raise(DramOp op, Cycle to, DramCycleReason why) {
+      if (to <= at[index(op)]) return;
+      at[index(op)] = to;
+      reason[index(op)] = why;
+    }
+    void add_to_window(Cycle leaves_at) {
+      four_activates[oldest_activate] = leaves_at;
+      oldest_activate = (oldest_activate + 1) % 4;
     }
   };
 
   const DramTiming t_;
+  const DramTimingTable table_;
   const std::uint32_t ranks_, rank_shift_;
   const std::uint32_t groups_;      ///< bank groups of a rank
   const std::uint32_t group_mask_;  ///< low bits of the bank, and its rank: the first bank of its group
@@ -328,9 +299,9 @@ class DramDevice {
 
   std::uint32_t open_ = 0;  ///< a bit per bank
   std::array<std::uint32_t, kMaxBanks> rows_{};
-  std::array<BankLanes, 3> bank_at_;                        ///< by command
+  std::array<BankLanes, 4> bank_at_;                        ///< by DramOp: read, write, activate, precharge
   std::array<DramCycleReason, kMaxBanks> closed_reason_{};  ///< reason why an activate of the closed bank waits
-  std::array<BankLanes, 2> group_at_;                       ///< by rule, of each bank that of its group
+  std::array<BankLanes, 2> group_at_;                       ///< reads, writes: of each bank that of its group
   std::array<Rank, kMaxRanks> rank_{};
   Cycle awake_at_ = 0;
   CommandCalendar calendar_;

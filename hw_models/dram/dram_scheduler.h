@@ -5,6 +5,7 @@
 
 #include "hw_models/dram/dram_config.h"
 #include "hw_models/dram/dram_device.h"
+#include "hw_models/dram/dram_queue.h"
 #include "sim/time.h"
 
 namespace hw {
@@ -39,6 +40,57 @@ class ScheduledCommand {
 
   static constexpr std::uint64_t kNone = ~std::uint64_t{0};
   std::uint64_t key_ = kNone;
+};
+
+/// Banks in which a scheduling policy allows commands, as masks.
+struct EligibleBanks {
+  std::uint32_t all = 0;      ///< any command
+  std::uint32_t columns = 0;  ///< reads or writes of the open row
+};
+
+/// First ready, first come, first served (Rixner et al. 2000): hits may overtake older requests of their bank until the
+/// queue's oldest request is overdue.
+struct FrFcfs {
+  static EligibleBanks eligible(const DramQueue& queue, bool is_overdue) {
+    EligibleBanks banks{queue.banks(), queue.hit_banks()};
+    if (is_overdue) [[unlikely]]
+      banks.columns = without_overtaking(queue);
+    return banks;
+  }
+  /// Banks with hits; that of the oldest request only if the oldest is a hit.
+  static std::uint32_t without_overtaking(const DramQueue& queue) {
+    const std::uint32_t bank = queue.oldest().address.bank;
+    return (queue.hits(bank) & 1) != 0 ? queue.hit_banks() : queue.hit_banks() & ~(1U << bank);
+  }
+};
+
+/// Strictly first come, first served: the oldest request blocks all others.
+struct Fcfs {
+  static EligibleBanks eligible(const DramQueue& queue, bool /*is_overdue*/) {
+    return {1U << queue.oldest().address.bank, FrFcfs::without_overtaking(queue)};
+  }
+};
+
+/// Chooses a channel's next command: the earliest that the device allows in the banks of the policy, of equals a column
+/// command before an activate before a precharge, then that of the oldest request.
+class DramScheduling {
+ public:
+  using Cycle = DramDevice::Cycle;
+
+  DramScheduling(const DramConfig& config, const DramDevice& device)
+      : policy_(config.controller.scheduler), ranks_(config.organisation.ranks), device_(device) {}
+
+  /// `is_overdue`: the oldest request has exceeded the age limit.
+  ScheduledCommand best_command(const DramQueue& queue, bool writes, bool is_overdue, Cycle now) const;
+
+ private:
+  template <DramCommand kCommand>
+  void best_of(const DramQueue& queue, std::uint32_t banks, std::uint32_t rank, bool writes, Cycle from,
+               ScheduledCommand& best) const;
+
+  const DramScheduler policy_;
+  const std::uint32_t ranks_;
+  const DramDevice& device_;
 };
 
 /// Decides whether a row is closed with its last queued hit. The adaptive policy closes it if a request for another row
