@@ -3,6 +3,7 @@
 #include <string_view>
 
 #include "shader_kernels/kernels/arithmetic.h"
+#include "shader_kernels/kernels/subpixels.h"
 #include "shader_kernels/kernels/uniforms.h"
 #include "shader_kernels/ports.h"
 #include "sim/named.h"
@@ -89,6 +90,278 @@ struct GenerateJitteredRays {
     const Jitter<V> in_cell = jitter<V>(pixel, to_int(s.number), at.seed);
     emit_primary<V>(item, item, s.x + (s.column + in_cell.x) * at.tile.inverse_grid,
                     s.y + (s.row + in_cell.y) * at.tile.inverse_grid, at);
+  }
+};
+
+/// Samples of reconstruct in a pixel, and the side of the grid that they lie on.
+inline constexpr std::uint32_t kGeometrySamples = 4;
+
+/// Sample k of four on a rotated grid has row k of 4 x 4 cells, and a column that no other has: (2 k + 1) mod 5.
+template <class V>
+F<V> rotated_column(const F<V>& k) {
+  const F<V> column = k + k + 1.0F;
+  return column - select(F<V>(4.0F) < column, F<V>(5.0F), F<V>(0.0F));
+}
+
+/// Sample k of n x n has row k of n^2 x n^2 cells and column n (k + 1) mod (n^2 + 1) - 1: each row and each
+/// column has one. Of four they are those of reconstruct; a lone one is in the middle.
+struct GenerateRotatedRays {
+  static constexpr std::string_view kName = "generate_rotated_rays";
+  static constexpr std::string_view kMeaning = "sample -> primary ray, samples on a rotated grid";
+  template <class V>
+  struct Ports : GeneratePorts<V> {
+    F<V> cycle, inverse_cycle;  ///< n^2 + 1
+    static void describe(auto& p, auto&& port) {
+      GeneratePorts<V>::describe(p, port);
+      port(NAMED(p.cycle));
+      port(NAMED(p.inverse_cycle));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const DivMod<V> pixel = divmod<V>(to_float(item), at.tile.samples, at.tile.inverse_samples);
+    const DivMod<V> row = divmod<V>(pixel.quotient, at.tile.width, at.tile.inverse_width);
+    const F<V> number = pixel.remainder;
+    const DivMod<V> column = divmod<V>((number + 1.0F) * at.tile.grid, at.cycle, at.inverse_cycle);
+    emit_primary<V>(item, item, at.tile.x0 + row.remainder + (column.remainder - 0.5F) * at.tile.inverse_samples,
+                    at.tile.y0 + row.quotient + (number + 0.5F) * at.tile.inverse_samples, at);
+  }
+};
+
+/// References of a tile.
+struct ListSamples {
+  static constexpr std::string_view kName = "list_samples";
+  static constexpr std::string_view kMeaning = "number -> reference sample";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> samples, verdicts;
+    LatticeUniforms<V> lattice;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.samples));
+      port(NAMED(p.verdicts));
+      LatticeUniforms<V>::describe(p.lattice, port);
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> sample = lattice_sample<V>(item, at.lattice);
+    at.samples.store(item, {sample});
+    at.verdicts.store(sample, {kReferenceVerdict});
+  }
+};
+
+/// The same rays as generate_rays makes, for the samples of a stream.
+struct GenerateListedRays {
+  static constexpr std::string_view kName = "generate_listed_rays";
+  static constexpr std::string_view kMeaning = "listed sample -> primary ray, samples at the centres of a regular grid";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> samples;
+    Local<V, RayRecord> rays;
+    Local<V, PathRecord> paths;
+    Local<V, ColourRecord> colours;
+    CameraUniforms<V> camera;
+    GridUniforms<V> grid;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.samples));
+      port(NAMED(p.rays));
+      port(NAMED(p.paths));
+      port(NAMED(p.colours));
+      CameraUniforms<V>::describe(p.camera, port);
+      GridUniforms<V>::describe(p.grid, port);
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> sample = at.samples.load(item).word;
+    const DivMod<V> row = divmod<V>(to_float(sample), at.grid.pitch, at.grid.inverse_pitch);
+    const DivMod<V> x = divmod<V>(at.grid.x0 + row.remainder, at.grid.grid, at.grid.inverse_grid);
+    const DivMod<V> y = divmod<V>(at.grid.y0 + row.quotient, at.grid.grid, at.grid.inverse_grid);
+    emit_primary<V>(item, sample, x.quotient + (x.remainder + 0.5F) * at.grid.inverse_grid,
+                    y.quotient + (y.remainder + 0.5F) * at.grid.inverse_grid, at);
+  }
+};
+
+/// Four items per active sub-pixel: those of a pixel's 16 jittered samples that lie in it, the same as
+/// generate_jittered_rays makes for full:16.
+struct GenerateExtraRays {
+  static constexpr std::string_view kName = "generate_extra_rays";
+  static constexpr std::string_view kMeaning = "active sub-pixel -> four primary rays, anywhere in their cells";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> active;
+    Local<V, RayRecord> rays;
+    Local<V, PathRecord> paths;
+    Local<V, ColourRecord> colours;
+    CameraUniforms<V> camera;
+    F<V> x0, y0, width, inverse_width;  ///< first pixel that the tile finishes; pixels in a row
+    F<V> first_sample;                  ///< where their colours lie
+    I<V> image_width, seed;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.active));
+      port(NAMED(p.rays));
+      port(NAMED(p.paths));
+      port(NAMED(p.colours));
+      CameraUniforms<V>::describe(p.camera, port);
+      port(NAMED(p.x0));
+      port(NAMED(p.y0));
+      port(NAMED(p.width));
+      port(NAMED(p.inverse_width));
+      port(NAMED(p.first_sample));
+      port(NAMED(p.image_width));
+      port(NAMED(p.seed));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> subpixel = at.active.load(item >> 2U).word;
+    const DivMod<V> row = divmod<V>(to_float(subpixel >> 2U), at.width, at.inverse_width);
+    const F<V> x = at.x0 + row.remainder;
+    const F<V> y = at.y0 + row.quotient;
+    // A cell of the pixel's 4 x 4: two bits of column and row each from the sub-pixel and from the sample.
+    const I<V> column = ((subpixel & 1U) << 1U) | (item & 1U);
+    const I<V> line = (subpixel & 2U) | ((item >> 1U) & 1U);
+    const I<V> pixel = to_int(y) * at.image_width + to_int(x);
+    const Jitter<V> in_cell = jitter<V>(pixel, (line << 2U) | column, at.seed);
+    emit_primary<V>(item, to_int(at.first_sample + to_float(item)), x + (to_float(column) + in_cell.x) * 0.25F,
+                    y + (to_float(line) + in_cell.y) * 0.25F, at);
+  }
+};
+
+/// Ports of the kernels that make reconstruct's primary rays. Sample k of the pixel at position p of the tile buffer is
+/// sample k * `apart` + p; the first is shaded.
+template <class V>
+struct VisibleRayPorts {
+  Local<V, RayRecord> rays;
+  Local<V, PathRecord> paths;
+  Local<V, VisibleRecord> visible;
+  CameraUniforms<V> camera;
+  GridUniforms<V> grid;  ///< pixels
+  LatticeUniforms<V> lattice;
+  static void describe(auto& p, auto&& port) {
+    port(NAMED(p.rays));
+    port(NAMED(p.paths));
+    port(NAMED(p.visible));
+    CameraUniforms<V>::describe(p.camera, port);
+    GridUniforms<V>::describe(p.grid, port);
+    LatticeUniforms<V>::describe(p.lattice, port);
+  }
+};
+
+/// The record of a ray that hits nothing.
+template <class V>
+VisibleRecord<V> visible_miss() {
+  return {{0.0F, 0.0F, 1.0F}, kMissDepth, 0U};
+}
+
+/// The ray of `sample`, at (x, y) in the pixel at position `pixel`.
+template <class V>
+void emit_in_pixel(const I<V>& item, const I<V>& pixel, const I<V>& sample, const F<V>& x, const F<V>& y, auto& at) {
+  const DivMod<V> row = divmod<V>(to_float(pixel), at.grid.pitch, at.grid.inverse_pitch);
+  const Vec3<V> direction = normalised(at.camera.corner + at.camera.right * (at.grid.x0 + row.remainder + x) +
+                                       at.camera.down * (at.grid.y0 + row.quotient + y));
+  at.rays.store(item, {at.camera.origin, 0.0F, direction, std::numeric_limits<float>::infinity()});
+  at.paths.store(item, {{1.0F, 1.0F, 1.0F}, sample});
+}
+
+/// The same, and its record is that of a miss.
+template <class V>
+void emit_visible(const I<V>& item, const I<V>& pixel, const I<V>& sample, const F<V>& x, const F<V>& y, auto& at) {
+  emit_in_pixel<V>(item, pixel, sample, x, y, at);
+  at.visible.store(sample, visible_miss<V>());
+}
+
+/// A sample that is not the first: of which pixel of a list, which one, and where in it.
+template <class V>
+struct GeometrySample {
+  F<V> pixel, number, x, y;
+};
+/// Three items a pixel.
+template <class V>
+GeometrySample<V> other_sample(const I<V>& item) {
+  const DivMod<V> of_pixel = divmod<V>(to_float(item), F<V>(3.0F), F<V>(1.0F / 3.0F));
+  const F<V> k = of_pixel.remainder + 1.0F;
+  const F<V> x = rotated_column<V>(k) * 0.25F + 0.125F;
+  return {of_pixel.quotient, k, x, k * 0.25F + 0.125F};
+}
+
+struct GenerateShadedRays {
+  static constexpr std::string_view kName = "generate_shaded_rays";
+  static constexpr std::string_view kMeaning = "pixel -> primary ray of the sample that is shaded";
+  template <class V>
+  struct Ports : VisibleRayPorts<V> {
+    Local<V, ColourRecord> colours;
+    static void describe(auto& p, auto&& port) {
+      VisibleRayPorts<V>::describe(p, port);
+      port(NAMED(p.colours));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> pixel = lattice_sample<V>(item, at.lattice);
+    emit_visible<V>(item, pixel, pixel, F<V>(0.375F), F<V>(0.125F), at);  // column 1, row 0 of 4 x 4
+    at.colours.store(pixel, {{0.0F, 0.0F, 0.0F}});
+  }
+};
+
+struct GenerateCentredRays {
+  static constexpr std::string_view kName = "generate_centred_rays";
+  static constexpr std::string_view kMeaning = "pixel -> primary ray of its centre, whose geometry is kept";
+  template <class V>
+  using Ports = GenerateShadedRays::Ports<V>;
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> pixel = lattice_sample<V>(item, at.lattice);
+    emit_visible<V>(item, pixel, pixel, F<V>(0.5F), F<V>(0.5F), at);
+    at.colours.store(pixel, {{0.0F, 0.0F, 0.0F}});
+  }
+};
+
+/// Three items a pixel.
+struct GenerateVisibleRays {
+  static constexpr std::string_view kName = "generate_visible_rays";
+  static constexpr std::string_view kMeaning = "sample that is not shaded -> primary ray";
+  template <class V>
+  struct Ports : VisibleRayPorts<V> {
+    F<V> apart;
+    static void describe(auto& p, auto&& port) {
+      VisibleRayPorts<V>::describe(p, port);
+      port(NAMED(p.apart));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const GeometrySample<V> of = other_sample<V>(item);
+    const I<V> pixel = lattice_sample<V>(to_int(of.pixel), at.lattice);
+    emit_visible<V>(item, pixel, pixel + to_int(of.number * at.apart), of.x, of.y, at);
+  }
+};
+
+/// Begins what a pixel's samples keep of a branch: none of them has it yet.
+struct ClearBranch {
+  static constexpr std::string_view kName = "clear_branch";
+  static constexpr std::string_view kMeaning = "pixel -> its samples see nothing by a mirror, or through glass";
+  template <class V>
+  struct Ports {
+    Local<V, VisibleRecord> visible;
+    Local<V, ColourRecord> colours;
+    LatticeUniforms<V> lattice;  ///< those of the branch's samples
+    I<V> apart;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.visible));
+      port(NAMED(p.colours));
+      LatticeUniforms<V>::describe(p.lattice, port);
+      port(NAMED(p.apart));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    I<V> sample = lattice_sample<V>(item, at.lattice);
+    at.colours.store(sample, {{0.0F, 0.0F, 0.0F}});
+    for (std::uint32_t k = 0; k < kGeometrySamples; ++k) {
+      if (k != 0) sample = sample + at.apart;
+      at.visible.store(sample, {{0.0F, 0.0F, 1.0F}, kNoBranchDepth, 0U});
+    }
   }
 };
 

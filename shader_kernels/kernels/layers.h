@@ -1,7 +1,9 @@
 #pragma once
-#include "shader_kernels/kernels/instances.h"
+#include <string_view>
+
+#include "shader_kernels/kernels/classify.h"
 #include "shader_kernels/kernels/sampling.h"
-#include "shader_kernels/kernels/vertex_colour.h"
+#include "shader_kernels/kernels/shade_surface.h"
 #include "sim/named.h"
 #include "traces/ray.h"
 
@@ -84,5 +86,104 @@ void go_on(LayerPorts<V, kColoured, kInstanced>& at, const M<V>& onwards, const 
   at.next_rays.store(out, {ray.origin, t + (t * 0x1p-17F + step), ray.direction, ray.t_max});
   at.targets.store(out, {slot});
 }
+
+/// For rays that want the nearest hit. Where a mask's alpha is below its cutoff there is no surface, and neither is
+/// where a blended one's alpha is too little to be seen.
+template <bool kColoured, bool kInstanced>
+struct TestAlpha {
+  static constexpr std::string_view kName = kInstanced
+                                                ? (kColoured ? "test_alpha_coloured_instanced" : "test_alpha_instanced")
+                                                : (kColoured ? "test_alpha_coloured" : "test_alpha");
+  static constexpr std::string_view kMeaning =
+      kColoured ? "as test_alpha, with vertex colours"
+                : (kInstanced ? "as test_alpha, of instances"
+                              : "hit on a surface with alpha -> continuing ray, if it is a hole");
+  template <class V>
+  using Ports = LayerPorts<V, kColoured, kInstanced>;
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> slot = at.layers.load(item).word;
+    const RayRecord<V> ray = at.rays.load(slot);
+    const HitRecord<V> hit = plain<V>(at.hits.load(slot));
+    const Layer<V> layer = fetch_layer<V, kColoured, kInstanced>(at, hit);
+    const M<V> is_blended = has<V>(layer.material.flags, traces::kBlended);
+    const F<V> least = select(is_blended, at.min_weight, layer.material.alpha_cutoff);
+    go_on<V, kColoured, kInstanced>(at, layer.alpha < least, slot, ray, hit.t);
+  }
+};
+
+template <class V, bool kColoured, bool kInstanced>
+struct ShadowLayerPorts : LayerPorts<V, kColoured, kInstanced> {
+  Local<V, PathRecord> paths;
+  Table<V, SrgbCodeRecord> srgb_codes;
+  static void describe(auto& p, auto&& port) {
+    LayerPorts<V, kColoured, kInstanced>::describe(p, port);
+    port(NAMED(p.paths));
+    port(NAMED(p.srgb_codes));
+  }
+};
+
+/// For shadow rays: how much light passes, and whether that is enough to go on. A mask blocks or lets pass, a blended
+/// surface lets 1 - alpha pass, and what glass covers is tinted by its transmission and base colour: neither bent nor
+/// mirrored, which would take the light away from the point that asks for it.
+template <bool kColoured, bool kInstanced>
+struct TestShadow {
+  static constexpr std::string_view kName =
+      kInstanced ? (kColoured ? "test_shadow_coloured_instanced" : "test_shadow_instanced")
+                 : (kColoured ? "test_shadow_coloured" : "test_shadow");
+  static constexpr std::string_view kMeaning =
+      kColoured ? "as test_shadow, with vertex colours"
+                : (kInstanced ? "as test_shadow, of instances"
+                              : "shadow ray's hit on what is not solid -> continuing ray, dimmed");
+  template <class V>
+  using Ports = ShadowLayerPorts<V, kColoured, kInstanced>;
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> slot = at.layers.load(item).word;
+    const RayRecord<V> ray = at.rays.load(slot);
+    const HitRecord<V> hit = plain<V>(at.hits.load(slot));
+    const PathRecord<V> path = at.paths.load(slot);
+    const Layer<V> layer = fetch_layer<V, kColoured, kInstanced>(at, hit);
+    const MaterialFields<V>& m = layer.material;
+    const F<V> solid = select(layer.alpha < m.alpha_cutoff, F<V>(0.0F), F<V>(1.0F));
+    const F<V> cover = select(has<V>(m.flags, traces::kBlended), layer.alpha, solid);
+    Vec3<V> colour = m.base_colour * layer.base.colour(at.srgb_codes);
+    if constexpr (kColoured) colour = colour * layer.colour.rgb;
+    const F<V> open = 1.0F - cover;
+    const Vec3<V> light = path.throughput * (colour * (cover * m.entering) + Vec3<V>{open, open, open});
+    at.paths.store(slot, {light, path.sample});
+    go_on<V, kColoured, kInstanced>(at, at.min_weight < largest(light), slot, ray, hit.t);
+  }
+};
+
+/// Ends a round of going on, and is the inspector of the next.
+struct ScatterLayers {
+  static constexpr std::string_view kName = "scatter_layers";
+  static constexpr std::string_view kMeaning = "continuing ray -> its hit into the slot of the ray that it continues";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> targets;
+    Local<V, HitRecord> layer_hits;
+    Local<V, HitRecord> hits;
+    Local<V, WordRecord> layers;
+    Counter<V> layer_count;
+    I<V> solid;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.targets));
+      port(NAMED(p.layer_hits));
+      port(NAMED(p.hits));
+      port(NAMED(p.layers));
+      port(NAMED(p.layer_count));
+      port(NAMED(p.solid));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> slot = at.targets.load(item).word;
+    const HitRecord<V> hit = at.layer_hits.load(item);
+    at.hits.store(slot, hit);
+    at.layers.store(at.layer_count.next(needs_test<V>(hit.triangle, at.solid)), {slot});
+  }
+};
 
 }  // namespace kernels

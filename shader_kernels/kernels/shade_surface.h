@@ -1,14 +1,85 @@
 #pragma once
 #include <string_view>
+#include <type_traits>
 
 #include "shader_kernels/kernels/arithmetic.h"
-#include "shader_kernels/kernels/instances.h"
 #include "shader_kernels/kernels/sampling.h"
 #include "shader_kernels/kernels/uniforms.h"
 #include "shader_kernels/ports.h"
+#include "shader_kernels/records.h"
 #include "sim/named.h"
+#include "traces/ray.h"
 
 namespace kernels {
+
+// Kernels that need more of a hit than which triangle it is come twice: `kInstanced` for scenes of instances (two
+// levels), where a hit names its instance and what lies in memory is in the mesh's own space.
+
+template <class V, bool kInstanced>
+using Hits = std::conditional_t<kInstanced, Local<V, InstanceHitRecord>, Local<V, HitRecord>>;
+
+template <class V>
+HitRecord<V> plain(const HitRecord<V>& hit) {
+  return hit;
+}
+template <class V>
+HitRecord<V> plain(const InstanceHitRecord<V>& hit) {
+  constexpr float kStep = 1.0F / static_cast<float>(traces::kWeightOne);
+  const auto weight = [](const I<V>& word) { return to_float(word >> traces::kHalfBits) * kStep; };
+  return {hit.t, weight(hit.u), weight(hit.v), hit.triangle};
+}
+
+template <class V>
+I<V> triangle_of(const auto& hit) {
+  return hit.triangle & traces::kTriangleMask;
+}
+template <class V>
+I<V> instance_of(const InstanceHitRecord<V>& hit) {
+  return (hit.u & traces::kHalfMask) | ((hit.v & traces::kHalfMask) << traces::kHalfBits);
+}
+
+/// A normal of the mesh in world space, not of unit length: the rows of the matrix that carries points the other way,
+/// weighted, are the product with its transpose.
+template <class V>
+Vec3<V> normal_to_world(const InstanceFields<V>& instance, const Vec3<V>& n) {
+  return instance.row0 * n.x + instance.row1 * n.y + instance.row2 * n.z;
+}
+
+/// Texture density in world space, given the mesh's normal `n`, as long as the density in the mesh's space, and the
+/// length of normal_to_world(n). Areas across n grow by volume * |normal_to_world(n)| / |n|, densities by its root.
+template <class V>
+F<V> density_in_world(const InstanceFields<V>& instance, const Vec3<V>& n, const F<V>& length_in_world) {
+  const F<V> squared = dot(n, n);
+  return sqrt(squared * sqrt(squared) / (instance.volume * length_in_world));
+}
+
+/// A direction in the surface, unit, or zero if it is. The inverse matrix's columns are the cross products of rows over
+/// the determinant, of which only the sign matters.
+template <class V>
+Vec3<V> tangent_to_world(const InstanceFields<V>& instance, const Vec3<V>& t) {
+  const Vec3<V> along = cross(instance.row1, instance.row2) * t.x + cross(instance.row2, instance.row0) * t.y +
+                        cross(instance.row0, instance.row1) * t.z;
+  return normalised(along) * instance.handedness;
+}
+
+template <class V>
+struct VertexColour {
+  Vec3<V> rgb;
+  F<V> alpha;
+};
+
+template <class V>
+VertexColour<V> vertex_colour(const Weights<V>& corners, const VertexFields<V>& at) {
+  const auto low = [&](const I<V>& a, const I<V>& b, const I<V>& c) {
+    return corners.interpolate_int(a & 0xffffU, b & 0xffffU, c & 0xffffU) * (1.0F / 65535.0F);
+  };
+  const auto high = [&](const I<V>& a, const I<V>& b, const I<V>& c) {
+    return corners.interpolate_int(a >> 16U, b >> 16U, c >> 16U) * (1.0F / 65535.0F);
+  };
+  return {{low(at.red_green0, at.red_green1, at.red_green2), high(at.red_green0, at.red_green1, at.red_green2),
+           low(at.blue_alpha0, at.blue_alpha1, at.blue_alpha2)},
+          high(at.blue_alpha0, at.blue_alpha1, at.blue_alpha2)};
+}
 
 /// One of the names, by how surfaces are fetched.
 template <bool kInstanced, bool kCones>
@@ -93,6 +164,62 @@ struct ShadeSurface {
     at.mattes.store(slot, {m.base_colour * m.diffuse_share, m.flags});
     at.texcoords.store(slot, {corners.interpolate(a.u0, a.u1, a.u2), corners.interpolate(a.v0, a.v1, a.v2), texture});
     at.optics.store(slot, {m.mirrored, m.entering, m.base_colour, m.ior, m.opacity, 1.0F});
+  }
+};
+
+template <bool kInstanced>
+struct FetchVertices {
+  static constexpr std::string_view kName = kInstanced ? "fetch_vertices_instanced" : "fetch_vertices";
+  static constexpr std::string_view kMeaning =
+      kInstanced ? "as fetch_vertices, with the tangent out of the mesh's space"
+                 : "surface -> tangent, second texture coordinates; times vertex colour";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> vertexed;
+    Hits<V, kInstanced> hits;
+    Local<V, DiffuseRecord> mattes;
+    Local<V, SpecularRecord> optics;
+    Local<V, TangentRecord> tangents;
+    Vertices<V> vertices;
+    Instances<V> instances;  ///< wired if kInstanced
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.vertexed));
+      port(NAMED(p.hits));
+      port(NAMED(p.mattes));
+      port(NAMED(p.optics));
+      port(NAMED(p.tangents));
+      port(NAMED(p.vertices));
+      if constexpr (kInstanced) port(NAMED(p.instances));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> slot = at.vertexed.load(item).word;
+    const auto found = at.hits.load(slot);
+    const HitRecord<V> hit = plain<V>(found);
+    const DiffuseRecord<V> matte = at.mattes.load(slot);
+    SpecularRecord<V> optics = at.optics.load(slot);
+    const VertexFields<V> vertex = at.vertices.load(triangle_of<V>(hit));
+    const Weights<V> corners(hit);
+    const VertexColour<V> colour = vertex_colour<V>(corners, vertex);
+    at.mattes.store(slot, {matte.diffuse * colour.rgb, matte.classes});
+    optics.tint = optics.tint * colour.rgb;
+    optics.alpha = optics.alpha * colour.alpha;
+    at.optics.store(slot, optics);
+    const auto signed_byte = [&](std::uint32_t byte) {
+      const auto part = [&](const I<V>& word) { return byte_of<V>(word, byte); };
+      return (corners.interpolate_int(part(vertex.tangent0), part(vertex.tangent1), part(vertex.tangent2)) - 128.0F) *
+             (1.0F / 127.0F);
+    };
+    Vec3<V> tangent{signed_byte(0), signed_byte(1), signed_byte(2)};
+    F<V> handedness = signed_byte(3);
+    if constexpr (kInstanced) {
+      const InstanceFields<V> instance = at.instances.load(instance_of<V>(found));
+      tangent = tangent_to_world<V>(instance, tangent);
+      handedness = handedness * instance.handedness;
+    }
+    at.tangents.store(slot, {tangent, handedness, corners.interpolate(vertex.u0, vertex.u1, vertex.u2),
+                             corners.interpolate(vertex.v0, vertex.v1, vertex.v2)});
   }
 };
 

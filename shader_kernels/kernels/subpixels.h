@@ -4,7 +4,9 @@
 #include <string_view>
 
 #include "shader_kernels/kernels/arithmetic.h"
+#include "shader_kernels/kernels/pixels.h"
 #include "shader_kernels/ports.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -100,5 +102,530 @@ template <class V>
 Vec3<V> clamped_colour(const Vec3<V>& colour) {
   return {clamped<V>(colour.x), clamped<V>(colour.y), clamped<V>(colour.z)};
 }
+
+/// Bits of an attribute set, counted from its first, that differ between two pixels; all of them only if one of the two
+/// objects has the flag `focus` (0: any has). Normals are the same if their dot product is at least `same_normal`.
+template <class V>
+I<V> disagreements(const TraitsRecord<V>& own, const TraitsRecord<V>& other, const F<V>& same_normal,
+                   const I<V>& focus) {
+  constexpr std::uint32_t kObject = 1, kNormal = 2, kShadow = 4;
+  const I<V> differ = select(own.object == other.object, I<V>(0U), I<V>(kObject)) |
+                      select(dot(own.normal, other.normal) < same_normal, I<V>(kNormal), I<V>(0U)) |
+                      select(own.shadows == other.shadows, I<V>(0U), I<V>(kShadow));
+  return select(((own.object | other.object) & focus) == focus, differ, I<V>(0U));
+}
+
+/// Contrast of one channel (Mitchell 1987) of linear colours, clamped and sRGB-encoded: 0 for equal ones, black too,
+/// and at most 1.
+template <class V>
+F<V> contrast(const F<V>& a, const F<V>& b, const F<V>& c, const F<V>& d) {
+  const F<V> most = encoded<V>(clamped<V>(max(max(a, b), max(c, d))));
+  const F<V> least = encoded<V>(clamped<V>(min(min(a, b), min(c, d))));
+  return (most - least) / max(most + least, F<V>(1e-30F));
+}
+
+/// The inspector of supersampling (Jin et al. 2009), once for each of a pixel's four sub-pixels: compares the pixel
+/// with the three around the sub-pixel's corner. The smallest threshold of the attributes that disagree applies to the
+/// contrast of the four colours.
+struct TestSubpixels {
+  static constexpr std::string_view kName = "test_subpixels";
+  static constexpr std::string_view kMeaning =
+      "sub-pixel and three neighbours -> whether it needs more samples, and why";
+  template <class V>
+  struct Ports {
+    FinishedUniforms<V> finished;
+    Local<V, TraitsRecord> traits, secondary;
+    Local<V, ColourRecord> colours;
+    Local<V, WordRecord> verdicts;
+    std::array<F<V>, kAttributes> thresholds;  ///< above 1: no contrast is enough
+    F<V> same_normal;
+    I<V> compared;         ///< attributes that count, a bit each
+    I<V> focus, textured;  ///< flags that objects need: one of a pair; with a texture
+    static void describe(auto& p, auto&& port) {
+      FinishedUniforms<V>::describe(p.finished, port);
+      port(NAMED(p.traits));
+      port(NAMED(p.secondary));
+      port(NAMED(p.colours));
+      port(NAMED(p.verdicts));
+      for (std::size_t i = 0; i < kAttributes; ++i) port(p.thresholds[i], names_of(Attribute{})[i]);
+      port(NAMED(p.same_normal));
+      port(NAMED(p.compared));
+      port(NAMED(p.focus));
+      port(NAMED(p.textured));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const DivMod<V> pixel = finished_pixel<V>(to_float(item >> 2U), at.finished);
+    const CornerSteps<V> step =
+        corner_steps<V>(pixel, to_float((item << 1U) & 2U) - 1.0F, to_float(item & 2U) - 1.0F, at.finished);
+    const F<V> own = centre_sample<V>(pixel, at.finished);
+    // One that is not there is the pixel itself, which differs from itself in nothing.
+    const I<V> centre = to_int(own);
+    const I<V> beside = to_int(own + step.x);
+    const I<V> above = to_int(own + step.y);
+    const I<V> corner = to_int(select(step.has_both, own + step.x + step.y, own));
+
+    const I<V> primary = differing<V>(at.traits, centre, beside, above, corner, at);
+    const I<V> secondary = differing<V>(at.secondary, centre, beside, above, corner, at);
+    const I<V> counting = ((primary << 1U) | (secondary << 5U)) & at.compared;
+    F<V> threshold = kNever;
+    for (std::uint32_t i = 1; i < kAttributes; ++i) {
+      threshold = min(threshold, select((counting & (1U << i)) == 0U, F<V>(kNever), at.thresholds[i]));
+    }
+    const M<V> none = counting == 0U;
+    threshold = select(none, at.thresholds[0], threshold);
+
+    const Vec3<V> a = at.colours.load(centre).rgb;
+    const Vec3<V> b = at.colours.load(beside).rgb;
+    const Vec3<V> c = at.colours.load(above).rgb;
+    const Vec3<V> d = at.colours.load(corner).rgb;
+    const M<V> active = logical_or(logical_or(threshold * kChannelFactors[0] <= contrast<V>(a.x, b.x, c.x, d.x),
+                                              threshold * kChannelFactors[1] <= contrast<V>(a.y, b.y, c.y, d.y)),
+                                   threshold * kChannelFactors[2] <= contrast<V>(a.z, b.z, c.z, d.z));
+    at.verdicts.store(item, {select(none, I<V>(bit(Attribute::kColour)), counting) |
+                             select(active, I<V>(1U << kActiveShift), I<V>(0U))});
+  }
+
+ private:
+  /// Bits of one attribute set; its texture disagrees wherever the pixel itself has one.
+  template <class V>
+  static I<V> differing(const Local<V, TraitsRecord>& set, const I<V>& centre, const I<V>& beside, const I<V>& above,
+                        const I<V>& corner, const Ports<V>& at) {
+    constexpr std::uint32_t kTexture = 8;
+    const TraitsRecord<V> own = set.load(centre);
+    const TraitsRecord<V> one = set.load(beside);
+    const TraitsRecord<V> two = set.load(above);
+    const TraitsRecord<V> three = set.load(corner);
+    return disagreements<V>(own, one, at.same_normal, at.focus) | disagreements<V>(own, two, at.same_normal, at.focus) |
+           disagreements<V>(own, three, at.same_normal, at.focus) |
+           select((own.object & at.textured) == at.textured, I<V>(kTexture), I<V>(0U));
+  }
+};
+
+/// Share of a pixel's inactive sub-pixels, a quarter each: the colour at the pixel's centre or, with kBilinear,
+/// that between the centres around the sub-pixel's own.
+template <bool kBilinear>
+struct WeighCentres {
+  static constexpr std::string_view kName = kBilinear ? "weigh_centres_bilinear" : "weigh_centres";
+  static constexpr std::string_view kMeaning = "pixel -> share of its sub-pixels that need no more samples";
+  template <class V>
+  struct Ports {
+    FinishedUniforms<V> finished;
+    Local<V, WordRecord> verdicts;
+    Local<V, ColourRecord> colours, pixels;
+    static void describe(auto& p, auto&& port) {
+      FinishedUniforms<V>::describe(p.finished, port);
+      port(NAMED(p.verdicts));
+      port(NAMED(p.colours));
+      port(NAMED(p.pixels));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const DivMod<V> pixel = finished_pixel<V>(to_float(item), at.finished);
+    const F<V> own = centre_sample<V>(pixel, at.finished);
+    const Vec3<V> centre = clamped_colour<V>(at.colours.load(to_int(own)).rgb);
+    const I<V> first = item << 2U;
+    if constexpr (kBilinear) {
+      Vec3<V> sum{0.0F, 0.0F, 0.0F};
+      for (std::uint32_t i = 0; i < 4; ++i) {
+        const CornerSteps<V> step =
+            corner_steps<V>(pixel, F<V>((i & 1U) != 0 ? 1.0F : -1.0F), F<V>((i & 2U) != 0 ? 1.0F : -1.0F), at.finished);
+        const Vec3<V> beside = clamped_colour<V>(at.colours.load(to_int(own + step.x)).rgb);
+        const Vec3<V> above = clamped_colour<V>(at.colours.load(to_int(own + step.y)).rgb);
+        const Vec3<V> corner = clamped_colour<V>(at.colours.load(to_int(own + step.x + step.y)).rgb);
+        const F<V> weight =
+            0.015625F - to_float(active_bit<V>(at.verdicts.load(first + i).word)) * 0.015625F;  // 1/4 of 1/16
+        sum = sum + (centre * F<V>(9.0F) + (beside + above) * F<V>(3.0F) + corner) * weight;
+      }
+      at.pixels.store(item, {sum});
+    } else {
+      I<V> active = active_bit<V>(at.verdicts.load(first).word);
+      for (std::uint32_t i = 1; i < 4; ++i) active = active + active_bit<V>(at.verdicts.load(first + i).word);
+      at.pixels.store(item, {centre * (1.0F - to_float(active) * 0.25F)});
+    }
+  }
+};
+
+// Pixels of a block, which are listed together; the last blocks of a row or column may stand out over the tile.
+inline constexpr std::uint32_t kBlockWidth = 8, kBlockHeight = 4;
+
+/// Lists the active sub-pixels in chunks of 64, block by block, as Jin et al. (2009) do: one after the other looks at
+/// every pixel. Sub-pixels of a pixel do not straddle chunks; entries at the end of one are left empty for that. Pixels
+/// that have any are listed as masters, in the same order: they collect the samples of a chunk.
+struct PackSubpixels {
+  static constexpr std::string_view kName = "pack_subpixels";
+  static constexpr std::string_view kMeaning = "pixel -> its active sub-pixels into the list, within one chunk";
+  template <class V>
+  struct Ports {
+    F<V> across, inverse_across;  ///< blocks in a row
+    F<V> width, height;           ///< in pixels
+    Local<V, WordRecord> verdicts, active, masters;
+    Local<V, WordRecord> fills;  ///< per chunk: entries taken; above kFillBits, masters up to there
+    Carried<V> list_end;
+    Counter<V> masters_count;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.across));
+      port(NAMED(p.inverse_across));
+      port(NAMED(p.width));
+      port(NAMED(p.height));
+      port(NAMED(p.verdicts));
+      port(NAMED(p.active));
+      port(NAMED(p.masters));
+      port(NAMED(p.fills));
+      port(p.list_end, "places");
+      port(NAMED(p.masters_count));
+    }
+  };
+  static constexpr std::uint32_t kFillBits = 8;
+
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    constexpr std::uint32_t kColumnBits = 3, kItemBits = 5;
+    static_assert(1U << kColumnBits == kBlockWidth && 1U << kItemBits == kBlockWidth * kBlockHeight);
+    const DivMod<V> block = divmod<V>(to_float(item >> kItemBits), at.across, at.inverse_across);
+    const F<V> column = block.remainder * static_cast<float>(kBlockWidth) + to_float(item & (kBlockWidth - 1));
+    const F<V> row =
+        block.quotient * static_cast<float>(kBlockHeight) + to_float((item >> kColumnBits) & (kBlockHeight - 1));
+    const M<V> inside = both(column < at.width, row < at.height);
+    const I<V> pixel = to_int(row * at.width + column);
+    const I<V> first = pixel << 2U;
+
+    std::array<I<V>, 4> verdicts, active, before;
+    I<V> count = 0U;
+    for (std::uint32_t i = 0; i < 4; ++i) {
+      verdicts[i] = at.verdicts.load(first + i).word;
+      active[i] = select(inside, active_bit<V>(verdicts[i]), I<V>(0U));
+      before[i] = count;
+      count = i == 0 ? active[i] : count + active[i];
+    }
+    const F<V> taken = to_float(count);
+    const F<V> behind = at.list_end.get();
+    const F<V> chunk_so_far = floor(behind * (1.0F / kChunk));
+    const F<V> chunk =
+        chunk_so_far + select(static_cast<float>(kChunk) < behind - chunk_so_far * static_cast<float>(kChunk) + taken,
+                              F<V>(1.0F), F<V>(0.0F));
+    const F<V> begin = max(behind, chunk * static_cast<float>(kChunk));
+    const F<V> end = begin + taken;
+    at.list_end.set(end);
+    const I<V> begin_index = to_int(begin);
+    for (std::uint32_t i = 0; i < 4; ++i) {
+      const I<V> index = i == 0 ? begin_index : begin_index + before[i];
+      const M<V> is_active = active[i] == 1U;
+      at.active.store(index, {first + i});
+      at.verdicts.store(first + i, {select(is_active, verdicts[i] | (index << kIndexShift), verdicts[i])});
+    }
+    const M<V> has_any = I<V>(0U) < count;
+    const I<V> master = at.masters_count.next(has_any);
+    at.masters.store(master, {pixel});
+    const I<V> masters = master + select(has_any, I<V>(1U), I<V>(0U));
+    at.fills.store(to_int(chunk), {to_int(end - chunk * static_cast<float>(kChunk)) | (masters << kFillBits)});
+  }
+};
+
+/// Lists the active sub-pixels as if each had asked for its index by itself, with an atomic addition to the list's
+/// length: one a word of the tile buffer is read, added to and written back. Who asks when is anybody's guess; here it
+/// is every `stride`-th sub-pixel, round and round.
+struct PackSubpixelsAtomic {
+  static constexpr std::string_view kName = "pack_subpixels_atomic";
+  static constexpr std::string_view kMeaning = "sub-pixel, in scattered order -> into the list if it is active";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> verdicts, active, length;
+    Carried<V> subpixel;
+    F<V> stride, subpixels;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.verdicts));
+      port(NAMED(p.active));
+      port(NAMED(p.length));
+      port(NAMED(p.subpixel));
+      port(NAMED(p.stride));
+      port(NAMED(p.subpixels));
+    }
+  };
+  template <class V>
+  static void body(const I<V>&, Ports<V>& at) {
+    const F<V> number = at.subpixel.get();
+    const F<V> next = number + at.stride;
+    at.subpixel.set(select(next < at.subpixels, next, next - at.subpixels));
+    const I<V> subpixel = to_int(number);
+    const I<V> verdict = at.verdicts.load(subpixel).word;
+    const I<V> active = active_bit<V>(verdict);
+    const I<V> index = at.length.load(I<V>(0U)).word;
+    at.length.store(I<V>(0U), {index + active});
+    at.active.store(index, {subpixel});
+    at.verdicts.store(subpixel, {select(active == 1U, verdict | (index << kIndexShift), verdict)});
+  }
+};
+
+/// 16 items per listed pixel, the cells of its 4 x 4 row by row: adds the samples of its active sub-pixels, in the
+/// order in which average_colour adds those of full:16, to what weigh_centres has left there. Every item leaves the sum
+/// so far; the last one completes it.
+struct SumSubpixels {
+  static constexpr std::string_view kName = "sum_subpixels";
+  static constexpr std::string_view kMeaning = "cell of a pixel -> its sample's share of the pixel";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> listed, verdicts;
+    Local<V, ColourRecord> colours, pixels;
+    Carried<V> red, green, blue, base_red, base_green, base_blue;
+    F<V> first_sample;  ///< where the colours of the first sub-pixel in the list lie
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.listed));
+      port(NAMED(p.verdicts));
+      port(NAMED(p.colours));
+      port(NAMED(p.pixels));
+      port(NAMED(p.red));
+      port(NAMED(p.green));
+      port(NAMED(p.blue));
+      port(NAMED(p.base_red));
+      port(NAMED(p.base_green));
+      port(NAMED(p.base_blue));
+      port(NAMED(p.first_sample));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> pixel = at.listed.load(item >> 4U).word;
+    const I<V> subpixel = ((item >> 2U) & 2U) | ((item >> 1U) & 1U);
+    const I<V> sample = ((item >> 1U) & 2U) | (item & 1U);
+    const I<V> verdict = at.verdicts.load((pixel << 2U) | subpixel).word;
+    const M<V> is_active = active_bit<V>(verdict) == 1U;
+    const I<V> index = ((verdict >> kIndexShift) << 2U) | sample;
+    const Vec3<V> colour = at.colours.load(to_int(at.first_sample + to_float(index))).rgb;
+    const Vec3<V> centre = at.pixels.load(pixel).rgb;
+    const M<V> first = (item & 15U) == 0U;
+    const auto sum = [&](Carried<V>& so_far, Carried<V>& base, const F<V>& more, const F<V>& begin) {
+      const F<V> next = select(first, F<V>(0.0F), so_far.get()) + select(is_active, clamped<V>(more), F<V>(0.0F));
+      so_far.set(next);
+      const F<V> kept = select(first, begin, base.get());
+      base.set(kept);
+      return next * 0.0625F + kept;
+    };
+    at.pixels.store(pixel,
+                    {{sum(at.red, at.base_red, colour.x, centre.x), sum(at.green, at.base_green, colour.y, centre.y),
+                      sum(at.blue, at.base_blue, colour.z, centre.z)}});
+  }
+};
+
+// State of a sub-pixel (SubpixelRecord) as rounds of propagation see it: channels of its sRGB-encoded colour, 16 bits
+// each, and above the blue one its reasons and, above those, the round that has made it active: 1 for the first test, 0
+// if it is not active.
+inline constexpr std::uint32_t kReasonsShift = 16, kRoundShift = kReasonsShift + kAttributes;
+inline constexpr std::uint32_t kReasonsMask = (1U << kAttributes) - 1;
+inline constexpr std::uint32_t kChannelMask = (1U << kReasonsShift) - 1;
+
+/// States of sub-pixels lie row by row, `pitch` to a row, from `first` on; pixels are `width` to a row.
+template <class V>
+struct StateUniforms {
+  F<V> width, inverse_width;
+  F<V> first, pitch;
+  static void describe(auto& s, auto&& port) {
+    port(s.width, "states.width");
+    port(s.inverse_width, "states.inverse_width");
+    port(s.first, "states.first");
+    port(s.pitch, "states.pitch");
+  }
+};
+/// Position of the state of sub-pixel `subpixel`, four to a pixel.
+template <class V>
+F<V> state_of(const I<V>& subpixel, const StateUniforms<V>& of) {
+  const DivMod<V> pixel = divmod<V>(to_float(subpixel >> 2U), of.width, of.inverse_width);
+  const F<V> column = pixel.remainder + pixel.remainder + to_float(subpixel & 1U);
+  const F<V> row = pixel.quotient + pixel.quotient + to_float((subpixel >> 1U) & 1U);
+  return of.first + row * of.pitch + column;
+}
+
+/// `why`: reasons and round, in their places.
+template <class V>
+SubpixelRecord<V> state_with(const Vec3<V>& colour, const I<V>& why) {
+  const auto channel = [](const F<V>& x) { return to_int(encoded<V>(x) * 65535.0F + 0.5F); };
+  return {channel(colour.x) | (channel(colour.y) << 16U), channel(colour.z) | why};
+}
+
+/// Leaves for rounds of propagation what an active sub-pixel shows: the mean of its four samples.
+struct SettleSubpixels {
+  static constexpr std::string_view kName = "settle_subpixels";
+  static constexpr std::string_view kMeaning = "listed sub-pixel, its four samples -> its colour and state";
+  template <class V>
+  struct Ports {
+    StateUniforms<V> grid;
+    Local<V, WordRecord> active, verdicts;
+    Local<V, ColourRecord> colours, shown;
+    Local<V, SubpixelRecord> states;
+    F<V> first_sample;
+    I<V> round;  ///< in its place
+    static void describe(auto& p, auto&& port) {
+      StateUniforms<V>::describe(p.grid, port);
+      port(NAMED(p.active));
+      port(NAMED(p.verdicts));
+      port(NAMED(p.colours));
+      port(NAMED(p.shown));
+      port(NAMED(p.states));
+      port(NAMED(p.first_sample));
+      port(NAMED(p.round));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> subpixel = at.active.load(item).word;
+    const I<V> sample = to_int(at.first_sample + to_float(item << 2U));
+    const auto colour = [&](std::uint32_t i) { return clamped_colour<V>(at.colours.load(sample + i).rgb); };
+    const Vec3<V> a = colour(0);
+    const Vec3<V> b = colour(1);
+    const Vec3<V> c = colour(2);
+    const Vec3<V> d = colour(3);
+    const Vec3<V> mean = ((a + b) + (c + d)) * F<V>(0.25F);
+    const I<V> reasons = at.verdicts.load(subpixel).word & kReasonsMask;
+    at.shown.store(subpixel, {mean});
+    at.states.store(to_int(state_of<V>(subpixel, at.grid)), state_with<V>(mean, (reasons << kReasonsShift) | at.round));
+  }
+};
+
+/// The same of all sub-pixels as if none was active: the colour at the pixel's centre or, with kBilinear, between the
+/// centres around the sub-pixel's own.
+template <bool kBilinear>
+struct ShowSubpixels {
+  static constexpr std::string_view kName = kBilinear ? "show_subpixels_bilinear" : "show_subpixels";
+  static constexpr std::string_view kMeaning = "sub-pixel -> its colour and state if it needs no more samples";
+  template <class V>
+  struct Ports {
+    FinishedUniforms<V> finished;
+    StateUniforms<V> grid;
+    Local<V, ColourRecord> colours, shown;
+    Local<V, SubpixelRecord> states;
+    static void describe(auto& p, auto&& port) {
+      FinishedUniforms<V>::describe(p.finished, port);
+      StateUniforms<V>::describe(p.grid, port);
+      port(NAMED(p.colours));
+      port(NAMED(p.shown));
+      port(NAMED(p.states));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const DivMod<V> pixel = finished_pixel<V>(to_float(item >> 2U), at.finished);
+    const F<V> own = centre_sample<V>(pixel, at.finished);
+    Vec3<V> colour = clamped_colour<V>(at.colours.load(to_int(own)).rgb);
+    if constexpr (kBilinear) {
+      const CornerSteps<V> step =
+          corner_steps<V>(pixel, to_float((item << 1U) & 2U) - 1.0F, to_float(item & 2U) - 1.0F, at.finished);
+      const Vec3<V> beside = clamped_colour<V>(at.colours.load(to_int(own + step.x)).rgb);
+      const Vec3<V> above = clamped_colour<V>(at.colours.load(to_int(own + step.y)).rgb);
+      const Vec3<V> corner = clamped_colour<V>(at.colours.load(to_int(own + step.x + step.y)).rgb);
+      colour = (colour * F<V>(9.0F) + (beside + above) * F<V>(3.0F) + corner) * F<V>(0.0625F);
+    }
+    at.shown.store(item, {colour});
+    at.states.store(to_int(state_of<V>(item, at.grid)), state_with<V>(colour, I<V>(0U)));
+  }
+};
+
+/// The inspector of a round of propagation: compares a sub-pixel that is not active with those of its four neighbours
+/// that the round before has made active. Their smallest threshold applies to the contrast of all of them.
+struct PropagateSubpixels {
+  static constexpr std::string_view kName = "propagate_subpixels";
+  static constexpr std::string_view kMeaning =
+      "sub-pixel, neighbours made active last -> stream active if it differs from these, its pixel a master";
+  template <class V>
+  struct Ports {
+    StateUniforms<V> grid;
+    Local<V, SubpixelRecord> states;
+    Local<V, WordRecord> verdicts, active, masters;
+    Counter<V> active_count, masters_count;
+    Carried<V> last_master;                    ///< pixel listed last
+    std::array<F<V>, kAttributes> thresholds;  ///< above 1: no contrast is enough
+    I<V> round;                                ///< the one before, in its place
+    static void describe(auto& p, auto&& port) {
+      StateUniforms<V>::describe(p.grid, port);
+      port(NAMED(p.states));
+      port(NAMED(p.verdicts));
+      port(NAMED(p.active));
+      port(NAMED(p.masters));
+      port(NAMED(p.active_count));
+      port(NAMED(p.masters_count));
+      port(NAMED(p.last_master));
+      for (std::size_t i = 0; i < kAttributes; ++i) port(p.thresholds[i], names_of(Attribute{})[i]);
+      port(NAMED(p.round));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const F<V> centre = state_of<V>(item, at.grid);
+    const SubpixelRecord<V> own = at.states.load(to_int(centre));
+    const Vec3<V> colour = channels_of<V>(own);
+    Range<V> range{colour, colour, 0U};
+    widen<V>(range, at.states.load(to_int(centre - 1.0F)), at.round);
+    widen<V>(range, at.states.load(to_int(centre + 1.0F)), at.round);
+    widen<V>(range, at.states.load(to_int(centre - at.grid.pitch)), at.round);
+    widen<V>(range, at.states.load(to_int(centre + at.grid.pitch)), at.round);
+
+    F<V> threshold = kNever;
+    for (std::uint32_t i = 0; i < kAttributes; ++i) {
+      threshold = min(threshold, select((range.reasons & (1U << i)) == 0U, F<V>(kNever), at.thresholds[i]));
+    }
+    const auto differs = [&](float factor, const F<V>& least, const F<V>& most) {
+      return threshold * factor * max(most + least, F<V>(1.0F)) < most - least;
+    };
+    const M<V> contrasts = logical_or(logical_or(differs(kChannelFactors[0], range.least.x, range.most.x),
+                                                 differs(kChannelFactors[1], range.least.y, range.most.y)),
+                                      differs(kChannelFactors[2], range.least.z, range.most.z));
+    const M<V> found = both(contrasts, own.blue_why >> kRoundShift == 0U);
+
+    at.verdicts.store(item, {range.reasons});
+    at.active.store(at.active_count.next(found), {item});
+    const I<V> pixel = item >> 2U;
+    const F<V> number = to_float(pixel);
+    const F<V> last = at.last_master.get();
+    const M<V> is_first = both(found, last < number);
+    at.last_master.set(select(is_first, number, last));
+    at.masters.store(at.masters_count.next(is_first), {pixel});
+  }
+
+ private:
+  /// Least and most of each channel, and reasons of the neighbours that count.
+  template <class V>
+  struct Range {
+    Vec3<V> least, most;
+    I<V> reasons;
+  };
+  template <class V>
+  static Vec3<V> channels_of(const SubpixelRecord<V>& state) {
+    return {to_float(state.red_green & kChannelMask), to_float(state.red_green >> 16U),
+            to_float(state.blue_why & kChannelMask)};
+  }
+  template <class V>
+  static void widen(Range<V>& range, const SubpixelRecord<V>& neighbour, const I<V>& round) {
+    const M<V> is_fresh = (neighbour.blue_why >> kRoundShift) << kRoundShift == round;
+    const Vec3<V> colour = channels_of<V>(neighbour);
+    const Vec3<V> low = select(is_fresh, colour, range.least);
+    const Vec3<V> high = select(is_fresh, colour, range.most);
+    range.least = {min(range.least.x, low.x), min(range.least.y, low.y), min(range.least.z, low.z)};
+    range.most = {max(range.most.x, high.x), max(range.most.y, high.y), max(range.most.z, high.z)};
+    range.reasons = range.reasons | select(is_fresh, (neighbour.blue_why >> kReasonsShift) & kReasonsMask, I<V>(0U));
+  }
+};
+
+/// Four items per listed pixel: the mean of its sub-pixels, as average_colour has it of samples.
+struct AverageSubpixels {
+  static constexpr std::string_view kName = "average_subpixels";
+  static constexpr std::string_view kMeaning = "sub-pixel of a listed pixel -> mean of the pixel's sub-pixels";
+  template <class V>
+  struct Ports : AverageColour::Ports<V> {
+    Local<V, WordRecord> masters;
+    Local<V, ColourRecord> shown;
+    static void describe(auto& p, auto&& port) {
+      AverageColour::Ports<V>::describe(p, port);
+      port(NAMED(p.masters));
+      port(NAMED(p.shown));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const DivMod<V> pixel = divmod<V>(to_float(item), at.samples, at.inverse_samples);
+    const I<V> listed = at.masters.load(to_int(pixel.quotient)).word;
+    AverageColour::add<V>(at, pixel, at.shown.load((listed << 2U) | (item & 3U)).rgb);
+  }
+};
 
 }  // namespace kernels

@@ -2,12 +2,9 @@
 #include <cstdint>
 #include <memory>
 
-#include "shader_kernels/programs/adaptive/multirate_config.h"
+#include "shader_kernels/programs/adaptive/adaptive_config.h"
 #include "shader_kernels/programs/adaptive/rate_map.h"
-#include "shader_kernels/programs/adaptive/supersample_config.h"
-#include "shader_kernels/programs/adaptive/undersample_config.h"
 #include "shader_kernels/programs/program_spec.h"
-#include "shader_kernels/programs/reconstruct/reconstruct_config.h"
 #include "shader_kernels/programs/wavefront/frame_program.h"
 #include "shader_kernels/programs/wavefront/render_config.h"
 #include "sim/named.h"

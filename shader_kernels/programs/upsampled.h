@@ -2,9 +2,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "shader_kernels/kernels/generate_visible_rays.h"
-#include "shader_kernels/programs/adaptive/finished_tiles.h"
-#include "shader_kernels/programs/reconstruct/reconstruct_config.h"
+#include "shader_kernels/kernels/generate_rays.h"
+#include "shader_kernels/programs/adaptive/adaptive_config.h"
+#include "shader_kernels/programs/adaptive/sample_tiles.h"
 #include "shader_kernels/programs/wavefront/frame_program.h"
 #include "shader_kernels/programs/wavefront/render_config.h"
 #include "shader_kernels/programs/wavefront/scene_tables.h"

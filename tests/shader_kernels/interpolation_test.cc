@@ -7,7 +7,7 @@
 
 #include "block_harness.h"
 #include "shader_kernels/kernels/arithmetic.h"
-#include "shader_kernels/kernels/record_global.h"
+#include "shader_kernels/kernels/record_hits.h"
 #include "showcase.h"
 #include "sim/hash.h"
 

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "harness.h"
-#include "shader_kernels/kernels/propagate_subpixels.h"
+#include "shader_kernels/kernels/subpixels.h"
 #include "shader_kernels/programs/adaptive/supersample.h"
 
 // Rounds of propagation: sub-pixels beside active ones, and unlike them, are sampled too.

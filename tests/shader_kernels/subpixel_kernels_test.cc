@@ -6,8 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "harness.h"
-#include "shader_kernels/kernels/pack_subpixels.h"
-#include "shader_kernels/kernels/test_subpixels.h"
+#include "shader_kernels/kernels/subpixels.h"
 #include "shader_kernels/programs/adaptive/supersample.h"
 #include "sim/hash.h"
 

@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <string_view>
 
@@ -28,6 +29,210 @@ struct AdaptiveConfig {
     field(NAMED(c.attributes), "",
           "where a tile's attributes wait for their check: in the tile buffer, or written to memory and read back",
           sim::any(), sim::Affects::kFunction);
+  }
+};
+
+/// Decides over a tile's rate.
+enum class RateControl : std::uint8_t { kOff, kHysteresis, kAlternate };
+constexpr std::array<std::string_view, 3> names_of(RateControl) { return {"off", "hysteresis", "alternate"}; }
+
+/// Multi-rate sampling (Lee et al. 2016). All of it changes the recorded work.
+struct MultirateConfig : AdaptiveConfig {
+  std::uint32_t block = 2;
+  double normal = 0.9;
+  double texture = 2;
+  bool secondary_checks = true;
+  RateControl rate_control = RateControl::kOff;
+  double rate_up = 0.95, rate_down = 0.90;
+  std::uint32_t rate_hold = 8;
+  double rate_texture = 0.1;
+
+  static void describe(auto& c, auto&& field) {
+    using sim::Affects;
+    field(NAMED(c.block), "samples", "side of a block, of which one sample is always traced", sim::between(2, 4),
+          Affects::kFunction);
+    field(NAMED(c.normal), "", "normals are similar if their dot product is at least this; 2: never",
+          sim::between(-1, 2), Affects::kFunction);
+    field(NAMED(c.texture), "",
+          "colours of textured samples are similar up to this distance, sRGB-encoded; 2: not compared",
+          sim::between(0, 2), Affects::kFunction);
+    field(NAMED(c.secondary_checks), "", "secondary hits are compared too", sim::any(), Affects::kFunction);
+    field(NAMED(c.rate_control), "",
+          "blocks of 4 where a tile's last frame was similar: both thresholds at once, or one each frame in turn",
+          sim::any(), Affects::kFunction);
+    field(NAMED(c.rate_up), "", "share of similar samples from which a tile goes over to blocks of 4",
+          sim::between(0, 1), Affects::kFunction);
+    field(NAMED(c.rate_down), "", "share of similar samples below which it goes back", sim::between(0, 1),
+          Affects::kFunction);
+    field(NAMED(c.rate_hold), "frames", "how long it then stays there", sim::between(0, 1000), Affects::kFunction);
+    field(NAMED(c.rate_texture), "",
+          "for the rate alone, textured samples are similar up to this distance of colours; 2: not compared",
+          sim::between(0, 2), Affects::kFunction);
+    AdaptiveConfig::describe(c, field);
+  }
+  void check(auto&& complain) const {
+    if (rate_up < rate_down) complain("rate_up", "is below rate_down; allowed: rate_down or more");
+    if (rate_control != RateControl::kOff && block != 2) {
+      complain("block", "is not 2, which rate_control needs: it changes between blocks of 2 and of 4");
+    }
+  }
+};
+
+/// Scans of post-correction: none, to the right and downwards, or also back.
+enum class Correction : std::uint8_t { kOff, kTwo, kFour };
+constexpr std::array<std::string_view, 3> names_of(Correction) { return {"off", "two", "four"}; }
+
+enum class Neighbourhood : std::uint8_t { kFour, kEight };
+constexpr std::array<std::string_view, 2> names_of(Neighbourhood) { return {"four", "eight"}; }
+
+/// Adaptive undersampling (Kim et al. 2016). All of it changes the recorded work.
+struct UndersampleConfig : AdaptiveConfig {
+  std::uint32_t block = 2;
+  std::uint32_t samples = 1;
+  double position = 0.03, normal = 0.9, texture = 0.3, colour = 0.15;
+  Correction correction = Correction::kTwo;
+  Neighbourhood neighbours = Neighbourhood::kFour;
+  bool correct_shadows = false;
+
+  static void describe(auto& c, auto&& field) {
+    using sim::Affects;
+    field(NAMED(c.block), "samples", "side of a block, of which one sample is always traced", sim::between(2, 8),
+          Affects::kFunction);
+    field(NAMED(c.samples), "", "samples per pixel, a square", sim::between(1, 256), Affects::kFunction);
+    field(NAMED(c.position), "scene sizes",
+          "hits are near each other up to this distance; the scene's longest side counts as 1", sim::between(0, 1000),
+          Affects::kFunction);
+    field(NAMED(c.normal), "", "normals are similar if their dot product is at least this; 2: never",
+          sim::between(-1, 2), Affects::kFunction);
+    field(NAMED(c.texture), "", "texture coordinates wrap if one is below this and the other above 1 less this",
+          sim::between(0, 0.5), Affects::kFunction);
+    field(NAMED(c.colour), "", "mirrored and refracted colours are similar up to this distance, sRGB-encoded",
+          sim::between(0, 2), Affects::kFunction);
+    field(NAMED(c.correction), "scans", "post-correction: scans that follow what was found by chance", sim::any(),
+          Affects::kFunction);
+    field(NAMED(c.neighbours), "", "of those that a scan looks back at: one, or three", sim::any(), Affects::kFunction);
+    field(NAMED(c.correct_shadows), "", "post-correction follows shadows too, not only objects", sim::any(),
+          Affects::kFunction);
+    AdaptiveConfig::describe(c, field);
+  }
+  /// Samples along a pixel.
+  std::uint32_t grid() const { return static_cast<std::uint32_t>(std::lround(std::sqrt(samples))); }
+  void check(auto&& complain) const {
+    if (grid() * grid() != samples) complain("samples", "is not a square; allowed: 1, 4, 9, 16, ... 256");
+  }
+};
+
+/// Way in which active sub-pixels are listed for the kernels that sample them.
+enum class Packing : std::uint8_t { kBlock, kAtomic, kNone };
+constexpr std::array<std::string_view, 3> names_of(Packing) { return {"block", "atomic", "none"}; }
+
+/// The colour of sub-pixels that are not active.
+enum class SubpixelFilter : std::uint8_t { kNearest, kBilinear };
+constexpr std::array<std::string_view, 2> names_of(SubpixelFilter) { return {"nearest", "bilinear"}; }
+
+/// Rounds that a frame may have: each is a pass over all of it.
+inline constexpr std::uint32_t kMostRounds = 14;
+
+/// Selective and adaptive supersampling (Jin et al. 2009). A threshold applies where its attribute disagrees: 0 always
+/// asks for more samples, 1 never does, -1 leaves the attribute out of the comparison. All of it changes the recorded
+/// work.
+struct SupersampleConfig : AdaptiveConfig {
+  double colour = 0.6;
+  double object = 0.05, normal = 0.06, shadow = 0.06, texture = 0.6;
+  double secondary_object = 0.05, secondary_normal = 0.06, secondary_shadow = 0.06, secondary_texture = 0.6;
+  double same_normal = 0.9;
+  std::uint32_t propagate = 0;
+  Packing packing = Packing::kBlock;
+  SubpixelFilter filter = SubpixelFilter::kNearest;
+  bool focus = false;
+
+  static void describe(auto& c, auto&& field) {
+    using sim::Affects;
+    const auto threshold = [&](auto& value, std::string_view name, std::string_view meaning) {
+      field(value, name, "", meaning, sim::between(-1, 1), Affects::kFunction);
+    };
+    threshold(NAMED(c.colour), "contrast from which a sub-pixel is sampled where nothing else disagrees; -1: never");
+    threshold(NAMED(c.object), "where objects differ; 0: always, 1: never, -1: they are not compared");
+    threshold(NAMED(c.normal), "where normals differ; likewise");
+    threshold(NAMED(c.shadow), "where the number of shadows differs; likewise");
+    threshold(NAMED(c.texture), "where the pixel's surface has a texture; likewise");
+    threshold(NAMED(c.secondary_object), "as object, of the hit behind the stronger branch");
+    threshold(NAMED(c.secondary_normal), "as normal, of that hit");
+    threshold(NAMED(c.secondary_shadow), "as shadow, of that hit");
+    threshold(NAMED(c.secondary_texture), "as texture, of that hit");
+    field(NAMED(c.same_normal), "", "normals differ if their dot product is below this", sim::between(-1, 2),
+          Affects::kFunction);
+    field(NAMED(c.propagate), "rounds",
+          "in each, sub-pixels beside those that the one before made active, and unlike them, are sampled too",
+          sim::between(0, kMostRounds), Affects::kFunction);
+    field(NAMED(c.packing), "",
+          "how sub-pixels are listed for sampling: pixels kept together, each by itself, or not listed at all",
+          sim::any(), Affects::kFunction);
+    field(NAMED(c.filter), "", "colour of sub-pixels that are not sampled: their pixel's, or between four pixels'",
+          sim::any(), Affects::kFunction);
+    field(NAMED(c.focus), "", "attributes disagree only where one of two objects is in focus (glTF: extras.focus)",
+          sim::any(), Affects::kFunction);
+    AdaptiveConfig::describe(c, field);
+  }
+  void check(auto&& complain) const {
+    const auto each = [&](double value, std::string_view name) {
+      if (value < 0 && value != -1) complain(name, "lies between -1 and 0; a threshold is 0 to 1, or -1: not compared");
+    };
+    each(colour, "colour");
+    each(object, "object");
+    each(normal, "normal");
+    each(shadow, "shadow");
+    each(texture, "texture");
+    each(secondary_object, "secondary_object");
+    each(secondary_normal, "secondary_normal");
+    each(secondary_shadow, "secondary_shadow");
+    each(secondary_texture, "secondary_texture");
+  }
+};
+
+/// Readings of the weight of normals, x = 1 - sat(n.n): exp(-(sigma x)^2) as printed, or exp(-(x / sigma)^2).
+enum class NormalWeight : std::uint8_t { kFactor, kWidth };
+constexpr std::array<std::string_view, 2> names_of(NormalWeight) { return {"factor", "width"}; }
+
+/// Subpixel reconstruction antialiasing for ray tracing (Chiu et al. 2012). All of it changes the recorded work.
+struct ReconstructConfig : AdaptiveConfig {
+  std::uint32_t radius = 1;
+  double depth_factor = 10;
+  double scene_side = 30;
+  double normal_sigma = 0.25;
+  NormalWeight normal_weight = NormalWeight::kWidth;
+  double colour = -1;
+
+  static void describe(auto& c, auto&& field) {
+    using sim::Affects;
+    field(NAMED(c.radius), "pixels",
+          "how far shaded samples lie that a sample's colour is made of; 0: each pixel shows its own, and no other is "
+          "looked at",
+          sim::between(0, 2), Affects::kFunction);
+    field(NAMED(c.depth_factor), "",
+          "a shaded sample's weight falls with the difference of depths, times this: exp(-x^2)", sim::between(0, 1000),
+          Affects::kFunction);
+    field(NAMED(c.scene_side), "", "longest side of the scene, in units of depth", sim::between(1e-3, 1e6),
+          Affects::kFunction);
+    field(NAMED(c.normal_sigma), "", "how it falls with x = 1 - n.n of normals", sim::between(1e-3, 1e3),
+          Affects::kFunction);
+    field(NAMED(c.normal_weight), "",
+          "normal_sigma is a factor of x, as printed: exp(-(sigma x)^2), or its width: exp(-(x / sigma)^2)", sim::any(),
+          Affects::kFunction);
+    field(NAMED(c.colour), "",
+          "contrast of shaded samples that are alike from which on a pixel has all four of its samples shaded, as "
+          "supersample.colour; 0: always, -1: never",
+          sim::between(-1, 1), Affects::kFunction);
+    AdaptiveConfig::describe(c, field);
+  }
+  /// Depth of a length, in units of the filter.
+  float depth_scale(float scene_size) const { return static_cast<float>(depth_factor * scene_side / scene_size); }
+  float bend() const {
+    return static_cast<float>(normal_weight == NormalWeight::kFactor ? normal_sigma : 1 / normal_sigma);
+  }
+  void check(auto&& complain) const {
+    if (colour < 0 && colour != -1) complain("colour", "lies between -1 and 0; a threshold is 0 to 1, or -1: never");
+    if (colour >= 0 && radius == 0) complain("colour", "compares with shaded samples around: radius must be 1 or 2");
   }
 };
 

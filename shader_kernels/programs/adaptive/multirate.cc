@@ -12,8 +12,17 @@ bool checks_secondary(const MultirateConfig& multirate, const SceneTables& scene
 /// A distance that no two colours have.
 constexpr double kNotCompared = 2;
 
-std::uint32_t record_bytes(bool has_secondary) {
-  return sizeof(GeometryRecord<float>) + (has_secondary ? sizeof(SecondaryRecord<float>) : 0);
+BlockSetup block_setup(const MultirateConfig& multirate, std::uint32_t grid, bool has_secondary) {
+  const bool carries_rates = multirate.rate_control != RateControl::kOff;
+  BlockSetup setup{.grid = grid,
+                   .block = multirate.block,
+                   .whole = carries_rates ? RateMap::kCoarse : multirate.block,
+                   .record_bytes = sizeof(GeometryRecord<float>),
+                   .carries_rates = carries_rates};
+  if (has_secondary) setup.record_bytes += sizeof(SecondaryRecord<float>);
+  setup.before_check_y.geometry = true;
+  setup.before_check_y.secondary = has_secondary;
+  return setup;
 }
 
 }  // namespace
@@ -21,89 +30,100 @@ std::uint32_t record_bytes(bool has_secondary) {
 MultirateProgram::MultirateProgram(const traces::MemoryImage& image, const traces::Camera& camera,
                                    const RenderConfig& config, const MultirateConfig& multirate, std::uint32_t grid,
                                    const RateMap& rates, std::uint32_t frame)
-    : BlockProgram(image, camera, config, multirate,
-                   {.grid = grid,
-                    .block = multirate.block,
-                    .whole = multirate.rate_control == RateControl::kOff ? multirate.block : RateMap::kCoarse,
-                    .record_bytes = record_bytes(checks_secondary(multirate, {image, config}))},
-                   frame),
+    : FrameProgram(config.width, config.height),
       multirate_(multirate),
-      secondary_checks_(checks_secondary(multirate, scene())),
+      blocks_(image, camera, config, multirate,
+              block_setup(multirate, grid, checks_secondary(multirate, {image, config})), frame),
+      secondary_checks_(blocks_.setup.before_check_y.secondary),
       compares_colours_(multirate.texture < kNotCompared ||
                         (multirate.rate_control != RateControl::kOff && multirate.rate_texture < kNotCompared)),
-      rates_(rates) {}
-
-Wavefront::RetainedRecords MultirateProgram::records_to_retain(bool is_last) const {
-  Wavefront::RetainedRecords retained;
-  retained.geometry = !is_last;
-  retained.secondary = !is_last && secondary_checks_;
-  return retained;
+      rates_(rates) {
+  blocks_.size_counts(kept_sampling());
 }
 
-BlockProgram::Verdict MultirateProgram::check(Tile& tile, bool along_y, const LineUniforms<float>& line,
-                                              std::uint32_t items) const {
-  return compares_colours_ ? check_colours<true>(tile, along_y, line, items)
-                           : check_colours<false>(tile, along_y, line, items);
+void MultirateProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
+                                TileResult& out) const {
+  BlockTile tile(blocks_, tile_index, tracer, record, out, [this](std::uint32_t t) { return rates_.block(t); });
+  const auto resolve = [&](const BlockLines& lines) {
+    if (lines.samples == 0) return;
+    const Verdict verdict = check_and_interpolate(tile, lines);
+    tile.trace_failed(lines, verdict);
+  };
+
+  tile.trace_references();
+  // A border is exported as soon as it is complete, before imports that it does not need. So chains of waiting tiles
+  // stay short.
+  tile.export_right();
+  tile.import_left();
+  tile.spill_references_to_dram();
+  resolve(tile.lines_along_x());
+  tile.export_below();
+  tile.import_above(resolve);
+  tile.spill_reference_rows_to_dram();
+  resolve(tile.lines_along_y());
+  tile.average();
+  tile.finish();
 }
 
-template <bool kTexture>
-BlockProgram::Verdict MultirateProgram::check_colours(Tile& tile, bool along_y, const LineUniforms<float>& line,
-                                                      std::uint32_t items) const {
+Verdict MultirateProgram::check_and_interpolate(BlockTile& tile, const BlockLines& lines) const {
+  const auto along = [&]<bool kSecondary, bool kTexture> {
+    return lines.along_y ? check_and_interpolate<true, kSecondary, kTexture>(tile, lines)
+                         : check_and_interpolate<false, kSecondary, kTexture>(tile, lines);
+  };
   if (secondary_checks_) {
-    return along_y ? check_with<true, true, kTexture>(tile, line, items)
-                   : check_with<false, true, kTexture>(tile, line, items);
+    return compares_colours_ ? along.template operator()<true, true>() : along.template operator()<true, false>();
   }
-  return along_y ? check_with<true, false, kTexture>(tile, line, items)
-                 : check_with<false, false, kTexture>(tile, line, items);
+  return compares_colours_ ? along.template operator()<false, true>() : along.template operator()<false, false>();
 }
 
 template <bool kAlongY, bool kSecondary, bool kTexture>
-BlockProgram::Verdict MultirateProgram::check_with(Tile& tile, const LineUniforms<float>& line,
-                                                   std::uint32_t items) const {
+Verdict MultirateProgram::check_and_interpolate(BlockTile& tile, const BlockLines& lines) const {
+  Wavefront& wave = tile.wave;
   using Similarity = CheckSimilarity<kAlongY, kSecondary, kTexture>;
-  typename Similarity::template Ports<float> ports;
-  ports.line = line;
-  ports.least_dot = static_cast<float>(multirate_.normal);
-  ports.texture_squared = static_cast<float>(multirate_.texture * multirate_.texture);
-  ports.rate_squared = static_cast<float>(multirate_.rate_texture * multirate_.rate_texture);
-  Wavefront::Node node = Wavefront::kNone;
-  if (tile.wave.fuses()) {
-    using Interpolate = InterpolateSample<kAlongY, kSecondary && !kAlongY>;
-    using Both = CheckInterpolate<kAlongY, kSecondary, kTexture>;
-    typename Both::template Ports<float> fused;
-    ports_of<Similarity>(fused) = ports;
-    ports_of<Interpolate>(fused).line = line;
-    node = tile.wave.launch<Both>(fused, items);
-    tile.wave.wait_for_colours(node);
-    ports = ports_of<Similarity>(fused);
-  } else {
-    node = tile.wave.launch<Similarity>(ports, items);
-    if (kTexture) tile.wave.wait_for_colours(node);
+  using Interpolate = InterpolateSample<kAlongY, kSecondary && !kAlongY>;
+  using CheckThenInterpolate = CheckInterpolate<kAlongY, kSecondary, kTexture>;
+
+  typename Similarity::template Ports<float> check;
+  check.line = lines.uniforms;
+  check.least_dot = static_cast<float>(multirate_.normal);
+  check.texture_squared = static_cast<float>(multirate_.texture * multirate_.texture);
+  check.rate_squared = static_cast<float>(multirate_.rate_texture * multirate_.rate_texture);
+  typename Interpolate::template Ports<float> interpolate;
+  interpolate.line = lines.uniforms;
+
+  // Fused, one loop interpolates every sample that it checks; those that fail are traced later and overwritten.
+  if (wave.fuses()) {
+    typename CheckThenInterpolate::template Ports<float> both;
+    ports_of<Similarity>(both) = check;
+    ports_of<Interpolate>(both) = interpolate;
+    const Wavefront::Node node = wave.launch<CheckThenInterpolate>(both, lines.samples);
+    wave.wait_for_colours(node);
+    wave.wait_for_records(node);
+    check = ports_of<Similarity>(both);
+    if (check.passed_count.value != 0) {
+      wave.adds_colours(node);
+      wave.adds_records(node);
+    }
+    return {node, check.passed_count.value, check.failed_count.value, check.rough_count.value};
   }
-  return {node, ports.passed_count.value, ports.failed_count.value, ports.rough_count.value};
+
+  const Wavefront::Node checked = wave.launch<Similarity>(check, lines.samples);
+  if (kTexture) wave.wait_for_colours(checked);
+  wave.wait_for_records(checked);
+  const std::uint32_t passed = check.passed_count.value, failed = check.failed_count.value;
+  if (passed != 0) {
+    const Wavefront::Node made = wave.launch<Interpolate>(interpolate, passed, passed + failed);
+    wave.wait_all(made, checked);
+    wave.wait_for_colours(made);
+    wave.adds_colours(made);
+    wave.adds_records(made);
+  }
+  return {checked, passed, failed, check.rough_count.value};
 }
 
-void MultirateProgram::interpolate(Tile& tile, bool along_y, const LineUniforms<float>& line,
-                                   const Verdict& verdict) const {
-  if (tile.wave.fuses()) {  // the check has made them
-    tile.wave.adds_colours(verdict.node);
-    tile.wave.adds_records(verdict.node);
-    return;
-  }
-  if (along_y) return interpolate_with<InterpolateSample<true, false>>(tile, line, verdict);
-  if (secondary_checks_) return interpolate_with<InterpolateSample<false, true>>(tile, line, verdict);
-  interpolate_with<InterpolateSample<false, false>>(tile, line, verdict);
-}
-
-template <class K>
-void MultirateProgram::interpolate_with(Tile& tile, const LineUniforms<float>& line, const Verdict& verdict) const {
-  typename K::template Ports<float> ports;
-  ports.line = line;
-  const Wavefront::Node node = tile.wave.launch<K>(ports, verdict.passed, verdict.passed + verdict.failed);
-  tile.wave.wait_all(node, verdict.node);
-  tile.wave.wait_for_colours(node);
-  tile.wave.adds_colours(node);
-  tile.wave.adds_records(node);
+void MultirateProgram::keep(const TileResult& tile) {
+  FrameProgram::keep(tile);
+  blocks_.count_tile(tile, rates_.block(tile.tile), kept_sampling());
 }
 
 }  // namespace kernels

@@ -1,40 +1,36 @@
 #pragma once
 #include <cstdint>
 
-#include "shader_kernels/programs/adaptive/block_program.h"
-#include "shader_kernels/programs/adaptive/multirate_config.h"
+#include "shader_kernels/programs/adaptive/adaptive_config.h"
+#include "shader_kernels/programs/adaptive/block_tile.h"
 #include "shader_kernels/programs/adaptive/rate_map.h"
 
 namespace kernels {
 
 /// Frame programs multirate:under and multirate:super (Lee et al. 2016): samples between similar ones take the colour
 /// in their middle. A sample is a pixel, or one of four of a pixel.
-///
-///   per tile: references -> check_similarity_x -> interpolate | trace -> check_similarity_y -> interpolate | trace
-///             -> average_samples -> pack_colour -> transfer to the frame buffer
-class MultirateProgram final : public BlockProgram {
+class MultirateProgram final : public FrameProgram {
  public:
   /// `grid`: samples along a pixel, 1 or 2. `rates` must stay as they are while the program is in use.
   MultirateProgram(const traces::MemoryImage& image, const traces::Camera& camera, const RenderConfig& config,
                    const MultirateConfig& multirate, std::uint32_t grid, const RateMap& rates, std::uint32_t frame);
 
- private:
-  std::uint32_t block_of(std::uint32_t tile) const override { return rates_.block(tile); }
-  bool carries_rates() const override { return multirate_.rate_control != RateControl::kOff; }
-  Wavefront::RetainedRecords records_to_retain(bool is_last) const override;
-  Verdict check(Tile& tile, bool along_y, const LineUniforms<float>& line, std::uint32_t items) const override;
-  void interpolate(Tile& tile, bool along_y, const LineUniforms<float>& line, const Verdict& verdict) const override;
+  std::uint32_t tiles() const override { return blocks_.tiles.count(); }
+  TileCounts tile_counts() const override { return {blocks_.tiles.across(), blocks_.tiles.down()}; }
+  FrameRequirements requirements() const override { return blocks_.requirements(); }
+  void run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const override;
+  void keep(const TileResult& tile) override;
 
-  template <bool kTexture>
-  Verdict check_colours(Tile& tile, bool along_y, const LineUniforms<float>& line, std::uint32_t items) const;
+ private:
+  /// Checks samples and gives those that pass the colour between their references.
+  Verdict check_and_interpolate(BlockTile& tile, const BlockLines& lines) const;
   template <bool kAlongY, bool kSecondary, bool kTexture>
-  Verdict check_with(Tile& tile, const LineUniforms<float>& line, std::uint32_t items) const;
-  template <class K>
-  void interpolate_with(Tile& tile, const LineUniforms<float>& line, const Verdict& verdict) const;
+  Verdict check_and_interpolate(BlockTile& tile, const BlockLines& lines) const;
 
   const MultirateConfig multirate_;
-  const bool secondary_checks_;  ///< made
-  const bool compares_colours_;  ///< those of textured surfaces
+  const BlockFrame blocks_;
+  const bool secondary_checks_;
+  const bool compares_colours_;  ///< of textured surfaces
   const RateMap& rates_;
 };
 

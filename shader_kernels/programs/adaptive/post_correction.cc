@@ -4,7 +4,7 @@
 #include <limits>
 #include <tuple>
 
-#include "shader_kernels/kernels/find_suspects.h"
+#include "shader_kernels/kernels/attributes.h"
 
 namespace kernels {
 

@@ -5,8 +5,8 @@
 
 #include <glm/vec3.hpp>
 
+#include "shader_kernels/programs/adaptive/adaptive_config.h"
 #include "shader_kernels/programs/adaptive/sample_tiles.h"
-#include "shader_kernels/programs/adaptive/undersample_config.h"
 #include "shader_kernels/programs/wavefront/sampling.h"
 #include "shader_kernels/programs/wavefront/tile_result.h"
 

@@ -2,7 +2,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "shader_kernels/programs/adaptive/multirate_config.h"
+#include "shader_kernels/programs/adaptive/adaptive_config.h"
 #include "shader_kernels/programs/wavefront/sampling.h"
 
 namespace kernels {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "shader_kernels/kernels/settle_subpixels.h"
+#include "shader_kernels/kernels/subpixels.h"
 
 namespace kernels {
 

@@ -1,10 +1,14 @@
 #include "shader_kernels/programs/adaptive/supersample.h"
 
 #include <algorithm>
+#include <bit>
+#include <numeric>
 
-#include "shader_kernels/kernels/pack_subpixels.h"
+#include "shader_kernels/kernels/subpixels.h"
+#include "sim/hash.h"
 
 namespace kernels {
+
 SupersampleProgram::SupersampleProgram(const traces::MemoryImage& image, const traces::Camera& camera,
                                        const RenderConfig& config, const SupersampleConfig& supersample,
                                        std::uint32_t frame)
@@ -72,6 +76,344 @@ void SupersampleProgram::run_tile(std::uint32_t tile_index, const traces::Tracer
   if (supersample_.propagate != 0) put_shown(tile);
   wave.finish();
   count(tile);
+}
+
+/// Samples at pixels' centres; `x`, `y` are the first one's position in the tile buffer.
+void SupersampleProgram::trace_centres(Tile& tile, std::uint32_t x, std::uint32_t y, std::uint32_t across,
+                                       std::uint32_t down, bool is_own) const {
+  Wavefront& wave = tile.wave;
+  TileBuffer& buffer = tile.buffer;
+  const std::uint32_t items = across * down;
+  ListSamples::Ports<float> list;
+  list.lattice = tiles_.lattice(x, y, across);
+  const Node listed = wave.launch<ListSamples>(list, items);
+
+  buffer.hold_wave(items);
+  GenerateListedRays::Ports<float> generate;
+  generate.camera = camera_;
+  generate.grid = {.x0 = static_cast<float>(tile.at.x) - static_cast<float>(tiles_.halo()),
+                   .y0 = static_cast<float>(tile.at.y) - static_cast<float>(tiles_.halo()),
+                   .pitch = static_cast<float>(tiles_.pitch()),
+                   .inverse_pitch = 1.0F / static_cast<float>(tiles_.pitch()),
+                   .grid = 1,
+                   .inverse_grid = 1};
+  Wavefront::RetainedRecords retained;
+  retained.traits = true;
+  const Node generated = wave.generate(generate, buffer.samples, listed, items, retained);
+  wave.run(generated, items, retained);
+  if (wave.is_muted()) return;
+  tile.out.sampling.traced += items;
+  if (!is_own) tile.out.sampling.halo += items;
+}
+
+/// Thresholds of the attributes; no contrast reaches that of one that is not compared.
+std::array<float, kAttributes> SupersampleProgram::thresholds() const {
+  const SupersampleConfig& c = supersample_;
+  const std::array<double, kAttributes> all{c.colour,           c.object,           c.normal,
+                                            c.shadow,           c.texture,          c.secondary_object,
+                                            c.secondary_normal, c.secondary_shadow, c.secondary_texture};
+  std::array<float, kAttributes> reached{};
+  std::ranges::transform(all, reached.begin(), [](double t) { return t < 0 ? kNever : static_cast<float>(t); });
+  return reached;
+}
+
+/// The sample at a finished pixel's centre.
+std::size_t SupersampleProgram::centre_of(const Tile& tile, std::uint32_t pixel) {
+  const DivMod<float> row = finished_pixel<float>(static_cast<float>(pixel), tile.finished);
+  return static_cast<std::size_t>(centre_sample<float>(row, tile.finished));
+}
+
+SupersampleProgram::Node SupersampleProgram::test(Tile& tile) const {
+  TestSubpixels::Ports<float> ports;
+  ports.finished = tile.finished;
+  ports.secondary.bind(tile.buffer.secondary_traits.data());
+  ports.verdicts.bind(tile.buffer.subpixels.data());
+  ports.thresholds = thresholds();
+  ports.compared = 0;
+  for (std::size_t i = 0; i < kAttributes; ++i) {
+    if (ports.thresholds[i] < kNever) ports.compared |= 1U << i;
+  }
+  ports.same_normal = static_cast<float>(supersample_.same_normal);
+  ports.focus = supersample_.focus ? traces::kFocusObject : 0;
+  ports.textured = ports.focus | kTexturedObject;
+  const Node node = tile.wave.launch<TestSubpixels>(ports, 4 * tile.pixels);
+  tile.wave.wait_for_records(node);
+  tile.wave.wait_for_colours(node);
+  return node;
+}
+
+SupersampleProgram::Node SupersampleProgram::weigh(Tile& tile, Node tested) const {
+  return supersample_.filter == SubpixelFilter::kBilinear ? weigh_with<true>(tile, tested)
+                                                          : weigh_with<false>(tile, tested);
+}
+
+template <bool kBilinear>
+SupersampleProgram::Node SupersampleProgram::weigh_with(Tile& tile, Node tested) const {
+  typename WeighCentres<kBilinear>::template Ports<float> ports;
+  ports.finished = tile.finished;
+  ports.verdicts.bind(tile.buffer.subpixels.data());
+  const Node node = tile.wave.launch<WeighCentres<kBilinear>>(ports, tile.pixels);
+  tile.wave.wait_all(node, tested);
+  return node;
+}
+
+void SupersampleProgram::count(Tile& tile) const {
+  TileResult& out = tile.out;
+  Sampling& sampling = out.sampling;
+  sampling.wanted = std::uint64_t{kWhole} * tile.pixels;
+  sampling.traced_background = out.background.size();
+  for (const std::uint32_t sample : out.background) sampling.background += sample >= centres() ? 1 : 0;
+  for (std::uint32_t pixel = 0; pixel < tile.pixels; ++pixel) {
+    std::uint32_t active = 0, reasons = 0;
+    for (std::uint32_t i = 0; i < 4; ++i) {
+      const std::uint32_t verdict = tile.buffer.subpixels[4 * pixel + i];
+      if (active_bit<float>(verdict) == 0) continue;
+      active += 1;
+      reasons |= verdict & ((1U << kAttributes) - 1);
+      for (std::size_t a = 0; a < kAttributes; ++a) sampling.reasons[a] += verdict >> a & 1U;
+      sampling.first_reasons[static_cast<std::size_t>(std::countr_zero(verdict))] += 1;
+    }
+    out.marks[pixel] = static_cast<SampleMark>(reasons | active << kActiveCountShift);
+    sampling.active[active] += 1;
+    if (tile.buffer.traits[centre_of(tile, pixel)].object == kNoObject) sampling.background += kExtra * (4 - active);
+  }
+}
+
+namespace {
+
+using traces::Region;
+
+/// Bytes of a sample that go to neighbours.
+constexpr std::uint32_t kExchangedBytes = 2 * sizeof(TraitsRecord<float>) + sizeof(ColourRecord<float>);
+
+}  // namespace
+
+// A tile's store: its last two columns, row by row, so that the last four are the corner; its last two rows; all
+// attributes if they do not stay; samples of active sub-pixels if they wait there for each other.
+std::uint64_t SupersampleProgram::store_bytes() const {
+  const bool is_parked = supersample_.attributes == AttributeStorage::kDram;
+  const bool is_spilt = supersample_.packing == Packing::kAtomic;
+  return tiles_.stored_samples() * kExchangedBytes + (is_parked ? std::uint64_t{centres()} * kAttributeBytes : 0) +
+         (is_spilt ? std::uint64_t{tile_pixels()} * kWhole * sizeof(ColourRecord<float>) : 0);
+}
+
+/// As block_halo.cc has it: a tile always makes its halo; where neighbours keep theirs, the machine reads it back.
+void SupersampleProgram::make_halo(Tile& tile) const {
+  tiles_.for_each_part(tile.at, [&](const HaloPart& part) {
+    if (supersample_.halo == Halo::kReload) {
+      tile.wave.import_samples(part.border, store_bytes() * part.border.tile + part.first * kExchangedBytes,
+                               part.across * part.down * kExchangedBytes);
+      tile.wave.mute();
+    }
+    trace_centres(tile, part.x, part.y, part.across, part.down, false);
+    tile.wave.unmute();
+  });
+}
+
+void SupersampleProgram::export_borders(Tile& tile) const {
+  if (supersample_.halo == Halo::kRetrace) return;
+  const std::uint64_t store = store_bytes() * tile.at.index;
+  tiles_.for_each_export(tile.at, [&](std::uint32_t border, std::uint64_t first, std::uint32_t samples) {
+    tile.wave.export_samples(border, store + first * kExchangedBytes, samples * kExchangedBytes);
+  });
+}
+
+/// Writes all attributes to memory and reads them back, if that is where they are.
+void SupersampleProgram::park_attributes(Tile& tile) const {
+  if (supersample_.attributes == AttributeStorage::kTile) return;
+  const std::uint32_t across = tile.at.width + (tile.at.has_left ? 2 : 0);
+  const std::uint32_t bytes = across * (tile.at.height + (tile.at.has_above ? 2 : 0)) * kAttributeBytes;
+  const std::uint64_t store = store_bytes() * tile.at.index + tiles_.stored_samples() * kExchangedBytes;
+  const Node out = tile.wave.transfer(Region::kSamples, true, store, bytes);
+  tile.wave.wait_for_records(out);
+  const Node in = tile.wave.transfer(Region::kSamples, false, store, bytes);
+  tile.wave.wait_all(in, out);
+  tile.wave.adds_records(in);
+}
+
+/// Returns the launch that completes the tile's pixels.
+SupersampleProgram::Node SupersampleProgram::sample_active(Tile& tile, Node tested, Node weighed) const {
+  std::vector<Chunk> chunks;
+  const Node packed = pack(tile, tested, chunks);
+  Node summed = weighed;
+  std::uint32_t subpixels = 0;
+  const bool is_spilt = supersample_.packing == Packing::kAtomic;
+  for (const Chunk& chunk : chunks) {
+    const std::uint32_t first_sample = centres() + (is_spilt ? kExtra * chunk.first : 0);
+    trace_extra(tile, chunk, first_sample, packed);
+    if (supersample_.propagate != 0) settle(tile, chunk, first_sample, 0);
+    is_spilt ? spill_chunk(tile, chunk) : void(summed = sum_up(tile, chunk, weighed));
+    tile.out.sampling.padding += chunk.padding;
+    subpixels += chunk.subpixels;
+  }
+  tile.out.sampling.traced += kExtra * std::uint64_t{subpixels};
+  if (is_spilt && subpixels != 0) summed = sum_from_memory(tile, subpixels, weighed);
+  return summed;
+}
+
+SupersampleProgram::Node SupersampleProgram::pack(Tile& tile, Node tested, std::vector<Chunk>& chunks) const {
+  switch (supersample_.packing) {
+    case Packing::kBlock:
+      return pack_by_block(tile, tested, chunks);
+    case Packing::kAtomic:
+      return pack_by_atomics(tile, tested, chunks);
+    case Packing::kNone:
+      break;
+  }
+  take_all(tile, chunks);
+  return tested;
+}
+
+SupersampleProgram::Node SupersampleProgram::pack_by_block(Tile& tile, Node tested, std::vector<Chunk>& chunks) const {
+  TileBuffer& buffer = tile.buffer;
+  const std::uint32_t across = (tile.out.width + kBlockWidth - 1) / kBlockWidth;
+  const std::uint32_t down = (tile.out.height + kBlockHeight - 1) / kBlockHeight;
+  PackSubpixels::Ports<float> ports;
+  ports.across = static_cast<float>(across);
+  ports.inverse_across = 1.0F / ports.across;
+  ports.width = static_cast<float>(tile.out.width);
+  ports.height = static_cast<float>(tile.out.height);
+  ports.verdicts.bind(buffer.subpixels.data());
+  const Node node = tile.wave.launch<PackSubpixels>(ports, across * down * kBlockWidth * kBlockHeight);
+  tile.wave.wait_all(node, tested);
+
+  const auto length = static_cast<std::uint32_t>(ports.list_end.value);
+  for (std::uint32_t first = 0, masters = 0; first < length; first += kChunk) {
+    const std::uint32_t fill = buffer.fills[first / kChunk];
+    const std::uint32_t taken = fill & ((1U << PackSubpixels::kFillBits) - 1);
+    const std::uint32_t masters_end = fill >> PackSubpixels::kFillBits;
+    const std::uint32_t padding = first + kChunk < length ? kChunk - taken : 0;
+    chunks.push_back({first, taken, padding, masters, masters_end - masters});
+    masters = masters_end;
+  }
+  return node;
+}
+
+SupersampleProgram::Node SupersampleProgram::pack_by_atomics(Tile& tile, Node tested,
+                                                             std::vector<Chunk>& chunks) const {
+  TileBuffer& buffer = tile.buffer;
+  const std::uint32_t subpixels = 4 * tile.pixels;
+  // Near the golden section of all, so that neighbours in the list are far apart in the picture.
+  std::uint32_t stride = static_cast<std::uint32_t>(std::uint64_t{subpixels} * 618 / 1000) | 1U;
+  while (std::gcd(stride, subpixels) != 1) stride += 2;
+  buffer.fills[0] = 0;
+  PackSubpixelsAtomic::Ports<float> ports;
+  ports.verdicts.bind(buffer.subpixels.data());
+  ports.length.bind(buffer.fills.data());
+  ports.subpixel.value = static_cast<float>(sim::hash(frame_, tile.at.index) % subpixels);
+  ports.stride = static_cast<float>(stride % subpixels);
+  ports.subpixels = static_cast<float>(subpixels);
+  const Node node = tile.wave.launch<PackSubpixelsAtomic>(ports, subpixels);
+  tile.wave.wait_all(node, tested);
+  for (std::uint32_t first = 0; first < buffer.fills[0]; first += kChunk) {
+    chunks.push_back({first, std::min(kChunk, buffer.fills[0] - first), 0, 0, 0});
+  }
+  return node;
+}
+
+/// Takes all sub-pixels, which the machine does not list: each item of a chunk looks for itself whether there is
+/// something to do.
+void SupersampleProgram::take_all(Tile& tile, std::vector<Chunk>& chunks) const {
+  TileBuffer& buffer = tile.buffer;
+  constexpr std::uint32_t kChunkPixels = kChunk / 4;
+  std::uint32_t masters = 0;
+  for (std::uint32_t pixel = 0; pixel < tile.pixels; pixel += kChunkPixels) {
+    const std::uint32_t end = std::min(pixel + kChunkPixels, tile.pixels);
+    const std::uint32_t first = pixel * 4;
+    Chunk chunk{first, 0, 0, masters, 0};
+    for (std::uint32_t subpixel = first; subpixel < 4 * end; ++subpixel) {
+      std::uint32_t& verdict = buffer.subpixels[subpixel];
+      if (active_bit<float>(verdict) == 0) continue;
+      const std::uint32_t index = first + chunk.subpixels++;
+      verdict |= index << kIndexShift;
+      buffer.active[index] = subpixel;
+      if (chunk.masters == 0 || buffer.masters[masters - 1] != subpixel / 4) {
+        buffer.masters[masters++] = subpixel / 4;
+        ++chunk.masters;
+      }
+    }
+    chunk.padding = 4 * end - first - chunk.subpixels;
+    chunks.push_back(chunk);
+  }
+}
+
+/// Takes the samples of a chunk's sub-pixels, whose colours lie from `first_sample` on.
+void SupersampleProgram::trace_extra(Tile& tile, const Chunk& chunk, std::uint32_t first_sample, Node after) const {
+  Wavefront& wave = tile.wave;
+  TileBuffer& buffer = tile.buffer;
+  const std::uint32_t items = kExtra * chunk.subpixels;
+  const std::uint32_t padding = kExtra * chunk.padding;
+  buffer.hold_wave(items);
+  wave.set_cone(cone_uniforms(camera_, kWholeGrid));
+  GenerateExtraRays::Ports<float> generate;
+  generate.active.bind(buffer.active.data() + chunk.first);
+  generate.camera = camera_;
+  generate.x0 = static_cast<float>(tile.out.x);
+  generate.y0 = static_cast<float>(tile.out.y);
+  generate.width = tile.finished.width;
+  generate.inverse_width = tile.finished.inverse_width;
+  generate.first_sample = static_cast<float>(first_sample);
+  generate.image_width = config_.width;
+  generate.seed = jitter_seed(frame_);
+  const Node generated = wave.launch<GenerateExtraRays>(generate, items, items + padding, padding);
+  wave.wait_all(generated, after);
+  wave.wait_for_colours(generated);  // the slots are free
+  for (std::uint32_t i = 0; wave.counts_pixels() && i < items; ++i) {
+    const std::uint32_t pixel = buffer.active[chunk.first + i / kExtra] / 4;
+    wave.place_ray(i, tile.out.x + pixel % tile.out.width, tile.out.y + pixel / tile.out.width);
+  }
+  if (items != 0) wave.run(generated, items, {}, items + padding, padding);
+}
+
+/// Has the samples of a chunk wait in memory.
+void SupersampleProgram::spill_chunk(Tile& tile, const Chunk& chunk) const {
+  Wavefront& wave = tile.wave;
+  const std::uint32_t items = kExtra * chunk.subpixels;
+  const std::uint64_t offset =
+      store_bytes() * (tile.at.index + 1) -
+      (std::uint64_t{tile_pixels()} * kWhole - std::uint64_t{kExtra} * chunk.first) * sizeof(ColourRecord<float>);
+  const Node out = wave.transfer(traces::Region::kSamples, true, offset, items * sizeof(ColourRecord<float>));
+  wave.wait_for_colours(out);
+  wave.colours_are_in(out);
+}
+
+SupersampleProgram::Node SupersampleProgram::sum_up(Tile& tile, const Chunk& chunk, Node weighed) const {
+  const bool is_listed = supersample_.packing == Packing::kBlock;
+  const std::uint32_t idle = is_listed ? 0 : (chunk.subpixels + chunk.padding) / 4 - chunk.masters;
+  return sum(tile, tile.buffer.masters.data() + chunk.first_master, chunk.masters, idle, chunk.first, weighed);
+}
+
+SupersampleProgram::Node SupersampleProgram::sum_from_memory(Tile& tile, std::uint32_t subpixels, Node weighed) const {
+  const std::uint64_t offset =
+      store_bytes() * (tile.at.index + 1) - std::uint64_t{tile_pixels()} * kWhole * sizeof(ColourRecord<float>);
+  const auto bytes = static_cast<std::uint32_t>(kExtra * subpixels * sizeof(ColourRecord<float>));
+  const Node in = tile.wave.transfer(traces::Region::kSamples, false, offset, bytes);
+  tile.wave.wait_for_colours(in);
+  tile.wave.colours_are_in(in);
+  ListSamples::Ports<float> list;
+  list.samples.bind(tile.buffer.masters.data());
+  list.lattice = {.first = 0,
+                  .across = static_cast<float>(tile.pixels),
+                  .inverse_across = 1.0F / static_cast<float>(tile.pixels),
+                  .step = 1,
+                  .row_step = 0};
+  const Node listed = tile.wave.launch<ListSamples>(list, tile.pixels);
+  tile.wave.adds_colours(listed);
+  return sum(tile, tile.buffer.masters.data(), tile.pixels, 0, 0, weighed);
+}
+
+/// Completes listed pixels. The active sub-pixel at `first_index` has the first of the samples' colours.
+SupersampleProgram::Node SupersampleProgram::sum(Tile& tile, std::uint32_t* listed, std::uint32_t pixels,
+                                                 std::uint32_t padding, std::uint32_t first_index, Node weighed) const {
+  SumSubpixels::Ports<float> ports;
+  ports.listed.bind(listed);
+  ports.verdicts.bind(tile.buffer.subpixels.data());
+  ports.first_sample = static_cast<float>(centres()) - static_cast<float>(kExtra * first_index);
+  const Node node = tile.wave.launch<SumSubpixels>(ports, kWhole * pixels, 0, kWhole * padding);
+  tile.wave.wait_all(node, weighed);
+  tile.wave.wait_for_colours(node);
+  tile.wave.colours_are_in(node);
+  return node;
 }
 
 }  // namespace kernels

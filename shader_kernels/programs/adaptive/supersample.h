@@ -4,11 +4,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "shader_kernels/kernels/settle_subpixels.h"
 #include "shader_kernels/kernels/subpixels.h"
-#include "shader_kernels/programs/adaptive/finished_tiles.h"
+#include "shader_kernels/programs/adaptive/adaptive_config.h"
+#include "shader_kernels/programs/adaptive/sample_tiles.h"
 #include "shader_kernels/programs/adaptive/shown_subpixels.h"
-#include "shader_kernels/programs/adaptive/supersample_config.h"
 #include "shader_kernels/programs/wavefront/frame_program.h"
 #include "shader_kernels/programs/wavefront/render_config.h"
 #include "shader_kernels/programs/wavefront/scene_tables.h"

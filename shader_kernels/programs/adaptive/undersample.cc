@@ -1,5 +1,9 @@
 #include "shader_kernels/programs/adaptive/undersample.h"
 
+#include <algorithm>
+#include <set>
+#include <utility>
+
 #include <glm/common.hpp>
 
 namespace kernels {
@@ -9,112 +13,100 @@ namespace {
 constexpr std::uint32_t kRecordBytes =
     sizeof(GeometryRecord<float>) + sizeof(SurfaceRecord<float>) + sizeof(ColourRecord<float>);
 
+BlockSetup block_setup(const UndersampleConfig& undersample) {
+  BlockSetup setup{.grid = undersample.grid(),
+                   .block = undersample.block,
+                   .whole = undersample.block,
+                   .record_bytes = kRecordBytes,
+                   .faint = faint_channel(static_cast<float>(undersample.colour))};
+  setup.before_check_y.surfaces = true;
+  setup.after_check_y.geometry = undersample.correction != Correction::kOff;
+  return setup;
+}
+
 }  // namespace
 
 UndersampleProgram::UndersampleProgram(const traces::MemoryImage& image, const traces::Camera& camera,
                                        const RenderConfig& config, const UndersampleConfig& undersample,
                                        float scene_size, std::uint32_t frame)
-    : BlockProgram(image, camera, config, undersample,
-                   {.grid = undersample.grid(),
-                    .block = undersample.block,
-                    .whole = undersample.block,
-                    .record_bytes = kRecordBytes},
-                   frame),
+    : FrameProgram(config.width, config.height),
       undersample_(undersample),
+      blocks_(image, camera, config, undersample, block_setup(undersample), frame),
       apart_(static_cast<float>(undersample.position) * scene_size),
-      faint_(faint_channel(static_cast<float>(undersample.colour))),
       correction_(undersample, config.width * undersample.grid(), config.height * undersample.grid(),
-                  sample_tiles().side()) {}
-
-Wavefront::RetainedRecords UndersampleProgram::records_to_retain(bool is_last) const {
-  Wavefront::RetainedRecords retained;
-  retained.surfaces = !is_last;
-  retained.geometry = is_last && correction_.scans() > 0;
-  return retained;
+                  blocks_.tiles.side()) {
+  blocks_.size_counts(kept_sampling());
 }
 
-void UndersampleProgram::traced(Tile& tile, std::vector<std::uint32_t>& list, std::uint32_t items, std::uint32_t lanes,
-                                const Wavefront::RetainedRecords& retained) const {
-  if (!retained.surfaces) return;
-  const auto launch = [&]<class K>(typename K::template Ports<float>& ports) {
-    ports_of<RecordGlobal>(ports).samples.bind(list.data());
-    const Wavefront::Node node = tile.wave.launch<K>(ports, items, lanes);
-    tile.wave.wait_for_colours(node);
-    tile.wave.adds_records(node);
+void UndersampleProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
+                                  TileResult& out) const {
+  if (tile_index >= blocks_.tiles.count()) return run_scan(tile_index, tracer, record, out);
+  BlockTile tile(blocks_, tile_index, tracer, record, out, [this](std::uint32_t) { return undersample_.block; });
+  const auto resolve = [&](const BlockLines& lines) {
+    if (lines.samples == 0) return;
+    const Verdict verdict = check(tile, lines);
+    if (verdict.passed != 0) {
+      lines.along_y ? interpolate_and_shade<true>(tile, lines, verdict)
+                    : interpolate_and_shade<false>(tile, lines, verdict);
+    }
+    tile.trace_failed(lines, verdict);
   };
-  if (tile.wave.fuses()) {
-    RecordCounted::Ports<float> ports;
-    ports_of<CountColoured>(ports).samples.bind(list.data());
-    ports_of<CountColoured>(ports).faint = faint_;
-    launch.operator()<RecordCounted>(ports);
-    tile.coloured += ports_of<CountColoured>(ports).coloured_count.value;
-  } else {
-    RecordGlobal::Ports<float> ports;
-    launch.operator()<RecordGlobal>(ports);
-  }
+
+  tile.trace_references();
+  tile.export_right();  // before imports, as in multirate
+  tile.import_left();
+  tile.spill_references_to_dram();
+  resolve(tile.lines_along_x());
+  tile.export_below();
+  tile.import_above(resolve);
+  tile.spill_reference_rows_to_dram();
+  resolve(tile.lines_along_y());
+  average(tile);
+  tile.finish();
 }
 
-/// Has the machine count what the neighbour's samples add to the tile's colours. Here they have been counted when they
-/// were traced.
-void UndersampleProgram::imported(Tile& tile, std::uint32_t samples) const {
-  if (!tile.wave.fuses()) return;
-  const Wavefront::Node node = tile.wave.note<CountColoured>(samples);
-  tile.wave.wait_for_records(node);
-  tile.wave.adds_records(node);
-}
-
-BlockProgram::Verdict UndersampleProgram::check(Tile& tile, bool along_y, const LineUniforms<float>& line,
-                                                std::uint32_t items) const {
-  return along_y ? check_along<true>(tile, line, items) : check_along<false>(tile, line, items);
-}
-
-/// Leaves out what nothing in the scene, or in the tile, can fail.
-template <bool kAlongY>
-BlockProgram::Verdict UndersampleProgram::check_along(Tile& tile, const LineUniforms<float>& line,
-                                                      std::uint32_t items) const {
-  const bool has_textures = !scene().fuses || scene().has_textures;
-  const bool has_colours = !scene().fuses || tile.coloured != 0;
+/// Leaves out checks that nothing in the scene, or in the tile, can fail.
+Verdict UndersampleProgram::check(BlockTile& tile, const BlockLines& lines) const {
+  const bool has_textures = !blocks_.scene.fuses || blocks_.scene.has_textures;
+  const bool has_colours = !blocks_.scene.fuses || tile.coloured != 0;
+  const auto along = [&]<bool kTextures, bool kColours> {
+    return lines.along_y ? check_with<CheckAttributes<true, kTextures, kColours>>(tile, lines)
+                         : check_with<CheckAttributes<false, kTextures, kColours>>(tile, lines);
+  };
   if (has_colours) {
-    return has_textures ? check_with<CheckAttributes<kAlongY, true, true>>(tile, line, items)
-                        : check_with<CheckAttributes<kAlongY, false, true>>(tile, line, items);
+    return has_textures ? along.template operator()<true, true>() : along.template operator()<false, true>();
   }
-  return has_textures ? check_with<CheckAttributes<kAlongY, true, false>>(tile, line, items)
-                      : check_with<CheckAttributes<kAlongY, false, false>>(tile, line, items);
+  return has_textures ? along.template operator()<true, false>() : along.template operator()<false, false>();
 }
 
 template <class K>
-BlockProgram::Verdict UndersampleProgram::check_with(Tile& tile, const LineUniforms<float>& line,
-                                                     std::uint32_t items) const {
+Verdict UndersampleProgram::check_with(BlockTile& tile, const BlockLines& lines) const {
   const auto colour = static_cast<float>(undersample_.colour);
   typename K::template Ports<float> ports;
-  ports.line = line;
+  ports.line = lines.uniforms;
   ports.apart_squared = apart_ * apart_;
   ports.least_dot = static_cast<float>(undersample_.normal);
   ports.texture = static_cast<float>(undersample_.texture);
   ports.colour_squared = colour * colour;
-  const Wavefront::Node node = tile.wave.launch<K>(ports, items);
+  const Wavefront::Node node = tile.wave.launch<K>(ports, lines.samples);
+  tile.wave.wait_for_records(node);
   return {node, ports.passed_count.value, ports.failed_count.value};
 }
 
-void UndersampleProgram::interpolate(Tile& tile, bool along_y, const LineUniforms<float>& line,
-                                     const Verdict& verdict) const {
-  along_y ? interpolate_with<true>(tile, line, verdict) : interpolate_with<false>(tile, line, verdict);
-}
-
+/// Gives samples that passed the attributes between their references, and shades them.
 template <bool kAlongY>
-void UndersampleProgram::interpolate_with(Tile& tile, const LineUniforms<float>& line, const Verdict& verdict) const {
-  TileBuffer& buffer = tile.buffer;
-  buffer.hold_wave(verdict.passed);
+void UndersampleProgram::interpolate_and_shade(BlockTile& tile, const BlockLines& lines, const Verdict& verdict) const {
+  tile.buffer.hold_wave(verdict.passed);
   using Interpolate = InterpolateAttributes<kAlongY>;
   const std::uint32_t lanes = verdict.passed + verdict.failed;
   if (tile.wave.fuses() && tile.wave.has_lights()) {
     typename InterpolateLit<kAlongY>::template Ports<float> fused;
-    ports_of<Interpolate>(fused).line = line;
+    ports_of<Interpolate>(fused).line = lines.uniforms;
     tile.wave.interpolate_lit<InterpolateLit<kAlongY>>(fused, verdict.passed, lanes, verdict.node);
     return;
   }
   typename Interpolate::template Ports<float> ports;
-  ports.line = line;
+  ports.line = lines.uniforms;
   const Wavefront::Node node = tile.wave.launch<Interpolate>(ports, verdict.passed, lanes);
   tile.wave.wait_all(node, verdict.node);
   tile.wave.adds_records(node);
@@ -122,27 +114,30 @@ void UndersampleProgram::interpolate_with(Tile& tile, const LineUniforms<float>&
   tile.wave.shade_interpolated(node, verdict.passed, lanes);
 }
 
-void UndersampleProgram::settled(Tile& tile) const {
-  if (correction_.scans() == 0 || packs_samples(tile.wave)) return;
-  undersample_.correct_shadows ? store_identities<StoreIdentities<true>>(tile)
-                               : store_identities<StoreIdentities<false>>(tile);
-}
-
-Wavefront::Node UndersampleProgram::pack_samples(Tile& tile) const {
-  if (correction_.scans() == 0) return BlockProgram::pack_samples(tile);
-  return undersample_.correct_shadows ? store_identities<PackIdentified<true>>(tile)
-                                      : store_identities<PackIdentified<false>>(tile);
+/// Averages samples to pixels. With post-correction, samples' identities are written to memory for its scans.
+void UndersampleProgram::average(BlockTile& tile) const {
+  if (correction_.scans() == 0) return tile.average();
+  const auto store = [&]<class Shadows, class Plain>(std::type_identity<Shadows>, std::type_identity<Plain>) {
+    return undersample_.correct_shadows ? store_identities<Shadows>(tile) : store_identities<Plain>(tile);
+  };
+  using std::type_identity;
+  if (tile.packs_samples()) {
+    tile.write_packed(store(type_identity<PackIdentified<true>>{}, type_identity<PackIdentified<false>>{}));
+  } else {
+    store(type_identity<StoreIdentities<true>>{}, type_identity<StoreIdentities<false>>{});
+    tile.average();
+  }
 }
 
 /// Launches K, which writes down what samples show, and moves that to memory.
 template <class K>
-Wavefront::Node UndersampleProgram::store_identities(Tile& tile) const {
+Wavefront::Node UndersampleProgram::store_identities(BlockTile& tile) const {
   typename K::template Ports<float> ports;
   if constexpr (requires { ports.lattice; }) {
-    ports.lattice = own_samples(tile.at);
+    ports.lattice = blocks_.own_samples(tile.at);
   } else {
-    ports_of<TakeGridSample>(ports).lattice = own_samples(tile.at);
-    ports_of<typename K::Identities>(ports).lattice = own_samples(tile.at);
+    ports_of<TakeGridSample>(ports).lattice = blocks_.own_samples(tile.at);
+    ports_of<typename K::Identities>(ports).lattice = blocks_.own_samples(tile.at);
   }
   const std::uint32_t samples = tile.at.width * tile.at.height;
   const Wavefront::Node node = tile.wave.launch<K>(ports, samples);
@@ -153,10 +148,229 @@ Wavefront::Node UndersampleProgram::store_identities(Tile& tile) const {
   tile.wave.wait_for_colours(out);
   tile.out.shown.clear();
   for (std::uint32_t i = 0; i < samples; ++i) {
-    const std::uint32_t sample = (i / tile.at.width + 1) * pitch() + i % tile.at.width + 1;
+    const std::uint32_t sample = (i / tile.at.width + 1) * blocks_.pitch() + i % tile.at.width + 1;
     tile.out.shown.push_back({tile.buffer.identities[i], tile.out.colour(sample)});
   }
   return node;
+}
+
+using traces::Region;
+
+namespace {
+
+constexpr std::uint32_t kWordBytes = sizeof(WordRecord<float>);
+constexpr std::uint32_t kScanned = 0;  // the border of a tile that others read in a scan: all words that it corrects
+constexpr auto kPicture = static_cast<std::size_t>(Region::kPicture);
+constexpr auto kSamples = static_cast<std::size_t>(Region::kSamples);
+
+/// Number of pixels that samples belong to.
+std::uint32_t pixels_of(std::span<const PostCorrection::Suspect> suspects, std::uint32_t grid) {
+  std::set<std::pair<std::uint32_t, std::uint32_t>> pixels;
+  for (const PostCorrection::Suspect& s : suspects) pixels.emplace(s.x / grid, s.y / grid);
+  return static_cast<std::uint32_t>(pixels.size());
+}
+
+}  // namespace
+
+std::uint32_t UndersampleProgram::tiles() const { return blocks_.tiles.count() * (1 + correction_.scans()); }
+
+std::uint32_t UndersampleProgram::pass_end(std::uint32_t tile_index) const {
+  const std::uint32_t count = blocks_.tiles.count();
+  return (tile_index / count + 1) * count;
+}
+
+/// A sample's word for the scans; where pixels have several samples, their colours too, to average them again.
+std::uint32_t UndersampleProgram::scanned_bytes() const {
+  return kWordBytes + (undersample_.samples > 1 ? static_cast<std::uint32_t>(sizeof(ColourRecord<float>)) : 0);
+}
+
+std::uint64_t UndersampleProgram::scan_store(std::uint32_t tile) const {
+  const std::uint64_t side = blocks_.tiles.side();
+  return blocks_.requirements().region_bytes[kSamples] + tile * side * side * scanned_bytes();
+}
+
+FrameRequirements UndersampleProgram::requirements() const {
+  FrameRequirements needs = blocks_.requirements();
+  if (correction_.scans() > 0) {
+    needs.region_bytes[kSamples] = scan_store(blocks_.tiles.count());
+    // A tile of a scan keeps its samples' words.
+    needs.pass_attribute_bytes = needs.tile_samples * kWordBytes;
+  }
+  return needs;
+}
+
+void UndersampleProgram::begin_pass(std::uint32_t tile_index, const traces::Tracer& tracer) {
+  const std::uint32_t count = blocks_.tiles.count();
+  if (tile_index < count) return;
+  const PostCorrection::Scan scan = correction_.scan(scan_of(tile_index));
+  TileResult scratch;
+  const auto trace = [&](std::span<const PostCorrection::Suspect> suspects) {
+    // All suspects of a step lie in one column, or in one row.
+    const std::uint32_t pitch = scan.is_along_y ? width() * undersample_.grid() : 1;
+    const PostCorrection::Suspect& first = suspects.front();
+    const GridUniforms<float> grid = scan.is_along_y ? blocks_.grid_uniforms(0, static_cast<float>(first.y), pitch)
+                                                     : blocks_.grid_uniforms(static_cast<float>(first.x), 0, pitch);
+    Wavefront wave(blocks_.scene, tracer, false, blocks_.cone(), scratch);
+    const auto sample = [&](const PostCorrection::Suspect& s) { return scan.is_along_y ? s.x : s.y; };
+    list_suspects(suspects, scratch, sample);
+    trace_suspects(wave, scratch, grid, static_cast<std::uint32_t>(suspects.size()), Wavefront::kNone);
+    PostCorrection::Found found;
+    for (const PostCorrection::Suspect& s : suspects) {
+      const GeometryRecord<float>& geometry = scratch.buffer.geometry[sample(s)];
+      const std::uint32_t shown =
+          undersample_.correct_shadows ? shown_by<float, true>(geometry) : shown_by<float, false>(geometry);
+      found.identities.push_back(shown | kTracedSample);
+      found.colours.push_back(scratch.colour(sample(s)));
+    }
+    return found;
+  };
+  const std::uint32_t grid = undersample_.grid();
+  for (const PostCorrection::Suspect& s : correction_.run(scan, trace)) {
+    average_again(s.x / grid, s.y / grid);
+    if (!kept_marks().empty()) {
+      kept_marks()[std::size_t{s.y} * width() * grid + s.x] = kTracedMark | kCorrectedMark;
+    }
+  }
+}
+
+template <class Sample>
+void UndersampleProgram::list_suspects(std::span<const PostCorrection::Suspect> suspects, TileResult& out,
+                                       Sample&& sample) const {
+  std::uint32_t most = 0;
+  for (const PostCorrection::Suspect& s : suspects) most = std::max(most, sample(s));
+  out.buffer.hold_samples(std::max(std::size_t{most} + 1, suspects.size()));
+  std::ranges::transform(suspects, out.buffer.samples.begin(), sample);
+}
+
+/// Traces the listed samples.
+void UndersampleProgram::trace_suspects(Wavefront& wave, TileResult& out, const GridUniforms<float>& grid,
+                                        std::uint32_t items, Wavefront::Node lister) const {
+  out.buffer.hold_wave(items);
+  GenerateListedRays::Ports<float> generate;
+  generate.camera = blocks_.camera;
+  generate.grid = grid;
+  Wavefront::RetainedRecords retained;
+  retained.geometry = true;
+  const Wavefront::Node generated = wave.generate(generate, out.buffer.samples, lister, items, retained);
+  wave.run(generated, items, retained);
+}
+
+void UndersampleProgram::average_again(std::uint32_t x, std::uint32_t y) {
+  const std::uint32_t grid = undersample_.grid();
+  glm::vec3 sum(0);
+  for (std::uint32_t row = 0; row < grid; ++row) {
+    for (std::uint32_t column = 0; column < grid; ++column) {
+      sum += correction_.colour(x * grid + column, y * grid + row);
+    }
+  }
+  sum *= 1.0F / static_cast<float>(grid * grid);
+  float* to = kept_picture().data() + std::size_t{3} * (std::size_t{y} * width() + x);
+  for (int channel = 0; channel < 3; ++channel) to[channel] = sum[channel];
+}
+
+void UndersampleProgram::run_scan(std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
+                                  TileResult& out) const {
+  const std::uint32_t count = blocks_.tiles.count();
+  const std::uint32_t number = scan_of(tile_index);
+  const PostCorrection::Scan scan = correction_.scan(number);
+  const std::uint32_t in_pass = tile_index % count;
+  const SampleTile at = blocks_.tiles.tile(blocks_.order[scan.is_backward ? count - 1 - in_pass : in_pass]);
+  const std::uint32_t samples = at.width * at.height;
+  out.tile = (number + 1) * count + at.index;
+  out.x = out.y = out.width = out.height = 0;
+  out.marks.clear();
+  out.linear.clear();
+  out.packed.clear();
+  out.sampling = {};
+  Wavefront wave(blocks_.scene, tracer, record, blocks_.cone(), out);
+  out.work.frame = blocks_.number;
+  out.work.tile = out.tile;
+  out.work.samples = samples;
+  out.work.after_all = in_pass == 0;
+  const std::uint32_t step = scan.is_along_y ? blocks_.tiles.across() : 1;
+  const bool has_behind = scan.is_along_y ? (scan.is_backward ? at.has_below : at.has_above)
+                                          : (scan.is_backward ? at.has_right : at.has_left);
+  const auto behind = [&](std::uint32_t tile) { return scan.is_backward ? tile + step : tile - step; };
+
+  const Wavefront::Node in = wave.transfer(Region::kSamples, false, scan_store(at.index), samples * 4);
+  Wavefront::Node border = Wavefront::kNone;
+  if (has_behind) {
+    const std::uint32_t words = scan.is_along_y ? at.width : at.height;
+    border = wave.import_border({behind(out.tile), kScanned}, scan_store(behind(at.index)), words * 4);
+  }
+  const Wavefront::Node found = note_search(wave, samples);
+  wave.wait_all(found, in);
+  wave.wait_all(found, border);
+  correct(wave, out, at, found);
+  wave.finish();
+  out.sampling.traced_background = out.background.size();
+}
+
+Wavefront::Node UndersampleProgram::note_search(Wavefront& wave, std::uint32_t items) const {
+  return undersample_.neighbours == Neighbourhood::kEight ? wave.note<FindSuspects<true>>(items)
+                                                          : wave.note<FindSuspects<false>>(items);
+}
+
+/// Traces a tile's suspects, round by round, and puts out what that changes. `found`: the first search.
+void UndersampleProgram::correct(Wavefront& wave, TileResult& out, const SampleTile& at, Wavefront::Node found) const {
+  std::span<const PostCorrection::Suspect> left = correction_.suspects_of(at.index);
+  out.sampling.traced = out.sampling.correction = left.size();
+  if (left.empty()) return;
+  const std::uint32_t pixels = pixels_of(left, undersample_.grid());
+  const auto corrected = static_cast<std::uint32_t>(left.size());
+  const GridUniforms<float> grid =
+      blocks_.grid_uniforms(static_cast<float>(at.x) - 1.0F, static_cast<float>(at.y) - 1.0F, blocks_.pitch());
+  while (!left.empty()) {
+    const auto end = std::ranges::find_if(
+        left, [&](std::uint32_t round) { return round != left.front().round; }, &PostCorrection::Suspect::round);
+    const std::span round = left.first(static_cast<std::size_t>(end - left.begin()));
+    left = left.subspan(round.size());
+    const auto items = static_cast<std::uint32_t>(round.size());
+    list_suspects(round, out, [&](const PostCorrection::Suspect& s) {
+      return (s.y - at.y + 1) * blocks_.pitch() + s.x - at.x + 1;
+    });
+    trace_suspects(wave, out, grid, items, found);
+    const Wavefront::Node stored = undersample_.correct_shadows ? wave.note<StoreIdentities<true>>(items)
+                                                                : wave.note<StoreIdentities<false>>(items);
+    wave.wait_for_records(stored);
+    found = note_search(wave, items);
+    wave.wait_all(found, stored);
+  }
+  put_corrected(wave, at, corrected, pixels, found);
+}
+
+/// Averages and encodes the corrected pixels and writes them and their words: each a line of its own, as long as those
+/// are not more than all of the tile's.
+void UndersampleProgram::put_corrected(Wavefront& wave, const SampleTile& at, std::uint32_t corrected,
+                                       std::uint32_t corrected_pixels, Wavefront::Node last) const {
+  const std::uint64_t store = scan_store(at.index);
+  const std::uint64_t stored = scan_store(at.index + 1) - store;
+  Wavefront::Node packed = Wavefront::kNone;
+  if (wave.fuses() && undersample_.samples == 1 && !wave.dma_encodes()) {
+    packed = wave.note<PackGridSample>(corrected_pixels);
+    wave.wait_for_colours(packed);
+  } else {
+    const Wavefront::Node averaged = wave.note<AverageSamples>(corrected_pixels * undersample_.samples);
+    wave.wait_for_colours(averaged);
+    if (undersample_.samples > 1) {
+      const Wavefront::Node in = wave.transfer(Region::kSamples, false, store,
+                                               scattered_bytes(corrected_pixels * undersample_.grid(), stored));
+      wave.wait_all(averaged, in);
+    }
+    packed = wave.dma_encodes() ? averaged : wave.note<PackColour>(corrected_pixels);
+    if (packed != averaged) wave.wait_all(packed, averaged);
+  }
+  const std::uint64_t pixels = requirements().region_bytes[kPicture] / blocks_.tiles.count();
+  wave.wait_all(wave.transfer(Region::kPicture, true, pixels * at.index, scattered_bytes(corrected_pixels, pixels)),
+                packed);
+  wave.wait_all(wave.export_border(kScanned, store, scattered_bytes(corrected, stored)), last);
+}
+
+void UndersampleProgram::keep(const TileResult& tile) {
+  if (tile.tile >= blocks_.tiles.count()) return FrameProgram::keep(tile);
+  FrameProgram::keep(tile);
+  blocks_.count_tile(tile, undersample_.block, kept_sampling());
+  correction_.keep(tile, blocks_.tiles.tile(tile.tile));
 }
 
 }  // namespace kernels

@@ -3,9 +3,9 @@
 #include <span>
 #include <vector>
 
-#include "shader_kernels/programs/adaptive/block_program.h"
+#include "shader_kernels/programs/adaptive/adaptive_config.h"
+#include "shader_kernels/programs/adaptive/block_tile.h"
 #include "shader_kernels/programs/adaptive/post_correction.h"
-#include "shader_kernels/programs/adaptive/undersample_config.h"
 
 namespace kernels {
 
@@ -15,13 +15,14 @@ namespace kernels {
 ///   per tile: references -> check_attributes_x -> interpolate_attributes, shade | trace -> check_attributes_y -> ...
 ///             -> average_samples -> pack_colour -> transfer to the frame buffer
 ///   per scan and tile: identities from memory -> find_suspects -> trace -> find_suspects -> ... -> corrected pixels
-class UndersampleProgram final : public BlockProgram {
+class UndersampleProgram final : public FrameProgram {
  public:
   /// `scene_size`: the longest side of the scene's bounds, the same in all frames.
   UndersampleProgram(const traces::MemoryImage& image, const traces::Camera& camera, const RenderConfig& config,
                      const UndersampleConfig& undersample, float scene_size, std::uint32_t frame);
 
   std::uint32_t tiles() const override;
+  TileCounts tile_counts() const override { return {blocks_.tiles.across(), blocks_.tiles.down()}; }
   std::uint32_t pass_end(std::uint32_t tile_index) const override;
   FrameRequirements requirements() const override;
   void begin_pass(std::uint32_t tile_index, const traces::Tracer& tracer) override;
@@ -29,25 +30,16 @@ class UndersampleProgram final : public BlockProgram {
   void keep(const TileResult& tile) override;
 
  private:
-  Wavefront::RetainedRecords records_to_retain(bool is_last) const override;
-  Verdict check(Tile& tile, bool along_y, const LineUniforms<float>& line, std::uint32_t items) const override;
-  void interpolate(Tile& tile, bool along_y, const LineUniforms<float>& line, const Verdict& verdict) const override;
-  void traced(Tile& tile, std::vector<std::uint32_t>& list, std::uint32_t items, std::uint32_t lanes,
-              const Wavefront::RetainedRecords& retained) const override;
-  void imported(Tile& tile, std::uint32_t samples) const override;
-  void settled(Tile& tile) const override;
-  Wavefront::Node pack_samples(Tile& tile) const override;
-
-  template <bool kAlongY>
-  Verdict check_along(Tile& tile, const LineUniforms<float>& line, std::uint32_t items) const;
+  Verdict check(BlockTile& tile, const BlockLines& lines) const;
   template <class K>
-  Verdict check_with(Tile& tile, const LineUniforms<float>& line, std::uint32_t items) const;
+  Verdict check_with(BlockTile& tile, const BlockLines& lines) const;
   template <bool kAlongY>
-  void interpolate_with(Tile& tile, const LineUniforms<float>& line, const Verdict& verdict) const;
+  void interpolate_and_shade(BlockTile& tile, const BlockLines& lines, const Verdict& verdict) const;
+  void average(BlockTile& tile) const;
   template <class K>
-  Wavefront::Node store_identities(Tile& tile) const;
-  std::uint32_t scan_of(std::uint32_t tile_index) const { return tile_index / sample_tiles().count() - 1; }
-  // undersample_scans.cc
+  Wavefront::Node store_identities(BlockTile& tile) const;
+  std::uint32_t scan_of(std::uint32_t tile_index) const { return tile_index / blocks_.tiles.count() - 1; }
+  // Scans of post-correction.
   std::uint32_t scanned_bytes() const;
   std::uint64_t scan_store(std::uint32_t tile) const;
   void run_scan(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const;
@@ -62,8 +54,8 @@ class UndersampleProgram final : public BlockProgram {
                      Wavefront::Node last) const;
 
   const UndersampleConfig undersample_;
+  const BlockFrame blocks_;
   const float apart_;  ///< hits are near each other up to this distance
-  const float faint_;  ///< two colours pass their check if no channel of them is above this
   PostCorrection correction_;
 };
 

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace kernels {
+
 namespace {
 
 /// Flags of all materials of a scene.
@@ -188,6 +190,223 @@ void ReconstructProgram::limit(Tile& tile, const Part& part) const {
     if (!tile.wave.is_muted()) tile.wave.colours_are_in(limited);
   };
   with_branches(launch);
+}
+
+/// With a radius of 0 a pixel shows its own shaded sample.
+ReconstructProgram::Node ReconstructProgram::show_shaded(Tile& tile) const {
+  AverageSamples::Ports<float> ports;
+  ports.samples = ports.inverse_samples = 1;
+  ports.width = tile.finished.width;
+  ports.inverse_width = tile.finished.inverse_width;
+  ports.grid = ports.inverse_grid = 1;
+  ports.first = tile.finished.first;
+  ports.pitch = tile.finished.pitch;
+  const Node shown = tile.wave.launch<AverageSamples>(ports, tile.pixels);
+  tile.wave.wait_for_colours(shown);
+  return shown;
+}
+
+ReconstructProgram::Node ReconstructProgram::reconstruct(Tile& tile) const {
+  return reconstruct_.radius == 1 ? filter<1>(tile) : filter<2>(tile);
+}
+
+template <class K>
+void ReconstructProgram::bind_filter(typename K::template Ports<float>& ports, const Tile& tile) const {
+  ports.finished = tile.finished;
+  ports.bend = bend_;
+  ports.apart = positions();
+}
+
+template <std::uint32_t kRadius>
+ReconstructProgram::Node ReconstructProgram::filter(Tile& tile) const {
+  Wavefront& wave = tile.wave;
+  using Surfaces = Reconstruct<kRadius, false>;
+  typename Surfaces::template Ports<float> ports;
+  bind_filter<Surfaces>(ports, tile);
+  Node last = wave.launch<Surfaces>(ports, tile.pixels);
+  wave.wait_for_records(last);
+  wave.wait_for_colours(last);
+  for (std::uint32_t b = 1; b < layers_; ++b) {
+    const auto layers_before = static_cast<float>(b * layer());
+    ListBranches::Ports<float> list;
+    list.finished = tile.finished;
+    list.branch = layers_before;
+    list.apart = positions();
+    const Node listed = wave.launch<ListBranches>(list, tile.pixels);
+    wave.wait_all(listed, last);
+    last = listed;
+    const std::uint32_t items = list.masters_count.value;
+    if (items == 0) continue;
+    using Branch = Reconstruct<kRadius, true>;
+    typename Branch::template Ports<float> branch;
+    bind_filter<Branch>(branch, tile);
+    branch.branch = layers_before;
+    last = wave.launch<Branch>(branch, items, tile.pixels);
+    wave.wait_all(last, listed);
+  }
+  return last;
+}
+
+/// Shades the other samples of pixels whose colour changes where geometry does not, and gives these the mean of all
+/// four. Their primary rays are cast once more: what the first time left is geometry alone. In the tile buffer their
+/// colours lie where that was, since the filters are through with it.
+ReconstructProgram::Node ReconstructProgram::shade_contrasts(Tile& tile, Node filtered) const {
+  return with_branches([&]<std::uint32_t kBranches> { return shade_contrasts<kBranches>(tile, filtered); });
+}
+
+template <std::uint32_t kBranches>
+ReconstructProgram::Node ReconstructProgram::shade_contrasts(Tile& tile, Node filtered) const {
+  Wavefront& wave = tile.wave;
+  typename ListContrasts<kBranches>::template Ports<float> list;
+  list.finished = tile.finished;
+  list.bend = bend_;
+  list.threshold = static_cast<float>(reconstruct_.colour);
+  list.branch = static_cast<float>(layer());
+  const Node listed = wave.launch<ListContrasts<kBranches>>(list, tile.pixels);
+  wave.wait_all(listed, filtered);
+  const std::uint32_t pixels = list.masters_count.value;
+  Sampling& sampling = tile.out.sampling;
+  sampling.checked += tile.pixels;
+  sampling.passed += tile.pixels - pixels;
+  if (pixels == 0) return listed;
+
+  const std::uint32_t rays = kOtherSamples * pixels, lanes = kOtherSamples * tile.pixels;
+  tile.buffer.hold_wave(rays);
+  GenerateContrastRays::Ports<float> generate;
+  bind_pixels(generate, tile);
+  generate.finished = tile.finished;
+  generate.apart = static_cast<float>(positions());
+  const Node generated = wave.launch<GenerateContrastRays>(generate, rays, lanes);
+  wave.wait_all(generated, listed);
+  place(tile, rays);
+  wave.set_cone(cone_uniforms(camera_, 2));  // there are four samples in a pixel
+  wave.run(generated, rays, {}, lanes);
+  sampling.traced += rays;
+  sampling.correction += rays;
+
+  typename AverageContrasts<kBranches>::template Ports<float> average;
+  average.finished = tile.finished;
+  average.apart = positions();
+  average.branch = layer();
+  const Node averaged = wave.launch<AverageContrasts<kBranches>>(average, pixels, tile.pixels);
+  wave.wait_all(averaged, generated);
+  wave.wait_for_colours(averaged);
+  return averaged;
+}
+
+using traces::Region;
+
+/// Bytes of a border's pixel. Of its columns or rows those at the outer side of the halo are only looked at, so of them
+/// the shaded samples go; the inner half is finished by the neighbour, which needs the other samples, too.
+std::uint32_t ReconstructProgram::exchanged_bytes() const { return shaded_bytes() + other_bytes() / 2; }
+
+// A tile's store: its borders (finished_tiles.h); all attributes if they do not stay.
+std::uint64_t ReconstructProgram::store_bytes() const {
+  const bool is_parked = reconstruct_.attributes == AttributeStorage::kDram;
+  return tiles_.stored_samples() * exchanged_bytes() + (is_parked ? std::uint64_t{positions()} * attribute_bytes() : 0);
+}
+
+/// As block_halo.cc has it: a tile always makes its halo; where neighbours keep theirs, the machine reads it back.
+void ReconstructProgram::make_halo(Tile& tile) const {
+  tiles_.for_each_part(tile.at, [&](const HaloPart& part) {
+    const bool is_left = part.x < tiles_.halo(), is_above = part.y < tiles_.halo();
+    const HaloPart inner = part.inner(is_left ? reconstruct_.radius : part.across,  //
+                                      is_above ? reconstruct_.radius : part.down);
+    if (reconstruct_.halo == Halo::kReload) {
+      tile.wave.import_samples(part.border, store_bytes() * part.border.tile + part.first * exchanged_bytes(),
+                               part.across * part.down * exchanged_bytes());
+      tile.wave.mute();
+    }
+    trace(tile, {part.x, part.y, part.across, part.down}, {inner.x, inner.y, inner.across, inner.down}, false);
+    tile.wave.unmute();
+  });
+}
+
+void ReconstructProgram::export_borders(Tile& tile) const {
+  if (reconstruct_.halo == Halo::kRetrace) return;
+  const std::uint64_t store = store_bytes() * tile.at.index;
+  tiles_.for_each_export(tile.at, [&](std::uint32_t border, std::uint64_t first, std::uint32_t samples) {
+    tile.wave.export_samples(border, store + first * exchanged_bytes(), samples * exchanged_bytes());
+  });
+}
+
+/// Writes all attributes to memory and reads them back, if that is where they are.
+void ReconstructProgram::park_attributes(Tile& tile) const {
+  if (reconstruct_.attributes == AttributeStorage::kTile || !has_geometry()) return;
+  const std::uint32_t across = tile.at.width + (tile.at.has_left ? tiles_.halo() : 0);
+  const std::uint32_t down = tile.at.height + (tile.at.has_above ? tiles_.halo() : 0);
+  const std::uint32_t bytes = across * down * attribute_bytes();
+  const std::uint64_t store = store_bytes() * tile.at.index + tiles_.stored_samples() * exchanged_bytes();
+  const Node out = tile.wave.transfer(Region::kSamples, true, store, bytes);
+  tile.wave.wait_for_records(out);
+  const Node in = tile.wave.transfer(Region::kSamples, false, store, bytes);
+  tile.wave.wait_all(in, out);
+  tile.wave.adds_records(in);
+}
+
+namespace {
+
+constexpr std::uint32_t kWanted = 16;  ///< samples of a pixel of what the picture stands for
+
+/// A layer's edges: bits of its depth, normal, and shadow edges.
+struct EdgeBits {
+  std::uint32_t depth, normal, shadow;
+};
+constexpr std::uint32_t bit(FilterEdge edge) { return 1U << static_cast<std::uint32_t>(edge); }
+constexpr EdgeBits kSurface{bit(FilterEdge::kDepth), bit(FilterEdge::kNormal), bit(FilterEdge::kShadow)};
+constexpr EdgeBits kMirror{bit(FilterEdge::kReflection), bit(FilterEdge::kReflection),
+                           bit(FilterEdge::kReflectedShadow)};
+constexpr EdgeBits kGlass{bit(FilterEdge::kRefraction), bit(FilterEdge::kRefraction),
+                          bit(FilterEdge::kRefractedShadow)};
+
+}  // namespace
+
+void ReconstructProgram::count(Tile& tile) const {
+  Sampling& sampling = tile.out.sampling;
+  sampling.wanted = std::uint64_t{kWanted} * tile.pixels;
+  sampling.traced_background = tile.out.background.size();
+  const std::uint32_t stands_for = has_geometry() ? kWanted / kGeometrySamples : kWanted;
+  for (const std::uint32_t sample : tile.out.background) {
+    const std::uint32_t position = sample % positions();
+    const bool is_own = position % tiles_.pitch() >= tiles_.halo() && position / tiles_.pitch() >= tiles_.halo();
+    sampling.background += is_own ? stands_for : 0;
+  }
+  if (!wants_marks() || !has_geometry()) return;
+  tile.out.marks.resize(tile.pixels);
+  for (std::uint32_t pixel = 0; pixel < tile.pixels; ++pixel) tile.out.marks[pixel] = mark(tile, pixel);
+}
+
+/// Compares as the filters do.
+SampleMark ReconstructProgram::mark(const Tile& tile, std::uint32_t pixel) const {
+  const FinishedUniforms<float>& of = tile.finished;
+  const DivMod<float> at = finished_pixel<float>(static_cast<float>(pixel), of);
+  const auto centre = static_cast<std::uint32_t>(centre_sample<float>(at, of));
+  const auto radius = static_cast<float>(reconstruct_.radius);
+  std::uint32_t edges = 0;
+  float left = 0, all = 0;
+  const auto compare = [&](std::uint32_t layer_number, const EdgeBits& bits, std::uint32_t shaded, std::uint32_t k) {
+    const std::uint32_t first = layer_number * layer();
+    const VisibleRecord<float>& own = tile.buffer.visible[first + k * positions() + centre];
+    if (!has_branch<float>(own)) return;
+    const Similarity<float> similar(own, tile.buffer.visible[first + shaded], bend_);
+    edges |= (similar.depth > kHalved ? bits.depth : 0) | (similar.normal > kHalved ? bits.normal : 0) |
+             (similar.same_shadows ? 0 : bits.shadow);
+    if (layer_number != 0) return;
+    left += similar.weight();
+    all += 1;
+  };
+  for (float y = std::max(of.low_y, at.quotient - radius); y <= std::min(of.high_y, at.quotient + radius); ++y) {
+    for (float x = std::max(of.low_x, at.remainder - radius); x <= std::min(of.high_x, at.remainder + radius); ++x) {
+      const auto shaded = static_cast<std::uint32_t>(of.first + y * of.pitch + x);
+      for (std::uint32_t k = 0; k < kGeometrySamples; ++k) {
+        compare(0, kSurface, shaded, k);
+        if (mirrors_ != 0) compare(mirrors_, kMirror, shaded, k);
+        if (glass_ != 0) compare(glass_, kGlass, shaded, k);
+      }
+    }
+  }
+  const auto share = static_cast<std::uint32_t>(std::lround(255 * left / all));
+  return static_cast<SampleMark>(edges | share << kWeightShift);
 }
 
 }  // namespace kernels

@@ -2,7 +2,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "shader_kernels/kernels/record_visible.h"
+#include "shader_kernels/kernels/reconstruct.h"
 #include "shader_kernels/programs/wavefront/stream_builder.h"
 #include "traces/ray.h"
 

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "shader_kernels/kernels/checks.h"
+#include "shader_kernels/kernels/similarity.h"
 #include "shader_kernels/kernels/subpixels.h"
 
 namespace kernels {

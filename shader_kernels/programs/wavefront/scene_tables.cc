@@ -6,7 +6,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "shader_kernels/kernels/at_once.h"
+#include "shader_kernels/kernels/light.h"
 #include "sim/hash.h"
 #include "traces/accel/build/material_tables.h"
 #include "traces/scene/srgb.h"

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "shader_kernels/kernels/record_visible.h"
+#include "shader_kernels/kernels/effects.h"
+#include "shader_kernels/kernels/reconstruct.h"
 #include "shader_kernels/kernels/sampling.h"
-#include "shader_kernels/kernels/shade_soft.h"
 #include "shader_kernels/kernels/uniforms.h"
 #include "shader_kernels/programs/wavefront/render_config.h"
 #include "shader_kernels/scene_records.h"

@@ -1,0 +1,182 @@
+#pragma once
+#include <string_view>
+
+#include "shader_kernels/kernels/arithmetic.h"
+#include "shader_kernels/ports.h"
+#include "sim/named.h"
+#include "traces/ray.h"
+
+namespace kernels {
+
+/// The first inspector: one stream of slots for the rays that left the scene, one for those that hit something.
+struct ClassifyHits {
+  static constexpr std::string_view kName = "classify_hits";
+  static constexpr std::string_view kMeaning = "ray slot -> stream of misses or stream of hits";
+  template <class V>
+  struct Ports {
+    Local<V, HitRecord> hits;
+    Local<V, WordRecord> misses, surfaces;
+    Counter<V> miss_count, surface_count;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.hits));
+      port(NAMED(p.misses));
+      port(NAMED(p.surfaces));
+      port(NAMED(p.miss_count));
+      port(NAMED(p.surface_count));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> triangle = at.hits.load(item).triangle;
+    at.misses.store(at.miss_count.next(triangle == traces::kNoHit), {item});
+    at.surfaces.store(at.surface_count.next(triangle < traces::kNoHit), {item});
+  }
+};
+
+/// Appends a surface to a stream if its classes have the stream's bit.
+template <class V>
+void append_if(const I<V>& slot, const I<V>& classes, traces::MaterialFlag bit, const Local<V, WordRecord>& stream,
+               Counter<V>& count) {
+  stream.store(count.next(has<V>(classes, bit)), {slot});
+}
+
+/// The second inspector: a surface goes into the stream of every class that it belongs to.
+struct ClassifySurfaces {
+  static constexpr std::string_view kName = "classify_surfaces";
+  static constexpr std::string_view kMeaning = "surface -> streams textured, diffuse, mirror, glass, emissive";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> surfaces;
+    Local<V, DiffuseRecord> mattes;
+    Local<V, WordRecord> textured, diffuse, mirror, glass, emissive;
+    Counter<V> textured_count, diffuse_count, mirror_count, glass_count, emissive_count;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.surfaces));
+      port(NAMED(p.mattes));
+      port(NAMED(p.textured));
+      port(NAMED(p.diffuse));
+      port(NAMED(p.mirror));
+      port(NAMED(p.glass));
+      port(NAMED(p.emissive));
+      port(NAMED(p.textured_count));
+      port(NAMED(p.diffuse_count));
+      port(NAMED(p.mirror_count));
+      port(NAMED(p.glass_count));
+      port(NAMED(p.emissive_count));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> slot = at.surfaces.load(item).word;
+    const I<V> classes = at.mattes.load(slot).classes;
+    append_if<V>(slot, classes, traces::kTextured, at.textured, at.textured_count);
+    append_if<V>(slot, classes, traces::kDiffuse, at.diffuse, at.diffuse_count);
+    append_if<V>(slot, classes, traces::kMirror, at.mirror, at.mirror_count);
+    append_if<V>(slot, classes, traces::kGlass, at.glass, at.glass_count);
+    append_if<V>(slot, classes, traces::kEmissive, at.emissive, at.emissive_count);
+  }
+};
+
+/// The inspector of what only some scenes have; launched where the scene has any of it.
+struct ClassifyDetails {
+  static constexpr std::string_view kName = "classify_details";
+  static constexpr std::string_view kMeaning = "surface -> streams absorbing, vertexed, based, physical, bumped, ...";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> surfaces;
+    Local<V, DiffuseRecord> mattes;
+    Local<V, WordRecord> absorbing, vertexed, based, physical, bumped, blended, glowing, occluded;
+    Counter<V> absorbing_count, vertexed_count, based_count, physical_count, bumped_count, blended_count, glowing_count,
+        occluded_count;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.surfaces));
+      port(NAMED(p.mattes));
+      port(NAMED(p.absorbing));
+      port(NAMED(p.vertexed));
+      port(NAMED(p.based));
+      port(NAMED(p.physical));
+      port(NAMED(p.bumped));
+      port(NAMED(p.blended));
+      port(NAMED(p.glowing));
+      port(NAMED(p.occluded));
+      port(NAMED(p.absorbing_count));
+      port(NAMED(p.vertexed_count));
+      port(NAMED(p.based_count));
+      port(NAMED(p.physical_count));
+      port(NAMED(p.bumped_count));
+      port(NAMED(p.blended_count));
+      port(NAMED(p.glowing_count));
+      port(NAMED(p.occluded_count));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> slot = at.surfaces.load(item).word;
+    const I<V> classes = at.mattes.load(slot).classes;
+    append_if<V>(slot, classes, traces::kAbsorbing, at.absorbing, at.absorbing_count);
+    append_if<V>(slot, classes, traces::kVertexed, at.vertexed, at.vertexed_count);
+    append_if<V>(slot, classes, traces::kBased, at.based, at.based_count);
+    append_if<V>(slot, classes, traces::kPhysical, at.physical, at.physical_count);
+    append_if<V>(slot, classes, traces::kBumped, at.bumped, at.bumped_count);
+    append_if<V>(slot, classes, traces::kBlended, at.blended, at.blended_count);
+    append_if<V>(slot, classes, traces::kGlowing, at.glowing, at.glowing_count);
+    append_if<V>(slot, classes, traces::kOccluded, at.occluded, at.occluded_count);
+  }
+};
+
+/// The inspector of interpolated surfaces in scenes with occlusion textures. All else that classify_details looks for
+/// is in what their references have kept.
+struct ClassifyOccluded {
+  static constexpr std::string_view kName = "classify_occluded";
+  static constexpr std::string_view kMeaning = "interpolated surface -> stream occluded";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> surfaces;
+    Local<V, DiffuseRecord> mattes;
+    Local<V, WordRecord> occluded;
+    Counter<V> occluded_count;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.surfaces));
+      port(NAMED(p.mattes));
+      port(NAMED(p.occluded));
+      port(NAMED(p.occluded_count));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> slot = at.surfaces.load(item).word;
+    append_if<V>(slot, at.mattes.load(slot).classes, traces::kOccluded, at.occluded, at.occluded_count);
+  }
+};
+
+/// True if a hit carries a flag that asks for a test: `solid` is the largest triangle word that does not.
+template <class V>
+M<V> needs_test(const I<V>& triangle, const I<V>& solid) {
+  return both(solid < triangle, triangle < traces::kNoHit);
+}
+
+/// The inspector of hits: those at which the ray may have to go on.
+struct ClassifyLayers {
+  static constexpr std::string_view kName = "classify_layers";
+  static constexpr std::string_view kMeaning = "ray slot -> stream of hits that a texture or a tint decides about";
+  template <class V>
+  struct Ports {
+    Local<V, HitRecord> hits;
+    Local<V, WordRecord> layers;
+    Counter<V> layer_count;
+    I<V> solid;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.hits));
+      port(NAMED(p.layers));
+      port(NAMED(p.layer_count));
+      port(NAMED(p.solid));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> triangle = at.hits.load(item).triangle;
+    at.layers.store(at.layer_count.next(needs_test<V>(triangle, at.solid)), {item});
+  }
+};
+
+}  // namespace kernels

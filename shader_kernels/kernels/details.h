@@ -1,0 +1,278 @@
+#pragma once
+#include <string_view>
+
+#include "shader_kernels/kernels/arithmetic.h"
+#include "shader_kernels/kernels/light.h"
+#include "shader_kernels/kernels/sampling.h"
+#include "shader_kernels/ports.h"
+#include "sim/named.h"
+
+namespace kernels {
+
+/// Rays that want the nearest hit have directions of unit length, so `t` is the way they have come.
+struct Absorb {
+  static constexpr std::string_view kName = "absorb";
+  static constexpr std::string_view kMeaning = "surface of an absorbing body -> path dimmed if it was met from inside";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> absorbing;
+    Local<V, SurfacePointRecord> points;
+    Local<V, HitRecord> hits;
+    Local<V, PathRecord> paths;
+    Details<V> details;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.absorbing));
+      port(p.points, "places");
+      port(NAMED(p.hits));
+      port(NAMED(p.paths));
+      port(NAMED(p.details));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> slot = at.absorbing.load(item).word;
+    const SurfacePointRecord<V> point = at.points.load(slot);
+    const PathRecord<V> path = at.paths.load(slot);
+    const F<V> inside = at.hits.load(slot).t * max(-point.side, F<V>(0.0F));
+    const Vec3<V> depth = at.details.load(point.material).absorption * inside;
+    const Vec3<V> left{decay<V>(depth.x), decay<V>(depth.y), decay<V>(depth.z)};
+    at.paths.store(slot, {path.throughput * left, path.sample});
+  }
+};
+
+/// Base textures that shade_textured does not cover: with second texture coordinates, with an alpha that counts, or of
+/// surfaces whose mirror or glass depends on the colour.
+template <MipFilter kMips = MipFilter::kNone>
+struct ShadeBase {
+  static constexpr std::string_view kName = by_filter<kMips>("shade_base", "shade_base_mip", "shade_base_trilinear");
+  static constexpr std::string_view kMeaning =
+      by_filter<kMips>("surface -> base colour and alpha times a fetch", "as shade_base, from the nearest mip level",
+                       "as shade_base, from two mip levels");
+  template <class V>
+  struct Ports : DetailPorts<V, kMips> {
+    Local<V, SpecularRecord> optics;
+    Table<V, SrgbCodeRecord> srgb_codes;
+    static void describe(auto& p, auto&& port) {
+      DetailPorts<V, kMips>::describe(p, port);
+      port(NAMED(p.optics));
+      port(NAMED(p.srgb_codes));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> slot = at.stream.load(item).word;
+    const DiffuseRecord<V> matte = at.mattes.load(slot);
+    const TexcoordRecord<V> uv = at.texcoords.load(slot);
+    const TangentRecord<V> other = at.tangents.load(slot);
+    SpecularRecord<V> optics = at.optics.load(slot);
+    const auto base = at.look_up(texture_of<V, kMips>(uv), matte.classes, traces::kBaseSecond, uv, other);
+    const Vec3<V> colour = base.colour(at.srgb_codes);
+    at.mattes.store(slot, {matte.diffuse * colour, matte.classes});
+    optics.tint = optics.tint * colour;
+    optics.alpha = optics.alpha * base.linear(3);
+    at.optics.store(slot, optics);
+  }
+};
+
+/// The rule of traces/scene/gltf/materials/materials.h for each texel: how much is mirrored in which colour, and what
+/// is left. The surface comes with its whole base colour as the diffuse one, and with what would enter if nothing were
+/// mirrored.
+template <MipFilter kMips = MipFilter::kNone>
+struct ShadePhysical {
+  static constexpr std::string_view kName =
+      by_filter<kMips>("shade_physical", "shade_physical_mip", "shade_physical_trilinear");
+  static constexpr std::string_view kMeaning =
+      by_filter<kMips>("surface with a metallic-roughness texture -> mirror and diffuse shares",
+                       "as shade_physical, from the nearest mip level", "as shade_physical, from two mip levels");
+  template <class V>
+  struct Ports : DetailPorts<V, kMips> {
+    Local<V, SurfacePointRecord> points;
+    Local<V, SpecularRecord> optics;
+    Details<V> details;
+    static void describe(auto& p, auto&& port) {
+      DetailPorts<V, kMips>::describe(p, port);
+      port(p.points, "places");
+      port(NAMED(p.optics));
+      port(NAMED(p.details));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> slot = at.stream.load(item).word;
+    const DiffuseRecord<V> matte = at.mattes.load(slot);
+    const TexcoordRecord<V> uv = at.texcoords.load(slot);
+    const TangentRecord<V> other = at.tangents.load(slot);
+    const DetailFields<V> m = at.details.load(at.points.load(slot).material);
+    SpecularRecord<V> optics = at.optics.load(slot);
+    const auto texel = at.look_up(m.metal_rough_texture, matte.classes, traces::kMetalRoughSecond, uv, other);
+
+    const F<V> gloss = clamped<V>((0.5F - m.roughness * texel.linear(1)) * 2.5F);
+    const F<V> metallic = m.metallic * texel.linear(2);
+    const F<V> metal = gloss * metallic;
+    const F<V> white = (gloss - metal) * m.dielectric + m.coat;
+    const F<V> sum = metal + white;
+    // Below 0.02 no rays for nothing; above 1 no more light than there is.
+    const F<V> scale = select(sum < 0.02F, F<V>(0.0F), 1.0F / max(sum, F<V>(1.0F)));
+    optics.mirrored = (matte.diffuse * metal + Vec3<V>{white, white, white}) * scale;
+    const F<V> left = 1.0F - sum * scale;
+    const Vec3<V> diffuse = matte.diffuse * (left * (1.0F - optics.entering));
+    optics.entering = optics.entering * left;
+    const auto bit = [](const M<V>& mask, traces::MaterialFlag flag) {
+      return select(mask, I<V>(static_cast<std::uint32_t>(flag)), I<V>(0U));
+    };
+    const I<V> classes = matte.classes | bit(F<V>(0.0F) < largest(diffuse), traces::kDiffuse) |
+                         bit(F<V>(0.0F) < largest(optics.mirrored), traces::kMirror);
+    at.mattes.store(slot, {diffuse, classes});
+    at.optics.store(slot, optics);
+  }
+};
+
+/// A normal map in tangent space, as glTF has it. Where there is no tangent the normal stays; where the mapped normal
+/// looks away from the ray it is turned back until the ray just grazes the surface.
+template <MipFilter kMips = MipFilter::kNone>
+struct ShadeBump {
+  static constexpr std::string_view kName = by_filter<kMips>("shade_bump", "shade_bump_mip", "shade_bump_trilinear");
+  static constexpr std::string_view kMeaning =
+      by_filter<kMips>("surface with a normal map -> its normal from the map",
+                       "as shade_bump, from the nearest mip level", "as shade_bump, from two mip levels");
+  template <class V>
+  struct Ports : DetailPorts<V, kMips> {
+    Local<V, RayRecord> rays;
+    Local<V, SurfacePointRecord> points;
+    Details<V> details;
+    static void describe(auto& p, auto&& port) {
+      DetailPorts<V, kMips>::describe(p, port);
+      port(NAMED(p.rays));
+      port(p.points, "places");
+      port(NAMED(p.details));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> slot = at.stream.load(item).word;
+    const I<V> classes = at.mattes.load(slot).classes;
+    const TexcoordRecord<V> uv = at.texcoords.load(slot);
+    const TangentRecord<V> frame = at.tangents.load(slot);
+    const Vec3<V> direction = at.rays.load(slot).direction;
+    SurfacePointRecord<V> point = at.points.load(slot);
+    const DetailFields<V> m = at.details.load(point.material);
+    const auto texel = at.look_up(m.normal_texture, classes, traces::kNormalSecond, uv, frame);
+
+    const F<V> x = (texel.linear(0) * 2.0F - 1.0F) * m.normal_scale;
+    const F<V> y = (texel.linear(1) * 2.0F - 1.0F) * m.normal_scale;
+    const F<V> z = max(texel.linear(2) * 2.0F - 1.0F, F<V>(0.01F));
+    const Vec3<V> normal = point.normal * point.side;  // the outside's
+    const Vec3<V> bitangent = cross(normal, frame.tangent);
+    const Vec3<V> mapped = frame.tangent * x + bitangent * (y * frame.handedness) + normal * z;
+    const Vec3<V> facing = normalised(mapped) * point.side;
+    const F<V> away = max(dot(facing, direction) + 0.01F, F<V>(0.0F));
+    point.normal = normalised(facing - direction * away);
+    at.points.store(slot, point);
+  }
+};
+
+/// Light that passes straight on is shade_straight's part.
+struct ShadeBlend {
+  static constexpr std::string_view kName = "shade_blend";
+  static constexpr std::string_view kMeaning = "blended surface -> all that it sends out, times its alpha";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> blended;
+    Local<V, DiffuseRecord> mattes;
+    Local<V, SpecularRecord> optics;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.blended));
+      port(NAMED(p.mattes));
+      port(NAMED(p.optics));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> slot = at.blended.load(item).word;
+    const DiffuseRecord<V> matte = at.mattes.load(slot);
+    SpecularRecord<V> optics = at.optics.load(slot);
+    at.mattes.store(slot, {matte.diffuse * optics.alpha, matte.classes});
+    optics.mirrored = optics.mirrored * optics.alpha;
+    optics.entering = optics.entering * optics.alpha;
+    optics.kept = optics.alpha;
+    at.optics.store(slot, optics);
+  }
+};
+
+template <MipFilter kMips = MipFilter::kNone>
+struct ShadeGlow {
+  static constexpr std::string_view kName = by_filter<kMips>("shade_glow", "shade_glow_mip", "shade_glow_trilinear");
+  static constexpr std::string_view kMeaning =
+      by_filter<kMips>("surface with an emission texture -> its own light into its sample",
+                       "as shade_glow, from the nearest mip level", "as shade_glow, from two mip levels");
+  template <class V>
+  struct Ports : DetailPorts<V, kMips> {
+    Local<V, SurfacePointRecord> points;
+    Local<V, PathRecord> paths;
+    Local<V, SpecularRecord> optics;
+    Details<V> details;
+    Local<V, ColourRecord> colours;
+    Table<V, SrgbCodeRecord> srgb_codes;
+    static void describe(auto& p, auto&& port) {
+      DetailPorts<V, kMips>::describe(p, port);
+      port(p.points, "places");
+      port(NAMED(p.paths));
+      port(NAMED(p.optics));
+      port(NAMED(p.details));
+      port(NAMED(p.colours));
+      port(NAMED(p.srgb_codes));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> slot = at.stream.load(item).word;
+    const I<V> classes = at.mattes.load(slot).classes;
+    const TexcoordRecord<V> uv = at.texcoords.load(slot);
+    const TangentRecord<V> other = at.tangents.load(slot);
+    const PathRecord<V> path = at.paths.load(slot);
+    const F<V> kept = at.optics.load(slot).kept;
+    const DetailFields<V> m = at.details.load(at.points.load(slot).material);
+    const auto texel = at.look_up(m.emission_texture, classes, traces::kEmissionSecond, uv, other);
+    add_light<V>(at.colours, path.sample, path.throughput * (m.emission * texel.colour(at.srgb_codes)) * kept);
+  }
+};
+
+/// Corrects shade_ambient, which knows nothing of occlusion.
+template <MipFilter kMips = MipFilter::kNone>
+struct ShadeOccluded {
+  static constexpr std::string_view kName =
+      by_filter<kMips>("shade_occluded", "shade_occluded_mip", "shade_occluded_trilinear");
+  static constexpr std::string_view kMeaning =
+      by_filter<kMips>("surface with an occlusion texture -> ambient light taken back",
+                       "as shade_occluded, from the nearest mip level", "as shade_occluded, from two mip levels");
+  template <class V>
+  struct Ports : DetailPorts<V, kMips> {
+    Local<V, SurfacePointRecord> points;
+    Local<V, PathRecord> paths;
+    Details<V> details;
+    Local<V, ColourRecord> colours;
+    Vec3<V> ambient;
+    static void describe(auto& p, auto&& port) {
+      DetailPorts<V, kMips>::describe(p, port);
+      port(p.points, "places");
+      port(NAMED(p.paths));
+      port(NAMED(p.details));
+      port(NAMED(p.colours));
+      port(NAMED(p.ambient));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> slot = at.stream.load(item).word;
+    const DiffuseRecord<V> matte = at.mattes.load(slot);
+    const TexcoordRecord<V> uv = at.texcoords.load(slot);
+    const TangentRecord<V> other = at.tangents.load(slot);
+    const PathRecord<V> path = at.paths.load(slot);
+    const DetailFields<V> m = at.details.load(at.points.load(slot).material);
+    const auto texel = at.look_up(m.occlusion_texture, matte.classes, traces::kOcclusionSecond, uv, other);
+    const F<V> taken = (texel.linear(0) - 1.0F) * m.occlusion_strength;
+    add_light<V>(at.colours, path.sample, path.throughput * matte.diffuse * at.ambient * taken);
+  }
+};
+
+}  // namespace kernels

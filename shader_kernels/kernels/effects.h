@@ -1,0 +1,413 @@
+#pragma once
+#include <array>
+#include <string_view>
+
+#include "shader_kernels/kernels/arithmetic.h"
+#include "shader_kernels/kernels/light.h"
+#include "shader_kernels/kernels/reconstruct.h"
+#include "shader_kernels/kernels/uniforms.h"
+#include "shader_kernels/ports.h"
+#include "shader_kernels/vec3.h"
+#include "sim/named.h"
+#include "traces/ray.h"
+
+namespace kernels {
+
+/// Point of the unit square that one of a surface's rays for an effect stands for. The rays of a surface lie evenly in
+/// the square, which a hash shifts from surface to surface.
+template <class V>
+struct DrawUniforms {
+  F<V> x, y;  ///< before the shift
+  I<V> seed;  ///< the frame's and the effect's
+  static void describe(auto& d, auto&& port) {
+    port(d.x, "draw.x");
+    port(d.y, "draw.y");
+    port(d.seed, "draw.seed");
+  }
+};
+
+template <class V>
+struct DrawnPoint {
+  F<V> x, y;
+};
+
+/// The hash is that of the ray that found the surface. A primary ray has the same bits whatever tile or order its
+/// sample belongs to, and whoever traces it.
+template <class V>
+DrawnPoint<V> drawn(const Vec3<V>& direction, const DrawUniforms<V>& draw) {
+  const I<V> key = (bits_of(direction.x) * 0x9e3779b1U) ^ (bits_of(direction.y) * 0x85ebca77U) ^
+                   (bits_of(direction.z) * 0xc2b2ae3dU) ^ draw.seed;
+  const I<V> first = scrambled<V>(key);
+  const F<V> x = unit_float<V>(first) + draw.x;
+  const F<V> y = unit_float<V>(scrambled<V>(first ^ 0x9e3779b9U)) + draw.y;
+  return {x - floor(x), y - floor(y)};
+}
+
+/// Sine of so many half turns, from -1 to 1: two parabolas, within 0.0012.
+template <class V>
+F<V> sine_of(const F<V>& half_turns) {
+  const F<V> arch = half_turns * 4.0F * (1.0F - abs(half_turns));
+  return arch * (abs(arch) * 0.225F + 0.775F);
+}
+
+/// The point of the unit disc for one of the unit square, areas alike: `x` is its angle, `y` its squared distance from
+/// the middle.
+template <class V>
+DrawnPoint<V> on_disc(const DrawnPoint<V>& square) {
+  const F<V> half_turns = square.x * 2.0F - 1.0F;
+  const F<V> quarter_on = half_turns + 0.5F;
+  const F<V> radius = sqrt(square.y);
+  return {radius * sine_of<V>(select(quarter_on < 1.0F, quarter_on, quarter_on - 2.0F)),
+          radius * sine_of<V>(half_turns)};
+}
+
+/// Two unit vectors across a unit vector and each other (Duff et al. 2017).
+template <class V>
+struct Across {
+  Vec3<V> x, y;
+};
+template <class V>
+Across<V> across(const Vec3<V>& normal) {
+  const F<V> sign = select(normal.z < 0.0F, F<V>(-1.0F), F<V>(1.0F));
+  const F<V> a = -1.0F / (sign + normal.z);
+  const F<V> b = normal.x * normal.y * a;
+  const F<V> x = sign * normal.x;
+  return {{1.0F + x * normal.x * a, sign * b, -x}, {b, sign + normal.y * normal.y * a, -normal.y}};
+}
+
+/// A light that is a disc across its direction, and a ray's share of it.
+template <class V>
+struct DiscUniforms {
+  Vec3<V> across_x, across_y;  ///< as long as its radius
+  F<V> radius, share;
+  static void describe(auto& d, auto&& port) {
+    port(d.across_x, "disc.across_x");
+    port(d.across_y, "disc.across_y");
+    port(d.radius, "disc.radius");
+    port(d.share, "disc.share");
+  }
+};
+
+template <class V>
+struct ShadeDiscPorts : ShadeDiffuse::Ports<V> {
+  Local<V, RayRecord> rays;
+  DiscUniforms<V> disc;
+  DrawUniforms<V> draw;
+  static void describe(auto& p, auto&& port) {
+    ShadeDiffuse::Ports<V>::describe(p, port);
+    port(NAMED(p.rays));
+    DiscUniforms<V>::describe(p.disc, port);
+    DrawUniforms<V>::describe(p.draw, port);
+  }
+};
+
+/// In place of shade_diffuse where shadows are soft: one launch per light and ray. Rays go to points of the light's
+/// disc, and end one radius before it: so they never reach into the lamp that it stands for. The light is that of the
+/// disc's centre. With kShareAlone rays bring their share alone, of light that samples know.
+template <bool kShareAlone>
+struct ShadeDisc {
+  static constexpr std::string_view kName = kShareAlone ? "shade_soft_share" : "shade_soft";
+  static constexpr std::string_view kMeaning =
+      kShareAlone ? "diffuse surface, one light -> shadow ray to a point of it, with its share"
+                  : "diffuse surface, one light -> shadow ray to a point of it, with a share of its light";
+  template <class V>
+  using Ports = ShadeDiscPorts<V>;
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    shade<V>(at.diffuse.load(item).word, AllItems{}, at);
+  }
+  /// Acts where `mask` holds.
+  template <class V>
+  static void shade(const I<V>& slot, const auto& mask, Ports<V>& at) {
+    const SurfacePointRecord<V> point = at.points.load(slot);
+    const PathRecord<V> path = at.paths.load(slot);
+    const auto [to_light, inverse_distance, light] =
+        diffuse_light<V>(point, path, at.mattes.load(slot).diffuse, at.light);
+    const DrawnPoint<V> aim = on_disc<V>(drawn<V>(at.rays.load(slot).direction, at.draw));
+    const Vec3<V> direction = to_light + at.disc.across_x * aim.x + at.disc.across_y * aim.y;
+
+    const I<V> out = at.emitted.next(both_of<V>(mask, F<V>(0.0F) < largest(light)));
+    const F<V> t_min = at.epsilon * inverse_distance;
+    const F<V> before = max(at.disc.radius * inverse_distance, t_min);
+    at.shadow_rays.store(out, {point.position, t_min, direction, at.light.reach - before});
+    const F<V>& share = at.disc.share;
+    if constexpr (kShareAlone) {
+      at.shadow_paths.store(out, {{share, share, share}, path.sample});
+    } else {
+      at.shadow_paths.store(out, {light * share, path.sample});
+    }
+  }
+};
+using ShadeSoft = ShadeDisc<false>;
+using ShadeSoftShare = ShadeDisc<true>;
+
+template <class V>
+struct CastAmbientPorts {
+  Local<V, WordRecord> diffuse;
+  Local<V, SurfacePointRecord> points;
+  Local<V, RayRecord> rays;
+  Local<V, PathRecord> paths;
+  Local<V, DiffuseRecord> mattes;
+  Local<V, RayRecord> shadow_rays;
+  Local<V, PathRecord> shadow_paths;
+  Counter<V> emitted;
+  Vec3<V> ambient;  ///< a ray's share of it
+  F<V> epsilon, distance;
+  DrawUniforms<V> draw;
+  static void describe(auto& p, auto&& port) {
+    port(NAMED(p.diffuse));
+    port(p.points, "places");
+    port(NAMED(p.rays));
+    port(NAMED(p.paths));
+    port(NAMED(p.mattes));
+    port(NAMED(p.shadow_rays));
+    port(NAMED(p.shadow_paths));
+    port(NAMED(p.emitted));
+    port(NAMED(p.ambient));
+    port(NAMED(p.epsilon));
+    port(NAMED(p.distance));
+    DrawUniforms<V>::describe(p.draw, port);
+  }
+};
+
+/// In place of shade_ambient where ambient light is occluded: one launch per ray. Directions are as frequent as the
+/// cosine of their angle with the normal is large, so that all rays bring the same share. With kShareAlone they bring
+/// nothing else, of light that samples know.
+template <bool kShareAlone>
+struct CastAmbient {
+  static constexpr std::string_view kName = kShareAlone ? "cast_occlusion_share" : "cast_occlusion";
+  static constexpr std::string_view kMeaning = kShareAlone
+                                                   ? "diffuse surface -> ray that brings its share of ambient light"
+                                                   : "diffuse surface -> ray that brings a share of its ambient light";
+  template <class V>
+  struct Ports : CastAmbientPorts<V> {
+    F<V> share;  ///< wired if kShareAlone
+    static void describe(auto& p, auto&& port) {
+      CastAmbientPorts<V>::describe(p, port);
+      if constexpr (kShareAlone) port(NAMED(p.share));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    shade<V>(at.diffuse.load(item).word, AllItems{}, at);
+  }
+  /// Acts where `mask` holds.
+  template <class V>
+  static void shade(const I<V>& slot, const auto& mask, Ports<V>& at) {
+    const SurfacePointRecord<V> point = at.points.load(slot);
+    const PathRecord<V> path = at.paths.load(slot);
+    const Vec3<V> light = path.throughput * at.mattes.load(slot).diffuse * at.ambient;
+    const DrawnPoint<V> square = drawn<V>(at.rays.load(slot).direction, at.draw);
+    const DrawnPoint<V> disc = on_disc<V>(square);
+    const Across<V> to_side = across<V>(point.normal);
+    const Vec3<V> direction = to_side.x * disc.x + to_side.y * disc.y + point.normal * sqrt(1.0F - square.y);
+
+    const I<V> out = at.emitted.next(both_of<V>(mask, F<V>(0.0F) < largest(light)));
+    at.shadow_rays.store(out, {point.position, at.epsilon, direction, at.distance});
+    if constexpr (kShareAlone) {
+      at.shadow_paths.store(out, {{at.share, at.share, at.share}, path.sample});
+    } else {
+      at.shadow_paths.store(out, {light, path.sample});
+    }
+  }
+};
+using CastOcclusion = CastAmbient<false>;
+using CastOcclusionShare = CastAmbient<true>;
+
+// Effects at a lower rate (docs/design/effects.md): one of 2 x 2 pixels has rays, or every other one as on a
+// checkerboard. The others take the share of light that reaches them from those around.
+
+/// Whether the pixel at (x, y) is one that has none.
+template <class V, bool kCheckerboard>
+I<V> is_left_out(const I<V>& x, const I<V>& y) {
+  return (kCheckerboard ? x ^ y : x | y) & 1U;
+}
+
+/// The inspector. Samples of the tile buffer are pixels.
+template <bool kCheckerboard>
+struct SelectEffects {
+  static constexpr std::string_view kName = kCheckerboard ? "select_effects_checkerboard" : "select_effects";
+  static constexpr std::string_view kMeaning =
+      kCheckerboard ? "diffuse surface -> stream of those of every other pixel, as on a checkerboard"
+                    : "diffuse surface -> stream of those of one of 2 x 2 pixels";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> diffuse;
+    Local<V, PathRecord> paths;
+    Local<V, WordRecord> passed;
+    Counter<V> passed_count;
+    GridUniforms<V> grid;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.diffuse));
+      port(NAMED(p.paths));
+      port(NAMED(p.passed));
+      port(NAMED(p.passed_count));
+      GridUniforms<V>::describe(p.grid, port);
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> slot = at.diffuse.load(item).word;
+    const DivMod<V> pixel = divmod<V>(to_float(at.paths.load(slot).sample), at.grid.pitch, at.grid.inverse_pitch);
+    const I<V> left_out = is_left_out<V, kCheckerboard>(to_int(at.grid.x0 + pixel.remainder),  //
+                                                        to_int(at.grid.y0 + pixel.quotient));
+    at.passed.store(at.passed_count.next(left_out == 0U), {slot});
+  }
+};
+
+/// Begins what a sample keeps of one light, of several `layers` of samples: none of it, and no ray yet.
+struct ClearEffects {
+  static constexpr std::string_view kName = "clear_effects";
+  static constexpr std::string_view kMeaning = "sample -> no light whose share is to be found, nothing found of it";
+  template <class V>
+  struct Ports {
+    Local<V, ColourRecord> lights;
+    Local<V, RatioRecord> ratios;
+    LatticeUniforms<V> lattice;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.lights));
+      port(NAMED(p.ratios));
+      LatticeUniforms<V>::describe(p.lattice, port);
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> sample = lattice_sample<V>(item, at.lattice);
+    const Vec3<V> none{0.0F, 0.0F, 0.0F};
+    at.lights.store(sample, {none});
+    at.ratios.store(sample, {none, 0.0F});
+  }
+};
+
+/// As combine_shadow, of rays that bring a share instead of light.
+struct CombineRatio {
+  static constexpr std::string_view kName = "combine_ratio";
+  static constexpr std::string_view kMeaning =
+      "ray for a share of light -> that into its sample's, unless it was stopped";
+  template <class V>
+  struct Ports {
+    Local<V, HitRecord> shadow_hits;
+    Local<V, PathRecord> shadow_paths;
+    Local<V, RatioRecord> ratios;
+    F<V> share;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.shadow_hits));
+      port(NAMED(p.shadow_paths));
+      port(NAMED(p.ratios));
+      port(NAMED(p.share));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const M<V> lit = at.shadow_hits.load(item).triangle == traces::kNoHit;
+    const PathRecord<V> path = at.shadow_paths.load(item);
+    const RatioRecord<V> so_far = at.ratios.load(path.sample);
+    const Vec3<V> brought = select(lit, path.throughput, Vec3<V>{0.0F, 0.0F, 0.0F});
+    at.ratios.store(path.sample, {so_far.rgb + brought, so_far.found + at.share});
+  }
+};
+
+/// Weight of a pixel that is not alike, where none is.
+inline constexpr float kUnlikeWeight = 1e-4F;
+
+/// A light's share at a pixel that has no rays is the mean of up to four around that have, weighted as reconstruct's
+/// samples are; then its light is added. Over all pixels that a tile finishes, one launch per light.
+template <bool kCheckerboard>
+struct UpsampleEffects {
+  static constexpr std::string_view kName = kCheckerboard ? "upsample_effects_checkerboard" : "upsample_effects";
+  static constexpr std::string_view kMeaning =
+      kCheckerboard ? "finished pixel, one light -> its light, by its own share or that of pixels beside it"
+                    : "finished pixel, one light -> its light, by its own share or that of pixels around it";
+  template <class V>
+  struct Ports {
+    FinishedUniforms<V> finished;
+    Local<V, VisibleRecord> visible;
+    Local<V, ColourRecord> lights;
+    Local<V, RatioRecord> ratios;
+    Local<V, ColourRecord> colours;
+    F<V> x0, y0;  ///< the first finished pixel in the picture
+    F<V> bend;
+    I<V> apart;  ///< the light's layer
+    static void describe(auto& p, auto&& port) {
+      FinishedUniforms<V>::describe(p.finished, port);
+      port(NAMED(p.visible));
+      port(NAMED(p.lights));
+      port(NAMED(p.ratios));
+      port(NAMED(p.colours));
+      port(NAMED(p.x0));
+      port(NAMED(p.y0));
+      port(NAMED(p.bend));
+      port(NAMED(p.apart));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const DivMod<V> pixel = finished_pixel<V>(to_float(item), at.finished);
+    const F<V> centre = centre_sample<V>(pixel, at.finished);
+    const I<V> sample = to_int(centre);
+    const VisibleRecord<V> own = at.visible.load(sample);
+    const I<V> of_light = sample + at.apart;
+    const RatioRecord<V> found = at.ratios.load(of_light);
+    const RatioRecord<V> around = sum_around<V>(pixel, centre, own, at);
+    const M<V> is_found = F<V>(0.0F) < found.found;
+    const M<V> is_known = F<V>(0.0F) < around.found;
+    const F<V> inverse = 1.0F / select(is_known, around.found, F<V>(1.0F));
+    const Vec3<V> filtered = select(is_known, around.rgb * inverse, Vec3<V>{1.0F, 1.0F, 1.0F});
+    add_light<V>(at.colours, sample, at.lights.load(of_light).rgb * select(is_found, found.rgb, filtered));
+  }
+
+ private:
+  /// A step to another pixel along a row or column.
+  template <class V>
+  struct Step {
+    F<V> samples;
+    M<V> inside;
+  };
+  template <class V>
+  static Step<V> step(const F<V>& from, const F<V>& by, const F<V>& samples, const F<V>& low, const F<V>& high) {
+    const F<V> to = from + by;
+    const M<V> inside = both(low <= to, to <= high);
+    return {select(inside, samples, F<V>(0.0F)), inside};
+  }
+
+  template <class V>
+  static RatioRecord<V> sum_around(const DivMod<V>& pixel, const F<V>& centre, const VisibleRecord<V>& own,
+                                   Ports<V>& at) {
+    const FinishedUniforms<V>& of = at.finished;
+    F<V> left = -1.0F, right = 1.0F, above = -1.0F, below = 1.0F;
+    if constexpr (!kCheckerboard) {  // 0 in columns, or rows, of those that have rays
+      right = to_float(to_int(at.x0 + pixel.remainder) & 1U);
+      below = to_float(to_int(at.y0 + pixel.quotient) & 1U);
+      left = -right;
+      above = -below;
+    }
+    const std::array<Step<V>, 2> columns{step<V>(pixel.remainder, left, left, of.low_x, of.high_x),
+                                         step<V>(pixel.remainder, right, right, of.low_x, of.high_x)};
+    const std::array<Step<V>, 2> rows{step<V>(pixel.quotient, above, above * of.pitch, of.low_y, of.high_y),
+                                      step<V>(pixel.quotient, below, below * of.pitch, of.low_y, of.high_y)};
+    RatioRecord<V> sum{{0.0F, 0.0F, 0.0F}, 0.0F};
+    for (std::uint32_t tap = 0; tap < 4; ++tap) {
+      const Step<V>& column = columns[tap % 2];
+      const Step<V>& row = rows[tap / 2];
+      if constexpr (kCheckerboard) {
+        const Step<V>& beside = tap < 2 ? column : rows[tap % 2];
+        add<V>(sum, centre + beside.samples, beside.inside, own, at);
+      } else {
+        add<V>(sum, centre + column.samples + row.samples, both(column.inside, row.inside), own, at);
+      }
+    }
+    return sum;
+  }
+
+  template <class V>
+  static void add(RatioRecord<V>& sum, const F<V>& index, const M<V>& inside, const VisibleRecord<V>& own,
+                  Ports<V>& at) {
+    const I<V> sample = to_int(index);
+    const RatioRecord<V> ratio = at.ratios.load(sample + at.apart);
+    const F<V> alike = Similarity<V>(own, at.visible.load(sample), at.bend).weight();
+    const F<V> weight = select(inside, max(alike, F<V>(kUnlikeWeight)) * ratio.found, F<V>(0.0F));
+    sum = {sum.rgb + ratio.rgb * weight, sum.found + weight};
+  }
+};
+
+}  // namespace kernels

@@ -1,0 +1,391 @@
+#pragma once
+#include <cstdint>
+#include <string_view>
+
+#include "shader_kernels/kernels/arithmetic.h"
+#include "shader_kernels/kernels/sampling.h"
+#include "shader_kernels/kernels/uniforms.h"
+#include "shader_kernels/ports.h"
+#include "shader_kernels/records.h"
+#include "sim/named.h"
+#include "traces/ray.h"
+
+namespace kernels {
+
+/// Adds to a sample's colour. Two items of one sample that are in the array at once would read a stale sum; streams
+/// keep such items far apart (one launch per light, reflections before refractions), so no interlock is modelled.
+template <class V>
+void add_light(const Local<V, ColourRecord>& colours, const I<V>& sample, const Vec3<V>& light) {
+  colours.store(sample, {colours.load(sample).rgb + light});
+}
+
+/// Takes the place of a mask that holds for all items of a stream.
+struct AllItems {};
+
+/// A value where the mask holds, elsewhere nothing.
+template <class V>
+Vec3<V> where(AllItems, const Vec3<V>& value) {
+  return value;
+}
+template <class V>
+Vec3<V> where(const M<V>& mask, const Vec3<V>& value) {
+  return select(mask, value, Vec3<V>{0.0F, 0.0F, 0.0F});
+}
+template <class V>
+M<V> both_of(AllItems, const M<V>& other) {
+  return other;
+}
+template <class V>
+M<V> both_of(const M<V>& mask, const M<V>& other) {
+  return both(mask, other);
+}
+
+/// Classes of a surface that add to its sample before or amid its local light, or change its base colour.
+inline constexpr std::uint32_t kLaterClasses =
+    traces::kTextured | traces::kEmissive | traces::kGlowing | traces::kOccluded;
+
+/// Whether a surface can be lit as soon as it is known: its local light is the first that its sample gets of it.
+template <class V>
+M<V> is_lit_at_once(const I<V>& classes) {
+  return (classes & (kLaterClasses | traces::kDiffuse)) == static_cast<std::uint32_t>(traces::kDiffuse);
+}
+
+/// Kernel K, which runs over the diffuse surfaces, over all surfaces instead: it acts on those that are lit at once.
+template <class K>
+struct AtOnce {
+  using Of = K;
+  template <class V>
+  struct Ports : K::template Ports<V> {
+    Local<V, WordRecord> surfaces;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.surfaces));
+      K::template Ports<V>::describe(p, port);
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> slot = at.surfaces.load(item).word;
+    K::template shade<V>(slot, is_lit_at_once<V>(at.mattes.load(slot).classes), at);
+  }
+};
+
+/// Lists the diffuse surfaces that are not lit at once.
+struct ListLater {
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> surfaces;
+    Local<V, DiffuseRecord> mattes;
+    Local<V, WordRecord> later;
+    Counter<V> later_count;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.surfaces));
+      port(NAMED(p.mattes));
+      port(NAMED(p.later));
+      port(NAMED(p.later_count));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> slot = at.surfaces.load(item).word;
+    const I<V> classes = at.mattes.load(slot).classes;
+    const M<V> is_later = both(has<V>(classes, traces::kDiffuse), I<V>(0U) < (classes & kLaterClasses));
+    at.later.store(at.later_count.next(is_later), {slot});
+  }
+};
+
+/// Light that a surface scatters if nothing is in the way. A spot's edge falls off as in glTF's KHR_lights_punctual,
+/// and so does a light with a range.
+template <class V>
+struct DiffuseLight {
+  Vec3<V> to_light;  ///< not of unit length: t = 1 is the light
+  F<V> inverse_distance;
+  Vec3<V> light;  ///< that the path brings; none of its channels is above 0 if the surface is turned away
+};
+template <class V>
+DiffuseLight<V> diffuse_light(const SurfacePointRecord<V>& point, const PathRecord<V>& path, const Vec3<V>& diffuse,
+                              const LightUniforms<V>& light) {
+  const Vec3<V> to_light = light.position - point.position * light.local;
+  const F<V> squared = dot(to_light, to_light);
+  const F<V> inverse_distance = 1.0F / sqrt(squared);
+  const F<V> cosine = dot(point.normal, to_light) * inverse_distance;
+  const F<V> off_axis = -dot(light.direction, to_light) * inverse_distance;
+  const F<V> cone = min(max(off_axis * light.cone_scale + light.cone_offset, F<V>(0.0F)), F<V>(1.0F));
+  const F<V> of_range = squared * light.inverse_range_squared;
+  const F<V> window = max(1.0F - of_range * of_range, F<V>(0.0F));
+  const F<V> share = cosine * (inverse_distance * inverse_distance) * (cone * cone) * window;
+  return {to_light, inverse_distance, path.throughput * diffuse * (light.intensity * share)};
+}
+
+struct ShadeBackground {
+  static constexpr std::string_view kName = "shade_background";
+  static constexpr std::string_view kMeaning = "miss -> background radiance into its sample";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> misses;
+    Local<V, PathRecord> paths;
+    Local<V, ColourRecord> colours;
+    Vec3<V> background;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.misses));
+      port(NAMED(p.paths));
+      port(NAMED(p.colours));
+      port(NAMED(p.background));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const PathRecord<V> path = at.paths.load(at.misses.load(item).word);
+    add_light<V>(at.colours, path.sample, path.throughput * at.background);
+  }
+};
+
+/// Base textures with the first texture coordinates whose alpha does not count; shade_base does the others.
+template <MipFilter kMips = MipFilter::kNone>
+struct ShadeTextured {
+  static constexpr std::string_view kName =
+      by_filter<kMips>("shade_textured", "shade_textured_mip", "shade_textured_trilinear");
+  static constexpr std::string_view kMeaning =
+      by_filter<kMips>("textured surface -> base colour times a bilinear fetch",
+                       "as shade_textured, from the nearest mip level", "as shade_textured, from two mip levels");
+  template <class V>
+  struct Ports : TexturePorts<V, kMips> {
+    Local<V, WordRecord> textured;
+    Local<V, TexcoordRecord> texcoords;
+    Local<V, DiffuseRecord> mattes;
+    Table<V, SrgbCodeRecord> srgb_codes;
+    static void describe(auto& p, auto&& port) {
+      TexturePorts<V, kMips>::describe(p, port);
+      port(NAMED(p.textured));
+      port(NAMED(p.texcoords));
+      port(NAMED(p.mattes));
+      port(NAMED(p.srgb_codes));
+    }
+  };
+
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> slot = at.textured.load(item).word;
+    const TexcoordRecord<V> uv = at.texcoords.load(slot);
+    const auto base = look_up<V>(uv, at);
+    const DiffuseRecord<V> matte = at.mattes.load(slot);
+    at.mattes.store(slot, {matte.diffuse * base.colour(at.srgb_codes), matte.classes});
+  }
+
+ private:
+  template <class V>
+  static auto look_up(const TexcoordRecord<V>& uv, const Ports<V>& at) {
+    if constexpr (kMips == MipFilter::kNone) {
+      return sample<V>(at.axes, at.texels, uv.texture, uv.u, uv.v);
+    } else {
+      return at.sample_level(texture_of<V, kMips>(uv), footprint_of<V>(uv.texture), uv.u, uv.v);
+    }
+  }
+};
+
+struct ShadeEmission {
+  static constexpr std::string_view kName = "shade_emission";
+  static constexpr std::string_view kMeaning = "emissive surface -> its own light into its sample";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> emissive;
+    Local<V, SurfacePointRecord> points;
+    Local<V, PathRecord> paths;
+    Local<V, SpecularRecord> optics;
+    Materials<V> materials;
+    Local<V, ColourRecord> colours;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.emissive));
+      port(p.points, "places");
+      port(NAMED(p.paths));
+      port(NAMED(p.optics));
+      port(NAMED(p.materials));
+      port(NAMED(p.colours));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> slot = at.emissive.load(item).word;
+    const PathRecord<V> path = at.paths.load(slot);
+    const MaterialFields<V> material = at.materials.load(at.points.load(slot).material);
+    add_light<V>(at.colours, path.sample, path.throughput * material.emission * at.optics.load(slot).kept);
+  }
+};
+
+struct ShadeAmbient {
+  static constexpr std::string_view kName = "shade_ambient";
+  static constexpr std::string_view kMeaning = "diffuse surface -> ambient light into its sample";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> diffuse;
+    Local<V, PathRecord> paths;
+    Local<V, DiffuseRecord> mattes;
+    Local<V, ColourRecord> colours;
+    Vec3<V> ambient;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.diffuse));
+      port(NAMED(p.paths));
+      port(NAMED(p.mattes));
+      port(NAMED(p.colours));
+      port(NAMED(p.ambient));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    shade<V>(at.diffuse.load(item).word, AllItems{}, at);
+  }
+  /// Acts where `mask` holds.
+  template <class V>
+  static void shade(const I<V>& slot, const auto& mask, Ports<V>& at) {
+    const PathRecord<V> path = at.paths.load(slot);
+    const Vec3<V> light = path.throughput * at.mattes.load(slot).diffuse * at.ambient;
+    add_light<V>(at.colours, path.sample, where<V>(mask, light));
+  }
+};
+
+/// One launch per light: an item is a surface.
+struct ShadeDiffuse {
+  static constexpr std::string_view kName = "shade_diffuse";
+  static constexpr std::string_view kMeaning = "diffuse surface, one light -> shadow ray that brings its light";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> diffuse;
+    Local<V, SurfacePointRecord> points;
+    Local<V, PathRecord> paths;
+    Local<V, DiffuseRecord> mattes;
+    Local<V, RayRecord> shadow_rays;
+    Local<V, PathRecord> shadow_paths;
+    Counter<V> emitted;
+    LightUniforms<V> light;
+    F<V> epsilon;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.diffuse));
+      port(p.points, "places");
+      port(NAMED(p.paths));
+      port(NAMED(p.mattes));
+      port(NAMED(p.shadow_rays));
+      port(NAMED(p.shadow_paths));
+      port(NAMED(p.emitted));
+      LightUniforms<V>::describe(p.light, port);
+      port(NAMED(p.epsilon));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    shade<V>(at.diffuse.load(item).word, AllItems{}, at);
+  }
+  /// Acts where `mask` holds.
+  template <class V>
+  static void shade(const I<V>& slot, const auto& mask, Ports<V>& at) {
+    const SurfacePointRecord<V> point = at.points.load(slot);
+    const PathRecord<V> path = at.paths.load(slot);
+    const auto [to_light, inverse_distance, light] =
+        diffuse_light<V>(point, path, at.mattes.load(slot).diffuse, at.light);
+
+    const I<V> out = at.emitted.next(both_of<V>(mask, F<V>(0.0F) < largest(light)));
+    const F<V> t_min = at.epsilon * inverse_distance;
+    at.shadow_rays.store(out, {point.position, t_min, to_light, at.light.reach - t_min});
+    at.shadow_paths.store(out, {light, path.sample});
+  }
+};
+
+/// In place of shade_diffuse where a frame has no shadows. One launch per light.
+struct ShadeOpen {
+  static constexpr std::string_view kName = "shade_open";
+  static constexpr std::string_view kMeaning = "diffuse surface, one light -> its light into its sample, no shadow";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> diffuse;
+    Local<V, SurfacePointRecord> points;
+    Local<V, PathRecord> paths;
+    Local<V, DiffuseRecord> mattes;
+    Local<V, ColourRecord> colours;
+    LightUniforms<V> light;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.diffuse));
+      port(p.points, "places");
+      port(NAMED(p.paths));
+      port(NAMED(p.mattes));
+      port(NAMED(p.colours));
+      LightUniforms<V>::describe(p.light, port);
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    shade<V>(at.diffuse.load(item).word, AllItems{}, at);
+  }
+  /// Acts where `mask` holds.
+  template <class V>
+  static void shade(const I<V>& slot, const auto& mask, Ports<V>& at) {
+    const PathRecord<V> path = at.paths.load(slot);
+    const Vec3<V> light = diffuse_light<V>(at.points.load(slot), path, at.mattes.load(slot).diffuse, at.light).light;
+    const M<V> is_lit = both_of<V>(mask, F<V>(0.0F) < largest(light));
+    add_light<V>(at.colours, path.sample, select(is_lit, light, Vec3<V>{0.0F, 0.0F, 0.0F}));
+  }
+};
+
+/// One launch per light: as shade_diffuse where it is known already whether the light is seen.
+struct ShadeVisible {
+  static constexpr std::string_view kName = "shade_visible";
+  static constexpr std::string_view kMeaning =
+      "interpolated surface, one light -> its light, unless its shadow is known";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> diffuse;
+    Local<V, SurfacePointRecord> points;
+    Local<V, PathRecord> paths;
+    Local<V, DiffuseRecord> mattes;
+    Local<V, GeometryRecord> geometry;
+    Local<V, ColourRecord> colours;
+    I<V> mark;
+    LightUniforms<V> light;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.diffuse));
+      port(p.points, "places");
+      port(NAMED(p.paths));
+      port(NAMED(p.mattes));
+      port(NAMED(p.geometry));
+      port(NAMED(p.colours));
+      port(NAMED(p.mark));
+      LightUniforms<V>::describe(p.light, port);
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    shade<V>(at.diffuse.load(item).word, AllItems{}, at);
+  }
+  /// Acts where `mask` holds.
+  template <class V>
+  static void shade(const I<V>& slot, const auto& mask, Ports<V>& at) {
+    const PathRecord<V> path = at.paths.load(slot);
+    const Vec3<V> light = diffuse_light<V>(at.points.load(slot), path, at.mattes.load(slot).diffuse, at.light).light;
+    const M<V> dark = I<V>(0U) < (at.geometry.load(path.sample).shadows & at.mark);
+    const Vec3<V> none{0.0F, 0.0F, 0.0F};
+    const Vec3<V> seen = select(both_of<V>(mask, F<V>(0.0F) < largest(light)), light, none);
+    add_light<V>(at.colours, path.sample, select(dark, none, seen));
+  }
+};
+
+struct CombineShadow {
+  static constexpr std::string_view kName = "combine_shadow";
+  static constexpr std::string_view kMeaning = "shadow ray -> its light into its sample, unless something was hit";
+  template <class V>
+  struct Ports {
+    Local<V, HitRecord> shadow_hits;
+    Local<V, PathRecord> shadow_paths;
+    Local<V, ColourRecord> colours;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.shadow_hits));
+      port(NAMED(p.shadow_paths));
+      port(NAMED(p.colours));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const M<V> lit = at.shadow_hits.load(item).triangle == traces::kNoHit;
+    const PathRecord<V> path = at.shadow_paths.load(item);
+    const Vec3<V> none{0.0F, 0.0F, 0.0F};
+    add_light<V>(at.colours, path.sample, select(lit, path.throughput, none));
+  }
+};
+
+}  // namespace kernels

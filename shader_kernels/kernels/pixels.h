@@ -1,0 +1,153 @@
+#pragma once
+#include <string_view>
+
+#include "shader_kernels/kernels/arithmetic.h"
+#include "shader_kernels/kernels/uniforms.h"
+#include "shader_kernels/ports.h"
+#include "sim/named.h"
+
+namespace kernels {
+
+/// Every item leaves the sum so far in its pixel; the pixel's last sample completes it.
+struct AverageColour {
+  static constexpr std::string_view kName = "average_colour";
+  static constexpr std::string_view kMeaning = "sample -> mean of its pixel's samples, clamped, in linear light";
+  template <class V>
+  struct Ports {
+    Local<V, ColourRecord> colours, pixels;
+    Carried<V> red, green, blue;
+    F<V> samples, inverse_samples;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.colours));
+      port(NAMED(p.pixels));
+      port(NAMED(p.red));
+      port(NAMED(p.green));
+      port(NAMED(p.blue));
+      port(NAMED(p.samples));
+      port(NAMED(p.inverse_samples));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const DivMod<V> pixel = divmod<V>(to_float(item), at.samples, at.inverse_samples);
+    add<V>(at, pixel, at.colours.load(item).rgb);
+  }
+  /// A pixel's sample, by its number within the pixel; samples come in order.
+  template <class V>
+  static void add(Ports<V>& at, const DivMod<V>& pixel, const Vec3<V>& colour) {
+    const M<V> first = pixel.remainder <= 0.0F;
+    const auto sum = [&](Carried<V>& so_far, const F<V>& sample) {
+      const F<V> next = select(first, F<V>(0.0F), so_far.get()) + clamped<V>(sample);
+      so_far.set(next);
+      return next;
+    };
+    const Vec3<V> total{sum(at.red, colour.x), sum(at.green, colour.y), sum(at.blue, colour.z)};
+    at.pixels.store(to_int(pixel.quotient), {total * at.inverse_samples});
+  }
+};
+
+/// As average_colour, of samples that lie row by row.
+struct AverageSamples {
+  static constexpr std::string_view kName = "average_samples";
+  static constexpr std::string_view kMeaning = "sample of a grid -> mean of its pixel's samples, clamped, linear light";
+  template <class V>
+  struct Ports : AverageColour::Ports<V> {
+    F<V> width, inverse_width;  ///< pixels in a row of the tile
+    F<V> grid, inverse_grid;
+    F<V> first, pitch;
+    static void describe(auto& p, auto&& port) {
+      AverageColour::Ports<V>::describe(p, port);
+      port(NAMED(p.width));
+      port(NAMED(p.inverse_width));
+      port(NAMED(p.grid));
+      port(NAMED(p.inverse_grid));
+      port(NAMED(p.first));
+      port(NAMED(p.pitch));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const DivMod<V> pixel = divmod<V>(to_float(item), at.samples, at.inverse_samples);
+    const DivMod<V> row = divmod<V>(pixel.quotient, at.width, at.inverse_width);
+    const DivMod<V> cell = divmod<V>(pixel.remainder, at.grid, at.inverse_grid);
+    const F<V> sample =
+        at.first + (row.quotient * at.grid + cell.quotient) * at.pitch + row.remainder * at.grid + cell.remainder;
+    AverageColour::add<V>(at, pixel, at.colours.load(to_int(sample)).rgb);
+  }
+};
+
+/// As average_colour, of pixels that have one sample each.
+struct TakeSample {
+  template <class V>
+  struct Ports {
+    Local<V, ColourRecord> colours, pixels;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.colours));
+      port(NAMED(p.pixels));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    take<V>(item, item, at);
+  }
+  template <class V>
+  static void take(const I<V>& pixel, const I<V>& sample, const Ports<V>& at) {
+    const Vec3<V> colour = at.colours.load(sample).rgb;
+    at.pixels.store(pixel, {{clamped<V>(colour.x), clamped<V>(colour.y), clamped<V>(colour.z)}});
+  }
+};
+
+/// As average_samples, of pixels that have one sample each.
+struct TakeGridSample {
+  template <class V>
+  struct Ports : TakeSample::Ports<V> {
+    LatticeUniforms<V> lattice;  ///< samples of the tile's pixels
+    static void describe(auto& p, auto&& port) {
+      TakeSample::Ports<V>::describe(p, port);
+      LatticeUniforms<V>::describe(p.lattice, port);
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    TakeSample::take<V>(item, lattice_sample<V>(item, at.lattice), at);
+  }
+};
+
+/// The frame buffer's RGBA8 of a colour whose channels are in [0, 1].
+template <class V>
+I<V> encoded_pixel(const Vec3<V>& colour) {
+  const auto byte = [](const F<V>& x) { return to_int(encoded<V>(x) * 255.0F + 0.5F); };
+  return byte(colour.x) | (byte(colour.y) << 8U) | (byte(colour.z) << 16U) | 0xff000000U;
+}
+
+struct PackColour {
+  static constexpr std::string_view kName = "pack_colour";
+  static constexpr std::string_view kMeaning = "pixel -> the frame buffer's RGBA8, sRGB-encoded";
+  template <class V>
+  struct Ports {
+    Local<V, ColourRecord> pixels;
+    Local<V, WordRecord> packed;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.pixels));
+      port(NAMED(p.packed));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const Vec3<V> colour = at.pixels.load(item).rgb;
+    at.packed.store(item, {encoded_pixel<V>({clamped<V>(colour.x), clamped<V>(colour.y), clamped<V>(colour.z)})});
+  }
+};
+
+/// As pack_colour, behind a part that has clamped the pixel.
+struct PackClamped {
+  using Of = PackColour;
+  template <class V>
+  using Ports = PackColour::Ports<V>;
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    at.packed.store(item, {encoded_pixel<V>(at.pixels.load(item).rgb)});
+  }
+};
+
+}  // namespace kernels

@@ -1,0 +1,526 @@
+#pragma once
+#include <algorithm>
+#include <string_view>
+#include <type_traits>
+
+#include "shader_kernels/kernels/arithmetic.h"
+#include "shader_kernels/kernels/shade_surface.h"
+#include "shader_kernels/ports.h"
+#include "sim/named.h"
+#include "traces/ray.h"
+
+namespace kernels {
+
+/// Sets records of samples about to be traced to those of a miss.
+struct ClearGeometry {
+  static constexpr std::string_view kName = "clear_geometry";
+  static constexpr std::string_view kMeaning = "sample -> its geometry is that of a miss";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> samples;
+    Local<V, GeometryRecord> geometry;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.samples));
+      port(NAMED(p.geometry));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    at.geometry.store(at.samples.load(item).word, {{0.0F, 0.0F, 1.0F}, kNoObject, {0.0F, 0.0F, 0.0F}, 0U});
+  }
+};
+
+struct ClearSecondary {
+  static constexpr std::string_view kName = "clear_secondary";
+  static constexpr std::string_view kMeaning = "sample -> no secondary hits";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> samples;
+    Local<V, SecondaryRecord> secondary;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.samples));
+      port(NAMED(p.secondary));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    at.secondary.store(at.samples.load(item).word, {{0.0F, 0.0F, 1.0F}, 0U, {0.0F, 0.0F, 1.0F}, 0U});
+  }
+};
+
+struct ClearTraits {
+  static constexpr std::string_view kName = "clear_traits";
+  static constexpr std::string_view kMeaning = "sample -> its traits are those of a miss, without a secondary hit";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> samples;
+    Local<V, TraitsRecord> traits, secondary;
+    Local<V, BranchRecord> branches;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.samples));
+      port(NAMED(p.traits));
+      port(NAMED(p.secondary));
+      port(NAMED(p.branches));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> sample = at.samples.load(item).word;
+    at.traits.store(sample, {{0.0F, 0.0F, 1.0F}, kNoObject, 0U});
+    at.secondary.store(sample, {{0.0F, 0.0F, 1.0F}, kNoObject, 0U});
+    at.branches.store(sample, {0.0F, 0.0F});
+  }
+};
+
+/// As clear_geometry, for samples that keep their surface.
+struct ClearSurface {
+  static constexpr std::string_view kName = "clear_surface";
+  static constexpr std::string_view kMeaning = "sample -> its geometry and surface are those of a miss";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> samples;
+    Local<V, GeometryRecord> geometry;
+    Local<V, SurfaceRecord> kept;
+    Local<V, ColourRecord> globals;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.samples));
+      port(NAMED(p.geometry));
+      port(NAMED(p.kept));
+      port(NAMED(p.globals));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> sample = at.samples.load(item).word;
+    const Vec3<V> none{0.0F, 0.0F, 0.0F};
+    at.geometry.store(sample, {{0.0F, 0.0F, 1.0F}, kNoObject, none, 0U});
+    at.kept.store(sample, {none, 0U, {0.0F, 0.0F, 1.0F}, 0.0F, 0.0F, 0U, 0U});
+    at.globals.store(sample, {none});
+  }
+};
+
+/// Classes of a surface whose colour comes from a texture.
+inline constexpr std::uint32_t kAnyTexture =
+    traces::kTextured | traces::kBased | traces::kPhysical | traces::kBumped | traces::kGlowing;
+
+/// The object of a hit stands in its triangle's record, which the intersection unit has just read, or in its
+/// instance's.
+template <class V, bool kInstanced>
+using Objects = std::conditional_t<kInstanced, Instances<V>, Triangles<V>>;
+
+/// Index of that record.
+template <class V>
+I<V> index_of(const HitRecord<V>& hit) {
+  return triangle_of<V>(hit);
+}
+template <class V>
+I<V> index_of(const InstanceHitRecord<V>& hit) {
+  return instance_of<V>(hit);
+}
+
+/// An object with the flag of a textured one.
+template <class V>
+I<V> marked(const I<V>& object, const I<V>& classes) {
+  return object | select(I<V>(0U) < (classes & kAnyTexture), I<V>(kTexturedObject), I<V>(0U));
+}
+
+/// Ports of the kernels that keep a surface of a sample.
+template <class V, bool kInstanced>
+struct SurfaceHitPorts {
+  Local<V, WordRecord> surfaces;
+  Hits<V, kInstanced> hits;
+  Local<V, SurfacePointRecord> points;
+  Local<V, DiffuseRecord> mattes;
+  Local<V, PathRecord> paths;
+  Objects<V, kInstanced> objects;
+  static void describe(auto& p, auto&& port) {
+    port(NAMED(p.surfaces));
+    port(NAMED(p.hits));
+    port(p.points, "places");
+    port(NAMED(p.mattes));
+    port(NAMED(p.paths));
+    port(p.objects, kInstanced ? "instances" : "triangles");
+  }
+};
+
+template <class V>
+struct SurfaceHit {
+  SurfacePointRecord<V> point;
+  I<V> object;  ///< with the flag of a textured one
+  PathRecord<V> path;
+};
+template <class V, bool kInstanced>
+SurfaceHit<V> surface_hit(const I<V>& item, const SurfaceHitPorts<V, kInstanced>& at) {
+  const I<V> slot = at.surfaces.load(item).word;
+  const SurfacePointRecord<V> point = at.points.load(slot);
+  const I<V> object = at.objects.load(index_of<V>(at.hits.load(slot))).object;
+  return {point, marked<V>(object, at.mattes.load(slot).classes), at.paths.load(slot)};
+}
+
+template <bool kInstanced>
+struct RecordGeometry {
+  static constexpr std::string_view kName = kInstanced ? "record_geometry_instanced" : "record_geometry";
+  static constexpr std::string_view kMeaning = kInstanced
+                                                   ? "as record_geometry, with the object of the instance"
+                                                   : "first hit -> its sample's geometry: object, normal, position";
+  template <class V>
+  struct Ports : SurfaceHitPorts<V, kInstanced> {
+    Local<V, GeometryRecord> geometry;
+    static void describe(auto& p, auto&& port) {
+      SurfaceHitPorts<V, kInstanced>::describe(p, port);
+      port(NAMED(p.geometry));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const SurfaceHit<V> hit = surface_hit<V, kInstanced>(item, at);
+    at.geometry.store(hit.path.sample, {hit.point.normal, hit.object, hit.point.position, 0U});
+  }
+};
+
+template <bool kInstanced>
+struct RecordTraits {
+  static constexpr std::string_view kName = kInstanced ? "record_traits_instanced" : "record_traits";
+  static constexpr std::string_view kMeaning = kInstanced
+                                                   ? "as record_traits, with the object of the instance"
+                                                   : "first hit -> its sample's traits: object, normal, no shadow yet";
+  template <class V>
+  struct Ports : SurfaceHitPorts<V, kInstanced> {
+    Local<V, TraitsRecord> traits;
+    static void describe(auto& p, auto&& port) {
+      SurfaceHitPorts<V, kInstanced>::describe(p, port);
+      port(NAMED(p.traits));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const SurfaceHit<V> hit = surface_hit<V, kInstanced>(item, at);
+    at.traits.store(hit.path.sample, {hit.point.normal, hit.object, 0U});
+  }
+};
+
+/// Across a triangle's plane.
+template <class V>
+Vec3<V> across_of(const TriangleFields<V>& t) {
+  return cross(t.v1 - t.v0, t.v2 - t.v0);
+}
+
+/// As record_geometry, with all that interpolation and shading after it need. The triangle's own normal is turned to
+/// the side of the shading normal.
+template <bool kInstanced>
+struct RecordSurface {
+  static constexpr std::string_view kName = kInstanced ? "record_surface_instanced" : "record_surface";
+  static constexpr std::string_view kMeaning =
+      kInstanced ? "as record_surface, of an instance" : "first hit -> its sample's geometry and surface";
+  template <class V>
+  struct Ports : RecordGeometry<kInstanced>::template Ports<V> {
+    Triangles<V> corners;  ///< wired if kInstanced; otherwise the objects are triangles
+    Local<V, TexcoordRecord> texcoords;
+    Local<V, SurfaceRecord> kept;
+    static void describe(auto& p, auto&& port) {
+      RecordGeometry<kInstanced>::template Ports<V>::describe(p, port);
+      if constexpr (kInstanced) port(p.corners, "triangles");
+      port(NAMED(p.texcoords));
+      port(NAMED(p.kept));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> slot = at.surfaces.load(item).word;
+    const SurfacePointRecord<V> point = at.points.load(slot);
+    const DiffuseRecord<V> matte = at.mattes.load(slot);
+    const TexcoordRecord<V> texcoord = at.texcoords.load(slot);
+    const auto hit = at.hits.load(slot);
+    const auto found = at.objects.load(index_of<V>(hit));
+    Vec3<V> across;
+    if constexpr (kInstanced) {
+      across = normal_to_world<V>(found, across_of<V>(at.corners.load(triangle_of<V>(hit))));
+    } else {
+      across = across_of<V>(found);
+    }
+    const F<V> side = select(dot(across, point.normal) <= 0.0F, F<V>(-1.0F), F<V>(1.0F));
+    const I<V> sample = at.paths.load(slot).sample;
+    at.geometry.store(sample, {point.normal, marked<V>(found.object, matte.classes), point.position, 0U});
+    at.kept.store(sample, {matte.diffuse, matte.classes, normalised(across) * side, texcoord.u, texcoord.v,
+                           texcoord.texture, point.material});
+  }
+};
+
+/// A bounce behind the first. `way` tells bounces apart, so that the same objects met in another order are not taken
+/// for the same.
+template <class V>
+struct BounceUniforms {
+  I<V> way;
+  I<V> mirrored, refracted;  ///< slots below `mirrored` go straight on, those below `refracted` were mirrored
+  F<V> first;                ///< 1 for the bounce whose normals are kept, else 0
+  static void describe(auto& b, auto&& port) {
+    port(NAMED(b.way));
+    port(NAMED(b.mirrored));
+    port(NAMED(b.refracted));
+    port(NAMED(b.first));
+  }
+};
+
+/// One launch per bounce.
+template <bool kInstanced>
+struct RecordSecondary {
+  static constexpr std::string_view kName = kInstanced ? "record_secondary_instanced" : "record_secondary";
+  static constexpr std::string_view kMeaning = kInstanced ? "as record_secondary, with the object of the instance"
+                                                          : "secondary hit -> into its sample's secondary geometry";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> surfaces;
+    Hits<V, kInstanced> hits;
+    Local<V, SurfacePointRecord> points;
+    Local<V, PathRecord> paths;
+    Objects<V, kInstanced> objects;
+    Local<V, SecondaryRecord> secondary;
+    BounceUniforms<V> bounce;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.surfaces));
+      port(NAMED(p.hits));
+      port(p.points, "places");
+      port(NAMED(p.paths));
+      port(p.objects, kInstanced ? "instances" : "triangles");
+      port(NAMED(p.secondary));
+      BounceUniforms<V>::describe(p.bounce, port);
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> slot = at.surfaces.load(item).word;
+    const Vec3<V> normal = at.points.load(slot).normal;
+    const I<V> object = at.objects.load(index_of<V>(at.hits.load(slot))).object;
+    const I<V> sample = at.paths.load(slot).sample;
+    const SecondaryRecord<V> so_far = at.secondary.load(sample);
+    const M<V> is_first = F<V>(0.0F) < at.bounce.first;
+    const I<V> kind =
+        select(slot < at.bounce.mirrored, I<V>(0U), select(slot < at.bounce.refracted, I<V>(1U), I<V>(2U)));
+    const M<V> by_mirror = both(is_first, kind == 1U);
+    const M<V> by_glass = both(is_first, kind == 2U);
+    at.secondary.store(sample, {select(by_mirror, normal, so_far.mirror_normal),
+                                so_far.objects + scrambled<V>(object ^ at.bounce.way ^ (kind << 28U)),
+                                select(by_glass, normal, so_far.glass_normal), so_far.shadows});
+  }
+};
+
+// Traits are what supersample compares. Of its secondary hits a sample keeps one: that of the branch, mirrored or
+// refracted, that carries most, one bounce behind the first hit.
+
+/// A position as one number, which two hits of a sample hardly ever share.
+template <class V>
+F<V> position_sum(const Vec3<V>& position) {
+  return dot(position, Vec3<V>{1.0F, 1.7320508F, 2.2360680F});
+}
+
+/// Over all rays of the first bounce, for the branch that carries most may hit nothing.
+struct WeighBranch {
+  static constexpr std::string_view kName = "weigh_branch";
+  static constexpr std::string_view kMeaning = "secondary ray -> most that one of its sample carries";
+  template <class V>
+  struct Ports {
+    Local<V, PathRecord> paths;
+    Local<V, BranchRecord> branches;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.paths));
+      port(NAMED(p.branches));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const PathRecord<V> path = at.paths.load(item);
+    const BranchRecord<V> so_far = at.branches.load(path.sample);
+    at.branches.store(path.sample, {max(so_far.weight, largest(path.throughput)), so_far.position_sum});
+  }
+};
+
+template <bool kInstanced>
+struct RecordBranch {
+  static constexpr std::string_view kName = kInstanced ? "record_branch_instanced" : "record_branch";
+  static constexpr std::string_view kMeaning = kInstanced ? "as record_branch, with the object of the instance"
+                                                          : "secondary hit -> its sample's, if its branch carries most";
+  template <class V>
+  struct Ports : RecordTraits<kInstanced>::template Ports<V> {
+    Local<V, BranchRecord> branches;
+    static void describe(auto& p, auto&& port) {
+      RecordTraits<kInstanced>::template Ports<V>::describe(p, port);
+      port(NAMED(p.branches));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const auto [point, object, path] = surface_hit<V, kInstanced>(item, at);
+    const TraitsRecord<V> so_far = at.traits.load(path.sample);
+    const BranchRecord<V> branch = at.branches.load(path.sample);
+    const M<V> most = branch.weight <= largest(path.throughput);
+    at.traits.store(path.sample,
+                    {select(most, point.normal, so_far.normal), select(most, object, so_far.object), so_far.shadows});
+    at.branches.store(path.sample, {branch.weight, select(most, position_sum<V>(point.position), branch.position_sum)});
+  }
+};
+
+/// Shadow rays do not say which branch they belong to, but where they begin.
+struct RecordBranchShadow {
+  static constexpr std::string_view kName = "record_branch_shadow";
+  static constexpr std::string_view kMeaning = "shadow ray of the kept secondary hit -> counted if it was stopped";
+  template <class V>
+  struct Ports {
+    Local<V, RayRecord> shadow_rays;
+    Local<V, HitRecord> shadow_hits;
+    Local<V, PathRecord> shadow_paths;
+    Local<V, TraitsRecord> traits;
+    Local<V, BranchRecord> branches;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.shadow_rays));
+      port(NAMED(p.shadow_hits));
+      port(NAMED(p.shadow_paths));
+      port(NAMED(p.traits));
+      port(NAMED(p.branches));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const Vec3<V> origin = at.shadow_rays.load(item).origin;
+    const M<V> lit = at.shadow_hits.load(item).triangle == traces::kNoHit;
+    const I<V> sample = at.shadow_paths.load(item).sample;
+    const M<V> same = position_sum<V>(origin) == at.branches.load(sample).position_sum;
+    TraitsRecord<V> record = at.traits.load(sample);
+    record.shadows = record.shadows + select(same, select(lit, I<V>(0U), I<V>(1U)), I<V>(0U));
+    at.traits.store(sample, record);
+  }
+};
+
+/// A sample's global colour is all but what ambient light and lights do at its first hit: those are shaded anew where
+/// it is interpolated. It is found by difference, so that the sum of a traced sample's colour stays as it is.
+template <bool kAfter>
+struct RecordLocal {
+  static constexpr std::string_view kName = kAfter ? "record_local_after" : "record_local_before";
+  static constexpr std::string_view kMeaning = kAfter
+                                                   ? "first hit -> its sample's colour behind local shading, taken off"
+                                                   : "first hit -> its sample's colour before local shading";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> diffuse;
+    Local<V, PathRecord> paths;
+    Local<V, ColourRecord> colours, globals;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.diffuse));
+      port(NAMED(p.paths));
+      port(NAMED(p.colours));
+      port(NAMED(p.globals));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> sample = at.paths.load(at.diffuse.load(item).word).sample;
+    const Vec3<V> colour = at.colours.load(sample).rgb;
+    if constexpr (kAfter) {
+      at.globals.store(sample, {at.globals.load(sample).rgb - colour});
+    } else {
+      at.globals.store(sample, {colour});
+    }
+  }
+};
+
+struct RecordGlobal {
+  static constexpr std::string_view kName = "record_global";
+  static constexpr std::string_view kMeaning = "traced sample -> its global colour";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> samples;
+    Local<V, ColourRecord> colours, globals;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.samples));
+      port(NAMED(p.colours));
+      port(NAMED(p.globals));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> sample = at.samples.load(item).word;
+    at.globals.store(sample, {at.globals.load(sample).rgb + at.colours.load(sample).rgb});
+  }
+};
+
+/// Largest channel of a faint colour. Channels up to 0.0031 are encoded as 12.92 times themselves, so two faint colours
+/// lie at most 3^(1/2) x 12.92 x 0.04 = 0.9 of `threshold` apart.
+inline float faint_channel(float threshold) { return std::min(0.003F, 0.04F * threshold); }
+
+/// Counts samples whose global colour is not faint. Two faint ones pass the check of colours whatever they are.
+struct CountColoured {
+  static constexpr std::string_view kName = "count_coloured";
+  static constexpr std::string_view kMeaning = "sample -> number of those whose global colour is not faint";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> samples;
+    Local<V, ColourRecord> globals;
+    Counter<V> coloured_count;
+    F<V> faint;  ///< largest channel of a faint colour
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.samples));
+      port(NAMED(p.globals));
+      port(NAMED(p.coloured_count));
+      port(NAMED(p.faint));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const Vec3<V> global = at.globals.load(at.samples.load(item).word).rgb;
+    at.coloured_count.next(at.faint < max(max(global.x, global.y), global.z));
+  }
+};
+
+/// One launch per light and bounce, behind combine_shadow. A light that a surface is turned away from casts no shadow
+/// on it.
+template <template <class> class R>
+struct RecordShadowPorts {
+  template <class V>
+  struct Ports {
+    Local<V, HitRecord> shadow_hits;
+    Local<V, PathRecord> shadow_paths;
+    Local<V, R> records;
+    I<V> mark;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.shadow_hits));
+      port(NAMED(p.shadow_paths));
+      port(NAMED(p.records));
+      port(NAMED(p.mark));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const M<V> lit = at.shadow_hits.load(item).triangle == traces::kNoHit;
+    const I<V> sample = at.shadow_paths.load(item).sample;
+    R<V> record = at.records.load(sample);
+    const I<V> mark = select(lit, I<V>(0U), at.mark);
+    if constexpr (std::is_same_v<R<V>, GeometryRecord<V>> || std::is_same_v<R<V>, VisibleRecord<V>>) {
+      record.shadows = record.shadows | mark;  // lights beyond 32 share bits
+    } else {
+      record.shadows = record.shadows + mark;
+    }
+    at.records.store(sample, record);
+  }
+};
+
+struct RecordShadow : RecordShadowPorts<GeometryRecord> {
+  static constexpr std::string_view kName = "record_shadow";
+  static constexpr std::string_view kMeaning = "shadow ray of a first hit -> mark in its sample if it was stopped";
+};
+
+struct RecordSecondaryShadow : RecordShadowPorts<SecondaryRecord> {
+  static constexpr std::string_view kName = "record_secondary_shadow";
+  static constexpr std::string_view kMeaning = "shadow ray of a secondary hit -> mark in its sample if it was stopped";
+};
+
+struct RecordTraitsShadow : RecordShadowPorts<TraitsRecord> {
+  static constexpr std::string_view kName = "record_traits_shadow";
+  static constexpr std::string_view kMeaning = "shadow ray of a first hit -> counted in its sample if it was stopped";
+};
+
+struct RecordVisibleShadow : RecordShadowPorts<VisibleRecord> {
+  static constexpr std::string_view kName = "record_visible_shadow";
+  static constexpr std::string_view kMeaning =
+      "shadow ray of a first hit, or of one behind it -> mark if it was stopped";
+};
+
+}  // namespace kernels

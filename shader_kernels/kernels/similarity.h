@@ -1,0 +1,270 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+#include "shader_kernels/kernels/uniforms.h"
+#include "sim/named.h"
+
+namespace kernels {
+
+/// Similarity checks between the two samples that a third lies between; a bit each in what a check kernel leaves in the
+/// tile buffer, where 0 means that all have passed. Their order is that of the papers; the first to fail is what a
+/// sample is said to be traced for.
+enum class Check : std::uint8_t {
+  kObject,
+  kPosition,
+  kNormal,
+  kConvexity,
+  kTexture,
+  kShadow,
+  kColour,
+  kSecondaryObject,
+  kSecondaryNormal,
+  kSecondaryShadow,
+  kDetail,  ///< a surface that cannot be shaded from interpolated attributes
+  kBorder,  ///< one of the two lies outside the picture
+  kCount
+};
+constexpr std::array<std::string_view, 12> names_of(Check) {
+  return {"object", "position",         "normal",           "convexity",        "texture", "shadow",
+          "colour", "secondary_object", "secondary_normal", "secondary_shadow", "detail",  "border"};
+}
+constexpr std::uint32_t bit(Check check) { return 1U << static_cast<std::uint32_t>(check); }
+
+/// The samples between the reference samples of parallel lines. Along a line every `block`-th sample is a reference,
+/// from position 0 on; positions below `low` or above `high` are outside the picture. `gaps` is block - 1.
+template <class V>
+struct LineUniforms {
+  F<V> inner, inverse_inner;  ///< along x: samples between references in a line; along y: lines
+  F<V> gaps, inverse_gaps, block, inverse_block;
+  F<V> first, step, line_step;  ///< position 0 of line 0; from position to position, from line to line
+  F<V> low, high;
+  static void describe(auto& l, auto&& port) {
+    port(l.inner, "line.inner");
+    port(l.inverse_inner, "line.inverse_inner");
+    port(l.gaps, "line.gaps");
+    port(l.inverse_gaps, "line.inverse_gaps");
+    port(l.block, "line.block");
+    port(l.inverse_block, "line.inverse_block");
+    port(l.first, "line.first");
+    port(l.step, "line.step");
+    port(l.line_step, "line.line_step");
+    port(l.low, "line.low");
+    port(l.high, "line.high");
+  }
+};
+
+/// A sample and the two references that it lies between.
+template <class V>
+struct SampleNeighbours {
+  I<V> sample, before, after;
+  I<V> gap;      ///< samples between `before` and it
+  M<V> outside;  ///< one of the two is not there
+};
+
+/// Sample number `item`; lines are worked off one after the other along x, side by side along y.
+template <bool kAlongY, class V>
+SampleNeighbours<V> sample_neighbours(const I<V>& item, const LineUniforms<V>& line) {
+  const DivMod<V> outer = divmod<V>(to_float(item), line.inner, line.inverse_inner);
+  const F<V> number = kAlongY ? outer.quotient : outer.remainder;
+  const F<V> of_line = kAlongY ? outer.remainder : outer.quotient;
+  const DivMod<V> gap = divmod<V>(number, line.gaps, line.inverse_gaps);
+  const F<V> position = gap.quotient * line.block;
+  const F<V> before = line.first + of_line * line.line_step + position * line.step;
+  return {to_int(before + (gap.remainder + 1.0F) * line.step), to_int(before), to_int(before + line.block * line.step),
+          to_int(gap.remainder), logical_or(position < line.low, line.high < position + line.block)};
+}
+
+// An item of the stream of samples that have passed: the sample, and above it the gap.
+inline constexpr std::uint32_t kGapShift = 24;
+inline constexpr std::uint32_t kSampleMask = (1U << kGapShift) - 1;
+
+template <class V>
+struct Passed {
+  I<V> sample, before, after;
+  F<V> weight;  ///< weight of `after`; that of `before` is the rest
+};
+template <class V>
+Passed<V> passed(const I<V>& word, const LineUniforms<V>& line) {
+  const I<V> sample = word & kSampleMask;
+  const F<V> steps = to_float(word >> kGapShift) + 1.0F;
+  const F<V> at = to_float(sample);
+  const F<V> before = at - steps * line.step;
+  return {sample, to_int(before), to_int(before + line.block * line.step), steps * line.inverse_block};
+}
+
+/// Kernel K, which runs over the samples that have passed, behind their check: it makes all samples, and those that
+/// have failed are traced afterwards.
+template <bool kAlongY, class K>
+struct AllPassed {
+  using Of = K;
+  template <class V>
+  using Ports = typename K::template Ports<V>;
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const SampleNeighbours<V> b = sample_neighbours<kAlongY, V>(item, at.line);
+    K::template interpolate<V>({b.sample, b.before, b.after, (to_float(b.gap) + 1.0F) * at.line.inverse_block}, at);
+  }
+};
+
+/// Ports of check kernels, which leave the failed checks of a sample in the tile buffer, and it in one of two streams.
+template <class V>
+struct VerdictPorts {
+  LineUniforms<V> line;
+  Local<V, WordRecord> verdicts, passed, failed;
+  Counter<V> passed_count, failed_count;
+  static void describe(auto& p, auto&& port) {
+    LineUniforms<V>::describe(p.line, port);
+    port(NAMED(p.verdicts));
+    port(NAMED(p.passed));
+    port(NAMED(p.failed));
+    port(NAMED(p.passed_count));
+    port(NAMED(p.failed_count));
+  }
+};
+template <class V>
+void write_verdict(VerdictPorts<V>& at, const SampleNeighbours<V>& b, const I<V>& checks) {
+  const I<V> failed = select(b.outside, I<V>(bit(Check::kBorder)), checks);
+  at.verdicts.store(b.sample, {failed});
+  at.passed.store(at.passed_count.next(failed == 0U), {b.sample | (b.gap << kGapShift)});
+  at.failed.store(at.failed_count.next(I<V>(0U) < failed), {b.sample});
+}
+
+template <class V>
+I<V> fails_if(const M<V>& mask, Check check) {
+  return select(mask, I<V>(bit(check)), I<V>(0U));
+}
+
+template <class V>
+F<V> lerp(const F<V>& a, const F<V>& b, const F<V>& weight) {
+  return a + (b - a) * weight;
+}
+template <class V>
+Vec3<V> lerp(const Vec3<V>& a, const Vec3<V>& b, const F<V>& weight) {
+  return a + (b - a) * weight;
+}
+
+/// Colour of a sample between two: samples are what is averaged, so they are clamped first.
+template <class V>
+Vec3<V> lerp_colours(const Vec3<V>& a, const Vec3<V>& b, const F<V>& weight) {
+  return lerp<V>({clamped<V>(a.x), clamped<V>(a.y), clamped<V>(a.z)},
+                 {clamped<V>(b.x), clamped<V>(b.y), clamped<V>(b.z)}, weight);
+}
+
+/// The inspector of multi-rate sampling (Lee et al. 2016): same object, similar normals, same shadows at the first hit
+/// and, with kSecondary, at those behind mirrors and glass. With kTexture it compares the colours of textured surfaces,
+/// too: against one distance as a check, against another to count samples that pass and yet are rough.
+template <bool kAlongY, bool kSecondary, bool kTexture>
+struct CheckSimilarity {
+  static constexpr std::array<std::string_view, 8> kNames{"check_similarity_x",
+                                                          "check_similarity_y",
+                                                          "check_similarity_x_secondary",
+                                                          "check_similarity_y_secondary",
+                                                          "check_similarity_x_texture",
+                                                          "check_similarity_y_texture",
+                                                          "check_similarity_x_secondary_texture",
+                                                          "check_similarity_y_secondary_texture"};
+  static constexpr std::string_view kName = kNames[(kAlongY ? 1 : 0) + (kSecondary ? 2 : 0) + (kTexture ? 4 : 0)];
+  static constexpr std::string_view kMeaning = "sample between two traced ones -> stream passed or failed";
+  template <class V>
+  struct Ports : VerdictPorts<V> {
+    Local<V, GeometryRecord> geometry;
+    Local<V, SecondaryRecord> secondary;
+    F<V> least_dot;
+    Local<V, ColourRecord> colours;      ///< wired if kTexture, and what follows
+    F<V> texture_squared, rate_squared;  ///< colours farther apart fail, or are rough
+    Counter<V> rough_count;
+    static void describe(auto& p, auto&& port) {
+      VerdictPorts<V>::describe(p, port);
+      port(NAMED(p.geometry));
+      port(NAMED(p.secondary));
+      port(NAMED(p.least_dot));
+      if constexpr (kTexture) {
+        port(NAMED(p.colours));
+        port(NAMED(p.texture_squared));
+        port(NAMED(p.rate_squared));
+        port(NAMED(p.rough_count));
+      }
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const SampleNeighbours<V> b = sample_neighbours<kAlongY, V>(item, at.line);
+    const GeometryRecord<V> before = at.geometry.load(b.before);
+    const GeometryRecord<V> after = at.geometry.load(b.after);
+    I<V> failed = select(before.object == after.object, I<V>(0U), I<V>(bit(Check::kObject))) |
+                  fails_if<V>(dot(before.normal, after.normal) < at.least_dot, Check::kNormal) |
+                  select(before.shadows == after.shadows, I<V>(0U), I<V>(bit(Check::kShadow)));
+    if constexpr (kSecondary) {
+      const SecondaryRecord<V> one = at.secondary.load(b.before);
+      const SecondaryRecord<V> other = at.secondary.load(b.after);
+      const F<V> least = min(dot(one.mirror_normal, other.mirror_normal), dot(one.glass_normal, other.glass_normal));
+      failed = failed | select(one.objects == other.objects, I<V>(0U), I<V>(bit(Check::kSecondaryObject))) |
+               fails_if<V>(least < at.least_dot, Check::kSecondaryNormal) |
+               select(one.shadows == other.shadows, I<V>(0U), I<V>(bit(Check::kSecondaryShadow)));
+    }
+    if constexpr (kTexture) {
+      const Vec3<V> one = at.colours.load(b.before).rgb;
+      const Vec3<V> other = at.colours.load(b.after).rgb;
+      const F<V> apart = encoded_distance_squared<V>(one, other);
+      const M<V> textured = (before.object & kTexturedObject) == kTexturedObject;
+      failed = failed | fails_if<V>(both(textured, at.texture_squared < apart), Check::kTexture);
+      const M<V> rough = both(textured, at.rate_squared < apart);
+      at.rough_count.next(both(rough, select(b.outside, I<V>(1U), failed) == 0U));
+    }
+    write_verdict<V>(at, b, failed);
+  }
+};
+
+/// Geometry that an interpolated sample keeps, for checks along the other axis that it is a reference of. Attributes
+/// that had to be equal are taken over.
+template <class V>
+GeometryRecord<V> lerp_geometry(const GeometryRecord<V>& a, const GeometryRecord<V>& b, const F<V>& weight) {
+  return {normalised(lerp<V>(a.normal, b.normal, weight)), a.object, lerp<V>(a.position, b.position, weight),
+          a.shadows};
+}
+
+/// The executor of samples that have passed (Lee et al. 2016): the colour in the middle of two. Along x it also leaves
+/// the geometry there, as checks along y look at it.
+template <bool kAlongY, bool kSecondary>
+struct InterpolateSample {
+  static constexpr std::string_view kName =
+      kAlongY ? "interpolate_y" : (kSecondary ? "interpolate_x_secondary" : "interpolate_x");
+  static constexpr std::string_view kMeaning = "sample that passed -> colour between its references";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> passed;
+    LineUniforms<V> line;
+    Local<V, ColourRecord> colours;
+    Local<V, GeometryRecord> geometry;
+    Local<V, SecondaryRecord> secondary;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.passed));
+      LineUniforms<V>::describe(p.line, port);
+      port(NAMED(p.colours));
+      port(NAMED(p.geometry));
+      port(NAMED(p.secondary));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    interpolate<V>(passed<V>(at.passed.load(item).word, at.line), at);
+  }
+  template <class V>
+  static void interpolate(const Passed<V>& p, const Ports<V>& at) {
+    at.colours.store(p.sample,
+                     {lerp_colours<V>(at.colours.load(p.before).rgb, at.colours.load(p.after).rgb, p.weight)});
+    if constexpr (!kAlongY) {
+      at.geometry.store(p.sample, lerp_geometry<V>(at.geometry.load(p.before), at.geometry.load(p.after), p.weight));
+    }
+    if constexpr (kSecondary) {
+      const SecondaryRecord<V> a = at.secondary.load(p.before);
+      const SecondaryRecord<V> b = at.secondary.load(p.after);
+      at.secondary.store(p.sample, {normalised(lerp<V>(a.mirror_normal, b.mirror_normal, p.weight)), a.objects,
+                                    normalised(lerp<V>(a.glass_normal, b.glass_normal, p.weight)), a.shadows});
+    }
+  }
+};
+
+}  // namespace kernels

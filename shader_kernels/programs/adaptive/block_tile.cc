@@ -1,0 +1,348 @@
+#include "shader_kernels/programs/adaptive/block_tile.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace kernels {
+
+using traces::Region;
+
+namespace {
+
+float inverse_or_one(std::uint32_t n) { return 1.0F / static_cast<float>(std::max(n, 1U)); }
+
+LineUniforms<float> line_uniforms(std::uint32_t inner, std::uint32_t block) {
+  LineUniforms<float> line{};
+  line.inner = static_cast<float>(inner);
+  line.inverse_inner = inverse_or_one(inner);
+  line.gaps = static_cast<float>(block - 1);
+  line.inverse_gaps = inverse_or_one(block - 1);
+  line.block = static_cast<float>(block);
+  line.inverse_block = inverse_or_one(block);
+  return line;
+}
+
+}  // namespace
+
+BlockFrame::BlockFrame(const traces::MemoryImage& image, const traces::Camera& viewer, const RenderConfig& config,
+                       const AdaptiveConfig& keys, const BlockSetup& properties, std::uint32_t frame)
+    : adaptive(keys),
+      setup(properties),
+      scene(image, config),
+      camera(camera_uniforms(viewer, config.width, config.height)),
+      tiles(config.width, config.height, setup.grid, config.tile, setup.whole),
+      order(tiles.order(keys.halo)),
+      number(frame) {}
+
+std::uint64_t BlockFrame::store_bytes() const {
+  const std::uint64_t side = tiles.side();
+  return 2 * side * exchanged_bytes() +
+         (adaptive.attributes == AttributeStorage::kDram ? side * side * setup.record_bytes : 0);
+}
+
+std::uint32_t BlockFrame::exchanged_bytes() const {
+  return setup.record_bytes + static_cast<std::uint32_t>(sizeof(ColourRecord<float>));
+}
+
+FrameRequirements BlockFrame::requirements() const {
+  const std::uint32_t side = tiles.side();
+  const std::uint32_t kept = side * (side / setup.block);  // rows of references; others are never compared
+  const std::uint32_t pixels = side / setup.grid * (side / setup.grid);
+  FrameRequirements needs;
+  needs.tile_samples = side * side;
+  needs.wave_samples = side * side / setup.whole * (setup.whole - 1);  // those checked along y
+  needs.attribute_bytes = adaptive.attributes == AttributeStorage::kTile ? kept * setup.record_bytes : 0;
+  needs.region_bytes = {std::uint64_t{tiles.count()} * pixels * kPixelBytes, tiles.count() * store_bytes(),
+                        setup.carries_rates ? tiles.count() : 0};
+  return needs;
+}
+
+LatticeUniforms<float> BlockFrame::own_samples(const SampleTile& at) const {
+  return {.first = static_cast<float>(pitch() + 1),
+          .across = static_cast<float>(at.width),
+          .inverse_across = inverse_or_one(at.width),
+          .step = 1,
+          .row_step = static_cast<float>(pitch())};
+}
+
+GridUniforms<float> BlockFrame::grid_uniforms(float x0, float y0, std::uint32_t row_samples) const {
+  return {.x0 = x0,
+          .y0 = y0,
+          .pitch = static_cast<float>(row_samples),
+          .inverse_pitch = inverse_or_one(row_samples),
+          .grid = static_cast<float>(setup.grid),
+          .inverse_grid = inverse_or_one(setup.grid)};
+}
+
+void BlockFrame::size_counts(Sampling& frame_counts) const {
+  frame_counts.similar.resize(tiles.count());
+  frame_counts.blocks.resize(tiles.count());
+  frame_counts.tile_side = tiles.side();
+}
+
+void BlockFrame::count_tile(const TileResult& tile, std::uint32_t block, Sampling& frame_counts) const {
+  const Sampling& of = tile.sampling;
+  frame_counts.has_rates = setup.carries_rates;
+  frame_counts.similar[tile.tile] =
+      of.checked == 0 ? 1.0F : static_cast<float>(of.passed - of.rough) / static_cast<float>(of.checked);
+  frame_counts.blocks[tile.tile] = static_cast<std::uint8_t>(block);
+}
+
+BlockTile::BlockTile(const BlockFrame& frame, const SampleTile& tile, const traces::Tracer& tracer, bool record,
+                     TileResult& result)
+    : at(tile),
+      out(result),
+      buffer(result.buffer),
+      wave(frame.scene, tracer, record, frame.cone(), result),
+      frame_(frame) {
+  const std::uint32_t grid = frame.setup.grid;
+  out.tile = at.index;
+  out.x = at.x / grid;
+  out.y = at.y / grid;
+  out.width = at.width / grid;
+  out.height = at.height / grid;
+  out.linear.resize(std::size_t{out.width} * out.height);
+  out.packed.resize(out.linear.size());
+  out.sampling = {};
+  out.marks.assign(std::size_t{at.width} * at.height, 0);
+  // Kernels may load samples after the last row, in place of a missing reference; the values are not used.
+  buffer.hold_samples(std::size_t{frame.pitch()} * (frame.pitch() + frame.setup.whole));
+  out.work.frame = frame.number;
+  out.work.tile = at.index;
+  out.work.samples = at.width * at.height;
+}
+
+/// Reads the block sides of the tile and of the tiles that its halo belongs to.
+void BlockTile::read_rates() {
+  const std::uint32_t first = at.has_left ? at.left : at.index;
+  start_ = wave.transfer(Region::kRates, false, first, at.index - first + 1);
+  if (!at.has_above) return;
+  const Wavefront::Node above = wave.transfer(Region::kRates, false, at.above, 1);
+  wave.wait_all(above, start_);
+  start_ = above;
+}
+
+BlockLines BlockTile::lines_along_x(std::uint32_t block, bool is_own) const {
+  const std::uint32_t pitch = frame_.pitch(), between = at.width - at.width / block;
+  BlockLines lines{line_uniforms(between, block), false, is_own ? rows() * between : between, is_own};
+  lines.uniforms.first = is_own ? static_cast<float>(block * pitch) : 0.0F;
+  lines.uniforms.step = 1;
+  lines.uniforms.line_step = static_cast<float>(block * pitch);
+  lines.uniforms.low = at.has_left ? 0.0F : 1.0F;
+  lines.uniforms.high = static_cast<float>(at.width);
+  return lines;
+}
+
+BlockLines BlockTile::lines_along_y() const {
+  BlockLines lines{line_uniforms(at.width, block_), true, (at.height - rows()) * at.width, true};
+  lines.uniforms.first = 1;
+  lines.uniforms.step = static_cast<float>(frame_.pitch());
+  lines.uniforms.line_step = 1;
+  lines.uniforms.low = at.has_above ? 0.0F : 1.0F;
+  lines.uniforms.high = static_cast<float>(at.height);
+  return lines;
+}
+
+void BlockTile::trace_references() {
+  const std::uint32_t pitch = frame_.pitch();
+  trace_lattice(block_ * (pitch + 1), columns(), block_, block_ * pitch, rows() * columns(), true);
+}
+
+void BlockTile::trace_lattice(std::uint32_t first, std::uint32_t across, std::uint32_t step, std::uint32_t row_step,
+                              std::uint32_t items, bool is_own) {
+  if (items == 0) return;
+  ListSamples::Ports<float> ports;
+  ports.lattice = {.first = static_cast<float>(first),
+                   .across = static_cast<float>(across),
+                   .inverse_across = inverse_or_one(across),
+                   .step = static_cast<float>(step),
+                   .row_step = static_cast<float>(row_step)};
+  const Wavefront::Node listed = wave.launch<ListSamples>(ports, items);
+  wave.wait_all(listed, start_);
+  trace_listed(buffer.samples, listed, items, frame_.setup.before_check_y, is_own, items);
+  if (!is_own) return;
+  const std::uint32_t pitch = frame_.pitch();
+  for (std::uint32_t i = 0; i < items; ++i) {
+    const std::uint32_t sample = buffer.samples[i];
+    out.marks[std::size_t{sample / pitch - 1} * at.width + sample % pitch - 1] = kTracedMark | kReferenceMark;
+  }
+}
+
+void BlockTile::trace_listed(std::vector<std::uint32_t>& list, Wavefront::Node lister, std::uint32_t items,
+                             const RetainedRecords& kept, bool is_own, std::uint32_t lanes) {
+  if (items == 0) return;
+  buffer.hold_wave(items);
+  GenerateListedRays::Ports<float> generate;
+  generate.camera = frame_.camera;
+  generate.grid =
+      frame_.grid_uniforms(static_cast<float>(at.x) - 1.0F, static_cast<float>(at.y) - 1.0F, frame_.pitch());
+  RetainedRecords retained = kept;
+  const Wavefront::Node generated = wave.generate(generate, list, lister, items, retained, lanes);
+  wave.run(generated, items, retained, lanes);
+  if (retained.surfaces) record_global_light(list, items, lanes, frame_.setup.faint);
+  if (wave.is_muted()) return;
+  out.sampling.traced += items;
+  if (!is_own) out.sampling.halo += items;
+}
+
+/// Records the light that listed samples got from reflection and refraction, for the checks of undersample.
+void BlockTile::record_global_light(std::vector<std::uint32_t>& list, std::uint32_t items, std::uint32_t lanes,
+                                    float faint) {
+  const auto launch = [&]<class K>(typename K::template Ports<float>& ports) {
+    ports_of<RecordGlobal>(ports).samples.bind(list.data());
+    const Wavefront::Node node = wave.launch<K>(ports, items, lanes);
+    wave.wait_for_colours(node);
+    wave.adds_records(node);
+  };
+  if (!wave.fuses()) {
+    RecordGlobal::Ports<float> ports;
+    return launch.operator()<RecordGlobal>(ports);
+  }
+  RecordCounted::Ports<float> ports;
+  ports_of<CountColoured>(ports).samples.bind(list.data());
+  ports_of<CountColoured>(ports).faint = faint;
+  launch.operator()<RecordCounted>(ports);
+  coloured += ports_of<CountColoured>(ports).coloured_count.value;
+}
+
+void BlockTile::trace_failed(const BlockLines& lines, const Verdict& verdict) {
+  if (lines.is_own) mark(lines, verdict);
+  const RetainedRecords& kept = lines.along_y ? frame_.setup.after_check_y : frame_.setup.before_check_y;
+  trace_listed(buffer.failed, verdict.node, verdict.failed, kept, lines.is_own, lines.samples);
+  if (!lines.is_own || !lines.along_y || !frame_.setup.carries_rates) return;
+  const Wavefront::Node written = wave.transfer(Region::kRates, true, at.index, 1);
+  wave.wait_all(written, verdict.node);
+}
+
+/// Counts a check's results and marks its samples for debug pictures.
+void BlockTile::mark(const BlockLines& lines, const Verdict& verdict) {
+  const std::uint32_t pitch = frame_.pitch();
+  const auto own = [&](std::uint32_t sample) -> SampleMark& {
+    return out.marks[std::size_t{sample / pitch - 1} * at.width + sample % pitch - 1];
+  };
+  Sampling& sampling = out.sampling;
+  const auto step = static_cast<std::uint32_t>(lines.uniforms.step);
+  std::uint32_t unchecked = 0;
+  for (std::uint32_t i = 0; i < verdict.passed; ++i) {
+    const std::uint32_t word = buffer.passed[i];
+    const std::uint32_t sample = word & kSampleMask;
+    const std::uint32_t before = sample - ((word >> kGapShift) + 1) * step;
+    if (buffer.geometry[before].object == kNoObject) sampling.background += 1;
+    own(sample) = 0;
+  }
+  for (std::uint32_t i = 0; i < verdict.failed; ++i) {
+    const std::uint32_t sample = buffer.failed[i];
+    const std::uint32_t failed = buffer.verdicts[sample];
+    if (failed == bit(Check::kBorder)) unchecked += 1;
+    own(sample) = static_cast<SampleMark>(failed | kTracedMark);
+    for (std::size_t check = 0; check < sampling.failed.size(); ++check) sampling.failed[check] += failed >> check & 1U;
+    sampling.first_failed[static_cast<std::size_t>(std::countr_zero(failed))] += 1;
+  }
+  sampling.checked += verdict.passed + verdict.failed - unchecked;
+  sampling.passed += verdict.passed;
+  sampling.rough += verdict.rough;
+}
+
+void BlockTile::import_samples(std::uint32_t tile, std::uint32_t border, std::uint64_t offset, std::uint32_t samples) {
+  wave.import_samples({tile, border}, frame_.store_bytes() * tile + offset, samples * frame_.exchanged_bytes());
+  if (!wave.fuses() || !frame_.setup.before_check_y.surfaces) return;
+  // The machine counts imported samples; here they were counted when they were traced.
+  const Wavefront::Node counted = wave.note<CountColoured>(samples);
+  wave.wait_for_records(counted);
+  wave.adds_records(counted);
+}
+
+/// The picture must not depend on which tile traces the halo. So a tile always computes it; where neighbours write it
+/// to memory, the work is recorded as a transfer and the tracing is muted.
+void BlockTile::import_left() {
+  if (!at.has_left) return;
+  const std::uint32_t step = block_ * frame_.pitch();
+  if (frame_.adaptive.halo == Halo::kRetrace) return trace_lattice(step, 1, 0, step, rows(), false);
+  // A coarser neighbour has references in some rows only.
+  const std::uint32_t stride = left_block_ / block_ > 1 ? left_block_ / block_ : 1;
+  const std::uint32_t kept = rows() / stride;
+  if (kept != 0) {
+    import_samples(at.left, kRightBorder, std::uint64_t{frame_.tiles.side()} * frame_.exchanged_bytes(), kept);
+  }
+  if (stride > 1) trace_lattice(step, 1, 0, stride * step, rows() - kept, false);
+  wave.mute();
+  trace_lattice(stride * step, 1, 0, stride * step, kept, false);
+  wave.unmute();
+}
+
+bool BlockTile::begin_import_above() {
+  if (!at.has_above) return false;
+  if (frame_.adaptive.halo == Halo::kReload) {
+    import_samples(at.above, kLowerBorder, 0, at.width);
+    wave.mute();
+  }
+  return true;
+}
+
+/// Traces the references of the last row above, and the corner sample.
+void BlockTile::trace_references_above() {
+  const std::uint32_t columns_above = at.width / above_block_, corner = at.has_left ? 1 : 0;
+  trace_lattice(at.has_left ? 0 : above_block_, columns_above + corner, above_block_, 0, columns_above + corner, false);
+}
+
+void BlockTile::export_right() {
+  if (frame_.adaptive.halo == Halo::kRetrace || !at.has_right) return;
+  const std::uint64_t bytes = frame_.exchanged_bytes();
+  wave.export_samples(kRightBorder, frame_.store_bytes() * at.index + frame_.tiles.side() * bytes,
+                      rows() * frame_.exchanged_bytes());
+}
+
+void BlockTile::export_below() {
+  if (frame_.adaptive.halo == Halo::kRetrace || !at.has_below) return;
+  wave.export_samples(kLowerBorder, frame_.store_bytes() * at.index, at.width * frame_.exchanged_bytes());
+}
+
+void BlockTile::spill_records(std::uint32_t written, std::uint32_t read) {
+  if (frame_.adaptive.attributes == AttributeStorage::kTile || written == 0) return;
+  const std::uint64_t borders = 2 * std::uint64_t{frame_.tiles.side()} * frame_.exchanged_bytes();
+  const std::uint64_t store = frame_.store_bytes() * at.index + borders;
+  const Wavefront::Node to_dram = wave.transfer(Region::kSamples, true, store, written * frame_.setup.record_bytes);
+  wave.wait_for_records(to_dram);
+  const Wavefront::Node back = wave.transfer(Region::kSamples, false, store, read * frame_.setup.record_bytes);
+  wave.wait_all(back, to_dram);
+  wave.adds_records(back);
+}
+
+void BlockTile::average() {
+  if (packs_samples()) {
+    PackGridSample::Ports<float> pack;
+    pack.lattice = frame_.own_samples(at);
+    return write_packed(wave.launch<PackGridSample>(pack, at.width * at.height));
+  }
+  const std::uint32_t grid = frame_.setup.grid, per_pixel = grid * grid;
+  AverageSamples::Ports<float> ports;
+  ports.samples = static_cast<float>(per_pixel);
+  ports.inverse_samples = inverse_or_one(per_pixel);
+  ports.width = static_cast<float>(out.width);
+  ports.inverse_width = inverse_or_one(out.width);
+  ports.grid = static_cast<float>(grid);
+  ports.inverse_grid = inverse_or_one(grid);
+  ports.first = static_cast<float>(frame_.pitch() + 1);
+  ports.pitch = static_cast<float>(frame_.pitch());
+  const Wavefront::Node averaged = wave.launch<AverageSamples>(ports, out.width * out.height * per_pixel);
+  wave.wait_for_colours(averaged);
+  wave.put_out(averaged, frame_.picture_bytes() * at.index);
+}
+
+void BlockTile::write_packed(Wavefront::Node packed) {
+  wave.wait_for_colours(packed);
+  wave.put_packed(packed, frame_.picture_bytes() * at.index);
+}
+
+void BlockTile::finish() {
+  wave.finish();
+  Sampling& sampling = out.sampling;
+  sampling.wanted = std::uint64_t{at.width} * at.height;
+  sampling.traced_background = out.background.size();
+  const std::uint32_t pitch = frame_.pitch();
+  for (const std::uint32_t sample : out.background) {
+    if (sample % pitch != 0 && sample / pitch != 0) sampling.background += 1;
+  }
+}
+
+}  // namespace kernels

@@ -1,0 +1,162 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "shader_kernels/programs/adaptive/adaptive_config.h"
+#include "shader_kernels/programs/adaptive/sample_tiles.h"
+#include "shader_kernels/programs/wavefront/frame_program.h"
+#include "shader_kernels/programs/wavefront/render_config.h"
+#include "shader_kernels/programs/wavefront/scene_tables.h"
+#include "shader_kernels/programs/wavefront/wavefront.h"
+
+namespace kernels {
+
+/// Properties of a block program that all tiles of a frame share.
+struct BlockSetup {
+  std::uint32_t grid = 1;            ///< samples along a pixel
+  std::uint32_t block = 2;           ///< samples along a block
+  std::uint32_t whole = 2;           ///< a tile's side is a multiple of it: every block side that a tile may have
+  std::uint32_t record_bytes = 0;    ///< size of a sample's record, without its colour
+  bool carries_rates = false;        ///< block sides are read from memory, and similar ratios written there
+  RetainedRecords before_check_y{};  ///< records of samples that a later check reads
+  RetainedRecords after_check_y{};   ///< records of samples that no check reads
+  float faint = 0;                   ///< colours without a channel above this pass the colour check (CountColoured)
+};
+
+/// Frame of multirate and undersample. The picture's samples are cut into blocks; the last sample of a block is the
+/// reference sample R and always traced. The others are checked between two samples of their line:
+///
+///   I I I I        1. x samples of reference rows lie between two references of the row.
+///   I R x R        2. y samples of other rows lie between two samples above and below.
+///   y y y y        3. Similar samples are interpolated, all others traced.
+///   x R x R        4. Samples at the picture's edge that lack a reference are traced.
+///
+/// A tile's blocks need the last rows and columns of the tiles above and to the left (its halo). Samples lie row by row
+/// in the tile buffer, a row and a column of halo before the tile's own.
+struct BlockFrame {
+  BlockFrame(const traces::MemoryImage& image, const traces::Camera& viewer, const RenderConfig& config,
+             const AdaptiveConfig& keys, const BlockSetup& properties, std::uint32_t frame);
+
+  FrameRequirements requirements() const;
+  /// Number of samples in a row of the tile buffer.
+  std::uint32_t pitch() const { return tiles.side() + 1; }
+  ConeUniforms<float> cone() const { return cone_uniforms(camera, setup.grid); }
+  /// A tile's samples in the tile buffer, without its halo.
+  LatticeUniforms<float> own_samples(const SampleTile& at) const;
+  GridUniforms<float> grid_uniforms(float x0, float y0, std::uint32_t row_samples) const;
+  /// Bytes that a sample sends to a neighbouring tile.
+  std::uint32_t exchanged_bytes() const;
+  /// Bytes of memory per tile: its last row, its last column, and all records if they live in DRAM.
+  std::uint64_t store_bytes() const;
+  /// Bytes of a tile of the picture.
+  std::uint64_t picture_bytes() const { return requirements().region_bytes[0] / tiles.count(); }
+  /// Prepares the per-tile counts of a frame.
+  void size_counts(Sampling& frame_counts) const;
+  /// Adds the similar ratio and block side of a finished tile to the frame's counts.
+  void count_tile(const TileResult& tile, std::uint32_t block, Sampling& frame_counts) const;
+
+  const AdaptiveConfig adaptive;
+  const BlockSetup setup;
+  const SceneTables scene;
+  const CameraUniforms<float> camera;
+  const SampleTiles tiles;
+  const std::vector<std::uint32_t> order;  ///< tiles in the order in which they are rendered
+  const std::uint32_t number;
+};
+
+/// Samples that one check decides about: those between references along x, or along y.
+struct BlockLines {
+  LineUniforms<float> uniforms{};
+  bool along_y = false;
+  std::uint32_t samples = 0;
+  bool is_own = true;  ///< false: samples of a neighbouring tile
+};
+
+/// Result of a check: node of its launch, and samples in the buffer's streams `passed` and `failed`.
+struct Verdict {
+  Wavefront::Node node = Wavefront::kNone;
+  std::uint32_t passed = 0, failed = 0;
+  std::uint32_t rough = 0;  ///< passed samples that a tile's rate counts as failed
+};
+
+/// A tile of a block program in progress: the steps that multirate and undersample share.
+class BlockTile {
+ public:
+  /// `block_of(tile)` returns the block side of a tile in this frame.
+  BlockTile(const BlockFrame& frame, std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
+            TileResult& result, auto&& block_of)
+      : BlockTile(frame, frame.tiles.tile(frame.order[tile_index]), tracer, record, result) {
+    block_ = block_of(at.index);
+    if (at.has_left) left_block_ = block_of(at.left);
+    if (at.has_above) above_block_ = block_of(at.above);
+    if (frame.setup.carries_rates) read_rates();
+  }
+
+  /// Traces the reference sample of every block.
+  void trace_references();
+  /// Samples of reference rows, between two references.
+  BlockLines lines_along_x() const { return lines_along_x(block_, true); }
+  /// Samples of all other rows, between two rows.
+  BlockLines lines_along_y() const;
+  /// Traces the samples that failed a check.
+  void trace_failed(const BlockLines& lines, const Verdict& verdict);
+
+  /// Sends the references of the last column to the tile on the right.
+  void export_right();
+  /// Sends the last row to the tile below.
+  void export_below();
+  /// Reads or retraces the last column of the tile on the left, as `AdaptiveConfig::halo` says.
+  void import_left();
+  /// Reads or retraces the last row of the tile above. `resolve(lines)` finds the samples between its references.
+  template <class Resolve>
+  void import_above(Resolve&& resolve) {
+    if (!begin_import_above()) return;
+    trace_references_above();
+    resolve(lines_along_x(above_block_, false));
+    wave.unmute();
+  }
+  /// Writes the records of the references to DRAM and reads them back, if `AdaptiveConfig::attributes` is dram.
+  void spill_references_to_dram() { spill_records(rows() * columns(), rows() * columns()); }
+  /// The same for the x samples, and reads all reference rows back.
+  void spill_reference_rows_to_dram() { spill_records(rows() * (at.width - columns()), rows() * at.width); }
+
+  /// Whether one loop clamps, encodes and packs pixels, which have a single sample each.
+  bool packs_samples() const { return wave.fuses() && frame_.setup.grid == 1 && !wave.dma_encodes(); }
+  /// Averages the samples of each pixel and writes the picture.
+  void average();
+  /// Writes pixels that `packed` has encoded.
+  void write_packed(Wavefront::Node packed);
+  /// Ends the tile's work and counts its samples.
+  void finish();
+
+  const SampleTile at;
+  TileResult& out;
+  TileBuffer& buffer;
+  Wavefront wave;
+  std::uint32_t coloured = 0;  ///< samples whose global light the colour check may reject (CountColoured)
+
+ private:
+  BlockTile(const BlockFrame& frame, const SampleTile& tile, const traces::Tracer& tracer, bool record,
+            TileResult& result);
+  std::uint32_t rows() const { return at.height / block_; }
+  std::uint32_t columns() const { return at.width / block_; }
+  void read_rates();
+  BlockLines lines_along_x(std::uint32_t block, bool is_own) const;
+  /// Traces `items` samples, `across` to a row, from sample `first` on.
+  void trace_lattice(std::uint32_t first, std::uint32_t across, std::uint32_t step, std::uint32_t row_step,
+                     std::uint32_t items, bool is_own);
+  void trace_listed(std::vector<std::uint32_t>& list, Wavefront::Node lister, std::uint32_t items,
+                    const RetainedRecords& kept, bool is_own, std::uint32_t lanes);
+  void record_global_light(std::vector<std::uint32_t>& list, std::uint32_t items, std::uint32_t lanes, float faint);
+  void import_samples(std::uint32_t tile, std::uint32_t border, std::uint64_t offset, std::uint32_t samples);
+  bool begin_import_above();
+  void trace_references_above();
+  void spill_records(std::uint32_t written, std::uint32_t read);
+  void mark(const BlockLines& lines, const Verdict& verdict);
+
+  const BlockFrame& frame_;
+  std::uint32_t block_ = 2, left_block_ = 2, above_block_ = 2;
+  Wavefront::Node start_ = Wavefront::kNone;  ///< node that the tile's first launch waits for
+};
+
+}  // namespace kernels
