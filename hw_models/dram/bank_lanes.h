@@ -41,6 +41,16 @@ class BankLanes {
     each([&](std::uint32_t four, const Four& bit) { any |= at(four) & ((bit & banks) == bit); });
     return static_cast<std::uint64_t>(any[0] | any[1] | any[2] | any[3]);
   }
+  /// Raises the numbers of these banks to `to` where they are lower.
+  void raise(std::uint32_t banks, std::uint64_t to) {
+    const Four bound = Four{} + static_cast<std::int64_t>(to);
+    Four bit{1, 2, 4, 8};
+    for (std::uint32_t four = 0; four < fours_; ++four, bit <<= kWidth) {
+      const Four number = at(four), above = ((bit & banks) == bit) & (bound > number);
+      const Four raised = (bound & above) | (number & ~above);
+      std::memcpy(&all_[std::size_t{four} * kWidth], &raised, sizeof raised);
+    }
+  }
   /// Replaces each by f(number), which the compiler has to make vectors of.
   template <class F>
   void replace(F&& f) {

@@ -11,6 +11,12 @@ using enum DramCommand;
 namespace {
 
 std::uint32_t log2(std::uint32_t n) { return static_cast<std::uint32_t>(std::countr_zero(n)); }
+/// Every `stride`th of the first `banks`, as a mask.
+std::uint32_t every(std::uint32_t stride, std::uint32_t banks) {
+  std::uint32_t mask = 0;
+  for (std::uint32_t bank = 0; bank < banks; bank += stride) mask |= 1U << bank;
+  return mask;
+}
 std::uint32_t first_bits(std::uint32_t n) { return static_cast<std::uint32_t>((std::uint64_t{1} << n) - 1); }
 
 /// Banks that are refreshed together are as far apart as they can be: half of the bank groups, or half of the banks.
@@ -33,8 +39,8 @@ DramDevice::DramDevice(const DramConfig& c)
       table_(c),
       ranks_(c.organisation.ranks),
       rank_shift_(log2(c.organisation.banks)),
-      groups_(c.organisation.bank_groups),
       group_mask_((c.organisation.bank_groups - 1) | ~(c.organisation.banks - 1)),
+      group_banks_(every(c.organisation.bank_groups, c.organisation.banks)),
       rank_banks_(first_bits(c.organisation.banks)),
       refresh_set_(c.organisation.refresh_banks == 1 ? 1 : 1 | 1U << pair_distance(c.organisation)),
       refresh_leaders_(leaders(c.organisation)),
@@ -65,6 +71,31 @@ DramCycleReason DramDevice::reason(DramCommand command, std::uint32_t bank, bool
   return DramCycleReason::kIdle;
 }
 
+inline void DramDevice::constrain(DramOp from, std::uint32_t bank, Cycle now) {
+  for (const DramConstraint& row : table_.after(from, DramScope::kBank)) {
+    Cycle& bound = at(row.to, bank);
+    bound = std::max(bound, now + static_cast<Cycle>(row.cycles));
+  }
+  for (const DramConstraint& row : table_.after(from, DramScope::kBankGroup)) {
+    group_at_[row.to == DramOp::kWrite].raise(group_of(bank), now + static_cast<Cycle>(row.cycles));
+  }
+  const std::uint32_t own_rank = rank_of(bank);
+  for (const DramConstraint& row : table_.after(from, DramScope::kRank)) {
+    const Cycle at = now + static_cast<Cycle>(row.cycles);
+    if (row.count == 1) {
+      rank_[own_rank].raise(row.to, at, row.reason);
+    } else {
+      rank_[own_rank].add_to_window(at);
+    }
+  }
+  for (const DramConstraint& row : table_.after(from, DramScope::kOtherRanks)) {
+    const std::int64_t at = std::max(static_cast<std::int64_t>(now) + row.cycles, std::int64_t{0});
+    for (std::uint32_t r = 0; r < ranks_; ++r) {
+      if (r != own_rank) rank_[r].raise(row.to, static_cast<Cycle>(at), row.reason);
+    }
+  }
+}
+
 void DramDevice::activate(std::uint32_t bank, std::uint32_t row, Cycle now) {
   Rank& rank = rank_[rank_of(bank)];
   if ((open_ & banks_of(rank_of(bank))) == 0 && now > rank.active_until) {
@@ -85,6 +116,7 @@ void DramDevice::precharge(std::uint32_t bank, Cycle now) {
 void DramDevice::close(std::uint32_t bank, Cycle now) {
   open_ &= ~(1U << bank);
   constrain(DramOp::kPrecharge, bank, now);
+  closed_reason_[bank] = DramCycleReason::kRowConflict;
   Rank& rank = rank_[rank_of(bank)];
   rank.active_until = std::max(rank.active_until, now);
 }
@@ -103,42 +135,6 @@ DramDevice::Cycle DramDevice::write(std::uint32_t bank, Cycle now) {
   const Cycle data = now + t_.wl + t_.dqss;
   rank_[rank_of(bank)].wck_stops_at = data + data_cycles() + t_.wck_post;
   return data;
-}
-
-void DramDevice::constrain(DramOp from, std::uint32_t bank, Cycle now) {
-  const std::uint32_t own_rank = rank_of(bank);
-  for (const DramConstraint& row : table_.after(from)) {
-    const auto signed_at = static_cast<std::int64_t>(now) + row.cycles;
-    const auto at = static_cast<Cycle>(std::max(signed_at, std::int64_t{0}));
-    switch (row.scope) {
-      case DramScope::kBank:
-        this->at(row.to, bank) = std::max(this->at(row.to, bank), at);
-        if (row.to == DramOp::kActivate) closed_reason_[bank] = row.reason;
-        break;
-      case DramScope::kBankGroup:
-        constrain_group(row.to, bank, at);
-        break;
-      case DramScope::kRank:
-        if (row.count == 1) {
-          rank_[own_rank].raise(row.to, at, row.reason);
-        } else {
-          rank_[own_rank].add_to_window(at);
-        }
-        break;
-      case DramScope::kOtherRanks:
-        for (std::uint32_t r = 0; r < ranks_; ++r) {
-          if (r != own_rank) rank_[r].raise(row.to, at, row.reason);
-        }
-        break;
-    }
-  }
-}
-
-/// Allows no `to`, a read or a write, before `at` in the bank's group.
-void DramDevice::constrain_group(DramOp to, std::uint32_t bank, Cycle at) {
-  BankLanes& lanes = group_at_[to == DramOp::kWrite];
-  const std::uint32_t end = (rank_of(bank) + 1) << rank_shift_;
-  for (std::uint32_t of = bank & group_mask_; of < end; of += groups_) lanes[of] = std::max(lanes[of], at);
 }
 
 /// The cycle of the first column command of a line that begins at `now`, perhaps with a CAS.
@@ -179,7 +175,10 @@ DramDevice::Cycle DramDevice::begin_of_refresh(std::uint32_t banks, Cycle from) 
 }
 
 void DramDevice::start_refresh(DramOp refresh, std::uint32_t banks, Cycle begin) {
-  for (std::uint32_t left = banks; left != 0; left &= left - 1) constrain(refresh, log2(left), begin);
+  for (std::uint32_t left = banks; left != 0; left &= left - 1) {
+    constrain(refresh, log2(left), begin);
+    closed_reason_[log2(left)] = DramCycleReason::kRefresh;
+  }
 }
 
 DramDevice::Cycle DramDevice::precharge_all(std::uint32_t banks, Cycle from) {

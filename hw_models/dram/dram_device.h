@@ -249,9 +249,10 @@ class DramDevice {
   Cycle& at(DramOp op, std::uint32_t bank) { return bank_at_[index(op)][bank]; }
   Cycle at(DramOp op, std::uint32_t bank) const { return bank_at_[index(op)][bank]; }
   std::uint32_t rank_of(std::uint32_t bank) const { return bank >> rank_shift_; }
+  /// The banks of a bank's group, as a mask.
+  std::uint32_t group_of(std::uint32_t bank) const { return group_banks_ << (bank & group_mask_); }
   /// Applies the constraints that lead from an operation of the bank at `now`.
   void constrain(DramOp from, std::uint32_t bank, Cycle now);
-  void constrain_group(DramOp to, std::uint32_t bank, Cycle at);
   void close(std::uint32_t bank, Cycle now);
   Cycle book_train(std::uint32_t bank, bool write, Cycle now);
   Cycle begin_of_refresh(std::uint32_t banks, Cycle from) const;
@@ -290,9 +291,9 @@ class DramDevice {
   const DramTiming t_;
   const DramTimingTable table_;
   const std::uint32_t ranks_, rank_shift_;
-  const std::uint32_t groups_;      ///< bank groups of a rank
-  const std::uint32_t group_mask_;  ///< low bits of the bank, and its rank: the first bank of its group
-  const std::uint32_t rank_banks_;  ///< banks of the first rank, as a mask
+  const std::uint32_t group_mask_;   ///< low bits of the bank, and its rank: the first bank of its group
+  const std::uint32_t group_banks_;  ///< banks of the first group, as a mask
+  const std::uint32_t rank_banks_;   ///< banks of the first rank, as a mask
   const std::uint32_t refresh_set_;
   const std::uint32_t refresh_leaders_;
   const Cycle train_length_;  ///< first to last column command of a line

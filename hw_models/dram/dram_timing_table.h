@@ -58,7 +58,7 @@ struct DramConstraint {
   DramScope scope = DramScope::kBank;
   DramOp from = DramOp::kRead, to = DramOp::kRead;
   std::int64_t cycles = 0;
-  DramCycleReason reason = DramCycleReason::kColumn;  ///< of a channel that waits for it
+  DramCycleReason reason = DramCycleReason::kColumn;  ///< of a channel whose rank waits for it
   std::uint32_t count = 1;
 };
 
@@ -68,11 +68,16 @@ class DramTimingTable {
  public:
   explicit DramTimingTable(const DramConfig& config);
 
-  /// The constraints that lead from an operation.
-  std::span<const DramConstraint> after(DramOp from) const { return after_[static_cast<std::size_t>(from)]; }
+  /// The constraints of a scope that lead from an operation.
+  std::span<const DramConstraint> after(DramOp from, DramScope scope) const { return rows(from, scope); }
 
  private:
-  std::array<std::vector<DramConstraint>, kDramOps> after_;
+  using Rows = std::vector<DramConstraint>;
+  const Rows& rows(DramOp from, DramScope scope) const {
+    return rows_[static_cast<std::size_t>(from)][static_cast<std::size_t>(scope)];
+  }
+
+  std::array<std::array<Rows, 4>, kDramOps> rows_;
 };
 
 }  // namespace hw

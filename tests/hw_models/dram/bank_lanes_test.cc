@@ -57,6 +57,11 @@ TEST_P(BankLanesOf, AnswersAsBankByBank) {
     EXPECT_EQ(a.up_to(most) & first(banks), expected.all_that([&](std::uint32_t i) { return a[i] <= most; }));
     EXPECT_EQ(a.both_up_to(b, most) & first(banks),
               expected.all_that([&](std::uint32_t i) { return larger(i) <= most; }));
+    BankLanes raised = a;
+    raised.raise(of, most);
+    for (std::uint32_t i = 0; i < banks; ++i) {
+      EXPECT_EQ(raised[i], (of >> i & 1) != 0 ? std::max(a[i], most) : a[i]);
+    }
     EXPECT_EQ(a.least(of), expected.least(of, [&](std::uint32_t i) { return a[i]; }));
     EXPECT_EQ(a.least_of_larger(b, of), expected.least(of, larger));
     std::uint64_t any = 0;
