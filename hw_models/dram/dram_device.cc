@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
+#include <utility>
 
 namespace hw {
 
@@ -36,7 +37,7 @@ BankLanes lanes(const DramConfig& c) { return BankLanes(c.organisation.all_banks
 
 DramDevice::DramDevice(const DramConfig& c)
     : t_(c.timing),
-      table_(c),
+      constraint_cycles_(constraint_cycles(c)),
       ranks_(c.organisation.ranks),
       rank_shift_(log2(c.organisation.banks)),
       group_mask_((c.organisation.bank_groups - 1) | ~(c.organisation.banks - 1)),
@@ -71,29 +72,32 @@ DramCycleReason DramDevice::reason(DramCommand command, std::uint32_t bank, bool
   return DramCycleReason::kIdle;
 }
 
-inline void DramDevice::constrain(DramOp from, std::uint32_t bank, Cycle now) {
-  for (const DramConstraint& row : table_.after(from, DramScope::kBank)) {
-    Cycle& bound = at(row.to, bank);
-    bound = std::max(bound, now + static_cast<Cycle>(row.cycles));
-  }
-  for (const DramConstraint& row : table_.after(from, DramScope::kBankGroup)) {
-    group_at_[row.to == DramOp::kWrite].raise(group_of(bank), now + static_cast<Cycle>(row.cycles));
-  }
+/// Applies the constraints that lead from an operation of the bank at `now`. The loop is unrolled by the compiler.
+template <DramOp kFrom>
+inline void DramDevice::constrain(std::uint32_t bank, Cycle now) {
   const std::uint32_t own_rank = rank_of(bank);
-  for (const DramConstraint& row : table_.after(from, DramScope::kRank)) {
-    const Cycle at = now + static_cast<Cycle>(row.cycles);
-    if (row.count == 1) {
-      rank_[own_rank].raise(row.to, at, row.reason);
-    } else {
-      rank_[own_rank].add_to_window(at);
+  const auto apply = [&]<std::size_t kRow>() {
+    constexpr const DramConstraint& row = kDramConstraints[kRow];
+    if constexpr (row.from == kFrom) {
+      const Cycle bound = now + static_cast<Cycle>(constraint_cycles_[kRow]);
+      if constexpr (row.scope == DramScope::kBank) {
+        at(row.to, bank) = std::max(at(row.to, bank), bound);
+      } else if constexpr (row.scope == DramScope::kBankGroup) {
+        group_at_[row.to == DramOp::kWrite].raise(group_of(bank), bound);
+      } else if constexpr (row.count > 1) {
+        rank_[own_rank].add_to_window(bound);
+      } else if constexpr (row.scope == DramScope::kRank) {
+        rank_[own_rank].raise(row.to, bound, row.reason);
+      } else {
+        const auto later = std::max(static_cast<std::int64_t>(bound), std::int64_t{0});
+        for (std::uint32_t r = 0; r < ranks_; ++r) {
+          if (r != own_rank) rank_[r].raise(row.to, static_cast<Cycle>(later), row.reason);
+        }
+      }
     }
-  }
-  for (const DramConstraint& row : table_.after(from, DramScope::kOtherRanks)) {
-    const std::int64_t at = std::max(static_cast<std::int64_t>(now) + row.cycles, std::int64_t{0});
-    for (std::uint32_t r = 0; r < ranks_; ++r) {
-      if (r != own_rank) rank_[r].raise(row.to, static_cast<Cycle>(at), row.reason);
-    }
-  }
+  };
+  [&]<std::size_t... kRows>(std::index_sequence<kRows...>) { (apply.template operator()<kRows>(), ...); }
+  (std::make_index_sequence<kDramConstraints.size()>());
 }
 
 void DramDevice::activate(std::uint32_t bank, std::uint32_t row, Cycle now) {
@@ -104,7 +108,7 @@ void DramDevice::activate(std::uint32_t bank, std::uint32_t row, Cycle now) {
   }
   open_ |= 1U << bank;
   rows_[bank] = row;
-  constrain(DramOp::kActivate, bank, now);
+  constrain<DramOp::kActivate>(bank, now);
   calendar_.book(kActivate, now);
 }
 
@@ -115,7 +119,7 @@ void DramDevice::precharge(std::uint32_t bank, Cycle now) {
 
 void DramDevice::close(std::uint32_t bank, Cycle now) {
   open_ &= ~(1U << bank);
-  constrain(DramOp::kPrecharge, bank, now);
+  constrain<DramOp::kPrecharge>(bank, now);
   closed_reason_[bank] = DramCycleReason::kRowConflict;
   Rank& rank = rank_[rank_of(bank)];
   rank.active_until = std::max(rank.active_until, now);
@@ -123,7 +127,7 @@ void DramDevice::close(std::uint32_t bank, Cycle now) {
 
 DramDevice::Cycle DramDevice::read(std::uint32_t bank, Cycle now) {
   now = book_train(bank, false, now);
-  constrain(DramOp::kRead, bank, now);
+  constrain<DramOp::kRead>(bank, now);
   const Cycle data = now + t_.rl + t_.dqsck;
   rank_[rank_of(bank)].wck_stops_at = data + data_cycles() + t_.wck_post;
   return data;
@@ -131,7 +135,7 @@ DramDevice::Cycle DramDevice::read(std::uint32_t bank, Cycle now) {
 
 DramDevice::Cycle DramDevice::write(std::uint32_t bank, Cycle now) {
   now = book_train(bank, true, now);
-  constrain(DramOp::kWrite, bank, now);
+  constrain<DramOp::kWrite>(bank, now);
   const Cycle data = now + t_.wl + t_.dqss;
   rank_[rank_of(bank)].wck_stops_at = data + data_cycles() + t_.wck_post;
   return data;
@@ -159,12 +163,12 @@ void DramDevice::refresh(std::uint32_t banks, Cycle due) {
   rank.refreshed_at =
       t_.pbr2act == 0 ? begin
                       : std::max({begin, rank.at[index(DramOp::kActivate)], rank.four_activates[rank.oldest_activate]});
-  start_refresh(DramOp::kRefresh, banks, rank.refreshed_at);
+  start_refresh<DramOp::kRefresh>(banks, rank.refreshed_at);
 }
 
 void DramDevice::refresh_rank(std::uint32_t rank, Cycle due) {
   const std::uint32_t banks = banks_of(rank);
-  start_refresh(DramOp::kRefreshRank, banks, begin_of_refresh(banks, precharge_all(banks, due)));
+  start_refresh<DramOp::kRefreshRank>(banks, begin_of_refresh(banks, precharge_all(banks, due)));
 }
 
 /// The first cycle, `from` or later, at which all of the banks are precharged.
@@ -174,9 +178,10 @@ DramDevice::Cycle DramDevice::begin_of_refresh(std::uint32_t banks, Cycle from) 
   return from;
 }
 
-void DramDevice::start_refresh(DramOp refresh, std::uint32_t banks, Cycle begin) {
+template <DramOp kRefresh>
+void DramDevice::start_refresh(std::uint32_t banks, Cycle begin) {
   for (std::uint32_t left = banks; left != 0; left &= left - 1) {
-    constrain(refresh, log2(left), begin);
+    constrain<kRefresh>(log2(left), begin);
     closed_reason_[log2(left)] = DramCycleReason::kRefresh;
   }
 }

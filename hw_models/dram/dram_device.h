@@ -251,12 +251,13 @@ class DramDevice {
   std::uint32_t rank_of(std::uint32_t bank) const { return bank >> rank_shift_; }
   /// The banks of a bank's group, as a mask.
   std::uint32_t group_of(std::uint32_t bank) const { return group_banks_ << (bank & group_mask_); }
-  /// Applies the constraints that lead from an operation of the bank at `now`.
-  void constrain(DramOp from, std::uint32_t bank, Cycle now);
+  template <DramOp kFrom>
+  void constrain(std::uint32_t bank, Cycle now);
   void close(std::uint32_t bank, Cycle now);
   Cycle book_train(std::uint32_t bank, bool write, Cycle now);
   Cycle begin_of_refresh(std::uint32_t banks, Cycle from) const;
-  void start_refresh(DramOp refresh, std::uint32_t banks, Cycle begin);
+  template <DramOp kRefresh>
+  void start_refresh(std::uint32_t banks, Cycle begin);
 
   struct Rank {
     std::array<Cycle, 3> at{};                ///< first cycle of a read, write or activate, by DramOp
@@ -289,7 +290,7 @@ class DramDevice {
   };
 
   const DramTiming t_;
-  const DramTimingTable table_;
+  const std::array<std::int64_t, kDramConstraints.size()> constraint_cycles_;
   const std::uint32_t ranks_, rank_shift_;
   const std::uint32_t group_mask_;   ///< low bits of the bank, and its rank: the first bank of its group
   const std::uint32_t group_banks_;  ///< banks of the first group, as a mask

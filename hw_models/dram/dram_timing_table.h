@@ -2,8 +2,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
-#include <vector>
 
 #include "hw_models/dram/dram_config.h"
 #include "sim/activity.h"
@@ -47,37 +45,79 @@ inline constexpr auto kDramReasons = sim::reasons<DramCycleReason>({
 
 /// Operation of a bank or a rank that timing constraints lead from or to. A read or write is all column commands of one
 /// line: its time is that of the first.
-enum class DramOp : std::uint8_t { kRead, kWrite, kActivate, kPrecharge, kRefresh, kRefreshRank, kCount };
-inline constexpr std::size_t kDramOps = static_cast<std::size_t>(DramOp::kCount);
+enum class DramOp : std::uint8_t { kRead, kWrite, kActivate, kPrecharge, kRefresh, kRefreshRank };
 
 /// Banks that a constraint binds, as seen from the bank of the operation that it leads from.
 enum class DramScope : std::uint8_t { kBank, kBankGroup, kRank, kOtherRanks };
 
+/// Parameters of a grade, in cycles, with sums that several constraints share.
+struct DramTerms : DramTiming {
+  explicit DramTerms(const DramConfig& c)
+      : DramTiming(c.timing),
+        train(std::int64_t{c.bursts_per_line() - 1} * ccd_l),
+        read_latency(std::int64_t{rl} + dqsck),
+        write_latency(std::int64_t{wl} + dqss),
+        read_end(train + read_latency + burst),
+        write_end(train + write_latency + burst) {}
+
+  std::int64_t train;                        ///< first to last column command of a line
+  std::int64_t read_latency, write_latency;  ///< column command to its first data
+  std::int64_t read_end, write_end;          ///< first column command of a line to the end of its data
+};
+
 /// No `to` within `scope` starts earlier than `cycles` after a `from`, or after the `count`th last of them.
 struct DramConstraint {
-  DramScope scope = DramScope::kBank;
-  DramOp from = DramOp::kRead, to = DramOp::kRead;
-  std::int64_t cycles = 0;
+  DramScope scope;
+  DramOp from, to;
+  std::int64_t (*cycles)(const DramTerms& t);         ///< may be negative towards other ranks
   DramCycleReason reason = DramCycleReason::kColumn;  ///< of a channel whose rank waits for it
   std::uint32_t count = 1;
 };
 
-/// The timing constraints of a grade, from its file (configs/dram/). To add a command: an operation, its rows here, and
-/// the change of state that it makes in DramDevice.
-class DramTimingTable {
- public:
-  explicit DramTimingTable(const DramConfig& config);
+/// The timing constraints of all grades (JESD209). To add a command: an operation, its rows here, and the change of
+/// state that it makes in DramDevice, which applies the rows after each operation.
+inline constexpr auto kDramConstraints = [] {
+  using enum DramScope;
+  using Op = DramOp;
+  using Reason = DramCycleReason;
+  using Terms = const DramTerms&;
+  return std::to_array<DramConstraint>({
+      {kBank, Op::kActivate, Op::kRead, [](Terms t) { return std::int64_t{t.rcd}; }},
+      {kBank, Op::kActivate, Op::kWrite, [](Terms t) { return std::int64_t{t.rcd}; }},
+      {kBank, Op::kActivate, Op::kPrecharge, [](Terms t) { return std::int64_t{t.ras}; }},
+      {kBank, Op::kActivate, Op::kActivate, [](Terms t) { return std::int64_t{t.rc}; }},
+      {kRank, Op::kActivate, Op::kActivate, [](Terms t) { return std::int64_t{t.rrd}; }, Reason::kActivate},
+      {kRank, Op::kActivate, Op::kActivate, [](Terms t) { return std::int64_t{t.faw}; }, Reason::kActivate, 4},
 
-  /// The constraints of a scope that lead from an operation.
-  std::span<const DramConstraint> after(DramOp from, DramScope scope) const { return rows(from, scope); }
+      {kBank, Op::kPrecharge, Op::kActivate, [](Terms t) { return std::int64_t{t.rp}; }},
 
- private:
-  using Rows = std::vector<DramConstraint>;
-  const Rows& rows(DramOp from, DramScope scope) const {
-    return rows_[static_cast<std::size_t>(from)][static_cast<std::size_t>(scope)];
-  }
+      {kBank, Op::kRead, Op::kPrecharge, [](Terms t) { return t.train + t.rtp; }},
+      {kBankGroup, Op::kRead, Op::kRead, [](Terms t) { return t.train + t.ccd_l; }},
+      {kBankGroup, Op::kRead, Op::kWrite, [](Terms t) { return t.train + t.ccd_l; }},
+      {kRank, Op::kRead, Op::kWrite, [](Terms t) { return t.read_end + t.rtw - t.wl; }, Reason::kTurnaround},
+      {kOtherRanks, Op::kRead, Op::kRead, [](Terms t) { return t.train + t.burst + t.rtrs; }, Reason::kRankSwitch},
+      {kOtherRanks, Op::kRead, Op::kWrite, [](Terms t) { return t.read_end + t.rtw - t.wl; }, Reason::kTurnaround},
+      {kOtherRanks, Op::kRead, Op::kWrite, [](Terms t) { return t.read_end + t.rtrs - t.wl; }, Reason::kRankSwitch},
 
-  std::array<std::array<Rows, 4>, kDramOps> rows_;
-};
+      {kBank, Op::kWrite, Op::kPrecharge, [](Terms t) { return t.write_end + t.wr; }},
+      {kBankGroup, Op::kWrite, Op::kRead, [](Terms t) { return t.train + t.write_latency + t.ccd_l + t.wtr_l; }},
+      {kBankGroup, Op::kWrite, Op::kWrite, [](Terms t) { return t.train + t.ccd_l; }},
+      {kRank, Op::kWrite, Op::kRead, [](Terms t) { return t.write_end + t.wtr_s; }, Reason::kTurnaround},
+      {kOtherRanks, Op::kWrite, Op::kRead, [](Terms t) { return t.write_end + t.rtrs - t.read_latency; },
+       Reason::kRankSwitch},
+      {kOtherRanks, Op::kWrite, Op::kWrite, [](Terms t) { return t.train + t.burst + t.rtrs; }, Reason::kRankSwitch},
+
+      {kBank, Op::kRefresh, Op::kActivate, [](Terms t) { return std::int64_t{t.rfc_pb}; }},
+      {kBank, Op::kRefreshRank, Op::kActivate, [](Terms t) { return std::int64_t{t.rfc_ab}; }},
+  });
+}();
+
+/// The cycles of each constraint for a grade (configs/dram/).
+inline std::array<std::int64_t, kDramConstraints.size()> constraint_cycles(const DramConfig& config) {
+  std::array<std::int64_t, kDramConstraints.size()> cycles{};
+  const DramTerms terms(config);
+  for (std::size_t i = 0; i < cycles.size(); ++i) cycles[i] = kDramConstraints[i].cycles(terms);
+  return cycles;
+}
 
 }  // namespace hw

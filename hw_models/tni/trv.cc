@@ -220,6 +220,7 @@ template <bool kDefault>
   const TreeInMemory::Line read = has.plain
                                       ? TreeInMemory::Line{tree_.line_of(node), true}
                                       : tree_.line_of_visit(node, config_.box_testers, slot.child(), slot.lines_read());
+  // Fast path: it saves 6, 1 and 1 % of the machine's instructions (the frames above tick_as()).
   if (has.reorders && fetch_.try_first_probe_hit(bit(index), read.line)) {
     waiting_[kToInner] &= ~bit(index);
   } else if (const FetchStage::Wait wait = fetch_.read(index, read.line, cycle.number);
@@ -290,6 +291,8 @@ Trv::CycleReason Trv::issue_any(const Cycle& cycle) {
   return CycleReason::kSerial;
 }
 
+/// The tick of any unit. Fast path: with the default features as constants it saves 12, 5 and 4 % of the machine's
+/// instructions (conference-331k, chess-42k and garden-outdoor-643k at 128x64).
 template <bool kDefault>
 [[gnu::always_inline]] inline sim::Time Trv::tick_as(const Cycle& cycle) {
   const TrvFeatures has = features<kDefault>();
