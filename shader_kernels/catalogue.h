@@ -71,7 +71,7 @@ using AllKernels = std::tuple<
     FetchSurface<false>, FetchSurface<true>, LightSurface, LightSurfaceGeometry<false>, LightSurfaceGeometry<true>,
     LightSurfaceKept<false>, LightSurfaceKept<true>, LightSurfaceSecondary<false>, LightSurfaceSecondary<true>,
     FetchLit<false>, FetchLit<true>, FetchLitGeometry<false>, FetchLitGeometry<true>, FetchLitKept<false>,
-    FetchLitKept<true>, FetchLitSecondary<false>, FetchLitSecondary<true>, LightLater, GenerateGeometry,
+    FetchLitKept<true>, FetchLitSecondary<false>, FetchLitSecondary<true>, LightDeferred, GenerateGeometry,
     GenerateSecondary, GenerateSurface, GenerateTraits, CombineRecordShadow, CombineRecordSecondaryShadow,
     CombineRecordTraitsShadow, CombineRecordBranchShadow, CheckInterpolate<false, false, false>,
     CheckInterpolate<false, true, false>, CheckInterpolate<true, false, false>, CheckInterpolate<true, true, false>,

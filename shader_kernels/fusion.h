@@ -12,7 +12,7 @@ namespace kernels {
 /// Ports of a fused kernel: those of all its parts. Ports that have one name are one memory or one uniform.
 template <class V, class... Parts>
 struct FusedPorts : Parts::template Ports<V>... {
-  static void describe(auto& p, auto&& port) {
+  static constexpr void describe(auto& p, auto&& port) {
     (Parts::template Ports<V>::describe(static_cast<typename Parts::template Ports<V>&>(p), port), ...);
   }
 };
@@ -32,6 +32,8 @@ struct Fused {
     return names;
   }
   static constexpr std::array<std::string_view, 0> kRegisters{};
+  /// Calls f<Part>() for every part.
+  static void for_each_part(auto&& f) { (f.template operator()<Parts>(), ...); }
   template <class V>
   using Ports = FusedPorts<V, Parts...>;
   template <class V>

@@ -14,7 +14,7 @@ namespace kernels {
 
 // Ports of kernels. In the float reading a port is a pointer or a number; ports_recorded.h holds the other
 // reading. A kernel's Ports struct names its ports with describe(ports, port).
-// A port of the float reading is bound to an array by its name (programs/port_sources.h) with attach(), or by hand with
+// A port of the float reading is bound to an array by its name (programs/wavefront/port_binding.h) with attach(), or by hand with
 // bind() where its array has another name.
 
 /// Records in the tile buffer.

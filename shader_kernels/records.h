@@ -235,7 +235,7 @@ struct SurfaceRecord {
   }
 };
 
-/// State of a sub-pixel of supersample between rounds of propagation (kernels/settle_subpixels.h).
+/// State of a sub-pixel of supersample between rounds of propagation (kernels/subpixels.h).
 template <class V>
 struct SubpixelRecord {
   I<V> red_green, blue_why;

@@ -40,7 +40,7 @@ struct CheckAttributes {
     Local<V, SurfaceRecord> kept;
     Local<V, ColourRecord> globals;
     F<V> apart_squared, least_dot, texture, colour_squared;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       VerdictPorts<V>::describe(p, port);
       port(NAMED(p.geometry));
       port(NAMED(p.kept));
@@ -99,7 +99,7 @@ struct InterpolateAttributes {
     Local<V, PathRecord> paths;
     Local<V, DiffuseRecord> mattes;
     Local<V, TexcoordRecord> texcoords;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.passed));
       LineUniforms<V>::describe(p.line, port);
       port(NAMED(p.geometry));
@@ -156,7 +156,7 @@ struct FindSuspects {
     Local<V, WordRecord> samples, identities, suspects;
     Counter<V> suspect_count;
     I<V> step, line_step;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.samples));
       port(NAMED(p.identities));
       port(NAMED(p.suspects));
@@ -200,7 +200,7 @@ struct StoreIdentities {
     Local<V, GeometryRecord> geometry;
     Local<V, WordRecord> verdicts, identities;
     LatticeUniforms<V> lattice;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.geometry));
       port(NAMED(p.verdicts));
       port(NAMED(p.identities));

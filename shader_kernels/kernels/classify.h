@@ -17,7 +17,7 @@ struct ClassifyHits {
     Local<V, HitRecord> hits;
     Local<V, WordRecord> misses, surfaces;
     Counter<V> miss_count, surface_count;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.hits));
       port(NAMED(p.misses));
       port(NAMED(p.surfaces));
@@ -50,7 +50,7 @@ struct ClassifySurfaces {
     Local<V, DiffuseRecord> mattes;
     Local<V, WordRecord> textured, diffuse, mirror, glass, emissive;
     Counter<V> textured_count, diffuse_count, mirror_count, glass_count, emissive_count;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.surfaces));
       port(NAMED(p.mattes));
       port(NAMED(p.textured));
@@ -88,7 +88,7 @@ struct ClassifyDetails {
     Local<V, WordRecord> absorbing, vertexed, based, physical, bumped, blended, glowing, occluded;
     Counter<V> absorbing_count, vertexed_count, based_count, physical_count, bumped_count, blended_count, glowing_count,
         occluded_count;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.surfaces));
       port(NAMED(p.mattes));
       port(NAMED(p.absorbing));
@@ -135,7 +135,7 @@ struct ClassifyOccluded {
     Local<V, DiffuseRecord> mattes;
     Local<V, WordRecord> occluded;
     Counter<V> occluded_count;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.surfaces));
       port(NAMED(p.mattes));
       port(NAMED(p.occluded));
@@ -165,7 +165,7 @@ struct ClassifyLayers {
     Local<V, WordRecord> layers;
     Counter<V> layer_count;
     I<V> solid;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.hits));
       port(NAMED(p.layers));
       port(NAMED(p.layer_count));

@@ -20,7 +20,7 @@ struct Absorb {
     Local<V, HitRecord> hits;
     Local<V, PathRecord> paths;
     Details<V> details;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.absorbing));
       port(p.points, "places");
       port(NAMED(p.hits));
@@ -52,7 +52,7 @@ struct ShadeBase {
   struct Ports : DetailPorts<V, kMips> {
     Local<V, SpecularRecord> optics;
     Table<V, SrgbCodeRecord> srgb_codes;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       DetailPorts<V, kMips>::describe(p, port);
       port(NAMED(p.optics));
       port(NAMED(p.srgb_codes));
@@ -89,7 +89,7 @@ struct ShadePhysical {
     Local<V, SurfacePointRecord> points;
     Local<V, SpecularRecord> optics;
     Details<V> details;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       DetailPorts<V, kMips>::describe(p, port);
       port(p.points, "places");
       port(NAMED(p.optics));
@@ -140,7 +140,7 @@ struct ShadeBump {
     Local<V, RayRecord> rays;
     Local<V, SurfacePointRecord> points;
     Details<V> details;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       DetailPorts<V, kMips>::describe(p, port);
       port(NAMED(p.rays));
       port(p.points, "places");
@@ -180,7 +180,7 @@ struct ShadeBlend {
     Local<V, WordRecord> blended;
     Local<V, DiffuseRecord> mattes;
     Local<V, SpecularRecord> optics;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.blended));
       port(NAMED(p.mattes));
       port(NAMED(p.optics));
@@ -213,7 +213,7 @@ struct ShadeGlow {
     Details<V> details;
     Local<V, ColourRecord> colours;
     Table<V, SrgbCodeRecord> srgb_codes;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       DetailPorts<V, kMips>::describe(p, port);
       port(p.points, "places");
       port(NAMED(p.paths));
@@ -252,7 +252,7 @@ struct ShadeOccluded {
     Details<V> details;
     Local<V, ColourRecord> colours;
     Vec3<V> ambient;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       DetailPorts<V, kMips>::describe(p, port);
       port(p.points, "places");
       port(NAMED(p.paths));

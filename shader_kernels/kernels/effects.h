@@ -19,7 +19,7 @@ template <class V>
 struct DrawUniforms {
   F<V> x, y;  ///< before the shift
   I<V> seed;  ///< the frame's and the effect's
-  static void describe(auto& d, auto&& port) {
+  static constexpr void describe(auto& d, auto&& port) {
     port(d.x, "draw.x");
     port(d.y, "draw.y");
     port(d.seed, "draw.seed");
@@ -80,7 +80,7 @@ template <class V>
 struct DiscUniforms {
   Vec3<V> across_x, across_y;  ///< as long as its radius
   F<V> radius, share;
-  static void describe(auto& d, auto&& port) {
+  static constexpr void describe(auto& d, auto&& port) {
     port(d.across_x, "disc.across_x");
     port(d.across_y, "disc.across_y");
     port(d.radius, "disc.radius");
@@ -93,7 +93,7 @@ struct ShadeDiscPorts : ShadeDiffuse::Ports<V> {
   Local<V, RayRecord> rays;
   DiscUniforms<V> disc;
   DrawUniforms<V> draw;
-  static void describe(auto& p, auto&& port) {
+  static constexpr void describe(auto& p, auto&& port) {
     ShadeDiffuse::Ports<V>::describe(p, port);
     port(NAMED(p.rays));
     DiscUniforms<V>::describe(p.disc, port);
@@ -154,7 +154,7 @@ struct CastAmbientPorts {
   Vec3<V> ambient;  ///< a ray's share of it
   F<V> epsilon, distance;
   DrawUniforms<V> draw;
-  static void describe(auto& p, auto&& port) {
+  static constexpr void describe(auto& p, auto&& port) {
     port(NAMED(p.diffuse));
     port(p.points, "places");
     port(NAMED(p.rays));
@@ -182,7 +182,7 @@ struct CastAmbient {
   template <class V>
   struct Ports : CastAmbientPorts<V> {
     F<V> share;  ///< wired if kShareAlone
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       CastAmbientPorts<V>::describe(p, port);
       if constexpr (kShareAlone) port(NAMED(p.share));
     }
@@ -237,7 +237,7 @@ struct SelectEffects {
     Local<V, WordRecord> passed;
     Counter<V> passed_count;
     GridUniforms<V> grid;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.diffuse));
       port(NAMED(p.paths));
       port(NAMED(p.passed));
@@ -264,7 +264,7 @@ struct ClearEffects {
     Local<V, ColourRecord> lights;
     Local<V, RatioRecord> ratios;
     LatticeUniforms<V> lattice;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.lights));
       port(NAMED(p.ratios));
       LatticeUniforms<V>::describe(p.lattice, port);
@@ -290,7 +290,7 @@ struct CombineRatio {
     Local<V, PathRecord> shadow_paths;
     Local<V, RatioRecord> ratios;
     F<V> share;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.shadow_hits));
       port(NAMED(p.shadow_paths));
       port(NAMED(p.ratios));
@@ -328,7 +328,7 @@ struct UpsampleEffects {
     F<V> x0, y0;  ///< the first finished pixel in the picture
     F<V> bend;
     I<V> apart;  ///< the light's layer
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       FinishedUniforms<V>::describe(p.finished, port);
       port(NAMED(p.visible));
       port(NAMED(p.lights));

@@ -29,7 +29,7 @@ struct FetchSurface : Fused<ShadeSurface<kInstanced, kCones>, ClassifyDetails> {
 
 /// Surfaces as details have left them.
 template <class... Record>
-using Lit = Fused<ClassifySurfaces, ListLater, AtOnce<ShadeAmbient>, AtOnce<ShadeDiffuse>, Record...>;
+using Lit = Fused<ClassifySurfaces, ListDeferred, ImmediateLit<ShadeAmbient>, ImmediateLit<ShadeDiffuse>, Record...>;
 
 struct LightSurface : Lit<> {
   static constexpr std::string_view kName = "light_surface";
@@ -57,8 +57,8 @@ struct LightSurfaceSecondary : Lit<RecordSecondary<kInstanced>> {
 
 /// Surfaces that have no details.
 template <bool kInstanced, bool kCones, class... Record>
-using FetchedAndLit = Fused<ShadeSurface<kInstanced, kCones>, ClassifySurfaces, ListLater, AtOnce<ShadeAmbient>,
-                            AtOnce<ShadeDiffuse>, Record...>;
+using FetchedAndLit = Fused<ShadeSurface<kInstanced, kCones>, ClassifySurfaces, ListDeferred,
+                            ImmediateLit<ShadeAmbient>, ImmediateLit<ShadeDiffuse>, Record...>;
 
 template <bool kInstanced, bool kCones = false>
 struct FetchLit : FetchedAndLit<kInstanced, kCones> {
@@ -92,7 +92,7 @@ struct FetchLitSecondary : FetchedAndLit<kInstanced, kCones, RecordSecondary<kIn
 
 /// Surfaces that are listed for later. Textures stay apart: loads hide less of their latency in a loop of a longer
 /// interval, as fewer items are in it at a time.
-struct LightLater : Fused<ShadeAmbient, ShadeDiffuse> {
+struct LightDeferred : Fused<ShadeAmbient, ShadeDiffuse> {
   static constexpr std::string_view kName = "light_later";
   static constexpr std::string_view kMeaning = "shade_ambient, shade_diffuse of the first light";
 };
@@ -166,8 +166,8 @@ struct CheckInterpolate : Fused<CheckSimilarity<kAlongY, kSecondary, kTexture>,
 };
 
 template <bool kAlongY>
-struct InterpolateLit
-    : Fused<InterpolateAttributes<kAlongY>, ClassifySurfaces, ListLater, AtOnce<ShadeAmbient>, AtOnce<ShadeVisible>> {
+struct InterpolateLit : Fused<InterpolateAttributes<kAlongY>, ClassifySurfaces, ListDeferred,
+                              ImmediateLit<ShadeAmbient>, ImmediateLit<ShadeVisible>> {
   static constexpr std::string_view kName = kAlongY ? "interpolate_lit_y" : "interpolate_lit_x";
   static constexpr std::string_view kMeaning =
       "interpolate_attributes, classify_surfaces, shade_ambient, shade_visible of the first light";
@@ -205,9 +205,9 @@ struct PackIdentified : Fused<TakeGridSample, PackClamped, StoreIdentities<kShad
 // lit by what comes first, ambient light and the first light or its first ray, or the first occlusion ray.
 
 template <class... Local>
-using LitBy = Fused<ClassifySurfaces, ListLater, AtOnce<Local>...>;
+using LitBy = Fused<ClassifySurfaces, ListDeferred, ImmediateLit<Local>...>;
 template <bool kInstanced, bool kCones, class... Local>
-using FetchedAndLitBy = Fused<ShadeSurface<kInstanced, kCones>, ClassifySurfaces, ListLater, AtOnce<Local>...>;
+using FetchedAndLitBy = Fused<ShadeSurface<kInstanced, kCones>, ClassifySurfaces, ListDeferred, ImmediateLit<Local>...>;
 
 struct LightSurfaceOpen : LitBy<ShadeAmbient, ShadeOpen> {
   static constexpr std::string_view kName = "light_surface_open";

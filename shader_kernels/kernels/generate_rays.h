@@ -18,7 +18,7 @@ struct GeneratePorts {
   CameraUniforms<V> camera;
   TileUniforms<V> tile;
   I<V> image_width, seed;
-  static void describe(auto& p, auto&& port) {
+  static constexpr void describe(auto& p, auto&& port) {
     port(NAMED(p.rays));
     port(NAMED(p.paths));
     port(NAMED(p.colours));
@@ -111,7 +111,7 @@ struct GenerateRotatedRays {
   template <class V>
   struct Ports : GeneratePorts<V> {
     F<V> cycle, inverse_cycle;  ///< n^2 + 1
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       GeneratePorts<V>::describe(p, port);
       port(NAMED(p.cycle));
       port(NAMED(p.inverse_cycle));
@@ -136,7 +136,7 @@ struct ListSamples {
   struct Ports {
     Local<V, WordRecord> samples, verdicts;
     LatticeUniforms<V> lattice;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.samples));
       port(NAMED(p.verdicts));
       LatticeUniforms<V>::describe(p.lattice, port);
@@ -162,7 +162,7 @@ struct GenerateListedRays {
     Local<V, ColourRecord> colours;
     CameraUniforms<V> camera;
     GridUniforms<V> grid;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.samples));
       port(NAMED(p.rays));
       port(NAMED(p.paths));
@@ -197,7 +197,7 @@ struct GenerateExtraRays {
     F<V> x0, y0, width, inverse_width;  ///< first pixel that the tile finishes; pixels in a row
     F<V> first_sample;                  ///< where their colours lie
     I<V> image_width, seed;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.active));
       port(NAMED(p.rays));
       port(NAMED(p.paths));
@@ -238,7 +238,7 @@ struct VisibleRayPorts {
   CameraUniforms<V> camera;
   GridUniforms<V> grid;  ///< pixels
   LatticeUniforms<V> lattice;
-  static void describe(auto& p, auto&& port) {
+  static constexpr void describe(auto& p, auto&& port) {
     port(NAMED(p.rays));
     port(NAMED(p.paths));
     port(NAMED(p.visible));
@@ -291,7 +291,7 @@ struct GenerateShadedRays {
   template <class V>
   struct Ports : VisibleRayPorts<V> {
     Local<V, ColourRecord> colours;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       VisibleRayPorts<V>::describe(p, port);
       port(NAMED(p.colours));
     }
@@ -324,7 +324,7 @@ struct GenerateVisibleRays {
   template <class V>
   struct Ports : VisibleRayPorts<V> {
     F<V> apart;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       VisibleRayPorts<V>::describe(p, port);
       port(NAMED(p.apart));
     }
@@ -347,7 +347,7 @@ struct ClearBranch {
     Local<V, ColourRecord> colours;
     LatticeUniforms<V> lattice;  ///< those of the branch's samples
     I<V> apart;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.visible));
       port(NAMED(p.colours));
       LatticeUniforms<V>::describe(p.lattice, port);

@@ -26,7 +26,7 @@ struct LayerPorts {
   Counter<V> emitted;
   F<V> epsilon, min_weight;  ///< lower ones are not seen
   I<V> white;                ///< the texture of materials without one
-  static void describe(auto& p, auto&& port) {
+  static constexpr void describe(auto& p, auto&& port) {
     port(NAMED(p.layers));
     port(NAMED(p.rays));
     port(NAMED(p.hits));
@@ -116,7 +116,7 @@ template <class V, bool kColoured, bool kInstanced>
 struct ShadowLayerPorts : LayerPorts<V, kColoured, kInstanced> {
   Local<V, PathRecord> paths;
   Table<V, SrgbCodeRecord> srgb_codes;
-  static void describe(auto& p, auto&& port) {
+  static constexpr void describe(auto& p, auto&& port) {
     LayerPorts<V, kColoured, kInstanced>::describe(p, port);
     port(NAMED(p.paths));
     port(NAMED(p.srgb_codes));
@@ -168,7 +168,7 @@ struct ScatterLayers {
     Local<V, WordRecord> layers;
     Counter<V> layer_count;
     I<V> solid;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.targets));
       port(NAMED(p.layer_hits));
       port(NAMED(p.hits));

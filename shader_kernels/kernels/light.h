@@ -41,23 +41,24 @@ M<V> both_of(const M<V>& mask, const M<V>& other) {
 }
 
 /// Classes of a surface that add to its sample before or amid its local light, or change its base colour.
-inline constexpr std::uint32_t kLaterClasses =
+inline constexpr std::uint32_t kDeferredClasses =
     traces::kTextured | traces::kEmissive | traces::kGlowing | traces::kOccluded;
 
-/// Whether a surface can be lit as soon as it is known: its local light is the first that its sample gets of it.
+/// True for surfaces that can be lit as soon as they are fetched: their local light is the first that their sample
+/// gets.
 template <class V>
-M<V> is_lit_at_once(const I<V>& classes) {
-  return (classes & (kLaterClasses | traces::kDiffuse)) == static_cast<std::uint32_t>(traces::kDiffuse);
+M<V> is_immediately_lit(const I<V>& classes) {
+  return (classes & (kDeferredClasses | traces::kDiffuse)) == static_cast<std::uint32_t>(traces::kDiffuse);
 }
 
-/// Kernel K, which runs over the diffuse surfaces, over all surfaces instead: it acts on those that are lit at once.
+/// Runs kernel K, which is written for diffuse surfaces, over all surfaces; it acts on those that are lit immediately.
 template <class K>
-struct AtOnce {
+struct ImmediateLit {
   using Of = K;
   template <class V>
   struct Ports : K::template Ports<V> {
     Local<V, WordRecord> surfaces;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.surfaces));
       K::template Ports<V>::describe(p, port);
     }
@@ -65,31 +66,31 @@ struct AtOnce {
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
     const I<V> slot = at.surfaces.load(item).word;
-    K::template shade<V>(slot, is_lit_at_once<V>(at.mattes.load(slot).classes), at);
+    K::template shade<V>(slot, is_immediately_lit<V>(at.mattes.load(slot).classes), at);
   }
 };
 
-/// Lists the diffuse surfaces that are not lit at once.
-struct ListLater {
+/// Queues the diffuse surfaces whose light is deferred.
+struct ListDeferred {
   template <class V>
   struct Ports {
     Local<V, WordRecord> surfaces;
     Local<V, DiffuseRecord> mattes;
-    Local<V, WordRecord> later;
-    Counter<V> later_count;
-    static void describe(auto& p, auto&& port) {
+    Local<V, WordRecord> deferred;
+    Counter<V> deferred_count;
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.surfaces));
       port(NAMED(p.mattes));
-      port(NAMED(p.later));
-      port(NAMED(p.later_count));
+      port(p.deferred, "later");
+      port(p.deferred_count, "later_count");
     }
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
     const I<V> slot = at.surfaces.load(item).word;
     const I<V> classes = at.mattes.load(slot).classes;
-    const M<V> is_later = both(has<V>(classes, traces::kDiffuse), I<V>(0U) < (classes & kLaterClasses));
-    at.later.store(at.later_count.next(is_later), {slot});
+    const M<V> is_deferred = both(has<V>(classes, traces::kDiffuse), I<V>(0U) < (classes & kDeferredClasses));
+    at.deferred.store(at.deferred_count.next(is_deferred), {slot});
   }
 };
 
@@ -125,7 +126,7 @@ struct ShadeBackground {
     Local<V, PathRecord> paths;
     Local<V, ColourRecord> colours;
     Vec3<V> background;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.misses));
       port(NAMED(p.paths));
       port(NAMED(p.colours));
@@ -153,7 +154,7 @@ struct ShadeTextured {
     Local<V, TexcoordRecord> texcoords;
     Local<V, DiffuseRecord> mattes;
     Table<V, SrgbCodeRecord> srgb_codes;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       TexturePorts<V, kMips>::describe(p, port);
       port(NAMED(p.textured));
       port(NAMED(p.texcoords));
@@ -193,7 +194,7 @@ struct ShadeEmission {
     Local<V, SpecularRecord> optics;
     Materials<V> materials;
     Local<V, ColourRecord> colours;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.emissive));
       port(p.points, "places");
       port(NAMED(p.paths));
@@ -221,7 +222,7 @@ struct ShadeAmbient {
     Local<V, DiffuseRecord> mattes;
     Local<V, ColourRecord> colours;
     Vec3<V> ambient;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.diffuse));
       port(NAMED(p.paths));
       port(NAMED(p.mattes));
@@ -257,7 +258,7 @@ struct ShadeDiffuse {
     Counter<V> emitted;
     LightUniforms<V> light;
     F<V> epsilon;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.diffuse));
       port(p.points, "places");
       port(NAMED(p.paths));
@@ -300,7 +301,7 @@ struct ShadeOpen {
     Local<V, DiffuseRecord> mattes;
     Local<V, ColourRecord> colours;
     LightUniforms<V> light;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.diffuse));
       port(p.points, "places");
       port(NAMED(p.paths));
@@ -338,7 +339,7 @@ struct ShadeVisible {
     Local<V, ColourRecord> colours;
     I<V> mark;
     LightUniforms<V> light;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.diffuse));
       port(p.points, "places");
       port(NAMED(p.paths));
@@ -373,7 +374,7 @@ struct CombineShadow {
     Local<V, HitRecord> shadow_hits;
     Local<V, PathRecord> shadow_paths;
     Local<V, ColourRecord> colours;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.shadow_hits));
       port(NAMED(p.shadow_paths));
       port(NAMED(p.colours));

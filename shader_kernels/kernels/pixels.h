@@ -17,7 +17,7 @@ struct AverageColour {
     Local<V, ColourRecord> colours, pixels;
     Carried<V> red, green, blue;
     F<V> samples, inverse_samples;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.colours));
       port(NAMED(p.pixels));
       port(NAMED(p.red));
@@ -55,7 +55,7 @@ struct AverageSamples {
     F<V> width, inverse_width;  ///< pixels in a row of the tile
     F<V> grid, inverse_grid;
     F<V> first, pitch;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       AverageColour::Ports<V>::describe(p, port);
       port(NAMED(p.width));
       port(NAMED(p.inverse_width));
@@ -81,7 +81,7 @@ struct TakeSample {
   template <class V>
   struct Ports {
     Local<V, ColourRecord> colours, pixels;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.colours));
       port(NAMED(p.pixels));
     }
@@ -102,7 +102,7 @@ struct TakeGridSample {
   template <class V>
   struct Ports : TakeSample::Ports<V> {
     LatticeUniforms<V> lattice;  ///< samples of the tile's pixels
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       TakeSample::Ports<V>::describe(p, port);
       LatticeUniforms<V>::describe(p.lattice, port);
     }
@@ -127,7 +127,7 @@ struct PackColour {
   struct Ports {
     Local<V, ColourRecord> pixels;
     Local<V, WordRecord> packed;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.pixels));
       port(NAMED(p.packed));
     }

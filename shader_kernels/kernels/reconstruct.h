@@ -18,7 +18,7 @@ namespace kernels {
 template <class V>
 struct EyeUniforms {
   Vec3<V> position, axis;
-  static void describe(auto& e, auto&& port) {
+  static constexpr void describe(auto& e, auto&& port) {
     port(e.position, "eye.place");
     port(e.axis, "eye.axis");
   }
@@ -34,7 +34,7 @@ struct RecordVisible {
     Local<V, PathRecord> paths;
     Local<V, VisibleRecord> visible;
     EyeUniforms<V> eye;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.surfaces));
       port(p.points, "places");
       port(NAMED(p.paths));
@@ -61,7 +61,7 @@ struct BeginBranch {
     Local<V, PathRecord> next_paths;
     Local<V, VisibleRecord> visible;
     I<V> apart;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.next_paths));
       port(NAMED(p.visible));
       port(NAMED(p.apart));
@@ -89,7 +89,7 @@ struct RecordBranchVisible {
     Local<V, PathRecord> paths;
     Local<V, VisibleRecord> visible;
     F<V> depth_scale;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.surfaces));
       port(NAMED(p.hits));
       port(p.points, "places");
@@ -190,7 +190,7 @@ struct ListBranches {
     Counter<V> masters_count;
     F<V> branch;
     I<V> apart;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       FinishedUniforms<V>::describe(p.finished, port);
       port(NAMED(p.visible));
       port(NAMED(p.masters));
@@ -235,7 +235,7 @@ struct Reconstruct {
     Local<V, ColourRecord> colours, pixels;
     F<V> bend, branch;
     I<V> apart;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       FinishedUniforms<V>::describe(p.finished, port);
       if constexpr (kBranch) port(NAMED(p.masters));
       port(NAMED(p.visible));
@@ -372,7 +372,7 @@ struct ListContrasts {
     Counter<V> masters_count;
     F<V> bend, threshold;
     F<V> branch;  ///< from a sample to that of its next branch; wired if there are any
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       FinishedUniforms<V>::describe(p.finished, port);
       port(NAMED(p.visible));
       port(NAMED(p.colours));
@@ -444,7 +444,7 @@ struct GenerateContrastRays {
     GridUniforms<V> grid;  ///< pixels
     FinishedUniforms<V> finished;
     F<V> apart;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.masters));
       port(NAMED(p.rays));
       port(NAMED(p.paths));
@@ -480,7 +480,7 @@ struct AverageContrasts {
     FinishedUniforms<V> finished;
     I<V> apart;
     I<V> branch;  ///< wired if there are any
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.masters));
       port(NAMED(p.colours));
       port(NAMED(p.pixels));
@@ -522,7 +522,7 @@ struct LimitColours {
     Local<V, ColourRecord> colours;
     LatticeUniforms<V> lattice;
     I<V> branch;  ///< from a sample to that of its next branch
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.colours));
       LatticeUniforms<V>::describe(p.lattice, port);
       if constexpr (kBranches != 0) port(NAMED(p.branch));

@@ -19,7 +19,7 @@ struct ClearGeometry {
   struct Ports {
     Local<V, WordRecord> samples;
     Local<V, GeometryRecord> geometry;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.samples));
       port(NAMED(p.geometry));
     }
@@ -37,7 +37,7 @@ struct ClearSecondary {
   struct Ports {
     Local<V, WordRecord> samples;
     Local<V, SecondaryRecord> secondary;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.samples));
       port(NAMED(p.secondary));
     }
@@ -56,7 +56,7 @@ struct ClearTraits {
     Local<V, WordRecord> samples;
     Local<V, TraitsRecord> traits, secondary;
     Local<V, BranchRecord> branches;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.samples));
       port(NAMED(p.traits));
       port(NAMED(p.secondary));
@@ -82,7 +82,7 @@ struct ClearSurface {
     Local<V, GeometryRecord> geometry;
     Local<V, SurfaceRecord> kept;
     Local<V, ColourRecord> globals;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.samples));
       port(NAMED(p.geometry));
       port(NAMED(p.kept));
@@ -133,7 +133,7 @@ struct SurfaceHitPorts {
   Local<V, DiffuseRecord> mattes;
   Local<V, PathRecord> paths;
   Objects<V, kInstanced> objects;
-  static void describe(auto& p, auto&& port) {
+  static constexpr void describe(auto& p, auto&& port) {
     port(NAMED(p.surfaces));
     port(NAMED(p.hits));
     port(p.points, "places");
@@ -166,7 +166,7 @@ struct RecordGeometry {
   template <class V>
   struct Ports : SurfaceHitPorts<V, kInstanced> {
     Local<V, GeometryRecord> geometry;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       SurfaceHitPorts<V, kInstanced>::describe(p, port);
       port(NAMED(p.geometry));
     }
@@ -187,7 +187,7 @@ struct RecordTraits {
   template <class V>
   struct Ports : SurfaceHitPorts<V, kInstanced> {
     Local<V, TraitsRecord> traits;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       SurfaceHitPorts<V, kInstanced>::describe(p, port);
       port(NAMED(p.traits));
     }
@@ -217,7 +217,7 @@ struct RecordSurface {
     Triangles<V> corners;  ///< wired if kInstanced; otherwise the objects are triangles
     Local<V, TexcoordRecord> texcoords;
     Local<V, SurfaceRecord> kept;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       RecordGeometry<kInstanced>::template Ports<V>::describe(p, port);
       if constexpr (kInstanced) port(p.corners, "triangles");
       port(NAMED(p.texcoords));
@@ -253,7 +253,7 @@ struct BounceUniforms {
   I<V> way;
   I<V> mirrored, refracted;  ///< slots below `mirrored` go straight on, those below `refracted` were mirrored
   F<V> first;                ///< 1 for the bounce whose normals are kept, else 0
-  static void describe(auto& b, auto&& port) {
+  static constexpr void describe(auto& b, auto&& port) {
     port(NAMED(b.way));
     port(NAMED(b.mirrored));
     port(NAMED(b.refracted));
@@ -276,7 +276,7 @@ struct RecordSecondary {
     Objects<V, kInstanced> objects;
     Local<V, SecondaryRecord> secondary;
     BounceUniforms<V> bounce;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.surfaces));
       port(NAMED(p.hits));
       port(p.points, "places");
@@ -321,7 +321,7 @@ struct WeighBranch {
   struct Ports {
     Local<V, PathRecord> paths;
     Local<V, BranchRecord> branches;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.paths));
       port(NAMED(p.branches));
     }
@@ -342,7 +342,7 @@ struct RecordBranch {
   template <class V>
   struct Ports : RecordTraits<kInstanced>::template Ports<V> {
     Local<V, BranchRecord> branches;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       RecordTraits<kInstanced>::template Ports<V>::describe(p, port);
       port(NAMED(p.branches));
     }
@@ -370,7 +370,7 @@ struct RecordBranchShadow {
     Local<V, PathRecord> shadow_paths;
     Local<V, TraitsRecord> traits;
     Local<V, BranchRecord> branches;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.shadow_rays));
       port(NAMED(p.shadow_hits));
       port(NAMED(p.shadow_paths));
@@ -403,7 +403,7 @@ struct RecordLocal {
     Local<V, WordRecord> diffuse;
     Local<V, PathRecord> paths;
     Local<V, ColourRecord> colours, globals;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.diffuse));
       port(NAMED(p.paths));
       port(NAMED(p.colours));
@@ -429,7 +429,7 @@ struct RecordGlobal {
   struct Ports {
     Local<V, WordRecord> samples;
     Local<V, ColourRecord> colours, globals;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.samples));
       port(NAMED(p.colours));
       port(NAMED(p.globals));
@@ -456,7 +456,7 @@ struct CountColoured {
     Local<V, ColourRecord> globals;
     Counter<V> coloured_count;
     F<V> faint;  ///< largest channel of a faint colour
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.samples));
       port(NAMED(p.globals));
       port(NAMED(p.coloured_count));
@@ -480,7 +480,7 @@ struct RecordShadowPorts {
     Local<V, PathRecord> shadow_paths;
     Local<V, R> records;
     I<V> mark;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.shadow_hits));
       port(NAMED(p.shadow_paths));
       port(NAMED(p.records));

@@ -107,7 +107,7 @@ struct TexturePorts {
   Table<V, AxisRecord> axes;     ///< two per texture
   Table<V, LevelRecord> levels;  ///< per texture; wired if there are mip levels
   Texels<V> texels;
-  static void describe(auto& p, auto&& port) {
+  static constexpr void describe(auto& p, auto&& port) {
     port(NAMED(p.axes));
     if constexpr (kMips != MipFilter::kNone) port(NAMED(p.levels));
     port(NAMED(p.texels));
@@ -148,7 +148,7 @@ struct DetailPorts : TexturePorts<V, kMips> {
   Local<V, DiffuseRecord> mattes;
   Local<V, TexcoordRecord> texcoords;
   Local<V, TangentRecord> tangents;
-  static void describe(auto& p, auto&& port) {
+  static constexpr void describe(auto& p, auto&& port) {
     TexturePorts<V, kMips>::describe(p, port);
     port(NAMED(p.stream));
     port(NAMED(p.mattes));

@@ -20,7 +20,7 @@ struct SecondaryPorts {
   Local<V, PathRecord> next_paths;
   Counter<V> emitted;
   F<V> epsilon, min_weight;
-  static void describe(auto& p, auto&& port) {
+  static constexpr void describe(auto& p, auto&& port) {
     port(NAMED(p.stream));
     port(p.points, "places");
     port(NAMED(p.rays));

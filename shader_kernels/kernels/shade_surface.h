@@ -116,7 +116,7 @@ struct ShadeSurface {
     Local<V, TexcoordRecord> texcoords;
     Local<V, SpecularRecord> optics;
     ConeUniforms<V> cone;  ///< wired if kCones
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.surfaces));
       port(NAMED(p.rays));
       port(NAMED(p.hits));
@@ -182,7 +182,7 @@ struct FetchVertices {
     Local<V, TangentRecord> tangents;
     Vertices<V> vertices;
     Instances<V> instances;  ///< wired if kInstanced
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.vertexed));
       port(NAMED(p.hits));
       port(NAMED(p.mattes));

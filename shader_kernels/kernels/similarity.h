@@ -40,7 +40,7 @@ struct LineUniforms {
   F<V> gaps, inverse_gaps, block, inverse_block;
   F<V> first, step, line_step;  ///< position 0 of line 0; from position to position, from line to line
   F<V> low, high;
-  static void describe(auto& l, auto&& port) {
+  static constexpr void describe(auto& l, auto&& port) {
     port(l.inner, "line.inner");
     port(l.inverse_inner, "line.inverse_inner");
     port(l.gaps, "line.gaps");
@@ -114,7 +114,7 @@ struct VerdictPorts {
   LineUniforms<V> line;
   Local<V, WordRecord> verdicts, passed, failed;
   Counter<V> passed_count, failed_count;
-  static void describe(auto& p, auto&& port) {
+  static constexpr void describe(auto& p, auto&& port) {
     LineUniforms<V>::describe(p.line, port);
     port(NAMED(p.verdicts));
     port(NAMED(p.passed));
@@ -175,7 +175,7 @@ struct CheckSimilarity {
     Local<V, ColourRecord> colours;      ///< wired if kTexture, and what follows
     F<V> texture_squared, rate_squared;  ///< colours farther apart fail, or are rough
     Counter<V> rough_count;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       VerdictPorts<V>::describe(p, port);
       port(NAMED(p.geometry));
       port(NAMED(p.secondary));
@@ -239,7 +239,7 @@ struct InterpolateSample {
     Local<V, ColourRecord> colours;
     Local<V, GeometryRecord> geometry;
     Local<V, SecondaryRecord> secondary;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.passed));
       LineUniforms<V>::describe(p.line, port);
       port(NAMED(p.colours));

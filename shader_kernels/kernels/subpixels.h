@@ -54,7 +54,7 @@ struct FinishedUniforms {
   F<V> width, inverse_width;
   F<V> first, pitch;
   F<V> low_x, high_x, low_y, high_y;
-  static void describe(auto& f, auto&& port) {
+  static constexpr void describe(auto& f, auto&& port) {
     port(f.width, "finished.width");
     port(f.inverse_width, "finished.inverse_width");
     port(f.first, "finished.first");
@@ -141,7 +141,7 @@ struct TestSubpixels {
     F<V> same_normal;
     I<V> compared;         ///< attributes that count, a bit each
     I<V> focus, textured;  ///< flags that objects need: one of a pair; with a texture
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       FinishedUniforms<V>::describe(p.finished, port);
       port(NAMED(p.traits));
       port(NAMED(p.secondary));
@@ -214,7 +214,7 @@ struct WeighCentres {
     FinishedUniforms<V> finished;
     Local<V, WordRecord> verdicts;
     Local<V, ColourRecord> colours, pixels;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       FinishedUniforms<V>::describe(p.finished, port);
       port(NAMED(p.verdicts));
       port(NAMED(p.colours));
@@ -265,7 +265,7 @@ struct PackSubpixels {
     Local<V, WordRecord> fills;  ///< per chunk: entries taken; above kFillBits, masters up to there
     Carried<V> list_end;
     Counter<V> masters_count;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.across));
       port(NAMED(p.inverse_across));
       port(NAMED(p.width));
@@ -335,7 +335,7 @@ struct PackSubpixelsAtomic {
     Local<V, WordRecord> verdicts, active, length;
     Carried<V> subpixel;
     F<V> stride, subpixels;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.verdicts));
       port(NAMED(p.active));
       port(NAMED(p.length));
@@ -371,7 +371,7 @@ struct SumSubpixels {
     Local<V, ColourRecord> colours, pixels;
     Carried<V> red, green, blue, base_red, base_green, base_blue;
     F<V> first_sample;  ///< where the colours of the first sub-pixel in the list lie
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.listed));
       port(NAMED(p.verdicts));
       port(NAMED(p.colours));
@@ -421,7 +421,7 @@ template <class V>
 struct StateUniforms {
   F<V> width, inverse_width;
   F<V> first, pitch;
-  static void describe(auto& s, auto&& port) {
+  static constexpr void describe(auto& s, auto&& port) {
     port(s.width, "states.width");
     port(s.inverse_width, "states.inverse_width");
     port(s.first, "states.first");
@@ -456,7 +456,7 @@ struct SettleSubpixels {
     Local<V, SubpixelRecord> states;
     F<V> first_sample;
     I<V> round;  ///< in its place
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       StateUniforms<V>::describe(p.grid, port);
       port(NAMED(p.active));
       port(NAMED(p.verdicts));
@@ -495,7 +495,7 @@ struct ShowSubpixels {
     StateUniforms<V> grid;
     Local<V, ColourRecord> colours, shown;
     Local<V, SubpixelRecord> states;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       FinishedUniforms<V>::describe(p.finished, port);
       StateUniforms<V>::describe(p.grid, port);
       port(NAMED(p.colours));
@@ -536,7 +536,7 @@ struct PropagateSubpixels {
     Carried<V> last_master;                    ///< pixel listed last
     std::array<F<V>, kAttributes> thresholds;  ///< above 1: no contrast is enough
     I<V> round;                                ///< the one before, in its place
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       StateUniforms<V>::describe(p.grid, port);
       port(NAMED(p.states));
       port(NAMED(p.verdicts));
@@ -614,7 +614,7 @@ struct AverageSubpixels {
   struct Ports : AverageColour::Ports<V> {
     Local<V, WordRecord> masters;
     Local<V, ColourRecord> shown;
-    static void describe(auto& p, auto&& port) {
+    static constexpr void describe(auto& p, auto&& port) {
       AverageColour::Ports<V>::describe(p, port);
       port(NAMED(p.masters));
       port(NAMED(p.shown));

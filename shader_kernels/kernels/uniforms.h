@@ -10,7 +10,7 @@ namespace kernels {
 template <class V>
 struct CameraUniforms {
   Vec3<V> origin, corner, right, down;
-  static void describe(auto& c, auto&& port) {
+  static constexpr void describe(auto& c, auto&& port) {
     port(c.origin, "camera.origin");
     port(c.corner, "camera.corner");
     port(c.right, "camera.right");
@@ -24,7 +24,7 @@ template <class V>
 struct ConeUniforms {
   Vec3<V> eye;
   F<V> spread;  ///< width per length of the way
-  static void describe(auto& c, auto&& port) {
+  static constexpr void describe(auto& c, auto&& port) {
     port(c.eye, "cone.eye");
     port(c.spread, "cone.spread");
   }
@@ -38,7 +38,7 @@ struct TileUniforms {
   F<V> width, inverse_width;      ///< pixels in a row
   F<V> samples, inverse_samples;  ///< per pixel: a grid of
   F<V> grid, inverse_grid;        ///< grid x grid
-  static void describe(auto& c, auto&& port) {
+  static constexpr void describe(auto& c, auto&& port) {
     port(c.x0, "tile.x0");
     port(c.y0, "tile.y0");
     port(c.width, "tile.width");
@@ -57,7 +57,7 @@ template <class V>
 struct LightUniforms {
   Vec3<V> position, direction, intensity;
   F<V> local, reach, cone_scale, cone_offset, inverse_range_squared;
-  static void describe(auto& c, auto&& port) {
+  static constexpr void describe(auto& c, auto&& port) {
     port(c.position, "light.place");
     port(c.direction, "light.direction");
     port(c.intensity, "light.intensity");
@@ -76,7 +76,7 @@ struct GridUniforms {
   F<V> x0, y0;  ///< position of the first sample in the picture's grid
   F<V> pitch, inverse_pitch;
   F<V> grid, inverse_grid;
-  static void describe(auto& g, auto&& port) {
+  static constexpr void describe(auto& g, auto&& port) {
     port(g.x0, "grid.x0");
     port(g.y0, "grid.y0");
     port(g.pitch, "grid.pitch");
@@ -90,7 +90,7 @@ struct GridUniforms {
 template <class V>
 struct LatticeUniforms {
   F<V> first, across, inverse_across, step, row_step;
-  static void describe(auto& l, auto&& port) {
+  static constexpr void describe(auto& l, auto&& port) {
     port(l.first, "lattice.first");
     port(l.across, "lattice.across");
     port(l.inverse_across, "lattice.inverse_across");

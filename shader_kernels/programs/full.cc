@@ -45,10 +45,11 @@ void FullProgram::run_tile(std::uint32_t tile, const traces::Tracer& tracer, boo
   out.work.frame = frame_;
   out.work.tile = tile;
   out.work.samples = samples;
-  out.buffer.hold_wave(samples);
-  if (out.buffer.colours.size() < samples) out.buffer.colours.resize(samples);
+  out.buffer.reserve_wave(samples);
+  if (out.buffer.samples.colours.size() < samples) out.buffer.samples.colours.resize(samples);
 
   Wavefront wave(scene_, tracer, record, cone_uniforms(camera_, grid_), out);
+  TileGraph& graph = wave.graph();
   GeneratePorts<float> generate;
   generate.camera = camera_;
   generate.tile = {.x0 = static_cast<float>(out.x),
@@ -61,53 +62,53 @@ void FullProgram::run_tile(std::uint32_t tile, const traces::Tracer& tracer, boo
                    .inverse_grid = inverse(grid_)};
   generate.image_width = config_.width;
   generate.seed = seed_;
-  const Wavefront::Node generated = launch_rays(wave, generate, samples);
-  if (wave.counts_pixels()) {
+  const Wavefront::Node generated = launch_rays(graph, generate, samples);
+  if (wave.tracer().counts_pixels()) {
     for (std::uint32_t i = 0; i < samples; ++i) {
       const std::uint32_t pixel = i / samples_;
-      wave.place_ray(i, out.x + pixel % out.width, out.y + pixel / out.width);
+      wave.tracer().place_ray(i, out.x + pixel % out.width, out.y + pixel / out.width);
     }
   }
   wave.run(generated, samples);
 
-  put_out(wave, samples, out);
+  write_pixels(graph, samples, out);
   wave.finish();
   out.sampling = {};
   out.sampling.wanted = out.sampling.traced = samples;
   out.sampling.background = out.sampling.traced_background = out.background.size();
 }
 
-Wavefront::Node FullProgram::launch_rays(Wavefront& wave, GeneratePorts<float>& ports, std::uint32_t samples) const {
+Wavefront::Node FullProgram::launch_rays(TileGraph& graph, GeneratePorts<float>& ports, std::uint32_t samples) const {
   if (samples_ == 1 || config_.samples == SamplePattern::kRegular) {  // a lone one is the pixel's centre
-    return wave.launch<GenerateRays>(ports, samples);
+    return graph.launch<GenerateRays>(ports, samples);
   }
-  if (config_.samples == SamplePattern::kJittered) return wave.launch<GenerateJitteredRays>(ports, samples);
+  if (config_.samples == SamplePattern::kJittered) return graph.launch<GenerateJitteredRays>(ports, samples);
   GenerateRotatedRays::Ports<float> rotated;
   static_cast<GeneratePorts<float>&>(rotated) = ports;
   rotated.cycle = static_cast<float>(samples_ + 1);
   rotated.inverse_cycle = inverse(samples_ + 1);
-  return wave.launch<GenerateRotatedRays>(rotated, samples);
+  return graph.launch<GenerateRotatedRays>(rotated, samples);
 }
 
-void FullProgram::put_out(Wavefront& wave, std::uint32_t samples, TileResult& out) const {
+void FullProgram::write_pixels(TileGraph& graph, std::uint32_t samples, TileResult& out) const {
   const std::uint64_t offset = std::uint64_t{out.tile} * tile_pixels() * kPixelBytes;
-  if (wave.dma_encodes() && samples_ == 1) {
+  if (scene_.dma_encodes && samples_ == 1) {
     for (std::uint32_t i = 0; i < samples; ++i) out.linear[i] = out.colour(i);
-    wave.wait_for_colours(wave.put_linear(offset));
+    graph.wait_for_colours(graph.write_linear(offset));
     return;
   }
-  if (wave.fuses() && samples_ == 1) {
-    const Wavefront::Node packed = wave.launch<PackSample>(samples);
-    wave.wait_for_colours(packed);
-    wave.put_packed(packed, offset);
+  if (scene_.fuses && samples_ == 1) {
+    const Wavefront::Node packed = graph.launch<PackSample>(samples);
+    graph.wait_for_colours(packed);
+    graph.write_packed(packed, offset);
     return;
   }
   AverageColour::Ports<float> average;
   average.samples = static_cast<float>(samples_);
   average.inverse_samples = inverse(samples_);
-  const Wavefront::Node averaged = wave.launch<AverageColour>(average, samples);
-  wave.wait_for_colours(averaged);
-  wave.put_out(averaged, offset);
+  const Wavefront::Node averaged = graph.launch<AverageColour>(average, samples);
+  graph.wait_for_colours(averaged);
+  graph.write_pixels(averaged, offset);
 }
 
 }  // namespace kernels

@@ -29,9 +29,9 @@ class FullProgram final : public FrameProgram {
   void run_tile(std::uint32_t tile, const traces::Tracer& tracer, bool record, TileResult& out) const override;
 
  private:
-  Wavefront::Node launch_rays(Wavefront& wave, GeneratePorts<float>& ports, std::uint32_t samples) const;
-  /// Averages, encodes and moves the pixels of a tile with so many samples.
-  void put_out(Wavefront& wave, std::uint32_t samples, TileResult& out) const;
+  Wavefront::Node launch_rays(TileGraph& graph, GeneratePorts<float>& ports, std::uint32_t samples) const;
+  /// Averages and encodes the pixels of a tile with that many samples, and writes them to memory.
+  void write_pixels(TileGraph& graph, std::uint32_t samples, TileResult& out) const;
 
   const RenderConfig config_;
   const SceneTables scene_;

@@ -48,13 +48,13 @@ void GeometryPass::run_batch(std::uint32_t batch, bool record, TileResult& out) 
   out.work.frame = frame_;
   out.work.tile = out.tile;
   out.work.samples = 0;
-  StreamBuilder stream(out.work, out.buffer.spare_nodes, record);
-  if (record) stream.bin(rasteriser_->bin(batch, out.buffer.coverage, out.work));
+  StreamBuilder stream(out.work, out.buffer.scratch.spare_nodes, record);
+  if (record) stream.bin(rasteriser_->bin(batch, out.buffer.scratch.coverage, out.work));
   stream.finish();
 }
 
-void GeometryPass::keep(const TileResult& tile) {
-  if (tile.tile < program_->tiles()) program_->keep(tile);
+void GeometryPass::commit_tile(const TileResult& tile) {
+  if (tile.tile < program_->tiles()) program_->commit_tile(tile);
 }
 
 std::unique_ptr<traces::Rasteriser> make_rasteriser(const traces::MemoryImage& image, const traces::Camera& camera,

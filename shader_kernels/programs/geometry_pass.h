@@ -23,7 +23,7 @@ class GeometryPass final : public FrameProgram {
   FrameRequirements requirements() const override;
   void begin_pass(std::uint32_t tile_index, const traces::Tracer& tracer) override;
   void run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const override;
-  void keep(const TileResult& tile) override;
+  void commit_tile(const TileResult& tile) override;
 
   const std::vector<float>& picture() const override { return program_->picture(); }
   std::vector<float> take_picture() override { return program_->take_picture(); }

@@ -44,14 +44,16 @@ void UpsampledProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& 
   out.work.frame = frame_;
   out.work.tile = at.index;
   out.work.samples = at.width * at.height;
-  out.buffer.hold_rated(positions(), layers_);
+  out.buffer.reserve_rated(positions(), layers_);
   const float halo = static_cast<float>(tiles_.halo()), pitch = static_cast<float>(tiles_.pitch());
   Wavefront wave(scene_, tracer, record, cone_uniforms(camera_, 1), out);
+  TileGraph& graph = wave.graph();
   Tile tile{at,
             tiles_.finished(at, out),
             {static_cast<float>(at.x) - halo, static_cast<float>(at.y) - halo, pitch, 1.0F / pitch, 1, 1},
             out.width * out.height,
             wave,
+            graph,
             out};
   out.linear.resize(tile.pixels);
   out.packed.resize(tile.pixels);
@@ -68,29 +70,30 @@ void UpsampledProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& 
 void UpsampledProgram::trace(Tile& tile, std::uint32_t x, std::uint32_t y, std::uint32_t across,
                              std::uint32_t down) const {
   Wavefront& wave = tile.wave;
+  TileGraph& graph = tile.graph;
   const std::uint32_t pixels = across * down;
-  tile.out.buffer.hold_wave(pixels);
+  tile.out.buffer.reserve_wave(pixels);
   const LatticeUniforms<float> lattice = tiles_.lattice(x, y, across);
   Node cleared = Wavefront::kNone;
   for (std::uint32_t layer = 0; layer < layers_; ++layer) {
     ClearEffects::Ports<float> ports;
     ports.lattice = lattice;
     ports.lattice.first += static_cast<float>(layer * positions());
-    const Node next = wave.launch<ClearEffects>(ports, pixels);
-    wave.wait_all(next, cleared);
+    const Node next = graph.launch<ClearEffects>(ports, pixels);
+    graph.wait_all(next, cleared);
     cleared = next;
   }
   GenerateCentredRays::Ports<float> ports;
   ports.camera = camera_;
   ports.grid = tile.grid;
   ports.lattice = lattice;
-  const Node generated = wave.launch<GenerateCentredRays>(ports, pixels);
-  wave.wait_all(generated, cleared);
-  wave.adds_records(generated);
-  for (std::uint32_t i = 0; wave.counts_pixels() && i < pixels; ++i) {
-    wave.place_ray(i, tile.at.x + x + i % across - tiles_.halo(), tile.at.y + y + i / across - tiles_.halo());
+  const Node generated = graph.launch<GenerateCentredRays>(ports, pixels);
+  graph.wait_all(generated, cleared);
+  graph.register_record_writer(generated);
+  for (std::uint32_t i = 0; wave.tracer().counts_pixels() && i < pixels; ++i) {
+    wave.tracer().place_ray(i, tile.at.x + x + i % across - tiles_.halo(), tile.at.y + y + i / across - tiles_.halo());
   }
-  Wavefront::RetainedRecords retained;
+  RetainedRecords retained;
   retained.visible = {.are_kept = true, .have_shadows = false, .eye = eye_};
   retained.rated = {.are_rated = true, .layer = positions(), .grid = tile.grid};
   retained.cleared = generated;
@@ -100,18 +103,18 @@ void UpsampledProgram::trace(Tile& tile, std::uint32_t x, std::uint32_t y, std::
 /// A tile always makes its halo; neighbours keep theirs, so the machine reads it back.
 void UpsampledProgram::make_halo(Tile& tile) const {
   tiles_.for_each_part(tile.at, [&](const HaloPart& part) {
-    tile.wave.import_samples(part.border, store_bytes() * part.border.tile + part.first * exchanged_bytes(),
-                             part.across * part.down * exchanged_bytes());
-    tile.wave.mute();
+    tile.graph.import_samples(part.border, store_bytes() * part.border.tile + part.first * exchanged_bytes(),
+                              part.across * part.down * exchanged_bytes());
+    tile.graph.mute();
     trace(tile, part.x, part.y, part.across, part.down);
-    tile.wave.unmute();
+    tile.graph.unmute();
   });
 }
 
 void UpsampledProgram::export_borders(Tile& tile) const {
   const std::uint64_t store = store_bytes() * tile.at.index;
   tiles_.for_each_export(tile.at, [&](std::uint32_t border, std::uint64_t first, std::uint32_t samples) {
-    tile.wave.export_samples(border, store + first * exchanged_bytes(), samples * exchanged_bytes());
+    tile.graph.export_samples(border, store + first * exchanged_bytes(), samples * exchanged_bytes());
   });
 }
 
@@ -129,27 +132,27 @@ UpsampledProgram::Node UpsampledProgram::upsample(Tile& tile) const {
     ports.y0 = static_cast<float>(tile.out.y);
     ports.bend = bend_;
     ports.apart = layer * positions();
-    const Node next = tile.wave.launch<UpsampleEffects<kCheckerboard>>(ports, tile.pixels);
+    const Node next = tile.graph.launch<UpsampleEffects<kCheckerboard>>(ports, tile.pixels);
     if (layer == 0) {
-      tile.wave.wait_for_records(next);
-      tile.wave.wait_for_colours(next);
+      tile.graph.wait_for_records(next);
+      tile.graph.wait_for_colours(next);
     }
-    tile.wave.wait_all(next, last);
+    tile.graph.wait_all(next, last);
     last = next;
   }
   return last;
 }
 
 void UpsampledProgram::put_out(Tile& tile, Node upsampled) const {
-  Wavefront& wave = tile.wave;
+  TileGraph& graph = tile.graph;
   const FinishedUniforms<float>& finished = tile.finished;
   const std::uint64_t offset = std::uint64_t{tile.at.index} * tiles_.most_pixels() * kPixelBytes;
-  if (wave.fuses() && !wave.dma_encodes()) {
+  if (scene_.fuses && !scene_.dma_encodes) {
     PackGridSample::Ports<float> ports;
     ports.lattice = {finished.first, finished.width, finished.inverse_width, 1, finished.pitch};
-    const Node packed = wave.launch<PackGridSample>(ports, tile.pixels);
-    wave.wait_all(packed, upsampled);
-    wave.put_packed(packed, offset);
+    const Node packed = graph.launch<PackGridSample>(ports, tile.pixels);
+    graph.wait_all(packed, upsampled);
+    graph.write_packed(packed, offset);
     return;
   }
   AverageSamples::Ports<float> ports;
@@ -159,9 +162,9 @@ void UpsampledProgram::put_out(Tile& tile, Node upsampled) const {
   ports.grid = ports.inverse_grid = 1;
   ports.first = finished.first;
   ports.pitch = finished.pitch;
-  const Node shown = wave.launch<AverageSamples>(ports, tile.pixels);
-  wave.wait_all(shown, upsampled);
-  wave.put_out(shown, offset);
+  const Node shown = graph.launch<AverageSamples>(ports, tile.pixels);
+  graph.wait_all(shown, upsampled);
+  graph.write_pixels(shown, offset);
 }
 
 }  // namespace kernels

@@ -40,6 +40,7 @@ class UpsampledProgram final : public FrameProgram {
     GridUniforms<float> grid;
     std::uint32_t pixels;  ///< finished
     Wavefront& wave;
+    TileGraph& graph;
     TileResult& out;
   };
 

@@ -31,7 +31,7 @@ void read_tiles(const traces::TraceReader& trace) {
     kernels::TileResult tile;
     for (std::uint32_t i = 0; i < part.tiles; ++i) {
       program.run_tile(i, NoTracer(), false, tile);
-      program.keep(tile);
+      program.commit_tile(tile);
     }
   }
 }

@@ -154,7 +154,7 @@ TEST_P(Blocks, TilesOfAPassMayRunOnManyThreadsInAnyOrder) {
     }
     for (std::thread& thread : threads) thread.join();
     for (std::uint32_t t = 0; t < tiles.size(); ++t) {
-      program.keep(tiles[t]);
+      program.commit_tile(tiles[t]);
       EXPECT_EQ(tiles[t].work.walk, alone.works[begin + t].walk);
       EXPECT_EQ(tiles[t].work.nodes.size(), alone.works[begin + t].nodes.size());
     }

@@ -81,7 +81,7 @@ TEST_P(Full, TilesMayRunOnManyThreads) {
       for (std::uint32_t t = first; t < program.tiles(); t += 4) {
         program.run_tile(t, tracer_, true, tile);
         const std::lock_guard lock(mutex);
-        program.keep(tile);
+        program.commit_tile(tile);
       }
     });
   }

@@ -51,7 +51,7 @@ inline void run_tiles(FrameProgram& program, const traces::Tracer& tracer, bool 
       pass_end = program.pass_end(t);
     }
     program.run_tile(t, tracer, record, tile);
-    program.keep(tile);
+    program.commit_tile(tile);
     see(tile);
   }
 }

@@ -43,7 +43,7 @@ struct SupersampleWorld {
     Result result;
     for (std::uint32_t t = 0; t < program.tiles(); ++t) {
       program.run_tile(t, tracer, record, result.last);
-      program.keep(result.last);
+      program.commit_tile(result.last);
     }
     result.rgb = program.picture();
     result.sampling = program.sampling();
@@ -182,7 +182,8 @@ bool disagrees(Reason of, const TraitsRecord<float>& own, const TraitsRecord<flo
 
 /// Sub-pixels at which `of` disagrees, counted from what the samples have kept.
 std::set<std::uint32_t> disagreeing(Reason of, const TileResult& tile, std::uint32_t pitch, bool focus = false) {
-  const auto& kept = of < Reason::kSecondaryObject ? tile.buffer.traits : tile.buffer.secondary_traits;
+  const auto& kept =
+      of < Reason::kSecondaryObject ? tile.buffer.subpixels.traits : tile.buffer.subpixels.secondary_traits;
   const auto at = [&](int x, int y) {
     return kept[static_cast<std::size_t>((y + 2) * static_cast<int>(pitch) + x + 2)];
   };
@@ -206,7 +207,7 @@ std::set<std::uint32_t> disagreeing(Reason of, const TileResult& tile, std::uint
 std::set<std::uint32_t> active(const TileResult& tile) {
   std::set<std::uint32_t> found;
   for (std::uint32_t i = 0; i < 4 * tile.width * tile.height; ++i) {
-    if (active_bit<float>(tile.buffer.subpixels[i]) == 1) found.insert(i);
+    if (active_bit<float>(tile.buffer.subpixels.verdicts[i]) == 1) found.insert(i);
   }
   return found;
 }
@@ -283,14 +284,16 @@ TEST(Branches, TheStrongerBranchIsKept) {
   scene.cameras.push_back(traces::look_at("front", {0, 0, 4}, {0, 0, 0}, 0.5F));
   RenderConfig render = small(8, 8);
   const Result through = SupersampleWorld(scene).supersample(render, {});
-  EXPECT_EQ(through.last.buffer.secondary_traits[5 * 18 + 5].object, 1U);
-  EXPECT_EQ(through.last.buffer.traits[5 * 18 + 5].object, 0U);
+  EXPECT_EQ(through.last.buffer.subpixels.secondary_traits[5 * 18 + 5].object, 1U);
+  EXPECT_EQ(through.last.buffer.subpixels.traits[5 * 18 + 5].object, 0U);
   scene.materials[glass].transmission = 0.1F;
   scene.materials[glass].mirror = 0.8F;
-  EXPECT_EQ(SupersampleWorld(scene).supersample(render, {}).last.buffer.secondary_traits[5 * 18 + 5].object, 2U);
+  EXPECT_EQ(SupersampleWorld(scene).supersample(render, {}).last.buffer.subpixels.secondary_traits[5 * 18 + 5].object,
+            2U);
   // If the stronger branch hits nothing there is no secondary hit, whatever the weaker one meets.
   scene.instances.pop_back();
-  EXPECT_EQ(SupersampleWorld(scene).supersample(render, {}).last.buffer.secondary_traits[5 * 18 + 5].object, kNoObject);
+  EXPECT_EQ(SupersampleWorld(scene).supersample(render, {}).last.buffer.subpixels.secondary_traits[5 * 18 + 5].object,
+            kNoObject);
 }
 
 }  // namespace

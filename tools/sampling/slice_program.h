@@ -16,9 +16,9 @@ class SharedFrame {
   SharedFrame(kernels::FrameProgram& program, Progress* progress) : program_(program), progress_(progress) {}
   const kernels::FrameProgram& program() const { return program_; }
 
-  void keep(const kernels::TileResult& tile) {
+  void commit_tile(const kernels::TileResult& tile) {
     const std::lock_guard lock(mutex_);
-    program_.keep(tile);
+    program_.commit_tile(tile);
     for (std::size_t k = 0; k < std::size(function_.rays); ++k) function_.rays[k] += tile.rays[k];
     function_.continued += tile.continued;
     function_.traversal_steps += tile.traversal_steps;
@@ -59,8 +59,8 @@ class SliceProgram final : public kernels::FrameProgram {
     if (interrupted()) throw Interrupted{};
     frame_.program().run_tile(tile_index, tracer, record, out);
   }
-  void keep(const kernels::TileResult& tile) override {
-    if (slice_.owns(tile.work.tile)) frame_.keep(tile);
+  void commit_tile(const kernels::TileResult& tile) override {
+    if (slice_.owns(tile.work.tile)) frame_.commit_tile(tile);
   }
 
  private:

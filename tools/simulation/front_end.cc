@@ -149,7 +149,7 @@ void FrontEnd::keep(const Slot& slot) {
     *longest = std::max(*longest, array.size());
     ++longest;
   });
-  program_.keep(slot.tile);
+  program_.commit_tile(slot.tile);
   if (itemised_) itemise(slot.tile);
   if (taken_ == count()) keep_picture();
   for (std::size_t k = 0; k < std::size(result_.rays); ++k) result_.rays[k] += slot.tile.rays[k];

@@ -49,7 +49,7 @@ void ReplayProgram::run_tile(std::uint32_t tile_index, const traces::Tracer&, bo
   cursors_.push_back(std::move(cursor));
 }
 
-void ReplayProgram::keep(const kernels::TileResult& tile) {
+void ReplayProgram::commit_tile(const kernels::TileResult& tile) {
   const traces::TileWork& work = tile.work;
   const auto is_earlier = [&](std::uint32_t t) { return t < seen_.size() && seen_[t]; };
   trace_.naming_file([&] {

@@ -21,7 +21,7 @@ class ReplayProgram final : public kernels::FrameProgram {
   kernels::FrameRequirements requirements() const override;
   void run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
                 kernels::TileResult& out) const override;
-  void keep(const kernels::TileResult& tile) override;
+  void commit_tile(const kernels::TileResult& tile) override;
   const traces::TileScope& scope() const { return scope_; }
 
  private:

@@ -94,6 +94,7 @@ BlockTile::BlockTile(const BlockFrame& frame, const SampleTile& tile, const trac
       out(result),
       buffer(result.buffer),
       wave(frame.scene, tracer, record, frame.cone(), result),
+      graph(wave.graph()),
       frame_(frame) {
   const std::uint32_t grid = frame.setup.grid;
   out.tile = at.index;
@@ -106,7 +107,7 @@ BlockTile::BlockTile(const BlockFrame& frame, const SampleTile& tile, const trac
   out.sampling = {};
   out.marks.assign(std::size_t{at.width} * at.height, 0);
   // Kernels may load samples after the last row, in place of a missing reference; the values are not used.
-  buffer.hold_samples(std::size_t{frame.pitch()} * (frame.pitch() + frame.setup.whole));
+  buffer.reserve_samples(std::size_t{frame.pitch()} * (frame.pitch() + frame.setup.whole));
   out.work.frame = frame.number;
   out.work.tile = at.index;
   out.work.samples = at.width * at.height;
@@ -115,10 +116,10 @@ BlockTile::BlockTile(const BlockFrame& frame, const SampleTile& tile, const trac
 /// Reads the block sides of the tile and of the tiles that its halo belongs to.
 void BlockTile::read_rates() {
   const std::uint32_t first = at.has_left ? at.left : at.index;
-  start_ = wave.transfer(Region::kRates, false, first, at.index - first + 1);
+  start_ = graph.transfer(Region::kRates, false, first, at.index - first + 1);
   if (!at.has_above) return;
-  const Wavefront::Node above = wave.transfer(Region::kRates, false, at.above, 1);
-  wave.wait_all(above, start_);
+  const Wavefront::Node above = graph.transfer(Region::kRates, false, at.above, 1);
+  graph.wait_all(above, start_);
   start_ = above;
 }
 
@@ -157,21 +158,21 @@ void BlockTile::trace_lattice(std::uint32_t first, std::uint32_t across, std::ui
                    .inverse_across = inverse_or_one(across),
                    .step = static_cast<float>(step),
                    .row_step = static_cast<float>(row_step)};
-  const Wavefront::Node listed = wave.launch<ListSamples>(ports, items);
-  wave.wait_all(listed, start_);
-  trace_listed(buffer.samples, listed, items, frame_.setup.before_check_y, is_own, items);
+  const Wavefront::Node listed = graph.launch<ListSamples>(ports, items);
+  graph.wait_all(listed, start_);
+  trace_listed(buffer.checks.samples, listed, items, frame_.setup.before_check_y, is_own, items);
   if (!is_own) return;
   const std::uint32_t pitch = frame_.pitch();
   for (std::uint32_t i = 0; i < items; ++i) {
-    const std::uint32_t sample = buffer.samples[i];
+    const std::uint32_t sample = buffer.checks.samples.entries[i];
     out.marks[std::size_t{sample / pitch - 1} * at.width + sample % pitch - 1] = kTracedMark | kReferenceMark;
   }
 }
 
-void BlockTile::trace_listed(std::vector<std::uint32_t>& list, Wavefront::Node lister, std::uint32_t items,
+void BlockTile::trace_listed(SampleQueue& list, Wavefront::Node lister, std::uint32_t items,
                              const RetainedRecords& kept, bool is_own, std::uint32_t lanes) {
   if (items == 0) return;
-  buffer.hold_wave(items);
+  buffer.reserve_wave(items);
   GenerateListedRays::Ports<float> generate;
   generate.camera = frame_.camera;
   generate.grid =
@@ -180,26 +181,25 @@ void BlockTile::trace_listed(std::vector<std::uint32_t>& list, Wavefront::Node l
   const Wavefront::Node generated = wave.generate(generate, list, lister, items, retained, lanes);
   wave.run(generated, items, retained, lanes);
   if (retained.surfaces) record_global_light(list, items, lanes, frame_.setup.faint);
-  if (wave.is_muted()) return;
+  if (graph.is_muted()) return;
   out.sampling.traced += items;
   if (!is_own) out.sampling.halo += items;
 }
 
 /// Records the light that listed samples got from reflection and refraction, for the checks of undersample.
-void BlockTile::record_global_light(std::vector<std::uint32_t>& list, std::uint32_t items, std::uint32_t lanes,
-                                    float faint) {
+void BlockTile::record_global_light(SampleQueue& list, std::uint32_t items, std::uint32_t lanes, float faint) {
   const auto launch = [&]<class K>(typename K::template Ports<float>& ports) {
-    ports_of<RecordGlobal>(ports).samples.bind(list.data());
-    const Wavefront::Node node = wave.launch<K>(ports, items, lanes);
-    wave.wait_for_colours(node);
-    wave.adds_records(node);
+    ports_of<RecordGlobal>(ports).samples.bind(list.entries.data());
+    const Wavefront::Node node = graph.launch<K>(ports, items, lanes);
+    graph.wait_for_colours(node);
+    graph.register_record_writer(node);
   };
-  if (!wave.fuses()) {
+  if (!frame_.scene.fuses) {
     RecordGlobal::Ports<float> ports;
     return launch.operator()<RecordGlobal>(ports);
   }
   RecordCounted::Ports<float> ports;
-  ports_of<CountColoured>(ports).samples.bind(list.data());
+  ports_of<CountColoured>(ports).samples.bind(list.entries.data());
   ports_of<CountColoured>(ports).faint = faint;
   launch.operator()<RecordCounted>(ports);
   coloured += ports_of<CountColoured>(ports).coloured_count.value;
@@ -208,10 +208,10 @@ void BlockTile::record_global_light(std::vector<std::uint32_t>& list, std::uint3
 void BlockTile::trace_failed(const BlockLines& lines, const Verdict& verdict) {
   if (lines.is_own) mark(lines, verdict);
   const RetainedRecords& kept = lines.along_y ? frame_.setup.after_check_y : frame_.setup.before_check_y;
-  trace_listed(buffer.failed, verdict.node, verdict.failed, kept, lines.is_own, lines.samples);
+  trace_listed(buffer.checks.failed, verdict.node, verdict.failed, kept, lines.is_own, lines.samples);
   if (!lines.is_own || !lines.along_y || !frame_.setup.carries_rates) return;
-  const Wavefront::Node written = wave.transfer(Region::kRates, true, at.index, 1);
-  wave.wait_all(written, verdict.node);
+  const Wavefront::Node written = graph.transfer(Region::kRates, true, at.index, 1);
+  graph.wait_all(written, verdict.node);
 }
 
 /// Counts a check's results and marks its samples for debug pictures.
@@ -224,15 +224,15 @@ void BlockTile::mark(const BlockLines& lines, const Verdict& verdict) {
   const auto step = static_cast<std::uint32_t>(lines.uniforms.step);
   std::uint32_t unchecked = 0;
   for (std::uint32_t i = 0; i < verdict.passed; ++i) {
-    const std::uint32_t word = buffer.passed[i];
+    const std::uint32_t word = buffer.checks.passed.entries[i];
     const std::uint32_t sample = word & kSampleMask;
     const std::uint32_t before = sample - ((word >> kGapShift) + 1) * step;
-    if (buffer.geometry[before].object == kNoObject) sampling.background += 1;
+    if (buffer.samples.geometry[before].object == kNoObject) sampling.background += 1;
     own(sample) = 0;
   }
   for (std::uint32_t i = 0; i < verdict.failed; ++i) {
-    const std::uint32_t sample = buffer.failed[i];
-    const std::uint32_t failed = buffer.verdicts[sample];
+    const std::uint32_t sample = buffer.checks.failed.entries[i];
+    const std::uint32_t failed = buffer.checks.verdicts[sample];
     if (failed == bit(Check::kBorder)) unchecked += 1;
     own(sample) = static_cast<SampleMark>(failed | kTracedMark);
     for (std::size_t check = 0; check < sampling.failed.size(); ++check) sampling.failed[check] += failed >> check & 1U;
@@ -244,12 +244,12 @@ void BlockTile::mark(const BlockLines& lines, const Verdict& verdict) {
 }
 
 void BlockTile::import_samples(std::uint32_t tile, std::uint32_t border, std::uint64_t offset, std::uint32_t samples) {
-  wave.import_samples({tile, border}, frame_.store_bytes() * tile + offset, samples * frame_.exchanged_bytes());
-  if (!wave.fuses() || !frame_.setup.before_check_y.surfaces) return;
+  graph.import_samples({tile, border}, frame_.store_bytes() * tile + offset, samples * frame_.exchanged_bytes());
+  if (!frame_.scene.fuses || !frame_.setup.before_check_y.surfaces) return;
   // The machine counts imported samples; here they were counted when they were traced.
-  const Wavefront::Node counted = wave.note<CountColoured>(samples);
-  wave.wait_for_records(counted);
-  wave.adds_records(counted);
+  const Wavefront::Node counted = graph.note<CountColoured>(samples);
+  graph.wait_for_records(counted);
+  graph.register_record_writer(counted);
 }
 
 /// The picture must not depend on which tile traces the halo. So a tile always computes it; where neighbours write it
@@ -265,16 +265,16 @@ void BlockTile::import_left() {
     import_samples(at.left, kRightBorder, std::uint64_t{frame_.tiles.side()} * frame_.exchanged_bytes(), kept);
   }
   if (stride > 1) trace_lattice(step, 1, 0, stride * step, rows() - kept, false);
-  wave.mute();
+  graph.mute();
   trace_lattice(stride * step, 1, 0, stride * step, kept, false);
-  wave.unmute();
+  graph.unmute();
 }
 
 bool BlockTile::begin_import_above() {
   if (!at.has_above) return false;
   if (frame_.adaptive.halo == Halo::kReload) {
     import_samples(at.above, kLowerBorder, 0, at.width);
-    wave.mute();
+    graph.mute();
   }
   return true;
 }
@@ -288,31 +288,31 @@ void BlockTile::trace_references_above() {
 void BlockTile::export_right() {
   if (frame_.adaptive.halo == Halo::kRetrace || !at.has_right) return;
   const std::uint64_t bytes = frame_.exchanged_bytes();
-  wave.export_samples(kRightBorder, frame_.store_bytes() * at.index + frame_.tiles.side() * bytes,
-                      rows() * frame_.exchanged_bytes());
+  graph.export_samples(kRightBorder, frame_.store_bytes() * at.index + frame_.tiles.side() * bytes,
+                       rows() * frame_.exchanged_bytes());
 }
 
 void BlockTile::export_below() {
   if (frame_.adaptive.halo == Halo::kRetrace || !at.has_below) return;
-  wave.export_samples(kLowerBorder, frame_.store_bytes() * at.index, at.width * frame_.exchanged_bytes());
+  graph.export_samples(kLowerBorder, frame_.store_bytes() * at.index, at.width * frame_.exchanged_bytes());
 }
 
 void BlockTile::spill_records(std::uint32_t written, std::uint32_t read) {
   if (frame_.adaptive.attributes == AttributeStorage::kTile || written == 0) return;
   const std::uint64_t borders = 2 * std::uint64_t{frame_.tiles.side()} * frame_.exchanged_bytes();
   const std::uint64_t store = frame_.store_bytes() * at.index + borders;
-  const Wavefront::Node to_dram = wave.transfer(Region::kSamples, true, store, written * frame_.setup.record_bytes);
-  wave.wait_for_records(to_dram);
-  const Wavefront::Node back = wave.transfer(Region::kSamples, false, store, read * frame_.setup.record_bytes);
-  wave.wait_all(back, to_dram);
-  wave.adds_records(back);
+  const Wavefront::Node to_dram = graph.transfer(Region::kSamples, true, store, written * frame_.setup.record_bytes);
+  graph.wait_for_records(to_dram);
+  const Wavefront::Node back = graph.transfer(Region::kSamples, false, store, read * frame_.setup.record_bytes);
+  graph.wait_all(back, to_dram);
+  graph.register_record_writer(back);
 }
 
 void BlockTile::average() {
   if (packs_samples()) {
     PackGridSample::Ports<float> pack;
     pack.lattice = frame_.own_samples(at);
-    return write_packed(wave.launch<PackGridSample>(pack, at.width * at.height));
+    return write_packed(graph.launch<PackGridSample>(pack, at.width * at.height));
   }
   const std::uint32_t grid = frame_.setup.grid, per_pixel = grid * grid;
   AverageSamples::Ports<float> ports;
@@ -324,14 +324,14 @@ void BlockTile::average() {
   ports.inverse_grid = inverse_or_one(grid);
   ports.first = static_cast<float>(frame_.pitch() + 1);
   ports.pitch = static_cast<float>(frame_.pitch());
-  const Wavefront::Node averaged = wave.launch<AverageSamples>(ports, out.width * out.height * per_pixel);
-  wave.wait_for_colours(averaged);
-  wave.put_out(averaged, frame_.picture_bytes() * at.index);
+  const Wavefront::Node averaged = graph.launch<AverageSamples>(ports, out.width * out.height * per_pixel);
+  graph.wait_for_colours(averaged);
+  graph.write_pixels(averaged, frame_.picture_bytes() * at.index);
 }
 
 void BlockTile::write_packed(Wavefront::Node packed) {
-  wave.wait_for_colours(packed);
-  wave.put_packed(packed, frame_.picture_bytes() * at.index);
+  graph.wait_for_colours(packed);
+  graph.write_packed(packed, frame_.picture_bytes() * at.index);
 }
 
 void BlockTile::finish() {

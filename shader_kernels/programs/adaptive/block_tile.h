@@ -113,7 +113,7 @@ class BlockTile {
     if (!begin_import_above()) return;
     trace_references_above();
     resolve(lines_along_x(above_block_, false));
-    wave.unmute();
+    graph.unmute();
   }
   /// Writes the records of the references to DRAM and reads them back, if `AdaptiveConfig::attributes` is dram.
   void spill_references_to_dram() { spill_records(rows() * columns(), rows() * columns()); }
@@ -121,7 +121,7 @@ class BlockTile {
   void spill_reference_rows_to_dram() { spill_records(rows() * (at.width - columns()), rows() * at.width); }
 
   /// Whether one loop clamps, encodes and packs pixels, which have a single sample each.
-  bool packs_samples() const { return wave.fuses() && frame_.setup.grid == 1 && !wave.dma_encodes(); }
+  bool packs_samples() const { return frame_.scene.fuses && frame_.setup.grid == 1 && !frame_.scene.dma_encodes; }
   /// Averages the samples of each pixel and writes the picture.
   void average();
   /// Writes pixels that `packed` has encoded.
@@ -133,6 +133,7 @@ class BlockTile {
   TileResult& out;
   TileBuffer& buffer;
   Wavefront wave;
+  TileGraph& graph;
   std::uint32_t coloured = 0;  ///< samples whose global light the colour check may reject (CountColoured)
 
  private:
@@ -145,9 +146,9 @@ class BlockTile {
   /// Traces `items` samples, `across` to a row, from sample `first` on.
   void trace_lattice(std::uint32_t first, std::uint32_t across, std::uint32_t step, std::uint32_t row_step,
                      std::uint32_t items, bool is_own);
-  void trace_listed(std::vector<std::uint32_t>& list, Wavefront::Node lister, std::uint32_t items,
-                    const RetainedRecords& kept, bool is_own, std::uint32_t lanes);
-  void record_global_light(std::vector<std::uint32_t>& list, std::uint32_t items, std::uint32_t lanes, float faint);
+  void trace_listed(SampleQueue& list, Wavefront::Node lister, std::uint32_t items, const RetainedRecords& kept,
+                    bool is_own, std::uint32_t lanes);
+  void record_global_light(SampleQueue& list, std::uint32_t items, std::uint32_t lanes, float faint);
   void import_samples(std::uint32_t tile, std::uint32_t border, std::uint64_t offset, std::uint32_t samples);
   bool begin_import_above();
   void trace_references_above();

@@ -50,17 +50,20 @@ void MultirateProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& 
     tile.trace_failed(lines, verdict);
   };
 
+  // 1. Trace the reference sample of each block. Borders are exported before imports that they do not need, so that
+  //    chains of waiting tiles stay short.
   tile.trace_references();
-  // A border is exported as soon as it is complete, before imports that it does not need. So chains of waiting tiles
-  // stay short.
   tile.export_right();
   tile.import_left();
   tile.spill_references_to_dram();
+  // 2. Check the samples between two references of a row: interpolate similar ones, trace the others.
   resolve(tile.lines_along_x());
   tile.export_below();
   tile.import_above(resolve);
   tile.spill_reference_rows_to_dram();
+  // 3. Check all other samples, between the rows.
   resolve(tile.lines_along_y());
+  // 4. Average the samples of each pixel.
   tile.average();
   tile.finish();
 }
@@ -78,7 +81,7 @@ Verdict MultirateProgram::check_and_interpolate(BlockTile& tile, const BlockLine
 
 template <bool kAlongY, bool kSecondary, bool kTexture>
 Verdict MultirateProgram::check_and_interpolate(BlockTile& tile, const BlockLines& lines) const {
-  Wavefront& wave = tile.wave;
+  TileGraph& graph = tile.graph;
   using Similarity = CheckSimilarity<kAlongY, kSecondary, kTexture>;
   using Interpolate = InterpolateSample<kAlongY, kSecondary && !kAlongY>;
   using CheckThenInterpolate = CheckInterpolate<kAlongY, kSecondary, kTexture>;
@@ -92,37 +95,37 @@ Verdict MultirateProgram::check_and_interpolate(BlockTile& tile, const BlockLine
   interpolate.line = lines.uniforms;
 
   // Fused, one loop interpolates every sample that it checks; those that fail are traced later and overwritten.
-  if (wave.fuses()) {
+  if (blocks_.scene.fuses) {
     typename CheckThenInterpolate::template Ports<float> both;
     ports_of<Similarity>(both) = check;
     ports_of<Interpolate>(both) = interpolate;
-    const Wavefront::Node node = wave.launch<CheckThenInterpolate>(both, lines.samples);
-    wave.wait_for_colours(node);
-    wave.wait_for_records(node);
+    const Wavefront::Node node = graph.launch<CheckThenInterpolate>(both, lines.samples);
+    graph.wait_for_colours(node);
+    graph.wait_for_records(node);
     check = ports_of<Similarity>(both);
     if (check.passed_count.value != 0) {
-      wave.adds_colours(node);
-      wave.adds_records(node);
+      graph.register_colour_writer(node);
+      graph.register_record_writer(node);
     }
     return {node, check.passed_count.value, check.failed_count.value, check.rough_count.value};
   }
 
-  const Wavefront::Node checked = wave.launch<Similarity>(check, lines.samples);
-  if (kTexture) wave.wait_for_colours(checked);
-  wave.wait_for_records(checked);
+  const Wavefront::Node checked = graph.launch<Similarity>(check, lines.samples);
+  if (kTexture) graph.wait_for_colours(checked);
+  graph.wait_for_records(checked);
   const std::uint32_t passed = check.passed_count.value, failed = check.failed_count.value;
   if (passed != 0) {
-    const Wavefront::Node made = wave.launch<Interpolate>(interpolate, passed, passed + failed);
-    wave.wait_all(made, checked);
-    wave.wait_for_colours(made);
-    wave.adds_colours(made);
-    wave.adds_records(made);
+    const Wavefront::Node made = graph.launch<Interpolate>(interpolate, passed, passed + failed);
+    graph.wait_all(made, checked);
+    graph.wait_for_colours(made);
+    graph.register_colour_writer(made);
+    graph.register_record_writer(made);
   }
   return {checked, passed, failed, check.rough_count.value};
 }
 
-void MultirateProgram::keep(const TileResult& tile) {
-  FrameProgram::keep(tile);
+void MultirateProgram::commit_tile(const TileResult& tile) {
+  FrameProgram::commit_tile(tile);
   blocks_.count_tile(tile, rates_.block(tile.tile), kept_sampling());
 }
 

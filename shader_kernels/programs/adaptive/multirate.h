@@ -19,7 +19,7 @@ class MultirateProgram final : public FrameProgram {
   TileCounts tile_counts() const override { return {blocks_.tiles.across(), blocks_.tiles.down()}; }
   FrameRequirements requirements() const override { return blocks_.requirements(); }
   void run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const override;
-  void keep(const TileResult& tile) override;
+  void commit_tile(const TileResult& tile) override;
 
  private:
   /// Checks samples and gives those that pass the colour between their references.

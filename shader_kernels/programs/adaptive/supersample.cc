@@ -41,16 +41,16 @@ void SupersampleProgram::begin_tile(const SampleTile& at, TileResult& out) const
   out.marks.clear();
   out.subpixels.clear();
   out.corrected.clear();
-  out.buffer.hold_samples(centres() + std::size_t{kWhole} * tile_pixels());
+  out.buffer.reserve_samples(centres() + std::size_t{kWhole} * tile_pixels());
   // Blocks that stand out look at verdicts behind the last.
-  out.buffer.hold_subpixels(centres(), tile_pixels() + kBlockHeight * tiles_.pitch() + kBlockWidth);
+  out.buffer.reserve_subpixels(centres(), tile_pixels() + kBlockHeight * tiles_.pitch() + kBlockWidth);
   out.work.frame = frame_;
   out.work.tile = at.index;
   out.work.samples = at.width * at.height;
 }
 
 SupersampleProgram::Tile SupersampleProgram::tile_of(const SampleTile& at, Wavefront& wave, TileResult& out) const {
-  return {at, tiles_.finished(at, out), out.width * out.height, wave, out, out.buffer};
+  return {at, tiles_.finished(at, out), out.width * out.height, wave, wave.graph(), out, out.buffer};
 }
 
 void SupersampleProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
@@ -59,20 +59,24 @@ void SupersampleProgram::run_tile(std::uint32_t tile_index, const traces::Tracer
   const SampleTile at = tiles_.tiles().tile(order_[tile_index]);
   begin_tile(at, out);
   Wavefront wave(scene_, tracer, record, cone_uniforms(camera_, 1), out);
+  TileGraph& graph = wave.graph();
   Tile tile = tile_of(at, wave, out);
   out.linear.resize(tile.pixels);
   out.packed.resize(tile.pixels);
   out.marks.assign(tile.pixels, 0);
 
+  // Trace one sample at the centre of every pixel. Borders need no halo, so they are exported before it.
   trace_centres(tile, tiles_.halo(), tiles_.halo(), at.width, at.height, true);
-  export_borders(tile);  // needs nothing of the halo, so no tile waits for a row of others
+  export_borders(tile);
   make_halo(tile);
-  park_attributes(tile);
+  spill_attributes_to_dram(tile);
+  // Compare each sub-pixel with the three pixels around its corner; weigh the centres of inactive sub-pixels.
   const Node tested = test(tile);
   const Node weighed = weigh(tile, tested);
+  // Trace four samples in every active sub-pixel, chunk by chunk, and add them to their pixels.
   if (supersample_.propagate != 0) show(tile);
   const Node averaged = sample_active(tile, tested, weighed);
-  wave.put_out(averaged, std::uint64_t{at.index} * tile_pixels() * kPixelBytes);
+  graph.write_pixels(averaged, std::uint64_t{at.index} * tile_pixels() * kPixelBytes);
   if (supersample_.propagate != 0) put_shown(tile);
   wave.finish();
   count(tile);
@@ -82,13 +86,14 @@ void SupersampleProgram::run_tile(std::uint32_t tile_index, const traces::Tracer
 void SupersampleProgram::trace_centres(Tile& tile, std::uint32_t x, std::uint32_t y, std::uint32_t across,
                                        std::uint32_t down, bool is_own) const {
   Wavefront& wave = tile.wave;
+  TileGraph& graph = tile.graph;
   TileBuffer& buffer = tile.buffer;
   const std::uint32_t items = across * down;
   ListSamples::Ports<float> list;
   list.lattice = tiles_.lattice(x, y, across);
-  const Node listed = wave.launch<ListSamples>(list, items);
+  const Node listed = graph.launch<ListSamples>(list, items);
 
-  buffer.hold_wave(items);
+  buffer.reserve_wave(items);
   GenerateListedRays::Ports<float> generate;
   generate.camera = camera_;
   generate.grid = {.x0 = static_cast<float>(tile.at.x) - static_cast<float>(tiles_.halo()),
@@ -97,11 +102,11 @@ void SupersampleProgram::trace_centres(Tile& tile, std::uint32_t x, std::uint32_
                    .inverse_pitch = 1.0F / static_cast<float>(tiles_.pitch()),
                    .grid = 1,
                    .inverse_grid = 1};
-  Wavefront::RetainedRecords retained;
+  RetainedRecords retained;
   retained.traits = true;
-  const Node generated = wave.generate(generate, buffer.samples, listed, items, retained);
+  const Node generated = wave.generate(generate, buffer.checks.samples, listed, items, retained);
   wave.run(generated, items, retained);
-  if (wave.is_muted()) return;
+  if (graph.is_muted()) return;
   tile.out.sampling.traced += items;
   if (!is_own) tile.out.sampling.halo += items;
 }
@@ -126,8 +131,8 @@ std::size_t SupersampleProgram::centre_of(const Tile& tile, std::uint32_t pixel)
 SupersampleProgram::Node SupersampleProgram::test(Tile& tile) const {
   TestSubpixels::Ports<float> ports;
   ports.finished = tile.finished;
-  ports.secondary.bind(tile.buffer.secondary_traits.data());
-  ports.verdicts.bind(tile.buffer.subpixels.data());
+  ports.secondary.bind(tile.buffer.subpixels.secondary_traits.data());
+  ports.verdicts.bind(tile.buffer.subpixels.verdicts.data());
   ports.thresholds = thresholds();
   ports.compared = 0;
   for (std::size_t i = 0; i < kAttributes; ++i) {
@@ -136,9 +141,9 @@ SupersampleProgram::Node SupersampleProgram::test(Tile& tile) const {
   ports.same_normal = static_cast<float>(supersample_.same_normal);
   ports.focus = supersample_.focus ? traces::kFocusObject : 0;
   ports.textured = ports.focus | kTexturedObject;
-  const Node node = tile.wave.launch<TestSubpixels>(ports, 4 * tile.pixels);
-  tile.wave.wait_for_records(node);
-  tile.wave.wait_for_colours(node);
+  const Node node = tile.graph.launch<TestSubpixels>(ports, 4 * tile.pixels);
+  tile.graph.wait_for_records(node);
+  tile.graph.wait_for_colours(node);
   return node;
 }
 
@@ -151,9 +156,9 @@ template <bool kBilinear>
 SupersampleProgram::Node SupersampleProgram::weigh_with(Tile& tile, Node tested) const {
   typename WeighCentres<kBilinear>::template Ports<float> ports;
   ports.finished = tile.finished;
-  ports.verdicts.bind(tile.buffer.subpixels.data());
-  const Node node = tile.wave.launch<WeighCentres<kBilinear>>(ports, tile.pixels);
-  tile.wave.wait_all(node, tested);
+  ports.verdicts.bind(tile.buffer.subpixels.verdicts.data());
+  const Node node = tile.graph.launch<WeighCentres<kBilinear>>(ports, tile.pixels);
+  tile.graph.wait_all(node, tested);
   return node;
 }
 
@@ -166,7 +171,7 @@ void SupersampleProgram::count(Tile& tile) const {
   for (std::uint32_t pixel = 0; pixel < tile.pixels; ++pixel) {
     std::uint32_t active = 0, reasons = 0;
     for (std::uint32_t i = 0; i < 4; ++i) {
-      const std::uint32_t verdict = tile.buffer.subpixels[4 * pixel + i];
+      const std::uint32_t verdict = tile.buffer.subpixels.verdicts[4 * pixel + i];
       if (active_bit<float>(verdict) == 0) continue;
       active += 1;
       reasons |= verdict & ((1U << kAttributes) - 1);
@@ -175,7 +180,8 @@ void SupersampleProgram::count(Tile& tile) const {
     }
     out.marks[pixel] = static_cast<SampleMark>(reasons | active << kActiveCountShift);
     sampling.active[active] += 1;
-    if (tile.buffer.traits[centre_of(tile, pixel)].object == kNoObject) sampling.background += kExtra * (4 - active);
+    if (tile.buffer.subpixels.traits[centre_of(tile, pixel)].object == kNoObject)
+      sampling.background += kExtra * (4 - active);
   }
 }
 
@@ -197,16 +203,16 @@ std::uint64_t SupersampleProgram::store_bytes() const {
          (is_spilt ? std::uint64_t{tile_pixels()} * kWhole * sizeof(ColourRecord<float>) : 0);
 }
 
-/// As block_halo.cc has it: a tile always makes its halo; where neighbours keep theirs, the machine reads it back.
+/// A tile always computes its halo; where neighbours write it to memory, the machine reads it back.
 void SupersampleProgram::make_halo(Tile& tile) const {
   tiles_.for_each_part(tile.at, [&](const HaloPart& part) {
     if (supersample_.halo == Halo::kReload) {
-      tile.wave.import_samples(part.border, store_bytes() * part.border.tile + part.first * kExchangedBytes,
-                               part.across * part.down * kExchangedBytes);
-      tile.wave.mute();
+      tile.graph.import_samples(part.border, store_bytes() * part.border.tile + part.first * kExchangedBytes,
+                                part.across * part.down * kExchangedBytes);
+      tile.graph.mute();
     }
     trace_centres(tile, part.x, part.y, part.across, part.down, false);
-    tile.wave.unmute();
+    tile.graph.unmute();
   });
 }
 
@@ -214,21 +220,21 @@ void SupersampleProgram::export_borders(Tile& tile) const {
   if (supersample_.halo == Halo::kRetrace) return;
   const std::uint64_t store = store_bytes() * tile.at.index;
   tiles_.for_each_export(tile.at, [&](std::uint32_t border, std::uint64_t first, std::uint32_t samples) {
-    tile.wave.export_samples(border, store + first * kExchangedBytes, samples * kExchangedBytes);
+    tile.graph.export_samples(border, store + first * kExchangedBytes, samples * kExchangedBytes);
   });
 }
 
 /// Writes all attributes to memory and reads them back, if that is where they are.
-void SupersampleProgram::park_attributes(Tile& tile) const {
+void SupersampleProgram::spill_attributes_to_dram(Tile& tile) const {
   if (supersample_.attributes == AttributeStorage::kTile) return;
   const std::uint32_t across = tile.at.width + (tile.at.has_left ? 2 : 0);
   const std::uint32_t bytes = across * (tile.at.height + (tile.at.has_above ? 2 : 0)) * kAttributeBytes;
   const std::uint64_t store = store_bytes() * tile.at.index + tiles_.stored_samples() * kExchangedBytes;
-  const Node out = tile.wave.transfer(Region::kSamples, true, store, bytes);
-  tile.wave.wait_for_records(out);
-  const Node in = tile.wave.transfer(Region::kSamples, false, store, bytes);
-  tile.wave.wait_all(in, out);
-  tile.wave.adds_records(in);
+  const Node out = tile.graph.transfer(Region::kSamples, true, store, bytes);
+  tile.graph.wait_for_records(out);
+  const Node in = tile.graph.transfer(Region::kSamples, false, store, bytes);
+  tile.graph.wait_all(in, out);
+  tile.graph.register_record_writer(in);
 }
 
 /// Returns the launch that completes the tile's pixels.
@@ -273,13 +279,13 @@ SupersampleProgram::Node SupersampleProgram::pack_by_block(Tile& tile, Node test
   ports.inverse_across = 1.0F / ports.across;
   ports.width = static_cast<float>(tile.out.width);
   ports.height = static_cast<float>(tile.out.height);
-  ports.verdicts.bind(buffer.subpixels.data());
-  const Node node = tile.wave.launch<PackSubpixels>(ports, across * down * kBlockWidth * kBlockHeight);
-  tile.wave.wait_all(node, tested);
+  ports.verdicts.bind(buffer.subpixels.verdicts.data());
+  const Node node = tile.graph.launch<PackSubpixels>(ports, across * down * kBlockWidth * kBlockHeight);
+  tile.graph.wait_all(node, tested);
 
   const auto length = static_cast<std::uint32_t>(ports.list_end.value);
   for (std::uint32_t first = 0, masters = 0; first < length; first += kChunk) {
-    const std::uint32_t fill = buffer.fills[first / kChunk];
+    const std::uint32_t fill = buffer.subpixels.fills[first / kChunk];
     const std::uint32_t taken = fill & ((1U << PackSubpixels::kFillBits) - 1);
     const std::uint32_t masters_end = fill >> PackSubpixels::kFillBits;
     const std::uint32_t padding = first + kChunk < length ? kChunk - taken : 0;
@@ -296,17 +302,17 @@ SupersampleProgram::Node SupersampleProgram::pack_by_atomics(Tile& tile, Node te
   // Near the golden section of all, so that neighbours in the list are far apart in the picture.
   std::uint32_t stride = static_cast<std::uint32_t>(std::uint64_t{subpixels} * 618 / 1000) | 1U;
   while (std::gcd(stride, subpixels) != 1) stride += 2;
-  buffer.fills[0] = 0;
+  buffer.subpixels.fills[0] = 0;
   PackSubpixelsAtomic::Ports<float> ports;
-  ports.verdicts.bind(buffer.subpixels.data());
-  ports.length.bind(buffer.fills.data());
+  ports.verdicts.bind(buffer.subpixels.verdicts.data());
+  ports.length.bind(buffer.subpixels.fills.data());
   ports.subpixel.value = static_cast<float>(sim::hash(frame_, tile.at.index) % subpixels);
   ports.stride = static_cast<float>(stride % subpixels);
   ports.subpixels = static_cast<float>(subpixels);
-  const Node node = tile.wave.launch<PackSubpixelsAtomic>(ports, subpixels);
-  tile.wave.wait_all(node, tested);
-  for (std::uint32_t first = 0; first < buffer.fills[0]; first += kChunk) {
-    chunks.push_back({first, std::min(kChunk, buffer.fills[0] - first), 0, 0, 0});
+  const Node node = tile.graph.launch<PackSubpixelsAtomic>(ports, subpixels);
+  tile.graph.wait_all(node, tested);
+  for (std::uint32_t first = 0; first < buffer.subpixels.fills[0]; first += kChunk) {
+    chunks.push_back({first, std::min(kChunk, buffer.subpixels.fills[0] - first), 0, 0, 0});
   }
   return node;
 }
@@ -322,13 +328,13 @@ void SupersampleProgram::take_all(Tile& tile, std::vector<Chunk>& chunks) const 
     const std::uint32_t first = pixel * 4;
     Chunk chunk{first, 0, 0, masters, 0};
     for (std::uint32_t subpixel = first; subpixel < 4 * end; ++subpixel) {
-      std::uint32_t& verdict = buffer.subpixels[subpixel];
+      std::uint32_t& verdict = buffer.subpixels.verdicts[subpixel];
       if (active_bit<float>(verdict) == 0) continue;
       const std::uint32_t index = first + chunk.subpixels++;
       verdict |= index << kIndexShift;
-      buffer.active[index] = subpixel;
-      if (chunk.masters == 0 || buffer.masters[masters - 1] != subpixel / 4) {
-        buffer.masters[masters++] = subpixel / 4;
+      buffer.subpixels.active[index] = subpixel;
+      if (chunk.masters == 0 || buffer.subpixels.masters.entries[masters - 1] != subpixel / 4) {
+        buffer.subpixels.masters.entries[masters++] = subpixel / 4;
         ++chunk.masters;
       }
     }
@@ -340,13 +346,14 @@ void SupersampleProgram::take_all(Tile& tile, std::vector<Chunk>& chunks) const 
 /// Takes the samples of a chunk's sub-pixels, whose colours lie from `first_sample` on.
 void SupersampleProgram::trace_extra(Tile& tile, const Chunk& chunk, std::uint32_t first_sample, Node after) const {
   Wavefront& wave = tile.wave;
+  TileGraph& graph = tile.graph;
   TileBuffer& buffer = tile.buffer;
   const std::uint32_t items = kExtra * chunk.subpixels;
   const std::uint32_t padding = kExtra * chunk.padding;
-  buffer.hold_wave(items);
+  buffer.reserve_wave(items);
   wave.set_cone(cone_uniforms(camera_, kWholeGrid));
   GenerateExtraRays::Ports<float> generate;
-  generate.active.bind(buffer.active.data() + chunk.first);
+  generate.active.bind(buffer.subpixels.active.data() + chunk.first);
   generate.camera = camera_;
   generate.x0 = static_cast<float>(tile.out.x);
   generate.y0 = static_cast<float>(tile.out.y);
@@ -355,51 +362,52 @@ void SupersampleProgram::trace_extra(Tile& tile, const Chunk& chunk, std::uint32
   generate.first_sample = static_cast<float>(first_sample);
   generate.image_width = config_.width;
   generate.seed = jitter_seed(frame_);
-  const Node generated = wave.launch<GenerateExtraRays>(generate, items, items + padding, padding);
-  wave.wait_all(generated, after);
-  wave.wait_for_colours(generated);  // the slots are free
-  for (std::uint32_t i = 0; wave.counts_pixels() && i < items; ++i) {
-    const std::uint32_t pixel = buffer.active[chunk.first + i / kExtra] / 4;
-    wave.place_ray(i, tile.out.x + pixel % tile.out.width, tile.out.y + pixel / tile.out.width);
+  const Node generated = graph.launch<GenerateExtraRays>(generate, items, items + padding, padding);
+  graph.wait_all(generated, after);
+  graph.wait_for_colours(generated);  // the slots are free
+  for (std::uint32_t i = 0; wave.tracer().counts_pixels() && i < items; ++i) {
+    const std::uint32_t pixel = buffer.subpixels.active[chunk.first + i / kExtra] / 4;
+    wave.tracer().place_ray(i, tile.out.x + pixel % tile.out.width, tile.out.y + pixel / tile.out.width);
   }
   if (items != 0) wave.run(generated, items, {}, items + padding, padding);
 }
 
 /// Has the samples of a chunk wait in memory.
 void SupersampleProgram::spill_chunk(Tile& tile, const Chunk& chunk) const {
-  Wavefront& wave = tile.wave;
+  TileGraph& graph = tile.graph;
   const std::uint32_t items = kExtra * chunk.subpixels;
   const std::uint64_t offset =
       store_bytes() * (tile.at.index + 1) -
       (std::uint64_t{tile_pixels()} * kWhole - std::uint64_t{kExtra} * chunk.first) * sizeof(ColourRecord<float>);
-  const Node out = wave.transfer(traces::Region::kSamples, true, offset, items * sizeof(ColourRecord<float>));
-  wave.wait_for_colours(out);
-  wave.colours_are_in(out);
+  const Node out = graph.transfer(traces::Region::kSamples, true, offset, items * sizeof(ColourRecord<float>));
+  graph.wait_for_colours(out);
+  graph.replace_colour_writers(out);
 }
 
 SupersampleProgram::Node SupersampleProgram::sum_up(Tile& tile, const Chunk& chunk, Node weighed) const {
   const bool is_listed = supersample_.packing == Packing::kBlock;
   const std::uint32_t idle = is_listed ? 0 : (chunk.subpixels + chunk.padding) / 4 - chunk.masters;
-  return sum(tile, tile.buffer.masters.data() + chunk.first_master, chunk.masters, idle, chunk.first, weighed);
+  return sum(tile, tile.buffer.subpixels.masters.entries.data() + chunk.first_master, chunk.masters, idle, chunk.first,
+             weighed);
 }
 
 SupersampleProgram::Node SupersampleProgram::sum_from_memory(Tile& tile, std::uint32_t subpixels, Node weighed) const {
   const std::uint64_t offset =
       store_bytes() * (tile.at.index + 1) - std::uint64_t{tile_pixels()} * kWhole * sizeof(ColourRecord<float>);
   const auto bytes = static_cast<std::uint32_t>(kExtra * subpixels * sizeof(ColourRecord<float>));
-  const Node in = tile.wave.transfer(traces::Region::kSamples, false, offset, bytes);
-  tile.wave.wait_for_colours(in);
-  tile.wave.colours_are_in(in);
+  const Node in = tile.graph.transfer(traces::Region::kSamples, false, offset, bytes);
+  tile.graph.wait_for_colours(in);
+  tile.graph.replace_colour_writers(in);
   ListSamples::Ports<float> list;
-  list.samples.bind(tile.buffer.masters.data());
+  list.samples.bind(tile.buffer.subpixels.masters.entries.data());
   list.lattice = {.first = 0,
                   .across = static_cast<float>(tile.pixels),
                   .inverse_across = 1.0F / static_cast<float>(tile.pixels),
                   .step = 1,
                   .row_step = 0};
-  const Node listed = tile.wave.launch<ListSamples>(list, tile.pixels);
-  tile.wave.adds_colours(listed);
-  return sum(tile, tile.buffer.masters.data(), tile.pixels, 0, 0, weighed);
+  const Node listed = tile.graph.launch<ListSamples>(list, tile.pixels);
+  tile.graph.register_colour_writer(listed);
+  return sum(tile, tile.buffer.subpixels.masters.entries.data(), tile.pixels, 0, 0, weighed);
 }
 
 /// Completes listed pixels. The active sub-pixel at `first_index` has the first of the samples' colours.
@@ -407,12 +415,12 @@ SupersampleProgram::Node SupersampleProgram::sum(Tile& tile, std::uint32_t* list
                                                  std::uint32_t padding, std::uint32_t first_index, Node weighed) const {
   SumSubpixels::Ports<float> ports;
   ports.listed.bind(listed);
-  ports.verdicts.bind(tile.buffer.subpixels.data());
+  ports.verdicts.bind(tile.buffer.subpixels.verdicts.data());
   ports.first_sample = static_cast<float>(centres()) - static_cast<float>(kExtra * first_index);
-  const Node node = tile.wave.launch<SumSubpixels>(ports, kWhole * pixels, 0, kWhole * padding);
-  tile.wave.wait_all(node, weighed);
-  tile.wave.wait_for_colours(node);
-  tile.wave.colours_are_in(node);
+  const Node node = tile.graph.launch<SumSubpixels>(ports, kWhole * pixels, 0, kWhole * padding);
+  tile.graph.wait_all(node, weighed);
+  tile.graph.wait_for_colours(node);
+  tile.graph.replace_colour_writers(node);
   return node;
 }
 

@@ -45,7 +45,7 @@ class SupersampleProgram final : public FrameProgram {
   FrameRequirements requirements() const override;
   void begin_pass(std::uint32_t tile_index, const traces::Tracer& tracer) override;
   void run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const override;
-  void keep(const TileResult& tile) override;
+  void commit_tile(const TileResult& tile) override;
 
  private:
   using Node = Wavefront::Node;
@@ -55,6 +55,7 @@ class SupersampleProgram final : public FrameProgram {
     FinishedUniforms<float> finished;
     std::uint32_t pixels;  ///< finished
     Wavefront& wave;
+    TileGraph& graph;
     TileResult& out;
     TileBuffer& buffer;
     Node shown = Wavefront::kNone;  ///< the last transfer of what sub-pixels show
@@ -75,7 +76,7 @@ class SupersampleProgram final : public FrameProgram {
   void begin_tile(const SampleTile& at, TileResult& out) const;
   Tile tile_of(const SampleTile& at, Wavefront& wave, TileResult& out) const;
 
-  // supersample_tests.cc
+  // Centres and tests.
   void trace_centres(Tile& tile, std::uint32_t x, std::uint32_t y, std::uint32_t across, std::uint32_t down,
                      bool is_own) const;
   std::array<float, kAttributes> thresholds() const;
@@ -86,12 +87,12 @@ class SupersampleProgram final : public FrameProgram {
   Node weigh_with(Tile& tile, Node tested) const;
   void count(Tile& tile) const;
 
-  // supersample_halo.cc
+  // Halo.
   void make_halo(Tile& tile) const;
   void export_borders(Tile& tile) const;
-  void park_attributes(Tile& tile) const;
+  void spill_attributes_to_dram(Tile& tile) const;
 
-  // supersample_extra.cc
+  // Samples of active sub-pixels.
   Node sample_active(Tile& tile, Node tested, Node weighed) const;
   Node pack(Tile& tile, Node tested, std::vector<Chunk>& chunks) const;
   Node pack_by_block(Tile& tile, Node tested, std::vector<Chunk>& chunks) const;
@@ -104,7 +105,7 @@ class SupersampleProgram final : public FrameProgram {
   Node sum(Tile& tile, std::uint32_t* listed, std::uint32_t pixels, std::uint32_t padding, std::uint32_t first_index,
            Node weighed) const;
 
-  // supersample_rounds.cc
+  // Rounds of propagation (supersample_rounds.cc).
   std::uint32_t shown_bytes() const;
   static std::uint32_t waiting_bytes();
   std::uint64_t shown_store(std::uint32_t tile) const;

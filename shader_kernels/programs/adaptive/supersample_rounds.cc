@@ -49,15 +49,15 @@ void SupersampleProgram::show(Tile& tile) const {
     typename K::template Ports<float> ports;
     ports.finished = tile.finished;
     ports.grid = state_uniforms(tile);
-    return tile.wave.launch<K>(ports, 4 * tile.pixels);
+    return tile.graph.launch<K>(ports, 4 * tile.pixels);
   };
   const Node node =
       supersample_.filter == SubpixelFilter::kBilinear ? launch(ShowSubpixels<true>{}) : launch(ShowSubpixels<false>{});
-  tile.wave.wait_for_colours(node);
-  tile.wave.adds_colours(node);
-  tile.shown = tile.wave.transfer(Region::kSamples, true, shown_store(tile.at.index), 4 * tile.pixels * kShownBytes);
-  tile.wave.wait_all(tile.shown, node);
-  tile.wave.adds_colours(tile.shown);
+  tile.graph.wait_for_colours(node);
+  tile.graph.register_colour_writer(node);
+  tile.shown = tile.graph.transfer(Region::kSamples, true, shown_store(tile.at.index), 4 * tile.pixels * kShownBytes);
+  tile.graph.wait_all(tile.shown, node);
+  tile.graph.register_colour_writer(tile.shown);
 }
 
 /// Leaves what the sub-pixels of a chunk show, whose samples begin at `first_sample`; before the first round it is
@@ -66,18 +66,18 @@ void SupersampleProgram::settle(Tile& tile, const Chunk& chunk, std::uint32_t fi
   if (chunk.subpixels == 0) return;
   SettleSubpixels::Ports<float> ports;
   ports.grid = state_uniforms(tile);
-  ports.active.bind(tile.buffer.active.data() + chunk.first);
-  ports.verdicts.bind(tile.buffer.subpixels.data());
+  ports.active.bind(tile.buffer.subpixels.active.data() + chunk.first);
+  ports.verdicts.bind(tile.buffer.subpixels.verdicts.data());
   ports.first_sample = static_cast<float>(first_sample);
   ports.round = (round + 1) << kRoundShift;
-  const Node node = tile.wave.launch<SettleSubpixels>(ports, chunk.subpixels);
-  tile.wave.wait_for_colours(node);
-  tile.wave.adds_colours(node);
+  const Node node = tile.graph.launch<SettleSubpixels>(ports, chunk.subpixels);
+  tile.graph.wait_for_colours(node);
+  tile.graph.register_colour_writer(node);
   if (round != 0) return;
   const std::uint64_t store = shown_store(tile.at.index);
-  const Node out = tile.wave.transfer(Region::kSamples, true, store, chunk.subpixels * kShownBytes);
-  tile.wave.wait_all(out, node);
-  tile.wave.wait_all(out, tile.shown);
+  const Node out = tile.graph.transfer(Region::kSamples, true, store, chunk.subpixels * kShownBytes);
+  tile.graph.wait_all(out, node);
+  tile.graph.wait_all(out, tile.shown);
   tile.shown = out;
 }
 
@@ -86,20 +86,23 @@ ShownSubpixel SupersampleProgram::shown_subpixel(const Tile& tile, std::uint32_t
   const std::uint32_t x = 2 * (subpixel / 4 % tile.out.width) + subpixel % 2;
   const std::uint32_t y = 2 * (subpixel / 4 / tile.out.width) + subpixel / 2 % 2;
   const std::uint32_t pitch = 2 * tile.out.width + 2;
-  const Vec3<float>& rgb = tile.buffer.shown[subpixel].rgb;
-  return {2 * tile.out.x + x, 2 * tile.out.y + y, tile.buffer.states[(y + 1) * pitch + x + 1], {rgb.x, rgb.y, rgb.z}};
+  const Vec3<float>& rgb = tile.buffer.subpixels.shown[subpixel].rgb;
+  return {2 * tile.out.x + x,
+          2 * tile.out.y + y,
+          tile.buffer.subpixels.states[(y + 1) * pitch + x + 1],
+          {rgb.x, rgb.y, rgb.z}};
 }
 
 /// Writes what all sub-pixels show to memory.
 void SupersampleProgram::put_shown(Tile& tile) const {
   const Node out =
-      tile.wave.transfer(Region::kSamples, true, shown_store(tile.at.index), 4 * tile.pixels * kShownBytes);
-  tile.wave.wait_for_colours(out);
-  const Node noted = tile.wave.transfer(Region::kSamples, true, fresh_store(tile.at.index, 0), 1);
-  tile.wave.wait_all(noted, out);
+      tile.graph.transfer(Region::kSamples, true, shown_store(tile.at.index), 4 * tile.pixels * kShownBytes);
+  tile.graph.wait_for_colours(out);
+  const Node noted = tile.graph.transfer(Region::kSamples, true, fresh_store(tile.at.index, 0), 1);
+  tile.graph.wait_all(noted, out);
   for (std::uint32_t i = 0; i < 4 * tile.pixels; ++i) {
     ShownSubpixel shown = shown_subpixel(tile, i);
-    shown.is_background = tile.buffer.traits[centre_of(tile, i / 4)].object == kNoObject;
+    shown.is_background = tile.buffer.subpixels.traits[centre_of(tile, i / 4)].object == kNoObject;
     tile.out.subpixels.push_back(shown);
   }
 }
@@ -133,11 +136,12 @@ void SupersampleProgram::run_round(std::uint32_t tile_index, const traces::Trace
   begin_tile(at, out);
   out.tile = out.work.tile = round * count + at.index;
   Wavefront wave(scene_, tracer, record, cone_uniforms(camera_, kWholeGrid), out);
+  TileGraph& graph = wave.graph();
   out.work.after_all = tile_index % count == 0;
   Node before = Wavefront::kNone;
   const bool reached = is_reached(at, [&](std::uint32_t tile, std::uint32_t bytes) {
-    const Node read = wave.transfer(Region::kSamples, false, fresh_store(tile, round - 1), bytes);
-    wave.wait_all(read, before);
+    const Node read = graph.transfer(Region::kSamples, false, fresh_store(tile, round - 1), bytes);
+    graph.wait_all(read, before);
     before = read;
   });
   out.linear.clear();
@@ -154,12 +158,12 @@ void SupersampleProgram::run_round(std::uint32_t tile_index, const traces::Trace
 /// Reads states of a tile and of the sub-pixels around it.
 SupersampleProgram::Node SupersampleProgram::read_states(Tile& tile, Node before) const {
   const TileResult& out = tile.out;
-  shown_.copy_states(2 * out.x, 2 * out.y, 2 * out.width, 2 * out.height, tile.buffer.states.data());
+  shown_.copy_states(2 * out.x, 2 * out.y, 2 * out.width, 2 * out.height, tile.buffer.subpixels.states.data());
   const std::uint32_t index = tile.at.index;
   const auto read = [&](bool has, std::uint32_t from, std::uint32_t subpixels) {
     if (!has) return;
-    const Node in = tile.wave.transfer(Region::kSamples, false, shown_store(from), subpixels * kStateBytes);
-    tile.wave.wait_all(in, before);
+    const Node in = tile.graph.transfer(Region::kSamples, false, shown_store(from), subpixels * kStateBytes);
+    tile.graph.wait_all(in, before);
     before = in;
   };
   read(true, index, 4 * tile.pixels);
@@ -175,13 +179,13 @@ void SupersampleProgram::propagate(Tile& tile, std::uint32_t round, Node before)
   TileBuffer& buffer = tile.buffer;
   PropagateSubpixels::Ports<float> ports;
   ports.grid = state_uniforms(tile);
-  ports.verdicts.bind(buffer.subpixels.data());
+  ports.verdicts.bind(buffer.subpixels.verdicts.data());
   ports.last_master.value = -1;
   ports.thresholds = thresholds();
   ports.round = round << kRoundShift;
   const Node in = read_states(tile, before);
-  const Node found = tile.wave.launch<PropagateSubpixels>(ports, 4 * tile.pixels);
-  tile.wave.wait_all(found, in);
+  const Node found = tile.graph.launch<PropagateSubpixels>(ports, 4 * tile.pixels);
+  tile.graph.wait_all(found, in);
   const std::uint32_t subpixels = ports.active_count.value;
   if (subpixels == 0) return;
 
@@ -192,38 +196,39 @@ void SupersampleProgram::propagate(Tile& tile, std::uint32_t round, Node before)
   }
   tile.out.sampling.propagated = subpixels;
   tile.out.sampling.traced = tile.out.sampling.correction = std::uint64_t{kExtra} * subpixels;
-  for (std::uint32_t i = 0; i < subpixels; ++i) tile.out.subpixels.push_back(shown_subpixel(tile, buffer.active[i]));
+  for (std::uint32_t i = 0; i < subpixels; ++i)
+    tile.out.subpixels.push_back(shown_subpixel(tile, buffer.subpixels.active[i]));
   put_corrected(tile, ports.masters_count.value, subpixels, round);
 }
 
 /// Averages the listed pixels again and writes them, and what the sub-pixels that were sampled show.
 void SupersampleProgram::put_corrected(Tile& tile, std::uint32_t pixels, std::uint32_t subpixels,
                                        std::uint32_t round) const {
-  Wavefront& wave = tile.wave;
+  TileGraph& graph = tile.graph;
   TileResult& out = tile.out;
   const std::uint64_t states = 4 * std::uint64_t{tile_pixels()} * kStateBytes;
   const std::uint64_t colours = 4 * std::uint64_t{tile_pixels()} * sizeof(ColourRecord<float>);
   const std::uint64_t store = shown_store(tile.at.index);
-  const Node in = wave.transfer(Region::kSamples, false, store + states, scattered_bytes(pixels, colours));
-  wave.wait_for_colours(in);
+  const Node in = graph.transfer(Region::kSamples, false, store + states, scattered_bytes(pixels, colours));
+  graph.wait_for_colours(in);
   out.linear.resize(pixels);
   out.packed.resize(pixels);
-  for (std::uint32_t i = 0; i < pixels; ++i) take_others(tile, tile.buffer.masters[i]);
+  for (std::uint32_t i = 0; i < pixels; ++i) take_others(tile, tile.buffer.subpixels.masters.entries[i]);
 
   AverageSubpixels::Ports<float> ports;
   ports.samples = 4;
   ports.inverse_samples = 0.25F;
-  const Node averaged = wave.launch<AverageSubpixels>(ports, 4 * pixels);
-  wave.wait_all(averaged, in);
-  const Node packed = wave.launch<PackColour>(pixels);
-  wave.wait_all(packed, averaged);
+  const Node averaged = graph.launch<AverageSubpixels>(ports, 4 * pixels);
+  graph.wait_all(averaged, in);
+  const Node packed = graph.launch<PackColour>(pixels);
+  graph.wait_all(packed, averaged);
   const std::uint64_t picture = std::uint64_t{tile_pixels()} * kPixelBytes;
-  wave.wait_all(wave.transfer(Region::kPicture, true, tile.at.index * picture, scattered_bytes(pixels, picture)),
-                packed);
+  graph.wait_all(graph.transfer(Region::kPicture, true, tile.at.index * picture, scattered_bytes(pixels, picture)),
+                 packed);
   Node last = averaged;
   const auto put = [&](std::uint64_t offset, std::uint32_t bytes) {
-    const Node node = wave.transfer(Region::kSamples, true, offset, bytes);
-    wave.wait_all(node, last);
+    const Node node = graph.transfer(Region::kSamples, true, offset, bytes);
+    graph.wait_all(node, last);
     last = node;
   };
   put(store, scattered_bytes(subpixels, states));
@@ -236,16 +241,16 @@ void SupersampleProgram::take_others(Tile& tile, std::uint32_t pixel) const {
   TileResult& out = tile.out;
   const std::uint32_t x = out.x + pixel % out.width, y = out.y + pixel / out.width;
   out.corrected.push_back(y * width() + x);
-  const std::span found(tile.buffer.active.data(), out.subpixels.size());
+  const std::span found(tile.buffer.subpixels.active.data(), out.subpixels.size());
   for (std::uint32_t i = 0; i < 4; ++i) {
     if (std::ranges::binary_search(found, 4 * pixel + i)) continue;
     const glm::vec3& colour = shown_.colour(2 * x + i % 2, 2 * y + i / 2);
-    tile.buffer.shown[4 * pixel + i] = {{colour.x, colour.y, colour.z}};
+    tile.buffer.subpixels.shown[4 * pixel + i] = {{colour.x, colour.y, colour.z}};
   }
 }
 
-void SupersampleProgram::keep(const TileResult& tile) {
-  FrameProgram::keep(tile);
+void SupersampleProgram::commit_tile(const TileResult& tile) {
+  FrameProgram::commit_tile(tile);
   if (supersample_.propagate == 0) return;
   if (tile.tile < tiles_.count()) return shown_.begin(tile.tile, tile.subpixels);
   shown_.keep(tile.tile % tiles_.count(), tile.subpixels);

@@ -45,9 +45,11 @@ void UndersampleProgram::run_tile(std::uint32_t tile_index, const traces::Tracer
   const auto resolve = [&](const BlockLines& lines) {
     if (lines.samples == 0) return;
     const Verdict verdict = check(tile, lines);
-    if (verdict.passed != 0) {
-      lines.along_y ? interpolate_and_shade<true>(tile, lines, verdict)
-                    : interpolate_and_shade<false>(tile, lines, verdict);
+    const std::uint32_t checked = verdict.passed + verdict.failed;
+    if (verdict.passed != 0 && lines.along_y) {
+      tile.wave.shade_interpolated<true>(lines.uniforms, verdict.passed, checked, verdict.node);
+    } else if (verdict.passed != 0) {
+      tile.wave.shade_interpolated<false>(lines.uniforms, verdict.passed, checked, verdict.node);
     }
     tile.trace_failed(lines, verdict);
   };
@@ -88,30 +90,9 @@ Verdict UndersampleProgram::check_with(BlockTile& tile, const BlockLines& lines)
   ports.least_dot = static_cast<float>(undersample_.normal);
   ports.texture = static_cast<float>(undersample_.texture);
   ports.colour_squared = colour * colour;
-  const Wavefront::Node node = tile.wave.launch<K>(ports, lines.samples);
-  tile.wave.wait_for_records(node);
+  const Wavefront::Node node = tile.graph.launch<K>(ports, lines.samples);
+  tile.graph.wait_for_records(node);
   return {node, ports.passed_count.value, ports.failed_count.value};
-}
-
-/// Gives samples that passed the attributes between their references, and shades them.
-template <bool kAlongY>
-void UndersampleProgram::interpolate_and_shade(BlockTile& tile, const BlockLines& lines, const Verdict& verdict) const {
-  tile.buffer.hold_wave(verdict.passed);
-  using Interpolate = InterpolateAttributes<kAlongY>;
-  const std::uint32_t lanes = verdict.passed + verdict.failed;
-  if (tile.wave.fuses() && tile.wave.has_lights()) {
-    typename InterpolateLit<kAlongY>::template Ports<float> fused;
-    ports_of<Interpolate>(fused).line = lines.uniforms;
-    tile.wave.interpolate_lit<InterpolateLit<kAlongY>>(fused, verdict.passed, lanes, verdict.node);
-    return;
-  }
-  typename Interpolate::template Ports<float> ports;
-  ports.line = lines.uniforms;
-  const Wavefront::Node node = tile.wave.launch<Interpolate>(ports, verdict.passed, lanes);
-  tile.wave.wait_all(node, verdict.node);
-  tile.wave.adds_records(node);
-  tile.wave.adds_colours(node);
-  tile.wave.shade_interpolated(node, verdict.passed, lanes);
 }
 
 /// Averages samples to pixels. With post-correction, samples' identities are written to memory for its scans.
@@ -140,16 +121,16 @@ Wavefront::Node UndersampleProgram::store_identities(BlockTile& tile) const {
     ports_of<typename K::Identities>(ports).lattice = blocks_.own_samples(tile.at);
   }
   const std::uint32_t samples = tile.at.width * tile.at.height;
-  const Wavefront::Node node = tile.wave.launch<K>(ports, samples);
-  tile.wave.wait_for_records(node);
+  const Wavefront::Node node = tile.graph.launch<K>(ports, samples);
+  tile.graph.wait_for_records(node);
   const Wavefront::Node out =
-      tile.wave.transfer(traces::Region::kSamples, true, scan_store(tile.at.index), samples * scanned_bytes());
-  tile.wave.wait_all(out, node);
-  tile.wave.wait_for_colours(out);
+      tile.graph.transfer(traces::Region::kSamples, true, scan_store(tile.at.index), samples * scanned_bytes());
+  tile.graph.wait_all(out, node);
+  tile.graph.wait_for_colours(out);
   tile.out.shown.clear();
   for (std::uint32_t i = 0; i < samples; ++i) {
     const std::uint32_t sample = (i / tile.at.width + 1) * blocks_.pitch() + i % tile.at.width + 1;
-    tile.out.shown.push_back({tile.buffer.identities[i], tile.out.colour(sample)});
+    tile.out.shown.push_back({tile.buffer.checks.identities[i], tile.out.colour(sample)});
   }
   return node;
 }
@@ -216,7 +197,7 @@ void UndersampleProgram::begin_pass(std::uint32_t tile_index, const traces::Trac
     trace_suspects(wave, scratch, grid, static_cast<std::uint32_t>(suspects.size()), Wavefront::kNone);
     PostCorrection::Found found;
     for (const PostCorrection::Suspect& s : suspects) {
-      const GeometryRecord<float>& geometry = scratch.buffer.geometry[sample(s)];
+      const GeometryRecord<float>& geometry = scratch.buffer.samples.geometry[sample(s)];
       const std::uint32_t shown =
           undersample_.correct_shadows ? shown_by<float, true>(geometry) : shown_by<float, false>(geometry);
       found.identities.push_back(shown | kTracedSample);
@@ -238,20 +219,20 @@ void UndersampleProgram::list_suspects(std::span<const PostCorrection::Suspect> 
                                        Sample&& sample) const {
   std::uint32_t most = 0;
   for (const PostCorrection::Suspect& s : suspects) most = std::max(most, sample(s));
-  out.buffer.hold_samples(std::max(std::size_t{most} + 1, suspects.size()));
-  std::ranges::transform(suspects, out.buffer.samples.begin(), sample);
+  out.buffer.reserve_samples(std::max(std::size_t{most} + 1, suspects.size()));
+  std::ranges::transform(suspects, out.buffer.checks.samples.entries.begin(), sample);
 }
 
 /// Traces the listed samples.
 void UndersampleProgram::trace_suspects(Wavefront& wave, TileResult& out, const GridUniforms<float>& grid,
                                         std::uint32_t items, Wavefront::Node lister) const {
-  out.buffer.hold_wave(items);
+  out.buffer.reserve_wave(items);
   GenerateListedRays::Ports<float> generate;
   generate.camera = blocks_.camera;
   generate.grid = grid;
-  Wavefront::RetainedRecords retained;
+  RetainedRecords retained;
   retained.geometry = true;
-  const Wavefront::Node generated = wave.generate(generate, out.buffer.samples, lister, items, retained);
+  const Wavefront::Node generated = wave.generate(generate, out.buffer.checks.samples, lister, items, retained);
   wave.run(generated, items, retained);
 }
 
@@ -283,6 +264,7 @@ void UndersampleProgram::run_scan(std::uint32_t tile_index, const traces::Tracer
   out.packed.clear();
   out.sampling = {};
   Wavefront wave(blocks_.scene, tracer, record, blocks_.cone(), out);
+  TileGraph& graph = wave.graph();
   out.work.frame = blocks_.number;
   out.work.tile = out.tile;
   out.work.samples = samples;
@@ -292,27 +274,28 @@ void UndersampleProgram::run_scan(std::uint32_t tile_index, const traces::Tracer
                                           : (scan.is_backward ? at.has_right : at.has_left);
   const auto behind = [&](std::uint32_t tile) { return scan.is_backward ? tile + step : tile - step; };
 
-  const Wavefront::Node in = wave.transfer(Region::kSamples, false, scan_store(at.index), samples * 4);
+  const Wavefront::Node in = graph.transfer(Region::kSamples, false, scan_store(at.index), samples * 4);
   Wavefront::Node border = Wavefront::kNone;
   if (has_behind) {
     const std::uint32_t words = scan.is_along_y ? at.width : at.height;
-    border = wave.import_border({behind(out.tile), kScanned}, scan_store(behind(at.index)), words * 4);
+    border = graph.import_border({behind(out.tile), kScanned}, scan_store(behind(at.index)), words * 4);
   }
-  const Wavefront::Node found = note_search(wave, samples);
-  wave.wait_all(found, in);
-  wave.wait_all(found, border);
+  const Wavefront::Node found = note_search(graph, samples);
+  graph.wait_all(found, in);
+  graph.wait_all(found, border);
   correct(wave, out, at, found);
   wave.finish();
   out.sampling.traced_background = out.background.size();
 }
 
-Wavefront::Node UndersampleProgram::note_search(Wavefront& wave, std::uint32_t items) const {
-  return undersample_.neighbours == Neighbourhood::kEight ? wave.note<FindSuspects<true>>(items)
-                                                          : wave.note<FindSuspects<false>>(items);
+Wavefront::Node UndersampleProgram::note_search(TileGraph& graph, std::uint32_t items) const {
+  return undersample_.neighbours == Neighbourhood::kEight ? graph.note<FindSuspects<true>>(items)
+                                                          : graph.note<FindSuspects<false>>(items);
 }
 
 /// Traces a tile's suspects, round by round, and puts out what that changes. `found`: the first search.
 void UndersampleProgram::correct(Wavefront& wave, TileResult& out, const SampleTile& at, Wavefront::Node found) const {
+  TileGraph& graph = wave.graph();
   std::span<const PostCorrection::Suspect> left = correction_.suspects_of(at.index);
   out.sampling.traced = out.sampling.correction = left.size();
   if (left.empty()) return;
@@ -330,45 +313,45 @@ void UndersampleProgram::correct(Wavefront& wave, TileResult& out, const SampleT
       return (s.y - at.y + 1) * blocks_.pitch() + s.x - at.x + 1;
     });
     trace_suspects(wave, out, grid, items, found);
-    const Wavefront::Node stored = undersample_.correct_shadows ? wave.note<StoreIdentities<true>>(items)
-                                                                : wave.note<StoreIdentities<false>>(items);
-    wave.wait_for_records(stored);
-    found = note_search(wave, items);
-    wave.wait_all(found, stored);
+    const Wavefront::Node stored = undersample_.correct_shadows ? graph.note<StoreIdentities<true>>(items)
+                                                                : graph.note<StoreIdentities<false>>(items);
+    graph.wait_for_records(stored);
+    found = note_search(graph, items);
+    graph.wait_all(found, stored);
   }
-  put_corrected(wave, at, corrected, pixels, found);
+  put_corrected(graph, at, corrected, pixels, found);
 }
 
 /// Averages and encodes the corrected pixels and writes them and their words: each a line of its own, as long as those
 /// are not more than all of the tile's.
-void UndersampleProgram::put_corrected(Wavefront& wave, const SampleTile& at, std::uint32_t corrected,
+void UndersampleProgram::put_corrected(TileGraph& graph, const SampleTile& at, std::uint32_t corrected,
                                        std::uint32_t corrected_pixels, Wavefront::Node last) const {
   const std::uint64_t store = scan_store(at.index);
   const std::uint64_t stored = scan_store(at.index + 1) - store;
   Wavefront::Node packed = Wavefront::kNone;
-  if (wave.fuses() && undersample_.samples == 1 && !wave.dma_encodes()) {
-    packed = wave.note<PackGridSample>(corrected_pixels);
-    wave.wait_for_colours(packed);
+  if (blocks_.scene.fuses && undersample_.samples == 1 && !blocks_.scene.dma_encodes) {
+    packed = graph.note<PackGridSample>(corrected_pixels);
+    graph.wait_for_colours(packed);
   } else {
-    const Wavefront::Node averaged = wave.note<AverageSamples>(corrected_pixels * undersample_.samples);
-    wave.wait_for_colours(averaged);
+    const Wavefront::Node averaged = graph.note<AverageSamples>(corrected_pixels * undersample_.samples);
+    graph.wait_for_colours(averaged);
     if (undersample_.samples > 1) {
-      const Wavefront::Node in = wave.transfer(Region::kSamples, false, store,
-                                               scattered_bytes(corrected_pixels * undersample_.grid(), stored));
-      wave.wait_all(averaged, in);
+      const Wavefront::Node in = graph.transfer(Region::kSamples, false, store,
+                                                scattered_bytes(corrected_pixels * undersample_.grid(), stored));
+      graph.wait_all(averaged, in);
     }
-    packed = wave.dma_encodes() ? averaged : wave.note<PackColour>(corrected_pixels);
-    if (packed != averaged) wave.wait_all(packed, averaged);
+    packed = blocks_.scene.dma_encodes ? averaged : graph.note<PackColour>(corrected_pixels);
+    if (packed != averaged) graph.wait_all(packed, averaged);
   }
   const std::uint64_t pixels = requirements().region_bytes[kPicture] / blocks_.tiles.count();
-  wave.wait_all(wave.transfer(Region::kPicture, true, pixels * at.index, scattered_bytes(corrected_pixels, pixels)),
-                packed);
-  wave.wait_all(wave.export_border(kScanned, store, scattered_bytes(corrected, stored)), last);
+  graph.wait_all(graph.transfer(Region::kPicture, true, pixels * at.index, scattered_bytes(corrected_pixels, pixels)),
+                 packed);
+  graph.wait_all(graph.export_border(kScanned, store, scattered_bytes(corrected, stored)), last);
 }
 
-void UndersampleProgram::keep(const TileResult& tile) {
-  if (tile.tile >= blocks_.tiles.count()) return FrameProgram::keep(tile);
-  FrameProgram::keep(tile);
+void UndersampleProgram::commit_tile(const TileResult& tile) {
+  if (tile.tile >= blocks_.tiles.count()) return FrameProgram::commit_tile(tile);
+  FrameProgram::commit_tile(tile);
   blocks_.count_tile(tile, undersample_.block, kept_sampling());
   correction_.keep(tile, blocks_.tiles.tile(tile.tile));
 }

@@ -27,14 +27,12 @@ class UndersampleProgram final : public FrameProgram {
   FrameRequirements requirements() const override;
   void begin_pass(std::uint32_t tile_index, const traces::Tracer& tracer) override;
   void run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const override;
-  void keep(const TileResult& tile) override;
+  void commit_tile(const TileResult& tile) override;
 
  private:
   Verdict check(BlockTile& tile, const BlockLines& lines) const;
   template <class K>
   Verdict check_with(BlockTile& tile, const BlockLines& lines) const;
-  template <bool kAlongY>
-  void interpolate_and_shade(BlockTile& tile, const BlockLines& lines, const Verdict& verdict) const;
   void average(BlockTile& tile) const;
   template <class K>
   Wavefront::Node store_identities(BlockTile& tile) const;
@@ -48,9 +46,9 @@ class UndersampleProgram final : public FrameProgram {
   void trace_suspects(Wavefront& wave, TileResult& out, const GridUniforms<float>& grid, std::uint32_t items,
                       Wavefront::Node lister) const;
   void average_again(std::uint32_t x, std::uint32_t y);
-  Wavefront::Node note_search(Wavefront& wave, std::uint32_t items) const;
+  Wavefront::Node note_search(TileGraph& graph, std::uint32_t items) const;
   void correct(Wavefront& wave, TileResult& out, const SampleTile& at, Wavefront::Node found) const;
-  void put_corrected(Wavefront& wave, const SampleTile& at, std::uint32_t corrected, std::uint32_t corrected_pixels,
+  void put_corrected(TileGraph& graph, const SampleTile& at, std::uint32_t corrected, std::uint32_t corrected_pixels,
                      Wavefront::Node last) const;
 
   const UndersampleConfig undersample_;

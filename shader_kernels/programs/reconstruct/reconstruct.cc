@@ -62,7 +62,7 @@ FrameRequirements ReconstructProgram::requirements() const {
 }
 
 ReconstructProgram::Tile ReconstructProgram::tile_of(const SampleTile& at, Wavefront& wave, TileResult& out) const {
-  return {at, tiles_.finished(at, out), out.width * out.height, wave, out, out.buffer};
+  return {at, tiles_.finished(at, out), out.width * out.height, wave, wave.graph(), out, out.buffer};
 }
 
 void ReconstructProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
@@ -74,20 +74,23 @@ void ReconstructProgram::run_tile(std::uint32_t tile_index, const traces::Tracer
   out.work.frame = frame_;
   out.work.tile = at.index;
   out.work.samples = at.width * at.height;
-  out.buffer.hold_visible(std::size_t{layers_} * layer(), tiles_.most_pixels());
+  out.buffer.reserve_visible(std::size_t{layers_} * layer(), tiles_.most_pixels());
   Wavefront wave(scene_, tracer, record, cone_uniforms(camera_, 1), out);
+  TileGraph& graph = wave.graph();
   Tile tile = tile_of(at, wave, out);
   out.linear.resize(tile.pixels);
   out.packed.resize(tile.pixels);
 
   const Part own{tiles_.halo(), tiles_.halo(), at.width, at.height};
+  // Shade one sample of every pixel; find geometry and shadows of the other three.
   trace(tile, own, own, true);
-  export_borders(tile);  // needs nothing of the halo, so no tile waits for a row of others
+  export_borders(tile);  // they need no halo
   make_halo(tile);
-  park_attributes(tile);
+  spill_attributes_to_dram(tile);
+  // Filter the shaded samples around each sample by geometry; shade all four where colours still differ.
   Node made = has_geometry() ? reconstruct(tile) : show_shaded(tile);
   if (tests_colours()) made = shade_contrasts(tile, made);
-  wave.put_out(made, std::uint64_t{at.index} * tiles_.most_pixels() * kPixelBytes);
+  graph.write_pixels(made, std::uint64_t{at.index} * tiles_.most_pixels() * kPixelBytes);
   wave.finish();
   count(tile);
 }
@@ -108,7 +111,7 @@ void ReconstructProgram::trace(Tile& tile, const Part& shaded, const Part& other
   const Node cleared = clear_branches(tile, shaded);
   trace_shaded(tile, shaded, cleared);
   if (has_geometry()) trace_others(tile, others, cleared);
-  if (tile.wave.is_muted()) return;
+  if (tile.graph.is_muted()) return;
   const std::uint32_t samples = shaded.pixels() + (has_geometry() ? kOtherSamples * others.pixels() : 0);
   tile.out.sampling.traced += samples;
   if (!is_own) tile.out.sampling.halo += samples;
@@ -121,11 +124,11 @@ ReconstructProgram::Node ReconstructProgram::clear_branches(Tile& tile, const Pa
     ports.lattice = tiles_.lattice(part.x, part.y, part.across);
     ports.lattice.first += static_cast<float>(b * layer());
     ports.apart = positions();
-    const Node cleared = tile.wave.launch<ClearBranch>(ports, part.pixels());
-    tile.wave.wait_all(cleared, last);
+    const Node cleared = tile.graph.launch<ClearBranch>(ports, part.pixels());
+    tile.graph.wait_all(cleared, last);
     last = cleared;
   }
-  if (last != Wavefront::kNone) tile.wave.adds_records(last);
+  if (last != Wavefront::kNone) tile.graph.register_record_writer(last);
   return last;
 }
 
@@ -138,24 +141,25 @@ VisibleRayPorts<float>& ReconstructProgram::bind(VisibleRayPorts<float>& ports, 
 
 /// Says in which pixels the wave's samples lie, and those of what mirrors and glass show.
 void ReconstructProgram::place(Tile& tile, std::uint32_t rays) const {
-  if (!tile.wave.counts_pixels()) return;
+  if (!tile.wave.tracer().counts_pixels()) return;
   for (std::uint32_t i = 0; i < rays; ++i) {
-    const std::uint32_t sample = tile.buffer.wave.paths[i].sample, position = sample % positions();
+    const std::uint32_t sample = tile.buffer.rays.wave.paths[i].sample, position = sample % positions();
     const std::uint32_t x = tile.at.x + position % tiles_.pitch() - tiles_.halo();
     const std::uint32_t y = tile.at.y + position / tiles_.pitch() - tiles_.halo();
-    for (std::uint32_t b = 0; b < layers_; ++b) tile.wave.place(sample + b * layer(), x, y);
+    for (std::uint32_t b = 0; b < layers_; ++b) tile.wave.tracer().place(sample + b * layer(), x, y);
   }
 }
 
 void ReconstructProgram::trace_shaded(Tile& tile, const Part& part, Node cleared) const {
   Wavefront& wave = tile.wave;
-  tile.buffer.hold_wave(part.pixels());
+  TileGraph& graph = tile.graph;
+  tile.buffer.reserve_wave(part.pixels());
   GenerateShadedRays::Ports<float> ports;
   bind(ports, tile, part);
-  const Node generated = wave.launch<GenerateShadedRays>(ports, part.pixels());
+  const Node generated = graph.launch<GenerateShadedRays>(ports, part.pixels());
   place(tile, part.pixels());
-  wave.adds_records(generated);
-  Wavefront::RetainedRecords retained;
+  graph.register_record_writer(generated);
+  RetainedRecords retained;
   retained.visible = records(true);
   retained.cleared = generated;
   retained.cleared_secondary = cleared;
@@ -165,15 +169,16 @@ void ReconstructProgram::trace_shaded(Tile& tile, const Part& part, Node cleared
 
 void ReconstructProgram::trace_others(Tile& tile, const Part& part, Node cleared) const {
   Wavefront& wave = tile.wave;
+  TileGraph& graph = tile.graph;
   const std::uint32_t items = kOtherSamples * part.pixels();
-  tile.buffer.hold_wave(items);
+  tile.buffer.reserve_wave(items);
   GenerateVisibleRays::Ports<float> ports;
   bind(ports, tile, part);
   ports.apart = static_cast<float>(positions());
-  const Node generated = wave.launch<GenerateVisibleRays>(ports, items);
+  const Node generated = graph.launch<GenerateVisibleRays>(ports, items);
   place(tile, items);
-  wave.adds_records(generated);
-  Wavefront::RetainedRecords retained;
+  graph.register_record_writer(generated);
+  RetainedRecords retained;
   retained.visible = records(false);
   retained.cleared = generated;
   retained.cleared_secondary = cleared;
@@ -185,9 +190,9 @@ void ReconstructProgram::limit(Tile& tile, const Part& part) const {
     typename LimitColours<kBranches>::template Ports<float> ports;
     ports.lattice = tiles_.lattice(part.x, part.y, part.across);
     ports.branch = layer();
-    const Node limited = tile.wave.launch<LimitColours<kBranches>>(ports, part.pixels());
-    tile.wave.wait_for_colours(limited);
-    if (!tile.wave.is_muted()) tile.wave.colours_are_in(limited);
+    const Node limited = tile.graph.launch<LimitColours<kBranches>>(ports, part.pixels());
+    tile.graph.wait_for_colours(limited);
+    if (!tile.graph.is_muted()) tile.graph.replace_colour_writers(limited);
   };
   with_branches(launch);
 }
@@ -201,8 +206,8 @@ ReconstructProgram::Node ReconstructProgram::show_shaded(Tile& tile) const {
   ports.grid = ports.inverse_grid = 1;
   ports.first = tile.finished.first;
   ports.pitch = tile.finished.pitch;
-  const Node shown = tile.wave.launch<AverageSamples>(ports, tile.pixels);
-  tile.wave.wait_for_colours(shown);
+  const Node shown = tile.graph.launch<AverageSamples>(ports, tile.pixels);
+  tile.graph.wait_for_colours(shown);
   return shown;
 }
 
@@ -219,21 +224,21 @@ void ReconstructProgram::bind_filter(typename K::template Ports<float>& ports, c
 
 template <std::uint32_t kRadius>
 ReconstructProgram::Node ReconstructProgram::filter(Tile& tile) const {
-  Wavefront& wave = tile.wave;
+  TileGraph& graph = tile.graph;
   using Surfaces = Reconstruct<kRadius, false>;
   typename Surfaces::template Ports<float> ports;
   bind_filter<Surfaces>(ports, tile);
-  Node last = wave.launch<Surfaces>(ports, tile.pixels);
-  wave.wait_for_records(last);
-  wave.wait_for_colours(last);
+  Node last = graph.launch<Surfaces>(ports, tile.pixels);
+  graph.wait_for_records(last);
+  graph.wait_for_colours(last);
   for (std::uint32_t b = 1; b < layers_; ++b) {
     const auto layers_before = static_cast<float>(b * layer());
     ListBranches::Ports<float> list;
     list.finished = tile.finished;
     list.branch = layers_before;
     list.apart = positions();
-    const Node listed = wave.launch<ListBranches>(list, tile.pixels);
-    wave.wait_all(listed, last);
+    const Node listed = graph.launch<ListBranches>(list, tile.pixels);
+    graph.wait_all(listed, last);
     last = listed;
     const std::uint32_t items = list.masters_count.value;
     if (items == 0) continue;
@@ -241,8 +246,8 @@ ReconstructProgram::Node ReconstructProgram::filter(Tile& tile) const {
     typename Branch::template Ports<float> branch;
     bind_filter<Branch>(branch, tile);
     branch.branch = layers_before;
-    last = wave.launch<Branch>(branch, items, tile.pixels);
-    wave.wait_all(last, listed);
+    last = graph.launch<Branch>(branch, items, tile.pixels);
+    graph.wait_all(last, listed);
   }
   return last;
 }
@@ -257,13 +262,14 @@ ReconstructProgram::Node ReconstructProgram::shade_contrasts(Tile& tile, Node fi
 template <std::uint32_t kBranches>
 ReconstructProgram::Node ReconstructProgram::shade_contrasts(Tile& tile, Node filtered) const {
   Wavefront& wave = tile.wave;
+  TileGraph& graph = tile.graph;
   typename ListContrasts<kBranches>::template Ports<float> list;
   list.finished = tile.finished;
   list.bend = bend_;
   list.threshold = static_cast<float>(reconstruct_.colour);
   list.branch = static_cast<float>(layer());
-  const Node listed = wave.launch<ListContrasts<kBranches>>(list, tile.pixels);
-  wave.wait_all(listed, filtered);
+  const Node listed = graph.launch<ListContrasts<kBranches>>(list, tile.pixels);
+  graph.wait_all(listed, filtered);
   const std::uint32_t pixels = list.masters_count.value;
   Sampling& sampling = tile.out.sampling;
   sampling.checked += tile.pixels;
@@ -271,13 +277,13 @@ ReconstructProgram::Node ReconstructProgram::shade_contrasts(Tile& tile, Node fi
   if (pixels == 0) return listed;
 
   const std::uint32_t rays = kOtherSamples * pixels, lanes = kOtherSamples * tile.pixels;
-  tile.buffer.hold_wave(rays);
+  tile.buffer.reserve_wave(rays);
   GenerateContrastRays::Ports<float> generate;
   bind_pixels(generate, tile);
   generate.finished = tile.finished;
   generate.apart = static_cast<float>(positions());
-  const Node generated = wave.launch<GenerateContrastRays>(generate, rays, lanes);
-  wave.wait_all(generated, listed);
+  const Node generated = graph.launch<GenerateContrastRays>(generate, rays, lanes);
+  graph.wait_all(generated, listed);
   place(tile, rays);
   wave.set_cone(cone_uniforms(camera_, 2));  // there are four samples in a pixel
   wave.run(generated, rays, {}, lanes);
@@ -288,9 +294,9 @@ ReconstructProgram::Node ReconstructProgram::shade_contrasts(Tile& tile, Node fi
   average.finished = tile.finished;
   average.apart = positions();
   average.branch = layer();
-  const Node averaged = wave.launch<AverageContrasts<kBranches>>(average, pixels, tile.pixels);
-  wave.wait_all(averaged, generated);
-  wave.wait_for_colours(averaged);
+  const Node averaged = graph.launch<AverageContrasts<kBranches>>(average, pixels, tile.pixels);
+  graph.wait_all(averaged, generated);
+  graph.wait_for_colours(averaged);
   return averaged;
 }
 
@@ -300,25 +306,25 @@ using traces::Region;
 /// the shaded samples go; the inner half is finished by the neighbour, which needs the other samples, too.
 std::uint32_t ReconstructProgram::exchanged_bytes() const { return shaded_bytes() + other_bytes() / 2; }
 
-// A tile's store: its borders (finished_tiles.h); all attributes if they do not stay.
+// A tile's store: its borders (FinishedTiles); all attributes if they do not stay.
 std::uint64_t ReconstructProgram::store_bytes() const {
   const bool is_parked = reconstruct_.attributes == AttributeStorage::kDram;
   return tiles_.stored_samples() * exchanged_bytes() + (is_parked ? std::uint64_t{positions()} * attribute_bytes() : 0);
 }
 
-/// As block_halo.cc has it: a tile always makes its halo; where neighbours keep theirs, the machine reads it back.
+/// A tile always computes its halo; where neighbours write it to memory, the machine reads it back.
 void ReconstructProgram::make_halo(Tile& tile) const {
   tiles_.for_each_part(tile.at, [&](const HaloPart& part) {
     const bool is_left = part.x < tiles_.halo(), is_above = part.y < tiles_.halo();
     const HaloPart inner = part.inner(is_left ? reconstruct_.radius : part.across,  //
                                       is_above ? reconstruct_.radius : part.down);
     if (reconstruct_.halo == Halo::kReload) {
-      tile.wave.import_samples(part.border, store_bytes() * part.border.tile + part.first * exchanged_bytes(),
-                               part.across * part.down * exchanged_bytes());
-      tile.wave.mute();
+      tile.graph.import_samples(part.border, store_bytes() * part.border.tile + part.first * exchanged_bytes(),
+                                part.across * part.down * exchanged_bytes());
+      tile.graph.mute();
     }
     trace(tile, {part.x, part.y, part.across, part.down}, {inner.x, inner.y, inner.across, inner.down}, false);
-    tile.wave.unmute();
+    tile.graph.unmute();
   });
 }
 
@@ -326,22 +332,22 @@ void ReconstructProgram::export_borders(Tile& tile) const {
   if (reconstruct_.halo == Halo::kRetrace) return;
   const std::uint64_t store = store_bytes() * tile.at.index;
   tiles_.for_each_export(tile.at, [&](std::uint32_t border, std::uint64_t first, std::uint32_t samples) {
-    tile.wave.export_samples(border, store + first * exchanged_bytes(), samples * exchanged_bytes());
+    tile.graph.export_samples(border, store + first * exchanged_bytes(), samples * exchanged_bytes());
   });
 }
 
 /// Writes all attributes to memory and reads them back, if that is where they are.
-void ReconstructProgram::park_attributes(Tile& tile) const {
+void ReconstructProgram::spill_attributes_to_dram(Tile& tile) const {
   if (reconstruct_.attributes == AttributeStorage::kTile || !has_geometry()) return;
   const std::uint32_t across = tile.at.width + (tile.at.has_left ? tiles_.halo() : 0);
   const std::uint32_t down = tile.at.height + (tile.at.has_above ? tiles_.halo() : 0);
   const std::uint32_t bytes = across * down * attribute_bytes();
   const std::uint64_t store = store_bytes() * tile.at.index + tiles_.stored_samples() * exchanged_bytes();
-  const Node out = tile.wave.transfer(Region::kSamples, true, store, bytes);
-  tile.wave.wait_for_records(out);
-  const Node in = tile.wave.transfer(Region::kSamples, false, store, bytes);
-  tile.wave.wait_all(in, out);
-  tile.wave.adds_records(in);
+  const Node out = tile.graph.transfer(Region::kSamples, true, store, bytes);
+  tile.graph.wait_for_records(out);
+  const Node in = tile.graph.transfer(Region::kSamples, false, store, bytes);
+  tile.graph.wait_all(in, out);
+  tile.graph.register_record_writer(in);
 }
 
 namespace {
@@ -386,9 +392,9 @@ SampleMark ReconstructProgram::mark(const Tile& tile, std::uint32_t pixel) const
   float left = 0, all = 0;
   const auto compare = [&](std::uint32_t layer_number, const EdgeBits& bits, std::uint32_t shaded, std::uint32_t k) {
     const std::uint32_t first = layer_number * layer();
-    const VisibleRecord<float>& own = tile.buffer.visible[first + k * positions() + centre];
+    const VisibleRecord<float>& own = tile.buffer.filters.visible[first + k * positions() + centre];
     if (!has_branch<float>(own)) return;
-    const Similarity<float> similar(own, tile.buffer.visible[first + shaded], bend_);
+    const Similarity<float> similar(own, tile.buffer.filters.visible[first + shaded], bend_);
     edges |= (similar.depth > kHalved ? bits.depth : 0) | (similar.normal > kHalved ? bits.normal : 0) |
              (similar.same_shadows ? 0 : bits.shadow);
     if (layer_number != 0) return;

@@ -22,7 +22,7 @@ namespace kernels {
 ///             buffer
 ///                                                              list_branches -> reconstruct_branch
 ///
-/// With a colour test (reconstruct_contrasts.cc) pixels where colours change and geometry does not have all four
+/// With a colour test pixels where colours change and geometry does not have all four
 /// shaded:
 ///
 ///   reconstruct -> list_contrasts -> generate_contrast_rays -> shaded -> average_contrasts -> pack_colour
@@ -52,6 +52,7 @@ class ReconstructProgram final : public FrameProgram {
     FinishedUniforms<float> finished;
     std::uint32_t pixels;  ///< finished
     Wavefront& wave;
+    TileGraph& graph;
     TileResult& out;
     TileBuffer& buffer;
   };
@@ -93,18 +94,18 @@ class ReconstructProgram final : public FrameProgram {
   void limit(Tile& tile, const Part& part) const;
   void make_halo(Tile& tile) const;
   void export_borders(Tile& tile) const;
-  void park_attributes(Tile& tile) const;
+  void spill_attributes_to_dram(Tile& tile) const;
   Node show_shaded(Tile& tile) const;
   Node reconstruct(Tile& tile) const;
   template <std::uint32_t kRadius>
   Node filter(Tile& tile) const;
-  // reconstruct_contrasts.cc
+  // Colour test.
   Node shade_contrasts(Tile& tile, Node filtered) const;
   template <std::uint32_t kBranches>
   Node shade_contrasts(Tile& tile, Node filtered) const;
   template <class K>
   void bind_filter(typename K::template Ports<float>& ports, const Tile& tile) const;
-  // reconstruct_marks.cc
+  // Counts and debug pictures.
   void count(Tile& tile) const;
   SampleMark mark(const Tile& tile, std::uint32_t pixel) const;
 

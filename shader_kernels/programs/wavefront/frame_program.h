@@ -43,7 +43,7 @@ class FrameProgram {
   /// pass at once, each into its own `out`, whose storage is used again.
   virtual void run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const = 0;
   /// Takes what an entry has found out. Called once for each, in the order of the list.
-  virtual void keep(const TileResult& tile);
+  virtual void commit_tile(const TileResult& tile);
 
   /// Linear RGB, row by row, as far as tiles have been kept.
   virtual const std::vector<float>& picture() const { return picture_; }

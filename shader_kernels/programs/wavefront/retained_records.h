@@ -23,7 +23,7 @@ struct VisibleSamples {
   }
 };
 
-/// Effects of first hits that some samples alone have rays for (kernels/upsample_effects.h).
+/// Effects of first hits that some samples alone have rays for (kernels/effects.h).
 struct RatedEffects {
   bool are_rated = false;
   std::uint32_t layer = 0;     ///< samples between what one keeps of one light and of the next

@@ -127,7 +127,7 @@ SceneTables::SceneTables(const traces::MemoryImage& memory_image, const RenderCo
   }
   has_details = (flags & traces::kDetailStreams) != 0;
   fuses = config.fusion == Fusion::kOn;
-  has_later = (flags & kLaterClasses) != 0;
+  has_deferred = (flags & kDeferredClasses) != 0;
   const bool reflects = effects.has(Effect::kReflections), refracts = effects.has(Effect::kRefractions);
   has_secondary = (flags & traces::kBlended) != 0 || (refracts && (flags & traces::kGlass) != 0) ||
                   (reflects && (flags & (traces::kMirror | traces::kGlass | traces::kPhysical)) != 0);

@@ -9,7 +9,6 @@
 #include "shader_kernels/kernels/uniforms.h"
 #include "shader_kernels/programs/wavefront/render_config.h"
 #include "shader_kernels/scene_records.h"
-#include "sim/named.h"
 #include "traces/accel/memory_image.h"
 #include "traces/scene/scene.h"
 
@@ -58,7 +57,7 @@ struct SceneTables {
   bool dma_encodes;              ///< RenderConfig::srgb
   bool diverges;                 ///< RenderConfig::streams
   bool fuses;                    ///< RenderConfig::fusion
-  bool has_later;                ///< some surface is not lit at once (kernels/at_once.h)
+  bool has_deferred;             ///< the light of some surface is deferred (kernels/light.h)
   bool has_secondary;            ///< some surface may send a path on
   bool has_textures;             ///< some surface may fail a check for its textures
   bool has_occlusion;            ///< some surface has an occlusion texture
@@ -72,13 +71,8 @@ struct SceneTables {
   }
   /// Launches that bring the light of one light.
   std::uint32_t rays_to_light() const { return std::max(1U, shadow_rays); }
-  /// Names the arrays as the kernels' ports do.
-  static void describe(const SceneTables& s, auto&& array) {
-    array(NAMED(s.image.attributes)), array(NAMED(s.image.triangles)), array(NAMED(s.image.instances));
-    array(NAMED(s.image.materials)), array(NAMED(s.image.vertices)), array(NAMED(s.image.details));
-    array(s.image.textures, "texels"), array(NAMED(s.axes)), array(NAMED(s.levels));
-    array(NAMED(s.srgb_codes));
-  }
+  /// An occlusion ray's share of a surface's ambient light.
+  float occlusion_share() const { return 1.0F / static_cast<float>(occlusion_rays); }
 };
 
 }  // namespace kernels

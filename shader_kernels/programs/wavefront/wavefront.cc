@@ -1,266 +1,624 @@
 #include "shader_kernels/programs/wavefront/wavefront.h"
 
 #include <algorithm>
-#include <iterator>
-#include <span>
+#include <array>
+#include <optional>
+#include <type_traits>
 #include <utility>
-
-#include "traces/walk_steps.h"
 
 namespace kernels {
 
 using traces::RayKind;
+using Node = TileGraph::Node;
+
+namespace {
+
+using Q = StageQueues;
+
+// Tables of the surface stages, which fetch the surfaces of a bounce and sort them into queues by class.
+
+constexpr auto kSeparate = std::to_array<WaveStage>({
+    {&Q::surfaces, by_surfaces<ShadeSurface>, Waits::kBounce, kFetches},
+    {&Q::surfaces, launch<ClassifySurfaces>, Waits::kItem, kFillsQueues | kEndsSurfaces},
+});
+
+constexpr auto kSeparateDetailed = std::to_array<WaveStage>({
+    {&Q::surfaces, by_surfaces<ShadeSurface>, Waits::kBounce, kFetches},
+    {&Q::surfaces, launch<ClassifyDetails>, Waits::kItem, kFillsQueues | kOwnItemsOnly},
+    {&Q::absorbing, launch<Absorb>, Waits::kBounce, kFillsQueues},
+    {&Q::vertexed, by_instances<FetchVertices>, Waits::kBounce, kFillsQueues},
+    {&Q::based, by_mips<ShadeBase>, Waits::kBounce, kFillsQueues},
+    {&Q::physical, by_mips<ShadePhysical>, Waits::kBounce, kFillsQueues},
+    {&Q::bumped, by_mips<ShadeBump>, Waits::kBounce, kFillsQueues},
+    {&Q::blended, launch<ShadeBlend>, Waits::kBounce, kFillsQueues},
+    {&Q::surfaces, launch<ClassifySurfaces>, Waits::kInspector, kFillsQueues | kEndsSurfaces},
+});
+
+/// Before the lit stage of scenes with details.
+constexpr auto kFusedDetails = std::to_array<WaveStage>({
+    {&Q::surfaces, by_surfaces<FetchSurface>, Waits::kBounce, kFillsQueues},
+    {&Q::absorbing, launch<Absorb>, Waits::kBounce, kFillsQueues},
+    {&Q::vertexed, by_instances<FetchVertices>, Waits::kBounce, kFillsQueues},
+    {&Q::based, by_mips<ShadeBase>, Waits::kBounce, kFillsQueues},
+    {&Q::physical, by_mips<ShadePhysical>, Waits::kBounce, kFillsQueues},
+    {&Q::bumped, by_mips<ShadeBump>, Waits::kBounce, kFillsQueues},
+    {&Q::blended, launch<ShadeBlend>, Waits::kBounce, kFillsQueues},
+});
+
+/// Fused stage that also adds ambient light and the first light: of scenes without details, and with them.
+struct LitStage {
+  WaveStage plain, detailed;
+};
+constexpr LitStage lit_stage(Launch plain, Launch detailed, std::uint32_t effects) {
+  const std::uint32_t all = kFillsQueues | kAddsColours | kCastsRays | effects;
+  return {{&Q::surfaces, plain, Waits::kBounce, all}, {&Q::surfaces, detailed, Waits::kBounce, all}};
+}
+constexpr LitStage kLit = lit_stage(by_surfaces<FetchLit>, launch<LightSurface>, kEndsSurfaces);
+constexpr LitStage kLitGeometry =
+    lit_stage(by_surfaces<FetchLitGeometry>, by_instances<LightSurfaceGeometry>, kRecordsHits);
+constexpr LitStage kLitKept = lit_stage(by_surfaces<FetchLitKept>, by_instances<LightSurfaceKept>, kRecordsHits);
+constexpr LitStage kLitSecondary =
+    lit_stage(by_surfaces<FetchLitSecondary>, by_instances<LightSurfaceSecondary>, kRecordsHits);
+constexpr LitStage kLitOpen = lit_stage(by_surfaces<FetchLitOpen>, launch<LightSurfaceOpen>, kEndsSurfaces);
+constexpr LitStage kLitSoft = lit_stage(by_surfaces<FetchLitSoft>, launch<LightSurfaceSoft>, kEndsSurfaces);
+constexpr LitStage kLitOcclusion =
+    lit_stage(by_surfaces<FetchLitOcclusion>, launch<LightSurfaceOcclusion>, kEndsSurfaces | kCastsAmbientRays);
+
+constexpr WaveStage kReducedRate{&Q::surfaces, by_surfaces<FetchVisible>, Waits::kBounce, kFillsQueues | kRecordsHits};
+
+// Stages that shade sorted surfaces.
+
+constexpr WaveStage kBackground{&Q::misses, launch<ShadeBackground>, Waits::kBounce, kAddsColours};
+constexpr WaveStage kTextures{&Q::textured, by_mips<ShadeTextured>, Waits::kInspector, kBaseColours};
+constexpr auto kEmission = std::to_array<WaveStage>({
+    {&Q::emissive, launch<ShadeEmission>, Waits::kBounce, kAddsColours},
+    {&Q::glowing, by_mips<ShadeGlow>, Waits::kBounce, kAddsColours},
+});
+constexpr WaveStage kAmbient{&Q::diffuse, launch<ShadeAmbient>, Waits::kBounce, kAddsColours};
+constexpr WaveStage kOcclusionTextures{&Q::occluded, by_mips<ShadeOccluded>, Waits::kBounce, kAddsColours};
+constexpr WaveStage kOcclusionRays{&Q::diffuse, launch<CastOcclusion>, Waits::kBounce, kCastsRays | kCastsAmbientRays};
+constexpr WaveStage kAmbientAndFirstLight{&Q::deferred, launch<LightDeferred>, Waits::kBounce,
+                                          kAddsColours | kCastsRays};
+constexpr WaveStage kOpenLight{&Q::diffuse, launch<ShadeOpen>, Waits::kBounce, kAddsColours};
+constexpr WaveStage kHardShadows{&Q::diffuse, launch<ShadeDiffuse>, Waits::kBounce, kCastsRays};
+constexpr WaveStage kSoftShadows{&Q::diffuse, launch<ShadeSoft>, Waits::kBounce, kCastsRays};
+
+// Stages of interpolated surfaces, whose shadows are known.
+
+constexpr WaveStage kSortInterpolated{&Q::surfaces, launch<ClassifySurfaces>, Waits::kInspector, kFillsQueues};
+constexpr WaveStage kFindOcclusionTextures{&Q::surfaces, launch<ClassifyOccluded>, Waits::kInspector, kFillsQueues};
+constexpr WaveStage kKnownShadows{&Q::diffuse, launch<ShadeVisible>, Waits::kBounce, kAddsColours};
+
+// Rays of the next wave.
+
+constexpr auto kSpawn = std::to_array<SpawnStage>({
+    {&Q::blended, launch<ShadeStraight>, RayKind::kRefraction, &WaveBounce::straight, std::nullopt},
+    {&Q::mirror, launch<ShadeMirror>, RayKind::kReflection, &WaveBounce::mirrored, Effect::kReflections},
+    {&Q::glass, launch<ShadeGlass>, RayKind::kRefraction, &WaveBounce::refracted, Effect::kRefractions},
+});
+
+// Records that samples keep of hits and shadow rays.
+
+/// Records the branch that carries most. All rays are weighed first, as that branch may hit nothing.
+template <bool kInstanced>
+Launched record_branch(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
+  const Node weighed = wave.graph.launch<WeighBranch>(bounce.rays);
+  wave.graph.wait_all(weighed, bounce.inspector);
+  wave.graph.wait_all(weighed, wave.retained.cleared);
+  const Launched recorded = launch<RecordBranch<kInstanced>>(wave, bounce, in);
+  wave.graph.wait_all(recorded.node, weighed);
+  return recorded;
+}
+Launched record_branches(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
+  return wave.scene.image.has_levels() ? record_branch<true>(wave, bounce, in) : record_branch<false>(wave, bounce, in);
+}
+
+constexpr RecordStages kGeometryRecords{by_instances<RecordGeometry>, launch<RecordShadow>,
+                                        launch<CombineRecordShadow>};
+constexpr RecordStages kSurfaceRecords{by_instances<RecordSurface>, launch<RecordShadow>, launch<CombineRecordShadow>};
+constexpr RecordStages kTraitsRecords{by_instances<RecordTraits>, launch<RecordTraitsShadow>,
+                                      launch<CombineRecordTraitsShadow>};
+constexpr RecordStages kBranchRecords{record_branches, launch<RecordBranchShadow>, launch<CombineRecordBranchShadow>};
+constexpr RecordStages kSecondaryRecords{by_instances<RecordSecondary>, launch<RecordSecondaryShadow>,
+                                         launch<CombineRecordSecondaryShadow>};
+constexpr RecordStages kVisibleRecords{launch<RecordVisible>, launch<RecordVisibleShadow>,
+                                       launch<CombineRecordVisibleShadow>};
+constexpr RecordStages kVisibleBranchRecords{launch<RecordBranchVisible>, launch<RecordVisibleShadow>,
+                                             launch<CombineRecordVisibleShadow>};
+
+/// Bits that differ from bounce to bounce; the two lowest stay free.
+std::uint32_t bounce_hash(std::uint32_t depth) { return depth * 0x9e3779b9U; }
+
+/// Distinguishes the seeds of occlusion rays from those of soft shadows.
+constexpr std::uint32_t kAmbientSeed = 0x9e3779b9U;
+
+/// The n-th of `count` points that lie evenly in the unit square (Hammersley).
+DrawUniforms<float> draw(std::uint32_t n, std::uint32_t count, std::uint32_t seed) {
+  std::uint32_t mirrored = 0;
+  for (std::uint32_t bit = 0; bit < 32; ++bit) mirrored |= (n >> bit & 1U) << (31 - bit);
+  return {(static_cast<float>(n) + 0.5F) / static_cast<float>(count), unit_float<float>(mirrored), seed};
+}
+
+/// Places the primary rays of listed samples in their pixels.
+void place_listed(WaveTracer& tracer, const GridUniforms<float>& grid, const SampleQueue& list, std::uint32_t items) {
+  if (!tracer.counts_pixels()) return;
+  const auto pitch = static_cast<std::uint32_t>(grid.pitch), side = static_cast<std::uint32_t>(grid.grid);
+  const auto x0 = static_cast<std::int32_t>(grid.x0), y0 = static_cast<std::int32_t>(grid.y0);
+  for (std::uint32_t i = 0; i < items; ++i) {
+    const std::uint32_t sample = list.entries[i];
+    const auto column = static_cast<std::int32_t>(sample % pitch), row = static_cast<std::int32_t>(sample / pitch);
+    tracer.place_ray(i, static_cast<std::uint32_t>(x0 + column) / side, static_cast<std::uint32_t>(y0 + row) / side);
+  }
+}
+
+}  // namespace
+
+BounceUniforms<float> bounce_uniforms(const WaveBounce& bounce) {
+  return {bounce_hash(bounce.depth), bounce.mirrored, bounce.refracted, bounce.depth == 2 ? 1.0F : 0.0F};
+}
+
+std::uint32_t secondary_mark(const WaveBounce& bounce, std::uint32_t light) {
+  return scrambled<float>(bounce_hash(bounce.depth) ^ light);
+}
+
+DrawUniforms<float> occlusion_draw(const WaveContext& wave, std::uint32_t ray) {
+  return draw(ray, wave.scene.occlusion_rays, scrambled<float>(jitter_seed(wave.out.work.frame) ^ kAmbientSeed));
+}
+
+DrawUniforms<float> soft_shadow_draw(const WaveContext& wave, std::uint32_t light, std::uint32_t ray) {
+  return draw(ray, wave.scene.shadow_rays, scrambled<float>(jitter_seed(wave.out.work.frame) + light));
+}
 
 Wavefront::Wavefront(const SceneTables& scene, const traces::Tracer& tracer, bool record,
                      const ConeUniforms<float>& cone, TileResult& out)
-    : scene_(scene),
-      tracer_(tracer),
-      out_(out),
-      buffer_(out.buffer),
-      sources_(scene, out),
-      stream_(out.work, out.buffer.spare_nodes, record),
-      cone_(cone) {
-  out.rays = {};
-  out.continued = 0;
-  out.traversal_steps = out.triangle_tests = 0;
-  out.pixel_work.clear();
-  buffer_.pixel_work.clear();
-  out.background.clear();
-  buffer_.colour_nodes.clear();
-  buffer_.record_nodes.clear();
-}
+    : out_(out),
+      graph_(scene, record, out),
+      tracer_(scene, tracer, graph_, out),
+      wave_{scene, graph_, out, out.buffer, cone} {}
 
 void Wavefront::run(Node maker, std::uint32_t rays, const RetainedRecords& retained, std::uint32_t lanes,
                     std::uint32_t padding) {
-  retained_ = retained;
-  Bounce bounce;
+  wave_.retained = retained;
+  TileBuffer& buffer = wave_.buffer;
+  WaveBounce bounce;
   bounce.rays = rays;
   bounce.lanes = std::max(rays, lanes);
   bounce.padding = padding;
-  buffer_.hold_wave(rays);
-  bounce.batches[bounce.batch_count++] = see(rays, maker);
+  buffer.reserve_wave(rays);
+  bounce.batches[bounce.batch_count++] = tracer_.find_primary_hits(rays, maker);
   while (bounce.rays != 0) {
-    const std::uint32_t surfaces = classify(bounce);
-    if (surfaces < bounce.rays && is_shaded()) shade_background(bounce, bounce.rays - surfaces);
-    if (surfaces == 0) return;
-    const Streams streams = lights_at_once(bounce)                                 ? light_surfaces(bounce, surfaces)
-                            : rates(bounce) && scene_.fuses && !scene_.has_details ? fetch_visible(bounce, surfaces)
-                                                                                   : shade_surfaces(bounce, surfaces);
-    is_shaded() ? shade(bounce, streams) : cast_shadows(bounce, streams);
-    if (bounce.depth == std::min(scene_.depth, retained_.visible.depth)) return;
-    bounce = send_on(bounce, streams);
+    classify_hits(bounce);
+    if (is_shaded()) run_stage(kBackground, bounce, buffer.queues.misses);
+    if (buffer.queues.surfaces.items == 0) return;
+    shade_surfaces(bounce);
+    if (is_shaded()) {
+      run_stage(kTextures, bounce, buffer.queues.textured);
+      run_stages(kEmission, bounce);
+      is_rated(bounce) ? shade_rated(bounce) : shade_local(bounce);
+    } else if (wave_.retained.visible.have_shadows && wave_.scene.shadow_rays != 0) {
+      for (std::uint32_t light = 0; light < wave_.scene.lights.size(); ++light) {
+        shade_light(bounce, light, buffer.queues.diffuse);
+      }
+    }
+    if (bounce.depth == std::min(wave_.scene.depth, wave_.retained.visible.depth)) return;
+    bounce = spawn_secondary_rays(bounce);
   }
-}
-
-void Wavefront::shade(Bounce& bounce, const Streams& streams) {
-  if (streams.textured != 0) shade_textured(bounce, streams.textured);
-  if (streams.emissive != 0) shade_emission(bounce, streams.emissive);
-  if (streams.glowing != 0) shade_glow(bounce, streams.glowing);
-  if (streams.diffuse != 0) rates(bounce) ? shade_rated(bounce, streams) : shade_local(bounce, streams);
-}
-
-Wavefront::Batch Wavefront::trace(RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count, Node maker,
-                                  bool is_mapped) {
-  Batch batch{trace_once(kind, slots, first, count, maker, is_mapped)};
-  if (kind == RayKind::kShadow ? scene_.has_shades : scene_.has_alpha) {
-    batch.settled = settle(kind, slots, first, count, batch.rays);
-  }
-  return batch;
-}
-
-Wavefront::Batch Wavefront::see(std::uint32_t count, Node maker) {
-  RaySlots& wave = buffer_.wave;
-  if (out_.rasteriser == nullptr) return trace(RayKind::kPrimary, wave, 0, count, maker, false);
-  // Whoever makes the work, hits are the tracer's.
-  tracer_.trace({wave.rays.data(), count}, RayKind::kPrimary, {wave.hits.data(), count}, nullptr);
-  Batch batch;
-  if (stream_.is_on()) {
-    out_.rasteriser->cover({wave.rays.data(), count}, buffer_.coverage, &out_.work);
-    batch.rays = stream_.raster(count, maker);
-  }
-  if (scene_.has_alpha) batch.settled = settle(RayKind::kPrimary, wave, 0, count, batch.rays);
-  return batch;
-}
-
-Wavefront::Node Wavefront::trace_once(RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count,
-                                      Node maker, bool is_mapped) {
-  const std::size_t first_ray = out_.work.ray_begin.size();
-  traces::WalkSink sink{out_.work.walk, out_.work.ray_begin};
-  tracer_.trace(std::span(slots.rays).subspan(first, count), kind, std::span(slots.hits).subspan(first, count),
-                stream_.is_on() ? &sink : nullptr);
-  if (stream_.is_muted()) return StreamBuilder::kNone;
-  count_walks(first_ray, std::span(slots.paths).subspan(first, count));
-  const Node node = stream_.rays(kind, count, rays_traced_, maker, is_mapped);
-  rays_traced_ += count;
-  out_.rays[static_cast<std::size_t>(kind)] += count;
-  return node;
-}
-
-/// Counts the steps of the tile's last rays, for the samples that they belong to, too.
-void Wavefront::count_walks(std::size_t first_ray, std::span<const PathRecord<float>> paths) {
-  const std::span walk(out_.work.walk);
-  const std::vector<std::uint32_t>& begin = out_.work.ray_begin;
-  if (first_ray == begin.size()) return;  // a tracer without walks
-  if (!counts_pixels()) {
-    const traces::WalkSteps steps = traces::count_steps(walk.subspan(begin[first_ray]));
-    out_.traversal_steps += steps.all();
-    out_.triangle_tests += steps.tests;
-    return;
-  }
-  for (std::size_t ray = first_ray; ray < begin.size(); ++ray) {
-    const std::size_t end = ray + 1 == begin.size() ? walk.size() : begin[ray + 1];
-    const traces::WalkSteps steps = traces::count_steps(walk.subspan(begin[ray], end - begin[ray]));
-    PixelWork& work = buffer_.pixel_work[paths[ray - first_ray].sample];
-    work.rays += 1;
-    work.steps += static_cast<std::uint32_t>(steps.all());
-    work.tests += static_cast<std::uint32_t>(steps.tests);
-    out_.traversal_steps += steps.all();
-    out_.triangle_tests += steps.tests;
-  }
-}
-
-/// Numbers of samples are used again by those of other pixels.
-void Wavefront::place(std::uint32_t sample, std::uint32_t x, std::uint32_t y) {
-  if (buffer_.pixel_work.size() <= sample) buffer_.pixel_work.resize(std::size_t{sample} + 1);
-  PixelWork& work = buffer_.pixel_work[sample];
-  if (work.rays != 0) out_.pixel_work.push_back(work);
-  work = {.pixel = y * scene_.width + x};
 }
 
 void Wavefront::finish() {
-  stream_.finish();
-  std::ranges::copy_if(buffer_.pixel_work, std::back_inserter(out_.pixel_work),
-                       [](const PixelWork& work) { return work.rays != 0; });
+  graph_.finish();
+  tracer_.finish();
 }
 
-void Wavefront::wait_for_bounce(Node node, const Bounce& bounce) {
-  wait_all(node, bounce.colours != StreamBuilder::kNone ? bounce.colours : bounce.inspector);
-  // The rays are back long since; the edges say that their slots are still read.
-  for (const Batch& batch : bounce.batches) wait_all(node, batch.rays);
-  if (bounce.depth > 1) wait_all(node, bounce.after);
-}
-
-void Wavefront::wait_for_batch(Node node, const Batch& batch) {
-  if (batch.settled == StreamBuilder::kNone) {
-    wait_each(node, batch.rays);
-  } else {
-    wait_all(node, batch.rays);
-    wait_all(node, batch.settled);
-  }
-}
-
-std::uint32_t Wavefront::classify(Bounce& bounce) {
+void Wavefront::classify_hits(WaveBounce& bounce) {
   ClassifyHits::Ports<float> ports;
-  bounce.inspector = launch<ClassifyHits>(ports, bounce.rays, bounce.lanes, bounce.padding);
-  bounce.colours = StreamBuilder::kNone;
-  wait_all(bounce.inspector, bounce.begun);
-  if (bounce.batch_count == 1 && bounce.batches[0].settled == StreamBuilder::kNone) {
-    wait_each(bounce.inspector, bounce.batches[0].rays);
+  bounce.inspector = graph_.launch<ClassifyHits>(ports, bounce.rays, bounce.lanes, bounce.padding);
+  bounce.colours = kNone;
+  graph_.wait_all(bounce.inspector, bounce.begun);
+  if (bounce.batch_count == 1 && bounce.batches[0].settled == kNone) {
+    graph_.wait_each(bounce.inspector, bounce.batches[0].rays);
   } else {
-    for (const Batch& batch : bounce.batches) {
-      wait_all(bounce.inspector, batch.rays);
-      wait_all(bounce.inspector, batch.settled);
+    for (const TracedBatch& batch : bounce.batches) {
+      graph_.wait_all(bounce.inspector, batch.rays);
+      graph_.wait_all(bounce.inspector, batch.settled);
     }
   }
-  if (bounce.depth == 1 && !stream_.is_muted()) {
-    for (std::uint32_t i = 0; i < ports.miss_count.value; ++i) {
-      out_.background.push_back(buffer_.wave.paths[buffer_.misses[i]].sample);
-    }
+  if (bounce.depth != 1 || graph_.is_muted()) return;
+  const TileBuffer& buffer = wave_.buffer;
+  for (std::uint32_t i = 0; i < buffer.queues.misses.items; ++i) {
+    out_.background.push_back(buffer.rays.wave.paths[buffer.queues.misses.entries[i]].sample);
   }
-  return ports.surface_count.value;
 }
 
-template <class K>
-void Wavefront::send(const Bounce& bounce, RayKind kind, std::vector<std::uint32_t>& stream, std::uint32_t items,
-                     Bounce& next) {
-  if (items == 0) return;
-  RaySlots& slots = buffer_.next_wave;
-  typename K::template Ports<float> ports;
-  ports.stream.bind(stream.data());
-  ports.next_rays.bind(slots.rays.data() + next.rays);
-  ports.next_paths.bind(slots.paths.data() + next.rays);
-  ports.epsilon = scene_.epsilon;
-  ports.min_weight = scene_.min_weight;
-  const Node maker = launch<K>(ports, items, bounce.lanes);
-  wait_for_bounce(maker, bounce);
-  const std::uint32_t rays = ports.emitted.value;
+/// Fetches the bounce's surfaces and sorts them, with the variant of stages for the scene and the bounce.
+void Wavefront::shade_surfaces(WaveBounce& bounce) {
+  const SceneTables& scene = wave_.scene;
+  const RetainedRecords& kept = wave_.retained;
+  TileBuffer& buffer = wave_.buffer;
+  buffer.queues.clear_surfaces();
+  if (scene.has_details) buffer.reserve_details(bounce.rays);
+  // Lit at once: not if a sample has two rays in the wave and surfaces with deferred light, since its lights would be
+  // added in another order.
+  const bool has_light = !scene.lights.empty() || scene.occlusion_rays != 0;
+  const bool is_lit =
+      is_shaded() && scene.fuses && has_light && !is_rated(bounce) && (bounce.is_single || !scene.has_deferred);
+  if (is_lit) {
+    const LitStage* stage = &kLit;
+    if (!scene.lights_as_usual()) {
+      stage = scene.occlusion_rays != 0 ? &kLitOcclusion : scene.shadow_rays == 0 ? &kLitOpen : &kLitSoft;
+    } else if (bounce.depth == 1 && kept.geometry) {
+      stage = &kLitGeometry;
+    } else if (bounce.depth == 1 && kept.surfaces) {
+      stage = &kLitKept;
+    } else if (bounce.depth > 1 && kept.secondary) {
+      stage = &kLitSecondary;
+    }
+    if (scene.has_details) run_stages(kFusedDetails, bounce);
+    run_stage(scene.has_details ? stage->detailed : stage->plain, bounce, buffer.queues.surfaces);
+    bounce.has_lit = true;
+  } else if (is_rated(bounce) && scene.fuses && !scene.has_details) {
+    run_stage(kReducedRate, bounce, buffer.queues.surfaces);
+  } else if (scene.has_details) {
+    run_stages(kSeparateDetailed, bounce);
+  } else {
+    run_stages(kSeparate, bounce);
+  }
+}
+
+void Wavefront::run_stages(std::span<const WaveStage> stages, WaveBounce& bounce) {
+  for (const WaveStage& stage : stages) run_stage(stage, bounce, wave_.buffer.queues.*stage.queue);
+}
+
+/// Launches a stage on a queue; traces its rays, if any, and adds their light.
+void Wavefront::run_stage(const WaveStage& stage, WaveBounce& bounce, SlotQueue& queue, std::uint32_t light,
+                          std::uint32_t ray) {
+  if (queue.items == 0) return;
+  RaySlots& shadow = wave_.buffer.rays.shadow;
+  if (stage.has(kCastsRays)) shadow.hold(std::size_t{queue.items} + 1);
+  const Launched launched = stage.launch(wave_, bounce,
+                                         {.entries = queue.entries.data(),
+                                          .items = queue.items,
+                                          .lanes = stage.has(kOwnItemsOnly) ? 0 : bounce.lanes,
+                                          .light = light,
+                                          .ray = ray});
+  const Node node = launched.node;
+  if (stage.waits == Waits::kItem) graph_.wait_each(node, bounce.fetched);
+  if (stage.waits == Waits::kInspector) graph_.wait_all(node, bounce.inspector);
+  if (stage.waits == Waits::kBounce) wait_for_bounce(node, bounce);
+  if (stage.has(kAddsColours)) graph_.register_colour_writer(node);
+  if (stage.has(kFetches)) bounce.fetched = node;
+  if (stage.has(kFillsQueues)) bounce.inspector = node;
+  if (stage.has(kBaseColours)) bounce.colours = node;
+
+  TracedBatch batch;
+  if (launched.rays != 0) batch = tracer_.trace(RayKind::kShadow, shadow, 0, launched.rays, node, true);
+  if (stage.has(kRecordsHits)) {
+    graph_.wait_all(node, bounce.depth == 1 ? wave_.retained.cleared : wave_.retained.cleared_secondary);
+    graph_.register_record_writer(node);
+    bounce.recorded = node;
+  }
+  if (stage.has(kEndsSurfaces)) record_hits(bounce);
+  if (launched.rays != 0) combine_shadows(bounce, light, batch, launched.rays, !stage.has(kCastsAmbientRays));
+}
+
+void Wavefront::wait_for_bounce(Node node, const WaveBounce& bounce) {
+  graph_.wait_all(node, bounce.colours != kNone ? bounce.colours : bounce.inspector);
+  // The rays were traced long before; these edges keep their slots reserved.
+  for (const TracedBatch& batch : bounce.batches) graph_.wait_all(node, batch.rays);
+  if (bounce.depth > 1) graph_.wait_all(node, bounce.after);
+}
+
+/// Waits item by item, unless rays continued through layers.
+void Wavefront::wait_for_batch(Node node, const TracedBatch& batch) {
+  if (batch.settled == kNone) {
+    graph_.wait_each(node, batch.rays);
+  } else {
+    graph_.wait_all(node, batch.rays);
+    graph_.wait_all(node, batch.settled);
+  }
+}
+
+/// Adds ambient light and all lights to diffuse surfaces. Those that a lit stage has shaded have ambient light and the
+/// first light, or the first occlusion ray.
+void Wavefront::shade_local(WaveBounce& bounce) {
+  const SceneTables& scene = wave_.scene;
+  StageQueues& queues = wave_.buffer.queues;
+  if (queues.diffuse.items == 0) return;
+  SlotQueue& first = unlit(bounce);
+  const bool keeps_local = wave_.retained.surfaces && bounce.depth == 1;
+  const auto lights = static_cast<std::uint32_t>(scene.lights.size());
+  const bool has_occlusion_rays = scene.occlusion_rays != 0;
+  const bool is_fused = scene.lights_as_usual() && scene.fuses && lights != 0 && queues.occluded.items == 0;
+  // Surfaces that are lit at once had no colour before.
+  if (keeps_local && first.items != 0) bounce.colours = record_local<false>(bounce, first);
+  if (has_occlusion_rays) {
+    run_stage(kOcclusionRays, bounce, first);
+    for (std::uint32_t ray = 1; ray < scene.occlusion_rays; ++ray) {
+      run_stage(kOcclusionRays, bounce, queues.diffuse, 0, ray);
+    }
+  } else if (is_fused) {
+    run_stage(kAmbientAndFirstLight, bounce, first);
+  } else {
+    run_stage(kAmbient, bounce, first);
+    run_stage(kOcclusionTextures, bounce, queues.occluded);
+  }
+  for (std::uint32_t light = 0; light < lights; ++light) {
+    if (light != 0 || has_occlusion_rays) {
+      shade_light(bounce, light, queues.diffuse);
+    } else {
+      if (!is_fused) shade_light(bounce, 0, first, 0, 1);
+      shade_light(bounce, 0, queues.diffuse, 1);
+    }
+  }
+  if (keeps_local) bounce.after = record_local<true>(bounce, queues.diffuse);
+}
+
+/// Adds one light to the surfaces of a queue: rays `first_ray` to `end_ray` of each, or all.
+void Wavefront::shade_light(WaveBounce& bounce, std::uint32_t light, SlotQueue& queue, std::uint32_t first_ray,
+                            std::uint32_t end_ray) {
+  const SceneTables& scene = wave_.scene;
+  const WaveStage& stage = scene.shadow_rays == 0 ? kOpenLight : scene.discs.empty() ? kHardShadows : kSoftShadows;
+  for (std::uint32_t ray = first_ray; ray < std::min(end_ray, scene.rays_to_light()); ++ray) {
+    run_stage(stage, bounce, queue, light, ray);
+  }
+}
+
+/// Adds the light of shadow rays to their samples, and whether they were stopped to the samples' records.
+void Wavefront::combine_shadows(const WaveBounce& bounce, std::uint32_t light, const TracedBatch& batch,
+                                std::uint32_t rays, bool is_recorded) {
+  const StageInput in{.items = rays, .lanes = bounce.lanes, .light = light};
+  const RecordStages* kept = is_recorded ? record_stages(bounce) : nullptr;
+  if (wave_.retained.visible.are_kept && !wave_.retained.visible.have_shadows) kept = nullptr;
+  const auto combine = [&](Launch kernel, bool adds_colours, bool records) {
+    const Node node = kernel(wave_, bounce, in).node;
+    wait_for_batch(node, batch);
+    if (records) {
+      graph_.wait_all(node, bounce.recorded);
+      graph_.register_record_writer(node);
+    }
+    if (adds_colours) graph_.register_colour_writer(node);
+  };
+  if (kept != nullptr && is_shaded() && wave_.scene.fuses) return combine(kept->combine_shadows, true, true);
+  if (kept == nullptr || is_shaded()) combine(launch<CombineShadow>, true, false);
+  if (kept != nullptr) combine(kept->shadows, false, true);
+}
+
+/// Lights first hits in frames whose effects have a lower rate. Samples keep the light that would arrive unoccluded,
+/// and some of them find the visible ratio by rays.
+void Wavefront::shade_rated(WaveBounce& bounce) {
+  const SceneTables& scene = wave_.scene;
+  TileBuffer& buffer = wave_.buffer;
+  SlotQueue& diffuse = buffer.queues.diffuse;
+  if (diffuse.items == 0) return;
+  const auto select = [&]<bool kCheckerboard> {
+    typename SelectEffects<kCheckerboard>::template Ports<float> ports;
+    ports.grid = wave_.retained.rated.grid;
+    return graph_.launch<SelectEffects<kCheckerboard>>(ports, diffuse.items, bounce.lanes);
+  };
+  const Node selected =
+      scene.is_checkerboard ? select.template operator()<true>() : select.template operator()<false>();
+  wait_for_bounce(selected, bounce);
+  std::uint32_t layer = 0;
+  const auto keep_unoccluded = [&](Launch kernel, std::uint32_t light) {
+    const Node node =
+        kernel(wave_, bounce,
+               {.entries = diffuse.entries.data(),
+                .items = diffuse.items,
+                .lanes = bounce.lanes,
+                .light = light,
+                .colours = buffer.filters.lights.data() + std::size_t{layer} * wave_.retained.rated.layer})
+            .node;
+    wait_for_bounce(node, bounce);
+    graph_.wait_all(node, wave_.retained.cleared);
+    graph_.register_record_writer(node);
+  };
+  if (scene.occlusion_rays != 0) {
+    keep_unoccluded(launch<ShadeAmbient>, 0);
+    for (std::uint32_t ray = 0; ray < scene.occlusion_rays; ++ray) {
+      launch_visibility_ratio(bounce, launch<CastOcclusionShare>, {.ray = ray}, selected, scene.occlusion_share(),
+                              layer);
+    }
+    ++layer;
+  } else {
+    run_stage(kAmbient, bounce, diffuse);
+    run_stage(kOcclusionTextures, bounce, buffer.queues.occluded);
+  }
+  for (std::uint32_t light = 0; light < scene.lights.size(); ++light) {
+    if (scene.discs.empty()) {
+      shade_light(bounce, light, diffuse, 0, 1);
+      continue;
+    }
+    keep_unoccluded(launch<ShadeOpen>, light);
+    for (std::uint32_t ray = 0; ray < scene.shadow_rays; ++ray) {
+      launch_visibility_ratio(bounce, launch<ShadeSoftShare>, {.light = light, .ray = ray}, selected,
+                              scene.discs[light].share, layer);
+    }
+    ++layer;
+  }
+}
+
+/// Casts rays of the selected samples and adds their share of the light to the samples' ratios.
+void Wavefront::launch_visibility_ratio(const WaveBounce& bounce, Launch cast, StageInput in, Node selected,
+                                        float share, std::uint32_t layer) {
+  TileBuffer& buffer = wave_.buffer;
+  in.entries = buffer.checks.passed.entries.data();
+  in.items = buffer.checks.passed.items;
+  in.lanes = bounce.lanes;
+  if (in.items == 0) return;
+  buffer.rays.shadow.hold(std::size_t{in.items} + 1);
+  const auto [node, rays] = cast(wave_, bounce, in);
+  wait_for_bounce(node, bounce);
+  graph_.wait_all(node, selected);
   if (rays == 0) return;
-  next.batches[next.batch_count++] = trace(kind, slots, next.rays, rays, maker, true);  // right behind its maker
-  const std::uint32_t apart = bounce.depth == 1 ? retained_.visible.apart(kind) : 0;
-  if (apart != 0) begin_branch(next, rays, apart, maker);
-  next.rays += rays;
-  next.lanes += bounce.lanes;
+  const TracedBatch batch = tracer_.trace(RayKind::kShadow, buffer.rays.shadow, 0, rays, node, true);
+  CombineRatio::Ports<float> combine;
+  combine.ratios.bind(buffer.filters.ratios.data() + std::size_t{layer} * wave_.retained.rated.layer);
+  combine.share = share;
+  const Node combined = graph_.launch<CombineRatio>(combine, rays, bounce.lanes);
+  wait_for_batch(combined, batch);
+  graph_.wait_all(combined, wave_.retained.cleared);
+  graph_.register_record_writer(combined);
 }
 
-Wavefront::Bounce Wavefront::send_on(const Bounce& bounce, const Streams& streams) {
-  buffer_.next_wave.hold(std::size_t{streams.blended} + streams.mirror + streams.glass + 1);
-  Bounce from = bounce;
-  from.colours = StreamBuilder::kNone;  // what is sent on does not look at base colours
-  Bounce next;
+/// Kernels that record the bounce's hits; null if samples keep none of them.
+const RecordStages* Wavefront::record_stages(const WaveBounce& bounce) const {
+  const RetainedRecords& kept = wave_.retained;
+  if (kept.visible.are_kept) {
+    if (bounce.depth == 1) return &kVisibleRecords;
+    return kept.visible.keeps_branch(bounce.depth) ? &kVisibleBranchRecords : nullptr;
+  }
+  if (bounce.depth == 1 && kept.geometry) return &kGeometryRecords;
+  if (bounce.depth == 1 && kept.surfaces) return &kSurfaceRecords;
+  if (bounce.depth == 1 && kept.traits) return &kTraitsRecords;
+  if (bounce.depth == 2 && kept.traits) return &kBranchRecords;
+  return bounce.depth > 1 && kept.secondary ? &kSecondaryRecords : nullptr;
+}
+
+void Wavefront::record_hits(WaveBounce& bounce) {
+  const RecordStages* kept = record_stages(bounce);
+  if (kept == nullptr) return;
+  bounce.recorded =
+      kept->hits(wave_, bounce, {.items = wave_.buffer.queues.surfaces.items, .lanes = bounce.lanes}).node;
+  if (bounce.recorded == kNone) return;
+  wait_for_bounce(bounce.recorded, bounce);
+  graph_.wait_all(bounce.recorded, bounce.depth == 1 ? wave_.retained.cleared : wave_.retained.cleared_secondary);
+  graph_.register_record_writer(bounce.recorded);
+}
+
+/// Records samples' colours before or after local shading. Later bounces wait for the launch after it.
+template <bool kAfter>
+Node Wavefront::record_local(const WaveBounce& bounce, SlotQueue& queue) {
+  const StageInput in{.entries = queue.entries.data(), .items = queue.items, .lanes = bounce.lanes};
+  const Node node = launch<RecordLocal<kAfter>>(wave_, bounce, in).node;
+  wait_for_bounce(node, bounce);
+  graph_.wait_for_colours(node);
+  if (!kAfter) graph_.wait_all(node, wave_.retained.cleared);
+  return node;
+}
+
+WaveBounce Wavefront::spawn_secondary_rays(const WaveBounce& bounce) {
+  TileBuffer& buffer = wave_.buffer;
+  const StageQueues& queues = buffer.queues;
+  RaySlots& slots = buffer.rays.next_wave;
+  slots.hold(std::size_t{queues.blended.items} + queues.mirror.items + queues.glass.items + 1);
+  WaveBounce from = bounce;
+  from.colours = kNone;  // these kernels do not read base colours
+  WaveBounce next;
   next.depth = bounce.depth + 1;
   next.after = bounce.after;
-  send<ShadeStraight>(from, RayKind::kRefraction, buffer_.blended, streams.blended, next);
-  next.mirrored = next.rays;
-  if (scene_.effects.has(Effect::kReflections)) {
-    send<ShadeMirror>(from, RayKind::kReflection, buffer_.mirror, streams.mirror, next);
-  }
-  next.refracted = next.rays;
-  if (scene_.effects.has(Effect::kRefractions)) {
-    send<ShadeGlass>(from, RayKind::kRefraction, buffer_.glass, streams.glass, next);
+  for (const SpawnStage& stage : kSpawn) {
+    next.*stage.first = next.rays;
+    SlotQueue& queue = buffer.queues.*stage.queue;
+    if (queue.items == 0 || (stage.effect && !wave_.scene.effects.has(*stage.effect))) continue;
+    const auto [maker, rays] = stage.launch(
+        wave_, from,
+        {.entries = queue.entries.data(), .items = queue.items, .lanes = bounce.lanes, .next_ray = next.rays});
+    wait_for_bounce(maker, from);
+    if (rays == 0) continue;
+    next.batches[next.batch_count++] = tracer_.trace(stage.kind, slots, next.rays, rays, maker, true);
+    const std::uint32_t apart = bounce.depth == 1 ? wave_.retained.visible.apart(stage.kind) : 0;
+    if (apart != 0) begin_branch(next, rays, apart, maker);
+    next.rays += rays;
+    next.lanes += bounce.lanes;
   }
   next.is_single = bounce.is_single && next.batch_count < 2;
-  std::swap(buffer_.wave, buffer_.next_wave);
-  buffer_.hold_wave(next.rays);
+  std::swap(buffer.rays.wave, buffer.rays.next_wave);
+  buffer.reserve_wave(next.rays);
   return next;
 }
 
-void Wavefront::wait_for_colours(Node node) {
-  for (const Node adder : buffer_.colour_nodes) wait_all(node, adder);
+/// Gives the last rays of the next wave, which `maker` emitted, samples of their own.
+void Wavefront::begin_branch(WaveBounce& next, std::uint32_t rays, std::uint32_t apart, Node maker) {
+  BeginBranch::Ports<float> ports;
+  ports.next_paths.bind(wave_.buffer.rays.next_wave.paths.data() + next.rays);
+  ports.apart = apart;
+  const Node begun = graph_.launch<BeginBranch>(ports, rays);
+  graph_.wait_all(begun, maker);
+  graph_.wait_all(begun, wave_.retained.cleared_secondary);
+  graph_.wait_all(begun, next.begun);
+  graph_.register_record_writer(begun);
+  next.begun = begun;
 }
 
-void Wavefront::wait_for_records(Node node) {
-  for (const Node adder : buffer_.record_nodes) wait_all(node, adder);
+template <bool kAlongY>
+void Wavefront::shade_interpolated(const LineUniforms<float>& line, std::uint32_t items, std::uint32_t lanes,
+                                   Node checked) {
+  TileBuffer& buffer = wave_.buffer;
+  StageQueues& queues = buffer.queues;
+  buffer.reserve_wave(items);
+  queues.clear_surfaces();
+  queues.surfaces.items = items;
+  WaveBounce bounce;
+  bounce.lanes = std::max(items, lanes);
+  bounce.has_lit = wave_.scene.fuses && !wave_.scene.lights.empty();
+  const Launch interpolate = bounce.has_lit ? launch<InterpolateLit<kAlongY>> : launch<InterpolateAttributes<kAlongY>>;
+  bounce.inspector = interpolate(wave_, bounce, {.items = items, .lanes = lanes, .line = &line}).node;
+  graph_.wait_all(bounce.inspector, checked);
+  graph_.register_record_writer(bounce.inspector);
+  graph_.register_colour_writer(bounce.inspector);
+  if (!bounce.has_lit) run_stage(kSortInterpolated, bounce, queues.surfaces);
+  if (wave_.scene.has_occlusion) {
+    buffer.reserve_details(items);
+    run_stage(kFindOcclusionTextures, bounce, queues.surfaces);
+  }
+  run_stage(kTextures, bounce, queues.textured);
+  run_stage(kAmbient, bounce, unlit(bounce));
+  run_stage(kOcclusionTextures, bounce, queues.occluded);
+  for (std::uint32_t light = 0; light < wave_.scene.lights.size(); ++light) {
+    run_stage(kKnownShadows, bounce, light == 0 ? unlit(bounce) : queues.diffuse, light);
+  }
 }
+template void Wavefront::shade_interpolated<false>(const LineUniforms<float>& line, std::uint32_t items,
+                                                   std::uint32_t lanes, Node checked);
+template void Wavefront::shade_interpolated<true>(const LineUniforms<float>& line, std::uint32_t items,
+                                                  std::uint32_t lanes, Node checked);
 
-Wavefront::Node Wavefront::put_linear(std::uint64_t offset) {
-  const auto pixels = static_cast<std::uint32_t>(out_.linear.size());
-  PackColour::Ports<float> ports;
-  sources_.bind<PackColour>(ports, nullptr);
-  for (std::uint32_t i = 0; i < pixels; ++i) PackColour::body<float>(i, ports);
-  return transfer(traces::Region::kPicture, true, offset, pixels * kPixelBytes);
-}
-
-void Wavefront::put_out(Node averaged, std::uint64_t offset) {
-  if (scene_.dma_encodes) return wait_all(put_linear(offset), averaged);
-  const auto pixels = static_cast<std::uint32_t>(out_.linear.size());
-  const Node packed = launch<PackColour>(pixels);
-  wait_all(packed, averaged);
-  put_packed(packed, offset);
-}
-
-void Wavefront::put_packed(Node packed, std::uint64_t offset) {
-  const auto bytes = static_cast<std::uint32_t>(out_.linear.size()) * kPixelBytes;
-  wait_all(transfer(traces::Region::kPicture, true, offset, bytes), packed);
-}
-
-Wavefront::Node Wavefront::transfer(traces::Region region, bool to_memory, std::uint64_t offset, std::uint32_t bytes) {
-  return stream_.transfer(region, to_memory, offset, bytes);
-}
-
-Wavefront::Node Wavefront::export_border(std::uint32_t number, std::uint64_t offset, std::uint32_t bytes) {
-  return stream_.export_border(number, offset, bytes);
-}
-
-void Wavefront::export_samples(std::uint32_t number, std::uint64_t offset, std::uint32_t bytes) {
-  const Node node = export_border(number, offset, bytes);
-  wait_for_records(node);
-  wait_for_colours(node);
-}
-
-void Wavefront::import_samples(traces::Border border, std::uint64_t offset, std::uint32_t bytes) {
-  const Node node = import_border(border, offset, bytes);
-  adds_records(node);
-  adds_colours(node);
+Node Wavefront::generate(GenerateListedRays::Ports<float>& ports, SampleQueue& list, Node lister, std::uint32_t items,
+                         RetainedRecords& retained, std::uint32_t lanes) {
+  const auto launch_on_list = [&]<class K, class... Clear>(std::type_identity<K>, std::type_identity<Clear>...) {
+    typename K::template Ports<float> bound;
+    if constexpr (std::is_base_of_v<GenerateListedRays::Ports<float>, typename K::template Ports<float>>) {
+      ports_of<GenerateListedRays>(bound) = ports;
+      (ports_of<Clear>(bound).samples.bind(list.entries.data()), ...);
+    } else {
+      bound.samples.bind(list.entries.data());
+    }
+    if constexpr (std::is_base_of_v<ClearTraits::Ports<float>, typename K::template Ports<float>>) {
+      ports_of<ClearTraits>(bound).secondary.bind(wave_.buffer.subpixels.secondary_traits.data());
+    }
+    const Node node = graph_.launch<K>(bound, items, lanes);
+    return node;
+  };
+  using std::type_identity;
+  ports.samples.bind(list.entries.data());
+  if (wave_.scene.fuses && (retained.geometry || retained.surfaces || retained.traits)) {
+    const type_identity<ClearGeometry> geometry;
+    const Node node =
+        retained.traits     ? launch_on_list(type_identity<GenerateTraits>{}, type_identity<ClearTraits>{})
+        : retained.surfaces ? launch_on_list(type_identity<GenerateSurface>{}, type_identity<ClearSurface>{})
+        : retained.secondary
+            ? launch_on_list(type_identity<GenerateSecondary>{}, geometry, type_identity<ClearSecondary>{})
+            : launch_on_list(type_identity<GenerateGeometry>{}, geometry);
+    retained.cleared = retained.cleared_secondary = node;
+    place_listed(tracer_, ports.grid, list, items);
+    graph_.wait_all(node, lister);
+    graph_.register_record_writer(node);
+    return node;
+  }
+  const Node generated = launch_on_list(type_identity<GenerateListedRays>{});
+  place_listed(tracer_, ports.grid, list, items);
+  graph_.wait_all(generated, lister);
+  const auto clear = [&](auto kernel) {
+    const Node node = launch_on_list(kernel);
+    graph_.wait_all(node, lister);
+    graph_.register_record_writer(node);
+    return node;
+  };
+  if (retained.surfaces) retained.cleared = clear(type_identity<ClearSurface>{});
+  if (retained.geometry) retained.cleared = clear(type_identity<ClearGeometry>{});
+  if (retained.traits) retained.cleared = clear(type_identity<ClearTraits>{});
+  if (retained.secondary) retained.cleared_secondary = clear(type_identity<ClearSecondary>{});
+  return generated;
 }
 
 }  // namespace kernels

@@ -99,7 +99,7 @@ class MadeUp final : public kernels::FrameProgram {
   void run_tile(std::uint32_t tile_index, const traces::Tracer&, bool, kernels::TileResult& out) const override {
     run_(tile_index, out);
   }
-  void keep(const kernels::TileResult&) override {
+  void commit_tile(const kernels::TileResult&) override {
     if (keep_) keep_();
   }
 

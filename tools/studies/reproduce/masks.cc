@@ -27,9 +27,9 @@ class Rows {
 
   void find(std::uint32_t y, kernels::TileResult& out, Mask* row) const {
     const std::uint32_t pitch = kGrid * config_.width, samples = pitch * kGrid;
-    out.buffer.hold_samples(samples);
-    out.buffer.hold_wave(samples);
-    std::iota(out.buffer.samples.begin(), out.buffer.samples.end(), 0U);
+    out.buffer.reserve_samples(samples);
+    out.buffer.reserve_wave(samples);
+    std::iota(out.buffer.checks.samples.entries.begin(), out.buffer.checks.samples.entries.end(), 0U);
     kernels::Wavefront wave(scene_, tracer_, false, kernels::cone_uniforms(camera_, kGrid), out);
     kernels::GenerateListedRays::Ports<float> ports;
     ports.camera = camera_;
@@ -39,9 +39,9 @@ class Rows {
                   .inverse_pitch = 1.0F / static_cast<float>(pitch),
                   .grid = kGrid,
                   .inverse_grid = 1.0F / kGrid};
-    kernels::Wavefront::RetainedRecords retained;
+    kernels::RetainedRecords retained;
     retained.geometry = retained.secondary = true;
-    const auto made = wave.generate(ports, out.buffer.samples, kernels::Wavefront::kNone, samples, retained);
+    const auto made = wave.generate(ports, out.buffer.checks.samples, kernels::Wavefront::kNone, samples, retained);
     wave.run(made, samples, retained);
     for (std::uint32_t x = 0; x < config_.width; ++x) row[x] = mask(x, pitch, out);
   }
@@ -55,8 +55,8 @@ class Rows {
       return false;
     };
     const kernels::TileBuffer& found = out.buffer;
-    const auto& geometry = found.geometry;
-    const auto& secondary = found.secondary;
+    const auto& geometry = found.samples.geometry;
+    const auto& secondary = found.samples.secondary;
     if (any([&](std::uint32_t a, std::uint32_t b) {
           return geometry[a].object != geometry[b].object || dot(geometry[a].normal, geometry[b].normal) < kSameNormal;
         })) {

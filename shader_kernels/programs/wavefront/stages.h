@@ -1,0 +1,225 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <type_traits>
+
+#include "shader_kernels/programs/wavefront/retained_records.h"
+#include "shader_kernels/programs/wavefront/tile_graph.h"
+#include "shader_kernels/programs/wavefront/wave_tracer.h"
+
+namespace kernels {
+
+// Rows of the stage tables of a wave (wavefront.cc), and the launch of a row's kernel.
+
+/// A bounce in progress: its rays, and the nodes that its stages wait for.
+struct WaveBounce {
+  using Node = TileGraph::Node;
+  std::uint32_t rays = 0;
+  std::uint32_t depth = 1;
+  std::uint32_t lanes = 0, padding = 0;                     ///< as for TileGraph::launch()
+  std::uint32_t straight = 0, mirrored = 0, refracted = 0;  ///< first slots of rays of each kind
+  std::array<TracedBatch, 3> batches{};
+  std::uint32_t batch_count = 0;
+  bool is_single = true;          ///< no sample has two of its rays
+  bool has_lit = false;           ///< diffuse surfaces have ambient and first light, except those queued in `deferred`
+  Node begun = TileGraph::kNone;  ///< gave its rays samples of their own
+  Node after = TileGraph::kNone;  ///< last node of the previous bounce that changes colours
+  Node fetched = TileGraph::kNone;    ///< wrote its surfaces; the next stage waits for it item by item
+  Node inspector = TileGraph::kNone;  ///< filled the queues that its stages read
+  Node colours = TileGraph::kNone;    ///< wrote base colours, if textures did after the inspector
+  Node recorded = TileGraph::kNone;   ///< recorded its hits
+};
+
+/// State of a wave that launches read.
+struct WaveContext {
+  const SceneTables& scene;
+  TileGraph& graph;
+  const TileResult& out;
+  TileBuffer& buffer;
+  ConeUniforms<float> cone;
+  RetainedRecords retained{};
+};
+
+/// Input of a launch.
+struct StageInput {
+  std::uint32_t* entries = nullptr;  ///< of the queue; null for kernels that run over all rays
+  std::uint32_t items = 0, lanes = 0;
+  std::uint32_t light = 0, ray = 0;           ///< of the light that it casts rays to
+  std::uint32_t next_ray = 0;                 ///< slot of the next wave for its first ray
+  const LineUniforms<float>* line = nullptr;  ///< of interpolated samples
+  ColourRecord<float>* colours = nullptr;     ///< receives light in place of the samples' colours, unless null
+};
+
+/// Result of a launch: its node, and the number of rays that it emitted.
+struct Launched {
+  TileGraph::Node node = TileGraph::kNone;
+  std::uint32_t rays = 0;
+};
+using Launch = Launched (*)(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in);
+
+/// Nodes that a stage waits for.
+enum class Waits : std::uint8_t {
+  kItem,       ///< item by item: the launch that fetched the surfaces
+  kInspector,  ///< the launch that filled the queues
+  kBounce,     ///< inspector or base colours, rays of all batches, and the previous bounce
+};
+
+/// Effects of a stage on those after it, or'ed.
+enum StageEffect : std::uint32_t {
+  kFetches = 1,      ///< writes surfaces; the next stage waits for it item by item
+  kFillsQueues = 2,  ///< later stages wait for it
+  kBaseColours = 4,  ///< stages that read base colours wait for it
+  kAddsColours = 8,
+  kCastsRays = 16,          ///< its rays are shadow or occlusion rays
+  kEndsSurfaces = 32,       ///< all surfaces are known, so that hits are recorded next
+  kRecordsHits = 64,        ///< records hits itself
+  kCastsAmbientRays = 128,  ///< its rays bring ambient light, so that no shadow is recorded
+  kOwnItemsOnly = 256       ///< runs over its queue alone, even where kernels diverge
+};
+
+/// A row of a stage table. A stage whose queue is empty is left out.
+struct WaveStage {
+  SlotQueue StageQueues::*queue;
+  Launch launch;
+  Waits waits;
+  std::uint32_t effects = 0;
+  constexpr bool has(StageEffect effect) const { return (effects & effect) != 0; }
+};
+
+/// A row of the table of kernels that emit the rays of the next wave.
+struct SpawnStage {
+  SlotQueue StageQueues::*queue;
+  Launch launch;
+  traces::RayKind kind;
+  std::uint32_t WaveBounce::*first;  ///< slot of its first ray
+  std::optional<Effect> effect;      ///< of the frame that the rays belong to
+};
+
+/// Kernels that record a bounce's hits and shadow rays. `combine_shadows` also adds the rays' light to samples.
+struct RecordStages {
+  Launch hits, shadows, combine_shadows;
+};
+
+/// A light's bit; lights from 32 on share bits.
+inline std::uint32_t bit_of(std::uint32_t light) { return 1U << (light % 32); }
+
+BounceUniforms<float> bounce_uniforms(const WaveBounce& bounce);
+/// Hash of a light and a bounce, which secondary shadow records add up.
+std::uint32_t secondary_mark(const WaveBounce& bounce, std::uint32_t light);
+DrawUniforms<float> occlusion_draw(const WaveContext& wave, std::uint32_t ray);
+DrawUniforms<float> soft_shadow_draw(const WaveContext& wave, std::uint32_t light, std::uint32_t ray);
+
+/// The kernel that a part of a fused kernel runs.
+template <class Part>
+struct KernelOf {
+  using Type = Part;
+};
+template <class K>
+struct KernelOf<ImmediateLit<K>> {
+  using Type = K;
+};
+
+/// Whether kernel K records the secondary hit that carries most (supersample).
+template <class K>
+inline constexpr bool kRecordsBranch = std::is_same_v<K, RecordBranchShadow>;
+template <bool kInstanced>
+inline constexpr bool kRecordsBranch<RecordBranch<kInstanced>> = true;
+
+/// Sets the uniforms of kernel K, and ports whose array depends on the stage.
+template <class K, class P>
+void bind_stage(P& p, const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
+  const SceneTables& scene = wave.scene;
+  if constexpr (requires { p.stream; }) p.stream.bind(in.entries);
+  if constexpr (
+      requires { p.diffuse; } && !requires { p.diffuse_count; })
+    p.diffuse.bind(in.entries);
+  if constexpr (requires { p.background; }) p.background = scene.background;
+  if constexpr (requires { p.epsilon; }) p.epsilon = scene.epsilon;
+  if constexpr (requires { p.min_weight; }) p.min_weight = scene.min_weight;
+  if constexpr (requires { p.cone; }) p.cone = wave.cone;
+  if constexpr (requires { p.eye; }) p.eye = wave.retained.visible.eye;
+  if constexpr (requires { p.depth_scale; }) p.depth_scale = wave.retained.visible.depth_scale;
+  if constexpr (requires { p.bounce; }) p.bounce = bounce_uniforms(bounce);
+  if constexpr (requires { p.line; }) p.line = *in.line;
+  if constexpr (requires { p.light; }) p.light = scene.lights[in.light];
+  if constexpr (requires { p.disc; }) {
+    p.disc = scene.discs[in.light];
+    p.draw = soft_shadow_draw(wave, in.light, in.ray);
+  }
+  if constexpr (requires { p.distance; }) {
+    p.ambient = scene.ambient * scene.occlusion_share();
+    p.distance = scene.occlusion_distance;
+    p.draw = occlusion_draw(wave, in.ray);
+  } else if constexpr (requires { p.ambient; }) {
+    p.ambient = scene.ambient;
+  }
+  if constexpr (requires { p.share; }) p.share = scene.occlusion_share();
+  if constexpr (requires { p.next_rays; }) {
+    p.next_rays.bind(wave.buffer.rays.next_wave.rays.data() + in.next_ray);
+    p.next_paths.bind(wave.buffer.rays.next_wave.paths.data() + in.next_ray);
+  }
+  if constexpr (requires { p.colours; }) {
+    if (in.colours != nullptr) p.colours.bind(in.colours);
+  }
+  if constexpr (std::is_same_v<K, ShadeVisible>) p.mark = bit_of(in.light);
+  if constexpr (std::is_same_v<K, RecordShadow>) {
+    p.records.bind(wave.buffer.samples.geometry.data());
+    p.mark = bit_of(in.light);
+  }
+  if constexpr (std::is_same_v<K, RecordVisibleShadow>) {
+    p.records.bind(wave.buffer.filters.visible.data());
+    p.mark = bit_of(in.light);
+  }
+  if constexpr (std::is_same_v<K, RecordTraitsShadow>) {
+    p.records.bind(wave.buffer.subpixels.traits.data());
+    p.mark = 1;
+  }
+  if constexpr (std::is_same_v<K, RecordSecondaryShadow>) {
+    p.records.bind(wave.buffer.samples.secondary.data());
+    p.mark = secondary_mark(bounce, in.light);
+  }
+  if constexpr (kRecordsBranch<K>) p.traits.bind(wave.buffer.subpixels.secondary_traits.data());
+}
+
+/// Launches kernel K. A fused kernel's parts are bound one by one.
+template <class K>
+Launched launch(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
+  typename K::template Ports<float> ports;
+  if constexpr (requires { K::for_each_part([]<class> {}); }) {
+    K::for_each_part(
+        [&]<class Part> { bind_stage<typename KernelOf<Part>::Type>(ports_of<Part>(ports), wave, bounce, in); });
+  } else {
+    bind_stage<K>(ports, wave, bounce, in);
+  }
+  const TileGraph::Node node = wave.graph.launch<K>(ports, in.items, in.lanes);
+  std::uint32_t rays = 0;
+  if constexpr (requires { ports.emitted; }) rays = ports.emitted.value;
+  return {node, rays};
+}
+
+/// Launches the variant of kernel K for the scene's mip maps.
+template <template <MipFilter> class K>
+Launched by_mips(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
+  if (wave.scene.mips == MipFilter::kNone) return launch<K<MipFilter::kNone>>(wave, bounce, in);
+  if (wave.scene.mips == MipFilter::kNearest) return launch<K<MipFilter::kNearest>>(wave, bounce, in);
+  return launch<K<MipFilter::kLinear>>(wave, bounce, in);
+}
+
+/// Launches the variant of kernel K for scenes with instances, or without.
+template <template <bool> class K>
+Launched by_instances(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
+  return wave.scene.image.has_levels() ? launch<K<true>>(wave, bounce, in) : launch<K<false>>(wave, bounce, in);
+}
+
+/// Launches the variant of kernel K for instances or none, and for ray cones (mip maps) or none.
+template <template <bool, bool> class K>
+Launched by_surfaces(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
+  const bool has_cones = wave.scene.mips != MipFilter::kNone;
+  if (wave.scene.image.has_levels()) {
+    return has_cones ? launch<K<true, true>>(wave, bounce, in) : launch<K<true, false>>(wave, bounce, in);
+  }
+  return has_cones ? launch<K<false, true>>(wave, bounce, in) : launch<K<false, false>>(wave, bounce, in);
+}
+
+}  // namespace kernels

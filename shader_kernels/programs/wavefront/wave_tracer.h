@@ -1,0 +1,63 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "shader_kernels/programs/wavefront/tile_graph.h"
+#include "traces/tracer.h"
+
+namespace kernels {
+
+/// Rays that have been traced.
+struct TracedBatch {
+  TileGraph::Node rays = TileGraph::kNone;
+  /// The launch that wrote the last hit into its slot, if any ray continued after a hole or tinted glass.
+  TileGraph::Node settled = TileGraph::kNone;
+};
+
+/// Traces a tile's rays. In scenes with holes or tinted glass rays continue, in rounds, until their hits are solid:
+///
+///   rays -> classify_layers -> [ test_alpha or test_shadow -> rays -> scatter_layers ] ...
+class WaveTracer {
+ public:
+  using Node = TileGraph::Node;
+
+  WaveTracer(const SceneTables& scene, const traces::Tracer& tracer, TileGraph& graph, TileResult& out);
+
+  /// Traces the rays of `count` slots from `first` on, which `maker` has emitted. `is_mapped`: `maker` emitted rays for
+  /// some of its items only.
+  TracedBatch trace(traces::RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count, Node maker,
+                    bool is_mapped);
+  /// Finds the hits of a wave's primary rays. A rasteriser does that work if the frame has one.
+  TracedBatch find_primary_hits(std::uint32_t count, Node maker);
+
+  /// Whether the work of each pixel's rays is counted; then programs place their samples.
+  bool counts_pixels() const { return out_.wants_pixel_work && graph_.is_recording(); }
+  /// Places the sample of a primary ray of the first wave in pixel (x, y).
+  void place_ray(std::uint32_t ray, std::uint32_t x, std::uint32_t y) {
+    place(buffer_.rays.wave.paths[ray].sample, x, y);
+  }
+  /// Places a sample in pixel (x, y).
+  void place(std::uint32_t sample, std::uint32_t x, std::uint32_t y);
+  /// Hands over the counted work of all pixels.
+  void finish();
+
+ private:
+  Node trace_once(traces::RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count, Node maker,
+                  bool is_mapped);
+  void count_walks(std::size_t first_ray, std::span<const PathRecord<float>> paths);
+  Node continue_through_layers(traces::RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count,
+                               Node batch);
+  template <bool kColoured, bool kInstanced>
+  std::uint32_t test_layers(traces::RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t items,
+                            std::uint32_t lanes, Node& tested);
+
+  const SceneTables& scene_;
+  const traces::Tracer& tracer_;
+  TileGraph& graph_;
+  TileResult& out_;
+  TileBuffer& buffer_;
+  std::uint32_t rays_traced_ = 0;
+};
+
+}  // namespace kernels
