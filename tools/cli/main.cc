@@ -84,8 +84,8 @@ std::string missing_argument(const CLI::App& verb) {
     if (!option->get_required() || option->count() != 0) continue;
     const std::string& about = option->get_description();
     const std::string type = option->get_type_name();
-    const bool says_more = option->get_positional() && !type.empty() && !type.starts_with("TEXT");
-    return fmt::format("{} needs {}: {}; see {} --help", command(verb), says_more ? type : option->get_name(),
+    const bool is_telling = option->get_positional() && !type.empty() && !type.starts_with("TEXT");
+    return fmt::format("{} needs {}: {}; see {} --help", command(verb), is_telling ? type : option->get_name(),
                        sim::printable(about.substr(0, about.find('\n'))), command(verb));
   }
   return {};

@@ -8,6 +8,7 @@
 #include "sim/error.h"
 #include "sim/host_clock.h"
 #include "sim/io/printable.h"
+#include "tools/simulation/host_time.h"
 #include "tools/simulation/kept_work.h"
 #include "tools/simulation/recorded.h"
 #include "tools/simulation/replay_program.h"
@@ -148,6 +149,24 @@ void StoredFrames::load_tree(const Part& part) {
   }
   scope_.region_bytes = part.requirements.region_bytes;
   inputs_.load_seconds += sim::seconds_since(begin);
+}
+
+double StoredFrames::estimated_seconds() {
+  const double steps = recorded_steps();
+  const Plays plays{threads_, replicates_};
+  HostRate rate = kUsualRate;
+  // Tiles of other programs wait for each other.
+  const bool has_free_tiles = program_.kind == kernels::ProgramSpec::Kind::kFull;
+  if (has_free_tiles && may_be_long(steps, plays)) {
+    const Part& first = part(false);
+    load_tree(first);
+    ReplayProgram frame(trace_, first, scope_, kernels_);
+    try {
+      rate = measured_rate(inputs_, frame, NoTracer());
+    } catch (const sim::Deadlock&) {  // the replay itself reports it
+    }
+  }
+  return inputs_.load_seconds + frame_seconds(steps, rate, plays);
 }
 
 Simulation StoredFrames::play_part(const Part& part, const kernels::ProgramSpec& program, const Extras& extras) {

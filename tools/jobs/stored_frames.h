@@ -20,8 +20,8 @@ class StoredFrames final : public FrameSource {
                std::uint32_t replicates);
 
   std::uint32_t count() const override { return static_cast<std::uint32_t>(trace_.frames().size()); }
-  /// Traversal steps of all frames and their references, as the trace records them.
-  double recorded_steps() const;
+  /// Returns the seconds that all frames take on this host: at the rate of a few tiles where it may take minutes.
+  double estimated_seconds();
 
   const Inputs& inputs() const override { return inputs_; }
   bool has_reference() const override { return reference_.has_value(); }
@@ -37,6 +37,8 @@ class StoredFrames final : public FrameSource {
   StoredFrames(const std::filesystem::path& file,
                const std::function<RunConfig(const traces::Json& header, const std::string& name)>& config,
                std::uint32_t threads, std::uint32_t replicates);
+  /// Traversal steps of all frames and their references, as the trace records them.
+  double recorded_steps() const;
   void read_frame(std::size_t index);
   const traces::TraceReader::Part& part(bool reference) const;
   Simulation play_part(const traces::TraceReader::Part& part, const kernels::ProgramSpec& program,

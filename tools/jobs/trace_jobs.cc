@@ -94,7 +94,7 @@ void replay_trace(const JobOptions& options, const std::filesystem::path& file) 
   }
   StoredFrames frames(file, options);
   tell_warnings(frames.inputs().warnings, &progress);
-  tell_long(frame_seconds(frames.recorded_steps(), kUsualRate, {options.threads, frames.replicates()}), {}, progress);
+  tell_long(frames.estimated_seconds(), {}, progress);
   progress.expect(frames.count() * (frames.has_reference() ? 2 : 1));
   const std::size_t to_replace = frames_to_replace(folder.target() / "report.json");
   hold.emplace();

@@ -20,7 +20,7 @@ constexpr std::uint32_t kAcross = 24, kDown = 12;  // pixels of the thin picture
 constexpr std::uint32_t kOneOf = 3;                // columns and rows of a small picture: cheap beside its run
 constexpr double kSlowestStep = 4e-6;              // seconds; chosen: hairball at 96x64 takes 3.5 us
 constexpr std::uint32_t kFewestTiles = 16, kMostTiles = 32;  // tiles played to measure the rate
-constexpr std::uint32_t kOneTileOf = 50;                     // tiles, of which one is played: 2 % of a large frame
+constexpr std::uint32_t kOneTileOf = 50;                     // tiles per tile played: 2 % of a large frame
 
 /// Passes tiles on; counts their steps and the time it takes to make them.
 class MeasuredTiles final : public hw::TileSource {
@@ -53,8 +53,6 @@ std::vector<std::uint32_t> spread_over(std::uint32_t all, std::uint32_t count) {
   return indices;
 }
 
-bool may_be_long(double steps, const Plays& plays) { return steps * kSlowestStep * plays.replicates >= kLong; }
-
 }  // namespace
 
 double estimated_steps(const Inputs& inputs, const kernels::ProgramSpec& spec) {
@@ -74,14 +72,19 @@ double estimated_steps(const Inputs& inputs, const kernels::ProgramSpec& spec) {
   return static_cast<double>(steps) / looked_at * samples;
 }
 
+bool may_be_long(double steps, const Plays& plays) { return steps * kSlowestStep * plays.replicates >= kLong; }
+
 HostRate measured_rate(const Inputs& inputs, const kernels::ProgramSpec& spec) {
   const bool is_full = spec.kind == kernels::ProgramSpec::Kind::kFull;
   kernels::FullProgram program(inputs.image, inputs.camera, inputs.config.render, is_full ? spec.samples : 1,
                                inputs.frame);
-  const traces::BvhTracer tracer(inputs.image);
+  return measured_rate(inputs, program, traces::BvhTracer(inputs.image));
+}
+
+HostRate measured_rate(const Inputs& inputs, kernels::FrameProgram& program, const traces::Tracer& tracer) {
   const std::uint32_t tiles = program.tiles();
-  FrontEnd front(program, tracer, 0, true,
-                 spread_over(tiles, std::min(tiles, std::clamp(tiles / kOneTileOf, kFewestTiles, kMostTiles))));
+  const std::uint32_t played = std::min(tiles, std::clamp(tiles / kOneTileOf, kFewestTiles, kMostTiles));
+  FrontEnd front(program, tracer, 0, true, spread_over(tiles, played));
   MeasuredTiles source(front);
   const auto gpu = make_gpu(inputs, program.requirements(), source);
   const double begin = sim::thread_seconds();
@@ -108,7 +111,7 @@ double estimated_seconds(const Inputs& inputs, const kernels::ProgramSpec& spec,
   if (may_be_long(steps * inputs.frames(), plays)) {
     try {
       rate = measured_rate(inputs, spec);
-    } catch (const sim::Deadlock&) {  // the run itself says so
+    } catch (const sim::Deadlock&) {  // the run itself reports it
     }
   }
   return frame_seconds(steps, rate, plays);
@@ -118,7 +121,12 @@ double estimated_functional_seconds(const Inputs& inputs, const kernels::Program
                                     std::uint32_t threads) {
   const double steps = estimated_steps(inputs, spec);
   double rate = kUsualRate.functional;
-  if (steps * inputs.frames() * kSlowestStep >= kLong) rate = measured_rate(inputs, spec).functional;
+  if (may_be_long(steps * inputs.frames(), {})) {
+    try {
+      rate = measured_rate(inputs, spec).functional;
+    } catch (const sim::Deadlock&) {  // it has no machine to be stuck
+    }
+  }
   return times * steps * rate / host_threads(threads);
 }
 

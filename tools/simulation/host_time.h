@@ -3,8 +3,10 @@
 #include <string_view>
 
 #include "shader_kernels/programs/program_spec.h"
+#include "shader_kernels/programs/wavefront/frame_program.h"
 #include "tools/host/progress.h"
 #include "tools/simulation/run_job.h"
+#include "traces/tracer.h"
 
 namespace tools {
 
@@ -16,7 +18,7 @@ struct HostRate {
 /// Rate of a usual scene on a usual host, where none is measured.
 inline constexpr HostRate kUsualRate{.functional = 12e-9, .machine = 100e-9};
 
-/// Plays of a frame's work.
+/// Threads, replicates and slices of a run.
 struct Plays {
   std::uint32_t threads = 1;     ///< of the host; 0: all it has
   std::uint32_t replicates = 1;  ///< plays of each frame
@@ -28,6 +30,11 @@ double estimated_steps(const Inputs& inputs, const kernels::ProgramSpec& spec);
 
 /// Renders and plays a few tiles, spread over the present frame, and returns the rate of this host.
 HostRate measured_rate(const Inputs& inputs, const kernels::ProgramSpec& spec);
+/// The same for tiles of a program of one pass. sim::Deadlock if the machine is stuck.
+HostRate measured_rate(const Inputs& inputs, kernels::FrameProgram& program, const traces::Tracer& tracer);
+
+/// True if work of this number of steps may take minutes, so that the rate is worth measuring.
+bool may_be_long(double steps, const Plays& plays);
 
 /// Returns the seconds of a frame with this number of steps.
 double frame_seconds(double steps, const HostRate& rate, const Plays& plays);
@@ -39,7 +46,7 @@ double estimated_seconds(const Inputs& inputs, const kernels::ProgramSpec& spec,
 double estimated_functional_seconds(const Inputs& inputs, const kernels::ProgramSpec& spec, double times,
                                     std::uint32_t threads);
 
-/// Prints a hint before work that takes minutes; `less` says how it takes less, or is empty.
+/// Prints a hint before work that takes minutes; `less` is a way to take less, or empty.
 void tell_long(double seconds, std::string_view less, Progress& progress);
 
 }  // namespace tools

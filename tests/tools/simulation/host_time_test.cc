@@ -50,6 +50,12 @@ TEST(HostTime, OfSlicesIsSharedByTheThreads) {
   EXPECT_DOUBLE_EQ(frame_seconds(12, rate, {.threads = 2, .slices = 3}), 6);
 }
 
+TEST(HostTime, IsMeasuredFromAMinuteOfTheSlowestStepsOn) {
+  EXPECT_FALSE(may_be_long(14.9e6, {}));  // 4 us each
+  EXPECT_TRUE(may_be_long(15.1e6, {}));
+  EXPECT_TRUE(may_be_long(4e6, {.replicates = 4}));
+}
+
 TEST(HostTime, OfAShortFrameIsNotMeasured) {
   const Inputs inputs = inputs_of("24x12");
   EXPECT_DOUBLE_EQ(estimated_seconds(inputs, kOne, {.threads = 1}),

@@ -78,14 +78,14 @@ std::string changed_text(const std::vector<KeyPair>& keys) {
   }
   std::string out;
   for (const std::string& unit : units) {
-    std::string_view said;  // group of the last line
+    std::string_view shown;  // group of the last line
     for (const KeyPair& key : keys) {
       if (unit_of_key(key.key) != unit) continue;
       const std::string_view group = group_of(key.key);
       const auto others = std::ranges::count(keys, group, [](const KeyPair& k) { return group_of(k.key); }) - 1;
       const bool is_many = !group.empty() && others >= kMostOfGroup;
-      if (is_many && group == said) continue;
-      said = group;
+      if (is_many && group == shown) continue;
+      shown = group;
       out += fmt::format("Changed{}: {}{}\n", unit.empty() ? "" : " in " + unit, changed_text(key),
                          is_many ? fmt::format(", and {} more keys of {}", others, group) : "");
     }
