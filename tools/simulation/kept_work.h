@@ -47,7 +47,7 @@ class KeptProgram final : public kernels::FrameProgram {
   kernels::FrameRequirements requirements() const override { return requirements_; }
   void run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
                 kernels::TileResult& out) const override;
-  void keep(const kernels::TileResult& /*tile*/) override {}
+  void commit_tile(const kernels::TileResult& /*tile*/) override {}
 
  private:
   const KeptWork& work_;
