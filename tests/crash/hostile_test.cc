@@ -208,10 +208,10 @@ void try_trace(const fs::path& folder, const TempFolder& work) {
   bounded({"trace", "replay", trace, "--threads", "1", "-o", (work.path() / "replayed").string()}, work.path());
 }
 
-/// Reports in a store by the number of cores, without what differs from run to run.
+/// Good reports in a store by the number of cores, without what differs from run to run.
 std::map<int, std::string> results_of(const fs::path& store) {
   std::map<int, std::string> results;
-  for (const auto& [name, bytes] : files_in(store)) {
+  for (const auto& [name, bytes] : files_in(store / "points")) {
     if (fs::path(name).filename() != "report.json") continue;
     nlohmann::json report = nlohmann::json::parse(bytes, nullptr, false);
     if (report.is_discarded()) continue;
