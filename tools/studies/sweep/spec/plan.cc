@@ -124,6 +124,15 @@ void check_cut(const Spec& spec) {
   });
 }
 
+/// True if the point's line may be longer than allowed, at six bytes for an escaped one.
+bool may_be_long(const Point& point) {
+  std::size_t bytes = point.config.size() + point.scene.size() + point.camera.size() + point.error.size();
+  for (const auto& [name, value] : point.axes) bytes += name.size() + value.size();
+  for (const std::string& set : point.sets) bytes += set.size();
+  constexpr std::size_t kOthers = 1000;  // ids, names of members, and what is short
+  return 6 * bytes + 10 * (point.axes.size() + point.sets.size()) + kOthers > kLongestLine;
+}
+
 Point make_point(const Spec& spec, const fs::path& folder, const Choice& choice) {
   Point point;
   point.config = from_folder(spec.config, folder);
@@ -197,7 +206,7 @@ Point Planner::point(const Choice& choice, const std::string& tile_sampling) {
     point.slices = 0;
   }
   at_key(spec_, "scene", [&] { keys_.set_key(point); });
-  if (to_line(point).size() > kLongestLine) {
+  if (may_be_long(point) && to_line(point).size() > kLongestLine) {
     throw sim::InputError(fmt::format("a point takes more than {} bytes to say", kLongestLine));
   }
   return point;
