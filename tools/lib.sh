@@ -84,7 +84,7 @@ install_packages() {
   step "install packages" apt_install $missing
 }
 
-# build PRESET [CMAKE_OPTION...] [-- BUILD_OPTION...]
+# build PRESET [CMAKE_OPTION...] [-- BUILD_OPTION...]: configures and builds, and says how much processor time that took.
 build() {
   local preset=$1 options=()
   shift
@@ -95,7 +95,8 @@ build() {
   [ $# -eq 0 ] || shift
   cd "$root" || fail "cannot enter $root"
   step "configure $preset" cmake --preset "$preset" "${options[@]}"
-  step "build $preset" with_progress cmake --build --preset "$preset" "$@"
+  local TIMEFORMAT="$script: the build took %0U user + %0S system CPU-seconds"
+  time step "build $preset" with_progress cmake --build --preset "$preset" "$@"
 }
 
 # install_npm_packages NAME PINNED PRESET: puts the packages that the folder PINNED pins into the build tree's folder of

@@ -19,7 +19,7 @@ using Type = Json::Type;
 
 // --- Objects -----------------------------------------------------------------------------------------------------
 
-/// The entries of an object; beyond a few, with an index. The index is a tree, as no choice of keys makes it slow.
+/// The entries of an object, with an index if there are many. The index is a tree: no choice of keys makes it slow.
 struct Json::Object {
   static constexpr std::size_t kFewKeys = 16;
 
@@ -50,7 +50,7 @@ struct Json::Object {
     const auto found = std::ranges::find(entries, key, &Entry::key);
     return found == entries.end() ? nullptr : &*found;
   }
-  /// Of a key that is not there yet.
+  /// The key must be absent.
   Json& add(std::string key) {
     entries.push_back({std::move(key), Json()});
     if (index != nullptr) {
@@ -139,7 +139,7 @@ const char* name_of(const Json& json) {
   return json.is_object() ? "object" : "number";
 }
 
-// Texts and numbers of errors are those of the library that parses.
+// Texts and numbers of errors are those of nlohmann.
 JsonError key_error(std::string_view key) {
   return {JsonError::Kind::kKey, fmt::format("[json.exception.out_of_range.403] key '{}' not found", key)};
 }
@@ -164,7 +164,7 @@ T Json::number() const {
   if (type_ == Type::kUnsigned) return static_cast<T>(value_.natural);
   if (type_ != Type::kDouble) refuse(kNotOfType, "type must be number, but is");
   if constexpr (std::integral<T>) {
-    // What a conversion of other numbers gives is undefined.
+    // The conversion of a number out of range is undefined.
     constexpr double kEnd = static_cast<double>(std::numeric_limits<T>::max());
     if (!(value_.real >= static_cast<double>(std::numeric_limits<T>::min()))) return std::numeric_limits<T>::min();
     if (value_.real >= kEnd) return std::numeric_limits<T>::max();
@@ -459,10 +459,10 @@ JsonPointer::JsonPointer(std::string_view text) {
 
 namespace {
 
-/// Writes texts and fractions by the library's own serializer, which decides how they look.
+/// Writes strings and floating-point numbers through the serializer of nlohmann.
 class JsonWriter {
  public:
-  /// `indent`: blanks for each level; none writes a line.
+  /// `indent`: spaces per level; 0: one line.
   explicit JsonWriter(std::size_t indent) : indent_(indent) {}
 
   void write(const Json& json) {
@@ -574,7 +574,7 @@ void check_json_depth(std::string_view json, std::size_t levels) {
   }
 }
 
-/// Builds a tree.
+/// Builds a value from parser events.
 class JsonBuilder : public JsonReader {
  public:
   bool null() override { return put(Json()); }
@@ -624,13 +624,13 @@ class JsonBuilder : public JsonReader {
   }
 
   Json root_;
-  std::vector<Json*> open_;  ///< arrays and objects that have not ended
+  std::vector<Json*> open_;  ///< arrays and objects still being parsed
   Json* member_ = nullptr;   ///< of the last key
 };
 
 namespace {
 
-/// Hands the events of the library's parser to a reader.
+/// Sends the events of the parser of nlohmann to a reader.
 class Adapter : public nlohmann::json_sax<nlohmann::json> {
  public:
   explicit Adapter(JsonReader& reader) : reader_(reader) {}

@@ -16,12 +16,12 @@
 
 namespace sim {
 
-/// Levels of any JSON file of ours.
+/// The most levels of a JSON file that Raywatt writes.
 inline constexpr std::size_t kDeepestJson = 64;
-/// Keys of one object of a JSON file: several times what a report of the largest machine has in all its objects.
+/// The most keys of one object: several times the keys of a whole report of the largest machine.
 inline constexpr std::size_t kMostJsonKeys = 250'000;
 
-/// A JSON value of another type than its reader expects, an absent key or element, or text that is not JSON.
+/// A JSON value of the wrong type, an absent key or element, or text that is not JSON.
 class JsonError : public std::runtime_error {
  public:
   enum class Kind : std::uint8_t { kSyntax, kNumberRange, kType, kKey, kIndex };
@@ -30,10 +30,10 @@ class JsonError : public std::runtime_error {
       : std::runtime_error(what), kind(found), bytes_read(bytes) {}
 
   Kind kind;
-  std::size_t bytes_read;  ///< kSyntax: up to the byte that is wrong, with it
+  std::size_t bytes_read;  ///< kSyntax: up to and including the wrong byte
 };
 
-/// An iterator over the elements of an array or the values of an object.
+/// An iterator over the elements of an array or over the values of an object.
 template <class Value, class Entry>
 class JsonIterator {
  public:
@@ -81,10 +81,10 @@ class JsonPointer {
 
 /// A JSON value. Objects keep the order in which their keys were added; finding a key takes logarithmic time.
 ///
-/// A braced list is an object if each of its elements is a list of a text and a value, and an array otherwise. Of equal
-/// keys the first counts there. Functions throw JsonError for a value of the wrong type, an absent key or an absent
-/// element. Iteration visits the elements of an array, the values of an object, nothing of null, and any other value
-/// itself.
+/// - A braced list is an object if each element is a list of a string and a value, and an array otherwise. The first of
+///   equal keys counts.
+/// - Functions throw JsonError for a value of the wrong type, an absent key or an absent element.
+/// - Iteration visits the elements of an array, the values of an object, nothing of null, and any other value itself.
 class Json {
  public:
   enum class Type : std::uint8_t { kNull, kBoolean, kInteger, kUnsigned, kDouble, kString, kArray, kObject };
@@ -161,7 +161,7 @@ class Json {
   template <class T>
   T get_ref() const;
 
-  std::size_t size() const;  ///< 0 for null, 1 for what is no array or object
+  std::size_t size() const;  ///< 0 for null, 1 for a boolean, number or string
   bool empty() const { return size() == 0; }
   iterator begin();
   iterator end();
@@ -172,7 +172,7 @@ class Json {
   Json& back();
   const Json& back() const;
 
-  /// The entries of an object in their order; none of null. Keys must not be changed.
+  /// The entries of an object in their order; empty for null. The keys must not be changed.
   std::span<Entry> items();
   std::span<const Entry> items() const;
   bool contains(std::string_view key) const;
@@ -188,7 +188,7 @@ class Json {
   /// Adds null if the key is absent; null itself becomes an object.
   Json& operator[](std::string_view key);
   Json& operator[](std::size_t index) { return at(index); }
-  /// Adds what is absent on the way: arrays for tokens of digits, objects for others.
+  /// Adds absent values along the path: arrays for numeric tokens, objects for others.
   Json& operator[](const JsonPointer& pointer);
   const Json& operator[](std::string_view key) const { return at(key); }
   const Json& operator[](std::size_t index) const { return at(index); }
@@ -206,14 +206,14 @@ class Json {
   void push_back(Json element);
   /// Sets the keys of another object; null becomes an object.
   void update(const Json& other);
-  /// Removes a key, if it is there. Takes time proportional to the number of keys.
+  /// Removes a key if it exists, in time linear in the number of keys.
   void erase(std::string_view key);
   /// Sorts the keys of all objects of the tree by their bytes.
   void sort_keys();
-  /// An object of all values of the tree that are no array or object, or are empty, by the texts of their pointers.
+  /// Returns an object of all leaves of the tree, by the text of their pointers. Empty arrays and objects are null.
   Json flatten() const;
 
-  /// Numbers are equal by value, objects if their entries are in the same order.
+  /// Numbers of different types are compared by value. The order of keys counts.
   friend bool operator==(const Json& a, const Json& b) { return a.equals(b); }
 
  private:
@@ -231,7 +231,7 @@ class Json {
 
   explicit Json(Type type);
   [[noreturn]] void refuse(int number, const char* what) const;
-  Json take() const noexcept;  ///< of an element of a braced list, which is used once
+  Json take() const noexcept;  ///< moves an element out of a braced list
   bool equals(const Json& other) const;
   const Json* find_value(std::string_view key) const;
   const Json* find_for_value(std::string_view key) const;
@@ -242,8 +242,8 @@ class Json {
   template <class T>
   std::vector<T> list() const;
 
-  // Mutable, so that the elements of a braced list, which are const, can be moved instead of copied. Nothing else
-  // changes a const value.
+  // Mutable because the elements of an initializer list are const: take() moves them. No other function changes a const
+  // value.
   mutable Type type_ = Type::kNull;
   mutable Value value_;
 };
@@ -283,25 +283,25 @@ const std::string& Json::get_ref() const;
 /// The JSON as a line, for test messages.
 std::ostream& operator<<(std::ostream& out, const Json& json);
 
-/// Does the JSON nest objects and lists deeper than that? Whoever walks through it, the parser's own values too, takes
-/// a frame of the stack for each level. Text that is no JSON may give either answer.
+/// True if the JSON nests objects and arrays deeper than `levels`. Every walk over the values takes a stack frame per
+/// level. The answer for text that is not JSON is arbitrary.
 bool is_nested_deeper(std::string_view json, std::size_t levels);
 
-/// InputError for JSON that is nested deeper than that.
+/// Throws InputError for JSON that is nested deeper than `levels`.
 void check_json_depth(std::string_view json, std::size_t levels = kDeepestJson);
 
-/// JSON as a line, and as text of many lines. Bytes that are no UTF-8 become U+FFFD: nothing that has been found is
-/// lost for a name's sake (printable.h has with_escaped_bytes). Numbers are the shortest that read back exactly.
+/// JSON as one line, and as indented text. Bytes that are not UTF-8 become U+FFFD (with_escaped_bytes() of printable.h
+/// keeps them). Numbers have the fewest digits that read back exactly.
 std::string json_line(const Json& json);
 std::string json_lines(const Json& json);
 
-/// Parses JSON from outside. The last of equal keys counts, at the place of the first. InputError as check_json_depth()
-/// and for an object of more than kMostJsonKeys keys; JsonError for text that is not JSON.
+/// Parses untrusted JSON in linear time. The last of equal keys counts, at the position of the first. InputError for
+/// more than `levels` levels or kMostJsonKeys keys in an object; JsonError for text that is not JSON.
 Json parse_json(std::string_view text, std::size_t levels = kDeepestJson);
-/// Parses the next value of a stream, whose depth its reader has checked; other errors as above.
+/// Parses the next value of a stream; errors as above. The caller has checked the depth.
 Json parse_json(std::istream& text);
 
-/// Receives JSON piece by piece, in the order of the text. A function that returns false ends the reading.
+/// Receives JSON events in the order of the text. A function that returns false ends the parsing.
 class JsonReader {
  public:
   virtual ~JsonReader() = default;
@@ -318,7 +318,7 @@ class JsonReader {
   virtual bool end_array() = 0;
 };
 
-/// Hands JSON from outside to a reader; errors as parse_json(), without the limit of keys.
+/// Sends the events of untrusted JSON to a reader; errors as parse_json(), without the limit on keys.
 void scan_json(std::string_view text, JsonReader& reader);
 
 }  // namespace sim

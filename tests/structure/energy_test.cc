@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "hw_models/dram/dram_energy.h"
+#include "hw_models/machines/gpu_config.h"
 #include "sim/report/logic_area.h"
 #include "sim/report/table_names.h"
 #include "sim/report/unit_entry.h"
@@ -34,7 +35,7 @@ const Played& played() {
     options.sets = {"render.primary=raster"};  // so that there are rasterisers
     const tools::Inputs inputs = tools::load_inputs(options);
     Played p{inputs.config, tools::simulate(inputs, kernels::parse_program("full:1"), 1).units, {}, {}};
-    p.device = hw::dram_energy_events(p.config.gpu.dram);
+    p.device = hw::dram_energy_events(p.config.gpu->dram);
     for (const sim::UnitReport& unit : p.units) {
       for (const sim::CounterReport& counter : unit.counters) {
         if (!counter.event.empty()) p.counted.insert(counter.event);

@@ -143,7 +143,7 @@ void add_relative(Json& totals, const Result& result) {
   totals["psnr_db"] = psnr ? Json(*psnr) : Json(nullptr);
   totals["identical"] = !psnr.has_value();
   totals["reference"] = {{"cycles", reference.cycles},
-                         {"top_down", time_json(top_down(reference.units, reference.machine).gpu)}};
+                         {"top_down", time_json(top_down(reference.units, *reference.machine).gpu)}};
   totals["relative"] = {{"speedup", per(reference.cycles, run.cycles)},
                         {"traversal_steps", per(run.function.traversal_steps, reference.function.traversal_steps)},
                         {"dram_bytes", per(dram_bytes(run), dram_bytes(reference))},
@@ -209,7 +209,7 @@ Json totals_json(const Result& result) {
       {"dram_bytes", dram_bytes(s)},  {"dram_bytes_by_client", dram_clients_json(s)}};
   totals.update(energy);
   totals["utilisation"] = {{"tni", used.tni}, {"srp", used.srp}, {"dram", used.dram}};
-  const TopDown view = top_down(s.units, s.machine);
+  const TopDown view = top_down(s.units, *s.machine);
   totals["top_down"] = top_down_json(view);
   const std::vector<Estimate> estimates = estimate(view.gpu);
   totals["limiter"] = limiter(estimates);

@@ -68,7 +68,7 @@ std::string tracing_reasons(const Json& s) {
 }
 
 /// Half of a 95 % interval, where a figure is estimated.
-std::string give_or_take(const Json& totals, const char* figure) {
+std::string half_interval(const Json& totals, const char* figure) {
   const char* const by = totals.contains("sampled") ? "sampled" : "sliced";
   if (!totals.contains(by) || !totals[by].contains(figure)) return "";
   const Json& i = totals[by][figure];
@@ -166,7 +166,7 @@ std::string overview(const Json& report) {
   if (t.contains("sliced")) line("slices", slices(t["sliced"]));
   line("cycles (T&I clock)",
        fmt::format("{}  = {} ms  = {} frames/s{}", count(t["cycles"]), sim::four_digits(t["time_ms"].get<double>()),
-                   sim::four_digits(t["perf"]["fps"].get<double>()), give_or_take(t, "cycles")));
+                   sim::four_digits(t["perf"]["fps"].get<double>()), half_interval(t, "cycles")));
   line("rays", fmt::format("{}  ({} primary, {} shadow, {} reflection, {} refraction)", count(rays["total"]),
                            count(rays["primary"]), count(rays["shadow"]), count(rays["reflection"]),
                            count(rays["refraction"])));
@@ -181,7 +181,7 @@ std::string overview(const Json& report) {
                            percent(t["utilisation"]["srp"]), percent(t["utilisation"]["dram"])));
   line("time goes to", top_down_text(t["top_down"]["gpu"]));
   line("limited by (estimate)", t["limiter"].get<std::string>());
-  line("energy", spread(t["energy_mj"], 1, "mJ  (low / nominal / high)") + give_or_take(t, "energy_mj"));
+  line("energy", spread(t["energy_mj"], 1, "mJ  (low / nominal / high)") + half_interval(t, "energy_mj"));
   line("power", spread(t["power_w"], 1, "W"));
   line("efficiency", efficiency(t));
   if (t.contains("area_mm2")) line("area", area(t));

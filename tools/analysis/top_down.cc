@@ -12,6 +12,7 @@
 #include "hw_models/dram/dram_channel.h"
 #include "hw_models/frame/dma.h"
 #include "hw_models/frame/memory_interface.h"
+#include "hw_models/machines/gpu_config.h"
 #include "hw_models/memory/core_port.h"
 #include "hw_models/memory/l2_bank.h"
 #include "hw_models/memory/unit_names.h"

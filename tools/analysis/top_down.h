@@ -3,9 +3,12 @@
 #include <string>
 #include <vector>
 
-#include "hw_models/machines/gpu_config.h"
 #include "sim/io/json.h"
 #include "sim/unit_report.h"
+
+namespace hw {
+struct GpuConfig;
+}
 
 namespace tools {
 

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "hw_models/machines/gpu_config.h"
 #include "hw_models/srp/schedule.h"
 #include "shader_kernels/catalogue.h"
 #include "shader_kernels/listing.h"
@@ -18,7 +19,7 @@ namespace tools {
 namespace {
 
 void list(const JobOptions& options) {
-  const hw::SrpConfig srp = load_run_config(options).gpu.srp;
+  const hw::SrpConfig srp = load_run_config(options).gpu->srp;
   sim::Table table({"kernel", "operations", "on units", "II", "depth", "local reads", "writes", "cached loads", ""});
   for (const kernels::KernelInfo& kernel : kernels::catalogue()) {
     const hw::KernelSchedule s = hw::schedule(kernel.graph, srp);
@@ -37,7 +38,7 @@ void show(const JobOptions& options, const std::string& name) {
     throw sim::InputError(fmt::format("no kernel is called '{}'{}; see raywatt kernels list", sim::printable(name),
                                       traces::did_you_mean(name, names)));
   }
-  const hw::KernelSchedule s = hw::schedule(kernel->graph, load_run_config(options).gpu.srp);
+  const hw::KernelSchedule s = hw::schedule(kernel->graph, load_run_config(options).gpu->srp);
   fmt::print("{}: {}\n\nII {} (units and ports allow {}), depth {}, {} operations on units\n\n{}\n{}", kernel->name,
              kernel->meaning, s.ii, s.res_mii, s.depth, s.fu_ops, kernels::summary(kernel->graph),
              kernels::listing(kernel->graph));

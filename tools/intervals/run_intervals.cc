@@ -46,7 +46,7 @@ bool RunIntervals::are_beside(const ReportFile& report) {
 RunIntervals RunIntervals::load(const std::filesystem::path& run) { return RunIntervals(load_report(run)); }
 
 RunIntervals::RunIntervals(const ReportFile& report)
-    : config_(reported_config(report)), units_(idle_units(config_.gpu, ReportedCounts(report).has_rasteriser())) {
+    : config_(reported_config(report)), units_(idle_units(*config_.gpu, ReportedCounts(report).has_rasteriser())) {
   const std::filesystem::path file = file_beside(report);
   const auto refuse = [&](const std::string& why) {
     return sim::InputError(fmt::format("{}: {}", sim::printable(file.string()), why));

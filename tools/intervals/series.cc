@@ -6,6 +6,7 @@
 
 #include "hw_models/dram/dram_channel.h"
 #include "hw_models/dram/dram_energy.h"
+#include "hw_models/machines/gpu_config.h"
 #include "hw_models/memory/l2_bank.h"
 #include "hw_models/memory/messages.h"
 #include "hw_models/srp/srp.h"
@@ -30,7 +31,7 @@ constexpr double kMillionsPerSecondPerOneOverFemtosecond = 1e9;
 class EnergyUntil {
  public:
   explicit EnergyUntil(const RunIntervals& run)
-      : device_(hw::dram_energy_events(run.config().gpu.dram)),
+      : device_(hw::dram_energy_events(run.config().gpu->dram)),
         formula_(run.units(), run.config().energy, device_, 0, power_scales(run.config())) {}
 
   const sim::EnergyFormula& at(const IntervalFrame& frame, std::size_t interval, const Reports& until) {
@@ -118,8 +119,8 @@ class Table {
       series_.add("bandwidth", name, "GB/s",
                   static_cast<double>(lines * bytes) / time_ * kGigabytesPerByteOverFemtosecond);
     };
-    add("dram_read", channels.counted(&Dram::reads), run_.config().gpu.dram.line.bytes);
-    add("dram_write", channels.counted(&Dram::writes), run_.config().gpu.dram.line.bytes);
+    add("dram_read", channels.counted(&Dram::reads), run_.config().gpu->dram.line.bytes);
+    add("dram_write", channels.counted(&Dram::writes), run_.config().gpu->dram.line.bytes);
     add("l2_read", Units<hw::L2Bank>(within_).counted(&hw::L2Bank::Stats::reads), hw::kLineBytes);
   }
 

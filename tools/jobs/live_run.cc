@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "hw_models/dram/dram_energy.h"
+#include "hw_models/machines/gpu_config.h"
 #include "sim/report/conversions.h"
 #include "sim/unit_values.h"
 #include "tools/analysis/limiter.h"
@@ -38,7 +39,7 @@ SmallPicture shrunk(std::span<const float> rgb, std::size_t width, std::size_t h
 void LiveRun::of(const RunConfig& config) {
   const std::lock_guard lock(mutex_);
   energy_ = config.energy;
-  device_ = hw::dram_energy_events(config.gpu.dram);
+  device_ = hw::dram_energy_events(config.gpu->dram);
   scales_ = power_scales(config);
   width_ = config.render.width;
   height_ = config.render.height;

@@ -86,8 +86,8 @@ std::string table(const Json& report) {
 Json report_of(const JobOptions& options, const Inputs& inputs, const RayList& list, const hw::RayMachine& played) {
   const std::vector<sim::UnitReport> units = played.report();
   const sim::EnergyReport energy =
-      sim::compute_energy(units, inputs.config.energy, hw::dram_energy_events(inputs.config.gpu.dram), played.elapsed(),
-                          power_scales(inputs.config));
+      sim::compute_energy(units, inputs.config.energy, hw::dram_energy_events(inputs.config.gpu->dram),
+                          played.elapsed(), power_scales(inputs.config));
   Json provenance = provenance_json(inputs, options);
   provenance["rays_sha256"] = list.sha256;
   Json warnings = inputs.warnings;
@@ -114,9 +114,9 @@ void run_rays(const JobOptions& options) {
   Progress progress(options.progress, options.quiet);
   const RayList list = read_ray_list(options.rays);
   const Inputs inputs = load_inputs(options, &progress);
-  check_table_names(idle_units(inputs.config.gpu), inputs.config);
+  check_table_names(idle_units(*inputs.config.gpu), inputs.config);
   tell_warnings(inputs.warnings, &progress);
-  hw::RayMachine machine(inputs.config.gpu, inputs.image, inputs.parents, list.rays, [&](const hw::RaysDone& so_far) {
+  hw::RayMachine machine(*inputs.config.gpu, inputs.image, inputs.parents, list.rays, [&](const hw::RaysDone& so_far) {
     progress.tiles_done(so_far.blocks, so_far.rays, so_far.cycles);
     return !interrupted();
   });

@@ -1,8 +1,11 @@
 #pragma once
 #include <vector>
 
-#include "hw_models/machines/gpu_config.h"
 #include "sim/unit_report.h"
+
+namespace hw {
+struct GpuConfig;
+}
 
 namespace tools {
 

@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "hw_models/dram/dram_energy.h"
+#include "hw_models/machines/gpu_config.h"
 #include "sim/config/config.h"
 #include "sim/config/load.h"
 #include "sim/config/yaml_tree.h"
@@ -97,9 +98,9 @@ PricedRun::PricedRun(const ReportFile& report, const PriceTable& table)
     : config_(reported_config(report)), work_(work_of(report)) {
   const double cycles = report.number("totals.cycles");
   if (!(cycles >= 0 && cycles < 0x1p53)) ReportedCounts(report).refuse("totals.cycles is no count");
-  elapsed_ = static_cast<sim::Time>(cycles) * config_.gpu.clocks.tni.clock().period();
+  elapsed_ = static_cast<sim::Time>(cycles) * config_.gpu->clocks.tni.clock().period();
   const ReportedCounts counts(report);
-  std::vector<sim::UnitReport> units = idle_units(config_.gpu, counts.has_rasteriser());
+  std::vector<sim::UnitReport> units = idle_units(*config_.gpu, counts.has_rasteriser());
   counts.fill(units);
   make_formula(units);
   const double own = total(&sim::Spread::nominal) / sim::kPicojoulesPerMillijoule;
@@ -110,7 +111,7 @@ PricedRun::PricedRun(const ReportFile& report, const PriceTable& table)
   }
   if (!table.is_own()) {
     apply(table, config_);
-    units = idle_units(config_.gpu, counts.has_rasteriser());
+    units = idle_units(*config_.gpu, counts.has_rasteriser());
     counts.fill(units);
     make_formula(units);
   }
@@ -120,7 +121,7 @@ PricedRun::PricedRun(const ReportFile& report, const PriceTable& table)
 }
 
 void PricedRun::make_formula(const std::vector<sim::UnitReport>& units) {
-  device_ = hw::dram_energy_events(config_.gpu.dram);
+  device_ = hw::dram_energy_events(config_.gpu->dram);
   check_table_names(units, config_);
   extrapolated_ = sim::sizes_outside_curves(units, config_.energy.events, {});
   std::ranges::move(power_warnings(config_), std::back_inserter(extrapolated_));
@@ -128,7 +129,7 @@ void PricedRun::make_formula(const std::vector<sim::UnitReport>& units) {
 }
 
 void PricedRun::refresh() {
-  for (const auto& [name, event] : hw::dram_energy_events(config_.gpu.dram)) device_.at(name) = event;
+  for (const auto& [name, event] : hw::dram_energy_events(config_.gpu->dram)) device_.at(name) = event;
 }
 
 void PricedRun::draw(const EnergyDraw& draw) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "hw_models/machines/gpu_config.h"
 #include "hw_models/srp/schedule.h"
 #include "hw_models/srp/tile_buffer.h"
 #include "shader_kernels/catalogue.h"
@@ -50,9 +51,9 @@ Pilot look_at_all(const Inputs& inputs, const kernels::ProgramSpec& spec, const 
   kernels::FullProgram program = thin_program(inputs, spec, kSides, pilot.thinning);
   std::vector<hw::KernelSchedule> kernels;
   for (const kernels::KernelInfo& kernel : kernels::catalogue()) {
-    kernels.push_back(hw::schedule(kernel.graph, inputs.config.gpu.srp));
+    kernels.push_back(hw::schedule(kernel.graph, inputs.config.gpu->srp));
   }
-  const hw::GpuConfig& gpu = inputs.config.gpu;
+  const hw::GpuConfig& gpu = *inputs.config.gpu;
   const kernels::FrameRequirements requirements =
       kernels::FullProgram(inputs.image, inputs.camera, inputs.config.render, spec.samples, inputs.frame)
           .requirements();

@@ -52,7 +52,7 @@ SampledRun run_blocks(const Inputs& inputs, RunTiles& source, const kernels::Fra
     if (marked.empty() || block.measured != marked.back()) marked.push_back(block.measured);
   }
   TimedTiles tiles(source, {blocks.begin(), blocks.end()}, std::move(marked));
-  const auto gpu = std::make_unique<hw::Gpu>(inputs.config.gpu,
+  const auto gpu = std::make_unique<hw::Gpu>(*inputs.config.gpu,
                                              hw::Gpu::Workload{inputs.image, inputs.parents, requirements,
                                                                inputs.config.render.srgb == kernels::SrgbEncoder::kDma},
                                              tiles);

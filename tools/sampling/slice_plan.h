@@ -3,8 +3,11 @@
 #include <span>
 #include <vector>
 
-#include "hw_models/machines/gpu_config.h"
 #include "traces/stream.h"
+
+namespace hw {
+struct GpuConfig;
+}
 
 namespace tools {
 

@@ -32,8 +32,8 @@ SlicePlayer::SlicePlayer(const Inputs& inputs, const kernels::FrameProgram& fram
     : inputs_(inputs),
       requirements_(frame.requirements()),
       tiles_(frame.tiles()),
-      shape_(slice_shape(inputs.config.gpu, requirements_)),
-      scheduled_(std::make_shared<const hw::ScheduledKernels>(hw::schedule_kernels(inputs.config.gpu))) {}
+      shape_(slice_shape(*inputs.config.gpu, requirements_)),
+      scheduled_(std::make_shared<const hw::ScheduledKernels>(hw::schedule_kernels(*inputs.config.gpu))) {}
 
 std::unique_ptr<hw::Gpu> SlicePlayer::machine(hw::TileSource& tiles) const {
   return make_gpu(inputs_, inputs_.config, requirements_, tiles, {}, {}, scheduled_);

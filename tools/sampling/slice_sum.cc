@@ -91,7 +91,7 @@ Simulation add_up(const SlicePlayer& player, const kernels::ProgramSpec& program
   const Probe error = add_all(played, player.shape().probe);
   Stretch& all = played.front().own;
   if (played.size() > 1) scale(all, undone(s.function, Work(all.units)));
-  const sim::Clock clock = config.gpu.clocks.tni.clock();
+  const sim::Clock clock = config.gpu->clocks.tni.clock();
   s.elapsed = clock.edge_at_or_after(all.time);
   s.cycles = clock.cycles(s.elapsed);
   s.units = std::move(all.units);

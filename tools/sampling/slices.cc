@@ -90,7 +90,7 @@ std::uint32_t slices_of(const RunConfig& config, const kernels::ProgramSpec& pro
   check_can_cut(config.render);
   const traces::MemoryImage no_scene;  // tiles are the same of all
   const kernels::FullProgram frame(no_scene, {}, config.render, program.samples, 0);
-  const SliceShape shape = slice_shape(config.gpu, frame.requirements());
+  const SliceShape shape = slice_shape(*config.gpu, frame.requirements());
   if (asked == kAutoSlices) return std::max(1U, frame.tiles() / (kTilesOfALead * shape.lead));
   const std::uint32_t most = std::max(1U, frame.tiles() / shape.lead);
   if (asked <= most) return asked;

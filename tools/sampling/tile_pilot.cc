@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "hw_models/frame/tile_lines.h"
+#include "hw_models/machines/gpu_config.h"
 
 namespace tools {
 namespace {

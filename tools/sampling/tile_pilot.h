@@ -3,11 +3,14 @@
 #include <span>
 #include <vector>
 
-#include "hw_models/machines/gpu_config.h"
 #include "hw_models/memory/cache_tags.h"
 #include "hw_models/srp/schedule.h"
 #include "traces/accel/memory_image.h"
 #include "traces/stream.h"
+
+namespace hw {
+struct GpuConfig;
+}
 
 namespace tools {
 

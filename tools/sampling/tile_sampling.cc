@@ -76,7 +76,7 @@ std::map<std::string, Interval> counter_intervals(const MeasuredPart& whole, std
 }
 
 Estimates estimate(const Inputs& inputs, const Pilot& pilot, const TilePlan& plan, std::span<const SampledRun> runs) {
-  const TilePilot measure(inputs.config.gpu, inputs.image.layout, {}, 1, 0);
+  const TilePilot measure(*inputs.config.gpu, inputs.image.layout, {}, 1, 0);
   std::vector<const MeasuredPart*> parts;
   std::vector<SamplePart> samples;
   std::vector<double> times, energies;
@@ -193,7 +193,7 @@ Simulation simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& pr
   const traces::BvhTracer tracer(inputs.image);
   const Pilot pilot = look_at_all(inputs, program, tracer, threads, progress);
   const std::uint32_t side = tile_side(inputs.config.render, program);
-  const PlanShape shape = shape_of(inputs.config.gpu, side * side);
+  const PlanShape shape = shape_of(*inputs.config.gpu, side * side);
 
   Simulation s;
   s.program = program;

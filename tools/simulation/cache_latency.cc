@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "hw_models/machines/gpu_config.h"
 #include "sim/config/quantity.h"
 #include "sim/error.h"
 #include "sim/io/printable.h"
@@ -27,7 +28,7 @@ struct Cache {
 };
 
 std::array<Cache, 3> caches_of(RunConfig& config) {
-  hw::GpuConfig& gpu = config.gpu;
+  hw::GpuConfig& gpu = *config.gpu;
   return {{{"tni.trv.l1", gpu.tni.trv.l1, gpu.clocks.tni.hz, config.latency.l1},
            {"tni.ist.l1", gpu.tni.ist.l1, gpu.clocks.tni.hz, config.latency.l1},
            {"l2", gpu.l2.cache, gpu.clocks.l2.hz, config.latency.l2}}};

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "hw_models/machines/gpu_config.h"
 #include "sim/config/config.h"
 #include "sim/edit_distance.h"
 #include "sim/error.h"
@@ -153,6 +154,29 @@ void tell_grade(const std::string& set, std::vector<std::string>& out) {
 
 }  // namespace
 
+MachineConfig::MachineConfig() : config_(std::make_unique<hw::GpuConfig>()) {}
+MachineConfig::MachineConfig(const MachineConfig& other) : config_(std::make_unique<hw::GpuConfig>(*other)) {}
+MachineConfig& MachineConfig::operator=(const MachineConfig& other) {
+  *config_ = *other;
+  return *this;
+}
+MachineConfig::~MachineConfig() = default;
+
+void RunConfig::describe(auto& c, auto&& field) {
+  hw::GpuConfig::describe(*c.gpu, field);
+  field.group(NAMED(c.render), "what is rendered, and how finely");
+  kernels::ProgramConfig::describe(c.programs, field);
+  field.group(NAMED(c.bvh), "how the tree is built on the host, and how it lies in memory");
+  field.group(NAMED(c.energy), "energy per event, leakage and clock");
+  field.group(NAMED(c.power), "voltage and temperature: what clocks need, and what they do to energy");
+  field.group(NAMED(c.area), "area of storage and pads; that of logic is in energy.logic");
+  field.group(NAMED(c.latency), "time of a cache's hit over its size, where hit_cycles is auto");
+  field.group(NAMED(c.scene), "what is looked at, from where, and when");
+  field.group(NAMED(c.limits), "what a scene file may cost at most");
+}
+
+void RunConfig::check(auto&& complain) const { gpu->check(complain); }
+
 RunConfig load_run_config(const JobOptions& options) {
   RunConfig config;
   sim::ConfigNode tree = sim::config_tree(config);
@@ -208,7 +232,7 @@ std::vector<std::string> idle_settings(const JobOptions& options, const RunConfi
 
 void apply_ideal(RunConfig& config, const std::vector<std::string>& resources) {
   for (const hw::IdealConfig::Resource& resource : hw::IdealConfig::kResources) {
-    if (std::ranges::find(resources, resource.name) != resources.end()) config.gpu.ideal.*resource.member = true;
+    if (std::ranges::find(resources, resource.name) != resources.end()) config.gpu->ideal.*resource.member = true;
   }
 }
 

@@ -2,7 +2,6 @@
 #include <string>
 #include <vector>
 
-#include "hw_models/machines/gpu_config.h"
 #include "shader_kernels/programs/programs.h"
 #include "shader_kernels/programs/wavefront/render_config.h"
 #include "sim/config/config_tree.h"
@@ -13,6 +12,7 @@
 #include "sim/report/power.h"
 #include "tools/simulation/cache_latency.h"
 #include "tools/simulation/job_options.h"
+#include "tools/simulation/machine_config.h"
 #include "traces/accel/bvh_config.h"
 #include "traces/scenes/workload.h"
 
@@ -20,7 +20,7 @@ namespace tools {
 
 /// Everything a run depends on but the frame program: one YAML file. The machine's keys stand at the top level.
 struct RunConfig {
-  hw::GpuConfig gpu;
+  MachineConfig gpu;
   kernels::RenderConfig render;
   kernels::ProgramConfig programs;
   traces::BvhConfig bvh;
@@ -31,19 +31,8 @@ struct RunConfig {
   traces::WorkloadConfig scene;
   traces::SceneLimits limits;
 
-  static void describe(auto& c, auto&& field) {
-    hw::GpuConfig::describe(c.gpu, field);
-    field.group(NAMED(c.render), "what is rendered, and how finely");
-    kernels::ProgramConfig::describe(c.programs, field);
-    field.group(NAMED(c.bvh), "how the tree is built on the host, and how it lies in memory");
-    field.group(NAMED(c.energy), "energy per event, leakage and clock");
-    field.group(NAMED(c.power), "voltage and temperature: what clocks need, and what they do to energy");
-    field.group(NAMED(c.area), "area of storage and pads; that of logic is in energy.logic");
-    field.group(NAMED(c.latency), "time of a cache's hit over its size, where hit_cycles is auto");
-    field.group(NAMED(c.scene), "what is looked at, from where, and when");
-    field.group(NAMED(c.limits), "what a scene file may cost at most");
-  }
-  void check(auto&& complain) const { gpu.check(complain); }
+  static void describe(auto& c, auto&& field);
+  void check(auto&& complain) const;
 };
 
 /// The configuration that a run works with: the file, then the workload if --scene names one, then --set, then --scene,

@@ -20,7 +20,7 @@ std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const RunConfig& config,
                                   std::shared_ptr<const hw::ScheduledKernels> scheduled) {
   const bool dma_encodes = config.render.srgb == kernels::SrgbEncoder::kDma;
   return std::make_unique<hw::Gpu>(
-      config.gpu,
+      *config.gpu,
       hw::Gpu::Workload{inputs.image, inputs.parents, requirements, dma_encodes, observer, std::move(scheduled)}, tiles,
       perturbation);
 }
@@ -36,7 +36,7 @@ sim::EnergyReport energy_of(const hw::Gpu& gpu, const RunConfig& config) {
 }
 
 sim::EnergyReport energy_of(std::span<const sim::UnitReport> units, sim::Time elapsed, const RunConfig& config) {
-  return sim::compute_energy(units, config.energy, hw::dram_energy_events(config.gpu.dram), elapsed,
+  return sim::compute_energy(units, config.energy, hw::dram_energy_events(config.gpu->dram), elapsed,
                              power_scales(config));
 }
 

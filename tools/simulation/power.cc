@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "hw_models/machines/gpu_config.h"
 #include "sim/config/quantity.h"
 #include "sim/error.h"
 #include "traces/scene/did_you_mean.h"
@@ -40,7 +41,7 @@ const std::array<ClockDomain, 3>& clock_domains() {
 }
 
 double voltage_needed(const RunConfig& config, const ClockDomain& domain) {
-  return curve_of(sim::voltage_curves(config.power), domain).at((config.gpu.clocks.*domain.clock).hz);
+  return curve_of(sim::voltage_curves(config.power), domain).at((config.gpu->clocks.*domain.clock).hz);
 }
 
 sim::PowerScales power_scales(const RunConfig& config) {
@@ -63,7 +64,7 @@ std::vector<std::string> power_warnings(const RunConfig& config) {
     const auto found = curves.find(std::string(domain.name));
     if (found == curves.end()) continue;
     const sim::VoltageCurve& curve = found->second;
-    const std::uint64_t hz = (config.gpu.clocks.*domain.clock).hz;
+    const std::uint64_t hz = (config.gpu->clocks.*domain.clock).hz;
     const double volt = curve.at(hz);
     if (config.power.voltage == sim::Voltage::kDvfs) {
       if (hz >= curve.least_hz() && hz <= curve.most_hz()) continue;

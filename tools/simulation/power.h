@@ -4,9 +4,12 @@
 #include <string_view>
 #include <vector>
 
-#include "hw_models/machines/gpu_config.h"
 #include "sim/report/power.h"
 #include "tools/simulation/load_config.h"
+
+namespace hw {
+struct ClockConfig;
+}
 
 namespace tools {
 

@@ -78,7 +78,7 @@ std::vector<Simulation> play_replicates(const Inputs& inputs, const kernels::Fra
   std::vector<Play> plays;
   for (std::uint32_t number = 1; number <= count; ++number) {
     plays.push_back(
-        {inputs.config, hw::draw_perturbation(inputs.config.gpu.cores, inputs.frame, number), gpu.scheduled()});
+        {inputs.config, hw::draw_perturbation(inputs.config.gpu->cores, inputs.frame, number), gpu.scheduled()});
   }
   return play_kept(inputs, requirements, work, plain, plays, "replicating", threads, progress);
 }

@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "hw_models/memory/observer.h"
 #include "hw_models/memory/tile_accounting.h"
 #include "hw_models/srp/schedule.h"
 #include "hw_models/srp/srp_stats.h"
@@ -23,6 +22,9 @@
 #include "traces/scene/info.h"
 #include "traces/scene/scene.h"
 
+namespace hw {
+class Observer;
+}
 namespace traces {
 class TraceWriter;
 }
@@ -101,7 +103,7 @@ struct SlicedFrame {
 /// A frame on the machine, or several added up.
 struct Simulation {
   kernels::ProgramSpec program;
-  hw::GpuConfig machine;
+  MachineConfig machine;
   std::uint32_t frames = 1;
   FrontEnd::Result function;
   std::vector<sim::UnitReport> units;

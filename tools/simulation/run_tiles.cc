@@ -1,5 +1,6 @@
 #include "tools/simulation/run_tiles.h"
 
+#include "hw_models/machines/gpu.h"
 #include "tools/host/interrupt.h"
 #include "traces/trace_file/trace_writer.h"
 

@@ -1,12 +1,15 @@
 #pragma once
 #include <cstdint>
 
-#include "hw_models/machines/gpu.h"
+#include "hw_models/frame/tile_dispatcher.h"
 #include "tools/host/progress.h"
 #include "tools/host/run_watcher.h"
 #include "tools/simulation/front_end.h"
 #include "tools/simulation/kept_work.h"
 
+namespace hw {
+class Gpu;
+}
 namespace traces {
 class TraceWriter;
 }

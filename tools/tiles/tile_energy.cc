@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "hw_models/dram/dram_energy.h"
+#include "hw_models/machines/gpu_config.h"
 #include "sim/report/energy_formula.h"
 #include "tools/simulation/power.h"
 #include "tools/tiles/residence.h"
@@ -69,13 +70,13 @@ class Shared {
 }  // namespace
 
 TileEnergy tile_energy(const Simulation& s, const RunConfig& config) {
-  const auto device_events = hw::dram_energy_events(config.gpu.dram);
+  const auto device_events = hw::dram_energy_events(config.gpu->dram);
   const sim::EnergyFormula formula(s.units, config.energy, device_events, s.elapsed, power_scales(config));
   const std::vector<sim::EnergyFormula::UnitEnergy> units = formula.of_units();
   const TileWeights weights(s);
   TileEnergy energy{std::vector<sim::Spread>(s.tile_accounts.size(), sim::Spread{0, 0, 0}), {0, 0, 0}};
   std::vector<Shared> of_cores;
-  for (std::uint32_t core = 0; core < s.machine.cores; ++core) of_cores.emplace_back(s, weights, core);
+  for (std::uint32_t core = 0; core < s.machine->cores; ++core) of_cores.emplace_back(s, weights, core);
   Shared of_all(s, weights, {});
   for (std::size_t u = 0; u < units.size(); ++u) {
     const std::optional<std::uint32_t> core = core_of(s.units[u].path);

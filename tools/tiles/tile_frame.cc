@@ -5,6 +5,7 @@
 #include <span>
 #include <utility>
 
+#include "hw_models/machines/gpu_config.h"
 #include "hw_models/memory/messages.h"
 #include "sim/report/report_json.h"
 #include "tools/tiles/tile_energy.h"
@@ -85,7 +86,7 @@ class Builder {
     return firsts;
   }
   void add_times() {
-    const sim::Clock tni = config_.gpu.clocks.tni.clock();
+    const sim::Clock tni = config_.gpu->clocks.tni.clock();
     add("core", "", [&](std::size_t i) { return account(i).core; });
     add("dispatched", "T&I cycles", [&](std::size_t i) { return tni.cycles(account(i).dispatched); });
     add("finished", "T&I cycles", [&](std::size_t i) { return tni.cycles(account(i).finished); });

@@ -4,6 +4,8 @@
 #include <utility>
 #include <vector>
 
+#include "hw_models/machines/gpu_config.h"
+
 namespace tools {
 namespace {
 
@@ -112,7 +114,7 @@ void write_counters(const TimelineRecorder& recorder, const Simulation& s, const
   });
   const std::vector<double> spent = joules(s, tiles, stretches);
   counters.write(tracks.shared_counter("power", "W"), [&](std::size_t i) { return spent[i] / stretches.seconds(i); });
-  for (std::uint32_t core = 0; core < config.gpu.cores; ++core) {
+  for (std::uint32_t core = 0; core < config.gpu->cores; ++core) {
     std::vector<double> busy(stretches.count());
     for (const RecordedSlice& slice : recorder.slices()) {
       if (slice.kind != RecordedSlice::Kind::kLoop || slice.core != core) continue;

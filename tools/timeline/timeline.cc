@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "hw_models/machines/gpu_config.h"
 #include "tools/timeline/counters.h"
 #include "tools/timeline/trace_packets.h"
 #include "tools/timeline/tracks.h"
@@ -123,7 +124,7 @@ Timeline make_timeline(const TimelineRecorder& recorder, const TimelineSelection
   std::vector<std::size_t> shown = in_order_of_rank(slices, ranks(slices, selected_tiles(selection, tiles), all));
   const std::size_t wanted = shown.size();
 
-  TimelineTracks tracks(config.gpu.cores);
+  TimelineTracks tracks(config.gpu->cores);
   TracePackets counters;
   write_counters(recorder, s, tiles, config, tracks, counters);
   // Texts, tracks of lanes that are not known yet, and what the last slice goes beyond.

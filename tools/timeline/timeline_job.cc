@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "hw_models/machines/gpu_config.h"
 #include "sim/error.h"
 #include "sim/io/file.h"
 #include "sim/io/json.h"
@@ -28,7 +29,7 @@ void TimelineJob::check(const Inputs& inputs, const kernels::ProgramSpec& progra
 
 hw::Observer* TimelineJob::begin_frame(const RunConfig& config) {
   if (!selection_ || made_) return nullptr;
-  recorder_.emplace(config.gpu.cores);
+  recorder_.emplace(config.gpu->cores);
   return &*recorder_;
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "hw_models/machines/gpu_config.h"
 #include "tests/tools/analysis/made_up_machine.h"
 #include "tools/simulation/run_job.h"
 
@@ -100,7 +101,7 @@ TEST(TopDown, CoresThatHadNothingToDoTakeNothingFromTheLevelsOfOthers) {
   options.resolution = "16x16";  // one tile
   options.sets = {"scene.triangles=500", "cores=4"};
   const Simulation s = simulate(load_inputs(options), kernels::parse_program("full:1"), 1);
-  const TopDown view = top_down(s.units, s.machine);
+  const TopDown view = top_down(s.units, *s.machine);
   for (const MissLevels& l : {view.gpu.data_levels, view.gpu.tree_levels}) {
     EXPECT_NEAR(l.interconnect + l.l2 + l.dram, 1, 1e-9);
   }
@@ -114,8 +115,8 @@ TEST(TopDown, SharesOfEveryCoreOfARealFrameSumToOneWhateverTheMachine) {
     options.resolution = "64x32";
     options.sets = {set};
     const Simulation s = simulate(load_inputs(options), kernels::parse_program("full:1"), 1);
-    const TopDown view = top_down(s.units, s.machine);
-    EXPECT_EQ(view.cores.size(), s.machine.cores);
+    const TopDown view = top_down(s.units, *s.machine);
+    EXPECT_EQ(view.cores.size(), s.machine->cores);
     for (const CoreTime& core : view.cores) EXPECT_NEAR(sum(core), 1, 1e-9);
     EXPECT_NEAR(sum(view.gpu), 1, 1e-9);
     EXPECT_EQ(view.gpu.raster + view.gpu.raster_misses > 0, std::string(set) == "render.primary=raster");

@@ -58,7 +58,7 @@ void expect_adds_up(const fs::path& folder) {
   for (std::size_t f = 0; f < run.frames().size(); ++f) {
     const tools::IntervalFrame& frame = run.frames()[f];
     EXPECT_EQ(frame.frame, report["frames"][f]["frame"].get<std::uint32_t>());
-    EXPECT_EQ(frame.end / run.config().gpu.clocks.tni.clock().period(),
+    EXPECT_EQ(frame.end / run.config().gpu->clocks.tni.clock().period(),
               report["frames"][f]["cycles"].get<std::uint64_t>());
     expect_energy_adds_up(run, report["frames"][f], frame);
   }
@@ -69,7 +69,7 @@ TEST(RunIntervals, AddUpToTheReportOnRandomMachines) {
   for (std::uint64_t seed = 1; seed <= machines(); ++seed) {
     SCOPED_TRACE(seed);
     tools::RunConfig config = tools::load_run_config({});
-    config.gpu = hw::test::random_config(seed);
+    *config.gpu = hw::test::random_config(seed);
     const fs::path file = folder.write("machine.yaml", sim::dump_config(config));
     const fs::path out = folder.path() / "out";
     const Ending ended = raywatt(small_run(out, {file.string(), "--scene", "teapot", "--program", "full:4"}));

@@ -186,7 +186,7 @@ TEST(TileSampling, PeaksAreThoseOfWhatWasTimed) {
     return found;
   };
   const auto truth = peaks(whole());
-  const hw::GpuConfig& gpu = inputs().config.gpu;
+  const hw::GpuConfig& gpu = *inputs().config.gpu;
   EXPECT_EQ(truth.size(), gpu.cores + gpu.dram.channels) << "slots of tile buffers, read latency of channels";
   for (const auto& [path, peak] : peaks(sampled())) {
     EXPECT_GT(peak, 0U) << path;

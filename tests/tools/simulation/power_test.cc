@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "hw_models/machines/gpu_config.h"
 #include "sim/config/value.h"
 #include "sim/error.h"
 #include "tools/pricing/idle_machine.h"
@@ -20,13 +21,13 @@ RunConfig with(const std::vector<std::string>& sets) {
 
 TEST(ClockDomains, HaveTheClocksOfAllUnitsOfTheirBlocks) {
   const RunConfig config = with({"clocks.tni=400 MHz", "clocks.srp=900 MHz", "clocks.l2=450 MHz"});
-  for (const sim::UnitReport& unit : idle_units(config.gpu, true)) {
+  for (const sim::UnitReport& unit : idle_units(*config.gpu, true)) {
     if (unit.block == "dram") continue;
     int domains = 0;
     for (const ClockDomain& domain : clock_domains()) {
       if (std::ranges::find(domain.blocks, unit.block) == domain.blocks.end()) continue;
       domains += 1;
-      EXPECT_EQ(unit.clock_mhz, (config.gpu.clocks.*domain.clock).hz / 1'000'000) << unit.path;
+      EXPECT_EQ(unit.clock_mhz, (config.gpu->clocks.*domain.clock).hz / 1'000'000) << unit.path;
     }
     EXPECT_EQ(domains, 1) << unit.path;
   }
@@ -65,7 +66,7 @@ const std::vector<std::string> kAuto = {"tni.trv.l1.hit_cycles=auto", "tni.ist.l
                                         "l2.hit_cycles=auto"};
 
 std::vector<std::uint32_t> cycles(const RunConfig& c) {
-  return {c.gpu.tni.trv.l1.hit_cycles, c.gpu.tni.ist.l1.hit_cycles, c.gpu.l2.cache.hit_cycles};
+  return {c.gpu->tni.trv.l1.hit_cycles, c.gpu->tni.ist.l1.hit_cycles, c.gpu->l2.cache.hit_cycles};
 }
 
 std::vector<std::string> auto_and(std::vector<std::string> more) {

@@ -68,7 +68,7 @@ void expect_honest_rest(const Simulation& s, const Inputs& inputs, const TileFra
 TEST(TilesOfRandomMachines, SumToTheirTotalsAndChangeNothing) {
   Inputs inputs = small_inputs({"render.tile=8"}, "32x16");
   for (std::uint64_t seed = 0; seed < 30; ++seed) {
-    inputs.config.gpu = hw::test::random_config(seed);
+    *inputs.config.gpu = hw::test::random_config(seed);
     const Simulation plain = simulate(inputs, {}, 1), s = itemised(inputs);
     const hw::test::Outcome a{plain.units, plain.kernel_use, {}, plain.elapsed, plain.cycles};
     const hw::test::Outcome b{s.units, s.kernel_use, {}, s.elapsed, s.cycles};

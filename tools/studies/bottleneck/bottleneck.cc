@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "hw_models/machines/gpu_config.h"
 #include "hw_models/srp/srp.h"
 #include "hw_models/tni/ist.h"
 #include "hw_models/tni/trv.h"
@@ -84,7 +85,7 @@ Bottleneck find_bottleneck(const JobOptions& options, Progress* progress) {
   const std::vector<std::string> of_run = run_warnings(inputs.config, measured.units);
   tell_warnings(of_run, progress);
   const double pixels = double{1} * inputs.config.render.width * inputs.config.render.height;
-  const CoreTime time = top_down(measured.units, measured.machine).gpu;
+  const CoreTime time = top_down(measured.units, *measured.machine).gpu;
   const std::vector<Estimate> estimates = estimate(time);
   Bottleneck found{.cycles = measured.cycles,
                    .limiter = limiter(estimates),
@@ -97,7 +98,7 @@ Bottleneck find_bottleneck(const JobOptions& options, Progress* progress) {
                    .warnings = inputs.warnings};
   std::ranges::copy(of_run, std::back_inserter(found.warnings));
   for (const hw::IdealConfig::Resource& resource : hw::IdealConfig::kResources) {
-    bool& ideal = inputs.config.gpu.ideal.*resource.member;
+    bool& ideal = inputs.config.gpu->ideal.*resource.member;
     const bool configured = ideal;
     ideal = true;
     const double estimated = std::ranges::find(estimates, resource.name, &Estimate::resource)->speedup;

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "hw_models/machines/gpu_config.h"
 #include "sim/error.h"
 #include "sim/io/printable.h"
 #include "sim/report/conversions.h"
@@ -41,7 +42,7 @@ RunConfig at_factor(const RunConfig& base, const std::vector<std::string>& domai
   config.power.voltage = sim::Voltage::kDvfs;
   for (const ClockDomain& domain : clock_domains()) {
     if (std::ranges::find(domains, domain.name) == domains.end()) continue;
-    std::uint64_t& hz = (config.gpu.clocks.*domain.clock).hz;
+    std::uint64_t& hz = (config.gpu->clocks.*domain.clock).hz;
     hz = static_cast<std::uint64_t>(std::llround(static_cast<double>(hz) * factor));
   }
   check_run_config(config, fmt::format("--factors {}", factor));
@@ -58,16 +59,16 @@ double idle_mw(const RunConfig& config, const Simulation& s, double ms) {
       if (of_block != s.energy.blocks.end()) leakage_pj += of_block->second.leakage.nominal;
     }
   }
-  const double ranks = config.gpu.dram.channels * config.gpu.dram.organisation.ranks;
+  const double ranks = config.gpu->dram.channels * config.gpu->dram.organisation.ranks;
   return config.power.idle_leakage * leakage_pj / kPicojoulesPerMicrojoule / ms +
-         ranks * config.gpu.dram.energy.power_down_standby.nominal;
+         ranks * config.gpu->dram.energy.power_down_standby.nominal;
 }
 
 DvfsPoint point_of(double factor, const RunConfig& config, const Simulation& s) {
   DvfsPoint point{
       .factor = factor, .mhz = {}, .volt = {}, .mj = s.energy.total_pj * (1 / sim::kPicojoulesPerMillijoule)};
   for (const ClockDomain& domain : clock_domains()) {
-    point.mhz.push_back(static_cast<double>((config.gpu.clocks.*domain.clock).hz) / kHzPerMhz);
+    point.mhz.push_back(static_cast<double>((config.gpu->clocks.*domain.clock).hz) / kHzPerMhz);
     point.volt.push_back(voltage_needed(config, domain));
   }
   point.cycles = s.cycles;
@@ -99,7 +100,7 @@ DvfsCurve dvfs_curve(const DvfsOptions& options, Progress* progress) {
   factors.erase(std::unique(factors.begin(), factors.end()), factors.end());
   const Inputs inputs = load_inputs(options.job, progress);
   tell_warnings(inputs.warnings, progress);
-  check_table_names(idle_units(inputs.config.gpu), inputs.config);
+  check_table_names(idle_units(*inputs.config.gpu), inputs.config);
   std::vector<RunConfig> configs;
   for (const double factor : factors) configs.push_back(at_factor(inputs.config, options.domains, factor));
   const std::vector<Simulation> runs =

@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "hw_models/dram/dram_energy.h"
+#include "hw_models/machines/gpu_config.h"
 #include "sim/config/quantity.h"
 #include "sim/error.h"
 #include "sim/io/printable.h"
@@ -56,7 +57,7 @@ std::map<std::string, std::set<std::string>> counted_by(const std::vector<sim::U
 class Users {
  public:
   explicit Users(const RunConfig& config)
-      : config_(config), units_(idle_units(config.gpu, true)), counters_(counted_by(units_)) {}
+      : config_(config), units_(idle_units(*config.gpu, true)), counters_(counted_by(units_)) {}
 
   const std::vector<sim::UnitReport>& units() const { return units_; }
 
@@ -112,7 +113,7 @@ class Users {
       for (const EnergyEntry::Figure& f : entry.figures) f.value->nominal += entry.name == name ? 1 : 0;
     }
     std::set<std::string> out;
-    const auto before = hw::dram_energy_events(config_.gpu.dram), after = hw::dram_energy_events(changed.gpu.dram);
+    const auto before = hw::dram_energy_events(config_.gpu->dram), after = hw::dram_energy_events(changed.gpu->dram);
     for (const auto& [event, energy] : after) {
       if (energy.pj.nominal != before.at(event).pj.nominal) out.merge(of_event(event));
     }

@@ -51,9 +51,9 @@ Figure figure_of(const hw::GpuConfig& config, bool random) {
 
 Findings measure(const JobOptions& job, bool all_grades) {
   std::vector<hw::GpuConfig> machines;
-  if (!all_grades) machines.push_back(real_machine(job).gpu);
+  if (!all_grades) machines.push_back(*real_machine(job).gpu);
   for (const JobOptions& of_grade : all_grades ? jobs_of_all_grades(job) : std::vector<JobOptions>{}) {
-    machines.push_back(real_machine(of_grade).gpu);
+    machines.push_back(*real_machine(of_grade).gpu);
   }
   Findings found{"lines read through the L2", {}};
   for (const hw::GpuConfig& config : machines) {

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "hw_models/machines/gpu_config.h"
 #include "sim/error.h"
 #include "sim/io/printable.h"
 #include "sim/time.h"
@@ -16,7 +17,7 @@ BenchmarkOption json_option() { return {"--json", "as JSON", &BenchmarkJob::json
 
 RunConfig real_machine(const JobOptions& job) {
   RunConfig config = load_run_config(job);
-  config.gpu.ideal = {};
+  config.gpu->ideal = {};
   return config;
 }
 

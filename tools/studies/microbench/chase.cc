@@ -97,7 +97,7 @@ Benchmark chase_benchmark() {
           "\n"
           "Example: raywatt microbench chase --set clocks.l2='800 MHz' --set interconnect.latency=8",
           {json_option()},
-          [](const BenchmarkJob& job) { return Chase(real_machine(job.machine).gpu).measure(); }};
+          [](const BenchmarkJob& job) { return Chase(*real_machine(job.machine).gpu).measure(); }};
 }
 
 }  // namespace tools

@@ -6,6 +6,7 @@
 
 #include "hw_models/dram/dram_energy.h"
 #include "hw_models/dram/dram_measurements.h"
+#include "hw_models/machines/gpu_config.h"
 #include "sim/error.h"
 #include "sim/io/json.h"
 #include "sim/report/conversions.h"
@@ -163,7 +164,7 @@ Figure::Holds same(hw::DramMeasurement::Holds holds) {
 }
 
 hw::DramConfig memory_of(const BenchmarkJob& job, const JobOptions& machine) {
-  hw::DramConfig config = load_run_config(machine).gpu.dram;
+  hw::DramConfig config = load_run_config(machine).gpu->dram;
   if (job.refresh == "off") config.timing.refi_pb = config.timing.refi_ab = 0;
   return config;
 }

@@ -24,9 +24,9 @@ constexpr std::array kExitNames = {"distance", "barycentric", "hit"};
 class IstStand {
  public:
   IstStand(const RunConfig& config, const Leaf& leaf, std::uint32_t leaves)
-      : clock_(config.gpu.clocks.tni.clock()),
+      : clock_(config.gpu->clocks.tni.clock()),
         source_id_(machine_.unit({"leaves", clock_})),
-        ist_id_(hw::declare_ist(machine_, config.gpu.tni, 0, clock_)),
+        ist_id_(hw::declare_ist(machine_, config.gpu->tni, 0, clock_)),
         jobs_(machine_.link<hw::LeafJob>(2, 1, source_id_, ist_id_)),
         answers_(machine_.link<hw::LeafDone>(64, 1, ist_id_, source_id_)),
         source_(machine_.build<Source>(source_id_, *this, leaf, leaves)) {
@@ -34,7 +34,7 @@ class IstStand {
                                {&answers_},
                                machine_.link<hw::MemRequest>(1, 1, ist_id_, ist_id_),
                                machine_.link<hw::MemResponse>(1, 1, ist_id_, ist_id_)};
-    machine_.build<hw::Ist>(ist_id_, config.gpu.tni.ist, hw::TniMode{.rau = {}, .ideal_l1 = true},
+    machine_.build<hw::Ist>(ist_id_, config.gpu->tni.ist, hw::TniMode{.rau = {}, .ideal_l1 = true},
                             hw::TrianglesInMemory{0, config.bvh.triangle_bytes}, links, std::uint16_t{0}, clock_);
     machine_.finish(clock_.after(sim::run(*this), 1));
   }
@@ -107,7 +107,7 @@ double leaf_pj(ExitPhase exit, std::uint64_t cache_bytes, const sim::EnergyTable
 }
 
 void add_exits(const RunConfig& config, Findings& found) {
-  const TniForms forms(config.gpu, config.bvh.triangle_bytes);
+  const TniForms forms(*config.gpu, config.bvh.triangle_bytes);
   const sim::EnergyTable table(config.energy.events);
   for (std::size_t i = 0; i < kExits.size(); ++i) {
     const Leaf one{0, {kExits[i]}}, four{0, {4, kExits[i]}};
@@ -171,9 +171,9 @@ void add_scene(const JobOptions& job, Findings& found) {
   const std::string name =
       fmt::format("{}, {}x{}", inputs.scene.name, inputs.config.render.width, inputs.config.render.height);
   const auto tests = static_cast<double>(expected[0] + expected[1] + expected[2]);
-  const TniForms forms(inputs.config.gpu, inputs.config.bvh.triangle_bytes);
+  const TniForms forms(*inputs.config.gpu, inputs.config.bvh.triangle_bytes);
   const sim::EnergyTable table(inputs.config.energy.events);
-  const std::uint64_t cache = inputs.config.gpu.tni.ist.l1.size.bytes;
+  const std::uint64_t cache = inputs.config.gpu->tni.ist.l1.size.bytes;
   double cycles = 0, pj = 0;
   for (std::size_t i = 0; i < kExits.size(); ++i) {
     const auto n = static_cast<double>(expected[i]);

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "hw_models/machines/gpu_config.h"
 #include "hw_models/srp/schedule.h"
 #include "shader_kernels/catalogue.h"
 #include "sim/error.h"
@@ -80,7 +81,7 @@ Benchmark kernels_benchmark() {
           "\n"
           "Example: raywatt microbench kernels --kernel shade_diffuse --set srp.array.local_ports=8",
           {json_option(), {"--kernel", "this kernel alone (repeatable)", &BenchmarkJob::kernels}},
-          [](const BenchmarkJob& job) { return measure(real_machine(job.machine).gpu.srp, job.kernels); }};
+          [](const BenchmarkJob& job) { return measure(real_machine(job.machine).gpu->srp, job.kernels); }};
 }
 
 }  // namespace tools

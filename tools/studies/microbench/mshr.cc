@@ -63,7 +63,7 @@ Benchmark mshr_benchmark() {
           "\n"
           "Example: raywatt microbench mshr --set l2.hit_cycles=40",
           {json_option()},
-          [](const BenchmarkJob& job) { return measure(real_machine(job.machine).gpu); }};
+          [](const BenchmarkJob& job) { return measure(*real_machine(job.machine).gpu); }};
 }
 
 }  // namespace tools

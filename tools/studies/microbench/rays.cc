@@ -57,7 +57,7 @@ class TniStand {
 
 Findings measure(const RunConfig& machine) {
   using enum traces::ExitPhase;
-  hw::GpuConfig config = machine.gpu;
+  hw::GpuConfig config = *machine.gpu;
   config.tni.trv.prefetch = hw::Prefetch::kNone;
   Findings found{"rays through one T&I unit", {}};
   const StraightRay misses{.visits = 4, .leaf = {}}, hits{.visits = 16, .leaf = {0, {kDistance, kHit}}};

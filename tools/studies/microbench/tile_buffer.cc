@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "hw_models/machines/gpu_config.h"
 #include "hw_models/srp/bank_conflicts.h"
 #include "hw_models/srp/schedule_graph.h"
 #include "shader_kernels/catalogue.h"
@@ -122,7 +123,7 @@ Benchmark tile_buffer_benchmark() {
           "\n"
           "Example: raywatt microbench tile_buffer --set srp.array.local_ports=8",
           {json_option()},
-          [](const BenchmarkJob& job) { return measure(real_machine(job.machine).gpu.srp); }};
+          [](const BenchmarkJob& job) { return measure(real_machine(job.machine).gpu->srp); }};
 }
 
 }  // namespace tools

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/config/config_tree.h"
 #include "sim/config/yaml_tree.h"
 #include "sim/error.h"
 #include "sim/io/file.h"

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "hw_models/dram/dram_energy.h"
+#include "hw_models/machines/gpu_config.h"
 #include "sim/report/conversions.h"
 #include "tools/studies/report/run/run_parts.h"
 
@@ -47,7 +48,7 @@ bool is_small(const sim::Spread& pj, const sim::Spread& all) {
 /// from which standby of the memory is taken out as an event.
 Flow flow_of(const PricedRun& run) {
   const sim::EnergyReport energy = run.energy();
-  const auto device = hw::dram_energy_events(run.config().gpu.dram);
+  const auto device = hw::dram_energy_events(run.config().gpu->dram);
   Flow flow;
   for (const auto& [block, kinds] : energy.blocks) {
     flow.add(kAll, block, kinds.total());

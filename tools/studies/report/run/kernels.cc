@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "hw_models/machines/gpu_config.h"
 #include "hw_models/srp/schedule.h"
 #include "shader_kernels/catalogue.h"
 #include "sim/io/printable.h"
@@ -66,7 +67,7 @@ void add_kernels(const Run& run, View& view) {
     const kernels::KernelInfo* const info = kernels::find_kernel(name);
     Json bound;
     if (info != nullptr && run.priced) {
-      const hw::SrpConfig& srp = run.priced->config().gpu.srp;
+      const hw::SrpConfig& srp = run.priced->config().gpu->srp;
       const hw::KernelSchedule schedule = hw::schedule(info->graph, srp);
       if (schedule.ii == number_at(k, {"ii"})) bound = bound_of(schedule, srp.array);
     }

@@ -37,7 +37,7 @@ constexpr std::array<Group, 11> kGroups = {
      {"rays", "Rays traced", "rays traced per second over time", false},
      {"rays_in_flight", "Rays in flight", "rays inside the T&I units over time", false}}};
 
-Json number(double value) {
+Json five_digits(double value) {
   if (!std::isfinite(value)) return {};
   const double scale = value == 0 ? 1 : std::pow(10.0, 4 - std::floor(std::log10(std::abs(value))));
   return std::round(value * scale) / scale;
@@ -81,8 +81,8 @@ void add_group(const IntervalTable& table, const Group& group, View& view, Json&
   }
   Dataset data(columns);
   for (std::size_t i = 0; i < table.begin_us.size(); ++i) {
-    std::vector<Json> row = {number(table.begin_us[i]), number(table.end_us[i])};
-    for (const IntervalSeries* each : series) row.push_back(number(each->values[i]));
+    std::vector<Json> row = {five_digits(table.begin_us[i]), five_digits(table.end_us[i])};
+    for (const IntervalSeries* each : series) row.push_back(five_digits(each->values[i]));
     data.row(std::move(row));
   }
   const std::string name = fmt::format("series {}", group.name);
