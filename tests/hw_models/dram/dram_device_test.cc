@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "hw_models/dram/dram_config.h"
+#include "tests/hw_models/dram/dram_harness.h"
 
 namespace hw {
 namespace {
