@@ -32,7 +32,7 @@ class BankLanes {
     return least(banks, [&](std::uint32_t four) { return at(four); });
   }
   /// The least of these banks, each by the larger of its numbers.
-  std::uint64_t least_of_larger(const BankLanes& other, std::uint32_t banks) const {
+  std::uint64_t min_of_max(const BankLanes& other, std::uint32_t banks) const {
     return least(banks, [&](std::uint32_t four) { return larger(at(four), other.at(four)); });
   }
   /// All bits that are set for any of these banks.

@@ -12,7 +12,7 @@ static std::size_t most_bursts(const DramTiming& t) {
   return (std::max(t.rl + t.dqsck, t.wl + t.dqss) + 64) / t.burst + 4;
 }
 
-DramChannel::DramChannel(const DramConfig& c, Links links, bool ideal, const DramShift& shift)
+DramChannel::DramChannel(const DramConfig& c, Links links, bool ideal, const DramPerturbation& shift)
     : controller_(c.controller),
       map_(c),
       ranks_(c.organisation.ranks),
@@ -43,7 +43,7 @@ DramChannel::DramChannel(const DramConfig& c, Links links, bool ideal, const Dra
 sim::Time DramChannel::tick(sim::Time now) {
   if (ideal_) return tick_ideal(now);
   const Cycle cycle = clock_.cycles(now);
-  settle(cycle);
+  account_until(cycle);
   if (refresh_at_ <= cycle) refresh(cycle);
   if (ports_in_.pop_at() <= now) take_request(now, cycle);
   if (!returns_.empty() && respond(returns_.front(), now)) {
@@ -62,7 +62,7 @@ sim::Time DramChannel::tick(sim::Time now) {
 void DramChannel::finish(sim::Time end) {
   const Cycle cycle = clock_.cycles(end);
   if (!ideal_) {
-    settle(cycle);
+    account_until(cycle);
     refresh(cycle);
     power_down(cycle);
     count_power_down(cycle);
@@ -100,8 +100,8 @@ inline bool DramChannel::next_survives(bool write, std::uint32_t bank, bool row_
   return queue.hits(bank) != 0 || (queue.waiting(bank) != 0 && !row_is_open);
 }
 
-/// Sends a line when it is due, one a cycle: beforehand if it will then find room. That hides no full `returns_`: they
-/// hold twice the lines that are not due yet.
+/// Returns a line when it is due, at most one per cycle. Fast path: it is pushed early with its future timestamp if the
+/// link has room then. `returns_` holds twice the lines that are not due yet, so that this hides no full queue.
 bool DramChannel::respond(const Return& line, sim::Time now) {
   const sim::Time at = std::max(now, line.due);
   sim::Link<MemResponse>& out = *ports_out_[line.port];
@@ -217,7 +217,7 @@ inline void DramChannel::transfer(const DramQueue::Entry& entry, sim::Time now, 
 }
 
 /// Charges the cycles before `until`: to the data bus while it moves data, else to what the next command waits for.
-void DramChannel::settle(Cycle until) {
+void DramChannel::account_until(Cycle until) {
   while (settled_ < until) {
     Cycle end = until;
     CycleReason why;

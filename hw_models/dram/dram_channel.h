@@ -124,7 +124,7 @@ class DramChannel {
     Observer* observer = nullptr;
   };
 
-  DramChannel(const DramConfig& config, Links links, bool ideal = false, const DramShift& shift = {});
+  DramChannel(const DramConfig& config, Links links, bool ideal = false, const DramPerturbation& shift = {});
   DramChannel(const DramChannel&) = delete;
   DramChannel& operator=(const DramChannel&) = delete;
 
@@ -148,7 +148,7 @@ class DramChannel {
     sim::Time due = 0;
   };
 
-  void settle(Cycle until);
+  void account_until(Cycle until);
   void refresh(Cycle now);
   std::uint32_t next_refresh(std::uint32_t rank) const;
   void refresh_banks(std::uint32_t rank, Cycle due);

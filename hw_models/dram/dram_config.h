@@ -337,8 +337,8 @@ class DramMap {
   std::uint32_t row_mask_;
 };
 
-/// Displacement of a channel's times that makes no other design of it (docs/noise.md). None by default.
-struct DramShift {
+/// Small timing perturbation of a channel, for replicates (docs/noise.md). None by default.
+struct DramPerturbation {
   std::int32_t fabric = 0;    ///< cycles of the command clock by which reads take longer; never below none at all
   std::uint32_t refresh = 0;  ///< cycles by which every refresh comes earlier, taken modulo their interval
 

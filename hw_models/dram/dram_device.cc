@@ -126,7 +126,7 @@ void DramDevice::close(std::uint32_t bank, Cycle now) {
 }
 
 DramDevice::Cycle DramDevice::read(std::uint32_t bank, Cycle now) {
-  now = book_train(bank, false, now);
+  now = reserve_burst_sequence(bank, false, now);
   constrain<DramOp::kRead>(bank, now);
   const Cycle data = now + t_.rl + t_.dqsck;
   rank_[rank_of(bank)].wck_stops_at = data + data_cycles() + t_.wck_post;
@@ -134,7 +134,7 @@ DramDevice::Cycle DramDevice::read(std::uint32_t bank, Cycle now) {
 }
 
 DramDevice::Cycle DramDevice::write(std::uint32_t bank, Cycle now) {
-  now = book_train(bank, true, now);
+  now = reserve_burst_sequence(bank, true, now);
   constrain<DramOp::kWrite>(bank, now);
   const Cycle data = now + t_.wl + t_.dqss;
   rank_[rank_of(bank)].wck_stops_at = data + data_cycles() + t_.wck_post;
@@ -142,7 +142,7 @@ DramDevice::Cycle DramDevice::write(std::uint32_t bank, Cycle now) {
 }
 
 /// The cycle of the first column command of a line that begins at `now`, perhaps with a CAS.
-DramDevice::Cycle DramDevice::book_train(std::uint32_t bank, bool write, Cycle now) {
+DramDevice::Cycle DramDevice::reserve_burst_sequence(std::uint32_t bank, bool write, Cycle now) {
   turnarounds_ += write != last_was_write_;
   last_was_write_ = write;
   if (t_.wck_sync != 0 && now >= rank_[rank_of(bank)].wck_stops_at) {

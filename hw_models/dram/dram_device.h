@@ -35,7 +35,7 @@ class CommandCalendar {
         data_bus_(train(bursts, t.ccd_s, t.ccd_l)) {
     for (std::size_t booked = 0; booked < kKinds; ++booked) {
       for (std::size_t asked = 0; asked < kKinds; ++asked)
-        forbids_[booked][asked] = meetings(command_bus_[booked], command_bus_[asked]);
+        forbids_[booked][asked] = conflict_distances(command_bus_[booked], command_bus_[asked]);
     }
     for (std::size_t asked = 0; asked < kKinds; ++asked)
       second_[asked] = starts(command_bus_[asked], train(1, half_, 0) << kLatest);
@@ -123,7 +123,7 @@ class CommandCalendar {
     return pattern;
   }
   /// The distances, in cycles, at which a pattern `asked` would meet a pattern `booked` that started before it.
-  static constexpr std::uint64_t meetings(std::uint64_t booked, std::uint64_t asked) {
+  static constexpr std::uint64_t conflict_distances(std::uint64_t booked, std::uint64_t asked) {
     std::uint64_t distances = 0;
     for (std::uint32_t d = 0; d < 64; ++d) {
       if (((booked >> d) & asked) != 0) distances |= std::uint64_t{1} << d;
@@ -184,7 +184,7 @@ class DramDevice {
   template <DramCommand kCommand>
   Cycle first_ready(std::uint32_t banks, bool write) const {
     const BankLanes& at = bank_at_[index(op_of(kCommand, write))];
-    return kCommand == DramCommand::kColumn ? at.least_of_larger(group_at_[write], banks) : at.least(banks);
+    return kCommand == DramCommand::kColumn ? at.min_of_max(group_at_[write], banks) : at.least(banks);
   }
   /// Returns the first cycle from `ready` on at which the buses are free for the command. For a read or write while WCK
   /// is stopped, it is the cycle of the CAS that precedes the command.
@@ -254,7 +254,7 @@ class DramDevice {
   template <DramOp kFrom>
   void constrain(std::uint32_t bank, Cycle now);
   void close(std::uint32_t bank, Cycle now);
-  Cycle book_train(std::uint32_t bank, bool write, Cycle now);
+  Cycle reserve_burst_sequence(std::uint32_t bank, bool write, Cycle now);
   Cycle begin_of_refresh(std::uint32_t banks, Cycle from) const;
   template <DramOp kRefresh>
   void start_refresh(std::uint32_t banks, Cycle begin);

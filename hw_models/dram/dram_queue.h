@@ -38,16 +38,16 @@ class DramQueue {
   Entry& at(std::uint32_t position) { return entries_[order_[position]]; }
   const Entry& at(std::uint32_t position) const { return entries_[order_[position]]; }
 
-  /// Banks that somebody wants, as a mask.
+  /// Mask of banks with queued requests.
   std::uint32_t banks() const { return banks_; }
-  /// Banks whose open row somebody wants, as a mask.
+  /// Mask of banks with a queued hit.
   std::uint32_t hit_banks() const { return hit_banks_; }
-  /// Positions of those who want the bank.
+  /// Positions of the bank's requests.
   std::uint64_t waiting(std::uint32_t bank) const { return waiting_[bank]; }
-  /// Positions of those who want the row that is open in the bank.
+  /// Positions of the bank's hits.
   std::uint64_t hits(std::uint32_t bank) const { return hits_[bank]; }
 
-  /// Positions of those who want one of the banks, or its open row.
+  /// Positions of the requests, or hits, of several banks.
   std::uint64_t waiting_in(std::uint32_t banks) const { return waiting_.any_of(banks); }
   std::uint64_t hits_in(std::uint32_t banks) const { return hits_.any_of(banks); }
 

@@ -22,7 +22,7 @@ TileDispatcher::TileDispatcher(TileSource& source, TilesInFlight tiles_per_core,
 sim::Time TileDispatcher::tick(sim::Time now) {
   collect(now);
   flush(now);
-  tell(now);
+  notify_importers(now);
   const bool dispatched = next_ != nullptr && !must_wait() && dispatch(now);
   const bool waits = next_ != nullptr && must_wait();
   const CycleReason then = next_ == nullptr ? CycleReason::kIdle
@@ -113,8 +113,8 @@ std::uint32_t TileDispatcher::missing(const traces::TileWork& work) const {
   return bits;
 }
 
-/// Sends news to cores that have room for them.
-void TileDispatcher::tell(sim::Time now) {
+/// Sends border updates to the cores that import them and have room.
+void TileDispatcher::notify_importers(sim::Time now) {
   for (Importer& i : importers_) {
     if (!i.has_news || !links_.to_core[i.core]->can_push(now)) continue;
     links_.to_core[i.core]->push(now, i.job);

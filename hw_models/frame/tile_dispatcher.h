@@ -98,7 +98,7 @@ class TileDispatcher {
   void collect(sim::Time now);
   void written(std::uint32_t tile, std::uint32_t borders);
   std::uint32_t missing(const traces::TileWork& work) const;
-  void tell(sim::Time now);
+  void notify_importers(sim::Time now);
   void flush(sim::Time now);
 
   TileSource& source_;

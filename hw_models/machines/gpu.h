@@ -37,7 +37,7 @@ ScheduledKernels schedule_kernels(const GpuConfig& config);
 /// (docs/noise.md). None by default.
 struct Perturbation {
   std::vector<std::uint32_t> starts;  ///< cycles of the tile dispatcher before a core gets its first tile; empty: none
-  DramShift dram;
+  DramPerturbation dram;
 };
 
 /// Draws the perturbation of a replicate of a frame; replicate 0 has none.

@@ -9,7 +9,7 @@ constexpr std::uint32_t kIdealDepth = 256;  // links of an ideal interconnect: m
 
 }  // namespace
 
-MemorySystem::MemorySystem(sim::Machine& machine, const GpuConfig& config, Dma dma, const DramShift& shift,
+MemorySystem::MemorySystem(sim::Machine& machine, const GpuConfig& config, Dma dma, const DramPerturbation& shift,
                            Observer* observer)
     : machine_(machine),
       config_(config),

@@ -27,7 +27,7 @@ class MemorySystem {
   enum class Dma : bool { kNo, kYes };  ///< whether there are DMA ports
 
   /// `config` must outlive it.
-  MemorySystem(sim::Machine& machine, const GpuConfig& config, Dma dma, const DramShift& shift = {},
+  MemorySystem(sim::Machine& machine, const GpuConfig& config, Dma dma, const DramPerturbation& shift = {},
                Observer* observer = nullptr);
 
   /// The ports of the next core.
@@ -71,7 +71,7 @@ class MemorySystem {
   sim::Machine& machine_;
   const GpuConfig& config_;
   const Dma dma_;
-  const DramShift shift_;
+  const DramPerturbation shift_;
   Observer* const observer_;
   const sim::Clock clock_;
   const std::uint32_t distance_, link_depth_;  ///< between ports and what they lead to

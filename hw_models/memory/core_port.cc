@@ -30,7 +30,7 @@ CorePort::CorePort(const InterconnectConfig& config, Links links, Interleave tar
 }
 
 sim::Time CorePort::tick(sim::Time now) {
-  settle(now);
+  account_until(now);
   const bool requested = clients_in_.holding() != 0 && send_up(now);
   if (targets_in_.holding() != 0) carry_down(now);
   const sim::Time next = now + clock_.period();
@@ -44,14 +44,14 @@ sim::Time CorePort::tick(sim::Time now) {
 }
 
 void CorePort::finish(sim::Time end) {
-  settle(end);
+  account_until(end);
   activity_.finish(end);
   stats_.request_wait = clock_.cycles(request_wait_);
   stats_.line_wait = clock_.cycles(line_wait_);
 }
 
-/// The line that was under way at the last tick may be over since: no tick was needed to see it go.
-inline void CorePort::settle(sim::Time until) {
+/// Charges a transfer that has finished since the last tick without a tick of its own.
+inline void CorePort::account_until(sim::Time until) {
   if (line_until_ >= activity_.accounted() && line_until_ < until)
     activity_.spend(line_until_, clock_.period(), waiting_, waiting_);
 }

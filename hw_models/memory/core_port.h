@@ -106,7 +106,7 @@ class CorePort {
   bool can_carry(std::uint32_t target, sim::Time now) const {
     return targets_in_.can_pop(target, now) && clients_out_[targets_in_[target].front().source]->can_push(now);
   }
-  void settle(sim::Time until);
+  void account_until(sim::Time until);
   sim::Time look_ahead(sim::Time now);
 
   sim::Link<MemRequest>& target_of(const MemRequest& request) const {
