@@ -61,7 +61,6 @@ class Wavefront {
   void shade_local(WaveBounce& bounce);
   void shade_light(WaveBounce& bounce, std::uint32_t light, SlotQueue& queue, std::uint32_t first_ray = 0,
                    std::uint32_t end_ray = ~0U);
-  void shade_sorted(WaveBounce& bounce);
   void combine_shadows(const WaveBounce& bounce, std::uint32_t light, const TracedBatch& batch, std::uint32_t rays,
                        bool is_recorded);
   SlotQueue& unlit(const WaveBounce& bounce) {
