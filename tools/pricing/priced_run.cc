@@ -27,7 +27,7 @@ namespace tools {
 namespace {
 
 constexpr std::uint64_t kMostTableBytes = 4 << 20;
-constexpr double kRounding = 1e-9;  ///< sums of frames are rounded otherwise than sums of counts
+constexpr double kSumRounding = 1e-9;  ///< sums of frames are rounded otherwise than sums of counts
 
 /// A whole file has keys of energy alone; a configuration, or a table of something else, is told from it by its keys.
 void check_kind(const std::filesystem::path& file) {
@@ -105,7 +105,7 @@ PricedRun::PricedRun(const ReportFile& report, const PriceTable& table)
   make_formula(units);
   const double own = total(&sim::Spread::nominal) / sim::kPicojoulesPerMillijoule;
   const double stated = report.number("totals.energy_mj.nominal");
-  if (!(std::abs(own - stated) <= kRounding * stated)) {
+  if (!(std::abs(own - stated) <= kSumRounding * stated)) {
     ReportedCounts(report).refuse(
         fmt::format("by its own table its counts come to {:.6g} mJ, and it states {:.6g}", own, stated));
   }

@@ -29,7 +29,7 @@ const sim::VoltageCurve& curve_of(const Curves& curves, const ClockDomain& domai
 std::string clock_text(std::uint64_t hz) { return sim::quantity_text(hz, sim::frequency_units()); }
 
 /// Share of the nominal voltage below which two are taken for equal: rounding alone.
-constexpr double kRounding = 1e-9;
+constexpr double kVoltRounding = 1e-9;
 
 }  // namespace
 
@@ -70,7 +70,7 @@ std::vector<std::string> power_warnings(const RunConfig& config) {
       if (hz >= curve.least_hz() && hz <= curve.most_hz()) continue;
       lines.push_back(fmt::format("power.dvfs: clocks.{} of {} is outside {} to {}; taken for {:.4g} V", domain.name,
                                   clock_text(hz), clock_text(curve.least_hz()), clock_text(curve.most_hz()), volt));
-    } else if (std::abs(volt - nominal) > kRounding * nominal) {
+    } else if (std::abs(volt - nominal) > kVoltRounding * nominal) {
       lines.push_back(
           fmt::format("power.dvfs: clocks.{} of {} needs {:.4g} V, and energies are those of {:.4g} V, the energy "
                       "table's; power.voltage=dvfs scales them",

@@ -24,7 +24,7 @@ namespace {
 
 constexpr double kHzPerMhz = 1e6;
 /// Share of a period by which a frame may be longer and still be taken to meet it: rounding alone.
-constexpr double kRounding = 1e-9;
+constexpr double kPeriodRounding = 1e-9;
 
 void check_domains(const std::vector<std::string>& asked) {
   std::vector<std::string> known;
@@ -84,7 +84,7 @@ void choose_points(DvfsCurve& curve, double period_ms) {
   curve.energy_optimal = curve.race_to_idle = curve.least_a_period = 0;
   for (std::size_t i = 0; i < curve.points.size(); ++i) {
     DvfsPoint& point = curve.points[i];
-    const bool meets = point.ms <= period_ms * (1 + kRounding);
+    const bool meets = point.ms <= period_ms * (1 + kPeriodRounding);
     point.period_mj = meets ? point.mj.nominal + point.idle_mw * std::max(0.0, period_ms - point.ms) / 1000 : -1;
     if (point.mj.nominal < curve.points[curve.energy_optimal].mj.nominal) curve.energy_optimal = i;
     if (point.ms < curve.points[curve.race_to_idle].ms) curve.race_to_idle = i;
