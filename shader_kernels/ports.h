@@ -14,8 +14,8 @@ namespace kernels {
 
 // Ports of kernels. In the float reading a port is a pointer or a number; ports_recorded.h holds the other
 // reading. A kernel's Ports struct names its ports with describe(ports, port).
-// A port of the float reading is bound to an array by its name (programs/wavefront/port_binding.h) with attach(), or by hand with
-// bind() where its array has another name.
+// A port of the float reading is bound to an array by its name (programs/wavefront/port_binding.h) with attach(), or by
+// hand with bind() where its array has another name.
 
 /// Records in the tile buffer.
 template <class V, template <class> class R>
@@ -56,8 +56,9 @@ struct Local<float, R> {
   }
   bool is_bound() const { return base != nullptr; }
   void attach(void* records, std::vector<traces::Access>* /*log*/) { base = static_cast<std::byte*>(records); }
-  R<float> load(std::uint32_t index) const { return load_record<R>(base, index); }
-  void store(std::uint32_t index, const R<float>& record) const {
+  // Inlined whatever else a source launches: large sources lost 1 % of all instructions to calls.
+  [[gnu::always_inline]] R<float> load(std::uint32_t index) const { return load_record<R>(base, index); }
+  [[gnu::always_inline]] void store(std::uint32_t index, const R<float>& record) const {
     std::memcpy(base + std::size_t{index} * sizeof(record), &record, sizeof(record));
   }
 };
