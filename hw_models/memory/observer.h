@@ -94,7 +94,7 @@ struct LineRequested {
   TileTag tile = kNoTile;
   RequesterKind requester = RequesterKind::kNodes;
 };
-/// An L2 bank looks up a read, is filled, or takes a write.
+/// Events of an L2 bank: a read was looked up, a line was filled, a write was accepted.
 struct L2LookedUp {
   TileTag tile = kNoTile;
   bool hit = false;

@@ -124,8 +124,8 @@ struct ClassifyDetails {
   }
 };
 
-/// The inspector of interpolated surfaces in scenes with occlusion textures. All else that classify_details looks for
-/// is in what their references have kept.
+/// Lists interpolated surfaces whose material has an occlusion texture. Interpolated samples need no other class of
+/// classify_details: the records of their reference samples already hold the result.
 struct ClassifyOccluded {
   static constexpr std::string_view kName = "classify_occluded";
   static constexpr std::string_view kMeaning = "interpolated surface -> stream occluded";

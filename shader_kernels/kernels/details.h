@@ -237,7 +237,7 @@ struct ShadeGlow {
   }
 };
 
-/// Corrects shade_ambient, which knows nothing of occlusion.
+/// Subtracts the part of shade_ambient's light that the occlusion texture removes.
 template <MipFilter kMips = MipFilter::kNone>
 struct ShadeOccluded {
   static constexpr std::string_view kName =

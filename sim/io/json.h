@@ -154,7 +154,8 @@ class Json {
   bool is_object() const { return type_ == Type::kObject; }
   bool is_structured() const { return is_array() || is_object(); }
 
-  /// T: bool, a number, std::string, or a vector of std::string, double or std::uint64_t. Numbers are converted.
+  /// The value as a bool, a number type, std::string, or a std::vector of std::string, double or std::uint64_t. Numbers
+  /// are cast to T; JsonError for a value of another kind.
   template <class T>
   T get() const;
   /// T: const std::string&, valid until the value changes.

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "hw_models/machines/ideal_config.h"
+#include "hw_models/machines/gpu_config.h"
 
 // The resource that one run's counters name is the one whose perfection brings most, within 2 %. Random machines are in
 // docs/bottleneck.md; here small built-in scenes, on machines that are limited by different things.

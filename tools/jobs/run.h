@@ -47,7 +47,7 @@ class PosedFrames : public FrameSource {
   Progress* const progress_;
 };
 
-/// Frames that are rendered while the machine plays them.
+/// Frames rendered from the scene. Threads of the host render tiles ahead of the machine that simulates them.
 class RenderedFrames final : public PosedFrames {
  public:
   /// InputError if frames of this configuration cannot be cut into the plan's slices.

@@ -33,7 +33,7 @@ HostRate measured_rate(const Inputs& inputs, const kernels::ProgramSpec& spec);
 /// The same for tiles of a program of one pass. sim::Deadlock if the machine is stuck.
 HostRate measured_rate(const Inputs& inputs, kernels::FrameProgram& program, const traces::Tracer& tracer);
 
-/// True if work of this number of steps may take minutes, so that the rate is worth measuring.
+/// True if this number of traversal steps may take minutes on a slow host. Then measured_rate() is worth its time.
 bool may_be_long(double steps, const Plays& plays);
 
 /// Returns the seconds of a frame with this number of steps.

@@ -32,7 +32,7 @@ struct AdaptiveConfig {
   }
 };
 
-/// Decides over a tile's rate.
+/// How a tile's sampling rate follows from those of earlier frames.
 enum class RateControl : std::uint8_t { kOff, kHysteresis, kAlternate };
 constexpr std::array<std::string_view, 3> names_of(RateControl) { return {"off", "hysteresis", "alternate"}; }
 

@@ -82,7 +82,7 @@ struct Verdict {
 /// A tile of a block program in progress: the steps that multirate and undersample share.
 class BlockTile {
  public:
-  /// `block_of(tile)` returns the block side of a tile in this frame.
+  /// `block_of(tile)` returns the side, in pixels, of the blocks of a tile in this frame.
   BlockTile(const BlockFrame& frame, std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
             TileResult& result, auto&& block_of)
       : BlockTile(frame, frame.tiles.tile(frame.order[tile_index]), tracer, record, result) {

@@ -65,7 +65,7 @@ enum class Waits : std::uint8_t {
   kBounce,     ///< inspector or base colours, rays of all batches, and the previous bounce
 };
 
-/// Effects of a stage on those after it, or'ed.
+/// Bits: what later stages wait for after this stage.
 enum StageEffect : std::uint32_t {
   kFetches = 1,      ///< writes surfaces; the next stage waits for it item by item
   kFillsQueues = 2,  ///< later stages wait for it

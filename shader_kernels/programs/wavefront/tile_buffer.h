@@ -38,7 +38,7 @@ struct RayBuffers {
   RaySlots layer;  ///< rays that continue after a hole or tinted glass
 };
 
-/// Queues between the stages of a wave (stages.h).
+/// Queues between the shading stages of a wave, which is a batch of rays of one tile (stages.h).
 struct StageQueues {
   SlotQueue misses, surfaces;                                       ///< from classify_hits
   SlotQueue textured, diffuse, mirror, glass, emissive;             ///< from classify_surfaces
