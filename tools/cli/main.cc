@@ -56,11 +56,19 @@ std::string unknown_verb(const CLI::App& verb) {
                      sim::printable(rest.front()), traces::did_you_mean(rest.front(), known), fmt::join(known, ", "));
 }
 
+/// What to type for "raywatt run sgrt-2016 --set cores=2 rays=8"; empty if no word of `rest` is a setting.
+std::string setting_without_option(const CLI::App& verb, const std::vector<std::string>& rest) {
+  const auto setting =
+      std::ranges::find_if(rest, [](const std::string& word) { return word.find('=') != std::string::npos; });
+  if (setting == rest.end() || verb.get_option_no_throw("--set") == nullptr) return {};
+  return fmt::format("'{0}' follows no option; allowed: --set {0}, one --set for each key", sim::printable(*setting));
+}
+
 /// "unknown option '--scen', did you mean '--scene'?" if that is what is wrong with the command line.
 std::string unknown_option(const CLI::App& verb) {
   const std::vector<std::string> rest = verb.remaining();
   const auto option = std::ranges::find_if(rest, [](const std::string& word) { return word.starts_with("--"); });
-  if (option == rest.end()) return {};
+  if (option == rest.end()) return setting_without_option(verb, rest);
   std::vector<std::string> known;
   for (const CLI::Option* each : verb.get_options()) {
     for (const std::string& name : each->get_lnames()) known.push_back("--" + name);

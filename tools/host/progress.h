@@ -58,6 +58,7 @@ class Progress {
   /// Writes a line on stderr without disturbing the bar.
   void say(const std::string& line);
   /// The same for people, who want neither JSON nor silence.
+  bool shows_hints() const { return hints_; }
   void hint(const std::string& line) {
     if (hints_) say(line);
   }

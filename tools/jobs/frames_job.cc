@@ -28,12 +28,14 @@ namespace {
 RunResult run_or_interrupt(FrameSource& frames, const RunOptions& options, std::size_t frames_to_replace,
                            Progress& progress) {
   const HoldInterrupts hold;  // there is something to lose before there is a folder
-  RunResult result = run(frames, options);
-  if (result.partial && result.frames.size() < frames_to_replace) {
+  try {
+    RunResult result = run(frames, options);
+    if (result.partial && result.frames.size() < frames_to_replace) throw Interrupted();
+    return result;
+  } catch (const Interrupted&) {
     progress.end("interrupted");
-    throw Interrupted();
+    throw;
   }
-  return result;
 }
 
 /// The file of --record, which does not take the place of one of the run's own results in `folder`.
@@ -77,7 +79,7 @@ void run_frames(const JobOptions& options) {
   live.of(inputs.config);
   timeline.check(inputs, plan.program);
   tell_warnings(inputs.warnings, &progress);
-  if (plan.sampling() == nullptr) {
+  if (plan.sampling() == nullptr && progress.shows_hints()) {
     const Plays plays{options.threads, frames.replicates(), frames.slices()};
     double frame = estimated_seconds(inputs, plan.program, plays);
     if (frames.has_reference()) frame += estimated_seconds(inputs, *plan.whole()->reference, plays);

@@ -88,7 +88,7 @@ struct RunOptions {
   std::function<void(const PlayedFrame&)> on_frame = {};
 };
 
-/// Plays all frames of a source on the machine: the frame loop of every verb. After an interrupt the result is partial:
+/// Plays all frames of a source on the machine: the frame loop of runs, replays, baselines and sweep points. After an interrupt the result is partial:
 /// it has the finished frames, or with `keep_part` a part of the first. Interrupted if there is nothing to keep.
 RunResult run(FrameSource& frames, const RunOptions& options);
 

@@ -57,10 +57,12 @@ void record_trace(const JobOptions& options, const std::filesystem::path& file) 
   Progress progress(options.progress, options.quiet);
   Inputs inputs = load_inputs(options, &progress);
   tell_warnings(inputs.warnings, &progress);
-  double frame = estimated_functional_seconds(inputs, spec, 1, options.threads);
-  if (compared) frame += estimated_functional_seconds(inputs, *compared, 1, options.threads);
-  tell_long(inputs.load_seconds + frame * inputs.frames(), "a smaller --resolution or fewer --frames take less",
-            progress);
+  if (progress.shows_hints()) {
+    double frame = estimated_functional_seconds(inputs, spec, 1, options.threads);
+    if (compared) frame += estimated_functional_seconds(inputs, *compared, 1, options.threads);
+    tell_long(inputs.load_seconds + frame * inputs.frames(), "a smaller --resolution or fewer --frames take less",
+              progress);
+  }
   progress.expect(inputs.frames() * (compared ? 2 : 1));
   const kernels::RateMap rates(inputs.config.programs.multirate);
   Recorder program{spec, rates};
@@ -94,7 +96,7 @@ void replay_trace(const JobOptions& options, const std::filesystem::path& file) 
   }
   StoredFrames frames(file, options);
   tell_warnings(frames.inputs().warnings, &progress);
-  tell_long(frames.estimated_seconds(), {}, progress);
+  if (progress.shows_hints()) tell_long(frames.estimated_seconds(), {}, progress);
   progress.expect(frames.count() * (frames.has_reference() ? 2 : 1));
   const std::size_t to_replace = frames_to_replace(folder.target() / "report.json");
   hold.emplace();

@@ -116,7 +116,8 @@ int verify_frames(const JobOptions& options) {
   Progress progress(options.progress, options.quiet);
   Inputs inputs = load_inputs(options, &progress);
   tell_warnings(inputs.warnings, &progress);
-  tell_long(seconds_of(inputs, options), "a smaller --resolution or fewer --frames take less", progress);
+  if (progress.shows_hints())
+    tell_long(seconds_of(inputs, options), "a smaller --resolution or fewer --frames take less", progress);
   progress.expect(2 * inputs.frames());
   const std::size_t to_replace = frames_to_replace(folder.target() / "verify.json");
   Verification done;

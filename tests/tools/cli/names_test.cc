@@ -60,6 +60,8 @@ TEST(Refusals, SayWhatToTypeInstead) {
   const auto refused = [&](const Words& arguments, const Words& parts) {
     expect_refusal(raywatt(arguments, here), parts);
   };
+  refused({"run", "sgrt-2016", "--set", "cores=2", "tni.trv.rays=8"},
+          {"'tni.trv.rays=8' follows no option; allowed: --set tni.trv.rays=8, one --set for each key"});
   refused({"run", "--set", "cores", "2"}, {"--set: 'cores' has no value; allowed: KEY=VALUE, e.g. --set cores=2"});
   refused({"run", "--set", "cores=2", "tni.trvs=2"}, {"'tni.trvs=2' is a setting", "--set tni.trvs=2"});
   refused({"config", "show", "--set", "cores=-1"}, {"cores: '-1' is out of range; allowed: 1 to 64 cores"});

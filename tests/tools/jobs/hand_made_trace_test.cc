@@ -70,7 +70,8 @@ TEST(HandMadeTrace, OfManyStepsIsSaidToTakeLongToWhoListens) {
     EXPECT_EQ(ending.exit, 0) << ending.err;
     return ending.err;
   };
-  EXPECT_EQ(said({}), "raywatt: this may take about 20 min on this host\n");
+  const std::string hint = said({});
+  EXPECT_TRUE(hint.starts_with("raywatt: this may take about ") && hint.ends_with(" min on this host\n")) << hint;
   EXPECT_EQ(said({"--quiet"}), "");
   EXPECT_EQ(said({"--progress", "none"}), "");
   EXPECT_EQ(said({"--progress", "json"}).find("may take"), std::string::npos);

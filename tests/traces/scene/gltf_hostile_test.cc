@@ -165,7 +165,7 @@ TEST(GltfHostile, MoreThanTheLimits) {
     file.json["scenes"][0]["nodes"].push_back(i);
   }
   EXPECT_SAYS(refusal(file.text(), {.nodes = 10}), "'nodes' has 20 entries, allowed are 10");
-  EXPECT_SAYS(refusal(file.text(), {.memory = {100}}), "allowed: 100 bytes");
+  EXPECT_SAYS(refusal(file.text(), {.memory = {100}}), "more than limits.memory, 100 B; allowed: a larger one");
   EXPECT_SAYS(refusal(file.text(), {.memory = {file.text().size() * 18 + 500}}), "more than is left of the limit");
 }
 

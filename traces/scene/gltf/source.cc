@@ -177,7 +177,8 @@ class Resources {
         }
         continue;
       }
-      std::string bytes = bytes_of(uri->get_ref<const std::string&>(), where);
+      const auto asked = uri->get<std::string>();
+      std::string bytes = bytes_of(asked, where);
       if (is_buffers) {
         const auto length = entry["byteLength"].get<std::uint64_t>();
         if (bytes.size() < length) {
@@ -187,9 +188,10 @@ class Resources {
         bytes.resize(length);
       }
       if (bytes.empty()) throw sim::InputError(where + ": its URI holds no bytes; allowed: 1 or more");
-      if (!is_data_uri(uri->get_ref<const std::string&>()) && entry.value("name", "").empty()) entry["name"] = *uri;
-      *uri = fmt::format("{}-{}", list, i);
-      source_.external.emplace(uri->get<std::string>(), std::move(bytes));
+      if (!is_data_uri(asked) && entry.value("name", "").empty()) entry["name"] = asked;
+      std::string key = fmt::format("{}-{}", list, i);
+      entry["uri"] = key;  // the name has moved the members of the entry
+      source_.external.emplace(std::move(key), std::move(bytes));
       any = true;
     }
     return any;
