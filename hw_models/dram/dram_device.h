@@ -12,7 +12,7 @@
 
 namespace hw {
 
-/// Commands in the order of preference. kColumn stands for all read (or write) commands of one line: a train.
+/// Commands, the preferred first. kColumn is the burst of reads, or of writes, that moves one line.
 enum class DramCommand : std::uint8_t { kColumn, kActivate, kPrecharge };
 
 /// Reservation table of the command bus and the data bus: for each kind of command a bit mask over the next 64 cycles

@@ -52,7 +52,7 @@ class DramClosedForms {
     const double commands = t_.ca_activate + lines * commands_ * t_.ca_column + t_.ca_precharge;
     return std::max({activate, row / banks_, commands, lines * streamed_line()}) / lines;
   }
-  /// Hits of one row that refreshes close, bank by bank or all banks at once, as the configuration says.
+  /// Time per line of a stream of row hits in one bank, with the refreshes that close its row.
   double line_between_refreshes() const {
     const double line = bursts_ * t_.ccd_l;
     const double lost = train() + t_.rtp + refresh_ + t_.rcd + t_.wck_sync - line;

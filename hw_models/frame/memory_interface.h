@@ -21,10 +21,10 @@ namespace hw {
 ///
 ///   in --> [records of a line] --write--> ring in memory --read--> [lines that have come] --> out
 ///
-/// Records lie behind each other; a line is written when it is full, or when no whole record is under way that could
-/// be waited for. What is written is read at once, as long as fewer than `depth` records are asked for or wait at the
-/// end; a read follows its write on the same link, so it cannot overtake it on the way to the L2. Memory holds up to
-/// `ring` records.
+/// 1. Records are packed without gaps. A line is written when it is full, or early when no whole record is in flight.
+/// 2. A written line is read at once, while fewer than `depth` records are requested or wait at the output.
+/// 3. A read follows its write on the same link, so it cannot overtake the write on the way to the L2.
+/// 4. Memory holds up to `ring` records.
 template <class Record>
 class RecordStream {
  public:

@@ -17,9 +17,9 @@
 
 namespace hw {
 
-/// The shader core's end of the direct interface: a ray every so many cycles if there is room, hits taken at once.
+/// Stands in for the shader core: sends a ray every `interval` cycles if the link has room, and accepts hits at once.
 ///
-/// `Rays` knows them by number: `count()`, `walk(ray)`, and `returned(ray, now)`, which is told of every hit.
+/// `Rays` numbers the rays: `count()`, `walk(ray)`, and `returned(ray, now)`, which is called for each finished ray.
 template <class Rays>
 class RaySource {
  public:

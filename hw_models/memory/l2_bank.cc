@@ -217,7 +217,7 @@ std::string L2Bank::state() const {
       store_.dirty_lines());
 }
 
-/// Does what the policy says with the head, a write; false if it must stay.
+/// Executes the write at the head of the queue by the write policy; false if it must wait.
 bool L2Bank::write(sim::Time now) {
   if (!has_room(1)) return false;
   const MemRequest& r = head_.request;

@@ -69,7 +69,7 @@ class L2Store {
     return victim;
   }
 
-  /// Lines of which something is dirty.
+  /// Lines with at least one dirty sector.
   std::size_t dirty_lines() const { return dirty_lines_; }
   /// Cleans a dirty line, the next in the order of slots; only if there is one.
   Victim clean_next() {

@@ -19,7 +19,7 @@
 
 namespace hw {
 
-/// Arrays of a rasteriser in memory, one behind the other, each on lines of its own.
+/// Addresses of a rasteriser's arrays in memory. Arrays follow each other and share no line.
 struct RasterMemory {
   static constexpr std::uint32_t kPositionBytes = 12;     ///< a vertex as the scene has it: three floats
   static constexpr std::uint32_t kIndexBytes = 12;        ///< a triangle: the numbers of its vertices
@@ -84,7 +84,7 @@ class RasterWrites {
  public:
   RasterWrites(std::uint32_t lines, std::uint16_t port) : lines_(lines), port_(port) {}
 
-  /// Room for so many lines besides the one that is being filled.
+  /// True if the queue has room for `lines` more, besides the line being filled.
   bool has_room(std::uint32_t lines) const { return queue_.size() + lines <= lines_; }
   bool empty() const { return queue_.empty() && open_.sectors == 0; }
   /// A line or more waits for the way to memory.

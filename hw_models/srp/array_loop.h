@@ -50,7 +50,7 @@ struct LoopPart {
   std::uint32_t begin = 0;             ///< the loop's item that the first one is
 };
 
-/// Chunks that run together in one loop: their working items behind each other, then all that idle.
+/// Chunks that share one loop: first the working items of all chunks, then all idle items.
 class LoopParts {
  public:
   void reserve(std::size_t parts) { parts_.reserve(parts); }
@@ -85,7 +85,7 @@ class LoopParts {
   std::uint32_t items_ = 0, working_ = 0;
 };
 
-/// The loop on the array. Array time stands still while the array is stalled.
+/// The loop that the array runs. Array time does not advance while the array is stalled.
 struct ArrayLoop {
   bool active = false;
   traces::KernelId kernel = 0;

@@ -53,10 +53,10 @@ struct StackStats {
 ///   visit: one child hit --> its visit or leaf        leaf, visit without a hit --> pop --> the far child pushed last
 ///          both hit ------> push far, visit near      no entry left ------------> end
 ///
-/// 1. The next step decides the sub-pipe (next_pipe()); a step behind a leaf or a visit without a hit needs a pop
-/// first.
+/// 1. The next step decides the sub-pipe (next_pipe()); a step after a leaf or after a visit without a hit needs a pop
+///    first.
 /// 2. A visit that hits both children pushes the far one. In a full short stack the oldest entry is dropped.
-/// 3. Each entry that begins behind the ray's hit is popped and dropped: an operation of the stack pipe each.
+/// 3. A popped entry that is farther than the ray's hit is dropped. Each pop is an operation of the stack pipe.
 /// 4. A pop from an empty short stack restarts: the ray visits the nodes down to the wanted entry again, from the node
 ///    of the oldest dropped entry or, with a restart trail, from the root. That refills the short stack.
 class TraversalSlot {
@@ -144,7 +144,7 @@ class TraversalSlot {
     next_ = to;
     step_ = *to;
   }
-  /// An entry was popped: it is dropped if it lies behind the hit, otherwise the ray continues at it.
+  /// Consumes a popped entry: drops it if it is farther than the hit, otherwise continues the ray there.
   void consume_entry() {
     stack_depth_ -= 1;
     if (culls_ > 0) {

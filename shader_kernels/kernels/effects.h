@@ -13,8 +13,8 @@
 
 namespace kernels {
 
-/// Point of the unit square that one of a surface's rays for an effect stands for. The rays of a surface lie evenly in
-/// the square, which a hash shifts from surface to surface.
+/// Sample point, in the unit square, of one ray of an effect. The rays of a surface cover the square evenly; a hash
+/// shifts them from surface to surface.
 template <class V>
 struct DrawUniforms {
   F<V> x, y;  ///< before the shift
@@ -31,8 +31,8 @@ struct DrawnPoint {
   F<V> x, y;
 };
 
-/// The hash is that of the ray that found the surface. A primary ray has the same bits whatever tile or order its
-/// sample belongs to, and whoever traces it.
+/// The hash key is the direction of the ray that found the surface. A primary ray has the same bits in every tile and
+/// order, with every tracer.
 template <class V>
 DrawnPoint<V> drawn(const Vec3<V>& direction, const DrawUniforms<V>& draw) {
   const I<V> key = (bits_of(direction.x) * 0x9e3779b1U) ^ (bits_of(direction.y) * 0x85ebca77U) ^
@@ -43,7 +43,7 @@ DrawnPoint<V> drawn(const Vec3<V>& direction, const DrawUniforms<V>& draw) {
   return {x - floor(x), y - floor(y)};
 }
 
-/// Sine of so many half turns, from -1 to 1: two parabolas, within 0.0012.
+/// Sine of an angle in half turns, from -1 to 1: two parabolas, with an error below 0.0012.
 template <class V>
 F<V> sine_of(const F<V>& half_turns) {
   const F<V> arch = half_turns * 4.0F * (1.0F - abs(half_turns));
@@ -102,8 +102,8 @@ struct ShadeDiscPorts : ShadeDiffuse::Ports<V> {
 };
 
 /// In place of shade_diffuse where shadows are soft: one launch per light and ray. Rays go to points of the light's
-/// disc, and end one radius before it: so they never reach into the lamp that it stands for. The light is that of the
-/// disc's centre. With kShareAlone rays bring their share alone, of light that samples know.
+/// disc and end one radius before it, so that the lamp's own geometry cannot block them. The light is that of the
+/// disc's centre. With kShareAlone, a ray returns its share of the light alone.
 template <bool kShareAlone>
 struct ShadeDisc {
   static constexpr std::string_view kName = kShareAlone ? "shade_soft_share" : "shade_soft";

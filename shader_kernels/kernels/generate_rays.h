@@ -271,7 +271,7 @@ void emit_visible(const I<V>& item, const I<V>& pixel, const I<V>& sample, const
   at.visible.store(sample, visible_miss<V>());
 }
 
-/// A sample that is not the first: of which pixel of a list, which one, and where in it.
+/// A further sample of a pixel: index of the pixel in a list, number of the sample, position in the pixel.
 template <class V>
 struct GeometrySample {
   F<V> pixel, number, x, y;

@@ -8,7 +8,7 @@
 
 namespace kernels {
 
-/// Every item leaves the sum so far in its pixel; the pixel's last sample completes it.
+/// Each item adds its sample to the running sum of its pixel. The pixel's last sample turns the sum into the mean.
 struct AverageColour {
   static constexpr std::string_view kName = "average_colour";
   static constexpr std::string_view kMeaning = "sample -> mean of its pixel's samples, clamped, in linear light";
@@ -139,7 +139,7 @@ struct PackColour {
   }
 };
 
-/// As pack_colour, behind a part that has clamped the pixel.
+/// As pack_colour, for a pixel that an earlier part of a fused kernel has clamped.
 struct PackClamped {
   using Of = PackColour;
   template <class V>

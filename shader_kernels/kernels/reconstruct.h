@@ -51,8 +51,8 @@ struct RecordVisible {
   }
 };
 
-/// A mirror's or glass's light is that of another sample than the surface's own, `apart` behind it: there its light is
-/// added up and its geometry kept. Until it hits something it has that of a miss.
+/// Gives the ray by a mirror or through glass a sample of its own, `apart` slots after the surface's. Light and
+/// geometry of the branch go there; until the ray hits something, the geometry is that of a miss.
 struct BeginBranch {
   static constexpr std::string_view kName = "begin_branch";
   static constexpr std::string_view kMeaning = "ray by a mirror or through glass -> of a sample of its own";
@@ -355,7 +355,7 @@ struct Reconstruct {
 /// Lists the pixels whose colour changes where geometry does not: edges of textures, which the filter of reconstruct
 /// blurs. As the colour test of supersample, but over 3 x 3 shaded samples at once: a pixel is listed if the contrast
 /// (Mitchell 1987) of its own and those that are like it reaches `threshold` in one channel. Layer by layer, so that
-/// textures in mirrors and behind glass count, too.
+/// textures seen in mirrors and through glass count, too.
 template <std::uint32_t kBranches>
 struct ListContrasts {
   static constexpr std::array<std::string_view, 3> kNames{"list_contrasts", "list_contrasts_branch",

@@ -246,8 +246,8 @@ struct RecordSurface {
   }
 };
 
-/// A bounce behind the first. `way` tells bounces apart, so that the same objects met in another order are not taken
-/// for the same.
+/// A bounce after the first. `way` is the hash key of this bounce: the same objects in another order give another
+/// value.
 template <class V>
 struct BounceUniforms {
   I<V> way;
