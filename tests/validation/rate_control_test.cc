@@ -54,7 +54,9 @@ TEST(RateControl, LosesLessThanADecibelWithAQuarterOfTheTilesCoarse) {
   config.rate_texture = 2;
   Way unguarded(config);
   for (std::uint32_t frame = 0; frame < kFrames; ++frame) {
-    if (frame != 0) advance(inputs, frame, 0);
+    if (frame != 0) {
+      ASSERT_TRUE(advance(inputs, 0));
+    }
     const traces::BvhTracer tracer(inputs.image);
     const std::vector<float> full = render(inputs, kernels::parse_program("full:1"), tracer, 0).rgb;
     for (Way* way : {&off, &guarded, &unguarded}) way->render_frame(inputs, tracer, full);

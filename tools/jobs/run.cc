@@ -13,12 +13,6 @@
 
 namespace tools {
 
-bool PosedFrames::advance() {
-  if (inputs_.frame == inputs_.config.scene.last_frame) return false;
-  tools::advance(inputs_, inputs_.frame + 1, threads_, progress_);
-  return true;
-}
-
 RenderedFrames::RenderedFrames(Inputs& inputs, const RunPlan& plan, std::uint32_t threads, Progress* progress)
     : PosedFrames(inputs, threads, progress),
       plan_(plan),

@@ -39,7 +39,7 @@ class PosedFrames : public FrameSource {
   PosedFrames(Inputs& inputs, std::uint32_t threads, Progress* progress)
       : inputs_(inputs), threads_(threads), progress_(progress) {}
   const Inputs& inputs() const override { return inputs_; }
-  bool advance() override;
+  bool advance() override { return tools::advance(inputs_, threads_, progress_); }
 
  protected:
   Inputs& inputs_;
@@ -88,8 +88,9 @@ struct RunOptions {
   std::function<void(const PlayedFrame&)> on_frame = {};
 };
 
-/// Plays all frames of a source on the machine: the frame loop of runs, replays, baselines and sweep points. After an interrupt the result is partial:
-/// it has the finished frames, or with `keep_part` a part of the first. Interrupted if there is nothing to keep.
+/// Plays all frames of a source on the machine: the frame loop of runs, replays, baselines and sweep points. After an
+/// interrupt the result is partial: it has the finished frames, or with `keep_part` a part of the first. Interrupted if
+/// there is nothing to keep.
 RunResult run(FrameSource& frames, const RunOptions& options);
 
 /// The report of all frames of `inputs`, without pictures. Uses the program, the reference, the replicates and the

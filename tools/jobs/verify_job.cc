@@ -91,8 +91,7 @@ struct Verification {
     const kernels::ProgramSpec program = kernels::parse_program(options.program);
     try {
       add(inputs.frame, verify_frame(inputs, program, options.threads, progress, &open));
-      while (inputs.frame < inputs.config.scene.last_frame) {
-        advance(inputs, inputs.frame + 1, options.threads, &progress);
+      while (advance(inputs, options.threads, &progress)) {
         add(inputs.frame, verify_frame(inputs, program, options.threads, progress, nullptr));
       }
     } catch (const Interrupted&) {

@@ -3,17 +3,9 @@
 #include <memory>
 
 #include "hw_models/machines/gpu.h"
+#include "tools/simulation/machine_run.h"
 
 namespace tools {
-namespace {
-
-class NoTiles final : public hw::TileSource {
- public:
-  const traces::TileWork* next() override { return nullptr; }
-  void give_back(const traces::TileWork*) override {}
-};
-
-}  // namespace
 
 std::vector<sim::UnitReport> idle_units(const hw::GpuConfig& config, bool rasterises) {
   const traces::MemoryImage nothing;

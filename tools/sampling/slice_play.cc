@@ -6,15 +6,6 @@
 #include "tools/simulation/machine_run.h"
 
 namespace tools {
-namespace {
-
-class EmptyTileList final : public hw::TileSource {
- public:
-  const traces::TileWork* next() override { return nullptr; }
-  void give_back(const traces::TileWork* /*work*/) override {}
-};
-
-}  // namespace
 
 void Stretch::take_off(const Mark& earlier) {
   time -= earlier.time;
@@ -40,7 +31,7 @@ std::unique_ptr<hw::Gpu> SlicePlayer::machine(hw::TileSource& tiles) const {
 }
 
 Stretch SlicePlayer::nothing() const {
-  EmptyTileList none;
+  NoTiles none;
   return Stretch(*machine(none));
 }
 

@@ -7,6 +7,13 @@
 
 namespace tools {
 
+/// A frame without tiles, for machines that are built but not run.
+class NoTiles final : public hw::TileSource {
+ public:
+  const traces::TileWork* next() override { return nullptr; }
+  void give_back(const traces::TileWork* /*work*/) override {}
+};
+
 /// The machine that `inputs` name, before its first cycle.
 std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const kernels::FrameRequirements& requirements,
                                   hw::TileSource& tiles, const hw::Perturbation& perturbation = {},

@@ -138,11 +138,12 @@ std::string inputs_key(const RunConfig& config) {
   return key;
 }
 
-void advance(Inputs& in, std::uint32_t frame, std::uint32_t threads, Progress* progress) {
+bool advance(Inputs& in, std::uint32_t threads, Progress* progress) {
+  if (in.frame == in.config.scene.last_frame) return false;
   if (progress != nullptr) progress->phase("building the tree");
   const sim::HostClock::time_point begin = sim::HostClock::now();
-  const traces::Moved moved = traces::pose_workload(in.moving, in.config.scene, frame);
-  in.frame = frame;
+  const traces::Moved moved = traces::pose_workload(in.moving, in.config.scene, in.frame + 1);
+  in.frame += 1;
   in.camera = in.moving.cameras.front();
   if (moved.geometry) {
     traces::update_memory_image(in.moving, in.config.bvh, host_threads(threads), in.image, interrupted);
@@ -151,6 +152,7 @@ void advance(Inputs& in, std::uint32_t frame, std::uint32_t threads, Progress* p
     in.image.lights = in.moving.lights;
   }
   in.update_seconds += sim::seconds_since(begin);
+  return true;
 }
 
 kernels::TileCounts tile_counts(const Inputs& inputs, const kernels::ProgramSpec& program) {

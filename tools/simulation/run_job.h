@@ -58,16 +58,14 @@ Inputs load_inputs(const RunConfig& config, std::uint32_t threads, Progress* pro
 void tell_warnings(const std::vector<std::string>& lines, Progress* progress);
 /// Keys on which load_inputs() depends, with their values: equal texts, equal inputs.
 std::string inputs_key(const RunConfig& config);
-/// Goes on to a later frame: poses the scene, then refits or rebuilds the tree if anything in it has moved.
-/// Interrupted if an interrupt waits.
-void advance(Inputs& inputs, std::uint32_t frame, std::uint32_t threads, Progress* progress = nullptr);
+/// Goes to the next frame: poses the scene, then refits or rebuilds the tree if anything in it has moved. False after
+/// the last frame. Interrupted if an interrupt waits.
+bool advance(Inputs& inputs, std::uint32_t threads, Progress* progress = nullptr);
 /// Calls `call()` for each frame from the present one on, with the inputs as they are in it.
 void for_each_frame(Inputs& inputs, std::uint32_t threads, Progress* progress, auto&& call) {
-  for (;;) {
+  do {
     call();
-    if (inputs.frame == inputs.config.scene.last_frame) return;
-    advance(inputs, inputs.frame + 1, threads, progress);
-  }
+  } while (advance(inputs, threads, progress));
 }
 
 /// An estimate and its 95 % interval.
