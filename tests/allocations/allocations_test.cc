@@ -19,8 +19,8 @@
 #include "tests/allocations/count.h"
 #include "tests/hw_models/machines/gpu_harness.h"
 #include "tests/temp_folder.h"
-#include "tools/simulation/front_end.h"
-#include "tools/simulation/replay_program.h"
+#include "tools/run/frame/front_end.h"
+#include "tools/run/frame/replay_program.h"
 #include "traces/trace_file/trace_reader.h"
 #include "traces/trace_file/trace_writer.h"
 

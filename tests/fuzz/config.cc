@@ -3,7 +3,7 @@
 #include <cstdlib>
 
 #include "tests/fuzz/common.h"
-#include "tools/simulation/load_config.h"
+#include "tools/run/frame/load_config.h"
 
 // A configuration file, as `raywatt run FILE` loads it; what it makes of it is written and read back.
 

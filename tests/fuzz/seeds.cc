@@ -7,7 +7,7 @@
 #include "tests/fuzz/seed_report.h"
 #include "tests/fuzz/trace_work.h"
 #include "tests/temp_folder.h"
-#include "tests/tools/jobs/hand_made_trace.h"
+#include "tests/tools/run/hand_made_trace.h"
 #include "tests/traces/scene/gltf_seeds.h"
 #include "traces/scene/images.h"
 

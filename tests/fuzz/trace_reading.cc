@@ -4,8 +4,8 @@
 
 #include "tests/fuzz/common.h"
 #include "tools/analysis/trace_info.h"
-#include "tools/simulation/recorded.h"
-#include "tools/simulation/replay_program.h"
+#include "tools/run/frame/recorded.h"
+#include "tools/run/frame/replay_program.h"
 
 namespace fuzz {
 namespace {

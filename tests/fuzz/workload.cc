@@ -1,5 +1,5 @@
 #include "tests/fuzz/common.h"
-#include "tools/simulation/load_config.h"
+#include "tools/run/frame/load_config.h"
 
 // A workload file, as `raywatt run --scene FILE` loads it.
 

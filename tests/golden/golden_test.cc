@@ -8,7 +8,7 @@
 
 #include "sim/report/report_json.h"
 #include "tests/param_name.h"
-#include "tools/simulation/run_job.h"
+#include "tools/run/frame/run_job.h"
 
 // Small runs whose every counter is stored in tests/golden/*.json, summed over units of one kind. After a change that
 // is meant to move them, accept the new values with: RAYWATT_ACCEPT=1 ctest --preset release -R golden
@@ -36,7 +36,7 @@ Json measure(const Case& c) {
   options.resolution = "64x32";
   options.threads = 1;
   const Inputs inputs = load_inputs(options);
-  const Simulation s = simulate(inputs, kernels::parse_program(c.program), 1);
+  const FrameResult s = simulate(inputs, kernels::parse_program(c.program), 1);
   Json out = {{"cycles", s.cycles}, {"rays", s.rays()}, {"traversal_steps", s.function.traversal_steps}};
   for (const auto& [block, energy] : s.energy.blocks) out["energy_pj"][block] = energy.total().nominal;
   for (const sim::UnitReport& unit : s.units) {

@@ -7,7 +7,7 @@
 #include "sim/config/yaml_tree.h"
 #include "sim/io/file.h"
 #include "tests/structure/repository.h"
-#include "tools/simulation/load_config.h"
+#include "tools/run/frame/load_config.h"
 
 // Every number of the default machine stands in a file, and says where it comes from.
 

@@ -13,7 +13,7 @@
 #include "sim/report/logic_area.h"
 #include "sim/report/table_names.h"
 #include "sim/report/unit_entry.h"
-#include "tools/simulation/run_job.h"
+#include "tools/run/frame/run_job.h"
 
 // What counters name as their energy events, and what the energy files have figures for, is the same set.
 

@@ -8,7 +8,7 @@
 #include "tests/validation/figures.h"
 #include "tools/analysis/kernel_shares.h"
 #include "tools/analysis/picture.h"
-#include "tools/simulation/run_job.h"
+#include "tools/run/frame/run_job.h"
 #include "traces/accel/bvh_tracer.h"
 
 // Adaptive sampling against what was published. What is not reproduced is written in DEVIATIONS.md with its cause, and
@@ -26,7 +26,7 @@ JobOptions reproduction(const std::string& scene, const std::string& resolution,
   return options;
 }
 
-double tni_pj(const Simulation& s) { return s.energy.blocks.at("tni").total().nominal; }
+double tni_pj(const FrameResult& s) { return s.energy.blocks.at("tni").total().nominal; }
 
 /// A method and what it is compared with (Lee et al. 2016, figure 7).
 struct Gain {
@@ -42,8 +42,8 @@ struct Gain {
     JobOptions options = reproduction(scene, "512x256", sets);
     options.config = config;
     const Inputs inputs = load_inputs(options);
-    const Simulation run = simulate(inputs, kernels::parse_program(program), 0);
-    const Simulation full = simulate(inputs, kernels::parse_program(reference), 0);
+    const FrameResult run = simulate(inputs, kernels::parse_program(program), 0);
+    const FrameResult full = simulate(inputs, kernels::parse_program(reference), 0);
     const auto ratio = [](auto a, auto b) { return static_cast<double>(a) / static_cast<double>(b); };
     traced_ratio = ratio(run.function.sampling.traced, run.function.sampling.wanted);
     work = ratio(run.function.traversal_steps, full.function.traversal_steps);

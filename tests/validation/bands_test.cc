@@ -6,7 +6,7 @@
 
 #include "tests/real_scenes.h"
 #include "tests/validation/figures.h"
-#include "tools/simulation/run_job.h"
+#include "tools/run/frame/run_job.h"
 
 // Bands of a believable machine of this class. A figure outside is in DEVIATIONS.md with its cause, and held
 // here at its measured range, outside the band, so that closing a gap is noticed.
@@ -22,7 +22,7 @@ struct Figures {
   std::uint64_t spilled = 0;  ///< ray slots that did not fit into the tile buffers
 };
 
-std::uint64_t sum(const Simulation& s, const std::string& counter) {
+std::uint64_t sum(const FrameResult& s, const std::string& counter) {
   std::uint64_t total = 0;
   for (const sim::UnitReport& unit : s.units) {
     for (const sim::CounterReport& c : unit.counters) total += c.name == counter ? c.value : 0;
@@ -35,7 +35,7 @@ Figures measure(const std::string& scene, std::vector<std::string> sets = {}) {
   options.scene = scene;
   options.resolution = "512x256";
   options.sets = std::move(sets);
-  const Simulation s = simulate(load_inputs(options), kernels::parse_program("full:1"), 0);
+  const FrameResult s = simulate(load_inputs(options), kernels::parse_program("full:1"), 0);
   const double all = s.energy.total_pj.nominal;
   const double seconds = static_cast<double>(s.elapsed) * 1e-15;
   return {s.energy.blocks.at("tni").total().nominal / static_cast<double>(sum(s, "visits")),

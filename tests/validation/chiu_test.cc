@@ -7,7 +7,7 @@
 
 #include "tests/validation/figures.h"
 #include "tools/analysis/picture.h"
-#include "tools/simulation/run_job.h"
+#include "tools/run/frame/run_job.h"
 #include "tools/studies/reproduce/masks.h"
 #include "traces/accel/bvh_tracer.h"
 

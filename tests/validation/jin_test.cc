@@ -5,8 +5,8 @@
 
 #include "tests/validation/figures.h"
 #include "tools/analysis/picture.h"
-#include "tools/simulation/ground_truth.h"
-#include "tools/simulation/run_job.h"
+#include "tools/run/frame/ground_truth.h"
+#include "tools/run/frame/run_job.h"
 
 // Supersampling against what was published (Jin et al. 2009, table 2): DEVIATIONS.md has its figures and the cause.
 
@@ -32,7 +32,7 @@ TEST(Jin2009, NineSamplesArePassedOnlyWhereTexturesAreSampledMoreFinelyThanByDef
   const Inputs with_textures = conference("0.1");
   const std::vector<float> truth = ground_truth(inputs, 256, 0, {});
   const auto render = [&](const Inputs& of, const std::string& program) -> Render {
-    const Simulation run = simulate(of, kernels::parse_program(program), 0);
+    const FrameResult run = simulate(of, kernels::parse_program(program), 0);
     return {.psnr = psnr_db(mean_squared_error(run.function.rgb, truth)).value_or(0),
             .samples = static_cast<double>(run.function.sampling.traced) / (96 * 48)};
   };

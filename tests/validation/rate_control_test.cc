@@ -7,7 +7,7 @@
 
 #include "tests/real_scenes.h"
 #include "tools/analysis/picture.h"
-#include "tools/simulation/run_job.h"
+#include "tools/run/frame/run_job.h"
 #include "traces/accel/bvh_tracer.h"
 
 // Rate control on a view that moves: what the picture loses against blocks of 2 everywhere (DEVIATIONS.md, A6).

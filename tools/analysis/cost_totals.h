@@ -5,7 +5,7 @@
 #include "sim/report/area.h"
 #include "sim/report/energy.h"
 #include "sim/unit_report.h"
-#include "tools/simulation/load_config.h"
+#include "tools/run/frame/load_config.h"
 
 namespace tools {
 

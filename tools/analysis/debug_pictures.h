@@ -5,7 +5,7 @@
 
 #include "shader_kernels/programs/program_spec.h"
 #include "shader_kernels/programs/wavefront/render_config.h"
-#include "tools/simulation/front_end.h"
+#include "tools/run/frame/front_end.h"
 #include "traces/accel/memory_image.h"
 #include "traces/scene/scene.h"
 

@@ -51,7 +51,7 @@ double part_of(std::string_view kernel, KernelGroup group) {
 
 }  // namespace
 
-std::optional<double> kernel_share(const Simulation& simulation, KernelGroup group) {
+std::optional<double> kernel_share(const FrameResult& simulation, KernelGroup group) {
   double all = 0, those = 0;
   for (std::size_t k = 0; k < simulation.kernels.size(); ++k) {
     const auto cycles = static_cast<double>(simulation.kernel_use[k].cycles);
@@ -62,7 +62,7 @@ std::optional<double> kernel_share(const Simulation& simulation, KernelGroup gro
   return those / all;
 }
 
-std::optional<double> starved_share(const Simulation& simulation) {
+std::optional<double> starved_share(const FrameResult& simulation) {
   const std::uint64_t elapsed = Units<hw::Srp>(simulation.units).elapsed();
   double starved = 0;
   for (std::size_t k = 0; k < simulation.kernels.size(); ++k) {

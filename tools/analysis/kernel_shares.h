@@ -1,7 +1,7 @@
 #pragma once
 #include <optional>
 
-#include "tools/simulation/run_job.h"
+#include "tools/run/frame/run_job.h"
 
 namespace tools {
 
@@ -10,9 +10,9 @@ namespace tools {
 enum class KernelGroup : std::uint8_t { kTracing, kCheck, kInterpolation, kCorrection };
 
 /// Share of the shader cores' busy cycles; nothing if they were never busy.
-std::optional<double> kernel_share(const Simulation& simulation, KernelGroup group);
+std::optional<double> kernel_share(const FrameResult& simulation, KernelGroup group);
 
 /// Part of the time for which the T&I units have no rays while checks or interpolation run on their core.
-std::optional<double> starved_share(const Simulation& simulation);
+std::optional<double> starved_share(const FrameResult& simulation);
 
 }  // namespace tools

@@ -43,7 +43,7 @@ double pixels_of(const ReportFile& report) { return report.number("resolution[0]
 Json replicates_json(const Result& result, const Json& plain) {
   std::vector<Json> plays = {plain};
   for (std::size_t i = 0; i < result.run.replicates.size(); ++i) {
-    const Simulation* reference = result.reference == nullptr ? nullptr : &result.reference->replicates[i];
+    const FrameResult* reference = result.reference == nullptr ? nullptr : &result.reference->replicates[i];
     plays.push_back(totals_json({result.run.replicates[i], reference, result.squared_error}));
   }
   Json out = {{"count", plays.size()}, {"level", 0.95}, {"figures", Json::object()}};

@@ -35,11 +35,13 @@ using sim::Json;
 
 namespace {
 
-double time_ms(const Simulation& s) { return static_cast<double>(s.elapsed) / sim::kFemtosecondsPerMillisecond; }
-double energy_mj(const Simulation& s) { return s.energy.total_pj.nominal / sim::kPicojoulesPerMillijoule; }
-double tni_mj(const Simulation& s) { return s.energy.blocks.at("tni").total().nominal / sim::kPicojoulesPerMillijoule; }
+double time_ms(const FrameResult& s) { return static_cast<double>(s.elapsed) / sim::kFemtosecondsPerMillisecond; }
+double energy_mj(const FrameResult& s) { return s.energy.total_pj.nominal / sim::kPicojoulesPerMillijoule; }
+double tni_mj(const FrameResult& s) {
+  return s.energy.blocks.at("tni").total().nominal / sim::kPicojoulesPerMillijoule;
+}
 
-Json rays_json(const Simulation& s) {
+Json rays_json(const FrameResult& s) {
   const auto of = [&](traces::RayKind kind) { return s.function.rays[static_cast<std::size_t>(kind)]; };
   return {{"primary", of(traces::RayKind::kPrimary)},
           {"shadow", of(traces::RayKind::kShadow)},
@@ -51,7 +53,7 @@ Json rays_json(const Simulation& s) {
 
 /// Purposes of the bytes: lines between L2 and memory, the picture, ray slots that did not fit into the tile buffers,
 /// and where a method has them samples and rates; out and in.
-Json dram_clients_json(const Simulation& s) {
+Json dram_clients_json(const FrameResult& s) {
   constexpr std::uint64_t kLine = 64;
   using Dma = hw::Dma::Stats;
   using L2 = hw::L2Bank::Stats;
@@ -78,7 +80,7 @@ Json interval_json(const Interval& i, double scale = 1) {
           {"high", (i.estimate + i.half_width()) * scale}};
 }
 
-void add_intervals(const Simulation& s, const Interval& cycles, const Interval& energy_pj, Json& out) {
+void add_intervals(const FrameResult& s, const Interval& cycles, const Interval& energy_pj, Json& out) {
   const double ms_per_cycle = time_ms(s) / static_cast<double>(s.cycles);
   Json time = interval_json(cycles, ms_per_cycle);
   time["estimate"] = time_ms(s);  // to the last digit
@@ -88,7 +90,7 @@ void add_intervals(const Simulation& s, const Interval& cycles, const Interval& 
 }
 
 /// Numbers of tiles that were timed, and 95 % intervals.
-Json sampled_json(const Simulation& s) {
+Json sampled_json(const FrameResult& s) {
   const SampledFrame& f = *s.sampled;
   Json out = {{"tiles", f.tiles},   {"asked", f.asked == 0 ? Json("auto") : Json(f.asked)},
               {"timed", f.timed},   {"measured", f.measured},
@@ -99,7 +101,7 @@ Json sampled_json(const Simulation& s) {
 }
 
 /// Slices, and where there are several 95 % intervals.
-Json sliced_json(const Simulation& s) {
+Json sliced_json(const FrameResult& s) {
   const SlicedFrame& f = *s.sliced;
   Json out = {{"slices", f.slices}, {"tiles", f.tiles}, {"again", f.again}, {"warmed", f.warmed}};
   if (f.slices > 1) add_intervals(s, f.cycles, f.energy_pj, out);
@@ -108,13 +110,13 @@ Json sliced_json(const Simulation& s) {
 
 double ratio(std::uint64_t part, std::uint64_t whole) { return static_cast<double>(part) / static_cast<double>(whole); }
 
-Json perf_json(const Simulation& s) {
+Json perf_json(const FrameResult& s) {
   const double ms = time_ms(s);
   const auto rays = static_cast<double>(s.rays());
   return {{"fps", 1000 * s.frames / ms}, {"mrays_per_s", rays / ms / 1000}};
 }
 
-Json kernels_json(const Simulation& s) {
+Json kernels_json(const FrameResult& s) {
   Json out = Json::object();
   std::uint64_t all = 0;
   for (const hw::KernelUse& use : s.kernel_use) all += use.cycles;
@@ -131,13 +133,13 @@ Json kernels_json(const Simulation& s) {
   return out;
 }
 
-std::uint64_t dram_bytes(const Simulation& s) {
+std::uint64_t dram_bytes(const FrameResult& s) {
   return Units<hw::DramChannel>(s.units).counted(&hw::DramChannel::Stats::bytes);
 }
 
 void add_relative(Json& totals, const Result& result) {
-  const Simulation &run = result.run, &reference = *result.reference;
-  const auto power = [](const Simulation& s, double mj) { return mj / time_ms(s); };
+  const FrameResult &run = result.run, &reference = *result.reference;
+  const auto power = [](const FrameResult& s, double mj) { return mj / time_ms(s); };
   const auto per = [](std::uint64_t a, std::uint64_t b) { return static_cast<double>(a) / static_cast<double>(b); };
   const std::optional<double> psnr = psnr_db(result.squared_error);
   totals["psnr_db"] = psnr ? Json(*psnr) : Json(nullptr);
@@ -186,7 +188,7 @@ Json host_json(const Report& report) {
   return host;
 }
 
-Json warnings_json(const Inputs& in, const Simulation& run) {
+Json warnings_json(const Inputs& in, const FrameResult& run) {
   Json lines = in.warnings;
   for (std::string& line : run_warnings(in.config, run.units, run.sampled)) lines.push_back(std::move(line));
   return lines;
@@ -195,7 +197,7 @@ Json warnings_json(const Inputs& in, const Simulation& run) {
 }  // namespace
 
 Json totals_json(const Result& result) {
-  const Simulation& s = result.run;
+  const FrameResult& s = result.run;
   Json energy =
       energy_totals_json(s.energy, {time_ms(s), static_cast<double>(s.rays()), static_cast<double>(s.frames)});
   Json perf = perf_json(s);
@@ -246,7 +248,7 @@ Json provenance_json(const Inputs& inputs, const JobOptions& options) {
 
 Json report_json(const Report& report) {
   const Inputs& in = report.inputs;
-  const Simulation& run = report.totals.run;
+  const FrameResult& run = report.totals.run;
   Json totals = totals_json(report.totals);
   add_area(totals, run.units, in.config);
   totals["extrapolated"] = extrapolation_warnings(in.config, run.units).size();

@@ -2,14 +2,14 @@
 #include <string>
 
 #include "sim/io/json.h"
-#include "tools/simulation/run_job.h"
+#include "tools/run/frame/run_job.h"
 
 namespace tools {
 
 /// A run, and the run it is compared with if there is one: of one frame, or of all.
 struct Result {
-  const Simulation& run;
-  const Simulation* reference = nullptr;
+  const FrameResult& run;
+  const FrameResult* reference = nullptr;
   double squared_error = 0;  ///< mean over the pictures' channels, with a reference
 };
 
@@ -38,7 +38,7 @@ std::string report_table(const sim::Json& report);
 double peak_rss_mib();
 
 /// Samples that a frame program traced of those wanted, why, and the cost of deciding: totals.sampling of a report.
-sim::Json sampling_json(const Simulation& simulation);
+sim::Json sampling_json(const FrameResult& simulation);
 
 /// The share of similar samples among those checked, and the blocks' side, of each tile, row by row.
 sim::Json tiles_json(const kernels::Sampling& sampling);

@@ -22,7 +22,7 @@ Json named_counts(const auto& names, const auto& counts) {
 
 }  // namespace
 
-Json sampling_json(const Simulation& simulation) {
+Json sampling_json(const FrameResult& simulation) {
   const kernels::Sampling& s = simulation.function.sampling;
   Json out = {{"wanted", s.wanted},         {"traced", s.traced},         {"halo", s.halo},
               {"correction", s.correction}, {"background", s.background}, {"traced_background", s.traced_background}};

@@ -4,7 +4,7 @@
 
 #include "sim/io/printable.h"
 #include "sim/report/table.h"
-#include "tools/simulation/recorded.h"
+#include "tools/run/frame/recorded.h"
 
 namespace tools {
 

@@ -7,7 +7,7 @@
 
 #include "sim/io/printable.h"
 #include "sim/report/curve_range.h"
-#include "tools/simulation/power.h"
+#include "tools/run/frame/power.h"
 
 namespace tools {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/simulation/run_job.h"
+#include "tools/run/frame/run_job.h"
 
 namespace tools {
 

@@ -5,7 +5,7 @@
 #include <CLI/CLI.hpp>
 
 #include "tools/cli/verbs.h"
-#include "tools/simulation/job_options.h"
+#include "tools/run/frame/job_options.h"
 
 namespace tools {
 namespace {

@@ -16,7 +16,7 @@
 #include "tools/cli/job_options.h"
 #include "tools/cli/verbs.h"
 #include "tools/host/paths.h"
-#include "tools/simulation/run_job.h"
+#include "tools/run/frame/run_job.h"
 
 namespace tools {
 namespace {

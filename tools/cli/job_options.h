@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/simulation/job_options.h"
+#include "tools/run/frame/job_options.h"
 #include "tools/studies/sweep/launch/launcher_options.h"
 
 namespace CLI {

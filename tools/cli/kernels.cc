@@ -12,7 +12,7 @@
 #include "sim/report/table.h"
 #include "tools/cli/job_options.h"
 #include "tools/cli/verbs.h"
-#include "tools/simulation/run_job.h"
+#include "tools/run/frame/run_job.h"
 #include "traces/scene/did_you_mean.h"
 
 namespace tools {

@@ -4,7 +4,7 @@
 
 #include "tools/cli/job_options.h"
 #include "tools/cli/verbs.h"
-#include "tools/jobs/jobs.h"
+#include "tools/run/jobs.h"
 
 namespace tools {
 

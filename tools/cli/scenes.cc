@@ -18,7 +18,7 @@
 #include "tools/cli/verbs.h"
 #include "tools/host/paths.h"
 #include "tools/host/standard_streams.h"
-#include "tools/simulation/load_config.h"
+#include "tools/run/frame/load_config.h"
 #include "traces/accel/build.h"
 #include "traces/scene/export.h"
 #include "traces/scenes/builtin.h"

@@ -2,7 +2,7 @@
 
 #include "sim/config/config.h"
 #include "tools/host/paths.h"
-#include "tools/simulation/load_config.h"
+#include "tools/run/frame/load_config.h"
 
 namespace tools {
 

@@ -7,7 +7,7 @@
 #include "tools/analysis/trace_info.h"
 #include "tools/cli/job_options.h"
 #include "tools/cli/verbs.h"
-#include "tools/jobs/jobs.h"
+#include "tools/run/jobs.h"
 #include "traces/trace_file/trace_reader.h"
 
 namespace tools {

@@ -8,10 +8,10 @@ file(GLOB_RECURSE RAYWATT_MODEL_SOURCES CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOU
 list(SORT RAYWATT_MODEL_SOURCES)
 # What makes a report of the model's figures, or estimates them: results are stored under both ids.
 file(GLOB_RECURSE RAYWATT_REPORT_SOURCES CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}
-  host/*.h host/*.cc simulation/*.h simulation/*.cc analysis/*.h analysis/*.cc sampling/*.h sampling/*.cc
-  jobs/*.h jobs/*.cc studies/sweep/launch/compute.h studies/sweep/launch/compute.cc
+  host/*.h host/*.cc run/*.h run/*.cc analysis/*.h analysis/*.cc sampling/*.h sampling/*.cc
+  studies/sweep/launch/compute.h studies/sweep/launch/compute.cc
   studies/sweep/launch/compute_slices.cc)
-raywatt_require_files(host simulation analysis sampling jobs studies/sweep/launch/compute.h
+raywatt_require_files(host run analysis sampling studies/sweep/launch/compute.h
   studies/sweep/launch/compute.cc studies/sweep/launch/compute_slices.cc)
 list(SORT RAYWATT_REPORT_SOURCES)
 

@@ -16,7 +16,7 @@
 #include "sim/report/energy_formula.h"
 #include "tools/analysis/limiter.h"
 #include "tools/analysis/units.h"
-#include "tools/simulation/power.h"
+#include "tools/run/frame/power.h"
 
 namespace tools {
 namespace {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "sim/report/energy_table.h"
-#include "tools/simulation/load_config.h"
+#include "tools/run/frame/load_config.h"
 
 namespace tools {
 

@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "hw_models/machines/gpu.h"
-#include "tools/simulation/machine_run.h"
+#include "tools/run/frame/machine_run.h"
 
 namespace tools {
 

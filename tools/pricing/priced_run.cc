@@ -20,8 +20,8 @@
 #include "tools/host/paths.h"
 #include "tools/pricing/idle_machine.h"
 #include "tools/pricing/reported_units.h"
-#include "tools/simulation/power.h"
-#include "tools/simulation/table_names.h"
+#include "tools/run/frame/power.h"
+#include "tools/run/frame/table_names.h"
 
 namespace tools {
 namespace {

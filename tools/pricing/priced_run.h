@@ -8,7 +8,7 @@
 #include "tools/analysis/cost_totals.h"
 #include "tools/analysis/report_file.h"
 #include "tools/pricing/energy_entries.h"
-#include "tools/simulation/load_config.h"
+#include "tools/run/frame/load_config.h"
 
 namespace tools {
 

@@ -4,7 +4,7 @@
 
 #include "sim/unit_report.h"
 #include "tools/analysis/report_file.h"
-#include "tools/simulation/load_config.h"
+#include "tools/run/frame/load_config.h"
 
 namespace tools {
 

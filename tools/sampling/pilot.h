@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "tools/run/frame/run_job.h"
 #include "tools/sampling/tile_pilot.h"
-#include "tools/simulation/run_job.h"
 
 namespace tools {
 

@@ -9,7 +9,7 @@
 #include "sim/report/report_json.h"
 #include "tools/analysis/report_paths.h"
 #include "tools/analysis/units.h"
-#include "tools/simulation/run_tiles.h"
+#include "tools/run/frame/run_tiles.h"
 
 namespace tools {
 namespace {

@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "tools/run/frame/run_job.h"
+#include "tools/run/frame/run_tiles.h"
 #include "tools/sampling/tile_pilot.h"
 #include "tools/sampling/timed_tiles.h"
-#include "tools/simulation/run_job.h"
-#include "tools/simulation/run_tiles.h"
 
 namespace tools {
 

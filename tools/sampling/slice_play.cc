@@ -3,7 +3,7 @@
 #include <numeric>
 
 #include "sim/host_clock.h"
-#include "tools/simulation/machine_run.h"
+#include "tools/run/frame/machine_run.h"
 
 namespace tools {
 

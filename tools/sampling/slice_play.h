@@ -4,10 +4,10 @@
 #include <vector>
 
 #include "hw_models/machines/gpu.h"
+#include "tools/run/frame/run_job.h"
 #include "tools/sampling/slice_plan.h"
 #include "tools/sampling/slice_program.h"
 #include "tools/sampling/timed_tiles.h"
-#include "tools/simulation/run_job.h"
 
 namespace tools {
 

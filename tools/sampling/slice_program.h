@@ -5,8 +5,8 @@
 #include "shader_kernels/programs/wavefront/frame_program.h"
 #include "tools/host/interrupt.h"
 #include "tools/host/progress.h"
+#include "tools/run/frame/front_end.h"
 #include "tools/sampling/slice_plan.h"
-#include "tools/simulation/front_end.h"
 
 namespace tools {
 

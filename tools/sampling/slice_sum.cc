@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "tools/analysis/units.h"
-#include "tools/simulation/machine_run.h"
+#include "tools/run/frame/machine_run.h"
 
 namespace tools {
 namespace {
@@ -69,10 +69,10 @@ Probe add_all(std::vector<PlayedSlice>& played, std::uint32_t probe) {
 
 }  // namespace
 
-Simulation add_up(const SlicePlayer& player, const kernels::ProgramSpec& program, FrontEnd::Result function,
-                  std::vector<PlayedSlice> played) {
+FrameResult add_up(const SlicePlayer& player, const kernels::ProgramSpec& program, FrontEnd::Result function,
+                   std::vector<PlayedSlice> played) {
   const RunConfig& config = player.inputs().config;
-  Simulation s;
+  FrameResult s;
   s.program = program;
   s.machine = config.gpu;
   s.kernels = player.kernels();

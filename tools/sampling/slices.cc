@@ -100,15 +100,15 @@ std::uint32_t slices_of(const RunConfig& config, const kernels::ProgramSpec& pro
                   asked, frame.tiles(), frame.tiles() == 1 ? "" : "s", shape.lead, most));
 }
 
-Simulation simulate_slices(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
-                           std::uint32_t slices, Progress* progress) {
+FrameResult simulate_slices(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
+                            std::uint32_t slices, Progress* progress) {
   const sim::HostClock::time_point begin = sim::HostClock::now();
   threads = host_threads(threads);
   CutFrame cut(inputs, program, threads, slices);
   if (progress != nullptr) progress->begin_part("simulating", inputs.frame, cut.program.tiles());
   SharedFrame frame(cut.program, progress);
   std::vector<PlayedSlice> played = play_all(cut.player, frame, cut.tracer, cut.plan, threads);
-  Simulation s = add_up(cut.player, program, frame.take_function(), std::move(played));
+  FrameResult s = add_up(cut.player, program, frame.take_function(), std::move(played));
   s.wall_seconds = sim::seconds_since(begin);
   return s;
 }
@@ -126,7 +126,7 @@ sim::Json simulate_slice(const Inputs& inputs, const kernels::ProgramSpec& progr
   return slice_json(part);
 }
 
-Simulation join_slices(const Inputs& inputs, const kernels::ProgramSpec& program, std::span<const sim::Json> slices) {
+FrameResult join_slices(const Inputs& inputs, const kernels::ProgramSpec& program, std::span<const sim::Json> slices) {
   const SlicePlayer player(inputs, frame_of(inputs, program));
   const Stretch nothing = player.nothing();
   std::vector<PlayedSlice> played;
@@ -151,12 +151,12 @@ Simulation join_slices(const Inputs& inputs, const kernels::ProgramSpec& program
     wall_seconds += part.wall_seconds;
     played.push_back(std::move(part.played));
   }
-  Simulation s = add_up(player, program, std::move(function), std::move(played));
+  FrameResult s = add_up(player, program, std::move(function), std::move(played));
   s.wall_seconds = wall_seconds;
   return s;
 }
 
-SlicedFrame uncut(const Simulation& s) {
+SlicedFrame uncut(const FrameResult& s) {
   return {.tiles = s.tiles,
           .cycles = {static_cast<double>(s.cycles), 0, 0},
           .energy_pj = {s.energy.total_pj.nominal, 0, 0},

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "sim/io/json.h"
-#include "tools/simulation/run_job.h"
+#include "tools/run/frame/run_job.h"
 
 namespace tools {
 
@@ -23,17 +23,17 @@ std::uint32_t slices_of(const RunConfig& config, const kernels::ProgramSpec& pro
 
 /// As simulate(), with the frame's tiles cut into slices, each played on a machine of its own, as many at once as there
 /// are threads (docs/slices.md). The result does not depend on these.
-Simulation simulate_slices(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
-                           std::uint32_t slices, Progress* progress = nullptr);
+FrameResult simulate_slices(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
+                            std::uint32_t slices, Progress* progress = nullptr);
 
 /// Plays slice `index`, from 0, of so many alone. What it comes to, to be kept until all others are there.
 sim::Json simulate_slice(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
                          std::uint32_t slices, std::uint32_t index);
 /// The frame that all of its slices make, in order: as by simulate_slices(), without the picture. InputError for what
 /// are no slices of the frame.
-Simulation join_slices(const Inputs& inputs, const kernels::ProgramSpec& program, std::span<const sim::Json> slices);
+FrameResult join_slices(const Inputs& inputs, const kernels::ProgramSpec& program, std::span<const sim::Json> slices);
 
 /// Marks a frame that was played whole as one that has one slice.
-SlicedFrame uncut(const Simulation& s);
+SlicedFrame uncut(const FrameResult& s);
 
 }  // namespace tools

@@ -11,11 +11,11 @@
 #include "sim/hash.h"
 #include "sim/host_clock.h"
 #include "sim/io/printable.h"
+#include "tools/run/frame/machine_run.h"
 #include "tools/sampling/pilot.h"
 #include "tools/sampling/sample_weights.h"
 #include "tools/sampling/sampled_run.h"
 #include "tools/sampling/tile_plan.h"
-#include "tools/simulation/machine_run.h"
 #include "traces/accel/bvh_tracer.h"
 
 namespace tools {
@@ -133,7 +133,7 @@ double next_share(double spent, double off) {
 }
 
 /// Has the result say what the frame is estimated to come to.
-void take(Estimates&& estimates, const Inputs& inputs, const SampledRun& run, SampledFrame& sampled, Simulation& s) {
+void take(Estimates&& estimates, const Inputs& inputs, const SampledRun& run, SampledFrame& sampled, FrameResult& s) {
   const auto cycles = [&](double time) { return time / static_cast<double>(run.cycle); };
   s.cycles = rounded(cycles(static_cast<double>(estimates.whole.time)));
   s.elapsed = s.cycles * run.cycle;
@@ -186,8 +186,8 @@ void check_tile_sampling(const kernels::ProgramSpec& program) {
       program.name()));
 }
 
-Simulation simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
-                            const TileSampling& sampling, Progress* progress) {
+FrameResult simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
+                             const TileSampling& sampling, Progress* progress) {
   check_render(inputs.config.render);
   const sim::HostClock::time_point begin = sim::HostClock::now();
   const traces::BvhTracer tracer(inputs.image);
@@ -195,7 +195,7 @@ Simulation simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& pr
   const std::uint32_t side = tile_side(inputs.config.render, program);
   const PlanShape shape = shape_of(*inputs.config.gpu, side * side);
 
-  Simulation s;
+  FrameResult s;
   s.program = program;
   s.machine = inputs.config.gpu;
   s.function = scaled(pilot, inputs, program);

@@ -2,7 +2,7 @@
 #include <cstdint>
 #include <string>
 
-#include "tools/simulation/run_job.h"
+#include "tools/run/frame/run_job.h"
 
 namespace tools {
 
@@ -20,7 +20,7 @@ TileSampling parse_tile_sampling(const std::string& sampling, const std::string&
 void check_tile_sampling(const kernels::ProgramSpec& program);
 
 /// As simulate(), with some of the frame's tiles timed and the rest estimated from them (docs/sampling.md).
-Simulation simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
-                            const TileSampling& sampling, Progress* progress = nullptr);
+FrameResult simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
+                             const TileSampling& sampling, Progress* progress = nullptr);
 
 }  // namespace tools

@@ -52,7 +52,8 @@ HeatMap of_pixels(HeatMap map, const std::vector<kernels::PixelWork>& pixels,
 
 }  // namespace
 
-std::vector<HeatMap> heat_maps(const Simulation& s, const TileFrame& tiles, std::uint32_t width, std::uint32_t height) {
+std::vector<HeatMap> heat_maps(const FrameResult& s, const TileFrame& tiles, std::uint32_t width,
+                               std::uint32_t height) {
   if (tiles.find("x") == nullptr) return {};
   const std::vector<double>&begin = tiles.at("dispatched"), &end = tiles.at("finished");
   const auto cycles = [&](std::size_t i) { return end[i] - begin[i]; };

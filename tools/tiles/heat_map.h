@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/simulation/run_job.h"
+#include "tools/run/frame/run_job.h"
 #include "tools/tiles/tile_table.h"
 
 namespace tools {
@@ -21,7 +21,7 @@ struct HeatMap {
 ///   `cycles`, `srp-cycles`: of a pixel's tile, from dispatch to end; of these, on the array of its shader core
 ///   `rays`, `steps`, `tests`: of the pixel
 ///   `energy`: nominal, of its tile, shared evenly by its pixels
-std::vector<HeatMap> heat_maps(const Simulation& s, const TileFrame& tiles, std::uint32_t width, std::uint32_t height);
+std::vector<HeatMap> heat_maps(const FrameResult& s, const TileFrame& tiles, std::uint32_t width, std::uint32_t height);
 
 /// A heat map as people look at it: colours from nothing to the largest value, and below them a bar that says so.
 struct DrawnMap {

@@ -9,7 +9,7 @@
 #include "hw_models/dram/dram_energy.h"
 #include "hw_models/machines/gpu_config.h"
 #include "sim/report/energy_formula.h"
-#include "tools/simulation/power.h"
+#include "tools/run/frame/power.h"
 #include "tools/tiles/residence.h"
 #include "tools/tiles/tile_weights.h"
 
@@ -30,7 +30,7 @@ std::optional<std::uint32_t> core_of(std::string_view path) {
 /// Energy that is shared out, by what it is shared by.
 class Shared {
  public:
-  Shared(const Simulation& s, const TileWeights& weights, std::optional<std::uint32_t> core)
+  Shared(const FrameResult& s, const TileWeights& weights, std::optional<std::uint32_t> core)
       : s_(s), weights_(weights), core_(core), counted_(weights.count()) {}
 
   void add(std::size_t weight, const sim::Spread& pj) { counted_[weight] += pj; }
@@ -60,7 +60,7 @@ class Shared {
     }
   }
 
-  const Simulation& s_;
+  const FrameResult& s_;
   const TileWeights& weights_;
   const std::optional<std::uint32_t> core_;
   std::vector<sim::Spread> counted_;
@@ -69,7 +69,7 @@ class Shared {
 
 }  // namespace
 
-TileEnergy tile_energy(const Simulation& s, const RunConfig& config) {
+TileEnergy tile_energy(const FrameResult& s, const RunConfig& config) {
   const auto device_events = hw::dram_energy_events(config.gpu->dram);
   const sim::EnergyFormula formula(s.units, config.energy, device_events, s.elapsed, power_scales(config));
   const std::vector<sim::EnergyFormula::UnitEnergy> units = formula.of_units();

@@ -2,7 +2,7 @@
 #include <vector>
 
 #include "sim/report/energy.h"
-#include "tools/simulation/run_job.h"
+#include "tools/run/frame/run_job.h"
 
 namespace tools {
 
@@ -18,6 +18,6 @@ struct TileEnergy {
 /// tests, its misses and fills by lines asked for, configuration words by cycles of the array. Who asks is charged,
 /// whoever else reads the line later. What time brings is shared by those who are there. `s` is of a frame that was
 /// itemised.
-TileEnergy tile_energy(const Simulation& s, const RunConfig& config);
+TileEnergy tile_energy(const FrameResult& s, const RunConfig& config);
 
 }  // namespace tools

@@ -25,7 +25,7 @@ double missing_to(double whole, double sum) {
 
 class Builder {
  public:
-  Builder(const Simulation& s, const RunConfig& config, std::uint32_t frame) : s_(s), config_(config) {
+  Builder(const FrameResult& s, const RunConfig& config, std::uint32_t frame) : s_(s), config_(config) {
     frame_.frame = frame;
   }
 
@@ -125,14 +125,14 @@ class Builder {
     add_side("energy_mj_high", &sim::Spread::high);
   }
 
-  const Simulation& s_;
+  const FrameResult& s_;
   const RunConfig& config_;
   TileFrame frame_;
 };
 
 }  // namespace
 
-TileFrame tile_frame(const Simulation& s, const RunConfig& config, std::uint32_t frame) {
+TileFrame tile_frame(const FrameResult& s, const RunConfig& config, std::uint32_t frame) {
   return Builder(s, config, frame).build();
 }
 

@@ -128,7 +128,7 @@ std::optional<std::size_t> TileWeights::of_counter(const sim::UnitReport& unit, 
   return usual_kind(unit);
 }
 
-TileWeights::TileWeights(const Simulation& s)
+TileWeights::TileWeights(const FrameResult& s)
     : s_(s), kinds_(kOperations + srp_counters()), values_(s.tile_accounts.size() * kinds_), rest_(kinds_) {
   if (s.function.summaries.tiles.size() < s.tile_accounts.size()) throw std::logic_error("tiles without a summary");
   for (std::size_t i = 0; i < s.tile_accounts.size(); ++i) {
@@ -169,7 +169,7 @@ void TileWeights::add_account(const hw::TileAccount& account, double* values) co
 }
 
 /// Operations of a tile's kernels, and accesses to the tile buffer: by kernels, by rays and their hits, by transfers.
-void TileWeights::add_kernels(const Simulation& s) {
+void TileWeights::add_kernels(const FrameResult& s) {
   constexpr double kAccess = 16;          // bytes
   std::vector<std::vector<double>> item;  // by kernel
   for (const hw::KernelSchedule& kernel : s.kernels) {

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "tools/simulation/run_job.h"
+#include "tools/run/frame/run_job.h"
 
 namespace tools {
 
@@ -13,7 +13,7 @@ namespace tools {
 /// is shared out.
 class TileWeights {
  public:
-  explicit TileWeights(const Simulation& s);
+  explicit TileWeights(const FrameResult& s);
 
   /// Kinds of work.
   std::size_t count() const { return kinds_; }
@@ -27,9 +27,9 @@ class TileWeights {
 
  private:
   void add_account(const hw::TileAccount& account, double* values) const;
-  void add_kernels(const Simulation& s);
+  void add_kernels(const FrameResult& s);
 
-  const Simulation& s_;
+  const FrameResult& s_;
   const std::size_t kinds_;
   std::vector<double> values_;  ///< tile by tile
   std::vector<double> rest_;

@@ -75,7 +75,7 @@ void write_rays(const TimelineRecorder& recorder, std::uint32_t core, std::uint6
   for (std::size_t i = 0; i < seen.size(); i += step) to.count(nanoseconds(seen[i].first), track, seen[i].second);
 }
 
-std::vector<double> joules(const Simulation& s, const TileFrame& tiles, const Stretches& stretches) {
+std::vector<double> joules(const FrameResult& s, const TileFrame& tiles, const Stretches& stretches) {
   std::vector<double> out(stretches.count());
   const TileColumn& energy = *tiles.find("energy_mj_nominal");
   for (std::size_t i = 0; i < tiles.rows(); ++i) {
@@ -88,7 +88,7 @@ std::vector<double> joules(const Simulation& s, const TileFrame& tiles, const St
 
 }  // namespace
 
-void write_counters(const TimelineRecorder& recorder, const Simulation& s, const TileFrame& tiles,
+void write_counters(const TimelineRecorder& recorder, const FrameResult& s, const TileFrame& tiles,
                     const RunConfig& config, TimelineTracks& tracks, TracePackets& to) {
   const Stretches stretches(s.elapsed);
   CounterWriter counters(stretches, to);

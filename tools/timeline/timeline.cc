@@ -49,7 +49,7 @@ std::vector<std::uint32_t> ranks(const std::vector<Slice>& slices, const std::ve
 /// Writes slices as packets.
 class SliceWriter {
  public:
-  SliceWriter(const Simulation& s, const TileFrame& tiles) : s_(s), tiles_(tiles) {}
+  SliceWriter(const FrameResult& s, const TileFrame& tiles) : s_(s), tiles_(tiles) {}
 
   /// Calls add(time, write) for each event of a slice, in their order; write(packets) adds it.
   void each_event(const Slice& slice, std::uint64_t track, auto&& add) const {
@@ -101,7 +101,7 @@ class SliceWriter {
     }
   }
 
-  const Simulation& s_;
+  const FrameResult& s_;
   const TileFrame& tiles_;
 };
 
@@ -117,7 +117,7 @@ std::vector<std::size_t> in_order_of_rank(const std::vector<Slice>& slices, cons
 
 }  // namespace
 
-Timeline make_timeline(const TimelineRecorder& recorder, const TimelineSelection& selection, const Simulation& s,
+Timeline make_timeline(const TimelineRecorder& recorder, const TimelineSelection& selection, const FrameResult& s,
                        const TileFrame& tiles, const RunConfig& config, std::uint64_t most_bytes) {
   const std::vector<Slice>& slices = recorder.slices();
   const bool all = selection.kind == TimelineSelection::Kind::kAll;

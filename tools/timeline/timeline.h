@@ -2,7 +2,7 @@
 #include <cstdint>
 #include <string>
 
-#include "tools/simulation/run_job.h"
+#include "tools/run/frame/run_job.h"
 #include "tools/tiles/tile_table.h"
 #include "tools/timeline/recorder.h"
 #include "tools/timeline/selection.h"
@@ -24,7 +24,7 @@ struct Timeline {
 /// for its DMA and one for each slot of a tile; one more, `shared`, has the counters of L2, memory and power. A flow
 /// goes through each tile's slices. Where there is no room for all, slices of the first selected tiles go first, and
 /// with all of them selected the earliest.
-Timeline make_timeline(const TimelineRecorder& recorder, const TimelineSelection& selection, const Simulation& s,
+Timeline make_timeline(const TimelineRecorder& recorder, const TimelineSelection& selection, const FrameResult& s,
                        const TileFrame& tiles, const RunConfig& config, std::uint64_t most_bytes = kMostTimelineBytes);
 
 }  // namespace tools

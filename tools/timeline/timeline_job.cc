@@ -33,7 +33,7 @@ hw::Observer* TimelineJob::begin_frame(const RunConfig& config) {
   return &*recorder_;
 }
 
-void TimelineJob::end_frame(const Simulation& s, const TileFrame& tiles, const RunConfig& config) {
+void TimelineJob::end_frame(const FrameResult& s, const TileFrame& tiles, const RunConfig& config) {
   if (!recorder_) return;
   try {
     made_ = make_timeline(*recorder_, *selection_, s, tiles, config);

@@ -22,7 +22,7 @@ class TimelineJob {
   hw::Observer* begin_frame(const RunConfig& config);
   /// The frame is over; later ones are not looked at. If it was interrupted before a tile that was asked for, there is
   /// a warning instead of a timeline: the frame is not lost.
-  void end_frame(const Simulation& s, const TileFrame& tiles, const RunConfig& config);
+  void end_frame(const FrameResult& s, const TileFrame& tiles, const RunConfig& config);
   /// Writes the file, and into the report what is in it and what had no room.
   void write(const std::filesystem::path& folder, sim::Json& report) const;
 

@@ -10,7 +10,7 @@
 #include "shader_kernels/programs/full.h"
 #include "shader_kernels/programs/programs.h"
 #include "sim/intervals.h"
-#include "tools/simulation/front_end.h"
+#include "tools/run/frame/front_end.h"
 #include "traces/accel/bvh_config.h"
 #include "traces/accel/bvh_tracer.h"
 #include "traces/accel/memory_image.h"

@@ -23,10 +23,10 @@ namespace {
 using sim::Json;
 
 /// A run whose DMAs have moved one more line of each kind named in `areas` each way.
-Simulation run_with_lines(const std::vector<std::string>& areas) {
+FrameResult run_with_lines(const std::vector<std::string>& areas) {
   JobOptions options;
   options.resolution = "16x16";
-  Simulation run = simulate(load_inputs(options), kernels::parse_program("full:1"), 1);
+  FrameResult run = simulate(load_inputs(options), kernels::parse_program("full:1"), 1);
   for (sim::UnitReport& unit : run.units) {
     for (sim::CounterReport& counter : unit.counters) {
       for (const std::string& area : areas) {
@@ -37,18 +37,18 @@ Simulation run_with_lines(const std::vector<std::string>& areas) {
   return run;
 }
 
-std::uint64_t cores(const Simulation& run) {
+std::uint64_t cores(const FrameResult& run) {
   std::uint64_t dmas = 0;
   for (const sim::UnitReport& unit : run.units) dmas += unit.path.ends_with(".dma") ? 1 : 0;
   return dmas;
 }
 
 TEST(DramClients, SamplesAndRatesAreToldOnlyIfAnyMoved) {
-  const Simulation plain = run_with_lines({});
+  const FrameResult plain = run_with_lines({});
   const Json without = totals_json({plain})["dram_bytes_by_client"];
   EXPECT_FALSE(without.contains("samples"));
   EXPECT_FALSE(without.contains("rates"));
-  const Simulation run = run_with_lines({"picture", "samples", "rates", "spill"});
+  const FrameResult run = run_with_lines({"picture", "samples", "rates", "spill"});
   const Json with = totals_json({run})["dram_bytes_by_client"];
   const std::uint64_t more = 2 * 64 * cores(run);
   EXPECT_GT(more, 0U);
@@ -60,7 +60,7 @@ TEST(DramClients, SamplesAndRatesAreToldOnlyIfAnyMoved) {
 }
 
 TEST(DramClients, TheTableNamesThem) {
-  const auto table = [](const Simulation& run) {
+  const auto table = [](const FrameResult& run) {
     return report_table({{"partial", false},
                          {"program", "full:1"},
                          {"resolution", {16, 16}},
@@ -74,7 +74,7 @@ TEST(DramClients, TheTableNamesThem) {
 }
 
 TEST(KernelsReported, IdleItemsAreToldOnlyOfKernelsThatHadAny) {
-  Simulation run = run_with_lines({});
+  FrameResult run = run_with_lines({});
   const Json without = totals_json({run});
   for (const auto& [name, kernel] : without["kernels"].items()) EXPECT_FALSE(kernel.contains("idle")) << name;
   for (hw::KernelUse& use : run.kernel_use) use.idle = use.launches;

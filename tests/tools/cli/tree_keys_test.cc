@@ -6,7 +6,7 @@
 
 #include "sim/config/config.h"
 #include "tests/tools/program.h"
-#include "tools/simulation/run_job.h"
+#include "tools/run/frame/run_job.h"
 
 // Keys of the tree's numbers and of its format in memory.
 
@@ -22,7 +22,7 @@ tools::Inputs inputs_of(const std::vector<std::string>& sets) {
   return tools::load_inputs(options);
 }
 
-tools::Simulation run(const tools::Inputs& inputs) {
+tools::FrameResult run(const tools::Inputs& inputs) {
   return tools::simulate(inputs, kernels::parse_program("full:1"), 1);
 }
 
@@ -41,7 +41,7 @@ std::vector<std::string> layout_changes() {
 
 TEST(LayoutKeys, MoveAddressesAndChangeNothingOfTheWork) {
   const tools::Inputs standard = inputs_of({});
-  const tools::Simulation expected = run(standard);
+  const tools::FrameResult expected = run(standard);
   ASSERT_EQ(layout_changes(), (std::vector<std::string>{"bvh.boxes=single", "bvh.triangle_bytes=36"}));
   for (const std::string& change : layout_changes()) {
     SCOPED_TRACE(change);
@@ -50,7 +50,7 @@ TEST(LayoutKeys, MoveAddressesAndChangeNothingOfTheWork) {
     EXPECT_NE(sim::config_hash(inputs.config, sim::Affects::kLayout),
               sim::config_hash(standard.config, sim::Affects::kLayout));
     EXPECT_NE(inputs.image.layout.attributes, standard.image.layout.attributes);
-    const tools::Simulation moved = run(inputs);
+    const tools::FrameResult moved = run(inputs);
     EXPECT_EQ(moved.function.rgb, expected.function.rgb);
     EXPECT_EQ(moved.rays(), expected.rays());
     EXPECT_EQ(moved.function.traversal_steps, expected.function.traversal_steps);

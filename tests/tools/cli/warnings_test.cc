@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/tools/program.h"
-#include "tools/simulation/load_config.h"
+#include "tools/run/frame/load_config.h"
 
 // Warnings of a run's inputs, which every verb that reads them tells.
 

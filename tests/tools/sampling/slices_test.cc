@@ -32,18 +32,18 @@ const Inputs& teapot_tiles() {
 
 const kernels::ProgramSpec kFull = kernels::parse_program("full:1");
 
-const Simulation& uncut_teapot() {
-  static const Simulation s = simulate(teapot_tiles(), kFull, 1);
+const FrameResult& uncut_teapot() {
+  static const FrameResult s = simulate(teapot_tiles(), kFull, 1);
   return s;
 }
 
-const Simulation& eight_slices() {
-  static const Simulation s = simulate_slices(teapot_tiles(), kFull, 1, 8);
+const FrameResult& eight_slices() {
+  static const FrameResult s = simulate_slices(teapot_tiles(), kFull, 1, 8);
   return s;
 }
 
 /// The first figure in which two runs differ; empty if they do not.
-std::string first_difference(const Simulation& a, const Simulation& b) {
+std::string first_difference(const FrameResult& a, const FrameResult& b) {
   if (a.cycles != b.cycles || a.elapsed != b.elapsed) return "cycles";
   for (std::size_t u = 0; u < a.units.size(); ++u) {
     if (a.units[u].elapsed != b.units[u].elapsed || a.units[u].why != b.units[u].why) return a.units[u].path;
@@ -59,7 +59,7 @@ std::string first_difference(const Simulation& a, const Simulation& b) {
   return a.energy.total_pj.nominal == b.energy.total_pj.nominal ? "" : "energy";
 }
 
-double counted(const Simulation& s, const std::string& name) {
+double counted(const FrameResult& s, const std::string& name) {
   double sum = 0;
   for (const sim::UnitReport& unit : s.units) {
     for (const sim::CounterReport& counter : unit.counters)
@@ -85,7 +85,7 @@ TEST(Slices, OneSliceIsThePlainRunToTheLastCounter) {
 
 TEST(Slices, NothingDependsOnTheNumberOfThreads) {
   for (const std::uint32_t threads : {3U, 20U}) {
-    const Simulation s = simulate_slices(teapot_tiles(), kFull, threads, 8);
+    const FrameResult s = simulate_slices(teapot_tiles(), kFull, threads, 8);
     EXPECT_EQ(first_difference(eight_slices(), s), "") << threads;
     EXPECT_EQ(s.sliced->cycles.half_width(), eight_slices().sliced->cycles.half_width());
   }
@@ -93,8 +93,8 @@ TEST(Slices, NothingDependsOnTheNumberOfThreads) {
 
 TEST(Slices, ShorterThanTheirLeadsAddUpToo) {
   constexpr std::uint32_t kSlices = 90;  // each has 17 or 18 tiles, and a lead of 20
-  const Simulation one = simulate_slices(teapot_tiles(), kFull, 1, kSlices);
-  const Simulation three = simulate_slices(teapot_tiles(), kFull, 3, kSlices);
+  const FrameResult one = simulate_slices(teapot_tiles(), kFull, 1, kSlices);
+  const FrameResult three = simulate_slices(teapot_tiles(), kFull, 3, kSlices);
   EXPECT_EQ(first_difference(one, three), "");
   EXPECT_EQ(one.function.traversal_steps, uncut_teapot().function.traversal_steps);
   EXPECT_GT(one.sliced->again, (kSlices - 2) * 17U) << "longer than slices";
@@ -102,7 +102,7 @@ TEST(Slices, ShorterThanTheirLeadsAddUpToo) {
 }
 
 TEST(Slices, ThePictureAndAllThatIsCountedOfItAreTheWholeFrames) {
-  const Simulation &whole = uncut_teapot(), &cut = eight_slices();
+  const FrameResult &whole = uncut_teapot(), &cut = eight_slices();
   EXPECT_EQ(cut.function.rgb, whole.function.rgb);
   EXPECT_EQ(cut.function.traversal_steps, whole.function.traversal_steps);
   EXPECT_EQ(cut.function.sampling.background, whole.function.sampling.background);
@@ -122,7 +122,7 @@ const std::vector<sim::Json>& eight_parts() {
 }
 
 TEST(Slices, PlayedEachAloneTheyAddUpToTheSameFrameToTheLastCounter) {
-  Simulation joined = join_slices(teapot_tiles(), kFull, eight_parts());
+  FrameResult joined = join_slices(teapot_tiles(), kFull, eight_parts());
   joined.function.rgb = eight_slices().function.rgb;
   EXPECT_EQ(first_difference(eight_slices(), joined), "");
   EXPECT_EQ(joined.sliced->cycles.half_width(), eight_slices().sliced->cycles.half_width());
@@ -159,7 +159,7 @@ TEST(Slices, TheTruthLiesInNearlyAllIntervals) {
     EXPECT_LT(interval.half_width(), 0.05 * truth);
   };
   for (const std::uint32_t slices : {2U, 8U, 32U}) {
-    const Simulation s = simulate_slices(teapot_tiles(), kFull, 1, slices);
+    const FrameResult s = simulate_slices(teapot_tiles(), kFull, 1, slices);
     look(s.sliced->cycles, static_cast<double>(uncut_teapot().cycles));
     look(s.sliced->energy_pj, uncut_teapot().energy.total_pj.nominal);
   }

@@ -35,18 +35,18 @@ const kernels::ProgramSpec& program() {
   return spec;
 }
 
-const Simulation& whole() {
-  static const Simulation s = simulate(inputs(), program(), 1);
+const FrameResult& whole() {
+  static const FrameResult s = simulate(inputs(), program(), 1);
   return s;
 }
 
-const Simulation& sampled() {
-  static const Simulation s = simulate_sampled(inputs(), program(), 1, {});
+const FrameResult& sampled() {
+  static const FrameResult s = simulate_sampled(inputs(), program(), 1, {});
   return s;
 }
 
 /// The first figure in which two runs differ; empty if they do not.
-std::string difference(const Simulation& a, const Simulation& b) {
+std::string difference(const FrameResult& a, const FrameResult& b) {
   if (a.cycles != b.cycles) return "cycles";
   for (std::size_t u = 0; u < a.units.size(); ++u) {
     if (a.units[u].elapsed != b.units[u].elapsed || a.units[u].why != b.units[u].why) return a.units[u].path;
@@ -78,7 +78,7 @@ TEST(TileSampling, AFrameTooSmallToSampleIsTimedWholeToTheLastCounter) {
   JobOptions options;
   options.resolution = "64x64";
   const Inputs small = load_inputs(options);
-  const Simulation a = simulate(small, program(), 1), b = simulate_sampled(small, program(), 1, {});
+  const FrameResult a = simulate(small, program(), 1), b = simulate_sampled(small, program(), 1, {});
   EXPECT_EQ(difference(a, b), "");
   EXPECT_EQ(b.sampled->timed, b.sampled->tiles);
   EXPECT_EQ(b.sampled->cycles.half_width(), 0);
@@ -92,7 +92,7 @@ TEST(TileSampling, NothingDependsOnTheNumberOfThreads) {
 TEST(TileSampling, EstimatesAreTheSameWithAndWithoutAPicture) {
   TileSampling sampling;
   sampling.full_image = false;
-  const Simulation blind = simulate_sampled(inputs(), program(), 2, sampling);
+  const FrameResult blind = simulate_sampled(inputs(), program(), 2, sampling);
   EXPECT_EQ(difference(sampled(), blind), "");
   EXPECT_TRUE(blind.function.rgb.empty());
   EXPECT_NEAR(static_cast<double>(blind.rays()), static_cast<double>(whole().rays()),
@@ -116,7 +116,7 @@ TEST(TileSampling, ReasonsOfEveryUnitSumToItsTime) {
 }
 
 TEST(TileSampling, CountersAreNearThoseOfTheWholeFrame) {
-  const auto sum = [](const Simulation& s, const char* kind, const char* name) {
+  const auto sum = [](const FrameResult& s, const char* kind, const char* name) {
     double total = 0;
     for (const sim::UnitReport& unit : s.units) {
       if (unit.path.find(kind) == std::string::npos) continue;
@@ -140,7 +140,7 @@ TEST(TileSampling, CountersAreNearThoseOfTheWholeFrame) {
 
 TEST(TileSampling, AutoGoesOnUntilTheIntervalsAreNarrowEnough) {
   const TileSampling sampling = parse_tile_sampling("auto", "none");
-  const Simulation s = simulate_sampled(inputs(), program(), 1, sampling);
+  const FrameResult s = simulate_sampled(inputs(), program(), 1, sampling);
   const SampledFrame& f = *s.sampled;
   EXPECT_LE(f.cycles.half_width(), sampling.target * f.cycles.estimate);
   EXPECT_LE(f.energy_pj.half_width(), sampling.target * f.energy_pj.estimate);
@@ -176,7 +176,7 @@ TEST(TileSampling, CountersHaveIntervalsThatHoldTheTruth) {
 }
 
 TEST(TileSampling, PeaksAreThoseOfWhatWasTimed) {
-  const auto peaks = [](const Simulation& s) {
+  const auto peaks = [](const FrameResult& s) {
     std::map<std::string, std::uint64_t> found;
     for (const sim::UnitReport& unit : s.units) {
       for (const sim::CounterReport& counter : unit.counters) {
@@ -197,7 +197,7 @@ TEST(TileSampling, PeaksAreThoseOfWhatWasTimed) {
 TEST(TileSampling, AutoThatTimesAllTilesInTheEndIsExactAndKeepsThePicture) {
   TileSampling sampling;
   sampling.target = 1e-6;
-  const Simulation s = simulate_sampled(inputs(), program(), 1, sampling);
+  const FrameResult s = simulate_sampled(inputs(), program(), 1, sampling);
   EXPECT_EQ(difference(s, whole()), "");
   EXPECT_EQ(s.function.rgb, whole().function.rgb);
   EXPECT_GT(s.sampled->rounds, 1U);
@@ -212,7 +212,7 @@ TEST(TileSampling, ALargeL2IsAsWarmAsInTheWholeFrame) {
   options.resolution = "512x256";
   options.sets = {"render.tile=8", "l2.size=8 MiB"};
   const Inputs large = load_inputs(options);
-  const Simulation a = simulate(large, program(), 1), b = simulate_sampled(large, program(), 1, {});
+  const FrameResult a = simulate(large, program(), 1), b = simulate_sampled(large, program(), 1, {});
   EXPECT_LT(b.sampled->timed, b.sampled->tiles);
   EXPECT_NEAR(b.sampled->cycles.estimate, static_cast<double>(a.cycles), b.sampled->cycles.half_width());
   EXPECT_NEAR(b.sampled->energy_pj.estimate, a.energy.total_pj.nominal, b.sampled->energy_pj.half_width());

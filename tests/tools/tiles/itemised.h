@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/simulation/run_job.h"
+#include "tools/run/frame/run_job.h"
 
 namespace tools::test {
 
@@ -18,7 +18,7 @@ inline Inputs small_inputs(const std::vector<std::string>& sets = {}, const std:
 }
 
 /// A frame of which each tile and pixel has its account.
-inline Simulation itemised(const Inputs& inputs, const char* program = "full:1", std::uint32_t threads = 1) {
+inline FrameResult itemised(const Inputs& inputs, const char* program = "full:1", std::uint32_t threads = 1) {
   return simulate(inputs, kernels::parse_program(program), threads, {.itemised = true});
 }
 

@@ -52,11 +52,11 @@ INSTANTIATE_TEST_SUITE_P(Programs, PixelsOf,
                          });
 
 TEST_P(PixelsOf, EachProgramSumToItsTotalsForAnyNumberOfThreads) {
-  const Simulation s = itemised(inputs_, GetParam());
+  const FrameResult s = itemised(inputs_, GetParam());
   const TileFrame frame = tile_frame(s, inputs_.config, 0);
   ASSERT_EQ(s.function.pixels.size(), std::size_t{kWidth} * kHeight);
   EXPECT_EQ(sums(s.function.pixels), (Sums{s.rays(), s.function.traversal_steps, total(frame, "tests")}));
-  const Simulation other = itemised(inputs_, GetParam(), 4);
+  const FrameResult other = itemised(inputs_, GetParam(), 4);
   for (std::size_t i = 0; i < s.function.pixels.size(); ++i) {
     const PixelWork &a = s.function.pixels[i], &b = other.function.pixels[i];
     ASSERT_TRUE(a.rays == b.rays && a.steps == b.steps && a.tests == b.tests) << "pixel " << i;
@@ -66,7 +66,7 @@ TEST_P(PixelsOf, EachProgramSumToItsTotalsForAnyNumberOfThreads) {
 TEST(Pixels, OfATileSumToIt) {
   const Inputs inputs = small_inputs({"render.tile=16"});
   for (const char* program : {"full:1", "full:4"}) {
-    const Simulation s = itemised(inputs, program);
+    const FrameResult s = itemised(inputs, program);
     const TileFrame frame = tile_frame(s, inputs.config, 0);
     for (std::size_t i = 0; i < frame.rows(); ++i) {
       Sums of_tile;
@@ -85,7 +85,7 @@ TEST(Pixels, HaveRaysWhereTheProgramTraced) {
   // Halos come from memory, so that a tile traces its own samples alone.
   const Inputs inputs = small_inputs({"render.tile=16"});
   for (const char* program : {"multirate:under", "undersample"}) {
-    const Simulation s = simulate(inputs, kernels::parse_program(program), 1, {.marks = true, .itemised = true});
+    const FrameResult s = simulate(inputs, kernels::parse_program(program), 1, {.marks = true, .itemised = true});
     ASSERT_EQ(s.function.marks.size(), s.function.pixels.size());
     std::size_t untraced = 0;
     for (std::size_t i = 0; i < s.function.pixels.size(); ++i) {

@@ -35,7 +35,7 @@ double sum_of_column(const TileFrame& frame, const char* column) {
 
 double counted(std::uint64_t value) { return static_cast<double>(value); }
 
-void expect_sums(const Simulation& s, const TileFrame& frame) {
+void expect_sums(const FrameResult& s, const TileFrame& frame) {
   constexpr const char* kRays[] = {"rays_primary", "rays_shadow", "rays_reflection", "rays_refraction"};
   for (std::size_t kind = 0; kind < std::size(kRays); ++kind) {
     EXPECT_EQ(sum_of_column(frame, kRays[kind]), counted(s.function.rays[kind])) << kRays[kind];
@@ -58,7 +58,7 @@ void expect_sums(const Simulation& s, const TileFrame& frame) {
 }
 
 /// Expects that only what nobody is charged for is left over, nothing that the sharing out has forgotten.
-void expect_honest_rest(const Simulation& s, const Inputs& inputs, const TileFrame& frame) {
+void expect_honest_rest(const FrameResult& s, const Inputs& inputs, const TileFrame& frame) {
   const double rest = tile_energy(s, inputs.config).rest.nominal * kMillijoulesPerPicojoule;
   const TileColumn& column = *frame.find("energy_mj_nominal");
   EXPECT_NEAR(column.rest, rest, 1e-12 * column.total);
@@ -69,7 +69,7 @@ TEST(TilesOfRandomMachines, SumToTheirTotalsAndChangeNothing) {
   Inputs inputs = small_inputs({"render.tile=8"}, "32x16");
   for (std::uint64_t seed = 0; seed < 30; ++seed) {
     *inputs.config.gpu = hw::test::random_config(seed);
-    const Simulation plain = simulate(inputs, {}, 1), s = itemised(inputs);
+    const FrameResult plain = simulate(inputs, {}, 1), s = itemised(inputs);
     const hw::test::Outcome a{plain.units, plain.kernel_use, {}, plain.elapsed, plain.cycles};
     const hw::test::Outcome b{s.units, s.kernel_use, {}, s.elapsed, s.cycles};
     EXPECT_EQ(difference(a, b), "") << "machine " << seed;
@@ -92,7 +92,7 @@ INSTANTIATE_TEST_SUITE_P(Programs, TilesOf,
 
 TEST_P(TilesOf, EachProgramSumToItsTotalsForAnyNumberOfThreads) {
   const Inputs inputs = small_inputs({"render.tile=16", "supersample.propagate=1"});
-  const Simulation s = itemised(inputs, GetParam());
+  const FrameResult s = itemised(inputs, GetParam());
   const TileFrame frame = tile_frame(s, inputs.config, 0);
   expect_sums(s, frame);
   expect_honest_rest(s, inputs, frame);
@@ -117,7 +117,7 @@ TEST_P(TilesOf, EachProgramCoverThePicture) {
 
 TEST(Tiles, AreInFlightWhileTheyAreWorkedOn) {
   const Inputs inputs = small_inputs({"render.tile=8", "cores=2"});
-  const Simulation s = itemised(inputs);
+  const FrameResult s = itemised(inputs);
   const TileFrame frame = tile_frame(s, inputs.config, 0);
   std::vector<double> cores = frame.at("core");
   std::ranges::sort(cores);

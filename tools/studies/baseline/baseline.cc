@@ -9,7 +9,7 @@
 #include "sim/io/printable.h"
 #include "tools/host/exit_code.h"
 #include "tools/host/standard_streams.h"
-#include "tools/simulation/run_job.h"
+#include "tools/run/frame/run_job.h"
 #include "tools/studies/baseline/check.h"
 #include "traces/accel/embree_tracer.h"
 

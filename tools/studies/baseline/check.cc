@@ -11,7 +11,7 @@
 #include "sim/config/config.h"
 #include "sim/error.h"
 #include "tools/analysis/report_paths.h"
-#include "tools/simulation/load_config.h"
+#include "tools/run/frame/load_config.h"
 #include "tools/studies/baseline/misspelt.h"
 #include "traces/accel/embree_tracer.h"
 

@@ -21,7 +21,7 @@
 #include "sim/io/json.h"
 #include "tools/analysis/report_paths.h"
 #include "tools/host/exit_code.h"
-#include "tools/jobs/run.h"
+#include "tools/run/run.h"
 
 namespace tools {
 namespace {

@@ -12,7 +12,7 @@
 #include "sim/error.h"
 #include "sim/io/file.h"
 #include "sim/io/printable.h"
-#include "tools/simulation/load_config.h"
+#include "tools/run/frame/load_config.h"
 #include "traces/scene/did_you_mean.h"
 
 namespace tools {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/simulation/job_options.h"
+#include "tools/run/frame/job_options.h"
 
 namespace tools {
 

@@ -22,10 +22,10 @@
 #include "tools/analysis/report.h"
 #include "tools/host/build_info.h"
 #include "tools/host/interrupt.h"
-#include "tools/jobs/stored_frames.h"
+#include "tools/run/frame/recorded.h"
+#include "tools/run/frame/run_job.h"
+#include "tools/run/stored_frames.h"
 #include "tools/sampling/tile_sampling.h"
-#include "tools/simulation/recorded.h"
-#include "tools/simulation/run_job.h"
 #include "traces/accel/bvh_tracer.h"
 #include "traces/trace_file/trace_writer.h"
 
@@ -94,10 +94,10 @@ class Rounds {
   }
 
   void run() {
-    const Extras extras{.progress = &progress_};
+    const SimulateOptions extras{.progress = &progress_};
     const double picture = render(inputs_, program_, traces::BvhTracer(inputs_.image), 1, extras).seconds;
-    const Simulation one = simulate(inputs_, program_, 1, extras);
-    const Simulation all = simulate(inputs_, program_, options_.job.threads, extras);
+    const FrameResult one = simulate(inputs_, program_, 1, extras);
+    const FrameResult all = simulate(inputs_, program_, options_.job.threads, extras);
     rays_ = one.rays();
     steps_ = one.function.traversal_steps;
     const auto rays = static_cast<double>(rays_), steps = static_cast<double>(steps_);
@@ -126,8 +126,8 @@ class Rounds {
   }
 
  private:
-  void add_sampled(const Simulation& whole, double timing) {
-    const Simulation some = simulate_sampled(inputs_, program_, 1, *sampling_, &progress_);
+  void add_sampled(const FrameResult& whole, double timing) {
+    const FrameResult some = simulate_sampled(inputs_, program_, 1, *sampling_, &progress_);
     const double off = some.sampled->cycles.estimate - static_cast<double>(whole.cycles);
     add("sampling_speedup", whole.wall_seconds / some.wall_seconds);
     add("sampling_timing_speedup", timing / (some.wall_seconds - some.function.waited));

@@ -13,7 +13,7 @@
 #include "tools/analysis/warnings.h"
 #include "tools/host/progress.h"
 #include "tools/noise/noise.h"
-#include "tools/simulation/run_job.h"
+#include "tools/run/frame/run_job.h"
 
 namespace tools {
 namespace {
@@ -40,9 +40,9 @@ CacheShare tree_cache(const char* name, const Units<Unit>& units, double share) 
 }
 
 /// Cycles of a run and of its replicates.
-Draws plays_of(const Simulation& run) {
+Draws plays_of(const FrameResult& run) {
   std::vector<double> cycles = {static_cast<double>(run.cycles)};
-  for (const Simulation& replicate : run.replicates) cycles.push_back(static_cast<double>(replicate.cycles));
+  for (const FrameResult& replicate : run.replicates) cycles.push_back(static_cast<double>(replicate.cycles));
   return draws_of(cycles);
 }
 
@@ -81,7 +81,7 @@ Bottleneck find_bottleneck(const JobOptions& options, Progress* progress) {
     if (progress != nullptr) progress->expect(options.replicates, what);
     return simulate(inputs, program, options.threads, {.progress = progress, .replicates = options.replicates});
   };
-  const Simulation measured = play("as configured");
+  const FrameResult measured = play("as configured");
   const std::vector<std::string> of_run = run_warnings(inputs.config, measured.units);
   tell_warnings(of_run, progress);
   const double pixels = double{1} * inputs.config.render.width * inputs.config.render.height;
@@ -102,7 +102,7 @@ Bottleneck find_bottleneck(const JobOptions& options, Progress* progress) {
     const bool configured = ideal;
     ideal = true;
     const double estimated = std::ranges::find(estimates, resource.name, &Estimate::resource)->speedup;
-    const Simulation bound = play(resource.words);
+    const FrameResult bound = play(resource.words);
     found.bounds.push_back({resource.name, bound.cycles, estimated, plays_of(bound)});
     ideal = configured;
   }

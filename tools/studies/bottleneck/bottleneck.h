@@ -6,7 +6,7 @@
 
 #include "tools/analysis/top_down.h"
 #include "tools/noise/statistics.h"
-#include "tools/simulation/job_options.h"
+#include "tools/run/frame/job_options.h"
 
 namespace tools {
 

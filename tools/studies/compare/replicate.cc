@@ -6,8 +6,8 @@
 #include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "tools/analysis/report_paths.h"
-#include "tools/jobs/run.h"
 #include "tools/pricing/reported_units.h"
+#include "tools/run/run.h"
 #include "tools/studies/compare/compare.h"
 
 namespace tools {

@@ -14,9 +14,9 @@
 #include "tools/analysis/cost_totals.h"
 #include "tools/analysis/warnings.h"
 #include "tools/pricing/idle_machine.h"
-#include "tools/simulation/power.h"
-#include "tools/simulation/run_job.h"
-#include "tools/simulation/table_names.h"
+#include "tools/run/frame/power.h"
+#include "tools/run/frame/run_job.h"
+#include "tools/run/frame/table_names.h"
 #include "traces/scene/did_you_mean.h"
 
 namespace tools {
@@ -50,7 +50,7 @@ RunConfig at_factor(const RunConfig& base, const std::vector<std::string>& domai
 }
 
 /// Power between frames: what gating leaves of the chip's leakage, and the memory powered down.
-double idle_mw(const RunConfig& config, const Simulation& s, double ms) {
+double idle_mw(const RunConfig& config, const FrameResult& s, double ms) {
   constexpr double kPicojoulesPerMicrojoule = 1e6;  // uJ / ms = mW
   double leakage_pj = 0;
   for (const ClockDomain& domain : clock_domains()) {
@@ -64,7 +64,7 @@ double idle_mw(const RunConfig& config, const Simulation& s, double ms) {
          ranks * config.gpu->dram.energy.power_down_standby.nominal;
 }
 
-DvfsPoint point_of(double factor, const RunConfig& config, const Simulation& s) {
+DvfsPoint point_of(double factor, const RunConfig& config, const FrameResult& s) {
   DvfsPoint point{
       .factor = factor, .mhz = {}, .volt = {}, .mj = s.energy.total_pj * (1 / sim::kPicojoulesPerMillijoule)};
   for (const ClockDomain& domain : clock_domains()) {
@@ -103,7 +103,7 @@ DvfsCurve dvfs_curve(const DvfsOptions& options, Progress* progress) {
   check_table_names(idle_units(*inputs.config.gpu), inputs.config);
   std::vector<RunConfig> configs;
   for (const double factor : factors) configs.push_back(at_factor(inputs.config, options.domains, factor));
-  const std::vector<Simulation> runs =
+  const std::vector<FrameResult> runs =
       simulate_on(inputs, kernels::parse_program(options.job.program), configs, "dvfs", options.job.threads, progress);
   DvfsCurve curve;
   std::vector<std::string> warnings;

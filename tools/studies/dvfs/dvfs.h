@@ -5,7 +5,7 @@
 
 #include "sim/config/field.h"
 #include "sim/io/json.h"
-#include "tools/simulation/job_options.h"
+#include "tools/run/frame/job_options.h"
 
 namespace tools {
 

@@ -3,7 +3,7 @@
 #include "sim/io/json.h"
 #include "sim/report/report_json.h"
 #include "sim/report/table.h"
-#include "tools/simulation/power.h"
+#include "tools/run/frame/power.h"
 #include "tools/studies/dvfs/dvfs.h"
 
 namespace tools {

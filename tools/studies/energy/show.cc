@@ -16,8 +16,8 @@
 #include "sim/report/unit_entry.h"
 #include "tools/pricing/energy_entries.h"
 #include "tools/pricing/idle_machine.h"
-#include "tools/simulation/load_config.h"
-#include "tools/simulation/table_names.h"
+#include "tools/run/frame/load_config.h"
+#include "tools/run/frame/table_names.h"
 #include "tools/studies/energy/origins.h"
 #include "traces/scene/did_you_mean.h"
 

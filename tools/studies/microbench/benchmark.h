@@ -4,7 +4,7 @@
 #include <variant>
 #include <vector>
 
-#include "tools/simulation/load_config.h"
+#include "tools/run/frame/load_config.h"
 #include "tools/studies/microbench/figure.h"
 
 namespace tools {

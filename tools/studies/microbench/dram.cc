@@ -12,7 +12,7 @@
 #include "sim/report/conversions.h"
 #include "sim/report/report_json.h"
 #include "sim/report/table.h"
-#include "tools/simulation/load_config.h"
+#include "tools/run/frame/load_config.h"
 #include "tools/studies/microbench/benchmark.h"
 #include "tools/studies/microbench/dram_stream.h"
 #include "tools/studies/microbench/figure.h"

@@ -6,7 +6,7 @@
 #include "sim/engine.h"
 #include "sim/report/energy_table.h"
 #include "tools/analysis/units.h"
-#include "tools/simulation/run_job.h"
+#include "tools/run/frame/run_job.h"
 #include "tools/studies/microbench/benchmark.h"
 #include "tools/studies/microbench/tni_forms.h"
 #include "traces/accel/bvh_tracer.h"

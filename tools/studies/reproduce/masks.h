@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "tools/simulation/run_job.h"
+#include "tools/run/frame/run_job.h"
 
 namespace tools::reproduce {
 

@@ -5,14 +5,14 @@
 #include <string>
 #include <string_view>
 
-#include "tools/simulation/run_job.h"
+#include "tools/run/frame/run_job.h"
 #include "tools/studies/reproduce/masks.h"
 
 namespace tools::reproduce {
 
 /// One program on one view.
 struct Outcome {
-  Simulation simulation;
+  FrameResult simulation;
   std::uint64_t pixels = 0;
   std::uint64_t box_bytes = 0, node_bytes = 0;  ///< the tree in the GPU's memory: boxes alone, and whole nodes
   bool machine = true;                          ///< else `simulation` has nothing but what the frame program found out

@@ -1,7 +1,7 @@
 #pragma once
 #include <cstdint>
 
-#include "tools/simulation/run_job.h"
+#include "tools/run/frame/run_job.h"
 
 namespace tools::reproduce {
 

@@ -9,7 +9,7 @@
 #include "sim/error.h"
 #include "tools/analysis/debug_pictures.h"
 #include "tools/analysis/picture.h"
-#include "tools/simulation/ground_truth.h"
+#include "tools/run/frame/ground_truth.h"
 #include "tools/studies/reproduce/mirrors.h"
 #include "traces/accel/bvh_tracer.h"
 #include "traces/accel/node_format.h"
@@ -137,7 +137,7 @@ const Outcome& Runner::outcome(const Case& c, const Program& program) {
   out.node_bytes = records * traces::node_bytes(config.bvh.numbers, config.bvh.boxes);
   out.pixels = std::uint64_t{c.width} * c.height;
   out.machine = c.machine;
-  const Extras extras{.marks = !c.picture.empty(), .progress = progress_};
+  const SimulateOptions extras{.marks = !c.picture.empty(), .progress = progress_};
   if (c.machine) {
     out.simulation = simulate(*inputs_, spec, options_.threads, extras);
   } else {
@@ -191,7 +191,7 @@ void Runner::write_pictures(const Case& c, const fs::path& folder) const {
       traces::write_png(folder / file, side, side, part);
     }
   };
-  const Simulation& simulation = outcomes_.at(key_of(c, c.run)).simulation;
+  const FrameResult& simulation = outcomes_.at(key_of(c, c.run)).simulation;
   const std::vector<float>& run = simulation.function.rgb;
   write(c.picture, to_rgb8(run));
   for (const DebugPicture& p : debug_pictures(simulation.program, simulation.function, c.width, c.height)) {

@@ -6,7 +6,7 @@
 
 #include "hw_models/machines/unit_kinds.h"
 #include "sim/config/config.h"
-#include "tools/simulation/load_config.h"
+#include "tools/run/frame/load_config.h"
 
 // The unit that a key of the configuration belongs to.
 

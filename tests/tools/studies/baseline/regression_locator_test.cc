@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "hw_models/machines/unit_kinds.h"
-#include "tools/simulation/run_job.h"
+#include "tools/run/frame/run_job.h"
 
 // Which unit has changed, from what two runs say.
 

@@ -14,7 +14,7 @@
 #include "sim/error.h"
 #include "sim/hash.h"
 #include "tests/tools/program.h"
-#include "tools/simulation/load_config.h"
+#include "tools/run/frame/load_config.h"
 #include "tools/studies/baseline/changed_keys.h"
 
 // Of the default machine one key is changed at a time: the check names the key's unit before any other.

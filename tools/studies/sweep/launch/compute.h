@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "tools/simulation/run_job.h"
+#include "tools/run/frame/run_job.h"
 #include "tools/studies/sweep/spec/point_keys.h"
 #include "tools/studies/sweep/store/store.h"
 

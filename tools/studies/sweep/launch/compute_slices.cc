@@ -9,7 +9,7 @@
 #include "sim/io/printable.h"
 #include "tools/analysis/report.h"
 #include "tools/host/interrupt.h"
-#include "tools/jobs/run.h"
+#include "tools/run/run.h"
 #include "tools/sampling/slices.h"
 #include "tools/studies/sweep/launch/compute.h"
 #include "tools/studies/sweep/store/durable.h"
@@ -51,11 +51,11 @@ class JoinedSlices final : public PosedFrames {
       : PosedFrames(inputs, threads, nullptr), program_(program), slices_(std::move(slices)) {}
   bool has_whole_frames() const override { return false; }
   bool has_reference() const override { return false; }
-  Simulation play(const Extras&) override {
+  FrameResult play(const SimulateOptions&) override {
     return join_slices(inputs_, program_, at_frame(slices_, inputs_.frame - inputs_.config.scene.first_frame));
   }
-  Simulation play_reference(const Extras&) override { throw std::logic_error("slices have no reference"); }
-  double squared_error(const Simulation&, const Simulation&) const override { return 0; }
+  FrameResult play_reference(const SimulateOptions&) override { throw std::logic_error("slices have no reference"); }
+  double squared_error(const FrameResult&, const FrameResult&) const override { return 0; }
 
  private:
   const kernels::ProgramSpec program_;

@@ -7,7 +7,7 @@
 
 #include "tools/analysis/report_file.h"
 #include "tools/analysis/report_paths.h"
-#include "tools/simulation/job_options.h"
+#include "tools/run/frame/job_options.h"
 
 namespace tools::results {
 namespace {

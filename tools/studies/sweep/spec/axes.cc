@@ -12,7 +12,7 @@
 #include "sim/config/config.h"
 #include "sim/config/config_tree.h"
 #include "sim/io/printable.h"
-#include "tools/simulation/load_config.h"
+#include "tools/run/frame/load_config.h"
 #include "tools/studies/sweep/spec/magnitude.h"
 
 namespace tools::sweep {

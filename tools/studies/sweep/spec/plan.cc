@@ -9,9 +9,9 @@
 #include "sim/config/config.h"
 #include "sim/error.h"
 #include "sim/io/printable.h"
+#include "tools/run/frame/load_config.h"
 #include "tools/sampling/slices.h"
 #include "tools/sampling/tile_sampling.h"
-#include "tools/simulation/load_config.h"
 #include "tools/studies/sweep/spec/subset.h"
 #include "traces/scenes/library.h"
 

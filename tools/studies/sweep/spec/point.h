@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sim/io/json.h"
-#include "tools/simulation/job_options.h"
+#include "tools/run/frame/job_options.h"
 
 namespace tools::sweep {
 

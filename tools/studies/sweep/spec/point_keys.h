@@ -5,9 +5,8 @@
 #include <utility>
 
 #include "sim/io/json.h"
-
-#include "tools/simulation/config_variants.h"
-#include "tools/simulation/load_config.h"
+#include "tools/run/frame/config_variants.h"
+#include "tools/run/frame/load_config.h"
 #include "tools/studies/sweep/spec/point.h"
 
 namespace tools::sweep {

@@ -1,0 +1,134 @@
+#include "tests/tools/run/hand_made_trace.h"
+
+#include <cstdint>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/tools/program.h"
+
+// Traces written by hand are played.
+
+namespace test {
+namespace {
+
+nlohmann::json played(const TempFolder& folder, const std::string& name, const std::string& content,
+                      const std::string& set = "cores=4") {
+  const std::string file = folder.write(name + ".trace", content).string();
+  const std::filesystem::path out = folder.path() / name;
+  const Ending ending = raywatt({"trace", "replay", "sgrt-2016", file, "--set", set, "-o", out.string()});
+  EXPECT_EQ(ending.exit, 0) << ending.err;
+  const Ending info = raywatt({"trace", "info", file});
+  EXPECT_EQ(info.exit, 0) << info.err;
+  EXPECT_SAYS(info.out, "three triangles");
+  EXPECT_SAYS(info.out, "raywatt-trace/3");
+  return read_json(out / "report.json");
+}
+
+TEST(HandMadeTrace, PlaysWithWalksAsWordsAndAsBits) {
+  const TempFolder folder;
+  const nlohmann::json words = played(folder, "words", trace(kWords)), as_bits = played(folder, "bits", trace(bits()));
+  const nlohmann::json& totals = words["totals"];
+  EXPECT_EQ(totals["rays"]["primary"], 8);
+  EXPECT_EQ(totals["rays"]["total"], 8);
+  EXPECT_EQ(totals["traversal_steps"], 2 * (3 * 2 + 3)) << "visits and tests";
+  EXPECT_EQ(totals["kernels"]["shade_surface"]["items"], 8);
+  EXPECT_EQ(totals["dram_bytes_by_client"]["frame_buffer"], 128) << "a line a tile";
+  EXPECT_EQ(words["scene"]["name"], "three triangles");
+  EXPECT_EQ(words["resolution"], nlohmann::json({4, 2}));
+  EXPECT_EQ(words["units"], as_bits["units"]);
+}
+
+TEST(HandMadeTrace, OfAnotherBuildMustHaveAllKeysThatAreNotTheirDefaults) {
+  const TempFolder folder;
+  const auto replay = [&](const Json& made_by) {
+    const auto change = [&](Json& header, Json&) { header["made_by"] = made_by; };
+    const std::string file = folder.write("a.trace", trace(bits(), false, change)).string();
+    return raywatt({"trace", "replay", "sgrt-2016", file, "-o", (folder.path() / "out").string()});
+  };
+  // render.height and render.width are given and are not among the keys of its `function`.
+  expect_refusal(replay({{"model_id", "of last year"}}),
+                 {"a.trace", "was recorded by another build", "without the key render.height", "2 is asked for",
+                  "allowed: the default, 512"});
+  EXPECT_EQ(replay({{"program", "another renderer"}}).exit, 0) << "who has no model keeps no list";
+  const Ending version = raywatt({"run", "--resolution", "8x8", "-o", (folder.path() / "run").string()});
+  EXPECT_EQ(version.exit, 0) << version.err;
+  const auto id = read_json(folder.path() / "run" / "report.json")["provenance"]["model_id"].get<std::string>();
+  EXPECT_EQ(replay({{"model_id", id}}).exit, 0) << "this build left out what it knew of";
+}
+
+TEST(HandMadeTrace, OfManyStepsIsSaidToTakeLongToWhoListens) {
+  const TempFolder folder;
+  const std::string content = trace(bits(), false, [](Json&, Json& contents) {
+    if (contents.contains("parts")) contents["parts"][0]["result"]["traversal_steps"] = 12'000'000'000;
+  });
+  const std::string file = folder.write("a.trace", content).string(), out = (folder.path() / "out").string();
+  const auto said = [&](const Words& more) {
+    Words words = {"trace", "replay", "sgrt-2016", file, "-o", out, "--force"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Ending ending = raywatt(words);
+    EXPECT_EQ(ending.exit, 0) << ending.err;
+    return ending.err;
+  };
+  const std::string hint = said({});
+  EXPECT_TRUE(hint.starts_with("raywatt: this may take about ") && hint.ends_with(" min on this host\n")) << hint;
+  EXPECT_EQ(said({"--quiet"}), "");
+  EXPECT_EQ(said({"--progress", "none"}), "");
+  EXPECT_EQ(said({"--progress", "json"}).find("may take"), std::string::npos);
+}
+
+TEST(HandMadeTrace, PlaysRaysThatEnterInstances) {
+  const TempFolder folder;
+  const std::string content = trace(bits_of_levels(), true);
+  const nlohmann::json report = played(folder, "levels", content, "bvh.instances=two_level");
+  EXPECT_EQ(report["totals"]["traversal_steps"], 8 * (2 + 1));
+  std::uint64_t transforms = 0;
+  for (const auto& [name, unit] : report["units"]["core0"]["tni"].items()) {
+    if (name.starts_with("trv")) transforms += unit["counters"]["transforms"].get<std::uint64_t>();
+  }
+  EXPECT_GE(transforms, 4U) << "a tile's rays at least";
+  const std::string file = folder.write("flat.trace", content).string();
+  expect_refusal(raywatt({"trace", "replay", "sgrt-2016", file, "-o", (folder.path() / "out").string()}),
+                 {"flat.trace", "two levels", "bvh.instances is flatten", "allowed: two_level"});
+}
+
+// The example of docs/trace-format.md: one ray that hits one triangle.
+TEST(HandMadeTrace, PlaysTheSmallestFile) {
+  const Json header = Json::parse(R"({
+    "program": "full:1", "reference": "", "resolution": [1, 1],
+    "scene": {"name": "a triangle", "triangles": 1, "instances": 1, "lights": 0, "sha256": "", "bvh_hash": ""},
+    "kernels": ["generate_rays"],
+    "function": {}, "given": {"render.width": "1", "render.height": "1"}, "config": ""})");
+  const Json tree = Json::parse(R"({
+    "nodes": 1, "counts": {"triangles": 1, "attributes": 0, "vertices": 0, "materials": 0, "details": 0,
+                           "textures": [], "instances": 0, "trees": 0}})");
+  const Json part = Json::parse(R"({
+    "frame": 0, "program": "program", "tree": 0,
+    "demands": {"tile_samples": 1, "attribute_bytes": 0, "region_bytes": [0, 0, 0]},
+    "result": {"rays": [1, 0, 0, 0], "traversal_steps": 2, "sampling": {"wanted": 1, "traced": 1}}})");
+  const std::string tile = bytes({0, 0, 1, /*after all, imports*/ 0, 0, /*nodes*/ 3}) +
+                           bytes({/*launch*/ 0, 1, /*kernel, idle, accesses, inputs*/ 0, 0, 0, 0}) +
+                           bytes({/*rays*/ 1, 1, /*primary, no sources*/ 0, 0, /*each, one back*/ 1, 3}) +
+                           bytes({/*launch*/ 0, 1, /*kernel, idle, accesses*/ 0, 0, 0, /*each, one back*/ 1, 3}) +
+                           bytes({/*rays*/ 1, /*words*/ 4, /*as words*/ 1}) + number(0x08000000, 4) +
+                           number(0x44000000, 4) + number(0x00000003, 4) + number(0xc0000001, 4);
+  const std::string content = file_of(header, bytes({1, 0}), tree, {tile}, part);
+  const TempFolder folder;
+  const std::string file = folder.write("smallest.trace", content).string();
+  const std::filesystem::path out = folder.path() / "out";
+  const Ending ending = raywatt({"trace", "replay", "sgrt-2016", file, "-o", out.string()});
+  EXPECT_EQ(ending.exit, 0) << ending.err;
+  const nlohmann::json totals = read_json(out / "report.json")["totals"];
+  EXPECT_EQ(totals["rays"]["total"], 1);
+  EXPECT_EQ(totals["traversal_steps"], 2);
+}
+
+TEST(HandMadeTrace, OfFormerBuildsPlaysWithKeysThatNothingReads) {
+  const TempFolder folder;
+  played(folder, "former", trace(kWords, false, [](Json& header, Json&) {
+           header["function"] = {{"limits.memory", "7 GiB"}, {"limits.gone", "1"}, {"supersample.colour", "0.9"}};
+         }));
+}
+
+}  // namespace
+}  // namespace test

@@ -1,0 +1,34 @@
+#pragma once
+#include <optional>
+#include <string>
+
+#include "sim/config/config_tree.h"
+#include "sim/config/variant.h"
+#include "tools/run/frame/job_options.h"
+#include "tools/run/frame/load_config.h"
+
+namespace tools {
+
+/// Applies the other options to such a base, many times: each costs what it changes.
+class ConfigVariants {
+ public:
+  /// `origin` is where the base comes from.
+  ConfigVariants(RunConfig base, std::string origin);
+  ConfigVariants(const ConfigVariants&) = delete;
+  ConfigVariants& operator=(const ConfigVariants&) = delete;
+
+  /// Returns the base with the options applied and checked, valid until the next call. InputError.
+  const RunConfig& apply(const JobOptions& options);
+  /// Result of the last call.
+  const RunConfig& config() const { return config_; }
+  /// Returns its sim::config_hash().
+  std::string hash(std::optional<sim::Affects> only) const { return variant_.hash(only); }
+
+ private:
+  RunConfig base_, config_;
+  std::string origin_;
+  sim::ConfigNode base_tree_, tree_;
+  sim::ConfigVariant variant_;
+};
+
+}  // namespace tools

@@ -1,0 +1,139 @@
+#include "tools/run/frame/host_time.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "shader_kernels/programs/full.h"
+#include "sim/error.h"
+#include "sim/host_clock.h"
+#include "tools/run/frame/front_end.h"
+#include "tools/run/frame/machine_run.h"
+#include "traces/accel/bvh_tracer.h"
+#include "traces/walk_steps.h"
+
+namespace tools {
+namespace {
+
+constexpr double kLong = 60;                       // seconds that are worth a hint
+constexpr std::uint32_t kAcross = 24, kDown = 12;  // pixels of the thin picture
+constexpr std::uint32_t kOneOf = 3;                // columns and rows of a small picture: cheap beside its run
+constexpr double kSlowestStep = 4e-6;              // seconds; chosen: hairball at 96x64 takes 3.5 us
+constexpr std::uint32_t kFewestTiles = 16, kMostTiles = 32;  // tiles played to measure the rate
+constexpr std::uint32_t kOneTileOf = 50;                     // tiles per tile played: 2 % of a large frame
+
+/// Passes tiles on; counts their steps and the time it takes to make them.
+class MeasuredTiles final : public hw::TileSource {
+ public:
+  explicit MeasuredTiles(FrontEnd& source) : source_(source) {}
+
+  const traces::TileWork* next() override {
+    const double begin = sim::thread_seconds();
+    const traces::TileWork* work = source_.next();
+    making_ += sim::thread_seconds() - begin;
+    if (work != nullptr) steps_ += traces::count_steps(work->walk).all();
+    return work;
+  }
+  void give_back(const traces::TileWork* work) override { source_.give_back(work); }
+  double making_seconds() const { return making_; }
+  std::uint64_t steps() const { return steps_; }
+
+ private:
+  FrontEnd& source_;
+  double making_ = 0;
+  std::uint64_t steps_ = 0;
+};
+
+/// The middles of `count` equal parts of a list.
+std::vector<std::uint32_t> spread_over(std::uint32_t all, std::uint32_t count) {
+  std::vector<std::uint32_t> indices;
+  for (std::uint64_t k = 0; k < count; ++k) {
+    indices.push_back(static_cast<std::uint32_t>((2 * k + 1) * all / (2 * std::uint64_t{count})));
+  }
+  return indices;
+}
+
+}  // namespace
+
+double estimated_steps(const Inputs& inputs, const kernels::ProgramSpec& spec) {
+  kernels::RenderConfig few = inputs.config.render;
+  const double samples = static_cast<double>(few.width) * few.height * spec.samples;
+  few.width = std::clamp(few.width / kOneOf, 1U, kAcross);
+  few.height = std::clamp(few.height / kOneOf, 1U, kDown);
+  kernels::FullProgram program(inputs.image, inputs.camera, few, 1, inputs.frame);
+  const traces::BvhTracer tracer(inputs.image);
+  FrontEnd front(program, tracer, 0);
+  std::uint64_t steps = 0;
+  while (const traces::TileWork* work = front.next()) {
+    steps += traces::count_steps(work->walk).all();
+    front.give_back(work);
+  }
+  const double looked_at = static_cast<double>(few.width) * few.height;
+  return static_cast<double>(steps) / looked_at * samples;
+}
+
+bool may_be_long(double steps, const Plays& plays) { return steps * kSlowestStep * plays.replicates >= kLong; }
+
+HostRate measured_rate(const Inputs& inputs, const kernels::ProgramSpec& spec) {
+  const bool is_full = spec.kind == kernels::ProgramSpec::Kind::kFull;
+  kernels::FullProgram program(inputs.image, inputs.camera, inputs.config.render, is_full ? spec.samples : 1,
+                               inputs.frame);
+  return measured_rate(inputs, program, traces::BvhTracer(inputs.image));
+}
+
+HostRate measured_rate(const Inputs& inputs, kernels::FrameProgram& program, const traces::Tracer& tracer) {
+  const std::uint32_t tiles = program.tiles();
+  const std::uint32_t played = std::min(tiles, std::clamp(tiles / kOneTileOf, kFewestTiles, kMostTiles));
+  FrontEnd front(program, tracer, 0, true, spread_over(tiles, played));
+  MeasuredTiles source(front);
+  const auto gpu = make_gpu(inputs, program.requirements(), source);
+  const double begin = sim::thread_seconds();
+  run_to_end(*gpu);
+  const double all = sim::thread_seconds() - begin;
+  if (source.steps() == 0) return kUsualRate;
+  const auto steps = static_cast<double>(source.steps());
+  return {.functional = source.making_seconds() / steps, .machine = (all - source.making_seconds()) / steps};
+}
+
+double frame_seconds(double steps, const HostRate& rate, const Plays& plays) {
+  const std::uint32_t threads = host_threads(plays.threads);
+  const double functional = steps * rate.functional, machine = steps * rate.machine;
+  const double play = machine / std::min(threads, std::max(plays.slices, 1U));
+  // One thread plays the machine, the others run ahead of it.
+  const double first = threads == 1 ? functional + play : std::max(functional / (threads - 1), play);
+  const std::uint32_t others = std::max(plays.replicates, 1U) - 1;
+  return first + (others + threads - 1) / threads * machine;
+}
+
+double estimated_seconds(const Inputs& inputs, const kernels::ProgramSpec& spec, const Plays& plays) {
+  const double steps = estimated_steps(inputs, spec);
+  HostRate rate = kUsualRate;
+  if (may_be_long(steps * inputs.frames(), plays)) {
+    try {
+      rate = measured_rate(inputs, spec);
+    } catch (const sim::Deadlock&) {  // the run itself reports it
+    }
+  }
+  return frame_seconds(steps, rate, plays);
+}
+
+double estimated_functional_seconds(const Inputs& inputs, const kernels::ProgramSpec& spec, double times,
+                                    std::uint32_t threads) {
+  const double steps = estimated_steps(inputs, spec);
+  double rate = kUsualRate.functional;
+  if (may_be_long(steps * inputs.frames(), {})) {
+    try {
+      rate = measured_rate(inputs, spec).functional;
+    } catch (const sim::Deadlock&) {  // it has no machine to be stuck
+    }
+  }
+  return times * steps * rate / host_threads(threads);
+}
+
+void tell_long(double seconds, std::string_view less, Progress& progress) {
+  if (seconds < kLong) return;
+  progress.hint(fmt::format("raywatt: this may take about {:.0f} min on this host{}{}", seconds / 60,
+                            less.empty() ? "" : "; ", less));
+}
+
+}  // namespace tools

@@ -1,0 +1,95 @@
+#include "tools/run/frame/power.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "hw_models/machines/gpu_config.h"
+#include "sim/config/quantity.h"
+#include "sim/error.h"
+#include "traces/scene/did_you_mean.h"
+
+namespace tools {
+namespace {
+
+using Curves = std::map<std::string, sim::VoltageCurve>;
+
+const sim::VoltageCurve& curve_of(const Curves& curves, const ClockDomain& domain) {
+  const auto found = curves.find(std::string(domain.name));
+  if (found != curves.end()) return found->second;
+  throw sim::InputError(
+      fmt::format("power.dvfs: no voltages of clock domain '{0}'; allowed: points such as "
+                  "{0}@500MHz, as in power.extends=power/14nm",
+                  domain.name));
+}
+
+std::string clock_text(std::uint64_t hz) { return sim::quantity_text(hz, sim::frequency_units()); }
+
+/// Share of the nominal voltage below which two are taken for equal: rounding alone.
+constexpr double kVoltRounding = 1e-9;
+
+}  // namespace
+
+const std::array<ClockDomain, 3>& clock_domains() {
+  static const std::array<ClockDomain, 3> domains = {{{"tni", &hw::ClockConfig::tni, {"tni", "raster"}},
+                                                      {"srp", &hw::ClockConfig::srp, {"srp", "tile_buffer", "dma"}},
+                                                      {"l2", &hw::ClockConfig::l2, {"l2", "interconnect"}}}};
+  return domains;
+}
+
+double voltage_needed(const RunConfig& config, const ClockDomain& domain) {
+  return curve_of(sim::voltage_curves(config.power), domain).at((config.gpu->clocks.*domain.clock).hz);
+}
+
+sim::PowerScales power_scales(const RunConfig& config) {
+  sim::PowerScales scales;
+  const double nominal = config.power.nominal_voltage;
+  for (const ClockDomain& domain : clock_domains()) {
+    const bool scaled = config.power.voltage == sim::Voltage::kDvfs;
+    const double volt = scaled ? voltage_needed(config, domain) : nominal;
+    for (const std::string& block : domain.blocks) scales[block] = sim::power_scale(config.power, volt);
+  }
+  scales["dram"] = sim::power_scale(config.power, nominal);
+  return scales;
+}
+
+std::vector<std::string> power_warnings(const RunConfig& config) {
+  std::vector<std::string> lines;
+  const Curves curves = sim::voltage_curves(config.power);
+  const double nominal = config.power.nominal_voltage;
+  for (const ClockDomain& domain : clock_domains()) {
+    const auto found = curves.find(std::string(domain.name));
+    if (found == curves.end()) continue;
+    const sim::VoltageCurve& curve = found->second;
+    const std::uint64_t hz = (config.gpu->clocks.*domain.clock).hz;
+    const double volt = curve.at(hz);
+    if (config.power.voltage == sim::Voltage::kDvfs) {
+      if (hz >= curve.least_hz() && hz <= curve.most_hz()) continue;
+      lines.push_back(fmt::format("power.dvfs: clocks.{} of {} is outside {} to {}; taken for {:.4g} V", domain.name,
+                                  clock_text(hz), clock_text(curve.least_hz()), clock_text(curve.most_hz()), volt));
+    } else if (std::abs(volt - nominal) > kVoltRounding * nominal) {
+      lines.push_back(
+          fmt::format("power.dvfs: clocks.{} of {} needs {:.4g} V, and energies are those of {:.4g} V, the energy "
+                      "table's; power.voltage=dvfs scales them",
+                      domain.name, clock_text(hz), volt, nominal));
+    }
+  }
+  return lines;
+}
+
+void check_power(const RunConfig& config) {
+  const Curves curves = sim::voltage_curves(config.power);
+  std::vector<std::string> known;
+  for (const ClockDomain& domain : clock_domains()) known.emplace_back(domain.name);
+  for (const auto& [name, curve] : curves) {
+    if (std::ranges::find(known, name) != known.end()) continue;
+    throw sim::InputError(fmt::format("power.dvfs: no clock domain is called '{}'{}; allowed: {}", name,
+                                      traces::did_you_mean(name, known), fmt::join(known, ", ")));
+  }
+  power_scales(config);
+}
+
+}  // namespace tools

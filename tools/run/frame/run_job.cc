@@ -1,0 +1,271 @@
+#include "tools/run/frame/run_job.h"
+
+#include <algorithm>
+#include <memory>
+#include <thread>
+
+#include "hw_models/machines/gpu.h"
+#include "shader_kernels/catalogue.h"
+#include "shader_kernels/programs/programs.h"
+#include "sim/config/config.h"
+#include "sim/host_clock.h"
+#include "sim/io/printable.h"
+#include "tools/host/interrupt.h"
+#include "tools/run/frame/kept_work.h"
+#include "tools/run/frame/machine_run.h"
+#include "tools/run/frame/recorded.h"
+#include "tools/run/frame/replay_program.h"
+#include "tools/run/frame/replicates.h"
+#include "tools/run/frame/run_tiles.h"
+#include "traces/accel/build.h"
+#include "traces/accel/bvh_info.h"
+#include "traces/accel/bvh_tracer.h"
+#include "traces/accel/refit.h"
+#include "traces/scene/bounds.h"
+#include "traces/scenes/workload.h"
+#include "traces/trace_file/trace_writer.h"
+
+namespace tools {
+namespace {
+
+/// An empty record of the frame's work. `kept_for` names who wants it in errors.
+KeptWork work_to_keep(const Inputs& inputs, const kernels::FrameRequirements& requirements,
+                      const kernels::FrameProgram& frame, const char* kept_for) {
+  traces::TileScope scope{traces::links_of(inputs.image), traces::counts_of(inputs.image), 0, requirements.region_bytes,
+                          requirements.raster};
+  if (const traces::TileScope* recorded = scope_of(frame)) scope = *recorded;
+  scope.kernels = static_cast<std::uint32_t>(kernels::catalogue().size());
+  scope.tile_bytes = traces::most_tile_bytes(requirements);
+  return {std::move(scope), inputs.config.limits.memory.bytes, kept_for};
+}
+
+/// Begins the part of the trace that the frame's work goes to, if there is a trace.
+void begin_part(const Inputs& inputs, const kernels::FrameRequirements& requirements, const SimulateOptions& extras) {
+  if (extras.trace == nullptr) return;
+  extras.trace->begin_part({inputs.frame, extras.reference}, traces::links_of(inputs.image),
+                           traces::counts_of(inputs.image), requirements);
+}
+
+/// The picture to render.
+kernels::RenderConfig render_of(const Inputs& inputs, bool is_reference) {
+  return is_reference ? reference_render(inputs.config.render) : inputs.config.render;
+}
+
+/// A frame program for the frame that `inputs` stand at.
+struct Program {
+  Program(const Inputs& inputs, const kernels::ProgramSpec& spec, const SimulateOptions& extras)
+      : first(inputs.config.programs.multirate),
+        frame(kernels::make_program(
+            spec, {inputs.image, inputs.camera, render_of(inputs, extras.reference), inputs.config.programs,
+                   extras.rates != nullptr ? *extras.rates : first, inputs.frame, inputs.scene_size})) {
+    if (extras.marks) frame->keep_marks();
+  }
+  const kernels::RateMap first;
+  const std::unique_ptr<kernels::FrameProgram> frame;
+};
+
+float size_in_frame_0(traces::Scene& scene, const traces::WorkloadConfig& workload) {
+  if (workload.first_frame != 0) traces::pose_workload(scene, workload, 0);
+  const traces::Bounds bounds = traces::world_bounds(scene);
+  if (workload.first_frame != 0) traces::pose_workload(scene, workload, workload.first_frame);
+  const glm::vec3 sides = bounds.upper - bounds.lower;
+  return std::max({sides.x, sides.y, sides.z});
+}
+
+}  // namespace
+
+std::uint32_t host_threads(std::uint32_t wanted) {
+  return wanted != 0 ? wanted : std::max(1U, std::thread::hardware_concurrency());
+}
+
+kernels::RenderConfig reference_render(kernels::RenderConfig render) {
+  render.effect_rate = kernels::EffectRate::kFull;
+  return render;
+}
+
+Inputs load_inputs(const JobOptions& options, Progress* progress) {
+  if (progress != nullptr) progress->phase("loading");
+  const RunConfig config = load_run_config(options);
+  Inputs in = load_inputs(config, options.threads, progress);
+  for (std::string& line : idle_settings(options, config)) in.warnings.push_back(std::move(line));
+  return in;
+}
+
+Inputs load_inputs(const RunConfig& config, std::uint32_t threads, Progress* progress) {
+  const auto phase = [&](const char* what) {
+    if (progress != nullptr) progress->phase(what);
+  };
+  phase("loading");
+  Inputs in;
+  in.config = config;
+  const sim::HostClock::time_point begin = sim::HostClock::now();
+  traces::Scene scene = traces::open_workload(in.config.scene, in.config.limits);
+  in.frame = in.config.scene.first_frame;
+  in.scene_size = size_in_frame_0(scene, in.config.scene);
+  in.camera = scene.cameras.front();
+  in.scene = traces::scene_info(scene);
+  in.scene.name = sim::with_escaped_bytes(in.scene.name);
+  in.scene_sha256 = scene.sha256;
+  in.warnings = scene.warnings;
+  if (in.frames() > 1 && scene.tracks.empty() && in.config.scene.camera_path == traces::CameraPath::kScene) {
+    in.warnings.emplace_back(
+        "all frames are equal: the scene has no animation; scene.camera_path=orbit moves the camera");
+  }
+  phase("building the tree");
+  in.image =
+      traces::build_memory_image(scene, in.config.bvh, host_threads(threads), interrupted, in.config.render.mip_maps);
+  in.bvh_hash = traces::bvh_hash(in.image);
+  in.stored_triangles = in.image.triangles.size();
+  in.parents = traces::parents_of(in.image);
+  if (in.frames() > 1) in.moving = std::move(scene);
+  in.load_seconds = sim::seconds_since(begin);
+  return in;
+}
+
+void tell_warnings(const std::vector<std::string>& lines, Progress* progress) {
+  if (progress == nullptr) return;
+  for (const std::string& line : lines) progress->say("raywatt: warning: " + line);
+}
+
+std::string inputs_key(const RunConfig& config) {
+  std::string key;
+  for (const sim::FieldInfo& field : sim::list_fields(config)) {
+    const auto is_of = [&](std::string_view group) { return field.path.starts_with(group); };
+    if (is_of("scene.") || is_of("bvh.") || is_of("limits.") || field.path == "render.mip_maps") {
+      key += field.path + "=" + field.value + "\n";
+    }
+  }
+  return key;
+}
+
+bool advance(Inputs& in, std::uint32_t threads, Progress* progress) {
+  if (in.frame == in.config.scene.last_frame) return false;
+  if (progress != nullptr) progress->phase("building the tree");
+  const sim::HostClock::time_point begin = sim::HostClock::now();
+  const traces::Moved moved = traces::pose_workload(in.moving, in.config.scene, in.frame + 1);
+  in.frame += 1;
+  in.camera = in.moving.cameras.front();
+  if (moved.geometry) {
+    traces::update_memory_image(in.moving, in.config.bvh, host_threads(threads), in.image, interrupted);
+    in.parents = traces::parents_of(in.image);
+  } else if (moved.lights) {
+    in.image.lights = in.moving.lights;
+  }
+  in.update_seconds += sim::seconds_since(begin);
+  return true;
+}
+
+kernels::TileCounts tile_counts(const Inputs& inputs, const kernels::ProgramSpec& program) {
+  return Program(inputs, program, {}).frame->tile_counts();
+}
+
+std::uint64_t FrameResult::rays() const { return function.all_rays(); }
+
+void FrameResult::add(const FrameResult& frame) {
+  frames += frame.frames;
+  function.add(frame.function);
+  sim::add_reports(units, frame.units);
+  for (std::size_t k = 0; k < kernel_use.size(); ++k) kernel_use[k] += frame.kernel_use[k];
+  energy += frame.energy;
+  cycles += frame.cycles;
+  elapsed += frame.elapsed;
+  wall_seconds += frame.wall_seconds;
+  replicate_seconds += frame.replicate_seconds;
+  if (sampled) sampled->add(*frame.sampled);
+  if (sliced) sliced->add(*frame.sliced);
+  for (std::size_t i = 0; i < replicates.size(); ++i) replicates[i].add(frame.replicates[i]);
+}
+
+FrameResult simulate(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
+                     const SimulateOptions& extras) {
+  const Program made(inputs, program, extras);
+  const traces::BvhTracer tracer(inputs.image);
+  FrameResult s = play(inputs, program, *made.frame, tracer, threads, extras);
+  if (extras.rates != nullptr && !s.is_part()) extras.rates->advance(s.function.sampling);
+  return s;
+}
+
+FrameResult play(const Inputs& inputs, const kernels::ProgramSpec& program, kernels::FrameProgram& frame,
+                 const traces::Tracer& tracer, std::uint32_t threads, const SimulateOptions& extras) {
+  const sim::HostClock::time_point begin = sim::HostClock::now();
+  FrontEnd front_end(frame, tracer, host_threads(threads) - 1, true, {}, extras.itemised);
+  RunTiles tiles(front_end, frame.tiles(), extras.progress, extras.keep_part);
+  const kernels::FrameRequirements requirements = frame.requirements();
+  std::optional<KeptWork> kept;
+  if (extras.replicates > 1) kept.emplace(work_to_keep(inputs, requirements, frame, extras.kept_for));
+  begin_part(inputs, requirements, extras);
+  tiles.record_to(extras.trace, kept ? &*kept : nullptr);
+  hw::TileAccounting accounting(extras.itemised ? frame.tiles() : 0);
+  hw::ObserverList observers;
+  if (extras.itemised) observers.add(&accounting);
+  observers.add(extras.observer);
+  const std::unique_ptr<hw::Gpu> gpu = make_gpu(inputs, requirements, tiles, {}, observers.get());
+  check_figures(*gpu, inputs.config);  // what is missing is told before the work, not after it
+  if (extras.intervals != nullptr) gpu->machine().record(*extras.intervals);
+  tiles.begin("simulating", inputs.frame);
+  tiles.played_by(*gpu);
+  if (extras.watcher != nullptr) extras.watcher->begin(gpu->report(), extras.intervals);
+  tiles.watched_by(extras.watcher);
+  run_to_end(*gpu);
+  if (extras.trace != nullptr && tiles.finished() == frame.tiles()) {
+    extras.trace->end_part(recorded_result(front_end.result()));
+  }
+
+  FrameResult s;
+  s.program = program;
+  s.machine = inputs.config.gpu;
+  s.function = front_end.result();
+  take(*gpu, inputs.config, s);
+  s.tile_accounts = accounting.take_tiles();
+  s.rest = accounting.rest();
+  s.wall_seconds = sim::seconds_since(begin);
+  s.tiles = frame.tiles();
+  s.finished_tiles = tiles.finished();
+  if (extras.replicates == 1 || s.is_part()) return s;
+  try {
+    s.replicates = play_replicates(inputs, requirements, *kept, s, *gpu, extras.replicates - 1, host_threads(threads),
+                                   extras.progress);
+    s.replicate_seconds = sim::seconds_since(begin) - s.wall_seconds;
+  } catch (const Interrupted&) {
+    if (!extras.keep_part) throw;
+  }
+  return s;
+}
+
+std::vector<FrameResult> simulate_on(const Inputs& inputs, const kernels::ProgramSpec& program,
+                                     std::span<const RunConfig> configs, const char* kept_for, std::uint32_t threads,
+                                     Progress* progress) {
+  const Program made(inputs, program, {});
+  const traces::BvhTracer tracer(inputs.image);
+  FrontEnd front_end(*made.frame, tracer, host_threads(threads));
+  if (progress != nullptr) progress->expect(static_cast<std::uint32_t>(configs.size()) + 1);
+  RunTiles tiles(front_end, made.frame->tiles(), progress);
+  const kernels::FrameRequirements requirements = made.frame->requirements();
+  KeptWork kept = work_to_keep(inputs, requirements, *made.frame, kept_for);
+  tiles.record_to(nullptr, &kept);
+  tiles.begin("rendering", inputs.frame);
+  while (const traces::TileWork* work = tiles.next()) tiles.give_back(work);
+  FrameResult plain;
+  plain.program = program;
+  plain.function = front_end.result();
+  plain.tiles = plain.finished_tiles = made.frame->tiles();
+  std::vector<Play> plays;
+  for (const RunConfig& config : configs) plays.push_back({config, {}, {}});
+  return play_kept(inputs, requirements, kept, plain, plays, "simulating", threads, progress);
+}
+
+FrontEnd::Result render(const Inputs& inputs, const kernels::ProgramSpec& program, const traces::Tracer& tracer,
+                        std::uint32_t threads, const SimulateOptions& extras) {
+  const Program made(inputs, program, extras);
+  FrontEnd front_end(*made.frame, tracer, host_threads(threads), extras.trace != nullptr);
+  RunTiles tiles(front_end, made.frame->tiles(), extras.progress);
+  begin_part(inputs, made.frame->requirements(), extras);
+  tiles.record_to(extras.trace, nullptr);
+  tiles.begin("rendering", inputs.frame);
+  while (const traces::TileWork* work = tiles.next()) tiles.give_back(work);
+  if (extras.trace != nullptr) extras.trace->end_part(recorded_result(front_end.result()));
+  if (extras.rates != nullptr) extras.rates->advance(front_end.result().sampling);
+  return front_end.result();
+}
+
+}  // namespace tools

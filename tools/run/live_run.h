@@ -1,0 +1,47 @@
+#pragma once
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "sim/report/energy_formula.h"
+#include "tools/host/run_watcher.h"
+#include "tools/host/view.h"
+#include "tools/run/frame/load_config.h"
+
+namespace tools {
+
+/// The view of a run: picture so far, utilisation and power of the last interval.
+///
+///   machine's thread: note() at the end of a tile, if asked ──► copies ──► thread that shows: lines(), picture()
+class LiveRun final : public View, public RunWatcher {
+ public:
+  /// Shows frames of that configuration from now on.
+  void of(const RunConfig& config);
+
+  void begin(std::vector<sim::UnitReport> units, const sim::Intervals* intervals) override;
+  void note(std::span<const float> rgb) override;
+
+  std::vector<std::string> lines() override;
+  SmallPicture picture(std::size_t width, std::size_t height) override;
+
+ private:
+  double until_pj(const std::vector<std::uint64_t>& row, sim::Time end);
+
+  std::mutex mutex_;
+  sim::EnergyConfig energy_;
+  std::map<std::string, sim::DeviceEvent> device_;
+  sim::PowerScales scales_;
+  std::uint32_t width_ = 0, height_ = 0;  ///< the frame's picture has
+  std::vector<sim::UnitReport> units_;
+  std::unique_ptr<sim::EnergyFormula> formula_;
+  const sim::Intervals* intervals_ = nullptr;
+  std::size_t wanted_width_ = 0, wanted_height_ = 0;  ///< the most that can be shown
+  SmallPicture picture_;
+  std::vector<std::uint64_t> before_, row_;  ///< values at the edges of the last interval that is over; none yet
+  sim::Time begin_ = 0, end_ = 0;
+};
+
+}  // namespace tools

@@ -1,0 +1,148 @@
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "hw_models/dram/dram_energy.h"
+#include "hw_models/machines/ray_machine.h"
+#include "sim/config/config.h"
+#include "sim/config/config_json.h"
+#include "sim/host_clock.h"
+#include "sim/io/file.h"
+#include "sim/io/json.h"
+#include "sim/report/conversions.h"
+#include "sim/report/report_json.h"
+#include "sim/report/table.h"
+#include "tools/analysis/report.h"
+#include "tools/analysis/top_down.h"
+#include "tools/analysis/units.h"
+#include "tools/analysis/warnings.h"
+#include "tools/host/interrupt.h"
+#include "tools/host/run_folder.h"
+#include "tools/pricing/idle_machine.h"
+#include "tools/run/frame/power.h"
+#include "tools/run/frame/run_job.h"
+#include "tools/run/frame/table_names.h"
+#include "tools/run/jobs.h"
+#include "tools/run/ray_list.h"
+#include "tools/run/run_result.h"
+
+namespace tools {
+namespace {
+
+using sim::Json;
+
+/// `listed`: all rays that there are.
+Json totals_of(const hw::RayMachine& machine, std::uint64_t listed, const std::vector<sim::UnitReport>& units,
+               const sim::EnergyReport& energy) {
+  const std::uint64_t rays = machine.rays();
+  const double ms = static_cast<double>(machine.elapsed()) / sim::kFemtosecondsPerMillisecond;
+  Json totals = {{"cycles", machine.cycles()},
+                 {"time_ms", ms},
+                 {"rays", {{"total", rays}, {"hits", machine.hits()}, {"listed", listed}}},
+                 {"traversal_steps", machine.steps()},
+                 {"dram_bytes", Units<hw::DramChannel>(units).counted(&hw::DramChannel::Stats::bytes)}};
+  totals.update(sim::energy_json(energy));
+  totals["power_w"] = sim::spread_json(energy.total_pj, 1 / (sim::kPicojoulesPerMillijoule * ms));
+  totals["perf"] = {{"mrays_per_s", static_cast<double>(rays) / (1e3 * ms)},
+                    {"nj_per_ray", energy.total_pj.nominal / (1e3 * static_cast<double>(rays))}};
+  totals["utilisation"] = {{"tni", Units<hw::Trv>(units).share(hw::Trv::CycleReason::kVisiting)},
+                           {"dram", data_bus_share(units)}};
+  return totals;
+}
+
+std::string table(const Json& report) {
+  const Json& t = report["totals"];
+  std::string out = fmt::format("{}  rays of a list  ({} triangles)\n", report["scene"]["name"].get<std::string>(),
+                                sim::si_text(report["scene"]["triangles"].get<double>()));
+  if (report["partial"].get<bool>()) {
+    out += fmt::format("PARTIAL: interrupted after {} of {} rays\n", t["rays"]["total"].get<std::uint64_t>(),
+                       t["rays"]["listed"].get<std::uint64_t>());
+  }
+  out += "\n";
+  const auto line = [&](const char* name, const std::string& value) {
+    out += fmt::format("  {:<22}{}\n", name, value);
+  };
+  const auto count = [](const Json& n, const char* unit = "") { return sim::si_text(n.get<double>(), unit); };
+  const auto band = [](const Json& s, const char* unit) {
+    return fmt::format("{:.3g} / {:.3g} / {:.3g} {}  (low / nominal / high)", s["low"].get<double>(),
+                       s["nominal"].get<double>(), s["high"].get<double>(), unit);
+  };
+  line("cycles (T&I clock)",
+       fmt::format("{}  = {} ms", count(t["cycles"]), sim::four_digits(t["time_ms"].get<double>())));
+  line("rays", fmt::format("{}, {} hit", count(t["rays"]["total"]), count(t["rays"]["hits"])));
+  line("ray rate", fmt::format("{:.4g} Mrays/s", t["perf"]["mrays_per_s"].get<double>()));
+  line("traversal steps", fmt::format("{}  = {:.1f} per ray", count(t["traversal_steps"]),
+                                      t["traversal_steps"].get<double>() / t["rays"]["total"].get<double>()));
+  line("DRAM traffic", count(t["dram_bytes"], "B"));
+  line("busy", fmt::format("T&I {:.1f} %, DRAM {:.1f} %", 100 * t["utilisation"]["tni"].get<double>(),
+                           100 * t["utilisation"]["dram"].get<double>()));
+  line("energy", band(t["energy_mj"], "mJ"));
+  line("power", band(t["power_w"], "W"));
+  line("energy per ray", fmt::format("{:.3g} nJ", t["perf"]["nj_per_ray"].get<double>()));
+  return out;
+}
+
+/// `played` by now.
+Json report_of(const JobOptions& options, const Inputs& inputs, const RayList& list, const hw::RayMachine& played) {
+  const std::vector<sim::UnitReport> units = played.report();
+  const sim::EnergyReport energy =
+      sim::compute_energy(units, inputs.config.energy, hw::dram_energy_events(inputs.config.gpu->dram),
+                          played.elapsed(), power_scales(inputs.config));
+  Json provenance = provenance_json(inputs, options);
+  provenance["rays_sha256"] = list.sha256;
+  Json warnings = inputs.warnings;
+  for (std::string& line : run_warnings(inputs.config, units)) warnings.push_back(std::move(line));
+  return {{"schema", "raywatt-rays/1"},
+          {"partial", played.rays() < list.rays.size()},
+          {"config", Json(sim::config_json(inputs.config))},
+          {"scene",
+           {{"name", inputs.scene.name},
+            {"triangles", inputs.scene.triangles},
+            {"instances", inputs.scene.instances},
+            {"lights", inputs.scene.lights}}},
+          {"warnings", std::move(warnings)},
+          {"provenance", std::move(provenance)},
+          {"totals", totals_of(played, list.rays.size(), units, energy)},
+          {"units", sim::units_json(units)}};
+}
+
+}  // namespace
+
+void run_rays(const JobOptions& options) {
+  const auto begin = sim::HostClock::now();
+  RunFolder folder(options.out, options.force);
+  Progress progress(options.progress, options.quiet);
+  const RayList list = read_ray_list(options.rays);
+  const Inputs inputs = load_inputs(options, &progress);
+  check_table_names(idle_units(*inputs.config.gpu), inputs.config);
+  tell_warnings(inputs.warnings, &progress);
+  hw::RayMachine machine(*inputs.config.gpu, inputs.image, inputs.parents, list.rays, [&](const hw::RaysDone& so_far) {
+    progress.tiles_done(so_far.blocks, so_far.rays, so_far.cycles);
+    return !interrupted();
+  });
+
+  Json json;
+  folder.fill([&](const RunFolder::Open& open) {
+    std::optional<HoldInterrupts> hold;  // a part never replaces a former run, so nothing is lost where there is one
+    if (!folder.holds_former_run()) hold.emplace();
+    progress.expect(1);
+    progress.begin_part(
+        "simulating", 0,
+        static_cast<std::uint32_t>((list.rays.size() + hw::CoreRays::kBlock - 1) / hw::CoreRays::kBlock));
+    machine.run();
+    json = report_of(options, inputs, list, machine);
+    progress.end(json["partial"].get<bool>() ? "interrupted" : "done");
+    json["host"] = {
+        {"wall_s", sim::seconds_since(begin)}, {"load_s", inputs.load_seconds}, {"peak_rss_mb", peak_rss_mib()}};
+    sim::write_file_atomically(open() / "report.json", sim::json_text(json));
+    sim::write_file_atomically(open() / "report.txt", table(json));
+    sim::write_file_atomically(open() / "config.yaml", sim::dump_config(inputs.config));
+    tell_warnings(json, inputs.warnings.size());  // before an interrupt ends the run, which throws
+    return fmt::format("{} of {} rays", machine.rays(), list.rays.size());
+  });
+  if (options.json) return fmt::print("{}", sim::json_text(json["totals"]));
+  if (options.quiet) return;
+  fmt::print("{}\nreport:  {}\n", table(json), (folder.target() / "report.json").string());
+}
+
+}  // namespace tools

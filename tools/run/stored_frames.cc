@@ -1,0 +1,187 @@
+#include "tools/run/stored_frames.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "shader_kernels/catalogue.h"
+#include "sim/error.h"
+#include "sim/host_clock.h"
+#include "sim/io/printable.h"
+#include "tools/run/frame/host_time.h"
+#include "tools/run/frame/kept_work.h"
+#include "tools/run/frame/recorded.h"
+#include "tools/run/frame/replay_program.h"
+#include "traces/accel/bvh_config.h"
+
+namespace tools {
+namespace {
+
+using Part = traces::TraceReader::Part;
+
+std::vector<traces::KernelId> kernels_of(const traces::Json& names) {
+  std::vector<traces::KernelId> ids;
+  for (const traces::Json& name : names) {
+    const kernels::KernelInfo* kernel = kernels::find_kernel(name.get<std::string>());
+    if (kernel == nullptr) {
+      throw sim::InputError(fmt::format("has a kernel '{}', which this program has not; see raywatt kernels list",
+                                        sim::printable(name.get<std::string>())));
+    }
+    ids.push_back(kernel->id);
+  }
+  if (ids.empty()) throw sim::InputError("has no kernels");
+  return ids;
+}
+
+/// Puts the parts of a tree that a machine needs into an image.
+void place_tree(const traces::TileScope& scope, const traces::BvhConfig& config, traces::MemoryImage& image) {
+  const bool has_levels = !scope.links.roots.empty();
+  if (has_levels && config.instances == traces::InstanceLevels::kFlatten) {
+    throw sim::InputError("has a tree of two levels, and bvh.instances is flatten; allowed: two_level");
+  }
+  image = {};
+  for (const auto& children : scope.links.nodes) std::ranges::copy(children, image.nodes.emplace_back().child);
+  for (const std::uint32_t root : scope.links.roots) image.instances.emplace_back().root = root;
+  std::vector<std::uint32_t> roots = scope.links.roots;
+  std::ranges::sort(roots);
+  const auto end = std::unique(roots.begin(), roots.end());
+  for (auto root = roots.begin(); root != end && *root != traces::kNone; ++root) {
+    image.trees.push_back({.first_node = *root});
+  }
+  // The machine asks whether there is a grid, not where it lies.
+  if (config.numbers == traces::BoxNumbers::kHybrid) image.grid.emplace(image.lower, image.upper);
+  image.layout = traces::layout_of(scope.counts, image.nodes, config);
+}
+
+}  // namespace
+
+double StoredFrames::recorded_steps() const {
+  double steps = 0;
+  for (const traces::TraceReader::Part& part : trace_.parts()) {
+    const bool says = part.result.contains("traversal_steps") && part.result["traversal_steps"].is_number_unsigned();
+    if (says) steps += part.result["traversal_steps"].get<double>();
+  }
+  return steps;
+}
+
+StoredFrames::StoredFrames(const std::filesystem::path& file, const JobOptions& options)
+    : StoredFrames(
+          file,
+          [&](const traces::Json& header, const std::string& name) { return replay_config(header, name, options); },
+          options.threads, 1) {
+  inputs_.warnings = idle_settings(options, inputs_.config);
+}
+
+StoredFrames::StoredFrames(const std::filesystem::path& file, const RunConfig& config, std::uint32_t threads,
+                           std::uint32_t replicates)
+    : StoredFrames(
+          file,
+          [&](const traces::Json& header, const std::string& name) {
+            check_recorded(header, name, config);
+            return config;
+          },
+          threads, replicates) {}
+
+StoredFrames::StoredFrames(const std::filesystem::path& file,
+                           const std::function<RunConfig(const traces::Json& header, const std::string& name)>& config,
+                           std::uint32_t threads, std::uint32_t replicates)
+    : trace_(file), threads_(threads), replicates_(replicates) {
+  const std::string name = sim::printable(file.string());
+  try {
+    trace_.naming_file([&] { check_header(trace_.header()); });
+    inputs_.config = config(trace_.header(), name);
+  } catch (const sim::JsonError& error) {
+    throw sim::InputError(fmt::format("{}: is damaged: {}", name, sim::printable(error.what())));
+  }
+  trace_.naming_file([&] {
+    const traces::Json& header = trace_.header();
+    program_ = kernels::parse_program(header.at("program").get<std::string>());
+    const std::string reference = header.at("reference").get<std::string>();
+    if (!reference.empty()) reference_ = kernels::parse_program(reference);
+    const traces::Json& scene = header.at("scene");
+    constexpr std::uint64_t kMost = std::uint64_t{1} << 40;
+    inputs_.scene.name = sim::printable(scene.at("name").get<std::string>());
+    inputs_.scene.triangles = traces::number_at(scene, "triangles", kMost);
+    inputs_.scene.instances = traces::number_at(scene, "instances", kMost);
+    inputs_.scene.lights = traces::number_at(scene, "lights", kMost);
+    inputs_.scene_sha256 = sim::printable(scene.at("sha256").get<std::string>());
+    inputs_.bvh_hash = sim::printable(scene.at("bvh_hash").get<std::string>());
+    kernels_ = kernels_of(header.at("kernels"));
+    if (trace_.frames().empty()) throw sim::InputError("has no frames");
+  });
+  read_frame(0);
+}
+
+void StoredFrames::read_frame(std::size_t index) {
+  index_ = index;
+  trace_.naming_file([&] {
+    const traces::Json& frame = trace_.frames()[index];
+    squared_error_ = frame.at("squared_error").get<double>();
+    if (!(squared_error_ >= 0 && squared_error_ < 4)) throw sim::InputError("squared_error is out of range");
+    inputs_.frame = static_cast<std::uint32_t>(traces::number_at(frame, "frame", traces::kMaxFrame));
+  });
+}
+
+bool StoredFrames::advance() {
+  if (index_ + 1 == trace_.frames().size()) return false;
+  read_frame(index_ + 1);
+  return true;
+}
+
+const Part& StoredFrames::part(bool reference) const {
+  return trace_.naming_file([&]() -> const Part& {
+    const auto found = std::ranges::find_if(trace_.parts(), [&](const Part& p) {
+      return p.frame == inputs_.frame && p.reference == reference && p.tiles != 0;
+    });
+    if (found == trace_.parts().end()) throw sim::InputError(fmt::format("has no work of frame {}", inputs_.frame));
+    return *found;
+  });
+}
+
+void StoredFrames::load_tree(const Part& part) {
+  const sim::HostClock::time_point begin = sim::HostClock::now();
+  if (tree_ != part.tree) {
+    scope_ = trace_.scope(part, static_cast<std::uint32_t>(kernels_.size()));
+    trace_.naming_file([&] { place_tree(scope_, inputs_.config.bvh, inputs_.image); });
+    inputs_.stored_triangles = scope_.counts.triangles;
+    inputs_.parents = traces::parents_of(inputs_.image);
+    tree_ = part.tree;
+  }
+  scope_.region_bytes = part.requirements.region_bytes;
+  inputs_.load_seconds += sim::seconds_since(begin);
+}
+
+double StoredFrames::estimated_seconds() {
+  const double steps = recorded_steps();
+  const Plays plays{threads_, replicates_};
+  HostRate rate = kUsualRate;
+  // Tiles of other programs wait for each other.
+  const bool has_free_tiles = program_.kind == kernels::ProgramSpec::Kind::kFull;
+  if (has_free_tiles && may_be_long(steps, plays)) {
+    const Part& first = part(false);
+    load_tree(first);
+    ReplayProgram frame(trace_, first, scope_, kernels_);
+    try {
+      rate = measured_rate(inputs_, frame, NoTracer());
+    } catch (const sim::Deadlock&) {  // the replay itself reports it
+    }
+  }
+  return inputs_.load_seconds + frame_seconds(steps, rate, plays);
+}
+
+FrameResult StoredFrames::play_part(const Part& part, const kernels::ProgramSpec& program,
+                                    const SimulateOptions& extras) {
+  load_tree(part);
+  ReplayProgram frame(trace_, part, scope_, kernels_);
+  return tools::play(inputs_, program, frame, NoTracer(), threads_, extras);
+}
+
+FrameResult StoredFrames::play(const SimulateOptions& extras) { return play_part(part(false), program_, extras); }
+
+FrameResult StoredFrames::play_reference(const SimulateOptions& extras) {
+  return play_part(part(true), *reference_, extras);
+}
+
+double StoredFrames::squared_error(const FrameResult&, const FrameResult&) const { return squared_error_; }
+
+}  // namespace tools

@@ -1,0 +1,60 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "tools/run/run.h"
+#include "traces/trace_file/trace_reader.h"
+
+namespace tools {
+
+/// Frames whose work a trace holds. Only the machine is simulated; there are no pictures.
+class StoredFrames final : public FrameSource {
+ public:
+  /// InputError if the trace cannot be read, or does not hold what the configuration asks for.
+  StoredFrames(const std::filesystem::path& file, const JobOptions& options);
+  /// The same for an effective configuration, each frame played `replicates` times.
+  StoredFrames(const std::filesystem::path& file, const RunConfig& config, std::uint32_t threads,
+               std::uint32_t replicates);
+
+  std::uint32_t count() const override { return static_cast<std::uint32_t>(trace_.frames().size()); }
+  /// Returns the seconds that all frames take on this host: at the rate of a few tiles where it may take minutes.
+  double estimated_seconds();
+
+  const Inputs& inputs() const override { return inputs_; }
+  bool has_reference() const override { return reference_.has_value(); }
+  std::uint32_t replicates() const override { return replicates_; }
+  FrameResult play(const SimulateOptions& extras) override;
+  FrameResult play_reference(const SimulateOptions& extras) override;
+  double squared_error(const FrameResult& frame, const FrameResult& reference) const override;
+  bool advance() override;
+  /// Goes back to the first frame.
+  void rewind() { read_frame(0); }
+
+ private:
+  StoredFrames(const std::filesystem::path& file,
+               const std::function<RunConfig(const traces::Json& header, const std::string& name)>& config,
+               std::uint32_t threads, std::uint32_t replicates);
+  /// Traversal steps of all frames and their references, as the trace records them.
+  double recorded_steps() const;
+  void read_frame(std::size_t index);
+  const traces::TraceReader::Part& part(bool reference) const;
+  FrameResult play_part(const traces::TraceReader::Part& part, const kernels::ProgramSpec& program,
+                        const SimulateOptions& extras);
+  void load_tree(const traces::TraceReader::Part& part);
+
+  traces::TraceReader trace_;
+  Inputs inputs_;
+  kernels::ProgramSpec program_;
+  std::optional<kernels::ProgramSpec> reference_;
+  const std::uint32_t threads_, replicates_;
+  std::size_t index_ = 0;                  ///< of the current frame in the trace
+  double squared_error_ = 0;               ///< of the current frame
+  std::vector<traces::KernelId> kernels_;  ///< this program's, by number in the trace
+  std::optional<std::size_t> tree_;        ///< the one that is loaded
+  traces::TileScope scope_;
+};
+
+}  // namespace tools

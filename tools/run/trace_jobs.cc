@@ -1,0 +1,128 @@
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/error.h"
+#include "sim/host_clock.h"
+#include "sim/io/json.h"
+#include "tools/analysis/picture.h"
+#include "tools/analysis/report.h"
+#include "tools/analysis/trace_info.h"
+#include "tools/host/interrupt.h"
+#include "tools/host/run_folder.h"
+#include "tools/host/standard_streams.h"
+#include "tools/run/frame/host_time.h"
+#include "tools/run/frame/recorded.h"
+#include "tools/run/jobs.h"
+#include "tools/run/stored_frames.h"
+#include "tools/timeline/timeline_job.h"
+#include "traces/accel/bvh_tracer.h"
+#include "traces/trace_file/trace_reader.h"
+#include "traces/trace_file/trace_writer.h"
+
+namespace tools {
+namespace {
+
+/// A frame program and what it carries from frame to frame, without a machine.
+struct Recorder {
+  kernels::ProgramSpec spec;
+  kernels::RateMap rates;
+
+  std::vector<float> record(const Inputs& inputs, std::uint32_t threads, Progress& progress, traces::TraceWriter& trace,
+                            bool reference) {
+    const traces::BvhTracer tracer(inputs.image);
+    return render(inputs, spec, tracer, threads,
+                  {.rates = &rates, .progress = &progress, .trace = &trace, .reference = reference})
+        .rgb;
+  }
+};
+
+/// A trace says of whole frames only what was sampled, and how many rays went on.
+void leave_out_sampling(sim::Json& report) {
+  for (sim::Json* figures : {&report["totals"], &report["frames"].front()}) {
+    figures->erase("traced_ratio");
+    (*figures)["rays"].erase("continued");
+    (*figures)["sampling"] = sim::Json::object();
+  }
+}
+
+}  // namespace
+
+void record_trace(const JobOptions& options, const std::filesystem::path& file) {
+  const kernels::ProgramSpec spec = kernels::parse_program(options.program);
+  std::optional<kernels::ProgramSpec> compared;
+  if (!options.reference.empty()) compared = kernels::parse_program(options.reference);
+  Progress progress(options.progress, options.quiet);
+  Inputs inputs = load_inputs(options, &progress);
+  tell_warnings(inputs.warnings, &progress);
+  if (progress.shows_hints()) {
+    double frame = estimated_functional_seconds(inputs, spec, 1, options.threads);
+    if (compared) frame += estimated_functional_seconds(inputs, *compared, 1, options.threads);
+    tell_long(inputs.load_seconds + frame * inputs.frames(), "a smaller --resolution or fewer --frames take less",
+              progress);
+  }
+  progress.expect(inputs.frames() * (compared ? 2 : 1));
+  const kernels::RateMap rates(inputs.config.programs.multirate);
+  Recorder program{spec, rates};
+  std::optional<Recorder> reference;
+  if (compared) reference = Recorder{*compared, rates};
+
+  auto opened = std::make_unique<traces::TraceWriter>(file, trace_header(inputs, options));
+  const HoldInterrupts hold;  // from the first tile on; what is half written is removed before it is let go
+  const std::unique_ptr<traces::TraceWriter> trace = std::move(opened);
+  for_each_frame(inputs, options.threads, &progress, [&] {
+    const std::vector<float> picture = program.record(inputs, options.threads, progress, *trace, false);
+    double error = 0;
+    if (reference) {
+      error = mean_squared_error(picture, reference->record(inputs, options.threads, progress, *trace, true));
+    }
+    trace->end_frame(recorded_frame(inputs.frame, error));
+  });
+  trace->commit();
+  progress.end("done");
+  if (!options.quiet) fmt::print("{}", trace_info_text(trace_info(traces::TraceReader(file))));
+}
+
+void replay_trace(const JobOptions& options, const std::filesystem::path& file) {
+  const auto begin = sim::HostClock::now();
+  RunFolder folder(options.out, options.force, kResultsOfReplay);
+  std::optional<HoldInterrupts> hold;  // ends the process after the progress has told its last
+  Progress progress(options.progress, options.quiet);
+  TimelineJob timeline(options.timeline);
+  if (timeline.selection() && timeline.selection()->needs_places()) {
+    throw sim::InputError("--timeline: a trace does not know where tiles lie in the picture; allowed: all, slowest:N");
+  }
+  StoredFrames frames(file, options);
+  tell_warnings(frames.inputs().warnings, &progress);
+  if (progress.shows_hints()) tell_long(frames.estimated_seconds(), {}, progress);
+  progress.expect(frames.count() * (frames.has_reference() ? 2 : 1));
+  const std::size_t to_replace = frames_to_replace(folder.target() / "report.json");
+  hold.emplace();
+  sim::Json json;
+  folder.fill([&](const RunFolder::Open& open) {
+    const RunResult result = run(frames, {.progress = &progress,
+                                          .keep_part = !folder.holds_former_run(),
+                                          .intervals = options.intervals,
+                                          .itemised = true,
+                                          .timeline = &timeline});
+    progress.end(result.partial ? "interrupted" : "done");
+    if (result.partial && result.frames.size() < to_replace) throw Interrupted();
+    const double wall = sim::seconds_since(begin);
+    json = report_json({frames.inputs(), options, result.totals(), result.frames, result.partial, wall});
+    if (result.total->is_part()) leave_out_sampling(json);
+    timeline.write(open(), json);
+    write_report(open(), json, frames.inputs().config, result);
+    write_reference(open(), {frames.inputs(), options}, result);
+    tell_warnings(json, frames.inputs().warnings.size());  // before an interrupt ends the run, which throws
+    return result.kept(frames.count());
+  });
+  hold.reset();
+  if (options.quiet) return;
+  fmt::print("{}\nreport:  {}\n", for_terminal(report_table(json)), (folder.target() / "report.json").string());
+  if (timeline.selection()) fmt::print("timeline: {}\n", (folder.target() / kTimelineFile).string());
+  if (json["totals"].contains("reference")) tell_reference(folder.target());
+}
+
+}  // namespace tools

@@ -1,0 +1,174 @@
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "sim/io/file.h"
+#include "sim/io/json.h"
+#include "sim/report/report_json.h"
+#include "tools/analysis/picture.h"
+#include "tools/analysis/report.h"
+#include "tools/host/exit_code.h"
+#include "tools/host/interrupt.h"
+#include "tools/host/run_folder.h"
+#include "tools/run/frame/host_time.h"
+#include "tools/run/frame/run_job.h"
+#include "tools/run/jobs.h"
+#include "tools/run/ray_list.h"
+#include "tools/run/run_result.h"
+#include "traces/accel/bvh_tracer.h"
+#include "traces/accel/embree_tracer.h"
+#include "traces/accel/verify.h"
+#include "traces/scene/images.h"
+
+namespace tools {
+namespace {
+
+sim::Json counts_json(const traces::VerifyCounts& counts) {
+  return {{"rays", counts.rays},
+          {"missing_hits", counts.missing_hits},
+          {"extra_hits", counts.extra_hits},
+          {"distance_errors", counts.distance_errors},
+          {"edge_ties", counts.edge_ties},
+          {"reference_errors", counts.reference_errors}};
+}
+
+std::string counts_text(const traces::VerifyCounts& counts) {
+  return fmt::format("{} rays against Embree {}: {} missing hits, {} extra hits, {} distance errors, {} edge ties",
+                     counts.rays, traces::embree_version(), counts.missing_hits, counts.extra_hits,
+                     counts.distance_errors, counts.edge_ties);
+}
+
+/// How a frame, or all of them, compares with Embree.
+struct Verdict {
+  traces::VerifyCounts counts;
+  double squared_error = 0;
+
+  sim::Json json() const {
+    const std::optional<double> psnr = psnr_db(squared_error);
+    sim::Json json = counts_json(counts);
+    json["psnr_db"] = psnr ? sim::Json(*psnr) : sim::Json(nullptr);
+    json["identical"] = !psnr.has_value();
+    return json;
+  }
+};
+
+/// Compares the frame that `inputs` stand at; writes both pictures if `open` is given.
+Verdict verify_frame(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
+                     Progress& progress, const RunFolder::Open* open) {
+  const traces::BvhTracer tested(inputs.image);
+  progress.phase("building Embree's tree");
+  const traces::EmbreeTracer embree(inputs.image, host_threads(threads), interrupted);
+  const traces::VerifyingTracer verifying(inputs.image, tested, embree);
+  const SimulateOptions extras{.progress = &progress};
+  const std::vector<float> ours = render(inputs, program, verifying, threads, extras).rgb;
+  const std::vector<float> truth = render(inputs, program, embree, threads, extras).rgb;
+  if (open != nullptr) {
+    const std::filesystem::path& folder = (*open)();
+    const std::uint32_t width = inputs.config.render.width, height = inputs.config.render.height;
+    traces::write_png(folder / "image.png", width, height, to_rgb8(ours));
+    traces::write_png(folder / "embree.png", width, height, to_rgb8(truth));
+  }
+  return {verifying.counts(), mean_squared_error(ours, truth)};
+}
+
+/// Frame after frame; how all of them compare so far, after each.
+struct Verification {
+  Verdict total;  ///< its squared error is a sum
+  sim::Json frames = sim::Json::array();
+
+  Verdict mean() const { return {total.counts, total.squared_error / static_cast<double>(frames.size())}; }
+
+  void add(std::uint32_t frame, const Verdict& verdict) {
+    sim::Json entry = {{"frame", frame}};
+    entry.update(verdict.json());
+    frames.push_back(std::move(entry));
+    total.counts += verdict.counts;
+    total.squared_error += verdict.squared_error;
+  }
+
+  /// All frames, or those that an interrupt has left time for; Interrupted if that is none.
+  void run(Inputs& inputs, const JobOptions& options, Progress& progress, const RunFolder::Open& open) {
+    const kernels::ProgramSpec program = kernels::parse_program(options.program);
+    try {
+      add(inputs.frame, verify_frame(inputs, program, options.threads, progress, &open));
+      while (advance(inputs, options.threads, &progress)) {
+        add(inputs.frame, verify_frame(inputs, program, options.threads, progress, nullptr));
+      }
+    } catch (const Interrupted&) {
+      if (frames.empty()) throw;
+    }
+  }
+};
+
+/// Seconds of the host that this may take.
+double seconds_of(const Inputs& inputs, const JobOptions& options) {
+  constexpr double kTimes = 2;  // chosen: rays are traced three times, and shaded once
+  const kernels::ProgramSpec spec = kernels::parse_program(options.program);
+  return inputs.load_seconds + estimated_functional_seconds(inputs, spec, kTimes, options.threads) * inputs.frames();
+}
+
+}  // namespace
+
+int verify_frames(const JobOptions& options) {
+  kernels::parse_program(options.program);
+  RunFolder folder(options.out, options.force, {.mark = "verify.json"});
+  Progress progress(options.progress, options.quiet);
+  Inputs inputs = load_inputs(options, &progress);
+  tell_warnings(inputs.warnings, &progress);
+  if (progress.shows_hints())
+    tell_long(seconds_of(inputs, options), "a smaller --resolution or fewer --frames take less", progress);
+  progress.expect(2 * inputs.frames());
+  const std::size_t to_replace = frames_to_replace(folder.target() / "verify.json");
+  Verification done;
+  folder.fill([&](const RunFolder::Open& open) {
+    done.run(inputs, options, progress, open);
+    const bool partial = done.frames.size() < inputs.frames();
+    progress.end(partial ? "interrupted" : "done");
+    if (partial && done.frames.size() < to_replace) throw Interrupted();
+    sim::Json json = {{"schema", "raywatt-verify/1"}, {"partial", partial}};
+    json.update(done.mean().json());
+    json["frames"] = done.frames;
+    json["provenance"] = provenance_json(inputs, options);
+    sim::write_file_atomically(open() / "verify.json", sim::json_text(json));
+    return fmt::format("{} of {} frames", done.frames.size(), inputs.frames());
+  });
+  const traces::VerifyCounts& counts = done.total.counts;
+  if (!options.quiet) {
+    const std::optional<double> psnr = psnr_db(done.mean().squared_error);
+    fmt::print("{}, picture {}\n", counts_text(counts), psnr ? fmt::format("{:.2f} dB", *psnr) : "identical");
+    fmt::print("details: {}\n", (folder.target() / "verify.json").string());
+  }
+  return counts.faults() == 0 ? kGood : kCheckFailed;
+}
+
+int verify_rays(const JobOptions& options) {
+  RunFolder folder(options.out, options.force, {.mark = "verify.json"});
+  Progress progress(options.progress, options.quiet);
+  const RayList list = read_ray_list(options.rays);
+  const Inputs inputs = load_inputs(options, &progress);
+  tell_warnings(inputs.warnings, &progress);
+  const traces::BvhTracer tested(inputs.image);
+  progress.phase("building Embree's tree");
+  const traces::EmbreeTracer embree(inputs.image, host_threads(options.threads));
+  const traces::VerifyingTracer verifying(inputs.image, tested, embree);
+  std::vector<traces::Hit> hits(list.rays.size());
+  progress.begin_part("tracing", 0, 1);
+  verifying.trace(list.rays, traces::RayKind::kPrimary, hits, nullptr);
+  const traces::VerifyCounts counts = verifying.counts();
+  progress.tiles_done(1, counts.rays, 0);
+  progress.end("done");
+  folder.fill([&](const RunFolder::Open& open) {
+    sim::Json json = {{"schema", "raywatt-verify/1"}, {"partial", false}};
+    json.update(counts_json(counts));
+    json["provenance"] = provenance_json(inputs, options);
+    json["provenance"]["rays_sha256"] = list.sha256;
+    sim::write_file_atomically(open() / "verify.json", sim::json_text(json));
+    return std::string("all rays");
+  });
+  if (!options.quiet) {
+    fmt::print("{}\ndetails: {}\n", counts_text(counts), (folder.target() / "verify.json").string());
+  }
+  return counts.faults() == 0 ? kGood : kCheckFailed;
+}
+
+}  // namespace tools
