@@ -133,7 +133,7 @@ void add_traces(const fs::path& folder) {
   Writer trace(folder, "trace"), work(folder, "trace_work");
   const auto add = [&](const std::string& name, const std::string& walks, bool levels) {
     std::string header, contents;
-    const test::Change keep = [&](test::Json& h, test::Json& c) {
+    const test::Change keep = [&](test::OrderedJson& h, test::OrderedJson& c) {
       header = h.dump();
       contents = c.dump();
     };

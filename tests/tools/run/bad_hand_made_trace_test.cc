@@ -18,9 +18,9 @@ class BadHandMadeTrace : public ::testing::Test {
     return raywatt(words);
   }
   /// With a header of which a key is another, or none.
-  static std::string with(const std::string& pointer, const Json& value) {
-    return trace(kWords, false, [&](Json& header, Json&) {
-      const Json::json_pointer key(pointer);
+  static std::string with(const std::string& pointer, const OrderedJson& value) {
+    return trace(kWords, false, [&](OrderedJson& header, OrderedJson&) {
+      const OrderedJson::json_pointer key(pointer);
       if (value.is_null()) {
         header.at(key.parent_pointer()).erase(key.back());
       } else {
@@ -46,8 +46,8 @@ TEST_F(BadHandMadeTrace, WithoutAKeyOfTheHeaderIsRefusedAndTheKeyNamed) {
 
 TEST_F(BadHandMadeTrace, WithoutAKeyOfTheContentsIsRefusedAndTheKeyNamed) {
   const auto without = [](const std::string& pointer) {
-    return trace(kWords, false, [&](Json&, Json& contents) {
-      const Json::json_pointer key(pointer);
+    return trace(kWords, false, [&](OrderedJson&, OrderedJson& contents) {
+      const OrderedJson::json_pointer key(pointer);
       if (contents.contains(key)) contents.at(key.parent_pointer()).erase(key.back());
     });
   };
@@ -90,7 +90,7 @@ TEST_F(BadHandMadeTrace, OfFewBytesThatWouldTakeMuchMemoryIsRefused) {
   expect_refusal(replay(small), {"a.trace: frame 0, tile 0 of the list: has a block of ", " bytes that holds 125829",
                                  "; allowed: 262144"});
   const auto with_list = [](const std::string& of) {
-    return trace(kWords, false, [&](Json& header, Json& contents) {
+    return trace(kWords, false, [&](OrderedJson& header, OrderedJson& contents) {
       (of == "header" ? header : contents)["more"] = std::vector<int>(1 << 20);
     });
   };
@@ -113,8 +113,8 @@ TEST_F(BadHandMadeTrace, WhoseTilesAreThereTwiceOrImportFromOneBehindThemIsRefus
 }
 
 TEST_F(BadHandMadeTrace, WhoseTilesDemandMoreThanTheTileBufferSendsItsRaysThroughMemory) {
-  const auto demanding = [](const std::string& key, const Json& value) {
-    return trace(kWords, false, [&](Json&, Json& contents) {
+  const auto demanding = [](const std::string& key, const OrderedJson& value) {
+    return trace(kWords, false, [&](OrderedJson&, OrderedJson& contents) {
       if (contents.contains("parts")) contents["parts"][0]["demands"][key] = value;
     });
   };

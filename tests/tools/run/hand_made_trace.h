@@ -12,7 +12,7 @@
 
 namespace test {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 inline std::string bytes(std::initializer_list<int> values) {
   std::string out;
@@ -112,19 +112,20 @@ inline std::string bits_of_levels() {
 }
 
 /// A test's change to the contents of a file.
-using Change = std::function<void(Json& header, Json& contents)>;
+using Change = std::function<void(OrderedJson& header, OrderedJson& contents)>;
 
 /// A file of one tree and one frame. `tree` and `part` are entries of the contents, without the offsets of blocks.
-inline std::string file_of(Json header, const std::string& links, Json tree, const std::vector<std::string>& tiles,
-                           Json part, const Change& change = {}, const Form& form = {}) {
-  Json contents;
+inline std::string file_of(OrderedJson header, const std::string& links, OrderedJson tree,
+                           const std::vector<std::string>& tiles, OrderedJson part, const Change& change = {},
+                           const Form& form = {}) {
+  OrderedJson contents;
   if (change) change(header, contents);
   std::string file = "raywatt-trace/3\n";
   const std::string packed = block(header.dump());
   file += number(packed.size(), 4) + packed;
   const auto put = [&](const std::string& content) {
     const std::string all = block(content, form);
-    const Json block = {{"offset", file.size()}, {"bytes", all.size()}};
+    const OrderedJson block = {{"offset", file.size()}, {"bytes", all.size()}};
     file += all;
     return block;
   };
@@ -138,46 +139,46 @@ inline std::string file_of(Json header, const std::string& links, Json tree, con
   contents["parts"].push_back(part);
   contents["frames"].push_back({{"frame", 0}, {"squared_error", 0.0}});
   if (change) change(header, contents);
-  const Json block = put(contents.dump());
+  const OrderedJson block = put(contents.dump());
   return file + number(block["offset"], 8) + number(block["bytes"], 4) + "end\n";
 }
 
 inline std::string trace(const std::string& walks, bool levels = false, const Change& change = {},
                          const Form& form = {}, std::vector<std::string> tiles = {}) {
   if (tiles.empty()) tiles = {tile(0, walks), tile(1, walks)};
-  const Json header = {{"program", "full:1"},
-                       {"reference", ""},
-                       {"resolution", {4, 2}},
-                       {"scene",
-                        {{"name", "three triangles"},
-                         {"triangles", 3},
-                         {"instances", 1},
-                         {"lights", 0},
-                         {"sha256", ""},
-                         {"bvh_hash", ""}}},
-                       {"kernels", {"generate_rays", "shade_surface"}},
-                       {"function", Json::object()},
-                       {"given", {{"render.width", "4"}, {"render.height", "2"}}},
-                       {"config", ""}};
-  const Json tree = {{"nodes", levels ? 2 : 1},
-                     {"counts",
-                      {{"triangles", 3},
-                       {"attributes", 3},
-                       {"vertices", 0},
-                       {"materials", 1},
-                       {"details", 0},
-                       {"textures", Json::array()},
-                       {"instances", levels ? 2 : 0},
-                       {"trees", levels ? 1 : 0}}}};
-  const Json part = {{"frame", 0},
-                     {"program", "program"},
-                     {"tree", 0},
-                     {"demands", {{"tile_samples", 4}, {"attribute_bytes", 0}, {"region_bytes", {32, 0, 0}}}},
-                     {"result",
-                      {{"rays", {8, 0, 0, 0}},
-                       {"traversal_steps", 18},
-                       {"continued", 0},
-                       {"sampling", {{"wanted", 8}, {"traced", 8}}}}}};
+  const OrderedJson header = {{"program", "full:1"},
+                              {"reference", ""},
+                              {"resolution", {4, 2}},
+                              {"scene",
+                               {{"name", "three triangles"},
+                                {"triangles", 3},
+                                {"instances", 1},
+                                {"lights", 0},
+                                {"sha256", ""},
+                                {"bvh_hash", ""}}},
+                              {"kernels", {"generate_rays", "shade_surface"}},
+                              {"function", OrderedJson::object()},
+                              {"given", {{"render.width", "4"}, {"render.height", "2"}}},
+                              {"config", ""}};
+  const OrderedJson tree = {{"nodes", levels ? 2 : 1},
+                            {"counts",
+                             {{"triangles", 3},
+                              {"attributes", 3},
+                              {"vertices", 0},
+                              {"materials", 1},
+                              {"details", 0},
+                              {"textures", OrderedJson::array()},
+                              {"instances", levels ? 2 : 0},
+                              {"trees", levels ? 1 : 0}}}};
+  const OrderedJson part = {{"frame", 0},
+                            {"program", "program"},
+                            {"tree", 0},
+                            {"demands", {{"tile_samples", 4}, {"attribute_bytes", 0}, {"region_bytes", {32, 0, 0}}}},
+                            {"result",
+                             {{"rays", {8, 0, 0, 0}},
+                              {"traversal_steps", 18},
+                              {"continued", 0},
+                              {"sampling", {{"wanted", 8}, {"traced", 8}}}}}};
   return file_of(header, levels ? kLevels : kTree, tree, tiles, part, change, form);
 }
 

@@ -41,8 +41,8 @@ TEST(HandMadeTrace, PlaysWithWalksAsWordsAndAsBits) {
 
 TEST(HandMadeTrace, OfAnotherBuildMustHaveAllKeysThatAreNotTheirDefaults) {
   const TempFolder folder;
-  const auto replay = [&](const Json& made_by) {
-    const auto change = [&](Json& header, Json&) { header["made_by"] = made_by; };
+  const auto replay = [&](const OrderedJson& made_by) {
+    const auto change = [&](OrderedJson& header, OrderedJson&) { header["made_by"] = made_by; };
     const std::string file = folder.write("a.trace", trace(bits(), false, change)).string();
     return raywatt({"trace", "replay", "sgrt-2016", file, "-o", (folder.path() / "out").string()});
   };
@@ -59,7 +59,7 @@ TEST(HandMadeTrace, OfAnotherBuildMustHaveAllKeysThatAreNotTheirDefaults) {
 
 TEST(HandMadeTrace, OfManyStepsIsSaidToTakeLongToWhoListens) {
   const TempFolder folder;
-  const std::string content = trace(bits(), false, [](Json&, Json& contents) {
+  const std::string content = trace(bits(), false, [](OrderedJson&, OrderedJson& contents) {
     if (contents.contains("parts")) contents["parts"][0]["result"]["traversal_steps"] = 12'000'000'000;
   });
   const std::string file = folder.write("a.trace", content).string(), out = (folder.path() / "out").string();
@@ -94,15 +94,15 @@ TEST(HandMadeTrace, PlaysRaysThatEnterInstances) {
 
 // The example of docs/trace-format.md: one ray that hits one triangle.
 TEST(HandMadeTrace, PlaysTheSmallestFile) {
-  const Json header = Json::parse(R"({
+  const OrderedJson header = OrderedJson::parse(R"({
     "program": "full:1", "reference": "", "resolution": [1, 1],
     "scene": {"name": "a triangle", "triangles": 1, "instances": 1, "lights": 0, "sha256": "", "bvh_hash": ""},
     "kernels": ["generate_rays"],
     "function": {}, "given": {"render.width": "1", "render.height": "1"}, "config": ""})");
-  const Json tree = Json::parse(R"({
+  const OrderedJson tree = OrderedJson::parse(R"({
     "nodes": 1, "counts": {"triangles": 1, "attributes": 0, "vertices": 0, "materials": 0, "details": 0,
                            "textures": [], "instances": 0, "trees": 0}})");
-  const Json part = Json::parse(R"({
+  const OrderedJson part = OrderedJson::parse(R"({
     "frame": 0, "program": "program", "tree": 0,
     "demands": {"tile_samples": 1, "attribute_bytes": 0, "region_bytes": [0, 0, 0]},
     "result": {"rays": [1, 0, 0, 0], "traversal_steps": 2, "sampling": {"wanted": 1, "traced": 1}}})");
@@ -125,7 +125,7 @@ TEST(HandMadeTrace, PlaysTheSmallestFile) {
 
 TEST(HandMadeTrace, OfFormerBuildsPlaysWithKeysThatNothingReads) {
   const TempFolder folder;
-  played(folder, "former", trace(kWords, false, [](Json& header, Json&) {
+  played(folder, "former", trace(kWords, false, [](OrderedJson& header, OrderedJson&) {
            header["function"] = {{"limits.memory", "7 GiB"}, {"limits.gone", "1"}, {"supersample.colour", "0.9"}};
          }));
 }

@@ -9,10 +9,10 @@
 namespace tools {
 namespace {
 
-/// Plays of kept work, as many at once as there are threads.
-class Plays {
+/// KeptWorkPlayer of kept work, as many at once as there are threads.
+class KeptWorkPlayer {
  public:
-  Plays(const Inputs& inputs, const kernels::FrameRequirements& requirements, const KeptWork& work,
+  KeptWorkPlayer(const Inputs& inputs, const kernels::FrameRequirements& requirements, const KeptWork& work,
         const FrameResult& plain, std::span<const Play> plays, const char* what, Progress* progress)
       : inputs_(inputs),
         requirements_(requirements),
@@ -69,7 +69,7 @@ class Plays {
 std::vector<FrameResult> play_kept(const Inputs& inputs, const kernels::FrameRequirements& requirements,
                                    const KeptWork& work, const FrameResult& plain, std::span<const Play> plays,
                                    const char* what, std::uint32_t threads, Progress* progress) {
-  return Plays(inputs, requirements, work, plain, plays, what, progress).play(host_threads(threads));
+  return KeptWorkPlayer(inputs, requirements, work, plain, plays, what, progress).play(host_threads(threads));
 }
 
 std::vector<FrameResult> play_replicates(const Inputs& inputs, const kernels::FrameRequirements& requirements,
