@@ -9,15 +9,14 @@
 
 namespace hw {
 
-/// The configuration memory of the array: kernels whose rows it holds. When those of another do not fit, the kernel
-/// that has not run for the longest time makes room. Rows of a kernel may lie anywhere, so that room is never broken
-/// up.
+/// The array's configuration memory: the kernels whose rows it holds. To make room for another kernel, it evicts the
+/// least recently used ones. Rows of a kernel need not be contiguous, so there is no fragmentation.
 class ConfigMemory {
  public:
   ConfigMemory(std::uint64_t bytes, std::size_t kernels) : free_(bytes) { resident_.reserve(kernels); }
 
-  /// The kernel, which takes `bytes`, runs next. True if it is resident; else it is loaded, and stays if the memory can
-  /// hold it at all.
+  /// Notes that the kernel, which takes `bytes`, runs next. True if it is resident; else it is loaded, and kept if it
+  /// fits.
   bool use(traces::KernelId kernel, std::uint64_t bytes) {
     const auto found = std::ranges::find(resident_, kernel, &Resident::kernel);
     if (found != resident_.end()) {
@@ -39,15 +38,15 @@ class ConfigMemory {
     std::uint64_t bytes = 0;
   };
   std::uint64_t free_;
-  std::vector<Resident> resident_;  ///< the one that ran last, last
+  std::vector<Resident> resident_;  ///< least recently used first
 };
 
-/// Chunk of a launch in the loop on the array.
+/// A chunk of a launch, as part of the loop on the array.
 struct LoopPart {
   std::uint32_t tile = 0, node = 0;
   std::uint32_t first = 0, items = 0;  ///< items of the launch, idle ones included
-  std::uint32_t working = 0;           ///< leading ones of these that do not idle
-  std::uint32_t begin = 0;             ///< the loop's item that the first one is
+  std::uint32_t working = 0;           ///< leading items that do not idle
+  std::uint32_t begin = 0;             ///< number of the first item within the loop
 };
 
 /// Chunks that share one loop: first the working items of all chunks, then all idle items.
@@ -70,12 +69,12 @@ class LoopParts {
   std::size_t size() const { return parts_.size(); }
   auto begin() const { return parts_.begin(); }
   auto end() const { return parts_.end(); }
-  /// The part of a launch, or null.
+  /// Returns the part of a launch, or null.
   const LoopPart* find(std::uint32_t tile, std::uint32_t node) const {
     const auto part = std::ranges::find_if(parts_, [&](const LoopPart& p) { return p.tile == tile && p.node == node; });
     return part == parts_.end() ? nullptr : &*part;
   }
-  /// The part that a working item of the loop belongs to.
+  /// Returns the part that contains a working item of the loop.
   const LoopPart& of(std::uint32_t item) const {
     return *std::ranges::find_if(parts_, [&](const LoopPart& p) { return item < p.begin + p.working; });
   }
@@ -90,11 +89,11 @@ struct ArrayLoop {
   bool active = false;
   traces::KernelId kernel = 0;
   LoopParts parts;
-  std::uint32_t loading = 0;              ///< leading items that touch the data cache
-  sim::Time begin = 0;                    ///< switch begins
-  sim::Time without_rays = 0;             ///< time without rays before
-  sim::Time configured = 0;               ///< switch is over
-  sim::Time start = 0;                    ///< loop begins
+  std::uint32_t loading = 0;              ///< leading items that access the data cache
+  sim::Time begin = 0;                    ///< start of the kernel switch
+  sim::Time without_rays = 0;             ///< time without rays up to `begin`
+  sim::Time configured = 0;               ///< end of the kernel switch
+  sim::Time start = 0;                    ///< start of the loop
   sim::Time stall_time = 0;               ///< stall time so far
   sim::Time stalled_since = sim::kNever;  ///< kNever: not stalled
   std::uint32_t next_item = 0;            ///< the next item to issue its loads
@@ -108,7 +107,7 @@ struct ArrayLoop {
     stalled_since = sim::kNever;
   }
   sim::Time array_time(sim::Time now) const { return (is_stalled() ? stalled_since : now) - start - stall_time; }
-  /// Returns when an item has left the array, if nothing more stalls.
+  /// Returns when an item leaves the array, if there are no further stalls.
   sim::Time leaves_at(const sim::Clock& clock, std::uint32_t item) const {
     return start + stall_time + (depth + sim::Time{item} * ii) * clock.period();
   }

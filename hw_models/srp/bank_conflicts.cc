@@ -14,13 +14,14 @@ using kernels::Op;
 
 namespace {
 
-/// An access that every item makes: in cycle `slot` of the initiation interval, `behind` items after the youngest.
+/// An access that every item makes, in cycle `slot` of the initiation interval. By then `behind` younger items have
+/// started.
 struct LocalAccess {
   std::uint32_t slot = 0, behind = 0;
   std::uint32_t words = 1;  ///< 16-byte pieces of a record
-  std::uint32_t part = 0;   ///< the first piece, counted from the array's first bank
+  std::uint32_t part = 0;   ///< index of the first piece, counted from the array's first bank
   bool constant = false;
-  std::uint32_t index = 0;  ///< if constant
+  std::uint32_t index = 0;  ///< record number, if constant
 };
 
 bool is_local(const GraphNode& node) { return node.op == Op::kLoadLocal || node.op == Op::kStoreLocal; }
@@ -53,13 +54,13 @@ BankConflicts bank_conflicts(const KernelSchedule& schedule, const kernels::Grap
   const std::vector<LocalAccess> accesses = accesses_of(schedule, graph);
   BankConflicts conflicts{0, banks};
   std::vector<std::uint32_t> used(banks);
-  for (std::uint32_t item = 0; item < banks; ++item) {  // the pattern repeats after as many items as there are banks
+  for (std::uint32_t item = 0; item < banks; ++item) {  // the pattern repeats every `banks` items
     for (std::uint32_t slot = 0; slot < schedule.ii; ++slot) {
       std::ranges::fill(used, 0);
       std::uint32_t most = 0;
       for (const LocalAccess& a : accesses) {
         if (a.slot != slot) continue;
-        // Unsigned arithmetic wraps at a multiple of the number of banks.
+        // A negative difference wraps at 2^32, a multiple of the number of banks.
         const std::uint32_t record = a.constant ? a.index : item - a.behind;
         most = std::max(most, ++used[(record * a.words + a.part) % banks]);
       }

@@ -7,7 +7,7 @@
 
 namespace hw {
 
-/// The cache lines that one access of a kernel touches: an access names what it wants, the layout says where that is.
+/// The cache lines that one access of a kernel touches. An access names an element; the layout gives its address.
 struct LineSet {
   Addr line[4];
   std::uint32_t count = 0;

@@ -7,7 +7,7 @@
 
 namespace hw {
 
-/// A tile handed to a core; or news for a tile that the core has, once another border that it imports is there.
+/// A new tile for a core, or an update of the missing borders of a tile that the core already has.
 struct TileJob {
   const traces::TileWork* work = nullptr;
   std::uint32_t missing = 0;  ///< borders that are not in memory yet: a bit for each of TileWork::imports
@@ -15,10 +15,11 @@ struct TileJob {
 };
 static_assert(traces::kMostImports <= 32 && traces::kMostBorders <= 8);
 
-/// A border of a tile is in memory; or the core is through with the tile: all its rays, launches and transfers.
+/// Message that a border of a tile is in memory, or that a core has finished all rays, launches and transfers of the
+/// tile.
 struct TileDone {
   const traces::TileWork* work = nullptr;
-  std::uint32_t border = traces::WorkNode::kNone;  ///< kNone: all of the tile
+  std::uint32_t border = traces::WorkNode::kNone;  ///< kNone: the whole tile is finished
   TileTag owner = kNoTile;
 };
 
@@ -33,10 +34,10 @@ static_assert(area_of(traces::Region::kPicture) == Area::kPicture &&
 struct DmaJob {
   Addr base = 0;
   std::uint32_t bytes = 0;
-  bool write = true;      ///< to memory
-  std::uint32_t tag = 0;  ///< returned when done
+  bool write = true;      ///< from the tile buffer to memory
+  std::uint32_t tag = 0;  ///< returned when the job is done
   Area area = Area::kPicture;
-  std::uint32_t encode_cycles = 0;  ///< that a line's pixels take to be sRGB-encoded on the way; 0: not at all
+  std::uint32_t encode_cycles = 0;  ///< cycles to sRGB-encode a line's pixels on the way; 0: no encoding
   TileTag owner = kNoTile;
 };
 
@@ -44,11 +45,11 @@ struct DmaDone {
   std::uint32_t tag = 0;
 };
 
-/// A node for the core's rasteriser.
+/// A node of a tile's work for the core's rasteriser.
 struct RasterJob {
   const traces::TileWork* work = nullptr;
   std::uint32_t node = 0;
-  std::uint32_t tag = 0;  ///< returned when done
+  std::uint32_t tag = 0;  ///< returned when the job is done
   TileTag owner = kNoTile;
 };
 

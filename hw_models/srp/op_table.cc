@@ -9,9 +9,9 @@ using kernels::Op;
 
 struct Table {
   std::array<OpClass, static_cast<std::size_t>(Op::kCount)> class_of{};
-  std::array<std::uint32_t OpLatencyConfig::*, kOpClasses> latency{};  ///< the key; null: none
+  std::array<std::uint32_t OpLatencyConfig::*, kOpClasses> latency{};  ///< its key; null: no latency
   std::array<const char*, kOpClasses> event{};
-  std::size_t ops = 0;  ///< that have a class
+  std::size_t ops = 0;  ///< number of operations with a class
 
   constexpr void row(OpClass c, std::initializer_list<Op> of, std::uint32_t OpLatencyConfig::*key, const char* name) {
     for (const Op op : of) class_of[static_cast<std::size_t>(op)] = c;

@@ -9,19 +9,19 @@
 
 namespace hw {
 
-/// Class of an operation: the unit or port of the array that it takes, and so what it costs.
+/// Class of an operation: the unit or port of the array that it occupies, which sets its cost.
 enum class OpClass : std::uint8_t {
-  kFree,  ///< nothing: a value of the loop, a field of a loaded record, reinterpreted bits
+  kFree,  ///< no unit: a value of the loop, a field of a loaded record, reinterpreted bits
   kFpAdd,
   kFpMul,
-  kFpMulAdd,  ///< a product and its addition, of arrays that have such units
+  kFpMulAdd,  ///< a multiply-add, on arrays with such units
   kFpDivSqrt,
-  kFpCompare,  ///< minimum and maximum too
-  kIntAdd,     ///< a comparison of integers is a subtraction
+  kFpCompare,  ///< also minimum and maximum
+  kIntAdd,     ///< also integer comparisons, which are subtractions
   kIntMul,
-  kIntLogic,  ///< sign changes, selects and combined masks too
+  kIntLogic,  ///< also sign changes, selects and combined masks
   kIntShift,
-  kConvert,  ///< floor too
+  kConvert,  ///< also floor
   kLocalRead,
   kLocalWrite,
   kCachedRead,
@@ -42,13 +42,13 @@ constexpr bool is_memory(OpClass c) {
   return c == OpClass::kLocalRead || c == OpClass::kLocalWrite || c == OpClass::kCachedRead;
 }
 
-/// Cycles from issue to the first use of the result.
+/// Returns the cycles from issue to the first use of the result.
 std::uint32_t latency_of(OpClass c, const OpLatencyConfig& latency);
-/// Cycles for which the unit or port takes nothing else.
+/// Returns the cycles for which the operation occupies its unit or port.
 std::uint32_t occupancy_of(OpClass c, const OpLatencyConfig& latency);
 
-/// The energy event of one operation of this class or, for local memory, one 16-byte access; empty if it has none
-/// (the data cache counts its own).
+/// Returns the energy event of one operation of this class (local memory: of one 16-byte access). Empty if there is
+/// none; the data cache counts its own.
 const char* energy_event(OpClass c);
 inline const char* op_energy_event(kernels::Op op) { return energy_event(class_of(op)); }
 

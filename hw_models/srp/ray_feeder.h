@@ -9,14 +9,14 @@ namespace hw {
 /// A batch of rays that is being sent to the T&I unit.
 struct RayFeed {
   std::uint32_t tile = 0, batch = 0;
-  std::uint32_t next = 0;         ///< its next ray
-  std::uint64_t after_spill = 0;  ///< spill transfers that must be done first
+  std::uint32_t next = 0;         ///< the next ray to send
+  std::uint64_t after_spill = 0;  ///< number of spill transfers that must have finished first
 };
 
-/// The rays that a shader core sends, and those that it has in the T&I unit.
+/// The rays that a shader core is sending, and its rays in the T&I unit.
 struct RayFeeder {
   std::vector<RayFeed> feeds;   ///< in the order of their launches
-  sim::Time next_at = 0;        ///< when the direct interface takes the next ray
+  sim::Time next_at = 0;        ///< when the direct interface accepts the next ray
   std::uint64_t in_flight = 0;  ///< rays in the T&I unit
 
   void send(sim::Time now) {
@@ -26,11 +26,11 @@ struct RayFeeder {
   void take_back(sim::Time now) {
     if (--in_flight == 0) empty_since_ = now;
   }
-  /// Returns all time up to `now` in which the T&I unit had no ray of this core.
+  /// Returns the total time up to `now` in which the T&I unit had no ray of this core.
   sim::Time time_without_rays(sim::Time now) const { return idle_ + (in_flight == 0 ? now - empty_since_ : 0); }
 
  private:
-  sim::Time idle_ = 0;  ///< time without rays, except for the present one
+  sim::Time idle_ = 0;  ///< time without rays before the current gap
   sim::Time empty_since_ = 0;
 };
 

@@ -16,19 +16,20 @@ using kernels::GraphNode;
 using kernels::Op;
 
 constexpr std::uint32_t kNone = GraphNode::kNone;
-/// Placements tried per operation before the interval is given up.
+/// Placements tried per operation before the next interval.
 constexpr std::size_t kPatience = 16;
-/// Placements after which intervals are no longer tried one by one, nor with as much patience.
+/// Total placements after which the search takes larger steps and tries fewer placements per operation.
 constexpr std::size_t kQuick = 10'000;
 constexpr std::size_t kLessPatience = 4;
 
-/// Which operation gets its slot next.
+/// Order in which operations are placed.
 enum class Order : std::uint8_t {
-  kByHeight,   ///< the one with the longest way to the end
-  kLongFirst,  ///< one that keeps its unit for several cycles, while there are gaps of that length; then by height
+  kByHeight,   ///< longest path to the end first
+  kLongFirst,  ///< operations that occupy a unit for several cycles first, while there are gaps of that length; then by
+               ///< height
 };
 
-/// Iterative modulo scheduling at one interval. An operation that finds no free slot pushes others out of theirs.
+/// Iterative modulo scheduling at one interval. An operation that finds no free slot evicts others.
 class Placer {
  public:
   Placer(const ScheduleGraph& graph, const SrpConfig& config, std::uint32_t ii, Order order)
@@ -66,7 +67,7 @@ class Placer {
     }
   }
 
-  /// True if every operation has found a slot.
+  /// Places all operations; false if one has no slot after `patience` tries per operation.
   bool place_all(std::size_t patience) {
     if (height_.size() != starts_.size()) return false;
     for (; tried_ < patience * starts_.size(); ++tried_) {
@@ -99,7 +100,7 @@ class Placer {
     return busy_[static_cast<std::size_t>(pool_of(graph_.operations()[op].kind))];
   }
 
-  /// At the first start at which a unit is free; of several units the one that can do least.
+  /// Places the operation at the first time at which a unit is free; of several units, on the least capable one.
   void place(std::uint32_t op) {
     const std::int64_t earliest = earliest_start(op);
     const Operation& operation = graph_.operations()[op];
@@ -128,7 +129,8 @@ class Placer {
            std::int64_t{d.distance} * ii_;
   }
 
-  /// Each unit is looked at until it is known to be more urgent than the best so far.
+  /// Returns the unit whose operations in these cycles are least urgent. Each unit is searched only until it is worse
+  /// than the best.
   std::uint32_t least_urgent_unit(std::uint32_t op, std::uint32_t units, std::int64_t start) {
     const std::uint32_t occupancy = graph_.operations()[op].occupancy, first = row_of(start);
     const std::vector<Bits>& rows = busy(op);
@@ -149,7 +151,7 @@ class Placer {
     return best;
   }
 
-  /// Takes the slot and pushes out every operation that holds it or would now use a result too early.
+  /// Places the operation there, and evicts those that overlap it or would use its result too early.
   void settle(std::uint32_t op, std::uint32_t unit, std::int64_t start) {
     const Operation& operation = graph_.operations()[op];
     for (std::uint32_t c = 0; c < operation.occupancy; ++c) {
@@ -182,17 +184,17 @@ class Placer {
   std::vector<std::int64_t> height_;
   std::vector<std::optional<std::int64_t>> starts_;
   std::vector<std::uint32_t> units_;
-  std::vector<std::int64_t> last_;                ///< start when last placed
-  std::vector<std::uint32_t> by_urgency_, rank_;  ///< operations, the most urgent first; the index of each there
+  std::vector<std::int64_t> last_;                ///< start of the last placement; -1: none
+  std::vector<std::uint32_t> by_urgency_, rank_;  ///< operations, most urgent first; and each one's index in that order
   Bits waiting_;                                  ///< operations without a slot, by rank
   std::size_t tried_ = 0;                         ///< placements tried
   std::vector<std::vector<Dependence>> incoming_, outgoing_;
   std::array<std::vector<std::uint32_t>, kPools> table_;  ///< reservation table: the operation at unit * ii + row
-  std::array<std::vector<Bits>, kPools> busy_;            ///< rows of the table that are taken, by unit
+  std::array<std::vector<Bits>, kPools> busy_;            ///< occupied rows of the table, by unit
 };
 
-/// Tries initiation intervals from the lower bound upwards, each in both orders: one by one and patiently as long as
-/// that is quick, then in growing steps.
+/// Tries initiation intervals upwards from the lower bound, each in both orders: first one by one, later in growing
+/// steps (kQuick).
 std::unique_ptr<Placer> place_at_least_interval(const ScheduleGraph& graph, const SrpConfig& config,
                                                 std::uint32_t bound) {
   std::size_t tried = 0;

@@ -9,22 +9,22 @@
 
 namespace hw {
 
-/// The slot of one operation, or of one access of a load or store.
+/// Time and unit of one operation, or of one access of a load or store.
 struct Placement {
   std::uint32_t node = 0;   ///< node of the kernel's graph
-  std::uint32_t part = 0;   ///< part of a record, each as wide as the port
-  std::uint32_t start = 0;  ///< cycle of issue, counted from the item's first
-  std::uint32_t unit = 0;   ///< functional unit, row by row; local port; or cache port
+  std::uint32_t part = 0;   ///< part of a record, as wide as the port
+  std::uint32_t start = 0;  ///< cycle of issue, counted from the item's first cycle
+  std::uint32_t unit = 0;   ///< number of the functional unit (row by row), local port or cache port
 };
 
-/// A kernel as a software-pipelined loop: item i of n starts at i * ii and is through depth cycles later, so a loop
-/// takes depth + (n - 1) * ii cycles. All counts are per item.
+/// A kernel as a software-pipelined loop. Item i of n starts at i * ii and ends `depth` cycles later, so a loop takes
+/// depth + (n - 1) * ii cycles. All counts are per item.
 struct KernelSchedule {
   std::string kernel;
   std::uint32_t ii = 1;       ///< initiation interval
   std::uint32_t depth = 0;    ///< schedule length of one item
-  std::uint32_t res_mii = 1;  ///< least interval that units and ports allow
-  std::uint32_t rec_mii = 0;  ///< least interval that values handed from item to item allow; 0: there are none
+  std::uint32_t res_mii = 1;  ///< lower bound of the interval by units and ports
+  std::uint32_t rec_mii = 0;  ///< lower bound of the interval by values passed from item to item; 0: there are none
   OpMix ops{};
   std::uint32_t fu_ops = 0;        ///< operations on functional units
   std::uint32_t local_reads = 0;   ///< 16-byte accesses
@@ -33,7 +33,7 @@ struct KernelSchedule {
   std::uint32_t queued_loads = 0;  ///< accesses to the data cache that wait in the load queue
   std::uint32_t rf_reads = 0;      ///< one per operand
   std::uint32_t rf_writes = 0;     ///< one per result and per loaded word
-  std::uint32_t route_hops = 0;    ///< one per operand that another unit or port made
+  std::uint32_t route_hops = 0;    ///< one per operand that another unit or port produced
   std::uint32_t config_reads = 0;  ///< one word per functional unit and cycle of the interval
   std::vector<Placement> placements;
 };
@@ -43,9 +43,10 @@ struct KernelSchedule {
 ///
 ///   graph --> [ operations and 16-byte accesses ] --> bounds --> [ reservation table of ii rows ] --> schedule
 ///
-/// Memory ports stand beside the array and take no functional unit's slot. Records are loaded and stored whole, their
-/// accesses placed one by one.
-/// Not modelled: the routing network's limits (an operand costs one hop wherever it comes from), register pressure,
+/// 1. Memory ports are separate from the array and occupy no functional unit.
+/// 2. Records are loaded and stored whole; their accesses are placed one by one.
+///
+/// Not modelled: limits of the routing network (an operand costs one hop wherever it comes from), register pressure,
 /// records that two items in flight both change, VLIW mode.
 KernelSchedule schedule(const kernels::Graph& graph, const SrpConfig& config);
 

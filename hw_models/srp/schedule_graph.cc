@@ -14,7 +14,7 @@ using kernels::Op;
 
 namespace {
 
-/// Does a way along `next` come back to where it has been?
+/// True if a path along `next` contains a cycle.
 bool has_circle(const std::vector<std::uint32_t>& next) {
   std::vector<std::uint32_t> met_from(next.size(), GraphNode::kNone);
   for (std::uint32_t first = 0; first < next.size(); ++first) {
@@ -103,14 +103,14 @@ ScheduleGraph::Source ScheduleGraph::source_of(const Graph& graph, std::uint32_t
     distance += node.distance;
     id = from;
   }
-  return {};  // values that only hand each other on: nobody ever makes them
+  return {};  // values that are only passed on: no operation produces them
 }
 
 std::vector<std::int64_t> ScheduleGraph::heights(std::uint32_t ii) const {
   std::vector<std::int64_t> height;
   for (const Operation& op : operations_) height.push_back(op.latency);
-  std::vector<std::uint32_t> next(operations_.size(), GraphNode::kNone);  // operation behind it on the longest way
-  // Bellman-Ford: where heights would grow for ever, the ways by which they grow soon have a circle.
+  std::vector<std::uint32_t> next(operations_.size(), GraphNode::kNone);  // next operation on the longest path
+  // Bellman-Ford: if heights grow without bound, the longest paths soon contain a cycle.
   for (bool grew = true; grew;) {
     grew = false;
     for (auto d = dependences_.rbegin(); d != dependences_.rend(); ++d) {
@@ -179,7 +179,7 @@ std::uint32_t resource_interval(const std::vector<Operation>& operations, const 
   for (std::size_t kind = 0; kind < demands.size(); ++kind) {
     const Demand& demand = demands[kind];
     if (demand.operations == 0) continue;
-    // All operations that have no more units to go to than these have must share those.
+    // All operations that can use at most these units must share them.
     const auto own = static_cast<OpClass>(kind);
     const std::uint32_t units = capable_units(own, array);
     std::uint32_t busy = 0;

@@ -11,10 +11,10 @@
 
 namespace hw {
 
-/// Bytes that a port of local memory moves in a cycle.
+/// Bytes that a port of local memory moves per cycle.
 inline constexpr std::uint32_t kPortBytes = 16;
 
-/// Unit of scheduling: an operation of a kernel, or an access of one of its loads or stores, as wide as the port.
+/// What the scheduler places: an operation of a kernel, or one port-wide access of a load or store.
 struct Operation {
   OpClass kind = OpClass::kFree;
   std::uint32_t node = 0;
@@ -23,7 +23,8 @@ struct Operation {
   std::uint32_t occupancy = 1;
 };
 
-/// `to` of an item uses what `from` made `distance` items before, `after` cycles after it is issued.
+/// Operation `to` uses the result that `from` produced `distance` items before. It reads it `after` cycles after its
+/// issue.
 struct Dependence {
   std::uint32_t from = 0;
   std::uint32_t to = 0;
@@ -31,26 +32,26 @@ struct Dependence {
   std::uint32_t after = 0;
 };
 
-/// Dependence graph of a kernel: operations and accesses, without what costs nothing.
-/// On an array with multiply-add units a product that one addition or subtraction alone uses is part of that operation,
-/// which reads its other operand when the product is there. So fusing takes nothing longer.
+/// Dependence graph of a kernel: its operations and accesses, without free ones. On an array with multiply-add units, a
+/// product with a single use in an addition or subtraction is fused with it. The fused operation reads its other
+/// operand when the product is ready, so fusing lengthens nothing.
 class ScheduleGraph {
  public:
   ScheduleGraph(const kernels::Graph& graph, const SrpConfig& config);
 
   const std::vector<Operation>& operations() const { return operations_; }
   const std::vector<Dependence>& dependences() const { return dependences_; }
-  /// Node `id` is a product that is part of an addition.
+  /// True if node `id` is a product fused with its addition.
   bool is_fused(std::uint32_t id) const { return fused_[id]; }
 
-  /// For each operation the longest way, in cycles, from its issue to the end of its item or of a later one, when
-  /// items start every `ii` cycles. Empty if `ii` is too short for a value handed from item to item.
+  /// Returns the height of each operation: the longest path, in cycles, from its issue to the end of this or a later
+  /// item, with one item every `ii` cycles. Empty if `ii` is too short for a value passed from item to item.
   std::vector<std::int64_t> heights(std::uint32_t ii) const;
-  /// The least interval for which there are heights.
+  /// Returns the smallest interval for which heights() is not empty.
   std::uint32_t recurrence_interval() const;
 
  private:
-  /// Where a value comes from: an operation of this or an earlier item, or kNone (a constant, the item's number).
+  /// Source of a value: an operation of this or an earlier item; kNone: a constant or the item's number.
   struct Source {
     std::uint32_t operation = kernels::GraphNode::kNone;
     std::uint32_t distance = 0;
@@ -59,7 +60,7 @@ class ScheduleGraph {
   void fuse_products(const kernels::Graph& graph);
   bool adds_product(const kernels::GraphNode& node) const;
   void add_operations(const kernels::GraphNode& node, std::uint32_t id, const OpLatencyConfig& latency);
-  /// Bytes that one access of such a load or store moves.
+  /// Returns the bytes that one access of a load or store of this class moves.
   std::uint32_t width(OpClass c) const { return c == OpClass::kCachedRead ? cache_width_ : kPortBytes; }
   void add_dependences(const kernels::Graph& graph, std::uint32_t id);
   void depend(const kernels::Graph& graph, std::uint32_t operation, std::uint32_t on_node, std::uint32_t after);
@@ -67,24 +68,24 @@ class ScheduleGraph {
 
   std::uint32_t cache_width_;
   std::uint32_t product_latency_;     ///< cycles until a multiply-add reads its other operand
-  std::vector<bool> fused_;           ///< by node
-  std::vector<std::uint32_t> first_;  ///< operation of each node
+  std::vector<bool> fused_;           ///< by node: is_fused()
+  std::vector<std::uint32_t> first_;  ///< first operation of each node
   std::vector<Operation> operations_;
   std::vector<Dependence> dependences_;
 };
 
-/// Functional units of one kind; not every unit of a pool can take every operation.
+/// Units or ports of one kind. Some operations can use only some units of their pool.
 enum class Pool : std::uint8_t { kArray, kLocal, kCache, kCount };
 inline constexpr std::size_t kPools = static_cast<std::size_t>(Pool::kCount);
 
 Pool pool_of(OpClass c);
 std::uint32_t pool_size(Pool pool, const ArrayConfig& array);
-/// How many units of its pool, from the first on, can take such an operation.
+/// Returns how many units of its pool, counted from the first, can take an operation of this class.
 std::uint32_t capable_units(OpClass c, const ArrayConfig& array);
-/// The least interval at which every operation finds a unit.
+/// Returns the smallest interval at which every operation finds a unit.
 std::uint32_t resource_interval(const std::vector<Operation>& operations, const ArrayConfig& array);
 
-/// A row of bits that is searched a word at a time.
+/// A bit vector that is searched a word at a time.
 class Bits {
  public:
   explicit Bits(std::uint32_t size) : size_(size), words_((size + 63) / 64) {}
@@ -97,7 +98,7 @@ class Bits {
     word = value ? word | bit : word & ~bit;
   }
   std::uint32_t count(bool value) const { return value ? set_ : size_ - set_; }
-  /// The first index from `from` on, and below `end`, that has the value; `end` if none has.
+  /// Returns the first index in [from, end) whose bit has the value; `end` if there is none.
   std::uint32_t first(std::uint32_t from, std::uint32_t end, bool value) const {
     const std::uint64_t flip = value ? 0 : ~std::uint64_t{0};
     std::uint64_t below = (std::uint64_t{1} << from % 64) - 1;
@@ -114,8 +115,8 @@ class Bits {
   std::vector<std::uint64_t> words_;
 };
 
-/// Rows of the reservation table from `row`, which may lie up to twice round, to the first that is busy or free; a
-/// whole round if none is.
+/// Returns the distance from `row` to the first busy (or free) row of the reservation table, which is a ring; its whole
+/// size if there is none. `row` may exceed the size.
 inline std::uint32_t rows_until(const Bits& rows, std::uint32_t row, bool busy) {
   std::uint32_t first = row;
   while (first >= rows.size()) first -= rows.size();
@@ -123,8 +124,7 @@ inline std::uint32_t rows_until(const Bits& rows, std::uint32_t row, bool busy) 
   return found < rows.size() ? found - first : rows.size() - first + rows.first(0, first, busy);
 }
 
-/// Rows from `from` to the first of `length` free ones, which follow each other as if the table were a ring; `limit` if
-/// that is not less.
+/// Returns the distance from row `from` to the first gap of `length` free rows in the ring; at most `limit`.
 inline std::uint32_t rows_until_gap(const Bits& rows, std::uint32_t from, std::uint32_t length, std::uint32_t limit) {
   if (rows.count(false) < length) return limit;
   for (std::uint32_t at = 0; at < limit;) {

@@ -54,7 +54,7 @@ sim::Time Srp::tick(sim::Time now) {
   return next_wake(now);
 }
 
-/// Charges the time since the last tick to the state in which that left the core.
+/// Charges the time since the last tick to the state that the core had since then.
 inline void Srp::account(sim::Time now) {
   const std::uint64_t cycles = clock_.cycles(now - occupancy_.until);
   if (occupancy_.tni_had_rays) stats_.fed += cycles;
@@ -194,7 +194,8 @@ void Srp::finish_chunk(sim::Time now) {
   for (const LoopPart& part : loop_.parts) finish_items(now, part.tile, part.node, part.items);
 }
 
-/// Reports a loop, and shares its cycles out among its tiles by their items, in whole cycles that add up.
+/// Notifies the observer of a finished loop. Its cycles are divided among its tiles by items, in whole cycles that add
+/// up.
 void Srp::notify_loop(sim::Time now, std::uint64_t cycles) const {
   std::uint64_t items = 0, charged = 0;
   for (const LoopPart& part : loop_.parts) {
@@ -228,7 +229,7 @@ void Srp::fill(sim::Time now) {
   loads_.mshrs_full = false;
 }
 
-/// True if the lines that are needed at this point of array time have come; else the array stalls.
+/// True if all lines needed at this array time have arrived; otherwise stalls the array.
 bool Srp::loads_in_time(sim::Time now) {
   if (loop_.is_stalled()) {
     const bool late = !loads_.queue.empty() && loads_.queue.front().needed == loop_.array_time(now) &&
@@ -247,7 +248,7 @@ bool Srp::loads_in_time(sim::Time now) {
   return true;
 }
 
-/// The item that enters the loop now asks the data cache for its lines. False if the array stalled.
+/// Requests the lines of the item that enters the loop now. False if the array stalled.
 bool Srp::issue_loads(sim::Time now) {
   const sim::Time at = loop_.array_time(now);
   if (loop_.next_item == loop_.loading || at < sim::Time{loop_.next_item} * loop_.ii * clock_.period()) return true;
@@ -263,8 +264,8 @@ bool Srp::issue_loads(sim::Time now) {
   return true;
 }
 
-/// Issues items ahead of their time where that changes nothing: those that touch no line, and those whose lines are all
-/// here while none is on its way, so that nothing is filled.
+/// Fast path: issues items early where that changes nothing. These are items without lines, and items that hit while no
+/// line is outstanding, so that no fill can come between.
 inline void Srp::issue_ready_hits() {
   for (; loop_.next_item < loop_.loading; ++loop_.next_item) {
     if (accesses_of(loop_.next_item).empty()) continue;
@@ -277,8 +278,7 @@ inline void Srp::issue_ready_hits() {
   }
 }
 
-/// An item of the present chunk asks for its lines, those it has not asked for yet. False if there is no MSHR
-/// left.
+/// Requests the lines of an item of the current chunk that it has not requested yet. False if no MSHR is free.
 inline bool Srp::request_lines(sim::Time now, std::uint32_t item) {
   const std::uint32_t slot = item % kMostLoadCycles;
   collect_lines(item);
@@ -303,7 +303,7 @@ inline bool Srp::request_lines(sim::Time now, std::uint32_t item) {
   return true;
 }
 
-/// All items of an ideal shader core ask at once, as far as there are MSHRs. True when every line has come.
+/// Ideal shader core: requests the lines of all items at once, as far as there are MSHRs. True when all have arrived.
 bool Srp::load_all(sim::Time now) {
   while (!loads_.mshrs_full && loop_.next_item < loop_.loading && request_lines(now, loop_.next_item))
     loop_.next_item += 1;
@@ -315,7 +315,7 @@ bool Srp::load_all(sim::Time now) {
   return true;
 }
 
-/// Accesses of an item of the present loop.
+/// Returns the accesses of an item of the current loop.
 inline std::span<const traces::Access> Srp::accesses_of(std::uint32_t item) const {
   const LoopPart& part = loop_.parts.of(item);
   const traces::TileWork& work = tiles_[part.tile].work();
@@ -351,8 +351,8 @@ void Srp::start_chunk(sim::Time now) {
   if (!launch_.is_blocked) return;
   const bool rays_can_go =
       std::ranges::any_of(rays_.feeds, [&](const RayFeed& f) { return ray_ready_at(f) != sim::kNever; });
-  // The oldest tile's imports come, as they are of tiles that are older still. Those of younger tiles may be of this
-  // one.
+  // The borders that the oldest tile imports will arrive: they belong to even older tiles. Those of younger tiles may
+  // depend on this one.
   const bool data_come = transfers_.spills_done < transfers_.spills_started || transfers_.awaited > 0 ||
                          tiles_[by_age_.front()].awaits_border();
   if (rays_.in_flight > 0 || rays_can_go || data_come) return;
@@ -404,7 +404,7 @@ void Srp::begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node) {
   kernel_use_[work.kernel].idle += items - working;
 }
 
-/// Cycles until the array can run the kernel.
+/// Switches to the kernel, and returns the cycles until the array can run it.
 std::uint64_t Srp::switch_to(traces::KernelId kernel) {
   if (std::exchange(launch_.kernel, kernel) == kernel || frame_.ideal) return 0;
   const std::uint32_t rows = frame_.kernels[kernel].ii;
@@ -413,7 +413,7 @@ std::uint64_t Srp::switch_to(traces::KernelId kernel) {
   return config_.switch_cycles + (resident ? 0 : config_.load_cycles(rows));
 }
 
-/// Puts a launch's next chunk into the loop. Rays for which there are no slots go out to memory and back.
+/// Adds a launch's next chunk to the loop. Rays without a slot are spilled to memory.
 void Srp::add_part(std::uint32_t tile, std::uint32_t node) {
   TileRun& run = tiles_[tile];
   const std::uint32_t first = run.done(node), items = run.chunk_items(node);
@@ -423,7 +423,7 @@ void Srp::add_part(std::uint32_t tile, std::uint32_t node) {
     if (first == 0 && run.node(batch).kind == WorkNode::Kind::kRays) rays_.feeds.push_back({tile, batch, 0, 0});
   }
   if (spilled == 0) return;
-  // Ray out and in again before it is issued, then its hit out and in again before it is shaded.
+  // A spilled ray is written and read back before it is issued; its hit is written and read back before it is shaded.
   const auto bytes = static_cast<std::uint32_t>(2 * spilled * buffer_.slot_bytes());
   buffer_.read(bytes / kAccess);
   buffer_.write(bytes / kAccess);
@@ -436,7 +436,8 @@ void Srp::add_part(std::uint32_t tile, std::uint32_t node) {
   }
 }
 
-/// Puts into the loop what else waits for this kernel, oldest tile first, as far as a chunk's items and ray slots go.
+/// Adds other ready launches of this kernel to the loop, oldest tile first, up to a chunk's items and the free ray
+/// slots.
 void Srp::join_launches(const WorkNode& work) {
   for (const std::uint32_t tile : by_age_) {
     const TileRun& run = tiles_[tile];
@@ -497,7 +498,7 @@ inline void Srp::take_hit(sim::Time now) {
   if (news || rays_.in_flight == 0) launch_.check_pending = true;
 }
 
-/// Reports the end of a batch if the hit is its last one.
+/// Notifies the observer of the end of a batch if the hit is its last one.
 void Srp::notify_hit(sim::Time now, std::uint32_t tile, std::uint32_t ray) const {
   const TileRun& run = tiles_[tile];
   const std::uint32_t batch = run.batch_of(ray);
@@ -548,7 +549,7 @@ void Srp::start_raster(std::uint32_t tile, std::uint32_t node) {
   if (tiles_[tile].is_awaited(node)) transfers_.awaited += 1;
 }
 
-/// Hands nodes to the rasteriser and takes them back.
+/// Sends nodes to the rasteriser and takes finished ones.
 void Srp::service_rasteriser_links(sim::Time now) {
   if (links_.raster_in->can_pop(now)) {
     const std::uint32_t tag = links_.raster_in->pop(now).tag;

@@ -25,22 +25,26 @@
 
 namespace hw {
 
-/// The shader core of a GPU core (SRP): works through the kernel launches of its tiles, feeds their rays to the T&I
-/// unit and has the DMA move what its tiles read and write.
+/// The shader core (SRP) of a GPU core: executes the kernel launches of its tiles, sends their rays to the T&I unit and
+/// starts DMA transfers for their data.
 ///
 ///   tiles --> [ launches: oldest tile, then consumers, first ] --> array: switch + depth + (n-1) II + stalls
 ///   rays  <-- [ tile buffer: a slot for each ray and its hit ] <-- hits
 ///                        [ transfers whose inputs are there ] --> DMA
 ///                  [ waves and batches whose inputs are there ] <--> rasteriser, if there is one
 ///
-/// A launch runs in chunks, and chunks of one kernel that wait together as one loop; each loop pays kernel switch (if
-/// the array runs another kernel), prologue and drain. A switch to a kernel in configuration memory takes
-/// `switch_cycles`; another's rows are loaded first. A chunk starts only when its rays fit into free ray slots, and a
-/// younger tile's first rays leave room for the oldest tile's. If nothing can move any more, the oldest tile's launch
-/// starts anyhow and what does not fit goes out to memory and back. The array is scheduled statically: a data-cache
-/// line that is not there when its turn comes stalls all of it. Cycles lost to bank conflicts are paid before the loop
-/// begins. Not modelled: VLIW mode between loops beyond the switch cost, the way of configurations from memory to the
-/// core, what it takes to give each launch of a merged loop its own base addresses and constants.
+/// 1. A launch runs in chunks. Chunks of one kernel that are ready together may run as one loop. Each loop pays a
+/// kernel switch (if the array runs another kernel), prologue and drain.
+/// 2. A switch to a kernel in configuration memory takes `switch_cycles`; the rows of other kernels are loaded first.
+/// 3. A chunk starts only if its rays fit into free ray slots. The first rays of a younger tile leave room for those of
+/// the oldest tile.
+/// 4. If nothing else can make progress, the oldest tile's launch starts anyway, and rays without a slot are spilled to
+/// memory.
+/// 5. The array is scheduled statically: a data-cache line that is late stalls the whole array. Cycles lost to bank
+/// conflicts are charged before the loop starts.
+///
+/// Not modelled: VLIW mode between loops beyond the switch cost, transfer of configurations from memory to the core,
+/// the cost of separate base addresses and constants for each launch of a merged loop.
 class Srp {
  public:
   static constexpr const char* kName = "core.srp";
@@ -78,24 +82,24 @@ class Srp {
     sim::Link<MemResponse>& memory_in;
     sim::Link<DmaJob>& dma_out;
     sim::Link<DmaDone>& dma_in;
-    sim::Link<RasterJob>* raster_out = nullptr;  ///< null: there is no rasteriser
+    sim::Link<RasterJob>* raster_out = nullptr;  ///< null: no rasteriser
     sim::Link<RasterDone>* raster_in = nullptr;
   };
-  /// The frame as the SRP knows it.
+  /// Properties of the frame that the SRP needs.
   struct Frame {
     const traces::Layout* layout = nullptr;
     std::span<const KernelSchedule> kernels;   ///< by KernelId
-    std::span<const BankConflicts> conflicts;  ///< likewise
+    std::span<const BankConflicts> conflicts;  ///< by KernelId
     traces::FrameRequirements needs;
-    sim::Time ray_interval = 0;        ///< the direct interface takes a ray this often
-    std::array<Addr, kAreas> areas{};  ///< where each begins; slots of this core spill to kSpill
-    std::uint32_t encode_cycles = 0;   ///< taken by the DMA for a line of pixels to encode; 0: it does not
-    std::uint32_t plane_bytes = 0;     ///< that a rasteriser writes of a sample into the tile buffer
+    sim::Time ray_interval = 0;        ///< time between rays on the direct interface
+    std::array<Addr, kAreas> areas{};  ///< start addresses; this core's ray slots spill to kSpill
+    std::uint32_t encode_cycles = 0;   ///< cycles of the DMA to encode a line of pixels; 0: no encoding
+    std::uint32_t plane_bytes = 0;     ///< bytes that a rasteriser writes to the tile buffer per sample
     bool ideal = false;                ///< kernels cost no time
-    bool ideal_buffer = false;         ///< the tile buffer has room for everything and no bank conflicts
+    bool ideal_buffer = false;         ///< the tile buffer is unlimited and has no bank conflicts
     bool ideal_cache = false;          ///< every probe of the data cache hits
     Observer* observer = nullptr;
-    std::uint32_t core = 0;  ///< its number in events
+    std::uint32_t core = 0;  ///< number of this core in events
   };
 
   Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& frame, Links links, std::uint16_t port,
@@ -115,10 +119,10 @@ class Srp {
   bool warm(Addr line) { return cache_.warm(line); }
 
  private:
-  static constexpr std::uint32_t kNoItem = 0xffffffffU;    ///< no item's lines are kept
+  static constexpr std::uint32_t kNoItem = 0xffffffffU;    ///< no item's lines are listed
   static constexpr std::uint64_t kAccess = 16;             ///< bytes of an access to the tile buffer
   static constexpr std::uint32_t kSpillTag = 0xffffffffU;  ///< the tag of DMA jobs for spilled ray slots
-  // A handle: tile in flight, then the ray's or node's index within the tile.
+  // A handle combines the slot of a tile in flight (high bits) with the index of a ray or node in the tile.
   static constexpr std::uint32_t kTileShift = 24;
   static_assert(kMaxRays == 1U << kTileShift);
   static constexpr std::uint32_t handle_of(std::uint32_t tile, std::uint32_t index) {
@@ -128,23 +132,23 @@ class Srp {
   static constexpr std::uint32_t index_of_handle(std::uint32_t handle) { return handle & ((1U << kTileShift) - 1); }
   /// Loads of the loop on the array, through the data cache.
   struct Loads {
-    /// An item whose lines have not all come yet.
+    /// An item whose lines have not all arrived.
     struct Item {
-      sim::Time needed = 0;  ///< array time
+      sim::Time needed = 0;  ///< array time at which it needs them
       std::uint32_t slot = 0;
     };
     sim::Ring<Item> queue;
     std::uint64_t missing = 0;                 ///< slots of items that wait for lines
     std::vector<std::uint32_t> lines_missing;  ///< by slot
     std::vector<Addr> lines;
-    std::uint32_t lines_of_item = kNoItem;  ///< the item of the loop whose lines these are
-    bool mshrs_full = false;                ///< the array stalls for lack of an MSHR
+    std::uint32_t lines_of_item = kNoItem;  ///< the loop's item that `lines` belongs to
+    bool mshrs_full = false;                ///< the array is stalled for lack of an MSHR
   };
   /// The launch scheduler.
   struct Launch {
     bool check_pending = false;          ///< an event may have made a launch ready
     bool is_blocked = false;             ///< a launch found no ray slots
-    std::uint32_t kernel = 0xffffffffU;  ///< configured on the array
+    std::uint32_t kernel = 0xffffffffU;  ///< the kernel configured on the array
     ConfigMemory config_memory;
   };
   /// DMA jobs and rasteriser nodes to be sent.
@@ -152,12 +156,12 @@ class Srp {
     sim::Ring<DmaJob> dma;
     sim::Ring<RasterJob> raster;
     std::uint64_t spills_started = 0, spills_done = 0;
-    std::uint64_t awaited = 0;  ///< in progress, and nodes wait for them
+    std::uint64_t awaited = 0;  ///< transfers in progress that nodes wait for
   };
   /// State since the last tick, for the counters `fed` and `awaited`.
   struct Occupancy {
     bool tni_had_rays = false, array_was_busy = false;
-    sim::Time until = 0;  ///< accounted so far
+    sim::Time until = 0;  ///< end of the time accounted so far
   };
 
   // Tiles.
@@ -195,7 +199,7 @@ class Srp {
   bool feed_ray(sim::Time now);
   void take_hit(sim::Time now);
   void notify_hit(sim::Time now, std::uint32_t tile, std::uint32_t ray) const;
-  /// Returns when the next ray of a feed can be sent; kNever if that is not known.
+  /// Returns when the next ray of a feed can be sent; kNever if not known yet.
   sim::Time ray_ready_at(const RayFeed& feed) const;
 
   // Transfers.
@@ -212,7 +216,7 @@ class Srp {
   const sim::Clock clock_;
   const Frame frame_;
   Links links_;
-  /// When the next tile (or news of one), hit, line and end of a transfer may be taken.
+  /// When the next tile (or border update), hit, line and end of a transfer can be taken.
   struct {
     sim::Time tiles = sim::kNever, hits = sim::kNever, lines = sim::kNever, transfers = sim::kNever;
   } arrivals_;

@@ -47,7 +47,7 @@ struct ArrayConfig {
   }
 
   std::uint32_t units() const { return rows * columns; }
-  /// A multiplier is one of floats and of integers; a unit that also adds to its product has an adder behind it.
+  /// Returns the parts that take area. A multiplier handles floats and integers; a multiply-add unit also has an adder.
   std::vector<sim::UnitPart> parts() const {
     return {{"functional_unit", units()},
             {"multiplier", mul_units},
@@ -56,7 +56,7 @@ struct ArrayConfig {
   }
 };
 
-/// Cycles for which a load of the data cache may be under way: items that wait for lines are bits of a word.
+/// Longest time of a data-cache load in cycles. Items that wait for lines are bits of a 64-bit word.
 inline constexpr std::uint32_t kMostLoadCycles = 64;
 
 /// Cycles from an operation's issue to its result's use.
@@ -98,7 +98,7 @@ struct OpLatencyConfig {
                                ", make more than " + std::to_string(kMostLoadCycles) + " cycles");
   }
 
-  /// From a load of the data cache to the use of what it brings.
+  /// Returns the cycles from a data-cache load to the use of its data.
   std::uint32_t cached() const { return cached_load + load_queue; }
 };
 
@@ -141,14 +141,14 @@ struct SrpConfig {
     field(NAMED(c.config_load), "bytes", "configuration loaded a cycle", sim::between(1, 65536), Affects::kTiming);
   }
 
-  /// Bytes of configuration memory that a kernel of such an initiation interval takes.
+  /// Returns the bytes of configuration memory of a kernel with this initiation interval.
   std::uint64_t config_bytes(std::uint32_t ii) const { return std::uint64_t{ii} * array.units() * config_word.bytes; }
-  /// Cycles to load it.
+  /// Returns the cycles to load its configuration.
   std::uint64_t load_cycles(std::uint32_t ii) const {
     return (config_bytes(ii) + config_load.bytes - 1) / config_load.bytes;
   }
 
-  /// Storage that leaks; the tile buffer counts apart.
+  /// Returns the bytes of storage that leaks, without the tile buffer.
   std::uint64_t sram_bytes() const { return data_cache.size.bytes + kernel_data.bytes + config_memory.bytes; }
 };
 

@@ -6,13 +6,13 @@
 
 namespace hw {
 
-/// Cost of one kernel on one core.
+/// Cost of one kernel on a core.
 struct KernelUse {
   std::uint64_t launches = 0;  ///< loops, each with prologue and drain
   std::uint64_t items = 0;
-  std::uint64_t idle = 0;     ///< items of these that idle through the loop
+  std::uint64_t idle = 0;     ///< items that idle through the loop, included in `items`
   std::uint64_t cycles = 0;   ///< switch and stalls included
-  std::uint64_t starved = 0;  ///< cycles of these in which the T&I unit had no ray of the core
+  std::uint64_t starved = 0;  ///< of `cycles`, those in which the T&I unit had no ray of the core
 
   KernelUse& operator+=(const KernelUse& other) {
     launches += other.launches;
@@ -93,7 +93,7 @@ struct SrpStats {
     config_rows_loaded += resident ? 0 : rows;
   }
 
-  /// Charges a loop of `n` items, of which so many are `working`: the others touch no cache.
+  /// Charges a loop of `n` items. The first `working` items do not idle; the others access no cache.
   void add(const KernelSchedule& k, std::uint64_t n, std::uint64_t working) {
     const auto ops = [&](OpClass c) { return n * k.ops[static_cast<std::size_t>(c)]; };
     chunks += 1;

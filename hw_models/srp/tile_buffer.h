@@ -13,7 +13,7 @@
 
 namespace hw {
 
-/// The on-chip memory of a core that holds everything its tiles in flight need.
+/// Configuration of a core's tile buffer, the on-chip memory for the data of its tiles in flight.
 struct TileBufferConfig {
   sim::ByteSize size{64 * 1024};
   std::uint32_t tiles_in_flight = 3;
@@ -45,18 +45,18 @@ struct TileBufferConfig {
 /// Tiles of a frame that a core works on at once.
 struct TilesInFlight {
   std::uint32_t first = 1;  ///< in the first pass
-  std::uint32_t later = 1;  ///< in each that follows
+  std::uint32_t later = 1;  ///< in each later pass
   std::uint32_t most() const { return std::max(first, later); }
 };
 
-/// Bytes that a full tile keeps in the buffer: its colours, and `attribute_bytes` beside them.
+/// Returns the bytes of a full tile in the buffer: its colours and `attribute_bytes`.
 inline std::uint64_t tile_bytes(const TileBufferConfig& config, const traces::FrameRequirements& needs,
                                 std::uint32_t attribute_bytes) {
   return std::uint64_t{needs.tile_samples} * config.colour_bytes + attribute_bytes;
 }
 
-/// Tiles of the first pass are as many as configured, or as leave ray slots their share, but one at least. What these
-/// have set aside is there for the tiles of later passes. An ideal buffer has room for everything.
+/// Returns how many tiles a core works on at once. In the first pass: the configured number, reduced to leave ray slots
+/// their share, but at least one. Tiles of later passes share the room of these. An ideal buffer is unlimited.
 inline TilesInFlight tiles_in_flight(const TileBufferConfig& config, const traces::FrameRequirements& needs,
                                      bool ideal) {
   const std::uint64_t tile = tile_bytes(config, needs, needs.attribute_bytes);
@@ -74,10 +74,12 @@ inline TilesInFlight tiles_in_flight(const TileBufferConfig& config, const trace
   return tiles;
 }
 
-/// Keeps account of the tile buffer: ray slots taken and given back, and the 16-byte accesses that cost energy.
-/// A ray is made only into a free slot, which is also the place reserved for its hit; so hits never wait.
-/// Conflicts of kernels for its banks are a matter of their schedules (bank_conflicts.h). Not modelled: conflicts with
-/// the T&I unit's and the DMA's accesses.
+/// Accounts for the tile buffer: ray slots in use, and 16-byte accesses, which cost energy.
+///
+/// 1. A ray needs a free slot, which is also reserved for its hit. So hits never wait.
+/// 2. Bank conflicts of kernels are part of their schedules (bank_conflicts.h).
+///
+/// Not modelled: conflicts with accesses of the T&I unit and the DMA.
 class TileBuffer {
  public:
   static constexpr const char* kName = "core.tile_buffer";
@@ -100,7 +102,7 @@ class TileBuffer {
     }
   };
 
-  /// Sets aside colours and attributes of every tile in flight.
+  /// Reserves the colours and attributes of all tiles in flight.
   TileBuffer(const TileBufferConfig& config, const traces::FrameRequirements& needs, sim::Clock clock,
              bool ideal = false)
       : clock_(clock), slot_bytes_(config.slot_bytes) {
@@ -115,7 +117,7 @@ class TileBuffer {
   std::uint64_t slots() const { return slots_; }
   std::uint32_t slot_bytes() const { return slot_bytes_; }
 
-  /// Takes `n` slots; returns how many of them do not fit.
+  /// Takes `n` slots, and returns how many of them do not fit.
   std::uint64_t take(std::uint64_t n) {
     const std::uint64_t spilled = n - std::min(n, free());
     used_ += n;
@@ -130,7 +132,7 @@ class TileBuffer {
   void write(std::uint64_t accesses) { stats_.writes += accesses; }
   void conflict(std::uint64_t cycles) { stats_.bank_conflicts += cycles; }
 
-  /// From `now` on the buffer is in use, or not.
+  /// Notes whether the buffer is in use from `now` on.
   void in_use(sim::Time now, bool used) {
     const CycleReason why = used ? CycleReason::kInUse : CycleReason::kIdle;
     activity_.spend(now, clock_.period(), why, why);

@@ -12,12 +12,12 @@ using traces::WorkNode;
 
 namespace {
 
-/// Its items have ray slots, which the launch that makes its rays takes.
+/// True if the node's items have ray slots, taken by the launch that makes them.
 bool has_slots(const WorkNode& node) {
   return node.kind == WorkNode::Kind::kRays || node.kind == WorkNode::Kind::kRaster;
 }
 
-/// Room for a tile of usual size at once, or twice what is needed: tiles to come may be larger.
+/// Reserves room for a typical tile, or twice the need, so that later and larger tiles rarely allocate.
 template <class T>
 void make_room(std::vector<T>& list, std::size_t needed) {
   constexpr std::size_t kUsual = 4096;
@@ -68,7 +68,7 @@ void TileRun::begin(const traces::TileWork& work, std::uint32_t chunk, std::uint
   list_batches();
 }
 
-/// Puts the batches behind each other, launch by launch, those of a launch in the order of the graph.
+/// Lists the batches launch by launch; those of a launch in the order of the graph.
 void TileRun::list_batches() {
   std::uint32_t next = 0;
   for (Progress& p : progress_) {

@@ -10,14 +10,14 @@
 
 namespace hw {
 
-/// Rays of one tile: their handles have 24 bits for them.
+/// Most rays of a tile: a handle has 24 bits for the ray.
 inline constexpr std::uint32_t kMaxRays = 1U << 24;
 
-/// A tile in flight: how far each node of its graph of work has come. Plain bookkeeping; time is the SRP's business.
+/// A tile in flight: the progress of each node of its work graph. It has no notion of time; the SRP keeps that.
 class TileRun {
  public:
-  /// `chunk`: items of a launch that run together; a launch's next chunk is ready when all inputs of its items are.
-  /// `missing`: borders that it imports and that are not in memory yet, a bit each.
+  /// Starts a tile. `chunk`: items of a launch that run together. A launch's next chunk is ready when all inputs of its
+  /// items are. `missing`: imported borders that are not in memory yet, a bit each.
   void begin(const traces::TileWork& work, std::uint32_t chunk, std::uint32_t missing = 0, TileTag owner = kNoTile);
   void set_missing_borders(std::uint32_t missing) { missing_ = missing; }
   void end() { work_ = nullptr; }
@@ -27,21 +27,21 @@ class TileRun {
   TileTag owner() const { return owner_; }
   const traces::WorkNode& node(std::uint32_t n) const { return work_->nodes[n]; }
   std::uint32_t nodes() const { return static_cast<std::uint32_t>(work_->nodes.size()); }
-  /// Items of node `n`, then those that idle.
+  /// Items of node `n`, idle ones included.
   std::uint32_t total(std::uint32_t n) const { return node(n).items + node(n).idle; }
-  /// How many of them are finished.
+  /// Finished items of node `n`.
   std::uint32_t done(std::uint32_t n) const { return progress_[n].done; }
-  /// Nodes that wait for node `n` need wait no longer; idle items may be left.
+  /// True if nodes that depend on node `n` may start. Idle items may be left.
   bool dependents_released(std::uint32_t n) const { return progress_[n].done >= node(n).items; }
   bool complete(std::uint32_t n) const { return progress_[n].done == total(n); }
   bool all_complete() const { return nodes_left_ == 0; }
-  /// Node `n` waits for rays, itself or through others.
+  /// True if node `n` depends on rays, directly or through other nodes.
   bool follows_rays(std::uint32_t n) const { return progress_[n].follows_rays; }
-  /// Nodes still to come wait for node `n`.
+  /// True if unfinished nodes depend on node `n`.
   bool is_awaited(std::uint32_t n) const { return progress_[n].readers > 0; }
 
-  /// The launch to run next: the latest node whose next chunk is ready, so that consumers go before producers.
-  /// `usable(n)` may refuse one. kNone if there is none.
+  /// Returns the launch to run next: the last node in the graph's order whose next chunk is ready and that `usable(n)`
+  /// accepts. So consumers run before producers. kNone if there is none.
   template <class Usable>
   std::uint32_t next_launch(Usable&& usable) const {
     for (std::uint32_t n = nodes(); n-- > 0;) {
@@ -49,8 +49,7 @@ class TileRun {
     }
     return kNone;
   }
-  /// Calls `start(n)` for every transfer, and node of a rasteriser, whose inputs are settled and whose border is there,
-  /// once for each.
+  /// Calls `start(n)` once for each transfer and rasteriser node whose inputs are done and whose border is in memory.
   template <class Start>
   void start_transfers(Start&& start) {
     std::size_t left = 0;
@@ -66,32 +65,32 @@ class TileRun {
     }
     transfers_.resize(left);
   }
-  /// A transfer waits for another tile's border and for nothing else.
+  /// True if a transfer waits for another tile's border and for nothing else.
   bool awaits_border() const { return awaits_border_; }
-  /// Items of launch `n` that its next chunk holds, idle ones included.
+  /// Items in the next chunk of launch `n`, idle ones included.
   std::uint32_t chunk_items(std::uint32_t n) const;
-  /// Item of its producing launch that ray `i` of batch `n` comes from.
+  /// Returns the item of the producing launch that makes ray `i` of batch `n`.
   std::uint32_t source(std::uint32_t n, std::uint32_t i) const {
     const std::uint32_t map = node(n).sources;
     return map == traces::WorkNode::kNone ? i : work_->sources[map + i];
   }
   /// The launch that makes the rays of batch `n`.
   std::uint32_t producer(std::uint32_t n) const { return node(n).inputs.front().node; }
-  /// Batches made by launch `n`: of rays, and of samples that are rasterised.
+  /// Batches that launch `n` makes: of rays, and of samples to be rasterised.
   std::span<const std::uint32_t> batches_of(std::uint32_t n) const {
     return std::span(batches_).subspan(progress_[n].first_batch, progress_[n].batches);
   }
-  /// Items that do not idle among [first, first + items) of launch `n`.
+  /// Returns how many items in [first, first + items) of launch `n` do not idle.
   std::uint32_t working(std::uint32_t n, std::uint32_t first, std::uint32_t items) const {
     return std::min(first + items, node(n).items) - std::min(first, node(n).items);
   }
-  /// Rays that items [first, first + items) of launch `n` make, over all its batches.
+  /// Returns the rays that items [first, first + items) of launch `n` make, in all its batches.
   std::uint32_t rays_made(std::uint32_t n, std::uint32_t first, std::uint32_t items) const;
   std::uint32_t batch_of(std::uint32_t ray) const { return batch_of_ray_[ray]; }
 
-  /// `items` more items of a launch (or the whole transfer) are finished. Returns ray slots that nobody reads any more.
+  /// Finishes `items` more items of a launch, or a whole transfer. Returns the number of ray slots that become free.
   std::uint32_t finish_items(std::uint32_t n, std::uint32_t items);
-  /// Ray `ray` of the tile has come back. True if that may have made another node ready.
+  /// Notes the return of a ray of the tile. True if that may have made another node ready.
   bool finish_ray(std::uint32_t ray);
 
   static constexpr std::uint32_t kNone = 0xffffffffU;
@@ -99,11 +98,11 @@ class TileRun {
  private:
   struct Progress {
     std::uint32_t done = 0;
-    std::uint32_t prefix = 0;   ///< rays: leading items all of which are done, in whole chunks
-    std::uint32_t readers = 0;  ///< launches and transfers that still wait for it, or read its rays' slots
+    std::uint32_t prefix = 0;   ///< rays: leading items that are all done, in whole chunks
+    std::uint32_t readers = 0;  ///< unfinished launches and transfers that wait for it or read its ray slots
     bool follows_rays = false;
-    std::uint32_t first_batch = 0, batches = 0;  ///< launches: in batches_
-    std::uint32_t first_chunk = 0;               ///< rays: in chunk_left_
+    std::uint32_t first_batch = 0, batches = 0;  ///< launches: range in batches_
+    std::uint32_t first_chunk = 0;               ///< rays: index in chunk_left_
   };
   void list_batches();
   bool ready(std::uint32_t n) const;
@@ -115,14 +114,14 @@ class TileRun {
 
   const traces::TileWork* work_ = nullptr;
   std::uint32_t chunk_ = 1;
-  std::uint32_t missing_ = 0;  ///< borders, a bit each
+  std::uint32_t missing_ = 0;  ///< borders not in memory yet, a bit each
   TileTag owner_ = kNoTile;
   bool awaits_border_ = false;
   std::uint32_t nodes_left_ = 0;
   std::vector<Progress> progress_;
-  std::vector<std::uint32_t> transfers_;   ///< not yet started, a rasteriser's nodes among them
-  std::vector<std::uint32_t> batches_;     ///< by the launch that makes them
-  std::vector<std::uint32_t> chunk_left_;  ///< rays still out, by chunk of each batch
+  std::vector<std::uint32_t> transfers_;   ///< transfers and rasteriser nodes that have not started
+  std::vector<std::uint32_t> batches_;     ///< grouped by the launch that makes them
+  std::vector<std::uint32_t> chunk_left_;  ///< rays not returned, by chunk of each batch
   std::vector<std::uint32_t> batch_of_ray_;
 };
 

@@ -10,9 +10,9 @@
 
 namespace hw {
 
-/// Counters of a fetch stage and its cache, a part of their unit's Stats.
+/// Counters of a fetch stage and its cache; part of the unit's Stats.
 struct FetchStats {
-  std::uint64_t l1_accesses = 0;  ///< counted by stats()
+  std::uint64_t l1_accesses = 0;  ///< computed by stats()
   std::uint64_t l1_hits = 0, l1_misses = 0, l1_late = 0, l1_fills = 0, mshr_full = 0;
   std::uint64_t l1_miss_cycles = 0;
   std::uint64_t rau_fills = 0, rau_writes = 0, rau_reads = 0, rau_full = 0;
@@ -31,20 +31,19 @@ struct FetchStats {
   }
 };
 
-/// The fetch stage of a unit: its slots read lines through the L1 here, and those that miss are handled as
-/// tni.miss_handling says.
+/// The fetch stage of a unit: slots read lines through the L1, and misses are handled as tni.miss_handling selects.
 ///
 ///   slots that want a line --> [one probe at a time] --> hit: on with the line
 ///            ^                        | miss
 ///            +--- line has come ------+--- reorder: wait in the buffer;  bypass: through the pipe without work;
 ///                                          rau: wait in a table;         blocking: wait here, before all others
 ///
-/// A line that has come stays readable for the slots that waited for it, whatever is filled meanwhile: each of them
+/// 1. A line that has arrived stays readable for the slots that waited for it, even if it is evicted. So each slot
 /// makes progress, however small the cache.
-/// Under `bypass` the unit puts a slot that missed through its pipe; it wants the line again behind.
-/// Under `rau` a slot goes on from its row without another probe, ahead of slots that have not probed yet; one that
-/// finds its row full, or needs a row and there is none, stands in the fetch stage until that has changed. It keeps
-/// its slot in the input buffer.
+/// 2. Under `bypass` the unit sends a slot that missed through its pipe. The slot probes again afterwards.
+/// 3. Under `rau` a slot resumes from its row without another probe, before slots that have not probed yet. A slot that
+/// finds its row full, or no free row, stalls the fetch stage until there is room. A waiting slot keeps its place in
+/// the input buffer.
 class FetchStage {
  public:
   /// The resource that a slot waits for; kNothing if it has read its line.
@@ -65,7 +64,7 @@ class FetchStage {
     return otherwise;
   }
 
-  /// `ready`: where the unit keeps which of its slots want to read a line.
+  /// `ready`: the unit's mask of slots that need to read a line.
   FetchStage(const CacheConfig& cache, const TniMode& mode, std::uint16_t port, std::uint64_t& ready)
       : l1_(cache, port, mode.ideal_l1), handling_(mode.handling), rau_(mode.rau), ready_(ready) {
     rows_read_.reserve(rau_.rows);
@@ -91,7 +90,8 @@ class FetchStage {
     return missing_ != 0 ? Wait::kLine : Wait::kNothing;
   }
 
-  /// A slot of issuable_slots() probes for its line. If it misses, it tries again by itself, except under `bypass`.
+  /// Probes for the line of a slot out of issuable_slots(). A slot that misses becomes ready again by itself, except
+  /// under `bypass`.
   [[gnu::noinline]] Wait read(std::uint32_t slot, Addr line, std::uint64_t cycle) {
     const std::uint64_t bit = std::uint64_t{1} << slot;
     ready_ &= ~bit;
@@ -153,7 +153,7 @@ class FetchStage {
     served_ |= miss.slots;
     if (bypasses()) return;
     missing_ &= ~miss.slots;
-    ready_ |= miss.slots | no_mshr_;  // an MSHR is free again: those that found none try again
+    ready_ |= miss.slots | no_mshr_;  // an MSHR is free: slots that found none probe again
     if (handling_ != MissHandling::kReorder) unblock_waiters(line, miss.slots);
     no_mshr_ = 0;
   }
@@ -162,19 +162,19 @@ class FetchStage {
   void look_ahead(Addr line) const { l1_.look_ahead(line); }
   bool warm(Addr line) { return l1_.warm(line); }
 
-  /// True if a prefetch would leave an MSHR to slots in need.
+  /// True if a prefetch would leave an MSHR free for demand misses.
   bool can_prefetch() const { return l1_.free_mshrs() >= 2; }
-  /// Prefetches the line, on behalf of a slot, unless it is here or on its way.
+  /// Prefetches the line on behalf of a slot. False if it is in the cache or already requested.
   bool prefetch(Addr line, std::uint32_t slot, std::uint64_t cycle) { return l1_.prefetch(line, slot, cycle); }
   /// Attributes later requests of this slot to the given tile.
   void set_slot_tile(std::uint32_t slot, TileTag owner) { l1_.set_slot_tile(slot, owner); }
   TileTag owner(std::uint32_t slot) const { return l1_.owner(slot); }
 
-  /// Requests that have not left yet.
+  /// Requests that have not been sent yet.
   std::size_t unsent() const { return l1_.unsent(); }
   void send(sim::Time now, sim::Link<MemRequest>& out) { l1_.send(now, out); }
   sim::Time send_at(sim::Time next, const sim::Link<MemRequest>& out) const { return l1_.send_at(next, out); }
-  /// Are lines on their way?
+  /// True while requested lines have not arrived.
   bool waits_for_memory() const { return l1_.outstanding() != 0; }
 
   FetchStats stats() const {
@@ -193,13 +193,13 @@ class FetchStage {
     stats_.l1_late += (late_ & slot) != 0;
     late_ &= ~slot;
   }
-  /// Clears the wait states of a slot that probes again.
+  /// Clears the wait state of a slot that probes again.
   void forget(std::uint64_t slot) {
     missing_ &= ~slot;
     no_mshr_ &= ~slot;
     resumed_ &= ~slot;
   }
-  /// Makes a slot that missed wait: under `rau` in a row of the table, under `blocking` in the fetch stage.
+  /// Makes a slot that missed wait: in a row of the table (`rau`) or in the fetch stage (`blocking`).
   void missed(Addr line, std::uint64_t slot);
   /// A fill or a freed MSHR unblocks stalled slots.
   void unblock_waiters(Addr line, std::uint64_t slots);
@@ -207,21 +207,21 @@ class FetchStage {
   void leave_table(std::uint64_t slot);
   void resume(std::uint64_t slot);
 
-  std::uint64_t late_ = 0;    ///< have probed for the line they want and not found it
-  std::uint64_t served_ = 0;  ///< their line has come and is kept for them
+  std::uint64_t late_ = 0;    ///< slots whose first probe for their line missed
+  std::uint64_t served_ = 0;  ///< slots whose line has arrived and is kept for them
   FetchStats stats_;
   L1Cache l1_;
   const MissHandling handling_;
   const RauConfig rau_;
-  std::uint64_t& ready_;          ///< want to read a line
-  std::uint64_t missing_ = 0;     ///< wait for a line
-  std::uint64_t no_mshr_ = 0;     ///< wait for an MSHR
-  std::uint64_t resumed_ = 0;     ///< stood in the fetch stage and may probe again, before all others
-  bool stalled_ = false;          ///< a slot stands in the fetch stage
-  std::uint64_t table_full_ = 0;  ///< the slot that stands there for lack of room in the table
-  Addr wanted_row_ = kAnyRow;     ///< it needs the room of this line's row, or a row
+  std::uint64_t& ready_;          ///< slots that need to read a line
+  std::uint64_t missing_ = 0;     ///< slots that wait for a line
+  std::uint64_t no_mshr_ = 0;     ///< slots that wait for an MSHR
+  std::uint64_t resumed_ = 0;     ///< slots that have stalled and may probe again, before all others
+  bool stalled_ = false;          ///< a slot stalls the fetch stage
+  std::uint64_t table_full_ = 0;  ///< the slot that stalls for lack of room in the table
+  Addr wanted_row_ = kAnyRow;     ///< the line whose row must get room; kAnyRow: a row must become free
   std::uint32_t rows_used_ = 0;
-  std::vector<std::uint64_t> rows_read_;  ///< rows whose line has come: slots that have not gone on yet
+  std::vector<std::uint64_t> rows_read_;  ///< rows whose line has arrived: their slots that have not resumed
 };
 
 }  // namespace hw

@@ -18,14 +18,15 @@
 
 namespace hw {
 
-/// The intersection unit (IST) of a T&I unit: tests the triangles of leaves, one triangle line a cycle.
+/// The intersection unit (IST) of a T&I unit: tests the triangles of leaves, one triangle line per cycle.
 ///
 ///   leaves of all TRVs --> [input buffer] --> triangle fetch (L1) --> distance | edges | hit --> answers
 ///
-/// The test has three phases; time and energy of a test stop at the phase that fails (T&I engine, 2011). A triangle
-/// that straddles two lines takes two accesses. The triangles of a leaf follow each other in the pipe; the answer
-/// leaves when the last of them is known. Which leaf goes first is round robin by slot.
-/// Not modelled: a hit found by one triangle of a leaf does not shorten the next one's test.
+/// 1. A test has three phases. Its time and energy end with the phase that fails (T&I engine, 2011).
+/// 2. A triangle that straddles two lines takes two accesses.
+/// 3. Triangles of a leaf are pipelined. The answer leaves when the last result is known.
+/// 4. Leaves are served round robin by slot.
+/// Not modelled: a hit in one triangle of a leaf does not shorten the tests of the others.
 class Ist {
  public:
   static constexpr const char* kName = "core.tni.ist";
@@ -96,8 +97,8 @@ class Ist {
     LeafJob job;
     std::uint32_t trv = 0;
     std::uint32_t tested = 0;    ///< triangles fully fetched
-    bool second_line = false;    ///< the first line of the present triangle has been read
-    std::uint64_t known_at = 0;  ///< cycle at which all tests so far are known
+    bool second_line = false;    ///< the first line of the current triangle has been read
+    std::uint64_t known_at = 0;  ///< cycle at which the results of all tests so far are known
   };
 
   enum Pipe : std::size_t { kToAnswer, kToFetch, kPipes };
@@ -115,18 +116,18 @@ class Ist {
   const IstConfig config_;
   const sim::Clock clock_;
   const TrianglesInMemory triangles_;
-  const bool ideal_;     ///< any number of operations a cycle
-  const bool reorders_;  ///< misses are reordered, and there are some
-  /// Cycles from a triangle's fetch to its outcome, by exit phase (1 to 3).
+  const bool ideal_;     ///< unlimited operations per cycle
+  const bool reorders_;  ///< misses are reordered, and the L1 is not ideal
+  /// Cycles from a triangle's fetch to its result, by exit phase (1 to 3).
   const std::array<std::uint32_t, 4> known_after_;
-  sim::Time line_at_ = sim::kNever;  ///< when the next line may be taken
+  sim::Time line_at_ = sim::kNever;  ///< when the next line can be taken
   const std::vector<sim::Link<LeafDone>*> leaves_out_;
   const sim::Inputs<LeafJob> leaves_in_;
   sim::Link<MemRequest>& memory_out_;
   sim::Link<MemResponse>& memory_in_;
   Arbiter sources_;
   Stats stats_;
-  TimingWheel<kPipes>::Masks waiting_{};  ///< slots that answer, and slots that want to read a line
+  TimingWheel<kPipes>::Masks waiting_{};  ///< slots with an answer to send, and slots that need to read a line
   FetchStage fetch_;
   std::vector<Slot> slots_;
   TimingWheel<kPipes> pipe_;

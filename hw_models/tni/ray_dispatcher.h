@@ -14,12 +14,12 @@
 
 namespace hw {
 
-/// The front door of a T&I unit: hands rays to the traversal units, and collects finished rays from all of them.
+/// The entrance of a T&I unit: hands rays to the traversal units and collects finished rays from them.
 ///
 ///   ray FIFO --> [one ray a cycle] --> TRV with the emptiest input buffer, or the next in turn that has room
 ///   hit FIFO <-- [one hit every `hit_interval` cycles] <-- TRVs, round robin
 ///
-/// It knows how full a TRV is from its own count of rays sent and returned.
+/// It counts the rays sent to and returned by each TRV, and so tracks how full the TRVs are.
 class RayDispatcher {
  public:
   static constexpr const char* kName = "core.tni.dispatcher";
@@ -48,7 +48,7 @@ class RayDispatcher {
     Dispatch dispatch = Dispatch::kEmptiest;
     std::uint32_t rays_per_trv = 0;  ///< slots of a TRV's input buffer
     std::uint32_t hit_interval = 1;  ///< cycles from one hit to the next
-    bool ideal = false;              ///< any number of rays and hits a cycle (ideal.tni)
+    bool ideal = false;              ///< unlimited rays and hits per cycle (ideal.tni)
   };
 
   RayDispatcher(const Policy& policy, Links links, sim::Clock clock);
@@ -67,7 +67,7 @@ class RayDispatcher {
   bool dispatch(sim::Time now);
   bool collect(sim::Time now);
   std::size_t emptiest() const;
-  /// The TRV that can take a ray soonest, from `at` on; the first in turn of several.
+  /// Returns the TRV that can take a ray soonest at or after `at`; of several, the first in turn.
   std::size_t next_in_turn(sim::Time at) const;
   std::size_t chosen(sim::Time at) const;
   sim::Time next_wake(sim::Time now) const;

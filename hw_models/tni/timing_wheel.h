@@ -10,13 +10,13 @@
 
 namespace hw {
 
-/// A cycle of a clock: its edge, the next one, and its number.
+/// A clock cycle: the times of its edge and of the next edge, and its number.
 struct Cycle {
   sim::Time now, next;
   std::uint64_t number;
 
   Cycle(sim::Time at, const sim::Clock& clock) : now(at), next(clock.after(at, 1)), number(clock.cycles(at)) {}
-  /// To a later edge.
+  /// Moves to a later edge.
   void go_to(sim::Time at, const sim::Clock& clock) {
     number += at == next ? 1 : clock.cycles(at - now);
     now = at;
@@ -24,22 +24,22 @@ struct Cycle {
   }
 };
 
-/// Timing wheel (Varghese and Lauck 1987) for the fixed-latency pipelines of one unit: a bit mask of slots for each
-/// pipe and cycle. A unit that holds up to 64 slots needs no queue per pipe.
+/// Timing wheel (Varghese and Lauck 1987) for the fixed-latency pipelines of a unit with up to 64 slots. It keeps a bit
+/// mask of slots per pipe and cycle, so pipes need no queues.
 template <std::size_t kPipes>
 class TimingWheel {
  public:
   static constexpr std::uint64_t kMostSpan = 64;  ///< latencies must be shorter than this
-  /// A mask for each pipe.
+  /// A mask of slots for each pipe.
   struct alignas(kPipes * sizeof(std::uint64_t)) Masks : std::array<std::uint64_t, kPipes> {};
 
-  /// `longest`: the longest latency that put() will be given. The wheel has as few bins as hold it.
+  /// `longest`: largest latency that put() will receive. The number of bins is the next power of two above it.
   TimingWheel(sim::Clock clock, std::uint64_t longest) : clock_(clock), last_(std::bit_ceil(longest + 1) - 1) {
     assert(last_ < kMostSpan);
   }
 
-  /// Moves the slots that complete in this cycle into `waiting`. Branch-free: completions are unpredictable. Must be
-  /// called in every cycle in which slots complete, in order (next()).
+  /// Moves the slots that complete in this cycle into `waiting`. Must be called, in order, in every cycle in which
+  /// slots complete (next()). Branch-free: completions are unpredictable.
   void take(std::uint64_t cycle, Masks& waiting) {
     const std::uint64_t bin = cycle & last_;
     All out, here;
@@ -50,31 +50,31 @@ class TimingWheel {
     bins_[bin] = Masks{};
     occupied_ &= ~(std::uint64_t{1} << bin);
   }
-  /// The slot comes out `latency` after this cycle.
+  /// Schedules the slot to complete `latency` cycles after this one.
   void put(std::size_t pipe, std::uint32_t slot, std::uint64_t cycle, std::uint64_t latency) {
     assert(latency <= last_);
     const std::uint64_t bin = (cycle + latency) & last_;
     bins_[bin][pipe] |= std::uint64_t{1} << slot;
     occupied_ |= std::uint64_t{1} << bin;
   }
-  /// Returns 1 if a slot comes out in this cycle, else 0.
+  /// Returns 1 if a slot completes in this cycle, else 0.
   std::uint64_t comes_out(std::uint64_t cycle) const { return (occupied_ >> (cycle & last_)) & 1U; }
-  /// Returns when the next slot comes out after this cycle; kNever if the pipes are empty.
+  /// Returns when the next slot completes after this cycle; kNever if the pipes are empty.
   sim::Time next(const Cycle& cycle) const {
     if (occupied_ == 0) return sim::kNever;
     const std::uint64_t bin = cycle.number & last_;
-    const std::uint64_t later = occupied_ >> bin;  // else they have gone round
+    const std::uint64_t later = occupied_ >> bin;  // 0: the next bin has wrapped around
     const int bins =
         later != 0 ? std::countr_zero(later) : static_cast<int>(last_ + 1 - bin) + std::countr_zero(occupied_);
     return clock_.after(cycle.now, static_cast<std::uint64_t>(bins));
   }
 
  private:
-  using All [[gnu::vector_size(sizeof(Masks))]] = std::uint64_t;  ///< the host moves them all at once
+  using All [[gnu::vector_size(sizeof(Masks))]] = std::uint64_t;  ///< the masks as one host vector
 
   sim::Clock clock_;
-  std::uint64_t occupied_ = 0;  ///< bins
-  const std::uint64_t last_;    ///< bin
+  std::uint64_t occupied_ = 0;  ///< bins with slots, a bit each
+  const std::uint64_t last_;    ///< index of the last bin
   std::array<Masks, kMostSpan> bins_{};
 };
 
@@ -85,11 +85,11 @@ void run_once_or_drain(bool drain_all, Step&& step) {
   }
 }
 
-/// Masks of up to 64 slots: of one, and of the first `slots`.
+/// Masks of one slot, and of the first `slots` slots.
 constexpr std::uint64_t bit(std::uint32_t slot) { return std::uint64_t{1} << slot; }
 constexpr std::uint64_t all_slots(std::uint32_t slots) { return slots == 64 ? ~std::uint64_t{0} : bit(slots) - 1; }
 
-/// Round robin over a mask: the first set bit at or after `from`, wrapping. `mask` must not be 0.
+/// Returns the first set bit at or after `from`, wrapping around: round robin. `mask` must not be 0.
 inline std::uint32_t round_robin(std::uint64_t mask, std::uint32_t from) {
   return (from + static_cast<std::uint32_t>(std::countr_zero(std::rotr(mask, static_cast<int>(from))))) % 64;
 }

@@ -13,31 +13,31 @@ namespace hw {
 
 /// Where a ray keeps the far children it still has to visit.
 enum class StackScheme : std::uint8_t {
-  kFull,          ///< as deep as needed
-  kRestartLink,   ///< short: when full the oldest entry is dropped and a link to its node kept; when the short stack is
-                  ///< empty and entries were dropped, traversal starts again from that node (US patent 9,275,494)
-  kRestartTrail,  ///< short or none: a bit per level says which near children are done; when the short stack is empty,
-                  ///< traversal starts again from the root and follows the bits (US patents 9,495,792 and 9,390,545)
+  kFull,          ///< unlimited depth
+  kRestartLink,   ///< short stack: overflow drops the oldest entry but keeps a link to its node; when the stack runs
+                  ///< empty, traversal restarts at that node (US patent 9,275,494)
+  kRestartTrail,  ///< short stack or none: a bit per level marks near children that are done; when the stack runs
+                  ///< empty, traversal restarts at the root and follows the bits (US patents 9,495,792 and 9,390,545)
 };
 constexpr std::array<std::string_view, 3> names_of(StackScheme) { return {"full", "restart_link", "restart_trail"}; }
 
-/// Prefetching of a traversal unit.
+/// Node that a traversal unit prefetches.
 enum class Prefetch : std::uint8_t {
   kNone,
-  kSibling,  ///< the node of the far child, if both are hit
+  kSibling,  ///< the far child's node, if a visit hits both children
 };
 constexpr std::array<std::string_view, 2> names_of(Prefetch) { return {"none", "sibling"}; }
 
-/// Handling of a ray or leaf whose line is not in the first-level cache (fetch_stage.h).
+/// Handling of a ray or leaf that misses in the first-level cache (fetch_stage.h).
 enum class MissHandling : std::uint8_t {
-  kReorder,   ///< it stays in the input buffer and tries again when its line has come (Lee et al. 2015)
-  kBypass,    ///< it passes the pipe without work and tries again, as often as it takes (US patent 9,754,403)
-  kRau,       ///< it waits in a table beside its line and goes on with it (US patent 9,342,919)
-  kBlocking,  ///< the fetch stage stands still until the line has come
+  kReorder,   ///< it waits in the input buffer and probes again when its line has arrived (Lee et al. 2015)
+  kBypass,    ///< it passes through the pipe without work and probes again, until it hits (US patent 9,754,403)
+  kRau,       ///< it waits in a table next to its line and resumes with it (US patent 9,342,919)
+  kBlocking,  ///< it stalls the fetch stage until its line has arrived
 };
 constexpr std::array<std::string_view, 4> names_of(MissHandling) { return {"reorder", "bypass", "rau", "blocking"}; }
 
-/// The ray accumulation unit: a table with a row for each line that rays wait for.
+/// The ray accumulation unit: a table with one row per line that rays wait for.
 struct RauConfig {
   std::uint32_t rows = 16;
   std::uint32_t rays = 4;
@@ -47,7 +47,7 @@ struct RauConfig {
     field(NAMED(c.rows), "rows", "lines waited for at once, each with its rays", sim::between(1, 64), Affects::kTiming);
     field(NAMED(c.rays), "rays", "rays of a row", sim::between(1, 64), Affects::kTiming);
   }
-  /// Rays of `ray_bytes` each and a line of `line_bytes` a row.
+  /// Returns the table's storage in bytes; a row holds a line and `rays` rays.
   std::uint64_t sram_bytes(std::uint32_t ray_bytes, std::uint64_t line_bytes) const {
     return rows * (std::uint64_t{rays} * ray_bytes + line_bytes);
   }
@@ -56,14 +56,14 @@ struct RauConfig {
 /// Dispatch policy: which traversal unit gets the next ray.
 enum class Dispatch : std::uint8_t {
   kEmptiest,    ///< the traversal unit with the fewest rays inside
-  kRoundRobin,  ///< each in turn that has room
+  kRoundRobin,  ///< each unit with room in turn
 };
 constexpr std::array<std::string_view, 2> names_of(Dispatch) { return {"emptiest", "round_robin"}; }
 
-/// Cycles of the longest pipeline, which a TimingWheel must hold.
+/// Longest pipeline that a TimingWheel holds, in cycles.
 inline constexpr std::uint32_t kLongestPipe = 63;
 
-/// One traversal unit.
+/// Configuration of a traversal unit.
 struct TrvConfig {
   std::uint32_t rays = 32;
   std::uint32_t box_testers = 2;
@@ -112,13 +112,13 @@ struct TrvConfig {
       complain("transform_latency", "instance fetch (l1.hit_cycles) and transform together must not exceed 63 cycles");
   }
   std::vector<sim::UnitPart> parts() const { return {{"box_tester", box_testers}}; }
-  /// Cache, input buffer and stacks.
+  /// Returns the storage of cache, input buffer and stacks in bytes.
   std::uint64_t sram_bytes() const {
     return l1.size.bytes + std::uint64_t{rays} * (ray_bytes + std::uint64_t{stack_entry_bytes} * stack_entries);
   }
 };
 
-/// One intersection unit.
+/// Configuration of an intersection unit.
 struct IstConfig {
   std::uint32_t leaves = 32;
   std::uint32_t leaf_bytes = 96;
@@ -149,15 +149,16 @@ struct IstConfig {
   std::uint64_t sram_bytes() const { return l1.size.bytes + std::uint64_t{leaves} * leaf_bytes; }
 };
 
-/// Mode of all parts of a T&I unit, beside what the configuration of each says.
+/// Settings that all units of a T&I unit share.
 struct TniMode {
   MissHandling handling = MissHandling::kReorder;
   RauConfig rau;
-  bool ideal = false;     ///< any number of operations of each kind a cycle (ideal.tni)
+  bool ideal = false;     ///< unlimited operations of each kind per cycle (ideal.tni)
   bool ideal_l1 = false;  ///< every probe hits (ideal.l1)
 };
 
-/// A traversal & intersection unit: one ray dispatcher, several traversal units, one intersection unit.
+/// Configuration of a traversal & intersection unit: one ray dispatcher, several traversal units, one intersection
+/// unit.
 struct TniConfig {
   std::uint32_t trvs = 4;
   std::uint32_t link_depth = 2;
@@ -178,7 +179,7 @@ struct TniConfig {
     field.group(NAMED(c.trv), "traversal unit");
     field.group(NAMED(c.ist), "intersection unit");
   }
-  /// Storage of a traversal unit, of an intersection unit.
+  /// Returns the storage of one traversal unit, and of the intersection unit, in bytes.
   std::uint64_t trv_sram_bytes() const { return trv.sram_bytes() + rau_bytes(trv.ray_bytes, trv.l1.line.bytes); }
   std::uint64_t ist_sram_bytes() const { return ist.sram_bytes() + rau_bytes(ist.leaf_bytes, ist.l1.line.bytes); }
 

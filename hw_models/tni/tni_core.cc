@@ -3,7 +3,7 @@
 namespace hw {
 namespace {
 
-/// Misses wait as they do under `reorder`, which lets all other rays go on.
+/// Returns the configuration with ideal pipes. Misses are reordered, so that no ray delays another.
 TniConfig with_ideal_pipes(TniConfig config) {
   constexpr std::uint32_t kMost = 64;
   config.link_depth = kMost;
@@ -83,7 +83,7 @@ void TniCore::run(const sim::ClusterTurn& turn, sim::Time now) {
   sim::Time* const wakes = turn.wakes;
   Cycle cycle(now, dispatcher_id_.clock);
   for (;;) {
-    // Nothing done in a cycle wakes another unit before the next.
+    // A unit's work in a cycle wakes no other unit before the next cycle.
     const std::uint64_t due = sim::Wakes::due(wakes, turn.earliest.size(), cycle.now);
     if ((due & 1U) != 0) wakes[0] = dispatcher_->tick(cycle.now);
     if ((due & 2U) != 0) wakes[1] = ist_->tick(cycle);

@@ -13,41 +13,41 @@
 
 namespace hw {
 
-/// Declares a core's IST, to be built with its links.
+/// Declares a core's IST, which is built later with its links.
 sim::UnitId declare_ist(sim::Machine& machine, const TniConfig& config, std::uint32_t core, sim::Clock clock);
 
-/// A core's whole traversal & intersection unit: dispatcher, TRVs, IST and the links between them.
+/// A core's traversal & intersection unit: dispatcher, TRVs, IST and the links between them.
 ///
 ///   rays --> dispatcher --> TRV x n <--> IST
 ///   hits <-- dispatcher <-- TRV x n
 ///
-/// It is declared first, so that links can lead to it, then built with these.
+/// It is declared first, so that links can connect to it, and built once they exist.
 class TniCore {
  public:
   struct Scene {
     TreeInMemory tree;
     TrianglesInMemory triangles;
   };
-  /// Made ideal, for bounds (ideal.*).
+  /// Parts made ideal, for bounds (ideal.*).
   struct Ideal {
-    bool tni = false;  ///< 64 rays a TRV, 64 leaves, any number of operations a cycle, each in one cycle
+    bool tni = false;  ///< 64 rays per TRV, 64 leaves, unlimited operations per cycle, each in one cycle
     bool l1 = false;   ///< every probe hits
   };
   struct Links {
     sim::Link<RayJob>& rays_in;
     sim::Link<RayDone>& hits_out;
-    std::span<const MemoryPort> memory;  ///< a port of each of memory_clients()
+    std::span<const MemoryPort> memory;  ///< one port for each of memory_clients()
   };
 
   TniCore(sim::Machine& machine, const TniConfig& config, const Ideal& ideal, std::uint32_t core, sim::Clock clock);
-  /// `hit_interval`: cycles from a hit sent back to the next. Called once; `machine` is the one it is declared in.
+  /// Builds the units in the machine that declared them. `hit_interval`: cycles from one returned hit to the next.
   void build(sim::Machine& machine, const Scene& scene, std::uint32_t hit_interval, const Links& links);
 
-  /// Has its units, with the core's port if that has their clock, run as a cluster of the machine (sim/partitions.h).
+  /// Makes its units a cluster of the machine (sim/partitions.h), with the core's port if that has the same clock.
   void cluster(sim::Machine& machine, sim::UnitId port_id, CorePort& port);
   void run(const sim::ClusterTurn& turn, sim::Time now);
 
-  /// Takes rays and sends hits.
+  /// The unit that takes rays and returns hits.
   sim::UnitId dispatcher_id() const { return dispatcher_id_; }
   /// The L1s: one for each TRV, then one for the IST.
   std::vector<MemoryClient> memory_clients() const;
@@ -64,10 +64,11 @@ class TniCore {
   RayDispatcher* dispatcher_ = nullptr;
   std::vector<Trv*> trvs_;
   Ist* ist_ = nullptr;
-  CorePort* port_ = nullptr;  ///< if it is in the cluster
+  CorePort* port_ = nullptr;  ///< null if it is not in the cluster
 };
 
-/// The scene of an image as a T&I unit knows it; `parents` comes from traces::parents_of(). Both must outlive it.
+/// Returns the scene of an image as a T&I unit sees it. `parents`: from traces::parents_of(). Both must outlive the
+/// result.
 inline TniCore::Scene scene_in_memory(const traces::MemoryImage& image, std::span<const std::uint32_t> parents) {
   const traces::Layout& layout = image.layout;
   return {{.nodes = layout.nodes,

@@ -11,7 +11,7 @@ void RestartPath::plan(std::span<const StackEntryOrigin> entries, const TreeInMe
   const std::uint32_t from = from_root ? 0 : entries.front().node;
   const std::uint32_t instance = entries.back().instance;
   const std::uint32_t root = instance == traces::kNone ? traces::kNone : tree.placed[instance].root;
-  // Upwards, from the tree of an instance into the tree over instances unless `from` is in it.
+  // Walk upwards. At an instance's root, continue in the tree over instances.
   for (std::uint32_t node = entries.back().node;;) {
     path_.push_back(node);
     if (node == from) break;
@@ -35,8 +35,8 @@ TraversalSlot::Pipe TraversalSlot::next_pipe_slow_path() {
   return next_pipe();
 }
 
-/// Lists where the entries now on the stack were pushed, oldest first, by following the walk up to its next step.
-/// Restarts are rare; a list for every ray would not be worth the memory.
+/// Lists the origins of the entries on the stack, oldest first, by replaying the walk up to its next step. Restarts are
+/// rare, so rays keep no such list.
 void TraversalSlot::list_entries(const std::uint32_t* walk, std::vector<StackEntryOrigin>& entries) const {
   entries.clear();
   std::uint32_t instance = traces::kNone;
@@ -44,7 +44,7 @@ void TraversalSlot::list_entries(const std::uint32_t* walk, std::vector<StackEnt
   for (const std::uint32_t* step = walk; step != next_; ++step) {
     const StepKind kind = traces::kind_of(*step);
     if (kind == StepKind::kCull) {
-      // The culls just before `next_` are under way: `stack_depth_` tells how far.
+      // The last culls are in progress: resize() below drops the entries that they have popped.
       if (step + 1 != next_) entries.resize(entries.size() - traces::culled_of(*step));
       continue;
     }
@@ -70,8 +70,8 @@ void TraversalSlot::list_entries(const std::uint32_t* walk, std::vector<StackEnt
 void TraversalSlot::restart(const std::uint32_t* walk, const TreeInMemory& tree, bool has_trail, std::uint32_t capacity,
                             std::vector<StackEntryOrigin>& entries, RestartPath& path, StackStats& stats) {
   assert(stack_depth_ > 0 && "a pop from an empty stack");
-  // Each visit on the path finds its far child again, so the short stack ends up with the youngest entries. With a
-  // trail the last visit continues without a pop.
+  // Each visit on the path pushes its far child again, so the short stack ends up with the youngest entries. With a
+  // trail the last visit continues at its far child without a pop.
   list_entries(walk, entries);
   path.plan(entries, tree, has_trail);
   restarting_ = true;

@@ -11,18 +11,20 @@
 
 namespace hw {
 
-/// Node at which a stack entry was pushed: of the tree over instances (kNone), or of an instance's tree.
+/// The node whose visit pushed a stack entry, and the instance whose tree it is in; kNone: the tree over instances.
 struct StackEntryOrigin {
   std::uint32_t node = 0;
   std::uint32_t instance = traces::kNone;
 };
 
-/// The nodes that a ray visits again after a restart, and the instance that it enters again, last one first.
+/// The nodes that a ray visits again after a restart, and the instance that it enters again. The next one is at the
+/// back.
 class RestartPath {
  public:
   RestartPath() { path_.reserve(kUsualDepth); }
 
-  /// Sets the way from `from` (`from_root`: the root) down to the node of the youngest entry.
+  /// Plans the path down to the node of the youngest entry: from the root if `from_root`, else from the node of the
+  /// oldest entry.
   void plan(std::span<const StackEntryOrigin> entries, const TreeInMemory& tree, bool from_root);
   bool is_empty() const { return path_.empty(); }
   bool enters_instance() const { return (path_.back() & kEnter) != 0; }
@@ -31,13 +33,13 @@ class RestartPath {
   void pop() { path_.pop_back(); }
 
  private:
-  static constexpr std::size_t kUsualDepth = 128;    ///< reserved; deeper trees take more
+  static constexpr std::size_t kUsualDepth = 128;    ///< nodes reserved; deeper trees allocate more
   static constexpr std::uint32_t kEnter = 1U << 31;  ///< marks an instance
 
   std::vector<std::uint32_t> path_;
 };
 
-/// Counters of the stacks of a unit's rays, a part of their unit's Stats.
+/// Counters of the stacks of a unit's rays; part of the unit's Stats.
 struct StackStats {
   std::uint64_t pushes = 0, pops = 0, dropped = 0, restarts = 0;
   static void describe(auto& s, auto&& counter) {
@@ -61,7 +63,7 @@ struct StackStats {
 ///    of the oldest dropped entry or, with a restart trail, from the root. That refills the short stack.
 class TraversalSlot {
  public:
-  /// Sub-pipes that a step may need.
+  /// The sub-pipe that a ray's next step needs.
   enum Pipe : std::size_t { kToInner, kToStack, kToLeaf, kToRetire, kPipes };
 
   TraversalSlot() = default;
@@ -70,16 +72,16 @@ class TraversalSlot {
   std::uint32_t id() const { return id_; }
   /// First word of the next step.
   std::uint32_t step() const { return step_; }
-  /// Word of the visit completed last.
+  /// Word of the last completed visit.
   std::uint32_t last_visit() const { return next_[-1]; }
-  /// Exit phases of the leaf that is the next step.
+  /// Exit phases of the next step, which is a leaf.
   std::uint32_t exit_phases() const { return next_[1]; }
   bool is_restarting() const { return restarting_; }
   /// Stack entries not popped yet, dropped ones included; entries in the short stack.
   std::uint32_t stack_depth() const { return stack_depth_; }
   std::uint32_t short_stack_size() const { return short_stack_size_; }
 
-  /// Returns the sub-pipe of the next step. `instances`: the scene has some.
+  /// Returns the sub-pipe of the next step. `instances`: the scene has instances.
   [[gnu::always_inline]] Pipe next_pipe(bool instances = true) {
     // Indexed by kind of step; the second half is for steps that need a pop first.
     static constexpr std::array<Pipe, 8> kPipeOf{kToInner, kToLeaf,  kToStack, kToRetire,
@@ -93,12 +95,12 @@ class TraversalSlot {
   }
 
   /// Completes a visit and returns whether it hit both children. `capacity`: entries of the short stack;
-  /// `keeps_entries`: it is not 0. Branch-free except for a full stack: nearly as many rays hit both children as do
-  /// not.
+  /// `keeps_entries`: `capacity` is not 0. Branch-free except for a full stack: about half of the visits hit both
+  /// children.
   [[gnu::always_inline]] bool advance_to_next_step(std::uint32_t capacity, bool keeps_entries, StackStats& stats) {
     const std::uint32_t hits = traces::hits_of(step_);
     go_to(next_ + 1);
-    __builtin_prefetch(next_ + 8);  // into the host's cache: steps of the ray's later visits
+    __builtin_prefetch(next_ + 8);  // host prefetch of the ray's later steps
     must_pop_ = hits == 0;
     const unsigned both = hits == 3;
     stack_depth_ = static_cast<std::uint16_t>(stack_depth_ + both);
@@ -113,7 +115,7 @@ class TraversalSlot {
   }
   /// Completes an instance's transform: the ray continues in the instance's tree.
   void enter_instance() { go_to(next_ + 1); }
-  /// The leaf that is the next step is sent to the intersection unit; its answer is followed by a pop or the end.
+  /// Advances past a leaf that has been sent to the intersection unit. Its answer is followed by a pop or the end.
   void send_leaf() { go_to(next_ + 2); }
   void take_answer() { must_pop_ = true; }
 
@@ -125,17 +127,18 @@ class TraversalSlot {
     consume_entry();
     return true;
   }
-  /// Restarts the ray, whose walk begins at `walk`. `entries`: scratch space for the stack's entries.
+  /// Restarts the ray, whose walk begins at `walk`. `entries` is scratch space.
   void restart(const std::uint32_t* walk, const TreeInMemory& tree, bool has_trail, std::uint32_t capacity,
                std::vector<StackEntryOrigin>& entries, RestartPath& path, StackStats& stats);
-  /// Completes a visit on the restart path. With a trail the last one needs no pop.
+  /// Completes a visit on the restart path. With a restart trail, the last one continues at its far child without a
+  /// pop.
   void complete_replayed_visit(RestartPath& path, bool has_trail);
 
-  // A visit's lines and passes.
+  // Progress of a visit that takes several lines or passes.
   std::uint32_t lines_read() const { return lines_read_; }
   void count_line() { lines_read_ += 1; }
   void reset_lines() { lines_read_ = 0; }
-  /// The child whose box is tested, with one box tester.
+  /// The child whose box this pass tests; with one box tester only.
   std::uint32_t child() const { return child_; }
   void switch_child() { child_ ^= 1U; }
 
@@ -159,10 +162,10 @@ class TraversalSlot {
   const std::uint32_t* next_ = nullptr;
   std::uint32_t step_ = 0;
   std::uint32_t id_ = 0;
-  std::uint32_t culls_ = 0;  ///< entries still to pop and drop before `next_`
+  std::uint32_t culls_ = 0;  ///< entries still to be popped and dropped before the next step
   std::uint16_t stack_depth_ = 0;
   std::uint16_t short_stack_size_ = 0;
-  bool must_pop_ = false;  ///< `next_` is reached through the stack
+  bool must_pop_ = false;  ///< the next step needs a pop first
   bool restarting_ = false;
   std::uint8_t child_ = 0;
   std::uint8_t lines_read_ = 0;

@@ -11,7 +11,7 @@
 
 namespace hw {
 
-static constexpr std::size_t kUsualStackDepth = 128;  ///< reserved; deeper trees take more
+static constexpr std::size_t kUsualStackDepth = 128;  ///< entries reserved; deeper trees allocate more
 
 Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree, Links links, std::uint16_t port,
          sim::Clock clock)
@@ -62,7 +62,8 @@ void Trv::finish(sim::Time end) {
   stats_.full = clock_.cycles(full_time_);
 }
 
-/// Rays have come or gone in the cycle at `now`, which counts as what it is at its end; its visit as the cycle before.
+/// Updates the counts of full cycles after rays have moved in the cycle at `now`. The cycle counts by its state at the
+/// end, its visit by the state before.
 void Trv::note_full(sim::Time now) {
   rays_moved_ = false;
   if (full_ == (free_ == 0)) return;
@@ -96,7 +97,7 @@ void Trv::prefetch_far_nodes(std::uint64_t cycle) {
   far_nodes_.clear();
 }
 
-/// The line was not there.
+/// Handles a probe that missed, and returns the cycle's reason.
 Trv::CycleReason Trv::missed(FetchStage::Wait wait, std::uint32_t index, std::uint64_t cycle) {
   if (fetch_.bypasses()) {
     stats_.bypass_passes += 1;
@@ -105,7 +106,7 @@ Trv::CycleReason Trv::missed(FetchStage::Wait wait, std::uint32_t index, std::ui
   return FetchStage::reason(wait, CycleReason::kL1Miss);
 }
 
-/// Slots that may enter the one pipe; those with leaves only if there is room for a leaf.
+/// Slots that may enter the one shared pipe; those with leaves only if there is room for a leaf.
 std::uint64_t Trv::shared_work(bool room_for_leaves) const {
   if (fetch_.is_stalled()) return fetch_.issuable_slots();
   return fetch_.issuable_slots() | waiting_[kToStack] | (room_for_leaves ? waiting_[kToLeaf] : 0);
@@ -220,7 +221,7 @@ template <bool kDefault>
   const TreeInMemory::Line read = has.plain
                                       ? TreeInMemory::Line{tree_.line_of(node), true}
                                       : tree_.line_of_visit(node, config_.box_testers, slot.child(), slot.lines_read());
-  // Fast path: it saves 6, 1 and 1 % of the machine's instructions (the frames above tick_as()).
+  // Fast path: it saves 6, 1 and 1 % of the host's instructions (frames as at tick_as()).
   if (has.reorders && fetch_.try_first_probe_hit(bit(index), read.line)) {
     waiting_[kToInner] &= ~bit(index);
   } else if (const FetchStage::Wait wait = fetch_.read(index, read.line, cycle.number);
@@ -291,8 +292,8 @@ Trv::CycleReason Trv::issue_any(const Cycle& cycle) {
   return CycleReason::kSerial;
 }
 
-/// The tick of any unit. Fast path: with the default features as constants it saves 12, 5 and 4 % of the machine's
-/// instructions (conference-331k, chess-42k and garden-outdoor-643k at 128x64).
+/// Does one cycle. Fast path: the default features as constants save 12, 5 and 4 % of the host's instructions
+/// (conference-331k, chess-42k and garden-outdoor-643k at 128x64).
 template <bool kDefault>
 [[gnu::always_inline]] inline sim::Time Trv::tick_as(const Cycle& cycle) {
   const TrvFeatures has = features<kDefault>();
@@ -300,7 +301,7 @@ template <bool kDefault>
   const auto issuable_slots = [&] { return has.reorders ? waiting_[kToInner] : fetch_.issuable_slots(); };
   take_from_pipes<kDefault>(cycle);
   if (arrivals_.soonest <= now) take_arrivals(cycle);
-  CycleReason why = CycleReason::kStarved;  // nothing is tried
+  CycleReason why = CycleReason::kStarved;  // until a slot tries
   if (has.one_pipe) {
     why = issue_any(cycle);
   } else {
@@ -342,8 +343,8 @@ bool Trv::enters_instance(const TraversalSlot& slot, std::uint32_t index) const 
   return slot.is_restarting() ? paths_[index].enters_instance() : traces::is_enter(slot.step());
 }
 
-/// One operation of the box pipe: 9 multiplications and as many additions for the origin, 9 and 6 for the direction,
-/// and its reciprocal.
+/// Transforms a ray into an instance's space, one operation of the box pipe: 9 multiplications and 9 additions for the
+/// origin, 9 and 6 for the direction, and a reciprocal.
 Trv::CycleReason Trv::issue_transform(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle) {
   const std::uint32_t instance = slot.is_restarting() ? paths_[index].instance() : traces::instance_of(slot.step());
   const FetchStage::Wait wait = fetch_.read(index, tree_.line_of_instance(instance), cycle);
@@ -387,7 +388,7 @@ void Trv::issue_outputs(const Cycle& cycle) {
     if (free_ != 0) arrivals_.soonest = std::min(arrivals_.soonest, arrivals_.rays);
     rays_moved_ = true;
   }
-  if (!far_nodes_.empty()) prefetch_far_nodes(cycle.number);  // after what rays need now
+  if (!far_nodes_.empty()) prefetch_far_nodes(cycle.number);  // after demand requests
   fetch_.send(cycle.now, links_.memory_out);
 }
 

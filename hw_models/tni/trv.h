@@ -21,38 +21,38 @@ namespace hw {
 
 /// Features of a traversal unit that every tick tests.
 struct TrvFeatures {
-  bool instances = false;   ///< a visit may carry the ray into an instance instead
+  bool instances = false;   ///< the scene has instances
   bool plain = true;        ///< a visit is one pass that reads one line and tests two boxes in floating point
-  bool one_pipe = false;    ///< passes, pops and leaves share a pipe
-  bool ideal = false;       ///< any number of operations a cycle
-  bool prefetches = false;  ///< far nodes are asked for ahead of need
-  bool reorders = true;     ///< misses are reordered, and there are some
-  bool stack = true;        ///< a ray's stack keeps at least one entry
+  bool one_pipe = false;    ///< passes, pops and leaves share one pipe
+  bool ideal = false;       ///< unlimited operations per cycle
+  bool prefetches = false;  ///< far nodes are prefetched
+  bool reorders = true;     ///< misses are reordered, and the L1 is not ideal
+  bool stack = true;        ///< a ray's stack has at least one entry
 
   friend bool operator==(const TrvFeatures&, const TrvFeatures&) = default;
 };
 
-/// Features of the default machine. Trv::tick is compiled once for these and once for any features.
+/// Features of the default machine. Trv::tick() is compiled twice: for these as constants, and for any features.
 inline constexpr TrvFeatures kDefaultTrvFeatures{};
 
-/// A traversal unit (TRV): takes independent rays through a 2-wide BVH, three sub-pipes side by side, each one
-/// operation a cycle.
+/// A traversal unit (TRV): takes independent rays through a 2-wide BVH. Its three sub-pipes run in parallel, each with
+/// one operation per cycle.
 ///
 ///   rays --> [input buffer: up to 64 slots] --> inner: node fetch (L1) + both boxes --+
 ///                   ^                       --> stack: one pop ----------------------+--> back to the buffer
 ///                   |                       --> leaf: to the IST, `count` cycles -----> ... answer
 ///                   +---- finished rays leave in any order
 ///
-/// A ray keeps its slot until it retires. The fetch stage handles a ray whose node is not in the L1 (fetch_stage.h).
-/// Ready rays go round robin by slot. A visit whose records lie in several
-/// lines fetches one line a cycle. A push shares the cycle of the visit that causes it (the stack RAM has one read and
-/// one write port).
-/// With one box tester (the unit of before 2014) a visit is two passes, child 0 then child 1, and passes, pops and
-/// leaves share one pipe: one of them enters a cycle, a leaf for `count` cycles. Each keeps its own latency.
-/// In a scene of instances a ray that comes to one reads its record, a line through the L1, and is carried into its
-/// space instead of a visit. Its slot keeps the ray as it was, so that leaving, which goes with the
-/// pop of an entry from outside, costs nothing more. Not modelled: under `rau` a ray could give its slot of the input
-/// buffer to another while it waits in the table.
+/// 1. A ray keeps its slot until it retires. Ready rays are served round robin by slot.
+/// 2. The fetch stage handles a ray whose node is not in the L1 (fetch_stage.h). A visit whose records span several
+/// lines fetches one line per cycle.
+/// 3. A push shares the cycle of its visit: the stack RAM has one read and one write port.
+/// 4. With one box tester (the unit before 2014) a visit takes two passes, child 0 then child 1. Passes, pops and
+/// leaves share one pipe: one of them enters per cycle, a leaf for `count` cycles. Each keeps its own latency.
+/// 5. At an instance, a ray reads the instance's record, a line through the L1, and is transformed into the instance's
+/// space. The slot keeps the original ray, so a pop out of the instance costs nothing extra.
+///
+/// Not modelled: reuse of a ray's slot in the input buffer while the ray waits in the table (`rau`).
 class Trv {
  public:
   static constexpr const char* kName = "core.tni.trv";
@@ -87,7 +87,7 @@ class Trv {
     std::uint64_t visits = 0, leaves = 0;
     std::uint64_t rays_in = 0, rays_out = 0;
     std::uint64_t restarted_visits = 0, first_passes = 0;
-    std::uint64_t box_tests = 0, hybrid_box_tests = 0;  ///< counted by stats()
+    std::uint64_t box_tests = 0, hybrid_box_tests = 0;  ///< computed by stats()
     std::uint64_t transforms = 0;
     std::uint64_t bypass_passes = 0, prefetch_probes = 0, prefetches = 0;
     std::uint64_t full = 0, full_visits = 0;
@@ -127,7 +127,8 @@ class Trv {
   Trv& operator=(const Trv&) = delete;
 
   sim::Time tick(sim::Time now);
-  /// Ticks those of a core's units, all of one configuration, whose bits are set, and writes down when they next wake.
+  /// Ticks the units of a core whose bits in `due` are set, and stores when each next wakes. All have one
+  /// configuration.
   static void tick_due(std::span<Trv* const> trvs, std::uint64_t due, sim::Time* wakes, const Cycle& cycle);
   const sim::Clock& clock() const { return clock_; }
   Stats stats() const;
@@ -146,7 +147,7 @@ class Trv {
     std::uint32_t node = 0, slot = 0;
   };
 
-  /// `kDefault`: the unit is_default_; its features are constants of the compiler (kDefaultTrvFeatures).
+  /// `kDefault`: the unit has kDefaultTrvFeatures, which are compile-time constants here.
   template <bool kDefault>
   sim::Time tick_as(const Cycle& cycle);
   sim::Time tick_as_declared(const Cycle& cycle);
@@ -162,7 +163,7 @@ class Trv {
   bool issue_leaf(sim::Time now);
   bool retire(sim::Time now);
 
-  /// Takes the line, answer and ray that have arrived.
+  /// Takes a line, an answer and a ray, each if it has arrived.
   void take_arrivals(const Cycle& cycle);
   /// True if any output can be issued. One combined test, as the single conditions are unpredictable.
   bool has_output(sim::Time now) const { return (issuable_leaves(now) | waiting_[kToRetire] | fetch_.unsent()) != 0; }
@@ -201,44 +202,44 @@ class Trv {
   /// Lists the far children of visits that hit both children, for prefetch_far_nodes().
   void note_far_nodes(std::uint64_t visited);
   void prefetch_far_nodes(std::uint64_t cycle);
-  /// Reason for a cycle, from `next` on, in which no node enters the box pipe.
+  /// Reason for cycles from `next` on in which no node enters the box pipe.
   CycleReason waiting(sim::Time next) const;
   sim::Time next_wake(const Cycle& cycle) const;
   void note_full(sim::Time now);
 
-  // Members of which every cycle reads some come first: they fill few lines of the host's caches.
+  // Members that ticks read come first, so that they share few host cache lines.
   alignas(64) TimingWheel<kPipes>::Masks waiting_{};  ///< slots that wait for each sub-pipe
-  /// When the next ray, answer and line may be taken, and none of them before `soonest`.
+  /// When the next ray, answer and line can be taken; none of them before `soonest`.
   struct Arrivals {
     sim::Time soonest = sim::kNever, rays = sim::kNever, answers = sim::kNever, lines = sim::kNever;
   } arrivals_;
-  sim::Time leaf_free_at_ = 0;  ///< when the pipe of leaves, or the one pipe for all, takes the next operation
+  sim::Time leaf_free_at_ = 0;  ///< when the leaf pipe, or the one shared pipe, accepts its next operation
   std::uint32_t inner_turn_ = 0, stack_turn_ = 0, leaf_turn_ = 0, retire_turn_ = 0;
-  const std::uint32_t box_latency_, transform_latency_;  ///< reading a line included
+  const std::uint32_t box_latency_, transform_latency_;  ///< L1 hit included
   const std::uint32_t stack_latency_;
-  const std::uint32_t stack_room_;  ///< entries that a ray's stack keeps
+  const std::uint32_t stack_room_;  ///< capacity of a ray's stack in entries
   const TrvFeatures features_;
   const bool is_default_;    ///< the features are the default machine's
-  bool rays_moved_ = false;  ///< in this cycle: rays have come or gone
-  bool full_ = false;  ///< since a tick at `full_since_`, behind `full_since_visit_`, there is a ray in every slot
+  bool rays_moved_ = false;  ///< a ray entered or retired in this cycle
+  bool full_ = false;        ///< every slot has held a ray since `full_since_`, that is after visit `full_since_visit_`
   std::vector<TraversalSlot> slots_;
   const sim::Clock clock_;
   sim::Activity<CycleReason> activity_;
   Stats stats_;
   FetchStage fetch_;
-  TimingWheel<kPipes> pipes_;  ///< slots inside the sub-pipes, by where they go next
+  TimingWheel<kPipes> pipes_;  ///< slots inside the sub-pipes, by the pipe that they need next
 
   const TreeInMemory tree_;
   Links links_;
   std::uint64_t free_;
   std::uint64_t occupied_ = 0;
-  std::uint64_t at_ist_ = 0;             ///< waiting for the intersection unit's answer
-  std::uint64_t both_children_hit_ = 0;  ///< in the box pipe, about to hit both children (prefetching)
+  std::uint64_t at_ist_ = 0;             ///< slots that wait for the intersection unit's answer
+  std::uint64_t both_children_hit_ = 0;  ///< slots in the box pipe whose visit hits both children, for prefetching
   const TrvConfig config_;
   std::vector<const std::uint32_t*> begins_;  ///< the first step of each slot's ray
   std::vector<RestartPath> paths_;            ///< by slot
   std::vector<StackEntryOrigin> entries_;     ///< scratch space for a restart
-  std::vector<FarNode> far_nodes_;            ///< to be prefetched in this cycle
+  std::vector<FarNode> far_nodes_;            ///< nodes to be prefetched in this cycle
   sim::Time full_since_ = 0, full_time_ = 0;
   std::uint64_t full_since_visit_ = 0;
 };
