@@ -7,41 +7,41 @@
 
 namespace hw {
 
-/// A number for each bank of a channel, all ranks together, looked at four banks at a time and without a branch:
-/// vectors of the compiler, which a host that has none works off one by one. Banks are named by masks, a bit each.
+/// A number for each bank of a channel, over all ranks. Banks are processed four at a time without branches, with
+/// compiler vectors. A set of banks is a mask with a bit per bank.
 class BankLanes {
  public:
-  static constexpr std::uint32_t kMost = 32;  ///< banks
+  static constexpr std::uint32_t kMost = 32;  ///< most banks
 
-  /// `banks` of them are in use.
+  /// `banks`: banks in use.
   explicit BankLanes(std::uint32_t banks) : fours_((banks + kWidth - 1) / kWidth) {}
 
   std::uint64_t& operator[](std::size_t bank) { return all_[bank]; }
   std::uint64_t operator[](std::size_t bank) const { return all_[bank]; }
 
-  /// Banks whose number is `most` or less; bits beyond the last bank mean nothing. Numbers are below 2^63.
+  /// Returns the banks whose number is at most `most`, below 2^63. Bits above the last bank are undefined.
   std::uint32_t up_to(std::uint64_t most) const {
     return up_to(most, [&](std::uint32_t four) { return at(four); });
   }
-  /// Banks of which both numbers are.
+  /// Returns the banks whose numbers here and in `other` are both at most `most`.
   std::uint32_t both_up_to(const BankLanes& other, std::uint64_t most) const {
     return up_to(most, [&](std::uint32_t four) { return larger(at(four), other.at(four)); });
   }
-  /// The least number of these banks.
+  /// Returns the smallest number of these banks.
   std::uint64_t least(std::uint32_t banks) const {
     return least(banks, [&](std::uint32_t four) { return at(four); });
   }
-  /// The least of these banks, each by the larger of its numbers.
+  /// Returns the minimum over these banks of the larger of their two numbers.
   std::uint64_t min_of_max(const BankLanes& other, std::uint32_t banks) const {
     return least(banks, [&](std::uint32_t four) { return larger(at(four), other.at(four)); });
   }
-  /// All bits that are set for any of these banks.
+  /// Returns the bitwise or of the numbers of these banks.
   std::uint64_t any_of(std::uint32_t banks) const {
     Four any{};
     each([&](std::uint32_t four, const Four& bit) { any |= at(four) & ((bit & banks) == bit); });
     return static_cast<std::uint64_t>(any[0] | any[1] | any[2] | any[3]);
   }
-  /// Raises the numbers of these banks to `to` where they are lower.
+  /// Raises the numbers of these banks to at least `to`.
   void raise(std::uint32_t banks, std::uint64_t to) {
     const Four bound = Four{} + static_cast<std::int64_t>(to);
     Four bit{1, 2, 4, 8};
@@ -51,7 +51,7 @@ class BankLanes {
       std::memcpy(&all_[std::size_t{four} * kWidth], &raised, sizeof raised);
     }
   }
-  /// Replaces each by f(number), which the compiler has to make vectors of.
+  /// Replaces every number by f(number); the compiler vectorises the loop.
   template <class F>
   void replace(F&& f) {
     for (std::uint32_t bank = 0; bank < fours_ * kWidth; ++bank) all_[bank] = f(all_[bank]);
@@ -59,9 +59,9 @@ class BankLanes {
 
  private:
   static constexpr std::uint32_t kWidth = 4;
-  using Four [[gnu::vector_size(32)]] = std::int64_t;  // signed, as hosts compare such
+  using Four [[gnu::vector_size(32)]] = std::int64_t;  // signed, as host vectors compare signed numbers
 
-  /// Calls f(number, bits of its banks) for each four banks.
+  /// Calls f(index, mask of each bank) for every four banks.
   template <class F>
   void each(F&& f) const {
     Four bit{1, 2, 4, 8};

@@ -92,16 +92,17 @@ inline void DramChannel::take_request(sim::Time now, Cycle cycle) {
   (request.write ? writes_ : reads_).push({request, address, cycle, static_cast<std::uint16_t>(port)}, row_is_open);
 }
 
-/// Does a new request leave its bank's next command as it is? The common case under load: older requests of its bank
-/// come first anyway.
+/// True if a new request cannot change the next command. This is the common case under load: older requests of its bank
+/// go first.
 inline bool DramChannel::next_survives(bool write, std::uint32_t bank, bool row_is_open) const {
   if (write != writing_) return false;
   const DramQueue& queue = write ? writes_ : reads_;
   return queue.hits(bank) != 0 || (queue.waiting(bank) != 0 && !row_is_open);
 }
 
-/// Returns a line when it is due, at most one per cycle. Fast path: it is pushed early with its future timestamp if the
-/// link has room then. `returns_` holds twice the lines that are not due yet, so that this hides no full queue.
+/// Returns a line when it is due, at most one per cycle. Fast path: if the link will have room, the line is pushed
+/// early with its future timestamp. This cannot hide a full `returns_`, which holds twice the lines that can be
+/// pending.
 bool DramChannel::respond(const Return& line, sim::Time now) {
   const sim::Time at = std::max(now, line.due);
   sim::Link<MemResponse>& out = *ports_out_[line.port];
@@ -112,7 +113,7 @@ bool DramChannel::respond(const Return& line, sim::Time now) {
 }
 
 inline sim::Time DramChannel::next_wake(sim::Time now) const {
-  // While no command can come, refreshes are caught up with later: they change nothing that anyone could see.
+  // While no command is scheduled, refreshes have no visible effect and are run later.
   const Cycle cycle = std::min({next_.at(), reschedule_at_, next_.none() ? sim::kNever : refresh_at_});
   sim::Time wake = cycle == sim::kNever ? sim::kNever : cycle * clock_.period();
   if (!returns_.empty())
@@ -142,14 +143,14 @@ ScheduledCommand DramChannel::best_command(Cycle now) const {
   return scheduler_.best_command(queue, writing_, due(queue) <= now, now);
 }
 
-/// Reason for which the data bus is idle since the last reschedule() and until the next one.
+/// Returns the reason why the data bus is idle between the last and the next reschedule().
 DramChannel::CycleReason DramChannel::waiting() const {
   if ((writing_ ? writes_ : reads_).empty()) return CycleReason::kIdle;
   if (next_.none()) return CycleReason::kReturnsFull;
   return device_.reason(next_.command(), next_.bank(), writing_, next_.at());
 }
 
-/// `read_due`, `write_due`: when the oldest of each may no longer be overtaken.
+/// `read_due`, `write_due`: when the oldest read and write exceed the age limit.
 inline bool DramChannel::writes_first(Cycle read_due, Cycle write_due, Cycle now) const {
   if (reads_.empty() || writes_.empty()) return reads_.empty();
   if (read_due <= now && write_due <= now) return write_due < read_due;
@@ -184,7 +185,7 @@ inline void DramChannel::issue(sim::Time now, Cycle cycle) {
   }
 }
 
-/// The last queued hit of the row is on its way.
+/// Applies the page policy after the last queued hit of a row.
 inline void DramChannel::row_done(const DramAddress& address) {
   const bool others = (reads_.waiting(address.bank) | writes_.waiting(address.bank)) != 0;
   if (page_policy_.closes(address.bank, address.row, others)) device_.auto_precharge(address.bank);
@@ -216,7 +217,8 @@ inline void DramChannel::transfer(const DramQueue::Entry& entry, sim::Time now, 
   }
 }
 
-/// Charges the cycles before `until`: to the data bus while it moves data, else to what the next command waits for.
+/// Charges the cycles before `until`: to the data bus while it is busy, otherwise to the reason why the next command
+/// waits.
 void DramChannel::account_until(Cycle until) {
   while (settled_ < until) {
     Cycle end = until;
@@ -243,7 +245,7 @@ std::string DramChannel::state() const {
                      writes_.size(), returns_.size(), device_.open_banks(), writing_ ? "writing" : "reading");
 }
 
-/// Runs every refresh due by now, each at its own time: the outcome is the same whenever this is called.
+/// Runs all refreshes due by `now`, each at its own time. The result does not depend on when this is called.
 void DramChannel::refresh(Cycle now) {
   const auto due_after = [&](std::uint64_t turns) {
     return refresh_interval_ * (turns / ranks_ + 1) + refresh_interval_ * (turns % ranks_) / ranks_;
@@ -295,7 +297,7 @@ std::uint32_t DramChannel::next_refresh(std::uint32_t rank) const {
   return static_cast<std::uint32_t>(std::countr_zero(candidates));
 }
 
-/// The device has closed these banks.
+/// Notes that the device has closed these banks.
 void DramChannel::close_rows(std::uint32_t banks) {
   for (std::uint32_t left = banks; left != 0; left &= left - 1) {
     const auto bank = static_cast<std::uint32_t>(std::countr_zero(left));
@@ -304,8 +306,8 @@ void DramChannel::close_rows(std::uint32_t banks) {
   }
 }
 
-/// Powers down if the channel has been idle for long enough before `now`: as with refreshes, it does not matter when
-/// this is called, as long as it is before something changes.
+/// Powers down if the channel has been idle long enough before `now`. The result does not depend on when this is
+/// called, as long as it is before the next change.
 void DramChannel::power_down(Cycle now) {
   const Cycle due = data_end_ + controller_.power_down_after;
   if (!controller_.power_down || is_down_ || due >= now || !reads_.empty() || !writes_.empty()) return;
@@ -322,7 +324,7 @@ void DramChannel::count_power_down(Cycle until) {
   down_counted_ = until;
 }
 
-/// A request has arrived.
+/// Leaves power-down because a request has arrived.
 void DramChannel::wake(Cycle now) {
   if (!is_down_) return;
   count_power_down(now);
@@ -332,7 +334,7 @@ void DramChannel::wake(Cycle now) {
   device_.wake(now + exit_cycles_);
 }
 
-/// An ideal channel takes and answers all that has come.
+/// Ticks an ideal channel, which answers all requests that have arrived.
 sim::Time DramChannel::tick_ideal(sim::Time now) {
   CycleReason why = CycleReason::kIdle;
   bool blocked = false;

@@ -22,7 +22,7 @@
 
 namespace hw {
 
-/// The bursts that are booked on a DRAM data bus and not over yet, in the order of time.
+/// The bursts booked on a DRAM data bus that have not ended, in order of time.
 class DataBus {
  public:
   using Cycle = std::uint64_t;
@@ -40,7 +40,7 @@ class DataBus {
     size_ -= 1;
   }
 
-  /// Bursts of two bank groups may interleave, so a new one may begin before the last one booked.
+  /// Books a burst. It may begin before the last one booked, as bursts of two bank groups interleave.
   void book(Burst burst) {
     assert(size_ < capacity_);
     std::size_t i = head_ + size_ < capacity_ ? head_ + size_ : head_ + size_ - capacity_;
@@ -63,29 +63,33 @@ class DataBus {
   std::size_t size_ = 0;
 };
 
-/// One LPDDR channel with its controller. Its state holds first allowed cycles, never countdowns.
+/// One LPDDR channel with its controller. Its state holds earliest allowed cycles, not countdowns.
 ///
 ///   ports_in --> one request per cycle --> [read queue ] --> ACT / RD / WR / PRE on the command bus --> banks
 ///                                          [write queue]                                               |
 ///   ports_out <-- [returns: fixed fabric latency] <--------- data bus <--------------------------------+
 ///
-/// First ready, first come first served (or strictly first come first served): a column command before an activate
-/// before a precharge, the oldest first among equals. A queue's oldest is no longer overtaken in its bank once it is
-/// over the age limit. Writes wait until the queue is at its high mark, and go first down to the low one; before that,
-/// while no read waits or one of them is over age. A line is booked as one train; other bank groups and commands fit
-/// between them. Rows stay open, or go with their last queued hit (DramPagePolicy). Refresh takes one bank, a pair of
-/// banks or a whole rank per interval, closes it and keeps it busy; ranks take turns. An idle channel may power down,
-/// all ranks together and with all rows closed; a refresh wakes it for as long as it takes.
-/// A response leaves on the port on which its request came, with `source` and `tag` unchanged.
-/// An ideal channel takes whatever has arrived and answers it in the same cycle, so that the wire is all of the delay;
-/// its lines still cost their bursts.
-/// Not modelled: forwarding from the write queue, postponed refresh, command slots of refreshes and their distance to
-/// activates of other banks but for pbr2act, power-down of single ranks or with open rows, self refresh, masked writes.
+/// 1. The scheduler is FR-FCFS or FCFS: a column command before an activate before a precharge, the oldest first among
+/// equals. Once a queue's oldest request exceeds the age limit, it is not overtaken in its bank.
+/// 2. Writes wait until their queue reaches its high mark, then go first down to the low mark. Before that they go
+/// while there are no reads, or when one of them exceeds the age limit.
+/// 3. A line is booked as one burst sequence. Other bank groups and commands fit into its gaps.
+/// 4. Rows stay open, or close with their last queued hit (DramPagePolicy).
+/// 5. A refresh takes one bank, a pair of banks or a whole rank per interval. It closes them and keeps them busy. Ranks
+/// take turns.
+/// 6. An idle channel may power down: all ranks together, with all rows closed. A refresh wakes it for its duration.
+/// 7. A response leaves on the port of its request, with `source` and `tag` unchanged.
+/// 8. An ideal channel answers every request in the cycle of its arrival, so only the links delay it. Its lines still
+/// cost energy for their bursts.
+///
+/// Not modelled: forwarding from the write queue, postponed refresh, command slots of refreshes, distances between
+/// refreshes and activates of other banks except pbr2act, power-down of single ranks or with open rows, self refresh,
+/// masked writes.
 class DramChannel {
  public:
   static constexpr const char* kName = "dram.channel";
   static constexpr Block kBlock = Block::kDram;
-  static constexpr std::size_t kAtOnce = 2;  ///< lines to a port in one tick at most: one that waited, and a new one
+  static constexpr std::size_t kAtOnce = 2;  ///< most lines to a port in one tick: a waiting one and a new one
   using CycleReason = DramCycleReason;
   static constexpr auto kReasons = kDramReasons;
   struct Stats {
@@ -129,9 +133,9 @@ class DramChannel {
   DramChannel& operator=(const DramChannel&) = delete;
 
   sim::Time tick(sim::Time now);
-  /// Brings every counter up to `end`, an edge of the clock.
+  /// Brings all counters up to `end`, an edge of the clock.
   void finish(sim::Time end);
-  /// Nothing is queued and no response is on its way.
+  /// True if no request is queued and no response is pending.
   bool idle() const { return reads_.empty() && writes_.empty() && returns_.empty(); }
 
   const sim::Clock& clock() const { return clock_; }
@@ -169,7 +173,7 @@ class DramChannel {
   void issue(sim::Time now, Cycle cycle);
   void row_done(const DramAddress& address);
   void transfer(const DramQueue::Entry& entry, sim::Time now, Cycle cycle);
-  /// When its oldest request may no longer be overtaken in its bank.
+  /// Returns when the queue's oldest request exceeds the age limit.
   Cycle due(const DramQueue& queue) const {
     return queue.empty() ? sim::kNever : queue.oldest().arrived + controller_.age_limit;
   }
@@ -196,17 +200,17 @@ class DramChannel {
   DramPagePolicy page_policy_;
   Cycle refresh_at_;
   std::uint64_t refresh_turn_ = 0;  ///< refreshes so far: ranks take turns
-  std::uint32_t to_refresh_;        ///< banks that have not had their turn in this round, as a mask
+  std::uint32_t to_refresh_;        ///< banks not refreshed in this round yet, as a mask
 
   Cycle data_end_ = 0;  ///< the end of the last line's data
   bool is_down_ = false;
-  Cycle down_since_ = 0;    ///< power-down begins or began, if is_down_
-  Cycle down_counted_ = 0;  ///< power-down is counted up to there
+  Cycle down_since_ = 0;    ///< start of power-down, if is_down_
+  Cycle down_counted_ = 0;  ///< end of the power-down time counted so far
 
   DramQueue reads_, writes_;
   sim::Ring<Return> returns_;
-  std::size_t most_returns_;  ///< what a full data bus brings in while device and fabric delay it, and as much again
-  sim::Time return_at_ = 0;   ///< when a line may leave
+  std::size_t most_returns_;  ///< twice the lines that a full data bus moves during the latency of device and fabric
+  sim::Time return_at_ = 0;   ///< when the next line may leave
   Arbiter ports_;
   bool draining_ = false;  ///< writes go first, down to the low mark
   bool writing_ = false;   ///< `next_` serves the write queue

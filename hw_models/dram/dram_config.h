@@ -12,48 +12,48 @@
 
 namespace hw {
 
-/// Address mapping: which bits choose row, bank, column and channel, highest first. Lines that follow each other differ
-/// in the last word.
+/// Address mapping: the order of row, bank, column and channel bits, highest first. Consecutive lines differ in the
+/// last field.
 enum class DramMapping : std::uint8_t {
-  kRowBankColumnChannel,  ///< a stream fills a row of every channel, then goes to the next bank
-  kRowColumnBankChannel,  ///< a stream goes round the banks: what bank groups need
-  kRowBankChannelColumn,  ///< a stream fills a row of one channel, then goes to the next channel
+  kRowBankColumnChannel,  ///< a stream fills a row in every channel, then moves to the next bank
+  kRowColumnBankChannel,  ///< a stream cycles through the banks, as bank groups need it
+  kRowBankChannelColumn,  ///< a stream fills a row of one channel, then moves to the next channel
 };
 constexpr std::array<std::string_view, 3> names_of(DramMapping) {
   return {"row_bank_column_channel", "row_column_bank_channel", "row_bank_channel_column"};
 }
 
-/// Order in which refreshes take the banks.
+/// Order in which banks are refreshed.
 enum class RefreshOrder : std::uint8_t {
-  kRoundRobin,  ///< the next one (LPDDR3 leaves no choice). A stream that goes round the banks may run into step with
-                ///< it
-  kIdleFirst,   ///< a bank that no request wants, among those that have not had their turn yet
+  kRoundRobin,  ///< the next bank (LPDDR3 allows no other order). A stream that cycles through the banks may
+                ///< synchronise with it
+  kIdleFirst,   ///< a bank without queued requests, among those not refreshed in this round
 };
 constexpr std::array<std::string_view, 2> names_of(RefreshOrder) { return {"round_robin", "idle_first"}; }
 
-/// Part of a rank that a refresh takes at a time.
+/// Part of a rank that one refresh takes.
 enum class RefreshKind : std::uint8_t {
-  kPerBank,  ///< a bank, or the banks that the device refreshes together; the others go on
+  kPerBank,  ///< a bank, or the pair that the device refreshes together; other banks continue
   kAllBank,  ///< all banks of a rank, less often
 };
 constexpr std::array<std::string_view, 2> names_of(RefreshKind) { return {"per_bank", "all_bank"}; }
 
-/// Page policy: whether a row stays open when no queued request wants it any more.
+/// Page policy: whether a row stays open when there is no queued request for it.
 enum class PagePolicy : std::uint8_t {
-  kOpen,      ///< it stays open until its bank is wanted for another row
+  kOpen,      ///< it stays open until a request needs another row of the bank
   kClosed,    ///< its last queued hit closes it (auto-precharge)
-  kAdaptive,  ///< the one or the other, by what former requests of the bank wanted next
+  kAdaptive,  ///< open or closed, predicted from the bank's earlier requests
 };
 constexpr std::array<std::string_view, 3> names_of(PagePolicy) { return {"open", "closed", "adaptive"}; }
 
-/// Scheduler: which request goes next, within the reads or within the writes.
+/// Scheduler: which request is served next, among the reads or among the writes.
 enum class DramScheduler : std::uint8_t {
-  kFrFcfs,  ///< whoever is ready, the oldest first among equals
-  kFcfs,    ///< the oldest, and nobody prepares a bank before his turn
+  kFrFcfs,  ///< ready requests first, the oldest first among equals
+  kFcfs,    ///< strictly the oldest: other requests do not prepare their banks
 };
 constexpr std::array<std::string_view, 2> names_of(DramScheduler) { return {"fr_fcfs", "fcfs"}; }
 
-/// Parts of a channel: ranks, banks, rows.
+/// Organisation of a channel: ranks, banks, rows.
 struct DramOrganisation {
   std::uint32_t ranks = 1;
   std::uint32_t banks = 8;
@@ -83,7 +83,7 @@ struct DramOrganisation {
   std::uint32_t all_banks() const { return ranks * banks; }
 };
 
-/// The speed grade, in cycles of the command clock (nCK) but for the clock itself.
+/// Timing of a speed grade, in cycles of the command clock (nCK), and the period of that clock.
 struct DramTiming {
   sim::Duration ck{625'000};
   std::uint32_t rl = 28, wl = 14, burst = 8, dqsck = 3;
@@ -139,7 +139,7 @@ struct DramTiming {
   }
 };
 
-/// The memory controller of a channel: how it orders requests.
+/// Configuration of a channel's memory controller: how it orders requests.
 struct DramController {
   DramMapping mapping = DramMapping::kRowBankColumnChannel;
   bool bank_xor = true;
@@ -211,7 +211,7 @@ struct DramEnergy {
   }
 };
 
-/// The memory: equal LPDDR channels, one speed grade.
+/// Configuration of the memory: equal LPDDR channels of one speed grade.
 struct DramConfig {
   std::string grade = "LPDDR4-3200";
   std::uint32_t channels = 4;
@@ -269,23 +269,23 @@ struct DramConfig {
 
   std::uint32_t bursts_per_line() const { return static_cast<std::uint32_t>(line.bytes / organisation.burst.bytes); }
   std::uint32_t commands_per_line() const { return bursts_per_line() / (organisation.bl32 ? 2 : 1); }
-  /// Between refreshes of a rank, in nCK; 0: never.
+  /// Returns the time between refreshes of a rank in nCK; 0: never.
   std::uint32_t refresh_interval() const {
     return controller.refresh == RefreshKind::kAllBank ? timing.refi_ab : timing.refi_pb;
   }
-  /// Between refreshes of the same bank, in nCK; 0: never.
+  /// Returns the time between refreshes of the same bank in nCK; 0: never.
   std::uint64_t bank_refresh_interval() const {
     if (controller.refresh == RefreshKind::kAllBank) return timing.refi_ab;
     return std::uint64_t{timing.refi_pb} * (organisation.banks / organisation.refresh_banks);
   }
-  /// Which channel owns a line.
+  /// Returns the mapping of lines to channels.
   Interleave interleave() const {
     const bool by_page = controller.mapping == DramMapping::kRowBankChannelColumn;
     return {by_page ? organisation.page.bytes : line.bytes, channels};
   }
 
  private:
-  /// A bank that is always refreshing, or never long enough free to open a row, serves nobody.
+  /// Refuses refreshes that leave a bank no time to open a row and serve a request.
   void check_refresh(auto&& complain) const {
     const bool all = controller.refresh == RefreshKind::kAllBank;
     const std::uint64_t busy =
@@ -298,13 +298,13 @@ struct DramConfig {
   }
 };
 
-/// A line's address inside its channel; its column plays no part in timing.
+/// A line's address in its channel. The column does not affect timing.
 struct DramAddress {
-  std::uint32_t bank = 0;  ///< among the banks of all ranks, rank by rank
+  std::uint32_t bank = 0;  ///< number among the banks of all ranks, rank by rank
   std::uint32_t row = 0;
 };
 
-/// Address bits to rank, bank and row; the channel is chosen before, by DramConfig::interleave().
+/// Maps address bits to rank, bank and row. DramConfig::interleave() selects the channel before.
 class DramMap {
  public:
   explicit DramMap(const DramConfig& c)
@@ -316,7 +316,7 @@ class DramMap {
         row_mask_(c.organisation.rows - 1) {}
 
   DramAddress address(Addr line) const {
-    // Whatever the order of channel and column, both lie below bank and row, so one shift serves both mappings.
+    // Channel and column are below bank and row in either order, so one shift serves both mappings.
     const Addr in_channel = line >> skip_;
     const std::uint32_t bank_mask = (1U << bank_bits_) - 1;
     DramAddress a;
@@ -332,15 +332,15 @@ class DramMap {
   bool bank_first_;
   std::uint32_t skip_;
   std::uint32_t column_bits_;
-  std::uint32_t bank_bits_;  ///< those of the rank included, above
+  std::uint32_t bank_bits_;  ///< including the rank's bits, which are highest
   std::uint32_t xor_mask_;
   std::uint32_t row_mask_;
 };
 
 /// Small timing perturbation of a channel, for replicates (docs/noise.md). None by default.
 struct DramPerturbation {
-  std::int32_t fabric = 0;    ///< cycles of the command clock by which reads take longer; never below none at all
-  std::uint32_t refresh = 0;  ///< cycles by which every refresh comes earlier, taken modulo their interval
+  std::int32_t fabric = 0;    ///< cycles of the command clock added to reads; the sum is at least 0
+  std::uint32_t refresh = 0;  ///< cycles by which all refreshes are earlier, modulo their interval
 
   std::uint64_t moved_fabric(std::uint64_t cycles) const {
     return static_cast<std::uint64_t>(std::max(std::int64_t{0}, static_cast<std::int64_t>(cycles) + fabric));

@@ -12,7 +12,7 @@ using enum DramCommand;
 namespace {
 
 std::uint32_t log2(std::uint32_t n) { return static_cast<std::uint32_t>(std::countr_zero(n)); }
-/// Every `stride`th of the first `banks`, as a mask.
+/// Returns a mask of every `stride`th of the first `banks` banks.
 std::uint32_t every(std::uint32_t stride, std::uint32_t banks) {
   std::uint32_t mask = 0;
   for (std::uint32_t bank = 0; bank < banks; bank += stride) mask |= 1U << bank;
@@ -20,7 +20,7 @@ std::uint32_t every(std::uint32_t stride, std::uint32_t banks) {
 }
 std::uint32_t first_bits(std::uint32_t n) { return static_cast<std::uint32_t>((std::uint64_t{1} << n) - 1); }
 
-/// Banks that are refreshed together are as far apart as they can be: half of the bank groups, or half of the banks.
+/// Returns the distance between banks that are refreshed together: half of the bank groups, or half of the banks.
 std::uint32_t pair_distance(const DramOrganisation& o) { return o.bank_groups > 1 ? o.bank_groups / 2 : o.banks / 2; }
 
 std::uint32_t leaders(const DramOrganisation& o) {
@@ -72,7 +72,7 @@ DramCycleReason DramDevice::reason(DramCommand command, std::uint32_t bank, bool
   return DramCycleReason::kIdle;
 }
 
-/// Applies the constraints that lead from an operation of the bank at `now`. The loop is unrolled by the compiler.
+/// Applies all constraints after operation `kFrom` of the bank at `now`. The loop is unrolled at compile time.
 template <DramOp kFrom>
 inline void DramDevice::constrain(std::uint32_t bank, Cycle now) {
   const std::uint32_t own_rank = rank_of(bank);
@@ -141,7 +141,7 @@ DramDevice::Cycle DramDevice::write(std::uint32_t bank, Cycle now) {
   return data;
 }
 
-/// The cycle of the first column command of a line that begins at `now`, perhaps with a CAS.
+/// Books the column commands of a line that starts at `now`, with a CAS if needed. Returns the cycle of the first one.
 DramDevice::Cycle DramDevice::reserve_burst_sequence(std::uint32_t bank, bool write, Cycle now) {
   turnarounds_ += write != last_was_write_;
   last_was_write_ = write;
@@ -171,7 +171,7 @@ void DramDevice::refresh_rank(std::uint32_t rank, Cycle due) {
   start_refresh<DramOp::kRefreshRank>(banks, begin_of_refresh(banks, precharge_all(banks, due)));
 }
 
-/// The first cycle, `from` or later, at which all of the banks are precharged.
+/// Returns the first cycle at or after `from` at which all of the banks are precharged.
 DramDevice::Cycle DramDevice::begin_of_refresh(std::uint32_t banks, Cycle from) const {
   for (std::uint32_t left = banks; left != 0; left &= left - 1)
     from = std::max(from, at(DramOp::kActivate, log2(left)));
@@ -188,7 +188,7 @@ void DramDevice::start_refresh(std::uint32_t banks, Cycle begin) {
 
 DramDevice::Cycle DramDevice::precharge_all(std::uint32_t banks, Cycle from) {
   const std::uint32_t open = banks & open_;
-  const Cycle closed = rank_[rank_of(log2(banks))].active_until;  // a precharge may have been booked ahead
+  const Cycle closed = rank_[rank_of(log2(banks))].active_until;  // a precharge may be booked for the future
   if (open == 0) return closed == 0 ? from : std::max(from, closed + t_.rp);
   Cycle begin = std::max(from, closed);
   for (std::uint32_t left = open; left != 0; left &= left - 1)
@@ -203,7 +203,7 @@ DramDevice::Cycle DramDevice::active_cycles(Cycle until) {
   Cycle sum = 0;
   for (std::uint32_t r = 0; r < ranks_; ++r) {
     Rank& rank = rank_[r];
-    // A refresh may have set the end of the last open row some cycles ahead.
+    // A refresh may have set the end of the last open row to a future cycle.
     const Cycle end = (open_ & banks_of(r)) != 0 ? until : std::min(until, rank.active_until);
     if (end > rank.active_since) {
       rank.active += end - rank.active_since;

@@ -12,19 +12,21 @@
 
 namespace hw {
 
-/// Commands, the preferred first. kColumn is the burst of reads, or of writes, that moves one line.
+/// Commands in order of preference. kColumn is the sequence of reads, or of writes, that moves one line.
 enum class DramCommand : std::uint8_t { kColumn, kActivate, kPrecharge };
 
-/// Reservation table of the command bus and the data bus: for each kind of command a bit mask over the next 64 cycles
-/// in which it cannot start, because it would meet something booked. What a booked command forbids to each kind is
-/// known beforehand, so that booking and asking take no loops; other commands fit between those of a train.
-/// With tAAD an activate is ACT-1 and, at most tAAD later, ACT-2. ACT-2 makes way for reads and writes while it has
-/// another slot; no ACT-1 comes before it.
+/// Reservation table of the command bus and the data bus. For each kind of command, a bit mask marks the next 64 cycles
+/// in which it cannot start because it would conflict with something booked.
+///
+/// 1. The conflicts between each pair of kinds are precomputed, so queries and bookings need no loops.
+/// 2. Other commands fit into the gaps of a line's burst sequence.
+/// 3. With tAAD an activate is ACT-1 and, at most tAAD later, ACT-2. ACT-2 moves to another slot for reads and writes
+/// while it can. No ACT-1 is issued before that ACT-2.
 class CommandCalendar {
  public:
   using Cycle = std::uint64_t;
 
-  /// A line takes `bursts`, moved by `commands` column commands.
+  /// A line takes `bursts` bursts, moved by `commands` column commands.
   CommandCalendar(const DramTiming& t, std::uint32_t bursts, std::uint32_t commands)
       : half_(t.aad == 0 ? 0 : t.ca_activate / 2),
         aad_(t.aad),
@@ -48,7 +50,7 @@ class CommandCalendar {
     }
   }
 
-  /// Returns the first cycle, `from` or later, at which the command meets nothing booked.
+  /// Returns the first cycle at or after `from` at which the command conflicts with nothing booked.
   Cycle first_free(DramCommand command, Cycle from) const {
     if (command != DramCommand::kActivate) return first_free(index(command), from);
     if (half_ == 0) return from + distance_to_free(ahead(blocked_[kActivate], from));
@@ -58,12 +60,12 @@ class CommandCalendar {
     for (std::uint32_t d = half_; d <= aad_; ++d) no_second &= blocked >> d;
     return from + distance_to_free(blocked | no_second);
   }
-  /// Returns the first cycle, `from` or later, at which a CAS fits with a column command after it.
+  /// Returns the first cycle at or after `from` at which a CAS and its column command fit.
   Cycle first_free_with_sync(Cycle from) const { return first_free(kSync, from); }
-  /// Has the data bus room for a train that starts at `at`?
+  /// True if the data bus is free for a burst sequence that starts at `at`.
   bool data_free(Cycle at) const { return (ahead(blocked_data_, at) & 1) == 0; }
 
-  /// Books the command. Cycles before `at` are over and are forgotten.
+  /// Books the command, and drops the cycles before `at`.
   void book(DramCommand command, Cycle at) {
     book(index(command), at);
     if (command != DramCommand::kActivate || half_ == 0) return;
@@ -76,10 +78,11 @@ class CommandCalendar {
 
  private:
   static constexpr std::size_t kColumn = 0, kActivate = 1, kPrecharge = 2, kSync = 3, kKinds = 4;
-  static constexpr std::uint32_t kLatest = 32;  ///< more than the cycles from a command to any ACT-2 that it may meet
+  static constexpr std::uint32_t kLatest =
+      32;  ///< more than the cycles from a command to any ACT-2 that it can conflict with
 
   static constexpr std::size_t index(DramCommand command) { return static_cast<std::size_t>(command); }
-  /// Returns the first start that is not blocked.
+  /// Returns the distance to the first start that is not blocked.
   static Cycle distance_to_free(std::uint64_t blocked) { return static_cast<Cycle>(std::countr_one(blocked)); }
 
   Cycle first_free(std::size_t kind, Cycle from) const {
@@ -110,7 +113,7 @@ class CommandCalendar {
     if (kind == kColumn || kind == kSync) blocked_data_ |= forbids_data_[kind == kSync];
     base_ = at;
   }
-  /// Returns the starts at which a pattern `asked` meets what is booked.
+  /// Returns the starts at which a pattern `asked` conflicts with what is booked.
   static std::uint64_t starts(std::uint64_t asked, std::uint64_t booked) {
     std::uint64_t all = 0;
     for (; asked != 0; asked &= asked - 1) all |= booked >> std::countr_zero(asked);
@@ -122,7 +125,8 @@ class CommandCalendar {
     for (std::uint32_t i = 0; i < count; ++i) pattern |= ((std::uint64_t{1} << length) - 1) << (i * stride);
     return pattern;
   }
-  /// The distances, in cycles, at which a pattern `asked` would meet a pattern `booked` that started before it.
+  /// Returns the distances, in cycles, at which a pattern `asked` conflicts with a pattern `booked` that started
+  /// before.
   static constexpr std::uint64_t conflict_distances(std::uint64_t booked, std::uint64_t asked) {
     std::uint64_t distances = 0;
     for (std::uint32_t d = 0; d < 64; ++d) {
@@ -132,25 +136,25 @@ class CommandCalendar {
   }
   std::uint64_t ahead(std::uint64_t mask, Cycle from) const { return from - base_ >= 64 ? 0 : mask >> (from - base_); }
 
-  const std::uint32_t half_;  ///< cycles of ACT-1, and of ACT-2; 0: an activate is one block
+  const std::uint32_t half_;  ///< cycles of ACT-1, and of ACT-2; 0: an activate is one command
   const std::uint32_t aad_;
   const std::array<std::uint64_t, kKinds> command_bus_;  ///< the pattern of each kind of command
-  const std::uint64_t data_bus_;                         ///< pattern of a line
+  const std::uint64_t data_bus_;                         ///< the pattern of a line
   Cycle base_ = 0;
-  std::array<std::uint64_t, kKinds> blocked_{};  ///< without an ACT-2 to come
+  std::array<std::uint64_t, kKinds> blocked_{};  ///< without the pending ACT-2
   std::uint64_t blocked_data_ = 0;
-  Cycle second_at_ = 0, second_until_ = 0;  ///< slot of the last ACT-2, and the last one that it may take
+  Cycle second_at_ = 0, second_until_ = 0;  ///< slot of the last ACT-2, and the latest slot that it may take
   std::array<std::array<std::uint64_t, kKinds>, kKinds> forbids_{};
-  std::array<std::uint64_t, 2> forbids_data_{};  ///< by a column command, and by one with its CAS
-  std::array<std::uint64_t, kKinds> second_{};   ///< starts of each kind that meet an ACT-2 kLatest cycles from now
+  std::array<std::uint64_t, 2> forbids_data_{};  ///< by a column command, and by one with a CAS
+  std::array<std::uint64_t, kKinds> second_{};   ///< starts of each kind that conflict with an ACT-2 at bit kLatest
 };
 
-/// The banks and buses of one channel: which command may run when. Its state holds first allowed cycles, never
-/// countdowns. Cycles are those of the command clock.
+/// The banks and buses of one channel, which determine when a command may run. Its state holds earliest allowed cycles
+/// of the command clock, not countdowns.
 class DramDevice {
  public:
   using Cycle = std::uint64_t;
-  static constexpr std::uint32_t kMaxBanks = BankLanes::kMost;  ///< all ranks together
+  static constexpr std::uint32_t kMaxBanks = BankLanes::kMost;  ///< banks of all ranks
   static constexpr std::uint32_t kMaxRanks = 2;
 
   explicit DramDevice(const DramConfig& config);
@@ -161,33 +165,33 @@ class DramDevice {
   /// Banks with an open row, as a mask.
   std::uint32_t open_mask() const { return open_; }
 
-  /// The first cycle, `now` or later, at which the device is not in power-down.
+  /// Returns the first cycle at or after `now` at which the device is not in power-down.
   Cycle awake(Cycle now) const { return std::max(now, awake_at_); }
-  /// The first cycle, `from` or later, at which the rank allows the command in any of its banks.
+  /// Returns the first cycle at or after `from` at which the rank allows the command in any of its banks.
   Cycle rank_ready(DramCommand command, std::uint32_t rank, bool write, Cycle from) const {
     if (command == DramCommand::kActivate) return rank_[rank].next_activate(from, t_);
     return command == DramCommand::kColumn ? std::max(from, rank_[rank].at[index(column(write))]) : from;
   }
-  /// The first cycle at which the command may run in the bank, as far as the buses are free for it.
+  /// Returns the first cycle at which bank and rank allow the command. The buses are not considered.
   Cycle ready(DramCommand command, std::uint32_t bank, bool write, Cycle rank_ready) const {
     const Cycle ready = std::max(rank_ready, at(op_of(command, write), bank));
     if (command != DramCommand::kColumn) return ready;
     return std::max(ready, group_at_[write][bank]);
   }
-  /// Banks that are ready for the command by then, whatever their rank and the buses allow, as a mask.
+  /// Returns the banks that allow the command in cycle `by`, as a mask. Rank and buses are not considered.
   template <DramCommand kCommand>
   std::uint32_t ready_banks(bool write, Cycle by) const {
     const BankLanes& at = bank_at_[index(op_of(kCommand, write))];
     return kCommand == DramCommand::kColumn ? at.both_up_to(group_at_[write], by) : at.up_to(by);
   }
-  /// The cycle at which the first of these banks is ready for the command, likewise.
+  /// Returns the first cycle at which one of these banks allows the command. Rank and buses are not considered.
   template <DramCommand kCommand>
   Cycle first_ready(std::uint32_t banks, bool write) const {
     const BankLanes& at = bank_at_[index(op_of(kCommand, write))];
     return kCommand == DramCommand::kColumn ? at.min_of_max(group_at_[write], banks) : at.least(banks);
   }
-  /// Returns the first cycle from `ready` on at which the buses are free for the command. For a read or write while WCK
-  /// is stopped, it is the cycle of the CAS that precedes the command.
+  /// Returns the first cycle at or after `ready` at which the buses are free for the command. For a read or write with
+  /// WCK stopped it is the cycle of the preceding CAS.
   Cycle slot(DramCommand command, std::uint32_t rank, Cycle ready) const {
     const Rank& of = rank_[rank];
     Cycle free = calendar_.first_free(command, ready);
@@ -201,42 +205,43 @@ class DramDevice {
     return free;
   }
 
-  /// Reason why the command cannot run one cycle before `at`, its earliest cycle; it holds for every cycle until then.
+  /// Returns the reason why the command cannot run before `at`, its earliest cycle. The reason holds for all cycles
+  /// until then.
   DramCycleReason reason(DramCommand command, std::uint32_t bank, bool write, Cycle at) const;
 
   void activate(std::uint32_t bank, std::uint32_t row, Cycle now);
   void precharge(std::uint32_t bank, Cycle now);
-  /// The last read or write of the bank's open row brings its precharge along, which takes no command slot.
+  /// Precharges the bank with its last read or write, which takes no command slot.
   void auto_precharge(std::uint32_t bank) { close(bank, at(DramOp::kPrecharge, bank)); }
-  /// The bursts of one line, behind a CAS if WCK stands still; returns the cycle of the first data.
+  /// Reads or writes one line, with a CAS before it if WCK is stopped. Returns the cycle of the first data.
   Cycle read(std::uint32_t bank, Cycle now);
   Cycle write(std::uint32_t bank, Cycle now);
-  /// First data to the end of the last burst of a line.
+  /// Cycles from the first data of a line to the end of its last burst.
   Cycle data_cycles() const { return train_length_ + t_.burst; }
-  /// Calls f(begin, end) for the stretches in which a line whose data begin at `data` holds the data bus.
+  /// Calls f(begin, end) for each interval in which a line whose data begin at `data` occupies the data bus.
   void each_burst(Cycle data, auto&& f) const {
     if (t_.ccd_l == t_.burst) return f(data, data + data_cycles());
     for (Cycle begin = data; begin <= data + train_length_; begin += t_.ccd_l) f(begin, begin + t_.burst);
   }
 
-  /// The banks of a rank, and those that one refresh of single banks takes with `bank`, as masks.
+  /// Masks of the banks of a rank, and of the banks that a per-bank refresh takes together with `bank`.
   std::uint32_t banks_of(std::uint32_t rank) const { return rank_banks_ << (rank << rank_shift_); }
   std::uint32_t refreshed_with(std::uint32_t bank) const { return refresh_set_ << bank; }
-  /// The banks by whose number refreshes of single banks go: the lower one of each pair.
+  /// The banks by which per-bank refreshes are numbered: the lower one of each pair.
   std::uint32_t refresh_leaders() const { return refresh_leaders_; }
 
-  /// Refreshes these banks together as soon as they may after `due`, closing them first.
+  /// Closes and refreshes these banks together, as soon as allowed at or after `due`.
   void refresh(std::uint32_t banks, Cycle due);
-  /// Refreshes the whole rank as soon as it may after `due`, closing it first.
+  /// Closes and refreshes the whole rank, as soon as allowed at or after `due`.
   void refresh_rank(std::uint32_t rank, Cycle due);
-  /// Closes these banks together as soon as they may after `from`; returns when all of them are precharged.
+  /// Closes these banks together, as soon as allowed at or after `from`. Returns when all of them are precharged.
   Cycle precharge_all(std::uint32_t banks, Cycle from);
-  /// No command before `at`: the device leaves power-down.
+  /// Leaves power-down: the first command may run at `at`.
   void wake(Cycle at) { awake_at_ = at; }
 
   std::uint32_t open_banks() const;
   std::uint64_t turnarounds() const { return turnarounds_; }
-  /// Cycles before `until` in which a rank had a row open, summed over the ranks. `until` never goes back.
+  /// Returns the cycles before `until` with an open row, summed over ranks. `until` must not decrease between calls.
   Cycle active_cycles(Cycle until);
 
  private:
@@ -261,14 +266,14 @@ class DramDevice {
 
   struct Rank {
     std::array<Cycle, 3> at{};                ///< first cycle of a read, write or activate, by DramOp
-    std::array<DramCycleReason, 3> reason{};  ///< of the same
-    std::array<Cycle, 4> four_activates{};    ///< tFAW: when each of the last four leaves the window
+    std::array<DramCycleReason, 3> reason{};  ///< reason of each of `at`
+    std::array<Cycle, 4> four_activates{};    ///< when each of the last four activates leaves the tFAW window
     std::uint32_t oldest_activate = 0;
-    Cycle active = 0;  ///< counted up to active_since
+    Cycle active = 0;  ///< cycles with an open row before `active_since`
     Cycle active_since = 0, active_until = 0;
 
-    Cycle refreshed_at = 0;  ///< begin of the last refresh of single banks; 0: none yet
-    Cycle wck_stops_at = 0;  ///< WCK runs before that cycle; a read or write at it or later needs a CAS
+    Cycle refreshed_at = 0;  ///< start of the last per-bank refresh; 0: none yet
+    Cycle wck_stops_at = 0;  ///< WCK stops at this cycle; a later read or write needs a CAS
 
     Cycle next_activate(Cycle from, const DramTiming& t) const {
       Cycle activate = std::max({from, at[index(DramOp::kActivate)], four_activates[oldest_activate]});
@@ -292,18 +297,18 @@ class DramDevice {
   const DramTiming t_;
   const std::array<std::int64_t, kDramConstraints.size()> constraint_cycles_;
   const std::uint32_t ranks_, rank_shift_;
-  const std::uint32_t group_mask_;   ///< low bits of the bank, and its rank: the first bank of its group
+  const std::uint32_t group_mask_;   ///< bits of a bank's number that give the first bank of its group
   const std::uint32_t group_banks_;  ///< banks of the first group, as a mask
   const std::uint32_t rank_banks_;   ///< banks of the first rank, as a mask
   const std::uint32_t refresh_set_;
   const std::uint32_t refresh_leaders_;
   const Cycle train_length_;  ///< first to last column command of a line
 
-  std::uint32_t open_ = 0;  ///< a bit per bank
+  std::uint32_t open_ = 0;  ///< banks with an open row, as a mask
   std::array<std::uint32_t, kMaxBanks> rows_{};
-  std::array<BankLanes, 4> bank_at_;                        ///< by DramOp: read, write, activate, precharge
-  std::array<DramCycleReason, kMaxBanks> closed_reason_{};  ///< reason why an activate of the closed bank waits
-  std::array<BankLanes, 2> group_at_;                       ///< reads, writes: of each bank that of its group
+  std::array<BankLanes, 4> bank_at_;  ///< earliest cycle in the bank, by DramOp: read, write, activate, precharge
+  std::array<DramCycleReason, kMaxBanks> closed_reason_{};  ///< why an activate of the closed bank waits
+  std::array<BankLanes, 2> group_at_;                       ///< earliest read and write by the bank's group
   std::array<Rank, kMaxRanks> rank_{};
   Cycle awake_at_ = 0;
   CommandCalendar calendar_;

@@ -8,11 +8,11 @@
 
 namespace hw {
 
-/// Energy of each event that DramChannel counts. A burst includes the device's core, the pins and the GPU's PHY; a
-/// standby cycle is the background power of one rank for one cycle of its command clock.
+/// Returns the energy of each event that DramChannel counts. A burst includes the device's core, the pins and the GPU's
+/// PHY. A standby cycle is one rank's background power for one cycle of the command clock.
 std::map<std::string, sim::DeviceEvent> dram_energy_events(const DramConfig& config);
 
-/// Energy of a channel for all that it counted, in pJ.
+/// Returns the energy of everything that a channel counted, in pJ.
 sim::Spread dram_energy(const DramConfig& config, const DramChannel::Stats& stats);
 
 }  // namespace hw

@@ -16,7 +16,8 @@ namespace {
 
 constexpr std::size_t kAnswers = 64;
 
-/// A channel and all that goes into it. Requests spend a cycle on the wire, so that inside all times are a cycle late.
+/// Runs a list of requests through one channel. A request spends one cycle on its link, so all internal times are one
+/// cycle late.
 class Player : Observer {
  public:
   Player(const DramConfig& config, std::span<const DramRequest> requests, std::uint32_t outstanding)
@@ -58,7 +59,7 @@ class Player : Observer {
                    static_cast<std::uint16_t>(next_), r.write});
   }
 
-  /// A write is posted: it is over for who sends it when the channel has taken it.
+  /// Completes writes that the channel has accepted, as writes are posted.
   void take_posted() {
     for (; taken_ + in_.size() < next_; ++taken_) waiting_ -= requests_[taken_].write ? 1 : 0;
   }
@@ -103,9 +104,9 @@ class Player : Observer {
 
   std::size_t next_ = 0;
   std::uint32_t waiting_ = 0;   ///< sent and not done
-  std::size_t taken_ = 0;       ///< requests that the channel has taken
-  std::size_t served_ = 0;      ///< their data are booked
-  sim::Ring<sim::Time> reads_;  ///< ends of the reads among them, in the order of commands
+  std::size_t taken_ = 0;       ///< requests that the channel has accepted
+  std::size_t served_ = 0;      ///< requests whose data are booked
+  sim::Ring<sim::Time> reads_;  ///< end times of reads, in order of their commands
   DramPlay play_;
 };
 
@@ -124,7 +125,7 @@ namespace {
 using Holds = DramMeasurement::Holds;
 
 constexpr std::uint32_t kOutstanding = 48;
-constexpr std::uint64_t kPause = 4096;  ///< cycles between requests that must not feel each other
+constexpr std::uint64_t kPause = 4096;  ///< cycles between requests that must not affect each other
 constexpr std::uint64_t kLines = 10'000;
 
 class Experiment {
@@ -139,14 +140,14 @@ class Experiment {
     c.age_limit = grade.controller.age_limit;
   }
 
-  /// The address of a row's first line.
+  /// Returns the address of a row's first line.
   Addr row(std::uint32_t bank, Addr index) const {
     return (index * config.organisation.all_banks() + bank) * config.organisation.page.bytes;
   }
   void send(Addr address, std::uint64_t cycle = 0, bool write = false) {
     requests_.push_back({address, write, cycle * config.timing.ck.time});
   }
-  /// Whether the rules between keys hold after what was changed.
+  /// True if the changed configuration satisfies the rules between its keys.
   bool is_possible() const {
     bool good = true;
     config.check([&good](auto&&...) { good = false; });
@@ -155,9 +156,9 @@ class Experiment {
   void go() { play_ = play(config, requests_, kOutstanding); }
 
   double ns(double cycles) const { return cycles * static_cast<double>(config.timing.ck.time) * 1e-6; }
-  /// Bandwidth if a line takes so many cycles.
+  /// Returns the bandwidth if a line takes `cycles` cycles.
   double gbps(double cycles) const { return static_cast<double>(config.line.bytes) / ns(cycles); }
-  /// Nominal energy of the whole play, in pJ.
+  /// Nominal energy of all requests, in pJ.
   double energy() const { return dram_energy(config, play_.stats).nominal; }
   /// Time until the last data, in ns.
   double time() const { return static_cast<double>(play_.end) * 1e-6; }
@@ -167,7 +168,7 @@ class Experiment {
   double distance(std::size_t first, std::size_t second) const {
     return static_cast<double>(play_.done[second] - play_.done[first]) * 1e-6;
   }
-  /// Bandwidth over the later nine tenths of the lines.
+  /// Bandwidth over the last nine tenths of the lines.
   double steady_gbps() const {
     const std::size_t first = requests_.size() / 10, last = requests_.size() - 1;
     return static_cast<double>((last - first) * config.line.bytes) / distance(first, last);
@@ -199,7 +200,7 @@ void lone_reads(const DramConfig& grade, std::vector<DramMeasurement>& measured)
   measured.push_back({"read, powered down", "ns", sleeper.latency(1), sleeper.ns(form.after_power_down())});
 }
 
-/// Two hits that arrive in cycles that follow each other; rows are opened before.
+/// Returns the time between two row hits that arrive in consecutive cycles.
 double pair(Experiment& m, std::uint32_t second_bank, bool first_writes, bool second_writes) {
   m.send(m.row(0, 0));
   m.send(m.row(second_bank, 0), kPause);
@@ -242,7 +243,7 @@ void sequential(const DramConfig& grade, std::vector<DramMeasurement>& measured)
   }
 }
 
-/// Rows of all banks in turn, so many lines of each.
+/// Measures a stream of `lines` lines from each row, over all banks in turn.
 DramMeasurement rows_in_turn(Experiment& m, const char* name, std::uint32_t lines, Holds holds) {
   const std::uint32_t banks = m.config.organisation.banks;
   for (std::uint32_t i = 0; i < kLines; ++i) {
@@ -263,9 +264,9 @@ void rows(const DramConfig& grade, std::vector<DramMeasurement>& measured) {
   const auto most = static_cast<std::uint32_t>(grade.organisation.page.bytes / grade.line.bytes);
   const std::uint32_t lines_of_row = std::min<std::uint32_t>(16, most);
   measured.push_back(rows_in_turn(long_rows, "sixteen lines of every row", lines_of_row, Holds::kClosely));
-  // A split activate fits between the commands of other lines; an activate of one block does not always. Lines of one
-  // command are not packed as closely as those of two, whose command slots keep their bursts apart. Random reads lose
-  // up to 3 % of a saturated command bus to ACT-2s that made way.
+  // A split activate fits between the commands of other lines; a whole activate may not. Lines of one command are
+  // packed less closely than lines of two, whose command slots keep their bursts apart. Random reads lose up to 3 % of
+  // a saturated command bus to displaced ACT-2s.
   const bool is_close = grade.timing.aad != 0 && !grade.organisation.bl32;
   measured.push_back(rows_in_turn(lines, "a line of every row", 1, is_close ? Holds::kClosely : Holds::kAtMost));
   for (Addr i = 0; i < kLines; ++i) random.send(sim::hash(i) % (1 << 22) * random.config.line.bytes);
@@ -290,7 +291,7 @@ void refreshes(const DramConfig& grade, std::vector<DramMeasurement>& measured) 
   }
 }
 
-/// Refreshes, ranks and the controller are those of the grade.
+/// Returns an experiment with the ranks, refreshes and controller of the grade, without power-down.
 Experiment as_set(const DramConfig& grade) {
   Experiment m(grade);
   m.config = grade;
@@ -298,7 +299,7 @@ Experiment as_set(const DramConfig& grade) {
   return m;
 }
 
-/// Power of a channel that moves nothing, in mW: all ranks in that standby, and refreshes.
+/// Returns the power of an idle channel in mW: all ranks in this standby state, and refreshes.
 double background_mw(const DramConfig& c, const sim::Spread& standby) {
   const bool all = c.controller.refresh == RefreshKind::kAllBank;
   const double refresh = all ? c.energy.refresh_all.nominal : c.energy.refresh.nominal;

@@ -11,8 +11,8 @@
 
 namespace hw {
 
-/// Times that the rules of a grade imply for a channel, in cycles of the command clock. A line is a train of bursts of
-/// one bank; times end with the last of its data.
+/// Times of a channel in closed form, in cycles of the command clock. A line is a sequence of bursts in one bank. Times
+/// end with a line's last data.
 class DramClosedForms {
  public:
   explicit DramClosedForms(const DramConfig& c)
@@ -25,13 +25,13 @@ class DramClosedForms {
         bank_refresh_interval_(static_cast<double>(c.bank_refresh_interval())),
         refresh_((c.controller.refresh == RefreshKind::kAllBank ? t_.rp_ab + t_.rfc_ab : t_.rp + t_.rfc_pb)) {}
 
-  // A lone read, by the state of its bank.
+  // A single read, by the state of its bank.
   double row_hit() const { return t_.wck_sync + t_.rl + t_.dqsck + train() + t_.burst; }
   double closed_bank() const { return t_.rcd + row_hit(); }
   double row_conflict() const { return t_.rp + closed_bank(); }
   double after_power_down() const { return t_.xp + closed_bank(); }
 
-  // Two row hits one after the other: last data to last data.
+  // Two row hits in succession: last data to last data.
   double write_after_read() const { return train() + t_.burst + t_.rtw + t_.dqss; }
   double read_after_write() const {
     return std::max(t_.burst + t_.wtr_s, t_.ccd_l + t_.wtr_l) + cas_after_write() + t_.rl + t_.dqsck + train();
@@ -41,18 +41,18 @@ class DramClosedForms {
   }
   double read_after_read_of_other_rank() const { return train() + t_.burst + t_.rtrs + t_.wck_sync; }
 
-  // Line after line, for ever.
-  /// Bursts fill the bus, those of one bank group by leaving gaps that another group fills.
+  // Time per line of an endless stream.
+  /// A stream that keeps the data bus busy. Gaps between bursts of one bank group are filled by another group.
   double streamed_line() const { return bursts_ * std::max(t_.burst, groups_ > 1 ? t_.ccd_s : t_.ccd_l); }
-  /// `lines` of a row, then as many of the next bank: the tightest of activates, buses and banks.
+  /// A stream of `lines` lines from each row, bank by bank: the tightest of the limits by activates, buses and banks.
   double line_of_own_row(std::uint32_t lines) const {
-    const double activate = std::max<double>(t_.rrd, t_.faw / 4.0) / ranks_;  // each rank has windows of its own
+    const double activate = std::max<double>(t_.rrd, t_.faw / 4.0) / ranks_;  // each rank has its own windows
     const std::uint32_t hits = (lines - 1) * bursts_ * t_.ccd_l + train();
     const double row = std::max(t_.rc, std::max(t_.ras, t_.rcd + hits + t_.rtp) + t_.rp);
     const double commands = t_.ca_activate + lines * commands_ * t_.ca_column + t_.ca_precharge;
     return std::max({activate, row / banks_, commands, lines * streamed_line()}) / lines;
   }
-  /// Time per line of a stream of row hits in one bank, with the refreshes that close its row.
+  /// A stream of row hits in one bank, with the refreshes that close its row.
   double line_between_refreshes() const {
     const double line = bursts_ * t_.ccd_l;
     const double lost = train() + t_.rtp + refresh_ + t_.rcd + t_.wck_sync - line;
@@ -60,7 +60,7 @@ class DramClosedForms {
   }
 
  private:
-  /// Cycles of the CAS before a read that waited for tWTR; 0 if WCK is still running then.
+  /// Cycles of the CAS before a read that waited for tWTR; 0 if WCK is still running.
   std::uint32_t cas_after_write() const { return t_.wtr_s >= t_.wck_post ? t_.wck_sync : 0; }
   std::uint32_t train() const { return (bursts_ - 1) * t_.ccd_l; }  ///< first to last column command of a line
 
@@ -70,37 +70,36 @@ class DramClosedForms {
   const double refresh_;
 };
 
-/// A request of a stream: for the line that holds `address`, in the channel's own address space.
+/// A request for the line that contains `address`, in the channel's own address space.
 struct DramRequest {
   Addr address = 0;
   bool write = false;
-  sim::Time earliest = 0;  ///< the channel does not see it before
+  sim::Time earliest = 0;  ///< it arrives at this time or later
 };
 
-/// Outcome of a stream of requests. Times count from the moment at which a request without `earliest` reaches the
-/// channel.
+/// Result of a list of requests. Time 0 is when a request without `earliest` reaches the channel.
 struct DramPlay {
-  std::vector<sim::Time> arrived;  ///< by request: when the channel saw it
-  std::vector<sim::Time> done;     ///< by request: when the last of its data had passed the bus
+  std::vector<sim::Time> arrived;  ///< by request: when it arrived
+  std::vector<sim::Time> done;     ///< by request: when its last data had passed the bus
   sim::Time end = 0;               ///< when the last data had passed the bus
   DramChannel::Stats stats;
-  std::vector<std::pair<std::string, std::uint64_t>> why;  ///< cycles by DramCycleReason, `end` in all
+  std::vector<std::pair<std::string, std::uint64_t>> why;  ///< cycles by DramCycleReason; their sum is `end`
 
   sim::Time latency(std::size_t request) const { return done[request] - arrived[request]; }
 };
 
-/// Plays the requests through one channel alone, in their order, with at most `outstanding` of them arrived and not
-/// done. The channel's addresses begin at 0 and hold nothing of other channels; `fabric` is left out.
+/// Runs the requests through a single channel in their order, with at most `outstanding` of them in flight. The
+/// channel's addresses begin at 0 and contain no other channel's lines; `fabric` is ignored.
 DramPlay play(DramConfig config, std::span<const DramRequest> requests, std::uint32_t outstanding);
 
-/// A figure of a channel, measured on requests made for it, beside its closed form.
+/// A measured value of a channel, and the value that its closed form predicts.
 struct DramMeasurement {
-  /// How the two compare.
+  /// How closely measured and expected must agree.
   enum class Holds : std::uint8_t {
     kExactly,
     kClosely,  ///< within 2 %
-    kNearly,   ///< between nine tenths of the form and all of it
-    kAtMost,   ///< the form is a bound that leaves out command slots and waiting banks (2 % for ends)
+    kNearly,   ///< between 0.9 and 1.0 of the closed form
+    kAtMost,   ///< the closed form is an upper bound, which ignores command slots and waiting banks (within 2 %)
   };
   std::string name;
   std::string unit;  ///< "ns", "GB/s", "pJ/bit" or "mW"
@@ -111,12 +110,12 @@ struct DramMeasurement {
   bool good() const;
 };
 
-/// Returns the times and bandwidths of a speed grade: its organisation and timing, under a controller that leaves rows
-/// open, neither refreshes nor powers down and maps addresses as each figure needs it; then dram_energy_measurements().
+/// Returns times and bandwidths of a speed grade, then dram_energy_measurements(). The controller leaves rows open,
+/// neither refreshes nor powers down, and maps addresses as each measurement needs.
 std::vector<DramMeasurement> dram_measurements(const DramConfig& grade);
 
-/// Returns the nominal energy of a channel as configured, all its ranks and refreshes included: per bit of a stream and
-/// of random reads, and idle, as power and per bit that the idle bus could have moved.
+/// Returns the nominal energy of a channel as configured, with all ranks and refreshes: per bit of a stream and of
+/// random reads; idle, as power and per bit of peak bandwidth.
 std::vector<DramMeasurement> dram_energy_measurements(const DramConfig& grade);
 
 }  // namespace hw

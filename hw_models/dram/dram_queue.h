@@ -12,9 +12,8 @@
 
 namespace hw {
 
-/// Requests that wait in a channel, oldest first. For every bank, bit masks over their positions in that order say
-/// which requests want it and which of these want its open row, so that choosing a command looks at banks, not at
-/// requests.
+/// The requests that wait in a channel, oldest first. For each bank, bit masks over queue positions mark the bank's
+/// requests and its row hits. So the scheduler searches banks, not requests.
 class DramQueue {
  public:
   struct Entry {
@@ -22,8 +21,8 @@ class DramQueue {
     DramAddress address;
     std::uint64_t arrived = 0;
     std::uint16_t port = 0;
-    bool precharged = false;  ///< a precharge was needed for it
-    bool activated = false;   ///< an activate was needed for it
+    bool precharged = false;  ///< it needed a precharge
+    bool activated = false;   ///< it needed an activate
   };
 
   DramQueue(std::uint32_t capacity, std::uint32_t banks) : capacity_(capacity), waiting_(banks), hits_(banks) {
@@ -47,7 +46,7 @@ class DramQueue {
   /// Positions of the bank's hits.
   std::uint64_t hits(std::uint32_t bank) const { return hits_[bank]; }
 
-  /// Positions of the requests, or hits, of several banks.
+  /// Positions of the requests, and of the hits, of several banks.
   std::uint64_t waiting_in(std::uint32_t banks) const { return waiting_.any_of(banks); }
   std::uint64_t hits_in(std::uint32_t banks) const { return hits_.any_of(banks); }
 
@@ -91,7 +90,7 @@ class DramQueue {
     hit_banks_ = (hit_banks_ & ~(1U << bank)) | std::uint32_t{positions != 0} << bank;
   }
 
-  /// The mask after the request at `position` has gone and all behind it have moved up.
+  /// Returns the mask after the request at `position` is removed and later ones have moved up.
   static std::uint64_t without(std::uint64_t mask, std::uint32_t position) {
     const std::uint64_t before = (std::uint64_t{1} << position) - 1;
     return (mask & before) | ((mask >> 1) & ~before);

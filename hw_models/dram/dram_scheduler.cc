@@ -5,9 +5,9 @@
 
 namespace hw {
 
-/// Replaces `best` by the best such command in these banks of a rank, if that is better. Except for its bank, all banks
-/// of the rank wait for the same things. So the rank's first slot belongs to the oldest request whose bank is ready by
-/// then. If no bank is, the first slot after the earliest bank is ready is assigned in the same way.
+/// Replaces `best` by the best command of this kind in these banks of a rank, if that is better. Rank and buses delay
+/// all banks of the rank equally. So the rank's first slot goes to the oldest request whose bank is ready by then. If
+/// no bank is ready, the first slot after the earliest bank is ready is assigned in the same way.
 template <DramCommand kCommand>
 [[gnu::always_inline]] inline void DramScheduling::best_of(const DramQueue& queue, std::uint32_t banks,
                                                            std::uint32_t rank, bool writes, Cycle from,

@@ -10,15 +10,15 @@
 
 namespace hw {
 
-/// The command that a channel runs next if nothing new arrives, in one number that sorts by preference: the earliest,
-/// then the kind of command, then the oldest request; the bank comes along in the low bits.
+/// The command that a channel runs next if no request arrives before. It is one number that sorts by preference:
+/// earliest cycle, then kind of command, then oldest request. The low bits hold the bank.
 class ScheduledCommand {
  public:
   using Cycle = CommandCalendar::Cycle;
 
   /// No command.
   ScheduledCommand() = default;
-  /// `position`: of the request in its DramQueue.
+  /// `position`: the request's position in its DramQueue.
   ScheduledCommand(Cycle at, DramCommand command, std::uint32_t position, std::uint32_t bank)
       : key_(at << kAt.first | std::uint64_t{static_cast<std::uint8_t>(command)} << kCommand.first |
              position << kPosition.first | bank << kBank.first) {}
@@ -31,7 +31,7 @@ class ScheduledCommand {
   friend auto operator<=>(const ScheduledCommand&, const ScheduledCommand&) = default;
 
  private:
-  /// Bits of the key from `first` on.
+  /// A field of `bits` bits of the key, from bit `first` on.
   struct BitField {
     std::uint32_t first, bits;
     constexpr std::uint64_t of(std::uint64_t key) const { return key >> first & ((std::uint64_t{1} << bits) - 1); }
@@ -44,8 +44,8 @@ class ScheduledCommand {
 
 /// Banks in which a scheduling policy allows commands, as masks.
 struct EligibleBanks {
-  std::uint32_t all = 0;      ///< any command
-  std::uint32_t columns = 0;  ///< reads or writes of the open row
+  std::uint32_t all = 0;      ///< for any command
+  std::uint32_t columns = 0;  ///< for reads or writes of the open row
 };
 
 /// First ready, first come, first served (Rixner et al. 2000): hits may overtake older requests of their bank until the
@@ -57,7 +57,7 @@ struct FrFcfs {
       banks.columns = without_overtaking(queue);
     return banks;
   }
-  /// Banks with hits; that of the oldest request only if the oldest is a hit.
+  /// Returns the banks with hits. The oldest request's bank is included only if that request is a hit.
   static std::uint32_t without_overtaking(const DramQueue& queue) {
     const std::uint32_t bank = queue.oldest().address.bank;
     return (queue.hits(bank) & 1) != 0 ? queue.hit_banks() : queue.hit_banks() & ~(1U << bank);
@@ -71,8 +71,8 @@ struct Fcfs {
   }
 };
 
-/// Chooses a channel's next command: the earliest that the device allows in the banks of the policy, of equals a column
-/// command before an activate before a precharge, then that of the oldest request.
+/// Chooses a channel's next command among the banks that the policy allows: the earliest one; of equals, a column
+/// command before an activate before a precharge; then that of the oldest request.
 class DramScheduling {
  public:
   using Cycle = DramDevice::Cycle;
@@ -94,15 +94,15 @@ class DramScheduling {
 };
 
 /// Decides whether a row is closed with its last queued hit. The adaptive policy closes it if a request for another row
-/// of the bank waits already. Else it goes by two bits for each bank that count how often, of late, the next request
-/// wanted another row: it closes in the upper half of the count. Only that next request is evidence, whatever was
-/// decided and whatever a refresh did in between.
+/// of the bank is waiting. Otherwise it uses a two-bit counter per bank, which counts how often the next request needed
+/// another row; it closes the row in the upper half. Only the next request after a last hit is counted, independent of
+/// the decision and of refreshes.
 class DramPagePolicy {
  public:
   explicit DramPagePolicy(PagePolicy policy) : policy_(policy) {}
 
-  /// The last queued hit of the bank's row is being served: is the row closed with it? `others`: requests for other
-  /// rows of the bank wait.
+  /// True if the row is closed with its last queued hit, which is being served. `others`: requests for other rows of
+  /// the bank wait.
   bool closes(std::uint32_t bank, std::uint32_t row, bool others) {
     if (policy_ != PagePolicy::kAdaptive) return policy_ == PagePolicy::kClosed;
     if (others) {
@@ -114,7 +114,7 @@ class DramPagePolicy {
     return others_[bank] >= 2;
   }
 
-  /// A request for the bank arrives.
+  /// Notes the arrival of a request for the bank.
   void requested(std::uint32_t bank, std::uint32_t row) {
     if ((unproven_ >> bank & 1) == 0) return;
     unproven_ &= ~(1U << bank);
@@ -128,9 +128,9 @@ class DramPagePolicy {
   }
 
   PagePolicy policy_;
-  std::uint32_t unproven_ = 0;  ///< banks whose next request is evidence, as a mask
+  std::uint32_t unproven_ = 0;  ///< banks whose next request is counted, as a mask
   std::array<std::uint32_t, 32> last_row_{};
-  std::array<std::uint8_t, 32> others_{};  ///< 0 to 3
+  std::array<std::uint8_t, 32> others_{};  ///< the two-bit counters
 };
 
 }  // namespace hw

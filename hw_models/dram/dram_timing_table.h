@@ -43,14 +43,14 @@ inline constexpr auto kDramReasons = sim::reasons<DramCycleReason>({
     {DramCycleReason::kPowerDown, sim::working("power_down_exit", "the device leaves power-down (tXP)")},
 });
 
-/// Operation of a bank or a rank that timing constraints lead from or to. A read or write is all column commands of one
-/// line: its time is that of the first.
+/// Operation of a bank or a rank between which timing constraints apply. A read or write is all column commands of one
+/// line; its time is that of the first.
 enum class DramOp : std::uint8_t { kRead, kWrite, kActivate, kPrecharge, kRefresh, kRefreshRank };
 
-/// Banks that a constraint binds, as seen from the bank of the operation that it leads from.
+/// Banks to which a constraint applies, relative to the bank of its first operation.
 enum class DramScope : std::uint8_t { kBank, kBankGroup, kRank, kOtherRanks };
 
-/// Parameters of a grade, in cycles, with sums that several constraints share.
+/// Parameters of a grade, in cycles, and sums that several constraints use.
 struct DramTerms : DramTiming {
   explicit DramTerms(const DramConfig& c)
       : DramTiming(c.timing),
@@ -60,22 +60,22 @@ struct DramTerms : DramTiming {
         read_end(train + read_latency + burst),
         write_end(train + write_latency + burst) {}
 
-  std::int64_t train;                        ///< first to last column command of a line
-  std::int64_t read_latency, write_latency;  ///< column command to its first data
-  std::int64_t read_end, write_end;          ///< first column command of a line to the end of its data
+  std::int64_t train;                        ///< from the first to the last column command of a line
+  std::int64_t read_latency, write_latency;  ///< from a column command to its first data
+  std::int64_t read_end, write_end;          ///< from the first column command of a line to the end of its data
 };
 
-/// No `to` within `scope` starts earlier than `cycles` after a `from`, or after the `count`th last of them.
+/// An operation `to` within `scope` starts at least `cycles` after the `count`th last operation `from`.
 struct DramConstraint {
   DramScope scope;
   DramOp from, to;
   std::int64_t (*cycles)(const DramTerms& t);         ///< may be negative towards other ranks
-  DramCycleReason reason = DramCycleReason::kColumn;  ///< of a channel whose rank waits for it
+  DramCycleReason reason = DramCycleReason::kColumn;  ///< cycle reason of a channel that waits for this constraint
   std::uint32_t count = 1;
 };
 
-/// The timing constraints of all grades (JESD209). To add a command: an operation, its rows here, and the change of
-/// state that it makes in DramDevice, which applies the rows after each operation.
+/// The timing constraints of all grades (JESD209). DramDevice applies them after each operation. To add a command, add
+/// an operation, its rows here, and its change of state in DramDevice.
 inline constexpr auto kDramConstraints = [] {
   using enum DramScope;
   using Op = DramOp;
@@ -112,7 +112,7 @@ inline constexpr auto kDramConstraints = [] {
   });
 }();
 
-/// The cycles of each constraint for a grade (configs/dram/).
+/// Returns the cycles of each constraint for a grade (configs/dram/).
 inline std::array<std::int64_t, kDramConstraints.size()> constraint_cycles(const DramConfig& config) {
   std::array<std::int64_t, kDramConstraints.size()> cycles{};
   const DramTerms terms(config);

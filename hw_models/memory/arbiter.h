@@ -13,12 +13,12 @@ namespace hw {
 /// Order in which an arbiter serves several requesters of one resource.
 enum class Arbitration : std::uint8_t {
   kRoundRobin,   ///< each in turn
-  kOldestFirst,  ///< the one that has been there longest, of equals the first
-  kFixed,        ///< the first that can; the last may wait as long as the others have work
+  kOldestFirst,  ///< the longest-waiting requester; of several, the lowest number
+  kFixed,        ///< the lowest number that is ready; high numbers can starve
 };
 constexpr std::array<std::string_view, 3> names_of(Arbitration) { return {"round_robin", "oldest_first", "fixed"}; }
 
-/// Chooses among `count` askers, at most 64.
+/// Arbitrates among `count` requesters, at most 64.
 class Arbiter {
  public:
   Arbiter(Arbitration how, std::size_t count) : how_(how), count_(static_cast<std::uint32_t>(count)) {
@@ -27,8 +27,8 @@ class Arbiter {
 
   std::uint32_t count() const { return count_; }
 
-  /// The asker to serve: one with a bit in `asking` for whom `ready(i)`, where `since(i)` is when it began to wait.
-  /// count() if there is none.
+  /// Returns the requester to serve: one with a bit in `asking` that is `ready(i)`; count() if there is none.
+  /// `since(i)`: when it began to wait.
   template <class Ready, class Since>
   std::uint32_t choose(std::uint64_t asking, Ready&& ready, Since&& since) const {
     if (how_ == Arbitration::kOldestFirst) return oldest(asking, ready, since);
@@ -38,7 +38,7 @@ class Arbiter {
     }
     return count_;
   }
-  /// It was the asker's turn.
+  /// Notes that the requester has been served.
   void served(std::uint32_t asker) {
     if (how_ == Arbitration::kRoundRobin) turn_ = after(asker);
   }

@@ -11,11 +11,11 @@
 
 namespace hw {
 
-/// Replacement policy: which line of a full set goes when another comes.
+/// Replacement policy: which line of a full set a fill evicts.
 enum class Replacement : std::uint8_t {
   kLru,     ///< the least recently used
-  kPlru,    ///< nearly that: a tree of bits, each of which points away from the half that was used last
-  kRandom,  ///< any, drawn by hash
+  kPlru,    ///< pseudo-LRU: each bit of a tree points away from the half that was used last
+  kRandom,  ///< a random one, drawn by hash
 };
 constexpr std::array<std::string_view, 3> names_of(Replacement) { return {"lru", "plru", "random"}; }
 
@@ -33,7 +33,7 @@ struct CacheConfig {
     field(NAMED(c.hit_cycles), "cycles", "from probe to data of a hit; auto: by its size and latency.*",
           sim::between(1, 64), sim::Affects::kTiming);
   }
-  /// All but hit_cycles, for caches whose user keeps the time of a hit elsewhere.
+  /// Describes all fields except hit_cycles, for caches whose hit time is configured elsewhere.
   static void describe_shape(auto& c, auto&& field) {
     using sim::Affects;
     field(NAMED(c.size), "bytes", "data held; size = sets x ways x line", sim::between(64, 16 << 20), Affects::kTiming);
@@ -65,13 +65,13 @@ struct CacheConfig {
 
 /// Write policy of the L2.
 enum class L2Writes : std::uint8_t {
-  kBack,     ///< keeps it; memory gets it when the line is replaced
-  kThrough,  ///< passes it on to memory, and brings the line up to date if it is here
-  kAround,   ///< passes it on to memory, and forgets the line if it is here
+  kBack,     ///< stores the write; memory is written when the line is evicted
+  kThrough,  ///< forwards the write to memory, and updates the line if it is cached
+  kAround,   ///< forwards the write to memory, and invalidates the line if it is cached
 };
 constexpr std::array<std::string_view, 3> names_of(L2Writes) { return {"back", "through", "around"}; }
 
-/// The second-level cache, shared by all cores. Size and MSHRs are those of all banks together.
+/// Configuration of the second-level cache, shared by all cores. Size and MSHRs are totals of all banks.
 struct L2Config {
   CacheConfig cache{.size = {256 * 1024}, .ways = 8, .mshrs = 32, .hit_cycles = 12};
   std::uint32_t banks = 4;

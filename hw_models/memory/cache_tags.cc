@@ -7,7 +7,7 @@ void CacheTags::renumber() {
   for (std::size_t set = 0; set <= set_mask_; ++set) {
     times.assign(used(set), used(set) + ways_);
     std::ranges::sort(times);
-    // Slots that are empty keep their 0; all others were used at different times.
+    // Empty slots keep 0. All other times are distinct.
     for (std::uint32_t way = 0; way < ways_; ++way) {
       std::uint32_t& time = used(set)[way];
       if (time != 0) time = 1 + static_cast<std::uint32_t>(std::ranges::lower_bound(times, time) - times.begin());

@@ -18,23 +18,23 @@
 
 namespace hw {
 
-/// The tags of a set-associative cache (or of one of its banks).
+/// The tags of a set-associative cache, or of one of its banks.
 ///
 ///   line --> [ set: `ways` tags, `ways` times of last use or a tree of bits ] --> slot of the line, or miss
 ///
-/// Lines interleave over `banks` first; a bank holds its share of the sets. A slot is a way of a set; it
-/// keeps its line from one fill until the next.
+/// Lines are interleaved over `banks`, and each bank has its share of the sets. A slot is one way of one set. It keeps
+/// its line from a fill until the next.
 class CacheTags {
  public:
   static constexpr std::size_t kNoSlot = std::numeric_limits<std::size_t>::max();
-  /// Where a line was put, and what had to go for it.
+  /// Result of a fill: the line's slot, and the evicted line.
   struct Filled {
     std::size_t slot = 0;
     bool evicts = false;
     Addr evicted = 0;
   };
 
-  /// `clock` is the time of the last use so far, for tests.
+  /// `clock`: initial time of use, for tests.
   explicit CacheTags(const CacheConfig& config, std::uint32_t banks = 1, std::uint32_t clock = 0)
       : line_shift_(static_cast<std::uint32_t>(std::countr_zero(config.line.bytes))),
         set_shift_(line_shift_ + static_cast<std::uint32_t>(std::countr_zero(banks))),
@@ -50,10 +50,10 @@ class CacheTags {
     for (std::size_t set = 0; set < sets_.size(); set += 2 * stride_) std::fill_n(&sets_[set], stride_, kInvalid);
   }
 
-  /// Slots are numbered from 0 to this; some may never be taken.
+  /// Returns the number of slots; some may stay empty.
   std::size_t slots() const { return sets_.size() / 2; }
 
-  /// Is the line here? If so it counts as used now.
+  /// True if the line is cached; then marks it as used.
   bool probe(Addr line) {
     const std::size_t set = set_of(line);
     std::uint32_t* const here = tags(set);
@@ -63,7 +63,7 @@ class CacheTags {
     return true;
   }
 
-  /// The slot of the line, which counts as used now; kNoSlot if it is not here.
+  /// Returns the slot of the line and marks it as used; kNoSlot if the line is not cached.
   std::size_t look_up(Addr line) {
     const std::size_t set = set_of(line);
     const std::uint32_t way = find(set, tag_of(line));
@@ -72,13 +72,13 @@ class CacheTags {
     return slot_of(set, way);
   }
 
-  /// Is the line here? Its use is not noted.
+  /// True if the line is cached; does not mark it as used.
   bool holds(Addr line) const { return find(set_of(line), tag_of(line)) != kNoWay; }
 
-  /// Has the host bring the tags that a probe for the line will look at.
+  /// Prefetches, on the host, the tags that a probe for the line will read.
   void look_ahead(Addr line) const { __builtin_prefetch(tags(set_of(line))); }
 
-  /// Puts the line into an empty way of its set, or replaces the one whose turn it is to go.
+  /// Puts the line into an empty way of its set, or replaces the victim.
   Filled fill(Addr line) {
     const std::size_t set = set_of(line);
     const std::uint32_t found = find(set, tag_of(line));
@@ -95,7 +95,7 @@ class CacheTags {
     tags(slot / stride_)[slot % stride_] = kInvalid;
     used(slot / stride_)[slot % stride_] = 0;
   }
-  /// The line in a slot that is not empty.
+  /// Returns the line in a slot that is not empty.
   Addr line_at(std::size_t slot) const { return Addr{tags(slot / stride_)[slot % stride_]} << line_shift_; }
 
  private:
@@ -103,7 +103,7 @@ class CacheTags {
   static constexpr std::uint32_t kNoWay = std::numeric_limits<std::uint32_t>::max();
   static constexpr std::uint32_t kLanes = 4;
 
-  /// The number of the line, which names it whatever its set: addresses end far below 2^32 lines.
+  /// Returns the line number, which identifies a line in any set: addresses end far below 2^32 lines.
   std::uint32_t tag_of(Addr line) const { return static_cast<std::uint32_t>(line >> line_shift_); }
   std::size_t set_of(Addr line) const { return static_cast<std::size_t>((line >> set_shift_) & set_mask_); }
   std::size_t slot_of(std::size_t set, std::uint32_t way) const { return set * stride_ + way; }
@@ -112,9 +112,9 @@ class CacheTags {
   std::uint32_t* used(std::size_t set) { return tags(set) + stride_; }
   const std::uint32_t* used(std::size_t set) const { return tags(set) + stride_; }
 
-  /// The way that holds `tag`, or kNoWay.
+  /// Returns the way that holds `tag`, or kNoWay.
   std::uint32_t find(std::size_t set, std::uint32_t tag) const { return find(tags(set), tag); }
-  /// Likewise among a set's tags.
+  /// Returns the way that holds `tag` among a set's tags, or kNoWay.
   std::uint32_t find(const std::uint32_t* here, std::uint32_t tag) const {
     if (const std::uint32_t mask = equal(here, tag); mask != 0)
       return static_cast<std::uint32_t>(std::countr_zero(mask));
@@ -124,7 +124,7 @@ class CacheTags {
     }
     return kNoWay;
   }
-  /// A bit for each of four tags that is that one.
+  /// Returns a bit mask of the tags out of four that equal `tag`.
   static std::uint32_t equal(const std::uint32_t* four, std::uint32_t tag) {
 #if defined(__SSE4_1__)
     const __m128i all = _mm_loadu_si128(reinterpret_cast<const __m128i*>(four));
@@ -138,16 +138,16 @@ class CacheTags {
   }
 
   void use(std::size_t set, std::uint32_t way) { use(tags(set), set, way); }
-  /// Likewise; `here` are the set's tags.
+  /// Marks a way as used; `here` are the set's tags.
   void use(std::uint32_t* here, std::size_t set, std::uint32_t way) {
     if (clock_ == std::numeric_limits<std::uint32_t>::max()) [[unlikely]]
       renumber();
     here[stride_ + way] = ++clock_;
     if (replacement_ == Replacement::kPlru) point_away(trees_[set], way);
   }
-  /// Times of last use become ranks within their sets, so that the clock can start afresh.
+  /// Replaces times of last use by ranks within their sets, so that the clock can restart.
   void renumber();
-  /// An empty way, the first of several, or the one to replace.
+  /// Returns the first empty way, or the way to replace.
   std::uint32_t victim(std::size_t set, std::uint32_t tag) const {
     const std::uint32_t least = sim::index_of_least(used(set), ways_);
     if (replacement_ == Replacement::kLru || tags(set)[least] == kInvalid) return least;
@@ -155,7 +155,8 @@ class CacheTags {
     return pointed_at(trees_[set]);
   }
 
-  // The tree: bit n says in which half below node n the next victim is; node 1 is the root, 2n and 2n + 1 the halves.
+  // The tree: bit n selects the half below node n that has the next victim. Node 1 is the root; 2n and 2n + 1 are the
+  // halves of n.
   void point_away(std::uint64_t& tree, std::uint32_t way) const {
     for (std::uint32_t node = way + ways_; node > 1; node /= 2) {
       const std::uint64_t bit = std::uint64_t{1} << (node / 2);
@@ -170,12 +171,12 @@ class CacheTags {
 
   std::uint32_t line_shift_;
   std::uint32_t set_shift_;
-  std::uint32_t ways_, stride_;  ///< ways of a set, and the same rounded up: four are compared at once
+  std::uint32_t ways_, stride_;  ///< ways of a set; the same rounded up, as four are compared at once
   std::size_t words_;            ///< words of a set in `sets_`
   Replacement replacement_;
   Addr set_mask_;
-  std::vector<std::uint32_t> sets_;   ///< set by set: its tags, then when each was last used
-  std::vector<std::uint64_t> trees_;  ///< one for each set
+  std::vector<std::uint32_t> sets_;   ///< for each set its tags, then their times of last use
+  std::vector<std::uint64_t> trees_;  ///< by set
   std::uint32_t clock_;
   std::uint64_t fills_ = 0;
 };

@@ -50,7 +50,7 @@ void CorePort::finish(sim::Time end) {
   stats_.line_wait = clock_.cycles(line_wait_);
 }
 
-/// Charges a transfer that has finished since the last tick without a tick of its own.
+/// Accounts for a transfer that ended between the last tick and `until`.
 inline void CorePort::account_until(sim::Time until) {
   if (line_until_ >= activity_.accounted() && line_until_ < until)
     activity_.spend(line_until_, clock_.period(), waiting_, waiting_);
@@ -114,11 +114,11 @@ inline void CorePort::carry(std::uint32_t target, sim::Time now) {
   stats_.lines_down += 1;
 }
 
-/// Returns when there may be something to do next, and notes what the port waits for until then.
+/// Returns when the port may next have something to do, and notes what it waits for until then.
 [[gnu::always_inline]] inline sim::Time CorePort::look_ahead(sim::Time now) {
   sim::Time wake = sim::kNever;
   waiting_ = CycleReason::kIdle;
-  // A message that is not visible yet must not be looked at: wake up when it could go and decide then.
+  // A message that is not visible yet must not be read: wake when it becomes visible, and decide then.
   const auto consider = [&](const auto& all, sim::Time free_at, auto&& out_of, CycleReason full) {
     for (std::uint64_t left = all.holding(); left != 0; left &= left - 1) {
       const auto i = static_cast<std::size_t>(std::countr_zero(left));

@@ -17,7 +17,7 @@
 
 namespace hw {
 
-/// The way from the cores to the shared memory side.
+/// Configuration of the interconnect between cores and the shared memory side.
 struct InterconnectConfig {
   std::uint32_t latency = 4;
   std::uint32_t width_bytes = 32;
@@ -38,19 +38,24 @@ struct InterconnectConfig {
   }
 };
 
-/// A core's port to the memory side: its clients' requests go up, lines come down. One such port carries the caches'
-/// requests to the L2 banks; a second one, with a single client, takes the DMA's past the L2 to the DRAM channels.
+/// A core's port to the memory side: its clients' requests go up, lines come down. One port carries the caches'
+/// requests to the L2 banks. A second port, with one client, carries the DMA's requests past the L2 to the DRAM
+/// channels.
 ///
 ///   clients_in  --> arbiter, one request per cycle -------> targets_out (the owner of the line)
 ///   clients_out <-- arbiter, line / width cycles a line <-- targets_in
 ///
-/// A client is named by its index in clients_out, which it writes into `source`. A write carries its sectors of the
-/// line up and holds the way up as long as these would hold the way down; who reads sectors gets the line. The distance
-/// is the links' latency. An ideal port carries whatever there is and room for, both ways, in a cycle. Not modelled:
-/// the topology between port and targets; every target is equally far and has its own wires.
+/// 1. A client's number is its index in clients_out. It writes that number into `source`.
+/// 2. A write carries its sectors up, and occupies the upward wires as long as these sectors would occupy the downward
+/// ones. A read of sectors returns the whole line.
+/// 3. The distance to the targets is the links' latency.
+/// 4. An ideal port carries everything that has arrived and has room, in both directions, every cycle.
+///
+/// Not modelled: the topology between port and targets. All targets are equally far and have their own wires.
 class CorePort {
  public:
-  static constexpr const char *kCachePort = "core.cache_port", *kDmaPort = "core.dma_port";  ///< its two uses
+  static constexpr const char *kCachePort = "core.cache_port",
+                              *kDmaPort = "core.dma_port";  ///< names of the two ports of a core
   static constexpr Block kBlock = Block::kInterconnect;
   enum class CycleReason : std::uint8_t { kIdle, kRequest, kLine, kTargetFull, kClientFull, kCount };
   static constexpr auto kReasons = sim::reasons<CycleReason>({
@@ -122,13 +127,13 @@ class CorePort {
   Interleave targets_;
   sim::Clock clock_;
   const bool ideal_;
-  std::array<sim::Time, 9> carry_time_;  ///< time on the wires, by sectors carried
+  std::array<sim::Time, 9> carry_time_;  ///< time on the wires, by number of sectors
 
   Arbiter up_, down_;
   sim::Time request_wait_ = 0, line_wait_ = 0;
   sim::Time up_free_ = 0;
   sim::Time down_free_ = 0;
-  sim::Time line_until_ = 0;  ///< a line is under way before this
+  sim::Time line_until_ = 0;  ///< end of the last line transfer, up or down
   CycleReason waiting_{};
   Stats stats_;
   sim::Activity<CycleReason> activity_;

@@ -12,20 +12,20 @@
 
 namespace hw {
 
-/// A read-only first-level cache of one unit: tags, MSHRs that merge, and requests waiting for the
-/// way to memory. Who waits for a line is a bit mask of the unit's slots. An ideal one holds every line.
+/// A read-only first-level cache of one unit: tags, merging MSHRs, and a queue of requests to memory. A bit mask holds
+/// the unit's slots that wait for a line. An ideal cache holds every line.
 class L1Cache {
  public:
   enum class Result : std::uint8_t {
     kHit,
-    kMiss,  ///< the slot now waits: fill() will name it
-    kFull,  ///< no free MSHR: nothing was noted, try again after a fill
+    kMiss,  ///< the slot now waits for the line; fill() returns it
+    kFull,  ///< no free MSHR: nothing has changed; retry after a fill
   };
 
-  /// A line on its way.
+  /// A line requested from memory.
   struct Miss {
     std::uint64_t slots = 0;     ///< slots that wait for it
-    std::uint64_t asked_at = 0;  ///< the user's cycle of the miss
+    std::uint64_t asked_at = 0;  ///< cycle of the miss, on the unit's clock
   };
 
   L1Cache(const CacheConfig& config, std::uint16_t source, bool ideal = false)
@@ -43,11 +43,10 @@ class L1Cache {
     return Result::kMiss;
   }
 
-  /// access() to a line of a cache that is not ideal. False, and nothing done, if it is not here.
+  /// Accesses a line in a cache that is not ideal. False, without side effects, if the line is not cached.
   bool hit(Addr line) { return tags_.probe(line); }
 
-  /// Asks, on behalf of a slot, for a line that nobody needs yet, if it is neither here nor on its way. Needs a free
-  /// MSHR.
+  /// Requests a line ahead of use, on behalf of a slot. False if it is cached or already requested. Needs a free MSHR.
   bool prefetch(Addr line, std::uint32_t slot, std::uint64_t cycle) {
     if (holds(line) || on_its_way(line) != nullptr) return false;
     ask(line, {0, cycle}, owners_[slot]);
@@ -58,36 +57,36 @@ class L1Cache {
   void set_slot_tile(std::uint32_t slot, TileTag owner) { owners_[slot] = owner; }
   TileTag owner(std::uint32_t slot) const { return owners_[slot]; }
 
-  /// The line has come: who waited for it, since when it was on its way.
+  /// Fills a line. Returns the slots that waited for it, and when it was requested.
   Miss fill(Addr line) {
     tags_.fill(line);
     return misses_.release(line);
   }
 
-  /// Takes the line as read, in no time (Gpu::warm). False if it was not here.
+  /// Makes the line present as if it had been read, in no time (Gpu::warm). False if it was not present.
   bool warm(Addr line) {
     if (ideal_ || tags_.probe(line)) return true;
     tags_.fill(line);
     return false;
   }
 
-  /// Is the line here? Unlike access() this leaves no trace.
+  /// True if the line is cached; without side effects.
   bool holds(Addr line) const { return ideal_ || tags_.holds(line); }
-  /// Has the host bring the tags that a probe for the line will look at.
+  /// Prefetches, on the host, the tags that a probe for the line will read.
   void look_ahead(Addr line) const { tags_.look_ahead(line); }
-  /// nullptr if the line is not on its way.
+  /// Returns the outstanding miss of the line, or nullptr.
   const Miss* on_its_way(Addr line) { return misses_.find(line); }
 
-  /// Requests that have not left yet.
+  /// Requests that have not been sent yet.
   std::size_t unsent() const { return unsent_.size(); }
-  /// Sends the oldest request that has not left yet, if there is one and the link has room.
+  /// Sends the oldest unsent request, if there is one and the link has room.
   void send(sim::Time now, sim::Link<MemRequest>& out) {
     if (unsent_.empty() || !out.can_push(now)) [[likely]]
       return;
     out.push(now, MemRequest{unsent_.front().line, source_, 0, false, kWholeLine, unsent_.front().owner});
     unsent_.pop_front();
   }
-  /// When send() has something to do.
+  /// Returns when send() has something to do.
   sim::Time send_at(sim::Time next, const sim::Link<MemRequest>& out) const {
     return unsent_.empty() ? sim::kNever : std::max(next, out.push_at());
   }

@@ -66,7 +66,7 @@ bool L2Bank::idle() const {
   return !dirty && !head_.full && !filled_.pending() && misses_.empty() && unsent_.empty() && hits_.empty();
 }
 
-/// Sends one line per cycle: the lines of the last fill first, then hits.
+/// Sends one line per cycle: waiters of the last fill first, then hits.
 inline bool L2Bank::reply(sim::Time now) {
   const std::uint16_t core = reply_core(now);
   if (core == kNoCore || !cores_out_[core]->can_push(now)) return false;
@@ -107,7 +107,7 @@ inline void L2Bank::send_to_memory(sim::Time now) {
   channel.push(now, unsent_.pop(now));
 }
 
-/// Queues a request to memory, which leaves when it has been looked up.
+/// Queues a request to memory. It leaves at the end of its look-up.
 void L2Bank::to_memory(sim::Time now, const MemRequest& request) {
   unsent_.push(now, request);
   if (request.write)
@@ -120,7 +120,7 @@ void L2Bank::write_back(sim::Time now, const L2Store::Victim& victim, TileTag ow
   stats_.written_back += 1;
 }
 
-/// Takes a request into the head if that is empty, then processes the head if it can proceed.
+/// Takes a request into the head if that is empty, then processes the head if it is not blocked.
 inline bool L2Bank::take_request(sim::Time now) {
   const bool waited = head_.full;
   if (waited && waits_for_fill()) return false;
@@ -202,7 +202,7 @@ inline sim::Time L2Bank::next_wake(sim::Time now) const {
     at(cores_in_.pop_at());
   } else if (!hits_.can_push(now) && !head_.request.write) {
     at(hits_.push_at());
-  }  // else it waits for a fill or for memory to take something: that tick looks it up again
+  }  // else the head waits for a fill or for memory, whose tick looks it up again
   if (flush_in_ != nullptr) at(flush_in_->pop_at());
   if (flushing_ && store_.dirty_lines() != 0 && has_room(1)) at(next);
   at(unsent_.can_pop(now) ? channel_of(unsent_.front()).push_at() : unsent_.pop_at());
@@ -239,7 +239,7 @@ bool L2Bank::write(sim::Time now) {
   return true;
 }
 
-/// Keeps what the head writes.
+/// Stores the head's write in the cache.
 void L2Bank::write_here(sim::Time now) {
   const MemRequest& r = head_.request;
   SectorMask overwritten = 0;
@@ -258,7 +258,7 @@ void L2Bank::write_here(sim::Time now) {
   stats_.bytes_overwritten += sector_bytes_ * static_cast<std::uint32_t>(std::popcount(overwritten));
 }
 
-/// After the end of the frame a dirty line goes each cycle.
+/// Writes back one dirty line per cycle after a Flush.
 bool L2Bank::flush(sim::Time now) {
   if (flush_in_->can_pop(now)) {
     flush_in_->pop(now);
@@ -269,7 +269,7 @@ bool L2Bank::flush(sim::Time now) {
   return true;
 }
 
-/// An ideal bank takes any number of requests a cycle, each core's apart from the others'.
+/// Ticks an ideal bank, which accepts any number of requests per cycle. Cores do not affect each other.
 sim::Time L2Bank::tick_ideal(sim::Time now) {
   bool served = false;
   CycleReason then = CycleReason::kIdle;

@@ -22,12 +22,12 @@
 
 namespace hw {
 
-/// The lines of one L2 bank: which sectors of each are here, and which of these are newer than memory (dirty).
-/// A written line is put in without being fetched, so it may be here in part; a dirty sector is always here.
+/// The lines of one L2 bank, with the valid and the dirty sectors of each. A write allocates its line without a fetch,
+/// so some sectors may be invalid. Dirty sectors are always valid.
 class L2Store {
  public:
   enum class Found : std::uint8_t { kNot, kPart, kAll };
-  /// Dirty sectors that must go to memory because their slot was taken; none if nothing must.
+  /// Dirty sectors of an evicted line, to be written to memory; 0: none.
   struct Victim {
     Addr line = 0;
     SectorMask sectors = 0;
@@ -36,21 +36,21 @@ class L2Store {
   explicit L2Store(const L2Config& config)
       : tags_(config.cache, config.banks), valid_(tags_.slots(), kWholeLine), dirty_(tags_.slots(), 0) {}
 
-  /// Are these sectors of the line here?
+  /// Returns whether these sectors of the line are valid.
   Found find(Addr line, SectorMask wanted) {
     const std::size_t slot = tags_.look_up(line);
     if (slot == CacheTags::kNoSlot) return Found::kNot;
     return (wanted & ~valid_[slot]) == 0 ? Found::kAll : Found::kPart;
   }
 
-  /// Removes a line that is here, and returns its dirty sectors.
+  /// Removes a cached line, and returns its dirty sectors.
   SectorMask invalidate(Addr line) {
     const std::size_t slot = tags_.look_up(line);
     tags_.remove(slot);
     return clean(slot);
   }
 
-  /// Writes sectors of a line that is here, and makes them dirty; returns those that were dirty before.
+  /// Writes sectors of a cached line and makes them dirty. Returns those that were dirty before.
   SectorMask write(Addr line, SectorMask sectors) {
     const std::size_t slot = tags_.look_up(line);
     const SectorMask before = dirty_[slot] & sectors;
@@ -59,8 +59,7 @@ class L2Store {
     return before;
   }
 
-  /// Allocates a line that is not here, with these valid sectors, some of them dirty. Returns the victim's dirty
-  /// sectors.
+  /// Allocates a line that is not cached, with these valid and dirty sectors. Returns the victim's dirty sectors.
   Victim allocate(Addr line, SectorMask sectors, SectorMask dirty) {
     const CacheTags::Filled filled = tags_.fill(line);
     const Victim victim{filled.evicted, clean(filled.slot)};
@@ -71,7 +70,7 @@ class L2Store {
 
   /// Lines with at least one dirty sector.
   std::size_t dirty_lines() const { return dirty_lines_; }
-  /// Cleans a dirty line, the next in the order of slots; only if there is one.
+  /// Cleans the next dirty line in the order of slots; there must be one.
   Victim clean_next() {
     while (dirty_[next_] == 0) next_ = next_ + 1 == dirty_.size() ? 0 : next_ + 1;
     return {tags_.line_at(next_), clean(next_)};
@@ -92,33 +91,35 @@ class L2Store {
   CacheTags tags_;
   std::vector<SectorMask> valid_, dirty_;  ///< by slot
   std::size_t dirty_lines_ = 0;
-  std::size_t next_ = 0;  ///< for clean_next()
+  std::size_t next_ = 0;  ///< slot at which clean_next() continues
 };
 
-/// One bank of the L2: takes one request per cycle, gives one line per cycle.
+/// One bank of the L2: accepts one request and returns one line per cycle.
 ///
 ///   cores_in --> arbiter --> [head] --> tags --hit--> [pipe: hit_cycles] ----------------> cores_out
 ///                              |                                        [waiters] --+-->
 ///                              +--miss--> [MSHRs] --> [to memory: lookup_cycles] --> channels_out
 ///                              +--write-> lines         channels_in --> fill, waiters of the line
 ///
-/// A request that finds neither its line nor a free MSHR (or no room among the targets of its line's MSHR)
-/// stays in the head and holds up all behind it. `source` and `tag` are returned unchanged to the core the request came
-/// from; towards memory, `source` is the bank's index.
+/// 1. A request that misses and finds no free MSHR (or no free target in its line's MSHR) stays in the head and blocks
+/// all later ones.
+/// 2. `source` and `tag` are returned unchanged to the requesting core. Towards memory, `source` is the bank's index.
+/// 3. With L2Writes::kBack a write allocates a way without a fetch. A read that needs invalid sectors frees the way;
+/// its dirty sectors wait in the MSHR and are merged with the fill.
+/// 4. An evicted line's dirty sectors are written to memory. Memory takes as long for a masked write as for a whole
+/// line.
+/// 5. At the end of a frame, a Flush writes all dirty sectors to memory.
+/// 6. The queue to memory has room for a miss and a dirty victim of every MSHR, so a fill never waits for it.
 ///
-/// A write that is kept (L2Writes::kBack) takes a way without a fetch; a read that wants more than the sectors that are
-/// there gives the way up: the dirty sectors wait in the MSHR, and the fill comes in around them. Of a
-/// line that is replaced, what is dirty goes to memory; memory is told which sectors (a masked write) and takes as long
-/// as for a line. At the end of a frame a Flush has all that is dirty written. The queue to memory has room for a miss
-/// and a dirty victim of every MSHR, so a fill never waits for it.
+/// An ideal bank has every line. It accepts any number of requests, answers each a cycle later and stores what is
+/// written.
 ///
-/// An ideal bank has every line: it takes whatever comes, answers a cycle later, and keeps what is written.
 /// Not modelled: contention of fills, writes and reads for the data array.
 class L2Bank {
  public:
   static constexpr const char* kName = "l2.bank";
   static constexpr Block kBlock = Block::kL2;
-  static constexpr std::size_t kAtOnce = 1;  ///< lines to a core in one tick at most
+  static constexpr std::size_t kAtOnce = 1;  ///< most lines to a core in one tick
   enum class CycleReason : std::uint8_t {
     kIdle,
     kServing,
@@ -171,7 +172,7 @@ class L2Bank {
     std::vector<sim::Link<MemResponse>*> cores_out;
     std::vector<sim::Link<MemRequest>*> channels_out;
     std::vector<sim::Link<MemResponse>*> channels_in;
-    sim::Link<Flush>* flush_in = nullptr;  ///< none: nothing is ever flushed
+    sim::Link<Flush>* flush_in = nullptr;  ///< null: the bank is never flushed
     Observer* observer = nullptr;
   };
 
@@ -182,14 +183,14 @@ class L2Bank {
 
   sim::Time tick(sim::Time now);
   void finish(sim::Time end);
-  /// Nothing is inside, and if there was a Flush, nothing is dirty.
+  /// True if there are no requests inside and, in a bank that can be flushed, no dirty lines.
   bool idle() const;
 
   const sim::Clock& clock() const { return clock_; }
   const Stats& stats() const { return stats_; }
   const sim::Activity<CycleReason>& activity() const { return activity_; }
   std::string state() const;
-  /// Takes the line as read, in no time. Dirty sectors of a line that goes for it are dropped.
+  /// Makes the line present as if it had been read, in no time. Dirty sectors of its victim are dropped.
   void warm(Addr line) {
     if (store_.find(line, 0) == L2Store::Found::kNot) store_.allocate(line, kWholeLine, 0);
   }
@@ -202,11 +203,11 @@ class L2Bank {
   };
   struct Waiter {
     std::uint16_t core = 0, source = 0, tag = 0;
-    sim::Time arrived = 0, missed = 0;  ///< at the bank; in its tags
+    sim::Time arrived = 0, missed = 0;  ///< at the bank; at the tag look-up
   };
   struct Waiters {
     std::uint32_t count = 0;
-    SectorMask dirty = 0;     ///< sectors of the line that came by writes
+    SectorMask dirty = 0;     ///< dirty sectors, to be merged with the fill
     TileTag owner = kNoTile;  ///< the tile whose request missed
     std::array<Waiter, L2Config::kMaxTargets> list;
   };
@@ -214,13 +215,13 @@ class L2Bank {
     MemRequest request;
     std::uint16_t core = 0;
     bool full = false;
-    bool needs_mshr = false;  ///< it found all of them taken
+    bool needs_mshr = false;  ///< it missed and found no free MSHR
     sim::Time arrived = 0;
   };
-  /// The line being handed to those who waited for it.
+  /// The last filled line, while its waiters are answered.
   struct Filled {
     Addr line = 0;
-    std::uint32_t next = 0, count = 0;  ///< waiters: the next one, all
+    std::uint32_t next = 0, count = 0;  ///< index of the next waiter, and number of all
     const Waiters* waiters = nullptr;
     bool pending() const { return next < count; }
     const Waiter& first() const { return waiters->list[next]; }
@@ -236,14 +237,14 @@ class L2Bank {
   bool flush(sim::Time now);
   void to_memory(sim::Time now, const MemRequest& request);
   void write_back(sim::Time now, const L2Store::Victim& victim, TileTag owner = kNoTile);
-  /// Can nothing but a fill move the head on?
+  /// True if only a fill can unblock the head.
   bool waits_for_fill() const { return head_.needs_mshr && misses_.full(); }
-  /// Is there room towards memory for so many, beside a dirty victim of every miss?
+  /// True if the queue to memory has room for `requests` and a dirty victim of every miss.
   bool has_room(std::uint32_t requests) const { return unsent_.size() + misses_.size() + requests <= room_; }
   sim::Time tick_ideal(sim::Time now);
   CycleReason waiting(sim::Time now) const;
   sim::Time next_wake(sim::Time now) const;
-  /// The core that the next reply goes to; none if no reply can go before another tick.
+  /// Returns the core of the next reply; kNoCore if there is no reply in this cycle.
   static constexpr std::uint16_t kNoCore = 0xffff;
   std::uint16_t reply_core(sim::Time now) const {
     if (filled_.pending()) return filled_.first().core;
@@ -275,10 +276,10 @@ class L2Bank {
   Arbiter cores_;
   Arbiter channels_turn_;
   bool flushing_ = false;
-  std::deque<sim::Link<Reply>> ideal_;  ///< answers to each core, a cycle long; none unless ideal
-  LatencySum read_time_;                ///< of reads, from their arrival to their departure
-  LatencySum memory_time_;              ///< of misses, from their lookup to the fill
-  LatencySum line_time_;                ///< of lines, from the first miss to the fill
+  std::deque<sim::Link<Reply>> ideal_;  ///< replies to each core, with one cycle of latency; empty unless ideal
+  LatencySum read_time_;                ///< of reads, from arrival to departure
+  LatencySum memory_time_;              ///< of misses, from look-up to fill
+  LatencySum line_time_;                ///< of lines, from first miss to fill
   Stats stats_;
   sim::Activity<CycleReason> activity_;
 };

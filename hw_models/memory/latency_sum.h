@@ -5,7 +5,7 @@
 
 namespace hw {
 
-/// Sum of the times that items spend inside a unit, from each one's arrival to its departure.
+/// Sum of the times that items spend inside a unit, from arrival to departure.
 class LatencySum {
  public:
   void arrive(sim::Time at) {
@@ -18,13 +18,13 @@ class LatencySum {
     departed_ += now - arrived;
   }
   std::uint64_t inside() const { return inside_; }
-  /// Returns the sum at `now`; items still inside count up to then.
+  /// Returns the sum at `now`. Items still inside count up to `now`.
   sim::Time until(sim::Time now) const { return departed_ + inside_ * now - arrivals_; }
 
  private:
   std::uint64_t inside_ = 0;
-  sim::Time arrivals_ = 0;  ///< of items still inside, added up
-  sim::Time departed_ = 0;  ///< of items that have left
+  sim::Time arrivals_ = 0;  ///< sum of arrival times of the items inside
+  sim::Time departed_ = 0;  ///< sum of times of the items that have left
 };
 
 }  // namespace hw

@@ -8,14 +8,14 @@
 
 namespace hw {
 
-/// A unit that asks for lines, and how many of them may be on their way to it.
+/// A unit that requests lines, and how many lines can be on their way to it.
 struct MemoryClient {
   sim::UnitId unit;
   std::uint32_t lines = 1;
   RequesterKind requester = RequesterKind::kNodes;
 };
 
-/// A client's wires to its port.
+/// A client's links to its port.
 struct MemoryPort {
   sim::Link<MemRequest>& requests;
   sim::Link<MemResponse>& responses;

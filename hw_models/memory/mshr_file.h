@@ -10,8 +10,8 @@
 
 namespace hw {
 
-/// Miss status holding registers (MSHRs, Kroft 1981): the lines on their way, and for each what waits for it. They are
-/// few and dense, so a search compares them all. Payloads stay where they are while their lines move up.
+/// Miss status holding registers (MSHRs, Kroft 1981): the outstanding lines, each with a payload. Lines are kept dense,
+/// so a search compares all of them. Payloads do not move when lines do.
 template <class Payload>
 class MshrFile {
  public:
@@ -27,25 +27,25 @@ class MshrFile {
   bool empty() const { return size_ == 0; }
   bool full() const { return size_ == capacity(); }
 
-  /// The payload of the line's MSHR, or nullptr if the line is not on its way.
+  /// Returns the payload of the line's MSHR, or nullptr if the line is not outstanding.
   Payload* find(Addr line) {
     const std::uint32_t i = index_of(line);
     return i == size_ ? nullptr : &payloads_[slots_[i]];
   }
 
-  /// Allocates an MSHR for a line that has none yet; its payload is as an earlier line left it.
+  /// Allocates an MSHR for a line that has none. Its payload keeps the value of an earlier line.
   Payload& allocate(Addr line) {
     assert(!full() && find(line) == nullptr);
     lines_[size_] = line;
     return payloads_[slots_[size_++]];
   }
 
-  /// Calls f(payload) for each line on its way.
+  /// Calls f(payload) for each outstanding line.
   void each(auto&& f) const {
     for (std::uint32_t i = 0; i < size_; ++i) f(payloads_[slots_[i]]);
   }
 
-  /// Frees the line's MSHR; its payload stays as it is until the next release.
+  /// Frees the line's MSHR. The returned payload stays valid until the next release.
   const Payload& release(Addr line) {
     const std::uint32_t i = index_of(line);
     assert(i < size_ && "a line came back that nobody asked for");
@@ -68,11 +68,11 @@ class MshrFile {
     return size_;
   }
 
-  static constexpr Addr kNone = ~Addr{0};  ///< no line begins there
+  static constexpr Addr kNone = ~Addr{0};  ///< not an address of a line
 
-  std::vector<Addr> lines_;  ///< kNone: no line
+  std::vector<Addr> lines_;  ///< outstanding lines, then kNone
   std::vector<Payload> payloads_;
-  std::vector<std::uint32_t> slots_;  ///< by line: its payload; behind all of them that of the last release
+  std::vector<std::uint32_t> slots_;  ///< by line: index of its payload; the last entry is that of the last release
   std::uint32_t size_ = 0;
 };
 

@@ -13,7 +13,7 @@
 
 namespace hw {
 
-/// Purpose for which a line is requested.
+/// Kind of unit that requests a line.
 enum class RequesterKind : std::uint8_t {
   kNodes,      ///< the L1s of traversal units
   kTriangles,  ///< the L1 of an intersection unit
@@ -28,9 +28,9 @@ constexpr std::array<std::string_view, kRequesterKinds> names_of(RequesterKind) 
   return {"nodes", "triangles", "shading", "transfers", "records", "raster"};
 }
 
-// Events of a machine. `tile` is the tile for which something is done, kNoTile if it is done for none.
+// Events of a machine. `tile` is the tile that caused the event; kNoTile: none.
 
-/// The dispatcher hands a tile to a core. Tags repeat, but not among tiles in flight.
+/// The dispatcher has sent a tile to a core. Tags are unique among tiles in flight.
 struct TileDispatched {
   TileTag tile = kNoTile;
   std::uint32_t core = 0;
@@ -41,7 +41,7 @@ struct TileFinished {
   TileTag tile = kNoTile;
   sim::Time at = 0;
 };
-/// A tile occupies a slot of a core, or leaves it.
+/// A tile has occupied a slot of a core, or has left it.
 struct TileStarted {
   std::uint32_t core = 0, slot = 0;
   TileTag tile = kNoTile;
@@ -55,19 +55,21 @@ struct TileEnded {
 struct LoopEnded {
   std::uint32_t core = 0;
   traces::KernelId kernel = 0;
-  sim::Time begin = 0, configured = 0, start = 0, end = 0;  ///< switch, bank conflicts, the loop itself
-  sim::Time stalled = 0;                                    ///< within the loop, for lines of the data cache
-  std::uint64_t cycles = 0;                                 ///< those of the shader core that are charged to the kernel
+  sim::Time begin = 0, configured = 0, start = 0,
+            end = 0;         ///< of the switch, the bank conflicts, the loop; and its end
+  sim::Time stalled = 0;     ///< stall time within the loop, for lines of the data cache
+  std::uint64_t cycles = 0;  ///< shader core cycles charged to the kernel
   std::uint32_t items = 0;
-  std::uint32_t launches = 0;  ///< chunks of launches in it
-  TileTag tile = kNoTile;      ///< that of the first
+  std::uint32_t launches = 0;  ///< chunks of launches in the loop
+  TileTag tile = kNoTile;      ///< tile of the first chunk
 };
 /// A tile's share of a loop's cycles.
 struct LoopCharged {
   TileTag tile = kNoTile;
   std::uint64_t cycles = 0;
 };
-/// The first ray of a batch enters the T&I unit, or its last hit returns. `rays`: all that are then in the unit.
+/// The first ray of a batch has entered the T&I unit, or its last hit has returned. `rays`: all rays of the core in the
+/// unit at that time.
 struct BatchStarted {
   std::uint32_t core = 0, slot = 0, node = 0;
   std::uint64_t rays = 0;
@@ -89,7 +91,7 @@ struct TransferEnded {
   std::uint32_t bytes = 0;
   sim::Time begin = 0, end = 0;
 };
-/// A core port passes on a request, or a write, of a line.
+/// A core port has passed on a request to read or write a line.
 struct LineRequested {
   TileTag tile = kNoTile;
   RequesterKind requester = RequesterKind::kNodes;
@@ -106,13 +108,13 @@ struct L2Filled {
 struct L2Written {
   TileTag tile = kNoTile;
 };
-/// A channel opens a row for a request.
+/// A channel has opened a row for a request.
 struct RowActivated {
   TileTag tile = kNoTile;
 };
-/// State of the bank's row that a request of a channel found.
+/// State of the bank that a request of a channel found.
 enum class RowState : std::uint8_t { kHit, kMiss, kConflict };
-/// A channel books the data of a request; `end` is when the last of them will have passed the bus.
+/// A channel has booked the data of a request. `end`: when the last of them will have passed the bus.
 struct DramServed {
   MemRequest request;
   RowState row = RowState::kHit;
@@ -123,21 +125,20 @@ using Event =
     std::variant<TileDispatched, TileFinished, TileStarted, TileEnded, LoopEnded, LoopCharged, BatchStarted, BatchEnded,
                  TransferEnded, LineRequested, L2LookedUp, L2Filled, L2Written, RowActivated, DramServed>;
 
-/// Receives the events of a machine as they happen. It changes nothing, and no unit depends on it.
+/// Receives the events of a machine as they happen. It does not change the simulation.
 class Observer {
  public:
   virtual ~Observer() = default;
   virtual void on_event(const Event& event) = 0;
 };
 
-/// Sends an event to a unit's observer. Out of line: units test whether they have one, and that is all it costs them
-/// without one.
+/// Sends an event to a unit's observer. Out of line, so that without an observer a unit pays only one test.
 template <class E>
 [[gnu::cold, gnu::noinline]] void notify(Observer& observer, const E& event) {
   observer.on_event(event);
 }
 
-/// Handler of some kinds of events, for std::visit: a lambda for each of them; all others are ignored.
+/// Handler of events for std::visit: one lambda for each handled kind; other kinds are ignored.
 template <class... Handlers>
 struct HandleEvents : Handlers... {
   using Handlers::operator()...;
@@ -147,14 +148,14 @@ struct HandleEvents : Handlers... {
 template <class... Handlers>
 HandleEvents(Handlers...) -> HandleEvents<Handlers...>;
 
-/// Passes events on to several observers.
+/// Forwards events to several observers.
 class ObserverList final : public Observer {
  public:
-  /// Null is ignored.
+  /// Adds an observer; null is ignored.
   void add(Observer* observer) {
     if (observer != nullptr) observers_.push_back(observer);
   }
-  /// Returns what a machine should be given: null if nothing observes.
+  /// Returns the observer for the machine; null if the list is empty.
   Observer* get() {
     if (observers_.size() > 1) return this;
     return observers_.empty() ? nullptr : observers_.front();

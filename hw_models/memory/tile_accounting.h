@@ -9,17 +9,17 @@
 
 namespace hw {
 
-/// When and where a tile was worked on, and what was done for it in units that tiles share. The requester is charged.
+/// Account of a tile: its core, its times, and its use of shared units. The tile that causes a request is charged.
 struct TileAccount {
   std::uint32_t core = 0;
   sim::Time dispatched = 0, finished = 0;
-  std::uint64_t srp_cycles = 0;  ///< cycles of loops on the array, from switch to drain; shared by a loop's items
-  std::array<std::uint64_t, kRequesterKinds> lines{};  ///< requested from the memory side, or written to it
+  std::uint64_t srp_cycles = 0;  ///< cycles of loops on the array, from switch to drain, divided among a loop's items
+  std::array<std::uint64_t, kRequesterKinds> lines{};  ///< lines read from or written to the memory side
   std::uint64_t l2_hits = 0, l2_misses = 0, l2_fills = 0, l2_writes = 0;
-  std::uint64_t dram_reads = 0, dram_writes = 0, activates = 0;  ///< in lines; rows opened
+  std::uint64_t dram_reads = 0, dram_writes = 0, activates = 0;  ///< lines read and written; rows opened
 };
 
-/// Observer that keeps an account of each tile, in dispatch order, and one of all that is done for no tile.
+/// Observer that keeps an account of each tile, in dispatch order, and one for events without a tile.
 class TileAccounting final : public Observer {
  public:
   /// Reserves space for `tiles` accounts.
@@ -30,7 +30,7 @@ class TileAccounting final : public Observer {
   void on_event(const Event& event) override;
 
   const std::vector<TileAccount>& tiles() const { return accounts_; }
-  /// Hands over the accounts when the run is finished.
+  /// Moves the accounts out, at the end of a run.
   std::vector<TileAccount> take_tiles() { return std::move(accounts_); }
   const TileAccount& rest() const { return rest_; }
 
