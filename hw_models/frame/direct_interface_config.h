@@ -7,7 +7,7 @@
 
 namespace hw {
 
-/// The streaming path between SRP and T&I unit, which keeps rays and hits out of memory; or the way through memory.
+/// Configuration of the streaming path between SRP and T&I unit, or of the path through memory that replaces it.
 struct DirectInterfaceConfig {
   bool enabled = true;
   std::uint32_t depth = 64;

@@ -12,13 +12,15 @@
 
 namespace hw {
 
-/// Moves blocks between a core's tile buffer and memory, around the L2, a full line a cycle.
+/// Moves blocks between a core's tile buffer and memory, around the L2, one line per cycle.
 ///
 ///   jobs --> [one at a time, in order] --> line requests --> memory
 ///
-/// Finished pixels may lie in the tile buffer as linear colours: then a line takes as many cycles as it takes to read
-/// its pixels there, at a line a cycle, and each goes through a table that gives what kernel pack_colour would. A write
-/// is done when its last line has left; a read when its last line has come. Part of a line costs as much as all of it.
+/// 1. Finished pixels may be linear colours in the tile buffer. Then a line takes as many cycles as it takes to read
+/// its pixels at one line per cycle, and a table encodes each pixel as kernel pack_colour would.
+/// 2. A write is done when its last line has been sent, a read when its last line has arrived.
+/// 3. Part of a line costs as much as a whole line.
+///
 /// Not modelled: reads of partial lines before writing them.
 class Dma {
  public:
@@ -36,7 +38,7 @@ class Dma {
       std::uint64_t written = 0, read = 0;
     };
     std::uint64_t jobs = 0, lines_written = 0, lines_read = 0, pixels_encoded = 0;
-    std::array<Lines, kAreas> lines{};  ///< the same by Area
+    std::array<Lines, kAreas> lines{};  ///< lines by Area
     static void describe(auto& s, auto&& counter) {
       counter(NAMED(s.jobs), "transfers finished");
       counter(NAMED(s.lines_written), "lines written to memory", "dma.line");
@@ -59,7 +61,7 @@ class Dma {
     sim::Link<MemRequest>& memory_out;
     sim::Link<MemResponse>& memory_in;
     Observer* observer = nullptr;
-    std::uint32_t core = 0;  ///< its core in events
+    std::uint32_t core = 0;  ///< number of its core in events
   };
 
   Dma(Links links, std::uint16_t port, sim::Clock clock) : clock_(clock), links_(links), port_(port) {}
@@ -85,10 +87,10 @@ class Dma {
   bool active_ = false;
   DmaJob job_;
   Addr next_line_ = 0;
-  std::uint32_t lines_left_ = 0;  ///< still to be asked for
+  std::uint32_t lines_left_ = 0;  ///< lines not requested yet
   std::uint32_t replies_left_ = 0;
-  sim::Time begun_at_ = 0;    ///< when the job was taken
-  sim::Time encoded_at_ = 0;  ///< when the next line has been encoded, if it must be
+  sim::Time begun_at_ = 0;    ///< start of the job
+  sim::Time encoded_at_ = 0;  ///< when the next line is encoded, if it must be
   Stats stats_;
   sim::Activity<CycleReason> activity_;
 };

@@ -17,21 +17,22 @@
 
 namespace hw {
 
-/// One direction of the way through memory: records are written to a ring of theirs and read back in order.
+/// One direction of the path through memory: records are written to a ring buffer in memory and read back in order.
 ///
-///   in --> [records of a line] --write--> ring in memory --read--> [lines that have come] --> out
+///   in --> [records of a line] --write--> ring in memory --read--> [lines read back] --> out
 ///
-/// 1. Records are packed without gaps. A line is written when it is full, or early when no whole record is in flight.
-/// 2. A written line is read at once, while fewer than `depth` records are requested or wait at the output.
+/// 1. Records are packed without gaps. A line is written when it is full, or early when all complete records have been
+/// delivered.
+/// 2. A written line is read at once, as long as fewer than `depth` records are requested or wait at the output.
 /// 3. A read follows its write on the same link, so it cannot overtake the write on the way to the L2.
 /// 4. Memory holds up to `ring` records.
 template <class Record>
 class RecordStream {
  public:
   struct Shape {
-    Addr base = 0;  ///< a line's first byte
+    Addr base = 0;  ///< start of the ring, at a line
     std::uint32_t record_bytes = 0, ring = 0, depth = 0;
-    std::uint16_t port = 0;  ///< the stream's number as a client of the core's port
+    std::uint16_t port = 0;  ///< number of this client at the core's port
   };
   struct Links {
     sim::Link<Record>& in;
@@ -40,17 +41,17 @@ class RecordStream {
     sim::Link<MemResponse>& memory_in;
   };
   struct Counts {
-    std::uint64_t records = 0, written = 0, read = 0;  ///< the latter two in lines, or parts of them
+    std::uint64_t records = 0, written = 0, read = 0;  ///< `written` and `read` in lines or parts of lines
   };
   enum class Waits : std::uint8_t { kNothing, kMemory, kPort, kOutput };
 
   RecordStream(const Shape& shape, const Links& links)
       : shape_(shape), links_(links), records_(shape.ring), chunks_(most_chunks(shape)) {}
 
-  /// Bytes of memory that it needs: whole lines.
+  /// Returns the bytes of memory of the ring, in whole lines.
   static Addr bytes_of(const Shape& shape) { return end_of_line(Addr{shape.ring} * shape.record_bytes - 1); }
 
-  /// Does what can be done; true if something was.
+  /// Does one cycle; true if anything moved.
   bool tick(sim::Time now) {
     take_lines(now);
     bool moved = hand_on(now);
@@ -82,14 +83,14 @@ class RecordStream {
     Record record;
     sim::Time arrived = 0;
   };
-  /// The part of the stream that one request reads, up to byte `end`.
+  /// The bytes that one read request covers, up to byte `end`.
   struct Chunk {
     Addr end = 0;
     bool come = false;
   };
 
   static Addr end_of_line(Addr byte) { return line_of(byte) + kLineBytes; }
-  /// Requests that begin within the records that may be asked for, each up to a record's or a line's end.
+  /// Returns the most outstanding read requests: each ends at the end of a record or of a line.
   static std::size_t most_chunks(const Shape& s) { return s.depth * (std::size_t{s.record_bytes} / kLineBytes + 2); }
 
   bool has_room() const { return accepted_ - delivered_ < shape_.ring; }
@@ -117,7 +118,7 @@ class RecordStream {
     return true;
   }
 
-  /// Reads go first: they make room.
+  /// Sends a request. Reads go first, as they free room.
   bool ask(sim::Time now) {
     const bool read = may_read();
     if ((!read && !may_write()) || !links_.memory_out.can_push(now)) return false;
@@ -155,22 +156,23 @@ class RecordStream {
   const Shape shape_;
   Links links_;
   std::vector<Entry> records_;                  ///< contents of the ring; memory itself holds no data
-  std::vector<Chunk> chunks_;                   ///< asked for, in order
-  std::uint64_t first_ = 0, last_ = 0;          ///< chunks under way: [first_, last_)
-  std::uint64_t accepted_ = 0, delivered_ = 0;  ///< records so far
-  Addr written_ = 0, asked_ = 0, come_ = 0;     ///< bytes of the stream so far
+  std::vector<Chunk> chunks_;                   ///< requested chunks, in order
+  std::uint64_t first_ = 0, last_ = 0;          ///< outstanding chunks: [first_, last_)
+  std::uint64_t accepted_ = 0, delivered_ = 0;  ///< number of records so far
+  Addr written_ = 0, asked_ = 0, come_ = 0;     ///< number of bytes so far
   Counts counts_;
   LatencySum latency_;
 };
 
-/// Replacement of the direct interface when that is off: rays and hits of a core travel through memory.
+/// Replaces the direct interface when that is off: a core's rays and hits go through memory.
 ///
 ///   SRP --> rays --> [ring of rays in memory] --> T&I unit
 ///   SRP <-- hits <-- [ring of hits in memory] <-- T&I unit
 ///
-/// Each direction is a client of the core's cache port of its own and does one request a cycle; there is no
-/// first-level cache on its way, and what the L2 does with the writes is its matter (l2.writes).
-/// Not modelled: the energy of its own buffers, which are those of the direct interface.
+/// Each direction is a separate client of the core's cache port and sends one request per cycle. There is no
+/// first-level cache. The L2 handles the writes by its policy (l2.writes).
+///
+/// Not modelled: the energy of its buffers, which are those of the direct interface.
 class MemoryInterface {
  public:
   static constexpr const char* kName = "core.memory_interface";
@@ -202,13 +204,13 @@ class MemoryInterface {
   using Rays = RecordStream<RayJob>;
   using Hits = RecordStream<RayDone>;
 
-  /// `base`: of the memory set aside; `port`: number of the rays as a client, the hits' is the next.
+  /// `base`: start of its memory. `port`: client number of the rays; that of the hits is `port` + 1.
   MemoryInterface(const DirectInterfaceConfig& config, Addr base, std::uint16_t port, const Rays::Links& rays,
                   const Hits::Links& hits, sim::Clock clock);
   MemoryInterface(const MemoryInterface&) = delete;
   MemoryInterface& operator=(const MemoryInterface&) = delete;
 
-  /// Memory that it needs, in bytes.
+  /// Returns the bytes of memory that it needs.
   static Addr bytes_of(const DirectInterfaceConfig& config);
 
   sim::Time tick(sim::Time now);

@@ -86,7 +86,7 @@ void TileDispatcher::collect(sim::Time now) {
       stats_.borders += 1;
       continue;
     }
-    written(done.work->tile, (1U << traces::kMostBorders) - 1);  // those that it has not written will not change
+    written(done.work->tile, (1U << traces::kMostBorders) - 1);  // borders that it has not written will not change
     if (links_.observer != nullptr) notify(*links_.observer, TileFinished{done.owner, now});
     source_.give_back(done.work);
     in_flight_[core] -= 1;

@@ -15,27 +15,29 @@
 
 namespace hw {
 
-/// Source of a frame's work, tile by tile, in the order of the tile list.
+/// Source of a frame's tiles, in the order of the tile list.
 class TileSource {
  public:
   virtual ~TileSource() = default;
-  /// The next tile's work, or null when the frame has no more. It stays valid until given back.
+  /// Returns the work of the next tile, or null at the end of the frame. It stays valid until give_back().
   virtual const traces::TileWork* next() = 0;
   virtual void give_back(const traces::TileWork* work) = 0;
-  /// The work that next() gave last goes to a core at `now`.
+  /// Notes that the tile last returned by next() is dispatched at `now`.
   virtual void dispatched([[maybe_unused]] sim::Time now) {}
 };
 
-/// Hands the tiles of the list to the cores, each in turn as it has room for one, in the order of the list, and keeps
-/// account of the borders that are in memory. A tile is handed out whether the borders that it imports are there or
-/// not: only its transfers that read them wait for news. A tile after all others (TileWork::after_all) holds up those
-/// behind it until all before it are finished; it begins a later pass, of whose tiles a core may have more at once.
+/// Sends the tiles of the list, in order, to the cores, and tracks which borders are in memory.
 ///
 ///   tile list --> [one tile a cycle, round robin over cores with room] --> cores
-///   borders written, tiles finished --> [those who import them] ---------> news for cores
+///   borders written, tiles finished --> [tiles that import them] --------> updates for cores
 ///
-/// Nobody waits for ever: a border is of an earlier tile, which has been handed out before, and the oldest tile of all
-/// imports borders of finished tiles alone (docs/design/machine.md).
+/// 1. A tile goes to the next core, round robin, that has room for one.
+/// 2. A tile does not wait for the borders that it imports. Only its transfers that read them wait, until the core gets
+/// an update.
+/// 3. A tile after all others (TileWork::after_all) waits until all tiles before it are finished. It begins a later
+/// pass, in which a core may have more tiles at once.
+/// 4. There is no deadlock. Borders belong to earlier tiles, which are dispatched first. So the oldest tile imports
+/// only borders of finished tiles (docs/design/machine.md).
 class TileDispatcher {
  public:
   static constexpr const char* kName = "tile_dispatcher";
@@ -59,11 +61,11 @@ class TileDispatcher {
   struct Links {
     std::vector<sim::Link<TileJob>*> to_core;
     std::vector<sim::Link<TileDone>*> from_core;
-    std::vector<sim::Link<Flush>*> to_l2;  ///< told when the last tile is finished; may be none
+    std::vector<sim::Link<Flush>*> to_l2;  ///< get a Flush when the last tile is finished; may be empty
     Observer* observer = nullptr;
   };
 
-  /// `starts`: cycles before a core may get its first tile, one of each core; empty: none.
+  /// `starts`: for each core, the cycles before it may get its first tile; empty: 0.
   TileDispatcher(TileSource& source, TilesInFlight tiles_per_core, Links links, sim::Clock clock,
                  std::span<const std::uint32_t> starts = {});
   TileDispatcher(const TileDispatcher&) = delete;
@@ -74,17 +76,17 @@ class TileDispatcher {
   const Stats& stats() const { return stats_; }
   const sim::Activity<CycleReason>& activity() const { return activity_; }
   void finish(sim::Time end) { activity_.finish(end); }
-  /// There are tiles in the list.
+  /// True if there are tiles left to dispatch.
   bool has_more() const { return next_ != nullptr; }
-  /// The list is empty and every tile has come back.
+  /// True if all tiles have been dispatched and finished.
   bool done() const { return next_ == nullptr && stats_.dispatched == stats_.finished; }
   std::string state() const;
 
-  /// Most messages under way from a core with so many tiles: their borders and ends.
+  /// Most messages in flight from a core with `tiles` tiles: borders and ends of tiles.
   static constexpr std::size_t most_done(std::size_t tiles) { return tiles * (traces::kMostBorders + 1); }
 
  private:
-  /// A tile in flight that lacks borders.
+  /// A tile in flight with missing borders.
   struct Importer {
     std::size_t core = 0;
     TileJob job;
@@ -92,7 +94,7 @@ class TileDispatcher {
   };
 
   bool dispatch(sim::Time now);
-  /// The next tile must be alone with those behind it.
+  /// True if the next tile must wait until all tiles before it are finished.
   bool must_wait() const;
   bool has_room(std::size_t core) const;
   void collect(sim::Time now);
@@ -107,12 +109,12 @@ class TileDispatcher {
   const sim::Clock clock_;
   const traces::TileWork* next_;
   std::vector<std::uint32_t> in_flight_;
-  std::vector<sim::Time> start_at_;    ///< before it a core gets no tile
-  std::vector<std::uint8_t> written_;  ///< borders in memory by number of tile, a bit each
-  std::vector<Importer> importers_;    ///< in the order of the list
+  std::vector<sim::Time> start_at_;    ///< earliest time of each core's first tile
+  std::vector<std::uint8_t> written_;  ///< borders in memory, a bit each, by number of the tile
+  std::vector<Importer> importers_;    ///< in dispatch order
   std::size_t turn_ = 0;
-  bool has_samples_ = false;    ///< a tile with samples has been handed out: a geometry pass has none
-  bool is_later_pass_ = false;  ///< a tile after all others has been handed out, behind such
+  bool has_samples_ = false;    ///< a tile with samples has been dispatched; a geometry pass has none
+  bool is_later_pass_ = false;  ///< an `after_all` tile has been dispatched after a tile with samples
   bool flushed_ = false;
   Stats stats_;
   sim::Activity<CycleReason> activity_;

@@ -43,10 +43,10 @@ Perturbation draw_perturbation(std::uint32_t cores, std::uint32_t frame, std::ui
 
 namespace {
 
-/// Bytes set aside for a core's largest spill: a chunk's rays and hits, two batches of them.
+/// Returns the bytes reserved for a core's largest spill: rays and hits of a chunk, in two batches.
 Addr spill_bytes(const GpuConfig& config) { return Addr{4} * config.srp.chunk * config.tile_buffer.slot_bytes; }
 
-/// Behind the scene lie the frame's regions, behind them each core's room for its largest spill.
+/// Returns the frame's areas in memory: regions after the scene, then room for each core's largest spill.
 std::array<Addr, kAreas> areas_of(const GpuConfig& config, const Gpu::Workload& workload, std::uint32_t core) {
   std::array<Addr, kAreas> areas{};
   Addr next = workload.image.layout.frame_buffer;
@@ -58,13 +58,13 @@ std::array<Addr, kAreas> areas_of(const GpuConfig& config, const Gpu::Workload& 
   return areas;
 }
 
-/// Behind the spills lie the rays and hits of each core that has no direct interface.
+/// Returns the address of a core's rays and hits in memory, after the spills; without a direct interface.
 Addr records_of(const GpuConfig& config, const Gpu::Workload& workload, std::uint32_t core) {
   const Addr spills_end = areas_of(config, workload, config.cores)[static_cast<std::size_t>(Area::kSpill)];
   return spills_end + core * MemoryInterface::bytes_of(config.direct_interface);
 }
 
-/// Behind all that lie the arrays of the rasterisers, which all cores share.
+/// Returns the rasterisers' arrays, shared by all cores, after the areas of all cores.
 RasterMemory raster_memory_of(const GpuConfig& config, const Gpu::Workload& workload) {
   return {whole_lines(records_of(config, workload, config.cores)), *workload.needs.raster};
 }
@@ -92,7 +92,7 @@ Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles, c
     links.to_core.push_back(&core.tiles_in);
     links.from_core.push_back(&core.tiles_out);
   }
-  // Only rays and hits, and what a rasteriser's geometry pass makes, are ever written to the L2.
+  // The L2 gets writes only of rays, hits and the results of a rasteriser's geometry pass.
   const bool writes = !config.direct_interface.enabled || workload.needs.raster;
   const bool keeps_writes = writes && config.l2.writes == L2Writes::kBack && !config.ideal.l2;
   if (keeps_writes) links.to_l2 = memory_.flushes(dispatcher_id_);
@@ -106,7 +106,7 @@ Gpu::Core& Gpu::declare_core(std::uint32_t c) {
   const sim::UnitId srp = machine_.unit({name_in_core(Srp::kName, c), srp_clock_, c + 1, config_.srp.sram_bytes(),
                                          config_.srp.data_cache.size.bytes, config_.srp.array.parts()});
   const std::uint32_t in_flight = in_flight_.most();
-  const auto known = sim::Lookahead::kByOwner;  // reach() knows when tiles come and go
+  const auto known = sim::Lookahead::kByOwner;  // reach() limits the lookahead of tiles
   TniCore tni(machine_, config_.tni, {config_.ideal.tni, config_.ideal.l1}, c, tni_clock_);
   memory_.declare_ports();
   return cores_.emplace_back(
@@ -185,7 +185,7 @@ void Gpu::build_core(std::uint32_t c, const Workload& workload) {
         RasterUnit::Links{raster->jobs, raster->done, raster->memory.requests, raster->memory.responses},
         raster->memory.client, tni_clock_, config_.ideal.l1);
   }
-  std::vector<MemoryPort> records;  // rays', then hits'
+  std::vector<MemoryPort> records;  // of the rays, then of the hits
   if (between) {
     const MemoryClient client{*between, config_.interconnect.link_depth, RequesterKind::kRecords};
     records = memory_.cache_clients(c, std::array{client, client});
@@ -200,17 +200,18 @@ void Gpu::build_core(std::uint32_t c, const Workload& workload) {
 }
 
 sim::Reach Gpu::reach(sim::Time now) const {
-  // When all tiles have come back, the rest may end at any time.
+  // When all tiles are finished, the run may end at any time.
   if (stopped_ || dispatcher_->done()) return {now, now};
   const Core& core = cores_.front();
   const sim::Time dispatch = machine_.wake_time(dispatcher_id_), next_tile = dispatch + core.tiles_in.latency();
   const sim::Time lookahead = std::min(machine_.lookahead(), core.tiles_in.latency() + core.tiles_out.latency());
   const sim::Time end = std::min(now + lookahead, next_tile);
-  // The dispatcher may hear of a tile that ends meanwhile, so it does not lead.
+  // A tile may end within this time, so the dispatcher must not run ahead.
   return {dispatch, dispatcher_->has_more() ? end : std::min(end, last_tile_may_end(now))};
 }
 
-/// With no tile left to hand out, the machine may be done when the dispatcher hears of the end of one.
+/// Returns the earliest time at which the dispatcher can receive the end of the last tile, with no tile left to
+/// dispatch.
 sim::Time Gpu::last_tile_may_end(sim::Time now) const {
   sim::Time at = now + cores_.front().tiles_out.latency();
   for (const Core& core : cores_) at = std::min(at, core.tiles_out.pop_at());

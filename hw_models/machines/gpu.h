@@ -24,44 +24,43 @@
 
 namespace hw {
 
-/// All kernels as a machine's shader cores run them, by KernelId.
+/// The schedules of all kernels for a machine's shader cores, by KernelId.
 struct ScheduledKernels {
   std::vector<KernelSchedule> kernels;
   std::vector<BankConflicts> conflicts;
 };
 ScheduledKernels schedule_kernels(const GpuConfig& config);
 
-/// Displacements that no architect would notice, but that make a frame another draw of the races in it: cores start
-/// some cycles apart, the memory's fabric is a cycle of its command clock longer or shorter, refreshes come at another
-/// phase. After Alameldeen and Wood, "Variability in Architectural Simulations of Multi-threaded Workloads", HPCA 2003
-/// (docs/noise.md). None by default.
+/// Timing perturbation of a replicate, far below design significance (docs/noise.md). Cores start a few cycles later,
+/// the memory's fabric is a command clock cycle longer or shorter, refreshes have another phase. After Alameldeen and
+/// Wood, "Variability in Architectural Simulations of Multi-threaded Workloads", HPCA 2003. None by default.
 struct Perturbation {
-  std::vector<std::uint32_t> starts;  ///< cycles of the tile dispatcher before a core gets its first tile; empty: none
+  std::vector<std::uint32_t> starts;  ///< for each core, the dispatcher's cycles before its first tile; empty: 0
   DramPerturbation dram;
 };
 
 /// Draws the perturbation of a replicate of a frame; replicate 0 has none.
 Perturbation draw_perturbation(std::uint32_t cores, std::uint32_t frame, std::uint32_t replicate);
 
-/// The machine: cores and what they share.
+/// The whole machine: cores, shared memory side and tile dispatcher.
 ///
 ///   tile dispatcher --> core x n: SRP <--direct interface--> T&I unit        core ports       L2 banks    channels
 ///                        |  tile buffer --> DMA -------------------------------------------------------> LPDDR
 ///                        +-- L1s of TRVs and IST, data cache --------------> arbiter -------> L2 -------->
 ///
-/// Frames that need it have a rasteriser in each core, beside the T&I unit and another client of the core's port.
+/// Frames that need one have a rasteriser in each core, which is another client of the core's port.
 ///
-/// Without the direct interface, rays and hits pass a memory interface, which is a client of the core's port, too.
+/// Without the direct interface, rays and hits go through a memory interface, also a client of the core's port.
 class Gpu {
  public:
-  /// Facts of the workload that the machine needs beside the stream itself.
+  /// Properties of the workload that the machine needs in addition to its tiles.
   struct Workload {
     const traces::MemoryImage& image;
     std::span<const std::uint32_t> parents;  ///< the parent of each node of the tree
     traces::FrameRequirements needs{.tile_samples = 256};
     bool dma_encodes = false;  ///< the DMA sRGB-encodes finished pixels
     Observer* observer = nullptr;
-    /// Kernels of a machine with the same shader cores; null: scheduled anew.
+    /// Schedules from a machine with the same shader cores; null: the machine schedules the kernels.
     std::shared_ptr<const ScheduledKernels> scheduled{};
   };
 
@@ -69,37 +68,37 @@ class Gpu {
   Gpu(const Gpu&) = delete;
   Gpu& operator=(const Gpu&) = delete;
 
-  // As the engine sees it (sim/engine.h).
+  // Interface for the engine (sim/engine.h).
   sim::Machine& machine() { return machine_; }
   bool done() const { return stopped_ || (dispatcher_->done() && machine_.quiet()); }
   sim::Reach reach(sim::Time now) const;
   sim::Time patience() const { return patience_; }
 
-  /// Charges every unit's time up to the end of the run. Call once, with what the engine returned.
+  /// Charges every unit's time up to the end of the run. Called once, with the time that the engine returned.
   void finish(sim::Time last_edge);
-  /// The time finish() was given, rounded up to whole T&I cycles.
+  /// Returns the end of the run, rounded up to whole T&I cycles; after finish().
   sim::Time elapsed() const { return elapsed_; }
   std::uint64_t cycles() const { return tni_clock_.cycles(elapsed_); }
 
   /// Brings all counters up to a time at which a tile is dispatched, while the machine runs.
   void bring_up_to(sim::Time now) { machine_.bring_up_to(now); }
-  /// Leaves the rest undone, when a tile is dispatched behind which there are none: the run ends, and is not finished.
+  /// Ends the run early, when the last tile of the list is dispatched. The tiles in flight are not finished.
   void stop() { stopped_ = true; }
   bool stopped() const { return stopped_; }
 
-  /// T&I cycles up to the last time at which the tile dispatcher had something to do, while the machine runs.
+  /// Returns the T&I cycles up to the last tick of the tile dispatcher, while the machine runs.
   std::uint64_t cycles_so_far() const { return tni_clock_.cycles(dispatcher_->activity().accounted()); }
 
-  /// Every unit's counters, in a fixed order.
+  /// Returns the counters of all units, in a fixed order.
   std::vector<sim::UnitReport> report() const { return machine_.report(); }
-  /// Per kernel, summed over the cores, by KernelId.
+  /// Returns the cost of each kernel, summed over the cores, by KernelId.
   std::vector<KernelUse> kernel_use() const;
   const std::vector<KernelSchedule>& kernels() const { return scheduled_->kernels; }
   const std::shared_ptr<const ScheduledKernels>& scheduled() const { return scheduled_; }
   std::uint32_t cores() const { return static_cast<std::uint32_t>(cores_.size()); }
 
-  /// Puts what a tile reads into the caches of a core, and into the L2 what these do not hold, as if the tile had just
-  /// been run: in no time, and uncounted.
+  /// Warms the caches of a core with the lines that a tile reads, and the L2 with the lines that these caches miss.
+  /// Takes no time and counts nothing.
   void warm(const traces::TileWork& work, std::uint32_t core);
 
  private:
@@ -111,13 +110,13 @@ class Gpu {
     Srp* srp = nullptr;
     Dma* dma = nullptr;
   };
-  /// A direct interface, or its halves between each end and the memory interface.
+  /// The links of a direct interface, or those between each end and a memory interface.
   struct Interface {
     sim::Link<RayJob>&rays_from_srp, &rays_to_tni;
     sim::Link<RayDone>&hits_from_tni, &hits_to_srp;
   };
 
-  /// A rasteriser, and its wires to the core and to memory.
+  /// A rasteriser's links to its core and to memory.
   struct RasterWires {
     sim::UnitId unit;
     sim::Link<RasterJob>& jobs;

@@ -16,8 +16,8 @@
 
 namespace hw {
 
-/// Resources made ideal, one or several at a time: what the machine would do if they cost no time. Each run with one
-/// of them gives a bound on what better hardware of that kind can bring.
+/// Resources made ideal, one or several at a time, so that they cost no time. A run with one of them bounds the gain
+/// from better hardware of that kind.
 struct IdealConfig {
   bool tni = false;
   bool l1 = false;
@@ -29,7 +29,7 @@ struct IdealConfig {
 
   struct Resource {
     const char* name;
-    const char* words;  ///< in the plural, for sentences
+    const char* words;  ///< plural, for sentences
     bool IdealConfig::*member;
     const char* meaning;
   };
@@ -59,7 +59,7 @@ inline constexpr std::array<IdealConfig::Resource, 7> IdealConfig::kResources = 
      "any number of requests and lines a cycle, each in one cycle"},
 }};
 
-/// Clock domains on the chip; the memory's own clock comes with its grade.
+/// Clock domains on the chip. The memory's clock is part of its grade.
 struct ClockConfig {
   sim::Frequency tni{500'000'000};
   sim::Frequency srp{1'000'000'000};
@@ -85,7 +85,7 @@ struct DmaConfig {
   }
 };
 
-/// The machine.
+/// Configuration of the whole machine.
 struct GpuConfig {
   std::uint32_t cores = 4;
   ClockConfig clocks;

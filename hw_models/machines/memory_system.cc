@@ -5,7 +5,7 @@
 namespace hw {
 namespace {
 
-constexpr std::uint32_t kIdealDepth = 256;  // links of an ideal interconnect: more than is under way at once
+constexpr std::uint32_t kIdealDepth = 256;  // of links of an ideal interconnect: more than can be in flight
 
 }  // namespace
 
@@ -70,7 +70,7 @@ void MemorySystem::link_to_banks(Port& cache) {
   }
 }
 
-/// The way down takes as long as the way up, in whole cycles of the memory.
+/// Links a DMA port to the channels. The latency down is that of the way up, rounded up to whole memory cycles.
 void MemorySystem::link_to_channels(Port& dma) {
   const sim::Time cycle = config_.dram.timing.ck.time;
   const auto down_distance = static_cast<std::uint32_t>((distance_ * clock_.period() + cycle - 1) / cycle);

@@ -13,7 +13,7 @@
 
 namespace hw {
 
-/// Slots for a unit's requests on the wire to its core's port.
+/// Slots of the link for requests from a unit to its core's port.
 inline constexpr std::uint32_t kRequestDepth = 2;
 
 /// The memory side of a machine: each core's ports, L2 banks, channels, and the links between them.
@@ -21,7 +21,7 @@ inline constexpr std::uint32_t kRequestDepth = 2;
 ///   clients x n of each core --> cache port --> L2 banks --> channels
 ///   DMA of each core ----------> DMA port -----------------> channels
 ///
-/// It is declared first, core by core, so that links can lead to it; ports are built once their clients are there.
+/// It is declared first, core by core, so that links can connect to it. Ports are built after their clients.
 class MemorySystem {
  public:
   enum class Dma : bool { kNo, kYes };  ///< whether there are DMA ports
@@ -30,17 +30,17 @@ class MemorySystem {
   MemorySystem(sim::Machine& machine, const GpuConfig& config, Dma dma, const DramPerturbation& shift = {},
                Observer* observer = nullptr);
 
-  /// The ports of the next core.
+  /// Declares the ports of the next core.
   void declare_ports();
-  /// A further client of a core's cache port.
+  /// Adds a client to a core's cache port.
   MemoryPort cache_client(std::uint32_t core, const MemoryClient& client);
   std::vector<MemoryPort> cache_clients(std::uint32_t core, std::span<const MemoryClient> clients);
-  /// The DMA's wires to its port, of its depth.
+  /// Links the DMA to its port, with dma.depth slots.
   MemoryPort dma_client(std::uint32_t core, sim::UnitId dma);
-  /// Links that tell each bank that the frame is over.
+  /// Links from a unit to each bank that carry a Flush.
   std::vector<sim::Link<Flush>*> flushes(sim::UnitId from);
 
-  /// Builds a core's ports, and returns that of its caches.
+  /// Builds a core's ports, and returns its cache port.
   CorePort& build_ports(std::uint32_t core);
   sim::UnitId cache_port_id(std::uint32_t core) const { return cache_ports_[core].unit; }
   void build_banks_and_channels();
@@ -74,8 +74,8 @@ class MemorySystem {
   const DramPerturbation shift_;
   Observer* const observer_;
   const sim::Clock clock_;
-  const std::uint32_t distance_, link_depth_;  ///< between ports and what they lead to
-  std::vector<Port> cache_ports_, dma_ports_;  ///< one of each core; there may be no DMA
+  const std::uint32_t distance_, link_depth_;  ///< of the links between ports and banks or channels
+  std::vector<Port> cache_ports_, dma_ports_;  ///< by core; without DMA there are no `dma_ports_`
   std::vector<Bank> declared_banks_;
   std::vector<Channel> declared_channels_;
   std::vector<CorePort*> built_ports_;

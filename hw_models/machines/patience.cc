@@ -5,11 +5,11 @@
 namespace hw {
 namespace {
 
-/// Chosen: several times what can be, for what the sum below leaves out.
+/// Safety factor for effects that the sum below ignores; chosen.
 constexpr sim::Time kMargin = 8;
-/// Time that no frame comes near and that all arithmetic with it can hold.
+/// Longer than any frame, and small enough for arithmetic without overflow.
 constexpr sim::Time kLongest = 1000 * sim::kFemtosecondsPerSecond;
-/// Lines of memory that an item may need one after the other; no record has more.
+/// Most lines of memory that an item needs one after the other; no record has more.
 constexpr sim::Time kLines = 16;
 
 sim::Time longest_chunk(const GpuConfig& config, std::span<const KernelSchedule> kernels,
@@ -23,7 +23,7 @@ sim::Time longest_chunk(const GpuConfig& config, std::span<const KernelSchedule>
   return (cycles + config.srp.switch_cycles) * config.clocks.srp.clock().period();
 }
 
-/// A request's way from a core to a channel and back, every queue empty.
+/// Returns the latency from a core to a channel and back, with empty queues.
 sim::Time way(const GpuConfig& config) {
   const sim::Time crossings = 8, synchroniser = config.clocks.synchroniser + 1;
   const sim::Time l2 = 2 * config.interconnect.latency + config.l2.lookup_cycles + config.l2.cache.hit_cycles +
@@ -32,7 +32,7 @@ sim::Time way(const GpuConfig& config) {
   return l2 * config.clocks.l2.clock().period() + tni * config.clocks.tni.clock().period() + config.dram.fabric.time;
 }
 
-/// A line in a channel at its worst.
+/// Returns the worst latency of a line in a channel.
 sim::Time line(const DramConfig& dram) {
   const DramTiming& t = dram.timing;
   const sim::Time cycles = std::max(t.rfc_ab, t.rfc_pb) + t.xp + t.rp_ab + t.rc + t.rcd + t.rl + t.dqsck + t.wr +
@@ -40,7 +40,7 @@ sim::Time line(const DramConfig& dram) {
   return cycles * t.ck.time;
 }
 
-/// Requests that may be in the machine at once.
+/// Returns the most requests that can be in flight.
 sim::Time requests(const GpuConfig& config) {
   const sim::Time core = config.tni.trvs * config.tni.trv.l1.mshrs + config.tni.ist.l1.mshrs +
                          config.srp.data_cache.mshrs + config.dma.depth +

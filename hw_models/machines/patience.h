@@ -8,9 +8,9 @@
 
 namespace hw {
 
-/// Longest time for which a machine may run without retiring anything: `watchdog`, or, if that is 0, several times the
-/// longest latency that an item can meet on this machine: a chunk of the longest kernel, and behind it lines of memory,
-/// each of which waits for all that may be under way and meets a refresh, a power-up and a row change.
+/// Returns the longest time that a machine may run without retiring anything: `watchdog`. If that is 0, several times
+/// the longest latency of an item: a chunk of the longest kernel, then lines from memory. Each line waits for all
+/// requests that can be in flight, a refresh, a power-up and a row change.
 sim::Time patience(const GpuConfig& config, std::span<const KernelSchedule> kernels,
                    std::span<const BankConflicts> conflicts);
 

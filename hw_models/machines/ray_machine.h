@@ -17,9 +17,10 @@
 
 namespace hw {
 
-/// Stands in for the shader core: sends a ray every `interval` cycles if the link has room, and accepts hits at once.
+/// Replaces the shader core: sends a ray every `interval` cycles if the link has room, and accepts hits at once.
 ///
-/// `Rays` numbers the rays: `count()`, `walk(ray)`, and `returned(ray, now)`, which is called for each finished ray.
+/// `Rays` provides the rays by number: `count()`, `walk(ray)`, and `returned(ray, now)`, which is called for each
+/// finished ray.
 template <class Rays>
 class RaySource {
  public:
@@ -53,7 +54,7 @@ class RaySource {
   sim::Time send_at_ = 0;
 };
 
-/// Builds a core's T&I unit with a source of rays in the place of the shader core.
+/// Builds a core's T&I unit with a source of rays in place of the shader core.
 ///
 ///   source --> direct interface --> T&I unit --> memory
 template <class Rays>
@@ -67,13 +68,13 @@ RaySource<Rays>& build_source_and_tni(sim::Machine& machine, const DirectInterfa
   return built;
 }
 
-/// The rays of a list that one core gets: blocks of kBlock in turn. A block is traced when it is first needed and
-/// forgotten when all of it has come back.
+/// The rays of a list that one core gets: every nth block of kBlock rays, for n cores. A block is traced when first
+/// needed, and dropped when all its rays have returned.
 class CoreRays {
  public:
   static constexpr std::uint32_t kBlock = 64;
-  /// Told of a block that is forgotten and its number of rays; says whether to go on. If not, the core's list ends
-  /// behind the blocks that are traced by then.
+  /// Called for each finished block with its number of rays; returns whether to continue. If not, the core's list ends
+  /// after the blocks traced so far.
   using Finished = std::function<bool(std::uint32_t rays, sim::Time now)>;
 
   CoreRays(std::span<const traces::Ray> rays, const traces::Tracer& tracer, std::uint32_t core, std::uint32_t cores,
@@ -98,26 +99,26 @@ class CoreRays {
   const std::uint32_t core_, cores_;
   const Finished finished_;
   std::uint32_t count_ = 0;
-  std::uint32_t first_ = 0;  ///< the first of the blocks kept
+  std::uint32_t first_ = 0;  ///< number of the first block in `blocks_`
   std::deque<Block> blocks_;
   std::vector<Block> spare_;
   std::vector<traces::Hit> hit_;
   std::uint64_t hits_ = 0, steps_ = 0;
 };
 
-/// How far a list of rays is.
+/// Progress of a list of rays.
 struct RaysDone {
-  std::uint32_t blocks = 0;  ///< each has CoreRays::kBlock rays
+  std::uint32_t blocks = 0;  ///< blocks of CoreRays::kBlock rays
   std::uint64_t rays = 0, cycles = 0;
 };
 
-/// The T&I units of a machine with its caches and memory, and a list of rays in the place of shader cores.
+/// The T&I units, caches and memory of a machine, with a list of rays in place of shader cores.
 ///
 ///   rays --> T&I unit of each core --> core port --> L2 banks --> channels
 class RayMachine {
  public:
-  /// Told whenever a block of rays has come back; says whether to go on. If not, the machine brings to their end the
-  /// blocks of rays that it has begun.
+  /// Called for each finished block of rays; returns whether to continue. If not, the machine still finishes the blocks
+  /// that it has started.
   using Watch = std::function<bool(const RaysDone& so_far)>;
 
   /// `parents`: of the image's nodes. All arguments must outlive it.
@@ -126,9 +127,9 @@ class RayMachine {
   RayMachine(const RayMachine&) = delete;
   RayMachine& operator=(const RayMachine&) = delete;
 
-  /// Plays all rays, or those that `watch` has left. sim::Deadlock if they do not end.
+  /// Runs all rays, or until `watch` stops it. sim::Deadlock if they do not finish.
   void run();
-  /// Rays played.
+  /// Finished rays.
   std::uint64_t rays() const { return done_.rays; }
   sim::Time elapsed() const { return elapsed_; }
   std::uint64_t cycles() const { return clock_.cycles(elapsed_); }
@@ -136,7 +137,7 @@ class RayMachine {
   std::uint64_t steps() const;
   std::vector<sim::UnitReport> report() const { return machine_.report(); }
 
-  // As the engine sees it.
+  // Interface for the engine.
   sim::Machine& machine() { return machine_; }
   bool done() const;
   sim::Time patience() const;

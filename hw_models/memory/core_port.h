@@ -42,7 +42,7 @@ struct InterconnectConfig {
 /// requests to the L2 banks. A second port, with one client, carries the DMA's requests past the L2 to the DRAM
 /// channels.
 ///
-///   clients_in  --> arbiter, one request per cycle -------> targets_out (the owner of the line)
+///   clients_in  --> arbiter, one request per cycle -------> targets_out (chosen by the line's address)
 ///   clients_out <-- arbiter, line / width cycles a line <-- targets_in
 ///
 /// 1. A client's number is its index in clients_out. It writes that number into `source`.

@@ -52,7 +52,7 @@ bool RasterFetch::advance(Stage stage, std::uint32_t& looked) {
   if (number == entered_ || (stage != kList && done_[stage - 1] <= number)) return false;
   Slot& s = slot(number);
   if (!s.listed) {
-    if (s.pending != 0) return false;  // lines of the stage before are on their way
+    if (s.pending != 0) return false;  // lines of the previous stage have not arrived
     list_lines(stage, s);
   }
   if (s.next < s.count) {
@@ -158,7 +158,7 @@ bool RasterUnit::enter() {
 }
 
 void RasterUnit::begin_front(sim::Time now) {
-  constexpr std::uint32_t kLines = 4;  // that transformed vertices of a triangle may fill
+  constexpr std::uint32_t kLines = 4;  // most lines that a triangle's transformed vertices fill
   if (has_front_ || !fetch_.ready()) return;
   find(setting_);
   const Job& of = job(setting_.job);
@@ -176,7 +176,7 @@ void RasterUnit::begin_front(sim::Time now) {
   front_until_ = clock_.after(now, std::max<std::uint64_t>(1, cycles));
 }
 
-/// Sends transformed vertices to memory.
+/// Writes the transformed vertices to memory.
 void RasterUnit::transform() {
   const TileTag owner = job(setting_.job).job.owner;
   for (std::uint32_t i = 0; i < fetch_.missed(); ++i) {
@@ -194,7 +194,7 @@ bool RasterUnit::end_front(sim::Time now) {
 }
 
 void RasterUnit::begin_back(sim::Time now) {
-  // Triangles that wait behind the oldest job's are a later job's.
+  // Further triangles in the queue belong to a later job.
   if (has_back_ || queued_ == 0 || finished_ == job(ended_).triangles()) return;
   const Job& of = job(ended_);
   const traces::RasterTriangle& triangle = of.triangle(finished_);
@@ -234,7 +234,7 @@ bool RasterUnit::end_back(sim::Time now) {
   return true;
 }
 
-/// The oldest job's results leave once all its triangles have been through.
+/// Sends the oldest job's results when all its triangles have been processed.
 bool RasterUnit::end_job(sim::Time now) {
   if (!has_jobs() || finished_ < job(ended_).triangles()) return false;
   const Job& of = job(ended_);
@@ -265,7 +265,7 @@ bool RasterUnit::end_job(sim::Time now) {
   return true;
 }
 
-/// A line, or part of one, of a batch's entries.
+/// Writes a line, or part of one, of a batch's entries.
 bool RasterUnit::write_lists() {
   const Job& of = job(ended_);
   if (out_run_ == of.work().runs || !writes_.has_room(2)) return false;

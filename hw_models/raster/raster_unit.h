@@ -19,12 +19,12 @@
 
 namespace hw {
 
-/// Addresses of a rasteriser's arrays in memory. Arrays follow each other and share no line.
+/// Addresses of a rasteriser's arrays in memory, one after the other; no two share a line.
 struct RasterMemory {
-  static constexpr std::uint32_t kPositionBytes = 12;     ///< a vertex as the scene has it: three floats
-  static constexpr std::uint32_t kIndexBytes = 12;        ///< a triangle: the numbers of its vertices
-  static constexpr std::uint32_t kTransformedBytes = 16;  ///< a vertex in the picture: four floats
-  static constexpr std::uint32_t kEntryBytes = 4;         ///< an entry of a list: the number of a triangle
+  static constexpr std::uint32_t kPositionBytes = 12;     ///< a vertex of the scene: three floats
+  static constexpr std::uint32_t kIndexBytes = 12;        ///< a triangle: its vertex numbers
+  static constexpr std::uint32_t kTransformedBytes = 16;  ///< a vertex in picture space: four floats
+  static constexpr std::uint32_t kEntryBytes = 4;         ///< a list entry: a triangle number
 
   Addr positions = 0, indices = 0, transformed = 0, lists = 0, end = 0;
 
@@ -79,15 +79,15 @@ struct RasterStats {
   }
 };
 
-/// Writes of a rasteriser to memory: bytes that follow each other in a line leave together.
+/// Write queue of a rasteriser: consecutive bytes of a line are combined.
 class RasterWrites {
  public:
   RasterWrites(std::uint32_t lines, std::uint16_t port) : lines_(lines), port_(port) {}
 
-  /// True if the queue has room for `lines` more, besides the line being filled.
+  /// True if the queue has room for `lines` more, in addition to the open line.
   bool has_room(std::uint32_t lines) const { return queue_.size() + lines <= lines_; }
   bool empty() const { return queue_.empty() && open_.sectors == 0; }
-  /// A line or more waits for the way to memory.
+  /// True if a closed line waits to be sent.
   bool waiting() const { return !queue_.empty(); }
   /// Lines closed and sent so far.
   std::uint64_t closed() const { return sent_ + queue_.size(); }
@@ -104,13 +104,13 @@ class RasterWrites {
     open_.owner = owner;
     open_.sectors = static_cast<SectorMask>(open_.sectors | ((2U << to) - (1U << from)));
   }
-  /// Nothing more follows in the line that is being filled.
+  /// Closes the open line, which is sent as it is.
   void close() {
     if (open_.sectors == 0) return;
     queue_.push_back(open_);
     open_.sectors = 0;
   }
-  /// Sends a line, if one waits and the link has room; true if so.
+  /// Sends a line if one waits and the link has room; true if it did.
   bool send(sim::Time now, sim::Link<MemRequest>& out) {
     if (queue_.empty() || !out.can_push(now)) return false;
     out.push(now, queue_.front());
@@ -127,12 +127,12 @@ class RasterWrites {
   std::uint64_t sent_ = 0;
 };
 
-/// Vertices lately transformed, by number; the oldest goes, whether it has been used again or not.
+/// Numbers of recently transformed vertices, with FIFO replacement.
 class VertexCache {
  public:
   explicit VertexCache(std::uint32_t entries) : entries_(entries, kNothing) {}
 
-  /// True if the vertex is here; otherwise it is from now on.
+  /// True if the vertex is cached; otherwise adds it.
   bool use(std::uint32_t vertex) {
     if (std::ranges::find(entries_, std::uint64_t{vertex}) != entries_.end()) return true;
     entries_[next_] = vertex;
@@ -146,13 +146,15 @@ class VertexCache {
   std::size_t next_ = 0;
 };
 
-/// Fetches what triangles need, in their order, ahead of their use.
+/// Fetches the lines of triangles, in order, ahead of their use.
 ///
 ///   triangle --> [ entry of the list ] --> [ numbers of its vertices ] --> [ vertices ] --> ready, oldest first
 ///
-/// Each stage looks its lines up in the L1, a triangle after the other, and waits for none: a triangle goes on to the
-/// next stage once its lines have come. Of a batch there is no list to read, and vertices lately transformed are not
-/// fetched again. Not modelled: the time that a hit takes, which the window hides.
+/// 1. Each stage looks up its lines in the L1, triangle by triangle, without waiting. A triangle enters the next stage
+/// when its lines have arrived.
+/// 2. A batch has no list to read, and recently transformed vertices are not fetched again.
+///
+/// Not modelled: the latency of a hit, which the window hides.
 class RasterFetch {
  public:
   RasterFetch(const RasterUnitConfig& config, const RasterMemory& memory, std::uint16_t port, bool ideal,
@@ -166,18 +168,18 @@ class RasterFetch {
 
   bool has_room() const { return entered_ - left_ < slots_.size(); }
   bool empty() const { return entered_ == left_; }
-  /// A triangle enters; `entry`: where it stands among the lists, or kBatch; `owner`: the tile that it is for.
+  /// Adds a triangle to the window. `entry`: its index among the list entries, or kBatch. `owner`: its tile.
   void enter(const traces::RasterTriangle& triangle, std::uint32_t entry, TileTag owner);
   static constexpr std::uint32_t kBatch = traces::WorkNode::kNone;
 
-  /// The oldest triangle has all that it needs.
+  /// True if all lines of the oldest triangle have arrived.
   bool ready() const { return !empty() && done_[kLast] > left_ && slot(left_).pending == 0; }
-  /// Vertices of it that must be transformed.
+  /// Number of its vertices that must be transformed.
   std::uint32_t missed() const { return slot(left_).missed; }
   std::array<std::uint32_t, 3> missed_vertices() const { return slot(left_).vertices; }
   void leave() { left_ += 1; }
 
-  /// Looks lines up; true if something was done.
+  /// Looks up lines; true if anything moved.
   bool look_up();
   void fill(Addr line);
   void send(sim::Time now, sim::Link<MemRequest>& out) { l1_.send(now, out); }
@@ -187,21 +189,22 @@ class RasterFetch {
  private:
   enum Stage : std::uint8_t { kList, kIndices, kVertices, kStages };
   static constexpr Stage kLast = kVertices;
-  static constexpr std::size_t kMostLines = 6;  ///< three vertices, each across the end of a line
+  static constexpr std::size_t kMostLines = 6;  ///< three vertices, each in two lines
   struct Slot {
     const traces::RasterTriangle* triangle = nullptr;
     std::uint32_t entry = kBatch;
     std::uint32_t pending = 0;  ///< lines on their way
     std::array<Addr, kMostLines> lines{};
-    std::uint32_t count = 0, next = 0;  ///< lines of the present stage, and the next to be looked up
-    bool listed = false;                ///< `lines` are those of the present stage
+    std::uint32_t count = 0, next = 0;  ///< number of lines of the current stage, and the next one to look up
+    bool listed = false;                ///< `lines` has the lines of the current stage
     std::uint32_t missed = 0;
-    std::array<std::uint32_t, 3> vertices{};  ///< those missed
+    std::array<std::uint32_t, 3> vertices{};  ///< vertices to be transformed
   };
 
   Slot& slot(std::uint64_t number) { return slots_[number % slots_.size()]; }
   const Slot& slot(std::uint64_t number) const { return slots_[number % slots_.size()]; }
-  /// Looks one line up at a stage, or lets a triangle without any pass; false if it cannot. Counts what it looked up.
+  /// Looks up one line at a stage, or passes a triangle without lines; false if it cannot. `looked` counts the
+  /// look-ups.
   bool advance(Stage stage, std::uint32_t& looked);
   void list_lines(Stage stage, Slot& slot);
   void list_vertices(Slot& slot);
@@ -211,28 +214,28 @@ class RasterFetch {
   L1Cache l1_;
   const std::uint32_t lookups_;
   std::vector<Slot> slots_;
-  std::uint64_t entered_ = 0, left_ = 0;       ///< triangles, counted
-  std::array<std::uint64_t, kStages> done_{};  ///< triangles that have been through a stage's look-ups
+  std::uint64_t entered_ = 0, left_ = 0;       ///< triangles so far
+  std::array<std::uint64_t, kStages> done_{};  ///< triangles so far whose look-ups at a stage are done
   VertexCache vertex_cache_;
   RasterStats& stats_;
 };
 
-/// A core's tile-based rasteriser. In the geometry pass it puts triangles into lists, later it finds a wave's primary
-/// hits by the list of its tile:
+/// A core's tile-based rasteriser. In the geometry pass it puts triangles into tile lists; later it finds a wave's
+/// primary hits with the list of its tile, and writes them to the tile buffer:
 ///
 ///   batches --> [ fetch: numbers, vertices ] --> [ transform ] --> [ cull, list ] --> vertices, lists --> memory
-///   waves   --> [ fetch: list, numbers, vertices ] --> [ set-up ] --> [ blocks, quads, depth ] --> hits --> tile
-///   buffer
+///   waves   --> [ fetch: list, numbers, vertices ] --> [ set-up ] --> [ blocks, quads, depth ] --> hits
 ///
-/// One job is listed or covered at a time, in their order, while lines of those behind it are fetched. A batch's
-/// entries leave when all its triangles have been through; a wave's hits leave, so many bytes a cycle, when all have.
-/// Depth and the nearest triangle of each sample lie in the unit; what a sample gets in the tile buffer is interpolated
-/// once, for the winner. A wave that the depth buffer does not hold goes through it in parts, each of which sets all
-/// triangles up again.
+/// 1. Jobs are listed or covered one at a time, in order. Lines of later jobs are fetched meanwhile.
+/// 2. A batch's list entries are written when all its triangles have been processed. A wave's hits leave when all have
+/// been processed, `plane_width` bytes per cycle.
+/// 3. The unit holds depth and nearest triangle of each sample. A sample's data in the tile buffer are interpolated
+/// once, for the nearest triangle.
+/// 4. A wave larger than the depth buffer is processed in parts. Each part sets up all triangles again.
 ///
-/// Not modelled: fetching the list again for further parts; a limit on the entries that a batch gathers; transforming
-/// by a shader: vertices have a unit of their own, that knows no skins; the wait of reads of lists in another core for
-/// the last writes, which the end of the pass covers.
+/// Not modelled: fetching the list again for further parts; a limit on the entries of a batch; vertex shaders (a fixed
+/// unit transforms vertices, without skins); waits of another core's list reads for the last writes, which the end of
+/// the pass covers.
 class RasterUnit {
  public:
   static constexpr const char* kName = "core.raster";
@@ -296,14 +299,14 @@ class RasterUnit {
     }
     const traces::ListRun& run(std::uint32_t i) const { return job.work->list_runs[work().first_run + i]; }
   };
-  /// How far a stage is: a job, counted, and a triangle of it.
+  /// Progress of a stage: number of its job, and a triangle of that.
   struct Cursor {
     std::uint64_t job = 0;
     std::uint32_t triangle = 0;
   };
   enum class End : std::uint8_t { kNot, kWriting, kLeaving };
 
-  // From the last stage to the first; each true if it did something.
+  // Stages from last to first; each returns true if it did something.
   bool send(sim::Time now);
   bool end_job(sim::Time now);
   bool write_lists();
@@ -317,7 +320,7 @@ class RasterUnit {
 
   const Job& job(std::uint64_t number) const { return jobs_[number % jobs_.size()]; }
   bool has_jobs() const { return taken_ != ended_; }
-  /// Takes a stage to the next triangle; false if there is none.
+  /// Advances a cursor to the next triangle; false if there is none.
   bool find(Cursor& at) const;
   std::uint64_t list_cycles(const traces::RasterTriangle& triangle);
   std::uint64_t cover_cycles(const traces::RasterTriangle& triangle, const traces::RasterWork& work);
@@ -334,17 +337,17 @@ class RasterUnit {
   RasterFetch fetch_;
   RasterWrites writes_;
   std::vector<Job> jobs_;
-  std::uint64_t taken_ = 0, ended_ = 0;    ///< jobs, counted
-  Cursor entering_, setting_;              ///< the next to enter the window, to be set up
-  std::uint32_t run_ = 0, run_entry_ = 0;  ///< next entry of the job that enters: its run, and which there
+  std::uint64_t taken_ = 0, ended_ = 0;    ///< jobs so far
+  Cursor entering_, setting_;              ///< next triangle to enter the window, and to be set up
+  std::uint32_t run_ = 0, run_entry_ = 0;  ///< next entry of the entering job: its run, and index in the run
   bool has_front_ = false, has_back_ = false;
   sim::Time front_until_ = 0, back_until_ = 0;
-  std::uint32_t queued_ = 0;    ///< triangles between these
-  std::uint32_t finished_ = 0;  ///< triangles of the oldest job that have been through
-  End end_ = End::kNot;         ///< how far the oldest job's end is
+  std::uint32_t queued_ = 0;    ///< triangles between front and back stage
+  std::uint32_t finished_ = 0;  ///< triangles of the oldest job that have passed the back stage
+  End end_ = End::kNot;         ///< state of the oldest job's end
   sim::Time end_until_ = 0;
   std::uint64_t closed_ = 0;                   ///< lines that must have been sent before a batch ends
-  std::uint32_t out_run_ = 0, out_entry_ = 0;  ///< entry of a batch to be written next: its run, and which there
+  std::uint32_t out_run_ = 0, out_entry_ = 0;  ///< next entry of a batch to be written: its run, and index in the run
   sim::Activity<CycleReason> activity_;
 };
 

@@ -9,7 +9,7 @@
 
 namespace hw {
 
-/// A core's rasteriser.
+/// Configuration of a core's rasteriser.
 struct RasterUnitConfig {
   DataCacheConfig l1{{.size = {16 * 1024}, .mshrs = 16}};
   std::uint32_t lookups = 2;
@@ -70,14 +70,14 @@ struct RasterUnitConfig {
     if (depth_buffer.bytes < depth_bytes) complain("depth_buffer", "holds not one sample's depth_bytes");
   }
 
-  /// Parts of a wave that the depth buffer holds one after the other.
+  /// Returns the parts in which a wave of `samples` passes the depth buffer.
   std::uint64_t parts(std::uint64_t samples) const {
     const std::uint64_t part = depth_buffer.bytes / depth_bytes;
     return std::max<std::uint64_t>(1, (samples + part - 1) / part);
   }
   /// Bytes of a transformed vertex in the vertex cache.
   static constexpr std::uint32_t kVertexBytes = 16;
-  /// Bytes of a triangle in the window or the queue: three vertices and what it is.
+  /// Bytes of a triangle in the window or the queue: three vertices and its description.
   static constexpr std::uint32_t kTriangleBytes = 64;
   std::uint64_t sram_bytes() const {
     return l1.size.bytes + depth_buffer.bytes + std::uint64_t{vertex_cache} * kVertexBytes +

@@ -30,8 +30,8 @@ namespace hw {
 ///
 ///   tiles --> [ launches: oldest tile, then consumers, first ] --> array: switch + depth + (n-1) II + stalls
 ///   rays  <-- [ tile buffer: a slot for each ray and its hit ] <-- hits
-///                        [ transfers whose inputs are there ] --> DMA
-///                  [ waves and batches whose inputs are there ] <--> rasteriser, if there is one
+///                        [ transfers whose inputs are done ] --> DMA
+///                  [ waves and batches whose inputs are done ] <--> rasteriser, if there is one
 ///
 /// 1. A launch runs in chunks. Chunks of one kernel that are ready together may run as one loop. Each loop pays a
 /// kernel switch (if the array runs another kernel), prologue and drain.

@@ -33,9 +33,9 @@ struct FetchStats {
 
 /// The fetch stage of a unit: slots read lines through the L1, and misses are handled as tni.miss_handling selects.
 ///
-///   slots that want a line --> [one probe at a time] --> hit: on with the line
+///   slots that need a line --> [one probe at a time] --> hit: continue with the line
 ///            ^                        | miss
-///            +--- line has come ------+--- reorder: wait in the buffer;  bypass: through the pipe without work;
+///            +--- line arrives -------+--- reorder: wait in the buffer;  bypass: through the pipe without work;
 ///                                          rau: wait in a table;         blocking: wait here, before all others
 ///
 /// 1. A line that has arrived stays readable for the slots that waited for it, even if it is evicted. So each slot
