@@ -24,21 +24,21 @@
 #include "traces/trace_file/trace_reader.h"
 #include "traces/trace_file/trace_writer.h"
 
-// Once a frame is well under way, nothing is allocated any more: storage is used again. Where a tile's nodes wander
-// between threads, and where traces are written and read, some of it still grows, but not by the ray.
+// In the steady state a frame allocates nothing: storage is reused. Some storage still grows where a tile's nodes move
+// between threads and where traces are written and read, but not with every ray.
 
 namespace test {
 namespace {
 
 constexpr std::uint32_t kTimes = 6, kWidth = 192, kHeight = 96, kTile = 16;
-/// More tiles than a machine, and each worker thread, ever have at once.
+/// More tiles than a machine and all worker threads ever hold at once.
 constexpr std::uint32_t kInMachine = 24, kOfWorker = 8;
 
 enum Half : std::uint8_t { kTiming, kFunction };
 
-/// A frame whose list has every tile several times, so that its end meets nothing that is larger than before. With
-/// workers, each thread that comes makes every tile once and waits until all have done so, and so does all storage that
-/// comes, however they are scheduled.
+/// A frame whose list contains every tile several times, so that its last tiles are no larger than earlier ones. With
+/// workers, each new thread first makes every tile once and waits until all have done so. So all storage is warm,
+/// independent of scheduling.
 class Again final : public kernels::FrameProgram {
  public:
   Again(kernels::FrameProgram& frame, std::uint32_t workers)
@@ -59,7 +59,7 @@ class Again final : public kernels::FrameProgram {
   }
 
  private:
-  /// For the first time?
+  /// True on the first call with this value.
   template <class T>
   bool comes(const T& what, std::vector<T>& known) const {
     const std::lock_guard lock(mutex_);
@@ -76,7 +76,7 @@ class Again final : public kernels::FrameProgram {
   mutable std::vector<const kernels::TileResult*> rooms_;
 };
 
-/// Counts while the last round is handed out, but for its last tile, which takes the picture; and tells the functional
+/// Counts allocations during the last round, except its last tile, which copies the picture. Separates the functional
 /// half from the machine.
 class Counting final : public hw::TileSource {
  public:
@@ -107,8 +107,8 @@ class Counting final : public hw::TileSource {
   std::uint64_t rays_counted() const { return rays() - rays_before_; }
 
  private:
-  /// With workers, shortly before it counts it takes more tiles at once than are ever out otherwise: the front end then
-  /// has all the storage it may come to need.
+  /// With workers, it takes more tiles at once than usual shortly before it counts. So the front end then has all the
+  /// storage that it may need.
   const traces::TileWork* take() {
     if (handed_ == warm_up_ - many_) {
       for (std::uint32_t i = 0; i < many_; ++i) held_.push_back(front_end_.next());
@@ -133,19 +133,19 @@ class Counting final : public hw::TileSource {
   std::uint64_t rays_before_ = 0;
 };
 
-/// A frame that is written into a trace, and read from it.
+/// A frame that is written to a trace and read back.
 class Trace {
  public:
   explicit Trace(const hw::test::Method& frame) : workload_(frame.workload()) {}
 
-  /// One to be written, which stands at the tiles of its only part.
+  /// A trace to be written, positioned at the tiles of its only part.
   std::unique_ptr<traces::TraceWriter> begin(const kernels::FrameProgram& program) const {
     auto writer = std::make_unique<traces::TraceWriter>(file(), traces::Json{{"version", traces::kTraceVersion}});
     const kernels::FrameRequirements requirements = program.requirements();
     writer->begin_part({}, traces::links_of(workload_.image), traces::counts_of(workload_.image), requirements);
     return writer;
   }
-  /// Writes the whole frame; from then on replay() is there.
+  /// Writes the whole frame; replay() is valid afterwards.
   void record(kernels::FrameProgram& program, const traces::Tracer& tracer) {
     const std::unique_ptr<traces::TraceWriter> writer = begin(program);
     tools::FrontEnd front_end(program, tracer, 0);
@@ -179,8 +179,8 @@ struct Case {
   traces::BvhConfig bvh{};
   std::uint32_t workers = 0;
   File trace = File::kNone;
-  std::uint64_t rays_an_allocation = 0;  ///< at least; 0: there are none
-  bool has_late_tiles = false;  ///< more tiles than before are in flight late in the frame: their nodes need room
+  std::uint64_t rays_an_allocation = 0;  ///< lower bound of rays per allocation; 0: no allocations
+  bool has_late_tiles = false;  ///< more tiles than before are in flight late in the frame, and their nodes need room
   friend void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
 };
 

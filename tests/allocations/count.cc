@@ -52,7 +52,7 @@ std::string name_of(void* address) {
   return name;
 }
 
-/// From the innermost outwards, without the heap, the standard library and this file.
+/// Lists the call stack from the innermost function, without the heap, the standard library and this file.
 std::vector<std::string> functions_of(const Site& site) {
   std::vector<std::string> names;
   for (int i = 0; i < site.depth; ++i) {
@@ -110,7 +110,7 @@ bool test::can_count_allocations() { return false; }
 
 bool test::can_count_allocations() { return true; }
 
-// In place of the C library's, which it calls by their other names.
+// These replace the C library's functions, and call those by their other names.
 extern "C" {
 void* __libc_malloc(std::size_t);
 void* __libc_calloc(std::size_t, std::size_t);

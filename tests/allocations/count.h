@@ -5,11 +5,11 @@
 
 namespace test {
 
-/// False where a sanitizer has the heap to itself: nothing is counted there.
+/// False under sanitizers, which replace the heap: nothing is counted there.
 bool can_count_allocations();
 
-/// Allocations of the whole process between start() and the end of its life: every malloc, calloc, realloc and aligned
-/// kin, and so every operator new. One at a time.
+/// Counts the allocations of the whole process from start() until its destruction: every malloc, calloc, realloc and
+/// aligned variant, so also operator new. Only one may exist at a time.
 class CountAllocations {
  public:
   CountAllocations();
@@ -19,12 +19,12 @@ class CountAllocations {
 
   void start();
   void stop();
-  /// Counts go on in another group, to tell who allocates; starts with 0.
+  /// Continues counting in another group, to separate callers; the first group is 0.
   void group(int number);
 
   std::uint64_t count(int number) const;
-  /// Where the first thousands of a group came from, a line each, but for those that passed through a function whose
-  /// name holds one of `known`.
+  /// Returns the call stacks of the first thousands of allocations of a group, one per line. Those through a function
+  /// whose name contains one of `known` are omitted.
   std::string sites(int number, const std::vector<std::string>& known = {}) const;
 };
 

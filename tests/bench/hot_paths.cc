@@ -1,5 +1,4 @@
-// Pieces that the simulator runs most, one at a time: ninja -C build/release bench_units, then
-// build/release/tests/bench_units
+// Benchmarks of the simulator's hot paths: ninja -C build/release bench_units, then build/release/tests/bench_units
 #include <string>
 #include <vector>
 
@@ -54,7 +53,7 @@ void traversal_unit_visit(benchmark::State& state) {
 }
 BENCHMARK(traversal_unit_visit);
 
-/// One LPDDR4 channel fed as fast as it takes requests: stream (0) or random lines (1).
+/// One LPDDR4 channel under full load: stream (0) or random lines (1).
 void dram_request(benchmark::State& state) {
   constexpr std::uint32_t kRequests = 20'000;
   for (auto _ : state) {
@@ -86,8 +85,8 @@ void dram_request(benchmark::State& state) {
 }
 BENCHMARK(dram_request)->Arg(0)->Arg(1);
 
-/// The memory model alone as `raywatt microbench dram` runs it, of a grade: stream (0) or random lines (1), so many
-/// percent reads. Run from the folder that holds configs/.
+/// The memory model of a grade as `raywatt microbench dram` runs it: stream (0) or random lines (1), percentage of
+/// reads. Run it in the folder that contains configs/.
 void dram_play(benchmark::State& state, const char* grade) {
   const auto config = sim::load_config<hw::DramConfig>(std::string("configs/dram/") + grade + ".yaml");
   std::vector<hw::DramRequest> requests;

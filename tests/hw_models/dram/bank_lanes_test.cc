@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint64_t kNobody = std::numeric_limits<std::int64_t>::max();
 
-/// Numbers from 0 to 15, so that many are equal.
+/// Small numbers, so that many are equal.
 BankLanes some(std::uint32_t banks, std::uint64_t seed) {
   BankLanes lanes(banks);
   for (std::uint32_t bank = 0; bank < banks; ++bank) lanes[bank] = sim::hash(seed, bank) % 16;
@@ -23,7 +23,7 @@ BankLanes some(std::uint32_t banks, std::uint64_t seed) {
 
 std::uint32_t first(std::uint32_t banks) { return static_cast<std::uint32_t>((std::uint64_t{1} << banks) - 1); }
 
-/// Each question bank by bank.
+/// Expected results, computed bank by bank.
 struct OneByOne {
   const BankLanes &a, &b;
   std::uint32_t banks;

@@ -33,7 +33,7 @@ TEST(ClosedPages, StayOpenForHitsThatWait) {
 TEST(ClosedPages, ARowIsClosedNoSoonerThanItsTimesAllow) {
   Script s(with_policy(PagePolicy::kClosed));
   s.read(0, 1);
-  s.read(0, 2, kT.rcd + 1);  // arrives after the only hit of row 1 is served
+  s.read(0, 2, kT.rcd + 1);  // arrives after row 1's only hit is served
   s.go();
   const std::uint64_t precharge = std::max(kT.ras, kT.rcd + kT.ccd_l + kT.rtp);
   EXPECT_EQ(s.done(1),
@@ -169,7 +169,7 @@ TEST(Controllers, OfEveryKindDoNotDependOnHowTheEngineVisitsThem) {
       EXPECT_EQ(spent, cycles);
       const DramChannel::Stats& s = b.stats();
       EXPECT_EQ(s.active_standby + s.precharge_standby + s.power_down, c.organisation.ranks * cycles);
-      // The second is what the others leave, so the sum alone would hide that they overlap.
+      // The second value is the remainder, so the sum alone would not show an overlap.
       for (const std::uint64_t part : {s.active_standby, s.precharge_standby, s.power_down}) {
         EXPECT_LE(part, c.organisation.ranks * cycles) << "seed " << seed;
       }

@@ -8,8 +8,8 @@
 #include "sim/config/config.h"
 #include "sim/report/energy.h"
 
-// Every grade's energy is that of one die behind the grade's own rails, pages and pins (docs/design/energy.md, "Memory
-// grades on one basis").
+// The energy of every grade is that of the same die with the grade's rails, pages and pins (docs/design/energy.md,
+// "Memory grades on one basis").
 
 namespace hw::test {
 namespace {
@@ -35,11 +35,11 @@ sim::Spread operator*(const Derating& d, double maximum) {
   return {d.low * maximum, d.nominal * maximum, d.high * maximum};
 }
 
-/// Interface of a grade outside the DRAM die.
+/// Interface of a grade, outside the DRAM die.
 struct Pins {
   const char* file;
   double vdd2;             ///< V
-  double vddq_standby_mw;  ///< a rank's pins
+  double vddq_standby_mw;  ///< of a rank's pins
   double vddq_down_mw;
 };
 constexpr std::array<Pins, 5> kPins{{{"lpddr3-1600", 1.2, 6 * 1.2, 0.2 * 1.2},
@@ -72,7 +72,7 @@ INSTANTIATE_TEST_SUITE_P(Grades, EnergyBasis, testing::ValuesIn(kPins), [](const
 TEST_P(EnergyBasis, IsTheSameDieBehindTheRailsOfTheGrade) {
   const Pins& pins = GetParam();
   const DramConfig c = config_behind(pins.file);
-  // VDD1 is 1.8 V in every grade; VDD2's part goes with the square of its voltage.
+  // VDD1 is 1.8 V in every grade; VDD2's share scales with the square of its voltage.
   const auto at_rails = [&](auto&& of_rail) {
     return of_rail(kVdd1) * kVdd1.volts + of_rail(kVdd2) * kVdd2.volts * std::pow(pins.vdd2 / kVdd2.volts, 2);
   };
@@ -103,7 +103,7 @@ TEST_P(EnergyBasis, IsThatOf4GiBBehind64DataLines) {
   EXPECT_EQ(c.channels * c.organisation.ranks * rank_gb(c), 32);
 }
 
-/// Of the whole memory, so that grades with wide channels compare.
+/// Values of the whole memory, so that grades with wide channels are comparable.
 struct Cost {
   double streamed, random, idle_per_bit;  ///< pJ/bit
   double idle_mw;

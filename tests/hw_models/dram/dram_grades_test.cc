@@ -12,7 +12,7 @@ namespace {
 
 struct Grade {
   const char* file;
-  double channel_gbps;  ///< peak
+  double channel_gbps;  ///< peak bandwidth
 };
 
 class DramGrades : public testing::TestWithParam<Grade> {

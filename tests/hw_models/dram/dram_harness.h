@@ -4,9 +4,9 @@
 
 namespace hw::test {
 
-/// One channel without fabric latency; requesters of its own clock, one cycle of wire each way.
+/// One channel without fabric latency. Its requesters have its clock, with links of one cycle each way.
 struct DramHarness {
-  /// Request wire and response wire.
+  /// Cycles of the request link and the response link.
   static constexpr std::uint64_t kWires = 2;
 
   static DramConfig quiet() {
@@ -40,13 +40,13 @@ struct DramHarness {
   DramChannel& channel() { return *harness.channels.front(); }
   const DramChannel::Stats& stats() { return channel().stats(); }
   std::uint64_t why(DramCycleReason reason) { return channel().clock().cycles(channel().activity().spent(reason)); }
-  /// Returns the cycles elapsed, the last visited one included.
+  /// Returns the elapsed cycles, including the last visited one.
   std::uint64_t run(Mode mode = Mode::kSkip) {
     end = harness.run(mode);
     return channel().clock().cycles(end) + 1;
   }
 
-  /// The address of a row's first line.
+  /// Returns the address of a row's first line.
   Addr row(std::uint32_t bank, std::uint32_t index) const {
     const Addr page = config.organisation.page.bytes;
     return (Addr{index} * config.organisation.all_banks() + bank) * page;
@@ -57,11 +57,11 @@ struct DramHarness {
   sim::Time end = 0;
 };
 
-/// The default device, and what it takes by the data sheet's rules.
+/// The default device, and its closed forms.
 inline const DramTiming kT;
 inline const DramClosedForms kForm{DramHarness::quiet()};
 
-/// Requests for rows of one channel, played alone. Times in cycles.
+/// Requests for rows of a single channel. Times are in cycles.
 struct Script {
   explicit Script(DramConfig c = DramHarness::quiet()) : config(std::move(c)) {}
 

@@ -5,8 +5,7 @@
 #include "sim/config/config.h"
 #include "sim/error.h"
 
-// Rules that LPDDR5 adds: ACT-1 and ACT-2, the CAS that starts WCK, bursts of 32, refresh of single banks beside
-// activates.
+// Rules that LPDDR5 adds: ACT-1 and ACT-2, the CAS that starts WCK, bursts of 32, per-bank refresh next to activates.
 
 namespace hw {
 namespace {
@@ -40,7 +39,7 @@ TEST(Lpddr5, Act2MakesWayForAReadOfAnotherBankGroup) {
   DramDevice d{c};
   d.activate(0, 0, 0);
   d.activate(1, 0, 50);
-  d.read(0, 100);         // reads at 100 and 104, data two clocks each: another group's fit at 102 and 106
+  d.read(0, 100);         // reads at 100 and 104, data of two clocks each: those of another group fit at 102 and 106
   d.activate(2, 0, 101);  // ACT-2 at 102
   EXPECT_EQ(earliest(d, kColumn, 1, 102), 102U);
   d.read(1, 102);  // ACT-2 at 103
@@ -96,8 +95,8 @@ TEST(Lpddr5, AColumnCommandAfterAPauseBeginsWithCas) {
   EXPECT_EQ(d.read(0, 148), 148 + 1 + Cycle{c.timing.rl}) << "128 + 17 + 2 + 1: the cycle in which WCK stops";
 }
 
-/// The controller looks for one slot of a kind of command and gives it to the oldest of the banks that are ready by
-/// then (DramChannel::best_command).
+/// The scheduler finds the first slot for a kind of command and gives it to the oldest request whose bank is ready by
+/// then (DramScheduling::best_command).
 TEST(Lpddr5, ASlotIsThatOfEveryBankReadyByThen) {
   for (const std::uint32_t sync : {0U, 1U, 4U}) {
     DramConfig c = lpddr5();

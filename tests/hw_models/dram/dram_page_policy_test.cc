@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::uint32_t kBank = 5, kRow = 7;
 
-/// The bank's row closes for want of further requests, and the next one wants a row.
+/// Serves the last queued hit of a row; then a request for `row` arrives. Returns whether the row was closed.
 bool closes_before(DramPagePolicy& policy, std::uint32_t row) {
   const bool closed = policy.closes(kBank, kRow, false);
   policy.requested(kBank, row);

@@ -8,7 +8,7 @@ namespace {
 
 TEST(DramPowerDown, LastsToTheEndOfTheFrameInEveryRank) {
   for (const std::uint32_t ranks : {1U, 2U}) {
-    constexpr std::uint64_t kEnd = 10'000;  // when the answer is taken, and with it the frame is over
+    constexpr std::uint64_t kEnd = 10'000;  // when the answer is taken, which ends the run
     const DramConfig c = with([&](DramConfig& d) {
       d.controller.power_down = true;
       d.organisation.ranks = ranks;
@@ -19,7 +19,8 @@ TEST(DramPowerDown, LastsToTheEndOfTheFrameInEveryRank) {
     const std::uint64_t cycles = b.run();
     EXPECT_EQ(cycles, kEnd + 1);
     const auto read = static_cast<std::uint64_t>(DramClosedForms(c).closed_bank());
-    const std::uint64_t down = 1 + read + c.controller.power_down_after + c.timing.rp_ab;  // after a cycle on the wire
+    const std::uint64_t down =
+        1 + read + c.controller.power_down_after + c.timing.rp_ab;  // after one cycle on the link
     EXPECT_EQ(b.stats().power_down, ranks * (cycles - down));
     EXPECT_EQ(b.stats().power_downs, 0U) << "nothing woke it";
     EXPECT_EQ(b.stats().active_standby, down - 1 - c.timing.rp_ab) << "from the activate to the precharge";

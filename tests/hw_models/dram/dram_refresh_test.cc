@@ -3,7 +3,7 @@
 #include "hw_models/dram/dram_measurements.h"
 #include "tests/hw_models/dram/dram_harness.h"
 
-// Refreshes bank by bank, in pairs and of whole ranks; power-down.
+// Refreshes of banks, of pairs of banks and of whole ranks; power-down.
 
 namespace hw::test {
 namespace {
@@ -15,7 +15,7 @@ TEST(AllBankRefresh, KeepsEveryBankBusy) {
   });
   Script s(c);
   s.read(3, 0, 6246);
-  s.read(5, 0, 12'400);  // leaves a row open into the next refresh
+  s.read(5, 0, 12'400);  // leaves a row open until the next refresh
   s.read(6, 0, 2 * 6246);
   s.go();
   const auto closed = static_cast<std::uint64_t>(kForm.closed_bank());
@@ -78,8 +78,8 @@ TEST(PowerDown, WaitsForAPrechargeThatIsBookedAhead) {
   for (const std::uint32_t i : {0U, 1U, 2U}) b.requester().send(b.row(i, 0), 2000 * i, true);
   const std::uint64_t cycles = b.run();
   const DramChannel::Stats& s = b.stats();
-  // A row stays open from its activate to the precharge behind the write's recovery; from then on and tRP later all is
-  // closed and may sleep.
+  // A row stays open from its activate to the precharge after the write recovery time. All rows are closed tRP later,
+  // so the device may power down.
   const std::uint64_t open = kT.rcd + kT.ccd_l + kT.wl + kT.dqss + kT.burst + kT.wr;
   EXPECT_EQ(s.active_standby, 2 * open + kT.rcd + 1) << "the last one is still open at the end of the run";
   EXPECT_GE(s.power_downs, 2U);

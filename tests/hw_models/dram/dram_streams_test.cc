@@ -5,10 +5,10 @@
 #include "hw_models/dram/dram_measurements.h"
 #include "sim/config/config.h"
 
-// LPDDR5 streams beside the published rules of Ramulator 2.1 (python/ramulator/dram/lpddr5.py, LPDDR controller), in
-// clocks of CK: RL 17, WL 9, bursts of 2 (BL/n_min) or 4 apart in one group (tCCD_L, BL/n_max), RD to WR RL + 2 + 2 -
-// WL, WR to RD WL + 2 + tWTR_S (5), or WL + 4 + tWTR_L (10) in one group. WCK stops a clock after the data; a read or
-// write that could go then or later goes a clock after its CAS. A line is two bursts of one bank.
+// LPDDR5 streams against the published rules of Ramulator 2.1 (python/ramulator/dram/lpddr5.py, LPDDR controller). In
+// clocks of CK: RL 17, WL 9; bursts are 2 (BL/n_min) or, in one group, 4 apart (tCCD_L, BL/n_max). RD to WR: RL + 2 + 2
+// - WL. WR to RD: WL + 2 + tWTR_S (5), or in one group WL + 4 + tWTR_L (10). WCK stops a clock after the data; a later
+// read or write follows a clock after its CAS. A line is two bursts of one bank.
 
 namespace hw {
 namespace {
@@ -23,7 +23,7 @@ DramConfig quiet_lpddr5() {
   return c;
 }
 
-/// Address of a line in row 0 of a bank. Even and odd banks belong to different bank groups.
+/// Returns the address of a line in row 0 of a bank. Even and odd banks are in different bank groups.
 std::uint64_t line_in(std::uint64_t bank, std::uint64_t column) { return (column * 16 + bank) * kLine; }
 
 double clocks_of(const DramConfig& c, sim::Time time) {
@@ -38,7 +38,7 @@ std::vector<DramRequest> opened_rows() {
   return requests;
 }
 
-/// Mean clocks from one read to the next, of reads that each arrive `gap` clocks after the data of the one before.
+/// Returns the mean clocks between reads that each arrive `gap` clocks after the data of the previous one.
 double clocks_a_read(std::uint64_t gap, std::uint64_t expected) {
   const DramConfig c = quiet_lpddr5();
   std::vector<DramRequest> requests = opened_rows();
@@ -58,7 +58,8 @@ TEST(Lpddr5Streams, AReadAtATimeStartsTheDataClockAgainIfItIsAClockLate) {
   EXPECT_EQ(clocks_a_read(9, 33), 9 + 1 + 17 + 4 + 2);
 }
 
-/// Clocks for a read and a write of one line each, in turn, of those banks; each is there before the bus is.
+/// Returns the clocks for a read and a write of one line each, alternately, in these banks. Each arrives before the bus
+/// is free.
 double clocks_a_pair(std::uint64_t read_bank, std::uint64_t write_bank, std::uint64_t expected) {
   const DramConfig c = quiet_lpddr5();
   std::vector<DramRequest> requests = opened_rows();
@@ -72,16 +73,16 @@ double clocks_a_pair(std::uint64_t read_bank, std::uint64_t write_bank, std::uin
   return clocks_of(c, p.done.back() - p.done[17]) / (kPairs - 1);
 }
 
-// RD 0 and 4; WR 12 after the second, and 4 more; CAS 16 (or 23) after that, RD a clock later.
+// RD at 0 and 4; WR 12 after the second and 4 later; CAS 16 (or 23) after that, RD a clock later.
 TEST(Lpddr5Streams, ALineReadAndALineWrittenInTurnPayBothTurnaroundsAndACas) {
   EXPECT_EQ(clocks_a_pair(0, 1, 37), 4 + 12 + 4 + 16 + 1) << "other bank group";
   EXPECT_EQ(clocks_a_pair(0, 4, 44), 4 + 12 + 4 + 23 + 1) << "same bank group";
 }
 
-/// A copy of lines: batches of about `n` reads, then `n` writes, as the controller groups them.
+/// A copy of lines: groups of reads, then of writes, as the controller forms them.
 struct Copy {
   double clocks;
-  double pairs_of_groups;  ///< one of reads, one of writes
+  double pairs_of_groups;  ///< a group of reads and a group of writes
 };
 constexpr std::uint64_t kLines = 4096;
 template <class Source, class Destination>
@@ -100,9 +101,9 @@ Copy copy(std::uint32_t n, Source&& from, Destination&& to) {
   return {clocks_of(c, p.end), pairs};
 }
 
-// From one half of each row to the other. A burst each 2 clocks: 8 clocks a copied line. A pair of groups costs 12
-// clocks to the first write instead of 2, and 16 and a CAS to the first read instead of 2. Rows stay open for 16 lines
-// of each half: activates are hidden.
+// Copies one half of each row to the other. At 2 clocks per burst, a copied line takes 8 clocks. A pair of groups adds
+// 12 clocks instead of 2 before the first write, and 16 and a CAS instead of 2 before the first read. Rows stay open
+// for 16 lines of each half, so activates are hidden.
 TEST(Lpddr5Streams, ACopyWithinOpenRowsIsBoundByBurstsAndTurnarounds) {
   constexpr std::uint64_t kHalf = 16 * kColumns / 2;
   const auto from = [](std::uint64_t i) { return i / kHalf * 2 * kHalf + i % kHalf; };
@@ -113,8 +114,8 @@ TEST(Lpddr5Streams, ACopyWithinOpenRowsIsBoundByBurstsAndTurnarounds) {
   }
 }
 
-// From rows to other rows of the same banks: each group closes and opens 16 rows, PRE a clock after the last column
-// command before it, tRP 15, tRCD 15, then a row each 4 clocks (tRRD, tFAW), as fast as the bursts of its line.
+// Copies rows to other rows of the same banks. Each group closes and opens 16 rows: PRE a clock after the last column
+// command, tRP 15, tRCD 15, then one row per 4 clocks (tRRD, tFAW), which is as fast as the bursts of its line.
 TEST(Lpddr5Streams, ACopyBetweenRowsOfABankIsBoundByActivates) {
   const auto from = [](std::uint64_t i) { return i; };
   const Copy c = copy(16, from, [](std::uint64_t i) { return i + (1 << 20); });

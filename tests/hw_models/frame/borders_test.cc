@@ -7,7 +7,7 @@
 #include "hw_models/frame/tile_dispatcher.h"
 #include "sim/engine.h"
 
-// Borders that tiles import: who is told of them, and when.
+// Borders that tiles import: which cores get updates, and when.
 
 namespace hw {
 namespace {
@@ -31,7 +31,7 @@ class ImportingTiles final : public TileSource {
 
 constexpr std::uint32_t kWhole = traces::WorkNode::kNone;
 
-/// A dispatcher with two cores that take what comes and say what a script has them say. A cycle of wire each way.
+/// A dispatcher with two cores that accept everything and send the messages of a script. Links take one cycle each way.
 class BorderHarness {
  public:
   struct Said {

@@ -10,12 +10,12 @@
 namespace hw {
 namespace {
 
-/// A DMA between a core that hands it jobs and a memory.
+/// A DMA between a core that sends jobs and a memory.
 class DmaHarness {
  public:
   struct Setup {
     std::uint32_t memory_latency = 20;  ///< cycles from request to line
-    std::uint32_t memory_interval = 1;  ///< cycles from one request taken to the next
+    std::uint32_t memory_interval = 1;  ///< cycles between two accepted requests
     std::uint32_t depth = 8;
   };
 
@@ -33,7 +33,7 @@ class DmaHarness {
     to_send_.push_back({base, bytes, write, static_cast<std::uint32_t>(to_send_.size()), area});
     return *this;
   }
-  /// Pixels that take so many cycles a line to be encoded.
+  /// A job whose pixels take `cycles` per line to encode.
   DmaHarness& add_pixels(std::uint32_t bytes, std::uint32_t encode_cycles) {
     add(bytes, true);
     to_send_.back().encode_cycles = encode_cycles;
@@ -49,7 +49,7 @@ class DmaHarness {
   sim::Machine& machine() { return machine_; }
   bool done() const { return done_at_.size() == to_send_.size(); }
 
-  /// Cycles from the moment the DMA could see the first job to the moment the core could see that job `i` is done.
+  /// Cycles from when the DMA can see the first job to when the core can see that job `i` is done.
   std::uint64_t cycles(std::size_t i) const { return clock_.cycles(done_at_[i]) - 1; }
   const Dma& dma() const { return dma_; }
   const std::vector<Addr>& lines() const { return lines_; }

@@ -10,15 +10,15 @@
 #include "sim/unit_report.h"
 #include "tests/hw_models/memory/harness.h"
 
-// The memory interface between hands that give and take records, and memories that answer in order of asking.
+// The memory interface with sources and sinks of records, and memories that answer in order.
 
 namespace hw {
 namespace {
 
 const sim::Clock kClock(2'000'000);
-constexpr std::uint64_t kMemory = 40;  ///< cycles of a memory's answer on its wire
+constexpr std::uint64_t kMemory = 40;  ///< latency of a memory's answer in cycles
 
-/// Gives records with ids 0, 1, 2..., one every `interval` cycles from `begin` on.
+/// Sends records with ids 0, 1, 2..., one every `interval` cycles from `begin` on.
 template <class Record>
 struct Giver {
   Giver(sim::Link<Record>& to, std::uint32_t records) : out(to), count(records) {}
@@ -39,7 +39,7 @@ struct Giver {
   std::uint32_t given = 0;
 };
 
-/// Takes records, one every `interval` cycles, and notes when each came.
+/// Takes a record every `interval` cycles, and notes when each arrived.
 template <class Record>
 struct Taker {
   explicit Taker(sim::Link<Record>& from) : in(from) {}
@@ -74,7 +74,7 @@ struct Machine {
   sim::Machine& machine() { return units; }
   bool done() const { return ray_taker.taken.size() == ray_giver.count && hit_taker.taken.size() == hit_giver.count; }
 
-  /// Runs it in one of three ways, and says everything that must not depend on which.
+  /// Runs it on one of three engines, and returns every result that must not depend on the engine.
   std::string run(int engine = 0) {
     const sim::Time end = engine == 0   ? sim::run<sim::Skip::kOn>(*this)
                           : engine == 1 ? sim::run<sim::Skip::kOff>(*this)
@@ -119,7 +119,7 @@ DirectInterfaceConfig off() {
   return c;
 }
 
-constexpr std::uint64_t kLone = 1 + 1 + 1 + kMemory;  // written, read, wire, memory: in the unit from taking to giving
+constexpr std::uint64_t kLone = 1 + 1 + 1 + kMemory;  // time in the unit: write, read, link, memory
 
 TEST(MemoryInterface, ALoneRayIsWrittenReadBackAndHandedOn) {
   Machine m(off(), 1);
@@ -165,7 +165,7 @@ TEST(MemoryInterface, ReadsAheadNoFurtherThanItsDepth) {
     Machine m(c, 400);
     m.run();
     const double cycles = static_cast<double>(m.ray_taker.taken[300] - m.ray_taker.taken[100]) / 200;
-    // From the handing on of a record to the read that may then go, and its way.
+    // From the delivery of a record to the read that this allows, and its latency.
     EXPECT_NEAR(cycles, static_cast<double>(1 + kMemory) / depth, 1.0) << depth;
   }
 }

@@ -11,7 +11,7 @@
 namespace hw {
 namespace {
 
-/// Tiles 0, 1, 2, ... without any work; notes what is out.
+/// Tiles 0, 1, 2, ... without any work. Tracks which are in flight.
 class EmptyTiles final : public TileSource {
  public:
   explicit EmptyTiles(std::uint32_t count) : works_(count) {
@@ -20,7 +20,7 @@ class EmptyTiles final : public TileSource {
   const traces::TileWork* next() override { return next_ == works_.size() ? nullptr : &works_[next_++]; }
   void give_back(const traces::TileWork* work) override {
     back.push_back(work->tile);
-    works_[work->tile].tile = 0xffffffffU;  // its storage belongs to somebody else now
+    works_[work->tile].tile = 0xffffffffU;  // its storage may be reused now
   }
   traces::TileWork& work(std::uint32_t tile) { return works_[tile]; }
   std::vector<std::uint32_t> back;
@@ -35,10 +35,10 @@ class DispatcherHarness {
  public:
   struct Setup {
     std::uint32_t tiles = 12;
-    std::vector<std::uint32_t> hold = {50, 50};  ///< cycles a tile stays, per core
+    std::vector<std::uint32_t> hold = {50, 50};  ///< cycles that a tile stays, by core
     std::uint32_t tiles_per_core = 3;
     std::uint32_t tiles_in_pass = 3;
-    std::vector<std::uint32_t> starts = {};  ///< cycle before which a core gets no tile, if any
+    std::vector<std::uint32_t> starts = {};  ///< first cycle at which a core may get a tile; empty: 0
   };
   explicit DispatcherHarness(const Setup& setup) : source(setup.tiles) {
     const sim::UnitId dispatcher = machine_.unit({"dispatcher", clock_});
@@ -89,7 +89,7 @@ class DispatcherHarness {
 
   EmptyTiles source;
   std::vector<Arrival> arrivals;
-  std::uint32_t flushes = 0;  ///< that have come before the last tile is back
+  std::uint32_t flushes = 0;  ///< flushes received before the last tile is finished
 
  private:
   struct Bank {
@@ -133,7 +133,7 @@ TEST(TileDispatcher, HandsOutATileACycleEachCoreInTurnUntilAllAreFull) {
   for (std::uint32_t i = 0; i < 6; ++i) {
     EXPECT_EQ(harness.arrivals[i], (DispatcherHarness::Arrival{i % 3, i, 1 + i}));
   }
-  // The first tile is back after its stay; the seventh leaves in the cycle in which its place is known to be free.
+  // The first tile returns after its stay. The seventh is dispatched in the cycle in which the dispatcher sees that.
   EXPECT_EQ(harness.arrivals[6].cycle, 1 + 50 + 1U);
 }
 
@@ -156,7 +156,7 @@ TEST(TileDispatcher, NoCoreGetsATileBeforeItsStart) {
 TEST(TileDispatcher, NTilesOnOneCoreTakeNStaysOverTilesInFlight) {
   DispatcherHarness harness({.tiles = 30, .hold = {100}, .tiles_per_core = 3});
   harness.run();
-  const std::uint64_t round = 100 + 1;  // a stay and the wire in
+  const std::uint64_t round = 100 + 1;  // a stay and the link in
   EXPECT_EQ(harness.end() - 1, 10 * round + 2) << "the third tile of a round comes two cycles after the first";
 }
 
@@ -191,7 +191,7 @@ TEST(TileDispatcher, ATileAfterAllWaitsForEveryTileBeforeIt) {
   harness.run();
   ASSERT_EQ(harness.arrivals.size(), 8U);
   EXPECT_EQ(harness.arrivals[3].cycle, 4U);
-  // It leaves in the cycle in which the fourth is known to be back.
+  // It is dispatched in the cycle in which the dispatcher sees the end of the fourth.
   EXPECT_EQ(harness.arrivals[4].cycle, 4 + 90 + 1U) << "the fourth is the last to be back";
   EXPECT_EQ(harness.spent(TileDispatcher::CycleReason::kWaiting), 4 + 90 - 4U);
 }

@@ -10,7 +10,7 @@
 #include "tests/hw_models/machines/gpu_harness.h"
 #include "tests/hw_models/machines/random_config.h"
 
-// Adaptive sampling on the machine: tiles that wait for tiles, several passes, transfers both ways.
+// Adaptive sampling on the machine: dependencies between tiles, several passes, transfers in both directions.
 
 namespace hw {
 namespace {
@@ -32,7 +32,7 @@ kernels::ProgramConfig config_of(Halo halo, AttributeStorage attributes) {
   return config;
 }
 
-/// Every queue at its least, one core, one tile at a time.
+/// All queues at their minimum, one core, one tile at a time.
 GpuConfig smallest_machine() {
   GpuConfig config;
   config.cores = 1;
@@ -141,7 +141,7 @@ TEST(AdaptiveRoom, RaySlotsThatKeepTheirShareSpillLessAndAllEnginesPlayThemAlike
   expect_same_function(fast.function, crowded.function);
 }
 
-// `normal: 2` traces every sample in three passes over a tile: the rays of full:1 in another order.
+// `normal: 2` traces every sample in three passes over a tile, so the rays are those of full:1 in another order.
 TEST(AdaptivePasses, ReadLinesAgainUnlessTheL2HoldsTheScene) {
   kernels::ProgramConfig nothing_similar;
   nothing_similar.multirate.normal = 2;
@@ -162,7 +162,7 @@ TEST(AdaptivePasses, ReadLinesAgainUnlessTheL2HoldsTheScene) {
   EXPECT_LT(fills(play(passes, config)), fills(small_passes)) << "fewer tiles in flight touch less";
 }
 
-/// Rounds of propagation, and colours compared for a tile's rate.
+/// Rounds of propagation, and colours compared to choose a tile's rate.
 class AdaptiveKeys : public ::testing::TestWithParam<const char*> {
  protected:
   static kernels::ProgramConfig keys() {

@@ -17,14 +17,14 @@ void expect_rays_conserved(const Outcome& run, const std::string& core) {
   EXPECT_EQ(run.sum(core, "tni.dispatcher", "hits_out"), rays);
   EXPECT_EQ(run.sum(core, "trv", "rays_in"), rays);
   EXPECT_EQ(run.sum(core, "trv", "rays_out"), rays);
-  // A shadow ray that hits leaves its stack behind.
+  // A shadow ray that hits does not empty its stack.
   EXPECT_GE(run.sum(core, "trv", "pushes"), run.sum(core, "trv", "pops") + run.sum(core, "trv", "dropped"));
   EXPECT_EQ(run.sum(core, "trv", "leaves"), run.sum(core, "ist", "leaves_in"));
   EXPECT_EQ(run.sum(core, "ist", "leaves_in"), run.sum(core, "ist", "leaves_out"));
   EXPECT_EQ(run.sum(core, "tile_buffer", "slots_taken"), rays);
 }
 
-/// Without the direct interface every ray and hit goes through memory.
+/// Without the direct interface all rays and hits go through memory.
 void expect_records_conserved(const Outcome& run, const std::string& core, const DirectInterfaceConfig& config) {
   const std::uint64_t rays = run.sum(core, "srp", "rays");
   EXPECT_EQ(run.sum(core, "memory_interface", "rays"), rays);
@@ -88,7 +88,7 @@ void expect_memory_conserved(const Outcome& run, const GpuConfig& config) {
   }
 }
 
-/// Spilled slots go out and come back in whole lines: ray and hit, so each slot twice.
+/// Spilled slots are written and read in whole lines, each twice: for the ray and for the hit.
 void expect_tiles_conserved(const Outcome& run, const Frame& frame, const GpuConfig& config) {
   EXPECT_EQ(run.sum("tile_dispatcher", "dispatched"), frame.program().tiles());
   EXPECT_EQ(run.sum("tile_dispatcher", "finished"), frame.program().tiles());

@@ -3,11 +3,11 @@
 
 namespace hw::test {
 
-/// The part of expect_conserved() that holds of the machine alone, whatever it played.
+/// The part of expect_conserved() that holds for any workload.
 void expect_machine_conserved(const Outcome& run, const GpuConfig& config);
 
-/// Expects that whatever went into a unit came out of it, that what one unit says it sent another says it got, and that
-/// every cycle of every unit has a reason.
+/// Expects that all inputs of a unit left it, that counts of senders and receivers agree, and that every cycle of every
+/// unit has a reason.
 void expect_conserved(const Outcome& run, const Frame& frame, const GpuConfig& config);
 
 }  // namespace hw::test

@@ -7,7 +7,7 @@
 #include "tests/shader_kernels/showcase.h"
 #include "traces/scenes/library.h"
 
-// Scenes with everything that a material can say: rays that go on, records and textures of several kinds.
+// Scenes with all features of materials: rays that continue through surfaces, several kinds of records and textures.
 
 namespace hw {
 namespace {

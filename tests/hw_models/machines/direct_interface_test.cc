@@ -3,7 +3,7 @@
 #include "tests/hw_models/machines/conservation.h"
 #include "tests/hw_models/machines/gpu_harness.h"
 
-// The machine whose rays and hits go through memory, and the machine with a ideal L2 or interconnect.
+// The machine with rays and hits through memory, and the machine with an ideal L2 or interconnect.
 
 namespace hw {
 namespace {

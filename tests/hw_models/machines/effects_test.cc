@@ -7,7 +7,7 @@
 #include "tests/param_name.h"
 #include "traces/scenes/library.h"
 
-// Hybrid frames: a rasteriser's primary hits, and rays of other effects than Whitted's.
+// Hybrid frames: primary hits from a rasteriser, and rays of effects beyond Whitted's.
 
 namespace hw {
 namespace {
@@ -57,7 +57,7 @@ class RatedFrames : public testing::TestWithParam<kernels::EffectRate> {};
 TEST_P(RatedFrames, AreTheSameOnAnyEngineAndNumberOfThreads) {
   kernels::RenderConfig render = hybrid("occlusion, soft_shadows, reflections", 48, 24);
   render.effect_rate = GetParam();
-  render.tile = 8;  // tiles that wait for others
+  render.tile = 8;  // with dependencies between tiles
   const Method method(traces::open_scene("cornell"), "full:1", {}, render);
   GpuConfig config;
   config.cores = 2;

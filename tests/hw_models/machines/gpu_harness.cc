@@ -21,11 +21,11 @@ kernels::RenderConfig render_config(std::uint32_t width, std::uint32_t height, s
   config.width = width;
   config.height = height;
   config.tile = tile;
-  config.fusion = kernels::Fusion::kOff;  // monotone.cc lists frames whose steps are launches of their own
+  config.fusion = kernels::Fusion::kOff;  // the list in monotone.cc is for frames with separate launches
   return config;
 }
 
-/// Every pixel of the picture is written once, each tile from a line of its own on.
+/// Every pixel is written once, and each tile starts at a new line.
 std::uint64_t lines_of_picture(const kernels::FullProgram& program, std::uint32_t width, std::uint32_t height) {
   const auto side = static_cast<std::uint32_t>(std::lround(std::sqrt(program.tile_pixels())));
   std::uint64_t lines = 0;
@@ -63,7 +63,7 @@ Outcome run(Gpu& gpu, Engine engine, std::uint64_t seed) {
   return {gpu.report(), gpu.kernel_use(), {}, gpu.elapsed(), gpu.cycles()};
 }
 
-/// "core0.tni.trv2" with kind "trv".
+/// True for "core0.tni.trv2" and kind "trv".
 bool is_kind(std::string_view path, std::string_view kind) {
   path.remove_suffix(path.size() - 1 - path.find_last_not_of("0123456789"));
   return path.ends_with(kind) && (path.size() == kind.size() || path[path.size() - kind.size() - 1] == '.');

@@ -17,7 +17,7 @@
 
 namespace hw::test {
 
-/// A scene, a camera and a frame program: everything but the machine. Pinned, because the program refers to the image.
+/// A scene, a camera and a frame program, without a machine. Not movable, because the program refers to the image.
 class Frame {
  public:
   /// `tile`: side of a tile in samples.
@@ -31,9 +31,9 @@ class Frame {
   kernels::FullProgram& program() const { return program_; }
   const traces::Tracer& tracer() const { return tracer_; }
   Gpu::Workload workload() const;
-  /// The work of every tile, to be played again and again.
+  /// Returns the work of every tile, for repeated runs.
   std::vector<traces::TileWork> record() const;
-  /// Lines of the frame buffer that the tiles of the picture fill.
+  /// Returns the lines of the frame buffer that the tiles of the picture fill.
   std::uint64_t picture_lines() const { return picture_lines_; }
 
  private:
@@ -45,7 +45,8 @@ class Frame {
   const std::uint64_t picture_lines_;
 };
 
-/// The same for any frame program, by its name; each run makes it anew, since some learn from what they have kept.
+/// The same for any frame program, by name. Each run constructs the program again, since some keep state between
+/// frames.
 class Method {
  public:
   Method(const std::string& scene, const std::string& program, const kernels::ProgramConfig& programs,
@@ -74,7 +75,7 @@ class Method {
 const Frame& cornell_64x32();
 const Frame& teapot_64x32();
 
-/// Results of a run.
+/// Results of a run on a machine.
 struct Outcome {
   std::vector<sim::UnitReport> units;
   std::vector<KernelUse> kernels;
@@ -83,7 +84,8 @@ struct Outcome {
   std::uint64_t cycles = 0;
 
   std::uint64_t rays() const;
-  /// A counter, summed over the units whose path begins with `at` and ends in `kind` and digits: ("core1", "trv").
+  /// Returns a counter summed over the units whose path begins with `at` and ends with `kind` and digits: ("core1",
+  /// "trv").
   std::uint64_t sum(std::string_view at, std::string_view kind, std::string_view counter) const;
   std::uint64_t sum(std::string_view kind, std::string_view counter) const { return sum("", kind, counter); }
 };
@@ -91,31 +93,31 @@ struct Outcome {
 enum class Engine : std::uint8_t {
   kFast,      ///< skips idle time
   kOracle,    ///< visits every clock edge
-  kShuffled,  ///< skips, and visits the units of each step in a random order
+  kShuffled,  ///< skips, and visits the units of each cycle in random order
 };
 
-/// Plays the frame on a machine; `workers` threads of the front end run ahead of it.
+/// Runs the frame on a machine, with `workers` threads in the front end.
 Outcome play(const Frame& frame, const GpuConfig& config, Engine engine = Engine::kFast, std::uint64_t seed = 0,
              std::uint32_t workers = 0);
 
-/// The same, with what the machine does over time taken down.
+/// The same, and records intervals.
 Outcome play(const Frame& frame, const GpuConfig& config, sim::Intervals& intervals, Engine engine = Engine::kFast,
              std::uint64_t seed = 0, std::uint32_t workers = 0);
 
 Outcome play(const Method& method, const GpuConfig& config, Engine engine = Engine::kFast, std::uint64_t seed = 0,
              std::uint32_t workers = 0);
 
-/// Plays ready-made tiles, which trace rays in the frame's scene; nothing is known of their function.
+/// Runs prepared tiles, which trace rays in the frame's scene. The functional results stay empty.
 Outcome play(const Frame& frame, std::span<const traces::TileWork> tiles, const GpuConfig& config,
              Engine engine = Engine::kFast, std::uint64_t seed = 0);
 
-/// Plays what a source gives on a perturbed machine.
+/// Runs the tiles of a source on a perturbed machine.
 Outcome play(const Frame& frame, TileSource& tiles, const GpuConfig& config, const Perturbation& perturbation,
              Engine engine = Engine::kFast, std::uint64_t seed = 0);
 
-/// The first figure in which two runs differ ("core0.srp.rays: 12, 13"); empty if they are equal to the last counter.
+/// Returns the first counter in which two runs differ ("core0.srp.rays: 12, 13"); empty if all are equal.
 std::string difference(const Outcome& a, const Outcome& b);
-/// The same for what the frame program found: picture, rays by kind, traversal steps.
+/// The same for the functional results: picture, rays by kind, traversal steps.
 std::string difference(const tools::FrontEnd::Result& a, const tools::FrontEnd::Result& b);
 
 }  // namespace hw::test

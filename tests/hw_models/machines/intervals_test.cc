@@ -9,7 +9,7 @@
 #include "tests/hw_models/machines/gpu_harness.h"
 #include "tests/hw_models/machines/random_config.h"
 
-// Machines whose values are taken down at the edges of intervals.
+// Machines whose counters are recorded at the ends of intervals.
 
 namespace hw {
 namespace {
@@ -21,10 +21,10 @@ using test::Frame;
 using test::Outcome;
 using test::play;
 
-/// Edges that are edges of no clock, or of several.
+/// Interval ends that are edges of no clock, or of several.
 constexpr sim::Time kOddLength = 61'234'567, kEvenLength = 100 * sim::kFemtosecondsPerNanosecond;
 
-/// The first value in which two records differ; empty if they are equal.
+/// Returns the first value in which two records differ; empty if they are equal.
 std::string difference(const Intervals& a, const Intervals& b) {
   if (a.size() != b.size() || a.width() != b.width() || a.length() != b.length() || a.end() != b.end()) {
     return fmt::format("{} x {} of {} to {}, {} x {} of {} to {}", a.size(), a.width(), a.length(), a.end(), b.size(),
@@ -37,7 +37,7 @@ std::string difference(const Intervals& a, const Intervals& b) {
   return {};
 }
 
-/// The last row is what the units report, no value ever falls, and the reasons of a unit fill each interval.
+/// The last row equals the units' reports, no value decreases, and a unit's reasons fill each interval.
 void expect_sums(const Intervals& intervals, const Outcome& run) {
   ASSERT_GT(intervals.size(), 0U);
   EXPECT_EQ(intervals.end(), run.elapsed);
@@ -93,7 +93,7 @@ TEST(Intervals, HaveOfEachUnitTheCyclesThatBeginInThem) {
   }
 }
 
-/// Records in every engine and for several numbers of threads, and compares.
+/// Records with every engine and several numbers of threads, and compares.
 void expect_same_in_all_engines(const Frame& frame, const GpuConfig& config, std::uint64_t seed) {
   const Outcome plain = play(frame, config);
   Intervals fast(kOddLength, 512), oracle(kOddLength, 512), shuffled(kOddLength, 512), threaded(kOddLength, 512);

@@ -14,9 +14,9 @@
 #include "tests/hw_models/machines/gpu_harness.h"
 #include "tests/hw_models/machines/random_config.h"
 
-// More of something never makes a frame slower by over 1 %: on machines near the default, and ideal parts on the
-// default. What does all the same is listed (monotone.cc), with its cause in tests/validation/DEVIATIONS.md. Here a
-// few of the 200 machines; RAYWATT_MONOTONE=200 takes all, as tools/validate does.
+// More of a resource slows no frame by more than 1 %, on machines near the default and with ideal resources on the
+// default. Exceptions are listed in monotone.cc, their causes in tests/validation/DEVIATIONS.md. This runs a few of the
+// 200 machines; RAYWATT_MONOTONE=200 runs all, as tools/validate does.
 
 namespace hw {
 namespace {
@@ -28,7 +28,7 @@ constexpr double kSlower = 1;  ///< percent
 
 struct Sample {
   std::string_view scene;
-  std::uint64_t machines;  ///< without RAYWATT_MONOTONE
+  std::uint64_t machines;  ///< number of machines without RAYWATT_MONOTONE
 };
 
 double slower(sim::Time base, sim::Time improved) {

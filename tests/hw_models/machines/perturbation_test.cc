@@ -6,7 +6,8 @@
 #include "tests/hw_models/machines/gpu_harness.h"
 #include "tests/hw_models/machines/random_config.h"
 
-// Machines whose cores start apart, and whose memory is a cycle longer or shorter and refreshes at another phase.
+// Machines whose cores start at different times, and whose memory is a cycle slower or faster with another refresh
+// phase.
 
 namespace hw {
 namespace {
@@ -71,7 +72,7 @@ TEST(Perturbation, TheEnginesAgreeOnRandomMachinesToo) {
 TEST(Perturbation, ALateStartOfAllCoresDelaysThisMuch) {
   GpuConfig config;
   config.cores = 1;
-  config.dram.timing.refi_pb = 0;  // nothing else has a phase
+  config.dram.timing.refi_pb = 0;  // no other unit has a phase
   const Outcome plain = play(test::cornell_64x32(), config, {});
   const Outcome late = play(test::cornell_64x32(), config, {.starts = {5}, .dram = {}});
   const sim::Time cycle = config.clocks.l2.clock().period();

@@ -5,12 +5,12 @@
 
 namespace hw::test {
 
-/// A machine drawn by hash from `seed`: every field that affects timing or walk, each within its limits and not far
-/// above its default, a quarter of them at their least. Memory is one of the four grades, with its ranks and controller
-/// drawn. A field whose new value breaks a rule with others keeps its old one.
+/// Returns a machine drawn by hash from `seed`. Every field that affects timing or walk is within its limits and not
+/// far above its default; a quarter are at their minimum. Memory is one of the four grades, with random ranks and
+/// controller. A field keeps its old value if the new one breaks a rule with others.
 GpuConfig random_config(std::uint64_t seed);
 
-/// The same, near the default machine: each figure a half to double, nothing ideal.
+/// The same, near the default machine: each number is a half to double, nothing is ideal.
 GpuConfig sane_config(std::uint64_t seed);
 
 }  // namespace hw::test

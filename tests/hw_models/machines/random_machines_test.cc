@@ -19,10 +19,10 @@ using test::Frame;
 using test::Outcome;
 using test::play;
 
-/// Seeds of the 200 machines, in parts of 25 that run side by side.
+/// Seeds of the 200 machines, in groups of 25 that run in parallel.
 constexpr std::uint64_t kFirstSeed = 100, kSeeds = 200, kPart = 25;
 
-/// Every way in which the tree may lie in memory, in turn.
+/// All layouts of the tree in memory, in turn.
 traces::BvhConfig format_of(std::uint64_t part) {
   traces::BvhConfig bvh;
   if ((part & 1) != 0) bvh.boxes = traces::BoxRecords::kSingle;
@@ -55,7 +55,7 @@ TEST_P(RandomMachines, MakeTheSamePictureRaysAndStepsAndLoseNothing) {
 INSTANTIATE_TEST_SUITE_P(TwoHundred, RandomMachines, ::testing::Range(std::uint64_t{0}, kSeeds / kPart),
                          ::test::ParamName());
 
-/// How often each value of each choice (enum or switch) was drawn.
+/// How often each value of each enum or switch was drawn.
 using Draws = std::map<std::string, std::map<std::string, int>>;
 
 void count_choices(const sim::ConfigNode& node, Draws& draws) {
@@ -91,7 +91,7 @@ TEST(Gpu, NothingIsLostWithSeveralSamplesPerPixelAndAPictureThatCutsItsTiles) {
   expect_conserved(play(frame, config), frame, config);
 }
 
-/// Every queue at its least, one of everything in flight.
+/// All queues at their minimum, one item of each kind in flight.
 GpuConfig smallest() {
   GpuConfig c;
   c.tni.link_depth = 1;

@@ -12,19 +12,19 @@
 #include "sim/hash.h"
 #include "tests/hw_models/machines/random_config.h"
 
-// Random machines with one thing wrong: refused with the key and what is allowed.
+// Random machines with one invalid value are refused, with the key and the allowed values.
 
 namespace hw {
 namespace {
 
-/// A rule of some struct's check() and a way to break it on any valid machine, and no rule that is checked before it.
+/// A rule of a struct's check(), and a change that breaks it on any valid machine without breaking an earlier rule.
 struct Break {
-  std::string_view key;      ///< that is complained of
-  std::string_view problem;  ///< a part of what is said
+  std::string_view key;      ///< key of the error
+  std::string_view problem;  ///< part of the message
   void (*apply)(GpuConfig& c);
 };
 
-/// A cache of four ways and 64 sets, whatever it was.
+/// Makes a cache one of four ways and 64 sets.
 void reset(CacheConfig& cache) {
   cache.size.bytes = 16 * 1024;
   cache.line.bytes = 64;
@@ -49,9 +49,9 @@ constexpr Cache kCaches[] = {
      }},
 };
 
-/// A rule of CacheConfig or about it, and a way to break it after reset().
+/// A rule about CacheConfig, and a change that breaks it after reset().
 struct CacheBreak {
-  std::string_view key;  ///< below the cache's
+  std::string_view key;  ///< key below the cache's group
   std::string_view problem;
   void (*apply)(CacheConfig& cache);
 };
@@ -182,7 +182,7 @@ void expect_refused(const std::string& message, std::string_view key, std::strin
   EXPECT_EQ(message.find('\n'), std::string::npos) << message;
 }
 
-/// The message about a machine; empty if it is taken.
+/// Returns the error message about a machine; empty if it is valid.
 std::string complaint_of(const GpuConfig& config) {
   try {
     sim::check_config(config);

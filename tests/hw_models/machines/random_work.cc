@@ -17,7 +17,7 @@ class Additions {
 
   void add() {
     for (std::uint32_t tile = 0; tile < work_.tile; ++tile) {
-      if (below(3) == 0) work_.imports.push_back({tile, below(kBorders + 1)});  // the last one nobody writes
+      if (below(3) == 0) work_.imports.push_back({tile, below(kBorders + 1)});  // no tile writes the last border
     }
     work_.after_all = below(5) == 0;
     const std::vector<WorkNode> nodes = std::exchange(work_.nodes, {});
@@ -79,9 +79,9 @@ class Additions {
   const std::uint64_t seed_;
   traces::TileWork& work_;
   std::uint64_t draws_ = 0;
-  std::uint32_t imported_ = 0, exported_ = 0;  ///< borders so far
-  std::vector<std::uint32_t> new_indices_;     ///< where the tile's own nodes are now
-  std::vector<std::uint32_t> transfers_;       ///< those added
+  std::uint32_t imported_ = 0, exported_ = 0;  ///< number of borders so far
+  std::vector<std::uint32_t> new_indices_;     ///< new index of each of the tile's own nodes
+  std::vector<std::uint32_t> transfers_;       ///< the added transfers
 };
 
 }  // namespace

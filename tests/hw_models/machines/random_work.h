@@ -6,8 +6,8 @@
 
 namespace hw::test {
 
-/// The tiles of a frame, to which things are added drawn by hash from `seed`: transfers to and from all regions,
-/// between launches, rays and each other; launches that wait for them; items that idle; tiles that wait for tiles.
+/// The tiles of a frame with additions drawn by hash from `seed`: transfers to and from all regions, between launches,
+/// rays and each other; launches that wait for them; idle items; dependencies between tiles.
 std::vector<traces::TileWork> random_work(const Frame& frame, std::uint64_t seed);
 
 }  // namespace hw::test

@@ -8,7 +8,7 @@
 #include "tests/hw_models/machines/conservation.h"
 #include "tests/hw_models/machines/random_config.h"
 
-// Streams with everything that a frame program can say: transfers anywhere, idle items, tiles that wait for tiles.
+// Tiles with everything that a frame program can record: transfers anywhere, idle items, dependencies between tiles.
 
 namespace hw {
 namespace {
@@ -26,7 +26,7 @@ const Frame& frame_of_six_tiles() {
 
 GpuConfig drawn_machine(std::uint64_t seed) { return seed == 0 ? GpuConfig{} : test::random_config(seed); }
 
-/// Lines, rays and items that the machine counted are those that the stream asks for.
+/// The lines, rays and items that the machine counted are those of its tiles.
 void expect_all_played(const std::vector<traces::TileWork>& works, const GpuConfig& config, const Outcome& run) {
   std::array<std::array<std::uint64_t, 2>, kRegions> lines{};
   std::uint64_t rays = 0, idle = 0, items = 0, chunks = 0;
@@ -94,7 +94,7 @@ TEST(GpuRandomWork, WithFewRaySlotsItStillEnds) {
   }
 }
 
-/// Tiles each of which imports from all before it, in its first node, and whose borders need all of the tile.
+/// Tiles that import from all earlier tiles in their first node, and whose borders need the whole tile.
 std::vector<traces::TileWork> chained_work() {
   using traces::Edge;
   using traces::WorkNode;

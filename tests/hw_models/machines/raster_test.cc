@@ -12,7 +12,7 @@
 #include "tests/param_name.h"
 #include "traces/scenes/library.h"
 
-// Primary visibility from a rasteriser: the picture of rays, other work.
+// Primary visibility from a rasteriser: the same picture as with rays, but other work.
 
 namespace hw {
 namespace {
@@ -53,7 +53,7 @@ bool has_unit(const Outcome& run, std::string_view kind) {
 class Rasterised : public testing::TestWithParam<const char*> {};
 
 TEST_P(Rasterised, PictureIsThatOfRaysToTheLastBit) {
-  // Leaves with holes, behind which rays go on, are looked at by two programs: the scene is large.
+  // Leaves with holes, which rays pass through. Two programs only, as the scene is large.
   std::vector<const char*> scenes = {"cornell"};
   const std::string_view name = GetParam();
   if (name == "full:1" || name == "supersample") scenes.push_back("forest");

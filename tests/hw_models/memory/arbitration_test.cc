@@ -9,7 +9,7 @@
 namespace hw::test {
 namespace {
 
-/// Serves askers, all of them always ready, who have been there since the given times.
+/// Serves requesters that are always ready and have waited since the given times.
 std::vector<std::uint32_t> order(Arbitration how, std::array<sim::Time, 3> since) {
   Arbiter arbiter(how, 3);
   std::vector<std::uint32_t> served;
@@ -56,7 +56,7 @@ TEST(Arbiter, OldestFirstLetsALateClientOfAPortWaitBehindAllThatCameBefore) {
   b.client(1).send(0, 10);
   b.client(0).send(0, 30);
   b.harness.run();
-  // Client 0's writes arrive one a cycle and go up one a cycle: the request of cycle 10 meets the write of cycle 10.
+  // Client 0's writes arrive and go up once per cycle, so the request of cycle 10 competes with the write of cycle 10.
   EXPECT_EQ(b.client(1).script[0].latency(), 1U + 1 + 1 + 1 + 1) << "one write of the same age goes first";
 }
 

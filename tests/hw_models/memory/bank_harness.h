@@ -3,7 +3,7 @@
 
 namespace hw::test {
 
-/// Cores, one bank, and a memory whose answers take `memory` cycles.
+/// Cores, one bank, and a memory with a latency of `memory` cycles.
 struct BankHarness {
   explicit BankHarness(L2Config config = small(), std::size_t cores = 2, std::size_t capacity = 64,
                        std::uint64_t memory = 50, Arbitration arbitration = Arbitration::kRoundRobin,
@@ -45,8 +45,7 @@ struct BankHarness {
   std::uint64_t written() { return harness.echoes.front()->written; }
   std::uint64_t why(L2Bank::CycleReason w) { return kClock.cycles(harness.banks.front()->activity().spent(w)); }
 
-  static constexpr std::uint64_t kFlushAt =
-      100'000;  ///< the cycle in which the frame is over, as far as dirty lines go
+  static constexpr std::uint64_t kFlushAt = 100'000;  ///< the cycle of the Flush
   Harness harness;
   sim::Link<Flush> flush;
 };

@@ -132,7 +132,7 @@ TEST(MshrFile, HoldsAsManyAsItIsAllowedWhateverHostsCompareAtOnce) {
       ASSERT_TRUE(file.full());
       for (std::uint64_t left = capacity; left > 0; --left) {
         const std::uint64_t i = (round + left * 7) % capacity;
-        // Goes round from there to one that is still on its way.
+        // Continues from there, wrapping around, to one that is still outstanding.
         for (std::uint64_t k = 0; k < capacity; ++k) {
           const std::uint64_t next = (i + k) % capacity;
           if (file.find(line(next)) == nullptr) continue;

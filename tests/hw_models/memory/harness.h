@@ -19,13 +19,13 @@ namespace hw::test {
 
 inline const sim::Clock kClock(2'000'000);
 
-/// Sends a list of requests, each not before its cycle, and notes when each answer came.
+/// Sends a list of requests, each at its cycle or later, and notes when each answer arrives.
 class Requester {
  public:
   struct Sent {
     MemRequest request;
-    std::uint64_t cycle = 0;     ///< in: not before; out: when it left
-    std::uint64_t answered = 0;  ///< 0: not yet
+    std::uint64_t cycle = 0;     ///< in: earliest; out: when it was sent
+    std::uint64_t answered = 0;  ///< 0: not answered yet
     std::uint64_t latency() const { return answered - cycle; }
   };
 
@@ -71,7 +71,7 @@ class Requester {
   std::uint16_t source = 0;
   std::uint32_t most_outstanding = 1000;
   std::uint64_t pop_every = 1;
-  std::size_t answers = 0;  ///< and writes sent
+  std::size_t answers = 0;  ///< answers received and writes sent
   int mistakes = 0;
 
  private:
@@ -84,7 +84,7 @@ class Requester {
   std::uint32_t outstanding_ = 0;
 };
 
-/// A memory that answers each read as soon as its links allow.
+/// A memory that answers each read as soon as the links allow.
 class Echo {
  public:
   Echo(sim::Clock clock, sim::Link<MemRequest>& in, sim::Link<MemResponse>& out) : clock_(clock), in_(in), out_(out) {}
@@ -99,7 +99,7 @@ class Echo {
   }
   const sim::Clock& clock() const { return clock_; }
   std::uint64_t requests = 0;
-  std::uint64_t written = 0;  ///< bytes
+  std::uint64_t written = 0;  ///< bytes written
 
  private:
   sim::Clock clock_;
@@ -138,7 +138,7 @@ class Harness {
     echoes.push_back(&machine_.build<Echo>(id, id.clock, in, out));
   }
 
-  // As the engine sees it.
+  // Interface for the engine.
   sim::Machine& machine() { return machine_; }
   bool done() const {
     return std::ranges::all_of(requesters, [](const Requester* r) { return r->done(); }) && machine_.quiet();
@@ -154,7 +154,7 @@ class Harness {
 
   std::vector<sim::UnitReport> reports() const { return machine_.report(); }
 
-  /// Everything that must not depend on the way the engine visits the units.
+  /// Returns every result that must not depend on the engine.
   std::string everything(sim::Time end) const {
     std::string all = "end " + std::to_string(end) + "\n";
     for (const sim::UnitReport& r : reports()) {

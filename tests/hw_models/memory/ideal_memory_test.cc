@@ -53,7 +53,7 @@ TEST(IdealInterconnect, CarriesAllRequestsAndLinesOfACycleAtOnce) {
   for (std::size_t c = 0; c < 3; ++c)
     for (Addr i = 0; i < 30; ++i) b.client(c).send(64 * (c % 2), 5, i % 5 == 0);
   b.harness.run();
-  // A target's memory answers one request a cycle; the first target has two clients, the second one.
+  // Each target's memory answers one request per cycle. The first target has two clients, the second has one.
   for (const Requester::Sent& sent : b.client(1).script) {
     if (!sent.request.write) {
       EXPECT_EQ(sent.latency(), 4U);

@@ -19,7 +19,7 @@ TEST(L2Bank, AMissTakesLookUpMemoryAndFillAHitItsPipe) {
   EXPECT_EQ(b.stats().fills, 1U);
 }
 
-/// Hits and misses, in the order of their events.
+/// Hits and misses in the order of their events.
 struct Lookups : Observer {
   void on_event(const Event& event) override {
     if (const auto* lookup = std::get_if<L2LookedUp>(&event)) hits.push_back(lookup->hit);
@@ -118,7 +118,7 @@ TEST(L2Bank, FullMissRegistersHoldUpTheHeadAndAllBehindIt) {
   b.core(0).send(6400, 200);
   b.harness.run();
   EXPECT_EQ(b.core(0).script[4].answered - 200, kMiss + 3) << "the fourth MSHR";
-  const std::uint64_t fill = kMiss - 2;  // a reply and a wire before the first answer: an MSHR is free again
+  const std::uint64_t fill = kMiss - 2;  // the first answer, minus a reply and a link: an MSHR is free again
   EXPECT_EQ(b.core(0).script[5].answered - 200, fill + kMiss - 1) << "from there as any miss, but for the first wire";
   EXPECT_GT(b.core(0).script[6].latency(), kHit + 40) << "a hit, but behind it";
   EXPECT_GT(b.why(L2Bank::CycleReason::kMshrFull), 40U);

@@ -4,7 +4,7 @@
 
 #include "tests/hw_models/memory/bank_harness.h"
 
-// Lines are 64 bytes in eight sectors. The harness asks for a flush at the end, so that nothing dirty is left.
+// Lines are 64 bytes in eight sectors. The harness sends a Flush at the end, so that no dirty lines are left.
 
 namespace hw::test {
 namespace {
@@ -42,7 +42,7 @@ TEST(L2Writes, AReadOfMoreThanIsThereFetchesTheLineAroundIt) {
   BankHarness b;
   b.core(0).send(640, 0, true, kFirstHalf);
   b.core(0).send(640, 10, false, 0x1f);
-  b.core(0).send(640, 12, true, kSecondHalf);  // while it is fetched
+  b.core(0).send(640, 12, true, kSecondHalf);  // while the line is fetched
   b.core(0).send(640, 100);
   b.harness.run();
   EXPECT_EQ(b.core(0).script[1].latency(), kMiss);

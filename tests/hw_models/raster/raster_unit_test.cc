@@ -23,13 +23,13 @@ std::uint64_t cycles(const RasterUnitConfig& config, const TileWork& work) {
   return RasterHarness(config).add(work).run().cycles();
 }
 
-/// Cycles that a hundred triangles more take.
+/// Returns the cycles that a hundred more triangles take.
 std::uint64_t of_hundred(const RasterUnitConfig& config, const std::function<TileWork(std::uint32_t)>& make) {
   const TileWork few = make(100), many = make(200);
   return cycles(config, many) - cycles(config, few);
 }
 
-/// Fetching is never what limits.
+/// A configuration in which fetching is never the limit.
 RasterUnitConfig quick_fetch() {
   RasterUnitConfig config;
   config.lookups = 8;
@@ -97,7 +97,7 @@ TEST(RasterUnit, TransformsAVertexEachInterval) {
 TEST(RasterUnit, LooksUpSoManyLinesACycle) {
   RasterUnitConfig config;
   config.lookups = 1;
-  // Lines of an entry, of a triangle's numbers, of three vertices.
+  // Lines of an entry, of a triangle's vertex numbers, and of three vertices.
   EXPECT_EQ(of_hundred(config, [](std::uint32_t n) { return wave(n, 1, 1); }), 100U * 5);
 }
 
@@ -122,7 +122,7 @@ TEST(RasterUnit, WritesEachEntryOnce) {
   RasterHarness harness(RasterUnitConfig{});
   harness.add(work).run();
   EXPECT_EQ(harness.stats().entries_written, 300U);
-  // 3 vertices of 16 bytes in lines 0, 1 and 2 of theirs; 300 entries of 4 bytes in 19 lines.
+  // 3 vertices of 16 bytes in 3 lines; 300 entries of 4 bytes in 19 lines.
   EXPECT_EQ(harness.written().size(), 3U + 19U);
   EXPECT_EQ(harness.stats().writes, harness.written().size());
 }
@@ -153,7 +153,7 @@ TEST(RasterUnit, FetchesListsOfTheNextWaveWhileItCoversOne) {
   RasterHarness alone(RasterUnitConfig{}, false, 100), both(RasterUnitConfig{}, false, 100);
   alone.add(one).run();
   both.add(one).add(other).run();
-  // The second has its lines at hand: nothing but its coverage and its hits are added.
+  // The second wave's lines are cached, so it adds only its coverage and its hits.
   EXPECT_LE(both.cycles() - alone.cycles(), 50U * 20 + 64 * 16 / 64 + 4);
 }
 

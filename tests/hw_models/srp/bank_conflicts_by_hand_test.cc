@@ -7,8 +7,8 @@
 namespace hw::test {
 namespace {
 
-/// Cycles that four items lose in four banks if an item starts every second cycle, and makes an access to its 16-byte
-/// record in cycle 0 and one in cycle `second`.
+/// Returns the cycles that four items lose in four banks. An item starts every second cycle, and accesses its 16-byte
+/// record in cycle 0 and in cycle `second`.
 std::uint64_t per_4_items(std::uint32_t second) {
   GraphBuilder g;
   const std::uint32_t item = g.item();

@@ -15,7 +15,7 @@ using test::GraphBuilder;
 using test::SrpHarness;
 using test::TileBuilder;
 
-/// Cycles lost per item, times 16, with four ports.
+/// Returns the cycles lost per 16 items, with four ports.
 std::uint64_t per_16_items(const GraphBuilder& g, std::uint32_t banks) {
   return bank_conflicts(schedule(g.graph(), SrpConfig{}), g.graph(), banks).of(16);
 }
@@ -52,8 +52,8 @@ TEST(BankConflicts, TheFourPartsOfARecordWantAsManyBanks) {
 }
 
 TEST(BankConflicts, RecordsOfDifferentLengthMeetEveryFewItems) {
-  // Array a moves on by one bank an item, b (which begins at bank 1) by two: of four banks they share one when
-  // i = 1 + 2 i or i = 2 + 2 i (mod 4), which is every other item.
+  // Array a advances by one bank per item, b (which begins at bank 1) by two. With four banks they share one when i = 1
+  // + 2 i or i = 2 + 2 i (mod 4), which is every other item.
   GraphBuilder g;
   const std::uint32_t item = g.item();
   g.load(16, item, Op::kLoadLocal, "a");
@@ -62,7 +62,7 @@ TEST(BankConflicts, RecordsOfDifferentLengthMeetEveryFewItems) {
 }
 
 TEST(BankConflicts, AConstantIndexStaysInItsBank) {
-  // The constant's record lies in bank 0, those of the other array begin at bank 1.
+  // The constant's record is in bank 0; the other array begins at bank 1.
   GraphBuilder g;
   g.load(16, g.constant(), Op::kLoadLocal, "table");
   g.load(16, g.item(), Op::kLoadLocal, "stream");

@@ -23,7 +23,7 @@ class Player {
 
   std::string play() {
     complete();
-    // Enough items for the first to meet the last that still overlaps it, and for the longest loop-carried distance.
+    // Enough items for all overlaps with the first one, and for the longest loop-carried distance.
     const std::uint32_t items = schedule_.depth / schedule_.ii + 6;
     for (std::uint32_t item = 0; item < items; ++item) {
       for (const Placement& p : schedule_.placements) {
@@ -93,7 +93,7 @@ class Player {
     }
   }
 
-  /// The cycle from which the value of `id` in `item` can be used; 0 for what was there before the loop.
+  /// Returns the cycle from which the value of `id` in `item` can be used; 0 for values from before the loop.
   std::uint64_t there_at(std::uint32_t id, std::uint32_t item) const {
     const GraphNode& node = graph_.nodes[id];
     if (class_of(node.op) != OpClass::kFree) return made_at(id, 0, item);
@@ -114,7 +114,7 @@ class Player {
     return std::uint64_t{item} * schedule_.ii + at->second->start + latency(id);
   }
 
-  /// Multiply-adds: an addition or subtraction and the first of its operands that is a product used by nothing else.
+  /// Finds multiply-adds: an addition or subtraction, and its first operand that is a product with no other use.
   void fuse() {
     std::map<std::uint32_t, int> uses;
     for (const GraphNode& node : graph_.nodes) kernels::for_each_input(node, [&](std::uint32_t id) { ++uses[id]; });
@@ -139,8 +139,8 @@ class Player {
   const SrpConfig& config_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, const Placement*> placed_;
   std::map<std::tuple<int, std::uint32_t, std::uint32_t>, int> used_;
-  std::map<std::uint32_t, std::uint32_t> product_of_;  ///< multiply-adds: the addition's node, its product
-  std::set<std::uint32_t> fused_;                      ///< those products
+  std::map<std::uint32_t, std::uint32_t> product_of_;  ///< multiply-adds: the addition's node and its product
+  std::set<std::uint32_t> fused_;                      ///< products of multiply-adds
   std::string wrong_;
 };
 

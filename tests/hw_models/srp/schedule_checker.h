@@ -5,8 +5,8 @@
 
 namespace hw::test {
 
-/// Plays items through a schedule, one after the other, on an array that notes who uses what and when each value is
-/// there; shares nothing with the scheduler but the latencies. Returns what is wrong, or nothing.
+/// Runs items through a schedule on an array that tracks the use of units and the time of each value. Shares only the
+/// latencies with the scheduler. Returns the first error, or an empty string.
 std::string wrong_with(const KernelSchedule& schedule, const kernels::Graph& graph, const SrpConfig& config);
 
 }  // namespace hw::test

@@ -7,12 +7,12 @@
 #include "shader_kernels/catalogue.h"
 #include "tests/hw_models/srp/schedule_checker.h"
 
-// Arrays at the ends of what a configuration may ask for: kernels come near their bounds, and soon.
+// Arrays at the limits of the configuration: schedules are close to their bounds, and found quickly.
 
 namespace hw::test {
 namespace {
 
-/// Every operation takes as long as it may, and a division keeps its unit all the while.
+/// Every operation has its longest latency, and a division occupies its unit for all of it.
 SrpConfig slow_array(std::uint32_t side, std::uint32_t mul_units, std::uint32_t div_sqrt_units) {
   SrpConfig config;
   config.array.rows = config.array.columns = side;
@@ -25,7 +25,7 @@ SrpConfig slow_array(std::uint32_t side, std::uint32_t mul_units, std::uint32_t 
   return config;
 }
 
-/// The one kernel whose interval exceeds its bound by over a third, on the slowest array: 135 cycles for a bound of 99.
+/// The only kernel whose interval exceeds its bound by more than a third, on the slowest array: 135 cycles, bound 99.
 constexpr std::string_view kFarFromBound = "test_shadow_coloured";
 constexpr std::uint32_t kIntervalFarFromBound = 135;
 
@@ -46,7 +46,7 @@ TEST(ScheduleExtremes, DivisionsThatKeepTheirUnitFindRoomAmongOthersOfOneCycle) 
   expect_near_the_bound(slow_array(4, 1, 2));
 }
 
-/// Seconds of the processor, which a busy host does not lengthen as much as those of a clock on the wall.
+/// Returns processor seconds, which a busy host affects less than wall-clock time.
 double processor_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 TEST(ScheduleExtremes, AreFoundInATenthOfASecondOnAQuietHost) {
@@ -57,7 +57,8 @@ TEST(ScheduleExtremes, AreFoundInATenthOfASecondOnAQuietHost) {
   for (const kernels::KernelInfo& kernel : kernels::catalogue()) {
     const double begin = processor_seconds();
     schedule(kernel.graph, config);
-    EXPECT_LT(processor_seconds() - begin, 1) << kernel.name;  // slow hosts, and builds with assertions, have ten times
+    EXPECT_LT(processor_seconds() - begin, 1)
+        << kernel.name;  // ten times the usual time, for slow hosts and builds with assertions
   }
 }
 

@@ -27,7 +27,7 @@ TEST(ScheduleRows, AnEmptyTableTakesWhatIsAsLongAsItself) {
   EXPECT_EQ(rows_until_gap(Bits(65), 64, 65, 65), 0U);
 }
 
-/// The same, row by row.
+/// Reference implementation, row by row.
 std::uint32_t gap_by_rows(const std::vector<bool>& taken, std::uint32_t from, std::uint32_t length) {
   const auto size = static_cast<std::uint32_t>(taken.size());
   for (std::uint32_t at = 0; at < size; ++at) {

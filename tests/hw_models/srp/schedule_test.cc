@@ -75,7 +75,7 @@ TEST(Schedule, AFieldWaitsForItsOwnAccessOnly) {
   g.op(Op::kAdd, {g.field(record, 0), g.field(record, 0)});
   const KernelSchedule s = checked(g, one_port);
   EXPECT_EQ(s.ii, 4U);
-  EXPECT_EQ(s.depth, 3U + 6U);  // the addition is through before the fourth access
+  EXPECT_EQ(s.depth, 3U + 6U);  // the addition ends before the fourth access
 }
 
 TEST(Schedule, TheCachePortBoundsTheInterval) {

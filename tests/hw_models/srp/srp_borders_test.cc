@@ -4,7 +4,7 @@
 
 #include "tests/hw_models/srp/srp_harness.h"
 
-// Transfers that read what other tiles leave in memory: what waits for a border, what does not, and who is told of one.
+// Transfers that read the borders of other tiles: which nodes wait for a border, and which messages announce one.
 
 namespace hw {
 namespace {
@@ -15,11 +15,11 @@ using test::SrpHarness;
 using test::TileBuilder;
 using CycleReason = Srp::CycleReason;
 
-constexpr std::uint64_t kDma = 1 + 5;               // cycles: cold kernel; wire to the DMA, its answer
+constexpr std::uint64_t kDma = 1 + 5;               // cycles: cold kernel; link to the DMA, and its answer
 constexpr std::uint64_t kLoop = kSwitch + 10 + 15;  // sixteen items, switch included
 constexpr std::uint64_t kStart = 1;                 // the first cycle in which the shader core sees a tile
 
-/// `missing` of `imports` borders; a launch that needs none, one that needs all.
+/// Imports `imports` borders, of which `missing` are missing. One launch needs none, another needs all.
 traces::TileWork importing(std::uint32_t imports, std::uint32_t tile = 1) {
   TileBuilder work(tile);
   std::vector<traces::Edge> all = {TileBuilder::all(work.launch(kA, 16))};
@@ -32,7 +32,7 @@ TEST(SrpBorders, AnImportWaitsForItsBorderAndTheRestOfTheTileDoesNot) {
   SrpHarness harness({}, {{1, 10}});
   harness.add(importing(1), 1).tell(1000, 0, 0).run();
   EXPECT_EQ(harness.spent(CycleReason::kRunning), 2U * (10 + 15));
-  // The news take the wire in; then the transfer, then the launch that waits for it, whose kernel is there.
+  // The update takes the link; then the transfer runs, then the launch that waits for it, whose kernel is resident.
   EXPECT_EQ(harness.done_at(0), 1000 + 1 - kStart + kDma + 10 + 15);
   EXPECT_EQ(harness.spent(CycleReason::kBorders), 1000 + 1 - kStart - kLoop);
   EXPECT_EQ(harness.spent(CycleReason::kWaiting), kDma);
@@ -81,7 +81,7 @@ SrpHarness::Setup room_for(std::uint32_t slots) {
   return setup;
 }
 
-/// Makes 16 rays, whose slots it keeps, so many times; if `imports`, when a border has come.
+/// Makes 16 rays `times` times and keeps their slots; with `imports`, after a border has arrived.
 traces::TileWork tracing(std::uint32_t tile, std::uint32_t times, bool imports) {
   TileBuilder work(tile);
   std::vector<traces::Edge> inputs, rays;

@@ -10,11 +10,11 @@
 
 namespace hw::test {
 
-/// A shader core on a harness: tiles in as fast as it takes them, a T&I unit, a memory and a DMA that each answer after
-/// a fixed time. Kernels are given by initiation interval and depth.
+/// A shader core with tiles as fast as it takes them. Its T&I unit, memory and DMA each answer after a fixed time.
+/// Kernels are given by initiation interval and depth.
 class SrpHarness {
  public:
-  /// Launches one by one, so that each takes what it takes alone.
+  /// Runs launches one by one, so that each takes its own time.
   static SrpConfig without_merging() {
     SrpConfig config;
     config.merge = false;
@@ -23,10 +23,10 @@ class SrpHarness {
   struct Setup {
     SrpConfig config = without_merging();
     TileBufferConfig buffer{.size = {1 << 20}};
-    std::uint32_t tni_latency = 10;      ///< cycles from a ray on its way to its hit on its way
-    std::uint32_t memory_latency = 100;  ///< cycles from a request on its way to its line on its way
+    std::uint32_t tni_latency = 10;      ///< cycles from the arrival of a ray to the sending of its hit
+    std::uint32_t memory_latency = 100;  ///< cycles from the arrival of a request to the sending of its line
     std::uint32_t dma_latency = 5;
-    std::uint32_t ray_interval = 1;  ///< cycles from one ray into the direct interface to the next
+    std::uint32_t ray_interval = 1;  ///< cycles between rays on the direct interface
     std::uint32_t tile_samples = 16;
     std::uint32_t wave_samples = 0;
     bool ideal = false;
@@ -36,26 +36,26 @@ class SrpHarness {
     std::uint32_t ii = 1, depth = 10;
     BankConflicts conflicts{};
   };
-  /// Where picture, samples, rates and spilled slots lie.
+  /// Addresses of picture, samples, rates and spilled slots.
   static constexpr std::array<Addr, kAreas> kBases{Addr{1} << 24, Addr{1} << 25, Addr{1} << 26, Addr{1} << 28};
-  /// Cycles of a switch to a kernel that is resident, and to one of interval `ii` that is loaded: each of its rows is
-  /// 16 words of 8 bytes, of which 64 bytes come a cycle. As configured by default.
+  /// Cycles of a switch to a resident kernel, and to one of interval `ii` that is loaded. By default each row is 16
+  /// words of 8 bytes, and 64 bytes are loaded per cycle.
   static constexpr std::uint64_t kResident = 8;
   static constexpr std::uint64_t cold(std::uint64_t ii) { return kResident + 2 * ii; }
 
-  /// Cycles from a miss to its line, the wire to memory included, and from a load to the use of what it brings.
+  /// Cycles from a miss to its line, with the link to memory; and from a load to the use of its data.
   static constexpr std::uint64_t kLine = 1 + 100, kLoad = 4 + 60;
 
   struct RaySent {
     std::uint64_t cycle = 0;
-    std::uint32_t tile = 0, ray = 0;  ///< place of the tile among those in flight, ray of the tile
+    std::uint32_t tile = 0, ray = 0;  ///< slot of the tile in flight, and ray of the tile
   };
 
   SrpHarness(const Setup& setup, const std::vector<Kernel>& kernels);
 
-  /// `missing`: borders that the tile is handed out without, a bit for each of its imports.
+  /// `missing`: borders that are missing when the tile is dispatched, a bit for each of its imports.
   SrpHarness& add(traces::TileWork work, std::uint32_t missing = 0);
-  /// In that cycle the i-th tile is told that these borders are missing still.
+  /// Sends the i-th tile an update in this cycle: these borders are still missing.
   SrpHarness& tell(std::uint64_t cycle, std::size_t tile, std::uint32_t missing);
   template <sim::Skip kSkip = sim::Skip::kOn>
   SrpHarness& run() {
@@ -64,12 +64,12 @@ class SrpHarness {
     return *this;
   }
 
-  // As the engine sees it.
+  // Interface for the engine.
   sim::Machine& machine() { return machine_; }
   bool done() const { return tiles_done_.size() == works_.size(); }
 
   const Srp& srp() const { return *srp_; }
-  /// Cycles that kernel `k` kept the array, switch and stalls included.
+  /// Cycles for which kernel `k` occupied the array, with switch and stalls.
   std::uint64_t cycles(std::size_t k) const { return srp_->kernel_use()[k].cycles; }
   std::uint64_t spent(Srp::CycleReason why) const { return clock_.cycles(srp_->activity().spent(why)); }
   std::uint64_t elapsed() const { return clock_.cycles(end_); }
@@ -78,11 +78,11 @@ class SrpHarness {
   const std::vector<std::uint32_t>& tiles_done() const { return tiles_done_; }
   /// Borders that tiles have written, in order.
   const std::vector<traces::Border>& borders() const { return borders_; }
-  /// When the i-th tile to end had left the shader core, in cycles after the first could be seen by it.
+  /// Returns when the i-th tile to end left the shader core, in cycles after the first tile was visible to it.
   std::uint64_t done_at(std::size_t i) const { return done_at_[i] - 2; }
 
  private:
-  /// Everything around the shader core.
+  /// The environment of the shader core.
   struct World {
     explicit World(SrpHarness& b) : harness(b) {}
     sim::Time tick(sim::Time now);
@@ -111,7 +111,7 @@ class SrpHarness {
   sim::Link<DmaDone>& dma_in_;
   Srp* srp_ = nullptr;
   std::deque<traces::TileWork> works_;
-  std::vector<std::uint32_t> missing_;  ///< borders, by tile
+  std::vector<std::uint32_t> missing_;  ///< missing borders, by tile
   std::vector<News> news_;
   std::vector<RaySent> rays_;
   std::vector<DmaJob> transfers_;
@@ -121,7 +121,7 @@ class SrpHarness {
   sim::Time end_ = 0;
 };
 
-/// A tile's graph of work, node by node; every call returns the new node.
+/// Builds a tile's work graph node by node. Every call returns the new node.
 class TileBuilder {
  public:
   using Node = std::uint32_t;
@@ -129,12 +129,12 @@ class TileBuilder {
 
   explicit TileBuilder(std::uint32_t tile = 0) { work_.tile = tile; }
   Node launch(traces::KernelId kernel, std::uint32_t items, std::vector<Edge> inputs = {});
-  /// A launch each of whose items reads memory: `accesses[i]` are those of item i.
+  /// A launch whose items read memory; `accesses[i]` are those of item i.
   Node launch(traces::KernelId kernel, const std::vector<std::vector<traces::Access>>& accesses,
               std::vector<Edge> inputs = {});
-  /// `items` more items of a launch, that idle.
+  /// Adds `items` idle items to a launch.
   void idle(Node launch, std::uint32_t items) { work_.nodes[launch].idle = items; }
-  /// A ray for each item of `launch`, or one for each item in `sources`.
+  /// A ray for each item of `launch`, or for each item in `sources`.
   Node rays(Node launch, std::uint32_t count, std::vector<std::uint32_t> sources = {});
   Node transfer(traces::Region region, bool to_memory, std::uint32_t bytes, std::vector<Edge> inputs = {},
                 std::uint64_t offset = 0);
@@ -149,7 +149,7 @@ class TileBuilder {
 
   static Edge all(Node node) { return {node, Edge::Kind::kAll}; }
   static Edge each(Node node) { return {node, Edge::Kind::kEach}; }
-  /// Edge `each` from a node whose items map to those of `sources`.
+  /// An edge of kind kEach from a node whose items map to those of `sources`.
   TileBuilder& map(Node node, const std::vector<std::uint32_t>& sources);
 
  private:
@@ -164,8 +164,8 @@ inline constexpr std::uint64_t kSwitch = SrpHarness::cold(1);
 /// Two kernels of a harness.
 inline constexpr traces::KernelId kA = 0, kB = 1;
 
-/// Rays out of a launch of kernel A, shaded item by item by kernel B. `reads_first`: not before data from memory are
-/// there.
+/// Rays made by a launch of kernel A and shaded item by item by kernel B. `reads_first`: after data from memory have
+/// arrived.
 traces::TileWork trace_and_shade(std::uint32_t items, std::uint32_t tile = 0, bool reads_first = false);
 
 }  // namespace hw::test

@@ -34,7 +34,7 @@ TEST(SrpIdeal, ItStillWaitsForItsLinesAllAtOnceAsFarAsThereAreMissRegisters) {
   work.launch(0, eight);
   SrpHarness harness(setup, {{}});
   harness.add(work.build()).run();
-  // Two rounds of memory_latency + 1, one request a cycle, one line a cycle.
+  // Two rounds of memory_latency + 1, with one request and one line per cycle.
   EXPECT_EQ(harness.srp().stats().cache_fills, 8U);
   EXPECT_GE(harness.cycles(0), 2 * SrpHarness::kLine);
   EXPECT_LE(harness.cycles(0), 2 * SrpHarness::kLine + 8);

@@ -2,7 +2,7 @@
 
 #include "tests/hw_models/srp/srp_harness.h"
 
-// Items that pass through a loop and do nothing.
+// Idle items, which pass through a loop without work.
 
 namespace hw {
 namespace {

@@ -7,7 +7,7 @@
 #include "hw_models/memory/tile_accounting.h"
 #include "tests/hw_models/srp/srp_harness.h"
 
-// Launches of one kernel that wait together run as one loop, across the tiles in flight.
+// Launches of one kernel that are ready together run as one loop, across the tiles in flight.
 
 namespace hw {
 namespace {
@@ -19,7 +19,8 @@ using test::TileBuilder;
 using CycleReason = Srp::CycleReason;
 
 const std::vector<SrpHarness::Kernel> kKernels = {{1, 10}, {1, 10}};
-constexpr std::uint64_t kFirst = kSwitch + 10 + 499;  // cycles of what keeps the array until all tiles are there
+constexpr std::uint64_t kFirst =
+    kSwitch + 10 + 499;  // cycles of a loop that occupies the array until all tiles have arrived
 
 SrpHarness::Setup merging(std::uint32_t chunk = 512) {
   SrpHarness::Setup setup;

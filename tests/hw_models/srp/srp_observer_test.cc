@@ -14,7 +14,7 @@ using test::kA, test::kB;
 using test::SrpHarness;
 using test::TileBuilder;
 
-/// Numbers of calls, and of rays that were in the T&I unit at batches' ends.
+/// Number of events, and of rays in the T&I unit at the ends of batches.
 struct Watched : Observer {
   void on_event(const Event& event) override {
     std::visit(HandleEvents{

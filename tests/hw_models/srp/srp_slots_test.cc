@@ -4,7 +4,7 @@
 
 #include "tests/hw_models/srp/srp_harness.h"
 
-// The shader core when the tile buffer has few ray slots.
+// The shader core with few ray slots in the tile buffer.
 
 namespace hw {
 namespace {

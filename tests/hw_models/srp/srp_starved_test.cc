@@ -2,7 +2,7 @@
 
 #include "tests/hw_models/srp/srp_harness.h"
 
-// How long the T&I unit has no rays while a kernel is on the array.
+// The time in which the T&I unit has no rays while a kernel is on the array.
 
 namespace hw {
 namespace {
@@ -55,7 +55,8 @@ TEST(SrpStarved, OfAKernelThatHitsComeBackUnderOnlyTheRestCounts) {
   tracing.launch(kA, 4, {TileBuilder::each(tracing.rays(tracing.launch(kA, 4), 4))});
   other.launch(kB, 200);
   harness.add(tracing.build()).add(other.build()).run();
-  // The last ray leaves as the other tile's kernel is switched in; its hit is back a wire and the unit's time later.
+  // The last ray leaves when the other tile's kernel is switched in. Its hit returns after a link and the unit's
+  // latency.
   EXPECT_EQ(starved(harness, kB), harness.cycles(kB) - (1 + 300));
 }
 

@@ -64,7 +64,7 @@ TEST(Srp, AMissStallsByExactlyWhatArrivesLaterThanTheLoadsLatency) {
     TileBuilder work;
     work.launch(kA, {{Access::attributes(0)}, {Access::attributes(0)}, {Access::attributes(0)}});
     harness.add(work.build()).run();
-    const std::uint64_t arrives = 1 + latency;  // the wire to memory, then memory
+    const std::uint64_t arrives = 1 + latency;  // the link to memory, then memory
     const std::uint64_t stall = arrives - std::min(arrives, kLoad);
     EXPECT_EQ(harness.cycles(kA), SrpHarness::cold(4) + 90 + 2 * 4 + stall) << latency;
     EXPECT_EQ(harness.spent(Srp::CycleReason::kCacheMiss), stall) << latency;
@@ -80,7 +80,7 @@ TEST(Srp, ALongerLoadQueueHidesAsMuchMoreOfAMiss) {
     TileBuilder work;
     work.launch(kA, {{Access::attributes(0)}, {}, {Access::attributes(1)}});
     harness.add(work.build()).run();
-    // The second item asks before the first needs its line, and has the first's stall for its own to come in.
+    // The second item requests its line before the first one stalls, so its line arrives during that stall.
     EXPECT_EQ(harness.spent(Srp::CycleReason::kCacheMiss), kLine - (4 + queue)) << queue;
   }
 }
@@ -90,7 +90,7 @@ TEST(Srp, MissesOfItemsThatFollowEachOtherOverlap) {
   TileBuilder work;
   work.launch(kA, {{Access::attributes(0)}, {Access::attributes(1)}, {Access::attributes(2)}, {Access::attributes(3)}});
   harness.add(work.build()).run();
-  // All four are asked for, one a cycle, before the first is needed; each comes a cycle after the other.
+  // All four are requested, one per cycle, before the first is needed; they arrive one per cycle.
   EXPECT_EQ(harness.spent(Srp::CycleReason::kCacheMiss), kLine - kLoad);
 }
 
@@ -113,7 +113,7 @@ TEST(Srp, WithoutAFreeMissRegisterTheArrayStandsStillAtOnce) {
   TileBuilder work;
   work.launch(kA, {{Access::attributes(0), Access::attributes(1)}});
   harness.add(work.build()).run();
-  // Until the first line is here the second cannot be asked for; then it comes later than its use by the rest.
+  // The second line is requested only after the first has arrived, so it is late by the rest of its latency.
   EXPECT_EQ(harness.spent(Srp::CycleReason::kCacheMiss), kLine + (kLine - kLoad));
   EXPECT_EQ(harness.srp().stats().mshr_full, 1U);
 }
@@ -123,7 +123,7 @@ TEST(Srp, RaysLeaveAsTheirItemsLeaveTheArray) {
   harness.add(trace_and_shade(8)).run();
   ASSERT_EQ(harness.rays().size(), 8U);
   for (std::uint32_t i = 0; i < 8; ++i) {
-    const std::uint64_t wires = 2;  // the tile's way in, the ray's way out
+    const std::uint64_t wires = 2;  // the links of the tile and of the ray
     EXPECT_EQ(harness.rays()[i].cycle, wires + SrpHarness::cold(5) + 30 + 5 * i);
     EXPECT_EQ(harness.rays()[i].ray, i);
   }
@@ -152,7 +152,8 @@ TEST(Srp, ConsumersGoBeforeProducers) {
   setup.config.chunk = 4;
   SrpHarness harness(setup, {{1, 10}, {1, 40}});
   harness.add(trace_and_shade(16)).run();
-  // Chunks: A1 A2, then B1 B2 as soon as hits are back, then A3 A4 B3 B4. Producers first would switch twice.
+  // Chunks: A1 A2, then B1 B2 as soon as their hits have returned, then A3 A4 B3 B4. Running producers first would
+  // switch twice.
   EXPECT_EQ(harness.srp().stats().switches, 4U);
 }
 

@@ -15,7 +15,7 @@ using test::TileBuilder;
 constexpr std::uint32_t kNone = TileRun::kNone;
 constexpr traces::KernelId kKernel = 0;
 
-/// A tile's run with the work it refers to.
+/// A TileRun with its work.
 struct Tile {
   explicit Tile(TileBuilder builder, std::uint32_t chunk = 256) : work(builder.build()) { run.begin(work, chunk); }
   std::uint32_t next() const {

@@ -11,7 +11,7 @@
 
 namespace hw::test {
 
-/// A T&I unit on a harness: rays in as fast as it takes them, memory that answers after a fixed time, hits out.
+/// A T&I unit with rays as fast as it takes them, a memory with a fixed latency, and a sink of hits.
 class TniHarness {
  public:
   struct Setup {
@@ -27,7 +27,7 @@ class TniHarness {
     TniCore::Ideal ideal;
     std::uint32_t fifo = 64;
     std::uint32_t hit_interval = 1;
-    std::uint32_t drain_every = 1;  ///< cycles from one hit taken to the next
+    std::uint32_t drain_every = 1;  ///< cycles between hits taken
   };
 
   explicit TniHarness(const Setup& setup)
@@ -57,7 +57,7 @@ class TniHarness {
     return *this;
   }
 
-  // As the engine sees it.
+  // Interface for the engine.
   sim::Machine& machine() { return machine_; }
   bool done() const {
     return arrived_.size() == to_send_.size() &&
@@ -70,7 +70,7 @@ class TniHarness {
   }
   TniHarness& run_shuffled(std::uint64_t seed) { return end(sim::run_shuffled(*this, seed)); }
 
-  /// Cycles between the moment a ray could enter the unit and the moment its hit could leave.
+  /// Returns the cycles from when a ray can enter the unit to when its hit can leave.
   std::uint64_t latency(std::size_t ray) const { return clock_.cycles(arrived_at_[ray] - sent_at_[ray]); }
   /// Cycles from the first hit to the second.
   std::uint64_t gap() const { return clock_.cycles(arrived_at_[1] - arrived_at_[0]); }
@@ -155,14 +155,14 @@ inline TniHarness::Setup one_trv() {
 
 inline const Trv& trv(const TniHarness& harness) { return *harness.tni().trvs().front(); }
 
-/// Cycles from the FIFO to the FIFO: one wire to the TRV, one back to the dispatcher, one into the hit FIFO.
+/// Cycles of links from FIFO to FIFO: one to the TRV, one back to the dispatcher, one into the hit FIFO.
 inline constexpr std::uint64_t kWires = 3;
 
-/// Cycles of a visit (fetch 2, box 12), of a miss (to memory 1, back 50; the next probe is in the cycle of the fill),
-/// of a node taken from the stack; femtoseconds of a cycle.
+/// Cycles of a visit (fetch 2, box 12), of a miss (1 to memory, 50 back; the next probe is in the cycle of the fill)
+/// and of a pop; femtoseconds of a cycle.
 inline constexpr std::uint64_t kVisit = 14, kMiss = 51, kPop = 2, kPeriod = 2'000'000;
 
-/// Cycles of a ray alone and with warm caches.
+/// Returns the cycles of a single ray with warm caches.
 inline std::uint64_t alone(TniHarness::Setup setup, const std::vector<std::uint32_t>& walk) {
   setup.config.trv.rays = 1;
   TniHarness harness(setup);

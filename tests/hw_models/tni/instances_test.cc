@@ -31,7 +31,7 @@ TniHarness::Setup two_instances() {
 }
 
 const Walk kIn = {visit_step(0, 1, 0), enter_step(0), visit_step(3, 0, 0), end_step(false)};
-/// Into instance 0 and, popping what node 0 pushed, into instance 1.
+/// Enters instance 0, pops the entry of node 0, and enters instance 1.
 const Walk kBoth = {visit_step(0, 3, 0), visit_step(1, 1, 0), enter_step(0),       visit_step(3, 0, 0),
                     visit_step(2, 1, 0), enter_step(1),       visit_step(3, 0, 0), end_step(false)};
 
@@ -63,7 +63,7 @@ TEST(Instances, OneOperationACycleGoesThroughTheBoxPipe) {
   EXPECT_EQ(trv(harness).activity().spent(Trv::CycleReason::kVisiting), std::uint64_t{3000} * 2'000'000);
 }
 
-/// Pushes at nodes 0, 1 (both over instances), 3 and 4 (in instance 0), which all come off again.
+/// Pushes at nodes 0, 1 (both over instances), 3 and 4 (in instance 0). All entries are popped again.
 const Walk kDeep = {visit_step(0, 3, 0), visit_step(1, 3, 0), enter_step(0),       visit_step(3, 3, 0),
                     visit_step(4, 3, 0), visit_step(5, 0, 0), visit_step(5, 0, 0), visit_step(5, 0, 0),
                     visit_step(2, 0, 0), visit_step(2, 0, 0), end_step(false)};
@@ -74,8 +74,8 @@ TEST(Instances, ARestartFromALinkOutsideEntersTheInstanceAgain) {
   TniHarness harness(setup);
   harness.add(kDeep).run();
   const Trv::Stats& s = trv(harness).stats();
-  // The entry of 4 is held. That of 3 was dropped: from the link, node 0, over 1, the instance and 3. Then that of 1,
-  // over 0 and 1, and that of 0, over 0; none of these within the instance.
+  // The entry of 4 is in the short stack. That of 3 was dropped: a restart from the link, node 0, visits 0, 1, the
+  // instance and 3. Then restarts for the entry of 1 visit 0 and 1, for that of 0 visit 0; neither enters the instance.
   EXPECT_EQ(s.restarts, 3U);
   EXPECT_EQ(s.restarted_visits, 3U + 2U + 1U);
   EXPECT_EQ(s.transforms, 1U + 1U);
@@ -103,7 +103,7 @@ TEST(Instances, ARestartTrailGoesDownFromTheRootOfAllThroughTheInstance) {
   TniHarness harness(setup);
   harness.add(kDeep).run();
   const Trv::Stats& s = trv(harness).stats();
-  // To the entries of 4 and 3 through the instance, to those of 1 and 0 not.
+  // Restarts for the entries of 4 and 3 enter the instance; those for 1 and 0 do not.
   EXPECT_EQ(s.restarts, 4U);
   EXPECT_EQ(s.restarted_visits, (2U + 2U) + (2U + 1U) + 2U + 1U);
   EXPECT_EQ(s.transforms, 1U + 2U);

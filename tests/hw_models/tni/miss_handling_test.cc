@@ -2,7 +2,7 @@
 
 #include "tests/hw_models/tni/random_load.h"
 
-// The four ways to handle a miss (tni.miss_handling), against cycle counts worked out by hand.
+// The four ways to handle a miss (tni.miss_handling), with cycle counts computed by hand.
 
 namespace hw {
 namespace {
@@ -32,7 +32,7 @@ TEST(MissHandling, ALoneRayWaitsForEachLineAlikeUnlessItLoops) {
     TniHarness harness(one_trv(handling));
     harness.add({visit_step(0, 1, 0), visit_step(1, 1, 0), visit_step(2, 0, 0), end_step(false)}).run();
     const bool loops = handling == MissHandling::kBypass;
-    const std::uint64_t wait = loops ? 4 * kVisit : kMiss;  // passes of 14 cycles until the line is there
+    const std::uint64_t wait = loops ? 4 * kVisit : kMiss;  // passes of 14 cycles until the line arrives
     EXPECT_EQ(harness.latency(0), kWires + 3 * (kVisit + wait)) << static_cast<int>(handling);
     EXPECT_EQ(trv(harness).stats().bypass_passes, loops ? 3U * 4U : 0U);
     EXPECT_EQ(trv(harness).stats().l1_miss_cycles, 3 * kMiss);
@@ -69,11 +69,11 @@ TEST(MissHandling, ReorderOverlapsTheMissesOfIndependentRays) {
 }
 
 TEST(MissHandling, RaysLoopUntilTheirLineHasComeAndThenReadItWithTheNextProbe) {
-  // 14 rays on one line loop behind each other and fill the pipe until it comes at cycle 51.
+  // 14 rays for one line loop through the pipe and fill it until the line arrives at cycle 51.
   TniHarness harness(one_trv(MissHandling::kBypass));
   harness.add(one_node(0), 14).run();
   EXPECT_EQ(trv(harness).stats().bypass_passes,
-            14U * 4U - 5U);  // rays 9 to 13 start late enough to miss but three times
+            14U * 4U - 5U);  // rays 9 to 13 start late enough to miss only three times
   EXPECT_EQ(trv(harness).stats().l1_accesses, trv(harness).stats().bypass_passes + 14);
 }
 
@@ -120,7 +120,7 @@ TEST(MissHandling, ALineIsLateIfTheFirstProbeForItMissedHoweverManyFollow) {
   for (const MissHandling handling : kAll) {
     TniHarness harness(one_trv(handling));
     harness.add(one_node(0), 4).run();
-    // Where a ray that missed blocks the fetch stage, those behind it probe when the line is there.
+    // If a ray that missed blocks the fetch stage, later rays probe when its line has arrived.
     EXPECT_EQ(trv(harness).stats().l1_late, handling == MissHandling::kBlocking ? 1U : 4U)
         << static_cast<int>(handling);
     EXPECT_EQ(trv(harness).stats().l1_hits + trv(harness).stats().rau_reads, 4U);

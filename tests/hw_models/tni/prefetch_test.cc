@@ -9,7 +9,7 @@ using test::one_trv;
 using test::TniHarness;
 using traces::visit_step;
 
-/// Prefetches of a ray that hits both children of the root, which are inner nodes.
+/// Returns the prefetches of a ray that hits both children of the root, which are inner nodes.
 Trv::Stats of(Prefetch prefetch, std::uint32_t registers) {
   TniHarness::Setup setup = one_trv();
   setup.links.resize(3);

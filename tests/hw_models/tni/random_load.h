@@ -12,7 +12,7 @@ namespace hw::test {
 
 using Walk = std::vector<std::uint32_t>;
 
-/// A random tree of `nodes` inner nodes and rays that walk it with consistent stacks; or, of two levels, one over
+/// A random tree of `nodes` inner nodes, and rays that walk it with consistent stacks. With two levels: a tree over
 /// instances of three such trees.
 struct RandomLoad {
   std::vector<std::uint32_t> parents;
@@ -50,7 +50,7 @@ struct RandomLoad {
   static constexpr std::uint32_t kTop = 31, kInstances = 16, kTrees = 3;
   static constexpr std::uint32_t kNowhere = 0xffffffffU;
 
-  /// Somewhere on the way: a node, counted from the root of the tree that it is in, and which tree that is.
+  /// A position of a walk: a node, counted from the root of its tree, and that tree.
   struct NodeInTree {
     std::uint32_t node = 0;
     std::uint32_t instance = kNowhere;

@@ -29,7 +29,7 @@ TEST(TimingWheel, EachSlotComesOutALatencyLaterAndGoesItsWay) {
         if (one.at == number) expected[one.way] |= bit(one.slot);
         return one.at == number;
       });
-      expected[1] |= waiting[1] = bit(5);  // what waits already goes on waiting
+      expected[1] |= waiting[1] = bit(5);  // slots that wait already keep waiting
       wheel.take(number, waiting);
       ASSERT_EQ(waiting, expected) << number;
       for (std::uint64_t some = sim::hash(longest, number) % 3; some > 0; --some) {

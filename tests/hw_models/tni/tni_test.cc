@@ -21,7 +21,7 @@ using traces::visit_step;
 
 constexpr std::uint32_t kHit = 3, kEdge = 2, kDistance = 1;
 
-/// `n` visits of nodes 0, 1, 2, ... that each hit one child, then a miss of the last.
+/// `n` visits of nodes 0, 1, 2, ...: each hits one child, except the last, which hits none.
 Walk straight(std::uint32_t n) {
   Walk walk;
   for (std::uint32_t i = 0; i + 1 < n; ++i) walk.push_back(visit_step(i, 1, 0));
@@ -35,12 +35,12 @@ TEST(Tni, ALoneRayOfNVisitsThatAllHitTakesWiresPlusNTimesFetchAndBox) {
     TniHarness harness(one_trv());
     harness.add(straight(n)).add(straight(n));  // the first one brings the lines
     harness.run();
-    // The first ray's n misses each cost the way to memory and back and a second probe.
+    // Each of the first ray's n misses costs the latency of memory and a second probe.
     const std::uint64_t visit = 2 + 12;
     const std::uint64_t miss = 1 + 50;
     EXPECT_EQ(harness.latency(0), kWires + n * (visit + miss)) << n;
   }
-  // Alone and warm: the same ray once more, after the others have left.
+  // Single and warm: the same ray again, after the others have left.
   TniHarness::Setup setup = one_trv();
   setup.config.trv.rays = 1;
   TniHarness harness(setup);
@@ -93,10 +93,10 @@ TEST(Tni, ATriangleTestEndsAtThePhaseThatFails) {
     return harness.gap();
   };
   const std::uint64_t distance = cycles(kDistance, 1);
-  EXPECT_EQ(distance, kWires - 1 + 14 + 4 + 2 + 8 + 1);  // visit, leaf pipe, fetch, stage 8, wire back
+  EXPECT_EQ(distance, kWires - 1 + 14 + 4 + 2 + 8 + 1);  // visit, leaf pipe, fetch, stage 8, link back
   EXPECT_EQ(cycles(kEdge, 1), distance + 8);
   EXPECT_EQ(cycles(kHit, 1), distance + 14);
-  // Triangle 1 of 48 bytes straddles two lines: one more access, then it follows the first through the pipe.
+  // Triangle 1 of 48 bytes straddles two lines: one more access, then it follows triangle 0 through the pipe.
   EXPECT_EQ(cycles(kDistance | kDistance << 4, 2), distance + 2);
   EXPECT_EQ(cycles(kHit | kDistance << 4, 2), distance + 14);
 }
@@ -119,7 +119,8 @@ TEST(Tni, AShortStackRestartsFromItsLinkAndVisitsThePathAgain) {
   TniHarness harness(setup);
   harness.add(walk).run();
   const Trv::Stats& s = harness.tni().trvs().front()->stats();
-  // Pops of nodes 3 and 2 are served; entries of 0 and 1 were dropped: from 0 down to 1 again, both held then.
+  // The entries of nodes 3 and 2 are popped. Those of 0 and 1 were dropped: a restart visits 0 and 1 again and pushes
+  // both.
   EXPECT_EQ(s.restarts, 1U);
   EXPECT_EQ(s.restarted_visits, 2U);
   EXPECT_EQ(s.visits, 9U + 2U);
@@ -132,7 +133,7 @@ TEST(Tni, AShortStackRestartsFromItsLinkAndVisitsThePathAgain) {
   EXPECT_EQ(full.tni().trvs().front()->stats().restarts, 0U);
 }
 
-/// A record for each box, those of a node's children side by side here and there.
+/// A record for each box; the records of some siblings are adjacent.
 std::vector<std::array<std::uint32_t, 2>> single_boxes(const RandomLoad& load) {
   std::vector<std::array<std::uint32_t, 2>> boxes;
   for (std::uint32_t i = 0; i < load.parents.size(); ++i) boxes.push_back({1 + 3 * i % 1201, 2 + 2 * i});

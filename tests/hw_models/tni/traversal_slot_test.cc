@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-// The state machine of one ray, without pipes, caches or links. Expected steps follow from traces/walk.h by hand.
+// The state machine of one ray, without pipes, caches or links. Expected steps are derived by hand from traces/walk.h.
 
 namespace hw {
 namespace {
@@ -30,7 +30,7 @@ struct SmallTree {
   TreeInMemory tree;
 };
 
-// Pads a walk, as a slot prefetches steps beyond the present one.
+// Pads a walk, as a slot prefetches later steps.
 Walk padded(Walk walk) {
   walk.resize(walk.size() + 16, end_step(false));
   return walk;
@@ -70,7 +70,7 @@ TEST(TraversalSlot, PopsTheFarChildAfterAVisitWithoutAHit) {
 }
 
 TEST(TraversalSlot, PopsEachCulledEntryBeforeTheOneThatItContinuesAt) {
-  // Three pushes; two of the entries lie behind the hit.
+  // Three pushes; two of the entries are farther than the hit.
   const Walk walk = padded({visit_step(0, 3, 0), visit_step(1, 3, 0), visit_step(3, 3, 0), leaf_step(0, 1), 0x3,
                             cull_step(2), visit_step(2, 0, 0), end_step(true)});
   TraversalSlot slot(walk.data(), 0);
@@ -123,14 +123,14 @@ TEST(TraversalSlot, EntersAnInstanceThroughTheBoxPipe) {
 const Walk kThreeEntries = padded({visit_step(0, 3, 0), visit_step(1, 3, 0), visit_step(3, 3, 0), visit_step(7, 0, 0),
                                    visit_step(8, 0, 0), visit_step(4, 0, 0), visit_step(2, 0, 0), end_step(false)});
 
-/// Nodes that a ray with an empty short stack visits again before it can pop the entry of node 3.
+/// Returns the nodes that a ray with an empty short stack visits again before it can pop the entry of node 3.
 std::vector<std::uint32_t> replayed(bool has_trail, std::uint32_t capacity, TraversalSlot& slot, StackStats& stats) {
   const SmallTree small;
   std::vector<StackEntryOrigin> scratch;
   RestartPath path;
   for (int visit = 0; visit < 4; ++visit) slot.advance_to_next_step(capacity, capacity != 0, stats);
   while (slot.pop_stack_entry(stats)) {
-    // The youngest entries are there; the nodes that they lead to hit nothing.
+    // The youngest entries are in the short stack; visits of their nodes hit nothing.
     slot.advance_to_next_step(capacity, capacity != 0, stats);
   }
   EXPECT_EQ(slot.next_pipe(), kToStack);

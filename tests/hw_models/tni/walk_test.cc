@@ -2,7 +2,7 @@
 
 #include "tests/hw_models/tni/random_load.h"
 
-// How the canonical walk is expanded: box testers, records of the tree, stacks, prefetching, dispatch, ideal units.
+// Expansion of the recorded walk: box testers, records of the tree, stacks, prefetching, dispatch, ideal units.
 
 namespace hw {
 namespace {
@@ -52,7 +52,7 @@ TEST(BoxTesters, WithOnePassesPopsAndLeavesShareTheIssueOfOnePipe) {
     EXPECT_NEAR(static_cast<double>(harness.span()), 3.0 * kRays, 200);
     EXPECT_EQ(trv(harness).activity().spent(Trv::CycleReason::kSerial), 0U);
   });
-  // One visit, a leaf of two triangles, of which the second lies across two lines.
+  // One visit, then a leaf of two triangles; the second one straddles two lines.
   run(1, leaf, [&](const TniHarness& harness) {
     EXPECT_NEAR(static_cast<double>(harness.span()), 4.0 * kRays, 200);
     EXPECT_EQ(trv(harness).activity().spent(Trv::CycleReason::kSerial), 2 * kRays * kPeriod);
@@ -61,7 +61,7 @@ TEST(BoxTesters, WithOnePassesPopsAndLeavesShareTheIssueOfOnePipe) {
 }
 
 TEST(BoxTesters, InOnePipeAMissThatBlocksHoldsUpPopsToo) {
-  // Ray 1 comes to its pop when ray 0 has begun to stand in the fetch stage.
+  // Ray 1 needs its pop after ray 0 has stalled the fetch stage.
   const auto latency = [](std::uint32_t testers) {
     TniHarness::Setup setup = one_trv();
     setup.config.trv.box_testers = testers;
@@ -152,8 +152,8 @@ TEST(RestartTrail, APopFromTheEmptyShortStackGoesDownFromTheRootToTheEntryWanted
   TniHarness harness(trail(2));
   harness.add(kChain).run();
   const Trv::Stats& s = trv(harness).stats();
-  // Entries of nodes 3 and 2 are popped. That of 1 was dropped: from 0 to 1, where the trail says to go on; the visit
-  // of 0 pushes its entry again.
+  // The entries of nodes 3 and 2 are popped. That of 1 was dropped: a restart visits 0, which pushes its entry again,
+  // and 1, where the trail continues.
   EXPECT_EQ(s.restarts, 1U);
   EXPECT_EQ(s.restarted_visits, 2U);
   EXPECT_EQ(s.pops, 3U);
@@ -173,8 +173,8 @@ TEST(RestartTrail, WithoutAStackEachPopGoesDownFromTheRoot) {
 }
 
 TEST(RestartTrail, AnEntryThatWasPoppedIsNotFoundAgain) {
-  // Node 1 hits both, its near child 2 neither: its far child 3 is popped, and hits both. Behind 4 the entry of 3 is
-  // popped, behind 5 that of 0: three nodes down, from 0 by 1 to 3, and one.
+  // Node 1 hits both children, its near child 2 neither. Its far child 3 is popped, and hits both. After 4 the entry of
+  // 3 is popped, after 5 that of 0: restarts of three nodes (0, 1, 3) and of one.
   const Walk walk = {visit_step(0, 3, 0), visit_step(1, 3, 0), visit_step(2, 0, 0), visit_step(3, 3, 0),
                      visit_step(4, 0, 0), visit_step(5, 0, 0), visit_step(6, 0, 0), end_step(false)};
   TniHarness::Setup setup = trail(0);
@@ -201,7 +201,7 @@ TEST(Prefetch, TheFarChildComesWhileTheNearOneIsWaitedFor) {
   const std::uint64_t none = kWires + 3 * (kMiss + kVisit) + kPop;
   EXPECT_EQ(latency(Prefetch::kNone, 8), none);
   EXPECT_EQ(latency(Prefetch::kSibling, 8), none - kMiss);
-  // The near child takes a register, the far one would take the second: a third must stay free.
+  // The near child takes an MSHR, and the far one would take the second; a third must stay free.
   EXPECT_EQ(latency(Prefetch::kSibling, 3), none - kMiss);
   EXPECT_EQ(latency(Prefetch::kSibling, 2), none);
   setup.links[0].child[1] = traces::leaf_link(0, 1);
@@ -255,7 +255,7 @@ TEST(Ideal, ACycleWhoseVisitsAllMissWaitsForLines) {
     harness.add({visit_step(0, 1, 0), visit_step(node, 0, 0), end_step(false)});
   }
   harness.run();
-  // Both visit node 0 in one cycle and miss in the next; lines come one by one.
+  // Both visit node 0 in one cycle and miss in the next; lines arrive one by one.
   EXPECT_EQ(trv(harness).activity().spent(Trv::CycleReason::kVisiting), 3 * kPeriod);
 }
 
