@@ -115,7 +115,7 @@ Progress::Form Progress::form_of(const std::string& form, bool quiet) {
 
 Progress::Progress(const std::string& form, bool quiet, View* view)
     : form_(form_of(form, quiet)), hints_(!quiet && form != "json" && form != "none"), view_(view) {
-  if (form_ == Form::kView && view_ != nullptr) graphics_ = graphics_of_terminal();
+  shows_picture_ = form_ == Form::kView && view_ != nullptr && has_true_colour();
   if (form_ != Form::kNone) thread_ = std::thread([this] { run(); });
 }
 
@@ -221,12 +221,10 @@ void Progress::show_view() {
   std::string text = view_lines_ == 0 ? "" : fmt::format("\x1b[{}A", view_lines_);
   std::size_t taken = lines.size();
   const std::size_t left = rows > taken + 1 ? rows - taken - 1 : 0;
-  if (graphics_ != Graphics::kNone && view_ != nullptr) {
+  if (shows_picture_) {
     const SmallPicture picture = view_->picture(columns - 1, 2 * left);
-    if (!picture.empty()) {
-      text += graphics_ == Graphics::kSixel ? "\r" + sixels(picture) + "\n" : half_blocks(picture);
-      taken += graphics_ == Graphics::kSixel ? 0 : (picture.height + 1) / 2;
-    }
+    text += half_blocks(picture);
+    taken += (picture.height + 1) / 2;
   }
   for (const std::string& line : lines) text += "\r" + line + "\x1b[K\n";
   write_stderr(text + "\x1b[J");

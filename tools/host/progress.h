@@ -81,7 +81,7 @@ class Progress {
   const Form form_;
   const bool hints_;
   View* const view_;
-  Graphics graphics_ = Graphics::kNone;
+  bool shows_picture_ = false;
   std::size_t view_lines_ = 0;  ///< lines that the view takes on the terminal
   const sim::HostClock::time_point begin_ = sim::HostClock::now();
   sim::HostClock::time_point busy_since_, part_since_;  ///< none yet; none under way

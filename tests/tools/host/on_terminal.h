@@ -17,10 +17,7 @@ namespace test {
 /// The program on a terminal of 100 columns.
 class OnTerminal {
  public:
-  /// `answer`: the terminal's to a program that asks what it can; empty: none.
-  explicit OnTerminal(Words words, const std::vector<std::pair<std::string, std::string>>& variables = {},
-                      std::string answer = {})
-      : answer_(std::move(answer)) {
+  explicit OnTerminal(Words words, const std::vector<std::pair<std::string, std::string>>& variables = {}) {
     words.insert(words.begin(), RAYWATT_PROGRAM);
     winsize size{};
     size.ws_col = 100;
@@ -50,9 +47,6 @@ class OnTerminal {
       const ssize_t n = ::read(terminal_, bytes, sizeof bytes);
       if (n <= 0) return false;  // EIO when the program has ended
       screen_.append(bytes, static_cast<std::size_t>(n));
-      if (answer_.empty() || screen_.find("\x1b[c") == std::string::npos) continue;
-      EXPECT_EQ(::write(terminal_, answer_.data(), answer_.size()), static_cast<ssize_t>(answer_.size()));
-      answer_.clear();
     }
     return true;
   }
@@ -69,7 +63,7 @@ class OnTerminal {
  private:
   pid_t process_ = -1;
   int terminal_ = -1;
-  std::string screen_, answer_;
+  std::string screen_;
 };
 
 }  // namespace test
