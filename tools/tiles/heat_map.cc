@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "tools/tiles/lettering.h"
 #include "traces/scene/images.h"
 
 namespace tools {
@@ -65,21 +64,22 @@ std::vector<HeatMap> heat_maps(const FrameResult& s, const TileFrame& tiles, std
   const auto map = [&](const char* name, const char* title, const char* colours) {
     return HeatMap{name, title, colours, width, height, {}};
   };
-  return {of_tiles(map("cycles", "CYCLES OF A TILE", "turbo"), by_area(tiles, cycles), false),
-          of_tiles(map("srp-cycles", "SRP CYCLES OF A TILE", "turbo"), by_area(tiles, srp_cycles), false),
-          of_pixels(map("rays", "RAYS OF A PIXEL", "viridis"), pixels, &PixelWork::rays),
-          of_pixels(map("steps", "STEPS OF A PIXEL", "viridis"), pixels, &PixelWork::steps),
-          of_pixels(map("tests", "TRIANGLE TESTS OF A PIXEL", "viridis"), pixels, &PixelWork::tests),
-          of_tiles(map("energy", "nJ OF A PIXEL", "turbo"), by_area(tiles, energy), true)};
+  return {of_tiles(map("cycles", "Cycles of a tile", "turbo"), by_area(tiles, cycles), false),
+          of_tiles(map("srp-cycles", "SRP cycles of a tile", "turbo"), by_area(tiles, srp_cycles), false),
+          of_pixels(map("rays", "Rays of a pixel", "viridis"), pixels, &PixelWork::rays),
+          of_pixels(map("steps", "Traversal steps of a pixel", "viridis"), pixels, &PixelWork::steps),
+          of_pixels(map("tests", "Triangle tests of a pixel", "viridis"), pixels, &PixelWork::tests),
+          of_tiles(map("energy", "Energy of a pixel in nJ", "turbo"), by_area(tiles, energy), true)};
 }
 
 DrawnMap draw(const HeatMap& map) {
   constexpr std::uint32_t kMargin = 3, kBar = 8;
   const float most = *std::ranges::max_element(map.values);
-  const std::string most_text = most < 1000 ? fmt::format("{:.4G}", most) : fmt::format("{:.0f}", most);
-  const std::string text = fmt::format("{}  0 - {}", map.title, most > 0 ? most_text : "0");
-  DrawnMap out{std::max(map.width, Lettering::width(text) + 2 * kMargin), 0, {}};
-  out.height = map.height + kBar + Lettering::kHeight + 3 * kMargin;
+  const std::string most_text = most < 1000 ? fmt::format("{:.4g}", most) : fmt::format("{:.0f}", most);
+  const std::string text = fmt::format("{}: 0 to {}", map.title, most > 0 ? most_text : "0");
+  const traces::GreyImage label = traces::draw_text(text);
+  DrawnMap out{std::max(map.width, label.width + 2 * kMargin), 0, {}};
+  out.height = map.height + kBar + label.height + 3 * kMargin;
   std::vector<float> shares;
   shares.reserve(map.values.size() + out.width);
   for (const float value : map.values) shares.push_back(most > 0 ? value / most : 0);
@@ -96,7 +96,12 @@ DrawnMap draw(const HeatMap& map) {
   const auto bar = colours.begin() + 3 * static_cast<std::ptrdiff_t>(map.values.size());
   for (std::uint32_t y = 0; y < kBar; ++y)
     std::copy_n(bar, std::size_t{3} * (steps + 1), at(kMargin, map.height + kMargin + y));
-  Lettering::draw(text, out.rgb, out.width, kMargin, map.height + kBar + 2 * kMargin);
+  for (std::uint32_t y = 0; y < label.height; ++y) {
+    auto to = at(kMargin, map.height + kBar + 2 * kMargin + y);
+    for (std::uint32_t x = 0; x < label.width; ++x) {
+      to = std::fill_n(to, 3, label.pixels[std::size_t{y} * label.width + x]);
+    }
+  }
   return out;
 }
 

@@ -11,7 +11,7 @@ namespace tools {
 /// A figure over the picture, a value to a pixel.
 struct HeatMap {
   std::string name;   ///< "steps"
-  std::string title;  ///< "STEPS PER PIXEL"
+  std::string title;  ///< "Traversal steps of a pixel"
   const char* map;    ///< OpenImageIO's name of its colours
   std::uint32_t width = 0, height = 0;
   std::vector<float> values;

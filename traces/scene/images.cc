@@ -116,6 +116,20 @@ std::vector<std::uint8_t> map_colours(const std::string& map, std::span<const fl
   return rgb;
 }
 
+GreyImage draw_text(const std::string& text) {
+  constexpr const char* kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
+  if (!std::filesystem::exists(kFont)) {
+    throw sim::IoError(fmt::format("{}: no such file; the package fonts-dejavu-core has it", kFont));
+  }
+  GreyImage image;
+  ImageCodec::Size size;
+  const std::string error = codec().draw_text(text.c_str(), kFont, kTextHeight, size, image.pixels);
+  if (!error.empty()) throw sim::IoError(fmt::format("the text '{}': {}", sim::printable(text), sim::printable(error)));
+  image.width = size.width;
+  image.height = size.height;
+  return image;
+}
+
 FloatImage read_exr(const std::filesystem::path& path, const SceneLimits& limits) {
   const std::string bytes = sim::read_file(path, limits.memory.bytes);
   const std::string shown = sim::printable(path.string());

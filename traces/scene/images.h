@@ -13,7 +13,7 @@
 namespace traces {
 
 // Image files. They are read through OpenImageIO, which lives in a module of its own (raywatt_images) that the first
-// reading call loads, or the first colour map: it brings some 260 libraries, a third of a second that most runs do
+// reading call loads, or the first colour map or text: it brings some 260 libraries, a third of a second that most runs do
 // without. IoError if the module is not found next to the program, in ../lib/raywatt/modules from there, or where it
 // was built.
 
@@ -42,6 +42,17 @@ void write_exr(const std::filesystem::path& path, std::uint32_t width, std::uint
 
 /// Colours of values from 0 to 1, for the screen: `map` is "turbo", "viridis", or another of OpenImageIO's.
 std::vector<std::uint8_t> map_colours(const std::string& map, std::span<const float> values);
+
+/// 8 bits a pixel, top row first.
+struct GreyImage {
+  std::uint32_t width = 0, height = 0;
+  std::vector<std::uint8_t> pixels;
+};
+
+/// Draws a line of text in black on white, kTextHeight rows high, in DejaVu Sans of Debian's fonts-dejavu-core. The
+/// pixels are the same on Debian 12 and 13. IoError if the font is missing.
+GreyImage draw_text(const std::string& text);
+inline constexpr std::uint32_t kTextHeight = 12;
 
 /// Up to four channels, in the order of their names; the first three are told.
 FloatImage read_exr(const std::filesystem::path& path, const SceneLimits& limits = {});

@@ -84,7 +84,8 @@ TEST(HeatMap, IsDrawnFromNothingToTheMostAboveItsBar) {
   EXPECT_EQ(pixel(drawn, 3, bar), colour(0)) << "the bar begins with nothing";
   EXPECT_EQ(pixel(drawn, drawn.width - 4, bar), colour(2)) << "and ends with the most";
   EXPECT_EQ(pixel(drawn, 1, bar), (Rgb{255, 255, 255}));
-  EXPECT_GT(std::ranges::count(Rgb(drawn.rgb.end() - 3 * 9 * 300, drawn.rgb.end()), 0), 30) << "letters below it";
+  const Rgb below(drawn.rgb.end() - std::ptrdiff_t{3} * drawn.width * (traces::kTextHeight + 3), drawn.rgb.end());
+  EXPECT_GT(std::ranges::count_if(below, [](std::uint8_t value) { return value < 64; }), 60) << "a label below it";
 }
 
 TEST(HeatMap, HasTheColoursThatItsMapDefines) {

@@ -11,6 +11,7 @@
 
 #include "sim/error.h"
 #include "sim/hash.h"
+#include "sim/sha256.h"
 #include "tests/temp_folder.h"
 
 namespace test {
@@ -151,6 +152,24 @@ TEST(Images, OtherFormatsAndDamagedFilesAreRefused) {
   const TempFolder folder;
   EXPECT_THROW(traces::read_exr(folder.write("a.exr", "\x76\x2f\x31\x01 and no more")), sim::InputError);
   EXPECT_THROW(traces::read_exr(folder.write("b.exr", "something else")), sim::InputError);
+}
+
+TEST(Text, HasTheSamePixelsOnEveryHost) {
+  const traces::GreyImage text = traces::draw_text("Energy of a pixel in nJ: 0 to 1.234e+05");
+  EXPECT_EQ(text.height, traces::kTextHeight);
+  EXPECT_EQ(text.pixels.size(), std::size_t{text.width} * text.height);
+  EXPECT_EQ(sim::sha256_hex(std::string(text.pixels.begin(), text.pixels.end())),
+            "21c440ac54e80a1dd278f7745a93d0e8836974d508e7d2d5b1b5f7a16111ad5a");
+}
+
+TEST(Text, GrowsToTheRightWithItsLength) {
+  const traces::GreyImage one = traces::draw_text("H"), two = traces::draw_text("HH");
+  EXPECT_GT(two.width, one.width);
+  for (std::uint32_t y = 0; y < one.height; ++y) {
+    for (std::uint32_t x = 0; x < one.width; ++x) {
+      EXPECT_EQ(one.pixels[y * one.width + x], two.pixels[y * two.width + x]) << x << ", " << y;
+    }
+  }
 }
 
 }  // namespace

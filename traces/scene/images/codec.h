@@ -24,10 +24,13 @@ class ImageCodec {
   /// Colours of values from 0 to 1 in one of the library's colour maps; 8 bits a channel, for the screen.
   virtual std::string map_colours(const char* map, std::span<const float> values,
                                   std::vector<std::uint8_t>& rgb) const = 0;
+  /// Draws a line of text in black on white, in the font of that file; `height` rows, 8 bits a pixel.
+  virtual std::string draw_text(const char* text, const char* font, std::uint32_t height, Size& size,
+                                std::vector<std::uint8_t>& grey) const = 0;
 };
 
 /// The module's only symbol, a function of this type and name; the number changes with the class above.
 using ImageCodecFactory = const ImageCodec* (*)();
-inline constexpr char kImageCodecSymbol[] = "raywatt_image_codec_4";
+inline constexpr char kImageCodecSymbol[] = "raywatt_image_codec_5";
 
 }  // namespace traces

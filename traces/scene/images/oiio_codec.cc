@@ -139,12 +139,28 @@ class OiioCodec : public ImageCodec {
     });
     return {};
   }
+
+  std::string draw_text(const char* text, const char* font, std::uint32_t height, Size& size,
+                        std::vector<std::uint8_t>& grey) const override {
+    const int rows = static_cast<int>(height), baseline = rows * 3 / 4;
+    const OIIO::ROI box = OIIO::ImageBufAlgo::text_size(text, rows, font);
+    if (!box.defined()) return "cannot be drawn";
+    OIIO::ImageBuf drawn(OIIO::ImageSpec(std::max(box.xend, 1), rows, 1, OIIO::TypeDesc::UINT8));
+    constexpr float kWhite[] = {1}, kBlack[] = {0};
+    if (!OIIO::ImageBufAlgo::fill(drawn, kWhite) ||
+        !OIIO::ImageBufAlgo::render_text(drawn, 0, baseline, text, rows, font, kBlack)) {
+      return drawn.geterror();
+    }
+    size = {static_cast<std::uint32_t>(drawn.spec().width), height};
+    grey.resize(std::size_t{size.width} * size.height);
+    return drawn.get_pixels(drawn.roi(), OIIO::TypeDesc::UINT8, grey.data()) ? "" : drawn.geterror();
+  }
 };
 
 }  // namespace
 }  // namespace traces
 
-extern "C" __attribute__((visibility("default"))) const traces::ImageCodec* raywatt_image_codec_4() {
+extern "C" __attribute__((visibility("default"))) const traces::ImageCodec* raywatt_image_codec_5() {
   static const traces::OiioCodec codec;
   return &codec;
 }
