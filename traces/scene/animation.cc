@@ -50,7 +50,7 @@ bool place_instance(Scene& scene, Instance& instance, const NodePoses& nodes) {
   return instance.node != kNone && replace(instance.to_world, glm::mat4(nodes.to_world[instance.node]));
 }
 
-/// Checks that moved things are still where the arithmetic of rays works.
+/// Throws InputError if a moved instance leaves the range in which ray arithmetic is finite.
 void check_reach(const Scene& scene, const Instance& instance, double seconds) {
   const Mesh& mesh = scene.meshes[instance.mesh];
   float reach = 0;

@@ -11,60 +11,60 @@ namespace traces {
 
 struct Scene;
 
-/// An index that points at nothing.
+/// Index value for "none".
 inline constexpr std::uint32_t kNone = 0xffffffffU;
 
-/// Scale, then rotation, then translation.
+/// Applied in this order: scale, rotation, translation.
 struct Transform {
   glm::vec3 translation{0};
-  glm::quat rotation{1, 0, 0, 0};  ///< w, x, y, z; unit
+  glm::quat rotation{1, 0, 0, 0};  ///< order w, x, y, z; unit length
   glm::vec3 scale{1};
 };
 
-/// A coordinate system that things hang on. Its place in its parent's is `matrix` x transform (one of the two is the
-/// identity in files).
+/// A coordinate system that instances, cameras and lights are attached to. The local matrix is `matrix` x `rest`; files
+/// set only one of the two.
 struct Node {
   std::string name;
   std::uint32_t parent = kNone;
   glm::mat4 matrix{1};
   Transform rest;
-  std::vector<float> morph_weights;  ///< weights of the mesh shown by this node, at rest
+  std::vector<float> morph_weights;  ///< weights at rest of the mesh that this node shows
 };
 
-/// How one property of a node changes with time: key frames as in glTF. Before the first and after the last key the
-/// value stands still.
+/// Key frames of one property of a node, as in glTF. Before the first and after the last key the value is constant.
 struct Track {
   enum class Path : std::uint8_t { kTranslation, kRotation, kScale, kMorphWeights };
   enum class Interpolation : std::uint8_t { kStep, kLinear, kCubicSpline };
   std::uint32_t node = 0;
   Path path = Path::kTranslation;
   Interpolation interpolation = Interpolation::kLinear;
-  std::vector<float> times;   ///< seconds, growing
-  std::vector<float> values;  ///< per key: 3, 4 (x, y, z, w) or as many as morph targets; kCubicSpline: in-tangent,
+  std::vector<float> times;   ///< seconds, ascending
+  std::vector<float> values;  ///< per key 3 numbers, 4 (x, y, z, w) or one per morph target; kCubicSpline: in-tangent,
                               ///< value, out-tangent
 };
 
 struct Skin {
-  std::vector<std::uint32_t> joints;  ///< nodes
+  std::vector<std::uint32_t> joints;  ///< indices in Scene::nodes
   std::vector<glm::mat4> inverse_bind;
 };
 
-/// Parts of the scene that pose() changed.
+/// Kinds of scene content that pose() changed.
 struct Moved {
-  bool geometry = false;  ///< an instance or the vertices of a mesh
+  bool geometry = false;  ///< an instance or a mesh's vertices
   bool view = false;      ///< a camera
   bool lights = false;
 };
 
-/// Puts the scene's instances, deforming meshes, cameras and lights where they are at that time. Depends on the time
-/// alone, not on the pose before it, and has the same bits on every host. InputError where something goes further than
-/// kFarthest from the origin.
+/// Moves instances, deforming meshes, cameras and lights to their state at a time.
 ///
-/// Time is in seconds as the tracks have it. All tracks start together; a file is loaded as it is at time 0. Nothing
-/// repeats: who wants a loop takes the time modulo duration().
+/// 1. The result depends on the time alone, not on the previous pose, and has the same bits on every host.
+/// 2. All tracks start at time 0. A file is loaded in its pose at time 0.
+/// 3. Nothing repeats; for a loop, pass the time modulo duration().
+///
+/// Throws InputError if something moves further than kFarthest from the origin.
 Moved pose(Scene& scene, double seconds);
 
-/// The last key of any track, in seconds; 0 for a still scene.
+/// Returns the time of the last key of any track in seconds; 0 for a still scene.
 double duration(const Scene& scene);
 
 }  // namespace traces

@@ -9,7 +9,7 @@ namespace traces {
 
 struct Scene;
 
-/// An axis-parallel box; empty until something is added.
+/// An axis-parallel box; initially empty.
 struct Bounds {
   glm::vec3 lower{std::numeric_limits<float>::infinity()};
   glm::vec3 upper{-std::numeric_limits<float>::infinity()};
@@ -23,7 +23,7 @@ struct Bounds {
   float diagonal() const { return glm::length(upper - lower); }
 };
 
-/// Bounds of all instances, in world space.
+/// Returns the bounds of all instances in world space.
 Bounds world_bounds(const Scene& scene);
 
 }  // namespace traces

@@ -5,8 +5,8 @@
 
 namespace traces {
 
-/// Returns ", did you mean 'x'?" for the shortest candidate that begins with `text`, else for the one at the smallest
-/// edit distance, or nothing if all are far off.
+/// Returns ", did you mean 'x'?" for the shortest candidate that begins with `text`, else for the candidate at the
+/// smallest edit distance; empty if all are far off.
 std::string did_you_mean(std::string_view text, std::span<const std::string> candidates);
 
 }  // namespace traces

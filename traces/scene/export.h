@@ -5,12 +5,15 @@
 
 namespace traces {
 
-/// The bytes of a self-contained GLB file (glTF 2.0) that shows the scene at rest and moving. load_gltf() reads the
-/// same picture from it, and any other program what glTF can say of it: meshes with all their attributes, nodes and
-/// tracks, skins, morph targets, textures as PNG, lights and cameras. Equal scenes give equal bytes.
+/// Returns the scene, at rest and with its motion, as the bytes of a self-contained GLB file (glTF 2.0).
 ///
-/// Rules of their own have surfaces (gltf_export/materials.h) and the light (gltf_export/lights.h). Meshes without
-/// triangles are left out. InputError if the file would be larger than GLB allows, 4 GiB.
+/// 1. load_gltf() reads the same picture back. Other programs see what glTF can express: meshes with all attributes,
+///    nodes, tracks, skins, morph targets, textures as PNG, lights, cameras.
+/// 2. Equal scenes give equal bytes.
+/// 3. Meshes without triangles are left out.
+/// 4. Surfaces follow gltf_export/materials.h, light follows gltf_export/lights.h.
+///
+/// Throws InputError if the file would exceed GLB's limit of 4 GiB.
 std::string export_glb(const Scene& scene);
 
 }  // namespace traces

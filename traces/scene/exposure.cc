@@ -17,12 +17,12 @@ struct Point {
   glm::vec3 position, normal;
 };
 
-/// Whether it is a lamp or an unlit surface, whose colour does not depend on the light that falls on it.
+/// True for a lamp or an unlit surface, whose colour does not depend on incident light.
 bool shines(const Material& material) {
   return material.emission != glm::vec3(0) && !(material.casts_light && material.emission_texture.used());
 }
 
-/// Calls visit(triangle's corners) for each triangle that does not shine itself, in world space.
+/// Calls visit(triangle's corners), in world space, for each triangle that does not shine.
 template <class Visit>
 void for_each_triangle(const Scene& scene, Visit visit) {
   for (const Instance& instance : scene.instances) {
@@ -37,7 +37,7 @@ void for_each_triangle(const Scene& scene, Visit visit) {
   }
 }
 
-/// `count` points spread evenly over the area of all surfaces.
+/// Returns `count` points spread evenly over the area of all surfaces.
 std::vector<Point> spread_points(const Scene& scene, std::size_t count) {
   double total = 0;
   for_each_triangle(scene, [&](const glm::vec3* p) {
@@ -77,7 +77,7 @@ glm::vec3 irradiance(const Scene& scene, const Point& at) {
     if (light.kind == Light::Kind::kSpot && -glm::dot(way, light.direction) < light.cos_outer) share = 0;
     if (light.range > 0) {
       const float far = squared / (light.range * light.range);
-      share *= std::max(1 - far * far, 0.0F);  // the fading that KHR_lights_punctual recommends
+      share *= std::max(1 - far * far, 0.0F);  // the falloff that KHR_lights_punctual recommends
     }
     sum += light.intensity * (share / squared);
   }
@@ -88,7 +88,8 @@ struct Sample {
   float irradiance, weight;
 };
 
-/// Irradiance on the points that the camera has in view (2:1), each weighted by the picture area it stands for.
+/// Returns the irradiance at the points in the camera's view (2:1), each weighted by the picture area that it
+/// represents.
 std::vector<Sample> seen_by(const Camera& camera, const Scene& scene, const std::vector<Point>& points, float nearest) {
   std::vector<Sample> samples;
   const glm::mat4 to_camera = glm::inverse(camera.to_world);
@@ -106,7 +107,7 @@ std::vector<Sample> seen_by(const Camera& camera, const Scene& scene, const std:
   return samples;
 }
 
-/// The irradiance that a share `rank` of the weight does not exceed.
+/// Returns the irradiance below which a share `rank` of the total weight falls.
 float percentile(std::vector<Sample> samples, float rank) {
   std::sort(samples.begin(), samples.end(),
             [](const Sample& a, const Sample& b) { return a.irradiance < b.irradiance; });
@@ -123,7 +124,7 @@ float percentile(std::vector<Sample> samples, float rank) {
 constexpr std::size_t kPoints = 16384;
 constexpr float kRank = 0.9F;
 
-/// How bright the lights make what the first camera sees, or the whole scene where it sees nothing.
+/// Returns how bright the lights make the first camera's view, or the whole scene if the camera sees nothing.
 float brightness(const Scene& scene, const std::vector<Point>& points) {
   float level = 0;
   if (!scene.cameras.empty()) {

@@ -12,14 +12,14 @@
 namespace traces {
 namespace {
 
-// The file begins with four bytes that say what it is, one of version and three of flags.
+// The file begins with a magic number of four bytes, one byte of version and three bytes of flags.
 constexpr std::size_t kFlags = 5, kHeader = 8;
 constexpr int kTiledDeepOrParts = 0x02 | 0x08 | 0x10;
 
-constexpr std::size_t kMostChannels = 4, kBytesOfChannel = 16;  // behind its name
+constexpr std::size_t kMostChannels = 4, kBytesOfChannel = 16;  // after its name
 constexpr std::size_t kLongestName = 255;
 
-// Kinds of attributes that have a size: the library reads that many bytes of them, whatever the header says.
+// Attribute types of fixed size: the library reads that number of bytes, whatever size the header claims.
 constexpr std::array<std::pair<std::string_view, std::size_t>, 9> kKinds = {{{"box2i", 16},
                                                                              {"chromaticities", 32},
                                                                              {"compression", 1},
@@ -37,7 +37,7 @@ T number_at(std::string_view bytes, std::size_t at) {
   return number;
 }
 
-/// Takes a text and the zero that ends it off the front; false if there is none.
+/// Removes a zero-terminated text from the front of `rest`. Returns false if there is no zero.
 bool take_text(std::string_view& rest, std::string_view& text) {
   const std::size_t end = rest.find('\0');
   if (end == std::string_view::npos) return false;
@@ -46,7 +46,7 @@ bool take_text(std::string_view& rest, std::string_view& text) {
   return true;
 }
 
-/// The problem of a list of channels.
+/// Returns the fault of a channel list, or an empty text.
 std::string problem_of_channels(std::string_view list) {
   std::size_t channels = 0;
   std::string_view name;
@@ -57,7 +57,7 @@ std::string problem_of_channels(std::string_view list) {
   return channels > kMostChannels ? fmt::format("{} channels, allowed are 1 to {}", channels, kMostChannels) : "";
 }
 
-/// The problem of a kind that has another size than it says, or that we do not write.
+/// Returns the fault of an attribute whose type has another size or is not one that we write, or an empty text.
 std::string problem_of_kind(std::string_view kind, std::size_t size) {
   if (kind == "string" || kind == "chlist") return {};
   const auto* found = std::ranges::find(kKinds, kind, &std::pair<std::string_view, std::size_t>::first);
@@ -65,7 +65,7 @@ std::string problem_of_kind(std::string_view kind, std::size_t size) {
   return found->second == size ? "" : fmt::format("damaged: a {} of {} bytes", kind, size);
 }
 
-/// The problem of the corners of the picture, both inside.
+/// Returns the fault of a data window (two inclusive corners), or an empty text.
 std::string problem_of_window(std::string_view box, std::uint64_t most_pixels) {
   const auto side = [&](std::size_t at) {
     return std::int64_t{number_at<std::int32_t>(box, at + 8)} - number_at<std::int32_t>(box, at) + 1;

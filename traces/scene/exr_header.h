@@ -5,9 +5,9 @@
 
 namespace traces {
 
-/// The reason that the library for OpenEXR, which takes memory for whatever a header claims, must not see this file;
-/// empty if it may: one part of scan lines, attributes of kinds that we write, within the file, up to four channels, no
-/// more pixels than that.
+/// Returns why this file must not be given to OpenEXR, which allocates whatever a header claims; empty if it may.
+/// Allowed: one part of scan lines, the attribute types that we write, all within the file, up to four channels, at
+/// most `most_pixels` pixels.
 std::string exr_problem(std::string_view file, std::uint64_t most_pixels);
 
 }  // namespace traces

@@ -9,7 +9,7 @@ namespace {
 // Header: magic, version, length of the file. Then the first chunk: size, type, JSON.
 constexpr std::size_t kFileLength = 8, kChunkSize = 12, kJson = 20;
 
-// GLB is little-endian, as are all machines this runs on.
+// GLB is little-endian, as are all supported hosts.
 std::uint32_t word_at(std::string_view bytes, std::size_t at) {
   std::uint32_t word = 0;
   std::memcpy(&word, bytes.data() + at, sizeof word);

@@ -4,7 +4,7 @@
 
 namespace traces {
 
-/// The JSON chunk of a GLB file whose header and chunk sizes are right.
+/// Returns the JSON chunk of a GLB file whose header and chunk sizes are valid.
 std::string_view glb_json(std::string_view glb);
 
 /// Replaces the JSON chunk of such a file, padded with blanks to a multiple of 4 bytes.

@@ -24,7 +24,7 @@
 namespace traces {
 namespace {
 
-/// Where an animated file is loaded is at its beginning.
+/// Poses an animated file at time 0.
 void place_all(gltf::Context& context) {
   try {
     pose(context.scene, 0);
@@ -62,7 +62,7 @@ Scene read(const std::filesystem::path& path, const SceneLimits& limits) {
         "shows no triangles; at least one is needed; points, lines and primitives without POSITION do not count");
   if (scene.cameras.empty()) scene.cameras.push_back(framing_camera(scene));
   if (!gltf::read_final_light(context)) finish_lights(scene);
-  pose(scene, 0);  // for the lights that stand in for emitters: the same bits whenever that time comes again
+  pose(scene, 0);  // before emitters are replaced by lights, so that a later pose at time 0 gives the same bits
   return scene;
 }
 

@@ -6,13 +6,15 @@
 
 namespace traces {
 
-/// Reads a glTF 2.0 file (.gltf or .glb, told apart by their first bytes): the default scene's nodes with their
-/// triangles, materials, lights and perspective cameras, its skins, morph targets and animations, posed at time 0. What
-/// cannot be shown as the file says is told in Scene::warnings; what cannot be read is an InputError of one line.
+/// Reads a glTF 2.0 file, .gltf or .glb, distinguished by the first bytes.
 ///
-/// Files named by the .gltf must lie in its folder or below; nothing is read over a network. Rules of their own have:
-/// surfaces (gltf/materials/materials.h), lights and exposure (lights.h), a file without cameras (framing_camera), a
-/// file without lights (add_default_light).
+/// 1. Read are the default scene's nodes with their triangles, materials, lights, perspective cameras, skins, morph
+///    targets and animations, posed at time 0.
+/// 2. Content that cannot be shown as the file specifies becomes a line of Scene::warnings; content that cannot be read
+///    throws InputError.
+/// 3. Files that the .gltf names must be in its folder or below; nothing is read over a network.
+/// 4. Surfaces follow gltf/materials/materials.h, lights and exposure follow lights.h. A file without cameras gets
+///    framing_camera(), one without lights add_default_light().
 Scene load_gltf(const std::filesystem::path& path, const SceneLimits& limits = {});
 
 }  // namespace traces

@@ -12,13 +12,12 @@
 
 namespace traces {
 
-// Image files. They are read through OpenImageIO, which lives in a module of its own (raywatt_images) that the first
-// reading call loads, or the first colour map or text: it brings some 260 libraries, a third of a second that most runs do
-// without. IoError if the module is not found next to the program, in ../lib/raywatt/modules from there, or where it
-// was built.
+// Image files. Reading, colour maps and text need OpenImageIO. Its 260 libraries take a third of a second to load, so
+// it is in a module (raywatt_images) that the first such call loads. Throws IoError if the module is not next to the
+// program, in ../lib/raywatt/modules relative to it, or where it was built.
 
-/// A PNG or JPEG file in memory, told by its first bytes. InputError, beginning with `name`, for any other format, a
-/// damaged file, or more pixels than allowed, which is known before any is decoded.
+/// Reads a PNG or JPEG file in memory. Throws InputError, beginning with `name`, for any other format, a damaged file,
+/// or, before decoding, more pixels than allowed.
 Texture read_image(std::span<const std::byte> bytes, const std::string& name, const SceneLimits& limits = {});
 
 /// Linear RGB, top row first.
@@ -27,23 +26,23 @@ struct FloatImage {
   std::vector<float> rgb;
 };
 
-/// The bytes of a PNG file, with alpha if any texel is not opaque. IoError if encoding fails.
+/// Returns the bytes of a PNG file, with alpha if any texel is not opaque. Throws IoError if encoding fails.
 std::string encode_png(const Texture& texture);
 
-// Equal pixels and notes give equal bytes. Nobody sees a half-written file. IoError if writing fails.
+// These write a file atomically; equal pixels and notes give equal bytes. They throw IoError if writing fails.
 void write_png(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
                std::span<const std::uint8_t> rgb8, std::span<const ImageNote> notes = {});
 void write_exr(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
                std::span<const float> rgb);
 
-/// Values pixel by pixel, one for each channel; channels in the order of their names, as readers find them.
+/// `values`: pixel by pixel, one per channel; `channels` sorted by name, the order in which readers return them.
 void write_exr(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
                std::span<const ImageChannel> channels, std::span<const float> values, std::span<const ImageNote> notes);
 
-/// Colours of values from 0 to 1, for the screen: `map` is "turbo", "viridis", or another of OpenImageIO's.
+/// Returns sRGB colours, 3 bytes each, of values from 0 to 1. `map`: "turbo", "viridis" or another of OpenImageIO's.
 std::vector<std::uint8_t> map_colours(const std::string& map, std::span<const float> values);
 
-/// 8 bits a pixel, top row first.
+/// A grey picture: 8 bits a pixel, top row first.
 struct GreyImage {
   std::uint32_t width = 0, height = 0;
   std::vector<std::uint8_t> pixels;
@@ -54,7 +53,7 @@ struct GreyImage {
 GreyImage draw_text(const std::string& text);
 inline constexpr std::uint32_t kTextHeight = 12;
 
-/// Up to four channels, in the order of their names; the first three are told.
+/// Reads up to four channels, sorted by name, and returns the first three.
 FloatImage read_exr(const std::filesystem::path& path, const SceneLimits& limits = {});
 
 }  // namespace traces

@@ -6,13 +6,13 @@
 namespace traces {
 namespace {
 
-/// Which of Scene::nodes a track moves, itself or through a node above it.
+/// Returns for each of Scene::nodes whether a track moves it or a node above it.
 std::vector<bool> moving_nodes(const Scene& scene) {
   std::vector<bool> moving(scene.nodes.size(), false);
   for (const Track& track : scene.tracks) {
     if (track.path != Track::Path::kMorphWeights) moving[track.node] = true;
   }
-  for (std::size_t i = 0; i < moving.size(); ++i) {  // a parent comes before its children
+  for (std::size_t i = 0; i < moving.size(); ++i) {  // a parent precedes its children
     if (scene.nodes[i].parent != kNone && moving[scene.nodes[i].parent]) moving[i] = true;
   }
   return moving;

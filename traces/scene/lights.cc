@@ -40,7 +40,7 @@ Emitter measure(const Mesh& mesh, const glm::mat4& to_world) {
   return e;
 }
 
-/// The direction in which the light leaves its emitter, towards the middle of the scene.
+/// Returns the direction in which light leaves the emitter, towards the middle of the scene.
 glm::vec3 way_out(const Emitter& e, const glm::vec3& centroid, const glm::vec3& middle) {
   glm::vec3 way{0};
   if (glm::length(e.normal) > 0.5 * e.area) {
@@ -53,7 +53,7 @@ glm::vec3 way_out(const Emitter& e, const glm::vec3& centroid, const glm::vec3& 
   return glm::dot(way, middle - centroid) < 0 ? -way : way;
 }
 
-/// An orthonormal frame at `position` that looks along `direction`.
+/// Returns an orthonormal frame at `position` whose -z is `direction`.
 glm::mat4 frame(const glm::vec3& position, const glm::vec3& direction) {
   const glm::vec3 other = std::abs(direction.y) < 0.9F ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0);
   const glm::vec3 right = glm::normalize(glm::cross(other, -direction));
@@ -61,12 +61,12 @@ glm::mat4 frame(const glm::vec3& position, const glm::vec3& direction) {
           glm::vec4(position, 1)};
 }
 
-/// True if the matrix has no inverse, as far as single precision can tell.
+/// True if the matrix has no inverse, within single precision.
 bool is_flat(const glm::dmat3& m) {
   return std::abs(glm::determinant(m)) <= 1e-6 * glm::length(m[0]) * glm::length(m[1]) * glm::length(m[2]);
 }
 
-/// Mean emission of each material; null if it is no lamp.
+/// Returns the mean emission of each material; zero for a material that is not a lamp.
 std::vector<glm::vec3> mean_emissions(const Scene& scene) {
   std::vector<glm::vec3> means;
   for (const Material& material : scene.materials) {

@@ -5,31 +5,33 @@
 
 namespace traces {
 
-/// A Whitted renderer knows points and directions only, so an emissive surface is replaced by a point light.
+/// Replaces emissive surfaces by point lights, as a Whitted renderer has points and directions only.
 ///
-/// One light per emissive instance that shines with 1 or more (weaker ones, say lava, only glow; unlit surfaces shed no
-/// light): intensity = area x emission x mean of its texture; it moves with the instance's node; position = the area's
-/// centroid, moved just out of the emitter so that it does not shadow itself: along the mean normal of an open surface
-/// (the shortest side of a closed one's box), towards the middle of the scene. Those below 1 % of the strongest are
-/// dropped, then all but the kMaxEmitterLights strongest; the strongest comes first. Afterwards emissions above 1 are
-/// scaled to 1, hue kept: lamps look white, and their strength lives on in the lights.
+/// 1. Each emissive instance with an emission of 1 or more gets one light. Weaker and unlit surfaces light nothing.
+/// 2. intensity = area x emission x mean of its texture. The light moves with the instance's node.
+/// 3. The position is the area's centroid, moved out of the emitter so that it casts no shadow on itself: along the
+///    mean normal of an open surface, or the shortest side of a closed one's box, towards the middle of the scene.
+/// 4. Lights below 1 % of the strongest are dropped, then all but the strongest kMaxEmitterLights; the strongest is
+///    first.
+/// 5. Emissions above 1 are then scaled to 1, hue kept, so that lamps look white.
 void add_emitter_lights(Scene& scene);
 inline constexpr std::size_t kMaxEmitterLights = 4;
 
-/// A sun high on one side and a bright sky, if the scene has no light of its own.
+/// Adds a sun high on one side and a bright sky, if the scene has no light of its own.
 void add_default_light(Scene& scene);
 
-/// Sets the exposure, as files give light in candela, lux, watts or just numbers: all lights are scaled by one factor
-/// such that, of what the first camera sees, the brightest tenth receives an irradiance of kTargetIrradiance or more.
-/// Shadows are left out of account. Relative strengths and colours stay. `ambient` becomes kAmbient.
+/// Sets the exposure, as files give light in candela, lux, watts or arbitrary units. All lights are scaled by one
+/// factor: of what the first camera sees, the brightest tenth receives an irradiance of at least kTargetIrradiance.
+/// `ambient` becomes kAmbient. Shadows are ignored.
 void expose_lights(Scene& scene);
 inline constexpr float kTargetIrradiance = 0.85F;
 inline constexpr float kAmbient = 0.15F;
 
-/// Drops all lights but the one that, alone, makes what the first camera sees brightest.
+/// Drops all lights except the one that alone makes the first camera's view brightest.
 void keep_strongest_light(Scene& scene);
 
-/// Emitters, default light and exposure in order; exposure only where lights came with the scene. Needs the cameras.
+/// Runs add_emitter_lights(), add_default_light() and, if lights came with the scene, expose_lights(). Needs the
+/// cameras.
 void finish_lights(Scene& scene);
 
 }  // namespace traces

@@ -6,10 +6,10 @@
 
 namespace traces {
 
-/// No vertex is further from the origin: in single precision, squares and products of two such coordinates are finite.
+/// Largest distance of a vertex from the origin: squares and products of two such coordinates are finite floats.
 inline constexpr double kFarthest = 1e15;
 
-/// Most that a scene may cost. A file that asks for more is refused before the memory is taken.
+/// Largest scene that is accepted; a larger one is refused before memory is allocated.
 struct SceneLimits {
   sim::ByteSize memory{std::uint64_t{1} << 33};
   std::uint64_t pixels = std::uint64_t{1} << 27;

@@ -9,7 +9,7 @@
 namespace traces {
 namespace {
 
-/// In double, so that neither tiny nor huge triangles lose theirs; +y for a triangle without area.
+/// Returns a triangle's normal; +y if it has no area. Computed in double for tiny and huge triangles.
 glm::vec3 geometric_normal(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
   const glm::dvec3 normal = glm::cross(glm::dvec3(b) - glm::dvec3(a), glm::dvec3(c) - glm::dvec3(a));
   const double length = glm::length(normal);

@@ -6,7 +6,7 @@
 
 namespace traces {
 
-/// Replaces the vertices of a mesh: new vertex i is a copy of old vertex from[i]. Triangles are not changed.
+/// Replaces the vertices of a mesh: new vertex i is a copy of old vertex from[i]. Triangles are unchanged.
 void select_vertices(Mesh& mesh, const std::vector<std::uint32_t>& from);
 
 }  // namespace traces

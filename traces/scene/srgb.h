@@ -3,7 +3,7 @@
 
 namespace traces {
 
-/// sRGB's transfer function, both 0..1 (IEC 61966-2-1).
+/// sRGB's transfer function; argument and result 0..1 (IEC 61966-2-1).
 inline double srgb_to_linear(double encoded) {
   return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
 }

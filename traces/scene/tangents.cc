@@ -16,13 +16,13 @@ namespace {
 
 bool is_zero(double x) { return !(std::abs(x) > FLT_MIN); }
 
-/// Unit length, or null.
+/// Returns the vector at unit length, or zero.
 glm::dvec3 direction_of(const glm::dvec3& v) {
   const double length = glm::length(v);
   return is_zero(length) || !std::isfinite(length) ? glm::dvec3(0) : v / length;
 }
 
-/// Unit part perpendicular to the normal, or null.
+/// Returns the unit vector of the part perpendicular to the normal, or zero.
 glm::dvec3 flattened(const glm::dvec3& v, const glm::dvec3& normal) {
   return direction_of(v - normal * glm::dot(normal, v));
 }
@@ -35,9 +35,9 @@ glm::dvec3 perpendicular(const glm::dvec3& normal) {
 /// Texture coordinates over a triangle.
 struct Frame {
   glm::dvec3 along_u{0};       ///< unit
-  bool is_degenerate = false;  ///< two corners are at one position
+  bool is_degenerate = false;  ///< two corners have the same position
   bool has_direction = false;  ///< the coordinates have an area
-  bool is_mirrored = false;    ///< u and v run the other way around than in the picture
+  bool is_mirrored = false;    ///< u and v have the opposite winding from the picture
 };
 
 class TangentBuilder {
@@ -50,7 +50,7 @@ class TangentBuilder {
     find_groups();
   }
 
-  /// Tangent of corner `i` of a triangle.
+  /// Returns the tangent of corner `i` of a triangle.
   glm::vec4 at(std::size_t triangle, std::size_t i) const {
     const std::uint32_t vertex = mesh_.triangles[triangle][i];
     std::uint32_t group = group_of_[3 * triangle + i];
@@ -106,7 +106,7 @@ class TangentBuilder {
     return frame;
   }
 
-  /// Pairs edges of triangles that run opposite ways between the same vertices.
+  /// Pairs triangle edges that run in opposite directions between the same vertices.
   void find_neighbours() {
     std::vector<Edge> edges;
     edges.reserve(group_of_.size());
@@ -155,7 +155,7 @@ class TangentBuilder {
       std::uint32_t* const groups = &group_of_[std::size_t{3} * triangle];
       if (groups[i] != kNone) continue;
       Frame& frame = frames_[triangle];
-      // The first group that reaches a triangle without a direction of its own decides for it.
+      // A triangle without a direction joins the first group that reaches it.
       const bool is_free = groups[0] == kNone && groups[1] == kNone && groups[2] == kNone;
       if (!frame.has_direction && is_free) frame.is_mirrored = is_mirrored;
       if (frame.is_mirrored != is_mirrored) continue;
@@ -171,7 +171,7 @@ class TangentBuilder {
     if (group_at_[vertex] == kNone) group_at_[vertex] = group;
   }
 
-  /// Angle of a triangle at its corner `i`, seen along the normal.
+  /// Returns the angle of a triangle at its corner `i`, in the plane perpendicular to the normal.
   double angle_at(const Corners& v, std::uint32_t i, const glm::dvec3& normal) const {
     const auto edge_to = [&](std::uint32_t other) {
       return flattened(glm::dvec3(mesh_.positions[v[other]]) - glm::dvec3(mesh_.positions[v[i]]), normal);
@@ -181,7 +181,7 @@ class TangentBuilder {
 
   const Mesh& mesh_;
   const std::vector<glm::vec2>& uvs_;
-  std::vector<std::uint32_t> vertex_of_;  ///< per vertex of the mesh, the first one equal to it
+  std::vector<std::uint32_t> vertex_of_;  ///< per vertex of the mesh, the first equal vertex
   std::vector<Frame> frames_;             ///< per triangle
   std::vector<std::uint32_t> neighbour_;  ///< triangle across each edge, or kNone
   std::vector<std::uint32_t> group_of_;   ///< per corner

@@ -6,20 +6,20 @@
 
 namespace traces {
 
-/// Sets Mesh::tangents by the rule of MikkTSpace (Mikkelsen, "Simulation of Wrinkled Surfaces Revisited", 2008), as
-/// glTF asks where a file has none:
+/// Computes Mesh::tangents by the rule of MikkTSpace (Mikkelsen, "Simulation of Wrinkled Surfaces Revisited", 2008), as
+/// glTF demands where a file has none:
 ///
 ///   1. Corners of equal position, normal and texture coordinate are one vertex.
-///   2. Triangles around a vertex form a group if they are connected by shared edges and their texture coordinates
-///      run the same way around. A triangle whose coordinates have no area joins a group that reaches it.
-///   3. A group has one tangent: the directions of growing u, perpendicular to the normal, weighted by the angle of
+///   2. Triangles around a vertex form a group if shared edges connect them and their texture coordinates have the same
+///      winding. A triangle whose coordinates have no area joins a group that reaches it.
+///   3. A group has one tangent: the directions of increasing u, perpendicular to the normal, weighted by the angle of
 ///      each triangle at the vertex.
 ///   4. w is +1 if the texture is not mirrored: the bitangent cross(normal, tangent) * w then points to the texture's
 ///      top, where v is 0.
 ///
-/// A vertex whose triangles belong to groups of different tangents is split; copies are appended. Where coordinates
-/// give no direction the tangent is any unit vector perpendicular to the normal. Needs unit normals. `second` takes
-/// Mesh::second_uvs in place of Mesh::uvs. Returns for each vertex the former one that it is a copy of.
+/// A vertex whose triangles belong to groups with different tangents is split; the copies are appended. If coordinates
+/// give no direction, the tangent is any unit vector perpendicular to the normal. Needs unit normals. `second`: use
+/// Mesh::second_uvs. Returns for each vertex the old vertex that it copies.
 std::vector<std::uint32_t> compute_tangents(Mesh& mesh, bool second);
 
 }  // namespace traces

@@ -5,7 +5,7 @@
 
 namespace traces {
 
-/// Mean of all texels, 0..1, alpha included; of linear colour, whether the texture stores it so or sRGB-encoded.
+/// Returns the mean of all texels, alpha included, 0..1; the mean of linear colour if the texture is sRGB-encoded.
 glm::vec4 mean_texel(const Texture& texture);
 
 }  // namespace traces

@@ -11,7 +11,7 @@
 namespace traces::gltf {
 namespace {
 
-/// Elements of `size` bytes, `stride` apart, all inside their buffer view.
+/// Elements of `size` bytes at distance `stride`, all inside their buffer view.
 struct Elements {
   const std::uint8_t* data = nullptr;
   std::size_t stride = 0;
@@ -89,8 +89,7 @@ bool is_unsigned(int type) {
          type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
 }
 
-/// Calls put(element index, its bytes) for every element: first the dense ones, then those that a sparse accessor
-/// replaces.
+/// Calls put(element index, its bytes) for each dense element, then for each element that a sparse accessor replaces.
 template <class Put>
 void for_each_element(const Context& context, const tinygltf::Accessor& accessor, std::size_t size,
                       const std::string& what, Put put) {
@@ -118,10 +117,10 @@ void for_each_element(const Context& context, const tinygltf::Accessor& accessor
   }
 }
 
-/// Elements that no byte of the file stands for.
+/// Largest number of elements without bytes in the file.
 constexpr std::size_t kMostZeros = 1 << 20;
 
-/// The accessor, once it is certain that its elements exist and that there is room for them decoded.
+/// Returns the accessor after checking its bounds and taking its decoded size from the budget.
 const tinygltf::Accessor& find(Context& context, int index, int type, std::size_t bytes_each, const std::string& what) {
   const tinygltf::Accessor& accessor = context.at(context.model.accessors, index, "accessors");
   if (accessor.type != type) context.refuse(what + " has the wrong type (scalar, vector or matrix)");
@@ -156,7 +155,7 @@ std::vector<Vector> read(Context& context, int index, int type, const char* name
   return out;
 }
 
-/// So many numbers, for what is no vector.
+/// A fixed number of floats with the interface of a vector.
 template <int kCount>
 struct Numbers {
   std::array<float, kCount> values;

@@ -11,15 +11,15 @@
 
 namespace traces::gltf {
 
-/// Bytes of a buffer view; refused where the view leaves its buffer.
+/// Bytes of a buffer view; refused if the view exceeds its buffer.
 struct Bytes {
   const std::uint8_t* data = nullptr;
   std::size_t size = 0;
 };
 Bytes view_bytes(const Context& context, int buffer_view);
 
-// Accessors, any component type (normalised integers become 0..1 or -1..1, others their value), sparse ones filled in.
-// Refused: an index that is not there, a wrong type, values outside the buffer view, numbers that are not finite.
+// These read accessors of any component type with sparse elements filled in. Normalised integers become 0..1 or -1..1.
+// Refused: a missing index, a wrong type, values outside the buffer view, numbers that are not finite.
 std::vector<float> read_floats(Context& context, int accessor, const char* what);
 std::vector<glm::vec2> read_vec2(Context& context, int accessor, const char* what);
 std::vector<glm::vec3> read_vec3(Context& context, int accessor, const char* what);
@@ -27,7 +27,7 @@ std::vector<glm::vec4> read_vec4(Context& context, int accessor, const char* wha
 /// Single precision only.
 std::vector<glm::mat4> read_mat4(Context& context, int accessor, const char* what);
 
-/// Unsigned integers of 8, 16 or 32 bits.
+/// Reads unsigned integers of 8, 16 or 32 bits.
 std::vector<std::uint32_t> read_indices(Context& context, int accessor);
 
 }  // namespace traces::gltf

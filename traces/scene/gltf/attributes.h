@@ -6,14 +6,14 @@
 
 namespace traces::gltf {
 
-/// Index of the primitive's accessor of that name, or -1.
+/// Returns the accessor index of the primitive's attribute of that name, or -1.
 int attribute(const tinygltf::Primitive& primitive, const std::string& name);
 
-// They fill `mesh`, whose material and positions are known; refused: another count of values than of positions.
+// These fill `mesh`, whose material and positions are set. Refused: a number of values other than that of positions.
 void read_normals(Context& context, const tinygltf::Primitive& primitive, Mesh& mesh);
 void read_uvs(Context& context, const tinygltf::Primitive& primitive, const Placements& placements, Mesh& mesh);
 void read_tangents(Context& context, const tinygltf::Primitive& primitive, Mesh& mesh);
-/// COLOR_0, 0..1; nothing if all are white and opaque.
+/// Reads COLOR_0, 0..1; leaves the colours empty if all are white and opaque.
 void read_colours(Context& context, const tinygltf::Primitive& primitive, Mesh& mesh);
 
 }  // namespace traces::gltf

@@ -6,7 +6,7 @@ namespace traces::gltf {
 
 bool is_supported_extension(std::string_view name);
 
-/// All of them, for a message.
+/// Returns all names, for a message.
 std::string supported_extensions();
 
 }  // namespace traces::gltf

@@ -9,7 +9,7 @@ namespace {
 
 constexpr float kBrightest = 1e6F;
 
-/// Three numbers from 0 on.
+/// Reads three numbers, clamped to 0..kBrightest.
 glm::vec3 read_colour(const Context& context, const tinygltf::Value& ours, const char* key) {
   const std::string what = std::string("extras.raywatt.") + key;
   std::vector<double> list;

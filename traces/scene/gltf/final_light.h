@@ -3,9 +3,9 @@
 
 namespace traces::gltf {
 
-/// Reads what export_glb() notes in the extras of the scene shown, `"raywatt": {"background": [r, g, b], "ambient": [r,
-/// g, b]}`: takes both over and brings the file's lights from glTF's units to a Scene's. True if it is there. Then the
-/// light is final: no stand-ins for emitters, no default sun, no exposure.
+/// Reads the light that export_glb() stores in the scene's extras, `"raywatt": {"background": [r, g, b], "ambient": [r,
+/// g, b]}`, and converts the file's lights from glTF's units. Returns false if it is missing. If it is present, no
+/// lights for emitters, default sun or exposure are added.
 bool read_final_light(Context& context);
 
 }  // namespace traces::gltf

@@ -20,7 +20,7 @@ bool is_triangles(int mode) {
   return mode == TINYGLTF_MODE_TRIANGLES || mode == TINYGLTF_MODE_TRIANGLE_STRIP || mode == TINYGLTF_MODE_TRIANGLE_FAN;
 }
 
-/// Lists are taken as they are; strips and fans lose the triangles that only stitch (two equal corners).
+/// Builds triangles from lists, strips or fans; in strips and fans, triangles with two equal corners are left out.
 std::vector<std::array<std::uint32_t, 3>> assemble(const std::vector<std::uint32_t>& order, int mode) {
   std::vector<std::array<std::uint32_t, 3>> triangles;
   const std::size_t step = mode == TINYGLTF_MODE_TRIANGLES ? 3 : 1;
@@ -35,7 +35,7 @@ std::vector<std::array<std::uint32_t, 3>> assemble(const std::vector<std::uint32
   return triangles;
 }
 
-/// The vertices in the order in which they make triangles.
+/// Returns the vertex indices in the order in which they form triangles.
 std::vector<std::uint32_t> read_order(Context& context, const tinygltf::Primitive& primitive, const Mesh& mesh) {
   std::vector<std::uint32_t> order;
   if (primitive.indices < 0) {
@@ -81,8 +81,8 @@ void Meshes::fold_colours(Mesh& mesh) {
 }
 
 Mesh Meshes::read(const tinygltf::Primitive& primitive, const std::string& name, int skin) {
-  constexpr std::uint64_t kCornerBytes = 96;    // size of a triangle's corner with everything a vertex may have
-  constexpr std::uint64_t kTangentBytes = 160;  // work on a corner, and a copy of its vertex where that is split
+  constexpr std::uint64_t kCornerBytes = 96;    // a triangle's corner with all vertex attributes
+  constexpr std::uint64_t kTangentBytes = 160;  // temporaries of a corner, and a copy of its vertex if it is split
   static const Placements kNowhere;
   Mesh mesh;
   mesh.name = name;
@@ -98,7 +98,7 @@ Mesh Meshes::read(const tinygltf::Primitive& primitive, const std::string& name,
   context_.budget.take(order.size(), kCornerBytes, "the triangles of mesh '" + name + "'");
   mesh.triangles = assemble(order, primitive.mode);
   const bool flat = mesh.normals.empty();
-  std::vector<std::uint32_t> from;  // the vertices of the file that those of the mesh are made from
+  std::vector<std::uint32_t> from;  // the file's vertex of each vertex of the mesh
   if (!flat) {
     repair_normals(mesh);
     from.resize(mesh.positions.size());

@@ -10,14 +10,14 @@ namespace {
 
 bool keep_encoded(tinygltf::Image* image, const int, std::string*, std::string*, int, int, const unsigned char* bytes,
                   int size, void*) {
-  // A buffer view's bytes are not touched here: tinygltf has not checked that they exist.
+  // Bytes of a buffer view are not read here: tinygltf has not checked that they exist.
   if (image->bufferView < 0) image->image.assign(bytes, bytes + size);
   return true;
 }
 
 const Source& source_of(void* user) { return *static_cast<const Source*>(user); }
 
-/// Releases of tinygltf from 2.9 on ask for sizes, too.
+/// tinygltf 2.9 and later also have a callback for file sizes.
 template <class Callbacks>
 void tell_sizes(Callbacks& fs) {
   if constexpr (requires { fs.GetFileSizeInBytes; }) {
@@ -28,7 +28,7 @@ void tell_sizes(Callbacks& fs) {
   }
 }
 
-/// All callbacks are there: with one missing, newer releases take the file system's own.
+/// Sets all callbacks: if one is missing, newer releases access the file system.
 tinygltf::FsCallbacks callbacks(const Source& source) {
   tinygltf::FsCallbacks fs{};
   fs.user_data = const_cast<Source*>(&source);
@@ -44,7 +44,7 @@ tinygltf::FsCallbacks callbacks(const Source& source) {
   return fs;
 }
 
-/// tinygltf writes a line for everything it dislikes; what made it stop comes last.
+/// Returns the last line: tinygltf prints a line per complaint, and the fatal one is last.
 std::string last_line(std::string text) {
   while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
   return sim::printable(text.substr(text.rfind('\n') + 1));  // npos + 1 is 0

@@ -5,9 +5,9 @@
 
 namespace traces::gltf {
 
-/// Parses the source by tinygltf, which gets no access to the file system: it sees what the source has read. Images
-/// stay encoded, in Image::image if they are not in a buffer view. What tinygltf dislikes but reads is not reported, as
-/// it counts optional properties (Skin::inverseBindMatrices) among that, and check_properties() has reported the rest.
+/// Parses the source by tinygltf without access to the file system. Images remain encoded, in Image::image if they are
+/// not in a buffer view. tinygltf's warnings are dropped: it reports missing optional properties, and
+/// check_properties() has found the other faults.
 tinygltf::Model parse_model(const Source& source);
 
 }  // namespace traces::gltf

@@ -50,7 +50,7 @@ bool has_type(const Json& value, PropertyType type) {
   return value.is_boolean();
 }
 
-/// One value: not a list.
+/// True if a value that is not a list has the property's type, range and choice.
 bool fits(const Json& value, const Property& property) {
   if (!has_type(value, property.type)) return false;
   if (property.is_choice) {

@@ -29,7 +29,7 @@ void for_each(json& object, const char* key, Visit visit) {
   for (json& entry : *list) visit(entry);
 }
 
-/// `object[key][index]`, if there is such an entry.
+/// Returns `object[key][index]`, or null if there is no such entry.
 json* entry(json& object, const char* key, const json& index) {
   json* list = member(object, key);
   if (list == nullptr || !list->is_array() || !index.is_number_unsigned()) return nullptr;

@@ -6,13 +6,12 @@
 
 namespace traces::gltf {
 
-/// Changes JSON that glTF allows and tinygltf refuses; returns true if something changed. The JSON must have passed
-/// check_properties().
+/// Changes JSON that glTF allows and tinygltf refuses; returns true if something changed. Requires JSON that
+/// check_properties() accepts.
 ///
-/// - A buffer without bytes, which only holds the place of what is decompressed (EXT_meshopt_compression), gets a byte.
-/// - An accessor of indices without a buffer view (sparse, all zeros, or KHR_draco_mesh_compression) gets the first
-/// view.
-///   Its index is appended to `lent`; after parsing, the view must be removed again.
+/// - A buffer without bytes, a placeholder for decompressed data (EXT_meshopt_compression), gets one byte.
+/// - An index accessor without a buffer view (sparse, all zeros, or KHR_draco_mesh_compression) gets the first view.
+///   Its index is appended to `lent`; remove that view after parsing.
 bool make_parsable(sim::Json& json, std::vector<std::size_t>& lent);
 
 }  // namespace traces::gltf

@@ -22,7 +22,7 @@ Property number(std::string_view name) { return {.name = name, .type = kNumber};
 Property numbers(std::string_view name, std::size_t size = 0, std::string_view allowed = {}) {
   return {.name = name, .type = kNumber, .is_list = true, .size = size, .allowed = allowed};
 }
-/// A factor, or a list of them, of 0 to 1.
+/// A factor, or a list of factors, of 0 to 1.
 Property share(std::string_view name) {
   return {.name = name, .type = kNumber, .least = 0, .most = 1, .allowed = "0 to 1"};
 }
@@ -42,7 +42,7 @@ Property codes(std::string_view name, std::string_view allowed) {
   return {.name = name, .type = kCount, .allowed = allowed, .is_choice = true};
 }
 
-/// Buffers and what is made of them.
+/// Buffers, buffer views, accessors, meshes.
 ObjectKinds geometry_kinds() {
   return {
       {"accessor",
@@ -176,7 +176,7 @@ const ObjectKinds& extension_kinds() {
        {shares("attenuationColor", 3, "3 numbers of 0 to 1"), above_zero("attenuationDistance"),
         from_zero("thicknessFactor"), object("thicknessTexture", "texture use")}},
       {"KHR_materials_unlit", {}},
-      {"KHR_materials_variants", {}},  // the default, which is the primitive's own material, is shown
+      {"KHR_materials_variants", {}},  // the primitive's own material, which is the default, is shown
       {"KHR_mesh_quantization", {}},
       {"KHR_texture_transform",
        {numbers("offset", 2, "2 numbers"), number("rotation"), numbers("scale", 2, "2 numbers"), index("texCoord")}},

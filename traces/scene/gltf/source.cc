@@ -25,7 +25,7 @@
 namespace traces::gltf {
 namespace {
 
-/// Reads a file of a scene. InputError with the key that allows more if it is larger than limits.memory.
+/// Reads a file of a scene. Throws InputError, naming the key, if it exceeds limits.memory.
 std::string read_limited(const std::filesystem::path& file, const SceneLimits& limits) {
   std::error_code failed;
   const std::uintmax_t size = std::filesystem::file_size(file, failed);
@@ -43,12 +43,12 @@ std::string read_limited(const std::filesystem::path& file, const SceneLimits& l
 }
 
 std::uint32_t word_at(const std::string& bytes, std::size_t at) {
-  std::uint32_t word;  // GLB is little-endian, as are all machines this runs on
+  std::uint32_t word;  // GLB is little-endian, as are all supported hosts
   std::memcpy(&word, bytes.data() + at, sizeof word);
   return word;
 }
 
-/// Header, JSON chunk, then an optional BIN chunk; further chunks are left alone.
+/// Checks the GLB header, the JSON chunk and an optional BIN chunk; further chunks are ignored.
 void check_container(Source& source) {
   constexpr std::uint32_t kJson = 0x4e4f534a, kBin = 0x004e4942;
   const std::uint64_t size = source.bytes.size();
@@ -76,7 +76,7 @@ std::string_view json_of(const Source& source) {
   return std::string_view(source.bytes).substr(source.json_begin, source.json_size);
 }
 
-/// Pictures that have the name of a scene: their first bytes and their names.
+/// Image formats, to recognise a picture given as a scene: first bytes and name.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kPictures = {
     {{"\x89PNG", "PNG"}, {"\xff\xd8\xff", "JPEG"}, {"\x76\x2f\x31\x01", "OpenEXR"}}};
 
@@ -139,7 +139,7 @@ void replace_json(Source& source, std::string text) {
   }
 }
 
-/// Follows symbolic links, which must not lead out of the folder either.
+/// Refuses symbolic links that lead out of the folder.
 void check_inside(const std::filesystem::path& folder, const std::string& relative, const std::string& where) {
   std::error_code failed;
   const std::filesystem::path home = std::filesystem::canonical(folder.empty() ? "." : folder, failed);
@@ -152,15 +152,15 @@ void check_inside(const std::filesystem::path& folder, const std::string& relati
   }
 }
 
-/// The bytes that the URI of a buffer or an image stands for.
+/// Reads the files and data: URIs of buffers and images.
 class Resources {
  public:
   Resources(Source& source, std::filesystem::path folder, Budget& budget, const SceneLimits& limits)
       : source_(source), folder_(std::move(folder)), budget_(budget), limits_(limits) {}
 
-  /// Reads what the entries of the list name, and replaces their URIs by keys of Source::external. tinygltf itself
-  /// knows few data: URIs, takes a '+' in the name of a file for a blank and refuses files longer than byteLength.
-  /// Returns true if there were any.
+  /// Reads the URIs of a list's entries and replaces them by keys of Source::external. Needed because tinygltf knows
+  /// few data: URIs, decodes '+' in file names as a blank and refuses files longer than byteLength. Returns true if
+  /// there were any.
   bool read(sim::Json& json, const char* list) {
     const auto entries = json.find(list);
     if (entries == json.end()) return false;
@@ -171,7 +171,7 @@ class Resources {
       const auto uri = entry.find("uri");
       const std::string where = fmt::format("{}: {}[{}]", source_.shown_name, list, i);
       if (uri == entry.end()) {
-        const bool is_placeholder = entry.contains("extensions");  // for what is decompressed
+        const bool is_placeholder = entry.contains("extensions");  // for decompressed data
         if (is_buffers && !source_.binary && !is_placeholder) {
           throw sim::InputError(where + ": has no URI; allowed for the first buffer of a GLB file");
         }
@@ -190,14 +190,14 @@ class Resources {
       if (bytes.empty()) throw sim::InputError(where + ": its URI holds no bytes; allowed: 1 or more");
       if (!is_data_uri(asked) && entry.value("name", "").empty()) entry["name"] = asked;
       std::string key = fmt::format("{}-{}", list, i);
-      entry["uri"] = key;  // the name has moved the members of the entry
+      entry["uri"] = key;  // assigning the name may have moved the entry's members
       source_.external.emplace(std::move(key), std::move(bytes));
       any = true;
     }
     return any;
   }
 
-  /// Of the files that were read; empty if there were none.
+  /// SHA-256 digests of the files read; empty if there were none.
   const std::string& digests() const { return digests_; }
 
  private:
@@ -225,7 +225,7 @@ class Resources {
 }  // namespace
 
 Source read_source(const std::filesystem::path& path, const SceneLimits& limits, Budget& budget) {
-  constexpr std::uint64_t kJsonExpansion = 16;  // bytes that a parsed value may take for each of its text
+  constexpr std::uint64_t kJsonExpansion = 16;  // upper bound of the bytes that a parsed value takes per byte of text
   Source source;
   source.shown_name = sim::printable(path.string());
   source.bytes = read_limited(path, limits);

@@ -10,16 +10,16 @@
 
 namespace traces::gltf {
 
-/// A glTF file and what its URIs name, in memory and checked: chunk sizes, depth, list lengths, types of properties,
-/// extensions that must be understood, and where the URIs point.
+/// A glTF file and everything its URIs name, in memory. Checked: chunk sizes, depth, list lengths, property types,
+/// required extensions, and the places that URIs name.
 struct Source {
   std::string shown_name;  ///< for messages
   std::string bytes;
   bool binary = false;                          ///< GLB
   std::size_t json_begin = 0, json_size = 0;    ///< in `bytes`
-  std::map<std::string, std::string> external;  ///< bytes of what URIs name, by the keys that replace these in the JSON
+  std::map<std::string, std::string> external;  ///< bytes of URIs, by the keys that replace them in the JSON
   std::vector<std::size_t> lent;                ///< accessors that make_parsable() gave a buffer view
-  std::string sha256;                           ///< hash of the file; where it names others, of all their digests
+  std::string sha256;                           ///< hash of the file, or of the digests of all files if it names others
 };
 
 Source read_source(const std::filesystem::path& path, const SceneLimits& limits, Budget& budget);

@@ -12,8 +12,7 @@
 namespace traces::gltf {
 namespace {
 
-/// Decodes percent escapes. Sets `is_good` to false if a percent sign lacks two hexadecimal digits, and keeps that
-/// sign.
+/// Decodes percent escapes. Sets `is_good` to false, and keeps the percent sign, if two hexadecimal digits are missing.
 std::string decode_percent(std::string_view text, bool& is_good) {
   std::string out;
   out.reserve(text.size());
@@ -47,7 +46,8 @@ bool equal_ignoring_case(std::string_view a, std::string_view b) {
   return std::ranges::equal(a, b, {}, lower, lower);
 }
 
-/// What is wrong with the part between "data:" and the comma, or empty. `is_base64`: whether it ends with ";base64".
+/// Returns the fault of the part between "data:" and the comma, or an empty text. `is_base64`: true if it ends with
+/// ";base64".
 std::string fault_of_header(std::string_view header, bool& is_base64) {
   std::size_t end = header.find(';');
   const std::string_view type = header.substr(0, end);
@@ -68,7 +68,7 @@ std::string fault_of_header(std::string_view header, bool& is_base64) {
   return {};
 }
 
-/// Decodes base64 in place; returns the fault, or an empty text. The '=' at the end may be left out.
+/// Decodes base64 in place; returns the fault, or an empty text. The '=' at the end is optional.
 std::string decode_base64(std::string& text) {
   while (text.ends_with('=')) text.pop_back();
   const std::size_t size = text.size();
@@ -81,7 +81,7 @@ std::string decode_base64(std::string& text) {
                        sim::printable(std::string_view(&*wrong, 1)));
   }
   if (size % 4 == 1) return "has base64 data that ends within a byte";
-  constexpr std::size_t kPiece = 1 << 20;  // a multiple of 4, as the function takes an int
+  constexpr std::size_t kPiece = 1 << 20;  // a multiple of 4; the function takes an int
   text.append((4 - size % 4) % 4, '=');
   std::string bytes(text.size() / 4 * 3, '\0');
   for (std::size_t i = 0; i < text.size(); i += kPiece) {

@@ -4,14 +4,15 @@
 
 namespace traces::gltf {
 
-/// The relative path that a URI of a glTF file stands for, percent signs decoded. InputError, beginning with `where`,
-/// if it has a scheme, is absolute or leaves the file's folder.
+/// Returns the relative path of a URI, percent escapes decoded. Throws InputError, beginning with `where`, if it has a
+/// scheme, is absolute or leaves the file's folder.
 std::string local_path(std::string_view uri, std::string_view where);
 
 /// True for a data: URI (RFC 2397).
 bool is_data_uri(std::string_view uri);
 
-/// The bytes of a data: URI, whatever their media type. InputError, beginning with `where`, if the URI is malformed.
+/// Returns the bytes of a data: URI of any media type. Throws InputError, beginning with `where`, if the URI is
+/// malformed.
 std::string data_of(std::string_view uri, std::string_view where);
 
 }  // namespace traces::gltf

@@ -12,34 +12,34 @@
 
 namespace traces::gltf {
 
-/// A JSON number as a float; refused if it does not fit one.
+/// Converts a JSON number to float; refused if it does not fit.
 float to_float(const Context& context, double value, const std::string& what);
 
-/// Lists of exactly three or four numbers; an absent (empty) list gives `absent`.
+/// Convert a list of exactly three or four numbers; an empty list gives `absent`.
 glm::vec3 to_vec3(const Context& context, const std::vector<double>& list, const glm::vec3& absent,
                   const std::string& what);
 glm::vec4 to_vec4(const Context& context, const std::vector<double>& list, const glm::vec4& absent,
                   const std::string& what);
 
-/// A unit quaternion from x, y, z, w; refused if it is null.
+/// Returns a unit quaternion from x, y, z, w; refused if it is zero.
 glm::quat to_rotation(const Context& context, const std::vector<double>& list, const std::string& what);
 
-/// The matrix with 0, 0, 0, 1 as its last row, which glTF demands.
+/// Returns the matrix with 0, 0, 0, 1 as its last row, which glTF demands.
 glm::mat4 to_affine(glm::mat4 matrix);
 
-/// The object of that extension, or null.
+/// Returns the object of that extension, or null.
 const tinygltf::Value* find_extension(const tinygltf::ExtensionMap& extensions, const char* name);
 
-/// A number of an extension's object, or `absent`.
+/// Returns a number of an extension's object, or `absent`.
 float number_or(const Context& context, const tinygltf::Value& object, const char* key, float absent);
 
-/// A list of three numbers of an extension's object, or `absent`.
+/// Returns a list of three numbers of an extension's object, or `absent`.
 glm::vec3 vec3_or(const Context& context, const tinygltf::Value& object, const char* key, const glm::vec3& absent);
 
-/// A count of bytes or elements of an extension's object, or `absent`; refused if it is no such number.
+/// Returns a count of bytes or elements of an extension's object, or `absent`; refused if it is not a count.
 std::uint64_t size_or(const Context& context, const tinygltf::Value& object, const char* key, std::uint64_t absent);
 
-/// An index of an extension's object, or -1.
+/// Returns an index of an extension's object, or -1.
 int index_or_none(const tinygltf::Value& object, const char* key);
 
 }  // namespace traces::gltf

@@ -49,7 +49,7 @@ void to_unit(std::span<float, 4> q) {
   for (int i = 0; i < 4; ++i) q[static_cast<std::size_t>(i)] = static_cast<float>(unit[i]);
 }
 
-/// Replaces the keys before time 0, which glTF does not allow, by one at 0.
+/// Replaces keys before time 0, which glTF does not allow, by one key at 0.
 void begin_at_zero(Track& track) {
   const auto first = std::ranges::lower_bound(track.times, 0.0F);
   const auto earlier = first - track.times.begin();
@@ -69,8 +69,8 @@ void begin_at_zero(Track& track) {
   track.values.insert(track.values.begin(), key.begin(), key.end());
 }
 
-/// Makes key times differ. Of keys at one time the last one counts from then on and the first one until then: it moves
-/// to just before that time, and the others go.
+/// Makes key times distinct. Of keys at the same time, the first moves to just before that time, the last stays, and
+/// the others are removed.
 void separate_keys(Track& track) {
   const std::size_t row = track.values.size() / track.times.size();
   std::vector<float> times, values;
@@ -89,7 +89,7 @@ void separate_keys(Track& track) {
   track.values = std::move(values);
 }
 
-/// The track as glTF allows it: times from 0 on that grow, rotations of unit length, two keys or more of a cubic
+/// Returns the track as glTF allows it: ascending times from 0, rotations of unit length, at least two keys of a cubic
 /// spline.
 Track valid(Track track) {
   begin_at_zero(track);

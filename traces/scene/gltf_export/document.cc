@@ -11,7 +11,7 @@
 namespace traces::gltf_export {
 namespace {
 
-/// tinygltf writes an object without members, such as a node that only stands in the tree, as null.
+/// Replaces nulls by empty objects: tinygltf writes an object without members, such as an empty node, as null.
 bool replace_nulls(sim::Json& value) {
   bool changed = value.is_null();
   if (changed) value = sim::Json::object();
@@ -110,7 +110,7 @@ void Document::extend(tinygltf::ExtensionMap& extensions, const char* name, tiny
 }
 
 std::string Document::glb() && {
-  constexpr std::size_t kMost = std::numeric_limits<std::uint32_t>::max() / 8 * 7;  // the rest is for the JSON
+  constexpr std::size_t kMost = std::numeric_limits<std::uint32_t>::max() / 8 * 7;  // leaves room for the JSON
   if (buffer_.size() > kMost) throw sim::InputError("the scene is too large for a GLB file: it holds at most 4 GiB");
   if (!buffer_.empty()) model.buffers.emplace_back().data = std::move(buffer_);
   model.extensionsUsed.assign(used_.begin(), used_.end());

@@ -16,16 +16,16 @@
 
 namespace traces::gltf_export {
 
-/// The glTF document being written, and its one buffer.
+/// The glTF document being written, with its single buffer.
 class Document {
  public:
   tinygltf::Model model;
 
-  /// Use of a buffer view; the validator wants to know.
+  /// Use of a buffer view, which the validator checks.
   enum class Use { kVertices, kIndices, kOther };
 
-  // Each appends a buffer view and an accessor; returns the accessor's index. Smallest and largest value are written
-  // where glTF demands them.
+  // Each appends a buffer view and an accessor, and returns the accessor's index. Minimum and maximum are written where
+  // glTF demands them.
   int add(std::span<const float> values, bool bounds);
   int add(std::span<const glm::vec2> values);
   int add(std::span<const glm::vec3> values, bool bounds = false, Use use = Use::kVertices);
@@ -36,10 +36,10 @@ class Document {
 
   int add_view(std::span<const std::byte> bytes, Use use = Use::kOther);
 
-  /// An extension's object, noted as used.
+  /// Adds an extension's object and lists the extension as used.
   void extend(tinygltf::ExtensionMap& extensions, const char* name, tinygltf::Value::Object object);
 
-  /// The file. The document is spent afterwards.
+  /// Returns the file's bytes and empties the document.
   std::string glb() &&;
 
  private:

@@ -8,12 +8,12 @@
 namespace traces::gltf_export {
 namespace {
 
-/// Instances that can be primitives of one glTF mesh on one node.
+/// Instances that form the primitives of one glTF mesh on one node.
 struct Group {
   const Instance* first = nullptr;
   std::uint32_t skin = kNone;
   std::size_t targets = 0;
-  std::vector<std::uint32_t> parts;  ///< in Scene::meshes
+  std::vector<std::uint32_t> parts;  ///< indices in Scene::meshes
 };
 
 std::vector<Group> group_instances(const Scene& scene) {

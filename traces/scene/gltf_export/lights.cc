@@ -9,13 +9,13 @@
 namespace traces::gltf_export {
 namespace {
 
-/// Releases of tinygltf from 2.9 on have a member for a node's light, and remove the extension without it.
+/// tinygltf 2.9 and later have a member for a node's light, and drop the extension without it.
 template <class Node>
 void refer_to_light(Node& node, int light) {
   if constexpr (requires { node.light; }) node.light = light;
 }
 
-/// Looks along the light's direction.
+/// Returns a matrix at the light's position whose -z is the light's direction.
 glm::mat4 frame_of(const Light& light) {
   if (light.kind == Light::Kind::kPoint) {
     glm::mat4 frame(1);
@@ -38,7 +38,7 @@ tinygltf::Light light_of(const Light& light, float strongest) {
   if (light.kind == Light::Kind::kDirectional) to.type = "directional";
   if (light.kind == Light::Kind::kSpot) {
     to.type = "spot";
-    // glTF demands an outer angle above 0 and an inner angle below it.
+    // glTF demands an outer angle above 0 and an inner angle below the outer.
     to.spot.outerConeAngle = std::max(std::acos(std::clamp(double{light.cos_outer}, 0.0, 1.0)), 1e-6);
     to.spot.innerConeAngle =
         std::min(std::acos(std::clamp(double{light.cos_inner}, 0.0, 1.0)), to.spot.outerConeAngle * (1 - 1e-9));

@@ -3,12 +3,12 @@
 
 namespace traces::gltf_export {
 
-/// Writes Scene::lights by KHR_lights_punctual, and into the extras of the glTF scene what glTF has no place for:
+/// Writes Scene::lights by KHR_lights_punctual, and the light that glTF cannot express into the scene's extras:
 /// `"raywatt": {"background": [r, g, b], "ambient": [r, g, b]}`.
 ///
-/// In glTF an irradiance of pi makes a white surface shine with radiance 1, in a Scene an irradiance of 1 does
-/// (traces/scene/scene.h), so intensities grow by pi. The extras tell the loader that the light is final: emitters have
-/// their stand-ins, exposure is set (gltf/final_light.h).
+/// Intensities are multiplied by pi: a white surface has radiance 1 at an irradiance of pi in glTF, and of 1 in a Scene
+/// (traces/scene/scene.h). The extras mark the light as final: lights for emitters and the exposure are already in it
+/// (gltf/final_light.h).
 void write_lights(const Scene& scene, const NodeMap& map, Document& out);
 
 }  // namespace traces::gltf_export

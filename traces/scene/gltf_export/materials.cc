@@ -10,9 +10,9 @@
 namespace traces::gltf_export {
 namespace {
 
-constexpr float kCoatShare = 0.08F;  // a clear coat's whose factor is 1: twice the reflectance of index 1.5
+constexpr float kCoatShare = 0.08F;  // mirror share of a clear coat of factor 1: twice the reflectance of index 1.5
 
-/// The index of refraction at which twice the reflectance at normal incidence is `share`.
+/// Returns the index of refraction whose reflectance at normal incidence, times two, is `share`.
 float index_for(float share) {
   const float ratio = std::sqrt(0.5F * std::clamp(share, 0.0F, 1.0F));
   return (1 + ratio) / (1 - ratio);
@@ -20,16 +20,16 @@ float index_for(float share) {
 
 float strongest_channel(const glm::vec3& c) { return std::max({c.x, c.y, c.z}); }
 
-/// Values that the loader's rule starts from.
+/// glTF values from which the loader's rule derives the surface.
 struct Surface {
   glm::vec3 base{1};
   float metallic = 0, roughness = 1;
   float ior = 1.5F;
   float coat = 0;     ///< factor
-  bool thin = false;  ///< a sheet of glass that mirrors as any dielectric and bends nothing
+  bool thin = false;  ///< a sheet of glass that mirrors like any dielectric and does not refract
 };
 
-/// The metal's part of a mirror: the a that fits a (base - 1) = mirror (tint - 1) best.
+/// Returns the metallic part of a mirror: the least-squares a of a (base - 1) = mirror (tint - 1).
 float metal_share(const Material& m, const glm::vec3& mean_base) {
   const glm::vec3 base = mean_base - 1.0F, tint = m.mirror_tint - 1.0F;
   const float squared = glm::dot(base, base);
@@ -75,7 +75,7 @@ float to_linear(std::uint32_t encoded) {
   return c <= 0.04045F ? c / 12.92F : std::pow((c + 0.055F) / 1.055F, 2.4F);
 }
 
-/// Linear, of an sRGB texture.
+/// Returns the mean linear colour of an sRGB texture.
 glm::vec3 mean_of(const Texture& texture) {
   glm::dvec3 sum(0);
   for (const std::uint32_t texel : texture.texels) {
@@ -101,7 +101,7 @@ void write_surface(const Material& m, const Surface& s, tinygltf::Material& to, 
     if (s.thin && s.ior > 1) {
       out.extend(to.extensions, "KHR_materials_volume", {{"thicknessFactor", value(0)}});
     } else if (const float most = strongest_channel(m.absorption); most > 0) {
-      // One distance for all channels: that after which the most absorbed one has fallen to 1 / e.
+      // One distance for all channels: the one at which the most absorbed channel has fallen to 1 / e.
       const glm::vec3 colour(std::exp(-m.absorption.x / most), std::exp(-m.absorption.y / most),
                              std::exp(-m.absorption.z / most));
       out.extend(to.extensions, "KHR_materials_volume",
@@ -151,7 +151,7 @@ tinygltf::Material material_of(const Scene& scene, const Material& m, Document& 
   use(m.base_texture, pbr.baseColorTexture);
   use(m.metal_rough_texture, pbr.metallicRoughnessTexture);
   write_surface(m, s, to, out);
-  to.doubleSided = m.double_sided && !to.extensions.contains("KHR_materials_volume");  // volumes have an outside
+  to.doubleSided = m.double_sided && !to.extensions.contains("KHR_materials_volume");  // a volume has an outside
   write_emission(m, to, out);
   write_alpha(m, to);
   use(m.normal_texture, to.normalTexture);

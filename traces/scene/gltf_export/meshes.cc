@@ -8,7 +8,7 @@
 namespace traces::gltf_export {
 namespace {
 
-/// glTF demands that each joint is named once, and that what does not count is joint 0.
+/// Merges repeated joints and sets unused ones to joint 0, as glTF demands.
 void tidy(std::array<std::uint16_t, 4>& joints, glm::vec4& weights) {
   for (int i = 0; i < 4; ++i) {
     for (int earlier = 0; earlier < i; ++earlier) {
@@ -21,7 +21,7 @@ void tidy(std::array<std::uint16_t, 4>& joints, glm::vec4& weights) {
   }
 }
 
-/// How many sets of texture coordinates the material's textures look up.
+/// Returns the number of texture coordinate sets that the material's textures use.
 int uv_sets(const Material& m) {
   int sets = 0;
   for (const TextureUse& use :
@@ -60,7 +60,7 @@ tinygltf::Primitive Meshes::write(const Mesh& mesh) {
   if (!normals.empty()) to.attributes["NORMAL"] = out_.add(normals);
   if (!normals.empty() && !tangents.empty()) to.attributes["TANGENT"] = out_.add(tangents);
   const int sets = to.material < 0 ? 0 : uv_sets(scene_.materials[mesh.material]);
-  const std::vector<glm::vec2> none(mesh.positions.size());  // look-ups without coordinates are made at 0, 0
+  const std::vector<glm::vec2> none(mesh.positions.size());  // textures without coordinates are looked up at 0, 0
   if (!mesh.uvs.empty() || sets > 0) to.attributes["TEXCOORD_0"] = out_.add(mesh.uvs.empty() ? none : mesh.uvs);
   if (sets > 1) to.attributes["TEXCOORD_1"] = out_.add(mesh.second_uvs.empty() ? none : mesh.second_uvs);
   if (!mesh.colours.empty()) {
@@ -69,7 +69,7 @@ tinygltf::Primitive Meshes::write(const Mesh& mesh) {
     to.attributes["COLOR_0"] = out_.add(colours);
   }
   if (d != nullptr) write_deformation(*d, to, out_);
-  to.indices = out_.add(mesh.triangles, mesh.positions.size() > 0xffff);  // 0xffff itself is no 16-bit index
+  to.indices = out_.add(mesh.triangles, mesh.positions.size() > 0xffff);  // 0xffff itself is not a valid 16-bit index
   return to;
 }
 

@@ -7,12 +7,12 @@
 
 namespace traces::gltf_export {
 
-/// Writes a mesh when it is first asked for; after that its accessors are shared.
+/// Writes a mesh when it is first used; later uses share its accessors.
 class Meshes {
  public:
   Meshes(const Scene& scene, Document& out) : scene_(scene), out_(out) {}
 
-  /// The index of a glTF mesh whose primitives are these meshes of Scene::meshes.
+  /// Returns the index of a glTF mesh whose primitives are these meshes of Scene::meshes.
   int mesh_of(const std::vector<std::uint32_t>& parts);
 
  private:

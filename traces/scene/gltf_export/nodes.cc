@@ -23,7 +23,7 @@ std::vector<bool> animated_nodes(const Scene& scene) {
   return animated;
 }
 
-/// The root above each of Scene::nodes.
+/// Returns the root of each of Scene::nodes.
 std::vector<std::uint32_t> roots_of(const Scene& scene) {
   std::vector<std::uint32_t> roots;
   for (std::uint32_t i = 0; i < scene.nodes.size(); ++i) {
@@ -33,7 +33,7 @@ std::vector<std::uint32_t> roots_of(const Scene& scene) {
   return roots;
 }
 
-/// Puts all roots below one node, except skinned meshes: a parent's transform has no effect on them.
+/// Moves all roots below one new node, except skinned meshes, which ignore their parent's transform.
 void join_roots(Document& out) {
   std::vector<int>& roots = out.model.scenes[0].nodes;
   const auto joined = std::ranges::stable_partition(
@@ -120,7 +120,7 @@ void write_cameras(const Scene& scene, const NodeMap& map, Document& out) {
     if (node.name.empty()) node.name = camera.name;
     out.model.cameras.push_back(to);
   }
-  // The node with the first camera comes first.
+  // The node with the first camera becomes the first root.
   const auto rank = [&](int root) {
     int least = std::numeric_limits<int>::max();
     std::vector<int> open{root};

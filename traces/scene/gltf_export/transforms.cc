@@ -9,8 +9,8 @@
 namespace traces::gltf_export {
 namespace {
 
-/// Turns the columns of `m` to right angles, gathering the turns in `v`: m x v stays what it was... of one-sided
-/// Jacobi.
+/// Makes columns p and q of `m` orthogonal by a rotation, accumulated in `v`: a step of one-sided Jacobi. m x
+/// transpose(v) is unchanged.
 void rotate_columns(glm::dmat3& m, glm::dmat3& v, int p, int q) {
   const double alpha = glm::dot(m[p], m[p]), beta = glm::dot(m[q], m[q]), gamma = glm::dot(m[p], m[q]);
   if (!(std::abs(gamma) > 1e-16 * std::sqrt(alpha * beta))) return;
@@ -24,8 +24,8 @@ void rotate_columns(glm::dmat3& m, glm::dmat3& v, int p, int q) {
   }
 }
 
-/// The columns of `m` at unit length. Columns without a direction, those of a flat matrix, become what completes three
-/// right angles; their lengths become 0.
+/// Returns the columns of `m` at unit length. Columns without direction, as in a flat matrix, are replaced so that all
+/// three are orthogonal; their lengths become 0.
 glm::dmat3 unit_columns(const glm::dmat3& m, glm::dvec3& lengths) {
   const double least = 1e-12 * std::max({lengths.x, lengths.y, lengths.z});
   glm::dmat3 out(1);
@@ -59,7 +59,7 @@ void set(std::vector<double>& list, const glm::dvec3& v, const glm::dvec3& norma
 }  // namespace
 
 bool is_placement(const glm::mat4& matrix) {
-  constexpr double kMost = 1e-5;  // absolute, as the validator measures it
+  constexpr double kMost = 1e-5;  // absolute, as in the validator
   const glm::dmat3 m(matrix);
   if (matrix[0].w != 0 || matrix[1].w != 0 || matrix[2].w != 0 || matrix[3].w != 1) return false;
   const double longest = std::max({glm::length(m[0]), glm::length(m[1]), glm::length(m[2])});
@@ -75,7 +75,7 @@ TwoPlacements split(const glm::mat4& matrix) {
     rotate_columns(m, turns, 0, 2);
     rotate_columns(m, turns, 1, 2);
   }
-  // matrix = m x transpose(turns), the columns of m at right angles: their lengths are the scale.
+  // matrix = m x transpose(turns), and the columns of m are orthogonal: their lengths are the scale.
   TwoPlacements out;
   out.outer.translation = glm::dvec3(matrix[3]);
   for (int i = 0; i < 3; ++i) out.outer.scale[i] = glm::length(m[i]);

@@ -18,7 +18,7 @@
 namespace traces {
 namespace {
 
-/// A file in memory. The library goes back to fill in where lines begin.
+/// A file in memory. Seekable, as the library writes the offsets of lines last.
 class Memory : public Imf::OStream {
  public:
   Memory() : OStream("memory") {}
@@ -62,7 +62,7 @@ std::string exr_bytes(std::uint32_t width, std::uint32_t height, std::span<const
   }
   Memory memory;
   {
-    Imf::OutputFile file(memory, header);  // ends the file when it goes
+    Imf::OutputFile file(memory, header);  // its destructor completes the file
     file.setFrameBuffer(frame);
     file.writePixels(static_cast<int>(height));
   }

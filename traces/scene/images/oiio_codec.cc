@@ -1,4 +1,4 @@
-// The only source file that knows OpenImageIO; it makes the module raywatt_images.
+// The only source file that uses OpenImageIO; it makes the module raywatt_images.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -16,8 +16,8 @@
 namespace traces {
 namespace {
 
-/// Keeps what libpng and libjpeg print on stderr to themselves as long as one of these lives: what is wrong comes back
-/// as an error. The descriptor stays as it is, only the stream is another (glibc lets a program set it).
+/// Suppresses what libpng and libjpeg print on stderr while an object exists; faults are returned as texts instead.
+/// Only the stream is replaced, not the descriptor (glibc allows it).
 class QuietLibraries {
  public:
   QuietLibraries() {
@@ -38,7 +38,7 @@ class QuietLibraries {
   static inline std::FILE* const heard_ = stderr;
 };
 
-/// A file in memory, opened for reading: only `format` is tried.
+/// A file in memory, opened for reading as `format` alone.
 class Input {
  public:
   Input(std::span<const std::byte> bytes, const char* format)
@@ -53,7 +53,7 @@ class Input {
     }
   }
 
-  /// Nothing, or why the image cannot be used.
+  /// Returns why the image cannot be used, or an empty text.
   std::string check(std::uint64_t most_pixels) const {
     if (!error_.empty()) return error_;
     if (spec_.width < 1 || spec_.height < 1 || spec_.depth > 1) return "the image has no pixels";

@@ -12,7 +12,8 @@
 namespace traces {
 namespace {
 
-/// A file in the making, with the library's structures. Errors jump, as it asks for: write() holds nothing to destroy.
+/// A PNG file being written, with libpng's structures. libpng reports errors by longjmp, so write() holds nothing to
+/// destroy.
 class Writer {
  public:
   Writer() : png_(png_create_write_struct(PNG_LIBPNG_VER_STRING, this, &Writer::fail, &Writer::ignore)) {

@@ -31,7 +31,7 @@ glm::dmat4x3 blend(std::span<const glm::dmat4x3> joints, const std::array<std::u
   return sum;
 }
 
-/// Cofactor matrix, which carries normals where the matrix carries positions; exists for flat matrices, too.
+/// Returns the cofactor matrix, which transforms normals; it exists for singular matrices, too.
 glm::dmat3 cofactors(const glm::dmat4x3& m) {
   const glm::dmat3 c(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
   return glm::dot(m[0], c[0]) < 0 ? -c : c;

@@ -7,9 +7,9 @@
 
 namespace traces {
 
-/// Makes the positions, normals and tangents of a deforming mesh from its rest: morph targets first, then the skin
-/// (linear blend). Normals are carried by the cofactors of the blended matrix; where none were given they are those of
-/// the triangles. `joints` carry from bind pose to the world. True if anything differs from before.
+/// Computes positions, normals and tangents of a deforming mesh from its rest pose: morph targets, then the skin
+/// (linear blend). Normals are transformed by the cofactors of the blended matrix, or recomputed from the triangles if
+/// the file has none. `joints` map from bind pose to world. Returns true if anything changed.
 bool deform(Mesh& mesh, std::span<const glm::dmat4x3> joints, std::span<const double> morph_weights);
 
 }  // namespace traces

@@ -70,7 +70,7 @@ NodePoses pose_nodes(const Scene& scene, double seconds) {
     local.push_back(at_rest(node.rest));
     poses.morph_weights.emplace_back(node.morph_weights.begin(), node.morph_weights.end());
   }
-  // Backwards, so that the first track for a node and path has the last word.
+  // In reverse, so that the first track of a node and path takes effect.
   for (auto track = scene.tracks.rbegin(); track != scene.tracks.rend(); ++track) {
     apply(*track, seconds, local[track->node], poses.morph_weights[track->node]);
   }

@@ -9,7 +9,7 @@ namespace traces {
 
 struct Scene;
 
-/// Scale, then rotation (unit), then translation.
+/// Returns the matrix that applies scale, rotation (unit) and translation in this order.
 glm::dmat4 matrix_of(const glm::dvec3& translation, const glm::dquat& rotation, const glm::dvec3& scale);
 
 /// Scene::nodes at a time.
@@ -18,7 +18,7 @@ struct NodePoses {
   std::vector<std::vector<double>> morph_weights;
 };
 
-/// InputError where a node is too far away (kFarthest).
+/// Computes all nodes at a time. Throws InputError if a node is further than kFarthest from the origin.
 NodePoses pose_nodes(const Scene& scene, double seconds);
 
 double largest_entry(const glm::dmat4& m);

@@ -10,11 +10,11 @@ namespace {
 
 using Interpolation = Track::Interpolation;
 
-/// The keys on both sides of a time; the same one twice before the first and after the last.
+/// The keys before and after a time; equal before the first and after the last key.
 struct Span {
   std::size_t from = 0, to = 0;
-  double share = 0;    ///< part of the way from one to the other, 0..1
-  double seconds = 0;  ///< between them
+  double share = 0;    ///< position between the two keys, 0..1
+  double seconds = 0;  ///< time between the two keys
 };
 
 Span find_span(const Track& track, double seconds) {
@@ -28,7 +28,7 @@ Span find_span(const Track& track, double seconds) {
   return {to - 1, to, (seconds - begin) / length, length};
 }
 
-/// Numbers of one key; of a cubic spline's three parts the middle one is the value.
+/// Parts of a key; a cubic spline has all three, other tracks only the value.
 enum class Part : std::uint8_t { kInTangent, kValue, kOutTangent };
 
 double number(const Track& track, std::size_t key, Part part, std::size_t i, std::size_t count) {
@@ -45,8 +45,8 @@ double on_spline(const Track& track, const Span& span, std::size_t i, std::size_
          (s3 - s2) * span.seconds * number(track, span.to, Part::kInTangent, i, count);
 }
 
-/// sin(share x angle) / sin(angle), by its series in 1 - cosine; for a cosine from 0 to 1 a term is at most half the
-/// one before.
+/// Returns sin(share x angle) / sin(angle) by its series in 1 - cosine. For a cosine of 0 to 1 each term is at most
+/// half the previous one.
 double arc_weight(double share, double cosine) {
   constexpr double kSmallest = 1e-18;
   double term = share, sum = share;

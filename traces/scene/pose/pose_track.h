@@ -5,11 +5,11 @@
 
 namespace traces {
 
-/// The track's value at that time, `out.size()` numbers; rotations (four) at unit length, linear ones on the shortest
-/// arc. Made of arithmetic and square roots only, so that every host gets the same bits.
+/// Computes the track's value at a time, `out.size()` numbers. Rotations (four numbers) have unit length; linear ones
+/// follow the shortest arc. Arithmetic and square roots only, so that every host gets the same bits.
 void sample(const Track& track, double seconds, std::span<double> out);
 
-/// Returns in `out` the time derivative, per second, of a cubic spline track at a time.
+/// Computes in `out` the time derivative, per second, of a cubic spline track.
 void sample_slope(const Track& track, double seconds, std::span<double> out);
 
 }  // namespace traces

@@ -20,7 +20,7 @@
 namespace traces::gltf {
 namespace {
 
-/// A decoder of Draco's that asks the budget at the two places where the data decide how much memory is taken.
+/// A Draco decoder that checks the budget at both places where the data determine an allocation.
 template <class Base>
 class Bounded : public Base {
  public:
@@ -28,9 +28,9 @@ class Bounded : public Base {
 
  protected:
   bool DecodeConnectivity() override {
-    constexpr std::uint64_t kFaceBytes = 128, kPointBytes = 64;  // corner table and what is made while decoding
+    constexpr std::uint64_t kFaceBytes = 128, kPointBytes = 64;  // corner table and temporaries of the decoder
     draco::DecoderBuffer ahead = *this->buffer();
-    // Edgebreaker: vertices, faces. Sequential: faces, points.
+    // Edgebreaker stores vertices, then faces; sequential coding stores faces, then points.
     std::uint32_t first = 0, second = 0;
     if (!draco::DecodeVarint(&first, &ahead) || !draco::DecodeVarint(&second, &ahead)) return false;
     constexpr bool kFacesFirst = std::is_same_v<Base, draco::MeshSequentialDecoder>;
@@ -62,7 +62,7 @@ bool decode_with(Budget& budget, const Bytes& bytes, draco::Mesh& mesh) {
   return decoder.Decode(options, &buffer, &mesh).ok();
 }
 
-/// Nothing, or what is wrong with the data.
+/// Returns the fault of the data, or null.
 const char* decode(Budget& budget, const Bytes& bytes, draco::Mesh& mesh) {
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(bytes.data), bytes.size);
@@ -76,7 +76,7 @@ const char* decode(Budget& budget, const Bytes& bytes, draco::Mesh& mesh) {
   return good ? nullptr : "damaged Draco data";
 }
 
-/// An accessor of values that are all stored; tinygltf leaves the numbers of sparse ones unset.
+/// Returns an accessor without sparse elements; tinygltf leaves the fields of sparse ones uninitialised.
 tinygltf::Accessor dense_accessor(int component_type, int type, std::size_t count) {
   tinygltf::Accessor accessor;
   accessor.sparse = {};
@@ -112,7 +112,7 @@ int add_indices(Context& context, tinygltf::Model& model, const draco::Mesh& mes
       dense_accessor(TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, TINYGLTF_TYPE_SCALAR, std::size_t{mesh.num_faces()} * 3));
 }
 
-/// Appends the value as component type T; false if T does not hold it.
+/// Appends the value as component type T; returns false if T cannot represent it.
 template <class T>
 bool append(double value, std::vector<unsigned char>& bytes) {
   if constexpr (std::is_integral_v<T>) {
@@ -145,7 +145,7 @@ bool append(double value, int component_type, bool normalised, std::vector<unsig
   }
 }
 
-/// Values in the component type that the file's accessor declares, whatever type the Draco data have.
+/// Adds an accessor with values of the component type that the file declares, whatever type the Draco data have.
 int add_attribute(Context& context, tinygltf::Model& model, const draco::PointAttribute& attribute,
                   std::uint32_t points, const tinygltf::Accessor& declared, const std::string& what) {
   const int components = attribute.num_components();

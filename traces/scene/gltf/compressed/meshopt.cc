@@ -14,7 +14,7 @@ std::string text_or(const tinygltf::Value& object, const char* key, const char* 
   return object.Has(key) && object.Get(key).IsString() ? object.Get(key).Get<std::string>() : absent;
 }
 
-/// The decoders check the data but take these for granted.
+/// Checks the preconditions that the decoders do not check. Returns the fault, or null.
 const char* fault_of(const std::string& mode, const std::string& filter, std::size_t count, std::size_t stride) {
   const bool attributes = mode == "ATTRIBUTES";
   if (!attributes && mode != "TRIANGLES" && mode != "INDICES") return "the mode is unknown";

@@ -5,8 +5,8 @@
 
 namespace traces::gltf {
 
-/// EXT_meshopt_compression and KHR_meshopt_compression: decodes every buffer view that has it into a buffer of its own.
-/// `model` is the one that `context` shows.
+/// Decodes each buffer view that uses EXT_meshopt_compression or KHR_meshopt_compression into a buffer of its own.
+/// `model` is the one that `context` refers to.
 void expand_meshopt(Context& context, tinygltf::Model& model);
 
 }  // namespace traces::gltf

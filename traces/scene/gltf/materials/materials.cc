@@ -12,7 +12,7 @@
 namespace traces::gltf {
 namespace {
 
-/// Fills one Material and learns how its textures are placed.
+/// Fills one Material and records how its textures are placed.
 class Reader {
  public:
   Reader(Context& context, Textures& textures, const tinygltf::Material& from, std::string what)
@@ -84,7 +84,7 @@ class Reader {
     out_.casts_light = false;
     out_.base_colour = glm::vec3(0);
     out_.dielectric = 0;
-    if (out_.alpha == Material::Alpha::kOpaque) out_.base_texture = {};  // else its alpha still counts
+    if (out_.alpha == Material::Alpha::kOpaque) out_.base_texture = {};  // otherwise its alpha is still used
   }
 
   void read_emission() {

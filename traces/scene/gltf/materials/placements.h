@@ -8,7 +8,7 @@
 
 namespace traces::gltf {
 
-/// How a texture finds its texel: which of the primitive's sets of coordinates, and KHR_texture_transform.
+/// Texture coordinates of a texture: the set of the primitive, and KHR_texture_transform.
 struct TexturePlacement {
   int set = 0;
   glm::vec2 offset{0}, scale{1};
@@ -17,14 +17,14 @@ struct TexturePlacement {
   friend bool operator==(const TexturePlacement&, const TexturePlacement&) = default;
 };
 
-/// Reads that of a glTF texture reference with that `texCoord` and those extensions.
+/// Reads the placement of a glTF texture reference.
 TexturePlacement read_placement(const Context& context, int set, const tinygltf::ExtensionMap& extensions);
 
 /// The placements that a material's textures use: at most two, for Mesh::uvs and Mesh::second_uvs.
 class Placements {
  public:
-  /// Whether a texture so placed is looked up with the second coordinates. A third placement is told in a warning that
-  /// names the material, and uses the first.
+  /// True if a texture with this placement uses the second coordinates. A third placement adds a warning that names the
+  /// material, and uses the first coordinates.
   bool is_second(Context& context, const TexturePlacement& placement, const std::string& material);
 
   const std::vector<TexturePlacement>& list() const { return list_; }

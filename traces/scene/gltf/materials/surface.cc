@@ -13,7 +13,7 @@ namespace {
 
 float gloss_of(float roughness) { return std::clamp((0.5F - roughness) / 0.4F, 0.0F, 1.0F); }
 
-/// Twice the reflectance at normal incidence.
+/// Returns twice the reflectance at normal incidence.
 float dielectric_share(float ior) {
   const float ratio = (ior - 1) / (ior + 1);
   return std::min(2 * ratio * ratio, 1.0F);
@@ -23,7 +23,7 @@ float unit(const Context& context, double value, const std::string& what) {
   return std::clamp(to_float(context, value, what), 0.0F, 1.0F);
 }
 
-/// A material's extension, with its factors and the means of their textures.
+/// A material's extension with its factors and the means of their textures.
 struct Extension {
   Context& context;
   Textures& textures;
@@ -33,7 +33,7 @@ struct Extension {
     const int index = object.Has(texture) ? index_or_none(object.Get(texture), "index") : -1;
     return index < 0 ? glm::vec4(1) : textures.mean(index, srgb);
   }
-  /// A factor of 0 to 1 times a channel of its texture.
+  /// Returns a factor of 0 to 1 times the mean of a channel of its texture.
   float factor(const char* name, float absent, const char* texture, int channel) const {
     const float value = std::clamp(number_or(context, object, name, absent), 0.0F, 1.0F);
     return value > 0 ? value * mean(texture, false)[channel] : 0;
@@ -41,7 +41,7 @@ struct Extension {
 };
 
 void read_volume(const Context& context, const tinygltf::Value& volume, Surface& s) {
-  constexpr float kDarkest = 1e-6F;  // the logarithm of 0 is none
+  constexpr float kDarkest = 1e-6F;  // avoids the logarithm of 0
   s.thin = !(number_or(context, volume, "thicknessFactor", 0) > 0);
   const float distance = number_or(context, volume, "attenuationDistance", 0);
   if (s.thin || !(distance > 0)) return;

@@ -16,7 +16,7 @@ namespace {
 using Path = Track::Path;
 using Interpolation = Track::Interpolation;
 
-/// The property a channel moves; nothing, with a warning, if it is none of glTF's own.
+/// Returns the property that a channel moves; none, with a warning, if it is not one of glTF's own.
 std::optional<Path> read_path(Context& context, const std::string& name, const std::string& what) {
   if (name == "translation") return Path::kTranslation;
   if (name == "rotation") return Path::kRotation;

@@ -22,7 +22,7 @@ std::string unique_name(const std::vector<Camera>& cameras, const std::string& w
 }  // namespace
 
 void add_camera(Context& context, const tinygltf::Node& node, const glm::dmat4& to_world, std::uint32_t index) {
-  constexpr std::size_t kMost = 1000;  // names are made unique by comparing each with all
+  constexpr std::size_t kMost = 1000;  // each new name is compared with all others
   if (node.camera < 0) return;
   const tinygltf::Camera& found = context.at(context.model.cameras, node.camera, "cameras");
   std::vector<Camera>& cameras = context.scene.cameras;

@@ -6,8 +6,8 @@
 
 namespace traces::gltf {
 
-/// EXT_mesh_gpu_instancing: where the node shows its mesh, in the node's space; empty where the node
-/// does not have the extension.
+/// Reads EXT_mesh_gpu_instancing: the places of the node's mesh, in the node's space; empty if the node does not use
+/// the extension.
 std::vector<Transform> read_instancing(Context& context, const tinygltf::Node& node, const std::string& what);
 
 }  // namespace traces::gltf

@@ -14,7 +14,7 @@
 namespace traces::gltf {
 namespace {
 
-/// The node as the file places it in its parent, without parent.
+/// Reads the node with its transform relative to its parent; the parent itself is not set.
 Node read_node(const Context& context, const tinygltf::Node& node, const std::string& what) {
   Node out;
   out.name = sim::printable(node.name);
@@ -45,10 +45,11 @@ bool has_focus(const tinygltf::Value& extras) {
   return focus.IsBool() && focus.Get<bool>();
 }
 
-/// Shows the primitives of the node's mesh at `to_world`, which hangs on Scene::nodes[index].
+/// Adds an instance at `to_world`, attached to Scene::nodes[index], for each primitive of the node's mesh.
 void add_instances(Context& context, Meshes& meshes, const tinygltf::Node& node, const glm::dmat4& to_world,
                    std::uint32_t index, const std::string& what) {
-  constexpr std::uint64_t kTriangleBytes = 240;  // laid out for the GPU: triangle, attributes and its share of nodes
+  constexpr std::uint64_t kTriangleBytes =
+      240;  // GPU memory of a triangle: its record, attributes and share of the nodes
   const bool may_move = node.skin >= 0 || !context.model.animations.empty();
   if (!may_move && glm::dmat3(to_world) == glm::dmat3(0)) {
     context.warn(what + " is scaled to a point and left out");
@@ -65,7 +66,7 @@ void add_instances(Context& context, Meshes& meshes, const tinygltf::Node& node,
   }
 }
 
-/// Appends to Scene::nodes.
+/// Appends to Scene::nodes; returns the index.
 std::uint32_t add_node(Context& context, Node node, std::uint32_t parent) {
   std::vector<Node>& nodes = context.scene.nodes;
   if (nodes.size() >= context.limits.nodes) {
@@ -76,7 +77,7 @@ std::uint32_t add_node(Context& context, Node node, std::uint32_t parent) {
   return static_cast<std::uint32_t>(nodes.size() - 1);
 }
 
-/// The node's mesh once, or for each transform of EXT_mesh_gpu_instancing: those become nodes of their own.
+/// Shows the node's mesh once, or once per transform of EXT_mesh_gpu_instancing; these become nodes of their own.
 void show_mesh(Context& context, Meshes& meshes, const tinygltf::Node& node, const glm::dmat4& to_world,
                std::uint32_t index, const std::string& what) {
   const std::vector<Transform> copies = read_instancing(context, node, what);

@@ -12,7 +12,7 @@
 
 namespace traces::gltf {
 
-/// Every light costs a shadow ray for each surface that is seen.
+/// Each light costs a shadow ray per visible surface.
 constexpr std::size_t kMostLights = 1024;
 
 void add_punctual_light(Context& context, const tinygltf::Node& node, const glm::dmat4& to_world, std::uint32_t index) {

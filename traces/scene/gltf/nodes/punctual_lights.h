@@ -7,7 +7,7 @@
 
 namespace traces::gltf {
 
-/// KHR_lights_punctual: adds the node's light, if it has one. `index`: of the node in Scene::nodes.
+/// Adds the node's light by KHR_lights_punctual, if it has one. `index`: of the node in Scene::nodes.
 void add_punctual_light(Context& context, const tinygltf::Node& node, const glm::dmat4& to_world, std::uint32_t index);
 
 }  // namespace traces::gltf

@@ -16,7 +16,7 @@ int find(const std::map<std::string, int>& attributes, const std::string& name) 
   return found == attributes.end() ? -1 : found->second;
 }
 
-/// The values of the vertices that the mesh is made of.
+/// Returns the values of the vertices that make up the mesh.
 template <class T>
 std::vector<T> pick(const std::vector<T>& all, const std::vector<std::uint32_t>& from) {
   std::vector<T> picked;
@@ -31,7 +31,7 @@ void check_count(const Context& context, const Mesh& mesh, std::size_t found, st
   }
 }
 
-/// Up to four joints of one vertex, the largest weights seen so far.
+/// The up to four joints of a vertex with the largest weights so far.
 struct Influences {
   std::array<std::uint16_t, 4> joints{};
   glm::vec4 weights{0};
@@ -111,7 +111,7 @@ std::vector<std::vector<glm::vec3>> read_targets(Context& context, const tinyglt
   return targets;
 }
 
-/// The inverse bind matrices; identities where the skin has none.
+/// Returns the inverse bind matrices; identities if the skin has none.
 std::vector<glm::mat4> read_inverse_bind(Context& context, const tinygltf::Skin& skin, std::size_t index) {
   if (skin.inverseBindMatrices < 0) return std::vector<glm::mat4>(skin.joints.size(), glm::mat4(1));
   std::vector<glm::mat4> matrices = read_mat4(context, skin.inverseBindMatrices, "inverse bind matrices");
