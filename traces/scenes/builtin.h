@@ -8,24 +8,24 @@
 
 namespace traces {
 
-/// A scene that the program makes itself, so that nothing needs downloading.
+/// A scene that the program generates, so that nothing must be downloaded.
 struct BuiltinInfo {
   std::string name;
   std::string description;      ///< one line
-  std::uint32_t triangles = 0;  ///< number of its class in the literature
+  std::uint32_t triangles = 0;  ///< triangles of its class in the literature
 };
 
 /// Options of a generator.
 struct BuiltinOptions {
-  std::uint32_t triangles = 0;  ///< about how many; 0: as many as its class has
+  std::uint32_t triangles = 0;  ///< approximate number; 0: that of its class
   std::uint32_t triangles_or(std::uint32_t of_class) const { return triangles == 0 ? of_class : triangles; }
 };
 
 std::vector<BuiltinInfo> builtin_scenes();
-/// InputError with the nearest name unless a scene of this name is built in.
+/// Throws InputError with the nearest name unless a scene of this name is built in.
 void check_builtin_name(std::string_view name);
 
-/// The scene of that name. InputError, with the nearest name, if there is none.
+/// Generates the scene of that name. Throws InputError with the nearest name if there is none.
 Scene build_scene(std::string_view name, const BuiltinOptions& options = {});
 
 Scene build_atrium(const BuiltinOptions& options);

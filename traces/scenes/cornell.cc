@@ -6,7 +6,7 @@
 
 namespace traces {
 
-/// The box is twice as wide as high, and the camera stands where its open front just fills a 2:1 picture.
+/// The box is twice as wide as high; the camera is where its open front just fills a 2:1 picture.
 Scene build_cornell(const BuiltinOptions& options) {
   constexpr std::uint32_t kTriangles = 10'338;  // with 16 and 18 cells
   const Detail detail = detail_for(options.triangles_or(kTriangles), kTriangles);

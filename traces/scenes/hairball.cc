@@ -20,7 +20,7 @@ constexpr std::uint32_t kTriangles = 2'880'000;
 constexpr std::uint32_t kBundles = 12, kColours = 3;
 constexpr std::uint32_t kSegments = 40;  // segments of a strand
 constexpr std::uint32_t kSides = 3;
-constexpr std::uint32_t kLock = 14;  // strands that run side by side
+constexpr std::uint32_t kLock = 14;  // parallel strands
 constexpr float kFov = 0.62F;
 constexpr glm::vec3 kMiddle{0, 1.22F, 0};
 
@@ -31,7 +31,7 @@ glm::vec3 any_direction(std::uint64_t a, std::uint64_t b) {
   return {r * round.x, y, r * round.y};
 }
 
-/// A strand wanders over the unit sphere, in and out, and gets thinner.
+/// Adds a strand that wanders over the unit sphere, in and out, and gets thinner.
 void add_strand(Mesh& mesh, std::uint64_t bundle, std::uint64_t strand, float radius) {
   const std::uint64_t lock = strand / kLock;
   glm::vec3 way = glm::normalize(any_direction(bundle * 2, lock) + 0.13F * any_direction(bundle * 2, strand + 99));
@@ -39,9 +39,9 @@ void add_strand(Mesh& mesh, std::uint64_t bundle, std::uint64_t strand, float ra
   const float depth = random_between(0.25F, 0.97F, bundle, lock, 3) + 0.05F * random(bundle, strand, 9);
   const float wave = random(bundle, lock, 4) + 0.12F * random(bundle, strand, 4);
   const float rate = random_between(0.6F, 1.7F, bundle, lock, 5);
-  const float stride = random_between(0.012F, 0.034F, bundle, lock, 6);  // turns in a step
+  const float stride = random_between(0.012F, 0.034F, bundle, lock, 6);  // turns per step
   const float loose = random(bundle, strand, 8);
-  const float flown = loose > 0.93F ? 0.3F : 0.04F;  // a few stand off
+  const float flown = loose > 0.93F ? 0.3F : 0.04F;  // a few strands project from the ball
   float bend = 0;
   glm::vec3 last = way * depth;
   const auto first = static_cast<std::uint32_t>(mesh.positions.size());
@@ -114,7 +114,7 @@ void add_lights(Scene& scene) {
 
 }  // namespace
 
-/// Twelve bundles of strands in three colours, each bundle turned another way.
+/// Twelve bundles of strands in three colours, each bundle rotated differently.
 Scene build_hairball(const BuiltinOptions& options) {
   const std::uint32_t triangles = options.triangles_or(kTriangles);
   Scene scene;
@@ -125,7 +125,7 @@ Scene build_hairball(const BuiltinOptions& options) {
   const auto room = static_cast<std::uint32_t>(triangles_of(scene));
   const std::uint32_t strands =
       std::max((std::max(triangles, room) - room + kBundles * kStrand / 2) / (kBundles * kStrand), 8U);
-  // Fewer strands are thicker, so that the ball stays as dense.
+  // Fewer strands are thicker, so that the ball remains equally dense.
   const float radius = 0.0055F * std::sqrt(std::clamp(1000 / static_cast<float>(strands), 0.3F, 16.0F));
   const glm::vec3 colours[kColours] = {{0.86F, 0.38F, 0.14F}, {0.95F, 0.70F, 0.34F}, {0.50F, 0.22F, 0.12F}};
   for (std::uint32_t colour = 0; colour < kColours; ++colour) {

@@ -8,15 +8,14 @@
 
 namespace traces {
 
-/// Is this a file, not a name? It is if it has a '/' or the extension .glb or .gltf.
+/// True if the text is a file, not a name: it contains '/' or ends with .glb or .gltf.
 bool is_scene_file(const std::string& text);
 
-/// Name that a user may give a scene. A file, or else the name of a
-/// built-in scene, or of a file NAME.glb or NAME.gltf in one of the folders of $RAYWATT_PATH (or its `scenes` folder).
-/// InputError with the nearest name if there is none.
+/// Opens a scene by the name that a user gives: a file, a built-in scene, or the name of a file NAME.glb or NAME.gltf
+/// in a folder of $RAYWATT_PATH (or its `scenes` folder). Throws InputError with the nearest name if there is none.
 Scene open_scene(const std::string& name_or_path, const BuiltinOptions& options = {}, const SceneLimits& limits = {});
 
-/// The file that open_scene() reads for that name; empty for a built-in scene and for names that are not known.
+/// Returns the file that open_scene() reads for that name; empty for a built-in scene or an unknown name.
 std::filesystem::path scene_file(const std::string& name_or_path);
 
 }  // namespace traces

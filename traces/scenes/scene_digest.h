@@ -5,7 +5,7 @@
 
 namespace traces {
 
-/// SHA-256 of everything in the scene that can change a picture.
+/// Returns the SHA-256 of everything in the scene that can change a picture.
 std::string scene_digest(const Scene& scene);
 
 }  // namespace traces

@@ -17,7 +17,7 @@
 namespace traces {
 namespace {
 
-/// The patches as one mesh, each in cells x cells, without the triangles that have no area at the poles.
+/// Makes one mesh of the patches, each in cells x cells, without the triangles at the poles that have no area.
 Mesh make_pot(std::string name, std::span<const BezierPatch> patches, std::uint32_t cells) {
   Mesh mesh;
   mesh.name = std::move(name);
@@ -43,7 +43,7 @@ Mesh make_pot(std::string name, std::span<const BezierPatch> patches, std::uint3
   return mesh;
 }
 
-/// Four squares, each with a fine grain so that neighbouring texels differ.
+/// Makes four squares with a fine grain, so that neighbouring texels differ.
 Texture make_checker() {
   constexpr std::uint32_t kSize = 256;
   Texture texture;

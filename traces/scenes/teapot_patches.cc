@@ -46,7 +46,7 @@ constexpr float kHalves[][4][4][3] = {
      {{2.8F, 0, 2.4F}, {2.8F, 0.15F, 2.4F}, {3.2F, 0.15F, 2.4F}, {3.2F, 0, 2.4F}}},
 };
 
-/// The quarter turn that follows `quarter` others; 0.56 stands for a circle's control points, as in the original table.
+/// Returns the patch of quarter turn `quarter`. The factor 0.56 approximates a circle, as in the original table.
 BezierPatch revolve(const Profile& profile, int quarter) {
   constexpr float kArc[4][2] = {{1, 0}, {1, 0.56F}, {0.56F, 1}, {0, 1}};
   BezierPatch patch;
@@ -65,7 +65,8 @@ BezierPatch revolve(const Profile& profile, int quarter) {
   return patch;
 }
 
-/// One half of handle or spout; `side` is +1 or -1. Rows run along it; columns around it so that normals point out.
+/// Returns one half of handle or spout; `side` is +1 or -1. Rows run along it; columns run round it so that normals
+/// point out.
 BezierPatch half(const float (&rows)[4][4][3], float side) {
   BezierPatch patch;
   for (std::size_t row = 0; row < 4; ++row) {

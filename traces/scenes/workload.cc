@@ -69,7 +69,7 @@ void choose_lights(Scene& scene, const LightsConfig& config) {
   scene.lights = {own};
 }
 
-/// A camera that never moves gets a node to stand on, so that posing the scene brings it back to its place.
+/// Attaches a fixed camera to a node, so that posing the scene restores its place.
 void hold_camera(Scene& scene) {
   Camera& camera = scene.cameras.front();
   if (camera.node != kNone) return;
@@ -80,7 +80,7 @@ void hold_camera(Scene& scene) {
   scene.nodes.push_back(std::move(node));
 }
 
-/// Round the vertical axis through the middle of the scene as it stands.
+/// Rotates the camera round the vertical axis through the middle of the scene in its current pose.
 void orbit(Scene& scene, double degrees) {
   const glm::dvec3 centre(world_bounds(scene).centre());
   const glm::dmat4 turn = glm::translate(glm::dmat4(1), centre) *
@@ -90,7 +90,7 @@ void orbit(Scene& scene, double degrees) {
   camera.to_world = glm::mat4(turn * glm::dmat4(camera.to_world));
 }
 
-/// Gives single-sided materials their back faces, with a warning if a mesh uses one.
+/// Makes single-sided materials double-sided, with a warning if a mesh uses one.
 void show_back_faces(Scene& scene) {
   std::vector<bool> is_used(scene.materials.size());
   for (const Mesh& mesh : scene.meshes) {

@@ -11,12 +11,12 @@
 
 namespace traces {
 
-/// Which lights shine.
+/// Selection of the scene's lights.
 enum class LightRig : std::uint8_t {
-  kScene,      ///< all that the scene has
-  kStrongest,  ///< only the one that gives the first camera's view most light
-  kPoint,      ///< a point light of one's own instead
-  kSun,        ///< a directional light of one's own instead
+  kScene,      ///< all lights of the scene
+  kStrongest,  ///< only the light that makes the first camera's view brightest
+  kPoint,      ///< a configured point light instead
+  kSun,        ///< a configured directional light instead
 };
 constexpr std::array<std::string_view, 4> names_of(LightRig) { return {"scene", "strongest", "point", "sun"}; }
 
@@ -31,8 +31,8 @@ enum class ViewSource : std::uint8_t { kScene, kOwn };
 constexpr std::array<std::string_view, 2> names_of(ViewSource) { return {"scene", "own"}; }
 
 enum class CameraPath : std::uint8_t {
-  kScene,  ///< as the scene moves it
-  kOrbit,  ///< round the middle of the scene, at its distance and height
+  kScene,  ///< as animated in the scene
+  kOrbit,  ///< round the middle of the scene, at the camera's distance and height
 };
 constexpr std::array<std::string_view, 2> names_of(CameraPath) { return {"scene", "orbit"}; }
 
@@ -81,7 +81,7 @@ struct ViewConfig {
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
-    constexpr double kFar = 1e9;  // float holds its square
+    constexpr double kFar = 1e9;  // its square is a finite float
     const sim::Limits anywhere = sim::between(-kFar, kFar);
     field(NAMED(c.source), "", "a camera of the scene, or one's own", sim::any(), Affects::kFunction);
     field(NAMED(c.position), "", "of one's own camera, in the scene's units", anywhere, Affects::kFunction);
@@ -97,8 +97,7 @@ struct ViewConfig {
   }
 };
 
-/// Scene, camera and frames of a run: the group `scene` of a run's configuration, and what a workload file is
-/// about.
+/// Scene, camera and frames of a run: the group `scene` of a run's configuration, and the content of a workload file.
 struct WorkloadConfig {
   std::string name = "cornell";
   std::uint32_t triangles = 0;
@@ -148,12 +147,11 @@ struct WorkloadConfig {
   double seconds_of(std::uint32_t frame) const { return frame / frame_rate; }
 };
 
-/// The scene with the workload's lights and sky, at the time of its first frame, and its camera moved to the front of
-/// Scene::cameras, where it is the only one. InputError, naming what there is, for a scene or camera that does not
-/// exist.
+/// Opens the scene with the workload's lights and sky, posed at its first frame. Its camera becomes the only entry of
+/// Scene::cameras. Throws InputError, listing the valid names, for an unknown scene or camera.
 Scene open_workload(const WorkloadConfig& workload, const SceneLimits& limits = {});
 
-/// Puts things where they are in that frame.
+/// Poses the scene at that frame.
 Moved pose_workload(Scene& scene, const WorkloadConfig& workload, std::uint32_t frame);
 
 }  // namespace traces

@@ -38,8 +38,8 @@ void add_cameras(Scene& scene) {
 
 }  // namespace
 
-/// A court with arcades on two storeys, of the class of Marko Dabrovic's and Crytek's atrium of Sponza. So many
-/// different parts take at least a quarter of its triangles.
+/// A court with arcades on two storeys, like Marko Dabrovic's and Crytek's atrium of Sponza. Needs at least a quarter
+/// of its class's triangles, as it has many different parts.
 Scene build_atrium(const BuiltinOptions& options) {
   constexpr std::uint32_t kClass = 66'000;
   Scene scene = build_to_size(options.triangles_or(kClass), furnish);
@@ -50,7 +50,7 @@ Scene build_atrium(const BuiltinOptions& options) {
   sun.direction = glm::normalize(glm::vec3(0.34F, -1, -0.36F));
   sun.intensity = {1.0F, 0.93F, 0.80F};
   scene.lights.push_back(sun);
-  // Light that the sunlit wall and floor throw back into the galleries.
+  // Light that the sunlit wall and floor reflect into the galleries.
   for (const float x : {-4.6F, 5.2F}) {
     Light bounce;
     bounce.position = {x, 3.2F, -0.6F};

@@ -13,7 +13,7 @@ namespace {
 
 constexpr float kOuterX = kHalfLength + kGallery, kOuterZ = kHalfWidth + kGallery;
 
-/// A strip of an arch between two points (radius, z) of its section.
+/// Makes a strip of an arch between two points (radius, z) of its section.
 Mesh make_arch_strip(const glm::vec2& from, const glm::vec2& to, std::uint32_t cells) {
   return make_surface("", cells, 1, [&](float s, float t) {
     const glm::vec2 ring = t < 0.5F ? from : to;
@@ -22,7 +22,7 @@ Mesh make_arch_strip(const glm::vec2& from, const glm::vec2& to, std::uint32_t c
   });
 }
 
-/// One bay of wall above the springing line (y = 0 here) with its round arch, its face at z = kWall / 2.
+/// Makes one bay of wall above the springing line (y = 0 here) with its round arch; its face is at z = kWall / 2.
 Mesh make_arch_wall(float width, float radius, float height, const Detail& detail) {
   const std::uint32_t cells = detail.cells(16, 4);
   constexpr float kHalf = kWall / 2;
@@ -42,7 +42,7 @@ Mesh make_arch_wall(float width, float radius, float height, const Detail& detai
     }
   }
   append(mesh, make_arch_strip({radius, kHalf}, {radius, -kHalf}, cells));
-  for (const float end : {-1.0F, 1.0F}) {  // the undersides that stand on the columns
+  for (const float end : {-1.0F, 1.0F}) {  // undersides, above the columns
     const float left = end < 0 ? -width / 2 : radius;
     append(mesh, make_quad("", {left, 0, -kHalf}, {width / 2 - radius, 0, 0}, {0, 0, kWall}, 1));
   }
@@ -50,7 +50,7 @@ Mesh make_arch_wall(float width, float radius, float height, const Detail& detai
   return mesh;
 }
 
-/// The moulding round the arch on both faces, and its keystones.
+/// Makes the moulding round the arch on both faces, and its keystones.
 Mesh make_archivolt(float radius, const Detail& detail) {
   constexpr float z = kWall / 2;
   const glm::vec2 section[] = {{radius - 0.004F, z - 0.06F}, {radius - 0.004F, z + 0.06F}, {radius + 0.1F, z + 0.06F},
@@ -71,7 +71,7 @@ Mesh make_archivolt(float radius, const Detail& detail) {
   return mesh;
 }
 
-/// A cornice along x, from -half to half, its back at z = 0.
+/// Makes a cornice along x, from -half to half, its back at z = 0.
 Mesh make_cornice(float half, std::span<const glm::vec2> outline) {
   const glm::mat4 along{{0, 0, 1, 0}, {0, 1, 0, 0}, {-1, 0, 0, 0}, {half, 0, 0, 1}};
   Mesh mesh = transformed(make_extrusion("cornice", outline, 2 * half), along);
@@ -80,7 +80,7 @@ Mesh make_cornice(float half, std::span<const glm::vec2> outline) {
 }
 
 void add_slabs(Scene& scene, std::uint32_t material, float low, float high, float rim) {
-  // Four boards round the court; `rim` stands out into it.
+  // Four boards round the court; `rim` is how far they project into it.
   const float x = kHalfLength - rim, z = kHalfWidth - rim;
   const std::array<std::array<float, 4>, 4> areas = {
       {{-kOuterX, kOuterX, -kOuterZ, -z}, {-kOuterX, kOuterX, z, kOuterZ}, {-kOuterX, -x, -z, z}, {x, kOuterX, -z, z}}};

@@ -11,7 +11,7 @@
 namespace traces::atrium {
 namespace {
 
-/// Attic base, a shaft that swells a little, a bell with two rings of leaves, an abacus; `radius` below.
+/// Makes a column: Attic base, slightly swelling shaft, bell with two rings of leaves, abacus. `radius`: at the foot.
 Mesh make_column(float height, float radius, const Detail& detail) {
   const std::uint32_t round = detail.cells(18, 6);
   const float r = radius;
@@ -46,7 +46,7 @@ Mesh make_column(float height, float radius, const Detail& detail) {
   return mesh;
 }
 
-/// At the corners, where two arcades meet.
+/// Makes a pier for the corners, where two arcades meet.
 Mesh make_pier(float height) {
   constexpr float a = 0.32F;
   Mesh mesh = make_box("pier", {-a, 0, -a}, {a, height, a});

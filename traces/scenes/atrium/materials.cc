@@ -24,7 +24,7 @@ glm::vec4 floor_slabs(float u, float v) {
   return {slab * (0.82F + 0.1F * random(3, i, j) + 0.25F * (cloud - 0.4F)), 1};
 }
 
-/// A banner: a border, a field and a star with eight points, woven.
+/// A woven banner: a border, a field and an eight-pointed star.
 glm::vec4 banner(float u, float v, const glm::vec3& ground) {
   const glm::vec3 gold(0.86F, 0.66F, 0.24F);
   const float weave =

@@ -6,19 +6,19 @@
 
 namespace traces::atrium {
 
-// The court in metres, the middle of its floor at the origin: columns stand on a rectangle of 18 x 7.2, arcades of two
-// storeys all round, galleries 3 deep behind them, the sky above.
+// The court in metres; the origin is the middle of its floor. Columns form a rectangle of 18 x 7.2, with arcades of two
+// storeys on all sides, galleries 3 deep around them, and the sky above.
 inline constexpr float kHalfLength = 9, kHalfWidth = 3.6F, kGallery = 3;
 inline constexpr int kLongBays = 6, kShortBays = 3;
 inline constexpr float kLongBay = 3.0F, kShortBay = 2.4F;
 inline constexpr float kWall = 0.5F;  ///< thickness of an arcade
 inline constexpr float kSpring = 3.0F, kUpper = 5.0F, kUpperSpring = 7.3F, kTop = 9.4F;
 
-/// Order of Scene::textures.
+/// Indices in Scene::textures.
 enum Picture : std::uint32_t { kAshlar, kBrick, kFloor, kStone, kWood, kRedBanner, kBlueBanner, kCurtain };
 void paint_pictures(Scene& scene);
 
-/// Indices of materials.
+/// Indices in Scene::materials.
 struct Materials {
   std::uint32_t ashlar, brick, floor, stone, light_stone, wood, plaster, red, blue, curtain, iron, leaf, clay, soil,
       water, glow;
@@ -34,7 +34,7 @@ void add_fountain(Scene& scene, const Materials& is, const Detail& detail);
 void add_plants(Scene& scene, const Materials& is, const Detail& detail);
 void add_lanterns(Scene& scene, const Materials& is, const Detail& detail);
 
-/// Calls visit(middle of the bay, way into the court, width) for all bays of the rectangle.
+/// Calls visit(middle of the bay, direction into the court, width) for all bays of the rectangle.
 template <class Visit>
 void for_each_bay(Visit visit) {
   for (const float side : {-1.0F, 1.0F}) {

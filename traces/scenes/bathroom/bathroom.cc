@@ -48,7 +48,8 @@ void add_light(Scene& scene, const glm::vec3& position, const glm::vec3& intensi
 
 }  // namespace
 
-/// Mirrors and chrome, a glass screen, and much that is thinner than a pixel: hose, rails, wires, bristles, tufts.
+/// A bathroom: mirrors and chrome, a glass screen, and many parts thinner than a pixel (hose, rails, wires, bristles,
+/// tufts).
 Scene build_bathroom(const BuiltinOptions& options) {
   constexpr std::uint32_t kClass = 270'000;
   Scene scene = build_to_size(options.triangles_or(kClass), furnish);
@@ -56,7 +57,7 @@ Scene build_bathroom(const BuiltinOptions& options) {
   add_cameras(scene);
   add_light(scene, {-0.3F, kHeight - 0.3F, 0.25F}, {1, 0.96F, 0.9F});
   add_light(scene, {1.0F, 2.12F, -1.12F}, {0.4F, 0.37F, 0.32F});
-  add_light(scene, {-1.0F, kHeight - 0.15F, -1.0F}, {0.4F, 0.39F, 0.37F});  // behind the shower screen
+  add_light(scene, {-1.0F, kHeight - 0.15F, -1.0F}, {0.4F, 0.39F, 0.37F});  // between shower screen and wall
   finish_scene(scene, {0.28F, 0.285F, 0.29F});
   return scene;
 }

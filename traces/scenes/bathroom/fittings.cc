@@ -15,7 +15,7 @@ Mesh make_rod(const glm::vec3& from, const glm::vec3& to, float radius, std::uin
   return make_tube("", std::array{from, to}, std::array{radius}, round);
 }
 
-/// A hose wound of metal: its radius goes in and out.
+/// Makes a metal hose whose radius alternates along the path.
 Mesh make_hose(std::span<const glm::vec3> path, const Detail& detail) {
   const std::vector<glm::vec3> curve = smoothed(path, detail.cells(60, 12));
   std::vector<float> radii;
@@ -23,7 +23,7 @@ Mesh make_hose(std::span<const glm::vec3> path, const Detail& detail) {
   return make_tube("shower hose", curve, radii, detail.cells(9, 5));
 }
 
-/// A shower head, its jets towards -y.
+/// Makes a shower head, its jets towards -y.
 Mesh make_head(const Detail& detail) {
   const glm::vec2 body[] = {{0, 0},          {0.05F, 0},      {0.055F, 0.005F}, {0.055F, 0.014F},
                             {0.035F, 0.03F}, {0.016F, 0.04F}, {0, 0.042F}};
@@ -37,7 +37,7 @@ Mesh make_head(const Detail& detail) {
   return mesh;
 }
 
-/// A basket of wires: hoops on top of each other and ribs that meet below; half length, half depth, height.
+/// Makes a wire basket of stacked hoops and of ribs that meet at the bottom. `a`: half length, `b`: half depth.
 Mesh make_basket(const Detail& detail, float a, float b, float height, std::uint32_t most_ribs, int hoops) {
   const std::uint32_t sides = detail.cells(6, 3), round = detail.cells(48, 16);
   const int ribs = static_cast<int>(std::min(detail.cells(most_ribs, most_ribs / 3), most_ribs));
@@ -77,7 +77,7 @@ void add_shower(Scene& scene, const Materials& is, const Detail& detail) {
   const glm::vec3 arm[] = {{x, 1.8F, z}, {x + 0.05F, 1.8F, z}, {x + 0.14F, 1.85F, z}, {x + 0.22F, 1.88F, z}};
   append(rail, make_tube("", smoothed(arm, detail.cells(6, 2)), std::array{0.012F}, round));
   append(rail, transformed(make_head(detail), turned({x + 0.25F, 1.85F, z}, {0, 0, 1}, 0.06)));
-  // The mixer that the hose hangs on.
+  // The mixer tap that holds the hose.
   append(rail, make_rod({x, 0.95F, z - 0.02F}, {x, 0.95F, z + 0.3F}, 0.022F, round));
   for (const float end : {-0.05F, 0.3F})
     append(rail, make_rod({x, 0.95F, z + end}, {x, 0.95F, z + end + 0.04F}, 0.028F, round));
@@ -115,7 +115,7 @@ void add_shower(Scene& scene, const Materials& is, const Detail& detail) {
 }
 
 void add_baskets(Scene& scene, const Materials& is, const Detail& detail) {
-  // Laundry on the floor before the tub's end, bottles in a caddy on the tiles, soap on the tub's rim.
+  // Laundry on the floor at the tub's end, bottles in a caddy on the tiles, soap on the tub's rim.
   const glm::mat4 laundry = placed({0.02F, 0.005F, -1.18F});
   add_object(scene, transformed(make_basket(detail, 0.19F, 0.19F, 0.42F, 52, 9), laundry), is.wire);
   Mesh rolls;

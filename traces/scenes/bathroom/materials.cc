@@ -31,7 +31,7 @@ glm::vec4 terry(float u, float v) {
   return {glm::vec3(0.93F, 0.72F, 0.60F) * loop * (0.92F + 0.12F * fractal(u, v, 8, 3, 6)), 1};
 }
 
-/// A bottle's label, round which u runs.
+/// A bottle's label; u runs round the bottle.
 glm::vec4 label(float u, float v) {
   glm::vec3 c(0.93F, 0.92F, 0.86F);
   const float x = u * 2 - std::floor(u * 2);
@@ -61,7 +61,7 @@ Materials add_materials(Scene& scene) {
     return add_material(scene, textured(name, picture, glm::vec3(1), mirror));
   };
   Material ceiling = paint("ceiling", {0.86F, 0.86F, 0.85F});
-  ceiling.emission = {0.3F, 0.295F, 0.285F};  // the light that the room throws back up
+  ceiling.emission = {0.3F, 0.295F, 0.285F};  // light that the room reflects to the ceiling
   Material bulb = lamp("bulb", {0.99F, 0.95F, 0.86F});
   ceiling.casts_light = bulb.casts_light = false;
   Materials is{};

@@ -8,25 +8,25 @@
 
 namespace traces::bathroom {
 
-// The room in metres, the middle of its floor at the origin. At -z: the bath tub (left) and the wash basin below the
+// The room in metres; the origin is the middle of its floor. At -z: the bath tub (left) and the wash basin below the
 // mirror (right); at +x: toilet and towel radiator; at +z: the door.
 inline constexpr float kHalfLength = 1.8F, kHalfWidth = 1.45F, kHeight = 2.5F;
 inline constexpr float kCounter = 0.84F;  ///< height of the wash basin's counter
 inline constexpr float kTubLeft = -1.74F, kTubHalf = 0.86F, kTubZ = -1.02F, kTubRim = 0.58F;
 
-/// Order of Scene::textures.
+/// Indices in Scene::textures.
 enum Picture : std::uint32_t { kMarble, kOak, kTerry, kStripes, kLabel };
 void paint_pictures(Scene& scene);
 
-/// Indices of materials.
+/// Indices in Scene::materials.
 struct Materials {
   std::uint32_t tile, accent, grout, floor, wall, ceiling, enamel, chrome, mirror, glass, oak, stone, white, towel,
       striped, mat, bristle, wire, bottle, blue, green, amber, rose, duck, beak, black, leaf, lamp, water;
 };
 Materials add_materials(Scene& scene);
 
-/// A vessel: rings (half length, half depth, height) smoothed and swept round, from the outside's foot over the rim to
-/// the inside's bottom; `square`: rounded rectangles, else ellipses.
+/// Makes a vessel by sweeping smoothed rings (half length, half depth, height), from the outer foot over the rim to the
+/// inner bottom. `square`: rounded rectangles instead of ellipses.
 Mesh make_vessel(std::string name, std::span<const glm::vec3> rings, bool square, std::uint32_t round,
                  std::uint32_t steps);
 

@@ -11,7 +11,7 @@
 namespace traces::bathroom {
 namespace {
 
-/// A swan-necked tap that stands at the origin, its spout towards +z.
+/// Makes a swan-necked tap at the origin, its spout towards +z.
 Mesh make_tap(const Detail& detail, float height, float reach) {
   const std::uint32_t round = detail.cells(16, 6);
   const glm::vec2 foot[] = {{0.028F, 0},     {0.028F, 0.008F}, {0.02F, 0.014F},
@@ -77,7 +77,7 @@ void add_tub(Scene& scene, const Materials& is, const Detail& detail) {
              is.chrome);
   // A glass screen on the rim, hinged at the wall.
   const float z = kTubZ + 0.36F;
-  // One sheet that bends nothing: behind two surfaces of glass, the paths' depth would not suffice for the chrome.
+  // One sheet without refraction: through two glass surfaces, paths of limited depth would not reach the chrome.
   add_object(scene, make_quad("shower screen", {-1.77F, kTubRim + 0.012F, z}, {0.82F, 0, 0}, {0, 1.4F, 0}, 1),
              is.glass);
   Mesh profile = make_box("screen profile", {-1.79F, kTubRim + 0.01F, z - 0.012F}, {-1.765F, 2.01F, z + 0.012F});
@@ -132,7 +132,7 @@ void add_basin(Scene& scene, const Materials& is, const Detail& detail) {
              is.chrome);
 }
 
-/// The mirror above the basin, and a row of bulbs above it.
+/// Adds the mirror above the basin, and a row of bulbs above it.
 void add_mirror(Scene& scene, const Materials& is, const Detail& detail) {
   const glm::mat4 wall = standing({-kHalfLength, 0, -kHalfWidth}, {0, 0, 1});
   const glm::vec2 rim[] = {{0, 0}, {0, 0.03F}, {0.02F, 0.035F}, {0.03F, 0.02F}, {0.03F, 0.018F}};
@@ -163,7 +163,7 @@ void add_toilet(Scene& scene, const Materials& is, const Detail& detail) {
       {0.15F, 0.11F, 0.3F},   {0.06F, 0.05F, 0.18F},   {0, 0, 0.17F}};
   const glm::vec3 lid[] = {{0.225F, 0.175F, 0.41F}, {0.245F, 0.188F, 0.415F}, {0.247F, 0.19F, 0.43F},
                            {0.235F, 0.18F, 0.442F}, {0.12F, 0.1F, 0.448F},    {0, 0, 0.45F}};
-  // Its length becomes x; the front is drawn out.
+  // Its length becomes x; the front is elongated.
   const auto egg = [](const glm::vec3& p) {
     return glm::vec3(p.x < 0 ? 1.15F * p.x : p.x, p.y, p.z * (1 - 0.25F * p.x / 0.25F * 0.3F));
   };

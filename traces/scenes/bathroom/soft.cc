@@ -11,8 +11,8 @@
 namespace traces::bathroom {
 namespace {
 
-/// A towel over a rail along x at the origin: `front` hangs down on the side of +z, `back` on the other, in soft waves.
-/// Its thickness is that of two sheets sewn together at the hems.
+/// Makes a towel over a rail along x at the origin, with soft waves: `front` is its length on the side of +z, `back` on
+/// the other side. It is two sheets joined at the hems.
 Mesh make_towel(const Detail& detail, float width, float front, float back, float radius, std::uint32_t seed) {
   constexpr float kThick = 0.007F, kQuarter = 1.5708F;
   const float over = 2 * kQuarter * radius, length = front + over + back;
@@ -72,7 +72,7 @@ void add_towels(Scene& scene, const Materials& is, const Detail& detail) {
       is.striped);
 }
 
-/// A mat of tufts on the floor before the tub.
+/// Adds a mat of tufts on the floor at the tub.
 void add_mat(Scene& scene, const Materials& is, const Detail& detail) {
   constexpr float kLength = 0.8F, kDepth = 0.5F, kLow = 0.012F;
   Mesh mat = make_rounded_box("bath mat", {-kLength / 2, 0.004F, -kDepth / 2}, {kLength / 2, kLow, kDepth / 2}, 0.0035F,

@@ -11,7 +11,7 @@
 namespace traces::bathroom {
 namespace {
 
-/// A bottle with shoulders and a screw cap; returns nothing but adds both.
+/// Adds a bottle with shoulders, and its screw cap.
 void add_bottle(Scene& scene, const Detail& detail, const glm::vec3& at, float radius, float height, std::uint32_t body,
                 std::uint32_t cap) {
   const std::uint32_t round = detail.cells(32, 10);
@@ -37,7 +37,7 @@ void add_bottle(Scene& scene, const Detail& detail, const glm::vec3& at, float r
              cap);
 }
 
-/// A soap dispenser with a pump.
+/// Adds a soap dispenser with a pump.
 void add_dispenser(Scene& scene, const Materials& is, const Detail& detail, const glm::vec3& at) {
   const std::uint32_t round = detail.cells(36, 12);
   const glm::vec2 body[] = {{0.034F, 0},      {0.04F, 0.006F},  {0.041F, 0.05F}, {0.041F, 0.1F},
@@ -54,7 +54,7 @@ void add_dispenser(Scene& scene, const Materials& is, const Detail& detail, cons
   add_object(scene, transformed(std::move(pump), placed(at, 0.05)), is.chrome);
 }
 
-/// Bristles on a rectangle around the origin, along +y.
+/// Makes bristles along +y on a rectangle around the origin.
 Mesh make_bristles(std::string name, float half_length, float half_width, float tall, float radius,
                    std::uint32_t columns, std::uint32_t rows) {
   Mesh mesh;
@@ -74,7 +74,7 @@ Mesh make_bristles(std::string name, float half_length, float half_width, float 
   return mesh;
 }
 
-/// A brush: an oval head that tapers into a handle along x, bristles upwards.
+/// Adds a brush: an oval head that tapers into a handle along x, bristles upwards.
 void add_brush(Scene& scene, const Materials& is, const Detail& detail, const glm::mat4& at, float size,
                std::uint32_t wood) {
   Mesh body = warped(

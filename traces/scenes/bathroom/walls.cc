@@ -11,8 +11,8 @@ namespace {
 constexpr float kTileWidth = 0.2F, kTileHeight = 0.1F, kJoint = 0.003F, kTiled = 2.1F;
 constexpr int kAccentRow = 12;
 
-/// Tiles in running bond over a wall's coordinates from `left` to `right`, cut at both ends; every row, or only the
-/// accent's.
+/// Makes tiles in running bond over a wall's coordinates from `left` to `right`, cut at both ends. `accent`: only the
+/// accent row.
 Mesh make_tiles(float left, float right, float top, bool accent, const Detail& detail) {
   const glm::vec2 rings[] = {{0, 0.002F}, {0, 0.006F}, {0.004F, 0.0085F}, {0.014F, 0.01F}};
   Mesh mesh;

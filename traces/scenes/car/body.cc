@@ -16,9 +16,9 @@ namespace traces::car {
 namespace {
 
 constexpr float kNose = 2.23F, kTail = -2.20F, kSill = 0.17F;
-constexpr float kRoll = 0.06F, kRolled = 0.09F;  // height and share of the width of the rounded shoulder
+constexpr float kRoll = 0.06F, kRolled = 0.09F;  // height, and share of the width, of the rounded shoulder
 
-/// A smooth line through (x, value) points, x growing.
+/// Interpolates (x, value) points smoothly; x ascending.
 float along(std::span<const glm::vec2> keys, float x) {
   std::size_t k = 0;
   while (k + 2 < keys.size() && x > keys[k + 1].x) ++k;
@@ -29,7 +29,7 @@ float along(std::span<const glm::vec2> keys, float x) {
   return b.y + t * (m0 + t * (3 * (c.y - b.y) - 2 * m0 - m1 + t * (2 * (b.y - c.y) + m0 + m1)));
 }
 
-/// 1 at 0, smoothly down to 0 at +-1.
+/// Returns 1 at 0, falling smoothly to 0 at +-1.
 float bump(float a) {
   const float s = std::max(1 - a * a, 0.0F);
   return s * s;
@@ -45,7 +45,7 @@ constexpr glm::vec2 kBottom[] = {{-2.20F, 0.36F}, {-2.05F, 0.29F}, {-1.75F, 0.21
 constexpr glm::vec2 kWidth[] = {{-2.20F, 0.91F}, {-1.70F, 0.925F}, {-1.31F, 0.93F}, {-0.60F, 0.90F},
                                 {0.20F, 0.885F}, {0.80F, 0.89F},   {1.30F, 0.905F}, {2.23F, 0.89F}};
 
-/// How much of the width is left towards nose and tail, which are round seen from above.
+/// Returns the share of the width at x; nose and tail are rounded in plan view.
 float rounding(float x) {
   const float front = std::clamp((x - 1.10F) / (kNose - 1.10F), 0.0F, 1.0F);
   const float rear = std::clamp((-1.25F - x) / (-1.25F - kTail), 0.0F, 1.0F);
@@ -53,7 +53,7 @@ float rounding(float x) {
   return std::sqrt(std::sqrt(std::max(1 - e2 * e2 * (front > 0 ? 1.0F : e2), 0.0F)));
 }
 
-/// Front and rear seen from the side: fullest at bumper height.
+/// Returns the x offset of front and rear in side view: largest at bumper height.
 float lean(float x, float y) {
   const float front = glm::smoothstep(1.7F, kNose, x), rear = glm::smoothstep(1.75F, -kTail, -x);
   const float low = (y - 0.42F) / 0.30F, high = (y - 0.72F) / 0.40F;
@@ -69,7 +69,8 @@ float bottom(float x) {
   return y;
 }
 
-/// Along the edge of a wheel arch in the xy plane, axle at the origin: up from the sill, round, down again; 0..1.
+/// Returns a point of a wheel arch's edge in the xy plane, axle at the origin: up from the sill, round, down; share
+/// 0..1.
 glm::vec2 arch_edge(float share) {
   constexpr float kStraight = 0.12F, kDrop = kWheel - kSill;
   if (share < kStraight) return {kArch, -kDrop * (1 - share / kStraight)};
@@ -77,9 +78,9 @@ glm::vec2 arch_edge(float share) {
   return kArch * on_circle(0.5 * static_cast<double>((share - kStraight) / (1 - 2 * kStraight)));
 }
 
-/// Where the cross sections lie: closer in the arches' ends, at nose and tail.
+/// Returns the x positions of the cross sections: denser at the ends of arches, nose and tail.
 std::vector<float> stations(const Detail& detail) {
-  constexpr float kReach = kArch - 1e-4F;  // at the very end the edge drops to the sill
+  constexpr float kReach = kArch - 1e-4F;  // beyond it, the edge drops to the sill
   std::vector<float> xs{kTail};
   const auto add = [&](float to, double at_one, bool slow_start, bool slow_end) {
     const float from = xs.back();
@@ -110,7 +111,7 @@ std::vector<float> stations(const Detail& detail) {
 float side_at(float x, float y) {
   const float u = std::clamp((y - kSill) / (along(kShoulder, x) - kSill), 0.0F, 1.0F);
   float z = along(kWidth, x) - 0.045F * (1 - u) * (1 - u) - 0.055F * u * u * u;
-  z -= 0.045F * bump((x - 0.05F) / 1.05F) * bump((u - 0.42F) / 0.36F);  // the doors are drawn in
+  z -= 0.045F * bump((x - 0.05F) / 1.05F) * bump((u - 0.42F) / 0.36F);  // the doors are recessed
   for (const float axle : {kFrontAxle, kRearAxle}) {
     const float away = std::sqrt((x - axle) * (x - axle) + (y - kWheel) * (y - kWheel));
     z += 0.030F * (1 - glm::smoothstep(kArch, kArch + 0.17F, away));
@@ -133,7 +134,7 @@ Mesh make_shell(const Detail& detail) {
       y = glm::mix(bottom(x), shoulder, share);
       z = side_at(x, y);
     } else {
-      // A third of the rows for the rounded shoulder.
+      // A third of the rows belongs to the rounded shoulder.
       const std::uint32_t rolling = top / 3;
       const float share = k - side <= rolling ? kRolled * static_cast<float>(k - side) / static_cast<float>(rolling)
                                               : kRolled + (1 - kRolled) * static_cast<float>(k - side - rolling) /
@@ -141,7 +142,7 @@ Mesh make_shell(const Detail& detail) {
       const float out = 1 - share, past = std::max((out - 1 + kRolled) / kRolled, 0.0F);
       z = side_at(x, shoulder) * out;
       y = shoulder + kRoll * (1 - past * past) + (along(kMiddle, x) - along(kShoulder, x)) * (1 - out * out);
-      // Fenders stand higher than the bonnet, which has a rib on each side.
+      // Fenders are higher than the bonnet, which has a rib on each side.
       const float fenders = 0.050F * bump((x - kFrontAxle - 0.05F) / 0.75F) + 0.030F * bump((x - kRearAxle) / 0.7F);
       y += fenders * bump((z - 0.68F) / 0.24F) * rounding(x);
       y += 0.014F * bump((x - 1.35F) / 0.75F) * bump((z - 0.36F) / 0.09F);
@@ -157,7 +158,7 @@ Mesh make_cabin(const Detail& detail) {
   static constexpr glm::vec2 kHalf[] = {{-2.02F, 0.40F}, {-1.75F, 0.53F}, {-1.3F, 0.68F}, {-0.8F, 0.765F},
                                         {-0.2F, 0.79F},  {0.35F, 0.77F},  {0.80F, 0.70F}, {1.10F, 0.60F}};
   constexpr float kFoot = 0.78F, kFrom = -2.02F, kTo = 1.10F;
-  const auto power = [](float c) { return std::sqrt(c * std::sqrt(c)); };  // c to the 3/4: a fuller ellipse
+  const auto power = [](float c) { return std::sqrt(c * std::sqrt(c)); };  // c to the power 3/4: a fuller ellipse
   return make_surface("cabin", 2 * detail.cells(20, 6), detail.cells(50, 12), [&](float s, float t) {
     const float x = kFrom + (kTo - kFrom) * t;
     const glm::vec2 q = on_circle(0.5 - 0.5 * static_cast<double>(s));

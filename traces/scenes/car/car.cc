@@ -20,13 +20,13 @@ namespace {
 
 constexpr float kSeconds = 6, kWay = 7;
 
-/// How far the car has come: from rest to rest.
+/// Returns the distance driven at a time; the car starts and ends at rest.
 float driven(float seconds) {
   const float t = seconds / kSeconds;
   return kWay * t * t * t * (10 - 15 * t + 6 * t * t);
 }
 
-/// Hangs a mesh on a node; its instance stands where the node is at the start.
+/// Attaches a mesh to a node and shows it at the node's rest position.
 void add_part(Scene& scene, Mesh mesh, std::uint32_t material, std::uint32_t node) {
   hang(scene, add_instance(scene, add_mesh(scene, std::move(mesh), material)), node);
 }
@@ -77,7 +77,7 @@ std::uint64_t triangles_of_car(const Detail& detail) {
 
 }  // namespace
 
-/// A coupe that drives through a hall: one large glossy thing full of smooth curves.
+/// A coupe that drives through a hall: one large glossy object of smooth curves.
 Scene build_car(const BuiltinOptions& options) {
   constexpr std::uint32_t kClass = 55'000;
   Scene scene;

@@ -21,7 +21,7 @@ glm::vec2 on_line(const std::vector<glm::vec2>& line, float t) {
   return line[k] + (at - static_cast<float>(k)) * (line[k + 1] - line[k]);
 }
 
-/// Coordinates of space that a patch's x and y become, and the one along which it is thrown, with its sign.
+/// World axes of a patch's x and y, and the axis of projection with its sign.
 struct Throw {
   int x, y, along;
   float sign;
@@ -90,7 +90,7 @@ Mesh draped(const Mesh& body, const Mesh& patch, From from, float lift) {
       const float v = (aq.x * ac.y - aq.y * ac.x) / area, w = (ab.x * aq.y - ab.y * aq.x) / area;
       if (v < 0 || w < 0 || v + w > 1) continue;
       const glm::vec3 point = p[0] + v * (p[1] - p[0]) + w * (p[2] - p[0]);
-      const float height = -to.sign * point[to.along];  // the highest is met first
+      const float height = -to.sign * point[to.along];  // the nearest surface is hit first
       if (is_hit[k] != 0 && height <= best[k]) continue;
       is_hit[k] = 1;
       best[k] = height;

@@ -6,15 +6,15 @@
 
 namespace traces::car {
 
-/// A patch between two lines in the plane, smoothed, in columns x rows cells; z = 0. Lines run side by side; the front
-/// is where first and second line lie as x axis and y axis do.
+/// Makes a patch of columns x rows cells between two smoothed lines in the plane z = 0. The lines run in the same
+/// direction; the patch faces +z if the second is to the left of the first.
 Mesh make_patch(std::span<const glm::vec2> first, std::span<const glm::vec2> second, std::uint32_t columns,
                 std::uint32_t rows);
 
-/// A strip of that width along a line in the plane.
+/// Makes a strip of that width along a line in the plane.
 Mesh make_strip(std::span<const glm::vec2> line, float width, std::uint32_t columns);
 
-/// Which way a patch is thrown; its plane's axes seen in the direction of the throw.
+/// Direction in which a patch is projected, and its plane's axes.
 enum class From : std::uint8_t {
   kFront,  ///< along -x: (z, y)
   kRear,   ///< along +x: (z, y)
@@ -23,7 +23,7 @@ enum class From : std::uint8_t {
   kAbove   ///< along -y: (x, z)
 };
 
-/// The patch thrown onto a body, `lift` above its surface and with its normals; what misses is left out.
+/// Projects the patch onto a body, `lift` above its surface and with its normals; parts that miss are left out.
 Mesh draped(const Mesh& body, const Mesh& patch, From from, float lift);
 
 }  // namespace traces::car

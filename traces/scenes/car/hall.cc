@@ -89,7 +89,7 @@ void add_hall(Scene& scene, const Detail& detail) {
     }
     add_instance(scene, beam, placed({at, 0, 0}));
   }
-  // Strips under the ceiling; those in the middle light the hall, the others only glow.
+  // Strips under the ceiling; the middle ones light the hall, the others only glow.
   for (int k = 0; k < 3; ++k) {
     const float at = -8 + 8 * static_cast<float>(k);
     for (const float side : {-2.6F, 2.6F}) {

@@ -4,7 +4,7 @@
 
 namespace traces::car {
 
-/// A long hall of concrete with a painted floor, lights in the ceiling and glowing columns along the walls.
+/// Adds a long hall of concrete with a painted floor, lights in the ceiling and glowing columns along the walls.
 void add_hall(Scene& scene, const Detail& detail);
 
 }  // namespace traces::car

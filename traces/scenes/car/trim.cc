@@ -19,7 +19,7 @@ using Line = std::vector<glm::vec2>;
 
 enum class Stuff : std::uint8_t { kGlass, kLens, kLed, kTailLight, kBlack, kGap, kChrome, kPlate, kCount };
 
-/// Something thin that lies on the body.
+/// A thin part on the surface of the body.
 struct Sheet {
   Stuff stuff;
   From from;
@@ -89,7 +89,7 @@ class SheetMaker {
           0.0025F);
   }
 
-  /// Front and rear.
+  /// Adds the parts of front and rear.
   void add_ends() {
     // Face: grille, side intakes, headlights with a bright line.
     patch(Stuff::kBlack, From::kFront, false, {{-0.44F, 0.235F}, {0, 0.225F}, {0.44F, 0.235F}},
@@ -131,7 +131,7 @@ Mesh make_mirror(float side, const Detail& detail) {
       "", 2 * cells, cells,
       [&](float s, float t) {
         const glm::vec2 round = on_circle(static_cast<double>(s)), up = on_circle(0.25 - 0.5 * static_cast<double>(t));
-        // Blunt at the back, where the glass is, long and round in front.
+        // Blunt at the rear, where the glass is; long and round in front.
         const float x = -up.y < 0 ? 0.10F * up.y : 0.03F * up.y;
         return glm::vec3(x, 0.062F * up.x * round.x, -0.105F * up.x * round.y);
       },

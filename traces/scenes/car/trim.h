@@ -6,12 +6,12 @@
 
 namespace traces::car {
 
-/// Adds the parts on the body: windows, lights, grilles, gaps, mirrors, handles, number plates, exhausts; hung on the
-/// node.
+/// Adds the parts on the body, attached to the node: windows, lights, grilles, gaps, mirrors, handles, number plates,
+/// exhausts.
 void add_trim(Scene& scene, const Mesh& shell, const Mesh& cabin, std::uint32_t node, std::uint32_t lacquer,
               const Detail& detail);
 
-/// About how many triangles that adds.
+/// Returns the approximate number of triangles that add_trim() adds.
 std::uint64_t triangles_of_trim(const Detail& detail);
 
 }  // namespace traces::car

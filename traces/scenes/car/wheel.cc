@@ -12,7 +12,7 @@
 namespace traces::car {
 namespace {
 
-/// From standing about the y axis.
+/// Turns a mesh from the y axis to the z axis.
 Mesh laid(Mesh mesh) {
   return transformed(std::move(mesh), glm::mat4(glm::vec4(1, 0, 0, 0), glm::vec4(0, 0, 1, 0), glm::vec4(0, -1, 0, 0),
                                                 glm::vec4(0, 0, 0, 1)));

@@ -4,13 +4,13 @@
 
 namespace traces::car {
 
-// About the z axis, the outer side towards +z.
+// Wheels rotate about z; the outer side faces +z.
 
 Mesh make_tyre(const Detail& detail);
-/// Rim with five pairs of spokes.
+/// Makes a rim with five pairs of spokes.
 Mesh make_rim(const Detail& detail);
 Mesh make_brake_disc(const Detail& detail);
-/// Does not turn with the wheel.
+/// Makes the brake caliper, which does not rotate with the wheel.
 Mesh make_caliper(const Detail& detail);
 
 }  // namespace traces::car

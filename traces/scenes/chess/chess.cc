@@ -19,14 +19,14 @@ namespace {
 
 using chess::Piece;
 
-/// Where a piece of that kind stands, in the order of pieces: "g1".
+/// A kind of piece and its squares in the order of pieces: "g1".
 struct Placement {
   Piece piece;
   bool white;
   std::string_view squares;
 };
 
-// Legal's mate after the fourth move: 5. Nxe5 Bxd1 is what the animation plays.
+// Legal's mate after the fourth move; the animation plays 5. Nxe5 Bxd1.
 constexpr Placement kPosition[] = {
     {Piece::kPawn, true, "a2b2c2d2e4f2g2h2"},
     {Piece::kRook, true, "a1h1"},
@@ -42,7 +42,7 @@ constexpr Placement kPosition[] = {
     {Piece::kKing, false, "e8"},
 };
 
-/// White sits at +z.
+/// Returns the middle of a square; White sits at +z.
 glm::vec3 square(std::string_view name) {
   return {static_cast<float>(name[0] - 'a') - 3.5F, 0, 3.5F - static_cast<float>(name[1] - '1')};
 }
@@ -54,7 +54,8 @@ struct Move {
   float height;  ///< height of the arc
 };
 
-/// Moves: the pawn on e5 leaves, a knight takes its place, the queen on d1 leaves, a bishop takes hers.
+/// Returns the moves: the pawn on e5 leaves, a knight takes its place, the queen on d1 leaves, a bishop takes her
+/// place.
 std::array<Move, 4> moves() {
   const float table = chess::kTableTop;
   return {{{"e5", {5.75F, table, -1.2F}, 0.4F, 1.9F, 2.2F},
@@ -63,7 +64,7 @@ std::array<Move, 4> moves() {
            {"g4", square("d1"), 3.7F, 5.5F, 2.0F}}};
 }
 
-/// Lift, carry, set down.
+/// Animates a move: lift, carry, set down.
 void animate(Scene& scene, std::uint32_t node, const Move& move) {
   constexpr int kSamples = 24;
   const glm::vec3 from = square(move.from);

@@ -12,7 +12,7 @@
 namespace traces::chess {
 namespace {
 
-/// A cut through neck or head: its ends in the plane of symmetry (forward, up) and half its width.
+/// A section of neck or head: its ends in the plane of symmetry (forward, up) and half its width.
 struct Cut {
   glm::vec2 back, front;
   float half_width;
@@ -31,7 +31,7 @@ constexpr Cut kCuts[] = {
 };
 
 Mesh make_head(const Detail& detail) {
-  std::vector<glm::vec3> backs, fronts;  // z holds half the width
+  std::vector<glm::vec3> backs, fronts;  // z is half the width
   for (const Cut& cut : kCuts) {
     backs.emplace_back(cut.back, cut.half_width);
     fronts.emplace_back(cut.front, cut.half_width);
@@ -47,14 +47,14 @@ Mesh make_head(const Detail& detail) {
         const glm::vec2 round = on_circle(static_cast<double>(s));
         const glm::vec2 middle = 0.5F * glm::vec2(backs[k] + fronts[k]);
         const glm::vec2 p = middle + 0.5F * glm::vec2(fronts[k] - backs[k]) * round.x;
-        // Fuller than an ellipse behind, where the jowls are, and leaner towards the throat.
+        // Wider than an ellipse at the jowls, narrower towards the throat.
         const float half_width = backs[k].z * (1 - 0.12F * round.x);
         return glm::vec3(-half_width * round.y, p.y, -p.x);
       },
       true);
 }
 
-/// Locks along the crest, thin and serrated.
+/// Makes the locks along the crest, thin and serrated.
 Mesh make_mane() {
   const glm::vec2 crest[] = {{-0.240F, 0.42F}, {-0.270F, 0.55F}, {-0.255F, 0.70F}, {-0.205F, 0.84F},
                              {-0.125F, 0.96F}, {-0.030F, 1.03F}, {0.060F, 1.03F}};

@@ -13,7 +13,7 @@
 namespace traces::chess {
 namespace {
 
-/// The foot that all pieces share: a heavy ring and a step.
+/// Makes the foot of all pieces: a heavy ring and a step.
 Outline foot(float radius) {
   return Outline({0, 0})
       .line(radius - 0.02F, 0)
@@ -23,7 +23,7 @@ Outline foot(float radius) {
       .line(radius - 0.115F, 0.21F);
 }
 
-/// A ring round the neck.
+/// Adds a ring round the neck.
 Outline& collar(Outline& outline, float radius, float height, float thickness) {
   return outline.line(radius - 0.02F, height)
       .arc(radius - 0.02F, height + thickness, 0.6F * thickness)
@@ -42,7 +42,7 @@ Mesh make_pawn(const Detail& detail) {
   return turned(o, detail, 20);
 }
 
-/// Six battlements: sectors of a ring.
+/// Adds six battlements: sectors of a ring.
 void add_battlements(Mesh& rook, const Detail& detail) {
   const std::uint32_t steps = detail.cells(4, 2);
   for (int k = 0; k < 6; ++k) {
@@ -73,7 +73,7 @@ Mesh make_rook(const Detail& detail) {
   return rook;
 }
 
-/// A mitre with its slit: the rows lean forward round the slit, which fades out at the back.
+/// Makes a mitre with its slit: rows near the slit lean forward, and the slit ends at the back.
 Mesh make_mitre(const Detail& detail) {
   constexpr float kLow = 0.86F, kHeight = 0.36F;
   const auto radius = [](float share) {  // 0 at the neck, 1 at the tip
@@ -114,7 +114,7 @@ Mesh make_bishop(const Detail& detail) {
   return bishop;
 }
 
-/// Body of queen and king up to the crown, which begins at radius 0.14.
+/// Makes the body of queen and king up to the crown, which begins at radius 0.14.
 Outline royal_body(float radius, float neck) {
   Outline o = foot(radius);
   o.line(radius - 0.10F, 0.25F).arc(0.125F, neck, -0.075F);
@@ -129,7 +129,7 @@ Mesh make_queen(const Detail& detail) {
   Outline o = royal_body(0.36F, kNeck);
   o.line(0, kNeck + 0.16F);
   Mesh queen = turned(o, detail, 26);
-  // The coronet: a flaring cup with nine points, and a dome with a ball within.
+  // The coronet: a flaring cup with nine points, and a dome with a ball inside.
   constexpr int kPoints = 9;
   Outline cup({0.13F, kNeck + 0.15F});
   cup.arc(0.235F, kNeck + 0.38F, -0.02F);

@@ -18,7 +18,7 @@ std::uint32_t add_texture(Scene& scene, Texture texture) {
   return static_cast<std::uint32_t>(scene.textures.size() - 1);
 }
 
-/// Every square is cut from another part of the plank.
+/// Makes the light or dark squares; each shows another part of the plank.
 Mesh make_squares(bool light) {
   Mesh squares;
   for (int file = 0; file < 8; ++file) {
@@ -36,7 +36,7 @@ Mesh make_squares(bool light) {
   return squares;
 }
 
-/// Four boards with mitred corners, rounded outside, round the squares.
+/// Makes four boards with mitred corners, rounded outside, round the squares.
 Mesh make_frame() {
   constexpr float kInner = 4, kOuter = 4.75F;
   const glm::vec2 shape[] = {{kInner, -0.02F},        {kInner, 0.03F},          {kInner + 0.08F, 0.05F},
@@ -68,7 +68,7 @@ Mesh make_frame() {
 
 void add_clock(Scene& scene, const Detail& detail, std::uint32_t wood, std::uint32_t brass, std::uint32_t ivory,
                std::uint32_t black) {
-  // In its own space it looks along +z.
+  // In its own space the clock faces +z.
   const glm::mat4 at = placed({-6.9F, kTableTop, -0.6F}, 0.19);
   const auto part = [&](Mesh mesh, std::uint32_t material) {
     add_instance(scene, add_mesh(scene, std::move(mesh), material), at);
@@ -106,7 +106,7 @@ void add_clock(Scene& scene, const Detail& detail, std::uint32_t wood, std::uint
   part(std::move(buttons), brass);
 }
 
-/// Six bright panes that light the room, in the wall on the left.
+/// Adds six bright panes, which light the room, in the wall on the left.
 void add_window(Scene& scene, std::uint32_t frame_paint) {
   const std::uint32_t sky = add_material(scene, lamp("daylight", {14, 14.5F, 15.5F}));
   Mesh panes;

@@ -39,7 +39,7 @@ void add_cameras(Scene& scene) {
 
 }  // namespace
 
-/// In the spirit of Anat Grynberg's and Greg Ward's conference room: much diffuse furniture under a lit ceiling.
+/// A room like Anat Grynberg's and Greg Ward's conference room: much diffuse furniture under a lit ceiling.
 Scene build_conference(const BuiltinOptions& options) {
   constexpr std::uint32_t kClass = 190'000;
   Scene scene = build_to_size(options.triangles_or(kClass), furnish);

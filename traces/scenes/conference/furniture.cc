@@ -13,7 +13,7 @@ namespace {
 
 constexpr float kHalfTable = 2.75F, kHalfDepth = 0.82F;
 
-/// A slab with a rounded outline: from `rings` (inset, height) outside in, from below to above.
+/// Makes a slab with a rounded outline from `rings` (inset, height), outside in, bottom to top.
 Mesh make_slab(std::string name, float a, float b, std::span<const glm::vec2> rings, std::uint32_t round) {
   const auto last = static_cast<std::uint32_t>(rings.size() - 1);
   return make_surface(
@@ -26,7 +26,7 @@ Mesh make_slab(std::string name, float a, float b, std::span<const glm::vec2> ri
       true);
 }
 
-/// The flat face inside that outline, `up` or down.
+/// Makes the flat face inside that outline, facing up or down.
 Mesh make_face(std::string name, float a, float b, float y, bool up, std::uint32_t round, std::uint32_t rows) {
   Mesh mesh = make_surface(
       std::move(name), round, rows,
@@ -52,7 +52,8 @@ Mesh make_castor(const Detail& detail) {
   return mesh;
 }
 
-/// All that is hard: five-star base, castors, gas lift, armrests, the shell of the back. The chair looks towards +z.
+/// Makes the hard parts of a chair: five-star base, castors, gas lift, armrests, the shell of the back. The chair faces
+/// +z.
 Mesh make_chair_frame(const Detail& detail) {
   const std::uint32_t round = detail.cells(10, 4);
   Mesh mesh;
@@ -80,7 +81,7 @@ Mesh make_chair_frame(const Detail& detail) {
   return mesh;
 }
 
-/// Seat and back, both slightly hollow.
+/// Makes seat and back, both slightly concave.
 Mesh make_upholstery(const Detail& detail) {
   const std::uint32_t steps = detail.cells(4), cells = detail.cells(10);
   Mesh mesh = warped(make_cushion("upholstery", {-0.25F, 0.43F, -0.24F}, {0.25F, 0.51F, 0.26F}, 0.038F, steps, cells),
@@ -144,7 +145,7 @@ void add_chairs(Scene& scene, const Materials& is, const Detail& detail) {
     add_chair(x, -1.06F, 0);
     if (k != 2) add_chair(x, 1.06F, 0.5);
   }
-  add_chair(-0.28F, 1.5F, 0.36);  // somebody has just left
+  add_chair(-0.28F, 1.5F, 0.36);  // pushed back from the table
   add_chair(-3.0F, 0, 0.25);
   add_chair(3.0F, 0, 0.75);
 }

@@ -42,7 +42,7 @@ glm::vec4 chart(float u, float v) {
   return {c, 1};
 }
 
-/// Ridges behind each other, paler with distance.
+/// Rows of hills, paler with distance.
 glm::vec4 hills(float u, float v) {
   glm::vec3 c = glm::mix(glm::vec3(0.95F, 0.75F, 0.5F), glm::vec3(0.35F, 0.55F, 0.8F), std::max(0.0F, 1 - 1.6F * v));
   for (std::uint32_t k = 0; k < 5; ++k) {
@@ -82,7 +82,7 @@ glm::vec4 shapes(float u, float v) {
   return {inks[static_cast<std::uint64_t>(random(3, i, j) * 7)] * (0.95F + 0.05F * fractal(u, v, 64, 2, 4)), 1};
 }
 
-/// A window with text, as a laptop shows it.
+/// A laptop's screen with a window of text.
 glm::vec4 page(float u, float v) {
   glm::vec3 c(0.93F, 0.95F, 0.97F);
   if (v < 0.08F) c = {0.2F, 0.32F, 0.5F};
@@ -120,7 +120,7 @@ Materials add_materials(Scene& scene) {
     return add_material(scene, paint(name, colour, mirror));
   };
   Material ceiling = paint("ceiling board", {0.86F, 0.85F, 0.82F});
-  ceiling.emission = {0.33F, 0.32F, 0.30F};  // the light that the room throws back up
+  ceiling.emission = {0.33F, 0.32F, 0.30F};  // light that the room reflects to the ceiling
   Material panel = lamp("lamp panel", glm::vec3(0.98F, 0.96F, 0.9F));
   Material screen = textured("projection", kChart, glm::vec3(0.25F));
   screen.emission = glm::vec3(0.42F);

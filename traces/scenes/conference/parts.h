@@ -6,16 +6,16 @@
 
 namespace traces::conference {
 
-// The room in metres: 9.2 x 6.4 x 2.9, the middle of its floor at the origin; the windows at +z, the screen at +x, the
-// door at -x.
+// The room in metres: 9.2 x 6.4 x 2.9, the origin in the middle of its floor. The windows are at +z, the screen at +x,
+// the door at -x.
 inline constexpr float kHalfLength = 4.6F, kHalfWidth = 3.2F, kHeight = 2.9F;
 inline constexpr float kTableHeight = 0.74F;
 
-/// Order of Scene::textures.
+/// Indices in Scene::textures.
 enum Picture : std::uint32_t { kCarpet, kWood, kTableWood, kFabric, kChart, kHills, kSea, kShapes, kKeys, kPictures };
 void paint_pictures(Scene& scene);
 
-/// Indices of materials.
+/// Indices in Scene::materials.
 struct Materials {
   std::uint32_t carpet, wall, ceiling, ceiling_grid, lamp, wood, table_wood, white, dark, steel, fabric, chart, screen,
       hills, sea, shapes, slats, leaf, terracotta, soil, paper, red, blue, china, keys, glow, brass;

@@ -15,7 +15,7 @@ constexpr float kPanelling = 1.02F;  // height
 constexpr glm::vec2 kField[] = {{0, 0},         {0, 0.022F},      {0.085F, 0.022F},
                                 {0.1F, 0.008F}, {0.115F, 0.008F}, {0.16F, 0.02F}};
 
-/// Wainscot from left to right of a wall's coordinates: raised fields, a base board and a rail on top.
+/// Makes a wainscot of that width in a wall's coordinates: raised fields, a base board and a rail on top.
 Mesh make_panelling(float width, const Detail& detail) {
   Mesh mesh;
   mesh.name = "panelling";
@@ -27,7 +27,7 @@ Mesh make_panelling(float width, const Detail& detail) {
   }
   const glm::vec2 base[] = {{0, 0}, {0.03F, 0}, {0.03F, 0.1F}, {0.024F, 0.12F}, {0, 0.12F}};
   const glm::vec2 rail[] = {{0, 0}, {0.025F, 0}, {0.03F, 0.01F}, {0.045F, 0.035F}, {0.045F, 0.05F}, {0, 0.05F}};
-  // The outlines' x becomes the way out of the wall, their z the way along it.
+  // The outlines' x becomes the direction out of the wall, their z the direction along it.
   const glm::mat4 along{{0, 0, 1, 0}, {0, 1, 0, 0}, {-1, 0, 0, 0}, {width, 0, 0, 1}};
   append(mesh, transformed(make_extrusion("", base, width), along));
   append(mesh, transformed(transformed(make_extrusion("", rail, width), along), placed({0, kPanelling - 0.05F, 0})));
@@ -70,7 +70,7 @@ void add_door(Scene& scene, const Materials& is, const Detail& detail) {
   add_object(scene, transformed(std::move(handle), wall), is.brass);
 }
 
-/// One wall above the panelling.
+/// Adds one wall above the panelling.
 void add_wall(Scene& scene, const Materials& is, const Detail& detail, const glm::vec3& origin,
               const glm::vec3& outward, float width, float height) {
   const Mesh wall = make_quad("wall", glm::vec3(0), {width, 0, 0}, {0, height, 0}, detail.cells(12));
@@ -95,7 +95,7 @@ void add_room(Scene& scene, const Materials& is, const Detail& detail) {
   add_door(scene, is, detail);
 }
 
-/// A cornice all round.
+/// Adds a cornice along all walls.
 void add_cornice(Scene& scene, const Materials& is) {
   const glm::vec2 outline[] = {{0, 0}, {0.02F, 0}, {0.03F, 0.03F}, {0.06F, 0.045F}, {0.09F, 0.09F}, {0, 0.09F}};
   Mesh cornice;
@@ -161,7 +161,7 @@ void add_ceiling(Scene& scene, const Materials& is, const Detail& detail) {
   add_cornice(scene, is);
 }
 
-/// Three windows in the wall at +z, with curved slats before them.
+/// Adds three windows in the wall at +z, with curved slats before them.
 void add_windows(Scene& scene, const Materials& is, const Detail& detail) {
   constexpr float kLow = 1.05F, kHigh = 2.5F, kWide = 2.3F, kLeft[] = {0.6F, 3.45F, 6.3F};
   const glm::mat4 wall = standing({kHalfLength, 0, kHalfWidth}, {0, 0, -1});

@@ -67,7 +67,7 @@ Mesh make_cup(const Detail& detail) {
   return mesh;
 }
 
-/// A conference telephone: three arms with loudspeakers.
+/// Makes a conference telephone: three arms with loudspeakers.
 Mesh make_telephone(const Detail& detail) {
   return make_surface(
       "telephone", detail.cells(48, 18), 4,

@@ -12,11 +12,11 @@ namespace traces::forest {
 
 inline constexpr std::uint32_t kTriangles = 174'000;
 
-/// Height of the ground: uneven, but flat in the clearing.
+/// Returns the height of the ground: uneven, but flat in the clearing.
 float ground(float x, float z);
 inline glm::vec3 on_ground(float x, float z, float above = 0) { return {x, ground(x, z) + above, z}; }
 
-/// The generator's state: the scene and how fine it is made.
+/// The generator's state: the scene and its detail.
 class Forest {
  public:
   Forest(Scene& scene, std::uint32_t triangles)
@@ -31,7 +31,7 @@ class Forest {
     return std::max(static_cast<std::uint32_t>(n * detail_ + 0.5F), least);
   }
 
-  /// So many of them; fewer in a coarse scene.
+  /// Returns a number of objects: n, or fewer in a scene of few triangles.
   std::uint32_t few(float n) const { return static_cast<std::uint32_t>(n * std::min(detail_, 1.0F) + 0.5F); }
 
   std::uint32_t material(Texture texture, float mirror = 0);
@@ -39,16 +39,16 @@ class Forest {
   void show(const Pieces& pieces, const glm::mat4& at, bool focus);
 
   void add_floor();
-  /// Deeper forest, as a picture all round.
+  /// Adds a panorama of deeper forest on all sides.
   void add_backdrop();
   void add_trees();
   void add_focus();
   void add_stones_and_logs();
   void add_ferns();
   void add_mushrooms();
-  /// Leaves above and below make up the number of triangles.
+  /// Adds undergrowth, bushes and canopy up to the wanted number of triangles.
   void fill();
-  // The parameter is the number of triangles that are left.
+  // `left`: remaining triangles.
   void add_undergrowth(float left);
   void add_bushes(float left);
   void add_canopy();

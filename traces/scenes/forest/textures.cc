@@ -18,7 +18,7 @@ std::uint32_t packed(const glm::vec3& c) {
   return byte(c.x) | (byte(c.y) << 8) | (byte(c.z) << 16) | 0xff000000U;
 }
 
-/// Distance to the nearest middle of a jittered grid that repeats, in cells; v cells are as long as u cells.
+/// Returns the distance, in cells, to the nearest point of a repeating jittered grid; v cells are as long as u cells.
 float spots(float u, float v, std::uint32_t columns, std::uint32_t rows, std::uint32_t seed, float& size) {
   const glm::vec2 p(u * static_cast<float>(columns), v * static_cast<float>(rows));
   const glm::vec2 cell = glm::floor(p);

@@ -21,7 +21,7 @@ struct Joint {
   float radius;
 };
 
-/// A smooth limb through joints.
+/// Makes a smooth limb through joints.
 Mesh make_limb(std::span<const Joint> joints, std::uint32_t steps, std::uint32_t sides) {
   std::vector<glm::vec3> path, radii;
   for (const Joint& j : joints) {
@@ -92,7 +92,7 @@ Pieces make_mushroom(float height, float bell, std::uint32_t round, std::uint32_
   };
   Mesh stalk = lathe(foot, steps);
   append(stalk, lathe(skirt, std::max(steps / 2, 1U)));
-  // The underside is seen from below: its profile runs inwards to outwards.
+  // The underside faces down: its profile runs from the inside outwards.
   Pieces pieces;
   pieces.emplace_back(std::move(stalk), stem);
   pieces.emplace_back(lathe(under, std::max(steps / 2, 1U)), gills);

@@ -56,7 +56,7 @@ struct Spot {
   float x, z, size;
 };
 
-/// Some near trees, then others about the clearing until there are `wanted`.
+/// Returns the places of some near trees, then of others round the clearing, `wanted` in all.
 std::vector<Spot> tree_spots(std::size_t wanted) {
   std::vector<Spot> spots = {{0, -4.3F, 1.2F, 1.15F}, {1, 4.5F, 0.2F, 1.1F},  {2, 3.1F, -3.6F, 1},
                              {1, -2.9F, -4.6F, 1},    {0, 1.3F, -7.0F, 1.1F}, {2, -5.3F, -2.6F, 1.1F}};
@@ -65,7 +65,7 @@ std::vector<Spot> tree_spots(std::size_t wanted) {
     const float r = random_between(6, 26, 42, k);
     const glm::vec2 p = way * r;
     const bool crowded = std::ranges::any_of(spots, [&](const Spot& o) { return glm::distance(p, {o.x, o.z}) < 2.6F; });
-    // The camera's lane stays free.
+    // The camera's lane must remain free.
     if (crowded || (p.y > 0 && std::abs(p.x) < 3.6F)) continue;
     spots.push_back(
         {static_cast<std::uint32_t>(random(43, k) * 2.999F), p.x, p.y, random_between(0.75F, 1.15F, 44, k)});

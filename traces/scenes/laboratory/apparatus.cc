@@ -115,7 +115,7 @@ void add_rack(Scene& scene, const Looks& looks, const glm::vec3& position, const
   for (const float x : {-0.135F, 0.123F}) {
     append(rack, make_rounded_box("", {x, 0.018F, -0.028F}, {x + 0.012F, 0.115F, 0.028F}, 0.003F, steps));
   }
-  // A shelf with holes: a strip before and one behind the tubes, and bridges between them.
+  // A shelf with holes: a strip on each side of the tubes, and bridges between them.
   for (const float y : {0.055F, 0.105F}) {
     for (const float z : {-0.026F, 0.0125F})
       append(rack, make_box("", {-0.123F, y, z}, {0.123F, y + 0.009F, z + 0.0135F}, 1, 4));

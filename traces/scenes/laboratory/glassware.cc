@@ -14,9 +14,9 @@ namespace traces::laboratory {
 namespace {
 
 constexpr float kWall = 0.002F;  ///< thickness of the glass
-constexpr float kGap = 0.0015F;  ///< from glass to filling: more than secondary rays begin away from a surface
+constexpr float kGap = 0.0015F;  ///< from glass to filling: more than the offset at which secondary rays begin
 
-/// The outside, from the middle of the bottom to the rim.
+/// Returns the outer profile, from the middle of the bottom to the rim.
 Outline outside(Vessel vessel) {
   Outline o({0, 0});
   switch (vessel) {
@@ -51,7 +51,7 @@ std::vector<glm::vec2> line_of(Vessel vessel, const Detail& detail) {
   return simplified(outside(vessel).points(), detail.cells(16, 7));
 }
 
-/// The line moved inwards; its first point stays on the axis.
+/// Returns the line moved inwards; its first point remains on the axis.
 std::vector<glm::vec2> inset(const std::vector<glm::vec2>& line, float by) {
   std::vector<glm::vec2> out;
   const std::size_t last = line.size() - 1;

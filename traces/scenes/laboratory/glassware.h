@@ -18,12 +18,12 @@ enum class Vessel : std::uint8_t {
   kDish
 };
 
-// In metres, standing on y = 0 about the y axis.
+// In metres, about the y axis, bottoms at y = 0.
 
-/// Glass with an outer and an inner surface.
+/// Makes a glass vessel with an outer and an inner surface.
 Mesh make_vessel(Vessel vessel, const Detail& detail);
 
-/// Liquid up to that height, a little away from the glass.
+/// Makes the liquid up to that height, with a small gap to the glass.
 Mesh make_filling(Vessel vessel, float height, const Detail& detail);
 
 }  // namespace traces::laboratory

@@ -25,7 +25,7 @@ using laboratory::Vessel;
 
 constexpr float kSeconds = 8;
 
-/// Places vessels with what is in them; equal vessels share a mesh.
+/// Places vessels with their fillings; equal vessels share a mesh.
 class Glassware {
  public:
   Glassware(Scene& scene, std::uint32_t glass, const Detail& detail) : scene_(scene), glass_(glass), detail_(detail) {}
@@ -49,7 +49,7 @@ class Glassware {
   std::array<std::uint32_t, 9> meshes_{kNone, kNone, kNone, kNone, kNone, kNone, kNone, kNone, kNone};
 };
 
-/// Two rows of bottles with labels and stoppers.
+/// Adds two rows of bottles with labels and stoppers.
 void add_bottles(Scene& scene, const Looks& looks, const Detail& detail) {
   std::array<std::uint32_t, 4> bottles{};
   for (std::size_t k = 0; k < bottles.size(); ++k) {
@@ -87,7 +87,7 @@ void add_bottles(Scene& scene, const Looks& looks, const Detail& detail) {
   }
 }
 
-/// The burette's tap, drops that fall from it, and the bar that stirs what they fall into.
+/// Adds the burette's tap, its falling drops, and the stirring bar in the flask.
 void add_titration(Scene& scene, const Looks& looks, const glm::vec3& flask, float tip, std::uint32_t drop_stuff,
                    const Detail& detail) {
   Mesh tap = make_cylinder("burette tap", 0.008F, 0.03F, detail.cells(16, 6));
@@ -108,7 +108,7 @@ void add_titration(Scene& scene, const Looks& looks, const glm::vec3& flask, flo
       const float t = static_cast<float>(k) / 6;
       keys.push_back({start + kPeriod - 0.4F + kFall * t, {flask.x, tip - (tip - flask.y - 0.03F) * t * t, flask.z}});
     }
-    keys.push_back({start + kPeriod - 0.09F, {flask.x, tip + 0.02F, flask.z}});  // the next one forms in the tip
+    keys.push_back({start + kPeriod - 0.09F, {flask.x, tip + 0.02F, flask.z}});  // the next drop forms in the tip
     keys.push_back({start + kPeriod, {flask.x, tip, flask.z}});
   }
   move_node(scene, node, keys);
@@ -181,7 +181,7 @@ void add_all(Scene& scene, const Looks& looks, const Detail& detail) {
 
 }  // namespace
 
-/// A chemist's bench: glass in glass, most rays are refracted.
+/// A chemist's bench with nested glass: most rays are refracted.
 Scene build_laboratory(const BuiltinOptions& options) {
   constexpr std::uint32_t kClass = 98'000;
   const Detail detail = fit_detail(options.triangles_or(kClass), [](const Detail& at) {

@@ -43,7 +43,7 @@ Texture chart_texture() {
   });
 }
 
-/// A page of notes by hand on lines.
+/// A lined page of handwritten notes.
 Texture page_texture() {
   return paint_texture("page", 512, 512, [](float u, float v) {
     const float y = v * 24;
@@ -71,8 +71,7 @@ Texture label_texture() {
   });
 }
 
-/// Clear glass. What is not transmitted, and a little light of its own, stand for the paths that a renderer of limited
-/// depth cuts off.
+/// Clear glass. It transmits a little less and emits a little light in place of the paths that limited depth cuts off.
 Material clear_glass() {
   Material m = glass("glass", {0.93F, 0.97F, 0.98F});
   m.transmission = 0.92F;
@@ -80,7 +79,7 @@ Material clear_glass() {
   return m;
 }
 
-/// A liquid; it glows by what it would scatter, for no light reaches it through glass.
+/// A liquid. It emits the light that it would scatter, as shadow rays do not reach it through glass.
 Material liquid(std::string name, const glm::vec3& colour) {
   Material m = glass(std::move(name), colour, 1.33F);
   m.transmission = 0.5F;

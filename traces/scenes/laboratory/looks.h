@@ -6,7 +6,7 @@
 
 namespace traces::laboratory {
 
-/// Materials of the laboratory, by index.
+/// Indices of the laboratory's materials.
 struct Looks {
   std::uint32_t steel, iron, brass, wood, porcelain, plastic, cork, rubber;
   std::uint32_t tiles, floor, plaster, bench, lacquer, shelf, chart, rail, daylight, lamp;
@@ -15,7 +15,7 @@ struct Looks {
   std::array<std::uint32_t, 4> bottles;
 };
 
-/// Paints all textures and adds all materials.
+/// Adds all textures and materials.
 Looks add_looks(Scene& scene);
 
 }  // namespace traces::laboratory

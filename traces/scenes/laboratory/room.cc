@@ -66,7 +66,7 @@ void add_room(Scene& scene, const Looks& looks, const Detail& detail) {
   for (glm::vec2& uv : scene.meshes.back().uvs) uv.y = 1 - uv.y;
   add_object(scene, make_box("chart rail", {-0.81F, 0.61F, kBack}, {-0.07F, 0.622F, kBack + 0.012F}), looks.rail);
 
-  // The window's panes stand before their frame and light the room; so does, weakly, a lamp at the ceiling.
+  // The window's panes, in front of their frame, light the room; so does, weakly, a lamp at the ceiling.
   Mesh panes;
   for (int column = 0; column < 2; ++column) {
     for (int row = 0; row < 2; ++row) {

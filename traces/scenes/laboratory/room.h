@@ -4,7 +4,7 @@
 
 namespace traces::laboratory {
 
-/// Bench (its top at y = 0), tiled wall behind it with a chart and shelves, cupboards, window on the left, lamp above.
+/// Adds bench (its top at y = 0), tiled wall with a chart and shelves, cupboards, window on the left, lamp above.
 void add_room(Scene& scene, const Looks& looks, const Detail& detail);
 
 inline constexpr float kShelf = 0.375F, kUpperShelf = 0.60F;  ///< heights

@@ -15,7 +15,7 @@
 namespace traces {
 namespace {
 
-/// Quaternion of a rotation matrix, by square roots alone.
+/// Returns the quaternion of a rotation matrix, by square roots alone.
 glm::quat turn_of(const glm::mat3& m) {
   glm::quat q;
   const float trace = m[0][0] + m[1][1] + m[2][2];

@@ -16,28 +16,27 @@ struct TurnKey {
   glm::quat value;
 };
 
-/// A coordinate system that things can hang on; its index.
+/// Adds a node; returns its index.
 std::uint32_t add_node(Scene& scene, std::string name, const Transform& rest = {}, std::uint32_t parent = kNone);
 
-/// The instance is shown at the node's place, its mesh in the node's space; its own to_world is forgotten.
+/// Attaches the instance to the node, its mesh in the node's space; replaces its to_world.
 void hang(Scene& scene, std::uint32_t instance, std::uint32_t node);
 
 void move_node(Scene& scene, std::uint32_t node, std::span<const Key> keys,
                Track::Interpolation interpolation = Track::Interpolation::kLinear);
 void turn_node(Scene& scene, std::uint32_t node, std::span<const TurnKey> keys);
 
-/// Where a camera is and what it looks at.
+/// Camera position and target at a time.
 struct ViewKey {
   float seconds;
   glm::vec3 eye, target;
 };
-/// A camera that flies smoothly (Catmull-Rom) through the keys, as a node with translation and rotation tracks sampled
-/// `samples` times between two keys; at rest it is at the first key.
+/// Adds a camera that moves smoothly (Catmull-Rom) through the keys: a node with translation and rotation tracks,
+/// sampled `samples` times between two keys. At rest it is at the first key.
 void add_camera_path(Scene& scene, std::string name, std::span<const ViewKey> keys, float vertical_fov,
                      std::uint32_t samples = 8);
 
-/// The last step of every generator: things are put where they are at time 0, lights and exposure set, the digest
-/// taken.
+/// Last step of every generator: poses the scene at time 0, sets lights and exposure, computes the digest.
 void finish_scene(Scene& scene, const glm::vec3& ambient = glm::vec3(kAmbient));
 
 }  // namespace traces

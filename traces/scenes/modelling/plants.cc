@@ -40,7 +40,7 @@ struct Wood {
   float radius(float share) const { return radii[0] * (1 - share) + radii.back() * share; }
 };
 
-/// A stretch of wood that strays by `crooked` of its length and bends upwards by `lift`.
+/// Makes a branch whose direction varies by `crooked` of its length and which bends upwards by `lift`.
 Wood grow(const glm::vec3& foot, const glm::vec3& along, float radius, float crooked, float lift, std::uint32_t steps,
           std::uint64_t seed) {
   Wood wood;
@@ -62,7 +62,7 @@ void add_wood(Mesh& mesh, const Wood& wood, std::uint32_t sides, float bark) {
   append(mesh, tube);
 }
 
-/// Length of a branch that leaves at `share` of the trunk's crown (0 its lowest).
+/// Returns the length of a branch at `share` of the trunk's crown (0: lowest).
 float branch_length(const TreeShape& s, float share) {
   const float round = 0.45F + 2.2F * share * (1 - share);
   return s.reach * glm::mix(round, 1.02F - 0.93F * share, s.taper);

@@ -82,7 +82,7 @@ Mesh make_box(std::string name, const glm::vec3& lower, const glm::vec3& upper, 
 
 Mesh make_rounded_box(std::string name, const glm::vec3& lower, const glm::vec3& upper, float radius,
                       std::uint32_t steps) {
-  // A sphere pulled apart: every vertex goes with the corner of the inner box on its side.
+  // A sphere cut into octants: every vertex moves with the nearest corner of the inner box.
   const std::uint32_t cells = 2 * steps + 1;
   Mesh mesh;
   mesh.name = std::move(name);
@@ -145,7 +145,7 @@ Mesh make_surface(std::string name, std::uint32_t columns, std::uint32_t rows,
   for (const auto& t : mesh.triangles) {
     for (const std::uint32_t corner : t) mesh.normals[corner] += area(t);
   }
-  // Vertices that lie upon each other share a normal: at the seam, and where a row has shrunk to a point.
+  // Coincident vertices share a normal: at the seam, and where a row has shrunk to a point.
   const std::uint32_t across = columns + 1;
   const auto share = [&](std::uint32_t first, std::uint32_t count, std::uint32_t stride) {
     glm::vec3 sum(0);

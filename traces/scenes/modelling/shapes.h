@@ -6,60 +6,60 @@
 
 namespace traces {
 
-// Shapes are made with +, *, / and square roots (and trigonometry.h) alone, which every compiler and library rounds
-// alike. All have normals and texture coordinates, front faces counter-clockwise seen from outside.
+// Shapes use only +, *, /, square roots and trigonometry.h, so that every compiler and library gives the same bits. All
+// have normals and texture coordinates; front faces are counter-clockwise seen from outside.
 
-/// Parallelogram `corner`, `corner + u`, `corner + v`, cut into cells x cells squares; normal along u x v; texture
-/// coordinates run from 0 to `repeats`.
+/// Makes the parallelogram `corner`, `corner + u`, `corner + v` of cells x cells squares. The normal is along u x v;
+/// texture coordinates run from 0 to `repeats`.
 Mesh make_quad(std::string name, const glm::vec3& corner, const glm::vec3& u, const glm::vec3& v, std::uint32_t cells,
                float repeats = 1);
 
-/// A cube of six cells x cells faces blown up to a sphere, normals outwards.
+/// Makes a sphere from a cube of six cells x cells faces; normals outwards.
 Mesh make_sphere(std::string name, const glm::vec3& centre, float radius, std::uint32_t cells);
 
-/// A box between two corners, each face cut into cells x cells; texture coordinates run over each face, `repeats` a
-/// unit of length.
+/// Makes a box between two corners, each face of cells x cells squares. Texture coordinates run over each face,
+/// `repeats` per unit of length.
 Mesh make_box(std::string name, const glm::vec3& lower, const glm::vec3& upper, std::uint32_t cells = 1,
               float repeats = 1);
 
-/// A box whose edges and corners are rounded with `radius`, each edge in `steps` strips.
+/// Makes a box whose edges and corners are rounded with `radius`, each edge in `steps` strips.
 Mesh make_rounded_box(std::string name, const glm::vec3& lower, const glm::vec3& upper, float radius,
                       std::uint32_t steps);
 
-/// Any surface: `at(s, t)` over the unit square in columns x rows cells, its normals along ds x dt, smooth. Cells that
-/// have shrunk to a line or a point are left out. `closed_s`: s = 1 meets s = 0.
+/// Makes the surface `at(s, t)` over the unit square in columns x rows cells, with smooth normals along ds x dt.
+/// Degenerate cells are left out. `closed_s`: s = 1 meets s = 0.
 Mesh make_surface(std::string name, std::uint32_t columns, std::uint32_t rows,
                   const std::function<glm::vec3(float s, float t)>& at, bool closed_s = false);
 
-/// Adds two triangles for each cell of a (columns + 1) x (rows + 1) grid of vertices that starts at vertex `first`.
+/// Adds two triangles for each cell of a (columns + 1) x (rows + 1) grid of vertices that begins at vertex `first`.
 void add_grid(Mesh& mesh, std::uint32_t first, std::uint32_t columns, std::uint32_t rows);
 
-/// Adds all of `other` to `mesh`; its own material is forgotten.
+/// Adds all vertices and triangles of `other` to `mesh`; the material of `other` is ignored.
 void append(Mesh& mesh, const Mesh& other);
-/// The mesh carried elsewhere (rotation, scale and mirroring allowed; a mirrored one is turned inside out again).
+/// Returns the mesh transformed by a rotation, scale or mirroring; a mirrored mesh keeps its outside.
 Mesh transformed(Mesh mesh, const glm::mat4& by);
 glm::mat4 placed(const glm::vec3& position, double turns_about_y = 0, const glm::vec3& scale = glm::vec3(1));
 void scale_uvs(Mesh& mesh, const glm::vec2& by);
 
-/// The mesh in the scene with that material; its index. Show it with add_instance, as often as wanted.
+/// Adds the mesh with that material; returns its index. Show it with add_instance(), any number of times.
 std::uint32_t add_mesh(Scene& scene, Mesh mesh, std::uint32_t material);
-/// Index of the instance. hang() of motion.h makes it move.
+/// Adds an instance; returns its index. hang() of motion.h makes it move.
 std::uint32_t add_instance(Scene& scene, std::uint32_t mesh, const glm::mat4& to_world = glm::mat4(1));
 
-/// Adds the mesh with its material and one instance where it stands.
+/// Adds the mesh with its material and one instance in its place.
 void add_object(Scene& scene, Mesh mesh, std::uint32_t material);
 
 std::uint32_t add_material(Scene& scene, Material material);
-/// A diffuse material; `mirror` > 0 makes it glossy.
+/// Makes a diffuse material; `mirror` > 0 makes it glossy.
 Material paint(std::string name, const glm::vec3& colour, float mirror = 0);
-/// A metal: mirrors `mirror` of the light, tinted.
+/// Makes a metal that mirrors `mirror` of the light, tinted.
 Material metal(std::string name, const glm::vec3& tint, float mirror = 0.8F);
 Material glass(std::string name, const glm::vec3& colour = glm::vec3(1), float ior = 1.5F);
 Material lamp(std::string name, const glm::vec3& emission);
-/// A diffuse material that shows texture `texture`.
+/// Makes a diffuse material with texture `texture`.
 Material textured(std::string name, std::uint32_t texture, const glm::vec3& colour = glm::vec3(1), float mirror = 0);
 
-/// Triangles as instanced.
+/// Returns the number of triangles as instanced.
 std::uint64_t triangles_of(const Scene& scene);
 
 }  // namespace traces

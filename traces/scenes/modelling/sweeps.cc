@@ -30,12 +30,12 @@ std::vector<P> through(std::span<const P> points, std::uint32_t steps) {
   return out;
 }
 
-/// Area of the triangle times two, positive if counter-clockwise.
+/// Returns twice the area of the triangle, positive if counter-clockwise.
 float turn(const glm::vec2& a, const glm::vec2& b, const glm::vec2& c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-/// Ear clipping: triangles of a simple polygon.
+/// Splits a simple polygon into triangles by ear clipping.
 std::vector<std::array<std::uint32_t, 3>> triangulate(std::span<const glm::vec2> outline) {
   std::vector<std::uint32_t> left(outline.size());
   for (std::uint32_t i = 0; i < left.size(); ++i) left[i] = i;
@@ -119,7 +119,7 @@ Mesh make_lathe(std::string name, std::span<const glm::vec2> profile, std::uint3
       for (std::uint32_t i = 0; i <= segments; ++i) {
         const float u = static_cast<float>(i) / static_cast<float>(segments);
         const glm::vec2 round = rounds[i];
-        // Against the circle's sense, so that u and v grow to the right and up seen from outside.
+        // Clockwise, so that u grows to the right and v up seen from outside.
         mesh.positions.emplace_back(profile[point].x * round.x, profile[point].y, -profile[point].x * round.y);
         mesh.normals.push_back(glm::normalize(glm::vec3(normal.x * round.x, normal.y, -normal.x * round.y)));
         mesh.uvs.emplace_back(u, static_cast<float>(point) / static_cast<float>(stretches));
@@ -166,7 +166,7 @@ Mesh make_tube(std::string name, std::span<const glm::vec3> path, std::span<cons
       glm::normalize(glm::cross(along, std::abs(along.y) < 0.9F ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0)));
   for (std::size_t k = 0; k <= last; ++k) {
     along = tangent(k);
-    right = glm::normalize(right - along * glm::dot(right, along));  // carried along without twist
+    right = glm::normalize(right - along * glm::dot(right, along));  // parallel transport: no twist
     const glm::vec3 up = glm::cross(along, right);
     for (std::uint32_t i = 0; i <= sides; ++i) {
       const glm::vec2 round = on_circle(i == sides ? 0.0 : static_cast<double>(i) / sides);

@@ -7,26 +7,26 @@
 
 namespace traces {
 
-/// A solid of revolution about +y: the profile's points are (radius, height), from the bottom up for normals outwards.
-/// Where the profile turns by more than about 40 degrees an edge stays sharp. Texture u runs round, v along.
+/// Makes a solid of revolution about +y. The profile's points are (radius, height), bottom to top for normals outwards.
+/// Edges stay sharp where the profile turns by more than about 40 degrees. Texture u runs round, v along.
 Mesh make_lathe(std::string name, std::span<const glm::vec2> profile, std::uint32_t segments);
 
-/// `points` smoothed: a Catmull-Rom curve through all of them, `steps` points for each stretch.
+/// Returns a Catmull-Rom curve through all points, `steps` points per section.
 std::vector<glm::vec2> smoothed(std::span<const glm::vec2> points, std::uint32_t steps);
 std::vector<glm::vec3> smoothed(std::span<const glm::vec3> points, std::uint32_t steps);
 
-/// Cylinder along +y from y = 0, with caps.
+/// Makes a cylinder along +y from y = 0, with caps.
 Mesh make_cylinder(std::string name, float radius, float height, std::uint32_t segments);
-/// Cone along +y, closed below; `top_radius` 0 gives a point.
+/// Makes a cone along +y, closed below; `top_radius` 0 gives a point.
 Mesh make_cone(std::string name, float radius, float top_radius, float height, std::uint32_t segments);
-/// Ring in the xz plane.
+/// Makes a ring in the xz plane.
 Mesh make_torus(std::string name, float radius, float tube_radius, std::uint32_t segments, std::uint32_t sides);
 
-/// A round tube along a path; `radii` has one entry, or one per point. Ends are closed by flat caps unless the radius
+/// Makes a round tube along a path. `radii` has one entry, or one per point. Flat caps close the ends unless the radius
 /// there is 0.
 Mesh make_tube(std::string name, std::span<const glm::vec3> path, std::span<const float> radii, std::uint32_t sides);
 
-/// A prism: the outline (counter-clockwise in the xy plane, simple, may be concave) from z = 0 to z = depth.
+/// Makes a prism: the outline (counter-clockwise in the xy plane, simple, may be concave) from z = 0 to z = depth.
 Mesh make_extrusion(std::string name, std::span<const glm::vec2> outline, float depth);
 
 }  // namespace traces

@@ -5,7 +5,7 @@
 namespace traces {
 namespace {
 
-/// sin(x) for |x| <= pi / 4 and cos(x) likewise: Taylor's series, the first term left out is below 1e-10.
+/// Returns sin(x) for |x| <= pi / 4 by Taylor's series; the first omitted term is below 1e-10. small_cos() is alike.
 double small_sin(double x) {
   const double s = x * x;
   return x * (1 - s / 6 * (1 - s / 20 * (1 - s / 42 * (1 - s / 72))));

@@ -5,14 +5,14 @@
 
 namespace traces {
 
-// Angles in turns (1 = 360 degrees), by polynomials within 1e-7: every compiler and library gives the same bits.
+// Angles are in turns (1 = 360 degrees). Polynomials within 1e-7 give the same bits with every compiler and library.
 
 float sin_turns(double turns);
 float cos_turns(double turns);
-/// (cos, sin)
+/// Returns (cos, sin).
 glm::vec2 on_circle(double turns);
 
-/// A rotation about an axis of unit length, counter-clockwise when looked at against it.
+/// Returns a rotation about an axis of unit length, counter-clockwise seen against the axis.
 glm::quat rotation(const glm::vec3& axis, double turns);
 
 }  // namespace traces

@@ -40,7 +40,7 @@ Outline& Outline::round(const glm::vec2& centre, float radius, double from, doub
 
 std::vector<glm::vec2> simplified(std::vector<glm::vec2> points, std::size_t count) {
   while (points.size() > std::max<std::size_t>(count, 2)) {
-    // The point goes whose triangle with its neighbours is smallest (Visvalingam).
+    // Removes the point whose triangle with its neighbours is smallest (Visvalingam).
     std::size_t smallest = 1;
     float least = -1;
     for (std::size_t k = 1; k + 1 < points.size(); ++k) {

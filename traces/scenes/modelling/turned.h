@@ -8,14 +8,14 @@
 
 namespace traces {
 
-/// The outline that a turner's tool follows, (radius, height) from point to point; for make_lathe and make_turned.
+/// Profile of a turned object, (radius, height) from point to point; for make_lathe and make_turned.
 class Outline {
  public:
   explicit Outline(const glm::vec2& start) : points_{start} {}
   Outline& line(float radius, float height);
-  /// A curve to that point whose middle lies `bulge` outside the straight line (inside, if negative).
+  /// Adds a curve to that point whose middle is `bulge` outside the straight line (negative: inside).
   Outline& arc(float radius, float height, float bulge);
-  /// Part of a circle about (radius, height); from and to in turns, 0 outwards, 0.25 up.
+  /// Adds an arc about `centre`; from and to in turns, 0 outwards, 0.25 up.
   Outline& round(const glm::vec2& centre, float radius, double from, double to);
   const std::vector<glm::vec2>& points() const { return points_; }
 
@@ -23,11 +23,11 @@ class Outline {
   std::vector<glm::vec2> points_;
 };
 
-/// The `count` points that keep the shape of the line best; its ends stay.
+/// Returns the `count` points that best keep the line's shape, ends included.
 std::vector<glm::vec2> simplified(std::vector<glm::vec2> points, std::size_t count);
 
-/// A lathe whose points `shape(around, k, point)` may carry elsewhere: `around` in turns, `k` the index in the profile.
-/// Smooth, but for points that stand twice in the profile, which make an edge.
+/// Makes a lathe whose points `shape(around, k, point)` may move: `around` in turns, `k` the index in the profile.
+/// Smooth, except that a repeated profile point makes an edge.
 Mesh make_turned(std::string name, const std::vector<glm::vec2>& profile, std::uint32_t segments,
                  const std::function<glm::vec3(float around, std::size_t k, const glm::vec3& point)>& shape);
 

@@ -66,7 +66,7 @@ void add_tower(Parts& parts, const Paints& p, std::uint32_t white, std::uint32_t
   for (int side = 0; side < 4; ++side) {
     const glm::mat4 at = foot * wall_frame(side / 4.0, w);
     parts.panel(p.wall, at, {-w, -1, 0}, {kTower, 0, 0}, {0, kTowerTop + 1, 0});
-    for (int k = 0; k < 22; ++k) {  // corner stones, long and short by turns
+    for (int k = 0; k < 22; ++k) {  // corner stones, alternately long and short
       const float y = 0.8F * static_cast<float>(k) - 0.4F;
       const float reach = (k + side) % 2 == 0 ? 0.75F : 0.45F;
       parts.box(p.stone, at, {-w - 0.05F, y, -0.2F}, {-w + reach, y + 0.74F, 0.05F});
@@ -86,7 +86,7 @@ void add_tower(Parts& parts, const Paints& p, std::uint32_t white, std::uint32_t
     }
     add_clock(parts, at * placed({0, 10.2F, 0}), white, gold, p.timber);
     if (side % 2 == 0) add_arch_window(parts, p, at * placed({0, 3, 0}), 0.7F, 2);
-    // The spire's eight sides: a broach from a square to an octagon is two slopes here.
+    // The spire's eight sides: the transition from square to octagon is simplified to two slopes.
     for (int part = 0; part < 2; ++part) {
       const float low = part == 0 ? w + 0.35F : w * 0.62F, high = part == 0 ? w * 0.62F : 0.12F;
       const float from = part == 0 ? kTowerTop : kTowerTop + 2.6F, to = part == 0 ? kTowerTop + 2.6F : kSpireTop;

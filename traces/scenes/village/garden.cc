@@ -130,7 +130,7 @@ struct Planted {
   glm::mat4 at;
 };
 
-/// All plants and where they stand.
+/// Returns the places of all plants.
 std::vector<Planted> plant() {
   std::vector<Planted> all;
   const auto put = [&all](Kind kind, float x, float z, float size = 1) {
@@ -180,7 +180,7 @@ std::vector<Planted> plant() {
   return all;
 }
 
-/// Woods on the hills: lumps on stems, seen from afar only.
+/// Adds woods on the hills, visible from afar only: rounded crowns on stems.
 void add_far_trees(Scene& scene, std::uint32_t leaves, std::uint32_t bark, float detail) {
   const auto cells = std::max(static_cast<std::uint32_t>(7 * detail), 4U);
   Mesh crown = make_rock("far tree", {2.8F, 3.6F, 2.8F}, cells, 0.45F, 3);
@@ -212,7 +212,7 @@ void add_blossoms(Scene& scene, const std::vector<Planted>& plants) {
   }
 }
 
-/// Leaves of all plants, as many as triangles are left for them.
+/// Adds the leaves of all plants, using up the remaining triangles.
 void add_leaves(Scene& scene, std::uint32_t triangles, float detail, const std::vector<Planted>& plants,
                 const std::vector<std::vector<Twig>>& twigs, const std::vector<std::uint32_t>& materials) {
   float weight = 0;
@@ -225,7 +225,7 @@ void add_leaves(Scene& scene, std::uint32_t triangles, float detail, const std::
     const Species& kind = kSpecies[k];
     const auto count = std::max(static_cast<std::uint32_t>(left / 2 * kind.weight / weight), 24U);
     LeafShape leaf = kind.leaf;
-    // Fewer leaves are larger, so that the crown stays as dense.
+    // Fewer leaves are larger, so that the crown remains equally dense.
     const float grown = std::min(1 / std::min(detail, 2.0F), 2.6F);
     leaf.length *= grown;
     leaf.width *= grown;

@@ -5,7 +5,7 @@
 
 namespace traces::village {
 
-/// Trees, bushes and grass. Their leaves fill the scene up to `triangles`.
+/// Adds trees, bushes and grass. Their leaves fill the scene up to `triangles`.
 void add_garden(Scene& scene, std::uint32_t triangles, float detail);
 
 }  // namespace traces::village

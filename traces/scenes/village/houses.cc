@@ -52,7 +52,7 @@ void add_door(Parts& parts, const Paints& p, const glm::mat4& at, float width, f
   parts.add(p.shutter, make_sphere("", {0.36F * width, 0.48F * height, 0.09F}, 0.05F, 3), at);
 }
 
-/// Posts, rails and braces on a wall from y = 0 to `height`.
+/// Adds posts, rails and braces on a wall from y = 0 to `height`.
 void add_timber(Parts& parts, std::uint32_t timber, const glm::mat4& at, float length, float height,
                 std::uint32_t storeys) {
   const float w = length / 2, storey = height / static_cast<float>(storeys);
@@ -115,7 +115,7 @@ void Parts::add(std::uint32_t material, const Mesh& piece, const glm::mat4& at) 
 
 void Parts::box(std::uint32_t material, const glm::mat4& at, const glm::vec3& lower, const glm::vec3& upper) {
   Mesh mesh = make_box("", lower, upper);
-  // Whichever way a face looks, v is height where there is one.
+  // On every vertical face, v is the height.
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
     const glm::vec3 p = mesh.positions[i], n = glm::abs(mesh.normals[i]);
     mesh.uvs[i] = n.y > 0.5F ? glm::vec2(p.x, p.z) : glm::vec2(n.x > 0.5F ? p.z : p.x, -p.y);

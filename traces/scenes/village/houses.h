@@ -21,19 +21,19 @@ struct HouseShape {
   float chimney = 0.3F;       ///< its place along the ridge, -0.5 .. 0.5
 };
 
-/// Meshes by material that are shown together. One instance each.
+/// Meshes, one per material, that are shown together, with one instance each.
 using Building = std::vector<std::uint32_t>;
 
 Building add_house(Scene& scene, const std::string& name, const HouseShape& shape, const Paints& paints, float detail);
 Building add_church(Scene& scene, const Paints& paints, std::uint32_t white, std::uint32_t gold, float detail);
 
-/// Meshes that grow piece by piece, one for each material.
+/// Meshes under construction, one per material.
 class Parts {
  public:
   void add(std::uint32_t material, const Mesh& piece, const glm::mat4& at = glm::mat4(1));
-  /// A box in the space of `at`.
+  /// Adds a box in the space of `at`.
   void box(std::uint32_t material, const glm::mat4& at, const glm::vec3& lower, const glm::vec3& upper);
-  /// A parallelogram, texture coordinates in metres.
+  /// Adds a parallelogram, texture coordinates in metres.
   void panel(std::uint32_t material, const glm::mat4& at, const glm::vec3& corner, const glm::vec3& u,
              const glm::vec3& v);
   Building take(Scene& scene, const std::string& name) const;
@@ -42,15 +42,16 @@ class Parts {
   std::vector<std::pair<std::uint32_t, Mesh>> meshes_;
 };
 
-/// Walls with gables, from 1 m below the ground.
+/// Adds walls with gables, from 1 m below the ground.
 void add_walls(Parts& parts, std::uint32_t wall, const HouseShape& shape);
-/// A roof of tiles in relief on both sides, with boards along its edges.
+/// Adds a roof of tiles in relief on both sides, with boards along its edges.
 void add_roof(Parts& parts, std::uint32_t roof, std::uint32_t timber, const HouseShape& shape, float detail);
 
-/// The wall that looks along +x turned by `turns` about y, in the middle at height 0: x right, y up, z outwards.
+/// Returns the frame of the wall that faces +x rotated by `turns` about y; origin in the middle at height 0, x right, y
+/// up, z outwards.
 glm::mat4 wall_frame(double turns, float out, float aside = 0, float up = 0);
 
-/// A pointed or round-headed opening, in the wall's frame, its foot in the middle at the origin.
+/// Makes a pointed or round-headed opening in the wall's frame, the middle of its foot at the origin.
 Mesh make_arch(float width, float height, float depth, std::uint32_t steps);
 
 }  // namespace traces::village

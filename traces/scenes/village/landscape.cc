@@ -93,7 +93,7 @@ Mesh make_square(std::string name, float radius, std::uint32_t round, float text
 
 Texture countryside_texture(std::string name, std::uint32_t size) {
   return paint_texture(std::move(name), size, size, [](float u, float v) {
-    // Each point belongs to the nearest of a grid of shifted middles; where two are as near, a hedge grows.
+    // Each point belongs to the nearest of a grid of shifted centres; where two are equally near, a hedge grows.
     constexpr float kFields = 13;
     const float warp = 0.5F * noise(u, v, 20, 8);
     const glm::vec2 p(u * kFields + warp, v * kFields + 0.6F * noise(u, v, 17, 9));

@@ -6,24 +6,24 @@
 
 namespace traces::village {
 
-/// Height of the land in metres: flat where the houses stand, a hill for the mill, far hills all round.
+/// Returns the height of the land in metres: flat at the houses, a hill for the mill, far hills on all sides.
 float ground(float x, float z);
 inline glm::vec3 on_ground(float x, float z, float above = 0) { return {x, ground(x, z) + above, z}; }
 
-/// The middle of the village street at z; it runs from kStreetEnd to kStreetStart, to the church.
+/// Returns x of the middle of the village street, which runs from z = kStreetEnd to kStreetStart, to the church.
 float street_x(float z);
 inline constexpr float kStreetStart = 92, kStreetEnd = -40;
 
 inline constexpr glm::vec2 kChurch{-8, -64}, kMill{-74, -66}, kSquare{-1, -6};
 
-/// Land between two circles about the origin; texture coordinates are metres / `texture_size` from the middle.
+/// Makes land between two circles about the origin; texture coordinates are metres / `texture_size` from the middle.
 Mesh make_land(std::string name, float from, float to, std::uint32_t round, std::uint32_t rings, float texture_size);
 
-/// A rectangle of `size`, its middle at `middle`, turned, that lies `above` the ground.
+/// Makes a rotated rectangle of `size` about `middle`, `above` the ground.
 Mesh make_field(std::string name, const glm::vec2& middle, const glm::vec2& size, double turns, float above, float cell,
                 float texture_size);
 
-/// The street, `width` wide, and the round square on it.
+/// Makes the street, `width` wide, and the round square on it.
 Mesh make_street(std::string name, float width, float cell, float texture_size);
 Mesh make_square(std::string name, float radius, std::uint32_t round, float texture_size);
 

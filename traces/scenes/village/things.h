@@ -6,21 +6,21 @@
 
 namespace traces::village {
 
-/// A dry stone wall of `length` metres along x, 1 m high, its middle at the origin.
+/// Makes a dry stone wall of `length` metres along x, 1 m high, its middle at the origin.
 Mesh make_stone_wall(float length, float detail, std::uint32_t seed);
-/// A fence of posts and rails, `length` metres along x.
+/// Makes a fence of posts and rails, `length` metres along x.
 Mesh make_fence(float length);
 
-/// A round basin with a column in its middle; the water is a mesh of its own.
+/// Adds a round basin with a column in its middle; the water is a mesh of its own.
 Building add_fountain(Scene& scene, std::uint32_t stone, std::uint32_t water, float detail);
 
-/// The mill without its sails; the hub of those is at kHub, they turn about +z.
+/// Adds the mill without its sails; their hub is at kHub, and they turn about +z.
 Building add_mill(Scene& scene, const Paints& paints, std::uint32_t cap, float detail);
 inline constexpr glm::vec3 kHub{0, 11.6F, 3.6F};
 Building add_sails(Scene& scene, std::uint32_t timber, std::uint32_t cloth);
 
-/// A farm cart with two wheels, loaded with hay; its shafts towards +x. Its wheels are a mesh of their own, to be shown
-/// at kWheels and mirrored, turning about z.
+/// Adds a farm cart with two wheels, loaded with hay; its shafts point towards +x. The wheel is a mesh of its own, to
+/// be shown at kWheels and mirrored, turning about z.
 Building add_cart(Scene& scene, std::uint32_t timber, std::uint32_t hay, std::uint32_t iron);
 Mesh make_wheel();
 inline constexpr float kWheelRadius = 0.62F, kWheelSide = 0.85F;

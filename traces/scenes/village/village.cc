@@ -151,7 +151,7 @@ std::vector<HouseKind> house_kinds(const Palette& c) {
   };
 }
 
-/// Houses along both sides of the street and round the square, each kind shown several times.
+/// Adds houses along both sides of the street and round the square, each kind shown several times.
 void add_houses(Scene& s, const Palette& c, float detail) {
   std::vector<Building> buildings;
   for (const HouseKind& k : house_kinds(c)) buildings.push_back(add_house(s, k.name, k.shape, k.paints, detail));
@@ -216,7 +216,7 @@ void add_windmill(Scene& s, const Palette& c, float detail) {
   const Paints paints{c.white_wall, c.slate, c.dark_wood, c.red, c.glass, c.red, c.stone};
   const glm::mat4 at = placed(on_ground(kMill.x, kMill.y), 0.13);
   show(s, add_mill(s, paints, c.dark_wood, detail), at);
-  constexpr float kQuarter = 23.3F / 15;  // seconds for a quarter turn: they turn as long as the camera flies
+  constexpr float kQuarter = 23.3F / 15;  // seconds per quarter turn: the sails turn for the whole flight
   const std::uint32_t base =
       add_node(s, "mill", {.translation = glm::vec3(at * glm::vec4(kHub, 1)), .rotation = rotation({0, 1, 0}, 0.13)});
   const std::uint32_t axle = add_node(s, "sails", {}, base);
