@@ -17,14 +17,14 @@ constexpr std::uint64_t kMostFrames = 1'000'000, kMostValues = 1U << 26;  ///< i
 constexpr int kLevel = -20;  ///< zstd: a third of the instructions of level 1, files half as large again
 constexpr std::uint64_t kMostNamesBytes = 1U << 26, kLongestVarint = 10;
 
-/// Writes numbers where there is room for them.
+/// Writes a number; the caller has reserved the room.
 char* write_number(char* at, std::uint64_t value) {
   for (; value >= 0x80; value >>= 7) *at++ = static_cast<char>(value | 0x80U);
   *at++ = static_cast<char>(value);
   return at;
 }
 
-/// A value of a unit over all intervals: what it came to, then unless that is 0 what came in each interval.
+/// Writes a value of a unit over all intervals: its total, then, unless that is 0, its increase in each interval.
 char* write_column(char* at, const sim::Intervals& intervals, std::size_t column) {
   const std::size_t rows = intervals.size(), width = intervals.width();
   const std::uint64_t* value = intervals.row(0).data() + column;

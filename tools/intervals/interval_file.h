@@ -14,7 +14,7 @@ namespace tools {
 
 inline constexpr const char* kIntervalFile = "intervals.bin.zst";
 
-/// Names of a unit's values, in their order: cycles by reason, then counters.
+/// Names of a unit's values in order: cycles by reason, then counters.
 struct IntervalUnit {
   struct Counter {
     std::string name;
@@ -27,18 +27,18 @@ struct IntervalUnit {
 };
 std::vector<IntervalUnit> interval_units(std::span<const sim::UnitReport> units);
 
-/// Intervals of one frame of the picture. A value of a row is its unit's since the beginning of the frame, so that the
-/// last row is what the frame came to, and the difference of two rows what has come between them.
+/// Intervals of one frame of the picture. Values are cumulative from the beginning of the frame: the last row has the
+/// frame's totals, and the difference of two rows is what happened between them.
 struct IntervalFrame {
-  std::uint32_t frame = 0;              ///< its number
-  sim::Time length = 0, end = 0;        ///< that all intervals but the last have; the frame's
-  std::size_t rows = 0, width = 0;      ///< intervals; values of all units
+  std::uint32_t frame = 0;              ///< number of the frame
+  sim::Time length = 0, end = 0;        ///< of all intervals but the last; of the frame
+  std::size_t rows = 0, width = 0;      ///< number of intervals; number of values of all units
   std::vector<std::uint64_t> values{};  ///< row by row
 
   std::span<const std::uint64_t> row(std::size_t i) const { return {values.data() + i * width, width}; }
   sim::Time begin_of(std::size_t i) const { return i * length; }
   sim::Time end_of(std::size_t i) const { return i + 1 == rows ? end : (i + 1) * length; }
-  /// The same with at most so many intervals: pairs of neighbours merged until there are no more.
+  /// Returns the same with at most `most` intervals: neighbours are merged in pairs, repeatedly.
   IntervalFrame merged(std::size_t most) const;
 };
 
@@ -48,15 +48,16 @@ struct IntervalFile {
   std::vector<IntervalFrame> frames;
 };
 
-/// For a frame of a run of so many, which share the most intervals that a run has; each may have a few.
+/// Returns an empty record for one of `frames` frames, which share the maximum number of intervals of a run; each has
+/// at least a few.
 sim::Intervals intervals_of_frame(std::uint32_t frames);
 
-/// Packs a run's intervals frame by frame, so that no more than one frame is kept as it is.
+/// Packs a run's intervals frame by frame, so that at most one frame is kept unpacked.
 class IntervalPacker {
  public:
   void add(std::uint32_t frame, const sim::Intervals& intervals);
   bool empty() const { return frames_ == 0; }
-  /// The file's bytes.
+  /// Returns the file's bytes.
   std::string file(std::span<const sim::UnitReport> units) const;
 
  private:
@@ -64,7 +65,8 @@ class IntervalPacker {
   std::string packed_;
 };
 
-/// Reads a file's bytes. InputError, without its name, for what no such file has: it may be of anybody.
+/// Reads a file's bytes. Throws InputError, without the file's name, for anything that is not such a file; the input
+/// may be hostile.
 IntervalFile read_intervals(std::string_view bytes);
 
 }  // namespace tools

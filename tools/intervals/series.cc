@@ -27,7 +27,7 @@ constexpr double kPercent = 100;
 constexpr double kGigabytesPerByteOverFemtosecond = 1e6;
 constexpr double kMillionsPerSecondPerOneOverFemtosecond = 1e9;
 
-/// A formula of the frame's energy, whose counts are those until the end of an interval.
+/// The frame's energy formula, applied to the counts until the end of an interval.
 class EnergyUntil {
  public:
   explicit EnergyUntil(const RunIntervals& run)
@@ -44,7 +44,7 @@ class EnergyUntil {
   sim::EnergyFormula formula_;
 };
 
-/// Series that grow side by side, in the order in which their names first come.
+/// Series under construction, in the order in which their names first appear.
 class Growing {
  public:
   explicit Growing(std::vector<IntervalSeries>& series) : series_(series) {}
@@ -59,7 +59,7 @@ class Growing {
   std::size_t at_ = 0;
 };
 
-/// One frame's table, interval by interval.
+/// Builds one frame's table, interval by interval.
 class Table {
  public:
   Table(const RunIntervals& run, const IntervalFrame& frame, sim::Side side)
@@ -172,7 +172,7 @@ class Table {
   Reports until_, within_;
   IntervalTable table_;
   Growing series_;
-  double time_ = 1;  ///< length of the interval, in fs
+  double time_ = 1;  ///< length of the interval in fs
   std::vector<double> blocks_before_, kinds_before_;
 };
 

@@ -8,11 +8,11 @@
 namespace tools {
 namespace {
 
-/// Noise of frames of so many pixels or more: of time and what is divided by it, of energy, of memory traffic.
+/// Noise of frames with at least `pixels` pixels: of time and rates, of energy, of memory traffic.
 struct Level {
   double pixels, time, energy, traffic;
 };
-// source: docs/noise.md, 95 % of pairs of runs of the scene whose figures races move most
+// source: docs/noise.md, 95 % of pairs of runs of the scene whose figures vary most
 constexpr std::array kLevels = {
     Level{1024 * 512, 0.02, 0.02, 0.10},
     Level{512 * 256, 0.09, 0.05, 0.25},
@@ -33,7 +33,7 @@ constexpr std::array kTraffic = {"dram_bytes",
                                  "energy_by_block_mj.dma",
                                  "energy_by_block_mj.interconnect"};
 
-/// Is the figure one of these, or does it lie below one?
+/// True if the figure is one of `names` or below one of them.
 bool is_among(std::string_view figure, const auto& names) {
   return std::ranges::any_of(names, [&](std::string_view name) {
     return figure.starts_with(name) && (figure.size() == name.size() || figure[name.size()] == '.');
@@ -42,7 +42,7 @@ bool is_among(std::string_view figure, const auto& names) {
 
 constexpr double kEndless = std::numeric_limits<double>::infinity();
 
-/// Deviations of one run in the noise of a difference.
+/// Returns the half-width of a 95 % interval in standard deviations of one run, for a difference of two runs.
 double deviations_of_pair() { return student_t(kEndless) * std::sqrt(2.0); }
 
 }  // namespace

@@ -7,8 +7,8 @@
 
 namespace tools {
 
-/// Figures of `totals` that races within a frame move: these, and all that lies below them. Energies by event and
-/// cycles by kernel move, too, but have no noise told: they explain a figure.
+/// Figures of `totals` that vary with races within a frame: these, and all figures below them. Energies by event and
+/// cycles by kernel vary, too, but no noise is stated for them.
 inline constexpr std::array kNoisyFigures = {
     "cycles",
     "time_ms",
@@ -30,28 +30,28 @@ inline constexpr std::array kNoisyFigures = {
     "relative.gpu_perf_per_watt",
 };
 
-/// Difference of two runs of one design that races alone may make in a figure of `totals`, where no replicates tell:
-/// half of a 95 % interval, as a part of the figure (docs/noise.md).
+/// Returns half of the 95 % interval of the difference of two runs of one design, as a share of the figure of `totals`
+/// (docs/noise.md). Used if there are no replicates.
 double default_noise(double pixels, std::string_view figure);
 
-/// A figure of `totals` that races move, e.g. "energy_mj.nominal".
+/// True for a figure of `totals` that varies with races, e.g. "energy_mj.nominal".
 bool is_noisy(std::string_view figure);
 
-/// A figure as it was seen of a design: the mean of replicates, or that of one run.
+/// A figure measured for a design: the mean of replicates, or the value of one run.
 struct SeenFigure {
   double value = 0;
   std::optional<Draws> draws{};  ///< replicates
-  double assumed = 0;            ///< default_noise() of a run without any; 0: races do not move the figure
+  double assumed = 0;            ///< default_noise() of a run without replicates; 0: the figure does not vary
 
-  /// Standard deviation of the value.
+  /// Returns the standard deviation of the value.
   double error() const;
-  /// Half of the value's 95 % interval.
+  /// Returns half of the value's 95 % interval.
   double half_width() const;
 };
-/// b - a; by Welch's test where both have replicates.
+/// Returns b - a; by Welch's test if both have replicates.
 MeanDifference difference_of(const SeenFigure& a, const SeenFigure& b);
 
-/// Noise of these replicates as default_noise() states it.
+/// Returns the noise of these replicates in the form of default_noise().
 double noise_of_pair(const Draws& draws);
 
 }  // namespace tools

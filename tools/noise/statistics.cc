@@ -9,7 +9,7 @@
 namespace tools {
 namespace {
 
-// Wider floating point would start with the program, and fail where a profiler's processor has 64 bits only.
+// long double would be initialised when the program starts, and fails under profilers with 64-bit floating point.
 using Policy = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
 using Student = boost::math::students_t_distribution<double, Policy>;
 

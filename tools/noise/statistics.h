@@ -5,37 +5,37 @@
 
 namespace tools {
 
-/// Student's t: `share` of its distribution lies below.
+/// Returns the quantile of Student's t distribution: `share` of it is below.
 double student_t(double degrees, double share = 0.975);
-/// Chance that a variable of Student's distribution is larger than `t`.
+/// Returns the probability that a variable of Student's t distribution exceeds `t`.
 double student_t_above(double t, double degrees);
 
 /// Mean and standard deviation of draws of a figure.
 struct Draws {
   std::size_t count = 0;
   double mean = 0;
-  double deviation = 0;  ///< that of a draw, with count - 1 degrees of freedom; 0 for one draw
+  double deviation = 0;  ///< of one draw, with count - 1 degrees of freedom; 0 for a single draw
 
-  /// Half of the 95 % interval around the mean, by Student's t; 0 for one draw.
+  /// Returns half of the 95 % interval of the mean, by Student's t; 0 for a single draw.
   double half_width() const;
 };
 Draws draws_of(std::span<const double> values);
 
-/// Difference of two means whose draws may vary differently (Welch, Biometrika 1947): b - a.
+/// Difference b - a of two means with possibly unequal variances (Welch, Biometrika 1947).
 struct MeanDifference {
   double value = 0;
-  double error = 0;    ///< its standard deviation
+  double error = 0;    ///< standard deviation of `value`
   double degrees = 1;  ///< degrees of freedom, after Welch and Satterthwaite
 
-  /// Half of its 95 % interval.
+  /// Returns half of its 95 % interval.
   double half_width() const { return error == 0 ? 0 : student_t(degrees) * error; }
-  /// Chance of a difference so far above zero if there were none: a one-sided test.
+  /// Returns the one-sided p-value: the probability of such a difference or a larger one if the true one is zero.
   double chance_above() const;
 };
 MeanDifference difference_of(const Draws& a, const Draws& b);
 
-/// Hypotheses that are rejected, by their chances, if with `error` at most any true one may be (Holm, Scandinavian
-/// Journal of Statistics 1979).
+/// Returns which hypotheses are rejected, given their p-values, at a family-wise error rate of `error` (Holm,
+/// Scandinavian Journal of Statistics 1979).
 std::vector<bool> rejected(std::span<const double> chances, double error);
 
 }  // namespace tools

@@ -27,7 +27,7 @@ void add(std::vector<EnergyEntry>& entries, const sim::ConfigNode& node, const s
 
 void collect(const sim::ConfigNode& group, std::vector<EnergyEntry>& entries) {
   for (const sim::ConfigNode& node : group.children) {
-    if (node.path == "area" || node.path == "power") continue;  // no figures of energy
+    if (node.path == "area" || node.path == "power") continue;  // no energy figures
     if (node.is_group()) {
       collect(node, entries);
     } else if (node.affects != sim::Affects::kEnergy) {

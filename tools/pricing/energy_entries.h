@@ -8,13 +8,13 @@
 
 namespace tools {
 
-/// A figure of the energy tables, or a curve of them over size, bound to a configuration.
+/// A figure of the energy tables, or a curve of figures over size, bound to a configuration.
 struct EnergyEntry {
   std::string name;  ///< "energy.events.cache.l1_read", "energy.clock_share", "dram.energy.refresh"
   std::string unit;
-  std::string meaning;  ///< meaning of the key it stands in
+  std::string meaning;  ///< meaning of its key
   std::uint64_t hash = 0;
-  /// A figure of the configuration, and its band before anybody has drawn from it.
+  /// A figure of the configuration, and its band before any draw.
   struct Figure {
     std::string name;  ///< with its size, "energy.events.cache.l1_read@16KiB"
     sim::Spread* value;
@@ -28,14 +28,16 @@ struct EnergyEntry {
   void restore();
 };
 
-/// Entries of all tables, those without a band too, in the order of the configuration. `config` must outlive them.
+/// Returns the entries of all tables, including those without a band, in the order of the configuration. `config` must
+/// outlive them.
 std::vector<EnergyEntry> energy_entries(RunConfig& config);
 
-/// The figure at a quantile of its band: low at 0, nominal at 1/2, high at 1, and between them evenly in its logarithm,
-/// or, where low is 0, in itself.
+/// Returns the figure at a quantile of its band: low at 0, nominal at 1/2, high at 1. Between them it interpolates the
+/// logarithm, or the figure itself if low is 0.
 double at_quantile(const sim::Spread& band, double quantile);
 
-/// Independent draws of all entries. Entries of a name have one quantile in all designs and in all points of a curve.
+/// Independent draws of all entries. Entries of one name have the same quantile in all designs and at all points of a
+/// curve.
 struct EnergyDraw {
   std::uint64_t seed = 1;
   std::uint64_t number = 0;

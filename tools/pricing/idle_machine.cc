@@ -10,7 +10,7 @@ namespace tools {
 std::vector<sim::UnitReport> idle_units(const hw::GpuConfig& config, bool rasterises) {
   const traces::MemoryImage nothing;
   NoTiles tiles;
-  // Kernels that no tile asks for need no schedule: finding one would take longer than all else.
+  // Kernels that no tile uses get no schedule: scheduling would dominate the time.
   hw::Gpu::Workload workload{
       .image = nothing, .parents = {}, .scheduled = std::make_shared<const hw::ScheduledKernels>()};
   if (rasterises) workload.needs.raster = traces::RasterDemands{};

@@ -9,8 +9,8 @@ struct GpuConfig;
 
 namespace tools {
 
-/// Every unit of a machine before it has done anything: blocks, storage, reasons, and counters with what they cost.
-/// `rasterises`: its frames have work for rasterisers, which it has then.
+/// Returns every unit of a machine before its first cycle: blocks, storage, reasons, and counters with their costs.
+/// `rasterises`: the machine has rasterisers.
 std::vector<sim::UnitReport> idle_units(const hw::GpuConfig& config, bool rasterises = false);
 
 }  // namespace tools

@@ -27,9 +27,9 @@ namespace tools {
 namespace {
 
 constexpr std::uint64_t kMostTableBytes = 4 << 20;
-constexpr double kSumRounding = 1e-9;  ///< sums of frames are rounded otherwise than sums of counts
+constexpr double kSumRounding = 1e-9;  ///< sums over frames are rounded differently from sums over counts
 
-/// A whole file has keys of energy alone; a configuration, or a table of something else, is told from it by its keys.
+/// Throws InputError unless the file is a whole energy table: it must have keys of energy only.
 void check_kind(const std::filesystem::path& file) {
   const auto mapping = sim::parse_yaml_mapping(sim::read_file(file, kMostTableBytes), sim::printable(file.string()));
   const auto refuse = [&](const std::string& what) {
@@ -49,14 +49,14 @@ void check_kind(const std::filesystem::path& file) {
   }
 }
 
-/// The table's file: "energy/14nm", "14nm" or a path.
+/// Returns the table's file for "energy/14nm", "14nm" or a path.
 std::filesystem::path table_file(const std::string& name) {
   const std::vector<std::string> known = config_names_in("energy");
   const bool is_bare = std::ranges::find(known, "energy/" + name) != known.end();
   return sim::find_config(is_bare ? "energy/" + name : name, {}, "--energy", "energy");
 }
 
-/// Applies another table; keys that do more than price are refused.
+/// Applies another table; refuses keys that change more than energy.
 void apply(const PriceTable& table, RunConfig& config) {
   sim::set_config_search_path(config_folders());
   const auto before = sim::list_fields(config);

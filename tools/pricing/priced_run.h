@@ -12,21 +12,21 @@
 
 namespace tools {
 
-/// Figures in the place of those that a run was made with.
+/// Energy figures that replace those of the run.
 struct PriceTable {
   std::string energy{};             ///< a whole table, as energy.extends names it; empty: the run's
   std::vector<std::string> sets{};  ///< "key=value" of keys that affect energy alone
   bool is_own() const { return energy.empty() && sets.empty(); }
 };
 
-/// A finished run, priced without simulation: the counts of its report, on the machine of its configuration.
+/// A finished run, priced without simulation: the counts of its report on the machine of its configuration.
 ///
 ///   report.json: config ──► machine at rest: what each counter costs ──► formula x table ──► joules
 ///                units  ──► counts ──────────────────────────────────────┘
 class PricedRun {
  public:
-  /// InputError if the report has no counts, if by its own table these do not come to the energy that it states (it was
-  /// made by another model), or for a table that does not fit.
+  /// Throws InputError if the report has no counts, if they do not give the reported energy under the run's own table
+  /// (the report was made by another model), or if the table does not fit.
   explicit PricedRun(const ReportFile& report, const PriceTable& table = {});
   PricedRun(const PricedRun&) = delete;
   PricedRun& operator=(const PricedRun&) = delete;
@@ -34,19 +34,19 @@ class PricedRun {
   const RunConfig& config() const { return config_; }
   sim::EnergyReport energy() const { return formula_->report(); }
   const WorkDone& work() const { return work_; }
-  /// A line for each kind of unit whose array lies outside all points of a curve of the table, and for each clock whose
-  /// energies hold at another voltage.
+  /// Returns a line for each kind of unit whose array is outside all points of a curve of the table, and for each clock
+  /// whose energies hold at another voltage.
   const std::vector<std::string>& extrapolated() const { return extrapolated_; }
 
-  /// Figures with a band.
+  /// Returns the figures that have a band.
   std::vector<EnergyEntry>& entries() { return entries_; }
-  /// Has nominal figures be those of a draw, or of the table again.
+  /// Sets nominal figures to those of a draw; restore() sets them back to the table's.
   void draw(const EnergyDraw& draw);
   void restore();
-  /// Call when entries have been set by hand.
+  /// Recomputes the formula; call after changing entries directly.
   void refresh();
 
-  /// pJ of one side now.
+  /// Returns the current pJ of one side.
   double total(sim::Side side) const { return formula_->total(side); }
   double of_block(const std::string& block, sim::Side side) const;
 

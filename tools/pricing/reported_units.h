@@ -8,15 +8,15 @@
 
 namespace tools {
 
-/// Configuration that a report was made with. InputError if it has none that this program knows.
+/// Returns the configuration of a report. Throws InputError if it has none, or one that this program does not support.
 RunConfig reported_config(const ReportFile& report);
 
-/// Counts of a report, for the units of a machine at rest.
+/// Counts of a report, to be filled into the units of a machine at rest.
 class ReportedCounts {
  public:
-  /// InputError if the report has none.
+  /// Throws InputError if the report has none.
   explicit ReportedCounts(const ReportFile& report);
-  /// Puts them into the units. InputError if there are others in the report.
+  /// Writes the counts into the units. Throws InputError if the report has other counts.
   void fill(std::vector<sim::UnitReport>& units) const;
   bool has_rasteriser() const;
   /// Throws InputError for a report of another model.

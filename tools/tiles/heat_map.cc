@@ -12,13 +12,13 @@
 namespace tools {
 namespace {
 
-/// Rectangle of the picture that a tile finishes, and what its entries in all passes come to.
+/// Rectangle of the picture that a tile finishes, and the figure summed over all passes.
 struct Area {
   std::uint32_t x = 0, y = 0, width = 0, height = 0;
   double sum = 0;
 };
 
-/// Sums of a figure by area: entries of later passes have the area of the tile's first.
+/// Sums a figure by area: entries of later passes have the area of the tile's first entry.
 std::vector<Area> by_area(const TileFrame& tiles, auto&& value) {
   const auto whole = [&](const char* column, std::size_t i) { return static_cast<std::uint32_t>(tiles.at(column)[i]); };
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> index;

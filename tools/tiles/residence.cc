@@ -20,7 +20,7 @@ Residence residence(std::span<const hw::TileAccount> tiles, sim::Time elapsed, s
   std::ranges::stable_sort(events, {}, &Event::at);
   Residence shares{std::vector<double>(tiles.size()), 0};
   const auto whole = static_cast<double>(elapsed);
-  // A tile alone all the time so far would have had so much; what it has is the difference of two such values.
+  // Cumulative time of a tile that was present from the start; a tile's own time is the difference of two such values.
   double reached = 0;
   sim::Time now = 0;
   std::size_t present = 0;

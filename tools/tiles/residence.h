@@ -7,10 +7,10 @@
 
 namespace tools {
 
-/// Shares of a frame's time by who was there: at any time those tiles that a core has, or, without a core, those that
-/// any has, share it evenly. The rest is time in which there were none.
+/// Shares of a frame's time by tile: at any time the tiles in flight on a core (or on any core, if none is given) share
+/// the time equally. The rest is time without tiles.
 struct Residence {
-  std::vector<double> tiles;  ///< 0 of those that are elsewhere
+  std::vector<double> tiles;  ///< 0 for tiles of other cores
   double rest = 0;
 };
 Residence residence(std::span<const hw::TileAccount> tiles, sim::Time elapsed, std::optional<std::uint32_t> core);

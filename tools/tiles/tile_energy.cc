@@ -18,7 +18,7 @@ namespace {
 
 using Shares = std::vector<double>;
 
-/// The core that a unit belongs to, by its path.
+/// Returns the core of a unit, by its path.
 std::optional<std::uint32_t> core_of(std::string_view path) {
   constexpr std::string_view kCore = "core";
   std::uint32_t core = 0;
@@ -27,7 +27,7 @@ std::optional<std::uint32_t> core_of(std::string_view path) {
   return bad == std::errc{} && *end == '.' ? std::optional(core) : std::nullopt;
 }
 
-/// Energy that is shared out, by what it is shared by.
+/// Energy to be shared out, by the quantity that it is shared by.
 class Shared {
  public:
   Shared(const FrameResult& s, const TileWeights& weights, std::optional<std::uint32_t> core)

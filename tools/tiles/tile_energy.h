@@ -9,14 +9,19 @@ namespace tools {
 /// Energy of a frame by tile, in pJ.
 struct TileEnergy {
   std::vector<sim::Spread> tiles;
-  sim::Spread rest;  ///< energy of requests that no tile made, and of time in which no tile was there
+  sim::Spread rest;  ///< energy of requests without a tile, and of time without tiles
 };
 
-/// Shares out energy. What a counter of a core's unit took is shared by that core's tiles, what one of a shared unit
-/// took by all, each as much as it is known to have had of it: rays, visits, tests, operations of its kernels, lines it
-/// asked for, hits, misses, bursts. Where nobody counts by tile, it is what comes nearest: hits of an L1 by visits or
-/// tests, its misses and fills by lines asked for, configuration words by cycles of the array. Who asks is charged,
-/// whoever else reads the line later. What time brings is shared by those who are there. `s` is of a frame that was
+/// Shares out the energy of an itemised frame.
+///
+/// 1. The energy of a core's counter is shared by that core's tiles, the energy of a shared unit's counter by all
+///    tiles.
+/// 2. Each tile pays in proportion to its counted part: rays, visits, tests, operations of its kernels, lines
+///    requested, hits, misses, bursts.
+/// 3. Where there is no count by tile, the nearest quantity is used: visits or tests for L1 hits, requested lines for
+///    L1 misses and fills, array cycles for configuration words.
+/// 4. A line is charged to the tile that requested it, even if others read it later.
+/// 5. Time-dependent energy is shared by the tiles in flight.
 /// itemised.
 TileEnergy tile_energy(const FrameResult& s, const RunConfig& config);
 

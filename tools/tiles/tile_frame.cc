@@ -13,9 +13,9 @@
 namespace tools {
 namespace {
 
-constexpr double kMillijoulesPerPicojoule = 1e-9;  // as report_json.cc has it: figures agree to the last bit
+constexpr double kMillijoulesPerPicojoule = 1e-9;  // as in report_json.cc: figures agree to the last bit
 
-/// Number that must be added to a sum so that it is exactly the whole.
+/// Returns the number that must be added to a sum so that it is exactly `whole`.
 double missing_to(double whole, double sum) {
   double rest = whole - sum;
   while (sum + rest < whole) rest = std::nextafter(rest, INFINITY);
@@ -39,7 +39,7 @@ class Builder {
   }
 
  private:
-  /// `value(i)` of each tile.
+  /// Adds a column of `value(i)` for each tile.
   TileColumn& add(std::string name, std::string unit, auto&& value) {
     TileColumn& column = frame_.columns.emplace_back(TileColumn{std::move(name), std::move(unit)});
     column.values.reserve(s_.tile_accounts.size());
@@ -69,8 +69,8 @@ class Builder {
     add("width", "pixels", [&](std::size_t i) { return firsts[i]->width; });
     add("height", "pixels", [&](std::size_t i) { return firsts[i]->height; });
   }
-  /// For each entry that of the same tile in the first pass, which knows its place: a pass that goes over the frame
-  /// again numbers its tiles behind those of the pass before, in the same order.
+  /// Returns for each entry the same tile's entry in the first pass, which has its place. A later pass over the frame
+  /// numbers its tiles after those of the previous pass, in the same order.
   std::vector<const kernels::TileSummary*> first_passes() const {
     std::vector<const kernels::TileSummary*> by_tile, firsts;
     std::size_t count = 0;

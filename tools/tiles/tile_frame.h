@@ -4,7 +4,7 @@
 
 namespace tools {
 
-/// Tiles of a frame that was itemised. A replay has no columns x, y, width and height: a trace has no picture.
+/// Returns the tiles of an itemised frame. A replay has no columns x, y, width and height: a trace has no picture.
 TileFrame tile_frame(const FrameResult& s, const RunConfig& config, std::uint32_t frame);
 
 }  // namespace tools

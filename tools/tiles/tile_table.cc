@@ -26,7 +26,7 @@ Json number(double value) {
   return value;
 }
 
-/// A column a line: people look into the file, and programs need no spaces.
+/// Writes one column per line, without other blanks.
 void append_columns(const TileFrame& frame, std::string& out) {
   for (const TileColumn& column : frame.columns) {
     Json values = Json::array();
@@ -64,7 +64,7 @@ TileFrame frame_of(const Json& json, const Json& units, const std::string& file)
   return frame;
 }
 
-/// InputError, with the file's name, for what is nested too deeply.
+/// Parses JSON; throws InputError, with the file's name, if it is nested too deeply.
 Json parsed(const std::string& bytes, const std::string& name) {
   try {
     return sim::parse_json(bytes);

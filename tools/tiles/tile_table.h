@@ -13,18 +13,18 @@ namespace tools {
 /// A figure of all tiles of a frame.
 struct TileColumn {
   std::string name, unit;
-  bool is_sum = false;  ///< the frame's figure is the sum of all values, in their order, and the rest, to the last bit
-  std::vector<double> values = {};  ///< a tile each; whole numbers are exact
-  double rest = 0;                  ///< what belongs to no tile
+  bool is_sum = false;  ///< true: the frame's figure is the sum of all values, in order, and `rest`, to the last bit
+  std::vector<double> values = {};  ///< one per tile; whole numbers are exact
+  double rest = 0;                  ///< part that belongs to no tile
   double total = 0;
 };
 
-/// Figures of a frame's tiles, one row for each entry of its tile list: a tile, or a tile in one of several passes.
+/// Figures of a frame's tiles, one row per entry of its tile list: a tile, or a tile in one of several passes.
 struct TileFrame {
   std::uint32_t frame = 0;
   std::vector<TileColumn> columns;
   std::size_t rows() const { return columns.empty() ? 0 : columns.front().values.size(); }
-  /// Null if there is none of that name: a replay knows no places.
+  /// Returns the column, or null: a replay has no places.
   const TileColumn* find(std::string_view name) const;
   const std::vector<double>& at(std::string_view name) const;
 };
@@ -36,10 +36,10 @@ struct TileTable {
 
 inline constexpr std::string_view kTilesFile = "tiles.json";
 
-/// The text of the file: equal tables, equal bytes.
+/// Returns the text of the file; equal tables give equal bytes.
 std::string tiles_text(const TileTable& table);
 
-/// Reads the file, or that of a run's folder. InputError if it is none, or is damaged.
+/// Reads the file, or that of a run's folder. Throws InputError if it is not such a file, or damaged.
 TileTable load_tiles(const std::filesystem::path& file_or_folder);
 
 }  // namespace tools

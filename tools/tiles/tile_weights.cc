@@ -13,7 +13,7 @@
 namespace tools {
 namespace {
 
-/// Kinds of work; behind them the counters of a shader core that follow from its kernels.
+/// Kinds of work, followed by the counters of a shader core that depend on its kernels.
 enum Kind : std::size_t {
   kRays,
   kVisits,
@@ -58,7 +58,7 @@ std::size_t srp_counter(std::string_view wanted) {
   return found;
 }
 
-/// A counter of a unit, and by what it is shared out.
+/// A counter of a unit, and the kind of work by which its energy is shared out.
 struct Rule {
   std::type_index unit;
   std::string_view counter;
@@ -70,7 +70,7 @@ Rule rule(std::uint64_t Unit::Stats::*counter, Kind kind) {
   return {typeid(Unit), counter_name<typename Unit::Stats>(counter), kind};
 }
 
-/// Rules for counters that are not shared out as others of their unit are.
+/// Rules for counters that are not shared out like the others of their unit.
 const std::vector<Rule>& rules() {
   using hw::CorePort, hw::DramChannel, hw::Ist, hw::L2Bank, hw::Srp, hw::Trv;
   static const std::vector<Rule> all = {
@@ -100,7 +100,7 @@ const std::vector<Rule>& rules() {
   return all;
 }
 
-/// Kind of work by which all other counters of a kind of units are shared out; nothing: time.
+/// Returns the kind of work for all other counters of a kind of unit; none: time.
 std::optional<Kind> usual_kind(const sim::UnitReport& unit) {
   if (unit.type == typeid(hw::RayDispatcher)) return kRays;
   if (unit.type == typeid(hw::Trv)) return kVisits;
@@ -168,7 +168,8 @@ void TileWeights::add_account(const hw::TileAccount& account, double* values) co
   set(kActivates, account.activates);
 }
 
-/// Operations of a tile's kernels, and accesses to the tile buffer: by kernels, by rays and their hits, by transfers.
+/// Adds operations of a tile's kernels, and accesses to the tile buffer: by kernels, by rays and their hits, by
+/// transfers.
 void TileWeights::add_kernels(const FrameResult& s) {
   constexpr double kAccess = 16;          // bytes
   std::vector<std::vector<double>> item;  // by kernel

@@ -9,20 +9,20 @@
 
 namespace tools {
 
-/// Parts that tiles had of a machine's work: a number for each tile and kind of work, by which the energy of that kind
-/// is shared out.
+/// Each tile's part of a machine's work: a number per tile and kind of work, by which the energy of that kind is shared
+/// out.
 class TileWeights {
  public:
   explicit TileWeights(const FrameResult& s);
 
-  /// Kinds of work.
+  /// Returns the number of kinds of work.
   std::size_t count() const { return kinds_; }
   double of(std::size_t tile, std::size_t kind) const { return values_[tile * kinds_ + kind]; }
   double of_rest(std::size_t kind) const { return rest_[kind]; }
-  /// Sum over all tiles of a core; without one, over all tiles and what no tile has asked for.
+  /// Returns the sum over all tiles of a core; without a core, over all tiles and requests without a tile.
   double sum(std::size_t kind, std::optional<std::uint32_t> core) const;
 
-  /// The kind by which a counter of a unit is shared out; nothing for one that time moves.
+  /// Returns the kind of work for a counter of a unit; none if it depends on time.
   static std::optional<std::size_t> of_counter(const sim::UnitReport& unit, std::string_view counter);
 
  private:

@@ -13,7 +13,7 @@ constexpr std::size_t kMostStretches = 2048;
 constexpr double kLineBytes = 64;
 constexpr double kJoulesPerMillijoule = 1e-3;
 
-/// A frame in stretches of equal time, whole numbers of the recorder's.
+/// A frame divided into bins of equal time, each a whole number of the recorder's bins.
 class Stretches {
  public:
   explicit Stretches(sim::Time elapsed)
@@ -47,7 +47,7 @@ class CounterWriter {
  public:
   CounterWriter(const Stretches& stretches, TracePackets& to) : stretches_(stretches), to_(to) {}
 
-  /// A value for each stretch, told where it changes, and nothing behind the last.
+  /// Writes a value per bin, only where it changes.
   void write(std::uint64_t track, auto&& value) {
     double before = -1;
     for (std::size_t i = 0; i < stretches_.count(); ++i) {
@@ -70,7 +70,7 @@ void write_rays(const TimelineRecorder& recorder, std::uint32_t core, std::uint6
     seen.emplace_back(slice.end, slice.rays_at_end);
   }
   std::ranges::stable_sort(seen, {}, &std::pair<sim::Time, std::uint32_t>::first);
-  // As often as other counters, at most.
+  // At most as many values as other counters.
   const std::size_t step = 1 + seen.size() / kMostStretches;
   for (std::size_t i = 0; i < seen.size(); i += step) to.count(nanoseconds(seen[i].first), track, seen[i].second);
 }

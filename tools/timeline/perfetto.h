@@ -7,7 +7,7 @@
 
 namespace tools {
 
-/// Messages of a Perfetto trace as its published protos number their fields, as far as a timeline needs them:
+/// Field numbers of the Perfetto messages that a timeline uses, from its published protos:
 /// protos/perfetto/trace/trace_packet.proto, track_event/*.proto, interned_data/interned_data.proto.
 namespace perfetto {
 

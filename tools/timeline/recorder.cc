@@ -21,7 +21,7 @@ void TimelineRecorder::on_event(const hw::Event& event) {
       event);
 }
 
-/// Tags are entries of the tile list modulo 2^15: the tiles of a core have different ones.
+/// Tags are entries of the tile list modulo 2^15; tiles in flight on a core have different tags.
 std::uint32_t TimelineRecorder::entry_of(std::uint32_t core, hw::TileTag tile) const {
   const auto slot = std::ranges::find(slots_[core], tile, &Slot::owner);
   return slot == slots_[core].end() ? RecordedSlice::kNoEntry : slot->entry;

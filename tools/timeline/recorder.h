@@ -6,7 +6,7 @@
 
 namespace tools {
 
-/// Something that took a core a while.
+/// An activity of a core with begin and end.
 struct RecordedSlice {
   enum class Kind : std::uint8_t { kTile, kLoop, kRays, kTransfer };
   Kind kind = Kind::kTile;
@@ -20,19 +20,19 @@ struct RecordedSlice {
   std::uint32_t launches = 0;                        ///< kLoop: chunks of launches in it
   std::uint32_t rays_at_begin = 0, rays_at_end = 0;  ///< kRays: all of the core in its T&I unit
   sim::Time begin = 0, end = 0;
-  sim::Time configured = 0, start = 0;  ///< kLoop: the switch is over, the loop begins
+  sim::Time configured = 0, start = 0;  ///< kLoop: end of the configuration switch; begin of the loop
   std::uint64_t cycles = 0;             ///< kLoop: of the shader core
   sim::Time stalled = 0;                ///< kLoop
   static constexpr std::uint32_t kNoEntry = 0xffffffffU;
 };
 
-/// Work of the memory side in a stretch of time.
+/// Work of the memory side in one bin of time.
 struct MemoryBin {
   std::uint64_t l2_hits = 0, l2_misses = 0;
-  std::uint64_t lines_read = 0, lines_written = 0;  ///< by memory: whose data end in it
+  std::uint64_t lines_read = 0, lines_written = 0;  ///< by memory, counted when their data end
 };
 
-/// Keeps what a machine does in a frame, to be shown as a timeline.
+/// Records a machine's activity in a frame for a timeline.
 class TimelineRecorder final : public hw::Observer {
  public:
   static constexpr sim::Time kBin = 1'000'000'000;  ///< a microsecond
@@ -40,7 +40,7 @@ class TimelineRecorder final : public hw::Observer {
   explicit TimelineRecorder(std::uint32_t cores) : slots_(cores), batches_(cores) {}
   void on_event(const hw::Event& event) override;
 
-  /// In the order in which they ended.
+  /// Returns the slices in the order in which they ended.
   const std::vector<RecordedSlice>& slices() const { return slices_; }
   const std::vector<MemoryBin>& memory() const { return memory_; }
 
@@ -69,9 +69,9 @@ class TimelineRecorder final : public hw::Observer {
   }
   std::uint32_t entry_of(std::uint32_t core, hw::TileTag tile) const;
 
-  std::uint32_t newest_ = 0;                 ///< entry of the tile list that a core has taken
+  std::uint32_t newest_ = 0;                 ///< highest entry of the tile list that a core has taken
   std::vector<std::vector<Slot>> slots_;     ///< by core
-  std::vector<std::vector<Batch>> batches_;  ///< by core: under way
+  std::vector<std::vector<Batch>> batches_;  ///< by core, in flight
   std::vector<RecordedSlice> slices_;
   std::vector<MemoryBin> memory_;
 };

@@ -15,7 +15,7 @@
 namespace tools {
 namespace {
 
-/// Whole numbers with commas between them, nothing else; nothing if it is not so many.
+/// Parses `count` comma-separated whole numbers; empty if the text is anything else.
 std::vector<std::uint32_t> numbers(std::string_view text, std::size_t count) {
   std::vector<std::uint32_t> out;
   const char* at = text.data();
@@ -32,7 +32,7 @@ std::vector<std::uint32_t> numbers(std::string_view text, std::size_t count) {
   return at == end ? out : std::vector<std::uint32_t>{};
 }
 
-/// Text behind a word and a colon.
+/// Returns the text after a word and a colon; none if it begins differently.
 std::optional<std::string_view> behind(std::string_view text, std::string_view word) {
   if (!text.starts_with(word)) return {};
   return text.substr(word.size());
@@ -43,7 +43,7 @@ bool covers(const TileFrame& tiles, std::size_t row, std::uint32_t x, std::uint3
   return x >= at("x") && x < at("x") + at("width") && y >= at("y") && y < at("y") + at("height");
 }
 
-/// Distinct values of a column, in their order.
+/// Returns the distinct values of a column, ascending.
 std::vector<double> distinct(const std::vector<double>& column) {
   const std::set<double> values(column.begin(), column.end());
   return {values.begin(), values.end()};

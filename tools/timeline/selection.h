@@ -8,7 +8,7 @@
 
 namespace tools {
 
-/// Tiles that a timeline shows, as `--timeline` names them.
+/// Tiles that a timeline shows, as given to `--timeline`.
 struct TimelineSelection {
   enum class Kind : std::uint8_t { kAll, kSlowest, kTile, kPixel };
   Kind kind = Kind::kAll;
@@ -17,11 +17,12 @@ struct TimelineSelection {
   bool needs_places() const { return kind == Kind::kTile || kind == Kind::kPixel; }
 };
 
-/// "all", "slowest:8", "tile:3,2", "pixel:200,100"; InputError otherwise.
+/// Parses "all", "slowest:8", "tile:3,2" or "pixel:200,100"; throws InputError for other texts.
 TimelineSelection parse_timeline(const std::string& text);
 
-/// Rows of the frame's tiles, the most wanted first; a tile of several passes has several. Of the slowest those with
-/// the most cycles from dispatch to end, the earlier of equal ones. InputError if there is no such tile.
+/// Returns the rows of the selected tiles, the most important first; a tile of several passes has several rows. The
+/// slowest tiles have the most cycles from dispatch to end; of equal ones the earlier is first. Throws InputError if
+/// there is no such tile.
 std::vector<std::size_t> selected_tiles(const TimelineSelection& selection, const TileFrame& tiles);
 
 }  // namespace tools

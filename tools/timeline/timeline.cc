@@ -21,7 +21,7 @@ namespace {
 using Slice = RecordedSlice;
 constexpr std::uint32_t kNotWanted = std::numeric_limits<std::uint32_t>::max();
 
-/// For each slice the place of the tile for whose sake it is shown among the selected ones, or kNotWanted.
+/// Returns for each slice the rank, among the selected tiles, of the tile for which it is shown, or kNotWanted.
 std::vector<std::uint32_t> ranks(const std::vector<Slice>& slices, const std::vector<std::size_t>& rows, bool all) {
   if (all) return std::vector<std::uint32_t>(slices.size(), 0);
   struct Window {
@@ -51,7 +51,7 @@ class SliceWriter {
  public:
   SliceWriter(const FrameResult& s, const TileFrame& tiles) : s_(s), tiles_(tiles) {}
 
-  /// Calls add(time, write) for each event of a slice, in their order; write(packets) adds it.
+  /// Calls add(time, write) for each event of a slice in order; write(packets) adds it.
   void each_event(const Slice& slice, std::uint64_t track, auto&& add) const {
     const auto ends = [=](TracePackets& to, std::uint64_t time) { to.end(time, track); };
     add(slice.begin, [=, this](TracePackets& to, std::uint64_t time) { write_begin(slice, track, to, time); });
@@ -105,7 +105,7 @@ class SliceWriter {
   const TileFrame& tiles_;
 };
 
-/// Slices in the order in which they are given room.
+/// Returns the slices in order of rank, in which they get room.
 std::vector<std::size_t> in_order_of_rank(const std::vector<Slice>& slices, const std::vector<std::uint32_t>& rank) {
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < slices.size(); ++i) {
@@ -127,7 +127,7 @@ Timeline make_timeline(const TimelineRecorder& recorder, const TimelineSelection
   TimelineTracks tracks(config.gpu->cores);
   TracePackets counters;
   write_counters(recorder, s, tiles, config, tracks, counters);
-  // Texts, tracks of lanes that are not known yet, and what the last slice goes beyond.
+  // Room for texts, for tracks of lanes not yet known, and for the part of the last slice beyond the limit.
   constexpr std::uint64_t kSetAside = std::uint64_t{1} << 20;
   const SliceWriter writer(s, tiles);
   TracePackets scratch;
@@ -147,7 +147,7 @@ Timeline make_timeline(const TimelineRecorder& recorder, const TimelineSelection
     std::uint64_t time = 0;
     std::size_t slice = 0;
     std::uint64_t track = 0;
-    std::uint32_t number = 0;  ///< among the slice's events
+    std::uint32_t number = 0;  ///< index among the slice's events
   };
   std::vector<Event> events;
   for (const std::size_t i : shown) {

@@ -9,21 +9,21 @@
 
 namespace tools {
 
-/// `--timeline` of a job: records its first frame.
+/// The option `--timeline` of a job: records the job's first frame.
 class TimelineJob {
  public:
-  /// `asked`: as the option has it; empty: there is none. InputError if it means nothing.
+  /// `asked`: the option's text; empty: no timeline. Throws InputError for an invalid text.
   explicit TimelineJob(std::string asked);
 
   const std::optional<TimelineSelection>& selection() const { return selection_; }
-  /// InputError if the picture of the frame that `inputs` stand at has no such tile or pixel.
+  /// Throws InputError if the picture of the current frame of `inputs` has no such tile or pixel.
   void check(const Inputs& inputs, const kernels::ProgramSpec& program) const;
   /// Returns the observer of the next frame's machine: null from the second on.
   hw::Observer* begin_frame(const RunConfig& config);
-  /// The frame is over; later ones are not looked at. If it was interrupted before a tile that was asked for, there is
-  /// a warning instead of a timeline: the frame is not lost.
+  /// Makes the timeline of the first frame; ignores later frames. If the frame was interrupted before a selected tile,
+  /// it prints a warning and makes no timeline.
   void end_frame(const FrameResult& s, const TileFrame& tiles, const RunConfig& config);
-  /// Writes the file, and into the report what is in it and what had no room.
+  /// Writes the file, and its numbers of shown and dropped slices into the report.
   void write(const std::filesystem::path& folder, sim::Json& report) const;
 
  private:
@@ -31,7 +31,7 @@ class TimelineJob {
   std::optional<TimelineSelection> selection_;
   std::optional<TimelineRecorder> recorder_;
   std::optional<Timeline> made_;
-  std::string problem_;  ///< why there is none
+  std::string problem_;  ///< why there is no timeline
 };
 
 }  // namespace tools

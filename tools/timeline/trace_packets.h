@@ -8,7 +8,7 @@
 
 namespace tools {
 
-/// Texts that events name by number.
+/// Texts that events refer to by number.
 class InternedTexts {
  public:
   std::uint64_t number(std::string_view text) {
@@ -20,7 +20,7 @@ class InternedTexts {
   std::map<std::string, std::uint64_t> numbers_;
 };
 
-/// A track of the timeline: slices, or with a unit a counter.
+/// A track of the timeline: slices, or a counter if it has a unit.
 struct TimelineTrack {
   std::uint64_t id = 0, parent = 0;
   std::string name;
@@ -28,13 +28,13 @@ struct TimelineTrack {
   std::string unit = {};
 };
 
-/// Packets of a Perfetto trace, one behind the other. Times are in nanoseconds, rounded down.
+/// Serialised packets of a Perfetto trace. Times are in nanoseconds, rounded down.
 class TracePackets {
  public:
-  /// A process stands for a part of the machine; its tracks have it as parent.
+  /// Adds a process for a part of the machine, the parent of its tracks.
   void add_process(std::uint64_t id, std::string_view name, std::int32_t rank);
   void add_track(const TimelineTrack& track);
-  /// `flow`: of the slice; 0: none.
+  /// Begins a slice. `flow`: the slice's flow; 0: none.
   void begin(std::uint64_t time, std::uint64_t track, std::string_view name, std::string_view category,
              std::uint64_t flow, std::initializer_list<std::pair<std::string_view, std::uint64_t>> notes);
   void end(std::uint64_t time, std::uint64_t track);
@@ -42,7 +42,7 @@ class TracePackets {
 
   const std::string& bytes() const { return bytes_; }
   std::string take() { return std::move(bytes_); }
-  /// The first packet of a file: texts that later ones refer to. Takes them from `other`.
+  /// Returns the first packet of a file, with the texts that the packets of `other` refer to.
   static std::string texts_of(const TracePackets& other);
 
  private:

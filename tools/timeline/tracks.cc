@@ -8,7 +8,7 @@
 namespace tools {
 namespace {
 
-/// Ranks among the tracks of a core, from above.
+/// Ranks of tracks within a core, top to bottom.
 enum Rank : std::int32_t { kOfTiles = 0, kOfSrp = 100, kOfRays = 101, kOfDma = 102, kOfCounters = 103 };
 
 }  // namespace

@@ -10,20 +10,20 @@ namespace tools {
 
 constexpr std::uint64_t nanoseconds(sim::Time time) { return time / sim::kFemtosecondsPerNanosecond; }
 
-/// Tracks of a timeline: a process for each core, and one that all share.
+/// Tracks of a timeline: a process for each core, and one shared by all.
 class TimelineTracks {
  public:
   static constexpr std::uint64_t kLongestId = 0xffffffff;  ///< no id takes more bytes than this one
 
   explicit TimelineTracks(std::uint32_t cores) : cores_(cores) {}
 
-  /// Track of a slice. Slices of a core come in the order in which they began: batches of rays that overlap have tracks
-  /// beside each other.
+  /// Returns the track of a slice. Call it for a core's slices in the order of their begin: overlapping batches of rays
+  /// get different tracks.
   std::uint64_t of(const RecordedSlice& slice);
-  /// Counter of the process that all cores share, or of a core.
+  /// Adds a counter to the process shared by all cores, or to a core; returns its track.
   std::uint64_t shared_counter(const std::string& name, const std::string& unit);
   std::uint64_t core_counter(std::uint32_t core, const std::string& name, const std::string& unit);
-  /// Writes all that have been asked for, processes first.
+  /// Writes all tracks in use, processes first.
   void describe(TracePackets& to) const;
 
  private:
