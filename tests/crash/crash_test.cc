@@ -26,13 +26,13 @@ std::uint64_t from_environment(const char* name, std::uint64_t otherwise) {
 
 using Results = std::map<std::string, std::string>;
 
-/// A verb with its results in `work()`.
+/// A verb that writes its results into `work()`.
 struct Verb {
   std::string word;
   TempFolder folder{};
 
   fs::path work() const { return folder.path() / "work"; }
-  /// Results of another resolution go to the same files; a sweep and a search go on with their own.
+  /// Returns the command. Results of another resolution go to the same files; a sweep or search continues its own.
   Words words(const char* resolution = "16x8") const {
     const std::string out = (work() / "out").string();
     if (word == "run") return {"run", "--resolution", resolution, "--threads", "1", "--quiet", "-o", out};
@@ -59,7 +59,8 @@ struct Verb {
     fs::create_directory(work());
   }
   bool goes_on() const { return word == "sweep" || word == "optimise"; }
-  /// Starts with former results, if wanted: those of another resolution, or, of what goes on, its own.
+  /// Creates the folder, with previous results if `has_former`: of another resolution, or its own for a verb that
+  /// continues.
   Results begin(bool has_former) const {
     begin_anew();
     if (!has_former) return {};
@@ -84,11 +85,11 @@ struct Verb {
     return name == "report.json" || name == "config.yaml" || name == "image.png" || name == "points.jsonl" ||
            name.extension() == ".trace" || name == "suite.baseline.yaml" || name == "front.csv";
   }
-  /// True also of a whole folder's results before the folder takes its name.
+  /// True for a temporary file, and for a folder of results before its final rename.
   static bool is_temporary(const fs::path& name) {
     return name.string().find("raywatt-tmp") != std::string::npos || name.string().starts_with("store/tmp");
   }
-  /// Results by name, without what differs from run to run.
+  /// Returns the results by name, without the parts that differ from run to run.
   std::map<std::string, std::string> results() const {
     std::map<std::string, std::string> found;
     for (const auto& entry : fs::recursive_directory_iterator(work())) {
@@ -117,8 +118,8 @@ struct Verb {
   }
 };
 
-/// All of the new results or all of the former; a sweep's folder may have some of its points, a search's the lines of
-/// some.
+/// Expects all of the new results or all of the previous ones. A sweep's folder may have some of its points, a search's
+/// some lines.
 void expect_whole(const Verb& verb, const Results& results, const Results& whole, const Results& former) {
   if (!verb.goes_on()) {
     EXPECT_TRUE(results == whole || results == former);
@@ -155,7 +156,7 @@ void expect_clean_failure(const Verb& verb, std::uint64_t index, bool has_former
 
 class Crash : public testing::TestWithParam<const char*> {};
 
-/// How many of the indices are tried, about.
+/// Returns the approximate number of call indices to try.
 std::uint64_t sample_size() {
   const char* wanted = std::getenv("RAYWATT_CRASHES");
   return wanted != nullptr && std::string(wanted) == "all" ? UINT64_MAX : 5;

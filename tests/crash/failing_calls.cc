@@ -1,5 +1,5 @@
-// Preloaded into the program: counts the system calls that write below a folder, over all processes, and fails one; or
-// counts its large allocations, and fails one of these.
+// Preloaded into the program. Over all processes, it counts the system calls that write below a folder and fails one,
+// or counts the large allocations and fails one.
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
@@ -20,13 +20,13 @@
 
 namespace {
 
-/// The next function of this name, that of the C library.
+/// Returns the next function of this name: the C library's.
 template <class F>
 F* real(const char* name) {
   return reinterpret_cast<F*>(::dlsym(RTLD_NEXT, name));
 }
 
-/// Request of the test: the turn of the call, and a counter in a file that all processes map.
+/// The test's request: the index of the failing call, and a counter in a file that all processes map.
 class Plan {
  public:
   explicit Plan(const char* turn) {
@@ -48,7 +48,7 @@ class Plan {
   std::uint64_t failing_ = 0;
 };
 
-/// Is it this call's turn to fail?
+/// True if this call must fail.
 bool fails(std::string_view path, int error) {
   static const char* const below = std::getenv("CRASH_BELOW");
   static const Plan plan("CRASH_AT");
@@ -67,10 +67,10 @@ bool fails(int file, int error) {
 
 bool is_for_writing(int flags) { return (flags & (O_WRONLY | O_RDWR | O_CREAT)) != 0; }
 
-/// Smaller ones are too many to fail them all, and no host refuses them first.
+/// Smaller allocations are too many to fail each, and no host refuses them first.
 constexpr std::size_t kLargeAllocation = 4096;
 
-/// True for code of the program itself: what libraries do without memory is theirs.
+/// True for code of the program itself; libraries handle failed allocations in their own way.
 bool is_of_program(const void* code) {
   static const void* const program = [] {
     Dl_info entry{};

@@ -9,15 +9,15 @@
 #include "sim/hash.h"
 #include "tests/tools/program.h"
 
-// Folders of runs and sweeps, traces and what pages are made of, damaged by a seed: every verb ends in time, within its
-// memory and by itself, and loses nothing.
+// Folders of runs and sweeps, traces and inputs of pages are damaged by a seed. Every verb must end in time, within its
+// memory, with its own exit code, and lose nothing.
 
 namespace test {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// Randomness of one folder.
+/// Random numbers for one folder.
 class Dice {
  public:
   explicit Dice(std::uint64_t seed) : seed_(seed) {}
@@ -30,7 +30,7 @@ class Dice {
 
 using Files = std::map<std::string, std::string>;
 
-/// Regular files below a folder, by name.
+/// Returns the regular files below a folder, by name.
 Files files_in(const fs::path& folder) {
   Files files;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
@@ -43,7 +43,7 @@ Files files_in(const fs::path& folder) {
 
 std::size_t random_place(const std::string& bytes, Dice& dice) { return dice.below(bytes.size() + 1); }
 
-/// Other bytes of a kind that readers may stumble over.
+/// Returns the bytes damaged in a way that readers may handle badly.
 std::string damaged(std::string bytes, const std::string& of_another, Dice& dice) {
   const std::size_t at = random_place(bytes, dice);
   switch (dice.below(10)) {
@@ -59,13 +59,13 @@ std::string damaged(std::string bytes, const std::string& of_another, Dice& dice
       return of_another;
     case 5:
       return std::string(100'000, '[');
-    case 6: {  // a number, if there is one, becomes an impossible one
+    case 6: {  // a number, if there is one, becomes impossible
       const std::size_t digit = bytes.find_first_of("0123456789", at);
       if (digit == std::string::npos) return bytes;
       constexpr const char* kNumbers[] = {"1e300", "-1", "18446744073709551616", "1e999", "0", "NaN", "4294967296"};
       return bytes.replace(digit, 1, kNumbers[dice.below(std::size(kNumbers))]);
     }
-    case 7: {  // a piece of it again, elsewhere
+    case 7: {  // a piece is repeated elsewhere
       const std::string piece = bytes.substr(at, 1 + dice.below(4000));
       return bytes.insert(random_place(bytes, dice), piece);
     }
@@ -97,7 +97,7 @@ std::vector<std::string> damage(const fs::path& folder, Dice& dice) {
     fs::remove_all(file);
     switch (dice.below(12)) {
       case 0:
-        break;  // it is missing
+        break;  // a missing file
       case 1:
         fs::create_directory(file);
         break;
@@ -141,7 +141,8 @@ struct Seeds {
   }
 };
 
-/// A verb within 10 s of processor time and 1 GiB of addresses. It ends by itself, with one of its own exit codes.
+/// Runs a verb with limits of 10 s of processor time and 1 GiB of address space. Expects that it ends with one of its
+/// own exit codes.
 Ending bounded(Words words, const fs::path& folder) {
   constexpr const char* kLimits[] = {"--as=1073741824", "--cpu=10", "--core=0", RAYWATT_PROGRAM};
   words.insert(words.begin(), std::begin(kLimits), std::end(kLimits));
@@ -155,7 +156,7 @@ Ending bounded(Words words, const fs::path& folder) {
   return ending;
 }
 
-/// A copy of valid inputs, in a place of its own; a sweep has its store there.
+/// Copies valid inputs to a new folder, including a sweep's store.
 fs::path copy_of(const fs::path& from, const TempFolder& to) {
   const fs::path copy = to.path() / from.filename();
   fs::copy(from, copy, fs::copy_options::recursive);
@@ -167,7 +168,7 @@ fs::path copy_of(const fs::path& from, const TempFolder& to) {
   return copy;
 }
 
-/// Files that no verb may change: those of runs, traces and points that are not damaged themselves.
+/// Returns the files that no verb may change: undamaged files of runs, traces and points.
 Files lasting(const fs::path& folder, const std::vector<std::string>& hit) {
   Files files = files_in(folder);
   const bool is_sweep = fs::exists(folder / "store");
@@ -208,7 +209,7 @@ void try_trace(const fs::path& folder, const TempFolder& work) {
   bounded({"trace", "replay", trace, "--threads", "1", "-o", (work.path() / "replayed").string()}, work.path());
 }
 
-/// Good reports in a store by the number of cores, without what differs from run to run.
+/// Returns the good reports of a store by number of cores, without the parts that differ from run to run.
 std::map<int, std::string> results_of(const fs::path& store) {
   std::map<int, std::string> results;
   for (const auto& [name, bytes] : files_in(store / "points")) {
@@ -229,7 +230,7 @@ void try_sweep(const Seeds& seeds, const fs::path& folder, const TempFolder& wor
   bounded({"sweep", "best", out, "--max", "perf.fps"}, work.path());
   bounded({"report", out, "-o", (work.path() / "sweep.html").string()}, work.path());
   bounded({"sweep", "run", seeds.spec.string(), "-o", out, "--store", store, "-j", "1", "--quiet"}, work.path());
-  // A new folder takes what the store has, and computes the rest.
+  // A new folder uses the store's points, and computes the others.
   const Ending again = bounded({"sweep", "run", seeds.spec.string(), "-o", (work.path() / "new").string(), "--store",
                                 store, "-j", "1", "--quiet"},
                                work.path());

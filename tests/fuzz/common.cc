@@ -12,7 +12,7 @@
 namespace fuzz {
 namespace {
 
-/// The one folder, with the configuration that stands for the default.
+/// The folder of this process, with the small default configuration.
 test::TempFolder& made() {
   static test::TempFolder folder;
   static const bool once = [] {

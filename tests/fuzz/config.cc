@@ -5,7 +5,7 @@
 #include "tests/fuzz/common.h"
 #include "tools/run/frame/load_config.h"
 
-// A configuration file, as `raywatt run FILE` loads it; what it makes of it is written and read back.
+// A configuration file, as `raywatt run FILE` loads it; the loaded configuration is written and read back.
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   tools::JobOptions options;

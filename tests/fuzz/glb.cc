@@ -2,7 +2,7 @@
 
 #include "tests/fuzz/scene.h"
 
-// A .glb file. Mutations change what is in its two chunks, and set the sizes in its headers right.
+// A .glb file. Mutations change the content of its two chunks and correct the sizes in its headers.
 
 namespace {
 

@@ -3,8 +3,8 @@
 #include "tests/fuzz/scene.h"
 #include "traces/scene/images.h"
 
-// A PNG or JPEG file, as a scene holds it, or an EXR file, as `compare` reads it. Mutations of a PNG set the checksums
-// of its chunks right.
+// A PNG or JPEG file, as in a scene, or an EXR file, as `compare` reads it. Mutations of a PNG correct the checksums of
+// its chunks.
 
 namespace {
 
@@ -19,7 +19,7 @@ std::uint32_t crc(std::string_view bytes) {
   return ~sum;
 }
 
-/// A number with its highest byte first.
+/// Reads a big-endian number.
 std::uint32_t big_endian(const std::uint8_t* at) {
   return std::uint32_t{at[0]} << 24 | std::uint32_t{at[1]} << 16 | std::uint32_t{at[2]} << 8 | at[3];
 }

@@ -5,7 +5,7 @@
 #include "tools/intervals/interval_file.h"
 #include "traces/trace_file/packing.h"
 
-// A file of intervals: as it lies on disk, and by what its blocks hold, packed here.
+// A file of intervals, as stored and by the content of its blocks, which is packed here.
 
 namespace {
 

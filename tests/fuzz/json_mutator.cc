@@ -19,7 +19,7 @@ void collect(Json& value, std::vector<Json*>& all) {
   for (Json& child : value) collect(child, all);
 }
 
-/// Values at the ends of what readers take.
+/// Returns an extreme value.
 const Json& edge(std::size_t number) {
   static const Json kValues = Json::parse(
       "[0, 1, 2, -1, 255, 65536, 2147483647, 4294967295, 4294967296, 9007199254740993, 18446744073709551615, "

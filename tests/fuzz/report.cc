@@ -2,7 +2,7 @@
 #include "tests/fuzz/seed_report.h"
 #include "tools/studies/compare/compare.h"
 
-// A report, as `raywatt compare` reads it and sets it beside another one.
+// A report, as `raywatt compare` reads it and compares it with another one.
 
 namespace {
 

@@ -4,7 +4,7 @@
 
 namespace fuzz {
 
-/// Limits that keep a scene small, so that what goes beyond them takes no time.
+/// Returns limits that keep a scene small, so that exceeding them takes no time.
 inline traces::SceneLimits small_limits() {
   traces::SceneLimits limits;
   limits.memory.bytes = std::uint64_t{1} << 26;

@@ -5,7 +5,7 @@
 
 namespace fuzz {
 
-/// A small report with everything that is read of one.
+/// Returns a small report with all values that readers use.
 nlohmann::ordered_json seed_report();
 
 }  // namespace fuzz

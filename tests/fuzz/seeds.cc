@@ -11,7 +11,7 @@
 #include "tests/traces/scene/gltf_seeds.h"
 #include "traces/scene/images.h"
 
-// Writes what each target begins with, and the words that it may use: FOLDER/TARGET/NAME and FOLDER/TARGET.dict.
+// Writes the seeds and the dictionary of each target: FOLDER/TARGET/NAME and FOLDER/TARGET.dict.
 
 namespace {
 
@@ -44,7 +44,7 @@ class Writer {
     }
   }
 
-  /// Those of a folder that are small.
+  /// Adds the small files of a folder.
   void add_files(const fs::path& folder) {
     constexpr std::uintmax_t kMostBytes = 4096;
     for (const fs::directory_entry& file : fs::directory_iterator(folder)) {
@@ -90,7 +90,7 @@ void add_yaml(const fs::path& folder) {
             "scene_sha256: x, bvh_hash: y, config: {cores: 1}, values: {'': {cycles: 7}, totals: {rays: 1e3}}}\n");
 }
 
-/// The smallest: 8 x 8, one component, each table with one code.
+/// Returns the smallest JPEG file: 8 x 8, one component, each table with one code.
 std::string jpeg() {
   const std::string codes = std::string("\0\1", 2) + std::string(15, '\0') + '\0';
   std::string ac = codes;
@@ -168,7 +168,7 @@ void add_json(const fs::path& folder) {
   sweep.add("failure.json", R"({"id": "0", "exit": 2, "error": "e", "log": "l", "host": "h", "attempt": 1})");
 }
 
-/// Two frames of two units, three intervals each: of 3, 0 and 2 cycles, and a counter that stays at 0.
+/// Two frames of two units, three intervals each: of 3, 0 and 2 cycles, and a counter that is always 0.
 void add_intervals(const fs::path& folder) {
   const std::string units = {
       "\x02\x02\x01u\x01\x04"

@@ -2,11 +2,11 @@
 #include "tests/fuzz/common.h"
 #include "tools/sampling/slice_file.h"
 
-// File that the store keeps of a slice of a frame. Contents are read, written and read back, and must be the same.
+// A slice of a frame, as the store keeps it. The contents are read, written and read back, and must be the same.
 
 namespace {
 
-/// A machine of one unit and one kernel before its first cycle.
+/// Returns a machine of one unit and one kernel before its first cycle.
 tools::Stretch nothing() {
   tools::Stretch machine;
   sim::UnitReport& unit = machine.units.emplace_back();
@@ -21,7 +21,7 @@ void there_and_back(std::string_view text) {
   try {
     const sim::Json written = tools::slice_json(tools::read_slice(sim::parse_json(text), nothing()));
     if (tools::slice_json(tools::read_slice(written, nothing())) != written) std::abort();
-  } catch (const sim::JsonError&) {  // text that is no JSON, which the store's checksum does not let through
+  } catch (const sim::JsonError&) {  // not JSON; the store's checksum excludes such texts
   }
 }
 

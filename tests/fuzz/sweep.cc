@@ -4,8 +4,8 @@
 #include "tools/studies/sweep/spec/plan.h"
 #include "tools/studies/sweep/spec/subset.h"
 
-// A sweep's file, as `raywatt sweep run FILE --dry-run` reads it, and its first points. More points, which take the
-// time that their number says, are not made.
+// A sweep's file, as `raywatt sweep run FILE --dry-run` reads it, and its first points. Further points are not made, as
+// their time grows with their number.
 
 namespace {
 

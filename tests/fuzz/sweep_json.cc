@@ -5,8 +5,8 @@
 #include "tools/studies/sweep/store/folder.h"
 #include "tools/studies/sweep/store/store.h"
 
-// The files of a sweep's folder and of its store. The input is each of them in turn: sweep.json, points.jsonl, the
-// record of a failure, a point's report.
+// The files of a sweep's folder and store. The input is read as each of them: sweep.json, points.jsonl, the record of a
+// failure, a point's report.
 
 namespace {
 

@@ -1,7 +1,7 @@
 #include "tests/fuzz/common.h"
 #include "tools/tiles/tile_table.h"
 
-// The figures of a run's tiles. What is read is written and read back, and must be the same.
+// The figures of a run's tiles. They are read, written and read back, and must be the same.
 
 namespace {
 

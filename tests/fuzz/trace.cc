@@ -1,7 +1,7 @@
 #include "tests/fuzz/common.h"
 #include "tests/fuzz/trace_reading.h"
 
-// A trace as it lies on disk. What is in its blocks is the subject of trace_work.cc.
+// A trace as stored. trace_work.cc varies the content of its blocks.
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   fuzz::read_trace(fuzz::file_of(fuzz::text_of(data, size), "input.trace"));

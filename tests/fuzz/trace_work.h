@@ -3,7 +3,7 @@
 
 namespace fuzz {
 
-/// Stands between the parts of an input: header, contents, tree, then a tile each.
+/// Separates the parts of an input: header, contents, tree, then one part per tile.
 inline constexpr std::string_view kBetween = "\n%%\n";
 
 }  // namespace fuzz

@@ -1,4 +1,4 @@
-"""Configurations that raywatt writes, read by PyYAML and by a JSON schema; ends with 77 where one of them is missing."""
+"""Reads configurations written by raywatt by PyYAML and by a JSON schema; ends with 77 if one of them is missing."""
 import importlib.util
 import json
 import pathlib
@@ -17,7 +17,7 @@ import yaml
 PROGRAM = sys.argv.pop(1)
 WORK = tempfile.TemporaryDirectory()
 PRESETS = ("sgrt-2016", "sgrt-2016-tiles16", "sgrt-balanced")
-# Values that YAML 1.1 reads unlike YAML 1.2: words for booleans, numbers without a point, numbers of base 60.
+# Values that YAML 1.1 and 1.2 read differently: words for booleans, numbers without a point, numbers of base 60.
 ODD_VALUES = (
     "render.mip_maps=off",
     "dram.energy.refresh={low: 1e-09, nominal: 1.5e-07, high: 1e+22}",
@@ -32,7 +32,7 @@ def run(*arguments):
 
 
 def written():
-    """Texts of configurations, by a name for each."""
+    """Returns texts of configurations by name."""
     texts = {preset: run("config", "show", preset) for preset in PRESETS}
     for value in ODD_VALUES:
         texts[value] = run("config", "show", "--set", value)

@@ -1,4 +1,4 @@
-"""Frames of tools/python/raywatt against the files they were read from; ends with 77 where pandas is missing."""
+"""Compares frames of tools/python/raywatt with the files they were read from; ends with 77 if pandas is missing."""
 import csv
 import importlib.util
 import json

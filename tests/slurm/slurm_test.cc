@@ -12,14 +12,14 @@
 
 #include "tests/tools/studies/sweep/small_sweep.h"
 
-// Sweeps on a real Slurm of three nodes, which lives on the loopback interface for the length of this program.
+// Sweeps on a real Slurm of three nodes, which runs on the loopback interface while this program runs.
 
 namespace test {
 namespace {
 
 namespace fs = std::filesystem;
 
-// 25 points, one of which cannot be computed.
+// 25 points; one of them cannot be computed.
 constexpr const char* kSweep =
     "schema: raywatt-sweep/1\n"
     "resolution: 64x32\n"
@@ -29,7 +29,7 @@ constexpr const char* kSweep =
 constexpr std::size_t kPoints = 25, kGoodPoints = 24;
 constexpr std::size_t kLargestArray = 11;
 
-/// Is this a process of a job on that node?
+/// True if the process belongs to a job on that node.
 bool is_on(const std::string& node, const std::string& process) {
   std::ifstream file("/proc/" + process + "/environ");
   const std::string variables((std::istreambuf_iterator<char>(file)), {});
@@ -70,7 +70,7 @@ struct Slurm : testing::Test {
   }
   nlohmann::json status() { return nlohmann::json::parse(raywatt({"sweep", "status", out, "--json"}).out); }
 
-  /// results.csv of the same sweep by processes on this host.
+  /// Returns results.csv of the same sweep, computed by processes on this host.
   static const std::string& local_table() {
     static const std::string table = [] {
       const TempFolder other;
@@ -79,8 +79,8 @@ struct Slurm : testing::Test {
     }();
     return table;
   }
-  /// Stops a process of that node in the middle of a point, so that it still is there when the node is lost, once so
-  /// many points are finished.
+  /// Stops a process of that node in the middle of a point, after `finished` points, so that it still exists when the
+  /// node is lost.
   void stop_a_worker_on(const std::string& node, std::size_t finished) {
     std::string worker;
     const auto is_computing = [&] {
@@ -95,7 +95,7 @@ struct Slurm : testing::Test {
     ASSERT_TRUE(wait_until([&] { return points_in(store) >= finished && is_computing(); }));
     ::kill(std::stoi(worker), SIGSTOP);
   }
-  /// Results by id, with what changes if one is put in place again.
+  /// Returns the modification times of the results by id; a replaced result has a new time.
   std::map<std::string, fs::file_time_type> results() {
     std::map<std::string, fs::file_time_type> times;
     std::error_code missing;
@@ -143,7 +143,7 @@ TEST_F(Slurm, ACancelledSweepGoesOnWithWhatIsMissing) {
   const auto missing = status()["missing"].get<std::size_t>();
   const Ending ended = raywatt(on_slurm({"--wait"}));
   EXPECT_EQ(ended.exit, 1) << ended.err << ended.out;
-  EXPECT_SAYS(ended.out, " 1 failed\n");  // and nothing is missing
+  EXPECT_SAYS(ended.out, " 1 failed\n");  // and none is missing
   std::size_t handed_in = 0;
   for (int k = 4; fs::exists(out / ("submit-" + std::to_string(k) + ".txt")); ++k) {
     for (const std::string& id : in_list("submit-" + std::to_string(k) + ".txt")) {

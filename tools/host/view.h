@@ -23,7 +23,7 @@ class View {
   virtual SmallPicture picture(std::size_t width, std::size_t height) = 0;
 };
 
-/// True if COLORTERM says that the terminal shows 24-bit colour.
+/// True if COLORTERM is `truecolor` or `24bit`: the terminal shows 24-bit colour.
 bool has_true_colour();
 
 /// Draws a picture in half blocks: two pixels per character, one above the other, in 24-bit colour.

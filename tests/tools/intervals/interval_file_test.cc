@@ -11,7 +11,7 @@
 #include "traces/trace_file/bytes.h"
 #include "traces/trace_file/packing.h"
 
-// The file of intervals, byte by byte as docs/intervals.md has it.
+// The file of intervals, byte by byte as specified in docs/intervals.md.
 
 namespace tools {
 namespace {
@@ -28,7 +28,7 @@ std::vector<sim::UnitReport> two_units() {
   return {a, b};
 }
 
-/// Five values that grow by hash, in `rows` intervals of 10 fs.
+/// Returns five values that grow by a hash, in `rows` intervals of 10 fs.
 sim::Intervals grown(std::size_t rows, std::uint64_t seed) {
   sim::Intervals intervals(10);
   intervals.begin(5);
@@ -93,7 +93,7 @@ TEST(IntervalFile, MergesNeighboursUntilThereAreFewEnough) {
   EXPECT_EQ(frame.merged(11).rows, 11U);
 }
 
-/// A file from the page alone: names, then one frame of two intervals.
+/// A file written from the page's specification alone: names, then one frame of two intervals.
 struct ByHand {
   std::string magic{kMagic};
   std::uint64_t frames = 1, units = 1, reasons = 1, counters = 0, length = 10, end = 15, rows = 2, total = 15;
@@ -159,7 +159,7 @@ TEST(IntervalFile, IsRefusedWhenAnyByteOfItIsGoneOrChanged) {
     std::string changed = whole;
     changed[i] = static_cast<char>(changed[i] ^ 0x55);
     try {
-      read_intervals(changed);  // zstd has bits that mean nothing
+      read_intervals(changed);  // zstd has unused bits
     } catch (const sim::InputError&) {
     }
   }

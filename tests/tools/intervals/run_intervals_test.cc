@@ -14,7 +14,7 @@
 #include "tests/tools/program.h"
 #include "tools/intervals/series.h"
 
-// Intervals of finished runs, read back. RAYWATT_INTERVALS says on how many random machines.
+// Intervals of finished runs, read back. RAYWATT_INTERVALS sets the number of random machines.
 
 namespace test {
 namespace {
@@ -27,7 +27,8 @@ std::uint64_t machines() {
   return wanted == nullptr ? 3 : std::strtoull(wanted, nullptr, 10);
 }
 
-/// Energies of intervals come to the frame's by the same arithmetic on the same counts, in the same order.
+/// Expects that the energies of intervals give the frame's by the same arithmetic on the same counts, in the same
+/// order.
 void expect_energy_adds_up(const RunIntervals& run, const nlohmann::json& frame_report,
                            const tools::IntervalFrame& frame) {
   const std::pair<const char*, sim::Side> sides[] = {

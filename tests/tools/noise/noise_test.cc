@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-// Noise that is assumed where none was measured.
+// Default noise, used without replicates.
 
 namespace tools {
 namespace {

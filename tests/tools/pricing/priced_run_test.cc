@@ -5,7 +5,7 @@
 #include "sim/error.h"
 #include "tests/tools/pricing/two_designs.h"
 
-// Joules of finished runs under other tables are those that a run with that table has.
+// The energy of a finished run under another table equals that of a run with that table.
 
 namespace test {
 namespace {
@@ -16,7 +16,7 @@ using tools::load_report;
 using tools::PricedRun;
 using tools::PriceTable;
 
-/// Totals of a report that follow from energy.
+/// Expects the report's totals that depend on energy.
 void expect_totals(const PricedRun& run, const std::filesystem::path& report) {
   const Json totals = load_report(report).json["totals"], priced = energy_totals_json(run.energy(), run.work());
   for (const auto& [key, value] : priced.items()) {
@@ -73,7 +73,7 @@ TEST(PricedRun, OfAWholeTableTakesNothingFromTheRuns) {
   }
 }
 
-/// Complaint about a report that was changed, or a table.
+/// Returns the error for a changed report, or for a table.
 std::string complaint(const tools::ReportFile& report, const PriceTable& table = {}) {
   try {
     const PricedRun run(report, table);

@@ -6,7 +6,7 @@
 
 namespace test {
 
-/// A run of 32 x 16 pixels into a folder.
+/// Runs 32 x 16 pixels into a folder.
 inline std::filesystem::path run_into(const std::filesystem::path& out, const Words& more = {}) {
   Words words = {"run",          "--quiet", "--threads", "1", "-o", out.string(), "--set", "scene.triangles=500",
                  "--resolution", "32x16"};

@@ -10,8 +10,7 @@
 #include "tools/tiles/tile_frame.h"
 #include "traces/scene/images.h"
 
-// Pictures of what tiles and pixels took: their values are those of tiles.json and pixels.exr, their colours a scale
-// from nothing to the most.
+// Heat maps: their values are those of tiles.json and pixels.exr, their colours run from 0 to the largest value.
 
 namespace tools::test {
 namespace {

@@ -7,7 +7,7 @@
 
 namespace tools::test {
 
-/// Inputs of a small picture of the scene cornell.
+/// Returns the inputs of a small picture of the scene cornell.
 inline Inputs small_inputs(const std::vector<std::string>& sets = {}, const std::string& resolution = "48x24",
                            const std::string& scene = "cornell") {
   JobOptions options;
@@ -17,7 +17,7 @@ inline Inputs small_inputs(const std::vector<std::string>& sets = {}, const std:
   return load_inputs(options);
 }
 
-/// A frame of which each tile and pixel has its account.
+/// Runs a frame with accounts for each tile and pixel.
 inline FrameResult itemised(const Inputs& inputs, const char* program = "full:1", std::uint32_t threads = 1) {
   return simulate(inputs, kernels::parse_program(program), threads, {.itemised = true});
 }

@@ -9,7 +9,7 @@
 #include "tools/tiles/place_images.h"
 #include "tools/tiles/tile_frame.h"
 
-// Work of each pixel's rays: all of it, where it belongs.
+// Work of each pixel's rays: complete, and attributed to the right pixel.
 
 namespace tools::test {
 namespace {

@@ -13,7 +13,7 @@
 #include "tools/tiles/tile_energy.h"
 #include "tools/tiles/tile_frame.h"
 
-// Figures of tiles sum to those of the frame, on any machine, and the machine knows nothing of them.
+// Figures of tiles sum to those of the frame on any machine, and itemising does not change the machine.
 
 namespace tools::test {
 namespace {
@@ -57,7 +57,7 @@ void expect_sums(const FrameResult& s, const TileFrame& frame) {
   EXPECT_EQ(sum_of_column(frame, "energy_mj_high"), s.energy.total_pj.high * kMillijoulesPerPicojoule);
 }
 
-/// Expects that only what nobody is charged for is left over, nothing that the sharing out has forgotten.
+/// Expects that the rest contains only energy without a tile, not energy omitted by mistake.
 void expect_honest_rest(const FrameResult& s, const Inputs& inputs, const TileFrame& frame) {
   const double rest = tile_energy(s, inputs.config).rest.nominal * kMillijoulesPerPicojoule;
   const TileColumn& column = *frame.find("energy_mj_nominal");

@@ -10,11 +10,11 @@
 namespace tools::test {
 namespace {
 
-/// A message of protoc's text: fields in their order, each a plain value or a message.
+/// A message of protoc's text: fields in order, each a plain value or a message.
 struct Message {
   struct Field {
     std::string name, value;
-    std::vector<Message> message;  ///< one, or none if it is plain
+    std::vector<Message> message;  ///< one, or none for a plain value
   };
   std::vector<Field> fields;
 

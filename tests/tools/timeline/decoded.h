@@ -6,11 +6,11 @@
 
 namespace tools::test {
 
-/// A timeline as its text says it, `protoc --decode` having read it.
+/// A slice of a timeline in the text of `protoc --decode`.
 struct DecodedSlice {
   std::string name, category;
   std::uint64_t track = 0, begin = 0, end = 0;
-  std::size_t depth = 0;  ///< slices that it lies in
+  std::size_t depth = 0;  ///< number of slices around it
   std::map<std::string, std::uint64_t> notes;
   std::vector<std::uint64_t> flows;
 };
@@ -23,13 +23,13 @@ struct DecodedTimeline {
   std::map<std::uint64_t, DecodedTrack> tracks;
   std::vector<DecodedSlice> slices;                                                 ///< in the order of their ends
   std::map<std::uint64_t, std::vector<std::pair<std::uint64_t, double>>> counters;  ///< by track: times and values
-  std::string problem;  ///< what is wrong with it; empty: nothing
+  std::string problem;  ///< fault of the timeline; empty: none
 
-  /// Names of the process and the track that a slice lies on: "core 0/SRP".
+  /// Returns the names of the process and the track of a slice: "core 0/SRP".
   std::string path(const DecodedSlice& slice) const;
 };
 
-/// Runs protoc with tests/tools/timeline/timeline.proto on the bytes of a file.
+/// Decodes the bytes of a file by protoc with tests/tools/timeline/timeline.proto.
 DecodedTimeline decode_timeline(const std::string& bytes);
 
 }  // namespace tools::test

@@ -14,7 +14,7 @@ namespace {
 
 using Rows = std::vector<std::size_t>;
 
-/// Tiles of 16 x 8 pixels, two of a row; the second pass has gone over the third one again.
+/// Tiles of 16 x 8 pixels, two per row; the second pass visits the third one again.
 TileFrame four_tiles() {
   return {0,
           {{"x", "pixels", false, {0, 16, 0, 16, 0}},
@@ -46,7 +46,7 @@ TEST(TimelineSelection, RefusesAllElse) {
   EXPECT_THROW(selected("pixel:0,16"), sim::InputError);
 }
 
-/// Different values of a column.
+/// Returns the number of distinct values of a column.
 std::size_t distinct(const std::vector<double>& column) {
   return std::set<double>(column.begin(), column.end()).size();
 }

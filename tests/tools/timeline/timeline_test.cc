@@ -13,7 +13,7 @@
 #include "tools/analysis/units.h"
 #include "tools/tiles/tile_frame.h"
 
-// Timelines as Perfetto's format has them, read by protoc: they say what the report says.
+// Timelines in Perfetto's format, decoded by protoc, agree with the report.
 
 namespace tools::test {
 namespace {

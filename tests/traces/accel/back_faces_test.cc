@@ -19,7 +19,7 @@ constexpr std::array kInstanceLevels{InstanceLevels::kFlatten, InstanceLevels::k
 const Ray kFromFront{{0.25F, 0.25F, 1}, 0, {0, 0, -1}};
 const Ray kFromBack{{0.25F, 0.25F, -1}, 0, {0, 0, 1}};
 
-/// Hits of a ray from the front and one from the back, by every tracer.
+/// Returns the hits of a ray from the front and one from the back, by every tracer.
 std::vector<bool> seen(const Scene& scene, InstanceLevels instances, RayKind kind) {
   const MemoryImage image = build_memory_image(scene, {.instances = instances}, 1);
   const BvhTracer bvh(image);
@@ -41,7 +41,7 @@ TEST(BackFaces, AreHitUnlessTheMaterialIsSingleSided) {
   }
 }
 
-/// glTF: a transform with a negative determinant turns the winding of front faces around.
+/// glTF: a transform with a negative determinant reverses the winding of front faces.
 TEST(BackFaces, OfMirroredInstancesAreBehindAsBefore) {
   for (const InstanceLevels levels : kInstanceLevels) {
     Scene scene = single_sided(one_triangle());
@@ -67,7 +67,7 @@ TEST(BackFaces, EndATestInItsFirstPhase) {
     std::vector<std::uint32_t> words, begin;
     WalkSink sink{words, begin};
     BvhTracer(image).trace({&ray, 1}, RayKind::kPrimary, {&hit, 1}, &sink);
-    return words.at(words.size() - 2);  // the leaf's, before the walk's end
+    return words.at(words.size() - 2);  // of the leaf, before the walk's end
   };
   EXPECT_EQ(phases(kFromBack) & 3U, 1U);
   EXPECT_EQ(phases(kFromFront) & 3U, 3U);

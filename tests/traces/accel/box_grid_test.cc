@@ -15,7 +15,8 @@
 namespace traces {
 namespace {
 
-/// All boxes of `hybrid` are whole numbers of 19 bits and hold those of `floats`, by a step on each side at most.
+/// Expects that all boxes of `hybrid` are whole numbers of 19 bits and contain those of `floats`, with at most one step
+/// of margin per side.
 void expect_around(const MemoryImage& hybrid, const MemoryImage& floats) {
   ASSERT_TRUE(hybrid.grid.has_value());
   const BoxGrid& grid = *hybrid.grid;
@@ -43,7 +44,7 @@ void expect_around(const MemoryImage& hybrid, const MemoryImage& floats) {
 TEST(HybridBoxes, HoldThoseOfFloatsByAStepAtMostInBuiltInScenes) {
   for (const BuiltinInfo& info : builtin_scenes()) {
     SCOPED_TRACE(info.name);
-    if (info.triangles > 100'000 && info.name != "hairball") continue;  // what is larger takes seconds to make
+    if (info.triangles > 100'000 && info.name != "hairball") continue;  // larger ones take seconds
     const MemoryImage floats = build_memory_image(build_scene(info.name, {.triangles = 20000}));
     MemoryImage hybrid = floats;
     put_on_grid(hybrid);

@@ -16,7 +16,7 @@ namespace {
 
 constexpr BvhConfig kHybrid{.numbers = BoxNumbers::kHybrid};
 
-/// Words of all rays' walks.
+/// Returns the number of words in all rays' walks.
 std::size_t walk_words(const MemoryImage& image, const std::vector<Ray>& rays) {
   std::vector<Hit> hits(rays.size());
   std::vector<std::uint32_t> words, begin;
@@ -27,7 +27,7 @@ std::size_t walk_words(const MemoryImage& image, const std::vector<Ray>& rays) {
 
 bool same_bits(const Hit& a, const Hit& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
-/// Holds two images to the same hits, at the same points of the same triangles; returns how many there are.
+/// Expects two images to give the same hits at the same points of the same triangles; returns the number of hits.
 std::size_t expect_same_hits(const Scene& scene, const std::vector<Ray>& rays) {
   const MemoryImage hybrid = build_memory_image(scene, kHybrid), floats = build_memory_image(scene);
   const std::vector<Hit> expected = trace(BvhTracer(floats), rays), found = trace(BvhTracer(hybrid), rays);
@@ -56,7 +56,7 @@ TEST(HybridWalk, FindsTheHitsOfFloatsAndNoOthers) {
   EXPECT_EQ(expect_same_hits(Scene{}, random_rays(100)), 0U);
 }
 
-/// From `far` away, at points of the cube from -1 to 1; every fourth along an axis.
+/// Returns rays from distance `far` at points of the cube from -1 to 1; every fourth is parallel to an axis.
 std::vector<Ray> rays_from(float far, std::uint32_t count, const glm::vec3& scale = glm::vec3(1),
                            const glm::vec3& offset = glm::vec3(0)) {
   Dice dice(11);
@@ -83,8 +83,8 @@ TEST(HybridWalk, FindsTheHitsOfFloatsFromFarAway) {
   }
 }
 
-// From further off the triangle test itself finds hits beside its triangles, outside of all their boxes. Of these no
-// tree finds all.
+// From a larger distance the triangle test itself reports hits next to its triangles, outside all their boxes. No tree
+// finds all of these.
 TEST(HybridWalk, LosesNoMoreThanFloatsFromWhereTheTriangleTestIsCoarserThanBoxes) {
   const Scene scene = triangle_soup(1000, 0.15F);
   const MemoryImage hybrid = build_memory_image(scene, kHybrid), floats = build_memory_image(scene);
@@ -129,7 +129,7 @@ TEST(HybridWalk, StartsOnPlanesOfBoxesAndOfTheGrid) {
     ray.origin[axis] = dice.below(2) == 0 ? plane(floats.nodes[node])
                                           : static_cast<float>(hybrid.grid->at(plane(hybrid.nodes[node]), axis));
     ray.direction = dice.direction();
-    if (dice.below(2) == 0) ray.direction[axis] = 0;  // along the plane
+    if (dice.below(2) == 0) ray.direction[axis] = 0;  // in the plane
   }
   EXPECT_GT(expect_same_hits(scene, rays), 10000U);
 }

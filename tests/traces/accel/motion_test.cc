@@ -31,7 +31,7 @@ std::vector<Ray> camera_rays(const Camera& camera, std::uint32_t width, std::uin
   return rays;
 }
 
-/// From where the others hit, anywhere.
+/// Returns rays from the hits of other rays in random directions.
 std::vector<Ray> bounced(const std::vector<Ray>& rays, const std::vector<Hit>& hits, std::uint64_t seed) {
   Dice dice(seed);
   std::vector<Ray> out;

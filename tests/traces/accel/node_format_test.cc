@@ -9,7 +9,7 @@
 #include "traces/accel/build.h"
 #include "traces/accel/bvh_info.h"
 
-// How tree and triangles lie in memory.
+// Layout of tree and triangles in memory.
 
 namespace traces {
 namespace {

@@ -25,7 +25,7 @@ void expect_same(const MemoryImage& a, const MemoryImage& b) {
   EXPECT_EQ(a.layout.end, b.layout.end);
 }
 
-/// Every vertex elsewhere, by up to `far` along each axis, and the whole turned and stretched.
+/// Moves every vertex by up to `far` along each axis, and rotates and stretches the whole.
 Scene moved_by_dice(Scene scene, float far, std::uint64_t seed = 7) {
   Dice dice(seed);
   for (Mesh& mesh : scene.meshes) {
@@ -37,7 +37,7 @@ Scene moved_by_dice(Scene scene, float far, std::uint64_t seed = 7) {
   return scene;
 }
 
-/// With a record per triangle for what only some materials need.
+/// A scene with a record per triangle that only some materials need.
 Scene coloured_soup() {
   Scene scene = triangle_soup(500, 0.1F);
   scene.materials.resize(1);
@@ -48,7 +48,7 @@ Scene coloured_soup() {
   return scene;
 }
 
-/// Some with areas, some flat, some a mere line or point; zeros of both signs.
+/// Triangles with area, flat triangles, lines and points; zeros of both signs.
 std::vector<Scene> scenes() {
   Scene signs = grid_soup(500);
   signs.instances[0].to_world = glm::scale(glm::translate(glm::mat4(1), {-0.0F, -0.0F, -0.0F}), {-1, 1, -1});

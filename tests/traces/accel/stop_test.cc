@@ -6,7 +6,7 @@
 #include "traces/accel/embree_tracer.h"
 #include "traces/scenes/library.h"
 
-// Long builds can be told to stop.
+// Long builds can be stopped.
 
 namespace traces {
 namespace {

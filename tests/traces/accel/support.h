@@ -10,7 +10,7 @@
 
 namespace traces {
 
-/// Numbers from a hash: the same on every machine.
+/// Random numbers from a hash, equal on every host.
 class Dice {
  public:
   explicit Dice(std::uint64_t seed) : seed_(seed) {}
@@ -26,7 +26,7 @@ class Dice {
 };
 
 Scene scene_of(Mesh mesh);
-/// `count` triangles of about `size` in the cube from -1 to 1.
+/// Returns `count` triangles of about `size` in the cube from -1 to 1.
 Scene triangle_soup(std::uint32_t count, float size, std::uint64_t seed = 1);
 /// Corners on a grid of eighths: many shared planes, equal distances, edges and flat boxes, some without area.
 Scene grid_soup(std::uint32_t count, std::uint64_t seed = 1);
@@ -35,21 +35,21 @@ Scene sphere(std::uint32_t rings, std::uint32_t segments);
 /// One triangle: (0,0,0), (1,0,0), (0,1,0).
 Scene one_triangle();
 
-/// Meshes that stand in `count` places: turned, stretched, mirrored, some of them flat or without a triangle.
+/// Meshes with `count` instances: rotated, stretched, mirrored, some of them flat or without a triangle.
 Scene scattered(std::uint32_t count, std::uint64_t seed = 4);
 
-/// Gives two of three triangles a material that is not solid: one with an alpha, one that lets light in.
+/// Gives two of three triangles a material that is not solid: one with an alpha, one that transmits.
 Scene with_flags(Scene scene);
 
-/// Takes the back faces off all materials.
+/// Makes all materials single-sided.
 Scene single_sided(Scene scene);
 
 std::vector<Ray> random_rays(std::uint32_t count, std::uint64_t seed = 2);
-/// From and along the grid of eighths: zero components of both signs, origins on planes, edges and corners.
+/// Rays from and along the grid of eighths: zero components of both signs, origins on planes, edges and corners.
 std::vector<Ray> grid_rays(std::uint32_t count, std::uint64_t seed = 3);
 
 std::vector<Hit> trace(const Tracer& tracer, const std::vector<Ray>& rays, RayKind kind = RayKind::kPrimary);
-/// Every triangle of every instance, one by one, with the triangle test and the rule of BvhTracer.
+/// Tests every triangle of every instance in turn, with the triangle test and the rule of BvhTracer.
 Hit test_all(const MemoryImage& image, const Ray& ray);
 
 template <class Record>
@@ -57,9 +57,10 @@ bool same_bytes(const std::vector<Record>& a, const std::vector<Record>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(Record)) == 0);
 }
 
-/// Hits that differ in any bit.
+/// Returns the number of hits that differ in any bit.
 std::uint64_t count_different(const std::vector<Hit>& a, const std::vector<Hit>& b);
-/// Hits, words of walks and their beginnings that portable arithmetic makes other than native, of rays and shadow rays.
+/// Returns the number of hits, walk words and walk beginnings that differ between portable and native arithmetic, for
+/// rays and shadow rays.
 std::uint64_t count_different_in_portable(const MemoryImage& image, const std::vector<Ray>& rays);
 
 }  // namespace traces

@@ -15,20 +15,20 @@
 #include "traces/accel/bvh_tracer.h"
 #include "traces/scenes/library.h"
 
-// A rasteriser and the canonical tracer find the same triangle at every sample, but for those on an edge to within
-// rounding, and the same depth.
+// Rasteriser and canonical tracer find the same triangle and depth at every sample, except for samples on an edge
+// within rounding.
 
 namespace traces {
 namespace {
 
 struct Agreement {
   std::uint64_t samples = 0, hits = 0;
-  std::uint64_t ties = 0;   ///< on an edge or corner of the winner, found to belong to another triangle there
-  std::uint64_t apart = 0;  ///< one of both found a triangle that the other missed, or a nearer one
+  std::uint64_t ties = 0;   ///< on an edge or corner of the winner, assigned to another triangle
+  std::uint64_t apart = 0;  ///< only one of both found a triangle, or one found a nearer one
   double worst_depth = 0;   ///< relative, where both found the same triangle
 };
 
-/// Distance in pixels of a sample from the nearest edge of a triangle.
+/// Returns the distance in pixels of a sample from the nearest edge of a triangle.
 double from_edge(const Rasteriser& rasteriser, std::uint32_t triangle, const glm::dvec2& at) {
   const auto& v = rasteriser.geometry().triangles[triangle].vertices;
   double nearest = std::numeric_limits<double>::infinity();
@@ -41,7 +41,7 @@ double from_edge(const Rasteriser& rasteriser, std::uint32_t triangle, const glm
   return nearest;
 }
 
-/// Numbers of the triangles that each hit names.
+/// Triangle number of each (instance, triangle) of a hit.
 using Numbers = std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t>;
 Numbers numbers_of(const RasterGeometry& geometry, bool levels) {
   Numbers numbers;
@@ -56,7 +56,7 @@ bool share_a_corner(const RasterGeometry::Triangle& a, const RasterGeometry::Tri
                              [&](std::uint32_t v) { return std::ranges::find(b.vertices, v) != b.vertices.end(); });
 }
 
-/// Compares what both found at one sample.
+/// Compares the results of both at one sample.
 void compare(const Rasteriser& rasteriser, const Ray& ray, const Coverage::Winner& winner, const Hit& hit,
              std::uint32_t traced, Agreement& all) {
   const Projected seen = rasteriser.view().of_ray(ray.direction);
@@ -99,7 +99,7 @@ Agreement compare(const MemoryImage& image, const PictureCamera& camera) {
   return all;
 }
 
-/// Nothing but ties on an edge; measured: not one in 100,000 apart on any scene, depths within 2e-6.
+/// Expects ties on edges only; measured: fewer than one in 100,000 apart on any scene, depths within 2e-6.
 void expect_agreement(const Scene& scene, std::uint32_t width, std::uint32_t height) {
   const MemoryImage image = build_memory_image(scene, {}, 1);
   const Agreement found = compare(image, picture_of(scene.cameras.front(), width, height));
@@ -114,7 +114,7 @@ class RasterAgainstTracer : public testing::TestWithParam<const char*> {};
 TEST_P(RasterAgainstTracer, FindsTheSameTriangleAndDepthAtEverySampleButEdges) {
   const Scene scene = open_scene(GetParam());
   expect_agreement(scene, 256, 128);
-  expect_agreement(scene, 255, 127);  // samples on sides of triangles' bounds
+  expect_agreement(scene, 255, 127);  // samples on the sides of triangles' bounds
 }
 TEST_P(RasterAgainstTracer, FindsTheSameWithoutBackFaces) {
   Scene scene = open_scene(GetParam());

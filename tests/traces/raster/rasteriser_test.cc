@@ -15,7 +15,8 @@ namespace {
 
 constexpr float kAway = -1;
 
-/// A square that fills a picture of straight_ahead() from (x0, y0) to (x1, y1), shares of its height, `depth` away.
+/// A square that covers a picture of straight_ahead() from (x0, y0) to (x1, y1), shares of its height, at distance
+/// `depth`.
 std::vector<std::array<glm::vec3, 3>> square(float x0, float y0, float x1, float y1, float depth = 1) {
   const auto at = [&](float x, float y) { return glm::vec3((x - 0.5F) * depth, (0.5F - y) * depth, kAway * depth); };
   return {{at(x0, y0), at(x1, y0), at(x1, y1)}, {at(x0, y0), at(x1, y1), at(x0, y1)}};
@@ -40,7 +41,7 @@ TEST(Rasteriser, CoversASquareOfTwoTrianglesOnceWithSamplesOnTheirCommonEdge) {
   const PictureCamera camera = straight_ahead(16, 16);
   const Rasteriser rasteriser(image_of(square(0.25F, 0.25F, 0.75F, 0.75F)), camera, {}, 16);
   const Seen seen = cover(rasteriser, rays_of(camera, 0, 0, 16, 16));
-  // 8 x 8 pixels, whose centres lie on the diagonal in eight of them.
+  // 8 x 8 pixels; eight of their centres are on the diagonal.
   EXPECT_EQ(std::accumulate(seen.found.layers.begin(), seen.found.layers.end(), 0U), 64U);
   EXPECT_EQ(*std::ranges::max_element(seen.found.layers), 1U);
 }
@@ -51,7 +52,7 @@ TEST(Rasteriser, GivesSamplesOnAnEdgeToTheTriangleRightOfItOrBelow) {
   append(both, square(0.5F, 0, 1, 1));
   const Rasteriser beside(image_of(both), camera, {}, 16);
   Coverage found;
-  // The picture's middle: a ray straight along the axis, without rounding.
+  // The picture's middle: a ray along the axis, without rounding.
   const std::vector<Ray> middle{{glm::vec3(0), 0, glm::vec3(0, 0, -1)}};
   beside.cover(middle, found, nullptr);
   EXPECT_EQ(found.layers[0], 1U);
@@ -68,7 +69,7 @@ TEST(Rasteriser, GivesSamplesOnAnEdgeToTheTriangleRightOfItOrBelow) {
 TEST(Rasteriser, CountsBlocksQuadsAndSamplesOfATriangleAsByHand) {
   const PictureCamera camera = straight_ahead(32, 32);
   std::vector<std::array<glm::vec3, 3>> all = square(0, 0, 4, 4);
-  all.resize(1);  // its right angle at the upper right corner: the upper left half of the picture is covered by others
+  all.resize(1);  // its right angle at the upper right corner: others cover the upper left half of the picture
   all[0] = {glm::vec3(-0.5F, 0.5F, -1), glm::vec3(1.5F, 0.5F, -1), glm::vec3(-0.5F, -1.5F, -1)};  // the whole picture
   const Rasteriser rasteriser(image_of(all), camera, {}, 32);
   const Seen seen = cover(rasteriser, rays_of(camera, 0, 0, 32, 32));
@@ -117,7 +118,7 @@ TEST(Rasteriser, DrawsBothSidesOfATriangle) {
 
 TEST(Rasteriser, InterpolatesDepthInPerspective) {
   const PictureCamera camera = straight_ahead(64, 64);
-  // A floor that goes away from the eye, half a unit below it.
+  // A floor half a unit below the eye, extending away from it.
   const Rasteriser rasteriser(
       image_of({{glm::vec3(-50, -0.4F, 5), glm::vec3(50, -0.4F, 5), glm::vec3(0, -0.4F, -100)}}), camera, {}, 64);
   const std::vector<Ray> rays = rays_of(camera, 0, 0, 64, 64);

@@ -150,7 +150,7 @@ TEST(ExportOfTracks, MoveNodesWithoutMatrix) {
   }
 }
 
-/// World positions of the vertices of all instances of meshes of that name.
+/// Returns the world positions of the vertices of all instances of meshes of that name.
 std::vector<glm::vec3> shown(const Scene& scene, const std::string& mesh) {
   std::vector<glm::vec3> points;
   for (const traces::Instance& instance : scene.instances) {

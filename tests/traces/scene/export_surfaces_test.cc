@@ -13,7 +13,7 @@ using nlohmann::json;
 using traces::Material;
 using traces::Scene;
 
-/// A surface without textures and what the loader makes of its export.
+/// Exports and reloads a surface without textures.
 Material reloaded(const Material& m) {
   Scene scene = traces::build_scene("cornell");
   for (Material& each : scene.materials) each = m;
@@ -137,7 +137,7 @@ TEST(ExportOfTextures, EqualTexelsShareAPicture) {
 
 TEST(ExportOfTextures, ColourAndAlphaKeepEveryBit) {
   Scene scene = traces::build_scene("teapot");
-  scene.textures[0].texels[0] = 0x00123456;  // the colour of what is not there is kept, too
+  scene.textures[0].texels[0] = 0x00123456;  // the colour of fully transparent texels is kept, too
   scene.textures[0].texels[1] = 0x7fabcdef;
   EXPECT_EQ(there_and_back(scene).textures.at(0).texels, scene.textures[0].texels);
 }

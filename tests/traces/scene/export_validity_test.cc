@@ -13,8 +13,8 @@
 #include "traces/scene/export.h"
 #include "traces/scenes/builtin.h"
 
-// The Khronos validator has neither errors nor warnings about exported scenes. RAYWATT_EXPORTS is the number of random
-// files (default 16); with it, large built-in scenes and real scenes are exported, too.
+// The Khronos validator reports neither errors nor warnings about exported scenes. RAYWATT_EXPORTS sets the number of
+// random files (default 16) and adds large built-in scenes and real scenes.
 
 namespace test {
 namespace {
@@ -43,7 +43,7 @@ class Exports {
     }
   }
 
-  /// Lines of the validator on the files since the last call.
+  /// Returns the validator's lines about the files since the last call.
   std::string complaints() {
     if (waiting_ == 0) return {};
     if (std::system("command -v node >/dev/null") != 0) return "node is not installed; tools/test installs it";

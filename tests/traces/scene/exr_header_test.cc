@@ -7,12 +7,12 @@
 #include "tests/temp_folder.h"
 #include "traces/scene/images.h"
 
-// Headers of OpenEXR files: what they claim is known before the library takes the memory for it.
+// Headers of OpenEXR files are checked before the library allocates the memory that they claim.
 
 namespace test {
 namespace {
 
-/// An attribute: name, kind, size, value.
+/// Returns an attribute: name, kind, size, value.
 std::string attribute(const std::string& name, const std::string& kind, const std::string& value, std::uint32_t size) {
   return name + '\0' + kind + '\0' + std::string(reinterpret_cast<const char*>(&size), 4) + value;
 }

@@ -70,7 +70,7 @@ void add_materials(traces::Scene& scene) {
   scene.materials = {all, glass, metal, veil, sign};
 }
 
-/// Four joints a vertex, as files have them: what does not count, and a joint named twice.
+/// Four joints per vertex, as in real files: unused ones, and a joint named twice.
 traces::Mesh skinned_quad() {
   traces::Mesh mesh = feature_quad("cloth", 2);
   traces::Deformation d;
@@ -105,7 +105,7 @@ traces::Node node(const char* name, std::uint32_t parent, const glm::vec3& trans
 void add_nodes(traces::Scene& scene) {
   traces::Node arm = node("arm", traces::kNone, {0, 0, -1}), flag = node("flag", 0, {1, 0, 0});
   traces::Node tilted = node("tilted", 0, glm::vec3(0));
-  tilted.matrix[1][0] = 0.5F;  // no rotation and scale does that
+  tilted.matrix[1][0] = 0.5F;  // not a rotation and scale
   flag.morph_weights = {0.25F, 0};
   scene.nodes = {arm, flag, tilted, node("hip", 0, {0, 1, 0}), node("knee", 3, {0, -0.5F, 0})};
   scene.skins.push_back({{3, 4}, {glm::mat4(1), glm::mat4(1)}});
@@ -119,7 +119,7 @@ void add_tracks(traces::Scene& scene) {
       {2, Track::Path::kScale, Track::Interpolation::kCubicSpline, {0, 1}, std::vector<float>(18, 1)},
       {1, Track::Path::kMorphWeights, Track::Interpolation::kLinear, times, {0, 0, 1, 0.5F, 0, 1}},
       {4, Track::Path::kRotation, Track::Interpolation::kLinear, {0, 1}, {0, 0, 0, 1, 1, 0, 0, 0}},
-      {0, Track::Path::kTranslation, Track::Interpolation::kStep, {0, 9}, {7, 7, 7, 8, 8, 8}},  // does not count
+      {0, Track::Path::kTranslation, Track::Interpolation::kStep, {0, 9}, {7, 7, 7, 8, 8, 8}},  // has no effect
   };
 }
 
@@ -169,7 +169,7 @@ traces::Scene feature_scene() {
   add_tracks(scene);
   scene.meshes = {feature_quad("board", 0), feature_quad("pane", 1), feature_quad("sign", 4), skinned_quad(),
                   morphing_quad()};
-  scene.meshes[2].colours.clear();  // loaders may fold those of what shines into its material
+  scene.meshes[2].colours.clear();  // loaders may fold an emitter's colours into its material
   glm::mat4 behind(1), sheared(1);
   behind[3] = glm::vec4(0.5F, 0, -2, 1);
   sheared[1][0] = 0.75F;

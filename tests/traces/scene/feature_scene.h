@@ -3,11 +3,12 @@
 
 namespace test {
 
-/// A small scene that uses everything a Scene can hold: every kind of texture, alpha, surface and light, instances that
-/// share a mesh, a node that shears, key frames of every path and interpolation, a skin, morph targets, two cameras.
+/// Returns a small scene with everything a Scene can hold: every kind of texture, alpha, surface and light, instances
+/// that share a mesh, a node that shears, key frames of every path and interpolation, a skin, morph targets, two
+/// cameras.
 traces::Scene feature_scene();
 
-/// A textured quad that faces +z, with normals, two sets of texture coordinates, tangents and colours.
+/// Returns a textured quad that faces +z, with normals, two sets of texture coordinates, tangents and colours.
 traces::Mesh feature_quad(const char* name, std::uint32_t material);
 
 }  // namespace test

@@ -32,7 +32,7 @@ TinyGltf sliding() {
   return file;
 }
 
-/// The triangle hangs on node 1 as joint; node 0 shows it.
+/// The triangle is attached to node 1 as joint; node 0 shows it.
 TinyGltf skinned() {
   TinyGltf file;
   file.json["nodes"].push_back({{"translation", {0, 0, 5}}});
@@ -71,7 +71,7 @@ TEST(GltfAnimations, AreReadAsTracks) {
 
 TEST(GltfAnimations, AFileIsLoadedAsItIsAtTimeZero) {
   TinyGltf file = sliding();
-  file.node()["translation"] = {7, 0, 0};  // not what the animation says
+  file.node()["translation"] = {7, 0, 0};  // differs from the animation
   EXPECT_EQ(x_of(load(file)), 0);
 }
 

@@ -9,14 +9,14 @@
 #include "tests/traces/scene/gltf_seeds.h"
 #include "traces/scene/bounds.h"
 
-// Compressed geometry is the plain one, up to the quantisation that the encoder was told.
+// Compressed geometry equals the plain one, within the encoder's quantisation.
 
 namespace test {
 namespace {
 
 using traces::Scene;
 
-/// The corners of all triangles in world space, in an order that does not depend on the encoder.
+/// Returns the corners of all triangles in world space, in an order that does not depend on the encoder.
 std::vector<std::array<float, 3>> corners(const Scene& scene) {
   std::vector<std::array<float, 3>> out;
   const traces::Mesh& mesh = scene.meshes.at(0);
@@ -118,7 +118,7 @@ TEST(GltfDraco, DamageIsRefused) {
 
 TEST(GltfDraco, AbsurdCountsAreRefusedBeforeMemoryIsTaken) {
   TinyGltf file = draco_patch(false);
-  // Behind the header of 11 bytes: faces, points, as numbers of 7 bits a byte.
+  // After the header of 11 bytes: faces, points, as numbers of 7 bits a byte.
   file.binary.replace(11, 5, "\xff\xff\xff\xff\x04");
   EXPECT_SAYS(refusal(file.text()), "of Draco data would take");
 }

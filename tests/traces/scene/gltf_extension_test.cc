@@ -6,7 +6,7 @@
 #include "traces/scene/images.h"
 #include "traces/scene/lights.h"
 
-// Materials as the KHR_materials_* extensions and alphaMode make them.
+// Materials made from the KHR_materials_* extensions and alphaMode.
 
 namespace test {
 namespace {

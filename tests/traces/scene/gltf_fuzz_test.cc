@@ -8,8 +8,8 @@
 #include "tests/traces/scene/gltf_mutants.h"
 #include "tests/traces/scene/gltf_seeds.h"
 
-// Small files changed in every way, the same ones in every run: each becomes a scene or is refused with an InputError
-// of one line, quickly and within the memory allowed.
+// Small files with random changes, equal in every run: each becomes a scene or is refused with an InputError of one
+// line, quickly and within the memory limit.
 
 namespace test {
 namespace {

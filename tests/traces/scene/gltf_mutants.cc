@@ -11,7 +11,7 @@ namespace {
 
 using nlohmann::json;
 
-/// Draws numbers for one mutant.
+/// Random numbers for one mutant.
 class Dice {
  public:
   explicit Dice(std::uint64_t mutant) : mutant_(mutant) {}
@@ -28,7 +28,7 @@ void collect(json& value, std::vector<json*>& all) {
   }
 }
 
-/// Another value in the place of some value of the JSON, or a member that is gone.
+/// Replaces or removes a value of the JSON.
 void edit_json(TinyGltf& file, Dice& dice) {
   static const json kValues[] = {0,
                                  1,
@@ -91,13 +91,13 @@ std::string mutant_of(const TinyGltf& seed, std::uint64_t number) {
       }
       return file.glb();
     }
-    case 2: {  // cut, with or without a header that admits it
+    case 2: {  // cut, with or without matching lengths in the header
       std::string bytes = file.glb();
       bytes.resize(dice.below(bytes.size()));
       if (dice.below(2) == 0) set_word(bytes, 8, static_cast<std::uint32_t>(bytes.size()));
       return bytes;
     }
-    case 3: {  // lies about lengths, flipped bits anywhere
+    case 3: {  // wrong lengths, flipped bits anywhere
       std::string bytes = file.glb();
       set_word(bytes, 4 * dice.below(5), static_cast<std::uint32_t>(sim::hash(number, 99) >> dice.below(32)));
       char& byte = bytes[dice.below(bytes.size())];

@@ -2,7 +2,7 @@
 
 #include "tests/traces/scene/tiny_gltf_file.h"
 
-// Hierarchy of nodes, which animations move.
+// The node hierarchy, which animations move.
 
 namespace test {
 namespace {
@@ -10,7 +10,7 @@ namespace {
 using traces::kNone;
 using traces::Scene;
 
-/// A root with two children, the second of which shows the triangle.
+/// A root with two children; the second one shows the triangle.
 TinyGltf family() {
   TinyGltf file;
   file.json["nodes"] = {{{"name", "child"}, {"mesh", 0}, {"translation", {0, 2, 0}}, {"scale", {2, 2, 2}}},
@@ -82,7 +82,7 @@ TEST(GltfNodes, TheLightOfALampMovesWithTheLamp) {
 }
 
 TEST(GltfNodes, TheLightOfAFlatLampStandsWhereTheLampIs) {
-  // Turned, flattened, turned: the determinant is 0 but for rounding.
+  // Rotated, flattened, rotated: the determinant is 0 except for rounding.
   TinyGltf file;
   file.material()["emissiveFactor"] = {1, 1, 1};
   file.json["nodes"] = {{{"rotation", {0.1, 0.2, 0.3, 0.9}}, {"scale", {1, 1, 0}}, {"children", {1}}},

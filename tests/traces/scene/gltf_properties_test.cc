@@ -4,7 +4,7 @@
 
 #include "tests/traces/scene/gltf_seeds.h"
 
-// Types of JSON values, and which properties may be left out.
+// Types of JSON values, and which properties are optional.
 
 namespace test {
 namespace {
@@ -54,8 +54,8 @@ TEST(GltfTypes, RequiredPropertiesMustBeThere) {
               "materials[0].normalTexture.index is missing; allowed: 0 1 2 ...");
 }
 
-/// Replaces each value of the document, one at a time, by one of another type; each time the refusal names its path.
-/// The numbers of a list are named by their list, indices and objects by themselves.
+/// Replaces each value of the document, one at a time, by one of another type; each refusal must name its path. The
+/// numbers of a list are named by their list, indices and objects by themselves.
 void expect_types_checked(TinyGltf& file, json& value, const std::string& path) {
   for (std::size_t i = 0; value.is_array() && i < value.size(); ++i) {
     const bool is_index = path.ends_with("nodes") || path.ends_with("children") || path.ends_with("joints");

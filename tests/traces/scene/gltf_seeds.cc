@@ -199,7 +199,7 @@ TinyGltf meshopt_patch() {
     return out;
   };
   std::vector<std::uint32_t> exponential(patch.positions.size());
-#if MESHOPTIMIZER_VERSION < 190  // it has the one mode
+#if MESHOPTIMIZER_VERSION < 190  // it has only one mode
   meshopt_encodeFilterExp(exponential.data(), patch.vertices(), 12, 15, patch.positions.data());
 #else
   meshopt_encodeFilterExp(exponential.data(), patch.vertices(), 12, 15, patch.positions.data(),

@@ -23,7 +23,7 @@ struct Seed {
   std::string name;
   TinyGltf file;
 };
-/// Small files that between them use everything the loader reads, for mutation.
+/// Returns small files that together use everything the loader reads, for mutation.
 std::vector<Seed> seeds();
 
 }  // namespace test

@@ -5,7 +5,7 @@
 #include "tests/traces/scene/tiny_gltf_file.h"
 #include "traces/scene/images.h"
 
-// Which textures a material uses, how they are read, and where on the mesh they lie.
+// Which textures a material uses, how they are read, and how they are placed on the mesh.
 
 namespace test {
 namespace {

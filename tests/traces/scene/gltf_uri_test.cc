@@ -4,7 +4,7 @@
 #include "tests/traces/scene/tiny_gltf_file.h"
 #include "traces/scene/gltf/uri.h"
 
-// URIs of buffers and images: data: as RFC 2397 has it, and names of files.
+// URIs of buffers and images: data: as in RFC 2397, and names of files.
 
 namespace test {
 namespace {
@@ -60,7 +60,7 @@ TEST(DataUri, FaultsAreNamed) {
   EXPECT_SAYS(fault_of("data:,100%"), "has a '%' in its data that is not followed by two hexadecimal digits");
 }
 
-/// The bytes, percent-encoded throughout.
+/// Returns the bytes, all percent-encoded.
 std::string percent_encoded(const std::string& bytes) {
   std::string out;
   for (const char c : bytes) {

@@ -19,7 +19,7 @@ class Draw {
   float between(double least, double most) {
     return static_cast<float>(least + (most - least) * static_cast<double>(below(1 << 20)) / (1 << 20));
   }
-  /// 0, 1 or a number between them.
+  /// Returns 0, 1 or a number between them.
   float share() { return one_in(3) ? static_cast<float>(below(2)) : between(0, 1); }
   json shares(std::size_t count) {
     json list = json::array();

@@ -62,7 +62,7 @@ TEST(Tangents, ComeFromTheCoordinatesOfTheNormalMap) {
   EXPECT_EQ(mesh.tangents, Tangents(4, {0, -1, 0, 1}));
 }
 
-/// u runs 0, 1, 0 over x = 0, 1, 2: the vertices in the middle are shared by both halves.
+/// u is 0, 1, 0 at x = 0, 1, 2: both halves share the vertices in the middle.
 Mesh mirrored_strip() {
   return flat_mesh({{0, 0}, {1, 0}, {2, 0}, {0, 1}, {1, 1}, {2, 1}}, {{0, 1}, {1, 1}, {0, 1}, {0, 0}, {1, 0}, {0, 0}},
                    {{0, 1, 4}, {0, 4, 3}, {1, 2, 5}, {1, 5, 4}});
@@ -85,11 +85,11 @@ TEST(Tangents, SplitVerticesWhereTheTextureIsMirrored) {
   }
 }
 
-/// Two triangles that share the origin. Their angles there are 90 and 45 degrees; u increases along (1, 0) in the
-/// first and along (1, -1) in the second.
+/// Two triangles that share the origin. Their angles there are 90 and 45 degrees; u increases along (1, 0) in the first
+/// and along (1, -1) in the second.
 constexpr std::array<glm::vec2, 4> kFanAt{{{0, 0}, {1, 0}, {0, 1}, {-1, 1}}};
 constexpr std::array<glm::vec2, 4> kFanUvs{{{0, 0}, {1, 0}, {0, -1}, {-1, 0}}};
-/// 90 (1, 0) + 45 (1, -1) / sqrt(2), made a unit vector.
+/// 90 (1, 0) + 45 (1, -1) / sqrt(2), normalised.
 const glm::vec4 kFanTangent(0.9675382F, -0.2527247F, 0, 1);
 
 TEST(Tangents, AreWeightedByAngle) {

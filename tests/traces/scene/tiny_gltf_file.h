@@ -13,8 +13,8 @@
 
 namespace test {
 
-/// A glTF document to be changed by the test: one triangle (0,0,0), (1,0,0), (0,1,0) in one mesh on one node, with
-/// indices and without normals. Accessor 0 holds the positions, 1 the indices.
+/// A glTF document for tests to change: one triangle (0,0,0), (1,0,0), (0,1,0) in one mesh on one node, with indices
+/// and without normals. Accessor 0 holds the positions, 1 the indices.
 struct TinyGltf {
   nlohmann::json json;
   std::string binary;
@@ -44,7 +44,7 @@ inline constexpr int kByte = 5120, kUByte = 5121, kShort = 5122, kUShort = 5123,
 
 traces::Scene load(const TinyGltf& file, const traces::SceneLimits& limits = {});
 
-/// The complaint of the loader about a file that it must refuse: one line that begins with the file's name.
+/// Returns the loader's message for a file that it must refuse: one line that begins with the file's name.
 std::string refusal(const std::string& bytes, const traces::SceneLimits& limits = {});
 
 }  // namespace test

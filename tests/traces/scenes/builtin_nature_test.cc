@@ -21,7 +21,7 @@ using traces::Scene;
 struct Case {
   const char* name;
   std::uint32_t triangles;
-  float reach;  ///< nothing is farther than this from the origin
+  float reach;  ///< upper bound of the distance from the origin
   std::size_t textures, lights;
 };
 constexpr Case kCases[] = {
@@ -96,7 +96,7 @@ TEST_P(NatureScene, HasWholeMeshes) {
   }
 }
 
-/// Does the ray meet the triangle?
+/// True if the ray hits the triangle.
 bool meets(const glm::vec3& from, const glm::vec3& way, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
   const glm::vec3 u = b - a, v = c - a, p = glm::cross(way, v), s = from - a, q = glm::cross(s, u);
   const float d = glm::dot(u, p), x = glm::dot(s, p) / d, y = glm::dot(way, q) / d;

@@ -19,12 +19,12 @@ struct Room {
   std::string name;
   std::uint32_t triangles;
   double smallest;  // share of the triangles below which shapes would be lost
-  float size;       // no part is farther from the origin, metres
+  float size;       // upper bound of the distance from the origin, in metres
 };
 
 std::ostream& operator<<(std::ostream& out, const Room& room) { return out << room.name; }
 
-/// Whether the segment from `from` to `from` + `way` meets a triangle of the scene.
+/// True if the segment from `from` to `from` + `way` hits a triangle of the scene.
 bool is_blocked(const Scene& scene, const glm::vec3& from, const glm::vec3& way) {
   for (const traces::Instance& instance : scene.instances) {
     const traces::Mesh& mesh = scene.meshes[instance.mesh];

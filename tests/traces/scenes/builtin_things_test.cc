@@ -27,7 +27,7 @@ std::uint32_t class_of(std::string_view name) {
   return 0;
 }
 
-/// How much of what is asked for a scene has.
+/// Returns the scene's triangles as a share of the wanted number.
 double share_of(std::string_view name, std::uint32_t wanted) {
   const Scene scene = traces::build_scene(name, {.triangles = wanted});
   return static_cast<double>(traces::triangles_of(scene)) / wanted;

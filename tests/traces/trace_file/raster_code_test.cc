@@ -23,7 +23,7 @@ TEST(RasterCode, GivesBackABatchAndAWave) {
   TileWork back;
   decode(encode(tile, scope.links), scope, back);
   EXPECT_TRUE(same(tile, back));
-  // And once more, where there is storage of a former tile.
+  // And again, reusing the storage of another tile.
   decode(encode(tile, scope.links), scope, back);
   EXPECT_TRUE(same(tile, back));
 }

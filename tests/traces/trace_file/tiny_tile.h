@@ -185,7 +185,7 @@ inline bool same(const TileWork& a, const TileWork& b) {
          std::ranges::equal(a.nodes, b.nodes, [](const WorkNode& x, const WorkNode& y) { return same(x, y); });
 }
 
-/// With what a decoder wants behind the bytes.
+/// Appends the bytes that a decoder may read beyond the end.
 inline std::string padded(std::string bytes) { return bytes.append(16, '\x5a'); }
 
 inline TileRays decode(const std::string& bytes, const TileScope& scope, TileWork& work) {
@@ -199,7 +199,7 @@ inline std::string encode(const TileWork& work, const Links& links) {
   return bytes;
 }
 
-/// `tile` says what is wrong, so nothing else may be.
+/// Encodes and decodes the tile; returns the decoder's error.
 inline std::string complaint(const TileWork& tile, const TileScope& scope) {
   TileWork back;
   try {

@@ -9,7 +9,7 @@
 #include "tests/traces/trace_file/tiny_tile.h"
 #include "traces/accel/build.h"
 
-// The tree of a trace: nothing is lost, and no bytes make anything but a tree.
+// The tree of a trace: lossless, and no bytes decode to anything but a tree.
 
 namespace traces {
 namespace {
@@ -82,8 +82,7 @@ TEST(TreeLinks, OfTwoLevelsComeBackAndMustHaveTreesOfInstancesAndTrianglesEach) 
   EXPECT_EQ(says([](TileScope& s) { s.counts.instances = 5; }), "tree: number of instances is out of range");
 }
 
-/// Nodes of the tree below `node`, which nothing else may have as a child; false in `sound` where a leaf holds what it
-/// must not.
+/// Returns the number of nodes of the tree below `node`. Sets `sound` to false if a leaf holds an invalid link.
 std::size_t nodes_below(const TileScope& scope, std::uint32_t node, bool upper, std::vector<int>& entered,
                         bool& sound) {
   std::size_t nodes = 1;
@@ -99,7 +98,7 @@ std::size_t nodes_below(const TileScope& scope, std::uint32_t node, bool upper, 
   return nodes;
 }
 
-/// Can walks, restarts and prefetches rely on this?
+/// True if walks, restarts and prefetches can rely on the tree.
 bool is_sound(const TileScope& scope) {
   std::vector<int> entered(scope.counts.instances, 0);
   bool sound = true;

@@ -1,4 +1,4 @@
-"""A sweep explored: its best points, what each axis is worth, which points no other beats in speed and energy.
+"""Explores a sweep: its best points, the effect of each axis, and the Pareto front of speed and energy.
 
     raywatt sweep run trv-cores -o out/trv-cores
     python3 explore_sweep.py out/trv-cores
@@ -18,11 +18,11 @@ axes = [name for name in points.columns[:before_totals] if name not in ("id", "s
 # %% The ten fastest
 print(points.nlargest(10, speed)[[*axes, speed, energy]].to_string())
 
-# %% What an axis is worth: mean of all points with that value
+# %% Effect of an axis: mean of all points with that value
 for axis in axes:
     print(points.groupby(axis, sort=False)[[speed, energy]].mean().to_string())
 
-# %% The front: sorted by speed, each point that takes less energy than all faster ones
+# %% The front: sorted by speed, each point that uses less energy than all faster ones
 by_speed = points.sort_values([speed, energy], ascending=[False, True])
 front = by_speed[by_speed[energy] < by_speed[energy].cummin().shift(fill_value=float("inf"))]
 print(front[[*axes, speed, energy]].to_string())

@@ -5,7 +5,7 @@
 
 Cells begin with `# %%`, so Jupyter and editors can also open it as a notebook.
 """
-# %% What was measured
+# %% Measured figures
 import sys
 
 import matplotlib
@@ -19,7 +19,7 @@ table = rows[rows["figure"].isin(figures)].pivot(index=["setting", "scene"], col
                                                  values=["measured", "published_low", "published_high"])
 print(table.to_string())
 
-# %% The figure: a panel a setting, a group of bars a scene; black lines span what the paper gives
+# %% The figure: one panel per setting, one group of bars per scene; black lines are the published ranges
 matplotlib.use("svg" if picture.endswith(".svg") else "agg")
 from matplotlib import pyplot
 

@@ -5,7 +5,7 @@
     run.totals["energy_mj.nominal"]
     run.units.query("kind == 'why'").groupby("name")["value"].sum()
 
-Names are those of the files (docs/report.md): nested ones are joined by dots, as in results.csv of a sweep. Figures
+Names are those of the files (docs/report.md); nested names are joined by dots, as in results.csv of a sweep. Figures
 may also be named as on the command line: run.totals["fps"], points["perf.fps"].
 """
 import dataclasses
@@ -27,18 +27,18 @@ class Run:
     """Content of a report.json.
 
     totals   figures of all frames together: a series by path, without kernels
-    frames   the same for each frame: a row a frame
+    frames   the same figures per frame: one row per frame
     units    a row for each cycle reason and counter of each unit: unit, kind (elapsed, why or counter), name, value
-    kernels  a row a kernel, by name
-    tiles    a row for each entry of a frame's tile list: frame, then the columns of tiles.json; .attrs["rest"] has for
-             each frame what belongs to no tile; None without that file
+    kernels  one row per kernel, by name
+    tiles    a row for each entry of a frame's tile list: frame, then the columns of tiles.json; .attrs["rest"] has each
+             frame's figures without a tile; None if the run has no tiles.json
     report   the whole file as dictionaries and lists
-    folder   where it lies
+    folder   folder of the report
 
-    Beside the report:
-    intervals  what each reason and counter came to in each interval of simulated time (docs/intervals.md): a row for
-               each frame, interval, unit and name, with begin_us and end_us of the interval, kind and value. It is read
-               when first asked for, which needs zstandard (Debian's python3-zstandard); millions of rows of a whole run.
+    Read from a second file on first use:
+    intervals  increase of each reason and counter in each interval of simulated time (docs/intervals.md): a row for each
+               frame, interval, unit and name, with begin_us and end_us of the interval, kind and value. Needs zstandard
+               (Debian's python3-zstandard); a whole run has millions of rows.
     """
 
     totals: pandas.Series
@@ -59,7 +59,7 @@ class Run:
 
 
 def load(folder):
-    """The run in a folder of `raywatt run` or `raywatt trace replay`, or that of its report.json."""
+    """Loads the run in a folder of `raywatt run` or `raywatt trace replay`, given as the folder or as its report.json."""
     folder = pathlib.Path(folder)
     if folder.name == "report.json" and not folder.is_dir():
         folder = folder.parent
@@ -78,9 +78,9 @@ def load(folder):
 
 
 def load_sweep(folder):
-    """Results of a sweep: a row a point, by its number, with id, status, axes and the plain values of its totals.
+    """Loads the results of a sweep: one row per point, by its number, with id, status, axes and values of its totals.
 
-    Values of axes that carry a unit are text, as in the sweep's file. `raywatt sweep collect` brings them up to date.
+    Axis values with a unit are text, as in the sweep's file. `raywatt sweep collect` updates the results.
     """
     file = pathlib.Path(folder, "results.csv")
     if not file.exists():
@@ -91,7 +91,7 @@ def load_sweep(folder):
 
 
 def load_search(folder):
-    """Points of a `raywatt optimise` folder in the order of the search: a row a point, nested names joined by dots."""
+    """Loads the points of a `raywatt optimise` folder in search order: one row per point, nested names joined by dots."""
     file = pathlib.Path(folder, "history.jsonl")
     if not file.exists():
         raise ValueError(f"{file}: is not there; allowed: a folder that `raywatt optimise -o` has written")
@@ -103,7 +103,7 @@ def load_search(folder):
 
 
 def load_reproduce(folder):
-    """Rows of `raywatt reproduce`; the published figure, or range, as published_low and published_high."""
+    """Loads the rows of `raywatt reproduce`; the published figure or range is in published_low and published_high."""
     rows = _read(pathlib.Path(folder, "reproduce.json"), "raywatt-reproduce/1")["rows"]
     frame = pandas.DataFrame(rows)
     bounds = [row["published"] if isinstance(row["published"], list) else [row["published"]] * 2 for row in rows]
@@ -114,7 +114,7 @@ def load_reproduce(folder):
 
 
 def load_trace_info(file, program="raywatt"):
-    """Summary of a recorded trace as `raywatt trace info` gives it: a series by path. `program` is the one to ask."""
+    """Returns the output of `raywatt trace info` as a series by path. `program`: the raywatt to run."""
     asked = subprocess.run([program, "trace", "info", str(file), "--json"], capture_output=True, text=True)
     if asked.returncode != 0:
         raise ValueError(asked.stderr.strip())
@@ -122,7 +122,7 @@ def load_trace_info(file, program="raywatt"):
 
 
 def _no_run(folder):
-    """Error text for a folder without report.json; names the function that reads it."""
+    """Returns the error for a folder without report.json; it names the function that reads the folder."""
     readers = {"history.jsonl": "load_search", "sweep.json": "load_sweep", "reproduce.json": "load_reproduce"}
     for name, reader in readers.items():
         if (folder / name).exists():
@@ -155,7 +155,7 @@ def _without_kernels(figures):
 
 
 def _flat(tree, prefix=""):
-    """Leaves by path: plain values and lists of them; groups in a list are numbered."""
+    """Returns the leaves by path: plain values and lists of them; groups in a list are numbered."""
     if not isinstance(tree, dict) and not (isinstance(tree, list) and any(isinstance(part, dict) for part in tree)):
         return {prefix: tree}
     leaves = {}
@@ -165,7 +165,7 @@ def _flat(tree, prefix=""):
 
 
 def _unit_rows(tree, path=""):
-    """Rows of all units; a unit is where cycles elapse."""
+    """Returns the rows of all units; a unit is a node with elapsed cycles."""
     if "elapsed" not in tree:
         return [row for name, part in tree.items() for row in _unit_rows(part, f"{path}.{name}" if path else name)]
     rows = [(path, "elapsed", "elapsed", tree["elapsed"])]

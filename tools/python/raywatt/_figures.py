@@ -1,11 +1,11 @@
-"""Frames and series whose keys may be short, as on the command line: "perf.fps" means "totals.perf.fps"."""
+"""Frames and series with the short names of the command line: "perf.fps" means "totals.perf.fps"."""
 import pandas
 
 PREFIX = "totals."
 
 
 class FigureSeries(pandas.Series):
-    """A series by path that also takes the names that `raywatt` takes."""
+    """A series by path that also accepts the names of the command line."""
 
     @property
     def _constructor(self):
@@ -16,7 +16,7 @@ class FigureSeries(pandas.Series):
 
 
 class FigureFrame(pandas.DataFrame):
-    """A frame whose columns may be named as on the command line."""
+    """A frame whose columns also have the names of the command line."""
 
     @property
     def _constructor(self):
@@ -27,10 +27,10 @@ class FigureFrame(pandas.DataFrame):
 
 
 def resolve(key, paths):
-    """Returns the path that a name means, or the key itself if it is a path or no text.
+    """Returns the path of a name, or the key itself if it is a path or not a text.
 
-    A name means the path that equals it, with or without "totals."; else the only path that ends in it at a dot, where
-    figures of totals come first. A figure with a band means its nominal value.
+    A name denotes the equal path, with or without "totals."; otherwise the only path that ends with it after a dot,
+    with priority for figures of totals. A figure with a band denotes its nominal value.
     """
     if not isinstance(key, str) or key in paths:
         return key

@@ -1,11 +1,11 @@
-"""Intervals of a run as docs/intervals.md describes their file."""
+"""Reads the intervals of a run from their file, specified in docs/intervals.md."""
 import numpy
 import pandas
 
 FILE = "intervals.bin.zst"
 MAGIC = b"raywatt-intervals/1\n"
 PEAK = 1
-CHUNK_BYTES = 1 << 12  # packed bytes read at once: bounds what one call can unpack
+CHUNK_BYTES = 1 << 12  # packed bytes read at once; bounds the bytes that one call unpacks
 MAX_VARINT_BYTES = 10  # a 64-bit value, 7 bits a byte
 MAX_ROWS = 1 << 24  # of all frames together: below 1 GiB as a frame of pandas
 MAX_BYTES = 8 * MAX_ROWS  # of all blocks, unpacked
@@ -14,9 +14,9 @@ COLUMNS = ["frame", "interval", "begin_us", "end_us", "unit", "kind", "name", "v
 
 
 def load(folder, units):
-    """Rows of all frames; of a peak the value is the most since the frame's beginning.
+    """Returns the rows of all frames; the value of a peak is the maximum since the frame's beginning.
 
-    `units`: those of the report beside the file, to whose values all intervals must come.
+    `units`: values of the run's report, to which all intervals must sum.
     """
     file = folder / FILE
     if not file.exists():
@@ -80,7 +80,7 @@ def _blocks(file):
 
 
 def _numbers(block):
-    """All varints of a block: 7 bits a byte, lowest first."""
+    """Returns all varints of a block: 7 bits a byte, lowest first."""
     digits = numpy.frombuffer(block, numpy.uint8)
     ends = numpy.flatnonzero(digits < 128)
     begins = numpy.concatenate(([0], ends[:-1] + 1))
@@ -96,7 +96,7 @@ def _numbers(block):
 
 
 def _values_of(block):
-    """The first block's values in their order, as (unit, kind, name, is a peak)."""
+    """Returns the values named in the first block, in order, as (unit, kind, name, is a peak)."""
     at = len(MAGIC)
 
     def number(limit):

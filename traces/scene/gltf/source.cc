@@ -158,8 +158,8 @@ class Resources {
   Resources(Source& source, std::filesystem::path folder, Budget& budget, const SceneLimits& limits)
       : source_(source), folder_(std::move(folder)), budget_(budget), limits_(limits) {}
 
-  /// Reads the URIs of a list's entries and replaces them by keys of Source::external. Needed because tinygltf knows
-  /// few data: URIs, decodes '+' in file names as a blank and refuses files longer than byteLength. Returns true if
+  /// Reads the URIs of a list's entries and replaces them by keys of Source::external. Needed because tinygltf
+  /// accepts few data: URIs, decodes '+' in file names as a blank and refuses files longer than byteLength. Returns true if
   /// there were any.
   bool read(sim::Json& json, const char* list) {
     const auto entries = json.find(list);

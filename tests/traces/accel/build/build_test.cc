@@ -272,7 +272,7 @@ TEST(MemoryImage, RefusesAMeshThatNamesWhatItDoesNotHave) {
 }
 
 #ifndef RAYWATT_SANITIZED  // sanitizers end the process instead
-/// Leaves the process 8 MiB of new memory from the first call on.
+/// Limits the process to 8 MiB of new memory from the first call on.
 bool limit_memory() {
   static const bool is_done = [] {
     std::uint64_t pages = 0;

@@ -13,7 +13,7 @@ namespace {
 
 using Path = Track::Path;
 
-/// A strip of two triangles along x, its end at x = 2 carried by joint 1 (node 2), which hangs on node 1 at x = 1.
+/// A strip of two triangles along x. Joint 1 (node 2), a child of node 1 at x = 1, moves its end at x = 2.
 Scene bending_strip() {
   Scene scene = one_node();
   scene.nodes.resize(3);

@@ -64,7 +64,7 @@ TEST(Tracks, ACubicSplineLeavesAndEntersAKeyAlongItsTangents) {
 }
 
 TEST(Tracks, RotationsTurnEvenlyByTheSine) {
-  for (const double angle : {1e-6, 0.01, 1.0, 2.0, 3.0}) {  // whole angle of the turn around z
+  for (const double angle : {1e-6, 0.01, 1.0, 2.0, 3.0}) {  // whole angle of the rotation around z
     const auto half_sine = static_cast<float>(std::sin(angle / 2)),
                half_cosine = static_cast<float>(std::cos(angle / 2));
     const Track track = track_of(Path::kRotation, {0, 1}, {0, 0, 0, 1, 0, 0, half_sine, half_cosine});
