@@ -20,17 +20,17 @@ struct Ray {
 
 inline constexpr std::uint32_t kNoHit = 0xffffffffU;
 
-// Two flags that a triangle hands to its hits, above the index: the traversal knows no textures, so whether there
-// really is a surface, and how much light passes, is for a shader to say.
-inline constexpr std::uint32_t kAlphaFlag = 1U << 31;  ///< the material has an alpha: any ray may have to go on
-inline constexpr std::uint32_t kTintFlag = 1U << 30;   ///< the material lets light in: shadow rays are tinted
+// Flags of a triangle, stored above its index in every hit. Traversal reads no textures, so a shader decides from the
+// flags whether the surface exists at the hit and how much light passes.
+inline constexpr std::uint32_t kAlphaFlag = 1U << 31;  ///< the material has alpha: any ray may pass through
+inline constexpr std::uint32_t kTintFlag = 1U << 30;   ///< the material is transparent: shadow rays are tinted
 inline constexpr std::uint32_t kTriangleMask = kTintFlag - 1;
 
-/// Where a ray met a triangle; `u`, `v` are the barycentric weights of its second and third vertex. `triangle` is the
-/// index in the memory image's leaf order, with the triangle's flags above it.
+/// The intersection of a ray and a triangle. `u` and `v` are the barycentric weights of the second and third vertex.
+/// `triangle` is the index in the memory image's leaf order, with the triangle's flags above it.
 ///
-/// Shadow rays: a hit without flags says that something solid is in the way, no matter which and where. A flagged one
-/// is the nearest of all hits.
+/// For a shadow ray, a hit without flags means that an opaque triangle blocks the ray; it may be any blocking triangle.
+/// A flagged hit is the nearest of all hits.
 struct Hit {
   float t = std::numeric_limits<float>::infinity();
   float u = 0;
@@ -41,9 +41,9 @@ struct Hit {
   bool is_flagged() const { return triangle > kTriangleMask && is_hit(); }
 };
 
-// In a scene of instances (a memory image of two levels) a hit names its instance as well, in the same four words: `u`
-// and `v` are whole numbers of kWeightBits bits, as shares of kWeightOne, and below each of them lies a half of the
-// instance's number. That is as fine as floats are near 1/4.
+// In a two-level memory image a hit also names its instance, within the same four words: the upper kWeightBits bits of
+// `u` and `v` are fixed-point weights (kWeightOne is 1), the lower bits each hold half of the instance's number. The
+// resolution of a weight equals that of a float near 1/4.
 inline constexpr std::uint32_t kWeightBits = 22, kHalfBits = 32 - kWeightBits;
 inline constexpr std::uint32_t kHalfMask = (1U << kHalfBits) - 1;
 inline constexpr std::uint32_t kWeightOne = (1U << kWeightBits) - 1;
@@ -57,7 +57,7 @@ inline Hit with_instance(const Hit& hit, std::uint32_t instance) {
   return {hit.t, std::bit_cast<float>(u << kHalfBits | (instance & kHalfMask)),
           std::bit_cast<float>(v << kHalfBits | instance >> kHalfBits), hit.triangle};
 }
-/// Instance of a hit made by with_instance().
+/// Returns the instance of a hit made by with_instance().
 inline std::uint32_t instance_of(const Hit& hit) {
   return (std::bit_cast<std::uint32_t>(hit.u) & kHalfMask) | (std::bit_cast<std::uint32_t>(hit.v) & kHalfMask)
                                                                  << kHalfBits;

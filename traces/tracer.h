@@ -7,18 +7,19 @@
 
 namespace traces {
 
-/// Where a tracer writes the canonical walks (walk.h): `begin` gets one entry per ray.
+/// Destination of canonical walks (walk.h); each ray adds one entry to `begin`.
 struct WalkSink {
   std::vector<std::uint32_t>& words;
   std::vector<std::uint32_t>& begin;
 };
 
-/// Finds hits. Shadow rays ask "anything?" and stop at the first triangle without flags (ray.h); where there is none
-/// they report the nearest flagged one. All others want the nearest of all.
+/// Interface of a tracer. A shadow ray ends at the first triangle without flags (ray.h); if there is none, its hit is
+/// the nearest flagged triangle. Any other ray finds its nearest hit.
 class Tracer {
  public:
   virtual ~Tracer() = default;
-  /// `hits` is as long as `rays`. `walk` may be null; a tracer that has no canonical walk ignores it.
+  /// Traces `rays` and writes one entry of `hits` per ray. `walk` may be null; tracers without canonical walks ignore
+  /// it.
   virtual void trace(std::span<const Ray> rays, RayKind kind, std::span<Hit> hits, WalkSink* walk) const = 0;
 };
 

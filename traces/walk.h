@@ -3,26 +3,26 @@
 
 namespace traces {
 
-// The canonical walk of a ray: near child first, full stack, both boxes per visit. It is what happened, free of any
-// stack scheme, cache or address; a machine expands it to its own mechanisms. One ray's walk is a run of 32-bit
-// words that ends with kEnd:
+// The canonical walk of a ray visits the near child first, has an unlimited stack and tests both boxes per visit. It is
+// independent of stack scheme, caches and addresses; the machine model adds those. A walk is a sequence of 32-bit words
+// that ends with kEnd:
 //
-//   visit  00 | near(1) | hits(2) | node(27)      inner node tested; bit 0 of `hits` is child 0, bit 1 child 1;
+//   visit  00 | near(1) | hits(2) | node(27)      an inner node is tested; bit 0 of `hits` is child 0, bit 1 child 1;
 //                                                  `near` is the child entered first when both are hit
-//   leaf   01 | count(4) | first triangle(26)      leaf entered, `count` triangles tested (a shadow ray stops behind
-//                                                  a hit without flags, ray.h); one more word follows: the exit phase
-//                                                  of each test, 4 bits each, first test lowest
-//   enter  01 | 0(4) | instance(26)                the ray goes on in the space of an instance, at its tree's root
-//   cull   10 | n(30)                              n stack entries popped and dropped: they begin behind the hit
+//   leaf   01 | count(4) | first triangle(26)      a leaf is entered and `count` triangles are tested (a shadow ray
+//                                                  stops after a hit without flags, ray.h); the next word has the
+//                                                  exit phase of each test, 4 bits each, first test lowest
+//   enter  01 | 0(4) | instance(26)                the ray enters the space of an instance, at the root of its tree
+//   cull   10 | n(30)                              n stack entries are popped and dropped: they begin beyond the hit
 //   end    11 | hit(1)
 //
-// A visit that hits nothing and a leaf are followed by a pop (or the end); a visit that hits both pushes the far child.
-// An enter is followed by the visit of that root. There is no word for leaving: the ray is back in world space as soon
-// as an entry comes off the stack that was there when it entered.
+// A leaf, or a visit without a hit, is followed by a pop or the end. A visit that hits both children pushes the far
+// one. An enter is followed by the visit of that root. Leaving an instance has no word: the ray returns to world space
+// when an entry is popped that was on the stack before it entered.
 
 enum class StepKind : std::uint32_t { kVisit = 0, kLeaf = 1, kCull = 2, kEnd = 3 };
 
-/// Where a triangle test stopped (a hit goes through all three phases).
+/// The phase in which a triangle test stopped; a hit passes all three.
 enum class ExitPhase : std::uint32_t { kDistance = 1, kBarycentric = 2, kHit = 3 };
 
 inline constexpr std::uint32_t kMaxNodes = 1U << 27;

@@ -7,10 +7,10 @@
 
 namespace traces {
 
-/// Canonical traversal steps: nodes visited and triangles tested.
+/// Counts of canonical traversal steps: nodes visited and triangles tested.
 struct WalkSteps {
   std::uint64_t visits = 0, tests = 0;
-  std::uint64_t enters = 0;  ///< instances entered, which is no step
+  std::uint64_t enters = 0;  ///< instances entered (not counted as steps)
   std::uint64_t all() const { return visits + tests; }
   WalkSteps& operator+=(const WalkSteps& other) {
     visits += other.visits;
@@ -20,7 +20,7 @@ struct WalkSteps {
   }
 };
 
-/// Those of whole walks, back to back.
+/// Returns the number of steps in concatenated walks.
 inline WalkSteps count_steps(std::span<const std::uint32_t> words) {
   WalkSteps steps;
   for (std::size_t i = 0; i < words.size(); ++i) {
@@ -29,7 +29,7 @@ inline WalkSteps count_steps(std::span<const std::uint32_t> words) {
     } else if (is_enter(words[i])) {
       steps.enters += 1;
     } else if (kind_of(words[i]) == StepKind::kLeaf) {
-      steps.tests += count_of(words[i++]);  // its exit phases follow
+      steps.tests += count_of(words[i++]);  // skips the word of exit phases
     }
   }
   return steps;

@@ -5,20 +5,20 @@
 
 namespace traces {
 
-/// The grid on which boxes lie in hybrid numbers (US patent 9,830,733): along each axis 2^19 planes, plane p at
-/// lower + p * step, spread over the scene.
+/// The grid of box planes in hybrid numbers (US patent 9,830,733). Each axis has 2^19 planes spread over the scene;
+/// plane p is at lower + p * step.
 class BoxGrid {
  public:
   static constexpr std::uint32_t kLastPlane = (1U << kPlaneBits) - 1;
 
-  /// Spread over the scene's bounds. An axis along which the scene is flat, or nearly so, gets a step that is not far
-  /// below that of the widest: the box test is not finer than that (box_test.h).
+  /// Spreads the grid over the scene's bounds. On an axis where the scene is nearly flat, the step is limited to 1/1024
+  /// of the widest axis's; the box test resolves no finer distances (box_test.h).
   BoxGrid(const glm::vec3& lower, const glm::vec3& upper);
 
-  /// The last plane not above `x`, which lies within the bounds, and the first not below it; whole numbers.
+  /// Returns the last plane not above `x` and the first plane not below it, as whole numbers. `x` is within the bounds.
   float below(float x, int axis) const;
   float above(float x, int axis) const;
-  /// Where plane `p` is.
+  /// Returns the coordinate of plane `p`.
   double at(double p, int axis) const { return lower_[axis] + p * step_[axis]; }
 
   const glm::vec3& lower() const { return lower_; }
@@ -31,8 +31,7 @@ class BoxGrid {
 
 struct MemoryImage;
 
-/// Makes the image one of hybrid numbers: spreads a grid over its bounds and replaces the planes of all boxes, so far
-/// coordinates, by those of the grid, outward.
+/// Converts the image's boxes to hybrid numbers: spreads a grid over its bounds and rounds all planes outward to it.
 void put_on_grid(MemoryImage& image);
 
 }  // namespace traces

@@ -8,32 +8,31 @@
 
 namespace traces {
 
-/// Ray prepared for testing the two boxes of a node at once.
+/// A ray prepared for testing both boxes of a node at once.
 ///
-/// Conservative: a box is never missed whose triangles the triangle test would hit. The near planes are seen from an
-/// origin moved ahead and the far planes from one moved back by the rounding errors that either test can make (Woop,
-/// Benthin, Wald 2013: "Watertight Ray/Triangle Intersection"), which also holds a ray inside a box it slides along.
-/// A direction component of zero is taken as a tiny one, so that no infinity meets a zero.
-///
-/// Hybrid numbers (US patent 9,830,733): planes and both origins are whole steps of the image's grid, so that their
-/// difference is exact, and only the reciprocal, of the direction in steps, is a float. This is conservative too.
-/// Planes lie outside of those of floats, and the origins, moved as much as there, are rounded outward to a whole step.
-/// Roundings besides: an origin's way to the grid, twice, and the reciprocal once more, each by half an epsilon
-/// of the reach at most; so two epsilons are added to what origins are moved by. Over 2^24 steps away floats count no
-/// longer every step; there the difference is rounded as that of floats is, which what origins are moved by covers
-/// already.
+/// 1. The test is conservative: it never misses a box that contains a triangle hit. Near planes are measured from an
+///    origin moved forward, far planes from one moved back, each by the rounding error of the box and triangle tests
+///    (Woop, Benthin, Wald 2013: "Watertight Ray/Triangle Intersection"). A ray that slides along a face is therefore
+///    inside the box.
+/// 2. A zero direction component is replaced by a tiny one, so that infinity is never multiplied by zero.
+/// 3. In hybrid numbers (US patent 9,830,733) planes and both origins are whole grid steps. Their difference is exact;
+///    only the reciprocal of the direction, in steps, is a float.
+/// 4. Hybrid numbers are conservative too. Planes are rounded outward from floats, and the moved origins are rounded
+///    outward to whole steps. Converting the origin to the grid rounds twice and the reciprocal rounds once more, each
+///    by at most half an epsilon of the reach, so two epsilons are added to the displacement of the origins. Beyond
+///    2^24 steps the difference is rounded as between floats, which the displacement already covers.
 template <class Lanes>
 class RayBoxes {
  public:
-  /// Boxes of floats in a scene of these bounds.
+  /// Prepares a ray for boxes in floats, in a scene with these bounds.
   RayBoxes(const Ray& ray, const glm::vec3& scene_lower, const glm::vec3& scene_upper)
       : RayBoxes(ray, reach(ray.origin, scene_lower, scene_upper)) {}
-  /// Boxes that lie on a grid.
+  /// Prepares a ray for boxes on a grid.
   RayBoxes(const Ray& ray, const glm::vec3& scene_lower, const glm::vec3& scene_upper, const BoxGrid& grid)
       : RayBoxes(ray, reach(ray.origin, scene_lower, scene_upper), grid) {}
 
-  /// Distances at which the ray enters both boxes, not before t_min, in lanes 0 and 1; `hits` gets a bit per box that
-  /// the ray enters no later than it leaves it or comes to `limit`.
+  /// Returns in lanes 0 and 1 the distances at which the ray enters the two boxes, at least t_min. A box's bit in
+  /// `hits` is set if the ray enters it before leaving it and before `limit`.
   Lanes enter(const NodeRecord& node, Lanes limit, unsigned& hits) const {
     const Lanes x = (Lanes::load(node.x).swapped(swap_x_) - x_) * inverse_x_;
     const Lanes y = (Lanes::load(node.y).swapped(swap_y_) - y_) * inverse_y_;
@@ -42,7 +41,7 @@ class RayBoxes {
     hits = less_equal(span, -span.upper_pair()) & 3U;
     return span;
   }
-  /// The last argument of enter(): nothing before `t_min` or behind `t_max`.
+  /// Returns the `limit` argument of enter() for the range t_min to t_max.
   static Lanes limits(float t_min, float t_max) { return Lanes::of(t_min, t_min, -t_max, -t_max); }
 
  private:
@@ -70,7 +69,7 @@ class RayBoxes {
         inverse_y_(both_ways(inverse(ray.direction.y, grid.step().y))),
         inverse_z_(both_ways(inverse(ray.direction.z, grid.step().z))) {}
 
-  /// How far the scene's farthest corner is along any axis: rounding errors of the tests grow with it.
+  /// Returns the largest distance along any axis from the origin to the scene's bounds. Rounding errors grow with it.
   static float reach(const glm::vec3& o, const glm::vec3& lower, const glm::vec3& upper) {
     float r = 0;
     for (int a = 0; a < 3; ++a) r = std::max({r, std::fabs(o[a] - lower[a]), std::fabs(o[a] - upper[a])});
@@ -93,7 +92,7 @@ class RayBoxes {
     return Lanes::of(ahead, ahead, back, back);
   }
   static float inverse(float d) { return 1 / (std::fabs(d) < kTiny ? (d < 0 ? -kTiny : kTiny) : d); }
-  /// In steps; a direction that is tiny in steps is taken as `kTiny` too.
+  /// Returns the reciprocal in grid steps, limited to that of `kTiny`.
   static float inverse(float d, float step) { return std::clamp(step * inverse(d), -1 / kTiny, 1 / kTiny); }
   static Lanes both_ways(float inverse) { return Lanes::of(inverse, inverse, -inverse, -inverse); }
 

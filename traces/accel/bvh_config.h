@@ -11,19 +11,18 @@
 
 namespace traces {
 
-/// Update of the tree when the scene has moved: made anew, or its boxes drawn around where things are now
-/// (traces/accel/refit.h).
+/// BVH update for an animated scene: rebuild the tree, or refit its boxes (traces/accel/refit.h).
 enum class BvhUpdate : std::uint8_t { kRebuild, kRefit };
 constexpr std::array<std::string_view, 2> names_of(BvhUpdate) { return {"rebuild", "refit"}; }
 
-/// How a mesh that stands in several places lies in memory.
+/// Storage of a mesh that has several instances.
 enum class InstanceLevels : std::uint8_t {
-  kFlatten,   ///< as often as it stands somewhere, in world space; one tree over all triangles
-  kTwoLevel,  ///< once, with a tree of its own; a tree over all instances above them (traces/accel/build/two_level.h)
+  kFlatten,   ///< one copy per instance, in world space, under one tree
+  kTwoLevel,  ///< one copy with its own tree, under a tree of instances (traces/accel/build/two_level.h)
 };
 constexpr std::array<std::string_view, 2> names_of(InstanceLevels) { return {"flatten", "two_level"}; }
 
-/// How the bounding volume hierarchy is built, which decides about walks, and how it lies in memory.
+/// Settings of the BVH: how it is built, which decides the walks, and its memory format.
 struct BvhConfig {
   std::uint32_t leaf_size = 4;
   std::uint32_t max_depth = 64;

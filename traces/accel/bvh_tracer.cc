@@ -16,21 +16,21 @@
 namespace traces {
 namespace {
 
-constexpr std::size_t kStackSize = 128;  // deeper than BvhConfig lets a tree become
+constexpr std::size_t kStackSize = 128;  // deeper than any tree that BvhConfig allows
 
-/// The four exit phases of a group of tests, given which pass the distance test and which pass both.
+/// Returns the exit phases of four tests, from the lanes that pass the distance test and those that hit.
 constexpr std::uint32_t phases_of(unsigned in_range, unsigned hit) {
   constexpr std::array<std::uint16_t, 16> kSpread = {0x0000, 0x0001, 0x0010, 0x0011, 0x0100, 0x0101, 0x0110, 0x0111,
                                                      0x1000, 0x1001, 0x1010, 0x1011, 0x1100, 0x1101, 0x1110, 0x1111};
   return 0x1111U + kSpread[in_range] + kSpread[hit];
 }
 
-/// Where an image has one level.
+/// Replaces the world-space boxes in images of one level.
 struct Nothing {
   explicit Nothing(const auto&) {}
 };
 
-/// The walk of one ray. `kLevels`: the image has two.
+/// The walk of one ray. `kLevels`: the image has two levels.
 template <class Lanes, bool kAnyHit, bool kLevels, class Record>
 class Walk {
  public:
@@ -70,7 +70,8 @@ class Walk {
     float enter;
   };
 
-  /// Goes on in the space of an instance, at the root of its tree. Its boxes say how far away its mesh reaches.
+  /// Enters an instance: transforms the ray into its space and returns the root of its tree. The root's boxes give the
+  /// reach of the box test.
   std::uint32_t enter_instance(std::uint32_t instance) {
     record_.write(enter_step(instance));
     const InstanceRecord& record = image_.instances[instance];
@@ -87,7 +88,7 @@ class Walk {
     return record.root;
   }
 
-  /// Tests both children; returns where to go on.
+  /// Tests both children and returns the next link.
   std::uint32_t visit(std::uint32_t index) {
     const NodeRecord& node = image_.nodes[index];
     unsigned hits = 0;
@@ -116,7 +117,7 @@ class Walk {
     }
     if (culled != 0) record_.write(cull_step(culled));
     if constexpr (kLevels) {
-      if (depth_ < floor_) {  // what has come off was there when the ray entered
+      if (depth_ < floor_) {  // the entry was on the stack before the ray entered the instance
         boxes_ = world_;
         instance_ = kNone;
         floor_ = 0;
@@ -125,7 +126,7 @@ class Walk {
     return link;
   }
 
-  /// Tests the triangles of a leaf, for any-hit rays up to the first that ends the walk; says whether there was one.
+  /// Tests the triangles of a leaf; an any-hit ray stops at the first hit that ends the walk. True if there was one.
   bool enter_leaf(std::uint32_t link) {
     const std::uint32_t first = leaf_first(link);
     const std::uint32_t count = leaf_count(link);
@@ -143,8 +144,8 @@ class Walk {
     return ends;
   }
 
-  /// Tests `count` triangles and returns their exit phases. Of an any-hit ray a triangle without flags `ends` the walk
-  /// and lowers `count` to those up to it.
+  /// Tests `count` triangles and returns their exit phases. If a triangle without flags blocks an any-hit ray, sets
+  /// `ends` and reduces `count` to the triangles up to that one.
   std::uint32_t test_group(std::uint32_t first, std::uint32_t& count, bool& ends) {
     const auto result = triangles_.test(&image_.triangles[first], count);
     const unsigned lanes = (1U << count) - 1;
@@ -156,11 +157,11 @@ class Walk {
     unsigned hits = in_range & inside;
     if (hits == 0) return phases_of(in_range, 0);
 
-    // A hit shortens the ray for the triangles behind it in the leaf.
+    // A hit shortens the ray for the later triangles of the leaf.
     for (unsigned lane = 0; lane < count; ++lane) {
       if (((hits >> lane) & 1U) == 0) continue;
       if (kAnyHit && image_.triangles[first + lane].flags() == 0) {
-        hit_ = Hit{};  // whatever is at the same distance
+        hit_ = Hit{};  // drops a candidate at the same distance
         accept(result, lane, first + lane);
         count = lane + 1;
         ends = true;
@@ -187,7 +188,7 @@ class Walk {
     if constexpr (kLevels) hit_instance_ = instance_;
   }
 
-  /// Whether of two triangles at the same distance this one stands behind the hit in the scene.
+  /// True if `triangle`, at the same distance as the hit, has the higher `source`.
   bool comes_later(std::uint32_t triangle) const {
     if (kLevels && instance_ != hit_instance_) return instance_ > hit_instance_;
     return image_.triangles[triangle].source > image_.triangles[hit_.triangle].source;
@@ -198,13 +199,14 @@ class Walk {
   Record& record_;
   RayBoxes<Lanes> boxes_;
   RayTriangles<Lanes> triangles_;
-  [[no_unique_address]] const std::conditional_t<kLevels, RayBoxes<Lanes>, Nothing> world_;  ///< boxes_ at first
-  std::uint32_t instance_ = kNone;  ///< whose space the ray is in
+  /// `boxes_` in world space
+  [[no_unique_address]] const std::conditional_t<kLevels, RayBoxes<Lanes>, Nothing> world_;
+  std::uint32_t instance_ = kNone;  ///< the instance whose space the ray is in
   std::uint32_t hit_instance_ = kNone;
-  std::size_t floor_ = 0;       ///< depth of the stack when it entered
-  const bool is_single_sided_;  ///< some triangles have one face alone
+  std::size_t floor_ = 0;       ///< stack depth at entry of the instance
+  const bool is_single_sided_;  ///< some triangles have only one face
   const float t_min_;
-  float limit_;  ///< nothing behind this is of interest: t_max, later the hit
+  float limit_;  ///< end of the ray: t_max, later the distance of the hit
   Hit hit_;
   std::size_t depth_ = 0;
   std::array<Entry, kLevels ? 2 * kStackSize : kStackSize> stack_;

@@ -4,17 +4,19 @@
 
 namespace traces {
 
-/// Functional traversal of the memory image, and the only tracer that records canonical walks (walk.h).
+/// Functional traversal of the memory image; the only tracer that records canonical walks (walk.h).
 ///
-/// The root's boxes are tested first. Of two boxes hit, the one entered earlier is near (child 0 if equal); the far one
-/// is pushed with its entry distance and dropped when popped if that lies behind the hit so far. The nearest hit wins,
-/// and of hits at equal distance the triangle with the lowest `source`. Rays start at t_min >= 0.
+/// 1. The root's boxes are tested first. If both boxes of a node are hit, the one entered earlier is near (child 0 if
+///    equal).
+/// 2. The far child is pushed with its entry distance. When popped, it is dropped if it begins beyond the current hit.
+/// 3. The nearest hit wins; of hits at equal distance, the triangle with the lowest `source`.
+/// 4. A shadow ray's walk ends at the first hit without flags. A flagged hit becomes the candidate, limits the ray, and
+///    the walk continues; the candidate is the result if no hit ends the walk.
 ///
-/// A shadow ray's walk ends at once at a triangle without flags. A flagged one becomes the nearest candidate, behind
-/// which nothing is of interest, and the walk goes on; the answer is the candidate if nothing ends the walk.
+/// Rays must start at t_min >= 0.
 class BvhTracer : public Tracer {
  public:
-  /// Both give the same bits; kPortable is there for other processors and to prove it.
+  /// Implementation of the arithmetic. Both give the same bits; kPortable serves other processors and tests of kNative.
   enum class Arithmetic { kNative, kPortable };
 
   /// `image` must outlive the tracer.

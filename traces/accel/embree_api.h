@@ -1,5 +1,5 @@
 #pragma once
-// Embree 3.13 or 4, whichever is installed; for the .cc files of this folder only.
+// Includes the installed Embree, version 3.13 or 4. Only for the .cc files of this folder.
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>
 #else
@@ -14,7 +14,7 @@
 
 namespace traces {
 
-/// Owns one of Embree's reference-counted handles.
+/// Deleter of an Embree handle: drops one reference.
 template <class Handle, void (*kRelease)(Handle)>
 struct EmbreeRelease {
   void operator()(Handle handle) const { kRelease(handle); }
@@ -34,7 +34,7 @@ inline EmbreeDevice open_embree(const std::string& options) {
   return device;
 }
 
-/// Embree reports errors on the side; `doing` says what failed.
+/// Throws if the Embree device has an error; `doing` names the failed operation.
 inline void check_embree(RTCDevice device, const std::string& doing) {
   const RTCError error = rtcGetDeviceError(device);
   if (error != RTC_ERROR_NONE) {

@@ -24,15 +24,15 @@ inline void rtcInitRayQueryContext(RTCRayQueryContext* context) { rtcInitInterse
 namespace traces {
 namespace {
 
-/// Hits closer together than this are for the common rule to order: far more than rounding, a tenth of the tolerance
-/// that distances are compared with.
+/// Hits within this relative distance are ordered by BvhTracer's rule. It is far more than rounding error, and a tenth
+/// of the tolerance for comparing distances.
 constexpr float kTieOfDistance = 1e-5F;
 constexpr float kTieOfDiagonal = 1e-6F;
 
-/// No fused multiply-add, so that edge tests round as BvhTracer's do and on every processor alike.
+/// Excludes fused multiply-add, so that edge tests round as in BvhTracer on every processor.
 const std::string kInstructionSet = "isa=sse4.2";
 
-/// How BvhTracer's triangle test sees one triangle.
+/// The position of a triangle in the order of BvhTracer's rule.
 struct Rank {
   bool inside = false;
   float t = 0;
@@ -44,13 +44,13 @@ struct Rank {
   }
 };
 
-/// One nearest-hit query. Embree hands its context through to the filter, so that comes first.
+/// State of one nearest-hit query. Embree passes its context on to the filter, so the context must come first.
 struct Query {
   RTCRayQueryContext context;
   const MemoryImage* image = nullptr;
   const Ray* ray = nullptr;
   bool is_single_sided = false;
-  float tie = 0;  ///< part of the tie distance that does not depend on the hit
+  float tie = 0;  ///< constant part of the tie distance
   Hit best;
   Rank rank;
 
@@ -58,7 +58,7 @@ struct Query {
     const Ray seen = image->has_levels() ? into_object(image->instances[instance], *ray) : *ray;
     return RayTriangles<NativeLanes>(seen).test(&record, 1);
   }
-  /// Whether the ray sees a face of the triangle that is there.
+  /// True if the face that the ray sees is not culled.
   bool is_there(std::uint32_t instance, std::uint32_t triangle) const {
     if (!is_single_sided) return true;
     const TriangleRecord& record = image->triangles[triangle];
@@ -71,10 +71,10 @@ struct Query {
     result.t.store(t.data());
     return {(result.inside() & 1U) != 0, t[0], instance, record.source};
   }
-  /// How far behind the best hit others still compete with it.
+  /// Returns the largest distance at which a hit may tie with the best one.
   float horizon() const { return std::min(best.t + kTieOfDistance * best.t + tie, ray->t_max); }
 
-  /// `instance` 0 where there is but one level.
+  /// Replaces the best hit if `hit` is better. `instance` is 0 in an image of one level.
   void offer(const Hit& hit, std::uint32_t instance) {
     const float band = kTieOfDistance * best.t + tie;
     const Rank offered = rank_of(instance, hit.triangle);
@@ -85,7 +85,7 @@ struct Query {
   }
 };
 
-/// Sees every hit Embree finds. The ray is cut a little behind the best one, so that ties are found as well.
+/// Receives every hit that Embree finds, and shortens the ray to the tie distance after the best hit.
 void keep_best(const RTCFilterFunctionNArguments* arguments) {
   assert(arguments->N == 1);
   auto& query = *reinterpret_cast<Query*>(arguments->context);
@@ -95,7 +95,7 @@ void keep_best(const RTCFilterFunctionNArguments* arguments) {
   const std::uint32_t instance = levels ? hit.instID[0] : 0;
   const std::uint32_t first = levels ? query.image->trees[query.image->tree_of[instance]].first_triangle : 0;
   if (!query.is_there(instance, first + hit.primID)) {
-    arguments->valid[0] = 0;  // Embree continues after this triangle
+    arguments->valid[0] = 0;  // rejects the hit; Embree continues
     return;
   }
   query.offer({ray.tfar, hit.u, hit.v, first + hit.primID}, instance);
@@ -112,14 +112,14 @@ RTCRay embree_ray(const Ray& ray) {
   return r;
 }
 
-/// Asked by Embree from its threads: may the build go on?
+/// Callback from Embree's threads: false cancels the build.
 bool commit_may_go_on(void* stop, double) { return !(*static_cast<const sim::Stop*>(stop))(); }
 
 }  // namespace
 
 struct EmbreeTracer::Impl {
   Impl(const MemoryImage& image, unsigned threads, sim::Stop stop);
-  /// Adds triangles `first` to `first + count` of the image to a scene.
+  /// Adds triangles [first, first + count) of the image to a scene.
   void attach(RTCScene scene, std::size_t first, std::size_t count) const;
   void attach_instances();
   Hit nearest(const Ray& ray) const;
@@ -130,7 +130,7 @@ struct EmbreeTracer::Impl {
   bool has_flags_;
   float diagonal_;
   EmbreeDevice device_;
-  std::vector<EmbreeScene> objects_;  ///< a scene for each of the image's trees
+  std::vector<EmbreeScene> objects_;  ///< one scene per tree of the image
   EmbreeScene scene_;
 };
 
@@ -155,8 +155,8 @@ EmbreeTracer::Impl::Impl(const MemoryImage& image, unsigned threads, sim::Stop s
 
 void EmbreeTracer::Impl::attach(RTCScene scene, std::size_t first, std::size_t count) const {
   const EmbreeGeometry geometry(rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
-  // A record is read as four vertices, the last of which is no vertex and not named by any triangle. The very last is
-  // left out: Embree reads 16 bytes of a vertex.
+  // Embree reads a record as four vertices. No triangle names the fourth, which contains labels. The last one is left
+  // out, because Embree reads 16 bytes per vertex.
   static_assert(sizeof(TriangleRecord) == 4 * sizeof(glm::vec3) && offsetof(TriangleRecord, v2) == 24);
   rtcSetSharedGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, &image_.triangles[first], 0,
                              sizeof(glm::vec3), 4 * count - 1);

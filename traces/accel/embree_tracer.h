@@ -8,17 +8,18 @@
 
 namespace traces {
 
-/// Ground truth: Embree in its robust mode on the triangles of the memory image, with instances where that has them. It
-/// has no canonical walk.
+/// Reference tracer: Embree in robust mode on the triangles of the memory image, with its instances. It records no
+/// canonical walks.
 ///
-/// Distances and weights are Embree's own. Where several triangles lie within rounding of each other along a ray, which
-/// Embree would settle by the order it happens to meet them, the one that BvhTracer's rule prefers is taken: the
-/// nearest by the triangle test of triangle_test.h, then the lowest `source`. A shadow ray that is blocked reports
-/// triangle 0; in a scene with flagged or single-sided triangles, the nearest hit.
+/// 1. Distances and weights are Embree's own.
+/// 2. Of triangles within rounding error of each other along a ray, it returns the one that BvhTracer prefers: the
+///    nearest by the test of triangle_test.h, then the lowest `source`. Embree alone would return the one it meets
+///    first.
+/// 3. A blocked shadow ray returns triangle 0; in a scene with flagged or single-sided triangles, its nearest hit.
 class EmbreeTracer : public Tracer {
  public:
-  /// `image` must outlive the tracer; `threads` build Embree's tree (0: all there are). sim::Cancelled if `stop` ends
-  /// it.
+  /// Builds Embree's tree on `threads` threads (0: all). `image` must outlive the tracer. Throws sim::Cancelled if
+  /// `stop` returns true.
   explicit EmbreeTracer(const MemoryImage& image, unsigned threads = 0, sim::Stop stop = nullptr);
   ~EmbreeTracer() override;
   void trace(std::span<const Ray> rays, RayKind kind, std::span<Hit> hits, WalkSink* walk) const override;
@@ -28,7 +29,7 @@ class EmbreeTracer : public Tracer {
   std::unique_ptr<Impl> impl_;
 };
 
-/// "3.13.5"
+/// Returns the version of Embree, such as "3.13.5".
 std::string embree_version();
 
 }  // namespace traces

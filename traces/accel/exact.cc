@@ -20,16 +20,16 @@ constexpr double kIntervalMargin = 1e-5;
 
 Standing weaker(Standing a, Standing b) { return std::min(a, b); }
 
-/// A quantity that is wanted to be positive, known but for a margin.
+/// Classifies a quantity that is positive for a hit and known to within `margin`.
 Standing standing_of(double value, double margin) {
   if (value < -margin) return Standing::kMiss;
   return value > margin ? Standing::kHit : Standing::kUncertain;
 }
 
-/// From the mesh's space to the world.
+/// Transform from the mesh's space to the world.
 struct ToWorld {
   glm::dmat3 linear{1};
-  glm::dvec3 origin{0};  ///< that of the mesh's space
+  glm::dvec3 origin{0};  ///< origin of the mesh's space
   double handedness = 1;
   glm::dvec3 operator()(const glm::vec3& p) const { return linear * (glm::dvec3(p) - origin); }
 };
@@ -47,7 +47,7 @@ ToWorld to_world(const InstanceRecord& instance) {
   return {glm::inverse(linear_of(instance)), translation_of(instance), instance.handedness};
 }
 
-/// Does the ray come near the boxes of the instance's root? Near is some hundred times what makes a hit uncertain.
+/// True if the ray passes near the boxes of the instance's root. The margin is about 100 times that of uncertain hits.
 bool comes_near(const Ray& ray, const MemoryImage& image, const InstanceRecord& instance) {
   const glm::dmat3 linear = linear_of(instance);
   const glm::dvec3 origin = linear * glm::dvec3(ray.origin) + translation_of(instance);
@@ -68,8 +68,8 @@ bool comes_near(const Ray& ray, const MemoryImage& image, const InstanceRecord& 
   return enter <= leave;
 }
 
-/// Whether the face that is seen is there. `cosine`: between the ray and the normal of a face whose corners run
-/// counter-clockwise.
+/// Classifies whether the face that the ray sees exists. `cosine` is between the ray and the normal of the
+/// counter-clockwise face.
 Standing standing_of_face(const TriangleRecord& triangle, double cosine) {
   const bool has_clockwise = (triangle.material & kNoClockwise) == 0;
   const bool has_other = (triangle.material & kNoCounterClockwise) == 0;
@@ -97,7 +97,8 @@ ExactHit exact_hit(const Ray& ray, const TriangleRecord& triangle, const ToWorld
   const double twice_area = glm::length(normal);
   for (std::size_t i = 0; i < 3 && standing != Standing::kMiss; ++i) {
     const glm::dvec3 edge = v[(i + 1) % 3] - v[i];
-    const double inwards = glm::dot(normal, glm::cross(edge, at - v[i])) / twice_area;  // distance times edge length
+    // distance from the edge, times the edge's length
+    const double inwards = glm::dot(normal, glm::cross(edge, at - v[i])) / twice_area;
     const double margin = std::max(kBarycentricMargin * twice_area, length_margin * glm::length(edge));
     standing = weaker(standing, standing_of(inwards, margin));
   }

@@ -6,8 +6,9 @@
 
 namespace traces {
 
-/// How sure double precision is of a hit. kUncertain: within 1e-5 (barycentric) or 1e-6 of the scene's diagonal of an
-/// edge, or within 1e-5 (and 1e-6 of the diagonal) of an end of the ray; single precision may decide either way.
+/// Certainty of a hit in double precision. kUncertain: the hit is within 1e-5 (barycentric) or 1e-6 of the scene's
+/// diagonal of an edge, or within 1e-5 (and 1e-6 of the diagonal) of an end of the ray. Single precision may then
+/// decide either way.
 enum class Standing { kMiss, kUncertain, kHit };
 
 struct ExactHit {
@@ -15,14 +16,13 @@ struct ExactHit {
   double t = std::numeric_limits<double>::infinity();
 };
 
-/// Test of the triangle and, in two levels, the instance that `hit` names, which are there.
+/// Tests the ray against the triangle and instance named by `hit`, which must exist.
 ExactHit exact_hit(const Ray& ray, const MemoryImage& image, const Hit& hit);
 
-/// Triangles that must and that may be hit, from testing all triangles of the scene. In two levels instances that the
-/// ray passes at some distance are left out.
+/// Result of testing a ray against all triangles of the scene. In two levels, instances far from the ray are skipped.
 struct ExactTrace {
-  double nearest = std::numeric_limits<double>::infinity();  ///< distance of the nearest sure hit
-  bool any_possible = false;                                 ///< some hit is sure or uncertain
+  double nearest = std::numeric_limits<double>::infinity();  ///< distance of the nearest certain hit
+  bool any_possible = false;                                 ///< some hit is certain or uncertain
 };
 
 ExactTrace exact_trace(const Ray& ray, const MemoryImage& image);

@@ -11,10 +11,10 @@
 
 namespace traces {
 
-// Four floats side by side, twice: in plain C++ and in an SSE register. Both round every operation the same way, so
-// whatever is written on top of them gives the same bits; a comparison gives one bit per lane.
+// Vectors of four floats, in plain C++ and in an SSE register. Both round every operation equally, so code written on
+// top of them gives the same bits. A comparison returns one bit per lane.
 
-/// The portable reading.
+/// Four floats in plain C++.
 struct PortableLanes {
   std::array<float, 4> v;
 
@@ -23,7 +23,7 @@ struct PortableLanes {
   static PortableLanes load(const float* p) { return {{p[0], p[1], p[2], p[3]}}; }
   void store(float* p) const { std::copy_n(v.data(), 4, p); }
 
-  /// Exchanges the lower and the upper pair of lanes, or does not.
+  /// Argument of swapped(): exchanges the lower and upper pair of lanes if true.
   struct Swap {
     bool on;
     explicit Swap(bool swap) : on(swap) {}
@@ -72,7 +72,7 @@ struct PortableLanes {
   friend unsigned equal(const PortableLanes& a, const PortableLanes& b) {
     return bits(a, b, [](float x, float y) { return x == y; });
   }
-  /// Lane by lane `a < b ? yes : no`.
+  /// Returns, lane by lane, `a < b ? yes : no`.
   friend PortableLanes if_less(const PortableLanes& a, const PortableLanes& b, const PortableLanes& yes,
                                const PortableLanes& no) {
     PortableLanes r = no;
@@ -81,7 +81,7 @@ struct PortableLanes {
     }
     return r;
   }
-  /// Rows become columns.
+  /// Transposes the 4 x 4 matrix whose rows are the arguments.
   static void transpose(PortableLanes& a, PortableLanes& b, PortableLanes& c, PortableLanes& d) {
     const std::array rows{a.v, b.v, c.v, d.v};
     for (unsigned i = 0; i < 4; ++i) {
@@ -95,7 +95,7 @@ struct PortableLanes {
 
 #if defined(__SSE4_1__)
 
-/// The same in one register.
+/// Four floats in an SSE register.
 struct SseLanes {
   __m128 v;
 

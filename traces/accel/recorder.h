@@ -6,7 +6,7 @@
 
 namespace traces {
 
-/// Collects the words of walks in a small buffer, so that a step costs one store, and appends them to a sink.
+/// Collects walk words in a small buffer, so that a step costs one store, and appends them to a sink.
 class Recorder {
  public:
   explicit Recorder(WalkSink& sink) : sink_(sink) {}
@@ -14,12 +14,12 @@ class Recorder {
   Recorder& operator=(const Recorder&) = delete;
 
   void begin_ray() { sink_.begin.push_back(static_cast<std::uint32_t>(sink_.words.size() + used_)); }
-  /// To be called before each step, which writes kStepWords words at most.
+  /// Call before each step, which writes at most kStepWords words.
   void make_room() {
     if (used_ + kStepWords > buffer_.size()) flush();
   }
   void write(std::uint32_t word) { buffer_[used_++] = word; }
-  /// To be called behind the last ray; a destructor could not say that there is no memory left.
+  /// Call after the last ray. Not a destructor, because running out of memory must throw.
   void finish() { flush(); }
 
   static constexpr std::size_t kStepWords = 4;
@@ -35,7 +35,7 @@ class Recorder {
   std::array<std::uint32_t, 4096> buffer_;
 };
 
-/// Where nobody wants the walks.
+/// Recorder that drops the walks.
 struct NoRecorder {
   void begin_ray() {}
   void make_room() {}

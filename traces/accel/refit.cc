@@ -30,7 +30,7 @@ Bounds bounds_of(const NodeRecord& node) {
 
 }  // namespace
 
-/// Children lie behind their parents, so one pass from the back sees every box before it is needed.
+/// Children follow their parents, so one backward pass has every box before it is needed.
 void fit_boxes(MemoryImage& image, std::size_t first, std::size_t end) {
   for (std::size_t i = end; i-- > first;) {
     NodeRecord& node = image.nodes[i];

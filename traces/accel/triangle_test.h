@@ -6,7 +6,7 @@
 
 namespace traces {
 
-/// Three numbers per lane.
+/// A 3D vector per lane.
 template <class Lanes>
 struct Lanes3 {
   Lanes x, y, z;
@@ -18,10 +18,12 @@ struct Lanes3 {
   }
 };
 
-/// One ray against up to four triangles. The edge tests are Pluecker products of vertices seen from the ray's origin:
-/// two triangles that share an edge compute the same number for it with opposite sign, so no ray slips between them.
-/// Both faces are hit; `missing` lists those that are not there. A triangle without area and a ray in the triangle's
-/// plane give no finite distance.
+/// Tests one ray against up to four triangles.
+///
+/// 1. The edge tests are Pluecker products of vertices relative to the ray's origin. Triangles that share an edge
+///    compute the same value with opposite sign, so no ray passes between them.
+/// 2. Both faces are hit; Result::missing() finds culled faces.
+/// 3. A triangle without area, or a ray in the triangle's plane, gives no finite distance.
 template <class Lanes>
 class RayTriangles {
  public:
@@ -30,17 +32,17 @@ class RayTriangles {
         direction_{Lanes::all(ray.direction.x), Lanes::all(ray.direction.y), Lanes::all(ray.direction.z)} {}
 
   struct Result {
-    Lanes t;             ///< distance of the plane
-    Lanes slope;         ///< negative if the corners are seen to run counter-clockwise
-    Lanes u, v, w, sum;  ///< weights of the second, third and first vertex, times `sum`
-    /// A bit per lane whose ray passes through the triangle.
+    Lanes t;             ///< distance of the triangle's plane
+    Lanes slope;         ///< negative if the ray sees the corners in counter-clockwise order
+    Lanes u, v, w, sum;  ///< weights of the second, third and first vertex, multiplied by `sum`
+    /// Returns a bit per lane: the ray passes through the triangle.
     unsigned inside() const {
       const Lanes slack = Lanes::all(std::numeric_limits<float>::epsilon()) * abs(sum);
       const unsigned positive = less_equal(-slack, min(min(u, v), w));
       const unsigned negative = less_equal(max(max(u, v), w), slack);
       return (positive | negative) & ~equal(sum, Lanes::all(0));
     }
-    /// A bit per lane, of the `count` triangles at `at`, whose face that the ray sees is not there.
+    /// Returns a bit for each of the `count` triangles at `at`: the face that the ray sees is culled.
     unsigned missing(const TriangleRecord* at, unsigned count) const {
       const unsigned clockwise = less(Lanes::all(0), slope);
       unsigned lanes = 0;
@@ -52,7 +54,7 @@ class RayTriangles {
     }
   };
 
-  /// Tests the triangles `at` points to, of which there are `count` (1 to 4); further lanes repeat the last.
+  /// Tests the `count` triangles at `at` (1 to 4); unused lanes repeat the last.
   Result test(const TriangleRecord* at, unsigned count) const {
     Lanes rows[3][4];
     for (unsigned i = 0; i < 4; ++i) {
@@ -79,7 +81,7 @@ class RayTriangles {
   }
 
  private:
-  /// Component by component from the pair of edges whose product is smaller, which rounds less.
+  /// Returns the normal. Each component comes from the pair of edges with the smaller product, which rounds less.
   static Lanes3<Lanes> normal(const Lanes3<Lanes>& a, const Lanes3<Lanes>& b, const Lanes3<Lanes>& c) {
     const auto better = [](Lanes ab0, Lanes ab1, Lanes bc0, Lanes bc1) {
       return if_less(abs(ab1), abs(bc1), ab0 - ab1, bc0 - bc1);

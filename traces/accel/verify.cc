@@ -46,7 +46,7 @@ double VerifyingTracer::tolerance(const Ray& ray, double t) const {
 bool VerifyingTracer::alike(const Ray& ray, bool any, const Hit& tested, const Hit& reference) const {
   if (tested.is_hit() != reference.is_hit()) return false;
   if (!tested.is_hit()) return true;
-  // A reference that found a flagged triangle first does not tell whether there is another.
+  // A reference that stopped at a flagged triangle gives no answer; test the hit itself.
   if (any) return !reference.is_flagged() || is_possible(ray, tested);
   return tested.triangle == reference.triangle &&
          (!image_.has_levels() || instance_of(tested) == instance_of(reference)) &&

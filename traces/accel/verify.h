@@ -7,24 +7,27 @@
 
 namespace traces {
 
-/// Result of tracing rays twice. The first three are faults of the tested tracer; all is well when they are 0.
+/// Result of tracing rays with two tracers. The first three counts are errors of the tested tracer.
 struct VerifyCounts {
   std::uint64_t rays = 0;
-  std::uint64_t missing_hits = 0;      ///< the reference hits, the tested tracer does not
-  std::uint64_t extra_hits = 0;        ///< the other way round
-  std::uint64_t distance_errors = 0;   ///< both hit, but another triangle or at another distance
-  std::uint64_t edge_ties = 0;         ///< they differ where double precision allows either
-  std::uint64_t reference_errors = 0;  ///< they differ and double precision allows only the tested tracer's answer
+  std::uint64_t missing_hits = 0;      ///< only the reference tracer found a hit
+  std::uint64_t extra_hits = 0;        ///< only the tested tracer found a hit
+  std::uint64_t distance_errors = 0;   ///< both found a hit, with different triangles or distances
+  std::uint64_t edge_ties = 0;         ///< they differ, and double precision allows either result
+  std::uint64_t reference_errors = 0;  ///< they differ, and double precision allows only the tested tracer's result
 
   VerifyCounts& operator+=(const VerifyCounts& other);
   std::uint64_t faults() const { return missing_hits + extra_hits + distance_errors; }
 };
 
-/// Traces every ray with two tracers, returns the tested one's hits and walks, and counts where they differ: hit or
-/// miss, and for nearest hits the triangle and the distance (within 1e-4 t + 1e-5 of the scene's diagonal). A shadow
-/// ray's hit is held to that if it is flagged; if not, double precision must allow a hit of the triangle that it names.
-/// Each difference is tried again in double precision against every triangle; after kRetries of them, which a
-/// working tracer never has, differences count as faults untried. Several threads may trace at once.
+/// Traces every ray with two tracers, returns the hits and walks of the tested one, and counts differences.
+///
+/// 1. Nearest hits are compared by triangle and distance (within 1e-4 t + 1e-5 of the scene's diagonal). So are flagged
+///    hits of shadow rays.
+/// 2. For any other hit of a shadow ray, double precision must confirm the named triangle.
+/// 3. Each difference is tested again in double precision against all triangles. After kRetries differences, which a
+///    correct tracer never reaches, the rest count as errors without that test.
+/// 4. Several threads may trace at once.
 class VerifyingTracer : public Tracer {
  public:
   static constexpr std::uint64_t kRetries = 4096;
@@ -37,10 +40,10 @@ class VerifyingTracer : public Tracer {
  private:
   enum class Verdict { kTie, kReferenceWrong, kTestedWrong };
 
-  /// Kind of query that a hit answers: "something is there" or "this is the nearest".
+  /// True if any hit answers the query, false if it must be the nearest.
   static bool is_any(RayKind kind, const Hit& tested) { return kind == RayKind::kShadow && !tested.is_flagged(); }
   bool alike(const Ray& ray, bool any, const Hit& tested, const Hit& reference) const;
-  /// Does it name what the scene has?
+  /// True if the hit names an existing triangle and instance.
   bool is_there(const Hit& hit) const;
   bool is_possible(const Ray& ray, const Hit& hit) const;
   Verdict retry(const Ray& ray, bool any, const Hit& tested, const Hit& reference) const;

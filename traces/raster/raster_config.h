@@ -6,7 +6,7 @@
 
 namespace traces {
 
-/// Shapes that a rasteriser's work is cut into.
+/// Granularity of a rasteriser's work.
 struct RasterConfig {
   std::uint32_t batch = 1024;
   std::uint32_t block = 8;

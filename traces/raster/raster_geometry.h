@@ -9,15 +9,14 @@
 
 namespace traces {
 
-/// A scene as a rasteriser draws it: all triangles in world space, in the order of the memory image, instance by
-/// instance, over vertices that those share which have the same position to the last bit. Vertices are numbered as
-/// triangles first use them.
+/// The scene as the rasteriser draws it: all triangles in world space, in the order of the memory image, instance by
+/// instance. Triangles share vertices with bit-identical positions, numbered in order of first use.
 struct RasterGeometry {
   struct Triangle {
     std::array<std::uint32_t, 3> vertices{};
-    std::uint32_t index = 0;         ///< among the memory image's
-    std::uint32_t instance = kNone;  ///< two levels
-    std::uint32_t missing = 0;       ///< kNoClockwise or kNoCounterClockwise, as seen in world space
+    std::uint32_t index = 0;         ///< index in the memory image
+    std::uint32_t instance = kNone;  ///< set in two-level images
+    std::uint32_t missing = 0;       ///< culled face in world space: kNoClockwise, kNoCounterClockwise or 0
   };
   std::vector<glm::dvec3> vertices;
   std::vector<Triangle> triangles;

@@ -7,7 +7,7 @@
 namespace traces {
 namespace {
 
-/// Depth of the near plane, in diagonals of the scene: rays begin at the eye itself.
+/// Depth of the near plane, in diagonals of the scene. Rays begin at the eye, so it is small.
 constexpr double kNear = 1e-6;
 
 double near_of(const MemoryImage& image) {
@@ -39,7 +39,7 @@ bool overlap(const PictureBox& a, const PictureBox& b) {
   return a.high.x >= b.low.x && a.low.x <= b.high.x && a.high.y >= b.low.y && a.low.y <= b.high.y;
 }
 
-/// Whether a triangle is the nearest so far at a sample that it covers.
+/// Depth test: true if the triangle is the nearest so far at a sample that it covers.
 bool test(const Coverage::Sample& sample, std::uint32_t number, const EdgeFunctions& edges, Coverage& found) {
   Coverage::Winner& winner = found.winners[sample.sample];
   const double depth = edges.depth(sample.at);
@@ -48,7 +48,7 @@ bool test(const Coverage::Sample& sample, std::uint32_t number, const EdgeFuncti
   return true;
 }
 
-/// Covers a block's samples, which lie quad by quad.
+/// Tests the samples of a block, which are sorted by quad.
 void cover_block(const Coverage::Block& block, bool hidden, const EdgeFunctions& edges, Coverage& found,
                  RasterTriangle& triangle) {
   const std::span<const Coverage::Sample> samples = block.samples;
@@ -119,7 +119,7 @@ std::uint32_t Rasteriser::bin(std::uint32_t batch, Coverage& scratch, TileWork& 
   return job.triangles;
 }
 
-/// Finds where samples lie, and puts those of a list together, in it those of a block, in it those of a quad.
+/// Projects the rays and sorts the samples by list, block and quad.
 void Rasteriser::sort(std::span<const Ray> rays, Coverage& found) const {
   const std::uint32_t blocks = view_.width() / config_.block + 1, quads = view_.width() / 2 + 1;
   found.samples.resize(rays.size());

@@ -12,18 +12,18 @@
 
 namespace traces {
 
-/// Findings of a rasteriser at the samples of a wave. Storage is used again.
+/// Result of rasterising a wave, per sample. Storage is reused.
 struct Coverage {
-  /// Winner of a sample: its nearest triangle.
+  /// The nearest triangle at a sample.
   struct Winner {
-    std::uint32_t triangle = kNone;  ///< among the frame's; kNone: nothing is there
+    std::uint32_t triangle = kNone;  ///< index within the frame; kNone if no triangle covers the sample
     double depth = 0;
   };
-  std::vector<Winner> winners;        ///< one of each sample, in their order
-  std::vector<std::uint32_t> layers;  ///< triangles that cover it
-  std::vector<std::uint32_t> quads;   ///< quads of triangles that had it in them
+  std::vector<Winner> winners;        ///< one entry per sample
+  std::vector<std::uint32_t> layers;  ///< number of triangles that cover the sample
+  std::vector<std::uint32_t> quads;   ///< number of triangle quads that contain the sample
 
-  // While a wave is made: samples by list, block and quad; blocks of a list; lists that triangles of a batch are in.
+  // Scratch: samples sorted by list, block and quad; the blocks of a list; the lists of a batch's triangles.
   struct Sample {
     std::uint32_t list = 0, block = 0, quad = 0, sample = 0;
     glm::dvec2 at{0};
@@ -31,37 +31,38 @@ struct Coverage {
   struct Block {
     std::span<const Sample> samples;
     PictureBox box;
-    double farthest = 0;  ///< depth behind which nothing of it can be seen
+    double farthest = 0;  ///< depth beyond which the block is hidden
   };
   std::vector<Sample> samples;
   std::vector<Block> blocks;
   std::vector<std::uint32_t> touched;
 };
 
-/// A rasteriser as to what it does, not when: which samples each triangle covers, and which of them it wins. It makes
-/// the work of a hardware unit (hw_models/raster); pictures take their hits from a Tracer, with which it agrees but for
-/// samples on edges and surfaces at the same depth.
+/// Functional rasteriser: finds which samples each triangle covers and which triangle is nearest at each sample. It
+/// produces the work of the hardware unit in hw_models/raster.
 ///
 ///   geometry pass: triangles, a batch at a time -> lists by part of the picture
 ///   a wave:        lists of the parts that its samples lie in -> blocks -> quads -> samples, nearest first
 ///
-/// Samples lie wherever their rays cross the picture. Within a block, quads and samples that have none are passed over.
-/// Not modelled: positions rounded to a grid of sub-pixels, as hardware has them; all arithmetic is in double
-/// precision.
+/// 1. A sample is at the pixel position of its ray. Quads and blocks without samples are skipped.
+/// 2. Pictures take their hits from a Tracer. The rasteriser agrees with it, except for samples on edges and surfaces
+///    at the same depth.
+///
+/// Not modelled: positions rounded to a sub-pixel grid, as in hardware; all arithmetic is in double precision.
 class Rasteriser {
  public:
-  /// `side`: of the parts of the picture that have lists, in pixels. `image` need not outlive it. InputError if the
-  /// lists grow too long.
+  /// Builds geometry and lists. `side` is the side of a list's screen region in pixels. `image` need not outlive this.
+  /// Throws InputError if the lists become too long.
   Rasteriser(const MemoryImage& image, const PictureCamera& camera, const RasterConfig& config, std::uint32_t side);
   Rasteriser(const Rasteriser&) = delete;
   Rasteriser& operator=(const Rasteriser&) = delete;
 
   RasterDemands demands() const;
-  /// Pieces of the geometry pass.
+  /// Returns the number of batches of the geometry pass.
   std::uint32_t batches() const { return (triangles() + config_.batch - 1) / config_.batch; }
-  /// Appends the work of a batch, with the storage of `scratch`; returns how many triangles it has.
+  /// Appends the work of a batch and returns its number of triangles. `scratch` provides storage.
   std::uint32_t bin(std::uint32_t batch, Coverage& scratch, TileWork& work) const;
-  /// Finds what rays from the eye meet first, and if `work` is not null appends the work of that.
+  /// Finds the first hit of each ray from the eye. Appends the work to `work` unless it is null.
   void cover(std::span<const Ray> rays, Coverage& found, TileWork* work) const;
 
   const RasterGeometry& geometry() const { return geometry_; }

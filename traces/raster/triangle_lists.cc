@@ -10,7 +10,7 @@
 namespace traces {
 namespace {
 
-/// Chosen: a gigabyte of entries.
+/// Limit of list entries (chosen): one gigabyte.
 constexpr std::uint64_t kMostEntries = 1U << 28;
 
 }  // namespace

@@ -9,25 +9,25 @@
 
 namespace traces {
 
-/// Lists of the triangles that may show in each part of a picture, squares of so many pixels row by row. A triangle is
-/// in the list of every part that its bounds lie in and none of its edges shuts out, unless the face that is seen is
-/// not there; lists are in the order of triangles, one behind the other.
+/// The triangle lists of screen regions, which are squares in row order. A triangle is in the list of each region that
+/// its bounds overlap and none of its edges excludes, unless its visible face is culled. Lists are stored one after the
+/// other, each in the order of triangles.
 class TriangleLists {
  public:
-  /// `geometry` and `view` must outlive it.
+  /// `geometry` and `view` must outlive the lists.
   TriangleLists(const RasterGeometry& geometry, const RasterView& view, double near, std::uint32_t side);
 
   std::uint32_t count() const { return across_ * down_; }
   std::uint32_t side() const { return side_; }
   std::uint32_t entries() const { return static_cast<std::uint32_t>(entries_.size()); }
-  /// The list of the part that a point of the picture lies in.
+  /// Returns the list of the region that contains a point.
   std::uint32_t at(const glm::dvec2& point) const;
   std::span<const std::uint32_t> list(std::uint32_t number) const {
     return std::span(entries_).subspan(begin_[number], begin_[number + 1] - begin_[number]);
   }
-  /// Index of its first entry among all.
+  /// Returns the index of the list's first entry.
   std::uint32_t first(std::uint32_t number) const { return begin_[number]; }
-  /// Calls `f(list)` for each list that a triangle is in, in their order.
+  /// Calls `f(list)` for each list that contains the triangle, in ascending order.
   template <class F>
   void each_of(std::uint32_t triangle, F&& f) const {
     each_of(corners(triangle), geometry_.triangles[triangle].missing, f);

@@ -5,7 +5,7 @@
 namespace traces {
 namespace {
 
-/// Counts how often each kind has been seen.
+/// Counts the accesses of each kind.
 class Ranks {
  public:
   std::uint32_t next(std::uint32_t kind) { return seen_[kind]++; }
@@ -64,7 +64,7 @@ void AccessWriter::write(const TileWork& work, const WorkNode& launch, std::stri
     for (std::uint32_t a = begin_of(item); a < begin_of(item + 1); ++a) {
       shape.push_back(static_cast<std::uint8_t>(work.accesses[a].kind()));
     }
-    // Most items are like the one before.
+    // Fast path: most items have the shape of the previous one.
     if (item == 0 || shape != shapes_[shape_of_.back()]) {
       const auto found = std::ranges::find(shapes_, shape);
       shape_of_.push_back(static_cast<std::uint32_t>(found - shapes_.begin()));

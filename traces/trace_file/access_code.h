@@ -10,24 +10,24 @@
 
 namespace traces {
 
-// The accesses of a launch's items: first the shapes that items have, lists of kinds; then, where there are several,
-// each item's shape; then what is accessed, as differences to the last access of that kind and rank (first, second, ...
-// of its kind in the item) of the tile.
+// Encoding of a launch's accesses. A shape is an item's list of access kinds. First come the shapes of the launch;
+// then, if there are several, the shape of each item; then each access, as the difference to the tile's previous access
+// of the same kind and rank (first, second, ... of its kind within the item).
 
-/// Shapes of a launch, and accesses of an item, at most.
+/// Limits: shapes of a launch, accesses of an item.
 inline constexpr std::uint32_t kMaxShapes = 4096, kMaxItemAccesses = 64;
 inline constexpr std::size_t kAccessKinds = 7;
 static_assert(static_cast<std::size_t>(Access::Kind::kInstance) + 1 == kAccessKinds);
 
-/// Last access, by kind and rank.
+/// The previous access of each kind and rank.
 struct LastAccesses {
   std::array<std::array<Access, kMaxItemAccesses>, kAccessKinds> of{};
 };
 
-/// Appends accesses, launch by launch.
+/// Writes accesses, launch by launch.
 class AccessWriter {
  public:
-  /// Before a tile's first launch.
+  /// Call before a tile's first launch.
   void begin_tile() { last_ = {}; }
   void write(const TileWork& work, const WorkNode& launch, std::string& out);
 
@@ -39,11 +39,11 @@ class AccessWriter {
   std::vector<std::uint32_t> shape_of_;  ///< shape of each item
 };
 
-/// Reads them back.
+/// Reads the accesses written by AccessWriter.
 class AccessReader {
  public:
   void begin_tile() { last_ = {}; }
-  /// Appends the accesses of a launch of `items` items. InputError if they are not there, or not within `counts`.
+  /// Appends the accesses of a launch of `items` items. Throws InputError if they are missing or exceed `counts`.
   void read(ByteReader& from, const ImageCounts& counts, std::uint32_t items, TileWork& work);
 
  private:
@@ -51,8 +51,8 @@ class AccessReader {
   Access read_access(ByteReader& from, const ImageCounts& counts, std::uint32_t kind, std::uint32_t rank);
 
   LastAccesses last_;
-  std::vector<std::uint8_t> kinds_, ranks_;  ///< all shapes', one behind the other
-  std::vector<std::uint32_t> shape_begin_;   ///< and one past the last
+  std::vector<std::uint8_t> kinds_, ranks_;  ///< of all shapes, concatenated
+  std::vector<std::uint32_t> shape_begin_;   ///< with a final end entry
   std::vector<std::uint32_t> shape_of_;
 };
 

@@ -8,8 +8,8 @@
 
 namespace traces {
 
-/// Appends numbers to a text of bytes: single bytes, and varints of 7 bits a byte, lowest first, the top bit set in all
-/// but the last.
+/// Appends numbers to a byte string: single bytes, and varints of 7 bits per byte, lowest first, with the top bit set
+/// in all but the last byte.
 class ByteWriter {
  public:
   explicit ByteWriter(std::string& out) : out_(out) {}
@@ -19,7 +19,7 @@ class ByteWriter {
     for (; value >= 0x80; value >>= 7) byte(static_cast<std::uint32_t>(value & 0x7f) | 0x80U);
     byte(static_cast<std::uint32_t>(value));
   }
-  /// 0, -1, 1, -2, 2, ... as 0, 1, 2, 3, 4, ...
+  /// Writes 0, -1, 1, -2, 2, ... as 0, 1, 2, 3, 4, ...
   void difference(std::int64_t value) {
     number((static_cast<std::uint64_t>(value) << 1) ^ static_cast<std::uint64_t>(value >> 63));
   }
@@ -28,7 +28,8 @@ class ByteWriter {
   std::string& out_;
 };
 
-/// Reads them back. InputError, without a file's name, for what ends early or is out of range.
+/// Reads the numbers written by ByteWriter. Throws InputError, without a file name, if the bytes end early or a number
+/// is out of range.
 class ByteReader {
  public:
   explicit ByteReader(std::string_view bytes) : at_(bytes.data()), end_(bytes.data() + bytes.size()) {}
@@ -41,7 +42,7 @@ class ByteReader {
     const std::uint32_t first = byte();
     return first < 0x80 ? first : long_number(first & 0x7f);
   }
-  /// At most `most`; `what` names it otherwise.
+  /// Reads a number of at most `most`; `what` names it in the error.
   std::uint64_t number(std::uint64_t most, const char* what) {
     const std::uint64_t value = number();
     if (value > most) out_of_range(what);
@@ -50,7 +51,7 @@ class ByteReader {
   std::uint32_t number32(std::uint64_t most, const char* what) {
     return static_cast<std::uint32_t>(number(most, what));
   }
-  /// `base` and a difference, at most `most`.
+  /// Reads a difference and returns its sum with `base`, at most `most`.
   std::uint32_t moved(std::uint32_t base, std::uint64_t most, const char* what) {
     const std::uint64_t coded = number();
     const std::uint64_t value = base + ((coded >> 1) ^ (~(coded & 1) + 1));
@@ -84,7 +85,7 @@ class ByteReader {
   const char* end_;
 };
 
-/// A little-endian number that lies anywhere.
+/// Loads a little-endian value from an unaligned address.
 template <class T>
 T load(const char* at) {
   T value;

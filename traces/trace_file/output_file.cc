@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::size_t kPiece = 1U << 20;
 
-/// A path that cannot be written is the user's mistake; a disk that is full later is not.
+/// Opens the file. A path that cannot be written is an input error; a disk that fills up later is not.
 std::unique_ptr<sim::NewFile> begin(const std::filesystem::path& path) {
   try {
     return std::make_unique<sim::NewFile>(path);

@@ -9,13 +9,13 @@
 
 namespace traces {
 
-/// A sim::NewFile that collects what is written into larger pieces.
+/// A sim::NewFile with a buffer for larger writes.
 class OutputFile {
  public:
-  /// InputError if it cannot be made.
+  /// Throws InputError if the file cannot be created.
   explicit OutputFile(const std::filesystem::path& path);
 
-  /// IoError, also for what was written before.
+  /// Throws IoError, possibly for earlier writes.
   void write(std::string_view bytes);
   std::uint64_t size() const { return size_; }
   void commit();

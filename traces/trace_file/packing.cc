@@ -12,10 +12,10 @@
 namespace traces {
 namespace {
 
-// A block of zstd holds this much at most, and takes this much at least.
+// Limits of a zstd block: contents at most, packed size at least.
 constexpr std::uint64_t kMostInBlock = 128U << 10, kLeastOfBlock = 3;
 
-// How a zstd frame begins (RFC 8878, 3.1.1): this number, then a byte of flags.
+// Start of a zstd frame (RFC 8878, 3.1.1): the magic number, then a byte of flags.
 constexpr std::string_view kFrameMagic = "\x28\xb5\x2f\xfd";
 constexpr unsigned kChecksumFlag = 1U << 2;
 
@@ -36,7 +36,7 @@ std::string_view Packer::pack(std::string_view bytes) {
   const std::size_t most = ZSTD_compressBound(bytes.size());
   if (packed_.size() < most) packed_.resize(most);
   const std::size_t size = ZSTD_compress2(context_.get(), packed_.data(), packed_.size(), bytes.data(), bytes.size());
-  if (ZSTD_isError(size) != 0) throw std::bad_alloc();  // all else is ruled out
+  if (ZSTD_isError(size) != 0) throw std::bad_alloc();  // the only possible error
   return {packed_.data(), size};
 }
 
@@ -44,7 +44,7 @@ std::string_view Packer::pack_loosely(std::string_view bytes, std::size_t bytes_
   ZSTD_CCtx_setPledgedSrcSize(context_.get(), bytes.size());
   packed_.clear();
   std::string piece(ZSTD_CStreamOutSize(), '\0');
-  // A flush ends a block of zstd.
+  // A flush ends a zstd block.
   const std::size_t most = (kLeastOfBlock + 1) * bytes_a_byte;
   for (bool is_last = false; !is_last; bytes.remove_prefix(std::min(most, bytes.size()))) {
     is_last = bytes.size() <= most;
@@ -52,7 +52,7 @@ std::string_view Packer::pack_loosely(std::string_view bytes, std::size_t bytes_
     for (std::size_t left = 1; left != 0;) {
       ZSTD_outBuffer to{piece.data(), piece.size(), 0};
       left = ZSTD_compressStream2(context_.get(), &to, &from, is_last ? ZSTD_e_end : ZSTD_e_flush);
-      if (ZSTD_isError(left) != 0) throw std::bad_alloc();  // all else is ruled out
+      if (ZSTD_isError(left) != 0) throw std::bad_alloc();  // the only possible error
       packed_.append(piece, 0, to.pos);
     }
   }
@@ -82,7 +82,7 @@ std::string_view Unpacker::unpack(std::string_view block, std::uint64_t most) {
   if (size > most) {
     throw sim::InputError(fmt::format("has a block of {} bytes that holds {}; allowed: {}", block.size(), size, most));
   }
-  if (size > (block.size() / kLeastOfBlock + 1) * kMostInBlock) damaged();  // before it is taken at its word
+  if (size > (block.size() / kLeastOfBlock + 1) * kMostInBlock) damaged();  // checked before `size` is trusted
   if (ZSTD_findFrameCompressedSize(block.data(), block.size()) != block.size()) damaged();
   if (bytes_.size() < size + kBitsPadding) bytes_.resize(size + kBitsPadding);
   if (ZSTD_decompressDCtx(context_.get(), bytes_.data(), size, block.data(), block.size()) != size) damaged();

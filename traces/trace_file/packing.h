@@ -10,17 +10,17 @@ struct ZSTD_DCtx_s;
 
 namespace traces {
 
-/// The smallest block: a zstd frame of nothing.
+/// Size of the smallest block: an empty zstd frame.
 inline constexpr std::uint64_t kLeastPacked = 9;
 
-/// Packs blocks: one zstd frame each, with size and checksum of what is inside.
+/// Packs blocks, one zstd frame each, with the size and checksum of the contents.
 class Packer {
  public:
-  /// Higher levels save little of a trace: most of a tile are walks, which hardly shrink.
+  /// Level 1, because higher levels save little: a tile consists mostly of walks, which hardly compress.
   explicit Packer(int level = 1);
-  /// Valid until the next one.
+  /// Returns a packed block, valid until the next call.
   std::string_view pack(std::string_view bytes);
-  /// The same, of no less than a byte for every `bytes_a_byte`, at least 4.
+  /// Like pack(), but the block has at least one byte per `bytes_a_byte` bytes of contents (at least 4).
   std::string_view pack_loosely(std::string_view bytes, std::size_t bytes_a_byte);
 
  private:
@@ -34,10 +34,11 @@ class Packer {
 class Unpacker {
  public:
   Unpacker();
-  /// Bytes of the block that these begin with. InputError, without the file's name, if they begin with none.
+  /// Returns the size of the block at the beginning of `bytes`. Throws InputError, without a file name, if there is
+  /// none.
   static std::size_t size_of(std::string_view bytes);
-  /// Contents of a block, followed by kBitsPadding bytes more; valid until the next one. InputError, without the file's
-  /// name, if it is damaged or holds more than `most` bytes, before it takes any.
+  /// Returns the contents of a block, followed by kBitsPadding bytes; valid until the next call. Throws InputError,
+  /// without a file name, if the block is damaged or holds more than `most` bytes; nothing is allocated in that case.
   std::string_view unpack(std::string_view block, std::uint64_t most);
 
  private:

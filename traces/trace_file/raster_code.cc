@@ -7,9 +7,9 @@
 namespace traces {
 namespace {
 
-// A bound that no triangle comes near in a tile, and that keeps sums within 32 bits.
+// A limit far above any tile's counts; it keeps sums within 32 bits.
 constexpr std::uint64_t kMost = 1U << 26;
-constexpr std::uint64_t kLeastBytes = 5;  ///< a triangle's, at least
+constexpr std::uint64_t kLeastBytes = 5;  ///< minimum per triangle
 
 std::int64_t step(std::uint32_t from, std::uint32_t to) { return std::int64_t{to} - std::int64_t{from}; }
 

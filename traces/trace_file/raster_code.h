@@ -4,15 +4,15 @@
 
 namespace traces {
 
-/// Appends what a rasteriser's node has beside its items: runs of lists, then triangles.
+/// Appends the data of a rasteriser node: list runs, then triangles.
 void write_raster(const TileWork& work, const WorkNode& node, ByteWriter& to);
 
-/// How much of that there is: appended with the node, read with it into a new entry of TileWork::raster.
+/// Counts of that data, stored with the node; reading adds an entry to TileWork::raster.
 void write_raster_counts(const TileWork& work, const WorkNode& node, ByteWriter& to);
 void read_raster_counts(ByteReader& from, WorkNode& node, TileWork& work);
 
-/// Reads it behind what is in `work`, whose entry in TileWork::raster says how much there is. InputError, without the
-/// file's name, for what no frame with these demands has.
+/// Reads the data of a rasteriser node, whose counts are in TileWork::raster. Throws InputError, without a file name,
+/// if the data exceed `demands`.
 void read_raster(ByteReader& from, const RasterDemands& demands, const WorkNode& node, TileWork& work);
 
 }  // namespace traces

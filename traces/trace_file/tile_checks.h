@@ -3,16 +3,15 @@
 
 namespace traces {
 
-// Checks, beyond bounds, that a tile that is read is one that any machine can play. InputError, without the file's
-// name, for one that is not.
+// Checks that any machine can play a decoded tile. They throw InputError, without a file name.
 
-/// Its items have ray slots.
+/// True if the node's items occupy ray slots.
 bool has_slots(const WorkNode& node);
-/// A node that has slots comes from one launch.
+/// A node with ray slots must have one launch as its source.
 void check_rays(const WorkNode& rays, const TileWork& work);
-/// Slots of rays are given back by those who read their hits: unread rays would keep theirs for ever.
+/// All hits must be read: a ray's slot is released when its hit has been read.
 void check_readers(const TileWork& work);
-/// A machine takes a tile's end as a sign that all of its borders have come.
+/// All imports must be read, because the end of a tile implies that its borders have arrived.
 void check_imports(const TileWork& work);
 
 }  // namespace traces

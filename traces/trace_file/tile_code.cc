@@ -16,9 +16,9 @@
 namespace traces {
 namespace {
 
-// Bounds that no tile comes near and that keep sums within 32 bits.
+// Limits far above any tile's counts; they keep sums within 32 bits.
 constexpr std::uint64_t kMaxItems = 1U << 26, kMaxRaysOfTile = 1U << 24, kMaxTiles = 1U << 28;
-constexpr std::uint64_t kMaxFreeItems = 1U << 20;  ///< items with accesses, which need no byte if they have none
+constexpr std::uint64_t kMaxFreeItems = 1U << 20;  ///< items with accesses; items whose list is empty take no byte
 
 enum Walks : std::uint32_t { kCompact = 0, kPlain = 1 };
 
@@ -96,14 +96,14 @@ void read_transfer(ByteReader& from, const TileScope& scope, std::uint32_t impor
   node.border = border == 0 ? WorkNode::kNone : border - 1;
 }
 
-/// The inputs of node `n`, which come before it.
+/// Reads the inputs of node `n`, which must be earlier nodes.
 void read_inputs(ByteReader& from, std::uint32_t n, TileWork& work) {
   WorkNode& node = work.nodes[n];
   for (std::uint32_t left = from.number32(from.left(), "inputs of a node"); left > 0; --left) {
     const std::uint64_t code = from.number(2 * std::uint64_t{n} + 1, "input of a node");
     if (code < 2) ByteReader::out_of_range("input of a node");
     const Edge edge{n - static_cast<std::uint32_t>(code >> 1), static_cast<Edge::Kind>(code & 1)};
-    // Item i of a node without sources waits for item i: there must be one.
+    // Without sources, item i waits for item i of the input, which must exist.
     const bool each = edge.kind == Edge::Kind::kEach && node.sources == WorkNode::kNone;
     if (each && node.items > work.nodes[edge.node].items) ByteReader::out_of_range("input of a node");
     node.inputs.push_back(edge);
@@ -129,7 +129,7 @@ void TileEncoder::encode(const TileWork& work, const Links& links, std::string& 
   }
   to.number(work.nodes.size());
   for (std::uint32_t n = 0; n < work.nodes.size(); ++n) write_node(work, n, to);
-  // Further data of nodes, in their order; each array's parts lie in that order, too.
+  // Then follow further data of the nodes, in node order.
   accesses_.begin_tile();
   std::uint32_t rays = 0, items = 0;
   for (const WorkNode& node : work.nodes) {
@@ -177,7 +177,7 @@ void TileDecoder::read_rays(ByteReader& from, WorkNode& node) {
   const std::uint32_t ray_kind = from.byte();
   if (ray_kind >= kRayKinds) ByteReader::out_of_range("kind of rays");
   node.ray_kind = static_cast<RayKind>(ray_kind);
-  // Where its sources begin is known once they are read; until then, that there are any.
+  // Marks that the node has sources; their position is set once they are read.
   node.sources = flag(from, "sources of rays") != 0 ? 0 : WorkNode::kNone;
   node.first = rays_;
   rays_ += node.items;
@@ -272,7 +272,7 @@ TileRays TileDecoder::decode(std::string_view bytes, const TileScope& scope, Til
   work.access_begin.push_back(static_cast<std::uint32_t>(work.accesses.size()));
 
   const std::uint32_t rays = from.number32(kMaxRaysOfTile, "rays of a tile");
-  // The following takes at least a bit for each.
+  // Each walk takes at least one bit.
   if (rays != rays_ || rays > 8 * from.left()) throw sim::InputError("has not as many walks as rays");
   const std::uint32_t words = from.number32(std::numeric_limits<std::uint32_t>::max(), "words of walks");
   const std::uint32_t form = flag(from, "form of walks");
@@ -281,7 +281,7 @@ TileRays TileDecoder::decode(std::string_view bytes, const TileScope& scope, Til
     if (rest.size() != 4 * std::uint64_t{words}) throw sim::InputError("has not as many walks as it says");
     found_.steps = decode_plain_walks(rest, scope.links, rays, work);
   } else {
-    // A word takes a bit at least.
+    // Each word takes at least one bit.
     if (words > 8 * std::uint64_t{rest.size()}) ByteReader::out_of_range("words of walks");
     found_.steps = decode_walks(rest, scope.links, rays, words, work);
   }

@@ -18,29 +18,29 @@ namespace traces {
 inline constexpr std::size_t kRegionCount = static_cast<std::size_t>(Region::kCount);
 inline constexpr std::size_t kRayKinds = static_cast<std::size_t>(RayKind::kCount);
 
-/// The most bytes of a tile, and nodes: real ones have up to some hundreds, and at the largest render.layers and
-/// render.depth some hundred thousand. A node in memory takes many times its bytes.
+/// Limits of a tile's bytes and nodes. Real tiles have up to some hundred nodes, and some hundred thousand with the
+/// largest render.layers and render.depth. A node takes many times its encoded bytes in memory.
 inline constexpr std::uint64_t kMaxTileBytes = 1U << 26;
 inline constexpr std::uint32_t kMaxTileNodes = 1U << 20;
 
-/// Bounds of what the work of a tile may refer to.
+/// Limits for the references in a tile's work.
 struct TileScope {
   Links links;
   ImageCounts counts;
   std::uint32_t kernels = 0;
   std::array<std::uint64_t, kRegionCount> region_bytes{};
-  std::optional<RasterDemands> raster{};     ///< if there is a rasteriser
-  std::uint64_t tile_bytes = kMaxTileBytes;  ///< that it may take
+  std::optional<RasterDemands> raster{};     ///< present if there is a rasteriser
+  std::uint64_t tile_bytes = kMaxTileBytes;  ///< limit of the encoded size
 };
 
-/// Numbers of a tile's rays, beside its work.
+/// Ray and step counts of a tile.
 struct TileRays {
   std::array<std::uint64_t, kRayKinds> by_kind{};
   WalkSteps steps;
 };
 
-/// Appends a tile's work as bytes (docs/trace-format.md says which). Walks that are none on this tree are written as
-/// they are, which costs more. InputError for work that the format cannot say.
+/// Encodes a tile's work as bytes (docs/trace-format.md). Walks that do not fit the tree are stored as plain words,
+/// which take more space. Throws InputError for work that the format cannot represent.
 class TileEncoder {
  public:
   void encode(const TileWork& work, const Links& links, std::string& out);
@@ -49,11 +49,11 @@ class TileEncoder {
   AccessWriter accesses_;
 };
 
-/// Reads tiles back, and uses the storage of former ones again.
+/// Decodes tiles and reuses the storage of earlier ones.
 class TileDecoder {
  public:
-  /// `bytes` is followed by kBitsPadding bytes more. InputError, without the file's name, if the bytes are no tile
-  /// within this scope: what is returned can be played by any machine.
+  /// Decodes a tile that any machine can play. `bytes` must be followed by kBitsPadding bytes. Throws InputError,
+  /// without a file name, if the bytes are not a valid tile within `scope`.
   TileRays decode(std::string_view bytes, const TileScope& scope, TileWork& work);
 
  private:

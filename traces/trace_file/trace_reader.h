@@ -10,21 +10,21 @@
 
 namespace traces {
 
-/// Reads a trace. A file is not to be trusted: whatever it holds, every function returns sound data or throws
-/// InputError of one line that names it; IoError if reading fails.
+/// Reads a trace. The file is not trusted: every function returns valid data or throws an InputError of one line that
+/// names the file. Throws IoError if reading fails.
 class TraceReader {
  public:
   struct FileRange {
     std::uint64_t offset = 0, bytes = 0;
   };
-  /// A frame as one program renders it.
+  /// One frame, rendered by one program.
   struct Part {
     std::uint32_t frame = 0;
     bool reference = false;
     std::size_t tree = 0;
     FrameRequirements requirements;
     std::uint32_t tiles = 0;
-    std::uint64_t tiles_at = 0;  ///< where the first lies; the others follow
+    std::uint64_t tiles_at = 0;  ///< offset of the first tile; the others follow
     FileRange sizes;
     Json result;
   };
@@ -34,19 +34,19 @@ class TraceReader {
   TraceReader(const TraceReader&) = delete;
   TraceReader& operator=(const TraceReader&) = delete;
 
-  int version() const { return version_; }  ///< the file's
+  int version() const { return version_; }  ///< version of the file
   const Json& header() const { return header_; }
   const std::vector<Part>& parts() const { return parts_; }
   const Json& frames() const { return frames_; }
   std::uint64_t bytes() const { return size_; }
   std::size_t trees() const { return trees_.size(); }
 
-  /// Bounds of what tiles of the part may refer to; `kernels`: how many there are.
+  /// Returns the limits for tiles of the part; `kernels` is the number of kernels.
   TileScope scope(const Part& part, std::uint32_t kernels) const;
-  /// Where each tile of the part lies.
+  /// Returns the file range of each tile of the part.
   std::vector<FileRange> tiles(const Part& part) const;
 
-  /// Reads tiles, one at a time; any number of cursors at once.
+  /// Reads tiles one at a time. Any number of cursors may be used at once.
   class Cursor {
    public:
     explicit Cursor(const TraceReader& trace) : trace_(trace) {}
@@ -59,7 +59,7 @@ class TraceReader {
     TileDecoder decoder_;
   };
 
-  /// Runs `f` and adds the file's name to what it complains of.
+  /// Calls `f`; errors it throws are prefixed with the file name.
   template <class F>
   decltype(auto) naming_file(F&& f) const {
     try {
@@ -80,7 +80,7 @@ class TraceReader {
   static std::string damage_of(const sim::JsonError& error);
   [[noreturn]] void complain(const std::string& what) const;
   void read_at(const FileRange& range, std::string& out) const;
-  /// A block, unpacked.
+  /// Reads and unpacks a block.
   std::string block(const FileRange& range, std::uint64_t most) const;
   FileRange range_of(const Json& json) const;
   void read_header();

@@ -14,7 +14,7 @@
 namespace traces {
 namespace {
 
-/// The path, if writing there destroys no file of another kind by a slip of the keyboard.
+/// Returns the path, unless a file of another kind is there and would be overwritten by mistake.
 const std::filesystem::path& may_replace(const std::filesystem::path& path) {
   sim::check_output(path, {.mark = kTraceKind, .kind = "trace"});
   return path;

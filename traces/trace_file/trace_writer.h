@@ -11,8 +11,8 @@
 
 namespace traces {
 
-/// Writes a trace: the header, then part by part the tiles in the order of their list. Nothing is at `path` until
-/// commit(), and then all is.
+/// Writes a trace: the header, then each part with its tiles in list order. The file appears at `path`, complete, on
+/// commit().
 ///
 ///   TraceWriter trace(path, header);
 ///   trace.begin_part({.frame = 0}, links, counts, requirements);  for each tile: trace.add(work);
@@ -21,38 +21,38 @@ class TraceWriter {
  public:
   struct PartId {
     std::uint32_t frame = 0;
-    bool reference = false;  ///< made by the program that others are compared with
+    bool reference = false;  ///< made by the reference program
   };
 
-  /// InputError if there is something at `path` that is no trace, or if it cannot be written.
+  /// Throws InputError if `path` cannot be written or is an existing file that is not a trace.
   TraceWriter(const std::filesystem::path& path, const Json& header);
 
-  /// A tree that is as the part before had it is not written again.
+  /// Begins a part. A tree equal to the previous part's is not stored again.
   void begin_part(PartId id, Links links, const ImageCounts& counts, const FrameRequirements& requirements);
   void add(const TileWork& work);
-  /// `result`: what else a report tells of this part.
+  /// Ends the part. `result` has the rest of its report.
   void end_part(Json result);
-  /// Adds what a report tells of the frame beside its parts.
+  /// Adds the report data of a frame that belong to none of its parts.
   void end_frame(Json frame) { contents_["frames"].push_back(std::move(frame)); }
   void commit();
 
  private:
-  /// A block that most_held() allows; valid until the next one.
+  /// Packs a block within the limit of most_held(); valid until the next call.
   std::string_view pack(std::string_view bytes);
-  /// Appends a block; where it lies.
+  /// Appends a block and returns its file range.
   Json put(std::string_view bytes);
 
   OutputFile file_;
   Packer packer_;
   TileEncoder encoder_;
   Json contents_;
-  std::uint64_t contents_bytes_ = 0;  ///< bytes of its parts, as text
-  // The present part's.
+  std::uint64_t contents_bytes_ = 0;  ///< bytes of all parts' JSON text
+  // State of the current part.
   Links links_;
   ImageCounts counts_;
   Json part_;
-  std::uint64_t most_of_tile_ = 0;    ///< bytes
-  std::vector<std::uint32_t> sizes_;  ///< sizes of its tiles
+  std::uint64_t most_of_tile_ = 0;    ///< limit of a tile's encoded bytes
+  std::vector<std::uint32_t> sizes_;  ///< packed sizes of its tiles
   std::string bytes_;
 };
 

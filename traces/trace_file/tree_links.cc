@@ -8,12 +8,12 @@
 namespace traces {
 namespace {
 
-// A child is 0 (none), an even number (twice the distance to an inner node) or an odd one: a leaf, its size less one in
-// the next three bits, above them the difference between its first triangle (of the tree over instances: its instance)
-// and the last leaf's end. An instance is 0 (nothing to see) or 1 above its tree.
+// Encoding of a child: 0 (none), an even number (twice the distance to an inner node) or an odd one (a leaf). Above a
+// leaf's lowest bit are 3 bits of its size less one, then the difference between its first triangle (or instance) and
+// the end of the previous leaf. An instance is encoded as 0 (no tree) or 1 plus the index of its tree.
 constexpr std::uint64_t kNothing = 0;
 
-/// Where leaves end so far, those that hold triangles and those that hold instances.
+/// Ends of the previous leaf of triangles and the previous leaf of instances.
 struct LeafEnds {
   std::int64_t of_triangles = 0, of_instances = 0;
 };
@@ -29,7 +29,7 @@ std::uint64_t leaf_code(std::uint32_t link, LeafEnds& ends) {
   return code << 4 | (count - 1) << 1 | 1;
 }
 
-/// Makes a tree of bytes, child by child.
+/// Decodes a tree, child by child.
 class Decoder {
  public:
   Decoder(std::string_view bytes, const ImageCounts& counts)
@@ -56,7 +56,7 @@ class Decoder {
   }
 
  private:
-  /// A node that no node before names.
+  /// Begins a tree at a node that no earlier node names.
   void begin_tree(std::uint32_t node) {
     if (node != 0 && !has_levels_) throw sim::InputError("tree: a node has no parent");
     if (node != 0) trees_.push_back(node);
@@ -111,9 +111,9 @@ class Decoder {
   const std::uint64_t triangles_;
   const bool has_levels_;
   Links links_;
-  std::vector<std::uint8_t> depth_;    ///< depth of each node; 0: nobody's child yet
-  std::vector<bool> is_upper_, seen_;  ///< nodes of the tree over instances; instances that it holds
-  std::vector<std::uint32_t> trees_;   ///< roots of those below
+  std::vector<std::uint8_t> depth_;    ///< depth of each node; 0 if it has no parent yet
+  std::vector<bool> is_upper_, seen_;  ///< nodes of the tree over instances; instances found in it
+  std::vector<std::uint32_t> trees_;   ///< roots of the trees below
   std::uint64_t triangles_end_ = 0, instances_end_ = 0;
 };
 
@@ -137,7 +137,7 @@ std::string encode_links(const Links& links) {
       to.number(link == kNoChild ? kNothing : is_leaf(link) ? leaf_code(link, ends) : std::uint64_t{link - node} << 1);
     }
   }
-  // Trees have the order of their roots.
+  // Trees are numbered in the order of their roots.
   std::vector<std::uint32_t> trees = links.roots;
   std::ranges::sort(trees);
   trees.erase(std::unique(trees.begin(), trees.end()), trees.end());
@@ -149,7 +149,7 @@ std::string encode_links(const Links& links) {
 }
 
 Links decode_links(std::string_view bytes, std::uint64_t nodes, const ImageCounts& counts) {
-  // A child takes a byte at least, and so does an instance.
+  // Each child and each instance takes at least one byte.
   if (nodes == 0 || nodes > kMaxNodes || 2 * nodes > bytes.size()) ByteReader::out_of_range("tree: number of nodes");
   if (counts.instances > bytes.size() - 2 * nodes) ByteReader::out_of_range("tree: number of instances");
   return Decoder(bytes, counts).run(nodes);

@@ -9,23 +9,26 @@
 
 namespace traces {
 
-/// All of a tree that walks depend on.
+/// The part of a tree that determines valid walks.
 struct Links {
-  std::vector<std::array<std::uint32_t, 2>> nodes;  ///< link words of the children of each inner node
-  std::vector<std::uint32_t> roots;  ///< the root of each instance's tree, or kNone; empty in trees of one level
+  std::vector<std::array<std::uint32_t, 2>> nodes;  ///< link words of each inner node's children
+  std::vector<std::uint32_t> roots;  ///< root of each instance's tree, or kNone; empty in trees of one level
   friend bool operator==(const Links&, const Links&) = default;
 };
 
-/// Deepest tree that a trace may have: entries of a full stack, of each level.
+/// Limit of a tree's depth in a trace, and of the stack entries per level.
 inline constexpr std::uint32_t kMaxTreeDepth = 128;
 
 Links links_of(const MemoryImage& image);
 
 std::string encode_links(const Links& links);
 
-/// InputError unless this is a tree: node 0 is its root, every other inner node has one parent, of a lower number, it
-/// is no deeper than kMaxTreeDepth, and leaves hold some of the triangles. With instances, it is a tree of them and
-/// `counts.trees` such trees below: its leaves hold one instance each, none twice, and all trees have instances.
+/// Decodes a tree and checks it. Throws InputError unless all of these hold:
+///
+/// 1. Node 0 is a root. Every other inner node has one parent, with a lower number.
+/// 2. The tree is no deeper than kMaxTreeDepth, and its leaves contain only triangles of the scene.
+/// 3. With instances, it is a tree over instances with `counts.trees` trees below. Each leaf has one instance, no
+///    instance appears twice, and each tree below belongs to an instance.
 Links decode_links(std::string_view bytes, std::uint64_t nodes, const ImageCounts& counts);
 
 }  // namespace traces

@@ -10,7 +10,7 @@
 namespace traces {
 namespace {
 
-/// Collects bits, lowest first.
+/// Writes bits, lowest first.
 class BitWriter {
  public:
   explicit BitWriter(char* out) : out_(out) {}
@@ -23,7 +23,7 @@ class BitWriter {
     held_ >>= 32;
     count_ -= 32;
   }
-  /// Where the bytes end.
+  /// Flushes and returns the end of the bytes.
   char* end() {
     std::memcpy(out_, &held_, 8);
     return out_ + (count_ + 7) / 8;
@@ -39,7 +39,7 @@ struct NoBits {
   void put(std::uint64_t, std::uint32_t) {}
 };
 
-/// Follows walks on a tree, word by word.
+/// Checks walks against a tree, word by word.
 class Follower {
  public:
   Follower(const Links& links, const std::uint32_t* words, const std::uint32_t* end)
@@ -48,7 +48,7 @@ class Follower {
   const std::uint32_t* at() const { return at_; }
   const WalkSteps& steps() const { return steps_; }
 
-  /// One ray's walk, as bits into `out`. False if it is none on this tree.
+  /// Checks one ray's walk and writes its bits to `out`. False if the walk does not fit the tree.
   template <class Bits>
   bool follow(Bits& out) {
     std::uint32_t link = 0, depth = 0;
@@ -75,7 +75,7 @@ class Follower {
       } else if (!leave_leaf(out, link, word)) {
         return false;
       }
-      // A pop or the end.
+      // A pop or the end follows.
       if (at_ == end_) return false;
       std::uint32_t next = *at_, culled = 0;
       if (depth != 0) {
@@ -123,7 +123,7 @@ class Follower {
 
 bool encode_walks(const TileWork& work, const Links& links, std::string& out) {
   const std::size_t before = out.size();
-  out.resize(before + 4 * work.walk.size() + kBitsPadding);  // a word never takes more than 4 bytes
+  out.resize(before + 4 * work.walk.size() + kBitsPadding);  // a word takes at most 4 bytes
   BitWriter bits(out.data() + before);
   const std::uint32_t* begin = work.walk.data();
   Follower follower(links, begin, begin + work.walk.size());

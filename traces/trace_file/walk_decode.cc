@@ -11,10 +11,10 @@
 namespace traces {
 namespace {
 
-constexpr std::uint32_t kMostWords = 4;  // that a step and what follows it make
+constexpr std::uint32_t kMostWords = 4;  // of a step and what follows it
 
-/// Where the bits of a tile are read and the words of its walks are written. Room for words grows with what was
-/// decoded: a tile of few bits that speaks of many words is found out before these are there.
+/// Decoder state: the input bits and the output words. Output grows only as far as input has been decoded, so a forged
+/// count cannot exhaust memory.
 struct Cursor {
   Cursor(std::string_view from, std::uint32_t count, std::vector<std::uint32_t>& to)
       : bits(from.data()), end(8 * from.size()), words(count), walk(to) {
@@ -28,11 +28,11 @@ struct Cursor {
   }
 
   const char* bits;
-  const std::uint64_t end;    ///< the number of bits
-  const std::uint32_t words;  ///< that the walks should have
+  const std::uint64_t end;    ///< number of bits
+  const std::uint32_t words;  ///< expected number of words
   std::vector<std::uint32_t>& walk;
   std::uint32_t* out;
-  std::uint32_t* last;  ///< the end of the room, but for what a step may write beyond
+  std::uint32_t* last;  ///< end of the output, less the room for one step
   std::uint64_t at = 0;
   WalkSteps steps;
 
@@ -45,7 +45,7 @@ struct Cursor {
   }
 };
 
-/// Decodes a leaf's tests from the bits that come next; returns how many of these they take.
+/// Decodes a leaf's tests from the next bits and returns the number of bits used.
 inline std::uint32_t decode_leaf(std::uint64_t window, std::uint32_t link, Cursor& c) {
   const std::uint32_t size = 2 * leaf_count(link);
   const std::uint32_t phases = spread(static_cast<std::uint32_t>(window) & ((1U << size) - 1));
@@ -62,7 +62,7 @@ template <bool kLevels>
 inline void decode_walk(const Links& links, Cursor& c) {
   const std::array<std::uint32_t, 2>* const tree = links.nodes.data();
   const auto nodes = static_cast<std::uint32_t>(links.nodes.size());
-  // Child entered first, for each code of a visit.
+  // Child entered first, by the code of a visit.
   constexpr std::array<std::uint8_t, 8> kNear = {0, 0, 1, 0, 0, 0, 0, 1};
   std::array<std::uint32_t, kStackSize> stack;
   std::uint32_t link = 0, depth = 0;
@@ -119,7 +119,7 @@ inline void decode_walk(const Links& links, Cursor& c) {
   }
 }
 
-/// decode_walks() for trees of two levels, or of one.
+/// Decodes walks for trees of one or two levels.
 template <bool kLevels>
 WalkSteps decode(std::string_view bits, const Links& links, std::uint32_t rays, std::uint32_t words, TileWork& work) {
   Cursor c(bits, words, work.walk);

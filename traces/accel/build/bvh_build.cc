@@ -14,19 +14,19 @@
 namespace traces {
 namespace {
 
-// Nodes that Embree's builder makes through the callbacks; they live in Embree's own memory, and no larger than it must
-// be, for a tree has about as many nodes as triangles.
+// Nodes created by Embree's builder callbacks, in Embree's memory. They are small, because a tree has about as many
+// nodes as triangles.
 
 struct TreeNode {
-  std::uint32_t count = 0;  ///< triangles of a leaf, 0 for an inner node
+  std::uint32_t count = 0;  ///< triangles of a leaf; 0 for an inner node
 };
 
 struct InnerNode : TreeNode {
   TreeNode* child[2] = {nullptr, nullptr};
-  Bounds bounds[2];  ///< boxes of the children
+  Bounds bounds[2];  ///< the children's boxes
 };
 
-/// With `count` indices of triangles behind it.
+/// A leaf, followed in memory by `count` triangle indices.
 struct LeafNode : TreeNode {
   std::uint32_t* triangles() { return reinterpret_cast<std::uint32_t*>(this + 1); }
   const std::uint32_t* triangles() const { return reinterpret_cast<const std::uint32_t*>(this + 1); }
@@ -43,7 +43,7 @@ float half_area(const Bounds& b) {
   return d.x * d.y + d.y * d.z + d.z * d.x;
 }
 
-/// Memory of the builder. Throws std::bad_alloc, which ends the build, where Embree returns a null pointer.
+/// Allocates builder memory. Throws std::bad_alloc, which ends the build, if Embree returns a null pointer.
 void* allocate(RTCThreadLocalAllocator allocator, std::size_t bytes) {
   void* memory = rtcThreadLocalAlloc(allocator, bytes, alignof(InnerNode));
   if (memory == nullptr) throw std::bad_alloc();
@@ -77,7 +77,7 @@ void* create_leaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* pr
   return leaf;
 }
 
-/// Copies the tree below `root` behind what is already there; returns its link word.
+/// Appends the tree below `root` and returns its link word.
 std::uint32_t append_subtree(const TreeNode& root, FlatBvh& out) {
   if (root.count != 0) {
     const std::uint32_t* triangles = static_cast<const LeafNode&>(root).triangles();
@@ -98,7 +98,8 @@ std::uint32_t append_subtree(const TreeNode& root, FlatBvh& out) {
   return index;
 }
 
-/// The root is always an inner node: a lone leaf, or nothing at all, is put below one. `bounds` are those of all.
+/// Appends the root, which is always an inner node: a single leaf, or an empty tree, gets a parent. `bounds` are those
+/// of the whole tree.
 void append_root(const TreeNode* root, const Bounds& bounds, FlatBvh& out) {
   if (root != nullptr && root->count == 0) {
     append_subtree(*root, out);
@@ -115,7 +116,7 @@ void append_root(const TreeNode* root, const Bounds& bounds, FlatBvh& out) {
   }
 }
 
-/// Asked by Embree from its threads. Embree 3 does not look at the answer, but what is thrown ends the build.
+/// Callback from Embree's threads. Throws to end the build, because Embree 3 ignores the return value.
 bool may_go_on(void* stop, double) {
   if ((*static_cast<const sim::Stop*>(stop))()) throw sim::Cancelled{};
   return true;
@@ -167,12 +168,12 @@ FlatBvh build(RTCDevice device, std::vector<RTCBuildPrimitive> primitives, const
   const RTCError error = rtcGetDeviceError(device);
   if (root == nullptr && stop != nullptr && stop()) throw sim::Cancelled{};
   if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
-  if (error != RTC_ERROR_NONE || root == nullptr) {  // what Embree says when the depth does not suffice
+  if (error != RTC_ERROR_NONE || root == nullptr) {  // Embree's error for an insufficient depth
     throw sim::InputError("bvh.max_depth: " + std::to_string(config.max_depth) + " levels are not enough for " +
                           std::to_string(count) + " triangles in leaves of " + std::to_string(config.leaf_size));
   }
 
-  primitives = {};  // the leaves know their triangles
+  primitives = {};  // no longer needed: leaves have the indices
   out.nodes.reserve(count);
   out.order.reserve(count);
   append_root(root, all, out);

@@ -12,10 +12,10 @@
 
 namespace traces {
 
-/// A tree in its final order: depth first, the child of larger surface area (child 0) right behind its parent.
+/// A tree in its final order: depth first, with the child of larger surface area (child 0) directly after its parent.
 struct FlatBvh {
   std::vector<NodeRecord> nodes;
-  std::vector<std::uint32_t> order;  ///< what was given, as the leaves want it, by index into the input
+  std::vector<std::uint32_t> order;  ///< input indices in leaf order
 };
 
 inline void set_box(NodeRecord& node, int child, const Bounds& b) {
@@ -25,15 +25,15 @@ inline void set_box(NodeRecord& node, int child, const Bounds& b) {
   }
 }
 
-/// Embree's builder, for one tree after another.
+/// Builds trees with Embree's builder.
 class BvhBuilder {
  public:
-  /// `stop`: asked now and then; sim::Cancelled once it says true.
+  /// `stop` is polled during the build; sim::Cancelled is thrown once it returns true.
   BvhBuilder(const BvhConfig& config, unsigned threads, sim::Stop stop = nullptr);
   ~BvhBuilder();
-  /// InputError if the tree would be too deep.
+  /// Builds a tree over triangles. Throws InputError if it is too deep.
   FlatBvh over(std::span<const TriangleRecord> triangles) const;
-  /// A tree with a leaf for each box, none of which is empty.
+  /// Builds a tree with one leaf per box. No box may be empty.
   FlatBvh over(std::span<const Bounds> boxes) const;
 
  private:

@@ -17,14 +17,14 @@
 namespace traces {
 namespace {
 
-/// Carries normals to world space: the transposed inverse times |determinant|, which exists for flat instances too.
+/// Returns the matrix for normals: the transposed inverse times |determinant|, which exists for flat instances too.
 glm::mat3 normal_matrix(const glm::mat4& to_world) {
   const glm::vec3 x(to_world[0]), y(to_world[1]), z(to_world[2]);
   const glm::mat3 cofactors(glm::cross(y, z), glm::cross(z, x), glm::cross(x, y));
   return glm::dot(x, glm::cross(y, z)) < 0 ? -cofactors : cofactors;
 }
 
-/// `v` at unit length, or `otherwise` if it has no direction.
+/// Returns `v` normalised, or `otherwise` if it has no direction.
 glm::vec3 unit_or(const glm::vec3& v, const glm::vec3& otherwise) {
   const glm::dvec3 wide(v);
   const double length = glm::length(wide);
@@ -54,7 +54,7 @@ void check(const Mesh& mesh, std::size_t materials) {
   }
 }
 
-/// 128 + 127 * x, for x from -1 to 1.
+/// Returns 128 + 127 * x, for x in [-1, 1].
 std::uint32_t byte_of(float x) {
   return static_cast<std::uint32_t>(std::lround(127 * std::clamp(x, -1.0F, 1.0F)) + 128);
 }
@@ -65,7 +65,8 @@ std::uint32_t packed_tangent(const glm::vec3& t, float sign) {
 
 std::uint32_t half_word(float x) { return static_cast<std::uint32_t>(std::lround(65535 * std::clamp(x, 0.0F, 1.0F))); }
 
-/// Defaults for what a mesh does not have: white, the first texture coordinates, a tangent of length 0.
+/// Returns a triangle's vertex record. Missing data default to white, the first texture coordinates and a tangent of
+/// length 0.
 VertexRecord vertices_of(const Mesh& mesh, const std::array<std::uint32_t, 3>& corners, const glm::mat3& to_world) {
   const float handedness = glm::determinant(to_world) < 0 ? -1.0F : 1.0F;
   VertexRecord record{};
@@ -82,8 +83,8 @@ VertexRecord vertices_of(const Mesh& mesh, const std::array<std::uint32_t, 3>& c
   return record;
 }
 
-/// Side of the triangle's square in texture coordinates over that in space. A texture that a triangle shows one point
-/// or line of is not to be averaged.
+/// Returns the root of the triangle's area in texture coordinates over that in space. Returns the least density if the
+/// triangle shows only a point or line of the texture, which must not be averaged.
 float texture_density(const Mesh& mesh, const std::array<std::uint32_t, 3>& corners, const glm::mat3& to_space) {
   if (mesh.uvs.empty()) return kLeastDensity;
   const auto edge = [&](const auto& array, std::size_t i) { return array[corners[i]] - array[corners[0]]; };
@@ -121,8 +122,8 @@ std::size_t count_of(std::span<const PlacedMesh> placed) {
   return count;
 }
 
-/// The face that rays pass through: the back one of a single-sided material. Corners of front faces run
-/// counter-clockwise, in a mirrored mesh clockwise (glTF).
+/// Returns the culled face: the back face of a single-sided material. Front faces have counter-clockwise corners, in a
+/// mirrored mesh clockwise ones (glTF).
 std::uint32_t missing_face(const MaterialRecord& material, const glm::mat4& to_space) {
   if ((material.flags & kSingleSided) == 0) return 0;
   return glm::determinant(glm::dmat3(to_space)) < 0 ? kNoCounterClockwise : kNoClockwise;
@@ -159,7 +160,7 @@ void append_triangles(const PlacedMesh& placed, const MaterialTables& materials,
   const MaterialRecord& record = materials.records[mesh.material];
   const std::uint32_t material = triangle_flags(record) | missing_face(record, placed.to_space) | mesh.material;
   std::vector<glm::vec3> positions(mesh.positions.size());
-  // Adding nothing makes zeros positive: boxes do not depend on the order in which they are put together.
+  // Adding 0 turns -0 into +0, so that boxes do not depend on the order of merging.
   std::ranges::transform(mesh.positions, positions.begin(),
                          [&](const glm::vec3& p) { return glm::vec3(placed.to_space * glm::vec4(p, 1)) + 0.0F; });
   for (const auto& corners : mesh.triangles) {

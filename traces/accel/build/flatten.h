@@ -11,38 +11,39 @@
 
 namespace traces {
 
-/// A mesh as it is to lie in memory.
+/// A mesh and where to put its triangles.
 struct PlacedMesh {
   const Mesh* mesh = nullptr;
-  glm::mat4 to_space{1};     ///< carries it to where its triangles are to be
+  glm::mat4 to_space{1};     ///< matrix from the mesh's space to that of the stored triangles
   std::uint32_t object = 0;  ///< TriangleRecord::object
 };
 
-/// Records that shading reads, in the order of triangles.
+/// Shading records, in the order of the triangles.
 struct ShadingRecords {
   std::vector<AttributeRecord> attributes;
   std::vector<VertexRecord> vertices;  ///< empty if no material needs them
 };
 
-/// Object id of instance `i`.
+/// Returns the object id of instance `i`.
 inline std::uint32_t object_of(const Instance& instance, std::uint32_t i) {
   return i | (instance.focus ? kFocusObject : 0);
 }
 
-/// Every instance in world space. InputError where the scene names what it does not have.
+/// Returns all instances with their matrices to world space. Throws InputError for invalid references.
 std::vector<PlacedMesh> placed_instances(const Scene& scene);
-/// InputError where the scene names what it does not have.
+/// Throws InputError if a mesh has invalid references.
 void check_meshes(const Scene& scene);
 
-/// Appends a mesh's triangles. Their `source` counts from triangle `base`.
+/// Appends the triangles of a mesh; their `source` counts from `base`.
 void append_triangles(const PlacedMesh& placed, const MaterialTables& materials, std::size_t base,
                       std::vector<TriangleRecord>& out);
-/// All of them, counted through. InputError if they are too many.
+/// Returns the triangles of all meshes, numbered in order. Throws InputError if there are too many.
 std::vector<TriangleRecord> triangles_of(std::span<const PlacedMesh> placed, const MaterialTables& materials);
-/// Shading records of the same triangles; apart from them, as a tree is built meanwhile, which takes memory.
+/// Returns the shading records of the same triangles. Separate from triangles_of() to save memory while the tree is
+/// built.
 ShadingRecords shading_of(std::span<const PlacedMesh> placed, const MaterialTables& materials);
 
-/// InputError if a scene has more triangles than there may be.
+/// Throws InputError if there are too many triangles.
 void check_count(std::size_t triangles);
 
 }  // namespace traces

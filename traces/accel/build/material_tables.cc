@@ -26,7 +26,7 @@ void check(const Material& m, const std::vector<Texture>& textures) {
 
 bool shines(const Material& m) { return std::max({m.emission.x, m.emission.y, m.emission.z}) > 0; }
 
-/// Bits of everything but kVertexed, which the meshes have a say in.
+/// Returns all flags except kVertexed, which also depends on the meshes.
 std::uint32_t flags_of(const Material& m, const MaterialRecord& record) {
   const bool physical = m.metal_rough_texture.used();
   const bool has_alpha = m.alpha != Material::Alpha::kOpaque;

@@ -5,19 +5,20 @@
 
 namespace traces {
 
-/// A scene's materials as memory holds them.
+/// A scene's material records, and which optional data they need.
 struct MaterialTables {
   std::vector<MaterialRecord> records;        ///< at least one
   std::vector<MaterialDetailRecord> details;  ///< empty, or one per record
   bool needs_vertices = false;                ///< some material is kVertexed
-  bool needs_white = false;                   ///< some triangle is flagged and has no base texture
-  bool needs_density = false;                 ///< normals say how dense textures are
+  bool needs_white = false;                   ///< some triangle has flags but no base texture
+  bool needs_density = false;                 ///< the length of normals is the texture density
 };
 
-/// Throws sim::InputError if a material names a texture that is not there, or one encoded as another use wants it.
+/// Builds the tables. Throws sim::InputError if a material names a missing texture, or two uses of a texture need
+/// different encodings.
 MaterialTables material_tables(const Scene& scene, bool has_mip_maps);
 
-/// Flags that a triangle of that material hands to its hits: kAlphaFlag, kTintFlag or neither.
+/// Returns the flags that the triangles of a material pass to hits: kAlphaFlag, kTintFlag or neither.
 std::uint32_t triangle_flags(const MaterialRecord& material);
 
 }  // namespace traces

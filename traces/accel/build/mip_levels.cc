@@ -15,14 +15,14 @@ namespace {
 
 constexpr std::size_t kChannels = 4;
 
-/// Texels of four channels, R first: linear, 65535 is 1.
+/// A linear texel of four channels, R first; 65535 is 1.
 using WideTexel = std::array<std::uint16_t, kChannels>;
 struct WideTexture {
   std::uint32_t width = 0, height = 0;
   std::vector<WideTexel> texels;
 };
 
-/// Values of an 8-bit channel's codes, and back.
+/// Conversion between the codes of an 8-bit channel and linear values.
 class Encoding {
  public:
   explicit Encoding(bool srgb) {
@@ -32,7 +32,7 @@ class Encoding {
     }
   }
   std::uint16_t value(std::uint32_t code) const { return values_[code]; }
-  /// The code whose value is nearest.
+  /// Returns the code with the nearest value.
   std::uint32_t code(std::uint16_t value) const {
     const auto above = std::ranges::lower_bound(values_, value);
     const bool is_below = above != values_.begin() && value - *(above - 1) < *above - value;
@@ -43,7 +43,7 @@ class Encoding {
   std::array<std::uint16_t, 256> values_{};
 };
 
-/// The texels along an axis that one of the next level covers, by how much.
+/// The texels along one axis that a texel of the next level covers, and their weights.
 struct Cover {
   std::uint32_t first = 0;
   std::array<std::uint64_t, 3> weights{};
@@ -56,7 +56,7 @@ Cover cover_of(std::uint32_t size, std::uint32_t i) {
   return {2 * i, {half - i, half, i + 1}};
 }
 
-/// The next level of texels that `at(x, y)` gives.
+/// Returns the next level of the texture whose texels are `at(x, y)`.
 WideTexture halved(std::uint32_t width, std::uint32_t height, auto&& at) {
   WideTexture half{std::max(1U, width / 2), std::max(1U, height / 2), {}};
   half.texels.reserve(std::size_t{half.width} * half.height);
@@ -81,7 +81,7 @@ WideTexture halved(std::uint32_t width, std::uint32_t height, auto&& at) {
   return half;
 }
 
-/// Encodings of colour and alpha.
+/// Encodings of the colour and alpha channels.
 struct Encodings {
   explicit Encodings(bool srgb) : colour(srgb), alpha(false) {}
   const Encoding& of(std::size_t channel) const { return channel < 3 ? colour : alpha; }

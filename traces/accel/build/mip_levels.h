@@ -7,13 +7,13 @@
 
 namespace traces {
 
-/// The texture and its mip levels, each half as wide and high as the one before (rounded down, at least 1), down to a
-/// single texel. A texel is the mean of those that it covers: of linear light, rounded to the texture's own encoding
-/// only at the end; where a side is odd, of three texels by how much of each it covers. Whole numbers throughout, so
-/// that every compiler makes the same texels.
+/// Returns the texture and its mip levels down to one texel; each level has half the width and height (rounded down, at
+/// least 1). A texel is the mean of the texels that it covers, in linear light, rounded to the texture's encoding at
+/// the end. Along an odd side it covers three texels, weighted by overlap. Integer arithmetic only, so that every
+/// compiler gives the same texels.
 std::vector<Texture> mip_chain(const Texture& texture);
 
-/// Puts a chain in the place of each of the image's textures, and has the records name the first level of each.
+/// Replaces each texture of the image by its mip chain and makes material records name the first levels. Throws
 /// InputError if there are more levels than a texture word can name.
 void add_mip_levels(MaterialTables& materials, MemoryImage& image);
 

@@ -5,7 +5,7 @@
 
 namespace traces {
 
-/// Makes record i what record order[i] was, without a second array: along the cycles of the permutation.
+/// Moves record order[i] to index i for all i, in place, along the cycles of the permutation.
 template <class Record>
 void reorder(std::span<Record> records, const std::vector<std::uint32_t>& order) {
   std::vector<bool> done(records.size(), false);

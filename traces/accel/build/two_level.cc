@@ -20,21 +20,21 @@
 namespace traces {
 namespace {
 
-/// Matrices beyond these are not inverted: see Placement::growth, and so that in kernels squares of products of two
-/// entries stay within single precision.
+/// Limits for inverting a matrix: its error growth (Placement::growth) and the entries of the inverse. The latter keep
+/// squared products of two entries within single precision in kernels.
 constexpr double kMostGrowth = 256, kLargestEntry = 0x1p16, kSmallestEntry = 0x1p-16;
-/// Margin of the boxes around instances, in epsilons; see padded().
+/// Padding of instance boxes, in epsilons; see padded().
 constexpr float kPadding = 64;
 
-/// How an instance stands in the world.
+/// An instance's record and error growth.
 struct Placement {
   InstanceRecord record{};
-  /// How much larger rounding errors become on the way to the mesh's space and back: the largest sum of a row of
-  /// |to_world| |to_object|. 1 for what is scaled along axes, 3 at most for what is turned.
+  /// Factor by which rounding errors grow between the world and the mesh's space: the largest row sum of
+  /// to_world| |to_object|. It is 1 for a scaling along axes and at most 3 for a rotation.
   float growth = 1;
 };
 
-/// False if there is no inverse that is good enough.
+/// Inverts the matrix into `out`. False if there is no sufficiently accurate inverse.
 bool invert(const glm::mat4& to_world, Placement& out) {
   const glm::dmat3 linear{glm::dmat4(to_world)};
   const double determinant = glm::determinant(linear);
@@ -70,7 +70,7 @@ Placement identity() {
   return p;
 }
 
-/// Which trees there are and whose they are; the instances' roots are left open.
+/// The trees of an image and the tree of each instance; root nodes are set later.
 struct Plan {
   explicit Plan(const Scene& scene);
   bool same_shape(const MemoryImage& image) const;
@@ -128,13 +128,13 @@ PlacedMesh placed_in(const Scene& scene, const ObjectTree& tree) {
   return {&scene.meshes[tree.mesh], tree.in_world ? scene.instances[tree.only].to_world : glm::mat4(1)};
 }
 
-/// The part of an array that belongs to a tree.
+/// Returns a tree's part of an array.
 template <class Record>
 std::span<Record> part_of(std::vector<Record>& records, const ObjectTree& tree) {
   return std::span(records).subspan(tree.first_triangle, tree.triangles);
 }
 
-/// Stores the shading records of a tree, given in the mesh's order, in leaf order.
+/// Stores the shading records of a tree in leaf order; `shading` is in the mesh's order.
 void store_shading(const ShadingRecords& shading, const ObjectTree& tree, MemoryImage& image) {
   for (std::uint32_t i = tree.first_triangle; i < tree.first_triangle + tree.triangles; ++i) {
     const std::uint32_t source = image.triangles[i].source;
@@ -143,7 +143,7 @@ void store_shading(const ShadingRecords& shading, const ObjectTree& tree, Memory
   }
 }
 
-/// Builds a tree over its triangles, which come into leaf order, behind all nodes so far.
+/// Builds a tree after the existing nodes and sorts its triangles into leaf order.
 void add_tree(const BvhBuilder& builder, ObjectTree& tree, MemoryImage& image) {
   const std::span<TriangleRecord> triangles = part_of(image.triangles, tree);
   const FlatBvh bvh = builder.over(std::span<const TriangleRecord>(triangles));
@@ -157,11 +157,12 @@ void add_tree(const BvhBuilder& builder, ObjectTree& tree, MemoryImage& image) {
   }
 }
 
-/// Rays are tested against the triangles in the mesh's space, carried there with rounding errors that do not follow
-/// from the box in world space. With o where the ray begins, c where the mesh's origin lies, and g the growth of
-/// errors, they come to some 4 g (2 |o| + |c| + size) epsilons, which this holds for rays from within eight sizes of
-/// the scene. What begins further away has errors of the same order in its triangle tests, and RayBoxes grows with
-/// that.
+/// Returns an instance's box, enlarged so that no ray misses it through rounding.
+///
+/// A ray is tested in the mesh's space, and the transform's rounding errors do not follow from the box in world space.
+/// Let o be the ray's origin, c the mesh's origin and g the growth of errors: the error is about 4 g (2 |o| + |c| +
+/// size) epsilons. The padding covers it for rays that begin within eight scene sizes. For rays from farther away,
+/// errors of the triangle test are of the same order, and RayBoxes grows its boxes accordingly.
 Bounds padded(Bounds box, const Placement& placement, const glm::mat4& to_world, const Bounds& scene) {
   float far = scene.diagonal();
   float centre = 0;
@@ -175,7 +176,8 @@ Bounds padded(Bounds box, const Placement& placement, const glm::mat4& to_world,
   return box;
 }
 
-/// Instances, the tree over them, which takes the first nodes (an entry for each is there), and the scene's bounds.
+/// Fills the instances, the tree over them and the scene's bounds. The tree takes the first nodes, which are already
+/// allocated.
 void place_instances(const Scene& scene, const Plan& plan, const BvhBuilder& builder, MemoryImage& image) {
   std::vector<Bounds> boxes;
   std::vector<std::uint32_t> shown;
@@ -212,7 +214,7 @@ void place_instances(const Scene& scene, const Plan& plan, const BvhBuilder& bui
   }
 }
 
-/// Inner nodes of a tree with so many leaves of one each.
+/// Returns the number of inner nodes of a tree with `leaves` leaves of one item each.
 std::size_t nodes_over(std::size_t leaves) { return std::max<std::size_t>(leaves, 2) - 1; }
 
 }  // namespace

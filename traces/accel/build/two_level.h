@@ -6,26 +6,30 @@
 
 namespace traces {
 
-// Two levels (bvh.instances: two_level). Every mesh lies in memory once, in its own space, with a tree of its own;
-// above them is a tree over instances, whose leaves name one each. All nodes are in one array, that of instances first;
-// so are triangles. A ray is carried into the space of each instance that it comes to. Its direction keeps its length,
-// so that distances mean the same everywhere.
+// Two-level images (bvh.instances: two_level).
 //
-// Not shared: a mesh that deforms, which has one instance anyhow, and an instance whose matrix has no inverse
-// that single precision can hold. The latter's triangles lie in world space, and its own matrix is the identity.
+// 1. Every mesh is stored once, in its own space, with its own tree. A tree over instances has one instance per leaf.
+// 2. All nodes are in one array, the tree over instances first; all triangles are in one array.
+// 3. A ray is transformed into the space of each instance that it enters. Its direction is not normalised, so distances
+//    are the same in both spaces.
+// 4. Two kinds of meshes are not shared: a mesh that deforms, which has only one instance, and an instance whose matrix
+//    has no inverse in single precision. The triangles of the latter are in world space and its matrix is the identity.
 
-/// Everything of the image that has to do with geometry; instances, boxes and scene bounds included.
+/// Returns an image with all geometry: trees, triangles, shading records, instances and scene bounds.
 MemoryImage two_levels(const Scene& scene, const MaterialTables& materials, const BvhConfig& config, unsigned threads,
                        sim::Stop stop = nullptr);
 
-/// Carries a moved scene into its image: instances and the tree over them are made anew, and what deforms or stands in
-/// world space by itself is refitted, or its trees rebuilt (bvh.update). Shared meshes and their trees stay. Depends on
-/// `posed` and, of a refit, on the shape of those trees alone. False, and nothing is done, where meshes are no longer
-/// shared as they were, since a matrix has lost its inverse or found it.
+/// Updates the image of a scene that has moved.
+///
+/// 1. Instances and the tree over them are rebuilt. Shared meshes and their trees stay.
+/// 2. Trees of deforming meshes and of meshes in world space are refitted or rebuilt (bvh.update).
+/// 3. The result depends on `posed` and, for a refit, on the shape of those trees.
+///
+/// Returns false, with no change, if a matrix lost or gained its inverse, so that other meshes are shared.
 bool update_levels(const Scene& posed, const BvhConfig& config, unsigned threads, MemoryImage& image,
                    sim::Stop stop = nullptr);
 
-/// The ray as the instance's mesh sees it.
+/// Returns the ray in the space of the instance's mesh.
 Ray into_object(const InstanceRecord& instance, const Ray& ray);
 
 }  // namespace traces
