@@ -25,14 +25,14 @@
 
 namespace kernels {
 
-/// Every kernel; its index in this list is its KernelId.
+/// All kernels; a kernel's index in this list is its KernelId.
 using AllKernels = std::tuple<
     GenerateRays, GenerateJitteredRays, ClassifyLayers, TestAlpha<false, false>, TestAlpha<true, false>,
     TestShadow<false, false>, TestShadow<true, false>, ScatterLayers, ClassifyHits, ShadeBackground,
     ShadeSurface<false>, ClassifyDetails, Absorb, FetchVertices<false>, ShadeBase<>, ShadePhysical<>, ShadeBump<>,
     ShadeBlend, ClassifySurfaces, ShadeTextured<>, ShadeEmission, ShadeGlow<>, ShadeAmbient, ShadeOccluded<>,
     ShadeDiffuse, CombineShadow, ShadeStraight, ShadeMirror, ShadeGlass, AverageColour, PackColour,
-    // Adaptive sampling.
+    // For adaptive sampling.
     ListSamples, GenerateListedRays, ClearGeometry, ClearSecondary, RecordGeometry<false>, RecordSurface<false>,
     RecordSecondary<false>, RecordShadow, RecordSecondaryShadow, CheckSimilarity<false, false, false>,
     CheckSimilarity<false, true, false>, CheckSimilarity<true, false, false>, CheckSimilarity<true, true, false>,
@@ -42,32 +42,32 @@ using AllKernels = std::tuple<
     CheckAttributes<false, true>, CheckAttributes<true, true>, InterpolateAttributes<false>,
     InterpolateAttributes<true>, ShadeVisible, ClassifyOccluded, StoreIdentities<false>, StoreIdentities<true>,
     FindSuspects<false>, FindSuspects<true>,
-    // supersample.
+    // For supersample.
     ClearTraits, RecordTraits<false>, RecordTraitsShadow, WeighBranch, RecordBranch<false>, RecordBranchShadow,
     TestSubpixels, WeighCentres<false>, WeighCentres<true>, PackSubpixels, PackSubpixelsAtomic, GenerateExtraRays,
     SumSubpixels, ShowSubpixels<false>, ShowSubpixels<true>, SettleSubpixels, PropagateSubpixels, AverageSubpixels,
-    // Scenes of instances.
+    // Variants for scenes with instances.
     ShadeSurface<true>, FetchVertices<true>, TestAlpha<false, true>, TestAlpha<true, true>, TestShadow<false, true>,
     TestShadow<true, true>, RecordGeometry<true>, RecordSurface<true>, RecordSecondary<true>, RecordTraits<true>,
     RecordBranch<true>,
-    // Mip maps.
+    // Variants for mip maps.
     ShadeSurface<false, true>, ShadeSurface<true, true>, ShadeTextured<MipFilter::kNearest>,
     ShadeTextured<MipFilter::kLinear>, ShadeBase<MipFilter::kNearest>, ShadeBase<MipFilter::kLinear>,
     ShadePhysical<MipFilter::kNearest>, ShadePhysical<MipFilter::kLinear>, ShadeBump<MipFilter::kNearest>,
     ShadeBump<MipFilter::kLinear>, ShadeGlow<MipFilter::kNearest>, ShadeGlow<MipFilter::kLinear>,
     ShadeOccluded<MipFilter::kNearest>, ShadeOccluded<MipFilter::kLinear>,
-    // Variants by class of a tile.
+    // Variants for classes of tiles.
     CountColoured,
-    // reconstruct.
+    // For reconstruct.
     GenerateRotatedRays, GenerateShadedRays, GenerateVisibleRays, ClearBranch, BeginBranch, RecordVisible,
     RecordBranchVisible, RecordVisibleShadow, LimitColours<0>, LimitColours<1>, LimitColours<2>, ListBranches,
     Reconstruct<1, false>, Reconstruct<2, false>, Reconstruct<1, true>, Reconstruct<2, true>, ListContrasts<0>,
     ListContrasts<1>, ListContrasts<2>, GenerateContrastRays, AverageContrasts<0>, AverageContrasts<1>,
     AverageContrasts<2>,
-    // Effects of a frame.
+    // For the effects of a frame.
     ShadeOpen, ShadeSoft, CastOcclusion, ClearEffects, GenerateCentredRays, SelectEffects<false>, SelectEffects<true>,
     ShadeSoftShare, CastOcclusionShare, CombineRatio, UpsampleEffects<false>, UpsampleEffects<true>,
-    // Fused.
+    // Fused kernels.
     FetchSurface<false>, FetchSurface<true>, LightSurface, LightSurfaceGeometry<false>, LightSurfaceGeometry<true>,
     LightSurfaceKept<false>, LightSurfaceKept<true>, LightSurfaceSecondary<false>, LightSurfaceSecondary<true>,
     FetchLit<false>, FetchLit<true>, FetchLitGeometry<false>, FetchLitGeometry<true>, FetchLitKept<false>,
@@ -102,12 +102,12 @@ struct KernelInfo {
   std::string_view name;
   std::string_view meaning;
   Graph graph;
-  std::vector<std::string_view> parts{};  ///< kernels whose work a fused one does
+  std::vector<std::string_view> parts{};  ///< kernels that a fused kernel consists of
 };
 
-/// All kernels by id; their graphs are recorded when first asked for.
+/// Returns all kernels by id. Their graphs are recorded on the first call.
 const std::vector<KernelInfo>& catalogue();
-/// The kernel called `name`, or null.
+/// Returns the kernel called `name`, or null.
 const KernelInfo* find_kernel(std::string_view name);
 
 }  // namespace kernels

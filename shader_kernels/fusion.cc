@@ -22,22 +22,22 @@ class Fuser {
   std::vector<GraphNode> fused() {
     for (std::uint32_t i = 0; i < from_.nodes.size(); ++i) node_of_[i] = take(i);
     for (GraphNode& node : to_) {
-      if (node.distance != 0) node.inputs[0] = node_of_[node.inputs[0]];  // its producer came later
+      if (node.distance != 0) node.inputs[0] = node_of_[node.inputs[0]];  // set last, because the producer comes later
     }
     return std::move(to_);
   }
 
  private:
-  /// A record by its memory and the values that address it.
+  /// Address of a record: its memory and index values.
   using Address = std::tuple<std::string, std::uint32_t, std::uint32_t, std::uint32_t>;
   struct Record {
-    std::uint32_t load = kNone;   ///< node that loads it
-    std::uint32_t store = kNone;  ///< the last to store it
+    std::uint32_t load = kNone;   ///< node that loads the record
+    std::uint32_t store = kNone;  ///< last node that stores the record
     std::vector<std::uint32_t> words;
   };
   using Operation = std::tuple<Op, std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, std::string>;
 
-  /// Returns the node that stands for `i` from now on.
+  /// Adds node `i` or reuses an equal one; returns its new number.
   std::uint32_t take(std::uint32_t i) {
     GraphNode node = from_.nodes[i];
     if (node.distance != 0) return add(std::move(node));
@@ -84,12 +84,12 @@ class Fuser {
 
   std::uint32_t store(GraphNode node) {
     const Address address = address_of(node);
-    // Under another index the same record may have been meant.
+    // A store under another index may overwrite the same record.
     std::erase_if(records_, [&](const auto& r) {
       return std::get<0>(r.first) == node.label && r.first != address && r.second.store == kNone;
     });
     Record& record = records_[address];
-    if (record.store != kNone && !is_register(node.label)) to_[record.store] = {};  // nobody needs that one
+    if (record.store != kNone && !is_register(node.label)) to_[record.store] = {};  // drops the overwritten store
     record.words = node.stored;
     record.store = static_cast<std::uint32_t>(to_.size());
     return is_register(node.label) ? kNone : add(std::move(node));
@@ -104,7 +104,7 @@ class Fuser {
   const std::span<const std::string_view> registers_;
   std::vector<GraphNode> to_;
   std::vector<std::uint32_t> node_of_;
-  std::vector<Address> record_of_;  ///< what each load loads
+  std::vector<Address> record_of_;  ///< address of each load
   std::map<Address, Record> records_;
   std::map<Operation, std::uint32_t> operations_;
 };

@@ -9,7 +9,7 @@
 
 namespace kernels {
 
-/// Ports of a fused kernel: those of all its parts. Ports that have one name are one memory or one uniform.
+/// Ports of a fused kernel: the ports of all its parts. Ports with the same name are the same memory or uniform.
 template <class V, class... Parts>
 struct FusedPorts : Parts::template Ports<V>... {
   static constexpr void describe(auto& p, auto&& port) {
@@ -17,22 +17,22 @@ struct FusedPorts : Parts::template Ports<V>... {
   }
 };
 
-/// A kernel made of others, its parts, which an item goes through one after the other:
+/// A kernel that runs several kernels, its parts, on each item in turn:
 ///
 ///   item --> body of the first part --> ... --> body of the last
 ///
-/// With floats that is all there is to it. In its graph what one part leaves for the next stays in registers
-/// (keep_in_registers). Memories in kRegisters are read by nobody else, so nothing of them is stored.
+/// In the graph, values that one part passes to the next stay in registers (keep_in_registers). Memories in kRegisters
+/// have no other reader, so they are not stored.
 template <class... Parts>
 struct Fused {
-  /// Kernels that do the same by launches of their own.
+  /// Returns the names of the kernels that it replaces.
   static std::vector<std::string_view> parts() {
     std::vector<std::string_view> names;
     (add_name<Parts>(names), ...);
     return names;
   }
   static constexpr std::array<std::string_view, 0> kRegisters{};
-  /// Calls f<Part>() for every part.
+  /// Calls f<Part>() for each part.
   static void for_each_part(auto&& f) { (f.template operator()<Parts>(), ...); }
   template <class V>
   using Ports = FusedPorts<V, Parts...>;
@@ -52,7 +52,7 @@ struct Fused {
   }
 };
 
-/// Ports of part K.
+/// Returns the ports of part K.
 template <class K>
 typename K::template Ports<float>& ports_of(typename K::template Ports<float>& fused) {
   return fused;
@@ -62,13 +62,13 @@ template <class V, class... Parts>
 inline constexpr bool kListsAccesses<FusedPorts<V, Parts...>> = (kListsAccesses<typename Parts::template Ports<V>> ||
                                                                  ...);
 
-/// Takes a fused kernel's graph from memory to registers where an item itself has loaded or stored a record before:
+/// Replaces repeated memory accesses of an item in a fused kernel's graph by registers:
 ///
 ///   load, load of the same          -> one load              store, load of the same  -> the value stored
 ///   equal operations, equal values  -> one operation         store, store of the same -> the second
 ///   store to one of `registers`     -> nothing
 ///
-/// Throws std::logic_error if a part loads what another may have stored under another index.
+/// Throws std::logic_error if a part loads a record that another part may have stored under another index.
 void keep_in_registers(Graph& graph, std::span<const std::string_view> registers);
 
 }  // namespace kernels

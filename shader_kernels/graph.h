@@ -6,41 +6,40 @@
 namespace kernels {
 
 // clang-format off
-/// Operations of the SRP's functional units, and accesses to memory.
+/// Operations of the SRP's functional units, and memory accesses.
 enum class Op : std::uint8_t {
-  kInput,     ///< a field of a loaded record (free: the load is counted) or a value of the loop (item index)
-  kConstant,  ///< a literal or a uniform, held in a register for the whole loop
+  kInput,     ///< a field of a loaded record (free: the load is counted), or the loop's item index
+  kConstant,  ///< a literal or a uniform, kept in a register for the whole loop
   kAdd, kSub, kMul, kDiv, kSqrt, kMin, kMax, kAbs, kNeg, kFloor,  // 32-bit float
   kIntAdd, kIntSub, kIntMul, kAnd, kOr, kXor, kShiftLeft, kShiftRight,  // 32-bit integer
-  kLess, kLessEqual, kEqual, kIntLess, kIntEqual, kSelect,  // comparisons give a mask, select consumes one
+  kLess, kLessEqual, kEqual, kIntLess, kIntEqual, kSelect,  // comparisons produce a mask, which select uses
   kToFloat, kToInt, kBits,  // conversions; kBits reinterprets and is free
-  kLoadLocal, kStoreLocal,  // tile buffer or kernel data: one access per memory-port width
-  kLoadCached,              // memory through the data cache
+  kLoadLocal, kStoreLocal,  // tile buffer or kernel data: one access per width of the memory port
+  kLoadCached,              // memory, read through the data cache
   kCount
 };
 // clang-format on
 
-/// One operation of a kernel's dataflow graph; inputs refer to earlier nodes, with one exception: a kInput whose
-/// `distance` is not 0 is a loop-carried value. Its inputs[0] is the node, usually further down, that produced it
-/// `distance` items ago.
+/// One operation of a kernel's dataflow graph. Inputs refer to earlier nodes, except for a loop-carried value: a kInput
+/// with a `distance` other than 0, whose inputs[0] is the (usually later) node that produced it `distance` items ago.
 struct GraphNode {
   Op op = Op::kConstant;
   std::uint32_t inputs[3] = {kNone, kNone, kNone};
-  std::uint32_t bytes = 0;              ///< loads and stores: size of the record
-  std::uint32_t distance = 0;           ///< loop-carried input: iterations between producer and consumer (0: same item)
-  std::uint32_t value = 0;              ///< kConstant: its bits; kInput: byte offset of the field in its record
-  std::string label{};                  ///< "left.normal.x": for listings; of loads and stores the name of the memory
-  std::vector<std::uint32_t> stored{};  ///< kStoreLocal: the record's values, one per 4 bytes; inputs[0] is its index
+  std::uint32_t bytes = 0;              ///< record size of a load or store
+  std::uint32_t distance = 0;           ///< loop-carried input: items between producer and consumer (0: same item)
+  std::uint32_t value = 0;              ///< kConstant: its bits; kInput: the field's byte offset in its record
+  std::string label{};                  ///< name for listings, such as "left.normal.x"; for a load or store, the memory
+  std::vector<std::uint32_t> stored{};  ///< kStoreLocal: the record's 4-byte values; inputs[0] is its index
   static constexpr std::uint32_t kNone = 0xffffffffU;
 };
 
-/// The dataflow graph of one kernel, recorded from its only source. Nodes are in topological order.
+/// The dataflow graph of one kernel, recorded from its source. Nodes are in topological order.
 struct Graph {
   std::string kernel;
   std::vector<GraphNode> nodes;
 };
 
-/// Calls f(id) for every node that `node` depends on, stored values included.
+/// Calls f(id) for each node that `node` depends on, including stored values.
 template <class Function>
 void for_each_input(const GraphNode& node, Function&& f) {
   for (const std::uint32_t id : node.inputs) {

@@ -93,7 +93,7 @@ T& named(std::map<std::string, T, std::less<>>& all, const std::string& name) {
   return at->second;
 }
 
-/// The values of one item, and those of the item before it.
+/// Interpreter state: the values of the current and the previous item.
 class Machine {
  public:
   Machine(const Graph& graph, Environment& environment)
@@ -163,7 +163,7 @@ class Machine {
   const Graph& graph_;
   Environment& environment_;
   std::vector<Word> values_;
-  std::vector<std::array<Word, 16>> records_;  ///< what each load has read
+  std::vector<std::array<Word, 16>> records_;  ///< record of each load
 };
 
 }  // namespace

@@ -12,18 +12,19 @@
 
 namespace kernels {
 
-/// Memories, uniforms and loop-carried values that a graph is run against, by the names that its ports have.
+/// The memories, uniforms and loop-carried values of a graph, by port name.
 struct Environment {
   std::map<std::string, std::byte*, std::less<>> memories;
   std::map<std::string, std::uint32_t, std::less<>> uniforms;
-  std::map<std::string, std::uint32_t, std::less<>> carried;  ///< before the first item; afterwards: after the last
+  std::map<std::string, std::uint32_t, std::less<>> carried;  ///< value before the first item; after the run, after the
+                                                              ///< last item
   const traces::Texture* textures = nullptr;
 };
 
-/// Runs a recorded graph item by item, operation by operation: the meaning that the machine's schedule must keep.
+/// Runs a recorded graph, item by item. The result is the reference for the machine's schedule.
 void interpret(const Graph& graph, std::uint32_t items, Environment& environment);
 
-/// Gathers an Environment from the ports of the float reading; for describe().
+/// Builds an Environment from the ports of the float reading; for describe().
 class EnvironmentBinder {
  public:
   explicit EnvironmentBinder(Environment& environment) : to_(environment) {}

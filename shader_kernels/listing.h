@@ -11,16 +11,16 @@ namespace kernels {
 
 std::string_view name_of(Op op);
 
-/// Nodes of a graph by operation.
+/// Number of a graph's nodes per operation.
 using OpCounts = std::array<std::uint32_t, static_cast<std::size_t>(Op::kCount)>;
 OpCounts count_ops(const Graph& graph);
 
-/// Operations a functional unit executes: all but inputs, constants and reinterpreted bits.
+/// Returns the number of operations executed by functional units: all except inputs, constants and kBits.
 std::uint32_t executed_ops(const Graph& graph);
 
-/// One line per operation kind that occurs, then one per load and store.
+/// Returns one line per operation that occurs, then one per load and store.
 std::string summary(const Graph& graph);
-/// One line per node.
+/// Returns one line per node.
 std::string listing(const Graph& graph);
 
 }  // namespace kernels

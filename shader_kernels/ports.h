@@ -12,32 +12,33 @@
 
 namespace kernels {
 
-// Ports of kernels. In the float reading a port is a pointer or a number; ports_recorded.h holds the other
-// reading. A kernel's Ports struct names its ports with describe(ports, port).
-// A port of the float reading is bound to an array by its name (programs/wavefront/port_binding.h) with attach(), or by
-// hand with bind() where its array has another name.
+// Ports of kernels. A kernel's Ports struct names its ports with describe(ports, port). In the float reading, here, a
+// port is a pointer or a number; ports_recorded.h has the recording reading.
+//
+// attach() binds a port to the array of the same name (programs/wavefront/port_binding.h); bind() binds it to any
+// array.
 
-/// Records in the tile buffer.
+/// A port to records in the tile buffer.
 template <class V, template <class> class R>
 struct Local;
-/// Read-only records in the SRP's own memory (kernel data).
+/// A port to read-only records in the SRP's own memory (kernel data).
 template <class V, template <class> class R>
 struct Table;
-/// Read-only records in memory, read through the data cache.
+/// A port to read-only records in memory, through the data cache.
 template <class V, template <class> class R, traces::Access::Kind kKind>
 struct Cached;
-/// Texels in memory, read through the data cache a bilinear footprint at a time; the cache's address generator finds
-/// the one to four lines.
+/// A port to texels in memory, through the data cache. A load reads a bilinear footprint; the cache's address generator
+/// finds its one to four lines.
 template <class V>
 struct Texels;
-/// Index of the next record of a compacted stream. A record stored there counts only if next() was told true.
+/// A port for the length of a compacted item list. A record stored at next(keep) counts only if `keep` is true.
 template <class V>
 struct Counter;
-/// A value handed from item to item.
+/// A port for a value passed from one item to the next.
 template <class V>
 struct Carried;
 
-/// A record out of raw memory, whatever C++ type put it there.
+/// Copies a record out of raw memory, whatever C++ type was stored there.
 template <template <class> class R>
 R<float> load_record(const std::byte* base, std::uint32_t index) {
   R<float> record;
@@ -56,7 +57,7 @@ struct Local<float, R> {
   }
   bool is_bound() const { return base != nullptr; }
   void attach(void* records, std::vector<traces::Access>* /*log*/) { base = static_cast<std::byte*>(records); }
-  // Inlined whatever else a source launches: large sources lost 1 % of all instructions to calls.
+  // Always inlined: in large sources the calls cost 1 % of all instructions.
   [[gnu::always_inline]] R<float> load(std::uint32_t index) const { return load_record<R>(base, index); }
   [[gnu::always_inline]] void store(std::uint32_t index, const R<float>& record) const {
     std::memcpy(base + std::size_t{index} * sizeof(record), &record, sizeof(record));
@@ -79,7 +80,7 @@ struct Table<float, R> {
   R<float> load(std::uint32_t index) const { return load_record<R>(base, index); }
 };
 
-/// Cached ports note their accesses in `log` unless it is null.
+/// A cached port appends its accesses to `log`, unless that is null.
 template <template <class> class R, traces::Access::Kind kKind>
 struct Cached<float, R, kKind> {
   using Record = R<float>;
@@ -134,7 +135,7 @@ struct Carried<float> {
   void set(float x) { value = x; }
 };
 
-/// Whether a launch of a kernel with these ports lists its accesses to memory.
+/// True if a launch of a kernel with these ports lists its memory accesses.
 template <class Ports>
 inline constexpr bool kListsAccesses = requires(Ports& p) {
   p.materials;

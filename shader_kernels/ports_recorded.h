@@ -10,7 +10,7 @@
 
 namespace kernels {
 
-/// A load of one record: its fields are kInput nodes at their byte offsets.
+/// Records the load of a record. Its fields become kInput nodes with their byte offsets.
 template <template <class> class R>
 R<Recorded> record_load(Recorder& recorder, Op op, const std::string& memory, std::array<IntNode, 3> address,
                         std::uint32_t address_words) {
@@ -39,7 +39,7 @@ R<Recorded> record_load(Recorder& recorder, Op op, const std::string& memory, st
   return record;
 }
 
-/// Recorder and name of a port of the recording reading.
+/// A port of the recording reading: its recorder and name.
 struct RecordedPort {
   Recorder* recorder = nullptr;
   std::string name;
@@ -100,7 +100,7 @@ struct Carried<Recorded> : RecordedPort {
   void set(const FloatNode& x) const { recorder->close(node, x.node_in(*recorder)); }
 };
 
-/// Names a kernel's ports and uniforms in the graph; for describe().
+/// Binds a kernel's ports and uniforms to the recorder by name; for describe().
 class PortBinder {
  public:
   explicit PortBinder(Recorder& recorder) : recorder_(recorder) {}
@@ -124,7 +124,7 @@ class PortBinder {
   Recorder& recorder_;
 };
 
-/// The dataflow graph of kernel K.
+/// Returns the dataflow graph of kernel K.
 template <class K>
 Graph record_graph() {
   Graph graph{.kernel = std::string(K::kName), .nodes = {}};

@@ -12,20 +12,20 @@
 
 namespace kernels {
 
-/// Names the recording reading (value.h).
+/// The value type of the recording reading (value.h).
 struct Recorded;
 
-/// Writes down a kernel's operations as it runs, in the order in which they are written in its source.
+/// Records a kernel's operations into a graph while the kernel's source runs.
 class Recorder {
  public:
   explicit Recorder(Graph& graph) : graph_(graph) {}
 
   std::uint32_t add(GraphNode node);
-  /// A literal; equal bits share one node.
+  /// Returns the node of a literal; equal bits share one node.
   std::uint32_t literal(std::uint32_t bits);
-  /// A value that stays the same for the whole loop, known by name.
+  /// Returns the node of a named value that is constant over the loop.
   std::uint32_t uniform(std::string label);
-  /// The value that `close(id, producer)` will name, as it was one item ago.
+  /// Returns a node for the previous item's value of the producer given to `close(id, producer)`.
   std::uint32_t carried(std::string label);
   void set_bytes(std::uint32_t load, std::uint32_t bytes) { graph_.nodes[load].bytes = bytes; }
   void close(std::uint32_t carried, std::uint32_t producer) { graph_.nodes[carried].inputs[0] = producer; }
@@ -35,12 +35,12 @@ class Recorder {
   std::map<std::uint32_t, std::uint32_t> literals_;
 };
 
-/// Numbers the nodes by what they depend on: loads, stores and carried values stay in their order, each after what it
-/// needs, operands left to right. So the graph does not depend on the order in which a compiler evaluates a + b. Fields
-/// and uniforms that nothing uses are dropped.
+/// Renumbers the nodes by their dependences and drops unused fields and uniforms. Loads, stores and carried values keep
+/// their order, each after its inputs, operands from left to right. The graph is then independent of the order in which
+/// a compiler evaluates a + b.
 void sort_canonically(Graph& graph);
 
-/// A value of the recording reading: a node, or a literal that becomes one when it first meets a node.
+/// A value of the recording reading: a node, or a literal that becomes a node when it is combined with one.
 struct Value {
   Recorder* recorder = nullptr;
   std::uint32_t node_or_bits = 0;
@@ -68,7 +68,7 @@ struct Reading<Recorded> {
   using Mask = MaskNode;
 };
 
-/// Records `op`. What literals alone could say is for the compiler to compute: at least one input is a node.
+/// Records `op`. At least one input must be a node; the compiler should compute operations on literals alone.
 template <class Result>
 Result record(Op op, const std::derived_from<Value> auto&... in) {
   Recorder* r = nullptr;

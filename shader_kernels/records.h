@@ -5,9 +5,9 @@
 
 namespace kernels {
 
-// Records that kernels load and store. fields() names every member in memory order; with V = float a record is the
-// bytes themselves. A ray slot of the tile buffer is Ray + Path + Hit, 64 bytes; a surface is SurfacePoint + Diffuse +
-// Texcoord + Specular, and Tangent where it has vertex detail.
+// Records that kernels load and store. fields() names every member in memory order; with V = float the record has the
+// memory layout itself. A ray slot of the tile buffer is Ray + Path + Hit, 64 bytes. A surface is SurfacePoint +
+// Diffuse + Texcoord + Specular, with Tangent if it has vertex detail.
 
 template <class V>
 struct RayRecord {
@@ -23,8 +23,8 @@ struct RayRecord {
   }
 };
 
-/// Path that a ray belongs to: `throughput` is its share of the sample's colour (a shadow ray: the light it
-/// brings if nothing is in its way).
+/// The path of a ray. `throughput` is the ray's weight in the sample's colour; for a shadow ray, the light it
+/// contributes if it is not blocked.
 template <class V>
 struct PathRecord {
   Vec3<V> throughput;
@@ -47,7 +47,7 @@ struct HitRecord {
   }
 };
 
-/// A hit in a scene of instances: the same words, of which `u` and `v` hold whole numbers (traces/ray.h).
+/// A hit in a scene with instances: `u` and `v` contain whole numbers (traces/ray.h).
 template <class V>
 struct InstanceHitRecord {
   F<V> t;
@@ -64,8 +64,8 @@ template <class V>
 struct SurfacePointRecord {
   Vec3<V> position;
   I<V> material;
-  Vec3<V> normal;  ///< unit, on the side that the ray came from
-  F<V> side;       ///< +1 if that is the outside, -1 inside
+  Vec3<V> normal;  ///< unit length, on the side from which the ray came
+  F<V> side;       ///< +1 on the outside, -1 on the inside
   static void fields(auto& r, auto&& field) {
     field(NAMED(r.position));
     field(NAMED(r.material));
@@ -76,16 +76,16 @@ struct SurfacePointRecord {
 
 template <class V>
 struct DiffuseRecord {
-  Vec3<V> diffuse;  ///< base colour, weighted with what is neither mirrored nor let in
-  I<V> classes;     ///< traces::MaterialFlag; a bit per stream
+  Vec3<V> diffuse;  ///< base colour times the share of light that is neither mirrored nor transmitted
+  I<V> classes;     ///< traces::MaterialFlag; each bit has an item list
   static void fields(auto& r, auto&& field) {
     field(NAMED(r.diffuse));
     field(NAMED(r.classes));
   }
 };
 
-/// With mip maps `texture` has the number of the first level in its lower half, and in its upper half, as a bfloat16,
-/// the footprint of the ray's cone: its extent in texture coordinates.
+/// Texture coordinates. With mip maps the lower half of `texture` is the number of the first level, and the upper half,
+/// as a bfloat16, the footprint of the ray's cone in texture coordinates.
 template <class V>
 struct TexcoordRecord {
   F<V> u, v;
@@ -97,15 +97,15 @@ struct TexcoordRecord {
   }
 };
 
-/// Shares of light that are not scattered.
+/// Light that a surface mirrors, refracts or passes on.
 template <class V>
 struct SpecularRecord {
-  Vec3<V> mirrored;  ///< share, by channel
-  F<V> entering;     ///< share, to be split by Fresnel's law
-  Vec3<V> tint;      ///< base colour: factor of the light that is refracted
+  Vec3<V> mirrored;  ///< mirrored share per channel
+  F<V> entering;     ///< share that Fresnel's law splits
+  Vec3<V> tint;      ///< base colour: factor of the refracted light
   F<V> ior;
-  F<V> alpha;  ///< share of a blended surface that does not pass straight on
-  F<V> kept;   ///< factor of what the surface itself sends out
+  F<V> alpha;  ///< opaque share of a blended surface; the rest passes straight through
+  F<V> kept;   ///< factor of the surface's own emission
   static void fields(auto& r, auto&& field) {
     field(NAMED(r.mirrored));
     field(NAMED(r.entering));
@@ -116,10 +116,10 @@ struct SpecularRecord {
   }
 };
 
-/// Further attributes of a surface with vertex detail.
+/// More attributes of a surface with vertex detail.
 template <class V>
 struct TangentRecord {
-  Vec3<V> tangent;  ///< about unit; zero where there is none
+  Vec3<V> tangent;  ///< about unit length; zero if there is none
   F<V> handedness;  ///< sign of the bitangent
   F<V> u, v;        ///< second texture coordinates
   static void fields(auto& r, auto&& field) {
@@ -130,14 +130,14 @@ struct TangentRecord {
   }
 };
 
-/// Geometry that a sample keeps of its first hit, to be compared with its neighbours'. A miss has kNoObject and the
-/// normal (0, 0, 1), so that two misses are alike.
+/// Geometry of a sample's first hit, kept for comparison with neighbours. A miss has kNoObject and the normal (0, 0,
+/// 1), so that two misses are equal.
 template <class V>
 struct GeometryRecord {
-  Vec3<V> normal;  ///< as shaded
+  Vec3<V> normal;  ///< shading normal
   I<V> object;     ///< traces::TriangleRecord::object, with kTexturedObject above it
   Vec3<V> position;
-  I<V> shadows;  ///< a mark per light whose shadow ray was stopped: its bit
+  I<V> shadows;  ///< one bit per light whose shadow ray was blocked
   static void fields(auto& r, auto&& field) {
     field(NAMED(r.normal));
     field(NAMED(r.object));
@@ -148,7 +148,7 @@ struct GeometryRecord {
 inline constexpr std::uint32_t kTexturedObject = 1U << 31;
 inline constexpr std::uint32_t kNoObject = traces::kFocusObject - 1;
 
-/// Traits of a hit that supersample keeps: as GeometryRecord, without the position, shadows counted.
+/// Traits of a hit for supersample: as GeometryRecord, without the position and with a count of shadows.
 template <class V>
 struct TraitsRecord {
   Vec3<V> normal;
@@ -160,8 +160,7 @@ struct TraitsRecord {
   }
 };
 
-/// Tells a sample's secondary hits apart while they are shaded: the largest share of its colour that a ray carries,
-/// and a sum that stands for the point that it hit.
+/// Identifies a sample's dominant secondary hit during shading: its weight, and a checksum of its position.
 template <class V>
 struct BranchRecord {
   F<V> weight, position_sum;
@@ -171,9 +170,8 @@ struct BranchRecord {
   }
 };
 
-/// Geometry that a sample keeps of its secondary hits: normals of the next hit behind a mirror and behind glass (unit z
-/// where there is none), and of all of them a sum of hashes of their objects and one of their shadows, which is the
-/// same for the same hits whatever their order.
+/// Geometry of a sample's secondary hits: the normals of the next hits by mirror and by glass (unit z if none), and
+/// sums over all secondary hits of hashes of objects and of shadows, which do not depend on the order of hits.
 template <class V>
 struct SecondaryRecord {
   Vec3<V> mirror_normal;
@@ -188,11 +186,11 @@ struct SecondaryRecord {
   }
 };
 
-/// Geometry that a sample of reconstruct keeps of a hit: of its first one, or of the next one behind a mirror or glass.
+/// Geometry for reconstruct of one hit of a sample: the first, or the next by mirror or glass.
 template <class V>
 struct VisibleRecord {
-  Vec3<V> normal;  ///< as shaded; unit z for a miss
-  F<V> depth;      ///< in units of the filter; kMissDepth, kNoBranchDepth
+  Vec3<V> normal;  ///< shading normal; unit z for a miss
+  F<V> depth;      ///< in units of the filter; also kMissDepth, kNoBranchDepth
   I<V> shadows;    ///< as in GeometryRecord
   static void fields(auto& r, auto&& field) {
     field(NAMED(r.normal));
@@ -200,11 +198,11 @@ struct VisibleRecord {
     field(NAMED(r.shadows));
   }
 };
-// Depths that no hit has, so far from all others and each other that no weight is left: of a ray that hit nothing, of a
-// sample that sends no ray that way, of a pixel outside the picture.
+// Depths of a ray without a hit, a sample without such a ray, and a pixel outside the picture. They differ so much from
+// all others that the filter weight is 0.
 inline constexpr float kMissDepth = 1e9F, kNoBranchDepth = -1e9F, kOutsideDepth = -3e9F;
 
-/// Share of a light's light that reaches a sample, by rays: what they brought, of what they would have unstopped.
+/// The visible share of a light at a sample: light contributed by shadow rays, over their light if none were blocked.
 template <class V>
 struct RatioRecord {
   Vec3<V> rgb;
@@ -215,12 +213,12 @@ struct RatioRecord {
   }
 };
 
-/// Surface that a sample keeps of its first hit if it is to be interpolated and then shaded.
+/// Surface of a sample's first hit, for samples that are interpolated before shading.
 template <class V>
 struct SurfaceRecord {
-  Vec3<V> diffuse;  ///< before a texture that is kTextured; others are in it
+  Vec3<V> diffuse;  ///< without a kTextured texture, with any other
   I<V> classes;
-  Vec3<V> plane;  ///< the triangle's own normal, on the side that the ray came from
+  Vec3<V> plane;  ///< the triangle's geometric normal, on the side from which the ray came
   F<V> u, v;
   I<V> texture;  ///< as in TexcoordRecord
   I<V> material;
@@ -235,7 +233,7 @@ struct SurfaceRecord {
   }
 };
 
-/// State of a sub-pixel of supersample between rounds of propagation (kernels/subpixels.h).
+/// State of a sub-pixel in supersample between rounds of propagation (kernels/subpixels.h).
 template <class V>
 struct SubpixelRecord {
   I<V> red_green, blue_why;
@@ -251,7 +249,7 @@ struct ColourRecord {
   static void fields(auto& r, auto&& field) { field(NAMED(r.rgb)); }
 };
 
-/// A 32-bit number: an item's slot in a stream, or a pixel of the frame buffer.
+/// A 32-bit number: an item's slot in an item list, or a pixel of the frame buffer.
 template <class V>
 struct WordRecord {
   I<V> word;

@@ -4,10 +4,10 @@
 
 namespace kernels {
 
-// Records of the scene that kernels load: those of memory as traces/accel/memory_image.h lays them out, and axes of
-// textures in the SRP's own memory. fields() names every member in memory order.
+// Scene records that kernels load: those of traces/accel/memory_image.h, and texture parameters in the SRP's own
+// memory. fields() names every member in memory order.
 
-/// traces::AttributeRecord
+/// As traces::AttributeRecord.
 template <class V>
 struct AttributeFields {
   Vec3<V> normal0, normal1, normal2;
@@ -27,7 +27,7 @@ struct AttributeFields {
   }
 };
 
-/// traces::TriangleRecord
+/// As traces::TriangleRecord.
 template <class V>
 struct TriangleFields {
   Vec3<V> v0, v1, v2;
@@ -42,7 +42,7 @@ struct TriangleFields {
   }
 };
 
-/// traces::InstanceRecord
+/// As traces::InstanceRecord.
 template <class V>
 struct InstanceFields {
   Vec3<V> row0;
@@ -67,7 +67,7 @@ struct InstanceFields {
   }
 };
 
-/// traces::MaterialRecord
+/// As traces::MaterialRecord.
 template <class V>
 struct MaterialFields {
   Vec3<V> base_colour;
@@ -92,7 +92,7 @@ struct MaterialFields {
   }
 };
 
-/// traces::VertexRecord
+/// As traces::VertexRecord.
 template <class V>
 struct VertexFields {
   F<V> u0, v0, u1, v1, u2, v2;
@@ -118,7 +118,7 @@ struct VertexFields {
   }
 };
 
-/// traces::MaterialDetailRecord
+/// As traces::MaterialDetailRecord.
 template <class V>
 struct DetailFields {
   Vec3<V> emission;
@@ -142,11 +142,10 @@ struct DetailFields {
   }
 };
 
-/// Addressing of one axis of a texture, in a form that needs no branch: a coordinate is clamped to [low, high],
-/// folded into [0, period), mirrored above 1 and scaled by `size`. A neighbour that falls off the lower end is `below`,
-/// off the other `last` - `below`. A clamped axis has the period 2, which its [0, 1] never leaves.
-/// `offset` is half the way from a texel to its neighbour: 0.5. For the nearest texel alone it is 0, and `size` a
-/// little less, so that 1 is still within the last texel.
+/// Addressing of one axis of a texture, without branches. A coordinate is clamped to [low, high], folded into [0,
+/// period), mirrored above 1 and scaled by `size`. A neighbour beyond the lower end is replaced by `below`, beyond the
+/// upper end by `last` - `below`. A clamped axis has period 2. `offset` is half a texel for bilinear lookups. For
+/// nearest lookups it is 0, and `size` is slightly smaller so that 1 falls within the last texel.
 template <class V>
 struct AxisRecord {
   F<V> size, last, low, high, period, inverse_period, below, offset;
@@ -162,18 +161,18 @@ struct AxisRecord {
   }
 };
 
-/// Levels of a mip-mapped texture.
+/// Mip-level (LOD) parameters of a texture.
 template <class V>
 struct LevelRecord {
-  F<V> size;     ///< texels along a side of a square of as many; for the nearest level times the root of 2
-  F<V> highest;  ///< size at which the last level is reached: 2 to the power of its number
+  F<V> size;     ///< side in texels of a square of equal area; for nearest-level lookups times the root of 2
+  F<V> highest;  ///< 2 to the power of the last level's number
   static void fields(auto& r, auto&& field) {
     field(NAMED(r.size));
     field(NAMED(r.highest));
   }
 };
 
-/// Linear value of an 8-bit sRGB code; the table has all 256.
+/// Linear value of an 8-bit sRGB code; the table has 256.
 template <class V>
 struct SrgbCodeRecord {
   F<V> linear;

@@ -5,10 +5,10 @@
 
 namespace kernels {
 
-// A kernel is written once, over a value type V, and read in two ways. With V = float it computes: F<V> is float, I<V>
-// a 32-bit unsigned integer, M<V> bool. With V = Recorded every operation becomes a node of a dataflow graph
-// (recorder.h). Both readings offer the same closed set of operations: what Op in graph.h lists, and nothing else.
-// Control flow is select(), because an array loop has no branches.
+// The value type of kernels. A kernel is written once over a type V and has two readings. With V = float it computes:
+// F<V> is float, I<V> a 32-bit unsigned integer, M<V> bool. With V = Recorded each operation becomes a node of a
+// dataflow graph (recorder.h). Both readings have exactly the operations of Op in graph.h. Control flow is select(),
+// because an array loop has no branches.
 
 template <class V>
 struct Reading;
@@ -34,9 +34,9 @@ inline float min(float a, float b) { return a < b ? a : b; }
 inline float max(float a, float b) { return a > b ? a : b; }
 
 inline float to_float(std::uint32_t x) { return static_cast<float>(x); }
-/// Towards zero; 0 for what does not fit.
+/// Rounds towards zero; 0 if the result does not fit.
 inline std::uint32_t to_int(float x) { return x >= 0 && x < 0x1p32F ? static_cast<std::uint32_t>(x) : 0; }
-/// The same 32 bits, as the other kind of number.
+/// Reinterprets the 32 bits; from_bits() is the inverse.
 inline std::uint32_t bits_of(float x) { return std::bit_cast<std::uint32_t>(x); }
 inline float from_bits(std::uint32_t x) { return std::bit_cast<float>(x); }
 

@@ -40,7 +40,7 @@ template <class V>
 Vec3<V> select(const M<V>& mask, const Vec3<V>& yes, const Vec3<V>& no) {
   return {select(mask, yes.x, no.x), select(mask, yes.y, no.y), select(mask, yes.z, no.z)};
 }
-/// Unit vector; a zero vector stays zero.
+/// Returns the unit vector; a zero vector stays zero.
 template <class V>
 Vec3<V> normalised(const Vec3<V>& a) {
   return a * (1.0F / sqrt(max(dot(a, a), F<V>(1e-30F))));

@@ -8,14 +8,14 @@ template <class V>
 struct DivMod {
   F<V> quotient, remainder;
 };
-/// Whole-number division of small counts (below 2^20); `inverse` is 1 / divisor.
+/// Integer division of small counts (below 2^20) in floats; `inverse` is 1 / divisor.
 template <class V>
 DivMod<V> divmod(const F<V>& count, const F<V>& divisor, const F<V>& inverse) {
   const F<V> quotient = floor((count + 0.5F) * inverse);
   return {quotient, count - quotient * divisor};
 }
 
-/// A good 32-bit finaliser (multipliers found by C. Wellons).
+/// Scrambles the bits of a hash: a 32-bit finaliser (multipliers found by C. Wellons).
 template <class V>
 I<V> scrambled(const I<V>& key) {
   const I<V> a = (key ^ (key >> 16U)) * 0x7feb352dU;
@@ -23,7 +23,7 @@ I<V> scrambled(const I<V>& key) {
   return b ^ (b >> 16U);
 }
 
-/// A hash as a float in [0, 1), exact in 24 bits.
+/// Returns a hash as a float in [0, 1), exact in 24 bits.
 template <class V>
 F<V> unit_float(const I<V>& hash) {
   return to_float(hash >> 8U) * 0x1p-24F;
@@ -34,7 +34,7 @@ M<V> has(const I<V>& flags, traces::MaterialFlag bit) {
   return I<V>(0U) < (flags & static_cast<std::uint32_t>(bit));
 }
 
-/// Byte 0 (lowest) to 3 of a word.
+/// Returns byte 0 (lowest) to 3 of a word.
 template <class V>
 I<V> byte_of(const I<V>& word, std::uint32_t byte) {
   if (byte == 0) return word & 255U;
@@ -47,7 +47,7 @@ F<V> clamped(const F<V>& x) {
   return min(max(x, F<V>(0.0F)), F<V>(1.0F));
 }
 
-/// Linear to sRGB in [0, 1]: the toe is exact, the rest within 0.2 of a step of 1 / 255.
+/// Converts linear to sRGB in [0, 1]. Exact near black, elsewhere within 0.2 / 255.
 template <class V>
 F<V> encoded(const F<V>& x) {
   const F<V> half = sqrt(x);
@@ -56,7 +56,7 @@ F<V> encoded(const F<V>& x) {
   return select(x <= 0.0031308F, x * 12.92F, curve);
 }
 
-/// Squared distance of two linear colours, clamped and sRGB-encoded.
+/// Returns the squared distance of two linear colours, after clamping and sRGB encoding.
 template <class V>
 F<V> encoded_distance_squared(const Vec3<V>& a, const Vec3<V>& b) {
   const auto code = [](const F<V>& x) { return encoded<V>(clamped<V>(x)); };
@@ -64,7 +64,7 @@ F<V> encoded_distance_squared(const Vec3<V>& a, const Vec3<V>& b) {
   return dot(apart, apart);
 }
 
-/// exp(-x) for x >= 0, within 4e-6: the fourth-order series of exp(x / 16), inverted and squared four times.
+/// Returns exp(-x) for x >= 0, within 4e-6: 1 over the fourth-order series of exp(x / 16), squared four times.
 template <class V>
 F<V> decay(const F<V>& x) {
   const F<V> y = x * (1.0F / 16.0F);
@@ -76,7 +76,7 @@ F<V> decay(const F<V>& x) {
   return eight * eight;
 }
 
-/// A value in the middle of a triangle, given that of its corners.
+/// Barycentric weights of a point in a triangle.
 template <class V>
 struct Weights {
   F<V> first, second, third;
@@ -85,19 +85,19 @@ struct Weights {
   Vec3<V> interpolate(const Vec3<V>& a, const Vec3<V>& b, const Vec3<V>& c) const {
     return a * first + b * second + c * third;
   }
-  /// The same of whole numbers.
+  /// Interpolates whole numbers.
   F<V> interpolate_int(const I<V>& a, const I<V>& b, const I<V>& c) const {
     return interpolate(to_float(a), to_float(b), to_float(c));
   }
 };
 
-/// Reflection and refraction of light that meets a surface between two media.
+/// Reflection and refraction at a surface between two media.
 template <class V>
 struct Interface {
-  F<V> cosine;       ///< cosine of the incoming ray's angle
-  F<V> eta;          ///< refractive index on the ray's side over that behind the surface
-  F<V> inside;       ///< squared cosine of the refracted angle; negative: total internal reflection
-  F<V> reflectance;  ///< Schlick's approximation of Fresnel's share; 1 if reflection is total
+  F<V> cosine;       ///< cosine of the incoming angle
+  F<V> eta;          ///< refractive index on the ray's side over that on the other side
+  F<V> inside;       ///< squared cosine of the refracted angle; negative for total internal reflection
+  F<V> reflectance;  ///< Schlick's approximation of the Fresnel reflectance; 1 for total reflection
 };
 template <class V>
 Interface<V> interface(const Vec3<V>& direction, const Vec3<V>& normal, const F<V>& side, const F<V>& ior) {
@@ -105,7 +105,7 @@ Interface<V> interface(const Vec3<V>& direction, const Vec3<V>& normal, const F<
   const F<V> eta = select(F<V>(0.0F) < side, 1.0F / ior, ior);
   const F<V> inside = 1.0F - eta * eta * (1.0F - cosine * cosine);
   const F<V> ratio = (ior - 1.0F) / (ior + 1.0F);
-  // Schlick's angle is the one in the thinner medium.
+  // Schlick's formula uses the angle in the thinner medium.
   const F<V> away = 1.0F - select(eta <= 1.0F, cosine, sqrt(max(inside, F<V>(0.0F))));
   const F<V> squared = away * away;
   return {cosine, eta, inside, 1.0F - (1.0F - ratio * ratio) * (1.0F - squared * squared * away)};

@@ -9,7 +9,8 @@
 
 namespace kernels {
 
-/// Coordinates on both sides of a texture's edge: one below the threshold, the other above one less it.
+/// True if two texture coordinates are on opposite sides of a texture's edge: one below the threshold, the other above
+/// 1 minus the threshold.
 template <class V>
 M<V> wraps(const F<V>& a, const F<V>& b, const F<V>& threshold) {
   const F<V> x = a - floor(a);
@@ -17,11 +18,12 @@ M<V> wraps(const F<V>& a, const F<V>& b, const F<V>& threshold) {
   return both(min(x, y) < threshold, 1.0F - threshold < max(x, y));
 }
 
-/// The inspector of adaptive undersampling: the seven similarity checks of Kim et al. 2016, table 1. Convexity has a
-/// slack of 0.001 distances squared, without which rounding fails coplanar pairs. Base and occlusion textures are
-/// sampled at the interpolated coordinates; second ones are not kept, so surfaces whose occlusion texture has those are
-/// traced. Without kTextures the scene has no texture that could fail a check, without kColours the tile no global
-/// colour.
+/// Inspector of undersample: the seven similarity checks of Kim et al. 2016, table 1.
+///
+/// 1. The convexity check has a slack of 0.001 squared distances, because rounding would fail coplanar pairs.
+/// 2. Base and occlusion textures are read at the interpolated coordinates. Second coordinates are not kept, so a
+///    surface whose occlusion texture needs them is traced.
+/// 3. Without kTextures the scene has no textures to check; without kColours the tile has no global colours.
 template <bool kAlongY, bool kTextures, bool kColours = true>
 struct CheckAttributes {
   static constexpr std::array<std::string_view, 8> kNames{"check_attributes_x_local_untextured",
@@ -81,8 +83,8 @@ struct CheckAttributes {
   }
 };
 
-/// The executor of samples that have passed in adaptive undersampling (Kim et al. 2016): attributes in the middle of
-/// two become a surface to be shaded. Along x they are also left for checks along y.
+/// Executor of undersample for samples that passed (Kim et al. 2016): interpolates the attributes of two references to
+/// a surface, which is shaded next. Along x it also stores the attributes for the checks along y.
 template <bool kAlongY>
 struct InterpolateAttributes {
   static constexpr std::string_view kName = kAlongY ? "interpolate_attributes_y" : "interpolate_attributes_x";
@@ -138,14 +140,14 @@ struct InterpolateAttributes {
   }
 };
 
-// A sample's word for post-correction: a hash of what it shows, and how it came about. Reference samples have
-// neither bit.
+// The identity word of a sample for post-correction: a hash of what it shows, and these flags. Reference samples have
+// neither flag.
 inline constexpr std::uint32_t kTracedSample = 1U << 31;
 inline constexpr std::uint32_t kInterpolatedSample = 1U << 30;
 inline constexpr std::uint32_t kIdentityMask = kInterpolatedSample - 1;
 
-/// Post-correction (Kim et al. 2016, section 4), one scan: an interpolated sample beside a traced one that shows
-/// something else may have missed it. Samples of a line lie `step` apart, lines `line_step`.
+/// One scan of post-correction (Kim et al. 2016, section 4). An interpolated sample is suspect if a traced neighbour
+/// has another identity. Samples of a line are `step` apart, lines `line_step`.
 template <bool kEight>
 struct FindSuspects {
   static constexpr std::string_view kName = kEight ? "find_suspects_8" : "find_suspects_4";
@@ -190,7 +192,7 @@ I<V> shown_by(const GeometryRecord<V>& geometry) {
   return shown & kIdentityMask;
 }
 
-/// With kShadows, samples with other shadows show something else.
+/// With kShadows the identity includes a sample's shadows.
 template <bool kShadows>
 struct StoreIdentities {
   static constexpr std::string_view kName = kShadows ? "store_identities_shadows" : "store_identities";

@@ -8,7 +8,7 @@
 
 namespace kernels {
 
-/// The first inspector: one stream of slots for the rays that left the scene, one for those that hit something.
+/// First inspector: sorts the slots of rays into misses and hits.
 struct ClassifyHits {
   static constexpr std::string_view kName = "classify_hits";
   static constexpr std::string_view kMeaning = "ray slot -> stream of misses or stream of hits";
@@ -33,14 +33,14 @@ struct ClassifyHits {
   }
 };
 
-/// Appends a surface to a stream if its classes have the stream's bit.
+/// Appends a surface to an item list if its classes have the bit.
 template <class V>
 void append_if(const I<V>& slot, const I<V>& classes, traces::MaterialFlag bit, const Local<V, WordRecord>& stream,
                Counter<V>& count) {
   stream.store(count.next(has<V>(classes, bit)), {slot});
 }
 
-/// The second inspector: a surface goes into the stream of every class that it belongs to.
+/// Second inspector: appends a surface to the item list of each of its classes.
 struct ClassifySurfaces {
   static constexpr std::string_view kName = "classify_surfaces";
   static constexpr std::string_view kMeaning = "surface -> streams textured, diffuse, mirror, glass, emissive";
@@ -77,7 +77,7 @@ struct ClassifySurfaces {
   }
 };
 
-/// The inspector of what only some scenes have; launched where the scene has any of it.
+/// Inspector of classes that only some scenes have; launched if the scene has any of them.
 struct ClassifyDetails {
   static constexpr std::string_view kName = "classify_details";
   static constexpr std::string_view kMeaning = "surface -> streams absorbing, vertexed, based, physical, bumped, ...";
@@ -124,8 +124,8 @@ struct ClassifyDetails {
   }
 };
 
-/// Lists interpolated surfaces whose material has an occlusion texture. Interpolated samples need no other class of
-/// classify_details: the records of their reference samples already hold the result.
+/// Lists interpolated surfaces with an occlusion texture. Interpolated samples need no other class of classify_details,
+/// because the records of their references already contain the results.
 struct ClassifyOccluded {
   static constexpr std::string_view kName = "classify_occluded";
   static constexpr std::string_view kMeaning = "interpolated surface -> stream occluded";
@@ -149,13 +149,13 @@ struct ClassifyOccluded {
   }
 };
 
-/// True if a hit carries a flag that asks for a test: `solid` is the largest triangle word that does not.
+/// True if a hit's flags require a test. `solid` is the largest triangle word that requires none.
 template <class V>
 M<V> needs_test(const I<V>& triangle, const I<V>& solid) {
   return both(solid < triangle, triangle < traces::kNoHit);
 }
 
-/// The inspector of hits: those at which the ray may have to go on.
+/// Inspector of flagged hits, at which the ray may have to continue.
 struct ClassifyLayers {
   static constexpr std::string_view kName = "classify_layers";
   static constexpr std::string_view kMeaning = "ray slot -> stream of hits that a texture or a tint decides about";

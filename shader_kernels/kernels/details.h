@@ -9,7 +9,7 @@
 
 namespace kernels {
 
-/// Rays that want the nearest hit have directions of unit length, so `t` is the way they have come.
+/// Absorbs light along a ray. Nearest-hit rays have unit directions, so `t` is the distance.
 struct Absorb {
   static constexpr std::string_view kName = "absorb";
   static constexpr std::string_view kMeaning = "surface of an absorbing body -> path dimmed if it was met from inside";
@@ -40,8 +40,8 @@ struct Absorb {
   }
 };
 
-/// Base textures that shade_textured does not cover: with second texture coordinates, with an alpha that counts, or of
-/// surfaces whose mirror or glass depends on the colour.
+/// Applies base textures that shade_textured does not cover: those with second texture coordinates or a used alpha, and
+/// those of surfaces whose mirror or glass depends on the colour.
 template <MipFilter kMips = MipFilter::kNone>
 struct ShadeBase {
   static constexpr std::string_view kName = by_filter<kMips>("shade_base", "shade_base_mip", "shade_base_trilinear");
@@ -74,9 +74,9 @@ struct ShadeBase {
   }
 };
 
-/// The rule of traces/scene/gltf/materials/materials.h for each texel: how much is mirrored in which colour, and what
-/// is left. The surface comes with its whole base colour as the diffuse one, and with what would enter if nothing were
-/// mirrored.
+/// Applies the metal-rough rule of traces/scene/gltf/materials/materials.h per texel: the mirrored share and colour,
+/// and the remaining shares. The surface initially has its full base colour as diffuse colour, and its transmitted
+/// light as if nothing were mirrored.
 template <MipFilter kMips = MipFilter::kNone>
 struct ShadePhysical {
   static constexpr std::string_view kName =
@@ -111,7 +111,7 @@ struct ShadePhysical {
     const F<V> metal = gloss * metallic;
     const F<V> white = (gloss - metal) * m.dielectric + m.coat;
     const F<V> sum = metal + white;
-    // Below 0.02 no rays for nothing; above 1 no more light than there is.
+    // Below 0.02 no rays are emitted; above 1 the shares are scaled down to conserve energy.
     const F<V> scale = select(sum < 0.02F, F<V>(0.0F), 1.0F / max(sum, F<V>(1.0F)));
     optics.mirrored = (matte.diffuse * metal + Vec3<V>{white, white, white}) * scale;
     const F<V> left = 1.0F - sum * scale;
@@ -127,8 +127,8 @@ struct ShadePhysical {
   }
 };
 
-/// A normal map in tangent space, as glTF has it. Where there is no tangent the normal stays; where the mapped normal
-/// looks away from the ray it is turned back until the ray just grazes the surface.
+/// Applies a normal map in tangent space, as defined by glTF. Without a tangent the normal is unchanged. A mapped
+/// normal that faces away from the ray is turned back until the ray grazes the surface.
 template <MipFilter kMips = MipFilter::kNone>
 struct ShadeBump {
   static constexpr std::string_view kName = by_filter<kMips>("shade_bump", "shade_bump_mip", "shade_bump_trilinear");
@@ -161,7 +161,7 @@ struct ShadeBump {
     const F<V> x = (texel.linear(0) * 2.0F - 1.0F) * m.normal_scale;
     const F<V> y = (texel.linear(1) * 2.0F - 1.0F) * m.normal_scale;
     const F<V> z = max(texel.linear(2) * 2.0F - 1.0F, F<V>(0.01F));
-    const Vec3<V> normal = point.normal * point.side;  // the outside's
+    const Vec3<V> normal = point.normal * point.side;  // the normal of the outside
     const Vec3<V> bitangent = cross(normal, frame.tangent);
     const Vec3<V> mapped = frame.tangent * x + bitangent * (y * frame.handedness) + normal * z;
     const Vec3<V> facing = normalised(mapped) * point.side;
@@ -171,7 +171,7 @@ struct ShadeBump {
   }
 };
 
-/// Light that passes straight on is shade_straight's part.
+/// Scales the light of a blended surface by its alpha; shade_straight passes the rest straight on.
 struct ShadeBlend {
   static constexpr std::string_view kName = "shade_blend";
   static constexpr std::string_view kMeaning = "blended surface -> all that it sends out, times its alpha";

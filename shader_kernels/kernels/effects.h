@@ -13,12 +13,12 @@
 
 namespace kernels {
 
-/// Sample point, in the unit square, of one ray of an effect. The rays of a surface cover the square evenly; a hash
-/// shifts them from surface to surface.
+/// Parameters of a random point in the unit square, one per ray of an effect. The rays of a surface cover the square
+/// evenly; a hash shifts the pattern from surface to surface.
 template <class V>
 struct DrawUniforms {
   F<V> x, y;  ///< before the shift
-  I<V> seed;  ///< the frame's and the effect's
+  I<V> seed;  ///< depends on the frame and the effect
   static constexpr void describe(auto& d, auto&& port) {
     port(d.x, "draw.x");
     port(d.y, "draw.y");
@@ -31,8 +31,8 @@ struct DrawnPoint {
   F<V> x, y;
 };
 
-/// The hash key is the direction of the ray that found the surface. A primary ray has the same bits in every tile and
-/// order, with every tracer.
+/// Returns the point of one ray. The hash key is the direction of the ray that found the surface, which has the same
+/// bits in every tile, order and tracer.
 template <class V>
 DrawnPoint<V> drawn(const Vec3<V>& direction, const DrawUniforms<V>& draw) {
   const I<V> key = (bits_of(direction.x) * 0x9e3779b1U) ^ (bits_of(direction.y) * 0x85ebca77U) ^
@@ -43,15 +43,14 @@ DrawnPoint<V> drawn(const Vec3<V>& direction, const DrawUniforms<V>& draw) {
   return {x - floor(x), y - floor(y)};
 }
 
-/// Sine of an angle in half turns, from -1 to 1: two parabolas, with an error below 0.0012.
+/// Returns the sine of an angle in half turns, from -1 to 1: two parabolas, with an error below 0.0012.
 template <class V>
 F<V> sine_of(const F<V>& half_turns) {
   const F<V> arch = half_turns * 4.0F * (1.0F - abs(half_turns));
   return arch * (abs(arch) * 0.225F + 0.775F);
 }
 
-/// The point of the unit disc for one of the unit square, areas alike: `x` is its angle, `y` its squared distance from
-/// the middle.
+/// Maps the unit square to the unit disc with uniform density: `x` gives the angle, `y` the squared radius.
 template <class V>
 DrawnPoint<V> on_disc(const DrawnPoint<V>& square) {
   const F<V> half_turns = square.x * 2.0F - 1.0F;
@@ -61,7 +60,7 @@ DrawnPoint<V> on_disc(const DrawnPoint<V>& square) {
           radius * sine_of<V>(half_turns)};
 }
 
-/// Two unit vectors across a unit vector and each other (Duff et al. 2017).
+/// Two unit vectors, perpendicular to a unit vector and to each other (Duff et al. 2017).
 template <class V>
 struct Across {
   Vec3<V> x, y;
@@ -75,10 +74,10 @@ Across<V> across(const Vec3<V>& normal) {
   return {{1.0F + x * normal.x * a, sign * b, -x}, {b, sign + normal.y * normal.y * a, -normal.y}};
 }
 
-/// A light that is a disc across its direction, and a ray's share of it.
+/// A light as a disc facing the surface, and the share of one ray.
 template <class V>
 struct DiscUniforms {
-  Vec3<V> across_x, across_y;  ///< as long as its radius
+  Vec3<V> across_x, across_y;  ///< axes of the disc, with the length of its radius
   F<V> radius, share;
   static constexpr void describe(auto& d, auto&& port) {
     port(d.across_x, "disc.across_x");
@@ -101,9 +100,9 @@ struct ShadeDiscPorts : ShadeDiffuse::Ports<V> {
   }
 };
 
-/// In place of shade_diffuse where shadows are soft: one launch per light and ray. Rays go to points of the light's
-/// disc and end one radius before it, so that the lamp's own geometry cannot block them. The light is that of the
-/// disc's centre. With kShareAlone, a ray returns its share of the light alone.
+/// Replaces shade_diffuse for soft shadows: one launch per light and ray. A ray goes to a point of the light's disc and
+/// ends one radius before it, so that the lamp's geometry cannot block it. The light is that of the disc's centre. With
+/// kShareAlone a ray returns only its share of the light.
 template <bool kShareAlone>
 struct ShadeDisc {
   static constexpr std::string_view kName = kShareAlone ? "shade_soft_share" : "shade_soft";
@@ -116,7 +115,7 @@ struct ShadeDisc {
   static void body(const I<V>& item, Ports<V>& at) {
     shade<V>(at.diffuse.load(item).word, AllItems{}, at);
   }
-  /// Acts where `mask` holds.
+  /// Shades the slots where `mask` holds.
   template <class V>
   static void shade(const I<V>& slot, const auto& mask, Ports<V>& at) {
     const SurfacePointRecord<V> point = at.points.load(slot);
@@ -151,7 +150,7 @@ struct CastAmbientPorts {
   Local<V, RayRecord> shadow_rays;
   Local<V, PathRecord> shadow_paths;
   Counter<V> emitted;
-  Vec3<V> ambient;  ///< a ray's share of it
+  Vec3<V> ambient;  ///< light of one ray
   F<V> epsilon, distance;
   DrawUniforms<V> draw;
   static constexpr void describe(auto& p, auto&& port) {
@@ -170,9 +169,8 @@ struct CastAmbientPorts {
   }
 };
 
-/// In place of shade_ambient where ambient light is occluded: one launch per ray. Directions are as frequent as the
-/// cosine of their angle with the normal is large, so that all rays bring the same share. With kShareAlone they bring
-/// nothing else, of light that samples know.
+/// Replaces shade_ambient for ambient occlusion: one launch per ray. Directions are cosine-distributed, so that all
+/// rays have the same weight. With kShareAlone a ray returns only its share, of light that the samples store.
 template <bool kShareAlone>
 struct CastAmbient {
   static constexpr std::string_view kName = kShareAlone ? "cast_occlusion_share" : "cast_occlusion";
@@ -181,7 +179,7 @@ struct CastAmbient {
                                                    : "diffuse surface -> ray that brings a share of its ambient light";
   template <class V>
   struct Ports : CastAmbientPorts<V> {
-    F<V> share;  ///< wired if kShareAlone
+    F<V> share;  ///< bound with kShareAlone
     static constexpr void describe(auto& p, auto&& port) {
       CastAmbientPorts<V>::describe(p, port);
       if constexpr (kShareAlone) port(NAMED(p.share));
@@ -191,7 +189,7 @@ struct CastAmbient {
   static void body(const I<V>& item, Ports<V>& at) {
     shade<V>(at.diffuse.load(item).word, AllItems{}, at);
   }
-  /// Acts where `mask` holds.
+  /// Shades the slots where `mask` holds.
   template <class V>
   static void shade(const I<V>& slot, const auto& mask, Ports<V>& at) {
     const SurfacePointRecord<V> point = at.points.load(slot);
@@ -214,16 +212,16 @@ struct CastAmbient {
 using CastOcclusion = CastAmbient<false>;
 using CastOcclusionShare = CastAmbient<true>;
 
-// Effects at a lower rate (docs/design/effects.md): one of 2 x 2 pixels has rays, or every other one as on a
-// checkerboard. The others take the share of light that reaches them from those around.
+// Effects at a lower rate (docs/design/effects.md): one of 2 x 2 pixels, or every other pixel of a checkerboard, traces
+// rays. The other pixels take the visible share of a light from the pixels around.
 
-/// Whether the pixel at (x, y) is one that has none.
+/// Returns a word that is not 0 if the pixel at (x, y) traces no rays.
 template <class V, bool kCheckerboard>
 I<V> is_left_out(const I<V>& x, const I<V>& y) {
   return (kCheckerboard ? x ^ y : x | y) & 1U;
 }
 
-/// The inspector. Samples of the tile buffer are pixels.
+/// Inspector: selects the samples that trace rays. Samples of the tile buffer are pixels.
 template <bool kCheckerboard>
 struct SelectEffects {
   static constexpr std::string_view kName = kCheckerboard ? "select_effects_checkerboard" : "select_effects";
@@ -255,7 +253,7 @@ struct SelectEffects {
   }
 };
 
-/// Begins what a sample keeps of one light, of several `layers` of samples: none of it, and no ray yet.
+/// Clears the stored light and share of a sample, in one of several `layers` of samples.
 struct ClearEffects {
   static constexpr std::string_view kName = "clear_effects";
   static constexpr std::string_view kMeaning = "sample -> no light whose share is to be found, nothing found of it";
@@ -279,7 +277,7 @@ struct ClearEffects {
   }
 };
 
-/// As combine_shadow, of rays that bring a share instead of light.
+/// Like combine_shadow, for rays that carry a share instead of light.
 struct CombineRatio {
   static constexpr std::string_view kName = "combine_ratio";
   static constexpr std::string_view kMeaning =
@@ -307,11 +305,11 @@ struct CombineRatio {
   }
 };
 
-/// Weight of a pixel that is not alike, where none is.
+/// Weight of a dissimilar pixel; it counts only if no pixel is similar.
 inline constexpr float kUnlikeWeight = 1e-4F;
 
-/// A light's share at a pixel that has no rays is the mean of up to four around that have, weighted as reconstruct's
-/// samples are; then its light is added. Over all pixels that a tile finishes, one launch per light.
+/// Adds the light of one launch's light source to all pixels that a tile finishes. A pixel without rays uses the mean
+/// share of up to four pixels around that have rays, with the similarity weights of reconstruct.
 template <bool kCheckerboard>
 struct UpsampleEffects {
   static constexpr std::string_view kName = kCheckerboard ? "upsample_effects_checkerboard" : "upsample_effects";
@@ -325,9 +323,9 @@ struct UpsampleEffects {
     Local<V, ColourRecord> lights;
     Local<V, RatioRecord> ratios;
     Local<V, ColourRecord> colours;
-    F<V> x0, y0;  ///< the first finished pixel in the picture
+    F<V> x0, y0;  ///< position in the picture of the first finished pixel
     F<V> bend;
-    I<V> apart;  ///< the light's layer
+    I<V> apart;  ///< offset of the light's layer
     static constexpr void describe(auto& p, auto&& port) {
       FinishedUniforms<V>::describe(p.finished, port);
       port(NAMED(p.visible));
@@ -375,7 +373,7 @@ struct UpsampleEffects {
                                    Ports<V>& at) {
     const FinishedUniforms<V>& of = at.finished;
     F<V> left = -1.0F, right = 1.0F, above = -1.0F, below = 1.0F;
-    if constexpr (!kCheckerboard) {  // 0 in columns, or rows, of those that have rays
+    if constexpr (!kCheckerboard) {  // no step within columns and rows whose pixels trace rays
       right = to_float(to_int(at.x0 + pixel.remainder) & 1U);
       below = to_float(to_int(at.y0 + pixel.quotient) & 1U);
       left = -right;

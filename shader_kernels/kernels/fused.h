@@ -16,9 +16,9 @@
 
 namespace kernels {
 
-// Kernels made of others (shader_kernels/fusion.h); render.fusion launches them in place of their parts.
+// Fused kernels (shader_kernels/fusion.h), which render.fusion launches instead of their parts.
 
-// Surfaces: fetched, sorted, and lit by ambient light and the first light as far as that can be done at once.
+// Surfaces: fetch, classify, and add ambient light and the first light where no other kernel must come before.
 
 template <bool kInstanced, bool kCones = false>
 struct FetchSurface : Fused<ShadeSurface<kInstanced, kCones>, ClassifyDetails> {
@@ -27,7 +27,7 @@ struct FetchSurface : Fused<ShadeSurface<kInstanced, kCones>, ClassifyDetails> {
   static constexpr std::string_view kMeaning = "shade_surface, classify_details";
 };
 
-/// Surfaces as details have left them.
+/// For surfaces whose details are complete.
 template <class... Record>
 using Lit = Fused<ClassifySurfaces, ListDeferred, ImmediateLit<ShadeAmbient>, ImmediateLit<ShadeDiffuse>, Record...>;
 
@@ -55,7 +55,7 @@ struct LightSurfaceSecondary : Lit<RecordSecondary<kInstanced>> {
   static constexpr std::string_view kMeaning = "light_surface, record_secondary";
 };
 
-/// Surfaces that have no details.
+/// For surfaces without details.
 template <bool kInstanced, bool kCones, class... Record>
 using FetchedAndLit = Fused<ShadeSurface<kInstanced, kCones>, ClassifySurfaces, ListDeferred,
                             ImmediateLit<ShadeAmbient>, ImmediateLit<ShadeDiffuse>, Record...>;
@@ -90,14 +90,14 @@ struct FetchLitSecondary : FetchedAndLit<kInstanced, kCones, RecordSecondary<kIn
   static constexpr std::string_view kMeaning = "shade_surface, light_surface, record_secondary";
 };
 
-/// Surfaces that are listed for later. Textures stay apart: loads hide less of their latency in a loop of a longer
-/// interval, as fewer items are in it at a time.
+/// For surfaces whose light is deferred. Texture kernels are not fused, because a loop with a longer interval has fewer
+/// items in flight and hides less load latency.
 struct LightDeferred : Fused<ShadeAmbient, ShadeDiffuse> {
   static constexpr std::string_view kName = "light_later";
   static constexpr std::string_view kMeaning = "shade_ambient, shade_diffuse of the first light";
 };
 
-// Primary rays, and what their samples keep.
+// Primary rays, with clearing of their samples' records.
 
 struct GenerateGeometry : Fused<GenerateListedRays, ClearGeometry> {
   static constexpr std::string_view kName = "generate_geometry";
@@ -119,7 +119,7 @@ struct GenerateTraits : Fused<GenerateListedRays, ClearTraits> {
   static constexpr std::string_view kMeaning = "generate_listed_rays, clear_traits";
 };
 
-// Shadow rays: their light, and what their samples keep of them.
+// Shadow rays: their light, and the shadow bits of their samples.
 
 struct CombineRecordShadow : Fused<CombineShadow, RecordShadow> {
   static constexpr std::string_view kName = "combine_record_shadow";
@@ -148,7 +148,7 @@ struct CombineRecordVisibleShadow : Fused<CombineShadow, RecordVisibleShadow> {
 
 // Samples between references.
 
-/// The host alone looks at the samples that have passed.
+/// For passes in which only the host reads the list of passed samples.
 template <bool kAlongY, bool kSecondary, bool kTexture>
 struct CheckInterpolate : Fused<CheckSimilarity<kAlongY, kSecondary, kTexture>,
                                 AllPassed<kAlongY, InterpolateSample<kAlongY, kSecondary && !kAlongY>>> {
@@ -192,7 +192,7 @@ struct RecordCounted : Fused<RecordGlobal, CountColoured> {
   static constexpr std::string_view kMeaning = "record_global, count_coloured";
 };
 
-/// Suits post-correction, which starts from all samples.
+/// For post-correction, which starts with the identities of all samples.
 template <bool kShadows>
 struct PackIdentified : Fused<TakeGridSample, PackClamped, StoreIdentities<kShadows>> {
   using Identities = StoreIdentities<kShadows>;
@@ -201,8 +201,8 @@ struct PackIdentified : Fused<TakeGridSample, PackClamped, StoreIdentities<kShad
   static constexpr std::array<std::string_view, 1> kRegisters{"pixels"};
 };
 
-// As light_surface and fetch_lit, in frames of other effects than hard shadows (docs/design/effects.md): surfaces are
-// lit by what comes first, ambient light and the first light or its first ray, or the first occlusion ray.
+// Like light_surface and fetch_lit, for frames with other effects than hard shadows (docs/design/effects.md). The last
+// part is the first launch of the effect: the first ray of the first light, or the first occlusion ray.
 
 template <class... Local>
 using LitBy = Fused<ClassifySurfaces, ListDeferred, ImmediateLit<Local>...>;
@@ -246,7 +246,7 @@ struct FetchLitOcclusion : FetchedAndLitBy<kInstanced, kCones, CastOcclusion> {
   static constexpr std::string_view kMeaning = "shade_surface, light_surface_occlusion";
 };
 
-/// Surfaces without details whose light is kept for an upsampling.
+/// For surfaces without details, whose light is kept for upsampling.
 template <bool kInstanced, bool kCones>
 struct FetchVisible : Fused<ShadeSurface<kInstanced, kCones>, ClassifySurfaces, RecordVisible> {
   static constexpr std::string_view kName = by_surface<kInstanced, kCones>(

@@ -29,12 +29,12 @@ struct GeneratePorts {
   }
 };
 
-/// The pixel of a sample, and its cell there.
+/// Position of a sample: its pixel, and the cell within the pixel.
 template <class V>
 struct SamplePosition {
   F<V> x, y;         ///< pixel
   F<V> column, row;  ///< cell of the pixel's grid
-  F<V> number;       ///< the same as one number
+  F<V> number;       ///< number of the cell
 };
 template <class V>
 SamplePosition<V> sample_position(const I<V>& item, const TileUniforms<V>& tile) {
@@ -44,7 +44,7 @@ SamplePosition<V> sample_position(const I<V>& item, const TileUniforms<V>& tile)
   return {tile.x0 + row.remainder, tile.y0 + row.quotient, cell.remainder, cell.quotient, pixel.remainder};
 }
 
-/// The ray of `sample` through the picture's point (x, y), into slot `item`.
+/// Stores in slot `item` the ray of `sample` through picture position (x, y).
 template <class V>
 void emit_primary(const I<V>& item, const I<V>& sample, const F<V>& x, const F<V>& y, const auto& at) {
   const Vec3<V> direction = normalised(at.camera.corner + at.camera.right * x + at.camera.down * y);
@@ -66,7 +66,7 @@ struct GenerateRays {
   }
 };
 
-/// A random point within a cell, which depends on frame (seed), pixel and cell alone.
+/// A random point in a cell. It depends only on the frame's seed, the pixel and the cell.
 template <class V>
 struct Jitter {
   F<V> x, y;
@@ -93,18 +93,19 @@ struct GenerateJitteredRays {
   }
 };
 
-/// Samples of reconstruct in a pixel, and the side of the grid that they lie on.
+/// Samples per pixel in reconstruct, and the side of their grid.
 inline constexpr std::uint32_t kGeometrySamples = 4;
 
-/// Sample k of four on a rotated grid has row k of 4 x 4 cells, and a column that no other has: (2 k + 1) mod 5.
+/// Column of sample k of four on a rotated grid: row k of 4 x 4 cells, column (2 k + 1) mod 5.
 template <class V>
 F<V> rotated_column(const F<V>& k) {
   const F<V> column = k + k + 1.0F;
   return column - select(F<V>(4.0F) < column, F<V>(5.0F), F<V>(0.0F));
 }
 
-/// Sample k of n x n has row k of n^2 x n^2 cells and column n (k + 1) mod (n^2 + 1) - 1: each row and each
-/// column has one. Of four they are those of reconstruct; a lone one is in the middle.
+/// Generates rays on a rotated grid. Sample k of n x n is in row k of n^2 x n^2 cells and column n (k + 1) mod (n^2 +
+/// 1)
+/// - 1, so that each row and column has one sample. Four samples are those of reconstruct; a single one is centred.
 struct GenerateRotatedRays {
   static constexpr std::string_view kName = "generate_rotated_rays";
   static constexpr std::string_view kMeaning = "sample -> primary ray, samples on a rotated grid";
@@ -128,7 +129,7 @@ struct GenerateRotatedRays {
   }
 };
 
-/// References of a tile.
+/// Lists the reference samples of a tile.
 struct ListSamples {
   static constexpr std::string_view kName = "list_samples";
   static constexpr std::string_view kMeaning = "number -> reference sample";
@@ -150,7 +151,7 @@ struct ListSamples {
   }
 };
 
-/// The same rays as generate_rays makes, for the samples of a stream.
+/// Generates the rays of listed samples; they equal those of generate_rays.
 struct GenerateListedRays {
   static constexpr std::string_view kName = "generate_listed_rays";
   static constexpr std::string_view kMeaning = "listed sample -> primary ray, samples at the centres of a regular grid";
@@ -182,8 +183,8 @@ struct GenerateListedRays {
   }
 };
 
-/// Four items per active sub-pixel: those of a pixel's 16 jittered samples that lie in it, the same as
-/// generate_jittered_rays makes for full:16.
+/// Generates four rays per active sub-pixel: those of the pixel's 16 jittered samples that lie in it, equal to the rays
+/// of generate_jittered_rays for full:16.
 struct GenerateExtraRays {
   static constexpr std::string_view kName = "generate_extra_rays";
   static constexpr std::string_view kMeaning = "active sub-pixel -> four primary rays, anywhere in their cells";
@@ -194,8 +195,8 @@ struct GenerateExtraRays {
     Local<V, PathRecord> paths;
     Local<V, ColourRecord> colours;
     CameraUniforms<V> camera;
-    F<V> x0, y0, width, inverse_width;  ///< first pixel that the tile finishes; pixels in a row
-    F<V> first_sample;                  ///< where their colours lie
+    F<V> x0, y0, width, inverse_width;  ///< first pixel that the tile finishes; pixels per row
+    F<V> first_sample;                  ///< index of their first colour
     I<V> image_width, seed;
     static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.active));
@@ -218,7 +219,7 @@ struct GenerateExtraRays {
     const DivMod<V> row = divmod<V>(to_float(subpixel >> 2U), at.width, at.inverse_width);
     const F<V> x = at.x0 + row.remainder;
     const F<V> y = at.y0 + row.quotient;
-    // A cell of the pixel's 4 x 4: two bits of column and row each from the sub-pixel and from the sample.
+    // The cell among the pixel's 4 x 4: two bits of column and row, one from the sub-pixel and one from the sample.
     const I<V> column = ((subpixel & 1U) << 1U) | (item & 1U);
     const I<V> line = (subpixel & 2U) | ((item >> 1U) & 1U);
     const I<V> pixel = to_int(y) * at.image_width + to_int(x);
@@ -228,15 +229,15 @@ struct GenerateExtraRays {
   }
 };
 
-/// Ports of the kernels that make reconstruct's primary rays. Sample k of the pixel at position p of the tile buffer is
-/// sample k * `apart` + p; the first is shaded.
+/// Ports of the kernels that generate reconstruct's primary rays. Sample k of the pixel at position p of the tile
+/// buffer is sample k * `apart` + p; sample 0 is shaded.
 template <class V>
 struct VisibleRayPorts {
   Local<V, RayRecord> rays;
   Local<V, PathRecord> paths;
   Local<V, VisibleRecord> visible;
   CameraUniforms<V> camera;
-  GridUniforms<V> grid;  ///< pixels
+  GridUniforms<V> grid;  ///< counts pixels
   LatticeUniforms<V> lattice;
   static constexpr void describe(auto& p, auto&& port) {
     port(NAMED(p.rays));
@@ -248,13 +249,13 @@ struct VisibleRayPorts {
   }
 };
 
-/// The record of a ray that hits nothing.
+/// Returns the record of a ray without a hit.
 template <class V>
 VisibleRecord<V> visible_miss() {
   return {{0.0F, 0.0F, 1.0F}, kMissDepth, 0U};
 }
 
-/// The ray of `sample`, at (x, y) in the pixel at position `pixel`.
+/// Stores the ray of `sample`, at (x, y) within the pixel at position `pixel`.
 template <class V>
 void emit_in_pixel(const I<V>& item, const I<V>& pixel, const I<V>& sample, const F<V>& x, const F<V>& y, auto& at) {
   const DivMod<V> row = divmod<V>(to_float(pixel), at.grid.pitch, at.grid.inverse_pitch);
@@ -264,19 +265,19 @@ void emit_in_pixel(const I<V>& item, const I<V>& pixel, const I<V>& sample, cons
   at.paths.store(item, {{1.0F, 1.0F, 1.0F}, sample});
 }
 
-/// The same, and its record is that of a miss.
+/// Like emit_in_pixel(), and sets the sample's record to a miss.
 template <class V>
 void emit_visible(const I<V>& item, const I<V>& pixel, const I<V>& sample, const F<V>& x, const F<V>& y, auto& at) {
   emit_in_pixel<V>(item, pixel, sample, x, y, at);
   at.visible.store(sample, visible_miss<V>());
 }
 
-/// A further sample of a pixel: index of the pixel in a list, number of the sample, position in the pixel.
+/// A further sample of a pixel: the pixel's index in a list, the sample's number, its position within the pixel.
 template <class V>
 struct GeometrySample {
   F<V> pixel, number, x, y;
 };
-/// Three items a pixel.
+/// Returns the sample of an item; each pixel has three items.
 template <class V>
 GeometrySample<V> other_sample(const I<V>& item) {
   const DivMod<V> of_pixel = divmod<V>(to_float(item), F<V>(3.0F), F<V>(1.0F / 3.0F));
@@ -299,7 +300,7 @@ struct GenerateShadedRays {
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
     const I<V> pixel = lattice_sample<V>(item, at.lattice);
-    emit_visible<V>(item, pixel, pixel, F<V>(0.375F), F<V>(0.125F), at);  // column 1, row 0 of 4 x 4
+    emit_visible<V>(item, pixel, pixel, F<V>(0.375F), F<V>(0.125F), at);  // column 1, row 0 of 4 x 4 cells
     at.colours.store(pixel, {{0.0F, 0.0F, 0.0F}});
   }
 };
@@ -317,7 +318,7 @@ struct GenerateCentredRays {
   }
 };
 
-/// Three items a pixel.
+/// Three items per pixel.
 struct GenerateVisibleRays {
   static constexpr std::string_view kName = "generate_visible_rays";
   static constexpr std::string_view kMeaning = "sample that is not shaded -> primary ray";
@@ -337,7 +338,7 @@ struct GenerateVisibleRays {
   }
 };
 
-/// Begins what a pixel's samples keep of a branch: none of them has it yet.
+/// Clears the branch records of a pixel's samples: no sample has such a ray yet.
 struct ClearBranch {
   static constexpr std::string_view kName = "clear_branch";
   static constexpr std::string_view kMeaning = "pixel -> its samples see nothing by a mirror, or through glass";
@@ -345,7 +346,7 @@ struct ClearBranch {
   struct Ports {
     Local<V, VisibleRecord> visible;
     Local<V, ColourRecord> colours;
-    LatticeUniforms<V> lattice;  ///< those of the branch's samples
+    LatticeUniforms<V> lattice;  ///< the branch's samples
     I<V> apart;
     static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.visible));

@@ -9,8 +9,8 @@
 
 namespace kernels {
 
-/// Ports of tests of flagged hits. A ray that goes on is the ray of its slot, seen from just behind the hit.
-/// `kColoured`: the scene has vertex records, whose colours and second texture coordinates have a say.
+/// Ports of tests of flagged hits. A continuing ray begins just after the hit of its slot's ray. `kColoured`: the scene
+/// has vertex records with colours and second texture coordinates.
 template <class V, bool kColoured, bool kInstanced>
 struct LayerPorts {
   Local<V, WordRecord> layers;
@@ -18,14 +18,14 @@ struct LayerPorts {
   Hits<V, kInstanced> hits;
   Attributes<V> attributes;
   Materials<V> materials;
-  Vertices<V> vertices;  ///< wired if kColoured
+  Vertices<V> vertices;  ///< bound if kColoured
   Table<V, AxisRecord> axes;
   Texels<V> texels;
   Local<V, RayRecord> next_rays;
-  Local<V, WordRecord> targets;  ///< slots of the rays that go on
+  Local<V, WordRecord> targets;  ///< slots of the continuing rays
   Counter<V> emitted;
-  F<V> epsilon, min_weight;  ///< lower ones are not seen
-  I<V> white;                ///< the texture of materials without one
+  F<V> epsilon, min_weight;  ///< paths below min_weight end
+  I<V> white;                ///< texture of materials that have none
   static constexpr void describe(auto& p, auto&& port) {
     port(NAMED(p.layers));
     port(NAMED(p.rays));
@@ -44,7 +44,7 @@ struct LayerPorts {
   }
 };
 
-/// Surface at a flagged hit.
+/// The surface at a flagged hit.
 template <class V>
 struct Layer {
   MaterialFields<V> material;
@@ -76,8 +76,8 @@ Layer<V> fetch_layer(const LayerPorts<V, kColoured, kInstanced>& at, const HitRe
   return {m, base, colour, alpha * base.linear(3)};
 }
 
-/// Sends the ray of a slot on if told to: from a little more than rounding behind its hit, so that whatever lies at the
-/// same distance is passed with it.
+/// Continues a slot's ray where `onwards` holds. It begins slightly more than a rounding error after its hit, so that
+/// other surfaces at the same distance are passed too.
 template <class V, bool kColoured, bool kInstanced>
 void go_on(LayerPorts<V, kColoured, kInstanced>& at, const M<V>& onwards, const I<V>& slot, const RayRecord<V>& ray,
            const F<V>& t) {
@@ -87,8 +87,8 @@ void go_on(LayerPorts<V, kColoured, kInstanced>& at, const M<V>& onwards, const 
   at.targets.store(out, {slot});
 }
 
-/// For rays that want the nearest hit. Where a mask's alpha is below its cutoff there is no surface, and neither is
-/// where a blended one's alpha is too little to be seen.
+/// Test for nearest-hit rays. There is no surface if a mask's alpha is below its cutoff, or a blended surface's alpha
+/// is too small to be visible.
 template <bool kColoured, bool kInstanced>
 struct TestAlpha {
   static constexpr std::string_view kName = kInstanced
@@ -123,9 +123,9 @@ struct ShadowLayerPorts : LayerPorts<V, kColoured, kInstanced> {
   }
 };
 
-/// For shadow rays: how much light passes, and whether that is enough to go on. A mask blocks or lets pass, a blended
-/// surface lets 1 - alpha pass, and what glass covers is tinted by its transmission and base colour: neither bent nor
-/// mirrored, which would take the light away from the point that asks for it.
+/// Test for shadow rays: computes the light that passes, and continues the ray if it is enough. A mask blocks all light
+/// or none. A blended surface passes 1 - alpha. Glass tints by its transmission and base colour; light is neither bent
+/// nor mirrored, which would lead away from the light source.
 template <bool kColoured, bool kInstanced>
 struct TestShadow {
   static constexpr std::string_view kName =
@@ -156,7 +156,7 @@ struct TestShadow {
   }
 };
 
-/// Ends a round of going on, and is the inspector of the next.
+/// Ends a round of continued rays: stores their hits and lists the flagged ones for the next round.
 struct ScatterLayers {
   static constexpr std::string_view kName = "scatter_layers";
   static constexpr std::string_view kMeaning = "continuing ray -> its hit into the slot of the ray that it continues";

@@ -12,18 +12,18 @@
 
 namespace kernels {
 
-/// Adds to a sample's colour. Two items of one sample that are in the array at once would read a stale sum; streams
-/// keep such items far apart (one launch per light, reflections before refractions), so no interlock is modelled.
+/// Adds to a sample's colour. Two items of one sample in flight at once would read a stale sum. No interlock is
+/// modelled, because item lists keep such items far apart (one launch per light, reflections before refractions).
 template <class V>
 [[gnu::always_inline]] inline void add_light(const Local<V, ColourRecord>& colours, const I<V>& sample,
                                              const Vec3<V>& light) {
   colours.store(sample, {colours.load(sample).rgb + light});
 }
 
-/// Takes the place of a mask that holds for all items of a stream.
+/// A mask that holds for all items.
 struct AllItems {};
 
-/// A value where the mask holds, elsewhere nothing.
+/// Returns the value where the mask holds, otherwise 0.
 template <class V>
 Vec3<V> where(AllItems, const Vec3<V>& value) {
   return value;
@@ -41,18 +41,17 @@ M<V> both_of(const M<V>& mask, const M<V>& other) {
   return both(mask, other);
 }
 
-/// Classes of a surface that add to its sample before or amid its local light, or change its base colour.
+/// Classes of surfaces that add light before or between local lights, or change the base colour.
 inline constexpr std::uint32_t kDeferredClasses =
     traces::kTextured | traces::kEmissive | traces::kGlowing | traces::kOccluded;
 
-/// True for surfaces that can be lit as soon as they are fetched: their local light is the first that their sample
-/// gets.
+/// True for surfaces that can be lit as soon as they are fetched: no other light precedes their local light.
 template <class V>
 M<V> is_immediately_lit(const I<V>& classes) {
   return (classes & (kDeferredClasses | traces::kDiffuse)) == static_cast<std::uint32_t>(traces::kDiffuse);
 }
 
-/// Runs kernel K, which is written for diffuse surfaces, over all surfaces; it acts on those that are lit immediately.
+/// Runs kernel K, which is written for diffuse surfaces, over all surfaces. It acts on those that are lit immediately.
 template <class K>
 struct ImmediateLit {
   using Of = K;
@@ -71,7 +70,7 @@ struct ImmediateLit {
   }
 };
 
-/// Queues the diffuse surfaces whose light is deferred.
+/// Lists the diffuse surfaces whose light is deferred.
 struct ListDeferred {
   template <class V>
   struct Ports {
@@ -95,13 +94,13 @@ struct ListDeferred {
   }
 };
 
-/// Light that a surface scatters if nothing is in the way. A spot's edge falls off as in glTF's KHR_lights_punctual,
-/// and so does a light with a range.
+/// Light that a surface scatters if the light source is not blocked. Falloff by spot cone and range is that of glTF's
+/// KHR_lights_punctual.
 template <class V>
 struct DiffuseLight {
-  Vec3<V> to_light;  ///< not of unit length: t = 1 is the light
+  Vec3<V> to_light;  ///< not normalised: the light is at t = 1
   F<V> inverse_distance;
-  Vec3<V> light;  ///< that the path brings; none of its channels is above 0 if the surface is turned away
+  Vec3<V> light;  ///< includes the path's throughput; no channel is above 0 if the surface faces away
 };
 template <class V>
 DiffuseLight<V> diffuse_light(const SurfacePointRecord<V>& point, const PathRecord<V>& path, const Vec3<V>& diffuse,
@@ -141,7 +140,7 @@ struct ShadeBackground {
   }
 };
 
-/// Base textures with the first texture coordinates whose alpha does not count; shade_base does the others.
+/// Applies base textures with first texture coordinates whose alpha is unused; shade_base applies the others.
 template <MipFilter kMips = MipFilter::kNone>
 struct ShadeTextured {
   static constexpr std::string_view kName =
@@ -235,7 +234,7 @@ struct ShadeAmbient {
   static void body(const I<V>& item, Ports<V>& at) {
     shade<V>(at.diffuse.load(item).word, AllItems{}, at);
   }
-  /// Acts where `mask` holds.
+  /// Shades the slots where `mask` holds.
   template <class V>
   static void shade(const I<V>& slot, const auto& mask, Ports<V>& at) {
     const PathRecord<V> path = at.paths.load(slot);
@@ -244,7 +243,7 @@ struct ShadeAmbient {
   }
 };
 
-/// One launch per light: an item is a surface.
+/// One launch per light; an item is a surface.
 struct ShadeDiffuse {
   static constexpr std::string_view kName = "shade_diffuse";
   static constexpr std::string_view kMeaning = "diffuse surface, one light -> shadow ray that brings its light";
@@ -275,7 +274,7 @@ struct ShadeDiffuse {
   static void body(const I<V>& item, Ports<V>& at) {
     shade<V>(at.diffuse.load(item).word, AllItems{}, at);
   }
-  /// Acts where `mask` holds.
+  /// Shades the slots where `mask` holds.
   template <class V>
   static void shade(const I<V>& slot, const auto& mask, Ports<V>& at) {
     const SurfacePointRecord<V> point = at.points.load(slot);
@@ -290,7 +289,7 @@ struct ShadeDiffuse {
   }
 };
 
-/// In place of shade_diffuse where a frame has no shadows. One launch per light.
+/// Replaces shade_diffuse in frames without shadows. One launch per light.
 struct ShadeOpen {
   static constexpr std::string_view kName = "shade_open";
   static constexpr std::string_view kMeaning = "diffuse surface, one light -> its light into its sample, no shadow";
@@ -315,7 +314,7 @@ struct ShadeOpen {
   static void body(const I<V>& item, Ports<V>& at) {
     shade<V>(at.diffuse.load(item).word, AllItems{}, at);
   }
-  /// Acts where `mask` holds.
+  /// Shades the slots where `mask` holds.
   template <class V>
   static void shade(const I<V>& slot, const auto& mask, Ports<V>& at) {
     const PathRecord<V> path = at.paths.load(slot);
@@ -325,7 +324,7 @@ struct ShadeOpen {
   }
 };
 
-/// One launch per light: as shade_diffuse where it is known already whether the light is seen.
+/// Replaces shade_diffuse where the light's visibility is already known. One launch per light.
 struct ShadeVisible {
   static constexpr std::string_view kName = "shade_visible";
   static constexpr std::string_view kMeaning =
@@ -355,7 +354,7 @@ struct ShadeVisible {
   static void body(const I<V>& item, Ports<V>& at) {
     shade<V>(at.diffuse.load(item).word, AllItems{}, at);
   }
-  /// Acts where `mask` holds.
+  /// Shades the slots where `mask` holds.
   template <class V>
   static void shade(const I<V>& slot, const auto& mask, Ports<V>& at) {
     const PathRecord<V> path = at.paths.load(slot);

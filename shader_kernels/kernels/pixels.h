@@ -8,7 +8,7 @@
 
 namespace kernels {
 
-/// Each item adds its sample to the running sum of its pixel. The pixel's last sample turns the sum into the mean.
+/// Adds each sample to the running sum of its pixel. The pixel's last sample turns the sum into the mean.
 struct AverageColour {
   static constexpr std::string_view kName = "average_colour";
   static constexpr std::string_view kMeaning = "sample -> mean of its pixel's samples, clamped, in linear light";
@@ -32,7 +32,7 @@ struct AverageColour {
     const DivMod<V> pixel = divmod<V>(to_float(item), at.samples, at.inverse_samples);
     add<V>(at, pixel, at.colours.load(item).rgb);
   }
-  /// A pixel's sample, by its number within the pixel; samples come in order.
+  /// Adds a sample by its number within the pixel; samples come in order.
   template <class V>
   static void add(Ports<V>& at, const DivMod<V>& pixel, const Vec3<V>& colour) {
     const M<V> first = pixel.remainder <= 0.0F;
@@ -46,7 +46,7 @@ struct AverageColour {
   }
 };
 
-/// As average_colour, of samples that lie row by row.
+/// Like average_colour, for samples in row order.
 struct AverageSamples {
   static constexpr std::string_view kName = "average_samples";
   static constexpr std::string_view kMeaning = "sample of a grid -> mean of its pixel's samples, clamped, linear light";
@@ -76,7 +76,7 @@ struct AverageSamples {
   }
 };
 
-/// As average_colour, of pixels that have one sample each.
+/// Like average_colour, for pixels with one sample.
 struct TakeSample {
   template <class V>
   struct Ports {
@@ -97,7 +97,7 @@ struct TakeSample {
   }
 };
 
-/// As average_samples, of pixels that have one sample each.
+/// Like average_samples, for pixels with one sample.
 struct TakeGridSample {
   template <class V>
   struct Ports : TakeSample::Ports<V> {
@@ -113,7 +113,7 @@ struct TakeGridSample {
   }
 };
 
-/// The frame buffer's RGBA8 of a colour whose channels are in [0, 1].
+/// Returns the frame buffer's RGBA8 word of a colour with channels in [0, 1].
 template <class V>
 I<V> encoded_pixel(const Vec3<V>& colour) {
   const auto byte = [](const F<V>& x) { return to_int(encoded<V>(x) * 255.0F + 0.5F); };
@@ -139,7 +139,7 @@ struct PackColour {
   }
 };
 
-/// As pack_colour, for a pixel that an earlier part of a fused kernel has clamped.
+/// Like pack_colour, for a pixel that an earlier part of a fused kernel has clamped.
 struct PackClamped {
   using Of = PackColour;
   template <class V>

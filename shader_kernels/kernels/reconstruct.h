@@ -14,7 +14,7 @@
 
 namespace kernels {
 
-/// The eye, and the way it looks: as long as depths are counted.
+/// The eye and the viewing direction, whose length is the unit of depth.
 template <class V>
 struct EyeUniforms {
   Vec3<V> position, axis;
@@ -51,8 +51,8 @@ struct RecordVisible {
   }
 };
 
-/// Gives the ray by a mirror or through glass a sample of its own, `apart` slots after the surface's. Light and
-/// geometry of the branch go there; until the ray hits something, the geometry is that of a miss.
+/// Gives a mirrored or refracted ray its own sample, `apart` samples after that of the surface. It receives the
+/// branch's light and geometry; the geometry begins as a miss.
 struct BeginBranch {
   static constexpr std::string_view kName = "begin_branch";
   static constexpr std::string_view kMeaning = "ray by a mirror or through glass -> of a sample of its own";
@@ -76,7 +76,7 @@ struct BeginBranch {
   }
 };
 
-/// Depth is the way from the mirror, or from the side of the glass.
+/// Depth is the distance from the mirror, or along the refracted ray.
 struct RecordBranchVisible {
   static constexpr std::string_view kName = "record_branch_visible";
   static constexpr std::string_view kMeaning =
@@ -108,11 +108,11 @@ struct RecordBranchVisible {
   }
 };
 
-/// Weight of a shaded sample's colour at another sample: exp(-dz^2) exp(-(bend (1 - n.n))^2), and 0 where a light
-/// reaches the one and not the other. Depths have their factor in them.
+/// Weight of a shaded sample's colour at another sample: exp(-dz^2) exp(-(bend (1 - n.n))^2), or 0 if their shadows
+/// differ. Depths are already scaled by the filter's factor.
 template <class V>
 struct Similarity {
-  F<V> depth, normal;  ///< the exponents
+  F<V> depth, normal;  ///< exponents
   M<V> same_shadows;
   Similarity(const VisibleRecord<V>& a, const VisibleRecord<V>& b, const F<V>& bend)
       : depth(b.depth - a.depth),
@@ -124,18 +124,18 @@ struct Similarity {
   F<V> weight() const { return select(same_shadows, decay<V>(depth + normal), F<V>(0.0F)); }
 };
 
-/// Sum of a weight's exponents that halves it.
+/// Sum of exponents that halves a weight.
 inline constexpr float kHalved = 0.69314718F;
-/// Weights that sum to less are none.
+/// Smaller sums of weights count as none.
 inline constexpr float kLeastWeight = 1e-30F;
 
-/// Whether a sample's record of a branch is that of a ray.
+/// True if a sample's branch record comes from a ray.
 template <class V>
 M<V> has_branch(const VisibleRecord<V>& record) {
   return F<V>(0.5F * kNoBranchDepth) < record.depth;
 }
 
-/// Shaded samples around that of a pixel, row by row: square of 2 kRadius + 1.
+/// The shaded samples around that of a pixel, row by row: a square of side 2 kRadius + 1.
 template <std::uint32_t kRadius, class V>
 class ShadedAround {
  public:
@@ -144,8 +144,8 @@ class ShadedAround {
       : columns_(steps(pixel.remainder, of.low_x, of.high_x, [](float by) { return F<V>(by); })),
         rows_(steps(pixel.quotient, of.low_y, of.high_y, [&](float by) { return of.pitch * by; })) {}
 
-  /// Calls f(number of the sample, whether it lies inside the picture) for sample t, not the pixel's own, around that
-  /// at `centre`.
+  /// Calls f(number of the sample, whether it is inside the picture) for tap t around `centre`; t must not be the
+  /// centre.
   auto at(std::uint32_t t, const F<V>& centre, auto&& f) const {
     const std::uint32_t x = t % kSide, y = t / kSide;
     if (x == kRadius) return f(centre + rows_[step_to(y)].samples, rows_[step_to(y)].inside);
@@ -155,13 +155,13 @@ class ShadedAround {
   }
 
  private:
-  /// A step to another column or row; none where the picture ends.
+  /// A step to another column or row; 0 beyond the edge of the picture.
   struct Step {
     F<V> samples;
     M<V> inside;
   };
   using Steps = std::array<Step, 2 * kRadius>;
-  /// Steps by -kRadius to kRadius, but 0, from `from`; `samples` says how many samples that is.
+  /// Returns the steps by -kRadius to kRadius, except 0. `samples` converts a step to samples.
   static Steps steps(const F<V>& from, const F<V>& low, const F<V>& high, auto&& samples) {
     const auto step = [&](std::size_t n) -> Step {
       const float by = static_cast<float>(n < kRadius ? n : n + 1) - static_cast<float>(kRadius);
@@ -172,13 +172,13 @@ class ShadedAround {
     return [&]<std::size_t... n>(std::index_sequence<n...>) { return Steps{step(n)...}; }
     (std::make_index_sequence<2 * kRadius>{});
   }
-  /// The step to a column or row, of kSide.
+  /// Returns the index of the step to column or row `n` of kSide.
   static constexpr std::uint32_t step_to(std::uint32_t n) { return n < kRadius ? n : n - 1; }
 
   const Steps columns_, rows_;
 };
 
-/// Lists the pixels that see something by a mirror or through glass.
+/// Lists the pixels with a mirrored or refracted sample.
 struct ListBranches {
   static constexpr std::string_view kName = "list_branches";
   static constexpr std::string_view kMeaning = "finished pixel -> listed if one of its samples sees something that way";
@@ -212,13 +212,13 @@ struct ListBranches {
   }
 };
 
-/// The filter of reconstruct: the colour of each of a pixel's four samples is the mean of the shaded samples around,
-/// each with its weight; the pixel's is the mean of the four. Every shaded sample is loaded once for all four:
+/// The filter of reconstruct. The colour of each of a pixel's four samples is the weighted mean of the shaded samples
+/// around; the pixel is the mean of the four. Each shaded sample is loaded once for all four:
 ///
 ///   pixel = 1/4 sum_i (sum_j w_ij c_j) / (sum_j w_ij) = sum_j c_j (sum_i w_ij r_i),   r_i = 1/4 / sum_j w_ij
 ///
-/// A sample that no shaded one is like has the colour of its pixel's own. With kBranch it is what mirrors or glass
-/// show, over a list of pixels, and is added: samples that send no ray that way have none of it.
+/// A sample without similar shaded samples has the colour of its own pixel's shaded sample. With kBranch the filter
+/// runs over listed pixels and adds mirrored or refracted light; samples without such a ray add 0.
 template <std::uint32_t kRadius, bool kBranch>
 struct Reconstruct {
   static constexpr std::array<std::string_view, 4> kNames{"reconstruct", "reconstruct_wide", "reconstruct_branch",
@@ -230,7 +230,7 @@ struct Reconstruct {
   template <class V>
   struct Ports {
     FinishedUniforms<V> finished;
-    Local<V, WordRecord> masters;  ///< wired if kBranch, as `branch` is
+    Local<V, WordRecord> masters;  ///< bound if kBranch, as is `branch`
     Local<V, VisibleRecord> visible;
     Local<V, ColourRecord> colours, pixels;
     F<V> bend, branch;
@@ -263,7 +263,7 @@ struct Reconstruct {
   }
 
  private:
-  /// Weight of a shaded sample for the pixel's four.
+  /// A shaded sample's weights for the pixel's four samples.
   template <class V>
   struct Tap {
     Vec3<V> colour;
@@ -309,14 +309,14 @@ struct Reconstruct {
     return sum;
   }
 
-  /// Each sample's part of the pixel over the sum of its weights.
+  /// Returns each sample's share of the pixel, divided by its sum of weights.
   template <class V>
   static std::array<F<V>, kGeometrySamples> shares_of(const Samples<V>& own, std::array<Tap<V>, kTaps>& taps) {
     std::array<F<V>, kGeometrySamples> shares;
     for (std::uint32_t k = 0; k < kGeometrySamples; ++k) {
       F<V> all = taps[0].weights[k];
       for (std::uint32_t t = 1; t < kTaps; ++t) all = all + taps[t].weights[k];
-      if (k != 0) {  // the shaded one is like itself
+      if (k != 0) {  // the shaded sample is similar to itself
         const M<V> alone = all < kLeastWeight;
         all = select(alone, F<V>(1.0F), all);
         taps[kOwn].weights[k] = select(alone, F<V>(1.0F), taps[kOwn].weights[k]);
@@ -327,7 +327,7 @@ struct Reconstruct {
     return shares;
   }
 
-  /// The shaded sample of the pixel itself.
+  /// Returns the tap of the pixel's own shaded sample.
   template <class V>
   static Tap<V> own_tap(const Own<V>& own, Ports<V>& at) {
     Tap<V> out{at.colours.load(own.shaded).rgb, {}};
@@ -338,7 +338,7 @@ struct Reconstruct {
     return out;
   }
 
-  /// That at `place`, of another pixel.
+  /// Returns the tap of another pixel's shaded sample.
   template <class V>
   static Tap<V> tap(const Own<V>& own, const F<V>& index, const M<V>& inside, Ports<V>& at) {
     const I<V> sample = to_int(index);
@@ -352,10 +352,9 @@ struct Reconstruct {
   }
 };
 
-/// Lists the pixels whose colour changes where geometry does not: edges of textures, which the filter of reconstruct
-/// blurs. As the colour test of supersample, but over 3 x 3 shaded samples at once: a pixel is listed if the contrast
-/// (Mitchell 1987) of its own and those that are like it reaches `threshold` in one channel. Layer by layer, so that
-/// textures seen in mirrors and through glass count, too.
+/// Lists the pixels whose colour changes where the geometry does not: texture edges, which the filter would blur. A
+/// pixel is listed if the contrast (Mitchell 1987) of its own and the similar samples among 3 x 3 reaches `threshold`
+/// in a channel. Each layer is tested, so that textures seen in mirrors and glass count too.
 template <std::uint32_t kBranches>
 struct ListContrasts {
   static constexpr std::array<std::string_view, 3> kNames{"list_contrasts", "list_contrasts_branch",
@@ -371,7 +370,7 @@ struct ListContrasts {
     Local<V, WordRecord> masters;
     Counter<V> masters_count;
     F<V> bend, threshold;
-    F<V> branch;  ///< from a sample to that of its next branch; wired if there are any
+    F<V> branch;  ///< offset from a sample to its next branch; bound if there are branches
     static constexpr void describe(auto& p, auto&& port) {
       FinishedUniforms<V>::describe(p.finished, port);
       port(NAMED(p.visible));
@@ -397,7 +396,7 @@ struct ListContrasts {
   }
 
  private:
-  /// Whether one layer's colours differ around its sample at `centre`.
+  /// True if a layer's colours differ around the sample at `centre`.
   template <class V>
   static M<V> differs(const F<V>& centre, const ShadedAround<1, V>& around, Ports<V>& at) {
     const I<V> own = to_int(centre);
@@ -430,7 +429,7 @@ struct ListContrasts {
   }
 };
 
-/// Three items a listed pixel.
+/// Three items per listed pixel.
 struct GenerateContrastRays {
   static constexpr std::string_view kName = "generate_contrast_rays";
   static constexpr std::string_view kMeaning = "sample of a listed pixel that is not shaded yet -> primary ray";
@@ -441,7 +440,7 @@ struct GenerateContrastRays {
     Local<V, PathRecord> paths;
     Local<V, ColourRecord> colours;
     CameraUniforms<V> camera;
-    GridUniforms<V> grid;  ///< pixels
+    GridUniforms<V> grid;  ///< counts pixels
     FinishedUniforms<V> finished;
     F<V> apart;
     static constexpr void describe(auto& p, auto&& port) {
@@ -466,7 +465,7 @@ struct GenerateContrastRays {
   }
 };
 
-/// The colour of a listed pixel, all of whose samples are shaded.
+/// Averages the colour of a listed pixel, whose samples are all shaded.
 template <std::uint32_t kBranches>
 struct AverageContrasts {
   static constexpr std::array<std::string_view, 3> kNames{"average_contrasts", "average_contrasts_branch",
@@ -479,7 +478,7 @@ struct AverageContrasts {
     Local<V, ColourRecord> colours, pixels;
     FinishedUniforms<V> finished;
     I<V> apart;
-    I<V> branch;  ///< wired if there are any
+    I<V> branch;  ///< bound if there are branches
     static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.masters));
       port(NAMED(p.colours));
@@ -493,7 +492,7 @@ struct AverageContrasts {
   static void body(const I<V>& item, Ports<V>& at) {
     const I<V> listed = at.masters.load(item).word;
     const I<V> own = to_int(centre_sample<V>(finished_pixel<V>(to_float(listed), at.finished), at.finished));
-    // Parts of the first one, which sum to its clamped colour.
+    // Layers of the pixel's first sample, which sum to its clamped colour.
     Vec3<V> sum = at.colours.load(own).rgb;
     I<V> sample = own;
     for (std::uint32_t branch = 0; branch < kBranches; ++branch) {
@@ -509,8 +508,8 @@ struct AverageContrasts {
   }
 };
 
-/// Clamps a shaded sample's colour, whose parts are filtered one by one: what its surface shows, then the branches. The
-/// parts' sum is the clamped colour.
+/// Clamps a shaded sample's colour, whose layers are filtered one by one: first that of its surface, then the branches.
+/// The layers then sum to the clamped colour.
 template <std::uint32_t kBranches>
 struct LimitColours {
   static constexpr std::array<std::string_view, 3> kNames{"limit_colours", "limit_colours_branch",
@@ -521,7 +520,7 @@ struct LimitColours {
   struct Ports {
     Local<V, ColourRecord> colours;
     LatticeUniforms<V> lattice;
-    I<V> branch;  ///< from a sample to that of its next branch
+    I<V> branch;  ///< offset from a sample to its next branch
     static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.colours));
       LatticeUniforms<V>::describe(p.lattice, port);

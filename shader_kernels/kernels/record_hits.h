@@ -11,7 +11,7 @@
 
 namespace kernels {
 
-/// Sets records of samples about to be traced to those of a miss.
+/// Sets the records of samples about to be traced to a miss.
 struct ClearGeometry {
   static constexpr std::string_view kName = "clear_geometry";
   static constexpr std::string_view kMeaning = "sample -> its geometry is that of a miss";
@@ -72,7 +72,7 @@ struct ClearTraits {
   }
 };
 
-/// As clear_geometry, for samples that keep their surface.
+/// Like clear_geometry, for samples that keep their surface.
 struct ClearSurface {
   static constexpr std::string_view kName = "clear_surface";
   static constexpr std::string_view kMeaning = "sample -> its geometry and surface are those of a miss";
@@ -99,16 +99,15 @@ struct ClearSurface {
   }
 };
 
-/// Classes of a surface whose colour comes from a texture.
+/// Classes of surfaces whose colour comes from a texture.
 inline constexpr std::uint32_t kAnyTexture =
     traces::kTextured | traces::kBased | traces::kPhysical | traces::kBumped | traces::kGlowing;
 
-/// The object of a hit stands in its triangle's record, which the intersection unit has just read, or in its
-/// instance's.
+/// Records with a hit's object id: those of triangles, which the intersection unit has just read, or of instances.
 template <class V, bool kInstanced>
 using Objects = std::conditional_t<kInstanced, Instances<V>, Triangles<V>>;
 
-/// Index of that record.
+/// Returns the index of that record.
 template <class V>
 I<V> index_of(const HitRecord<V>& hit) {
   return triangle_of<V>(hit);
@@ -118,13 +117,13 @@ I<V> index_of(const InstanceHitRecord<V>& hit) {
   return instance_of<V>(hit);
 }
 
-/// An object with the flag of a textured one.
+/// Returns the object id, with the flag of a textured object if the classes include a texture.
 template <class V>
 I<V> marked(const I<V>& object, const I<V>& classes) {
   return object | select(I<V>(0U) < (classes & kAnyTexture), I<V>(kTexturedObject), I<V>(0U));
 }
 
-/// Ports of the kernels that keep a surface of a sample.
+/// Ports of kernels that record a sample's surface.
 template <class V, bool kInstanced>
 struct SurfaceHitPorts {
   Local<V, WordRecord> surfaces;
@@ -146,7 +145,7 @@ struct SurfaceHitPorts {
 template <class V>
 struct SurfaceHit {
   SurfacePointRecord<V> point;
-  I<V> object;  ///< with the flag of a textured one
+  I<V> object;  ///< with the flag of a textured object
   PathRecord<V> path;
 };
 template <class V, bool kInstanced>
@@ -199,14 +198,14 @@ struct RecordTraits {
   }
 };
 
-/// Across a triangle's plane.
+/// Returns the vector perpendicular to a triangle's plane.
 template <class V>
 Vec3<V> across_of(const TriangleFields<V>& t) {
   return cross(t.v1 - t.v0, t.v2 - t.v0);
 }
 
-/// As record_geometry, with all that interpolation and shading after it need. The triangle's own normal is turned to
-/// the side of the shading normal.
+/// Like record_geometry, with all data for interpolation and later shading. The triangle's normal is turned to the side
+/// of the shading normal.
 template <bool kInstanced>
 struct RecordSurface {
   static constexpr std::string_view kName = kInstanced ? "record_surface_instanced" : "record_surface";
@@ -214,7 +213,7 @@ struct RecordSurface {
       kInstanced ? "as record_surface, of an instance" : "first hit -> its sample's geometry and surface";
   template <class V>
   struct Ports : RecordGeometry<kInstanced>::template Ports<V> {
-    Triangles<V> corners;  ///< wired if kInstanced; otherwise the objects are triangles
+    Triangles<V> corners;  ///< bound if kInstanced; otherwise `objects` has the triangles
     Local<V, TexcoordRecord> texcoords;
     Local<V, SurfaceRecord> kept;
     static constexpr void describe(auto& p, auto&& port) {
@@ -246,13 +245,13 @@ struct RecordSurface {
   }
 };
 
-/// A bounce after the first. `way` is the hash key of this bounce: the same objects in another order give another
-/// value.
+/// Uniforms of a bounce after the first. `way` is the bounce's hash key: the same objects in another order give another
+/// hash.
 template <class V>
 struct BounceUniforms {
   I<V> way;
-  I<V> mirrored, refracted;  ///< slots below `mirrored` go straight on, those below `refracted` were mirrored
-  F<V> first;                ///< 1 for the bounce whose normals are kept, else 0
+  I<V> mirrored, refracted;  ///< slots below `mirrored` continue straight, those below `refracted` were mirrored
+  F<V> first;                ///< 1 for the bounce whose normals are kept, otherwise 0
   static constexpr void describe(auto& b, auto&& port) {
     port(NAMED(b.way));
     port(NAMED(b.mirrored));
@@ -304,16 +303,16 @@ struct RecordSecondary {
   }
 };
 
-// Traits are what supersample compares. Of its secondary hits a sample keeps one: that of the branch, mirrored or
-// refracted, that carries most, one bounce behind the first hit.
+// Traits are the data that supersample compares. Of its secondary hits a sample keeps one: that of the heaviest
+// mirrored or refracted branch, one bounce after the first hit.
 
-/// A position as one number, which two hits of a sample hardly ever share.
+/// Returns a checksum of a position; two hits of a sample almost never share one.
 template <class V>
 F<V> position_sum(const Vec3<V>& position) {
   return dot(position, Vec3<V>{1.0F, 1.7320508F, 2.2360680F});
 }
 
-/// Over all rays of the first bounce, for the branch that carries most may hit nothing.
+/// Runs over all rays of the first bounce, because the heaviest branch may hit nothing.
 struct WeighBranch {
   static constexpr std::string_view kName = "weigh_branch";
   static constexpr std::string_view kMeaning = "secondary ray -> most that one of its sample carries";
@@ -359,7 +358,7 @@ struct RecordBranch {
   }
 };
 
-/// Shadow rays do not say which branch they belong to, but where they begin.
+/// Records the shadows of a branch. A shadow ray is assigned to a branch by its origin.
 struct RecordBranchShadow {
   static constexpr std::string_view kName = "record_branch_shadow";
   static constexpr std::string_view kMeaning = "shadow ray of the kept secondary hit -> counted if it was stopped";
@@ -390,8 +389,8 @@ struct RecordBranchShadow {
   }
 };
 
-/// A sample's global colour is all but what ambient light and lights do at its first hit: those are shaded anew where
-/// it is interpolated. It is found by difference, so that the sum of a traced sample's colour stays as it is.
+/// Separates a sample's global colour: all light except ambient and local lights at its first hit, which interpolated
+/// samples compute again. It is found by difference, so that a traced sample's colour does not change.
 template <bool kAfter>
 struct RecordLocal {
   static constexpr std::string_view kName = kAfter ? "record_local_after" : "record_local_before";
@@ -442,11 +441,11 @@ struct RecordGlobal {
   }
 };
 
-/// Largest channel of a faint colour. Channels up to 0.0031 are encoded as 12.92 times themselves, so two faint colours
-/// lie at most 3^(1/2) x 12.92 x 0.04 = 0.9 of `threshold` apart.
+/// Returns the largest channel of a faint colour. Channels up to 0.0031 are encoded as 12.92 times themselves, so two
+/// faint colours are at most 3^(1/2) x 12.92 x 0.04 = 0.9 of `threshold` apart.
 inline float faint_channel(float threshold) { return std::min(0.003F, 0.04F * threshold); }
 
-/// Counts samples whose global colour is not faint. Two faint ones pass the check of colours whatever they are.
+/// Counts samples whose global colour is not faint. Two faint colours always pass the colour check.
 struct CountColoured {
   static constexpr std::string_view kName = "count_coloured";
   static constexpr std::string_view kMeaning = "sample -> number of those whose global colour is not faint";
@@ -470,8 +469,8 @@ struct CountColoured {
   }
 };
 
-/// One launch per light and bounce, behind combine_shadow. A light that a surface is turned away from casts no shadow
-/// on it.
+/// Ports of kernels that record shadows: one launch per light and bounce, after combine_shadow. A light behind the
+/// surface casts no shadow on it.
 template <template <class> class R>
 struct RecordShadowPorts {
   template <class V>

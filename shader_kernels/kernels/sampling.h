@@ -11,34 +11,34 @@ namespace kernels {
 
 /// Mip levels that a lookup blends.
 enum class MipFilter : std::uint8_t {
-  kNone,     ///< there are none
-  kNearest,  ///< the level whose texels are nearest to the footprint in size
-  kLinear,   ///< the two about it: trilinear
+  kNone,     ///< no mip maps
+  kNearest,  ///< the level whose texel size is nearest to the footprint
+  kLinear,   ///< the two nearest levels (trilinear)
 };
 
-/// One of the names, by filter.
+/// Returns the name that belongs to the filter.
 template <MipFilter kMips>
 constexpr std::string_view by_filter(std::string_view none, std::string_view nearest, std::string_view linear) {
   return kMips == MipFilter::kNone ? none : kMips == MipFilter::kNearest ? nearest : linear;
 }
 
-/// Four texels around a point and how much of each.
+/// The four texels around a point, and their bilinear weights.
 template <class V>
 struct Sample {
   FootprintRecord<V> texels;
-  F<V> right, lower;  ///< weight of the right and of the lower two
-  /// Blends what `channel` makes of each texel's bits.
+  F<V> right, lower;  ///< weight of the right and of the lower two texels
+  /// Blends the values that `channel` extracts from each texel's bits.
   F<V> blend(auto&& channel) const {
     const F<V> upper_left = channel(texels.at00), lower_left = channel(texels.at01);
     const F<V> upper = upper_left + (channel(texels.at10) - upper_left) * right;
     const F<V> low = lower_left + (channel(texels.at11) - lower_left) * right;
     return upper + (low - upper) * lower;
   }
-  /// Channel 0 (red) to 3 (alpha) of a linear texture.
+  /// Returns channel 0 (red) to 3 (alpha) of a linear texture.
   F<V> linear(std::uint32_t channel) const {
     return blend([&](const I<V>& rgba) { return to_float(byte_of<V>(rgba, channel)) * (1.0F / 255.0F); });
   }
-  /// Red, green and blue of an sRGB texture, decoded before they are blended.
+  /// Returns the colour of an sRGB texture; texels are decoded before blending.
   Vec3<V> colour(const Table<V, SrgbCodeRecord>& codes) const {
     const auto decoded = [&](std::uint32_t channel) {
       return blend([&](const I<V>& rgba) { return codes.load(byte_of<V>(rgba, channel)).linear; });
@@ -48,7 +48,7 @@ struct Sample {
   }
 };
 
-/// The two texels around a coordinate, and how much of the second.
+/// The two texels around a coordinate, and the weight of the second.
 template <class V>
 struct Neighbours {
   I<V> first, second;
@@ -65,7 +65,7 @@ Neighbours<V> neighbours(const F<V>& coordinate, const AxisRecord<V>& axis) {
           to_int(select(axis.last < second, axis.last - axis.below, second)), texel - first};
 }
 
-/// Looks up a texture. Texel (0, 0) is at the top left, where v is 0. `axes`: two per texture.
+/// Looks up a texture. Texel (0, 0) is at the top left, where v is 0. `axes` has two entries per texture.
 template <class V>
 Sample<V> sample(const Table<V, AxisRecord>& axes, const Texels<V>& texels, const I<V>& texture, const F<V>& u,
                  const F<V>& v) {
@@ -75,7 +75,7 @@ Sample<V> sample(const Table<V, AxisRecord>& axes, const Texels<V>& texels, cons
   return {texels.load(texture, (y.first << 16U) | x.first, (y.second << 16U) | x.second), x.weight, y.weight};
 }
 
-/// Two samples of neighbouring levels, and how much of the second.
+/// Samples of two neighbouring levels, and the weight of the second.
 template <class V>
 struct TrilinearSample {
   Sample<V> fine, coarse;
@@ -90,7 +90,7 @@ struct TrilinearSample {
   F<V> between(const F<V>& a, const F<V>& b) const { return a + (b - a) * weight; }
 };
 
-/// The parts of TexcoordRecord::texture where there are mip levels.
+/// Fields of TexcoordRecord::texture with mip levels.
 inline constexpr std::uint32_t kTextureMask = traces::kMostMipLevels - 1;
 template <class V>
 I<V> with_footprint(const I<V>& texture, const F<V>& footprint) {
@@ -101,20 +101,19 @@ F<V> footprint_of(const I<V>& word) {
   return from_bits(word & ~kTextureMask);
 }
 
-/// Ports that textures are looked up through.
+/// Ports of texture lookups.
 template <class V, MipFilter kMips>
 struct TexturePorts {
   Table<V, AxisRecord> axes;     ///< two per texture
-  Table<V, LevelRecord> levels;  ///< per texture; wired if there are mip levels
+  Table<V, LevelRecord> levels;  ///< one per texture; bound with mip levels
   Texels<V> texels;
   static constexpr void describe(auto& p, auto&& port) {
     port(NAMED(p.axes));
     if constexpr (kMips != MipFilter::kNone) port(NAMED(p.levels));
     port(NAMED(p.texels));
   }
-  /// Looks up a mip-mapped texture, whose first level is `texture`, for a footprint of that extent in texture
-  /// coordinates. The level is the logarithm of the footprint in texels: a float's exponent, and between two whole
-  /// numbers, for the share of either level, its mantissa.
+  /// Looks up a mip-mapped texture, whose first level is `texture`, for a footprint in texture coordinates. The level
+  /// is the logarithm of the footprint in texels: a float's exponent, with its mantissa as the blending weight.
   auto sample_level(const I<V>& texture, const F<V>& footprint, const F<V>& u, const F<V>& v) const {
     const LevelRecord<V> chain = levels.load(texture);
     const I<V> across = bits_of(min(max(footprint * chain.size, F<V>(1.0F)), chain.highest));
@@ -131,7 +130,7 @@ struct TexturePorts {
   }
 };
 
-/// The surface's base texture.
+/// Returns the surface's base texture.
 template <class V, MipFilter kMips>
 I<V> texture_of(const TexcoordRecord<V>& uv) {
   if constexpr (kMips == MipFilter::kNone) {
@@ -141,7 +140,7 @@ I<V> texture_of(const TexcoordRecord<V>& uv) {
   }
 }
 
-/// Ports of executors that look up textures of detailed surfaces; `stream` is the one that they work on.
+/// Ports of executors that look up textures of detailed surfaces; `stream` is their item list.
 template <class V, MipFilter kMips>
 struct DetailPorts : TexturePorts<V, kMips> {
   Local<V, WordRecord> stream;
@@ -155,8 +154,8 @@ struct DetailPorts : TexturePorts<V, kMips> {
     port(NAMED(p.texcoords));
     port(NAMED(p.tangents));
   }
-  /// Looks up a texture with the first texture coordinates, or the second if the surface's classes have that bit. With
-  /// the second it is the first level: the footprint is in the first coordinates.
+  /// Looks up a texture with the first texture coordinates, or with the second if the surface's classes have the bit
+  /// `second`. The latter reads the first level, because the footprint is in first coordinates.
   auto look_up(const I<V>& texture, const I<V>& classes, traces::MaterialFlag second, const TexcoordRecord<V>& uv,
                const TangentRecord<V>& other) const {
     const M<V> use_second = has<V>(classes, second);

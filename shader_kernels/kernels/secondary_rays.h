@@ -8,7 +8,7 @@
 
 namespace kernels {
 
-/// Ports of the executors that send a path on; `stream` is the one that they work on.
+/// Ports of executors that emit secondary rays; `stream` is their item list.
 template <class V>
 struct SecondaryPorts {
   Local<V, WordRecord> stream;
@@ -34,7 +34,7 @@ struct SecondaryPorts {
   }
 };
 
-/// Sends a path on if it still carries enough to be seen.
+/// Emits the next ray of a path whose throughput is still visible.
 template <class V>
 void emit_secondary(SecondaryPorts<V>& at, const Vec3<V>& origin, const Vec3<V>& direction, const PathRecord<V>& path) {
   const I<V> out = at.emitted.next(at.min_weight < largest(path.throughput));
@@ -42,7 +42,7 @@ void emit_secondary(SecondaryPorts<V>& at, const Vec3<V>& origin, const Vec3<V>&
   at.next_paths.store(out, path);
 }
 
-/// A path at a surface that mirrors it or lets it in.
+/// A path at a mirroring or transmitting surface.
 template <class V>
 struct SpecularHit {
   SurfacePointRecord<V> point;
@@ -61,7 +61,7 @@ SpecularHit<V> specular_hit(const I<V>& item, const SecondaryPorts<V>& at) {
   return {point, direction, path, optics, interface<V>(direction, point.normal, point.side, optics.ior)};
 }
 
-/// Mirrors and the mirrored share of glass: one ray carries both.
+/// Emits mirror rays, and the mirrored share of glass; one ray carries both.
 struct ShadeMirror {
   static constexpr std::string_view kName = "shade_mirror";
   static constexpr std::string_view kMeaning = "mirror or glass surface -> reflection ray";
@@ -77,8 +77,8 @@ struct ShadeMirror {
   }
 };
 
-/// What is refracted takes the base colour, once at each surface (KHR_materials_transmission); what glass mirrors does
-/// not. Total reflection leaves no weight, hence no ray.
+/// Emits refracted rays. They take the base colour, once per surface (KHR_materials_transmission); light mirrored by
+/// glass does not. Total reflection leaves no throughput, so no ray is emitted.
 struct ShadeGlass {
   static constexpr std::string_view kName = "shade_glass";
   static constexpr std::string_view kMeaning = "glass surface -> refraction ray";

@@ -12,8 +12,8 @@
 
 namespace kernels {
 
-// Kernels that need more of a hit than which triangle it is come twice: `kInstanced` for scenes of instances (two
-// levels), where a hit names its instance and what lies in memory is in the mesh's own space.
+// Kernels that read more of a hit than its triangle have two variants. `kInstanced` is for scenes with instances (two
+// levels), where a hit names its instance and the mesh's data are in the mesh's own space.
 
 template <class V, bool kInstanced>
 using Hits = std::conditional_t<kInstanced, Local<V, InstanceHitRecord>, Local<V, HitRecord>>;
@@ -38,23 +38,23 @@ I<V> instance_of(const InstanceHitRecord<V>& hit) {
   return (hit.u & traces::kHalfMask) | ((hit.v & traces::kHalfMask) << traces::kHalfBits);
 }
 
-/// A normal of the mesh in world space, not of unit length: the rows of the matrix that carries points the other way,
-/// weighted, are the product with its transpose.
+/// Transforms a mesh normal to world space, without normalising: multiplies by the transpose of the matrix from world
+/// to mesh space.
 template <class V>
 Vec3<V> normal_to_world(const InstanceFields<V>& instance, const Vec3<V>& n) {
   return instance.row0 * n.x + instance.row1 * n.y + instance.row2 * n.z;
 }
 
-/// Texture density in world space, given the mesh's normal `n`, as long as the density in the mesh's space, and the
-/// length of normal_to_world(n). Areas across n grow by volume * |normal_to_world(n)| / |n|, densities by its root.
+/// Returns the texture density in world space. The mesh normal `n` has the density in the mesh's space as its length.
+/// Areas perpendicular to n grow by volume * |normal_to_world(n)| / |n|, densities by its root.
 template <class V>
 F<V> density_in_world(const InstanceFields<V>& instance, const Vec3<V>& n, const F<V>& length_in_world) {
   const F<V> squared = dot(n, n);
   return sqrt(squared * sqrt(squared) / (instance.volume * length_in_world));
 }
 
-/// A direction in the surface, unit, or zero if it is. The inverse matrix's columns are the cross products of rows over
-/// the determinant, of which only the sign matters.
+/// Transforms a tangent to world space; the result is unit or zero. The columns of the inverse matrix are cross
+/// products of rows over the determinant, of which only the sign matters.
 template <class V>
 Vec3<V> tangent_to_world(const InstanceFields<V>& instance, const Vec3<V>& t) {
   const Vec3<V> along = cross(instance.row1, instance.row2) * t.x + cross(instance.row2, instance.row0) * t.y +
@@ -81,20 +81,22 @@ VertexColour<V> vertex_colour(const Weights<V>& corners, const VertexFields<V>& 
           high(at.blue_alpha0, at.blue_alpha1, at.blue_alpha2)};
 }
 
-/// One of the names, by how surfaces are fetched.
+/// Returns the name that belongs to the variant.
 template <bool kInstanced, bool kCones>
 constexpr std::string_view by_surface(std::string_view plain, std::string_view instanced, std::string_view cones,
                                       std::string_view cones_instanced) {
   return kCones ? (kInstanced ? cones_instanced : cones) : (kInstanced ? instanced : plain);
 }
 
-/// Cones that graze a surface cover no more of it than those at this cosine do.
+/// Smallest cosine for which a cone's footprint on a surface is computed; at more grazing angles it stays the same.
 inline constexpr float kLeastCosine = 0x1p-6F;
 
-/// Fetches what the hit triangle says of the surface and leaves it in the tile buffer for the executors. Only shading
-/// normals are known: where one disagrees with its triangle, at silhouettes, a ray may be mirrored into the surface.
-/// With cones it also says how wide the ray's is there in texture coordinates, lengthwise. A cone keeps its spread
-/// where it is mirrored or refracted, and is taken to have come straight from the eye to where its last ray begins.
+/// Fetches the surface of a hit and stores it in the tile buffer for the executors. Only shading normals are read:
+/// where they disagree with the triangle, at silhouettes, a ray may be mirrored into the surface.
+///
+/// With cones it also computes the footprint of the ray's cone in texture coordinates, along its longer axis. Mirrors
+/// and refraction do not change a cone's spread, and the distance from the eye to the start of the last ray is taken as
+/// straight.
 template <bool kInstanced, bool kCones = false>
 struct ShadeSurface {
   static constexpr std::string_view kName = by_surface<kInstanced, kCones>(
@@ -109,13 +111,13 @@ struct ShadeSurface {
     Local<V, RayRecord> rays;
     Hits<V, kInstanced> hits;
     Attributes<V> attributes;
-    Instances<V> instances;  ///< wired if kInstanced
+    Instances<V> instances;  ///< bound if kInstanced
     Materials<V> materials;
     Local<V, SurfacePointRecord> points;
     Local<V, DiffuseRecord> mattes;
     Local<V, TexcoordRecord> texcoords;
     Local<V, SpecularRecord> optics;
-    ConeUniforms<V> cone;  ///< wired if kCones
+    ConeUniforms<V> cone;  ///< bound if kCones
     static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.surfaces));
       port(NAMED(p.rays));
@@ -181,7 +183,7 @@ struct FetchVertices {
     Local<V, SpecularRecord> optics;
     Local<V, TangentRecord> tangents;
     Vertices<V> vertices;
-    Instances<V> instances;  ///< wired if kInstanced
+    Instances<V> instances;  ///< bound if kInstanced
     static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.vertexed));
       port(NAMED(p.hits));

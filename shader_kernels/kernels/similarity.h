@@ -8,9 +8,9 @@
 
 namespace kernels {
 
-/// Similarity checks between the two samples that a third lies between; a bit each in what a check kernel leaves in the
-/// tile buffer, where 0 means that all have passed. Their order is that of the papers; the first to fail is what a
-/// sample is said to be traced for.
+/// Similarity checks between the two references of a sample. A check kernel stores the failed ones as bits in the tile
+/// buffer; 0 means that all passed. They are in the order of the papers; the first that fails is the reason why a
+/// sample is traced.
 enum class Check : std::uint8_t {
   kObject,
   kPosition,
@@ -23,7 +23,7 @@ enum class Check : std::uint8_t {
   kSecondaryNormal,
   kSecondaryShadow,
   kDetail,  ///< a surface that cannot be shaded from interpolated attributes
-  kBorder,  ///< one of the two lies outside the picture
+  kBorder,  ///< a reference is outside the picture
   kCount
 };
 constexpr std::array<std::string_view, 12> names_of(Check) {
@@ -32,13 +32,13 @@ constexpr std::array<std::string_view, 12> names_of(Check) {
 }
 constexpr std::uint32_t bit(Check check) { return 1U << static_cast<std::uint32_t>(check); }
 
-/// The samples between the reference samples of parallel lines. Along a line every `block`-th sample is a reference,
-/// from position 0 on; positions below `low` or above `high` are outside the picture. `gaps` is block - 1.
+/// The samples between reference samples of parallel lines. Along a line every `block`-th sample is a reference, from
+/// position 0; positions below `low` or above `high` are outside the picture. `gaps` is block - 1.
 template <class V>
 struct LineUniforms {
-  F<V> inner, inverse_inner;  ///< along x: samples between references in a line; along y: lines
+  F<V> inner, inverse_inner;  ///< along x: samples between references per line; along y: lines
   F<V> gaps, inverse_gaps, block, inverse_block;
-  F<V> first, step, line_step;  ///< position 0 of line 0; from position to position, from line to line
+  F<V> first, step, line_step;  ///< position 0 of line 0; steps between positions and between lines
   F<V> low, high;
   static constexpr void describe(auto& l, auto&& port) {
     port(l.inner, "line.inner");
@@ -55,15 +55,15 @@ struct LineUniforms {
   }
 };
 
-/// A sample and the two references that it lies between.
+/// A sample and its two references.
 template <class V>
 struct SampleNeighbours {
   I<V> sample, before, after;
-  I<V> gap;      ///< samples between `before` and it
-  M<V> outside;  ///< one of the two is not there
+  I<V> gap;      ///< position between the references, from 0
+  M<V> outside;  ///< a reference is outside the picture
 };
 
-/// Sample number `item`; lines are worked off one after the other along x, side by side along y.
+/// Returns the sample of an item. Along x the items follow the lines, along y they alternate between lines.
 template <bool kAlongY, class V>
 SampleNeighbours<V> sample_neighbours(const I<V>& item, const LineUniforms<V>& line) {
   const DivMod<V> outer = divmod<V>(to_float(item), line.inner, line.inverse_inner);
@@ -76,14 +76,14 @@ SampleNeighbours<V> sample_neighbours(const I<V>& item, const LineUniforms<V>& l
           to_int(gap.remainder), logical_or(position < line.low, line.high < position + line.block)};
 }
 
-// An item of the stream of samples that have passed: the sample, and above it the gap.
+// An entry in the list of passed samples: the sample, with the gap above it.
 inline constexpr std::uint32_t kGapShift = 24;
 inline constexpr std::uint32_t kSampleMask = (1U << kGapShift) - 1;
 
 template <class V>
 struct Passed {
   I<V> sample, before, after;
-  F<V> weight;  ///< weight of `after`; that of `before` is the rest
+  F<V> weight;  ///< weight of `after`; 1 minus that of `before`
 };
 template <class V>
 Passed<V> passed(const I<V>& word, const LineUniforms<V>& line) {
@@ -94,8 +94,7 @@ Passed<V> passed(const I<V>& word, const LineUniforms<V>& line) {
   return {sample, to_int(before), to_int(before + line.block * line.step), steps * line.inverse_block};
 }
 
-/// Kernel K, which runs over the samples that have passed, behind their check: it makes all samples, and those that
-/// have failed are traced afterwards.
+/// Runs kernel K over all samples instead of the list of passed ones; samples that failed are traced afterwards.
 template <bool kAlongY, class K>
 struct AllPassed {
   using Of = K;
@@ -108,7 +107,7 @@ struct AllPassed {
   }
 };
 
-/// Ports of check kernels, which leave the failed checks of a sample in the tile buffer, and it in one of two streams.
+/// Ports of check kernels: the failed checks of a sample go to the tile buffer, the sample to one of two lists.
 template <class V>
 struct VerdictPorts {
   LineUniforms<V> line;
@@ -145,16 +144,16 @@ Vec3<V> lerp(const Vec3<V>& a, const Vec3<V>& b, const F<V>& weight) {
   return a + (b - a) * weight;
 }
 
-/// Colour of a sample between two: samples are what is averaged, so they are clamped first.
+/// Interpolates two colours. Samples are clamped first, because pixels average clamped samples.
 template <class V>
 Vec3<V> lerp_colours(const Vec3<V>& a, const Vec3<V>& b, const F<V>& weight) {
   return lerp<V>({clamped<V>(a.x), clamped<V>(a.y), clamped<V>(a.z)},
                  {clamped<V>(b.x), clamped<V>(b.y), clamped<V>(b.z)}, weight);
 }
 
-/// The inspector of multi-rate sampling (Lee et al. 2016): same object, similar normals, same shadows at the first hit
-/// and, with kSecondary, at those behind mirrors and glass. With kTexture it compares the colours of textured surfaces,
-/// too: against one distance as a check, against another to count samples that pass and yet are rough.
+/// Inspector of multirate (Lee et al. 2016): checks for the same object, similar normals and the same shadows at the
+/// first hit, and with kSecondary at mirrored and refracted hits. With kTexture it also compares the colours of
+/// textured surfaces: one distance decides a check, another counts samples that pass and yet are rough.
 template <bool kAlongY, bool kSecondary, bool kTexture>
 struct CheckSimilarity {
   static constexpr std::array<std::string_view, 8> kNames{"check_similarity_x",
@@ -172,7 +171,7 @@ struct CheckSimilarity {
     Local<V, GeometryRecord> geometry;
     Local<V, SecondaryRecord> secondary;
     F<V> least_dot;
-    Local<V, ColourRecord> colours;      ///< wired if kTexture, and what follows
+    Local<V, ColourRecord> colours;      ///< bound if kTexture, as are the next two
     F<V> texture_squared, rate_squared;  ///< colours farther apart fail, or are rough
     Counter<V> rough_count;
     static constexpr void describe(auto& p, auto&& port) {
@@ -217,16 +216,16 @@ struct CheckSimilarity {
   }
 };
 
-/// Geometry that an interpolated sample keeps, for checks along the other axis that it is a reference of. Attributes
-/// that had to be equal are taken over.
+/// Interpolates the geometry of a sample that will be a reference along the other axis. Attributes that had to be equal
+/// are copied.
 template <class V>
 GeometryRecord<V> lerp_geometry(const GeometryRecord<V>& a, const GeometryRecord<V>& b, const F<V>& weight) {
   return {normalised(lerp<V>(a.normal, b.normal, weight)), a.object, lerp<V>(a.position, b.position, weight),
           a.shadows};
 }
 
-/// The executor of samples that have passed (Lee et al. 2016): the colour in the middle of two. Along x it also leaves
-/// the geometry there, as checks along y look at it.
+/// Executor of multirate for samples that passed (Lee et al. 2016): interpolates the colour. Along x it also stores the
+/// geometry for the checks along y.
 template <bool kAlongY, bool kSecondary>
 struct InterpolateSample {
   static constexpr std::string_view kName =

@@ -10,8 +10,8 @@
 
 namespace kernels {
 
-/// Attributes compared between pixels to find out which of their four sub-pixels need more samples; a threshold each.
-/// The colour's counts where nothing else disagrees.
+/// Attributes that supersample compares between pixels, each with a threshold. The threshold of kColour applies if no
+/// other attribute differs.
 enum class Attribute : std::uint8_t {
   kColour,
   kObject,
@@ -31,24 +31,23 @@ constexpr std::array<std::string_view, kAttributes> names_of(Attribute) {
 }
 constexpr std::uint32_t bit(Attribute attribute) { return 1U << static_cast<std::uint32_t>(attribute); }
 
-// The verdict on a sub-pixel, four to a pixel, row by row within it: bits of the attributes that disagreed (kColour if
-// none did), whether it is active, and above that its index in the list of active ones, whose items are pixel * 4 +
-// sub-pixel.
+// The verdict on a sub-pixel, four per pixel, row by row: bits of the differing attributes (kColour if none), the
+// active bit, and above it the index in the list of active sub-pixels. Entries of that list are pixel * 4 + sub-pixel.
 inline constexpr std::uint32_t kActiveShift = kAttributes;
 inline constexpr std::uint32_t kIndexShift = 12;
 
-/// Factors of a contrast's threshold, by channel (Jin et al. 2009).
+/// Factors of the contrast threshold per channel (Jin et al. 2009).
 inline constexpr std::array<float, 3> kChannelFactors{1.36F, 1.02F, 2.04F};
-/// A threshold that no contrast reaches.
+/// A threshold above any contrast.
 inline constexpr float kNever = 4.0F;
 
-/// Sub-pixels of a chunk, which executors work off at once.
+/// Sub-pixels in a chunk, which executors process together.
 inline constexpr std::uint32_t kChunk = 64;
-/// Samples of an active sub-pixel; of a pixel whose sub-pixels all are.
+/// Samples of an active sub-pixel, of a pixel with four of them, and the side of that pixel's grid.
 inline constexpr std::uint32_t kExtra = 4, kWhole = 16, kWholeGrid = 4;
 
-/// The pixels that a tile finishes, row by row, and where their centre samples lie: `pitch` to a row, from `first` on.
-/// Columns and rows of samples that there are, counted as the pixels, go from `low` to `high`.
+/// The pixels that a tile finishes, row by row, and their centre samples: `pitch` per row, beginning at `first`.
+/// Columns and rows of existing samples go from `low` to `high`, counted as the pixels.
 template <class V>
 struct FinishedUniforms {
   F<V> width, inverse_width;
@@ -66,13 +65,13 @@ struct FinishedUniforms {
   }
 };
 
-/// Steps from a pixel's centre sample to those of the pixels around its corner; 0 where the picture ends.
+/// Steps from a pixel's centre sample to those around its corner; 0 beyond the edge of the picture.
 template <class V>
 struct CornerSteps {
   F<V> x, y;
   M<V> has_both;
 };
-/// `right`, `below`: 1 for the corners there, -1 for those left or above.
+/// Returns the steps to a corner. `right` and `below` are 1 for right and lower corners, -1 for left and upper ones.
 template <class V>
 CornerSteps<V> corner_steps(const DivMod<V>& pixel, const F<V>& right, const F<V>& below,
                             const FinishedUniforms<V>& of) {
@@ -83,7 +82,7 @@ CornerSteps<V> corner_steps(const DivMod<V>& pixel, const F<V>& right, const F<V
   return {select(has_x, right, F<V>(0.0F)), select(has_y, below * of.pitch, F<V>(0.0F)), both(has_x, has_y)};
 }
 
-/// The pixel's row (quotient) and column.
+/// Returns the pixel's row (quotient) and column.
 template <class V>
 DivMod<V> finished_pixel(const F<V>& pixel, const FinishedUniforms<V>& of) {
   return divmod<V>(pixel, of.width, of.inverse_width);
@@ -103,8 +102,8 @@ Vec3<V> clamped_colour(const Vec3<V>& colour) {
   return {clamped<V>(colour.x), clamped<V>(colour.y), clamped<V>(colour.z)};
 }
 
-/// Bits of an attribute set, counted from its first, that differ between two pixels; all of them only if one of the two
-/// objects has the flag `focus` (0: any has). Normals are the same if their dot product is at least `same_normal`.
+/// Returns the bits of an attribute set that differ between two pixels. An object counts only if one of the two has the
+/// flag `focus` (0: always). Normals are equal if their dot product is at least `same_normal`.
 template <class V>
 I<V> disagreements(const TraitsRecord<V>& own, const TraitsRecord<V>& other, const F<V>& same_normal,
                    const I<V>& focus) {
@@ -115,8 +114,7 @@ I<V> disagreements(const TraitsRecord<V>& own, const TraitsRecord<V>& other, con
   return select(((own.object | other.object) & focus) == focus, differ, I<V>(0U));
 }
 
-/// Contrast of one channel (Mitchell 1987) of linear colours, clamped and sRGB-encoded: 0 for equal ones, black too,
-/// and at most 1.
+/// Returns the contrast of one channel (Mitchell 1987) of linear colours, clamped and sRGB-encoded, from 0 to 1.
 template <class V>
 F<V> contrast(const F<V>& a, const F<V>& b, const F<V>& c, const F<V>& d) {
   const F<V> most = encoded<V>(clamped<V>(max(max(a, b), max(c, d))));
@@ -124,8 +122,8 @@ F<V> contrast(const F<V>& a, const F<V>& b, const F<V>& c, const F<V>& d) {
   return (most - least) / max(most + least, F<V>(1e-30F));
 }
 
-/// The inspector of supersampling (Jin et al. 2009), once for each of a pixel's four sub-pixels: compares the pixel
-/// with the three around the sub-pixel's corner. The smallest threshold of the attributes that disagree applies to the
+/// Inspector of supersample (Jin et al. 2009), run for each of a pixel's four sub-pixels. It compares the pixel with
+/// the three others around the sub-pixel's corner. The smallest threshold of the differing attributes applies to the
 /// contrast of the four colours.
 struct TestSubpixels {
   static constexpr std::string_view kName = "test_subpixels";
@@ -137,10 +135,10 @@ struct TestSubpixels {
     Local<V, TraitsRecord> traits, secondary;
     Local<V, ColourRecord> colours;
     Local<V, WordRecord> verdicts;
-    std::array<F<V>, kAttributes> thresholds;  ///< above 1: no contrast is enough
+    std::array<F<V>, kAttributes> thresholds;  ///< above 1: never reached
     F<V> same_normal;
-    I<V> compared;         ///< attributes that count, a bit each
-    I<V> focus, textured;  ///< flags that objects need: one of a pair; with a texture
+    I<V> compared;         ///< bits of the attributes to compare
+    I<V> focus, textured;  ///< flags of objects: in focus, textured
     static constexpr void describe(auto& p, auto&& port) {
       FinishedUniforms<V>::describe(p.finished, port);
       port(NAMED(p.traits));
@@ -160,7 +158,7 @@ struct TestSubpixels {
     const CornerSteps<V> step =
         corner_steps<V>(pixel, to_float((item << 1U) & 2U) - 1.0F, to_float(item & 2U) - 1.0F, at.finished);
     const F<V> own = centre_sample<V>(pixel, at.finished);
-    // One that is not there is the pixel itself, which differs from itself in nothing.
+    // A pixel outside the picture is replaced by the pixel itself, so that nothing differs.
     const I<V> centre = to_int(own);
     const I<V> beside = to_int(own + step.x);
     const I<V> above = to_int(own + step.y);
@@ -188,7 +186,8 @@ struct TestSubpixels {
   }
 
  private:
-  /// Bits of one attribute set; its texture disagrees wherever the pixel itself has one.
+  /// Returns the differing bits of one attribute set. The texture bit is set whenever the pixel's own object is
+  /// textured.
   template <class V>
   static I<V> differing(const Local<V, TraitsRecord>& set, const I<V>& centre, const I<V>& beside, const I<V>& above,
                         const I<V>& corner, const Ports<V>& at) {
@@ -203,8 +202,8 @@ struct TestSubpixels {
   }
 };
 
-/// Share of a pixel's inactive sub-pixels, a quarter each: the colour at the pixel's centre or, with kBilinear,
-/// that between the centres around the sub-pixel's own.
+/// Adds the share of a pixel's inactive sub-pixels, a quarter each: the colour at the pixel's centre or, with
+/// kBilinear, the one interpolated at the sub-pixel's centre.
 template <bool kBilinear>
 struct WeighCentres {
   static constexpr std::string_view kName = kBilinear ? "weigh_centres_bilinear" : "weigh_centres";
@@ -248,21 +247,23 @@ struct WeighCentres {
   }
 };
 
-// Pixels of a block, which are listed together; the last blocks of a row or column may stand out over the tile.
+// Size in pixels of a block, whose sub-pixels are listed together. Blocks at the tile's edges may extend beyond it.
 inline constexpr std::uint32_t kBlockWidth = 8, kBlockHeight = 4;
 
-/// Lists the active sub-pixels in chunks of 64, block by block, as Jin et al. (2009) do: one after the other looks at
-/// every pixel. Sub-pixels of a pixel do not straddle chunks; entries at the end of one are left empty for that. Pixels
-/// that have any are listed as masters, in the same order: they collect the samples of a chunk.
+/// Lists the active sub-pixels in chunks of 64, block by block (Jin et al. 2009).
+///
+/// 1. The sub-pixels of a pixel stay in one chunk; entries at a chunk's end may be left empty for that.
+/// 2. Pixels with active sub-pixels are listed as masters in the same order. A master collects the samples of its
+///    chunk.
 struct PackSubpixels {
   static constexpr std::string_view kName = "pack_subpixels";
   static constexpr std::string_view kMeaning = "pixel -> its active sub-pixels into the list, within one chunk";
   template <class V>
   struct Ports {
-    F<V> across, inverse_across;  ///< blocks in a row
+    F<V> across, inverse_across;  ///< blocks per row
     F<V> width, height;           ///< in pixels
     Local<V, WordRecord> verdicts, active, masters;
-    Local<V, WordRecord> fills;  ///< per chunk: entries taken; above kFillBits, masters up to there
+    Local<V, WordRecord> fills;  ///< per chunk: used entries; above kFillBits, masters so far
     Carried<V> list_end;
     Counter<V> masters_count;
     static constexpr void describe(auto& p, auto&& port) {
@@ -324,9 +325,9 @@ struct PackSubpixels {
   }
 };
 
-/// Lists the active sub-pixels as if each had asked for its index by itself, with an atomic addition to the list's
-/// length: one a word of the tile buffer is read, added to and written back. Who asks when is anybody's guess; here it
-/// is every `stride`-th sub-pixel, round and round.
+/// Lists the active sub-pixels with one atomic addition to the list's length per sub-pixel: one word of the tile buffer
+/// is read, added to and written back. Their real order is undefined; the modelled one takes every `stride`-th
+/// sub-pixel in turn.
 struct PackSubpixelsAtomic {
   static constexpr std::string_view kName = "pack_subpixels_atomic";
   static constexpr std::string_view kMeaning = "sub-pixel, in scattered order -> into the list if it is active";
@@ -359,9 +360,9 @@ struct PackSubpixelsAtomic {
   }
 };
 
-/// 16 items per listed pixel, the cells of its 4 x 4 row by row: adds the samples of its active sub-pixels, in the
-/// order in which average_colour adds those of full:16, to what weigh_centres has left there. Every item leaves the sum
-/// so far; the last one completes it.
+/// Adds the samples of a listed pixel's active sub-pixels to the sum of weigh_centres, in the order of average_colour
+/// for full:16. A pixel has 16 items, its 4 x 4 cells row by row. Each item stores the sum so far; the last completes
+/// it.
 struct SumSubpixels {
   static constexpr std::string_view kName = "sum_subpixels";
   static constexpr std::string_view kMeaning = "cell of a pixel -> its sample's share of the pixel";
@@ -370,7 +371,7 @@ struct SumSubpixels {
     Local<V, WordRecord> listed, verdicts;
     Local<V, ColourRecord> colours, pixels;
     Carried<V> red, green, blue, base_red, base_green, base_blue;
-    F<V> first_sample;  ///< where the colours of the first sub-pixel in the list lie
+    F<V> first_sample;  ///< index of the first listed sub-pixel's colours
     static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.listed));
       port(NAMED(p.verdicts));
@@ -409,14 +410,14 @@ struct SumSubpixels {
   }
 };
 
-// State of a sub-pixel (SubpixelRecord) as rounds of propagation see it: channels of its sRGB-encoded colour, 16 bits
-// each, and above the blue one its reasons and, above those, the round that has made it active: 1 for the first test, 0
-// if it is not active.
+// State of a sub-pixel (SubpixelRecord) between rounds of propagation. It has the channels of its sRGB-encoded colour,
+// 16 bits each. Above blue are its reasons, and above those the round that made it active: 1 for the first test, 0 for
+// none.
 inline constexpr std::uint32_t kReasonsShift = 16, kRoundShift = kReasonsShift + kAttributes;
 inline constexpr std::uint32_t kReasonsMask = (1U << kAttributes) - 1;
 inline constexpr std::uint32_t kChannelMask = (1U << kReasonsShift) - 1;
 
-/// States of sub-pixels lie row by row, `pitch` to a row, from `first` on; pixels are `width` to a row.
+/// The array of sub-pixel states: row by row, `pitch` per row, beginning at `first`, with `width` pixels per row.
 template <class V>
 struct StateUniforms {
   F<V> width, inverse_width;
@@ -428,7 +429,7 @@ struct StateUniforms {
     port(s.pitch, "states.pitch");
   }
 };
-/// Position of the state of sub-pixel `subpixel`, four to a pixel.
+/// Returns the position of sub-pixel `subpixel`, four per pixel.
 template <class V>
 F<V> state_of(const I<V>& subpixel, const StateUniforms<V>& of) {
   const DivMod<V> pixel = divmod<V>(to_float(subpixel >> 2U), of.width, of.inverse_width);
@@ -437,14 +438,14 @@ F<V> state_of(const I<V>& subpixel, const StateUniforms<V>& of) {
   return of.first + row * of.pitch + column;
 }
 
-/// `why`: reasons and round, in their places.
+/// `why`: reasons and round, already shifted.
 template <class V>
 SubpixelRecord<V> state_with(const Vec3<V>& colour, const I<V>& why) {
   const auto channel = [](const F<V>& x) { return to_int(encoded<V>(x) * 65535.0F + 0.5F); };
   return {channel(colour.x) | (channel(colour.y) << 16U), channel(colour.z) | why};
 }
 
-/// Leaves for rounds of propagation what an active sub-pixel shows: the mean of its four samples.
+/// Stores the colour of an active sub-pixel for propagation: the mean of its four samples.
 struct SettleSubpixels {
   static constexpr std::string_view kName = "settle_subpixels";
   static constexpr std::string_view kMeaning = "listed sub-pixel, its four samples -> its colour and state";
@@ -455,7 +456,7 @@ struct SettleSubpixels {
     Local<V, ColourRecord> colours, shown;
     Local<V, SubpixelRecord> states;
     F<V> first_sample;
-    I<V> round;  ///< in its place
+    I<V> round;  ///< already shifted
     static constexpr void describe(auto& p, auto&& port) {
       StateUniforms<V>::describe(p.grid, port);
       port(NAMED(p.active));
@@ -483,8 +484,8 @@ struct SettleSubpixels {
   }
 };
 
-/// The same of all sub-pixels as if none was active: the colour at the pixel's centre or, with kBilinear, between the
-/// centres around the sub-pixel's own.
+/// Stores the colour of every sub-pixel as if none were active: the colour at the pixel's centre or, with kBilinear,
+/// the one interpolated at the sub-pixel's centre.
 template <bool kBilinear>
 struct ShowSubpixels {
   static constexpr std::string_view kName = kBilinear ? "show_subpixels_bilinear" : "show_subpixels";
@@ -521,8 +522,8 @@ struct ShowSubpixels {
   }
 };
 
-/// The inspector of a round of propagation: compares a sub-pixel that is not active with those of its four neighbours
-/// that the round before has made active. Their smallest threshold applies to the contrast of all of them.
+/// Inspector of a propagation round: compares an inactive sub-pixel with those of its four neighbours that the previous
+/// round made active. Their smallest threshold applies to the contrast of all of them.
 struct PropagateSubpixels {
   static constexpr std::string_view kName = "propagate_subpixels";
   static constexpr std::string_view kMeaning =
@@ -533,9 +534,9 @@ struct PropagateSubpixels {
     Local<V, SubpixelRecord> states;
     Local<V, WordRecord> verdicts, active, masters;
     Counter<V> active_count, masters_count;
-    Carried<V> last_master;                    ///< pixel listed last
-    std::array<F<V>, kAttributes> thresholds;  ///< above 1: no contrast is enough
-    I<V> round;                                ///< the one before, in its place
+    Carried<V> last_master;                    ///< the pixel listed last
+    std::array<F<V>, kAttributes> thresholds;  ///< above 1: never reached
+    I<V> round;                                ///< the previous round, already shifted
     static constexpr void describe(auto& p, auto&& port) {
       StateUniforms<V>::describe(p.grid, port);
       port(NAMED(p.states));
@@ -583,7 +584,7 @@ struct PropagateSubpixels {
   }
 
  private:
-  /// Least and most of each channel, and reasons of the neighbours that count.
+  /// Minimum and maximum of each channel, and the reasons, over the neighbours that count.
   template <class V>
   struct Range {
     Vec3<V> least, most;
@@ -606,7 +607,7 @@ struct PropagateSubpixels {
   }
 };
 
-/// Four items per listed pixel: the mean of its sub-pixels, as average_colour has it of samples.
+/// Four items per listed pixel: the mean of its sub-pixels.
 struct AverageSubpixels {
   static constexpr std::string_view kName = "average_subpixels";
   static constexpr std::string_view kMeaning = "sub-pixel of a listed pixel -> mean of the pixel's sub-pixels";

@@ -5,8 +5,8 @@
 
 namespace kernels {
 
-/// A pinhole camera: the ray through the picture's point (x, y), in pixels from the top left corner, goes along
-/// corner + x * right + y * down.
+/// A pinhole camera. The ray through picture position (x, y), in pixels from the top left corner, has direction corner
+/// + x * right + y * down.
 template <class V>
 struct CameraUniforms {
   Vec3<V> origin, corner, right, down;
@@ -18,25 +18,25 @@ struct CameraUniforms {
   }
 };
 
-/// The cones of a picture's rays (Akenine-Moeller et al. 2021): wide as a sample where the picture is, and growing with
-/// the way from the eye.
+/// Ray cones (Akenine-Moeller et al. 2021): as wide as a sample in the picture plane, growing with the distance from
+/// the eye.
 template <class V>
 struct ConeUniforms {
   Vec3<V> eye;
-  F<V> spread;  ///< width per length of the way
+  F<V> spread;  ///< width per unit of distance
   static constexpr void describe(auto& c, auto&& port) {
     port(c.eye, "cone.eye");
     port(c.spread, "cone.spread");
   }
 };
 
-/// The samples of a tile: items count samples within a pixel first, then pixels row by row. Divisions are by these
-/// constants, so their reciprocals come along.
+/// The samples of a tile. Items run over the samples of a pixel, then over pixels row by row. Reciprocals replace
+/// divisions by constants.
 template <class V>
 struct TileUniforms {
   F<V> x0, y0;                    ///< first pixel
-  F<V> width, inverse_width;      ///< pixels in a row
-  F<V> samples, inverse_samples;  ///< per pixel: a grid of
+  F<V> width, inverse_width;      ///< pixels per row
+  F<V> samples, inverse_samples;  ///< samples per pixel, in a grid of
   F<V> grid, inverse_grid;        ///< grid x grid
   static constexpr void describe(auto& c, auto&& port) {
     port(c.x0, "tile.x0");
@@ -50,7 +50,7 @@ struct TileUniforms {
   }
 };
 
-/// A light of any kind. Point and spot: `local` 1, `position` where it is, `reach` 1. Directional: `local` 0,
+/// A light of any kind. Point and spot: `local` is 1, `position` its position, `reach` 1. Directional: `local` is 0,
 /// `position` a unit vector towards the light, `reach` infinite. Without a cone `cone_scale` is 0 and `cone_offset` 1;
 /// without a range `inverse_range_squared` is 0.
 template <class V>
@@ -69,8 +69,8 @@ struct LightUniforms {
   }
 };
 
-/// A tile's samples as they lie in the tile buffer: row by row, `pitch` to a row, with what it needs of its neighbours
-/// around its own. The picture's samples form one grid, `grid` x `grid` to a pixel.
+/// The samples of a tile in the tile buffer: row by row, `pitch` per row, including the halo. The picture's samples
+/// form a grid with `grid` x `grid` per pixel.
 template <class V>
 struct GridUniforms {
   F<V> x0, y0;  ///< position of the first sample in the picture's grid
@@ -86,7 +86,7 @@ struct GridUniforms {
   }
 };
 
-/// A lattice of samples: `across` to a row, steps in samples.
+/// A lattice of samples: `across` per row, steps in samples.
 template <class V>
 struct LatticeUniforms {
   F<V> first, across, inverse_across, step, row_step;
@@ -104,7 +104,7 @@ I<V> lattice_sample(const I<V>& number, const LatticeUniforms<V>& lattice) {
   return to_int(lattice.first + row.remainder * lattice.step + row.quotient * lattice.row_step);
 }
 
-/// Stands for failed checks at a reference sample, which is not checked.
+/// Verdict of a reference sample, which is not checked.
 inline constexpr std::uint32_t kReferenceVerdict = 1U << 31;
 
 }  // namespace kernels
