@@ -30,7 +30,7 @@ void GeometryPass::run_tile(std::uint32_t tile_index, const traces::Tracer& trac
   if (tile_index < batches()) return run_batch(tile_index, record, out);
   out.rasteriser = rasteriser_.get();
   program_->run_tile(tile_index - batches(), tracer, record, out);
-  // Lists must be complete before any tile reads them.
+  // Lists must be complete before a tile reads them.
   if (tile_index == batches() && batches() > 0) out.work.after_all = true;
 }
 

@@ -6,12 +6,12 @@
 
 namespace kernels {
 
-/// A frame program whose primary hits a rasteriser finds: the entries of its list, behind those of a pass that puts all
-/// triangles into lists by where in the picture they lie.
+/// A frame program with a rasteriser for its primary hits. A geometry pass, which adds all triangles to the lists of
+/// screen regions, precedes the program's own entries.
 ///
 ///   pass 0: batches of triangles --> lists --> all later passes: the program's own, whose first waves are rasterised
 ///
-/// Entries of the geometry pass make no picture. Their numbers as tiles follow those of the program's.
+/// Entries of the geometry pass render no pixels. They are numbered as tiles after those of the program.
 class GeometryPass final : public FrameProgram {
  public:
   GeometryPass(std::unique_ptr<FrameProgram> program, std::unique_ptr<traces::Rasteriser> rasteriser,
@@ -40,7 +40,7 @@ class GeometryPass final : public FrameProgram {
   const std::uint32_t frame_;
 };
 
-/// A rasteriser for a picture whose tiles are squares of `side` pixels.
+/// Returns a rasteriser for a picture with square tiles of `side` pixels.
 std::unique_ptr<traces::Rasteriser> make_rasteriser(const traces::MemoryImage& image, const traces::Camera& camera,
                                                     std::uint32_t width, std::uint32_t height,
                                                     const traces::RasterConfig& config, std::uint32_t side);

@@ -6,18 +6,18 @@
 
 namespace kernels {
 
-/// A frame program as the user names it.
+/// A frame program as given by the user.
 struct ProgramSpec {
   enum class Kind : std::uint8_t { kFull, kMultirate, kUndersample, kSupersample, kReconstruct, kSraa };
   Kind kind = Kind::kFull;
-  std::uint32_t samples = 1;  ///< per pixel, a square; full, multirate
+  std::uint32_t samples = 1;  ///< samples per pixel, a square number; for full and multirate
   std::string name() const;
 };
 
-/// "full:4", "multirate:under"; "full" alone means full:1. Throws sim::InputError that lists what there is.
+/// Parses "full:4" or "multirate:under"; "full" means full:1. Throws sim::InputError with the allowed programs.
 ProgramSpec parse_program(std::string_view text);
 
-/// Names that parse_program() knows.
+/// Returns the names that parse_program() accepts.
 std::vector<std::string> program_names();
 
 }  // namespace kernels

@@ -18,7 +18,7 @@
 namespace kernels {
 namespace {
 
-/// Surfaces that undersample interpolates have no rays.
+/// Surfaces that undersample interpolates cast no rays.
 void check_undersampled(const Effects& effects) {
   for (const Effect effect : {Effect::kOcclusion, Effect::kSoftShadows}) {
     if (!effects.has(effect)) continue;
@@ -29,7 +29,7 @@ void check_undersampled(const Effects& effects) {
   }
 }
 
-/// Programs but full:1 have no filter for effects at a lower rate.
+/// Only full:1 has a filter for effects at a lower rate.
 void check_rate(const ProgramSpec& spec, EffectRate rate) {
   if (rate == EffectRate::kFull || (spec.kind == ProgramSpec::Kind::kFull && spec.samples == 1)) return;
   throw sim::InputError(fmt::format(
@@ -66,12 +66,12 @@ std::unique_ptr<FrameProgram> make_plain(const ProgramSpec& spec, const Frame& f
   return std::make_unique<FullProgram>(f.image, f.camera, f.render, spec.samples, f.number);
 }
 
-/// About the side of a tile in pixels.
+/// Returns the approximate side of a tile in pixels.
 std::uint32_t side_of_tile(const ProgramSpec& spec, const Frame& f) {
   std::uint32_t grid = static_cast<std::uint32_t>(std::lround(std::sqrt(spec.samples)));
   using Kind = ProgramSpec::Kind;
   const bool has_four = spec.kind == Kind::kReconstruct || spec.kind == Kind::kSraa;
-  if (has_four || spec.kind == Kind::kSupersample) grid = 2;  // samples, sub-pixels
+  if (has_four || spec.kind == Kind::kSupersample) grid = 2;  // samples or sub-pixels
   if (f.render.effect_rate != EffectRate::kFull) grid = 2;
   if (spec.kind == ProgramSpec::Kind::kUndersample) grid = f.programs.undersample.grid();
   return std::max(1U, f.render.tile / grid);

@@ -13,7 +13,7 @@
 
 namespace kernels {
 
-/// Keys of the frame programs, a group each.
+/// Keys of the frame programs, one group each.
 struct ProgramConfig {
   MultirateConfig multirate;
   ReconstructConfig reconstruct;

@@ -9,7 +9,7 @@ UpsampledProgram::UpsampledProgram(const traces::MemoryImage& image, const trace
       config_(config),
       scene_(image, config),
       camera_(camera_uniforms(camera, config.width, config.height)),
-      tiles_(config.width, config.height, config.tile / 2, 1),  // samples keep much
+      tiles_(config.width, config.height, config.tile / 2, 1),  // half the side, because samples keep much data
       order_(tiles_.tiles().order(Halo::kReload)),
       frame_(frame),
       layers_(scene_.rated_lights()),
@@ -20,7 +20,8 @@ std::uint32_t UpsampledProgram::light_bytes() const {
   return layers_ * static_cast<std::uint32_t>(sizeof(ColourRecord<float>) + sizeof(RatioRecord<float>));
 }
 
-/// A border's outer half is only looked at: of it shares and geometry go. The inner half is finished by the neighbour.
+/// Returns the bytes of a sample in a border. Of the outer half only shares and geometry are read; the inner half is
+/// finished by the neighbour.
 std::uint32_t UpsampledProgram::exchanged_bytes() const {
   const auto shares = static_cast<std::uint32_t>(sizeof(VisibleRecord<float>) + layers_ * sizeof(RatioRecord<float>));
   return shares + (1 + layers_) * static_cast<std::uint32_t>(sizeof(ColourRecord<float>)) / 2;
@@ -58,7 +59,7 @@ void UpsampledProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& 
   out.linear.resize(tile.pixels);
   out.packed.resize(tile.pixels);
   trace(tile, tiles_.halo(), tiles_.halo(), at.width, at.height);
-  export_borders(tile);  // needs nothing of the halo, so no tile waits for a row of others
+  export_borders(tile);  // needs no halo, so no chain of tiles waits
   make_halo(tile);
   put_out(tile, upsample(tile));
   wave.finish();
@@ -66,7 +67,7 @@ void UpsampledProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& 
   out.sampling.background = out.sampling.traced_background = out.background.size();
 }
 
-/// Samples of a rectangle of the tile buffer.
+/// Traces the samples of a rectangle of the tile buffer.
 void UpsampledProgram::trace(Tile& tile, std::uint32_t x, std::uint32_t y, std::uint32_t across,
                              std::uint32_t down) const {
   Wavefront& wave = tile.wave;
@@ -100,7 +101,7 @@ void UpsampledProgram::trace(Tile& tile, std::uint32_t x, std::uint32_t y, std::
   wave.run(generated, pixels, retained);
 }
 
-/// A tile always makes its halo; neighbours keep theirs, so the machine reads it back.
+/// Makes the halo. A tile always computes it; if neighbours write it to memory, the machine reads it back.
 void UpsampledProgram::make_halo(Tile& tile) const {
   tiles_.for_each_part(tile.at, [&](const HaloPart& part) {
     tile.graph.import_samples(part.border, store_bytes() * part.border.tile + part.first * exchanged_bytes(),

@@ -12,17 +12,17 @@
 
 namespace kernels {
 
-/// Frame program full:1 with RenderConfig::effect_rate: occlusion and soft shadows of what samples see first are traced
-/// for some of the pixels, and filtered for the others (docs/design/effects.md).
+/// Frame program full:1 with RenderConfig::effect_rate: occlusion and soft shadows of first hits are traced for some
+/// pixels and filtered for the others (docs/design/effects.md).
 ///
-///   per tile: generate_centred_rays -> shaded, but for those lights: lights, shares of some samples
+///   per tile: generate_centred_rays -> shaded, without those lights: lights, shares of some samples
 ///                                      -> [halo] -> upsample_effects (per light) -> pack_grid_sample
 ///
-/// A sample of the tile buffer is a pixel, halo included. What it keeps of light number l is `l` times all of them
-/// further on.
+/// A sample of the tile buffer is a pixel, halo included. Its data for light l have an offset of l times the number of
+/// samples.
 class UpsampledProgram final : public FrameProgram {
  public:
-  /// `scene_size`: the longest side of the scene's bounds, the same in all frames.
+  /// `scene_size`: longest side of the scene's bounds, the same in all frames.
   UpsampledProgram(const traces::MemoryImage& image, const traces::Camera& camera, const RenderConfig& config,
                    const ReconstructConfig& filter, float scene_size, std::uint32_t frame);
 
@@ -33,19 +33,19 @@ class UpsampledProgram final : public FrameProgram {
 
  private:
   using Node = Wavefront::Node;
-  /// A tile being worked on.
+  /// A tile in progress.
   struct Tile {
     SampleTile at;
     FinishedUniforms<float> finished;
     GridUniforms<float> grid;
-    std::uint32_t pixels;  ///< finished
+    std::uint32_t pixels;  ///< pixels that it finishes
     Wavefront& wave;
     TileGraph& graph;
     TileResult& out;
   };
 
   std::uint32_t positions() const { return tiles_.samples(); }
-  /// Bytes that a sample keeps of all lights; all that its neighbours read of it.
+  /// Return the bytes that a sample keeps for all lights, and those that neighbours read.
   std::uint32_t light_bytes() const;
   std::uint32_t exchanged_bytes() const;
   std::uint64_t store_bytes() const { return tiles_.stored_samples() * exchanged_bytes(); }
@@ -55,7 +55,7 @@ class UpsampledProgram final : public FrameProgram {
   Node upsample(Tile& tile) const;
   template <bool kCheckerboard>
   Node upsample(Tile& tile) const;
-  /// Shows what the tile finishes, once it is upsampled.
+  /// Packs and writes the finished pixels after `upsampled`.
   void put_out(Tile& tile, Node upsampled) const;
 
   const RenderConfig config_;

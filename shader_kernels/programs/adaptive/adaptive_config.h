@@ -9,15 +9,15 @@
 
 namespace kernels {
 
-/// Source of the samples of a tile's neighbours.
+/// Source of the halo samples: reload them from the neighbour's memory, or trace them again.
 enum class Halo : std::uint8_t { kReload, kRetrace };
 constexpr std::array<std::string_view, 2> names_of(Halo) { return {"reload", "retrace"}; }
 
-/// Memory that holds samples' attributes between the kernel that writes them and the one that compares them.
+/// Memory that holds the samples' attributes until they are compared.
 enum class AttributeStorage : std::uint8_t { kTile, kDram };
 constexpr std::array<std::string_view, 2> names_of(AttributeStorage) { return {"tile", "dram"}; }
 
-/// Keys that every adaptive method has.
+/// Keys of every adaptive method.
 struct AdaptiveConfig {
   Halo halo = Halo::kReload;
   AttributeStorage attributes = AttributeStorage::kTile;
@@ -32,11 +32,11 @@ struct AdaptiveConfig {
   }
 };
 
-/// How a tile's sampling rate follows from those of earlier frames.
+/// How a tile's sampling rate depends on earlier frames.
 enum class RateControl : std::uint8_t { kOff, kHysteresis, kAlternate };
 constexpr std::array<std::string_view, 3> names_of(RateControl) { return {"off", "hysteresis", "alternate"}; }
 
-/// Multi-rate sampling (Lee et al. 2016). All of it changes the recorded work.
+/// Multi-rate sampling (Lee et al. 2016). Every key changes the recorded work.
 struct MultirateConfig : AdaptiveConfig {
   std::uint32_t block = 2;
   double normal = 0.9;
@@ -78,14 +78,14 @@ struct MultirateConfig : AdaptiveConfig {
   }
 };
 
-/// Scans of post-correction: none, to the right and downwards, or also back.
+/// Scans of post-correction: none, two (right, down) or four (also left, up).
 enum class Correction : std::uint8_t { kOff, kTwo, kFour };
 constexpr std::array<std::string_view, 3> names_of(Correction) { return {"off", "two", "four"}; }
 
 enum class Neighbourhood : std::uint8_t { kFour, kEight };
 constexpr std::array<std::string_view, 2> names_of(Neighbourhood) { return {"four", "eight"}; }
 
-/// Adaptive undersampling (Kim et al. 2016). All of it changes the recorded work.
+/// Adaptive undersampling (Kim et al. 2016). Every key changes the recorded work.
 struct UndersampleConfig : AdaptiveConfig {
   std::uint32_t block = 2;
   std::uint32_t samples = 1;
@@ -115,27 +115,27 @@ struct UndersampleConfig : AdaptiveConfig {
           Affects::kFunction);
     AdaptiveConfig::describe(c, field);
   }
-  /// Samples along a pixel.
+  /// Returns the samples along a pixel's side.
   std::uint32_t grid() const { return static_cast<std::uint32_t>(std::lround(std::sqrt(samples))); }
   void check(auto&& complain) const {
     if (grid() * grid() != samples) complain("samples", "is not a square; allowed: 1, 4, 9, 16, ... 256");
   }
 };
 
-/// Way in which active sub-pixels are listed for the kernels that sample them.
+/// How active sub-pixels are listed for the kernels that sample them.
 enum class Packing : std::uint8_t { kBlock, kAtomic, kNone };
 constexpr std::array<std::string_view, 3> names_of(Packing) { return {"block", "atomic", "none"}; }
 
-/// The colour of sub-pixels that are not active.
+/// Colour of inactive sub-pixels.
 enum class SubpixelFilter : std::uint8_t { kNearest, kBilinear };
 constexpr std::array<std::string_view, 2> names_of(SubpixelFilter) { return {"nearest", "bilinear"}; }
 
-/// Rounds that a frame may have: each is a pass over all of it.
+/// Limit of the rounds of a frame; each round is a pass over the whole frame.
 inline constexpr std::uint32_t kMostRounds = 14;
 
-/// Selective and adaptive supersampling (Jin et al. 2009). A threshold applies where its attribute disagrees: 0 always
-/// asks for more samples, 1 never does, -1 leaves the attribute out of the comparison. All of it changes the recorded
-/// work.
+/// Selective and adaptive supersampling (Jin et al. 2009). A threshold applies where its attribute differs: at 0 every
+/// such sub-pixel is sampled, at 1 none, and -1 excludes the attribute from the comparison. Every key changes the
+/// recorded work.
 struct SupersampleConfig : AdaptiveConfig {
   double colour = 0.6;
   double object = 0.05, normal = 0.06, shadow = 0.06, texture = 0.6;
@@ -190,11 +190,11 @@ struct SupersampleConfig : AdaptiveConfig {
   }
 };
 
-/// Readings of the weight of normals, x = 1 - sat(n.n): exp(-(sigma x)^2) as printed, or exp(-(x / sigma)^2).
+/// Meaning of the weight of normals, x = 1 - sat(n.n): exp(-(sigma x)^2) as printed, or exp(-(x / sigma)^2).
 enum class NormalWeight : std::uint8_t { kFactor, kWidth };
 constexpr std::array<std::string_view, 2> names_of(NormalWeight) { return {"factor", "width"}; }
 
-/// Subpixel reconstruction antialiasing for ray tracing (Chiu et al. 2012). All of it changes the recorded work.
+/// Subpixel reconstruction antialiasing for ray tracing (Chiu et al. 2012). Every key changes the recorded work.
 struct ReconstructConfig : AdaptiveConfig {
   std::uint32_t radius = 1;
   double depth_factor = 10;
@@ -225,7 +225,7 @@ struct ReconstructConfig : AdaptiveConfig {
           sim::between(-1, 1), Affects::kFunction);
     AdaptiveConfig::describe(c, field);
   }
-  /// Depth of a length, in units of the filter.
+  /// Returns the filter's depth units per unit of length.
   float depth_scale(float scene_size) const { return static_cast<float>(depth_factor * scene_side / scene_size); }
   float bend() const {
     return static_cast<float>(normal_weight == NormalWeight::kFactor ? normal_sigma : 1 / normal_sigma);

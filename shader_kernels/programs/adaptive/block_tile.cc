@@ -50,7 +50,7 @@ FrameRequirements BlockFrame::requirements() const {
   const std::uint32_t pixels = side / setup.grid * (side / setup.grid);
   FrameRequirements needs;
   needs.tile_samples = side * side;
-  needs.wave_samples = side * side / setup.whole * (setup.whole - 1);  // those checked along y
+  needs.wave_samples = side * side / setup.whole * (setup.whole - 1);  // samples checked along y
   needs.attribute_bytes = adaptive.attributes == AttributeStorage::kTile ? kept * setup.record_bytes : 0;
   needs.region_bytes = {std::uint64_t{tiles.count()} * pixels * kPixelBytes, tiles.count() * store_bytes(),
                         setup.carries_rates ? tiles.count() : 0};
@@ -106,14 +106,14 @@ BlockTile::BlockTile(const BlockFrame& frame, const SampleTile& tile, const trac
   out.packed.resize(out.linear.size());
   out.sampling = {};
   out.marks.assign(std::size_t{at.width} * at.height, 0);
-  // Kernels may load samples after the last row, in place of a missing reference; the values are not used.
+  // Kernels may load samples beyond the last row in place of a missing reference; the values are not used.
   buffer.reserve_samples(std::size_t{frame.pitch()} * (frame.pitch() + frame.setup.whole));
   out.work.frame = frame.number;
   out.work.tile = at.index;
   out.work.samples = at.width * at.height;
 }
 
-/// Reads the block sides of the tile and of the tiles that its halo belongs to.
+/// Reads the block sides of the tile and of the tiles in its halo.
 void BlockTile::read_rates() {
   const std::uint32_t first = at.has_left ? at.left : at.index;
   start_ = graph.transfer(Region::kRates, false, first, at.index - first + 1);
@@ -186,7 +186,7 @@ void BlockTile::trace_listed(SampleQueue& list, Wavefront::Node lister, std::uin
   if (!is_own) out.sampling.halo += items;
 }
 
-/// Records the light that listed samples got from reflection and refraction, for the checks of undersample.
+/// Records the reflected and refracted light of listed samples, for the checks of undersample.
 void BlockTile::record_global_light(SampleQueue& list, std::uint32_t items, std::uint32_t lanes, float faint) {
   const auto launch = [&]<class K>(typename K::template Ports<float>& ports) {
     ports_of<RecordGlobal>(ports).samples.bind(list.entries.data());
@@ -214,7 +214,7 @@ void BlockTile::trace_failed(const BlockLines& lines, const Verdict& verdict) {
   graph.wait_all(written, verdict.node);
 }
 
-/// Counts a check's results and marks its samples for debug pictures.
+/// Counts a check's results, and marks its samples for debug pictures.
 void BlockTile::mark(const BlockLines& lines, const Verdict& verdict) {
   const std::uint32_t pitch = frame_.pitch();
   const auto own = [&](std::uint32_t sample) -> SampleMark& {
@@ -246,14 +246,14 @@ void BlockTile::mark(const BlockLines& lines, const Verdict& verdict) {
 void BlockTile::import_samples(std::uint32_t tile, std::uint32_t border, std::uint64_t offset, std::uint32_t samples) {
   graph.import_samples({tile, border}, frame_.store_bytes() * tile + offset, samples * frame_.exchanged_bytes());
   if (!frame_.scene.fuses || !frame_.setup.before_check_y.surfaces) return;
-  // The machine counts imported samples; here they were counted when they were traced.
+  // The machine counts imported samples here; functionally they were counted when traced.
   const Wavefront::Node counted = graph.note<CountColoured>(samples);
   graph.wait_for_records(counted);
   graph.register_record_writer(counted);
 }
 
-/// The picture must not depend on which tile traces the halo. So a tile always computes it; where neighbours write it
-/// to memory, the work is recorded as a transfer and the tracing is muted.
+/// The picture must not depend on which tile traces the halo, so a tile always computes it. If neighbours write it to
+/// memory, the recorded work is a transfer and the tracing is muted.
 void BlockTile::import_left() {
   if (!at.has_left) return;
   const std::uint32_t step = block_ * frame_.pitch();

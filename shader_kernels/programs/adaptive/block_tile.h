@@ -13,44 +13,44 @@ namespace kernels {
 
 /// Properties of a block program that all tiles of a frame share.
 struct BlockSetup {
-  std::uint32_t grid = 1;            ///< samples along a pixel
-  std::uint32_t block = 2;           ///< samples along a block
-  std::uint32_t whole = 2;           ///< a tile's side is a multiple of it: every block side that a tile may have
-  std::uint32_t record_bytes = 0;    ///< size of a sample's record, without its colour
-  bool carries_rates = false;        ///< block sides are read from memory, and similar ratios written there
+  std::uint32_t grid = 1;            ///< samples along a pixel's side
+  std::uint32_t block = 2;           ///< samples along a block's side
+  std::uint32_t whole = 2;           ///< a tile's side is a multiple of it, and so is every block side
+  std::uint32_t record_bytes = 0;    ///< size of a sample's record, without the colour
+  bool carries_rates = false;        ///< block sides are read from memory, and similar ratios are written there
   RetainedRecords before_check_y{};  ///< records of samples that a later check reads
   RetainedRecords after_check_y{};   ///< records of samples that no check reads
-  float faint = 0;                   ///< colours without a channel above this pass the colour check (CountColoured)
+  float faint = 0;                   ///< colours with no channel above this pass the colour check (CountColoured)
 };
 
-/// Frame of multirate and undersample. The picture's samples are cut into blocks; the last sample of a block is the
-/// reference sample R and always traced. The others are checked between two samples of their line:
+/// Frame of multirate and undersample. The picture's samples are divided into blocks. The last sample of a block is its
+/// reference R and is always traced. The others are checked between two samples of their line:
 ///
-///   I I I I        1. x samples of reference rows lie between two references of the row.
-///   I R x R        2. y samples of other rows lie between two samples above and below.
+///   I I I I        1. x samples of reference rows are between two references of the row.
+///   I R x R        2. y samples of other rows are between two samples above and below.
 ///   y y y y        3. Similar samples are interpolated, all others traced.
 ///   x R x R        4. Samples at the picture's edge that lack a reference are traced.
 ///
-/// A tile's blocks need the last rows and columns of the tiles above and to the left (its halo). Samples lie row by row
-/// in the tile buffer, a row and a column of halo before the tile's own.
+/// A tile's blocks need the last rows and columns of the tiles above and to the left (its halo). The tile buffer has
+/// the samples row by row, with a row and a column of halo before the tile's own.
 struct BlockFrame {
   BlockFrame(const traces::MemoryImage& image, const traces::Camera& viewer, const RenderConfig& config,
              const AdaptiveConfig& keys, const BlockSetup& properties, std::uint32_t frame);
 
   FrameRequirements requirements() const;
-  /// Number of samples in a row of the tile buffer.
+  /// Returns the samples per row of the tile buffer.
   std::uint32_t pitch() const { return tiles.side() + 1; }
   ConeUniforms<float> cone() const { return cone_uniforms(camera, setup.grid); }
-  /// A tile's samples in the tile buffer, without its halo.
+  /// Returns the tile's samples in the tile buffer, without its halo.
   LatticeUniforms<float> own_samples(const SampleTile& at) const;
   GridUniforms<float> grid_uniforms(float x0, float y0, std::uint32_t row_samples) const;
-  /// Bytes that a sample sends to a neighbouring tile.
+  /// Returns the bytes of a sample that a neighbouring tile reads.
   std::uint32_t exchanged_bytes() const;
-  /// Bytes of memory per tile: its last row, its last column, and all records if they live in DRAM.
+  /// Returns the bytes of memory per tile: its last row, its last column, and all records if they are kept in DRAM.
   std::uint64_t store_bytes() const;
-  /// Bytes of a tile of the picture.
+  /// Returns the bytes of a tile in the picture.
   std::uint64_t picture_bytes() const { return requirements().region_bytes[0] / tiles.count(); }
-  /// Prepares the per-tile counts of a frame.
+  /// Allocates the per-tile counts of a frame.
   void size_counts(Sampling& frame_counts) const;
   /// Adds the similar ratio and block side of a finished tile to the frame's counts.
   void count_tile(const TileResult& tile, std::uint32_t block, Sampling& frame_counts) const;
@@ -60,11 +60,11 @@ struct BlockFrame {
   const SceneTables scene;
   const CameraUniforms<float> camera;
   const SampleTiles tiles;
-  const std::vector<std::uint32_t> order;  ///< tiles in the order in which they are rendered
+  const std::vector<std::uint32_t> order;  ///< tiles in rendering order
   const std::uint32_t number;
 };
 
-/// Samples that one check decides about: those between references along x, or along y.
+/// The samples that one check examines: those between references along x, or along y.
 struct BlockLines {
   LineUniforms<float> uniforms{};
   bool along_y = false;
@@ -72,17 +72,17 @@ struct BlockLines {
   bool is_own = true;  ///< false: samples of a neighbouring tile
 };
 
-/// Result of a check: node of its launch, and samples in the buffer's streams `passed` and `failed`.
+/// Result of a check: its launch, and the number of samples in the queues `passed` and `failed`.
 struct Verdict {
   Wavefront::Node node = Wavefront::kNone;
   std::uint32_t passed = 0, failed = 0;
-  std::uint32_t rough = 0;  ///< passed samples that a tile's rate counts as failed
+  std::uint32_t rough = 0;  ///< passed samples that count as failed for the tile's rate
 };
 
-/// A tile of a block program in progress: the steps that multirate and undersample share.
+/// A tile in progress of a block program, with the steps that multirate and undersample share.
 class BlockTile {
  public:
-  /// `block_of(tile)` returns the side, in pixels, of the blocks of a tile in this frame.
+  /// `block_of(tile)` returns a tile's block side in this frame, in pixels.
   BlockTile(const BlockFrame& frame, std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
             TileResult& result, auto&& block_of)
       : BlockTile(frame, frame.tiles.tile(frame.order[tile_index]), tracer, record, result) {
@@ -94,20 +94,20 @@ class BlockTile {
 
   /// Traces the reference sample of every block.
   void trace_references();
-  /// Samples of reference rows, between two references.
+  /// Returns the samples of reference rows, between two references.
   BlockLines lines_along_x() const { return lines_along_x(block_, true); }
-  /// Samples of all other rows, between two rows.
+  /// Returns the samples of all other rows, between two rows.
   BlockLines lines_along_y() const;
   /// Traces the samples that failed a check.
   void trace_failed(const BlockLines& lines, const Verdict& verdict);
 
-  /// Sends the references of the last column to the tile on the right.
+  /// Exports the references of the last column to the tile on the right.
   void export_right();
-  /// Sends the last row to the tile below.
+  /// Exports the last row to the tile below.
   void export_below();
-  /// Reads or retraces the last column of the tile on the left, as `AdaptiveConfig::halo` says.
+  /// Loads or retraces the last column of the tile on the left, as `AdaptiveConfig::halo` selects.
   void import_left();
-  /// Reads or retraces the last row of the tile above. `resolve(lines)` finds the samples between its references.
+  /// Loads or retraces the last row of the tile above. `resolve(lines)` renders the samples between its references.
   template <class Resolve>
   void import_above(Resolve&& resolve) {
     if (!begin_import_above()) return;
@@ -117,14 +117,14 @@ class BlockTile {
   }
   /// Writes the records of the references to DRAM and reads them back, if `AdaptiveConfig::attributes` is dram.
   void spill_references_to_dram() { spill_records(rows() * columns(), rows() * columns()); }
-  /// The same for the x samples, and reads all reference rows back.
+  /// Does the same for the x samples, and reads all reference rows back.
   void spill_reference_rows_to_dram() { spill_records(rows() * (at.width - columns()), rows() * at.width); }
 
-  /// Whether one loop clamps, encodes and packs pixels, which have a single sample each.
+  /// True if one kernel clamps, encodes and packs pixels; they have a single sample each.
   bool packs_samples() const { return frame_.scene.fuses && frame_.setup.grid == 1 && !frame_.scene.dma_encodes; }
   /// Averages the samples of each pixel and writes the picture.
   void average();
-  /// Writes pixels that `packed` has encoded.
+  /// Writes the pixels that `packed` encoded.
   void write_packed(Wavefront::Node packed);
   /// Ends the tile's work and counts its samples.
   void finish();
@@ -143,7 +143,7 @@ class BlockTile {
   std::uint32_t columns() const { return at.width / block_; }
   void read_rates();
   BlockLines lines_along_x(std::uint32_t block, bool is_own) const;
-  /// Traces `items` samples, `across` to a row, from sample `first` on.
+  /// Traces `items` samples, `across` per row, beginning at sample `first`.
   void trace_lattice(std::uint32_t first, std::uint32_t across, std::uint32_t step, std::uint32_t row_step,
                      std::uint32_t items, bool is_own);
   void trace_listed(SampleQueue& list, Wavefront::Node lister, std::uint32_t items, const RetainedRecords& kept,

@@ -4,12 +4,12 @@ namespace kernels {
 
 namespace {
 
-/// Whether secondary hits are checked. Fusion leaves out checks that nothing in the scene can fail.
+/// True if secondary hits are checked. Fusion leaves out checks that the scene cannot fail.
 bool checks_secondary(const MultirateConfig& multirate, const SceneTables& scene) {
   return multirate.secondary_checks && (!scene.fuses || (scene.has_secondary && scene.depth > 1));
 }
 
-/// A distance that no two colours have.
+/// A squared distance above that of any two colours.
 constexpr double kNotCompared = 2;
 
 BlockSetup block_setup(const MultirateConfig& multirate, std::uint32_t grid, bool has_secondary) {
@@ -50,8 +50,8 @@ void MultirateProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& 
     tile.trace_failed(lines, verdict);
   };
 
-  // 1. Trace the reference sample of each block. Borders are exported before imports that they do not need, so that
-  //    chains of waiting tiles stay short.
+  // 1. Trace the reference sample of each block. Borders are exported before imports that they do not need, which keeps
+  //    chains of waiting tiles short.
   tile.trace_references();
   tile.export_right();
   tile.import_left();
@@ -94,7 +94,7 @@ Verdict MultirateProgram::check_and_interpolate(BlockTile& tile, const BlockLine
   typename Interpolate::template Ports<float> interpolate;
   interpolate.line = lines.uniforms;
 
-  // Fused, one loop interpolates every sample that it checks; those that fail are traced later and overwritten.
+  // With fusion, one kernel interpolates every sample that it checks; failed ones are traced later and overwritten.
   if (blocks_.scene.fuses) {
     typename CheckThenInterpolate::template Ports<float> both;
     ports_of<Similarity>(both) = check;

@@ -38,7 +38,7 @@ void PostCorrection::begin() {
   std::ranges::fill(rounds_, std::uint16_t{0});
 }
 
-/// Finds suspects at position `step` of all lines.
+/// Finds the suspects at position `step` of all lines.
 void PostCorrection::find(const Scan& scan, std::uint32_t step) {
   const std::uint32_t lines = scan.is_along_y ? width_ : height_;
   const std::uint32_t length = scan.is_along_y ? height_ : width_;

@@ -12,24 +12,25 @@
 
 namespace kernels {
 
-/// Post-correction of an undersampled frame (Kim et al. 2016, section 4): what all samples show, and the scans that
-/// follow it from traced samples into interpolated ones.
+/// Post-correction of an undersampled frame (Kim et al. 2016, section 4): the identities of all samples, and the scans
+/// that correct interpolated samples next to traced ones.
 ///
-/// A scan goes along all lines of the picture at once, sample by sample. A sample that is interpolated, beside one
-/// behind it that is traced and shows something else, is a suspect and traced; it may then make the next one suspect.
+/// 1. A scan advances along all lines of the picture at once, sample by sample.
+/// 2. An interpolated sample is suspect if its predecessor was traced and has another identity.
+/// 3. Suspects are traced, so that a suspect may make the next sample suspect.
 class PostCorrection {
  public:
-  /// A way along lines.
+  /// Direction of a scan.
   struct Scan {
     bool is_along_y = false, is_backward = false;
   };
-  /// A sample to be traced.
+  /// A sample to trace.
   struct Suspect {
     std::uint32_t tile = 0;
     std::uint32_t round = 0;  ///< length of the chain of suspects that led to it
     std::uint32_t x = 0, y = 0;
   };
-  /// Findings of tracing at suspects, in their order.
+  /// Results of traced suspects, in their order.
   struct Found {
     std::vector<std::uint32_t> identities;
     std::vector<glm::vec3> colours;  ///< clamped
@@ -38,12 +39,12 @@ class PostCorrection {
   PostCorrection(const UndersampleConfig& config, std::uint32_t width, std::uint32_t height, std::uint32_t tile_side);
 
   std::uint32_t scans() const;
-  /// The paper's order: to the right, to the left, downwards, upwards; of two scans to the right and downwards.
+  /// Returns a scan's direction in the paper's order: right, left, down, up; with two scans right, down.
   Scan scan(std::uint32_t number) const { return {2 * number >= scans(), scans() == 4 && number % 2 == 1}; }
 
-  /// Takes a tile's samples.
+  /// Stores a tile's samples.
   void keep(const TileResult& tile, const SampleTile& at);
-  /// Goes over the picture; `trace(suspects)` says what is there. Returns the suspects by tile, then round.
+  /// Runs a scan over the picture. `trace(suspects)` returns their results. Returns all suspects, by tile, then round.
   template <class Trace>
   const std::vector<Suspect>& run(const Scan& scan, Trace&& trace) {
     begin();
@@ -54,7 +55,7 @@ class PostCorrection {
     end();
     return all_;
   }
-  /// Those of the last scan in a tile.
+  /// Returns the last scan's suspects in a tile.
   std::span<const Suspect> suspects_of(std::uint32_t tile) const;
 
   glm::vec3 colour(std::uint32_t x, std::uint32_t y) const { return colours_[std::size_t{y} * width_ + x]; }
@@ -68,8 +69,8 @@ class PostCorrection {
 
   const UndersampleConfig config_;
   const std::uint32_t width_, height_, side_, across_;
-  std::vector<std::uint32_t> identities_;  ///< with a border of samples that show nothing
-  std::vector<std::uint16_t> rounds_;      ///< likewise: of this scan's suspects
+  std::vector<std::uint32_t> identities_;  ///< with a border of samples without identity
+  std::vector<std::uint16_t> rounds_;      ///< rounds of this scan's suspects, with the same border
   std::vector<glm::vec3> colours_;
   std::vector<std::uint32_t> line_, found_;
   std::vector<Suspect> fresh_, all_;

@@ -7,22 +7,22 @@
 
 namespace kernels {
 
-/// Block sides of a frame's tiles, and what decides over them from frame to frame (Lee et al. 2016, section 3).
+/// The block sides of tiles, updated from frame to frame (Lee et al. 2016, section 3).
 class RateMap {
  public:
-  static constexpr std::uint8_t kCoarse = 4;  ///< block side where little changes
+  static constexpr std::uint8_t kCoarse = 4;  ///< block side of tiles with few changes
 
   explicit RateMap(const MultirateConfig& config) : config_(config) {}
 
-  /// Rate of a tile in this frame.
+  /// Returns the block side of a tile in this frame.
   std::uint32_t block(std::uint32_t tile) const { return tiles_.empty() ? config_.block : tiles_[tile].block; }
-  /// Goes on to the next frame, given what this one has found out.
+  /// Updates the block sides for the next frame from this frame's counts.
   void advance(const Sampling& frame);
 
  private:
   struct Tile {
     std::uint8_t block = 2;
-    std::uint32_t held = 0;  ///< frames for which it stays as it is
+    std::uint32_t held = 0;  ///< frames for which the block side is held
   };
   MultirateConfig config_;
   std::vector<Tile> tiles_;  ///< empty in the first frame

@@ -8,27 +8,27 @@
 
 namespace kernels {
 
-/// Sub-pixels of a whole picture, between rounds of propagation. A round looks at what the rounds before have left:
-/// what tiles of the same round find is taken by settle(), when all of them have been kept.
+/// Colours and states of all sub-pixels of a picture, between rounds of propagation. A round reads the results of
+/// earlier rounds; results of its own are applied by settle() after all its tiles.
 class ShownSubpixels {
  public:
-  /// Begins with nothing shown, in a picture cut into `tiles` tiles.
+  /// Begins without active sub-pixels, for a picture of `tiles` tiles.
   ShownSubpixels(std::uint32_t width, std::uint32_t height, std::uint32_t tiles);
 
-  /// Takes all sub-pixels of tile `tile`, before the first round.
+  /// Stores all sub-pixels of a tile, before the first round.
   void begin(std::uint32_t tile, const std::vector<ShownSubpixel>& all);
-  /// Takes what a round has made active in it, for settle().
+  /// Stores the sub-pixels that a round made active in a tile; settle() applies them.
   void keep(std::uint32_t tile, const std::vector<ShownSubpixel>& found);
   void settle();
 
-  /// Whether the last round has made sub-pixels of a tile active.
+  /// True if the last round made sub-pixels of the tile active.
   bool is_fresh(std::uint32_t tile) const { return fresh_[tile] != 0; }
-  /// Copies the states of `width` x `height` sub-pixels from `x`, `y` on, and of those around them, which have none
-  /// where the picture ends.
+  /// Copies the states of `width` x `height` sub-pixels at (x, y), and of one more on each side. Beyond the edge of the
+  /// picture they are inactive.
   void copy_states(std::uint32_t x, std::uint32_t y, std::uint32_t width, std::uint32_t height,
                    SubpixelRecord<float>* to) const;
   const glm::vec3& colour(std::uint32_t x, std::uint32_t y) const { return colours_[std::size_t{y} * width_ + x]; }
-  /// Active sub-pixels of a pixel.
+  /// Returns the number of a pixel's active sub-pixels.
   std::uint32_t active_of(std::uint32_t x, std::uint32_t y) const;
   bool is_background(std::uint32_t x, std::uint32_t y) const {
     return is_background_[std::size_t{y} * width_ + x] != 0;
@@ -38,7 +38,7 @@ class ShownSubpixels {
   void take(const std::vector<ShownSubpixel>& subpixels);
 
   const std::uint32_t width_, height_;         ///< in sub-pixels
-  std::vector<SubpixelRecord<float>> states_;  ///< with a border of none
+  std::vector<SubpixelRecord<float>> states_;  ///< with a border of inactive ones
   std::vector<glm::vec3> colours_;
   std::vector<std::uint8_t> is_background_;
   std::vector<std::uint8_t> fresh_, next_fresh_;  ///< per tile

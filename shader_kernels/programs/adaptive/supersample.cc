@@ -17,7 +17,7 @@ SupersampleProgram::SupersampleProgram(const traces::MemoryImage& image, const t
       supersample_(supersample),
       scene_(image, config),
       camera_(camera_uniforms(camera, config.width, config.height)),
-      tiles_(config.width, config.height, config.tile / 2, 1),  // sub-pixels, two along a pixel
+      tiles_(config.width, config.height, config.tile / 2, 1),  // in sub-pixels, two along a pixel's side
       order_(tiles_.tiles().order(supersample.halo)),
       frame_(frame),
       shown_(supersample.propagate == 0 ? 0 : config.width, supersample.propagate == 0 ? 0 : config.height,
@@ -42,7 +42,7 @@ void SupersampleProgram::begin_tile(const SampleTile& at, TileResult& out) const
   out.subpixels.clear();
   out.corrected.clear();
   out.buffer.reserve_samples(centres() + std::size_t{kWhole} * tile_pixels());
-  // Blocks that stand out look at verdicts behind the last.
+  // Blocks that extend beyond the tile read verdicts after the last.
   out.buffer.reserve_subpixels(centres(), tile_pixels() + kBlockHeight * tiles_.pitch() + kBlockWidth);
   out.work.frame = frame_;
   out.work.tile = at.index;
@@ -82,7 +82,7 @@ void SupersampleProgram::run_tile(std::uint32_t tile_index, const traces::Tracer
   count(tile);
 }
 
-/// Samples at pixels' centres; `x`, `y` are the first one's position in the tile buffer.
+/// Traces samples at pixel centres; (x, y) is the first one's position in the tile buffer.
 void SupersampleProgram::trace_centres(Tile& tile, std::uint32_t x, std::uint32_t y, std::uint32_t across,
                                        std::uint32_t down, bool is_own) const {
   Wavefront& wave = tile.wave;
@@ -111,7 +111,7 @@ void SupersampleProgram::trace_centres(Tile& tile, std::uint32_t x, std::uint32_
   if (!is_own) tile.out.sampling.halo += items;
 }
 
-/// Thresholds of the attributes; no contrast reaches that of one that is not compared.
+/// Returns the thresholds of the attributes; that of an excluded attribute is never reached.
 std::array<float, kAttributes> SupersampleProgram::thresholds() const {
   const SupersampleConfig& c = supersample_;
   const std::array<double, kAttributes> all{c.colour,           c.object,           c.normal,
@@ -122,7 +122,7 @@ std::array<float, kAttributes> SupersampleProgram::thresholds() const {
   return reached;
 }
 
-/// The sample at a finished pixel's centre.
+/// Returns the sample at a finished pixel's centre.
 std::size_t SupersampleProgram::centre_of(const Tile& tile, std::uint32_t pixel) {
   const DivMod<float> row = finished_pixel<float>(static_cast<float>(pixel), tile.finished);
   return static_cast<std::size_t>(centre_sample<float>(row, tile.finished));
@@ -189,13 +189,13 @@ namespace {
 
 using traces::Region;
 
-/// Bytes of a sample that go to neighbours.
+/// Bytes of a sample that neighbours read.
 constexpr std::uint32_t kExchangedBytes = 2 * sizeof(TraitsRecord<float>) + sizeof(ColourRecord<float>);
 
 }  // namespace
 
-// A tile's store: its last two columns, row by row, so that the last four are the corner; its last two rows; all
-// attributes if they do not stay; samples of active sub-pixels if they wait there for each other.
+// A tile's store has: its last two columns, row by row, so that they end with the corner; its last two rows; all
+// attributes, if they are kept in DRAM; samples of active sub-pixels, if all must be traced before they are summed.
 std::uint64_t SupersampleProgram::store_bytes() const {
   const bool is_parked = supersample_.attributes == AttributeStorage::kDram;
   const bool is_spilt = supersample_.packing == Packing::kAtomic;
@@ -203,7 +203,7 @@ std::uint64_t SupersampleProgram::store_bytes() const {
          (is_spilt ? std::uint64_t{tile_pixels()} * kWhole * sizeof(ColourRecord<float>) : 0);
 }
 
-/// A tile always computes its halo; where neighbours write it to memory, the machine reads it back.
+/// Makes the halo. A tile always computes it; if neighbours write it to memory, the machine reads it back.
 void SupersampleProgram::make_halo(Tile& tile) const {
   tiles_.for_each_part(tile.at, [&](const HaloPart& part) {
     if (supersample_.halo == Halo::kReload) {
@@ -224,7 +224,7 @@ void SupersampleProgram::export_borders(Tile& tile) const {
   });
 }
 
-/// Writes all attributes to memory and reads them back, if that is where they are.
+/// Writes all attributes to DRAM and reads them back, if they are kept there.
 void SupersampleProgram::spill_attributes_to_dram(Tile& tile) const {
   if (supersample_.attributes == AttributeStorage::kTile) return;
   const std::uint32_t across = tile.at.width + (tile.at.has_left ? 2 : 0);
@@ -237,7 +237,7 @@ void SupersampleProgram::spill_attributes_to_dram(Tile& tile) const {
   tile.graph.register_record_writer(in);
 }
 
-/// Returns the launch that completes the tile's pixels.
+/// Samples the active sub-pixels. Returns the launch that completes the tile's pixels.
 SupersampleProgram::Node SupersampleProgram::sample_active(Tile& tile, Node tested, Node weighed) const {
   std::vector<Chunk> chunks;
   const Node packed = pack(tile, tested, chunks);
@@ -299,7 +299,7 @@ SupersampleProgram::Node SupersampleProgram::pack_by_atomics(Tile& tile, Node te
                                                              std::vector<Chunk>& chunks) const {
   TileBuffer& buffer = tile.buffer;
   const std::uint32_t subpixels = 4 * tile.pixels;
-  // Near the golden section of all, so that neighbours in the list are far apart in the picture.
+  // The stride is near the golden section, so that neighbours in the list are far apart in the picture.
   std::uint32_t stride = static_cast<std::uint32_t>(std::uint64_t{subpixels} * 618 / 1000) | 1U;
   while (std::gcd(stride, subpixels) != 1) stride += 2;
   buffer.subpixels.fills[0] = 0;
@@ -317,8 +317,7 @@ SupersampleProgram::Node SupersampleProgram::pack_by_atomics(Tile& tile, Node te
   return node;
 }
 
-/// Takes all sub-pixels, which the machine does not list: each item of a chunk looks for itself whether there is
-/// something to do.
+/// Adds all sub-pixels to chunks without a list: each item of a chunk tests whether its sub-pixel is active.
 void SupersampleProgram::take_all(Tile& tile, std::vector<Chunk>& chunks) const {
   TileBuffer& buffer = tile.buffer;
   constexpr std::uint32_t kChunkPixels = kChunk / 4;
@@ -343,7 +342,7 @@ void SupersampleProgram::take_all(Tile& tile, std::vector<Chunk>& chunks) const 
   }
 }
 
-/// Takes the samples of a chunk's sub-pixels, whose colours lie from `first_sample` on.
+/// Traces the samples of a chunk's sub-pixels; their colours begin at `first_sample`.
 void SupersampleProgram::trace_extra(Tile& tile, const Chunk& chunk, std::uint32_t first_sample, Node after) const {
   Wavefront& wave = tile.wave;
   TileGraph& graph = tile.graph;
@@ -364,7 +363,7 @@ void SupersampleProgram::trace_extra(Tile& tile, const Chunk& chunk, std::uint32
   generate.seed = jitter_seed(frame_);
   const Node generated = graph.launch<GenerateExtraRays>(generate, items, items + padding, padding);
   graph.wait_all(generated, after);
-  graph.wait_for_colours(generated);  // the slots are free
+  graph.wait_for_colours(generated);  // the slots are free then
   for (std::uint32_t i = 0; wave.tracer().counts_pixels() && i < items; ++i) {
     const std::uint32_t pixel = buffer.subpixels.active[chunk.first + i / kExtra] / 4;
     wave.tracer().place_ray(i, tile.out.x + pixel % tile.out.width, tile.out.y + pixel / tile.out.width);
@@ -372,7 +371,7 @@ void SupersampleProgram::trace_extra(Tile& tile, const Chunk& chunk, std::uint32
   if (items != 0) wave.run(generated, items, {}, items + padding, padding);
 }
 
-/// Has the samples of a chunk wait in memory.
+/// Writes the samples of a chunk to memory until all chunks are traced.
 void SupersampleProgram::spill_chunk(Tile& tile, const Chunk& chunk) const {
   TileGraph& graph = tile.graph;
   const std::uint32_t items = kExtra * chunk.subpixels;
@@ -410,7 +409,7 @@ SupersampleProgram::Node SupersampleProgram::sum_from_memory(Tile& tile, std::ui
   return sum(tile, tile.buffer.subpixels.masters.entries.data(), tile.pixels, 0, 0, weighed);
 }
 
-/// Completes listed pixels. The active sub-pixel at `first_index` has the first of the samples' colours.
+/// Completes the listed pixels. Colours of their samples begin with those of the active sub-pixel at `first_index`.
 SupersampleProgram::Node SupersampleProgram::sum(Tile& tile, std::uint32_t* listed, std::uint32_t pixels,
                                                  std::uint32_t padding, std::uint32_t first_index, Node weighed) const {
   SumSubpixels::Ports<float> ports;

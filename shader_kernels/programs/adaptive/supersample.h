@@ -15,25 +15,28 @@
 
 namespace kernels {
 
-/// Frame program supersample (Jin et al. 2009): every pixel has one sample at its centre; each of its four sub-pixels
-/// is compared with the three pixels around its corner and, if need be, gets four samples more, those of full:16.
+/// Frame program supersample (Jin et al. 2009). Every pixel has one sample at its centre. Each of its four sub-pixels
+/// is compared with the three pixels around its corner; if they differ, the sub-pixel is active and gets four more
+/// samples, those of full:16.
 ///
 ///   per tile: centres -> test_subpixels -> weigh_centres -> pack_colour -> transfer to the frame buffer
 ///                                                         -> pack_subpixels -> generate_extra_rays -> sum_subpixels
 ///
-/// Pixels look one pixel far to all sides, tiles as FinishedTiles has it.
+/// 1. Pixels read neighbours one pixel away, with tiles as in FinishedTiles.
+/// 2. Active sub-pixels are sampled in chunks of 64, which share 256 ray slots. A chunk begins when the previous one
+///    has been summed.
+/// 3. Packing `block` keeps the sub-pixels of a pixel in one chunk. Entries left empty for that are idle in all loops
+///    up to the first inspector.
+/// 4. Packing `none` has no list: a chunk is 16 pixels, whose inactive sub-pixels are idle.
+/// 5. Packing `atomic` lists sub-pixels in random order. A pixel's sub-pixels may be in several chunks, so all samples
+///    are written to memory and read back before they are summed.
 ///
-/// Active sub-pixels are sampled in chunks of 64, which share the slots of 256 rays, so a chunk begins when the one
-/// before has been summed up. Packing: `block` lists them so that no pixel is cut by a chunk; entries left empty for
-/// that idle through the loops up to the first inspector's. `none` has no list: a chunk is 16 pixels, and their
-/// inactive sub-pixels idle likewise. `atomic` cuts pixels and mixes them up, so sums must wait until all chunks are
-/// done: the chunks' samples go to memory, and all are read back at once. Not modelled: contention for the list's
-/// length, which costs its own kernel a load and a store per sub-pixel here.
-///
-/// Rounds of propagation are passes over the whole frame. What sub-pixels show lies in memory between them; a tile that
-/// sub-pixels made active by the round before lie in, or beside, reads it:
+/// Rounds of propagation are passes over the whole frame; the sub-pixels' colours and states are in memory between
+/// them. A tile reads them if the previous round made sub-pixels active in it or next to it:
 ///
 ///   propagate_subpixels -> chunks: generate_extra_rays -> settle_subpixels -> average_subpixels -> pack_colour
+///
+/// Not modelled: contention for the list's length with packing `atomic`, which costs a load and a store per sub-pixel.
 class SupersampleProgram final : public FrameProgram {
  public:
   SupersampleProgram(const traces::MemoryImage& image, const traces::Camera& camera, const RenderConfig& config,
@@ -49,25 +52,25 @@ class SupersampleProgram final : public FrameProgram {
 
  private:
   using Node = Wavefront::Node;
-  /// A tile being worked on.
+  /// A tile in progress.
   struct Tile {
     SampleTile at;
     FinishedUniforms<float> finished;
-    std::uint32_t pixels;  ///< finished
+    std::uint32_t pixels;  ///< pixels that it finishes
     Wavefront& wave;
     TileGraph& graph;
     TileResult& out;
     TileBuffer& buffer;
-    Node shown = Wavefront::kNone;  ///< the last transfer of what sub-pixels show
+    Node shown = Wavefront::kNone;  ///< last transfer of the sub-pixels' colours and states
   };
-  /// Sub-pixels that are sampled at once, and pixels that are then complete.
+  /// Sub-pixels that are sampled together, and the pixels that they complete.
   struct Chunk {
     std::uint32_t first = 0, subpixels = 0;
-    std::uint32_t padding = 0;  ///< sub-pixels that idle beside them
+    std::uint32_t padding = 0;  ///< idle entries
     std::uint32_t first_master = 0, masters = 0;
   };
 
-  /// Bytes that a sample keeps beside its colour: two hits.
+  /// Bytes of a sample's records, without the colour: two hits.
   static constexpr std::uint32_t kAttributeBytes = 2 * sizeof(TraitsRecord<float>);
 
   std::uint32_t centres() const { return tiles_.samples(); }

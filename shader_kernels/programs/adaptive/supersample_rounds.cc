@@ -22,11 +22,11 @@ std::uint32_t SupersampleProgram::pass_end(std::uint32_t tile_index) const {
   return (tile_index / tiles_.count() + 1) * tiles_.count();
 }
 
-/// Bytes of what a tile's sub-pixels show.
+/// Returns the bytes of the colours and states of a tile's sub-pixels.
 std::uint32_t SupersampleProgram::shown_bytes() const { return 4 * tile_pixels() * kShownBytes; }
 
-/// A tile's states, then its colours; behind those of all tiles a byte each, in which a round notes whether it has made
-/// any sub-pixel active, for odd rounds and for even ones.
+/// Address of a tile's states, which its colours follow. After those of all tiles come two arrays of a byte per tile,
+/// for even and odd rounds: whether the round made sub-pixels of the tile active.
 std::uint64_t SupersampleProgram::shown_store(std::uint32_t tile) const {
   return tiles_.count() * store_bytes() + std::uint64_t{tile} * shown_bytes();
 }
@@ -39,11 +39,11 @@ StateUniforms<float> SupersampleProgram::state_uniforms(const Tile& tile) {
   return {tile.finished.width, tile.finished.inverse_width, pitch + 1, pitch};
 }
 
-/// Bytes of the tile buffer that wait for the DMA while rays are traced: what a chunk shows. Before that, what all
-/// sub-pixels show has the slots of rays that are done.
+/// Returns the bytes of the tile buffer that wait for the DMA while rays are traced: those of a chunk. Earlier, the
+/// sub-pixels' data occupy the slots of finished rays.
 std::uint32_t SupersampleProgram::waiting_bytes() { return kChunk * kShownBytes; }
 
-/// Writes what all sub-pixels show if they are not active, for settle() to write over.
+/// Writes colours and states of all sub-pixels as if they were inactive; settle() overwrites those that are active.
 void SupersampleProgram::show(Tile& tile) const {
   const auto launch = [&]<class K>(K) {
     typename K::template Ports<float> ports;
@@ -60,8 +60,8 @@ void SupersampleProgram::show(Tile& tile) const {
   tile.graph.register_colour_writer(tile.shown);
 }
 
-/// Leaves what the sub-pixels of a chunk show, whose samples begin at `first_sample`; before the first round it is
-/// written at once.
+/// Stores colours and states of a chunk's sub-pixels, whose samples begin at `first_sample`. Before the first round
+/// they are written to memory at once.
 void SupersampleProgram::settle(Tile& tile, const Chunk& chunk, std::uint32_t first_sample, std::uint32_t round) const {
   if (chunk.subpixels == 0) return;
   SettleSubpixels::Ports<float> ports;
@@ -81,7 +81,7 @@ void SupersampleProgram::settle(Tile& tile, const Chunk& chunk, std::uint32_t fi
   tile.shown = out;
 }
 
-/// A sub-pixel of a tile, as it is left in the tile buffer.
+/// Returns a sub-pixel of the tile from the tile buffer.
 ShownSubpixel SupersampleProgram::shown_subpixel(const Tile& tile, std::uint32_t subpixel) {
   const std::uint32_t x = 2 * (subpixel / 4 % tile.out.width) + subpixel % 2;
   const std::uint32_t y = 2 * (subpixel / 4 / tile.out.width) + subpixel / 2 % 2;
@@ -93,7 +93,7 @@ ShownSubpixel SupersampleProgram::shown_subpixel(const Tile& tile, std::uint32_t
           {rgb.x, rgb.y, rgb.z}};
 }
 
-/// Writes what all sub-pixels show to memory.
+/// Writes colours and states of all sub-pixels to memory.
 void SupersampleProgram::put_shown(Tile& tile) const {
   const Node out =
       tile.graph.transfer(Region::kSamples, true, shown_store(tile.at.index), 4 * tile.pixels * kShownBytes);
@@ -111,8 +111,8 @@ void SupersampleProgram::begin_pass(std::uint32_t tile_index, const traces::Trac
   if (tile_index >= tiles_.count()) shown_.settle();
 }
 
-/// Whether the round before has made sub-pixels active in a tile or in those beside it. `read`: is told where that
-/// stands.
+/// True if the previous round made sub-pixels active in the tile or its neighbours. Calls `read(tile, bytes)` for each
+/// flag that is read.
 bool SupersampleProgram::is_reached(const SampleTile& at, auto&& read) const {
   const std::uint32_t first = at.has_left ? at.index - 1 : at.index;
   const std::uint32_t across = 1U + (at.has_left ? 1 : 0) + (at.has_right ? 1 : 0);
@@ -152,10 +152,10 @@ void SupersampleProgram::run_round(std::uint32_t tile_index, const traces::Trace
   }
   wave.finish();
   out.sampling.traced_background = out.background.size();
-  out.width = out.height = 0;  // no pixels but the corrected ones
+  out.width = out.height = 0;  // only corrected pixels
 }
 
-/// Reads states of a tile and of the sub-pixels around it.
+/// Reads the states of the tile's sub-pixels and of those around it.
 SupersampleProgram::Node SupersampleProgram::read_states(Tile& tile, Node before) const {
   const TileResult& out = tile.out;
   shown_.copy_states(2 * out.x, 2 * out.y, 2 * out.width, 2 * out.height, tile.buffer.subpixels.states.data());
@@ -174,7 +174,7 @@ SupersampleProgram::Node SupersampleProgram::read_states(Tile& tile, Node before
   return before;
 }
 
-/// A round of propagation in a tile that it reaches.
+/// Runs a round of propagation in a tile that has active sub-pixels nearby.
 void SupersampleProgram::propagate(Tile& tile, std::uint32_t round, Node before) const {
   TileBuffer& buffer = tile.buffer;
   PropagateSubpixels::Ports<float> ports;
@@ -201,7 +201,7 @@ void SupersampleProgram::propagate(Tile& tile, std::uint32_t round, Node before)
   put_corrected(tile, ports.masters_count.value, subpixels, round);
 }
 
-/// Averages the listed pixels again and writes them, and what the sub-pixels that were sampled show.
+/// Averages the listed pixels again, and writes them and the sampled sub-pixels to memory.
 void SupersampleProgram::put_corrected(Tile& tile, std::uint32_t pixels, std::uint32_t subpixels,
                                        std::uint32_t round) const {
   TileGraph& graph = tile.graph;
@@ -236,7 +236,7 @@ void SupersampleProgram::put_corrected(Tile& tile, std::uint32_t pixels, std::ui
   put(fresh_store(tile.at.index, round), 1);
 }
 
-/// Has the tile buffer hold the colours of a pixel's other sub-pixels, as they are in memory.
+/// Loads into the tile buffer the colours of a pixel's other sub-pixels, as they are in memory.
 void SupersampleProgram::take_others(Tile& tile, std::uint32_t pixel) const {
   TileResult& out = tile.out;
   const std::uint32_t x = out.x + pixel % out.width, y = out.y + pixel / out.width;
@@ -267,7 +267,7 @@ void SupersampleProgram::commit_tile(const TileResult& tile) {
   }
 }
 
-/// Counts a pixel's sub-pixels that are active now.
+/// Updates the counts for a pixel's active sub-pixels.
 void SupersampleProgram::count_again(std::uint32_t pixel, const TileResult& tile) {
   const std::uint32_t x = pixel % width(), y = pixel / width();
   const auto more = static_cast<std::uint32_t>(

@@ -67,7 +67,7 @@ void UndersampleProgram::run_tile(std::uint32_t tile_index, const traces::Tracer
   tile.finish();
 }
 
-/// Leaves out checks that nothing in the scene, or in the tile, can fail.
+/// Checks samples. Leaves out checks that nothing in the scene or tile can fail.
 Verdict UndersampleProgram::check(BlockTile& tile, const BlockLines& lines) const {
   const bool has_textures = !blocks_.scene.fuses || blocks_.scene.has_textures;
   const bool has_colours = !blocks_.scene.fuses || tile.coloured != 0;
@@ -95,7 +95,7 @@ Verdict UndersampleProgram::check_with(BlockTile& tile, const BlockLines& lines)
   return {node, ports.passed_count.value, ports.failed_count.value};
 }
 
-/// Averages samples to pixels. With post-correction, samples' identities are written to memory for its scans.
+/// Averages samples to pixels. With post-correction, the samples' identities are written to memory for its scans.
 void UndersampleProgram::average(BlockTile& tile) const {
   if (correction_.scans() == 0) return tile.average();
   const auto store = [&]<class Shadows, class Plain>(std::type_identity<Shadows>, std::type_identity<Plain>) {
@@ -110,7 +110,7 @@ void UndersampleProgram::average(BlockTile& tile) const {
   }
 }
 
-/// Launches K, which writes down what samples show, and moves that to memory.
+/// Launches K, which stores the samples' identities, and writes them to memory.
 template <class K>
 Wavefront::Node UndersampleProgram::store_identities(BlockTile& tile) const {
   typename K::template Ports<float> ports;
@@ -140,11 +140,11 @@ using traces::Region;
 namespace {
 
 constexpr std::uint32_t kWordBytes = sizeof(WordRecord<float>);
-constexpr std::uint32_t kScanned = 0;  // the border of a tile that others read in a scan: all words that it corrects
+constexpr std::uint32_t kScanned = 0;  // border of a tile in a scan: all words that it corrects
 constexpr auto kPicture = static_cast<std::size_t>(Region::kPicture);
 constexpr auto kSamples = static_cast<std::size_t>(Region::kSamples);
 
-/// Number of pixels that samples belong to.
+/// Returns the number of pixels that contain the samples.
 std::uint32_t pixels_of(std::span<const PostCorrection::Suspect> suspects, std::uint32_t grid) {
   std::set<std::pair<std::uint32_t, std::uint32_t>> pixels;
   for (const PostCorrection::Suspect& s : suspects) pixels.emplace(s.x / grid, s.y / grid);
@@ -160,7 +160,7 @@ std::uint32_t UndersampleProgram::pass_end(std::uint32_t tile_index) const {
   return (tile_index / count + 1) * count;
 }
 
-/// A sample's word for the scans; where pixels have several samples, their colours too, to average them again.
+/// Returns the bytes of a sample in a scan: its identity and, if pixels have several samples, its colour.
 std::uint32_t UndersampleProgram::scanned_bytes() const {
   return kWordBytes + (undersample_.samples > 1 ? static_cast<std::uint32_t>(sizeof(ColourRecord<float>)) : 0);
 }
@@ -186,7 +186,7 @@ void UndersampleProgram::begin_pass(std::uint32_t tile_index, const traces::Trac
   const PostCorrection::Scan scan = correction_.scan(scan_of(tile_index));
   TileResult scratch;
   const auto trace = [&](std::span<const PostCorrection::Suspect> suspects) {
-    // All suspects of a step lie in one column, or in one row.
+    // All suspects of a step are in one column or one row.
     const std::uint32_t pitch = scan.is_along_y ? width() * undersample_.grid() : 1;
     const PostCorrection::Suspect& first = suspects.front();
     const GridUniforms<float> grid = scan.is_along_y ? blocks_.grid_uniforms(0, static_cast<float>(first.y), pitch)
@@ -293,7 +293,7 @@ Wavefront::Node UndersampleProgram::note_search(TileGraph& graph, std::uint32_t 
                                                           : graph.note<FindSuspects<false>>(items);
 }
 
-/// Traces a tile's suspects, round by round, and puts out what that changes. `found`: the first search.
+/// Traces a tile's suspects, round by round, and writes the corrected pixels. `found`: the first search.
 void UndersampleProgram::correct(Wavefront& wave, TileResult& out, const SampleTile& at, Wavefront::Node found) const {
   TileGraph& graph = wave.graph();
   std::span<const PostCorrection::Suspect> left = correction_.suspects_of(at.index);
@@ -322,8 +322,8 @@ void UndersampleProgram::correct(Wavefront& wave, TileResult& out, const SampleT
   put_corrected(graph, at, corrected, pixels, found);
 }
 
-/// Averages and encodes the corrected pixels and writes them and their words: each a line of its own, as long as those
-/// are not more than all of the tile's.
+/// Averages and encodes the corrected pixels, and writes them with their words: one memory line each, but at most the
+/// whole tile.
 void UndersampleProgram::put_corrected(TileGraph& graph, const SampleTile& at, std::uint32_t corrected,
                                        std::uint32_t corrected_pixels, Wavefront::Node last) const {
   const std::uint64_t store = scan_store(at.index);

@@ -9,15 +9,15 @@
 
 namespace kernels {
 
-/// Frame program undersample (Kim et al. 2016): samples between similar ones take the attributes in their middle and
-/// are shaded from those. Scans over the whole frame then look for what fell between samples.
+/// Frame program undersample (Kim et al. 2016): samples between similar references get interpolated attributes and are
+/// shaded from those. Scans over the whole frame then correct samples whose interpolation missed something.
 ///
 ///   per tile: references -> check_attributes_x -> interpolate_attributes, shade | trace -> check_attributes_y -> ...
 ///             -> average_samples -> pack_colour -> transfer to the frame buffer
 ///   per scan and tile: identities from memory -> find_suspects -> trace -> find_suspects -> ... -> corrected pixels
 class UndersampleProgram final : public FrameProgram {
  public:
-  /// `scene_size`: the longest side of the scene's bounds, the same in all frames.
+  /// `scene_size`: longest side of the scene's bounds, the same in all frames.
   UndersampleProgram(const traces::MemoryImage& image, const traces::Camera& camera, const RenderConfig& config,
                      const UndersampleConfig& undersample, float scene_size, std::uint32_t frame);
 
@@ -53,7 +53,7 @@ class UndersampleProgram final : public FrameProgram {
 
   const UndersampleConfig undersample_;
   const BlockFrame blocks_;
-  const float apart_;  ///< hits are near each other up to this distance
+  const float apart_;  ///< largest distance between hits that count as close
   PostCorrection correction_;
 };
 

@@ -8,7 +8,7 @@ namespace kernels {
 
 namespace {
 
-/// Flags of all materials of a scene.
+/// Returns the flags of all materials of a scene.
 std::uint32_t flags_of(const traces::MemoryImage& image) {
   std::uint32_t flags = 0;
   for (const traces::MaterialRecord& material : image.materials) flags |= material.flags;
@@ -34,7 +34,7 @@ ReconstructProgram::ReconstructProgram(const traces::MemoryImage& image, const t
       bend_(reconstruct.bend()) {
   if (!filters_apart() || !has_geometry() || config.depth == 1) return;
   const std::uint32_t flags = flags_of(image);
-  // Glass mirrors, too.
+  // Glass reflects too.
   const bool reflects = scene_.effects.has(Effect::kReflections), refracts = scene_.effects.has(Effect::kRefractions);
   if (reflects && (flags & (traces::kMirror | traces::kGlass | traces::kPhysical)) != 0) mirrors_ = layers_++;
   if ((flags & traces::kBlended) != 0 || (refracts && (flags & traces::kGlass) != 0)) glass_ = layers_++;
@@ -84,7 +84,7 @@ void ReconstructProgram::run_tile(std::uint32_t tile_index, const traces::Tracer
   const Part own{tiles_.halo(), tiles_.halo(), at.width, at.height};
   // Shade one sample of every pixel; find geometry and shadows of the other three.
   trace(tile, own, own, true);
-  export_borders(tile);  // they need no halo
+  export_borders(tile);  // borders need no halo
   make_halo(tile);
   spill_attributes_to_dram(tile);
   // Filter the shaded samples around each sample by geometry; shade all four where colours still differ.
@@ -106,7 +106,7 @@ VisibleSamples ReconstructProgram::records(bool are_shaded) const {
   return records;
 }
 
-/// Shaded samples of a rectangle, other samples of one.
+/// Traces the shaded samples of one rectangle and the other samples of another.
 void ReconstructProgram::trace(Tile& tile, const Part& shaded, const Part& others, bool is_own) const {
   const Node cleared = clear_branches(tile, shaded);
   trace_shaded(tile, shaded, cleared);
@@ -139,7 +139,7 @@ VisibleRayPorts<float>& ReconstructProgram::bind(VisibleRayPorts<float>& ports, 
   return ports;
 }
 
-/// Says in which pixels the wave's samples lie, and those of what mirrors and glass show.
+/// Assigns the samples of the wave, and those of mirrored and refracted rays, to pixels.
 void ReconstructProgram::place(Tile& tile, std::uint32_t rays) const {
   if (!tile.wave.tracer().counts_pixels()) return;
   for (std::uint32_t i = 0; i < rays; ++i) {
@@ -197,7 +197,7 @@ void ReconstructProgram::limit(Tile& tile, const Part& part) const {
   with_branches(launch);
 }
 
-/// With a radius of 0 a pixel shows its own shaded sample.
+/// With a radius of 0 a pixel has the colour of its own shaded sample.
 ReconstructProgram::Node ReconstructProgram::show_shaded(Tile& tile) const {
   AverageSamples::Ports<float> ports;
   ports.samples = ports.inverse_samples = 1;
@@ -252,9 +252,9 @@ ReconstructProgram::Node ReconstructProgram::filter(Tile& tile) const {
   return last;
 }
 
-/// Shades the other samples of pixels whose colour changes where geometry does not, and gives these the mean of all
-/// four. Their primary rays are cast once more: what the first time left is geometry alone. In the tile buffer their
-/// colours lie where that was, since the filters are through with it.
+/// Shades the other samples of pixels whose colour changes where the geometry does not, and averages all four. Their
+/// primary rays are cast again, because the first time only geometry was kept. In the tile buffer their colours replace
+/// the geometry, which the filters no longer need.
 ReconstructProgram::Node ReconstructProgram::shade_contrasts(Tile& tile, Node filtered) const {
   return with_branches([&]<std::uint32_t kBranches> { return shade_contrasts<kBranches>(tile, filtered); });
 }
@@ -285,7 +285,7 @@ ReconstructProgram::Node ReconstructProgram::shade_contrasts(Tile& tile, Node fi
   const Node generated = graph.launch<GenerateContrastRays>(generate, rays, lanes);
   graph.wait_all(generated, listed);
   place(tile, rays);
-  wave.set_cone(cone_uniforms(camera_, 2));  // there are four samples in a pixel
+  wave.set_cone(cone_uniforms(camera_, 2));  // pixels have four samples, two along a side
   wave.run(generated, rays, {}, lanes);
   sampling.traced += rays;
   sampling.correction += rays;
@@ -302,17 +302,17 @@ ReconstructProgram::Node ReconstructProgram::shade_contrasts(Tile& tile, Node fi
 
 using traces::Region;
 
-/// Bytes of a border's pixel. Of its columns or rows those at the outer side of the halo are only looked at, so of them
-/// the shaded samples go; the inner half is finished by the neighbour, which needs the other samples, too.
+/// Returns the bytes of a pixel in a border. Of the outer half of the halo only shaded samples are read. The inner half
+/// is finished by the neighbour, which also needs the other samples.
 std::uint32_t ReconstructProgram::exchanged_bytes() const { return shaded_bytes() + other_bytes() / 2; }
 
-// A tile's store: its borders (FinishedTiles); all attributes if they do not stay.
+// A tile's store: its borders (FinishedTiles), and all attributes if they are kept in DRAM.
 std::uint64_t ReconstructProgram::store_bytes() const {
   const bool is_parked = reconstruct_.attributes == AttributeStorage::kDram;
   return tiles_.stored_samples() * exchanged_bytes() + (is_parked ? std::uint64_t{positions()} * attribute_bytes() : 0);
 }
 
-/// A tile always computes its halo; where neighbours write it to memory, the machine reads it back.
+/// Makes the halo. A tile always computes it; if neighbours write it to memory, the machine reads it back.
 void ReconstructProgram::make_halo(Tile& tile) const {
   tiles_.for_each_part(tile.at, [&](const HaloPart& part) {
     const bool is_left = part.x < tiles_.halo(), is_above = part.y < tiles_.halo();
@@ -336,7 +336,7 @@ void ReconstructProgram::export_borders(Tile& tile) const {
   });
 }
 
-/// Writes all attributes to memory and reads them back, if that is where they are.
+/// Writes all attributes to DRAM and reads them back, if they are kept there.
 void ReconstructProgram::spill_attributes_to_dram(Tile& tile) const {
   if (reconstruct_.attributes == AttributeStorage::kTile || !has_geometry()) return;
   const std::uint32_t across = tile.at.width + (tile.at.has_left ? tiles_.halo() : 0);
@@ -352,9 +352,9 @@ void ReconstructProgram::spill_attributes_to_dram(Tile& tile) const {
 
 namespace {
 
-constexpr std::uint32_t kWanted = 16;  ///< samples of a pixel of what the picture stands for
+constexpr std::uint32_t kWanted = 16;  ///< samples per pixel of the picture that the method approximates
 
-/// A layer's edges: bits of its depth, normal, and shadow edges.
+/// A layer's edges: bits for depth, normal, and shadows.
 struct EdgeBits {
   std::uint32_t depth, normal, shadow;
 };
@@ -382,7 +382,7 @@ void ReconstructProgram::count(Tile& tile) const {
   for (std::uint32_t pixel = 0; pixel < tile.pixels; ++pixel) tile.out.marks[pixel] = mark(tile, pixel);
 }
 
-/// Compares as the filters do.
+/// Returns the mark of a pixel, comparing as the filters do.
 SampleMark ReconstructProgram::mark(const Tile& tile, std::uint32_t pixel) const {
   const FinishedUniforms<float>& of = tile.finished;
   const DivMod<float> at = finished_pixel<float>(static_cast<float>(pixel), of);

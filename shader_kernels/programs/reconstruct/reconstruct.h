@@ -12,30 +12,29 @@
 
 namespace kernels {
 
-/// Frame program reconstruct (Chiu et al. 2012): a pixel has four samples on a rotated grid. One is shaded; of the
-/// others rays find out geometry and shadows alone. A filter then makes the colour of each from the shaded ones around
-/// that are like it: what surfaces show by their geometry and shadows, what mirrors and glass show by those of what is
-/// seen there.
+/// Frame program reconstruct (Chiu et al. 2012). A pixel has four samples on a rotated grid. One is shaded; the others
+/// only find geometry and shadows. A filter computes the colour of each sample from the similar shaded samples around
+/// it.
 ///
-///   per tile: generate_shaded_rays  -> shaded -> limit_colours -┐
-///             generate_visible_rays -> geometry, shadows -------┴-> [halo] -> reconstruct -> pack_colour -> frame
-///             buffer
-///                                                              list_branches -> reconstruct_branch
+///   per tile: generate_shaded_rays  -> shaded -> limit_colours -+
+///             generate_visible_rays -> geometry, shadows -------+-> [halo] -> reconstruct -> pack_colour -> frame
+///                                                               list_branches -> reconstruct_branch
 ///
-/// With a colour test pixels where colours change and geometry does not have all four
-/// shaded:
+/// 1. Surfaces are filtered by their own geometry and shadows; mirrored and refracted light by the geometry and shadows
+///    of what the secondary rays hit.
+/// 2. With a colour test, all four samples are shaded in pixels whose colour changes where the geometry does not:
 ///
-///   reconstruct -> list_contrasts -> generate_contrast_rays -> shaded -> average_contrasts -> pack_colour
+///     reconstruct -> list_contrasts -> generate_contrast_rays -> shaded -> average_contrasts -> pack_colour
 ///
-/// reconstruct:sraa, held against it, has one filter over whole colours, by the geometry that the eye sees; so its
-/// other samples are primary rays alone.
+/// 3. reconstruct:sraa, for comparison, filters whole colours by the first hits' geometry; its other samples are
+///    primary rays only.
 ///
-/// A sample of the tile buffer is a pixel's position there plus a multiple of all positions: sample k of the pixel in
-/// layer b, surfaces (0), mirrors and glass, is position + (4 b + k) x positions. Shaded ones have a colour, too.
+/// Sample k of a pixel in layer b (0 is the surface, then mirrors and glass) has index position + (4 b + k) x positions
+/// in the tile buffer, where position is that of the pixel. Shaded samples also have a colour.
 class ReconstructProgram final : public FrameProgram {
  public:
   enum class Filters : std::uint8_t { kApart, kOne };
-  /// `scene_size`: the longest side of the scene's bounds, the same in all frames.
+  /// `scene_size`: longest side of the scene's bounds, the same in all frames.
   ReconstructProgram(const traces::MemoryImage& image, const traces::Camera& camera, const RenderConfig& config,
                      const ReconstructConfig& reconstruct, Filters filters, float scene_size, std::uint32_t frame);
 
@@ -46,11 +45,11 @@ class ReconstructProgram final : public FrameProgram {
 
  private:
   using Node = Wavefront::Node;
-  /// A tile being worked on.
+  /// A tile in progress.
   struct Tile {
     SampleTile at;
     FinishedUniforms<float> finished;
-    std::uint32_t pixels;  ///< finished
+    std::uint32_t pixels;  ///< pixels that it finishes
     Wavefront& wave;
     TileGraph& graph;
     TileResult& out;
@@ -67,16 +66,16 @@ class ReconstructProgram final : public FrameProgram {
   bool has_geometry() const { return reconstruct_.radius != 0; }
   bool tests_colours() const { return reconstruct_.colour >= 0; }
   std::uint32_t positions() const { return tiles_.samples(); }
-  /// From a sample to that of the next layer.
+  /// Returns the offset from a sample to that of the next layer.
   std::uint32_t layer() const { return kGeometrySamples * positions(); }
-  /// Bytes of a pixel's shaded sample in all layers, colours included; of its other samples; of all records.
+  /// Return the bytes of a pixel's shaded sample in all layers with colours, of its other samples, and of all records.
   std::uint32_t shaded_bytes() const;
   std::uint32_t other_bytes() const;
   std::uint32_t attribute_bytes() const;
   std::uint32_t exchanged_bytes() const;
   std::uint64_t store_bytes() const;
 
-  /// Calls f<kBranches>() for as many as there are beside the surfaces.
+  /// Calls f<kBranches>() with the number of branch layers.
   template <class Function>
   auto with_branches(Function&& f) const {
     if (layers_ == 1) return f.template operator()<0>();
@@ -118,11 +117,11 @@ class ReconstructProgram final : public FrameProgram {
   const std::vector<std::uint32_t> order_;
   const std::uint32_t frame_;
   const float depth_scale_, bend_;
-  std::uint32_t mirrors_ = 0, glass_ = 0;  ///< layers of what these show; 0: nothing does
+  std::uint32_t mirrors_ = 0, glass_ = 0;  ///< layers of mirrored and refracted light; 0: none
   std::uint32_t layers_ = 1;
 };
 
-/// Camera and grid of pixels.
+/// Binds the camera and the grid of pixels.
 void ReconstructProgram::bind_pixels(auto& ports, const Tile& tile) const {
   const auto halo = static_cast<float>(tiles_.halo()), pitch = static_cast<float>(tiles_.pitch());
   ports.camera = camera_;

@@ -5,7 +5,7 @@
 
 namespace kernels {
 
-/// Effects that rays of a frame are traced for, behind what samples see first (docs/design/effects.md).
+/// Effects that cast rays from the surfaces of first and later hits (docs/design/effects.md).
 enum class Effect : std::uint8_t { kShadows, kReflections, kRefractions, kOcclusion, kSoftShadows, kCount };
 constexpr std::array<std::string_view, static_cast<std::size_t>(Effect::kCount)> names_of(Effect) {
   return {"shadows", "reflections", "refractions", "occlusion", "soft_shadows"};
@@ -20,7 +20,7 @@ class Effects {
   std::uint32_t bits_ = 0;
 };
 
-/// "shadows, occlusion", or "none". Throws sim::InputError that says what is allowed.
+/// Parses "shadows, occlusion" or "none". Throws sim::InputError with the allowed effects.
 Effects parse_effects(std::string_view text);
 
 }  // namespace kernels

@@ -12,13 +12,13 @@ namespace kernels {
 
 using traces::FrameRequirements;
 
-/// Tiles of a picture.
+/// Number of tiles of a picture.
 struct TileCounts {
   std::uint32_t columns = 0, rows = 0;
 };
 
-/// A way to render a frame: a list of tiles, in one pass or more, each of which renders a part of the picture and
-/// writes down the work that takes. A pass may look at all that earlier passes have found out.
+/// Interface of a frame program. It renders a list of entries in one or more passes, mostly one tile of the picture per
+/// entry, and records the work. A pass may read the results of all earlier passes.
 class FrameProgram {
  public:
   FrameProgram(std::uint32_t width, std::uint32_t height)
@@ -29,31 +29,31 @@ class FrameProgram {
 
   std::uint32_t width() const { return width_; }
   std::uint32_t height() const { return height_; }
-  /// Entries of the list, of all passes.
+  /// Returns the number of entries of all passes.
   virtual std::uint32_t tiles() const = 0;
-  /// Tiles that the picture is cut into; none of a program that does not know.
+  /// Returns the number of tiles across and down; 0 if the program has none.
   virtual TileCounts tile_counts() const { return {}; }
-  /// First entry behind the pass that entry `tile_index` belongs to.
+  /// Returns the end of the pass that contains entry `tile_index`.
   virtual std::uint32_t pass_end([[maybe_unused]] std::uint32_t tile_index) const { return tiles(); }
   virtual FrameRequirements requirements() const = 0;
 
-  /// Called once before the pass that begins with entry `tile_index`, when all earlier entries have been kept.
+  /// Called before the pass that begins with entry `tile_index`, after all earlier entries have been committed.
   virtual void begin_pass([[maybe_unused]] std::uint32_t tile_index, [[maybe_unused]] const traces::Tracer& tracer) {}
-  /// Renders an entry of the list; with `record` also writes down its work. Any number of threads may run entries of a
-  /// pass at once, each into its own `out`, whose storage is used again.
+  /// Renders an entry into `out`, and records its work if `record` is set. Entries of a pass may run on any number of
+  /// threads, each with its own `out`, whose storage is reused.
   virtual void run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const = 0;
-  /// Takes what an entry has found out. Called once for each, in the order of the list.
+  /// Adds an entry's results to the frame. Called once per entry, in list order.
   virtual void commit_tile(const TileResult& tile);
 
-  /// Linear RGB, row by row, as far as tiles have been kept.
+  /// Returns the picture as far as committed: linear RGB, row by row.
   virtual const std::vector<float>& picture() const { return picture_; }
-  /// When no more tiles of the frame come; the next tile begins a new picture.
+  /// Moves the picture out after the last tile of a frame; the next tile begins a new one.
   virtual std::vector<float> take_picture() { return std::move(picture_); }
   virtual const Sampling& sampling() const { return sampling_; }
-  /// Has keep() keep marks too.
+  /// Makes commit_tile() store marks as well.
   virtual void keep_marks() { keeps_marks_ = true; }
-  /// Marks of all samples, row by row, as many to a pixel as the program marks; empty if it marks none or they
-  /// are not kept.
+  /// Returns the marks of all samples, row by row, with the program's number per pixel; empty if it makes none or they
+  /// are not stored.
   virtual const std::vector<SampleMark>& marks() const { return marks_; }
 
  protected:

@@ -14,10 +14,10 @@
 
 namespace kernels {
 
-// A kernel's ports are bound to arrays of the tile and its scene: to the array that has the port's name and holds
-// records of its type. Names are compared at compile time; a launch loads addresses only.
+// Binding of a kernel's ports to arrays of the tile or the scene. A port is bound to the array with its name and record
+// type. Names are compared at compile time; a launch only loads addresses.
 
-/// The record as which kernels read and write elements of type T.
+/// The record type with which kernels read and write elements of type T.
 template <class T>
 struct RecordOf {
   using Type = T;
@@ -36,16 +36,16 @@ template <> struct RecordOf<traces::VertexRecord> { using Type = VertexFields<fl
 template <> struct RecordOf<traces::MaterialDetailRecord> { using Type = DetailFields<float>; };
 // clang-format on
 
-/// A variable whose address identifies the type of a record.
+/// A variable whose address identifies a record type.
 template <class Record>
 inline constexpr char kRecordType = 0;
 
-/// An array that ports are bound to.
+/// An array that ports can be bound to.
 struct PortArray {
   std::string_view name;
   const char* record;
   const void* (*data)(const TileResult&, const SceneTables&);
-  std::string_view counter{};  ///< of a queue: the port that counts its items
+  std::string_view counter{};  ///< for a queue: the port that counts its items
   std::uint32_t* (*items)(TileResult&) = nullptr;
 };
 
@@ -172,7 +172,7 @@ inline constexpr auto kAll = std::to_array<PortArray>({
 
 }  // namespace port_arrays
 
-/// Whether P is a port of records or a counter, which the others, uniforms, are not.
+/// True if P is a port of records; ports that are neither records nor counters are uniforms.
 template <class P>
 inline constexpr bool kIsRecordPort = requires {
   typename P::Record;
@@ -180,7 +180,7 @@ inline constexpr bool kIsRecordPort = requires {
 template <class P>
 inline constexpr bool kIsCounter = std::is_same_v<P, Counter<float>>;
 
-/// Index in port_arrays::kAll of the array of each port of records and each counter; kNoArray if there is none.
+/// For each record port and counter, the index of its array in port_arrays::kAll; kNoArray if there is none.
 inline constexpr std::uint8_t kNoArray = 0xff;
 inline constexpr std::size_t kMostPorts = 64;
 using PortMatches = std::array<std::uint8_t, kMostPorts>;
@@ -234,7 +234,7 @@ void bind_ports(typename K::template Ports<float>& ports, const TileResult& tile
   });
 }
 
-/// Sets the items of the queues that a launch of kernel K has filled.
+/// Sets the lengths of the queues that a launch of kernel K filled.
 template <class K>
 void count_queued(typename K::template Ports<float>& ports, TileResult& tile) {
   std::size_t next = 0;

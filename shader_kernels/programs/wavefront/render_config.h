@@ -13,7 +13,7 @@
 
 namespace kernels {
 
-/// Whoever finds what a sample sees first: rays, or a rasteriser (docs/design/rasteriser.md).
+/// Source of primary hits: rays, or a rasteriser (docs/design/rasteriser.md).
 enum class Primary : std::uint8_t { kRays, kRaster };
 constexpr std::array<std::string_view, 2> names_of(Primary) { return {"rays", "raster"}; }
 
@@ -26,22 +26,22 @@ constexpr std::array<std::string_view, 2> names_of(GlassShadows) { return {"opaq
 enum class Streams : std::uint8_t { kCompacted, kDivergent };
 constexpr std::array<std::string_view, 2> names_of(Streams) { return {"compacted", "divergent"}; }
 
-/// Mip levels that a look-up blends, where there are any: the nearest alone, or two.
+/// Mip levels that a lookup blends: the nearest, or the two nearest.
 enum class MipBlend : std::uint8_t { kNearest, kLinear };
 constexpr std::array<std::string_view, 2> names_of(MipBlend) { return {"nearest", "linear"}; }
 
-/// Encoders of the frame buffer's sRGB: a kernel, or the DMA on the way there.
+/// Encoder of the frame buffer's sRGB: a kernel, or the DMA during the transfer.
 enum class SrgbEncoder : std::uint8_t { kKernel, kDma };
 constexpr std::array<std::string_view, 2> names_of(SrgbEncoder) { return {"kernel", "dma"}; }
 
-/// Pixels whose first hits have rays for occlusion and soft shadows: all, one of 2 x 2, or every other one.
+/// Pixels whose first hits trace rays for occlusion and soft shadows: all, one of 2 x 2, or every other one.
 enum class EffectRate : std::uint8_t { kFull, kHalf, kCheckerboard };
 constexpr std::array<std::string_view, 3> names_of(EffectRate) { return {"full", "half", "checkerboard"}; }
 
 enum class Fusion : std::uint8_t { kOff, kOn };
 constexpr std::array<std::string_view, 2> names_of(Fusion) { return {"off", "on"}; }
 
-/// The picture that is rendered, and how finely. Everything here changes the recorded work.
+/// Settings of the picture and its rendering. All of them change the recorded work.
 struct RenderConfig {
   std::uint32_t width = 1024, height = 512;
   std::uint32_t tile = 16;
@@ -135,7 +135,7 @@ struct RenderConfig {
           "radius of every light's disc, with the effect soft_shadows; directional lights are a diagonal away",
           sim::between(0, 1), Affects::kFunction);
   }
-  /// Whether there are effects that may have a lower rate.
+  /// True if there are effects that can have a lower rate.
   bool has_rated_effects() const {
     const Effects all = parse_effects(effects);
     return all.has(Effect::kOcclusion) || all.has(Effect::kSoftShadows);

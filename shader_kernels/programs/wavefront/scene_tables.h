@@ -15,63 +15,63 @@
 namespace kernels {
 
 CameraUniforms<float> camera_uniforms(const traces::Camera& camera, std::uint32_t width, std::uint32_t height);
-/// Cones of rays, of which a pixel has grid x grid: as wide as a cell of the pixel is in the middle of the picture.
+/// Returns the ray cones of grid x grid samples per pixel: as wide as a sample in the middle of the picture.
 ConeUniforms<float> cone_uniforms(const CameraUniforms<float>& camera, std::uint32_t grid);
-/// The eye of a picture, for depths in units of which a length of the scene has `depth_scale`.
+/// Returns the eye of a picture, with `depth_scale` units of depth per unit of length.
 EyeUniforms<float> eye_uniforms(const CameraUniforms<float>& camera, std::uint32_t width, std::uint32_t height,
                                 float depth_scale);
 LightUniforms<float> light_uniforms(const traces::Light& light);
-/// Linear values of all sRGB codes.
+/// Returns the linear values of all sRGB codes.
 std::vector<SrgbCodeRecord<float>> srgb_code_records();
-/// A light as a disc across its direction; `radius` in scene diagonals.
+/// Returns a light as a disc facing the surface; `radius` is in scene diagonals.
 DiscUniforms<float> disc_uniforms(const traces::Light& light, float radius, float diagonal, std::uint32_t rays);
-/// Seed of a frame's jittered samples.
+/// Returns the seed of a frame's jittered samples.
 std::uint32_t jitter_seed(std::uint32_t frame);
 AxisRecord<float> axis_record(std::uint32_t size, traces::Texture::Wrap wrap, traces::Texture::Filter filter);
-/// Levels of a texture that has so many, as a look-up in its first wants them.
+/// Returns the mip-level (LOD) record of a texture with `levels` levels.
 LevelRecord<float> level_record(const traces::Texture& texture, std::uint32_t levels, MipFilter mips);
 
-/// The largest triangle word of a hit that needs no test, where only alpha asks for one.
+/// The largest triangle word of a hit that requires no test, if only alpha requires one.
 inline constexpr std::uint32_t kSolidNearest = traces::kAlphaFlag - 1;
 
-/// Data of a scene that kernels read besides memory: uniforms, and tables that lie in the SRP's own memory.
+/// Scene data that kernels read besides memory: uniforms, and tables in the SRP's own memory.
 struct SceneTables {
   SceneTables(const traces::MemoryImage& memory_image, const RenderConfig& config);
 
   const traces::MemoryImage& image;
   std::vector<LightUniforms<float>> lights;
-  std::vector<DiscUniforms<float>> discs;  ///< those of the lights, if shadows are soft
+  std::vector<DiscUniforms<float>> discs;  ///< of the lights, if shadows are soft
   std::vector<AxisRecord<float>> axes;     ///< two per texture
   std::vector<LevelRecord<float>> levels;  ///< with mip maps, one per texture
   std::vector<SrgbCodeRecord<float>> srgb_codes = srgb_code_records();
-  MipFilter mips;  ///< as the memory image has mip levels, and RenderConfig::mip_filter
+  MipFilter mips;  ///< from the image's mip levels and RenderConfig::mip_filter
   Vec3<float> background, ambient;
   float epsilon, min_weight, occlusion_distance;
   std::uint32_t depth, layers;
-  std::uint32_t width;  ///< pixels in a row of the picture
+  std::uint32_t width;  ///< pixels per row of the picture
   Effects effects;
-  std::uint32_t occlusion_rays;  ///< per surface; 0: ambient light is not occluded
-  std::uint32_t shadow_rays;     ///< per surface and light; 0: there are no shadows
+  std::uint32_t occlusion_rays;  ///< per surface; 0: no ambient occlusion
+  std::uint32_t shadow_rays;     ///< per surface and light; 0: no shadows
   bool is_checkerboard;          ///< RenderConfig::effect_rate
-  bool has_details;              ///< some surface goes into a stream of classify_details
+  bool has_details;              ///< some surface goes into a queue of classify_details
   bool dma_encodes;              ///< RenderConfig::srgb
   bool diverges;                 ///< RenderConfig::streams
   bool fuses;                    ///< RenderConfig::fusion
   bool has_deferred;             ///< the light of some surface is deferred (kernels/light.h)
-  bool has_secondary;            ///< some surface may send a path on
-  bool has_textures;             ///< some surface may fail a check for its textures
+  bool has_secondary;            ///< some surface may emit secondary rays
+  bool has_textures;             ///< some surface may fail a check because of its textures
   bool has_occlusion;            ///< some surface has an occlusion texture
-  bool has_alpha, has_shades;    ///< some hit may have to be tested: of rays that want the nearest, of shadow rays
-  std::uint32_t solid_shadow;    ///< largest triangle word of a shadow ray's hit that needs no test
-  /// Whether surfaces have ambient light that nothing occludes and hard shadows.
+  bool has_alpha, has_shades;    ///< hits may require a test: of nearest-hit rays, of shadow rays
+  std::uint32_t solid_shadow;    ///< largest triangle word of a shadow ray's hit that requires no test
+  /// True if ambient light is not occluded and shadows are hard.
   bool lights_as_usual() const { return occlusion_rays == 0 && shadow_rays == 1 && discs.empty(); }
-  /// Lights, ambient light among them, of effects that may have a lower rate.
+  /// Returns the number of lights, including ambient light, of effects that can have a lower rate.
   std::uint32_t rated_lights() const {
     return (occlusion_rays != 0 ? 1 : 0) + static_cast<std::uint32_t>(discs.size());
   }
-  /// Launches that bring the light of one light.
+  /// Returns the number of launches for one light.
   std::uint32_t rays_to_light() const { return std::max(1U, shadow_rays); }
-  /// An occlusion ray's share of a surface's ambient light.
+  /// Returns an occlusion ray's share of a surface's ambient light.
   float occlusion_share() const { return 1.0F / static_cast<float>(occlusion_rays); }
 };
 

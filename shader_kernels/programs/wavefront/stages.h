@@ -18,17 +18,17 @@ struct WaveBounce {
   std::uint32_t rays = 0;
   std::uint32_t depth = 1;
   std::uint32_t lanes = 0, padding = 0;                     ///< as for TileGraph::launch()
-  std::uint32_t straight = 0, mirrored = 0, refracted = 0;  ///< first slots of rays of each kind
+  std::uint32_t straight = 0, mirrored = 0, refracted = 0;  ///< first slots of each kind of rays
   std::array<TracedBatch, 3> batches{};
   std::uint32_t batch_count = 0;
-  bool is_single = true;          ///< no sample has two of its rays
-  bool has_lit = false;           ///< diffuse surfaces have ambient and first light, except those queued in `deferred`
-  Node begun = TileGraph::kNone;  ///< gave its rays samples of their own
-  Node after = TileGraph::kNone;  ///< last node of the previous bounce that changes colours
-  Node fetched = TileGraph::kNone;    ///< wrote its surfaces; the next stage waits for it item by item
-  Node inspector = TileGraph::kNone;  ///< filled the queues that its stages read
-  Node colours = TileGraph::kNone;    ///< wrote base colours, if textures did after the inspector
-  Node recorded = TileGraph::kNone;   ///< recorded its hits
+  bool is_single = true;              ///< no sample has two rays in the bounce
+  bool has_lit = false;               ///< diffuse surfaces have ambient and first light, except those in `deferred`
+  Node begun = TileGraph::kNone;      ///< node that gave its rays samples of their own
+  Node after = TileGraph::kNone;      ///< last node of the previous bounce that changes colours
+  Node fetched = TileGraph::kNone;    ///< node that wrote its surfaces; the next stage waits for it item by item
+  Node inspector = TileGraph::kNone;  ///< node that filled the queues that its stages read
+  Node colours = TileGraph::kNone;    ///< node that wrote base colours, if textures did so after the inspector
+  Node recorded = TileGraph::kNone;   ///< node that recorded its hits
 };
 
 /// State of a wave that launches read.
@@ -43,12 +43,12 @@ struct WaveContext {
 
 /// Input of a launch.
 struct StageInput {
-  std::uint32_t* entries = nullptr;  ///< of the queue; null for kernels that run over all rays
+  std::uint32_t* entries = nullptr;  ///< entries of the queue; null for kernels that run over all rays
   std::uint32_t items = 0, lanes = 0;
-  std::uint32_t light = 0, ray = 0;           ///< of the light that it casts rays to
-  std::uint32_t next_ray = 0;                 ///< slot of the next wave for its first ray
-  const LineUniforms<float>* line = nullptr;  ///< of interpolated samples
-  ColourRecord<float>* colours = nullptr;     ///< receives light in place of the samples' colours, unless null
+  std::uint32_t light = 0, ray = 0;           ///< index of the light and ray that it casts
+  std::uint32_t next_ray = 0;                 ///< slot of its first ray in the next wave
+  const LineUniforms<float>* line = nullptr;  ///< lines of interpolated samples
+  ColourRecord<float>* colours = nullptr;     ///< if not null, receives light instead of the samples' colours
 };
 
 /// Result of a launch: its node, and the number of rays that it emitted.
@@ -65,7 +65,7 @@ enum class Waits : std::uint8_t {
   kBounce,     ///< inspector or base colours, rays of all batches, and the previous bounce
 };
 
-/// Bits: what later stages wait for after this stage.
+/// Effect of a stage on the waiting of later ones, as bits.
 enum StageEffect : std::uint32_t {
   kFetches = 1,      ///< writes surfaces; the next stage waits for it item by item
   kFillsQueues = 2,  ///< later stages wait for it
@@ -75,10 +75,10 @@ enum StageEffect : std::uint32_t {
   kEndsSurfaces = 32,       ///< all surfaces are known, so that hits are recorded next
   kRecordsHits = 64,        ///< records hits itself
   kCastsAmbientRays = 128,  ///< its rays bring ambient light, so that no shadow is recorded
-  kOwnItemsOnly = 256       ///< runs over its queue alone, even where kernels diverge
+  kOwnItemsOnly = 256       ///< runs only over its queue, even if kernels diverge
 };
 
-/// A row of a stage table. A stage whose queue is empty is left out.
+/// A row of a stage table. A stage with an empty queue is skipped.
 struct WaveStage {
   SlotQueue StageQueues::*queue;
   Launch launch;
@@ -93,7 +93,7 @@ struct SpawnStage {
   Launch launch;
   traces::RayKind kind;
   std::uint32_t WaveBounce::*first;  ///< slot of its first ray
-  std::optional<Effect> effect;      ///< of the frame that the rays belong to
+  std::optional<Effect> effect;      ///< effect to which the rays belong
 };
 
 /// Kernels that record a bounce's hits and shadow rays. `combine_shadows` also adds the rays' light to samples.
@@ -101,11 +101,11 @@ struct RecordStages {
   Launch hits, shadows, combine_shadows;
 };
 
-/// A light's bit; lights from 32 on share bits.
+/// Returns a light's bit; lights from 32 on share bits.
 inline std::uint32_t bit_of(std::uint32_t light) { return 1U << (light % 32); }
 
 BounceUniforms<float> bounce_uniforms(const WaveBounce& bounce);
-/// Hash of a light and a bounce, which secondary shadow records add up.
+/// Returns a hash of a light and a bounce; secondary shadow records sum them.
 std::uint32_t secondary_mark(const WaveBounce& bounce, std::uint32_t light);
 DrawUniforms<float> occlusion_draw(const WaveContext& wave, std::uint32_t ray);
 DrawUniforms<float> soft_shadow_draw(const WaveContext& wave, std::uint32_t light, std::uint32_t ray);
@@ -120,13 +120,13 @@ struct KernelOf<ImmediateLit<K>> {
   using Type = K;
 };
 
-/// Whether kernel K records the secondary hit that carries most (supersample).
+/// True if kernel K records the heaviest secondary hit (supersample).
 template <class K>
 inline constexpr bool kRecordsBranch = std::is_same_v<K, RecordBranchShadow>;
 template <bool kInstanced>
 inline constexpr bool kRecordsBranch<RecordBranch<kInstanced>> = true;
 
-/// Sets the uniforms of kernel K, and ports whose array depends on the stage.
+/// Sets the uniforms of kernel K, and the ports whose array depends on the stage.
 template <class K, class P>
 void bind_stage(P& p, const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
   const SceneTables& scene = wave.scene;
@@ -198,7 +198,7 @@ Launched launch(const WaveContext& wave, const WaveBounce& bounce, const StageIn
   return {node, rays};
 }
 
-/// Launches the variant of kernel K for the scene's mip maps.
+/// Launches the variant of kernel K for the scene's mip filter.
 template <template <MipFilter> class K>
 Launched by_mips(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
   if (wave.scene.mips == MipFilter::kNone) return launch<K<MipFilter::kNone>>(wave, bounce, in);
@@ -206,13 +206,13 @@ Launched by_mips(const WaveContext& wave, const WaveBounce& bounce, const StageI
   return launch<K<MipFilter::kLinear>>(wave, bounce, in);
 }
 
-/// Launches the variant of kernel K for scenes with instances, or without.
+/// Launches the variant of kernel K with or without instances.
 template <template <bool> class K>
 Launched by_instances(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
   return wave.scene.image.has_levels() ? launch<K<true>>(wave, bounce, in) : launch<K<false>>(wave, bounce, in);
 }
 
-/// Launches the variant of kernel K for instances or none, and for ray cones (mip maps) or none.
+/// Launches the variant of kernel K with or without instances, and with or without ray cones (mip maps).
 template <template <bool, bool> class K>
 Launched by_surfaces(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
   const bool has_cones = wave.scene.mips != MipFilter::kNone;

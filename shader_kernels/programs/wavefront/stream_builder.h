@@ -7,8 +7,8 @@
 
 namespace kernels {
 
-/// Writes a tile's graph of work. Storage of the work's former contents is used again: nodes that the tile does not
-/// need wait in `spare` for one that does. A builder that is off writes nothing.
+/// Builds a tile's graph of work. It reuses the storage of the previous contents; unused nodes are kept in `spare`. A
+/// builder that does not record does nothing.
 class StreamBuilder {
  public:
   using Node = std::uint32_t;
@@ -16,27 +16,27 @@ class StreamBuilder {
 
   StreamBuilder(traces::TileWork& work, std::vector<traces::WorkNode>& spare, bool on);
   bool is_on() const { return on_ && !muted_; }
-  /// A muted builder writes nothing until it is unmuted.
+  /// A muted builder records nothing until it is unmuted.
   void mute(bool muted) { muted_ = muted; }
   bool is_muted() const { return muted_; }
 
-  /// `idle` items more pass through the loop and do nothing.
+  /// Adds a launch. `idle` is the number of inactive iterations after its items.
   Node launch(traces::KernelId kernel, std::uint32_t items, bool has_accesses, std::uint32_t idle = 0);
-  /// An item of the last launch begins; for launches with accesses.
+  /// Begins the next item of the last launch; for launches with accesses.
   void begin_item() { work_.access_begin.push_back(static_cast<std::uint32_t>(work_.accesses.size())); }
-  /// The last launch made a ray out of `item`.
+  /// Records that the last launch made a ray from `item`.
   void add_source(std::uint32_t item) { work_.sources.push_back(item); }
-  /// Rays made by `launch`: one per item, or (`is_mapped`) one per source added since that launch.
+  /// Adds rays made by `launch`: one per item, or, if `is_mapped`, one per source added since that launch.
   Node rays(traces::RayKind kind, std::uint32_t count, std::uint32_t first, Node launch, bool is_mapped);
   Node transfer(traces::Region region, bool to_memory, std::uint64_t offset, std::uint32_t bytes);
-  /// Primary hits of `count` samples, whose rays `launch` made, found by a rasteriser: what is last in the work's
-  /// raster.
+  /// Adds the rasterised primary hits of `count` samples, whose rays `launch` made. Uses the last entry of the work's
+  /// `raster`.
   Node raster(std::uint32_t count, Node launch);
-  /// Triangles put into lists: likewise.
+  /// Adds the binning of triangles. Uses the last entry of the work's `raster`.
   Node bin(std::uint32_t triangles);
-  /// A transfer of samples that completes border `number` of the tile.
+  /// Adds a transfer of samples that completes border `number` of the tile.
   Node export_border(std::uint32_t number, std::uint64_t offset, std::uint32_t bytes);
-  /// A transfer of samples that waits for another tile's border.
+  /// Adds a transfer of samples that waits for another tile's border.
   Node import_border(traces::Border border, std::uint64_t offset, std::uint32_t bytes);
   void wait(Node node, Node for_node, traces::Edge::Kind kind);
   void finish();

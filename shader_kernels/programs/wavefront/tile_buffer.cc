@@ -74,13 +74,13 @@ void TileBuffer::reserve_subpixels(std::size_t centres, std::size_t pixels) {
   grow(s.secondary_traits, centres);
   grow(s.branches, centres);
   grow(s.verdicts, 4 * pixels);
-  // Rejected entries are written after a list's end, and chunks may stay three entries short.
+  // Rejected entries are written after a list's end, and chunks may be up to three entries short.
   const std::size_t chunks = (4 * pixels + kChunk - 4) / (kChunk - 3) + 1;
   grow(s.active, chunks * kChunk + 4);
   grow(s.masters, pixels);
   grow(s.fills, chunks + 1);
   grow(s.shown, 4 * pixels);
-  grow(s.states, 12 * pixels + 4);  // a line more on each side, whatever the pixels' shape
+  grow(s.states, 12 * pixels + 4);  // one more line on each side, for pixels of any shape
 }
 
 void TileBuffer::reserve_visible(std::size_t count, std::size_t pixels) {

@@ -10,8 +10,8 @@
 
 namespace kernels {
 
-/// Work items of a stage: indices of ray slots, samples or pixels (`Item`). An inspector kernel writes `entries` and
-/// the counter of its port sets `items`. There is room for one entry more: rejected items are written after the end.
+/// Work items of a stage: indices of ray slots, samples or pixels (`Item`). An inspector kernel writes `entries`, and
+/// its counter port sets `items`. There is one spare entry, because rejected items are written after the end.
 template <class Item>
 struct Queue {
   std::vector<std::uint32_t> entries;
@@ -24,7 +24,7 @@ using SlotQueue = Queue<RaySlotItem>;
 using SampleQueue = Queue<SampleItem>;
 using PixelQueue = Queue<PixelItem>;
 
-/// Ray slots of a wave: rays in flight, the light that they carry, and their hits.
+/// Ray slots of a wave: rays in flight, their paths and hits.
 struct RaySlots {
   std::vector<traces::Ray> rays;
   std::vector<PathRecord<float>> paths;
@@ -46,12 +46,12 @@ struct StageQueues {
   SlotQueue absorbing, vertexed, based, physical, bumped, blended;  ///< from classify_details
   SlotQueue glowing, occluded;                                      ///< from classify_details
   SlotQueue layers;                                                 ///< hits to test for holes
-  SlotQueue targets;                                                ///< slots whose rays continue
-  /// Empties all queues that surfaces are sorted into.
+  SlotQueue targets;                                                ///< slots of continuing rays
+  /// Empties all queues of surfaces.
   void clear_surfaces();
 };
 
-/// Surfaces that a wave has hit, by ray slot.
+/// Surfaces hit by a wave, by ray slot.
 struct HitSurfaces {
   std::vector<SurfacePointRecord<float>> points;
   std::vector<DiffuseRecord<float>> mattes;
@@ -60,7 +60,7 @@ struct HitSurfaces {
   std::vector<TangentRecord<float>> tangents;
 };
 
-/// Colours of samples, and records that they keep of their hits.
+/// Colours of samples, and records of their hits.
 struct SampleRecords {
   std::vector<ColourRecord<float>> colours;
   std::vector<GeometryRecord<float>> geometry;
@@ -83,11 +83,11 @@ struct SubpixelRecords {
   std::vector<std::uint32_t> verdicts;  ///< by sub-pixel
   std::vector<std::uint32_t> active, fills;
   PixelQueue masters;
-  std::vector<SubpixelRecord<float>> states;  ///< of sub-pixels, between rounds of propagation
+  std::vector<SubpixelRecord<float>> states;  ///< states of sub-pixels between rounds of propagation
   std::vector<ColourRecord<float>> shown;     ///< colours of sub-pixels
 };
 
-/// Records that filters read: those of reconstruct, and of effects with a lower rate.
+/// Records for filters: those of reconstruct, and of effects with a lower rate.
 struct FilterRecords {
   std::vector<VisibleRecord<float>> visible;
   std::vector<ColourRecord<float>> lights;  ///< unoccluded light of samples whose effects have a lower rate
@@ -102,14 +102,14 @@ struct PixelWork {
 
 /// Host-side data of a tile in progress.
 struct TileScratch {
-  std::vector<PixelWork> pixel_work;          ///< by sample, if it is counted
+  std::vector<PixelWork> pixel_work;          ///< by sample, if counted
   std::vector<std::uint32_t> record_writers;  ///< nodes that write records of samples
   std::vector<std::uint32_t> colour_writers;  ///< nodes that add to colours
   std::vector<traces::WorkNode> spare_nodes;
-  traces::Coverage coverage;  ///< samples of a rasterised wave
+  traces::Coverage coverage;  ///< coverage of a rasterised wave
 };
 
-/// Contents of the tile buffer while a tile is rendered. Arrays only grow, so that a used buffer allocates no more.
+/// Contents of the tile buffer while a tile is rendered. Arrays only grow, so that a reused buffer allocates nothing.
 struct TileBuffer {
   RayBuffers rays;
   StageQueues queues;
@@ -120,16 +120,16 @@ struct TileBuffer {
   FilterRecords filters;
   TileScratch scratch;
 
-  /// Makes room for a wave of that many rays.
+  /// Makes room for a wave of `slots` rays.
   void reserve_wave(std::size_t slots);
   void reserve_details(std::size_t slots);
   void reserve_layers(std::size_t slots);
   void reserve_samples(std::size_t count);
-  /// `pixels` pixels whose centres are among `centres` samples.
+  /// Makes room for `pixels` pixels whose centres are among `centres` samples.
   void reserve_subpixels(std::size_t centres, std::size_t pixels);
-  /// Samples of reconstruct, `pixels` of which may be queued.
+  /// Makes room for `count` samples of reconstruct, `pixels` of which may be queued.
   void reserve_visible(std::size_t count, std::size_t pixels);
-  /// Samples whose effects have a lower rate, with `light_count` lights.
+  /// Makes room for `count` samples with effects at a lower rate, and `light_count` lights.
   void reserve_rated(std::size_t count, std::size_t light_count);
 };
 

@@ -10,7 +10,7 @@
 
 namespace kernels {
 
-/// Runs kernels on a tile's buffer, and records each launch and transfer as a node of the tile's work, with the nodes
+/// Runs kernels on a tile's buffer, and records each launch and transfer as a node of the tile's work with the nodes
 /// that it waits for.
 class TileGraph {
  public:
@@ -19,9 +19,9 @@ class TileGraph {
 
   TileGraph(const SceneTables& scene, bool record, TileResult& out);
 
-  /// Runs kernel K over `items` items and records the launch. Ports that are not bound are bound by name, and queues
-  /// that K fills get their length. `lanes`: items of the inspector's queue; divergent kernels (RenderConfig::streams)
-  /// run over all of them. `padding`: entries of K's queue that hold no item.
+  /// Runs kernel K over `items` items and records the launch. Unbound ports are bound by name, and the queues that K
+  /// fills get their lengths. `lanes`: items of the inspector's queue; divergent kernels (RenderConfig::streams) run
+  /// over all of them. `padding`: empty entries of K's queue.
   template <class K>
   Node launch(typename K::template Ports<float>& ports, std::uint32_t items, std::uint32_t lanes = 0,
               std::uint32_t padding = 0);
@@ -30,7 +30,7 @@ class TileGraph {
     typename K::template Ports<float> ports;
     return launch<K>(ports, items, lanes);
   }
-  /// Records a launch without accesses to memory whose results are known already.
+  /// Records a launch, without memory accesses, whose results are already known.
   template <class K>
   Node note(std::uint32_t items) {
     return stream_.launch(kKernelId<K>, items, false);
@@ -38,12 +38,12 @@ class TileGraph {
 
   void wait_all(Node node, Node for_node) { stream_.wait(node, for_node, traces::Edge::Kind::kAll); }
   void wait_each(Node node, Node for_node) { stream_.wait(node, for_node, traces::Edge::Kind::kEach); }
-  /// Makes `node` wait for all nodes so far that add to samples' colours, or that write samples' records.
+  /// Make `node` wait for all nodes so far that add to samples' colours, or that write samples' records.
   void wait_for_colours(Node node);
   void wait_for_records(Node node);
   void register_colour_writer(Node node) { scratch_.colour_writers.push_back(node); }
   void register_record_writer(Node node) { scratch_.record_writers.push_back(node); }
-  /// `node` has waited for all colour writers so far, so that later wait_for_colours() wait for it alone.
+  /// Replaces all colour writers so far by `node`, which has waited for them.
   void replace_colour_writers(Node node) { scratch_.colour_writers.assign(1, node); }
 
   Node transfer(traces::Region region, bool to_memory, std::uint64_t offset, std::uint32_t bytes) {
@@ -55,19 +55,19 @@ class TileGraph {
   Node import_border(traces::Border border, std::uint64_t offset, std::uint32_t bytes) {
     return stream_.import_border(border, offset, bytes);
   }
-  /// Exports samples, after all their records and colours so far.
+  /// Exports samples after all writers of their records and colours so far.
   void export_samples(std::uint32_t number, std::uint64_t offset, std::uint32_t bytes);
-  /// Imports samples: the transfer writes records and colours.
+  /// Imports samples; the transfer counts as a writer of records and colours.
   void import_samples(traces::Border border, std::uint64_t offset, std::uint32_t bytes);
 
   /// Encodes the tile's pixels after `averaged`, and writes them to byte `offset` of the picture.
   void write_pixels(Node averaged, std::uint64_t offset);
-  /// Writes pixels that `packed` has encoded.
+  /// Writes the pixels that `packed` encoded.
   void write_packed(Node packed, std::uint64_t offset);
   /// Writes pixels that the DMA encodes; returns the transfer.
   Node write_linear(std::uint64_t offset);
 
-  /// While muted, kernels run but nothing is recorded: the work belongs to another tile.
+  /// While muted, kernels run but nothing is recorded, because the work belongs to another tile.
   void mute() { stream_.mute(true); }
   void unmute() { stream_.mute(false); }
   bool is_muted() const { return stream_.is_muted(); }
@@ -93,7 +93,7 @@ TileGraph::Node TileGraph::launch(typename K::template Ports<float>& ports, std:
   const std::uint32_t idle = scene_.diverges && lanes > items ? lanes - items : padding;
   const Node node = stream_.launch(kKernelId<K>, items, kReads, idle);
   bind_ports<K>(ports, out_, scene_, accesses());
-  typename K::template Ports<float> at = ports;  // a copy whose address does not escape stays in registers
+  typename K::template Ports<float> at = ports;  // local copy so that the compiler keeps it in registers
   if (!stream_.is_on()) {
     for (std::uint32_t i = 0; i < items; ++i) K::template body<float>(i, at);
   } else {

@@ -8,14 +8,14 @@
 
 namespace kernels {
 
-/// Rays that have been traced.
+/// Result of tracing a batch of rays.
 struct TracedBatch {
   TileGraph::Node rays = TileGraph::kNone;
-  /// The launch that wrote the last hit into its slot, if any ray continued after a hole or tinted glass.
+  /// The launch that wrote the last hits, if rays continued after a hole or tinted glass.
   TileGraph::Node settled = TileGraph::kNone;
 };
 
-/// Traces a tile's rays. In scenes with holes or tinted glass rays continue, in rounds, until their hits are solid:
+/// Traces a tile's rays. In scenes with holes or tinted glass, rays continue in rounds until all hits are solid:
 ///
 ///   rays -> classify_layers -> [ test_alpha or test_shadow -> rays -> scatter_layers ] ...
 class WaveTracer {
@@ -24,22 +24,23 @@ class WaveTracer {
 
   WaveTracer(const SceneTables& scene, const traces::Tracer& tracer, TileGraph& graph, TileResult& out);
 
-  /// Traces the rays of `count` slots from `first` on, which `maker` has emitted. `is_mapped`: `maker` emitted rays for
-  /// some of its items only.
+  /// Traces the rays of `count` slots from `first`, emitted by `maker`. `is_mapped`: only some of its items emitted
+  /// rays.
   TracedBatch trace(traces::RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count, Node maker,
                     bool is_mapped);
-  /// Finds the hits of a wave's primary rays. A rasteriser does that work if the frame has one.
+  /// Finds the hits of a wave's primary rays. If the frame has a rasteriser, the recorded work is that of the
+  /// rasteriser.
   TracedBatch find_primary_hits(std::uint32_t count, Node maker);
 
-  /// Whether the work of each pixel's rays is counted; then programs place their samples.
+  /// True if the work of each pixel's rays is counted; programs must then call place().
   bool counts_pixels() const { return out_.wants_pixel_work && graph_.is_recording(); }
-  /// Places the sample of a primary ray of the first wave in pixel (x, y).
+  /// Assigns the sample of a primary ray of the first wave to pixel (x, y).
   void place_ray(std::uint32_t ray, std::uint32_t x, std::uint32_t y) {
     place(buffer_.rays.wave.paths[ray].sample, x, y);
   }
-  /// Places a sample in pixel (x, y).
+  /// Assigns a sample to pixel (x, y).
   void place(std::uint32_t sample, std::uint32_t x, std::uint32_t y);
-  /// Hands over the counted work of all pixels.
+  /// Moves the counted work of all pixels to the result.
   void finish();
 
  private:

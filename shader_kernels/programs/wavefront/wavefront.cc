@@ -34,7 +34,7 @@ constexpr auto kSeparateDetailed = std::to_array<WaveStage>({
     {&Q::surfaces, launch<ClassifySurfaces>, Waits::kInspector, kFillsQueues | kEndsSurfaces},
 });
 
-/// Before the lit stage of scenes with details.
+/// Precedes the lit stage in scenes with details.
 constexpr auto kFusedDetails = std::to_array<WaveStage>({
     {&Q::surfaces, by_surfaces<FetchSurface>, Waits::kBounce, kFillsQueues},
     {&Q::absorbing, launch<Absorb>, Waits::kBounce, kFillsQueues},
@@ -45,7 +45,7 @@ constexpr auto kFusedDetails = std::to_array<WaveStage>({
     {&Q::blended, launch<ShadeBlend>, Waits::kBounce, kFillsQueues},
 });
 
-/// Fused stage that also adds ambient light and the first light: of scenes without details, and with them.
+/// Fused stage that also adds ambient light and the first light, for scenes without and with details.
 struct LitStage {
   WaveStage plain, detailed;
 };
@@ -97,9 +97,9 @@ constexpr auto kSpawn = std::to_array<SpawnStage>({
     {&Q::glass, launch<ShadeGlass>, RayKind::kRefraction, &WaveBounce::refracted, Effect::kRefractions},
 });
 
-// Records that samples keep of hits and shadow rays.
+// Records of a sample's hits and shadow rays.
 
-/// Records the branch that carries most. All rays are weighed first, as that branch may hit nothing.
+/// Records the heaviest branch. All rays are weighed first, because that branch may hit nothing.
 template <bool kInstanced>
 Launched record_branch(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
   const Node weighed = wave.graph.launch<WeighBranch>(bounce.rays);
@@ -126,20 +126,20 @@ constexpr RecordStages kVisibleRecords{launch<RecordVisible>, launch<RecordVisib
 constexpr RecordStages kVisibleBranchRecords{launch<RecordBranchVisible>, launch<RecordVisibleShadow>,
                                              launch<CombineRecordVisibleShadow>};
 
-/// Bits that differ from bounce to bounce; the two lowest stay free.
+/// Returns a hash of the bounce, whose two lowest bits are 0.
 std::uint32_t bounce_hash(std::uint32_t depth) { return depth * 0x9e3779b9U; }
 
 /// Distinguishes the seeds of occlusion rays from those of soft shadows.
 constexpr std::uint32_t kAmbientSeed = 0x9e3779b9U;
 
-/// The n-th of `count` points that lie evenly in the unit square (Hammersley).
+/// Returns point n of `count` points that cover the unit square evenly (Hammersley).
 DrawUniforms<float> draw(std::uint32_t n, std::uint32_t count, std::uint32_t seed) {
   std::uint32_t mirrored = 0;
   for (std::uint32_t bit = 0; bit < 32; ++bit) mirrored |= (n >> bit & 1U) << (31 - bit);
   return {(static_cast<float>(n) + 0.5F) / static_cast<float>(count), unit_float<float>(mirrored), seed};
 }
 
-/// Places the primary rays of listed samples in their pixels.
+/// Assigns the primary rays of listed samples to their pixels.
 void place_listed(WaveTracer& tracer, const GridUniforms<float>& grid, const SampleQueue& list, std::uint32_t items) {
   if (!tracer.counts_pixels()) return;
   const auto pitch = static_cast<std::uint32_t>(grid.pitch), side = static_cast<std::uint32_t>(grid.grid);
@@ -230,15 +230,15 @@ void Wavefront::classify_hits(WaveBounce& bounce) {
   }
 }
 
-/// Fetches the bounce's surfaces and sorts them, with the variant of stages for the scene and the bounce.
+/// Fetches the bounce's surfaces and sorts them, with the stages for the scene and the bounce.
 void Wavefront::shade_surfaces(WaveBounce& bounce) {
   const SceneTables& scene = wave_.scene;
   const RetainedRecords& kept = wave_.retained;
   TileBuffer& buffer = wave_.buffer;
   buffer.queues.clear_surfaces();
   if (scene.has_details) buffer.reserve_details(bounce.rays);
-  // Lit at once: not if a sample has two rays in the wave and surfaces with deferred light, since its lights would be
-  // added in another order.
+  // Surfaces are not lit at once if a sample has two rays in the wave and light may be deferred, because lights would
+  // be added in another order.
   const bool has_light = !scene.lights.empty() || scene.occlusion_rays != 0;
   const bool is_lit =
       is_shaded() && scene.fuses && has_light && !is_rated(bounce) && (bounce.is_single || !scene.has_deferred);
@@ -269,7 +269,7 @@ void Wavefront::run_stages(std::span<const WaveStage> stages, WaveBounce& bounce
   for (const WaveStage& stage : stages) run_stage(stage, bounce, wave_.buffer.queues.*stage.queue);
 }
 
-/// Launches a stage on a queue; traces its rays, if any, and adds their light.
+/// Launches a stage on a queue, traces its rays, if any, and adds their light.
 void Wavefront::run_stage(const WaveStage& stage, WaveBounce& bounce, SlotQueue& queue, std::uint32_t light,
                           std::uint32_t ray) {
   if (queue.items == 0) return;
@@ -303,7 +303,7 @@ void Wavefront::run_stage(const WaveStage& stage, WaveBounce& bounce, SlotQueue&
 
 void Wavefront::wait_for_bounce(Node node, const WaveBounce& bounce) {
   graph_.wait_all(node, bounce.colours != kNone ? bounce.colours : bounce.inspector);
-  // The rays were traced long before; these edges keep their slots reserved.
+  // The rays are already traced; these edges keep their slots reserved.
   for (const TracedBatch& batch : bounce.batches) graph_.wait_all(node, batch.rays);
   if (bounce.depth > 1) graph_.wait_all(node, bounce.after);
 }
@@ -318,7 +318,7 @@ void Wavefront::wait_for_batch(Node node, const TracedBatch& batch) {
   }
 }
 
-/// Adds ambient light and all lights to diffuse surfaces. Those that a lit stage has shaded have ambient light and the
+/// Adds ambient light and all lights to diffuse surfaces. Surfaces of a lit stage already have ambient light and the
 /// first light, or the first occlusion ray.
 void Wavefront::shade_local(WaveBounce& bounce) {
   const SceneTables& scene = wave_.scene;
@@ -353,7 +353,7 @@ void Wavefront::shade_local(WaveBounce& bounce) {
   if (keeps_local) bounce.after = record_local<true>(bounce, queues.diffuse);
 }
 
-/// Adds one light to the surfaces of a queue: rays `first_ray` to `end_ray` of each, or all.
+/// Adds one light to the surfaces of a queue: rays [first_ray, end_ray) of each, or all.
 void Wavefront::shade_light(WaveBounce& bounce, std::uint32_t light, SlotQueue& queue, std::uint32_t first_ray,
                             std::uint32_t end_ray) {
   const SceneTables& scene = wave_.scene;
@@ -363,7 +363,7 @@ void Wavefront::shade_light(WaveBounce& bounce, std::uint32_t light, SlotQueue& 
   }
 }
 
-/// Adds the light of shadow rays to their samples, and whether they were stopped to the samples' records.
+/// Adds the light of shadow rays to their samples, and blocked rays to the samples' records.
 void Wavefront::combine_shadows(const WaveBounce& bounce, std::uint32_t light, const TracedBatch& batch,
                                 std::uint32_t rays, bool is_recorded) {
   const StageInput in{.items = rays, .lanes = bounce.lanes, .light = light};
@@ -383,8 +383,8 @@ void Wavefront::combine_shadows(const WaveBounce& bounce, std::uint32_t light, c
   if (kept != nullptr) combine(kept->shadows, false, true);
 }
 
-/// Lights first hits in frames whose effects have a lower rate. Samples keep the light that would arrive unoccluded,
-/// and some of them find the visible ratio by rays.
+/// Lights first hits in frames with effects at a lower rate. Samples keep the unoccluded light; some of them find the
+/// visible ratio by rays.
 void Wavefront::shade_rated(WaveBounce& bounce) {
   const SceneTables& scene = wave_.scene;
   TileBuffer& buffer = wave_.buffer;
@@ -437,7 +437,7 @@ void Wavefront::shade_rated(WaveBounce& bounce) {
   }
 }
 
-/// Casts rays of the selected samples and adds their share of the light to the samples' ratios.
+/// Casts rays from the selected samples, and adds their share of the light to the samples' ratios.
 void Wavefront::launch_visibility_ratio(const WaveBounce& bounce, Launch cast, StageInput in, Node selected,
                                         float share, std::uint32_t layer) {
   TileBuffer& buffer = wave_.buffer;
@@ -460,7 +460,7 @@ void Wavefront::launch_visibility_ratio(const WaveBounce& bounce, Launch cast, S
   graph_.register_record_writer(combined);
 }
 
-/// Kernels that record the bounce's hits; null if samples keep none of them.
+/// Returns the kernels that record the bounce's hits; null if samples keep none.
 const RecordStages* Wavefront::record_stages(const WaveBounce& bounce) const {
   const RetainedRecords& kept = wave_.retained;
   if (kept.visible.are_kept) {
@@ -527,7 +527,7 @@ WaveBounce Wavefront::spawn_secondary_rays(const WaveBounce& bounce) {
   return next;
 }
 
-/// Gives the last rays of the next wave, which `maker` emitted, samples of their own.
+/// Gives the last rays of the next wave, emitted by `maker`, samples of their own.
 void Wavefront::begin_branch(WaveBounce& next, std::uint32_t rays, std::uint32_t apart, Node maker) {
   BeginBranch::Ports<float> ports;
   ports.next_paths.bind(wave_.buffer.rays.next_wave.paths.data() + next.rays);

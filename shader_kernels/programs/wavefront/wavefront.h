@@ -6,7 +6,7 @@
 
 namespace kernels {
 
-/// Carries one tile's rays through tracing and shading, a wave per bounce. Each bounce runs the rows of stage tables:
+/// Traces and shades one tile's rays, one wave per bounce. Each bounce runs the rows of stage tables:
 ///
 ///   rays -> classify_hits -> shade_background
 ///                         -> surface stages -> textures, emission -> light -> shadow rays -> combine_shadow
@@ -20,7 +20,7 @@ namespace kernels {
 ///   details       classify_details -> absorb -> fetch_vertices -> shade_base -> shade_physical -> shade_bump
 ///                 -> shade_blend
 ///
-/// All orders (of rays, of additions to a sample) follow from the tile alone.
+/// The order of rays and of additions to a sample depends only on the tile.
 class Wavefront {
  public:
   using Node = TileGraph::Node;
@@ -31,18 +31,18 @@ class Wavefront {
 
   TileGraph& graph() { return graph_; }
   WaveTracer& tracer() { return tracer_; }
-  /// Sets the cone of all later rays.
+  /// Sets the ray cone for all later rays.
   void set_cone(const ConeUniforms<float>& cone) { wave_.cone = cone; }
 
-  /// Emits primary rays of the samples in `list`, which `lister` has filled, and clears the records that `retained`
-  /// asks for; sets the nodes in `retained` that did. `ports` has camera and grid.
+  /// Emits primary rays of the samples in `list`, which `lister` filled, and clears the records selected by `retained`;
+  /// sets the clearing nodes in `retained`. `ports` has camera and grid.
   Node generate(GenerateListedRays::Ports<float>& ports, SampleQueue& list, Node lister, std::uint32_t items,
                 RetainedRecords& retained, std::uint32_t lanes = 0);
-  /// Traces and shades the primary rays that `maker` has written to the first wave, one per item, and all later
-  /// bounces. `lanes` and `padding` as for TileGraph::launch().
+  /// Traces and shades the primary rays that `maker` wrote to the first wave, one per item, and all later bounces.
+  /// `lanes` and `padding` are those of TileGraph::launch().
   void run(Node maker, std::uint32_t rays, const RetainedRecords& retained = {}, std::uint32_t lanes = 0,
            std::uint32_t padding = 0);
-  /// Interpolates surfaces of samples that `checked` has passed, and adds their local light, whose shadows are known.
+  /// Interpolates surfaces of samples that passed in `checked`, and adds their local light, whose shadows are known.
   template <bool kAlongY>
   void shade_interpolated(const LineUniforms<float>& line, std::uint32_t items, std::uint32_t lanes, Node checked);
   void finish();
