@@ -10,7 +10,7 @@
 
 #include "block_stream.h"
 
-// Borders that tiles of blocks leave for each other: who reads which, and what they wait for.
+// Borders between tiles of blocks: which are read, and which launches wait for them.
 
 namespace kernels {
 namespace {
@@ -98,7 +98,7 @@ TEST_P(BlockBorders, WhatIsReadOfOtherTilesTheyHaveWritten) {
   });
 }
 
-/// Numbers of the borders that node `n` of a tile waits for, itself or through others.
+/// Returns the numbers of the borders that node `n` of a tile waits for, directly or through other nodes.
 std::set<std::uint32_t> borders_behind(const traces::TileWork& work, std::uint32_t n) {
   std::set<std::uint32_t> nodes = {n}, borders;
   for (std::uint32_t i = n + 1; i-- > 0;) {

@@ -10,18 +10,18 @@
 
 namespace kernels {
 
-/// Findings of a frame program, and the work it has written down.
+/// Results of a frame program and its recorded work.
 struct Sampled {
   std::vector<float> rgb;
   Sampling sampling;
   std::vector<SampleMark> marks;  ///< per sample of the picture's grid, row by row
   std::uint32_t samples_across = 0;
   std::array<std::uint64_t, static_cast<std::size_t>(traces::RayKind::kCount)> rays{};
-  std::vector<traces::TileWork> works;  ///< in the order of the list, if recorded
+  std::vector<traces::TileWork> works;  ///< in list order, if recorded
   SampleMark mark(std::uint32_t x, std::uint32_t y) const { return marks[std::size_t{y} * samples_across + x]; }
 };
 
-/// Runs a frame program to its end; `grid`: samples along a pixel.
+/// Runs a frame program to its end. `grid`: samples along a pixel's side.
 inline Sampled run_program(FrameProgram& program, const traces::Tracer& tracer, std::uint32_t grid = 1,
                            bool record = false) {
   Sampled out;
@@ -40,7 +40,7 @@ inline Sampled run_program(FrameProgram& program, const traces::Tracer& tracer, 
   return out;
 }
 
-/// A scene ready to be sampled by any method.
+/// A scene that any method can sample.
 struct Stage {
   Stage(const traces::Scene& scene, const traces::Camera& view, traces::MipMaps mip_maps = traces::MipMaps::kOff)
       : image(traces::build_memory_image(scene, {}, 1, nullptr, mip_maps)), tracer(image), camera(view) {}
@@ -51,7 +51,7 @@ struct Stage {
     FullProgram program(image, camera, render, samples, 0);
     return run_program(program, tracer);
   }
-  /// With every tile at the rate of the first frame, unless `rates` says otherwise.
+  /// Without `rates`, every tile has the rate of the first frame.
   Sampled multirate(const RenderConfig& render, const MultirateConfig& config, std::uint32_t grid = 1,
                     bool record = false, const RateMap* rates = nullptr) const {
     const RateMap first(config);
@@ -63,7 +63,7 @@ struct Stage {
     return run_program(program, tracer, config.grid(), record);
   }
 
-  /// Longest side of the scene's bounds.
+  /// Returns the longest side of the scene's bounds.
   float size() const {
     const glm::vec3 sides = image.upper - image.lower;
     return std::max({sides.x, sides.y, sides.z});
@@ -91,7 +91,7 @@ inline void expect_equal(const Sampling& a, const Sampling& b) {
 using traces::Material;
 using Names = std::set<std::string_view>;
 
-/// Checks that have failed, but for those at the picture's edge.
+/// Returns the failed checks, except those at the picture's edge.
 inline Names failing(const Sampling& sampling) {
   Names names;
   for (std::size_t check = 0; check < sampling.failed.size(); ++check) {
@@ -105,11 +105,11 @@ inline std::uint64_t failed(const Sampling& sampling, Check check) {
   return sampling.failed[static_cast<std::size_t>(check)];
 }
 
-/// Seen from z = 4; the scene's longest side is 20.
+/// Builds a scene seen from z = 4, whose longest side is 20.
 struct Room {
   traces::Scene scene = empty_scene();
   Room() { scene.ambient = glm::vec3(1); }
-  /// `part` with `material`, of one object.
+  /// Adds `part`, as one object, with `material`.
   Room& add(const traces::Mesh& part, const Material& material = {}) {
     traces::add_object(scene, part, traces::add_material(scene, material));
     return *this;
@@ -121,24 +121,24 @@ struct Room {
   Sampling multi(const MultirateConfig& config = {}) const { return stage().multirate(small(16, 16), config).sampling; }
 };
 
-/// Part of the plane z = `z` from x = `left` to `right`, facing +z.
+/// Returns the part of the plane z = `z` from x = `left` to `right`, facing +z.
 inline traces::Mesh sheet(float left, float right, float z = 0) {
   return traces::make_quad("sheet", {left, -10, z}, {right - left, 0, 0}, {0, 20, 0}, 1);
 }
 
-/// The two sides of x = 0 as one object; `left` must not be smooth there.
+/// Joins the two sides of x = 0 to one object; `left` must not be smooth at x = 0.
 inline traces::Mesh both_sides(traces::Mesh left, const traces::Mesh& right) {
   traces::append(left, right);
   return left;
 }
 
-/// An edge at x = 0 towards the viewer (`rise` < 0: away).
+/// Returns an edge at x = 0 towards the viewer (`rise` < 0: away from the viewer).
 inline traces::Mesh fold(float rise) {
   return both_sides(traces::make_quad("left", {-10, -10, -10 * rise}, {10, 0, 10 * rise}, {0, 20, 0}, 1),
                     traces::make_quad("right", {0, -10, 0}, {10, 0, -10 * rise}, {0, 20, 0}, 1));
 }
 
-/// A mirror in the plane z = 0, in which the viewer sees what is behind.
+/// Returns a mirror in the plane z = 0, which shows objects behind the viewer.
 inline Room mirror() {
   Room room;
   room.add(traces::make_quad("mirror", {-1.5F, -1.5F, 0}, {3, 0, 0}, {0, 3, 0}, 1),
@@ -146,7 +146,7 @@ inline Room mirror() {
   return room;
 }
 
-/// Part of the plane z = 8, facing -z.
+/// Returns the part of the plane z = 8 from x = `left` to `right`, facing -z.
 inline traces::Mesh behind(float left, float right) {
   return traces::make_quad("behind", {right, -10, 8}, {left - right, 0, 0}, {0, 20, 0}, 1);
 }

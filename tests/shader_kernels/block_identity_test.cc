@@ -5,7 +5,7 @@
 #include "block_harness.h"
 #include "showcase.h"
 
-// Tile size, halo and threads must not change a picture made of blocks, bit for bit.
+// Tile size, halo and threads must not change a bit of a picture made of blocks.
 
 namespace kernels {
 namespace {
@@ -17,7 +17,7 @@ class Blocks : public testing::TestWithParam<const char*> {
   }
   const Stage stage_{scene()};
 
-  /// The picture, and what was found at each of its samples, are those of `a`; so are all counts but of the halo.
+  /// Expects `b` to have the picture and marks of `a`, and all its counts except the halo.
   static void expect_same(const Sampled& b, const Sampled& a) {
     EXPECT_EQ(b.rgb, a.rgb);
     EXPECT_EQ(b.marks, a.marks);
@@ -30,7 +30,7 @@ class Blocks : public testing::TestWithParam<const char*> {
     EXPECT_EQ(b.sampling.failed, a.sampling.failed);
   }
 
-  /// `run(render, adaptive)` for all that is only another way to the same picture.
+  /// Expects `run(render, adaptive)` to return the same picture for all settings that must not change it.
   static void expect_indifferent(const RenderConfig& base, auto&& run) {
     const Sampled reference = run(base, AdaptiveConfig{});
     for (const std::uint32_t tile : {8U, 16U, 32U, 33U, 128U}) {

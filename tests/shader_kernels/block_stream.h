@@ -20,13 +20,13 @@ using traces::WorkNode;
 struct Recorded {
   FrameRequirements requirements;
   std::vector<traces::TileWork> works;
-  std::uint32_t count = 0, across = 0;  ///< tiles
+  std::uint32_t count = 0, across = 0;  ///< counted in tiles
 };
 
-/// Work that a program made of blocks writes down.
+/// Recorded work of a program made of blocks.
 class BlockStream : public testing::TestWithParam<const char*> {
  protected:
-  static constexpr std::uint32_t kWidth = 75, kHeight = 41;  // tiles at the edges are cut
+  static constexpr std::uint32_t kWidth = 75, kHeight = 41;  // not multiples of the tile: edge tiles are cut
   const ProgramSpec spec_ = parse_program(GetParam());
   const std::uint32_t grid_ = spec_.samples == 4 ? 2 : 1;
   ProgramConfig programs_;

@@ -14,7 +14,7 @@
 #include "shader_kernels/programs/programs.h"
 #include "showcase.h"
 
-// The work that pictures made of blocks write down: tiles that wait for tiles, what they move, items that idle.
+// Recorded work of pictures made of blocks: dependences between tiles, transfers, idle items.
 
 namespace kernels {
 namespace {
@@ -163,7 +163,7 @@ TEST_P(BlockStream, ItemsIdleOnlyWhereKernelsDivergeAndThenAllOfAStreamPassThrou
 }
 
 TEST_P(BlockStream, EverySampleIsGeneratedCheckedAndAveragedOnce) {
-  render_.fusion = Fusion::kOff;  // each step a launch
+  render_.fusion = Fusion::kOff;  // one launch per step
   for_each_scene([&](const traces::Scene& scene) {
     const Recorded r = record(scene);
     for (const traces::TileWork& work : r.works) {

@@ -14,7 +14,7 @@ namespace {
 using traces::Material;
 using traces::RayKind;
 
-constexpr float kByte = 0.006F;  // what rounding to 8 bits may do
+constexpr float kByte = 0.006F;  // largest error of rounding to 8 bits
 
 std::uint32_t add_plain_texture(traces::Scene& scene, std::uint32_t rgba, bool srgb) {
   return add_texture(scene, 1, srgb, [&](auto, auto) { return rgba; });
@@ -24,14 +24,14 @@ void add_quad(traces::Scene& scene, traces::Mesh mesh, const Material& material)
   traces::add_object(scene, std::move(mesh), traces::add_material(scene, material));
 }
 
-/// Colour that a camera straight in front of the origin sees there.
+/// Returns the colour that a camera straight in front of the origin sees there.
 glm::vec3 seen(const traces::Scene& scene, RenderConfig config = small(1, 1)) {
   return View(scene, {0, 0, 4}, {0, 0, 0}, config).centre();
 }
 
 traces::Mesh wall() { return traces::make_quad("wall", {-5, -5, 0}, {10, 0, 0}, {0, 10, 0}, 1); }
 
-constexpr std::uint32_t kTilted = 0xffe580ccU;  // (0.6, 0, 0.8) as a normal map has it
+constexpr std::uint32_t kTilted = 0xffe580ccU;  // the normal (0.6, 0, 0.8) in a normal map
 
 TEST(NormalMaps, TurnTheNormalInTangentSpace) {
   const glm::vec3 light = glm::normalize(glm::vec3(1, 0.5F, 2));
@@ -83,7 +83,7 @@ TEST(NormalMaps, WithoutTangentsTheNormalStays) {
 TEST(NormalMaps, TheNormalStaysOnTheRaysSide) {
   traces::Scene scene = empty_scene();
   scene.background = glm::vec3(1);
-  // Tilted by 80 degrees towards +x: seen from -x it would look away.
+  // Tilted by 80 degrees towards +x, so that it faces away from a viewer at -x.
   add_quad(scene, tangent_quad({-5, -5, 0}, {10, 0, 0}, {0, 10, 0}),
            {.mirror = 1, .normal_texture = {add_plain_texture(scene, 0xff9680feU, false)}});
   const View view(scene, {-4, 0, 2}, {0, 0, 0}, small(5, 5));
@@ -96,7 +96,7 @@ TEST(NormalMaps, TheNormalStaysOnTheRaysSide) {
   }
 }
 
-/// The rule of traces/scene/gltf/materials/materials.h, for comparison.
+/// The rule of traces/scene/gltf/materials/materials.h, written again for comparison.
 Material by_rule(const glm::vec3& base, float metallic, float roughness, float dielectric, float coat) {
   const float gloss = std::clamp((0.5F - roughness) / 0.4F, 0.0F, 1.0F);
   const float metal = gloss * metallic, white = gloss * (1 - metallic) * dielectric + coat;
@@ -116,7 +116,7 @@ TEST(MetallicRoughness, OfATextureIsTheRuleTexelByTexel) {
         scene.ambient = glm::vec3(0.5F);
         traces::Scene expected = scene;
         add_quad(expected, wall(), by_rule(base, metallic, roughness, 0.08F, coat));
-        // Half of the numbers from the texture.
+        // Half of the values come from the texture.
         const std::uint32_t texture = add_plain_texture(scene, 0xff808000U, false);
         add_quad(scene, wall(),
                  {.base_colour = base,

@@ -12,7 +12,7 @@
 
 namespace kernels {
 
-/// Operations of a kernel by what executes them.
+/// Number of a kernel's operations by functional unit.
 struct Count {
   std::uint32_t add, mul, div_sqrt, other, compare, select, integer, convert, load, store, cached;
   friend bool operator==(const Count&, const Count&) = default;
@@ -48,7 +48,7 @@ struct Hand {
   Count count;
 };
 
-/// The catalogue has kernels of their own first, then those that are made of them.
+/// The first fused kernel; the catalogue lists fused kernels after all others.
 inline constexpr traces::KernelId kFirstFused = kKernelId<FetchSurface<false>>;
 
 inline void expect_counts(std::span<const Hand> by_hand) {

@@ -14,7 +14,7 @@
 
 namespace kernels {
 
-/// Notes every ray that passes.
+/// Stores every ray that is traced.
 class SpyTracer : public traces::Tracer {
  public:
   explicit SpyTracer(const traces::Tracer& tracer) : tracer_(tracer) {}
@@ -41,7 +41,7 @@ struct Picture {
   }
 };
 
-/// Runs a frame program to its end and shows each tile, once it is kept, to `see`.
+/// Runs a frame program to its end, and calls `see` for each tile after it is committed.
 inline void run_tiles(FrameProgram& program, const traces::Tracer& tracer, bool record, auto&& see) {
   TileResult tile;
   std::uint32_t pass_end = 0;
@@ -67,14 +67,14 @@ inline Picture render(const traces::MemoryImage& image, const traces::Camera& ca
   return picture;
 }
 
-/// A scene with nothing in it: black, unlit.
+/// Returns an empty, black, unlit scene.
 inline traces::Scene empty_scene() {
   traces::Scene scene;
   scene.background = scene.ambient = glm::vec3(0);
   return scene;
 }
 
-/// Square in the plane z = `z`, facing +z.
+/// Adds a square in the plane z = `z`, facing +z.
 inline void add_wall(traces::Scene& scene, float z, float side, const traces::Material& material) {
   const float h = 0.5F * side;
   traces::add_object(scene, traces::make_quad("wall", {-h, -h, z}, {side, 0, 0}, {0, side, 0}, 1),
@@ -88,7 +88,7 @@ inline RenderConfig small(std::uint32_t width, std::uint32_t height) {
   return config;
 }
 
-/// Renders `scene` as seen from `eye` towards `target`; notes its rays.
+/// Renders `scene` as seen from `eye` towards `target`, and stores its rays.
 struct View {
   View(const traces::Scene& scene, const glm::vec3& eye, const glm::vec3& target, RenderConfig config = small(9, 9))
       : image(traces::build_memory_image(scene, {}, 1)),

@@ -11,14 +11,14 @@
 #include "showcase.h"
 #include "tests/param_name.h"
 
-// Scenes of instances in two levels show what they show flattened.
+// Scenes of instances in two levels render the same picture as flattened.
 
 namespace kernels {
 namespace {
 
 constexpr traces::BvhConfig kLevels{.instances = traces::InstanceLevels::kTwoLevel};
 
-/// Everything of the showcase turned, stretched or mirrored, each thing in its own way.
+/// Returns the showcase with every object turned, stretched or mirrored in its own way.
 traces::Scene placed_showcase() {
   traces::Scene scene = showcase_scene();
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
@@ -106,7 +106,7 @@ TEST(Instanced, AHitReadsTheRecordOfItsInstance) {
   }
 }
 
-/// A sphere stretched unevenly and mirrored, lit from the side: a normal that is turned like a point would be wrong.
+/// A sphere stretched unevenly and mirrored, lit from the side. A normal transformed like a point would be wrong.
 TEST(Instanced, NormalsGoByTheInverseTransposed) {
   traces::Scene scene = empty_scene();
   traces::add_object(scene, traces::make_sphere("ball", {0, 0, 0}, 1, 40),

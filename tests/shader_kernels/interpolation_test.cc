@@ -11,12 +11,12 @@
 #include "showcase.h"
 #include "sim/hash.h"
 
-// Distance of interpolated samples from what would have been traced there; what textures decide.
+// Difference between interpolated and traced samples, and the effect of textures on the checks.
 
 namespace kernels {
 namespace {
 
-constexpr float kStep = 1.0F / 255;  // a step of the frame buffer
+constexpr float kStep = 1.0F / 255;  // one step of the frame buffer
 
 Stage stage_of(const traces::Scene& scene) { return Stage(scene, traces::look_at("c", {0, 0, 4}, {0, 0, 0}, 0.5F)); }
 
@@ -32,7 +32,7 @@ double mean_squared_error(const Sampled& a, const Sampled& b) {
   return sum / static_cast<double>(a.rgb.size());
 }
 
-/// A wall whose colour grows evenly from its left to its right and from its foot to its top.
+/// Returns a wall whose colour changes evenly from left to right and from bottom to top.
 traces::Scene ramp() {
   traces::Scene scene = empty_scene();
   scene.ambient = glm::vec3(1);
@@ -93,7 +93,7 @@ TEST(Interpolation, AFarLightIsMetWithinAStepOfTheFrameBuffer) {
 }
 
 TEST(Interpolation, NormalsAreInterpolatedAndThenShaded) {
-  // A ball under one light: colours do not change evenly, normals nearly do.
+  // A ball under one light: colours do not change evenly, but normals nearly do.
   traces::Scene scene = empty_scene();
   traces::add_object(scene, traces::make_sphere("ball", {0, 0, 0}, 3, 40),
                      traces::add_material(scene, {.base_colour = glm::vec3(1)}));
@@ -133,7 +133,7 @@ TEST(Interpolation, TexturesAreLookedUpAtInterpolatedCoordinates) {
 }
 
 TEST(Interpolation, WhatIsMirroredIsInterpolatedAsAColour) {
-  // Half a mirror before an even wall: local colour is shaded anew, what is mirrored lies between its neighbours'.
+  // Half a mirror before an even wall: local light is shaded again, mirrored light is that of the neighbours.
   traces::Scene scene = empty_scene();
   scene.ambient = glm::vec3(0.5F);
   add_wall(scene, 0, 4, {.base_colour = glm::vec3(0.8F), .mirror = 0.5F});
@@ -189,7 +189,7 @@ TEST(TextureChecks, AnOcclusionMapFailsByTextureWhereItsCoordinatesWrapAndByDeta
   EXPECT_EQ(room.under().passed, 0U);
 }
 
-/// A wall whose texture is dark to the left and bright to the right.
+/// Returns a wall whose texture is dark on the left and bright on the right.
 Room two_greys() {
   Room room;
   const std::uint32_t grey = add_texture(

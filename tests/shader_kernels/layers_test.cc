@@ -14,7 +14,7 @@ using traces::Material;
 using Alpha = traces::Material::Alpha;
 using traces::RayKind;
 
-/// A white wall at z = 0, lit from straight ahead with 1, and panes in front of it that the camera does not see.
+/// A white wall at z = 0, lit from straight ahead with 1, and panes before it that the camera does not see.
 struct Shadow {
   traces::Scene scene = empty_scene();
   Shadow() {
@@ -28,7 +28,7 @@ struct Shadow {
   }
 };
 
-/// Two texels side by side: nothing at the left, everything at the right.
+/// Adds a texture of two texels: alpha 0 on the left, 1 on the right.
 std::uint32_t half_a_leaf(traces::Scene& scene) {
   traces::Texture t{.name = "leaf", .width = 2, .height = 1, .texels = {0x00ffffffU, 0xffffffffU}};
   t.filter = traces::Texture::Filter::kNearest;
@@ -128,7 +128,7 @@ TEST(Layers, LightTooFaintToBeSeenDoesNotGoOn) {
   Shadow shadow;
   for (int i = 1; i < 9; ++i) shadow.pane(static_cast<float>(i), {.alpha = Alpha::kBlend, .opacity = 0.95F});
   const View view(shadow.scene, {0, 0, 0.5F}, {0, 0, 0}, small(1, 1));
-  EXPECT_EQ(view.picture.rays[static_cast<std::size_t>(RayKind::kShadow)], 3U);  // with 1, 0.05, 0.0025
+  EXPECT_EQ(view.picture.rays[static_cast<std::size_t>(RayKind::kShadow)], 3U);  // weights 1, 0.05, 0.0025
   EXPECT_EQ(view.centre().x, 0.0F);
 }
 

@@ -10,14 +10,14 @@
 #include "showcase.h"
 #include "traces/accel/build/mip_levels.h"
 
-// Which mip level is looked up, and what comes of it in pictures.
+// The selected mip levels, and their effect on pictures.
 
 namespace kernels {
 namespace {
 
 using traces::Texture;
 
-/// White and grey values so that level L of the chain is about 16 (L + 1) everywhere.
+/// Returns a texture of white and grey texels, whose mip level L is about 16 (L + 1) everywhere.
 std::vector<Texture> numbered_levels(std::uint32_t width, std::uint32_t height) {
   std::vector<Texture> chain = traces::mip_chain(
       {.name = "t", .width = width, .height = height, .texels = std::vector<std::uint32_t>(width * height)});
@@ -27,8 +27,7 @@ std::vector<Texture> numbered_levels(std::uint32_t width, std::uint32_t height) 
   return chain;
 }
 
-/// Looks a texture of `width` x `height` up for a footprint as large in texture coordinates; the sRGB code that it
-/// gets.
+/// Looks up a texture of `width` x `height` for the footprint in texture coordinates, and returns the sRGB code.
 template <MipFilter kMips>
 float look_up(std::uint32_t width, std::uint32_t height, float footprint, std::vector<traces::Access>* log = nullptr) {
   const std::vector<Texture> chain = numbered_levels(width, height);
@@ -96,7 +95,7 @@ TEST(MipAccesses, NameTheLevelAndAWholeOneTwice) {
   EXPECT_EQ(log[0].element, log[1].element);
 }
 
-/// A wall in z = 0 on which a texture of 512 x 512 repeats once a unit, chequered by texel, lit by ambient light.
+/// Returns a wall in z = 0 with a texture of 512 x 512 per unit, chequered by texel, in ambient light.
 traces::Scene chequered_wall() {
   traces::Scene scene = empty_scene();
   Texture chequers{.name = "chequers", .width = 512, .height = 512};
@@ -110,7 +109,7 @@ traces::Scene chequered_wall() {
   return scene;
 }
 
-/// Levels that a picture of `scene` fetches, with a pixel of 1/256 in height at distance 1.
+/// Returns the levels that a picture of `scene` reads. A pixel's height is 1/256 at distance 1.
 std::vector<std::uint32_t> levels_seen(const traces::Scene& scene, const glm::vec3& eye, const glm::vec3& target,
                                        std::uint32_t samples, const traces::BvhConfig& bvh = {}) {
   const traces::MemoryImage image = traces::build_memory_image(scene, bvh, 1, nullptr, traces::MipMaps::kOn);
@@ -130,7 +129,7 @@ std::vector<std::uint32_t> levels_seen(const traces::Scene& scene, const glm::ve
 
 using Levels = std::vector<std::uint32_t>;
 
-/// 512 texels a unit: a pixel covers 2 texels a unit of distance.
+/// 512 texels per unit: a pixel covers 2 texels per unit of distance.
 TEST(RayCones, GrowWithTheDistance) {
   const traces::Scene scene = chequered_wall();
   EXPECT_EQ(levels_seen(scene, {0, 0, 0.25F}, {0, 0, 0}, 1), Levels{0});
@@ -159,7 +158,7 @@ TEST(RayCones, GoOnGrowingBehindAMirror) {
   EXPECT_EQ(levels_seen(wall, {0, 0, 4}, {0, 0, 0}, 1), Levels{3});
 }
 
-/// An instance four times as large shows the texture a quarter as dense.
+/// An instance four times as large has a quarter of the texture density.
 TEST(RayCones, KnowAnInstancesScale) {
   traces::Scene scene = chequered_wall();
   scene.instances[0].to_world = glm::scale(glm::mat4(1), glm::vec3(4));
@@ -168,8 +167,8 @@ TEST(RayCones, KnowAnInstancesScale) {
   EXPECT_EQ(levels_seen(scene, {0, 0, 8}, {0, 0, 0}, 1, {.instances = traces::InstanceLevels::kTwoLevel}), flat);
 }
 
-/// Density goes by the root of the area: what is scaled along the normal keeps it, what is scaled along one side of the
-/// picture has half of it for a factor of 4.
+/// Density is the root of a ratio of areas. A scale along the normal does not change it; a scale of 4 along one axis of
+/// the surface halves it.
 TEST(RayCones, KnowScalesThatDifferByAxis) {
   const traces::Scene wall = chequered_wall();
   const auto levels = [&](const glm::vec3& scale, float degrees, traces::InstanceLevels instances) {
@@ -204,7 +203,7 @@ TEST(MipMapped, PicturesOfFineTexturesAreFreeOfAliases) {
   EXPECT_LT(error(traces::MipMaps::kOn, MipBlend::kLinear), 0.005);
 }
 
-/// An image without levels is rendered by kernels that know of none, whatever the configuration says.
+/// An image without levels is rendered by kernels without mip maps, whatever the configuration.
 TEST(MipMapped, ImagesWithoutLevelsAreRenderedAsTheyAre) {
   const Stage stage(showcase_scene());
   const auto kernels_of = [&](const RenderConfig& config) {

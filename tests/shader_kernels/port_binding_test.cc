@@ -11,7 +11,7 @@
 namespace kernels {
 namespace {
 
-/// A kernel with one port of records R, whose name is that of an array or not.
+/// A kernel with one port of records R. Its name is that of an array if kKnown.
 template <template <class> class R, bool kKnown>
 struct OnePort {
   static constexpr std::string_view kName = "one_port";
@@ -31,7 +31,7 @@ struct PortBinding : testing::Test {
     tile.buffer.reserve_wave(4);
     tile.buffer.reserve_samples(4);
   }
-  /// Message of binding the ports of K, if that fails.
+  /// Returns the error of binding the ports of K, or nothing.
   template <class K>
   std::string failure() const {
     typename K::template Ports<float> ports;

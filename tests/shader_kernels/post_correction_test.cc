@@ -9,15 +9,15 @@
 #include "block_harness.h"
 #include "sim/hash.h"
 
-// Scans that follow thin things which samples have met by chance.
+// Scans along thin objects that samples hit by chance.
 
 namespace kernels {
 namespace {
 
-constexpr std::uint32_t kSide = 48;  // pixels
+constexpr std::uint32_t kSide = 48;  // in pixels
 constexpr std::uint32_t kRods = 60;
 
-/// A rod that is red before a blue wall, of random position and angle.
+/// Returns a red rod before a blue wall, at a random position and angle.
 Stage rod_of(std::uint32_t seed, float pixels_thick) {
   constexpr float kFov = 0.5F;
   const float pixel = 2 * 4 * std::tan(0.5F * kFov) / kSide;
@@ -53,7 +53,7 @@ UndersampleConfig scanning(Correction scans, Neighbourhood neighbours = Neighbou
   return config;
 }
 
-/// A rod's picture, all of it traced and without correction.
+/// The picture of a rod: traced completely, and undersampled without correction.
 struct Rod {
   Rod(std::uint32_t seed, float pixels_thick)
       : stage(rod_of(seed, pixels_thick)),
@@ -63,14 +63,14 @@ struct Rod {
   const Stage stage;
   const Sampled truth, without;
 
-  /// True if any sample has met it. Nothing can be followed where none has.
+  /// True if any sample hits the rod. Otherwise no scan can follow it.
   bool met() const {
     for (std::size_t pixel = 0; pixel < kSide * kSide; ++pixel) {
       if (shows_rod(without, pixel)) return true;
     }
     return false;
   }
-  /// Counts the pixels that are lost without correction, and those of them that it recovers.
+  /// Counts the pixels that are lost without correction, and those that the correction recovers.
   Recovered recovered(const UndersampleConfig& config) const {
     const Sampled with = stage.undersample(render, config);
     Recovered out;
@@ -83,9 +83,9 @@ struct Rod {
   }
 };
 
-/// Aimed at: 0.95 of the lost pixels, 0.98 of those of rods that a sample meets. A rod that lies along a row without
-/// references is met by none, so nothing leads to it, and it is lost with more pixels than ten others lose: sixty rods
-/// say little (tests/validation/DEVIATIONS.md, A5).
+/// Targets: 0.95 of the lost pixels, 0.98 of those of rods that a sample hits. A rod along a row without references is
+/// hit by none, so no scan leads to it, and it loses more pixels than ten others. Sixty rods therefore give a poor
+/// estimate (tests/validation/DEVIATIONS.md, A5).
 TEST(PostCorrection, FourScansRecoverRodsThickerThanAPixel) {
   constexpr std::uint32_t kMany = 100 * kRods;
   Recovered all, met;
@@ -164,8 +164,8 @@ TEST(PostCorrection, PixelsOfManySamplesAreAveragedAgain) {
   }
 }
 
-/// A picture of one row or column: `how` says of each sample R reference, I interpolated, T traced; letters of `what`
-/// what it shows, those of `truth` what would be found there. Returns what is shown after the scan.
+/// Scans a picture of one row or column, one letter per sample. `how`: R reference, I interpolated, T traced. `what`:
+/// the shown identity. `truth`: the identity that tracing would find. Returns the identities after the scan.
 std::string scanned(const std::string& how, const std::string& what, const std::string& truth,
                     const PostCorrection::Scan& scan, std::uint32_t* suspects = nullptr) {
   const auto length = static_cast<std::uint32_t>(how.size());
@@ -225,7 +225,7 @@ TEST(PostCorrection, AScanFollowsWhatItFindsAndStopsWhereItWasWrong) {
   }
 }
 
-/// Thin slanted bars close to each other; nothing behind them.
+/// Returns thin slanted bars close to each other, with nothing behind them.
 Stage fence() {
   traces::Scene scene = empty_scene();
   const std::uint32_t wood = traces::add_material(scene, {.base_colour = glm::vec3(0), .emission = {0.5F, 0, 0}});

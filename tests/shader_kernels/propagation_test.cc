@@ -9,7 +9,7 @@
 #include "shader_kernels/kernels/subpixels.h"
 #include "shader_kernels/programs/adaptive/supersample.h"
 
-// Rounds of propagation: sub-pixels beside active ones, and unlike them, are sampled too.
+// Rounds of propagation: sub-pixels next to active ones that differ from them are sampled too.
 
 namespace kernels {
 namespace {
@@ -21,7 +21,7 @@ struct Propagated {
   std::vector<traces::TileWork> works;
 };
 
-/// Slanted bars of a third of a pixel before a wall: centres meet some of a bar's pixels.
+/// Returns slanted bars, a third of a pixel wide, before a wall: centres hit some of a bar's pixels.
 traces::Scene bars() {
   traces::Scene scene = empty_scene();
   add_wall(scene, -1, 20, {.base_colour = glm::vec3(0), .emission = {0, 0, 0.5F}});
@@ -183,8 +183,8 @@ TEST(Propagation, ARoundIsAPassThatReadsNothingWhereNothingLeadsToIt) {
   EXPECT_GT(busy, 0U);
 }
 
-/// Finds what a round makes active among 2 x 2 pixels, whose sub-pixels are encoded greys, all of them active by
-/// `reasons` since round `made` where that is not 0.
+/// Returns the sub-pixels that a round makes active among 2 x 2 pixels. Sub-pixels are encoded greys, and active by
+/// `reasons` since round `made` if that is not 0.
 std::vector<std::uint32_t> found(const std::array<float, 16>& greys, const std::array<std::uint32_t, 16>& made,
                                  Attribute reason, double threshold) {
   std::vector<SubpixelRecord<float>> states(36);
@@ -226,7 +226,8 @@ TEST(PropagateSubpixelsKernel, FindsNeighboursOfThoseMadeActiveLastThatDifferFro
   std::array<std::uint32_t, 16> made{};
   made[5] = 1;
   using Found = std::vector<std::uint32_t>;
-  // Contrast 0.0909: over 1.02 times 0.08, the least of the channels' weights, not over 1.02 times 0.1.
+  // A contrast of 0.0909 is above 1.02 x 0.08, the threshold of the channel with the least factor, but not above 1.02 x
+  // 0.1.
   Found four = found(greys, made, Attribute::kObject, 0.08);
   std::ranges::sort(four);
   EXPECT_EQ(four, (Found{1, 4, 6, 9}));

@@ -5,7 +5,7 @@
 #include "block_harness.h"
 #include "tests/param_name.h"
 
-// Rates of tiles from frame to frame.
+// Rates of tiles over several frames.
 
 namespace kernels {
 namespace {
@@ -16,14 +16,14 @@ MultirateConfig controlled(RateControl control = RateControl::kHysteresis) {
   return config;
 }
 
-/// A frame whose tiles have these similar ratios.
+/// Returns a frame whose tiles have these similar ratios.
 Sampling frame_of(std::vector<float> similar) {
   Sampling frame;
   frame.similar = std::move(similar);
   return frame;
 }
 
-/// Block sides of a tile, frame by frame, when its ratio depends on its rate alone.
+/// Returns the block sides of a tile, frame by frame, if its ratio depends only on its rate.
 std::vector<std::uint32_t> blocks(const MultirateConfig& config, float at_two, float at_four, int frames) {
   RateMap rates(config);
   std::vector<std::uint32_t> out;
@@ -57,7 +57,7 @@ TEST(RateMap, HoldsAfterItHasGoneDown) {
 }
 
 TEST(RateMap, AlternateTakesTheThresholdsInTurn) {
-  // 0.92 lies between them: it is enough in frames 1, 3, 5 ... alone.
+  // 0.92 is between the thresholds: sufficient only in frames 1, 3, 5 ...
   MultirateConfig config = controlled(RateControl::kAlternate);
   config.rate_hold = 0;
   EXPECT_EQ(blocks(config, 0.92F, 0.92F, 6), (std::vector<std::uint32_t>{2, 2, 4, 2, 4, 2}));
@@ -91,7 +91,7 @@ TEST(RateMap, AStaticViewChangesAtMostOnceUpAndOnceDownInAnyEightFrames) {
   }
 }
 
-/// Tiles of blocks of 2 and 4 in the pattern of a number's bits.
+/// Tiles of block side 2 and 4, by the bits of a number.
 class MixedRates : public testing::TestWithParam<std::uint64_t> {
  protected:
   static constexpr std::uint32_t kWidth = 75, kHeight = 41;

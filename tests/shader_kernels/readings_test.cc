@@ -14,14 +14,14 @@ namespace kernels {
 namespace {
 
 constexpr std::uint32_t kItems = 200;
-constexpr std::uint32_t kRecords = 16 * kItems;  ///< size of a memory: numbers drawn at random lead beyond the items
+constexpr std::uint32_t kRecords = 16 * kItems;  ///< memory size; random indices may exceed the items
 constexpr std::uint32_t kTextureSize = 16;
 constexpr std::uint32_t kLeast = 32;  // samples from here on have neighbours on all sides
 
-/// Gives every port of a kernel memory full of random records, every uniform a random value.
+/// Binds every port of a kernel to random records, and every uniform to a random value.
 class RandomPorts {
  public:
-  /// With identities, verdicts are those of block programs, otherwise of sub-pixels.
+  /// With identities, verdicts are those of block programs, otherwise those of sub-pixels.
   RandomPorts(std::uint32_t seed, bool with_misses, bool with_identities)
       : seed_(seed), with_misses_(with_misses), with_identities_(with_identities) {
     for (std::uint32_t i = 0; i < kItems; ++i) {
@@ -52,7 +52,7 @@ class RandomPorts {
     const bool is_inverse = name.find("inverse_") != std::string_view::npos;
     const float count = counted(name);
     uniform = count == 0 ? number() : is_inverse ? 1 / count : count;
-    // Lights must reach something.
+    // A light's range must reach surfaces.
     if (name == "light.inverse_range_squared") uniform *= 0.01F;
     if (name == "light.cone_offset") uniform += 1;
   }
@@ -70,7 +70,7 @@ class RandomPorts {
   void operator()(Vec3<float>& uniform, std::string_view) { uniform = vector(); }
 
   std::deque<std::vector<std::byte>>& memories() { return memories_; }
-  /// The same without those that a fused kernel keeps in registers.
+  /// Returns the memories, except those that a fused kernel keeps in registers.
   template <class K>
   std::deque<std::vector<std::byte>> stored() const {
     std::deque<std::vector<std::byte>> all = memories_;
@@ -86,14 +86,15 @@ class RandomPorts {
   float signed_number() { return number() * ((random() & 1U) != 0 ? 1.0F : -1.0F); }
   Vec3<float> vector() { return {signed_number(), signed_number(), signed_number()}; }
 
-  /// Ports of one name are one memory.
+  /// True if a port of the same name was bound; both share a memory.
   bool known(auto& port, std::string_view name) {
     const auto at = index_.find(name);
     if (at != index_.end()) port.base = memories_[at->second].data();
     return at != index_.end();
   }
 
-  /// Counts must be counts, and fit each other: 4 samples per pixel, 5 pixels to a row, blocks of 2 to 4. 0: no count.
+  /// Returns the value of a count, or 0 if the name is not one. Counts fit each other: 4 samples per pixel, 5 pixels
+  /// per row, blocks of 2 to 4.
   float counted(std::string_view name) const {
     const float block = static_cast<float>(2 + seed_ % 3);
     if (name.ends_with("samples")) return 4;
@@ -110,7 +111,7 @@ class RandomPorts {
     return 0;
   }
 
-  /// Samples that are looked up together with their neighbours, and words whose bits have a meaning.
+  /// Fills samples that are read together with their neighbours, and words whose bits have a meaning.
   void fill_stream(std::string_view name) {
     const auto store = [&](auto&& word) {
       for (std::uint32_t i = 0; i <= kItems; ++i) {
@@ -156,7 +157,7 @@ class RandomPorts {
   }
   void fill(Vec3<float>& field, std::string_view name) {
     field = vector();
-    // Positions sometimes meet.
+    // Makes positions coincide sometimes.
     if ((name == "origin" || name == "position") && (random() & 3U) != 0) field = {1.5F, 0.5F, 2.5F};
   }
   void fill(std::uint32_t& field, std::string_view name) {
@@ -170,7 +171,8 @@ class RandomPorts {
 
   const std::uint32_t seed_;
   const bool with_misses_, with_identities_;
-  bool with_footprints_ = false;  ///< words of textures have them: mip levels are read (their port is described first)
+  bool with_footprints_ = false;  ///< mip levels are read (their port is described first), so words of textures contain
+                                  ///< footprints
   std::uint32_t drawn_ = 0;
   std::deque<std::vector<std::byte>> memories_;
   std::map<std::string, std::size_t, std::less<>> index_;

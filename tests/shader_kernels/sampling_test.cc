@@ -4,7 +4,7 @@
 #include "block_harness.h"
 #include "showcase.h"
 
-// Counts of samples: each check fails where its attribute differs, and only there.
+// Counts of samples: each check fails exactly where its attribute differs.
 
 namespace kernels {
 namespace {
@@ -89,7 +89,7 @@ TEST(Sampling, AnEdgeOfOneObjectFailsByNormalAlone) {
 
 TEST(Sampling, AShadowsEdgeFailsByShadowAlone) {
   Room room;
-  room.add(sheet(-10, 10)).add(sheet(0, 10, 9));  // the latter behind the camera
+  room.add(sheet(-10, 10)).add(sheet(0, 10, 9));  // the second sheet is behind the camera
   room.scene.lights.push_back(
       {.kind = traces::Light::Kind::kDirectional, .direction = {0, 0, -1}, .intensity = glm::vec3(1)});
   EXPECT_EQ(failing(room.under()), Names{"shadow"});
@@ -99,7 +99,7 @@ TEST(Sampling, AShadowsEdgeFailsByShadowAlone) {
 
 TEST(Sampling, ShadowsAreToldApartByLight) {
   Room room;
-  // A screen that is seen edge on keeps a light from either side.
+  // A screen, seen edge-on, blocks a light on either side.
   room.add(sheet(-10, 10)).add(traces::make_quad("screen", {0, -10, 0.01F}, {0, 0, 3}, {0, 20, 0}, 1));
   for (const float side : {1.0F, -1.0F}) {
     room.scene.lights.push_back({.kind = traces::Light::Kind::kDirectional,

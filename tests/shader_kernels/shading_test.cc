@@ -47,7 +47,7 @@ TEST(Shading, DirectionalLightHasNoFalloffAndAmbientAndEmissionAreAddedOnce) {
 TEST(Shading, SpotFallsOffBetweenItsCones) {
   traces::Scene scene = empty_scene();
   add_wall(scene, 0, 10, {.name = "matte", .base_colour = glm::vec3(1)});
-  const float angle = std::atan2(1.0F, 2.0F);  // direction of the picture's centre, seen from the light
+  const float angle = std::atan2(1.0F, 2.0F);  // direction from the light to the picture's centre
   const auto with_cone = [&](float inner, float outer) {
     scene.lights = {{.kind = traces::Light::Kind::kSpot,
                      .position = {1, 0, 2},
@@ -123,7 +123,8 @@ TEST(Shading, GlassSlabObeysSnellAndShiftsTheRayAside) {
   const auto& refracted = view.spy.seen(RayKind::kRefraction);
   ASSERT_GE(refracted.size(), 2U);
   expect_near(refracted[0].direction, {-std::sin(inside), 0, -std::cos(inside)}, 1e-5F);
-  const traces::Ray& out = refracted[1];  // the second wave's: reflections go first, so it left through the back
+  const traces::Ray& out = refracted[1];  // the second wave's rays; reflections come first, so this ray left through
+                                          // the back
   expect_near(out.origin, {-kThickness * std::tan(inside), 0, -kThickness}, 1e-4F);
   expect_near(out.direction, view.spy.seen(RayKind::kPrimary)[0].direction, 1e-5F);
 }
@@ -137,11 +138,11 @@ TEST(Shading, GlassKeepsAllLight) {
   config.depth = 8;
   config.min_weight = 0;
   EXPECT_NEAR(View(scene, {0, 0, 9}, {0, 0, 0}, config).centre().x, 0.5F, 1e-4F);
-  config.depth = 2;  // in, but not out again: the mirrored 4 % alone
+  config.depth = 2;  // the ray enters but does not leave: only the mirrored 4 %
   EXPECT_NEAR(View(scene, {0, 0, 9}, {0, 0, 0}, config).centre().x, 0.04F * 0.5F, 1e-4F);
 }
 
-/// A pane at z = 0 in front of a white sky, seen head-on through `panes` of it.
+/// Returns the colour of a white sky seen head-on through `panes` panes of glass in z = 0.
 glm::vec3 seen_through(const traces::Material& glass, int panes, const glm::vec4& vertex_colour = glm::vec4(1),
                        std::uint32_t texel = ~0U) {
   traces::Scene scene = empty_scene();
@@ -156,14 +157,14 @@ glm::vec3 seen_through(const traces::Material& glass, int panes, const glm::vec4
   return View(scene, {0, 0, 4}, {0, 0, 0}, small(1, 1)).centre();
 }
 
-/// KHR_materials_transmission: light that is transmitted takes the base colour at each surface.
+/// KHR_materials_transmission: transmitted light takes the base colour at each surface.
 TEST(Shading, GlassTintsWhatIsSeenThroughItByItsBaseColour) {
   const traces::Material red{.name = "red", .base_colour = {1, 0, 0}, .transmission = 1, .ior = 1};
   expect_near(seen_through(red, 1), {1, 0, 0}, 1e-5F);
   const traces::Material smoke{.name = "smoke", .base_colour = {0.5F, 0.8F, 1}, .transmission = 1, .ior = 1};
   expect_near(seen_through(smoke, 1), {0.5F, 0.8F, 1}, 1e-5F);
   expect_near(seen_through(smoke, 2), {0.25F, 0.64F, 1}, 1e-5F);
-  // What is mirrored, 4 % head-on by an index of 1.5, is white.
+  // The mirrored 4 % (head-on, index 1.5) are white.
   traces::Material bending = red;
   bending.ior = 1.5F;
   expect_near(seen_through(bending, 1), {1, 0.04F, 0.04F}, 1e-5F);
@@ -174,17 +175,17 @@ TEST(Shading, GlassTintsByItsTextureAndVertexColoursToo) {
   stained.base_texture = {0};
   expect_near(seen_through(stained, 1, glm::vec4(1), 0xffff0000U), {0, 0, 1}, 1e-5F);
   expect_near(seen_through(stained, 1, glm::vec4(0.25F, 1, 0.5F, 1)), {0.25F, 0.5F, 0.5F}, 1e-4F);
-  stained.transmission = 0.5F;  // and half of nothing is scattered, where there is no light
+  stained.transmission = 0.5F;  // half of the light is scattered, but there is no light
   expect_near(seen_through(stained, 1, glm::vec4(0.25F, 1, 0.5F, 1), 0xff00ffffU), {0.125F, 0.25F, 0}, 1e-4F);
 }
 
 TEST(Shading, ReflectionIsTotalBeyondTheCriticalAngle) {
   traces::Scene scene = empty_scene();
-  // Seen from within the glass: the wall's outside looks away.
+  // Seen from within the glass: the wall's outside faces away.
   traces::add_object(scene, traces::make_quad("roof", {-50, -50, 0}, {0, 100, 0}, {100, 0, 0}, 1),
                      traces::add_material(scene, {.name = "glass", .transmission = 1}));
   scene.background = glm::vec3(0.5F);
-  const View steep(scene, {1, 0, 2}, {0, 0, 0}, small(1, 1));    // 27 degrees
+  const View steep(scene, {1, 0, 2}, {0, 0, 0}, small(1, 1));    // 27 degrees to the normal
   const View grazing(scene, {2, 0, 1}, {0, 0, 0}, small(1, 1));  // 63 degrees; the critical angle is 42
   EXPECT_EQ(steep.spy.seen(RayKind::kRefraction).size(), 1U);
   EXPECT_EQ(grazing.spy.seen(RayKind::kRefraction).size(), 0U);

@@ -9,7 +9,7 @@
 
 namespace kernels {
 
-/// A texture of side x side texels by a rule: texel(x, y).
+/// Adds a texture of side x side texels, whose texels are texel(x, y).
 inline std::uint32_t add_texture(traces::Scene& scene, std::uint32_t side, bool srgb, auto&& texel) {
   traces::Texture t;
   t.width = t.height = side;
@@ -21,7 +21,7 @@ inline std::uint32_t add_texture(traces::Scene& scene, std::uint32_t side, bool 
   return static_cast<std::uint32_t>(scene.textures.size() - 1);
 }
 
-/// A quad whose normal map would follow its texture coordinates.
+/// Returns a quad whose tangents follow its texture coordinates.
 inline traces::Mesh tangent_quad(const glm::vec3& corner, const glm::vec3& u, const glm::vec3& v, float repeats = 1) {
   traces::Mesh mesh = traces::make_quad("quad", corner, u, v, 1, repeats);
   mesh.tangents.assign(mesh.positions.size(), glm::vec4(glm::normalize(u), 1));
@@ -93,8 +93,8 @@ inline void add_showcase_objects(traces::Scene& scene, const ShowcaseMaterials& 
                      materials.sign);
 }
 
-/// Everything that a material can say, in one small room: leaves with holes in front of a tiled floor with normal,
-/// metal and occlusion maps, a blended curtain, coloured glass, a glowing sign, painted vertices.
+/// Returns a small room with every material feature: leaves with holes before a tiled floor with normal, metal and
+/// occlusion maps, a blended curtain, coloured glass, a glowing sign, painted vertices.
 inline traces::Scene showcase_scene() {
   traces::Scene scene;
   scene.name = "showcase";

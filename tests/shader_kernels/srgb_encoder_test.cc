@@ -8,7 +8,7 @@
 #include "shader_kernels/programs/programs.h"
 #include "showcase.h"
 
-// Pixels encoded by the DMA are those that a kernel encodes.
+// The DMA encodes pixels as the kernel does.
 
 namespace kernels {
 namespace {

@@ -74,7 +74,7 @@ TEST_P(Stream, RayBatchesComeFromOneLaunchAndCoverAllRaysInOrder) {
       ASSERT_EQ(node.inputs.size(), 1U);
       EXPECT_EQ(node.inputs[0].kind, Edge::Kind::kEach);
       EXPECT_EQ(tile.work.nodes[node.inputs[0].node].kind, WorkNode::Kind::kLaunch);
-      // Every primary ray has its item; all others come from some of a launch's.
+      // Every primary ray has its own item; other rays come from some of a launch's items.
       EXPECT_EQ(node.sources == WorkNode::kNone, node.first == 0);
     }
     EXPECT_EQ(first, tile.work.ray_begin.size());
@@ -120,7 +120,7 @@ TEST_P(Stream, EveryItemIsCountedOnce) {
     EXPECT_EQ(items["generate_rays"], tile.work.samples);
     EXPECT_EQ(items["classify_hits"], items["shade_background"] + items["shade_surface"]);
     EXPECT_EQ(items["classify_surfaces"], items["shade_surface"]);
-    // A ray that goes on makes no new hit.
+    // A continuing ray makes no new hit.
     EXPECT_EQ(items["scatter_layers"], tile.continued);
     EXPECT_EQ(items["classify_hits"] + items["combine_shadow"] + tile.continued, tile.work.ray_begin.size());
     EXPECT_LE(items["combine_shadow"], tile.rays[1]);
@@ -131,7 +131,7 @@ TEST_P(Stream, EveryItemIsCountedOnce) {
     EXPECT_EQ(bytes, std::uint64_t{4} * tile.width * tile.height);
     EXPECT_EQ(tile.work.nodes.back().kind, WorkNode::Kind::kTransfer);
   };
-  for_each_tile(1, check, Fusion::kOff);  // each step a launch
+  for_each_tile(1, check, Fusion::kOff);  // one launch per step
 }
 
 TEST_P(Stream, LaunchesThatReadMemoryListTheAccessesOfEachItem) {

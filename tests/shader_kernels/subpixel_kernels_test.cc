@@ -13,7 +13,7 @@
 namespace kernels {
 namespace {
 
-/// The exact inverse of sRGB's encoding.
+/// Exact inverse of sRGB encoding.
 float linear(float x) { return x <= 0.04045F ? x / 12.92F : std::pow((x + 0.055F) / 1.055F, 2.4F); }
 
 TEST(Contrast, IsTheDifferenceOverTheSumOfEncodedColours) {
@@ -24,8 +24,8 @@ TEST(Contrast, IsTheDifferenceOverTheSumOfEncodedColours) {
   EXPECT_EQ(contrast<float>(0.7F, 0.7F, 0.7F, 0.7F), 0.0F);
 }
 
-/// Two pixels side by side with encoded colours 0 and `colour`, on objects 1 and `object`; the verdict on sub-pixel 1
-/// of the first, which looks at the second.
+/// Returns the verdict on sub-pixel 1 of the first of two pixels, which is compared with the second. Their encoded
+/// colours are 0 and `colour`, their objects 1 and `object`.
 std::uint32_t verdict_between(const Vec3<float>& colour, std::uint32_t object, double object_threshold) {
   std::array<TraitsRecord<float>, 2> traits{};
   traits[0].normal = traits[1].normal = {0, 0, 1};
@@ -56,7 +56,7 @@ std::uint32_t verdict_between(const Vec3<float>& colour, std::uint32_t object, d
 }
 
 TEST(TestSubpixelsKernel, EachChannelHasItsWeight) {
-  // Contrast of 0.5 and x is (x - 0.5) / (x + 0.5). Half of the weights: 0.68, 0.51, 1.02.
+  // The contrast of 0.5 and x is (x - 0.5) / (x + 0.5). Half of the factors: 0.68, 0.51, 1.02.
   const auto active = [](const Vec3<float>& colour) { return active_bit<float>(verdict_between(colour, 1, 1)) == 1; };
   EXPECT_FALSE(active({0.5F, 0.5F, 0.5F}));
   EXPECT_FALSE(active({0.1F, 0.5F, 0.5F}));   // 0.667

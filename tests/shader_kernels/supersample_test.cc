@@ -13,7 +13,7 @@ namespace {
 
 using Reason = Attribute;
 
-/// All thresholds at `value`.
+/// Returns a configuration with all thresholds at `value`.
 SupersampleConfig all_at(double value) {
   SupersampleConfig c;
   c.colour = c.object = c.normal = c.shadow = c.texture = value;
@@ -28,7 +28,7 @@ double& threshold(SupersampleConfig& c, Reason of) {
   return *all[static_cast<std::size_t>(of)];
 }
 
-/// A frame, and the last tile's result: the only one if the tile is as large as the picture.
+/// A frame, and its last tile's result. If the tile is as large as the picture, that is the only tile.
 struct Result {
   std::vector<float> rgb;
   Sampling sampling;
@@ -60,10 +60,10 @@ struct SupersampleWorld {
   const traces::Camera camera;
 };
 
-/// One tile holds all of it.
+/// Returns a configuration with one tile for the whole picture.
 RenderConfig whole_picture() {
   RenderConfig render = small(64, 48);
-  render.tile = 128;  // sub-pixels
+  render.tile = 128;  // in sub-pixels
   return render;
 }
 
@@ -140,7 +140,8 @@ TEST_P(Supersample, ATileImportsBordersOfThoseToTheLeftAndAbove) {
   EXPECT_TRUE(world_.supersample(small(16, 16), c, true).last.work.imports.empty());
 }
 
-/// A mirror wall behind tiles, balls of two materials, a box with sharp edges, shadows everywhere, one ball in focus.
+/// Returns a room with a mirror wall behind tiles, balls of two materials, a box with sharp edges, many shadows and one
+/// ball in focus.
 traces::Scene mirrored_room() {
   traces::Scene scene;
   const std::uint32_t checks = add_texture(
@@ -163,7 +164,7 @@ traces::Scene mirrored_room() {
   return scene;
 }
 
-/// As the method has it, of a pixel and one of its neighbours.
+/// The comparison of the method, for a pixel and a neighbour.
 bool disagrees(Reason of, const TraitsRecord<float>& own, const TraitsRecord<float>& other) {
   switch (of) {
     case Reason::kObject:
@@ -180,7 +181,7 @@ bool disagrees(Reason of, const TraitsRecord<float>& own, const TraitsRecord<flo
   }
 }
 
-/// Sub-pixels at which `of` disagrees, counted from what the samples have kept.
+/// Returns the sub-pixels at which `of` differs, from the samples' records.
 std::set<std::uint32_t> disagreeing(Reason of, const TileResult& tile, std::uint32_t pitch, bool focus = false) {
   const auto& kept =
       of < Reason::kSecondaryObject ? tile.buffer.subpixels.traits : tile.buffer.subpixels.secondary_traits;
@@ -266,7 +267,7 @@ TEST(Off, LeavesAPixelToTheOtherAttributes) {
   off.texture = off.secondary_texture = -1;
   const std::uint64_t with = room().supersample(whole_picture(), strict).sampling.traced;
   EXPECT_GT(room().supersample(whole_picture(), off).sampling.traced, with);
-  // All off, the colour decides everywhere; the colour off too, nothing does.
+  // If all others are off, the colour decides everywhere; with the colour off too, nothing is active.
   SupersampleConfig colour_alone = all_at(-1);
   colour_alone.colour = 0;
   EXPECT_EQ(room().supersample(whole_picture(), colour_alone).sampling.active[4], 64U * 48U);
@@ -274,7 +275,7 @@ TEST(Off, LeavesAPixelToTheOtherAttributes) {
 }
 
 TEST(Branches, TheStrongerBranchIsKept) {
-  // A pane of glass seen head-on mirrors 4 percent: what counts is the wall behind it, not the one behind the eye.
+  // A pane of glass, seen head-on, mirrors 4 percent, so the wall behind it counts, not the one behind the eye.
   traces::Scene scene;
   const std::uint32_t glass = traces::add_material(scene, {.name = "glass", .transmission = 1});
   const std::uint32_t grey = traces::add_material(scene, {.name = "grey"});
@@ -290,7 +291,7 @@ TEST(Branches, TheStrongerBranchIsKept) {
   scene.materials[glass].mirror = 0.8F;
   EXPECT_EQ(SupersampleWorld(scene).supersample(render, {}).last.buffer.subpixels.secondary_traits[5 * 18 + 5].object,
             2U);
-  // If the stronger branch hits nothing there is no secondary hit, whatever the weaker one meets.
+  // If the heavier branch hits nothing there is no secondary hit, whatever the lighter one hits.
   scene.instances.pop_back();
   EXPECT_EQ(SupersampleWorld(scene).supersample(render, {}).last.buffer.subpixels.secondary_traits[5 * 18 + 5].object,
             kNoObject);

@@ -13,7 +13,7 @@ using Wrap = traces::Texture::Wrap;
 float exactly_decoded(float x) { return x <= 0.04045F ? x / 12.92F : std::pow((x + 0.055F) / 1.055F, 2.4F); }
 float exactly_encoded(float x) { return x <= 0.0031308F ? x * 12.92F : 1.055F * std::pow(x, 1 / 2.4F) - 0.055F; }
 
-/// Runs shade_textured for one surface of white base colour; `log` gets what it read.
+/// Runs shade_textured for one surface of white base colour; its reads are appended to `log`.
 float fetch_red(const traces::Texture& texture, float u, float v, std::vector<traces::Access>* log = nullptr) {
   const std::uint32_t stream[] = {0};
   const AxisRecord<float> axes[] = {axis_record(texture.width, texture.wrap_u, texture.filter),
@@ -34,7 +34,7 @@ float fetch_red(const traces::Texture& texture, float u, float v, std::vector<tr
   return mattes[0].diffuse.x;
 }
 
-/// Red channel only: texel (x, y) is 16 * (4 y + x).
+/// Returns a texture whose red channel at texel (x, y) is 16 * (4 y + x).
 traces::Texture ramp(Wrap wrap) {
   traces::Texture t;
   t.width = t.height = 4;
@@ -89,7 +89,7 @@ TEST(Textures, NearestTakesTheTexelThatTheCoordinateLiesIn) {
         EXPECT_EQ(log.back().element, log.back().element2);
       }
     }
-    // The ends of the picture and far outside of it.
+    // The edges of the texture, and coordinates far outside.
     EXPECT_NEAR(fetch_red(texture, 0, 0, &log), texel(0, 0), kTolerance);
     EXPECT_NEAR(fetch_red(texture, 1, 0, &log), wrap == Wrap::kRepeat ? texel(0, 0) : texel(3, 0), kTolerance);
     EXPECT_NEAR(fetch_red(texture, 1.1F, 0, &log), wrap == Wrap::kRepeat ? texel(0, 0) : texel(3, 0), kTolerance);

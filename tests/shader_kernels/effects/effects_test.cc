@@ -25,7 +25,7 @@ RenderConfig with_effects(const char* effects, std::uint32_t width = 9, std::uin
   return config;
 }
 
-/// A white wall in z = 0 under white ambient light, as far as the eye sees.
+/// Returns a white wall in z = 0 under white ambient light, which fills the picture.
 traces::Scene wall_scene() {
   traces::Scene scene = empty_scene();
   add_wall(scene, 0, 1000, {.name = "matte", .base_colour = glm::vec3(1)});
@@ -39,7 +39,7 @@ double mean_colour(const Picture& picture) {
   return sum / static_cast<double>(picture.rgb.size());
 }
 
-/// A scene ready to be rendered with any effects.
+/// A scene that can be rendered with any effects.
 struct EffectStage {
   explicit EffectStage(const traces::Scene& of, const traces::BvhConfig& bvh = {})
       : scene(of), image(traces::build_memory_image(scene, bvh)), tracer(image) {}

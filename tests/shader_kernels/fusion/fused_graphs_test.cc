@@ -3,22 +3,23 @@
 namespace kernels {
 namespace {
 
-// Fused kernels are the sum of their parts less what is loaded or computed before. light_surface: classify_surfaces;
-// and, compare, and, next for `later`; and, compare for what is lit; shade_ambient with 3 select; shade_diffuse with
-// and, less 3 mul that shade_ambient has done; once each of surfaces, mattes, paths, colours, places.
+// A fused kernel has the operations of its parts, less what an earlier part has loaded or computed. light_surface:
+// classify_surfaces; and, compare, and, next for `later`; and, compare for what is lit; shade_ambient with 3 select;
+// shade_diffuse with and, less 3 mul that shade_ambient has done; once each of surfaces, mattes, paths, colours,
+// places.
 constexpr Hand kFusedByHand[] = {
     //                         add mul d/s oth cmp sel int cnv  ld  st  $
     {"fetch_surface", {19, 33, 2, 1, 9, 9, 17, 0, 3, 12, 2}},
     {"fetch_surface_instanced", {25, 44, 2, 1, 9, 9, 23, 2, 3, 12, 3}},
     {"light_surface", {15, 35, 2, 6, 8, 10, 16, 0, 5, 9, 0}},
-    // record_*: hits besides, and texcoords.
+    // record_*: also hits and texcoords.
     {"light_surface_geometry", {15, 35, 2, 6, 9, 11, 19, 0, 6, 10, 1}},
     {"light_surface_geometry_instanced", {15, 35, 2, 6, 9, 11, 22, 0, 6, 10, 1}},
     {"light_surface_kept", {28, 53, 4, 7, 10, 12, 19, 0, 7, 11, 1}},
     {"light_surface_kept_instanced", {34, 62, 4, 7, 10, 12, 23, 0, 7, 11, 2}},
     {"light_surface_secondary", {15, 35, 2, 6, 13, 18, 31, 0, 7, 10, 1}},
     {"light_surface_secondary_instanced", {15, 35, 2, 6, 13, 18, 34, 0, 7, 10, 1}},
-    // shade_surface: rays, hits, paths, colours besides surfaces; record_* without triangle_of (1 integer) and
+    // shade_surface: also rays, hits, paths, colours, besides surfaces; record_* without triangle_of (1 integer) and
     // instance_of (4), which shade_surface has done, as it has loaded the instance.
     {"fetch_lit", {34, 68, 4, 7, 9, 11, 17, 0, 5, 13, 2}},
     {"fetch_lit_instanced", {40, 79, 4, 7, 9, 11, 23, 2, 5, 13, 3}},
@@ -87,7 +88,7 @@ constexpr Hand kFusedByHand[] = {
     {"light_surface_open", {17, 34, 2, 6, 8, 12, 15, 0, 5, 7, 0}},
     {"light_surface_soft", {32, 58, 3, 13, 9, 11, 41, 2, 6, 9, 0}},
     {"light_surface_occlusion", {21, 36, 3, 10, 10, 9, 41, 2, 5, 8, 0}},
-    // And shade_surface, as fetch_lit has it.
+    // Also shade_surface, as in fetch_lit.
     {"fetch_lit_open", {36, 67, 4, 7, 9, 13, 16, 0, 5, 11, 2}},
     {"fetch_lit_open_instanced", {42, 78, 4, 7, 9, 13, 22, 2, 5, 11, 3}},
     {"fetch_lit_open_cones", {42, 72, 6, 9, 9, 13, 19, 0, 5, 11, 2}},

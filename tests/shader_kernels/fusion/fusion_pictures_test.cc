@@ -9,20 +9,20 @@
 #include "tests/shader_kernels/showcase.h"
 #include "traces/scenes/builtin.h"
 
-// Fused kernels change the stream of work and nothing else: pictures, findings and rays are those of their parts.
+// Fused kernels change only the recorded work. Pictures, marks and rays are those of their parts.
 
 namespace kernels {
 namespace {
 
-/// Findings of a frame program.
+/// Results of a frame program.
 struct Frames {
   std::vector<float> rgb;
-  std::vector<std::vector<std::uint32_t>> packed;  ///< per tile of the list
+  std::vector<std::vector<std::uint32_t>> packed;  ///< per tile, in list order
   std::vector<std::vector<SampleMark>> marks;
   std::array<std::uint64_t, static_cast<std::size_t>(traces::RayKind::kCount)> rays{};
   Sampling sampling;
   std::uint64_t launches = 0, fused = 0;
-  std::set<std::string_view> kernels;  ///< launched
+  std::set<std::string_view> kernels;  ///< all that were launched
 };
 
 Frames run(FrameProgram& program, const traces::Tracer& tracer) {
@@ -58,7 +58,7 @@ void expect_same(const Frames& fused, const Frames& apart) {
   EXPECT_EQ(apart.fused, 0U);
 }
 
-/// All programs, with fusion and without, on a scene.
+/// Compares all programs with and without fusion on a scene.
 void expect_fusion_to_change_nothing(const traces::Scene& scene, const traces::BvhConfig& bvh = {},
                                      ProgramConfig programs = {}, traces::MipMaps mip_maps = traces::MipMaps::kOn) {
   const traces::MemoryImage image = traces::build_memory_image(scene, bvh, 0, nullptr, mip_maps);

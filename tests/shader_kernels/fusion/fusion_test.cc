@@ -26,7 +26,7 @@ struct Double {
   }
 };
 
-/// The word and its double: three times the word.
+/// Loads a word and its double, and adds them.
 struct Add {
   template <class V>
   struct Ports {
@@ -100,7 +100,7 @@ struct NeverStored : Named<Add> {
   static constexpr std::array<std::string_view, 1> kRegisters{"doubled"};
 };
 
-/// How often an operation is in the graph of kernel K.
+/// Returns how often an operation is in the graph of kernel K.
 template <class K>
 std::uint32_t number_of(Op op) {
   return count_ops(record_graph<K>())[static_cast<std::size_t>(op)];
@@ -148,8 +148,7 @@ TEST(Fusion, NamesTheKernelsWhoseWorkItDoes) {
   for (const KernelInfo& kernel : catalogue()) {
     for (const std::string_view part : kernel.parts) EXPECT_TRUE(find_kernel(part)->parts.empty()) << kernel.name;
     const bool is_variant = kernel.name.ends_with("_untextured") || kernel.name.ends_with("_local");
-    EXPECT_EQ(kernel.parts.empty(), kernel.id < kKernelId<FetchSurface<false>> || is_variant)
-        << kernel.name;
+    EXPECT_EQ(kernel.parts.empty(), kernel.id < kKernelId<FetchSurface<false>> || is_variant) << kernel.name;
   }
 }
 

@@ -5,7 +5,8 @@
 #include "tests/shader_kernels/reconstruct/reconstruct_harness.h"
 #include "tests/shader_kernels/showcase.h"
 
-// Reconstruct with the colour test of supersample: where colours change and geometry does not, all samples are shaded.
+// reconstruct with the colour test of supersample: all samples are shaded where colours change but the geometry does
+// not.
 
 namespace kernels {
 namespace {
@@ -20,7 +21,7 @@ Sampled tested(const Stage& stage, const RenderConfig& render, double colour, Re
 
 std::uint64_t rays_of(const Sampled& sampled, RayKind kind) { return sampled.rays[static_cast<std::size_t>(kind)]; }
 
-/// A wall with a chequered sign, in the light of its surroundings alone.
+/// Returns a wall with a chequered sign in ambient light.
 Stage signed_wall() {
   traces::Scene scene = empty_scene();
   scene.ambient = glm::vec3(1);
@@ -65,7 +66,7 @@ TEST(ReconstructColour, MendsEdgesOfTexturesAndLeavesThoseOfGeometryToTheFilter)
   const Sampled truth = stage.full(render, 16);
   const Sampled filtered = tested(stage, render, -1), mended = tested(stage, render, 0.3);
   EXPECT_LT(squared_error(mended.rgb, truth.rgb), 0.5 * squared_error(filtered.rgb, truth.rgb)) << "3 dB";
-  // The sign's outline is an edge of depth: pixels there are listed for its chequers alone.
+  // The sign's outline is a depth edge, so only its chequers cause pixels to be listed.
   const std::uint64_t listed = mended.sampling.checked - mended.sampling.passed;
   EXPECT_GT(listed, 500U);
   EXPECT_LT(listed, 96U * 96U / 4U) << "less than the sign";
@@ -73,11 +74,11 @@ TEST(ReconstructColour, MendsEdgesOfTexturesAndLeavesThoseOfGeometryToTheFilter)
 }
 
 TEST(ReconstructColour, ComparesWhatIsAlikeAlone) {
-  // Black and white sheets at different depths: the filter parts them, so no pixel's colour is doubtful.
+  // Black and white sheets at different depths: the filter separates them, so no pixel is listed.
   Room room;
   room.add(sheet(-10, 0.3F, 0), {.base_colour = glm::vec3(0)}).add(sheet(-10, 10, -3), {.base_colour = glm::vec3(1)});
   EXPECT_EQ(tested(room.stage(), small(32, 32), 0.05).sampling.passed, 32U * 32U);
-  // In one plane they are like a texture.
+  // In one plane the sheets are like a texture.
   Room plane;
   plane.add(sheet(-10, 0.3F), {.base_colour = glm::vec3(0)}).add(sheet(0.3F, 10), {.base_colour = glm::vec3(1)});
   EXPECT_EQ(tested(plane.stage(), small(32, 32), 0.05).sampling.passed, 32U * 30U) << "a column on each side";

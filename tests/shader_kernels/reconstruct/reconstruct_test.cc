@@ -11,7 +11,7 @@
 #include "tests/shader_kernels/reconstruct/reconstruct_harness.h"
 #include "tests/shader_kernels/showcase.h"
 
-// Subpixel reconstruction antialiasing: one shaded sample a pixel, the geometry of four.
+// Subpixel reconstruction antialiasing: one shaded sample and the geometry of four per pixel.
 
 namespace kernels {
 namespace {
@@ -19,14 +19,14 @@ namespace {
 using traces::RayKind;
 using Filters = ReconstructProgram::Filters;
 
-/// No other sample is looked at.
+/// Returns a configuration whose filter reads no other sample.
 ReconstructConfig alone() {
   ReconstructConfig config;
   config.radius = 0;
   return config;
 }
 
-/// Origins and directions of rays, in an order of their own.
+/// Returns origins and directions of rays, sorted.
 auto sorted(const std::vector<traces::Ray>& rays) {
   std::vector<std::tuple<float, float, float, float, float, float>> all;
   for (const traces::Ray& r : rays) {
@@ -36,7 +36,7 @@ auto sorted(const std::vector<traces::Ray>& rays) {
   return all;
 }
 
-/// A wall seen from straight ahead, and the shadow on it of a slanted plate that floats before it; no mirror.
+/// Returns a wall, seen from straight ahead, with the shadow of a slanted plate before it; there is no mirror.
 traces::Scene shadowed_wall() {
   traces::Scene scene = empty_scene();
   scene.ambient = glm::vec3(0.2F);
@@ -66,7 +66,7 @@ TEST(Similarity, FallsWithDepthAndWithTheAngleOfNormalsAndIsNothingAcrossAShadow
   EXPECT_EQ(weight({{0, 0, 1}, kNoBranchDepth, 1}, 4), 0.0F);
 }
 
-/// One row of two pixels; `others`: the records of all samples that are not shaded.
+/// Filters a row of two pixels. `others`: records of all samples that are not shaded.
 std::vector<ColourRecord<float>> filtered(const VisibleRecord<float>& left, const VisibleRecord<float>& right,
                                           const VisibleRecord<float>& others) {
   std::vector<VisibleRecord<float>> visible(8, others);
@@ -105,7 +105,7 @@ TEST(Reconstruct, SamplesAreThoseOfFourOnARotatedGrid) {
   reconstruct(stage, render, {}, Filters::kApart, &ours);
   render.samples = SamplePattern::kRotated;
   kernels::render(stage.image, stage.camera, theirs, render, 4);
-  // Tiles make their halo themselves, so some are traced by several: those of one tile are all.
+  // Tiles compute their halos, so some samples are traced several times; a single tile has none.
   render.tile = 128;
   render.samples = SamplePattern::kRegular;
   const SpyTracer whole(stage.tracer);
@@ -128,7 +128,7 @@ TEST(RotatedGrid, HasASampleInEachRowAndEachColumnOfCells) {
     std::vector<std::uint32_t> columns(samples), rows(samples);
     for (const traces::Ray& ray : spy.seen(RayKind::kPrimary)) {
       const Vec3<float> d{ray.direction.x, ray.direction.y, ray.direction.z};
-      // Along the view a direction is as long as the picture is far away.
+      // A direction's component along the view is the distance of the picture plane.
       const Vec3<float> forward = camera.corner + camera.right * 0.5F + camera.down * 0.5F;
       const Vec3<float> in_picture = d * (dot(forward, forward) / dot(d, forward)) - camera.corner;
       const float n = static_cast<float>(samples);
@@ -228,7 +228,7 @@ TEST(Reconstruct, KeepsAShadowsEdgeThatOneFilterBlurs) {
 }
 
 TEST(Reconstruct, FiltersWhatAMirrorShowsByTheGeometryThatIsSeenThere) {
-  // Behind the viewer two sheets, one white, one black and farther away: in the mirror their edge.
+  // Two sheets behind the viewer, a white one and a black one farther away; the mirror shows their edge.
   Room room = mirror();
   room.add(behind(-20, 0.3F), {.base_colour = glm::vec3(0.9F)});
   room.add(traces::make_quad("far", {20, -10, 12}, {-40, 0, 0}, {0, 20, 0}, 1), {.base_colour = glm::vec3(0)});

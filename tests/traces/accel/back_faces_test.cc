@@ -8,18 +8,18 @@
 #include "traces/accel/verify.h"
 #include "traces/walk_steps.h"
 
-// Rays pass through the back faces of single-sided materials: in the canonical tracer, in Embree, in the equations.
+// Rays pass through the back faces of single-sided materials in BvhTracer, Embree and exact_hit().
 
 namespace traces {
 namespace {
 
 constexpr std::array kInstanceLevels{InstanceLevels::kFlatten, InstanceLevels::kTwoLevel};
 
-/// Through the middle of one_triangle(), which faces +z.
+/// Hits the middle of one_triangle(), which faces +z.
 const Ray kFromFront{{0.25F, 0.25F, 1}, 0, {0, 0, -1}};
 const Ray kFromBack{{0.25F, 0.25F, -1}, 0, {0, 0, 1}};
 
-/// Returns the hits of a ray from the front and one from the back, by every tracer.
+/// Returns whether a ray from the front and one from the back hit, for every tracer.
 std::vector<bool> seen(const Scene& scene, InstanceLevels instances, RayKind kind) {
   const MemoryImage image = build_memory_image(scene, {.instances = instances}, 1);
   const BvhTracer bvh(image);
@@ -67,7 +67,7 @@ TEST(BackFaces, EndATestInItsFirstPhase) {
     std::vector<std::uint32_t> words, begin;
     WalkSink sink{words, begin};
     BvhTracer(image).trace({&ray, 1}, RayKind::kPrimary, {&hit, 1}, &sink);
-    return words.at(words.size() - 2);  // of the leaf, before the walk's end
+    return words.at(words.size() - 2);  // phases of the leaf, before the walk's end
   };
   EXPECT_EQ(phases(kFromBack) & 3U, 1U);
   EXPECT_EQ(phases(kFromFront) & 3U, 3U);

@@ -15,8 +15,8 @@
 namespace traces {
 namespace {
 
-/// Expects that all boxes of `hybrid` are whole numbers of 19 bits and contain those of `floats`, with at most one step
-/// of margin per side.
+/// Expects all boxes of `hybrid` to be whole numbers of 19 bits, and to contain those of `floats` with at most one step
+/// to spare on each side.
 void expect_around(const MemoryImage& hybrid, const MemoryImage& floats) {
   ASSERT_TRUE(hybrid.grid.has_value());
   const BoxGrid& grid = *hybrid.grid;
@@ -44,7 +44,7 @@ void expect_around(const MemoryImage& hybrid, const MemoryImage& floats) {
 TEST(HybridBoxes, HoldThoseOfFloatsByAStepAtMostInBuiltInScenes) {
   for (const BuiltinInfo& info : builtin_scenes()) {
     SCOPED_TRACE(info.name);
-    if (info.triangles > 100'000 && info.name != "hairball") continue;  // larger ones take seconds
+    if (info.triangles > 100'000 && info.name != "hairball") continue;  // larger scenes take seconds to build
     const MemoryImage floats = build_memory_image(build_scene(info.name, {.triangles = 20000}));
     MemoryImage hybrid = floats;
     put_on_grid(hybrid);

@@ -16,8 +16,8 @@
 namespace traces {
 namespace {
 
-/// The hit of a ray, computed in double precision from the triangle's equations alone. A ray is clear if no triangle's
-/// edge is near it.
+/// The hit of a ray, computed in double precision from the triangle's equations alone. A ray is clear if no edge of a
+/// triangle is close to it.
 struct Exact {
   double t = std::numeric_limits<double>::infinity();
   std::uint32_t triangle = kNoHit;
@@ -87,12 +87,12 @@ TEST(BvhTracer, PortableArithmeticGivesTheSameBits) {
   }
 }
 
-/// Counts the rays from inside a sphere that miss it.
+/// Returns the number of rays from inside a sphere that miss it.
 std::uint64_t leaks(const MemoryImage& image, const std::vector<Ray>& rays) {
   return static_cast<std::uint64_t>(std::ranges::count_if(trace(BvhTracer(image), rays), std::not_fn(&Hit::is_hit)));
 }
 
-/// Returns `count` rays per triangle, from inside to the point that `target` chooses on it.
+/// Returns `count` rays per triangle from inside the sphere, to points on the triangle selected by `target`.
 std::vector<Ray> rays_at(const MemoryImage& image, int count, auto&& target) {
   Dice dice(8);
   std::vector<Ray> rays;
@@ -122,7 +122,7 @@ TEST(BvhTracer, RaysAimedAtEdgesDoNotLeak) {
   EXPECT_EQ(leaks(image, rays), 0U);
 }
 
-// A known gap, and Embree's too: where several edges meet, rounding decides each independently.
+// A known gap, which Embree has too: where several edges meet, rounding decides each edge test on its own.
 TEST(BvhTracer, OfRaysAimedAtACornerOneInAThousandSlipsThrough) {
   const MemoryImage image = build_memory_image(sphere(24, 48));
   const std::vector<Ray> rays = rays_at(image, 200, [](const TriangleRecord& t, Dice&) { return t.v1; });

@@ -12,7 +12,7 @@
 namespace traces {
 namespace {
 
-/// Returns the number of rays whose hits or triangles differ.
+/// Returns the number of rays whose hit or triangle differs.
 std::uint64_t disagreements(const MemoryImage& image, const std::vector<Ray>& rays, RayKind kind) {
   const std::vector<Hit> ours = trace(BvhTracer(image), rays, kind);
   const std::vector<Hit> truth = trace(EmbreeTracer(image, 1), rays, kind);
@@ -41,7 +41,7 @@ TEST(EmbreeTracer, ResolvesEqualDistancesLikeBvhTracer) {
   scene.instances.resize(4, scene.instances[0]);
   EXPECT_EQ(disagreements(build_memory_image(scene), random_rays(20000), RayKind::kPrimary), 0U);
 
-  // Stacked coplanar floors, triangulated differently, seen at all angles.
+  // Coplanar floors with different triangulations, seen at all angles.
   Mesh floors;
   Dice dice(5);
   for (std::uint32_t i = 0; i < 300; ++i) {
@@ -64,7 +64,7 @@ TEST(EmbreeTracer, LeavesTheFloatingPointModeOfItsCallerAlone) {
   const unsigned before = _mm_getcsr();
   const MemoryImage image = build_memory_image(triangle_soup(5000, 0.2F), {}, 2);
   trace(EmbreeTracer(image, 2), random_rays(1000));
-  // The lower six bits are the exception flags.
+  // The lower six bits are exception flags.
   EXPECT_EQ(_mm_getcsr() & ~0x3fU, before & ~0x3fU);
 }
 #endif

@@ -27,7 +27,7 @@ std::size_t walk_words(const MemoryImage& image, const std::vector<Ray>& rays) {
 
 bool same_bits(const Hit& a, const Hit& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
-/// Expects two images to give the same hits at the same points of the same triangles; returns the number of hits.
+/// Expects the same hits in both images, at the same points of the same triangles; returns their number.
 std::size_t expect_same_hits(const Scene& scene, const std::vector<Ray>& rays) {
   const MemoryImage hybrid = build_memory_image(scene, kHybrid), floats = build_memory_image(scene);
   const std::vector<Hit> expected = trace(BvhTracer(floats), rays), found = trace(BvhTracer(hybrid), rays);
@@ -56,7 +56,7 @@ TEST(HybridWalk, FindsTheHitsOfFloatsAndNoOthers) {
   EXPECT_EQ(expect_same_hits(Scene{}, random_rays(100)), 0U);
 }
 
-/// Returns rays from distance `far` at points of the cube from -1 to 1; every fourth is parallel to an axis.
+/// Returns rays from distance `far` to points of the cube from -1 to 1; every fourth is parallel to an axis.
 std::vector<Ray> rays_from(float far, std::uint32_t count, const glm::vec3& scale = glm::vec3(1),
                            const glm::vec3& offset = glm::vec3(0)) {
   Dice dice(11);
@@ -83,8 +83,8 @@ TEST(HybridWalk, FindsTheHitsOfFloatsFromFarAway) {
   }
 }
 
-// From a larger distance the triangle test itself reports hits next to its triangles, outside all their boxes. No tree
-// finds all of these.
+// From farther away the triangle test finds hits next to its triangles, outside all their boxes. No tree finds all of
+// these.
 TEST(HybridWalk, LosesNoMoreThanFloatsFromWhereTheTriangleTestIsCoarserThanBoxes) {
   const Scene scene = triangle_soup(1000, 0.15F);
   const MemoryImage hybrid = build_memory_image(scene, kHybrid), floats = build_memory_image(scene);

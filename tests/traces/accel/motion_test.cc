@@ -13,7 +13,7 @@
 #include "traces/accel/verify.h"
 #include "traces/scene/gltf.h"
 
-// Real moving scenes against Embree, with trees rebuilt and refitted.
+// Animated scenes, compared with Embree, with trees rebuilt and refitted.
 
 namespace traces {
 namespace {
@@ -31,7 +31,7 @@ std::vector<Ray> camera_rays(const Camera& camera, std::uint32_t width, std::uin
   return rays;
 }
 
-/// Returns rays from the hits of other rays in random directions.
+/// Returns rays in random directions from the hits of others.
 std::vector<Ray> bounced(const std::vector<Ray>& rays, const std::vector<Hit>& hits, std::uint64_t seed) {
   Dice dice(seed);
   std::vector<Ray> out;

@@ -9,7 +9,7 @@
 #include "traces/accel/build.h"
 #include "traces/accel/bvh_info.h"
 
-// Layout of tree and triangles in memory.
+// Memory layout of tree and triangles.
 
 namespace traces {
 namespace {
@@ -42,7 +42,7 @@ MemoryImage image_of(std::uint32_t triangles, BoxNumbers numbers, BoxRecords box
                             {.leaf_size = 1, .numbers = numbers, .boxes = boxes, .triangle_bytes = triangle_bytes});
 }
 
-// Four triangles in a row: node 0 has the inner nodes 1 and 2 below it, each with two leaves.
+// Four triangles in a row: node 0 has the inner nodes 1 and 2, each with two leaves.
 TEST(NodeFormat, PairsLieAtTheirNodesIndex) {
   for (const auto& [numbers, bytes] : {std::pair{BoxNumbers::kFp32, 64U}, {BoxNumbers::kHybrid, 40U}}) {
     const Layout at = image_of(4, numbers, BoxRecords::kPair).layout;

@@ -25,7 +25,7 @@ void expect_same(const MemoryImage& a, const MemoryImage& b) {
   EXPECT_EQ(a.layout.end, b.layout.end);
 }
 
-/// Moves every vertex by up to `far` along each axis, and rotates and stretches the whole.
+/// Returns the scene with every vertex moved by up to `far` along each axis, then turned and stretched.
 Scene moved_by_dice(Scene scene, float far, std::uint64_t seed = 7) {
   Dice dice(seed);
   for (Mesh& mesh : scene.meshes) {
@@ -37,7 +37,7 @@ Scene moved_by_dice(Scene scene, float far, std::uint64_t seed = 7) {
   return scene;
 }
 
-/// A scene with a record per triangle that only some materials need.
+/// Returns a scene with optional records per triangle.
 Scene coloured_soup() {
   Scene scene = triangle_soup(500, 0.1F);
   scene.materials.resize(1);
@@ -48,7 +48,7 @@ Scene coloured_soup() {
   return scene;
 }
 
-/// Triangles with area, flat triangles, lines and points; zeros of both signs.
+/// Scenes with areas, flat ones, some that are only a line or point; zeros of both signs.
 std::vector<Scene> scenes() {
   Scene signs = grid_soup(500);
   signs.instances[0].to_world = glm::scale(glm::translate(glm::mat4(1), {-0.0F, -0.0F, -0.0F}), {-1, 1, -1});

@@ -6,7 +6,7 @@
 #include "traces/accel/embree_tracer.h"
 #include "traces/scenes/library.h"
 
-// Long builds can be stopped.
+// Long builds can be cancelled.
 
 namespace traces {
 namespace {

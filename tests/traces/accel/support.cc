@@ -173,7 +173,7 @@ std::vector<Ray> grid_rays(std::uint32_t count, std::uint64_t seed) {
       case 1:  // in a plane of the grid
         ray.direction[axis] = dice.below(2) == 0 ? 0.0F : -0.0F;
         break;
-      case 2:  // from anywhere along an axis
+      case 2:  // along an axis, from anywhere
         ray.origin = dice.point();
         ray.direction = glm::vec3(0);
         ray.direction[axis] = 1;

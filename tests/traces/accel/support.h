@@ -10,7 +10,7 @@
 
 namespace traces {
 
-/// Random numbers from a hash, equal on every host.
+/// Random numbers from a hash, the same on every machine.
 class Dice {
  public:
   explicit Dice(std::uint64_t seed) : seed_(seed) {}
@@ -35,10 +35,10 @@ Scene sphere(std::uint32_t rings, std::uint32_t segments);
 /// One triangle: (0,0,0), (1,0,0), (0,1,0).
 Scene one_triangle();
 
-/// Meshes with `count` instances: rotated, stretched, mirrored, some of them flat or without a triangle.
+/// `count` instances: turned, stretched, mirrored, some of them flat or without a triangle.
 Scene scattered(std::uint32_t count, std::uint64_t seed = 4);
 
-/// Gives two of three triangles a material that is not solid: one with an alpha, one that transmits.
+/// Gives two of three triangles a material that is not opaque: one with alpha, one that transmits light.
 Scene with_flags(Scene scene);
 
 /// Makes all materials single-sided.
@@ -49,7 +49,7 @@ std::vector<Ray> random_rays(std::uint32_t count, std::uint64_t seed = 2);
 std::vector<Ray> grid_rays(std::uint32_t count, std::uint64_t seed = 3);
 
 std::vector<Hit> trace(const Tracer& tracer, const std::vector<Ray>& rays, RayKind kind = RayKind::kPrimary);
-/// Tests every triangle of every instance in turn, with the triangle test and the rule of BvhTracer.
+/// Returns the hit by testing every triangle of every instance, with the triangle test and the rule of BvhTracer.
 Hit test_all(const MemoryImage& image, const Ray& ray);
 
 template <class Record>
@@ -60,7 +60,7 @@ bool same_bytes(const std::vector<Record>& a, const std::vector<Record>& b) {
 /// Returns the number of hits that differ in any bit.
 std::uint64_t count_different(const std::vector<Hit>& a, const std::vector<Hit>& b);
 /// Returns the number of hits, walk words and walk beginnings that differ between portable and native arithmetic, for
-/// rays and shadow rays.
+/// nearest-hit and shadow rays.
 std::uint64_t count_different_in_portable(const MemoryImage& image, const std::vector<Ray>& rays);
 
 }  // namespace traces

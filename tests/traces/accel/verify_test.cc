@@ -14,7 +14,7 @@
 namespace traces {
 namespace {
 
-/// A faulty tracer: every tenth hit is changed by `damage`.
+/// A faulty tracer: every tenth hit goes through `damage`.
 class BrokenTracer : public Tracer {
  public:
   BrokenTracer(const Tracer& good, std::function<void(Hit&)> damage) : good_(good), damage_(std::move(damage)) {}

@@ -9,8 +9,7 @@
 namespace traces {
 namespace {
 
-/// Replays a walk on the topology of the tree with its own stack. Each step of the walk must exist in the tree at that
-/// point.
+/// Replays a walk on the tree with its own stack. Each word must fit the tree at that point.
 class Replay {
  public:
   Replay(const MemoryImage& image, const std::uint32_t* word) : image_(image), word_(word) {}
@@ -146,7 +145,7 @@ TEST(Walk, EntersAnInstanceWithAWordOfItsOwnAndLeavesItWithoutOne) {
   for (std::size_t i = 0; i < 3; ++i) scene.instances[i].to_world[3].z = -2.0F * static_cast<float>(i);
   const MemoryImage image = build_memory_image(scene, {.instances = InstanceLevels::kTwoLevel});
   ASSERT_EQ(image.nodes.size(), 3U) << "two nodes over three instances, and the root of the triangle's tree";
-  // Misses the first two triangles, within their boxes, and hits the third.
+  // Misses the first two triangles, but not their boxes; hits the third.
   const Recorded r = record(image, {Ray{{0.9F, 0.9F, 1}, 0, {-0.1F, -0.1F, -1}}}, RayKind::kPrimary);
   std::vector<std::uint32_t> entered;
   for (const std::uint32_t word : r.words) {
@@ -184,7 +183,7 @@ TEST(Walk, NamesThePhaseInWhichEachTestStopped) {
   mesh.positions = {{0, 0, 0},  {1, 0, 0},  {0, 1, 0},    // hit at 1
                     {1, 1, 0},  {1, 0, 0},  {0, 1, 0},    // missed, in the same plane
                     {0, 0, -1}, {1, 0, -1}, {0, 1, -1},   // behind the hit
-                    {0, 0, 0},  {1, 0, 0},  {1, 0, -1}};  // in a plane parallel to the ray
+                    {0, 0, 0},  {1, 0, 0},  {1, 0, -1}};  // in a plane that contains the ray
   for (std::uint32_t i = 0; i < 12; i += 3) mesh.triangles.push_back({i, i + 1, i + 2});
   const MemoryImage image = build_memory_image(scene_of(mesh), {.leaf_size = 8, .traversal_cost = 100});
   ASSERT_EQ(image.nodes[0].child[0], leaf_link(0, 4));

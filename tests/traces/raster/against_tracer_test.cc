@@ -15,16 +15,15 @@
 #include "traces/accel/bvh_tracer.h"
 #include "traces/scenes/library.h"
 
-// Rasteriser and canonical tracer find the same triangle and depth at every sample, except for samples on an edge
-// within rounding.
+// Rasteriser and canonical tracer find the same triangle and depth at every sample, except on edges within rounding.
 
 namespace traces {
 namespace {
 
 struct Agreement {
   std::uint64_t samples = 0, hits = 0;
-  std::uint64_t ties = 0;   ///< on an edge or corner of the winner, assigned to another triangle
-  std::uint64_t apart = 0;  ///< only one of both found a triangle, or one found a nearer one
+  std::uint64_t ties = 0;   ///< on an edge or corner of the winner, where the other found its neighbour
+  std::uint64_t apart = 0;  ///< only one of them found a triangle, or one found a nearer one
   double worst_depth = 0;   ///< relative, where both found the same triangle
 };
 
@@ -41,7 +40,7 @@ double from_edge(const Rasteriser& rasteriser, std::uint32_t triangle, const glm
   return nearest;
 }
 
-/// Triangle number of each (instance, triangle) of a hit.
+/// The triangle number of each hit.
 using Numbers = std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t>;
 Numbers numbers_of(const RasterGeometry& geometry, bool levels) {
   Numbers numbers;
@@ -99,7 +98,7 @@ Agreement compare(const MemoryImage& image, const PictureCamera& camera) {
   return all;
 }
 
-/// Expects ties on edges only; measured: fewer than one in 100,000 apart on any scene, depths within 2e-6.
+/// Expects only ties on edges. Measured: fewer than one in 100,000 apart on any scene, depths within 2e-6.
 void expect_agreement(const Scene& scene, std::uint32_t width, std::uint32_t height) {
   const MemoryImage image = build_memory_image(scene, {}, 1);
   const Agreement found = compare(image, picture_of(scene.cameras.front(), width, height));

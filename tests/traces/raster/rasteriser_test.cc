@@ -15,8 +15,7 @@ namespace {
 
 constexpr float kAway = -1;
 
-/// A square that covers a picture of straight_ahead() from (x0, y0) to (x1, y1), shares of its height, at distance
-/// `depth`.
+/// Returns a square from (x0, y0) to (x1, y1), in shares of the picture's height, at `depth` before straight_ahead().
 std::vector<std::array<glm::vec3, 3>> square(float x0, float y0, float x1, float y1, float depth = 1) {
   const auto at = [&](float x, float y) { return glm::vec3((x - 0.5F) * depth, (0.5F - y) * depth, kAway * depth); };
   return {{at(x0, y0), at(x1, y0), at(x1, y1)}, {at(x0, y0), at(x1, y1), at(x0, y1)}};
@@ -41,7 +40,7 @@ TEST(Rasteriser, CoversASquareOfTwoTrianglesOnceWithSamplesOnTheirCommonEdge) {
   const PictureCamera camera = straight_ahead(16, 16);
   const Rasteriser rasteriser(image_of(square(0.25F, 0.25F, 0.75F, 0.75F)), camera, {}, 16);
   const Seen seen = cover(rasteriser, rays_of(camera, 0, 0, 16, 16));
-  // 8 x 8 pixels; eight of their centres are on the diagonal.
+  // 8 x 8 pixels; the centres of eight are on the diagonal.
   EXPECT_EQ(std::accumulate(seen.found.layers.begin(), seen.found.layers.end(), 0U), 64U);
   EXPECT_EQ(*std::ranges::max_element(seen.found.layers), 1U);
 }
@@ -52,7 +51,7 @@ TEST(Rasteriser, GivesSamplesOnAnEdgeToTheTriangleRightOfItOrBelow) {
   append(both, square(0.5F, 0, 1, 1));
   const Rasteriser beside(image_of(both), camera, {}, 16);
   Coverage found;
-  // The picture's middle: a ray along the axis, without rounding.
+  // The middle of the picture: a ray along the axis, without rounding.
   const std::vector<Ray> middle{{glm::vec3(0), 0, glm::vec3(0, 0, -1)}};
   beside.cover(middle, found, nullptr);
   EXPECT_EQ(found.layers[0], 1U);
@@ -69,7 +68,8 @@ TEST(Rasteriser, GivesSamplesOnAnEdgeToTheTriangleRightOfItOrBelow) {
 TEST(Rasteriser, CountsBlocksQuadsAndSamplesOfATriangleAsByHand) {
   const PictureCamera camera = straight_ahead(32, 32);
   std::vector<std::array<glm::vec3, 3>> all = square(0, 0, 4, 4);
-  all.resize(1);  // its right angle at the upper right corner: others cover the upper left half of the picture
+  all.resize(1);  // its right angle is at the upper right corner; the upper left half of the picture is covered by
+                  // others
   all[0] = {glm::vec3(-0.5F, 0.5F, -1), glm::vec3(1.5F, 0.5F, -1), glm::vec3(-0.5F, -1.5F, -1)};  // the whole picture
   const Rasteriser rasteriser(image_of(all), camera, {}, 32);
   const Seen seen = cover(rasteriser, rays_of(camera, 0, 0, 32, 32));
@@ -118,7 +118,7 @@ TEST(Rasteriser, DrawsBothSidesOfATriangle) {
 
 TEST(Rasteriser, InterpolatesDepthInPerspective) {
   const PictureCamera camera = straight_ahead(64, 64);
-  // A floor half a unit below the eye, extending away from it.
+  // A floor that extends away from the eye, 0.4 below it.
   const Rasteriser rasteriser(
       image_of({{glm::vec3(-50, -0.4F, 5), glm::vec3(50, -0.4F, 5), glm::vec3(0, -0.4F, -100)}}), camera, {}, 64);
   const std::vector<Ray> rays = rays_of(camera, 0, 0, 64, 64);
@@ -127,7 +127,7 @@ TEST(Rasteriser, InterpolatesDepthInPerspective) {
   for (std::size_t i = 0; i < rays.size(); ++i) {
     if (seen.found.winners[i].triangle == kNone) continue;
     hits += 1;
-    const double t = -0.4 / rays[i].direction.y;  // where the ray meets the plane
+    const double t = -0.4 / rays[i].direction.y;  // the ray's intersection with the plane
     EXPECT_NEAR(seen.found.winners[i].depth / (-rays[i].direction.z * t), 1, 1e-6);
   }
   EXPECT_GT(hits, 200U) << "the part before the eye is seen though a side of it lies behind";
@@ -146,7 +146,7 @@ TEST(Rasteriser, SurvivesTrianglesThatNoSceneShouldHave) {
                {a, b, b},
                {a, b, (a + b) * 0.5F},
                {glm::vec3(0), glm::vec3(0), glm::vec3(0)},
-               {glm::vec3(0), b, c},                                             // a vertex in the eye
+               {glm::vec3(0), b, c},                                             // a vertex at the eye
                {glm::vec3(-1, 0, 0), glm::vec3(1, 0, 0), glm::vec3(0, 0, -3)},   // seen edge-on
                {glm::vec3(-1, -1, 1), glm::vec3(1, -1, 1), glm::vec3(0, 1, 1)},  // behind the eye
                {glm::vec3(-kMax, -kMax, -kMax), glm::vec3(kMax, -kMax, -kMax), glm::vec3(0, kMax, -kMax)},

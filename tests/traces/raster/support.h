@@ -13,7 +13,7 @@
 
 namespace traces {
 
-/// A picture of a camera at the origin along -z: half a unit to each side at distance one.
+/// Returns the picture of a camera at the origin that looks along -z, half a unit to each side at distance 1.
 inline PictureCamera straight_ahead(std::uint32_t width, std::uint32_t height) {
   const float pixel = 1.0F / static_cast<float>(height);
   return {glm::vec3(0),
@@ -39,7 +39,7 @@ inline Ray ray_through(const PictureCamera& camera, float x, float y) {
   return {camera.origin, 0, glm::normalize(camera.corner + camera.right * x + camera.down * y)};
 }
 
-/// Returns rays through the middle of each cell of a grid x grid in every pixel of a box, row by row of pixels.
+/// Returns rays through the middle of each cell of a grid x grid in every pixel of a box, by rows of pixels.
 inline std::vector<Ray> rays_of(const PictureCamera& camera, std::uint32_t x0, std::uint32_t y0, std::uint32_t width,
                                 std::uint32_t height, std::uint32_t grid = 1) {
   std::vector<Ray> rays;
@@ -55,7 +55,7 @@ inline std::vector<Ray> rays_of(const PictureCamera& camera, std::uint32_t x0, s
   return rays;
 }
 
-/// Returns an image of bare triangles, which may be invalid.
+/// Returns an image of triangles alone, which need not be valid.
 inline MemoryImage image_of(const std::vector<std::array<glm::vec3, 3>>& triangles) {
   MemoryImage image;
   for (const auto& t : triangles) {

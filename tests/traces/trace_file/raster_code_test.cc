@@ -4,7 +4,7 @@
 
 #include "tests/traces/trace_file/tiny_tile.h"
 
-// Work of a rasteriser as bytes.
+// Encoding of a rasteriser's work.
 
 namespace traces {
 namespace {
@@ -23,7 +23,7 @@ TEST(RasterCode, GivesBackABatchAndAWave) {
   TileWork back;
   decode(encode(tile, scope.links), scope, back);
   EXPECT_TRUE(same(tile, back));
-  // And again, reusing the storage of another tile.
+  // Again, with the storage of an earlier tile.
   decode(encode(tile, scope.links), scope, back);
   EXPECT_TRUE(same(tile, back));
 }

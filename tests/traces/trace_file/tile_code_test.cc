@@ -11,7 +11,7 @@
 #include "traces/accel/bvh_tracer.h"
 #include "traces/trace_file/bytes.h"
 
-// A tile's work as bytes: lossless, compact, and no bytes decode to a tile that a machine cannot run.
+// Encoding of a tile's work: lossless and compact; no bytes decode to a tile that a machine cannot play.
 
 namespace traces {
 namespace {
@@ -42,7 +42,7 @@ TEST(TileCode, GivesBackRaysThatEnterInstances) {
   TileWork back;
   EXPECT_EQ(decode(bytes, scope, back).steps.all(), (5U + 5) + (4 + 1) + 2) << "entering is no step";
   EXPECT_TRUE(same(tile, back));
-  TileWork flat = tile;  // the same without enter steps
+  TileWork flat = tile;  // without the enters
   flat.walk = {visit_step(0, 1, 0), end_step(false)};
   EXPECT_THROW(decode(encode(flat, scope.links), scope, back), sim::InputError);
 }
@@ -182,7 +182,7 @@ TEST(TileCode, ATileHasNoMoreNodesThanAMachineHasRoomFor) {
   EXPECT_EQ(back.nodes.size(), kMaxTileNodes);
   tile.nodes.push_back(tile.nodes.back());
   EXPECT_THROW(encode(tile, tiny_scope().links), sim::InputError);
-  // One more in the bytes: after frame, number, samples and dependencies.
+  // One more import: its entry comes after frame, number, samples and after_all.
   std::string number, more;
   ByteWriter(number).number(kMaxTileNodes);
   ByteWriter(more).number(kMaxTileNodes + 1);
@@ -197,7 +197,7 @@ TEST(TileCode, ATileHasNoMoreNodesThanAMachineHasRoomFor) {
   }
 }
 
-/// Damages a good tile in many ways.
+/// Damages a valid tile in many ways.
 void expect_tile_or_complaint(const TileScope& scope, const TileWork& tile) {
   const std::string good = encode(tile, scope.links);
   TileWork back;
@@ -239,7 +239,7 @@ TEST(TileCode, NoBytesMakeAnythingButATileOrAComplaintOfTwoLevels) {
   expect_tile_or_complaint(tiny_levels(), tile_of_levels());
 }
 
-/// Returns a tile of rays through a scene.
+/// Returns a tile with rays through a scene.
 TileWork rays_through(const MemoryImage& image, RayKind kind, const std::vector<Ray>& rays) {
   TileWork tile;
   const auto count = static_cast<std::uint32_t>(rays.size());

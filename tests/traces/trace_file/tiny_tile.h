@@ -10,11 +10,11 @@
 
 namespace traces::test {
 
-// A tree of three inner nodes and four leaves, and a tile that has everything a tile may have.
+// A tree of three inner nodes and four leaves, and a tile with everything that a tile may contain.
 //
-//            0
-//        1       2
-//      t0 t1-3 t4 t5-6
+//          0
+//      1       2
+//    t0 t1-3 t4 t5-6
 
 inline TileScope tiny_scope() {
   return {
@@ -84,13 +84,13 @@ inline TileWork tiny_tile() {
 
 // A tree of two levels, and a tile of rays through it.
 //
-//            0                      over instances
-//       i2       1
-//             i0   i1               i3 has nothing to see
+//          0                      over instances
+//     i2       1
+//           i0   i1               i3 has no triangles
 //
-//       2 (i0, i2)      4 (i1)
-//     t0   3          t4-5
-//       t1-2 t3
+//     2 (i0, i2)      4 (i1)
+//   t0   3          t4-5
+//     t1-2 t3
 
 inline TileScope tiny_levels() {
   return {{.nodes = {{instance_link(2), 1},
@@ -126,7 +126,7 @@ inline TileWork tile_of_levels() {
   return t;
 }
 
-// A batch of triangles, and a wave of samples, of a frame of 9 vertices, 5 triangles and 8 entries of lists.
+// A batch of triangles and a wave of samples, in a frame of 9 vertices, 5 triangles and 8 list entries.
 
 inline TileScope tiny_raster() {
   TileScope scope = tiny_scope();
@@ -185,7 +185,7 @@ inline bool same(const TileWork& a, const TileWork& b) {
          std::ranges::equal(a.nodes, b.nodes, [](const WorkNode& x, const WorkNode& y) { return same(x, y); });
 }
 
-/// Appends the bytes that a decoder may read beyond the end.
+/// Appends the padding that a decoder requires.
 inline std::string padded(std::string bytes) { return bytes.append(16, '\x5a'); }
 
 inline TileRays decode(const std::string& bytes, const TileScope& scope, TileWork& work) {
@@ -199,7 +199,7 @@ inline std::string encode(const TileWork& work, const Links& links) {
   return bytes;
 }
 
-/// Encodes and decodes the tile; returns the decoder's error.
+/// Returns the error of a tile, which must have only one.
 inline std::string complaint(const TileWork& tile, const TileScope& scope) {
   TileWork back;
   try {

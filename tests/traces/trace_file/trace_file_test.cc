@@ -12,8 +12,8 @@
 #include "traces/trace_file/trace_reader.h"
 #include "traces/trace_file/trace_writer.h"
 
-// The file: written tiles are read back in any order, damage is refused in one line, and a file is written completely
-// or not at all.
+// The trace file: tiles are read back in any order, damage is refused in one line, and files appear complete or not at
+// all.
 
 namespace traces {
 namespace {
@@ -59,7 +59,7 @@ std::string bytes_of(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// Reads everything.
+/// Reads everything in a trace.
 void read_all(const std::filesystem::path& path) {
   const TraceReader trace(path);
   TraceReader::Cursor cursor(trace);
@@ -166,7 +166,7 @@ TEST(TraceFile, IsThereAsAWholeOrNotAtAll) {
   const std::string former = bytes_of(path);
   { const TraceWriter trace(path, {}); }
   EXPECT_EQ(bytes_of(path), former);
-  write(path);  // replaces an existing trace
+  write(path);  // over an existing trace
 }
 
 TEST(TraceFile, WhatIsNoTraceIsNeitherReplacedNorRead) {
@@ -217,7 +217,7 @@ TEST(TraceFile, TwoWritersOfOneFileDoNotMixAndNoOtherFileIsTouched) {
   EXPECT_TRUE(std::filesystem::is_symlink(folder.path() / "a.raywatt-tmp.trace"));
 }
 
-/// Returns a good file with other contents.
+/// Returns a valid file with other contents.
 std::string with_contents(const std::string& good, const std::string& contents) {
   const auto offset = load<std::uint64_t>(good.data() + good.size() - kFooterBytes);
   Packer packer;
@@ -269,7 +269,7 @@ TEST(TraceFile, EveryDamageIsFoundOrHarmless) {
     bad[i] = static_cast<char>(static_cast<unsigned char>(bad[i]) ^ (1U << (i % 8)));
     if (!is_refused(bad)) ++harmless;
   }
-  // Only zstd's own unused bits may be undetected.
+  // Only unused bits of zstd may change unnoticed.
   EXPECT_LT(harmless, good.size() / 5 / 50 + 1);
 }
 

@@ -9,7 +9,7 @@
 #include "tests/traces/trace_file/tiny_tile.h"
 #include "traces/accel/build.h"
 
-// The tree of a trace: lossless, and no bytes decode to anything but a tree.
+// The tree of a trace: lossless, and no bytes decode to an invalid tree.
 
 namespace traces {
 namespace {
@@ -82,7 +82,8 @@ TEST(TreeLinks, OfTwoLevelsComeBackAndMustHaveTreesOfInstancesAndTrianglesEach) 
   EXPECT_EQ(says([](TileScope& s) { s.counts.instances = 5; }), "tree: number of instances is out of range");
 }
 
-/// Returns the number of nodes of the tree below `node`. Sets `sound` to false if a leaf holds an invalid link.
+/// Returns the number of nodes below `node`, which must have no other parent. Clears `sound` if a leaf contains an
+/// invalid item.
 std::size_t nodes_below(const TileScope& scope, std::uint32_t node, bool upper, std::vector<int>& entered,
                         bool& sound) {
   std::size_t nodes = 1;

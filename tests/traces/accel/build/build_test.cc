@@ -271,7 +271,7 @@ TEST(MemoryImage, RefusesAMeshThatNamesWhatItDoesNotHave) {
   EXPECT_THROW(build_memory_image(scene), sim::InputError);
 }
 
-#ifndef RAYWATT_SANITIZED  // sanitizers end the process instead
+#ifndef RAYWATT_SANITIZED  // sanitizers would end the process
 /// Limits the process to 8 MiB of new memory from the first call on.
 bool limit_memory() {
   static const bool is_done = [] {

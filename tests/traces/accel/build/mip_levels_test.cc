@@ -57,7 +57,7 @@ TEST(MipChain, ATexelIsTheMeanOfTheFourThatItCovers) {
   EXPECT_EQ(chain.at(1).texels, std::vector<std::uint32_t>{0x60081428U});
 }
 
-/// Three texels in a row have equal weight; of five, each half covers 2.5.
+/// Three texels in a row have equal weights; of five, each half covers 2.5.
 TEST(MipChain, OddSidesCountTexelsByHowMuchOfThemIsCovered) {
   EXPECT_EQ(mip_chain(linear_texture(3, 1, {30, 60, 120})).at(1).texels, std::vector<std::uint32_t>{70});
   const std::vector<std::uint32_t> halves = mip_chain(linear_texture(5, 1, {100, 50, 200, 10, 20})).at(1).texels;
@@ -91,7 +91,7 @@ TEST(MipChain, OneColourStaysThatColourInEveryLevel) {
   }
 }
 
-/// The triangle shows half of a texture of 16 x 16 and one of 3 x 1, and is flagged, so that the white texture exists.
+/// Returns a flagged triangle with half of a texture of 16 x 16 and one of 3 x 1; a white texture is added.
 Scene textured_triangle() {
   Scene scene = one_triangle();
   scene.meshes[0].uvs = {{0, 0}, {4, 0}, {0, 4}};

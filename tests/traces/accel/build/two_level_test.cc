@@ -26,7 +26,7 @@ namespace {
 
 constexpr BvhConfig kLevels{.instances = InstanceLevels::kTwoLevel};
 
-/// Returns rays at the scene from the largest distance that the instances' boxes allow for.
+/// Returns rays at the scene from the largest distance that instance boxes are padded for.
 std::vector<Ray> far_rays(const MemoryImage& image, std::uint32_t count) {
   Dice dice(12);
   std::vector<Ray> rays(count);
@@ -144,7 +144,7 @@ TEST(TwoLevels, AWrongInstanceIsADistanceError) {
       bvh.trace(rays, kind, hits, walk);
       for (Hit& hit : hits) {
         if (!hit.is_hit()) continue;
-        const std::uint32_t other = (instance_of(hit) + 4) % 80;  // another of the same mesh
+        const std::uint32_t other = (instance_of(hit) + 4) % 80;  // another instance of the same mesh
         hit.u = std::bit_cast<float>((std::bit_cast<std::uint32_t>(hit.u) & ~kHalfMask) | other);
       }
     }
@@ -190,7 +190,7 @@ TEST(TwoLevels, WhatCannotBeInvertedOrDeformsHasATreeOfItsOwn) {
 }
 
 TEST(FlatInstances, HaveFiniteRecordsInTreesOfOneAndTwoLevels) {
-  // A plane, a line, a point, and a plane whose determinant is not 0 because of rounding.
+  // A plane, a line, a point, and a plane whose determinant is not 0 only because of rounding.
   const glm::mat4 turn = glm::rotate(glm::mat4(1), 0.7F, glm::vec3(1, 2, 3));
   const glm::mat4 flat[] = {glm::scale(glm::mat4(1), {1, 1, 0}), glm::scale(glm::mat4(1), {0, 2, 0}),
                             glm::scale(glm::mat4(1), {0, 0, 0}),
@@ -233,7 +233,7 @@ TEST(TwoLevels, HybridNumbersAreRefused) {
   EXPECT_THROW(sim::check_config(config), sim::InputError);
 }
 
-/// Moves everything, and changes the shape of one mesh.
+/// Returns the scene with all instances moved, and one mesh in another shape.
 Scene moved(Scene scene, float by) {
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     scene.instances[i].to_world[3].x += by * static_cast<float>(i % 5);
