@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "shader_kernels/ports_recorded.h"
+#include "shader_kernels/recorder.h"
 
 namespace kernels {
 namespace {

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "shader_kernels/graph.h"
-#include "shader_kernels/kernels/attributes.h"
 #include "shader_kernels/kernels/classify.h"
 #include "shader_kernels/kernels/details.h"
 #include "shader_kernels/kernels/effects.h"

@@ -1,10 +1,8 @@
 #pragma once
 #include <array>
-#include <span>
 #include <string_view>
 #include <vector>
 
-#include "shader_kernels/graph.h"
 #include "shader_kernels/ports.h"
 
 namespace kernels {
@@ -61,14 +59,5 @@ typename K::template Ports<float>& ports_of(typename K::template Ports<float>& f
 template <class V, class... Parts>
 inline constexpr bool kListsAccesses<FusedPorts<V, Parts...>> = (kListsAccesses<typename Parts::template Ports<V>> ||
                                                                  ...);
-
-/// Replaces repeated memory accesses of an item in a fused kernel's graph by registers:
-///
-///   load, load of the same          -> one load              store, load of the same  -> the value stored
-///   equal operations, equal values  -> one operation         store, store of the same -> the second
-///   store to one of `registers`     -> nothing
-///
-/// Throws std::logic_error if a part loads a record that another part may have stored under another index.
-void keep_in_registers(Graph& graph, std::span<const std::string_view> registers);
 
 }  // namespace kernels

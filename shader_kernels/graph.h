@@ -1,6 +1,10 @@
 #pragma once
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace kernels {
@@ -47,5 +51,33 @@ void for_each_input(const GraphNode& node, Function&& f) {
   }
   for (const std::uint32_t id : node.stored) f(id);
 }
+
+/// Renumbers the nodes by their dependences and drops unused fields and uniforms. Loads, stores and carried values keep
+/// their order, each after its inputs, operands from left to right. The graph is then independent of the order in which
+/// a compiler evaluates a + b.
+void sort_canonically(Graph& graph);
+
+/// Replaces repeated memory accesses of an item in a fused kernel's graph by registers:
+///
+///   load, load of the same          -> one load              store, load of the same  -> the value stored
+///   equal operations, equal values  -> one operation         store, store of the same -> the second
+///   store to one of `registers`     -> nothing
+///
+/// Throws std::logic_error if a part loads a record that another part may have stored under another index.
+void keep_in_registers(Graph& graph, std::span<const std::string_view> registers);
+
+std::string_view name_of(Op op);
+
+/// Number of a graph's nodes per operation.
+using OpCounts = std::array<std::uint32_t, static_cast<std::size_t>(Op::kCount)>;
+OpCounts count_ops(const Graph& graph);
+
+/// Returns the number of operations executed by functional units: all except inputs, constants and kBits.
+std::uint32_t executed_ops(const Graph& graph);
+
+/// Returns one line per operation that occurs, then one per load and store.
+std::string summary(const Graph& graph);
+/// Returns one line per node.
+std::string listing(const Graph& graph);
 
 }  // namespace kernels

@@ -6,14 +6,13 @@
 #include <vector>
 
 #include "shader_kernels/records.h"
-#include "shader_kernels/scene_records.h"
 #include "traces/scene/scene.h"
 #include "traces/stream.h"
 
 namespace kernels {
 
 // Ports of kernels. A kernel's Ports struct names its ports with describe(ports, port). In the float reading, here, a
-// port is a pointer or a number; ports_recorded.h has the recording reading.
+// port is a pointer or a number; recorder.h has the recording reading.
 //
 // attach() binds a port to the array of the same name (programs/wavefront/port_binding.h); bind() binds it to any
 // array.

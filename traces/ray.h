@@ -3,6 +3,8 @@
 #include <bit>
 #include <cstdint>
 #include <limits>
+#include <span>
+#include <vector>
 
 #include <glm/vec3.hpp>
 
@@ -62,5 +64,21 @@ inline std::uint32_t instance_of(const Hit& hit) {
   return (std::bit_cast<std::uint32_t>(hit.u) & kHalfMask) | (std::bit_cast<std::uint32_t>(hit.v) & kHalfMask)
                                                                  << kHalfBits;
 }
+
+/// Destination of canonical walks (walk.h); each ray adds one entry to `begin`.
+struct WalkSink {
+  std::vector<std::uint32_t>& words;
+  std::vector<std::uint32_t>& begin;
+};
+
+/// Interface of a tracer. A shadow ray ends at the first triangle without flags (ray.h); if there is none, its hit is
+/// the nearest flagged triangle. Any other ray finds its nearest hit.
+class Tracer {
+ public:
+  virtual ~Tracer() = default;
+  /// Traces `rays` and writes one entry of `hits` per ray. `walk` may be null; tracers without canonical walks ignore
+  /// it.
+  virtual void trace(std::span<const Ray> rays, RayKind kind, std::span<Hit> hits, WalkSink* walk) const = 0;
+};
 
 }  // namespace traces

@@ -1,5 +1,7 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
+#include <span>
 
 namespace traces {
 
@@ -54,5 +56,33 @@ constexpr std::uint32_t cull_step(std::uint32_t n) { return (2U << 30) | n; }
 constexpr std::uint32_t culled_of(std::uint32_t word) { return word & ((1U << 30) - 1); }
 
 constexpr std::uint32_t end_step(bool hit) { return (3U << 30) | (hit ? 1U : 0U); }
+
+/// Counts of canonical traversal steps: nodes visited and triangles tested.
+struct WalkSteps {
+  std::uint64_t visits = 0, tests = 0;
+  std::uint64_t enters = 0;  ///< instances entered (not counted as steps)
+  std::uint64_t all() const { return visits + tests; }
+  WalkSteps& operator+=(const WalkSteps& other) {
+    visits += other.visits;
+    tests += other.tests;
+    enters += other.enters;
+    return *this;
+  }
+};
+
+/// Returns the number of steps in concatenated walks.
+inline WalkSteps count_steps(std::span<const std::uint32_t> words) {
+  WalkSteps steps;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (kind_of(words[i]) == StepKind::kVisit) {
+      steps.visits += 1;
+    } else if (is_enter(words[i])) {
+      steps.enters += 1;
+    } else if (kind_of(words[i]) == StepKind::kLeaf) {
+      steps.tests += count_of(words[i++]);  // skips the word of exit phases
+    }
+  }
+  return steps;
+}
 
 }  // namespace traces

@@ -6,7 +6,7 @@
 #include "hw_models/machines/patience.h"
 #include "hw_models/tni/tni_core.h"
 #include "sim/engine.h"
-#include "traces/walk_steps.h"
+#include "traces/walk.h"
 
 namespace hw {
 

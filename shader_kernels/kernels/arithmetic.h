@@ -1,5 +1,5 @@
 #pragma once
-#include "shader_kernels/vec3.h"
+#include "shader_kernels/value.h"
 #include "traces/accel/memory_image.h"
 
 namespace kernels {

@@ -7,7 +7,7 @@
 #include "shader_kernels/kernels/reconstruct.h"
 #include "shader_kernels/kernels/uniforms.h"
 #include "shader_kernels/ports.h"
-#include "shader_kernels/vec3.h"
+#include "shader_kernels/value.h"
 #include "sim/named.h"
 #include "traces/ray.h"
 

@@ -3,7 +3,6 @@
 #include <string_view>
 
 #include "shader_kernels/fusion.h"
-#include "shader_kernels/kernels/attributes.h"
 #include "shader_kernels/kernels/classify.h"
 #include "shader_kernels/kernels/effects.h"
 #include "shader_kernels/kernels/generate_rays.h"

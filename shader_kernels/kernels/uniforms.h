@@ -1,7 +1,7 @@
 #pragma once
 #include "shader_kernels/kernels/arithmetic.h"
 #include "shader_kernels/ports.h"
-#include "shader_kernels/vec3.h"
+#include "shader_kernels/value.h"
 
 namespace kernels {
 

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "shader_kernels/programs/wavefront/scene_tables.h"
-#include "shader_kernels/programs/wavefront/stream_builder.h"
+#include "shader_kernels/programs/wavefront/tile_graph.h"
 
 namespace kernels {
 

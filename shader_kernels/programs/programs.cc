@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 
 #include "shader_kernels/programs/adaptive/multirate.h"
+#include "shader_kernels/programs/adaptive/reconstruct.h"
 #include "shader_kernels/programs/adaptive/supersample.h"
 #include "shader_kernels/programs/adaptive/undersample.h"
 #include "shader_kernels/programs/full.h"
 #include "shader_kernels/programs/geometry_pass.h"
-#include "shader_kernels/programs/reconstruct/reconstruct.h"
 #include "shader_kernels/programs/upsampled.h"
 #include "sim/error.h"
 

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "shader_kernels/catalogue.h"
-#include "shader_kernels/listing.h"
+#include "shader_kernels/graph.h"
 
 namespace kernels {
 

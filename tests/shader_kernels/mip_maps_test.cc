@@ -8,7 +8,7 @@
 #include "block_harness.h"
 #include "shader_kernels/programs/adaptive/supersample.h"
 #include "showcase.h"
-#include "traces/accel/build/mip_levels.h"
+#include "traces/accel/build/material_tables.h"
 
 // The selected mip levels, and their effect on pictures.
 

@@ -4,7 +4,7 @@
 
 #include "hw_models/srp/srp.h"
 #include "shader_kernels/catalogue.h"
-#include "shader_kernels/listing.h"
+#include "shader_kernels/graph.h"
 #include "tools/analysis/units.h"
 
 namespace tools {

@@ -6,7 +6,7 @@
 #include "hw_models/machines/gpu_config.h"
 #include "hw_models/srp/schedule.h"
 #include "shader_kernels/catalogue.h"
-#include "shader_kernels/listing.h"
+#include "shader_kernels/graph.h"
 #include "sim/error.h"
 #include "sim/io/printable.h"
 #include "sim/report/table.h"

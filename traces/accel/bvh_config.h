@@ -11,7 +11,7 @@
 
 namespace traces {
 
-/// BVH update for an animated scene: rebuild the tree, or refit its boxes (traces/accel/refit.h).
+/// BVH update for an animated scene: rebuild the tree, or refit its boxes (traces/accel/build.h).
 enum class BvhUpdate : std::uint8_t { kRebuild, kRefit };
 constexpr std::array<std::string_view, 2> names_of(BvhUpdate) { return {"rebuild", "refit"}; }
 

@@ -1,6 +1,6 @@
 #pragma once
 #include "traces/accel/memory_image.h"
-#include "traces/tracer.h"
+#include "traces/ray.h"
 
 namespace traces {
 

@@ -13,8 +13,7 @@
 
 #include "traces/accel/build/two_level.h"
 #include "traces/accel/embree_api.h"
-#include "traces/accel/lanes.h"
-#include "traces/accel/triangle_test.h"
+#include "traces/accel/ray_tests.h"
 
 #if RTC_VERSION_MAJOR < 4
 using RTCRayQueryContext = RTCIntersectContext;

@@ -4,7 +4,7 @@
 
 #include "sim/stop.h"
 #include "traces/accel/memory_image.h"
-#include "traces/tracer.h"
+#include "traces/ray.h"
 
 namespace traces {
 
@@ -13,7 +13,7 @@ namespace traces {
 ///
 /// 1. Distances and weights are Embree's own.
 /// 2. Of triangles within rounding error of each other along a ray, it returns the one that BvhTracer prefers: the
-///    nearest by the test of triangle_test.h, then the lowest `source`. Embree alone would return the one it meets
+///    nearest by the test of ray_tests.h, then the lowest `source`. Embree alone would return the one it meets
 ///    first.
 /// 3. A blocked shadow ray returns triangle 0; in a scene with flagged or single-sided triangles, its nearest hit.
 class EmbreeTracer : public Tracer {

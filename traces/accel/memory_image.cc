@@ -5,15 +5,6 @@
 
 #include <glm/geometric.hpp>
 
-#include "traces/accel/build.h"
-#include "traces/accel/build/bvh_build.h"
-#include "traces/accel/build/flatten.h"
-#include "traces/accel/build/material_tables.h"
-#include "traces/accel/build/mip_levels.h"
-#include "traces/accel/build/reorder.h"
-#include "traces/accel/build/two_level.h"
-#include "traces/scene/bounds.h"
-
 namespace traces {
 namespace {
 
@@ -101,57 +92,6 @@ float MemoryImage::diagonal() const { return glm::length(upper - lower); }
 std::uint64_t MemoryImage::node_array_bytes() const {
   const BoxRecords boxes = layout.single_boxes.empty() ? BoxRecords::kPair : BoxRecords::kSingle;
   return layout.node_bytes * node_records(nodes.size(), boxes, 1 + trees.size());
-}
-
-namespace {
-
-MemoryImage one_level(const Scene& scene, const MaterialTables& materials, const BvhConfig& config, unsigned threads,
-                      sim::Stop stop) {
-  const std::vector<PlacedMesh> placed = placed_instances(scene);
-  MemoryImage image;
-  image.triangles = triangles_of(placed, materials);
-  FlatBvh bvh = BvhBuilder(config, threads, stop).over(image.triangles);
-  image.nodes = std::move(bvh.nodes);
-  ShadingRecords shading = shading_of(placed, materials);
-  image.attributes = std::move(shading.attributes);
-  image.vertices = std::move(shading.vertices);
-  reorder<TriangleRecord>(image.triangles, bvh.order);
-  reorder<AttributeRecord>(image.attributes, bvh.order);
-  if (!image.vertices.empty()) reorder<VertexRecord>(image.vertices, bvh.order);
-  Bounds bounds;
-  for (const TriangleRecord& t : image.triangles) {
-    for (const glm::vec3& v : {t.v0, t.v1, t.v2}) bounds.add(v);
-  }
-  if (!bounds.empty()) {
-    image.lower = bounds.lower;
-    image.upper = bounds.upper;
-  }
-  if (config.numbers == BoxNumbers::kHybrid) put_on_grid(image);
-  return image;
-}
-
-}  // namespace
-
-MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config, unsigned threads, sim::Stop stop,
-                               MipMaps mip_maps) {
-  const bool has_mip_maps = mip_maps == MipMaps::kOn && !scene.textures.empty();
-  MaterialTables materials = material_tables(scene, has_mip_maps);
-  const bool levels = config.instances == InstanceLevels::kTwoLevel;
-  MemoryImage image =
-      levels ? two_levels(scene, materials, config, threads, stop) : one_level(scene, materials, config, threads, stop);
-  image.textures = scene.textures;
-  if (materials.needs_white) {
-    image.white = static_cast<std::uint32_t>(image.textures.size());
-    image.textures.push_back({.name = "white", .width = 1, .height = 1, .texels = {0xffffffffU}});
-  }
-  if (has_mip_maps) add_mip_levels(materials, image);
-  image.materials = std::move(materials.records);
-  image.details = std::move(materials.details);
-  image.lights = scene.lights;
-  image.background = scene.background;
-  image.ambient = scene.ambient;
-  image.layout = layout_of(counts_of(image), image.nodes, config);
-  return image;
 }
 
 std::vector<std::uint32_t> parents_of(const MemoryImage& image) {

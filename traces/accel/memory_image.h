@@ -8,8 +8,8 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
-#include "traces/accel/box_grid.h"
 #include "traces/accel/bvh_config.h"
+#include "traces/accel/node_format.h"
 #include "traces/ray.h"
 #include "traces/scene/scene.h"
 

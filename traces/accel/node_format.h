@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <string_view>
 
+#include <glm/vec3.hpp>
+
 #include "traces/walk.h"
 
 namespace traces {
@@ -42,5 +44,34 @@ static_assert(6 * kPlaneBits + kLinkBits + kFlagBits == 8 * node_bytes(BoxNumber
 constexpr std::uint64_t node_records(std::uint64_t inner, BoxRecords boxes, std::uint64_t trees = 1) {
   return boxes == BoxRecords::kPair ? inner : 2 * inner + trees;
 }
+
+/// The grid of box planes in hybrid numbers (US patent 9,830,733). Each axis has 2^19 planes spread over the scene;
+/// plane p is at lower + p * step.
+class BoxGrid {
+ public:
+  static constexpr std::uint32_t kLastPlane = (1U << kPlaneBits) - 1;
+
+  /// Spreads the grid over the scene's bounds. On an axis where the scene is nearly flat, the step is limited to 1/1024
+  /// of the widest axis's; the box test resolves no finer distances (ray_tests.h).
+  BoxGrid(const glm::vec3& lower, const glm::vec3& upper);
+
+  /// Returns the last plane not above `x` and the first plane not below it, as whole numbers. `x` is within the bounds.
+  float below(float x, int axis) const;
+  float above(float x, int axis) const;
+  /// Returns the coordinate of plane `p`.
+  double at(double p, int axis) const { return lower_[axis] + p * step_[axis]; }
+
+  const glm::vec3& lower() const { return lower_; }
+  const glm::vec3& step() const { return step_; }
+  friend bool operator==(const BoxGrid&, const BoxGrid&) = default;
+
+ private:
+  glm::vec3 lower_, step_;
+};
+
+struct MemoryImage;
+
+/// Converts the image's boxes to hybrid numbers: spreads a grid over its bounds and rounds all planes outward to it.
+void put_on_grid(MemoryImage& image);
 
 }  // namespace traces

@@ -1,14 +1,145 @@
 #include "traces/accel/verify.h"
 
+#include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
+#include <limits>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include <glm/geometric.hpp>
-
-#include "traces/accel/exact.h"
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
 
 namespace traces {
+
+namespace {
+
+constexpr double kBarycentricMargin = 1e-5;
+constexpr double kDiagonalMargin = 1e-6;
+constexpr double kIntervalMargin = 1e-5;
+
+Standing weaker(Standing a, Standing b) { return std::min(a, b); }
+
+/// Classifies a quantity that is positive for a hit and known to within `margin`.
+Standing standing_of(double value, double margin) {
+  if (value < -margin) return Standing::kMiss;
+  return value > margin ? Standing::kHit : Standing::kUncertain;
+}
+
+/// Transform from the mesh's space to the world.
+struct ToWorld {
+  glm::dmat3 linear{1};
+  glm::dvec3 origin{0};  ///< origin of the mesh's space
+  double handedness = 1;
+  glm::dvec3 operator()(const glm::vec3& p) const { return linear * (glm::dvec3(p) - origin); }
+};
+
+glm::dmat3 linear_of(const InstanceRecord& instance) {
+  const auto& m = instance.to_object;
+  return glm::transpose(glm::dmat3(m[0][0], m[0][1], m[0][2], m[1][0], m[1][1], m[1][2], m[2][0], m[2][1], m[2][2]));
+}
+
+glm::dvec3 translation_of(const InstanceRecord& instance) {
+  return {instance.to_object[0][3], instance.to_object[1][3], instance.to_object[2][3]};
+}
+
+ToWorld to_world(const InstanceRecord& instance) {
+  return {glm::inverse(linear_of(instance)), translation_of(instance), instance.handedness};
+}
+
+/// True if the ray passes near the boxes of the instance's root. The margin is about 100 times that of uncertain hits.
+bool comes_near(const Ray& ray, const MemoryImage& image, const InstanceRecord& instance) {
+  const glm::dmat3 linear = linear_of(instance);
+  const glm::dvec3 origin = linear * glm::dvec3(ray.origin) + translation_of(instance);
+  const glm::dvec3 direction = linear * glm::dvec3(ray.direction);
+  const NodeRecord& root = image.nodes[instance.root];
+  double enter = -std::numeric_limits<double>::infinity(), leave = -enter;
+  for (auto [planes, axis] : {std::pair{root.x, 0}, {root.y, 1}, {root.z, 2}}) {
+    double stretch = 0;
+    for (int column = 0; column < 3; ++column) stretch += std::abs(linear[column][axis]);
+    const double margin = 1e-4 * image.diagonal() * stretch;
+    const double low = std::min(planes[0], planes[1]) - margin, high = std::max(planes[2], planes[3]) + margin;
+    if (direction[axis] == 0 && (origin[axis] < low || origin[axis] > high)) return false;
+    if (direction[axis] == 0) continue;
+    const double a = (low - origin[axis]) / direction[axis], b = (high - origin[axis]) / direction[axis];
+    enter = std::max(enter, std::min(a, b));
+    leave = std::min(leave, std::max(a, b));
+  }
+  return enter <= leave;
+}
+
+/// Classifies whether the face that the ray sees exists. `cosine` is between the ray and the normal of the
+/// counter-clockwise face.
+Standing standing_of_face(const TriangleRecord& triangle, double cosine) {
+  const bool has_clockwise = (triangle.material & kNoClockwise) == 0;
+  const bool has_other = (triangle.material & kNoCounterClockwise) == 0;
+  if (has_clockwise && has_other) return Standing::kHit;
+  return standing_of(has_clockwise ? cosine : -cosine, kBarycentricMargin);
+}
+
+ExactHit exact_hit(const Ray& ray, const TriangleRecord& triangle, const ToWorld& world, double diagonal) {
+  const glm::dvec3 origin(ray.origin), direction(ray.direction);
+  const std::array<glm::dvec3, 3> v{world(triangle.v0), world(triangle.v1), world(triangle.v2)};
+  const glm::dvec3 normal = glm::cross(v[1] - v[0], v[2] - v[0]);
+  const double slope = glm::dot(normal, direction);
+  if (slope == 0) return {};
+  const double t = glm::dot(normal, v[0] - origin) / slope;
+  const double length_margin = kDiagonalMargin * diagonal;
+  const double t_margin = length_margin / glm::length(direction);
+
+  Standing standing = standing_of(t - ray.t_min, kIntervalMargin * ray.t_min + t_margin);
+  if (!std::isinf(ray.t_max)) {
+    standing = weaker(standing, standing_of(ray.t_max - t, kIntervalMargin * ray.t_max + t_margin));
+  }
+  standing = weaker(
+      standing, standing_of_face(triangle, world.handedness * slope / (glm::length(normal) * glm::length(direction))));
+  const glm::dvec3 at = origin + t * direction;
+  const double twice_area = glm::length(normal);
+  for (std::size_t i = 0; i < 3 && standing != Standing::kMiss; ++i) {
+    const glm::dvec3 edge = v[(i + 1) % 3] - v[i];
+    // distance from the edge, times the edge's length
+    const double inwards = glm::dot(normal, glm::cross(edge, at - v[i])) / twice_area;
+    const double margin = std::max(kBarycentricMargin * twice_area, length_margin * glm::length(edge));
+    standing = weaker(standing, standing_of(inwards, margin));
+  }
+  return {standing, t};
+}
+
+void test_all(const Ray& ray, std::span<const TriangleRecord> triangles, const ToWorld& world, double diagonal,
+              ExactTrace& trace) {
+  for (const TriangleRecord& triangle : triangles) {
+    const ExactHit hit = exact_hit(ray, triangle, world, diagonal);
+    if (hit.standing == Standing::kMiss) continue;
+    trace.any_possible = true;
+    if (hit.standing == Standing::kHit) trace.nearest = std::min(trace.nearest, hit.t);
+  }
+}
+
+}  // namespace
+
+ExactHit exact_hit(const Ray& ray, const MemoryImage& image, const Hit& hit) {
+  const ToWorld world = image.has_levels() ? to_world(image.instances[instance_of(hit)]) : ToWorld{};
+  return exact_hit(ray, image.triangles[hit.index()], world, image.diagonal());
+}
+
+ExactTrace exact_trace(const Ray& ray, const MemoryImage& image) {
+  ExactTrace trace;
+  if (!image.has_levels()) {
+    test_all(ray, image.triangles, {}, image.diagonal(), trace);
+    return trace;
+  }
+  for (std::size_t i = 0; i < image.instances.size(); ++i) {
+    if (image.tree_of[i] == kNone || !comes_near(ray, image, image.instances[i])) continue;
+    const ObjectTree& tree = image.trees[image.tree_of[i]];
+    test_all(ray, std::span(image.triangles).subspan(tree.first_triangle, tree.triangles), to_world(image.instances[i]),
+             image.diagonal(), trace);
+  }
+  return trace;
+}
+
 namespace {
 
 constexpr double kRelativeTolerance = 1e-4;

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "traces/raster/raster_config.h"
-#include "traces/raster/raster_geometry.h"
 #include "traces/raster/raster_view.h"
 #include "traces/raster/triangle_lists.h"
 #include "traces/ray.h"

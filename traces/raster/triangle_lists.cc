@@ -1,13 +1,107 @@
 #include "traces/raster/triangle_lists.h"
 
 #include <algorithm>
+#include <bit>
 #include <numeric>
+#include <unordered_map>
 
 #include <fmt/format.h>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
 
 #include "sim/error.h"
+#include "sim/hash.h"
 
 namespace traces {
+
+namespace {
+
+/// A position by its bits. Positions that compare equal but differ in a bit are different vertices.
+using Key = std::array<std::uint32_t, 3>;
+Key key_of(const glm::vec3& p) {
+  return {std::bit_cast<std::uint32_t>(p.x), std::bit_cast<std::uint32_t>(p.y), std::bit_cast<std::uint32_t>(p.z)};
+}
+struct KeyHash {
+  std::size_t operator()(const Key& key) const { return sim::hash(key[0], key[1], key[2]); }
+};
+
+/// Transforms points of a mesh's space to the world.
+class ToWorld {
+ public:
+  explicit ToWorld(const InstanceRecord& instance) {
+    glm::dmat3 to_object;
+    for (int row = 0; row < 3; ++row) {
+      for (int column = 0; column < 3; ++column) to_object[column][row] = instance.to_object[row][column];
+      offset_[row] = instance.to_object[row][3];
+    }
+    to_world_ = glm::inverse(to_object);
+  }
+  glm::dvec3 operator()(const glm::vec3& p) const { return to_world_ * (glm::dvec3(p) - offset_); }
+
+ private:
+  glm::dmat3 to_world_{1};
+  glm::dvec3 offset_{0};
+};
+
+/// Returns the flags of a triangle's culled face in world space. A mirrored instance swaps front and back.
+std::uint32_t missing_face(const TriangleRecord& triangle, bool is_mirrored) {
+  const std::uint32_t missing = triangle.material & (kNoClockwise | kNoCounterClockwise);
+  return missing != 0 && is_mirrored ? missing ^ (kNoClockwise | kNoCounterClockwise) : missing;
+}
+
+/// Numbers the vertices of triangles: equal positions share a vertex, each new position gets the next number.
+class Welder {
+ public:
+  explicit Welder(RasterGeometry& geometry) : geometry_(geometry) {}
+
+  template <class ToSpace>
+  void add(const MemoryImage& image, std::uint32_t first, std::uint32_t count, std::uint32_t instance, bool is_mirrored,
+           ToSpace&& in_world) {
+    numbers_.clear();  // instances share no vertices: their world positions differ
+    numbers_.reserve(count);
+    for (std::uint32_t t = first; t < first + count; ++t) {
+      const TriangleRecord& record = image.triangles[t];
+      RasterGeometry::Triangle triangle{{}, t, instance, missing_face(record, is_mirrored)};
+      std::size_t corner = 0;
+      for (const glm::vec3* p : {&record.v0, &record.v1, &record.v2}) {
+        const auto next = static_cast<std::uint32_t>(geometry_.vertices.size());
+        const auto [at, is_new] = numbers_.try_emplace(key_of(*p), next);
+        if (is_new) geometry_.vertices.push_back(in_world(*p));
+        triangle.vertices[corner++] = at->second;
+      }
+      geometry_.triangles.push_back(triangle);
+    }
+  }
+
+ private:
+  RasterGeometry& geometry_;
+  std::unordered_map<Key, std::uint32_t, KeyHash> numbers_;  // never iterated
+};
+
+}  // namespace
+
+RasterGeometry raster_geometry(const MemoryImage& image) {
+  RasterGeometry geometry;
+  Welder welder(geometry);
+  const auto as_it_is = [](const glm::vec3& p) { return glm::dvec3(p); };
+  if (!image.has_levels()) {
+    geometry.triangles.reserve(image.triangles.size());
+    welder.add(image, 0, static_cast<std::uint32_t>(image.triangles.size()), kNone, false, as_it_is);
+    return geometry;
+  }
+  for (std::uint32_t i = 0; i < image.instances.size(); ++i) {
+    if (image.tree_of[i] == kNone) continue;
+    const ObjectTree& tree = image.trees[image.tree_of[i]];
+    if (tree.in_world) {
+      welder.add(image, tree.first_triangle, tree.triangles, i, false, as_it_is);
+    } else {
+      const bool is_mirrored = image.instances[i].handedness < 0;
+      welder.add(image, tree.first_triangle, tree.triangles, i, is_mirrored, ToWorld(image.instances[i]));
+    }
+  }
+  return geometry;
+}
+
 namespace {
 
 /// Limit of list entries (chosen): one gigabyte.

@@ -11,7 +11,7 @@
 #include "traces/stream.h"
 #include "traces/trace_file/access_code.h"
 #include "traces/trace_file/tree_links.h"
-#include "traces/walk_steps.h"
+#include "traces/walk.h"
 
 namespace traces {
 

@@ -1,15 +1,36 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "sim/io/file.h"
 #include "sim/io/json.h"
 #include "traces/trace_file/format.h"
-#include "traces/trace_file/output_file.h"
 #include "traces/trace_file/packing.h"
 
 namespace traces {
+
+/// A sim::NewFile with a buffer for larger writes.
+class OutputFile {
+ public:
+  /// Throws InputError if the file cannot be created.
+  explicit OutputFile(const std::filesystem::path& path);
+
+  /// Throws IoError, possibly for earlier writes.
+  void write(std::string_view bytes);
+  std::uint64_t size() const { return size_; }
+  void commit();
+
+ private:
+  void flush();
+
+  std::unique_ptr<sim::NewFile> file_;
+  std::string held_;
+  std::uint64_t size_ = 0;
+};
 
 /// Writes a trace: the header, then each part with its tiles in list order. The file appears at `path`, complete, on
 /// commit().

@@ -5,7 +5,7 @@
 
 #include "traces/stream.h"
 #include "traces/trace_file/tree_links.h"
-#include "traces/walk_steps.h"
+#include "traces/walk.h"
 
 namespace traces {
 

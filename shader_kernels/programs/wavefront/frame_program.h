@@ -5,8 +5,8 @@
 
 #include "shader_kernels/programs/wavefront/sampling.h"
 #include "shader_kernels/programs/wavefront/tile_result.h"
+#include "traces/ray.h"
 #include "traces/stream.h"
-#include "traces/tracer.h"
 
 namespace kernels {
 

@@ -8,7 +8,7 @@
 #include "shader_kernels/kernels/sampling.h"
 #include "shader_kernels/kernels/uniforms.h"
 #include "shader_kernels/programs/wavefront/render_config.h"
-#include "shader_kernels/scene_records.h"
+#include "shader_kernels/records.h"
 #include "traces/accel/memory_image.h"
 #include "traces/scene/scene.h"
 

@@ -1,6 +1,123 @@
 #include "shader_kernels/programs/wavefront/tile_graph.h"
 
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
 namespace kernels {
+
+using traces::Edge;
+using traces::WorkNode;
+
+StreamBuilder::StreamBuilder(traces::TileWork& work, std::vector<WorkNode>& spare, bool on)
+    : work_(work), spare_(spare), on_(on) {
+  work.walk.clear();
+  work.ray_begin.clear();
+  work.accesses.clear();
+  work.access_begin.clear();
+  work.sources.clear();
+  work.imports.clear();
+  work.raster.clear();
+  work.raster_triangles.clear();
+  work.list_runs.clear();
+  work.after_all = false;
+}
+
+namespace {
+
+constexpr std::size_t kUsualInputs = 32;
+
+}  // namespace
+
+WorkNode& StreamBuilder::add(WorkNode::Kind kind, std::uint32_t items) {
+  if (count_ == work_.nodes.size()) {
+    if (spare_.empty()) spare_.emplace_back().inputs.reserve(kUsualInputs);
+    work_.nodes.push_back(std::move(spare_.back()));
+    spare_.pop_back();
+  }
+  WorkNode& node = work_.nodes[count_++];
+  std::vector<Edge> inputs = std::move(node.inputs);
+  inputs.clear();
+  node = {.kind = kind, .items = items, .inputs = std::move(inputs)};
+  return node;
+}
+
+StreamBuilder::Node StreamBuilder::launch(traces::KernelId kernel, std::uint32_t items, bool has_accesses,
+                                          std::uint32_t idle) {
+  if (!is_on()) return kNone;
+  launch_sources_ = static_cast<std::uint32_t>(work_.sources.size());
+  WorkNode& node = add(WorkNode::Kind::kLaunch, items);
+  node.kernel = kernel;
+  node.has_accesses = has_accesses;
+  node.idle = idle;
+  if (has_accesses) node.first = static_cast<std::uint32_t>(work_.access_begin.size());
+  return count_ - 1;
+}
+
+StreamBuilder::Node StreamBuilder::rays(traces::RayKind kind, std::uint32_t count, std::uint32_t first, Node launch,
+                                        bool is_mapped) {
+  if (!is_on()) return kNone;
+  WorkNode& node = add(WorkNode::Kind::kRays, count);
+  node.ray_kind = kind;
+  node.first = first;
+  if (is_mapped) node.sources = launch_sources_;
+  node.inputs.push_back({launch, Edge::Kind::kEach});
+  return count_ - 1;
+}
+
+StreamBuilder::Node StreamBuilder::transfer(traces::Region region, bool to_memory, std::uint64_t offset,
+                                            std::uint32_t bytes) {
+  if (!is_on()) return kNone;
+  WorkNode& node = add(WorkNode::Kind::kTransfer, bytes);
+  node.region = region;
+  node.to_memory = to_memory;
+  node.offset = offset;
+  return count_ - 1;
+}
+
+StreamBuilder::Node StreamBuilder::raster(std::uint32_t count, Node launch) {
+  if (!is_on()) return kNone;
+  WorkNode& node = add(WorkNode::Kind::kRaster, count);
+  node.raster = static_cast<std::uint32_t>(work_.raster.size() - 1);
+  node.inputs.push_back({launch, Edge::Kind::kEach});
+  return count_ - 1;
+}
+
+StreamBuilder::Node StreamBuilder::bin(std::uint32_t triangles) {
+  if (!is_on()) return kNone;
+  add(WorkNode::Kind::kBin, triangles).raster = static_cast<std::uint32_t>(work_.raster.size() - 1);
+  return count_ - 1;
+}
+
+StreamBuilder::Node StreamBuilder::export_border(std::uint32_t number, std::uint64_t offset, std::uint32_t bytes) {
+  assert(number < traces::kMostBorders);
+  const Node node = transfer(traces::Region::kSamples, true, offset, bytes);
+  if (node != kNone) work_.nodes[node].border = number;
+  return node;
+}
+
+StreamBuilder::Node StreamBuilder::import_border(traces::Border border, std::uint64_t offset, std::uint32_t bytes) {
+  const Node node = transfer(traces::Region::kSamples, false, offset, bytes);
+  if (node == kNone) return kNone;
+  std::vector<traces::Border>& imports = work_.imports;
+  const auto known = std::ranges::find(imports, border);
+  work_.nodes[node].border = static_cast<std::uint32_t>(known - imports.begin());
+  if (known == imports.end()) imports.push_back(border);
+  assert(imports.size() <= traces::kMostImports);
+  return node;
+}
+
+void StreamBuilder::wait(Node node, Node for_node, Edge::Kind kind) {
+  if (node != kNone && for_node != kNone) work_.nodes[node].inputs.push_back({for_node, kind});
+}
+
+void StreamBuilder::finish() {
+  if (on_) begin_item();
+  while (work_.nodes.size() > count_) {
+    spare_.push_back(std::move(work_.nodes.back()));
+    work_.nodes.pop_back();
+  }
+}
 
 TileGraph::TileGraph(const SceneTables& scene, bool record, TileResult& out)
     : scene_(scene),

@@ -4,7 +4,7 @@
 #include <iterator>
 #include <type_traits>
 
-#include "traces/walk_steps.h"
+#include "traces/walk.h"
 
 namespace kernels {
 

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "shader_kernels/programs/wavefront/tile_graph.h"
-#include "traces/tracer.h"
+#include "traces/ray.h"
 
 namespace kernels {
 

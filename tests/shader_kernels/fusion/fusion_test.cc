@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "shader_kernels/catalogue.h"
-#include "shader_kernels/listing.h"
-#include "shader_kernels/ports_recorded.h"
+#include "shader_kernels/graph.h"
+#include "shader_kernels/recorder.h"
 #include "sim/named.h"
 
 namespace kernels {

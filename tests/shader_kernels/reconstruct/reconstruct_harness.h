@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "shader_kernels/programs/reconstruct/reconstruct.h"
+#include "shader_kernels/programs/adaptive/reconstruct.h"
 #include "tests/shader_kernels/block_harness.h"
 
 namespace kernels {

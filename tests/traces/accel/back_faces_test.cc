@@ -6,7 +6,7 @@
 #include "traces/accel/bvh_tracer.h"
 #include "traces/accel/embree_tracer.h"
 #include "traces/accel/verify.h"
-#include "traces/walk_steps.h"
+#include "traces/walk.h"
 
 // Rays pass through the back faces of single-sided materials in BvhTracer, Embree and exact_hit().
 

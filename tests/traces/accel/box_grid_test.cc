@@ -1,5 +1,3 @@
-#include "traces/accel/box_grid.h"
-
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -7,7 +5,7 @@
 #include "support.h"
 #include "traces/accel/build.h"
 #include "traces/accel/bvh_info.h"
-#include "traces/accel/refit.h"
+#include "traces/accel/node_format.h"
 #include "traces/scenes/builtin.h"
 
 // Boxes in hybrid numbers.

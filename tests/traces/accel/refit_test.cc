@@ -1,4 +1,3 @@
-#include "traces/accel/refit.h"
 
 #include <cstring>
 

@@ -13,8 +13,7 @@
 
 #include "traces/accel/build/two_level.h"
 #include "traces/accel/bvh_tracer.h"
-#include "traces/accel/lanes.h"
-#include "traces/accel/triangle_test.h"
+#include "traces/accel/ray_tests.h"
 
 namespace traces {
 

@@ -6,7 +6,6 @@
 #include "sim/hash.h"
 #include "traces/accel/memory_image.h"
 #include "traces/ray.h"
-#include "traces/tracer.h"
 
 namespace traces {
 

@@ -9,7 +9,6 @@
 #include "traces/accel/build.h"
 #include "traces/accel/bvh_tracer.h"
 #include "traces/accel/embree_tracer.h"
-#include "traces/accel/exact.h"
 
 namespace traces {
 namespace {

@@ -1,8 +1,8 @@
-#include "traces/walk_steps.h"
-
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "traces/walk.h"
 
 namespace traces::test {
 namespace {

@@ -10,8 +10,8 @@
 
 #include "hw_models/frame/tile_dispatcher.h"
 #include "shader_kernels/programs/wavefront/frame_program.h"
-#include "shader_kernels/programs/wavefront/tile_summary.h"
-#include "traces/tracer.h"
+#include "shader_kernels/programs/wavefront/tile_result.h"
+#include "traces/ray.h"
 
 namespace tools {
 

@@ -10,7 +10,7 @@
 #include "tools/run/frame/front_end.h"
 #include "tools/run/frame/machine_run.h"
 #include "traces/accel/bvh_tracer.h"
-#include "traces/walk_steps.h"
+#include "traces/walk.h"
 
 namespace tools {
 namespace {

@@ -6,7 +6,7 @@
 #include "shader_kernels/programs/wavefront/frame_program.h"
 #include "tools/host/progress.h"
 #include "tools/run/frame/run_job.h"
-#include "traces/tracer.h"
+#include "traces/ray.h"
 
 namespace tools {
 

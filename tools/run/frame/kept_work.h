@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "shader_kernels/programs/wavefront/frame_program.h"
+#include "traces/ray.h"
 #include "traces/trace_file/tile_code.h"
-#include "traces/tracer.h"
 
 namespace tools {
 

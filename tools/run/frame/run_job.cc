@@ -20,7 +20,6 @@
 #include "traces/accel/build.h"
 #include "traces/accel/bvh_info.h"
 #include "traces/accel/bvh_tracer.h"
-#include "traces/accel/refit.h"
 #include "traces/scene/bounds.h"
 #include "traces/scenes/workload.h"
 #include "traces/trace_file/trace_writer.h"

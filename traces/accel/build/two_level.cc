@@ -11,10 +11,9 @@
 #include <glm/matrix.hpp>
 
 #include "sim/error.h"
+#include "traces/accel/build.h"
 #include "traces/accel/build/bvh_build.h"
 #include "traces/accel/build/flatten.h"
-#include "traces/accel/build/reorder.h"
-#include "traces/accel/refit.h"
 #include "traces/scene/bounds.h"
 
 namespace traces {

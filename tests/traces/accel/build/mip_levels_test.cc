@@ -1,5 +1,3 @@
-#include "traces/accel/build/mip_levels.h"
-
 #include <cmath>
 
 #include <glm/geometric.hpp>
@@ -9,7 +7,7 @@
 #include "../support.h"
 #include "sim/error.h"
 #include "traces/accel/build.h"
-#include "traces/accel/refit.h"
+#include "traces/accel/build/material_tables.h"
 #include "traces/scene/texture_mean.h"
 
 namespace traces {

@@ -18,7 +18,6 @@
 #include "traces/accel/bvh_info.h"
 #include "traces/accel/bvh_tracer.h"
 #include "traces/accel/embree_tracer.h"
-#include "traces/accel/refit.h"
 #include "traces/accel/verify.h"
 
 namespace traces {

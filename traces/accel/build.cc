@@ -1,10 +1,9 @@
-#include "traces/accel/refit.h"
+#include "traces/accel/build.h"
 
 #include <algorithm>
 #include <cassert>
 #include <utility>
 
-#include "traces/accel/build.h"
 #include "traces/accel/build/bvh_build.h"
 #include "traces/accel/build/flatten.h"
 #include "traces/accel/build/material_tables.h"
@@ -28,7 +27,54 @@ Bounds bounds_of(const NodeRecord& node) {
           {std::max(node.x[2], node.x[3]), std::max(node.y[2], node.y[3]), std::max(node.z[2], node.z[3])}};
 }
 
+MemoryImage one_level(const Scene& scene, const MaterialTables& materials, const BvhConfig& config, unsigned threads,
+                      sim::Stop stop) {
+  const std::vector<PlacedMesh> placed = placed_instances(scene);
+  MemoryImage image;
+  image.triangles = triangles_of(placed, materials);
+  FlatBvh bvh = BvhBuilder(config, threads, stop).over(image.triangles);
+  image.nodes = std::move(bvh.nodes);
+  ShadingRecords shading = shading_of(placed, materials);
+  image.attributes = std::move(shading.attributes);
+  image.vertices = std::move(shading.vertices);
+  reorder<TriangleRecord>(image.triangles, bvh.order);
+  reorder<AttributeRecord>(image.attributes, bvh.order);
+  if (!image.vertices.empty()) reorder<VertexRecord>(image.vertices, bvh.order);
+  Bounds bounds;
+  for (const TriangleRecord& t : image.triangles) {
+    for (const glm::vec3& v : {t.v0, t.v1, t.v2}) bounds.add(v);
+  }
+  if (!bounds.empty()) {
+    image.lower = bounds.lower;
+    image.upper = bounds.upper;
+  }
+  if (config.numbers == BoxNumbers::kHybrid) put_on_grid(image);
+  return image;
+}
+
 }  // namespace
+
+MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config, unsigned threads, sim::Stop stop,
+                               MipMaps mip_maps) {
+  const bool has_mip_maps = mip_maps == MipMaps::kOn && !scene.textures.empty();
+  MaterialTables materials = material_tables(scene, has_mip_maps);
+  const bool levels = config.instances == InstanceLevels::kTwoLevel;
+  MemoryImage image =
+      levels ? two_levels(scene, materials, config, threads, stop) : one_level(scene, materials, config, threads, stop);
+  image.textures = scene.textures;
+  if (materials.needs_white) {
+    image.white = static_cast<std::uint32_t>(image.textures.size());
+    image.textures.push_back({.name = "white", .width = 1, .height = 1, .texels = {0xffffffffU}});
+  }
+  if (has_mip_maps) add_mip_levels(materials, image);
+  image.materials = std::move(materials.records);
+  image.details = std::move(materials.details);
+  image.lights = scene.lights;
+  image.background = scene.background;
+  image.ambient = scene.ambient;
+  image.layout = layout_of(counts_of(image), image.nodes, config);
+  return image;
+}
 
 /// Children follow their parents, so one backward pass has every box before it is needed.
 void fit_boxes(MemoryImage& image, std::size_t first, std::size_t end) {

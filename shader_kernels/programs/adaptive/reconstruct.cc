@@ -1,4 +1,4 @@
-#include "shader_kernels/programs/reconstruct/reconstruct.h"
+#include "shader_kernels/programs/adaptive/reconstruct.h"
 
 #include <algorithm>
 #include <array>

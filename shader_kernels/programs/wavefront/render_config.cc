@@ -1,4 +1,4 @@
-#include "shader_kernels/programs/wavefront/effects.h"
+#include "shader_kernels/programs/wavefront/render_config.h"
 
 #include <algorithm>
 #include <string>

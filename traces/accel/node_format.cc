@@ -1,4 +1,4 @@
-#include "traces/accel/box_grid.h"
+#include "traces/accel/node_format.h"
 
 #include <algorithm>
 #include <cassert>

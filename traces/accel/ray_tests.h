@@ -1,0 +1,325 @@
+#pragma once
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "traces/accel/memory_image.h"
+#include "traces/ray.h"
+
+#if defined(__SSE4_1__)
+#include <smmintrin.h>
+#endif
+
+namespace traces {
+
+// Vectors of four floats, in plain C++ and in an SSE register. Both round every operation equally, so code written on
+// top of them gives the same bits. A comparison returns one bit per lane.
+
+/// Four floats in plain C++.
+struct PortableLanes {
+  std::array<float, 4> v;
+
+  static PortableLanes all(float x) { return {{x, x, x, x}}; }
+  static PortableLanes of(float a, float b, float c, float d) { return {{a, b, c, d}}; }
+  static PortableLanes load(const float* p) { return {{p[0], p[1], p[2], p[3]}}; }
+  void store(float* p) const { std::copy_n(v.data(), 4, p); }
+
+  /// Argument of swapped(): exchanges the lower and upper pair of lanes if true.
+  struct Swap {
+    bool on;
+    explicit Swap(bool swap) : on(swap) {}
+  };
+  PortableLanes swapped(Swap s) const { return s.on ? of(v[2], v[3], v[0], v[1]) : *this; }
+  float lane0() const { return v[0]; }
+  float lane1() const { return v[1]; }
+  PortableLanes upper_pair() const { return of(v[2], v[3], v[2], v[3]); }
+
+  static PortableLanes each(const PortableLanes& a, const PortableLanes& b, auto&& f) {
+    return of(f(a.v[0], b.v[0]), f(a.v[1], b.v[1]), f(a.v[2], b.v[2]), f(a.v[3], b.v[3]));
+  }
+  static unsigned bits(const PortableLanes& a, const PortableLanes& b, auto&& f) {
+    unsigned mask = 0;
+    for (unsigned i = 0; i < 4; ++i) mask |= f(a.v[i], b.v[i]) ? 1U << i : 0U;
+    return mask;
+  }
+  friend PortableLanes operator+(const PortableLanes& a, const PortableLanes& b) {
+    return each(a, b, [](float x, float y) { return x + y; });
+  }
+  friend PortableLanes operator-(const PortableLanes& a, const PortableLanes& b) {
+    return each(a, b, [](float x, float y) { return x - y; });
+  }
+  friend PortableLanes operator*(const PortableLanes& a, const PortableLanes& b) {
+    return each(a, b, [](float x, float y) { return x * y; });
+  }
+  friend PortableLanes operator/(const PortableLanes& a, const PortableLanes& b) {
+    return each(a, b, [](float x, float y) { return x / y; });
+  }
+  friend PortableLanes operator-(const PortableLanes& a) { return of(-a.v[0], -a.v[1], -a.v[2], -a.v[3]); }
+  friend PortableLanes min(const PortableLanes& a, const PortableLanes& b) {
+    return each(a, b, [](float x, float y) { return x < y ? x : y; });
+  }
+  friend PortableLanes max(const PortableLanes& a, const PortableLanes& b) {
+    return each(a, b, [](float x, float y) { return x > y ? x : y; });
+  }
+  friend PortableLanes abs(const PortableLanes& a) {
+    return of(std::fabs(a.v[0]), std::fabs(a.v[1]), std::fabs(a.v[2]), std::fabs(a.v[3]));
+  }
+  friend unsigned less(const PortableLanes& a, const PortableLanes& b) {
+    return bits(a, b, [](float x, float y) { return x < y; });
+  }
+  friend unsigned less_equal(const PortableLanes& a, const PortableLanes& b) {
+    return bits(a, b, [](float x, float y) { return x <= y; });
+  }
+  friend unsigned equal(const PortableLanes& a, const PortableLanes& b) {
+    return bits(a, b, [](float x, float y) { return x == y; });
+  }
+  /// Returns, lane by lane, `a < b ? yes : no`.
+  friend PortableLanes if_less(const PortableLanes& a, const PortableLanes& b, const PortableLanes& yes,
+                               const PortableLanes& no) {
+    PortableLanes r = no;
+    for (unsigned i = 0; i < 4; ++i) {
+      if (a.v[i] < b.v[i]) r.v[i] = yes.v[i];
+    }
+    return r;
+  }
+  /// Transposes the 4 x 4 matrix whose rows are the arguments.
+  static void transpose(PortableLanes& a, PortableLanes& b, PortableLanes& c, PortableLanes& d) {
+    const std::array rows{a.v, b.v, c.v, d.v};
+    for (unsigned i = 0; i < 4; ++i) {
+      a.v[i] = rows[i][0];
+      b.v[i] = rows[i][1];
+      c.v[i] = rows[i][2];
+      d.v[i] = rows[i][3];
+    }
+  }
+};
+
+#if defined(__SSE4_1__)
+
+/// Four floats in an SSE register.
+struct SseLanes {
+  __m128 v;
+
+  static SseLanes all(float x) { return {_mm_set1_ps(x)}; }
+  static SseLanes of(float a, float b, float c, float d) { return {_mm_setr_ps(a, b, c, d)}; }
+  static SseLanes load(const float* p) { return {_mm_loadu_ps(p)}; }
+  void store(float* p) const { _mm_storeu_ps(p, v); }
+
+  struct Swap {
+    __m128i order;
+    explicit Swap(bool swap)
+        : order(swap ? _mm_setr_epi8(8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7)
+                     : _mm_setr_epi8(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15)) {}
+  };
+  SseLanes swapped(const Swap& s) const { return {_mm_castsi128_ps(_mm_shuffle_epi8(_mm_castps_si128(v), s.order))}; }
+  float lane0() const { return _mm_cvtss_f32(v); }
+  float lane1() const { return _mm_cvtss_f32(_mm_movehdup_ps(v)); }
+  SseLanes upper_pair() const { return {_mm_movehl_ps(v, v)}; }
+
+  friend SseLanes operator+(SseLanes a, SseLanes b) { return {_mm_add_ps(a.v, b.v)}; }
+  friend SseLanes operator-(SseLanes a, SseLanes b) { return {_mm_sub_ps(a.v, b.v)}; }
+  friend SseLanes operator*(SseLanes a, SseLanes b) { return {_mm_mul_ps(a.v, b.v)}; }
+  friend SseLanes operator/(SseLanes a, SseLanes b) { return {_mm_div_ps(a.v, b.v)}; }
+  friend SseLanes operator-(SseLanes a) { return {_mm_xor_ps(a.v, _mm_set1_ps(-0.0F))}; }
+  friend SseLanes min(SseLanes a, SseLanes b) { return {_mm_min_ps(a.v, b.v)}; }
+  friend SseLanes max(SseLanes a, SseLanes b) { return {_mm_max_ps(a.v, b.v)}; }
+  friend SseLanes abs(SseLanes a) { return {_mm_andnot_ps(_mm_set1_ps(-0.0F), a.v)}; }
+  static unsigned bits(__m128 m) { return static_cast<unsigned>(_mm_movemask_ps(m)); }
+  friend unsigned less(SseLanes a, SseLanes b) { return bits(_mm_cmplt_ps(a.v, b.v)); }
+  friend unsigned less_equal(SseLanes a, SseLanes b) { return bits(_mm_cmple_ps(a.v, b.v)); }
+  friend unsigned equal(SseLanes a, SseLanes b) { return bits(_mm_cmpeq_ps(a.v, b.v)); }
+  friend SseLanes if_less(SseLanes a, SseLanes b, SseLanes yes, SseLanes no) {
+    return {_mm_blendv_ps(no.v, yes.v, _mm_cmplt_ps(a.v, b.v))};
+  }
+  static void transpose(SseLanes& a, SseLanes& b, SseLanes& c, SseLanes& d) { _MM_TRANSPOSE4_PS(a.v, b.v, c.v, d.v); }
+};
+using NativeLanes = SseLanes;
+
+#else
+using NativeLanes = PortableLanes;
+#endif
+
+/// A ray prepared for testing both boxes of a node at once.
+///
+/// 1. The test is conservative: it never misses a box that contains a triangle hit. Near planes are measured from an
+///    origin moved forward, far planes from one moved back, each by the rounding error of the box and triangle tests
+///    (Woop, Benthin, Wald 2013: "Watertight Ray/Triangle Intersection"). A ray that slides along a face is therefore
+///    inside the box.
+/// 2. A zero direction component is replaced by a tiny one, so that infinity is never multiplied by zero.
+/// 3. In hybrid numbers (US patent 9,830,733) planes and both origins are whole grid steps. Their difference is exact;
+///    only the reciprocal of the direction, in steps, is a float.
+/// 4. Hybrid numbers are conservative too. Planes are rounded outward from floats, and the moved origins are rounded
+///    outward to whole steps. Converting the origin to the grid rounds twice and the reciprocal rounds once more, each
+///    by at most half an epsilon of the reach, so two epsilons are added to the displacement of the origins. Beyond
+///    2^24 steps the difference is rounded as between floats, which the displacement already covers.
+template <class Lanes>
+class RayBoxes {
+ public:
+  /// Prepares a ray for boxes in floats, in a scene with these bounds.
+  RayBoxes(const Ray& ray, const glm::vec3& scene_lower, const glm::vec3& scene_upper)
+      : RayBoxes(ray, reach(ray.origin, scene_lower, scene_upper)) {}
+  /// Prepares a ray for boxes on a grid.
+  RayBoxes(const Ray& ray, const glm::vec3& scene_lower, const glm::vec3& scene_upper, const BoxGrid& grid)
+      : RayBoxes(ray, reach(ray.origin, scene_lower, scene_upper), grid) {}
+
+  /// Returns in lanes 0 and 1 the distances at which the ray enters the two boxes, at least t_min. A box's bit in
+  /// `hits` is set if the ray enters it before leaving it and before `limit`.
+  Lanes enter(const NodeRecord& node, Lanes limit, unsigned& hits) const {
+    const Lanes x = (Lanes::load(node.x).swapped(swap_x_) - x_) * inverse_x_;
+    const Lanes y = (Lanes::load(node.y).swapped(swap_y_) - y_) * inverse_y_;
+    const Lanes z = (Lanes::load(node.z).swapped(swap_z_) - z_) * inverse_z_;
+    const Lanes span = max(max(x, y), max(z, limit));  // {enter 0, enter 1, -leave 0, -leave 1}
+    hits = less_equal(span, -span.upper_pair()) & 3U;
+    return span;
+  }
+  /// Returns the `limit` argument of enter() for the range t_min to t_max.
+  static Lanes limits(float t_min, float t_max) { return Lanes::of(t_min, t_min, -t_max, -t_max); }
+
+ private:
+  static constexpr float kEpsilon = std::numeric_limits<float>::epsilon();
+  static constexpr float kTiny = 1e-30F;
+
+  RayBoxes(const Ray& ray, float reach)
+      : swap_x_(ray.direction.x < 0),
+        swap_y_(ray.direction.y < 0),
+        swap_z_(ray.direction.z < 0),
+        x_(origin(ray, 0, reach)),
+        y_(origin(ray, 1, reach)),
+        z_(origin(ray, 2, reach)),
+        inverse_x_(both_ways(inverse(ray.direction.x))),
+        inverse_y_(both_ways(inverse(ray.direction.y))),
+        inverse_z_(both_ways(inverse(ray.direction.z))) {}
+  RayBoxes(const Ray& ray, float reach, const BoxGrid& grid)
+      : swap_x_(ray.direction.x < 0),
+        swap_y_(ray.direction.y < 0),
+        swap_z_(ray.direction.z < 0),
+        x_(origin(ray, 0, reach, grid)),
+        y_(origin(ray, 1, reach, grid)),
+        z_(origin(ray, 2, reach, grid)),
+        inverse_x_(both_ways(inverse(ray.direction.x, grid.step().x))),
+        inverse_y_(both_ways(inverse(ray.direction.y, grid.step().y))),
+        inverse_z_(both_ways(inverse(ray.direction.z, grid.step().z))) {}
+
+  /// Returns the largest distance along any axis from the origin to the scene's bounds. Rounding errors grow with it.
+  static float reach(const glm::vec3& o, const glm::vec3& lower, const glm::vec3& upper) {
+    float r = 0;
+    for (int a = 0; a < 3; ++a) r = std::max({r, std::fabs(o[a] - lower[a]), std::fabs(o[a] - upper[a])});
+    return r;
+  }
+  static Lanes origin(const Ray& ray, int axis, float reach) {
+    const float o = ray.origin[axis];
+    const float pad = kEpsilon * (8 * reach + std::fabs(o));
+    return ahead_and_back(ray, axis, o - pad, o + pad);
+  }
+  static Lanes origin(const Ray& ray, int axis, float reach, const BoxGrid& grid) {
+    const float o = ray.origin[axis];
+    const float pad = kEpsilon * (10 * reach + std::fabs(o));
+    const auto planes = [&](float x) { return (x - grid.lower()[axis]) / grid.step()[axis]; };
+    return ahead_and_back(ray, axis, std::floor(planes(o - pad)), std::ceil(planes(o + pad)));
+  }
+  static Lanes ahead_and_back(const Ray& ray, int axis, float below, float above) {
+    const float ahead = ray.direction[axis] < 0 ? below : above;
+    const float back = ray.direction[axis] < 0 ? above : below;
+    return Lanes::of(ahead, ahead, back, back);
+  }
+  static float inverse(float d) { return 1 / (std::fabs(d) < kTiny ? (d < 0 ? -kTiny : kTiny) : d); }
+  /// Returns the reciprocal in grid steps, limited to that of `kTiny`.
+  static float inverse(float d, float step) { return std::clamp(step * inverse(d), -1 / kTiny, 1 / kTiny); }
+  static Lanes both_ways(float inverse) { return Lanes::of(inverse, inverse, -inverse, -inverse); }
+
+  typename Lanes::Swap swap_x_, swap_y_, swap_z_;
+  Lanes x_, y_, z_;
+  Lanes inverse_x_, inverse_y_, inverse_z_;
+};
+
+/// A 3D vector per lane.
+template <class Lanes>
+struct Lanes3 {
+  Lanes x, y, z;
+  friend Lanes3 operator+(const Lanes3& a, const Lanes3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+  friend Lanes3 operator-(const Lanes3& a, const Lanes3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+  friend Lanes dot(const Lanes3& a, const Lanes3& b) { return a.x * b.x + (a.y * b.y + a.z * b.z); }
+  friend Lanes3 cross(const Lanes3& a, const Lanes3& b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+  }
+};
+
+/// Tests one ray against up to four triangles.
+///
+/// 1. The edge tests are Pluecker products of vertices relative to the ray's origin. Triangles that share an edge
+///    compute the same value with opposite sign, so no ray passes between them.
+/// 2. Both faces are hit; Result::missing() finds culled faces.
+/// 3. A triangle without area, or a ray in the triangle's plane, gives no finite distance.
+template <class Lanes>
+class RayTriangles {
+ public:
+  explicit RayTriangles(const Ray& ray)
+      : origin_{Lanes::all(ray.origin.x), Lanes::all(ray.origin.y), Lanes::all(ray.origin.z)},
+        direction_{Lanes::all(ray.direction.x), Lanes::all(ray.direction.y), Lanes::all(ray.direction.z)} {}
+
+  struct Result {
+    Lanes t;             ///< distance of the triangle's plane
+    Lanes slope;         ///< negative if the ray sees the corners in counter-clockwise order
+    Lanes u, v, w, sum;  ///< weights of the second, third and first vertex, multiplied by `sum`
+    /// Returns a bit per lane: the ray passes through the triangle.
+    unsigned inside() const {
+      const Lanes slack = Lanes::all(std::numeric_limits<float>::epsilon()) * abs(sum);
+      const unsigned positive = less_equal(-slack, min(min(u, v), w));
+      const unsigned negative = less_equal(max(max(u, v), w), slack);
+      return (positive | negative) & ~equal(sum, Lanes::all(0));
+    }
+    /// Returns a bit for each of the `count` triangles at `at`: the face that the ray sees is culled.
+    unsigned missing(const TriangleRecord* at, unsigned count) const {
+      const unsigned clockwise = less(Lanes::all(0), slope);
+      unsigned lanes = 0;
+      for (unsigned i = 0; i < count; ++i) {
+        const bool is_clockwise = ((clockwise >> i) & 1U) != 0;
+        lanes |= (at[i].material & (is_clockwise ? kNoClockwise : kNoCounterClockwise)) != 0 ? 1U << i : 0U;
+      }
+      return lanes;
+    }
+  };
+
+  /// Tests the `count` triangles at `at` (1 to 4); unused lanes repeat the last.
+  Result test(const TriangleRecord* at, unsigned count) const {
+    Lanes rows[3][4];
+    for (unsigned i = 0; i < 4; ++i) {
+      const float* p = &at[i < count ? i : count - 1].v0.x;
+      rows[0][i] = Lanes::load(p);
+      rows[1][i] = Lanes::load(p + 4);
+      rows[2][i] = Lanes::load(p + 8);
+    }
+    for (auto& r : rows) Lanes::transpose(r[0], r[1], r[2], r[3]);
+    const Lanes3<Lanes> v0 = Lanes3<Lanes>{rows[0][0], rows[0][1], rows[0][2]} - origin_;
+    const Lanes3<Lanes> v1 = Lanes3<Lanes>{rows[0][3], rows[1][0], rows[1][1]} - origin_;
+    const Lanes3<Lanes> v2 = Lanes3<Lanes>{rows[1][2], rows[1][3], rows[2][0]} - origin_;
+    const Lanes3<Lanes> e0 = v2 - v0, e1 = v0 - v1, e2 = v1 - v2;
+
+    Result r;
+    r.u = dot(cross(e0, v2 + v0), direction_);
+    r.v = dot(cross(e1, v0 + v1), direction_);
+    r.w = dot(cross(e2, v1 + v2), direction_);
+    r.sum = r.u + r.v + r.w;
+    const Lanes3<Lanes> n = normal(e0, e1, e2);
+    r.slope = dot(direction_, n);
+    r.t = dot(v0, n) / r.slope;
+    return r;
+  }
+
+ private:
+  /// Returns the normal. Each component comes from the pair of edges with the smaller product, which rounds less.
+  static Lanes3<Lanes> normal(const Lanes3<Lanes>& a, const Lanes3<Lanes>& b, const Lanes3<Lanes>& c) {
+    const auto better = [](Lanes ab0, Lanes ab1, Lanes bc0, Lanes bc1) {
+      return if_less(abs(ab1), abs(bc1), ab0 - ab1, bc0 - bc1);
+    };
+    return {better(a.y * b.z, a.z * b.y, b.y * c.z, b.z * c.y), better(a.z * b.x, a.x * b.z, b.z * c.x, b.x * c.z),
+            better(a.x * b.y, a.y * b.x, b.x * c.y, b.y * c.x)};
+  }
+
+  Lanes3<Lanes> origin_, direction_;
+};
+
+}  // namespace traces
