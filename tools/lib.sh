@@ -5,14 +5,14 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
 script=tools/$(basename "$0")
 logs=$root/build/logs
 install=yes
-packages=()  # besides those of tools/packages.txt
+packages=()  # in addition to tools/packages.txt
 
 fail() {
   echo "$script: $*" >&2
   exit 1
 }
 
-# step NAME COMMAND...: runs the command, its output to a log file that is named if it fails.
+# step NAME COMMAND...: runs the command with its output in a log file; names the file if the command fails.
 step() {
   local name=$1 log
   shift
@@ -24,7 +24,7 @@ step() {
 
 exec 3>&2
 
-# with_progress COMMAND...: runs a build of ninja and shows how far it is: in place on a terminal, else every ten seconds.
+# with_progress COMMAND...: runs ninja and prints its progress, in place on a terminal, else every ten seconds.
 with_progress() {
   "$@" 2>&1 | {
     local line next=0 of='^\[([0-9]+)/([0-9]+)\]'
@@ -48,7 +48,7 @@ missing_packages() {
   { sed 's/#.*//' "$root/tools/packages.txt"; printf '%s\n' "${packages[@]}"; } | while read -r package; do
     package=${package%% *}
     [ -n "$package" ] || continue
-    case $package in  # a newer node from elsewhere conflicts with Debian's npm, and will do
+    case $package in  # a newer node from elsewhere conflicts with Debian's npm, and suffices
       nodejs | npm) ! command -v node >/dev/null || ! command -v npm >/dev/null || continue ;;
     esac
     status=$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null) || status=missing
@@ -56,19 +56,19 @@ missing_packages() {
   done
 }
 
-# True if sudo lets us; where there is a terminal it may ask for a password.
+# True if sudo works; on a terminal it may ask for a password.
 can_sudo() {
   command -v sudo >/dev/null || return 1
   sudo -n true 2>/dev/null || { [ -t 2 ] && sudo -v; }
 }
 
-# If the lists cannot be brought up to date, those that are there may do. RUNLEVEL: no package's daemons are started.
+# A failed update is ignored: existing lists may suffice. RUNLEVEL=1 keeps packages from starting daemons.
 apt_install() {
   "${become_root[@]}" apt-get update
   "${become_root[@]}" env RUNLEVEL=1 DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "$@"
 }
 
-# Installs what tools/packages.txt and `packages` list and is not there; says nothing if all is.
+# Installs missing packages of tools/packages.txt and `packages`; silent if none is missing.
 install_packages() {
   local missing
   [ "$install" = yes ] || return 0
@@ -84,7 +84,7 @@ install_packages() {
   step "install packages" apt_install $missing
 }
 
-# build PRESET [CMAKE_OPTION...] [-- BUILD_OPTION...]: configures and builds, and says how much processor time that took.
+# build PRESET [CMAKE_OPTION...] [-- BUILD_OPTION...]: configures and builds, and prints the processor time.
 build() {
   local preset=$1 options=()
   shift
@@ -99,8 +99,8 @@ build() {
   time step "build $preset" with_progress cmake --build --preset "$preset" "$@"
 }
 
-# install_npm_packages NAME PINNED PRESET: puts the packages that the folder PINNED pins into the build tree's folder of
-# that name, unless they are there.
+# install_npm_packages NAME PINNED PRESET: installs the packages pinned in the folder PINNED into the build tree's folder
+# NAME, unless they are installed.
 install_npm_packages() {
   local pinned=$root/$2 folder=$root/build/$3/$1
   [ "$install" = yes ] || return 0
@@ -110,7 +110,7 @@ install_npm_packages() {
   cp "$pinned/package-lock.json" "$folder/installed.json"
 }
 
-# Puts the glTF validator and what drives a browser, pinned beside their tests, into the build tree of PRESET.
+# Installs the glTF validator and the browser driver, pinned next to their tests, into the build tree of PRESET.
 install_test_packages() {
   install_npm_packages gltf_validator tests/tools/gltf_validator "$1"
   install_npm_packages page_tests tests/page "$1"

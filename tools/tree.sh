@@ -1,8 +1,8 @@
 # shellcheck shell=bash
-# Minimal trees of Debian that are entered by chroot; sourced after lib.sh.
+# Minimal Debian trees for chroot; sourced after lib.sh.
 
-# This machine's sources of the release $1, as "URL suite component" lines; if it has none, the release from the mirror
-# that it has of another.
+# Prints this machine's apt sources of the release $1 as "URL suite component" lines; without any, the release on the
+# mirror of another release.
 apt_sources() {
   local all
   # shellcheck disable=SC2016
@@ -25,7 +25,7 @@ in_tree() {
     NODE_EXTRA_CA_CERTS=/etc/ssl/certs/ca-certificates.crt "$@"
 }
 
-# make_tree RELEASE [MIRROR]: sets `tree`, which is removed when this shell ends.
+# make_tree RELEASE [MIRROR]: makes a tree and sets `tree`; removed at the end of this shell.
 make_tree() {
   local mirror=${2:-} sources
   [ "$(id -u)" = 0 ] || fail "a tree of Debian needs root"
@@ -39,14 +39,14 @@ make_tree() {
   fi
 
   tree=$(mktemp -d "${TMPDIR:-/tmp}/raywatt-fresh.XXXXXX")
-  chmod 755 "$tree"  # not everybody who works there is root
+  chmod 755 "$tree"  # for users other than root
   trap remove_tree EXIT
   trap 'exit 130' INT
   trap 'exit 143' TERM
   step "make a minimal tree of $1" debootstrap --variant=minbase "$1" "$tree" "$mirror"
   awk '{ print "deb", $0 }' <<<"$sources" >"$tree/etc/apt/sources.list"
   apt-config dump | grep '^Acquire::[a-z]*::Proxy' >"$tree/etc/apt/apt.conf.d/90proxy" || true
-  # What this machine trusts beyond Debian's own, as a proxy on the way to npm; the package ca-certificates takes it up.
+  # Certificates that this machine trusts in addition to Debian's, as a proxy's; ca-certificates installs them.
   mkdir -p "$tree/usr/local/share/ca-certificates"
   cp /usr/local/share/ca-certificates/*.crt "$tree/usr/local/share/ca-certificates" 2>/dev/null || true
   mountpoint -q "$tree/proc" || mount -t proc proc "$tree/proc" || fail "cannot mount $tree/proc"

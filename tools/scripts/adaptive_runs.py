@@ -1,4 +1,4 @@
-"""Runs of adaptive frame programs against full:1, for the scripts that measure what these save."""
+"""Runs of adaptive frame programs against full:1, for scripts that measure their gains."""
 import json
 import pathlib
 import subprocess
@@ -9,7 +9,7 @@ RAYWATT = str(ROOT / "build/release/tools/raywatt")
 
 
 def totals_of(raywatt, scene, program, resolution, sets, config="sgrt-2016"):
-    """`totals` of the report, with the scene's strongest light and a thread of its own."""
+    """`totals` of the report, with the scene's strongest light, on one thread."""
     with tempfile.TemporaryDirectory() as work:
         command = [raywatt, "run", config, "--scene", scene, "--program", program, "--reference", "full:1",
                    "--resolution", resolution, "--threads", "1", "--quiet", "-o", f"{work}/out"]

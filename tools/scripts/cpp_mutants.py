@@ -1,6 +1,6 @@
 """Mutants of a C++ source: one constant or operator changed, by tokens.
 
-Relies on .clang-format: operators of two operands stand between blanks, brackets of templates do not.
+Relies on .clang-format: binary operators have blanks around them, template brackets do not.
 """
 
 import re
@@ -19,7 +19,7 @@ BINARY = {"<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "==", "&
           "+=": "-=", "-=": "+=", "*=": "/=", "/=": "*=", "|=": "&=", "&=": "|=", "^=": "|="}
 WORDS = {"true": "false", "false": "true", "min": "max", "max": "min"}
 
-# What no result depends on; tests/mutation/README.md gives the reasons.
+# Code without effect on results; reasons in tests/mutation/README.md.
 QUIET_FUNCTIONS = re.compile(r"describe\w*|state|names_of")
 QUIET_CALLS = {"assert", "static_assert", "throw", "complain", "reserve", "__builtin_prefetch", "look_ahead",
                "format"}
@@ -48,7 +48,7 @@ class Mutant:
 
 @dataclass
 class Scope:
-    """What a brace has opened: the file, a namespace, a class, an enum, a function or what is in one."""
+    """Scope of a brace: file, namespace, class, enum, or function with its blocks."""
 
     kind: str
     function: str = ""
@@ -56,7 +56,7 @@ class Scope:
 
 
 def scope_of(statement, outer):
-    """What `{` opens after the tokens of a statement."""
+    """Scope that `{` opens after the tokens of a statement."""
     words = [text for _, text, _ in statement]
     if outer.kind == "function" or outer.quiet:
         return Scope("function", outer.function, outer.quiet)
@@ -94,7 +94,7 @@ def is_quiet(tokens, index):
 
 
 def end_of_quiet(tokens, index):
-    """Where a quiet call or the head of a template ends."""
+    """Index of the last token of a quiet call or template head."""
     last = (">",) if tokens[index][1] == "template" else ("(", ";")
     while tokens[index][1] not in last:
         index += 1
@@ -102,7 +102,7 @@ def end_of_quiet(tokens, index):
 
 
 def is_plain_default(statement):
-    """Whether what follows in a class is the default of a plain member, which only keeps it from being undefined."""
+    """True if the statement in a class is the default of a plain member."""
     words = [text for _, text, _ in statement]
     if not words or {"static", "constexpr", "("} & set(words):
         return False
@@ -133,7 +133,7 @@ def changes(source, tokens, index):
 
 
 def mutants(path, source):
-    """All mutants of a file, in its order."""
+    """All mutants of a file, in source order."""
     tokens = list(tokens_of(source))
     scopes = [Scope("file")]
     statement = []
