@@ -1,5 +1,4 @@
-# raywatt_require_all_sources_built(FOLDER...): ends the configuration if a .cc below the folders belongs to no target,
-# as that of a new folder that nobody has added.
+# raywatt_require_all_sources_built(FOLDER...): ends the configuration if a .cc below the folders belongs to no target.
 function(raywatt_require_all_sources_built)
   set(built)
   set(directories ${PROJECT_SOURCE_DIR})
@@ -25,12 +24,12 @@ function(raywatt_require_all_sources_built)
   endif()
 endfunction()
 
-# raywatt_require_files(PATH...): ends the configuration if a file or folder is not there: globs and lists of properties
-# skip it without a word.
+# raywatt_require_files(PATH...): ends the configuration if a file or folder is missing. Globs and property lists would
+# skip it silently.
 function(raywatt_require_files)
   foreach(file IN LISTS ARGN)
     if(NOT EXISTS ${CMAKE_CURRENT_SOURCE_DIR}/${file})
-      message(FATAL_ERROR "${CMAKE_CURRENT_LIST_FILE} names ${file}, which is not there")
+      message(FATAL_ERROR "${CMAKE_CURRENT_LIST_FILE} names ${file}, which does not exist")
     endif()
   endforeach()
 endfunction()

@@ -1,4 +1,4 @@
-# Everything is a system package; tools/packages.txt lists their Debian names.
+# All dependencies are system packages; tools/packages.txt lists their Debian names.
 find_package(PkgConfig REQUIRED)
 find_package(Threads REQUIRED)
 
@@ -6,7 +6,7 @@ find_package(embree 3 QUIET)
 if(NOT embree_FOUND)
   find_package(embree 4 REQUIRED)
 endif()
-# OpenImageIO's own CMake files ask for packages that Debian's -dev package does not pull in.
+# OpenImageIO's CMake files require packages that Debian's -dev package does not install.
 pkg_check_modules(OIIO REQUIRED IMPORTED_TARGET OpenImageIO)
 find_package(PNG REQUIRED)
 find_package(OpenEXR REQUIRED)
@@ -24,7 +24,7 @@ find_package(OpenSSL REQUIRED COMPONENTS Crypto)
 find_package(Eigen3 REQUIRED NO_MODULE)
 find_package(pagmo REQUIRED)
 pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
-# Headers alone.
+# Headers only.
 find_path(PROTOZERO_INCLUDE_DIR protozero/pbf_writer.hpp REQUIRED)
 if(RAYWATT_TESTS)
   find_package(GTest REQUIRED)

@@ -3,9 +3,9 @@ add_library(raywatt_options INTERFACE)
 target_include_directories(raywatt_options INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_options(raywatt_options INTERFACE
   -Wall -Wextra -Wpedantic -Wconversion -Wshadow
-  # A hit must be the same hit with every compiler: no fused multiply-add that the source does not spell out.
+  # Hits must be equal with every compiler: no implicit fused multiply-add.
   -ffp-contract=off
-  # Nobody replaces our functions when a module is loaded: they may be inlined though the code is relocatable.
+  # Loaded modules replace no functions, so relocatable code may be inlined.
   -fno-semantic-interposition)
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   target_compile_options(raywatt_options INTERFACE -march=x86-64-v3)
@@ -16,33 +16,33 @@ endif()
 if(RAYWATT_SANITIZE)
   target_compile_options(raywatt_options INTERFACE -fsanitize=${RAYWATT_SANITIZE} -fno-omit-frame-pointer
     -fno-sanitize-recover=all  # a program ends at its first finding (of threads: halt_on_error)
-    # GCC 12 takes checks that the sanitizers put into <regex> for uses before initialisation.
+    # GCC 12 warns of uninitialised values in sanitizer checks inside <regex>.
     $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
-  # Tests ask for it that need what sanitizers replace or leave out.
+  # Tests that need the plain heap or an installation check it.
   target_compile_definitions(raywatt_options INTERFACE RAYWATT_SANITIZED)
   target_link_options(raywatt_options INTERFACE -fsanitize=${RAYWATT_SANITIZE})
 endif()
 
-# Precompiled: headers of others that most files include, so that an edit of ours rebuilds what includes it and no more.
-# Sources still include what they use; the preset `clang` builds without.
+# Precompiled: outside headers that most files include. An edit of our headers rebuilds only their users. Sources still
+# include what they use; the preset `clang` builds without precompiled headers.
 set(raywatt_common_headers <algorithm> <array> <cmath> <cstdint> <filesystem> <functional> <map> <memory> <optional>
   <set> <span> <string> <string_view> <utility> <vector> <fmt/format.h>)
 
-# raywatt_light(TARGET): nothing in it runs often enough to be worth more than -O1.
+# raywatt_light(TARGET): -O1, for code that does not run often.
 function(raywatt_light target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
 endfunction()
 
-# raywatt_joined(TARGET): ten of its sources are compiled as one, since what takes the time is templates (CLI11, JSON,
-# GoogleTest) that each would instantiate anew.
+# raywatt_joined(TARGET): compiles ten sources as one, so that templates (CLI11, JSON, GoogleTest) are instantiated once
+# a batch.
 function(raywatt_joined target)
   if(NOT CMAKE_DISABLE_PRECOMPILE_HEADERS)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 10)
   endif()
 endfunction()
 
-# raywatt_library(NAME [LIGHT] libraries...): a static library of every .cc below the calling folder. LIGHT: it is made
-# by raywatt_light(), with a precompiled header of its own, as GCC 14 takes none that was made at another -O.
+# raywatt_library(NAME [LIGHT] libraries...): a static library of every .cc below the calling folder. LIGHT:
+# raywatt_light(), with its own precompiled header, because GCC 14 refuses one compiled at another -O.
 function(raywatt_library name)
   cmake_parse_arguments(PARSE_ARGV 1 library "LIGHT" "" "")
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cc)
@@ -64,8 +64,8 @@ function(raywatt_library name)
   endif()
 endfunction()
 
-# raywatt_test(FOLDER [FAST] libraries...): one GoogleTest program of every .cc below tests/FOLDER. FAST: its tests are
-# chosen by `ctest -L fast`, which must end within 30 seconds.
+# raywatt_test(FOLDER [FAST] libraries...): one GoogleTest program of every .cc below tests/FOLDER. FAST: its tests run in
+# `ctest -L fast`, which must end within 30 seconds.
 function(raywatt_test folder)
   cmake_parse_arguments(PARSE_ARGV 1 test "FAST" "" "")
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.cc)
@@ -79,12 +79,12 @@ function(raywatt_test folder)
   if(test_FAST)
     set(labels LABELS fast)
   endif()
-  # Names of values are those that a test's generator gives: GoogleTest prints structs as bytes and pointers.
+  # Parameters have the generator's names: GoogleTest would print structs as bytes and pointers.
   gtest_discover_tests(${name} TEST_PREFIX "${folder}/" DISCOVERY_MODE PRE_TEST NO_PRETTY_VALUES
     WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} PROPERTIES TIMEOUT 600 ${labels})
 endfunction()
 
-# raywatt_test_program(NAME sources...): all of them share what the first precompiles.
+# raywatt_test_program(NAME sources...): programs share the precompiled header of test_sim.
 function(raywatt_test_program name)
   add_executable(${name} ${ARGN})
   target_link_libraries(${name} PRIVATE raywatt_options GTest::gtest_main nlohmann_json::nlohmann_json)

@@ -1,10 +1,10 @@
-# What an installation holds, and the Debian package that is made of it: ninja -C build/release package
+# Installation and Debian package: ninja -C build/release package
 if(RAYWATT_SANITIZE)
   return()
 endif()
 include(GNUInstallDirs)
 
-# Scripts of shells and the manual page come from the options that the program declares.
+# Shell completion and the manual page are generated from the program's options.
 set(described ${CMAKE_BINARY_DIR}/described)
 set(descriptions)
 foreach(file "bash;completion;bash" "_raywatt;completion;zsh" "fish;completion;fish" "raywatt.1;man")
@@ -14,7 +14,7 @@ foreach(file "bash;completion;bash" "_raywatt;completion;zsh" "fish;completion;f
     COMMAND raywatt ${file} > ${described}/${name} DEPENDS raywatt VERBATIM)
   list(APPEND descriptions ${described}/${name})
 endforeach()
-# Packages want texts packed, without the time of packing.
+# Packages need compressed texts without timestamps.
 foreach(file "raywatt.1;${described}/raywatt.1" "changelog;${CMAKE_CURRENT_LIST_DIR}/changelog")
   list(GET file 0 name)
   list(GET file 1 text)
@@ -26,17 +26,17 @@ add_custom_target(descriptions ALL DEPENDS ${descriptions})
 
 set(share ${CMAKE_INSTALL_DATADIR})
 install(TARGETS raywatt)
-# Where the program looks. A folder deeper than the linker's, or CPack takes them for libraries and runs ldconfig.
+# The program's module path. A subfolder, because CPack would run ldconfig for libraries in lib/raywatt.
 install(TARGETS raywatt_search raywatt_images LIBRARY DESTINATION lib/raywatt/modules)
 install(DIRECTORY configs traces/workloads tests/validation/published DESTINATION ${share}/raywatt)
 install(DIRECTORY tools/python DESTINATION ${share}/raywatt PATTERN __pycache__ EXCLUDE)
-foreach(file page.js page.css libraries.js licences.txt)  # not there where npm was not
+foreach(file page.js page.css libraries.js licences.txt)  # missing without npm
   install(FILES ${CMAKE_BINARY_DIR}/report_page/${file} DESTINATION ${share}/raywatt/report_page OPTIONAL)
 endforeach()
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN refresh EXCLUDE)
 install(FILES README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES cmake/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(FILES ${CMAKE_BINARY_DIR}/report_page/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR} OPTIONAL)  # with that of libraries
+install(FILES ${CMAKE_BINARY_DIR}/report_page/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR} OPTIONAL)  # with the libraries' notices
 install(FILES ${described}/changelog.gz DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES ${described}/raywatt.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 install(FILES ${described}/bash DESTINATION ${share}/bash-completion/completions RENAME raywatt)
