@@ -10,8 +10,8 @@
 #include "tests/param_name.h"
 #include "tools/run/frame/run_job.h"
 
-// Small runs whose every counter is stored in tests/golden/*.json, summed over units of one kind. After a change that
-// is meant to move them, accept the new values with: RAYWATT_ACCEPT=1 ctest --preset release -R golden
+// Small runs with all counters in tests/golden/*.json, summed over units of one kind. After an intended change accept the
+// new values with: RAYWATT_ACCEPT=1 ctest --preset release -R golden
 
 namespace tools {
 namespace {
@@ -51,7 +51,7 @@ Json measure(const Case& c) {
   return out;
 }
 
-/// Says of every number that moved what it was and what it is.
+/// Prints the old and new value of every changed number.
 std::string difference(const Json& was, const Json& is, const std::string& path = "") {
   if (was.is_object() && is.is_object()) {
     std::string all;
@@ -63,7 +63,7 @@ std::string difference(const Json& was, const Json& is, const std::string& path 
     }
     return all;
   }
-  // Energies of arrays between two points of the table go through the C library's logarithm.
+  // Energies between two points of a curve use the C library's logarithm.
   const bool same = was.is_number_float()
                         ? std::abs(was.get<double>() - is.get<double>()) <= 1e-9 * std::abs(was.get<double>())
                         : was == is;
