@@ -205,7 +205,7 @@ std::vector<Case> cases() {
 
 class Allocations : public testing::TestWithParam<Case> {};
 
-TEST_P(Allocations, StopWhenAFrameIsWellUnderWay) {
+TEST_P(Allocations, StopInTheSteadyStateOfAFrame) {
   if (!can_count_allocations()) GTEST_SKIP() << "the sanitizer has the heap";
   const Case& c = GetParam();
   const hw::test::Method frame(c.scene, c.program, {}, kWidth, kHeight, kTile, c.bvh);

@@ -46,7 +46,7 @@ struct OneByOne {
 
 class BankLanesOf : public testing::TestWithParam<std::uint32_t> {};
 
-TEST_P(BankLanesOf, AnswersAsBankByBank) {
+TEST_P(BankLanesOf, EqualABankByBankReference) {
   const std::uint32_t banks = GetParam();
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
     const BankLanes a = some(banks, seed), b = some(banks, seed + 1000);
@@ -70,7 +70,7 @@ TEST_P(BankLanesOf, AnswersAsBankByBank) {
   }
 }
 
-TEST_P(BankLanesOf, AreReplacedAllTogether) {
+TEST_P(BankLanesOf, AreAllReplaced) {
   BankLanes lanes = some(GetParam(), 3);
   const BankLanes before = lanes;
   lanes.replace([](std::uint64_t number) { return 3 * number + 1; });

@@ -12,7 +12,7 @@ constexpr std::uint64_t kWires = DramHarness::kWires;
 const std::uint64_t kLine = 2 * kT.burst;
 const std::uint64_t kHit = kT.rl + kT.dqsck + kLine;
 
-TEST(DramChannel, ALoneReadOfAClosedBankTakesActivateReadAndTwoBursts) {
+TEST(DramChannel, ASingleReadOfAClosedBankTakesActivateReadAndTwoBursts) {
   DramHarness b;
   b.requester().send(b.row(3, 5));
   b.run();
@@ -104,7 +104,7 @@ TEST(DramChannel, ARequestToARefreshingBankWaitsForTheRefresh) {
   EXPECT_GT(b.why(DramCycleReason::kRefresh), 0U);
 }
 
-TEST(DramChannel, RefreshesGoOnWhileNothingElseHappens) {
+TEST(DramChannel, RefreshesContinueInAnIdleChannel) {
   DramConfig c = DramHarness::quiet();
   c.timing.refi_pb = 780;
   DramHarness b(c);
@@ -170,7 +170,7 @@ TEST(DramChannel, WritesWaitForTheirMarkWhileReadsGo) {
   EXPECT_EQ(b.requester(0).script[399].answered, kWires + kT.rcd + kHit + 399 * kLine);
 }
 
-TEST(DramChannel, OnceTheirHighMarkIsReachedWritesGoDownToTheLowMark) {
+TEST(DramChannel, AtTheirHighMarkWritesGoFirstDownToTheLowMark) {
   DramConfig c = DramHarness::quiet();
   c.controller.write_queue = c.controller.write_high = 24;
   DramHarness b(c, 2);

@@ -12,7 +12,7 @@ DramConfig with_policy(PagePolicy policy) {
   return with([&](DramConfig& c) { c.controller.page_policy = policy; });
 }
 
-TEST(ClosedPages, MakeEveryLoneReadOneOfAClosedBank) {
+TEST(ClosedPages, MakeEverySingleReadOneOfAClosedBank) {
   Script s(with_policy(PagePolicy::kClosed));
   s.read(0, 1);
   s.read(0, 1, 1000);
@@ -40,7 +40,7 @@ TEST(ClosedPages, ARowIsClosedNoSoonerThanItsTimesAllow) {
             std::max<std::uint64_t>(precharge + kT.rp, kT.rc) + static_cast<std::uint64_t>(kForm.closed_bank()));
 }
 
-TEST(AdaptivePages, AreClosedWhereTheNextRequestWantsAnotherRow) {
+TEST(AdaptivePages, AreClosedIfTheNextRequestNeedsAnotherRow) {
   Script s(with_policy(PagePolicy::kAdaptive));
   for (std::uint64_t i = 0; i < 6; ++i) s.read(0, i, 1000 * i);
   s.go();
@@ -49,7 +49,7 @@ TEST(AdaptivePages, AreClosedWhereTheNextRequestWantsAnotherRow) {
   for (const std::size_t i : {3U, 4U, 5U}) EXPECT_EQ(s.latency(i), kForm.closed_bank()) << "two in a row are enough";
 }
 
-TEST(AdaptivePages, AreLeftOpenAgainWhereTheNextRequestWantsTheSameRow) {
+TEST(AdaptivePages, StayOpenAgainIfTheNextRequestNeedsTheSameRow) {
   Script s(with_policy(PagePolicy::kAdaptive));
   for (std::uint64_t i = 0; i < 6; ++i) s.read(0, i, 1000 * i);
   for (std::uint64_t i = 6; i < 12; ++i) s.read(0, 5, 1000 * i);
@@ -58,7 +58,7 @@ TEST(AdaptivePages, AreLeftOpenAgainWhereTheNextRequestWantsTheSameRow) {
   for (const std::size_t i : {9U, 10U, 11U}) EXPECT_EQ(s.latency(i), kForm.row_hit());
 }
 
-TEST(Scheduler, FirstComeFirstServedLetsNobodyOvertakeNorPrepare) {
+TEST(Scheduler, FirstComeFirstServedNeitherOvertakesNorPreparesBanks) {
   std::array<Script, 2> scripts{Script(DramHarness::quiet()),
                                 Script(with([](DramConfig& c) { c.controller.scheduler = DramScheduler::kFcfs; }))};
   for (Script& s : scripts) {
@@ -107,7 +107,7 @@ TEST(Ranks, AreRefreshedInTurn) {
   EXPECT_EQ(s.result.stats.active_standby + s.result.stats.precharge_standby, 2 * cycles) << "of either rank";
 }
 
-TEST(Ranks, LieAboveTheirBanksInTheAddress) {
+TEST(Ranks, AreAboveTheirBanksInTheAddress) {
   DramConfig c = with([](DramConfig& d) {
     d.organisation.ranks = 2;
     d.controller.bank_xor = true;
@@ -138,7 +138,7 @@ TEST(IdealChannel, AnswersAnyNumberACycleLater) {
   EXPECT_EQ(b.stats().activates + b.stats().refreshes, 0U);
 }
 
-TEST(Controllers, OfEveryKindDoNotDependOnHowTheEngineVisitsThem) {
+TEST(Controllers, OfEveryKindDoNotDependOnTheEngine) {
   for (std::uint64_t seed = 0; seed < 24; ++seed) {
     std::string expected;
     for (const Mode mode : {Mode::kSkip, Mode::kEveryEdge, Mode::kShuffled}) {

@@ -38,14 +38,14 @@ TEST(DramDevice, AWriteAfterAReadWaitsForTheReadsDataToLeaveTheBus) {
   EXPECT_EQ(earliest(d, kColumn, 0, true, 101), 100 + kT.ccd_l + kT.rl + kT.dqsck + kT.burst + kT.rtw - kT.wl);
 }
 
-TEST(DramDevice, AReadAfterAWriteWaitsForTheWritesDataAndTheirSettling) {
+TEST(DramDevice, AReadAfterAWriteWaitsForTheWritesDataAndWtr) {
   DramDevice d{DramConfig{}};
   d.activate(0, 0, 0);
   d.write(0, 100);
   EXPECT_EQ(earliest(d, kColumn, 0, false, 101), 100 + kT.ccd_l + kT.wl + kT.dqss + kT.burst + kT.wtr_s);
 }
 
-TEST(DramDevice, AWriteToAnotherRankWaitsForTheBusToChangeHands) {
+TEST(DramDevice, AWriteToAnotherRankWaitsForTheRankSwitchOfTheBus) {
   DramConfig c;
   c.organisation.ranks = 2;
   const std::uint32_t other = c.organisation.banks;
@@ -120,7 +120,7 @@ TEST(DramDevice, AfterAWriteTheSameBankGroupWaitsLonger) {
   EXPECT_EQ(earliest(d, kColumn, 0, false, 101), data + c.timing.ccd_l + c.timing.wtr_l);
 }
 
-TEST(CommandCalendar, ALineHasTheDataBusFromItsFirstBurstToItsLast) {
+TEST(CommandCalendar, ALineOccupiesTheDataBusFromItsFirstBurstToItsLast) {
   CommandCalendar calendar(kT, 2, 2);
   EXPECT_TRUE(calendar.data_free(100));
   calendar.book(kColumn, 100);
@@ -193,7 +193,7 @@ TEST(DramMap, EveryLineOfAChannelHasItsOwnPlace) {
   }
 }
 
-TEST(DramMap, AStreamGoesWhereTheMappingSays) {
+TEST(DramMap, AStreamFollowsTheMapping) {
   DramConfig c;
   c.controller.bank_xor = false;
   DramMap map(c);

@@ -69,7 +69,7 @@ INSTANTIATE_TEST_SUITE_P(Grades, EnergyBasis, testing::ValuesIn(kPins), [](const
   return name;
 });
 
-TEST_P(EnergyBasis, IsTheSameDieBehindTheRailsOfTheGrade) {
+TEST_P(EnergyBasis, IsTheSameDieWithTheRailsOfTheGrade) {
   const Pins& pins = GetParam();
   const DramConfig c = config_behind(pins.file);
   // VDD1 is 1.8 V in every grade; VDD2's share scales with the square of its voltage.
@@ -97,7 +97,7 @@ TEST_P(EnergyBasis, IsTheSameDieBehindTheRailsOfTheGrade) {
                  kStandby * (share * at_rails([](const Rail& r) { return r.idd2p; }) + pins.vddq_down_mw));
 }
 
-TEST_P(EnergyBasis, IsThatOf4GiBBehind64DataLines) {
+TEST_P(EnergyBasis, IsThatOf4GiBWith64DataLines) {
   const DramConfig c = config_behind(GetParam().file);
   EXPECT_EQ(c.channels * c.organisation.width, 64U);
   EXPECT_EQ(c.channels * c.organisation.ranks * rank_gb(c), 32);

@@ -73,7 +73,7 @@ TEST_P(DramGrades, EveryNumberHasASource) {
   }
 }
 
-TEST_P(DramGrades, AStreamingReadCostsWhatTheGenerationIsKnownFor) {
+TEST_P(DramGrades, AStreamingReadCostsTheKnownEnergyOfItsGeneration) {
   const auto events = dram_energy_events(load());
   ASSERT_EQ(events.size(), 8U);
   const double pj_per_bit = events.at("dram.read_burst").pj.nominal / 256;
@@ -81,7 +81,7 @@ TEST_P(DramGrades, AStreamingReadCostsWhatTheGenerationIsKnownFor) {
   EXPECT_LT(pj_per_bit, 8.0);
 }
 
-TEST(DramEnergy, EveryEventOfTheCountersHasAFigureAndNoOther) {
+TEST(DramEnergy, EveryCountedEventHasAnEnergyAndThereAreNoOthers) {
   const auto events = dram_energy_events(DramConfig{});
   std::size_t named = 0;
   const DramChannel::Stats stats;
@@ -102,7 +102,7 @@ TEST(DramConfig, TheDefaultIsTheFileOfItsGrade) {
             sim::dump_config(sim::load_config<DramConfig>("configs/dram/lpddr4-3200.yaml")));
 }
 
-TEST(DramConfig, ImpossibleFiguresAreNamed) {
+TEST(DramConfig, ImpossibleValuesAreRefused) {
   const auto complaint = [](auto&& change) {
     DramConfig c;
     change(c);

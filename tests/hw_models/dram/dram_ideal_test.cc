@@ -5,7 +5,7 @@
 namespace hw::test {
 namespace {
 
-TEST(IdealChannel, ReadsAndWritesInTheCycleInWhichARequestComes) {
+TEST(IdealChannel, ReadsAndWritesInTheCycleOfARequestsArrival) {
   DramHarness b(DramHarness::quiet(), 1, 64, true);
   b.requester().send(0, 0);
   b.requester().send(64, 5, true);
@@ -17,7 +17,7 @@ TEST(IdealChannel, ReadsAndWritesInTheCycleInWhichARequestComes) {
   EXPECT_EQ(b.why(DramCycleReason::kIdle), cycles - 4);
 }
 
-TEST(IdealChannel, WaitsForAPortThatDoesNotTakeItsAnswers) {
+TEST(IdealChannel, WaitsForAFullPort) {
   constexpr std::uint64_t kLongAfter = 1'000;
   DramHarness b(DramHarness::quiet(), 1, 1, true);
   b.requester().pop_every = kLongAfter;

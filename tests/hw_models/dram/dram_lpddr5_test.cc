@@ -33,7 +33,7 @@ TEST(Lpddr5, ACommandFitsBetweenAct1AndAct2) {
   EXPECT_EQ(earliest(d, kPrecharge, 3, 121), 122U);
 }
 
-TEST(Lpddr5, Act2MakesWayForAReadOfAnotherBankGroup) {
+TEST(Lpddr5, Act2IsDisplacedByAReadOfAnotherBankGroup) {
   DramConfig c = lpddr5();
   c.timing.wck_sync = 0;
   DramDevice d{c};
@@ -46,7 +46,7 @@ TEST(Lpddr5, Act2MakesWayForAReadOfAnotherBankGroup) {
   EXPECT_EQ(earliest(d, kPrecharge, 4, 103), 105U) << "104 holds a read";
 }
 
-TEST(Lpddr5, Act2MakesNoWayForAReadAtTAad) {
+TEST(Lpddr5, Act2IsNotDisplacedAtTAad) {
   DramConfig c = lpddr5();
   c.timing.wck_sync = 0;
   c.timing.aad = 1;
@@ -58,7 +58,7 @@ TEST(Lpddr5, Act2MakesNoWayForAReadAtTAad) {
   EXPECT_EQ(earliest(d, kColumn, 1, 102), 106U) << "between, the data bus has no room";
 }
 
-TEST(Lpddr5, AnotherAct1ComesAfterAct2) {
+TEST(Lpddr5, AnotherAct1IsIssuedAfterAct2) {
   DramConfig c = lpddr5();
   c.timing.wck_sync = 0;
   c.timing.rrd = 1;
@@ -69,7 +69,7 @@ TEST(Lpddr5, AnotherAct1ComesAfterAct2) {
   EXPECT_EQ(earliest(d, kActivate, 2, 104), 106U);
 }
 
-TEST(Lpddr5, Act2ComesWithinTAadOrAct1Waits) {
+TEST(Lpddr5, Act2IsIssuedWithinTAadOrAct1Waits) {
   DramConfig c = lpddr5();
   c.timing.wck_sync = 0;
   c.timing.aad = 1;  // the next slot or none
@@ -97,7 +97,7 @@ TEST(Lpddr5, AColumnCommandAfterAPauseBeginsWithCas) {
 
 /// The scheduler finds the first slot for a kind of command and gives it to the oldest request whose bank is ready by
 /// then (DramScheduling::best_command).
-TEST(Lpddr5, ASlotIsThatOfEveryBankReadyByThen) {
+TEST(Lpddr5, AFreeSlotServesEveryBankReadyByThen) {
   for (const std::uint32_t sync : {0U, 1U, 4U}) {
     DramConfig c = lpddr5();
     c.timing.wck_sync = sync;
@@ -135,7 +135,7 @@ TEST(Lpddr5, ABurstOf32TakesOneCommand) {
   EXPECT_EQ(one.data_cycles(), two.data_cycles()) << "the data are the same";
 }
 
-TEST(Lpddr5, BurstsOf32GoWithLinesOfAnEvenNumberOfBursts) {
+TEST(Lpddr5, BurstsOf32NeedLinesOfAnEvenNumberOfBursts) {
   DramConfig c = lpddr5();
   c.line = c.organisation.burst;
   ASSERT_EQ(c.bursts_per_line(), 1U);
@@ -156,7 +156,7 @@ TEST(Lpddr4, ARefreshOfOneBankIsAnActivateToTheOthers) {
   EXPECT_EQ(earliest(d, kActivate, 3, 1000 + Cycle{t.rrd} * 4), 1000U + t.faw) << "the fifth in the window";
 }
 
-TEST(DramPlayer, PostedWritesFillTheChannelWhateverTheWindow) {
+TEST(DramPlayer, PostedWritesFillTheChannelForAnyWindow) {
   DramConfig c = lpddr5();
   c.controller.write_high = 32;
   std::vector<DramRequest> writes;

@@ -27,7 +27,7 @@ TEST(DramMeasurement, IsCloseWithinTwoPercent) {
   EXPECT_FALSE(good(102.1, Holds::kClosely));
 }
 
-TEST(DramMeasurement, IsNearlyThereFromNineTenths) {
+TEST(DramMeasurement, IsNearFromNineTenths) {
   EXPECT_TRUE(good(90, Holds::kNearly));
   EXPECT_TRUE(good(100, Holds::kNearly));
   EXPECT_FALSE(good(89.9, Holds::kNearly));

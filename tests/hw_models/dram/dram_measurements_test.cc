@@ -26,9 +26,9 @@ void expect_good(const DramConfig& grade) {
 
 DramConfig load(const std::string& grade) { return sim::load_config<DramConfig>("configs/dram/" + grade + ".yaml"); }
 
-TEST_P(DramMeasurements, AllHoldToTheirClosedForms) { expect_good(load(GetParam())); }
+TEST_P(DramMeasurements, AllAgreeWithTheirClosedForms) { expect_good(load(GetParam())); }
 
-TEST(DramMeasurement, OfCommandsOfTwoBurstsHoldsToItsClosedForm) {
+TEST(DramMeasurement, OfCommandsOfTwoBurstsAgreesWithItsClosedForm) {
   DramConfig grade = load("lpddr5-6400");
   grade.organisation.bl32 = true;
   expect_good(grade);
@@ -41,7 +41,7 @@ TEST(DramMeasurement, OfTwoRanksIsMadeWhereTheirBanksAreAsManyAsAChannelMayHave)
   EXPECT_EQ(std::ranges::count_if(dram_measurements(grade), is_of_ranks), 1);
 }
 
-TEST(DramClosedForms, AStreamIsHeldBackByBurstsOrByTheirDistanceWhicheverIsLonger) {
+TEST(DramClosedForms, AStreamIsLimitedByTheLongerOfBurstsAndTheirDistance) {
   DramConfig c;
   c.timing.burst = 8;
   c.timing.ccd_l = 10;
@@ -50,7 +50,7 @@ TEST(DramClosedForms, AStreamIsHeldBackByBurstsOrByTheirDistanceWhicheverIsLonge
   EXPECT_EQ(DramClosedForms(c).streamed_line(), 2 * 8);
 }
 
-TEST(DramClosedForms, LinesOfManyRowsAreHeldBackByTheCommandBusWhereCommandsAreLong) {
+TEST(DramClosedForms, LinesOfManyRowsAreLimitedByTheCommandBusIfCommandsAreLong) {
   DramConfig c;
   c.timing.rrd = c.timing.faw = c.timing.rc = c.timing.ras = c.timing.rcd = c.timing.rp = c.timing.rtp = 1;
   c.timing.ca_column = 20;

@@ -30,14 +30,14 @@ TEST(DramPagePolicy, ForgetsManyOfTheSameAfterTwoOtherRows) {
   EXPECT_TRUE(closes_before(policy, kRow + 1)) << "2";
 }
 
-TEST(DramPagePolicy, TakesOnlyTheNextRequestForEvidence) {
+TEST(DramPagePolicy, CountsOnlyTheNextRequest) {
   DramPagePolicy policy(PagePolicy::kAdaptive);
   EXPECT_FALSE(closes_before(policy, kRow + 1));
   for (int i = 0; i < 10; ++i) policy.requested(kBank, kRow + 1);
   EXPECT_FALSE(policy.closes(kBank, kRow, false)) << "1";
 }
 
-TEST(DramPagePolicy, CountsForEachBankAlone) {
+TEST(DramPagePolicy, CountsForEachBankSeparately) {
   DramPagePolicy policy(PagePolicy::kAdaptive);
   for (int i = 0; i < 10; ++i) EXPECT_TRUE(policy.closes(kBank, kRow, true));
   for (std::uint32_t bank = 0; bank < 32; ++bank) EXPECT_EQ(policy.closes(bank, kRow, false), bank == kBank);

@@ -18,7 +18,7 @@ TEST(DramPlayer, LetsARequestArriveWhenAnEarlierOneIsDoneIfNoMoreMayBeOutstandin
   }
 }
 
-TEST(DramPlayer, ALoneBankTakesARowAfterTheOtherInTheTimeOfTheClosedForm) {
+TEST(DramPlayer, ASingleBankTakesRowAfterRowInTheTimeOfTheClosedForm) {
   DramConfig c = DramHarness::quiet();
   c.organisation.banks = c.organisation.bank_groups = c.organisation.refresh_banks = c.organisation.ranks = 1;
   const auto lines = static_cast<std::uint32_t>(c.organisation.page.bytes / c.line.bytes);
@@ -30,7 +30,7 @@ TEST(DramPlayer, ALoneBankTakesARowAfterTheOtherInTheTimeOfTheClosedForm) {
   EXPECT_NEAR(static_cast<double>(row) / static_cast<double>(c.timing.ck.time), expected, 0.01 * expected);
 }
 
-TEST(DramPlayer, TellsRequestsApartHoweverManyThereAre) {
+TEST(DramPlayer, DistinguishesAnyNumberOfRequests) {
   const DramConfig c = DramHarness::quiet();
   std::vector<DramRequest> requests((std::size_t{1} << 16) + 100);
   for (std::size_t i = 0; i < requests.size(); ++i) requests[i].address = 64 * (i % 16);

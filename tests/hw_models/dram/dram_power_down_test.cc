@@ -28,7 +28,7 @@ TEST(DramPowerDown, LastsToTheEndOfTheFrameInEveryRank) {
   }
 }
 
-TEST(DramPowerDown, DelaysNoRequestThatComesInTheCycleInWhichItBegins) {
+TEST(DramPowerDown, DelaysNoRequestThatArrivesInItsFirstCycle) {
   const DramConfig c = with([](DramConfig& d) { d.controller.power_down = true; });
   const DramClosedForms form(c);
   const auto down = static_cast<std::uint64_t>(form.closed_bank()) + c.controller.power_down_after + c.timing.rp_ab;

@@ -21,7 +21,7 @@ DramQueue four() {
   return queue;
 }
 
-TEST(DramQueue, KnowsWhoWantsWhichBankAndWhoItsOpenRow) {
+TEST(DramQueue, TracksRequestsByBankAndHitsOfItsOpenRow) {
   DramQueue queue = four();
   EXPECT_TRUE(queue.full());
   EXPECT_EQ(queue.banks(), 1U << 3 | 1U << 31);
@@ -32,7 +32,7 @@ TEST(DramQueue, KnowsWhoWantsWhichBankAndWhoItsOpenRow) {
   EXPECT_EQ(queue.hits(31), 0U);
 }
 
-TEST(DramQueue, ClosesUpBehindOneThatGoes) {
+TEST(DramQueue, MovesLaterRequestsUpWhenOneIsRemoved) {
   DramQueue queue = four();
   queue.remove(1);
   EXPECT_EQ(queue.size(), 3U);
@@ -51,7 +51,7 @@ TEST(DramQueue, ClosesUpBehindOneThatGoes) {
   EXPECT_EQ(queue.banks(), 0U);
 }
 
-TEST(DramQueue, LooksForItsHitsAnewWhenARowOpensOrCloses) {
+TEST(DramQueue, UpdatesHitsWhenARowOpensOrCloses) {
   DramQueue queue = four();
   queue.row_opened(3, 11);
   EXPECT_EQ(queue.hits(3), 0b100U);
@@ -62,7 +62,7 @@ TEST(DramQueue, LooksForItsHitsAnewWhenARowOpensOrCloses) {
   EXPECT_EQ(queue.hit_banks(), 1U << 31);
 }
 
-TEST(DramQueue, NamesWhoWantsOneOfSomeBanks) {
+TEST(DramQueue, FindsTheRequestsOfSeveralBanks) {
   const DramQueue queue = four();
   EXPECT_EQ(queue.waiting_in(1U << 3), 0b1101U);
   EXPECT_EQ(queue.hits_in(1U << 3), 0b1001U);

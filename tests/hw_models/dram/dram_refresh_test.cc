@@ -67,7 +67,7 @@ TEST(PowerDown, IsLeftForEveryRefresh) {
   EXPECT_EQ(b.stats().active_standby + b.stats().precharge_standby + b.stats().power_down, cycles);
 }
 
-TEST(PowerDown, WaitsForAPrechargeThatIsBookedAhead) {
+TEST(PowerDown, WaitsForAFuturePrecharge) {
   DramConfig c = with([](DramConfig& d) {
     d.controller.power_down = true;
     d.controller.power_down_after = 1;
@@ -87,7 +87,7 @@ TEST(PowerDown, WaitsForAPrechargeThatIsBookedAhead) {
   EXPECT_LE(s.precharge_standby, cycles);
 }
 
-TEST(Refresh, ThatBarelyLeavesABankTimeStillLetsEverybodyBeServed) {
+TEST(Refresh, ThatBarelyLeavesABankTimeStillServesAllRequests) {
   for (const RefreshKind kind : {RefreshKind::kPerBank, RefreshKind::kAllBank}) {
     for (const DramScheduler scheduler : {DramScheduler::kFrFcfs, DramScheduler::kFcfs}) {
       DramConfig c = with([&](DramConfig& d) {

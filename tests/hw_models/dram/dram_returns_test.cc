@@ -32,7 +32,7 @@ TEST(DramReturns, StopReadsThatFindNoRoom) {
   EXPECT_GT(s.why(DramCycleReason::kReturnsFull), kLongAfter - 500);
 }
 
-TEST(DramReturns, HaveMoreRoomBehindALongerFabric) {
+TEST(DramReturns, HaveMoreRoomForALongerFabric) {
   DramConfig c = DramHarness::quiet();
   c.fabric = {17 * c.timing.ck.time};  // 64 cycles in flight: 4 lines
   SlowPort enough(1 + 2 * (4 + 4), c);

@@ -105,7 +105,7 @@ class BorderHarness {
 
 using Heard = BorderHarness::Heard;
 
-TEST(Borders, ATileThatLacksOneGoesOutAtOnceAndIsToldAWireBothWaysAfterItIsWritten) {
+TEST(Borders, ATileWithAMissingOneIsDispatchedAtOnceAndUpdatedALinkEachWayAfterTheWrite) {
   BorderHarness harness({{}, {{0, 3}}}, {{20, 0, 0, 3}, {30, 0, 0}, {40, 1, 1}});
   harness.run();
   const std::vector<Heard> expected = {{1, 0, 0, 0}, {2, 1, 1, 1}, {22, 1, 1, 0}};
@@ -114,7 +114,7 @@ TEST(Borders, ATileThatLacksOneGoesOutAtOnceAndIsToldAWireBothWaysAfterItIsWritt
   EXPECT_EQ(harness.dispatcher().stats().borders, 1U);
 }
 
-TEST(Borders, NewsSayWhichAreStillMissing) {
+TEST(Borders, UpdatesNameTheBordersThatAreStillMissing) {
   BorderHarness harness({{}, {}, {{0, 0}, {1, 0}, {0, 1}}},
                         {{10, 1, 1, 0}, {20, 0, 0, 1}, {30, 0, 0, 0}, {40, 0, 0}, {40, 1, 1}, {50, 0, 2}});
   harness.run();
@@ -123,14 +123,14 @@ TEST(Borders, NewsSayWhichAreStillMissing) {
   EXPECT_EQ(harness.heard, expected);
 }
 
-TEST(Borders, AnotherBorderOfTheSameTileIsNoNews) {
+TEST(Borders, AnotherBorderOfTheSameTileCausesNoUpdate) {
   BorderHarness harness({{}, {{0, 1}}}, {{10, 0, 0, 0}, {20, 0, 0, 1}, {30, 0, 0}, {40, 1, 1}});
   harness.run();
   EXPECT_EQ(harness.heard.size(), 3U);
   EXPECT_EQ(harness.heard.back(), (Heard{22, 1, 1, 0}));
 }
 
-TEST(Borders, OfAFinishedTileAllAreThereEvenThoseThatItDidNotWrite) {
+TEST(Borders, OfAFinishedTileAreAllPresentEvenThoseNotWritten) {
   BorderHarness harness({{}, {{0, 5}}, {{0, 6}}}, {{10, 0, 0}, {30, 1, 1}, {30, 0, 2}}, 1);
   harness.run();
   const std::vector<Heard> expected = {{1, 0, 0, 0}, {2, 1, 1, 1}, {12, 0, 2, 0}, {12, 1, 1, 0}};
@@ -138,7 +138,7 @@ TEST(Borders, OfAFinishedTileAllAreThereEvenThoseThatItDidNotWrite) {
   EXPECT_EQ(harness.dispatcher().stats().early, 1U);
 }
 
-TEST(Borders, AllWhoImportABorderAreTold) {
+TEST(Borders, AllTilesThatImportABorderGetAnUpdate) {
   BorderHarness harness({{}, {{0, 0}}, {{0, 0}}, {{0, 0}}},
                         {{20, 0, 0, 0}, {30, 0, 0}, {30, 1, 1}, {31, 0, 2}, {31, 1, 3}});
   harness.run();

@@ -122,7 +122,7 @@ TEST(Dma, AReadOfNLinesTakesNCyclesAndMemorysLatency) {
   }
 }
 
-TEST(Dma, PixelsThatItEncodesTakeThatLongALine) {
+TEST(Dma, EncodedPixelsTakeTheirCyclesPerLine) {
   for (const std::uint32_t cycles : {1U, 4U, 5U}) {
     for (const std::uint32_t n : {1U, 2U, 16U}) {
       DmaHarness harness({});
@@ -138,14 +138,14 @@ TEST(Dma, PixelsThatItEncodesTakeThatLongALine) {
   EXPECT_EQ(plain.dma().stats().pixels_encoded, 0U);
 }
 
-TEST(Dma, AMemorySlowerThanTheEncoderSetsThePace) {
+TEST(Dma, AMemorySlowerThanTheEncoderIsTheLimit) {
   DmaHarness harness({.memory_interval = 9, .depth = 1});
   harness.add_pixels(20 * kLine, 4).run();
   EXPECT_GT(harness.cycles(0), 18U * 9);
   EXPECT_EQ(harness.spent(Dma::CycleReason::kEncoding), 20U * 3) << "beside the wait for the line before";
 }
 
-TEST(Dma, ASlowMemorySetsThePace) {
+TEST(Dma, ASlowMemoryIsTheLimit) {
   DmaHarness harness({.memory_interval = 5, .depth = 2});
   harness.add(20 * kLine, true).run();
   EXPECT_EQ(harness.cycles(0), 1 + (20 - 2 - 1) * 5 + 1 + 1U)
@@ -167,7 +167,7 @@ TEST(Dma, TransfersGoOneAfterTheOtherInOrder) {
   EXPECT_EQ(harness.dma().stats().lines_read, 5U);
 }
 
-TEST(Dma, ThePartOfALineCostsAWholeOne) {
+TEST(Dma, PartOfALineCostsAWholeOne) {
   DmaHarness harness({});
   harness.add(65, true).run();
   EXPECT_EQ(harness.dma().stats().lines_written, 2U);
@@ -179,7 +179,7 @@ TEST(Dma, ABlockThatBeginsWithinALineMovesEveryLineItTouches) {
   EXPECT_EQ(harness.lines(), (std::vector<Addr>{640, 704, 640, 704, 640}));
 }
 
-TEST(Dma, LinesAreCountedByWhatTheyAreForAndDirection) {
+TEST(Dma, LinesAreCountedByAreaAndDirection) {
   DmaHarness harness({});
   std::uint32_t lines = 1;
   for (std::size_t area = 0; area < kAreas; ++area) {

@@ -121,7 +121,7 @@ DirectInterfaceConfig off() {
 
 constexpr std::uint64_t kLone = 1 + 1 + 1 + kMemory;  // time in the unit: write, read, link, memory
 
-TEST(MemoryInterface, ALoneRayIsWrittenReadBackAndHandedOn) {
+TEST(MemoryInterface, ASingleRayIsWrittenReadBackAndDelivered) {
   Machine m(off(), 1);
   m.run();
   EXPECT_EQ(m.unit.stats().ray_latency, kLone);
@@ -131,14 +131,14 @@ TEST(MemoryInterface, ALoneRayIsWrittenReadBackAndHandedOn) {
   EXPECT_EQ(m.memories[0]->written, 64U);
 }
 
-TEST(MemoryInterface, ALoneHitDoesNotWaitForAnotherToFillItsLine) {
+TEST(MemoryInterface, ASingleHitDoesNotWaitForAnotherToFillItsLine) {
   Machine m(off(), 0, 1);
   m.run();
   EXPECT_EQ(m.unit.stats().hit_latency, kLone);
   EXPECT_EQ(m.memories[1]->written, 32U);
 }
 
-TEST(MemoryInterface, HitsThatComeTogetherShareALine) {
+TEST(MemoryInterface, HitsThatArriveTogetherShareALine) {
   Machine m(off(), 0, 400);
   m.run();
   EXPECT_LE(m.unit.stats().hit_writes, 202U) << "the first goes alone, and may the last";
@@ -182,14 +182,14 @@ TEST(MemoryInterface, ARingOfOneRecordIsWrittenAgainAndAgain) {
   }
 }
 
-TEST(MemoryInterface, AReaderThatDoesNotTakeIsTheReason) {
+TEST(MemoryInterface, ABlockedReaderIsTheReason) {
   Machine m(off(), 200);
   m.ray_taker.interval = 100;
   m.run();
   EXPECT_GT(m.why(MemoryInterface::CycleReason::kOutputFull), 15'000U);
 }
 
-TEST(MemoryInterface, RecordsDoNotDependOnHowTheEngineVisitsThem) {
+TEST(MemoryInterface, RecordsDoNotDependOnTheEngine) {
   for (std::uint64_t seed = 0; seed < 24; ++seed) {
     DirectInterfaceConfig c = off();
     c.ray_bytes = 8 * static_cast<std::uint32_t>(1 + sim::hash(seed, 1) % 32);

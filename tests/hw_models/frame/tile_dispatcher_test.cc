@@ -127,7 +127,7 @@ class DispatcherHarness {
   sim::Time end_ = 0;
 };
 
-TEST(TileDispatcher, HandsOutATileACycleEachCoreInTurnUntilAllAreFull) {
+TEST(TileDispatcher, DispatchesATilePerCycleEachCoreInTurnUntilAllAreFull) {
   DispatcherHarness harness({.tiles = 12, .hold = {50, 50, 50}, .tiles_per_core = 2});
   harness.run();
   for (std::uint32_t i = 0; i < 6; ++i) {
@@ -137,7 +137,7 @@ TEST(TileDispatcher, HandsOutATileACycleEachCoreInTurnUntilAllAreFull) {
   EXPECT_EQ(harness.arrivals[6].cycle, 1 + 50 + 1U);
 }
 
-TEST(TileDispatcher, FlushesTheL2WhenAllTilesAreBack) {
+TEST(TileDispatcher, FlushesTheL2WhenAllTilesHaveReturned) {
   DispatcherHarness harness({.tiles = 12});
   harness.run();
   EXPECT_EQ(harness.flushes, 0U);
@@ -166,7 +166,7 @@ TEST(TileDispatcher, ASlowCoreGetsFewerTiles) {
   EXPECT_GT(harness.tiles_of(0).size(), 5 * harness.tiles_of(1).size());
 }
 
-TEST(TileDispatcher, EveryTileGoesOutOnceInOrderAndComesBack) {
+TEST(TileDispatcher, EveryTileIsDispatchedOnceInOrderAndReturns) {
   DispatcherHarness harness({.tiles = 40, .hold = {7, 13, 29}});
   harness.run();
   ASSERT_EQ(harness.arrivals.size(), 40U);

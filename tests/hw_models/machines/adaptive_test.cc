@@ -83,7 +83,7 @@ TEST_P(Adaptive, TheOracleAndEveryOrderOfUnitsGiveTheFastEnginesCounters) {
   EXPECT_EQ(difference(fast, play(method_, config, Engine::kShuffled, 1)), "");
 }
 
-TEST_P(Adaptive, RandomMachinesPlayItAlikeWithAllEngines) {
+TEST_P(Adaptive, RandomMachinesGiveTheSameWithAllEngines) {
   const auto [program, halo, storage] = GetParam();
   const std::uint64_t seed = 300 + sim::hash(program[10], static_cast<int>(halo), static_cast<int>(storage)) % 100;
   const GpuConfig config = test::random_config(seed);
@@ -102,7 +102,7 @@ TEST_P(Adaptive, ThreadsThatRunAheadChangeNothing) {
   }
 }
 
-TEST_P(Adaptive, TheSmallestMachineEndsAndFindsTheSame) {
+TEST_P(Adaptive, TheSmallestMachineFinishesWithTheSameResults) {
   const Outcome whole = play(method_, {}), small = play(method_, smallest_machine());
   expect_same_function(whole.function, small.function);
   EXPECT_GT(small.cycles, whole.cycles);
@@ -111,7 +111,7 @@ TEST_P(Adaptive, TheSmallestMachineEndsAndFindsTheSame) {
   }
 }
 
-TEST_P(Adaptive, EveryTileIsPlayedAndWhatItMovesIsCounted) {
+TEST_P(Adaptive, EveryTileIsExecutedAndItsTransfersAreCounted) {
   const auto [name, halo, storage] = GetParam();
   const Outcome run = play(method_, {});
   const std::unique_ptr<kernels::FrameProgram> program = method_.make();
@@ -127,7 +127,7 @@ TEST_P(Adaptive, EveryTileIsPlayedAndWhatItMovesIsCounted) {
   EXPECT_EQ(run.function.sampling.halo != 0, halo == Halo::kRetrace);
 }
 
-TEST(AdaptiveRoom, RaySlotsThatKeepTheirShareSpillLessAndAllEnginesPlayThemAlike) {
+TEST(AdaptiveRoom, RaySlotsWithAShareSpillLessAndAllEnginesAgree) {
   const Method method{"cornell", "undersample", config_of(Halo::kReload, AttributeStorage::kTile), 20, 14, 8};
   GpuConfig config;
   config.tile_buffer.size.bytes = 6 * 1024;
@@ -181,7 +181,7 @@ INSTANTIATE_TEST_SUITE_P(Programs, AdaptiveKeys, ::testing::Values("multirate:un
                            return name;
                          });
 
-TEST_P(AdaptiveKeys, AreWorkThatAllEnginesPlayAlikeFromTheDefaultToTheSmallestMachine) {
+TEST_P(AdaptiveKeys, GiveTheSameWithAllEnginesFromTheDefaultToTheSmallestMachine) {
   for (const GpuConfig& config : {GpuConfig(), smallest_machine(), test::random_config(341)}) {
     const Outcome fast = play(method_, config);
     EXPECT_EQ(difference(fast, play(method_, config, Engine::kOracle)), "");

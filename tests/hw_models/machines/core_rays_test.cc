@@ -32,7 +32,7 @@ class CoreRaysTest : public testing::Test {
   const traces::BvhTracer tracer_{image_};
 };
 
-TEST_F(CoreRaysTest, ABlockIsForgottenWhenTheLastOfItsRaysIsBack) {
+TEST_F(CoreRaysTest, ABlockIsDroppedWhenTheLastOfItsRaysReturns) {
   const std::vector<traces::Ray> list = rays(image_, 2 * kBlock + 8);
   std::vector<std::uint32_t> finished;
   CoreRays core(list, tracer_, 0, 1, [&](std::uint32_t count, sim::Time) {
@@ -50,7 +50,7 @@ TEST_F(CoreRaysTest, ABlockIsForgottenWhenTheLastOfItsRaysIsBack) {
   EXPECT_EQ(finished, (std::vector<std::uint32_t>{kBlock, kBlock, 8}));
 }
 
-TEST_F(CoreRaysTest, CoresTakeBlocksInTurnAndStopWhenTold) {
+TEST_F(CoreRaysTest, CoresTakeBlocksInTurnAndStopOnRequest) {
   const std::vector<traces::Ray> list = rays(image_, 5 * kBlock);
   std::uint32_t finished = 0;
   CoreRays core(list, tracer_, 1, 2, [&](std::uint32_t, sim::Time) { return ++finished < 1; });

@@ -18,7 +18,7 @@ using test::Frame;
 using test::Outcome;
 using test::play;
 
-TEST(GpuDetails, EveryRayThatGoesOnIsPlayed) {
+TEST(GpuDetails, EveryRayThatContinuesIsTraced) {
   static const Frame frame(kernels::showcase_scene(), 64, 32);
   const GpuConfig config;
   const Outcome run = play(frame, config);
@@ -38,7 +38,7 @@ TEST(GpuDetails, OracleOrderAndThreadsChangeNothing) {
   EXPECT_EQ(difference(fast.function, ahead.function), "");
 }
 
-TEST(GpuDetails, SmallAndOddMachinesEndAndAgreeWithTheOracle) {
+TEST(GpuDetails, SmallAndOddMachinesFinishAndAgreeWithTheOracle) {
   static const Frame frame(kernels::showcase_scene(), 32, 16);
   for (std::uint64_t seed = 100; seed < 106; ++seed) {
     const GpuConfig config = test::random_config(seed);
@@ -52,7 +52,7 @@ TEST(GpuDetails, SmallAndOddMachinesEndAndAgreeWithTheOracle) {
   test::expect_conserved(play(frame, tiny), frame, tiny);
 }
 
-TEST(GpuDetails, MipLevelsAndPixelsThatTheDmaEncodesArePlayedAlikeByAllEngines) {
+TEST(GpuDetails, MipLevelsAndEncodedPixelsAreTheSameForAllEngines) {
   kernels::RenderConfig render;
   render.width = 32;
   render.height = 16;
@@ -80,7 +80,7 @@ TEST(GpuDetails, MipMapsSpareTheDataCacheMisses) {
   EXPECT_LT(2 * misses(traces::MipMaps::kOn), misses(traces::MipMaps::kOff));
 }
 
-TEST(GpuDetails, RecordsOfAllKindsAreReadWhereTheyLie) {
+TEST(GpuDetails, RecordsOfAllKindsAreReadAtTheirAddresses) {
   traces::Layout layout;
   layout.vertices = 1 << 12;
   layout.details = 1 << 13;

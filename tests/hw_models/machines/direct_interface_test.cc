@@ -47,7 +47,7 @@ TEST(DirectInterface, OffAgreesWithTheOracleForEveryWritePolicy) {
   }
 }
 
-TEST(DirectInterface, OffEndsWithQueuesOfOneAndARingOfOne) {
+TEST(DirectInterface, OffFinishesWithQueuesOfOneAndARingOfOne) {
   static const Frame frame("cornell", 16, 16);
   for (const L2Writes writes : {L2Writes::kBack, L2Writes::kThrough, L2Writes::kAround}) {
     for (const Arbitration arbitration : {Arbitration::kRoundRobin, Arbitration::kOldestFirst, Arbitration::kFixed}) {

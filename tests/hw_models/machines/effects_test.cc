@@ -76,7 +76,7 @@ INSTANTIATE_TEST_SUITE_P(Rates, RatedFrames,
                          testing::Values(kernels::EffectRate::kHalf, kernels::EffectRate::kCheckerboard),
                          ::test::ParamName());
 
-TEST(HybridFrame, OfAllEffectsEndsOnTheSmallestMachine) {
+TEST(HybridFrame, OfAllEffectsFinishesOnTheSmallestMachine) {
   const Method method(traces::open_scene("cornell"), "full:1", {}, hybrid("occlusion, soft_shadows, reflections"));
   GpuConfig config;
   config.cores = 1;

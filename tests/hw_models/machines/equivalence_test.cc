@@ -12,7 +12,7 @@ using test::Frame;
 using test::Outcome;
 using test::play;
 
-TEST(Gpu, SkippingIdleTimeGivesTheOraclesEveryCounter) {
+TEST(Gpu, SkippingIdleTimeGivesTheOraclesCounters) {
   const GpuConfig config;
   const Outcome fast = play(test::cornell_64x32(), config);
   EXPECT_EQ(difference(fast, play(test::cornell_64x32(), config, Engine::kOracle)), "");

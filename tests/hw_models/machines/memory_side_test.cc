@@ -65,7 +65,7 @@ TEST(MemorySide, AnUncontendedL2MissCosts80To150Nanoseconds) {
   EXPECT_EQ(hit, 2 * (1 + 4 + 12 + 4 + 1U)) << "client's wire, up, bank, down, client's wire";
 }
 
-TEST(MemorySide, WhatIsAskedForIsAnsweredAndCountedOnceAtEachLevel) {
+TEST(MemorySide, EveryRequestIsAnsweredAndCountedOnceAtEachLevel) {
   MemorySide m(machine(2));
   random_traffic(m, 8000, 20000, 2);
   m.harness.run();

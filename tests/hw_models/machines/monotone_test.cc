@@ -37,7 +37,7 @@ double slower(sim::Time base, sim::Time improved) {
 
 class Monotone : public ::testing::TestWithParam<Sample> {};
 
-TEST_P(Monotone, MoreRegistersBiggerCachesOrMoreChannelsNeverMakeAFrameSlowerByOverOnePercentUnlessListed) {
+TEST_P(Monotone, MoreMshrsBiggerCachesOrMoreChannelsSlowNoFrameByOverOnePercentUnlessListed) {
   const char* all = std::getenv("RAYWATT_MONOTONE");
   const std::uint64_t machines = all == nullptr ? GetParam().machines : std::strtoull(all, nullptr, 10);
   const Frame frame(std::string(GetParam().scene), 256, 128);
@@ -69,7 +69,7 @@ TEST_P(Monotone, MoreRegistersBiggerCachesOrMoreChannelsNeverMakeAFrameSlowerByO
 
 class IdealPart : public ::testing::TestWithParam<const char*> {};
 
-TEST_P(IdealPart, OfTheDefaultMachineNeverMakesAFrameSlowerByOverOnePercent) {
+TEST_P(IdealPart, OfTheDefaultMachineSlowsNoFrameByOverOnePercent) {
   const Frame frame(GetParam(), 256, 128);
   const std::vector<traces::TileWork> works = frame.record();
   const sim::Time base = play(frame, works, {}).elapsed;

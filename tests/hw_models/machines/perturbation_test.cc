@@ -69,7 +69,7 @@ TEST(Perturbation, TheEnginesAgreeOnRandomMachinesToo) {
   }
 }
 
-TEST(Perturbation, ALateStartOfAllCoresDelaysThisMuch) {
+TEST(Perturbation, ALateStartOfAllCoresDelaysTheFrameEqually) {
   GpuConfig config;
   config.cores = 1;
   config.dram.timing.refi_pb = 0;  // no other unit has a phase

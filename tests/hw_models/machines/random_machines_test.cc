@@ -85,7 +85,7 @@ TEST(RandomMachinesDrawn, HaveEveryMechanismMoreThanAFewTimes) {
   }
 }
 
-TEST(Gpu, NothingIsLostWithSeveralSamplesPerPixelAndAPictureThatCutsItsTiles) {
+TEST(Gpu, NothingIsLostWithSeveralSamplesPerPixelAndCutTiles) {
   const Frame frame("teapot", 37, 21, 4);
   const GpuConfig config;
   expect_conserved(play(frame, config), frame, config);
@@ -115,7 +115,7 @@ GpuConfig smallest() {
   return c;
 }
 
-TEST(Gpu, QueuesOfOneOneTileInFlightOneItemAChunkAndATileBufferTooSmallForATileStillEnd) {
+TEST(Gpu, QueuesOfOneAndATileBufferTooSmallForATileStillFinish) {
   const Frame frame("cornell", 16, 16);
   for (const std::uint32_t cores : {1U, 4U}) {
     GpuConfig config = smallest();
@@ -126,7 +126,7 @@ TEST(Gpu, QueuesOfOneOneTileInFlightOneItemAChunkAndATileBufferTooSmallForATileS
   }
 }
 
-TEST(Gpu, ATileBufferOfHalfATileSpillsSomeAndEnds) {
+TEST(Gpu, ATileBufferOfHalfATileSpillsAndFinishes) {
   const Frame& frame = test::cornell_64x32();
   for (const std::uint32_t tiles : {1U, 3U}) {
     GpuConfig config;

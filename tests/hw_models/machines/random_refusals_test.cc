@@ -201,7 +201,7 @@ std::string complaint_of(GpuConfig& config, const std::string& set) {
   return {};
 }
 
-TEST(RandomRefusals, EveryRuleThatJoinsKeysRefusesEachOfTwoHundredMachinesThatBreaksIt) {
+TEST(RandomRefusals, EveryRuleBetweenKeysRefusesTwoHundredMachinesThatBreakIt) {
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
     const GpuConfig valid = test::random_config(seed);
     ASSERT_EQ(complaint_of(valid), "") << seed;
@@ -229,7 +229,7 @@ void collect(const sim::ConfigNode& node, std::vector<const sim::ConfigNode*>& f
   for (const sim::ConfigNode& child : node.children) collect(child, fields);
 }
 
-TEST(RandomRefusals, AValueThatIsNoneOfItsFieldIsRefusedForEveryFieldWithWhatIsAllowed) {
+TEST(RandomRefusals, AnInvalidValueOfEveryFieldIsRefusedWithTheAllowedOnes) {
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
     GpuConfig config = test::random_config(seed);
     const sim::ConfigNode root = sim::config_tree(config);
@@ -247,7 +247,7 @@ TEST(RandomRefusals, AValueThatIsNoneOfItsFieldIsRefusedForEveryFieldWithWhatIsA
   }
 }
 
-TEST(RandomRefusals, AFigureBeyondItsLimitsIsRefusedWithTheLimits) {
+TEST(RandomRefusals, ANumberBeyondItsLimitsIsRefusedWithTheLimits) {
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
     GpuConfig config = test::random_config(seed);
     const sim::ConfigNode root = sim::config_tree(config);
@@ -269,7 +269,7 @@ TEST(RandomRefusals, AFigureBeyondItsLimitsIsRefusedWithTheLimits) {
   }
 }
 
-TEST(RandomRefusals, AKeyWithALetterTooMuchIsRefusedWithAKeyOfItsGroup) {
+TEST(RandomRefusals, AMisspeltKeyIsRefusedWithAKeyOfItsGroup) {
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
     GpuConfig config = test::random_config(seed);
     const std::vector<sim::FieldInfo> fields = sim::list_fields(config);

@@ -58,7 +58,7 @@ void expect_all_played(const std::vector<traces::TileWork>& works, const GpuConf
   EXPECT_EQ(idle_run, idle);
 }
 
-TEST(GpuRandomWork, AllOfItIsPlayedAndTheOracleAgrees) {
+TEST(GpuRandomWork, AllOfItIsExecutedAndTheOracleAgrees) {
   for (std::uint64_t seed = 0; seed < 4; ++seed) {
     SCOPED_TRACE(seed);
     const GpuConfig config = drawn_machine(seed);
@@ -79,7 +79,7 @@ TEST(GpuRandomWork, TheOrderOfUnitsWithinAStepIsInvisible) {
   }
 }
 
-TEST(GpuRandomWork, WithFewRaySlotsItStillEnds) {
+TEST(GpuRandomWork, WithFewRaySlotsItStillFinishes) {
   for (std::uint64_t seed = 16; seed < 32; ++seed) {
     SCOPED_TRACE(seed);
     GpuConfig config;
@@ -126,7 +126,7 @@ std::vector<traces::TileWork> chained_work() {
   return works;
 }
 
-TEST(GpuRandomWork, AChainOfImportsEndsOnEveryMachine) {
+TEST(GpuRandomWork, AChainOfImportsFinishesOnEveryMachine) {
   const std::vector<traces::TileWork> works = chained_work();
   for (const std::uint32_t cores : {1U, 2U, 4U}) {
     for (const std::uint32_t in_flight : {1U, 3U}) {
@@ -148,7 +148,7 @@ TEST(GpuRandomWork, AChainOfImportsEndsOnEveryMachine) {
   }
 }
 
-TEST(GpuRandomWork, TilesThatComeAfterAllOthersTakeTurns) {
+TEST(GpuRandomWork, TilesAfterAllOthersTakeTurns) {
   std::vector<traces::TileWork> works = test::random_work(frame_of_six_tiles(), 1);
   for (traces::TileWork& work : works) work.after_all = true;
   const Outcome run = play(frame_of_six_tiles(), works, {});

@@ -111,7 +111,7 @@ TEST(RasterisedFrame, ReadsWhatItHasWrittenAndLosesNoSample) {
   }
 }
 
-TEST(RasterisedFrame, EndsOnTheSmallestMachine) {
+TEST(RasterisedFrame, FinishesOnTheSmallestMachine) {
   kernels::RenderConfig render = small(kernels::Primary::kRaster, 32, 16);
   const Method raster(traces::open_scene("cornell"), "supersample", programs(), render);
   GpuConfig config;

@@ -48,7 +48,7 @@ void expect_stuck(Run&& run) {
   }
 }
 
-TEST(Gpu, AMachineThatIsStuckSaysSoWithTheStateOfEveryUnit) {
+TEST(Gpu, AStuckMachineReportsTheStateOfEveryUnit) {
   expect_stuck([](Gpu& gpu) { sim::run<sim::Skip::kOn>(gpu); });
 }
 
@@ -60,13 +60,13 @@ TEST(Gpu, TheOracleFindsAStuckMachineToo) {
   expect_stuck([](Gpu& gpu) { sim::run<sim::Skip::kOff>(gpu); });
 }
 
-TEST(Gpu, AMachineWhoseItemsTakeLongerThanItsWatchdogWaitsEndsWithTheStateOfEveryUnit) {
+TEST(Gpu, AMachineSlowerThanItsWatchdogReportsTheStateOfEveryUnit) {
   GpuConfig config;
   config.watchdog = 2;  // shorter than the first kernel's configuration
   EXPECT_THROW(test::play(test::cornell_64x32(), config), sim::Deadlock);
 }
 
-TEST(Patience, GrowsWithEverythingThatARequestMayWaitFor) {
+TEST(Patience, GrowsWithEverythingThatARequestCanWaitFor) {
   const GpuConfig plain;
   const auto grows = [&](const char* what, auto&& change) {
     GpuConfig config;
@@ -94,7 +94,7 @@ TEST(Patience, GrowsWithEverythingThatARequestMayWaitFor) {
   grows("hits of the L2", [](GpuConfig& c) { c.l2.cache.hit_cycles.value += 10; });
 }
 
-TEST(Patience, HasRoomForEightChunksOfTheLongestKernel) {
+TEST(Patience, CoversEightChunksOfTheLongestKernel) {
   GpuConfig config;
   config.clocks.srp = {1'000'000'000};
   config.srp.chunk = 1000;

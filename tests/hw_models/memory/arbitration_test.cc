@@ -26,17 +26,17 @@ std::vector<std::uint32_t> order(Arbitration how, std::array<sim::Time, 3> since
 
 using Order = std::vector<std::uint32_t>;
 
-TEST(Arbiter, RoundRobinGoesRoundWhoeverCameFirst) {
+TEST(Arbiter, RoundRobinIgnoresTheOrderOfArrival) {
   EXPECT_EQ(order(Arbitration::kRoundRobin, {30, 20, 10}), (Order{0, 1, 2, 0, 1}));
   EXPECT_EQ(order(Arbitration::kRoundRobin, {30, 0, 10}), (Order{0, 2, 0, 2, 0})) << "who is not ready is passed over";
 }
 
-TEST(Arbiter, OldestFirstTakesTheFirstOfEquals) {
+TEST(Arbiter, OldestFirstServesTheLowestNumberOfEquals) {
   EXPECT_EQ(order(Arbitration::kOldestFirst, {30, 15, 10}), (Order{2, 1, 2, 1, 0}));
   EXPECT_EQ(order(Arbitration::kOldestFirst, {10, 10, 10}), (Order{0, 1, 2, 0, 1}));
 }
 
-TEST(Arbiter, FixedTakesTheFirstThatIsReady) {
+TEST(Arbiter, FixedServesTheFirstThatIsReady) {
   EXPECT_EQ(order(Arbitration::kFixed, {30, 20, 10}), (Order{0, 0, 0, 0, 0}));
   EXPECT_EQ(order(Arbitration::kFixed, {0, 20, 10}), (Order{1, 1, 1, 1, 1}));
   EXPECT_EQ(order(Arbitration::kFixed, {0, 0, 0}), (Order{3, 3, 3, 3, 3})) << "nobody";
@@ -50,7 +50,7 @@ TEST(Arbiter, FixedLetsTheLastClientOfAPortWait) {
   EXPECT_GT(b.client(1).script[0].answered, b.client(0).script[38].answered);
 }
 
-TEST(Arbiter, OldestFirstLetsALateClientOfAPortWaitBehindAllThatCameBefore) {
+TEST(Arbiter, OldestFirstServesALateClientOfAPortLast) {
   PortHarness b(2, 1, 64, 1, 64, Arbitration::kOldestFirst);
   for (Addr i = 0; i < 20; ++i) b.client(0).send(64 * i, 0, true);
   b.client(1).send(0, 10);
@@ -60,7 +60,7 @@ TEST(Arbiter, OldestFirstLetsALateClientOfAPortWaitBehindAllThatCameBefore) {
   EXPECT_EQ(b.client(1).script[0].latency(), 1U + 1 + 1 + 1 + 1) << "one write of the same age goes first";
 }
 
-TEST(Arbiter, HoldsForTheCoresOfABankToo) {
+TEST(Arbiter, ArbitratesTheCoresOfABankToo) {
   for (const Arbitration how : {Arbitration::kFixed, Arbitration::kRoundRobin}) {
     BankHarness b(BankHarness::small(), 2, 64, 50, how);
     b.core(0).send(0);
@@ -93,7 +93,7 @@ TEST(Arbiter, RandomTrafficDoesNotDependOnHowTheEngineVisitsIt) {
   }
 }
 
-TEST(CorePort, PiecesHoldTheWayUpForTheirLength) {
+TEST(CorePort, SectorsOccupyTheWiresUpForTheirLength) {
   for (const SectorMask sectors : {SectorMask{0x01}, SectorMask{0x0f}, kWholeLine}) {
     PortHarness b(1, 1, 64, 1, 8);
     for (Addr i = 0; i < 20; ++i) b.client(0).send(64 * i, 0, true, sectors);

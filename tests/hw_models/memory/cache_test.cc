@@ -36,7 +36,7 @@ TEST(CacheTags, ALineIsAbsentUntilFilledAndThenPresent) {
   EXPECT_FALSE(tags.probe(704));
 }
 
-TEST(CacheTags, TheLeastRecentlyUsedLineOfTheSetGoes) {
+TEST(CacheTags, EvictTheLeastRecentlyUsedLineOfTheSet) {
   const CacheConfig c = shape(4 * 64 * 16, 64, 4);
   CacheTags tags(c);
   const Addr stride = 64 * c.sets();
@@ -79,7 +79,7 @@ TEST(CacheConfig, TheDefaultsAreSound) {
   EXPECT_TRUE(complaints(shape(12 * 1024, 64, 3)).empty()) << "three ways are fine, the sets are a power of two";
 }
 
-TEST(CacheConfig, ImpossibleShapesAreNamed) {
+TEST(CacheConfig, ImpossibleShapesAreRefused) {
   const auto odd_line = complaints(shape(300, 100, 3));
   ASSERT_EQ(odd_line.size(), 1U);
   EXPECT_EQ(odd_line[0].first, "line");
@@ -95,7 +95,7 @@ TEST(CacheConfig, ImpossibleShapesAreNamed) {
   EXPECT_NE(sets[0].second.find("3 sets"), std::string::npos);
 }
 
-TEST(CacheConfig, AnL2WhoseBanksDoNotDivideItIsNamed) {
+TEST(CacheConfig, AnL2WhoseBanksDoNotDivideItIsRefused) {
   L2Config c;
   c.cache.mshrs = 30;
   ASSERT_EQ(complaints(c).size(), 1U);
@@ -123,7 +123,7 @@ TEST(MshrFile, FindsAllocatesAndReleasesByLine) {
   EXPECT_EQ(file.size(), 1U);
 }
 
-TEST(MshrFile, HoldsAsManyAsItIsAllowedWhateverHostsCompareAtOnce) {
+TEST(MshrFile, HoldsItsCapacityForAnyVectorWidthOfTheHost) {
   for (const std::uint32_t capacity : {1U, 7U, 8U, 9U, 20U}) {
     MshrFile<std::uint64_t> file(capacity);
     for (std::uint64_t round = 0; round < 50; ++round) {
@@ -147,7 +147,7 @@ TEST(MshrFile, HoldsAsManyAsItIsAllowedWhateverHostsCompareAtOnce) {
   }
 }
 
-TEST(CacheTags, ForgetNothingWhenTheirClockStartsAfresh) {
+TEST(CacheTags, KeepTheirOrderWhenTheirClockRestarts) {
   const CacheConfig config;
   CacheTags fresh(config), late(config, 1, 0xffffffffU - 100);
   for (std::uint64_t n = 0; n < 3000; ++n) {

@@ -7,7 +7,7 @@
 namespace hw::test {
 namespace {
 
-TEST(CorePort, ALoneRequestTakesTheWiresBothWays) {
+TEST(CorePort, ASingleRequestTakesTheWiresBothWays) {
   PortHarness b(1, 1, 8, 5);
   b.client(0).send(640);
   b.harness.run();
@@ -16,7 +16,7 @@ TEST(CorePort, ALoneRequestTakesTheWiresBothWays) {
   EXPECT_EQ(b.port().stats().lines_down, 1U);
 }
 
-TEST(CorePort, ALineHoldsTheWayDownForItsLengthOverTheWidth) {
+TEST(CorePort, ALineOccupiesTheWiresDownForItsLengthOverTheWidth) {
   for (const std::uint32_t width : {16U, 32U, 64U}) {
     PortHarness b(1, 4, 64, 1, width);
     for (Addr i = 0; i < 40; ++i) b.client(0).send(64 * i);
@@ -27,7 +27,7 @@ TEST(CorePort, ALineHoldsTheWayDownForItsLengthOverTheWidth) {
   }
 }
 
-TEST(CorePort, RequestsGoToTheOwnerOfTheirLine) {
+TEST(CorePort, RequestsGoToTheTargetOfTheirLine) {
   PortHarness b(1, 4, 8);
   for (Addr i = 0; i < 12; ++i) b.client(0).send(64 * (4 * i + i % 3));
   b.harness.run();
@@ -45,7 +45,7 @@ TEST(CorePort, ClientsTakeTurns) {
   }
 }
 
-TEST(CorePort, AWriteHoldsTheWayUp) {
+TEST(CorePort, AWriteOccupiesTheWiresUp) {
   PortHarness b(1, 1, 64);
   for (Addr i = 0; i < 20; ++i) b.client(0).send(64 * i, 0, true);
   b.client(0).send(0);
@@ -54,7 +54,7 @@ TEST(CorePort, AWriteHoldsTheWayUp) {
   EXPECT_EQ(b.port().stats().lines_up, 20U);
 }
 
-TEST(CorePort, ABlockedTargetDoesNotHoldUpTheOthersClients) {
+TEST(CorePort, ABlockedTargetDoesNotBlockClientsOfOthers) {
   PortHarness b(2, 2, 1);
   b.client(0).pop_every = 200;
   for (Addr i = 0; i < 6; ++i) b.client(0).send(128 * i);

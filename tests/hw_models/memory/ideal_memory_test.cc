@@ -6,7 +6,7 @@
 namespace hw::test {
 namespace {
 
-TEST(IdealL2, AnswersWhateverComesACycleLater) {
+TEST(IdealL2, AnswersEveryRequestACycleLater) {
   BankHarness b(BankHarness::small(), 3, 64, 50, Arbitration::kRoundRobin, true);
   for (std::size_t core = 0; core < 3; ++core)
     for (Addr i = 0; i < 40; ++i) b.core(core).send(64 * (100 * core + i), 5);

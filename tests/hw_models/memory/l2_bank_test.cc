@@ -70,7 +70,7 @@ TEST(TileAccounting, CountsLinesByTheirRequester) {
   EXPECT_EQ(accounting.tiles()[0].lines[static_cast<std::size_t>(RequesterKind::kNodes)], 0U);
 }
 
-TEST(ObserverList, PassesEventsOnToAllAndNamesNoneIfThereIsNone) {
+TEST(ObserverList, ForwardsEventsToAllAndIsNullIfEmpty) {
   ObserverList none, one, two;
   TileAccounting first(1), second(1);
   none.add(nullptr);
@@ -84,7 +84,7 @@ TEST(ObserverList, PassesEventsOnToAllAndNamesNoneIfThereIsNone) {
   EXPECT_EQ(second.rest().activates, 1U);
 }
 
-TEST(TileTag, TellsTheNumberOfATileByThatOfAnotherInFlightAlsoWhereTagsRepeat) {
+TEST(TileTag, GivesTheNumberOfATileRelativeToAnotherInFlightAcrossTagWrapAround) {
   constexpr std::uint32_t kTags = 0x8000;
   EXPECT_EQ(tile_number_near(12, 10), 12U);
   EXPECT_EQ(tile_number_near(8, 10), 8U);
@@ -100,7 +100,7 @@ TEST(L2Bank, HitsLeaveOnePerCycle) {
   EXPECT_EQ(b.core(0).script[30].answered, 200 + 29 + kHit);
 }
 
-TEST(L2Bank, ALineOnItsWayIsFetchedOnceForAllWhoWant) {
+TEST(L2Bank, AnOutstandingLineIsFetchedOnceForAllRequesters) {
   BankHarness b;
   for (std::size_t core : {0U, 1U})
     for (int i = 0; i < 3; ++i) b.core(core).send(640);
@@ -111,7 +111,7 @@ TEST(L2Bank, ALineOnItsWayIsFetchedOnceForAllWhoWant) {
   EXPECT_EQ(b.core(1).script[2].answered, kMiss + 5) << "one answer per cycle";
 }
 
-TEST(L2Bank, FullMissRegistersHoldUpTheHeadAndAllBehindIt) {
+TEST(L2Bank, FullMshrsBlockTheHeadAndAllLaterRequests) {
   BankHarness b;
   b.core(0).send(6400);
   for (Addr i = 0; i < 5; ++i) b.core(0).send(64 * i, 200);

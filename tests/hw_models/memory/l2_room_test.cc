@@ -5,7 +5,7 @@
 namespace hw::test {
 namespace {
 
-TEST(L2Bank, HasRoomForTwoRequestsToMemoryForEachRegisterAndTwoMore) {
+TEST(L2Bank, HasRoomForTwoRequestsToMemoryForEachMshrAndTwoMore) {
   L2Config config = BankHarness::small();
   config.writes = L2Writes::kAround;
   constexpr std::uint64_t kMemory = 1'000;

@@ -14,7 +14,7 @@ L2Config four_lines() {
   return c;
 }
 
-TEST(L2Store, IsCleanedInTheOrderOfItsSlotsAndRoundTheirEnd) {
+TEST(L2Store, IsCleanedInTheOrderOfItsSlotsWithWrapAround) {
   L2Store store(four_lines());
   for (const Addr line : {192U, 64U, 0U}) store.allocate(line, kWholeLine, 0b1);
   EXPECT_EQ(store.dirty_lines(), 3U);
@@ -28,7 +28,7 @@ TEST(L2Store, IsCleanedInTheOrderOfItsSlotsAndRoundTheirEnd) {
   EXPECT_EQ(store.dirty_lines(), 0U);
 }
 
-TEST(L2Store, TellsLinesThatAreHereInPartFromThoseThatAreWhole) {
+TEST(L2Store, DistinguishesPartialFromWholeLines) {
   L2Store store(four_lines());
   EXPECT_EQ(store.find(64, 0b1), L2Store::Found::kNot);
   store.allocate(64, 0b0011, 0b0001);
@@ -40,7 +40,7 @@ TEST(L2Store, TellsLinesThatAreHereInPartFromThoseThatAreWhole) {
   EXPECT_EQ(store.find(64, 0b1), L2Store::Found::kNot);
 }
 
-TEST(L2Store, GivesUpTheDirtySectorsOfAVictimAlone) {
+TEST(L2Store, ReturnsOnlyTheDirtySectorsOfAVictim) {
   L2Store store(four_lines());
   store.allocate(64, kWholeLine, 0b1010);
   const L2Store::Victim victim = store.allocate(64 + 256, kWholeLine, 0);

@@ -17,7 +17,7 @@ L2Config policy(L2Writes writes) {
   return c;
 }
 
-TEST(L2Writes, WhatWasWrittenIsReadAsAHitAndNothingIsFetched) {
+TEST(L2Writes, AWrittenLineIsReadAsAHitWithoutAFetch) {
   BankHarness b;
   b.core(0).send(640, 0, true);
   b.core(0).send(640);
@@ -28,7 +28,7 @@ TEST(L2Writes, WhatWasWrittenIsReadAsAHitAndNothingIsFetched) {
   EXPECT_EQ(b.written(), 64U) << "flushed";
 }
 
-TEST(L2Writes, APartIsReadAsAHitIfNoMoreIsWanted) {
+TEST(L2Writes, ASectorIsReadAsAHitIfNoOthersAreRequested) {
   BankHarness b;
   b.core(0).send(640, 0, true, kFirstHalf);
   b.core(0).send(640, 0, false, 0x06);
@@ -38,7 +38,7 @@ TEST(L2Writes, APartIsReadAsAHitIfNoMoreIsWanted) {
   EXPECT_EQ(b.written(), 32U);
 }
 
-TEST(L2Writes, AReadOfMoreThanIsThereFetchesTheLineAroundIt) {
+TEST(L2Writes, AReadOfInvalidSectorsFetchesTheLineAroundTheDirtyOnes) {
   BankHarness b;
   b.core(0).send(640, 0, true, kFirstHalf);
   b.core(0).send(640, 10, false, 0x1f);
@@ -53,7 +53,7 @@ TEST(L2Writes, AReadOfMoreThanIsThereFetchesTheLineAroundIt) {
   EXPECT_EQ(b.stats().written_back, 1U);
 }
 
-TEST(L2Writes, ADirtyVictimGoesToMemoryWithItsPiecesOnly) {
+TEST(L2Writes, ADirtyVictimWritesOnlyItsSectorsToMemory) {
   L2Config c = BankHarness::small();
   BankHarness b(c);
   const Addr stride = 64 * c.cache.sets();
@@ -66,7 +66,7 @@ TEST(L2Writes, ADirtyVictimGoesToMemoryWithItsPiecesOnly) {
   EXPECT_EQ(b.stats().fills, c.cache.ways + 1U) << "the line itself had to be fetched again";
 }
 
-TEST(L2Writes, APieceWrittenTwiceReachesMemoryOnce) {
+TEST(L2Writes, ASectorWrittenTwiceReachesMemoryOnce) {
   BankHarness b;
   for (int i = 0; i < 5; ++i) b.core(0).send(640, 0, true, kFirstHalf);
   b.harness.run();
@@ -75,7 +75,7 @@ TEST(L2Writes, APieceWrittenTwiceReachesMemoryOnce) {
   EXPECT_EQ(b.stats().write_hits, 4U);
 }
 
-TEST(L2Writes, ABankIsIdleBehindAFlush) {
+TEST(L2Writes, ABankIsIdleAfterAFlush) {
   BankHarness b;
   b.core(0).send(640, 0, true);
   b.core(0).send(6400, BankHarness::kFlushAt + 1000);
@@ -85,7 +85,7 @@ TEST(L2Writes, ABankIsIdleBehindAFlush) {
   EXPECT_GT(b.why(L2Bank::CycleReason::kIdle), BankHarness::kFlushAt + 900);
 }
 
-TEST(L2Writes, AWriteIsTakenEachCycle) {
+TEST(L2Writes, AWriteIsAcceptedEachCycle) {
   BankHarness b;
   for (Addr i = 0; i < 50; ++i) b.core(0).send(64 * (i % 16), 0, true);
   b.core(0).send(0);
@@ -93,7 +93,7 @@ TEST(L2Writes, AWriteIsTakenEachCycle) {
   EXPECT_EQ(b.core(0).script[50].answered, 50 + kHit);
 }
 
-TEST(L2Writes, ThroughBringsTheLineUpToDateAndGoesOn) {
+TEST(L2Writes, ThroughUpdatesTheLineAndForwardsTheWrite) {
   BankHarness b(policy(L2Writes::kThrough));
   b.core(0).send(640);
   b.core(0).send(640, 100, true, kFirstHalf);
@@ -109,7 +109,7 @@ TEST(L2Writes, ThroughBringsTheLineUpToDateAndGoesOn) {
   EXPECT_EQ(b.written(), 32U + 64U);
 }
 
-TEST(L2Writes, AroundForgetsTheLineAndGoesOn) {
+TEST(L2Writes, AroundInvalidatesTheLineAndForwardsTheWrite) {
   BankHarness b(policy(L2Writes::kAround));
   b.core(0).send(640);
   b.core(0).send(640, 100, true, kFirstHalf);
@@ -131,7 +131,7 @@ TEST(L2Writes, LatencyIsCountedFromArrivalToLeavingAndTheWaitForMemoryIsPartOfIt
   EXPECT_EQ(b.stats().memory_cycles, kMiss - 3) << "the line leaves in the cycle after its fill";
 }
 
-TEST(L2Writes, WhatIsWrittenReachesMemoryOnceOrIsOverwrittenHoweverTheEngineVisits) {
+TEST(L2Writes, WritesReachMemoryOnceOrAreOverwrittenInAnyEngine) {
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
     std::string expected;
     for (const Mode mode : {Mode::kSkip, Mode::kEveryEdge, Mode::kShuffled}) {

@@ -122,7 +122,7 @@ TEST(Replacement, RandomSpreadsOverAllWays) {
   for (const std::uint32_t c : count) EXPECT_NEAR(c, kFills / kWays, 150) << "five deviations of a fair draw";
 }
 
-TEST(Replacement, RandomDependsOnFillsAlone) {
+TEST(Replacement, RandomDependsOnlyOnFills) {
   CacheTags looked(cache(Replacement::kRandom, 4)), quiet(cache(Replacement::kRandom, 4));
   for (Addr n = 0; n < 200; ++n) {
     for (Addr i = 0; i < n % 3; ++i) looked.probe(64 * i);
@@ -130,7 +130,7 @@ TEST(Replacement, RandomDependsOnFillsAlone) {
   }
 }
 
-TEST(Replacement, PlruWantsAPowerOfTwoOfWays) {
+TEST(Replacement, PlruNeedsAPowerOfTwoOfWays) {
   CacheConfig c = cache(Replacement::kPlru, 3);
   std::vector<std::string> keys;
   const auto complain = [&](const std::string& key, const std::string&) { keys.push_back(key); };

@@ -36,7 +36,7 @@ RasterUnitConfig quick_fetch() {
   return config;
 }
 
-TEST(RasterUnitConfig, AWaveThatTheDepthBufferDoesNotHoldTakesPartsOfWhichTheLastMayBeSmaller) {
+TEST(RasterUnitConfig, AWaveLargerThanTheDepthBufferTakesPartsAndTheLastMayBeSmaller) {
   RasterUnitConfig config;
   config.depth_bytes = 8;
   config.depth_buffer = {800};
@@ -94,7 +94,7 @@ TEST(RasterUnit, TransformsAVertexEachInterval) {
   EXPECT_EQ(harness.written().size(), 300U) << "each in a line of its own";
 }
 
-TEST(RasterUnit, LooksUpSoManyLinesACycle) {
+TEST(RasterUnit, LooksUpItsNumberOfLinesPerCycle) {
   RasterUnitConfig config;
   config.lookups = 1;
   // Lines of an entry, of a triangle's vertex numbers, and of three vertices.
@@ -107,7 +107,7 @@ TEST(RasterUnit, WritesHitsOfAWaveAtItsWidth) {
   EXPECT_EQ(cycles(config, wave(0, 0, 0, 512)) - cycles(config, wave(0, 0, 0, 256)), 256U * 16 / 64);
 }
 
-TEST(RasterUnit, UsesVerticesAgainThatItHasLatelyTransformed) {
+TEST(RasterUnit, ReusesRecentlyTransformedVertices) {
   const TileWork work = batch(100, 1);
   RasterHarness harness(RasterUnitConfig{});
   harness.add(work).run();
@@ -127,7 +127,7 @@ TEST(RasterUnit, WritesEachEntryOnce) {
   EXPECT_EQ(harness.stats().writes, harness.written().size());
 }
 
-TEST(RasterUnit, LeavesHiddenQuadsOutIfItMay) {
+TEST(RasterUnit, SkipsHiddenQuadsWithHierarchicalZ) {
   TileWork work = wave(10, 4, 8);
   for (RasterTriangle& t : work.raster_triangles) {
     t.hidden_blocks = 2;

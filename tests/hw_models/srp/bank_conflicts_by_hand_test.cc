@@ -19,7 +19,7 @@ std::uint64_t per_4_items(std::uint32_t second) {
   return bank_conflicts(schedule, g.graph(), 4).of(4);
 }
 
-TEST(BankConflicts, ItemsInFlightMeetIfTheirRecordsLieInOneBank) {
+TEST(BankConflicts, ItemsInFlightConflictIfTheirRecordsAreInOneBank) {
   EXPECT_EQ(per_4_items(0), 4U) << "the same record";
   EXPECT_EQ(per_4_items(1), 0U) << "never in the same cycle";
   EXPECT_EQ(per_4_items(2), 0U) << "the item before, in the bank beside";

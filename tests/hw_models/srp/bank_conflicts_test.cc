@@ -20,13 +20,13 @@ std::uint64_t per_16_items(const GraphBuilder& g, std::uint32_t banks) {
   return bank_conflicts(schedule(g.graph(), SrpConfig{}), g.graph(), banks).of(16);
 }
 
-TEST(BankConflicts, ALoneAccessMeetsNobody) {
+TEST(BankConflicts, ASingleAccessHasNoConflict) {
   GraphBuilder g;
   g.load(16, g.item());
   for (const std::uint32_t banks : {1U, 2U, 16U}) EXPECT_EQ(per_16_items(g, banks), 0U) << banks;
 }
 
-TEST(BankConflicts, TwoAccessesOfACycleToTheSamePlaceMeetWhateverTheNumberOfBanks) {
+TEST(BankConflicts, TwoAccessesOfACycleToOneAddressConflictForAnyNumberOfBanks) {
   GraphBuilder g;
   const std::uint32_t item = g.item();
   g.load(16, item);
@@ -34,7 +34,7 @@ TEST(BankConflicts, TwoAccessesOfACycleToTheSamePlaceMeetWhateverTheNumberOfBank
   for (const std::uint32_t banks : {1U, 2U, 16U}) EXPECT_EQ(per_16_items(g, banks), 16U) << banks;
 }
 
-TEST(BankConflicts, ArraysAreStaggeredSoThatEqualPlacesOfTwoMeetInASingleBankOnly) {
+TEST(BankConflicts, StaggeredArraysConflictAtEqualIndicesOnlyInASingleBank) {
   GraphBuilder g;
   const std::uint32_t item = g.item();
   g.load(16, item, Op::kLoadLocal, "a");
@@ -43,7 +43,7 @@ TEST(BankConflicts, ArraysAreStaggeredSoThatEqualPlacesOfTwoMeetInASingleBankOnl
   EXPECT_EQ(per_16_items(g, 2), 0U);
 }
 
-TEST(BankConflicts, TheFourPartsOfARecordWantAsManyBanks) {
+TEST(BankConflicts, TheFourPartsOfARecordNeedFourBanks) {
   GraphBuilder g;
   g.load(64, g.item());
   EXPECT_EQ(per_16_items(g, 4), 0U);
@@ -51,7 +51,7 @@ TEST(BankConflicts, TheFourPartsOfARecordWantAsManyBanks) {
   EXPECT_EQ(per_16_items(g, 1), 3 * 16U);
 }
 
-TEST(BankConflicts, RecordsOfDifferentLengthMeetEveryFewItems) {
+TEST(BankConflicts, RecordsOfDifferentLengthConflictEveryFewItems) {
   // Array a advances by one bank per item, b (which begins at bank 1) by two. With four banks they share one when i = 1
   // + 2 i or i = 2 + 2 i (mod 4), which is every other item.
   GraphBuilder g;
@@ -81,7 +81,7 @@ TEST(BankConflicts, MoreBanksNeverMakeAKernelOfTheCatalogueSlower) {
   }
 }
 
-TEST(Srp, StandsStillForBanksAndSaysSo) {
+TEST(Srp, StallsForBanksWithThatReason) {
   SrpHarness harness({}, {{.ii = 4, .depth = 50, .conflicts = {3, 4}}});
   TileBuilder work;
   work.launch(0, 9);

@@ -15,7 +15,7 @@ TEST(ConfigMemory, AKernelIsLoadedOnceAndStaysWhileAllFit) {
     EXPECT_TRUE(memory.use(kernel, kernel == 2 ? 20 : 40));
 }
 
-TEST(ConfigMemory, TheKernelThatHasNotRunForTheLongestTimeMakesRoom) {
+TEST(ConfigMemory, TheLeastRecentlyUsedKernelIsEvicted) {
   ConfigMemory memory(100, 4);
   memory.use(0, 40);
   memory.use(1, 40);
@@ -25,7 +25,7 @@ TEST(ConfigMemory, TheKernelThatHasNotRunForTheLongestTimeMakesRoom) {
   EXPECT_FALSE(memory.use(1, 40));
 }
 
-TEST(ConfigMemory, ALargeKernelMakesAsManyGoAsItNeeds) {
+TEST(ConfigMemory, ALargeKernelEvictsAsManyAsItNeeds) {
   ConfigMemory memory(100, 4);
   for (const auto kernel : std::to_array<traces::KernelId>({0, 1, 2})) memory.use(kernel, 30);
   EXPECT_FALSE(memory.use(3, 70));
@@ -34,7 +34,7 @@ TEST(ConfigMemory, ALargeKernelMakesAsManyGoAsItNeeds) {
   EXPECT_TRUE(memory.use(2, 30));
 }
 
-TEST(ConfigMemory, AKernelThatDoesNotFitAloneIsLoadedForEverySwitchAndLeavesNobodyResident) {
+TEST(ConfigMemory, AKernelLargerThanTheMemoryIsAlwaysLoadedAndLeavesNoneResident) {
   ConfigMemory memory(100, 2);
   memory.use(0, 40);
   EXPECT_FALSE(memory.use(1, 101));

@@ -17,7 +17,7 @@ TEST(OpTable, EveryOperationHasAClassAndEveryClassWithWorkALatency) {
   }
 }
 
-TEST(OpTable, EveryOperationCostsEnergyExceptWhatIsFreeOrCountedByTheCache) {
+TEST(OpTable, EveryOperationCostsEnergyExceptFreeAndCachedOnes) {
   for (int i = 0; i < static_cast<int>(Op::kCount); ++i) {
     const auto op = static_cast<Op>(i);
     const bool without = op == Op::kInput || op == Op::kConstant || op == Op::kBits || op == Op::kLoadCached;

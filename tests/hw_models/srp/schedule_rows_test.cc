@@ -12,7 +12,7 @@ Bits with(std::uint32_t size, std::initializer_list<std::uint32_t> taken) {
   return bits;
 }
 
-TEST(ScheduleRows, AGapMayGoRoundTheEndOfTheTable) {
+TEST(ScheduleRows, AGapMayWrapAroundTheTable) {
   const Bits rows = with(10, {2, 5});
   EXPECT_EQ(rows_until_gap(rows, 0, 2, 10), 0U);
   EXPECT_EQ(rows_until_gap(rows, 2, 2, 10), 1U);
@@ -22,7 +22,7 @@ TEST(ScheduleRows, AGapMayGoRoundTheEndOfTheTable) {
   EXPECT_EQ(rows_until_gap(rows, 7, 7, 10), 10U) << "none";
 }
 
-TEST(ScheduleRows, AnEmptyTableTakesWhatIsAsLongAsItself) {
+TEST(ScheduleRows, AnEmptyTableHoldsAnOperationOfItsOwnLength) {
   EXPECT_EQ(rows_until_gap(Bits(64), 63, 64, 64), 0U);
   EXPECT_EQ(rows_until_gap(Bits(65), 64, 65, 65), 0U);
 }

@@ -38,14 +38,14 @@ TEST(SrpBorders, AnImportWaitsForItsBorderAndTheRestOfTheTileDoesNot) {
   EXPECT_EQ(harness.spent(CycleReason::kWaiting), kDma);
 }
 
-TEST(SrpBorders, OneThatIsThereIsReadAtOnce) {
+TEST(SrpBorders, APresentOneIsReadAtOnce) {
   SrpHarness harness({}, {{1, 10}}), without({}, {{1, 10}});
   harness.add(importing(1), 0).run();
   EXPECT_EQ(harness.done_at(0), kLoop + 10 + 15) << "the transfer is done long before the first launch is";
   EXPECT_EQ(harness.spent(CycleReason::kBorders), 0U);
 }
 
-TEST(SrpBorders, EachImportStartsWithItsOwnNews) {
+TEST(SrpBorders, EachImportStartsWithItsOwnUpdate) {
   SrpHarness harness({}, {{1, 10}});
   harness.add(importing(3), 0b111).tell(1000, 0, 0b101).tell(2000, 0, 0b100).tell(3000, 0, 0).run();
   EXPECT_EQ(harness.transfers().size(), 3U);
@@ -54,7 +54,7 @@ TEST(SrpBorders, EachImportStartsWithItsOwnNews) {
   EXPECT_EQ(harness.spent(CycleReason::kBorders), 3000 + 1 - kStart - kLoop - 2 * kDma);
 }
 
-TEST(SrpBorders, ABorderIsToldOfWhenItsTransferIsDoneAndTheTileGoesOn) {
+TEST(SrpBorders, ABorderIsReportedWhenItsTransferIsDoneAndTheTileContinues) {
   SrpHarness harness({}, {{1, 10}, {1, 500}});
   TileBuilder work(7);
   const auto launch = work.launch(kA, 16);

@@ -20,7 +20,7 @@ TEST(SrpConfig, AUnitCannotHaveTwoMultipliersOrDividers) {
   EXPECT_EQ(complaints({.rows = 1, .columns = 2, .mul_units = 2, .div_sqrt_units = 2}), "");
 }
 
-TEST(SrpConfig, ALoadIsUnderWayForSixtyFourCyclesAtMost) {
+TEST(SrpConfig, ALoadTakesAtMostSixtyFourCycles) {
   const auto complaints_of = [](const OpLatencyConfig& latency) {
     std::string keys;
     latency.check([&](const std::string& key, const std::string&) { keys += key; });
@@ -30,9 +30,7 @@ TEST(SrpConfig, ALoadIsUnderWayForSixtyFourCyclesAtMost) {
   EXPECT_EQ(complaints_of({.cached_load = 5, .load_queue = 60}), "load_queue");
 }
 
-TEST(SrpConfig, ItsStorageIsWhatLeaksBesideTheTileBuffer) {
-  EXPECT_EQ(SrpConfig{}.sram_bytes(), (16U + 64U + 36U) * 1024U);
-}
+TEST(SrpConfig, ItsStorageExcludesTheTileBuffer) { EXPECT_EQ(SrpConfig{}.sram_bytes(), (16U + 64U + 36U) * 1024U); }
 
 }  // namespace
 }  // namespace hw::test

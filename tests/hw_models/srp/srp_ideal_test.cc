@@ -25,7 +25,7 @@ TEST(SrpIdeal, ALaunchTakesACycleWithoutSwitchDepthOrConflicts) {
   EXPECT_EQ(harness.spent(Srp::CycleReason::kBanks), 0U);
 }
 
-TEST(SrpIdeal, ItStillWaitsForItsLinesAllAtOnceAsFarAsThereAreMissRegisters) {
+TEST(SrpIdeal, ItStillWaitsForItsLinesAllAtOnceUpToTheMshrs) {
   SrpHarness::Setup setup = ideal();
   setup.config.data_cache.mshrs = 4;
   std::vector<std::vector<Access>> eight;
@@ -41,7 +41,7 @@ TEST(SrpIdeal, ItStillWaitsForItsLinesAllAtOnceAsFarAsThereAreMissRegisters) {
   EXPECT_EQ(harness.spent(Srp::CycleReason::kCacheMiss), harness.cycles(0) - 1);
 }
 
-TEST(SrpIdeal, RaysLeaveWhenTheLinesOfTheirLaunchHaveCome) {
+TEST(SrpIdeal, RaysLeaveWhenTheLinesOfTheirLaunchHaveArrived) {
   SrpHarness harness(ideal(), {{}, {}});
   TileBuilder work;
   const auto rays = work.rays(work.launch(0, {{Access::attributes(0)}, {Access::attributes(1)}}), 2);
@@ -51,7 +51,7 @@ TEST(SrpIdeal, RaysLeaveWhenTheLinesOfTheirLaunchHaveCome) {
   EXPECT_GE(harness.rays()[0].cycle, SrpHarness::kLine);
 }
 
-TEST(SrpIdeal, AnInterfaceThatTakesNoTimeHasAnyNumberOfRaysGoInACycle) {
+TEST(SrpIdeal, AnInterfaceWithoutIntervalSendsAnyNumberOfRaysPerCycle) {
   const auto first_ray_at = [](std::uint32_t ray_interval) {
     SrpHarness::Setup setup = ideal();
     setup.ray_interval = ray_interval;

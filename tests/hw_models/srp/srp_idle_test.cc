@@ -63,7 +63,7 @@ TEST(SrpIdle, IdleItemsMakeNoRaysAndTakeNoSlots) {
   EXPECT_EQ(harness.srp().tile_buffer().used(), 0U);
 }
 
-TEST(SrpIdle, ALaunchThatWaitsGoesBeforeTheChunksThatOnlyIdle) {
+TEST(SrpIdle, AReadyLaunchRunsBeforeIdleChunks) {
   SrpHarness harness(with_chunk(8), {{1, 10}, {1, 10}});
   TileBuilder work;
   const auto launch = work.launch(kA, 8);

@@ -57,7 +57,7 @@ TEST(SrpMerge, LaunchesThatWaitTogetherPayOneSwitchOnePrologueAndOneDrain) {
   EXPECT_EQ(harness.srp().kernel_use()[kA].items, 48U);
 }
 
-TEST(SrpMerge, ALoopsCyclesAreSharedOutAmongItsTilesToTheLastOne) {
+TEST(SrpMerge, ALoopsCyclesAreDividedAmongItsTilesExactly) {
   TileAccounting accounting(0);
   SrpHarness::Setup setup = merging();
   setup.observer = &accounting;
@@ -76,7 +76,7 @@ TEST(SrpMerge, OffEachPaysItsOwn) {
   EXPECT_EQ(harness.srp().stats().merged, 0U);
 }
 
-TEST(SrpMerge, NobodyWaitsForOthersToComeAndOtherKernelsStayApart) {
+TEST(SrpMerge, LaunchesWaitForNoOthersAndOtherKernelsStayApart) {
   SrpHarness harness(merging(), kKernels);
   TileBuilder other(2);
   other.launch(kB, 16);
@@ -114,7 +114,7 @@ TEST(SrpMerge, RaysLeaveWithTheirItemsAndIdleItemsComeLast) {
   EXPECT_EQ(harness.srp().kernel_use()[kA].launches, 1U);
 }
 
-TEST(SrpMerge, RaysOfWhatJoinsMustFitAsTheyMustAlone) {
+TEST(SrpMerge, RaysOfAJoiningLaunchMustFitAsWithoutMerging) {
   SrpHarness::Setup setup = merging();
   setup.tile_samples = 16;
   const TileBufferConfig& b = setup.buffer;

@@ -41,7 +41,7 @@ TEST(Srp, AYoungerTilesFirstRaysLeaveRoomForATileOfTheOldest) {
   }
 }
 
-TEST(Srp, AYoungerTilesFirstRaysLeaveRoomForAWaveWhereTilesAreTracedInWaves) {
+TEST(Srp, AYoungerTilesFirstRaysLeaveRoomForAWaveOfTheOldest) {
   constexpr std::uint32_t kWave = 4;
   for (const auto& [slots, together] : {std::pair{2 * kSamples + kWave, true}, {2 * kSamples + kWave - 1, false}}) {
     SrpHarness::Setup setup = with_slots(slots);
@@ -54,7 +54,7 @@ TEST(Srp, AYoungerTilesFirstRaysLeaveRoomForAWaveWhereTilesAreTracedInWaves) {
   }
 }
 
-TEST(Srp, WhatDoesNotFitGoesOutAndInAgainBeforeItsRaysLeave) {
+TEST(Srp, RaysWithoutASlotAreSpilledAndReadBackBeforeTheyLeave) {
   SrpHarness harness(with_slots(10), {{1, 50}, {1, 50}});
   harness.add(trace_and_shade(kSamples)).run();
   EXPECT_EQ(harness.srp().tile_buffer().stats().spilled_slots, kSamples - 10);
@@ -65,7 +65,7 @@ TEST(Srp, WhatDoesNotFitGoesOutAndInAgainBeforeItsRaysLeave) {
   EXPECT_EQ(harness.rays().size(), kSamples);
 }
 
-TEST(Srp, WithoutASingleSlotEveryTileStillEnds) {
+TEST(Srp, WithoutAnySlotEveryTileStillFinishes) {
   SrpHarness::Setup setup = with_slots(0);
   setup.config.chunk = 3;
   SrpHarness harness(setup, {{1, 50}, {1, 50}});
@@ -76,7 +76,7 @@ TEST(Srp, WithoutASingleSlotEveryTileStillEnds) {
   EXPECT_EQ(harness.srp().tile_buffer().used(), 0U);
 }
 
-TEST(Srp, EveryCycleHasAReasonAndTheOracleAgreesHoweverFewSlotsThereAre) {
+TEST(Srp, EveryCycleHasAReasonAndTheOracleAgreesForAnyNumberOfSlots) {
   for (const std::uint32_t slots : {0U, 5U, 16U, 33U, 1000U}) {
     for (const std::uint32_t chunk : {1U, 5U, 256U}) {
       SrpHarness::Setup setup = with_slots(slots);

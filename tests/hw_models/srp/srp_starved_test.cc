@@ -16,7 +16,7 @@ std::uint64_t starved(const SrpHarness& harness, traces::KernelId kernel) {
   return harness.srp().kernel_use()[kernel].starved;
 }
 
-TEST(SrpStarved, ALoneLaunchWithoutRaysStarvesTheUnitSwitchAndStallsIncluded) {
+TEST(SrpStarved, ASingleLaunchWithoutRaysStarvesTheUnitSwitchAndStallsIncluded) {
   SrpHarness harness({}, {{4, 90}});
   TileBuilder work;
   work.launch(kA, {{Access::attributes(0)}, {Access::attributes(1)}});
@@ -47,7 +47,7 @@ TEST(SrpStarved, NotWhileTheUnitIsBusyThroughout) {
   EXPECT_EQ(harness.cycles(kB), SrpHarness::cold(3) + 40 + 199 * 3);
 }
 
-TEST(SrpStarved, OfAKernelThatHitsComeBackUnderOnlyTheRestCounts) {
+TEST(SrpStarved, OfAKernelWithReturningHitsOnlyTheRestCounts) {
   SrpHarness::Setup setup;
   setup.tni_latency = 300;
   SrpHarness harness(setup, {{1, 10}, {3, 40}});

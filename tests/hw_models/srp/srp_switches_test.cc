@@ -30,7 +30,7 @@ SrpHarness::Setup with_memory(std::uint64_t bytes) {
   return setup;
 }
 
-TEST(SrpSwitches, OnlyTheFirstSwitchToAKernelIsColdWhereAllFit) {
+TEST(SrpSwitches, OnlyTheFirstSwitchToAKernelIsColdIfAllFit) {
   SrpHarness harness(with_memory(10 * kRow), {{3, 20}, {7, 20}});
   harness.add(launches({0, 1, 0, 1, 0})).run();
   const SrpStats& stats = harness.srp().stats();
@@ -43,7 +43,7 @@ TEST(SrpSwitches, OnlyTheFirstSwitchToAKernelIsColdWhereAllFit) {
             SrpHarness::cold(3) + SrpHarness::cold(7) + 3 * SrpHarness::kResident);
 }
 
-TEST(SrpSwitches, EverySwitchIsColdWhereOneRowIsMissing) {
+TEST(SrpSwitches, EverySwitchIsColdIfOneRowIsMissing) {
   SrpHarness harness(with_memory(10 * kRow - 1), {{3, 20}, {7, 20}});
   harness.add(launches({0, 1, 0, 1, 0})).run();
   EXPECT_EQ(harness.srp().stats().resident_switches, 0U);
@@ -51,7 +51,7 @@ TEST(SrpSwitches, EverySwitchIsColdWhereOneRowIsMissing) {
   EXPECT_EQ(harness.spent(Srp::CycleReason::kSwitching), 3 * SrpHarness::cold(3) + 2 * SrpHarness::cold(7));
 }
 
-TEST(SrpSwitches, OfThreeKernelsInRoomForTwoTheOneThatRanLongAgoGoes) {
+TEST(SrpSwitches, OfThreeKernelsInRoomForTwoTheLeastRecentlyUsedIsEvicted) {
   SrpHarness harness(with_memory(4 * kRow), {{2, 20}, {2, 20}, {2, 20}});
   harness.add(launches({0, 1, 0, 2, 0, 1})).run();
   EXPECT_EQ(harness.srp().stats().resident_switches, 2U) << "0, twice";
@@ -79,7 +79,7 @@ TEST(SrpSwitches, AnIdealShaderCoreMakesNone) {
   EXPECT_EQ(harness.srp().stats().config_rows_switched, 0U);
 }
 
-TEST(SrpSwitches, TheOracleAgreesHoweverLittleFits) {
+TEST(SrpSwitches, TheOracleAgreesForAnySizeOfTheMemory) {
   for (const std::uint64_t rows : {0U, 5U, 9U, 12U}) {
     const std::vector<SrpHarness::Kernel> kernels = {{2, 33}, {5, 71}, {4, 12}};
     SrpHarness fast(with_memory(rows * kRow), kernels), oracle(with_memory(rows * kRow), kernels);

@@ -122,7 +122,7 @@ TEST(SrpTransfers, ATransferMayWaitForRaysAndKeepsTheirSlotsUntilItIsDone) {
   EXPECT_EQ(harness.srp().tile_buffer().used(), 0U) << "the transfer was the last that read them";
 }
 
-TEST(SrpTransfers, NothingSpillsWhileDataThatALaunchWaitsForAreOnTheirWay) {
+TEST(SrpTransfers, NothingSpillsWhileALaunchWaitsForDataInFlight) {
   SrpHarness::Setup setup;
   setup.dma_latency = 300;
   const TileBufferConfig& b = setup.buffer;

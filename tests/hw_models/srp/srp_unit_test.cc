@@ -56,7 +56,7 @@ TEST(Srp, AnotherKernelPaysItsSwitch) {
   EXPECT_EQ(harness.done_at(0), SrpHarness::cold(1) + SrpHarness::cold(2) + kResident + 2 * (10 + 15) + 30 + 15 * 2);
 }
 
-TEST(Srp, AMissStallsByExactlyWhatArrivesLaterThanTheLoadsLatency) {
+TEST(Srp, AMissStallsByItsTimeBeyondTheLoadsLatency) {
   for (const std::uint32_t latency : {1U, 10U, 62U, 63U, 64U, 100U, 500U}) {
     SrpHarness::Setup setup;
     setup.memory_latency = latency;
@@ -72,7 +72,7 @@ TEST(Srp, AMissStallsByExactlyWhatArrivesLaterThanTheLoadsLatency) {
   }
 }
 
-TEST(Srp, ALongerLoadQueueHidesAsMuchMoreOfAMiss) {
+TEST(Srp, ALongerLoadQueueHidesEquallyMoreOfAMiss) {
   for (const std::uint32_t queue : {12U, 36U, 60U}) {
     SrpHarness::Setup setup;
     setup.config.latency.load_queue = queue;
@@ -85,7 +85,7 @@ TEST(Srp, ALongerLoadQueueHidesAsMuchMoreOfAMiss) {
   }
 }
 
-TEST(Srp, MissesOfItemsThatFollowEachOtherOverlap) {
+TEST(Srp, MissesOfConsecutiveItemsOverlap) {
   SrpHarness harness({}, {{1, 90}});
   TileBuilder work;
   work.launch(kA, {{Access::attributes(0)}, {Access::attributes(1)}, {Access::attributes(2)}, {Access::attributes(3)}});
@@ -94,7 +94,7 @@ TEST(Srp, MissesOfItemsThatFollowEachOtherOverlap) {
   EXPECT_EQ(harness.spent(Srp::CycleReason::kCacheMiss), kLine - kLoad);
 }
 
-TEST(Srp, ALineThatIsThereStallsNothing) {
+TEST(Srp, ACachedLineStallsNothing) {
   SrpHarness harness({}, {{4, 90}});
   TileBuilder work;
   const auto first = work.launch(kA, {{Access::attributes(7)}, {Access::material(2)}});
@@ -106,7 +106,7 @@ TEST(Srp, ALineThatIsThereStallsNothing) {
   EXPECT_EQ(harness.cycles(kA), first_launch + 90 + 4);
 }
 
-TEST(Srp, WithoutAFreeMissRegisterTheArrayStandsStillAtOnce) {
+TEST(Srp, WithoutAFreeMshrTheArrayStallsAtOnce) {
   SrpHarness::Setup setup;
   setup.config.data_cache.mshrs = 1;
   SrpHarness harness(setup, {{4, 90}});
@@ -138,7 +138,7 @@ TEST(Srp, RaysLeaveNoFasterThanTheDirectInterfaceTakesThem) {
   for (std::uint32_t i = 1; i < 8; ++i) EXPECT_EQ(harness.rays()[i].cycle, harness.rays()[i - 1].cycle + 4);
 }
 
-TEST(Srp, ShadingBeginsWhenTheLastHitOfItsChunkIsBack) {
+TEST(Srp, ShadingBeginsWhenTheLastHitOfItsChunkReturns) {
   SrpHarness harness({}, {{5, 30}, {2, 20}});
   harness.add(trace_and_shade(8)).run();
   const std::uint64_t rays = SrpHarness::cold(5) + 30 + 7 * 5, tni = 1 + 10, shading = SrpHarness::cold(2) + 20 + 7 * 2;
@@ -147,7 +147,7 @@ TEST(Srp, ShadingBeginsWhenTheLastHitOfItsChunkIsBack) {
   EXPECT_EQ(harness.srp().tile_buffer().used(), 0U) << "every slot has been given back";
 }
 
-TEST(Srp, ConsumersGoBeforeProducers) {
+TEST(Srp, ConsumersRunBeforeProducers) {
   SrpHarness::Setup setup;
   setup.config.chunk = 4;
   SrpHarness harness(setup, {{1, 10}, {1, 40}});

@@ -7,7 +7,7 @@ namespace {
 
 constexpr sim::Clock kClock{1'000'000};
 
-TEST(TileBuffer, WhatColoursOfTheTilesInFlightLeaveIsRaySlots) {
+TEST(TileBuffer, RaySlotsFillTheRoomAfterTheColoursOfTilesInFlight) {
   TileBufferConfig config;
   config.size.bytes = 64 * 1024;
   EXPECT_EQ(TileBuffer(config, {.tile_samples = 256}, kClock).slots(), (65536U - 3 * 256 * 16) / 64);
@@ -63,7 +63,7 @@ TEST(TilesInFlight, TilesOfLaterPassesShareTheRoomOfThoseOfTheFirst) {
   EXPECT_EQ(tiles_in_flight(config, needs, false).later, 1U);
 }
 
-TEST(TileBuffer, SlotsTakenAreNotFreeUntilGivenBack) {
+TEST(TileBuffer, SlotsTakenAreNotFreeUntilReturned) {
   TileBufferConfig config;
   config.size.bytes = 3 * 256 * 16 + 64 * 100;
   TileBuffer buffer(config, {.tile_samples = 256}, kClock);
@@ -79,7 +79,7 @@ TEST(TileBuffer, SlotsTakenAreNotFreeUntilGivenBack) {
   EXPECT_EQ(buffer.stats().spilled_slots, 0U);
 }
 
-TEST(TileBuffer, WhatDoesNotFitIsSpilledAndOnlyThat) {
+TEST(TileBuffer, OnlySlotsThatDoNotFitAreSpilled) {
   TileBufferConfig config;
   config.size.bytes = 3 * 256 * 16 + 64 * 100;
   TileBuffer buffer(config, {.tile_samples = 256}, kClock);

@@ -67,7 +67,7 @@ TEST(TileRun, MappedItemsWaitForTheirSources) {
   EXPECT_EQ(tile.next(), consumer);
 }
 
-TEST(TileRun, AnUnusableLaunchIsPassedOver) {
+TEST(TileRun, AnUnusableLaunchIsSkipped) {
   TileBuilder builder;
   builder.launch(kKernel, 4);
   builder.launch(kKernel, 4);
@@ -76,7 +76,7 @@ TEST(TileRun, AnUnusableLaunchIsPassedOver) {
   EXPECT_EQ(tile.run.next_launch([](std::uint32_t) { return false; }), kNone);
 }
 
-TEST(TileRun, RaysThatComeBackInAnyOrderReleaseTheirChunkWhenTheLastIsIn) {
+TEST(TileRun, RaysReturningInAnyOrderReleaseTheirChunkWithTheLast) {
   TileBuilder builder;
   const auto rays = builder.rays(builder.launch(kKernel, 8), 8);
   const auto shade = builder.launch(kKernel, 8, {TileBuilder::each(rays)});
@@ -106,7 +106,7 @@ TEST(TileRun, SlotsAreFreedWhenTheLastReaderIsDone) {
   EXPECT_EQ(tile.run.finish_items(second, 2), 6U);
 }
 
-TEST(TileRun, RaysMadeByAChunkAreThoseWhoseSourcesLieInIt) {
+TEST(TileRun, RaysMadeByAChunkAreThoseWithSourcesInIt) {
   TileBuilder builder;
   const auto launch = builder.launch(kKernel, 10);
   builder.rays(launch, 3, {1, 4, 8});
@@ -164,7 +164,7 @@ TEST(TileRun, ATransferStartsOnceWhenItsLastInputIsComplete) {
   EXPECT_FALSE(tile.run.is_awaited(out)) << "it is the last";
 }
 
-TEST(TileRun, IdleItemsComeLastAndNobodyWaitsForThem) {
+TEST(TileRun, IdleItemsComeLastAndNoNodeWaitsForThem) {
   TileBuilder builder;
   const auto producer = builder.launch(kKernel, 6);
   builder.idle(producer, 5);
@@ -219,7 +219,7 @@ TEST(TileRun, IdleItemsMakeNoRays) {
   EXPECT_EQ(tile.run.rays_made(launch, 8, 2), 0U);
 }
 
-TEST(TileRun, APlaceIsUsedAgainWithNothingLeftOfTheTileBefore) {
+TEST(TileRun, AReusedSlotKeepsNothingOfTheTileBefore) {
   TileBuilder large;
   large.launch(kKernel, 9, {TileBuilder::each(large.rays(large.launch(kKernel, 9), 9))});
   Tile tile(large, 2);

@@ -53,7 +53,7 @@ TEST(Instances, LeavingCostsThePopAlone) {
   EXPECT_EQ(alone(two_instances(), kBoth), 5 * kVisit + 2 * kTransform + kPop);
 }
 
-TEST(Instances, OneOperationACycleGoesThroughTheBoxPipe) {
+TEST(Instances, OneOperationPerCycleEntersTheBoxPipe) {
   TniHarness::Setup setup = two_instances();
   setup.config.trv.rays = 64;
   setup.ideal.l1 = true;

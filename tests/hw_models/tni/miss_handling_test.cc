@@ -27,7 +27,7 @@ TniHarness::Setup one_trv(MissHandling handling) {
 
 Walk one_node(std::uint32_t node) { return {visit_step(node, 0, 0), end_step(false)}; }
 
-TEST(MissHandling, ALoneRayWaitsForEachLineAlikeUnlessItLoops) {
+TEST(MissHandling, ASingleRayWaitsEquallyForEachLineUnlessItLoops) {
   for (const MissHandling handling : kAll) {
     TniHarness harness(one_trv(handling));
     harness.add({visit_step(0, 1, 0), visit_step(1, 1, 0), visit_step(2, 0, 0), end_step(false)}).run();
@@ -54,7 +54,7 @@ TEST(MissHandling, WithoutMissesAllTakeTheSameCycles) {
   EXPECT_EQ(std::ranges::count(ends, ends.front()), 4);
 }
 
-TEST(MissHandling, BlockingHasOneLineOnItsWayAndTheNextRayProbesBehindIt) {
+TEST(MissHandling, BlockingHasOneOutstandingLineAndTheNextRayProbesAfterIt) {
   TniHarness harness(one_trv(MissHandling::kBlocking));
   for (std::uint32_t i = 0; i < 10; ++i) harness.add(one_node(i));
   harness.run();
@@ -68,7 +68,7 @@ TEST(MissHandling, ReorderOverlapsTheMissesOfIndependentRays) {
   for (std::uint32_t i = 0; i < 8; ++i) EXPECT_EQ(harness.latency(i), kWires + kVisit + kMiss) << i;
 }
 
-TEST(MissHandling, RaysLoopUntilTheirLineHasComeAndThenReadItWithTheNextProbe) {
+TEST(MissHandling, RaysLoopUntilTheirLineArrivesAndReadItWithTheNextProbe) {
   // 14 rays for one line loop through the pipe and fill it until the line arrives at cycle 51.
   TniHarness harness(one_trv(MissHandling::kBypass));
   harness.add(one_node(0), 14).run();
@@ -77,7 +77,7 @@ TEST(MissHandling, RaysLoopUntilTheirLineHasComeAndThenReadItWithTheNextProbe) {
   EXPECT_EQ(trv(harness).stats().l1_accesses, trv(harness).stats().bypass_passes + 14);
 }
 
-TEST(MissHandling, AFullTableStopsTheFetchStageUntilARowIsFree) {
+TEST(MissHandling, AFullTableStallsTheFetchStageUntilARowIsFree) {
   TniHarness::Setup setup = one_trv(MissHandling::kRau);
   setup.config.rau = {1, 4};
   TniHarness one(setup);
@@ -94,7 +94,7 @@ TEST(MissHandling, AFullTableStopsTheFetchStageUntilARowIsFree) {
   EXPECT_EQ(trv(two).activity().spent(Trv::CycleReason::kRauFull), 0U);
 }
 
-TEST(MissHandling, AFullRowStopsTheFetchStageUntilItsLineHasCome) {
+TEST(MissHandling, AFullRowStallsTheFetchStageUntilItsLineArrives) {
   TniHarness::Setup setup = one_trv(MissHandling::kRau);
   setup.config.rau = {16, 1};
   TniHarness harness(setup);
@@ -107,7 +107,7 @@ TEST(MissHandling, AFullRowStopsTheFetchStageUntilItsLineHasCome) {
   EXPECT_EQ(trv(harness).stats().rau_reads, 2U);
 }
 
-TEST(MissHandling, RaysOfARowGoOnWithoutAnotherProbe) {
+TEST(MissHandling, RaysOfARowResumeWithoutAnotherProbe) {
   TniHarness harness(one_trv(MissHandling::kRau));
   harness.add(one_node(0), 4).run();
   EXPECT_EQ(trv(harness).stats().l1_accesses, 4U);
@@ -127,7 +127,7 @@ TEST(MissHandling, ALineIsLateIfTheFirstProbeForItMissedHoweverManyFollow) {
   }
 }
 
-TEST(MissHandling, BlockingIsNeverFasterThanReorderWhereLinesAreScarce) {
+TEST(MissHandling, BlockingIsNeverFasterThanReorderIfLinesAreScarce) {
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
     const RandomLoad load(seed);
     const auto cycles = [&](MissHandling handling) {
@@ -142,7 +142,7 @@ TEST(MissHandling, BlockingIsNeverFasterThanReorderWhereLinesAreScarce) {
   }
 }
 
-TEST(MissHandling, CachesOfOneLineEndUnderEachOfThem) {
+TEST(MissHandling, CachesOfOneLineFinishUnderEachOfThem) {
   const RandomLoad load(3);
   for (const MissHandling handling : kAll) {
     for (const std::uint32_t registers : {1U, 2U, 3U}) {

@@ -28,7 +28,7 @@ TEST(Prefetch, ProbesAndFetchesAreCountedOnceForEachFarNode) {
   EXPECT_EQ(of(Prefetch::kNone, 8).prefetch_probes, 0U);
 }
 
-TEST(Prefetch, NothingIsProbedForIfNoRegisterIsToSpare) {
+TEST(Prefetch, NothingIsProbedWithoutASpareMshr) {
   EXPECT_EQ(of(Prefetch::kSibling, 2).prefetch_probes, 0U);
   EXPECT_EQ(of(Prefetch::kSibling, 2).prefetches, 0U);
 }

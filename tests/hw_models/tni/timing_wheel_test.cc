@@ -12,7 +12,7 @@
 namespace hw::test {
 namespace {
 
-TEST(TimingWheel, EachSlotComesOutALatencyLaterAndGoesItsWay) {
+TEST(TimingWheel, EachSlotCompletesALatencyLaterInItsPipe) {
   const sim::Clock clock(3);
   for (const std::uint64_t longest : {1U, 2U, 13U, 63U}) {
     TimingWheel<4> wheel(clock, longest);

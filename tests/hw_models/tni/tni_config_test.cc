@@ -8,7 +8,7 @@
 namespace hw {
 namespace {
 
-TEST(TniConfig, OnlyTheRestartTrailDoesWithoutAStack) {
+TEST(TniConfig, OnlyTheRestartTrailWorksWithoutAStack) {
   TniConfig config;
   config.trv.stack_entries = 0;
   for (const StackScheme scheme : {StackScheme::kFull, StackScheme::kRestartLink}) {

@@ -30,7 +30,7 @@ Walk straight(std::uint32_t n) {
   return walk;
 }
 
-TEST(Tni, ALoneRayOfNVisitsThatAllHitTakesWiresPlusNTimesFetchAndBox) {
+TEST(Tni, ASingleRayOfNHitsTakesWiresPlusNTimesFetchAndBox) {
   for (const std::uint32_t n : {1U, 2U, 7U, 40U}) {
     TniHarness harness(one_trv());
     harness.add(straight(n)).add(straight(n));  // the first one brings the lines
@@ -163,7 +163,7 @@ Fingerprint fingerprint(const TniHarness& harness) {
   return f;
 }
 
-TEST(Tni, SkippingIdleTimeAndAnyUnitOrderGiveTheOraclesEveryCounter) {
+TEST(Tni, SkippingIdleTimeAndAnyUnitOrderGiveTheOraclesCounters) {
   for (std::uint64_t seed = 0; seed < 80; ++seed) {
     const RandomLoad load(seed, 400, 300, seed % 4 >= 2);
     TniHarness::Setup setup = random_setup(seed);
@@ -180,7 +180,7 @@ TEST(Tni, SkippingIdleTimeAndAnyUnitOrderGiveTheOraclesEveryCounter) {
   }
 }
 
-TEST(Tni, WhatEntersLeavesAndEveryCycleHasAReason) {
+TEST(Tni, AllRaysLeaveAndEveryCycleHasAReason) {
   for (std::uint64_t seed = 100; seed < 180; ++seed) {
     SCOPED_TRACE(seed);
     const RandomLoad load(seed, 400, 300, seed % 4 >= 2);

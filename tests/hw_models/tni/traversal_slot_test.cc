@@ -97,7 +97,7 @@ TEST(TraversalSlot, DropsTheOldestEntryOfAFullShortStack) {
   EXPECT_EQ(slot.stack_depth(), 3U);
 }
 
-TEST(TraversalSlot, CountsNoPushOfAStackThatKeepsNothing) {
+TEST(TraversalSlot, CountsNoPushesWithoutAStack) {
   const Walk walk = padded({visit_step(0, 3, 0), visit_step(1, 0, 0), visit_step(2, 0, 0), end_step(false)});
   TraversalSlot slot(walk.data(), 0);
   StackStats stats;
@@ -144,7 +144,7 @@ std::vector<std::uint32_t> replayed(bool has_trail, std::uint32_t capacity, Trav
   return nodes;
 }
 
-TEST(Restart, VisitsTheNodesFromTheOldestDroppedEntryDownToTheWantedOne) {
+TEST(Restart, VisitsTheNodesFromTheOldestDroppedEntryDownToThePoppedOne) {
   // Two entries fit: those of nodes 1 and 3 are popped, that of node 0 was dropped.
   TraversalSlot slot(kThreeEntries.data(), 0);
   StackStats stats;

@@ -60,7 +60,7 @@ TEST(BoxTesters, WithOnePassesPopsAndLeavesShareTheIssueOfOnePipe) {
   run(2, leaf, [&](const TniHarness& harness) { EXPECT_NEAR(static_cast<double>(harness.span()), 3.0 * kRays, 200); });
 }
 
-TEST(BoxTesters, InOnePipeAMissThatBlocksHoldsUpPopsToo) {
+TEST(BoxTesters, InOnePipeABlockingMissStallsPopsToo) {
   // Ray 1 needs its pop after ray 0 has stalled the fetch stage.
   const auto latency = [](std::uint32_t testers) {
     TniHarness::Setup setup = one_trv();
@@ -113,7 +113,7 @@ TEST(TreeRecords, EachFurtherLineTakesACycleOfTheFetchStage) {
   EXPECT_EQ(alone(setup, kTwoDown), 4 * kVisit);
 }
 
-TEST(TreeRecords, TrianglesOf36BytesTakeTheLinesTheyLieIn) {
+TEST(TreeRecords, TrianglesOf36BytesReadTheLinesTheyOccupy) {
   const auto accesses = [](std::uint32_t bytes) {
     TniHarness::Setup setup = one_trv();
     setup.triangle_bytes = bytes;
@@ -126,7 +126,7 @@ TEST(TreeRecords, TrianglesOf36BytesTakeTheLinesTheyLieIn) {
   EXPECT_EQ(accesses(48), 1U + 2U + 2U);  // from 0, 48 (across 64) and 96 (across 128) on
 }
 
-TEST(TreeRecords, HybridBoxesAreCountedApart) {
+TEST(TreeRecords, HybridBoxesAreCountedSeparately) {
   TniHarness::Setup setup = one_trv();
   setup.hybrid = true;
   TniHarness harness(setup);
@@ -148,7 +148,7 @@ TniHarness::Setup trail(std::uint32_t entries) {
   return setup;
 }
 
-TEST(RestartTrail, APopFromTheEmptyShortStackGoesDownFromTheRootToTheEntryWanted) {
+TEST(RestartTrail, APopFromTheEmptyShortStackDescendsFromTheRootToTheEntry) {
   TniHarness harness(trail(2));
   harness.add(kChain).run();
   const Trv::Stats& s = trv(harness).stats();
@@ -161,7 +161,7 @@ TEST(RestartTrail, APopFromTheEmptyShortStackGoesDownFromTheRootToTheEntryWanted
   EXPECT_EQ(alone(trail(2), kChain), (9 + 2) * kVisit + 4 * kPop);
 }
 
-TEST(RestartTrail, WithoutAStackEachPopGoesDownFromTheRoot) {
+TEST(RestartTrail, WithoutAStackEachPopDescendsFromTheRoot) {
   TniHarness harness(trail(0));
   harness.add(kChain).run();
   const Trv::Stats& s = trv(harness).stats();
@@ -185,7 +185,7 @@ TEST(RestartTrail, AnEntryThatWasPoppedIsNotFoundAgain) {
   EXPECT_EQ(trv(harness).stats().restarted_visits, 2U + 3U + 1U);
 }
 
-TEST(Prefetch, TheFarChildComesWhileTheNearOneIsWaitedFor) {
+TEST(Prefetch, TheFarChildArrivesDuringTheWaitForTheNearOne) {
   TniHarness::Setup setup = one_trv();
   setup.links.resize(3);
   setup.links[0].child[0] = 1;
@@ -208,7 +208,7 @@ TEST(Prefetch, TheFarChildComesWhileTheNearOneIsWaitedFor) {
   EXPECT_EQ(latency(Prefetch::kSibling, 8), none);
 }
 
-TEST(Dispatch, RoundRobinGivesEachTraversalUnitItsTurnAndPassesOverFullOnes) {
+TEST(Dispatch, RoundRobinServesTraversalUnitsInTurnAndSkipsFullOnes) {
   TniHarness::Setup setup = one_trv();
   setup.config.trvs = 3;
   setup.config.dispatch = Dispatch::kRoundRobin;
@@ -227,7 +227,7 @@ TEST(Dispatch, RoundRobinGivesEachTraversalUnitItsTurnAndPassesOverFullOnes) {
   EXPECT_EQ(shares(), (std::vector<std::uint64_t>{1, 4, 4}));
 }
 
-TEST(Ideal, EveryOperationOfAnIdealUnitTakesOneCycleAndAnyNumberGoAtOnce) {
+TEST(Ideal, EveryOperationOfAnIdealUnitTakesOneCycleAndAnyNumberRunAtOnce) {
   TniHarness::Setup setup = one_trv();
   setup.ideal = {true, true};
   TniHarness harness(setup);
