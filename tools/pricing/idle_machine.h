@@ -1,7 +1,10 @@
 #pragma once
+#include <string>
 #include <vector>
 
 #include "sim/unit_report.h"
+#include "tools/analysis/report_file.h"
+#include "tools/run/frame/load_config.h"
 
 namespace hw {
 struct GpuConfig;
@@ -12,5 +15,27 @@ namespace tools {
 /// Returns every unit of a machine before its first cycle: blocks, storage, reasons, and counters with their costs.
 /// `rasterises`: the machine has rasterisers.
 std::vector<sim::UnitReport> idle_units(const hw::GpuConfig& config, bool rasterises = false);
+
+/// Returns the configuration of a report. Throws InputError if it has none, or one that this program does not support.
+RunConfig reported_config(const ReportFile& report);
+
+/// Counts of a report, to be filled into the units of a machine at rest.
+class ReportedCounts {
+ public:
+  /// Throws InputError if the report has none.
+  explicit ReportedCounts(const ReportFile& report);
+  /// Writes the counts into the units. Throws InputError if the report has other counts.
+  void fill(std::vector<sim::UnitReport>& units) const;
+  bool has_rasteriser() const;
+  /// Throws InputError for a report of another model.
+  [[noreturn]] void refuse(const std::string& why) const;
+
+ private:
+  std::uint64_t number(const sim::Json& node, const char* group, const std::string& name,
+                       const sim::UnitReport& unit) const;
+
+  const ReportFile& report_;
+  const sim::Json* units_ = nullptr;
+};
 
 }  // namespace tools

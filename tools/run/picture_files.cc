@@ -14,7 +14,6 @@
 #include "tools/analysis/picture.h"
 #include "tools/host/on_threads.h"
 #include "tools/tiles/heat_map.h"
-#include "tools/tiles/place_images.h"
 #include "traces/scene/images.h"
 
 namespace tools {

@@ -1,20 +1,278 @@
 #include "tools/tiles/tile_energy.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
+#include <cstddef>
 #include <optional>
 #include <span>
+#include <stdexcept>
+#include <string>
 #include <string_view>
+#include <typeindex>
 
 #include "hw_models/dram/dram_energy.h"
 #include "hw_models/machines/gpu_config.h"
+#include "hw_models/machines/unit_kinds.h"
 #include "sim/report/energy_formula.h"
+#include "tools/analysis/units.h"
 #include "tools/run/frame/power.h"
-#include "tools/tiles/residence.h"
-#include "tools/tiles/tile_weights.h"
 
 namespace tools {
+
+Residence residence(std::span<const hw::TileAccount> tiles, sim::Time elapsed, std::optional<std::uint32_t> core) {
+  struct Event {
+    sim::Time at;
+    std::size_t tile;
+    bool comes;
+  };
+  std::vector<Event> events;
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    if (core && tiles[i].core != *core) continue;
+    events.push_back({tiles[i].dispatched, i, true});
+    events.push_back({tiles[i].finished, i, false});
+  }
+  std::ranges::stable_sort(events, {}, &Event::at);
+  Residence shares{std::vector<double>(tiles.size()), 0};
+  const auto whole = static_cast<double>(elapsed);
+  // Cumulative time of a tile that was present from the start; a tile's own time is the difference of two such values.
+  double reached = 0;
+  sim::Time now = 0;
+  std::size_t present = 0;
+  const auto advance = [&](sim::Time to) {
+    const double share = static_cast<double>(to - now) / whole;
+    if (present == 0) {
+      shares.rest += share;
+    } else {
+      reached += share / static_cast<double>(present);
+    }
+    now = to;
+  };
+  for (const Event& event : events) {
+    advance(event.at);
+    present += event.comes ? 1 : std::size_t(-1);
+    shares.tiles[event.tile] = event.comes ? reached : reached - shares.tiles[event.tile];
+  }
+  advance(elapsed);
+  return shares;
+}
+
 namespace {
+
+/// Kinds of work, followed by the counters of a shader core that depend on its kernels.
+enum Kind : std::size_t {
+  kRays,
+  kVisits,
+  kTests,
+  kNodeLines,
+  kTriangleLines,
+  kShadingLines,
+  kTransferLines,
+  kRecordLines,
+  kRasterLines,
+  kCacheLines,
+  kAccesses,
+  kBufferAccesses,
+  kSrpCycles,
+  kL2Hits,
+  kL2Misses,
+  kL2Fills,
+  kL2Writes,
+  kDramReads,
+  kDramWrites,
+  kActivates,
+  kOperations
+};
+
+/// Calls f(value, name) for the counters of a shader core.
+void each_counter(const hw::SrpStats& stats, auto&& f) {
+  hw::SrpStats::describe(stats, [&](const std::uint64_t& value, const char* name, auto&&...) { f(value, name); });
+}
+
+std::size_t srp_counters() {
+  std::size_t count = 0;
+  each_counter({}, [&](auto&&...) { count += 1; });
+  return count;
+}
+
+std::size_t srp_counter(std::string_view wanted) {
+  std::size_t count = 0, found = 0;
+  each_counter({}, [&](std::uint64_t, std::string_view name) {
+    if (name == wanted) found = count;
+    count += 1;
+  });
+  return found;
+}
+
+/// A counter of a unit, and the kind of work by which its energy is shared out.
+struct Rule {
+  std::type_index unit;
+  std::string_view counter;
+  Kind kind;
+};
+
+template <class Unit>
+Rule rule(std::uint64_t Unit::Stats::*counter, Kind kind) {
+  return {typeid(Unit), counter_name<typename Unit::Stats>(counter), kind};
+}
+
+/// Rules for counters that are not shared out like the others of their unit.
+const std::vector<Rule>& rules() {
+  using hw::CorePort, hw::DramChannel, hw::Ist, hw::L2Bank, hw::Srp, hw::Trv;
+  static const std::vector<Rule> all = {
+      rule<Trv>(&Trv::Stats::rays_in, kRays),
+      rule<Trv>(&Trv::Stats::rays_out, kRays),
+      rule<Trv>(&Trv::Stats::l1_misses, kNodeLines),
+      rule<Trv>(&Trv::Stats::l1_fills, kNodeLines),
+      rule<Trv>(&Trv::Stats::bypass_passes, kNodeLines),
+      rule<Ist>(&Ist::Stats::l1_misses, kTriangleLines),
+      rule<Ist>(&Ist::Stats::l1_fills, kTriangleLines),
+      rule<Ist>(&Ist::Stats::bypass_passes, kTriangleLines),
+      rule<Srp>(&Srp::Stats::rays, kRays),
+      rule<Srp>(&Srp::Stats::hits, kRays),
+      rule<Srp>(&Srp::Stats::config_reads, kSrpCycles),
+      rule<Srp>(&Srp::Stats::config_rows_switched, kSrpCycles),
+      rule<Srp>(&Srp::Stats::config_rows_loaded, kSrpCycles),
+      rule<Srp>(&Srp::Stats::cache_hits, kAccesses),
+      rule<Srp>(&Srp::Stats::cache_misses, kShadingLines),
+      rule<Srp>(&Srp::Stats::cache_fills, kShadingLines),
+      rule<L2Bank>(&L2Bank::Stats::hits, kL2Hits),
+      rule<L2Bank>(&L2Bank::Stats::misses, kL2Misses),
+      rule<L2Bank>(&L2Bank::Stats::fills, kL2Fills),
+      rule<DramChannel>(&DramChannel::Stats::read_bursts, kDramReads),
+      rule<DramChannel>(&DramChannel::Stats::write_bursts, kDramWrites),
+      rule<DramChannel>(&DramChannel::Stats::activates, kActivates),
+  };
+  return all;
+}
+
+/// Returns the kind of work for all other counters of a kind of unit; none: time.
+std::optional<Kind> usual_kind(const sim::UnitReport& unit) {
+  if (unit.type == typeid(hw::RayDispatcher)) return kRays;
+  if (unit.type == typeid(hw::Trv)) return kVisits;
+  if (unit.type == typeid(hw::Ist)) return kTests;
+  if (unit.type == typeid(hw::TileBuffer)) return kBufferAccesses;
+  if (unit.type == typeid(hw::Dma)) return kTransferLines;
+  if (unit.type == typeid(hw::MemoryInterface)) return kRecordLines;
+  if (unit.type == typeid(hw::RasterUnit)) return kRasterLines;
+  if (unit.type == typeid(hw::CorePort)) return unit.path.ends_with("dma_port") ? kTransferLines : kCacheLines;
+  if (unit.type == typeid(hw::L2Bank)) return kL2Writes;
+  return {};
+}
+
+std::uint64_t lines_of(const hw::TileAccount& account, hw::RequesterKind asker) {
+  return account.lines[static_cast<std::size_t>(asker)];
+}
+
+/// Each tile's part of a machine's work: a number per tile and kind of work, by which the energy of that kind is shared
+/// out.
+class TileWeights {
+ public:
+  explicit TileWeights(const FrameResult& s);
+
+  /// Returns the number of kinds of work.
+  std::size_t count() const { return kinds_; }
+  double of(std::size_t tile, std::size_t kind) const { return values_[tile * kinds_ + kind]; }
+  double of_rest(std::size_t kind) const { return rest_[kind]; }
+  /// Returns the sum over all tiles of a core; without a core, over all tiles and requests without a tile.
+  double sum(std::size_t kind, std::optional<std::uint32_t> core) const;
+
+  /// Returns the kind of work for a counter of a unit; none if it depends on time.
+  static std::optional<std::size_t> of_counter(const sim::UnitReport& unit, std::string_view counter);
+
+ private:
+  void add_account(const hw::TileAccount& account, double* values) const;
+  void add_kernels(const FrameResult& s);
+
+  const FrameResult& s_;
+  const std::size_t kinds_;
+  std::vector<double> values_;  ///< tile by tile
+  std::vector<double> rest_;
+};
+
+std::optional<std::size_t> TileWeights::of_counter(const sim::UnitReport& unit, std::string_view counter) {
+  const auto is_it = [&](const Rule& rule) { return rule.unit == unit.type && rule.counter == counter; };
+  const auto found = std::ranges::find_if(rules(), is_it);
+  if (found != rules().end()) return found->kind;
+  if (unit.type == typeid(hw::Srp)) return kOperations + srp_counter(counter);
+  return usual_kind(unit);
+}
+
+TileWeights::TileWeights(const FrameResult& s)
+    : s_(s), kinds_(kOperations + srp_counters()), values_(s.tile_accounts.size() * kinds_), rest_(kinds_) {
+  if (s.function.summaries.tiles.size() < s.tile_accounts.size()) throw std::logic_error("tiles without a summary");
+  for (std::size_t i = 0; i < s.tile_accounts.size(); ++i) {
+    const kernels::TileSummary& tile = s.function.summaries.tiles[i];
+    double* const values = &values_[i * kinds_];
+    std::uint64_t rays = 0;
+    for (const std::uint64_t of_kind : tile.rays) rays += of_kind;
+    values[kRays] = static_cast<double>(rays);
+    values[kVisits] = static_cast<double>(tile.steps - tile.tests);
+    values[kTests] = static_cast<double>(tile.tests);
+    values[kAccesses] = static_cast<double>(tile.accesses);
+    add_account(s.tile_accounts[i], values);
+  }
+  add_account(s.rest, rest_.data());
+  add_kernels(s);
+}
+
+void TileWeights::add_account(const hw::TileAccount& account, double* values) const {
+  using hw::RequesterKind;
+  const auto set = [&](Kind kind, std::uint64_t value) { values[kind] = static_cast<double>(value); };
+  set(kNodeLines, lines_of(account, RequesterKind::kNodes));
+  set(kTriangleLines, lines_of(account, RequesterKind::kTriangles));
+  set(kShadingLines, lines_of(account, RequesterKind::kShading));
+  set(kTransferLines, lines_of(account, RequesterKind::kTransfers));
+  set(kRecordLines, lines_of(account, RequesterKind::kRecords));
+  set(kRasterLines, lines_of(account, RequesterKind::kRaster));
+  for (const Kind kind : {kNodeLines, kTriangleLines, kShadingLines, kRecordLines, kRasterLines}) {
+    values[kCacheLines] += values[kind];
+  }
+  set(kSrpCycles, account.srp_cycles);
+  set(kL2Hits, account.l2_hits);
+  set(kL2Misses, account.l2_misses);
+  set(kL2Fills, account.l2_fills);
+  set(kL2Writes, account.l2_writes);
+  set(kDramReads, account.dram_reads);
+  set(kDramWrites, account.dram_writes);
+  set(kActivates, account.activates);
+}
+
+/// Adds operations of a tile's kernels, and accesses to the tile buffer: by kernels, by rays and their hits, by
+/// transfers.
+void TileWeights::add_kernels(const FrameResult& s) {
+  constexpr double kAccess = 16;          // bytes
+  std::vector<std::vector<double>> item;  // by kernel
+  for (const hw::KernelSchedule& kernel : s.kernels) {
+    hw::SrpStats one;
+    one.add(kernel, 1, 1);
+    item.emplace_back();
+    each_counter(one, [&](std::uint64_t value, const char*) { item.back().push_back(static_cast<double>(value)); });
+  }
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < s.tile_accounts.size(); ++i) {
+    const kernels::TileSummary& tile = s.function.summaries.tiles[i];
+    double* const values = &values_[i * kinds_];
+    values[kBufferAccesses] = values[kRays] * (2 * sizeof(traces::Ray) + 2 * sizeof(traces::Hit)) / kAccess +
+                              static_cast<double>(tile.transfer_bytes) / kAccess;
+    for (; next < tile.kernels; ++next) {
+      const kernels::KernelItems& use = s.function.summaries.kernels[next];
+      const hw::KernelSchedule& kernel = s.kernels[use.kernel];
+      for (std::size_t c = 0; c < item[use.kernel].size(); ++c) {
+        values[kOperations + c] += use.items * item[use.kernel][c];
+      }
+      values[kBufferAccesses] += use.items * static_cast<double>(kernel.local_reads + kernel.local_writes);
+    }
+  }
+}
+
+double TileWeights::sum(std::size_t kind, std::optional<std::uint32_t> core) const {
+  double all = core ? 0 : rest_[kind];
+  for (std::size_t tile = 0; tile < s_.tile_accounts.size(); ++tile) {
+    if (!core || s_.tile_accounts[tile].core == *core) all += of(tile, kind);
+  }
+  return all;
+}
 
 using Shares = std::vector<double>;
 

@@ -1,10 +1,24 @@
 #pragma once
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
 #include <vector>
 
+#include "hw_models/memory/tile_accounting.h"
 #include "sim/report/energy.h"
 #include "tools/run/frame/run_job.h"
 
 namespace tools {
+
+/// Shares of a frame's time by tile: at any time the tiles in flight on a core (or on any core, if none is given) share
+/// the time equally. The rest is time without tiles.
+struct Residence {
+  std::vector<double> tiles;  ///< 0 for tiles of other cores
+  double rest = 0;
+};
+Residence residence(std::span<const hw::TileAccount> tiles, sim::Time elapsed, std::optional<std::uint32_t> core);
 
 /// Energy of a frame by tile, in pJ.
 struct TileEnergy {
@@ -22,7 +36,6 @@ struct TileEnergy {
 ///    L1 misses and fills, array cycles for configuration words.
 /// 4. A line is charged to the tile that requested it, even if others read it later.
 /// 5. Time-dependent energy is shared by the tiles in flight.
-/// itemised.
 TileEnergy tile_energy(const FrameResult& s, const RunConfig& config);
 
 }  // namespace tools

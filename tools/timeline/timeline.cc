@@ -2,21 +2,241 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <limits>
 #include <numeric>
+#include <optional>
+#include <set>
 #include <string_view>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "hw_models/machines/gpu_config.h"
-#include "tools/timeline/counters.h"
+#include "sim/error.h"
+#include "sim/io/printable.h"
+#include "tools/run/frame/run_job.h"
+#include "tools/tiles/tile_table.h"
+#include "tools/timeline/recorder.h"
 #include "tools/timeline/trace_packets.h"
-#include "tools/timeline/tracks.h"
 
 namespace tools {
 namespace {
+
+/// Parses `count` comma-separated whole numbers; empty if the text is anything else.
+std::vector<std::uint32_t> numbers(std::string_view text, std::size_t count) {
+  std::vector<std::uint32_t> out;
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  while (out.size() < count) {
+    std::uint32_t number = 0;
+    const auto [next, bad] = std::from_chars(at, end, number);
+    if (bad != std::errc{}) return {};
+    out.push_back(number);
+    at = next;
+    if (out.size() == count) break;
+    if (at == end || *at++ != ',') return {};
+  }
+  return at == end ? out : std::vector<std::uint32_t>{};
+}
+
+/// Returns the text after a word and a colon; none if it begins differently.
+std::optional<std::string_view> behind(std::string_view text, std::string_view word) {
+  if (!text.starts_with(word)) return {};
+  return text.substr(word.size());
+}
+
+bool covers(const TileFrame& tiles, std::size_t row, std::uint32_t x, std::uint32_t y) {
+  const auto at = [&](const char* column) { return tiles.at(column)[row]; };
+  return x >= at("x") && x < at("x") + at("width") && y >= at("y") && y < at("y") + at("height");
+}
+
+/// Returns the distinct values of a column, ascending.
+std::vector<double> distinct(const std::vector<double>& column) {
+  const std::set<double> values(column.begin(), column.end());
+  return {values.begin(), values.end()};
+}
+
+std::vector<std::size_t> slowest(const TileFrame& tiles, std::size_t count) {
+  const std::vector<double>&begin = tiles.at("dispatched"), &end = tiles.at("finished");
+  std::vector<std::size_t> rows(tiles.rows());
+  std::iota(rows.begin(), rows.end(), std::size_t{0});
+  std::ranges::stable_sort(rows, std::ranges::greater{}, [&](std::size_t row) { return end[row] - begin[row]; });
+  rows.resize(std::min(rows.size(), count));
+  return rows;
+}
+
+}  // namespace
+
+TimelineSelection parse_timeline(const std::string& text) {
+  using Kind = TimelineSelection::Kind;
+  if (text == "all") return {};
+  if (const auto count = behind(text, "slowest:")) {
+    const std::vector<std::uint32_t> n = numbers(*count, 1);
+    if (!n.empty() && n[0] > 0) return {Kind::kSlowest, n[0], 0, 0};
+  }
+  if (const auto position = behind(text, "tile:")) {
+    if (const auto n = numbers(*position, 2); !n.empty()) return {Kind::kTile, 0, n[0], n[1]};
+  }
+  if (const auto position = behind(text, "pixel:")) {
+    if (const auto n = numbers(*position, 2); !n.empty()) return {Kind::kPixel, 0, n[0], n[1]};
+  }
+  throw sim::InputError(fmt::format(
+      "--timeline '{}': allowed: all, slowest:N, tile:X,Y (column and row of a tile) or pixel:X,Y, e.g. slowest:8",
+      sim::printable(text)));
+}
+
+std::vector<std::size_t> selected_tiles(const TimelineSelection& selection, const TileFrame& tiles) {
+  using Kind = TimelineSelection::Kind;
+  if (selection.kind == Kind::kAll) {
+    std::vector<std::size_t> rows(tiles.rows());
+    std::iota(rows.begin(), rows.end(), std::size_t{0});
+    return rows;
+  }
+  if (selection.kind == Kind::kSlowest) return slowest(tiles, selection.count);
+  std::uint32_t x = selection.x, y = selection.y;
+  if (selection.kind == Kind::kTile) {
+    const std::vector<double> columns = distinct(tiles.at("x")), rows = distinct(tiles.at("y"));
+    if (x >= columns.size() || y >= rows.size()) {
+      throw sim::InputError(fmt::format("--timeline tile:{},{}: there is no such tile; allowed: 0,0 to {},{}", x, y,
+                                        columns.size() - 1, rows.size() - 1));
+    }
+    x = static_cast<std::uint32_t>(columns[x]);
+    y = static_cast<std::uint32_t>(rows[y]);
+  }
+  std::vector<std::size_t> found;
+  for (std::size_t row = 0; row < tiles.rows(); ++row) {
+    if (covers(tiles, row, x, y)) found.push_back(row);
+  }
+  if (found.empty()) throw sim::InputError(fmt::format("--timeline pixel:{},{}: there is no such pixel", x, y));
+  return found;
+}
+
+namespace {
+
+constexpr std::size_t kMostStretches = 2048;
+constexpr double kLineBytes = 64;
+constexpr double kJoulesPerMillijoule = 1e-3;
+
+/// A frame divided into bins of equal time, each a whole number of the recorder's bins.
+class Stretches {
+ public:
+  explicit Stretches(sim::Time elapsed)
+      : bins_(1 + static_cast<std::size_t>(elapsed / TimelineRecorder::kBin / kMostStretches)),
+        length_(bins_ * TimelineRecorder::kBin),
+        elapsed_(elapsed),
+        count_(static_cast<std::size_t>((elapsed + length_ - 1) / length_)) {}
+
+  std::size_t count() const { return count_; }
+  std::size_t of_bin(std::size_t bin) const { return std::min(bin / bins_, count_ - 1); }
+  sim::Time begin(std::size_t i) const { return i * length_; }
+  double seconds(std::size_t i) const {
+    return static_cast<double>(std::min(begin(i + 1), elapsed_) - begin(i)) / sim::kFemtosecondsPerSecond;
+  }
+  /// Spreads an amount evenly over [from, to).
+  void spread(std::vector<double>& over, sim::Time from, sim::Time to, double amount) const {
+    if (from >= to) return;
+    for (auto i = static_cast<std::size_t>(from / length_); i < count_ && begin(i) < to; ++i) {
+      const sim::Time part = std::min(to, begin(i + 1)) - std::max(from, begin(i));
+      over[i] += amount * static_cast<double>(part) / static_cast<double>(to - from);
+    }
+  }
+
+ private:
+  std::size_t bins_;
+  sim::Time length_, elapsed_;
+  std::size_t count_;
+};
+
+class CounterWriter {
+ public:
+  CounterWriter(const Stretches& stretches, TracePackets& to) : stretches_(stretches), to_(to) {}
+
+  /// Writes a value per bin, only where it changes.
+  void write(std::uint64_t track, auto&& value) {
+    double before = -1;
+    for (std::size_t i = 0; i < stretches_.count(); ++i) {
+      const double now = value(i);
+      if (now != before) to_.count(nanoseconds(stretches_.begin(i)), track, now);
+      before = now;
+    }
+  }
+
+ private:
+  const Stretches& stretches_;
+  TracePackets& to_;
+};
+
+void write_rays(const TimelineRecorder& recorder, std::uint32_t core, std::uint64_t track, TracePackets& to) {
+  std::vector<std::pair<sim::Time, std::uint32_t>> seen;
+  for (const RecordedSlice& slice : recorder.slices()) {
+    if (slice.kind != RecordedSlice::Kind::kRays || slice.core != core) continue;
+    seen.emplace_back(slice.begin, slice.rays_at_begin);
+    seen.emplace_back(slice.end, slice.rays_at_end);
+  }
+  std::ranges::stable_sort(seen, {}, &std::pair<sim::Time, std::uint32_t>::first);
+  // At most as many values as other counters.
+  const std::size_t step = 1 + seen.size() / kMostStretches;
+  for (std::size_t i = 0; i < seen.size(); i += step) to.count(nanoseconds(seen[i].first), track, seen[i].second);
+}
+
+std::vector<double> joules(const FrameResult& s, const TileFrame& tiles, const Stretches& stretches) {
+  std::vector<double> out(stretches.count());
+  const TileColumn& energy = *tiles.find("energy_mj_nominal");
+  for (std::size_t i = 0; i < tiles.rows(); ++i) {
+    const hw::TileAccount& account = s.tile_accounts[i];
+    stretches.spread(out, account.dispatched, account.finished, energy.values[i] * kJoulesPerMillijoule);
+  }
+  stretches.spread(out, 0, s.elapsed, energy.rest * kJoulesPerMillijoule);
+  return out;
+}
+
+/// Writes counters over the whole frame, one value per bin:
+///
+/// - `DRAM read`, `DRAM write` in GB/s; `L2 hits` in % of lookups; `power` in W of nominal energy
+/// - per core `SRP busy` in % of the time, and `rays in T&I` whenever a batch begins or ends
+///
+/// A tile's energy is spread evenly over its time in flight, the rest evenly over the frame.
+void write_counters(const TimelineRecorder& recorder, const FrameResult& s, const TileFrame& tiles,
+                    const RunConfig& config, TimelineTracks& tracks, TracePackets& to) {
+  const Stretches stretches(s.elapsed);
+  CounterWriter counters(stretches, to);
+  std::vector<MemoryBin> memory(stretches.count());
+  for (std::size_t bin = 0; bin < recorder.memory().size(); ++bin) {
+    const MemoryBin& from = recorder.memory()[bin];
+    MemoryBin& sum = memory[stretches.of_bin(bin)];
+    sum.l2_hits += from.l2_hits;
+    sum.l2_misses += from.l2_misses;
+    sum.lines_read += from.lines_read;
+    sum.lines_written += from.lines_written;
+  }
+  const auto rate = [&](std::uint64_t MemoryBin::*lines) {
+    return [&, lines](std::size_t i) {
+      return static_cast<double>(memory[i].*lines) * kLineBytes / stretches.seconds(i) / 1e9;
+    };
+  };
+  counters.write(tracks.shared_counter("DRAM read", "GB/s"), rate(&MemoryBin::lines_read));
+  counters.write(tracks.shared_counter("DRAM write", "GB/s"), rate(&MemoryBin::lines_written));
+  counters.write(tracks.shared_counter("L2 hits", "%"), [&](std::size_t i) {
+    const std::uint64_t all = memory[i].l2_hits + memory[i].l2_misses;
+    return all == 0 ? 0 : 100 * static_cast<double>(memory[i].l2_hits) / static_cast<double>(all);
+  });
+  const std::vector<double> spent = joules(s, tiles, stretches);
+  counters.write(tracks.shared_counter("power", "W"), [&](std::size_t i) { return spent[i] / stretches.seconds(i); });
+  for (std::uint32_t core = 0; core < config.gpu->cores; ++core) {
+    std::vector<double> busy(stretches.count());
+    for (const RecordedSlice& slice : recorder.slices()) {
+      if (slice.kind != RecordedSlice::Kind::kLoop || slice.core != core) continue;
+      const auto seconds = static_cast<double>(slice.end - slice.begin) / sim::kFemtosecondsPerSecond;
+      stretches.spread(busy, slice.begin, slice.end, seconds);
+    }
+    counters.write(tracks.core_counter(core, "SRP busy", "%"),
+                   [&](std::size_t i) { return 100 * busy[i] / stretches.seconds(i); });
+    write_rays(recorder, core, tracks.core_counter(core, "rays in T&I", "rays"), to);
+  }
+}
 
 using Slice = RecordedSlice;
 constexpr std::uint32_t kNotWanted = std::numeric_limits<std::uint32_t>::max();

@@ -1,9 +1,55 @@
 #include "tools/timeline/trace_packets.h"
 
-#include "tools/timeline/perfetto.h"
+#include <algorithm>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+#include <protozero/pbf_writer.hpp>
 
 namespace tools {
 namespace {
+
+/// Field numbers of the Perfetto messages that a timeline uses, from its published protos:
+/// protos/perfetto/trace/trace_packet.proto, track_event/*.proto, interned_data/interned_data.proto.
+namespace perfetto {
+
+using Tag = protozero::pbf_tag_type;
+using Writer = protozero::pbf_writer;
+
+constexpr Tag kTracePacket = 1;
+
+struct Packet {
+  static constexpr Tag kTimestamp = 8, kSequence = 10, kTrackEvent = 11, kInternedData = 12, kSequenceFlags = 13,
+                       kTrackDescriptor = 60;
+  static constexpr std::uint32_t kStateCleared = 1, kNeedsState = 2;
+};
+struct Track {
+  static constexpr Tag kUuid = 1, kName = 2, kProcess = 3, kParent = 5, kCounter = 8, kChildOrdering = 11, kRank = 12;
+  static constexpr std::int32_t kExplicit = 3;
+};
+struct Process {
+  static constexpr Tag kPid = 1, kName = 6;
+};
+struct Counter {
+  static constexpr Tag kUnitName = 6;
+};
+struct Event {
+  static constexpr Tag kCategory = 3, kAnnotation = 4, kType = 9, kName = 10, kTrack = 11, kCounterValue = 44,
+                       kFlow = 47;
+  static constexpr std::int32_t kBegin = 1, kEnd = 2, kCounter = 4;
+};
+struct Annotation {
+  static constexpr Tag kName = 1, kUint = 3;
+};
+struct Interned {
+  static constexpr Tag kCategories = 1, kNames = 2, kAnnotationNames = 3;
+  static constexpr Tag kId = 1, kText = 2;  ///< fields of each entry
+};
+
+}  // namespace perfetto
 
 using perfetto::Annotation, perfetto::Counter, perfetto::Event, perfetto::Interned, perfetto::Packet, perfetto::Process,
     perfetto::Track, perfetto::Writer;
@@ -106,6 +152,64 @@ std::string TracePackets::texts_of(const TracePackets& other) {
   packet.add_uint32(Packet::kSequence, kSequence);
   packet.add_uint32(Packet::kSequenceFlags, Packet::kStateCleared);
   return bytes;
+}
+
+namespace {
+
+/// Ranks of tracks within a core, top to bottom.
+enum Rank : std::int32_t { kOfTiles = 0, kOfSrp = 100, kOfRays = 101, kOfDma = 102, kOfCounters = 103 };
+
+}  // namespace
+
+std::uint64_t TimelineTracks::add(std::uint64_t parent, std::string name, std::int32_t rank, std::string unit) {
+  const std::uint64_t id = shared() + tracks_.size() + 1;
+  tracks_.push_back({id, parent, std::move(name), rank, std::move(unit)});
+  return id;
+}
+
+std::uint64_t TimelineTracks::of(const RecordedSlice& slice) {
+  Core& core = cores_[slice.core];
+  const std::uint64_t parent = process(slice.core);
+  switch (slice.kind) {
+    case RecordedSlice::Kind::kLoop:
+      if (core.srp == 0) core.srp = add(parent, "SRP", kOfSrp);
+      return core.srp;
+    case RecordedSlice::Kind::kTransfer:
+      if (core.dma == 0) core.dma = add(parent, "DMA", kOfDma);
+      return core.dma;
+    case RecordedSlice::Kind::kTile: {
+      if (core.slots.size() <= slice.slot) core.slots.resize(std::size_t{slice.slot} + 1);
+      std::uint64_t& slot = core.slots[slice.slot];
+      if (slot == 0) slot = add(parent, fmt::format("tile slot {}", slice.slot), kOfTiles + slice.slot);
+      return slot;
+    }
+    case RecordedSlice::Kind::kRays:
+      break;
+  }
+  const auto is_free = [&](const Lane& lane) { return lane.free_at <= slice.begin; };
+  auto lane = std::ranges::find_if(core.rays, is_free);
+  if (lane == core.rays.end()) {
+    core.rays.push_back({add(parent, "T&I rays", kOfRays), 0});
+    lane = core.rays.end() - 1;
+  }
+  lane->free_at = slice.end;
+  return lane->id;
+}
+
+std::uint64_t TimelineTracks::shared_counter(const std::string& name, const std::string& unit) {
+  return add(shared(), name, kOfCounters, unit);
+}
+
+std::uint64_t TimelineTracks::core_counter(std::uint32_t core, const std::string& name, const std::string& unit) {
+  return add(process(core), name, kOfCounters, unit);
+}
+
+void TimelineTracks::describe(TracePackets& to) const {
+  for (std::uint32_t core = 0; core < cores_.size(); ++core) {
+    to.add_process(process(core), fmt::format("core {}", core), static_cast<std::int32_t>(core));
+  }
+  to.add_process(shared(), "shared", static_cast<std::int32_t>(cores_.size()));
+  for (const TimelineTrack& track : tracks_) to.add_track(track);
 }
 
 }  // namespace tools

@@ -12,7 +12,6 @@
 #include "sim/report/energy_formula.h"
 #include "tests/hw_models/machines/random_config.h"
 #include "tests/tools/program.h"
-#include "tools/intervals/series.h"
 
 // Intervals of finished runs, read back. RAYWATT_INTERVALS sets the number of random machines.
 

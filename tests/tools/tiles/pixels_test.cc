@@ -6,7 +6,7 @@
 
 #include "tests/temp_folder.h"
 #include "tests/tools/tiles/itemised.h"
-#include "tools/tiles/place_images.h"
+#include "tools/tiles/heat_map.h"
 #include "tools/tiles/tile_frame.h"
 
 // Work of each pixel's rays: complete, and attributed to the right pixel.

@@ -1,6 +1,6 @@
-#include "tools/tiles/residence.h"
-
 #include <gtest/gtest.h>
+
+#include "tools/tiles/tile_energy.h"
 
 namespace tools::test {
 namespace {

@@ -1,5 +1,3 @@
-#include "tools/timeline/selection.h"
-
 #include <set>
 
 #include <gtest/gtest.h>
@@ -8,6 +6,7 @@
 #include "sim/error.h"
 #include "tests/tools/tiles/itemised.h"
 #include "tools/tiles/tile_frame.h"
+#include "tools/timeline/timeline.h"
 
 namespace tools::test {
 namespace {

@@ -6,7 +6,7 @@
 #include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "tools/analysis/report_paths.h"
-#include "tools/pricing/reported_units.h"
+#include "tools/pricing/idle_machine.h"
 #include "tools/run/run.h"
 #include "tools/studies/compare/compare.h"
 

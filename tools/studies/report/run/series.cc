@@ -1,5 +1,3 @@
-#include "tools/intervals/series.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +7,7 @@
 #include "hw_models/memory/unit_names.h"
 #include "sim/error.h"
 #include "tools/host/standard_streams.h"
+#include "tools/intervals/run_intervals.h"
 #include "tools/studies/report/page/colours.h"
 #include "tools/studies/report/run/run_parts.h"
 
