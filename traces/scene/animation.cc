@@ -11,8 +11,7 @@
 #include "sim/error.h"
 #include "traces/scene/cameras.h"
 #include "traces/scene/limits.h"
-#include "traces/scene/pose/pose_mesh.h"
-#include "traces/scene/pose/pose_nodes.h"
+#include "traces/scene/pose.h"
 #include "traces/scene/scene.h"
 
 namespace traces {

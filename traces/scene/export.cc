@@ -2,11 +2,8 @@
 
 #include "sim/io/printable.h"
 #include "traces/scene/gltf_export/document.h"
-#include "traces/scene/gltf_export/lights.h"
 #include "traces/scene/gltf_export/materials.h"
-#include "traces/scene/gltf_export/meshes.h"
 #include "traces/scene/gltf_export/nodes.h"
-#include "traces/scene/gltf_export/textures.h"
 
 namespace traces {
 

@@ -1,25 +1,61 @@
 #include "traces/scene/gltf.h"
 
 #include <new>
+#include <numbers>
 
 #include <fmt/format.h>
 
 #include "sim/error.h"
 #include "sim/io/printable.h"
 #include "traces/scene/cameras.h"
-#include "traces/scene/gltf/compressed/draco.h"
-#include "traces/scene/gltf/compressed/meshopt.h"
+#include "traces/scene/gltf/compressed.h"
 #include "traces/scene/gltf/context.h"
-#include "traces/scene/gltf/extensions.h"
-#include "traces/scene/gltf/final_light.h"
-#include "traces/scene/gltf/materials/textures.h"
+#include "traces/scene/gltf/materials.h"
 #include "traces/scene/gltf/meshes.h"
-#include "traces/scene/gltf/nodes/animations.h"
-#include "traces/scene/gltf/nodes/nodes.h"
-#include "traces/scene/gltf/nodes/skins.h"
+#include "traces/scene/gltf/motion.h"
+#include "traces/scene/gltf/nodes.h"
 #include "traces/scene/gltf/parse.h"
+#include "traces/scene/gltf/schema.h"
 #include "traces/scene/gltf/source.h"
 #include "traces/scene/lights.h"
+
+namespace traces::gltf {
+namespace {
+
+constexpr float kBrightest = 1e6F;
+
+/// Reads three numbers, clamped to 0..kBrightest.
+glm::vec3 read_colour(const Context& context, const tinygltf::Value& ours, const char* key) {
+  const std::string what = std::string("extras.raywatt.") + key;
+  std::vector<double> list;
+  const tinygltf::Value& found = ours.Get(key);
+  for (std::size_t i = 0; found.IsArray() && i < found.ArrayLen(); ++i) {
+    const tinygltf::Value& number = found.Get(static_cast<int>(i));
+    if (number.IsNumber()) list.push_back(number.GetNumberAsDouble());
+  }
+  if (list.size() != 3) context.refuse(what + " must be three numbers");
+  return glm::clamp(to_vec3(context, list, glm::vec3(0), what), 0.0F, kBrightest);
+}
+
+/// Reads the light that export_glb() stores in the scene's extras, `"raywatt": {"background": [r, g, b], "ambient": [r,
+/// g, b]}`, and converts the file's lights from glTF's units. Returns false if it is missing. If it is present, no
+/// lights for emitters, default sun or exposure are added.
+bool read_final_light(Context& context) {
+  const tinygltf::Model& model = context.model;
+  if (model.scenes.empty()) return false;
+  const tinygltf::Value& extras =
+      context.at(model.scenes, model.defaultScene < 0 ? 0 : model.defaultScene, "scenes").extras;
+  if (!extras.IsObject() || !extras.Get("raywatt").IsObject()) return false;
+  const tinygltf::Value& ours = extras.Get("raywatt");
+  if (!ours.Has("background") || !ours.Has("ambient")) return false;
+  context.scene.background = read_colour(context, ours, "background");
+  context.scene.ambient = read_colour(context, ours, "ambient");
+  for (Light& light : context.scene.lights) light.intensity *= std::numbers::inv_pi_v<float>;
+  return true;
+}
+
+}  // namespace
+}  // namespace traces::gltf
 
 namespace traces {
 namespace {
@@ -62,7 +98,7 @@ Scene read(const std::filesystem::path& path, const SceneLimits& limits) {
         "shows no triangles; at least one is needed; points, lines and primitives without POSITION do not count");
   if (scene.cameras.empty()) scene.cameras.push_back(framing_camera(scene));
   if (!gltf::read_final_light(context)) finish_lights(scene);
-  pose(scene, 0);  // before emitters are replaced by lights, so that a later pose at time 0 gives the same bits
+  pose(scene, 0);  // places the emitters' lights, too: a later pose at time 0 gives the same bits
   return scene;
 }
 

@@ -11,8 +11,8 @@
 #include "sim/io/file.h"
 #include "sim/io/module.h"
 #include "sim/io/printable.h"
-#include "traces/scene/exr_header.h"
 #include "traces/scene/images/codec.h"
+#include "traces/scene/images/formats.h"
 
 namespace traces {
 namespace {

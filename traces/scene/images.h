@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "traces/scene/images/writers.h"
+#include "traces/scene/images/formats.h"
 #include "traces/scene/limits.h"
 #include "traces/scene/scene.h"
 

@@ -10,7 +10,6 @@
 #include "traces/scenes/modelling/motion.h"
 #include "traces/scenes/modelling/patterns.h"
 #include "traces/scenes/modelling/shapes.h"
-#include "traces/scenes/modelling/sweeps.h"
 #include "traces/scenes/modelling/trigonometry.h"
 
 namespace traces {

@@ -1,8 +1,11 @@
+#include "traces/scenes/teapot.h"
+
 #include <algorithm>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include "sim/hash.h"
@@ -12,9 +15,127 @@
 #include "traces/scenes/modelling/motion.h"
 #include "traces/scenes/modelling/shapes.h"
 #include "traces/scenes/modelling/trigonometry.h"
-#include "traces/scenes/teapot_patches.h"
 
 namespace traces {
+namespace {
+
+/// Radius and height of the four rings of control points of a patch of revolution.
+struct Profile {
+  float radius[4], height[4];
+};
+
+constexpr Profile kProfiles[] = {
+    {{1.4F, 1.3375F, 1.4375F, 1.5F}, {2.4F, 2.53125F, 2.53125F, 2.4F}},  // rim
+    {{1.5F, 1.75F, 2, 2}, {2.4F, 1.875F, 1.35F, 0.9F}},                  // upper body
+    {{2, 2, 1.5F, 1.5F}, {0.9F, 0.45F, 0.225F, 0.15F}},                  // lower body
+    {{0, 0.8F, 0, 0.2F}, {3.15F, 3.15F, 2.85F, 2.7F}},                   // knob
+    {{0.2F, 0.4F, 1.3F, 1.3F}, {2.7F, 2.55F, 2.55F, 2.4F}},              // lid
+    {{1.5F, 1.5F, 1.425F, 0}, {0.15F, 0.075F, 0, 0}},                    // bottom
+};
+
+// One half of handle and spout: four rows of {x, half width, height}.
+constexpr float kHalves[][4][4][3] = {
+    // upper handle
+    {{{-1.6F, 0, 2.025F}, {-1.6F, 0.3F, 2.025F}, {-1.5F, 0.3F, 2.25F}, {-1.5F, 0, 2.25F}},
+     {{-2.3F, 0, 2.025F}, {-2.3F, 0.3F, 2.025F}, {-2.5F, 0.3F, 2.25F}, {-2.5F, 0, 2.25F}},
+     {{-2.7F, 0, 2.025F}, {-2.7F, 0.3F, 2.025F}, {-3, 0.3F, 2.25F}, {-3, 0, 2.25F}},
+     {{-2.7F, 0, 1.8F}, {-2.7F, 0.3F, 1.8F}, {-3, 0.3F, 1.8F}, {-3, 0, 1.8F}}},
+    // lower handle
+    {{{-2.7F, 0, 1.8F}, {-2.7F, 0.3F, 1.8F}, {-3, 0.3F, 1.8F}, {-3, 0, 1.8F}},
+     {{-2.7F, 0, 1.575F}, {-2.7F, 0.3F, 1.575F}, {-3, 0.3F, 1.35F}, {-3, 0, 1.35F}},
+     {{-2.5F, 0, 1.125F}, {-2.5F, 0.3F, 1.125F}, {-2.65F, 0.3F, 0.9375F}, {-2.65F, 0, 0.9375F}},
+     {{-2, 0, 0.9F}, {-2, 0.3F, 0.9F}, {-1.9F, 0.3F, 0.6F}, {-1.9F, 0, 0.6F}}},
+    // lower spout
+    {{{1.7F, 0, 1.425F}, {1.7F, 0.66F, 1.425F}, {1.7F, 0.66F, 0.6F}, {1.7F, 0, 0.6F}},
+     {{2.6F, 0, 1.425F}, {2.6F, 0.66F, 1.425F}, {3.1F, 0.66F, 0.825F}, {3.1F, 0, 0.825F}},
+     {{2.3F, 0, 2.1F}, {2.3F, 0.25F, 2.1F}, {2.4F, 0.25F, 2.025F}, {2.4F, 0, 2.025F}},
+     {{2.7F, 0, 2.4F}, {2.7F, 0.25F, 2.4F}, {3.3F, 0.25F, 2.4F}, {3.3F, 0, 2.4F}}},
+    // spout's mouth
+    {{{2.7F, 0, 2.4F}, {2.7F, 0.25F, 2.4F}, {3.3F, 0.25F, 2.4F}, {3.3F, 0, 2.4F}},
+     {{2.8F, 0, 2.475F}, {2.8F, 0.25F, 2.475F}, {3.525F, 0.25F, 2.49375F}, {3.525F, 0, 2.49375F}},
+     {{2.9F, 0, 2.475F}, {2.9F, 0.15F, 2.475F}, {3.45F, 0.15F, 2.5125F}, {3.45F, 0, 2.5125F}},
+     {{2.8F, 0, 2.4F}, {2.8F, 0.15F, 2.4F}, {3.2F, 0.15F, 2.4F}, {3.2F, 0, 2.4F}}},
+};
+
+/// Returns the patch of quarter turn `quarter`. The factor 0.56 approximates a circle, as in the original table.
+BezierPatch revolve(const Profile& profile, int quarter) {
+  constexpr float kArc[4][2] = {{1, 0}, {1, 0.56F}, {0.56F, 1}, {0, 1}};
+  BezierPatch patch;
+  for (std::size_t row = 0; row < 4; ++row) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      float x = kArc[i][0] * profile.radius[row];
+      float z = kArc[i][1] * profile.radius[row];
+      for (int turn = 0; turn < quarter; ++turn) {
+        const float turned = x;
+        x = -z;
+        z = turned;
+      }
+      patch[row][i] = {x, profile.height[row], z};
+    }
+  }
+  return patch;
+}
+
+/// Returns one half of handle or spout; `side` is +1 or -1. Rows run along it; columns run round it so that normals
+/// point out.
+BezierPatch half(const float (&rows)[4][4][3], float side) {
+  BezierPatch patch;
+  for (std::size_t row = 0; row < 4; ++row) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      const float* p = rows[row][side > 0 ? i : 3 - i];
+      patch[row][i] = {p[0], p[2], side * p[1]};
+    }
+  }
+  return patch;
+}
+
+struct Basis {
+  float value[4], slope[4];
+};
+
+Basis bernstein(float t) {
+  const float s = 1 - t;
+  return {{s * s * s, 3 * s * s * t, 3 * s * t * t, t * t * t},
+          {-3 * s * s, 3 * s * s - 6 * s * t, 6 * s * t - 3 * t * t, 3 * t * t}};
+}
+
+}  // namespace
+
+std::vector<BezierPatch> teapot_patches() {
+  std::vector<BezierPatch> patches;
+  const auto revolved = [&patches](const Profile& profile) {
+    for (int quarter = 0; quarter < 4; ++quarter) patches.push_back(revolve(profile, quarter));
+  };
+  for (std::size_t i = 0; i + 1 < std::size(kProfiles); ++i) revolved(kProfiles[i]);
+  for (const auto& rows : kHalves) {
+    patches.push_back(half(rows, 1));
+    patches.push_back(half(rows, -1));
+  }
+  revolved(kProfiles[std::size(kProfiles) - 1]);
+  return patches;
+}
+
+SurfacePoint evaluate(const BezierPatch& patch, float u, float v) {
+  const auto derive = [&patch](float at_u, float at_v, glm::vec3& du, glm::vec3& dv) {
+    const Basis bu = bernstein(at_u), bv = bernstein(at_v);
+    glm::vec3 position{0};
+    du = dv = glm::vec3(0);
+    for (std::size_t j = 0; j < 4; ++j) {
+      for (std::size_t i = 0; i < 4; ++i) {
+        position += bu.value[i] * bv.value[j] * patch[j][i];
+        du += bu.slope[i] * bv.value[j] * patch[j][i];
+        dv += bu.value[i] * bv.slope[j] * patch[j][i];
+      }
+    }
+    return position;
+  };
+  glm::vec3 du, dv, unused_du, unused_dv;
+  const glm::vec3 position = derive(u, v, unused_du, unused_dv);
+  constexpr float kInside = 1e-3F;
+  derive(glm::clamp(u, kInside, 1 - kInside), glm::clamp(v, kInside, 1 - kInside), du, dv);
+  return {position, glm::normalize(glm::cross(du, dv))};
+}
+
 namespace {
 
 /// Makes one mesh of the patches, each in cells x cells, without the triangles at the poles that have no area.

@@ -9,7 +9,7 @@
 #include "shader_kernels/kernels/light.h"
 #include "sim/hash.h"
 #include "traces/accel/build/material_tables.h"
-#include "traces/scene/srgb.h"
+#include "traces/scene/texels.h"
 
 namespace kernels {
 namespace {

@@ -1,11 +1,10 @@
-#include "traces/scene/exr_header.h"
-
 #include <array>
 
 #include <gtest/gtest.h>
 
 #include "tests/temp_folder.h"
 #include "traces/scene/images.h"
+#include "traces/scene/images/formats.h"
 
 // Headers of OpenEXR files are checked before the library allocates the memory that they claim.
 

@@ -2,7 +2,7 @@
 
 #include "sim/error.h"
 #include "tests/traces/scene/tiny_gltf_file.h"
-#include "traces/scene/gltf/uri.h"
+#include "traces/scene/gltf/source.h"
 
 // URIs of buffers and images: data: as in RFC 2397, and names of files.
 

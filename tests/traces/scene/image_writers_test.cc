@@ -6,7 +6,7 @@
 #include "sim/error.h"
 #include "tests/temp_folder.h"
 #include "traces/scene/images.h"
-#include "traces/scene/images/writers.h"
+#include "traces/scene/images/formats.h"
 
 namespace test {
 namespace {

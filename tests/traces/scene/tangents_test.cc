@@ -1,11 +1,10 @@
-#include "traces/scene/tangents.h"
-
 #include <cmath>
 
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
 #include "tests/traces/scene/tiny_gltf_file.h"
+#include "traces/scene/normals_tangents.h"
 
 // Expected tangents follow from Mikkelsen's rule and glTF's conventions: v grows downwards, the normal map's y upwards.
 

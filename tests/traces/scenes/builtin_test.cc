@@ -10,7 +10,7 @@
 #include "traces/scene/bounds.h"
 #include "traces/scene/info.h"
 #include "traces/scenes/library.h"
-#include "traces/scenes/teapot_patches.h"
+#include "traces/scenes/teapot.h"
 
 namespace test {
 namespace {

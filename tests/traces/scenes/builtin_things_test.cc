@@ -11,7 +11,6 @@
 #include "traces/scenes/chess/pieces.h"
 #include "traces/scenes/laboratory/glassware.h"
 #include "traces/scenes/modelling/shapes.h"
-#include "traces/scenes/modelling/turned.h"
 
 namespace test {
 namespace {

@@ -11,7 +11,7 @@
 #include <glm/vec4.hpp>
 
 #include "traces/scene/gltf_export/nodes.h"
-#include "traces/scene/pose/pose_track.h"
+#include "traces/scene/pose.h"
 
 namespace traces::gltf_export {
 namespace {

@@ -21,4 +21,7 @@ namespace traces::gltf_export {
 /// white mirror on glass, a mirror of less than 2 %.
 void write_materials(const Scene& scene, Document& out);
 
+/// Writes Scene::textures one to one; equal texels share one PNG, equal wrap modes and filters one sampler.
+void write_textures(const Scene& scene, Document& out);
+
 }  // namespace traces::gltf_export

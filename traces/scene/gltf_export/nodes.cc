@@ -1,14 +1,207 @@
 #include "traces/scene/gltf_export/nodes.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
+#include <map>
+#include <numbers>
 #include <set>
+#include <tuple>
 #include <utility>
 
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+
 #include "traces/scene/bounds.h"
-#include "traces/scene/gltf_export/transforms.h"
 
 namespace traces::gltf_export {
+namespace {
+
+/// Makes columns p and q of `m` orthogonal by a rotation, accumulated in `v`: a step of one-sided Jacobi. m x
+/// transpose(v) is unchanged.
+void rotate_columns(glm::dmat3& m, glm::dmat3& v, int p, int q) {
+  const double alpha = glm::dot(m[p], m[p]), beta = glm::dot(m[q], m[q]), gamma = glm::dot(m[p], m[q]);
+  if (!(std::abs(gamma) > 1e-16 * std::sqrt(alpha * beta))) return;
+  const double zeta = (beta - alpha) / (2 * gamma);
+  const double t = (zeta < 0 ? -1 : 1) / (std::abs(zeta) + std::sqrt(1 + zeta * zeta));
+  const double c = 1 / std::sqrt(1 + t * t), s = c * t;
+  for (glm::dmat3* each : {&m, &v}) {
+    const glm::dvec3 a = (*each)[p], b = (*each)[q];
+    (*each)[p] = c * a - s * b;
+    (*each)[q] = s * a + c * b;
+  }
+}
+
+/// Returns the columns of `m` at unit length. Columns without direction, as in a flat matrix, are replaced so that all
+/// three are orthogonal; their lengths become 0.
+glm::dmat3 unit_columns(const glm::dmat3& m, glm::dvec3& lengths) {
+  const double least = 1e-12 * std::max({lengths.x, lengths.y, lengths.z});
+  glm::dmat3 out(1);
+  int known = 0, last = 0;
+  for (int i = 0; i < 3; ++i) {
+    if (!(lengths[i] > least)) {
+      lengths[i] = 0;
+      continue;
+    }
+    out[i] = m[i] / lengths[i];
+    last = i;
+    ++known;
+  }
+  if (known == 0) return out;
+  const auto next = [](int i, int by) { return (i + by) % 3; };
+  if (known == 1) {
+    const glm::dvec3 other = std::abs(out[last].x) < 0.9 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+    out[next(last, 1)] = glm::normalize(glm::cross(other, out[last]));
+    out[next(last, 2)] = glm::cross(out[last], out[next(last, 1)]);
+  }
+  for (int i = 0; known == 2 && i < 3; ++i) {
+    if (lengths[i] == 0) out[i] = glm::cross(out[next(i, 1)], out[next(i, 2)]);
+  }
+  return out;
+}
+
+void set(std::vector<double>& list, const glm::dvec3& v, const glm::dvec3& normal) {
+  if (v != normal) list = {v.x, v.y, v.z};
+}
+
+}  // namespace
+
+bool is_placement(const glm::mat4& matrix) {
+  constexpr double kMost = 1e-5;  // absolute, as in the validator
+  const glm::dmat3 m(matrix);
+  if (matrix[0].w != 0 || matrix[1].w != 0 || matrix[2].w != 0 || matrix[3].w != 1) return false;
+  const double longest = std::max({glm::length(m[0]), glm::length(m[1]), glm::length(m[2])});
+  const double shear =
+      std::max({std::abs(glm::dot(m[0], m[1])), std::abs(glm::dot(m[1], m[2])), std::abs(glm::dot(m[2], m[0]))});
+  return shear <= kMost * std::max(longest, 1e-300) && glm::determinant(m) != 0;
+}
+
+TwoPlacements split(const glm::mat4& matrix) {
+  glm::dmat3 m(matrix), turns(1);
+  for (int sweep = 0; sweep < 30; ++sweep) {
+    rotate_columns(m, turns, 0, 1);
+    rotate_columns(m, turns, 0, 2);
+    rotate_columns(m, turns, 1, 2);
+  }
+  // matrix = m x transpose(turns), and the columns of m are orthogonal: their lengths are the scale.
+  TwoPlacements out;
+  out.outer.translation = glm::dvec3(matrix[3]);
+  for (int i = 0; i < 3; ++i) out.outer.scale[i] = glm::length(m[i]);
+  glm::dmat3 outer = unit_columns(m, out.outer.scale);
+  if (glm::determinant(outer) < 0) {
+    outer[2] = -outer[2];
+    out.outer.scale[2] = -out.outer.scale[2];
+  }
+  out.outer.rotation = glm::normalize(glm::quat_cast(outer));
+  out.inner.rotation = glm::normalize(glm::quat_cast(glm::transpose(turns)));
+  return out;
+}
+
+void set_transform(tinygltf::Node& node, const Placement& placement) {
+  const glm::dquat& q = placement.rotation;
+  set(node.translation, placement.translation, glm::dvec3(0));
+  if (q != glm::dquat(1, 0, 0, 0)) node.rotation = {q.x, q.y, q.z, q.w};
+  set(node.scale, placement.scale, glm::dvec3(1));
+}
+
+void set_transform(tinygltf::Node& node, const Transform& transform) {
+  const glm::quat& q = transform.rotation;
+  set_transform(
+      node, Placement{glm::dvec3(transform.translation), glm::dquat(double{q.w}, double{q.x}, double{q.y}, double{q.z}),
+                      glm::dvec3(transform.scale)});
+}
+
+void set_transform(tinygltf::Node& node, const glm::mat4& matrix) {
+  if (matrix == glm::mat4(1)) return;
+  for (int i = 0; i < 16; ++i) node.matrix.push_back(double{matrix[i / 4][i % 4]});
+}
+
+namespace {
+
+/// Merges repeated joints and sets unused ones to joint 0, as glTF demands.
+void tidy(std::array<std::uint16_t, 4>& joints, glm::vec4& weights) {
+  for (int i = 0; i < 4; ++i) {
+    for (int earlier = 0; earlier < i; ++earlier) {
+      const bool same = joints[static_cast<std::size_t>(i)] == joints[static_cast<std::size_t>(earlier)];
+      if (!same || !(weights[earlier] > 0)) continue;
+      weights[earlier] += weights[i];
+      weights[i] = 0;
+    }
+    if (!(weights[i] > 0)) joints[static_cast<std::size_t>(i)] = 0;
+  }
+}
+
+/// Returns the number of texture coordinate sets that the material's textures use.
+int uv_sets(const Material& m) {
+  int sets = 0;
+  for (const TextureUse& use :
+       {m.base_texture, m.emission_texture, m.metal_rough_texture, m.normal_texture, m.occlusion_texture}) {
+    if (use.used()) sets = std::max(sets, use.second_uv ? 2 : 1);
+  }
+  return sets;
+}
+
+void write_deformation(const Deformation& d, tinygltf::Primitive& to, Document& out) {
+  if (!d.joints.empty()) {
+    std::vector<std::array<std::uint16_t, 4>> joints = d.joints;
+    std::vector<glm::vec4> weights = d.weights;
+    for (std::size_t i = 0; i < joints.size(); ++i) tidy(joints[i], weights[i]);
+    to.attributes["JOINTS_0"] = out.add(joints);
+    to.attributes["WEIGHTS_0"] = out.add(weights);
+  }
+  for (std::size_t i = 0; i < d.target_positions.size(); ++i) {
+    std::map<std::string, int>& target = to.targets.emplace_back();
+    target["POSITION"] = out.add(d.target_positions[i], true);
+    if (!d.normals.empty() && i < d.target_normals.size() && !d.target_normals[i].empty())
+      target["NORMAL"] = out.add(d.target_normals[i]);
+  }
+}
+
+}  // namespace
+
+tinygltf::Primitive Meshes::write(const Mesh& mesh) {
+  const Deformation* d = mesh.deformation.get();
+  tinygltf::Primitive to;
+  to.mode = TINYGLTF_MODE_TRIANGLES;
+  if (mesh.material < scene_.materials.size()) to.material = static_cast<int>(mesh.material);
+  const std::vector<glm::vec3>& normals = d != nullptr ? d->normals : mesh.normals;
+  const std::vector<glm::vec4>& tangents = d != nullptr ? d->tangents : mesh.tangents;
+  to.attributes["POSITION"] = out_.add(d != nullptr ? d->positions : mesh.positions, true);
+  if (!normals.empty()) to.attributes["NORMAL"] = out_.add(normals);
+  if (!normals.empty() && !tangents.empty()) to.attributes["TANGENT"] = out_.add(tangents);
+  const int sets = to.material < 0 ? 0 : uv_sets(scene_.materials[mesh.material]);
+  const std::vector<glm::vec2> none(mesh.positions.size());  // textures without coordinates are looked up at 0, 0
+  if (!mesh.uvs.empty() || sets > 0) to.attributes["TEXCOORD_0"] = out_.add(mesh.uvs.empty() ? none : mesh.uvs);
+  if (sets > 1) to.attributes["TEXCOORD_1"] = out_.add(mesh.second_uvs.empty() ? none : mesh.second_uvs);
+  if (!mesh.colours.empty()) {
+    std::vector<glm::vec4> colours = mesh.colours;
+    for (glm::vec4& colour : colours) colour = glm::clamp(colour, 0.0F, 1.0F);
+    to.attributes["COLOR_0"] = out_.add(colours);
+  }
+  if (d != nullptr) write_deformation(*d, to, out_);
+  to.indices = out_.add(mesh.triangles, mesh.positions.size() > 0xffff);  // 0xffff itself is not a valid 16-bit index
+  return to;
+}
+
+const tinygltf::Primitive& Meshes::primitive_of(std::uint32_t mesh) {
+  const auto found = primitives_.find(mesh);
+  if (found != primitives_.end()) return found->second;
+  return primitives_.emplace(mesh, write(scene_.meshes[mesh])).first->second;
+}
+
+int Meshes::mesh_of(const std::vector<std::uint32_t>& parts) {
+  const auto [entry, is_new] = meshes_.try_emplace(parts, static_cast<int>(out_.model.meshes.size()));
+  if (!is_new) return entry->second;
+  tinygltf::Mesh to;
+  to.name = scene_.meshes[parts.front()].name;
+  for (const std::uint32_t part : parts) to.primitives.push_back(primitive_of(part));
+  out_.model.meshes.push_back(to);
+  return entry->second;
+}
+
 namespace {
 
 bool is_identity(const Transform& t) {
@@ -133,6 +326,137 @@ void write_cameras(const Scene& scene, const NodeMap& map, Document& out) {
     return least;
   };
   std::ranges::stable_sort(out.model.scenes[0].nodes, {}, rank);
+}
+
+namespace {
+
+/// Instances that form the primitives of one glTF mesh on one node.
+struct Group {
+  const Instance* first = nullptr;
+  std::uint32_t skin = kNone;
+  std::size_t targets = 0;
+  std::vector<std::uint32_t> parts;  ///< indices in Scene::meshes
+};
+
+std::vector<Group> group_instances(const Scene& scene) {
+  std::vector<Group> groups;
+  std::map<std::tuple<std::uint32_t, std::uint32_t, std::size_t, bool>, std::size_t> indices;
+  for (const Instance& instance : scene.instances) {
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    if (mesh.triangles.empty()) continue;
+    Group group;
+    group.first = &instance;
+    if (mesh.deformation != nullptr) {
+      group.skin = mesh.deformation->skin;
+      group.targets = mesh.deformation->target_positions.size();
+    }
+    const auto [found, is_new] =
+        indices.try_emplace({instance.node, group.skin, group.targets, instance.focus}, groups.size());
+    if (is_new || instance.node == kNone) {
+      found->second = groups.size();
+      groups.push_back(group);
+    }
+    groups[found->second].parts.push_back(instance.mesh);
+  }
+  return groups;
+}
+
+int gltf_node_of(const Group& group, const NodeMap& map, Document& out) {
+  const Instance& instance = *group.first;
+  if (group.skin != kNone) return add_node(out, -1, {});
+  if (instance.node == kNone) return add_placed(out, -1, instance.to_world);
+  const int gltf_node = map.gltf_nodes[instance.node];
+  return out.model.nodes[static_cast<std::size_t>(gltf_node)].mesh < 0 ? gltf_node : add_node(out, gltf_node, {});
+}
+
+int gltf_skin_of(std::uint32_t skin, NodeMap& map) {
+  auto found = std::ranges::find(map.skins, skin);
+  if (found == map.skins.end()) found = map.skins.insert(found, skin);
+  return static_cast<int>(found - map.skins.begin());
+}
+
+}  // namespace
+
+void write_instances(const Scene& scene, Meshes& meshes, NodeMap& map, Document& out) {
+  for (const Group& group : group_instances(scene)) {
+    const int mesh = meshes.mesh_of(group.parts);
+    const int gltf_node = gltf_node_of(group, map, out);
+    tinygltf::Node& node = out.model.nodes[static_cast<std::size_t>(gltf_node)];
+    node.mesh = mesh;
+    if (node.name.empty()) node.name = scene.meshes[group.parts.front()].name;
+    if (group.first->focus) node.extras = tinygltf::Value(tinygltf::Value::Object{{"focus", tinygltf::Value(true)}});
+    if (group.skin != kNone) node.skin = gltf_skin_of(group.skin, map);
+    if (group.targets == 0 || group.first->node == kNone) continue;
+    const std::vector<float>& weights = scene.nodes[group.first->node].morph_weights;
+    if (weights.size() == group.targets) map.morphing[group.first->node].push_back(gltf_node);
+    for (const float weight : weights) node.weights.push_back(double{weight});
+    node.weights.resize(group.targets, 0);
+  }
+}
+
+namespace {
+
+/// tinygltf 2.9 and later have a member for a node's light, and drop the extension without it.
+template <class Node>
+void refer_to_light(Node& node, int light) {
+  if constexpr (requires { node.light; }) node.light = light;
+}
+
+/// Returns a matrix at the light's position whose -z is the light's direction.
+glm::mat4 frame_of(const Light& light) {
+  if (light.kind == Light::Kind::kPoint) {
+    glm::mat4 frame(1);
+    frame[3] = glm::vec4(light.position, 1);
+    return frame;
+  }
+  const glm::dvec3 back = -glm::normalize(glm::dvec3(light.direction));
+  const glm::dvec3 other = std::abs(back.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
+  const glm::dvec3 right = glm::normalize(glm::cross(other, back));
+  return {glm::vec4(glm::vec3(right), 0), glm::vec4(glm::vec3(glm::cross(back, right)), 0),
+          glm::vec4(glm::vec3(back), 0), glm::vec4(light.position, 1)};
+}
+
+tinygltf::Light light_of(const Light& light, float strongest) {
+  tinygltf::Light to;
+  to.intensity = double{strongest} * std::numbers::pi;
+  to.color = numbers(light.intensity / strongest);
+  to.range = std::max(double{light.range}, 0.0);
+  to.type = "point";
+  if (light.kind == Light::Kind::kDirectional) to.type = "directional";
+  if (light.kind == Light::Kind::kSpot) {
+    to.type = "spot";
+    // glTF demands an outer angle above 0 and an inner angle below the outer.
+    to.spot.outerConeAngle = std::max(std::acos(std::clamp(double{light.cos_outer}, 0.0, 1.0)), 1e-6);
+    to.spot.innerConeAngle =
+        std::min(std::acos(std::clamp(double{light.cos_inner}, 0.0, 1.0)), to.spot.outerConeAngle * (1 - 1e-9));
+  }
+  return to;
+}
+
+}  // namespace
+
+void write_lights(const Scene& scene, const NodeMap& map, Document& out) {
+  for (const Light& light : scene.lights) {
+    const float strongest = std::max({light.intensity.x, light.intensity.y, light.intensity.z});
+    if (!(strongest > 0)) continue;
+    int gltf_node = -1;
+    if (light.node == kNone) {
+      gltf_node = add_placed(out, -1, frame_of(light));
+    } else {
+      gltf_node = map.gltf_nodes[light.node];
+      const bool taken =
+          out.model.nodes[static_cast<std::size_t>(gltf_node)].extensions.contains("KHR_lights_punctual");
+      if (taken || light.in_node != glm::mat4(1)) gltf_node = add_placed(out, gltf_node, light.in_node);
+    }
+    tinygltf::Node& node = out.model.nodes[static_cast<std::size_t>(gltf_node)];
+    const int index = static_cast<int>(out.model.lights.size());
+    out.extend(node.extensions, "KHR_lights_punctual", {{"light", tinygltf::Value(index)}});
+    refer_to_light(node, index);
+    if (node.name.empty()) node.name = "light";
+    out.model.lights.push_back(light_of(light, strongest));
+  }
+  const tinygltf::Value::Object ours{{"background", value(scene.background)}, {"ambient", value(scene.ambient)}};
+  out.model.scenes[0].extras = tinygltf::Value(tinygltf::Value::Object{{"raywatt", tinygltf::Value(ours)}});
 }
 
 }  // namespace traces::gltf_export

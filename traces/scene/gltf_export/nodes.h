@@ -1,11 +1,56 @@
 #pragma once
 #include <cstdint>
+#include <map>
 #include <vector>
 
+#include <glm/gtc/quaternion.hpp>
+#include <glm/mat4x4.hpp>
+#include <tiny_gltf.h>
+
+#include "traces/scene/animation.h"
 #include "traces/scene/gltf_export/document.h"
-#include "traces/scene/gltf_export/meshes.h"
 
 namespace traces::gltf_export {
+
+/// Applied in this order: scale, rotation, translation.
+struct Placement {
+  glm::dvec3 translation{0};
+  glm::dquat rotation{1, 0, 0, 0};
+  glm::dvec3 scale{1};
+};
+
+/// True if the matrix is a translation, a rotation and a scale alone, as glTF demands of a node.
+bool is_placement(const glm::mat4& matrix);
+
+/// Any affine matrix as the product of an outer placement and an inner one, which only rotates. A matrix that shears,
+/// as nodes of uneven scale make, is a rotation, a scale and another rotation (singular value decomposition).
+struct TwoPlacements {
+  Placement outer, inner;
+};
+TwoPlacements split(const glm::mat4& matrix);
+
+/// These write only values that differ from glTF's defaults.
+void set_transform(tinygltf::Node& node, const Placement& placement);
+void set_transform(tinygltf::Node& node, const Transform& transform);
+void set_transform(tinygltf::Node& node, const glm::mat4& matrix);
+
+/// Writes a mesh when it is first used; later uses share its accessors.
+class Meshes {
+ public:
+  Meshes(const Scene& scene, Document& out) : scene_(scene), out_(out) {}
+
+  /// Returns the index of a glTF mesh whose primitives are these meshes of Scene::meshes.
+  int mesh_of(const std::vector<std::uint32_t>& parts);
+
+ private:
+  const tinygltf::Primitive& primitive_of(std::uint32_t mesh);
+  tinygltf::Primitive write(const Mesh& mesh);
+
+  const Scene& scene_;
+  Document& out_;
+  std::map<std::uint32_t, tinygltf::Primitive> primitives_;
+  std::map<std::vector<std::uint32_t>, int> meshes_;
+};
 
 /// Appends a node below `parent`, or below the scene if that is -1; returns its index.
 int add_node(Document& out, int parent, tinygltf::Node node);
@@ -37,5 +82,13 @@ void write_cameras(const Scene& scene, const NodeMap& map, Document& out);
 
 /// Writes the tracks that take effect as one animation; tracks with equal key times share them.
 void write_animation(const Scene& scene, const NodeMap& map, Document& out);
+
+/// Writes Scene::lights by KHR_lights_punctual, and the light that glTF cannot express into the scene's extras:
+/// `"raywatt": {"background": [r, g, b], "ambient": [r, g, b]}`.
+///
+/// Intensities are multiplied by pi: a white surface has radiance 1 at an irradiance of pi in glTF, and of 1 in a Scene
+/// (traces/scene/scene.h). The extras mark the light as final: lights for emitters and the exposure are already in it
+/// (gltf/final_light.h).
+void write_lights(const Scene& scene, const NodeMap& map, Document& out);
 
 }  // namespace traces::gltf_export

@@ -5,14 +5,193 @@
 #include <glm/common.hpp>
 
 #include "traces/scene/cameras.h"
+#include "traces/scene/scene.h"
 #include "traces/scenes/builtin.h"
 #include "traces/scenes/chess/pieces.h"
-#include "traces/scenes/chess/table.h"
+#include "traces/scenes/modelling/detail.h"
 #include "traces/scenes/modelling/motion.h"
 #include "traces/scenes/modelling/patterns.h"
 #include "traces/scenes/modelling/shapes.h"
 #include "traces/scenes/modelling/trigonometry.h"
-#include "traces/scenes/modelling/turned.h"
+
+namespace traces::chess {
+namespace {
+
+/// Height of the table below the squares of the board.
+constexpr float kTableTop = -0.42F;
+
+constexpr float kFloor = -9, kCeiling = 14, kLeft = -15, kRight = 19, kBack = -17, kFront = 19;
+
+std::uint32_t add_texture(Scene& scene, Texture texture) {
+  scene.textures.push_back(std::move(texture));
+  return static_cast<std::uint32_t>(scene.textures.size() - 1);
+}
+
+/// Makes the light or dark squares; each shows another part of the plank.
+Mesh make_squares(bool light) {
+  Mesh squares;
+  for (int file = 0; file < 8; ++file) {
+    for (int rank = 0; rank < 8; ++rank) {
+      if (((file + rank) % 2 != 0) != light) continue;
+      const glm::vec3 corner(static_cast<float>(file) - 4, 0, 3 - static_cast<float>(rank));
+      Mesh square = make_quad("", corner, {0, 0, 1}, {1, 0, 0}, 1);
+      const auto id = static_cast<std::uint64_t>(file * 8 + rank);
+      const glm::vec2 from(random(id, 1), random(id, 2));
+      for (glm::vec2& uv : square.uvs) uv = from + glm::vec2(0.22F, 0.16F) * uv;
+      append(squares, square);
+    }
+  }
+  squares.name = light ? "light squares" : "dark squares";
+  return squares;
+}
+
+/// Makes four boards with mitred corners, rounded outside, round the squares.
+Mesh make_frame() {
+  constexpr float kInner = 4, kOuter = 4.75F;
+  const glm::vec2 shape[] = {{kInner, -0.02F},        {kInner, 0.03F},          {kInner + 0.08F, 0.05F},
+                             {kOuter - 0.16F, 0.05F}, {kOuter - 0.05F, 0},      {kOuter, -0.10F},
+                             {kOuter, -0.24F},        {kOuter + 0.08F, -0.30F}, {kOuter + 0.08F, kTableTop}};
+  Mesh frame;
+  for (int side = 0; side < 4; ++side) {
+    Mesh board;
+    for (std::size_t k = 0; k + 1 < std::size(shape); ++k) {
+      const glm::vec2 a = shape[k], b = shape[k + 1];
+      const glm::vec2 along = glm::normalize(b - a);
+      const auto first = static_cast<std::uint32_t>(board.positions.size());
+      for (const glm::vec2& p : {a, b}) {
+        for (const float end : {-1.0F, 1.0F}) {
+          board.positions.emplace_back(p.x, p.y, -end * p.x);
+          board.normals.emplace_back(-along.y, along.x, 0);
+          board.uvs.emplace_back(0.1F * end * p.x, 0.16F * (p.x + p.y) + 0.37F * static_cast<float>(side));
+        }
+      }
+      // Rows run outwards, columns along the board towards -z.
+      board.triangles.push_back({first, first + 3, first + 1});
+      board.triangles.push_back({first, first + 2, first + 3});
+    }
+    append(frame, transformed(board, placed({0, 0, 0}, 0.25 * side)));
+  }
+  frame.name = "frame of the board";
+  return frame;
+}
+
+void add_clock(Scene& scene, const Detail& detail, std::uint32_t wood, std::uint32_t brass, std::uint32_t ivory,
+               std::uint32_t black) {
+  // In its own space the clock faces +z.
+  const glm::mat4 at = placed({-6.9F, kTableTop, -0.6F}, 0.19);
+  const auto part = [&](Mesh mesh, std::uint32_t material) {
+    add_instance(scene, add_mesh(scene, std::move(mesh), material), at);
+  };
+  part(make_rounded_box("clock", {-1.35F, 0.06F, -0.36F}, {1.35F, 1.35F, 0.36F}, 0.1F, detail.cells(3)), wood);
+  const glm::mat4 upright(glm::vec4(1, 0, 0, 0), glm::vec4(0, 0, 1, 0), glm::vec4(0, -1, 0, 0), glm::vec4(0, 0, 0, 1));
+  const std::uint32_t sides = detail.cells(32, 10);
+  Mesh dials, rings, hands, buttons;
+  for (const float x : {-0.62F, 0.62F}) {
+    glm::mat4 dial_to_clock = upright;
+    dial_to_clock[3] = glm::vec4(x, 0.71F, 0.36F, 1);
+    append(dials, transformed(make_cylinder("", 0.47F, 0.012F, sides), dial_to_clock));
+    const glm::vec2 bezel[] = {{0.53F, 0}, {0.53F, 0.05F}, {0.50F, 0.07F}, {0.46F, 0.04F}, {0.46F, 0}};
+    append(rings, transformed(make_lathe("", bezel, sides), dial_to_clock));
+    for (int hour = 0; hour < 12; ++hour) {
+      const glm::vec2 way = on_circle(hour / 12.0);
+      const glm::mat4 turn(glm::vec4(way.y, -way.x, 0, 0), glm::vec4(way, 0, 0), glm::vec4(0, 0, 1, 0),
+                           glm::vec4(x + 0.40F * way.x, 0.71F + 0.40F * way.y, 0.372F, 1));
+      append(hands, transformed(make_box("", {-0.012F, -0.035F, 0}, {0.012F, 0.035F, 0.004F}), turn));
+    }
+    for (const float length : {0.24F, 0.34F}) {
+      const glm::vec2 way = on_circle(length < 0.3F ? 0.13 + 0.1 * static_cast<double>(x) : 0.31);
+      const glm::mat4 turn(glm::vec4(way.y, -way.x, 0, 0), glm::vec4(way, 0, 0), glm::vec4(0, 0, 1, 0),
+                           glm::vec4(x, 0.71F, 0.38F, 1));
+      append(hands, transformed(make_box("", {-0.016F, -0.05F, 0}, {0.016F, length, 0.006F}), turn));
+    }
+    const glm::vec2 knob[] = {
+        {0.11F, 0}, {0.11F, x < 0 ? 0.10F : 0.2F}, {0.09F, x < 0 ? 0.13F : 0.23F}, {0, x < 0 ? 0.14F : 0.24F}};
+    append(buttons, transformed(make_lathe("", knob, detail.cells(20, 8)), placed({x, 1.34F, 0})));
+  }
+  dials.name = "dials", rings.name = "bezels", hands.name = "hands", buttons.name = "buttons";
+  part(std::move(dials), ivory);
+  part(std::move(rings), brass);
+  part(std::move(hands), black);
+  part(std::move(buttons), brass);
+}
+
+/// Adds six bright panes, which light the room, in the wall on the left.
+void add_window(Scene& scene, std::uint32_t frame_paint) {
+  const std::uint32_t sky = add_material(scene, lamp("daylight", {14, 14.5F, 15.5F}));
+  Mesh panes;
+  for (int column = 0; column < 3; ++column) {
+    for (int row = 0; row < 3; ++row) {
+      const float z = -3.2F + 2.8F * static_cast<float>(column), y = 1.2F + 3.4F * static_cast<float>(row);
+      append(panes, make_quad("", {kLeft + 0.3F, y, z}, {0, 3.1F, 0}, {0, 0, 2.5F}, 1));
+    }
+  }
+  panes.name = "window";
+  add_object(scene, std::move(panes), sky);
+  add_object(scene, make_box("window frame", {kLeft, 0.6F, -3.8F}, {kLeft + 0.2F, 11.7F, 5.5F}), frame_paint);
+}
+
+/// Adds board (64 squares of 1 x 1 about the origin, their tops at y = 0), table, clock and the room with its window.
+/// `detail` scales the resolution of curves.
+void add_surroundings(Scene& scene, const Detail& detail) {
+  const std::uint32_t maple =
+      add_texture(scene, wood_texture("maple", {0.93F, 0.80F, 0.60F}, {0.80F, 0.61F, 0.38F}, 11));
+  const std::uint32_t walnut =
+      add_texture(scene, wood_texture("walnut", {0.46F, 0.28F, 0.17F}, {0.26F, 0.14F, 0.08F}, 12));
+  const std::uint32_t mahogany =
+      add_texture(scene, wood_texture("mahogany", {0.52F, 0.25F, 0.14F}, {0.30F, 0.11F, 0.06F}, 13));
+  const std::uint32_t parquet =
+      add_texture(scene, wood_texture("parquet", {0.62F, 0.45F, 0.30F}, {0.42F, 0.27F, 0.17F}, 14, 256));
+  const std::uint32_t cloth =
+      add_texture(scene, cloth_texture("wallpaper", {0.36F, 0.45F, 0.41F}, {0.31F, 0.40F, 0.37F}, 64, 15, 256));
+
+  add_object(scene, make_squares(true), add_material(scene, textured("maple", maple, glm::vec3(1), 0.10F)));
+  const std::uint32_t dark = add_material(scene, textured("walnut", walnut, glm::vec3(1), 0.12F));
+  add_object(scene, make_squares(false), dark);
+  add_object(scene, make_frame(), dark);
+  const std::uint32_t table = add_material(scene, textured("mahogany", mahogany, glm::vec3(1), 0.15F));
+  Mesh top = make_rounded_box("table", {-11, kTableTop - 0.7F, -7.5F}, {11, kTableTop, 7.5F}, 0.25F, detail.cells(4));
+  for (std::size_t k = 0; k < top.uvs.size(); ++k) {
+    const glm::vec3 p = top.positions[k];
+    top.uvs[k] = {0.04F * p.x + 0.3F, 0.06F * p.z + 0.06F * p.y + 0.5F};
+  }
+  add_object(scene, std::move(top), table);
+  const glm::vec2 leg[] = {{0.35F, kFloor}, {0.45F, kFloor + 0.6F}, {0.3F, kFloor + 1}, {0.55F, -3},
+                           {0.4F, -2},      {0.6F, -1.1F}};
+  const std::uint32_t leg_mesh = add_mesh(scene, make_lathe("leg", leg, detail.cells(12, 6)), table);
+  for (const float x : {-9.8F, 9.8F}) {
+    for (const float z : {-6.3F, 6.3F}) add_instance(scene, leg_mesh, placed({x, 0, z}));
+  }
+
+  const std::uint32_t enamel = add_material(scene, paint("black enamel", {0.02F, 0.02F, 0.02F}, 0.05F));
+  const std::uint32_t ivory = add_material(scene, paint("ivory", {0.88F, 0.84F, 0.74F}, 0.05F));
+  const std::uint32_t brass = add_material(scene, metal("brass", {0.95F, 0.72F, 0.35F}, 0.6F));
+  add_clock(scene, detail, dark, brass, ivory, enamel);
+
+  const glm::vec3 x(kRight - kLeft, 0, 0), y(0, kCeiling - kFloor, 0), z(0, 0, kFront - kBack);
+  const glm::vec3 corner(kLeft, kFloor, kBack), far_corner(kRight, kCeiling, kFront);
+  const std::uint32_t wall = add_material(scene, textured("wallpaper", cloth));
+  add_object(scene, make_quad("floor", corner, z, x, 2, 5),
+             add_material(scene, textured("parquet", parquet, glm::vec3(1), 0.06F)));
+  add_object(scene, make_quad("back wall", corner, x, y, 2, 6), wall);
+  add_object(scene, make_quad("left wall", corner, y, z, 2, 6), wall);
+  add_object(scene, make_quad("right wall", far_corner, -y, -z, 2, 6), wall);
+  add_object(scene, make_quad("front wall", far_corner, -x, -y, 2, 6), wall);
+  const std::uint32_t plaster = add_material(scene, paint("plaster", {0.85F, 0.83F, 0.78F}));
+  add_object(scene, make_quad("ceiling", far_corner, -z, -x, 2), plaster);
+  add_window(scene, plaster);
+  // Panelling along the back wall.
+  const std::uint32_t panel = add_mesh(
+      scene, make_rounded_box("panel", {-1.9F, -4.4F, 0}, {1.9F, 4.4F, 0.3F}, 0.14F, detail.cells(1.4)), table);
+  for (int k = 0; k < 8; ++k) {
+    add_instance(scene, panel, placed({kLeft + 2.2F + 4.2F * static_cast<float>(k), kFloor + 4.8F, kBack + 0.1F}));
+  }
+  add_object(scene,
+             make_rounded_box("rail", {kLeft, kFloor + 9.5F, kBack}, {kRight, kFloor + 10.1F, kBack + 0.6F}, 0.15F, 2),
+             table);
+}
+
+}  // namespace
+}  // namespace traces::chess
 
 namespace traces {
 namespace {

@@ -7,8 +7,6 @@
 #include <glm/geometric.hpp>
 
 #include "traces/scenes/modelling/shapes.h"
-#include "traces/scenes/modelling/sweeps.h"
-#include "traces/scenes/modelling/turned.h"
 
 namespace traces::laboratory {
 namespace {

@@ -9,7 +9,6 @@
 
 #include "traces/scenes/modelling/patterns.h"
 #include "traces/scenes/modelling/shapes.h"
-#include "traces/scenes/modelling/sweeps.h"
 #include "traces/scenes/modelling/trigonometry.h"
 
 namespace traces {

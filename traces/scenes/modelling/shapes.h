@@ -1,6 +1,9 @@
 #pragma once
+#include <cstdint>
 #include <functional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "traces/scene/scene.h"
 
@@ -61,5 +64,50 @@ Material textured(std::string name, std::uint32_t texture, const glm::vec3& colo
 
 /// Returns the number of triangles as instanced.
 std::uint64_t triangles_of(const Scene& scene);
+
+/// Makes a solid of revolution about +y. The profile's points are (radius, height), bottom to top for normals outwards.
+/// Edges stay sharp where the profile turns by more than about 40 degrees. Texture u runs round, v along.
+Mesh make_lathe(std::string name, std::span<const glm::vec2> profile, std::uint32_t segments);
+
+/// Returns a Catmull-Rom curve through all points, `steps` points per section.
+std::vector<glm::vec2> smoothed(std::span<const glm::vec2> points, std::uint32_t steps);
+std::vector<glm::vec3> smoothed(std::span<const glm::vec3> points, std::uint32_t steps);
+
+/// Makes a cylinder along +y from y = 0, with caps.
+Mesh make_cylinder(std::string name, float radius, float height, std::uint32_t segments);
+/// Makes a cone along +y, closed below; `top_radius` 0 gives a point.
+Mesh make_cone(std::string name, float radius, float top_radius, float height, std::uint32_t segments);
+/// Makes a ring in the xz plane.
+Mesh make_torus(std::string name, float radius, float tube_radius, std::uint32_t segments, std::uint32_t sides);
+
+/// Makes a round tube along a path. `radii` has one entry, or one per point. Flat caps close the ends unless the radius
+/// there is 0.
+Mesh make_tube(std::string name, std::span<const glm::vec3> path, std::span<const float> radii, std::uint32_t sides);
+
+/// Makes a prism: the outline (counter-clockwise in the xy plane, simple, may be concave) from z = 0 to z = depth.
+Mesh make_extrusion(std::string name, std::span<const glm::vec2> outline, float depth);
+
+/// Profile of a turned object, (radius, height) from point to point; for make_lathe and make_turned.
+class Outline {
+ public:
+  explicit Outline(const glm::vec2& start) : points_{start} {}
+  Outline& line(float radius, float height);
+  /// Adds a curve to that point whose middle is `bulge` outside the straight line (negative: inside).
+  Outline& arc(float radius, float height, float bulge);
+  /// Adds an arc about `centre`; from and to in turns, 0 outwards, 0.25 up.
+  Outline& round(const glm::vec2& centre, float radius, double from, double to);
+  const std::vector<glm::vec2>& points() const { return points_; }
+
+ private:
+  std::vector<glm::vec2> points_;
+};
+
+/// Returns the `count` points that best keep the line's shape, ends included.
+std::vector<glm::vec2> simplified(std::vector<glm::vec2> points, std::size_t count);
+
+/// Makes a lathe whose points `shape(around, k, point)` may move: `around` in turns, `k` the index in the profile.
+/// Smooth, except that a repeated profile point makes an edge.
+Mesh make_turned(std::string name, const std::vector<glm::vec2>& profile, std::uint32_t segments,
+                 const std::function<glm::vec3(float around, std::size_t k, const glm::vec3& point)>& shape);
 
 }  // namespace traces

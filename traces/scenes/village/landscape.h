@@ -36,4 +36,7 @@ Texture cobble_texture(std::string name, std::uint32_t stones);
 Texture crop_texture(std::string name, const glm::vec3& crop, const glm::vec3& soil, std::uint32_t rows,
                      std::uint32_t seed);
 
+/// Adds trees, bushes and grass. Their leaves fill the scene up to `triangles`.
+void add_garden(Scene& scene, std::uint32_t triangles, float detail);
+
 }  // namespace traces::village

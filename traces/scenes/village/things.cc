@@ -8,7 +8,6 @@
 #include "traces/scenes/modelling/patterns.h"
 #include "traces/scenes/modelling/plants.h"
 #include "traces/scenes/modelling/shapes.h"
-#include "traces/scenes/modelling/sweeps.h"
 #include "traces/scenes/modelling/trigonometry.h"
 
 namespace traces::village {

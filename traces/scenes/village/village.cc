@@ -10,7 +10,6 @@
 #include "traces/scenes/modelling/patterns.h"
 #include "traces/scenes/modelling/shapes.h"
 #include "traces/scenes/modelling/trigonometry.h"
-#include "traces/scenes/village/garden.h"
 #include "traces/scenes/village/houses.h"
 #include "traces/scenes/village/landscape.h"
 #include "traces/scenes/village/things.h"

@@ -7,8 +7,8 @@
 #include "../support.h"
 #include "sim/error.h"
 #include "traces/accel/build.h"
-#include "traces/accel/build/material_tables.h"
-#include "traces/scene/texture_mean.h"
+#include "traces/accel/refit.h"
+#include "traces/scene/texels.h"
 
 namespace traces {
 namespace {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/traces/scene/pose/moving_scene.h"
-#include "traces/scene/pose/pose_nodes.h"
+#include "traces/scene/pose.h"
 
 // Skins and morph targets.
 

@@ -2,7 +2,7 @@
 #include <utility>
 #include <vector>
 
-#include "traces/scene/pose/pose_track.h"
+#include "traces/scene/pose.h"
 #include "traces/scene/scene.h"
 
 namespace traces {

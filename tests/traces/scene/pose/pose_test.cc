@@ -1,3 +1,5 @@
+#include "traces/scene/pose.h"
+
 #include <cmath>
 #include <numbers>
 
@@ -6,8 +8,6 @@
 
 #include "sim/error.h"
 #include "tests/traces/scene/pose/moving_scene.h"
-#include "traces/scene/pose/pose_nodes.h"
-#include "traces/scene/pose/pose_track.h"
 #include "traces/scene/scene.h"
 
 namespace traces {
