@@ -81,12 +81,12 @@ std::set<std::string> arrows(const Graph& graph, const std::string& folder) {
 std::string page_of(const Graph& graph) {
   std::ostringstream page;
   page << "# Which folder includes which\n\n"
-          "Made from the sources by `tests/structure/include_graph_test.cc`, which also says how to make it anew. No\n"
-          "arrow points up, and there is no circle. The drawing leaves out arrows that others imply; the table has "
-          "all.\n\nFolders that are parts of one are drawn as one, whatever they include of each other: "
-          "`shader_kernels` with its\n"
-          "kernels, `traces/accel`, `traces/scene`, `traces/scenes` and `tools/studies/optimise` with the folders "
-          "below.\n"
+          "`tests/structure/include_graph_test.cc` writes this page from the sources, with RAYWATT_UPDATE=1. No arrow "
+          "points\n"
+          "up, and there is no cycle. The drawing omits arrows implied by others; the table has all.\n\n"
+          "Parts of one subject are drawn as one folder: `shader_kernels` with its kernels; `traces/accel`, "
+          "`traces/scene`,\n"
+          "`traces/scenes` and `tools/studies/optimise` with the folders below.\n"
           "\n```mermaid\ngraph TD\n";
   std::vector<std::string> order = bottom_up(graph);
   std::ranges::reverse(order);
@@ -119,7 +119,7 @@ TEST(IncludeGraph, IsDrawnInTheDocumentation) {
   if (std::getenv("RAYWATT_UPDATE") != nullptr) std::ofstream(file) << page;
   std::ostringstream drawn;
   drawn << std::ifstream(file).rdbuf();
-  EXPECT_EQ(drawn.str(), page) << "RAYWATT_UPDATE=1 in the environment of this test writes the page anew";
+  EXPECT_EQ(drawn.str(), page) << "RAYWATT_UPDATE=1 in the environment of this test writes the page again";
 }
 
 }  // namespace
