@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "sim/error.h"
-#include "traces/scene/srgb.h"
+#include "traces/scene/texels.h"
 
 namespace traces {
 namespace {

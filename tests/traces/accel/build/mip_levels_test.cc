@@ -7,7 +7,6 @@
 #include "../support.h"
 #include "sim/error.h"
 #include "traces/accel/build.h"
-#include "traces/accel/refit.h"
 #include "traces/scene/texels.h"
 
 namespace traces {
