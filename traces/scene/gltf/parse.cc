@@ -11,30 +11,30 @@
 namespace traces::gltf {
 namespace {
 
-using json = sim::Json;
+using sim::Json;
 
-json* member(json& object, const char* key) {
+Json* member(Json& object, const char* key) {
   if (!object.is_object()) return nullptr;
   const auto found = object.find(key);
   return found == object.end() ? nullptr : &*found;
 }
 
-json* extension(json& object, const char* name) {
-  json* extensions = member(object, "extensions");
+Json* extension(Json& object, const char* name) {
+  Json* extensions = member(object, "extensions");
   return extensions == nullptr ? nullptr : member(*extensions, name);
 }
 
 /// Calls visit(entry) for each entry of `object[key]`, if that is a list.
 template <class Visit>
-void for_each(json& object, const char* key, Visit visit) {
-  json* list = member(object, key);
+void for_each(Json& object, const char* key, Visit visit) {
+  Json* list = member(object, key);
   if (list == nullptr || !list->is_array()) return;
-  for (json& entry : *list) visit(entry);
+  for (Json& entry : *list) visit(entry);
 }
 
 /// Returns `object[key][index]`, or null if there is no such entry.
-json* entry(json& object, const char* key, const json& index) {
-  json* list = member(object, key);
+Json* entry(Json& object, const char* key, const Json& index) {
+  Json* list = member(object, key);
   if (list == nullptr || !list->is_array() || !index.is_number_unsigned()) return nullptr;
   const auto at = index.get<std::uint64_t>();
   return at < list->size() ? &(*list)[at] : nullptr;
@@ -42,9 +42,9 @@ json* entry(json& object, const char* key, const json& index) {
 
 }  // namespace
 
-bool make_parsable(json& file, std::vector<std::size_t>& lent) {
+bool make_parsable(Json& file, std::vector<std::size_t>& lent) {
   bool changed = false;
-  for_each(file, "buffers", [&](json& buffer) {
+  for_each(file, "buffers", [&](Json& buffer) {
     if (extension(buffer, "EXT_meshopt_compression") == nullptr &&
         extension(buffer, "KHR_meshopt_compression") == nullptr) {
       return;
@@ -54,10 +54,10 @@ bool make_parsable(json& file, std::vector<std::size_t>& lent) {
     buffer["byteLength"] = 1;
     changed = true;
   });
-  for_each(file, "meshes", [&](json& mesh) {
-    for_each(mesh, "primitives", [&](json& primitive) {
-      const json* indices = member(primitive, "indices");
-      json* accessor = indices == nullptr ? nullptr : entry(file, "accessors", *indices);
+  for_each(file, "meshes", [&](Json& mesh) {
+    for_each(mesh, "primitives", [&](Json& primitive) {
+      const Json* indices = member(primitive, "indices");
+      Json* accessor = indices == nullptr ? nullptr : entry(file, "accessors", *indices);
       if (accessor == nullptr || accessor->contains("bufferView")) return;
       if (file["bufferViews"].empty()) file["bufferViews"].push_back({{"buffer", 0}, {"byteLength", 1}});
       (*accessor)["bufferView"] = 0;
