@@ -7,6 +7,7 @@
 #include "../support.h"
 #include "sim/error.h"
 #include "traces/accel/build.h"
+#include "traces/accel/build/material_tables.h"
 #include "traces/scene/texels.h"
 
 namespace traces {
