@@ -11,7 +11,7 @@ namespace {
 template <class K>
 KernelInfo record_one() {
   KernelInfo info{kKernelId<K>, K::kName, K::kMeaning, record_graph<K>()};
-  if constexpr (requires { K::parts(); }) info.parts = K::parts();
+  if constexpr (requires { K::part_names(); }) info.parts = K::part_names();
   return info;
 }
 
@@ -22,14 +22,14 @@ std::vector<KernelInfo> record_all(std::type_identity<std::tuple<Ks...>>) {
 
 }  // namespace
 
-const std::vector<KernelInfo>& catalogue() {
+const std::vector<KernelInfo>& kernel_catalogue() {
   static const std::vector<KernelInfo> all = record_all(std::type_identity<AllKernels>{});
   return all;
 }
 
 const KernelInfo* find_kernel(std::string_view name) {
-  const auto at = std::ranges::find(catalogue(), name, &KernelInfo::name);
-  return at == catalogue().end() ? nullptr : &*at;
+  const auto at = std::ranges::find(kernel_catalogue(), name, &KernelInfo::name);
+  return at == kernel_catalogue().end() ? nullptr : &*at;
 }
 
 }  // namespace kernels

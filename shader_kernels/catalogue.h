@@ -105,7 +105,7 @@ struct KernelInfo {
 };
 
 /// Returns all kernels by id. Their graphs are recorded on the first call.
-const std::vector<KernelInfo>& catalogue();
+const std::vector<KernelInfo>& kernel_catalogue();
 /// Returns the kernel called `name`, or null.
 const KernelInfo* find_kernel(std::string_view name);
 

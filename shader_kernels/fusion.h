@@ -24,7 +24,7 @@ struct FusedPorts : Parts::template Ports<V>... {
 template <class... Parts>
 struct Fused {
   /// Returns the names of the kernels that it replaces.
-  static std::vector<std::string_view> parts() {
+  static std::vector<std::string_view> part_names() {
     std::vector<std::string_view> names;
     (add_name<Parts>(names), ...);
     return names;

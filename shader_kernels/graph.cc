@@ -23,7 +23,7 @@ constexpr std::array<std::string_view, static_cast<std::size_t>(Op::kCount)> kNa
 
 bool is_memory(Op op) { return op == Op::kLoadLocal || op == Op::kStoreLocal || op == Op::kLoadCached; }
 
-std::string operands(const GraphNode& node) {
+std::string operand_text(const GraphNode& node) {
   if (node.op == Op::kConstant && node.label.empty()) {
     return fmt::format(" {:#x} ({})", node.value, std::bit_cast<float>(node.value));
   }
@@ -53,7 +53,7 @@ std::uint32_t executed_ops(const Graph& graph) {
   return ops;
 }
 
-std::string summary(const Graph& graph) {
+std::string operation_summary(const Graph& graph) {
   std::string text = fmt::format("{}: {} operations\n", graph.kernel, executed_ops(graph));
   const OpCounts counts = count_ops(graph);
   for (std::size_t op = 0; op < counts.size(); ++op) {
@@ -65,10 +65,10 @@ std::string summary(const Graph& graph) {
   return text;
 }
 
-std::string listing(const Graph& graph) {
+std::string node_listing(const Graph& graph) {
   std::string text;
   for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
-    text += fmt::format("%{:<4} {:<12}{}\n", i, name_of(graph.nodes[i].op), operands(graph.nodes[i]));
+    text += fmt::format("%{:<4} {:<12}{}\n", i, name_of(graph.nodes[i].op), operand_text(graph.nodes[i]));
   }
   return text;
 }
@@ -79,12 +79,12 @@ class Sorter {
  public:
   explicit Sorter(const std::vector<GraphNode>& nodes) : from_(nodes), index_(nodes.size(), GraphNode::kNone) {}
 
-  std::vector<GraphNode> sorted() {
+  std::vector<GraphNode> sort_nodes() {
     for (std::uint32_t i = 0; i < from_.size(); ++i) {
       const GraphNode& node = from_[i];
       const bool touches_memory = node.op == Op::kLoadLocal || node.op == Op::kStoreLocal || node.op == Op::kLoadCached;
-      if (touches_memory || node.distance != 0) visit(i);
-      if (node.distance != 0) visit(node.inputs[0]);
+      if (touches_memory || node.distance != 0) place_node(i);
+      if (node.distance != 0) place_node(node.inputs[0]);
     }
     for (GraphNode& node : to_) {
       for (std::uint32_t& id : node.inputs) {
@@ -96,9 +96,9 @@ class Sorter {
   }
 
  private:
-  void visit(std::uint32_t i) {
+  void place_node(std::uint32_t i) {
     if (index_[i] != GraphNode::kNone) return;
-    if (from_[i].distance == 0) for_each_input(from_[i], [this](std::uint32_t id) { visit(id); });
+    if (from_[i].distance == 0) for_each_input(from_[i], [this](std::uint32_t id) { place_node(id); });
     index_[i] = static_cast<std::uint32_t>(to_.size());
     to_.push_back(from_[i]);
   }
@@ -110,7 +110,7 @@ class Sorter {
 
 }  // namespace
 
-void sort_canonically(Graph& graph) { graph.nodes = Sorter(graph.nodes).sorted(); }
+void sort_canonically(Graph& graph) { graph.nodes = Sorter(graph.nodes).sort_nodes(); }
 
 namespace {
 
@@ -121,8 +121,8 @@ class Fuser {
   Fuser(const Graph& graph, std::span<const std::string_view> registers)
       : from_(graph), registers_(registers), node_of_(graph.nodes.size(), kNone), record_of_(graph.nodes.size()) {}
 
-  std::vector<GraphNode> fused() {
-    for (std::uint32_t i = 0; i < from_.nodes.size(); ++i) node_of_[i] = take(i);
+  std::vector<GraphNode> fuse_nodes() {
+    for (std::uint32_t i = 0; i < from_.nodes.size(); ++i) node_of_[i] = map_node(i);
     for (GraphNode& node : to_) {
       if (node.distance != 0) node.inputs[0] = node_of_[node.inputs[0]];  // set last, because the producer comes later
     }
@@ -140,15 +140,15 @@ class Fuser {
   using Operation = std::tuple<Op, std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, std::string>;
 
   /// Adds node `i` or reuses an equal one; returns its new number.
-  std::uint32_t take(std::uint32_t i) {
+  std::uint32_t map_node(std::uint32_t i) {
     GraphNode node = from_.nodes[i];
     if (node.distance != 0) return add(std::move(node));
     const bool is_field = node.op == Op::kInput && node.inputs[0] != kNone;
-    if (is_field) return field(record_of_[node.inputs[0]], node);
+    if (is_field) return map_field(record_of_[node.inputs[0]], node);
     for (std::uint32_t& id : node.inputs) id = id == kNone ? kNone : node_of_[id];
     for (std::uint32_t& id : node.stored) id = node_of_[id];
-    if (node.op == Op::kLoadLocal || node.op == Op::kLoadCached) return load(i, std::move(node));
-    if (node.op == Op::kStoreLocal) return store(std::move(node));
+    if (node.op == Op::kLoadLocal || node.op == Op::kLoadCached) return map_load(i, std::move(node));
+    if (node.op == Op::kStoreLocal) return map_store(std::move(node));
     const Operation same{node.op, node.inputs[0], node.inputs[1], node.inputs[2], node.value, node.label};
     const auto [at, is_new] = operations_.try_emplace(same, kNone);
     if (is_new) at->second = add(std::move(node));
@@ -160,7 +160,7 @@ class Fuser {
     return static_cast<std::uint32_t>(to_.size() - 1);
   }
 
-  std::uint32_t field(const Address& address, GraphNode& node) {
+  std::uint32_t map_field(const Address& address, GraphNode& node) {
     Record& record = records_.at(address);
     std::uint32_t& word = record.words[node.value / 4];
     if (word != kNone) return word;
@@ -168,7 +168,7 @@ class Fuser {
     return word = add(std::move(node));
   }
 
-  std::uint32_t load(std::uint32_t i, GraphNode node) {
+  std::uint32_t map_load(std::uint32_t i, GraphNode node) {
     const Address address = address_of(node);
     record_of_[i] = address;
     const auto known = records_.find(address);
@@ -184,7 +184,7 @@ class Fuser {
     return record.load = add(std::move(node));
   }
 
-  std::uint32_t store(GraphNode node) {
+  std::uint32_t map_store(GraphNode node) {
     const Address address = address_of(node);
     // A store under another index may overwrite the same record.
     std::erase_if(records_, [&](const auto& r) {
@@ -214,7 +214,7 @@ class Fuser {
 }  // namespace
 
 void keep_in_registers(Graph& graph, std::span<const std::string_view> registers) {
-  graph.nodes = Fuser(graph, registers).fused();
+  graph.nodes = Fuser(graph, registers).fuse_nodes();
 }
 
 }  // namespace kernels

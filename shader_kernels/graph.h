@@ -76,8 +76,8 @@ OpCounts count_ops(const Graph& graph);
 std::uint32_t executed_ops(const Graph& graph);
 
 /// Returns one line per operation that occurs, then one per load and store.
-std::string summary(const Graph& graph);
+std::string operation_summary(const Graph& graph);
 /// Returns one line per node.
-std::string listing(const Graph& graph);
+std::string node_listing(const Graph& graph);
 
 }  // namespace kernels

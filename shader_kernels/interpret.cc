@@ -14,9 +14,9 @@ namespace {
 
 using Word = std::uint32_t;
 
-float real(Word bits) { return std::bit_cast<float>(bits); }
-Word word(float x) { return std::bit_cast<Word>(x); }
-Word word(bool mask) { return mask ? 1U : 0U; }
+float as_float(Word bits) { return std::bit_cast<float>(bits); }
+Word as_word(float x) { return std::bit_cast<Word>(x); }
+Word as_word(bool mask) { return mask ? 1U : 0U; }
 
 float compute_float(Op op, float a, float b) {
   switch (op) {
@@ -45,7 +45,7 @@ float compute_float(Op op, float a, float b) {
   }
 }
 
-Word compute(Op op, Word a, Word b, Word c) {
+Word compute_word(Op op, Word a, Word b, Word c) {
   switch (op) {
     case Op::kIntAdd:
       return a + b;
@@ -64,96 +64,96 @@ Word compute(Op op, Word a, Word b, Word c) {
     case Op::kShiftRight:
       return a >> b;
     case Op::kLess:
-      return word(real(a) < real(b));
+      return as_word(as_float(a) < as_float(b));
     case Op::kLessEqual:
-      return word(real(a) <= real(b));
+      return as_word(as_float(a) <= as_float(b));
     case Op::kEqual:
-      return word(real(a) == real(b));
+      return as_word(as_float(a) == as_float(b));
     case Op::kIntLess:
-      return word(a < b);
+      return as_word(a < b);
     case Op::kIntEqual:
-      return word(a == b);
+      return as_word(a == b);
     case Op::kSelect:
       return a != 0 ? b : c;
     case Op::kToFloat:
-      return word(to_float(a));
+      return as_word(to_float(a));
     case Op::kToInt:
-      return to_int(real(a));
+      return to_int(as_float(a));
     case Op::kBits:
       return a;
     default:
-      return word(compute_float(op, real(a), real(b)));
+      return as_word(compute_float(op, as_float(a), as_float(b)));
   }
 }
 
 template <class T>
-T& named(std::map<std::string, T, std::less<>>& all, const std::string& name) {
+T& find_bound(std::map<std::string, T, std::less<>>& all, const std::string& name) {
   const auto at = all.find(name);
   if (at == all.end()) throw std::invalid_argument("nothing is bound to '" + name + "'");
   return at->second;
 }
 
 /// Interpreter state: the values of the current and the previous item.
-class Machine {
+class Interpreter {
  public:
-  Machine(const Graph& graph, Environment& environment)
+  Interpreter(const Graph& graph, Environment& environment)
       : graph_(graph), environment_(environment), values_(graph.nodes.size()), records_(graph.nodes.size()) {}
 
-  void run(Word items) {
+  void run_items(Word items) {
     for (Word item = 0; item < items; ++item) {
-      for (std::size_t i = 0; i < values_.size(); ++i) step(i, item);
+      for (std::size_t i = 0; i < values_.size(); ++i) run_operation(i, item);
       for (const GraphNode& node : graph_.nodes) {
-        if (node.distance != 0) named(environment_.carried, node.label) = values_[node.inputs[0]];
+        if (node.distance != 0) find_bound(environment_.carried, node.label) = values_[node.inputs[0]];
       }
     }
   }
 
  private:
-  Word in(const GraphNode& node, int i) const {
+  Word operand(const GraphNode& node, int i) const {
     return node.inputs[i] == GraphNode::kNone ? 0 : values_[node.inputs[i]];
   }
 
-  void step(std::size_t i, Word item) {
+  void run_operation(std::size_t i, Word item) {
     const GraphNode& node = graph_.nodes[i];
     switch (node.op) {
       case Op::kInput:
-        values_[i] = input(node, item);
+        values_[i] = read_input(node, item);
         break;
       case Op::kConstant:
-        values_[i] = node.label.empty() ? node.value : named(environment_.uniforms, node.label);
+        values_[i] = node.label.empty() ? node.value : find_bound(environment_.uniforms, node.label);
         break;
       case Op::kLoadLocal:
       case Op::kLoadCached:
-        load(i);
+        run_load(i);
         break;
       case Op::kStoreLocal:
-        store(node);
+        run_store(node);
         break;
       default:
-        values_[i] = compute(node.op, in(node, 0), in(node, 1), in(node, 2));
+        values_[i] = compute_word(node.op, operand(node, 0), operand(node, 1), operand(node, 2));
     }
   }
 
-  Word input(const GraphNode& node, Word item) {
-    if (node.distance != 0) return named(environment_.carried, node.label);
+  Word read_input(const GraphNode& node, Word item) {
+    if (node.distance != 0) return find_bound(environment_.carried, node.label);
     if (node.inputs[0] == GraphNode::kNone) return item;
     return records_[node.inputs[0]][node.value / 4];
   }
 
-  void load(std::size_t i) {
+  void run_load(std::size_t i) {
     const GraphNode& node = graph_.nodes[i];
     if (node.inputs[1] != GraphNode::kNone) {
       const FootprintRecord<float> texels =
-          Texels<float>{environment_.textures}.load(in(node, 0), in(node, 1), in(node, 2));
+          Texels<float>{environment_.textures}.load(operand(node, 0), operand(node, 1), operand(node, 2));
       records_[i] = {texels.at00, texels.at10, texels.at01, texels.at11};
     } else {
-      const std::byte* memory = named(environment_.memories, node.label);
-      std::memcpy(records_[i].data(), memory + std::size_t{in(node, 0)} * node.bytes, node.bytes);
+      const std::byte* memory = find_bound(environment_.memories, node.label);
+      std::memcpy(records_[i].data(), memory + std::size_t{operand(node, 0)} * node.bytes, node.bytes);
     }
   }
 
-  void store(const GraphNode& node) {
-    std::byte* to = named(environment_.memories, node.label) + std::size_t{in(node, 0)} * node.bytes;
+  void run_store(const GraphNode& node) {
+    std::byte* to = find_bound(environment_.memories, node.label) + std::size_t{operand(node, 0)} * node.bytes;
     for (const std::uint32_t id : node.stored) {
       std::memcpy(to, &values_[id], sizeof(Word));
       to += sizeof(Word);
@@ -168,8 +168,8 @@ class Machine {
 
 }  // namespace
 
-void interpret(const Graph& graph, std::uint32_t items, Environment& environment) {
-  Machine(graph, environment).run(items);
+void interpret_graph(const Graph& graph, std::uint32_t items, Environment& environment) {
+  Interpreter(graph, environment).run_items(items);
 }
 
 }  // namespace kernels

@@ -22,7 +22,7 @@ struct Environment {
 };
 
 /// Runs a recorded graph, item by item. The result is the reference for the machine's schedule.
-void interpret(const Graph& graph, std::uint32_t items, Environment& environment);
+void interpret_graph(const Graph& graph, std::uint32_t items, Environment& environment);
 
 /// Builds an Environment from the ports of the float reading; for describe().
 class EnvironmentBinder {

@@ -91,7 +91,7 @@ struct Cached<float, R, kKind> {
     log = accesses;
   }
   R<float> load(std::uint32_t index) const {
-    if (log) log->push_back(traces::Access::record(kKind, index));
+    if (log) log->push_back(traces::Access::of_kind(kKind, index));
     return load_record<R>(base, index);
   }
 };

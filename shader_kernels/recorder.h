@@ -28,17 +28,19 @@ class Recorder {
     return static_cast<std::uint32_t>(graph_.nodes.size() - 1);
   }
   /// Returns the node of a literal; equal bits share one node.
-  std::uint32_t literal(std::uint32_t bits) {
+  std::uint32_t add_literal(std::uint32_t bits) {
     const auto [at, is_new] = literals_.try_emplace(bits, 0);
     if (is_new) at->second = add({.op = Op::kConstant, .value = bits});
     return at->second;
   }
   /// Returns the node of a named value that is constant over the loop.
-  std::uint32_t uniform(std::string label) { return add({.op = Op::kConstant, .label = std::move(label)}); }
-  /// Returns a node for the previous item's value of the producer given to `close(id, producer)`.
-  std::uint32_t carried(std::string label) { return add({.op = Op::kInput, .distance = 1, .label = std::move(label)}); }
+  std::uint32_t add_uniform(std::string label) { return add({.op = Op::kConstant, .label = std::move(label)}); }
+  /// Returns a node for the previous item's value of the producer given to `close_loop(id, producer)`.
+  std::uint32_t add_carried(std::string label) {
+    return add({.op = Op::kInput, .distance = 1, .label = std::move(label)});
+  }
   void set_bytes(std::uint32_t load, std::uint32_t bytes) { graph_.nodes[load].bytes = bytes; }
-  void close(std::uint32_t carried, std::uint32_t producer) { graph_.nodes[carried].inputs[0] = producer; }
+  void close_loop(std::uint32_t carried, std::uint32_t producer) { graph_.nodes[carried].inputs[0] = producer; }
 
  private:
   Graph& graph_;
@@ -49,7 +51,7 @@ class Recorder {
 struct Value {
   Recorder* recorder = nullptr;
   std::uint32_t node_or_bits = 0;
-  std::uint32_t node_in(Recorder& r) const { return recorder ? node_or_bits : r.literal(node_or_bits); }
+  std::uint32_t node_in(Recorder& r) const { return recorder ? node_or_bits : r.add_literal(node_or_bits); }
 };
 
 struct FloatNode : Value {
@@ -75,7 +77,7 @@ struct Reading<Recorded> {
 
 /// Records `op`. At least one input must be a node; the compiler should compute operations on literals alone.
 template <class Result>
-Result record(Op op, const std::derived_from<Value> auto&... in) {
+Result record_op(Op op, const std::derived_from<Value> auto&... in) {
   Recorder* r = nullptr;
   ((r = r ? r : in.recorder), ...);
   if (!r) throw std::logic_error("a kernel's operation on literals alone");
@@ -85,43 +87,43 @@ Result record(Op op, const std::derived_from<Value> auto&... in) {
   return {*r, r->add(std::move(node))};
 }
 
-inline FloatNode operator+(const FloatNode& a, const FloatNode& b) { return record<FloatNode>(Op::kAdd, a, b); }
-inline FloatNode operator-(const FloatNode& a, const FloatNode& b) { return record<FloatNode>(Op::kSub, a, b); }
-inline FloatNode operator*(const FloatNode& a, const FloatNode& b) { return record<FloatNode>(Op::kMul, a, b); }
-inline FloatNode operator/(const FloatNode& a, const FloatNode& b) { return record<FloatNode>(Op::kDiv, a, b); }
-inline FloatNode operator-(const FloatNode& a) { return record<FloatNode>(Op::kNeg, a); }
-inline FloatNode sqrt(const FloatNode& a) { return record<FloatNode>(Op::kSqrt, a); }
-inline FloatNode floor(const FloatNode& a) { return record<FloatNode>(Op::kFloor, a); }
-inline FloatNode abs(const FloatNode& a) { return record<FloatNode>(Op::kAbs, a); }
-inline FloatNode min(const FloatNode& a, const FloatNode& b) { return record<FloatNode>(Op::kMin, a, b); }
-inline FloatNode max(const FloatNode& a, const FloatNode& b) { return record<FloatNode>(Op::kMax, a, b); }
-inline MaskNode operator<(const FloatNode& a, const FloatNode& b) { return record<MaskNode>(Op::kLess, a, b); }
-inline MaskNode operator<=(const FloatNode& a, const FloatNode& b) { return record<MaskNode>(Op::kLessEqual, a, b); }
-inline MaskNode operator==(const FloatNode& a, const FloatNode& b) { return record<MaskNode>(Op::kEqual, a, b); }
+inline FloatNode operator+(const FloatNode& a, const FloatNode& b) { return record_op<FloatNode>(Op::kAdd, a, b); }
+inline FloatNode operator-(const FloatNode& a, const FloatNode& b) { return record_op<FloatNode>(Op::kSub, a, b); }
+inline FloatNode operator*(const FloatNode& a, const FloatNode& b) { return record_op<FloatNode>(Op::kMul, a, b); }
+inline FloatNode operator/(const FloatNode& a, const FloatNode& b) { return record_op<FloatNode>(Op::kDiv, a, b); }
+inline FloatNode operator-(const FloatNode& a) { return record_op<FloatNode>(Op::kNeg, a); }
+inline FloatNode sqrt(const FloatNode& a) { return record_op<FloatNode>(Op::kSqrt, a); }
+inline FloatNode floor(const FloatNode& a) { return record_op<FloatNode>(Op::kFloor, a); }
+inline FloatNode abs(const FloatNode& a) { return record_op<FloatNode>(Op::kAbs, a); }
+inline FloatNode min(const FloatNode& a, const FloatNode& b) { return record_op<FloatNode>(Op::kMin, a, b); }
+inline FloatNode max(const FloatNode& a, const FloatNode& b) { return record_op<FloatNode>(Op::kMax, a, b); }
+inline MaskNode operator<(const FloatNode& a, const FloatNode& b) { return record_op<MaskNode>(Op::kLess, a, b); }
+inline MaskNode operator<=(const FloatNode& a, const FloatNode& b) { return record_op<MaskNode>(Op::kLessEqual, a, b); }
+inline MaskNode operator==(const FloatNode& a, const FloatNode& b) { return record_op<MaskNode>(Op::kEqual, a, b); }
 
-inline IntNode operator+(const IntNode& a, const IntNode& b) { return record<IntNode>(Op::kIntAdd, a, b); }
-inline IntNode operator-(const IntNode& a, const IntNode& b) { return record<IntNode>(Op::kIntSub, a, b); }
-inline IntNode operator*(const IntNode& a, const IntNode& b) { return record<IntNode>(Op::kIntMul, a, b); }
-inline IntNode operator&(const IntNode& a, const IntNode& b) { return record<IntNode>(Op::kAnd, a, b); }
-inline IntNode operator|(const IntNode& a, const IntNode& b) { return record<IntNode>(Op::kOr, a, b); }
-inline IntNode operator^(const IntNode& a, const IntNode& b) { return record<IntNode>(Op::kXor, a, b); }
-inline IntNode operator<<(const IntNode& a, const IntNode& b) { return record<IntNode>(Op::kShiftLeft, a, b); }
-inline IntNode operator>>(const IntNode& a, const IntNode& b) { return record<IntNode>(Op::kShiftRight, a, b); }
-inline MaskNode operator<(const IntNode& a, const IntNode& b) { return record<MaskNode>(Op::kIntLess, a, b); }
-inline MaskNode operator==(const IntNode& a, const IntNode& b) { return record<MaskNode>(Op::kIntEqual, a, b); }
+inline IntNode operator+(const IntNode& a, const IntNode& b) { return record_op<IntNode>(Op::kIntAdd, a, b); }
+inline IntNode operator-(const IntNode& a, const IntNode& b) { return record_op<IntNode>(Op::kIntSub, a, b); }
+inline IntNode operator*(const IntNode& a, const IntNode& b) { return record_op<IntNode>(Op::kIntMul, a, b); }
+inline IntNode operator&(const IntNode& a, const IntNode& b) { return record_op<IntNode>(Op::kAnd, a, b); }
+inline IntNode operator|(const IntNode& a, const IntNode& b) { return record_op<IntNode>(Op::kOr, a, b); }
+inline IntNode operator^(const IntNode& a, const IntNode& b) { return record_op<IntNode>(Op::kXor, a, b); }
+inline IntNode operator<<(const IntNode& a, const IntNode& b) { return record_op<IntNode>(Op::kShiftLeft, a, b); }
+inline IntNode operator>>(const IntNode& a, const IntNode& b) { return record_op<IntNode>(Op::kShiftRight, a, b); }
+inline MaskNode operator<(const IntNode& a, const IntNode& b) { return record_op<MaskNode>(Op::kIntLess, a, b); }
+inline MaskNode operator==(const IntNode& a, const IntNode& b) { return record_op<MaskNode>(Op::kIntEqual, a, b); }
 
-inline FloatNode to_float(const IntNode& a) { return record<FloatNode>(Op::kToFloat, a); }
-inline IntNode to_int(const FloatNode& a) { return record<IntNode>(Op::kToInt, a); }
-inline IntNode bits_of(const FloatNode& a) { return record<IntNode>(Op::kBits, a); }
-inline FloatNode from_bits(const IntNode& a) { return record<FloatNode>(Op::kBits, a); }
+inline FloatNode to_float(const IntNode& a) { return record_op<FloatNode>(Op::kToFloat, a); }
+inline IntNode to_int(const FloatNode& a) { return record_op<IntNode>(Op::kToInt, a); }
+inline IntNode bits_of(const FloatNode& a) { return record_op<IntNode>(Op::kBits, a); }
+inline FloatNode from_bits(const IntNode& a) { return record_op<FloatNode>(Op::kBits, a); }
 
-inline MaskNode both(const MaskNode& a, const MaskNode& b) { return record<MaskNode>(Op::kAnd, a, b); }
-inline MaskNode logical_or(const MaskNode& a, const MaskNode& b) { return record<MaskNode>(Op::kOr, a, b); }
+inline MaskNode logical_and(const MaskNode& a, const MaskNode& b) { return record_op<MaskNode>(Op::kAnd, a, b); }
+inline MaskNode logical_or(const MaskNode& a, const MaskNode& b) { return record_op<MaskNode>(Op::kOr, a, b); }
 inline FloatNode select(const MaskNode& mask, const FloatNode& yes, const FloatNode& no) {
-  return record<FloatNode>(Op::kSelect, mask, yes, no);
+  return record_op<FloatNode>(Op::kSelect, mask, yes, no);
 }
 inline IntNode select(const MaskNode& mask, const IntNode& yes, const IntNode& no) {
-  return record<IntNode>(Op::kSelect, mask, yes, no);
+  return record_op<IntNode>(Op::kSelect, mask, yes, no);
 }
 
 /// Records the load of a record. Its fields become kInput nodes with their byte offsets.
@@ -198,8 +200,8 @@ struct Texels<Recorded> : RecordedPort {
 template <>
 struct Counter<Recorded> : RecordedPort {
   IntNode next(const MaskNode& keep) {
-    const IntNode at{*recorder, recorder->carried(name)};
-    recorder->close(at.node_or_bits, (at + select(keep, 1U, 0U)).node_or_bits);
+    const IntNode at{*recorder, recorder->add_carried(name)};
+    recorder->close_loop(at.node_or_bits, (at + select(keep, 1U, 0U)).node_or_bits);
     return at;
   }
 };
@@ -208,10 +210,10 @@ template <>
 struct Carried<Recorded> : RecordedPort {
   std::uint32_t node = GraphNode::kNone;
   FloatNode get() {
-    node = recorder->carried(name);
+    node = recorder->add_carried(name);
     return {*recorder, node};
   }
-  void set(const FloatNode& x) const { recorder->close(node, x.node_in(*recorder)); }
+  void set(const FloatNode& x) const { recorder->close_loop(node, x.node_in(*recorder)); }
 };
 
 /// Binds a kernel's ports and uniforms to the recorder by name; for describe().
@@ -223,10 +225,10 @@ class PortBinder {
     port.name = name;
   }
   void operator()(FloatNode& uniform, std::string_view name) const {
-    uniform = {recorder_, recorder_.uniform(std::string(name))};
+    uniform = {recorder_, recorder_.add_uniform(std::string(name))};
   }
   void operator()(IntNode& uniform, std::string_view name) const {
-    uniform = {recorder_, recorder_.uniform(std::string(name))};
+    uniform = {recorder_, recorder_.add_uniform(std::string(name))};
   }
   void operator()(Vec3<Recorded>& uniform, const std::string& name) const {
     (*this)(uniform.x, name + ".x");

@@ -40,7 +40,7 @@ inline std::uint32_t to_int(float x) { return x >= 0 && x < 0x1p32F ? static_cas
 inline std::uint32_t bits_of(float x) { return std::bit_cast<std::uint32_t>(x); }
 inline float from_bits(std::uint32_t x) { return std::bit_cast<float>(x); }
 
-inline bool both(bool a, bool b) { return a & b; }
+inline bool logical_and(bool a, bool b) { return a & b; }
 inline bool logical_or(bool a, bool b) { return a | b; }
 inline float select(bool mask, float yes, float no) { return mask ? yes : no; }
 inline std::uint32_t select(bool mask, std::uint32_t yes, std::uint32_t no) { return mask ? yes : no; }
@@ -75,7 +75,7 @@ Vec3<V> cross(const Vec3<V>& a, const Vec3<V>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 template <class V>
-F<V> largest(const Vec3<V>& a) {
+F<V> max_channel(const Vec3<V>& a) {
   return max(max(a.x, a.y), a.z);
 }
 template <class V>
@@ -84,7 +84,7 @@ Vec3<V> select(const M<V>& mask, const Vec3<V>& yes, const Vec3<V>& no) {
 }
 /// Returns the unit vector; a zero vector stays zero.
 template <class V>
-Vec3<V> normalised(const Vec3<V>& a) {
+Vec3<V> unit_vector(const Vec3<V>& a) {
   return a * (1.0F / sqrt(max(dot(a, a), F<V>(1e-30F))));
 }
 

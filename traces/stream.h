@@ -21,11 +21,11 @@ struct Access {
   std::uint32_t element = 0;
   std::uint32_t element2 = 0;  ///< kTexels: the opposite corner of the footprint
 
-  static Access record(Kind kind, std::uint32_t index) { return {static_cast<std::uint32_t>(kind) << 29, index, 0}; }
-  static Access attributes(std::uint32_t triangle) { return record(Kind::kAttributes, triangle); }
-  static Access material(std::uint32_t index) { return record(Kind::kMaterial, index); }
+  static Access of_kind(Kind kind, std::uint32_t index) { return {static_cast<std::uint32_t>(kind) << 29, index, 0}; }
+  static Access attributes(std::uint32_t triangle) { return of_kind(Kind::kAttributes, triangle); }
+  static Access material(std::uint32_t index) { return of_kind(Kind::kMaterial, index); }
   static Access texels(std::uint32_t texture, std::uint32_t x0, std::uint32_t y0, std::uint32_t x1, std::uint32_t y1) {
-    return {record(Kind::kTexels, 0).object | texture, (y0 << 16) | x0, (y1 << 16) | x1};
+    return {of_kind(Kind::kTexels, 0).object | texture, (y0 << 16) | x0, (y1 << 16) | x1};
   }
   Kind kind() const { return static_cast<Kind>(object >> 29); }
   std::uint32_t texture() const { return object & ((1U << 29) - 1); }

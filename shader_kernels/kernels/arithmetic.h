@@ -17,7 +17,7 @@ DivMod<V> divmod(const F<V>& count, const F<V>& divisor, const F<V>& inverse) {
 
 /// Scrambles the bits of a hash: a 32-bit finaliser (multipliers found by C. Wellons).
 template <class V>
-I<V> scrambled(const I<V>& key) {
+I<V> scramble_bits(const I<V>& key) {
   const I<V> a = (key ^ (key >> 16U)) * 0x7feb352dU;
   const I<V> b = (a ^ (a >> 15U)) * 0x846ca68bU;
   return b ^ (b >> 16U);
@@ -30,7 +30,7 @@ F<V> unit_float(const I<V>& hash) {
 }
 
 template <class V>
-M<V> has(const I<V>& flags, traces::MaterialFlag bit) {
+M<V> has_class(const I<V>& flags, traces::MaterialFlag bit) {
   return I<V>(0U) < (flags & static_cast<std::uint32_t>(bit));
 }
 
@@ -43,13 +43,13 @@ I<V> byte_of(const I<V>& word, std::uint32_t byte) {
 }
 
 template <class V>
-F<V> clamped(const F<V>& x) {
+F<V> clamp_to_unit(const F<V>& x) {
   return min(max(x, F<V>(0.0F)), F<V>(1.0F));
 }
 
 /// Converts linear to sRGB in [0, 1]. Exact near black, elsewhere within 0.2 / 255.
 template <class V>
-F<V> encoded(const F<V>& x) {
+F<V> encode_srgb(const F<V>& x) {
   const F<V> half = sqrt(x);
   const F<V> quarter = sqrt(half);
   const F<V> curve = half * 0.58723747F + quarter * 0.77597848F - sqrt(quarter) * 0.36321595F;
@@ -59,14 +59,14 @@ F<V> encoded(const F<V>& x) {
 /// Returns the squared distance of two linear colours, after clamping and sRGB encoding.
 template <class V>
 F<V> encoded_distance_squared(const Vec3<V>& a, const Vec3<V>& b) {
-  const auto code = [](const F<V>& x) { return encoded<V>(clamped<V>(x)); };
+  const auto code = [](const F<V>& x) { return encode_srgb<V>(clamp_to_unit<V>(x)); };
   const Vec3<V> apart{code(a.x) - code(b.x), code(a.y) - code(b.y), code(a.z) - code(b.z)};
   return dot(apart, apart);
 }
 
 /// Returns exp(-x) for x >= 0, within 4e-6: 1 over the fourth-order series of exp(x / 16), squared four times.
 template <class V>
-F<V> decay(const F<V>& x) {
+F<V> exp_negative(const F<V>& x) {
   const F<V> y = x * (1.0F / 16.0F);
   const F<V> series = (((y * (1.0F / 24.0F) + 1.0F / 6.0F) * y + 0.5F) * y + 1.0F) * y + 1.0F;
   const F<V> once = 1.0F / series;
@@ -100,7 +100,7 @@ struct Interface {
   F<V> reflectance;  ///< Schlick's approximation of the Fresnel reflectance; 1 for total reflection
 };
 template <class V>
-Interface<V> interface(const Vec3<V>& direction, const Vec3<V>& normal, const F<V>& side, const F<V>& ior) {
+Interface<V> make_interface(const Vec3<V>& direction, const Vec3<V>& normal, const F<V>& side, const F<V>& ior) {
   const F<V> cosine = -dot(direction, normal);
   const F<V> eta = select(F<V>(0.0F) < side, 1.0F / ior, ior);
   const F<V> inside = 1.0F - eta * eta * (1.0F - cosine * cosine);

@@ -37,7 +37,7 @@ struct ClassifyHits {
 template <class V>
 void append_if(const I<V>& slot, const I<V>& classes, traces::MaterialFlag bit, const Local<V, WordRecord>& stream,
                Counter<V>& count) {
-  stream.store(count.next(has<V>(classes, bit)), {slot});
+  stream.store(count.next(has_class<V>(classes, bit)), {slot});
 }
 
 /// Second inspector: appends a surface to the item list of each of its classes.
@@ -152,7 +152,7 @@ struct ClassifyOccluded {
 /// True if a hit's flags require a test. `solid` is the largest triangle word that requires none.
 template <class V>
 M<V> needs_test(const I<V>& triangle, const I<V>& solid) {
-  return both(solid < triangle, triangle < traces::kNoHit);
+  return logical_and(solid < triangle, triangle < traces::kNoHit);
 }
 
 /// Inspector of flagged hits, at which the ray may have to continue.

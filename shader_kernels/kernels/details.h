@@ -35,7 +35,7 @@ struct Absorb {
     const PathRecord<V> path = at.paths.load(slot);
     const F<V> inside = at.hits.load(slot).t * max(-point.side, F<V>(0.0F));
     const Vec3<V> depth = at.details.load(point.material).absorption * inside;
-    const Vec3<V> left{decay<V>(depth.x), decay<V>(depth.y), decay<V>(depth.z)};
+    const Vec3<V> left{exp_negative<V>(depth.x), exp_negative<V>(depth.y), exp_negative<V>(depth.z)};
     at.paths.store(slot, {path.throughput * left, path.sample});
   }
 };
@@ -66,10 +66,10 @@ struct ShadeBase {
     const TangentRecord<V> other = at.tangents.load(slot);
     SpecularRecord<V> optics = at.optics.load(slot);
     const auto base = at.look_up(texture_of<V, kMips>(uv), matte.classes, traces::kBaseSecond, uv, other);
-    const Vec3<V> colour = base.colour(at.srgb_codes);
+    const Vec3<V> colour = base.srgb_colour(at.srgb_codes);
     at.mattes.store(slot, {matte.diffuse * colour, matte.classes});
     optics.tint = optics.tint * colour;
-    optics.alpha = optics.alpha * base.linear(3);
+    optics.alpha = optics.alpha * base.linear_channel(3);
     at.optics.store(slot, optics);
   }
 };
@@ -106,8 +106,8 @@ struct ShadePhysical {
     SpecularRecord<V> optics = at.optics.load(slot);
     const auto texel = at.look_up(m.metal_rough_texture, matte.classes, traces::kMetalRoughSecond, uv, other);
 
-    const F<V> gloss = clamped<V>((0.5F - m.roughness * texel.linear(1)) * 2.5F);
-    const F<V> metallic = m.metallic * texel.linear(2);
+    const F<V> gloss = clamp_to_unit<V>((0.5F - m.roughness * texel.linear_channel(1)) * 2.5F);
+    const F<V> metallic = m.metallic * texel.linear_channel(2);
     const F<V> metal = gloss * metallic;
     const F<V> white = (gloss - metal) * m.dielectric + m.coat;
     const F<V> sum = metal + white;
@@ -120,8 +120,8 @@ struct ShadePhysical {
     const auto bit = [](const M<V>& mask, traces::MaterialFlag flag) {
       return select(mask, I<V>(static_cast<std::uint32_t>(flag)), I<V>(0U));
     };
-    const I<V> classes = matte.classes | bit(F<V>(0.0F) < largest(diffuse), traces::kDiffuse) |
-                         bit(F<V>(0.0F) < largest(optics.mirrored), traces::kMirror);
+    const I<V> classes = matte.classes | bit(F<V>(0.0F) < max_channel(diffuse), traces::kDiffuse) |
+                         bit(F<V>(0.0F) < max_channel(optics.mirrored), traces::kMirror);
     at.mattes.store(slot, {diffuse, classes});
     at.optics.store(slot, optics);
   }
@@ -158,15 +158,15 @@ struct ShadeBump {
     const DetailFields<V> m = at.details.load(point.material);
     const auto texel = at.look_up(m.normal_texture, classes, traces::kNormalSecond, uv, frame);
 
-    const F<V> x = (texel.linear(0) * 2.0F - 1.0F) * m.normal_scale;
-    const F<V> y = (texel.linear(1) * 2.0F - 1.0F) * m.normal_scale;
-    const F<V> z = max(texel.linear(2) * 2.0F - 1.0F, F<V>(0.01F));
+    const F<V> x = (texel.linear_channel(0) * 2.0F - 1.0F) * m.normal_scale;
+    const F<V> y = (texel.linear_channel(1) * 2.0F - 1.0F) * m.normal_scale;
+    const F<V> z = max(texel.linear_channel(2) * 2.0F - 1.0F, F<V>(0.01F));
     const Vec3<V> normal = point.normal * point.side;  // the normal of the outside
     const Vec3<V> bitangent = cross(normal, frame.tangent);
     const Vec3<V> mapped = frame.tangent * x + bitangent * (y * frame.handedness) + normal * z;
-    const Vec3<V> facing = normalised(mapped) * point.side;
+    const Vec3<V> facing = unit_vector(mapped) * point.side;
     const F<V> away = max(dot(facing, direction) + 0.01F, F<V>(0.0F));
-    point.normal = normalised(facing - direction * away);
+    point.normal = unit_vector(facing - direction * away);
     at.points.store(slot, point);
   }
 };
@@ -233,7 +233,7 @@ struct ShadeGlow {
     const F<V> kept = at.optics.load(slot).kept;
     const DetailFields<V> m = at.details.load(at.points.load(slot).material);
     const auto texel = at.look_up(m.emission_texture, classes, traces::kEmissionSecond, uv, other);
-    add_light<V>(at.colours, path.sample, path.throughput * (m.emission * texel.colour(at.srgb_codes)) * kept);
+    add_light<V>(at.colours, path.sample, path.throughput * (m.emission * texel.srgb_colour(at.srgb_codes)) * kept);
   }
 };
 
@@ -270,7 +270,7 @@ struct ShadeOccluded {
     const PathRecord<V> path = at.paths.load(slot);
     const DetailFields<V> m = at.details.load(at.points.load(slot).material);
     const auto texel = at.look_up(m.occlusion_texture, matte.classes, traces::kOcclusionSecond, uv, other);
-    const F<V> taken = (texel.linear(0) - 1.0F) * m.occlusion_strength;
+    const F<V> taken = (texel.linear_channel(0) - 1.0F) * m.occlusion_strength;
     add_light<V>(at.colours, path.sample, path.throughput * matte.diffuse * at.ambient * taken);
   }
 };

@@ -34,12 +34,12 @@ struct DrawnPoint {
 /// Returns the point of one ray. The hash key is the direction of the ray that found the surface, which has the same
 /// bits in every tile, order and tracer.
 template <class V>
-DrawnPoint<V> drawn(const Vec3<V>& direction, const DrawUniforms<V>& draw) {
+DrawnPoint<V> random_point(const Vec3<V>& direction, const DrawUniforms<V>& draw) {
   const I<V> key = (bits_of(direction.x) * 0x9e3779b1U) ^ (bits_of(direction.y) * 0x85ebca77U) ^
                    (bits_of(direction.z) * 0xc2b2ae3dU) ^ draw.seed;
-  const I<V> first = scrambled<V>(key);
+  const I<V> first = scramble_bits<V>(key);
   const F<V> x = unit_float<V>(first) + draw.x;
-  const F<V> y = unit_float<V>(scrambled<V>(first ^ 0x9e3779b9U)) + draw.y;
+  const F<V> y = unit_float<V>(scramble_bits<V>(first ^ 0x9e3779b9U)) + draw.y;
   return {x - floor(x), y - floor(y)};
 }
 
@@ -62,11 +62,11 @@ DrawnPoint<V> on_disc(const DrawnPoint<V>& square) {
 
 /// Two unit vectors, perpendicular to a unit vector and to each other (Duff et al. 2017).
 template <class V>
-struct Across {
+struct PerpendicularAxes {
   Vec3<V> x, y;
 };
 template <class V>
-Across<V> across(const Vec3<V>& normal) {
+PerpendicularAxes<V> perpendicular_axes(const Vec3<V>& normal) {
   const F<V> sign = select(normal.z < 0.0F, F<V>(-1.0F), F<V>(1.0F));
   const F<V> a = -1.0F / (sign + normal.z);
   const F<V> b = normal.x * normal.y * a;
@@ -113,19 +113,19 @@ struct ShadeDisc {
   using Ports = ShadeDiscPorts<V>;
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
-    shade<V>(at.diffuse.load(item).word, AllItems{}, at);
+    shade_slot<V>(at.diffuse.load(item).word, AllItems{}, at);
   }
   /// Shades the slots where `mask` holds.
   template <class V>
-  static void shade(const I<V>& slot, const auto& mask, Ports<V>& at) {
+  static void shade_slot(const I<V>& slot, const auto& mask, Ports<V>& at) {
     const SurfacePointRecord<V> point = at.points.load(slot);
     const PathRecord<V> path = at.paths.load(slot);
     const auto [to_light, inverse_distance, light] =
         diffuse_light<V>(point, path, at.mattes.load(slot).diffuse, at.light);
-    const DrawnPoint<V> aim = on_disc<V>(drawn<V>(at.rays.load(slot).direction, at.draw));
+    const DrawnPoint<V> aim = on_disc<V>(random_point<V>(at.rays.load(slot).direction, at.draw));
     const Vec3<V> direction = to_light + at.disc.across_x * aim.x + at.disc.across_y * aim.y;
 
-    const I<V> out = at.emitted.next(both_of<V>(mask, F<V>(0.0F) < largest(light)));
+    const I<V> out = at.emitted.next(both_of<V>(mask, F<V>(0.0F) < max_channel(light)));
     const F<V> t_min = at.epsilon * inverse_distance;
     const F<V> before = max(at.disc.radius * inverse_distance, t_min);
     at.shadow_rays.store(out, {point.position, t_min, direction, at.light.reach - before});
@@ -187,20 +187,20 @@ struct CastAmbient {
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
-    shade<V>(at.diffuse.load(item).word, AllItems{}, at);
+    shade_slot<V>(at.diffuse.load(item).word, AllItems{}, at);
   }
   /// Shades the slots where `mask` holds.
   template <class V>
-  static void shade(const I<V>& slot, const auto& mask, Ports<V>& at) {
+  static void shade_slot(const I<V>& slot, const auto& mask, Ports<V>& at) {
     const SurfacePointRecord<V> point = at.points.load(slot);
     const PathRecord<V> path = at.paths.load(slot);
     const Vec3<V> light = path.throughput * at.mattes.load(slot).diffuse * at.ambient;
-    const DrawnPoint<V> square = drawn<V>(at.rays.load(slot).direction, at.draw);
+    const DrawnPoint<V> square = random_point<V>(at.rays.load(slot).direction, at.draw);
     const DrawnPoint<V> disc = on_disc<V>(square);
-    const Across<V> to_side = across<V>(point.normal);
+    const PerpendicularAxes<V> to_side = perpendicular_axes<V>(point.normal);
     const Vec3<V> direction = to_side.x * disc.x + to_side.y * disc.y + point.normal * sqrt(1.0F - square.y);
 
-    const I<V> out = at.emitted.next(both_of<V>(mask, F<V>(0.0F) < largest(light)));
+    const I<V> out = at.emitted.next(both_of<V>(mask, F<V>(0.0F) < max_channel(light)));
     at.shadow_rays.store(out, {point.position, at.epsilon, direction, at.distance});
     if constexpr (kShareAlone) {
       at.shadow_paths.store(out, {{at.share, at.share, at.share}, path.sample});
@@ -364,7 +364,7 @@ struct UpsampleEffects {
   template <class V>
   static Step<V> step(const F<V>& from, const F<V>& by, const F<V>& samples, const F<V>& low, const F<V>& high) {
     const F<V> to = from + by;
-    const M<V> inside = both(low <= to, to <= high);
+    const M<V> inside = logical_and(low <= to, to <= high);
     return {select(inside, samples, F<V>(0.0F)), inside};
   }
 
@@ -391,7 +391,7 @@ struct UpsampleEffects {
         const Step<V>& beside = tap < 2 ? column : rows[tap % 2];
         add<V>(sum, centre + beside.samples, beside.inside, own, at);
       } else {
-        add<V>(sum, centre + column.samples + row.samples, both(column.inside, row.inside), own, at);
+        add<V>(sum, centre + column.samples + row.samples, logical_and(column.inside, row.inside), own, at);
       }
     }
     return sum;
@@ -402,7 +402,7 @@ struct UpsampleEffects {
                   Ports<V>& at) {
     const I<V> sample = to_int(index);
     const RatioRecord<V> ratio = at.ratios.load(sample + at.apart);
-    const F<V> alike = Similarity<V>(own, at.visible.load(sample), at.bend).weight();
+    const F<V> alike = Similarity<V>(own, at.visible.load(sample), at.bend).filter_weight();
     const F<V> weight = select(inside, max(alike, F<V>(kUnlikeWeight)) * ratio.found, F<V>(0.0F));
     sum = {sum.rgb + ratio.rgb * weight, sum.found + weight};
   }

@@ -47,7 +47,7 @@ SamplePosition<V> sample_position(const I<V>& item, const TileUniforms<V>& tile)
 /// Stores in slot `item` the ray of `sample` through picture position (x, y).
 template <class V>
 void emit_primary(const I<V>& item, const I<V>& sample, const F<V>& x, const F<V>& y, const auto& at) {
-  const Vec3<V> direction = normalised(at.camera.corner + at.camera.right * x + at.camera.down * y);
+  const Vec3<V> direction = unit_vector(at.camera.corner + at.camera.right * x + at.camera.down * y);
   at.rays.store(item, {at.camera.origin, 0.0F, direction, std::numeric_limits<float>::infinity()});
   at.paths.store(item, {{1.0F, 1.0F, 1.0F}, sample});
   at.colours.store(sample, {{0.0F, 0.0F, 0.0F}});
@@ -72,9 +72,9 @@ struct Jitter {
   F<V> x, y;
 };
 template <class V>
-Jitter<V> jitter(const I<V>& pixel, const I<V>& cell, const I<V>& seed) {
-  const I<V> hash_x = scrambled<V>(scrambled<V>(pixel ^ seed) + cell);
-  const I<V> hash_y = scrambled<V>(hash_x ^ 0x9e3779b9U);
+Jitter<V> jittered_point(const I<V>& pixel, const I<V>& cell, const I<V>& seed) {
+  const I<V> hash_x = scramble_bits<V>(scramble_bits<V>(pixel ^ seed) + cell);
+  const I<V> hash_y = scramble_bits<V>(hash_x ^ 0x9e3779b9U);
   return {unit_float<V>(hash_x), unit_float<V>(hash_y)};
 }
 
@@ -87,7 +87,7 @@ struct GenerateJitteredRays {
   static void body(const I<V>& item, Ports<V>& at) {
     const SamplePosition<V> s = sample_position<V>(item, at.tile);
     const I<V> pixel = to_int(s.y) * at.image_width + to_int(s.x);
-    const Jitter<V> in_cell = jitter<V>(pixel, to_int(s.number), at.seed);
+    const Jitter<V> in_cell = jittered_point<V>(pixel, to_int(s.number), at.seed);
     emit_primary<V>(item, item, s.x + (s.column + in_cell.x) * at.tile.inverse_grid,
                     s.y + (s.row + in_cell.y) * at.tile.inverse_grid, at);
   }
@@ -223,7 +223,7 @@ struct GenerateExtraRays {
     const I<V> column = ((subpixel & 1U) << 1U) | (item & 1U);
     const I<V> line = (subpixel & 2U) | ((item >> 1U) & 1U);
     const I<V> pixel = to_int(y) * at.image_width + to_int(x);
-    const Jitter<V> in_cell = jitter<V>(pixel, (line << 2U) | column, at.seed);
+    const Jitter<V> in_cell = jittered_point<V>(pixel, (line << 2U) | column, at.seed);
     emit_primary<V>(item, to_int(at.first_sample + to_float(item)), x + (to_float(column) + in_cell.x) * 0.25F,
                     y + (to_float(line) + in_cell.y) * 0.25F, at);
   }
@@ -259,8 +259,8 @@ VisibleRecord<V> visible_miss() {
 template <class V>
 void emit_in_pixel(const I<V>& item, const I<V>& pixel, const I<V>& sample, const F<V>& x, const F<V>& y, auto& at) {
   const DivMod<V> row = divmod<V>(to_float(pixel), at.grid.pitch, at.grid.inverse_pitch);
-  const Vec3<V> direction = normalised(at.camera.corner + at.camera.right * (at.grid.x0 + row.remainder + x) +
-                                       at.camera.down * (at.grid.y0 + row.quotient + y));
+  const Vec3<V> direction = unit_vector(at.camera.corner + at.camera.right * (at.grid.x0 + row.remainder + x) +
+                                        at.camera.down * (at.grid.y0 + row.quotient + y));
   at.rays.store(item, {at.camera.origin, 0.0F, direction, std::numeric_limits<float>::infinity()});
   at.paths.store(item, {{1.0F, 1.0F, 1.0F}, sample});
 }

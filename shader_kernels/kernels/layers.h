@@ -48,7 +48,7 @@ struct LayerPorts {
 template <class V>
 struct Layer {
   MaterialFields<V> material;
-  Sample<V> base;
+  TexelSample<V> base;
   VertexColour<V> colour;  ///< set if kColoured
   F<V> alpha;
 };
@@ -65,22 +65,22 @@ Layer<V> fetch_layer(const LayerPorts<V, kColoured, kInstanced>& at, const HitRe
   VertexColour<V> colour{};
   if constexpr (kColoured) {
     const VertexFields<V> vertex = at.vertices.load(triangle);
-    const M<V> second = has<V>(m.flags, traces::kBaseSecond);
+    const M<V> second = has_class<V>(m.flags, traces::kBaseSecond);
     u = select(second, corners.interpolate(vertex.u0, vertex.u1, vertex.u2), u);
     v = select(second, corners.interpolate(vertex.v0, vertex.v1, vertex.v2), v);
     colour = vertex_colour<V>(corners, vertex);
     alpha = alpha * colour.alpha;
   }
   const I<V> texture = select(m.base_texture < traces::kNoTexture, m.base_texture, at.white);
-  const Sample<V> base = sample<V>(at.axes, at.texels, texture, u, v);
-  return {m, base, colour, alpha * base.linear(3)};
+  const TexelSample<V> base = sample_texture<V>(at.axes, at.texels, texture, u, v);
+  return {m, base, colour, alpha * base.linear_channel(3)};
 }
 
 /// Continues a slot's ray where `onwards` holds. It begins slightly more than a rounding error after its hit, so that
 /// other surfaces at the same distance are passed too.
 template <class V, bool kColoured, bool kInstanced>
-void go_on(LayerPorts<V, kColoured, kInstanced>& at, const M<V>& onwards, const I<V>& slot, const RayRecord<V>& ray,
-           const F<V>& t) {
+void continue_ray(LayerPorts<V, kColoured, kInstanced>& at, const M<V>& onwards, const I<V>& slot,
+                  const RayRecord<V>& ray, const F<V>& t) {
   const I<V> out = at.emitted.next(onwards);
   const F<V> step = at.epsilon * 0x1p-6F / sqrt(dot(ray.direction, ray.direction));
   at.next_rays.store(out, {ray.origin, t + (t * 0x1p-17F + step), ray.direction, ray.t_max});
@@ -104,11 +104,11 @@ struct TestAlpha {
   static void body(const I<V>& item, Ports<V>& at) {
     const I<V> slot = at.layers.load(item).word;
     const RayRecord<V> ray = at.rays.load(slot);
-    const HitRecord<V> hit = plain<V>(at.hits.load(slot));
+    const HitRecord<V> hit = with_float_weights<V>(at.hits.load(slot));
     const Layer<V> layer = fetch_layer<V, kColoured, kInstanced>(at, hit);
-    const M<V> is_blended = has<V>(layer.material.flags, traces::kBlended);
+    const M<V> is_blended = has_class<V>(layer.material.flags, traces::kBlended);
     const F<V> least = select(is_blended, at.min_weight, layer.material.alpha_cutoff);
-    go_on<V, kColoured, kInstanced>(at, layer.alpha < least, slot, ray, hit.t);
+    continue_ray<V, kColoured, kInstanced>(at, layer.alpha < least, slot, ray, hit.t);
   }
 };
 
@@ -141,18 +141,18 @@ struct TestShadow {
   static void body(const I<V>& item, Ports<V>& at) {
     const I<V> slot = at.layers.load(item).word;
     const RayRecord<V> ray = at.rays.load(slot);
-    const HitRecord<V> hit = plain<V>(at.hits.load(slot));
+    const HitRecord<V> hit = with_float_weights<V>(at.hits.load(slot));
     const PathRecord<V> path = at.paths.load(slot);
     const Layer<V> layer = fetch_layer<V, kColoured, kInstanced>(at, hit);
     const MaterialFields<V>& m = layer.material;
     const F<V> solid = select(layer.alpha < m.alpha_cutoff, F<V>(0.0F), F<V>(1.0F));
-    const F<V> cover = select(has<V>(m.flags, traces::kBlended), layer.alpha, solid);
-    Vec3<V> colour = m.base_colour * layer.base.colour(at.srgb_codes);
+    const F<V> cover = select(has_class<V>(m.flags, traces::kBlended), layer.alpha, solid);
+    Vec3<V> colour = m.base_colour * layer.base.srgb_colour(at.srgb_codes);
     if constexpr (kColoured) colour = colour * layer.colour.rgb;
     const F<V> open = 1.0F - cover;
     const Vec3<V> light = path.throughput * (colour * (cover * m.entering) + Vec3<V>{open, open, open});
     at.paths.store(slot, {light, path.sample});
-    go_on<V, kColoured, kInstanced>(at, at.min_weight < largest(light), slot, ray, hit.t);
+    continue_ray<V, kColoured, kInstanced>(at, at.min_weight < max_channel(light), slot, ray, hit.t);
   }
 };
 

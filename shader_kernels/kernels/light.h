@@ -25,11 +25,11 @@ struct AllItems {};
 
 /// Returns the value where the mask holds, otherwise 0.
 template <class V>
-Vec3<V> where(AllItems, const Vec3<V>& value) {
+Vec3<V> masked_value(AllItems, const Vec3<V>& value) {
   return value;
 }
 template <class V>
-Vec3<V> where(const M<V>& mask, const Vec3<V>& value) {
+Vec3<V> masked_value(const M<V>& mask, const Vec3<V>& value) {
   return select(mask, value, Vec3<V>{0.0F, 0.0F, 0.0F});
 }
 template <class V>
@@ -38,7 +38,7 @@ M<V> both_of(AllItems, const M<V>& other) {
 }
 template <class V>
 M<V> both_of(const M<V>& mask, const M<V>& other) {
-  return both(mask, other);
+  return logical_and(mask, other);
 }
 
 /// Classes of surfaces that add light before or between local lights, or change the base colour.
@@ -66,7 +66,7 @@ struct ImmediateLit {
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
     const I<V> slot = at.surfaces.load(item).word;
-    K::template shade<V>(slot, is_immediately_lit<V>(at.mattes.load(slot).classes), at);
+    K::template shade_slot<V>(slot, is_immediately_lit<V>(at.mattes.load(slot).classes), at);
   }
 };
 
@@ -89,7 +89,8 @@ struct ListDeferred {
   static void body(const I<V>& item, Ports<V>& at) {
     const I<V> slot = at.surfaces.load(item).word;
     const I<V> classes = at.mattes.load(slot).classes;
-    const M<V> is_deferred = both(has<V>(classes, traces::kDiffuse), I<V>(0U) < (classes & kDeferredClasses));
+    const M<V> is_deferred =
+        logical_and(has_class<V>(classes, traces::kDiffuse), I<V>(0U) < (classes & kDeferredClasses));
     at.deferred.store(at.deferred_count.next(is_deferred), {slot});
   }
 };
@@ -169,14 +170,14 @@ struct ShadeTextured {
     const TexcoordRecord<V> uv = at.texcoords.load(slot);
     const auto base = look_up<V>(uv, at);
     const DiffuseRecord<V> matte = at.mattes.load(slot);
-    at.mattes.store(slot, {matte.diffuse * base.colour(at.srgb_codes), matte.classes});
+    at.mattes.store(slot, {matte.diffuse * base.srgb_colour(at.srgb_codes), matte.classes});
   }
 
  private:
   template <class V>
   static auto look_up(const TexcoordRecord<V>& uv, const Ports<V>& at) {
     if constexpr (kMips == MipFilter::kNone) {
-      return sample<V>(at.axes, at.texels, uv.texture, uv.u, uv.v);
+      return sample_texture<V>(at.axes, at.texels, uv.texture, uv.u, uv.v);
     } else {
       return at.sample_level(texture_of<V, kMips>(uv), footprint_of<V>(uv.texture), uv.u, uv.v);
     }
@@ -232,14 +233,14 @@ struct ShadeAmbient {
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
-    shade<V>(at.diffuse.load(item).word, AllItems{}, at);
+    shade_slot<V>(at.diffuse.load(item).word, AllItems{}, at);
   }
   /// Shades the slots where `mask` holds.
   template <class V>
-  static void shade(const I<V>& slot, const auto& mask, Ports<V>& at) {
+  static void shade_slot(const I<V>& slot, const auto& mask, Ports<V>& at) {
     const PathRecord<V> path = at.paths.load(slot);
     const Vec3<V> light = path.throughput * at.mattes.load(slot).diffuse * at.ambient;
-    add_light<V>(at.colours, path.sample, where<V>(mask, light));
+    add_light<V>(at.colours, path.sample, masked_value<V>(mask, light));
   }
 };
 
@@ -272,17 +273,17 @@ struct ShadeDiffuse {
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
-    shade<V>(at.diffuse.load(item).word, AllItems{}, at);
+    shade_slot<V>(at.diffuse.load(item).word, AllItems{}, at);
   }
   /// Shades the slots where `mask` holds.
   template <class V>
-  static void shade(const I<V>& slot, const auto& mask, Ports<V>& at) {
+  static void shade_slot(const I<V>& slot, const auto& mask, Ports<V>& at) {
     const SurfacePointRecord<V> point = at.points.load(slot);
     const PathRecord<V> path = at.paths.load(slot);
     const auto [to_light, inverse_distance, light] =
         diffuse_light<V>(point, path, at.mattes.load(slot).diffuse, at.light);
 
-    const I<V> out = at.emitted.next(both_of<V>(mask, F<V>(0.0F) < largest(light)));
+    const I<V> out = at.emitted.next(both_of<V>(mask, F<V>(0.0F) < max_channel(light)));
     const F<V> t_min = at.epsilon * inverse_distance;
     at.shadow_rays.store(out, {point.position, t_min, to_light, at.light.reach - t_min});
     at.shadow_paths.store(out, {light, path.sample});
@@ -312,14 +313,14 @@ struct ShadeOpen {
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
-    shade<V>(at.diffuse.load(item).word, AllItems{}, at);
+    shade_slot<V>(at.diffuse.load(item).word, AllItems{}, at);
   }
   /// Shades the slots where `mask` holds.
   template <class V>
-  static void shade(const I<V>& slot, const auto& mask, Ports<V>& at) {
+  static void shade_slot(const I<V>& slot, const auto& mask, Ports<V>& at) {
     const PathRecord<V> path = at.paths.load(slot);
     const Vec3<V> light = diffuse_light<V>(at.points.load(slot), path, at.mattes.load(slot).diffuse, at.light).light;
-    const M<V> is_lit = both_of<V>(mask, F<V>(0.0F) < largest(light));
+    const M<V> is_lit = both_of<V>(mask, F<V>(0.0F) < max_channel(light));
     add_light<V>(at.colours, path.sample, select(is_lit, light, Vec3<V>{0.0F, 0.0F, 0.0F}));
   }
 };
@@ -352,16 +353,16 @@ struct ShadeVisible {
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
-    shade<V>(at.diffuse.load(item).word, AllItems{}, at);
+    shade_slot<V>(at.diffuse.load(item).word, AllItems{}, at);
   }
   /// Shades the slots where `mask` holds.
   template <class V>
-  static void shade(const I<V>& slot, const auto& mask, Ports<V>& at) {
+  static void shade_slot(const I<V>& slot, const auto& mask, Ports<V>& at) {
     const PathRecord<V> path = at.paths.load(slot);
     const Vec3<V> light = diffuse_light<V>(at.points.load(slot), path, at.mattes.load(slot).diffuse, at.light).light;
     const M<V> dark = I<V>(0U) < (at.geometry.load(path.sample).shadows & at.mark);
     const Vec3<V> none{0.0F, 0.0F, 0.0F};
-    const Vec3<V> seen = select(both_of<V>(mask, F<V>(0.0F) < largest(light)), light, none);
+    const Vec3<V> seen = select(both_of<V>(mask, F<V>(0.0F) < max_channel(light)), light, none);
     add_light<V>(at.colours, path.sample, select(dark, none, seen));
   }
 };

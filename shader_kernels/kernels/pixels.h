@@ -37,7 +37,7 @@ struct AverageColour {
   static void add(Ports<V>& at, const DivMod<V>& pixel, const Vec3<V>& colour) {
     const M<V> first = pixel.remainder <= 0.0F;
     const auto sum = [&](Carried<V>& so_far, const F<V>& sample) {
-      const F<V> next = select(first, F<V>(0.0F), so_far.get()) + clamped<V>(sample);
+      const F<V> next = select(first, F<V>(0.0F), so_far.get()) + clamp_to_unit<V>(sample);
       so_far.set(next);
       return next;
     };
@@ -93,7 +93,7 @@ struct TakeSample {
   template <class V>
   static void take(const I<V>& pixel, const I<V>& sample, const Ports<V>& at) {
     const Vec3<V> colour = at.colours.load(sample).rgb;
-    at.pixels.store(pixel, {{clamped<V>(colour.x), clamped<V>(colour.y), clamped<V>(colour.z)}});
+    at.pixels.store(pixel, {{clamp_to_unit<V>(colour.x), clamp_to_unit<V>(colour.y), clamp_to_unit<V>(colour.z)}});
   }
 };
 
@@ -116,7 +116,7 @@ struct TakeGridSample {
 /// Returns the frame buffer's RGBA8 word of a colour with channels in [0, 1].
 template <class V>
 I<V> encoded_pixel(const Vec3<V>& colour) {
-  const auto byte = [](const F<V>& x) { return to_int(encoded<V>(x) * 255.0F + 0.5F); };
+  const auto byte = [](const F<V>& x) { return to_int(encode_srgb<V>(x) * 255.0F + 0.5F); };
   return byte(colour.x) | (byte(colour.y) << 8U) | (byte(colour.z) << 16U) | 0xff000000U;
 }
 
@@ -135,7 +135,8 @@ struct PackColour {
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
     const Vec3<V> colour = at.pixels.load(item).rgb;
-    at.packed.store(item, {encoded_pixel<V>({clamped<V>(colour.x), clamped<V>(colour.y), clamped<V>(colour.z)})});
+    at.packed.store(
+        item, {encoded_pixel<V>({clamp_to_unit<V>(colour.x), clamp_to_unit<V>(colour.y), clamp_to_unit<V>(colour.z)})});
   }
 };
 

@@ -116,12 +116,12 @@ struct Similarity {
   M<V> same_shadows;
   Similarity(const VisibleRecord<V>& a, const VisibleRecord<V>& b, const F<V>& bend)
       : depth(b.depth - a.depth),
-        normal((1.0F - clamped<V>(dot(a.normal, b.normal))) * bend),
+        normal((1.0F - clamp_to_unit<V>(dot(a.normal, b.normal))) * bend),
         same_shadows(a.shadows == b.shadows) {
     depth = depth * depth;
     normal = normal * normal;
   }
-  F<V> weight() const { return select(same_shadows, decay<V>(depth + normal), F<V>(0.0F)); }
+  F<V> filter_weight() const { return select(same_shadows, exp_negative<V>(depth + normal), F<V>(0.0F)); }
 };
 
 /// Sum of exponents that halves a weight.
@@ -151,7 +151,7 @@ class ShadedAround {
     if (x == kRadius) return f(centre + rows_[step_to(y)].samples, rows_[step_to(y)].inside);
     if (y == kRadius) return f(centre + columns_[step_to(x)].samples, columns_[step_to(x)].inside);
     const Step &column = columns_[step_to(x)], &row = rows_[step_to(y)];
-    return f(centre + column.samples + row.samples, both(column.inside, row.inside));
+    return f(centre + column.samples + row.samples, logical_and(column.inside, row.inside));
   }
 
  private:
@@ -166,7 +166,7 @@ class ShadedAround {
     const auto step = [&](std::size_t n) -> Step {
       const float by = static_cast<float>(n < kRadius ? n : n + 1) - static_cast<float>(kRadius);
       const F<V> to = from + by;
-      const M<V> inside = both(low <= to, to <= high);
+      const M<V> inside = logical_and(low <= to, to <= high);
       return {select(inside, samples(by), F<V>(0.0F)), inside};
     };
     return [&]<std::size_t... n>(std::index_sequence<n...>) { return Steps{step(n)...}; }
@@ -254,7 +254,7 @@ struct Reconstruct {
     const DivMod<V> pixel = finished_pixel<V>(to_float(listed), at.finished);
     F<V> centre = centre_sample<V>(pixel, at.finished);
     if constexpr (kBranch) centre = centre + at.branch;
-    const Vec3<V> sum = filtered<V>(pixel, centre, at);
+    const Vec3<V> sum = filter_pixel<V>(pixel, centre, at);
     if constexpr (kBranch) {
       at.pixels.store(listed, {at.pixels.load(listed).rgb + sum});
     } else {
@@ -289,13 +289,13 @@ struct Reconstruct {
   }
 
   template <class V>
-  static Vec3<V> filtered(const DivMod<V>& pixel, const F<V>& centre, Ports<V>& at) {
+  static Vec3<V> filter_pixel(const DivMod<V>& pixel, const F<V>& centre, Ports<V>& at) {
     const Own<V> own = samples_of<V>(centre, at);
     const ShadedAround<kRadius, V> around(pixel, at.finished);
     std::array<Tap<V>, kTaps> taps;
     for (std::uint32_t t = 0; t < kTaps; ++t) {
       taps[t] = t == kOwn ? own_tap<V>(own, at) : around.at(t, centre, [&](const F<V>& index, const M<V>& inside) {
-        return tap<V>(own, index, inside, at);
+        return weigh_tap<V>(own, index, inside, at);
       });
     }
     const std::array<F<V>, kGeometrySamples> shares = shares_of<V>(own.samples, taps);
@@ -333,20 +333,20 @@ struct Reconstruct {
     Tap<V> out{at.colours.load(own.shaded).rgb, {}};
     out.weights[0] = 1.0F;
     for (std::uint32_t k = 1; k < kGeometrySamples; ++k) {
-      out.weights[k] = Similarity<V>(own.samples[k], own.samples[0], at.bend).weight();
+      out.weights[k] = Similarity<V>(own.samples[k], own.samples[0], at.bend).filter_weight();
     }
     return out;
   }
 
   /// Returns the tap of another pixel's shaded sample.
   template <class V>
-  static Tap<V> tap(const Own<V>& own, const F<V>& index, const M<V>& inside, Ports<V>& at) {
+  static Tap<V> weigh_tap(const Own<V>& own, const F<V>& index, const M<V>& inside, Ports<V>& at) {
     const I<V> sample = to_int(index);
     VisibleRecord<V> record = at.visible.load(sample);
     record.depth = select(inside, record.depth, F<V>(kOutsideDepth));
     Tap<V> out{at.colours.load(sample).rgb, {}};
     for (std::uint32_t k = 0; k < kGeometrySamples; ++k) {
-      out.weights[k] = Similarity<V>(own.samples[k], record, at.bend).weight();
+      out.weights[k] = Similarity<V>(own.samples[k], record, at.bend).filter_weight();
     }
     return out;
   }
@@ -387,10 +387,10 @@ struct ListContrasts {
     const DivMod<V> pixel = finished_pixel<V>(to_float(item), at.finished);
     const ShadedAround<1, V> around(pixel, at.finished);
     F<V> centre = centre_sample<V>(pixel, at.finished);
-    M<V> any = differs<V>(centre, around, at);
+    M<V> any = colours_differ<V>(centre, around, at);
     for (std::uint32_t branch = 0; branch < kBranches; ++branch) {
       centre = centre + at.branch;
-      any = logical_or(any, differs<V>(centre, around, at));
+      any = logical_or(any, colours_differ<V>(centre, around, at));
     }
     at.masters.store(at.masters_count.next(any), {item});
   }
@@ -398,7 +398,7 @@ struct ListContrasts {
  private:
   /// True if a layer's colours differ around the sample at `centre`.
   template <class V>
-  static M<V> differs(const F<V>& centre, const ShadedAround<1, V>& around, Ports<V>& at) {
+  static M<V> colours_differ(const F<V>& centre, const ShadedAround<1, V>& around, Ports<V>& at) {
     const I<V> own = to_int(centre);
     const VisibleRecord<V> record = at.visible.load(own);
     const Vec3<V> colour = at.colours.load(own).rgb;
@@ -410,7 +410,7 @@ struct ListContrasts {
         VisibleRecord<V> other = at.visible.load(sample);
         other.depth = select(inside, other.depth, F<V>(kOutsideDepth));
         const Similarity<V> similar(record, other, at.bend);
-        const M<V> alike = both(similar.same_shadows, similar.depth + similar.normal < kHalved);
+        const M<V> alike = logical_and(similar.same_shadows, similar.depth + similar.normal < kHalved);
         return select(alike, at.colours.load(sample).rgb, colour);
       });
       least = {min(least.x, seen.x), min(least.y, seen.y), min(least.z, seen.z)};
@@ -423,8 +423,8 @@ struct ListContrasts {
   }
   template <class V>
   static F<V> contrast_of(const F<V>& least, const F<V>& most) {
-    const F<V> high = encoded<V>(clamped<V>(most));
-    const F<V> low = encoded<V>(clamped<V>(least));
+    const F<V> high = encode_srgb<V>(clamp_to_unit<V>(most));
+    const F<V> low = encode_srgb<V>(clamp_to_unit<V>(least));
     return (high - low) / max(high + low, F<V>(1e-30F));
   }
 };

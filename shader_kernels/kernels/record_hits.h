@@ -119,7 +119,7 @@ I<V> index_of(const InstanceHitRecord<V>& hit) {
 
 /// Returns the object id, with the flag of a textured object if the classes include a texture.
 template <class V>
-I<V> marked(const I<V>& object, const I<V>& classes) {
+I<V> mark_textured(const I<V>& object, const I<V>& classes) {
   return object | select(I<V>(0U) < (classes & kAnyTexture), I<V>(kTexturedObject), I<V>(0U));
 }
 
@@ -153,7 +153,7 @@ SurfaceHit<V> surface_hit(const I<V>& item, const SurfaceHitPorts<V, kInstanced>
   const I<V> slot = at.surfaces.load(item).word;
   const SurfacePointRecord<V> point = at.points.load(slot);
   const I<V> object = at.objects.load(index_of<V>(at.hits.load(slot))).object;
-  return {point, marked<V>(object, at.mattes.load(slot).classes), at.paths.load(slot)};
+  return {point, mark_textured<V>(object, at.mattes.load(slot).classes), at.paths.load(slot)};
 }
 
 template <bool kInstanced>
@@ -239,8 +239,8 @@ struct RecordSurface {
     }
     const F<V> side = select(dot(across, point.normal) <= 0.0F, F<V>(-1.0F), F<V>(1.0F));
     const I<V> sample = at.paths.load(slot).sample;
-    at.geometry.store(sample, {point.normal, marked<V>(found.object, matte.classes), point.position, 0U});
-    at.kept.store(sample, {matte.diffuse, matte.classes, normalised(across) * side, texcoord.u, texcoord.v,
+    at.geometry.store(sample, {point.normal, mark_textured<V>(found.object, matte.classes), point.position, 0U});
+    at.kept.store(sample, {matte.diffuse, matte.classes, unit_vector(across) * side, texcoord.u, texcoord.v,
                            texcoord.texture, point.material});
   }
 };
@@ -295,10 +295,10 @@ struct RecordSecondary {
     const M<V> is_first = F<V>(0.0F) < at.bounce.first;
     const I<V> kind =
         select(slot < at.bounce.mirrored, I<V>(0U), select(slot < at.bounce.refracted, I<V>(1U), I<V>(2U)));
-    const M<V> by_mirror = both(is_first, kind == 1U);
-    const M<V> by_glass = both(is_first, kind == 2U);
+    const M<V> by_mirror = logical_and(is_first, kind == 1U);
+    const M<V> by_glass = logical_and(is_first, kind == 2U);
     at.secondary.store(sample, {select(by_mirror, normal, so_far.mirror_normal),
-                                so_far.objects + scrambled<V>(object ^ at.bounce.way ^ (kind << 28U)),
+                                so_far.objects + scramble_bits<V>(object ^ at.bounce.way ^ (kind << 28U)),
                                 select(by_glass, normal, so_far.glass_normal), so_far.shadows});
   }
 };
@@ -329,7 +329,7 @@ struct WeighBranch {
   static void body(const I<V>& item, Ports<V>& at) {
     const PathRecord<V> path = at.paths.load(item);
     const BranchRecord<V> so_far = at.branches.load(path.sample);
-    at.branches.store(path.sample, {max(so_far.weight, largest(path.throughput)), so_far.position_sum});
+    at.branches.store(path.sample, {max(so_far.weight, max_channel(path.throughput)), so_far.position_sum});
   }
 };
 
@@ -351,7 +351,7 @@ struct RecordBranch {
     const auto [point, object, path] = surface_hit<V, kInstanced>(item, at);
     const TraitsRecord<V> so_far = at.traits.load(path.sample);
     const BranchRecord<V> branch = at.branches.load(path.sample);
-    const M<V> most = branch.weight <= largest(path.throughput);
+    const M<V> most = branch.weight <= max_channel(path.throughput);
     at.traits.store(path.sample,
                     {select(most, point.normal, so_far.normal), select(most, object, so_far.object), so_far.shadows});
     at.branches.store(path.sample, {branch.weight, select(most, position_sum<V>(point.position), branch.position_sum)});

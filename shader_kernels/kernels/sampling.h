@@ -24,24 +24,24 @@ constexpr std::string_view by_filter(std::string_view none, std::string_view nea
 
 /// The four texels around a point, and their bilinear weights.
 template <class V>
-struct Sample {
+struct TexelSample {
   FootprintRecord<V> texels;
   F<V> right, lower;  ///< weight of the right and of the lower two texels
   /// Blends the values that `channel` extracts from each texel's bits.
-  F<V> blend(auto&& channel) const {
+  F<V> blend_texels(auto&& channel) const {
     const F<V> upper_left = channel(texels.at00), lower_left = channel(texels.at01);
     const F<V> upper = upper_left + (channel(texels.at10) - upper_left) * right;
     const F<V> low = lower_left + (channel(texels.at11) - lower_left) * right;
     return upper + (low - upper) * lower;
   }
   /// Returns channel 0 (red) to 3 (alpha) of a linear texture.
-  F<V> linear(std::uint32_t channel) const {
-    return blend([&](const I<V>& rgba) { return to_float(byte_of<V>(rgba, channel)) * (1.0F / 255.0F); });
+  F<V> linear_channel(std::uint32_t channel) const {
+    return blend_texels([&](const I<V>& rgba) { return to_float(byte_of<V>(rgba, channel)) * (1.0F / 255.0F); });
   }
   /// Returns the colour of an sRGB texture; texels are decoded before blending.
-  Vec3<V> colour(const Table<V, SrgbCodeRecord>& codes) const {
+  Vec3<V> srgb_colour(const Table<V, SrgbCodeRecord>& codes) const {
     const auto decoded = [&](std::uint32_t channel) {
-      return blend([&](const I<V>& rgba) { return codes.load(byte_of<V>(rgba, channel)).linear; });
+      return blend_texels([&](const I<V>& rgba) { return codes.load(byte_of<V>(rgba, channel)).linear; });
     };
     const F<V> red = decoded(0), green = decoded(1), blue = decoded(2);
     return {red, green, blue};
@@ -50,12 +50,12 @@ struct Sample {
 
 /// The two texels around a coordinate, and the weight of the second.
 template <class V>
-struct Neighbours {
+struct TexelPair {
   I<V> first, second;
   F<V> weight;
 };
 template <class V>
-Neighbours<V> neighbours(const F<V>& coordinate, const AxisRecord<V>& axis) {
+TexelPair<V> texel_pair(const F<V>& coordinate, const AxisRecord<V>& axis) {
   const F<V> bounded = min(max(coordinate, axis.low), axis.high);
   const F<V> folded = bounded - floor(bounded * axis.inverse_period) * axis.period;
   const F<V> texel = min(folded, 2.0F - folded) * axis.size - axis.offset;
@@ -67,27 +67,29 @@ Neighbours<V> neighbours(const F<V>& coordinate, const AxisRecord<V>& axis) {
 
 /// Looks up a texture. Texel (0, 0) is at the top left, where v is 0. `axes` has two entries per texture.
 template <class V>
-Sample<V> sample(const Table<V, AxisRecord>& axes, const Texels<V>& texels, const I<V>& texture, const F<V>& u,
-                 const F<V>& v) {
+TexelSample<V> sample_texture(const Table<V, AxisRecord>& axes, const Texels<V>& texels, const I<V>& texture,
+                              const F<V>& u, const F<V>& v) {
   const I<V> axis = texture << 1U;
-  const Neighbours<V> x = neighbours<V>(u, axes.load(axis));
-  const Neighbours<V> y = neighbours<V>(v, axes.load(axis + 1U));
+  const TexelPair<V> x = texel_pair<V>(u, axes.load(axis));
+  const TexelPair<V> y = texel_pair<V>(v, axes.load(axis + 1U));
   return {texels.load(texture, (y.first << 16U) | x.first, (y.second << 16U) | x.second), x.weight, y.weight};
 }
 
 /// Samples of two neighbouring levels, and the weight of the second.
 template <class V>
 struct TrilinearSample {
-  Sample<V> fine, coarse;
+  TexelSample<V> fine, coarse;
   F<V> weight;
-  F<V> linear(std::uint32_t channel) const { return between(fine.linear(channel), coarse.linear(channel)); }
-  Vec3<V> colour(const Table<V, SrgbCodeRecord>& codes) const {
-    const Vec3<V> a = fine.colour(codes), b = coarse.colour(codes);
-    return {between(a.x, b.x), between(a.y, b.y), between(a.z, b.z)};
+  F<V> linear_channel(std::uint32_t channel) const {
+    return blend_levels(fine.linear_channel(channel), coarse.linear_channel(channel));
+  }
+  Vec3<V> srgb_colour(const Table<V, SrgbCodeRecord>& codes) const {
+    const Vec3<V> a = fine.srgb_colour(codes), b = coarse.srgb_colour(codes);
+    return {blend_levels(a.x, b.x), blend_levels(a.y, b.y), blend_levels(a.z, b.z)};
   }
 
  private:
-  F<V> between(const F<V>& a, const F<V>& b) const { return a + (b - a) * weight; }
+  F<V> blend_levels(const F<V>& a, const F<V>& b) const { return a + (b - a) * weight; }
 };
 
 /// Fields of TexcoordRecord::texture with mip levels.
@@ -118,13 +120,13 @@ struct TexturePorts {
     const LevelRecord<V> chain = levels.load(texture);
     const I<V> across = bits_of(min(max(footprint * chain.size, F<V>(1.0F)), chain.highest));
     const I<V> level = texture + ((across >> 23U) - 127U);
-    const Sample<V> fine = sample<V>(axes, texels, level, u, v);
+    const TexelSample<V> fine = sample_texture<V>(axes, texels, level, u, v);
     if constexpr (kMips == MipFilter::kNearest) {
       return fine;
     } else {
       const F<V> weight = from_bits((across & 0x7fffffU) | 0x3f800000U) - 1.0F;
       const I<V> next = level + select(F<V>(0.0F) < weight, I<V>(1U), I<V>(0U));
-      const Sample<V> coarse = sample<V>(axes, texels, next, u, v);
+      const TexelSample<V> coarse = sample_texture<V>(axes, texels, next, u, v);
       return TrilinearSample<V>{fine, coarse, weight};
     }
   }
@@ -158,10 +160,10 @@ struct DetailPorts : TexturePorts<V, kMips> {
   /// `second`. The latter reads the first level, because the footprint is in first coordinates.
   auto look_up(const I<V>& texture, const I<V>& classes, traces::MaterialFlag second, const TexcoordRecord<V>& uv,
                const TangentRecord<V>& other) const {
-    const M<V> use_second = has<V>(classes, second);
+    const M<V> use_second = has_class<V>(classes, second);
     const F<V> u = select(use_second, other.u, uv.u), v = select(use_second, other.v, uv.v);
     if constexpr (kMips == MipFilter::kNone) {
-      return sample<V>(this->axes, this->texels, texture, u, v);
+      return sample_texture<V>(this->axes, this->texels, texture, u, v);
     } else {
       const F<V> footprint = select(use_second, F<V>(0.0F), footprint_of<V>(uv.texture));
       return this->sample_level(texture, footprint, u, v);

@@ -37,7 +37,7 @@ struct SecondaryPorts {
 /// Emits the next ray of a path whose throughput is still visible.
 template <class V>
 void emit_secondary(SecondaryPorts<V>& at, const Vec3<V>& origin, const Vec3<V>& direction, const PathRecord<V>& path) {
-  const I<V> out = at.emitted.next(at.min_weight < largest(path.throughput));
+  const I<V> out = at.emitted.next(at.min_weight < max_channel(path.throughput));
   at.next_rays.store(out, {origin, at.epsilon, direction, std::numeric_limits<float>::infinity()});
   at.next_paths.store(out, path);
 }
@@ -58,7 +58,7 @@ SpecularHit<V> specular_hit(const I<V>& item, const SecondaryPorts<V>& at) {
   const Vec3<V> direction = at.rays.load(slot).direction;
   const PathRecord<V> path = at.paths.load(slot);
   const SpecularRecord<V> optics = at.optics.load(slot);
-  return {point, direction, path, optics, interface<V>(direction, point.normal, point.side, optics.ior)};
+  return {point, direction, path, optics, make_interface<V>(direction, point.normal, point.side, optics.ior)};
 }
 
 /// Emits mirror rays, and the mirrored share of glass; one ray carries both.

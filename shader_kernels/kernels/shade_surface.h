@@ -19,11 +19,11 @@ template <class V, bool kInstanced>
 using Hits = std::conditional_t<kInstanced, Local<V, InstanceHitRecord>, Local<V, HitRecord>>;
 
 template <class V>
-HitRecord<V> plain(const HitRecord<V>& hit) {
+HitRecord<V> with_float_weights(const HitRecord<V>& hit) {
   return hit;
 }
 template <class V>
-HitRecord<V> plain(const InstanceHitRecord<V>& hit) {
+HitRecord<V> with_float_weights(const InstanceHitRecord<V>& hit) {
   constexpr float kStep = 1.0F / static_cast<float>(traces::kWeightOne);
   const auto weight = [](const I<V>& word) { return to_float(word >> traces::kHalfBits) * kStep; };
   return {hit.t, weight(hit.u), weight(hit.v), hit.triangle};
@@ -59,7 +59,7 @@ template <class V>
 Vec3<V> tangent_to_world(const InstanceFields<V>& instance, const Vec3<V>& t) {
   const Vec3<V> along = cross(instance.row1, instance.row2) * t.x + cross(instance.row2, instance.row0) * t.y +
                         cross(instance.row0, instance.row1) * t.z;
-  return normalised(along) * instance.handedness;
+  return unit_vector(along) * instance.handedness;
 }
 
 template <class V>
@@ -138,7 +138,7 @@ struct ShadeSurface {
     const I<V> slot = at.surfaces.load(item).word;
     const RayRecord<V> ray = at.rays.load(slot);
     const auto found = at.hits.load(slot);
-    const HitRecord<V> hit = plain<V>(found);
+    const HitRecord<V> hit = with_float_weights<V>(found);
     const AttributeFields<V> a = at.attributes.load(triangle_of<V>(hit));
     const MaterialFields<V> m = at.materials.load(a.material);
 
@@ -198,7 +198,7 @@ struct FetchVertices {
   static void body(const I<V>& item, Ports<V>& at) {
     const I<V> slot = at.vertexed.load(item).word;
     const auto found = at.hits.load(slot);
-    const HitRecord<V> hit = plain<V>(found);
+    const HitRecord<V> hit = with_float_weights<V>(found);
     const DiffuseRecord<V> matte = at.mattes.load(slot);
     SpecularRecord<V> optics = at.optics.load(slot);
     const VertexFields<V> vertex = at.vertices.load(triangle_of<V>(hit));

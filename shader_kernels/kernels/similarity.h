@@ -82,12 +82,12 @@ inline constexpr std::uint32_t kGapShift = 24;
 inline constexpr std::uint32_t kSampleMask = (1U << kGapShift) - 1;
 
 template <class V>
-struct Passed {
+struct PassedSample {
   I<V> sample, before, after;
   F<V> weight;  ///< weight of `after`; 1 minus that of `before`
 };
 template <class V>
-Passed<V> passed(const I<V>& word, const LineUniforms<V>& line) {
+PassedSample<V> passed_sample(const I<V>& word, const LineUniforms<V>& line) {
   const I<V> sample = word & kSampleMask;
   const F<V> steps = to_float(word >> kGapShift) + 1.0F;
   const F<V> at = to_float(sample);
@@ -148,8 +148,8 @@ Vec3<V> lerp(const Vec3<V>& a, const Vec3<V>& b, const F<V>& weight) {
 /// Interpolates two colours. Samples are clamped first, because pixels average clamped samples.
 template <class V>
 Vec3<V> lerp_colours(const Vec3<V>& a, const Vec3<V>& b, const F<V>& weight) {
-  return lerp<V>({clamped<V>(a.x), clamped<V>(a.y), clamped<V>(a.z)},
-                 {clamped<V>(b.x), clamped<V>(b.y), clamped<V>(b.z)}, weight);
+  return lerp<V>({clamp_to_unit<V>(a.x), clamp_to_unit<V>(a.y), clamp_to_unit<V>(a.z)},
+                 {clamp_to_unit<V>(b.x), clamp_to_unit<V>(b.y), clamp_to_unit<V>(b.z)}, weight);
 }
 
 /// Inspector of multirate (Lee et al. 2016): checks for the same object, similar normals and the same shadows at the
@@ -209,9 +209,9 @@ struct CheckSimilarity {
       const Vec3<V> other = at.colours.load(b.after).rgb;
       const F<V> apart = encoded_distance_squared<V>(one, other);
       const M<V> textured = (before.object & kTexturedObject) == kTexturedObject;
-      failed = failed | fails_if<V>(both(textured, at.texture_squared < apart), Check::kTexture);
-      const M<V> rough = both(textured, at.rate_squared < apart);
-      at.rough_count.next(both(rough, select(b.outside, I<V>(1U), failed) == 0U));
+      failed = failed | fails_if<V>(logical_and(textured, at.texture_squared < apart), Check::kTexture);
+      const M<V> rough = logical_and(textured, at.rate_squared < apart);
+      at.rough_count.next(logical_and(rough, select(b.outside, I<V>(1U), failed) == 0U));
     }
     write_verdict<V>(at, b, failed);
   }
@@ -221,7 +221,7 @@ struct CheckSimilarity {
 /// are copied.
 template <class V>
 GeometryRecord<V> lerp_geometry(const GeometryRecord<V>& a, const GeometryRecord<V>& b, const F<V>& weight) {
-  return {normalised(lerp<V>(a.normal, b.normal, weight)), a.object, lerp<V>(a.position, b.position, weight),
+  return {unit_vector(lerp<V>(a.normal, b.normal, weight)), a.object, lerp<V>(a.position, b.position, weight),
           a.shadows};
 }
 
@@ -249,10 +249,10 @@ struct InterpolateSample {
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
-    interpolate<V>(passed<V>(at.passed.load(item).word, at.line), at);
+    interpolate<V>(passed_sample<V>(at.passed.load(item).word, at.line), at);
   }
   template <class V>
-  static void interpolate(const Passed<V>& p, const Ports<V>& at) {
+  static void interpolate(const PassedSample<V>& p, const Ports<V>& at) {
     at.colours.store(p.sample,
                      {lerp_colours<V>(at.colours.load(p.before).rgb, at.colours.load(p.after).rgb, p.weight)});
     if constexpr (!kAlongY) {
@@ -261,8 +261,8 @@ struct InterpolateSample {
     if constexpr (kSecondary) {
       const SecondaryRecord<V> a = at.secondary.load(p.before);
       const SecondaryRecord<V> b = at.secondary.load(p.after);
-      at.secondary.store(p.sample, {normalised(lerp<V>(a.mirror_normal, b.mirror_normal, p.weight)), a.objects,
-                                    normalised(lerp<V>(a.glass_normal, b.glass_normal, p.weight)), a.shadows});
+      at.secondary.store(p.sample, {unit_vector(lerp<V>(a.mirror_normal, b.mirror_normal, p.weight)), a.objects,
+                                    unit_vector(lerp<V>(a.glass_normal, b.glass_normal, p.weight)), a.shadows});
     }
   }
 };
@@ -270,10 +270,10 @@ struct InterpolateSample {
 /// True if two texture coordinates are on opposite sides of a texture's edge: one below the threshold, the other above
 /// 1 minus the threshold.
 template <class V>
-M<V> wraps(const F<V>& a, const F<V>& b, const F<V>& threshold) {
+M<V> crosses_edge(const F<V>& a, const F<V>& b, const F<V>& threshold) {
   const F<V> x = a - floor(a);
   const F<V> y = b - floor(b);
-  return both(min(x, y) < threshold, 1.0F - threshold < max(x, y));
+  return logical_and(min(x, y) < threshold, 1.0F - threshold < max(x, y));
 }
 
 /// Inspector of undersample: the seven similarity checks of Kim et al. 2016, table 1.
@@ -331,10 +331,11 @@ struct CheckAttributes {
       failed = failed | fails_if<V>(at.colour_squared < colours, Check::kColour);
     }
     if constexpr (kTextures) {
-      const M<V> over_edge = logical_or(wraps<V>(s0.u, s1.u, at.texture), wraps<V>(s0.v, s1.v, at.texture));
+      const M<V> over_edge =
+          logical_or(crosses_edge<V>(s0.u, s1.u, at.texture), crosses_edge<V>(s0.v, s1.v, at.texture));
       const M<V> has_any = I<V>(0U) < (s0.classes & (traces::kTextured | traces::kOccluded));
       constexpr std::uint32_t kUnkept = traces::kOccluded | traces::kOcclusionSecond;
-      failed = failed | fails_if<V>(both(over_edge, has_any), Check::kTexture) |
+      failed = failed | fails_if<V>(logical_and(over_edge, has_any), Check::kTexture) |
                select((s0.classes & kUnkept) == kUnkept, I<V>(bit(Check::kDetail)), I<V>(0U));
     }
     write_verdict<V>(at, b, failed);
@@ -375,7 +376,7 @@ struct InterpolateAttributes {
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
-    const Passed<V> p = passed<V>(at.passed.load(item).word, at.line);
+    const PassedSample<V> p = passed_sample<V>(at.passed.load(item).word, at.line);
     const GeometryRecord<V> g = lerp_geometry<V>(at.geometry.load(p.before), at.geometry.load(p.after), p.weight);
     const SurfaceRecord<V> a = at.kept.load(p.before);
     const SurfaceRecord<V> b = at.kept.load(p.after);
@@ -385,8 +386,8 @@ struct InterpolateAttributes {
     const Vec3<V> global = lerp<V>(at.globals.load(p.before).rgb, at.globals.load(p.after).rgb, p.weight);
     at.geometry.store(p.sample, g);
     if constexpr (!kAlongY) {
-      at.kept.store(p.sample,
-                    {diffuse, a.classes, normalised(lerp<V>(a.plane, b.plane, p.weight)), u, v, a.texture, a.material});
+      at.kept.store(p.sample, {diffuse, a.classes, unit_vector(lerp<V>(a.plane, b.plane, p.weight)), u, v, a.texture,
+                               a.material});
       at.globals.store(p.sample, {global});
     }
     at.colours.store(p.sample, {global});
@@ -438,7 +439,7 @@ struct FindSuspects {
     if constexpr (kEight) {
       traced = traced | differs(sample - at.step - at.line_step) | differs(sample - at.step + at.line_step);
     }
-    const M<V> suspect = both(I<V>(0U) < traced, I<V>(0U) < (own & kInterpolatedSample));
+    const M<V> suspect = logical_and(I<V>(0U) < traced, I<V>(0U) < (own & kInterpolatedSample));
     at.suspects.store(at.suspect_count.next(suspect), {sample});
   }
 };
@@ -446,7 +447,7 @@ struct FindSuspects {
 template <class V, bool kShadows>
 I<V> shown_by(const GeometryRecord<V>& geometry) {
   I<V> shown = geometry.object;
-  if constexpr (kShadows) shown = scrambled<V>(shown ^ scrambled<V>(geometry.shadows));
+  if constexpr (kShadows) shown = scramble_bits<V>(shown ^ scramble_bits<V>(geometry.shadows));
   return shown & kIdentityMask;
 }
 

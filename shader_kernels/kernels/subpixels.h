@@ -77,9 +77,9 @@ CornerSteps<V> corner_steps(const DivMod<V>& pixel, const F<V>& right, const F<V
                             const FinishedUniforms<V>& of) {
   const F<V> x = pixel.remainder + right;
   const F<V> y = pixel.quotient + below;
-  const M<V> has_x = both(of.low_x <= x, x <= of.high_x);
-  const M<V> has_y = both(of.low_y <= y, y <= of.high_y);
-  return {select(has_x, right, F<V>(0.0F)), select(has_y, below * of.pitch, F<V>(0.0F)), both(has_x, has_y)};
+  const M<V> has_x = logical_and(of.low_x <= x, x <= of.high_x);
+  const M<V> has_y = logical_and(of.low_y <= y, y <= of.high_y);
+  return {select(has_x, right, F<V>(0.0F)), select(has_y, below * of.pitch, F<V>(0.0F)), logical_and(has_x, has_y)};
 }
 
 /// Returns the pixel's row (quotient) and column.
@@ -99,14 +99,14 @@ I<V> active_bit(const I<V>& verdict) {
 
 template <class V>
 Vec3<V> clamped_colour(const Vec3<V>& colour) {
-  return {clamped<V>(colour.x), clamped<V>(colour.y), clamped<V>(colour.z)};
+  return {clamp_to_unit<V>(colour.x), clamp_to_unit<V>(colour.y), clamp_to_unit<V>(colour.z)};
 }
 
 /// Returns the bits of an attribute set that differ between two pixels. An object counts only if one of the two has the
 /// flag `focus` (0: always). Normals are equal if their dot product is at least `same_normal`.
 template <class V>
-I<V> disagreements(const TraitsRecord<V>& own, const TraitsRecord<V>& other, const F<V>& same_normal,
-                   const I<V>& focus) {
+I<V> disagreeing_attributes(const TraitsRecord<V>& own, const TraitsRecord<V>& other, const F<V>& same_normal,
+                            const I<V>& focus) {
   constexpr std::uint32_t kObject = 1, kNormal = 2, kShadow = 4;
   const I<V> differ = select(own.object == other.object, I<V>(0U), I<V>(kObject)) |
                       select(dot(own.normal, other.normal) < same_normal, I<V>(kNormal), I<V>(0U)) |
@@ -116,9 +116,9 @@ I<V> disagreements(const TraitsRecord<V>& own, const TraitsRecord<V>& other, con
 
 /// Returns the contrast of one channel (Mitchell 1987) of linear colours, clamped and sRGB-encoded, from 0 to 1.
 template <class V>
-F<V> contrast(const F<V>& a, const F<V>& b, const F<V>& c, const F<V>& d) {
-  const F<V> most = encoded<V>(clamped<V>(max(max(a, b), max(c, d))));
-  const F<V> least = encoded<V>(clamped<V>(min(min(a, b), min(c, d))));
+F<V> channel_contrast(const F<V>& a, const F<V>& b, const F<V>& c, const F<V>& d) {
+  const F<V> most = encode_srgb<V>(clamp_to_unit<V>(max(max(a, b), max(c, d))));
+  const F<V> least = encode_srgb<V>(clamp_to_unit<V>(min(min(a, b), min(c, d))));
   return (most - least) / max(most + least, F<V>(1e-30F));
 }
 
@@ -164,8 +164,8 @@ struct TestSubpixels {
     const I<V> above = to_int(own + step.y);
     const I<V> corner = to_int(select(step.has_both, own + step.x + step.y, own));
 
-    const I<V> primary = differing<V>(at.traits, centre, beside, above, corner, at);
-    const I<V> secondary = differing<V>(at.secondary, centre, beside, above, corner, at);
+    const I<V> primary = differing_bits<V>(at.traits, centre, beside, above, corner, at);
+    const I<V> secondary = differing_bits<V>(at.secondary, centre, beside, above, corner, at);
     const I<V> counting = ((primary << 1U) | (secondary << 5U)) & at.compared;
     F<V> threshold = kNever;
     for (std::uint32_t i = 1; i < kAttributes; ++i) {
@@ -178,9 +178,10 @@ struct TestSubpixels {
     const Vec3<V> b = at.colours.load(beside).rgb;
     const Vec3<V> c = at.colours.load(above).rgb;
     const Vec3<V> d = at.colours.load(corner).rgb;
-    const M<V> active = logical_or(logical_or(threshold * kChannelFactors[0] <= contrast<V>(a.x, b.x, c.x, d.x),
-                                              threshold * kChannelFactors[1] <= contrast<V>(a.y, b.y, c.y, d.y)),
-                                   threshold * kChannelFactors[2] <= contrast<V>(a.z, b.z, c.z, d.z));
+    const M<V> active =
+        logical_or(logical_or(threshold * kChannelFactors[0] <= channel_contrast<V>(a.x, b.x, c.x, d.x),
+                              threshold * kChannelFactors[1] <= channel_contrast<V>(a.y, b.y, c.y, d.y)),
+                   threshold * kChannelFactors[2] <= channel_contrast<V>(a.z, b.z, c.z, d.z));
     at.verdicts.store(item, {select(none, I<V>(bit(Attribute::kColour)), counting) |
                              select(active, I<V>(1U << kActiveShift), I<V>(0U))});
   }
@@ -189,15 +190,16 @@ struct TestSubpixels {
   /// Returns the differing bits of one attribute set. The texture bit is set whenever the pixel's own object is
   /// textured.
   template <class V>
-  static I<V> differing(const Local<V, TraitsRecord>& set, const I<V>& centre, const I<V>& beside, const I<V>& above,
-                        const I<V>& corner, const Ports<V>& at) {
+  static I<V> differing_bits(const Local<V, TraitsRecord>& set, const I<V>& centre, const I<V>& beside,
+                             const I<V>& above, const I<V>& corner, const Ports<V>& at) {
     constexpr std::uint32_t kTexture = 8;
     const TraitsRecord<V> own = set.load(centre);
     const TraitsRecord<V> one = set.load(beside);
     const TraitsRecord<V> two = set.load(above);
     const TraitsRecord<V> three = set.load(corner);
-    return disagreements<V>(own, one, at.same_normal, at.focus) | disagreements<V>(own, two, at.same_normal, at.focus) |
-           disagreements<V>(own, three, at.same_normal, at.focus) |
+    return disagreeing_attributes<V>(own, one, at.same_normal, at.focus) |
+           disagreeing_attributes<V>(own, two, at.same_normal, at.focus) |
+           disagreeing_attributes<V>(own, three, at.same_normal, at.focus) |
            select((own.object & at.textured) == at.textured, I<V>(kTexture), I<V>(0U));
   }
 };
@@ -289,7 +291,7 @@ struct PackSubpixels {
     const F<V> column = block.remainder * static_cast<float>(kBlockWidth) + to_float(item & (kBlockWidth - 1));
     const F<V> row =
         block.quotient * static_cast<float>(kBlockHeight) + to_float((item >> kColumnBits) & (kBlockHeight - 1));
-    const M<V> inside = both(column < at.width, row < at.height);
+    const M<V> inside = logical_and(column < at.width, row < at.height);
     const I<V> pixel = to_int(row * at.width + column);
     const I<V> first = pixel << 2U;
 
@@ -398,7 +400,7 @@ struct SumSubpixels {
     const Vec3<V> centre = at.pixels.load(pixel).rgb;
     const M<V> first = (item & 15U) == 0U;
     const auto sum = [&](Carried<V>& so_far, Carried<V>& base, const F<V>& more, const F<V>& begin) {
-      const F<V> next = select(first, F<V>(0.0F), so_far.get()) + select(is_active, clamped<V>(more), F<V>(0.0F));
+      const F<V> next = select(first, F<V>(0.0F), so_far.get()) + select(is_active, clamp_to_unit<V>(more), F<V>(0.0F));
       so_far.set(next);
       const F<V> kept = select(first, begin, base.get());
       base.set(kept);
@@ -441,7 +443,7 @@ F<V> state_of(const I<V>& subpixel, const StateUniforms<V>& of) {
 /// `why`: reasons and round, already shifted.
 template <class V>
 SubpixelRecord<V> state_with(const Vec3<V>& colour, const I<V>& why) {
-  const auto channel = [](const F<V>& x) { return to_int(encoded<V>(x) * 65535.0F + 0.5F); };
+  const auto channel = [](const F<V>& x) { return to_int(encode_srgb<V>(x) * 65535.0F + 0.5F); };
   return {channel(colour.x) | (channel(colour.y) << 16U), channel(colour.z) | why};
 }
 
@@ -556,10 +558,10 @@ struct PropagateSubpixels {
     const SubpixelRecord<V> own = at.states.load(to_int(centre));
     const Vec3<V> colour = channels_of<V>(own);
     Range<V> range{colour, colour, 0U};
-    widen<V>(range, at.states.load(to_int(centre - 1.0F)), at.round);
-    widen<V>(range, at.states.load(to_int(centre + 1.0F)), at.round);
-    widen<V>(range, at.states.load(to_int(centre - at.grid.pitch)), at.round);
-    widen<V>(range, at.states.load(to_int(centre + at.grid.pitch)), at.round);
+    extend_range<V>(range, at.states.load(to_int(centre - 1.0F)), at.round);
+    extend_range<V>(range, at.states.load(to_int(centre + 1.0F)), at.round);
+    extend_range<V>(range, at.states.load(to_int(centre - at.grid.pitch)), at.round);
+    extend_range<V>(range, at.states.load(to_int(centre + at.grid.pitch)), at.round);
 
     F<V> threshold = kNever;
     for (std::uint32_t i = 0; i < kAttributes; ++i) {
@@ -571,14 +573,14 @@ struct PropagateSubpixels {
     const M<V> contrasts = logical_or(logical_or(differs(kChannelFactors[0], range.least.x, range.most.x),
                                                  differs(kChannelFactors[1], range.least.y, range.most.y)),
                                       differs(kChannelFactors[2], range.least.z, range.most.z));
-    const M<V> found = both(contrasts, own.blue_why >> kRoundShift == 0U);
+    const M<V> found = logical_and(contrasts, own.blue_why >> kRoundShift == 0U);
 
     at.verdicts.store(item, {range.reasons});
     at.active.store(at.active_count.next(found), {item});
     const I<V> pixel = item >> 2U;
     const F<V> number = to_float(pixel);
     const F<V> last = at.last_master.get();
-    const M<V> is_first = both(found, last < number);
+    const M<V> is_first = logical_and(found, last < number);
     at.last_master.set(select(is_first, number, last));
     at.masters.store(at.masters_count.next(is_first), {pixel});
   }
@@ -596,7 +598,7 @@ struct PropagateSubpixels {
             to_float(state.blue_why & kChannelMask)};
   }
   template <class V>
-  static void widen(Range<V>& range, const SubpixelRecord<V>& neighbour, const I<V>& round) {
+  static void extend_range(Range<V>& range, const SubpixelRecord<V>& neighbour, const I<V>& round) {
     const M<V> is_fresh = (neighbour.blue_why >> kRoundShift) << kRoundShift == round;
     const Vec3<V> colour = channels_of<V>(neighbour);
     const Vec3<V> low = select(is_fresh, colour, range.least);

@@ -10,7 +10,7 @@ namespace {
 
 std::uint32_t tiles_along(std::uint32_t pixels, std::uint32_t side) { return (pixels + side - 1) / side; }
 
-float inverse(std::uint32_t n) { return 1.0F / static_cast<float>(n); }
+float reciprocal(std::uint32_t n) { return 1.0F / static_cast<float>(n); }
 
 }  // namespace
 
@@ -49,24 +49,24 @@ void FullProgram::run_tile(std::uint32_t tile, const traces::Tracer& tracer, boo
   if (out.buffer.samples.colours.size() < samples) out.buffer.samples.colours.resize(samples);
 
   Wavefront wave(scene_, tracer, record, cone_uniforms(camera_, grid_), out);
-  TileGraph& graph = wave.graph();
+  TileGraph& graph = wave.tile_graph();
   GeneratePorts<float> generate;
   generate.camera = camera_;
   generate.tile = {.x0 = static_cast<float>(out.x),
                    .y0 = static_cast<float>(out.y),
                    .width = static_cast<float>(out.width),
-                   .inverse_width = inverse(out.width),
+                   .inverse_width = reciprocal(out.width),
                    .samples = static_cast<float>(samples_),
-                   .inverse_samples = inverse(samples_),
+                   .inverse_samples = reciprocal(samples_),
                    .grid = static_cast<float>(grid_),
-                   .inverse_grid = inverse(grid_)};
+                   .inverse_grid = reciprocal(grid_)};
   generate.image_width = config_.width;
   generate.seed = seed_;
   const Wavefront::Node generated = launch_rays(graph, generate, samples);
-  if (wave.tracer().counts_pixels()) {
+  if (wave.wave_tracer().counts_pixels()) {
     for (std::uint32_t i = 0; i < samples; ++i) {
       const std::uint32_t pixel = i / samples_;
-      wave.tracer().place_ray(i, out.x + pixel % out.width, out.y + pixel / out.width);
+      wave.wave_tracer().place_ray(i, out.x + pixel % out.width, out.y + pixel / out.width);
     }
   }
   wave.run(generated, samples);
@@ -86,7 +86,7 @@ Wavefront::Node FullProgram::launch_rays(TileGraph& graph, GeneratePorts<float>&
   GenerateRotatedRays::Ports<float> rotated;
   static_cast<GeneratePorts<float>&>(rotated) = ports;
   rotated.cycle = static_cast<float>(samples_ + 1);
-  rotated.inverse_cycle = inverse(samples_ + 1);
+  rotated.inverse_cycle = reciprocal(samples_ + 1);
   return graph.launch<GenerateRotatedRays>(rotated, samples);
 }
 
@@ -105,7 +105,7 @@ void FullProgram::write_pixels(TileGraph& graph, std::uint32_t samples, TileResu
   }
   AverageColour::Ports<float> average;
   average.samples = static_cast<float>(samples_);
-  average.inverse_samples = inverse(samples_);
+  average.inverse_samples = reciprocal(samples_);
   const Wavefront::Node averaged = graph.launch<AverageColour>(average, samples);
   graph.wait_for_colours(averaged);
   graph.write_pixels(averaged, offset);

@@ -12,26 +12,26 @@ GeometryPass::GeometryPass(std::unique_ptr<FrameProgram> program, std::unique_pt
     : FrameProgram(0, 0), program_(std::move(program)), rasteriser_(std::move(rasteriser)), frame_(frame) {}
 
 std::uint32_t GeometryPass::pass_end(std::uint32_t tile_index) const {
-  return tile_index < batches() ? batches() : batches() + program_->pass_end(tile_index - batches());
+  return tile_index < batch_count() ? batch_count() : batch_count() + program_->pass_end(tile_index - batch_count());
 }
 
 FrameRequirements GeometryPass::requirements() const {
   FrameRequirements needs = program_->requirements();
-  needs.raster = rasteriser_->demands();
+  needs.raster = rasteriser_->raster_demands();
   return needs;
 }
 
 void GeometryPass::begin_pass(std::uint32_t tile_index, const traces::Tracer& tracer) {
-  if (tile_index >= batches()) program_->begin_pass(tile_index - batches(), tracer);
+  if (tile_index >= batch_count()) program_->begin_pass(tile_index - batch_count(), tracer);
 }
 
 void GeometryPass::run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
                             TileResult& out) const {
-  if (tile_index < batches()) return run_batch(tile_index, record, out);
+  if (tile_index < batch_count()) return run_batch(tile_index, record, out);
   out.rasteriser = rasteriser_.get();
-  program_->run_tile(tile_index - batches(), tracer, record, out);
+  program_->run_tile(tile_index - batch_count(), tracer, record, out);
   // Lists must be complete before a tile reads them.
-  if (tile_index == batches() && batches() > 0) out.work.after_all = true;
+  if (tile_index == batch_count() && batch_count() > 0) out.work.after_all = true;
 }
 
 void GeometryPass::run_batch(std::uint32_t batch, bool record, TileResult& out) const {
@@ -49,7 +49,7 @@ void GeometryPass::run_batch(std::uint32_t batch, bool record, TileResult& out) 
   out.work.tile = out.tile;
   out.work.samples = 0;
   StreamBuilder stream(out.work, out.buffer.scratch.spare_nodes, record);
-  if (record) stream.bin(rasteriser_->bin(batch, out.buffer.scratch.coverage, out.work));
+  if (record) stream.add_bin(rasteriser_->bin_triangles(batch, out.buffer.scratch.coverage, out.work));
   stream.finish();
 }
 

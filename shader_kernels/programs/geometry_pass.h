@@ -17,7 +17,7 @@ class GeometryPass final : public FrameProgram {
   GeometryPass(std::unique_ptr<FrameProgram> program, std::unique_ptr<traces::Rasteriser> rasteriser,
                std::uint32_t frame);
 
-  std::uint32_t tiles() const override { return batches() + program_->tiles(); }
+  std::uint32_t tiles() const override { return batch_count() + program_->tiles(); }
   TileCounts tile_counts() const override { return program_->tile_counts(); }
   std::uint32_t pass_end(std::uint32_t tile_index) const override;
   FrameRequirements requirements() const override;
@@ -29,10 +29,10 @@ class GeometryPass final : public FrameProgram {
   std::vector<float> take_picture() override { return program_->take_picture(); }
   const Sampling& sampling() const override { return program_->sampling(); }
   void keep_marks() override { program_->keep_marks(); }
-  const std::vector<SampleMark>& marks() const override { return program_->marks(); }
+  const std::vector<SampleMark>& sample_marks() const override { return program_->sample_marks(); }
 
  private:
-  std::uint32_t batches() const { return rasteriser_->batches(); }
+  std::uint32_t batch_count() const { return rasteriser_->batch_count(); }
   void run_batch(std::uint32_t batch, bool record, TileResult& out) const;
 
   const std::unique_ptr<FrameProgram> program_;

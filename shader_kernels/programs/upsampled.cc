@@ -10,10 +10,10 @@ UpsampledProgram::UpsampledProgram(const traces::MemoryImage& image, const trace
       scene_(image, config),
       camera_(camera_uniforms(camera, config.width, config.height)),
       tiles_(config.width, config.height, config.tile / 2, 1),  // half the side, because samples keep much data
-      order_(tiles_.tiles().order(Halo::kReload)),
+      order_(tiles_.tiles().rendering_order(Halo::kReload)),
       frame_(frame),
       layers_(scene_.rated_lights()),
-      bend_(filter.bend()),
+      bend_(filter.bend_factor()),
       eye_(eye_uniforms(camera_, config.width, config.height, filter.depth_scale(scene_size))) {}
 
 std::uint32_t UpsampledProgram::light_bytes() const {
@@ -39,18 +39,18 @@ FrameRequirements UpsampledProgram::requirements() const {
 
 void UpsampledProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
                                 TileResult& out) const {
-  const SampleTile at = tiles_.tiles().tile(order_[tile_index]);
+  const SampleTile at = tiles_.tiles().sample_tile(order_[tile_index]);
   tiles_.place(at, out);
   out.sampling = {};
   out.work.frame = frame_;
   out.work.tile = at.index;
   out.work.samples = at.width * at.height;
-  out.buffer.reserve_rated(positions(), layers_);
-  const float halo = static_cast<float>(tiles_.halo()), pitch = static_cast<float>(tiles_.pitch());
+  out.buffer.reserve_rated(position_count(), layers_);
+  const float halo = static_cast<float>(tiles_.halo_width()), pitch = static_cast<float>(tiles_.row_pitch());
   Wavefront wave(scene_, tracer, record, cone_uniforms(camera_, 1), out);
-  TileGraph& graph = wave.graph();
+  TileGraph& graph = wave.tile_graph();
   Tile tile{at,
-            tiles_.finished(at, out),
+            tiles_.finished_uniforms(at, out),
             {static_cast<float>(at.x) - halo, static_cast<float>(at.y) - halo, pitch, 1.0F / pitch, 1, 1},
             out.width * out.height,
             wave,
@@ -58,28 +58,28 @@ void UpsampledProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& 
             out};
   out.linear.resize(tile.pixels);
   out.packed.resize(tile.pixels);
-  trace(tile, tiles_.halo(), tiles_.halo(), at.width, at.height);
+  trace_pixels(tile, tiles_.halo_width(), tiles_.halo_width(), at.width, at.height);
   export_borders(tile);  // needs no halo, so no chain of tiles waits
   make_halo(tile);
-  put_out(tile, upsample(tile));
+  write_finished(tile, upsample_effects(tile));
   wave.finish();
   out.sampling.wanted = out.sampling.traced = out.work.samples;
   out.sampling.background = out.sampling.traced_background = out.background.size();
 }
 
 /// Traces the samples of a rectangle of the tile buffer.
-void UpsampledProgram::trace(Tile& tile, std::uint32_t x, std::uint32_t y, std::uint32_t across,
-                             std::uint32_t down) const {
+void UpsampledProgram::trace_pixels(Tile& tile, std::uint32_t x, std::uint32_t y, std::uint32_t across,
+                                    std::uint32_t down) const {
   Wavefront& wave = tile.wave;
   TileGraph& graph = tile.graph;
   const std::uint32_t pixels = across * down;
   tile.out.buffer.reserve_wave(pixels);
-  const LatticeUniforms<float> lattice = tiles_.lattice(x, y, across);
+  const LatticeUniforms<float> lattice = tiles_.rect_lattice(x, y, across);
   Node cleared = Wavefront::kNone;
   for (std::uint32_t layer = 0; layer < layers_; ++layer) {
     ClearEffects::Ports<float> ports;
     ports.lattice = lattice;
-    ports.lattice.first += static_cast<float>(layer * positions());
+    ports.lattice.first += static_cast<float>(layer * position_count());
     const Node next = graph.launch<ClearEffects>(ports, pixels);
     graph.wait_all(next, cleared);
     cleared = next;
@@ -91,12 +91,13 @@ void UpsampledProgram::trace(Tile& tile, std::uint32_t x, std::uint32_t y, std::
   const Node generated = graph.launch<GenerateCentredRays>(ports, pixels);
   graph.wait_all(generated, cleared);
   graph.register_record_writer(generated);
-  for (std::uint32_t i = 0; wave.tracer().counts_pixels() && i < pixels; ++i) {
-    wave.tracer().place_ray(i, tile.at.x + x + i % across - tiles_.halo(), tile.at.y + y + i / across - tiles_.halo());
+  for (std::uint32_t i = 0; wave.wave_tracer().counts_pixels() && i < pixels; ++i) {
+    wave.wave_tracer().place_ray(i, tile.at.x + x + i % across - tiles_.halo_width(),
+                                 tile.at.y + y + i / across - tiles_.halo_width());
   }
   RetainedRecords retained;
   retained.visible = {.are_kept = true, .have_shadows = false, .eye = eye_};
-  retained.rated = {.are_rated = true, .layer = positions(), .grid = tile.grid};
+  retained.rated = {.are_rated = true, .layer = position_count(), .grid = tile.grid};
   retained.cleared = generated;
   wave.run(generated, pixels, retained);
 }
@@ -106,9 +107,9 @@ void UpsampledProgram::make_halo(Tile& tile) const {
   tiles_.for_each_part(tile.at, [&](const HaloPart& part) {
     tile.graph.import_samples(part.border, store_bytes() * part.border.tile + part.first * exchanged_bytes(),
                               part.across * part.down * exchanged_bytes());
-    tile.graph.mute();
-    trace(tile, part.x, part.y, part.across, part.down);
-    tile.graph.unmute();
+    tile.graph.pause_recording();
+    trace_pixels(tile, part.x, part.y, part.across, part.down);
+    tile.graph.resume_recording();
   });
 }
 
@@ -119,12 +120,13 @@ void UpsampledProgram::export_borders(Tile& tile) const {
   });
 }
 
-UpsampledProgram::Node UpsampledProgram::upsample(Tile& tile) const {
-  return config_.effect_rate == EffectRate::kCheckerboard ? upsample<true>(tile) : upsample<false>(tile);
+UpsampledProgram::Node UpsampledProgram::upsample_effects(Tile& tile) const {
+  return config_.effect_rate == EffectRate::kCheckerboard ? upsample_effects<true>(tile)
+                                                          : upsample_effects<false>(tile);
 }
 
 template <bool kCheckerboard>
-UpsampledProgram::Node UpsampledProgram::upsample(Tile& tile) const {
+UpsampledProgram::Node UpsampledProgram::upsample_effects(Tile& tile) const {
   Node last = Wavefront::kNone;
   for (std::uint32_t layer = 0; layer < layers_; ++layer) {
     typename UpsampleEffects<kCheckerboard>::template Ports<float> ports;
@@ -132,7 +134,7 @@ UpsampledProgram::Node UpsampledProgram::upsample(Tile& tile) const {
     ports.x0 = static_cast<float>(tile.out.x);
     ports.y0 = static_cast<float>(tile.out.y);
     ports.bend = bend_;
-    ports.apart = layer * positions();
+    ports.apart = layer * position_count();
     const Node next = tile.graph.launch<UpsampleEffects<kCheckerboard>>(ports, tile.pixels);
     if (layer == 0) {
       tile.graph.wait_for_records(next);
@@ -144,7 +146,7 @@ UpsampledProgram::Node UpsampledProgram::upsample(Tile& tile) const {
   return last;
 }
 
-void UpsampledProgram::put_out(Tile& tile, Node upsampled) const {
+void UpsampledProgram::write_finished(Tile& tile, Node upsampled) const {
   TileGraph& graph = tile.graph;
   const FinishedUniforms<float>& finished = tile.finished;
   const std::uint64_t offset = std::uint64_t{tile.at.index} * tiles_.most_pixels() * kPixelBytes;

@@ -27,7 +27,7 @@ class UpsampledProgram final : public FrameProgram {
                    const ReconstructConfig& filter, float scene_size, std::uint32_t frame);
 
   std::uint32_t tiles() const override { return tiles_.count(); }
-  TileCounts tile_counts() const override { return {tiles_.tiles().across(), tiles_.tiles().down()}; }
+  TileCounts tile_counts() const override { return {tiles_.tiles().tiles_across(), tiles_.tiles().tiles_down()}; }
   FrameRequirements requirements() const override;
   void run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const override;
 
@@ -44,19 +44,19 @@ class UpsampledProgram final : public FrameProgram {
     TileResult& out;
   };
 
-  std::uint32_t positions() const { return tiles_.samples(); }
+  std::uint32_t position_count() const { return tiles_.buffer_samples(); }
   /// Return the bytes that a sample keeps for all lights, and those that neighbours read.
   std::uint32_t light_bytes() const;
   std::uint32_t exchanged_bytes() const;
   std::uint64_t store_bytes() const { return tiles_.stored_samples() * exchanged_bytes(); }
-  void trace(Tile& tile, std::uint32_t x, std::uint32_t y, std::uint32_t across, std::uint32_t down) const;
+  void trace_pixels(Tile& tile, std::uint32_t x, std::uint32_t y, std::uint32_t across, std::uint32_t down) const;
   void make_halo(Tile& tile) const;
   void export_borders(Tile& tile) const;
-  Node upsample(Tile& tile) const;
+  Node upsample_effects(Tile& tile) const;
   template <bool kCheckerboard>
-  Node upsample(Tile& tile) const;
+  Node upsample_effects(Tile& tile) const;
   /// Packs and writes the finished pixels after `upsampled`.
-  void put_out(Tile& tile, Node upsampled) const;
+  void write_finished(Tile& tile, Node upsampled) const;
 
   const RenderConfig config_;
   const SceneTables scene_;

@@ -153,8 +153,8 @@ class Trace {
     writer->end_part({{"continued", 0}, {"sampling", {{"wanted", 1}}}});
     writer->commit();
     reader_.emplace(file());
-    for (const kernels::KernelInfo& kernel : kernels::catalogue()) kernels_.push_back(kernel.id);
-    scope_ = reader_->scope(reader_->parts().front(), static_cast<std::uint32_t>(kernels_.size()));
+    for (const kernels::KernelInfo& kernel : kernels::kernel_catalogue()) kernels_.push_back(kernel.id);
+    scope_ = reader_->tile_scope(reader_->parts().front(), static_cast<std::uint32_t>(kernels_.size()));
     scope_.region_bytes = reader_->parts().front().requirements.region_bytes;
     replay_.emplace(*reader_, reader_->parts().front(), scope_, kernels_);
   }

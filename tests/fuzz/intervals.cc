@@ -20,7 +20,7 @@ std::string packed(std::string_view parts) {
   std::string file;
   for (std::size_t end = 0; end != std::string_view::npos;) {
     end = parts.find(fuzz::kBetween);
-    file += packer.pack(parts.substr(0, end));
+    file += packer.pack_block(parts.substr(0, end));
     parts.remove_prefix(end == std::string_view::npos ? parts.size() : end + fuzz::kBetween.size());
   }
   return file;

@@ -26,7 +26,7 @@ void read_tiles(const traces::TraceReader& trace) {
   trace.naming_file([&] { tools::check_header(trace.header()); });
   const std::vector<traces::KernelId> kernels(trace.header().at("kernels").size());
   for (const traces::TraceReader::Part& part : trace.parts()) {
-    const traces::TileScope scope = trace.scope(part, static_cast<std::uint32_t>(kernels.size()));
+    const traces::TileScope scope = trace.tile_scope(part, static_cast<std::uint32_t>(kernels.size()));
     tools::ReplayProgram program(trace, part, scope, kernels);
     kernels::TileResult tile;
     for (std::uint32_t i = 0; i < part.tiles; ++i) {

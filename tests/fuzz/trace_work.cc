@@ -43,13 +43,13 @@ std::string number(std::uint64_t value, int bytes) {
 class File {
  public:
   explicit File(const std::string& header) {
-    const std::string packed(packer_.pack(header));
+    const std::string packed(packer_.pack_block(header));
     bytes_.append(traces::kTraceMagic).append(number(packed.size(), 4)).append(packed);
   }
 
   /// Appends a block; returns its place.
   Json put(const std::string& content) {
-    const std::string_view packed = packer_.pack(content);
+    const std::string_view packed = packer_.pack_block(content);
     Json range = {{"offset", bytes_.size()}, {"bytes", packed.size()}};
     bytes_.append(packed);
     return range;

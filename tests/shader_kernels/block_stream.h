@@ -58,7 +58,7 @@ class BlockStream : public testing::TestWithParam<const char*> {
     check(traces::open_scene("cornell"));
   }
   static std::string_view kernel(const WorkNode& node) {
-    return node.kind == WorkNode::Kind::kLaunch ? catalogue()[node.kernel].name : "";
+    return node.kind == WorkNode::Kind::kLaunch ? kernel_catalogue()[node.kernel].name : "";
   }
   static bool moves(const WorkNode& node, Region region) {
     return node.kind == WorkNode::Kind::kTransfer && node.region == region;

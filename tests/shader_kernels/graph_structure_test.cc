@@ -11,18 +11,18 @@ namespace kernels {
 namespace {
 
 TEST(Graphs, KernelsAreFoundByIdAndName) {
-  for (std::size_t i = 0; i < catalogue().size(); ++i) {
-    EXPECT_EQ(catalogue()[i].id, i);
-    EXPECT_EQ(find_kernel(catalogue()[i].name), &catalogue()[i]);
-    EXPECT_EQ(catalogue()[i].graph.kernel, catalogue()[i].name);
-    EXPECT_FALSE(catalogue()[i].meaning.empty());
+  for (std::size_t i = 0; i < kernel_catalogue().size(); ++i) {
+    EXPECT_EQ(kernel_catalogue()[i].id, i);
+    EXPECT_EQ(find_kernel(kernel_catalogue()[i].name), &kernel_catalogue()[i]);
+    EXPECT_EQ(kernel_catalogue()[i].graph.kernel, kernel_catalogue()[i].name);
+    EXPECT_FALSE(kernel_catalogue()[i].meaning.empty());
   }
   EXPECT_EQ(kKernelId<ShadeGlass>, find_kernel("shade_glass")->id);
   EXPECT_EQ(find_kernel("shade_nothing"), nullptr);
 }
 
 TEST(Graphs, InputsComeFirstUnlessCarried) {
-  for (const KernelInfo& kernel : catalogue()) {
+  for (const KernelInfo& kernel : kernel_catalogue()) {
     for (std::uint32_t i = 0; i < kernel.graph.nodes.size(); ++i) {
       const GraphNode& node = kernel.graph.nodes[i];
       for_each_input(node, [&](std::uint32_t id) {
@@ -36,7 +36,7 @@ TEST(Graphs, InputsComeFirstUnlessCarried) {
 }
 
 TEST(Graphs, LiteralsAreRecordedOnce) {
-  for (const KernelInfo& kernel : catalogue()) {
+  for (const KernelInfo& kernel : kernel_catalogue()) {
     std::vector<std::uint32_t> bits;
     for (const GraphNode& node : kernel.graph.nodes) {
       if (node.op == Op::kConstant && node.label.empty()) bits.push_back(node.value);
@@ -59,10 +59,10 @@ TEST(Graphs, CompactionIsALoopCarriedCount) {
 
 TEST(Graphs, ListingShowsEveryNode) {
   const Graph& graph = find_kernel("combine_shadow")->graph;
-  const std::string text = listing(graph);
+  const std::string text = node_listing(graph);
   EXPECT_EQ(static_cast<std::size_t>(std::ranges::count(text, '\n')), graph.nodes.size());
   EXPECT_NE(text.find("shadow_hits.triangle"), std::string::npos);
-  EXPECT_NE(summary(graph).find("combine_shadow: 11 operations"), std::string::npos);
+  EXPECT_NE(operation_summary(graph).find("combine_shadow: 11 operations"), std::string::npos);
 }
 
 }  // namespace

@@ -5,7 +5,9 @@
 namespace kernels {
 namespace {
 
-// Counted by hand from the kernels' sources:
+// Counted by hand from the kernels' sources. In short: normalised is unit_vector, scrambled scramble_bits, encoded
+// encode_srgb, clamped clamp_to_unit, decay exp_negative, passed passed_sample, wraps crosses_edge, go_on continue_ray,
+// interface make_interface, largest max_channel, contrast channel_contrast.
 //
 //   dot 3 mul 2 add | vector + vector 3 add | vector * scalar 3 mul | largest 2 max
 //   normalised      dot, max, sqrt, div, 3 mul                            2 add  6 mul 2 div_sqrt 1 other

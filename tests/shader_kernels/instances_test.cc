@@ -95,7 +95,7 @@ TEST(Instanced, AHitReadsTheRecordOfItsInstance) {
       }
       for (const traces::WorkNode& node : tile.work.nodes) {
         if (node.kind != traces::WorkNode::Kind::kLaunch) continue;
-        const KernelInfo& kernel = catalogue()[node.kernel];
+        const KernelInfo& kernel = kernel_catalogue()[node.kernel];
         const bool fetches = kernel.name == FetchVertices<true>::kName || kernel.name == ShadeSurface<true>::kName ||
                              std::ranges::count(kernel.parts, ShadeSurface<true>::kName) != 0;
         surfaces += fetches ? node.items : 0;

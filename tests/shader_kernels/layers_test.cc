@@ -185,7 +185,7 @@ TEST(Layers, EmbreeAgreesOnEveryRayAndSeesTheSamePicture) {
   const traces::EmbreeTracer embree(image, 1);
   const traces::VerifyingTracer verifying(image, bvh, embree);
   const Picture ours = render(image, scene.cameras[0], verifying, small(192, 128));
-  EXPECT_EQ(verifying.counts().faults(), 0U);
+  EXPECT_EQ(verifying.counts().error_count(), 0U);
   EXPECT_GT(verifying.counts().rays, 50000U);
   const Picture truth = render(image, scene.cameras[0], embree, small(192, 128));
   std::uint64_t different = 0;

@@ -185,9 +185,9 @@ std::string scanned(const std::string& how, const std::string& what, const std::
       const auto shown = static_cast<std::uint32_t>(what[first + i]);
       tile.shown.push_back({shown | kind, glm::vec3(static_cast<float>(shown) / 256, 0, 0)});
     }
-    correction.keep(tile, at);
+    correction.store_samples(tile, at);
   }
-  const auto& all = correction.run(scan, [&](std::span<const PostCorrection::Suspect> found) {
+  const auto& all = correction.run_scan(scan, [&](std::span<const PostCorrection::Suspect> found) {
     PostCorrection::Found out;
     for (const PostCorrection::Suspect& s : found) {
       const char c = truth[s.x + s.y];
@@ -199,7 +199,7 @@ std::string scanned(const std::string& how, const std::string& what, const std::
   if (suspects != nullptr) *suspects = static_cast<std::uint32_t>(all.size());
   std::string shown;
   for (std::uint32_t i = 0; i < length; ++i) {
-    shown += static_cast<char>(correction.colour(scan.is_along_y ? 0 : i, scan.is_along_y ? i : 0).x * 256);
+    shown += static_cast<char>(correction.sample_colour(scan.is_along_y ? 0 : i, scan.is_along_y ? i : 0).x * 256);
   }
   return shown;
 }

@@ -46,7 +46,7 @@ struct PropagationWorld {
     });
     out.rgb = program.picture();
     out.sampling = program.sampling();
-    out.marks = program.marks();
+    out.marks = program.sample_marks();
     return out;
   }
   std::vector<float> full(RenderConfig render, std::uint32_t samples) const {

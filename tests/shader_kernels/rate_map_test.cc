@@ -102,7 +102,7 @@ class MixedRates : public testing::TestWithParam<std::uint64_t> {
     const SampleTiles tiles(kWidth, kHeight, grid, render_.tile, RateMap::kCoarse);
     std::vector<float> similar(tiles.count());
     for (std::uint32_t i = 0; i < tiles.count(); ++i) {
-      similar[i] = GetParam() >> (i % tiles.across() + i / tiles.across() * 7) % 64 & 1U ? 1.0F : 0.0F;
+      similar[i] = GetParam() >> (i % tiles.tiles_across() + i / tiles.tiles_across() * 7) % 64 & 1U ? 1.0F : 0.0F;
     }
     RateMap map(controlled());
     map.advance(frame_of(similar));
@@ -134,7 +134,7 @@ TEST_P(MixedRates, ReferencesAreThoseOfEachTilesBlocks) {
   const SampleTiles tiles(kWidth, kHeight, 1, render_.tile, RateMap::kCoarse);
   for (std::uint32_t y = 0; y < kHeight; ++y) {
     for (std::uint32_t x = 0; x < kWidth; ++x) {
-      const std::uint32_t tile = y / tiles.side() * tiles.across() + x / tiles.side();
+      const std::uint32_t tile = y / tiles.side() * tiles.tiles_across() + x / tiles.side();
       const std::uint32_t block = map.block(tile);
       EXPECT_EQ(run.sampling.blocks[tile], block);
       const bool is_reference = x % block == block - 1 && y % block == block - 1;
@@ -160,7 +160,7 @@ TEST_P(MixedRates, EveryTileReadsItsRateAndWritesWhatItHasFound) {
       (node.to_memory ? written : read) += node.items;
       EXPECT_TRUE(!node.to_memory || node.offset == work.tile);
     }
-    const SampleTile at = tiles.tile(work.tile);
+    const SampleTile at = tiles.sample_tile(work.tile);
     EXPECT_EQ(read, 1U + (at.has_left ? 1 : 0) + (at.has_above ? 1 : 0))
         << "its own, and those of the tiles that its halo is of";
     EXPECT_EQ(written, 1U);

@@ -203,7 +203,7 @@ TYPED_TEST(Readings, ComputingAndInterpretingTheGraphGiveEqualBits) {
     Environment environment;
     Ports::describe(ports, EnvironmentBinder(environment));
     const auto start = environment.carried;
-    interpret(catalogue()[kKernelId<TypeParam>].graph, kItems, environment);
+    interpret_graph(kernel_catalogue()[kKernelId<TypeParam>].graph, kItems, environment);
     const auto interpreted = random.stored<TypeParam>();
 
     for (std::size_t m = 0; m < before.size(); ++m) std::ranges::copy(before[m], random.memories()[m].begin());

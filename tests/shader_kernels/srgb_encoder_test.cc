@@ -35,8 +35,8 @@ class SrgbEncoders : public testing::TestWithParam<const char*> {
       for (const traces::WorkNode& node : tile.work.nodes) {
         if (node.kind == traces::WorkNode::Kind::kLaunch) {
           frame.launches += 1;
-          if (catalogue()[node.kernel].name.starts_with("pack_") &&
-              !catalogue()[node.kernel].name.starts_with("pack_subpixels")) {
+          if (kernel_catalogue()[node.kernel].name.starts_with("pack_") &&
+              !kernel_catalogue()[node.kernel].name.starts_with("pack_subpixels")) {
             frame.packing_items += node.items;
           }
         } else if (node.kind == traces::WorkNode::Kind::kTransfer && node.region == traces::Region::kPicture) {

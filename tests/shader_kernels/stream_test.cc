@@ -35,7 +35,7 @@ class Stream : public testing::TestWithParam<const char*> {
       check(tile);
     }
   }
-  static std::string_view kernel(const WorkNode& node) { return catalogue()[node.kernel].name; }
+  static std::string_view kernel(const WorkNode& node) { return kernel_catalogue()[node.kernel].name; }
 };
 INSTANTIATE_TEST_SUITE_P(Scenes, Stream, testing::Values("cornell", "showcase"),
                          [](const auto& i) { return std::string(i.param); });
@@ -139,7 +139,7 @@ TEST_P(Stream, LaunchesThatReadMemoryListTheAccessesOfEachItem) {
     std::uint32_t first = 0;
     for (const WorkNode& node : tile.work.nodes) {
       if (node.kind != WorkNode::Kind::kLaunch) continue;
-      const Graph& graph = catalogue()[node.kernel].graph;
+      const Graph& graph = kernel_catalogue()[node.kernel].graph;
       const auto loads = std::ranges::count(graph.nodes, Op::kLoadCached, &GraphNode::op);
       EXPECT_EQ(node.has_accesses, loads != 0);
       if (!node.has_accesses) continue;

@@ -17,11 +17,11 @@ namespace {
 float linear(float x) { return x <= 0.04045F ? x / 12.92F : std::pow((x + 0.055F) / 1.055F, 2.4F); }
 
 TEST(Contrast, IsTheDifferenceOverTheSumOfEncodedColours) {
-  EXPECT_NEAR(contrast<float>(linear(0.2F), linear(0.6F), linear(0.2F), linear(0.3F)), 0.5F, 2e-3F);
-  EXPECT_NEAR(contrast<float>(linear(0.5F), 7, 1, 2), 1.0F / 3, 2e-3F);
-  EXPECT_EQ(contrast<float>(0, 0, 0.01F, 0), 1.0F);
-  EXPECT_EQ(contrast<float>(0, 0, 0, 0), 0.0F);
-  EXPECT_EQ(contrast<float>(0.7F, 0.7F, 0.7F, 0.7F), 0.0F);
+  EXPECT_NEAR(channel_contrast<float>(linear(0.2F), linear(0.6F), linear(0.2F), linear(0.3F)), 0.5F, 2e-3F);
+  EXPECT_NEAR(channel_contrast<float>(linear(0.5F), 7, 1, 2), 1.0F / 3, 2e-3F);
+  EXPECT_EQ(channel_contrast<float>(0, 0, 0.01F, 0), 1.0F);
+  EXPECT_EQ(channel_contrast<float>(0, 0, 0, 0), 0.0F);
+  EXPECT_EQ(channel_contrast<float>(0.7F, 0.7F, 0.7F, 0.7F), 0.0F);
 }
 
 /// Returns the verdict on sub-pixel 1 of the first of two pixels, which is compared with the second. Their encoded
@@ -78,10 +78,10 @@ TEST(TestSubpixelsKernel, TheThresholdOfWhatDisagreesApplies) {
 
 TEST(SameNormal, IsTheLeastDotProductOfNormalsThatDoNotDiffer) {
   const TraitsRecord<float> one{{0, 0, 1}, 1, 0}, other{{0.6F, 0, 0.8F}, 1, 0};
-  EXPECT_EQ(disagreements<float>(one, other, 0.9F, 0), 2U);
-  EXPECT_EQ(disagreements<float>(one, other, 0.8F, 0), 0U);
-  EXPECT_EQ(disagreements<float>(one, one, 1, 0), 0U);
-  EXPECT_EQ(disagreements<float>(one, one, 2, 0), 2U) << "nothing reaches it";
+  EXPECT_EQ(disagreeing_attributes<float>(one, other, 0.9F, 0), 2U);
+  EXPECT_EQ(disagreeing_attributes<float>(one, other, 0.8F, 0), 0U);
+  EXPECT_EQ(disagreeing_attributes<float>(one, one, 1, 0), 0U);
+  EXPECT_EQ(disagreeing_attributes<float>(one, one, 2, 0), 2U) << "nothing reaches it";
 }
 
 TEST(SameNormal, DecidesWhereSupersampleFindsNormalsToDiffer) {

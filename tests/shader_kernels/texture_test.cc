@@ -113,10 +113,10 @@ TEST(Textures, TheAccessNamesTheFootprintsCorners) {
 TEST(Decay, IsAsCloseToTheExponentialAsItSays) {
   for (int i = 0; i <= 40000; ++i) {
     const float x = static_cast<float>(i) / 1000;
-    EXPECT_NEAR(decay<float>(x), std::exp(-x), 4e-6F) << x;
+    EXPECT_NEAR(exp_negative<float>(x), std::exp(-x), 4e-6F) << x;
   }
-  EXPECT_EQ(decay<float>(0.0F), 1.0F);
-  EXPECT_EQ(decay<float>(1e30F), 0.0F);
+  EXPECT_EQ(exp_negative<float>(0.0F), 1.0F);
+  EXPECT_EQ(exp_negative<float>(1e30F), 0.0F);
 }
 
 TEST(Srgb, EveryCodeOfATextureDecodesToItsExactValueAndBack) {
@@ -125,15 +125,15 @@ TEST(Srgb, EveryCodeOfATextureDecodesToItsExactValueAndBack) {
     const float linear = fetch_red(texture, 0.5F, 0.5F);
     const double x = code / 255.0;
     EXPECT_FLOAT_EQ(linear, static_cast<float>(x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4))) << code;
-    EXPECT_EQ(std::lround(255 * encoded<float>(linear)), code);
+    EXPECT_EQ(std::lround(255 * encode_srgb<float>(linear)), code);
   }
 }
 
 TEST(Srgb, TheEncoderIsAsCloseAsItSays) {
-  EXPECT_NEAR(encoded<float>(1.0F), 1.0F, 1e-6F);
+  EXPECT_NEAR(encode_srgb<float>(1.0F), 1.0F, 1e-6F);
   for (int i = 0; i <= 4096; ++i) {
     const float x = static_cast<float>(i) / 4096;
-    EXPECT_NEAR(encoded<float>(x), exactly_encoded(x), 0.2F / 255);
+    EXPECT_NEAR(encode_srgb<float>(x), exactly_encoded(x), 0.2F / 255);
   }
 }
 

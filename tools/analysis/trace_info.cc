@@ -33,7 +33,7 @@ Json trace_info(const traces::TraceReader& trace) {
       return traces::number_of(header.at("resolution").at(i), 1U << 16, "resolution");
     };
     Json info = {{"schema", "raywatt-trace-info/1"},
-                 {"version", trace.version()},
+                 {"version", trace.file_version()},
                  {"program", text_at(header, "program")},
                  {"reference", text_at(header, "reference")},
                  {"resolution", {side(0), side(1)}},
@@ -43,7 +43,7 @@ Json trace_info(const traces::TraceReader& trace) {
                    {"sha256", text_at(scene, "sha256")},
                    {"bvh_hash", text_at(scene, "bvh_hash")}}},
                  {"frames", trace.frames().size()},
-                 {"trees", trace.trees()},
+                 {"trees", trace.tree_count()},
                  {"tiles", tiles},
                  {"rays", rays},
                  {"traversal_steps", steps},

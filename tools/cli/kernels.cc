@@ -21,7 +21,7 @@ namespace {
 void list(const JobOptions& options) {
   const hw::SrpConfig srp = load_run_config(options).gpu->srp;
   sim::Table table({"kernel", "operations", "on units", "II", "depth", "local reads", "writes", "cached loads", ""});
-  for (const kernels::KernelInfo& kernel : kernels::catalogue()) {
+  for (const kernels::KernelInfo& kernel : kernels::kernel_catalogue()) {
     const hw::KernelSchedule s = hw::schedule(kernel.graph, srp);
     table.row({std::string(kernel.name), std::to_string(kernels::executed_ops(kernel.graph)), std::to_string(s.fu_ops),
                std::to_string(s.ii), std::to_string(s.depth), std::to_string(s.local_reads),
@@ -34,14 +34,14 @@ void show(const JobOptions& options, const std::string& name) {
   const kernels::KernelInfo* kernel = kernels::find_kernel(name);
   if (kernel == nullptr) {
     std::vector<std::string> names;
-    for (const kernels::KernelInfo& k : kernels::catalogue()) names.emplace_back(k.name);
+    for (const kernels::KernelInfo& k : kernels::kernel_catalogue()) names.emplace_back(k.name);
     throw sim::InputError(fmt::format("no kernel is called '{}'{}; see raywatt kernels list", sim::printable(name),
                                       traces::did_you_mean(name, names)));
   }
   const hw::KernelSchedule s = hw::schedule(kernel->graph, load_run_config(options).gpu->srp);
   fmt::print("{}: {}\n\nII {} (units and ports allow {}), depth {}, {} operations on units\n\n{}\n{}", kernel->name,
-             kernel->meaning, s.ii, s.res_mii, s.depth, s.fu_ops, kernels::summary(kernel->graph),
-             kernels::listing(kernel->graph));
+             kernel->meaning, s.ii, s.res_mii, s.depth, s.fu_ops, kernels::operation_summary(kernel->graph),
+             kernels::node_listing(kernel->graph));
 }
 
 }  // namespace

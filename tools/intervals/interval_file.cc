@@ -46,11 +46,11 @@ char* write_column(char* at, const sim::Intervals& intervals, std::size_t column
 }
 
 void read_column(traces::ByteReader& in, IntervalFrame& frame, std::size_t column) {
-  const std::uint64_t total = in.number();
+  const std::uint64_t total = in.read_number();
   if (total == 0) return;
   std::uint64_t sum = 0;
   for (std::size_t row = 0; row < frame.rows; ++row) {
-    sum += in.number();
+    sum += in.read_number();
     frame.values[row * frame.width + column] = sum;
   }
   if (sum != total) throw sim::InputError("has intervals that do not add up");
@@ -58,10 +58,10 @@ void read_column(traces::ByteReader& in, IntervalFrame& frame, std::size_t colum
 
 IntervalFrame read_frame(traces::ByteReader& in, std::size_t width, std::uint64_t most_values) {
   IntervalFrame frame;
-  frame.frame = in.number32(kMostFrames, "the number of a frame");
-  frame.length = in.number(sim::kNever, "the length of an interval");
-  frame.end = in.number(sim::kNever, "the end of a frame");
-  frame.rows = in.number(sim::Intervals::kMost, "the number of intervals");
+  frame.frame = in.read_number32(kMostFrames, "the number of a frame");
+  frame.length = in.read_number(sim::kNever, "the length of an interval");
+  frame.end = in.read_number(sim::kNever, "the end of a frame");
+  frame.rows = in.read_number(sim::Intervals::kMost, "the number of intervals");
   frame.width = width;
   if (frame.rows == 0 || frame.length == 0 || frame.end == 0 || (frame.end - 1) / frame.length != frame.rows - 1) {
     throw sim::InputError("has intervals that do not fill their frame");
@@ -69,29 +69,29 @@ IntervalFrame read_frame(traces::ByteReader& in, std::size_t width, std::uint64_
   if (frame.rows * width > most_values) throw sim::InputError("has more intervals than any run");
   frame.values.resize(frame.rows * width);
   for (std::size_t column = 0; column < width; ++column) read_column(in, frame, column);
-  if (in.left() != 0) throw sim::InputError("has more in a frame than its intervals");
+  if (in.bytes_left() != 0) throw sim::InputError("has more in a frame than its intervals");
   return frame;
 }
 
 std::string read_name(traces::ByteReader& in) {
-  return sim::printable(std::string(in.bytes(in.number(kLongestName, "the length of a name"))));
+  return sim::printable(std::string(in.read_bytes(in.read_number(kLongestName, "the length of a name"))));
 }
 
 IntervalUnit read_unit(traces::ByteReader& in) {
   IntervalUnit unit;
   unit.path = read_name(in);
-  unit.reasons.resize(in.number(kMostNames, "the number of reasons"));
+  unit.reasons.resize(in.read_number(kMostNames, "the number of reasons"));
   for (std::string& reason : unit.reasons) reason = read_name(in);
-  unit.counters.resize(in.number(kMostNames, "the number of counters"));
+  unit.counters.resize(in.read_number(kMostNames, "the number of counters"));
   for (IntervalUnit::Counter& counter : unit.counters) {
     counter.name = read_name(in);
-    counter.kind = static_cast<sim::CounterKind>(in.number(2, "the kind of a counter"));
+    counter.kind = static_cast<sim::CounterKind>(in.read_number(2, "the kind of a counter"));
   }
   return unit;
 }
 
 void write_name(traces::ByteWriter& out, std::string& bytes, const std::string& name) {
-  out.number(name.size());
+  out.write_number(name.size());
   bytes += name;
 }
 
@@ -134,26 +134,26 @@ void IntervalPacker::add(std::uint32_t frame, const sim::Intervals& intervals) {
     at = write_number(at, number);
   }
   for (std::size_t column = 0; column < intervals.width(); ++column) at = write_column(at, intervals, column);
-  packed_ += traces::Packer(kLevel).pack({bytes.get(), static_cast<std::size_t>(at - bytes.get())});
+  packed_ += traces::Packer(kLevel).pack_block({bytes.get(), static_cast<std::size_t>(at - bytes.get())});
   frames_ += 1;
 }
 
 std::string IntervalPacker::file(std::span<const sim::UnitReport> units) const {
   std::string bytes(kMagic);
   traces::ByteWriter out(bytes);
-  out.number(frames_);
-  out.number(units.size());
+  out.write_number(frames_);
+  out.write_number(units.size());
   for (const IntervalUnit& unit : interval_units(units)) {
     write_name(out, bytes, unit.path);
-    out.number(unit.reasons.size());
+    out.write_number(unit.reasons.size());
     for (const std::string& reason : unit.reasons) write_name(out, bytes, reason);
-    out.number(unit.counters.size());
+    out.write_number(unit.counters.size());
     for (const IntervalUnit::Counter& counter : unit.counters) {
       write_name(out, bytes, counter.name);
-      out.number(static_cast<std::uint64_t>(counter.kind));
+      out.write_number(static_cast<std::uint64_t>(counter.kind));
     }
   }
-  return std::string(traces::Packer().pack(bytes)) + packed_;
+  return std::string(traces::Packer().pack_block(bytes)) + packed_;
 }
 
 IntervalFile read_intervals(std::string_view bytes) {
@@ -161,7 +161,7 @@ IntervalFile read_intervals(std::string_view bytes) {
   const auto next = [&](std::uint64_t most) {
     const std::string_view block = bytes.substr(0, traces::Unpacker::size_of(bytes));
     bytes.remove_prefix(block.size());
-    return unpacker.unpack(block, most);
+    return unpacker.unpack_block(block, most);
   };
   IntervalFile file;
   const std::string_view names = next(kMostNamesBytes);
@@ -170,11 +170,11 @@ IntervalFile read_intervals(std::string_view bytes) {
                                                    : "is no file of intervals");
   }
   traces::ByteReader in(names.substr(kMagic.size()));
-  const std::uint64_t frames = in.number(kMostFrames, "the number of frames");
-  const std::uint64_t units = in.number(kMostUnits, "the number of units");
+  const std::uint64_t frames = in.read_number(kMostFrames, "the number of frames");
+  const std::uint64_t units = in.read_number(kMostUnits, "the number of units");
   std::size_t width = 0;
   for (std::uint64_t u = 0; u < units; ++u) width += file.units.emplace_back(read_unit(in)).values();
-  if (in.left() != 0) throw sim::InputError("has more than its names before its frames");
+  if (in.bytes_left() != 0) throw sim::InputError("has more than its names before its frames");
   std::uint64_t values_left = kMostValues;
   for (std::uint64_t f = 0; f < frames; ++f) {
     const std::uint64_t most = std::min<std::uint64_t>(values_left, 2 * sim::Intervals::kMostValues);

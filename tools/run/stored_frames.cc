@@ -141,7 +141,7 @@ const Part& StoredFrames::part(bool reference) const {
 void StoredFrames::load_tree(const Part& part) {
   const sim::HostClock::time_point begin = sim::HostClock::now();
   if (tree_ != part.tree) {
-    scope_ = trace_.scope(part, static_cast<std::uint32_t>(kernels_.size()));
+    scope_ = trace_.tile_scope(part, static_cast<std::uint32_t>(kernels_.size()));
     trace_.naming_file([&] { place_tree(scope_, inputs_.config.bvh, inputs_.image); });
     inputs_.stored_triangles = scope_.counts.triangles;
     inputs_.parents = traces::parents_of(inputs_.image);

@@ -138,7 +138,7 @@ int verify_frames(const JobOptions& options) {
     fmt::print("{}, picture {}\n", counts_text(counts), psnr ? fmt::format("{:.2f} dB", *psnr) : "identical");
     fmt::print("details: {}\n", (folder.target() / "verify.json").string());
   }
-  return counts.faults() == 0 ? kGood : kCheckFailed;
+  return counts.error_count() == 0 ? kGood : kCheckFailed;
 }
 
 int verify_rays(const JobOptions& options) {
@@ -168,7 +168,7 @@ int verify_rays(const JobOptions& options) {
   if (!options.quiet) {
     fmt::print("{}\ndetails: {}\n", counts_text(counts), (folder.target() / "verify.json").string());
   }
-  return counts.faults() == 0 ? kGood : kCheckFailed;
+  return counts.error_count() == 0 ? kGood : kCheckFailed;
 }
 
 }  // namespace tools

@@ -50,7 +50,7 @@ Pilot look_at_all(const Inputs& inputs, const kernels::ProgramSpec& spec, const 
   Pilot pilot;
   kernels::FullProgram program = thin_program(inputs, spec, kSides, pilot.thinning);
   std::vector<hw::KernelSchedule> kernels;
-  for (const kernels::KernelInfo& kernel : kernels::catalogue()) {
+  for (const kernels::KernelInfo& kernel : kernels::kernel_catalogue()) {
     kernels.push_back(hw::schedule(kernel.graph, inputs.config.gpu->srp));
   }
   const hw::GpuConfig& gpu = *inputs.config.gpu;

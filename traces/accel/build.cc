@@ -32,14 +32,14 @@ MemoryImage one_level(const Scene& scene, const MaterialTables& materials, const
   const std::vector<PlacedMesh> placed = placed_instances(scene);
   MemoryImage image;
   image.triangles = triangles_of(placed, materials);
-  FlatBvh bvh = BvhBuilder(config, threads, stop).over(image.triangles);
+  FlatBvh bvh = BvhBuilder(config, threads, stop).build_over(image.triangles);
   image.nodes = std::move(bvh.nodes);
   ShadingRecords shading = shading_of(placed, materials);
   image.attributes = std::move(shading.attributes);
   image.vertices = std::move(shading.vertices);
-  reorder<TriangleRecord>(image.triangles, bvh.order);
-  reorder<AttributeRecord>(image.attributes, bvh.order);
-  if (!image.vertices.empty()) reorder<VertexRecord>(image.vertices, bvh.order);
+  reorder_records<TriangleRecord>(image.triangles, bvh.order);
+  reorder_records<AttributeRecord>(image.attributes, bvh.order);
+  if (!image.vertices.empty()) reorder_records<VertexRecord>(image.vertices, bvh.order);
   Bounds bounds;
   for (const TriangleRecord& t : image.triangles) {
     for (const glm::vec3& v : {t.v0, t.v1, t.v2}) bounds.add(v);

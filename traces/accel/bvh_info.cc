@@ -46,17 +46,17 @@ double root_area(const NodeRecord& root) {
 }
 
 /// Expected cost and depth of a tree, for a line that meets its bounds.
-struct Tree {
+struct TreeCost {
   double cost = 0;
   std::uint32_t depth = 0;
 };
 
 /// Returns the cost and depth of the tree at nodes [begin, end), whose bounds have `area`. `below` has the trees of its
 /// instance leaves.
-Tree look_at(const MemoryImage& image, std::size_t begin, std::size_t end, double area, const BvhConfig& config,
-             const std::vector<Tree>& below, BvhInfo& info) {
+TreeCost measure_tree(const MemoryImage& image, std::size_t begin, std::size_t end, double area,
+                      const BvhConfig& config, const std::vector<TreeCost>& below, BvhInfo& info) {
   const glm::vec3 step = image.grid ? image.grid->step() : glm::vec3(1);
-  Tree tree;
+  TreeCost tree;
   double cost = area * config.traversal_cost;
   // Parents precede their children, so one forward pass finds every depth.
   std::vector<std::uint32_t> depth(end - begin, 1);
@@ -68,7 +68,7 @@ Tree look_at(const MemoryImage& image, std::size_t begin, std::size_t end, doubl
       const std::uint32_t link = node.child[c];
       if (link == kNoChild) continue;
       if (is_instance(link)) {
-        const Tree& entered = below[image.tree_of[link_instance(link)]];
+        const TreeCost& entered = below[image.tree_of[link_instance(link)]];
         tree.depth = std::max(tree.depth, own + entered.depth);
         cost += half_area(node, c, step) * entered.cost;
       } else if (is_leaf(link)) {
@@ -91,14 +91,14 @@ BvhInfo bvh_info(const MemoryImage& image, const BvhConfig& config) {
   info.nodes = image.nodes.size();
   info.bytes = image.node_array_bytes() + image.instances.size() * sizeof(InstanceRecord) +
                image.triangles.size() * sizeof(TriangleRecord);  // includes the labels
-  std::vector<Tree> objects;
+  std::vector<TreeCost> objects;
   for (std::size_t k = 0; k < image.trees.size(); ++k) {
     const std::size_t begin = image.trees[k].first_node;
     const std::size_t end = k + 1 == image.trees.size() ? image.nodes.size() : image.trees[k + 1].first_node;
-    objects.push_back(look_at(image, begin, end, root_area(image.nodes[begin]), config, {}, info));
+    objects.push_back(measure_tree(image, begin, end, root_area(image.nodes[begin]), config, {}, info));
   }
   const std::size_t top = image.trees.empty() ? image.nodes.size() : image.trees.front().first_node;
-  const Tree all = look_at(image, 0, top, half_area(image.lower, image.upper), config, objects, info);
+  const TreeCost all = measure_tree(image, 0, top, half_area(image.lower, image.upper), config, objects, info);
   info.depth = all.depth;
   info.sah_cost = all.cost;
   return info;

@@ -91,13 +91,13 @@ class Walk {
         link = enter_instance(link_instance(link));
       } else if (is_leaf(link)) {
         if (enter_leaf(link)) break;
-        link = pop();
+        link = pop_entry();
       } else {
-        link = visit(link);
+        link = visit_node(link);
       }
     } while (link != kNoChild);
     record_.write(end_step(hit_.is_hit()));
-    if (hit_.is_hit()) hit_.triangle |= image_.triangles[hit_.triangle].flags();
+    if (hit_.is_hit()) hit_.triangle |= image_.triangles[hit_.triangle].hit_flags();
     return kLevels && hit_.is_hit() ? with_instance(hit_, hit_instance_) : hit_;
   }
 
@@ -126,22 +126,22 @@ class Walk {
   }
 
   /// Tests both children and returns the next link.
-  std::uint32_t visit(std::uint32_t index) {
+  std::uint32_t visit_node(std::uint32_t index) {
     const NodeRecord& node = image_.nodes[index];
     unsigned hits = 0;
-    const Lanes enter = boxes_.enter(node, RayBoxes<Lanes>::limits(t_min_, limit_), hits);
+    const Lanes enter = boxes_.entry_distances(node, RayBoxes<Lanes>::distance_limits(t_min_, limit_), hits);
     if (hits == 3) {
-      const float first = enter.lane0(), second = enter.lane1();
+      const float first = enter.lane_0(), second = enter.lane_1();
       const std::uint32_t near = second < first ? 1 : 0;
       record_.write(visit_step(index, hits, near));
       stack_[depth_++] = {node.child[1 - near], std::max(first, second)};
       return node.child[near];
     }
     record_.write(visit_step(index, hits, 0));
-    return hits == 0 ? pop() : node.child[hits >> 1];
+    return hits == 0 ? pop_entry() : node.child[hits >> 1];
   }
 
-  std::uint32_t pop() {
+  std::uint32_t pop_entry() {
     std::uint32_t culled = 0;
     std::uint32_t link = kNoChild;
     while (depth_ != 0) {
@@ -184,35 +184,35 @@ class Walk {
   /// Tests `count` triangles and returns their exit phases. If a triangle without flags blocks an any-hit ray, sets
   /// `ends` and reduces `count` to the triangles up to that one.
   std::uint32_t test_group(std::uint32_t first, std::uint32_t& count, bool& ends) {
-    const auto result = triangles_.test(&image_.triangles[first], count);
+    const auto result = triangles_.test_triangles(&image_.triangles[first], count);
     const unsigned lanes = (1U << count) - 1;
-    unsigned reached = less_equal(Lanes::all(t_min_), result.t) & lanes;
-    if (is_single_sided_) reached &= ~result.missing(&image_.triangles[first], count);
-    unsigned in_range = reached & less_equal(result.t, Lanes::all(limit_));
+    unsigned reached = less_equal_mask(Lanes::all(t_min_), result.t) & lanes;
+    if (is_single_sided_) reached &= ~result.culled_mask(&image_.triangles[first], count);
+    unsigned in_range = reached & less_equal_mask(result.t, Lanes::all(limit_));
     if (in_range == 0) return phases_of(0, 0);
-    const unsigned inside = result.inside();
+    const unsigned inside = result.inside_mask();
     unsigned hits = in_range & inside;
     if (hits == 0) return phases_of(in_range, 0);
 
     // A hit shortens the ray for the later triangles of the leaf.
     for (unsigned lane = 0; lane < count; ++lane) {
       if (((hits >> lane) & 1U) == 0) continue;
-      if (kAnyHit && image_.triangles[first + lane].flags() == 0) {
+      if (kAnyHit && image_.triangles[first + lane].hit_flags() == 0) {
         hit_ = Hit{};  // drops a candidate at the same distance
-        accept(result, lane, first + lane);
+        accept_hit(result, lane, first + lane);
         count = lane + 1;
         ends = true;
         break;
       }
-      accept(result, lane, first + lane);
+      accept_hit(result, lane, first + lane);
       const unsigned earlier = (2U << lane) - 1;
-      in_range = (in_range & earlier) | (reached & less_equal(result.t, Lanes::all(limit_)) & ~earlier);
+      in_range = (in_range & earlier) | (reached & less_equal_mask(result.t, Lanes::all(limit_)) & ~earlier);
       hits = in_range & inside;
     }
     return phases_of(in_range, hits);
   }
 
-  void accept(const typename RayTriangles<Lanes>::Result& result, unsigned lane, std::uint32_t triangle) {
+  void accept_hit(const typename RayTriangles<Lanes>::Result& result, unsigned lane, std::uint32_t triangle) {
     alignas(16) float t[4], u[4], v[4], sum[4];
     result.t.store(t);
     if (hit_.is_hit() && t[lane] == hit_.t && comes_later(triangle)) return;
@@ -267,7 +267,7 @@ void trace_kind(const MemoryImage& image, std::span<const Ray> rays, bool any, s
 }
 
 template <class Lanes>
-void dispatch(const MemoryImage& image, std::span<const Ray> rays, bool any, std::span<Hit> hits, WalkSink* walk) {
+void trace_with(const MemoryImage& image, std::span<const Ray> rays, bool any, std::span<Hit> hits, WalkSink* walk) {
   const auto with = [&](auto&& record) {
     image.has_levels() ? trace_kind<Lanes, true>(image, rays, any, hits, record)
                        : trace_kind<Lanes, false>(image, rays, any, hits, record);
@@ -286,9 +286,9 @@ void BvhTracer::trace(std::span<const Ray> rays, RayKind kind, std::span<Hit> hi
   assert(hits.size() == rays.size());
   const bool any = kind == RayKind::kShadow;
   if (arithmetic_ == Arithmetic::kNative) {
-    dispatch<NativeLanes>(image_, rays, any, hits, walk);
+    trace_with<NativeLanes>(image_, rays, any, hits, walk);
   } else {
-    dispatch<PortableLanes>(image_, rays, any, hits, walk);
+    trace_with<PortableLanes>(image_, rays, any, hits, walk);
   }
 }
 

@@ -36,7 +36,7 @@ struct Rank {
   bool inside = false;
   float t = 0;
   std::uint32_t instance = 0, source = 0;
-  bool before(const Rank& other) const {
+  bool comes_before(const Rank& other) const {
     if (inside != other.inside) return inside;
     if (t != other.t) return t < other.t;
     return instance != other.instance ? instance < other.instance : source < other.source;
@@ -53,31 +53,32 @@ struct Query {
   Hit best;
   Rank rank;
 
-  RayTriangles<NativeLanes>::Result test(std::uint32_t instance, const TriangleRecord& record) const {
+  RayTriangles<NativeLanes>::Result test_triangle(std::uint32_t instance, const TriangleRecord& record) const {
     const Ray seen = image->has_levels() ? into_object(image->instances[instance], *ray) : *ray;
-    return RayTriangles<NativeLanes>(seen).test(&record, 1);
+    return RayTriangles<NativeLanes>(seen).test_triangles(&record, 1);
   }
   /// True if the face that the ray sees is not culled.
   bool is_there(std::uint32_t instance, std::uint32_t triangle) const {
     if (!is_single_sided) return true;
     const TriangleRecord& record = image->triangles[triangle];
-    return test(instance, record).missing(&record, 1) == 0;
+    return test_triangle(instance, record).culled_mask(&record, 1) == 0;
   }
   Rank rank_of(std::uint32_t instance, std::uint32_t triangle) const {
     const TriangleRecord& record = image->triangles[triangle];
-    const auto result = test(instance, record);
+    const auto result = test_triangle(instance, record);
     std::array<float, 4> t;
     result.t.store(t.data());
-    return {(result.inside() & 1U) != 0, t[0], instance, record.source};
+    return {(result.inside_mask() & 1U) != 0, t[0], instance, record.source};
   }
   /// Returns the largest distance at which a hit may tie with the best one.
-  float horizon() const { return std::min(best.t + kTieOfDistance * best.t + tie, ray->t_max); }
+  float tie_limit() const { return std::min(best.t + kTieOfDistance * best.t + tie, ray->t_max); }
 
   /// Replaces the best hit if `hit` is better. `instance` is 0 in an image of one level.
-  void offer(const Hit& hit, std::uint32_t instance) {
+  void offer_hit(const Hit& hit, std::uint32_t instance) {
     const float band = kTieOfDistance * best.t + tie;
     const Rank offered = rank_of(instance, hit.triangle);
-    const bool better = !best.is_hit() || hit.t < best.t - band || (hit.t <= best.t + band && offered.before(rank));
+    const bool better =
+        !best.is_hit() || hit.t < best.t - band || (hit.t <= best.t + band && offered.comes_before(rank));
     if (!better) return;
     best = hit;
     rank = offered;
@@ -97,8 +98,8 @@ void keep_best(const RTCFilterFunctionNArguments* arguments) {
     arguments->valid[0] = 0;  // rejects the hit; Embree continues
     return;
   }
-  query.offer({ray.tfar, hit.u, hit.v, first + hit.primID}, instance);
-  ray.tfar = query.horizon();
+  query.offer_hit({ray.tfar, hit.u, hit.v, first + hit.primID}, instance);
+  ray.tfar = query.tie_limit();
 }
 
 RTCRay embree_ray(const Ray& ray) {
@@ -112,17 +113,17 @@ RTCRay embree_ray(const Ray& ray) {
 }
 
 /// Callback from Embree's threads: false cancels the build.
-bool commit_may_go_on(void* stop, double) { return !(*static_cast<const sim::Stop*>(stop))(); }
+bool continue_commit(void* stop, double) { return !(*static_cast<const sim::Stop*>(stop))(); }
 
 }  // namespace
 
 struct EmbreeTracer::Impl {
   Impl(const MemoryImage& image, unsigned threads, sim::Stop stop);
   /// Adds triangles [first, first + count) of the image to a scene.
-  void attach(RTCScene scene, std::size_t first, std::size_t count) const;
+  void attach_triangles(RTCScene scene, std::size_t first, std::size_t count) const;
   void attach_instances();
-  Hit nearest(const Ray& ray) const;
-  bool blocked(const Ray& ray) const;
+  Hit find_nearest(const Ray& ray) const;
+  bool is_blocked(const Ray& ray) const;
 
   const MemoryImage& image_;
   bool is_single_sided_;
@@ -136,7 +137,7 @@ struct EmbreeTracer::Impl {
 EmbreeTracer::Impl::Impl(const MemoryImage& image, unsigned threads, sim::Stop stop)
     : image_(image),
       is_single_sided_(image.has_single_sided()),
-      has_flags_(std::ranges::any_of(image.triangles, [](const TriangleRecord& t) { return t.flags() != 0; })),
+      has_flags_(std::ranges::any_of(image.triangles, [](const TriangleRecord& t) { return t.hit_flags() != 0; })),
       diagonal_(image.diagonal()),
       device_(open_embree(kInstructionSet + ",threads=" + std::to_string(threads))),
       scene_(rtcNewScene(device_.get())) {
@@ -144,15 +145,15 @@ EmbreeTracer::Impl::Impl(const MemoryImage& image, unsigned threads, sim::Stop s
   if (image.has_levels()) {
     attach_instances();
   } else if (!image.triangles.empty()) {
-    attach(scene_.get(), 0, image.triangles.size());
+    attach_triangles(scene_.get(), 0, image.triangles.size());
   }
-  if (stop != nullptr) rtcSetSceneProgressMonitorFunction(scene_.get(), commit_may_go_on, &stop);
+  if (stop != nullptr) rtcSetSceneProgressMonitorFunction(scene_.get(), continue_commit, &stop);
   rtcCommitScene(scene_.get());
   if (stop != nullptr && stop()) throw sim::Cancelled{};
   check_embree(device_.get(), "building the reference tree");
 }
 
-void EmbreeTracer::Impl::attach(RTCScene scene, std::size_t first, std::size_t count) const {
+void EmbreeTracer::Impl::attach_triangles(RTCScene scene, std::size_t first, std::size_t count) const {
   const EmbreeGeometry geometry(rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
   // Embree reads a record as four vertices. No triangle names the fourth, which contains labels. The last one is left
   // out, because Embree reads 16 bytes per vertex.
@@ -174,7 +175,7 @@ void EmbreeTracer::Impl::attach_instances() {
   for (const ObjectTree& tree : image_.trees) {
     const EmbreeScene& object = objects_.emplace_back(rtcNewScene(device_.get()));
     rtcSetSceneFlags(object.get(), RTC_SCENE_FLAG_ROBUST);
-    attach(object.get(), tree.first_triangle, tree.triangles);
+    attach_triangles(object.get(), tree.first_triangle, tree.triangles);
     rtcCommitScene(object.get());
     check_embree(device_.get(), "building the reference tree of a mesh");
   }
@@ -195,7 +196,7 @@ void EmbreeTracer::Impl::attach_instances() {
   }
 }
 
-Hit EmbreeTracer::Impl::nearest(const Ray& ray) const {
+Hit EmbreeTracer::Impl::find_nearest(const Ray& ray) const {
   Query query;
   query.image = &image_;
   query.ray = &ray;
@@ -213,11 +214,11 @@ Hit EmbreeTracer::Impl::nearest(const Ray& ray) const {
   rtcIntersect1(scene_.get(), &r, &arguments);
 #endif
   if (!query.best.is_hit()) return query.best;
-  query.best.triangle |= image_.triangles[query.best.triangle].flags();
+  query.best.triangle |= image_.triangles[query.best.triangle].hit_flags();
   return image_.has_levels() ? with_instance(query.best, query.rank.instance) : query.best;
 }
 
-bool EmbreeTracer::Impl::blocked(const Ray& ray) const {
+bool EmbreeTracer::Impl::is_blocked(const Ray& ray) const {
   RTCRayQueryContext context;
   rtcInitRayQueryContext(&context);
   RTCRay r = embree_ray(ray);
@@ -240,9 +241,9 @@ void EmbreeTracer::trace(std::span<const Ray> rays, RayKind kind, std::span<Hit>
   assert(hits.size() == rays.size());
   for (std::size_t i = 0; i < rays.size(); ++i) {
     if (kind == RayKind::kShadow && !impl_->has_flags_ && !impl_->is_single_sided_) {
-      hits[i] = impl_->blocked(rays[i]) ? Hit{rays[i].t_min, 0, 0, 0} : Hit{};
+      hits[i] = impl_->is_blocked(rays[i]) ? Hit{rays[i].t_min, 0, 0, 0} : Hit{};
     } else {
-      hits[i] = impl_->nearest(rays[i]);
+      hits[i] = impl_->find_nearest(rays[i]);
     }
   }
 }

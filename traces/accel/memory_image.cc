@@ -8,7 +8,7 @@
 namespace traces {
 namespace {
 
-constexpr std::uint64_t aligned(std::uint64_t at) { return (at + 63) & ~std::uint64_t{63}; }
+constexpr std::uint64_t align_to_line(std::uint64_t at) { return (at + 63) & ~std::uint64_t{63}; }
 
 /// Returns the record indices of each inner node's children. Each tree is stored depth first with a record per node and
 /// leaf: child 0 follows its parent, child 1 follows the subtree of child 0. A kNoChild link has a record too, because
@@ -64,7 +64,7 @@ Layout layout_of(const ImageCounts& counts, const std::vector<NodeRecord>& nodes
   std::uint64_t next = 0;
   const auto reserve = [&](std::uint64_t bytes) {
     const std::uint64_t base = next;
-    next = aligned(next + bytes);
+    next = align_to_line(next + bytes);
     return base;
   };
   at.nodes = reserve(at.node_bytes * node_records(nodes.size(), config.boxes, 1 + counts.trees));

@@ -69,7 +69,7 @@ struct TriangleRecord {
                            ///< InstanceRecord has it
   std::uint32_t material;  ///< material index, with the culled faces and the flags of ray.h above it
   std::uint32_t source;    ///< triangle's index before leaf order: over all instances, or in two levels within its mesh
-  std::uint32_t flags() const { return material & ~kTriangleMask; }
+  std::uint32_t hit_flags() const { return material & ~kTriangleMask; }
 };
 static_assert(sizeof(TriangleRecord) == 48);
 

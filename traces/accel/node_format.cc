@@ -21,16 +21,16 @@ BoxGrid::BoxGrid(const glm::vec3& lower, const glm::vec3& upper) : lower_(lower)
   }
 }
 
-float BoxGrid::below(float x, int axis) const {
+float BoxGrid::plane_below(float x, int axis) const {
   const double p = std::floor((double{x} - lower_[axis]) / step_[axis]);
-  const double plane = at(p, axis) > x ? p - 1 : p;  // corrects the rounding of the quotient
+  const double plane = plane_position(p, axis) > x ? p - 1 : p;  // corrects the rounding of the quotient
   assert(plane >= 0);
   return static_cast<float>(plane);
 }
 
-float BoxGrid::above(float x, int axis) const {
+float BoxGrid::plane_above(float x, int axis) const {
   const double p = std::ceil((double{x} - lower_[axis]) / step_[axis]);
-  const double plane = at(p, axis) < x ? p + 1 : p;
+  const double plane = plane_position(p, axis) < x ? p + 1 : p;
   assert(plane <= kLastPlane);
   return static_cast<float>(plane);
 }
@@ -41,8 +41,8 @@ void put_on_grid(MemoryImage& image) {
     for (int c = 0; c < 2; ++c) {
       if (node.child[c] == kNoChild) continue;  // its inverted box stays
       for (auto [planes, axis] : {std::pair{node.x, 0}, {node.y, 1}, {node.z, 2}}) {
-        planes[c] = grid.below(planes[c], axis);
-        planes[2 + c] = grid.above(planes[2 + c], axis);
+        planes[c] = grid.plane_below(planes[c], axis);
+        planes[2 + c] = grid.plane_above(planes[2 + c], axis);
       }
     }
   }

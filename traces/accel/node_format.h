@@ -56,10 +56,10 @@ class BoxGrid {
   BoxGrid(const glm::vec3& lower, const glm::vec3& upper);
 
   /// Returns the last plane not above `x` and the first plane not below it, as whole numbers. `x` is within the bounds.
-  float below(float x, int axis) const;
-  float above(float x, int axis) const;
+  float plane_below(float x, int axis) const;
+  float plane_above(float x, int axis) const;
   /// Returns the coordinate of plane `p`.
-  double at(double p, int axis) const { return lower_[axis] + p * step_[axis]; }
+  double plane_position(double p, int axis) const { return lower_[axis] + p * step_[axis]; }
 
   const glm::vec3& lower() const { return lower_; }
   const glm::vec3& step() const { return step_; }

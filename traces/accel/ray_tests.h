@@ -27,54 +27,54 @@ struct PortableLanes {
   static PortableLanes load(const float* p) { return {{p[0], p[1], p[2], p[3]}}; }
   void store(float* p) const { std::copy_n(v.data(), 4, p); }
 
-  /// Argument of swapped(): exchanges the lower and upper pair of lanes if true.
+  /// Argument of swap_pairs(): exchanges the lower and upper pair of lanes if true.
   struct Swap {
     bool on;
     explicit Swap(bool swap) : on(swap) {}
   };
-  PortableLanes swapped(Swap s) const { return s.on ? of(v[2], v[3], v[0], v[1]) : *this; }
-  float lane0() const { return v[0]; }
-  float lane1() const { return v[1]; }
+  PortableLanes swap_pairs(Swap s) const { return s.on ? of(v[2], v[3], v[0], v[1]) : *this; }
+  float lane_0() const { return v[0]; }
+  float lane_1() const { return v[1]; }
   PortableLanes upper_pair() const { return of(v[2], v[3], v[2], v[3]); }
 
-  static PortableLanes each(const PortableLanes& a, const PortableLanes& b, auto&& f) {
+  static PortableLanes map_lanes(const PortableLanes& a, const PortableLanes& b, auto&& f) {
     return of(f(a.v[0], b.v[0]), f(a.v[1], b.v[1]), f(a.v[2], b.v[2]), f(a.v[3], b.v[3]));
   }
-  static unsigned bits(const PortableLanes& a, const PortableLanes& b, auto&& f) {
+  static unsigned lane_mask(const PortableLanes& a, const PortableLanes& b, auto&& f) {
     unsigned mask = 0;
     for (unsigned i = 0; i < 4; ++i) mask |= f(a.v[i], b.v[i]) ? 1U << i : 0U;
     return mask;
   }
   friend PortableLanes operator+(const PortableLanes& a, const PortableLanes& b) {
-    return each(a, b, [](float x, float y) { return x + y; });
+    return map_lanes(a, b, [](float x, float y) { return x + y; });
   }
   friend PortableLanes operator-(const PortableLanes& a, const PortableLanes& b) {
-    return each(a, b, [](float x, float y) { return x - y; });
+    return map_lanes(a, b, [](float x, float y) { return x - y; });
   }
   friend PortableLanes operator*(const PortableLanes& a, const PortableLanes& b) {
-    return each(a, b, [](float x, float y) { return x * y; });
+    return map_lanes(a, b, [](float x, float y) { return x * y; });
   }
   friend PortableLanes operator/(const PortableLanes& a, const PortableLanes& b) {
-    return each(a, b, [](float x, float y) { return x / y; });
+    return map_lanes(a, b, [](float x, float y) { return x / y; });
   }
   friend PortableLanes operator-(const PortableLanes& a) { return of(-a.v[0], -a.v[1], -a.v[2], -a.v[3]); }
   friend PortableLanes min(const PortableLanes& a, const PortableLanes& b) {
-    return each(a, b, [](float x, float y) { return x < y ? x : y; });
+    return map_lanes(a, b, [](float x, float y) { return x < y ? x : y; });
   }
   friend PortableLanes max(const PortableLanes& a, const PortableLanes& b) {
-    return each(a, b, [](float x, float y) { return x > y ? x : y; });
+    return map_lanes(a, b, [](float x, float y) { return x > y ? x : y; });
   }
   friend PortableLanes abs(const PortableLanes& a) {
     return of(std::fabs(a.v[0]), std::fabs(a.v[1]), std::fabs(a.v[2]), std::fabs(a.v[3]));
   }
-  friend unsigned less(const PortableLanes& a, const PortableLanes& b) {
-    return bits(a, b, [](float x, float y) { return x < y; });
+  friend unsigned less_mask(const PortableLanes& a, const PortableLanes& b) {
+    return lane_mask(a, b, [](float x, float y) { return x < y; });
   }
-  friend unsigned less_equal(const PortableLanes& a, const PortableLanes& b) {
-    return bits(a, b, [](float x, float y) { return x <= y; });
+  friend unsigned less_equal_mask(const PortableLanes& a, const PortableLanes& b) {
+    return lane_mask(a, b, [](float x, float y) { return x <= y; });
   }
-  friend unsigned equal(const PortableLanes& a, const PortableLanes& b) {
-    return bits(a, b, [](float x, float y) { return x == y; });
+  friend unsigned equal_mask(const PortableLanes& a, const PortableLanes& b) {
+    return lane_mask(a, b, [](float x, float y) { return x == y; });
   }
   /// Returns, lane by lane, `a < b ? yes : no`.
   friend PortableLanes if_less(const PortableLanes& a, const PortableLanes& b, const PortableLanes& yes,
@@ -114,9 +114,11 @@ struct SseLanes {
         : order(swap ? _mm_setr_epi8(8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7)
                      : _mm_setr_epi8(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15)) {}
   };
-  SseLanes swapped(const Swap& s) const { return {_mm_castsi128_ps(_mm_shuffle_epi8(_mm_castps_si128(v), s.order))}; }
-  float lane0() const { return _mm_cvtss_f32(v); }
-  float lane1() const { return _mm_cvtss_f32(_mm_movehdup_ps(v)); }
+  SseLanes swap_pairs(const Swap& s) const {
+    return {_mm_castsi128_ps(_mm_shuffle_epi8(_mm_castps_si128(v), s.order))};
+  }
+  float lane_0() const { return _mm_cvtss_f32(v); }
+  float lane_1() const { return _mm_cvtss_f32(_mm_movehdup_ps(v)); }
   SseLanes upper_pair() const { return {_mm_movehl_ps(v, v)}; }
 
   friend SseLanes operator+(SseLanes a, SseLanes b) { return {_mm_add_ps(a.v, b.v)}; }
@@ -127,10 +129,10 @@ struct SseLanes {
   friend SseLanes min(SseLanes a, SseLanes b) { return {_mm_min_ps(a.v, b.v)}; }
   friend SseLanes max(SseLanes a, SseLanes b) { return {_mm_max_ps(a.v, b.v)}; }
   friend SseLanes abs(SseLanes a) { return {_mm_andnot_ps(_mm_set1_ps(-0.0F), a.v)}; }
-  static unsigned bits(__m128 m) { return static_cast<unsigned>(_mm_movemask_ps(m)); }
-  friend unsigned less(SseLanes a, SseLanes b) { return bits(_mm_cmplt_ps(a.v, b.v)); }
-  friend unsigned less_equal(SseLanes a, SseLanes b) { return bits(_mm_cmple_ps(a.v, b.v)); }
-  friend unsigned equal(SseLanes a, SseLanes b) { return bits(_mm_cmpeq_ps(a.v, b.v)); }
+  static unsigned lane_mask(__m128 m) { return static_cast<unsigned>(_mm_movemask_ps(m)); }
+  friend unsigned less_mask(SseLanes a, SseLanes b) { return lane_mask(_mm_cmplt_ps(a.v, b.v)); }
+  friend unsigned less_equal_mask(SseLanes a, SseLanes b) { return lane_mask(_mm_cmple_ps(a.v, b.v)); }
+  friend unsigned equal_mask(SseLanes a, SseLanes b) { return lane_mask(_mm_cmpeq_ps(a.v, b.v)); }
   friend SseLanes if_less(SseLanes a, SseLanes b, SseLanes yes, SseLanes no) {
     return {_mm_blendv_ps(no.v, yes.v, _mm_cmplt_ps(a.v, b.v))};
   }
@@ -160,23 +162,23 @@ class RayBoxes {
  public:
   /// Prepares a ray for boxes in floats, in a scene with these bounds.
   RayBoxes(const Ray& ray, const glm::vec3& scene_lower, const glm::vec3& scene_upper)
-      : RayBoxes(ray, reach(ray.origin, scene_lower, scene_upper)) {}
+      : RayBoxes(ray, scene_reach(ray.origin, scene_lower, scene_upper)) {}
   /// Prepares a ray for boxes on a grid.
   RayBoxes(const Ray& ray, const glm::vec3& scene_lower, const glm::vec3& scene_upper, const BoxGrid& grid)
-      : RayBoxes(ray, reach(ray.origin, scene_lower, scene_upper), grid) {}
+      : RayBoxes(ray, scene_reach(ray.origin, scene_lower, scene_upper), grid) {}
 
   /// Returns in lanes 0 and 1 the distances at which the ray enters the two boxes, at least t_min. A box's bit in
   /// `hits` is set if the ray enters it before leaving it and before `limit`.
-  Lanes enter(const NodeRecord& node, Lanes limit, unsigned& hits) const {
-    const Lanes x = (Lanes::load(node.x).swapped(swap_x_) - x_) * inverse_x_;
-    const Lanes y = (Lanes::load(node.y).swapped(swap_y_) - y_) * inverse_y_;
-    const Lanes z = (Lanes::load(node.z).swapped(swap_z_) - z_) * inverse_z_;
+  Lanes entry_distances(const NodeRecord& node, Lanes limit, unsigned& hits) const {
+    const Lanes x = (Lanes::load(node.x).swap_pairs(swap_x_) - x_) * inverse_x_;
+    const Lanes y = (Lanes::load(node.y).swap_pairs(swap_y_) - y_) * inverse_y_;
+    const Lanes z = (Lanes::load(node.z).swap_pairs(swap_z_) - z_) * inverse_z_;
     const Lanes span = max(max(x, y), max(z, limit));  // {enter 0, enter 1, -leave 0, -leave 1}
-    hits = less_equal(span, -span.upper_pair()) & 3U;
+    hits = less_equal_mask(span, -span.upper_pair()) & 3U;
     return span;
   }
   /// Returns the `limit` argument of enter() for the range t_min to t_max.
-  static Lanes limits(float t_min, float t_max) { return Lanes::of(t_min, t_min, -t_max, -t_max); }
+  static Lanes distance_limits(float t_min, float t_max) { return Lanes::of(t_min, t_min, -t_max, -t_max); }
 
  private:
   static constexpr float kEpsilon = std::numeric_limits<float>::epsilon();
@@ -186,35 +188,35 @@ class RayBoxes {
       : swap_x_(ray.direction.x < 0),
         swap_y_(ray.direction.y < 0),
         swap_z_(ray.direction.z < 0),
-        x_(origin(ray, 0, reach)),
-        y_(origin(ray, 1, reach)),
-        z_(origin(ray, 2, reach)),
-        inverse_x_(both_ways(inverse(ray.direction.x))),
-        inverse_y_(both_ways(inverse(ray.direction.y))),
-        inverse_z_(both_ways(inverse(ray.direction.z))) {}
+        x_(shifted_origin(ray, 0, reach)),
+        y_(shifted_origin(ray, 1, reach)),
+        z_(shifted_origin(ray, 2, reach)),
+        inverse_x_(both_ways(safe_reciprocal(ray.direction.x))),
+        inverse_y_(both_ways(safe_reciprocal(ray.direction.y))),
+        inverse_z_(both_ways(safe_reciprocal(ray.direction.z))) {}
   RayBoxes(const Ray& ray, float reach, const BoxGrid& grid)
       : swap_x_(ray.direction.x < 0),
         swap_y_(ray.direction.y < 0),
         swap_z_(ray.direction.z < 0),
-        x_(origin(ray, 0, reach, grid)),
-        y_(origin(ray, 1, reach, grid)),
-        z_(origin(ray, 2, reach, grid)),
-        inverse_x_(both_ways(inverse(ray.direction.x, grid.step().x))),
-        inverse_y_(both_ways(inverse(ray.direction.y, grid.step().y))),
-        inverse_z_(both_ways(inverse(ray.direction.z, grid.step().z))) {}
+        x_(shifted_origin(ray, 0, reach, grid)),
+        y_(shifted_origin(ray, 1, reach, grid)),
+        z_(shifted_origin(ray, 2, reach, grid)),
+        inverse_x_(both_ways(safe_reciprocal(ray.direction.x, grid.step().x))),
+        inverse_y_(both_ways(safe_reciprocal(ray.direction.y, grid.step().y))),
+        inverse_z_(both_ways(safe_reciprocal(ray.direction.z, grid.step().z))) {}
 
   /// Returns the largest distance along any axis from the origin to the scene's bounds. Rounding errors grow with it.
-  static float reach(const glm::vec3& o, const glm::vec3& lower, const glm::vec3& upper) {
+  static float scene_reach(const glm::vec3& o, const glm::vec3& lower, const glm::vec3& upper) {
     float r = 0;
     for (int a = 0; a < 3; ++a) r = std::max({r, std::fabs(o[a] - lower[a]), std::fabs(o[a] - upper[a])});
     return r;
   }
-  static Lanes origin(const Ray& ray, int axis, float reach) {
+  static Lanes shifted_origin(const Ray& ray, int axis, float reach) {
     const float o = ray.origin[axis];
     const float pad = kEpsilon * (8 * reach + std::fabs(o));
     return ahead_and_back(ray, axis, o - pad, o + pad);
   }
-  static Lanes origin(const Ray& ray, int axis, float reach, const BoxGrid& grid) {
+  static Lanes shifted_origin(const Ray& ray, int axis, float reach, const BoxGrid& grid) {
     const float o = ray.origin[axis];
     const float pad = kEpsilon * (10 * reach + std::fabs(o));
     const auto planes = [&](float x) { return (x - grid.lower()[axis]) / grid.step()[axis]; };
@@ -225,9 +227,11 @@ class RayBoxes {
     const float back = ray.direction[axis] < 0 ? above : below;
     return Lanes::of(ahead, ahead, back, back);
   }
-  static float inverse(float d) { return 1 / (std::fabs(d) < kTiny ? (d < 0 ? -kTiny : kTiny) : d); }
+  static float safe_reciprocal(float d) { return 1 / (std::fabs(d) < kTiny ? (d < 0 ? -kTiny : kTiny) : d); }
   /// Returns the reciprocal in grid steps, limited to that of `kTiny`.
-  static float inverse(float d, float step) { return std::clamp(step * inverse(d), -1 / kTiny, 1 / kTiny); }
+  static float safe_reciprocal(float d, float step) {
+    return std::clamp(step * safe_reciprocal(d), -1 / kTiny, 1 / kTiny);
+  }
   static Lanes both_ways(float inverse) { return Lanes::of(inverse, inverse, -inverse, -inverse); }
 
   typename Lanes::Swap swap_x_, swap_y_, swap_z_;
@@ -265,15 +269,15 @@ class RayTriangles {
     Lanes slope;         ///< negative if the ray sees the corners in counter-clockwise order
     Lanes u, v, w, sum;  ///< weights of the second, third and first vertex, multiplied by `sum`
     /// Returns a bit per lane: the ray passes through the triangle.
-    unsigned inside() const {
+    unsigned inside_mask() const {
       const Lanes slack = Lanes::all(std::numeric_limits<float>::epsilon()) * abs(sum);
-      const unsigned positive = less_equal(-slack, min(min(u, v), w));
-      const unsigned negative = less_equal(max(max(u, v), w), slack);
-      return (positive | negative) & ~equal(sum, Lanes::all(0));
+      const unsigned positive = less_equal_mask(-slack, min(min(u, v), w));
+      const unsigned negative = less_equal_mask(max(max(u, v), w), slack);
+      return (positive | negative) & ~equal_mask(sum, Lanes::all(0));
     }
     /// Returns a bit for each of the `count` triangles at `at`: the face that the ray sees is culled.
-    unsigned missing(const TriangleRecord* at, unsigned count) const {
-      const unsigned clockwise = less(Lanes::all(0), slope);
+    unsigned culled_mask(const TriangleRecord* at, unsigned count) const {
+      const unsigned clockwise = less_mask(Lanes::all(0), slope);
       unsigned lanes = 0;
       for (unsigned i = 0; i < count; ++i) {
         const bool is_clockwise = ((clockwise >> i) & 1U) != 0;
@@ -284,7 +288,7 @@ class RayTriangles {
   };
 
   /// Tests the `count` triangles at `at` (1 to 4); unused lanes repeat the last.
-  Result test(const TriangleRecord* at, unsigned count) const {
+  Result test_triangles(const TriangleRecord* at, unsigned count) const {
     Lanes rows[3][4];
     for (unsigned i = 0; i < 4; ++i) {
       const float* p = &at[i < count ? i : count - 1].v0.x;
@@ -303,7 +307,7 @@ class RayTriangles {
     r.v = dot(cross(e1, v0 + v1), direction_);
     r.w = dot(cross(e2, v1 + v2), direction_);
     r.sum = r.u + r.v + r.w;
-    const Lanes3<Lanes> n = normal(e0, e1, e2);
+    const Lanes3<Lanes> n = plane_normal(e0, e1, e2);
     r.slope = dot(direction_, n);
     r.t = dot(v0, n) / r.slope;
     return r;
@@ -311,7 +315,7 @@ class RayTriangles {
 
  private:
   /// Returns the normal. Each component comes from the pair of edges with the smaller product, which rounds less.
-  static Lanes3<Lanes> normal(const Lanes3<Lanes>& a, const Lanes3<Lanes>& b, const Lanes3<Lanes>& c) {
+  static Lanes3<Lanes> plane_normal(const Lanes3<Lanes>& a, const Lanes3<Lanes>& b, const Lanes3<Lanes>& c) {
     const auto better = [](Lanes ab0, Lanes ab1, Lanes bc0, Lanes bc1) {
       return if_less(abs(ab1), abs(bc1), ab0 - ab1, bc0 - bc1);
     };

@@ -21,12 +21,12 @@ constexpr double kBarycentricMargin = 1e-5;
 constexpr double kDiagonalMargin = 1e-6;
 constexpr double kIntervalMargin = 1e-5;
 
-Standing weaker(Standing a, Standing b) { return std::min(a, b); }
+Certainty less_certain(Certainty a, Certainty b) { return std::min(a, b); }
 
 /// Classifies a quantity that is positive for a hit and known to within `margin`.
-Standing standing_of(double value, double margin) {
-  if (value < -margin) return Standing::kMiss;
-  return value > margin ? Standing::kHit : Standing::kUncertain;
+Certainty certainty_of(double value, double margin) {
+  if (value < -margin) return Certainty::kMiss;
+  return value > margin ? Certainty::kHit : Certainty::kUncertain;
 }
 
 /// Transform from the mesh's space to the world.
@@ -51,7 +51,7 @@ ToWorld to_world(const InstanceRecord& instance) {
 }
 
 /// True if the ray passes near the boxes of the instance's root. The margin is about 100 times that of uncertain hits.
-bool comes_near(const Ray& ray, const MemoryImage& image, const InstanceRecord& instance) {
+bool passes_near(const Ray& ray, const MemoryImage& image, const InstanceRecord& instance) {
   const glm::dmat3 linear = linear_of(instance);
   const glm::dvec3 origin = linear * glm::dvec3(ray.origin) + translation_of(instance);
   const glm::dvec3 direction = linear * glm::dvec3(ray.direction);
@@ -73,11 +73,11 @@ bool comes_near(const Ray& ray, const MemoryImage& image, const InstanceRecord& 
 
 /// Classifies whether the face that the ray sees exists. `cosine` is between the ray and the normal of the
 /// counter-clockwise face.
-Standing standing_of_face(const TriangleRecord& triangle, double cosine) {
+Certainty face_certainty(const TriangleRecord& triangle, double cosine) {
   const bool has_clockwise = (triangle.material & kNoClockwise) == 0;
   const bool has_other = (triangle.material & kNoCounterClockwise) == 0;
-  if (has_clockwise && has_other) return Standing::kHit;
-  return standing_of(has_clockwise ? cosine : -cosine, kBarycentricMargin);
+  if (has_clockwise && has_other) return Certainty::kHit;
+  return certainty_of(has_clockwise ? cosine : -cosine, kBarycentricMargin);
 }
 
 ExactHit exact_hit(const Ray& ray, const TriangleRecord& triangle, const ToWorld& world, double diagonal) {
@@ -90,31 +90,31 @@ ExactHit exact_hit(const Ray& ray, const TriangleRecord& triangle, const ToWorld
   const double length_margin = kDiagonalMargin * diagonal;
   const double t_margin = length_margin / glm::length(direction);
 
-  Standing standing = standing_of(t - ray.t_min, kIntervalMargin * ray.t_min + t_margin);
+  Certainty certainty = certainty_of(t - ray.t_min, kIntervalMargin * ray.t_min + t_margin);
   if (!std::isinf(ray.t_max)) {
-    standing = weaker(standing, standing_of(ray.t_max - t, kIntervalMargin * ray.t_max + t_margin));
+    certainty = less_certain(certainty, certainty_of(ray.t_max - t, kIntervalMargin * ray.t_max + t_margin));
   }
-  standing = weaker(
-      standing, standing_of_face(triangle, world.handedness * slope / (glm::length(normal) * glm::length(direction))));
+  certainty = less_certain(
+      certainty, face_certainty(triangle, world.handedness * slope / (glm::length(normal) * glm::length(direction))));
   const glm::dvec3 at = origin + t * direction;
   const double twice_area = glm::length(normal);
-  for (std::size_t i = 0; i < 3 && standing != Standing::kMiss; ++i) {
+  for (std::size_t i = 0; i < 3 && certainty != Certainty::kMiss; ++i) {
     const glm::dvec3 edge = v[(i + 1) % 3] - v[i];
     // distance from the edge, times the edge's length
     const double inwards = glm::dot(normal, glm::cross(edge, at - v[i])) / twice_area;
     const double margin = std::max(kBarycentricMargin * twice_area, length_margin * glm::length(edge));
-    standing = weaker(standing, standing_of(inwards, margin));
+    certainty = less_certain(certainty, certainty_of(inwards, margin));
   }
-  return {standing, t};
+  return {certainty, t};
 }
 
 void test_all(const Ray& ray, std::span<const TriangleRecord> triangles, const ToWorld& world, double diagonal,
               ExactTrace& trace) {
   for (const TriangleRecord& triangle : triangles) {
     const ExactHit hit = exact_hit(ray, triangle, world, diagonal);
-    if (hit.standing == Standing::kMiss) continue;
+    if (hit.certainty == Certainty::kMiss) continue;
     trace.any_possible = true;
-    if (hit.standing == Standing::kHit) trace.nearest = std::min(trace.nearest, hit.t);
+    if (hit.certainty == Certainty::kHit) trace.nearest = std::min(trace.nearest, hit.t);
   }
 }
 
@@ -132,7 +132,7 @@ ExactTrace exact_trace(const Ray& ray, const MemoryImage& image) {
     return trace;
   }
   for (std::size_t i = 0; i < image.instances.size(); ++i) {
-    if (image.tree_of[i] == kNone || !comes_near(ray, image, image.instances[i])) continue;
+    if (image.tree_of[i] == kNone || !passes_near(ray, image, image.instances[i])) continue;
     const ObjectTree& tree = image.trees[image.tree_of[i]];
     test_all(ray, std::span(image.triangles).subspan(tree.first_triangle, tree.triangles), to_world(image.instances[i]),
              image.diagonal(), trace);
@@ -170,18 +170,18 @@ bool VerifyingTracer::take_retry() const {
   return retries_++ < kRetries;
 }
 
-double VerifyingTracer::tolerance(const Ray& ray, double t) const {
+double VerifyingTracer::distance_tolerance(const Ray& ray, double t) const {
   return kRelativeTolerance * t + kDiagonalTolerance * diagonal_ / glm::length(ray.direction);
 }
 
-bool VerifyingTracer::alike(const Ray& ray, bool any, const Hit& tested, const Hit& reference) const {
+bool VerifyingTracer::is_same_hit(const Ray& ray, bool any, const Hit& tested, const Hit& reference) const {
   if (tested.is_hit() != reference.is_hit()) return false;
   if (!tested.is_hit()) return true;
   // A reference that stopped at a flagged triangle gives no answer; test the hit itself.
   if (any) return !reference.is_flagged() || is_possible(ray, tested);
   return tested.triangle == reference.triangle &&
          (!image_.has_levels() || instance_of(tested) == instance_of(reference)) &&
-         std::fabs(double{tested.t} - reference.t) <= tolerance(ray, reference.t);
+         std::fabs(double{tested.t} - reference.t) <= distance_tolerance(ray, reference.t);
 }
 
 bool VerifyingTracer::is_there(const Hit& hit) const {
@@ -189,19 +189,19 @@ bool VerifyingTracer::is_there(const Hit& hit) const {
 }
 
 bool VerifyingTracer::is_possible(const Ray& ray, const Hit& hit) const {
-  return is_there(hit) && exact_hit(ray, image_, hit).standing != Standing::kMiss;
+  return is_there(hit) && exact_hit(ray, image_, hit).certainty != Certainty::kMiss;
 }
 
-VerifyingTracer::Verdict VerifyingTracer::retry(const Ray& ray, bool any, const Hit& tested,
-                                                const Hit& reference) const {
+VerifyingTracer::Verdict VerifyingTracer::decide_exactly(const Ray& ray, bool any, const Hit& tested,
+                                                         const Hit& reference) const {
   const ExactTrace truth = exact_trace(ray, image_);
   const auto allowed = [&](const Hit& hit) {
     if (!hit.is_hit()) return std::isinf(truth.nearest);
     if (any) return hit.is_flagged() || reference.is_flagged() ? is_possible(ray, hit) : truth.any_possible;
     if (!is_there(hit)) return false;
     const ExactHit exact = exact_hit(ray, image_, hit);
-    const double slack = tolerance(ray, exact.t);
-    return exact.standing != Standing::kMiss && std::fabs(hit.t - exact.t) <= slack && hit.t <= truth.nearest + slack;
+    const double slack = distance_tolerance(ray, exact.t);
+    return exact.certainty != Certainty::kMiss && std::fabs(hit.t - exact.t) <= slack && hit.t <= truth.nearest + slack;
   };
   if (!allowed(tested)) return Verdict::kTestedWrong;
   return allowed(reference) ? Verdict::kTie : Verdict::kReferenceWrong;
@@ -219,8 +219,8 @@ void VerifyingTracer::trace(std::span<const Ray> rays, RayKind kind, std::span<H
     const Hit& tested = hits[i];
     const Hit& reference = references[i];
     const bool any = is_any(kind, tested);
-    if (alike(rays[i], any, tested, reference)) continue;
-    const Verdict verdict = take_retry() ? retry(rays[i], any, tested, reference) : Verdict::kTestedWrong;
+    if (is_same_hit(rays[i], any, tested, reference)) continue;
+    const Verdict verdict = take_retry() ? decide_exactly(rays[i], any, tested, reference) : Verdict::kTestedWrong;
     if (verdict == Verdict::kTie) {
       ++found.edge_ties;
     } else if (verdict == Verdict::kReferenceWrong) {

@@ -11,10 +11,10 @@ namespace traces {
 /// Certainty of a hit in double precision. kUncertain: the hit is within 1e-5 (barycentric) or 1e-6 of the scene's
 /// diagonal of an edge, or within 1e-5 (and 1e-6 of the diagonal) of an end of the ray. Single precision may then
 /// decide either way.
-enum class Standing { kMiss, kUncertain, kHit };
+enum class Certainty { kMiss, kUncertain, kHit };
 
 struct ExactHit {
-  Standing standing = Standing::kMiss;
+  Certainty certainty = Certainty::kMiss;
   double t = std::numeric_limits<double>::infinity();
 };
 
@@ -39,7 +39,7 @@ struct VerifyCounts {
   std::uint64_t reference_errors = 0;  ///< they differ, and double precision allows only the tested tracer's result
 
   VerifyCounts& operator+=(const VerifyCounts& other);
-  std::uint64_t faults() const { return missing_hits + extra_hits + distance_errors; }
+  std::uint64_t error_count() const { return missing_hits + extra_hits + distance_errors; }
 };
 
 /// Traces every ray with two tracers, returns the hits and walks of the tested one, and counts differences.
@@ -64,12 +64,12 @@ class VerifyingTracer : public Tracer {
 
   /// True if any hit answers the query, false if it must be the nearest.
   static bool is_any(RayKind kind, const Hit& tested) { return kind == RayKind::kShadow && !tested.is_flagged(); }
-  bool alike(const Ray& ray, bool any, const Hit& tested, const Hit& reference) const;
+  bool is_same_hit(const Ray& ray, bool any, const Hit& tested, const Hit& reference) const;
   /// True if the hit names an existing triangle and instance.
   bool is_there(const Hit& hit) const;
   bool is_possible(const Ray& ray, const Hit& hit) const;
-  Verdict retry(const Ray& ray, bool any, const Hit& tested, const Hit& reference) const;
-  double tolerance(const Ray& ray, double t) const;
+  Verdict decide_exactly(const Ray& ray, bool any, const Hit& tested, const Hit& reference) const;
+  double distance_tolerance(const Ray& ray, double t) const;
   bool take_retry() const;
 
   const MemoryImage& image_;

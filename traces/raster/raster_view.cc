@@ -17,7 +17,7 @@ RasterView::RasterView(const PictureCamera& camera)
       width_(camera.width),
       height_(camera.height) {}
 
-bool EdgeFunctions::set(const std::array<Projected, 3>& v) {
+bool EdgeFunctions::set_triangle(const std::array<Projected, 3>& v) {
   edges_ = {glm::cross(v[1], v[2]), glm::cross(v[2], v[0]), glm::cross(v[0], v[1])};
   determinant_ = glm::dot(v[0], edges_[0]);
   if (determinant_ == 0 || !std::isfinite(determinant_)) return false;
@@ -32,9 +32,9 @@ bool EdgeFunctions::set(const std::array<Projected, 3>& v) {
   return true;
 }
 
-bool EdgeFunctions::covers(const glm::dvec2& at) const {
+bool EdgeFunctions::covers_point(const glm::dvec2& at) const {
   for (std::size_t i = 0; i < 3; ++i) {
-    const double e = value(i, at);
+    const double e = edge_value(i, at);
     const bool owns = edges_[i].x > 0 || (edges_[i].x == 0 && edges_[i].y > 0);
     if (!(e > 0 || (e == 0 && owns))) return false;
   }
@@ -44,7 +44,7 @@ bool EdgeFunctions::covers(const glm::dvec2& at) const {
 bool EdgeFunctions::may_touch(const PictureBox& box) const {
   for (std::size_t i = 0; i < 3; ++i) {
     const glm::dvec2 most(edges_[i].x > 0 ? box.high.x : box.low.x, edges_[i].y > 0 ? box.high.y : box.low.y);
-    if (value(i, most) < 0) return false;
+    if (edge_value(i, most) < 0) return false;
   }
   return true;
 }

@@ -25,7 +25,7 @@ class RasterView {
  public:
   explicit RasterView(const PictureCamera& camera);
 
-  Projected project(const glm::dvec3& point) const { return to_picture_ * (point - origin_); }
+  Projected project_point(const glm::dvec3& point) const { return to_picture_ * (point - origin_); }
   /// Projects the direction of a ray from the eye: gives its pixel position and the depth per unit of length.
   Projected of_ray(const glm::vec3& direction) const { return to_picture_ * glm::dvec3(direction); }
   std::uint32_t width() const { return width_; }
@@ -50,18 +50,20 @@ struct PictureBox {
 class EdgeFunctions {
  public:
   /// Prepares a triangle. False if it has no area in the picture or a vertex that is not finite.
-  bool set(const std::array<Projected, 3>& vertices);
+  bool set_triangle(const std::array<Projected, 3>& vertices);
 
   /// True if the corners appear in clockwise order.
   bool is_clockwise() const { return is_clockwise_; }
-  bool covers(const glm::dvec2& at) const;
+  bool covers_point(const glm::dvec2& at) const;
   /// Returns the depth at a covered point.
-  double depth(const glm::dvec2& at) const { return determinant_ / (value(0, at) + value(1, at) + value(2, at)); }
+  double depth_at(const glm::dvec2& at) const {
+    return determinant_ / (edge_value(0, at) + edge_value(1, at) + edge_value(2, at));
+  }
   /// False if the triangle covers no point of the box.
   bool may_touch(const PictureBox& box) const;
 
  private:
-  double value(std::size_t edge, const glm::dvec2& at) const {
+  double edge_value(std::size_t edge, const glm::dvec2& at) const {
     return edges_[edge].x * at.x + edges_[edge].y * at.y + edges_[edge].z;
   }
 

@@ -15,7 +15,7 @@ double near_of(const MemoryImage& image) {
   return diagonal > 0 && diagonal < std::numeric_limits<double>::infinity() ? kNear * diagonal : kNear;
 }
 
-std::uint32_t whole(double pixels) { return pixels <= 0 ? 0 : static_cast<std::uint32_t>(pixels); }
+std::uint32_t whole_pixels(double pixels) { return pixels <= 0 ? 0 : static_cast<std::uint32_t>(pixels); }
 
 Coverage::Block block_of(std::span<const Coverage::Sample> samples) {
   Coverage::Block block{samples, {samples[0].at, samples[0].at}, std::numeric_limits<double>::infinity()};
@@ -35,14 +35,14 @@ double farthest_of(const Coverage::Block& block, const Coverage& found) {
   return depth;
 }
 
-bool overlap(const PictureBox& a, const PictureBox& b) {
+bool boxes_overlap(const PictureBox& a, const PictureBox& b) {
   return a.high.x >= b.low.x && a.low.x <= b.high.x && a.high.y >= b.low.y && a.low.y <= b.high.y;
 }
 
 /// Depth test: true if the triangle is the nearest so far at a sample that it covers.
-bool test(const Coverage::Sample& sample, std::uint32_t number, const EdgeFunctions& edges, Coverage& found) {
+bool test_depth(const Coverage::Sample& sample, std::uint32_t number, const EdgeFunctions& edges, Coverage& found) {
   Coverage::Winner& winner = found.winners[sample.sample];
-  const double depth = edges.depth(sample.at);
+  const double depth = edges.depth_at(sample.at);
   if (winner.triangle != kNone && !(depth < winner.depth)) return false;
   winner = {number, depth};
   return true;
@@ -55,10 +55,10 @@ void cover_block(const Coverage::Block& block, bool hidden, const EdgeFunctions&
   for (std::size_t begin = 0, end = 0; begin < samples.size(); begin = end) {
     std::uint32_t covered = 0;
     for (end = begin; end < samples.size() && samples[end].quad == samples[begin].quad; ++end) {
-      if (!edges.covers(samples[end].at)) continue;
+      if (!edges.covers_point(samples[end].at)) continue;
       covered += 1;
       found.layers[samples[end].sample] += 1;
-      if (!hidden && test(samples[end], triangle.number, edges, found)) triangle.passed += 1;
+      if (!hidden && test_depth(samples[end], triangle.number, edges, found)) triangle.passed += 1;
     }
     if (covered == 0) continue;
     triangle.samples += covered;
@@ -81,18 +81,18 @@ Rasteriser::Rasteriser(const MemoryImage& image, const PictureCamera& camera, co
       near_(near_of(image)),
       lists_(geometry_, view_, near_, side) {}
 
-RasterDemands Rasteriser::demands() const {
-  return {static_cast<std::uint32_t>(geometry_.vertices.size()), triangles(), lists_.entries()};
+RasterDemands Rasteriser::raster_demands() const {
+  return {static_cast<std::uint32_t>(geometry_.vertices.size()), triangle_count(), lists_.entry_count()};
 }
 
-std::array<Projected, 3> Rasteriser::corners(std::uint32_t triangle) const {
+std::array<Projected, 3> Rasteriser::project_corners(std::uint32_t triangle) const {
   const auto& v = geometry_.triangles[triangle].vertices;
-  return {view_.project(geometry_.vertices[v[0]]), view_.project(geometry_.vertices[v[1]]),
-          view_.project(geometry_.vertices[v[2]])};
+  return {view_.project_point(geometry_.vertices[v[0]]), view_.project_point(geometry_.vertices[v[1]]),
+          view_.project_point(geometry_.vertices[v[2]])};
 }
 
-std::uint32_t Rasteriser::bin(std::uint32_t batch, Coverage& scratch, TileWork& work) const {
-  const std::uint32_t first = batch * config_.batch, end = std::min(first + config_.batch, triangles());
+std::uint32_t Rasteriser::bin_triangles(std::uint32_t batch, Coverage& scratch, TileWork& work) const {
+  const std::uint32_t first = batch * config_.batch, end = std::min(first + config_.batch, triangle_count());
   RasterWork job{static_cast<std::uint32_t>(work.raster_triangles.size()), end - first,
                  static_cast<std::uint32_t>(work.list_runs.size()), 0, 1};
   std::vector<std::uint32_t>& touched = scratch.touched;
@@ -108,10 +108,10 @@ std::uint32_t Rasteriser::bin(std::uint32_t batch, Coverage& scratch, TileWork& 
   std::ranges::sort(touched);
   for (auto at = touched.begin(); at != touched.end();) {
     const auto next = std::find_if(at, touched.end(), [&](std::uint32_t list) { return list != *at; });
-    const auto list = lists_.list(*at);
+    const auto list = lists_.triangle_list(*at);
     const auto skipped = std::ranges::lower_bound(list, first) - list.begin();
     work.list_runs.push_back(
-        {lists_.first(*at) + static_cast<std::uint32_t>(skipped), static_cast<std::uint32_t>(next - at)});
+        {lists_.first_entry(*at) + static_cast<std::uint32_t>(skipped), static_cast<std::uint32_t>(next - at)});
     job.runs += 1;
     at = next;
   }
@@ -120,24 +120,26 @@ std::uint32_t Rasteriser::bin(std::uint32_t batch, Coverage& scratch, TileWork& 
 }
 
 /// Projects the rays and sorts the samples by list, block and quad.
-void Rasteriser::sort(std::span<const Ray> rays, Coverage& found) const {
+void Rasteriser::sort_samples(std::span<const Ray> rays, Coverage& found) const {
   const std::uint32_t blocks = view_.width() / config_.block + 1, quads = view_.width() / 2 + 1;
   found.samples.resize(rays.size());
   for (std::uint32_t i = 0; i < rays.size(); ++i) {
     const Projected seen = view_.of_ray(rays[i].direction);
     const glm::dvec2 at = glm::dvec2(seen) / seen.z;
-    const std::uint32_t x = std::min(whole(at.x), view_.width() - 1), y = std::min(whole(at.y), view_.height() - 1);
-    found.samples[i] = {lists_.at(at), y / config_.block * blocks + x / config_.block, y / 2 * quads + x / 2, i, at};
+    const std::uint32_t x = std::min(whole_pixels(at.x), view_.width() - 1),
+                        y = std::min(whole_pixels(at.y), view_.height() - 1);
+    found.samples[i] = {lists_.list_at(at), y / config_.block * blocks + x / config_.block, y / 2 * quads + x / 2, i,
+                        at};
   }
   std::ranges::sort(found.samples, {},
                     [](const Coverage::Sample& s) { return std::tuple(s.list, s.block, s.quad, s.sample); });
 }
 
-void Rasteriser::cover(std::span<const Ray> rays, Coverage& found, TileWork* work) const {
+void Rasteriser::cover_samples(std::span<const Ray> rays, Coverage& found, TileWork* work) const {
   found.winners.assign(rays.size(), {});
   found.layers.assign(rays.size(), 0);
   found.quads.assign(rays.size(), 0);
-  sort(rays, found);
+  sort_samples(rays, found);
   RasterWork job;
   if (work != nullptr) {
     job.first_triangle = static_cast<std::uint32_t>(work->raster_triangles.size());
@@ -151,9 +153,10 @@ void Rasteriser::cover(std::span<const Ray> rays, Coverage& found, TileWork* wor
       if (found.samples[end].quad != found.samples[quad].quad) quad = end;
       most = std::max(most, static_cast<std::uint32_t>(end - quad + 1));
     }
-    if (lists_.list(list).empty()) continue;
+    if (lists_.triangle_list(list).empty()) continue;
     if (work != nullptr) {
-      work->list_runs.push_back({lists_.first(list), static_cast<std::uint32_t>(lists_.list(list).size())});
+      work->list_runs.push_back(
+          {lists_.first_entry(list), static_cast<std::uint32_t>(lists_.triangle_list(list).size())});
       job.runs += 1;
     }
     cover_list(std::span(found.samples).subspan(begin, end - begin), found, work);
@@ -172,12 +175,12 @@ void Rasteriser::cover_list(std::span<const Coverage::Sample> samples, Coverage&
   }
   EdgeFunctions edges;
   RasterBounds bounds;
-  for (const std::uint32_t number : lists_.list(samples[0].list)) {
+  for (const std::uint32_t number : lists_.triangle_list(samples[0].list)) {
     RasterTriangle triangle{.number = number, .vertices = geometry_.triangles[number].vertices};
-    const std::array<Projected, 3> at = corners(number);
-    if (bounds_of(at, near_, bounds) && edges.set(at)) {
+    const std::array<Projected, 3> at = project_corners(number);
+    if (bounds_of(at, near_, bounds) && edges.set_triangle(at)) {
       for (Coverage::Block& block : found.blocks) {
-        if (!overlap(block.box, bounds.box) || !edges.may_touch(block.box)) continue;
+        if (!boxes_overlap(block.box, bounds.box) || !edges.may_touch(block.box)) continue;
         const bool hidden = bounds.nearest > block.farthest;
         const std::uint32_t passed = triangle.passed;
         triangle.blocks += 1;

@@ -56,21 +56,21 @@ class Rasteriser {
   Rasteriser(const Rasteriser&) = delete;
   Rasteriser& operator=(const Rasteriser&) = delete;
 
-  RasterDemands demands() const;
+  RasterDemands raster_demands() const;
   /// Returns the number of batches of the geometry pass.
-  std::uint32_t batches() const { return (triangles() + config_.batch - 1) / config_.batch; }
+  std::uint32_t batch_count() const { return (triangle_count() + config_.batch - 1) / config_.batch; }
   /// Appends the work of a batch and returns its number of triangles. `scratch` provides storage.
-  std::uint32_t bin(std::uint32_t batch, Coverage& scratch, TileWork& work) const;
+  std::uint32_t bin_triangles(std::uint32_t batch, Coverage& scratch, TileWork& work) const;
   /// Finds the first hit of each ray from the eye. Appends the work to `work` unless it is null.
-  void cover(std::span<const Ray> rays, Coverage& found, TileWork* work) const;
+  void cover_samples(std::span<const Ray> rays, Coverage& found, TileWork* work) const;
 
   const RasterGeometry& geometry() const { return geometry_; }
   const RasterView& view() const { return view_; }
 
  private:
-  std::uint32_t triangles() const { return static_cast<std::uint32_t>(geometry_.triangles.size()); }
-  std::array<Projected, 3> corners(std::uint32_t triangle) const;
-  void sort(std::span<const Ray> rays, Coverage& found) const;
+  std::uint32_t triangle_count() const { return static_cast<std::uint32_t>(geometry_.triangles.size()); }
+  std::array<Projected, 3> project_corners(std::uint32_t triangle) const;
+  void sort_samples(std::span<const Ray> rays, Coverage& found) const;
   void cover_list(std::span<const Coverage::Sample> samples, Coverage& found, TileWork* work) const;
 
   const RasterConfig config_;

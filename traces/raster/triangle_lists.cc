@@ -116,7 +116,7 @@ TriangleLists::TriangleLists(const RasterGeometry& geometry, const RasterView& v
       side_(side),
       across_((view.width() + side - 1) / side),
       down_((view.height() + side - 1) / side),
-      begin_(std::size_t{count()} + 1) {
+      begin_(std::size_t{list_count()} + 1) {
   const auto triangles = static_cast<std::uint32_t>(geometry.triangles.size());
   std::uint64_t entries = 0;
   for (std::uint32_t t = 0; t < triangles; ++t) {
@@ -137,17 +137,17 @@ TriangleLists::TriangleLists(const RasterGeometry& geometry, const RasterView& v
   for (std::uint32_t t = 0; t < triangles; ++t) each_of(t, [&](std::uint32_t list) { entries_[next[list]++] = t; });
 }
 
-std::uint32_t TriangleLists::at(const glm::dvec2& point) const {
+std::uint32_t TriangleLists::list_at(const glm::dvec2& point) const {
   const auto part = [&](double pixels, std::uint32_t parts) {
     return pixels <= 0 ? 0U : std::min(parts - 1, static_cast<std::uint32_t>(pixels / side_));
   };
   return part(point.y, down_) * across_ + part(point.x, across_);
 }
 
-std::array<Projected, 3> TriangleLists::corners(std::uint32_t triangle) const {
+std::array<Projected, 3> TriangleLists::project_corners(std::uint32_t triangle) const {
   const auto& v = geometry_.triangles[triangle].vertices;
-  return {view_.project(geometry_.vertices[v[0]]), view_.project(geometry_.vertices[v[1]]),
-          view_.project(geometry_.vertices[v[2]])};
+  return {view_.project_point(geometry_.vertices[v[0]]), view_.project_point(geometry_.vertices[v[1]]),
+          view_.project_point(geometry_.vertices[v[2]])};
 }
 
 }  // namespace traces

@@ -34,24 +34,24 @@ class TriangleLists {
   /// `geometry` and `view` must outlive the lists.
   TriangleLists(const RasterGeometry& geometry, const RasterView& view, double near, std::uint32_t side);
 
-  std::uint32_t count() const { return across_ * down_; }
-  std::uint32_t side() const { return side_; }
-  std::uint32_t entries() const { return static_cast<std::uint32_t>(entries_.size()); }
+  std::uint32_t list_count() const { return across_ * down_; }
+  std::uint32_t region_side() const { return side_; }
+  std::uint32_t entry_count() const { return static_cast<std::uint32_t>(entries_.size()); }
   /// Returns the list of the region that contains a point.
-  std::uint32_t at(const glm::dvec2& point) const;
-  std::span<const std::uint32_t> list(std::uint32_t number) const {
+  std::uint32_t list_at(const glm::dvec2& point) const;
+  std::span<const std::uint32_t> triangle_list(std::uint32_t number) const {
     return std::span(entries_).subspan(begin_[number], begin_[number + 1] - begin_[number]);
   }
   /// Returns the index of the list's first entry.
-  std::uint32_t first(std::uint32_t number) const { return begin_[number]; }
+  std::uint32_t first_entry(std::uint32_t number) const { return begin_[number]; }
   /// Calls `f(list)` for each list that contains the triangle, in ascending order.
   template <class F>
   void each_of(std::uint32_t triangle, F&& f) const {
-    each_of(corners(triangle), geometry_.triangles[triangle].missing, f);
+    each_of(project_corners(triangle), geometry_.triangles[triangle].missing, f);
   }
 
  private:
-  std::array<Projected, 3> corners(std::uint32_t triangle) const;
+  std::array<Projected, 3> project_corners(std::uint32_t triangle) const;
   template <class F>
   void each_of(const std::array<Projected, 3>& corners, std::uint32_t missing, F&& f) const;
 
@@ -66,7 +66,7 @@ template <class F>
 void TriangleLists::each_of(const std::array<Projected, 3>& corners, std::uint32_t missing, F&& f) const {
   RasterBounds bounds;
   EdgeFunctions edges;
-  if (!bounds_of(corners, near_, bounds) || !edges.set(corners)) return;
+  if (!bounds_of(corners, near_, bounds) || !edges.set_triangle(corners)) return;
   if ((missing & (edges.is_clockwise() ? kNoClockwise : kNoCounterClockwise)) != 0) return;
   const auto& [low, high] = bounds.box;
   if (!(high.x >= 0 && high.y >= 0 && low.x <= view_.width() && low.y <= view_.height())) return;

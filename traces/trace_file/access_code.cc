@@ -8,13 +8,13 @@ namespace {
 /// Counts the accesses of each kind.
 class Ranks {
  public:
-  std::uint32_t next(std::uint32_t kind) { return seen_[kind]++; }
+  std::uint32_t next_rank(std::uint32_t kind) { return seen_[kind]++; }
 
  private:
   std::array<std::uint32_t, kAccessKinds> seen_{};
 };
 
-std::uint64_t records(const ImageCounts& counts, Access::Kind kind) {
+std::uint64_t record_count(const ImageCounts& counts, Access::Kind kind) {
   switch (kind) {
     case Access::Kind::kAttributes:
       return counts.attributes;
@@ -36,25 +36,25 @@ std::uint64_t records(const ImageCounts& counts, Access::Kind kind) {
 
 constexpr std::uint32_t x_of(std::uint32_t corner) { return corner & 0xffffU; }
 constexpr std::uint32_t y_of(std::uint32_t corner) { return corner >> 16; }
-constexpr std::int64_t minus(std::uint32_t a, std::uint32_t b) { return std::int64_t{a} - std::int64_t{b}; }
+constexpr std::int64_t signed_difference(std::uint32_t a, std::uint32_t b) { return std::int64_t{a} - std::int64_t{b}; }
 
 }  // namespace
 
 void AccessWriter::write_access(const Access& access, std::uint32_t rank, ByteWriter& to) {
   Access& last = last_.of[static_cast<std::size_t>(access.kind())][rank];
   if (access.kind() == Access::Kind::kTexels) {
-    to.difference(minus(access.texture(), last.texture()));
-    to.difference(minus(x_of(access.element), x_of(last.element)));
-    to.difference(minus(y_of(access.element), y_of(last.element)));
-    to.difference(minus(x_of(access.element2), x_of(access.element)));
-    to.difference(minus(y_of(access.element2), y_of(access.element)));
+    to.write_difference(signed_difference(access.texture(), last.texture()));
+    to.write_difference(signed_difference(x_of(access.element), x_of(last.element)));
+    to.write_difference(signed_difference(y_of(access.element), y_of(last.element)));
+    to.write_difference(signed_difference(x_of(access.element2), x_of(access.element)));
+    to.write_difference(signed_difference(y_of(access.element2), y_of(access.element)));
   } else {
-    to.difference(minus(access.element, last.element));
+    to.write_difference(signed_difference(access.element, last.element));
   }
   last = access;
 }
 
-void AccessWriter::write(const TileWork& work, const WorkNode& launch, std::string& out) {
+void AccessWriter::write_launch(const TileWork& work, const WorkNode& launch, std::string& out) {
   shapes_.clear();
   shape_of_.clear();
   const auto begin_of = [&](std::uint32_t item) { return work.access_begin[launch.first + item]; };
@@ -79,35 +79,35 @@ void AccessWriter::write(const TileWork& work, const WorkNode& launch, std::stri
     }
   }
   ByteWriter to(out);
-  to.number(shapes_.size());
+  to.write_number(shapes_.size());
   for (const auto& kinds : shapes_) {
-    to.number(kinds.size());
-    for (const std::uint8_t kind : kinds) to.byte(kind);
+    to.write_number(kinds.size());
+    for (const std::uint8_t kind : kinds) to.write_byte(kind);
   }
   if (shapes_.size() > 1) {
-    for (const std::uint32_t s : shape_of_) to.number(s);
+    for (const std::uint32_t s : shape_of_) to.write_number(s);
   }
   for (std::uint32_t item = 0; item < launch.items; ++item) {
     Ranks ranks;
     for (std::uint32_t a = begin_of(item); a < begin_of(item + 1); ++a) {
-      write_access(work.accesses[a], ranks.next(static_cast<std::uint32_t>(work.accesses[a].kind())), to);
+      write_access(work.accesses[a], ranks.next_rank(static_cast<std::uint32_t>(work.accesses[a].kind())), to);
     }
   }
 }
 
 void AccessReader::read_shapes(ByteReader& from) {
-  const std::uint32_t shapes = from.number32(kMaxShapes, "number of shapes");
+  const std::uint32_t shapes = from.read_number32(kMaxShapes, "number of shapes");
   if (shapes == 0) ByteReader::out_of_range("number of shapes");
   kinds_.clear();
   ranks_.clear();
   shape_begin_.assign(1, 0);
   for (std::uint32_t s = 0; s < shapes; ++s) {
     Ranks ranks;
-    for (std::uint32_t left = from.number32(kMaxItemAccesses, "accesses of an item"); left > 0; --left) {
-      const std::uint32_t kind = from.byte();
+    for (std::uint32_t left = from.read_number32(kMaxItemAccesses, "accesses of an item"); left > 0; --left) {
+      const std::uint32_t kind = from.read_byte();
       if (kind >= kAccessKinds) ByteReader::out_of_range("kind of an access");
       kinds_.push_back(static_cast<std::uint8_t>(kind));
-      ranks_.push_back(static_cast<std::uint8_t>(ranks.next(kind)));
+      ranks_.push_back(static_cast<std::uint8_t>(ranks.next_rank(kind)));
     }
     shape_begin_.push_back(static_cast<std::uint32_t>(kinds_.size()));
   }
@@ -116,30 +116,31 @@ void AccessReader::read_shapes(ByteReader& from) {
 Access AccessReader::read_access(ByteReader& from, const ImageCounts& counts, std::uint32_t kind, std::uint32_t rank) {
   Access& last = last_.of[kind][rank];
   if (static_cast<Access::Kind>(kind) != Access::Kind::kTexels) {
-    const std::uint64_t count = records(counts, static_cast<Access::Kind>(kind));
+    const std::uint64_t count = record_count(counts, static_cast<Access::Kind>(kind));
     if (count == 0) ByteReader::out_of_range("an accessed record");
-    last = Access::record(static_cast<Access::Kind>(kind), from.moved(last.element, count - 1, "an accessed record"));
+    last = Access::of_kind(static_cast<Access::Kind>(kind),
+                           from.read_moved(last.element, count - 1, "an accessed record"));
     return last;
   }
   if (counts.textures.empty()) ByteReader::out_of_range("an accessed texture");
-  const std::uint32_t texture = from.moved(last.texture(), counts.textures.size() - 1, "an accessed texture");
+  const std::uint32_t texture = from.read_moved(last.texture(), counts.textures.size() - 1, "an accessed texture");
   const auto [width, height] = counts.textures[texture];
-  const std::uint32_t x0 = from.moved(x_of(last.element), width - 1, "an accessed texel");
-  const std::uint32_t y0 = from.moved(y_of(last.element), height - 1, "an accessed texel");
-  const std::uint32_t x1 = from.moved(x0, width - 1, "an accessed texel");
-  const std::uint32_t y1 = from.moved(y0, height - 1, "an accessed texel");
+  const std::uint32_t x0 = from.read_moved(x_of(last.element), width - 1, "an accessed texel");
+  const std::uint32_t y0 = from.read_moved(y_of(last.element), height - 1, "an accessed texel");
+  const std::uint32_t x1 = from.read_moved(x0, width - 1, "an accessed texel");
+  const std::uint32_t y1 = from.read_moved(y0, height - 1, "an accessed texel");
   last = Access::texels(texture, x0, y0, x1, y1);
   return last;
 }
 
-void AccessReader::read(ByteReader& from, const ImageCounts& counts, std::uint32_t items, TileWork& work) {
+void AccessReader::read_launch(ByteReader& from, const ImageCounts& counts, std::uint32_t items, TileWork& work) {
   read_shapes(from);
   const std::uint32_t shapes = static_cast<std::uint32_t>(shape_begin_.size()) - 1;
   shape_of_.clear();
   if (shapes > 1) {
-    if (items > from.left()) ByteReader::out_of_range("number of items");
-    for (std::uint32_t item = 0; item < items; ++item) shape_of_.push_back(from.number32(shapes - 1, "a shape"));
-  } else if (shape_begin_.back() > 0 && items > from.left()) {
+    if (items > from.bytes_left()) ByteReader::out_of_range("number of items");
+    for (std::uint32_t item = 0; item < items; ++item) shape_of_.push_back(from.read_number32(shapes - 1, "a shape"));
+  } else if (shape_begin_.back() > 0 && items > from.bytes_left()) {
     ByteReader::out_of_range("number of items");
   }
   for (std::uint32_t item = 0; item < items; ++item) {

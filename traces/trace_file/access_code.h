@@ -29,7 +29,7 @@ class AccessWriter {
  public:
   /// Call before a tile's first launch.
   void begin_tile() { last_ = {}; }
-  void write(const TileWork& work, const WorkNode& launch, std::string& out);
+  void write_launch(const TileWork& work, const WorkNode& launch, std::string& out);
 
  private:
   void write_access(const Access& access, std::uint32_t rank, ByteWriter& to);
@@ -44,7 +44,7 @@ class AccessReader {
  public:
   void begin_tile() { last_ = {}; }
   /// Appends the accesses of a launch of `items` items. Throws InputError if they are missing or exceed `counts`.
-  void read(ByteReader& from, const ImageCounts& counts, std::uint32_t items, TileWork& work);
+  void read_launch(ByteReader& from, const ImageCounts& counts, std::uint32_t items, TileWork& work);
 
  private:
   void read_shapes(ByteReader& from);

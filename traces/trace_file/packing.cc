@@ -19,7 +19,7 @@ constexpr std::uint64_t kMostInBlock = 128U << 10, kLeastOfBlock = 3;
 constexpr std::string_view kFrameMagic = "\x28\xb5\x2f\xfd";
 constexpr unsigned kChecksumFlag = 1U << 2;
 
-[[noreturn]] void damaged() { throw sim::InputError("is damaged"); }
+[[noreturn]] void throw_damaged() { throw sim::InputError("is damaged"); }
 
 }  // namespace
 
@@ -32,7 +32,7 @@ Packer::Packer(int level) : context_(ZSTD_createCCtx()) {
   ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_checksumFlag, 1);
 }
 
-std::string_view Packer::pack(std::string_view bytes) {
+std::string_view Packer::pack_block(std::string_view bytes) {
   const std::size_t most = ZSTD_compressBound(bytes.size());
   if (packed_.size() < most) packed_.resize(most);
   const std::size_t size = ZSTD_compress2(context_.get(), packed_.data(), packed_.size(), bytes.data(), bytes.size());
@@ -65,13 +65,13 @@ Unpacker::Unpacker() : context_(ZSTD_createDCtx()) {
 
 std::size_t Unpacker::size_of(std::string_view bytes) {
   const std::size_t size = ZSTD_findFrameCompressedSize(bytes.data(), bytes.size());
-  if (ZSTD_isError(size) != 0) damaged();
+  if (ZSTD_isError(size) != 0) throw_damaged();
   return size;
 }
 
-std::string_view Unpacker::unpack(std::string_view block, std::uint64_t most) {
+std::string_view Unpacker::unpack_block(std::string_view block, std::uint64_t most) {
   const unsigned long long size = ZSTD_getFrameContentSize(block.data(), block.size());
-  if (!block.starts_with(kFrameMagic) || size == ZSTD_CONTENTSIZE_ERROR) damaged();
+  if (!block.starts_with(kFrameMagic) || size == ZSTD_CONTENTSIZE_ERROR) throw_damaged();
   if ((static_cast<unsigned char>(block[kFrameMagic.size()]) & kChecksumFlag) == 0) {
     throw sim::InputError(
         "has a block without a checksum; allowed: blocks with a checksum and the size of their content");
@@ -82,10 +82,10 @@ std::string_view Unpacker::unpack(std::string_view block, std::uint64_t most) {
   if (size > most) {
     throw sim::InputError(fmt::format("has a block of {} bytes that holds {}; allowed: {}", block.size(), size, most));
   }
-  if (size > (block.size() / kLeastOfBlock + 1) * kMostInBlock) damaged();  // checked before `size` is trusted
-  if (ZSTD_findFrameCompressedSize(block.data(), block.size()) != block.size()) damaged();
+  if (size > (block.size() / kLeastOfBlock + 1) * kMostInBlock) throw_damaged();  // checked before `size` is trusted
+  if (ZSTD_findFrameCompressedSize(block.data(), block.size()) != block.size()) throw_damaged();
   if (bytes_.size() < size + kBitsPadding) bytes_.resize(size + kBitsPadding);
-  if (ZSTD_decompressDCtx(context_.get(), bytes_.data(), size, block.data(), block.size()) != size) damaged();
+  if (ZSTD_decompressDCtx(context_.get(), bytes_.data(), size, block.data(), block.size()) != size) throw_damaged();
   return {bytes_.data(), size};
 }
 

@@ -19,7 +19,7 @@ class Packer {
   /// Level 1, because higher levels save little: a tile consists mostly of walks, which hardly compress.
   explicit Packer(int level = 1);
   /// Returns a packed block, valid until the next call.
-  std::string_view pack(std::string_view bytes);
+  std::string_view pack_block(std::string_view bytes);
   /// Like pack(), but the block has at least one byte per `bytes_a_byte` bytes of contents (at least 4).
   std::string_view pack_loosely(std::string_view bytes, std::size_t bytes_a_byte);
 
@@ -39,7 +39,7 @@ class Unpacker {
   static std::size_t size_of(std::string_view bytes);
   /// Returns the contents of a block, followed by kBitsPadding bytes; valid until the next call. Throws InputError,
   /// without a file name, if the block is damaged or holds more than `most` bytes; nothing is allocated in that case.
-  std::string_view unpack(std::string_view block, std::uint64_t most);
+  std::string_view unpack_block(std::string_view block, std::uint64_t most);
 
  private:
   struct Free {

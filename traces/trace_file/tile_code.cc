@@ -23,46 +23,46 @@ namespace {
 constexpr std::uint64_t kMost = 1U << 26;
 constexpr std::uint64_t kLeastBytes = 5;  ///< minimum per triangle
 
-std::int64_t step(std::uint32_t from, std::uint32_t to) { return std::int64_t{to} - std::int64_t{from}; }
+std::int64_t signed_difference(std::uint32_t from, std::uint32_t to) { return std::int64_t{to} - std::int64_t{from}; }
 
 void write_cover(const RasterTriangle& t, ByteWriter& to) {
-  to.number(t.blocks);
+  to.write_number(t.blocks);
   if (t.blocks == 0) return;
-  to.number(t.hidden_blocks);
-  to.number(t.quads);
+  to.write_number(t.hidden_blocks);
+  to.write_number(t.quads);
   if (t.quads == 0) return;
-  for (const std::uint32_t count : {t.hidden_quads, t.samples, t.hidden_samples, t.passed}) to.number(count);
+  for (const std::uint32_t count : {t.hidden_quads, t.samples, t.hidden_samples, t.passed}) to.write_number(count);
 }
 
 void read_cover(ByteReader& from, RasterTriangle& t) {
   constexpr const char* kWhat = "coverage of a triangle";
-  t.blocks = from.number32(kMost, kWhat);
+  t.blocks = from.read_number32(kMost, kWhat);
   if (t.blocks == 0) return;
-  t.hidden_blocks = from.number32(t.blocks, kWhat);
-  t.quads = from.number32(kMost, kWhat);
+  t.hidden_blocks = from.read_number32(t.blocks, kWhat);
+  t.quads = from.read_number32(kMost, kWhat);
   if (t.quads == 0) return;
-  t.hidden_quads = from.number32(t.quads, kWhat);
-  t.samples = from.number32(kMost, kWhat);
-  t.hidden_samples = from.number32(t.samples, kWhat);
-  t.passed = from.number32(t.samples - t.hidden_samples, kWhat);
+  t.hidden_quads = from.read_number32(t.quads, kWhat);
+  t.samples = from.read_number32(kMost, kWhat);
+  t.hidden_samples = from.read_number32(t.samples, kWhat);
+  t.passed = from.read_number32(t.samples - t.hidden_samples, kWhat);
 }
 
 /// Counts of the node's data, stored with the node; reading adds an entry to TileWork::raster.
 void write_raster_counts(const TileWork& work, const WorkNode& node, ByteWriter& to) {
   const RasterWork& job = work.raster[node.raster];
-  to.number(job.runs);
+  to.write_number(job.runs);
   if (node.kind == WorkNode::Kind::kBin) return;
-  to.number(job.triangles);
-  to.number(job.pixel_samples);
+  to.write_number(job.triangles);
+  to.write_number(job.pixel_samples);
 }
 
 void read_raster_counts(ByteReader& from, WorkNode& node, TileWork& work) {
   const bool bins = node.kind == WorkNode::Kind::kBin;
   node.raster = static_cast<std::uint32_t>(work.raster.size());
   RasterWork job;
-  job.runs = from.number32(kMost, "runs of lists");
-  job.triangles = bins ? node.items : from.number32(kMost, "triangles of a node");
-  if (!bins) job.pixel_samples = from.number32(kMost, "samples of a pixel");
+  job.runs = from.read_number32(kMost, "runs of lists");
+  job.triangles = bins ? node.items : from.read_number32(kMost, "triangles of a node");
+  if (!bins) job.pixel_samples = from.read_number32(kMost, "samples of a pixel");
   if (job.pixel_samples == 0) ByteReader::out_of_range("samples of a pixel");
   work.raster.push_back(job);
 }
@@ -73,19 +73,19 @@ void write_raster(const TileWork& work, const WorkNode& node, ByteWriter& to) {
   std::uint32_t end = 0;
   for (std::uint32_t i = job.first_run; i < job.first_run + job.runs; ++i) {
     const ListRun& run = work.list_runs[i];
-    to.difference(step(end, run.first));
-    to.number(run.entries);
+    to.write_difference(signed_difference(end, run.first));
+    to.write_number(run.entries);
     end = run.first + run.entries;
   }
   RasterTriangle last;
   for (std::uint32_t i = job.first_triangle; i < job.first_triangle + job.triangles; ++i) {
     const RasterTriangle& t = work.raster_triangles[i];
-    to.difference(step(last.number, t.number));
-    to.difference(step(last.vertices[0], t.vertices[0]));
-    to.difference(step(t.vertices[0], t.vertices[1]));
-    to.difference(step(t.vertices[1], t.vertices[2]));
+    to.write_difference(signed_difference(last.number, t.number));
+    to.write_difference(signed_difference(last.vertices[0], t.vertices[0]));
+    to.write_difference(signed_difference(t.vertices[0], t.vertices[1]));
+    to.write_difference(signed_difference(t.vertices[1], t.vertices[2]));
     if (node.kind == WorkNode::Kind::kBin) {
-      to.number(t.lists);
+      to.write_number(t.lists);
     } else {
       write_cover(t, to);
     }
@@ -98,31 +98,31 @@ void write_raster(const TileWork& work, const WorkNode& node, ByteWriter& to) {
 void read_raster(ByteReader& from, const RasterDemands& demands, const WorkNode& node, TileWork& work) {
   const RasterWork& job = work.raster[node.raster];
   const bool bins = node.kind == WorkNode::Kind::kBin;
-  if (job.runs > from.left() / 2) ByteReader::out_of_range("runs of lists");
+  if (job.runs > from.bytes_left() / 2) ByteReader::out_of_range("runs of lists");
   std::uint64_t entries = 0;
   std::uint32_t end = 0;
   for (std::uint32_t i = 0; i < job.runs; ++i) {
     ListRun run;
-    run.first = from.moved(end, demands.entries, "a list of triangles");
-    run.entries = from.number32(demands.entries - run.first, "a list of triangles");
+    run.first = from.read_moved(end, demands.entries, "a list of triangles");
+    run.entries = from.read_number32(demands.entries - run.first, "a list of triangles");
     entries += run.entries;
     end = run.first + run.entries;
     work.list_runs.push_back(run);
   }
-  if (job.triangles > from.left() / kLeastBytes) ByteReader::out_of_range("triangles of a node");
+  if (job.triangles > from.bytes_left() / kLeastBytes) ByteReader::out_of_range("triangles of a node");
   std::uint64_t listed = 0;
   RasterTriangle last;
   for (std::uint32_t i = 0; i < job.triangles; ++i) {
     RasterTriangle t;
-    t.number = from.moved(last.number, demands.triangles, "number of a triangle");
+    t.number = from.read_moved(last.number, demands.triangles, "number of a triangle");
     if (t.number == demands.triangles) ByteReader::out_of_range("number of a triangle");
     std::uint32_t base = last.vertices[0];
     for (std::uint32_t& vertex : t.vertices) {
-      vertex = base = from.moved(base, demands.vertices, "vertex of a triangle");
+      vertex = base = from.read_moved(base, demands.vertices, "vertex of a triangle");
       if (vertex == demands.vertices) ByteReader::out_of_range("vertex of a triangle");
     }
     if (bins) {
-      t.lists = from.number32(demands.entries, "lists of a triangle");
+      t.lists = from.read_number32(demands.entries, "lists of a triangle");
     } else {
       read_cover(from, t);
     }
@@ -196,10 +196,10 @@ void append_words(const std::vector<std::uint32_t>& words, std::string& out) {
 
 void write_walks(const TileWork& work, const Links& links, std::string& out) {
   ByteWriter to(out);
-  to.number(work.ray_begin.size());
-  to.number(work.walk.size());
+  to.write_number(work.ray_begin.size());
+  to.write_number(work.walk.size());
   const std::size_t form = out.size();
-  to.byte(kCompact);
+  to.write_byte(kCompact);
   if (encode_walks(work, links, out)) return;
   out[form] = static_cast<char>(kPlain);
   append_words(work.walk, out);
@@ -207,66 +207,66 @@ void write_walks(const TileWork& work, const Links& links, std::string& out) {
 
 void write_node(const TileWork& work, std::uint32_t n, ByteWriter& to) {
   const WorkNode& node = work.nodes[n];
-  to.byte(static_cast<std::uint32_t>(node.kind));
-  to.number(node.items);
+  to.write_byte(static_cast<std::uint32_t>(node.kind));
+  to.write_number(node.items);
   switch (node.kind) {
     case WorkNode::Kind::kLaunch:
-      to.number(node.kernel);
-      to.number(node.idle);
-      to.byte(node.has_accesses ? 1 : 0);
+      to.write_number(node.kernel);
+      to.write_number(node.idle);
+      to.write_byte(node.has_accesses ? 1 : 0);
       break;
     case WorkNode::Kind::kRays:
-      to.byte(static_cast<std::uint32_t>(node.ray_kind));
-      to.byte(node.sources == WorkNode::kNone ? 0 : 1);
+      to.write_byte(static_cast<std::uint32_t>(node.ray_kind));
+      to.write_byte(node.sources == WorkNode::kNone ? 0 : 1);
       break;
     case WorkNode::Kind::kTransfer:
-      to.byte(static_cast<std::uint32_t>(node.region));
-      to.byte(node.to_memory ? 1 : 0);
-      to.number(node.offset);
-      to.number(node.border == WorkNode::kNone ? 0 : std::uint64_t{node.border} + 1);
+      to.write_byte(static_cast<std::uint32_t>(node.region));
+      to.write_byte(node.to_memory ? 1 : 0);
+      to.write_number(node.offset);
+      to.write_number(node.border == WorkNode::kNone ? 0 : std::uint64_t{node.border} + 1);
       break;
     case WorkNode::Kind::kBin:
     case WorkNode::Kind::kRaster:
       write_raster_counts(work, node, to);
       break;
   }
-  to.number(node.inputs.size());
+  to.write_number(node.inputs.size());
   for (const Edge& edge : node.inputs)
-    to.number(std::uint64_t{n - edge.node} << 1 | static_cast<std::uint64_t>(edge.kind));
+    to.write_number(std::uint64_t{n - edge.node} << 1 | static_cast<std::uint64_t>(edge.kind));
 }
 
 void write_sources(const TileWork& work, const WorkNode& node, ByteWriter& to) {
   std::uint32_t last = 0;
   for (std::uint32_t i = 0; i < node.items; ++i) {
     const std::uint32_t source = work.sources[node.sources + i];
-    to.number(source - last);
+    to.write_number(source - last);
     last = source;
   }
 }
 
-std::uint32_t flag(ByteReader& from, const char* what) {
-  const std::uint32_t value = from.byte();
+std::uint32_t read_flag(ByteReader& from, const char* what) {
+  const std::uint32_t value = from.read_byte();
   if (value > 1) ByteReader::out_of_range(what);
   return value;
 }
 
 void read_transfer(ByteReader& from, const TileScope& scope, std::uint32_t imports, WorkNode& node) {
-  const std::uint32_t region = from.byte();
+  const std::uint32_t region = from.read_byte();
   if (region >= kRegionCount) ByteReader::out_of_range("region of a transfer");
   node.region = static_cast<Region>(region);
-  node.to_memory = flag(from, "direction of a transfer") != 0;
+  node.to_memory = read_flag(from, "direction of a transfer") != 0;
   const std::uint64_t size = scope.region_bytes[region];
-  node.offset = from.number(size, "offset of a transfer");
+  node.offset = from.read_number(size, "offset of a transfer");
   if (node.items > size - node.offset) ByteReader::out_of_range("bytes of a transfer");
-  const std::uint32_t border = from.number32(node.to_memory ? kMostBorders : imports, "border of a transfer");
+  const std::uint32_t border = from.read_number32(node.to_memory ? kMostBorders : imports, "border of a transfer");
   node.border = border == 0 ? WorkNode::kNone : border - 1;
 }
 
 /// Reads the inputs of node `n`, which must be earlier nodes.
 void read_inputs(ByteReader& from, std::uint32_t n, TileWork& work) {
   WorkNode& node = work.nodes[n];
-  for (std::uint32_t left = from.number32(from.left(), "inputs of a node"); left > 0; --left) {
-    const std::uint64_t code = from.number(2 * std::uint64_t{n} + 1, "input of a node");
+  for (std::uint32_t left = from.read_number32(from.bytes_left(), "inputs of a node"); left > 0; --left) {
+    const std::uint64_t code = from.read_number(2 * std::uint64_t{n} + 1, "input of a node");
     if (code < 2) ByteReader::out_of_range("input of a node");
     const Edge edge{n - static_cast<std::uint32_t>(code >> 1), static_cast<Edge::Kind>(code & 1)};
     // Without sources, item i waits for item i of the input, which must exist.
@@ -284,16 +284,16 @@ void TileEncoder::encode(const TileWork& work, const Links& links, std::string& 
         "a tile of more than {} launches, batches of rays and transfers cannot be recorded", kMaxTileNodes));
   }
   ByteWriter to(out);
-  to.number(work.frame);
-  to.number(work.tile);
-  to.number(work.samples);
-  to.byte(work.after_all ? 1 : 0);
-  to.number(work.imports.size());
+  to.write_number(work.frame);
+  to.write_number(work.tile);
+  to.write_number(work.samples);
+  to.write_byte(work.after_all ? 1 : 0);
+  to.write_number(work.imports.size());
   for (const Border& border : work.imports) {
-    to.number(border.tile);
-    to.number(border.number);
+    to.write_number(border.tile);
+    to.write_number(border.number);
   }
-  to.number(work.nodes.size());
+  to.write_number(work.nodes.size());
   for (std::uint32_t n = 0; n < work.nodes.size(); ++n) write_node(work, n, to);
   // Then follow further data of the nodes, in node order.
   accesses_.begin_tile();
@@ -305,7 +305,7 @@ void TileEncoder::encode(const TileWork& work, const Links& links, std::string& 
       throw std::logic_error("a tile's rays and items do not lie in the order of its nodes");
     }
     if (mapped) write_sources(work, node, to);
-    if (loads) accesses_.write(work, node, out);
+    if (loads) accesses_.write_launch(work, node, out);
     if (node.raster != WorkNode::kNone) write_raster(work, node, to);
     rays += traces ? node.items : 0;
     items += loads ? node.items : 0;
@@ -327,9 +327,9 @@ WorkNode& TileDecoder::next_node(TileWork& work) {
 }
 
 void TileDecoder::read_launch(ByteReader& from, const TileScope& scope, WorkNode& node) {
-  node.kernel = static_cast<KernelId>(from.number(scope.kernels - 1, "kernel of a launch"));
-  node.idle = from.number32(kMaxItems, "idle items of a launch");
-  node.has_accesses = flag(from, "accesses of a launch") != 0;
+  node.kernel = static_cast<KernelId>(from.read_number(scope.kernels - 1, "kernel of a launch"));
+  node.idle = from.read_number32(kMaxItems, "idle items of a launch");
+  node.has_accesses = read_flag(from, "accesses of a launch") != 0;
   if (!node.has_accesses) return;
   node.first = items_;
   items_ += node.items;
@@ -340,11 +340,11 @@ void TileDecoder::read_launch(ByteReader& from, const TileScope& scope, WorkNode
 }
 
 void TileDecoder::read_rays(ByteReader& from, WorkNode& node) {
-  const std::uint32_t ray_kind = from.byte();
+  const std::uint32_t ray_kind = from.read_byte();
   if (ray_kind >= kRayKinds) ByteReader::out_of_range("kind of rays");
   node.ray_kind = static_cast<RayKind>(ray_kind);
   // Marks that the node has sources; their position is set once they are read.
-  node.sources = flag(from, "sources of rays") != 0 ? 0 : WorkNode::kNone;
+  node.sources = read_flag(from, "sources of rays") != 0 ? 0 : WorkNode::kNone;
   node.first = rays_;
   rays_ += node.items;
   if (rays_ > kMaxRaysOfTile) ByteReader::out_of_range("rays of a tile");
@@ -352,7 +352,7 @@ void TileDecoder::read_rays(ByteReader& from, WorkNode& node) {
 }
 
 void TileDecoder::read_kind(ByteReader& from, const TileScope& scope, WorkNode& node) {
-  const std::uint32_t kind = from.byte();
+  const std::uint32_t kind = from.read_byte();
   const WorkNode::Kind last = scope.raster ? WorkNode::Kind::kRaster : WorkNode::Kind::kTransfer;
   if (kind > static_cast<std::uint32_t>(last)) ByteReader::out_of_range("kind of a node");
   node.kind = static_cast<WorkNode::Kind>(kind);
@@ -363,13 +363,14 @@ void TileDecoder::read_nodes(ByteReader& from, const TileScope& scope, TileWork&
   work.raster.clear();
   work.raster_triangles.clear();
   work.list_runs.clear();
-  const std::uint32_t nodes = from.number32(std::min<std::uint64_t>(from.left() / 3, kMaxTileNodes), "number of nodes");
+  const std::uint32_t nodes =
+      from.read_number32(std::min<std::uint64_t>(from.bytes_left() / 3, kMaxTileNodes), "number of nodes");
   if (nodes == 0) ByteReader::out_of_range("number of nodes");
   for (std::uint32_t n = 0; n < nodes; ++n) {
     WorkNode& node = next_node(work);
     read_kind(from, scope, node);
     const bool moves = node.kind == WorkNode::Kind::kTransfer;
-    node.items = from.number32(moves ? std::numeric_limits<std::uint32_t>::max() : kMaxItems, "items of a node");
+    node.items = from.read_number32(moves ? std::numeric_limits<std::uint32_t>::max() : kMaxItems, "items of a node");
     if (node.items == 0) ByteReader::out_of_range("items of a node");
     switch (node.kind) {
       case WorkNode::Kind::kLaunch:
@@ -401,14 +402,14 @@ TileRays TileDecoder::decode(std::string_view bytes, const TileScope& scope, Til
   ByteReader from(bytes);
   found_ = {};
   most_items_ = std::min(kMaxItems, kMaxFreeItems + 8 * bytes.size());
-  work.frame = from.number32(std::numeric_limits<std::uint32_t>::max(), "frame");
-  work.tile = from.number32(kMaxTiles, "number of a tile");
-  work.samples = from.number32(kMaxItems, "samples of a tile");
-  work.after_all = flag(from, "whether a tile waits for all others") != 0;
+  work.frame = from.read_number32(std::numeric_limits<std::uint32_t>::max(), "frame");
+  work.tile = from.read_number32(kMaxTiles, "number of a tile");
+  work.samples = from.read_number32(kMaxItems, "samples of a tile");
+  work.after_all = read_flag(from, "whether a tile waits for all others") != 0;
   work.imports.clear();
-  for (std::uint32_t left = from.number32(kMostImports, "borders that a tile imports"); left > 0; --left) {
-    const std::uint32_t tile = from.number32(kMaxTiles, "tile of an imported border");
-    work.imports.push_back({tile, from.number32(kMostBorders - 1, "number of an imported border")});
+  for (std::uint32_t left = from.read_number32(kMostImports, "borders that a tile imports"); left > 0; --left) {
+    const std::uint32_t tile = from.read_number32(kMaxTiles, "tile of an imported border");
+    work.imports.push_back({tile, from.read_number32(kMostBorders - 1, "number of an imported border")});
   }
   read_nodes(from, scope, work);
   work.accesses.clear();
@@ -420,14 +421,14 @@ TileRays TileDecoder::decode(std::string_view bytes, const TileScope& scope, Til
       node.sources = static_cast<std::uint32_t>(work.sources.size());
       const std::uint32_t makers = work.nodes[node.inputs[0].node].items;
       std::uint64_t source = 0;
-      if (node.items > from.left()) ByteReader::out_of_range("sources of rays");
+      if (node.items > from.bytes_left()) ByteReader::out_of_range("sources of rays");
       for (std::uint32_t i = 0; i < node.items; ++i) {
-        source += from.number(makers, "source of a ray");
+        source += from.read_number(makers, "source of a ray");
         if (source >= makers) ByteReader::out_of_range("source of a ray");
         work.sources.push_back(static_cast<std::uint32_t>(source));
       }
     }
-    if (node.has_accesses) accesses_.read(from, scope.counts, node.items, work);
+    if (node.has_accesses) accesses_.read_launch(from, scope.counts, node.items, work);
     if (node.raster != WorkNode::kNone) {
       RasterWork& job = work.raster[node.raster];
       job.first_triangle = static_cast<std::uint32_t>(work.raster_triangles.size());
@@ -437,12 +438,12 @@ TileRays TileDecoder::decode(std::string_view bytes, const TileScope& scope, Til
   }
   work.access_begin.push_back(static_cast<std::uint32_t>(work.accesses.size()));
 
-  const std::uint32_t rays = from.number32(kMaxRaysOfTile, "rays of a tile");
+  const std::uint32_t rays = from.read_number32(kMaxRaysOfTile, "rays of a tile");
   // Each walk takes at least one bit.
-  if (rays != rays_ || rays > 8 * from.left()) throw sim::InputError("has not as many walks as rays");
-  const std::uint32_t words = from.number32(std::numeric_limits<std::uint32_t>::max(), "words of walks");
-  const std::uint32_t form = flag(from, "form of walks");
-  const std::string_view rest = from.bytes(from.left());
+  if (rays != rays_ || rays > 8 * from.bytes_left()) throw sim::InputError("has not as many walks as rays");
+  const std::uint32_t words = from.read_number32(std::numeric_limits<std::uint32_t>::max(), "words of walks");
+  const std::uint32_t form = read_flag(from, "form of walks");
+  const std::string_view rest = from.read_bytes(from.bytes_left());
   if (form == kPlain) {
     if (rest.size() != 4 * std::uint64_t{words}) throw sim::InputError("has not as many walks as it says");
     found_.steps = decode_plain_walks(rest, scope.links, rays, work);

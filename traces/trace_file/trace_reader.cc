@@ -19,11 +19,11 @@ namespace traces {
 
 TraceReader::TraceReader(std::filesystem::path path) : path_(std::move(path)) {
   file_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (file_ < 0) complain(errno == ENOENT ? "no such file" : std::generic_category().message(errno));
+  if (file_ < 0) throw_error(errno == ENOENT ? "no such file" : std::generic_category().message(errno));
   struct stat status {};
   if (::fstat(file_, &status) != 0 || !S_ISREG(status.st_mode)) {
     ::close(file_);
-    complain(S_ISDIR(status.st_mode) ? "is a folder, not a file" : "is not a regular file");
+    throw_error(S_ISDIR(status.st_mode) ? "is a folder, not a file" : "is not a regular file");
   }
   size_ = static_cast<std::uint64_t>(status.st_size);
   try {
@@ -49,7 +49,7 @@ std::string TraceReader::damage_of(const sim::JsonError& error) {
   return "is damaged: a list is too short";
 }
 
-void TraceReader::complain(const std::string& what) const {
+void TraceReader::throw_error(const std::string& what) const {
   throw sim::InputError(fmt::format("{}: {}", sim::printable(path_.string()), sim::printable(what)));
 }
 
@@ -68,10 +68,10 @@ void TraceReader::read_at(const FileRange& range, std::string& out) const {
   }
 }
 
-std::string TraceReader::block(const FileRange& range, std::uint64_t most) const {
+std::string TraceReader::read_block(const FileRange& range, std::uint64_t most) const {
   std::string packed;
   read_at(range, packed);
-  return std::string(Unpacker().unpack(packed, std::min(most, most_held(packed.size()))));
+  return std::string(Unpacker().unpack_block(packed, std::min(most, most_held(packed.size()))));
 }
 
 TraceReader::FileRange TraceReader::range_of(const Json& json) const {
@@ -91,9 +91,9 @@ void TraceReader::read_header() {
                     sim::printable(start.substr(0, start.find('\n'))), kTraceMagic.substr(0, kTraceMagic.size() - 1)));
   }
   version_ = start.starts_with(kTraceMagic) ? kTraceVersion : kTraceVersion - 1;
-  const FileRange range{start.size(), load<std::uint32_t>(start.data() + kTraceMagic.size())};
+  const FileRange range{start.size(), load_unaligned<std::uint32_t>(start.data() + kTraceMagic.size())};
   if (range.bytes > size_ - range.offset) throw sim::InputError("ends early");
-  header_ = sim::parse_json(block(range, kMaxHeaderBytes));
+  header_ = sim::parse_json(read_block(range, kMaxHeaderBytes));
 }
 
 void TraceReader::read_contents() {
@@ -101,9 +101,9 @@ void TraceReader::read_contents() {
   std::string footer;
   read_at({size_ - kFooterBytes, kFooterBytes}, footer);
   if (!footer.ends_with(kTraceEnd)) throw sim::InputError("ends early, or with something other than a footer");
-  const FileRange range{load<std::uint64_t>(footer.data()), load<std::uint32_t>(footer.data() + 8)};
+  const FileRange range{load_unaligned<std::uint64_t>(footer.data()), load_unaligned<std::uint32_t>(footer.data() + 8)};
   if (range.offset > size_ || range.bytes > size_ - range.offset) throw sim::InputError("footer is damaged");
-  Json contents = sim::parse_json(block(range, kMaxContentsBytes));
+  Json contents = sim::parse_json(read_block(range, kMaxContentsBytes));
   for (const Json& tree : contents.at("trees")) {
     trees_.push_back({range_of(tree), number_at(tree, "nodes", kMaxNodes), counts_of_json(tree.at("counts"))});
   }
@@ -124,10 +124,10 @@ void TraceReader::read_contents() {
   frames_ = std::move(contents.at("frames"));
 }
 
-TileScope TraceReader::scope(const Part& part, std::uint32_t kernels) const {
+TileScope TraceReader::tile_scope(const Part& part, std::uint32_t kernels) const {
   const Tree& tree = trees_[part.tree];
   return naming_file([&]() -> TileScope {
-    return {decode_links(block(tree.range, kMaxTreeBytes), tree.nodes, tree.counts),
+    return {decode_links(read_block(tree.range, kMaxTreeBytes), tree.nodes, tree.counts),
             tree.counts,
             kernels,
             part.requirements.region_bytes,
@@ -138,12 +138,12 @@ TileScope TraceReader::scope(const Part& part, std::uint32_t kernels) const {
 
 std::vector<TraceReader::FileRange> TraceReader::tiles(const Part& part) const {
   return naming_file([&] {
-    const std::string sizes = block(part.sizes, std::uint64_t{4} * part.tiles);
+    const std::string sizes = read_block(part.sizes, std::uint64_t{4} * part.tiles);
     if (sizes.size() != std::uint64_t{4} * part.tiles) throw sim::InputError("sizes of tiles are damaged");
     std::vector<FileRange> ranges(part.tiles);
     std::uint64_t at = part.tiles_at;
     for (std::size_t i = 0; i < ranges.size(); ++i) {
-      ranges[i] = {at, load<std::uint32_t>(sizes.data() + 4 * i)};
+      ranges[i] = {at, load_unaligned<std::uint32_t>(sizes.data() + 4 * i)};
       if (at > size_ || ranges[i].bytes > size_ - at) throw sim::InputError("ends early");
       at += ranges[i].bytes;
     }
@@ -154,7 +154,7 @@ std::vector<TraceReader::FileRange> TraceReader::tiles(const Part& part) const {
 TileRays TraceReader::Cursor::read(const FileRange& tile, const TileScope& scope, TileWork& work) {
   trace_.read_at(tile, block_);
   const std::uint64_t most = std::min(scope.tile_bytes, most_held(block_.size()));
-  return decoder_.decode(unpacker_.unpack(block_, most), scope, work);
+  return decoder_.decode(unpacker_.unpack_block(block_, most), scope, work);
 }
 
 }  // namespace traces

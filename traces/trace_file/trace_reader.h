@@ -34,15 +34,15 @@ class TraceReader {
   TraceReader(const TraceReader&) = delete;
   TraceReader& operator=(const TraceReader&) = delete;
 
-  int version() const { return version_; }  ///< version of the file
+  int file_version() const { return version_; }  ///< version of the file
   const Json& header() const { return header_; }
   const std::vector<Part>& parts() const { return parts_; }
   const Json& frames() const { return frames_; }
   std::uint64_t bytes() const { return size_; }
-  std::size_t trees() const { return trees_.size(); }
+  std::size_t tree_count() const { return trees_.size(); }
 
   /// Returns the limits for tiles of the part; `kernels` is the number of kernels.
-  TileScope scope(const Part& part, std::uint32_t kernels) const;
+  TileScope tile_scope(const Part& part, std::uint32_t kernels) const;
   /// Returns the file range of each tile of the part.
   std::vector<FileRange> tiles(const Part& part) const;
 
@@ -65,9 +65,9 @@ class TraceReader {
     try {
       return f();
     } catch (const sim::InputError& error) {
-      complain(error.what());
+      throw_error(error.what());
     } catch (const sim::JsonError& error) {
-      complain(damage_of(error));
+      throw_error(damage_of(error));
     }
   }
 
@@ -78,10 +78,10 @@ class TraceReader {
     ImageCounts counts;
   };
   static std::string damage_of(const sim::JsonError& error);
-  [[noreturn]] void complain(const std::string& what) const;
+  [[noreturn]] void throw_error(const std::string& what) const;
   void read_at(const FileRange& range, std::string& out) const;
   /// Reads and unpacks a block.
-  std::string block(const FileRange& range, std::uint64_t most) const;
+  std::string read_block(const FileRange& range, std::uint64_t most) const;
   FileRange range_of(const Json& json) const;
   void read_header();
   void read_contents();

@@ -55,7 +55,7 @@ const std::filesystem::path& may_replace(const std::filesystem::path& path) {
 }
 
 template <class T>
-void append(T number, std::string& out) {
+void append_bytes(T number, std::string& out) {
   std::array<char, sizeof number> bytes{};
   std::memcpy(bytes.data(), &number, bytes.size());
   out.append(bytes.data(), bytes.size());
@@ -65,21 +65,21 @@ void append(T number, std::string& out) {
 
 TraceWriter::TraceWriter(const std::filesystem::path& path, const Json& header) : file_(may_replace(path)) {
   contents_ = {{"trees", Json::array()}, {"parts", Json::array()}, {"frames", Json::array()}};
-  const std::string_view packed = pack(sim::json_line(header));
+  const std::string_view packed = pack_limited(sim::json_line(header));
   std::string size;
-  append(static_cast<std::uint32_t>(packed.size()), size);
+  append_bytes(static_cast<std::uint32_t>(packed.size()), size);
   file_.write(kTraceMagic);
   file_.write(size);
   file_.write(packed);
 }
 
-std::string_view TraceWriter::pack(std::string_view bytes) {
-  const std::string_view packed = packer_.pack(bytes);
+std::string_view TraceWriter::pack_limited(std::string_view bytes) {
+  const std::string_view packed = packer_.pack_block(bytes);
   return bytes.size() <= most_held(packed.size()) ? packed : packer_.pack_loosely(bytes, kMaxPacking);
 }
 
-Json TraceWriter::put(std::string_view bytes) {
-  const std::string_view packed = pack(bytes);
+Json TraceWriter::append_block(std::string_view bytes) {
+  const std::string_view packed = pack_limited(bytes);
   const Json range = {{"offset", file_.size()}, {"bytes", packed.size()}};
   file_.write(packed);
   return range;
@@ -90,7 +90,7 @@ void TraceWriter::begin_part(PartId id, Links links, const ImageCounts& counts, 
   if (trees.empty() || links != links_ || counts != counts_) {
     links_ = std::move(links);
     counts_ = counts;
-    Json tree = put(encode_links(links_));
+    Json tree = append_block(encode_links(links_));
     tree["nodes"] = links_.nodes.size();
     tree["counts"] = to_json(counts);
     trees.push_back(std::move(tree));
@@ -113,16 +113,16 @@ void TraceWriter::add(const TileWork& work) {
                     "tile, depth or number of lights",
                     bytes_.size() >> 20, most_of_tile_ >> 20));
   }
-  const std::string_view packed = pack(bytes_);
+  const std::string_view packed = pack_limited(bytes_);
   file_.write(packed);
   sizes_.push_back(static_cast<std::uint32_t>(packed.size()));
 }
 
 void TraceWriter::end_part(Json result) {
   std::string sizes;
-  for (const std::uint32_t size : sizes_) append(size, sizes);
+  for (const std::uint32_t size : sizes_) append_bytes(size, sizes);
   part_["tiles"] = sizes_.size();
-  part_["sizes"] = put(sizes);
+  part_["sizes"] = append_block(sizes);
   part_["result"] = std::move(result);
   contents_bytes_ += sim::json_line(part_).size();
   if (contents_bytes_ > kMaxContentsBytes) {
@@ -135,10 +135,10 @@ void TraceWriter::end_part(Json result) {
 }
 
 void TraceWriter::commit() {
-  const Json range = put(sim::json_line(contents_));
+  const Json range = append_block(sim::json_line(contents_));
   std::string footer;
-  append(range["offset"].get<std::uint64_t>(), footer);
-  append(range["bytes"].get<std::uint32_t>(), footer);
+  append_bytes(range["offset"].get<std::uint64_t>(), footer);
+  append_bytes(range["bytes"].get<std::uint32_t>(), footer);
   file_.write(footer.append(kTraceEnd));
   file_.commit();
 }

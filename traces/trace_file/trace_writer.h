@@ -59,9 +59,9 @@ class TraceWriter {
 
  private:
   /// Packs a block within the limit of most_held(); valid until the next call.
-  std::string_view pack(std::string_view bytes);
+  std::string_view pack_limited(std::string_view bytes);
   /// Appends a block and returns its file range.
-  Json put(std::string_view bytes);
+  Json append_block(std::string_view bytes);
 
   OutputFile file_;
   Packer packer_;

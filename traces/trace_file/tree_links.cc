@@ -47,11 +47,11 @@ class Decoder {
     for (std::uint32_t node = 0; node < nodes; ++node) {
       if (depth_[node] == 0) begin_tree(node);
       if (depth_[node] > kMaxTreeDepth) throw sim::InputError("tree: is too deep; allowed: 128 levels");
-      for (std::uint32_t& link : links_.nodes[node]) link = child(node);
+      for (std::uint32_t& link : links_.nodes[node]) link = decode_child(node);
     }
     if (trees_.size() != counts_.trees) throw sim::InputError("tree: has not as many trees as it says");
     read_instances();
-    if (from_.left() != 0) throw sim::InputError("tree: is longer than its nodes");
+    if (from_.bytes_left() != 0) throw sim::InputError("tree: is longer than its nodes");
     return std::move(links_);
   }
 
@@ -63,13 +63,13 @@ class Decoder {
     depth_[node] = 1;
   }
 
-  std::uint32_t child(std::uint32_t node) {
-    const std::uint64_t code = from_.number();
+  std::uint32_t decode_child(std::uint32_t node) {
+    const std::uint64_t code = from_.read_number();
     if (code == kNothing && depth_[node] == 1) return kNoChild;
-    return (code & 1) == 0 ? inner(node, code >> 1) : leaf(node, code);
+    return (code & 1) == 0 ? decode_inner(node, code >> 1) : decode_leaf(node, code);
   }
 
-  std::uint32_t inner(std::uint32_t node, std::uint64_t distance) {
+  std::uint32_t decode_inner(std::uint32_t node, std::uint64_t distance) {
     if (distance == 0 || distance >= links_.nodes.size() - node) ByteReader::out_of_range("tree: a child");
     const std::uint32_t link = node + static_cast<std::uint32_t>(distance);
     if (depth_[link] != 0) throw sim::InputError("tree: a node has two parents");
@@ -78,7 +78,7 @@ class Decoder {
     return link;
   }
 
-  std::uint32_t leaf(std::uint32_t node, std::uint64_t code) {
+  std::uint32_t decode_leaf(std::uint32_t node, std::uint64_t code) {
     const bool enters = is_upper_[node];
     std::uint64_t& end = enters ? instances_end_ : triangles_end_;
     const std::uint64_t all = enters ? counts_.instances : triangles_, most = enters ? 1 : kMaxLeafTriangles;
@@ -97,7 +97,7 @@ class Decoder {
     std::vector<bool> has_instance(trees_.size(), false);
     links_.roots.assign(counts_.instances, kNone);
     for (std::uint64_t i = 0; i < counts_.instances; ++i) {
-      const std::uint64_t code = from_.number(trees_.size(), "tree: an instance's tree");
+      const std::uint64_t code = from_.read_number(trees_.size(), "tree: an instance's tree");
       if (seen_[i] != (code != kNothing)) throw sim::InputError("tree: an instance without a tree, or without a place");
       if (code == kNothing) continue;
       links_.roots[i] = trees_[code - 1];
@@ -134,7 +134,9 @@ std::string encode_links(const Links& links) {
   LeafEnds ends;
   for (std::uint32_t node = 0; node < links.nodes.size(); ++node) {
     for (const std::uint32_t link : links.nodes[node]) {
-      to.number(link == kNoChild ? kNothing : is_leaf(link) ? leaf_code(link, ends) : std::uint64_t{link - node} << 1);
+      to.write_number(link == kNoChild ? kNothing
+                      : is_leaf(link)  ? leaf_code(link, ends)
+                                       : std::uint64_t{link - node} << 1);
     }
   }
   // Trees are numbered in the order of their roots.
@@ -143,7 +145,7 @@ std::string encode_links(const Links& links) {
   trees.erase(std::unique(trees.begin(), trees.end()), trees.end());
   for (const std::uint32_t root : links.roots) {
     const auto index = std::ranges::lower_bound(trees, root) - trees.begin();
-    to.number(root == kNone ? kNothing : static_cast<std::uint64_t>(index) + 1);
+    to.write_number(root == kNone ? kNothing : static_cast<std::uint64_t>(index) + 1);
   }
   return out;
 }

@@ -14,28 +14,28 @@ namespace {
 
 enum Pop : std::uint32_t { kNext = 0, kCullAll = 1, kEndHere = 2, kCullSome = 3 };
 
-/// Converts exit phases of 4 bits each to 2 bits each; spread() does the reverse.
-constexpr std::uint32_t squeeze(std::uint32_t x) {
+/// Converts exit phases of 4 bits each to 2 bits each; unpack_phases() does the reverse.
+constexpr std::uint32_t pack_phases(std::uint32_t x) {
   x &= 0x33333333U;
   x = (x | x >> 2) & 0x0f0f0f0fU;
   x = (x | x >> 4) & 0x00ff00ffU;
   return (x | x >> 8) & 0x0000ffffU;
 }
-constexpr std::uint32_t spread(std::uint32_t x) {
+constexpr std::uint32_t unpack_phases(std::uint32_t x) {
   x = (x | x << 8) & 0x00ff00ffU;
   x = (x | x << 4) & 0x0f0f0f0fU;
   return (x | x << 2) & 0x33333333U;
 }
 
 /// Returns the lowest bit of each nibble that is not 0.
-constexpr std::uint32_t nonzero(std::uint32_t phases) {
+constexpr std::uint32_t nonzero_phases(std::uint32_t phases) {
   phases |= phases >> 1;
   return (phases | phases >> 2) & 0x11111111U;
 }
 
 /// True if exactly the first `tested` triangles of a leaf have an exit phase, and `tested` is not 0.
 constexpr bool are_tested(std::uint32_t phases, std::uint32_t tested) {
-  return tested != 0 && nonzero(phases) == (0x11111111U & (0xffffffffU >> (32 - 4 * tested)));
+  return tested != 0 && nonzero_phases(phases) == (0x11111111U & (0xffffffffU >> (32 - 4 * tested)));
 }
 
 /// Bits of a cull count; a stack has kMaxTreeDepth entries per level.
@@ -50,7 +50,7 @@ constexpr std::size_t kStackSize = 2 * std::size_t{kMaxTreeDepth} + 1;
 class BitWriter {
  public:
   explicit BitWriter(char* out) : out_(out) {}
-  void put(std::uint64_t value, std::uint32_t bits) {
+  void put_bits(std::uint64_t value, std::uint32_t bits) {
     held_ |= value << count_;
     count_ += bits;
     if (count_ < 32) return;
@@ -60,7 +60,7 @@ class BitWriter {
     count_ -= 32;
   }
   /// Flushes and returns the end of the bytes.
-  char* end() {
+  char* finish_bits() {
     std::memcpy(out_, &held_, 8);
     return out_ + (count_ + 7) / 8;
   }
@@ -72,7 +72,7 @@ class BitWriter {
 };
 
 struct NoBits {
-  void put(std::uint64_t, std::uint32_t) {}
+  void put_bits(std::uint64_t, std::uint32_t) {}
 };
 
 /// Checks walks against a tree, word by word.
@@ -86,7 +86,7 @@ class Follower {
 
   /// Checks one ray's walk and writes its bits to `out`. False if the walk does not fit the tree.
   template <class Bits>
-  bool follow(Bits& out) {
+  bool follow_walk(Bits& out) {
     std::uint32_t link = 0, depth = 0;
     for (;;) {
       if (at_ == end_) return false;
@@ -95,7 +95,7 @@ class Follower {
         const std::uint32_t code = word >> 27;
         if (link >= links_.size() || node_of(word) != link || code > 7 || ((1U << code) & 0x70U) != 0) return false;
         steps_.visits += 1;
-        out.put(code, 3);
+        out.put_bits(code, 3);
         const std::uint32_t hits = hits_of(word);
         if (hits != 0) {
           const std::uint32_t near = hits == 3 ? near_of(word) : hits >> 1;
@@ -122,16 +122,16 @@ class Follower {
         }
         depth -= culled;
         if (depth != 0 && kind_of(next) != StepKind::kEnd) {
-          out.put(culled != 0 ? kCullSome | culled << 2 : kNext, culled != 0 ? 2 + cull_bits_ : 2);
+          out.put_bits(culled != 0 ? kCullSome | culled << 2 : kNext, culled != 0 ? 2 + cull_bits_ : 2);
           link = stack_[--depth];
           continue;
         }
         if (depth != 0 && culled != 0) return false;
-        out.put(depth == 0 ? kCullAll : kEndHere, 2);
+        out.put_bits(depth == 0 ? kCullAll : kEndHere, 2);
       }
       if (next != end_step(false) && next != end_step(true)) return false;
       at_ += 1;
-      out.put(next & 1, 1);
+      out.put_bits(next & 1, 1);
       return true;
     }
   }
@@ -143,7 +143,7 @@ class Follower {
     const std::uint32_t phases = *at_++, tested = count_of(word);
     if (tested > leaf_count(link) || (phases & 0xccccccccU) != 0 || !are_tested(phases, tested)) return false;
     steps_.tests += tested;
-    out.put(squeeze(phases), 2 * leaf_count(link));
+    out.put_bits(pack_phases(phases), 2 * leaf_count(link));
     return true;
   }
 
@@ -165,10 +165,10 @@ bool encode_walks(const TileWork& work, const Links& links, std::string& out) {
   Follower follower(links, begin, begin + work.walk.size());
   bool good = true;
   for (std::size_t ray = 0; good && ray < work.ray_begin.size(); ++ray) {
-    good = follower.at() == begin + work.ray_begin[ray] && follower.follow(bits);
+    good = follower.at() == begin + work.ray_begin[ray] && follower.follow_walk(bits);
   }
   good = good && follower.at() == begin + work.walk.size();
-  out.resize(good ? static_cast<std::size_t>(bits.end() - out.data()) : before);
+  out.resize(good ? static_cast<std::size_t>(bits.finish_bits() - out.data()) : before);
   return good;
 }
 
@@ -181,7 +181,7 @@ WalkSteps decode_plain_walks(std::string_view bytes, const Links& links, std::ui
   NoBits none;
   for (std::uint32_t& at : work.ray_begin) {
     at = static_cast<std::uint32_t>(follower.at() - begin);
-    if (!follower.follow(none)) no_walk();
+    if (!follower.follow_walk(none)) no_walk();
   }
   if (follower.at() != begin + work.walk.size()) no_walk();
   return follower.steps();
@@ -198,9 +198,9 @@ struct Cursor {
       : bits(from.data()), end(8 * from.size()), words(count), walk(to) {
     make_room(std::max<std::size_t>(kFirstRoom, to.capacity()), 0);
   }
-  std::uint32_t written() const { return static_cast<std::uint32_t>(out - walk.data()); }
-  void grow() {
-    const std::uint32_t done = written();
+  std::uint32_t word_count() const { return static_cast<std::uint32_t>(out - walk.data()); }
+  void grow_output() {
+    const std::uint32_t done = word_count();
     if (done >= words) no_walk();
     make_room(2 * walk.size(), done);
   }
@@ -226,7 +226,7 @@ struct Cursor {
 /// Decodes a leaf's tests from the next bits and returns the number of bits used.
 inline std::uint32_t decode_leaf(std::uint64_t window, std::uint32_t link, Cursor& c) {
   const std::uint32_t size = 2 * leaf_count(link);
-  const std::uint32_t phases = spread(static_cast<std::uint32_t>(window) & ((1U << size) - 1));
+  const std::uint32_t phases = unpack_phases(static_cast<std::uint32_t>(window) & ((1U << size) - 1));
   const std::uint32_t tested = static_cast<std::uint32_t>(std::bit_width(phases) + 3) / 4;
   if (!are_tested(phases, tested)) no_walk();
   *c.out++ = leaf_step(leaf_first(link), tested);
@@ -246,8 +246,8 @@ inline void decode_walk(const Links& links, Cursor& c) {
   std::uint32_t link = 0, depth = 0;
   for (;;) {
     if (c.at >= c.end) no_walk();
-    if (c.out >= c.last) c.grow();
-    std::uint64_t window = load<std::uint64_t>(c.bits + (c.at >> 3)) >> (c.at & 7);
+    if (c.out >= c.last) c.grow_output();
+    std::uint64_t window = load_unaligned<std::uint64_t>(c.bits + (c.at >> 3)) >> (c.at & 7);
     if (!is_leaf(link)) {
       const std::uint32_t code = window & 7;
       if (link >= nodes || ((1U << code) & 0x70U) != 0) no_walk();
@@ -299,14 +299,15 @@ inline void decode_walk(const Links& links, Cursor& c) {
 
 /// Decodes walks for trees of one or two levels.
 template <bool kLevels>
-WalkSteps decode(std::string_view bits, const Links& links, std::uint32_t rays, std::uint32_t words, TileWork& work) {
+WalkSteps decode_levels(std::string_view bits, const Links& links, std::uint32_t rays, std::uint32_t words,
+                        TileWork& work) {
   Cursor c(bits, words, work.walk);
   work.ray_begin.resize(rays);
   for (std::uint32_t& ray : work.ray_begin) {
-    ray = c.written();
+    ray = c.word_count();
     decode_walk<kLevels>(links, c);
   }
-  if (c.written() != words || (c.at + 7) / 8 != bits.size()) no_walk();
+  if (c.word_count() != words || (c.at + 7) / 8 != bits.size()) no_walk();
   work.walk.resize(words);
   return c.steps;
 }
@@ -315,8 +316,8 @@ WalkSteps decode(std::string_view bits, const Links& links, std::uint32_t rays, 
 
 WalkSteps decode_walks(std::string_view bits, const Links& links, std::uint32_t rays, std::uint32_t words,
                        TileWork& work) {
-  return links.roots.empty() ? decode<false>(bits, links, rays, words, work)
-                             : decode<true>(bits, links, rays, words, work);
+  return links.roots.empty() ? decode_levels<false>(bits, links, rays, words, work)
+                             : decode_levels<true>(bits, links, rays, words, work);
 }
 
 }  // namespace traces

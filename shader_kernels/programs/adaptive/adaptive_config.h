@@ -227,7 +227,7 @@ struct ReconstructConfig : AdaptiveConfig {
   }
   /// Returns the filter's depth units per unit of length.
   float depth_scale(float scene_size) const { return static_cast<float>(depth_factor * scene_side / scene_size); }
-  float bend() const {
+  float bend_factor() const {
     return static_cast<float>(normal_weight == NormalWeight::kFactor ? normal_sigma : 1 / normal_sigma);
   }
   void check(auto&& complain) const {

@@ -31,7 +31,7 @@ BlockFrame::BlockFrame(const traces::MemoryImage& image, const traces::Camera& v
       scene(image, config),
       camera(camera_uniforms(viewer, config.width, config.height)),
       tiles(config.width, config.height, setup.grid, config.tile, setup.whole),
-      order(tiles.order(keys.halo)),
+      order(tiles.rendering_order(keys.halo)),
       number(frame) {}
 
 std::uint64_t BlockFrame::store_bytes() const {
@@ -58,11 +58,11 @@ FrameRequirements BlockFrame::requirements() const {
 }
 
 LatticeUniforms<float> BlockFrame::own_samples(const SampleTile& at) const {
-  return {.first = static_cast<float>(pitch() + 1),
+  return {.first = static_cast<float>(row_pitch() + 1),
           .across = static_cast<float>(at.width),
           .inverse_across = inverse_or_one(at.width),
           .step = 1,
-          .row_step = static_cast<float>(pitch())};
+          .row_step = static_cast<float>(row_pitch())};
 }
 
 GridUniforms<float> BlockFrame::grid_uniforms(float x0, float y0, std::uint32_t row_samples) const {
@@ -93,8 +93,8 @@ BlockTile::BlockTile(const BlockFrame& frame, const SampleTile& tile, const trac
     : at(tile),
       out(result),
       buffer(result.buffer),
-      wave(frame.scene, tracer, record, frame.cone(), result),
-      graph(wave.graph()),
+      wave(frame.scene, tracer, record, frame.ray_cone(), result),
+      graph(wave.tile_graph()),
       frame_(frame) {
   const std::uint32_t grid = frame.setup.grid;
   out.tile = at.index;
@@ -107,7 +107,7 @@ BlockTile::BlockTile(const BlockFrame& frame, const SampleTile& tile, const trac
   out.sampling = {};
   out.marks.assign(std::size_t{at.width} * at.height, 0);
   // Kernels may load samples beyond the last row in place of a missing reference; the values are not used.
-  buffer.reserve_samples(std::size_t{frame.pitch()} * (frame.pitch() + frame.setup.whole));
+  buffer.reserve_samples(std::size_t{frame.row_pitch()} * (frame.row_pitch() + frame.setup.whole));
   out.work.frame = frame.number;
   out.work.tile = at.index;
   out.work.samples = at.width * at.height;
@@ -116,16 +116,16 @@ BlockTile::BlockTile(const BlockFrame& frame, const SampleTile& tile, const trac
 /// Reads the block sides of the tile and of the tiles in its halo.
 void BlockTile::read_rates() {
   const std::uint32_t first = at.has_left ? at.left : at.index;
-  start_ = graph.transfer(Region::kRates, false, first, at.index - first + 1);
+  start_ = graph.add_transfer(Region::kRates, false, first, at.index - first + 1);
   if (!at.has_above) return;
-  const Wavefront::Node above = graph.transfer(Region::kRates, false, at.above, 1);
+  const Wavefront::Node above = graph.add_transfer(Region::kRates, false, at.above, 1);
   graph.wait_all(above, start_);
   start_ = above;
 }
 
 BlockLines BlockTile::lines_along_x(std::uint32_t block, bool is_own) const {
-  const std::uint32_t pitch = frame_.pitch(), between = at.width - at.width / block;
-  BlockLines lines{line_uniforms(between, block), false, is_own ? rows() * between : between, is_own};
+  const std::uint32_t pitch = frame_.row_pitch(), between = at.width - at.width / block;
+  BlockLines lines{line_uniforms(between, block), false, is_own ? block_rows() * between : between, is_own};
   lines.uniforms.first = is_own ? static_cast<float>(block * pitch) : 0.0F;
   lines.uniforms.step = 1;
   lines.uniforms.line_step = static_cast<float>(block * pitch);
@@ -135,9 +135,9 @@ BlockLines BlockTile::lines_along_x(std::uint32_t block, bool is_own) const {
 }
 
 BlockLines BlockTile::lines_along_y() const {
-  BlockLines lines{line_uniforms(at.width, block_), true, (at.height - rows()) * at.width, true};
+  BlockLines lines{line_uniforms(at.width, block_), true, (at.height - block_rows()) * at.width, true};
   lines.uniforms.first = 1;
-  lines.uniforms.step = static_cast<float>(frame_.pitch());
+  lines.uniforms.step = static_cast<float>(frame_.row_pitch());
   lines.uniforms.line_step = 1;
   lines.uniforms.low = at.has_above ? 0.0F : 1.0F;
   lines.uniforms.high = static_cast<float>(at.height);
@@ -145,8 +145,8 @@ BlockLines BlockTile::lines_along_y() const {
 }
 
 void BlockTile::trace_references() {
-  const std::uint32_t pitch = frame_.pitch();
-  trace_lattice(block_ * (pitch + 1), columns(), block_, block_ * pitch, rows() * columns(), true);
+  const std::uint32_t pitch = frame_.row_pitch();
+  trace_lattice(block_ * (pitch + 1), block_columns(), block_, block_ * pitch, block_rows() * block_columns(), true);
 }
 
 void BlockTile::trace_lattice(std::uint32_t first, std::uint32_t across, std::uint32_t step, std::uint32_t row_step,
@@ -162,7 +162,7 @@ void BlockTile::trace_lattice(std::uint32_t first, std::uint32_t across, std::ui
   graph.wait_all(listed, start_);
   trace_listed(buffer.checks.samples, listed, items, frame_.setup.before_check_y, is_own, items);
   if (!is_own) return;
-  const std::uint32_t pitch = frame_.pitch();
+  const std::uint32_t pitch = frame_.row_pitch();
   for (std::uint32_t i = 0; i < items; ++i) {
     const std::uint32_t sample = buffer.checks.samples.entries[i];
     out.marks[std::size_t{sample / pitch - 1} * at.width + sample % pitch - 1] = kTracedMark | kReferenceMark;
@@ -176,9 +176,9 @@ void BlockTile::trace_listed(SampleQueue& list, Wavefront::Node lister, std::uin
   GenerateListedRays::Ports<float> generate;
   generate.camera = frame_.camera;
   generate.grid =
-      frame_.grid_uniforms(static_cast<float>(at.x) - 1.0F, static_cast<float>(at.y) - 1.0F, frame_.pitch());
+      frame_.grid_uniforms(static_cast<float>(at.x) - 1.0F, static_cast<float>(at.y) - 1.0F, frame_.row_pitch());
   RetainedRecords retained = kept;
-  const Wavefront::Node generated = wave.generate(generate, list, lister, items, retained, lanes);
+  const Wavefront::Node generated = wave.generate_listed(generate, list, lister, items, retained, lanes);
   wave.run(generated, items, retained, lanes);
   if (retained.surfaces) record_global_light(list, items, lanes, frame_.setup.faint);
   if (graph.is_muted()) return;
@@ -206,17 +206,17 @@ void BlockTile::record_global_light(SampleQueue& list, std::uint32_t items, std:
 }
 
 void BlockTile::trace_failed(const BlockLines& lines, const Verdict& verdict) {
-  if (lines.is_own) mark(lines, verdict);
+  if (lines.is_own) mark_samples(lines, verdict);
   const RetainedRecords& kept = lines.along_y ? frame_.setup.after_check_y : frame_.setup.before_check_y;
   trace_listed(buffer.checks.failed, verdict.node, verdict.failed, kept, lines.is_own, lines.samples);
   if (!lines.is_own || !lines.along_y || !frame_.setup.carries_rates) return;
-  const Wavefront::Node written = graph.transfer(Region::kRates, true, at.index, 1);
+  const Wavefront::Node written = graph.add_transfer(Region::kRates, true, at.index, 1);
   graph.wait_all(written, verdict.node);
 }
 
 /// Counts a check's results, and marks its samples for debug pictures.
-void BlockTile::mark(const BlockLines& lines, const Verdict& verdict) {
-  const std::uint32_t pitch = frame_.pitch();
+void BlockTile::mark_samples(const BlockLines& lines, const Verdict& verdict) {
+  const std::uint32_t pitch = frame_.row_pitch();
   const auto own = [&](std::uint32_t sample) -> SampleMark& {
     return out.marks[std::size_t{sample / pitch - 1} * at.width + sample % pitch - 1];
   };
@@ -247,7 +247,7 @@ void BlockTile::import_samples(std::uint32_t tile, std::uint32_t border, std::ui
   graph.import_samples({tile, border}, frame_.store_bytes() * tile + offset, samples * frame_.exchanged_bytes());
   if (!frame_.scene.fuses || !frame_.setup.before_check_y.surfaces) return;
   // The machine counts imported samples here; functionally they were counted when traced.
-  const Wavefront::Node counted = graph.note<CountColoured>(samples);
+  const Wavefront::Node counted = graph.record_known<CountColoured>(samples);
   graph.wait_for_records(counted);
   graph.register_record_writer(counted);
 }
@@ -256,25 +256,25 @@ void BlockTile::import_samples(std::uint32_t tile, std::uint32_t border, std::ui
 /// memory, the recorded work is a transfer and the tracing is muted.
 void BlockTile::import_left() {
   if (!at.has_left) return;
-  const std::uint32_t step = block_ * frame_.pitch();
-  if (frame_.adaptive.halo == Halo::kRetrace) return trace_lattice(step, 1, 0, step, rows(), false);
+  const std::uint32_t step = block_ * frame_.row_pitch();
+  if (frame_.adaptive.halo == Halo::kRetrace) return trace_lattice(step, 1, 0, step, block_rows(), false);
   // A coarser neighbour has references in some rows only.
   const std::uint32_t stride = left_block_ / block_ > 1 ? left_block_ / block_ : 1;
-  const std::uint32_t kept = rows() / stride;
+  const std::uint32_t kept = block_rows() / stride;
   if (kept != 0) {
     import_samples(at.left, kRightBorder, std::uint64_t{frame_.tiles.side()} * frame_.exchanged_bytes(), kept);
   }
-  if (stride > 1) trace_lattice(step, 1, 0, stride * step, rows() - kept, false);
-  graph.mute();
+  if (stride > 1) trace_lattice(step, 1, 0, stride * step, block_rows() - kept, false);
+  graph.pause_recording();
   trace_lattice(stride * step, 1, 0, stride * step, kept, false);
-  graph.unmute();
+  graph.resume_recording();
 }
 
 bool BlockTile::begin_import_above() {
   if (!at.has_above) return false;
   if (frame_.adaptive.halo == Halo::kReload) {
     import_samples(at.above, kLowerBorder, 0, at.width);
-    graph.mute();
+    graph.pause_recording();
   }
   return true;
 }
@@ -289,7 +289,7 @@ void BlockTile::export_right() {
   if (frame_.adaptive.halo == Halo::kRetrace || !at.has_right) return;
   const std::uint64_t bytes = frame_.exchanged_bytes();
   graph.export_samples(kRightBorder, frame_.store_bytes() * at.index + frame_.tiles.side() * bytes,
-                       rows() * frame_.exchanged_bytes());
+                       block_rows() * frame_.exchanged_bytes());
 }
 
 void BlockTile::export_below() {
@@ -301,14 +301,15 @@ void BlockTile::spill_records(std::uint32_t written, std::uint32_t read) {
   if (frame_.adaptive.attributes == AttributeStorage::kTile || written == 0) return;
   const std::uint64_t borders = 2 * std::uint64_t{frame_.tiles.side()} * frame_.exchanged_bytes();
   const std::uint64_t store = frame_.store_bytes() * at.index + borders;
-  const Wavefront::Node to_dram = graph.transfer(Region::kSamples, true, store, written * frame_.setup.record_bytes);
+  const Wavefront::Node to_dram =
+      graph.add_transfer(Region::kSamples, true, store, written * frame_.setup.record_bytes);
   graph.wait_for_records(to_dram);
-  const Wavefront::Node back = graph.transfer(Region::kSamples, false, store, read * frame_.setup.record_bytes);
+  const Wavefront::Node back = graph.add_transfer(Region::kSamples, false, store, read * frame_.setup.record_bytes);
   graph.wait_all(back, to_dram);
   graph.register_record_writer(back);
 }
 
-void BlockTile::average() {
+void BlockTile::average_pixels() {
   if (packs_samples()) {
     PackGridSample::Ports<float> pack;
     pack.lattice = frame_.own_samples(at);
@@ -322,8 +323,8 @@ void BlockTile::average() {
   ports.inverse_width = inverse_or_one(out.width);
   ports.grid = static_cast<float>(grid);
   ports.inverse_grid = inverse_or_one(grid);
-  ports.first = static_cast<float>(frame_.pitch() + 1);
-  ports.pitch = static_cast<float>(frame_.pitch());
+  ports.first = static_cast<float>(frame_.row_pitch() + 1);
+  ports.pitch = static_cast<float>(frame_.row_pitch());
   const Wavefront::Node averaged = graph.launch<AverageSamples>(ports, out.width * out.height * per_pixel);
   graph.wait_for_colours(averaged);
   graph.write_pixels(averaged, frame_.picture_bytes() * at.index);
@@ -339,7 +340,7 @@ void BlockTile::finish() {
   Sampling& sampling = out.sampling;
   sampling.wanted = std::uint64_t{at.width} * at.height;
   sampling.traced_background = out.background.size();
-  const std::uint32_t pitch = frame_.pitch();
+  const std::uint32_t pitch = frame_.row_pitch();
   for (const std::uint32_t sample : out.background) {
     if (sample % pitch != 0 && sample / pitch != 0) sampling.background += 1;
   }

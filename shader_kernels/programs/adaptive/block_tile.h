@@ -39,8 +39,8 @@ struct BlockFrame {
 
   FrameRequirements requirements() const;
   /// Returns the samples per row of the tile buffer.
-  std::uint32_t pitch() const { return tiles.side() + 1; }
-  ConeUniforms<float> cone() const { return cone_uniforms(camera, setup.grid); }
+  std::uint32_t row_pitch() const { return tiles.side() + 1; }
+  ConeUniforms<float> ray_cone() const { return cone_uniforms(camera, setup.grid); }
   /// Returns the tile's samples in the tile buffer, without its halo.
   LatticeUniforms<float> own_samples(const SampleTile& at) const;
   GridUniforms<float> grid_uniforms(float x0, float y0, std::uint32_t row_samples) const;
@@ -85,7 +85,7 @@ class BlockTile {
   /// `block_of(tile)` returns a tile's block side in this frame, in pixels.
   BlockTile(const BlockFrame& frame, std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
             TileResult& result, auto&& block_of)
-      : BlockTile(frame, frame.tiles.tile(frame.order[tile_index]), tracer, record, result) {
+      : BlockTile(frame, frame.tiles.sample_tile(frame.order[tile_index]), tracer, record, result) {
     block_ = block_of(at.index);
     if (at.has_left) left_block_ = block_of(at.left);
     if (at.has_above) above_block_ = block_of(at.above);
@@ -113,17 +113,19 @@ class BlockTile {
     if (!begin_import_above()) return;
     trace_references_above();
     resolve(lines_along_x(above_block_, false));
-    graph.unmute();
+    graph.resume_recording();
   }
   /// Writes the records of the references to DRAM and reads them back, if `AdaptiveConfig::attributes` is dram.
-  void spill_references_to_dram() { spill_records(rows() * columns(), rows() * columns()); }
+  void spill_references_to_dram() { spill_records(block_rows() * block_columns(), block_rows() * block_columns()); }
   /// Does the same for the x samples, and reads all reference rows back.
-  void spill_reference_rows_to_dram() { spill_records(rows() * (at.width - columns()), rows() * at.width); }
+  void spill_reference_rows_to_dram() {
+    spill_records(block_rows() * (at.width - block_columns()), block_rows() * at.width);
+  }
 
   /// True if one kernel clamps, encodes and packs pixels; they have a single sample each.
   bool packs_samples() const { return frame_.scene.fuses && frame_.setup.grid == 1 && !frame_.scene.dma_encodes; }
   /// Averages the samples of each pixel and writes the picture.
-  void average();
+  void average_pixels();
   /// Writes the pixels that `packed` encoded.
   void write_packed(Wavefront::Node packed);
   /// Ends the tile's work and counts its samples.
@@ -139,8 +141,8 @@ class BlockTile {
  private:
   BlockTile(const BlockFrame& frame, const SampleTile& tile, const traces::Tracer& tracer, bool record,
             TileResult& result);
-  std::uint32_t rows() const { return at.height / block_; }
-  std::uint32_t columns() const { return at.width / block_; }
+  std::uint32_t block_rows() const { return at.height / block_; }
+  std::uint32_t block_columns() const { return at.width / block_; }
   void read_rates();
   BlockLines lines_along_x(std::uint32_t block, bool is_own) const;
   /// Traces `items` samples, `across` per row, beginning at sample `first`.
@@ -153,7 +155,7 @@ class BlockTile {
   bool begin_import_above();
   void trace_references_above();
   void spill_records(std::uint32_t written, std::uint32_t read);
-  void mark(const BlockLines& lines, const Verdict& verdict);
+  void mark_samples(const BlockLines& lines, const Verdict& verdict);
 
   const BlockFrame& frame_;
   std::uint32_t block_ = 2, left_block_ = 2, above_block_ = 2;

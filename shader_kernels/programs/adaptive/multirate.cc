@@ -64,7 +64,7 @@ void MultirateProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& 
   // 3. Check all other samples, between the rows.
   resolve(tile.lines_along_y());
   // 4. Average the samples of each pixel.
-  tile.average();
+  tile.average_pixels();
   tile.finish();
 }
 

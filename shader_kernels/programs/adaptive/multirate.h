@@ -16,7 +16,7 @@ class MultirateProgram final : public FrameProgram {
                    const MultirateConfig& multirate, std::uint32_t grid, const RateMap& rates, std::uint32_t frame);
 
   std::uint32_t tiles() const override { return blocks_.tiles.count(); }
-  TileCounts tile_counts() const override { return {blocks_.tiles.across(), blocks_.tiles.down()}; }
+  TileCounts tile_counts() const override { return {blocks_.tiles.tiles_across(), blocks_.tiles.tiles_down()}; }
   FrameRequirements requirements() const override { return blocks_.requirements(); }
   void run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const override;
   void commit_tile(const TileResult& tile) override;

@@ -28,10 +28,10 @@ ReconstructProgram::ReconstructProgram(const traces::MemoryImage& image, const t
       camera_(camera_uniforms(camera, config.width, config.height)),
       tiles_(config.width, config.height, config.tile / 2,
              reconstruct.radius),  // pixels have four samples, two along a side
-      order_(tiles_.tiles().order(reconstruct.halo)),
+      order_(tiles_.tiles().rendering_order(reconstruct.halo)),
       frame_(frame),
       depth_scale_(reconstruct.depth_scale(scene_size)),
-      bend_(reconstruct.bend()) {
+      bend_(reconstruct.bend_factor()) {
   if (!filters_apart() || !has_geometry() || config.depth == 1) return;
   const std::uint32_t flags = flags_of(image);
   // Glass reflects too.
@@ -62,44 +62,44 @@ FrameRequirements ReconstructProgram::requirements() const {
 }
 
 ReconstructProgram::Tile ReconstructProgram::tile_of(const SampleTile& at, Wavefront& wave, TileResult& out) const {
-  return {at, tiles_.finished(at, out), out.width * out.height, wave, wave.graph(), out, out.buffer};
+  return {at, tiles_.finished_uniforms(at, out), out.width * out.height, wave, wave.tile_graph(), out, out.buffer};
 }
 
 void ReconstructProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
                                   TileResult& out) const {
-  const SampleTile at = tiles_.tiles().tile(order_[tile_index]);
+  const SampleTile at = tiles_.tiles().sample_tile(order_[tile_index]);
   tiles_.place(at, out);
   out.sampling = {};
   out.marks.clear();
   out.work.frame = frame_;
   out.work.tile = at.index;
   out.work.samples = at.width * at.height;
-  out.buffer.reserve_visible(std::size_t{layers_} * layer(), tiles_.most_pixels());
+  out.buffer.reserve_visible(std::size_t{layers_} * layer_offset(), tiles_.most_pixels());
   Wavefront wave(scene_, tracer, record, cone_uniforms(camera_, 1), out);
-  TileGraph& graph = wave.graph();
+  TileGraph& graph = wave.tile_graph();
   Tile tile = tile_of(at, wave, out);
   out.linear.resize(tile.pixels);
   out.packed.resize(tile.pixels);
 
-  const Part own{tiles_.halo(), tiles_.halo(), at.width, at.height};
+  const PixelRect own{tiles_.halo_width(), tiles_.halo_width(), at.width, at.height};
   // Shade one sample of every pixel; find geometry and shadows of the other three.
-  trace(tile, own, own, true);
+  trace_pixels(tile, own, own, true);
   export_borders(tile);  // borders need no halo
   make_halo(tile);
   spill_attributes_to_dram(tile);
   // Filter the shaded samples around each sample by geometry; shade all four where colours still differ.
-  Node made = has_geometry() ? reconstruct(tile) : show_shaded(tile);
+  Node made = has_geometry() ? filter_pixels(tile) : show_shaded(tile);
   if (tests_colours()) made = shade_contrasts(tile, made);
   graph.write_pixels(made, std::uint64_t{at.index} * tiles_.most_pixels() * kPixelBytes);
   wave.finish();
-  count(tile);
+  count_samples(tile);
 }
 
-VisibleSamples ReconstructProgram::records(bool are_shaded) const {
+VisibleSamples ReconstructProgram::records_to_keep(bool are_shaded) const {
   VisibleSamples records{.are_kept = has_geometry(), .are_shaded = are_shaded};
   records.have_shadows = filters_apart();
-  records.mirrored = mirrors_ * layer();
-  records.refracted = glass_ * layer();
+  records.mirrored = mirrors_ * layer_offset();
+  records.refracted = glass_ * layer_offset();
   if (!are_shaded) records.depth = layers_ > 1 ? 2 : 1;
   records.eye = eye_uniforms(camera_, config_.width, config_.height, depth_scale_);
   records.depth_scale = depth_scale_;
@@ -107,24 +107,24 @@ VisibleSamples ReconstructProgram::records(bool are_shaded) const {
 }
 
 /// Traces the shaded samples of one rectangle and the other samples of another.
-void ReconstructProgram::trace(Tile& tile, const Part& shaded, const Part& others, bool is_own) const {
+void ReconstructProgram::trace_pixels(Tile& tile, const PixelRect& shaded, const PixelRect& others, bool is_own) const {
   const Node cleared = clear_branches(tile, shaded);
   trace_shaded(tile, shaded, cleared);
   if (has_geometry()) trace_others(tile, others, cleared);
   if (tile.graph.is_muted()) return;
-  const std::uint32_t samples = shaded.pixels() + (has_geometry() ? kOtherSamples * others.pixels() : 0);
+  const std::uint32_t samples = shaded.pixel_count() + (has_geometry() ? kOtherSamples * others.pixel_count() : 0);
   tile.out.sampling.traced += samples;
   if (!is_own) tile.out.sampling.halo += samples;
 }
 
-ReconstructProgram::Node ReconstructProgram::clear_branches(Tile& tile, const Part& part) const {
+ReconstructProgram::Node ReconstructProgram::clear_branches(Tile& tile, const PixelRect& part) const {
   Node last = Wavefront::kNone;
   for (std::uint32_t b = 1; b < layers_; ++b) {
     ClearBranch::Ports<float> ports;
-    ports.lattice = tiles_.lattice(part.x, part.y, part.across);
-    ports.lattice.first += static_cast<float>(b * layer());
-    ports.apart = positions();
-    const Node cleared = tile.graph.launch<ClearBranch>(ports, part.pixels());
+    ports.lattice = tiles_.rect_lattice(part.x, part.y, part.across);
+    ports.lattice.first += static_cast<float>(b * layer_offset());
+    ports.apart = position_count();
+    const Node cleared = tile.graph.launch<ClearBranch>(ports, part.pixel_count());
     tile.graph.wait_all(cleared, last);
     last = cleared;
   }
@@ -132,65 +132,65 @@ ReconstructProgram::Node ReconstructProgram::clear_branches(Tile& tile, const Pa
   return last;
 }
 
-VisibleRayPorts<float>& ReconstructProgram::bind(VisibleRayPorts<float>& ports, const Tile& tile,
-                                                 const Part& part) const {
+VisibleRayPorts<float>& ReconstructProgram::bind_rays(VisibleRayPorts<float>& ports, const Tile& tile,
+                                                      const PixelRect& part) const {
   bind_pixels(ports, tile);
-  ports.lattice = tiles_.lattice(part.x, part.y, part.across);
+  ports.lattice = tiles_.rect_lattice(part.x, part.y, part.across);
   return ports;
 }
 
 /// Assigns the samples of the wave, and those of mirrored and refracted rays, to pixels.
-void ReconstructProgram::place(Tile& tile, std::uint32_t rays) const {
-  if (!tile.wave.tracer().counts_pixels()) return;
+void ReconstructProgram::place_samples(Tile& tile, std::uint32_t rays) const {
+  if (!tile.wave.wave_tracer().counts_pixels()) return;
   for (std::uint32_t i = 0; i < rays; ++i) {
-    const std::uint32_t sample = tile.buffer.rays.wave.paths[i].sample, position = sample % positions();
-    const std::uint32_t x = tile.at.x + position % tiles_.pitch() - tiles_.halo();
-    const std::uint32_t y = tile.at.y + position / tiles_.pitch() - tiles_.halo();
-    for (std::uint32_t b = 0; b < layers_; ++b) tile.wave.tracer().place(sample + b * layer(), x, y);
+    const std::uint32_t sample = tile.buffer.rays.wave.paths[i].sample, position = sample % position_count();
+    const std::uint32_t x = tile.at.x + position % tiles_.row_pitch() - tiles_.halo_width();
+    const std::uint32_t y = tile.at.y + position / tiles_.row_pitch() - tiles_.halo_width();
+    for (std::uint32_t b = 0; b < layers_; ++b) tile.wave.wave_tracer().place(sample + b * layer_offset(), x, y);
   }
 }
 
-void ReconstructProgram::trace_shaded(Tile& tile, const Part& part, Node cleared) const {
+void ReconstructProgram::trace_shaded(Tile& tile, const PixelRect& part, Node cleared) const {
   Wavefront& wave = tile.wave;
   TileGraph& graph = tile.graph;
-  tile.buffer.reserve_wave(part.pixels());
+  tile.buffer.reserve_wave(part.pixel_count());
   GenerateShadedRays::Ports<float> ports;
-  bind(ports, tile, part);
-  const Node generated = graph.launch<GenerateShadedRays>(ports, part.pixels());
-  place(tile, part.pixels());
+  bind_rays(ports, tile, part);
+  const Node generated = graph.launch<GenerateShadedRays>(ports, part.pixel_count());
+  place_samples(tile, part.pixel_count());
   graph.register_record_writer(generated);
   RetainedRecords retained;
-  retained.visible = records(true);
+  retained.visible = records_to_keep(true);
   retained.cleared = generated;
   retained.cleared_secondary = cleared;
-  wave.run(generated, part.pixels(), retained);
-  if (has_geometry()) limit(tile, part);
+  wave.run(generated, part.pixel_count(), retained);
+  if (has_geometry()) limit_colours(tile, part);
 }
 
-void ReconstructProgram::trace_others(Tile& tile, const Part& part, Node cleared) const {
+void ReconstructProgram::trace_others(Tile& tile, const PixelRect& part, Node cleared) const {
   Wavefront& wave = tile.wave;
   TileGraph& graph = tile.graph;
-  const std::uint32_t items = kOtherSamples * part.pixels();
+  const std::uint32_t items = kOtherSamples * part.pixel_count();
   tile.buffer.reserve_wave(items);
   GenerateVisibleRays::Ports<float> ports;
-  bind(ports, tile, part);
-  ports.apart = static_cast<float>(positions());
+  bind_rays(ports, tile, part);
+  ports.apart = static_cast<float>(position_count());
   const Node generated = graph.launch<GenerateVisibleRays>(ports, items);
-  place(tile, items);
+  place_samples(tile, items);
   graph.register_record_writer(generated);
   RetainedRecords retained;
-  retained.visible = records(false);
+  retained.visible = records_to_keep(false);
   retained.cleared = generated;
   retained.cleared_secondary = cleared;
   wave.run(generated, items, retained);
 }
 
-void ReconstructProgram::limit(Tile& tile, const Part& part) const {
+void ReconstructProgram::limit_colours(Tile& tile, const PixelRect& part) const {
   const auto launch = [&]<std::uint32_t kBranches> {
     typename LimitColours<kBranches>::template Ports<float> ports;
-    ports.lattice = tiles_.lattice(part.x, part.y, part.across);
-    ports.branch = layer();
-    const Node limited = tile.graph.launch<LimitColours<kBranches>>(ports, part.pixels());
+    ports.lattice = tiles_.rect_lattice(part.x, part.y, part.across);
+    ports.branch = layer_offset();
+    const Node limited = tile.graph.launch<LimitColours<kBranches>>(ports, part.pixel_count());
     tile.graph.wait_for_colours(limited);
     if (!tile.graph.is_muted()) tile.graph.replace_colour_writers(limited);
   };
@@ -211,19 +211,19 @@ ReconstructProgram::Node ReconstructProgram::show_shaded(Tile& tile) const {
   return shown;
 }
 
-ReconstructProgram::Node ReconstructProgram::reconstruct(Tile& tile) const {
-  return reconstruct_.radius == 1 ? filter<1>(tile) : filter<2>(tile);
+ReconstructProgram::Node ReconstructProgram::filter_pixels(Tile& tile) const {
+  return reconstruct_.radius == 1 ? filter_with<1>(tile) : filter_with<2>(tile);
 }
 
 template <class K>
 void ReconstructProgram::bind_filter(typename K::template Ports<float>& ports, const Tile& tile) const {
   ports.finished = tile.finished;
   ports.bend = bend_;
-  ports.apart = positions();
+  ports.apart = position_count();
 }
 
 template <std::uint32_t kRadius>
-ReconstructProgram::Node ReconstructProgram::filter(Tile& tile) const {
+ReconstructProgram::Node ReconstructProgram::filter_with(Tile& tile) const {
   TileGraph& graph = tile.graph;
   using Surfaces = Reconstruct<kRadius, false>;
   typename Surfaces::template Ports<float> ports;
@@ -232,11 +232,11 @@ ReconstructProgram::Node ReconstructProgram::filter(Tile& tile) const {
   graph.wait_for_records(last);
   graph.wait_for_colours(last);
   for (std::uint32_t b = 1; b < layers_; ++b) {
-    const auto layers_before = static_cast<float>(b * layer());
+    const auto layers_before = static_cast<float>(b * layer_offset());
     ListBranches::Ports<float> list;
     list.finished = tile.finished;
     list.branch = layers_before;
-    list.apart = positions();
+    list.apart = position_count();
     const Node listed = graph.launch<ListBranches>(list, tile.pixels);
     graph.wait_all(listed, last);
     last = listed;
@@ -267,7 +267,7 @@ ReconstructProgram::Node ReconstructProgram::shade_contrasts(Tile& tile, Node fi
   list.finished = tile.finished;
   list.bend = bend_;
   list.threshold = static_cast<float>(reconstruct_.colour);
-  list.branch = static_cast<float>(layer());
+  list.branch = static_cast<float>(layer_offset());
   const Node listed = graph.launch<ListContrasts<kBranches>>(list, tile.pixels);
   graph.wait_all(listed, filtered);
   const std::uint32_t pixels = list.masters_count.value;
@@ -281,10 +281,10 @@ ReconstructProgram::Node ReconstructProgram::shade_contrasts(Tile& tile, Node fi
   GenerateContrastRays::Ports<float> generate;
   bind_pixels(generate, tile);
   generate.finished = tile.finished;
-  generate.apart = static_cast<float>(positions());
+  generate.apart = static_cast<float>(position_count());
   const Node generated = graph.launch<GenerateContrastRays>(generate, rays, lanes);
   graph.wait_all(generated, listed);
-  place(tile, rays);
+  place_samples(tile, rays);
   wave.set_cone(cone_uniforms(camera_, 2));  // pixels have four samples, two along a side
   wave.run(generated, rays, {}, lanes);
   sampling.traced += rays;
@@ -292,8 +292,8 @@ ReconstructProgram::Node ReconstructProgram::shade_contrasts(Tile& tile, Node fi
 
   typename AverageContrasts<kBranches>::template Ports<float> average;
   average.finished = tile.finished;
-  average.apart = positions();
-  average.branch = layer();
+  average.apart = position_count();
+  average.branch = layer_offset();
   const Node averaged = graph.launch<AverageContrasts<kBranches>>(average, pixels, tile.pixels);
   graph.wait_all(averaged, generated);
   graph.wait_for_colours(averaged);
@@ -309,22 +309,23 @@ std::uint32_t ReconstructProgram::exchanged_bytes() const { return shaded_bytes(
 // A tile's store: its borders (FinishedTiles), and all attributes if they are kept in DRAM.
 std::uint64_t ReconstructProgram::store_bytes() const {
   const bool is_parked = reconstruct_.attributes == AttributeStorage::kDram;
-  return tiles_.stored_samples() * exchanged_bytes() + (is_parked ? std::uint64_t{positions()} * attribute_bytes() : 0);
+  return tiles_.stored_samples() * exchanged_bytes() +
+         (is_parked ? std::uint64_t{position_count()} * attribute_bytes() : 0);
 }
 
 /// Makes the halo. A tile always computes it; if neighbours write it to memory, the machine reads it back.
 void ReconstructProgram::make_halo(Tile& tile) const {
   tiles_.for_each_part(tile.at, [&](const HaloPart& part) {
-    const bool is_left = part.x < tiles_.halo(), is_above = part.y < tiles_.halo();
-    const HaloPart inner = part.inner(is_left ? reconstruct_.radius : part.across,  //
-                                      is_above ? reconstruct_.radius : part.down);
+    const bool is_left = part.x < tiles_.halo_width(), is_above = part.y < tiles_.halo_width();
+    const HaloPart inner = part.inner_part(is_left ? reconstruct_.radius : part.across,  //
+                                           is_above ? reconstruct_.radius : part.down);
     if (reconstruct_.halo == Halo::kReload) {
       tile.graph.import_samples(part.border, store_bytes() * part.border.tile + part.first * exchanged_bytes(),
                                 part.across * part.down * exchanged_bytes());
-      tile.graph.mute();
+      tile.graph.pause_recording();
     }
-    trace(tile, {part.x, part.y, part.across, part.down}, {inner.x, inner.y, inner.across, inner.down}, false);
-    tile.graph.unmute();
+    trace_pixels(tile, {part.x, part.y, part.across, part.down}, {inner.x, inner.y, inner.across, inner.down}, false);
+    tile.graph.resume_recording();
   });
 }
 
@@ -339,13 +340,13 @@ void ReconstructProgram::export_borders(Tile& tile) const {
 /// Writes all attributes to DRAM and reads them back, if they are kept there.
 void ReconstructProgram::spill_attributes_to_dram(Tile& tile) const {
   if (reconstruct_.attributes == AttributeStorage::kTile || !has_geometry()) return;
-  const std::uint32_t across = tile.at.width + (tile.at.has_left ? tiles_.halo() : 0);
-  const std::uint32_t down = tile.at.height + (tile.at.has_above ? tiles_.halo() : 0);
+  const std::uint32_t across = tile.at.width + (tile.at.has_left ? tiles_.halo_width() : 0);
+  const std::uint32_t down = tile.at.height + (tile.at.has_above ? tiles_.halo_width() : 0);
   const std::uint32_t bytes = across * down * attribute_bytes();
   const std::uint64_t store = store_bytes() * tile.at.index + tiles_.stored_samples() * exchanged_bytes();
-  const Node out = tile.graph.transfer(Region::kSamples, true, store, bytes);
+  const Node out = tile.graph.add_transfer(Region::kSamples, true, store, bytes);
   tile.graph.wait_for_records(out);
-  const Node in = tile.graph.transfer(Region::kSamples, false, store, bytes);
+  const Node in = tile.graph.add_transfer(Region::kSamples, false, store, bytes);
   tile.graph.wait_all(in, out);
   tile.graph.register_record_writer(in);
 }
@@ -367,23 +368,24 @@ constexpr EdgeBits kGlass{bit(FilterEdge::kRefraction), bit(FilterEdge::kRefract
 
 }  // namespace
 
-void ReconstructProgram::count(Tile& tile) const {
+void ReconstructProgram::count_samples(Tile& tile) const {
   Sampling& sampling = tile.out.sampling;
   sampling.wanted = std::uint64_t{kWanted} * tile.pixels;
   sampling.traced_background = tile.out.background.size();
   const std::uint32_t stands_for = has_geometry() ? kWanted / kGeometrySamples : kWanted;
   for (const std::uint32_t sample : tile.out.background) {
-    const std::uint32_t position = sample % positions();
-    const bool is_own = position % tiles_.pitch() >= tiles_.halo() && position / tiles_.pitch() >= tiles_.halo();
+    const std::uint32_t position = sample % position_count();
+    const bool is_own =
+        position % tiles_.row_pitch() >= tiles_.halo_width() && position / tiles_.row_pitch() >= tiles_.halo_width();
     sampling.background += is_own ? stands_for : 0;
   }
   if (!wants_marks() || !has_geometry()) return;
   tile.out.marks.resize(tile.pixels);
-  for (std::uint32_t pixel = 0; pixel < tile.pixels; ++pixel) tile.out.marks[pixel] = mark(tile, pixel);
+  for (std::uint32_t pixel = 0; pixel < tile.pixels; ++pixel) tile.out.marks[pixel] = pixel_mark(tile, pixel);
 }
 
 /// Returns the mark of a pixel, comparing as the filters do.
-SampleMark ReconstructProgram::mark(const Tile& tile, std::uint32_t pixel) const {
+SampleMark ReconstructProgram::pixel_mark(const Tile& tile, std::uint32_t pixel) const {
   const FinishedUniforms<float>& of = tile.finished;
   const DivMod<float> at = finished_pixel<float>(static_cast<float>(pixel), of);
   const auto centre = static_cast<std::uint32_t>(centre_sample<float>(at, of));
@@ -391,14 +393,14 @@ SampleMark ReconstructProgram::mark(const Tile& tile, std::uint32_t pixel) const
   std::uint32_t edges = 0;
   float left = 0, all = 0;
   const auto compare = [&](std::uint32_t layer_number, const EdgeBits& bits, std::uint32_t shaded, std::uint32_t k) {
-    const std::uint32_t first = layer_number * layer();
-    const VisibleRecord<float>& own = tile.buffer.filters.visible[first + k * positions() + centre];
+    const std::uint32_t first = layer_number * layer_offset();
+    const VisibleRecord<float>& own = tile.buffer.filters.visible[first + k * position_count() + centre];
     if (!has_branch<float>(own)) return;
     const Similarity<float> similar(own, tile.buffer.filters.visible[first + shaded], bend_);
     edges |= (similar.depth > kHalved ? bits.depth : 0) | (similar.normal > kHalved ? bits.normal : 0) |
              (similar.same_shadows ? 0 : bits.shadow);
     if (layer_number != 0) return;
-    left += similar.weight();
+    left += similar.filter_weight();
     all += 1;
   };
   for (float y = std::max(of.low_y, at.quotient - radius); y <= std::min(of.high_y, at.quotient + radius); ++y) {

@@ -39,7 +39,7 @@ class ReconstructProgram final : public FrameProgram {
                      const ReconstructConfig& reconstruct, Filters filters, float scene_size, std::uint32_t frame);
 
   std::uint32_t tiles() const override { return tiles_.count(); }
-  TileCounts tile_counts() const override { return {tiles_.tiles().across(), tiles_.tiles().down()}; }
+  TileCounts tile_counts() const override { return {tiles_.tiles().tiles_across(), tiles_.tiles().tiles_down()}; }
   FrameRequirements requirements() const override;
   void run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const override;
 
@@ -57,17 +57,17 @@ class ReconstructProgram final : public FrameProgram {
   };
   static constexpr std::uint32_t kOtherSamples = kGeometrySamples - 1;  ///< samples of a pixel that are not shaded
   /// A rectangle of pixels of the tile buffer.
-  struct Part {
+  struct PixelRect {
     std::uint32_t x, y, across, down;
-    std::uint32_t pixels() const { return across * down; }
+    std::uint32_t pixel_count() const { return across * down; }
   };
 
   bool filters_apart() const { return filters_ == Filters::kApart; }
   bool has_geometry() const { return reconstruct_.radius != 0; }
   bool tests_colours() const { return reconstruct_.colour >= 0; }
-  std::uint32_t positions() const { return tiles_.samples(); }
+  std::uint32_t position_count() const { return tiles_.buffer_samples(); }
   /// Returns the offset from a sample to that of the next layer.
-  std::uint32_t layer() const { return kGeometrySamples * positions(); }
+  std::uint32_t layer_offset() const { return kGeometrySamples * position_count(); }
   /// Return the bytes of a pixel's shaded sample in all layers with colours, of its other samples, and of all records.
   std::uint32_t shaded_bytes() const;
   std::uint32_t other_bytes() const;
@@ -82,22 +82,22 @@ class ReconstructProgram final : public FrameProgram {
     return layers_ == 2 ? f.template operator()<1>() : f.template operator()<2>();
   }
   Tile tile_of(const SampleTile& at, Wavefront& wave, TileResult& out) const;
-  VisibleSamples records(bool are_shaded) const;
+  VisibleSamples records_to_keep(bool are_shaded) const;
   void bind_pixels(auto& ports, const Tile& tile) const;
-  VisibleRayPorts<float>& bind(VisibleRayPorts<float>& ports, const Tile& tile, const Part& part) const;
-  void trace(Tile& tile, const Part& shaded, const Part& others, bool is_own) const;
-  Node clear_branches(Tile& tile, const Part& part) const;
-  void place(Tile& tile, std::uint32_t rays) const;
-  void trace_shaded(Tile& tile, const Part& part, Node cleared) const;
-  void trace_others(Tile& tile, const Part& part, Node cleared) const;
-  void limit(Tile& tile, const Part& part) const;
+  VisibleRayPorts<float>& bind_rays(VisibleRayPorts<float>& ports, const Tile& tile, const PixelRect& part) const;
+  void trace_pixels(Tile& tile, const PixelRect& shaded, const PixelRect& others, bool is_own) const;
+  Node clear_branches(Tile& tile, const PixelRect& part) const;
+  void place_samples(Tile& tile, std::uint32_t rays) const;
+  void trace_shaded(Tile& tile, const PixelRect& part, Node cleared) const;
+  void trace_others(Tile& tile, const PixelRect& part, Node cleared) const;
+  void limit_colours(Tile& tile, const PixelRect& part) const;
   void make_halo(Tile& tile) const;
   void export_borders(Tile& tile) const;
   void spill_attributes_to_dram(Tile& tile) const;
   Node show_shaded(Tile& tile) const;
-  Node reconstruct(Tile& tile) const;
+  Node filter_pixels(Tile& tile) const;
   template <std::uint32_t kRadius>
-  Node filter(Tile& tile) const;
+  Node filter_with(Tile& tile) const;
   // Colour test.
   Node shade_contrasts(Tile& tile, Node filtered) const;
   template <std::uint32_t kBranches>
@@ -105,8 +105,8 @@ class ReconstructProgram final : public FrameProgram {
   template <class K>
   void bind_filter(typename K::template Ports<float>& ports, const Tile& tile) const;
   // Counts and debug pictures.
-  void count(Tile& tile) const;
-  SampleMark mark(const Tile& tile, std::uint32_t pixel) const;
+  void count_samples(Tile& tile) const;
+  SampleMark pixel_mark(const Tile& tile, std::uint32_t pixel) const;
 
   const RenderConfig config_;
   const ReconstructConfig reconstruct_;
@@ -123,7 +123,7 @@ class ReconstructProgram final : public FrameProgram {
 
 /// Binds the camera and the grid of pixels.
 void ReconstructProgram::bind_pixels(auto& ports, const Tile& tile) const {
-  const auto halo = static_cast<float>(tiles_.halo()), pitch = static_cast<float>(tiles_.pitch());
+  const auto halo = static_cast<float>(tiles_.halo_width()), pitch = static_cast<float>(tiles_.row_pitch());
   ports.camera = camera_;
   ports.grid = {.x0 = static_cast<float>(tile.at.x) - halo,
                 .y0 = static_cast<float>(tile.at.y) - halo,

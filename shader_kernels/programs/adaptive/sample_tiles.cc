@@ -19,7 +19,7 @@ SampleTiles::SampleTiles(std::uint32_t width, std::uint32_t height, std::uint32_
   down_ = (height_ + side_ - 1) / side_;
 }
 
-SampleTile SampleTiles::tile(std::uint32_t index) const {
+SampleTile SampleTiles::sample_tile(std::uint32_t index) const {
   SampleTile t;
   const std::uint32_t column = index % across_;
   const std::uint32_t row = index / across_;
@@ -38,7 +38,7 @@ SampleTile SampleTiles::tile(std::uint32_t index) const {
   return t;
 }
 
-std::vector<std::uint32_t> SampleTiles::order(Halo halo) const {
+std::vector<std::uint32_t> SampleTiles::rendering_order(Halo halo) const {
   std::vector<std::uint32_t> order(count());
   std::iota(order.begin(), order.end(), 0U);
   if (halo == Halo::kRetrace) return order;
@@ -46,7 +46,7 @@ std::vector<std::uint32_t> SampleTiles::order(Halo halo) const {
   return order;
 }
 
-HaloPart HaloPart::inner(std::uint32_t columns, std::uint32_t rows) const {
+HaloPart HaloPart::inner_part(std::uint32_t columns, std::uint32_t rows) const {
   HaloPart part = *this;
   part.across = std::min(across, columns);
   part.down = std::min(down, rows);
@@ -65,27 +65,27 @@ void FinishedTiles::place(const SampleTile& at, TileResult& out) const {
   out.height = at.height + above - (at.has_below ? reach_ : 0);
 }
 
-FinishedUniforms<float> FinishedTiles::finished(const SampleTile& at, const TileResult& out) const {
+FinishedUniforms<float> FinishedTiles::finished_uniforms(const SampleTile& at, const TileResult& out) const {
   const std::uint32_t left = at.has_left ? reach_ : 0;
   const std::uint32_t above = at.has_above ? reach_ : 0;
   const auto width = static_cast<float>(out.width), height = static_cast<float>(out.height);
   const auto reach = static_cast<float>(reach_);
   return {.width = width,
           .inverse_width = 1.0F / width,
-          .first = static_cast<float>((halo() - above) * pitch() + halo() - left),
-          .pitch = static_cast<float>(pitch()),
+          .first = static_cast<float>((halo_width() - above) * row_pitch() + halo_width() - left),
+          .pitch = static_cast<float>(row_pitch()),
           .low_x = at.has_left ? -reach : 0.0F,
           .high_x = at.has_right ? width + reach - 1.0F : width - 1.0F,
           .low_y = at.has_above ? -reach : 0.0F,
           .high_y = at.has_below ? height + reach - 1.0F : height - 1.0F};
 }
 
-LatticeUniforms<float> FinishedTiles::lattice(std::uint32_t x, std::uint32_t y, std::uint32_t across) const {
-  return {.first = static_cast<float>(y * pitch() + x),
+LatticeUniforms<float> FinishedTiles::rect_lattice(std::uint32_t x, std::uint32_t y, std::uint32_t across) const {
+  return {.first = static_cast<float>(y * row_pitch() + x),
           .across = static_cast<float>(across),
           .inverse_across = 1.0F / static_cast<float>(across),
           .step = 1,
-          .row_step = static_cast<float>(pitch())};
+          .row_step = static_cast<float>(row_pitch())};
 }
 
 }  // namespace kernels

@@ -34,14 +34,14 @@ class SampleTiles {
   SampleTiles(std::uint32_t width, std::uint32_t height, std::uint32_t grid, std::uint32_t side, std::uint32_t block);
 
   std::uint32_t count() const { return across_ * down_; }
-  std::uint32_t across() const { return across_; }
-  std::uint32_t down() const { return down_; }
+  std::uint32_t tiles_across() const { return across_; }
+  std::uint32_t tiles_down() const { return down_; }
   std::uint32_t side() const { return side_; }
   std::uint32_t grid() const { return grid_; }
-  SampleTile tile(std::uint32_t index) const;
+  SampleTile sample_tile(std::uint32_t index) const;
   /// Returns the tiles in rendering order: by diagonals, so that a tile is long after its left and upper neighbours, or
   /// row by row if halos are retraced.
-  std::vector<std::uint32_t> order(Halo halo) const;
+  std::vector<std::uint32_t> rendering_order(Halo halo) const;
 
  private:
   std::uint32_t width_, height_;  ///< in samples
@@ -55,7 +55,7 @@ struct HaloPart {
   std::uint32_t x = 0, y = 0;  ///< position in the tile buffer
   std::uint32_t across = 0, down = 0;
   /// Returns its `columns` last columns and `rows` last rows, which are nearest to the tile.
-  HaloPart inner(std::uint32_t columns, std::uint32_t rows) const;
+  HaloPart inner_part(std::uint32_t columns, std::uint32_t rows) const;
 };
 
 /// Tiles for programs whose pixels read neighbours in all directions, up to `reach` pixels away, while tiles import
@@ -80,24 +80,24 @@ class FinishedTiles {
   const SampleTiles& tiles() const { return tiles_; }
   std::uint32_t count() const { return tiles_.count(); }
   std::uint32_t side() const { return tiles_.side(); }
-  std::uint32_t halo() const { return 2 * reach_; }
+  std::uint32_t halo_width() const { return 2 * reach_; }
   /// Returns the samples per row of the tile buffer: the halo, then the tile's own.
-  std::uint32_t pitch() const { return side() + halo(); }
-  std::uint32_t samples() const { return pitch() * pitch(); }
+  std::uint32_t row_pitch() const { return side() + halo_width(); }
+  std::uint32_t buffer_samples() const { return row_pitch() * row_pitch(); }
   /// Returns the largest number of pixels that a tile finishes.
   std::uint32_t most_pixels() const { return (side() + reach_) * (side() + reach_); }
   /// Sets in `out` the part of the picture that a tile finishes.
   void place(const SampleTile& at, TileResult& out) const;
   /// Returns the same part within the tile buffer.
-  FinishedUniforms<float> finished(const SampleTile& at, const TileResult& out) const;
+  FinishedUniforms<float> finished_uniforms(const SampleTile& at, const TileResult& out) const;
   /// Returns the lattice of a rectangle of the tile buffer that begins at (x, y).
-  LatticeUniforms<float> lattice(std::uint32_t x, std::uint32_t y, std::uint32_t across) const;
+  LatticeUniforms<float> rect_lattice(std::uint32_t x, std::uint32_t y, std::uint32_t across) const;
 
   /// Returns the number of samples in a tile's store.
-  std::uint64_t stored_samples() const { return 2 * std::uint64_t{halo()} * side(); }
+  std::uint64_t stored_samples() const { return 2 * std::uint64_t{halo_width()} * side(); }
   /// Calls f(part) for each part of a tile's halo.
   void for_each_part(const SampleTile& at, auto&& f) const {
-    const std::uint32_t h = halo();
+    const std::uint32_t h = halo_width();
     if (h == 0) return;
     if (at.has_left) f(HaloPart{{at.left, kRightBorder}, 0, 0, h, h, at.height});
     if (at.has_above) f(HaloPart{{at.above, kLowerBorder}, std::uint64_t{h} * side(), h, 0, at.width, h});
@@ -107,9 +107,9 @@ class FinishedTiles {
   }
   /// Calls f(border, first sample of the store, samples) for each border that other tiles read.
   void for_each_export(const SampleTile& at, auto&& f) const {
-    if (halo() == 0) return;
-    if (at.has_right) f(kRightBorder, std::uint64_t{0}, halo() * at.height);
-    if (at.has_below) f(kLowerBorder, std::uint64_t{halo()} * side(), halo() * at.width);
+    if (halo_width() == 0) return;
+    if (at.has_right) f(kRightBorder, std::uint64_t{0}, halo_width() * at.height);
+    if (at.has_below) f(kLowerBorder, std::uint64_t{halo_width()} * side(), halo_width() * at.width);
   }
 
  private:

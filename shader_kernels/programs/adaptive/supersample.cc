@@ -18,7 +18,7 @@ SupersampleProgram::SupersampleProgram(const traces::MemoryImage& image, const t
       scene_(image, config),
       camera_(camera_uniforms(camera, config.width, config.height)),
       tiles_(config.width, config.height, config.tile / 2, 1),  // in sub-pixels, two along a pixel's side
-      order_(tiles_.tiles().order(supersample.halo)),
+      order_(tiles_.tiles().rendering_order(supersample.halo)),
       frame_(frame),
       shown_(supersample.propagate == 0 ? 0 : config.width, supersample.propagate == 0 ? 0 : config.height,
              tiles_.count()) {}
@@ -41,45 +41,45 @@ void SupersampleProgram::begin_tile(const SampleTile& at, TileResult& out) const
   out.marks.clear();
   out.subpixels.clear();
   out.corrected.clear();
-  out.buffer.reserve_samples(centres() + std::size_t{kWhole} * tile_pixels());
+  out.buffer.reserve_samples(centre_samples() + std::size_t{kWhole} * tile_pixels());
   // Blocks that extend beyond the tile read verdicts after the last.
-  out.buffer.reserve_subpixels(centres(), tile_pixels() + kBlockHeight * tiles_.pitch() + kBlockWidth);
+  out.buffer.reserve_subpixels(centre_samples(), tile_pixels() + kBlockHeight * tiles_.row_pitch() + kBlockWidth);
   out.work.frame = frame_;
   out.work.tile = at.index;
   out.work.samples = at.width * at.height;
 }
 
 SupersampleProgram::Tile SupersampleProgram::tile_of(const SampleTile& at, Wavefront& wave, TileResult& out) const {
-  return {at, tiles_.finished(at, out), out.width * out.height, wave, wave.graph(), out, out.buffer};
+  return {at, tiles_.finished_uniforms(at, out), out.width * out.height, wave, wave.tile_graph(), out, out.buffer};
 }
 
 void SupersampleProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
                                   TileResult& out) const {
   if (tile_index >= tiles_.count()) return run_round(tile_index, tracer, record, out);
-  const SampleTile at = tiles_.tiles().tile(order_[tile_index]);
+  const SampleTile at = tiles_.tiles().sample_tile(order_[tile_index]);
   begin_tile(at, out);
   Wavefront wave(scene_, tracer, record, cone_uniforms(camera_, 1), out);
-  TileGraph& graph = wave.graph();
+  TileGraph& graph = wave.tile_graph();
   Tile tile = tile_of(at, wave, out);
   out.linear.resize(tile.pixels);
   out.packed.resize(tile.pixels);
   out.marks.assign(tile.pixels, 0);
 
   // Trace one sample at the centre of every pixel. Borders need no halo, so they are exported before it.
-  trace_centres(tile, tiles_.halo(), tiles_.halo(), at.width, at.height, true);
+  trace_centres(tile, tiles_.halo_width(), tiles_.halo_width(), at.width, at.height, true);
   export_borders(tile);
   make_halo(tile);
   spill_attributes_to_dram(tile);
   // Compare each sub-pixel with the three pixels around its corner; weigh the centres of inactive sub-pixels.
-  const Node tested = test(tile);
-  const Node weighed = weigh(tile, tested);
+  const Node tested = test_pixels(tile);
+  const Node weighed = weigh_centres(tile, tested);
   // Trace four samples in every active sub-pixel, chunk by chunk, and add them to their pixels.
-  if (supersample_.propagate != 0) show(tile);
+  if (supersample_.propagate != 0) store_inactive(tile);
   const Node averaged = sample_active(tile, tested, weighed);
   graph.write_pixels(averaged, std::uint64_t{at.index} * tile_pixels() * kPixelBytes);
-  if (supersample_.propagate != 0) put_shown(tile);
+  if (supersample_.propagate != 0) write_subpixels(tile);
   wave.finish();
-  count(tile);
+  count_samples(tile);
 }
 
 /// Traces samples at pixel centres; (x, y) is the first one's position in the tile buffer.
@@ -90,21 +90,21 @@ void SupersampleProgram::trace_centres(Tile& tile, std::uint32_t x, std::uint32_
   TileBuffer& buffer = tile.buffer;
   const std::uint32_t items = across * down;
   ListSamples::Ports<float> list;
-  list.lattice = tiles_.lattice(x, y, across);
+  list.lattice = tiles_.rect_lattice(x, y, across);
   const Node listed = graph.launch<ListSamples>(list, items);
 
   buffer.reserve_wave(items);
   GenerateListedRays::Ports<float> generate;
   generate.camera = camera_;
-  generate.grid = {.x0 = static_cast<float>(tile.at.x) - static_cast<float>(tiles_.halo()),
-                   .y0 = static_cast<float>(tile.at.y) - static_cast<float>(tiles_.halo()),
-                   .pitch = static_cast<float>(tiles_.pitch()),
-                   .inverse_pitch = 1.0F / static_cast<float>(tiles_.pitch()),
+  generate.grid = {.x0 = static_cast<float>(tile.at.x) - static_cast<float>(tiles_.halo_width()),
+                   .y0 = static_cast<float>(tile.at.y) - static_cast<float>(tiles_.halo_width()),
+                   .pitch = static_cast<float>(tiles_.row_pitch()),
+                   .inverse_pitch = 1.0F / static_cast<float>(tiles_.row_pitch()),
                    .grid = 1,
                    .inverse_grid = 1};
   RetainedRecords retained;
   retained.traits = true;
-  const Node generated = wave.generate(generate, buffer.checks.samples, listed, items, retained);
+  const Node generated = wave.generate_listed(generate, buffer.checks.samples, listed, items, retained);
   wave.run(generated, items, retained);
   if (graph.is_muted()) return;
   tile.out.sampling.traced += items;
@@ -112,7 +112,7 @@ void SupersampleProgram::trace_centres(Tile& tile, std::uint32_t x, std::uint32_
 }
 
 /// Returns the thresholds of the attributes; that of an excluded attribute is never reached.
-std::array<float, kAttributes> SupersampleProgram::thresholds() const {
+std::array<float, kAttributes> SupersampleProgram::attribute_thresholds() const {
   const SupersampleConfig& c = supersample_;
   const std::array<double, kAttributes> all{c.colour,           c.object,           c.normal,
                                             c.shadow,           c.texture,          c.secondary_object,
@@ -128,12 +128,12 @@ std::size_t SupersampleProgram::centre_of(const Tile& tile, std::uint32_t pixel)
   return static_cast<std::size_t>(centre_sample<float>(row, tile.finished));
 }
 
-SupersampleProgram::Node SupersampleProgram::test(Tile& tile) const {
+SupersampleProgram::Node SupersampleProgram::test_pixels(Tile& tile) const {
   TestSubpixels::Ports<float> ports;
   ports.finished = tile.finished;
   ports.secondary.bind(tile.buffer.subpixels.secondary_traits.data());
   ports.verdicts.bind(tile.buffer.subpixels.verdicts.data());
-  ports.thresholds = thresholds();
+  ports.thresholds = attribute_thresholds();
   ports.compared = 0;
   for (std::size_t i = 0; i < kAttributes; ++i) {
     if (ports.thresholds[i] < kNever) ports.compared |= 1U << i;
@@ -147,7 +147,7 @@ SupersampleProgram::Node SupersampleProgram::test(Tile& tile) const {
   return node;
 }
 
-SupersampleProgram::Node SupersampleProgram::weigh(Tile& tile, Node tested) const {
+SupersampleProgram::Node SupersampleProgram::weigh_centres(Tile& tile, Node tested) const {
   return supersample_.filter == SubpixelFilter::kBilinear ? weigh_with<true>(tile, tested)
                                                           : weigh_with<false>(tile, tested);
 }
@@ -162,12 +162,12 @@ SupersampleProgram::Node SupersampleProgram::weigh_with(Tile& tile, Node tested)
   return node;
 }
 
-void SupersampleProgram::count(Tile& tile) const {
+void SupersampleProgram::count_samples(Tile& tile) const {
   TileResult& out = tile.out;
   Sampling& sampling = out.sampling;
   sampling.wanted = std::uint64_t{kWhole} * tile.pixels;
   sampling.traced_background = out.background.size();
-  for (const std::uint32_t sample : out.background) sampling.background += sample >= centres() ? 1 : 0;
+  for (const std::uint32_t sample : out.background) sampling.background += sample >= centre_samples() ? 1 : 0;
   for (std::uint32_t pixel = 0; pixel < tile.pixels; ++pixel) {
     std::uint32_t active = 0, reasons = 0;
     for (std::uint32_t i = 0; i < 4; ++i) {
@@ -199,7 +199,8 @@ constexpr std::uint32_t kExchangedBytes = 2 * sizeof(TraitsRecord<float>) + size
 std::uint64_t SupersampleProgram::store_bytes() const {
   const bool is_parked = supersample_.attributes == AttributeStorage::kDram;
   const bool is_spilt = supersample_.packing == Packing::kAtomic;
-  return tiles_.stored_samples() * kExchangedBytes + (is_parked ? std::uint64_t{centres()} * kAttributeBytes : 0) +
+  return tiles_.stored_samples() * kExchangedBytes +
+         (is_parked ? std::uint64_t{centre_samples()} * kAttributeBytes : 0) +
          (is_spilt ? std::uint64_t{tile_pixels()} * kWhole * sizeof(ColourRecord<float>) : 0);
 }
 
@@ -209,10 +210,10 @@ void SupersampleProgram::make_halo(Tile& tile) const {
     if (supersample_.halo == Halo::kReload) {
       tile.graph.import_samples(part.border, store_bytes() * part.border.tile + part.first * kExchangedBytes,
                                 part.across * part.down * kExchangedBytes);
-      tile.graph.mute();
+      tile.graph.pause_recording();
     }
     trace_centres(tile, part.x, part.y, part.across, part.down, false);
-    tile.graph.unmute();
+    tile.graph.resume_recording();
   });
 }
 
@@ -230,9 +231,9 @@ void SupersampleProgram::spill_attributes_to_dram(Tile& tile) const {
   const std::uint32_t across = tile.at.width + (tile.at.has_left ? 2 : 0);
   const std::uint32_t bytes = across * (tile.at.height + (tile.at.has_above ? 2 : 0)) * kAttributeBytes;
   const std::uint64_t store = store_bytes() * tile.at.index + tiles_.stored_samples() * kExchangedBytes;
-  const Node out = tile.graph.transfer(Region::kSamples, true, store, bytes);
+  const Node out = tile.graph.add_transfer(Region::kSamples, true, store, bytes);
   tile.graph.wait_for_records(out);
-  const Node in = tile.graph.transfer(Region::kSamples, false, store, bytes);
+  const Node in = tile.graph.add_transfer(Region::kSamples, false, store, bytes);
   tile.graph.wait_all(in, out);
   tile.graph.register_record_writer(in);
 }
@@ -240,15 +241,15 @@ void SupersampleProgram::spill_attributes_to_dram(Tile& tile) const {
 /// Samples the active sub-pixels. Returns the launch that completes the tile's pixels.
 SupersampleProgram::Node SupersampleProgram::sample_active(Tile& tile, Node tested, Node weighed) const {
   std::vector<Chunk> chunks;
-  const Node packed = pack(tile, tested, chunks);
+  const Node packed = list_active(tile, tested, chunks);
   Node summed = weighed;
   std::uint32_t subpixels = 0;
   const bool is_spilt = supersample_.packing == Packing::kAtomic;
   for (const Chunk& chunk : chunks) {
-    const std::uint32_t first_sample = centres() + (is_spilt ? kExtra * chunk.first : 0);
+    const std::uint32_t first_sample = centre_samples() + (is_spilt ? kExtra * chunk.first : 0);
     trace_extra(tile, chunk, first_sample, packed);
-    if (supersample_.propagate != 0) settle(tile, chunk, first_sample, 0);
-    is_spilt ? spill_chunk(tile, chunk) : void(summed = sum_up(tile, chunk, weighed));
+    if (supersample_.propagate != 0) store_active(tile, chunk, first_sample, 0);
+    is_spilt ? spill_chunk(tile, chunk) : void(summed = sum_chunk(tile, chunk, weighed));
     tile.out.sampling.padding += chunk.padding;
     subpixels += chunk.subpixels;
   }
@@ -257,7 +258,7 @@ SupersampleProgram::Node SupersampleProgram::sample_active(Tile& tile, Node test
   return summed;
 }
 
-SupersampleProgram::Node SupersampleProgram::pack(Tile& tile, Node tested, std::vector<Chunk>& chunks) const {
+SupersampleProgram::Node SupersampleProgram::list_active(Tile& tile, Node tested, std::vector<Chunk>& chunks) const {
   switch (supersample_.packing) {
     case Packing::kBlock:
       return pack_by_block(tile, tested, chunks);
@@ -266,7 +267,7 @@ SupersampleProgram::Node SupersampleProgram::pack(Tile& tile, Node tested, std::
     case Packing::kNone:
       break;
   }
-  take_all(tile, chunks);
+  chunk_all(tile, chunks);
   return tested;
 }
 
@@ -318,7 +319,7 @@ SupersampleProgram::Node SupersampleProgram::pack_by_atomics(Tile& tile, Node te
 }
 
 /// Adds all sub-pixels to chunks without a list: each item of a chunk tests whether its sub-pixel is active.
-void SupersampleProgram::take_all(Tile& tile, std::vector<Chunk>& chunks) const {
+void SupersampleProgram::chunk_all(Tile& tile, std::vector<Chunk>& chunks) const {
   TileBuffer& buffer = tile.buffer;
   constexpr std::uint32_t kChunkPixels = kChunk / 4;
   std::uint32_t masters = 0;
@@ -364,9 +365,9 @@ void SupersampleProgram::trace_extra(Tile& tile, const Chunk& chunk, std::uint32
   const Node generated = graph.launch<GenerateExtraRays>(generate, items, items + padding, padding);
   graph.wait_all(generated, after);
   graph.wait_for_colours(generated);  // the slots are free then
-  for (std::uint32_t i = 0; wave.tracer().counts_pixels() && i < items; ++i) {
+  for (std::uint32_t i = 0; wave.wave_tracer().counts_pixels() && i < items; ++i) {
     const std::uint32_t pixel = buffer.subpixels.active[chunk.first + i / kExtra] / 4;
-    wave.tracer().place_ray(i, tile.out.x + pixel % tile.out.width, tile.out.y + pixel / tile.out.width);
+    wave.wave_tracer().place_ray(i, tile.out.x + pixel % tile.out.width, tile.out.y + pixel / tile.out.width);
   }
   if (items != 0) wave.run(generated, items, {}, items + padding, padding);
 }
@@ -378,23 +379,23 @@ void SupersampleProgram::spill_chunk(Tile& tile, const Chunk& chunk) const {
   const std::uint64_t offset =
       store_bytes() * (tile.at.index + 1) -
       (std::uint64_t{tile_pixels()} * kWhole - std::uint64_t{kExtra} * chunk.first) * sizeof(ColourRecord<float>);
-  const Node out = graph.transfer(traces::Region::kSamples, true, offset, items * sizeof(ColourRecord<float>));
+  const Node out = graph.add_transfer(traces::Region::kSamples, true, offset, items * sizeof(ColourRecord<float>));
   graph.wait_for_colours(out);
   graph.replace_colour_writers(out);
 }
 
-SupersampleProgram::Node SupersampleProgram::sum_up(Tile& tile, const Chunk& chunk, Node weighed) const {
+SupersampleProgram::Node SupersampleProgram::sum_chunk(Tile& tile, const Chunk& chunk, Node weighed) const {
   const bool is_listed = supersample_.packing == Packing::kBlock;
   const std::uint32_t idle = is_listed ? 0 : (chunk.subpixels + chunk.padding) / 4 - chunk.masters;
-  return sum(tile, tile.buffer.subpixels.masters.entries.data() + chunk.first_master, chunk.masters, idle, chunk.first,
-             weighed);
+  return sum_samples(tile, tile.buffer.subpixels.masters.entries.data() + chunk.first_master, chunk.masters, idle,
+                     chunk.first, weighed);
 }
 
 SupersampleProgram::Node SupersampleProgram::sum_from_memory(Tile& tile, std::uint32_t subpixels, Node weighed) const {
   const std::uint64_t offset =
       store_bytes() * (tile.at.index + 1) - std::uint64_t{tile_pixels()} * kWhole * sizeof(ColourRecord<float>);
   const auto bytes = static_cast<std::uint32_t>(kExtra * subpixels * sizeof(ColourRecord<float>));
-  const Node in = tile.graph.transfer(traces::Region::kSamples, false, offset, bytes);
+  const Node in = tile.graph.add_transfer(traces::Region::kSamples, false, offset, bytes);
   tile.graph.wait_for_colours(in);
   tile.graph.replace_colour_writers(in);
   ListSamples::Ports<float> list;
@@ -406,16 +407,17 @@ SupersampleProgram::Node SupersampleProgram::sum_from_memory(Tile& tile, std::ui
                   .row_step = 0};
   const Node listed = tile.graph.launch<ListSamples>(list, tile.pixels);
   tile.graph.register_colour_writer(listed);
-  return sum(tile, tile.buffer.subpixels.masters.entries.data(), tile.pixels, 0, 0, weighed);
+  return sum_samples(tile, tile.buffer.subpixels.masters.entries.data(), tile.pixels, 0, 0, weighed);
 }
 
 /// Completes the listed pixels. Colours of their samples begin with those of the active sub-pixel at `first_index`.
-SupersampleProgram::Node SupersampleProgram::sum(Tile& tile, std::uint32_t* listed, std::uint32_t pixels,
-                                                 std::uint32_t padding, std::uint32_t first_index, Node weighed) const {
+SupersampleProgram::Node SupersampleProgram::sum_samples(Tile& tile, std::uint32_t* listed, std::uint32_t pixels,
+                                                         std::uint32_t padding, std::uint32_t first_index,
+                                                         Node weighed) const {
   SumSubpixels::Ports<float> ports;
   ports.listed.bind(listed);
   ports.verdicts.bind(tile.buffer.subpixels.verdicts.data());
-  ports.first_sample = static_cast<float>(centres()) - static_cast<float>(kExtra * first_index);
+  ports.first_sample = static_cast<float>(centre_samples()) - static_cast<float>(kExtra * first_index);
   const Node node = tile.graph.launch<SumSubpixels>(ports, kWhole * pixels, 0, kWhole * padding);
   tile.graph.wait_all(node, weighed);
   tile.graph.wait_for_colours(node);

@@ -18,17 +18,17 @@
 namespace kernels {
 
 /// Colours and states of all sub-pixels of a picture, between rounds of propagation. A round reads the results of
-/// earlier rounds; results of its own are applied by settle() after all its tiles.
+/// earlier rounds; results of its own are applied by apply_round() after all its tiles.
 class ShownSubpixels {
  public:
   /// Begins without active sub-pixels, for a picture of `tiles` tiles.
   ShownSubpixels(std::uint32_t width, std::uint32_t height, std::uint32_t tiles);
 
   /// Stores all sub-pixels of a tile, before the first round.
-  void begin(std::uint32_t tile, const std::vector<ShownSubpixel>& all);
-  /// Stores the sub-pixels that a round made active in a tile; settle() applies them.
-  void keep(std::uint32_t tile, const std::vector<ShownSubpixel>& found);
-  void settle();
+  void set_all(std::uint32_t tile, const std::vector<ShownSubpixel>& all);
+  /// Stores the sub-pixels that a round made active in a tile; apply_round() applies them.
+  void add_found(std::uint32_t tile, const std::vector<ShownSubpixel>& found);
+  void apply_round();
 
   /// True if the last round made sub-pixels of the tile active.
   bool is_fresh(std::uint32_t tile) const { return fresh_[tile] != 0; }
@@ -36,7 +36,9 @@ class ShownSubpixels {
   /// picture they are inactive.
   void copy_states(std::uint32_t x, std::uint32_t y, std::uint32_t width, std::uint32_t height,
                    SubpixelRecord<float>* to) const;
-  const glm::vec3& colour(std::uint32_t x, std::uint32_t y) const { return colours_[std::size_t{y} * width_ + x]; }
+  const glm::vec3& subpixel_colour(std::uint32_t x, std::uint32_t y) const {
+    return colours_[std::size_t{y} * width_ + x];
+  }
   /// Returns the number of a pixel's active sub-pixels.
   std::uint32_t active_of(std::uint32_t x, std::uint32_t y) const;
   bool is_background(std::uint32_t x, std::uint32_t y) const {
@@ -44,7 +46,7 @@ class ShownSubpixels {
   }
 
  private:
-  void take(const std::vector<ShownSubpixel>& subpixels);
+  void store_subpixels(const std::vector<ShownSubpixel>& subpixels);
 
   const std::uint32_t width_, height_;         ///< in sub-pixels
   std::vector<SubpixelRecord<float>> states_;  ///< with a border of inactive ones
@@ -82,7 +84,7 @@ class SupersampleProgram final : public FrameProgram {
                      const SupersampleConfig& supersample, std::uint32_t frame);
 
   std::uint32_t tiles() const override { return tiles_.count() * (1 + supersample_.propagate); }
-  TileCounts tile_counts() const override { return {tiles_.tiles().across(), tiles_.tiles().down()}; }
+  TileCounts tile_counts() const override { return {tiles_.tiles().tiles_across(), tiles_.tiles().tiles_down()}; }
   std::uint32_t pass_end(std::uint32_t tile_index) const override;
   FrameRequirements requirements() const override;
   void begin_pass(std::uint32_t tile_index, const traces::Tracer& tracer) override;
@@ -112,7 +114,7 @@ class SupersampleProgram final : public FrameProgram {
   /// Bytes of a sample's records, without the colour: two hits.
   static constexpr std::uint32_t kAttributeBytes = 2 * sizeof(TraitsRecord<float>);
 
-  std::uint32_t centres() const { return tiles_.samples(); }
+  std::uint32_t centre_samples() const { return tiles_.buffer_samples(); }
   std::uint32_t tile_pixels() const { return tiles_.most_pixels(); }
   std::uint64_t store_bytes() const;
   void begin_tile(const SampleTile& at, TileResult& out) const;
@@ -121,13 +123,13 @@ class SupersampleProgram final : public FrameProgram {
   // Centres and tests.
   void trace_centres(Tile& tile, std::uint32_t x, std::uint32_t y, std::uint32_t across, std::uint32_t down,
                      bool is_own) const;
-  std::array<float, kAttributes> thresholds() const;
+  std::array<float, kAttributes> attribute_thresholds() const;
   static std::size_t centre_of(const Tile& tile, std::uint32_t pixel);
-  Node test(Tile& tile) const;
-  Node weigh(Tile& tile, Node tested) const;
+  Node test_pixels(Tile& tile) const;
+  Node weigh_centres(Tile& tile, Node tested) const;
   template <bool kBilinear>
   Node weigh_with(Tile& tile, Node tested) const;
-  void count(Tile& tile) const;
+  void count_samples(Tile& tile) const;
 
   // Halo.
   void make_halo(Tile& tile) const;
@@ -136,16 +138,16 @@ class SupersampleProgram final : public FrameProgram {
 
   // Samples of active sub-pixels.
   Node sample_active(Tile& tile, Node tested, Node weighed) const;
-  Node pack(Tile& tile, Node tested, std::vector<Chunk>& chunks) const;
+  Node list_active(Tile& tile, Node tested, std::vector<Chunk>& chunks) const;
   Node pack_by_block(Tile& tile, Node tested, std::vector<Chunk>& chunks) const;
   Node pack_by_atomics(Tile& tile, Node tested, std::vector<Chunk>& chunks) const;
-  void take_all(Tile& tile, std::vector<Chunk>& chunks) const;
+  void chunk_all(Tile& tile, std::vector<Chunk>& chunks) const;
   void trace_extra(Tile& tile, const Chunk& chunk, std::uint32_t first_sample, Node after) const;
   void spill_chunk(Tile& tile, const Chunk& chunk) const;
-  Node sum_up(Tile& tile, const Chunk& chunk, Node weighed) const;
+  Node sum_chunk(Tile& tile, const Chunk& chunk, Node weighed) const;
   Node sum_from_memory(Tile& tile, std::uint32_t subpixels, Node weighed) const;
-  Node sum(Tile& tile, std::uint32_t* listed, std::uint32_t pixels, std::uint32_t padding, std::uint32_t first_index,
-           Node weighed) const;
+  Node sum_samples(Tile& tile, std::uint32_t* listed, std::uint32_t pixels, std::uint32_t padding,
+                   std::uint32_t first_index, Node weighed) const;
 
   // Rounds of propagation (supersample_rounds.cc).
   std::uint32_t shown_bytes() const;
@@ -154,16 +156,16 @@ class SupersampleProgram final : public FrameProgram {
   std::uint64_t fresh_store(std::uint32_t tile, std::uint32_t round) const;
   static StateUniforms<float> state_uniforms(const Tile& tile);
   static ShownSubpixel shown_subpixel(const Tile& tile, std::uint32_t subpixel);
-  void show(Tile& tile) const;
-  void settle(Tile& tile, const Chunk& chunk, std::uint32_t first_sample, std::uint32_t round) const;
-  void put_shown(Tile& tile) const;
-  bool is_reached(const SampleTile& at, auto&& read) const;
+  void store_inactive(Tile& tile) const;
+  void store_active(Tile& tile, const Chunk& chunk, std::uint32_t first_sample, std::uint32_t round) const;
+  void write_subpixels(Tile& tile) const;
+  bool has_fresh_neighbour(const SampleTile& at, auto&& read) const;
   void run_round(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const;
   Node read_states(Tile& tile, Node before) const;
-  void propagate(Tile& tile, std::uint32_t round, Node before) const;
-  void put_corrected(Tile& tile, std::uint32_t pixels, std::uint32_t subpixels, std::uint32_t round) const;
-  void take_others(Tile& tile, std::uint32_t pixel) const;
-  void count_again(std::uint32_t pixel, const TileResult& tile);
+  void propagate_round(Tile& tile, std::uint32_t round, Node before) const;
+  void write_corrected(Tile& tile, std::uint32_t pixels, std::uint32_t subpixels, std::uint32_t round) const;
+  void load_other_subpixels(Tile& tile, std::uint32_t pixel) const;
+  void recount_pixel(std::uint32_t pixel, const TileResult& tile);
 
   const RenderConfig config_;
   const SupersampleConfig supersample_;

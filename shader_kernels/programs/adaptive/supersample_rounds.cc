@@ -17,24 +17,24 @@ ShownSubpixels::ShownSubpixels(std::uint32_t width, std::uint32_t height, std::u
       fresh_(tiles),
       next_fresh_(tiles) {}
 
-void ShownSubpixels::begin(std::uint32_t tile, const std::vector<ShownSubpixel>& all) {
+void ShownSubpixels::set_all(std::uint32_t tile, const std::vector<ShownSubpixel>& all) {
   const auto is_active = [](const ShownSubpixel& s) { return s.state.blue_why >> kRoundShift != 0; };
   next_fresh_[tile] = std::ranges::any_of(all, is_active) ? 1 : 0;
-  take(all);
+  store_subpixels(all);
 }
 
-void ShownSubpixels::keep(std::uint32_t tile, const std::vector<ShownSubpixel>& found) {
+void ShownSubpixels::add_found(std::uint32_t tile, const std::vector<ShownSubpixel>& found) {
   next_fresh_[tile] = found.empty() ? 0 : 1;
   found_.insert(found_.end(), found.begin(), found.end());
 }
 
-void ShownSubpixels::settle() {
-  take(found_);
+void ShownSubpixels::apply_round() {
+  store_subpixels(found_);
   found_.clear();
   fresh_.swap(next_fresh_);
 }
 
-void ShownSubpixels::take(const std::vector<ShownSubpixel>& subpixels) {
+void ShownSubpixels::store_subpixels(const std::vector<ShownSubpixel>& subpixels) {
   for (const ShownSubpixel& s : subpixels) {
     states_[std::size_t{s.y + 1} * (width_ + 2) + s.x + 1] = s.state;
     colours_[std::size_t{s.y} * width_ + s.x] = s.colour;
@@ -94,8 +94,9 @@ StateUniforms<float> SupersampleProgram::state_uniforms(const Tile& tile) {
 /// sub-pixels' data occupy the slots of finished rays.
 std::uint32_t SupersampleProgram::waiting_bytes() { return kChunk * kShownBytes; }
 
-/// Writes colours and states of all sub-pixels as if they were inactive; settle() overwrites those that are active.
-void SupersampleProgram::show(Tile& tile) const {
+/// Writes colours and states of all sub-pixels as if they were inactive; apply_round() overwrites those that are
+/// active.
+void SupersampleProgram::store_inactive(Tile& tile) const {
   const auto launch = [&]<class K>(K) {
     typename K::template Ports<float> ports;
     ports.finished = tile.finished;
@@ -106,14 +107,16 @@ void SupersampleProgram::show(Tile& tile) const {
       supersample_.filter == SubpixelFilter::kBilinear ? launch(ShowSubpixels<true>{}) : launch(ShowSubpixels<false>{});
   tile.graph.wait_for_colours(node);
   tile.graph.register_colour_writer(node);
-  tile.shown = tile.graph.transfer(Region::kSamples, true, shown_store(tile.at.index), 4 * tile.pixels * kShownBytes);
+  tile.shown =
+      tile.graph.add_transfer(Region::kSamples, true, shown_store(tile.at.index), 4 * tile.pixels * kShownBytes);
   tile.graph.wait_all(tile.shown, node);
   tile.graph.register_colour_writer(tile.shown);
 }
 
 /// Stores colours and states of a chunk's sub-pixels, whose samples begin at `first_sample`. Before the first round
 /// they are written to memory at once.
-void SupersampleProgram::settle(Tile& tile, const Chunk& chunk, std::uint32_t first_sample, std::uint32_t round) const {
+void SupersampleProgram::store_active(Tile& tile, const Chunk& chunk, std::uint32_t first_sample,
+                                      std::uint32_t round) const {
   if (chunk.subpixels == 0) return;
   SettleSubpixels::Ports<float> ports;
   ports.grid = state_uniforms(tile);
@@ -126,7 +129,7 @@ void SupersampleProgram::settle(Tile& tile, const Chunk& chunk, std::uint32_t fi
   tile.graph.register_colour_writer(node);
   if (round != 0) return;
   const std::uint64_t store = shown_store(tile.at.index);
-  const Node out = tile.graph.transfer(Region::kSamples, true, store, chunk.subpixels * kShownBytes);
+  const Node out = tile.graph.add_transfer(Region::kSamples, true, store, chunk.subpixels * kShownBytes);
   tile.graph.wait_all(out, node);
   tile.graph.wait_all(out, tile.shown);
   tile.shown = out;
@@ -145,11 +148,11 @@ ShownSubpixel SupersampleProgram::shown_subpixel(const Tile& tile, std::uint32_t
 }
 
 /// Writes colours and states of all sub-pixels to memory.
-void SupersampleProgram::put_shown(Tile& tile) const {
+void SupersampleProgram::write_subpixels(Tile& tile) const {
   const Node out =
-      tile.graph.transfer(Region::kSamples, true, shown_store(tile.at.index), 4 * tile.pixels * kShownBytes);
+      tile.graph.add_transfer(Region::kSamples, true, shown_store(tile.at.index), 4 * tile.pixels * kShownBytes);
   tile.graph.wait_for_colours(out);
-  const Node noted = tile.graph.transfer(Region::kSamples, true, fresh_store(tile.at.index, 0), 1);
+  const Node noted = tile.graph.add_transfer(Region::kSamples, true, fresh_store(tile.at.index, 0), 1);
   tile.graph.wait_all(noted, out);
   for (std::uint32_t i = 0; i < 4 * tile.pixels; ++i) {
     ShownSubpixel shown = shown_subpixel(tile, i);
@@ -159,19 +162,19 @@ void SupersampleProgram::put_shown(Tile& tile) const {
 }
 
 void SupersampleProgram::begin_pass(std::uint32_t tile_index, const traces::Tracer& /*tracer*/) {
-  if (tile_index >= tiles_.count()) shown_.settle();
+  if (tile_index >= tiles_.count()) shown_.apply_round();
 }
 
 /// True if the previous round made sub-pixels active in the tile or its neighbours. Calls `read(tile, bytes)` for each
 /// flag that is read.
-bool SupersampleProgram::is_reached(const SampleTile& at, auto&& read) const {
+bool SupersampleProgram::has_fresh_neighbour(const SampleTile& at, auto&& read) const {
   const std::uint32_t first = at.has_left ? at.index - 1 : at.index;
   const std::uint32_t across = 1U + (at.has_left ? 1 : 0) + (at.has_right ? 1 : 0);
   read(first, across);
   bool reached = false;
   for (std::uint32_t i = 0; i < across; ++i) reached |= shown_.is_fresh(first + i);
-  for (const auto& [has, tile] : {std::pair{at.has_above, at.index - tiles_.tiles().across()},
-                                  std::pair{at.has_below, at.index + tiles_.tiles().across()}}) {
+  for (const auto& [has, tile] : {std::pair{at.has_above, at.index - tiles_.tiles().tiles_across()},
+                                  std::pair{at.has_below, at.index + tiles_.tiles().tiles_across()}}) {
     if (!has) continue;
     read(tile, 1U);
     reached |= shown_.is_fresh(tile);
@@ -183,15 +186,15 @@ void SupersampleProgram::run_round(std::uint32_t tile_index, const traces::Trace
                                    TileResult& out) const {
   const std::uint32_t count = tiles_.count();
   const std::uint32_t round = tile_index / count;
-  const SampleTile at = tiles_.tiles().tile(order_[tile_index % count]);
+  const SampleTile at = tiles_.tiles().sample_tile(order_[tile_index % count]);
   begin_tile(at, out);
   out.tile = out.work.tile = round * count + at.index;
   Wavefront wave(scene_, tracer, record, cone_uniforms(camera_, kWholeGrid), out);
-  TileGraph& graph = wave.graph();
+  TileGraph& graph = wave.tile_graph();
   out.work.after_all = tile_index % count == 0;
   Node before = Wavefront::kNone;
-  const bool reached = is_reached(at, [&](std::uint32_t tile, std::uint32_t bytes) {
-    const Node read = graph.transfer(Region::kSamples, false, fresh_store(tile, round - 1), bytes);
+  const bool reached = has_fresh_neighbour(at, [&](std::uint32_t tile, std::uint32_t bytes) {
+    const Node read = graph.add_transfer(Region::kSamples, false, fresh_store(tile, round - 1), bytes);
     graph.wait_all(read, before);
     before = read;
   });
@@ -199,7 +202,7 @@ void SupersampleProgram::run_round(std::uint32_t tile_index, const traces::Trace
   out.packed.clear();
   if (reached) {
     Tile tile = tile_of(at, wave, out);
-    propagate(tile, round, before);
+    propagate_round(tile, round, before);
   }
   wave.finish();
   out.sampling.traced_background = out.background.size();
@@ -213,26 +216,26 @@ SupersampleProgram::Node SupersampleProgram::read_states(Tile& tile, Node before
   const std::uint32_t index = tile.at.index;
   const auto read = [&](bool has, std::uint32_t from, std::uint32_t subpixels) {
     if (!has) return;
-    const Node in = tile.graph.transfer(Region::kSamples, false, shown_store(from), subpixels * kStateBytes);
+    const Node in = tile.graph.add_transfer(Region::kSamples, false, shown_store(from), subpixels * kStateBytes);
     tile.graph.wait_all(in, before);
     before = in;
   };
   read(true, index, 4 * tile.pixels);
   read(tile.at.has_left, index - 1, 2 * out.height);
   read(tile.at.has_right, index + 1, 2 * out.height);
-  read(tile.at.has_above, index - tiles_.tiles().across(), 2 * out.width);
-  read(tile.at.has_below, index + tiles_.tiles().across(), 2 * out.width);
+  read(tile.at.has_above, index - tiles_.tiles().tiles_across(), 2 * out.width);
+  read(tile.at.has_below, index + tiles_.tiles().tiles_across(), 2 * out.width);
   return before;
 }
 
 /// Runs a round of propagation in a tile that has active sub-pixels nearby.
-void SupersampleProgram::propagate(Tile& tile, std::uint32_t round, Node before) const {
+void SupersampleProgram::propagate_round(Tile& tile, std::uint32_t round, Node before) const {
   TileBuffer& buffer = tile.buffer;
   PropagateSubpixels::Ports<float> ports;
   ports.grid = state_uniforms(tile);
   ports.verdicts.bind(buffer.subpixels.verdicts.data());
   ports.last_master.value = -1;
-  ports.thresholds = thresholds();
+  ports.thresholds = attribute_thresholds();
   ports.round = round << kRoundShift;
   const Node in = read_states(tile, before);
   const Node found = tile.graph.launch<PropagateSubpixels>(ports, 4 * tile.pixels);
@@ -243,28 +246,28 @@ void SupersampleProgram::propagate(Tile& tile, std::uint32_t round, Node before)
   for (std::uint32_t first = 0; first < subpixels; first += kChunk) {
     const Chunk chunk{.first = first, .subpixels = std::min(kChunk, subpixels - first)};
     trace_extra(tile, chunk, 0, found);
-    settle(tile, chunk, 0, round);
+    store_active(tile, chunk, 0, round);
   }
   tile.out.sampling.propagated = subpixels;
   tile.out.sampling.traced = tile.out.sampling.correction = std::uint64_t{kExtra} * subpixels;
   for (std::uint32_t i = 0; i < subpixels; ++i)
     tile.out.subpixels.push_back(shown_subpixel(tile, buffer.subpixels.active[i]));
-  put_corrected(tile, ports.masters_count.value, subpixels, round);
+  write_corrected(tile, ports.masters_count.value, subpixels, round);
 }
 
 /// Averages the listed pixels again, and writes them and the sampled sub-pixels to memory.
-void SupersampleProgram::put_corrected(Tile& tile, std::uint32_t pixels, std::uint32_t subpixels,
-                                       std::uint32_t round) const {
+void SupersampleProgram::write_corrected(Tile& tile, std::uint32_t pixels, std::uint32_t subpixels,
+                                         std::uint32_t round) const {
   TileGraph& graph = tile.graph;
   TileResult& out = tile.out;
   const std::uint64_t states = 4 * std::uint64_t{tile_pixels()} * kStateBytes;
   const std::uint64_t colours = 4 * std::uint64_t{tile_pixels()} * sizeof(ColourRecord<float>);
   const std::uint64_t store = shown_store(tile.at.index);
-  const Node in = graph.transfer(Region::kSamples, false, store + states, scattered_bytes(pixels, colours));
+  const Node in = graph.add_transfer(Region::kSamples, false, store + states, scattered_bytes(pixels, colours));
   graph.wait_for_colours(in);
   out.linear.resize(pixels);
   out.packed.resize(pixels);
-  for (std::uint32_t i = 0; i < pixels; ++i) take_others(tile, tile.buffer.subpixels.masters.entries[i]);
+  for (std::uint32_t i = 0; i < pixels; ++i) load_other_subpixels(tile, tile.buffer.subpixels.masters.entries[i]);
 
   AverageSubpixels::Ports<float> ports;
   ports.samples = 4;
@@ -274,11 +277,11 @@ void SupersampleProgram::put_corrected(Tile& tile, std::uint32_t pixels, std::ui
   const Node packed = graph.launch<PackColour>(pixels);
   graph.wait_all(packed, averaged);
   const std::uint64_t picture = std::uint64_t{tile_pixels()} * kPixelBytes;
-  graph.wait_all(graph.transfer(Region::kPicture, true, tile.at.index * picture, scattered_bytes(pixels, picture)),
+  graph.wait_all(graph.add_transfer(Region::kPicture, true, tile.at.index * picture, scattered_bytes(pixels, picture)),
                  packed);
   Node last = averaged;
   const auto put = [&](std::uint64_t offset, std::uint32_t bytes) {
-    const Node node = graph.transfer(Region::kSamples, true, offset, bytes);
+    const Node node = graph.add_transfer(Region::kSamples, true, offset, bytes);
     graph.wait_all(node, last);
     last = node;
   };
@@ -288,14 +291,14 @@ void SupersampleProgram::put_corrected(Tile& tile, std::uint32_t pixels, std::ui
 }
 
 /// Loads into the tile buffer the colours of a pixel's other sub-pixels, as they are in memory.
-void SupersampleProgram::take_others(Tile& tile, std::uint32_t pixel) const {
+void SupersampleProgram::load_other_subpixels(Tile& tile, std::uint32_t pixel) const {
   TileResult& out = tile.out;
   const std::uint32_t x = out.x + pixel % out.width, y = out.y + pixel / out.width;
   out.corrected.push_back(y * width() + x);
   const std::span found(tile.buffer.subpixels.active.data(), out.subpixels.size());
   for (std::uint32_t i = 0; i < 4; ++i) {
     if (std::ranges::binary_search(found, 4 * pixel + i)) continue;
-    const glm::vec3& colour = shown_.colour(2 * x + i % 2, 2 * y + i / 2);
+    const glm::vec3& colour = shown_.subpixel_colour(2 * x + i % 2, 2 * y + i / 2);
     tile.buffer.subpixels.shown[4 * pixel + i] = {{colour.x, colour.y, colour.z}};
   }
 }
@@ -303,8 +306,8 @@ void SupersampleProgram::take_others(Tile& tile, std::uint32_t pixel) const {
 void SupersampleProgram::commit_tile(const TileResult& tile) {
   FrameProgram::commit_tile(tile);
   if (supersample_.propagate == 0) return;
-  if (tile.tile < tiles_.count()) return shown_.begin(tile.tile, tile.subpixels);
-  shown_.keep(tile.tile % tiles_.count(), tile.subpixels);
+  if (tile.tile < tiles_.count()) return shown_.set_all(tile.tile, tile.subpixels);
+  shown_.add_found(tile.tile % tiles_.count(), tile.subpixels);
   Sampling& sampling = kept_sampling();
   sampling.background += tile.background.size();
   for (const ShownSubpixel& s : tile.subpixels) {
@@ -314,12 +317,12 @@ void SupersampleProgram::commit_tile(const TileResult& tile) {
     const std::uint32_t pixel = tile.corrected[i];
     const glm::vec3& colour = tile.linear[i];
     std::copy_n(&colour.x, 3, kept_picture().data() + std::size_t{3} * pixel);
-    count_again(pixel, tile);
+    recount_pixel(pixel, tile);
   }
 }
 
 /// Updates the counts for a pixel's active sub-pixels.
-void SupersampleProgram::count_again(std::uint32_t pixel, const TileResult& tile) {
+void SupersampleProgram::recount_pixel(std::uint32_t pixel, const TileResult& tile) {
   const std::uint32_t x = pixel % width(), y = pixel / width();
   const auto more = static_cast<std::uint32_t>(
       std::ranges::count_if(tile.subpixels, [&](const auto& s) { return s.x / 2 == x && s.y / 2 == y; }));

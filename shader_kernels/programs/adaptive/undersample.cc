@@ -15,19 +15,19 @@ namespace kernels {
 PostCorrection::PostCorrection(const UndersampleConfig& config, std::uint32_t width, std::uint32_t height,
                                std::uint32_t tile_side)
     : config_(config), width_(width), height_(height), side_(tile_side), across_((width + tile_side - 1) / tile_side) {
-  if (scans() == 0) return;
+  if (scan_count() == 0) return;
   identities_.resize((std::size_t{width} + 2) * (std::size_t{height} + 2));
   rounds_.resize(identities_.size());
   colours_.resize(std::size_t{width} * height);
 }
 
-std::uint32_t PostCorrection::scans() const {
+std::uint32_t PostCorrection::scan_count() const {
   if (config_.correction == Correction::kOff) return 0;
   return config_.correction == Correction::kTwo ? 2 : 4;
 }
 
-void PostCorrection::keep(const TileResult& tile, const SampleTile& at) {
-  if (scans() == 0) return;
+void PostCorrection::store_samples(const TileResult& tile, const SampleTile& at) {
+  if (scan_count() == 0) return;
   for (std::uint32_t row = 0; row < at.height; ++row) {
     for (std::uint32_t column = 0; column < at.width; ++column) {
       const ShownSample& sample = tile.shown[std::size_t{row} * at.width + column];
@@ -37,13 +37,13 @@ void PostCorrection::keep(const TileResult& tile, const SampleTile& at) {
   }
 }
 
-void PostCorrection::begin() {
+void PostCorrection::begin_scan() {
   all_.clear();
   std::ranges::fill(rounds_, std::uint16_t{0});
 }
 
 /// Finds the suspects at position `step` of all lines.
-void PostCorrection::find(const Scan& scan, std::uint32_t step) {
+void PostCorrection::find_suspects(const Scan& scan, std::uint32_t step) {
   const std::uint32_t lines = scan.is_along_y ? width_ : height_;
   const std::uint32_t length = scan.is_along_y ? height_ : width_;
   const std::uint32_t at = scan.is_backward ? length - 1 - step : step;
@@ -83,7 +83,7 @@ void PostCorrection::find(const Scan& scan, std::uint32_t step) {
   }
 }
 
-void PostCorrection::settle(const Found& found) {
+void PostCorrection::apply_results(const Found& found) {
   for (std::size_t i = 0; i < fresh_.size(); ++i) {
     const Suspect& s = fresh_[i];
     identities_[index_of(s.x, s.y)] = found.identities[i];
@@ -92,7 +92,7 @@ void PostCorrection::settle(const Found& found) {
   all_.insert(all_.end(), fresh_.begin(), fresh_.end());
 }
 
-void PostCorrection::end() {
+void PostCorrection::end_scan() {
   std::ranges::stable_sort(all_, {}, [](const Suspect& s) { return std::tuple(s.tile, s.round); });
 }
 
@@ -137,7 +137,7 @@ void UndersampleProgram::run_tile(std::uint32_t tile_index, const traces::Tracer
   BlockTile tile(blocks_, tile_index, tracer, record, out, [this](std::uint32_t) { return undersample_.block; });
   const auto resolve = [&](const BlockLines& lines) {
     if (lines.samples == 0) return;
-    const Verdict verdict = check(tile, lines);
+    const Verdict verdict = check_samples(tile, lines);
     const std::uint32_t checked = verdict.passed + verdict.failed;
     if (verdict.passed != 0 && lines.along_y) {
       tile.wave.shade_interpolated<true>(lines.uniforms, verdict.passed, checked, verdict.node);
@@ -156,12 +156,12 @@ void UndersampleProgram::run_tile(std::uint32_t tile_index, const traces::Tracer
   tile.import_above(resolve);
   tile.spill_reference_rows_to_dram();
   resolve(tile.lines_along_y());
-  average(tile);
+  average_pixels(tile);
   tile.finish();
 }
 
 /// Checks samples. Leaves out checks that nothing in the scene or tile can fail.
-Verdict UndersampleProgram::check(BlockTile& tile, const BlockLines& lines) const {
+Verdict UndersampleProgram::check_samples(BlockTile& tile, const BlockLines& lines) const {
   const bool has_textures = !blocks_.scene.fuses || blocks_.scene.has_textures;
   const bool has_colours = !blocks_.scene.fuses || tile.coloured != 0;
   const auto along = [&]<bool kTextures, bool kColours> {
@@ -189,8 +189,8 @@ Verdict UndersampleProgram::check_with(BlockTile& tile, const BlockLines& lines)
 }
 
 /// Averages samples to pixels. With post-correction, the samples' identities are written to memory for its scans.
-void UndersampleProgram::average(BlockTile& tile) const {
-  if (correction_.scans() == 0) return tile.average();
+void UndersampleProgram::average_pixels(BlockTile& tile) const {
+  if (correction_.scan_count() == 0) return tile.average_pixels();
   const auto store = [&]<class Shadows, class Plain>(std::type_identity<Shadows>, std::type_identity<Plain>) {
     return undersample_.correct_shadows ? store_identities<Shadows>(tile) : store_identities<Plain>(tile);
   };
@@ -199,7 +199,7 @@ void UndersampleProgram::average(BlockTile& tile) const {
     tile.write_packed(store(type_identity<PackIdentified<true>>{}, type_identity<PackIdentified<false>>{}));
   } else {
     store(type_identity<StoreIdentities<true>>{}, type_identity<StoreIdentities<false>>{});
-    tile.average();
+    tile.average_pixels();
   }
 }
 
@@ -217,12 +217,12 @@ Wavefront::Node UndersampleProgram::store_identities(BlockTile& tile) const {
   const Wavefront::Node node = tile.graph.launch<K>(ports, samples);
   tile.graph.wait_for_records(node);
   const Wavefront::Node out =
-      tile.graph.transfer(traces::Region::kSamples, true, scan_store(tile.at.index), samples * scanned_bytes());
+      tile.graph.add_transfer(traces::Region::kSamples, true, scan_store(tile.at.index), samples * scanned_bytes());
   tile.graph.wait_all(out, node);
   tile.graph.wait_for_colours(out);
   tile.out.shown.clear();
   for (std::uint32_t i = 0; i < samples; ++i) {
-    const std::uint32_t sample = (i / tile.at.width + 1) * blocks_.pitch() + i % tile.at.width + 1;
+    const std::uint32_t sample = (i / tile.at.width + 1) * blocks_.row_pitch() + i % tile.at.width + 1;
     tile.out.shown.push_back({tile.buffer.checks.identities[i], tile.out.colour(sample)});
   }
   return node;
@@ -246,7 +246,7 @@ std::uint32_t pixels_of(std::span<const PostCorrection::Suspect> suspects, std::
 
 }  // namespace
 
-std::uint32_t UndersampleProgram::tiles() const { return blocks_.tiles.count() * (1 + correction_.scans()); }
+std::uint32_t UndersampleProgram::tiles() const { return blocks_.tiles.count() * (1 + correction_.scan_count()); }
 
 std::uint32_t UndersampleProgram::pass_end(std::uint32_t tile_index) const {
   const std::uint32_t count = blocks_.tiles.count();
@@ -265,7 +265,7 @@ std::uint64_t UndersampleProgram::scan_store(std::uint32_t tile) const {
 
 FrameRequirements UndersampleProgram::requirements() const {
   FrameRequirements needs = blocks_.requirements();
-  if (correction_.scans() > 0) {
+  if (correction_.scan_count() > 0) {
     needs.region_bytes[kSamples] = scan_store(blocks_.tiles.count());
     // A tile of a scan keeps its samples' words.
     needs.pass_attribute_bytes = needs.tile_samples * kWordBytes;
@@ -276,7 +276,7 @@ FrameRequirements UndersampleProgram::requirements() const {
 void UndersampleProgram::begin_pass(std::uint32_t tile_index, const traces::Tracer& tracer) {
   const std::uint32_t count = blocks_.tiles.count();
   if (tile_index < count) return;
-  const PostCorrection::Scan scan = correction_.scan(scan_of(tile_index));
+  const PostCorrection::Scan scan = correction_.scan_direction(scan_of(tile_index));
   TileResult scratch;
   const auto trace = [&](std::span<const PostCorrection::Suspect> suspects) {
     // All suspects of a step are in one column or one row.
@@ -284,7 +284,7 @@ void UndersampleProgram::begin_pass(std::uint32_t tile_index, const traces::Trac
     const PostCorrection::Suspect& first = suspects.front();
     const GridUniforms<float> grid = scan.is_along_y ? blocks_.grid_uniforms(0, static_cast<float>(first.y), pitch)
                                                      : blocks_.grid_uniforms(static_cast<float>(first.x), 0, pitch);
-    Wavefront wave(blocks_.scene, tracer, false, blocks_.cone(), scratch);
+    Wavefront wave(blocks_.scene, tracer, false, blocks_.ray_cone(), scratch);
     const auto sample = [&](const PostCorrection::Suspect& s) { return scan.is_along_y ? s.x : s.y; };
     list_suspects(suspects, scratch, sample);
     trace_suspects(wave, scratch, grid, static_cast<std::uint32_t>(suspects.size()), Wavefront::kNone);
@@ -299,7 +299,7 @@ void UndersampleProgram::begin_pass(std::uint32_t tile_index, const traces::Trac
     return found;
   };
   const std::uint32_t grid = undersample_.grid();
-  for (const PostCorrection::Suspect& s : correction_.run(scan, trace)) {
+  for (const PostCorrection::Suspect& s : correction_.run_scan(scan, trace)) {
     average_again(s.x / grid, s.y / grid);
     if (!kept_marks().empty()) {
       kept_marks()[std::size_t{s.y} * width() * grid + s.x] = kTracedMark | kCorrectedMark;
@@ -325,7 +325,7 @@ void UndersampleProgram::trace_suspects(Wavefront& wave, TileResult& out, const 
   generate.grid = grid;
   RetainedRecords retained;
   retained.geometry = true;
-  const Wavefront::Node generated = wave.generate(generate, out.buffer.checks.samples, lister, items, retained);
+  const Wavefront::Node generated = wave.generate_listed(generate, out.buffer.checks.samples, lister, items, retained);
   wave.run(generated, items, retained);
 }
 
@@ -334,7 +334,7 @@ void UndersampleProgram::average_again(std::uint32_t x, std::uint32_t y) {
   glm::vec3 sum(0);
   for (std::uint32_t row = 0; row < grid; ++row) {
     for (std::uint32_t column = 0; column < grid; ++column) {
-      sum += correction_.colour(x * grid + column, y * grid + row);
+      sum += correction_.sample_colour(x * grid + column, y * grid + row);
     }
   }
   sum *= 1.0F / static_cast<float>(grid * grid);
@@ -346,9 +346,9 @@ void UndersampleProgram::run_scan(std::uint32_t tile_index, const traces::Tracer
                                   TileResult& out) const {
   const std::uint32_t count = blocks_.tiles.count();
   const std::uint32_t number = scan_of(tile_index);
-  const PostCorrection::Scan scan = correction_.scan(number);
+  const PostCorrection::Scan scan = correction_.scan_direction(number);
   const std::uint32_t in_pass = tile_index % count;
-  const SampleTile at = blocks_.tiles.tile(blocks_.order[scan.is_backward ? count - 1 - in_pass : in_pass]);
+  const SampleTile at = blocks_.tiles.sample_tile(blocks_.order[scan.is_backward ? count - 1 - in_pass : in_pass]);
   const std::uint32_t samples = at.width * at.height;
   out.tile = (number + 1) * count + at.index;
   out.x = out.y = out.width = out.height = 0;
@@ -356,18 +356,18 @@ void UndersampleProgram::run_scan(std::uint32_t tile_index, const traces::Tracer
   out.linear.clear();
   out.packed.clear();
   out.sampling = {};
-  Wavefront wave(blocks_.scene, tracer, record, blocks_.cone(), out);
-  TileGraph& graph = wave.graph();
+  Wavefront wave(blocks_.scene, tracer, record, blocks_.ray_cone(), out);
+  TileGraph& graph = wave.tile_graph();
   out.work.frame = blocks_.number;
   out.work.tile = out.tile;
   out.work.samples = samples;
   out.work.after_all = in_pass == 0;
-  const std::uint32_t step = scan.is_along_y ? blocks_.tiles.across() : 1;
+  const std::uint32_t step = scan.is_along_y ? blocks_.tiles.tiles_across() : 1;
   const bool has_behind = scan.is_along_y ? (scan.is_backward ? at.has_below : at.has_above)
                                           : (scan.is_backward ? at.has_right : at.has_left);
   const auto behind = [&](std::uint32_t tile) { return scan.is_backward ? tile + step : tile - step; };
 
-  const Wavefront::Node in = graph.transfer(Region::kSamples, false, scan_store(at.index), samples * 4);
+  const Wavefront::Node in = graph.add_transfer(Region::kSamples, false, scan_store(at.index), samples * 4);
   Wavefront::Node border = Wavefront::kNone;
   if (has_behind) {
     const std::uint32_t words = scan.is_along_y ? at.width : at.height;
@@ -376,26 +376,27 @@ void UndersampleProgram::run_scan(std::uint32_t tile_index, const traces::Tracer
   const Wavefront::Node found = note_search(graph, samples);
   graph.wait_all(found, in);
   graph.wait_all(found, border);
-  correct(wave, out, at, found);
+  correct_samples(wave, out, at, found);
   wave.finish();
   out.sampling.traced_background = out.background.size();
 }
 
 Wavefront::Node UndersampleProgram::note_search(TileGraph& graph, std::uint32_t items) const {
-  return undersample_.neighbours == Neighbourhood::kEight ? graph.note<FindSuspects<true>>(items)
-                                                          : graph.note<FindSuspects<false>>(items);
+  return undersample_.neighbours == Neighbourhood::kEight ? graph.record_known<FindSuspects<true>>(items)
+                                                          : graph.record_known<FindSuspects<false>>(items);
 }
 
 /// Traces a tile's suspects, round by round, and writes the corrected pixels. `found`: the first search.
-void UndersampleProgram::correct(Wavefront& wave, TileResult& out, const SampleTile& at, Wavefront::Node found) const {
-  TileGraph& graph = wave.graph();
+void UndersampleProgram::correct_samples(Wavefront& wave, TileResult& out, const SampleTile& at,
+                                         Wavefront::Node found) const {
+  TileGraph& graph = wave.tile_graph();
   std::span<const PostCorrection::Suspect> left = correction_.suspects_of(at.index);
   out.sampling.traced = out.sampling.correction = left.size();
   if (left.empty()) return;
   const std::uint32_t pixels = pixels_of(left, undersample_.grid());
   const auto corrected = static_cast<std::uint32_t>(left.size());
   const GridUniforms<float> grid =
-      blocks_.grid_uniforms(static_cast<float>(at.x) - 1.0F, static_cast<float>(at.y) - 1.0F, blocks_.pitch());
+      blocks_.grid_uniforms(static_cast<float>(at.x) - 1.0F, static_cast<float>(at.y) - 1.0F, blocks_.row_pitch());
   while (!left.empty()) {
     const auto end = std::ranges::find_if(
         left, [&](std::uint32_t round) { return round != left.front().round; }, &PostCorrection::Suspect::round);
@@ -403,42 +404,42 @@ void UndersampleProgram::correct(Wavefront& wave, TileResult& out, const SampleT
     left = left.subspan(round.size());
     const auto items = static_cast<std::uint32_t>(round.size());
     list_suspects(round, out, [&](const PostCorrection::Suspect& s) {
-      return (s.y - at.y + 1) * blocks_.pitch() + s.x - at.x + 1;
+      return (s.y - at.y + 1) * blocks_.row_pitch() + s.x - at.x + 1;
     });
     trace_suspects(wave, out, grid, items, found);
-    const Wavefront::Node stored = undersample_.correct_shadows ? graph.note<StoreIdentities<true>>(items)
-                                                                : graph.note<StoreIdentities<false>>(items);
+    const Wavefront::Node stored = undersample_.correct_shadows ? graph.record_known<StoreIdentities<true>>(items)
+                                                                : graph.record_known<StoreIdentities<false>>(items);
     graph.wait_for_records(stored);
     found = note_search(graph, items);
     graph.wait_all(found, stored);
   }
-  put_corrected(graph, at, corrected, pixels, found);
+  write_corrected(graph, at, corrected, pixels, found);
 }
 
 /// Averages and encodes the corrected pixels, and writes them with their words: one memory line each, but at most the
 /// whole tile.
-void UndersampleProgram::put_corrected(TileGraph& graph, const SampleTile& at, std::uint32_t corrected,
-                                       std::uint32_t corrected_pixels, Wavefront::Node last) const {
+void UndersampleProgram::write_corrected(TileGraph& graph, const SampleTile& at, std::uint32_t corrected,
+                                         std::uint32_t corrected_pixels, Wavefront::Node last) const {
   const std::uint64_t store = scan_store(at.index);
   const std::uint64_t stored = scan_store(at.index + 1) - store;
   Wavefront::Node packed = Wavefront::kNone;
   if (blocks_.scene.fuses && undersample_.samples == 1 && !blocks_.scene.dma_encodes) {
-    packed = graph.note<PackGridSample>(corrected_pixels);
+    packed = graph.record_known<PackGridSample>(corrected_pixels);
     graph.wait_for_colours(packed);
   } else {
-    const Wavefront::Node averaged = graph.note<AverageSamples>(corrected_pixels * undersample_.samples);
+    const Wavefront::Node averaged = graph.record_known<AverageSamples>(corrected_pixels * undersample_.samples);
     graph.wait_for_colours(averaged);
     if (undersample_.samples > 1) {
-      const Wavefront::Node in = graph.transfer(Region::kSamples, false, store,
-                                                scattered_bytes(corrected_pixels * undersample_.grid(), stored));
+      const Wavefront::Node in = graph.add_transfer(Region::kSamples, false, store,
+                                                    scattered_bytes(corrected_pixels * undersample_.grid(), stored));
       graph.wait_all(averaged, in);
     }
-    packed = blocks_.scene.dma_encodes ? averaged : graph.note<PackColour>(corrected_pixels);
+    packed = blocks_.scene.dma_encodes ? averaged : graph.record_known<PackColour>(corrected_pixels);
     if (packed != averaged) graph.wait_all(packed, averaged);
   }
   const std::uint64_t pixels = requirements().region_bytes[kPicture] / blocks_.tiles.count();
-  graph.wait_all(graph.transfer(Region::kPicture, true, pixels * at.index, scattered_bytes(corrected_pixels, pixels)),
-                 packed);
+  graph.wait_all(
+      graph.add_transfer(Region::kPicture, true, pixels * at.index, scattered_bytes(corrected_pixels, pixels)), packed);
   graph.wait_all(graph.export_border(kScanned, store, scattered_bytes(corrected, stored)), last);
 }
 
@@ -446,7 +447,7 @@ void UndersampleProgram::commit_tile(const TileResult& tile) {
   if (tile.tile >= blocks_.tiles.count()) return FrameProgram::commit_tile(tile);
   FrameProgram::commit_tile(tile);
   blocks_.count_tile(tile, undersample_.block, kept_sampling());
-  correction_.keep(tile, blocks_.tiles.tile(tile.tile));
+  correction_.store_samples(tile, blocks_.tiles.sample_tile(tile.tile));
 }
 
 }  // namespace kernels

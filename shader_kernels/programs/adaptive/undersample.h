@@ -39,34 +39,36 @@ class PostCorrection {
 
   PostCorrection(const UndersampleConfig& config, std::uint32_t width, std::uint32_t height, std::uint32_t tile_side);
 
-  std::uint32_t scans() const;
+  std::uint32_t scan_count() const;
   /// Returns a scan's direction in the paper's order: right, left, down, up; with two scans right, down.
-  Scan scan(std::uint32_t number) const { return {2 * number >= scans(), scans() == 4 && number % 2 == 1}; }
+  Scan scan_direction(std::uint32_t number) const {
+    return {2 * number >= scan_count(), scan_count() == 4 && number % 2 == 1};
+  }
 
   /// Stores a tile's samples.
-  void keep(const TileResult& tile, const SampleTile& at);
+  void store_samples(const TileResult& tile, const SampleTile& at);
   /// Runs a scan over the picture. `trace(suspects)` returns their results. Returns all suspects, by tile, then round.
   template <class Trace>
-  const std::vector<Suspect>& run(const Scan& scan, Trace&& trace) {
-    begin();
+  const std::vector<Suspect>& run_scan(const Scan& scan, Trace&& trace) {
+    begin_scan();
     for (std::uint32_t step = 1; step < (scan.is_along_y ? height_ : width_); ++step) {
-      find(scan, step);
-      if (!fresh_.empty()) settle(trace(std::span<const Suspect>(fresh_)));
+      find_suspects(scan, step);
+      if (!fresh_.empty()) apply_results(trace(std::span<const Suspect>(fresh_)));
     }
-    end();
+    end_scan();
     return all_;
   }
   /// Returns the last scan's suspects in a tile.
   std::span<const Suspect> suspects_of(std::uint32_t tile) const;
 
-  glm::vec3 colour(std::uint32_t x, std::uint32_t y) const { return colours_[std::size_t{y} * width_ + x]; }
+  glm::vec3 sample_colour(std::uint32_t x, std::uint32_t y) const { return colours_[std::size_t{y} * width_ + x]; }
 
  private:
   std::uint32_t index_of(std::uint32_t x, std::uint32_t y) const { return (y + 1) * (width_ + 2) + x + 1; }
-  void begin();
-  void find(const Scan& scan, std::uint32_t step);
-  void settle(const Found& found);
-  void end();
+  void begin_scan();
+  void find_suspects(const Scan& scan, std::uint32_t step);
+  void apply_results(const Found& found);
+  void end_scan();
 
   const UndersampleConfig config_;
   const std::uint32_t width_, height_, side_, across_;
@@ -90,7 +92,7 @@ class UndersampleProgram final : public FrameProgram {
                      const UndersampleConfig& undersample, float scene_size, std::uint32_t frame);
 
   std::uint32_t tiles() const override;
-  TileCounts tile_counts() const override { return {blocks_.tiles.across(), blocks_.tiles.down()}; }
+  TileCounts tile_counts() const override { return {blocks_.tiles.tiles_across(), blocks_.tiles.tiles_down()}; }
   std::uint32_t pass_end(std::uint32_t tile_index) const override;
   FrameRequirements requirements() const override;
   void begin_pass(std::uint32_t tile_index, const traces::Tracer& tracer) override;
@@ -98,10 +100,10 @@ class UndersampleProgram final : public FrameProgram {
   void commit_tile(const TileResult& tile) override;
 
  private:
-  Verdict check(BlockTile& tile, const BlockLines& lines) const;
+  Verdict check_samples(BlockTile& tile, const BlockLines& lines) const;
   template <class K>
   Verdict check_with(BlockTile& tile, const BlockLines& lines) const;
-  void average(BlockTile& tile) const;
+  void average_pixels(BlockTile& tile) const;
   template <class K>
   Wavefront::Node store_identities(BlockTile& tile) const;
   std::uint32_t scan_of(std::uint32_t tile_index) const { return tile_index / blocks_.tiles.count() - 1; }
@@ -115,9 +117,9 @@ class UndersampleProgram final : public FrameProgram {
                       Wavefront::Node lister) const;
   void average_again(std::uint32_t x, std::uint32_t y);
   Wavefront::Node note_search(TileGraph& graph, std::uint32_t items) const;
-  void correct(Wavefront& wave, TileResult& out, const SampleTile& at, Wavefront::Node found) const;
-  void put_corrected(TileGraph& graph, const SampleTile& at, std::uint32_t corrected, std::uint32_t corrected_pixels,
-                     Wavefront::Node last) const;
+  void correct_samples(Wavefront& wave, TileResult& out, const SampleTile& at, Wavefront::Node found) const;
+  void write_corrected(TileGraph& graph, const SampleTile& at, std::uint32_t corrected, std::uint32_t corrected_pixels,
+                       Wavefront::Node last) const;
 
   const UndersampleConfig undersample_;
   const BlockFrame blocks_;

@@ -54,7 +54,7 @@ class FrameProgram {
   virtual void keep_marks() { keeps_marks_ = true; }
   /// Returns the marks of all samples, row by row, with the program's number per pixel; empty if it makes none or they
   /// are not stored.
-  virtual const std::vector<SampleMark>& marks() const { return marks_; }
+  virtual const std::vector<SampleMark>& sample_marks() const { return marks_; }
 
  protected:
   std::vector<float>& kept_picture() { return picture_; }

@@ -51,18 +51,18 @@ struct PortArray {
 
 namespace port_arrays {
 
-/// Follows member pointers: `follow<&A::b, &B::c>(a)` is a.b.c.
+/// Follows member pointers: `follow_members<&A::b, &B::c>(a)` is a.b.c.
 template <auto kMember, auto... kRest>
-constexpr auto& follow(auto& object) {
+constexpr auto& follow_members(auto& object) {
   if constexpr (sizeof...(kRest) == 0) {
     return object.*kMember;
   } else {
-    return follow<kRest...>(object.*kMember);
+    return follow_members<kRest...>(object.*kMember);
   }
 }
 
 template <class T>
-const void* elements(const std::vector<T>& array) {
+const void* array_data(const std::vector<T>& array) {
   static_assert(sizeof(T) == sizeof(typename RecordOf<T>::Type));
   return array.data();
 }
@@ -71,36 +71,38 @@ constexpr const char* record_type(const std::vector<T>* /*array*/) {
   return &kRecordType<typename RecordOf<T>::Type>;
 }
 template <class Root, auto... kPath>
-using Array = std::remove_reference_t<decltype(follow<kPath...>(std::declval<Root&>()))>;
+using Array = std::remove_reference_t<decltype(follow_members<kPath...>(std::declval<Root&>()))>;
 
 template <auto... kPath>
 constexpr PortArray of_tile(std::string_view name) {
   return {name, record_type(static_cast<Array<const TileResult, kPath...>*>(nullptr)),
-          [](const TileResult& tile, const SceneTables&) { return elements(follow<kPath...>(tile)); }};
+          [](const TileResult& tile, const SceneTables&) { return array_data(follow_members<kPath...>(tile)); }};
 }
 template <auto... kPath>
 constexpr PortArray of_buffer(std::string_view name) {
   return of_tile<&TileResult::buffer, kPath...>(name);
 }
 template <auto... kPath>
-constexpr PortArray queue(std::string_view name, std::string_view counter) {
+constexpr PortArray tile_queue(std::string_view name, std::string_view counter) {
   return {name, &kRecordType<WordRecord<float>>,
-          [](const TileResult& tile, const SceneTables&) { return elements(follow<kPath...>(tile.buffer).entries); },
-          counter, [](TileResult& tile) { return &follow<kPath...>(tile.buffer).items; }};
+          [](const TileResult& tile, const SceneTables&) {
+            return array_data(follow_members<kPath...>(tile.buffer).entries);
+          },
+          counter, [](TileResult& tile) { return &follow_members<kPath...>(tile.buffer).items; }};
 }
 template <auto kMember>
 constexpr PortArray stage_queue(std::string_view name, std::string_view counter) {
-  return queue<&TileBuffer::queues, kMember>(name, counter);
+  return tile_queue<&TileBuffer::queues, kMember>(name, counter);
 }
 template <auto kMember>
 constexpr PortArray of_scene(std::string_view name) {
   return {name, record_type(static_cast<Array<const SceneTables, kMember>*>(nullptr)),
-          [](const TileResult&, const SceneTables& scene) { return elements(scene.*kMember); }};
+          [](const TileResult&, const SceneTables& scene) { return array_data(scene.*kMember); }};
 }
 template <auto kMember>
 constexpr PortArray of_image(std::string_view name) {
   return {name, record_type(static_cast<Array<const traces::MemoryImage, kMember>*>(nullptr)),
-          [](const TileResult&, const SceneTables& scene) { return elements(scene.image.*kMember); }};
+          [](const TileResult&, const SceneTables& scene) { return array_data(scene.image.*kMember); }};
 }
 
 using Rays = RayBuffers;
@@ -143,13 +145,13 @@ inline constexpr auto kAll = std::to_array<PortArray>({
     of_buffer<&TileBuffer::samples, &SampleRecords::globals>("globals"),
     of_buffer<&TileBuffer::checks, &CheckRecords::verdicts>("verdicts"),
     of_buffer<&TileBuffer::checks, &CheckRecords::identities>("identities"),
-    queue<&TileBuffer::checks, &CheckRecords::samples>("samples", ""),
-    queue<&TileBuffer::checks, &CheckRecords::passed>("passed", "passed_count"),
-    queue<&TileBuffer::checks, &CheckRecords::failed>("failed", "failed_count"),
+    tile_queue<&TileBuffer::checks, &CheckRecords::samples>("samples", ""),
+    tile_queue<&TileBuffer::checks, &CheckRecords::passed>("passed", "passed_count"),
+    tile_queue<&TileBuffer::checks, &CheckRecords::failed>("failed", "failed_count"),
     of_buffer<&TileBuffer::subpixels, &SubpixelRecords::traits>("traits"),
     of_buffer<&TileBuffer::subpixels, &SubpixelRecords::branches>("branches"),
     of_buffer<&TileBuffer::subpixels, &SubpixelRecords::active>("active"),
-    queue<&TileBuffer::subpixels, &SubpixelRecords::masters>("masters", "masters_count"),
+    tile_queue<&TileBuffer::subpixels, &SubpixelRecords::masters>("masters", "masters_count"),
     of_buffer<&TileBuffer::subpixels, &SubpixelRecords::fills>("fills"),
     of_buffer<&TileBuffer::subpixels, &SubpixelRecords::states>("states"),
     of_buffer<&TileBuffer::subpixels, &SubpixelRecords::shown>("shown"),

@@ -16,7 +16,7 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-Vec3<float> vec3(const glm::vec3& v) { return {v.x, v.y, v.z}; }
+Vec3<float> to_vec3(const glm::vec3& v) { return {v.x, v.y, v.z}; }
 
 }  // namespace
 
@@ -27,8 +27,8 @@ CameraUniforms<float> camera_uniforms(const traces::Camera& camera, std::uint32_
   const float half_height = std::tan(0.5F * camera.vertical_fov);
   const float pixel = 2.0F * half_height / static_cast<float>(height);
   const float half_width = 0.5F * pixel * static_cast<float>(width);
-  return {vec3(glm::vec3(camera.to_world[3])), vec3(up * half_height - right * half_width - back), vec3(right * pixel),
-          vec3(-up * pixel)};
+  return {to_vec3(glm::vec3(camera.to_world[3])), to_vec3(up * half_height - right * half_width - back),
+          to_vec3(right * pixel), to_vec3(-up * pixel)};
 }
 
 ConeUniforms<float> cone_uniforms(const CameraUniforms<float>& camera, std::uint32_t grid) {
@@ -39,15 +39,15 @@ EyeUniforms<float> eye_uniforms(const CameraUniforms<float>& camera, std::uint32
                                 float depth_scale) {
   const Vec3<float> forward = camera.corner + camera.right * (0.5F * static_cast<float>(width)) +
                               camera.down * (0.5F * static_cast<float>(height));
-  return {camera.origin, normalised(forward) * depth_scale};
+  return {camera.origin, unit_vector(forward) * depth_scale};
 }
 
 LightUniforms<float> light_uniforms(const traces::Light& light) {
   using Kind = traces::Light::Kind;
   const bool local = light.kind != Kind::kDirectional;
-  LightUniforms<float> u{.position = vec3(local ? light.position : -light.direction),
-                         .direction = vec3(light.direction),
-                         .intensity = vec3(light.intensity),
+  LightUniforms<float> u{.position = to_vec3(local ? light.position : -light.direction),
+                         .direction = to_vec3(light.direction),
+                         .intensity = to_vec3(light.intensity),
                          .local = local ? 1.0F : 0.0F,
                          .reach = local ? 1.0F : kInfinity,
                          .cone_scale = 0,
@@ -66,7 +66,7 @@ DiscUniforms<float> disc_uniforms(const traces::Light& light, float radius, floa
   const glm::vec3 other = std::abs(axis.y) < 0.9F ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0);
   const glm::vec3 across = glm::normalize(glm::cross(other, axis));
   const float reach = light.kind == traces::Light::Kind::kDirectional ? radius : radius * diagonal;
-  return {vec3(across * reach), vec3(glm::cross(axis, across) * reach), reach, 1.0F / static_cast<float>(rays)};
+  return {to_vec3(across * reach), to_vec3(glm::cross(axis, across) * reach), reach, 1.0F / static_cast<float>(rays)};
 }
 
 std::uint32_t jitter_seed(std::uint32_t frame) { return static_cast<std::uint32_t>(sim::hash(frame)); }
@@ -111,8 +111,8 @@ std::vector<SrgbCodeRecord<float>> srgb_code_records() {
 
 SceneTables::SceneTables(const traces::MemoryImage& memory_image, const RenderConfig& config)
     : image(memory_image),
-      background(vec3(memory_image.background)),
-      ambient(vec3(memory_image.ambient)),
+      background(to_vec3(memory_image.background)),
+      ambient(to_vec3(memory_image.ambient)),
       epsilon(static_cast<float>(config.ray_epsilon) * memory_image.diagonal()),
       min_weight(static_cast<float>(config.min_weight)),
       occlusion_distance(static_cast<float>(config.occlusion_distance) * memory_image.diagonal()),

@@ -23,7 +23,7 @@ struct VisibleSamples {
   EyeUniforms<float> eye{};
   float depth_scale = 0;
   bool keeps_branch(std::uint32_t bounce) const { return are_kept && bounce == 2 && (mirrored | refracted) != 0; }
-  std::uint32_t apart(traces::RayKind kind) const {
+  std::uint32_t branch_offset(traces::RayKind kind) const {
     return kind == traces::RayKind::kReflection ? mirrored : refracted;
   }
 };

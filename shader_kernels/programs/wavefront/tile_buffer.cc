@@ -5,21 +5,21 @@
 namespace kernels {
 namespace {
 
-void grow(auto& array, std::size_t size) {
+void grow_to(auto& array, std::size_t size) {
   if (array.size() < size) array.resize(size);
 }
 
 template <class Item>
-void grow(Queue<Item>& queue, std::size_t items) {
-  grow(queue.entries, items + 1);
+void grow_to(Queue<Item>& queue, std::size_t items) {
+  grow_to(queue.entries, items + 1);
 }
 
 }  // namespace
 
-void RaySlots::hold(std::size_t slots) {
-  grow(rays, slots);
-  grow(paths, slots);
-  grow(hits, slots);
+void RaySlots::reserve_slots(std::size_t slots) {
+  grow_to(rays, slots);
+  grow_to(paths, slots);
+  grow_to(hits, slots);
 }
 
 void StageQueues::clear_surfaces() {
@@ -30,71 +30,71 @@ void StageQueues::clear_surfaces() {
 }
 
 void TileBuffer::reserve_wave(std::size_t slots) {
-  rays.wave.hold(slots);
+  rays.wave.reserve_slots(slots);
   StageQueues& q = queues;
   for (SlotQueue* queue :
        {&q.misses, &q.surfaces, &q.textured, &q.diffuse, &q.deferred, &q.mirror, &q.glass, &q.emissive}) {
-    grow(*queue, slots);
+    grow_to(*queue, slots);
   }
-  grow(surfaces.points, slots);
-  grow(surfaces.mattes, slots);
-  grow(surfaces.texcoords, slots);
-  grow(surfaces.optics, slots);
+  grow_to(surfaces.points, slots);
+  grow_to(surfaces.mattes, slots);
+  grow_to(surfaces.texcoords, slots);
+  grow_to(surfaces.optics, slots);
 }
 
 void TileBuffer::reserve_details(std::size_t slots) {
   StageQueues& q = queues;
   for (SlotQueue* queue :
        {&q.absorbing, &q.vertexed, &q.based, &q.physical, &q.bumped, &q.blended, &q.glowing, &q.occluded}) {
-    grow(*queue, slots);
+    grow_to(*queue, slots);
   }
-  grow(surfaces.tangents, slots);
+  grow_to(surfaces.tangents, slots);
 }
 
 void TileBuffer::reserve_layers(std::size_t slots) {
-  grow(queues.layers, slots);
-  grow(queues.targets, slots);
-  rays.layer.hold(slots + 1);
+  grow_to(queues.layers, slots);
+  grow_to(queues.targets, slots);
+  rays.layer.reserve_slots(slots + 1);
 }
 
 void TileBuffer::reserve_samples(std::size_t count) {
-  grow(samples.colours, count);
-  grow(samples.geometry, count);
-  grow(samples.secondary, count);
-  grow(samples.kept, count);
-  grow(samples.globals, count);
-  grow(checks.verdicts, count);
-  grow(checks.identities, count);
-  for (SampleQueue* queue : {&checks.samples, &checks.passed, &checks.failed}) grow(*queue, count);
+  grow_to(samples.colours, count);
+  grow_to(samples.geometry, count);
+  grow_to(samples.secondary, count);
+  grow_to(samples.kept, count);
+  grow_to(samples.globals, count);
+  grow_to(checks.verdicts, count);
+  grow_to(checks.identities, count);
+  for (SampleQueue* queue : {&checks.samples, &checks.passed, &checks.failed}) grow_to(*queue, count);
 }
 
 void TileBuffer::reserve_subpixels(std::size_t centres, std::size_t pixels) {
   SubpixelRecords& s = subpixels;
-  grow(s.traits, centres);
-  grow(s.secondary_traits, centres);
-  grow(s.branches, centres);
-  grow(s.verdicts, 4 * pixels);
+  grow_to(s.traits, centres);
+  grow_to(s.secondary_traits, centres);
+  grow_to(s.branches, centres);
+  grow_to(s.verdicts, 4 * pixels);
   // Rejected entries are written after a list's end, and chunks may be up to three entries short.
   const std::size_t chunks = (4 * pixels + kChunk - 4) / (kChunk - 3) + 1;
-  grow(s.active, chunks * kChunk + 4);
-  grow(s.masters, pixels);
-  grow(s.fills, chunks + 1);
-  grow(s.shown, 4 * pixels);
-  grow(s.states, 12 * pixels + 4);  // one more line on each side, for pixels of any shape
+  grow_to(s.active, chunks * kChunk + 4);
+  grow_to(s.masters, pixels);
+  grow_to(s.fills, chunks + 1);
+  grow_to(s.shown, 4 * pixels);
+  grow_to(s.states, 12 * pixels + 4);  // one more line on each side, for pixels of any shape
 }
 
 void TileBuffer::reserve_visible(std::size_t count, std::size_t pixels) {
-  grow(filters.visible, count);
-  grow(samples.colours, count);
-  grow(subpixels.masters, pixels);
+  grow_to(filters.visible, count);
+  grow_to(samples.colours, count);
+  grow_to(subpixels.masters, pixels);
 }
 
 void TileBuffer::reserve_rated(std::size_t count, std::size_t light_count) {
-  grow(filters.visible, count);
-  grow(samples.colours, count);
-  grow(checks.passed, count);
-  grow(filters.lights, count * light_count);
-  grow(filters.ratios, count * light_count);
+  grow_to(filters.visible, count);
+  grow_to(samples.colours, count);
+  grow_to(checks.passed, count);
+  grow_to(filters.lights, count * light_count);
+  grow_to(filters.ratios, count * light_count);
 }
 
 }  // namespace kernels

@@ -29,7 +29,7 @@ struct RaySlots {
   std::vector<traces::Ray> rays;
   std::vector<PathRecord<float>> paths;
   std::vector<traces::Hit> hits;
-  void hold(std::size_t slots);
+  void reserve_slots(std::size_t slots);
 };
 
 /// Rays of a tile in flight.

@@ -42,8 +42,8 @@ WorkNode& StreamBuilder::add(WorkNode::Kind kind, std::uint32_t items) {
   return node;
 }
 
-StreamBuilder::Node StreamBuilder::launch(traces::KernelId kernel, std::uint32_t items, bool has_accesses,
-                                          std::uint32_t idle) {
+StreamBuilder::Node StreamBuilder::add_launch(traces::KernelId kernel, std::uint32_t items, bool has_accesses,
+                                              std::uint32_t idle) {
   if (!is_on()) return kNone;
   launch_sources_ = static_cast<std::uint32_t>(work_.sources.size());
   WorkNode& node = add(WorkNode::Kind::kLaunch, items);
@@ -54,8 +54,8 @@ StreamBuilder::Node StreamBuilder::launch(traces::KernelId kernel, std::uint32_t
   return count_ - 1;
 }
 
-StreamBuilder::Node StreamBuilder::rays(traces::RayKind kind, std::uint32_t count, std::uint32_t first, Node launch,
-                                        bool is_mapped) {
+StreamBuilder::Node StreamBuilder::add_rays(traces::RayKind kind, std::uint32_t count, std::uint32_t first, Node launch,
+                                            bool is_mapped) {
   if (!is_on()) return kNone;
   WorkNode& node = add(WorkNode::Kind::kRays, count);
   node.ray_kind = kind;
@@ -65,8 +65,8 @@ StreamBuilder::Node StreamBuilder::rays(traces::RayKind kind, std::uint32_t coun
   return count_ - 1;
 }
 
-StreamBuilder::Node StreamBuilder::transfer(traces::Region region, bool to_memory, std::uint64_t offset,
-                                            std::uint32_t bytes) {
+StreamBuilder::Node StreamBuilder::add_transfer(traces::Region region, bool to_memory, std::uint64_t offset,
+                                                std::uint32_t bytes) {
   if (!is_on()) return kNone;
   WorkNode& node = add(WorkNode::Kind::kTransfer, bytes);
   node.region = region;
@@ -75,7 +75,7 @@ StreamBuilder::Node StreamBuilder::transfer(traces::Region region, bool to_memor
   return count_ - 1;
 }
 
-StreamBuilder::Node StreamBuilder::raster(std::uint32_t count, Node launch) {
+StreamBuilder::Node StreamBuilder::add_raster(std::uint32_t count, Node launch) {
   if (!is_on()) return kNone;
   WorkNode& node = add(WorkNode::Kind::kRaster, count);
   node.raster = static_cast<std::uint32_t>(work_.raster.size() - 1);
@@ -83,7 +83,7 @@ StreamBuilder::Node StreamBuilder::raster(std::uint32_t count, Node launch) {
   return count_ - 1;
 }
 
-StreamBuilder::Node StreamBuilder::bin(std::uint32_t triangles) {
+StreamBuilder::Node StreamBuilder::add_bin(std::uint32_t triangles) {
   if (!is_on()) return kNone;
   add(WorkNode::Kind::kBin, triangles).raster = static_cast<std::uint32_t>(work_.raster.size() - 1);
   return count_ - 1;
@@ -91,13 +91,13 @@ StreamBuilder::Node StreamBuilder::bin(std::uint32_t triangles) {
 
 StreamBuilder::Node StreamBuilder::export_border(std::uint32_t number, std::uint64_t offset, std::uint32_t bytes) {
   assert(number < traces::kMostBorders);
-  const Node node = transfer(traces::Region::kSamples, true, offset, bytes);
+  const Node node = add_transfer(traces::Region::kSamples, true, offset, bytes);
   if (node != kNone) work_.nodes[node].border = number;
   return node;
 }
 
 StreamBuilder::Node StreamBuilder::import_border(traces::Border border, std::uint64_t offset, std::uint32_t bytes) {
-  const Node node = transfer(traces::Region::kSamples, false, offset, bytes);
+  const Node node = add_transfer(traces::Region::kSamples, false, offset, bytes);
   if (node == kNone) return kNone;
   std::vector<traces::Border>& imports = work_.imports;
   const auto known = std::ranges::find(imports, border);
@@ -107,7 +107,7 @@ StreamBuilder::Node StreamBuilder::import_border(traces::Border border, std::uin
   return node;
 }
 
-void StreamBuilder::wait(Node node, Node for_node, Edge::Kind kind) {
+void StreamBuilder::add_wait(Node node, Node for_node, Edge::Kind kind) {
   if (node != kNone && for_node != kNone) work_.nodes[node].inputs.push_back({for_node, kind});
 }
 
@@ -157,7 +157,7 @@ void TileGraph::write_pixels(Node averaged, std::uint64_t offset) {
 
 void TileGraph::write_packed(Node packed, std::uint64_t offset) {
   const auto bytes = static_cast<std::uint32_t>(out_.linear.size()) * kPixelBytes;
-  wait_all(transfer(traces::Region::kPicture, true, offset, bytes), packed);
+  wait_all(add_transfer(traces::Region::kPicture, true, offset, bytes), packed);
 }
 
 TileGraph::Node TileGraph::write_linear(std::uint64_t offset) {
@@ -165,7 +165,7 @@ TileGraph::Node TileGraph::write_linear(std::uint64_t offset) {
   PackColour::Ports<float> ports;
   bind_ports<PackColour>(ports, out_, scene_, nullptr);
   for (std::uint32_t i = 0; i < pixels; ++i) PackColour::body<float>(i, ports);
-  return transfer(traces::Region::kPicture, true, offset, pixels * kPixelBytes);
+  return add_transfer(traces::Region::kPicture, true, offset, pixels * kPixelBytes);
 }
 
 }  // namespace kernels

@@ -21,28 +21,28 @@ class StreamBuilder {
   StreamBuilder(traces::TileWork& work, std::vector<traces::WorkNode>& spare, bool on);
   bool is_on() const { return on_ && !muted_; }
   /// A muted builder records nothing until it is unmuted.
-  void mute(bool muted) { muted_ = muted; }
+  void set_muted(bool muted) { muted_ = muted; }
   bool is_muted() const { return muted_; }
 
   /// Adds a launch. `idle` is the number of inactive iterations after its items.
-  Node launch(traces::KernelId kernel, std::uint32_t items, bool has_accesses, std::uint32_t idle = 0);
+  Node add_launch(traces::KernelId kernel, std::uint32_t items, bool has_accesses, std::uint32_t idle = 0);
   /// Begins the next item of the last launch; for launches with accesses.
   void begin_item() { work_.access_begin.push_back(static_cast<std::uint32_t>(work_.accesses.size())); }
   /// Records that the last launch made a ray from `item`.
   void add_source(std::uint32_t item) { work_.sources.push_back(item); }
   /// Adds rays made by `launch`: one per item, or, if `is_mapped`, one per source added since that launch.
-  Node rays(traces::RayKind kind, std::uint32_t count, std::uint32_t first, Node launch, bool is_mapped);
-  Node transfer(traces::Region region, bool to_memory, std::uint64_t offset, std::uint32_t bytes);
+  Node add_rays(traces::RayKind kind, std::uint32_t count, std::uint32_t first, Node launch, bool is_mapped);
+  Node add_transfer(traces::Region region, bool to_memory, std::uint64_t offset, std::uint32_t bytes);
   /// Adds the rasterised primary hits of `count` samples, whose rays `launch` made. Uses the last entry of the work's
   /// `raster`.
-  Node raster(std::uint32_t count, Node launch);
+  Node add_raster(std::uint32_t count, Node launch);
   /// Adds the binning of triangles. Uses the last entry of the work's `raster`.
-  Node bin(std::uint32_t triangles);
+  Node add_bin(std::uint32_t triangles);
   /// Adds a transfer of samples that completes border `number` of the tile.
   Node export_border(std::uint32_t number, std::uint64_t offset, std::uint32_t bytes);
   /// Adds a transfer of samples that waits for another tile's border.
   Node import_border(traces::Border border, std::uint64_t offset, std::uint32_t bytes);
-  void wait(Node node, Node for_node, traces::Edge::Kind kind);
+  void add_wait(Node node, Node for_node, traces::Edge::Kind kind);
   void finish();
 
  private:
@@ -78,12 +78,12 @@ class TileGraph {
   }
   /// Records a launch, without memory accesses, whose results are already known.
   template <class K>
-  Node note(std::uint32_t items) {
-    return stream_.launch(kKernelId<K>, items, false);
+  Node record_known(std::uint32_t items) {
+    return stream_.add_launch(kKernelId<K>, items, false);
   }
 
-  void wait_all(Node node, Node for_node) { stream_.wait(node, for_node, traces::Edge::Kind::kAll); }
-  void wait_each(Node node, Node for_node) { stream_.wait(node, for_node, traces::Edge::Kind::kEach); }
+  void wait_all(Node node, Node for_node) { stream_.add_wait(node, for_node, traces::Edge::Kind::kAll); }
+  void wait_each(Node node, Node for_node) { stream_.add_wait(node, for_node, traces::Edge::Kind::kEach); }
   /// Make `node` wait for all nodes so far that add to samples' colours, or that write samples' records.
   void wait_for_colours(Node node);
   void wait_for_records(Node node);
@@ -92,8 +92,8 @@ class TileGraph {
   /// Replaces all colour writers so far by `node`, which has waited for them.
   void replace_colour_writers(Node node) { scratch_.colour_writers.assign(1, node); }
 
-  Node transfer(traces::Region region, bool to_memory, std::uint64_t offset, std::uint32_t bytes) {
-    return stream_.transfer(region, to_memory, offset, bytes);
+  Node add_transfer(traces::Region region, bool to_memory, std::uint64_t offset, std::uint32_t bytes) {
+    return stream_.add_transfer(region, to_memory, offset, bytes);
   }
   Node export_border(std::uint32_t number, std::uint64_t offset, std::uint32_t bytes) {
     return stream_.export_border(number, offset, bytes);
@@ -114,16 +114,16 @@ class TileGraph {
   Node write_linear(std::uint64_t offset);
 
   /// While muted, kernels run but nothing is recorded, because the work belongs to another tile.
-  void mute() { stream_.mute(true); }
-  void unmute() { stream_.mute(false); }
+  void pause_recording() { stream_.set_muted(true); }
+  void resume_recording() { stream_.set_muted(false); }
   bool is_muted() const { return stream_.is_muted(); }
   bool is_recording() const { return stream_.is_on(); }
   void finish() { stream_.finish(); }
 
-  StreamBuilder& stream() { return stream_; }
+  StreamBuilder& stream_builder() { return stream_; }
 
  private:
-  std::vector<traces::Access>* accesses() { return stream_.is_on() ? &out_.work.accesses : nullptr; }
+  std::vector<traces::Access>* access_log() { return stream_.is_on() ? &out_.work.accesses : nullptr; }
 
   const SceneTables& scene_;
   TileResult& out_;
@@ -137,8 +137,8 @@ TileGraph::Node TileGraph::launch(typename K::template Ports<float>& ports, std:
   constexpr bool kReads = kListsAccesses<typename K::template Ports<float>>;
   constexpr bool kEmits = requires { ports.emitted; };
   const std::uint32_t idle = scene_.diverges && lanes > items ? lanes - items : padding;
-  const Node node = stream_.launch(kKernelId<K>, items, kReads, idle);
-  bind_ports<K>(ports, out_, scene_, accesses());
+  const Node node = stream_.add_launch(kKernelId<K>, items, kReads, idle);
+  bind_ports<K>(ports, out_, scene_, access_log());
   typename K::template Ports<float> at = ports;  // local copy so that the compiler keeps it in registers
   if (!stream_.is_on()) {
     for (std::uint32_t i = 0; i < items; ++i) K::template body<float>(i, at);

@@ -44,8 +44,8 @@ TracedBatch WaveTracer::find_primary_hits(std::uint32_t count, Node maker) {
   tracer_.trace({wave.rays.data(), count}, RayKind::kPrimary, {wave.hits.data(), count}, nullptr);
   TracedBatch batch;
   if (graph_.is_recording()) {
-    out_.rasteriser->cover({wave.rays.data(), count}, buffer_.scratch.coverage, &out_.work);
-    batch.rays = graph_.stream().raster(count, maker);
+    out_.rasteriser->cover_samples({wave.rays.data(), count}, buffer_.scratch.coverage, &out_.work);
+    batch.rays = graph_.stream_builder().add_raster(count, maker);
   }
   if (scene_.has_alpha) batch.settled = continue_through_layers(RayKind::kPrimary, wave, 0, count, batch.rays);
   return batch;
@@ -59,7 +59,7 @@ WaveTracer::Node WaveTracer::trace_once(RayKind kind, RaySlots& slots, std::uint
                 graph_.is_recording() ? &sink : nullptr);
   if (graph_.is_muted()) return TileGraph::kNone;
   count_walks(first_ray, std::span(slots.paths).subspan(first, count));
-  const Node node = graph_.stream().rays(kind, count, rays_traced_, maker, is_mapped);
+  const Node node = graph_.stream_builder().add_rays(kind, count, rays_traced_, maker, is_mapped);
   rays_traced_ += count;
   out_.rays[static_cast<std::size_t>(kind)] += count;
   return node;

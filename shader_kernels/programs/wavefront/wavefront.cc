@@ -133,7 +133,7 @@ std::uint32_t bounce_hash(std::uint32_t depth) { return depth * 0x9e3779b9U; }
 constexpr std::uint32_t kAmbientSeed = 0x9e3779b9U;
 
 /// Returns point n of `count` points that cover the unit square evenly (Hammersley).
-DrawUniforms<float> draw(std::uint32_t n, std::uint32_t count, std::uint32_t seed) {
+DrawUniforms<float> hammersley_point(std::uint32_t n, std::uint32_t count, std::uint32_t seed) {
   std::uint32_t mirrored = 0;
   for (std::uint32_t bit = 0; bit < 32; ++bit) mirrored |= (n >> bit & 1U) << (31 - bit);
   return {(static_cast<float>(n) + 0.5F) / static_cast<float>(count), unit_float<float>(mirrored), seed};
@@ -158,15 +158,16 @@ BounceUniforms<float> bounce_uniforms(const WaveBounce& bounce) {
 }
 
 std::uint32_t secondary_mark(const WaveBounce& bounce, std::uint32_t light) {
-  return scrambled<float>(bounce_hash(bounce.depth) ^ light);
+  return scramble_bits<float>(bounce_hash(bounce.depth) ^ light);
 }
 
 DrawUniforms<float> occlusion_draw(const WaveContext& wave, std::uint32_t ray) {
-  return draw(ray, wave.scene.occlusion_rays, scrambled<float>(jitter_seed(wave.out.work.frame) ^ kAmbientSeed));
+  return hammersley_point(ray, wave.scene.occlusion_rays,
+                          scramble_bits<float>(jitter_seed(wave.out.work.frame) ^ kAmbientSeed));
 }
 
 DrawUniforms<float> soft_shadow_draw(const WaveContext& wave, std::uint32_t light, std::uint32_t ray) {
-  return draw(ray, wave.scene.shadow_rays, scrambled<float>(jitter_seed(wave.out.work.frame) + light));
+  return hammersley_point(ray, wave.scene.shadow_rays, scramble_bits<float>(jitter_seed(wave.out.work.frame) + light));
 }
 
 Wavefront::Wavefront(const SceneTables& scene, const traces::Tracer& tracer, bool record,
@@ -274,7 +275,7 @@ void Wavefront::run_stage(const WaveStage& stage, WaveBounce& bounce, SlotQueue&
                           std::uint32_t ray) {
   if (queue.items == 0) return;
   RaySlots& shadow = wave_.buffer.rays.shadow;
-  if (stage.has(kCastsRays)) shadow.hold(std::size_t{queue.items} + 1);
+  if (stage.has(kCastsRays)) shadow.reserve_slots(std::size_t{queue.items} + 1);
   const Launched launched = stage.launch(wave_, bounce,
                                          {.entries = queue.entries.data(),
                                           .items = queue.items,
@@ -324,7 +325,7 @@ void Wavefront::shade_local(WaveBounce& bounce) {
   const SceneTables& scene = wave_.scene;
   StageQueues& queues = wave_.buffer.queues;
   if (queues.diffuse.items == 0) return;
-  SlotQueue& first = unlit(bounce);
+  SlotQueue& first = unlit_queue(bounce);
   const bool keeps_local = wave_.retained.surfaces && bounce.depth == 1;
   const auto lights = static_cast<std::uint32_t>(scene.lights.size());
   const bool has_occlusion_rays = scene.occlusion_rays != 0;
@@ -445,7 +446,7 @@ void Wavefront::launch_visibility_ratio(const WaveBounce& bounce, Launch cast, S
   in.items = buffer.checks.passed.items;
   in.lanes = bounce.lanes;
   if (in.items == 0) return;
-  buffer.rays.shadow.hold(std::size_t{in.items} + 1);
+  buffer.rays.shadow.reserve_slots(std::size_t{in.items} + 1);
   const auto [node, rays] = cast(wave_, bounce, in);
   wait_for_bounce(node, bounce);
   graph_.wait_all(node, selected);
@@ -500,7 +501,7 @@ WaveBounce Wavefront::spawn_secondary_rays(const WaveBounce& bounce) {
   TileBuffer& buffer = wave_.buffer;
   const StageQueues& queues = buffer.queues;
   RaySlots& slots = buffer.rays.next_wave;
-  slots.hold(std::size_t{queues.blended.items} + queues.mirror.items + queues.glass.items + 1);
+  slots.reserve_slots(std::size_t{queues.blended.items} + queues.mirror.items + queues.glass.items + 1);
   WaveBounce from = bounce;
   from.colours = kNone;  // these kernels do not read base colours
   WaveBounce next;
@@ -516,7 +517,7 @@ WaveBounce Wavefront::spawn_secondary_rays(const WaveBounce& bounce) {
     wait_for_bounce(maker, from);
     if (rays == 0) continue;
     next.batches[next.batch_count++] = tracer_.trace(stage.kind, slots, next.rays, rays, maker, true);
-    const std::uint32_t apart = bounce.depth == 1 ? wave_.retained.visible.apart(stage.kind) : 0;
+    const std::uint32_t apart = bounce.depth == 1 ? wave_.retained.visible.branch_offset(stage.kind) : 0;
     if (apart != 0) begin_branch(next, rays, apart, maker);
     next.rays += rays;
     next.lanes += bounce.lanes;
@@ -562,10 +563,10 @@ void Wavefront::shade_interpolated(const LineUniforms<float>& line, std::uint32_
     run_stage(kFindOcclusionTextures, bounce, queues.surfaces);
   }
   run_stage(kTextures, bounce, queues.textured);
-  run_stage(kAmbient, bounce, unlit(bounce));
+  run_stage(kAmbient, bounce, unlit_queue(bounce));
   run_stage(kOcclusionTextures, bounce, queues.occluded);
   for (std::uint32_t light = 0; light < wave_.scene.lights.size(); ++light) {
-    run_stage(kKnownShadows, bounce, light == 0 ? unlit(bounce) : queues.diffuse, light);
+    run_stage(kKnownShadows, bounce, light == 0 ? unlit_queue(bounce) : queues.diffuse, light);
   }
 }
 template void Wavefront::shade_interpolated<false>(const LineUniforms<float>& line, std::uint32_t items,
@@ -573,8 +574,8 @@ template void Wavefront::shade_interpolated<false>(const LineUniforms<float>& li
 template void Wavefront::shade_interpolated<true>(const LineUniforms<float>& line, std::uint32_t items,
                                                   std::uint32_t lanes, Node checked);
 
-Node Wavefront::generate(GenerateListedRays::Ports<float>& ports, SampleQueue& list, Node lister, std::uint32_t items,
-                         RetainedRecords& retained, std::uint32_t lanes) {
+Node Wavefront::generate_listed(GenerateListedRays::Ports<float>& ports, SampleQueue& list, Node lister,
+                                std::uint32_t items, RetainedRecords& retained, std::uint32_t lanes) {
   const auto launch_on_list = [&]<class K, class... Clear>(std::type_identity<K>, std::type_identity<Clear>...) {
     typename K::template Ports<float> bound;
     if constexpr (std::is_base_of_v<GenerateListedRays::Ports<float>, typename K::template Ports<float>>) {

@@ -29,15 +29,15 @@ class Wavefront {
   Wavefront(const SceneTables& scene, const traces::Tracer& tracer, bool record, const ConeUniforms<float>& cone,
             TileResult& out);
 
-  TileGraph& graph() { return graph_; }
-  WaveTracer& tracer() { return tracer_; }
+  TileGraph& tile_graph() { return graph_; }
+  WaveTracer& wave_tracer() { return tracer_; }
   /// Sets the ray cone for all later rays.
   void set_cone(const ConeUniforms<float>& cone) { wave_.cone = cone; }
 
   /// Emits primary rays of the samples in `list`, which `lister` filled, and clears the records selected by `retained`;
   /// sets the clearing nodes in `retained`. `ports` has camera and grid.
-  Node generate(GenerateListedRays::Ports<float>& ports, SampleQueue& list, Node lister, std::uint32_t items,
-                RetainedRecords& retained, std::uint32_t lanes = 0);
+  Node generate_listed(GenerateListedRays::Ports<float>& ports, SampleQueue& list, Node lister, std::uint32_t items,
+                       RetainedRecords& retained, std::uint32_t lanes = 0);
   /// Traces and shades the primary rays that `maker` wrote to the first wave, one per item, and all later bounces.
   /// `lanes` and `padding` are those of TileGraph::launch().
   void run(Node maker, std::uint32_t rays, const RetainedRecords& retained = {}, std::uint32_t lanes = 0,
@@ -63,7 +63,7 @@ class Wavefront {
                    std::uint32_t end_ray = ~0U);
   void combine_shadows(const WaveBounce& bounce, std::uint32_t light, const TracedBatch& batch, std::uint32_t rays,
                        bool is_recorded);
-  SlotQueue& unlit(const WaveBounce& bounce) {
+  SlotQueue& unlit_queue(const WaveBounce& bounce) {
     return bounce.has_lit ? wave_.buffer.queues.deferred : wave_.buffer.queues.diffuse;
   }
 

@@ -70,7 +70,7 @@ TEST(BankConflicts, AConstantIndexStaysInItsBank) {
 }
 
 TEST(BankConflicts, MoreBanksNeverMakeAKernelOfTheCatalogueSlower) {
-  for (const kernels::KernelInfo& kernel : kernels::catalogue()) {
+  for (const kernels::KernelInfo& kernel : kernels::kernel_catalogue()) {
     const KernelSchedule s = schedule(kernel.graph, SrpConfig{});
     std::uint64_t before = bank_conflicts(s, kernel.graph, 1).of(64);
     for (const std::uint32_t banks : {2U, 4U, 8U, 16U, 32U, 64U}) {

@@ -23,7 +23,7 @@ SrpConfig array_of(std::uint32_t rows, std::uint32_t columns) {
 TEST(KernelSchedules, EachRunsAtItsLowerBoundAndKeepsEveryDependence) {
   fmt::print("{:<24}{:>5}{:>5}{:>5}{:>7}{:>6}{:>5}{:>7}{:>8}{:>8}\n", "kernel", "ii", "res", "rec", "depth", "ops",
              "div", "reads", "writes", "cached");
-  for (const kernels::KernelInfo& kernel : kernels::catalogue()) {
+  for (const kernels::KernelInfo& kernel : kernels::kernel_catalogue()) {
     const KernelSchedule s = schedule(kernel.graph, SrpConfig{});
     EXPECT_EQ(wrong_with(s, kernel.graph, SrpConfig{}), "");
     EXPECT_EQ(s.ii, std::max(s.res_mii, s.rec_mii)) << kernel.name;
@@ -34,7 +34,7 @@ TEST(KernelSchedules, EachRunsAtItsLowerBoundAndKeepsEveryDependence) {
 }
 
 TEST(KernelSchedules, ABiggerArrayNeverTakesLongerForAnItem) {
-  for (const kernels::KernelInfo& kernel : kernels::catalogue()) {
+  for (const kernels::KernelInfo& kernel : kernels::kernel_catalogue()) {
     std::uint32_t before = ~0U;
     for (const auto& [rows, columns] : {std::pair{1U, 4U}, {4U, 2U}, {4U, 4U}, {8U, 4U}, {8U, 8U}}) {
       const SrpConfig config = array_of(rows, columns);
@@ -47,7 +47,7 @@ TEST(KernelSchedules, ABiggerArrayNeverTakesLongerForAnItem) {
 }
 
 TEST(KernelSchedules, OddMachinesKeepEveryDependenceToo) {
-  for (const kernels::KernelInfo& kernel : kernels::catalogue()) {
+  for (const kernels::KernelInfo& kernel : kernels::kernel_catalogue()) {
     for (const std::uint32_t interval : {1U, 3U, 16U}) {
       SrpConfig config = array_of(3, 5);
       config.array.mul_units = 2;
@@ -62,7 +62,7 @@ TEST(KernelSchedules, OddMachinesKeepEveryDependenceToo) {
 }
 
 TEST(KernelSchedules, TheSameGraphGivesTheSameSchedule) {
-  for (const kernels::KernelInfo& kernel : kernels::catalogue()) {
+  for (const kernels::KernelInfo& kernel : kernels::kernel_catalogue()) {
     const KernelSchedule a = schedule(kernel.graph, SrpConfig{}), b = schedule(kernel.graph, SrpConfig{});
     ASSERT_EQ(a.placements.size(), b.placements.size());
     for (std::size_t i = 0; i < a.placements.size(); ++i) {

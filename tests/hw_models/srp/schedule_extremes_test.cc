@@ -30,7 +30,7 @@ constexpr std::string_view kFarFromBound = "test_shadow_coloured";
 constexpr std::uint32_t kIntervalFarFromBound = 135;
 
 void expect_near_the_bound(const SrpConfig& config) {
-  for (const kernels::KernelInfo& kernel : kernels::catalogue()) {
+  for (const kernels::KernelInfo& kernel : kernels::kernel_catalogue()) {
     const KernelSchedule s = schedule(kernel.graph, config);
     EXPECT_EQ(wrong_with(s, kernel.graph, config), "");
     const std::uint32_t bound = std::max({1U, s.res_mii, s.rec_mii});
@@ -54,7 +54,7 @@ TEST(ScheduleExtremes, AreFoundInATenthOfASecondOnAQuietHost) {
   config.array.local_ports = 1;
   config.array.cache_ports = 4;
   config.latency.fp_add = config.latency.integer = 1;
-  for (const kernels::KernelInfo& kernel : kernels::catalogue()) {
+  for (const kernels::KernelInfo& kernel : kernels::kernel_catalogue()) {
     const double begin = processor_seconds();
     schedule(kernel.graph, config);
     EXPECT_LT(processor_seconds() - begin, 1)

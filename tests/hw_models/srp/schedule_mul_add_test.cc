@@ -109,7 +109,7 @@ TEST(ScheduleMulAdd, TheyNeedAMultiplier) {
 }
 
 TEST(ScheduleMulAdd, NoKernelTakesMoreOfAnything) {
-  for (const kernels::KernelInfo& kernel : kernels::catalogue()) {
+  for (const kernels::KernelInfo& kernel : kernels::kernel_catalogue()) {
     const KernelSchedule before = schedule(kernel.graph, with_mul_add(false)),
                          after = schedule(kernel.graph, with_mul_add());
     EXPECT_EQ(wrong_with(after, kernel.graph, with_mul_add()), "");

@@ -70,7 +70,7 @@ std::uint64_t shadow_rays(const RatedStage::Frame& frame) {
 double decibels(const std::vector<float>& a, const std::vector<float>& b) {
   double sum = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
-    const auto code = [](float x) { return static_cast<double>(encoded<float>(x)); };
+    const auto code = [](float x) { return static_cast<double>(encode_srgb<float>(x)); };
     sum += (code(a[i]) - code(b[i])) * (code(a[i]) - code(b[i]));
   }
   return -10 * std::log10(sum / static_cast<double>(a.size()));

@@ -34,8 +34,8 @@ Frames run(FrameProgram& program, const traces::Tracer& tracer) {
     for (const traces::WorkNode& node : tile.work.nodes) {
       if (node.kind != traces::WorkNode::Kind::kLaunch) continue;
       ++out.launches;
-      out.kernels.insert(catalogue()[node.kernel].name);
-      out.fused += catalogue()[node.kernel].parts.empty() ? 0U : 1U;
+      out.kernels.insert(kernel_catalogue()[node.kernel].name);
+      out.fused += kernel_catalogue()[node.kernel].parts.empty() ? 0U : 1U;
     }
   });
   out.rgb = program.picture();

@@ -142,10 +142,10 @@ TEST(Fusion, RefusesALoadOfARegisterThatNoPartHasStored) {
 
 TEST(Fusion, NamesTheKernelsWhoseWorkItDoes) {
   using Names = std::vector<std::string_view>;
-  EXPECT_EQ((CheckInterpolate<false, true, false>::parts()),
+  EXPECT_EQ((CheckInterpolate<false, true, false>::part_names()),
             (Names{"check_similarity_x_secondary", "interpolate_x_secondary"}));
-  EXPECT_EQ(PackSample::parts(), Names{"pack_colour"});
-  for (const KernelInfo& kernel : catalogue()) {
+  EXPECT_EQ(PackSample::part_names(), Names{"pack_colour"});
+  for (const KernelInfo& kernel : kernel_catalogue()) {
     for (const std::string_view part : kernel.parts) EXPECT_TRUE(find_kernel(part)->parts.empty()) << kernel.name;
     const bool is_variant = kernel.name.ends_with("_untextured") || kernel.name.ends_with("_local");
     EXPECT_EQ(kernel.parts.empty(), kernel.id < kKernelId<FetchSurface<false>> || is_variant) << kernel.name;

@@ -54,7 +54,7 @@ traces::Scene shadowed_wall() {
 TEST(Similarity, FallsWithDepthAndWithTheAngleOfNormalsAndIsNothingAcrossAShadowsEdge) {
   const VisibleRecord<float> here{{0, 0, 1}, 2, 1};
   const auto weight = [&](const VisibleRecord<float>& other, float bend) {
-    return Similarity<float>(here, other, bend).weight();
+    return Similarity<float>(here, other, bend).filter_weight();
   };
   EXPECT_EQ(weight(here, 4), 1.0F);
   EXPECT_NEAR(weight({{0, 0, 1}, 3.5F, 1}, 4), std::exp(-2.25F), 1e-5F);

@@ -102,15 +102,15 @@ struct ByHand {
   std::string bytes() const {
     std::string names = magic, frame;
     traces::ByteWriter n(names), f(frame);
-    for (const std::uint64_t number : {frames, units}) n.number(number);
-    n.number(1), names += "u", n.number(reasons), n.number(1), names += "r", n.number(counters);
+    for (const std::uint64_t number : {frames, units}) n.write_number(number);
+    n.write_number(1), names += "u", n.write_number(reasons), n.write_number(1), names += "r", n.write_number(counters);
     for (const std::uint64_t number :
          {std::uint64_t{0}, length, end, rows, total, std::uint64_t{10}, std::uint64_t{5}}) {
-      f.number(number);
+      f.write_number(number);
     }
     traces::Packer packer;
-    std::string all(packer.pack(names + after_names));
-    return all += packer.pack(frame + after_frame);
+    std::string all(packer.pack_block(names + after_names));
+    return all += packer.pack_block(frame + after_frame);
   }
 };
 

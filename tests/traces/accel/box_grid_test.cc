@@ -30,10 +30,10 @@ void expect_around(const MemoryImage& hybrid, const MemoryImage& floats) {
         const float lower = planes[1][a][c], upper = planes[1][a][2 + c];
         ASSERT_TRUE(low == std::floor(low) && high == std::floor(high));
         ASSERT_TRUE(low >= 0 && low <= high && high <= 524287) << low << " to " << high;
-        ASSERT_LE(grid.at(low, a), lower);
-        ASSERT_GE(grid.at(high, a), upper);
-        ASSERT_GE(grid.at(low + 1.0, a), lower);
-        ASSERT_LE(grid.at(high - 1.0, a), upper);
+        ASSERT_LE(grid.plane_position(low, a), lower);
+        ASSERT_GE(grid.plane_position(high, a), upper);
+        ASSERT_GE(grid.plane_position(low + 1.0, a), lower);
+        ASSERT_LE(grid.plane_position(high - 1.0, a), upper);
       }
     }
   }
@@ -93,16 +93,16 @@ TEST(HybridBoxes, AreAnotherTreeToTheHashAndAboutEquallyDearOnes) {
 
 TEST(BoxGrid, SpreadsItsPlanesOverTheScene) {
   const BoxGrid grid({-1, 0, 5}, {1, 4, 5});
-  EXPECT_EQ(grid.below(-1, 0), 0);
-  EXPECT_GE(grid.above(1, 0), 524286) << "of 524287";
+  EXPECT_EQ(grid.plane_below(-1, 0), 0);
+  EXPECT_GE(grid.plane_above(1, 0), 524286) << "of 524287";
   EXPECT_FLOAT_EQ(grid.step().x, 2.0F / 524286);
   EXPECT_FLOAT_EQ(grid.step().y, 4.0F / 524286);
   EXPECT_FLOAT_EQ(grid.step().z, 4.0F / 1024 / 524286) << "flat";
-  EXPECT_EQ(grid.below(5, 2), 0);
-  EXPECT_EQ(grid.above(5, 2), 0);
-  const auto on_plane = static_cast<float>(grid.at(3, 0));
-  EXPECT_LE(grid.below(on_plane, 0), 3);
-  EXPECT_GE(grid.above(on_plane, 0), 3);
+  EXPECT_EQ(grid.plane_below(5, 2), 0);
+  EXPECT_EQ(grid.plane_above(5, 2), 0);
+  const auto on_plane = static_cast<float>(grid.plane_position(3, 0));
+  EXPECT_LE(grid.plane_below(on_plane, 0), 3);
+  EXPECT_GE(grid.plane_above(on_plane, 0), 3);
 }
 
 }  // namespace

@@ -127,7 +127,7 @@ TEST(HybridWalk, StartsOnPlanesOfBoxesAndOfTheGrid) {
     const auto plane = [&](const NodeRecord& n) { return (axis == 0 ? n.x : axis == 1 ? n.y : n.z)[lane]; };
     ray.origin = dice.point();
     ray.origin[axis] = dice.below(2) == 0 ? plane(floats.nodes[node])
-                                          : static_cast<float>(hybrid.grid->at(plane(hybrid.nodes[node]), axis));
+                                          : static_cast<float>(hybrid.grid->plane_position(plane(hybrid.nodes[node]), axis));
     ray.direction = dice.direction();
     if (dice.below(2) == 0) ray.direction[axis] = 0;  // in the plane
   }
@@ -150,7 +150,7 @@ TEST(HybridWalk, AgreesWithEmbree) {
   const VerifyingTracer verifying(image, bvh, embree);
   trace(verifying, random_rays(50000));
   trace(verifying, random_rays(50000, 9), RayKind::kShadow);
-  EXPECT_EQ(verifying.counts().faults(), 0U);
+  EXPECT_EQ(verifying.counts().error_count(), 0U);
 }
 
 TEST(HybridWalk, IsHardlyLongerThanThatOfFloats) {

@@ -199,9 +199,10 @@ Hit test_all(const MemoryImage& image, const Ray& ray) {
   const auto test = [&](const Ray& seen, std::uint32_t instance, std::uint32_t first, std::uint32_t count) {
     const RayTriangles<PortableLanes> triangles(seen);
     for (std::uint32_t i = first; i < first + count; ++i) {
-      const auto result = triangles.test(&image.triangles[i], 1);
+      const auto result = triangles.test_triangles(&image.triangles[i], 1);
       const float t = result.t.v[0];
-      if ((result.inside() & ~result.missing(&image.triangles[i], 1) & 1U) == 0 || !(t >= ray.t_min && t <= best.t))
+      if ((result.inside_mask() & ~result.culled_mask(&image.triangles[i], 1) & 1U) == 0 ||
+          !(t >= ray.t_min && t <= best.t))
         continue;
       const auto rank = [&](std::uint32_t of, std::uint32_t triangle) {
         return std::pair(of, image.triangles[triangle].source);
@@ -219,7 +220,7 @@ Hit test_all(const MemoryImage& image, const Ray& ray) {
     test(into_object(image.instances[i], ray), i, tree.first_triangle, tree.triangles);
   }
   if (!best.is_hit()) return {};
-  best.triangle |= image.triangles[best.triangle].flags();
+  best.triangle |= image.triangles[best.triangle].hit_flags();
   return image.has_levels() ? with_instance(best, best_instance) : best;
 }
 

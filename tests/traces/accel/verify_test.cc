@@ -44,7 +44,7 @@ TEST_F(Verify, FindsNothingWrongWithAGoodTracer) {
   for (const RayKind kind : {RayKind::kPrimary, RayKind::kShadow, RayKind::kReflection}) {
     const VerifyCounts counts = with(bvh_, kind, 100000);
     EXPECT_EQ(counts.rays, 100000U);
-    EXPECT_EQ(counts.faults(), 0U);
+    EXPECT_EQ(counts.error_count(), 0U);
   }
 }
 
@@ -71,7 +71,7 @@ TEST_F(Verify, CountsInventedHitsAsExtra) {
 TEST_F(Verify, CountsWrongDistancesAndWrongTriangles) {
   const BrokenTracer far(bvh_, [](Hit& hit) { hit.t *= 1.001F; });
   EXPECT_GT(with(far).distance_errors, 50U);
-  EXPECT_EQ(with(far, RayKind::kShadow).faults(), 0U);
+  EXPECT_EQ(with(far, RayKind::kShadow).error_count(), 0U);
   const BrokenTracer other(bvh_, [](Hit& hit) {
     if (hit.is_hit()) hit.triangle ^= 1;
   });
@@ -83,7 +83,7 @@ TEST_F(Verify, BlamesTheReferenceIfThatIsWrong) {
   const VerifyingTracer verifying(image_, bvh_, broken);
   trace(verifying, random_rays(3000));
   EXPECT_GT(verifying.counts().reference_errors, 50U);
-  EXPECT_EQ(verifying.counts().faults(), 0U);
+  EXPECT_EQ(verifying.counts().error_count(), 0U);
 }
 
 TEST_F(Verify, HoldsFlaggedHitsOfShadowRaysToTheNearest) {
@@ -97,16 +97,16 @@ TEST_F(Verify, HoldsFlaggedHitsOfShadowRaysToTheNearest) {
     return verifying.counts();
   };
   for (const RayKind kind : {RayKind::kPrimary, RayKind::kShadow}) {
-    EXPECT_EQ(counts_of([](Hit&) {}, kind).faults(), 0U);
+    EXPECT_EQ(counts_of([](Hit&) {}, kind).error_count(), 0U);
   }
   const auto farther = [](Hit& hit) { hit.t *= hit.is_flagged() ? 1.001F : 1; };
   EXPECT_GT(counts_of(farther, RayKind::kShadow).distance_errors, 50U);
   const auto solid = [](Hit& hit) { hit.t *= hit.is_flagged() ? 1 : 1.001F; };
-  EXPECT_EQ(counts_of(solid, RayKind::kShadow).faults(), 0U);
+  EXPECT_EQ(counts_of(solid, RayKind::kShadow).error_count(), 0U);
   const auto another = [](Hit& hit) {
     if (hit.is_hit() && !hit.is_flagged()) hit.triangle ^= 1;
   };
-  EXPECT_GT(counts_of(another, RayKind::kShadow).faults(), 10U);
+  EXPECT_GT(counts_of(another, RayKind::kShadow).error_count(), 10U);
   const auto gone = [](Hit& hit) { hit = Hit{}; };
   EXPECT_GT(counts_of(gone, RayKind::kShadow).missing_hits, 50U);
 }
@@ -153,14 +153,14 @@ TEST_F(Verify, CountsTheSameFromManyThreads) {
 
 TEST(ExactHit, KnowsHowSureItIs) {
   const MemoryImage image = build_memory_image(one_triangle());
-  const auto standing = [&](float x, float y) {
-    return exact_hit(Ray{{x, y, 1}, 0, {0, 0, -1}}, image, Hit{.triangle = 0}).standing;
+  const auto certainty = [&](float x, float y) {
+    return exact_hit(Ray{{x, y, 1}, 0, {0, 0, -1}}, image, Hit{.triangle = 0}).certainty;
   };
-  EXPECT_EQ(standing(0.25F, 0.25F), Standing::kHit);
-  EXPECT_EQ(standing(0.25F, 1e-7F), Standing::kUncertain);
-  EXPECT_EQ(standing(0.25F, -1e-7F), Standing::kUncertain);
-  EXPECT_EQ(standing(0.25F, -1e-4F), Standing::kMiss);
-  EXPECT_EQ(standing(0.25F, 1e-4F), Standing::kHit);
+  EXPECT_EQ(certainty(0.25F, 0.25F), Certainty::kHit);
+  EXPECT_EQ(certainty(0.25F, 1e-7F), Certainty::kUncertain);
+  EXPECT_EQ(certainty(0.25F, -1e-7F), Certainty::kUncertain);
+  EXPECT_EQ(certainty(0.25F, -1e-4F), Certainty::kMiss);
+  EXPECT_EQ(certainty(0.25F, 1e-4F), Certainty::kHit);
 }
 
 }  // namespace

@@ -64,7 +64,7 @@ class Replay {
       EXPECT_LE(phase, ExitPhase::kHit);
       if (phase != ExitPhase::kHit) continue;
       phase_hit_ = true;
-      hit = !any_hit || image_.triangles[leaf_first(link) + i].flags() == 0;
+      hit = !any_hit || image_.triangles[leaf_first(link) + i].hit_flags() == 0;
       if (any_hit && hit) {
         EXPECT_EQ(i + 1, count) << "an any-hit ray goes on after its hit";
       }

@@ -32,8 +32,8 @@ double from_edge(const Rasteriser& rasteriser, std::uint32_t triangle, const glm
   const auto& v = rasteriser.geometry().triangles[triangle].vertices;
   double nearest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < 3; ++i) {
-    const Projected a = rasteriser.view().project(rasteriser.geometry().vertices[v[i]]);
-    const Projected b = rasteriser.view().project(rasteriser.geometry().vertices[v[(i + 1) % 3]]);
+    const Projected a = rasteriser.view().project_point(rasteriser.geometry().vertices[v[i]]);
+    const Projected b = rasteriser.view().project_point(rasteriser.geometry().vertices[v[(i + 1) % 3]]);
     const glm::dvec3 line = glm::cross(a, b);
     nearest = std::min(nearest, std::abs(glm::dot(line, glm::dvec3(at, 1))) / glm::length(glm::dvec2(line)));
   }
@@ -83,7 +83,7 @@ Agreement compare(const MemoryImage& image, const PictureCamera& camera) {
           rays_of(camera, x, y, std::min(kSide, camera.width - x), std::min(kSide, camera.height - y));
       std::vector<Hit> hits(rays.size());
       tracer.trace(rays, RayKind::kPrimary, hits, nullptr);
-      rasteriser.cover(rays, found, nullptr);
+      rasteriser.cover_samples(rays, found, nullptr);
       all.samples += rays.size();
       for (std::size_t i = 0; i < rays.size(); ++i) {
         const bool drawn = found.winners[i].triangle != kNone;

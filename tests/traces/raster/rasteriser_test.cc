@@ -32,7 +32,7 @@ struct Seen {
 
 Seen cover(const Rasteriser& rasteriser, const std::vector<Ray>& rays) {
   Seen seen;
-  rasteriser.cover(rays, seen.found, &seen.work);
+  rasteriser.cover_samples(rays, seen.found, &seen.work);
   return seen;
 }
 
@@ -53,14 +53,14 @@ TEST(Rasteriser, GivesSamplesOnAnEdgeToTheTriangleRightOfItOrBelow) {
   Coverage found;
   // The middle of the picture: a ray along the axis, without rounding.
   const std::vector<Ray> middle{{glm::vec3(0), 0, glm::vec3(0, 0, -1)}};
-  beside.cover(middle, found, nullptr);
+  beside.cover_samples(middle, found, nullptr);
   EXPECT_EQ(found.layers[0], 1U);
   EXPECT_GE(found.winners[0].triangle, 2U) << "the right one's";
 
   both = square(0, 0, 1, 0.5F);
   append(both, square(0, 0.5F, 1, 1));
   const Rasteriser stacked(image_of(both), camera, {}, 16);
-  stacked.cover(middle, found, nullptr);
+  stacked.cover_samples(middle, found, nullptr);
   EXPECT_EQ(found.layers[0], 1U);
   EXPECT_GE(found.winners[0].triangle, 2U) << "the lower one's";
 }
@@ -154,12 +154,13 @@ TEST(Rasteriser, SurvivesTrianglesThatNoSceneShouldHave) {
   const PictureCamera camera = straight_ahead(32, 32);
   const Rasteriser rasteriser(image_of(all), camera, {.batch = 3}, 8);
   Seen seen;
-  for (std::uint32_t batch = 0; batch < rasteriser.batches(); ++batch) rasteriser.bin(batch, seen.found, seen.work);
+  for (std::uint32_t batch = 0; batch < rasteriser.batch_count(); ++batch)
+    rasteriser.bin_triangles(batch, seen.found, seen.work);
   ASSERT_EQ(seen.work.raster_triangles.size(), all.size());
   for (std::size_t t = 2; t < 10; ++t) EXPECT_EQ(seen.work.raster_triangles[t].lists, 0U) << t;
   EXPECT_EQ(seen.work.raster_triangles[12].lists, 0U) << "behind the eye";
   const std::vector<Ray> rays = rays_of(camera, 0, 0, 32, 32);
-  rasteriser.cover(rays, seen.found, nullptr);
+  rasteriser.cover_samples(rays, seen.found, nullptr);
   for (const Coverage::Winner& winner : seen.found.winners) {
     ASSERT_NE(winner.triangle, kNone) << "the square is behind all of them";
     EXPECT_TRUE(std::isfinite(winner.depth));
@@ -202,12 +203,12 @@ TEST(Rasteriser, HasEveryEntryOfItsListsInOneBatchesRuns) {
   }
   const PictureCamera camera = straight_ahead(64, 64);
   const Rasteriser rasteriser(image_of(all), camera, {.batch = 64}, 16);
-  EXPECT_EQ(rasteriser.batches(), 10U);
-  std::vector<int> written(rasteriser.demands().entries);
+  EXPECT_EQ(rasteriser.batch_count(), 10U);
+  std::vector<int> written(rasteriser.raster_demands().entries);
   std::uint64_t listed = 0;
-  for (std::uint32_t batch = 0; batch < rasteriser.batches(); ++batch) {
+  for (std::uint32_t batch = 0; batch < rasteriser.batch_count(); ++batch) {
     Seen seen;
-    EXPECT_EQ(rasteriser.bin(batch, seen.found, seen.work), batch < 9 ? 64U : 24U);
+    EXPECT_EQ(rasteriser.bin_triangles(batch, seen.found, seen.work), batch < 9 ? 64U : 24U);
     for (const ListRun& run : seen.work.list_runs) {
       for (std::uint32_t e = run.first; e < run.first + run.entries; ++e) written.at(e) += 1;
     }

@@ -163,7 +163,7 @@ TEST(TileCode, WordsThatTheBitsDoNotMakeTakeNoRoom) {
   constexpr std::uint32_t kBytes = 4U << 20;
   for (const std::uint32_t number : {/*frame*/ 0U, /*tile*/ 0U, /*samples*/ 4U, /*after all*/ 0U, /*imports*/ 0U,
                                      /*nodes*/ 0U, /*rays*/ 0U, /*words*/ 8 * kBytes, /*bits*/ 0U}) {
-    to.number(number);
+    to.write_number(number);
   }
   bytes.resize(bytes.size() + kBytes);
   TileWork back;
@@ -184,8 +184,8 @@ TEST(TileCode, ATileHasNoMoreNodesThanAMachineHasRoomFor) {
   EXPECT_THROW(encode(tile, tiny_scope().links), sim::InputError);
   // One more import: its entry comes after frame, number, samples and after_all.
   std::string number, more;
-  ByteWriter(number).number(kMaxTileNodes);
-  ByteWriter(more).number(kMaxTileNodes + 1);
+  ByteWriter(number).write_number(kMaxTileNodes);
+  ByteWriter(more).write_number(kMaxTileNodes + 1);
   ASSERT_EQ(bytes.find(number), 5U);
   bytes.replace(5, number.size(), more);
   bytes.insert(5 + more.size(), std::string("\0\1\0\0\0\0", 6));

@@ -62,11 +62,11 @@ inline TileWork tiny_tile() {
                 Access::material(1),
                 Access::texels(0, 63, 31, 0, 0),
                 Access::attributes(2),
-                Access::record(Access::Kind::kVertices, 2),
+                Access::of_kind(Access::Kind::kVertices, 2),
                 Access::texels(1, 7, 3, 7, 4),
                 Access::texels(0, 1, 2, 2, 3),
-                Access::record(Access::Kind::kTriangle, 6),
-                Access::record(Access::Kind::kDetail, 1)};
+                Access::of_kind(Access::Kind::kTriangle, 6),
+                Access::of_kind(Access::Kind::kDetail, 1)};
   t.access_begin = {0, 3, 3, 7, 9};
   const auto ray = [&](std::initializer_list<std::uint32_t> words) {
     t.ray_begin.push_back(static_cast<std::uint32_t>(t.walk.size()));
@@ -110,8 +110,8 @@ inline TileWork tile_of_levels() {
   t.nodes = {{.kind = kLaunch, .kernel = 0, .items = 3, .inputs = {}},
              {.kind = kRays, .items = 3, .first = 0, .inputs = {{0, Edge::Kind::kEach}}},
              {.kind = kLaunch, .kernel = 1, .items = 3, .has_accesses = true, .inputs = {{1, Edge::Kind::kEach}}}};
-  t.accesses = {Access::attributes(4), Access::record(Access::Kind::kInstance, 1), Access::attributes(0),
-                Access::record(Access::Kind::kInstance, 0)};
+  t.accesses = {Access::attributes(4), Access::of_kind(Access::Kind::kInstance, 1), Access::attributes(0),
+                Access::of_kind(Access::Kind::kInstance, 0)};
   t.access_begin = {0, 2, 4, 4};
   const auto ray = [&](std::initializer_list<std::uint32_t> words) {
     t.ray_begin.push_back(static_cast<std::uint32_t>(t.walk.size()));

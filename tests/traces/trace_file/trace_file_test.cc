@@ -65,7 +65,7 @@ void read_all(const std::filesystem::path& path) {
   TraceReader::Cursor cursor(trace);
   TileWork work;
   for (const TraceReader::Part& part : trace.parts()) {
-    const TileScope scope = trace.scope(part, 5);
+    const TileScope scope = trace.tile_scope(part, 5);
     for (const TraceReader::FileRange& range : trace.tiles(part)) {
       trace.naming_file([&] { cursor.read(range, scope, work); });
     }
@@ -80,14 +80,14 @@ TEST(TraceFile, GivesBackItsPartsTreesAndTilesInAnyOrder) {
   EXPECT_EQ(trace.header()["program"], "full:1");
   ASSERT_EQ(trace.parts().size(), 3U);
   EXPECT_EQ(trace.frames().size(), 3U);
-  EXPECT_EQ(trace.trees(), 2U) << "the second part's tree is the first's";
+  EXPECT_EQ(trace.tree_count(), 2U) << "the second part's tree is the first's";
   EXPECT_EQ(trace.parts()[1].tree, 0U);
   EXPECT_EQ(trace.parts()[2].tree, 1U);
   const TraceReader::Part& part = trace.parts()[1];
   EXPECT_EQ(part.frame, 8U);
   EXPECT_EQ(part.result["rays"], 8);
   EXPECT_EQ(part.requirements, kDemands);
-  const TileScope scope = trace.scope(part, 5);
+  const TileScope scope = trace.tile_scope(part, 5);
   EXPECT_EQ(scope.links, tiny_scope().links);
   EXPECT_EQ(scope.counts, tiny_scope().counts);
   const auto ranges = trace.tiles(part);
@@ -123,7 +123,7 @@ TEST(TraceFile, ATileThatRepeatsItselfIsPackedNoBetterThanMayBeRead) {
   EXPECT_GT(ranges[0].bytes, kMaxSmallBlock / kMaxPacking);
   EXPECT_LT(ranges[0].bytes, 2 * kMaxSmallBlock / kMaxPacking) << "and not much worse";
   TileWork back;
-  TraceReader::Cursor(trace).read(ranges[0], trace.scope(trace.parts()[0], 5), back);
+  TraceReader::Cursor(trace).read(ranges[0], trace.tile_scope(trace.parts()[0], 5), back);
   EXPECT_TRUE(same(work, back));
 }
 
@@ -219,9 +219,9 @@ TEST(TraceFile, TwoWritersOfOneFileDoNotMixAndNoOtherFileIsTouched) {
 
 /// Returns a valid file with other contents.
 std::string with_contents(const std::string& good, const std::string& contents) {
-  const auto offset = load<std::uint64_t>(good.data() + good.size() - kFooterBytes);
+  const auto offset = load_unaligned<std::uint64_t>(good.data() + good.size() - kFooterBytes);
   Packer packer;
-  const std::string_view packed = packer.pack(contents);
+  const std::string_view packed = packer.pack_block(contents);
   std::string footer(12, '\0');
   const auto size = static_cast<std::uint32_t>(packed.size());
   std::memcpy(footer.data(), &offset, 8);
@@ -233,10 +233,11 @@ TEST(TraceFile, APartHasNoMoreTilesThanTheFileHasRoomFor) {
   const Folder folder;
   write(folder.path() / "a.trace");
   const std::string good = bytes_of(folder.path() / "a.trace");
-  const auto offset = load<std::uint64_t>(good.data() + good.size() - kFooterBytes);
-  const auto size = load<std::uint32_t>(good.data() + good.size() - kFooterBytes + 8);
+  const auto offset = load_unaligned<std::uint64_t>(good.data() + good.size() - kFooterBytes);
+  const auto size = load_unaligned<std::uint32_t>(good.data() + good.size() - kFooterBytes + 8);
   Unpacker unpacker;
-  Json contents = sim::parse_json(unpacker.unpack(std::string_view(good).substr(offset, size), kMaxContentsBytes));
+  Json contents =
+      sim::parse_json(unpacker.unpack_block(std::string_view(good).substr(offset, size), kMaxContentsBytes));
   const auto says = [&](std::uint64_t tiles) {
     contents["parts"][0]["tiles"] = tiles;
     const auto path = folder.write("b.trace", with_contents(good, sim::json_line(contents)));

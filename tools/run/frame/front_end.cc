@@ -171,7 +171,7 @@ void FrontEnd::itemise(const kernels::TileResult& tile) {
 void FrontEnd::keep_picture() {
   if (result_.rgb.empty()) result_.rgb = program_.take_picture();
   result_.sampling = program_.sampling();
-  result_.marks = program_.marks();
+  result_.marks = program_.sample_marks();
 }
 
 std::uint64_t FrontEnd::Result::all_rays() const {

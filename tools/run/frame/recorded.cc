@@ -152,7 +152,7 @@ void check_not_recorded(const Json& header, const std::string& file,
 
 Json trace_header(const Inputs& inputs, const JobOptions& options) {
   Json kernels = Json::array();
-  for (const kernels::KernelInfo& kernel : kernels::catalogue()) kernels.push_back(kernel.name);
+  for (const kernels::KernelInfo& kernel : kernels::kernel_catalogue()) kernels.push_back(kernel.name);
   const BuildInfo build = build_info();
   const std::string program = kernels::parse_program(options.program).name();
   const std::string reference = options.reference.empty() ? "" : kernels::parse_program(options.reference).name();

@@ -33,7 +33,7 @@ KeptWork work_to_keep(const Inputs& inputs, const kernels::FrameRequirements& re
   traces::TileScope scope{traces::links_of(inputs.image), traces::counts_of(inputs.image), 0, requirements.region_bytes,
                           requirements.raster};
   if (const traces::TileScope* recorded = scope_of(frame)) scope = *recorded;
-  scope.kernels = static_cast<std::uint32_t>(kernels::catalogue().size());
+  scope.kernels = static_cast<std::uint32_t>(kernels::kernel_catalogue().size());
   scope.tile_bytes = traces::most_tile_bytes(requirements);
   return {std::move(scope), inputs.config.limits.memory.bytes, kept_for};
 }

@@ -30,13 +30,13 @@ hw::SrpConfig resized(hw::SrpConfig srp, std::uint32_t rows, std::uint32_t colum
 std::vector<const kernels::KernelInfo*> wanted(const std::vector<std::string>& names) {
   std::vector<const kernels::KernelInfo*> list;
   if (names.empty()) {
-    for (const kernels::KernelInfo& kernel : kernels::catalogue()) list.push_back(&kernel);
+    for (const kernels::KernelInfo& kernel : kernels::kernel_catalogue()) list.push_back(&kernel);
   }
   for (const std::string& name : names) {
     list.push_back(kernels::find_kernel(name));
     if (list.back() != nullptr) continue;
     std::vector<std::string> known;
-    for (const kernels::KernelInfo& kernel : kernels::catalogue()) known.emplace_back(kernel.name);
+    for (const kernels::KernelInfo& kernel : kernels::kernel_catalogue()) known.emplace_back(kernel.name);
     throw sim::InputError(fmt::format("no kernel is called '{}'{}; see raywatt kernels list", sim::printable(name),
                                       traces::did_you_mean(name, known)));
   }

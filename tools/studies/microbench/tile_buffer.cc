@@ -99,12 +99,12 @@ Findings measure(const hw::SrpConfig& srp) {
   }
   std::vector<hw::KernelSchedule> schedules;
   std::uint32_t intervals = 0;
-  for (const kernels::KernelInfo& kernel : kernels::catalogue())
+  for (const kernels::KernelInfo& kernel : kernels::kernel_catalogue())
     intervals += schedules.emplace_back(hw::schedule(kernel.graph, srp)).ii;
   for (std::uint32_t banks = 1; banks <= 64; banks *= 2) {
     Figure sum{fmt::format("all kernels, {} bank{}", banks, banks == 1 ? "" : "s"), "cycles"};
     sum.remark = fmt::format("II {} in all", intervals);
-    for (const kernels::KernelInfo& kernel : kernels::catalogue()) {
+    for (const kernels::KernelInfo& kernel : kernels::kernel_catalogue()) {
       sum.measured += modelled(schedules[kernel.id], kernel.graph, banks);
       sum.expected += counted_conflicts(schedules[kernel.id], kernel.graph, banks);
     }

@@ -44,14 +44,14 @@ float half_area(const Bounds& b) {
 }
 
 /// Allocates builder memory. Throws std::bad_alloc, which ends the build, if Embree returns a null pointer.
-void* allocate(RTCThreadLocalAllocator allocator, std::size_t bytes) {
+void* allocate_node(RTCThreadLocalAllocator allocator, std::size_t bytes) {
   void* memory = rtcThreadLocalAlloc(allocator, bytes, alignof(InnerNode));
   if (memory == nullptr) throw std::bad_alloc();
   return memory;
 }
 
 void* create_node(RTCThreadLocalAllocator allocator, unsigned, void*) {
-  return new (allocate(allocator, sizeof(InnerNode))) InnerNode;
+  return new (allocate_node(allocator, sizeof(InnerNode))) InnerNode;
 }
 
 void set_children(void* node, void** children, unsigned count, void*) {
@@ -69,7 +69,7 @@ void set_bounds(void* node, const RTCBounds** bounds, unsigned count, void*) {
 void* create_leaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* primitives, std::size_t count, void*) {
   assert(count >= 1 && count <= kMaxLeafTriangles);
   const std::size_t bytes = sizeof(LeafNode) + count * sizeof(std::uint32_t);
-  auto* leaf = new (allocate(allocator, bytes)) LeafNode;
+  auto* leaf = new (allocate_node(allocator, bytes)) LeafNode;
   leaf->count = static_cast<std::uint32_t>(count);
   std::transform(primitives, primitives + count, leaf->triangles(),
                  [](const RTCBuildPrimitive& p) { return p.primID; });
@@ -117,7 +117,7 @@ void append_root(const TreeNode* root, const Bounds& bounds, FlatBvh& out) {
 }
 
 /// Callback from Embree's threads. Throws to end the build, because Embree 3 ignores the return value.
-bool may_go_on(void* stop, double) {
+bool continue_build(void* stop, double) {
   if ((*static_cast<const sim::Stop*>(stop))()) throw sim::Cancelled{};
   return true;
 }
@@ -136,8 +136,8 @@ std::vector<RTCBuildPrimitive> primitives_of(std::span<const Item> items, Bounds
   return primitives;
 }
 
-FlatBvh build(RTCDevice device, std::vector<RTCBuildPrimitive> primitives, const Bounds& all, const BvhConfig& config,
-              sim::Stop stop) {
+FlatBvh build_tree(RTCDevice device, std::vector<RTCBuildPrimitive> primitives, const Bounds& all,
+                   const BvhConfig& config, sim::Stop stop) {
   FlatBvh out;
   if (primitives.empty()) {
     append_root(nullptr, {}, out);
@@ -161,7 +161,7 @@ FlatBvh build(RTCDevice device, std::vector<RTCBuildPrimitive> primitives, const
   arguments.setNodeBounds = set_bounds;
   arguments.createLeaf = create_leaf;
   if (stop != nullptr) {
-    arguments.buildProgress = may_go_on;
+    arguments.buildProgress = continue_build;
     arguments.userPtr = &stop;
   }
   const auto* root = static_cast<const TreeNode*>(rtcBuildBVH(&arguments));
@@ -190,18 +190,18 @@ BvhBuilder::BvhBuilder(const BvhConfig& config, unsigned threads, sim::Stop stop
     : config_(config), stop_(stop), device_(new Device{open_embree("threads=" + std::to_string(threads))}) {}
 BvhBuilder::~BvhBuilder() = default;
 
-FlatBvh BvhBuilder::over(std::span<const TriangleRecord> triangles) const {
+FlatBvh BvhBuilder::build_over(std::span<const TriangleRecord> triangles) const {
   Bounds all;
   std::vector<RTCBuildPrimitive> primitives = primitives_of(triangles, all);
-  return build(device_->embree.get(), std::move(primitives), all, config_, stop_);
+  return build_tree(device_->embree.get(), std::move(primitives), all, config_, stop_);
 }
 
-FlatBvh BvhBuilder::over(std::span<const Bounds> boxes) const {
+FlatBvh BvhBuilder::build_over(std::span<const Bounds> boxes) const {
   Bounds all;
   std::vector<RTCBuildPrimitive> primitives = primitives_of(boxes, all);
   BvhConfig config = config_;
   config.leaf_size = 1;
-  return build(device_->embree.get(), std::move(primitives), all, config, stop_);
+  return build_tree(device_->embree.get(), std::move(primitives), all, config, stop_);
 }
 
 }  // namespace traces

@@ -32,9 +32,9 @@ class BvhBuilder {
   BvhBuilder(const BvhConfig& config, unsigned threads, sim::Stop stop = nullptr);
   ~BvhBuilder();
   /// Builds a tree over triangles. Throws InputError if it is too deep.
-  FlatBvh over(std::span<const TriangleRecord> triangles) const;
+  FlatBvh build_over(std::span<const TriangleRecord> triangles) const;
   /// Builds a tree with one leaf per box. No box may be empty.
-  FlatBvh over(std::span<const Bounds> boxes) const;
+  FlatBvh build_over(std::span<const Bounds> boxes) const;
 
  private:
   struct Device;
@@ -45,7 +45,7 @@ class BvhBuilder {
 
 /// Moves record order[i] to index i for all i, in place, along the cycles of the permutation.
 template <class Record>
-void reorder(std::span<Record> records, const std::vector<std::uint32_t>& order) {
+void reorder_records(std::span<Record> records, const std::vector<std::uint32_t>& order) {
   std::vector<bool> done(records.size(), false);
   for (std::uint32_t start = 0; start < order.size(); ++start) {
     if (done[start]) continue;

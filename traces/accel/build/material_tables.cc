@@ -154,9 +154,9 @@ class Encoding {
       values_[code] = static_cast<std::uint16_t>(std::lround(65535 * (srgb ? srgb_to_linear(stored) : stored)));
     }
   }
-  std::uint16_t value(std::uint32_t code) const { return values_[code]; }
+  std::uint16_t linear_value(std::uint32_t code) const { return values_[code]; }
   /// Returns the code with the nearest value.
-  std::uint32_t code(std::uint16_t value) const {
+  std::uint32_t nearest_code(std::uint16_t value) const {
     const auto above = std::ranges::lower_bound(values_, value);
     const bool is_below = above != values_.begin() && value - *(above - 1) < *above - value;
     return static_cast<std::uint32_t>(above - values_.begin()) - (is_below ? 1U : 0U);
@@ -180,7 +180,7 @@ Cover cover_of(std::uint32_t size, std::uint32_t i) {
 }
 
 /// Returns the next level of the texture whose texels are `at(x, y)`.
-WideTexture halved(std::uint32_t width, std::uint32_t height, auto&& at) {
+WideTexture halve_texture(std::uint32_t width, std::uint32_t height, auto&& at) {
   WideTexture half{std::max(1U, width / 2), std::max(1U, height / 2), {}};
   half.texels.reserve(std::size_t{half.width} * half.height);
   for (std::uint32_t y = 0; y < half.height; ++y) {
@@ -208,14 +208,14 @@ WideTexture halved(std::uint32_t width, std::uint32_t height, auto&& at) {
 struct Encodings {
   explicit Encodings(bool srgb) : colour(srgb), alpha(false) {}
   const Encoding& of(std::size_t channel) const { return channel < 3 ? colour : alpha; }
-  WideTexel decoded(std::uint32_t texel) const {
+  WideTexel decode_texels(std::uint32_t texel) const {
     WideTexel wide;
-    for (std::size_t k = 0; k < kChannels; ++k) wide[k] = of(k).value((texel >> (8 * k)) & 255U);
+    for (std::size_t k = 0; k < kChannels; ++k) wide[k] = of(k).linear_value((texel >> (8 * k)) & 255U);
     return wide;
   }
-  std::uint32_t encoded(const WideTexel& wide) const {
+  std::uint32_t encode_texels(const WideTexel& wide) const {
     std::uint32_t texel = 0;
-    for (std::size_t k = 0; k < kChannels; ++k) texel |= of(k).code(wide[k]) << (8 * k);
+    for (std::size_t k = 0; k < kChannels; ++k) texel |= of(k).nearest_code(wide[k]) << (8 * k);
     return texel;
   }
   Encoding colour, alpha;
@@ -231,10 +231,11 @@ std::vector<Texture> mip_chain(const Texture& texture) {
   while (chain.back().width > 1 || chain.back().height > 1) {
     const Texture& above = chain.back();
     const auto first = [&](std::uint32_t x, std::uint32_t y) {
-      return encodings.decoded(above.texels[std::size_t{y} * above.width + x]);
+      return encodings.decode_texels(above.texels[std::size_t{y} * above.width + x]);
     };
     const auto later = [&](std::uint32_t x, std::uint32_t y) { return wide.texels[std::size_t{y} * wide.width + x]; };
-    wide = chain.size() == 1 ? halved(above.width, above.height, first) : halved(above.width, above.height, later);
+    wide = chain.size() == 1 ? halve_texture(above.width, above.height, first)
+                             : halve_texture(above.width, above.height, later);
     Texture level{.name = texture.name,
                   .width = wide.width,
                   .height = wide.height,
@@ -244,7 +245,7 @@ std::vector<Texture> mip_chain(const Texture& texture) {
                   .wrap_v = texture.wrap_v,
                   .filter = texture.filter};
     level.texels.reserve(wide.texels.size());
-    for (const WideTexel& texel : wide.texels) level.texels.push_back(encodings.encoded(texel));
+    for (const WideTexel& texel : wide.texels) level.texels.push_back(encodings.encode_texels(texel));
     chain.push_back(std::move(level));
   }
   return chain;

@@ -22,7 +22,7 @@ namespace {
 /// Limits for inverting a matrix: its error growth (Placement::growth) and the entries of the inverse. The latter keep
 /// squared products of two entries within single precision in kernels.
 constexpr double kMostGrowth = 256, kLargestEntry = 0x1p16, kSmallestEntry = 0x1p-16;
-/// Padding of instance boxes, in epsilons; see padded().
+/// Padding of instance boxes, in epsilons; see pad_box().
 constexpr float kPadding = 64;
 
 /// An instance's record and error growth.
@@ -34,7 +34,7 @@ struct Placement {
 };
 
 /// Inverts the matrix into `out`. False if there is no sufficiently accurate inverse.
-bool invert(const glm::mat4& to_world, Placement& out) {
+bool invert_matrix(const glm::mat4& to_world, Placement& out) {
   const glm::dmat3 linear{glm::dmat4(to_world)};
   const double determinant = glm::determinant(linear);
   if (determinant == 0 || !std::isfinite(determinant)) return false;
@@ -62,7 +62,7 @@ bool invert(const glm::mat4& to_world, Placement& out) {
   return true;
 }
 
-Placement identity() {
+Placement identity_placement() {
   Placement p;
   for (int i = 0; i < 3; ++i) p.record.to_object[i][i] = 1;
   p.record.handedness = p.record.volume = 1;
@@ -70,9 +70,9 @@ Placement identity() {
 }
 
 /// The trees of an image and the tree of each instance; root nodes are set later.
-struct Plan {
-  explicit Plan(const Scene& scene);
-  bool same_shape(const MemoryImage& image) const;
+struct TreePlan {
+  explicit TreePlan(const Scene& scene);
+  bool matches_image(const MemoryImage& image) const;
 
   std::vector<ObjectTree> trees;
   std::vector<std::uint32_t> tree_of;
@@ -80,7 +80,7 @@ struct Plan {
   std::size_t triangles = 0;
 };
 
-Plan::Plan(const Scene& scene) : tree_of(scene.instances.size(), kNone) {
+TreePlan::TreePlan(const Scene& scene) : tree_of(scene.instances.size(), kNone) {
   if (scene.instances.size() > kMaxInstances) {
     throw sim::InputError("the scene has " + std::to_string(scene.instances.size()) + " instances; at most " +
                           std::to_string(kMaxInstances) + " are allowed with bvh.instances: two_level");
@@ -90,9 +90,9 @@ Plan::Plan(const Scene& scene) : tree_of(scene.instances.size(), kNone) {
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
     const Instance& instance = scene.instances[i];
     const Mesh& mesh = scene.meshes[instance.mesh];
-    Placement& placement = placements.emplace_back(identity());
-    const bool invertible = invert(instance.to_world, placement);
-    if (!invertible) placement = identity();
+    Placement& placement = placements.emplace_back(identity_placement());
+    const bool invertible = invert_matrix(instance.to_world, placement);
+    if (!invertible) placement = identity_placement();
     placement.record.object = object_of(instance, i);
     if (mesh.triangles.empty()) continue;
     const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
@@ -116,7 +116,7 @@ Plan::Plan(const Scene& scene) : tree_of(scene.instances.size(), kNone) {
   }
 }
 
-bool Plan::same_shape(const MemoryImage& image) const {
+bool TreePlan::matches_image(const MemoryImage& image) const {
   const auto alike = [](const ObjectTree& a, const ObjectTree& b) {
     return a.mesh == b.mesh && a.only == b.only && a.in_world == b.in_world && a.triangles == b.triangles;
   };
@@ -145,8 +145,8 @@ void store_shading(const ShadingRecords& shading, const ObjectTree& tree, Memory
 /// Builds a tree after the existing nodes and sorts its triangles into leaf order.
 void add_tree(const BvhBuilder& builder, ObjectTree& tree, MemoryImage& image) {
   const std::span<TriangleRecord> triangles = part_of(image.triangles, tree);
-  const FlatBvh bvh = builder.over(std::span<const TriangleRecord>(triangles));
-  reorder(triangles, bvh.order);
+  const FlatBvh bvh = builder.build_over(std::span<const TriangleRecord>(triangles));
+  reorder_records(triangles, bvh.order);
   tree.first_node = static_cast<std::uint32_t>(image.nodes.size());
   for (NodeRecord node : bvh.nodes) {
     for (std::uint32_t& link : node.child) {
@@ -162,7 +162,7 @@ void add_tree(const BvhBuilder& builder, ObjectTree& tree, MemoryImage& image) {
 /// Let o be the ray's origin, c the mesh's origin and g the growth of errors: the error is about 4 g (2 |o| + |c| +
 /// size) epsilons. The padding covers it for rays that begin within eight scene sizes. For rays from farther away,
 /// errors of the triangle test are of the same order, and RayBoxes grows its boxes accordingly.
-Bounds padded(Bounds box, const Placement& placement, const glm::mat4& to_world, const Bounds& scene) {
+Bounds pad_box(Bounds box, const Placement& placement, const glm::mat4& to_world, const Bounds& scene) {
   float far = scene.diagonal();
   float centre = 0;
   for (int a = 0; a < 3; ++a) {
@@ -177,7 +177,7 @@ Bounds padded(Bounds box, const Placement& placement, const glm::mat4& to_world,
 
 /// Fills the instances, the tree over them and the scene's bounds. The tree takes the first nodes, which are already
 /// allocated.
-void place_instances(const Scene& scene, const Plan& plan, const BvhBuilder& builder, MemoryImage& image) {
+void place_instances(const Scene& scene, const TreePlan& plan, const BvhBuilder& builder, MemoryImage& image) {
   std::vector<Bounds> boxes;
   std::vector<std::uint32_t> shown;
   Bounds all;
@@ -202,9 +202,9 @@ void place_instances(const Scene& scene, const Plan& plan, const BvhBuilder& bui
     image.upper = all.upper;
   }
   for (std::size_t k = 0; k < shown.size(); ++k) {
-    boxes[k] = padded(boxes[k], plan.placements[shown[k]], scene.instances[shown[k]].to_world, all);
+    boxes[k] = pad_box(boxes[k], plan.placements[shown[k]], scene.instances[shown[k]].to_world, all);
   }
-  const FlatBvh top = builder.over(std::span<const Bounds>(boxes));
+  const FlatBvh top = builder.build_over(std::span<const Bounds>(boxes));
   std::ranges::copy(top.nodes, image.nodes.begin());
   for (NodeRecord& node : std::span(image.nodes).first(top.nodes.size())) {
     for (std::uint32_t& link : node.child) {
@@ -221,7 +221,7 @@ std::size_t nodes_over(std::size_t leaves) { return std::max<std::size_t>(leaves
 MemoryImage two_levels(const Scene& scene, const MaterialTables& materials, const BvhConfig& config, unsigned threads,
                        sim::Stop stop) {
   check_meshes(scene);
-  Plan plan(scene);
+  TreePlan plan(scene);
   check_count(plan.triangles);
   MemoryImage image;
   image.trees = plan.trees;
@@ -245,8 +245,8 @@ MemoryImage two_levels(const Scene& scene, const MaterialTables& materials, cons
 }
 
 bool update_levels(const Scene& posed, const BvhConfig& config, unsigned threads, MemoryImage& image, sim::Stop stop) {
-  const Plan plan(posed);
-  if (!plan.same_shape(image)) return false;
+  const TreePlan plan(posed);
+  if (!plan.matches_image(image)) return false;
   const MaterialTables materials = material_tables(posed, image.has_mip_maps());
   const BvhBuilder builder(config, threads, stop);
   const bool refits = config.update == BvhUpdate::kRefit;

@@ -1,8 +1,5 @@
 #include "traces/accel/build.h"
 
-#include <sys/resource.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
@@ -11,6 +8,8 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include "sim/error.h"
 #include "tests/traces/accel/support.h"
@@ -214,7 +213,7 @@ TEST(MemoryImage, FlagsTellWhichTrianglesAreNotSolid) {
   const MemoryImage image = build_memory_image(with_flags(triangle_soup(300, 0.3F)));
   for (const TriangleRecord& t : image.triangles) {
     const std::uint32_t material = t.material & kTriangleMask;
-    EXPECT_EQ(t.flags(), material == 0 ? 0 : material == 1 ? kAlphaFlag : kTintFlag);
+    EXPECT_EQ(t.hit_flags(), material == 0 ? 0 : material == 1 ? kAlphaFlag : kTintFlag);
   }
 }
 
@@ -292,7 +291,7 @@ TEST(BvhBuilder, ThrowsBadAllocIfMemoryEndsDuringTheBuild) {
         {
           const std::vector<Bounds> boxes(500'000, Bounds{{0, 0, 0}, {1, 1, 1}});
           try {
-            BvhBuilder({}, threads, limit_memory).over(boxes);
+            BvhBuilder({}, threads, limit_memory).build_over(boxes);
           } catch (const std::bad_alloc&) {
             std::_Exit(74);
           }

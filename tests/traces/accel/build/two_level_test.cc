@@ -130,7 +130,7 @@ TEST(TwoLevels, AgreeWithEmbreesInstances) {
     const EmbreeTracer embree(image, 1);
     const VerifyingTracer verifying(image, bvh, embree);
     for (const RayKind kind : {RayKind::kPrimary, RayKind::kShadow}) trace(verifying, random_rays(50000), kind);
-    EXPECT_EQ(verifying.counts().faults(), 0U);
+    EXPECT_EQ(verifying.counts().error_count(), 0U);
     EXPECT_EQ(verifying.counts().reference_errors, 0U);
     EXPECT_LE(verifying.counts().edge_ties, 20U);
   }
