@@ -50,10 +50,11 @@ class EnvironmentBinder {
   void operator()(float uniform, std::string_view name) const {
     to_.uniforms.emplace(name, std::bit_cast<std::uint32_t>(uniform));
   }
-  void operator()(const Vec3<float>& uniform, const std::string& name) const {
-    (*this)(uniform.x, name + ".x");
-    (*this)(uniform.y, name + ".y");
-    (*this)(uniform.z, name + ".z");
+  void operator()(const Vec3<float>& uniform, std::string_view name) const {
+    const std::string prefix(name);
+    (*this)(uniform.x, prefix + ".x");
+    (*this)(uniform.y, prefix + ".y");
+    (*this)(uniform.z, prefix + ".z");
   }
 
  private:

@@ -141,7 +141,8 @@ R<Recorded> record_load(Recorder& recorder, Op op, const std::string& memory, st
     return recorder.add(std::move(field));
   };
   R<Recorded> record;
-  const auto read = [&]<class T>(T& field, const std::string& name) {
+  const auto read = [&]<class T>(T& field, std::string_view member) {
+    const std::string name(member);
     if constexpr (std::is_same_v<T, Vec3<Recorded>>) {
       field.x = {recorder, input(name + ".x")};
       field.y = {recorder, input(name + ".y")};
@@ -230,10 +231,11 @@ class PortBinder {
   void operator()(IntNode& uniform, std::string_view name) const {
     uniform = {recorder_, recorder_.add_uniform(std::string(name))};
   }
-  void operator()(Vec3<Recorded>& uniform, const std::string& name) const {
-    (*this)(uniform.x, name + ".x");
-    (*this)(uniform.y, name + ".y");
-    (*this)(uniform.z, name + ".z");
+  void operator()(Vec3<Recorded>& uniform, std::string_view name) const {
+    const std::string prefix(name);
+    (*this)(uniform.x, prefix + ".x");
+    (*this)(uniform.y, prefix + ".y");
+    (*this)(uniform.z, prefix + ".z");
   }
 
  private:

@@ -15,12 +15,7 @@ struct RayRecord {
   F<V> t_min;
   Vec3<V> direction;
   F<V> t_max;
-  static void fields(auto& r, auto&& field) {
-    field(NAMED(r.origin));
-    field(NAMED(r.t_min));
-    field(NAMED(r.direction));
-    field(NAMED(r.t_max));
-  }
+  static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.origin, r.t_min, r.direction, r.t_max)); }
 };
 
 /// The path of a ray. `throughput` is the ray's weight in the sample's colour; for a shadow ray, the light it
@@ -29,22 +24,14 @@ template <class V>
 struct PathRecord {
   Vec3<V> throughput;
   I<V> sample;
-  static void fields(auto& r, auto&& field) {
-    field(NAMED(r.throughput));
-    field(NAMED(r.sample));
-  }
+  static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.throughput, r.sample)); }
 };
 
 template <class V>
 struct HitRecord {
   F<V> t, u, v;
   I<V> triangle;
-  static void fields(auto& r, auto&& field) {
-    field(NAMED(r.t));
-    field(NAMED(r.u));
-    field(NAMED(r.v));
-    field(NAMED(r.triangle));
-  }
+  static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.t, r.u, r.v, r.triangle)); }
 };
 
 /// A hit in a scene with instances: `u` and `v` contain whole numbers (traces/ray.h).
@@ -52,12 +39,7 @@ template <class V>
 struct InstanceHitRecord {
   F<V> t;
   I<V> u, v, triangle;
-  static void fields(auto& r, auto&& field) {
-    field(NAMED(r.t));
-    field(NAMED(r.u));
-    field(NAMED(r.v));
-    field(NAMED(r.triangle));
-  }
+  static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.t, r.u, r.v, r.triangle)); }
 };
 
 template <class V>
@@ -66,22 +48,14 @@ struct SurfacePointRecord {
   I<V> material;
   Vec3<V> normal;  ///< unit length, on the side from which the ray came
   F<V> side;       ///< +1 on the outside, -1 on the inside
-  static void fields(auto& r, auto&& field) {
-    field(NAMED(r.position));
-    field(NAMED(r.material));
-    field(NAMED(r.normal));
-    field(NAMED(r.side));
-  }
+  static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.position, r.material, r.normal, r.side)); }
 };
 
 template <class V>
 struct DiffuseRecord {
   Vec3<V> diffuse;  ///< base colour times the share of light that is neither mirrored nor transmitted
   I<V> classes;     ///< traces::MaterialFlag; each bit has an item list
-  static void fields(auto& r, auto&& field) {
-    field(NAMED(r.diffuse));
-    field(NAMED(r.classes));
-  }
+  static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.diffuse, r.classes)); }
 };
 
 /// Texture coordinates. With mip maps the lower half of `texture` is the number of the first level, and the upper half,
@@ -90,11 +64,7 @@ template <class V>
 struct TexcoordRecord {
   F<V> u, v;
   I<V> texture;
-  static void fields(auto& r, auto&& field) {
-    field(NAMED(r.u));
-    field(NAMED(r.v));
-    field(NAMED(r.texture));
-  }
+  static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.u, r.v, r.texture)); }
 };
 
 /// Light that a surface mirrors, refracts or passes on.
@@ -107,12 +77,7 @@ struct SpecularRecord {
   F<V> alpha;  ///< opaque share of a blended surface; the rest passes straight through
   F<V> kept;   ///< factor of the surface's own emission
   static void fields(auto& r, auto&& field) {
-    field(NAMED(r.mirrored));
-    field(NAMED(r.entering));
-    field(NAMED(r.tint));
-    field(NAMED(r.ior));
-    field(NAMED(r.alpha));
-    field(NAMED(r.kept));
+    name_all(field, NAMED_ALL(r.mirrored, r.entering, r.tint, r.ior, r.alpha, r.kept));
   }
 };
 
@@ -122,12 +87,7 @@ struct TangentRecord {
   Vec3<V> tangent;  ///< about unit length; zero if there is none
   F<V> handedness;  ///< sign of the bitangent
   F<V> u, v;        ///< second texture coordinates
-  static void fields(auto& r, auto&& field) {
-    field(NAMED(r.tangent));
-    field(NAMED(r.handedness));
-    field(NAMED(r.u));
-    field(NAMED(r.v));
-  }
+  static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.tangent, r.handedness, r.u, r.v)); }
 };
 
 /// Geometry of a sample's first hit, kept for comparison with neighbours. A miss has kNoObject and the normal (0, 0,
@@ -138,12 +98,7 @@ struct GeometryRecord {
   I<V> object;     ///< traces::TriangleRecord::object, with kTexturedObject above it
   Vec3<V> position;
   I<V> shadows;  ///< one bit per light whose shadow ray was blocked
-  static void fields(auto& r, auto&& field) {
-    field(NAMED(r.normal));
-    field(NAMED(r.object));
-    field(NAMED(r.position));
-    field(NAMED(r.shadows));
-  }
+  static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.normal, r.object, r.position, r.shadows)); }
 };
 inline constexpr std::uint32_t kTexturedObject = 1U << 31;
 inline constexpr std::uint32_t kNoObject = traces::kFocusObject - 1;
@@ -153,11 +108,7 @@ template <class V>
 struct TraitsRecord {
   Vec3<V> normal;
   I<V> object, shadows;
-  static void fields(auto& r, auto&& field) {
-    field(NAMED(r.normal));
-    field(NAMED(r.object));
-    field(NAMED(r.shadows));
-  }
+  static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.normal, r.object, r.shadows)); }
 };
 
 /// Identifies a sample's dominant secondary hit during shading: its weight, and a checksum of its position.
@@ -179,10 +130,7 @@ struct SecondaryRecord {
   Vec3<V> glass_normal;
   I<V> shadows;
   static void fields(auto& r, auto&& field) {
-    field(NAMED(r.mirror_normal));
-    field(NAMED(r.objects));
-    field(NAMED(r.glass_normal));
-    field(NAMED(r.shadows));
+    name_all(field, NAMED_ALL(r.mirror_normal, r.objects, r.glass_normal, r.shadows));
   }
 };
 
@@ -192,11 +140,7 @@ struct VisibleRecord {
   Vec3<V> normal;  ///< shading normal; unit z for a miss
   F<V> depth;      ///< in units of the filter; also kMissDepth, kNoBranchDepth
   I<V> shadows;    ///< as in GeometryRecord
-  static void fields(auto& r, auto&& field) {
-    field(NAMED(r.normal));
-    field(NAMED(r.depth));
-    field(NAMED(r.shadows));
-  }
+  static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.normal, r.depth, r.shadows)); }
 };
 // Depths of a ray without a hit, a sample without such a ray, and a pixel outside the picture. They differ so much from
 // all others that the filter weight is 0.
@@ -207,10 +151,7 @@ template <class V>
 struct RatioRecord {
   Vec3<V> rgb;
   F<V> found;  ///< about 1; 0 if there were no rays
-  static void fields(auto& r, auto&& field) {
-    field(NAMED(r.rgb));
-    field(NAMED(r.found));
-  }
+  static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.rgb, r.found)); }
 };
 
 /// Surface of a sample's first hit, for samples that are interpolated before shading.
@@ -223,13 +164,7 @@ struct SurfaceRecord {
   I<V> texture;  ///< as in TexcoordRecord
   I<V> material;
   static void fields(auto& r, auto&& field) {
-    field(NAMED(r.diffuse));
-    field(NAMED(r.classes));
-    field(NAMED(r.plane));
-    field(NAMED(r.u));
-    field(NAMED(r.v));
-    field(NAMED(r.texture));
-    field(NAMED(r.material));
+    name_all(field, NAMED_ALL(r.diffuse, r.classes, r.plane, r.u, r.v, r.texture, r.material));
   }
 };
 
@@ -237,10 +172,7 @@ struct SurfaceRecord {
 template <class V>
 struct SubpixelRecord {
   I<V> red_green, blue_why;
-  static void fields(auto& r, auto&& field) {
-    field(NAMED(r.red_green));
-    field(NAMED(r.blue_why));
-  }
+  static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.red_green, r.blue_why)); }
 };
 
 template <class V>
@@ -266,16 +198,7 @@ struct AttributeFields {
   F<V> u0, v0, u1, v1, u2, v2;
   I<V> material;
   static void fields(auto& r, auto&& field) {
-    field(NAMED(r.normal0));
-    field(NAMED(r.normal1));
-    field(NAMED(r.normal2));
-    field(NAMED(r.u0));
-    field(NAMED(r.v0));
-    field(NAMED(r.u1));
-    field(NAMED(r.v1));
-    field(NAMED(r.u2));
-    field(NAMED(r.v2));
-    field(NAMED(r.material));
+    name_all(field, NAMED_ALL(r.normal0, r.normal1, r.normal2, r.u0, r.v0, r.u1, r.v1, r.u2, r.v2, r.material));
   }
 };
 
@@ -285,12 +208,7 @@ struct TriangleFields {
   Vec3<V> v0, v1, v2;
   I<V> object, material, source;
   static void fields(auto& r, auto&& field) {
-    field(NAMED(r.v0));
-    field(NAMED(r.v1));
-    field(NAMED(r.v2));
-    field(NAMED(r.object));
-    field(NAMED(r.material));
-    field(NAMED(r.source));
+    name_all(field, NAMED_ALL(r.v0, r.v1, r.v2, r.object, r.material, r.source));
   }
 };
 
@@ -306,16 +224,8 @@ struct InstanceFields {
   I<V> root, object;
   F<V> handedness, volume;
   static void fields(auto& r, auto&& field) {
-    field(NAMED(r.row0));
-    field(NAMED(r.offset0));
-    field(NAMED(r.row1));
-    field(NAMED(r.offset1));
-    field(NAMED(r.row2));
-    field(NAMED(r.offset2));
-    field(NAMED(r.root));
-    field(NAMED(r.object));
-    field(NAMED(r.handedness));
-    field(NAMED(r.volume));
+    name_all(field, NAMED_ALL(r.row0, r.offset0, r.row1, r.offset1, r.row2, r.offset2, r.root, r.object, r.handedness,
+                              r.volume));
   }
 };
 
@@ -331,16 +241,8 @@ struct MaterialFields {
   I<V> base_texture, flags;
   F<V> opacity, alpha_cutoff;
   static void fields(auto& r, auto&& field) {
-    field(NAMED(r.base_colour));
-    field(NAMED(r.diffuse_share));
-    field(NAMED(r.mirrored));
-    field(NAMED(r.entering));
-    field(NAMED(r.emission));
-    field(NAMED(r.ior));
-    field(NAMED(r.base_texture));
-    field(NAMED(r.flags));
-    field(NAMED(r.opacity));
-    field(NAMED(r.alpha_cutoff));
+    name_all(field, NAMED_ALL(r.base_colour, r.diffuse_share, r.mirrored, r.entering, r.emission, r.ior, r.base_texture,
+                              r.flags, r.opacity, r.alpha_cutoff));
   }
 };
 
@@ -351,22 +253,8 @@ struct VertexFields {
   I<V> red_green0, blue_alpha0, red_green1, blue_alpha1, red_green2, blue_alpha2;
   I<V> tangent0, tangent1, tangent2, spare;
   static void fields(auto& r, auto&& field) {
-    field(NAMED(r.u0));
-    field(NAMED(r.v0));
-    field(NAMED(r.u1));
-    field(NAMED(r.v1));
-    field(NAMED(r.u2));
-    field(NAMED(r.v2));
-    field(NAMED(r.red_green0));
-    field(NAMED(r.blue_alpha0));
-    field(NAMED(r.red_green1));
-    field(NAMED(r.blue_alpha1));
-    field(NAMED(r.red_green2));
-    field(NAMED(r.blue_alpha2));
-    field(NAMED(r.tangent0));
-    field(NAMED(r.tangent1));
-    field(NAMED(r.tangent2));
-    field(NAMED(r.spare));
+    name_all(field, NAMED_ALL(r.u0, r.v0, r.u1, r.v1, r.u2, r.v2, r.red_green0, r.blue_alpha0, r.red_green1,
+                              r.blue_alpha1, r.red_green2, r.blue_alpha2, r.tangent0, r.tangent1, r.tangent2, r.spare));
   }
 };
 
@@ -379,18 +267,9 @@ struct DetailFields {
   I<V> occlusion_texture, metal_rough_texture, emission_texture;
   F<V> normal_scale, occlusion_strength, metallic, roughness, dielectric, coat;
   static void fields(auto& r, auto&& field) {
-    field(NAMED(r.emission));
-    field(NAMED(r.normal_texture));
-    field(NAMED(r.absorption));
-    field(NAMED(r.occlusion_texture));
-    field(NAMED(r.metal_rough_texture));
-    field(NAMED(r.emission_texture));
-    field(NAMED(r.normal_scale));
-    field(NAMED(r.occlusion_strength));
-    field(NAMED(r.metallic));
-    field(NAMED(r.roughness));
-    field(NAMED(r.dielectric));
-    field(NAMED(r.coat));
+    name_all(field, NAMED_ALL(r.emission, r.normal_texture, r.absorption, r.occlusion_texture, r.metal_rough_texture,
+                              r.emission_texture, r.normal_scale, r.occlusion_strength, r.metallic, r.roughness,
+                              r.dielectric, r.coat));
   }
 };
 
@@ -402,14 +281,7 @@ template <class V>
 struct AxisRecord {
   F<V> size, last, low, high, period, inverse_period, below, offset;
   static void fields(auto& r, auto&& field) {
-    field(NAMED(r.size));
-    field(NAMED(r.last));
-    field(NAMED(r.low));
-    field(NAMED(r.high));
-    field(NAMED(r.period));
-    field(NAMED(r.inverse_period));
-    field(NAMED(r.below));
-    field(NAMED(r.offset));
+    name_all(field, NAMED_ALL(r.size, r.last, r.low, r.high, r.period, r.inverse_period, r.below, r.offset));
   }
 };
 
@@ -418,10 +290,7 @@ template <class V>
 struct LevelRecord {
   F<V> size;     ///< side in texels of a square of equal area; for nearest-level lookups times the root of 2
   F<V> highest;  ///< 2 to the power of the last level's number
-  static void fields(auto& r, auto&& field) {
-    field(NAMED(r.size));
-    field(NAMED(r.highest));
-  }
+  static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.size, r.highest)); }
 };
 
 /// Linear value of an 8-bit sRGB code; the table has 256.
@@ -435,12 +304,7 @@ struct SrgbCodeRecord {
 template <class V>
 struct FootprintRecord {
   I<V> at00, at10, at01, at11;
-  static void fields(auto& r, auto&& field) {
-    field(NAMED(r.at00));
-    field(NAMED(r.at10));
-    field(NAMED(r.at01));
-    field(NAMED(r.at11));
-  }
+  static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.at00, r.at10, r.at01, r.at11)); }
 };
 
 }  // namespace kernels

@@ -1,7 +1,12 @@
 #pragma once
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <string_view>
+#include <type_traits>
 
 namespace kernels {
 
@@ -88,4 +93,27 @@ Vec3<V> unit_vector(const Vec3<V>& a) {
   return a * (1.0F / sqrt(max(dot(a, a), F<V>(1e-30F))));
 }
 
+/// The names of N members, split at compile time from a list such as "p.rays, p.hits".
+template <std::size_t N>
+struct MemberNames {
+  std::array<std::string_view, N> names{};
+  consteval MemberNames(std::string_view list) {
+    for (std::string_view& name : names) {
+      const std::size_t end = std::min(list.find(','), list.size());
+      name = list.substr(0, end);
+      name.remove_prefix(name.rfind('.') + 1);
+      list.remove_prefix(std::min(end + 1, list.size()));
+    }
+  }
+};
+/// Calls f(member, name) for each member of a NAMED_ALL list.
+template <class... Members>
+constexpr void name_all(auto&& f, std::type_identity_t<MemberNames<sizeof...(Members)>> list, Members&... members) {
+  std::size_t next = 0;
+  (f(members, list.names[next++]), ...);
+}
+
 }  // namespace kernels
+
+/// A list of members and its text: name_all(port, NAMED_ALL(p.rays, p.hits)) names each member once.
+#define NAMED_ALL(...) std::string_view(#__VA_ARGS__), __VA_ARGS__

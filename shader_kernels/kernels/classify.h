@@ -3,7 +3,6 @@
 
 #include "shader_kernels/kernels/arithmetic.h"
 #include "shader_kernels/ports.h"
-#include "sim/named.h"
 #include "traces/ray.h"
 
 namespace kernels {
@@ -18,11 +17,7 @@ struct ClassifyHits {
     Local<V, WordRecord> misses, surfaces;
     Counter<V> miss_count, surface_count;
     static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.hits));
-      port(NAMED(p.misses));
-      port(NAMED(p.surfaces));
-      port(NAMED(p.miss_count));
-      port(NAMED(p.surface_count));
+      name_all(port, NAMED_ALL(p.hits, p.misses, p.surfaces, p.miss_count, p.surface_count));
     }
   };
   template <class V>
@@ -51,18 +46,8 @@ struct ClassifySurfaces {
     Local<V, WordRecord> textured, diffuse, mirror, glass, emissive;
     Counter<V> textured_count, diffuse_count, mirror_count, glass_count, emissive_count;
     static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.surfaces));
-      port(NAMED(p.mattes));
-      port(NAMED(p.textured));
-      port(NAMED(p.diffuse));
-      port(NAMED(p.mirror));
-      port(NAMED(p.glass));
-      port(NAMED(p.emissive));
-      port(NAMED(p.textured_count));
-      port(NAMED(p.diffuse_count));
-      port(NAMED(p.mirror_count));
-      port(NAMED(p.glass_count));
-      port(NAMED(p.emissive_count));
+      name_all(port, NAMED_ALL(p.surfaces, p.mattes, p.textured, p.diffuse, p.mirror, p.glass, p.emissive,
+                               p.textured_count, p.diffuse_count, p.mirror_count, p.glass_count, p.emissive_count));
     }
   };
   template <class V>
@@ -89,24 +74,9 @@ struct ClassifyDetails {
     Counter<V> absorbing_count, vertexed_count, based_count, physical_count, bumped_count, blended_count, glowing_count,
         occluded_count;
     static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.surfaces));
-      port(NAMED(p.mattes));
-      port(NAMED(p.absorbing));
-      port(NAMED(p.vertexed));
-      port(NAMED(p.based));
-      port(NAMED(p.physical));
-      port(NAMED(p.bumped));
-      port(NAMED(p.blended));
-      port(NAMED(p.glowing));
-      port(NAMED(p.occluded));
-      port(NAMED(p.absorbing_count));
-      port(NAMED(p.vertexed_count));
-      port(NAMED(p.based_count));
-      port(NAMED(p.physical_count));
-      port(NAMED(p.bumped_count));
-      port(NAMED(p.blended_count));
-      port(NAMED(p.glowing_count));
-      port(NAMED(p.occluded_count));
+      name_all(port, NAMED_ALL(p.surfaces, p.mattes, p.absorbing, p.vertexed, p.based, p.physical, p.bumped, p.blended,
+                               p.glowing, p.occluded, p.absorbing_count, p.vertexed_count, p.based_count,
+                               p.physical_count, p.bumped_count, p.blended_count, p.glowing_count, p.occluded_count));
     }
   };
   template <class V>
@@ -136,10 +106,7 @@ struct ClassifyOccluded {
     Local<V, WordRecord> occluded;
     Counter<V> occluded_count;
     static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.surfaces));
-      port(NAMED(p.mattes));
-      port(NAMED(p.occluded));
-      port(NAMED(p.occluded_count));
+      name_all(port, NAMED_ALL(p.surfaces, p.mattes, p.occluded, p.occluded_count));
     }
   };
   template <class V>
@@ -166,10 +133,7 @@ struct ClassifyLayers {
     Counter<V> layer_count;
     I<V> solid;
     static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.hits));
-      port(NAMED(p.layers));
-      port(NAMED(p.layer_count));
-      port(NAMED(p.solid));
+      name_all(port, NAMED_ALL(p.hits, p.layers, p.layer_count, p.solid));
     }
   };
   template <class V>

@@ -23,9 +23,7 @@ struct Absorb {
     static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.absorbing));
       port(p.points, "places");
-      port(NAMED(p.hits));
-      port(NAMED(p.paths));
-      port(NAMED(p.details));
+      name_all(port, NAMED_ALL(p.hits, p.paths, p.details));
     }
   };
   template <class V>
@@ -54,8 +52,7 @@ struct ShadeBase {
     Table<V, SrgbCodeRecord> srgb_codes;
     static constexpr void describe(auto& p, auto&& port) {
       DetailPorts<V, kMips>::describe(p, port);
-      port(NAMED(p.optics));
-      port(NAMED(p.srgb_codes));
+      name_all(port, NAMED_ALL(p.optics, p.srgb_codes));
     }
   };
   template <class V>
@@ -92,8 +89,7 @@ struct ShadePhysical {
     static constexpr void describe(auto& p, auto&& port) {
       DetailPorts<V, kMips>::describe(p, port);
       port(p.points, "places");
-      port(NAMED(p.optics));
-      port(NAMED(p.details));
+      name_all(port, NAMED_ALL(p.optics, p.details));
     }
   };
   template <class V>
@@ -180,11 +176,7 @@ struct ShadeBlend {
     Local<V, WordRecord> blended;
     Local<V, DiffuseRecord> mattes;
     Local<V, SpecularRecord> optics;
-    static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.blended));
-      port(NAMED(p.mattes));
-      port(NAMED(p.optics));
-    }
+    static constexpr void describe(auto& p, auto&& port) { name_all(port, NAMED_ALL(p.blended, p.mattes, p.optics)); }
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
@@ -216,11 +208,7 @@ struct ShadeGlow {
     static constexpr void describe(auto& p, auto&& port) {
       DetailPorts<V, kMips>::describe(p, port);
       port(p.points, "places");
-      port(NAMED(p.paths));
-      port(NAMED(p.optics));
-      port(NAMED(p.details));
-      port(NAMED(p.colours));
-      port(NAMED(p.srgb_codes));
+      name_all(port, NAMED_ALL(p.paths, p.optics, p.details, p.colours, p.srgb_codes));
     }
   };
   template <class V>
@@ -255,10 +243,7 @@ struct ShadeOccluded {
     static constexpr void describe(auto& p, auto&& port) {
       DetailPorts<V, kMips>::describe(p, port);
       port(p.points, "places");
-      port(NAMED(p.paths));
-      port(NAMED(p.details));
-      port(NAMED(p.colours));
-      port(NAMED(p.ambient));
+      name_all(port, NAMED_ALL(p.paths, p.details, p.colours, p.ambient));
     }
   };
   template <class V>

@@ -156,15 +156,8 @@ struct CastAmbientPorts {
   static constexpr void describe(auto& p, auto&& port) {
     port(NAMED(p.diffuse));
     port(p.points, "places");
-    port(NAMED(p.rays));
-    port(NAMED(p.paths));
-    port(NAMED(p.mattes));
-    port(NAMED(p.shadow_rays));
-    port(NAMED(p.shadow_paths));
-    port(NAMED(p.emitted));
-    port(NAMED(p.ambient));
-    port(NAMED(p.epsilon));
-    port(NAMED(p.distance));
+    name_all(port, NAMED_ALL(p.rays, p.paths, p.mattes, p.shadow_rays, p.shadow_paths, p.emitted, p.ambient, p.epsilon,
+                             p.distance));
     DrawUniforms<V>::describe(p.draw, port);
   }
 };
@@ -236,10 +229,7 @@ struct SelectEffects {
     Counter<V> passed_count;
     GridUniforms<V> grid;
     static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.diffuse));
-      port(NAMED(p.paths));
-      port(NAMED(p.passed));
-      port(NAMED(p.passed_count));
+      name_all(port, NAMED_ALL(p.diffuse, p.paths, p.passed, p.passed_count));
       GridUniforms<V>::describe(p.grid, port);
     }
   };
@@ -263,8 +253,7 @@ struct ClearEffects {
     Local<V, RatioRecord> ratios;
     LatticeUniforms<V> lattice;
     static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.lights));
-      port(NAMED(p.ratios));
+      name_all(port, NAMED_ALL(p.lights, p.ratios));
       LatticeUniforms<V>::describe(p.lattice, port);
     }
   };
@@ -289,10 +278,7 @@ struct CombineRatio {
     Local<V, RatioRecord> ratios;
     F<V> share;
     static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.shadow_hits));
-      port(NAMED(p.shadow_paths));
-      port(NAMED(p.ratios));
-      port(NAMED(p.share));
+      name_all(port, NAMED_ALL(p.shadow_hits, p.shadow_paths, p.ratios, p.share));
     }
   };
   template <class V>
@@ -328,14 +314,7 @@ struct UpsampleEffects {
     I<V> apart;  ///< offset of the light's layer
     static constexpr void describe(auto& p, auto&& port) {
       FinishedUniforms<V>::describe(p.finished, port);
-      port(NAMED(p.visible));
-      port(NAMED(p.lights));
-      port(NAMED(p.ratios));
-      port(NAMED(p.colours));
-      port(NAMED(p.x0));
-      port(NAMED(p.y0));
-      port(NAMED(p.bend));
-      port(NAMED(p.apart));
+      name_all(port, NAMED_ALL(p.visible, p.lights, p.ratios, p.colours, p.x0, p.y0, p.bend, p.apart));
     }
   };
   template <class V>
@@ -362,7 +341,7 @@ struct UpsampleEffects {
     M<V> inside;
   };
   template <class V>
-  static Step<V> step(const F<V>& from, const F<V>& by, const F<V>& samples, const F<V>& low, const F<V>& high) {
+  static Step<V> step_to(const F<V>& from, const F<V>& by, const F<V>& samples, const F<V>& low, const F<V>& high) {
     const F<V> to = from + by;
     const M<V> inside = logical_and(low <= to, to <= high);
     return {select(inside, samples, F<V>(0.0F)), inside};
@@ -379,10 +358,10 @@ struct UpsampleEffects {
       left = -right;
       above = -below;
     }
-    const std::array<Step<V>, 2> columns{step<V>(pixel.remainder, left, left, of.low_x, of.high_x),
-                                         step<V>(pixel.remainder, right, right, of.low_x, of.high_x)};
-    const std::array<Step<V>, 2> rows{step<V>(pixel.quotient, above, above * of.pitch, of.low_y, of.high_y),
-                                      step<V>(pixel.quotient, below, below * of.pitch, of.low_y, of.high_y)};
+    const std::array<Step<V>, 2> columns{step_to<V>(pixel.remainder, left, left, of.low_x, of.high_x),
+                                         step_to<V>(pixel.remainder, right, right, of.low_x, of.high_x)};
+    const std::array<Step<V>, 2> rows{step_to<V>(pixel.quotient, above, above * of.pitch, of.low_y, of.high_y),
+                                      step_to<V>(pixel.quotient, below, below * of.pitch, of.low_y, of.high_y)};
     RatioRecord<V> sum{{0.0F, 0.0F, 0.0F}, 0.0F};
     for (std::uint32_t tap = 0; tap < 4; ++tap) {
       const Step<V>& column = columns[tap % 2];

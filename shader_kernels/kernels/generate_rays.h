@@ -19,13 +19,10 @@ struct GeneratePorts {
   TileUniforms<V> tile;
   I<V> image_width, seed;
   static constexpr void describe(auto& p, auto&& port) {
-    port(NAMED(p.rays));
-    port(NAMED(p.paths));
-    port(NAMED(p.colours));
+    name_all(port, NAMED_ALL(p.rays, p.paths, p.colours));
     CameraUniforms<V>::describe(p.camera, port);
     TileUniforms<V>::describe(p.tile, port);
-    port(NAMED(p.image_width));
-    port(NAMED(p.seed));
+    name_all(port, NAMED_ALL(p.image_width, p.seed));
   }
 };
 
@@ -114,8 +111,7 @@ struct GenerateRotatedRays {
     F<V> cycle, inverse_cycle;  ///< n^2 + 1
     static constexpr void describe(auto& p, auto&& port) {
       GeneratePorts<V>::describe(p, port);
-      port(NAMED(p.cycle));
-      port(NAMED(p.inverse_cycle));
+      name_all(port, NAMED_ALL(p.cycle, p.inverse_cycle));
     }
   };
   template <class V>
@@ -138,8 +134,7 @@ struct ListSamples {
     Local<V, WordRecord> samples, verdicts;
     LatticeUniforms<V> lattice;
     static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.samples));
-      port(NAMED(p.verdicts));
+      name_all(port, NAMED_ALL(p.samples, p.verdicts));
       LatticeUniforms<V>::describe(p.lattice, port);
     }
   };
@@ -164,10 +159,7 @@ struct GenerateListedRays {
     CameraUniforms<V> camera;
     GridUniforms<V> grid;
     static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.samples));
-      port(NAMED(p.rays));
-      port(NAMED(p.paths));
-      port(NAMED(p.colours));
+      name_all(port, NAMED_ALL(p.samples, p.rays, p.paths, p.colours));
       CameraUniforms<V>::describe(p.camera, port);
       GridUniforms<V>::describe(p.grid, port);
     }
@@ -199,18 +191,9 @@ struct GenerateExtraRays {
     F<V> first_sample;                  ///< index of their first colour
     I<V> image_width, seed;
     static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.active));
-      port(NAMED(p.rays));
-      port(NAMED(p.paths));
-      port(NAMED(p.colours));
+      name_all(port, NAMED_ALL(p.active, p.rays, p.paths, p.colours));
       CameraUniforms<V>::describe(p.camera, port);
-      port(NAMED(p.x0));
-      port(NAMED(p.y0));
-      port(NAMED(p.width));
-      port(NAMED(p.inverse_width));
-      port(NAMED(p.first_sample));
-      port(NAMED(p.image_width));
-      port(NAMED(p.seed));
+      name_all(port, NAMED_ALL(p.x0, p.y0, p.width, p.inverse_width, p.first_sample, p.image_width, p.seed));
     }
   };
   template <class V>
@@ -240,9 +223,7 @@ struct VisibleRayPorts {
   GridUniforms<V> grid;  ///< counts pixels
   LatticeUniforms<V> lattice;
   static constexpr void describe(auto& p, auto&& port) {
-    port(NAMED(p.rays));
-    port(NAMED(p.paths));
-    port(NAMED(p.visible));
+    name_all(port, NAMED_ALL(p.rays, p.paths, p.visible));
     CameraUniforms<V>::describe(p.camera, port);
     GridUniforms<V>::describe(p.grid, port);
     LatticeUniforms<V>::describe(p.lattice, port);
@@ -349,8 +330,7 @@ struct ClearBranch {
     LatticeUniforms<V> lattice;  ///< the branch's samples
     I<V> apart;
     static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.visible));
-      port(NAMED(p.colours));
+      name_all(port, NAMED_ALL(p.visible, p.colours));
       LatticeUniforms<V>::describe(p.lattice, port);
       port(NAMED(p.apart));
     }

@@ -27,20 +27,9 @@ struct LayerPorts {
   F<V> epsilon, min_weight;  ///< paths below min_weight end
   I<V> white;                ///< texture of materials that have none
   static constexpr void describe(auto& p, auto&& port) {
-    port(NAMED(p.layers));
-    port(NAMED(p.rays));
-    port(NAMED(p.hits));
-    port(NAMED(p.attributes));
-    port(NAMED(p.materials));
+    name_all(port, NAMED_ALL(p.layers, p.rays, p.hits, p.attributes, p.materials));
     if constexpr (kColoured) port(NAMED(p.vertices));
-    port(NAMED(p.axes));
-    port(NAMED(p.texels));
-    port(NAMED(p.next_rays));
-    port(NAMED(p.targets));
-    port(NAMED(p.emitted));
-    port(NAMED(p.epsilon));
-    port(NAMED(p.min_weight));
-    port(NAMED(p.white));
+    name_all(port, NAMED_ALL(p.axes, p.texels, p.next_rays, p.targets, p.emitted, p.epsilon, p.min_weight, p.white));
   }
 };
 
@@ -118,8 +107,7 @@ struct ShadowLayerPorts : LayerPorts<V, kColoured, kInstanced> {
   Table<V, SrgbCodeRecord> srgb_codes;
   static constexpr void describe(auto& p, auto&& port) {
     LayerPorts<V, kColoured, kInstanced>::describe(p, port);
-    port(NAMED(p.paths));
-    port(NAMED(p.srgb_codes));
+    name_all(port, NAMED_ALL(p.paths, p.srgb_codes));
   }
 };
 
@@ -169,12 +157,7 @@ struct ScatterLayers {
     Counter<V> layer_count;
     I<V> solid;
     static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.targets));
-      port(NAMED(p.layer_hits));
-      port(NAMED(p.hits));
-      port(NAMED(p.layers));
-      port(NAMED(p.layer_count));
-      port(NAMED(p.solid));
+      name_all(port, NAMED_ALL(p.targets, p.layer_hits, p.hits, p.layers, p.layer_count, p.solid));
     }
   };
   template <class V>

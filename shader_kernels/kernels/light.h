@@ -79,8 +79,7 @@ struct ListDeferred {
     Local<V, WordRecord> deferred;
     Counter<V> deferred_count;
     static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.surfaces));
-      port(NAMED(p.mattes));
+      name_all(port, NAMED_ALL(p.surfaces, p.mattes));
       port(p.deferred, "later");
       port(p.deferred_count, "later_count");
     }
@@ -128,10 +127,7 @@ struct ShadeBackground {
     Local<V, ColourRecord> colours;
     Vec3<V> background;
     static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.misses));
-      port(NAMED(p.paths));
-      port(NAMED(p.colours));
-      port(NAMED(p.background));
+      name_all(port, NAMED_ALL(p.misses, p.paths, p.colours, p.background));
     }
   };
   template <class V>
@@ -157,10 +153,7 @@ struct ShadeTextured {
     Table<V, SrgbCodeRecord> srgb_codes;
     static constexpr void describe(auto& p, auto&& port) {
       TexturePorts<V, kMips>::describe(p, port);
-      port(NAMED(p.textured));
-      port(NAMED(p.texcoords));
-      port(NAMED(p.mattes));
-      port(NAMED(p.srgb_codes));
+      name_all(port, NAMED_ALL(p.textured, p.texcoords, p.mattes, p.srgb_codes));
     }
   };
 
@@ -198,10 +191,7 @@ struct ShadeEmission {
     static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.emissive));
       port(p.points, "places");
-      port(NAMED(p.paths));
-      port(NAMED(p.optics));
-      port(NAMED(p.materials));
-      port(NAMED(p.colours));
+      name_all(port, NAMED_ALL(p.paths, p.optics, p.materials, p.colours));
     }
   };
   template <class V>
@@ -224,11 +214,7 @@ struct ShadeAmbient {
     Local<V, ColourRecord> colours;
     Vec3<V> ambient;
     static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.diffuse));
-      port(NAMED(p.paths));
-      port(NAMED(p.mattes));
-      port(NAMED(p.colours));
-      port(NAMED(p.ambient));
+      name_all(port, NAMED_ALL(p.diffuse, p.paths, p.mattes, p.colours, p.ambient));
     }
   };
   template <class V>
@@ -262,11 +248,7 @@ struct ShadeDiffuse {
     static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.diffuse));
       port(p.points, "places");
-      port(NAMED(p.paths));
-      port(NAMED(p.mattes));
-      port(NAMED(p.shadow_rays));
-      port(NAMED(p.shadow_paths));
-      port(NAMED(p.emitted));
+      name_all(port, NAMED_ALL(p.paths, p.mattes, p.shadow_rays, p.shadow_paths, p.emitted));
       LightUniforms<V>::describe(p.light, port);
       port(NAMED(p.epsilon));
     }
@@ -305,9 +287,7 @@ struct ShadeOpen {
     static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.diffuse));
       port(p.points, "places");
-      port(NAMED(p.paths));
-      port(NAMED(p.mattes));
-      port(NAMED(p.colours));
+      name_all(port, NAMED_ALL(p.paths, p.mattes, p.colours));
       LightUniforms<V>::describe(p.light, port);
     }
   };
@@ -343,11 +323,7 @@ struct ShadeVisible {
     static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.diffuse));
       port(p.points, "places");
-      port(NAMED(p.paths));
-      port(NAMED(p.mattes));
-      port(NAMED(p.geometry));
-      port(NAMED(p.colours));
-      port(NAMED(p.mark));
+      name_all(port, NAMED_ALL(p.paths, p.mattes, p.geometry, p.colours, p.mark));
       LightUniforms<V>::describe(p.light, port);
     }
   };
@@ -376,9 +352,7 @@ struct CombineShadow {
     Local<V, PathRecord> shadow_paths;
     Local<V, ColourRecord> colours;
     static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.shadow_hits));
-      port(NAMED(p.shadow_paths));
-      port(NAMED(p.colours));
+      name_all(port, NAMED_ALL(p.shadow_hits, p.shadow_paths, p.colours));
     }
   };
   template <class V>

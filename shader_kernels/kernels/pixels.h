@@ -4,7 +4,6 @@
 #include "shader_kernels/kernels/arithmetic.h"
 #include "shader_kernels/kernels/uniforms.h"
 #include "shader_kernels/ports.h"
-#include "sim/named.h"
 
 namespace kernels {
 
@@ -18,13 +17,7 @@ struct AverageColour {
     Carried<V> red, green, blue;
     F<V> samples, inverse_samples;
     static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.colours));
-      port(NAMED(p.pixels));
-      port(NAMED(p.red));
-      port(NAMED(p.green));
-      port(NAMED(p.blue));
-      port(NAMED(p.samples));
-      port(NAMED(p.inverse_samples));
+      name_all(port, NAMED_ALL(p.colours, p.pixels, p.red, p.green, p.blue, p.samples, p.inverse_samples));
     }
   };
   template <class V>
@@ -57,12 +50,7 @@ struct AverageSamples {
     F<V> first, pitch;
     static constexpr void describe(auto& p, auto&& port) {
       AverageColour::Ports<V>::describe(p, port);
-      port(NAMED(p.width));
-      port(NAMED(p.inverse_width));
-      port(NAMED(p.grid));
-      port(NAMED(p.inverse_grid));
-      port(NAMED(p.first));
-      port(NAMED(p.pitch));
+      name_all(port, NAMED_ALL(p.width, p.inverse_width, p.grid, p.inverse_grid, p.first, p.pitch));
     }
   };
   template <class V>
@@ -81,17 +69,14 @@ struct TakeSample {
   template <class V>
   struct Ports {
     Local<V, ColourRecord> colours, pixels;
-    static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.colours));
-      port(NAMED(p.pixels));
-    }
+    static constexpr void describe(auto& p, auto&& port) { name_all(port, NAMED_ALL(p.colours, p.pixels)); }
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
-    take<V>(item, item, at);
+    take_sample<V>(item, item, at);
   }
   template <class V>
-  static void take(const I<V>& pixel, const I<V>& sample, const Ports<V>& at) {
+  static void take_sample(const I<V>& pixel, const I<V>& sample, const Ports<V>& at) {
     const Vec3<V> colour = at.colours.load(sample).rgb;
     at.pixels.store(pixel, {{clamp_to_unit<V>(colour.x), clamp_to_unit<V>(colour.y), clamp_to_unit<V>(colour.z)}});
   }
@@ -109,7 +94,7 @@ struct TakeGridSample {
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
-    TakeSample::take<V>(item, lattice_sample<V>(item, at.lattice), at);
+    TakeSample::take_sample<V>(item, lattice_sample<V>(item, at.lattice), at);
   }
 };
 
@@ -127,10 +112,7 @@ struct PackColour {
   struct Ports {
     Local<V, ColourRecord> pixels;
     Local<V, WordRecord> packed;
-    static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.pixels));
-      port(NAMED(p.packed));
-    }
+    static constexpr void describe(auto& p, auto&& port) { name_all(port, NAMED_ALL(p.pixels, p.packed)); }
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {

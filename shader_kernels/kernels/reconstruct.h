@@ -37,8 +37,7 @@ struct RecordVisible {
     static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.surfaces));
       port(p.points, "places");
-      port(NAMED(p.paths));
-      port(NAMED(p.visible));
+      name_all(port, NAMED_ALL(p.paths, p.visible));
       EyeUniforms<V>::describe(p.eye, port);
     }
   };
@@ -62,9 +61,7 @@ struct BeginBranch {
     Local<V, VisibleRecord> visible;
     I<V> apart;
     static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.next_paths));
-      port(NAMED(p.visible));
-      port(NAMED(p.apart));
+      name_all(port, NAMED_ALL(p.next_paths, p.visible, p.apart));
     }
   };
   template <class V>
@@ -90,12 +87,9 @@ struct RecordBranchVisible {
     Local<V, VisibleRecord> visible;
     F<V> depth_scale;
     static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.surfaces));
-      port(NAMED(p.hits));
+      name_all(port, NAMED_ALL(p.surfaces, p.hits));
       port(p.points, "places");
-      port(NAMED(p.paths));
-      port(NAMED(p.visible));
-      port(NAMED(p.depth_scale));
+      name_all(port, NAMED_ALL(p.paths, p.visible, p.depth_scale));
     }
   };
   template <class V>
@@ -192,11 +186,7 @@ struct ListBranches {
     I<V> apart;
     static constexpr void describe(auto& p, auto&& port) {
       FinishedUniforms<V>::describe(p.finished, port);
-      port(NAMED(p.visible));
-      port(NAMED(p.masters));
-      port(NAMED(p.masters_count));
-      port(NAMED(p.branch));
-      port(NAMED(p.apart));
+      name_all(port, NAMED_ALL(p.visible, p.masters, p.masters_count, p.branch, p.apart));
     }
   };
   template <class V>
@@ -238,10 +228,7 @@ struct Reconstruct {
     static constexpr void describe(auto& p, auto&& port) {
       FinishedUniforms<V>::describe(p.finished, port);
       if constexpr (kBranch) port(NAMED(p.masters));
-      port(NAMED(p.visible));
-      port(NAMED(p.colours));
-      port(NAMED(p.pixels));
-      port(NAMED(p.bend));
+      name_all(port, NAMED_ALL(p.visible, p.colours, p.pixels, p.bend));
       if constexpr (kBranch) port(NAMED(p.branch));
       port(NAMED(p.apart));
     }
@@ -373,12 +360,7 @@ struct ListContrasts {
     F<V> branch;  ///< offset from a sample to its next branch; bound if there are branches
     static constexpr void describe(auto& p, auto&& port) {
       FinishedUniforms<V>::describe(p.finished, port);
-      port(NAMED(p.visible));
-      port(NAMED(p.colours));
-      port(NAMED(p.masters));
-      port(NAMED(p.masters_count));
-      port(NAMED(p.bend));
-      port(NAMED(p.threshold));
+      name_all(port, NAMED_ALL(p.visible, p.colours, p.masters, p.masters_count, p.bend, p.threshold));
       if constexpr (kBranches != 0) port(NAMED(p.branch));
     }
   };
@@ -444,10 +426,7 @@ struct GenerateContrastRays {
     FinishedUniforms<V> finished;
     F<V> apart;
     static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.masters));
-      port(NAMED(p.rays));
-      port(NAMED(p.paths));
-      port(NAMED(p.colours));
+      name_all(port, NAMED_ALL(p.masters, p.rays, p.paths, p.colours));
       CameraUniforms<V>::describe(p.camera, port);
       GridUniforms<V>::describe(p.grid, port);
       FinishedUniforms<V>::describe(p.finished, port);
@@ -480,9 +459,7 @@ struct AverageContrasts {
     I<V> apart;
     I<V> branch;  ///< bound if there are branches
     static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.masters));
-      port(NAMED(p.colours));
-      port(NAMED(p.pixels));
+      name_all(port, NAMED_ALL(p.masters, p.colours, p.pixels));
       FinishedUniforms<V>::describe(p.finished, port);
       port(NAMED(p.apart));
       if constexpr (kBranches != 0) port(NAMED(p.branch));

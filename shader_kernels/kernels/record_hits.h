@@ -19,10 +19,7 @@ struct ClearGeometry {
   struct Ports {
     Local<V, WordRecord> samples;
     Local<V, GeometryRecord> geometry;
-    static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.samples));
-      port(NAMED(p.geometry));
-    }
+    static constexpr void describe(auto& p, auto&& port) { name_all(port, NAMED_ALL(p.samples, p.geometry)); }
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
@@ -37,10 +34,7 @@ struct ClearSecondary {
   struct Ports {
     Local<V, WordRecord> samples;
     Local<V, SecondaryRecord> secondary;
-    static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.samples));
-      port(NAMED(p.secondary));
-    }
+    static constexpr void describe(auto& p, auto&& port) { name_all(port, NAMED_ALL(p.samples, p.secondary)); }
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
@@ -57,10 +51,7 @@ struct ClearTraits {
     Local<V, TraitsRecord> traits, secondary;
     Local<V, BranchRecord> branches;
     static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.samples));
-      port(NAMED(p.traits));
-      port(NAMED(p.secondary));
-      port(NAMED(p.branches));
+      name_all(port, NAMED_ALL(p.samples, p.traits, p.secondary, p.branches));
     }
   };
   template <class V>
@@ -83,10 +74,7 @@ struct ClearSurface {
     Local<V, SurfaceRecord> kept;
     Local<V, ColourRecord> globals;
     static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.samples));
-      port(NAMED(p.geometry));
-      port(NAMED(p.kept));
-      port(NAMED(p.globals));
+      name_all(port, NAMED_ALL(p.samples, p.geometry, p.kept, p.globals));
     }
   };
   template <class V>
@@ -133,11 +121,9 @@ struct SurfaceHitPorts {
   Local<V, PathRecord> paths;
   Objects<V, kInstanced> objects;
   static constexpr void describe(auto& p, auto&& port) {
-    port(NAMED(p.surfaces));
-    port(NAMED(p.hits));
+    name_all(port, NAMED_ALL(p.surfaces, p.hits));
     port(p.points, "places");
-    port(NAMED(p.mattes));
-    port(NAMED(p.paths));
+    name_all(port, NAMED_ALL(p.mattes, p.paths));
     port(p.objects, kInstanced ? "instances" : "triangles");
   }
 };
@@ -219,8 +205,7 @@ struct RecordSurface {
     static constexpr void describe(auto& p, auto&& port) {
       RecordGeometry<kInstanced>::template Ports<V>::describe(p, port);
       if constexpr (kInstanced) port(p.corners, "triangles");
-      port(NAMED(p.texcoords));
-      port(NAMED(p.kept));
+      name_all(port, NAMED_ALL(p.texcoords, p.kept));
     }
   };
   template <class V>
@@ -276,8 +261,7 @@ struct RecordSecondary {
     Local<V, SecondaryRecord> secondary;
     BounceUniforms<V> bounce;
     static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.surfaces));
-      port(NAMED(p.hits));
+      name_all(port, NAMED_ALL(p.surfaces, p.hits));
       port(p.points, "places");
       port(NAMED(p.paths));
       port(p.objects, kInstanced ? "instances" : "triangles");
@@ -320,10 +304,7 @@ struct WeighBranch {
   struct Ports {
     Local<V, PathRecord> paths;
     Local<V, BranchRecord> branches;
-    static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.paths));
-      port(NAMED(p.branches));
-    }
+    static constexpr void describe(auto& p, auto&& port) { name_all(port, NAMED_ALL(p.paths, p.branches)); }
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
@@ -370,11 +351,7 @@ struct RecordBranchShadow {
     Local<V, TraitsRecord> traits;
     Local<V, BranchRecord> branches;
     static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.shadow_rays));
-      port(NAMED(p.shadow_hits));
-      port(NAMED(p.shadow_paths));
-      port(NAMED(p.traits));
-      port(NAMED(p.branches));
+      name_all(port, NAMED_ALL(p.shadow_rays, p.shadow_hits, p.shadow_paths, p.traits, p.branches));
     }
   };
   template <class V>
@@ -403,10 +380,7 @@ struct RecordLocal {
     Local<V, PathRecord> paths;
     Local<V, ColourRecord> colours, globals;
     static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.diffuse));
-      port(NAMED(p.paths));
-      port(NAMED(p.colours));
-      port(NAMED(p.globals));
+      name_all(port, NAMED_ALL(p.diffuse, p.paths, p.colours, p.globals));
     }
   };
   template <class V>
@@ -428,11 +402,7 @@ struct RecordGlobal {
   struct Ports {
     Local<V, WordRecord> samples;
     Local<V, ColourRecord> colours, globals;
-    static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.samples));
-      port(NAMED(p.colours));
-      port(NAMED(p.globals));
-    }
+    static constexpr void describe(auto& p, auto&& port) { name_all(port, NAMED_ALL(p.samples, p.colours, p.globals)); }
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
@@ -456,10 +426,7 @@ struct CountColoured {
     Counter<V> coloured_count;
     F<V> faint;  ///< largest channel of a faint colour
     static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.samples));
-      port(NAMED(p.globals));
-      port(NAMED(p.coloured_count));
-      port(NAMED(p.faint));
+      name_all(port, NAMED_ALL(p.samples, p.globals, p.coloured_count, p.faint));
     }
   };
   template <class V>
@@ -480,10 +447,7 @@ struct RecordShadowPorts {
     Local<V, R> records;
     I<V> mark;
     static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.shadow_hits));
-      port(NAMED(p.shadow_paths));
-      port(NAMED(p.records));
-      port(NAMED(p.mark));
+      name_all(port, NAMED_ALL(p.shadow_hits, p.shadow_paths, p.records, p.mark));
     }
   };
   template <class V>

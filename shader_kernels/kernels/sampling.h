@@ -151,10 +151,7 @@ struct DetailPorts : TexturePorts<V, kMips> {
   Local<V, TangentRecord> tangents;
   static constexpr void describe(auto& p, auto&& port) {
     TexturePorts<V, kMips>::describe(p, port);
-    port(NAMED(p.stream));
-    port(NAMED(p.mattes));
-    port(NAMED(p.texcoords));
-    port(NAMED(p.tangents));
+    name_all(port, NAMED_ALL(p.stream, p.mattes, p.texcoords, p.tangents));
   }
   /// Looks up a texture with the first texture coordinates, or with the second if the surface's classes have the bit
   /// `second`. The latter reads the first level, because the footprint is in first coordinates.

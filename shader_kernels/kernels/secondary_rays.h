@@ -23,14 +23,7 @@ struct SecondaryPorts {
   static constexpr void describe(auto& p, auto&& port) {
     port(NAMED(p.stream));
     port(p.points, "places");
-    port(NAMED(p.rays));
-    port(NAMED(p.paths));
-    port(NAMED(p.optics));
-    port(NAMED(p.next_rays));
-    port(NAMED(p.next_paths));
-    port(NAMED(p.emitted));
-    port(NAMED(p.epsilon));
-    port(NAMED(p.min_weight));
+    name_all(port, NAMED_ALL(p.rays, p.paths, p.optics, p.next_rays, p.next_paths, p.emitted, p.epsilon, p.min_weight));
   }
 };
 

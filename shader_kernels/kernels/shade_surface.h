@@ -119,16 +119,11 @@ struct ShadeSurface {
     Local<V, SpecularRecord> optics;
     ConeUniforms<V> cone;  ///< bound if kCones
     static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.surfaces));
-      port(NAMED(p.rays));
-      port(NAMED(p.hits));
-      port(NAMED(p.attributes));
+      name_all(port, NAMED_ALL(p.surfaces, p.rays, p.hits, p.attributes));
       if constexpr (kInstanced) port(NAMED(p.instances));
       port(NAMED(p.materials));
       port(p.points, "places");
-      port(NAMED(p.mattes));
-      port(NAMED(p.texcoords));
-      port(NAMED(p.optics));
+      name_all(port, NAMED_ALL(p.mattes, p.texcoords, p.optics));
       if constexpr (kCones) ConeUniforms<V>::describe(p.cone, port);
     }
   };
@@ -185,12 +180,7 @@ struct FetchVertices {
     Vertices<V> vertices;
     Instances<V> instances;  ///< bound if kInstanced
     static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.vertexed));
-      port(NAMED(p.hits));
-      port(NAMED(p.mattes));
-      port(NAMED(p.optics));
-      port(NAMED(p.tangents));
-      port(NAMED(p.vertices));
+      name_all(port, NAMED_ALL(p.vertexed, p.hits, p.mattes, p.optics, p.tangents, p.vertices));
       if constexpr (kInstanced) port(NAMED(p.instances));
     }
   };

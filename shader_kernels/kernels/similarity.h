@@ -116,11 +116,7 @@ struct VerdictPorts {
   Counter<V> passed_count, failed_count;
   static constexpr void describe(auto& p, auto&& port) {
     LineUniforms<V>::describe(p.line, port);
-    port(NAMED(p.verdicts));
-    port(NAMED(p.passed));
-    port(NAMED(p.failed));
-    port(NAMED(p.passed_count));
-    port(NAMED(p.failed_count));
+    name_all(port, NAMED_ALL(p.verdicts, p.passed, p.failed, p.passed_count, p.failed_count));
   }
 };
 template <class V>
@@ -177,14 +173,9 @@ struct CheckSimilarity {
     Counter<V> rough_count;
     static constexpr void describe(auto& p, auto&& port) {
       VerdictPorts<V>::describe(p, port);
-      port(NAMED(p.geometry));
-      port(NAMED(p.secondary));
-      port(NAMED(p.least_dot));
+      name_all(port, NAMED_ALL(p.geometry, p.secondary, p.least_dot));
       if constexpr (kTexture) {
-        port(NAMED(p.colours));
-        port(NAMED(p.texture_squared));
-        port(NAMED(p.rate_squared));
-        port(NAMED(p.rough_count));
+        name_all(port, NAMED_ALL(p.colours, p.texture_squared, p.rate_squared, p.rough_count));
       }
     }
   };
@@ -242,9 +233,7 @@ struct InterpolateSample {
     static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.passed));
       LineUniforms<V>::describe(p.line, port);
-      port(NAMED(p.colours));
-      port(NAMED(p.geometry));
-      port(NAMED(p.secondary));
+      name_all(port, NAMED_ALL(p.colours, p.geometry, p.secondary));
     }
   };
   template <class V>
@@ -302,13 +291,8 @@ struct CheckAttributes {
     F<V> apart_squared, least_dot, texture, colour_squared;
     static constexpr void describe(auto& p, auto&& port) {
       VerdictPorts<V>::describe(p, port);
-      port(NAMED(p.geometry));
-      port(NAMED(p.kept));
-      port(NAMED(p.globals));
-      port(NAMED(p.apart_squared));
-      port(NAMED(p.least_dot));
-      port(NAMED(p.texture));
-      port(NAMED(p.colour_squared));
+      name_all(port,
+               NAMED_ALL(p.geometry, p.kept, p.globals, p.apart_squared, p.least_dot, p.texture, p.colour_squared));
     }
   };
   template <class V>
@@ -363,15 +347,9 @@ struct InterpolateAttributes {
     static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.passed));
       LineUniforms<V>::describe(p.line, port);
-      port(NAMED(p.geometry));
-      port(NAMED(p.kept));
-      port(NAMED(p.globals));
-      port(NAMED(p.colours));
-      port(NAMED(p.surfaces));
+      name_all(port, NAMED_ALL(p.geometry, p.kept, p.globals, p.colours, p.surfaces));
       port(p.points, "places");
-      port(NAMED(p.paths));
-      port(NAMED(p.mattes));
-      port(NAMED(p.texcoords));
+      name_all(port, NAMED_ALL(p.paths, p.mattes, p.texcoords));
     }
   };
   template <class V>
@@ -418,12 +396,7 @@ struct FindSuspects {
     Counter<V> suspect_count;
     I<V> step, line_step;
     static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.samples));
-      port(NAMED(p.identities));
-      port(NAMED(p.suspects));
-      port(NAMED(p.suspect_count));
-      port(NAMED(p.step));
-      port(NAMED(p.line_step));
+      name_all(port, NAMED_ALL(p.samples, p.identities, p.suspects, p.suspect_count, p.step, p.line_step));
     }
   };
   template <class V>
@@ -462,9 +435,7 @@ struct StoreIdentities {
     Local<V, WordRecord> verdicts, identities;
     LatticeUniforms<V> lattice;
     static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.geometry));
-      port(NAMED(p.verdicts));
-      port(NAMED(p.identities));
+      name_all(port, NAMED_ALL(p.geometry, p.verdicts, p.identities));
       LatticeUniforms<V>::describe(p.lattice, port);
     }
   };

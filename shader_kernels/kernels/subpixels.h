@@ -141,15 +141,9 @@ struct TestSubpixels {
     I<V> focus, textured;  ///< flags of objects: in focus, textured
     static constexpr void describe(auto& p, auto&& port) {
       FinishedUniforms<V>::describe(p.finished, port);
-      port(NAMED(p.traits));
-      port(NAMED(p.secondary));
-      port(NAMED(p.colours));
-      port(NAMED(p.verdicts));
+      name_all(port, NAMED_ALL(p.traits, p.secondary, p.colours, p.verdicts));
       for (std::size_t i = 0; i < kAttributes; ++i) port(p.thresholds[i], names_of(Attribute{})[i]);
-      port(NAMED(p.same_normal));
-      port(NAMED(p.compared));
-      port(NAMED(p.focus));
-      port(NAMED(p.textured));
+      name_all(port, NAMED_ALL(p.same_normal, p.compared, p.focus, p.textured));
     }
   };
   template <class V>
@@ -217,9 +211,7 @@ struct WeighCentres {
     Local<V, ColourRecord> colours, pixels;
     static constexpr void describe(auto& p, auto&& port) {
       FinishedUniforms<V>::describe(p.finished, port);
-      port(NAMED(p.verdicts));
-      port(NAMED(p.colours));
-      port(NAMED(p.pixels));
+      name_all(port, NAMED_ALL(p.verdicts, p.colours, p.pixels));
     }
   };
   template <class V>
@@ -269,14 +261,8 @@ struct PackSubpixels {
     Carried<V> list_end;
     Counter<V> masters_count;
     static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.across));
-      port(NAMED(p.inverse_across));
-      port(NAMED(p.width));
-      port(NAMED(p.height));
-      port(NAMED(p.verdicts));
-      port(NAMED(p.active));
-      port(NAMED(p.masters));
-      port(NAMED(p.fills));
+      name_all(port,
+               NAMED_ALL(p.across, p.inverse_across, p.width, p.height, p.verdicts, p.active, p.masters, p.fills));
       port(p.list_end, "places");
       port(NAMED(p.masters_count));
     }
@@ -339,12 +325,7 @@ struct PackSubpixelsAtomic {
     Carried<V> subpixel;
     F<V> stride, subpixels;
     static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.verdicts));
-      port(NAMED(p.active));
-      port(NAMED(p.length));
-      port(NAMED(p.subpixel));
-      port(NAMED(p.stride));
-      port(NAMED(p.subpixels));
+      name_all(port, NAMED_ALL(p.verdicts, p.active, p.length, p.subpixel, p.stride, p.subpixels));
     }
   };
   template <class V>
@@ -375,17 +356,8 @@ struct SumSubpixels {
     Carried<V> red, green, blue, base_red, base_green, base_blue;
     F<V> first_sample;  ///< index of the first listed sub-pixel's colours
     static constexpr void describe(auto& p, auto&& port) {
-      port(NAMED(p.listed));
-      port(NAMED(p.verdicts));
-      port(NAMED(p.colours));
-      port(NAMED(p.pixels));
-      port(NAMED(p.red));
-      port(NAMED(p.green));
-      port(NAMED(p.blue));
-      port(NAMED(p.base_red));
-      port(NAMED(p.base_green));
-      port(NAMED(p.base_blue));
-      port(NAMED(p.first_sample));
+      name_all(port, NAMED_ALL(p.listed, p.verdicts, p.colours, p.pixels, p.red, p.green, p.blue, p.base_red,
+                               p.base_green, p.base_blue, p.first_sample));
     }
   };
   template <class V>
@@ -461,13 +433,7 @@ struct SettleSubpixels {
     I<V> round;  ///< already shifted
     static constexpr void describe(auto& p, auto&& port) {
       StateUniforms<V>::describe(p.grid, port);
-      port(NAMED(p.active));
-      port(NAMED(p.verdicts));
-      port(NAMED(p.colours));
-      port(NAMED(p.shown));
-      port(NAMED(p.states));
-      port(NAMED(p.first_sample));
-      port(NAMED(p.round));
+      name_all(port, NAMED_ALL(p.active, p.verdicts, p.colours, p.shown, p.states, p.first_sample, p.round));
     }
   };
   template <class V>
@@ -501,9 +467,7 @@ struct ShowSubpixels {
     static constexpr void describe(auto& p, auto&& port) {
       FinishedUniforms<V>::describe(p.finished, port);
       StateUniforms<V>::describe(p.grid, port);
-      port(NAMED(p.colours));
-      port(NAMED(p.shown));
-      port(NAMED(p.states));
+      name_all(port, NAMED_ALL(p.colours, p.shown, p.states));
     }
   };
   template <class V>
@@ -541,13 +505,8 @@ struct PropagateSubpixels {
     I<V> round;                                ///< the previous round, already shifted
     static constexpr void describe(auto& p, auto&& port) {
       StateUniforms<V>::describe(p.grid, port);
-      port(NAMED(p.states));
-      port(NAMED(p.verdicts));
-      port(NAMED(p.active));
-      port(NAMED(p.masters));
-      port(NAMED(p.active_count));
-      port(NAMED(p.masters_count));
-      port(NAMED(p.last_master));
+      name_all(port,
+               NAMED_ALL(p.states, p.verdicts, p.active, p.masters, p.active_count, p.masters_count, p.last_master));
       for (std::size_t i = 0; i < kAttributes; ++i) port(p.thresholds[i], names_of(Attribute{})[i]);
       port(NAMED(p.round));
     }
@@ -619,8 +578,7 @@ struct AverageSubpixels {
     Local<V, ColourRecord> shown;
     static constexpr void describe(auto& p, auto&& port) {
       AverageColour::Ports<V>::describe(p, port);
-      port(NAMED(p.masters));
-      port(NAMED(p.shown));
+      name_all(port, NAMED_ALL(p.masters, p.shown));
     }
   };
   template <class V>

@@ -28,7 +28,7 @@ std::uint32_t UpsampledProgram::exchanged_bytes() const {
 }
 
 FrameRequirements UpsampledProgram::requirements() const {
-  const std::uint32_t pixels = tiles_.side() * tiles_.side();
+  const std::uint32_t pixels = tiles_.tile_side() * tiles_.tile_side();
   FrameRequirements needs;
   needs.tile_samples = pixels;
   needs.attribute_bytes = pixels * (static_cast<std::uint32_t>(sizeof(VisibleRecord<float>)) + light_bytes());

@@ -28,7 +28,7 @@ std::vector<std::uint32_t> blocks(const MultirateConfig& config, float at_two, f
   RateMap rates(config);
   std::vector<std::uint32_t> out;
   for (int frame = 0; frame < frames; ++frame) {
-    out.push_back(rates.block(0));
+    out.push_back(rates.block_side(0));
     rates.advance(frame_of({out.back() == RateMap::kCoarse ? at_four : at_two}));
   }
   return out;
@@ -66,10 +66,10 @@ TEST(RateMap, AlternateTakesTheThresholdsInTurn) {
 TEST(RateMap, TilesAreIndependent) {
   RateMap rates(controlled());
   rates.advance(frame_of({1, 0, 0.95F, 0.94F}));
-  EXPECT_EQ(rates.block(0), 4U);
-  EXPECT_EQ(rates.block(1), 2U);
-  EXPECT_EQ(rates.block(2), 4U);
-  EXPECT_EQ(rates.block(3), 2U);
+  EXPECT_EQ(rates.block_side(0), 4U);
+  EXPECT_EQ(rates.block_side(1), 2U);
+  EXPECT_EQ(rates.block_side(2), 4U);
+  EXPECT_EQ(rates.block_side(3), 2U);
 }
 
 TEST(RateMap, AStaticViewChangesAtMostOnceUpAndOnceDownInAnyEightFrames) {
@@ -134,8 +134,8 @@ TEST_P(MixedRates, ReferencesAreThoseOfEachTilesBlocks) {
   const SampleTiles tiles(kWidth, kHeight, 1, render_.tile, RateMap::kCoarse);
   for (std::uint32_t y = 0; y < kHeight; ++y) {
     for (std::uint32_t x = 0; x < kWidth; ++x) {
-      const std::uint32_t tile = y / tiles.side() * tiles.tiles_across() + x / tiles.side();
-      const std::uint32_t block = map.block(tile);
+      const std::uint32_t tile = y / tiles.tile_side() * tiles.tiles_across() + x / tiles.tile_side();
+      const std::uint32_t block = map.block_side(tile);
       EXPECT_EQ(run.sampling.blocks[tile], block);
       const bool is_reference = x % block == block - 1 && y % block == block - 1;
       EXPECT_EQ((run.mark(x, y) & kReferenceMark) != 0, is_reference) << x << ' ' << y;

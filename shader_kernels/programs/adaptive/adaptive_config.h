@@ -116,9 +116,9 @@ struct UndersampleConfig : AdaptiveConfig {
     AdaptiveConfig::describe(c, field);
   }
   /// Returns the samples along a pixel's side.
-  std::uint32_t grid() const { return static_cast<std::uint32_t>(std::lround(std::sqrt(samples))); }
+  std::uint32_t pixel_grid() const { return static_cast<std::uint32_t>(std::lround(std::sqrt(samples))); }
   void check(auto&& complain) const {
-    if (grid() * grid() != samples) complain("samples", "is not a square; allowed: 1, 4, 9, 16, ... 256");
+    if (pixel_grid() * pixel_grid() != samples) complain("samples", "is not a square; allowed: 1, 4, 9, 16, ... 256");
   }
 };
 

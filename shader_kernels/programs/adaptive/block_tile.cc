@@ -35,7 +35,7 @@ BlockFrame::BlockFrame(const traces::MemoryImage& image, const traces::Camera& v
       number(frame) {}
 
 std::uint64_t BlockFrame::store_bytes() const {
-  const std::uint64_t side = tiles.side();
+  const std::uint64_t side = tiles.tile_side();
   return 2 * side * exchanged_bytes() +
          (adaptive.attributes == AttributeStorage::kDram ? side * side * setup.record_bytes : 0);
 }
@@ -45,7 +45,7 @@ std::uint32_t BlockFrame::exchanged_bytes() const {
 }
 
 FrameRequirements BlockFrame::requirements() const {
-  const std::uint32_t side = tiles.side();
+  const std::uint32_t side = tiles.tile_side();
   const std::uint32_t kept = side * (side / setup.block);  // rows of references; others are never compared
   const std::uint32_t pixels = side / setup.grid * (side / setup.grid);
   FrameRequirements needs;
@@ -77,7 +77,7 @@ GridUniforms<float> BlockFrame::grid_uniforms(float x0, float y0, std::uint32_t 
 void BlockFrame::size_counts(Sampling& frame_counts) const {
   frame_counts.similar.resize(tiles.count());
   frame_counts.blocks.resize(tiles.count());
-  frame_counts.tile_side = tiles.side();
+  frame_counts.tile_side = tiles.tile_side();
 }
 
 void BlockFrame::count_tile(const TileResult& tile, std::uint32_t block, Sampling& frame_counts) const {
@@ -262,7 +262,7 @@ void BlockTile::import_left() {
   const std::uint32_t stride = left_block_ / block_ > 1 ? left_block_ / block_ : 1;
   const std::uint32_t kept = block_rows() / stride;
   if (kept != 0) {
-    import_samples(at.left, kRightBorder, std::uint64_t{frame_.tiles.side()} * frame_.exchanged_bytes(), kept);
+    import_samples(at.left, kRightBorder, std::uint64_t{frame_.tiles.tile_side()} * frame_.exchanged_bytes(), kept);
   }
   if (stride > 1) trace_lattice(step, 1, 0, stride * step, block_rows() - kept, false);
   graph.pause_recording();
@@ -288,7 +288,7 @@ void BlockTile::trace_references_above() {
 void BlockTile::export_right() {
   if (frame_.adaptive.halo == Halo::kRetrace || !at.has_right) return;
   const std::uint64_t bytes = frame_.exchanged_bytes();
-  graph.export_samples(kRightBorder, frame_.store_bytes() * at.index + frame_.tiles.side() * bytes,
+  graph.export_samples(kRightBorder, frame_.store_bytes() * at.index + frame_.tiles.tile_side() * bytes,
                        block_rows() * frame_.exchanged_bytes());
 }
 
@@ -299,7 +299,7 @@ void BlockTile::export_below() {
 
 void BlockTile::spill_records(std::uint32_t written, std::uint32_t read) {
   if (frame_.adaptive.attributes == AttributeStorage::kTile || written == 0) return;
-  const std::uint64_t borders = 2 * std::uint64_t{frame_.tiles.side()} * frame_.exchanged_bytes();
+  const std::uint64_t borders = 2 * std::uint64_t{frame_.tiles.tile_side()} * frame_.exchanged_bytes();
   const std::uint64_t store = frame_.store_bytes() * at.index + borders;
   const Wavefront::Node to_dram =
       graph.add_transfer(Region::kSamples, true, store, written * frame_.setup.record_bytes);

@@ -39,7 +39,7 @@ struct BlockFrame {
 
   FrameRequirements requirements() const;
   /// Returns the samples per row of the tile buffer.
-  std::uint32_t row_pitch() const { return tiles.side() + 1; }
+  std::uint32_t row_pitch() const { return tiles.tile_side() + 1; }
   ConeUniforms<float> ray_cone() const { return cone_uniforms(camera, setup.grid); }
   /// Returns the tile's samples in the tile buffer, without its halo.
   LatticeUniforms<float> own_samples(const SampleTile& at) const;

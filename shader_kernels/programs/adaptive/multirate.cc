@@ -43,7 +43,7 @@ MultirateProgram::MultirateProgram(const traces::MemoryImage& image, const trace
 
 void MultirateProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
                                 TileResult& out) const {
-  BlockTile tile(blocks_, tile_index, tracer, record, out, [this](std::uint32_t t) { return rates_.block(t); });
+  BlockTile tile(blocks_, tile_index, tracer, record, out, [this](std::uint32_t t) { return rates_.block_side(t); });
   const auto resolve = [&](const BlockLines& lines) {
     if (lines.samples == 0) return;
     const Verdict verdict = check_and_interpolate(tile, lines);
@@ -126,7 +126,7 @@ Verdict MultirateProgram::check_and_interpolate(BlockTile& tile, const BlockLine
 
 void MultirateProgram::commit_tile(const TileResult& tile) {
   FrameProgram::commit_tile(tile);
-  blocks_.count_tile(tile, rates_.block(tile.tile), kept_sampling());
+  blocks_.count_tile(tile, rates_.block_side(tile.tile), kept_sampling());
 }
 
 }  // namespace kernels

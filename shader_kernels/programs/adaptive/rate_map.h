@@ -15,7 +15,7 @@ class RateMap {
   explicit RateMap(const MultirateConfig& config) : config_(config) {}
 
   /// Returns the block side of a tile in this frame.
-  std::uint32_t block(std::uint32_t tile) const { return tiles_.empty() ? config_.block : tiles_[tile].block; }
+  std::uint32_t block_side(std::uint32_t tile) const { return tiles_.empty() ? config_.block : tiles_[tile].block; }
   /// Updates the block sides for the next frame from this frame's counts.
   void advance(const Sampling& frame);
 

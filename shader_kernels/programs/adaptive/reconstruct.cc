@@ -51,7 +51,7 @@ std::uint32_t ReconstructProgram::attribute_bytes() const {
 }
 
 FrameRequirements ReconstructProgram::requirements() const {
-  const std::uint32_t pixels = tiles_.side() * tiles_.side();
+  const std::uint32_t pixels = tiles_.tile_side() * tiles_.tile_side();
   FrameRequirements needs;
   needs.tile_samples = layers_ * pixels;
   needs.wave_samples = has_geometry() ? kOtherSamples * pixels : pixels;

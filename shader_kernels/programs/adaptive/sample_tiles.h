@@ -36,8 +36,8 @@ class SampleTiles {
   std::uint32_t count() const { return across_ * down_; }
   std::uint32_t tiles_across() const { return across_; }
   std::uint32_t tiles_down() const { return down_; }
-  std::uint32_t side() const { return side_; }
-  std::uint32_t grid() const { return grid_; }
+  std::uint32_t tile_side() const { return side_; }
+  std::uint32_t pixel_grid() const { return grid_; }
   SampleTile sample_tile(std::uint32_t index) const;
   /// Returns the tiles in rendering order: by diagonals, so that a tile is long after its left and upper neighbours, or
   /// row by row if halos are retraced.
@@ -79,13 +79,13 @@ class FinishedTiles {
 
   const SampleTiles& tiles() const { return tiles_; }
   std::uint32_t count() const { return tiles_.count(); }
-  std::uint32_t side() const { return tiles_.side(); }
+  std::uint32_t tile_side() const { return tiles_.tile_side(); }
   std::uint32_t halo_width() const { return 2 * reach_; }
   /// Returns the samples per row of the tile buffer: the halo, then the tile's own.
-  std::uint32_t row_pitch() const { return side() + halo_width(); }
+  std::uint32_t row_pitch() const { return tile_side() + halo_width(); }
   std::uint32_t buffer_samples() const { return row_pitch() * row_pitch(); }
   /// Returns the largest number of pixels that a tile finishes.
-  std::uint32_t most_pixels() const { return (side() + reach_) * (side() + reach_); }
+  std::uint32_t most_pixels() const { return (tile_side() + reach_) * (tile_side() + reach_); }
   /// Sets in `out` the part of the picture that a tile finishes.
   void place(const SampleTile& at, TileResult& out) const;
   /// Returns the same part within the tile buffer.
@@ -94,22 +94,22 @@ class FinishedTiles {
   LatticeUniforms<float> rect_lattice(std::uint32_t x, std::uint32_t y, std::uint32_t across) const;
 
   /// Returns the number of samples in a tile's store.
-  std::uint64_t stored_samples() const { return 2 * std::uint64_t{halo_width()} * side(); }
+  std::uint64_t stored_samples() const { return 2 * std::uint64_t{halo_width()} * tile_side(); }
   /// Calls f(part) for each part of a tile's halo.
   void for_each_part(const SampleTile& at, auto&& f) const {
     const std::uint32_t h = halo_width();
     if (h == 0) return;
     if (at.has_left) f(HaloPart{{at.left, kRightBorder}, 0, 0, h, h, at.height});
-    if (at.has_above) f(HaloPart{{at.above, kLowerBorder}, std::uint64_t{h} * side(), h, 0, at.width, h});
+    if (at.has_above) f(HaloPart{{at.above, kLowerBorder}, std::uint64_t{h} * tile_side(), h, 0, at.width, h});
     if (at.has_left && at.has_above) {
-      f(HaloPart{{at.above_left, kRightBorder}, std::uint64_t{h} * (side() - h), 0, 0, h, h});
+      f(HaloPart{{at.above_left, kRightBorder}, std::uint64_t{h} * (tile_side() - h), 0, 0, h, h});
     }
   }
   /// Calls f(border, first sample of the store, samples) for each border that other tiles read.
   void for_each_export(const SampleTile& at, auto&& f) const {
     if (halo_width() == 0) return;
     if (at.has_right) f(kRightBorder, std::uint64_t{0}, halo_width() * at.height);
-    if (at.has_below) f(kLowerBorder, std::uint64_t{halo_width()} * side(), halo_width() * at.width);
+    if (at.has_below) f(kLowerBorder, std::uint64_t{halo_width()} * tile_side(), halo_width() * at.width);
   }
 
  private:

@@ -24,7 +24,7 @@ SupersampleProgram::SupersampleProgram(const traces::MemoryImage& image, const t
              tiles_.count()) {}
 
 FrameRequirements SupersampleProgram::requirements() const {
-  const std::uint32_t samples = tiles_.side() * tiles_.side();
+  const std::uint32_t samples = tiles_.tile_side() * tiles_.tile_side();
   FrameRequirements needs;
   needs.tile_samples = std::max(samples, kChunk * kExtra);
   needs.attribute_bytes = supersample_.attributes == AttributeStorage::kTile ? samples * kAttributeBytes : 0;

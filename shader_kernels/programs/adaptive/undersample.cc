@@ -107,7 +107,7 @@ constexpr std::uint32_t kRecordBytes =
     sizeof(GeometryRecord<float>) + sizeof(SurfaceRecord<float>) + sizeof(ColourRecord<float>);
 
 BlockSetup block_setup(const UndersampleConfig& undersample) {
-  BlockSetup setup{.grid = undersample.grid(),
+  BlockSetup setup{.grid = undersample.pixel_grid(),
                    .block = undersample.block,
                    .whole = undersample.block,
                    .record_bytes = kRecordBytes,
@@ -126,8 +126,8 @@ UndersampleProgram::UndersampleProgram(const traces::MemoryImage& image, const t
       undersample_(undersample),
       blocks_(image, camera, config, undersample, block_setup(undersample), frame),
       apart_(static_cast<float>(undersample.position) * scene_size),
-      correction_(undersample, config.width * undersample.grid(), config.height * undersample.grid(),
-                  blocks_.tiles.side()) {
+      correction_(undersample, config.width * undersample.pixel_grid(), config.height * undersample.pixel_grid(),
+                  blocks_.tiles.tile_side()) {
   blocks_.size_counts(kept_sampling());
 }
 
@@ -223,7 +223,7 @@ Wavefront::Node UndersampleProgram::store_identities(BlockTile& tile) const {
   tile.out.shown.clear();
   for (std::uint32_t i = 0; i < samples; ++i) {
     const std::uint32_t sample = (i / tile.at.width + 1) * blocks_.row_pitch() + i % tile.at.width + 1;
-    tile.out.shown.push_back({tile.buffer.checks.identities[i], tile.out.colour(sample)});
+    tile.out.shown.push_back({tile.buffer.checks.identities[i], tile.out.averaged_colour(sample)});
   }
   return node;
 }
@@ -259,7 +259,7 @@ std::uint32_t UndersampleProgram::scanned_bytes() const {
 }
 
 std::uint64_t UndersampleProgram::scan_store(std::uint32_t tile) const {
-  const std::uint64_t side = blocks_.tiles.side();
+  const std::uint64_t side = blocks_.tiles.tile_side();
   return blocks_.requirements().region_bytes[kSamples] + tile * side * side * scanned_bytes();
 }
 
@@ -280,7 +280,7 @@ void UndersampleProgram::begin_pass(std::uint32_t tile_index, const traces::Trac
   TileResult scratch;
   const auto trace = [&](std::span<const PostCorrection::Suspect> suspects) {
     // All suspects of a step are in one column or one row.
-    const std::uint32_t pitch = scan.is_along_y ? width() * undersample_.grid() : 1;
+    const std::uint32_t pitch = scan.is_along_y ? width() * undersample_.pixel_grid() : 1;
     const PostCorrection::Suspect& first = suspects.front();
     const GridUniforms<float> grid = scan.is_along_y ? blocks_.grid_uniforms(0, static_cast<float>(first.y), pitch)
                                                      : blocks_.grid_uniforms(static_cast<float>(first.x), 0, pitch);
@@ -294,11 +294,11 @@ void UndersampleProgram::begin_pass(std::uint32_t tile_index, const traces::Trac
       const std::uint32_t shown =
           undersample_.correct_shadows ? shown_by<float, true>(geometry) : shown_by<float, false>(geometry);
       found.identities.push_back(shown | kTracedSample);
-      found.colours.push_back(scratch.colour(sample(s)));
+      found.colours.push_back(scratch.averaged_colour(sample(s)));
     }
     return found;
   };
-  const std::uint32_t grid = undersample_.grid();
+  const std::uint32_t grid = undersample_.pixel_grid();
   for (const PostCorrection::Suspect& s : correction_.run_scan(scan, trace)) {
     average_again(s.x / grid, s.y / grid);
     if (!kept_marks().empty()) {
@@ -330,7 +330,7 @@ void UndersampleProgram::trace_suspects(Wavefront& wave, TileResult& out, const 
 }
 
 void UndersampleProgram::average_again(std::uint32_t x, std::uint32_t y) {
-  const std::uint32_t grid = undersample_.grid();
+  const std::uint32_t grid = undersample_.pixel_grid();
   glm::vec3 sum(0);
   for (std::uint32_t row = 0; row < grid; ++row) {
     for (std::uint32_t column = 0; column < grid; ++column) {
@@ -393,7 +393,7 @@ void UndersampleProgram::correct_samples(Wavefront& wave, TileResult& out, const
   std::span<const PostCorrection::Suspect> left = correction_.suspects_of(at.index);
   out.sampling.traced = out.sampling.correction = left.size();
   if (left.empty()) return;
-  const std::uint32_t pixels = pixels_of(left, undersample_.grid());
+  const std::uint32_t pixels = pixels_of(left, undersample_.pixel_grid());
   const auto corrected = static_cast<std::uint32_t>(left.size());
   const GridUniforms<float> grid =
       blocks_.grid_uniforms(static_cast<float>(at.x) - 1.0F, static_cast<float>(at.y) - 1.0F, blocks_.row_pitch());
@@ -430,8 +430,8 @@ void UndersampleProgram::write_corrected(TileGraph& graph, const SampleTile& at,
     const Wavefront::Node averaged = graph.record_known<AverageSamples>(corrected_pixels * undersample_.samples);
     graph.wait_for_colours(averaged);
     if (undersample_.samples > 1) {
-      const Wavefront::Node in = graph.add_transfer(Region::kSamples, false, store,
-                                                    scattered_bytes(corrected_pixels * undersample_.grid(), stored));
+      const Wavefront::Node in = graph.add_transfer(
+          Region::kSamples, false, store, scattered_bytes(corrected_pixels * undersample_.pixel_grid(), stored));
       graph.wait_all(averaged, in);
     }
     packed = blocks_.scene.dma_encodes ? averaged : graph.record_known<PackColour>(corrected_pixels);

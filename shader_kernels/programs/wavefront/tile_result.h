@@ -54,7 +54,7 @@ struct TileResult {
   traces::TileWork work;                  ///< filled if recorded
   TileBuffer buffer;
   /// Returns a sample's colour as used for averaging.
-  glm::vec3 colour(std::uint32_t sample) const;
+  glm::vec3 averaged_colour(std::uint32_t sample) const;
 };
 
 /// Items of a kernel, including idle ones.

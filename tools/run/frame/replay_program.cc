@@ -69,7 +69,7 @@ void ReplayProgram::commit_tile(const kernels::TileResult& tile) {
 
 const traces::TileScope* scope_of(const kernels::FrameProgram& program) {
   const auto* replay = dynamic_cast<const ReplayProgram*>(&program);
-  return replay == nullptr ? nullptr : &replay->tile_scope();
+  return replay == nullptr ? nullptr : &replay->scope();
 }
 
 }  // namespace tools

@@ -41,7 +41,7 @@ class Rows {
                   .inverse_grid = 1.0F / kGrid};
     kernels::RetainedRecords retained;
     retained.geometry = retained.secondary = true;
-    const auto made = wave.generate(ports, out.buffer.checks.samples, kernels::Wavefront::kNone, samples, retained);
+    const auto made = wave.generate_listed(ports, out.buffer.checks.samples, kernels::Wavefront::kNone, samples, retained);
     wave.run(made, samples, retained);
     for (std::uint32_t x = 0; x < config_.width; ++x) row[x] = mask(x, pitch, out);
   }
@@ -72,7 +72,7 @@ class Rows {
     }
     const bool is_textured = (geometry[std::size_t{kGrid} * x].object & kernels::kTexturedObject) != 0;
     const bool is_edge = is_textured && any([&](std::uint32_t a, std::uint32_t b) {
-                           const glm::vec3 one = out.colour(a), other = out.colour(b);
+                           const glm::vec3 one = out.averaged_colour(a), other = out.averaged_colour(b);
                            float most = 0;
                            for (int c = 0; c < 3; ++c)
                              most = std::max(most, std::abs(srgb_encoded(one[c]) - srgb_encoded(other[c])));
