@@ -8,15 +8,15 @@
 
 namespace sim {
 
-/// How a cycle is to be read that went to a reason.
+/// Category of a cycle reason.
 enum class ReasonKind : std::uint8_t {
-  kWorking,     ///< own doing: work, or the time that own pipelines take
-  kWaiting,     ///< for another unit
-  kIdle,        ///< nothing to do: the clock is gated
-  kBackground,  ///< time alone brings it
+  kWorking,     ///< the unit works, or its pipeline latency elapses
+  kWaiting,     ///< the unit waits for another unit
+  kIdle,        ///< nothing to do; the clock is gated
+  kBackground,  ///< caused by time alone, such as refresh
 };
 
-/// Declaration of a reason by a unit.
+/// One reason of a unit's cycles, as the unit declares it.
 struct Reason {
   const char* name;
   ReasonKind kind;
@@ -27,14 +27,14 @@ constexpr Reason waiting(const char* name, const char* meaning) { return {name, 
 constexpr Reason idle(const char* name, const char* meaning) { return {name, ReasonKind::kIdle, meaning}; }
 constexpr Reason background(const char* name, const char* meaning) { return {name, ReasonKind::kBackground, meaning}; }
 
-/// A reason with its value, as sim::reasons() takes it.
+/// An element of the argument of sim::reasons().
 template <class CycleReason>
 struct ReasonLine {
   CycleReason reason;
   Reason declared;
 };
 
-/// A unit's reasons by their values, all of them in the order of the enumeration, or it does not compile:
+/// Builds a unit's table of reasons. Does not compile unless the table lists every value of the enumeration in order:
 ///   static constexpr auto kReasons = sim::reasons<CycleReason>({{kIdle, sim::idle("idle", "nothing inside")}, ...});
 template <class CycleReason, std::size_t kLines>
 consteval std::array<Reason, kLines> reasons(const ReasonLine<CycleReason> (&lines)[kLines]) {
@@ -47,31 +47,31 @@ consteval std::array<Reason, kLines> reasons(const ReasonLine<CycleReason> (&lin
   return all;
 }
 
-/// Account of a unit's time. Every cycle is charged to exactly one reason of `CycleReason`, whose last value is
+/// Accounts a unit's time: every cycle is charged to exactly one CycleReason. The last value of the enumeration is
 /// kCount.
 template <class CycleReason>
 class Activity {
  public:
   static constexpr std::size_t kReasons = static_cast<std::size_t>(CycleReason::kCount);
 
-  /// The cycle at `now` went to `now_why`; every cycle until the next call goes to `then_why`.
+  /// Charges the cycle at `now` to `now_why` and every later cycle until the next call to `then_why`.
   void spend(Time now, Time period, CycleReason now_why, CycleReason then_why) {
     assert(now >= accounted_);
-    // Charges even what does not change: whether it does no host foresees.
+    // Always updates: the branch would be unpredictable.
     spent_[index(then_)] += now - accounted_;
     spent_[index(now_why)] += period;
     accounted_ = now + period;
     then_ = then_why;
   }
 
-  /// Charges all up to `end`, an edge of the unit's clock, unless it has come further.
+  /// Charges the time up to `end`, an edge of the unit's clock. No effect if that time is already charged.
   void finish(Time end) {
     if (end <= accounted_) return;
     spent_[index(then_)] += end - accounted_;
     accounted_ = end;
   }
 
-  /// As of the last finish().
+  /// Time charged to a reason, as of the last finish().
   Time spent(CycleReason why) const { return spent_[index(why)]; }
   Time accounted() const { return accounted_; }
 
@@ -79,7 +79,7 @@ class Activity {
   static constexpr std::size_t index(CycleReason why) { return static_cast<std::size_t>(why); }
 
   std::array<Time, kReasons> spent_{};
-  Time accounted_ = 0;  ///< all up to it is in `spent_`; from it on all is `then_`
+  Time accounted_ = 0;  ///< end of the charged time; later cycles are charged to `then_`
   CycleReason then_{};
 };
 

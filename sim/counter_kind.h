@@ -3,11 +3,11 @@
 
 namespace sim {
 
-/// Rule for what a counter becomes when another stretch of time is added to it.
+/// How a counter is combined when two time spans are added.
 enum class CounterKind : std::uint8_t {
-  kSum,    ///< adds up
-  kPeak,   ///< the most so far: the larger of two
-  kAtEnd,  ///< adds up, but is made up only when the run is over
+  kSum,    ///< values add
+  kPeak,   ///< the larger value
+  kAtEnd,  ///< values add, but the counter is filled in only at the end of the run
 };
 
 }  // namespace sim

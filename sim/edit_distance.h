@@ -8,7 +8,7 @@
 
 namespace sim {
 
-/// Letters to insert, delete or replace, and neighbours to swap, to turn one word into the other.
+/// Edit distance: the number of letters to insert, delete or replace and of neighbours to swap.
 inline std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
   for (std::size_t i = 0; i <= a.size(); ++i) {
@@ -27,11 +27,10 @@ inline std::size_t edit_distance(std::string_view a, std::string_view b) {
   return d[a.size()][b.size()];
 }
 
-/// As much of a misspelt word as is compared: the time grows with its length, and it may be of anybody.
+/// The first 64 bytes of a word. The time of a comparison grows with the length, and the word is untrusted.
 constexpr std::string_view start_of(std::string_view word) { return word.substr(0, 64); }
 
-/// The candidate that the fewest edits make of a word, the first of equals; the end if all are more than `most` edits
-/// away.
+/// Returns the candidate nearest to a word, the first of equals, or the end if none is within `most` edits.
 template <std::ranges::forward_range Candidates, class Name = std::identity>
 auto nearest_of(std::string_view word, const Candidates& candidates, std::size_t most, Name name = {}) {
   auto found = std::ranges::end(candidates);

@@ -5,11 +5,11 @@
 
 namespace sim {
 
-/// Numbers are looked at so many neighbours at a time, four at once where the host can.
+/// Values are compared in groups of eight: two AVX2 vectors where available.
 inline constexpr std::size_t kEight = 8;
 
-/// A bit for each of eight numbers that is that one.
-#if defined(__AVX2__)  // by vectors of the compiler: <immintrin.h> is longer than most files that would get it here
+/// Returns a mask with a bit for each of eight values that equals `number`.
+#if defined(__AVX2__)  // vector extensions of the compiler: <immintrin.h> is longer than most files including this one
 inline unsigned equal_of_eight(const std::uint64_t* eight, std::uint64_t number) {
   using Four [[gnu::vector_size(32)]] = std::uint64_t;
   using Doubles [[gnu::vector_size(32)]] = double;

@@ -15,18 +15,18 @@
 namespace sim {
 
 enum class Skip : std::uint8_t {
-  kOn,   ///< jump to the next time at which some unit has something to do
-  kOff,  ///< visit every clock edge of every unit: slow, and the oracle that kOn must equal to the last counter
+  kOn,   ///< jump to the next wake-up time of any unit
+  kOff,  ///< visit every clock edge of every unit; slow, and the reference for kOn
 };
 
-/// A machine's owner, as the engine sees it:
+/// What the engine requires of the class that owns a machine:
 ///   machine()            its units and links
-///   done()               all work has left the machine
-/// and, if its partitions may be run by themselves:
-///   reach(t)             when all partitions have come to t, how far they may be run; not beyond a time at which the
-///                        machine may be done
-/// and, if units of its machine retire items:
-///   patience()           the longest time for which it may run without retiring any
+///   done()               true once all work has left the machine
+/// Optional, to run the machine's partitions one after the other:
+///   reach(t)             how far the partitions may run once all have reached t; not past a time at which done() may
+///   become true
+/// Optional, to detect livelock:
+///   patience()           the longest time without a retired item
 template <class Owner>
 concept HasPartitions = requires(Owner& owner, Time now) {
   owner.reach(now);
@@ -37,8 +37,8 @@ concept HasPatience = requires(const Owner& owner) {
   owner.patience();
 };
 
-/// Looks up from the run at certain times: at edges of intervals, of which the machine's values are taken down, and now
-/// and then for a livelock, a machine whose units always have something to do and retire nothing.
+/// Periodic checks during a run: samples all counters at interval boundaries, and detects livelock (units are active
+/// and nothing is retired).
 template <class Owner>
 class Watchdog {
  public:
@@ -46,13 +46,12 @@ class Watchdog {
     if constexpr (HasPatience<Owner>) patience_over_ = patience_ = owner.patience();
     look_up_at_ = std::min(patience_over_, owner_.machine().next_edge());
   }
-  /// All units have done what comes before `now`, the next time at which one has something to do. Takes down the edges
-  /// up to it, and asks, once in so long a time, what has been retired since it asked last: Deadlock if that is
-  /// nothing.
+  /// Called once all units have finished the work before `now`, the next wake-up time. Throws Deadlock if a whole
+  /// patience() has passed without a retired item.
   void watch(Time now) {
     if (now >= look_up_at_ && now != kNever) look_up(now);
   }
-  /// The edge of an interval beyond which nobody may go by itself.
+  /// The next interval boundary; no partition may run past it before the others have reached it.
   Time next_edge() const { return owner_.machine().next_edge(); }
 
  private:
@@ -77,11 +76,11 @@ class Watchdog {
 
   Owner& owner_;
   Time patience_ = kNever, patience_over_ = kNever;
-  Time look_up_at_ = kNever;  ///< the next of all these times
+  Time look_up_at_ = kNever;  ///< time of the next check
   std::uint64_t retired_ = 0;
 };
 
-/// Runs the inner partition by itself and returns its next wake-up.
+/// Runs the inner partition on its own and returns its next wake-up time.
 template <class TickAt>
 Time run_inner(Wakes& wakes, const Partition& inner, Time others, Time end, TickAt&& tick_at) {
   Time at = wakes.earliest(inner.units);
@@ -89,8 +88,8 @@ Time run_inner(Wakes& wakes, const Partition& inner, Time others, Time end, Tick
   return at;
 }
 
-/// Runs an outer partition by itself and returns its next wake-up. A cluster goes on alone while no other unit of the
-/// partition has something to do.
+/// Runs an outer partition on its own and returns its next wake-up time. Its cluster runs alone while no other unit of
+/// the partition is due.
 template <class TickAt>
 Time run_outer(Wakes& wakes, const Partition& partition, Time inner, Time end, TickAt&& tick_at) {
   const Cluster& cluster = partition.cluster;
@@ -106,15 +105,14 @@ Time run_outer(Wakes& wakes, const Partition& partition, Time inner, Time end, T
   }
 }
 
-/// Runs the partitions of a machine, whose next wake-up is at `now`, by themselves as far as they may, and returns when
-/// they are to be run together again: the time of what comes next, or kNever. None goes beyond the edge of an interval
-/// before all have come to it.
+/// Runs the partitions one after the other, as far as each may run. Returns the time from which they must run together,
+/// or kNever. No partition passes an interval boundary before all have reached it.
 template <class Owner, class TickAt>
 Time run_partitions(Owner& owner, Time now, Watchdog<Owner>& watchdog, TickAt&& tick_at) {
   Wakes& wakes = owner.machine().wakes();
   Partitions& partitions = owner.machine().partitions();
   const std::size_t count = partitions.outer.size();
-  // There and back: what has been run last is still at the host's hand.
+  // Alternates the direction: the partition that ran last is still in the host's caches.
   for (bool back = false;; back = !back, now = wakes.earliest()) {
     if (now == kNever) return now;
     Reach reach = owner.reach(now);
@@ -122,9 +120,9 @@ Time run_partitions(Owner& owner, Time now, Watchdog<Owner>& watchdog, TickAt&& 
     watchdog.watch(now);
     reach.end = std::min(reach.end, watchdog.next_edge());
     const Time next = run_inner(wakes, partitions.inner, now, std::min(reach.lead, reach.end), tick_at);
-    // A pop from a full link would have the inner partition go on at once.
+    // A pop from a full link would wake the inner partition immediately.
     const Time led = partitions.inner.nearly_full == 0 ? std::min(next, reach.end) : now;
-    Time reached = reach.end;  // by all outer partitions
+    Time reached = reach.end;  // reached by all outer partitions
     for (std::size_t i = 0; i < count; ++i) {
       const Partition& partition = partitions.outer[back ? count - 1 - i : i];
       reached = std::min(reached, run_outer(wakes, partition, led, reach.end, tick_at));
@@ -133,7 +131,7 @@ Time run_partitions(Owner& owner, Time now, Watchdog<Owner>& watchdog, TickAt&& 
   }
 }
 
-/// Runs until done and returns the time of the last visited edge.
+/// Runs the machine until done() and returns the time of the last visited edge.
 template <Skip kSkip = Skip::kOn, class Owner>
 Time run(Owner& owner) {
   Machine& machine = owner.machine();
@@ -168,8 +166,8 @@ Time run(Owner& owner) {
   }
 }
 
-/// As run(), with the units of each step visited in an order drawn by hash from `seed`. For tests: links make the
-/// order invisible, and this shows it.
+/// As run(), but visits the units of each step in an order drawn by hash from `seed`. For tests: the result must not
+/// depend on the order.
 template <class Owner>
 Time run_shuffled(Owner& owner, std::uint64_t seed) {
   Machine& machine = owner.machine();

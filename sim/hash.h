@@ -10,8 +10,7 @@ constexpr std::uint64_t mix(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-/// Randomness without a stream: the value depends on the keys alone, e.g. hash(frame, pixel, sample, bounce,
-/// dimension).
+/// Stateless random number: depends on the keys alone, e.g. hash(frame, pixel, sample, bounce, dimension).
 template <class... Keys>
 constexpr std::uint64_t hash(Keys... keys) {
   std::uint64_t h = 0x9e3779b97f4a7c15ULL;

@@ -5,7 +5,7 @@
 
 namespace sim {
 
-/// The host's own time, for what reports say of the host; never for what is simulated.
+/// Wall-clock time of the host, for statements about the host only; never for simulated time.
 using HostClock = std::chrono::steady_clock;
 
 inline double seconds_since(HostClock::time_point begin) {

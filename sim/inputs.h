@@ -11,8 +11,8 @@
 
 namespace sim {
 
-/// The links that lead into one unit, at most 64, and which of them hold something: a unit with many of them looks at
-/// those alone.
+/// The links that lead into one unit, at most 64, with a mask of the links that hold items: a unit with many links
+/// examines only those.
 template <class T>
 class Inputs {
  public:
@@ -29,12 +29,12 @@ class Inputs {
   std::size_t size() const { return links_.size(); }
   Link<T>& operator[](std::size_t i) const { return *links_[i]; }
 
-  /// A bit for each link that holds something, whether it may be popped already or not.
+  /// Mask of the links that hold items, including items that cannot be popped yet.
   std::uint64_t holding() const { return holding_; }
-  /// Link::pop_at() and can_pop() of each, kept side by side.
+  /// Link::pop_at() and can_pop() of a link, from a local array.
   Time pop_at(std::size_t i) const { return pop_at_[i]; }
   bool can_pop(std::size_t i, Time now) const { return pop_at_[i] <= now; }
-  /// When the first of all may be popped, as far as is known now.
+  /// The earliest pop_at() of all links.
   Time pop_at() const {
     Time first = kNever;
     for (std::uint64_t left = holding_; left != 0; left &= left - 1) {
@@ -42,7 +42,7 @@ class Inputs {
     }
     return first;
   }
-  /// Calls f(link) for each that holds something.
+  /// Calls f(link) for each link that holds items.
   template <class F>
   void each(F&& f) const {
     for (std::uint64_t left = holding_; left != 0; left &= left - 1) {

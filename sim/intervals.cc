@@ -16,7 +16,7 @@ void Intervals::begin(std::size_t width) {
 }
 
 std::uint64_t* Intervals::next_row() {
-  // One more is kept free: that of the end.
+  // One row stays free for the end of the run.
   if (rows_ + 1 == most_) merge_pairs();
   return add_row();
 }
@@ -29,7 +29,7 @@ std::uint64_t* Intervals::last_row(Time end) {
 
 std::uint64_t* Intervals::add_row() { return values_.get() + width_ * rows_++; }
 
-/// Rows 1, 3, 5, ... stay. There was an odd number of rows, so the next edge is one of the longer intervals, too.
+/// Keeps rows 1, 3, 5, ... The number of rows was odd, so the next boundary is also a boundary of the longer intervals.
 void Intervals::merge_pairs() {
   rows_ /= 2;
   for (std::size_t i = 0; i < rows_; ++i) std::ranges::copy(row(2 * i + 1), values_.get() + i * width_);

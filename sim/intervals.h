@@ -8,38 +8,38 @@
 
 namespace sim {
 
-/// Record of what all units of a machine had counted by the edge of each interval of simulated time.
+/// Cumulative counters of all units at the end of each interval of simulated time.
 ///
 ///   0 ------|------|------|------|---> end
-///         row 0  row 1  row 2   ...   last row       full: every second edge goes, intervals are twice as long
+///         row 0  row 1  row 2   ...   last row       full: every second row is dropped, intervals are twice as long
 ///
-/// A row has each unit's cycles by reason, then its counters, in the order of Machine::report(), all since the start:
-/// an interval is the difference of two rows, and neighbours merge when the row between them goes. What happens at an
-/// edge belongs to the interval behind it; so does a cycle that begins there.
+/// A row holds each unit's cycles by reason, then its counters, in the order of Machine::report(), all since the start.
+/// An interval is the difference of two rows, so dropping the row between two intervals merges them. An event at a
+/// boundary belongs to the later interval; so does a cycle that begins there.
 class Intervals {
  public:
   static constexpr Time kFirstLength = 1'000 * kFemtosecondsPerNanosecond;
   static constexpr std::size_t kMost = 2048;
-  static constexpr std::size_t kMostValues = 8 << 20;  ///< in all rows together
+  static constexpr std::size_t kMostValues = 8 << 20;  ///< limit over all rows
 
-  /// At most `most` intervals, an even number; fewer if rows are long.
+  /// `most`: the maximum number of intervals, even. Reduced if rows are long.
   explicit Intervals(Time length = kFirstLength, std::size_t most = kMost);
 
-  // Called by the machine that is recorded.
+  // Called by the recorded machine.
   void begin(std::size_t width);
   Time next_edge() const { return (rows_ + 1) * length_; }
-  /// The row of the next edge, to be filled.
+  /// Adds the row of the next boundary, to be filled by the caller.
   std::uint64_t* next_row();
-  /// The last row, to be filled: that of the end of the run.
+  /// Adds the row of the end of the run, to be filled by the caller.
   std::uint64_t* last_row(Time end);
 
   Time length() const { return length_; }
   Time end() const { return end_; }
-  /// Intervals so far; the last one is shorter than the others, or as long.
+  /// Number of intervals. The last one may be shorter than the others.
   std::size_t size() const { return rows_; }
   std::size_t width() const { return width_; }
   std::span<const std::uint64_t> row(std::size_t i) const { return {values_.get() + i * width_, width_}; }
-  /// End of an interval.
+  /// End time of an interval.
   Time edge(std::size_t i) const { return i + 1 == rows_ && end_ != 0 ? end_ : (i + 1) * length_; }
 
  private:

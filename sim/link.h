@@ -15,18 +15,18 @@ namespace sim {
 ///
 ///   producer --push--> [ `capacity` slots, visible `latency` later ] --pop--> consumer
 ///
-/// A slot carries one stamp: the first time at which its other end may touch it. Nothing done at time t is visible
-/// at time t, so units may tick in any order, and every stamp is a wake-up time known for free.
-/// Links are pinned: units hold references to them.
+/// 1. A slot has one timestamp: the earliest time at which its other end may access it.
+/// 2. An action at time t is not visible at time t, so units may tick in any order.
+/// 3. Units hold references to links, so links do not move.
 template <class T>
 class Link {
  public:
-  /// One clock domain: an item pushed at t can be popped `latency_cycles` (at least 1) later.
+  /// One clock domain: an item pushed at t can be popped `latency_cycles` (at least 1) cycles later.
   Link(std::size_t capacity, std::uint64_t latency_cycles, Clock clock)
       : Link(capacity, latency_cycles, clock, clock, 0) {}
 
-  /// Two domains: the latency counts in the producer's cycles, then `synchroniser_cycles` of the consumer's clock,
-  /// and the sum is rounded up to the consumer's edge.
+  /// Two domains: the latency in producer cycles plus `synchroniser_cycles` consumer cycles, rounded up to the
+  /// consumer's next edge.
   Link(std::size_t capacity, std::uint64_t latency_cycles, Clock producer, Clock consumer,
        std::uint64_t synchroniser_cycles)
       : slots_(capacity),
@@ -41,22 +41,20 @@ class Link {
   Link(const Link&) = delete;
   Link& operator=(const Link&) = delete;
 
-  /// Wake-up times of its ends, which this link lowers when it gives an end something to do that the end cannot
-  /// know of: the first item in an empty link, the first room in a full one. All else it says by pop_at() and
-  /// push_at().
+  /// Sets the wake-up times of both ends. The link lowers them for events that an end cannot predict: the first item in
+  /// an empty link, the first free slot of a full one. pop_at() and push_at() give all others.
   void wakes(Waker producer, Waker consumer) {
     if (producer.unit != nullptr) producer_ = producer;
     if (consumer.unit != nullptr) consumer_ = consumer;
   }
-  /// Keeps `bit` of the set while something is inside (sim/inputs.h).
+  /// Keeps `bit` of `*set` equal to "the link holds items" (sim/inputs.h).
   void tell(std::uint64_t* set, unsigned bit) {
     holding_ = set;
     bit_ = std::uint64_t{1} << bit;
     if (size_ != 0) *holding_ |= bit_;
   }
 
-  /// Keeps pop_at() there, beside what else its consumer looks at, and lowers `soonest` to it for the first item in an
-  /// empty link.
+  /// Mirrors pop_at() in `*pop_at`. Also lowers `*soonest` to it when the first item enters an empty link.
   void shows(Time* pop_at, Time* soonest = nullptr) {
     *pop_at = *pop_at_;
     pop_at_ = pop_at;
@@ -65,19 +63,19 @@ class Link {
     soonest_ = soonest;
   }
 
-  /// Counts itself there while there is room for so many items at most (sim/partitions.h).
+  /// Counts this link in `*count` while it has at most `room` free slots (sim/partitions.h).
   void count_if_nearly_full(std::uint32_t* count, std::size_t room) {
     assert(size_ == 0);
     nearly_full_ = count;
     nearly_full_from_ = capacity_ - std::min(static_cast<std::uint32_t>(room), capacity_);
     *nearly_full_ += nearly_full_from_ == 0;
   }
-  /// Time from a push to the first moment at which the item can be seen.
+  /// Time from a push until the item is visible, without the wait for the consumer's edge.
   Time latency() const { return latency_; }
 
-  /// When the producer may push next as far as is known now; kNever while the slot waits for a pop.
+  /// Earliest time of the next push as far as known now; kNever while the link is full.
   Time push_at() const { return push_at_; }
-  /// When the consumer may pop next as far as is known now; kNever while there is nothing.
+  /// Earliest time of the next pop as far as known now; kNever while the link is empty.
   Time pop_at() const { return *pop_at_; }
   bool can_push(Time now) const { return push_at() <= now; }
   bool can_pop(Time now) const { return pop_at() <= now; }
@@ -123,7 +121,7 @@ class Link {
     return std::move(slot.item);
   }
 
-  /// Nothing inside, seen from outside time (tests, state dumps).
+  /// True if no item is inside, visible or not. For tests and state dumps.
   bool empty() const { return size_ == 0; }
   std::size_t size() const { return size_; }
   std::size_t capacity() const { return capacity_; }
@@ -133,10 +131,10 @@ class Link {
     Time stamp = 0;
     T item{};
   };
-  /// The next slot, found without a branch: where a short ring ends no host foresees.
+  /// Next ring index. Branch-free: the wrap of a short ring is unpredictable.
   std::uint32_t after(std::uint32_t i) const { return (i + 1) * std::uint32_t{i + 1 != capacity_}; }
 
-  // The stamps at both ends, kept apart because units look at them far more often than they push or pop.
+  // Timestamps of both ends, kept apart from the slots: units read them far more often than they push or pop.
   Time own_pop_at_ = kNever;
   Time* pop_at_ = &own_pop_at_;
   Time* soonest_ = &nobody_;
@@ -144,20 +142,22 @@ class Link {
   std::vector<Slot> slots_;
   const std::uint32_t capacity_;
   std::uint32_t head_ = 0, tail_ = 0, size_ = 0;
-  std::uint32_t nearly_full_from_ = 0;  ///< items
+  std::uint32_t nearly_full_from_ = 0;  ///< number of items from which the link is nearly full
   const bool crossing_;
-  const Time latency_, release_;  ///< from a push to the consumer, from a pop to the producer, but for the next edge
+  const Time latency_,
+      release_;  ///< from a push to the consumer and from a pop to the producer, without the wait for the next edge
   Waker producer_{&nobody_}, consumer_{&nobody_};
   std::uint64_t* holding_ = &nobodys_;
   std::uint32_t* nearly_full_ = &nobodys_count_;
   std::uint64_t bit_ = 0;
-  Time nobody_ = kNever;  ///< woken where there is no engine
+  Time nobody_ = kNever;  ///< target of writes while no engine is attached
   std::uint64_t nobodys_ = 0;
   std::uint32_t nobodys_count_ = 0;
   const Clock producer_clock_, consumer_clock_;
 };
 
-/// The next time after `now` at which an item-and-room pair changes.
+/// The next time after `now` at which a transfer may become possible, given when the item and the room for it are
+/// ready.
 constexpr Time opens(Time now, Time period, Time item_at, Time room_at) {
   return item_at > now ? item_at : std::max(now + period, room_at);
 }

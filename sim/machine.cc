@@ -102,7 +102,7 @@ void Machine::start() {
   connect_links();
 }
 
-/// Each partition has whole groups of wake-up times, its cluster groups of its own; the inner one the last.
+/// Assigns wake-up times: whole groups for each partition, separate groups for its cluster, the inner partition last.
 void Machine::place_units() {
   std::size_t partitions = 1;
   for (const Declaration& declared : declared_) partitions = std::max(partitions, declared.partition + 1);
@@ -135,7 +135,7 @@ void Machine::place_units() {
   }
 }
 
-/// Gives the units wake-up times side by side, from `slot` on, in whole groups.
+/// Gives the units neighbouring wake-up times from `slot` on and advances `slot` to the next whole group.
 Wakes::Groups Machine::place(std::span<const std::size_t> units, std::size_t& slot) {
   const std::size_t first = slot / Wakes::kGroup;
   for (const std::size_t unit : units) slots_[unit] = slot++;

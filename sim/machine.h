@@ -18,49 +18,49 @@
 
 namespace sim {
 
-/// A declared unit: what links are made between.
+/// A declared unit, which links can refer to.
 struct UnitId {
   std::size_t index;
   Clock clock;
 };
 
-/// Lookahead that a link between two partitions gives: how far each may be run by itself.
+/// How a link between two partitions limits how far each may run on its own.
 enum class Lookahead : std::uint8_t {
-  kByLatency,  ///< items that come over it matter at any time
-  kByOwner,    ///< the machine's owner knows when something comes over it, and has it in its reach()
+  kByLatency,  ///< its items may arrive at any time after the latency
+  kByOwner,    ///< the machine's owner computes the arrival times and includes them in reach()
 };
 
-/// Units and the links between them, each declared once. All else follows from that: the units' wake-up times and who
-/// lowers them, the order of visits, partitions, synchronisers between clock domains, state, reports and the end of a
-/// run.
+/// Units and the links between them, each declared once. The machine derives the rest: wake-up times, order of visits,
+/// partitions, synchronisers between clock domains, state, reports and the end of a run.
 ///
 ///   unit(), unit(), ... --> link<T>(), ... --> build<U>(), ... --> sim::run
 ///
-/// First units are declared, then the links between them, then units are built with their links. The order of building
-/// is that of reports and states. Units of a partition that are declared one after the other have their wake-up times
-/// side by side, which costs least if those that are seldom awake come last. A machine declared otherwise (a unit built
-/// twice or not at all, a link of a unit that it has not, anything after the start) throws std::logic_error.
+/// 1. Declare the units, then the links between them, then build the units with their links.
+/// 2. Reports and states are in the order of building.
+/// 3. Units declared one after the other have neighbouring wake-up times. Declare units that are seldom awake last.
+/// 4. A violation (a unit built twice or not at all, an undeclared unit, any change after the start) throws
+/// std::logic_error.
 class Machine {
  public:
   struct Declaration {
     std::string name;  ///< "core0.tni.trv2"
     Clock clock;
-    std::size_t partition = 0;      ///< 0: the inner one; from 1 on the outer ones (sim/partitions.h)
+    std::size_t partition = 0;      ///< 0: inner; from 1: outer (sim/partitions.h)
     std::uint64_t sram_bytes = 0;   ///< storage that leaks
-    std::uint64_t cache_bytes = 0;  ///< the array of it whose accesses are counted; 0: all
-    std::vector<UnitPart> parts{};  ///< that its area depends on
-    std::uint32_t data_lines = 0;   ///< at the die's edge
+    std::uint64_t cache_bytes = 0;  ///< the part of it whose accesses are counted; 0: all
+    std::vector<UnitPart> parts{};  ///< parts that its area depends on
+    std::uint32_t data_lines = 0;   ///< data lines at the die's edge
   };
 
-  /// Items that cross from one clock to another wait that many cycles of the latter (Link).
+  /// `synchroniser_cycles`: delay of a clock crossing, in cycles of the consumer (Link).
   explicit Machine(std::uint64_t synchroniser_cycles = 0) : synchroniser_cycles_(synchroniser_cycles) {}
   Machine(const Machine&) = delete;
   Machine& operator=(const Machine&) = delete;
 
   UnitId unit(Declaration declared);
 
-  /// A link of `capacity` items, each of which takes `latency_cycles` of the clock of `from`. Where it leads to another
-  /// partition, `from` pushes `at_once` items in a tick at most, or its owner knows when it pushes.
+  /// Declares a link with a latency in cycles of `from`. If it leads to another partition and is not kByOwner, `from`
+  /// pushes at most `at_once` items per tick.
   template <class T>
   Link<T>& link(std::size_t capacity, std::uint64_t latency_cycles, UnitId from, UnitId to,
                 Lookahead lookahead = Lookahead::kByLatency, std::size_t at_once = 1) {
@@ -76,9 +76,9 @@ class Machine {
     return link;
   }
 
-  /// Builds a declared unit. It has tick(now) and clock(); if it has them, finish(end), state(), idle(), retired()
-  /// and what a report needs (sim::report_of) are used, too. finish(end) brings its time and counters up to an edge of
-  /// its clock, and the unit may go on from there.
+  /// Builds a declared unit. U needs tick(now) and clock(). Optional: finish(end), state(), idle(), retired() and what
+  /// sim::report_of needs. finish(end) updates time and counters to an edge of its clock; the unit may continue after
+  /// it.
   template <class U, class... Args>
   U& build(UnitId id, Args&&... args) {
     expect_to_be_built(id);
@@ -99,64 +99,64 @@ class Machine {
     units_.push_back(std::move(built));
     return unit;
   }
-  /// Has these units, of one outer partition and one clock, run by their owner where partitions run by themselves, by
-  /// owner.run(turn, now): from `now`, when the first of them wakes, as far as the turn reaches. It leaves in the
-  /// turn when each of them wakes next, and the earliest of each eight. A partition has one cluster at most.
+  /// Lets `owner` run these units, which share an outer partition and a clock, through owner.run(turn, now): from
+  /// `now`, their first wake-up time, to the end of the turn. It must update their wake-up times and group minima in
+  /// the turn. A partition has at most one cluster.
   template <class Owner>
   void cluster(std::vector<UnitId> units, Owner& owner) {
     expect_to_be_a_cluster(units);
     clusters_.push_back({std::move(units), &owner,
                          [](void* of, const ClusterTurn& turn, Time now) { static_cast<Owner*>(of)->run(turn, now); }});
   }
-  /// Has a part of the unit built last reported as if it were one itself.
+  /// Reports a part of the unit built last as a unit of its own.
   template <class Part>
   void report_part(std::string name, const Part& part, std::uint64_t sram_bytes) {
     reports_.push_back([&part, name = std::move(name), sram_bytes] { return report_of(part, name, sram_bytes); });
     values_.push_back(values_by(part));
   }
-  /// Has the values of all reports taken down at every edge of an interval, and at the end. Before the start;
-  /// `intervals` are there as long as the machine.
+  /// Samples the values of all reports at every interval boundary and at the end. Call before the start; `intervals`
+  /// must outlive the machine.
   void record(Intervals& intervals);
 
-  /// Nothing is under way: all links are empty, and units that can be idle are.
+  /// True if all links are empty, and all units that have idle() are idle.
   bool quiet() const;
-  /// Charges every unit's time up to the end, rounded up to its clock. Call once, when the run is over.
+  /// Charges every unit's time up to the end, rounded up to its clock. Call once, after the run.
   void finish(Time end);
-  /// Charges time and counters of every unit up to `end`, rounded up to its clock, unless it has come further by
-  /// itself. It may go on from there.
+  /// Updates time and counters of every unit to `end`, rounded up to its clock. The run may continue after it.
   void bring_up_to(Time end);
-  /// A line for each unit that has a state.
+  /// One line for each unit that has a state.
   std::string state() const;
   std::vector<UnitReport> report() const;
-  /// Sum of what units have retired, each in items of its own kind: grows as long as the machine gets anywhere.
+  /// Number of items that units have retired, of all kinds. It grows as long as the machine makes progress.
   std::uint64_t retired() const;
 
-  // The engine works on these.
-  /// Gives the units their wake-up times, unless they have them, and wakes them all at time 0.
+  // Interface for the engine.
+  /// Assigns wake-up times and wakes all units at time 0. No effect if already started.
   void start();
   Wakes& wakes() { return wakes_; }
   Partitions& partitions() { return partitions_; }
-  /// Time before which nothing that a partition does at 0 can matter to another, but for links kByOwner.
+  /// Shortest latency of the links between partitions, without those of kind kByOwner.
   Time lookahead() const { return lookahead_; }
   Time wake_time(UnitId unit) const { return wakes_[slots_[unit.index]]; }
-  /// The edge at which all units are to stand together; kNever if nothing is recorded.
+  /// The next interval boundary, which all units must reach together; kNever if nothing is recorded.
   Time next_edge() const { return next_edge_; }
-  /// Takes down all edges up to `now`. All units have done what comes before the next edge, and nothing else.
+  /// Samples all boundaries up to `now`. All units must have finished the work before the next boundary, and no later
+  /// work.
   void pass_edges(Time now);
-  /// A unit by its wake-up time, to be ticked through a plain function of its own kind.
+  /// A unit and its tick function, called without virtual dispatch.
   struct Ticked {
     void* unit = nullptr;
     Time (*tick)(void*, Time) = nullptr;
     Time operator()(Time now) const { return tick(unit, now); }
   };
   const std::vector<Ticked>& ticked() const { return ticked_; }
-  /// Calls f(wake-up time's index, clock) for every unit.
+  /// Calls f(index of the wake-up time, clock) for every unit.
   void each_clock(auto&& f) const {
     for (const auto& unit : units_) f(slots_[unit->declared], declared_[unit->declared].clock);
   }
 
  private:
-  /// A reported unit, to have its values written through a plain function of its own kind.
+  /// A reported unit and the function that writes its values, called without virtual dispatch.
   struct Values {
     const void* unit;
     std::uint64_t* (*write)(const void*, std::uint64_t*);
@@ -175,7 +175,7 @@ class Machine {
     virtual ~AnyUnit() = default;
     virtual bool idle() const = 0;
     virtual void finish(Time end) = 0;
-    virtual std::string state() const = 0;  ///< empty: none
+    virtual std::string state() const = 0;  ///< empty if the unit has no state
     virtual std::uint64_t retired() const = 0;
     Ticked ticked;
     std::size_t declared = 0;
@@ -222,7 +222,7 @@ class Machine {
     Link<T> link;
   };
 
-  /// Throws std::logic_error unless the rule is kept.
+  /// Throws std::logic_error unless `kept`.
   static void expect(bool kept, std::string_view rule);
   void expect_to_be_built(UnitId id) const;
   void expect_to_be_a_cluster(const std::vector<UnitId>& units) const;
@@ -238,10 +238,10 @@ class Machine {
   std::vector<std::unique_ptr<AnyUnit>> units_;
   std::vector<ClusteredUnits> clusters_;
   std::vector<std::function<UnitReport()>> reports_;
-  std::vector<Values> values_;  ///< likewise
+  std::vector<Values> values_;  ///< one per report
   Intervals* intervals_ = nullptr;
   Time next_edge_ = kNever;
-  std::vector<std::size_t> slots_;  ///< index of each declared unit among the wake-up times
+  std::vector<std::size_t> slots_;  ///< index of the wake-up time of each declared unit
   std::vector<Ticked> ticked_;      ///< by slot
   Wakes wakes_;
   Partitions partitions_;

@@ -2,7 +2,7 @@
 
 namespace sim {
 
-/// The member's name at the end of an expression such as "config.l1.size".
+/// Returns "size" for an expression such as "config.l1.size".
 consteval const char* member_name(const char* expression) {
   const char* name = expression;
   for (const char* c = expression; *c != '\0'; ++c) {
@@ -13,5 +13,5 @@ consteval const char* member_name(const char* expression) {
 
 }  // namespace sim
 
-/// A member and its name as two arguments, so that a declaration says it once: field(NAMED(c.rays), "rays", ...).
+/// Expands to a member and its name as two arguments: field(NAMED(c.rays), "rays", ...).
 #define NAMED(member) member, ::sim::member_name(#member)

@@ -10,57 +10,58 @@ namespace sim {
 
 struct ClusterTurn;
 
-/// Units of one partition and one clock that their owner ticks himself, cycle after cycle: calls that the compiler
-/// knows, and no look at all others between two cycles. It changes no result, as what other units do at a time is not
-/// seen before the time after.
+/// Units of one partition and one clock, ticked by their owner through direct calls, without the engine between cycles.
+/// An optimisation; results do not change, because an action at time t is not visible at t.
 struct Cluster {
-  Wakes::Groups units;  ///< in groups of their own, in the order in which they were named
+  Wakes::Groups units;  ///< separate groups, in the order of declaration
   void* owner = nullptr;
   void (*run)(void* owner, const ClusterTurn& turn, Time now) = nullptr;
 };
 
-/// A partition: units whose links to other partitions all have a latency. An event at t can affect another partition
-/// only after that latency, so each runs by itself up to that lookahead, and the host keeps its state at hand.
+/// A partition: units whose links to other partitions all have a latency. It may run on its own up to that lookahead,
+/// which keeps its state in the host's caches.
 ///
 ///   outer partitions --links--> [ the inner partition ] --links--> outer partitions
 ///
-/// Outer partitions meet the inner one alone. It leads, as far as a lookahead, the outer ones follow. A pop is seen
-/// before it comes, by the time that the slot is free again, but a partition whose links might be full cannot be sure
-/// of room before the others have come up to its own time: it waits for them. All this changes no result.
+/// 1. Outer partitions have links to the inner one only.
+/// 2. The inner partition runs ahead by the lookahead; the outer ones follow.
+/// 3. A pop frees a slot at a later time, so it is visible early enough. A partition whose outgoing links may be full
+/// waits until the others have reached its own time.
+/// 4. Results do not depend on it.
 struct Partition {
-  Wakes::Groups units;            ///< their wake-up times, in groups of their own; without the cluster's
-  std::uint32_t nearly_full = 0;  ///< links to others that a tick might fill up
+  Wakes::Groups units;            ///< separate groups of wake-up times; without the cluster's
+  std::uint32_t nearly_full = 0;  ///< outgoing links to other partitions that one tick may fill
   Cluster cluster;
 };
 
-/// How far a partition goes, if the others have done all that comes before `others` and it may go to `end`: no further
-/// than it can be sure of room.
+/// How far a partition may run, if the others have finished the work before `others` and the limit is `end`. With a
+/// nearly full link it stops after their time.
 inline Time reach_of(const Partition& partition, Time others, Time end) {
   return std::min(end, partition.nearly_full == 0 ? end : others + 1);
 }
 
-/// How far a cluster goes in one go.
+/// Limits of one call of a cluster's owner, and the wake-up times that the owner updates.
 struct ClusterTurn {
-  Time* wakes;               ///< wake-up times of its units, which it writes down
-  std::span<Time> earliest;  ///< the earliest of each eight of them, which it writes down, too
+  Time* wakes;               ///< wake-up times of the cluster's units, updated by the owner
+  std::span<Time> earliest;  ///< minimum of each group of eight of them, updated by the owner
   const Partition& partition;
-  Time inner;                    ///< the inner partition has done all that comes before
-  Time end;                      ///< ticks that are due here or later are left
-  std::span<const Time> others;  ///< earliest wake-up times of the partition's other units, by groups
+  Time inner;                    ///< time up to which the inner partition has run
+  Time end;                      ///< exclusive end of the turn
+  std::span<const Time> others;  ///< minima of the partition's other units, by groups
 
-  /// True if the turn goes on with what is due at `at`: the partition reaches it, and no other unit is due earlier.
+  /// True if the turn includes `at`: the partition may run that far, and no other unit is due earlier.
   bool reaches(Time at) const {
-    // One comparison decides: which of them ends the turn no host foresees.
+    // A single comparison, because the limit that ends the turn is unpredictable.
     Time over = reach_of(partition, inner, end) - 1;
     for (const Time& other : others) over = std::min(over, other);
     return at <= over;
   }
 };
 
-/// How far partitions that have all come to the same time may be run by themselves.
+/// Limits for partitions that have all reached the same time.
 struct Reach {
-  Time lead;  ///< the inner one before the others
-  Time end;   ///< all
+  Time lead;  ///< of the inner partition, which runs first
+  Time end;   ///< of all partitions
 };
 
 /// The partitions of a machine.

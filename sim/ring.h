@@ -7,7 +7,7 @@
 
 namespace sim {
 
-/// First in, first out; takes no memory but when it gets longer than ever before.
+/// FIFO queue that allocates only when it exceeds its longest length so far.
 template <class T>
 class Ring {
  public:
@@ -27,7 +27,7 @@ class Ring {
   }
 
  private:
-  /// The number of slots is a power of two.
+  /// Wraps an index. The number of slots is a power of two.
   std::size_t at(std::size_t i) const { return i & (slots_.size() - 1); }
   void grow() {
     std::vector<T> longer(std::max<std::size_t>(64, 2 * slots_.size()));

@@ -2,7 +2,7 @@
 
 namespace sim {
 
-/// Asked now and then by long work; once it says true the work gives up and throws Cancelled.
+/// Polled by long computations, which throw Cancelled once it returns true.
 using Stop = bool (*)();
 
 struct Cancelled {};

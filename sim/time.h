@@ -6,15 +6,15 @@
 
 namespace sim {
 
-/// A moment or a span, in integer femtoseconds: fine enough for every clock, and never rounded by arithmetic.
+/// A point in time or a duration, in integer femtoseconds: exact for every clock.
 using Time = std::uint64_t;
 
-/// Later than any moment; as a signed number still the greatest.
+/// Later than any time; also the largest value as a signed number.
 inline constexpr Time kNever = std::numeric_limits<std::int64_t>::max();
 inline constexpr Time kFemtosecondsPerNanosecond = 1'000'000;
 inline constexpr Time kFemtosecondsPerSecond = 1'000'000'000'000'000;
 
-/// A clock domain: edges at every multiple of the period, starting at time 0.
+/// A clock domain: edges at all multiples of the period, from time 0.
 class Clock {
  public:
   constexpr explicit Clock(Time period)
@@ -27,9 +27,9 @@ class Clock {
   constexpr Time period() const { return period_; }
   constexpr Time edge_at_or_after(Time t) const { return cycles(t + period_ - 1) * period_; }
   constexpr bool is_edge(Time t) const { return cycles(t) * period_ == t; }
-  /// The edge `cycles` after `now`, which must itself be an edge.
+  /// The edge `cycles` cycles after `now`, which must be an edge.
   constexpr Time after(Time now, std::uint64_t cycles) const { return now + cycles * period_; }
-  /// Whole cycles that fit into `t`, which must lie below 2^kTimeBits (an hour and more).
+  /// Number of whole cycles in `t`, which must be below 2^kTimeBits (over an hour).
   constexpr std::uint64_t cycles(Time t) const {
     assert(t >> kTimeBits == 0);
     return static_cast<std::uint64_t>((Wide{t} * inverse_) >> (kTimeBits + shift_));
@@ -38,7 +38,7 @@ class Clock {
   friend constexpr bool operator==(const Clock& a, const Clock& b) { return a.period_ == b.period_; }
 
  private:
-  // Division by multiplication with 2^(kTimeBits + shift) / period, rounded up: exact for all that has kTimeBits bits
+  // Division by multiplication with 2^(kTimeBits + shift) / period, rounded up: exact for operands of kTimeBits bits
   // (Granlund and Montgomery 1994, theorem 4.2).
   __extension__ using Wide = unsigned __int128;
   static constexpr unsigned kTimeBits = 62;

@@ -13,8 +13,8 @@
 
 namespace sim {
 
-/// One counter of a unit, as declared in its Stats::describe: counter(NAMED(s.hits), "line found", "cache.l1_read").
-/// `event` names the energy event each count costs, empty if none; a kind may follow.
+/// One counter of a unit, declared in its Stats::describe: counter(NAMED(s.hits), "line found", "cache.l1_read").
+/// `event` names the energy event of each count, or is empty. A kind may follow.
 struct CounterReport {
   std::string name;
   std::string meaning;
@@ -23,37 +23,36 @@ struct CounterReport {
   CounterKind kind = CounterKind::kSum;
 };
 
-/// Parts of one kind in a unit's logic, of which a key says how many there are.
+/// Replicated parts in a unit's logic, whose number a key sets.
 struct UnitPart {
   std::string name;  ///< "box_tester"
   std::uint32_t count = 0;
 };
 
-/// Record of what one unit did: the leaf of every report. Plain data, so that reports, energy and comparisons need no
-/// unit types.
+/// Results of one unit. Plain data: reports, energy and comparisons need no types of units.
 struct UnitReport {
   std::string path;                                        ///< "core0.tni.trv2"
   std::string block;                                       ///< energy block
   std::uint64_t elapsed = 0;                               ///< cycles of the unit's own clock
-  std::vector<std::pair<std::string, std::uint64_t>> why;  ///< sums to `elapsed`
-  std::span<const Reason> reasons;                         ///< as declared, one for each of `why`
+  std::vector<std::pair<std::string, std::uint64_t>> why;  ///< cycles by reason; they sum to `elapsed`
+  std::span<const Reason> reasons;                         ///< the declared reasons, one for each entry of `why`
   std::vector<CounterReport> counters;
   std::uint64_t sram_bytes = 0;   ///< storage that leaks
-  std::uint64_t cache_bytes = 0;  ///< the array whose accesses are counted: selects size-dependent energies
+  std::uint64_t cache_bytes = 0;  ///< the array whose accesses are counted; selects size-dependent energies
   std::uint32_t clock_mhz = 0;
-  std::type_index type = typeid(void);  ///< the unit's
-  std::vector<UnitPart> parts;          ///< that its area depends on
-  std::uint32_t data_lines = 0;         ///< at the die's edge
+  std::type_index type = typeid(void);  ///< C++ type of the unit
+  std::vector<UnitPart> parts;          ///< parts that its area depends on
+  std::uint32_t data_lines = 0;         ///< data lines at the die's edge
 };
 
-/// Adds what the same units did at another time.
+/// Adds the results of the same units over another time span.
 void add_reports(std::vector<UnitReport>& sum, const std::vector<UnitReport>& more);
 
-/// Takes off what the same units had done up to an earlier time. Peaks stay those of all the time.
+/// Subtracts the results up to an earlier time. Peaks stay those of the whole time.
 void take_off_reports(std::vector<UnitReport>& later, const std::vector<UnitReport>& earlier);
 
-/// Builds the report of a unit from its declarations: kBlock, kReasons, Stats::describe. Without `cache_bytes`, all of
-/// the unit's storage is taken for the array that its counters access.
+/// Builds the report of a unit from its declarations: kBlock, kReasons, Stats::describe. `cache_bytes` is `sram_bytes`
+/// if 0.
 template <class Unit>
 UnitReport report_of(const Unit& unit, std::string path, std::uint64_t sram_bytes = 0, std::uint64_t cache_bytes = 0) {
   UnitReport r;
@@ -79,8 +78,8 @@ UnitReport report_of(const Unit& unit, std::string path, std::uint64_t sram_byte
   return r;
 }
 
-/// Writes the values of a unit's report alone, which takes no memory: cycles by reason, then counters. Returns what is
-/// behind them.
+/// Writes the values of a unit's report to `out` without allocating: cycles by reason, then counters. Returns the end
+/// of the written values.
 template <class Unit>
 std::uint64_t* write_values(const Unit& unit, std::uint64_t* out) {
   const Clock clock = unit.clock();

@@ -6,8 +6,8 @@
 
 namespace sim {
 
-/// Calls set(value, number, kind) for each value of the units, in the order of write_values(); then each unit's cycles
-/// are the sum of its reasons'.
+/// Calls set(value, number, kind) for each value of the units, in the order of write_values(), and updates `elapsed` to
+/// the sum of the reasons.
 void each_value(std::span<UnitReport> units, auto&& set) {
   std::size_t number = 0;
   for (UnitReport& unit : units) {

@@ -12,11 +12,10 @@
 
 namespace sim {
 
-/// Where it is written down that a unit has something to do: its wake-up time and, if the engine keeps one, the
-/// earliest of its group's.
+/// Handle through which a link lowers a unit's wake-up time and the minimum of its group.
 struct Waker {
   Waker() = default;
-  Waker(Time* wake) : unit(wake), group(wake) {}  ///< lowers the time of one unit; nobody's if nullptr
+  Waker(Time* wake) : unit(wake), group(wake) {}  ///< without a group; detached if nullptr
   Waker(Time* wake, Time* earliest) : unit(wake), group(earliest) {}
 
   void lower(Time at) const {
@@ -28,12 +27,12 @@ struct Waker {
   Time* group = nullptr;
 };
 
-/// The engine's wake-up times: for each unit the next time at which it has something to do, and for each group of
-/// eight neighbours the earliest of theirs. Neighbours are looked at together, four at once where the host can.
+/// The engine's wake-up times: one for each unit, and the minimum of each group of eight neighbours. A group is
+/// compared at once (sim/eight.h).
 class Wakes {
  public:
   static constexpr std::size_t kGroup = kEight;
-  /// So many units and as many more as fill their last group.
+  /// `units` rounded up to whole groups.
   static constexpr std::size_t whole_groups(std::size_t units) { return (units + kGroup - 1) / kGroup * kGroup; }
 
   Wakes() = default;
@@ -55,35 +54,35 @@ class Wakes {
   Waker of(std::size_t unit) { return {&at(unit), &earliest_[unit / kGroup]}; }
   void lower(std::size_t unit, Time time) { of(unit).lower(time); }
 
-  /// Neighbouring groups.
+  /// A range of groups.
   struct Groups {
     std::size_t first = 0, end = 0;
   };
 
-  /// The earliest of all.
+  /// The earliest time of all units.
   Time earliest() const {
     Time first = kNever;
     for (std::size_t i = 0; i < earliest_.size(); i += kGroup) first = std::min(first, least(&earliest_[i]));
     return first;
   }
-  /// The earliest of those.
+  /// The earliest time of a range.
   Time earliest(Groups of) const {
     Time first = kNever;
     for (std::size_t g = of.first; g < of.end; ++g) first = std::min(first, one(earliest_[g]));
     return first;
   }
 
-  /// The times of all units of those groups, and the earliest of each.
+  /// The times of a range's units, and the minima of its groups.
   Time* times(Groups of) { return of.first == of.end ? nullptr : groups_[of.first].data(); }
   std::span<Time> earliest_of_each(Groups of) { return {earliest_.data() + of.first, of.end - of.first}; }
 
-  /// Calls tick(unit), which returns a unit's own next wake-up time, for all units that wake at `now`, the earliest
-  /// time of all. Ticks may lower any unit's time to one after `now`.
+  /// Calls tick(unit) for all units that are due at `now`, the earliest time of all. tick() returns the unit's next
+  /// wake-up time. Ticks may lower any unit's time to one after `now`.
   template <class Tick>
   void tick_due(Time now, Tick&& tick) {
     tick_due({0, groups_.size()}, now, tick);
   }
-  /// Ticks the due units of these groups; `now` is their earliest time. Returns their earliest time afterwards.
+  /// Ticks the due units of a range; `now` is its earliest time. Returns its next earliest time.
   template <class Tick>
   Time tick_due(Groups of, Time now, Tick&& tick) {
     for (std::size_t g = of.first; g < of.end; ++g) {
@@ -91,7 +90,7 @@ class Wakes {
       Eight& group = groups_[g];
       for (unsigned due = equal_of_eight(group.data(), now); due != 0; due &= due - 1) {
         const auto i = static_cast<std::size_t>(std::countr_zero(due));
-        group[i] = kNever;  // links may lower it while the unit ticks
+        group[i] = kNever;  // links may lower it during the tick
         const Time own = tick(g * kGroup + i);
         group[i] = std::min(group[i], own);
       }
@@ -100,7 +99,7 @@ class Wakes {
     return earliest(of);
   }
 
-  /// Ticks one unit, due or not.
+  /// Ticks one unit whether or not it is due.
   template <class Tick>
   void tick_one(std::size_t unit, Tick&& tick) {
     at(unit) = kNever;
@@ -108,21 +107,21 @@ class Wakes {
     lower(unit, own);
     earliest_[unit / kGroup] = least(groups_[unit / kGroup].data());
   }
-  /// The earliest of eight times, which have just been written one by one: a host is slow to read such in pairs, as a
-  /// compiler would have it.
+  /// The minimum of eight times that were just written one by one. Reading them in pairs, as a compiler would, stalls
+  /// on store forwarding.
   static Time least(const Time* eight) {
     const Time a = std::min(std::min(one(eight[0]), one(eight[1])), std::min(one(eight[2]), one(eight[3])));
     const Time b = std::min(std::min(one(eight[4]), one(eight[5])), std::min(one(eight[6]), one(eight[7])));
     return std::min(a, b);
   }
-  /// A bit for each of up to 64 units, in so many groups, that wakes at `now`.
+  /// Mask of the units, in up to eight groups, that wake at `now`.
   static std::uint64_t due(const Time* times, std::size_t groups, Time now) {
     std::uint64_t due = equal_of_eight(times, now);
     for (std::size_t g = 1; g < groups; ++g)
       due |= std::uint64_t{equal_of_eight(times + g * kGroup, now)} << g * kGroup;
     return due;
   }
-  /// Writes down the earliest of each eight times, and returns the earliest of all.
+  /// Updates the minimum of each group and returns the minimum of all.
   static Time look_again(const Time* times, std::span<Time> earliest_of_each) {
     Time first = earliest_of_each.front() = least(times);
     for (std::size_t g = 1; g < earliest_of_each.size(); ++g) {
@@ -136,12 +135,12 @@ class Wakes {
  private:
   using Eight = std::array<Time, kGroup>;
 
-  /// Reads a time by itself.
+  /// Reads one time with a load of its own.
   static Time one(const Time& time) { return const_cast<const volatile Time&>(time); }
   Time& at(std::size_t unit) { return groups_[unit / kGroup][unit % kGroup]; }
 
   std::vector<Eight> groups_;
-  std::vector<Time> earliest_;  ///< the earliest time of each group
+  std::vector<Time> earliest_;  ///< minimum of each group
   std::size_t size_ = 0;
 };
 

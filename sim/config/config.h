@@ -22,8 +22,8 @@ void apply_sets(Config& config, std::span<const std::string> sets) {
   check_tree(tree);
 }
 
-/// Reads a configuration file, with what it `extends`, then applies "a.b=c" arguments, then checks the whole. Throws
-/// InputError of one line: file, line, column (or the --set argument), key, what was wrong, what is allowed.
+/// Reads a configuration file with the files that it `extends`, applies "a.b=c" arguments, then checks the whole.
+/// Throws InputError with one line: file, line, column (or the --set argument), key, fault, what is allowed.
 template <class Config>
 Config load_config(const std::filesystem::path& file, std::span<const std::string> sets = {}) {
   Config config;
@@ -35,35 +35,36 @@ Config load_config(const std::filesystem::path& file, std::span<const std::strin
   return config;
 }
 
-/// Checks every value against its limits, then the rules that join several. Throws InputError, naming the key.
+/// Checks every value against its limits, then the rules that involve several. Throws InputError with the key.
 template <class Config>
 void check_config(const Config& config) {
   Config copy = config;
   check_tree(config_tree(copy));
 }
 
-/// The effective configuration as YAML: every field, with unit and meaning as a comment. Loading it gives it back.
+/// Returns the effective configuration as YAML: every field, with unit and meaning as a comment. Loading the text
+/// restores it.
 template <class Config>
 std::string dump_config(const Config& config) {
   Config copy = config;
   return dump_tree(config_tree(copy), Comments::kOn);
 }
 
-/// SHA-256 of the effective configuration without comments, or of its fields of one kind only.
+/// Returns the SHA-256 of the effective configuration without comments, or of the fields of one kind.
 template <class Config>
 std::string config_hash(const Config& config, std::optional<Affects> only = {}) {
   Config copy = config;
   return hash_tree(config_tree(copy), only);
 }
 
-/// A Markdown table for each group: key, value in `config`, unit, range, what it affects, meaning.
+/// Returns a Markdown table for each group: key, value in `config`, unit, range, what it affects, meaning.
 template <class Config>
 std::string config_manual(const Config& config) {
   Config copy = config;
   return manual_of(config_tree(copy));
 }
 
-/// Every field in the order of its declaration, with the value it has in `config`.
+/// Returns every field in the order of declaration, with its value in `config`.
 template <class Config>
 std::vector<FieldInfo> list_fields(const Config& config) {
   Config copy = config;

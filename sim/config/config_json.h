@@ -6,14 +6,14 @@
 
 namespace sim {
 
-/// A JSON Schema (draft 2020-12) of the configuration files of this type.
+/// Returns a JSON Schema (draft 2020-12) of the configuration files of this type.
 template <class Config>
 Json config_schema() {
   Config defaults;
   return schema_of(config_tree(defaults));
 }
 
-/// The configuration as nested objects: numbers as numbers, quantities as the texts that a file has ("500 MHz").
+/// Returns the configuration as nested objects: numbers as numbers, quantities as their text in a file ("500 MHz").
 template <class Config>
 Json config_json(const Config& config) {
   Config copy = config;

@@ -23,7 +23,8 @@ void find_all(const ConfigNode& group, std::string_view key, std::vector<const C
   }
 }
 
-/// True if a field elsewhere may have been meant in this group. One without groups inside has fields of its kinds only.
+/// True if a field of another group may have been meant here. A group without subgroups accepts only fields of its
+/// kinds.
 bool may_be_meant(const ConfigNode& elsewhere, const ConfigNode& group) {
   if (std::ranges::any_of(group.children, &ConfigNode::is_group)) return true;
   return !elsewhere.is_group() &&
@@ -38,7 +39,7 @@ void check_limits(const ConfigNode& node, std::string_view origin) {
   if (const std::string problem = value_problem(node); !problem.empty()) refuse(origin, node.path, problem);
 }
 
-/// Origins of the group's fields that are nearer to the user than `than`: the nearest of them.
+/// Collects the origins of the group's fields that are nearest to the user, if nearer than `than`.
 void find_nearest(const ConfigNode& group, std::size_t& than, std::vector<std::string>& origins) {
   for (const ConfigNode& child : group.children) {
     if (child.is_group()) {
@@ -53,8 +54,8 @@ void find_nearest(const ConfigNode& group, std::size_t& than, std::vector<std::s
   }
 }
 
-/// Refuses a field whose value breaks a rule of the group. A value from a file that goes with the file's others is not
-/// to blame for what --set, or a file that extends it, made of these.
+/// Throws for a field that violates a rule of the group. If a nearer origin changed the other fields of the rule, the
+/// error names that origin.
 [[noreturn]] void refuse_rule(const ConfigNode& group, std::string_view at, std::size_t nearness,
                               const std::string& path, std::string_view problem) {
   constexpr std::size_t kMostShown = 4;
@@ -80,7 +81,7 @@ void check_rules(const ConfigNode& group, std::string_view origin) {
     }
     const std::string path = group.path.empty() ? std::string(key) : fmt::format("{}.{}", group.path, key);
     const bool is_given = named != nullptr && !named->origin.empty();
-    // A default goes with files, not with --set.
+    // A default counts as part of the file, not of --set.
     refuse_rule(group, is_given ? std::string_view(named->origin) : origin, is_given ? named->nearness : kNearestFile,
                 path, problem);
   });

@@ -17,14 +17,14 @@
 
 namespace sim {
 
-/// An enum member without its type: its names in the order of its values 0, 1, 2, ...
+/// An enum member with its type erased: its names in the order of the values 0, 1, 2, ...
 struct EnumTarget {
   std::vector<std::string_view> names;
   std::function<std::size_t()> get;
   std::function<void(std::size_t)> set;
 };
 
-/// The member a field is bound to. FieldKind names the alternatives, in this order.
+/// Pointer to the member that a field is bound to. FieldKind names the alternatives in this order.
 using Target = std::variant<bool*, std::uint32_t*, std::uint64_t*, double*, std::string*, Frequency*, ByteSize*,
                             Duration*, AutoCount*, Triple*, Spread*, std::map<std::string, Spread>*, EnumTarget>;
 enum class FieldKind : std::uint8_t {
@@ -49,15 +49,15 @@ constexpr std::array<std::string_view, 13> names_of(FieldKind) {
 
 static_assert(std::variant_size_v<Target> == names_of(FieldKind{}).size());
 
-/// Receives a rule that a struct's check() finds broken.
+/// Receives the rules that a struct's check() finds violated.
 using Complain = std::function<void(std::string_view key, std::string_view problem)>;
 
 inline constexpr std::string_view kSetOrigin = "--set ";
-inline constexpr std::size_t kNearestFile = 16;  ///< ConfigNode::nearness of a file that no other extends
+inline constexpr std::size_t kNearestFile = 16;  ///< ConfigNode::nearness of a file that no other file extends
 
-/// One field or group of a configuration, bound to one instance of its struct, which must outlive it.
+/// One field or group of a configuration, bound to an instance of its struct. The instance must outlive it.
 struct ConfigNode {
-  // Defined once, in config_tree.cc: those of `target` take long to compile.
+  // Defined in config_tree.cc because the functions of `target` are slow to compile.
   ConfigNode();
   ~ConfigNode();
   ConfigNode(const ConfigNode&);
@@ -66,17 +66,19 @@ struct ConfigNode {
   ConfigNode& operator=(ConfigNode&&) noexcept;
 
   std::string key;
-  std::string path;  ///< from the root, keys joined by dots
+  std::string path;  ///< keys from the root, joined by dots
   std::string unit;
   std::string meaning;
   Limits limits;
   Affects affects = Affects::kTiming;
-  std::optional<Target> target;                                  ///< a field's member; none for a group
-  std::vector<ConfigNode> children;                              ///< a group's fields and groups, as declared
-  std::function<void(const Complain&)> check;                    ///< a group's own rules; empty if it has none
-  std::map<std::string, std::string, std::less<>> not_modelled;  ///< a group's keys that do not exist, and why
-  std::string origin;        ///< where its value was given last (kSetOrigin); empty for a default
-  std::size_t nearness = 0;  ///< origin, as the user sees it: a file is nearer than those it extends, --set nearest
+  std::optional<Target> target;                ///< the field's member; none for a group
+  std::vector<ConfigNode> children;            ///< a group's fields and groups, as declared
+  std::function<void(const Complain&)> check;  ///< a group's own rules, if any
+  std::map<std::string, std::string, std::less<>>
+      not_modelled;    ///< keys of mechanisms that the model lacks, each with the reason
+  std::string origin;  ///< where the value was set last (kSetOrigin); empty for a default
+  std::size_t nearness =
+      0;  ///< distance of the origin from the user: files that are extended are farther, --set is nearest
 
   bool is_group() const { return !target.has_value(); }
   FieldKind kind() const { return static_cast<FieldKind>(target->index()); }
@@ -84,7 +86,7 @@ struct ConfigNode {
   ConfigNode* child(std::string_view name);
 };
 
-/// The visitor that describe() is given: hangs each declared field and group into a ConfigNode.
+/// The visitor passed to describe(): adds each declared field and group to a ConfigNode.
 class TreeBuilder {
  public:
   explicit TreeBuilder(ConfigNode& group) : group_(group) {}
@@ -111,10 +113,10 @@ class TreeBuilder {
     bind(add(key, meaning), member);
   }
 
-  /// Declares a key of a mechanism that the model lacks: its use is refused with `reason`.
+  /// Declares a key of a mechanism that the model lacks; using it is an error with this reason.
   void not_modelled(std::string_view key, std::string_view reason) { group_.not_modelled.emplace(key, reason); }
 
-  /// Fills `node` with the fields of `config`.
+  /// Adds the fields of `config` to `node`.
   template <class Config>
   static void bind(ConfigNode& node, Config& config) {
     TreeBuilder builder(node);
@@ -137,15 +139,15 @@ ConfigNode config_tree(Config& config) {
   return root;
 }
 
-/// Throws InputError for the first value outside its field's limits, then for the first rule broken that joins several.
-/// `origin` is where the configuration as a whole comes from, for keys that nobody has given.
+/// Throws InputError for the first value outside its limits, then for the first violated rule. `origin` names the whole
+/// configuration, for keys that keep their default.
 void check_tree(const ConfigNode& root, std::string_view origin = {});
 
-/// Throws InputError("<origin>: <path>: <problem>"), leaving out what is empty.
+/// Throws InputError("<origin>: <path>: <problem>") without the empty parts.
 [[noreturn]] void refuse(std::string_view origin, std::string_view path, std::string_view problem);
 
-/// "did you mean 'x'?" for keys of the same name elsewhere in the tree, if they are few, or the nearest key here; else
-/// the list of what is allowed here.
+/// Returns "did you mean 'x'?" with the same key elsewhere in the tree or the nearest key here, or else the allowed
+/// keys.
 std::string suggest(const ConfigNode& root, const ConfigNode& group, std::string_view key);
 
 }  // namespace sim

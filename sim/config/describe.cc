@@ -63,14 +63,14 @@ Json value_json(const ConfigNode& field) {
   return value_text(field);
 }
 
-/// A table cell: '|' would end it.
+/// Escapes '|', which ends a table cell.
 std::string cell(std::string_view text) {
   std::string escaped;
   for (const char c : text) escaped += c == '|' ? std::string("\\|") : std::string(1, c);
   return escaped;
 }
 
-constexpr std::size_t kWidestCell = 100;  // longer values, maps with many entries, are left to config show
+constexpr std::size_t kWidestCell = 100;  // longer values, such as large maps, are left to `config show`
 
 void manual_group(const ConfigNode& group, std::string& text) {
   std::string rows;

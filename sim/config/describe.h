@@ -8,7 +8,7 @@
 
 namespace sim {
 
-/// One field of a configuration as plain data. "<path>=<value>" is a --set argument that gives the value back.
+/// One field of a configuration as plain data. "<path>=<value>" is the --set argument that restores the value.
 struct FieldInfo {
   std::string path;  ///< "tni.trv.rays"
   FieldKind kind = FieldKind::kBool;
@@ -17,12 +17,12 @@ struct FieldInfo {
   Limits limits;
   Affects affects = Affects::kTiming;
   std::string value;
-  std::vector<std::string> choices;  ///< the names of an enum's values
+  std::vector<std::string> choices;  ///< names of the values of an enumeration
 };
 
 enum class Comments : std::uint8_t { kOff, kOn };
 
-// Views of the declared fields of a bound configuration; config.h has these for the structs themselves.
+// Views of a bound configuration; config.h has them for the structs.
 std::string dump_tree(const ConfigNode& root, Comments comments, std::optional<Affects> only = {});
 std::string hash_tree(const ConfigNode& root, std::optional<Affects> only);
 std::vector<FieldInfo> fields_of(const ConfigNode& root);

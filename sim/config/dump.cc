@@ -11,10 +11,10 @@
 namespace sim {
 namespace {
 
-/// Numbers such as 1e-05 as 1.0e-05: YAML 1.1 readers such as PyYAML take a number without a point for a text.
+/// Writes numbers such as 1e-05 as 1.0e-05: YAML 1.1 readers such as PyYAML read a number without a point as text.
 std::string with_points(const std::string& text) {
   std::string out;
-  bool is_whole = false;  // the number so far, digits without a point
+  bool is_whole = false;  // the number so far has digits and no point
   for (const char c : text) {
     if (c == 'e' && is_whole) out += ".0";
     const bool begins = out.empty() || out.back() == ' ' || out.back() == '-';
@@ -24,7 +24,7 @@ std::string with_points(const std::string& text) {
   return out;
 }
 
-/// Value of a field in a configuration file. Quoted if YAML 1.1 readers would read a boolean.
+/// Returns the value as in a configuration file. Quoted where YAML 1.1 readers would read a boolean.
 std::string yaml_value(const ConfigNode& field) {
   const std::string text = value_text(field);
   const FieldKind kind = field.kind();
@@ -49,7 +49,7 @@ class Dump {
     } else if (node.kind() == FieldKind::kSpreadMap) {
       map(node, depth);
     } else {
-      // A hash is of the plain text, so that it does not depend on how a file quotes.
+      // A hash uses the plain text, so it does not depend on quotes.
       line(depth, node.key + ": " + (comments_ == Comments::kOn ? yaml_value(node) : value_text(node)), comment(node));
     }
   }

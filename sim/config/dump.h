@@ -7,7 +7,7 @@
 
 namespace sim {
 
-/// Returns the lines of a field in dump_tree(), or of a group without its fields, `depth` groups deep.
+/// Returns the lines of one field, or of a group without its fields, at a depth of `depth` groups.
 std::string dump_node(const ConfigNode& node, std::size_t depth, Comments comments);
 
 }  // namespace sim

@@ -18,7 +18,7 @@ constexpr std::uint64_t kMostBytes = 4 << 20;
 constexpr std::size_t kMostFilesDeep = kNearestFile;
 constexpr std::size_t kMostFiles = 256;
 constexpr std::string_view kExtends = "extends";
-/// Words behind a figure with a band: the first is what one number sets anyway.
+/// Keys of a value with a band. A single number sets all three.
 constexpr std::string_view kNominal = "nominal", kLow = "low", kHigh = "high";
 
 std::vector<std::filesystem::path>& search_path() {
@@ -26,7 +26,8 @@ std::vector<std::filesystem::path>& search_path() {
   return folders;
 }
 
-/// Configuration files in the search path and one folder below, as `extends` calls them: "dram/lpddr3-1600".
+/// Returns the configuration files on the search path and one folder below it, named as in `extends`:
+/// "dram/lpddr3-1600".
 std::vector<std::filesystem::path> known_files() {
   std::vector<std::filesystem::path> files;
   std::error_code missing;
@@ -45,7 +46,7 @@ std::vector<std::filesystem::path> known_files() {
   return files;
 }
 
-/// The files of the group that asks: "; did you mean 'dram/lpddr3-1600'?" if one is near, and "; known: ...".
+/// Suggests files for `group`: "; did you mean 'dram/lpddr3-1600'?" if one is near, and "; known: ...".
 std::string known_files_of(const std::filesystem::path& name, std::string_view group) {
   const std::string stem = name.stem().string();
   const std::string_view start = start_of(stem);
@@ -73,7 +74,7 @@ std::string unknown_key(const ConfigNode& root, const ConfigNode& group, std::st
   return fmt::format("unknown key '{}'; {}", key, suggest(root, group, key));
 }
 
-/// One figure of a map of them, as a field of its own; made if it is not there.
+/// Returns an entry of a map of values as a field of its own. Adds the entry if absent.
 ConfigNode figure_of(const ConfigNode& map, std::string_view key) {
   ConfigNode figure = map;
   figure.path = path_of(map, key);
@@ -81,8 +82,8 @@ ConfigNode figure_of(const ConfigNode& map, std::string_view key) {
   return figure;
 }
 
-/// The rest of a --set path behind a field, without "nominal" at the end of a figure that may have a band: one
-/// number is all of low, nominal and high either way.
+/// Returns the rest of a --set path after a field, without a final "nominal": a single number sets low, nominal and
+/// high.
 std::string_view path_in_band(const ConfigNode& node, std::string_view path, const std::string& at) {
   const std::size_t dot = path.rfind('.');
   const std::string_view last = path.substr(dot == std::string_view::npos ? 0 : dot + 1);
@@ -96,7 +97,7 @@ std::string_view path_in_band(const ConfigNode& node, std::string_view path, con
   return is_figure && last == kNominal ? entry : path;
 }
 
-/// The text behind the '=': a mapping in braces, a text in double quotes, or the value as it stands.
+/// Parses the text after '=': a mapping in braces, a text in double quotes, or plain text.
 std::shared_ptr<const YamlNode> set_value(const std::string& text, const std::string& name) {
   if (text.starts_with('{')) return parse_yaml_mapping(text, name);
   if (text.starts_with('"')) return parse_yaml_mapping("value: " + text, name)->entries.front().value;
@@ -204,8 +205,9 @@ void ConfigLoader::apply_value(ConfigNode& node, const YamlNode& value, const So
     return;
   }
   if (value.kind == YamlNode::Kind::kSequence) {
-    refuse(at, node.path, fmt::format("is a list; allowed: one value, {}; lists are for axes of a sweep (docs/sweeps.md)",
-                                      allowed_text(node)));
+    refuse(at, node.path,
+           fmt::format("is a list; allowed: one value, {}; lists are for axes of a sweep (docs/sweeps.md)",
+                       allowed_text(node)));
   }
   if (value.kind != YamlNode::Kind::kScalar) {
     refuse(at, node.path, fmt::format("has no value; allowed: {}", allowed_text(node)));

@@ -10,32 +10,31 @@
 
 namespace sim {
 
-/// Folders in which a configuration is looked up that is not found beside the file that names it, first come first.
-/// Set once, before any file is loaded.
+/// Sets the folders in which configuration files are searched, in order. Call once, before any file is loaded.
 void set_config_search_path(std::vector<std::filesystem::path> folders);
 
-/// The file a configuration's name means: the name as it is if absolute, else below `beside`, else below a folder of
-/// the search path; ".yaml" may be left out. InputError, with `asked_at` in front, if there is none,
-/// and the nearest name in the folder that is called as the `group` of keys that asks.
+/// Resolves a configuration name: an absolute path, relative to `beside`, or on the search path. ".yaml" is optional.
+/// `group` is the group of keys that refers to the file. InputError, prefixed with `asked_at`, if no file is found; it
+/// names the nearest file.
 std::filesystem::path find_config(const std::filesystem::path& name, const std::filesystem::path& beside = {},
                                   std::string_view asked_at = {}, std::string_view group = {});
 
-/// Reads configuration files and --set arguments into a bound tree, one layer upon the other: what a layer does not
-/// mention stays as it was. Throws InputError.
+/// Reads configuration files and --set arguments into a bound tree. Each layer changes only the fields that it
+/// mentions. Throws InputError.
 class ConfigLoader {
  public:
   explicit ConfigLoader(ConfigNode& root) : root_(root) {}
 
   void apply_file(const std::filesystem::path& file) { apply_file(root_, file, {}); }
-  /// A file that may have these keys at its top level alone.
+  /// Reads a file that may contain only these keys at its top level.
   void apply_part(const std::filesystem::path& file, std::span<const std::string_view> keys);
-  /// A configuration as dump_config writes it; `name` is how errors call it.
+  /// Reads the output of dump_config. `name` identifies it in errors.
   void apply_text(const std::string& text, const std::string& name);
-  /// "tni.trv.rays=16", "dram.extends=dram/lpddr3-1600", "dram.energy.refresh={low: 1, nominal: 2, high: 3}"
+  /// Applies "tni.trv.rays=16", "dram.extends=dram/lpddr3-1600" or "dram.energy.refresh={low: 1, nominal: 2, high: 3}".
   void apply_set(const std::string& argument);
 
  private:
-  /// Where a layer comes from: a file's name, or the whole --set argument.
+  /// Origin of a layer: a file's name, or the whole --set argument.
   struct Source {
     std::string name;
     std::filesystem::path folder;
@@ -51,8 +50,8 @@ class ConfigLoader {
   void apply_spread(const ConfigNode& field, const YamlNode& mapping, const Source& source, const std::string& at);
 
   ConfigNode& root_;
-  std::span<const std::string_view> top_keys_;     ///< keys of the files being read; empty: all
-  std::vector<std::filesystem::path> open_files_;  ///< each extended by the one before it
+  std::span<const std::string_view> top_keys_;     ///< allowed keys of the files being read; empty: all
+  std::vector<std::filesystem::path> open_files_;  ///< each is extended by the file before it
   std::size_t files_read_ = 0;
 };
 

@@ -2,7 +2,7 @@
 
 namespace sim {
 
-/// One callable out of several, for std::visit.
+/// Combines several callables into one, for std::visit.
 template <class... Cases>
 struct Overloaded : Cases... {
   using Cases::operator()...;

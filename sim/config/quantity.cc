@@ -23,13 +23,13 @@ constexpr std::array<Unit, 6> kDurationUnits{{{"fs", 1},
 
 constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// digits / 10^fraction_digits
+/// The value digits / 10^fraction_digits.
 struct Decimal {
   std::uint64_t digits = 0;
   unsigned fraction_digits = 0;
 };
 
-/// Nothing if it is no plain decimal number, or has more digits than 64 bits hold.
+/// Returns nullopt if the text is not a plain decimal number or does not fit 64 bits.
 std::optional<Decimal> read_decimal(std::string_view text) {
   const std::size_t dot = text.find('.');
   const std::string_view whole = text.substr(0, dot);
@@ -46,7 +46,7 @@ std::optional<Decimal> read_decimal(std::string_view text) {
   return number;
 }
 
-/// Takes the prime out of one of the two factors of a product.
+/// Divides one of two factors by a prime. False if neither is divisible.
 bool divide(std::uint64_t& a, std::uint64_t& b, std::uint64_t prime) {
   std::uint64_t& factor = a % prime == 0 ? a : b;
   if (factor % prime != 0) return false;

@@ -10,7 +10,7 @@
 namespace sim {
 namespace {
 
-/// A character that has a meaning in regular expressions gets a backslash.
+/// Escapes characters that have a meaning in regular expressions.
 std::string literal(std::string_view text) {
   std::string escaped;
   for (const char c : text) {
@@ -20,7 +20,7 @@ std::string literal(std::string_view text) {
   return escaped;
 }
 
-/// A number, or a text of a number with the field's unit.
+/// Accepts a number, or a text of a number with the field's unit.
 Json number_schema(const ConfigNode& field, const char* type) {
   Json number = {{"type", type}};
   if (std::isfinite(field.limits.min)) number["minimum"] = field.limits.min;
@@ -43,7 +43,7 @@ Json spread_schema(const ConfigNode& field) {
   return {{"anyOf", {number, band}}};
 }
 
-/// The names, and the booleans that YAML 1.1 readers make of `off` and `on`.
+/// Accepts the names, and the booleans that YAML 1.1 readers make of `off` and `on`.
 Json enum_schema(const std::vector<std::string_view>& names) {
   Json choices = names;
   for (const std::string_view name : names) {

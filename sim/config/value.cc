@@ -20,7 +20,7 @@ std::string_view trim(std::string_view text) {
   return text;
 }
 
-/// The number in front of the field's unit, which may be left out.
+/// Removes the field's unit after a number, if present.
 std::string_view without_unit(std::string_view text, std::string_view unit) {
   const std::size_t gap = text.find(' ');
   if (gap != std::string_view::npos && !unit.empty() && trim(text.substr(gap)) == unit) return text.substr(0, gap);
@@ -75,12 +75,12 @@ std::string spread_problem(const ConfigNode& field, const Spread& spread) {
   return fmt::format("'{}' is not in order; allowed: low <= nominal <= high", spread_text(spread));
 }
 
-/// A number; `text` is what the user wrote of it.
+/// Parses a number; `text` is the user's text, for errors.
 double double_of(const ConfigNode& field, std::string_view digits, std::string_view text, std::string_view what) {
   double value = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (error != std::errc{} || end != digits.data() + digits.size() || !std::isfinite(value)) not_a(text, what, field);
-  return value + 0.0;  // so that -0 is 0
+  return value + 0.0;  // turns -0 into 0
 }
 
 Triple triple_of(const ConfigNode& field, std::string_view text) {

@@ -7,35 +7,35 @@
 
 namespace sim {
 
-/// Why a text cannot become a field's value, and what is allowed instead. The caller knows where the text stands.
+/// Thrown for a text that is not a value of the field: the problem and what is allowed. The caller adds the place.
 struct BadValue {
   std::string problem;
 };
 
-/// Reads a field's value, or the one figure of a Spread, from `text`. Throws BadValue for what is not of the field's
-/// kind; limits are value_problem's.
+/// Parses `text` into a field, or into all of a Spread. Throws BadValue for a wrong kind; value_problem() checks
+/// limits.
 void assign(const ConfigNode& field, std::string_view text);
 
-/// A number with the field's unit or none. Throws BadValue.
+/// Parses a number with the field's unit or without a unit. Throws BadValue.
 double number_of(const ConfigNode& field, std::string_view text);
 
-/// The fault of the value a field holds now (limits, the order of a Spread); empty if nothing.
+/// Returns what is wrong with the value of a field (limits, order of a Spread); empty if nothing.
 std::string value_problem(const ConfigNode& field);
 
-/// The value as in a configuration file, on one line; `assign` and the YAML reader turn it back into the same value.
+/// Returns the value as in a configuration file, on one line. assign() and the YAML reader restore it.
 std::string value_text(const ConfigNode& field);
 std::string spread_text(const Spread& spread);
-/// The boolean that YAML 1.1 readers make of an unquoted word ("off", "on"); none for all other words.
+/// Returns the boolean that YAML 1.1 readers make of an unquoted word ("off", "on"), if any.
 std::optional<bool> boolean_of_word(std::string_view word);
-/// `text` as a YAML scalar in double quotes.
+/// Returns `text` as a YAML scalar in double quotes.
 std::string double_quoted(std::string_view text);
-/// `key` as a YAML key, in quotes unless it is safe without.
+/// Returns `key` as a YAML key, quoted where necessary.
 std::string key_text(std::string_view key);
 
-/// The bounds that hold: the declared ones, and those of the member's type.
+/// Returns the declared limits combined with the range of the member's type.
 Limits effective_limits(const ConfigNode& field);
 
-/// "1 to 64 rays", "true, false", "powers of two from 16 B to 256 B": what a field may hold.
+/// Returns what a field may hold: "1 to 64 rays", "true, false", "powers of two from 16 B to 256 B".
 std::string allowed_text(const ConfigNode& field);
 
 }  // namespace sim

@@ -59,7 +59,7 @@ void ConfigVariant::reset() {
 
 std::string ConfigVariant::hash(std::optional<Affects> only) const {
   std::string text;
-  text.reserve(bytes_ + bytes_ / 4);  // longer values are few
+  text.reserve(bytes_ + bytes_ / 4);  // few values are longer
   for (const Node& node : nodes_) {
     if (only && (node.affects & bit(*only)) == 0) continue;
     const bool is_unchanged = node.base->is_group() || holds_same(*node.base, *node.variant);

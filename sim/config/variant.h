@@ -8,15 +8,16 @@
 
 namespace sim {
 
-/// A configuration that is changed, hashed and reset many times: only fields that differ from the base are written out.
+/// A configuration that is changed, hashed and reset many times. Only fields that differ from the base are written
+/// again.
 class ConfigVariant {
  public:
-  /// Both trees are bound to equal structs of one type, and outlive this.
+  /// Both trees are bound to structs of one type with equal values, and outlive this object.
   ConfigVariant(const ConfigNode& base, ConfigNode& variant);
 
-  /// Copies values and origins of the base to the variant.
+  /// Copies the values and origins of the base to the variant.
   void reset();
-  /// Returns hash_tree() of the variant.
+  /// Same as hash_tree() of the variant.
   std::string hash(std::optional<Affects> only) const;
 
  private:
@@ -26,12 +27,12 @@ class ConfigVariant {
     ConfigNode* variant;
     std::size_t depth;
     std::string text;       ///< its lines in a dump of the base, without comments
-    std::uint32_t affects;  ///< bit set over Affects: of the field, or of any field of the group
+    std::uint32_t affects;  ///< mask over Affects: of the field, or of all fields of the group
   };
   std::uint32_t add(const ConfigNode& base, ConfigNode& variant, std::size_t depth);
 
-  std::vector<Node> nodes_;  ///< in the order of a dump
-  std::size_t bytes_ = 0;    ///< of that dump
+  std::vector<Node> nodes_;  ///< in dump order
+  std::size_t bytes_ = 0;    ///< size of the dump
 };
 
 }  // namespace sim

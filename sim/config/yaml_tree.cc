@@ -64,11 +64,11 @@ class Builder final : public YAML::EventHandler {
   }
 
  private:
-  /// A mapping or sequence whose end is still to come.
+  /// A mapping or sequence that is not closed yet.
   struct Open {
     Node node;
     YAML::anchor_t anchor;
-    std::optional<YamlNode::Entry> entry;  ///< its key is known, its value is not
+    std::optional<YamlNode::Entry> entry;  ///< its key has been read, its value has not
     std::set<std::string> keys;
   };
 
@@ -95,7 +95,7 @@ class Builder final : public YAML::EventHandler {
     remember(open_.back().anchor, open_.back().node);
     open_.pop_back();
   }
-  /// Puts a mapping's key, or a value, where the text has it.
+  /// Adds a node to the open mapping or sequence, or makes it the root.
   void attach(const YAML::Mark& mark, const Node& node) {
     if (open_.empty()) {
       root_ = node;
@@ -135,7 +135,7 @@ const YamlNode::Entry* YamlNode::find(std::string_view key) const {
 }
 
 std::shared_ptr<const YamlNode> parse_yaml_mapping(const std::string& text, const std::string& name) {
-  // Without its last line end, because yaml-cpp lets a quote stay open there.
+  // Without the last line end: yaml-cpp accepts an unclosed quote before it.
   std::istringstream stream(text.substr(0, text.find_last_not_of(" \n\r") + 1));
   Builder builder(name);
   try {

@@ -5,13 +5,13 @@
 
 namespace sim {
 
-/// Line and column of a text, counted from 1.
+/// Line and column, counted from 1.
 struct TextPosition {
   int line = 1;
   int column = 1;
 };
 
-/// A parsed YAML value. An alias shares its anchor's node, so that a small file stays small however often it is used.
+/// A parsed YAML value. Aliases share the node of their anchor, so memory stays proportional to the file.
 struct YamlNode {
   enum class Kind : std::uint8_t { kEmpty, kScalar, kMapping, kSequence };
   struct Entry {
@@ -23,14 +23,14 @@ struct YamlNode {
 
   Kind kind = Kind::kEmpty;
   std::string scalar;
-  std::vector<Entry> entries;  ///< in the order of the text; items of a sequence have no key
+  std::vector<Entry> entries;  ///< in text order; items of a sequence have no key
 
   const Entry* find(std::string_view key) const;
 };
 
-/// Parses a text that holds one mapping. Throws InputError("<name>:<line>:<column>: <problem>") for anything else:
-/// broken YAML, an empty text, several documents, repeated keys, keys that are no plain text, tags, and aliases
-/// inside the value they stand for.
+/// Parses a text that contains one mapping. Throws InputError("<name>:<line>:<column>: <problem>") for anything else:
+/// broken YAML, an empty text, several documents, repeated keys, keys that are not plain text, tags, and aliases inside
+/// their own anchor.
 std::shared_ptr<const YamlNode> parse_yaml_mapping(const std::string& text, const std::string& name);
 
 }  // namespace sim

@@ -11,8 +11,8 @@
 
 namespace sim {
 
-/// A whole number from outside that T holds. InputError that begins with `what` for anything else:
-/// get() converts any number.
+/// Converts untrusted JSON to a whole number that fits T. Throws InputError that begins with `what` otherwise; get()
+/// would convert any number.
 template <class T>
 T whole_number(const Json& json, std::string_view what) {
   if (json.is_number_unsigned()) {

@@ -4,9 +4,9 @@
 
 namespace sim {
 
-/// Loads a shared library that the program has in a file of its own, so that it starts without it, and returns a
-/// symbol of it. It is looked for beside the program, where it is installed, and where it was `built`. `purpose` is for
-/// the IoError if there is none: "for image files".
+/// Loads a shared library on first use and returns one of its symbols, so that the program starts without it. Searches
+/// next to the program, in the installation, and at the `built` path. `purpose` completes the IoError: "for image
+/// files".
 void* load_module(const std::filesystem::path& built, const char* symbol, std::string_view purpose);
 
 }  // namespace sim

@@ -8,7 +8,7 @@
 namespace sim {
 namespace {
 
-/// The bytes of the character at the start of `text`; 0 if it is no UTF-8, or a control character.
+/// Returns the size of the UTF-8 character at the start of `text`; 0 for other bytes and control characters.
 std::size_t character_size(std::string_view text) {
   const auto first = static_cast<std::uint8_t>(text.front());
   if (first < 0x80) return first < 0x20 || first == 0x7f ? 0 : 1;

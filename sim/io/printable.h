@@ -4,11 +4,11 @@
 
 namespace sim {
 
-/// `text` made fit for one line of a message and for JSON: control characters and bytes that are no UTF-8 become '?',
-/// what is longer than `most` bytes is cut.
+/// Makes `text` safe for one line of a message: control characters and bytes that are not UTF-8 become '?'. Cut after
+/// `most` bytes.
 std::string printable(std::string_view text, std::size_t most = 160);
 
-/// `text` as JSON can hold it: bytes that are no UTF-8, which names of files may have, become "\\xff".
+/// Makes `text` valid UTF-8 for JSON: other bytes, such as in file names, become "\\xff".
 std::string with_escaped_bytes(std::string_view text);
 
 }  // namespace sim

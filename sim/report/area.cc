@@ -13,7 +13,7 @@
 namespace sim {
 namespace {
 
-/// The unit's array, or its share of one that several banks make up.
+/// Area of the unit's array, or its share of an array of several banks.
 Spread array_of(const EnergyTable& arrays, const UnitReport& unit) {
   const double share = static_cast<double>(unit.sram_bytes) / static_cast<double>(unit.cache_bytes);
   for (const std::string& name : {entry_name(unit), unit.block}) {
@@ -22,7 +22,7 @@ Spread array_of(const EnergyTable& arrays, const UnitReport& unit) {
   refuse_without_entry(unit, "area.arrays");
 }
 
-/// Area of a unit's pads, whose figure is that of sixteen data lines.
+/// Area of a unit's pads; the table gives it for sixteen data lines.
 Spread pads_of(const Spread& figure, const UnitReport& unit) {
   if (unit.data_lines != 0) return figure * (static_cast<double>(unit.data_lines) / 16);
   throw InputError(fmt::format("area.pads: unit '{}' has no data lines at the die's edge", unit.path));

@@ -10,11 +10,11 @@
 
 namespace sim {
 
-/// Area figures of a process: one file of configs/area. Logic is in EnergyConfig (LogicArea), for leakage and area
-/// alike; here is how large that is in this process.
+/// Area table of a process: one file of configs/area. EnergyConfig has the area of logic (LogicArea), which also
+/// determines leakage; `logic_scale` converts it to this process.
 ///
-/// An array's area depends on its size: "l2@64KiB", "l2@256KiB" are points of "l2", between and beyond which area is a
-/// power of the size. A unit is looked up as "<block>.<kind>", then as "<block>", as for logic.
+/// The area of an array depends on its size: "l2@64KiB" and "l2@256KiB" are points of the curve "l2", a power law
+/// between and beyond them. A unit is looked up as "<block>.<kind>", then as "<block>".
 struct AreaConfig {
   std::string process = "unnamed";
   Spread logic_scale{1, 1, 1};
@@ -36,7 +36,7 @@ struct AreaConfig {
   }
 };
 
-/// Area of a block, in mm2.
+/// Area of a block in mm2.
 struct AreaOfBlock {
   Spread logic, arrays, buffers, pads;
   Spread total() const;
@@ -44,10 +44,11 @@ struct AreaOfBlock {
 
 struct AreaReport {
   std::map<std::string, AreaOfBlock> blocks;
-  Spread total;  ///< with wires between blocks and gaps
+  Spread total;  ///< including wires between blocks and gaps
 };
 
-/// Throws InputError for a unit whose block, storage or part the tables do not know. `energy` has the area of logic.
+/// Computes the area by block. Throws InputError for a unit whose block, storage or part is not in the tables. `energy`
+/// has the area of logic.
 AreaReport compute_area(std::span<const UnitReport> units, const EnergyConfig& energy, const AreaConfig& config);
 
 }  // namespace sim

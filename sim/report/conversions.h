@@ -2,7 +2,7 @@
 
 namespace sim {
 
-/// Between what counters hold and what people read.
+/// Conversions from the units of counters to those of reports.
 inline constexpr double kFemtosecondsPerNs = 1e6;
 inline constexpr double kFemtosecondsPerMicrosecond = 1e9;
 inline constexpr double kFemtosecondsPerMillisecond = 1e12;

@@ -13,13 +13,13 @@
 namespace sim {
 namespace {
 
-/// An array of a kind of unit, and the range of sizes that a curve covers.
+/// The array of a kind of unit, and the range of sizes of its curve.
 struct Array {
   std::string kind;
   std::uint64_t bytes, least, most;
   auto operator<=>(const Array&) const = default;
 };
-/// Entries of a table by the arrays that lie outside their curves.
+/// Table entries by array, for arrays outside their curves.
 using Outside = std::map<Array, std::set<std::string>>;
 
 void add(const EnergyTable& table, const std::string& entry, const UnitReport& unit, Outside& outside) {

@@ -9,9 +9,8 @@
 
 namespace sim {
 
-/// A line for every kind of unit whose array is smaller or larger than all points of the curves that its events, or its
-/// area, are taken from: there the figure is extrapolated. `events`: EnergyConfig::events, `arrays`:
-/// AreaConfig::arrays, which may be empty.
+/// Returns a warning for every kind of unit whose array is outside the sizes of its energy or area curve, where values
+/// are extrapolated. `events`: EnergyConfig::events; `arrays`: AreaConfig::arrays, may be empty.
 std::vector<std::string> sizes_outside_curves(std::span<const UnitReport> units,
                                               const std::map<std::string, Spread>& events,
                                               const std::map<std::string, Spread>& arrays);

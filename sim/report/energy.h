@@ -12,14 +12,14 @@
 
 namespace sim {
 
-/// Figures of a technology: one file of configs/energy.
+/// Energy table of a technology: one file of configs/energy.
 ///
-/// An event may depend on the size of the array it accesses: "cache.l1_read@16KiB", "cache.l1_read@32KiB" are points
-/// of "cache.l1_read", between and beyond which energy is a power of the size (a straight line on log-log paper).
-///
-/// `logic` and `flops` say what a unit holds besides SRAM; `parts` is what its logic gains or loses with parts whose
-/// number is a key (LogicArea). A unit is looked up as "<block>.<kind>", where its kind is
-/// the last part of its path without digits ("core0.tni.trv2" -> "tni.trv"), then as "<block>".
+/// 1. An event may depend on the size of the array: "cache.l1_read@16KiB" and "cache.l1_read@32KiB" are points of the
+/// curve "cache.l1_read", a power law between and beyond them.
+/// 2. `logic` and `flops` describe a unit without its SRAM; `parts` corrects `logic` for parts whose number is a key
+/// (LogicArea).
+/// 3. A unit is looked up as "<block>.<kind>", then as "<block>". Its kind is the last part of its path without digits
+/// ("core0.tni.trv2" -> "tni.trv").
 struct EnergyConfig {
   std::string process = "unnamed";
   std::map<std::string, Spread> events;
@@ -65,11 +65,10 @@ struct EnergyConfig {
   }
 };
 
-/// Energy that a device's own model has worked out, under the name its counters use as event. It includes the device's
-/// clock.
+/// Energy of an event that a device's own model computes, including the device's clock.
 struct DeviceEvent {
   Spread pj;             ///< per count
-  bool standby = false;  ///< flows whether or not there is work: counted as leakage
+  bool standby = false;  ///< independent of activity; counted as leakage
 };
 
 Spread operator+(const Spread& a, const Spread& b);
@@ -77,7 +76,7 @@ Spread operator*(const Spread& a, const Spread& b);
 Spread operator*(const Spread& a, double factor);
 Spread& operator+=(Spread& a, const Spread& b);
 
-/// Energy by kind, in pJ.
+/// Energy by kind in pJ.
 struct EnergyByKind {
   Spread dynamic;
   Spread clock;
@@ -86,21 +85,20 @@ struct EnergyByKind {
   EnergyByKind& operator+=(const EnergyByKind& other);
 };
 
-/// Where the energy went, in pJ. Both views, by block and by kind, sum to `total_pj`.
+/// Energy of a run in pJ. The sums by block and by kind both equal `total_pj`.
 struct EnergyReport {
   std::map<std::string, EnergyByKind> blocks;
-  /// Energy by block, then by event that its counters name: counts times figures. Standby of devices is leakage; all
-  /// others sum to the dynamic energy.
+  /// Energy by block and event: counts times energy per count. Standby of devices is leakage; the others sum to the
+  /// dynamic energy.
   std::map<std::string, std::map<std::string, Spread>> events;
   EnergyByKind kinds;
   Spread total_pj;
   EnergyReport& operator+=(const EnergyReport& other);
 };
 
-/// E_block = sum(count x pJ) / (1 - clock share) + leakage x time + idle clock, where the clock of idle units runs in
-/// the cycles they have charged to reasons of the kind kIdle. Device events are taken as they are; all else is times
-/// the block's `scales`. Throws InputError for a counter whose event nobody has a figure for, a unit without `logic` or
-/// `flops`, or a part that the table does not know.
+/// Computes E_block = sum(count x pJ) / (1 - clock share) + leakage x time + idle clock. The idle clock runs in cycles
+/// charged to reasons of kind kIdle. All but device events is multiplied by the block's `scales`. Throws InputError for
+/// a counter whose event has no energy, a unit without `logic` or `flops`, or an unknown part.
 EnergyReport compute_energy(std::span<const UnitReport> units, const EnergyConfig& config,
                             const std::map<std::string, DeviceEvent>& device_events, Time elapsed,
                             const PowerScales& scales = {});

@@ -15,39 +15,38 @@
 
 namespace sim {
 
-/// Energy of what units counted, as a formula of the figures: names are looked up once, then figures may change and
-/// the sum be asked for again. `config` and `device_events` must outlive it and keep their entries.
+/// Energy as a formula of the table's values: names are resolved once, then the values may change and the sum be
+/// evaluated again. `config` and `device_events` must outlive it and keep their entries.
 class EnergyFormula {
  public:
-  /// Throws InputError for a counter whose event nobody has a figure for, a unit without `logic` or `flops`, or a part
-  /// that the table does not know.
+  /// Throws InputError for a counter whose event has no energy, a unit without `logic` or `flops`, or an unknown part.
   EnergyFormula(std::span<const UnitReport> units, const EnergyConfig& config,
                 const std::map<std::string, DeviceEvent>& device_events, Time elapsed, const PowerScales& scales = {});
 
-  /// Takes other counts of the same units.
+  /// Replaces the counts by others of the same units.
   void recount(std::span<const UnitReport> units, Time elapsed);
 
-  /// Energy by block, kind and event for low, nominal and high.
+  /// Returns low, nominal and high energy by block, kind and event.
   EnergyReport report() const;
-  /// Energy of a unit by what it is to be charged to.
+  /// Energy of one unit.
   struct UnitEnergy {
     std::vector<Spread>
-        events;       ///< one of each counter that names one, in their order, with its share of the clock tree
-    Spread standing;  ///< what time brings: leakage, standby, the clock of idle cycles
+        events;       ///< one for each counter that names an event, in order, with its share of the clock tree
+    Spread standing;  ///< energy independent of activity: leakage, standby, idle clock
   };
-  /// In the order of the units; all of it together is report().total_pj, but for the order of additions.
+  /// In the order of the units. The sum equals report().total_pj except for the order of additions.
   std::vector<UnitEnergy> of_units() const;
-  /// pJ of one side, by block in alphabetical order.
+  /// pJ of one side by block, in alphabetical order.
   std::vector<double> of_blocks(Side side) const;
-  /// The same by kind.
+  /// pJ of one side by kind.
   std::vector<double> of_kinds(Side side) const;
   static constexpr std::array<const char*, 3> kKinds = {"dynamic", "clock", "leakage"};
-  /// pJ of one side: the same bits as that side of report().total_pj.
+  /// pJ of one side, bit-equal to that side of report().total_pj.
   double total(Side side) const;
   const std::vector<std::string>& blocks() const { return blocks_; }
 
  private:
-  /// A figure that counts are multiplied by: of the table for arrays of one size, or of a device.
+  /// Energy per count: from the table for arrays of one size, or of a device.
   struct Figure {
     EnergyPoint point{};
     const DeviceEvent* device = nullptr;
@@ -66,7 +65,7 @@ class EnergyFormula {
     const Spread* flops;
     LogicArea logic;
   };
-  /// Energy by kind of one side.
+  /// Energy of one side by kind.
   struct Kinds {
     double dynamic = 0, clock = 0, leakage = 0;
     double total() const { return dynamic + clock + leakage; }
@@ -83,7 +82,7 @@ class EnergyFormula {
   EnergyTable table_;
   std::vector<Figure> figures_;
   std::vector<std::string> blocks_;
-  std::vector<PowerScale> scales_;  ///< one a block
+  std::vector<PowerScale> scales_;  ///< one per block
   std::vector<Unit> units_;
   double leakage_pj_per_mw_;
 };

@@ -10,27 +10,27 @@
 
 namespace sim {
 
-/// Low, nominal or high of a figure.
+/// Selects low, nominal or high of a value.
 using Side = double Spread::*;
 inline constexpr std::array<Side, 3> kSides = {&Spread::low, &Spread::nominal, &Spread::high};
 
-/// A curve at one size: a power law between two of its points, or a point. Refers to the table's figures, which may
+/// A curve at one size: a power law between two points, or a single point. Refers to the table's values, which may
 /// change.
 struct EnergyPoint {
   const Spread* left = nullptr;
-  const Spread* right = nullptr;  ///< null: left as it is
-  double part = 0;                ///< share of the way from left to right in the logarithm of the size
+  const Spread* right = nullptr;  ///< null: only `left`
+  double part = 0;                ///< position between left and right in the logarithm of the size
   double at(Side side) const;
   friend bool operator==(const EnergyPoint&, const EnergyPoint&) = default;
 };
 
-/// pJ of an event over the size of the array that it accesses.
+/// Energy of an event in pJ over the size of the array that it accesses.
 class EnergyCurve {
  public:
   bool depends_on_size() const { return points_.size() > 1; }
-  /// `bytes` of the array, which must be more than 0 if depends_on_size().
+  /// `bytes`: size of the array, more than 0 if depends_on_size().
   EnergyPoint at(std::uint64_t bytes) const;
-  /// Sizes between which it is measured, if depends_on_size(); beyond them at() extrapolates.
+  /// Range of the curve's points; at() extrapolates beyond them.
   std::uint64_t least_bytes() const { return static_cast<std::uint64_t>(points_.front().bytes); }
   std::uint64_t most_bytes() const { return static_cast<std::uint64_t>(points_.back().bytes); }
 
@@ -40,19 +40,20 @@ class EnergyCurve {
     double bytes;
     const Spread* pj;
   };
-  /// By rising size; one point of size 0 for an event that does not depend on it.
+  /// by increasing size; one point of size 0 if the event does not depend on it
   std::vector<Point> points_;
 };
 
-/// The events of an EnergyConfig, ready to be asked for. `events` must outlive the table and keep its entries.
+/// Lookup of the events of an EnergyConfig. `events` must outlive the table and keep its entries.
 class EnergyTable {
  public:
-  /// Throws InputError for an event whose size ("@16KiB") is none, or that has a figure both with and without sizes.
-  /// `key`: what errors call the table.
+  /// Throws InputError for an invalid size ("@16KiB"), or an event both with and without a size. `key` names the table
+  /// in errors.
   explicit EnergyTable(const std::map<std::string, Spread>& events, std::string_view key = "energy.events");
-  explicit EnergyTable(std::map<std::string, Spread>&&, std::string_view = {}) = delete;  // it keeps pointers to them
+  explicit EnergyTable(std::map<std::string, Spread>&&,
+                       std::string_view = {}) = delete;  // the table keeps pointers to the entries
 
-  /// pJ of one event that contains() has, in an array of `bytes`.
+  /// Energy of an event in pJ in an array of `bytes`. contains() must be true.
   Spread at(std::string_view event, std::uint64_t bytes) const;
   bool contains(std::string_view event) const { return curves_.contains(std::string(event)); }
   const EnergyCurve& curve(std::string_view event) const { return curves_.at(std::string(event)); }

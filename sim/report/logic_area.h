@@ -7,17 +7,17 @@
 
 namespace sim {
 
-/// Area of a unit's logic, in mm2, as a formula of the figures, which may change:
+/// Area of a unit's logic in mm2, as a formula of the table's values, which may change:
 ///
-///   energy.logic + sum over the unit's parts ( (count - energy.parts_in_logic) x energy.parts ), not below 0
+///   energy.logic + sum over the unit's parts ( (count - energy.parts_in_logic) x energy.parts ), at least 0
 ///
-/// What is taken away is taken at its nominal area, of which energy.logic is made: so a smaller unit's band is in
-/// order. A part is looked up as "<block>.<kind>.<part>", then as "<block>.<part>". A table that knows no parts at all
-/// is that of a report from before there were any: its logic is energy.logic, whatever the unit is built of. `config`
-/// must outlive the formula and keep its entries.
+/// 1. Removed parts count with their nominal area, so the band of a smaller unit stays in order.
+/// 2. A part is looked up as "<block>.<kind>.<part>", then as "<block>.<part>".
+/// 3. A table without any parts is from a report of an older version: the area is energy.logic.
+/// 4. `config` must outlive the formula and keep its entries.
 class LogicArea {
  public:
-  /// Throws InputError for a unit without `logic`, or with a part that the table does not know.
+  /// Throws InputError for a unit without `logic` or with an unknown part.
   LogicArea(const UnitReport& unit, const EnergyConfig& config);
 
   double at(Side side) const;

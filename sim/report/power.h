@@ -11,14 +11,14 @@
 
 namespace sim {
 
-/// Voltage at which energies are told.
+/// Voltage used for energy reporting.
 enum class Voltage : std::uint8_t {
-  kNominal,  ///< the energy table's, whatever the clock
-  kDvfs,     ///< what each domain needs for its clock
+  kNominal,  ///< the voltage of the energy table at any clock
+  kDvfs,     ///< the voltage that each domain needs for its clock
 };
 constexpr std::array<std::string_view, 2> names_of(Voltage) { return {"nominal", "dvfs"}; }
 
-/// Conditions under which the chip runs: one file of configs/power. With the defaults here nothing is scaled.
+/// Operating conditions of the chip: one file of configs/power. The defaults scale nothing.
 struct PowerConfig {
   Voltage voltage = Voltage::kNominal;
   std::map<std::string, Spread> dvfs;
@@ -53,15 +53,15 @@ struct PowerConfig {
   }
 };
 
-/// Factors of a block's energies over those of the energy table; a device's own are not concerned.
+/// Scale factors of a block's energies relative to the energy table; not applied to devices.
 struct PowerScale {
   double dynamic = 1, leakage = 1;
 };
-/// Scales of blocks; 1 for those that are not there.
+/// Scales by block name; 1 for absent blocks.
 using PowerScales = std::map<std::string, PowerScale>;
 
-/// Voltage over the frequency of a clock domain: straight lines between points, the lowest point's below them, and the
-/// last line's slope above.
+/// Voltage over the frequency of a clock domain: linear between points, constant below the lowest, extrapolated above
+/// the highest.
 class VoltageCurve {
  public:
   double at(std::uint64_t hz) const;
@@ -74,13 +74,15 @@ class VoltageCurve {
     std::uint64_t hz;
     double volt;
   };
-  std::vector<Point> points_;  ///< by rising frequency
+  std::vector<Point> points_;  ///< by increasing frequency
 };
 
-/// Curves of `config.dvfs` by domain. InputError for an entry without a frequency, or that falls as the clock rises.
+/// Returns the curves of `config.dvfs` by domain. InputError for an entry without a frequency, or a voltage that falls
+/// as the clock rises.
 std::map<std::string, VoltageCurve> voltage_curves(const PowerConfig& config);
 
-/// Dynamic energy goes with the square of the voltage, leakage with a power of it, and doubles every so many degrees.
+/// Dynamic energy scales with the square of the voltage, leakage with a power of it, doubling every `leakage_doubling`
+/// degrees.
 PowerScale power_scale(const PowerConfig& config, double volt);
 
 }  // namespace sim

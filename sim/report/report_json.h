@@ -8,19 +8,19 @@
 
 namespace sim {
 
-/// {low, nominal, high}, each times `factor`.
+/// Returns {low, nominal, high}, each multiplied by `factor`.
 Json spread_json(const Spread& spread, double factor = 1);
 
-/// The units as a tree by the parts of their paths: "core0.tni.trv2" is at ["core0"]["tni"]["trv2"], with
+/// Returns the units as a tree by the parts of their paths: "core0.tni.trv2" is at ["core0"]["tni"]["trv2"], with
 /// {elapsed, why{reason: cycles}, counters{name: value}}. In the order given.
 Json units_json(std::span<const UnitReport> units);
 
-/// {energy_mj, energy_by_block_mj{block}, energy_by_kind_mj{dynamic, clock, leakage}}, each a spread in millijoules,
-/// and energy_by_event_mj{block{event}}, nominal.
+/// Returns {energy_mj, energy_by_block_mj{block}, energy_by_kind_mj{dynamic, clock, leakage}}, each a band in
+/// millijoules, and energy_by_event_mj{block{event}}, nominal.
 Json energy_json(const EnergyReport& energy);
 
-/// The text of a report file: indented, one line end at the end. Numbers are the shortest that read back exactly, so
-/// equal reports are equal bytes.
+/// Returns the text of a report file: indented, with a final line end. Numbers have the fewest digits that read back
+/// exactly, so equal reports are equal bytes.
 std::string json_text(const Json& json);
 
 }  // namespace sim

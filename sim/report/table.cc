@@ -10,12 +10,12 @@
 namespace sim {
 namespace {
 
-/// Characters, not bytes, of a UTF-8 text.
+/// Number of characters (not bytes) of a UTF-8 text.
 std::size_t width(std::string_view text) {
   return static_cast<std::size_t>(std::ranges::count_if(text, [](char c) { return (c & 0xc0) != 0x80; }));
 }
 
-/// The power of ten of a number that is rounded to so many digits: 999.9 in three is 1.00e3.
+/// The decimal exponent of a number rounded to `digits` digits: 999.9 in three digits is 1.00e3.
 int exponent_of(double value, int digits) {
   const std::string rounded = fmt::format("{:.{}e}", value, digits - 1);
   int exponent = 0;
@@ -24,7 +24,7 @@ int exponent_of(double value, int digits) {
   return exponent;
 }
 
-/// A number of so many digits, and the metric prefix that leaves one to three of them before the point.
+/// Returns a number of `digits` digits with the metric prefix that leaves one to three of them before the point.
 std::pair<std::string, std::string_view> scaled(double value, int digits) {
   constexpr std::string_view kPrefixes[] = {"f", "p", "n", "u", "m", "", "k", "M", "G", "T", "P"};
   constexpr int kNone = 5;
@@ -34,7 +34,7 @@ std::pair<std::string, std::string_view> scaled(double value, int digits) {
   return {fmt::format("{:.{}f}", value / std::pow(10.0, 3 * group), decimals), kPrefixes[group + kNone]};
 }
 
-/// "12.3 k", "-0.5 %", "x1.24", "± 2 %"
+/// True for "12.3 k", "-0.5 %", "x1.24", "± 2 %".
 bool begins_with_number(std::string_view cell) {
   const std::size_t digit = cell.find_first_of("0123456789");
   return digit != std::string_view::npos &&
@@ -50,7 +50,7 @@ std::string si_text(double value, std::string_view unit) {
   };
   const bool whole = value == std::trunc(value) && std::abs(value) < 1000;
   if (whole || !std::isfinite(value)) return with_unit(fmt::format("{}", value), {});
-  if (unit.empty() && std::abs(value) < 1 && std::abs(value) >= 1e-3) return fmt::format("{:#.3g}", value);  // a ratio
+  if (unit.empty() && std::abs(value) < 1 && std::abs(value) >= 1e-3) return fmt::format("{:#.3g}", value);  // ratios
   const auto [number, prefix] = scaled(value, 3);
   return with_unit(number, prefix);
 }

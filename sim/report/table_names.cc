@@ -18,7 +18,7 @@ namespace {
 
 using Names = std::set<std::string>;
 
-/// `unknown` says what is wrong with an entry, as "no counter names this event".
+/// `unknown`: what is wrong with an entry, such as "no counter names this event".
 [[noreturn]] void refuse(std::string_view table, const std::string& name, std::string_view unknown,
                          const Names& known) {
   const std::string_view start = start_of(name);
@@ -30,7 +30,7 @@ using Names = std::set<std::string>;
 
 std::string whole(std::string_view entry) { return std::string(entry); }
 
-/// `name_of` an entry: all of it, or event_of() where there may be a size behind it.
+/// `name_of` extracts the name of an entry: all of it, or event_of() where a size may follow.
 void check(std::string_view table, const std::map<std::string, Spread>& entries, std::string_view unknown,
            const Names& known, std::string (*name_of)(std::string_view) = whole) {
   for (const auto& [entry, figure] : entries) {

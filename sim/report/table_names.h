@@ -8,12 +8,13 @@
 
 namespace sim {
 
-// A figure that nobody can use is a misspelling: these throw InputError for it, with the nearest name that is known.
+// A table entry that no unit or counter uses is a misspelling. These functions throw InputError for it, with the
+// nearest known name.
 
-/// The table's events must be exactly those of `declared`: all that counters may name, without the device's.
+/// The table's events must be exactly `declared`: all events that counters name, without those of devices.
 void check_energy_events(const EnergyConfig& config, std::span<const std::string> declared);
 
-/// Tables by unit may name no others than these, as "<block>.<kind>" or "<block>"; tables by part, as
+/// Tables by unit may contain only these units, as "<block>.<kind>" or "<block>"; tables by part, as
 /// "<block>.<kind>.<part>" or "<block>.<part>".
 void check_unit_names(const EnergyConfig& config, std::span<const UnitReport> units);
 void check_unit_names(const AreaConfig& config, std::span<const UnitReport> units);
