@@ -28,11 +28,11 @@ inline std::size_t edit_distance(std::string_view a, std::string_view b) {
 }
 
 /// The first 64 bytes of a word. The time of a comparison grows with the length, and the word is untrusted.
-constexpr std::string_view start_of(std::string_view word) { return word.substr(0, 64); }
+constexpr std::string_view comparable_start(std::string_view word) { return word.substr(0, 64); }
 
 /// Returns the candidate nearest to a word, the first of equals, or the end if none is within `most` edits.
 template <std::ranges::forward_range Candidates, class Name = std::identity>
-auto nearest_of(std::string_view word, const Candidates& candidates, std::size_t most, Name name = {}) {
+auto find_nearest(std::string_view word, const Candidates& candidates, std::size_t most, Name name = {}) {
   auto found = std::ranges::end(candidates);
   std::size_t best = most + 1;
   for (auto at = std::ranges::begin(candidates); at != std::ranges::end(candidates); ++at) {

@@ -10,7 +10,7 @@
 #include "sim/machine.h"
 #include "sim/partitions.h"
 #include "sim/time.h"
-#include "sim/wakes.h"
+#include "sim/wakeups.h"
 
 namespace sim {
 
@@ -23,13 +23,13 @@ enum class Skip : std::uint8_t {
 ///   machine()            its units and links
 ///   done()               true once all work has left the machine
 /// Optional, to run the machine's partitions one after the other:
-///   reach(t)             how far the partitions may run once all have reached t; not past a time at which done() may
-///   become true
+///   run_limits(t)             how far the partitions may run once all have reached t; not past a time at which done()
+///   may become true
 /// Optional, to detect livelock:
 ///   patience()           the longest time without a retired item
 template <class Owner>
 concept HasPartitions = requires(Owner& owner, Time now) {
-  owner.reach(now);
+  owner.run_limits(now);
 };
 
 template <class Owner>
@@ -43,25 +43,25 @@ template <class Owner>
 class Watchdog {
  public:
   explicit Watchdog(Owner& owner) : owner_(owner) {
-    if constexpr (HasPatience<Owner>) patience_over_ = patience_ = owner.patience();
-    look_up_at_ = std::min(patience_over_, owner_.machine().next_edge());
+    if constexpr (HasPatience<Owner>) progress_due_at_ = patience_ = owner.patience();
+    next_check_at_ = std::min(progress_due_at_, owner_.machine().next_boundary());
   }
   /// Called once all units have finished the work before `now`, the next wake-up time. Throws Deadlock if a whole
   /// patience() has passed without a retired item.
-  void watch(Time now) {
-    if (now >= look_up_at_ && now != kNever) look_up(now);
+  void check_at(Time now) {
+    if (now >= next_check_at_ && now != kNever) run_checks(now);
   }
   /// The next interval boundary; no partition may run past it before the others have reached it.
-  Time next_edge() const { return owner_.machine().next_edge(); }
+  Time next_boundary() const { return owner_.machine().next_boundary(); }
 
  private:
-  void look_up(Time now) {
+  void run_checks(Time now) {
     Machine& machine = owner_.machine();
-    if (now >= machine.next_edge()) machine.pass_edges(now);
-    if (now >= patience_over_) ask(now);
-    look_up_at_ = std::min(patience_over_, machine.next_edge());
+    if (now >= machine.next_boundary()) machine.sample_intervals_until(now);
+    if (now >= progress_due_at_) check_progress(now);
+    next_check_at_ = std::min(progress_due_at_, machine.next_boundary());
   }
-  void ask(Time now) {
+  void check_progress(Time now) {
     Machine& machine = owner_.machine();
     const std::uint64_t retired = machine.retired();
     if (retired == retired_) {
@@ -71,37 +71,36 @@ class Watchdog {
                      machine.state());
     }
     retired_ = retired;
-    patience_over_ = now + std::min(patience_, kNever - now);
+    progress_due_at_ = now + std::min(patience_, kNever - now);
   }
 
   Owner& owner_;
-  Time patience_ = kNever, patience_over_ = kNever;
-  Time look_up_at_ = kNever;  ///< time of the next check
+  Time patience_ = kNever, progress_due_at_ = kNever;
+  Time next_check_at_ = kNever;  ///< time of the next check
   std::uint64_t retired_ = 0;
 };
 
 /// Runs the inner partition on its own and returns its next wake-up time.
 template <class TickAt>
-Time run_inner(Wakes& wakes, const Partition& inner, Time others, Time end, TickAt&& tick_at) {
-  Time at = wakes.earliest(inner.units);
-  while (at < reach_of(inner, others, end)) at = wakes.tick_due(inner.units, at, tick_at(at));
+Time run_inner(WakeupTable& wakeups, const Partition& inner, Time others, Time end, TickAt&& tick_at) {
+  Time at = wakeups.earliest_time(inner.units);
+  while (at < run_limit(inner, others, end)) at = wakeups.tick_due(inner.units, at, tick_at(at));
   return at;
 }
 
 /// Runs an outer partition on its own and returns its next wake-up time. Its cluster runs alone while no other unit of
 /// the partition is due.
 template <class TickAt>
-Time run_outer(Wakes& wakes, const Partition& partition, Time inner, Time end, TickAt&& tick_at) {
+Time run_outer(WakeupTable& wakeups, const Partition& partition, Time inner, Time end, TickAt&& tick_at) {
   const Cluster& cluster = partition.cluster;
-  const auto clustered_units = wakes.earliest_of_each(cluster.units),
-             other_units = wakes.earliest_of_each(partition.units);
-  const ClusterTurn turn{wakes.times(cluster.units), clustered_units, partition, inner, end, other_units};
+  const auto clustered_units = wakeups.group_minima(cluster.units), other_units = wakeups.group_minima(partition.units);
+  const ClusterTurn turn{wakeups.unit_times(cluster.units), clustered_units, partition, inner, end, other_units};
   for (;;) {
-    const Time others = wakes.earliest(partition.units), clustered = wakes.earliest(cluster.units);
+    const Time others = wakeups.earliest_time(partition.units), clustered = wakeups.earliest_time(cluster.units);
     const Time at = std::min(others, clustered);
-    if (at >= reach_of(partition, inner, end)) return at;
+    if (at >= run_limit(partition, inner, end)) return at;
     if (clustered == at) cluster.run(cluster.owner, turn, at);
-    if (others == at) wakes.tick_due(partition.units, at, tick_at(at));
+    if (others == at) wakeups.tick_due(partition.units, at, tick_at(at));
   }
 }
 
@@ -109,25 +108,25 @@ Time run_outer(Wakes& wakes, const Partition& partition, Time inner, Time end, T
 /// or kNever. No partition passes an interval boundary before all have reached it.
 template <class Owner, class TickAt>
 Time run_partitions(Owner& owner, Time now, Watchdog<Owner>& watchdog, TickAt&& tick_at) {
-  Wakes& wakes = owner.machine().wakes();
+  WakeupTable& wakeups = owner.machine().wakeups();
   Partitions& partitions = owner.machine().partitions();
   const std::size_t count = partitions.outer.size();
   // Alternates the direction: the partition that ran last is still in the host's caches.
-  for (bool back = false;; back = !back, now = wakes.earliest()) {
+  for (bool back = false;; back = !back, now = wakeups.earliest_time()) {
     if (now == kNever) return now;
-    Reach reach = owner.reach(now);
+    RunLimits reach = owner.run_limits(now);
     if (reach.end <= now) return now;
-    watchdog.watch(now);
-    reach.end = std::min(reach.end, watchdog.next_edge());
-    const Time next = run_inner(wakes, partitions.inner, now, std::min(reach.lead, reach.end), tick_at);
+    watchdog.check_at(now);
+    reach.end = std::min(reach.end, watchdog.next_boundary());
+    const Time next = run_inner(wakeups, partitions.inner, now, std::min(reach.lead, reach.end), tick_at);
     // A pop from a full link would wake the inner partition immediately.
     const Time led = partitions.inner.nearly_full == 0 ? std::min(next, reach.end) : now;
     Time reached = reach.end;  // reached by all outer partitions
     for (std::size_t i = 0; i < count; ++i) {
       const Partition& partition = partitions.outer[back ? count - 1 - i : i];
-      reached = std::min(reached, run_outer(wakes, partition, led, reach.end, tick_at));
+      reached = std::min(reached, run_outer(wakeups, partition, led, reach.end, tick_at));
     }
-    run_inner(wakes, partitions.inner, reached, reached, tick_at);
+    run_inner(wakeups, partitions.inner, reached, reached, tick_at);
   }
 }
 
@@ -136,29 +135,29 @@ template <Skip kSkip = Skip::kOn, class Owner>
 Time run(Owner& owner) {
   Machine& machine = owner.machine();
   machine.start();
-  Wakes& wakes = machine.wakes();
-  const auto tick_at = [units = machine.ticked().data()](Time now) {
+  WakeupTable& wakeups = machine.wakeups();
+  const auto tick_at = [units = machine.tick_functions().data()](Time now) {
     return [units, now](std::size_t i) { return units[i](now); };
   };
   Watchdog<Owner> watchdog(owner);
   Time now = 0;
-  if constexpr (kSkip == Skip::kOn && HasPartitions<Owner>) now = wakes.earliest();
+  if constexpr (kSkip == Skip::kOn && HasPartitions<Owner>) now = wakeups.earliest_time();
   for (;;) {
     if constexpr (kSkip == Skip::kOn && HasPartitions<Owner>) now = run_partitions(owner, now, watchdog, tick_at);
-    watchdog.watch(now);
+    watchdog.check_at(now);
     if constexpr (kSkip == Skip::kOff) {
-      machine.each_clock([&](std::size_t i, Clock clock) {
-        if (clock.is_edge(now)) wakes.tick_one(i, tick_at(now));
+      machine.for_each_clock([&](std::size_t i, Clock clock) {
+        if (clock.is_edge(now)) wakeups.tick_one(i, tick_at(now));
       });
     } else {
-      if (now != kNever) wakes.tick_due(now, tick_at(now));
+      if (now != kNever) wakeups.tick_due(now, tick_at(now));
     }
     if (owner.done()) return now;
-    const Time next = wakes.earliest();
+    const Time next = wakeups.earliest_time();
     if (next == kNever) throw Deadlock("the machine is stuck", machine.state());
     if constexpr (kSkip == Skip::kOff) {
       Time edge = kNever;
-      machine.each_clock([&](std::size_t, Clock clock) { edge = std::min(edge, clock.edge_at_or_after(now + 1)); });
+      machine.for_each_clock([&](std::size_t, Clock clock) { edge = std::min(edge, clock.edge_at_or_after(now + 1)); });
       now = edge;
     } else {
       now = next;
@@ -172,18 +171,18 @@ template <class Owner>
 Time run_shuffled(Owner& owner, std::uint64_t seed) {
   Machine& machine = owner.machine();
   machine.start();
-  Wakes& wakes = machine.wakes();
-  std::vector<std::size_t> order(wakes.size());
+  WakeupTable& wakeups = machine.wakeups();
+  std::vector<std::size_t> order(wakeups.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   Watchdog<Owner> watchdog(owner);
   for (Time now = 0;;) {
-    watchdog.watch(now);
+    watchdog.check_at(now);
     std::ranges::sort(order, {}, [&](std::size_t i) { return hash(seed, now, i); });
     for (const std::size_t i : order) {
-      if (wakes[i] == now) wakes.tick_one(i, [&](std::size_t) { return machine.ticked()[i](now); });
+      if (wakeups[i] == now) wakeups.tick_one(i, [&](std::size_t) { return machine.tick_functions()[i](now); });
     }
     if (owner.done()) return now;
-    now = wakes.earliest();
+    now = wakeups.earliest_time();
     if (now == kNever) throw Deadlock("the machine is stuck", machine.state());
   }
 }

@@ -23,4 +23,9 @@ struct Deadlock : std::runtime_error {
   std::string state;  ///< one line per unit
 };
 
+/// Polled by long computations, which throw Cancelled once it returns true.
+using Stop = bool (*)();
+
+struct Cancelled {};
+
 }  // namespace sim

@@ -4,7 +4,7 @@
 namespace sim {
 
 /// Bijective 64-bit finaliser (the variant 13 constants of D. Stafford, as in SplitMix64).
-constexpr std::uint64_t mix(std::uint64_t x) {
+constexpr std::uint64_t mix_bits(std::uint64_t x) {
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
   x = (x ^ (x >> 27)) * 0x94d049bb133111ebULL;
   return x ^ (x >> 31);
@@ -14,7 +14,7 @@ constexpr std::uint64_t mix(std::uint64_t x) {
 template <class... Keys>
 constexpr std::uint64_t hash(Keys... keys) {
   std::uint64_t h = 0x9e3779b97f4a7c15ULL;
-  ((h = mix(h ^ (static_cast<std::uint64_t>(keys) + 0x9e3779b97f4a7c15ULL + (h << 6)))), ...);
+  ((h = mix_bits(h ^ (static_cast<std::uint64_t>(keys) + 0x9e3779b97f4a7c15ULL + (h << 6)))), ...);
   return h;
 }
 

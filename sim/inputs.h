@@ -19,8 +19,8 @@ class Inputs {
   explicit Inputs(std::vector<Link<T>*> links) : links_(std::move(links)), pop_at_(links_.size(), kNever) {
     assert(links_.size() <= 64);
     for (std::size_t i = 0; i < links_.size(); ++i) {
-      links_[i]->tell(&holding_, static_cast<unsigned>(i));
-      links_[i]->shows(&pop_at_[i]);
+      links_[i]->bind_occupancy_bit(&nonempty_mask_, static_cast<unsigned>(i));
+      links_[i]->mirror_pop_time(&pop_at_[i]);
     }
   }
   Inputs(const Inputs&) = delete;
@@ -30,22 +30,22 @@ class Inputs {
   Link<T>& operator[](std::size_t i) const { return *links_[i]; }
 
   /// Mask of the links that hold items, including items that cannot be popped yet.
-  std::uint64_t holding() const { return holding_; }
+  std::uint64_t nonempty_mask() const { return nonempty_mask_; }
   /// Link::pop_at() and can_pop() of a link, from a local array.
   Time pop_at(std::size_t i) const { return pop_at_[i]; }
   bool can_pop(std::size_t i, Time now) const { return pop_at_[i] <= now; }
   /// The earliest pop_at() of all links.
   Time pop_at() const {
     Time first = kNever;
-    for (std::uint64_t left = holding_; left != 0; left &= left - 1) {
+    for (std::uint64_t left = nonempty_mask_; left != 0; left &= left - 1) {
       first = std::min(first, pop_at_[static_cast<std::size_t>(std::countr_zero(left))]);
     }
     return first;
   }
   /// Calls f(link) for each link that holds items.
   template <class F>
-  void each(F&& f) const {
-    for (std::uint64_t left = holding_; left != 0; left &= left - 1) {
+  void for_each_nonempty(F&& f) const {
+    for (std::uint64_t left = nonempty_mask_; left != 0; left &= left - 1) {
       f(*links_[static_cast<std::size_t>(std::countr_zero(left))]);
     }
   }
@@ -53,7 +53,7 @@ class Inputs {
  private:
   std::vector<Link<T>*> links_;
   std::vector<Time> pop_at_;
-  std::uint64_t holding_ = 0;
+  std::uint64_t nonempty_mask_ = 0;
 };
 
 }  // namespace sim

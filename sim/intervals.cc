@@ -9,7 +9,7 @@ Intervals::Intervals(Time length, std::size_t most) : length_(length), most_(mos
   assert(length > 0 && most >= 2 && most % 2 == 0);
 }
 
-void Intervals::begin(std::size_t width) {
+void Intervals::allocate_rows(std::size_t width) {
   width_ = width;
   most_ = std::max<std::size_t>(2, std::min(most_, kMostValues / std::max<std::size_t>(width, 1)) / 2 * 2);
   values_ = std::make_unique_for_overwrite<std::uint64_t[]>(most_ * width_);
@@ -22,7 +22,7 @@ std::uint64_t* Intervals::next_row() {
 }
 
 std::uint64_t* Intervals::last_row(Time end) {
-  assert(end > rows_ * length_ && end <= next_edge());
+  assert(end > rows_ * length_ && end <= next_boundary());
   end_ = end;
   return add_row();
 }

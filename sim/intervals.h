@@ -26,21 +26,21 @@ class Intervals {
   explicit Intervals(Time length = kFirstLength, std::size_t most = kMost);
 
   // Called by the recorded machine.
-  void begin(std::size_t width);
-  Time next_edge() const { return (rows_ + 1) * length_; }
+  void allocate_rows(std::size_t width);
+  Time next_boundary() const { return (rows_ + 1) * length_; }
   /// Adds the row of the next boundary, to be filled by the caller.
   std::uint64_t* next_row();
   /// Adds the row of the end of the run, to be filled by the caller.
   std::uint64_t* last_row(Time end);
 
-  Time length() const { return length_; }
+  Time interval_length() const { return length_; }
   Time end() const { return end_; }
   /// Number of intervals. The last one may be shorter than the others.
   std::size_t size() const { return rows_; }
-  std::size_t width() const { return width_; }
+  std::size_t row_row_width() const { return width_; }
   std::span<const std::uint64_t> row(std::size_t i) const { return {values_.get() + i * width_, width_}; }
   /// End time of an interval.
-  Time edge(std::size_t i) const { return i + 1 == rows_ && end_ != 0 ? end_ : (i + 1) * length_; }
+  Time end_of(std::size_t i) const { return i + 1 == rows_ && end_ != 0 ? end_ : (i + 1) * length_; }
 
  private:
   void merge_pairs();

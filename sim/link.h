@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sim/time.h"
-#include "sim/wakes.h"
+#include "sim/wakeups.h"
 
 namespace sim {
 
@@ -43,19 +43,19 @@ class Link {
 
   /// Sets the wake-up times of both ends. The link lowers them for events that an end cannot predict: the first item in
   /// an empty link, the first free slot of a full one. pop_at() and push_at() give all others.
-  void wakes(Waker producer, Waker consumer) {
+  void set_wakeup_handles(WakeupHandle producer, WakeupHandle consumer) {
     if (producer.unit != nullptr) producer_ = producer;
     if (consumer.unit != nullptr) consumer_ = consumer;
   }
   /// Keeps `bit` of `*set` equal to "the link holds items" (sim/inputs.h).
-  void tell(std::uint64_t* set, unsigned bit) {
-    holding_ = set;
+  void bind_occupancy_bit(std::uint64_t* set, unsigned bit) {
+    occupancy_mask_ = set;
     bit_ = std::uint64_t{1} << bit;
-    if (size_ != 0) *holding_ |= bit_;
+    if (size_ != 0) *occupancy_mask_ |= bit_;
   }
 
   /// Mirrors pop_at() in `*pop_at`. Also lowers `*soonest` to it when the first item enters an empty link.
-  void shows(Time* pop_at, Time* soonest = nullptr) {
+  void mirror_pop_time(Time* pop_at, Time* soonest = nullptr) {
     *pop_at = *pop_at_;
     pop_at_ = pop_at;
     if (soonest == nullptr) return;
@@ -89,12 +89,12 @@ class Link {
     if (size_ == 0) {
       *pop_at_ = stamp;
       *soonest_ = std::min(*soonest_, stamp);
-      *holding_ |= bit_;
+      *occupancy_mask_ |= bit_;
       consumer_.lower(stamp);
     }
     size_ += 1;
     *nearly_full_ += size_ == nearly_full_from_;
-    tail_ = after(tail_);
+    tail_ = next_index(tail_);
     push_at_ = size_ == capacity_ ? kNever : slots_[tail_].stamp;
   }
 
@@ -111,10 +111,10 @@ class Link {
     }
     *nearly_full_ -= size_ == nearly_full_from_;
     size_ -= 1;
-    head_ = after(head_);
+    head_ = next_index(head_);
     if (size_ == 0) {
       *pop_at_ = kNever;
-      *holding_ &= ~bit_;
+      *occupancy_mask_ &= ~bit_;
     } else {
       *pop_at_ = slots_[head_].stamp;
     }
@@ -132,12 +132,12 @@ class Link {
     T item{};
   };
   /// Next ring index. Branch-free: the wrap of a short ring is unpredictable.
-  std::uint32_t after(std::uint32_t i) const { return (i + 1) * std::uint32_t{i + 1 != capacity_}; }
+  std::uint32_t next_index(std::uint32_t i) const { return (i + 1) * std::uint32_t{i + 1 != capacity_}; }
 
   // Timestamps of both ends, kept apart from the slots: units read them far more often than they push or pop.
   Time own_pop_at_ = kNever;
   Time* pop_at_ = &own_pop_at_;
-  Time* soonest_ = &nobody_;
+  Time* soonest_ = &unused_time_;
   Time push_at_ = 0;
   std::vector<Slot> slots_;
   const std::uint32_t capacity_;
@@ -146,19 +146,19 @@ class Link {
   const bool crossing_;
   const Time latency_,
       release_;  ///< from a push to the consumer and from a pop to the producer, without the wait for the next edge
-  Waker producer_{&nobody_}, consumer_{&nobody_};
-  std::uint64_t* holding_ = &nobodys_;
-  std::uint32_t* nearly_full_ = &nobodys_count_;
+  WakeupHandle producer_{&unused_time_}, consumer_{&unused_time_};
+  std::uint64_t* occupancy_mask_ = &unused_mask_;
+  std::uint32_t* nearly_full_ = &unused_count_;
   std::uint64_t bit_ = 0;
-  Time nobody_ = kNever;  ///< target of writes while no engine is attached
-  std::uint64_t nobodys_ = 0;
-  std::uint32_t nobodys_count_ = 0;
+  Time unused_time_ = kNever;  ///< target of writes while no engine is attached
+  std::uint64_t unused_mask_ = 0;
+  std::uint32_t unused_count_ = 0;
   const Clock producer_clock_, consumer_clock_;
 };
 
 /// The next time after `now` at which a transfer may become possible, given when the item and the room for it are
 /// ready.
-constexpr Time opens(Time now, Time period, Time item_at, Time room_at) {
+constexpr Time next_transfer_time(Time now, Time period, Time item_at, Time room_at) {
   return item_at > now ? item_at : std::max(now + period, room_at);
 }
 

@@ -7,65 +7,65 @@
 namespace sim {
 
 UnitId Machine::unit(Declaration declared) {
-  expect(!started(), "a unit is declared before the start");
+  require(!is_started(), "a unit is declared before the start");
   declared_.push_back(std::move(declared));
   return {declared_.size() - 1, declared_.back().clock};
 }
 
-void Machine::expect(bool kept, std::string_view rule) {
+void Machine::require(bool kept, std::string_view rule) {
   if (!kept) throw std::logic_error("sim::Machine: " + std::string(rule));
 }
 
-void Machine::expect_to_be_built(UnitId id) const {
-  expect(!started(), "a unit is built before the start");
-  expect(id.index < declared_.size(), "a unit is declared before it is built");
-  expect(std::ranges::none_of(units_, [&](const auto& unit) { return unit->declared == id.index; }),
-         declared_[id.index].name + " is built once");
+void Machine::require_unbuilt(UnitId id) const {
+  require(!is_started(), "a unit is built before the start");
+  require(id.index < declared_.size(), "a unit is declared before it is built");
+  require(std::ranges::none_of(units_, [&](const auto& unit) { return unit->declared == id.index; }),
+          declared_[id.index].name + " is built once");
 }
 
-void Machine::expect_to_be_a_cluster(const std::vector<UnitId>& units) const {
-  expect(!started() && !units.empty(), "a cluster has units, and is named before the start");
+void Machine::require_cluster_rules(const std::vector<UnitId>& units) const {
+  require(!is_started() && !units.empty(), "a cluster has units, and is named before the start");
   const Declaration& first = declared_[units.front().index];
   const auto alike = [&](UnitId unit) {
     return unit.clock == first.clock && declared_[unit.index].partition == first.partition;
   };
-  expect(first.partition != 0 && std::ranges::all_of(units, alike), "a cluster has one outer partition and one clock");
+  require(first.partition != 0 && std::ranges::all_of(units, alike), "a cluster has one outer partition and one clock");
   const auto elsewhere = [&](const ClusteredUnits& other) {
     return declared_[other.units.front().index].partition != first.partition;
   };
-  expect(std::ranges::all_of(clusters_, elsewhere), "a partition has one cluster at most");
+  require(std::ranges::all_of(clusters_, elsewhere), "a partition has one cluster at most");
 }
 
-bool Machine::quiet() const {
+bool Machine::is_drained() const {
   return std::ranges::all_of(units_, [](const auto& unit) { return unit->idle(); }) &&
          std::ranges::all_of(wires_, [](const auto& wire) { return wire->empty(); });
 }
 
-void Machine::record(Intervals& intervals) {
-  expect(!started(), "intervals are recorded from the start");
+void Machine::record_intervals(Intervals& intervals) {
+  require(!is_started(), "intervals are recorded from the start");
   std::size_t width = 0;
-  for (const UnitReport& unit : report()) width += unit.why.size() + unit.counters.size();
-  intervals.begin(width);
+  for (const UnitReport& unit : report()) width += unit.cycles_by_reason.size() + unit.counters.size();
+  intervals.allocate_rows(width);
   intervals_ = &intervals;
-  next_edge_ = intervals.next_edge();
+  next_boundary_ = intervals.next_boundary();
 }
 
-void Machine::pass_edges(Time now) {
-  for (; next_edge_ <= now; next_edge_ = intervals_->next_edge()) {
-    bring_up_to(next_edge_);
+void Machine::sample_intervals_until(Time now) {
+  for (; next_boundary_ <= now; next_boundary_ = intervals_->next_boundary()) {
+    account_until(next_boundary_);
     write_row(intervals_->next_row());
   }
 }
 
 void Machine::finish(Time end) {
-  if (intervals_ != nullptr) pass_edges(end - 1);
-  bring_up_to(end);
+  if (intervals_ != nullptr) sample_intervals_until(end - 1);
+  account_until(end);
   if (intervals_ == nullptr) return;
   write_row(intervals_->last_row(end));
-  next_edge_ = kNever;
+  next_boundary_ = kNever;
 }
 
-void Machine::bring_up_to(Time end) {
+void Machine::account_until(Time end) {
   for (const auto& unit : units_) unit->finish(declared_[unit->declared].clock.edge_at_or_after(end));
 }
 
@@ -96,8 +96,8 @@ std::uint64_t Machine::retired() const {
 }
 
 void Machine::start() {
-  if (started()) return;
-  expect(units_.size() == declared_.size(), "each declared unit is built");
+  if (is_started()) return;
+  require(units_.size() == declared_.size(), "each declared unit is built");
   place_units();
   connect_links();
 }
@@ -123,32 +123,32 @@ void Machine::place_units() {
   std::size_t slot = 0;
   for (std::size_t number = 1; number < partitions; ++number) {
     Partition& outer = partitions_.outer[number - 1];
-    outer.units = place(members[number], slot);
-    outer.cluster.units = place(clustered[number], slot);
+    outer.units = place_group(members[number], slot);
+    outer.cluster.units = place_group(clustered[number], slot);
   }
-  partitions_.inner.units = place(members[0], slot);
-  wakes_.reset(slot, kNever);
-  ticked_.resize(slot);
+  partitions_.inner.units = place_group(members[0], slot);
+  wakeups_.reset(slot, kNever);
+  tick_functions_.resize(slot);
   for (const auto& unit : units_) {
-    ticked_[slots_[unit->declared]] = unit->ticked;
-    wakes_.lower(slots_[unit->declared], 0);
+    tick_functions_[slots_[unit->declared]] = unit->tick;
+    wakeups_.lower(slots_[unit->declared], 0);
   }
 }
 
 /// Gives the units neighbouring wake-up times from `slot` on and advances `slot` to the next whole group.
-Wakes::Groups Machine::place(std::span<const std::size_t> units, std::size_t& slot) {
-  const std::size_t first = slot / Wakes::kGroup;
+WakeupTable::Groups Machine::place_group(std::span<const std::size_t> units, std::size_t& slot) {
+  const std::size_t first = slot / WakeupTable::kGroup;
   for (const std::size_t unit : units) slots_[unit] = slot++;
-  slot = Wakes::whole_groups(slot);
-  return {first, slot / Wakes::kGroup};
+  slot = WakeupTable::round_up_to_groups(slot);
+  return {first, slot / WakeupTable::kGroup};
 }
 
 void Machine::connect_links() {
   for (const auto& wire : wires_) {
     const std::size_t from = declared_[wire->from].partition, to = declared_[wire->to].partition;
-    expect(from == to || from == 0 || to == 0, "outer partitions meet the inner one alone");
+    require(from == to || from == 0 || to == 0, "outer partitions meet the inner one alone");
     Partition& sender = from == 0 ? partitions_.inner : partitions_.outer[from - 1];
-    wire->connect(wakes_.of(slots_[wire->from]), wakes_.of(slots_[wire->to]),
+    wire->connect(wakeups_.handle_of(slots_[wire->from]), wakeups_.handle_of(slots_[wire->to]),
                   from != to ? &sender.nearly_full : nullptr);
     if (from != to && wire->lookahead == Lookahead::kByLatency) lookahead_ = std::min(lookahead_, wire->latency());
   }

@@ -14,7 +14,7 @@
 #include "sim/partitions.h"
 #include "sim/time.h"
 #include "sim/unit_report.h"
-#include "sim/wakes.h"
+#include "sim/wakeups.h"
 
 namespace sim {
 
@@ -27,7 +27,7 @@ struct UnitId {
 /// How a link between two partitions limits how far each may run on its own.
 enum class Lookahead : std::uint8_t {
   kByLatency,  ///< its items may arrive at any time after the latency
-  kByOwner,    ///< the machine's owner computes the arrival times and includes them in reach()
+  kByOwner,    ///< the machine's owner computes the arrival times and includes them in run_limits()
 };
 
 /// Units and the links between them, each declared once. The machine derives the rest: wake-up times, order of visits,
@@ -65,8 +65,8 @@ class Machine {
   Link<T>& link(std::size_t capacity, std::uint64_t latency_cycles, UnitId from, UnitId to,
                 Lookahead lookahead = Lookahead::kByLatency, std::size_t at_once = 1) {
     auto wire = std::make_unique<Wire<T>>(capacity, latency_cycles, from.clock, to.clock, synchroniser_cycles_);
-    expect(from.index < declared_.size() && to.index < declared_.size(), "a link is between declared units");
-    expect(!started(), "a link is declared before the start");
+    require(from.index < declared_.size() && to.index < declared_.size(), "a link is between declared units");
+    require(!is_started(), "a link is declared before the start");
     wire->from = from.index;
     wire->to = to.index;
     wire->lookahead = lookahead;
@@ -81,11 +81,11 @@ class Machine {
   /// it.
   template <class U, class... Args>
   U& build(UnitId id, Args&&... args) {
-    expect_to_be_built(id);
+    require_unbuilt(id);
     auto built = std::make_unique<Built<U>>(std::forward<Args>(args)...);
     U& unit = built->unit;
     const Declaration& declared = declared_[id.index];
-    built->ticked = {&unit, [](void* of, Time now) { return static_cast<U*>(of)->tick(now); }};
+    built->tick = {&unit, [](void* of, Time now) { return static_cast<U*>(of)->tick(now); }};
     built->declared = id.index;
     if constexpr (requires { U::kReasons; }) {
       reports_.push_back([&unit, declared] {
@@ -103,27 +103,27 @@ class Machine {
   /// `now`, their first wake-up time, to the end of the turn. It must update their wake-up times and group minima in
   /// the turn. A partition has at most one cluster.
   template <class Owner>
-  void cluster(std::vector<UnitId> units, Owner& owner) {
-    expect_to_be_a_cluster(units);
+  void set_cluster(std::vector<UnitId> units, Owner& owner) {
+    require_cluster_rules(units);
     clusters_.push_back({std::move(units), &owner,
                          [](void* of, const ClusterTurn& turn, Time now) { static_cast<Owner*>(of)->run(turn, now); }});
   }
   /// Reports a part of the unit built last as a unit of its own.
   template <class Part>
-  void report_part(std::string name, const Part& part, std::uint64_t sram_bytes) {
+  void report_subunit(std::string name, const Part& part, std::uint64_t sram_bytes) {
     reports_.push_back([&part, name = std::move(name), sram_bytes] { return report_of(part, name, sram_bytes); });
     values_.push_back(values_by(part));
   }
   /// Samples the values of all reports at every interval boundary and at the end. Call before the start; `intervals`
   /// must outlive the machine.
-  void record(Intervals& intervals);
+  void record_intervals(Intervals& intervals);
 
   /// True if all links are empty, and all units that have idle() are idle.
-  bool quiet() const;
+  bool is_drained() const;
   /// Charges every unit's time up to the end, rounded up to its clock. Call once, after the run.
   void finish(Time end);
   /// Updates time and counters of every unit to `end`, rounded up to its clock. The run may continue after it.
-  void bring_up_to(Time end);
+  void account_until(Time end);
   /// One line for each unit that has a state.
   std::string state() const;
   std::vector<UnitReport> report() const;
@@ -133,25 +133,25 @@ class Machine {
   // Interface for the engine.
   /// Assigns wake-up times and wakes all units at time 0. No effect if already started.
   void start();
-  Wakes& wakes() { return wakes_; }
+  WakeupTable& wakeups() { return wakeups_; }
   Partitions& partitions() { return partitions_; }
   /// Shortest latency of the links between partitions, without those of kind kByOwner.
   Time lookahead() const { return lookahead_; }
-  Time wake_time(UnitId unit) const { return wakes_[slots_[unit.index]]; }
+  Time wake_time(UnitId unit) const { return wakeups_[slots_[unit.index]]; }
   /// The next interval boundary, which all units must reach together; kNever if nothing is recorded.
-  Time next_edge() const { return next_edge_; }
+  Time next_boundary() const { return next_boundary_; }
   /// Samples all boundaries up to `now`. All units must have finished the work before the next boundary, and no later
   /// work.
-  void pass_edges(Time now);
+  void sample_intervals_until(Time now);
   /// A unit and its tick function, called without virtual dispatch.
-  struct Ticked {
+  struct TickFunction {
     void* unit = nullptr;
     Time (*tick)(void*, Time) = nullptr;
     Time operator()(Time now) const { return tick(unit, now); }
   };
-  const std::vector<Ticked>& ticked() const { return ticked_; }
+  const std::vector<TickFunction>& tick_functions() const { return tick_functions_; }
   /// Calls f(index of the wake-up time, clock) for every unit.
-  void each_clock(auto&& f) const {
+  void for_each_clock(auto&& f) const {
     for (const auto& unit : units_) f(slots_[unit->declared], declared_[unit->declared].clock);
   }
 
@@ -177,7 +177,7 @@ class Machine {
     virtual void finish(Time end) = 0;
     virtual std::string state() const = 0;  ///< empty if the unit has no state
     virtual std::uint64_t retired() const = 0;
-    Ticked ticked;
+    TickFunction tick;
     std::size_t declared = 0;
   };
   template <class U>
@@ -205,7 +205,7 @@ class Machine {
     virtual ~AnyWire() = default;
     virtual bool empty() const = 0;
     virtual Time latency() const = 0;
-    virtual void connect(Waker producer, Waker consumer, std::uint32_t* nearly_full) = 0;
+    virtual void connect(WakeupHandle producer, WakeupHandle consumer, std::uint32_t* nearly_full) = 0;
     std::size_t from = 0, to = 0, at_once = 1;
     Lookahead lookahead = Lookahead::kByLatency;
   };
@@ -215,20 +215,20 @@ class Machine {
         : link(capacity, latency, producer, consumer, synchroniser) {}
     bool empty() const override { return link.empty(); }
     Time latency() const override { return link.latency(); }
-    void connect(Waker producer, Waker consumer, std::uint32_t* nearly_full) override {
-      link.wakes(producer, consumer);
+    void connect(WakeupHandle producer, WakeupHandle consumer, std::uint32_t* nearly_full) override {
+      link.set_wakeup_handles(producer, consumer);
       if (nearly_full != nullptr) link.count_if_nearly_full(nearly_full, at_once);
     }
     Link<T> link;
   };
 
   /// Throws std::logic_error unless `kept`.
-  static void expect(bool kept, std::string_view rule);
-  void expect_to_be_built(UnitId id) const;
-  void expect_to_be_a_cluster(const std::vector<UnitId>& units) const;
-  bool started() const { return wakes_.size() != 0; }
+  static void require(bool kept, std::string_view rule);
+  void require_unbuilt(UnitId id) const;
+  void require_cluster_rules(const std::vector<UnitId>& units) const;
+  bool is_started() const { return wakeups_.size() != 0; }
   void place_units();
-  Wakes::Groups place(std::span<const std::size_t> units, std::size_t& slot);
+  WakeupTable::Groups place_group(std::span<const std::size_t> units, std::size_t& slot);
   void connect_links();
   void write_row(std::uint64_t* row) const;
 
@@ -240,10 +240,10 @@ class Machine {
   std::vector<std::function<UnitReport()>> reports_;
   std::vector<Values> values_;  ///< one per report
   Intervals* intervals_ = nullptr;
-  Time next_edge_ = kNever;
-  std::vector<std::size_t> slots_;  ///< index of the wake-up time of each declared unit
-  std::vector<Ticked> ticked_;      ///< by slot
-  Wakes wakes_;
+  Time next_boundary_ = kNever;
+  std::vector<std::size_t> slots_;            ///< index of the wake-up time of each declared unit
+  std::vector<TickFunction> tick_functions_;  ///< by slot
+  WakeupTable wakeups_;
   Partitions partitions_;
   Time lookahead_ = kNever;
 };

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "sim/wakes.h"
+#include "sim/wakeups.h"
 
 namespace sim {
 
@@ -13,7 +13,7 @@ struct ClusterTurn;
 /// Units of one partition and one clock, ticked by their owner through direct calls, without the engine between cycles.
 /// An optimisation; results do not change, because an action at time t is not visible at t.
 struct Cluster {
-  Wakes::Groups units;  ///< separate groups, in the order of declaration
+  WakeupTable::Groups units;  ///< separate groups, in the order of declaration
   void* owner = nullptr;
   void (*run)(void* owner, const ClusterTurn& turn, Time now) = nullptr;
 };
@@ -29,37 +29,37 @@ struct Cluster {
 /// waits until the others have reached its own time.
 /// 4. Results do not depend on it.
 struct Partition {
-  Wakes::Groups units;            ///< separate groups of wake-up times; without the cluster's
+  WakeupTable::Groups units;      ///< separate groups of wake-up times; without the cluster's
   std::uint32_t nearly_full = 0;  ///< outgoing links to other partitions that one tick may fill
   Cluster cluster;
 };
 
 /// How far a partition may run, if the others have finished the work before `others` and the limit is `end`. With a
 /// nearly full link it stops after their time.
-inline Time reach_of(const Partition& partition, Time others, Time end) {
+inline Time run_limit(const Partition& partition, Time others, Time end) {
   return std::min(end, partition.nearly_full == 0 ? end : others + 1);
 }
 
 /// Limits of one call of a cluster's owner, and the wake-up times that the owner updates.
 struct ClusterTurn {
-  Time* wakes;               ///< wake-up times of the cluster's units, updated by the owner
-  std::span<Time> earliest;  ///< minimum of each group of eight of them, updated by the owner
+  Time* wakeup_times;            ///< wake-up times of the cluster's units, updated by the owner
+  std::span<Time> group_minima;  ///< minimum of each group of eight of them, updated by the owner
   const Partition& partition;
   Time inner;                    ///< time up to which the inner partition has run
   Time end;                      ///< exclusive end of the turn
   std::span<const Time> others;  ///< minima of the partition's other units, by groups
 
   /// True if the turn includes `at`: the partition may run that far, and no other unit is due earlier.
-  bool reaches(Time at) const {
+  bool includes(Time at) const {
     // A single comparison, because the limit that ends the turn is unpredictable.
-    Time over = reach_of(partition, inner, end) - 1;
+    Time over = run_limit(partition, inner, end) - 1;
     for (const Time& other : others) over = std::min(over, other);
     return at <= over;
   }
 };
 
 /// Limits for partitions that have all reached the same time.
-struct Reach {
+struct RunLimits {
   Time lead;  ///< of the inner partition, which runs first
   Time end;   ///< of all partitions
 };

@@ -17,21 +17,21 @@ class Ring {
 
   void push_back(T item) {
     if (size_ == slots_.size()) grow();
-    slots_[at(head_ + size_)] = std::move(item);
+    slots_[wrap_index(head_ + size_)] = std::move(item);
     size_ += 1;
   }
   void pop_front() {
     assert(!empty());
-    head_ = at(head_ + 1);
+    head_ = wrap_index(head_ + 1);
     size_ -= 1;
   }
 
  private:
   /// Wraps an index. The number of slots is a power of two.
-  std::size_t at(std::size_t i) const { return i & (slots_.size() - 1); }
+  std::size_t wrap_index(std::size_t i) const { return i & (slots_.size() - 1); }
   void grow() {
     std::vector<T> longer(std::max<std::size_t>(64, 2 * slots_.size()));
-    for (std::size_t i = 0; i < size_; ++i) longer[i] = std::move(slots_[at(head_ + i)]);
+    for (std::size_t i = 0; i < size_; ++i) longer[i] = std::move(slots_[wrap_index(head_ + i)]);
     slots_ = std::move(longer);
     head_ = 0;
   }

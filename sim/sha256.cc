@@ -33,7 +33,7 @@ void Sha256::add(std::string_view bytes) {
   assert(ok == 1);
 }
 
-std::string Sha256::hex() const {
+std::string Sha256::hex_digest() const {
   const State copy;  // finalising a context makes it unusable
   std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
   unsigned int size = 0;
@@ -48,7 +48,7 @@ std::string Sha256::hex() const {
 std::string sha256_hex(std::string_view bytes) {
   Sha256 digest;
   digest.add(bytes);
-  return digest.hex();
+  return digest.hex_digest();
 }
 
 }  // namespace sim

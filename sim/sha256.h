@@ -15,7 +15,7 @@ class Sha256 {
 
   void add(std::string_view bytes);
   /// Returns 64 lower-case hexadecimal digits. More bytes may be added afterwards.
-  std::string hex() const;
+  std::string hex_digest() const;
 
  private:
   struct State;

@@ -10,7 +10,8 @@ void add_reports(std::vector<UnitReport>& sum, const std::vector<UnitReport>& mo
   assert(sum.size() == more.size());
   for (std::size_t u = 0; u < sum.size(); ++u) {
     sum[u].elapsed += more[u].elapsed;
-    for (std::size_t i = 0; i < sum[u].why.size(); ++i) sum[u].why[i].second += more[u].why[i].second;
+    for (std::size_t i = 0; i < sum[u].cycles_by_reason.size(); ++i)
+      sum[u].cycles_by_reason[i].second += more[u].cycles_by_reason[i].second;
     for (std::size_t i = 0; i < sum[u].counters.size(); ++i) {
       std::uint64_t& value = sum[u].counters[i].value;
       const CounterReport& other = more[u].counters[i];
@@ -19,11 +20,12 @@ void add_reports(std::vector<UnitReport>& sum, const std::vector<UnitReport>& mo
   }
 }
 
-void take_off_reports(std::vector<UnitReport>& later, const std::vector<UnitReport>& earlier) {
+void subtract_reports(std::vector<UnitReport>& later, const std::vector<UnitReport>& earlier) {
   assert(later.size() == earlier.size());
   for (std::size_t u = 0; u < later.size(); ++u) {
     later[u].elapsed -= earlier[u].elapsed;
-    for (std::size_t i = 0; i < later[u].why.size(); ++i) later[u].why[i].second -= earlier[u].why[i].second;
+    for (std::size_t i = 0; i < later[u].cycles_by_reason.size(); ++i)
+      later[u].cycles_by_reason[i].second -= earlier[u].cycles_by_reason[i].second;
     for (std::size_t i = 0; i < later[u].counters.size(); ++i) {
       CounterReport& counter = later[u].counters[i];
       if (counter.kind != CounterKind::kPeak) counter.value -= earlier[u].counters[i].value;

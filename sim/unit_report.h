@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -7,7 +8,6 @@
 #include <vector>
 
 #include "sim/activity.h"
-#include "sim/counter_kind.h"
 #include "sim/named.h"
 #include "sim/time.h"
 
@@ -31,11 +31,11 @@ struct UnitPart {
 
 /// Results of one unit. Plain data: reports, energy and comparisons need no types of units.
 struct UnitReport {
-  std::string path;                                        ///< "core0.tni.trv2"
-  std::string block;                                       ///< energy block
-  std::uint64_t elapsed = 0;                               ///< cycles of the unit's own clock
-  std::vector<std::pair<std::string, std::uint64_t>> why;  ///< cycles by reason; they sum to `elapsed`
-  std::span<const Reason> reasons;                         ///< the declared reasons, one for each entry of `why`
+  std::string path;                                                     ///< "core0.tni.trv2"
+  std::string block;                                                    ///< energy block
+  std::uint64_t elapsed = 0;                                            ///< cycles of the unit's own clock
+  std::vector<std::pair<std::string, std::uint64_t>> cycles_by_reason;  ///< cycles by reason; they sum to `elapsed`
+  std::span<const Reason> reasons;  ///< the declared reasons, one for each entry of `why`
   std::vector<CounterReport> counters;
   std::uint64_t sram_bytes = 0;   ///< storage that leaks
   std::uint64_t cache_bytes = 0;  ///< the array whose accesses are counted; selects size-dependent energies
@@ -49,7 +49,7 @@ struct UnitReport {
 void add_reports(std::vector<UnitReport>& sum, const std::vector<UnitReport>& more);
 
 /// Subtracts the results up to an earlier time. Peaks stay those of the whole time.
-void take_off_reports(std::vector<UnitReport>& later, const std::vector<UnitReport>& earlier);
+void subtract_reports(std::vector<UnitReport>& later, const std::vector<UnitReport>& earlier);
 
 /// Builds the report of a unit from its declarations: kBlock, kReasons, Stats::describe. `cache_bytes` is `sram_bytes`
 /// if 0.
@@ -66,7 +66,7 @@ UnitReport report_of(const Unit& unit, std::string path, std::uint64_t sram_byte
   r.clock_mhz = static_cast<std::uint32_t>(kFemtosecondsPerSecond / clock.period() / 1'000'000);
   for (std::size_t i = 0; i < r.reasons.size(); ++i) {
     const std::uint64_t cycles = clock.cycles(unit.activity().spent(static_cast<typename Unit::CycleReason>(i)));
-    r.why.emplace_back(r.reasons[i].name, cycles);
+    r.cycles_by_reason.emplace_back(r.reasons[i].name, cycles);
     r.elapsed += cycles;
   }
   using Stats = typename Unit::Stats;
@@ -89,6 +89,20 @@ std::uint64_t* write_values(const Unit& unit, std::uint64_t* out) {
   const typename Unit::Stats& stats = unit.stats();
   Unit::Stats::describe(stats, [&](const std::uint64_t& value, auto&&...) { *out++ = value; });
   return out;
+}
+
+/// Calls set(value, number, kind) for each value of the units, in the order of write_values(), and updates `elapsed` to
+/// the sum of the reasons.
+void each_value(std::span<UnitReport> units, auto&& set) {
+  std::size_t number = 0;
+  for (UnitReport& unit : units) {
+    unit.elapsed = 0;
+    for (auto& [reason, cycles] : unit.cycles_by_reason) {
+      set(cycles, number++, CounterKind::kSum);
+      unit.elapsed += cycles;
+    }
+    for (CounterReport& counter : unit.counters) set(counter.value, number++, counter.kind);
+  }
 }
 
 }  // namespace sim

@@ -77,7 +77,8 @@ inline void DramChannel::take_request(sim::Time now, Cycle cycle) {
   const auto has_room = [&](std::uint32_t i) {
     return ports_in_.can_pop(i, now) && has_room_for(ports_in_[i].front());
   };
-  const std::uint32_t port = ports_.choose(ports_in_.holding(), has_room, [](std::uint32_t) { return sim::Time{0}; });
+  const std::uint32_t port =
+      ports_.choose(ports_in_.nonempty_mask(), has_room, [](std::uint32_t) { return sim::Time{0}; });
   if (port == ports_.count()) return;
   ports_.served(port);
   const MemRequest request = ports_in_[port].pop(now);
@@ -118,7 +119,7 @@ inline sim::Time DramChannel::next_wake(sim::Time now) const {
   sim::Time wake = cycle == sim::kNever ? sim::kNever : cycle * clock_.period();
   if (!returns_.empty())
     wake = std::min(wake, std::max(returns_.front().due, ports_out_[returns_.front().port]->push_at()));
-  for (std::uint64_t left = ports_in_.holding(); left != 0; left &= left - 1) {
+  for (std::uint64_t left = ports_in_.nonempty_mask(); left != 0; left &= left - 1) {
     const auto i = static_cast<std::size_t>(std::countr_zero(left));
     const sim::Time at = ports_in_.pop_at(i);
     if (at > now || has_room_for(ports_in_[i].front())) wake = std::min(wake, at);

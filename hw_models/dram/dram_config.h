@@ -185,13 +185,13 @@ struct DramController {
 
 /// Energy of a channel with its device, its I/O and the controller's PHY.
 struct DramEnergy {
-  sim::Spread activate{308.4, 616.9, 1234};
-  sim::Spread read_core{422.7, 551.3, 918.8}, read_io{256, 412.2, 563.2};
-  sim::Spread write_core{260.5, 302.9, 605.8}, write_io{256, 419.8, 614.4};
-  sim::Spread phy{307.2, 512, 768};
-  sim::Spread refresh{2743, 3162, 3810}, refresh_all{21943, 25295, 30476};
-  sim::Spread active_standby{12.24, 18.62, 31.47}, precharge_standby{7.847, 11.68, 20.49};
-  sim::Spread power_down_standby{1.536, 2.285, 4.01};
+  sim::Band activate{308.4, 616.9, 1234};
+  sim::Band read_core{422.7, 551.3, 918.8}, read_io{256, 412.2, 563.2};
+  sim::Band write_core{260.5, 302.9, 605.8}, write_io{256, 419.8, 614.4};
+  sim::Band phy{307.2, 512, 768};
+  sim::Band refresh{2743, 3162, 3810}, refresh_all{21943, 25295, 30476};
+  sim::Band active_standby{12.24, 18.62, 31.47}, precharge_standby{7.847, 11.68, 20.49};
+  sim::Band power_down_standby{1.536, 2.285, 4.01};
 
   static void describe(auto& c, auto&& field) {
     const auto energy = [&](auto& value, const char* name, const char* unit, const char* meaning) {

@@ -17,9 +17,9 @@ std::map<std::string, sim::DeviceEvent> dram_energy_events(const DramConfig& con
   };
 }
 
-sim::Spread dram_energy(const DramConfig& config, const DramChannel::Stats& stats) {
+sim::Band dram_energy(const DramConfig& config, const DramChannel::Stats& stats) {
   const auto events = dram_energy_events(config);
-  sim::Spread sum;
+  sim::Band sum;
   DramChannel::Stats::describe(stats,
                                [&](std::uint64_t count, const char*, const char*, const char* event = "", auto&&...) {
                                  if (*event != 0) sum += events.at(event).pj * static_cast<double>(count);

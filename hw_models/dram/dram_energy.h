@@ -13,6 +13,6 @@ namespace hw {
 std::map<std::string, sim::DeviceEvent> dram_energy_events(const DramConfig& config);
 
 /// Returns the energy of everything that a channel counted, in pJ.
-sim::Spread dram_energy(const DramConfig& config, const DramChannel::Stats& stats);
+sim::Band dram_energy(const DramConfig& config, const DramChannel::Stats& stats);
 
 }  // namespace hw

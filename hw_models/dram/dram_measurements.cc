@@ -29,8 +29,8 @@ class Player : Observer {
         in_(outstanding, 1, clock_),
         out_(kAnswers, 1, clock_),
         channel_(config, {{&in_}, {&out_}, this}) {
-    in_.wakes(nullptr, &wake_);
-    out_.wakes(&wake_, nullptr);
+    in_.set_wakeup_handles(nullptr, &wake_);
+    out_.set_wakeup_handles(&wake_, nullptr);
     play_.arrived.resize(requests.size());
     play_.done.resize(requests.size());
   }
@@ -87,7 +87,7 @@ class Player : Observer {
     play_.stats = channel_.stats();
     play_.stats.precharge_standby -= ranks_;
     const sim::UnitReport report = sim::report_of(channel_, "");
-    play_.why = report.why;
+    play_.why = report.cycles_by_reason;
     play_.why.front().second -= 1;
     return std::move(play_);
   }
@@ -300,7 +300,7 @@ Experiment as_set(const DramConfig& grade) {
 }
 
 /// Returns the power of an idle channel in mW: all ranks in this standby state, and refreshes.
-double background_mw(const DramConfig& c, const sim::Spread& standby) {
+double background_mw(const DramConfig& c, const sim::Band& standby) {
   const bool all = c.controller.refresh == RefreshKind::kAllBank;
   const double refresh = all ? c.energy.refresh_all.nominal : c.energy.refresh.nominal;
   const double interval_ns = static_cast<double>(c.refresh_interval() * c.timing.ck.time) * 1e-6;

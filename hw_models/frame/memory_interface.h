@@ -11,7 +11,6 @@
 #include "hw_models/memory/unit_names.h"
 #include "hw_models/tni/messages.h"
 #include "sim/activity.h"
-#include "sim/counter_kind.h"
 #include "sim/link.h"
 #include "sim/named.h"
 

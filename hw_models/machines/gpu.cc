@@ -106,7 +106,7 @@ Gpu::Core& Gpu::declare_core(std::uint32_t c) {
   const sim::UnitId srp = machine_.unit({name_in_core(Srp::kName, c), srp_clock_, c + 1, config_.srp.sram_bytes(),
                                          config_.srp.data_cache.size.bytes, config_.srp.array.parts()});
   const std::uint32_t in_flight = in_flight_.most();
-  const auto known = sim::Lookahead::kByOwner;  // reach() limits the lookahead of tiles
+  const auto known = sim::Lookahead::kByOwner;  // run_limits() limits the lookahead of tiles
   TniCore tni(machine_, config_.tni, {config_.ideal.tni, config_.ideal.l1}, c, tni_clock_);
   memory_.declare_ports();
   return cores_.emplace_back(
@@ -173,7 +173,7 @@ void Gpu::build_core(std::uint32_t c, const Workload& workload) {
       Srp::Links{core.tiles_in, core.tiles_out, wires.rays_from_srp, wires.hits_to_srp, data.requests, data.responses,
                  dma_jobs, dma_dones, raster ? &raster->jobs : nullptr, raster ? &raster->done : nullptr},
       data.client, srp_clock_);
-  machine_.report_part(name_in_core(TileBuffer::kName, c), core.srp->tile_buffer(), config_.tile_buffer.size.bytes);
+  machine_.report_subunit(name_in_core(TileBuffer::kName, c), core.srp->tile_buffer(), config_.tile_buffer.size.bytes);
   core.tni.build(machine_, scene_in_memory(workload.image, workload.parents), direct.interval,
                  {wires.rays_to_tni, wires.hits_from_tni, tni});
   core.dma = &machine_.build<Dma>(
@@ -199,7 +199,7 @@ void Gpu::build_core(std::uint32_t c, const Workload& workload) {
       MemoryInterface::Hits::Links{wires.hits_from_tni, wires.hits_to_srp, hits.requests, hits.responses}, l2_clock_);
 }
 
-sim::Reach Gpu::reach(sim::Time now) const {
+sim::RunLimits Gpu::run_limits(sim::Time now) const {
   // When all tiles are finished, the run may end at any time.
   if (stopped_ || dispatcher_->done()) return {now, now};
   const Core& core = cores_.front();

@@ -70,8 +70,8 @@ class Gpu {
 
   // Interface for the engine (sim/engine.h).
   sim::Machine& machine() { return machine_; }
-  bool done() const { return stopped_ || (dispatcher_->done() && machine_.quiet()); }
-  sim::Reach reach(sim::Time now) const;
+  bool done() const { return stopped_ || (dispatcher_->done() && machine_.is_drained()); }
+  sim::RunLimits run_limits(sim::Time now) const;
   sim::Time patience() const { return patience_; }
 
   /// Charges every unit's time up to the end of the run. Called once, with the time that the engine returned.
@@ -81,7 +81,7 @@ class Gpu {
   std::uint64_t cycles() const { return tni_clock_.cycles(elapsed_); }
 
   /// Brings all counters up to a time at which a tile is dispatched, while the machine runs.
-  void bring_up_to(sim::Time now) { machine_.bring_up_to(now); }
+  void account_until(sim::Time now) { machine_.account_until(now); }
   /// Ends the run early, when the last tile of the list is dispatched. The tiles in flight are not finished.
   void stop() { stopped_ = true; }
   bool stopped() const { return stopped_; }

@@ -92,7 +92,7 @@ void RayMachine::run() {
 }
 
 bool RayMachine::done() const {
-  return std::ranges::all_of(cores_, [](const Core& core) { return core.source->done(); }) && machine_.quiet();
+  return std::ranges::all_of(cores_, [](const Core& core) { return core.source->done(); }) && machine_.is_drained();
 }
 
 sim::Time RayMachine::patience() const { return hw::patience(config_, {}, {}); }

@@ -13,8 +13,8 @@
 
 #include "hw_models/memory/cache_config.h"
 #include "hw_models/memory/messages.h"
+#include "sim/branch_free.h"
 #include "sim/hash.h"
-#include "sim/least.h"
 
 namespace hw {
 
@@ -149,7 +149,7 @@ class CacheTags {
   void renumber();
   /// Returns the first empty way, or the way to replace.
   std::uint32_t victim(std::size_t set, std::uint32_t tag) const {
-    const std::uint32_t least = sim::index_of_least(used(set), ways_);
+    const std::uint32_t least = sim::index_of_min(used(set), ways_);
     if (replacement_ == Replacement::kLru || tags(set)[least] == kInvalid) return least;
     if (replacement_ == Replacement::kRandom) return static_cast<std::uint32_t>(sim::hash(tag, fills_) % ways_);
     return pointed_at(trees_[set]);

@@ -31,8 +31,8 @@ CorePort::CorePort(const InterconnectConfig& config, Links links, Interleave tar
 
 sim::Time CorePort::tick(sim::Time now) {
   account_until(now);
-  const bool requested = clients_in_.holding() != 0 && send_up(now);
-  if (targets_in_.holding() != 0) carry_down(now);
+  const bool requested = clients_in_.nonempty_mask() != 0 && send_up(now);
+  if (targets_in_.nonempty_mask() != 0) carry_down(now);
   const sim::Time next = now + clock_.period();
   const sim::Time wake = look_ahead(now);
   const auto why_at = [&](sim::Time at, CycleReason otherwise) {
@@ -66,7 +66,7 @@ inline bool CorePort::send_up(sim::Time now) {
   }
   if (up_free_ > now) return false;
   const std::uint32_t client = up_.choose(
-      clients_in_.holding(), [&](std::uint32_t i) { return can_send(i, now); },
+      clients_in_.nonempty_mask(), [&](std::uint32_t i) { return can_send(i, now); },
       [&](std::uint32_t i) { return clients_in_.pop_at(i); });
   if (client == up_.count()) return false;
   send(client, now);
@@ -98,7 +98,7 @@ inline void CorePort::send(std::uint32_t client, sim::Time now) {
   }
   if (down_free_ > now) return;
   const std::uint32_t target = down_.choose(
-      targets_in_.holding(), [&](std::uint32_t i) { return can_carry(i, now); },
+      targets_in_.nonempty_mask(), [&](std::uint32_t i) { return can_carry(i, now); },
       [&](std::uint32_t i) { return targets_in_.pop_at(i); });
   if (target == down_.count()) return;
   carry(target, now);
@@ -120,7 +120,7 @@ inline void CorePort::carry(std::uint32_t target, sim::Time now) {
   waiting_ = CycleReason::kIdle;
   // A message that is not visible yet must not be read: wake when it becomes visible, and decide then.
   const auto consider = [&](const auto& all, sim::Time free_at, auto&& out_of, CycleReason full) {
-    for (std::uint64_t left = all.holding(); left != 0; left &= left - 1) {
+    for (std::uint64_t left = all.nonempty_mask(); left != 0; left &= left - 1) {
       const auto i = static_cast<std::size_t>(std::countr_zero(left));
       sim::Time at = std::max(all.pop_at(i), free_at);
       if (all.pop_at(i) <= now) {
@@ -141,8 +141,8 @@ inline void CorePort::carry(std::uint32_t target, sim::Time now) {
 
 std::string CorePort::state() const {
   std::size_t requests = 0, lines = 0;
-  clients_in_.each([&](const sim::Link<MemRequest>& in) { requests += in.size(); });
-  targets_in_.each([&](const sim::Link<MemResponse>& in) { lines += in.size(); });
+  clients_in_.for_each_nonempty([&](const sim::Link<MemRequest>& in) { requests += in.size(); });
+  targets_in_.for_each_nonempty([&](const sim::Link<MemResponse>& in) { lines += in.size(); });
   return fmt::format("{} requests wait to go up, {} lines to come down", requests, lines);
 }
 

@@ -10,7 +10,6 @@
 #include "hw_models/memory/unit_names.h"
 #include "sim/activity.h"
 #include "sim/config/field.h"
-#include "sim/counter_kind.h"
 #include "sim/inputs.h"
 #include "sim/link.h"
 #include "sim/named.h"

@@ -86,7 +86,7 @@ inline bool L2Bank::reply(sim::Time now) {
 /// Takes a line from memory. Its waiters are answered from the next cycle on.
 void L2Bank::take_fill(sim::Time now) {
   const std::uint32_t channel = channels_turn_.choose(
-      channels_in_.holding(), [&](std::uint32_t i) { return channels_in_.can_pop(i, now); },
+      channels_in_.nonempty_mask(), [&](std::uint32_t i) { return channels_in_.can_pop(i, now); },
       [](std::uint32_t) { return sim::Time{0}; });
   channels_turn_.served(channel);
   const Addr line = channels_in_[channel].pop(now).line;
@@ -126,7 +126,7 @@ inline bool L2Bank::take_request(sim::Time now) {
   if (waited && waits_for_fill()) return false;
   if (!waited) {
     const std::uint32_t core = cores_.choose(
-        cores_in_.holding(), [&](std::uint32_t i) { return cores_in_.can_pop(i, now); },
+        cores_in_.nonempty_mask(), [&](std::uint32_t i) { return cores_in_.can_pop(i, now); },
         [&](std::uint32_t i) { return cores_in_.pop_at(i); });
     if (core == cores_.count()) return false;
     cores_.served(core);
@@ -306,8 +306,8 @@ sim::Time L2Bank::tick_ideal(sim::Time now) {
       then = CycleReason::kLookup;
     }
     const sim::Time next = now + clock_.period();
-    wake = std::min(wake, sim::opens(now, clock_.period(), in.pop_at(), pipe.push_at()));
-    wake = std::min(wake, sim::opens(now, clock_.period(), pipe.pop_at(), std::max(next, out.push_at())));
+    wake = std::min(wake, sim::next_transfer_time(now, clock_.period(), in.pop_at(), pipe.push_at()));
+    wake = std::min(wake, sim::next_transfer_time(now, clock_.period(), pipe.pop_at(), std::max(next, out.push_at())));
   }
   activity_.spend(now, clock_.period(), served ? CycleReason::kServing : then, then);
   return wake;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "hw_models/memory/messages.h"
-#include "sim/eight.h"
+#include "sim/branch_free.h"
 
 namespace hw {
 
@@ -16,7 +16,7 @@ template <class Payload>
 class MshrFile {
  public:
   explicit MshrFile(std::uint32_t capacity)
-      : lines_((capacity + sim::kEight - 1) / sim::kEight * sim::kEight, kNone),
+      : lines_((capacity + sim::kMatchWidth - 1) / sim::kMatchWidth * sim::kMatchWidth, kNone),
         payloads_(capacity + 1),
         slots_(capacity + 1) {
     std::iota(slots_.begin(), slots_.end(), 0U);
@@ -61,8 +61,8 @@ class MshrFile {
 
  private:
   std::uint32_t index_of(Addr line) const {
-    for (std::uint32_t first = 0; first < size_; first += sim::kEight) {
-      const unsigned here = sim::equal_of_eight(&lines_[first], line);
+    for (std::uint32_t first = 0; first < size_; first += sim::kMatchWidth) {
+      const unsigned here = sim::match_mask8(&lines_[first], line);
       if (here != 0) return first + static_cast<std::uint32_t>(std::countr_zero(here));
     }
     return size_;

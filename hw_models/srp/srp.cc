@@ -24,10 +24,10 @@ Srp::Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& f
       tiles_(tiles_in_flight(buffer, frame.needs, frame.ideal_buffer).most()),
       launch_{.config_memory = ConfigMemory(config.config_memory.bytes, frame.kernels.size())},
       kernel_use_(frame.kernels.size()) {
-  links_.tiles_in.shows(&arrivals_.tiles);
-  links_.hits_in.shows(&arrivals_.hits);
-  links_.memory_in.shows(&arrivals_.lines);
-  links_.dma_in.shows(&arrivals_.transfers);
+  links_.tiles_in.mirror_pop_time(&arrivals_.tiles);
+  links_.hits_in.mirror_pop_time(&arrivals_.hits);
+  links_.memory_in.mirror_pop_time(&arrivals_.lines);
+  links_.dma_in.mirror_pop_time(&arrivals_.transfers);
   loads_.lines_missing.resize(kMostLoadCycles);
   rays_.feeds.reserve(64);
   loop_.parts.reserve(64);

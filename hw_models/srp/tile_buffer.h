@@ -6,7 +6,6 @@
 #include "hw_models/memory/unit_names.h"
 #include "sim/activity.h"
 #include "sim/config/field.h"
-#include "sim/counter_kind.h"
 #include "sim/named.h"
 #include "sim/time.h"
 #include "traces/stream.h"

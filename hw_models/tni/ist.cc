@@ -30,7 +30,7 @@ Ist::Ist(const IstConfig& config, const TniMode& mode, const TrianglesInMemory& 
       slots_(config.leaves),
       pipe_(clock, config.l1.hit_cycles + config.latency),
       free_(all_slots(config.leaves)) {
-  memory_in_.shows(&line_at_);
+  memory_in_.mirror_pop_time(&line_at_);
 }
 
 inline bool Ist::fill(const Cycle& cycle) {
@@ -40,9 +40,9 @@ inline bool Ist::fill(const Cycle& cycle) {
 }
 
 inline bool Ist::take_leaf(sim::Time now) {
-  if (free_ == 0 || leaves_in_.holding() == 0) return false;
+  if (free_ == 0 || leaves_in_.nonempty_mask() == 0) return false;
   const std::uint32_t trv = sources_.choose(
-      leaves_in_.holding(), [&](std::uint32_t i) { return leaves_in_.can_pop(i, now); },
+      leaves_in_.nonempty_mask(), [&](std::uint32_t i) { return leaves_in_.can_pop(i, now); },
       [](std::uint32_t) { return sim::Time{0}; });
   if (trv == sources_.count()) return false;
   sources_.served(trv);

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "sim/least.h"
+#include "sim/branch_free.h"
 
 namespace hw {
 
@@ -34,7 +34,7 @@ sim::Time RayDispatcher::tick(sim::Time now) {
   return next_wake(now);
 }
 
-std::size_t RayDispatcher::emptiest() const { return sim::index_of_least(load_.data(), load_.size()); }
+std::size_t RayDispatcher::emptiest() const { return sim::index_of_min(load_.data(), load_.size()); }
 
 inline std::size_t RayDispatcher::next_in_turn(sim::Time at) const {
   std::size_t best = turn_;
@@ -65,9 +65,9 @@ bool RayDispatcher::dispatch(sim::Time now) {
 }
 
 bool RayDispatcher::collect(sim::Time now) {
-  if (from_trv_.holding() == 0 || now < collect_at_ || !hits_out_.can_push(now)) return false;
+  if (from_trv_.nonempty_mask() == 0 || now < collect_at_ || !hits_out_.can_push(now)) return false;
   const std::uint32_t trv = collects_.choose(
-      from_trv_.holding(), [&](std::uint32_t i) { return from_trv_.can_pop(i, now); },
+      from_trv_.nonempty_mask(), [&](std::uint32_t i) { return from_trv_.can_pop(i, now); },
       [](std::uint32_t) { return sim::Time{0}; });
   if (trv == collects_.count()) return false;
   collects_.served(trv);

@@ -74,23 +74,23 @@ void TniCore::cluster(sim::Machine& machine, sim::UnitId port_id, CorePort& port
     port_ = &port;
     units.push_back(port_id);
   }
-  machine.cluster(units, *this);
+  machine.set_cluster(units, *this);
 }
 
 void TniCore::run(const sim::ClusterTurn& turn, sim::Time now) {
   const std::size_t trvs = trvs_.size();
   const std::uint64_t all_trvs = all_slots(static_cast<std::uint32_t>(trvs));
-  sim::Time* const wakes = turn.wakes;
+  sim::Time* const wakes = turn.wakeup_times;
   Cycle cycle(now, dispatcher_id_.clock);
   for (;;) {
     // A unit's work in a cycle wakes no other unit before the next cycle.
-    const std::uint64_t due = sim::Wakes::due(wakes, turn.earliest.size(), cycle.now);
+    const std::uint64_t due = sim::WakeupTable::due_mask(wakes, turn.group_minima.size(), cycle.now);
     if ((due & 1U) != 0) wakes[0] = dispatcher_->tick(cycle.now);
     if ((due & 2U) != 0) wakes[1] = ist_->tick(cycle);
     Trv::tick_due(trvs_, due >> 2 & all_trvs, &wakes[2], cycle);
     if ((due >> 2 & ~all_trvs) != 0) wakes[2 + trvs] = port_->tick(cycle.now);
-    const sim::Time soonest = sim::Wakes::look_again(wakes, turn.earliest);
-    if (!turn.reaches(soonest)) return;
+    const sim::Time soonest = sim::WakeupTable::refresh_group_minima(wakes, turn.group_minima);
+    if (!turn.includes(soonest)) return;
     cycle.go_to(soonest, dispatcher_id_.clock);
   }
 }

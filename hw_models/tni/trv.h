@@ -13,7 +13,6 @@
 #include "hw_models/tni/traversal_slot.h"
 #include "hw_models/tni/tree_in_memory.h"
 #include "sim/activity.h"
-#include "sim/counter_kind.h"
 #include "sim/link.h"
 #include "sim/named.h"
 

@@ -40,10 +40,10 @@ void check_limits(const ConfigNode& node, std::string_view origin) {
 }
 
 /// Collects the origins of the group's fields that are nearest to the user, if nearer than `than`.
-void find_nearest(const ConfigNode& group, std::size_t& than, std::vector<std::string>& origins) {
+void find_nearest_origins(const ConfigNode& group, std::size_t& than, std::vector<std::string>& origins) {
   for (const ConfigNode& child : group.children) {
     if (child.is_group()) {
-      find_nearest(child, than, origins);
+      find_nearest_origins(child, than, origins);
       continue;
     }
     if (child.nearness > than) origins.clear();
@@ -60,7 +60,7 @@ void find_nearest(const ConfigNode& group, std::size_t& than, std::vector<std::s
                               const std::string& path, std::string_view problem) {
   constexpr std::size_t kMostShown = 4;
   std::vector<std::string> origins;
-  find_nearest(group, nearness, origins);
+  find_nearest_origins(group, nearness, origins);
   if (origins.empty() || at.starts_with(kSetOrigin)) refuse(at, path, problem);
   if (origins.size() > kMostShown) {
     origins.resize(kMostShown);
@@ -76,7 +76,7 @@ void check_rules(const ConfigNode& group, std::string_view origin) {
     const ConfigNode* named = &group;
     for (std::string_view rest = key; named != nullptr && !rest.empty();) {
       const std::size_t dot = rest.find('.');
-      named = named->child(rest.substr(0, dot));
+      named = named->find_child(rest.substr(0, dot));
       rest = dot == std::string_view::npos ? std::string_view{} : rest.substr(dot + 1);
     }
     const std::string path = group.path.empty() ? std::string(key) : fmt::format("{}.{}", group.path, key);
@@ -96,13 +96,13 @@ ConfigNode::ConfigNode(ConfigNode&&) noexcept = default;
 ConfigNode& ConfigNode::operator=(const ConfigNode&) = default;
 ConfigNode& ConfigNode::operator=(ConfigNode&&) noexcept = default;
 
-const ConfigNode* ConfigNode::child(std::string_view name) const {
+const ConfigNode* ConfigNode::find_child(std::string_view name) const {
   const auto found = std::ranges::find(children, name, &ConfigNode::key);
   return found == children.end() ? nullptr : &*found;
 }
 
-ConfigNode* ConfigNode::child(std::string_view name) {
-  return const_cast<ConfigNode*>(std::as_const(*this).child(name));
+ConfigNode* ConfigNode::find_child(std::string_view name) {
+  return const_cast<ConfigNode*>(std::as_const(*this).find_child(name));
 }
 
 ConfigNode& TreeBuilder::add(std::string_view key, std::string_view meaning) {
@@ -128,7 +128,7 @@ void refuse(std::string_view origin, std::string_view path, std::string_view pro
   throw InputError(printable(line + std::string(problem), 2000));
 }
 
-std::string suggest(const ConfigNode& root, const ConfigNode& group, std::string_view key) {
+std::string suggest_keys(const ConfigNode& root, const ConfigNode& group, std::string_view key) {
   std::vector<const ConfigNode*> same_name;
   find_all(root, key, same_name);
   std::vector<std::string> elsewhere;
@@ -137,8 +137,9 @@ std::string suggest(const ConfigNode& root, const ConfigNode& group, std::string
   }
   if (!elsewhere.empty() && elsewhere.size() <= kMostSuggested)
     return fmt::format("did you mean '{}'?", fmt::join(elsewhere, "' or '"));
-  const std::string_view start = start_of(key);
-  const auto nearest = nearest_of(start, group.children, std::max<std::size_t>(1, start.size() / 3), &ConfigNode::key);
+  const std::string_view start = comparable_start(key);
+  const auto nearest =
+      find_nearest_origins(start, group.children, std::max<std::size_t>(1, start.size() / 3), &ConfigNode::key);
   if (nearest != group.children.end()) return fmt::format("did you mean '{}'?", nearest->path);
   std::vector<std::string_view> keys;
   for (const ConfigNode& child : group.children) keys.push_back(child.key);

@@ -26,7 +26,7 @@ struct EnumTarget {
 
 /// Pointer to the member that a field is bound to. FieldKind names the alternatives in this order.
 using Target = std::variant<bool*, std::uint32_t*, std::uint64_t*, double*, std::string*, Frequency*, ByteSize*,
-                            Duration*, AutoCount*, Triple*, Spread*, std::map<std::string, Spread>*, EnumTarget>;
+                            Duration*, AutoCount*, Triple*, Band*, std::map<std::string, Band>*, EnumTarget>;
 enum class FieldKind : std::uint8_t {
   kBool,
   kUint32,
@@ -38,8 +38,8 @@ enum class FieldKind : std::uint8_t {
   kDuration,
   kAutoCount,
   kTriple,
-  kSpread,
-  kSpreadMap,
+  kBand,
+  kBandMap,
   kEnum,
 };
 constexpr std::array<std::string_view, 13> names_of(FieldKind) {
@@ -82,8 +82,8 @@ struct ConfigNode {
 
   bool is_group() const { return !target.has_value(); }
   FieldKind kind() const { return static_cast<FieldKind>(target->index()); }
-  const ConfigNode* child(std::string_view name) const;
-  ConfigNode* child(std::string_view name);
+  const ConfigNode* find_child(std::string_view name) const;
+  ConfigNode* find_child(std::string_view name);
 };
 
 /// The visitor passed to describe(): adds each declared field and group to a ConfigNode.
@@ -148,6 +148,14 @@ void check_tree(const ConfigNode& root, std::string_view origin = {});
 
 /// Returns "did you mean 'x'?" with the same key elsewhere in the tree or the nearest key here, or else the allowed
 /// keys.
-std::string suggest(const ConfigNode& root, const ConfigNode& group, std::string_view key);
+std::string suggest_keys(const ConfigNode& root, const ConfigNode& group, std::string_view key);
+
+/// Combines several callables into one, for std::visit.
+template <class... Cases>
+struct Overloaded : Cases... {
+  using Cases::operator()...;
+};
+template <class... Cases>
+Overloaded(Cases...) -> Overloaded<Cases...>;
 
 }  // namespace sim

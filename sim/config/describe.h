@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -29,5 +30,8 @@ std::vector<FieldInfo> fields_of(const ConfigNode& root);
 Json json_of(const ConfigNode& root);
 Json schema_of(const ConfigNode& root);
 std::string manual_of(const ConfigNode& root);
+
+/// Returns the lines of one field, or of a group without its fields, at a depth of `depth` groups.
+std::string dump_node(const ConfigNode& node, std::size_t depth, Comments comments);
 
 }  // namespace sim

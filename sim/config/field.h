@@ -38,9 +38,9 @@ struct Duration {
   friend bool operator==(const Duration&, const Duration&) = default;
 };
 /// A value known within a band. The field has the unit ("pJ", "mW").
-struct Spread {
+struct Band {
   double low = 0, nominal = 0, high = 0;
-  friend bool operator==(const Spread&, const Spread&) = default;
+  friend bool operator==(const Band&, const Band&) = default;
 };
 
 /// A count, or `auto`: derived from the rest of the configuration after loading.
@@ -84,7 +84,7 @@ constexpr Limits power_of_two(double min, double max) { return {min, max, true};
 //   };
 //
 // Members may be bool, std::uint32_t, std::uint64_t, double, std::string, an enum with names (below), Frequency,
-// ByteSize, Duration, AutoCount, Triple, Spread, std::map<std::string, Spread> and groups. A struct may add `void
+// ByteSize, Duration, AutoCount, Triple, Band, std::map<std::string, Band> and groups. A struct may add `void
 // check(auto&& complain) const` for rules that involve several fields: complain("key", "what is wrong, what is
 // allowed"). The names of an enum `E` are returned by a function found by argument-dependent lookup: `constexpr auto
 // names_of(E) -> std::array<std::string_view, n>`.

@@ -49,11 +49,11 @@ std::vector<std::filesystem::path> known_files() {
 /// Suggests files for `group`: "; did you mean 'dram/lpddr3-1600'?" if one is near, and "; known: ...".
 std::string known_files_of(const std::filesystem::path& name, std::string_view group) {
   const std::string stem = name.stem().string();
-  const std::string_view start = start_of(stem);
+  const std::string_view start = comparable_start(stem);
   auto files = known_files();
   std::erase_if(files, [&](const std::filesystem::path& file) { return file.parent_path() != group; });
-  const auto found = nearest_of(start, files, start.size() / 2,
-                                [](const std::filesystem::path& file) { return file.stem().string(); });
+  const auto found = find_nearest(start, files, start.size() / 2,
+                                  [](const std::filesystem::path& file) { return file.stem().string(); });
   std::string text = found == files.end() ? "" : fmt::format("; did you mean '{}'?", found->string());
   if (files.empty()) return text;
   std::vector<std::string> stems;
@@ -71,14 +71,14 @@ std::string unknown_key(const ConfigNode& root, const ConfigNode& group, std::st
   if (const auto absent = group.not_modelled.find(key); absent != group.not_modelled.end()) {
     return fmt::format("is not modelled: {} (docs/design/not-modelled.md)", absent->second);
   }
-  return fmt::format("unknown key '{}'; {}", key, suggest(root, group, key));
+  return fmt::format("unknown key '{}'; {}", key, suggest_keys(root, group, key));
 }
 
 /// Returns an entry of a map of values as a field of its own. Adds the entry if absent.
 ConfigNode figure_of(const ConfigNode& map, std::string_view key) {
   ConfigNode figure = map;
   figure.path = path_of(map, key);
-  figure.target = &(*std::get<std::map<std::string, Spread>*>(*map.target))[std::string(key)];
+  figure.target = &(*std::get<std::map<std::string, Band>*>(*map.target))[std::string(key)];
   return figure;
 }
 
@@ -89,7 +89,7 @@ std::string_view path_in_band(const ConfigNode& node, std::string_view path, con
   const std::string_view last = path.substr(dot == std::string_view::npos ? 0 : dot + 1);
   const std::string_view entry = dot == std::string_view::npos ? std::string_view() : path.substr(0, dot);
   const bool is_figure =
-      node.kind() == FieldKind::kSpreadMap ? !entry.empty() : node.kind() == FieldKind::kSpread && entry.empty();
+      node.kind() == FieldKind::kBandMap ? !entry.empty() : node.kind() == FieldKind::kBand && entry.empty();
   if (is_figure && (last == kLow || last == kHigh)) {
     refuse(at, path_of(node, path),
            "is a part of a band; allowed: one number, which leaves no band, or all of {low: 1, nominal: 2, high: 3}");
@@ -130,7 +130,7 @@ std::filesystem::path find_config(const std::filesystem::path& name, const std::
   refuse(asked_at, {}, fmt::format("no configuration file '{}'{}", name.string(), known_files_of(name, group)));
 }
 
-std::string ConfigLoader::Source::at(TextPosition position) const {
+std::string ConfigLoader::Source::place_of(TextPosition position) const {
   return is_file ? fmt::format("{}:{}:{}", name, position.line, position.column) : name;
 }
 
@@ -151,7 +151,7 @@ void ConfigLoader::apply_file(ConfigNode& group, const std::filesystem::path& fi
   open_files_.pop_back();
 }
 
-void ConfigLoader::apply_part(const std::filesystem::path& file, std::span<const std::string_view> keys) {
+void ConfigLoader::apply_file_with_keys(const std::filesystem::path& file, std::span<const std::string_view> keys) {
   top_keys_ = keys;
   apply_file(file);
   top_keys_ = {};
@@ -163,22 +163,22 @@ void ConfigLoader::apply_text(const std::string& text, const std::string& name) 
 
 void ConfigLoader::apply_mapping(ConfigNode& group, const YamlNode& mapping, const Source& source) {
   if (const YamlNode::Entry* base = mapping.find(kExtends)) {
-    apply_extends(group, *base->value, source, source.at(base->value_at));
+    apply_extends(group, *base->value, source, source.place_of(base->value_at));
   }
   for (const YamlNode::Entry& entry : mapping.entries) {
     if (entry.key == kExtends) continue;
-    ConfigNode* node = group.child(entry.key);
+    ConfigNode* node = group.find_child(entry.key);
     const bool fits = &group != &root_ || top_keys_.empty() || std::ranges::count(top_keys_, entry.key) != 0;
     if (node != nullptr && !fits) {
-      refuse(source.at(entry.key_at), entry.key,
+      refuse(source.place_of(entry.key_at), entry.key,
              fmt::format("does not belong into such a file; allowed: {}", fmt::join(top_keys_, ", ")));
     }
     if (node == nullptr) {
-      refuse(source.at(entry.key_at), path_of(group, entry.key), unknown_key(root_, group, entry.key));
+      refuse(source.place_of(entry.key_at), path_of(group, entry.key), unknown_key(root_, group, entry.key));
     }
-    node->origin = source.at(entry.key_at);
+    node->origin = source.place_of(entry.key_at);
     node->nearness = source.nearness;
-    apply_value(*node, *entry.value, source, source.at(entry.value_at));
+    apply_value(*node, *entry.value, source, source.place_of(entry.value_at));
   }
 }
 
@@ -196,11 +196,11 @@ void ConfigLoader::apply_value(ConfigNode& node, const YamlNode& value, const So
     if (!is_mapping) refuse(at, node.path, "is a group of fields; allowed: a mapping");
     return apply_mapping(node, value, source);
   }
-  if (node.kind() == FieldKind::kSpread && is_mapping) return apply_spread(node, value, source, at);
-  if (node.kind() == FieldKind::kSpreadMap && is_mapping) {
+  if (node.kind() == FieldKind::kBand && is_mapping) return apply_band(node, value, source, at);
+  if (node.kind() == FieldKind::kBandMap && is_mapping) {
     for (const YamlNode::Entry& entry : value.entries) {
       ConfigNode figure = figure_of(node, entry.key);
-      apply_value(figure, *entry.value, source, source.at(entry.value_at));
+      apply_value(figure, *entry.value, source, source.place_of(entry.value_at));
     }
     return;
   }
@@ -213,26 +213,25 @@ void ConfigLoader::apply_value(ConfigNode& node, const YamlNode& value, const So
     refuse(at, node.path, fmt::format("has no value; allowed: {}", allowed_text(node)));
   }
   try {
-    assign(node, value.scalar);
+    parse_value(node, value.scalar);
   } catch (const BadValue& bad) {
     refuse(at, node.path, bad.problem);
   }
   if (const std::string problem = value_problem(node); !problem.empty()) refuse(at, node.path, problem);
 }
 
-void ConfigLoader::apply_spread(const ConfigNode& field, const YamlNode& mapping, const Source& source,
-                                const std::string& at) {
-  Spread& spread = *std::get<Spread*>(*field.target);
-  const std::map<std::string_view, double*> parts{
-      {"low", &spread.low}, {"nominal", &spread.nominal}, {"high", &spread.high}};
+void ConfigLoader::apply_band(const ConfigNode& field, const YamlNode& mapping, const Source& source,
+                              const std::string& at) {
+  Band& band = *std::get<Band*>(*field.target);
+  const std::map<std::string_view, double*> parts{{"low", &band.low}, {"nominal", &band.nominal}, {"high", &band.high}};
   for (const YamlNode::Entry& entry : mapping.entries) {
     const std::string path = path_of(field, entry.key);
     const auto part = parts.find(entry.key);
-    if (part == parts.end()) refuse(source.at(entry.key_at), path, "unknown key; allowed: low, nominal, high");
+    if (part == parts.end()) refuse(source.place_of(entry.key_at), path, "unknown key; allowed: low, nominal, high");
     try {
-      *part->second = number_of(field, entry.value->scalar);
+      *part->second = parse_number(field, entry.value->scalar);
     } catch (const BadValue& bad) {
-      refuse(source.at(entry.value_at), path, bad.problem);
+      refuse(source.place_of(entry.value_at), path, bad.problem);
     }
   }
   if (mapping.entries.size() != parts.size()) refuse(at, field.path, "is incomplete; allowed: low, nominal and high");
@@ -249,7 +248,7 @@ void ConfigLoader::apply_set(const std::string& argument) {
   while (node->is_group() && !path.empty()) {
     const std::string_view key = first_key(path);
     if (path == kExtends) return apply_extends(*node, *value, source, source.name);
-    ConfigNode* child = node->child(key);
+    ConfigNode* child = node->find_child(key);
     if (child == nullptr) refuse(source.name, path_of(*node, key), unknown_key(root_, *node, key));
     node = child;
     node->origin = source.name;
@@ -257,7 +256,7 @@ void ConfigLoader::apply_set(const std::string& argument) {
     path.remove_prefix(std::min(path.size(), key.size() + 1));
   }
   if (path.empty()) return apply_value(*node, *value, source, source.name);
-  const bool is_map = node->kind() == FieldKind::kSpreadMap;
+  const bool is_map = node->kind() == FieldKind::kBandMap;
   const std::string_view rest = path_in_band(*node, path, source.name);
   if (is_map) {
     ConfigNode figure = figure_of(*node, rest);

@@ -27,7 +27,7 @@ class ConfigLoader {
 
   void apply_file(const std::filesystem::path& file) { apply_file(root_, file, {}); }
   /// Reads a file that may contain only these keys at its top level.
-  void apply_part(const std::filesystem::path& file, std::span<const std::string_view> keys);
+  void apply_file_with_keys(const std::filesystem::path& file, std::span<const std::string_view> keys);
   /// Reads the output of dump_config. `name` identifies it in errors.
   void apply_text(const std::string& text, const std::string& name);
   /// Applies "tni.trv.rays=16", "dram.extends=dram/lpddr3-1600" or "dram.energy.refresh={low: 1, nominal: 2, high: 3}".
@@ -40,14 +40,14 @@ class ConfigLoader {
     std::filesystem::path folder;
     std::size_t nearness;  ///< ConfigNode::nearness
     bool is_file = true;
-    std::string at(TextPosition position) const;
+    std::string place_of(TextPosition position) const;
   };
 
   void apply_file(ConfigNode& group, const std::filesystem::path& file, std::string_view asked_at);
   void apply_mapping(ConfigNode& group, const YamlNode& mapping, const Source& source);
   void apply_extends(ConfigNode& group, const YamlNode& name, const Source& source, const std::string& at);
   void apply_value(ConfigNode& node, const YamlNode& value, const Source& source, const std::string& at);
-  void apply_spread(const ConfigNode& field, const YamlNode& mapping, const Source& source, const std::string& at);
+  void apply_band(const ConfigNode& field, const YamlNode& mapping, const Source& source, const std::string& at);
 
   ConfigNode& root_;
   std::span<const std::string_view> top_keys_;     ///< allowed keys of the files being read; empty: all

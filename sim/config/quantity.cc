@@ -12,14 +12,15 @@
 namespace sim {
 namespace {
 
-constexpr std::array<Unit, 4> kFrequencyUnits{{{"Hz", 1}, {"kHz", 1'000}, {"MHz", 1'000'000}, {"GHz", 1'000'000'000}}};
-constexpr std::array<Unit, 4> kByteUnits{{{"B", 1}, {"KiB", 1 << 10}, {"MiB", 1 << 20}, {"GiB", 1 << 30}}};
-constexpr std::array<Unit, 6> kDurationUnits{{{"fs", 1},
-                                              {"ps", 1'000},
-                                              {"ns", 1'000'000},
-                                              {"us", 1'000'000'000},
-                                              {"ms", 1'000'000'000'000},
-                                              {"s", 1'000'000'000'000'000}}};
+constexpr std::array<MeasureUnit, 4> kFrequencyUnits{
+    {{"Hz", 1}, {"kHz", 1'000}, {"MHz", 1'000'000}, {"GHz", 1'000'000'000}}};
+constexpr std::array<MeasureUnit, 4> kByteUnits{{{"B", 1}, {"KiB", 1 << 10}, {"MiB", 1 << 20}, {"GiB", 1 << 30}}};
+constexpr std::array<MeasureUnit, 6> kDurationUnits{{{"fs", 1},
+                                                     {"ps", 1'000},
+                                                     {"ns", 1'000'000},
+                                                     {"us", 1'000'000'000},
+                                                     {"ms", 1'000'000'000'000},
+                                                     {"s", 1'000'000'000'000'000}}};
 
 constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
@@ -47,7 +48,7 @@ std::optional<Decimal> read_decimal(std::string_view text) {
 }
 
 /// Divides one of two factors by a prime. False if neither is divisible.
-bool divide(std::uint64_t& a, std::uint64_t& b, std::uint64_t prime) {
+bool divide_out(std::uint64_t& a, std::uint64_t& b, std::uint64_t prime) {
   std::uint64_t& factor = a % prime == 0 ? a : b;
   if (factor % prime != 0) return false;
   factor /= prime;
@@ -56,17 +57,17 @@ bool divide(std::uint64_t& a, std::uint64_t& b, std::uint64_t prime) {
 
 }  // namespace
 
-std::span<const Unit> frequency_units() { return kFrequencyUnits; }
-std::span<const Unit> byte_units() { return kByteUnits; }
-std::span<const Unit> duration_units() { return kDurationUnits; }
+std::span<const MeasureUnit> frequency_units() { return kFrequencyUnits; }
+std::span<const MeasureUnit> byte_units() { return kByteUnits; }
+std::span<const MeasureUnit> duration_units() { return kDurationUnits; }
 
-std::string names_of_units(std::span<const Unit> units, std::string_view separator) {
+std::string names_of_units(std::span<const MeasureUnit> units, std::string_view separator) {
   std::string names;
-  for (const Unit& unit : units) names.append(names.empty() ? "" : separator).append(unit.name);
+  for (const MeasureUnit& unit : units) names.append(names.empty() ? "" : separator).append(unit.name);
   return names;
 }
 
-std::uint64_t read_quantity(std::string_view text, std::span<const Unit> units) {
+std::uint64_t read_quantity(std::string_view text, std::span<const MeasureUnit> units) {
   const auto end = std::ranges::find_if_not(text, [](char c) { return is_digit(c) || c == '.'; });
   const std::string_view number = text.substr(0, static_cast<std::size_t>(end - text.begin()));
   std::string_view name = text.substr(number.size());
@@ -74,13 +75,13 @@ std::uint64_t read_quantity(std::string_view text, std::span<const Unit> units) 
   std::optional<Decimal> decimal = read_decimal(number);
   if (!decimal) throw BadValue{fmt::format("'{}' is not a number with a unit", text)};
   if (name.empty()) throw BadValue{fmt::format("'{}' has no unit (one of {})", text, names_of_units(units))};
-  const auto unit = std::ranges::find(units, name, &Unit::name);
+  const auto unit = std::ranges::find(units, name, &MeasureUnit::name);
   if (unit == units.end()) {
     throw BadValue{fmt::format("'{}' has the unknown unit '{}' (not one of {})", text, name, names_of_units(units))};
   }
   std::uint64_t factor = unit->factor;
   for (; decimal->fraction_digits > 0; --decimal->fraction_digits) {
-    if (!divide(decimal->digits, factor, 2) || !divide(decimal->digits, factor, 5)) {
+    if (!divide_out(decimal->digits, factor, 2) || !divide_out(decimal->digits, factor, 5)) {
       throw BadValue{fmt::format("'{}' is not a whole number of {}", text, units.front().name)};
     }
   }
@@ -90,7 +91,7 @@ std::uint64_t read_quantity(std::string_view text, std::span<const Unit> units) 
   return decimal->digits * factor;
 }
 
-std::string quantity_text(std::uint64_t base_units, std::span<const Unit> units) {
+std::string quantity_text(std::uint64_t base_units, std::span<const MeasureUnit> units) {
   if (base_units == 0) return fmt::format("0 {}", units.front().name);
   auto unit = units.rbegin();
   while (base_units % unit->factor != 0) ++unit;  // the smallest unit's factor is 1

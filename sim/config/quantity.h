@@ -7,24 +7,24 @@
 namespace sim {
 
 /// A unit of measure and its number of base units (hertz, bytes, femtoseconds).
-struct Unit {
+struct MeasureUnit {
   std::string_view name;
   std::uint64_t factor;
 };
 
 /// Units in increasing order; the first has factor 1.
-std::span<const Unit> frequency_units();
-std::span<const Unit> byte_units();
-std::span<const Unit> duration_units();
+std::span<const MeasureUnit> frequency_units();
+std::span<const MeasureUnit> byte_units();
+std::span<const MeasureUnit> duration_units();
 
 /// Returns for example "Hz, kHz, MHz, GHz".
-std::string names_of_units(std::span<const Unit> units, std::string_view separator = ", ");
+std::string names_of_units(std::span<const MeasureUnit> units, std::string_view separator = ", ");
 
 /// Converts a text such as "1.5 KiB" exactly to base units. Throws BadValue if it is not a decimal number with one of
 /// the units, not a whole number of base units, or does not fit 64 bits.
-std::uint64_t read_quantity(std::string_view text, std::span<const Unit> units);
+std::uint64_t read_quantity(std::string_view text, std::span<const MeasureUnit> units);
 
 /// Returns the quantity as a whole number of the largest unit that divides it.
-std::string quantity_text(std::uint64_t base_units, std::span<const Unit> units);
+std::string quantity_text(std::uint64_t base_units, std::span<const MeasureUnit> units);
 
 }  // namespace sim

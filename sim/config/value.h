@@ -12,19 +12,19 @@ struct BadValue {
   std::string problem;
 };
 
-/// Parses `text` into a field, or into all of a Spread. Throws BadValue for a wrong kind; value_problem() checks
+/// Parses `text` into a field, or into all of a Band. Throws BadValue for a wrong kind; value_problem() checks
 /// limits.
-void assign(const ConfigNode& field, std::string_view text);
+void parse_value(const ConfigNode& field, std::string_view text);
 
 /// Parses a number with the field's unit or without a unit. Throws BadValue.
-double number_of(const ConfigNode& field, std::string_view text);
+double parse_number(const ConfigNode& field, std::string_view text);
 
-/// Returns what is wrong with the value of a field (limits, order of a Spread); empty if nothing.
+/// Returns what is wrong with the value of a field (limits, order of a Band); empty if nothing.
 std::string value_problem(const ConfigNode& field);
 
-/// Returns the value as in a configuration file, on one line. assign() and the YAML reader restore it.
+/// Returns the value as in a configuration file, on one line. parse_value() and the YAML reader restore it.
 std::string value_text(const ConfigNode& field);
-std::string spread_text(const Spread& spread);
+std::string band_text(const Band& band);
 /// Returns the boolean that YAML 1.1 readers make of an unquoted word ("off", "on"), if any.
 std::optional<bool> boolean_of_word(std::string_view word);
 /// Returns `text` as a YAML scalar in double quotes.

@@ -2,14 +2,14 @@
 
 #include <cassert>
 
-#include "sim/config/dump.h"
-#include "sim/config/overloaded.h"
+#include "sim/config/config_tree.h"
+#include "sim/config/describe.h"
 #include "sim/sha256.h"
 
 namespace sim {
 namespace {
 
-std::uint32_t bit(Affects affects) { return std::uint32_t{1} << static_cast<unsigned>(affects); }
+std::uint32_t affects_bit(Affects affects) { return std::uint32_t{1} << static_cast<unsigned>(affects); }
 
 bool is_same(const AutoCount& a, const AutoCount& b) { return a.value == b.value && a.is_auto == b.is_auto; }
 bool is_same(const auto& a, const auto& b) { return a == b; }
@@ -39,7 +39,7 @@ std::uint32_t ConfigVariant::add(const ConfigNode& base, ConfigNode& variant, st
   assert(base.key == variant.key);
   const std::size_t at = nodes_.size();
   nodes_.push_back({&base, &variant, depth, dump_node(base, depth, Comments::kOff), 0});
-  std::uint32_t affects = base.is_group() ? 0 : bit(base.affects);
+  std::uint32_t affects = base.is_group() ? 0 : affects_bit(base.affects);
   for (std::size_t i = 0; i < base.children.size(); ++i) {
     affects |= add(base.children[i], variant.children.at(i), depth + 1);
   }
@@ -61,7 +61,7 @@ std::string ConfigVariant::hash(std::optional<Affects> only) const {
   std::string text;
   text.reserve(bytes_ + bytes_ / 4);  // few values are longer
   for (const Node& node : nodes_) {
-    if (only && (node.affects & bit(*only)) == 0) continue;
+    if (only && (node.affects & affects_bit(*only)) == 0) continue;
     const bool is_unchanged = node.base->is_group() || holds_same(*node.base, *node.variant);
     text += is_unchanged ? node.text : dump_node(*node.variant, node.depth, Comments::kOff);
   }

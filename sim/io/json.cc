@@ -549,6 +549,10 @@ std::ostream& operator<<(std::ostream& out, const Json& json) { return out << js
 
 // --- Reading -----------------------------------------------------------------------------------------------------
 
+void refuse_whole_number(std::string_view what, std::string_view min, std::string_view max) {
+  throw InputError(fmt::format("{} is no whole number from {} to {}", what, min, max));
+}
+
 bool is_nested_deeper(std::string_view json, std::size_t levels) {
   std::size_t depth = 0;
   bool in_string = false;

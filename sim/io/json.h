@@ -6,12 +6,14 @@
 #include <initializer_list>
 #include <iosfwd>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <set>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace sim {
@@ -301,6 +303,24 @@ std::string json_lines(const Json& json);
 Json parse_json(std::string_view text, std::size_t levels = kDeepestJson);
 /// Parses the next value of a stream; errors as above. The caller has checked the depth.
 Json parse_json(std::istream& text);
+
+/// Throws the InputError of whole_number().
+[[noreturn]] void refuse_whole_number(std::string_view what, std::string_view min, std::string_view max);
+
+/// Converts untrusted JSON to a whole number that fits T. Throws InputError that begins with `what` otherwise; get()
+/// would convert any number.
+template <class T>
+T whole_number(const Json& json, std::string_view what) {
+  if (json.is_number_unsigned()) {
+    const auto number = json.get<std::uint64_t>();
+    if (std::in_range<T>(number)) return static_cast<T>(number);
+  } else if (json.is_number_integer()) {
+    const auto number = json.get<std::int64_t>();
+    if (std::in_range<T>(number)) return static_cast<T>(number);
+  }
+  refuse_whole_number(what, std::to_string(std::numeric_limits<T>::min()),
+                      std::to_string(std::numeric_limits<T>::max()));
+}
 
 /// Receives JSON events in the order of the text. A function that returns false ends the parsing.
 class JsonReader {

@@ -7,14 +7,12 @@
 #include "sim/error.h"
 #include "sim/report/energy.h"
 #include "sim/report/energy_table.h"
-#include "sim/report/logic_area.h"
-#include "sim/report/unit_entry.h"
 
 namespace sim {
 namespace {
 
 /// Area of the unit's array, or its share of an array of several banks.
-Spread array_of(const EnergyTable& arrays, const UnitReport& unit) {
+Band array_of(const EnergyTable& arrays, const UnitReport& unit) {
   const double share = static_cast<double>(unit.sram_bytes) / static_cast<double>(unit.cache_bytes);
   for (const std::string& name : {entry_name(unit), unit.block}) {
     if (arrays.contains(name)) return arrays.at(name, unit.cache_bytes) * std::min(1.0, share);
@@ -23,14 +21,14 @@ Spread array_of(const EnergyTable& arrays, const UnitReport& unit) {
 }
 
 /// Area of a unit's pads; the table gives it for sixteen data lines.
-Spread pads_of(const Spread& figure, const UnitReport& unit) {
+Band pads_of(const Band& figure, const UnitReport& unit) {
   if (unit.data_lines != 0) return figure * (static_cast<double>(unit.data_lines) / 16);
   throw InputError(fmt::format("area.pads: unit '{}' has no data lines at the die's edge", unit.path));
 }
 
 }  // namespace
 
-Spread AreaOfBlock::total() const { return logic + arrays + buffers + pads; }
+Band AreaOfBlock::total() const { return logic + arrays + buffers + pads; }
 
 AreaReport compute_area(std::span<const UnitReport> units, const EnergyConfig& energy, const AreaConfig& config) {
   const EnergyTable arrays(config.arrays, "area.arrays");
@@ -43,7 +41,7 @@ AreaReport compute_area(std::span<const UnitReport> units, const EnergyConfig& e
       const double kib = static_cast<double>(unit.sram_bytes - unit.cache_bytes) / 1024;
       block.buffers += required_entry(config.buffers, unit, "area.buffers") * kib;
     }
-    if (const Spread* const pads = find_entry(config.pads, unit)) block.pads += pads_of(*pads, unit);
+    if (const Band* const pads = find_entry(config.pads, unit)) block.pads += pads_of(*pads, unit);
   }
   for (const auto& [name, block] : report.blocks) report.total += block.total();
   report.total = report.total * config.placement;

@@ -17,11 +17,11 @@ namespace sim {
 /// between and beyond them. A unit is looked up as "<block>.<kind>", then as "<block>".
 struct AreaConfig {
   std::string process = "unnamed";
-  Spread logic_scale{1, 1, 1};
-  std::map<std::string, Spread> arrays;
-  std::map<std::string, Spread> buffers;
-  std::map<std::string, Spread> pads;
-  Spread placement{1, 1, 1};
+  Band logic_scale{1, 1, 1};
+  std::map<std::string, Band> arrays;
+  std::map<std::string, Band> buffers;
+  std::map<std::string, Band> pads;
+  Band placement{1, 1, 1};
 
   static void describe(auto& c, auto&& field) {
     const auto area = [&](auto& value, const char* name, const char* unit, const char* meaning) {
@@ -38,13 +38,13 @@ struct AreaConfig {
 
 /// Area of a block in mm2.
 struct AreaOfBlock {
-  Spread logic, arrays, buffers, pads;
-  Spread total() const;
+  Band logic, arrays, buffers, pads;
+  Band total() const;
 };
 
 struct AreaReport {
   std::map<std::string, AreaOfBlock> blocks;
-  Spread total;  ///< including wires between blocks and gaps
+  Band total;  ///< including wires between blocks and gaps
 };
 
 /// Computes the area by block. Throws InputError for a unit whose block, storage or part is not in the tables. `energy`

@@ -1,13 +1,20 @@
 #include "sim/report/energy.h"
 
-#include "sim/report/energy_formula.h"
+#include <algorithm>
+#include <cassert>
+#include <set>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "sim/error.h"
 
 namespace sim {
 
-Spread operator+(const Spread& a, const Spread& b) { return {a.low + b.low, a.nominal + b.nominal, a.high + b.high}; }
-Spread operator*(const Spread& a, const Spread& b) { return {a.low * b.low, a.nominal * b.nominal, a.high * b.high}; }
-Spread operator*(const Spread& a, double factor) { return a * Spread{factor, factor, factor}; }
-Spread& operator+=(Spread& a, const Spread& b) { return a = a + b; }
+Band operator+(const Band& a, const Band& b) { return {a.low + b.low, a.nominal + b.nominal, a.high + b.high}; }
+Band operator*(const Band& a, const Band& b) { return {a.low * b.low, a.nominal * b.nominal, a.high * b.high}; }
+Band operator*(const Band& a, double factor) { return a * Band{factor, factor, factor}; }
+Band& operator+=(Band& a, const Band& b) { return a = a + b; }
 
 EnergyReport compute_energy(std::span<const UnitReport> units, const EnergyConfig& config,
                             const std::map<std::string, DeviceEvent>& device_events, Time elapsed,
@@ -31,5 +38,223 @@ EnergyReport& EnergyReport::operator+=(const EnergyReport& other) {
   total_pj += other.total_pj;
   return *this;
 }
+
+namespace {
+
+double leakage_pj_per_mw(Time elapsed) {
+  constexpr double kPicojoulesPerMilliwattFemtosecond = 1e-6;
+  return static_cast<double>(elapsed) * kPicojoulesPerMilliwattFemtosecond;
+}
+
+std::uint64_t idle_cycles(const UnitReport& unit) {
+  std::uint64_t cycles = 0;
+  for (std::size_t i = 0; i < unit.reasons.size(); ++i) {
+    if (unit.reasons[i].kind == ReasonKind::kIdle) cycles += unit.cycles_by_reason[i].second;
+  }
+  return cycles;
+}
+
+std::vector<std::string> blocks_of(std::span<const UnitReport> units) {
+  std::set<std::string> blocks;
+  for (const UnitReport& unit : units) blocks.insert(unit.block);
+  return {blocks.begin(), blocks.end()};
+}
+
+}  // namespace
+
+void EnergyFormula::Kinds::add(const Kinds& more) {
+  dynamic += more.dynamic;
+  clock += more.clock;
+  leakage += more.leakage;
+}
+
+EnergyFormula::EnergyFormula(std::span<const UnitReport> units, const EnergyConfig& config,
+                             const std::map<std::string, DeviceEvent>& device_events, Time elapsed,
+                             const PowerScales& scales)
+    : config_(config),
+      table_(config.events),
+      blocks_(blocks_of(units)),
+      leakage_pj_per_mw_(leakage_pj_per_mw(elapsed)) {
+  for (const std::string& block : blocks_) {
+    const auto scale = scales.find(block);
+    scales_.push_back(scale == scales.end() ? PowerScale{} : scale->second);
+  }
+  for (const UnitReport& unit : units) {
+    const auto block = static_cast<std::size_t>(std::ranges::lower_bound(blocks_, unit.block) - blocks_.begin());
+    Unit of{block,
+            {},
+            static_cast<double>(unit.sram_bytes) / 1024,
+            static_cast<double>(idle_cycles(unit)),
+            &required_entry(config.flops, unit, "energy.flops"),
+            LogicArea(unit, config)};
+    for (const CounterReport& counter : unit.counters) {
+      if (counter.event.empty()) continue;
+      of.terms.push_back({index_of(find_event_energy(unit, counter, device_events)), static_cast<double>(counter.value),
+                          counter.event});
+    }
+    units_.push_back(std::move(of));
+  }
+}
+
+void EnergyFormula::set_counts(std::span<const UnitReport> units, Time elapsed) {
+  assert(units.size() == units_.size());
+  leakage_pj_per_mw_ = leakage_pj_per_mw(elapsed);
+  for (std::size_t u = 0; u < units.size(); ++u) {
+    units_[u].idle_cycles = static_cast<double>(idle_cycles(units[u]));
+    auto term = units_[u].terms.begin();
+    for (const CounterReport& counter : units[u].counters) {
+      if (!counter.event.empty()) (term++)->count = static_cast<double>(counter.value);
+    }
+  }
+}
+
+EnergyFormula::EventEnergy EnergyFormula::find_event_energy(
+    const UnitReport& unit, const CounterReport& counter,
+    const std::map<std::string, DeviceEvent>& device_events) const {
+  if (const auto device = device_events.find(counter.event); device != device_events.end()) {
+    return {.device = &device->second};
+  }
+  if (!table_.contains(counter.event)) {
+    throw InputError(fmt::format("energy.events: no figure for '{}', which counter '{}' of unit '{}' names",
+                                 counter.event, counter.name, unit.path));
+  }
+  const EnergyCurve& curve = table_.curve(counter.event);
+  if (unit.cache_bytes == 0 && curve.depends_on_size()) {
+    throw InputError(fmt::format("energy.events: '{}' depends on the size of an array, and unit '{}' has none",
+                                 counter.event, unit.path));
+  }
+  return {.point = curve.at(unit.cache_bytes)};
+}
+
+std::size_t EnergyFormula::index_of(const EventEnergy& figure) {
+  const auto known = std::ranges::find(event_energies_, figure);
+  if (known != event_energies_.end()) return static_cast<std::size_t>(known - event_energies_.begin());
+  event_energies_.push_back(figure);
+  return event_energies_.size() - 1;
+}
+
+std::vector<double> EnergyFormula::pj_per_event(Side side) const {
+  std::vector<double> out;
+  out.reserve(event_energies_.size());
+  for (const EventEnergy& figure : event_energies_) out.push_back(figure.at(side));
+  return out;
+}
+
+EnergyFormula::Kinds EnergyFormula::unit_kinds(const Unit& unit, const std::vector<double>& figures, Side side) const {
+  const PowerScale& scale = scales_[unit.block];
+  Kinds sum;
+  double on_chip = 0;
+  for (const Term& term : unit.terms) {
+    const DeviceEvent* device = event_energies_[term.figure].device;
+    (device == nullptr ? on_chip : device->standby ? sum.leakage : sum.dynamic) += figures[term.figure] * term.count;
+  }
+  const double share = config_.clock_share.*side;
+  sum.dynamic += on_chip * scale.dynamic;
+  sum.clock = (on_chip * (share / (1 - share)) +
+               config_.flop_clock.*side * (config_.idle_clocked.*side) * (unit.flops->*side) * unit.idle_cycles) *
+              scale.dynamic;
+  sum.leakage += (config_.sram_leakage.*side * unit.sram_kib + config_.logic_leakage.*side * unit.logic.at(side)) *
+                 leakage_pj_per_mw_ * scale.leakage;
+  return sum;
+}
+
+std::vector<double> EnergyFormula::block_energies(Side side) const {
+  const std::vector<double> values = pj_per_event(side);
+  std::vector<Kinds> kinds(blocks_.size());
+  for (const Unit& unit : units_) kinds[unit.block].add(unit_kinds(unit, values, side));
+  std::vector<double> out;
+  for (const Kinds& block : kinds) out.push_back(block.total());
+  return out;
+}
+
+std::vector<double> EnergyFormula::kind_energies(Side side) const {
+  const std::vector<double> values = pj_per_event(side);
+  Kinds sum;
+  for (const Unit& unit : units_) sum.add(unit_kinds(unit, values, side));
+  return {sum.dynamic, sum.clock, sum.leakage};
+}
+
+double EnergyFormula::total(Side side) const {
+  const std::vector<double> values = pj_per_event(side);
+  Kinds sum;
+  for (const Unit& unit : units_) sum.add(unit_kinds(unit, values, side));
+  return sum.total();
+}
+
+std::vector<EnergyFormula::UnitEnergy> EnergyFormula::unit_energies() const {
+  std::vector<UnitEnergy> all(units_.size());
+  for (const Side side : kSides) {
+    const std::vector<double> values = pj_per_event(side);
+    const double share = config_.clock_share.*side;
+    for (std::size_t u = 0; u < units_.size(); ++u) {
+      const Unit& unit = units_[u];
+      const PowerScale& scale = scales_[unit.block];
+      all[u].events.resize(unit.terms.size());
+      double counted = 0;
+      for (std::size_t t = 0; t < unit.terms.size(); ++t) {
+        const DeviceEvent* device = event_energies_[unit.terms[t].figure].device;
+        double pj = values[unit.terms[t].figure] * unit.terms[t].count;
+        if (device == nullptr) pj = pj / (1 - share) * scale.dynamic;
+        if (device == nullptr || !device->standby) counted += all[u].events[t].*side = pj;
+      }
+      all[u].idle.*side = unit_kinds(unit, values, side).total() - counted;
+    }
+  }
+  return all;
+}
+
+EnergyReport EnergyFormula::report() const {
+  EnergyReport report;
+  for (const Side side : kSides) {
+    const std::vector<double> values = pj_per_event(side);
+    for (const Unit& unit : units_) {
+      const Kinds kinds = unit_kinds(unit, values, side);
+      std::map<std::string, Band>& events = report.events[blocks_[unit.block]];
+      for (const Term& term : unit.terms) {
+        const double scale = event_energies_[term.figure].device == nullptr ? scales_[unit.block].dynamic : 1;
+        events[term.event].*side += values[term.figure] * term.count * scale;
+      }
+      for (EnergyByKind* sum : {&report.blocks[blocks_[unit.block]], &report.kinds}) {
+        sum->dynamic.*side += kinds.dynamic;
+        sum->clock.*side += kinds.clock;
+        sum->leakage.*side += kinds.leakage;
+      }
+    }
+  }
+  report.total_pj = report.kinds.total();
+  return report;
+}
+
+namespace {
+
+const Band& find_part_entry(const std::map<std::string, Band>& table, const UnitReport& unit, const UnitPart& part,
+                            const char* key) {
+  const std::string own = entry_name(unit) + "." + part.name, of_block = unit.block + "." + part.name;
+  for (const std::string& name : {own, of_block}) {
+    if (const auto found = table.find(name); found != table.end()) return found->second;
+  }
+  throw InputError(fmt::format("{}: no entry for part '{}' of unit '{}'; allowed: '{}' or '{}'", key, part.name,
+                               unit.path, own, of_block));
+}
+
+}  // namespace
+
+LogicArea::LogicArea(const UnitReport& unit, const EnergyConfig& config)
+    : logic_(&required_entry(config.logic, unit, "energy.logic")) {
+  if (config.parts.empty() && config.parts_in_logic.empty()) return;
+  for (const UnitPart& part : unit.parts) {
+    const Band& figure = find_part_entry(config.parts, unit, part, "energy.parts");
+    const double held = find_part_entry(config.parts_in_logic, unit, part, "energy.parts_in_logic").nominal;
+    if (part.count != held) differences_.push_back({part.count - held, &figure});
+  }
+}
+
+double LogicArea::at(Side side) const {
+  double mm2 = logic_->*side;
+  for (const Difference& d : differences_) mm2 += d.count * (d.count < 0 ? d.part->nominal : d.part->*side);
+  return std::max(0.0, mm2);
+}
+
+Band LogicArea::band() const { return {at(&Band::low), at(&Band::nominal), at(&Band::high)}; }
 
 }  // namespace sim

@@ -1,4 +1,6 @@
 #pragma once
+#include <array>
+#include <cstdint>
 #include <map>
 #include <span>
 #include <string>
@@ -6,6 +8,7 @@
 
 #include "sim/config/field.h"
 #include "sim/named.h"
+#include "sim/report/energy_table.h"
 #include "sim/report/power.h"
 #include "sim/time.h"
 #include "sim/unit_report.h"
@@ -22,16 +25,16 @@ namespace sim {
 /// ("core0.tni.trv2" -> "tni.trv").
 struct EnergyConfig {
   std::string process = "unnamed";
-  std::map<std::string, Spread> events;
-  Spread clock_share{0, 0, 0};
-  Spread sram_leakage{0, 0, 0};
-  Spread logic_leakage{0, 0, 0};
-  std::map<std::string, Spread> logic;
-  std::map<std::string, Spread> parts;
-  std::map<std::string, Spread> parts_in_logic;
-  Spread flop_clock{0, 0, 0};
-  Spread idle_clocked{0, 0, 0};
-  std::map<std::string, Spread> flops;
+  std::map<std::string, Band> events;
+  Band clock_share{0, 0, 0};
+  Band sram_leakage{0, 0, 0};
+  Band logic_leakage{0, 0, 0};
+  std::map<std::string, Band> logic;
+  std::map<std::string, Band> parts;
+  std::map<std::string, Band> parts_in_logic;
+  Band flop_clock{0, 0, 0};
+  Band idle_clocked{0, 0, 0};
+  std::map<std::string, Band> flops;
 
   static void describe(auto& c, auto&& field) {
     const auto energy = [&](auto& value, const char* name, const char* unit, const char* meaning, Limits limits) {
@@ -54,8 +57,8 @@ struct EnergyConfig {
     energy(NAMED(c.flops), "flops", "flip-flops of a unit", at_least(0));
   }
   void check(auto&& complain) const {
-    for (const auto& [name, spread] : events) {
-      if (name.find('@') != std::string::npos && spread.low <= 0) {
+    for (const auto& [name, band] : events) {
+      if (name.find('@') != std::string::npos && band.low <= 0) {
         complain("events", "'" + name + "' is a point of a curve; allowed: more than 0 pJ");
       }
     }
@@ -67,21 +70,21 @@ struct EnergyConfig {
 
 /// Energy of an event that a device's own model computes, including the device's clock.
 struct DeviceEvent {
-  Spread pj;             ///< per count
+  Band pj;               ///< per count
   bool standby = false;  ///< independent of activity; counted as leakage
 };
 
-Spread operator+(const Spread& a, const Spread& b);
-Spread operator*(const Spread& a, const Spread& b);
-Spread operator*(const Spread& a, double factor);
-Spread& operator+=(Spread& a, const Spread& b);
+Band operator+(const Band& a, const Band& b);
+Band operator*(const Band& a, const Band& b);
+Band operator*(const Band& a, double factor);
+Band& operator+=(Band& a, const Band& b);
 
 /// Energy by kind in pJ.
 struct EnergyByKind {
-  Spread dynamic;
-  Spread clock;
-  Spread leakage;
-  Spread total() const { return dynamic + clock + leakage; }
+  Band dynamic;
+  Band clock;
+  Band leakage;
+  Band total() const { return dynamic + clock + leakage; }
   EnergyByKind& operator+=(const EnergyByKind& other);
 };
 
@@ -90,9 +93,9 @@ struct EnergyReport {
   std::map<std::string, EnergyByKind> blocks;
   /// Energy by block and event: counts times energy per count. Standby of devices is leakage; the others sum to the
   /// dynamic energy.
-  std::map<std::string, std::map<std::string, Spread>> events;
+  std::map<std::string, std::map<std::string, Band>> events;
   EnergyByKind kinds;
-  Spread total_pj;
+  Band total_pj;
   EnergyReport& operator+=(const EnergyReport& other);
 };
 
@@ -102,5 +105,101 @@ struct EnergyReport {
 EnergyReport compute_energy(std::span<const UnitReport> units, const EnergyConfig& config,
                             const std::map<std::string, DeviceEvent>& device_events, Time elapsed,
                             const PowerScales& scales = {});
+
+/// Area of a unit's logic in mm2, as a formula of the table's values, which may change:
+///
+///   energy.logic + sum over the unit's parts ( (count - energy.parts_in_logic) x energy.parts ), at least 0
+///
+/// 1. Removed parts count with their nominal area, so the band of a smaller unit stays in order.
+/// 2. A part is looked up as "<block>.<kind>.<part>", then as "<block>.<part>".
+/// 3. A table without any parts is from a report of an older version: the area is energy.logic.
+/// 4. `config` must outlive the formula and keep its entries.
+class LogicArea {
+ public:
+  /// Throws InputError for a unit without `logic` or with an unknown part.
+  LogicArea(const UnitReport& unit, const EnergyConfig& config);
+
+  double at(Side side) const;
+  Band band() const;
+
+ private:
+  struct Difference {
+    double count;
+    const Band* part;
+  };
+  const Band* logic_;
+  std::vector<Difference> differences_;
+};
+
+/// Energy as a formula of the table's values: names are resolved once, then the values may change and the sum be
+/// evaluated again. `config` and `device_events` must outlive it and keep their entries.
+class EnergyFormula {
+ public:
+  /// Throws InputError for a counter whose event has no energy, a unit without `logic` or `flops`, or an unknown part.
+  EnergyFormula(std::span<const UnitReport> units, const EnergyConfig& config,
+                const std::map<std::string, DeviceEvent>& device_events, Time elapsed, const PowerScales& scales = {});
+
+  /// Replaces the counts by others of the same units.
+  void set_counts(std::span<const UnitReport> units, Time elapsed);
+
+  /// Returns low, nominal and high energy by block, kind and event.
+  EnergyReport report() const;
+  /// Energy of one unit.
+  struct UnitEnergy {
+    std::vector<Band> events;  ///< one for each counter that names an event, in order, with its share of the clock tree
+    Band idle;                 ///< energy independent of activity: leakage, standby, idle clock
+  };
+  /// In the order of the units. The sum equals report().total_pj except for the order of additions.
+  std::vector<UnitEnergy> unit_energies() const;
+  /// pJ of one side by block, in alphabetical order.
+  std::vector<double> block_energies(Side side) const;
+  /// pJ of one side by kind.
+  std::vector<double> kind_energies(Side side) const;
+  static constexpr std::array<const char*, 3> kKinds = {"dynamic", "clock", "leakage"};
+  /// pJ of one side, bit-equal to that side of report().total_pj.
+  double total(Side side) const;
+  const std::vector<std::string>& block_names() const { return blocks_; }
+
+ private:
+  /// Energy per count: from the table for arrays of one size, or of a device.
+  struct EventEnergy {
+    EnergyPoint point{};
+    const DeviceEvent* device = nullptr;
+    double at(Side side) const { return device != nullptr ? device->pj.*side : point.at(side); }
+    friend bool operator==(const EventEnergy&, const EventEnergy&) = default;
+  };
+  struct Term {
+    std::size_t figure;
+    double count;
+    std::string event;
+  };
+  struct Unit {
+    std::size_t block;
+    std::vector<Term> terms;
+    double sram_kib, idle_cycles;
+    const Band* flops;
+    LogicArea logic;
+  };
+  /// Energy of one side by kind.
+  struct Kinds {
+    double dynamic = 0, clock = 0, leakage = 0;
+    double total() const { return dynamic + clock + leakage; }
+    void add(const Kinds& more);
+  };
+
+  EventEnergy find_event_energy(const UnitReport& unit, const CounterReport& counter,
+                                const std::map<std::string, DeviceEvent>& device_events) const;
+  std::size_t index_of(const EventEnergy& figure);
+  std::vector<double> pj_per_event(Side side) const;
+  Kinds unit_kinds(const Unit& unit, const std::vector<double>& figures, Side side) const;
+
+  const EnergyConfig& config_;
+  EnergyTable table_;
+  std::vector<EventEnergy> event_energies_;
+  std::vector<std::string> blocks_;
+  std::vector<PowerScale> scales_;  ///< one per block
+  std::vector<Unit> units_;
+  double leakage_pj_per_mw_;
+};
 
 }  // namespace sim

@@ -25,7 +25,7 @@ double size_of(std::string_view key, const std::string& name, std::string_view s
 
 }  // namespace
 
-EnergyTable::EnergyTable(const std::map<std::string, Spread>& events, std::string_view key) {
+EnergyTable::EnergyTable(const std::map<std::string, Band>& events, std::string_view key) {
   for (const auto& [name, pj] : events) {
     const std::size_t at = name.find('@');
     const double bytes = at == std::string::npos ? 0 : size_of(key, name, std::string_view(name).substr(at + 1));
@@ -54,15 +54,25 @@ EnergyPoint EnergyCurve::at(std::uint64_t bytes) const {
   return {a.pj, b.pj, std::log(size / a.bytes) / std::log(b.bytes / a.bytes)};
 }
 
-Spread EnergyTable::at(std::string_view event, std::uint64_t bytes) const {
+Band EnergyTable::at(std::string_view event, std::uint64_t bytes) const {
   const EnergyPoint point = curve(event).at(bytes);
-  return {point.at(&Spread::low), point.at(&Spread::nominal), point.at(&Spread::high)};
+  return {point.at(&Band::low), point.at(&Band::nominal), point.at(&Band::high)};
 }
 
 std::vector<std::string> EnergyTable::names() const {
   std::vector<std::string> names;
   for (const auto& [name, curve] : curves_) names.push_back(name);
   return names;
+}
+
+const Band& required_entry(const std::map<std::string, Band>& table, const UnitReport& unit, std::string_view key) {
+  if (const Band* const entry = find_entry(table, unit)) return *entry;
+  refuse_without_entry(unit, key);
+}
+
+void refuse_without_entry(const UnitReport& unit, std::string_view key) {
+  throw InputError(
+      fmt::format("{}: no entry for unit '{}'; allowed: '{}' or '{}'", key, unit.path, entry_name(unit), unit.block));
 }
 
 }  // namespace sim

@@ -21,7 +21,7 @@ constexpr std::array<std::string_view, 2> names_of(Voltage) { return {"nominal",
 /// Operating conditions of the chip: one file of configs/power. The defaults scale nothing.
 struct PowerConfig {
   Voltage voltage = Voltage::kNominal;
-  std::map<std::string, Spread> dvfs;
+  std::map<std::string, Band> dvfs;
   double nominal_voltage = 0.8;
   double temperature = 75, nominal_temperature = 75;
   double leakage_exponent = 3;

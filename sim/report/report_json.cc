@@ -18,7 +18,7 @@ Json& at_path(Json& tree, std::string_view path) {
 Json unit_json(Json node, const UnitReport& unit) {
   node["elapsed"] = unit.elapsed;
   node["why"] = Json::object();
-  for (const auto& [reason, cycles] : unit.why) node["why"][reason] = cycles;
+  for (const auto& [reason, cycles] : unit.cycles_by_reason) node["why"][reason] = cycles;
   node["counters"] = Json::object();
   for (const CounterReport& counter : unit.counters) node["counters"][counter.name] = counter.value;
   return node;
@@ -26,8 +26,8 @@ Json unit_json(Json node, const UnitReport& unit) {
 
 }  // namespace
 
-Json spread_json(const Spread& spread, double factor) {
-  return {{"low", spread.low * factor}, {"nominal", spread.nominal * factor}, {"high", spread.high * factor}};
+Json band_json(const Band& band, double factor) {
+  return {{"low", band.low * factor}, {"nominal", band.nominal * factor}, {"high", band.high * factor}};
 }
 
 Json units_json(std::span<const UnitReport> units) {
@@ -41,17 +41,17 @@ Json units_json(std::span<const UnitReport> units) {
 
 Json energy_json(const EnergyReport& energy) {
   Json json;
-  json["energy_mj"] = spread_json(energy.total_pj, kMillijoulesPerPicojoule);
+  json["energy_mj"] = band_json(energy.total_pj, kMillijoulesPerPicojoule);
   for (const auto& [block, kinds] : energy.blocks) {
-    json["energy_by_block_mj"][block] = spread_json(kinds.total(), kMillijoulesPerPicojoule);
+    json["energy_by_block_mj"][block] = band_json(kinds.total(), kMillijoulesPerPicojoule);
   }
   for (const auto& [block, events] : energy.events) {
     Json& of_block = json["energy_by_event_mj"][block] = Json::object();
     for (const auto& [event, pj] : events) at_path(of_block, event) = pj.nominal * kMillijoulesPerPicojoule;
   }
-  json["energy_by_kind_mj"] = {{"dynamic", spread_json(energy.kinds.dynamic, kMillijoulesPerPicojoule)},
-                               {"clock", spread_json(energy.kinds.clock, kMillijoulesPerPicojoule)},
-                               {"leakage", spread_json(energy.kinds.leakage, kMillijoulesPerPicojoule)}};
+  json["energy_by_kind_mj"] = {{"dynamic", band_json(energy.kinds.dynamic, kMillijoulesPerPicojoule)},
+                               {"clock", band_json(energy.kinds.clock, kMillijoulesPerPicojoule)},
+                               {"leakage", band_json(energy.kinds.leakage, kMillijoulesPerPicojoule)}};
   return json;
 }
 

@@ -9,7 +9,7 @@
 namespace sim {
 
 /// Returns {low, nominal, high}, each multiplied by `factor`.
-Json spread_json(const Spread& spread, double factor = 1);
+Json band_json(const Band& band, double factor = 1);
 
 /// Returns the units as a tree by the parts of their paths: "core0.tni.trv2" is at ["core0"]["tni"]["trv2"], with
 /// {elapsed, why{reason: cycles}, counters{name: value}}. In the order given.

@@ -11,7 +11,7 @@ namespace sim {
 namespace {
 
 /// Number of characters (not bytes) of a UTF-8 text.
-std::size_t width(std::string_view text) {
+std::size_t character_count(std::string_view text) {
   return static_cast<std::size_t>(std::ranges::count_if(text, [](char c) { return (c & 0xc0) != 0x80; }));
 }
 
@@ -25,7 +25,7 @@ int exponent_of(double value, int digits) {
 }
 
 /// Returns a number of `digits` digits with the metric prefix that leaves one to three of them before the point.
-std::pair<std::string, std::string_view> scaled(double value, int digits) {
+std::pair<std::string, std::string_view> metric_text(double value, int digits) {
   constexpr std::string_view kPrefixes[] = {"f", "p", "n", "u", "m", "", "k", "M", "G", "T", "P"};
   constexpr int kNone = 5;
   const int exponent = exponent_of(value, digits);
@@ -51,7 +51,7 @@ std::string si_text(double value, std::string_view unit) {
   const bool whole = value == std::trunc(value) && std::abs(value) < 1000;
   if (whole || !std::isfinite(value)) return with_unit(fmt::format("{}", value), {});
   if (unit.empty() && std::abs(value) < 1 && std::abs(value) >= 1e-3) return fmt::format("{:#.3g}", value);  // ratios
-  const auto [number, prefix] = scaled(value, 3);
+  const auto [number, prefix] = metric_text(value, 3);
   return with_unit(number, prefix);
 }
 
@@ -61,7 +61,7 @@ std::string four_digits(double value) {
   const int exponent = exponent_of(value, kDigits);
   if (exponent < -3) return fmt::format("{:.{}g}", value, kDigits);
   if (exponent < kDigits) return fmt::format("{:.{}f}", value, kDigits - 1 - exponent);
-  const auto [number, prefix] = scaled(value, kDigits);
+  const auto [number, prefix] = metric_text(value, kDigits);
   return fmt::format("{} {}", number, prefix);
 }
 
@@ -72,7 +72,7 @@ std::string Table::text() const {
     widths.resize(std::max(widths.size(), row.size()));
     numbers.resize(widths.size());
     for (std::size_t i = 0; i < row.size(); ++i) {
-      widths[i] = std::max(widths[i], width(row[i]));
+      widths[i] = std::max(widths[i], character_count(row[i]));
       if (i > 0 && &row != &rows_.front() && row[i].find_first_not_of("-") != std::string::npos)
         numbers[i] += begins_with_number(row[i]) ? 1 : -1;
     }
@@ -84,7 +84,7 @@ std::string Table::text() const {
   };
   for (const auto& row : rows_) {
     for (std::size_t i = 0; i < row.size(); ++i) {
-      const std::string blanks(widths[i] - width(row[i]), ' ');
+      const std::string blanks(widths[i] - character_count(row[i]), ' ');
       text += (i == 0 ? "" : "  ");
       text += numbers[i] > 0 ? blanks + row[i] : row[i] + blanks;
     }

@@ -19,12 +19,19 @@ class Table {
   explicit Table(std::vector<std::string> header) : rows_{std::move(header)} {}
 
   /// A row may have fewer cells than the header.
-  void row(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
+  void add_row(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
   /// Every line has a line end and no trailing blanks.
   std::string text() const;
 
  private:
   std::vector<std::vector<std::string>> rows_;
 };
+
+/// Conversions from the units of counters to those of reports.
+inline constexpr double kFemtosecondsPerNs = 1e6;
+inline constexpr double kFemtosecondsPerMicrosecond = 1e9;
+inline constexpr double kFemtosecondsPerMillisecond = 1e12;
+inline constexpr double kPicojoulesPerMillijoule = 1e9;
+inline constexpr double kWattsPerPicojouleOverFemtosecond = 1e3;
 
 }  // namespace sim

@@ -32,7 +32,7 @@ void cache_probe(benchmark::State& state) {
   hw::CacheTags tags{hw::CacheConfig{}};
   std::uint64_t n = 0;
   for (auto _ : state) {
-    const hw::Addr line = sim::mix(n++) % 512 * 64;
+    const hw::Addr line = sim::mix_bits(n++) % 512 * 64;
     if (!tags.probe(line)) tags.fill(line);
   }
 }
@@ -63,12 +63,12 @@ void dram_request(benchmark::State& state) {
     sim::Link<hw::MemResponse> out(64, 1, clock);
     hw::DramChannel channel(config, {{&in}, {&out}});
     sim::Time now = 0, wake = 0;
-    in.wakes(nullptr, &wake);
-    out.wakes(&wake, nullptr);
+    in.set_wakeup_handles(nullptr, &wake);
+    out.set_wakeup_handles(&wake, nullptr);
     std::uint32_t sent = 0, received = 0;
     while (received < kRequests) {
       while (sent < kRequests && in.can_push(now)) {
-        const std::uint64_t line = state.range(0) == 0 ? sent : sim::mix(sent) % (1 << 20);
+        const std::uint64_t line = state.range(0) == 0 ? sent : sim::mix_bits(sent) % (1 << 20);
         in.push(now, hw::MemRequest{line * 64 * config.channels, 0, 0, false});
         ++sent;
       }
@@ -91,7 +91,7 @@ void dram_play(benchmark::State& state, const char* grade) {
   const auto config = sim::load_config<hw::DramConfig>(std::string("configs/dram/") + grade + ".yaml");
   std::vector<hw::DramRequest> requests;
   for (std::uint64_t i = 0; i < 100'000; ++i) {
-    const std::uint64_t line = state.range(0) == 0 ? i : sim::mix(i) % (1 << 24);
+    const std::uint64_t line = state.range(0) == 0 ? i : sim::mix_bits(i) % (1 << 24);
     requests.push_back({line * 64, sim::hash(i) % 100 >= static_cast<std::uint64_t>(state.range(1)), 0});
   }
   for (auto _ : state) benchmark::DoNotOptimize(hw::play(config, requests, 32).end);

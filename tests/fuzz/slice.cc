@@ -11,7 +11,7 @@ tools::Stretch nothing() {
   tools::Stretch machine;
   sim::UnitReport& unit = machine.units.emplace_back();
   unit.path = "core0";
-  unit.why = {{"busy", 0}, {"idle", 0}};
+  unit.cycles_by_reason = {{"busy", 0}, {"idle", 0}};
   unit.counters.emplace_back();
   machine.kernels.emplace_back();
   return machine;

@@ -10,8 +10,8 @@
 #include "tests/param_name.h"
 #include "tools/run/frame/run_job.h"
 
-// Small runs with all counters in tests/golden/*.json, summed over units of one kind. After an intended change accept the
-// new values with: RAYWATT_ACCEPT=1 ctest --preset release -R golden
+// Small runs with all counters in tests/golden/*.json, summed over units of one kind. After an intended change accept
+// the new values with: RAYWATT_ACCEPT=1 ctest --preset release -R golden
 
 namespace tools {
 namespace {
@@ -45,7 +45,7 @@ Json measure(const Case& c) {
       Json& sum = kind[group][name];
       sum = (sum.is_null() ? 0 : sum.get<std::uint64_t>()) + value;
     };
-    for (const auto& [reason, cycles] : unit.why) add("why", reason, cycles);
+    for (const auto& [reason, cycles] : unit.cycles_by_reason) add("why", reason, cycles);
     for (const sim::CounterReport& counter : unit.counters) add("counters", counter.name, counter.value);
   }
   return out;

@@ -10,9 +10,9 @@ namespace {
 /// A value that counts femtoseconds, taken down until `end`.
 Intervals recorded(Time length, std::size_t most, Time end) {
   Intervals intervals(length, most);
-  intervals.begin(1);
-  while (intervals.next_edge() < end) {
-    const Time edge = intervals.next_edge();
+  intervals.allocate_rows(1);
+  while (intervals.next_boundary() < end) {
+    const Time edge = intervals.next_boundary();
     *intervals.next_row() = edge;
   }
   *intervals.last_row(end) = end;
@@ -24,7 +24,7 @@ TEST(IntervalRows, StandAtMultiplesOfTheirLengthAndAtTheEnd) {
   ASSERT_EQ(intervals.size(), 4U);
   for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(intervals.row(i)[0], 10 * (i + 1));
   EXPECT_EQ(intervals.row(3)[0], 34U);
-  EXPECT_EQ(intervals.edge(3), 34U);
+  EXPECT_EQ(intervals.end_of(3), 34U);
 }
 
 TEST(IntervalRows, HaveNoEmptyOneAtAnEndThatIsAnEdge) {
@@ -38,15 +38,15 @@ TEST(IntervalRows, AreNeverMoreThanWantedNorFewerThanHalfOfThem) {
       const Intervals intervals = recorded(10, most, end);
       ASSERT_LE(intervals.size(), most) << end;
       ASSERT_GE(2 * intervals.size(), std::min<std::size_t>(most, end / 10)) << end;
-      for (std::size_t i = 0; i < intervals.size(); ++i) ASSERT_EQ(intervals.row(i)[0], intervals.edge(i)) << end;
-      ASSERT_EQ(intervals.edge(intervals.size() - 1), end);
+      for (std::size_t i = 0; i < intervals.size(); ++i) ASSERT_EQ(intervals.row(i)[0], intervals.end_of(i)) << end;
+      ASSERT_EQ(intervals.end_of(intervals.size() - 1), end);
     }
   }
 }
 
 TEST(IntervalRows, AreFewerOfLongRows) {
   Intervals intervals(10);
-  intervals.begin(Intervals::kMostValues / 4);
+  intervals.allocate_rows(Intervals::kMostValues / 4);
   for (int edge = 0; edge < 20; ++edge) intervals.next_row();
   EXPECT_LT(intervals.size(), 4U);
 }

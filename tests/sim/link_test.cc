@@ -77,7 +77,7 @@ TEST(Link, RoomGoesBackOnTheProducersEdge) {
 TEST(Link, LowersTheWakeUpTimesOfItsEnds) {
   Link<int> link(1, 2, kFast);
   Time producer = kNever, consumer = kNever;
-  link.wakes(&producer, &consumer);
+  link.set_wakeup_handles(&producer, &consumer);
   link.push(0, 1);
   EXPECT_EQ(consumer, 4U);
   EXPECT_EQ(producer, kNever);
@@ -92,7 +92,7 @@ TEST(Link, ShowsWhenItsFirstItemCanBePoppedAndThatOneHasComeIntoAnEmptyLink) {
   Link<int> link(3, 2, kFast);
   link.push(0, 1);
   Time pop_at = 0, soonest = 40;
-  link.shows(&pop_at, &soonest);
+  link.mirror_pop_time(&pop_at, &soonest);
   EXPECT_EQ(pop_at, 4U);
   EXPECT_EQ(soonest, 4U);
   soonest = kNever;
@@ -108,10 +108,10 @@ TEST(Link, ShowsWhenItsFirstItemCanBePoppedAndThatOneHasComeIntoAnEmptyLink) {
 }
 
 TEST(Opens, IsTheNextTimeAtWhichItemOrRoomChanges) {
-  EXPECT_EQ(opens(10, 2, 16, 0), 16U);          // the item comes later
-  EXPECT_EQ(opens(10, 2, 10, kNever), kNever);  // it is here: a link wakes us when there is room
-  EXPECT_EQ(opens(10, 2, 8, 14), 14U);
-  EXPECT_EQ(opens(10, 2, 8, 4), 12U);  // both are here
+  EXPECT_EQ(next_transfer_time(10, 2, 16, 0), 16U);          // the item comes later
+  EXPECT_EQ(next_transfer_time(10, 2, 10, kNever), kNever);  // it is here: a link wakes us when there is room
+  EXPECT_EQ(next_transfer_time(10, 2, 8, 14), 14U);
+  EXPECT_EQ(next_transfer_time(10, 2, 8, 4), 12U);  // both are here
 }
 
 }  // namespace

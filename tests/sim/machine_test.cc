@@ -114,11 +114,11 @@ TEST(Machine, UnitsAreReportedInTheOrderInWhichTheyAreBuilt) {
 
 TEST(Machine, IsQuietWhenUnitsAreIdleAndLinksEmpty) {
   Pair pair;
-  EXPECT_FALSE(pair.machine().quiet()) << "a number has not left yet";
+  EXPECT_FALSE(pair.machine().is_drained()) << "a number has not left yet";
   run(pair);
-  EXPECT_TRUE(pair.machine().quiet());
+  EXPECT_TRUE(pair.machine().is_drained());
   pair.link.push(1000, 7);
-  EXPECT_FALSE(pair.machine().quiet());
+  EXPECT_FALSE(pair.machine().is_drained());
 }
 
 TEST(Machine, StateHasALineForEachUnitThatHasOne) { EXPECT_EQ(Pair().machine().state(), "giver: has numbers\n"); }
@@ -183,12 +183,12 @@ struct Chain {
     sorting = &machine_.build<Relay>(sorter, Clock(2), &given, &sorted);
     porting = &machine_.build<Relay>(porter, Clock(6), &sorted, &ported);
     taking = &machine_.build<Relay>(taker, Clock(10), &ported, nullptr);
-    machine_.cluster({giver, sorter}, *this);
+    machine.set_cluster({giver, sorter}, *this);
   }
   Machine& machine() { return machine_; }
   bool done() const { return taking->stats().taken == expected; }
   /// The last few numbers are taken with all units together, as the end may be at any time.
-  Reach reach(Time now) const {
+  RunLimits run_limits(Time now) const {
     const Time end = taking->stats().taken + 8 >= expected ? now : now + machine_.lookahead();
     return {end, end};
   }
@@ -196,12 +196,12 @@ struct Chain {
     turns += 1;
     do {
       cycles += 1;
-      EXPECT_LT(now, reach_of(turn.partition, turn.inner, turn.end));
+      EXPECT_LT(now, run_limit(turn.partition, turn.inner, turn.end));
       for (const Time other : turn.others) EXPECT_LE(now, other) << "the porter had something to do before";
-      if (turn.wakes[0] <= now) turn.wakes[0] = giving->tick(now);
-      if (turn.wakes[1] <= now) turn.wakes[1] = sorting->tick(now);
-      now = Wakes::look_again(turn.wakes, turn.earliest);
-    } while (turn.reaches(now));
+      if (turn.wakeup_times[0] <= now) turn.wakeup_times[0] = giving->tick(now);
+      if (turn.wakeup_times[1] <= now) turn.wakeup_times[1] = sorting->tick(now);
+      now = WakeupTable::refresh_group_minima(turn.wakeup_times, turn.group_minima);
+    } while (turn.includes(now));
   }
   std::array<std::uint64_t, 8> outcome() const {
     return {giving->stats().taken, sorting->stats().taken, porting->stats().taken, taking->stats().taken,
@@ -238,11 +238,11 @@ TEST(Machine, ThrowsForAClusterThatIsNone) {
   const UnitId slow = machine.unit({.name = "slow", .clock = Clock(4), .partition = 1});
   const UnitId fast = machine.unit({.name = "fast", .clock = Clock(2), .partition = 1});
   Chain owner(1);
-  EXPECT_THROW(machine.cluster({}, owner), std::logic_error);
-  EXPECT_THROW(machine.cluster({inner}, owner), std::logic_error) << "partitions run around the inner one";
-  EXPECT_THROW(machine.cluster({slow, fast}, owner), std::logic_error) << "two clocks";
-  machine.cluster({slow}, owner);
-  EXPECT_THROW(machine.cluster({fast}, owner), std::logic_error) << "the partition's second";
+  EXPECT_THROW(machine.set_cluster({}, owner), std::logic_error);
+  EXPECT_THROW(machine.set_cluster({inner}, owner), std::logic_error) << "partitions run around the inner one";
+  EXPECT_THROW(machine.set_cluster({slow, fast}, owner), std::logic_error) << "two clocks";
+  machine.set_cluster({slow}, owner);
+  EXPECT_THROW(machine.set_cluster({fast}, owner), std::logic_error) << "the partition's second";
 }
 
 TEST(Machine, ThrowsForAUnitThatIsNotBuilt) {

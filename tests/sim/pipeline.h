@@ -66,8 +66,8 @@ class Stage {
     }
     const Time period = clock_.period();
     activity.spend(now, period, worked ? CycleReason::kWorking : waiting(now), waiting(now + period));
-    return std::min(opens(now, period, pipe_.pop_at(), out_.push_at()),
-                    opens(now, period, in_.pop_at(), pipe_.push_at()));
+    return std::min(next_transfer_time(now, period, pipe_.pop_at(), out_.push_at()),
+                    next_transfer_time(now, period, in_.pop_at(), pipe_.push_at()));
   }
   Clock clock() const { return clock_; }
   void finish(Time end) { activity.finish(end); }
@@ -175,7 +175,7 @@ class ApartPipeline : public Pipeline {
  public:
   using Pipeline::Pipeline;
   /// The last items are taken with all partitions at the same time.
-  Reach reach(Time now) const {
+  RunLimits run_limits(Time now) const {
     const bool ends_soon = config_.items - sink.taken.size() <= config_.capacity;
     const Time end = ends_soon ? now : now + machine_.lookahead();
     return {end, end};

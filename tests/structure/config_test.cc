@@ -94,7 +94,7 @@ TEST(Configs, TheDefaultMachineLeavesNoFieldToTheCode) {
   add_given("configs/sgrt-2016.yaml", "", given);
   for (const sim::FieldInfo& field : sim::list_fields(tools::RunConfig())) {
     if (field.path.starts_with("scene.")) continue;  // the workload's, not the machine's
-    const bool is_map = field.kind == sim::FieldKind::kSpreadMap;
+    const bool is_map = field.kind == sim::FieldKind::kBandMap;
     const auto at = given.lower_bound(field.path);
     const bool found = at != given.end() && (*at == field.path || (is_map && at->starts_with(field.path + ".")));
     EXPECT_TRUE(found) << field.path << " is set in no file";

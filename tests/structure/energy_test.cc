@@ -10,9 +10,8 @@
 
 #include "hw_models/dram/dram_energy.h"
 #include "hw_models/machines/gpu_config.h"
-#include "sim/report/logic_area.h"
-#include "sim/report/table_names.h"
-#include "sim/report/unit_entry.h"
+#include "sim/report/energy_table.h"
+#include "sim/report/table_checks.h"
 #include "tools/run/frame/run_job.h"
 
 // What counters name as their energy events, and what the energy files have figures for, is the same set.

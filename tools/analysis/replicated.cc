@@ -101,7 +101,7 @@ std::string replicates_table(const Json& replicates) {
     for (const char* part : {"mean", "deviation", "low", "high"}) {
       cells.push_back(sim::four_digits(figure[part].get<double>()));
     }
-    table.row(std::move(cells));
+    table.add_row(std::move(cells));
   }
   return table.text();
 }

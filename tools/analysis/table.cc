@@ -206,8 +206,8 @@ std::string energy_table(const Json& totals) {
   const double all = totals["energy_mj"]["nominal"].get<double>();
   const auto row = [&](const std::string& name, const Json& s) {
     const double nominal = s["nominal"].get<double>();
-    table.row({name, sim::four_digits(s["low"].get<double>()), sim::four_digits(nominal),
-               sim::four_digits(s["high"].get<double>()), fmt::format("{:.1f} %", 100 * nominal / all)});
+    table.add_row({name, sim::four_digits(s["low"].get<double>()), sim::four_digits(nominal),
+                   sim::four_digits(s["high"].get<double>()), fmt::format("{:.1f} %", 100 * nominal / all)});
   };
   for (const auto& [block, s] : totals["energy_by_block_mj"].items()) row(block, s);
   row("total", totals["energy_mj"]);
@@ -218,9 +218,9 @@ std::string energy_table(const Json& totals) {
 std::string kernel_table(const Json& kernels) {
   sim::Table table({"kernel", "chunks", "items", "II", "depth", "cycles", "share of SRP"});
   for (const auto& [name, k] : kernels.items()) {
-    table.row({name, si_text(k["launches"].get<double>()), si_text(k["items"].get<double>()),
-               std::to_string(k["ii"].get<int>()), std::to_string(k["depth"].get<int>()),
-               si_text(k["cycles"].get<double>()), percent(k["share"])});
+    table.add_row({name, si_text(k["launches"].get<double>()), si_text(k["items"].get<double>()),
+                   std::to_string(k["ii"].get<int>()), std::to_string(k["depth"].get<int>()),
+                   si_text(k["cycles"].get<double>()), percent(k["share"])});
   }
   return table.text();
 }

@@ -54,7 +54,8 @@ class Units {
   }
   /// Cycles given to a reason.
   std::uint64_t spent(CycleReason reason) const {
-    return sum([&](const sim::UnitReport& unit) { return unit.why.at(static_cast<std::size_t>(reason)).second; });
+    return sum(
+        [&](const sim::UnitReport& unit) { return unit.cycles_by_reason.at(static_cast<std::size_t>(reason)).second; });
   }
   /// A counter, as for counter_name().
   std::uint64_t counted(auto&& counter) const {

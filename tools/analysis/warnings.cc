@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "sim/io/printable.h"
-#include "sim/report/curve_range.h"
+#include "sim/report/table_checks.h"
 #include "tools/run/frame/power.h"
 
 namespace tools {

@@ -28,14 +28,14 @@ std::string text_of(const Bottleneck& b) {
   for (const Bound& bound : b.bounds) {
     const NoisySpeedup s = noisy_speedup(b, bound);
     const std::string mean = replicated ? fmt::format("mean {:.3f} ", s.value) : "";
-    table.row({bound.resource, sim::si_text(static_cast<double>(bound.cycles)), fmt::format("{:.3f}", b.speedup(bound)),
-               fmt::format("{:.2f}", bound.estimated),
-               fmt::format("{}± {:.2g}, {}", mean, s.half_width, s.outside ? "outside" : "within")});
+    table.add_row({bound.resource, sim::si_text(static_cast<double>(bound.cycles)),
+                   fmt::format("{:.3f}", b.speedup(bound)), fmt::format("{:.2f}", bound.estimated),
+                   fmt::format("{}± {:.2g}, {}", mean, s.half_width, s.outside ? "outside" : "within")});
   }
   sim::Table caches({"first-level caches", "hits", "cycles a miss", "time waited for"});
   for (const CacheShare& cache : b.caches) {
-    caches.row({cache.name, fmt::format("{:.1f} %", 100 * cache.hit_rate), fmt::format("{:.1f}", cache.cycles_a_miss),
-                fmt::format("{:.1f} %", 100 * cache.share)});
+    caches.add_row({cache.name, fmt::format("{:.1f} %", 100 * cache.hit_rate),
+                    fmt::format("{:.1f}", cache.cycles_a_miss), fmt::format("{:.1f} %", 100 * cache.share)});
   }
   const char* const note =
       replicated ? "" : "noise: assumed for this size of picture; --replicates 5 measures it (docs/noise.md)\n";

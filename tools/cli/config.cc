@@ -10,7 +10,6 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "sim/config/config_json.h"
 #include "sim/io/printable.h"
 #include "sim/report/report_json.h"
 #include "tools/cli/job_options.h"

@@ -23,9 +23,10 @@ void list(const JobOptions& options) {
   sim::Table table({"kernel", "operations", "on units", "II", "depth", "local reads", "writes", "cached loads", ""});
   for (const kernels::KernelInfo& kernel : kernels::kernel_catalogue()) {
     const hw::KernelSchedule s = hw::schedule(kernel.graph, srp);
-    table.row({std::string(kernel.name), std::to_string(kernels::executed_ops(kernel.graph)), std::to_string(s.fu_ops),
-               std::to_string(s.ii), std::to_string(s.depth), std::to_string(s.local_reads),
-               std::to_string(s.local_writes), std::to_string(s.cached_loads), std::string(kernel.meaning)});
+    table.add_row({std::string(kernel.name), std::to_string(kernels::executed_ops(kernel.graph)),
+                   std::to_string(s.fu_ops), std::to_string(s.ii), std::to_string(s.depth),
+                   std::to_string(s.local_reads), std::to_string(s.local_writes), std::to_string(s.cached_loads),
+                   std::string(kernel.meaning)});
   }
   fmt::print("{}", table.text());
 }

@@ -45,7 +45,7 @@ void print_warnings(const traces::Scene& scene) {
 void list() {
   sim::Table table({"scene", "triangles", ""});
   for (const traces::BuiltinInfo& scene : traces::builtin_scenes()) {
-    table.row({scene.name, fmt::format("about {}", sim::si_text(scene.triangles)), scene.description});
+    table.add_row({scene.name, fmt::format("about {}", sim::si_text(scene.triangles)), scene.description});
   }
   fmt::print("{}\nworkloads (scene, camera, frames and resolution together): {}\n", table.text(),
              fmt::join(workload_names(), ", "));

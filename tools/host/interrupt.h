@@ -1,7 +1,7 @@
 #pragma once
 #include <string>
 
-#include "sim/stop.h"
+#include "sim/error.h"
 
 namespace tools {
 

@@ -98,10 +98,10 @@ void check_no_scene(const std::string& argument) {
 std::string what_was_meant(const std::string& argument, const std::vector<std::string>& configs) {
   std::vector<std::string> scenes = workload_names();
   for (const traces::BuiltinInfo& scene : traces::builtin_scenes()) scenes.push_back(scene.name);
-  const std::string_view start = sim::start_of(argument);
-  const auto config = sim::nearest_of(start, configs, start.size() / 2);
+  const std::string_view start = sim::comparable_start(argument);
+  const auto config = sim::find_nearest(start, configs, start.size() / 2);
   const std::size_t most = config == configs.end() ? start.size() / 2 : sim::edit_distance(start, *config);
-  const auto scene = most == 0 ? scenes.end() : sim::nearest_of(start, scenes, most - 1);
+  const auto scene = most == 0 ? scenes.end() : sim::find_nearest(start, scenes, most - 1);
   return scene == scenes.end() ? traces::did_you_mean(argument, configs)
                                : fmt::format(", did you mean --scene {}?", *scene);
 }
@@ -145,7 +145,8 @@ fs::path find_config(const std::string& argument) {
   if (argument.find('/') != std::string::npos || argument.ends_with(".yaml")) return argument;
   if (const std::optional<fs::path> found = find_yaml(config_folders(), argument)) return *found;
   if (argument.find('=') != std::string::npos) {
-    throw sim::InputError(fmt::format("'{0}' is a setting, not a configuration; allowed: --set {0}", sim::printable(argument)));
+    throw sim::InputError(
+        fmt::format("'{0}' is a setting, not a configuration; allowed: --set {0}", sim::printable(argument)));
   }
   const std::vector<std::string> names = config_names();
   throw sim::InputError(fmt::format("no configuration is called '{}'{}; {}; or give a path to a .yaml file",

@@ -26,7 +26,7 @@ char* write_number(char* at, std::uint64_t value) {
 
 /// Writes a value of a unit over all intervals: its total, then, unless that is 0, its increase in each interval.
 char* write_column(char* at, const sim::Intervals& intervals, std::size_t column) {
-  const std::size_t rows = intervals.size(), width = intervals.width();
+  const std::size_t rows = intervals.size(), width = intervals.row_width();
   const std::uint64_t* value = intervals.row(0).data() + column;
   const std::uint64_t total = value[(rows - 1) * width];
   at = write_number(at, total);
@@ -101,7 +101,7 @@ std::vector<IntervalUnit> interval_units(std::span<const sim::UnitReport> units)
   std::vector<IntervalUnit> all;
   for (const sim::UnitReport& unit : units) {
     IntervalUnit& to = all.emplace_back(IntervalUnit{unit.path, {}, {}});
-    for (const auto& [reason, cycles] : unit.why) to.reasons.push_back(reason);
+    for (const auto& [reason, cycles] : unit.cycles_by_reason) to.reasons.push_back(reason);
     for (const sim::CounterReport& counter : unit.counters) to.counters.push_back({counter.name, counter.kind});
   }
   return all;
@@ -128,12 +128,12 @@ sim::Intervals intervals_of_frame(std::uint32_t frames) {
 
 void IntervalPacker::add(std::uint32_t frame, const sim::Intervals& intervals) {
   const auto bytes =
-      std::make_unique_for_overwrite<char[]>(kLongestVarint * (4 + (intervals.size() + 1) * intervals.width()));
+      std::make_unique_for_overwrite<char[]>(kLongestVarint * (4 + (intervals.size() + 1) * intervals.row_width()));
   char* at = bytes.get();
-  for (const std::uint64_t number : {std::uint64_t{frame}, intervals.length(), intervals.end(), intervals.size()}) {
+  for (const std::uint64_t number : {std::uint64_t{frame}, intervals.interval_length(), intervals.end(), intervals.size()}) {
     at = write_number(at, number);
   }
-  for (std::size_t column = 0; column < intervals.width(); ++column) at = write_column(at, intervals, column);
+  for (std::size_t column = 0; column < intervals.row_width(); ++column) at = write_column(at, intervals, column);
   packed_ += traces::Packer(kLevel).pack_block({bytes.get(), static_cast<std::size_t>(at - bytes.get())});
   frames_ += 1;
 }

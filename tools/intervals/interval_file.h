@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/counter_kind.h"
+#include "sim/activity.h"
 #include "sim/intervals.h"
 #include "sim/unit_report.h"
 

@@ -17,9 +17,9 @@
 #include "sim/error.h"
 #include "sim/io/file.h"
 #include "sim/io/printable.h"
-#include "sim/report/conversions.h"
-#include "sim/report/energy_formula.h"
-#include "sim/unit_values.h"
+#include "sim/report/energy.h"
+#include "sim/report/table.h"
+#include "sim/unit_report.h"
 #include "tools/analysis/limiter.h"
 #include "tools/analysis/units.h"
 #include "tools/pricing/idle_machine.h"
@@ -38,14 +38,14 @@ bool are_named(std::span<const sim::UnitReport> units, std::span<const IntervalU
   };
   const auto same_reason = [](const auto& why, const std::string& named) { return why.first == named; };
   return std::ranges::equal(units, names, [&](const sim::UnitReport& unit, const IntervalUnit& named) {
-    return unit.path == named.path && std::ranges::equal(unit.why, named.reasons, same_reason) &&
+    return unit.path == named.path && std::ranges::equal(unit.cycles_by_reason, named.reasons, same_reason) &&
            std::ranges::equal(unit.counters, named.counters, same_counter);
   });
 }
 
 bool equal_counts(const std::vector<sim::UnitReport>& a, const std::vector<sim::UnitReport>& b) {
   return std::ranges::equal(a, b, [](const sim::UnitReport& x, const sim::UnitReport& y) {
-    return x.why == y.why &&
+    return x.cycles_by_reason == y.cycles_by_reason &&
            std::ranges::equal(x.counters, y.counters, {}, &sim::CounterReport::value, &sim::CounterReport::value);
   });
 }
@@ -115,7 +115,7 @@ class EnergyUntil {
         formula_(run.units(), run.config().energy, device_, 0, power_scales(run.config())) {}
 
   const sim::EnergyFormula& at(const IntervalFrame& frame, std::size_t interval, const Reports& until) {
-    formula_.recount(until, frame.end_of(interval));
+    formula_.set_counts(until, frame.end_of(interval));
     return formula_;
   }
 
@@ -175,7 +175,7 @@ class Table {
  private:
   void add_power(std::size_t interval) {
     const sim::EnergyFormula& energy = energy_.at(frame_, interval, until_);
-    std::vector<double> blocks = energy.of_blocks(side_), kinds = energy.of_kinds(side_);
+    std::vector<double> blocks = energy.block_energies(side_), kinds = energy.kind_energies(side_);
     blocks.push_back(energy.total(side_));
     if (blocks_before_.empty()) blocks_before_.resize(blocks.size()), kinds_before_.resize(kinds.size());
     const auto watts = [&](double until, double before) {
@@ -183,7 +183,7 @@ class Table {
     };
     for (std::size_t b = 0; b < blocks.size(); ++b) {
       const bool is_sum = b + 1 == blocks.size();
-      series_.add("power", is_sum ? "total" : energy.blocks()[b], "W", watts(blocks[b], blocks_before_[b]));
+      series_.add("power", is_sum ? "total" : energy.block_names()[b], "W", watts(blocks[b], blocks_before_[b]));
     }
     for (std::size_t k = 0; k < kinds.size(); ++k) {
       series_.add("power_by_kind", sim::EnergyFormula::kKinds[k], "W", watts(kinds[k], kinds_before_[k]));
@@ -275,8 +275,8 @@ IntervalEnergy energy_until(const RunIntervals& run, const IntervalFrame& frame,
   for (std::size_t i = 0; i < frame.rows; ++i) {
     RunIntervals::set_until(frame, i, until);
     const sim::EnergyFormula& formula = energy.at(frame, i, until);
-    all.blocks = formula.blocks();
-    all.until_pj.push_back(formula.of_blocks(side));
+    all.blocks = formula.block_names();
+    all.until_pj.push_back(formula.block_energies(side));
   }
   return all;
 }

@@ -29,7 +29,7 @@ std::optional<EnergyMetric> energy_metric(std::string_view path) {
   return EnergyMetric{std::string(path), false};
 }
 
-double nominal_pj(const PricedRun& run, const std::string& block) { return side_pj(run, block, &sim::Spread::nominal); }
+double nominal_pj(const PricedRun& run, const std::string& block) { return side_pj(run, block, &sim::Band::nominal); }
 
 std::vector<double> drawn_pj(PricedRun& run, const std::string& block, std::uint64_t draws, std::uint64_t seed) {
   std::vector<double> out;

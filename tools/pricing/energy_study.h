@@ -37,9 +37,9 @@ Interval95 interval_of(std::vector<double> samples);
 
 /// Energy of run b divided by that of run a.
 struct EnergyRatio {
-  sim::Spread together;  ///< both under the low, nominal, high table
-  Interval95 drawn;      ///< over draws of all entries
-  double b_less = 0;     ///< share of the draws in which b uses less energy
+  sim::Band together;  ///< both under the low, nominal, high table
+  Interval95 drawn;    ///< over draws of all entries
+  double b_less = 0;   ///< share of the draws in which b uses less energy
 };
 EnergyRatio energy_ratio(PricedRun& a, PricedRun& b, const std::string& block);
 

@@ -76,7 +76,7 @@ void ReportedCounts::fill(std::vector<sim::UnitReport>& units) const {
   for (sim::UnitReport& unit : units) {
     const Json* node = node_of(*units_, unit.path);
     if (node == nullptr) refuse(fmt::format("unit {} is not there", unit.path));
-    for (auto& [reason, cycles] : unit.why) cycles = number(*node, "why", reason, unit);
+    for (auto& [reason, cycles] : unit.cycles_by_reason) cycles = number(*node, "why", reason, unit);
     for (sim::CounterReport& counter : unit.counters) counter.value = number(*node, "counters", counter.name, unit);
   }
 }

@@ -18,8 +18,8 @@
 #include "sim/hash.h"
 #include "sim/io/file.h"
 #include "sim/io/printable.h"
-#include "sim/report/conversions.h"
-#include "sim/report/curve_range.h"
+#include "sim/report/table.h"
+#include "sim/report/table_checks.h"
 #include "tools/host/paths.h"
 #include "tools/pricing/idle_machine.h"
 #include "tools/run/frame/power.h"
@@ -34,7 +34,7 @@ std::uint64_t hash_of(const std::string& name) {
   return h;
 }
 
-void add(std::vector<EnergyEntry>& entries, const sim::ConfigNode& node, const std::string& key, sim::Spread& figure) {
+void add(std::vector<EnergyEntry>& entries, const sim::ConfigNode& node, const std::string& key, sim::Band& figure) {
   const std::string name = key.empty() ? node.path : node.path + "." + key;
   const std::string entry = sim::event_of(name);
   if (entries.empty() || entries.back().name != entry) {
@@ -50,9 +50,9 @@ void collect(const sim::ConfigNode& group, std::vector<EnergyEntry>& entries) {
       collect(node, entries);
     } else if (node.affects != sim::Affects::kEnergy) {
       continue;
-    } else if (auto* const figure = std::get_if<sim::Spread*>(&*node.target)) {
+    } else if (auto* const figure = std::get_if<sim::Band*>(&*node.target)) {
       add(entries, node, "", **figure);
-    } else if (auto* const map = std::get_if<std::map<std::string, sim::Spread>*>(&*node.target)) {
+    } else if (auto* const map = std::get_if<std::map<std::string, sim::Band>*>(&*node.target)) {
       for (auto& [key, spread] : **map) add(entries, node, key, spread);
     }
   }
@@ -78,7 +78,7 @@ std::vector<EnergyEntry> energy_entries(RunConfig& config) {
   return entries;
 }
 
-double at_quantile(const sim::Spread& band, double quantile) {
+double at_quantile(const sim::Band& band, double quantile) {
   const bool lower = quantile < 0.5;
   const double from = lower ? band.low : band.nominal, to = lower ? band.nominal : band.high;
   const double part = lower ? 2 * quantile : 2 * quantile - 1;
@@ -107,10 +107,10 @@ void check_kind(const std::filesystem::path& file) {
   RunConfig all;
   const sim::ConfigNode tree = sim::config_tree(all);
   for (const sim::YamlNode::Entry& entry : mapping->entries) {
-    if (entry.key == "extends" || tree.child("energy")->child(entry.key) != nullptr) continue;
-    if (tree.child(entry.key) != nullptr) refuse("a whole configuration");
-    if (tree.child("dram")->child(entry.key) != nullptr) refuse("a memory grade");
-    if (tree.child("area")->child(entry.key) != nullptr) refuse("an area table");
+    if (entry.key == "extends" || tree.find_child("energy")->find_child(entry.key) != nullptr) continue;
+    if (tree.find_child(entry.key) != nullptr) refuse("a whole configuration");
+    if (tree.find_child("dram")->find_child(entry.key) != nullptr) refuse("a memory grade");
+    if (tree.find_child("area")->find_child(entry.key) != nullptr) refuse("an area table");
   }
 }
 
@@ -168,7 +168,7 @@ PricedRun::PricedRun(const ReportFile& report, const PriceTable& table)
   std::vector<sim::UnitReport> units = idle_units(*config_.gpu, counts.has_rasteriser());
   counts.fill(units);
   make_formula(units);
-  const double own = total(&sim::Spread::nominal) / sim::kPicojoulesPerMillijoule;
+  const double own = total(&sim::Band::nominal) / sim::kPicojoulesPerMillijoule;
   const double stated = report.number("totals.energy_mj.nominal");
   if (!(std::abs(own - stated) <= kSumRounding * stated)) {
     ReportedCounts(report).refuse(
@@ -208,10 +208,10 @@ void PricedRun::restore() {
 }
 
 double PricedRun::of_block(const std::string& block, sim::Side side) const {
-  const std::vector<std::string>& names = formula_->blocks();
+  const std::vector<std::string>& names = formula_->block_names();
   const auto found = std::ranges::find(names, block);
   if (found == names.end()) throw sim::InputError(fmt::format("no energy block is called '{}'", block));
-  return formula_->of_blocks(side)[static_cast<std::size_t>(found - names.begin())];
+  return formula_->block_energies(side)[static_cast<std::size_t>(found - names.begin())];
 }
 
 }  // namespace tools

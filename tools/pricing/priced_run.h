@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/report/energy_formula.h"
+#include "sim/report/energy.h"
 #include "sim/report/energy_table.h"
 #include "tools/analysis/cost_totals.h"
 #include "tools/analysis/report_file.h"
@@ -22,8 +22,8 @@ struct EnergyEntry {
   /// A figure of the configuration, and its band before any draw.
   struct Figure {
     std::string name;  ///< with its size, "energy.events.cache.l1_read@16KiB"
-    sim::Spread* value;
-    sim::Spread band;
+    sim::Band* value;
+    sim::Band band;
   };
   std::vector<Figure> figures;  ///< points of the curve, or one
 
@@ -39,7 +39,7 @@ std::vector<EnergyEntry> energy_entries(RunConfig& config);
 
 /// Returns the figure at a quantile of its band: low at 0, nominal at 1/2, high at 1. Between them it interpolates the
 /// logarithm, or the figure itself if low is 0.
-double at_quantile(const sim::Spread& band, double quantile);
+double at_quantile(const sim::Band& band, double quantile);
 
 /// Independent draws of all entries. Entries of one name have the same quantile in all designs and at all points of a
 /// curve.

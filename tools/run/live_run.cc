@@ -6,8 +6,8 @@
 
 #include "hw_models/dram/dram_energy.h"
 #include "hw_models/machines/gpu_config.h"
-#include "sim/report/conversions.h"
-#include "sim/unit_values.h"
+#include "sim/report/table.h"
+#include "sim/unit_report.h"
 #include "tools/analysis/limiter.h"
 #include "tools/analysis/picture.h"
 #include "tools/run/frame/power.h"
@@ -15,7 +15,7 @@
 namespace tools {
 namespace {
 
-/// Means of the picture's pixels where it is made smaller; never larger than it is.
+/// Scales a picture down by averaging pixels; never up.
 SmallPicture shrunk(std::span<const float> rgb, std::size_t width, std::size_t height, std::size_t most_width,
                     std::size_t most_height) {
   const std::size_t factor =
@@ -65,16 +65,16 @@ void LiveRun::note(std::span<const float> rgb) {
   row_.assign(intervals_->row(last).begin(), intervals_->row(last).end());
   before_.assign(row_.size(), 0);
   begin_ = 0;
-  end_ = intervals_->edge(last);
+  end_ = intervals_->end_of(last);
   if (last == 0) return;
   std::ranges::copy(intervals_->row(last - 1), before_.begin());
-  begin_ = intervals_->edge(last - 1);
+  begin_ = intervals_->end_of(last - 1);
 }
 
 double LiveRun::until_pj(const std::vector<std::uint64_t>& row, sim::Time end) {
   sim::each_value(units_, [&](std::uint64_t& value, std::size_t i, sim::CounterKind) { value = row[i]; });
-  formula_->recount(units_, end);
-  return formula_->total(&sim::Spread::nominal);
+  formula_->set_counts(units_, end);
+  return formula_->total(&sim::Band::nominal);
 }
 
 std::vector<std::string> LiveRun::lines() {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/report/energy_formula.h"
+#include "sim/report/energy.h"
 #include "tools/host/run_watcher.h"
 #include "tools/host/view.h"
 #include "tools/run/frame/load_config.h"

@@ -5,11 +5,9 @@
 #include "hw_models/dram/dram_energy.h"
 #include "hw_models/machines/ray_machine.h"
 #include "sim/config/config.h"
-#include "sim/config/config_json.h"
 #include "sim/host_clock.h"
 #include "sim/io/file.h"
 #include "sim/io/json.h"
-#include "sim/report/conversions.h"
 #include "sim/report/report_json.h"
 #include "sim/report/table.h"
 #include "tools/analysis/report.h"
@@ -42,7 +40,7 @@ Json totals_of(const hw::RayMachine& machine, std::uint64_t listed, const std::v
                  {"traversal_steps", machine.steps()},
                  {"dram_bytes", Units<hw::DramChannel>(units).counted(&hw::DramChannel::Stats::bytes)}};
   totals.update(sim::energy_json(energy));
-  totals["power_w"] = sim::spread_json(energy.total_pj, 1 / (sim::kPicojoulesPerMillijoule * ms));
+  totals["power_w"] = sim::band_json(energy.total_pj, 1 / (sim::kPicojoulesPerMillijoule * ms));
   totals["perf"] = {{"mrays_per_s", static_cast<double>(rays) / (1e3 * ms)},
                     {"nj_per_ray", energy.total_pj.nominal / (1e3 * static_cast<double>(rays))}};
   totals["utilisation"] = {{"tni", Units<hw::Trv>(units).share(hw::Trv::CycleReason::kVisiting)},

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "sim/config/config.h"
-#include "sim/config/config_json.h"
 #include "sim/error.h"
 #include "sim/io/file.h"
 #include "sim/io/json.h"

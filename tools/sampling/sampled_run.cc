@@ -17,7 +17,7 @@ namespace {
 /// Difference of two marks.
 MeasuredPart between(const Mark& a, const Mark& b) {
   MeasuredPart part{b.time - a.time, b.units, b.kernels, {}};
-  sim::take_off_reports(part.units, a.units);
+  sim::subtract_reports(part.units, a.units);
   for (std::size_t k = 0; k < part.kernels.size(); ++k) part.kernels[k] -= a.kernels[k];
   return part;
 }
@@ -121,18 +121,19 @@ MeasuredPart weighted_sum(std::span<const MeasuredPart* const> parts, std::span<
     // Reasons are put in proportion, as they add up to the unit's time; what rounding leaves goes to the largest.
     unit.elapsed = rounded(longer * static_cast<double>(unit.elapsed));
     std::vector<double> spent;
-    for (std::size_t i = 0; i < unit.why.size(); ++i) {
-      spent.push_back(sum([&](const MeasuredPart& p) { return p.units[u].why[i].second; }));
+    for (std::size_t i = 0; i < unit.cycles_by_reason.size(); ++i) {
+      spent.push_back(sum([&](const MeasuredPart& p) { return p.units[u].cycles_by_reason[i].second; }));
     }
     const double all = std::accumulate(spent.begin(), spent.end(), 0.0);
     std::uint64_t given = 0;
-    for (std::size_t i = 0; i < unit.why.size(); ++i) {
-      unit.why[i].second =
+    for (std::size_t i = 0; i < unit.cycles_by_reason.size(); ++i) {
+      unit.cycles_by_reason[i].second =
           all == 0 ? 0 : static_cast<std::uint64_t>(spent[i] / all * static_cast<double>(unit.elapsed));
-      given += unit.why[i].second;
+      given += unit.cycles_by_reason[i].second;
     }
-    if (unit.why.empty()) continue;
-    std::ranges::max_element(unit.why, {}, [](const auto& why) { return why.second; })->second += unit.elapsed - given;
+    if (unit.cycles_by_reason.empty()) continue;
+    std::ranges::max_element(unit.cycles_by_reason, {}, [](const auto& why) { return why.second; })->second +=
+        unit.elapsed - given;
   }
   whole.kernels.resize(run.begin.kernels.size());
   for (std::size_t k = 0; k < whole.kernels.size(); ++k) {

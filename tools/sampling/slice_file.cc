@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "sim/error.h"
-#include "sim/io/json_number.h"
+#include "sim/io/json.h"
 #include "sim/io/printable.h"
 
 namespace tools {
@@ -60,7 +60,7 @@ void read_counts(const Members& members, const Json& json, Counted& counted) {
 
 Json unit_json(const sim::UnitReport& unit) {
   Json why = Json::array(), counters = Json::array();
-  for (const auto& [reason, cycles] : unit.why) why.push_back(cycles);
+  for (const auto& [reason, cycles] : unit.cycles_by_reason) why.push_back(cycles);
   for (const sim::CounterReport& counter : unit.counters) counters.push_back(counter.value);
   return {{"path", unit.path}, {"elapsed", unit.elapsed}, {"why", why}, {"counters", counters}};
 }
@@ -68,8 +68,8 @@ Json unit_json(const sim::UnitReport& unit) {
 void read_unit(const Json& json, sim::UnitReport& unit) {
   if (json.at("path") != unit.path) throw sim::InputError(fmt::format("there is no unit {}", unit.path));
   unit.elapsed = count_in(json.at("elapsed"));
-  const Json& why = list_in(json.at("why"), unit.why.size(), "a unit's reasons");
-  for (std::size_t i = 0; i < unit.why.size(); ++i) unit.why[i].second = count_in(why[i]);
+  const Json& why = list_in(json.at("why"), unit.cycles_by_reason.size(), "a unit's reasons");
+  for (std::size_t i = 0; i < unit.cycles_by_reason.size(); ++i) unit.cycles_by_reason[i].second = count_in(why[i]);
   const Json& counters = list_in(json.at("counters"), unit.counters.size(), "a unit's counters");
   for (std::size_t i = 0; i < unit.counters.size(); ++i) unit.counters[i].value = count_in(counters[i]);
 }

@@ -9,7 +9,7 @@ namespace tools {
 
 void Stretch::take_off(const Mark& earlier) {
   time -= earlier.time;
-  sim::take_off_reports(units, earlier.units);
+  sim::subtract_reports(units, earlier.units);
   for (std::size_t k = 0; k < kernels.size(); ++k) kernels[k] -= earlier.kernels[k];
 }
 

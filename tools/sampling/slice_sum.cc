@@ -40,7 +40,7 @@ void scale(Stretch& all, double factor) {
   by(all.time);
   for (sim::UnitReport& unit : all.units) {
     unit.elapsed = 0;
-    for (auto& [reason, cycles] : unit.why) {
+    for (auto& [reason, cycles] : unit.cycles_by_reason) {
       by(cycles);
       unit.elapsed += cycles;
     }

@@ -52,7 +52,7 @@ void TimedTiles::dispatched(sim::Time now) {
   back_.clear();
   if (tile >= blocks_[dispatched_block_].end) dispatched_block_ += 1;
   if (std::ranges::binary_search(marked_, tile)) {
-    gpu_->bring_up_to(now);
+    gpu_->account_until(now);
     marks_.push_back({tile, now, gpu_->report(), gpu_->kernel_use()});
   }
   if (tile == blocks_[dispatched_block_].first) warm();

@@ -14,7 +14,7 @@
 #include "hw_models/dram/dram_energy.h"
 #include "hw_models/machines/gpu_config.h"
 #include "hw_models/machines/unit_kinds.h"
-#include "sim/report/energy_formula.h"
+#include "sim/report/energy.h"
 #include "tools/analysis/units.h"
 #include "tools/run/frame/power.h"
 
@@ -291,8 +291,8 @@ class Shared {
   Shared(const FrameResult& s, const TileWeights& weights, std::optional<std::uint32_t> core)
       : s_(s), weights_(weights), core_(core), counted_(weights.count()) {}
 
-  void add(std::size_t weight, const sim::Spread& pj) { counted_[weight] += pj; }
-  void add_standing(const sim::Spread& pj) { standing_ += pj; }
+  void add(std::size_t weight, const sim::Band& pj) { counted_[weight] += pj; }
+  void add_standing(const sim::Band& pj) { standing_ += pj; }
 
   void share_out(TileEnergy& energy) const {
     for (std::size_t w = 0; w < counted_.size(); ++w) {
@@ -302,7 +302,7 @@ class Shared {
         energy.rest += counted_[w];
         continue;
       }
-      const sim::Spread each = counted_[w] * (1 / all);
+      const sim::Band each = counted_[w] * (1 / all);
       for_tiles([&](std::size_t tile) { energy.tiles[tile] += each * weights_.of(tile, w); });
       if (!core_) energy.rest += each * weights_.of_rest(w);
     }
@@ -321,8 +321,8 @@ class Shared {
   const FrameResult& s_;
   const TileWeights& weights_;
   const std::optional<std::uint32_t> core_;
-  std::vector<sim::Spread> counted_;
-  sim::Spread standing_{0, 0, 0};
+  std::vector<sim::Band> counted_;
+  sim::Band standing_{0, 0, 0};
 };
 
 }  // namespace
@@ -330,20 +330,20 @@ class Shared {
 TileEnergy tile_energy(const FrameResult& s, const RunConfig& config) {
   const auto device_events = hw::dram_energy_events(config.gpu->dram);
   const sim::EnergyFormula formula(s.units, config.energy, device_events, s.elapsed, power_scales(config));
-  const std::vector<sim::EnergyFormula::UnitEnergy> units = formula.of_units();
+  const std::vector<sim::EnergyFormula::UnitEnergy> units = formula.unit_energies();
   const TileWeights weights(s);
-  TileEnergy energy{std::vector<sim::Spread>(s.tile_accounts.size(), sim::Spread{0, 0, 0}), {0, 0, 0}};
+  TileEnergy energy{std::vector<sim::Band>(s.tile_accounts.size(), sim::Band{0, 0, 0}), {0, 0, 0}};
   std::vector<Shared> of_cores;
   for (std::uint32_t core = 0; core < s.machine->cores; ++core) of_cores.emplace_back(s, weights, core);
   Shared of_all(s, weights, {});
   for (std::size_t u = 0; u < units.size(); ++u) {
     const std::optional<std::uint32_t> core = core_of(s.units[u].path);
     Shared& shared = core ? of_cores[*core] : of_all;
-    shared.add_standing(units[u].standing);
+    shared.add_standing(units[u].idle);
     std::size_t event = 0;
     for (const sim::CounterReport& counter : s.units[u].counters) {
       if (counter.event.empty()) continue;
-      const sim::Spread& pj = units[u].events[event++];
+      const sim::Band& pj = units[u].events[event++];
       const std::optional<std::size_t> weight = TileWeights::of_counter(s.units[u], counter.name);
       weight ? shared.add(*weight, pj) : shared.add_standing(pj);
     }

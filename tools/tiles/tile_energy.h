@@ -22,8 +22,8 @@ Residence residence(std::span<const hw::TileAccount> tiles, sim::Time elapsed, s
 
 /// Energy of a frame by tile, in pJ.
 struct TileEnergy {
-  std::vector<sim::Spread> tiles;
-  sim::Spread rest;  ///< energy of requests without a tile, and of time without tiles
+  std::vector<sim::Band> tiles;
+  sim::Band rest;  ///< energy of requests without a tile, and of time without tiles
 };
 
 /// Shares out the energy of an itemised frame.

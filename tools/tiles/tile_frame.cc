@@ -113,16 +113,16 @@ class Builder {
   }
   void add_energy() {
     const TileEnergy energy = tile_energy(s_, config_);
-    const auto add_side = [&](const char* name, double sim::Spread::*side) {
+    const auto add_side = [&](const char* name, double sim::Band::*side) {
       add_sum(name, "mJ", 0, [&](std::size_t i) { return energy.tiles[i].*side * kMillijoulesPerPicojoule; });
       TileColumn& column = frame_.columns.back();
       const double whole = s_.energy.total_pj.*side * kMillijoulesPerPicojoule;
       column.rest = missing_to(whole, column.total);
       column.total = whole;
     };
-    add_side("energy_mj_low", &sim::Spread::low);
-    add_side("energy_mj_nominal", &sim::Spread::nominal);
-    add_side("energy_mj_high", &sim::Spread::high);
+    add_side("energy_mj_low", &sim::Band::low);
+    add_side("energy_mj_nominal", &sim::Band::nominal);
+    add_side("energy_mj_high", &sim::Band::high);
   }
 
   const FrameResult& s_;

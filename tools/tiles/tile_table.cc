@@ -9,7 +9,6 @@
 #include "sim/error.h"
 #include "sim/io/file.h"
 #include "sim/io/json.h"
-#include "sim/io/json_number.h"
 #include "sim/io/printable.h"
 
 namespace tools {

@@ -57,9 +57,9 @@ constexpr std::size_t kStackSize = 128;  // deeper than any tree that BvhConfig 
 
 /// Returns the exit phases of four tests, from the lanes that pass the distance test and those that hit.
 constexpr std::uint32_t phases_of(unsigned in_range, unsigned hit) {
-  constexpr std::array<std::uint16_t, 16> kSpread = {0x0000, 0x0001, 0x0010, 0x0011, 0x0100, 0x0101, 0x0110, 0x0111,
-                                                     0x1000, 0x1001, 0x1010, 0x1011, 0x1100, 0x1101, 0x1110, 0x1111};
-  return 0x1111U + kSpread[in_range] + kSpread[hit];
+  constexpr std::array<std::uint16_t, 16> kBand = {0x0000, 0x0001, 0x0010, 0x0011, 0x0100, 0x0101, 0x0110, 0x0111,
+                                                   0x1000, 0x1001, 0x1010, 0x1011, 0x1100, 0x1101, 0x1110, 0x1111};
+  return 0x1111U + kBand[in_range] + kBand[hit];
 }
 
 /// Replaces the world-space boxes in images of one level.

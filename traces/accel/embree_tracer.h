@@ -2,7 +2,7 @@
 #include <memory>
 #include <string>
 
-#include "sim/stop.h"
+#include "sim/error.h"
 #include "traces/accel/memory_image.h"
 #include "traces/ray.h"
 

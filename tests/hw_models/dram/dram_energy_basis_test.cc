@@ -31,7 +31,7 @@ struct Derating {
 constexpr Derating kActivate{0.25, 0.5, 1}, kRead{0.46, 0.6, 1}, kWrite{0.43, 0.5, 1}, kRefresh{0.72, 0.83, 1},
     kStandby{0.383, 0.57, 1}, kOpenRow{0.4, 0.632, 1};
 
-sim::Spread operator*(const Derating& d, double maximum) {
+sim::Band operator*(const Derating& d, double maximum) {
   return {d.low * maximum, d.nominal * maximum, d.high * maximum};
 }
 
@@ -56,7 +56,7 @@ double rank_gb(const DramConfig& c) {
   return 8.0 * c.organisation.rows * c.organisation.banks * static_cast<double>(c.organisation.page.bytes) / (1 << 30);
 }
 
-void expect_rounded(const char* what, const sim::Spread& is, const sim::Spread& derived) {
+void expect_rounded(const char* what, const sim::Band& is, const sim::Band& derived) {
   EXPECT_NEAR(is.low, derived.low, 1e-3 * derived.low) << what;
   EXPECT_NEAR(is.nominal, derived.nominal, 1e-3 * derived.nominal) << what;
   EXPECT_NEAR(is.high, derived.high, 1e-3 * derived.high) << what;

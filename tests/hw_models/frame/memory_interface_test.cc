@@ -83,7 +83,7 @@ struct Machine {
     std::string all_of_it = std::to_string(end);
     const sim::UnitReport report = sim::report_of(unit, "unit");
     EXPECT_EQ(report.elapsed, kClock.cycles(end) + 1);
-    for (const auto& [why, cycles] : report.why) all_of_it += " " + why + " " + std::to_string(cycles);
+    for (const auto& [why, cycles] : report.cycles_by_reason) all_of_it += " " + why + " " + std::to_string(cycles);
     for (const sim::CounterReport& c : report.counters) all_of_it += " " + c.name + " " + std::to_string(c.value);
     EXPECT_TRUE(ray_taker.in_order);
     EXPECT_TRUE(hit_taker.in_order);

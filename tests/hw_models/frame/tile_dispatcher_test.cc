@@ -141,7 +141,7 @@ TEST(TileDispatcher, FlushesTheL2WhenAllTilesHaveReturned) {
   DispatcherHarness harness({.tiles = 12});
   harness.run();
   EXPECT_EQ(harness.flushes, 0U);
-  EXPECT_FALSE(harness.machine().quiet()) << "it is on its way";
+  EXPECT_FALSE(harness.machine().is_drained()) << "it is on its way";
 }
 
 TEST(TileDispatcher, NoCoreGetsATileBeforeItsStart) {

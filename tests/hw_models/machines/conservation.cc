@@ -116,7 +116,7 @@ void expect_time_accounted(const Outcome& run, const GpuConfig& config) {
     const sim::Clock clock = clock_of(unit, config);
     EXPECT_EQ(unit.elapsed, clock.cycles(clock.edge_at_or_after(run.elapsed))) << unit.path;
     std::uint64_t sum = 0;
-    for (const auto& [reason, cycles] : unit.why) {
+    for (const auto& [reason, cycles] : unit.cycles_by_reason) {
       EXPECT_LE(cycles, unit.elapsed) << unit.path << " " << reason;
       sum += cycles;
     }

@@ -42,7 +42,7 @@ TEST_P(HybridFrames, AreTheSameOnAnyEngineAndNumberOfThreads) {
   EXPECT_EQ(difference(fast, play(method, config, Engine::kFast, 0, 3)), "");
   for (const sim::UnitReport& unit : fast.units) {
     std::uint64_t spent = 0;
-    for (const auto& [reason, cycles] : unit.why) spent += cycles;
+    for (const auto& [reason, cycles] : unit.cycles_by_reason) spent += cycles;
     EXPECT_EQ(spent, unit.elapsed) << unit.path;
   }
 }

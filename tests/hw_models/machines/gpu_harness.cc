@@ -163,7 +163,7 @@ Outcome play(const Frame& frame, const GpuConfig& config, sim::Intervals& interv
              std::uint32_t workers) {
   tools::FrontEnd front_end(frame.program(), frame.tracer(), workers);
   const auto gpu = std::make_unique<Gpu>(config, frame.workload(), front_end);
-  gpu->machine().record(intervals);
+  gpu->machine().record_intervals(intervals);
   Outcome outcome = run(*gpu, engine, seed);
   outcome.function = front_end.result();
   return outcome;
@@ -205,8 +205,9 @@ std::string difference(const Outcome& a, const Outcome& b) {
     for (std::size_t i = 0; i < x.counters.size(); ++i) {
       compare(x.path + "." + x.counters[i].name, x.counters[i].value, y.counters[i].value);
     }
-    for (std::size_t i = 0; i < x.why.size(); ++i) {
-      compare(x.path + ".why." + x.why[i].first, x.why[i].second, y.why[i].second);
+    for (std::size_t i = 0; i < x.cycles_by_reason.size(); ++i) {
+      compare(x.path + ".why." + x.cycles_by_reason[i].first, x.cycles_by_reason[i].second,
+              y.cycles_by_reason[i].second);
     }
   }
   for (std::size_t k = 0; k < a.kernels.size(); ++k) {

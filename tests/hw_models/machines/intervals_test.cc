@@ -26,9 +26,10 @@ constexpr sim::Time kOddLength = 61'234'567, kEvenLength = 100 * sim::kFemtoseco
 
 /// Returns the first value in which two records differ; empty if they are equal.
 std::string difference(const Intervals& a, const Intervals& b) {
-  if (a.size() != b.size() || a.width() != b.width() || a.length() != b.length() || a.end() != b.end()) {
-    return fmt::format("{} x {} of {} to {}, {} x {} of {} to {}", a.size(), a.width(), a.length(), a.end(), b.size(),
-                       b.width(), b.length(), b.end());
+  if (a.size() != b.size() || a.row_width() != b.row_width() || a.interval_length() != b.interval_length() ||
+      a.end() != b.end()) {
+    return fmt::format("{} x {} of {} to {}, {} x {} of {} to {}", a.size(), a.row_width(), a.interval_length(),
+                       a.end(), b.size(), b.row_width(), b.interval_length(), b.end());
   }
   for (std::size_t i = 0; i < a.size(); ++i) {
     const auto [x, y] = std::ranges::mismatch(a.row(i), b.row(i));
@@ -44,7 +45,7 @@ void expect_sums(const Intervals& intervals, const Outcome& run) {
   std::size_t value = 0;
   for (const sim::UnitReport& unit : run.units) {
     const std::size_t first = value;
-    for (const auto& [reason, cycles] : unit.why) {
+    for (const auto& [reason, cycles] : unit.cycles_by_reason) {
       EXPECT_EQ(intervals.row(intervals.size() - 1)[value++], cycles) << unit.path << ' ' << reason;
     }
     const std::size_t reasons = value;
@@ -62,7 +63,7 @@ void expect_sums(const Intervals& intervals, const Outcome& run) {
       }
     }
   }
-  EXPECT_EQ(value, intervals.width());
+  EXPECT_EQ(value, intervals.row_width());
 }
 
 TEST(Intervals, AddUpToEveryCounterAndReasonAndChangeNone) {
@@ -85,11 +86,11 @@ TEST(Intervals, HaveOfEachUnitTheCyclesThatBeginInThem) {
     const bool is_tni = unit.path.ends_with("tni.ist"), is_dram = unit.path.starts_with("dram.");
     for (std::size_t i = 0; (is_tni || is_dram) && i < intervals.size(); ++i) {
       std::uint64_t cycles = 0;
-      for (std::size_t v = 0; v < unit.why.size(); ++v) cycles += intervals.row(i)[value + v];
+      for (std::size_t v = 0; v < unit.cycles_by_reason.size(); ++v) cycles += intervals.row(i)[value + v];
       const sim::Clock& clock = is_tni ? tni : dram;
-      ASSERT_EQ(cycles, clock.cycles(clock.edge_at_or_after(intervals.edge(i)))) << unit.path << ' ' << i;
+      ASSERT_EQ(cycles, clock.cycles(clock.edge_at_or_after(intervals.end_of(i)))) << unit.path << ' ' << i;
     }
-    value += unit.why.size() + unit.counters.size();
+    value += unit.cycles_by_reason.size() + unit.counters.size();
   }
 }
 
@@ -136,11 +137,11 @@ TEST(Intervals, MergeInPairsWhenThereAreTooMany) {
   play(test::teapot_64x32(), config, coarse);
   EXPECT_LE(coarse.size(), 8U);
   EXPECT_GT(coarse.size(), 4U);
-  const std::size_t merged = coarse.length() / fine.length();
-  EXPECT_EQ(coarse.length() % fine.length(), 0U);
+  const std::size_t merged = coarse.interval_length() / fine.interval_length();
+  EXPECT_EQ(coarse.interval_length() % fine.interval_length(), 0U);
   for (std::size_t i = 0; i < coarse.size(); ++i) {
     const std::size_t last = std::min((i + 1) * merged, fine.size()) - 1;
-    EXPECT_EQ(coarse.edge(i), fine.edge(last));
+    EXPECT_EQ(coarse.end_of(i), fine.end_of(last));
     EXPECT_TRUE(std::ranges::equal(coarse.row(i), fine.row(last))) << i;
   }
 }

@@ -5,7 +5,7 @@
 #include <bit>
 
 #include "sim/config/config.h"
-#include "sim/config/overloaded.h"
+#include "sim/config/config_tree.h"
 #include "sim/error.h"
 #include "sim/hash.h"
 

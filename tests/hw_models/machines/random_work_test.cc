@@ -155,7 +155,7 @@ TEST(GpuRandomWork, TilesAfterAllOthersTakeTurns) {
   std::uint64_t in_use = 0;
   for (const sim::UnitReport& unit : run.units) {
     if (unit.block != "tile_buffer") continue;
-    for (const auto& [why, cycles] : unit.why) in_use += why == "in_use" ? cycles : 0;
+    for (const auto& [why, cycles] : unit.cycles_by_reason) in_use += why == "in_use" ? cycles : 0;
     EXPECT_LE(in_use, unit.elapsed) << "never two cores at once";
   }
 }

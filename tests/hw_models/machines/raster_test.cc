@@ -105,7 +105,7 @@ TEST(RasterisedFrame, ReadsWhatItHasWrittenAndLosesNoSample) {
     EXPECT_GE(sum("samples_passed"), sum("samples_out") / 2);
     for (const sim::UnitReport& unit : run.units) {
       std::uint64_t spent = 0;
-      for (const auto& [reason, cycles] : unit.why) spent += cycles;
+      for (const auto& [reason, cycles] : unit.cycles_by_reason) spent += cycles;
       EXPECT_EQ(spent, unit.elapsed) << unit.path;
     }
   }
@@ -149,7 +149,7 @@ TEST(RasterisedFrame, TakesLongerWithoutAHierarchicalZBufferAndWithSlowerStages)
     std::uint64_t cycles = 0;
     for (const sim::UnitReport& unit : run.units) {
       if (!unit.path.ends_with("raster")) continue;
-      for (const auto& [reason, spent] : unit.why) cycles += reason == "covering" ? spent : 0;
+      for (const auto& [reason, spent] : unit.cycles_by_reason) cycles += reason == "covering" ? spent : 0;
     }
     return cycles;
   };

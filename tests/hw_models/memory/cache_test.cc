@@ -151,7 +151,7 @@ TEST(CacheTags, KeepTheirOrderWhenTheirClockRestarts) {
   const CacheConfig config;
   CacheTags fresh(config), late(config, 1, 0xffffffffU - 100);
   for (std::uint64_t n = 0; n < 3000; ++n) {
-    const Addr line = sim::mix(n) % 700 * 64;
+    const Addr line = sim::mix_bits(n) % 700 * 64;
     const bool here = fresh.probe(line);
     ASSERT_EQ(late.probe(line), here) << "probe " << n;
     if (here) continue;

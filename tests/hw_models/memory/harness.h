@@ -95,7 +95,7 @@ class Echo {
       if (r.write) written += 8 * static_cast<std::uint32_t>(std::popcount(r.sectors));
       requests += 1;
     }
-    return sim::opens(now, clock_.period(), in_.pop_at(), out_.push_at());
+    return sim::next_transfer_time(now, clock_.period(), in_.pop_at(), out_.push_at());
   }
   const sim::Clock& clock() const { return clock_; }
   std::uint64_t requests = 0;
@@ -141,7 +141,7 @@ class Harness {
   // Interface for the engine.
   sim::Machine& machine() { return machine_; }
   bool done() const {
-    return std::ranges::all_of(requesters, [](const Requester* r) { return r->done(); }) && machine_.quiet();
+    return std::ranges::all_of(requesters, [](const Requester* r) { return r->done(); }) && machine_.is_drained();
   }
 
   sim::Time run(Mode mode = Mode::kSkip) {
@@ -159,7 +159,7 @@ class Harness {
     std::string all = "end " + std::to_string(end) + "\n";
     for (const sim::UnitReport& r : reports()) {
       all += r.path + " elapsed " + std::to_string(r.elapsed);
-      for (const auto& [why, cycles] : r.why) all += " " + why + " " + std::to_string(cycles);
+      for (const auto& [why, cycles] : r.cycles_by_reason) all += " " + why + " " + std::to_string(cycles);
       for (const auto& c : r.counters) all += " " + c.name + " " + std::to_string(c.value);
       all += "\n";
     }

@@ -74,7 +74,7 @@ class RasterHarness {
   }
 
   sim::Machine& machine() { return machine_; }
-  bool done() const { return done_ == work_.size() && machine_.quiet(); }
+  bool done() const { return done_ == work_.size() && machine_.is_drained(); }
   std::uint64_t cycles() const { return clock_.cycles(done_at_); }
   std::uint64_t end() const { return clock_.cycles(end_); }
   const RasterStats& stats() const { return unit_.stats(); }

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "harness.h"
-#include "sim/config/config_json.h"
+#include "sim/config/config.h"
 #include "sim/config/quantity.h"
 
 namespace sim::test {

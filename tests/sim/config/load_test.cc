@@ -28,9 +28,9 @@ unit:
   EXPECT_EQ(c.name, "a: b # c");
   EXPECT_EQ(c.clock.hz, 1'200'000'000U);
   EXPECT_EQ(c.fabric.time, 12'500'000U);
-  EXPECT_EQ(c.refresh, (Spread{0.5, 1, 1.5}));
-  EXPECT_EQ(c.events.at("tni.box_test"), (Spread{12, 12, 12}));
-  EXPECT_EQ(c.events.at("cache.l1_read@16KiB"), (Spread{5, 7.8, 16}));
+  EXPECT_EQ(c.refresh, (Band{0.5, 1, 1.5}));
+  EXPECT_EQ(c.events.at("tni.box_test"), (Band{12, 12, 12}));
+  EXPECT_EQ(c.events.at("cache.l1_read@16KiB"), (Band{5, 7.8, 16}));
   EXPECT_EQ(c.unit.rays, 16U);
   EXPECT_EQ(c.unit.stack, Stack::kRestart);
   EXPECT_EQ(c.unit.l1.size.bytes, 8192U);
@@ -60,14 +60,13 @@ TEST(Extends, WorksInsideAnyGroupAndMergesMaps) {
   b.file("base.yaml", "events: {a: 1, b: 2}\n");
   const MachineConfig c = b.load("extends: base\nl2: {extends: caches/small.yaml, line: 32 B}\nevents: {b: 3, c: 4}\n");
   EXPECT_EQ(c.l2, (CacheConfig{{256}, {32}, 2}));
-  EXPECT_EQ(c.events, (std::map<std::string, Spread>{{"a", {1, 1, 1}}, {"b", {3, 3, 3}}, {"c", {4, 4, 4}}}));
+  EXPECT_EQ(c.events, (std::map<std::string, Band>{{"a", {1, 1, 1}}, {"b", {3, 3, 3}}, {"c", {4, 4, 4}}}));
 }
 
 TEST(Extends, LooksBesideTheFileThenAlongTheSearchPath) {
   ConfigHarness b;
   b.file("share/base.yaml", "seed: 2\nl2: {extends: caches/big}\n").file("share/caches/big.yaml", "size: 1 MiB\n");
-  EXPECT_EQ(b.error("extends: base\n"),
-            "a.yaml:1:10: extends: no configuration file 'base'");
+  EXPECT_EQ(b.error("extends: base\n"), "a.yaml:1:10: extends: no configuration file 'base'");
   set_config_search_path({b.folder().path() / "none", b.folder().path() / "share"});
   EXPECT_EQ(b.load("extends: base\n").l2.size.bytes, 1024U * 1024);
   b.file("base.yaml", "seed: 3\n");
@@ -99,18 +98,18 @@ TEST(Sets, AreAppliedLastAndInOrder) {
   EXPECT_EQ(c.l2, (CacheConfig{{1024}, {64}, 2}));
   EXPECT_EQ(c.unit.l1, (CacheConfig{{512}, {64}, 1}));
   EXPECT_EQ(c.name, " spaced = out");
-  EXPECT_EQ(c.refresh, (Spread{2, 2, 2}));
-  EXPECT_EQ(c.events, (std::map<std::string, Spread>{{"tni.box", {1, 2, 3}}, {"tni.tri", {9, 9, 9}}}));
+  EXPECT_EQ(c.refresh, (Band{2, 2, 2}));
+  EXPECT_EQ(c.events, (std::map<std::string, Band>{{"tni.box", {1, 2, 3}}, {"tni.tri", {9, 9, 9}}}));
 }
 
 TEST(Sets, OneNumberForABandLeavesNone) {
   ConfigHarness b;
   for (const char* set : {"refresh=2", "refresh.nominal=2"}) {
-    EXPECT_EQ(b.load("refresh: {low: 1, nominal: 3, high: 5}\n", {set}).refresh, (Spread{2, 2, 2})) << set;
+    EXPECT_EQ(b.load("refresh: {low: 1, nominal: 3, high: 5}\n", {set}).refresh, (Band{2, 2, 2})) << set;
   }
   for (const char* set : {"events.tni.box=2", "events.tni.box.nominal=2"}) {
     const MachineConfig c = b.load("events: {tni.box: {low: 1, nominal: 3, high: 5}}\n", {set});
-    EXPECT_EQ(c.events, (std::map<std::string, Spread>{{"tni.box", {2, 2, 2}}})) << set;
+    EXPECT_EQ(c.events, (std::map<std::string, Band>{{"tni.box", {2, 2, 2}}})) << set;
   }
 }
 

@@ -53,8 +53,8 @@ struct MachineConfig {
   std::string name = "plain";
   Frequency clock{500'000'000};
   Duration fabric{50'000'000};
-  Spread refresh{1, 2, 3};
-  std::map<std::string, Spread> events;
+  Band refresh{1, 2, 3};
+  std::map<std::string, Band> events;
   UnitConfig unit;
   CacheConfig l2;
   static void describe(auto& c, auto&& field) {

@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 
 #include "sim/config/config.h"
-#include "sim/config/config_json.h"
 #include "sim/error.h"
 #include "sim/named.h"
 

@@ -190,9 +190,9 @@ TEST(Sha256, TakesItsInputPieceByPiece) {
   Sha256 digest;
   digest.add("a");
   digest.add("b");
-  EXPECT_EQ(digest.hex(), sha256_hex("ab"));
+  EXPECT_EQ(digest.hex_digest(), sha256_hex("ab"));
   digest.add("c");
-  EXPECT_EQ(digest.hex(), sha256_hex("abc"));
+  EXPECT_EQ(digest.hex_digest(), sha256_hex("abc"));
 }
 
 }  // namespace

@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/error.h"
-#include "sim/io/json_number.h"
 
 namespace sim::test {
 namespace {

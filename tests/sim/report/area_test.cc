@@ -8,7 +8,7 @@
 #include "../folder.h"
 #include "sim/config/config.h"
 #include "sim/error.h"
-#include "sim/report/logic_area.h"
+#include "sim/report/energy.h"
 
 namespace sim::test {
 namespace {
@@ -47,7 +47,7 @@ UnitReport channel(std::uint32_t data_lines) {
 }
 
 /// Logic of a unit with so many testers and adders.
-Spread logic_with(std::uint32_t testers, std::uint32_t adders) {
+Band logic_with(std::uint32_t testers, std::uint32_t adders) {
   UnitReport u = sized_unit("core0.tni.trv0", "tni", 0, 0);
   u.parts = {{"tester", testers}, {"adder", adders}};
   return LogicArea(u, energy()).band();
@@ -59,8 +59,8 @@ TEST(Area, IsLogicArraysBuffersAndPadsOfEveryUnitAndThePlacement) {
                                          sized_unit("core0.tni.dispatcher", "tni", 0, 0), channel(16)};
   const AreaReport area = compute_area(units, energy(), area_config());
   const AreaOfBlock& tni = area.blocks.at("tni");
-  EXPECT_EQ(tni.logic, (Spread{1, 4, 14}));
-  EXPECT_EQ(tni.arrays, (Spread{2, 4, 8}));
+  EXPECT_EQ(tni.logic, (Band{1, 4, 14}));
+  EXPECT_EQ(tni.arrays, (Band{2, 4, 8}));
   EXPECT_DOUBLE_EQ(tni.buffers.nominal, 1.6);
   EXPECT_DOUBLE_EQ(area.blocks.at("dram").total().nominal, 2.5);
   EXPECT_DOUBLE_EQ(area.total.nominal, (4 + 4 + 1.6 + 2.5) * 1.25);
@@ -80,18 +80,16 @@ TEST(Area, OfABankIsItsShareOfTheArray) {
 TEST(Area, OfPadsIsByTheSixteenDataLines) {
   for (const std::uint32_t lines : {8U, 16U, 32U}) {
     EXPECT_EQ(compute_area(std::vector{channel(lines)}, energy(), area_config()).blocks.at("dram").pads,
-              (Spread{lines / 16., lines / 8., lines * 3 / 16.}))
+              (Band{lines / 16., lines / 8., lines * 3 / 16.}))
         << lines;
   }
 }
 
-TEST(Area, OfLogicIsThatOfItsFigureWithAsManyPartsAsTheFigureHolds) {
-  EXPECT_EQ(logic_with(2, 1), (Spread{0.5, 1, 2}));
-}
+TEST(Area, OfLogicIsThatOfItsFigureWithAsManyPartsAsTheFigureHolds) { EXPECT_EQ(logic_with(2, 1), (Band{0.5, 1, 2})); }
 
 TEST(Area, OfLogicGrowsByEachPartMoreAndShrinksByEachPartLess) {
-  EXPECT_EQ(logic_with(5, 1), (Spread{0.5 + 3 * 0.125, 1 + 3 * 0.25, 2 + 3 * 0.5}));
-  EXPECT_EQ(logic_with(1, 3), (Spread{0.5 - 0.25 + 0.5, 1 - 0.25 + 1, 2 - 0.25 + 2}));
+  EXPECT_EQ(logic_with(5, 1), (Band{0.5 + 3 * 0.125, 1 + 3 * 0.25, 2 + 3 * 0.5}));
+  EXPECT_EQ(logic_with(1, 3), (Band{0.5 - 0.25 + 0.5, 1 - 0.25 + 1, 2 - 0.25 + 2}));
 }
 
 TEST(Area, OfLogicIsNoSmallerUnderHighTablesThanUnderLowOnesThoughItHoldsLess) {
@@ -99,7 +97,7 @@ TEST(Area, OfLogicIsNoSmallerUnderHighTablesThanUnderLowOnesThoughItHoldsLess) {
   c.logic["tni.trv"] = {1, 1, 1};
   UnitReport u = sized_unit("core0.tni.trv0", "tni", 0, 0);
   u.parts = {{"tester", 0}, {"adder", 1}};
-  EXPECT_EQ(LogicArea(u, c).band(), (Spread{0.5, 0.5, 0.5}));
+  EXPECT_EQ(LogicArea(u, c).band(), (Band{0.5, 0.5, 0.5}));
 }
 
 TEST(Area, OfLogicIsNeverBelowNothing) {
@@ -107,7 +105,7 @@ TEST(Area, OfLogicIsNeverBelowNothing) {
   c.parts_in_logic["tni.adder"] = {100, 100, 100};
   UnitReport u = sized_unit("core0.tni.trv0", "tni", 0, 0);
   u.parts = {{"adder", 1}};
-  EXPECT_EQ(LogicArea(u, c).band(), Spread());
+  EXPECT_EQ(LogicArea(u, c).band(), Band());
 }
 
 TEST(Area, OfLogicIsItsFigureWhereTheTableIsFromBeforeThereWereParts) {
@@ -115,7 +113,7 @@ TEST(Area, OfLogicIsItsFigureWhereTheTableIsFromBeforeThereWereParts) {
   c.parts = c.parts_in_logic = {};
   UnitReport u = sized_unit("core0.tni.trv0", "tni", 0, 0);
   u.parts = {{"tester", 7}};
-  EXPECT_EQ(LogicArea(u, c).band(), (Spread{0.5, 1, 2}));
+  EXPECT_EQ(LogicArea(u, c).band(), (Band{0.5, 1, 2}));
 }
 
 TEST(Area, OfWhatTheTableDoesNotKnowIsAnError) {
@@ -148,7 +146,7 @@ TEST(AreaTables, NameASourceForEveryFigureAndRiseWithSize) {
         no_logic.logic = {{block, {0, 0, 0}}};
         return compute_area(std::vector{u}, no_logic, c).blocks.at(block).arrays;
       };
-      const Spread at_16 = of(16);
+      const Band at_16 = of(16);
       EXPECT_LT(at_16.low, at_16.nominal) << block;
       EXPECT_LT(at_16.nominal, at_16.high) << block;
       EXPECT_LT(at_16.high, of(256).high) << block;

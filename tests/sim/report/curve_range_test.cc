@@ -1,8 +1,7 @@
-#include "sim/report/curve_range.h"
-
 #include <gtest/gtest.h>
 
 #include "sim/report/table.h"
+#include "sim/report/table_checks.h"
 
 // Sizes that the tables' curves do not cover; figures as people read them.
 
@@ -21,7 +20,7 @@ UnitReport cache(std::string path, std::uint64_t bytes) {
 
 std::vector<std::string> lines_of(std::uint64_t bytes) {
   const std::vector<UnitReport> units = {cache("l2.bank0", bytes), cache("l2.bank1", bytes)};
-  const Spread any{1, 1, 1};
+  const Band any{1, 1, 1};
   return sizes_outside_curves(units, {{"read@64KiB", any}, {"read@256KiB", any}},
                               {{"l2@32KiB", any}, {"l2@512KiB", any}});
 }

@@ -37,7 +37,7 @@ EnergyConfig energy_config() {
   return c;
 }
 
-void expect_near(const Spread& a, const Spread& b) {
+void expect_near(const Band& a, const Band& b) {
   EXPECT_NEAR(a.low, b.low, 1e-12 * std::abs(b.low));
   EXPECT_NEAR(a.nominal, b.nominal, 1e-12 * std::abs(b.nominal));
   EXPECT_NEAR(a.high, b.high, 1e-12 * std::abs(b.high));
@@ -83,7 +83,7 @@ TEST(Energy, TheClockOfIdleAndStarvedCyclesRunsOn) {
                                   waiting("output_full", "")};
   UnitReport u = counting_unit("core0.tni", "tni", {});
   u.reasons = reasons;
-  u.why = {{"idle", 100}, {"testing", 1000}, {"starved", 50}, {"output_full", 7}};
+  u.cycles_by_reason = {{"idle", 100}, {"testing", 1000}, {"starved", 50}, {"output_full", 7}};
   expect_near(compute_energy(std::vector{u}, energy_config(), {}, 0).kinds.clock, {15, 30, 75});
 }
 
@@ -145,11 +145,11 @@ TEST(Energy, BothViewsSumToTheTotal) {
     UnitReport u =
         counting_unit("unit" + std::to_string(i), blocks[i % 4], {{"a", "", i * i * 977, "box"}, {"b", "", i, "read"}});
     u.sram_bytes = u.cache_bytes = 1024 + 77 * i;
-    u.why = {{"idle", i * 13}};
+    u.cycles_by_reason = {{"idle", i * 13}};
     units.push_back(u);
   }
   const EnergyReport e = compute_energy(units, c, {}, 7 * kMillisecond);
-  Spread by_block;
+  Band by_block;
   for (const auto& [name, kinds] : e.blocks) by_block += kinds.total();
   EXPECT_EQ(e.blocks.size(), 4U);
   expect_near(by_block, e.total_pj);

@@ -45,7 +45,7 @@ TEST(UnitReport, HoldsWhatTheUnitDeclares) {
   const UnitReport r = report_of(Worker(), "core0.worker1", 4096, 1024);
   EXPECT_EQ(r.block, "tni");
   EXPECT_EQ(r.elapsed, 10U);
-  EXPECT_EQ(r.why, (std::vector<std::pair<std::string, std::uint64_t>>{{"idle", 7}, {"working", 3}}));
+  EXPECT_EQ(r.cycles_by_reason, (std::vector<std::pair<std::string, std::uint64_t>>{{"idle", 7}, {"working", 3}}));
   ASSERT_EQ(r.counters.size(), 2U);
   EXPECT_EQ(r.counters[0].event, "worker.job");
   EXPECT_EQ(r.counters[1].event, "");
@@ -72,7 +72,7 @@ TEST(ReportJson, FollowsThePathsOfTheUnits) {
   }
 }
 )");
-  EXPECT_EQ(json_line(spread_json({1, 2, 3}, 0.5)), R"({"low":0.5,"nominal":1.0,"high":1.5})");
+  EXPECT_EQ(json_line(band_json({1, 2, 3}, 0.5)), R"({"low":0.5,"nominal":1.0,"high":1.5})");
 }
 
 TEST(SiText, KeepsThreeDigits) {
@@ -90,8 +90,8 @@ TEST(SiText, KeepsThreeDigits) {
 
 TEST(Table, AlignsItsColumns) {
   Table table({"unit", "cycles", "share"});
-  table.row({"trv", "12.3 M", "7 %"});
-  table.row({"dispatcher \xc2\xb5", "5"});
+  table.add_row({"trv", "12.3 M", "7 %"});
+  table.add_row({"dispatcher \xc2\xb5", "5"});
   EXPECT_EQ(table.text(),
             "unit          cycles  share\n"
             "------------  ------  -----\n"
@@ -101,8 +101,8 @@ TEST(Table, AlignsItsColumns) {
 
 TEST(Table, PutsWordsToTheLeft) {
   Table table({"scene", "what it is", "size"});
-  table.row({"cornell", "a box", "10.3 k"});
-  table.row({"chess", "32 men on a board", ""});
+  table.add_row({"cornell", "a box", "10.3 k"});
+  table.add_row({"chess", "32 men on a board", ""});
   EXPECT_EQ(table.text(),
             "scene    what it is           size\n"
             "-------  -----------------  ------\n"

@@ -1,9 +1,8 @@
-#include "sim/report/table_names.h"
-
 #include <gtest/gtest.h>
 
 #include "../folder.h"
 #include "sim/error.h"
+#include "sim/report/table_checks.h"
 
 namespace sim::test {
 namespace {

@@ -50,7 +50,7 @@ struct MadeUpMachine {
     report.type = typeid(Unit);
     report.reasons = Unit::kReasons;
     for (const sim::Reason& reason : report.reasons)
-      report.why.emplace_back(reason.name, why[std::string(reason.name)]);
+      report.cycles_by_reason.emplace_back(reason.name, why[std::string(reason.name)]);
     const typename Unit::Stats stats{};
     Unit::Stats::describe(stats, [&](std::uint64_t, const char* name, auto&&...) {
       report.counters.push_back({name, "", counters[name], ""});

@@ -48,7 +48,7 @@ TEST(Units, ThrowAtACounterThatIsNotDeclaredOrNotReported) {
 
 TEST(Units, ThrowAtAReasonThatIsNotReported) {
   std::vector<sim::UnitReport> units = test::MadeUpMachine{}.units();
-  units.front().why.clear();
+  units.front().cycles_by_reason.clear();
   EXPECT_THROW(Units<hw::Trv>(units).spent(hw::Trv::CycleReason::kVisiting), std::out_of_range);
 }
 

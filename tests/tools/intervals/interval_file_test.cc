@@ -21,17 +21,17 @@ constexpr std::string_view kMagic = "raywatt-intervals/1\n";
 std::vector<sim::UnitReport> two_units() {
   sim::UnitReport a, b;
   a.path = "core0.srp";
-  a.why = {{"idle", 0}, {"running", 0}};
+  a.cycles_by_reason = {{"idle", 0}, {"running", 0}};
   a.counters = {{"items", "", 0, "", sim::CounterKind::kSum}, {"most", "", 0, "", sim::CounterKind::kPeak}};
   b.path = "l2.bank0";
-  b.why = {{"idle", 0}};
+  b.cycles_by_reason = {{"idle", 0}};
   return {a, b};
 }
 
 /// Returns five values that grow by a hash, in `rows` intervals of 10 fs.
 sim::Intervals grown(std::size_t rows, std::uint64_t seed) {
   sim::Intervals intervals(10);
-  intervals.begin(5);
+  intervals.allocate_rows(5);
   std::uint64_t values[5] = {};
   const auto fill = [&](std::uint64_t* row, std::size_t i) {
     for (std::size_t v = 0; v < 5; ++v) row[v] = values[v] += v == 4 ? 0 : sim::hash(seed, i, v) >> (v * 20);
@@ -73,7 +73,7 @@ TEST(IntervalFile, IsReadAsItWasWritten) {
     EXPECT_EQ(frame.end, written[f].end());
     for (std::size_t i = 0; i < frame.rows; ++i) {
       EXPECT_TRUE(std::ranges::equal(frame.row(i), written[f].row(i))) << i;
-      EXPECT_EQ(frame.end_of(i), written[f].edge(i));
+      EXPECT_EQ(frame.end_of(i), written[f].end_of(i));
     }
   }
 }

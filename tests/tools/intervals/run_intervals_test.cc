@@ -9,7 +9,7 @@
 #include "sim/config/config.h"
 #include "sim/error.h"
 #include "sim/io/file.h"
-#include "sim/report/energy_formula.h"
+#include "sim/report/energy.h"
 #include "tests/hw_models/machines/random_config.h"
 #include "tests/tools/program.h"
 
@@ -31,7 +31,7 @@ std::uint64_t machines() {
 void expect_energy_adds_up(const RunIntervals& run, const nlohmann::json& frame_report,
                            const tools::IntervalFrame& frame) {
   const std::pair<const char*, sim::Side> sides[] = {
-      {"low", &sim::Spread::low}, {"nominal", &sim::Spread::nominal}, {"high", &sim::Spread::high}};
+      {"low", &sim::Band::low}, {"nominal", &sim::Band::nominal}, {"high", &sim::Band::high}};
   for (const auto& [name, side] : sides) {
     const tools::IntervalEnergy energy = tools::energy_until(run, frame, side);
     ASSERT_EQ(energy.blocks.size(), frame_report["energy_by_block_mj"].size());
@@ -182,7 +182,7 @@ TEST(IntervalSeries, SayTheFramesBytesOverItsTime) {
   ASSERT_EQ(raywatt(small_run(out, {"--scene", "chess"})).exit, 0);
   const RunIntervals run = RunIntervals::load(out);
   for (const std::size_t most : {std::size_t{2048}, std::size_t{5}, std::size_t{1}}) {
-    const tools::IntervalTable table = tools::derive(run, run.frames().front(), &sim::Spread::nominal, most);
+    const tools::IntervalTable table = tools::derive(run, run.frames().front(), &sim::Band::nominal, most);
     ASSERT_LE(table.end_us.size(), most);
     double bytes = 0, rays = 0;
     for (std::size_t i = 0; i < table.end_us.size(); ++i) {

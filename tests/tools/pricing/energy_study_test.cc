@@ -110,7 +110,7 @@ TEST_F(TwoDesigns, HaveATornadoOfOneEntryAtATime) {
 }
 
 TEST(Quantile, IsTheBandsEndsAndItsMiddleTheNominalFigure) {
-  const sim::Spread band{2, 4, 16};
+  const sim::Band band{2, 4, 16};
   EXPECT_EQ(at_quantile(band, 0), 2);
   EXPECT_EQ(at_quantile(band, 0.5), 4);
   EXPECT_DOUBLE_EQ(at_quantile(band, 0.75), 8);

@@ -69,7 +69,7 @@ void expect_same_on_machines(std::uint64_t count, traces::InstanceLevels levels)
     ASSERT_EQ(run.units.size(), replayed.total->units.size());
     for (std::size_t u = 0; u < run.units.size(); ++u) {
       const sim::UnitReport &a = run.units[u], &b = replayed.total->units[u];
-      EXPECT_EQ(a.why, b.why) << a.path;
+      EXPECT_EQ(a.cycles_by_reason, b.cycles_by_reason) << a.path;
       for (std::size_t c = 0; c < a.counters.size(); ++c) {
         EXPECT_EQ(a.counters[c].value, b.counters[c].value) << a.path << '.' << a.counters[c].name;
       }

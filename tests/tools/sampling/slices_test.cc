@@ -46,7 +46,8 @@ const FrameResult& eight_slices() {
 std::string first_difference(const FrameResult& a, const FrameResult& b) {
   if (a.cycles != b.cycles || a.elapsed != b.elapsed) return "cycles";
   for (std::size_t u = 0; u < a.units.size(); ++u) {
-    if (a.units[u].elapsed != b.units[u].elapsed || a.units[u].why != b.units[u].why) return a.units[u].path;
+    if (a.units[u].elapsed != b.units[u].elapsed || a.units[u].cycles_by_reason != b.units[u].cycles_by_reason)
+      return a.units[u].path;
     for (std::size_t i = 0; i < a.units[u].counters.size(); ++i) {
       if (a.units[u].counters[i].value != b.units[u].counters[i].value)
         return a.units[u].path + "." + a.units[u].counters[i].name;
@@ -179,7 +180,7 @@ TEST(Slices, EveryUnitsReasonsSumToItsTimeWhichIsTheFrames) {
   for (std::size_t u = 0; u < eight_slices().units.size(); ++u) {
     const sim::UnitReport &cut = eight_slices().units[u], &whole = uncut_teapot().units[u];
     std::uint64_t sum = 0;
-    for (const auto& [reason, cycles] : cut.why) sum += cycles;
+    for (const auto& [reason, cycles] : cut.cycles_by_reason) sum += cycles;
     EXPECT_EQ(sum, cut.elapsed) << cut.path;
     const double frames = static_cast<double>(whole.elapsed) * static_cast<double>(eight_slices().elapsed) /
                           static_cast<double>(uncut_teapot().elapsed);

@@ -49,7 +49,8 @@ const FrameResult& sampled() {
 std::string difference(const FrameResult& a, const FrameResult& b) {
   if (a.cycles != b.cycles) return "cycles";
   for (std::size_t u = 0; u < a.units.size(); ++u) {
-    if (a.units[u].elapsed != b.units[u].elapsed || a.units[u].why != b.units[u].why) return a.units[u].path;
+    if (a.units[u].elapsed != b.units[u].elapsed || a.units[u].cycles_by_reason != b.units[u].cycles_by_reason)
+      return a.units[u].path;
     for (std::size_t i = 0; i < a.units[u].counters.size(); ++i) {
       if (a.units[u].counters[i].value != b.units[u].counters[i].value)
         return a.units[u].path + "." + a.units[u].counters[i].name;
@@ -108,7 +109,7 @@ TEST(TileSampling, ThePictureAndWhatWasTracedAreThoseOfTheWholeFrame) {
 TEST(TileSampling, ReasonsOfEveryUnitSumToItsTime) {
   for (const sim::UnitReport& unit : sampled().units) {
     std::uint64_t spent = 0;
-    for (const auto& [reason, cycles] : unit.why) spent += cycles;
+    for (const auto& [reason, cycles] : unit.cycles_by_reason) spent += cycles;
     EXPECT_EQ(spent, unit.elapsed) << unit.path;
     const double clocks = static_cast<double>(unit.elapsed) / unit.clock_mhz;
     EXPECT_NEAR(clocks, static_cast<double>(sampled().elapsed) / 1e9, 0.02 * clocks) << unit.path;

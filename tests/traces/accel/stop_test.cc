@@ -1,7 +1,6 @@
-#include "sim/stop.h"
-
 #include <gtest/gtest.h>
 
+#include "sim/error.h"
 #include "traces/accel/build.h"
 #include "traces/accel/embree_tracer.h"
 #include "traces/scenes/library.h"

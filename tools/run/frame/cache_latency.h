@@ -14,7 +14,7 @@ struct RunConfig;
 /// Time of a hit over the size of a cache: one file of configs/latency.
 struct LatencyConfig {
   std::string process = "unnamed";
-  std::map<std::string, sim::Spread> arrays;
+  std::map<std::string, sim::Band> arrays;
   std::uint32_t l1 = 1, l2 = 11;
 
   static void describe(auto& c, auto&& field) {

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "sim/config/config.h"
-#include "sim/config/config_json.h"
 #include "sim/error.h"
 #include "sim/io/file.h"
 #include "sim/io/json.h"
@@ -53,7 +52,7 @@ std::string name_of(const Inputs& inputs, std::uint32_t samples) {
   key.add(sim::json_line(config["render"]));
   key.add(camera);
   key.add(fmt::format("fov {} frame {} samples {}", inputs.camera.vertical_fov, inputs.frame, samples));
-  return "truth-" + key.hex();
+  return "truth-" + key.hex_digest();
 }
 
 std::string digest_of(const std::vector<float>& rgb) {

@@ -26,7 +26,7 @@ namespace {
 constexpr std::array<std::string_view, 3> kWorkloadKeys = {"scene", "render", "bvh"};
 
 void apply_workload(sim::ConfigLoader& loader, RunConfig& config, const std::filesystem::path& file) {
-  loader.apply_part(file, kWorkloadKeys);
+  loader.apply_file_with_keys(file, kWorkloadKeys);
   const std::filesystem::path scene = config.scene.name;
   if (traces::is_scene_file(config.scene.name) && scene.is_relative()) {
     config.scene.name = (file.parent_path() / scene).lexically_normal().string();
@@ -146,7 +146,7 @@ void tell_grade(const std::string& set, std::vector<std::string>& out) {
   std::string grade = set.substr(set.find('=') + 1);
   std::ranges::transform(grade, grade.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   const std::vector<std::string> known = config_names_in("dram");
-  const auto meant = sim::nearest_of("dram/" + grade, known, grade.size() / 4);
+  const auto meant = sim::find_nearest("dram/" + grade, known, grade.size() / 4);
   if (meant == known.end()) return;
   out.push_back(fmt::format("dram.grade is a name for reports and takes no figures; --set dram.extends={} does",
                             meant->substr(std::string_view("dram/").size())));

@@ -200,7 +200,7 @@ FrameResult play(const Inputs& inputs, const kernels::ProgramSpec& program, kern
   observers.add(extras.observer);
   const std::unique_ptr<hw::Gpu> gpu = make_gpu(inputs, requirements, tiles, {}, observers.get());
   check_figures(*gpu, inputs.config);  // what is missing is told before the work, not after it
-  if (extras.intervals != nullptr) gpu->machine().record(*extras.intervals);
+  if (extras.intervals != nullptr) gpu->machine().record_intervals(*extras.intervals);
   tiles.begin("simulating", inputs.frame);
   tiles.played_by(*gpu);
   if (extras.watcher != nullptr) extras.watcher->begin(gpu->report(), extras.intervals);

@@ -5,7 +5,7 @@
 
 #include "hw_models/memory/unit_names.h"
 #include "hw_models/raster/raster_unit.h"
-#include "sim/report/table_names.h"
+#include "sim/report/table_checks.h"
 
 namespace tools {
 namespace {

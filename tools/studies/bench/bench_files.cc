@@ -127,7 +127,7 @@ std::string table_of(const Json& bench, bool of_part, bool compares) {
                     : compares ? "-"
                                : cell(figure, scene));
     }
-    table.row(row);
+    table.add_row(row);
   }
   return shows ? table.text() + "\n" : "";
 }

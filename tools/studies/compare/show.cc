@@ -89,11 +89,11 @@ std::string overview(const std::vector<ReportFile>& reports, const std::vector<C
       if (pair == c.figures.end()) continue;
       row.insert(row.end(), {figure_text(pair->name, pair->b), change_text(*pair), noise_text(c, *pair)});
     }
-    table.row(std::move(row));
+    table.add_row(std::move(row));
   }
   std::vector<std::string> pictures = {"picture", ""};
   for (const Comparison& c : against) pictures.insert(pictures.end(), {picture_text(c), "", ""});
-  table.row(std::move(pictures));
+  table.add_row(std::move(pictures));
   return table.text() + noise_note(reports, against);
 }
 
@@ -120,10 +120,10 @@ std::string section(const std::string& title, const std::vector<Pair>& pairs, Co
       const bool is_share = std::max(pair.a, pair.b) <= 1;
       moved = fmt::format("{:+.2f}{}", is_share ? 100 * difference : difference, is_share ? " points" : "");
     }
-    table.row({pair.name, cell(column, pair.a), cell(column, pair.b), moved,
-               whole != 0                 ? fmt::format("{:.0f} % of the change", 100 * difference / whole)
-               : column == Column::kRatio ? ""
-                                          : change_text(pair)});
+    table.add_row({pair.name, cell(column, pair.a), cell(column, pair.b), moved,
+                   whole != 0                 ? fmt::format("{:.0f} % of the change", 100 * difference / whole)
+                   : column == Column::kRatio ? ""
+                                              : change_text(pair)});
   }
   const std::string rest = shown < pairs.size() ? fmt::format("and {} more\n", pairs.size() - shown) : "";
   return "\n" + table.text() + rest;
@@ -151,9 +151,10 @@ std::string energy_text(const Comparison& c, const std::vector<std::string>& nam
   sim::Table ratios({fmt::format("energy over {}", names[0]), "low tables", "nominal", "high", "median of draws",
                      "95 % interval", "less in"});
   const auto row = [&](const char* name, const EnergyRatio& r) {
-    ratios.row({name, fmt::format("{:.4f}", r.together.low), fmt::format("{:.4f}", r.together.nominal),
-                fmt::format("{:.4f}", r.together.high), fmt::format("{:.4f}", r.drawn.median),
-                fmt::format("{:.4f} .. {:.4f}", r.drawn.from, r.drawn.to), fmt::format("{:.1f} %", 100 * r.b_less)});
+    ratios.add_row({name, fmt::format("{:.4f}", r.together.low), fmt::format("{:.4f}", r.together.nominal),
+                    fmt::format("{:.4f}", r.together.high), fmt::format("{:.4f}", r.drawn.median),
+                    fmt::format("{:.4f} .. {:.4f}", r.drawn.from, r.drawn.to),
+                    fmt::format("{:.1f} %", 100 * r.b_less)});
   };
   row("GPU with memory", c.energy->gpu);
   row("T&I alone", c.energy->tni);
@@ -167,7 +168,7 @@ std::string energy_text(const Comparison& c, const std::vector<std::string>& nam
   if (bars.empty()) return out;
   sim::Table table({"entries that move it most", "at its low", "at its high"});
   for (std::size_t i = 0; i < std::min(bars.size(), kShown); ++i) {
-    table.row({bars[i].entry, fmt::format("{:.4f}", bars[i].at_low), fmt::format("{:.4f}", bars[i].at_high)});
+    table.add_row({bars[i].entry, fmt::format("{:.4f}", bars[i].at_low), fmt::format("{:.4f}", bars[i].at_high)});
   }
   return out + "\n" + table.text() + (bars.size() > kShown ? fmt::format("and {} more\n", bars.size() - kShown) : "");
 }

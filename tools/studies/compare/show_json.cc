@@ -19,7 +19,7 @@ Json pairs_json(const std::vector<Pair>& pairs) {
 }
 
 Json ratio_json(const EnergyRatio& r) {
-  return {{"together", sim::spread_json(r.together)},
+  return {{"together", sim::band_json(r.together)},
           {"median", r.drawn.median},
           {"interval", {r.drawn.from, r.drawn.to}},
           {"less", r.b_less}};

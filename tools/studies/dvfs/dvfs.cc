@@ -10,7 +10,7 @@
 #include "hw_models/machines/gpu_config.h"
 #include "sim/error.h"
 #include "sim/io/printable.h"
-#include "sim/report/conversions.h"
+#include "sim/report/table.h"
 #include "tools/analysis/cost_totals.h"
 #include "tools/analysis/warnings.h"
 #include "tools/pricing/idle_machine.h"

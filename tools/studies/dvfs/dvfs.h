@@ -24,7 +24,7 @@ struct DvfsPoint {
   std::vector<double> mhz, volt;  ///< clock and voltage of each domain
   std::uint64_t cycles = 0;       ///< cycles of the T&I clock
   double ms = 0;
-  sim::Spread mj;         ///< a frame
+  sim::Band mj;           ///< a frame
   double idle_mw = 0;     ///< between frames
   double period_mj = -1;  ///< a frame and the rest of its period; negative: it takes longer than that
   double watt() const { return mj.nominal / ms; }

@@ -33,9 +33,9 @@ std::string dvfs_text(const DvfsCurve& curve) {
       mhz += fmt::format("{}{:.4g}", d == 0 ? "" : "/", p.mhz[d]);
       volt += fmt::format("{}{:.3f}", d == 0 ? "" : "/", p.volt[d]);
     }
-    table.row({fmt::format("{:.4g}", p.factor), mhz, volt, sim::four_digits(p.ms), sim::four_digits(p.fps()),
-               sim::four_digits(p.watt()), sim::four_digits(p.mj.nominal), sim::four_digits(1000 / p.mj.nominal),
-               p.period_mj < 0 ? std::string("too slow") : sim::four_digits(p.period_mj), marks_of(curve, i)});
+    table.add_row({fmt::format("{:.4g}", p.factor), mhz, volt, sim::four_digits(p.ms), sim::four_digits(p.fps()),
+                   sim::four_digits(p.watt()), sim::four_digits(p.mj.nominal), sim::four_digits(1000 / p.mj.nominal),
+                   p.period_mj < 0 ? std::string("too slow") : sim::four_digits(p.period_mj), marks_of(curve, i)});
   }
   const bool is_met = curve.points[curve.least_a_period].period_mj >= 0;
   return fmt::format(
@@ -59,7 +59,7 @@ Json dvfs_json(const DvfsCurve& curve) {
                       {"cycles", p.cycles},
                       {"time_ms", p.ms},
                       {"fps", p.fps()},
-                      {"energy_mj", sim::spread_json(p.mj)},
+                      {"energy_mj", sim::band_json(p.mj)},
                       {"power_w", p.watt()},
                       {"idle_mw", p.idle_mw},
                       {"period_mj", p.period_mj < 0 ? Json(nullptr) : Json(p.period_mj)}});

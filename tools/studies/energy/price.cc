@@ -51,18 +51,18 @@ std::vector<Priced> price_sweep(const fs::path& path, const PriceTable& table) {
   return out;
 }
 
-std::map<std::string, sim::Spread> figures_of(RunConfig config) {
-  std::map<std::string, sim::Spread> out;
+std::map<std::string, sim::Band> figures_of(RunConfig config) {
+  std::map<std::string, sim::Band> out;
   for (const EnergyEntry& entry : energy_entries(config)) {
     for (const EnergyEntry::Figure& f : entry.figures) out[f.name] = f.band;
   }
   return out;
 }
 
-std::string band_text(const std::map<std::string, sim::Spread>& figures, const std::string& name) {
+std::string band_text(const std::map<std::string, sim::Band>& figures, const std::string& name) {
   const auto found = figures.find(name);
   if (found == figures.end()) return "none";
-  const sim::Spread& s = found->second;
+  const sim::Band& s = found->second;
   if (s.low == s.high) return fmt::format("{} without a band", s.nominal);
   return fmt::format("{} / {} / {}", s.low, s.nominal, s.high);
 }
@@ -81,7 +81,7 @@ std::vector<FigureChange> figure_changes(const RunConfig& from, const RunConfig&
   const auto keys = sim::list_fields(from), others = sim::list_fields(to);
   for (std::size_t i = 0; i < keys.size(); ++i) {
     if (!keys[i].path.starts_with("power.") || keys[i].value == others[i].value) continue;
-    const bool is_table = keys[i].kind == sim::FieldKind::kSpreadMap;
+    const bool is_table = keys[i].kind == sim::FieldKind::kBandMap;
     out.push_back({keys[i].path, is_table ? "a table" : keys[i].value, is_table ? "another" : others[i].value});
   }
   return out;

@@ -51,8 +51,8 @@ std::string run_text(const Priced& run) {
   sim::Table table({"mJ", "own nominal", "low", "nominal", "high", ""});
   const auto row = [&](const std::string& name, const Json& own, const Json& asked) {
     const auto text = [](const Json& s, const char* side) { return sim::four_digits(s[side].get<double>()); };
-    table.row({name, text(own, "nominal"), text(asked, "low"), text(asked, "nominal"), text(asked, "high"),
-               percent(at(own, "/nominal"), at(asked, "/nominal"))});
+    table.add_row({name, text(own, "nominal"), text(asked, "low"), text(asked, "nominal"), text(asked, "high"),
+                   percent(at(own, "/nominal"), at(asked, "/nominal"))});
   };
   for (const auto& [block, s] : run.own["energy_by_block_mj"].items()) {
     row(block, s, run.asked["energy_by_block_mj"][block]);
@@ -113,7 +113,7 @@ std::string points_text(const std::vector<Priced>& points) {
     for (const std::string& cell : axis_cells(point, axes)) row.push_back(sim::printable(cell));
     row.push_back(sim::four_digits(figure(point.own, "energy_mj.nominal")));
     for (const char* path : kColumns) row.push_back(sim::four_digits(figure(point.asked, path)));
-    table.row(std::move(row));
+    table.add_row(std::move(row));
   }
   return fmt::format("{}\n{}\n{}{}", sim::printable(points.front().run, 1000), changes_text(points.front().changes),
                      table.text(), notes_text(points));

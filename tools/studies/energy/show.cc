@@ -13,7 +13,7 @@
 #include "sim/config/quantity.h"
 #include "sim/error.h"
 #include "sim/io/printable.h"
-#include "sim/report/unit_entry.h"
+#include "sim/report/energy_table.h"
 #include "tools/pricing/idle_machine.h"
 #include "tools/pricing/priced_run.h"
 #include "tools/run/frame/load_config.h"
@@ -125,7 +125,7 @@ class Users {
   std::map<std::string, std::set<std::string>> counters_;
 };
 
-std::string band_text(const sim::Spread& s, const std::string& unit) {
+std::string band_text(const sim::Band& s, const std::string& unit) {
   const std::string band =
       s.low == s.high ? fmt::format("{}", s.nominal) : fmt::format("{} / {} / {}", s.low, s.nominal, s.high);
   return (unit.empty() ? band : band + " " + unit) + (s.low == s.high ? "  (no band)" : "");

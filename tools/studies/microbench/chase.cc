@@ -1,7 +1,7 @@
 #include <optional>
 
 #include "hw_models/dram/dram_config.h"
-#include "sim/report/conversions.h"
+#include "sim/report/table.h"
 #include "tools/studies/microbench/benchmark.h"
 #include "tools/studies/microbench/memory_forms.h"
 #include "tools/studies/microbench/memory_side.h"

@@ -9,7 +9,6 @@
 #include "hw_models/machines/gpu_config.h"
 #include "sim/error.h"
 #include "sim/io/json.h"
-#include "sim/report/conversions.h"
 #include "sim/report/report_json.h"
 #include "sim/report/table.h"
 #include "tools/run/frame/load_config.h"
@@ -69,7 +68,7 @@ struct Result {
     return static_cast<double>(config.organisation.burst.bytes) / ns_of(config.timing.burst * config.timing.ck.time);
   }
   double hit_rate() const { return static_cast<double>(play.stats.row_hits) / static_cast<double>(all.count); }
-  sim::Spread pj_per_bit() const {
+  sim::Band pj_per_bit() const {
     return hw::dram_energy(config, play.stats) * (1 / (8 * static_cast<double>(play.stats.bytes)));
   }
 
@@ -107,7 +106,7 @@ Json stream_json(const Result& r) {
           {"latency_ns", r.all.json()},
           {"read_latency_ns", r.reads.json()},
           {"write_latency_ns", r.writes.json()},
-          {"energy_pj_per_bit", sim::spread_json(r.pj_per_bit())},
+          {"energy_pj_per_bit", sim::band_json(r.pj_per_bit())},
           {"why", std::move(why)},
           {"counters", std::move(counters)},
           {"completion_ns", std::move(done)}};
@@ -125,7 +124,7 @@ std::string stream_text(const Result& r) {
        fmt::format("{:.3f} GB/s ({:.1f} % of {:.2f} GB/s)", r.gbps(), 100 * r.gbps() / r.peak_gbps(), r.peak_gbps()));
   line("rows", fmt::format("{} hits ({:.1f} %), {} misses, {} conflicts", s.row_hits, 100 * r.hit_rate(), s.row_misses,
                            s.row_conflicts));
-  const sim::Spread energy = r.pj_per_bit();
+  const sim::Band energy = r.pj_per_bit();
   line("energy", fmt::format("{:.2f} pJ/bit (low {:.2f}, high {:.2f})", energy.nominal, energy.low, energy.high));
   const double cycles = static_cast<double>(r.config.timing.ck.time) / static_cast<double>(r.play.end);
   std::string went;
@@ -140,7 +139,7 @@ std::string stream_text(const Result& r) {
     if (of.count == 0) return;
     std::vector<std::string> cells = {name};
     for (const double ns : of.values) cells.push_back(fmt::format("{:.1f}", ns));
-    table.row(std::move(cells));
+    table.add_row(std::move(cells));
   };
   row("all", r.all);
   row("reads", r.reads);

@@ -11,7 +11,7 @@
 #include "sim/error.h"
 #include "sim/io/file.h"
 #include "sim/io/printable.h"
-#include "sim/report/conversions.h"
+#include "sim/report/table.h"
 
 namespace tools {
 namespace {

@@ -35,9 +35,9 @@ const char* words_for(Holds holds) {
 std::string table_of_figures(const Findings& findings) {
   sim::Table table({findings.title, "measured", "closed form", "", "difference", "holds", "", ""});
   for (const Figure& f : findings.figures) {
-    table.row({f.name, fmt::format("{:.3f}", f.measured), fmt::format("{:.3f}", f.expected), f.unit,
-               fmt::format("{:+.2f} %", 100 * f.relative_error()), words_for(f.holds), f.remark,
-               f.good() ? "" : "MISSED"});
+    table.add_row({f.name, fmt::format("{:.3f}", f.measured), fmt::format("{:.3f}", f.expected), f.unit,
+                   fmt::format("{:+.2f} %", 100 * f.relative_error()), words_for(f.holds), f.remark,
+                   f.good() ? "" : "MISSED"});
   }
   return table.text();
 }

@@ -61,7 +61,7 @@ Findings measure(const hw::SrpConfig& srp, const std::vector<std::string>& names
       cells.push_back(
           fmt::format("{}{}{}", s.ii, recurrence ? "r" : "", s.ii > bound ? fmt::format(" ({})", bound) : ""));
     }
-    table.row(cells);
+    table.add_row(cells);
   }
   found.table = table.text();
   found.notes.push_back(fmt::format(

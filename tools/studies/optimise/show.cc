@@ -153,7 +153,7 @@ std::string table_text(const SearchRun& search, const std::vector<const Trial*>&
     std::vector<std::string> cells = {std::to_string(number_of(search, *trials[t]))};
     for (const auto& [name, value] : trials[t]->point.axes) cells.push_back(sim::printable(value));
     for (const std::vector<std::string>& column : columns) cells.push_back(column[t]);
-    table.row(std::move(cells));
+    table.add_row(std::move(cells));
   }
   return table.text();
 }

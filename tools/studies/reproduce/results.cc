@@ -85,8 +85,8 @@ sim::Json rows_json(const Results& results) {
 std::string results_text(const Results& results) {
   sim::Table table({"experiment", "scene", "setting", "figure", "measured", "published", "difference"});
   for (const Row& row : by_experiment(results.rows)) {
-    table.row({row.figure.experiment, row.figure.scene, row.figure.setting, row.figure.metric,
-               row.measured ? measured_text(row) : "-", published_text(row), difference_text(row)});
+    table.add_row({row.figure.experiment, row.figure.scene, row.figure.setting, row.figure.metric,
+                   row.measured ? measured_text(row) : "-", published_text(row), difference_text(row)});
   }
   std::string out = heading(results) + "\n\n" + table.text();
   std::string before;

@@ -87,7 +87,7 @@ void print_plan(const std::vector<Point>& points, const Store& store) {
     for (const auto& [name, value] : point.axes) cells.push_back(value);
     cells.push_back(state_text(point, store));
     there += cells.back() == "in the store" ? 1 : 0;
-    table.row(std::move(cells));
+    table.add_row(std::move(cells));
   }
   fmt::print("{}\n{} points, {} of them in the store\n", table.text(), points.size(), there);
   for (const Point& point : points) {

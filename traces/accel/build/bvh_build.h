@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "sim/stop.h"
+#include "sim/error.h"
 #include "traces/accel/bvh_config.h"
 #include "traces/accel/memory_image.h"
 #include "traces/scene/bounds.h"

@@ -1,5 +1,5 @@
 #pragma once
-#include "sim/stop.h"
+#include "sim/error.h"
 #include "traces/accel/build/material_tables.h"
 #include "traces/accel/bvh_config.h"
 #include "traces/accel/memory_image.h"

@@ -97,7 +97,7 @@ TEST(HitCycles, OutsideTheCurveAreSaid) {
 TEST(HitCycles, ThatAreAutoStaySoInTheConfigurationAndItsJson) {
   RunConfig config = with(kAuto);
   const sim::ConfigNode tree = sim::config_tree(config);
-  const sim::ConfigNode& field = *tree.child("l2")->child("hit_cycles");
+  const sim::ConfigNode& field = *tree.find_child("l2")->find_child("hit_cycles");
   EXPECT_EQ(sim::value_text(field), "auto");
   EXPECT_EQ(sim::allowed_text(field), "1 to 64 cycles, or auto");
 }

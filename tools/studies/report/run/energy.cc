@@ -6,7 +6,7 @@
 
 #include "hw_models/dram/dram_energy.h"
 #include "hw_models/machines/gpu_config.h"
-#include "sim/report/conversions.h"
+#include "sim/report/table.h"
 #include "tools/studies/report/run/run_parts.h"
 
 namespace tools::pages {
@@ -19,7 +19,7 @@ constexpr const char* kAll = "GPU with memory";
 /// Links of a flow from the whole to blocks to what they spent it on, in mJ.
 class Flow {
  public:
-  void add(const std::string& from, const std::string& to, const sim::Spread& pj) {
+  void add(const std::string& from, const std::string& to, const sim::Band& pj) {
     if (pj.high <= 0) return;
     links_[{from, to}] += pj;
   }
@@ -37,10 +37,10 @@ class Flow {
   }
 
  private:
-  std::map<std::pair<std::string, std::string>, sim::Spread> links_;
+  std::map<std::pair<std::string, std::string>, sim::Band> links_;
 };
 
-bool is_small(const sim::Spread& pj, const sim::Spread& all) {
+bool is_small(const sim::Band& pj, const sim::Band& all) {
   return pj.low < kOfItsOwn * all.low && pj.nominal < kOfItsOwn * all.nominal && pj.high < kOfItsOwn * all.high;
 }
 
@@ -53,7 +53,7 @@ Flow flow_of(const PricedRun& run) {
   for (const auto& [block, kinds] : energy.blocks) {
     flow.add(kAll, block, kinds.total());
     flow.add(block, "clock", kinds.clock);
-    sim::Spread leakage = kinds.leakage;
+    sim::Band leakage = kinds.leakage;
     const auto events = energy.events.find(block);
     if (events != energy.events.end()) {
       for (const auto& [name, pj] : events->second) {

@@ -112,7 +112,7 @@ void add_series(const Run& run, View& view) {
   try {
     const RunIntervals intervals(run.report);
     if (intervals.frames().empty()) throw sim::InputError("its file of intervals is empty");
-    const IntervalTable table = derive(intervals, intervals.frames().front(), &sim::Spread::nominal, kMostIntervals);
+    const IntervalTable table = derive(intervals, intervals.frames().front(), &sim::Band::nominal, kMostIntervals);
     Json charts = Json::array();
     for (const Group& group : kGroups) add_group(table, group, view, charts);
     if (charts.empty()) throw sim::InputError("nothing happened in any interval");

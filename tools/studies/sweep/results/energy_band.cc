@@ -96,8 +96,8 @@ BandedMetric EnergyBand::metric(const Column& column, bool most) {
     }
     const double nominal = nominal_pj(*runs_[i], joules->block);
     const auto figure = [&](double pj) { return number->value * (joules->inverse ? nominal / pj : pj / nominal); };
-    out.at_low.push_back(figure(side_pj(*runs_[i], joules->block, &sim::Spread::low)));
-    out.at_high.push_back(figure(side_pj(*runs_[i], joules->block, &sim::Spread::high)));
+    out.at_low.push_back(figure(side_pj(*runs_[i], joules->block, &sim::Band::low)));
+    out.at_high.push_back(figure(side_pj(*runs_[i], joules->block, &sim::Band::high)));
     std::vector<double> drawn = drawn_pj(*runs_[i], joules->block);
     for (double& pj : drawn) pj = figure(pj);
     out.drawn.push_back(std::move(drawn));
@@ -129,9 +129,9 @@ std::string EnergyBand::best_text(const Results& results, const BandedMetric& m)
       better += m.is_better(mine, leader) ? 1 : 0;
     }
     const auto share = [](std::size_t n) { return percent(static_cast<double>(n) / double{kEnergyDraws}); };
-    table.row({label_of(varying, m.rows[i]), fmt::format("{}", results.rows()[m.rows[i]].n), shown(m.nominal[i]),
-               interval_text(m.drawn[i]), share(wins[i]), rank == 0 ? "" : m.ratio_text(i, order.front()),
-               rank == 0 ? "" : interval_text(ratios), rank == 0 ? "" : share(better)});
+    table.add_row({label_of(varying, m.rows[i]), fmt::format("{}", results.rows()[m.rows[i]].n), shown(m.nominal[i]),
+                   interval_text(m.drawn[i]), share(wins[i]), rank == 0 ? "" : m.ratio_text(i, order.front()),
+                   rank == 0 ? "" : interval_text(ratios), rank == 0 ? "" : share(better)});
   }
   return fmt::format("under {} draws of the energy tables, {} points\n\n{}", kEnergyDraws, m.rows.size(), table.text());
 }
@@ -206,8 +206,8 @@ std::string EnergyBand::tornado_text(const Results& results, const BandedMetric&
   sim::Table table({"entry of the tables", "ratio at low", "at high", "best at low", "at high", "pairs turned"});
   for (std::size_t i = 0; i < std::min(bars.size(), kBars); ++i) {
     const Bar& bar = bars[i];
-    table.row({bar.entry, fmt::format("{:.4f}", bar.at_low), fmt::format("{:.4f}", bar.at_high),
-               fmt::format("{}", n(bar.best_low)), fmt::format("{}", n(bar.best_high)), percent(bar.turned)});
+    table.add_row({bar.entry, fmt::format("{:.4f}", bar.at_low), fmt::format("{:.4f}", bar.at_high),
+                   fmt::format("{}", n(bar.best_low)), fmt::format("{}", n(bar.best_high)), percent(bar.turned)});
   }
   return fmt::format(
       "{}: what decides the ranking; ratio: point {} over point {}, the best two, {:.4f} by nominal tables; one entry "

@@ -96,7 +96,7 @@ std::string table_text(const std::vector<std::string>& names, const std::vector<
     if (csv) {
       lines += csv_line(row);
     } else {
-      table.row(std::move(row));
+      table.add_row(std::move(row));
     }
   }
   return csv ? lines : table.text();

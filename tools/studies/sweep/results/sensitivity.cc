@@ -105,12 +105,12 @@ std::string text_of(const Sensitivity& s) {
                                       shown(*high),     level(high),
                                       percent(e.range), percent(e.share)};
     if (noisy) cells.push_back(e.interval_text());
-    table.row(std::move(cells));
+    table.add_row(std::move(cells));
   }
   const auto part = [&](const char* name, double share) {
     std::vector<std::string> cells = {name, "", "", "", "", "", "", percent(share)};
     cells.resize(header.size());
-    table.row(std::move(cells));
+    table.add_row(std::move(cells));
   };
   part("only together", s.rest());
   if (noisy) part("noise", s.noise);

@@ -39,7 +39,7 @@ std::string list_text(const Results& results, const FigureNoise& noise, const st
     std::vector<std::string> line = {std::to_string(results.rows()[listed[i]].n)};
     for (const std::vector<std::string>& column : cells) line.push_back(column[i]);
     line.push_back(give_or_take(noise, listed[i]));
-    table.row(std::move(line));
+    table.add_row(std::move(line));
   }
   return table.text() + (rows.size() > kShown ? fmt::format("and {} more\n", rows.size() - kShown) : "");
 }
@@ -64,9 +64,9 @@ std::string axes_text(const Results& results, const FigureNoise& noise, const st
     const bool all = here.size() == effect.levels.size();
     auto& verdict = all ? (effect.high < kLittle ? do_not : hidden) : (effect.share < kLittle ? little : matter);
     verdict.push_back(effect.axis);
-    table.row({effect.axis, all ? "all" : fmt::format("{}", fmt::join(names, ", ")),
-               fmt::format("{}", effect.levels.size()), fmt::format("{:.1f} %", 100 * effect.share),
-               effect.interval_text()});
+    table.add_row({effect.axis, all ? "all" : fmt::format("{}", fmt::join(names, ", ")),
+                   fmt::format("{}", effect.levels.size()), fmt::format("{:.1f} %", 100 * effect.share),
+                   effect.interval_text()});
   }
   std::string out = "\n" + table.text();
   if (!sensitivity.is_grid) out += fmt::format("the points are {}\n", kNoGrid);

@@ -4,7 +4,6 @@
 
 #include "sim/error.h"
 #include "sim/io/json.h"
-#include "sim/io/json_number.h"
 #include "sim/io/printable.h"
 #include "sim/sha256.h"
 

@@ -15,7 +15,6 @@
 #include "sim/error.h"
 #include "sim/io/file.h"
 #include "sim/io/json.h"
-#include "sim/io/json_number.h"
 #include "sim/io/printable.h"
 #include "sim/report/report_json.h"
 #include "sim/sha256.h"

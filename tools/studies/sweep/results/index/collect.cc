@@ -39,7 +39,7 @@ std::string made_from(const std::vector<ListedPoint>& points, const sweep::Store
     for (const auto& [name, value] : point.axes) all.add(fmt::format("{}\n{}\n", name, value));
     all.add(state_mark(store, point.id) + "\n");
   }
-  return all.hex();
+  return all.hex_digest();
 }
 
 /// Contents of the index, if it and the table are as they were left and nothing has happened since.

@@ -1,7 +1,10 @@
 #pragma once
+#include <map>
 #include <span>
 #include <string>
+#include <vector>
 
+#include "sim/config/field.h"
 #include "sim/report/area.h"
 #include "sim/report/energy.h"
 #include "sim/unit_report.h"
@@ -18,5 +21,11 @@ void check_energy_events(const EnergyConfig& config, std::span<const std::string
 /// "<block>.<kind>.<part>" or "<block>.<part>".
 void check_unit_names(const EnergyConfig& config, std::span<const UnitReport> units);
 void check_unit_names(const AreaConfig& config, std::span<const UnitReport> units);
+
+/// Returns a warning for every kind of unit whose array is outside the sizes of its energy or area curve, where values
+/// are extrapolated. `events`: EnergyConfig::events; `arrays`: AreaConfig::arrays, may be empty.
+std::vector<std::string> sizes_outside_curves(std::span<const UnitReport> units,
+                                              const std::map<std::string, Band>& events,
+                                              const std::map<std::string, Band>& arrays);
 
 }  // namespace sim

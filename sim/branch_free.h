@@ -1,0 +1,42 @@
+#pragma once
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+
+namespace sim {
+
+/// Values are compared in groups of eight: two AVX2 vectors where available.
+inline constexpr std::size_t kMatchWidth = 8;
+
+/// Returns a mask with a bit for each of eight values that equals `number`.
+#if defined(__AVX2__)  // vector extensions of the compiler: <immintrin.h> is longer than most files including this one
+inline unsigned match_mask8(const std::uint64_t* eight, std::uint64_t number) {
+  using Four [[gnu::vector_size(32)]] = std::uint64_t;
+  using Doubles [[gnu::vector_size(32)]] = double;
+  unsigned mask = 0;
+  for (std::size_t i = 0; i < kMatchWidth; i += 4) {
+    Four four;
+    std::memcpy(&four, eight + i, sizeof four);
+    mask |= static_cast<unsigned>(__builtin_ia32_movmskpd256(reinterpret_cast<Doubles>(four == number))) << i;
+  }
+  return mask;
+}
+#else
+inline unsigned match_mask8(const std::uint64_t* eight, std::uint64_t number) {
+  unsigned mask = 0;
+  for (std::size_t i = 0; i < kMatchWidth; ++i) mask |= unsigned{eight[i] == number} << i;
+  return mask;
+}
+#endif
+
+/// Returns the index of the smallest of `count` (at least one) numbers, the first of equals. Branch-free: the outcome
+/// is unpredictable.
+inline std::uint32_t index_of_min(const std::uint32_t* numbers, std::size_t count) {
+  std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
+  for (std::size_t i = 0; i < count; ++i) least = std::min(least, std::uint64_t{numbers[i]} << 32 | i);
+  return static_cast<std::uint32_t>(least);
+}
+
+}  // namespace sim

@@ -1,0 +1,149 @@
+#pragma once
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sim/branch_free.h"
+#include "sim/time.h"
+
+namespace sim {
+
+/// Handle through which a link lowers a unit's wake-up time and the minimum of its group.
+struct WakeupHandle {
+  WakeupHandle() = default;
+  WakeupHandle(Time* wake) : unit(wake), group(wake) {}  ///< without a group; detached if nullptr
+  WakeupHandle(Time* wake, Time* earliest) : unit(wake), group(earliest) {}
+
+  void lower(Time at) const {
+    *unit = std::min(*unit, at);
+    *group = std::min(*group, at);
+  }
+
+  Time* unit = nullptr;
+  Time* group = nullptr;
+};
+
+/// The engine's wake-up times: one for each unit, and the minimum of each group of eight neighbours. A group is
+/// compared at once (sim/branch_free.h).
+class WakeupTable {
+ public:
+  static constexpr std::size_t kGroup = kMatchWidth;
+  /// `units` rounded up to whole groups.
+  static constexpr std::size_t round_up_to_groups(std::size_t units) { return (units + kGroup - 1) / kGroup * kGroup; }
+
+  WakeupTable() = default;
+  /// All units wake at time 0.
+  explicit WakeupTable(std::size_t units) { reset(units); }
+  WakeupTable(const WakeupTable&) = delete;
+  WakeupTable& operator=(const WakeupTable&) = delete;
+
+  /// All units wake at `first`.
+  void reset(std::size_t units, Time first = 0) {
+    groups_.assign(round_up_to_groups(units) / kGroup, Eight{});
+    for (Eight& group : groups_) group.fill(kNever);
+    group_minima_.assign(round_up_to_groups(groups_.size()), kNever);
+    for (std::size_t i = 0; i < units; ++i) lower(i, first);
+    size_ = units;
+  }
+  std::size_t size() const { return size_; }
+
+  WakeupHandle handle_of(std::size_t unit) { return {&time_of(unit), &group_minima_[unit / kGroup]}; }
+  void lower(std::size_t unit, Time time) { handle_of(unit).lower(time); }
+
+  /// A range of groups.
+  struct Groups {
+    std::size_t first = 0, end = 0;
+  };
+
+  /// The earliest time of all units.
+  Time earliest_time() const {
+    Time first = kNever;
+    for (std::size_t i = 0; i < group_minima_.size(); i += kGroup)
+      first = std::min(first, min_of_eight(&group_minima_[i]));
+    return first;
+  }
+  /// The earliest time of a range.
+  Time earliest_time(Groups of) const {
+    Time first = kNever;
+    for (std::size_t g = of.first; g < of.end; ++g) first = std::min(first, load_time(group_minima_[g]));
+    return first;
+  }
+
+  /// The times of a range's units, and the minima of its groups.
+  Time* unit_times(Groups of) { return of.first == of.end ? nullptr : groups_[of.first].data(); }
+  std::span<Time> group_minima(Groups of) { return {group_minima_.data() + of.first, of.end - of.first}; }
+
+  /// Calls tick(unit) for all units that are due at `now`, the earliest time of all. tick() returns the unit's next
+  /// wake-up time. Ticks may lower any unit's time to one after `now`.
+  template <class Tick>
+  void tick_due(Time now, Tick&& tick) {
+    tick_due({0, groups_.size()}, now, tick);
+  }
+  /// Ticks the due units of a range; `now` is its earliest time. Returns its next earliest time.
+  template <class Tick>
+  Time tick_due(Groups of, Time now, Tick&& tick) {
+    for (std::size_t g = of.first; g < of.end; ++g) {
+      if (group_minima_[g] != now) continue;
+      Eight& group = groups_[g];
+      for (unsigned due = match_mask8(group.data(), now); due != 0; due &= due - 1) {
+        const auto i = static_cast<std::size_t>(std::countr_zero(due));
+        group[i] = kNever;  // links may lower it during the tick
+        const Time own = tick(g * kGroup + i);
+        group[i] = std::min(group[i], own);
+      }
+      group_minima_[g] = min_of_eight(group.data());
+    }
+    return earliest_time(of);
+  }
+
+  /// Ticks one unit whether or not it is due.
+  template <class Tick>
+  void tick_one(std::size_t unit, Tick&& tick) {
+    time_of(unit) = kNever;
+    const Time own = tick(unit);
+    lower(unit, own);
+    group_minima_[unit / kGroup] = min_of_eight(groups_[unit / kGroup].data());
+  }
+  /// The minimum of eight times that were just written one by one. Reading them in pairs, as a compiler would, stalls
+  /// on store forwarding.
+  static Time min_of_eight(const Time* eight) {
+    const Time a = std::min(std::min(load_time(eight[0]), load_time(eight[1])),
+                            std::min(load_time(eight[2]), load_time(eight[3])));
+    const Time b = std::min(std::min(load_time(eight[4]), load_time(eight[5])),
+                            std::min(load_time(eight[6]), load_time(eight[7])));
+    return std::min(a, b);
+  }
+  /// Mask of the units, in up to eight groups, that wake at `now`.
+  static std::uint64_t due_mask(const Time* times, std::size_t groups, Time now) {
+    std::uint64_t due = match_mask8(times, now);
+    for (std::size_t g = 1; g < groups; ++g) due |= std::uint64_t{match_mask8(times + g * kGroup, now)} << g * kGroup;
+    return due;
+  }
+  /// Updates the minimum of each group and returns the minimum of all.
+  static Time refresh_group_minima(const Time* times, std::span<Time> group_minima) {
+    Time first = group_minima.front() = min_of_eight(times);
+    for (std::size_t g = 1; g < group_minima.size(); ++g) {
+      group_minima[g] = min_of_eight(times + g * kGroup);
+      first = std::min(first, group_minima[g]);
+    }
+    return first;
+  }
+  Time operator[](std::size_t unit) const { return groups_[unit / kGroup][unit % kGroup]; }
+
+ private:
+  using Eight = std::array<Time, kGroup>;
+
+  /// Reads one time with a load of its own.
+  static Time load_time(const Time& time) { return const_cast<const volatile Time&>(time); }
+  Time& time_of(std::size_t unit) { return groups_[unit / kGroup][unit % kGroup]; }
+
+  std::vector<Eight> groups_;
+  std::vector<Time> group_minima_;  ///< minimum of each group
+  std::size_t size_ = 0;
+};
+
+}  // namespace sim
