@@ -5,10 +5,10 @@
 
 namespace tools {
 
-/// A word between single quotes, as a shell takes it whatever is in it.
+/// Returns a word in single quotes for a shell.
 std::string single_quoted(std::string_view word);
 
-/// A command as a shell takes it, words quoted where need be.
+/// Returns a command for a shell; words are quoted where necessary.
 std::string command_text(const std::vector<std::string>& words);
 
 }  // namespace tools

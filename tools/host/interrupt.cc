@@ -15,7 +15,7 @@ namespace {
 std::atomic<int> held = 0, waiting = 0;
 std::atomic<bool> has_bar = false;
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
-std::string kept_so_far;  ///< not for the signal handler
+std::string kept_so_far;  ///< must not be used in the signal handler
 
 void say(std::string_view words) {
   [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, words.data(), words.size());
@@ -29,7 +29,8 @@ void say(std::string_view words) {
 
 extern "C" void on_interrupt(int signal) {
   const bool second = waiting.exchange(signal) != 0;
-  if (held == 0 || second)  // read last, as ~HoldInterrupts reads `waiting` last: one of the two sees the other
+  if (held == 0 || second)  // read last, as ~HoldInterrupts() reads `waiting` last, so at least one of the two sees the
+                            // other's write
     end(signal, "raywatt: interrupted\n");
 }
 

@@ -5,12 +5,12 @@
 
 namespace tools {
 
-/// From now on SIGINT, SIGTERM and SIGHUP end the process with 128 + the signal and one line on stderr. A signal that
-/// the caller has it ignore stays ignored.
+/// Installs handlers: SIGINT, SIGTERM and SIGHUP end the process with 128 + the signal and one line on stderr. Signals
+/// that the parent process ignores stay ignored.
 void end_on_interrupts();
 
-/// While one lives, interrupts wait: for the times in which something would be lost or files are half made. The second
-/// interrupt waits no longer. The end of the last one ends the process if an interrupt waits.
+/// Delays interrupts while an object exists, so that no results are lost and no files are left half written. A second
+/// interrupt is not delayed. The destructor of the last object ends the process if an interrupt is pending.
 class HoldInterrupts {
  public:
   HoldInterrupts();
@@ -19,16 +19,16 @@ class HoldInterrupts {
   HoldInterrupts& operator=(const HoldInterrupts&) = delete;
 };
 
-/// Text that the line on stderr adds when an interrupt has waited: "kept 3 of 10 frames in out".
+/// Sets the text after "interrupted" in the message of a delayed interrupt: "kept 3 of 10 frames in out".
 void tell_if_interrupted(const std::string& kept);
 
-/// The terminal's last line is a bar, or no longer: an interrupt erases it before it says its own.
+/// Sets whether the last line of the terminal is a progress bar, which an interrupt erases before its message.
 void erase_if_interrupted(bool bar_is_there);
 
-/// Does an interrupt wait?
+/// True if an interrupt is pending.
 bool interrupted();
 
-/// Thrown by long work that has seen interrupted().
+/// Thrown by long computations when an interrupt is pending.
 using Interrupted = sim::Cancelled;
 
 }  // namespace tools

@@ -9,8 +9,8 @@
 
 namespace tools {
 
-/// Calls work(0) to work(count - 1), the first on the caller's thread and each other on a thread of its own, and
-/// returns when all have ended. Throws what the first call to fail has thrown, or what the start of a thread has.
+/// Calls work(0) to work(count - 1) concurrently: the first on the calling thread, each other on a thread of its own.
+/// Returns after all have ended. Rethrows the first exception, or the failure to start a thread.
 template <typename Work>
 void on_threads(std::size_t count, Work&& work) {
   std::mutex mutex;
@@ -32,9 +32,9 @@ void on_threads(std::size_t count, Work&& work) {
   if (failure) std::rethrow_exception(failure);
 }
 
-/// Calls work(i, thread) for each i below `count`, begun in this order, on at most `threads` threads (0 counts as 1)
-/// with numbers from 0 on. Behind a failure none is begun; throws what the first i to fail has thrown, for any number
-/// of threads, or as on_threads does.
+/// Calls work(i, thread) for each i below `count`, started in order on at most `threads` threads (0 counts as 1),
+/// numbered from 0. No call starts after a failure. Rethrows the exception of the lowest i that failed, for any number
+/// of threads.
 template <typename Work>
 void do_all(std::size_t count, std::size_t threads, Work&& work) {
   std::atomic<std::size_t> next = 0;

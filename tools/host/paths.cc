@@ -55,7 +55,7 @@ std::vector<std::string> yaml_names(const std::vector<fs::path>& folders) {
   return names;
 }
 
-/// "known: a, b"; if a program away from its share folder knows none, where they would be.
+/// Returns "known: a, b", or the folders that were searched if there are no configurations at all.
 std::string known(const std::vector<std::string>& names) {
   if (!names.empty()) return fmt::format("known: {}", fmt::join(names, ", "));
   std::vector<std::string> folders;
@@ -81,7 +81,7 @@ std::optional<fs::path> find_yaml(const std::vector<fs::path>& folders, const st
   return std::nullopt;
 }
 
-/// A configuration comes first on the command line, a scene behind --scene.
+/// Throws InputError if a scene is given in place of a configuration.
 void check_no_scene(const std::string& argument) {
   const bool is_bare = argument.find('/') == std::string::npos && !argument.ends_with(".yaml");
   if (is_bare && find_yaml(config_folders(), argument)) return;
@@ -94,7 +94,7 @@ void check_no_scene(const std::string& argument) {
                                     sim::printable(argument), is_workload ? "workload" : "scene"));
 }
 
-/// ", did you mean 'sgrt-2016'?", or a scene if the name of one is nearer.
+/// Returns ", did you mean 'sgrt-2016'?", or a scene if its name is nearer.
 std::string what_was_meant(const std::string& argument, const std::vector<std::string>& configs) {
   std::vector<std::string> scenes = workload_names();
   for (const traces::BuiltinInfo& scene : traces::builtin_scenes()) scenes.push_back(scene.name);

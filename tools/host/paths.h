@@ -6,35 +6,36 @@
 
 namespace tools {
 
-/// Folders in which a bare name is looked up: those of $RAYWATT_PATH (separated by colons), the share folder beside the
-/// program, and for a program in its build folder the sources that it was built from.
+/// Returns the folders in which names are looked up: $RAYWATT_PATH (separated by colons), the share folder next to the
+/// program, and the source folder for a program in its build folder.
 std::vector<std::filesystem::path> search_folders();
 
-/// The same folders, each followed by its `configs`: where configurations are.
+/// Returns the same folders, each followed by its subfolder `configs`.
 std::vector<std::filesystem::path> config_folders();
 
-/// The configuration file called `argument`: a path if it holds a '/' or ends in .yaml, else NAME.yaml in one of
-/// config_folders(). InputError with the nearest name if there is none, or with --scene if a scene is called so.
+/// Returns a configuration file: a path if `argument` contains '/' or ends in .yaml, else NAME.yaml in
+/// config_folders(). InputError with the nearest name if there is none, or with --scene if it names a scene.
 std::filesystem::path find_config(const std::string& argument);
 
-/// The workload file that --scene means: `argument` itself if it ends in .yaml, else NAME.yaml in the folder
-/// traces/workloads or workloads below one of search_folders(); nothing if it is a scene.
+/// Returns the workload file for --scene: `argument` if it ends in .yaml, else NAME.yaml in traces/workloads or
+/// workloads of search_folders(); nullopt for a scene.
 std::optional<std::filesystem::path> find_workload(const std::string& argument);
 
-/// Names of the workloads that find_workload() knows, sorted.
+/// Returns the names of all workloads, sorted.
 std::vector<std::string> workload_names();
 
-/// The sweep or search that `argument` names: a path if it holds a '/', ends in .yaml or is there, else
-/// experiments/NAME.yaml in one of config_folders(). InputError with the nearest name if there is none.
+/// Returns the file of a sweep or search: a path if `argument` contains '/', ends in .yaml or exists, else
+/// experiments/NAME.yaml in config_folders(). InputError with the nearest name if there is none.
 std::filesystem::path find_experiment(const std::filesystem::path& argument);
 
-/// Files NAME.yaml below one of config_folders(), as `folder`/NAME, sorted: those of "dram", "energy", "experiments".
+/// Returns the files NAME.yaml in a subfolder of config_folders(), as `folder`/NAME, sorted. Folders: "dram", "energy",
+/// "experiments".
 std::vector<std::string> config_names_in(const std::string& folder);
 
-/// The file of a name of config_names() or config_names_in(), which must be one.
+/// Returns the file of a name from config_names() or config_names_in().
 std::filesystem::path find_config_file(const std::string& name);
 
-/// Names of the configurations that find_config() knows, sorted.
+/// Returns the names of all configurations, sorted.
 std::vector<std::string> config_names();
 
 }  // namespace tools

@@ -44,13 +44,13 @@ std::size_t rows_of_terminal() {
   return ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_row != 0 ? size.ws_row : 24;
 }
 
-/// The time of day at which it will be over.
+/// Returns the expected time of day of the end.
 std::string end_text(double seconds_left) {
   const std::time_t end = std::time(nullptr) + static_cast<std::time_t>(seconds_left + 0.5);
   return fmt::format("ends at {:%H:%M:%S}", fmt::localtime(end));
 }
 
-/// "48 s", "3 min 20 s", "2 h 5 min"
+/// Returns "48 s", "3 min 20 s" or "2 h 5 min".
 std::string duration_text(double seconds) {
   const auto whole = static_cast<std::uint64_t>(std::max(seconds, 0.0) + 0.5);
   if (whole < 60) return fmt::format("{} s", whole);
@@ -61,7 +61,7 @@ std::string duration_text(double seconds) {
 }  // namespace
 
 double ProgressState::share() const {
-  const double of_part = tile == tiles ? 0 : static_cast<double>(tile) / tiles;  // all tiles: a finished part
+  const double of_part = tile == tiles ? 0 : static_cast<double>(tile) / tiles;  // a finished part is counted in `part`
   return (part + of_part) / parts;
 }
 
@@ -88,7 +88,7 @@ std::string progress_line(const ProgressState& s, std::size_t columns) {
   } else {
     line += " ...  " + duration_text(s.seconds);
   }
-  if (line.size() >= columns) line.resize(columns - 1);  // a full line would begin another
+  if (line.size() >= columns) line.resize(columns - 1);  // a full line would wrap
   return line;
 }
 
@@ -192,7 +192,7 @@ void Progress::run() {
     try {
       show();
     } catch (const std::bad_alloc&) {
-      // The work that is shown goes on without this line.
+      // The work continues without this line.
     }
   }
 }
@@ -209,7 +209,7 @@ void Progress::show() {
   write_stderr(fmt::format("\r{}\x1b[K", progress_line(now(), columns_of_terminal())));
 }
 
-/// Draws over the view of before: picture, figures, progress.
+/// Redraws the view: picture, statistics, progress.
 void Progress::show_view() {
   const std::size_t columns = columns_of_terminal(), rows = rows_of_terminal();
   const ProgressState state = now();
@@ -231,7 +231,7 @@ void Progress::show_view() {
   view_lines_ = taken;
 }
 
-/// A line behind the others, for logs.
+/// Appends a line, for logs.
 void Progress::show_line() {
   constexpr std::size_t kAnyLength = 1 << 10;
   const ProgressState state = now();
@@ -256,7 +256,7 @@ double Progress::traced_seconds() const {
   return state_.traced_seconds + (counts ? sim::seconds_since(part_since_) : 0);
 }
 
-/// The part under way, if there is one, is over or does something else.
+/// Adds the time of the current part, if any, and stops its clock.
 void Progress::stop_clock() {
   state_.traced_seconds = traced_seconds();
   part_since_ = {};

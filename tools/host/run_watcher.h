@@ -8,15 +8,15 @@
 
 namespace tools {
 
-/// Somebody who looks at a frame while it is played. Told by the thread that plays the machine, at the end of a tile,
-/// and only when it has asked: that thread never looks at a clock.
+/// Receives a frame while it is simulated. The simulation thread calls it at tile ends, only when a frame was
+/// requested, so that thread reads no clock.
 class RunWatcher {
  public:
   virtual ~RunWatcher() = default;
-  /// A machine begins; its units at rest, and where its intervals are taken down.
+  /// Called before a machine's first cycle, with its units and the intervals that it records.
   virtual void begin(std::vector<sim::UnitReport> units, const sim::Intervals* intervals) = 0;
   bool wants() const { return wanted_.load(std::memory_order_relaxed); }
-  /// The picture so far, in linear light.
+  /// Called with the picture so far, in linear light.
   virtual void note(std::span<const float> rgb) = 0;
 
  protected:

@@ -13,7 +13,7 @@
 namespace tools {
 
 void open_closed_streams() {
-  // The lowest descriptor that is free is the one that open() gives.
+  // open() returns the lowest free descriptor.
   for (const auto& [stream, mode] :
        {std::pair{STDIN_FILENO, O_WRONLY}, {STDOUT_FILENO, O_RDONLY}, {STDERR_FILENO, O_WRONLY}}) {
     if (::fcntl(stream, F_GETFD) < 0 && errno == EBADF) static_cast<void>(::open("/dev/null", mode));
@@ -26,7 +26,7 @@ void outlive_failed_writes() {
 
 void flush_output() {
   int error = std::fflush(stdout) != 0 ? errno : 0;
-  if (error == 0 && std::ferror(stdout) != 0) error = EIO;  // bytes of an earlier write are gone
+  if (error == 0 && std::ferror(stdout) != 0) error = EIO;  // bytes of an earlier write were lost
   if (error != 0) throw std::system_error(error, std::generic_category(), "standard output");
 }
 

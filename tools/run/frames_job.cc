@@ -24,10 +24,10 @@
 namespace tools {
 namespace {
 
-/// run(), but Interrupted if an interrupt leaves fewer than `frames_to_replace` frames.
+/// Calls run(); throws Interrupted if an interrupt leaves fewer than `frames_to_replace` frames.
 RunResult run_or_interrupt(FrameSource& frames, const RunOptions& options, std::size_t frames_to_replace,
                            Progress& progress) {
-  const HoldInterrupts hold;  // there is something to lose before there is a folder
+  const HoldInterrupts hold;  // results exist before the folder does
   try {
     RunResult result = run(frames, options);
     if (result.partial && result.frames.size() < frames_to_replace) throw Interrupted();
@@ -38,7 +38,7 @@ RunResult run_or_interrupt(FrameSource& frames, const RunOptions& options, std::
   }
 }
 
-/// The file of --record, which does not take the place of one of the run's own results in `folder`.
+/// Returns the absolute path of --record. InputError if it would replace one of the run's own results.
 std::filesystem::path record_file(const JobOptions& options, const std::filesystem::path& folder) {
   const std::string asked = "--record " + sim::printable(options.record.string());
   std::error_code failed;
@@ -51,7 +51,7 @@ std::filesystem::path record_file(const JobOptions& options, const std::filesyst
   throw sim::InputError(asked + ": the run's own results have a file of this name; allowed: another");
 }
 
-/// Where the results of a run are, on standard output.
+/// Results to list on standard output.
 struct Announced {
   bool picture, timeline, reference;
 };
@@ -94,7 +94,7 @@ void run_frames(const JobOptions& options) {
   folder.fill([&](const RunFolder::Open& open) {
     std::optional<traces::TraceWriter> trace;
     if (!options.record.empty()) {
-      // Into a folder that is not there yet it comes with the report.
+      // If the folder does not exist yet, the trace is staged with the report.
       const std::filesystem::path file = record_file(options, folder.target());
       const bool comes_along = file.parent_path() == folder.target() && !std::filesystem::exists(folder.target());
       trace.emplace(comes_along ? open() / file.filename() : std::filesystem::path(options.record),
@@ -125,7 +125,7 @@ void run_frames(const JobOptions& options) {
     write_report(staging, json, inputs.config, result);
     write_reference(staging, {inputs, options}, result);
     if (trace && !result.partial) trace->commit();
-    tell_warnings(json, inputs.warnings.size());  // before an interrupt ends the run, which throws
+    tell_warnings(json, inputs.warnings.size());  // before a pending interrupt ends the process
     return result.kept(inputs.frames());
   });
   if (options.json) return fmt::print("{}", sim::json_text(json["totals"]));

@@ -13,12 +13,12 @@
 
 namespace tools {
 
-/// The view of a run: picture so far, utilisation and power of the last interval.
+/// Live view of a run: picture so far, utilisation and power of the last interval.
 ///
-///   machine's thread: note() at the end of a tile, if asked ──► copies ──► thread that shows: lines(), picture()
+///   simulation thread: note() at a tile end, on request ──► copies ──► display thread: lines(), picture()
 class LiveRun final : public View, public RunWatcher {
  public:
-  /// Shows frames of that configuration from now on.
+  /// Sets the configuration of the frames to show.
   void of(const RunConfig& config);
 
   void begin(std::vector<sim::UnitReport> units, const sim::Intervals* intervals) override;
@@ -34,13 +34,14 @@ class LiveRun final : public View, public RunWatcher {
   sim::EnergyConfig energy_;
   std::map<std::string, sim::DeviceEvent> device_;
   sim::PowerScales scales_;
-  std::uint32_t width_ = 0, height_ = 0;  ///< the frame's picture has
+  std::uint32_t width_ = 0, height_ = 0;  ///< size of the frame's picture
   std::vector<sim::UnitReport> units_;
   std::unique_ptr<sim::EnergyFormula> formula_;
   const sim::Intervals* intervals_ = nullptr;
-  std::size_t wanted_width_ = 0, wanted_height_ = 0;  ///< the most that can be shown
+  std::size_t wanted_width_ = 0, wanted_height_ = 0;  ///< largest picture that can be shown
   SmallPicture picture_;
-  std::vector<std::uint64_t> before_, row_;  ///< values at the edges of the last interval that is over; none yet
+  std::vector<std::uint64_t> before_,
+      row_;  ///< values at the start and end of the last complete interval; empty before the first
   sim::Time begin_ = 0, end_ = 0;
 };
 

@@ -19,7 +19,7 @@
 namespace tools {
 namespace {
 
-/// The files of a frame in a folder, each a job of its own.
+/// The picture files of a frame, each written by a separate job.
 class PictureFiles {
  public:
   PictureFiles(const std::filesystem::path& folder, const FramePictures& of)
@@ -28,7 +28,7 @@ class PictureFiles {
         width_(of.played.inputs.config.render.width),
         height_(of.played.inputs.config.render.height) {}
 
-  /// Files that take longest come first.
+  /// Returns the jobs, the slowest first.
   std::vector<std::function<void()>> jobs() {
     const std::vector<float>& rgb = of_.played.frame.function.rgb;
     if (of_.played.is_first && of_.has_picture && !of_.played.frame.is_part()) exr("image.exr", rgb);

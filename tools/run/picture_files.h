@@ -6,16 +6,16 @@
 
 namespace tools {
 
-/// A finished frame and which of its pictures are written.
+/// A finished frame and the pictures to write.
 struct FramePictures {
   const PlayedFrame& played;
   const kernels::ProgramSpec& program;
-  bool has_picture = true;  ///< false for a sampled frame without tiles that are not timed
-  bool debug = false;       ///< writes debug pictures as well
+  bool has_picture = true;  ///< false if sampling skipped tiles
+  bool debug = false;       ///< also write debug pictures
 };
 
-/// Writes the frame's picture and what it looks like otherwise: its reference, what pixels and tiles took, debug
-/// pictures. Files are compressed side by side on so many threads. IoError if one cannot be written.
+/// Writes the frame's pictures: image, reference, difference, costs of pixels and tiles, debug pictures. Uses up to
+/// `threads` threads. IoError if a file cannot be written.
 void write_pictures(const std::filesystem::path& folder, const FramePictures& of, std::size_t threads);
 
 }  // namespace tools

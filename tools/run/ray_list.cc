@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::uint64_t kRayBytes = 32, kMostRays = 1U << 26;
 
-/// The fault of a ray; empty if there is none.
+/// Returns what is wrong with a ray; empty if nothing.
 std::string_view problem(const traces::Ray& ray) {
   const auto finite = [](const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); };
   if (!finite(ray.origin)) return "origin is not finite";

@@ -29,7 +29,7 @@ namespace {
 
 using sim::Json;
 
-/// `listed`: all rays that there are.
+/// `listed`: number of rays in the file.
 Json totals_of(const hw::RayMachine& machine, std::uint64_t listed, const std::vector<sim::UnitReport>& units,
                const sim::EnergyReport& energy) {
   const std::uint64_t rays = machine.rays();
@@ -80,7 +80,7 @@ std::string table(const Json& report) {
   return out;
 }
 
-/// `played` by now.
+/// Builds the report of the rays that `played` has finished.
 Json report_of(const JobOptions& options, const Inputs& inputs, const RayList& list, const hw::RayMachine& played) {
   const std::vector<sim::UnitReport> units = played.report();
   const sim::EnergyReport energy =
@@ -121,7 +121,7 @@ void run_rays(const JobOptions& options) {
 
   Json json;
   folder.fill([&](const RunFolder::Open& open) {
-    std::optional<HoldInterrupts> hold;  // a part never replaces a former run, so nothing is lost where there is one
+    std::optional<HoldInterrupts> hold;  // a partial result never replaces an earlier one
     if (!folder.holds_former_run()) hold.emplace();
     progress.expect(1);
     progress.begin_part(

@@ -47,7 +47,7 @@ double RenderedFrames::squared_error(const FrameResult& frame, const FrameResult
 
 namespace {
 
-/// Plays the current frame and its reference, and adds them to `out`.
+/// Simulates the current frame and its reference, and adds them to `out`.
 void play_frame(FrameSource& frames, const RunOptions& options, RunResult& out) {
   const Inputs& inputs = frames.inputs();
   const bool may_be_part = options.keep_part && out.frames.empty() && frames.has_whole_frames();

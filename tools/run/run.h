@@ -10,30 +10,30 @@
 
 namespace tools {
 
-/// Where the frames of a run come from: rendered from a scene, read from a trace, or joined from slices. A run asks for
-/// one frame after the other.
+/// Source of the frames of a run: rendered from a scene, read from a trace, or joined from slices. Frames are visited
+/// in order.
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
-  /// Configuration and scene as they are in the current frame.
+  /// Configuration and scene of the current frame.
   virtual const Inputs& inputs() const = 0;
-  /// Frames of the run.
+  /// Number of frames.
   virtual std::uint32_t count() const { return inputs().frames(); }
-  /// True if every frame is played on one machine from its first tile to its last.
+  /// True if each frame is simulated as a whole on one machine.
   virtual bool has_whole_frames() const { return true; }
   virtual bool has_reference() const = 0;
-  /// Plays of each frame's work, all but the first perturbed (docs/noise.md).
+  /// Simulations of each frame; all but the first are perturbed (docs/noise.md).
   virtual std::uint32_t replicates() const { return 1; }
-  /// Plays the current frame, or the reference program's.
+  /// Simulates the current frame, or the reference program on it.
   virtual FrameResult play(const SimulateOptions& extras) = 0;
   virtual FrameResult play_reference(const SimulateOptions& extras) = 0;
-  /// Mean squared difference of the current frame's pictures.
+  /// Returns the mean squared difference of the current frame's pictures.
   virtual double squared_error(const FrameResult& frame, const FrameResult& reference) const = 0;
-  /// Goes to the next frame; false after the last.
+  /// Advances to the next frame; false after the last.
   virtual bool advance() = 0;
 };
 
-/// Frames posed from the scene of `inputs`, which move on with them.
+/// Frames of a scene; advancing updates `inputs`.
 class PosedFrames : public FrameSource {
  public:
   PosedFrames(Inputs& inputs, std::uint32_t threads, Progress* progress)
@@ -47,12 +47,12 @@ class PosedFrames : public FrameSource {
   Progress* const progress_;
 };
 
-/// Frames rendered from the scene. Threads of the host render tiles ahead of the machine that simulates them.
+/// Frames rendered from the scene. Host threads render tiles ahead of the simulated machine.
 class RenderedFrames final : public PosedFrames {
  public:
-  /// InputError if frames of this configuration cannot be cut into the plan's slices.
+  /// InputError if the frames cannot be split into the plan's slices.
   RenderedFrames(Inputs& inputs, const RunPlan& plan, std::uint32_t threads, Progress* progress);
-  /// Slices that run side by side; 1 for a frame that is not cut.
+  /// Number of concurrent slices; 1 for a whole frame.
   std::uint32_t slices() const { return std::max(1U, slices_); }
   bool has_whole_frames() const override;
   bool has_reference() const override { return plan_.whole() != nullptr && plan_.whole()->reference; }
@@ -63,11 +63,11 @@ class RenderedFrames final : public PosedFrames {
 
  private:
   const RunPlan plan_;
-  std::uint32_t slices_ = 0;  ///< of each frame; 0 if the plan has none
+  std::uint32_t slices_ = 0;  ///< per frame; 0 if the plan has none
   kernels::RateMap rates_, reference_rates_;
 };
 
-/// A finished frame, before its figures are added to the run's.
+/// A finished frame, before it is added to the run's result.
 struct PlayedFrame {
   const Inputs& inputs;
   const FrameResult& frame;
@@ -76,25 +76,25 @@ struct PlayedFrame {
   bool is_first = true;
 };
 
-/// How frames are observed and what an interrupt leaves.
+/// Observers of a run, and what an interrupt keeps.
 struct RunOptions {
   Progress* progress = nullptr;
-  bool keep_part = false;  ///< an interrupt leaves the finished tiles of the first frame
-  bool intervals = false;  ///< counters over time are kept
-  bool itemised = false;   ///< costs of each tile and pixel are kept
+  bool keep_part = false;  ///< an interrupt keeps the finished tiles of the first frame
+  bool intervals = false;  ///< record counters over time
+  bool itemised = false;   ///< keep the costs of each tile and pixel
   RunWatcher* live = nullptr;
   TimelineJob* timeline = nullptr;       ///< records the first frame
-  traces::TraceWriter* trace = nullptr;  ///< records the work
+  traces::TraceWriter* trace = nullptr;  ///< receives the work
   std::function<void(const PlayedFrame&)> on_frame = {};
 };
 
-/// Plays all frames of a source on the machine: the frame loop of runs, replays, baselines and sweep points. After an
-/// interrupt the result is partial: it has the finished frames, or with `keep_part` a part of the first. Interrupted if
-/// there is nothing to keep.
+/// Simulates all frames of a source: the frame loop of runs, replays, baselines and sweep points. After an interrupt
+/// the result is partial: the finished frames, or with `keep_part` a part of the first. Interrupted if there is nothing
+/// to keep.
 RunResult run(FrameSource& frames, const RunOptions& options);
 
-/// The report of all frames of `inputs`, without pictures. Uses the program, the reference, the replicates and the
-/// threads of `options`. Interrupted.
+/// Returns the report of all frames of `inputs`, without pictures. Uses the program, reference, replicates and threads
+/// of `options`. Interrupted.
 sim::Json plain_report(Inputs inputs, const JobOptions& options, Progress* progress = nullptr);
 
 }  // namespace tools

@@ -10,7 +10,7 @@
 namespace tools {
 namespace {
 
-/// An option of whole frames alone, and why the other two ways to run a frame refuse it.
+/// An option that needs whole frames, and why sampling and slices refuse it.
 struct OfWholeFrames {
   const char* option;
   bool (*is_given)(const JobOptions& options);

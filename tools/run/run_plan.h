@@ -9,19 +9,19 @@
 
 namespace tools {
 
-/// Every tile of a frame is timed on one machine.
+/// Every tile of a frame is simulated on one machine.
 struct Whole {
-  std::optional<kernels::ProgramSpec> reference;  ///< program of a second run to compare with
-  std::uint32_t replicates = 1;                   ///< plays of each frame's work, all but the first perturbed
+  std::optional<kernels::ProgramSpec> reference;  ///< program of the reference run, if any
+  std::uint32_t replicates = 1;                   ///< simulations of each frame; all but the first are perturbed
   bool debug_images = false;
 };
 
-/// The tiles of a frame are cut into slices that run side by side on machines of their own (docs/slices.md).
+/// The tiles of a frame are split into slices, simulated concurrently on machines of their own (docs/slices.md).
 struct Sliced {
   std::uint32_t slices = 1;  ///< or kAutoSlices
 };
 
-/// What a run simulates and how. A combination that cannot be simulated has no value.
+/// What a run simulates and how. Invalid combinations of options cannot be represented.
 struct RunPlan {
   kernels::ProgramSpec program;
   std::variant<Whole, TileSampling, Sliced> how;
@@ -31,7 +31,7 @@ struct RunPlan {
   const Sliced* sliced() const { return std::get_if<Sliced>(&how); }
 };
 
-/// The plan of the options of `raywatt run`. InputError for options that do not go together.
+/// Returns the plan of the options of `raywatt run`. InputError for options that exclude each other.
 RunPlan make_plan(const JobOptions& options);
 
 }  // namespace tools

@@ -96,7 +96,7 @@ void write_reference(const std::filesystem::path& folder, const Origin& origin, 
   const double load = origin.inputs.load_seconds + origin.inputs.update_seconds;
   const double wall = load + run.wall_seconds + run.replicate_seconds;
   sim::Json json = report_json({origin.inputs, origin.options, {run}, result.reference_frames, result.partial, wall});
-  // A copy of the inputs would have the scene in memory twice.
+  // Changes the JSON because a copy of the inputs would duplicate the scene.
   RunConfig config = origin.inputs.config;
   config.render = reference_render(config.render);
   json["config"] = sim::config_json(config);

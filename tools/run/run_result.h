@@ -11,7 +11,7 @@
 
 namespace tools {
 
-/// The frames of a run added up.
+/// Sums over the frames of a run.
 struct RunResult {
   std::optional<FrameResult> total, reference;
   double squared_error = 0;  ///< sum over frames
@@ -19,27 +19,27 @@ struct RunResult {
   IntervalPacker intervals;
   sim::Json reference_frames = sim::Json::array();
   bool partial = false;
-  std::string lacks;  ///< parts that an interrupt has left out, in words: "its replicates"
-  TileTable tiles;    ///< those of frames that were itemised
+  std::string lacks;  ///< what an interrupt left out: "its replicates"
+  TileTable tiles;    ///< tiles of the itemised frames
 
-  /// Adds a frame, and what it is compared with, if anything: `error` is their pictures' mean squared difference.
+  /// Adds a frame and its reference, if any. `error`: mean squared difference of their pictures.
   void add(std::uint32_t number, FrameResult frame, std::optional<FrameResult> compared, double error,
            const sim::Intervals* over_time = nullptr);
   Result totals() const;
-  /// Sets `partial` and `lacks` by a frame that should have `replicates` plays and may lack its reference.
+  /// Sets `partial` and `lacks` for a frame that should have `replicates` simulations and may lack its reference.
   void set_partial(const FrameResult& frame, std::uint32_t replicates, bool lacks_reference);
-  /// Part that an interrupted run has kept, in words; `all` frames were wanted.
+  /// Describes what an interrupted run of `all` frames has kept.
   std::string kept(std::size_t all) const;
 };
 
-/// Frames that interrupted work must have to take the place of what this report.json or verify.json tells of: no fewer
-/// than unfinished work has, more than finished work. 1 if there is none.
+/// Number of frames that an interrupted run needs to replace the result in this report.json or verify.json: as many as
+/// a partial result has, more than a complete one has. 1 if there is no result.
 std::size_t frames_to_replace(const std::filesystem::path& file);
 
-/// Says on standard error what stands in `warnings` of a report behind the first `told`.
+/// Prints the `warnings` of a report to stderr, without the first `told`.
 void tell_warnings(const sim::Json& report, std::size_t told);
 
-/// Writes report.json, report.txt, config.yaml and, where there are any, intervals and tiles.json into a folder.
+/// Writes report.json, report.txt, config.yaml and, if present, intervals and tiles.json to a folder.
 void write_report(const std::filesystem::path& folder, const sim::Json& json, const RunConfig& config,
                   const RunResult& result);
 
@@ -49,10 +49,10 @@ struct Origin {
   const JobOptions& options;
 };
 
-/// Writes the reference's own report beside that of the run, if there is a reference.
+/// Writes the report of the reference next to that of the run, if there is a reference.
 void write_reference(const std::filesystem::path& folder, const Origin& origin, const RunResult& result);
 
-/// Says where it is, and how the two are compared.
+/// Prints the location of the reference's report and the command that compares both.
 void tell_reference(const std::filesystem::path& folder);
 
 }  // namespace tools

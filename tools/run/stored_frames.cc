@@ -33,7 +33,7 @@ std::vector<traces::KernelId> kernels_of(const traces::Json& names) {
   return ids;
 }
 
-/// Puts the parts of a tree that a machine needs into an image.
+/// Fills an image with the parts of a tree that the machine needs.
 void place_tree(const traces::TileScope& scope, const traces::BvhConfig& config, traces::MemoryImage& image) {
   const bool has_levels = !scope.links.roots.empty();
   if (has_levels && config.instances == traces::InstanceLevels::kFlatten) {
@@ -48,7 +48,7 @@ void place_tree(const traces::TileScope& scope, const traces::BvhConfig& config,
   for (auto root = roots.begin(); root != end && *root != traces::kNone; ++root) {
     image.trees.push_back({.first_node = *root});
   }
-  // The machine asks whether there is a grid, not where it lies.
+  // The machine needs to know that there is a grid, not its position.
   if (config.numbers == traces::BoxNumbers::kHybrid) image.grid.emplace(image.lower, image.upper);
   image.layout = traces::layout_of(scope.counts, image.nodes, config);
 }
@@ -155,7 +155,7 @@ double StoredFrames::estimated_seconds() {
   const double steps = recorded_steps();
   const Plays plays{threads_, replicates_};
   HostRate rate = kUsualRate;
-  // Tiles of other programs wait for each other.
+  // Tiles of other programs depend on each other.
   const bool has_free_tiles = program_.kind == kernels::ProgramSpec::Kind::kFull;
   if (has_free_tiles && may_be_long(steps, plays)) {
     const Part& first = part(false);
@@ -163,7 +163,7 @@ double StoredFrames::estimated_seconds() {
     ReplayProgram frame(trace_, first, scope_, kernels_);
     try {
       rate = measured_rate(inputs_, frame, NoTracer());
-    } catch (const sim::Deadlock&) {  // the replay itself reports it
+    } catch (const sim::Deadlock&) {  // the replay itself reports the error
     }
   }
   return inputs_.load_seconds + frame_seconds(steps, rate, plays);

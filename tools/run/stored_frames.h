@@ -10,17 +10,17 @@
 
 namespace tools {
 
-/// Frames whose work a trace holds. Only the machine is simulated; there are no pictures.
+/// Frames read from a trace. Only the machine is simulated; there are no pictures.
 class StoredFrames final : public FrameSource {
  public:
-  /// InputError if the trace cannot be read, or does not hold what the configuration asks for.
+  /// InputError if the trace cannot be read or does not fit the configuration.
   StoredFrames(const std::filesystem::path& file, const JobOptions& options);
-  /// The same for an effective configuration, each frame played `replicates` times.
+  /// The same for an effective configuration, with `replicates` simulations of each frame.
   StoredFrames(const std::filesystem::path& file, const RunConfig& config, std::uint32_t threads,
                std::uint32_t replicates);
 
   std::uint32_t count() const override { return static_cast<std::uint32_t>(trace_.frames().size()); }
-  /// Returns the seconds that all frames take on this host: at the rate of a few tiles where it may take minutes.
+  /// Estimates the host seconds of all frames. Simulates a few tiles first if it may take minutes.
   double estimated_seconds();
 
   const Inputs& inputs() const override { return inputs_; }
@@ -37,7 +37,7 @@ class StoredFrames final : public FrameSource {
   StoredFrames(const std::filesystem::path& file,
                const std::function<RunConfig(const traces::Json& header, const std::string& name)>& config,
                std::uint32_t threads, std::uint32_t replicates);
-  /// Traversal steps of all frames and their references, as the trace records them.
+  /// Traversal steps of all frames and references, as recorded.
   double recorded_steps() const;
   void read_frame(std::size_t index);
   const traces::TraceReader::Part& part(bool reference) const;
@@ -50,10 +50,10 @@ class StoredFrames final : public FrameSource {
   kernels::ProgramSpec program_;
   std::optional<kernels::ProgramSpec> reference_;
   const std::uint32_t threads_, replicates_;
-  std::size_t index_ = 0;                  ///< of the current frame in the trace
+  std::size_t index_ = 0;                  ///< index of the current frame in the trace
   double squared_error_ = 0;               ///< of the current frame
-  std::vector<traces::KernelId> kernels_;  ///< this program's, by number in the trace
-  std::optional<std::size_t> tree_;        ///< the one that is loaded
+  std::vector<traces::KernelId> kernels_;  ///< kernels of this build, by number in the trace
+  std::optional<std::size_t> tree_;        ///< the loaded tree
   traces::TileScope scope_;
 };
 

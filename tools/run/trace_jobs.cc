@@ -25,7 +25,7 @@
 namespace tools {
 namespace {
 
-/// A frame program and what it carries from frame to frame, without a machine.
+/// A frame program with its tile rates, executed without a machine.
 struct Recorder {
   kernels::ProgramSpec spec;
   kernels::RateMap rates;
@@ -39,7 +39,7 @@ struct Recorder {
   }
 };
 
-/// A trace says of whole frames only what was sampled, and how many rays went on.
+/// Removes sampling from the report of a partial frame: a trace has it only for whole frames.
 void leave_out_sampling(sim::Json& report) {
   for (sim::Json* figures : {&report["totals"], &report["frames"].front()}) {
     figures->erase("traced_ratio");
@@ -70,7 +70,7 @@ void record_trace(const JobOptions& options, const std::filesystem::path& file) 
   if (compared) reference = Recorder{*compared, rates};
 
   auto opened = std::make_unique<traces::TraceWriter>(file, trace_header(inputs, options));
-  const HoldInterrupts hold;  // from the first tile on; what is half written is removed before it is let go
+  const HoldInterrupts hold;  // from the first tile; a half-written file is removed before the hold ends
   const std::unique_ptr<traces::TraceWriter> trace = std::move(opened);
   for_each_frame(inputs, options.threads, &progress, [&] {
     const std::vector<float> picture = program.record(inputs, options.threads, progress, *trace, false);
@@ -88,7 +88,7 @@ void record_trace(const JobOptions& options, const std::filesystem::path& file) 
 void replay_trace(const JobOptions& options, const std::filesystem::path& file) {
   const auto begin = sim::HostClock::now();
   RunFolder folder(options.out, options.force, kResultsOfReplay);
-  std::optional<HoldInterrupts> hold;  // ends the process after the progress has told its last
+  std::optional<HoldInterrupts> hold;  // its destructor ends the process after the last progress line
   Progress progress(options.progress, options.quiet);
   TimelineJob timeline(options.timeline);
   if (timeline.selection() && timeline.selection()->needs_places()) {
@@ -115,7 +115,7 @@ void replay_trace(const JobOptions& options, const std::filesystem::path& file) 
     timeline.write(open(), json);
     write_report(open(), json, frames.inputs().config, result);
     write_reference(open(), {frames.inputs(), options}, result);
-    tell_warnings(json, frames.inputs().warnings.size());  // before an interrupt ends the run, which throws
+    tell_warnings(json, frames.inputs().warnings.size());  // before a pending interrupt ends the process
     return result.kept(frames.count());
   });
   hold.reset();

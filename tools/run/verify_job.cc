@@ -38,7 +38,7 @@ std::string counts_text(const traces::VerifyCounts& counts) {
                      counts.distance_errors, counts.edge_ties);
 }
 
-/// How a frame, or all of them, compares with Embree.
+/// Comparison of one or all frames with Embree.
 struct Verdict {
   traces::VerifyCounts counts;
   double squared_error = 0;
@@ -52,7 +52,7 @@ struct Verdict {
   }
 };
 
-/// Compares the frame that `inputs` stand at; writes both pictures if `open` is given.
+/// Compares the current frame; writes both pictures if `open` is given.
 Verdict verify_frame(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
                      Progress& progress, const RunFolder::Open* open) {
   const traces::BvhTracer tested(inputs.image);
@@ -71,9 +71,9 @@ Verdict verify_frame(const Inputs& inputs, const kernels::ProgramSpec& program, 
   return {verifying.counts(), mean_squared_error(ours, truth)};
 }
 
-/// Frame after frame; how all of them compare so far, after each.
+/// Verifies frames one after the other and sums their results.
 struct Verification {
-  Verdict total;  ///< its squared error is a sum
+  Verdict total;  ///< squared_error is a sum
   sim::Json frames = sim::Json::array();
 
   Verdict mean() const { return {total.counts, total.squared_error / static_cast<double>(frames.size())}; }
@@ -86,7 +86,7 @@ struct Verification {
     total.squared_error += verdict.squared_error;
   }
 
-  /// All frames, or those that an interrupt has left time for; Interrupted if that is none.
+  /// Verifies all frames, or those before an interrupt; Interrupted if there are none.
   void run(Inputs& inputs, const JobOptions& options, Progress& progress, const RunFolder::Open& open) {
     const kernels::ProgramSpec program = kernels::parse_program(options.program);
     try {
@@ -100,7 +100,7 @@ struct Verification {
   }
 };
 
-/// Seconds of the host that this may take.
+/// Estimates the host seconds.
 double seconds_of(const Inputs& inputs, const JobOptions& options) {
   constexpr double kTimes = 2;  // chosen: rays are traced three times, and shaded once
   const kernels::ProgramSpec spec = kernels::parse_program(options.program);

@@ -17,14 +17,14 @@ namespace tools {
 namespace {
 
 constexpr const char* kCurve = "read";
-/// Part of a cycle by which a time may pass a clock edge and still be taken before it: rounding alone.
+/// Tolerance for rounding: a latency that exceeds a whole number of cycles by less is not rounded up.
 constexpr double kCycleRounding = 1e-9;
 
 struct Cache {
   std::string path;
   hw::CacheConfig& cache;
   std::uint64_t hz;
-  std::uint32_t around;  ///< cycles beside the array
+  std::uint32_t around;  ///< cycles of a hit in addition to the array's
 };
 
 std::array<Cache, 3> caches_of(RunConfig& config) {
@@ -44,7 +44,7 @@ const sim::EnergyCurve& curve_of(const sim::EnergyTable& table, const std::strin
   return table.curve(kCurve);
 }
 
-/// A figure that no cache reads is a misspelling.
+/// An entry that no cache reads is a misspelling.
 void check_names(const sim::EnergyTable& table) {
   for (const std::string& name : table.names()) {
     if (name == kCurve) continue;
@@ -64,7 +64,7 @@ void set_hit_cycles(RunConfig& config) {
   for (const Cache& c : caches_of(config)) {
     if (!c.cache.hit_cycles.is_auto) continue;
     const sim::EnergyCurve& curve = curve_of(table, c.path);
-    if (c.cache.size.bytes == 0) continue;  // refused with the other limits
+    if (c.cache.size.bytes == 0) continue;  // check_tree() refuses it
     const double ns = curve.at(c.cache.size.bytes).at(&sim::Band::nominal);
     const double cycles = std::ceil(ns * static_cast<double>(c.hz) / kHzPerNanosecond - kCycleRounding);
     c.cache.hit_cycles.value = std::max(1U, c.around + static_cast<std::uint32_t>(cycles));

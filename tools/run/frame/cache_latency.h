@@ -11,7 +11,7 @@ namespace tools {
 
 struct RunConfig;
 
-/// Time of a hit over the size of a cache: one file of configs/latency.
+/// Hit latency over the size of a cache: one file of configs/latency.
 struct LatencyConfig {
   std::string process = "unnamed";
   std::map<std::string, sim::Band> arrays;
@@ -28,11 +28,10 @@ struct LatencyConfig {
   }
 };
 
-/// Gives caches whose hit_cycles are auto the cycles that their size and their clock ask for. InputError without a
-/// curve.
+/// Sets the hit latency of caches with hit_cycles `auto` from size and clock. InputError without a curve.
 void set_hit_cycles(RunConfig& config);
 
-/// A line for each cache whose hit_cycles are auto and whose size lies outside the curve.
+/// Returns a warning for each cache with hit_cycles `auto` and a size outside the curve.
 std::vector<std::string> latency_warnings(const RunConfig& config);
 
 }  // namespace tools

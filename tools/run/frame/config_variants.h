@@ -9,19 +9,19 @@
 
 namespace tools {
 
-/// Applies the other options to such a base, many times: each costs what it changes.
+/// Applies options to a base configuration repeatedly; the cost is proportional to the changes.
 class ConfigVariants {
  public:
-  /// `origin` is where the base comes from.
+  /// `origin`: name of the base in errors.
   ConfigVariants(RunConfig base, std::string origin);
   ConfigVariants(const ConfigVariants&) = delete;
   ConfigVariants& operator=(const ConfigVariants&) = delete;
 
-  /// Returns the base with the options applied and checked, valid until the next call. InputError.
+  /// Returns the base with the options applied and checked; valid until the next call. InputError.
   const RunConfig& apply(const JobOptions& options);
-  /// Result of the last call.
+  /// The configuration of the last call.
   const RunConfig& config() const { return config_; }
-  /// Returns its sim::config_hash().
+  /// Returns sim::config_hash() of that configuration.
   std::string hash(std::optional<sim::Affects> only) const { return variant_.hash(only); }
 
  private:

@@ -11,7 +11,7 @@
 namespace tools {
 namespace {
 
-/// Visits the arrays of a tile, whose lengths differ from tile to tile.
+/// Calls f for each array of a tile whose length varies.
 void each_array(auto& tile, auto&& f) {
   auto& work = tile.work;
   f(work.nodes), f(work.walk), f(work.ray_begin), f(work.accesses), f(work.access_begin), f(work.sources);
@@ -37,7 +37,7 @@ FrontEnd::FrontEnd(kernels::FrameProgram& program, const traces::Tracer& tracer,
   try {
     while (threads_.size() < workers) threads_.emplace_back([this] { run_ahead(); });
   } catch (const std::exception&) {
-    // Those threads that the host did give make all tiles; without any, next() does.
+    // The threads that did start execute all tiles; without any, next() does.
   }
 }
 
@@ -123,7 +123,7 @@ const traces::TileWork* FrontEnd::take() {
     ahead_.push_back(take_slot());
     make(*ahead_.back(), tile_index(next_tile_++), buffer_);
   } else {
-    // Tiles fail in their order, whichever thread is the first to see it.
+    // Failures are reported in tile order, whichever thread fails first.
     news_.wait(lock, [&] { return ahead_.empty() ? failure_ != nullptr : ahead_.front()->ready; });
     if (ahead_.empty()) std::rethrow_exception(failure_);
     if (ahead_.front()->failure) std::rethrow_exception(ahead_.front()->failure);

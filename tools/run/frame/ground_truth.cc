@@ -23,11 +23,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Frame numbers seed the samples; no frame of a workload has this one.
+/// Frame numbers seed the samples; no frame has this number.
 constexpr std::uint32_t kOtherSeed = 0x80000000U;
 constexpr std::uint64_t kDigestBytes = 4096;
 
-/// Gives a value back when it goes.
+/// Restores a value in the destructor.
 template <class T>
 class Restored {
  public:

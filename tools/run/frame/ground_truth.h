@@ -7,17 +7,16 @@
 
 namespace tools {
 
-/// The picture that others are measured by: many jittered samples per pixel, traced by Embree, with another seed than
-/// any frame program's. Linear RGB, row by row.
+/// Returns the ground truth picture: many jittered samples per pixel, traced by Embree, with a seed that no frame
+/// program uses. Linear RGB by rows.
 ///
-/// It is kept as EXR in `cache` under a name made from all it depends on: scene, camera, frame, the configuration's
-/// groups `scene` and `render`, samples, model id. A digest beside it says that the file is what was written: anything
-/// else is not used but written anew. What cannot be kept is rendered each time. `inputs` are as before when it
-/// returns. Interrupted if an interrupt waits.
+/// The picture is cached as EXR in `cache`. Its file name is a hash of scene, camera, frame, the groups `scene` and
+/// `render`, samples and model id. A digest file validates it; a picture without a valid digest is rendered again.
+/// `inputs` are unchanged on return. Interrupted if an interrupt is pending.
 std::vector<float> ground_truth(Inputs& inputs, std::uint32_t samples, std::uint32_t threads,
                                 const std::filesystem::path& cache, Progress* progress = nullptr);
 
-/// $XDG_CACHE_HOME/raywatt, else ~/.cache/raywatt; empty if there is neither.
+/// Returns $XDG_CACHE_HOME/raywatt, else ~/.cache/raywatt, else an empty path.
 std::filesystem::path cache_folder();
 
 }  // namespace tools

@@ -15,14 +15,14 @@
 namespace tools {
 namespace {
 
-constexpr double kLong = 60;                       // seconds that are worth a hint
-constexpr std::uint32_t kAcross = 24, kDown = 12;  // pixels of the thin picture
-constexpr std::uint32_t kOneOf = 3;                // columns and rows of a small picture: cheap beside its run
+constexpr double kLong = 60;                       // seconds from which a hint is printed
+constexpr std::uint32_t kAcross = 24, kDown = 12;  // largest size of the test picture in pixels
+constexpr std::uint32_t kOneOf = 3;                // test picture of a small frame: a third of its columns and rows
 constexpr double kSlowestStep = 4e-6;              // seconds; chosen: hairball at 96x64 takes 3.5 us
-constexpr std::uint32_t kFewestTiles = 16, kMostTiles = 32;  // tiles played to measure the rate
-constexpr std::uint32_t kOneTileOf = 50;                     // tiles per tile played: 2 % of a large frame
+constexpr std::uint32_t kFewestTiles = 16, kMostTiles = 32;  // tiles simulated to measure the rate
+constexpr std::uint32_t kOneTileOf = 50;                     // one tile in 50 is simulated: 2 % of a large frame
 
-/// Passes tiles on; counts their steps and the time it takes to make them.
+/// Passes tiles on; counts their steps and measures the time to execute them.
 class MeasuredTiles final : public hw::TileSource {
  public:
   explicit MeasuredTiles(FrontEnd& source) : source_(source) {}
@@ -44,7 +44,7 @@ class MeasuredTiles final : public hw::TileSource {
   std::uint64_t steps_ = 0;
 };
 
-/// The middles of `count` equal parts of a list.
+/// Returns the middles of `count` equal parts of a list of `all` entries.
 std::vector<std::uint32_t> spread_over(std::uint32_t all, std::uint32_t count) {
   std::vector<std::uint32_t> indices;
   for (std::uint64_t k = 0; k < count; ++k) {
@@ -99,7 +99,7 @@ double frame_seconds(double steps, const HostRate& rate, const Plays& plays) {
   const std::uint32_t threads = host_threads(plays.threads);
   const double functional = steps * rate.functional, machine = steps * rate.machine;
   const double play = machine / std::min(threads, std::max(plays.slices, 1U));
-  // One thread plays the machine, the others run ahead of it.
+  // One thread simulates the machine, the others run ahead of it.
   const double first = threads == 1 ? functional + play : std::max(functional / (threads - 1), play);
   const std::uint32_t others = std::max(plays.replicates, 1U) - 1;
   return first + (others + threads - 1) / threads * machine;
@@ -111,7 +111,7 @@ double estimated_seconds(const Inputs& inputs, const kernels::ProgramSpec& spec,
   if (may_be_long(steps * inputs.frames(), plays)) {
     try {
       rate = measured_rate(inputs, spec);
-    } catch (const sim::Deadlock&) {  // the run itself reports it
+    } catch (const sim::Deadlock&) {  // the run itself reports the error
     }
   }
   return frame_seconds(steps, rate, plays);
@@ -124,7 +124,7 @@ double estimated_functional_seconds(const Inputs& inputs, const kernels::Program
   if (may_be_long(steps * inputs.frames(), {})) {
     try {
       rate = measured_rate(inputs, spec).functional;
-    } catch (const sim::Deadlock&) {  // it has no machine to be stuck
+    } catch (const sim::Deadlock&) {  // this work has no machine
     }
   }
   return times * steps * rate / host_threads(threads);

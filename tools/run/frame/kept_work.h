@@ -12,17 +12,16 @@
 
 namespace tools {
 
-/// The work of a frame in memory, as a trace would have it, for machines that play it again: some hundred bytes a
-/// sample.
+/// The recorded work of a frame in memory, encoded as in a trace file: some hundred bytes per sample.
 class KeptWork {
  public:
-  /// InputError from add() beyond `most_bytes`, which names who wants it: an option or a verb.
+  /// add() throws InputError above `most_bytes`; `kept_for`: the option or verb that the error names.
   KeptWork(traces::TileScope scope, std::uint64_t most_bytes, std::string kept_for)
       : scope_(std::move(scope)), most_bytes_(most_bytes), kept_for_(std::move(kept_for)) {}
 
   void add(const traces::TileWork& work);
   std::uint32_t tiles() const { return static_cast<std::uint32_t>(tiles_.size()); }
-  /// Reads a tile back; threads may, each with a decoder of its own.
+  /// Decodes a tile. Thread-safe with one decoder per thread.
   void read(std::uint32_t tile_index, traces::TileDecoder& decoder, traces::TileWork& out) const;
 
  private:
@@ -35,11 +34,11 @@ class KeptWork {
   std::vector<std::string> tiles_;
 };
 
-/// Kept work in place of a frame program: tiles are decoded, not rendered, for a front end without workers. Interrupted
-/// after an interrupt by the user.
+/// Frame program that decodes tiles from memory instead of rendering them, for a front end without workers. Throws
+/// Interrupted.
 class KeptProgram final : public kernels::FrameProgram {
  public:
-  /// `on_tile` is called for each tile that has been decoded.
+  /// `on_tile` is called after each tile.
   KeptProgram(const KeptWork& work, const kernels::FrameRequirements& requirements, std::function<void()> on_tile)
       : FrameProgram(0, 0), work_(work), requirements_(requirements), on_tile_(std::move(on_tile)) {}
 
@@ -56,7 +55,7 @@ class KeptProgram final : public kernels::FrameProgram {
   mutable traces::TileDecoder decoder_;
 };
 
-/// The tracer of work that is not rendered.
+/// Tracer for work that is not rendered.
 class NoTracer final : public traces::Tracer {
  public:
   void trace(std::span<const traces::Ray> /*rays*/, traces::RayKind /*kind*/, std::span<traces::Hit> /*hits*/,

@@ -22,7 +22,7 @@
 namespace tools {
 namespace {
 
-/// Keys of a workload file: all that describes the work, nothing of the machine.
+/// Keys of a workload file: the work, without the machine.
 constexpr std::array<std::string_view, 3> kWorkloadKeys = {"scene", "render", "bvh"};
 
 void apply_workload(sim::ConfigLoader& loader, RunConfig& config, const std::filesystem::path& file) {
@@ -46,7 +46,7 @@ void check_energy_figures(const RunConfig& config, const std::string& origin) {
                   origin));
 }
 
-/// The nearest of scenes and workloads, where traces/, which knows no workloads, could name scenes alone.
+/// Throws InputError with the nearest scene or workload; traces/ does not have the list of workloads.
 void check_scene_name(const std::string& name) {
   if (traces::is_scene_file(name) || !traces::scene_file(name).empty()) return;
   std::vector<std::string> names = workload_names();
@@ -88,7 +88,7 @@ void load_base(sim::ConfigLoader& loader, RunConfig& config, const std::string& 
   }
 }
 
-/// `origin` is where the configuration comes from.
+/// Applies options and checks the result. `origin`: name of the configuration in errors.
 void apply_rest(sim::ConfigLoader& loader, const sim::ConfigNode& tree, RunConfig& config, const JobOptions& options,
                 const std::string& origin) {
   for (const std::string& argument : options.sets) loader.apply_set(argument);
@@ -114,7 +114,7 @@ void apply_rest(sim::ConfigLoader& loader, const sim::ConfigNode& tree, RunConfi
   check_power(config);
 }
 
-/// Keys, by the beginning of their names, that do nothing while another has a value.
+/// Keys, by prefix, that have no effect for some values of other keys.
 struct Idle {
   std::string_view keys;
   bool (*is_idle)(const RunConfig& config);
@@ -140,7 +140,7 @@ constexpr std::array kIdle = {
     Idle{"scene.orbit", [](const RunConfig& c) { return c.scene.camera_path == traces::CameraPath::kScene; },
          "without scene.camera_path=orbit"}};
 
-/// Is it the name of a grade of the memory that has figures of its own?
+/// Warns if dram.grade is set to the name of a grade that has a configuration file.
 void tell_grade(const std::string& set, std::vector<std::string>& out) {
   if (!set.starts_with("dram.grade=")) return;
   std::string grade = set.substr(set.find('=') + 1);

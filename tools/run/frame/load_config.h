@@ -18,7 +18,7 @@
 
 namespace tools {
 
-/// Everything a run depends on but the frame program: one YAML file. The machine's keys stand at the top level.
+/// Everything that a run depends on, except the frame program: one YAML file. The machine's keys are at the top level.
 struct RunConfig {
   MachineConfig gpu;
   kernels::RenderConfig render;
@@ -35,26 +35,26 @@ struct RunConfig {
   void check(auto&& complain) const;
 };
 
-/// The configuration that a run works with: the file, then the workload if --scene names one, then --set, then --scene,
-/// --camera, --frames and --resolution. InputError.
+/// Loads the configuration of a run: the file, the workload if --scene names one, then --set, --scene, --camera,
+/// --frames and --resolution. InputError.
 RunConfig load_run_config(const JobOptions& options);
 
-/// A line for each setting of the command line that does not do what it seems to.
+/// Returns a warning for each setting of the command line that has no effect.
 std::vector<std::string> idle_settings(const JobOptions& options, const RunConfig& config);
 
-/// InputError for a name that no scene or workload has and that is no file's.
+/// Throws InputError if the name is not a scene, a workload or a file.
 void check_scene(const std::string& name);
 
-// Its first step; config_variants.h has the others.
-/// The file, then the workload, if `scene` names one. Not checked yet.
+// First step of load_run_config(); ConfigVariants performs the others.
+/// Loads the file, then the workload if `scene` names one. The result is not checked.
 RunConfig load_base_config(const std::string& config, const std::string& scene);
 
-// Its last steps, for configurations that come from elsewhere.
+// Last steps of load_run_config(), for configurations from other sources.
 void apply_ideal(RunConfig& config, const std::vector<std::string>& resources);
-/// Checks limits, rules, and that there are energy figures; `origin` is where the configuration comes from.
+/// Checks limits and rules, and that there are energy values. `origin`: name of the configuration in errors.
 void check_run_config(RunConfig& config, const std::string& origin);
 
 }  // namespace tools
 
-/// Compiled once, in load_config.cc: the machine has many keys.
+/// Instantiated only in load_config.cc because the machine has many keys.
 extern template sim::ConfigNode sim::config_tree(tools::RunConfig& config);

@@ -7,7 +7,7 @@ struct GpuConfig;
 
 namespace tools {
 
-/// A machine's configuration on the heap, so that headers that hold one do not include the machine's.
+/// A machine's configuration on the heap, so that headers need only the declaration of hw::GpuConfig.
 class MachineConfig {
  public:
   MachineConfig();

@@ -14,31 +14,30 @@ class NoTiles final : public hw::TileSource {
   void give_back(const traces::TileWork* /*work*/) override {}
 };
 
-/// The machine that `inputs` name, before its first cycle.
+/// Builds the machine of `inputs`.
 std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const kernels::FrameRequirements& requirements,
                                   hw::TileSource& tiles, const hw::Perturbation& perturbation = {},
                                   hw::Observer* observer = nullptr);
-/// The machine of another configuration, for the work of `inputs`. `scheduled`: kernels of a machine with the same
-/// shader cores, if there is one.
+/// Builds a machine of another configuration for the work of `inputs`. `scheduled`: kernel schedules of a machine with
+/// the same shader cores, if any.
 std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const RunConfig& config,
                                   const kernels::FrameRequirements& requirements, hw::TileSource& tiles,
                                   const hw::Perturbation& perturbation = {}, hw::Observer* observer = nullptr,
                                   std::shared_ptr<const hw::ScheduledKernels> scheduled = nullptr);
 
-/// InputError for a figure of energy or area that its units call for and the configuration lacks, or the other way
-/// round.
+/// Throws InputError if the machine's units and the tables of energy and area do not match.
 void check_figures(const hw::Gpu& gpu, const RunConfig& config);
 
-/// Plays all tiles, or until the machine is stopped. sim::Deadlock if the machine is stuck.
+/// Runs the machine until all tiles are done or it is stopped. sim::Deadlock if the machine is stuck.
 void run_to_end(hw::Gpu& gpu);
 
-/// Energy of what it has done so far.
+/// Returns the energy of the machine so far.
 sim::EnergyReport energy_of(const hw::Gpu& gpu, const RunConfig& config);
 
-/// Energy of what the units of a machine have counted in so much time.
+/// Returns the energy of the units' counts over `elapsed`.
 sim::EnergyReport energy_of(std::span<const sim::UnitReport> units, sim::Time elapsed, const RunConfig& config);
 
-/// Has a result say what a machine that has finished did.
+/// Copies the results of a finished machine into `s`.
 void take(const hw::Gpu& gpu, const RunConfig& config, FrameResult& s);
 
 }  // namespace tools

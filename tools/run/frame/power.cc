@@ -28,7 +28,7 @@ const sim::VoltageCurve& curve_of(const Curves& curves, const ClockDomain& domai
 
 std::string clock_text(std::uint64_t hz) { return sim::quantity_text(hz, sim::frequency_units()); }
 
-/// Share of the nominal voltage below which two are taken for equal: rounding alone.
+/// Relative difference below which voltages are equal: rounding.
 constexpr double kVoltRounding = 1e-9;
 
 }  // namespace

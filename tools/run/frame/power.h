@@ -13,24 +13,24 @@ struct ClockConfig;
 
 namespace tools {
 
-/// A clock domain of the chip. Each has a supply of its own; the memory and its interface have theirs.
+/// A clock domain of the chip with its own supply. The memory and its interface have other supplies.
 struct ClockDomain {
   std::string_view name;
   sim::Frequency hw::ClockConfig::*clock;
-  std::vector<std::string> blocks;  ///< blocks of the energy report that run on it
+  std::vector<std::string> blocks;  ///< blocks of the energy report in this domain
 };
 const std::array<ClockDomain, 3>& clock_domains();
 
-/// Voltage that a domain needs for its clock by power.dvfs. InputError if that says nothing of the domain.
+/// Returns the voltage that a domain needs for its clock by power.dvfs. InputError without a curve.
 double voltage_needed(const RunConfig& config, const ClockDomain& domain);
 
-/// Factors of each block's energies under the configuration's voltage and temperature.
+/// Returns the energy scale factors of each block at the configured voltage and temperature.
 sim::PowerScales power_scales(const RunConfig& config);
 
-/// A line for each clock whose energies are told at a voltage that it does not have, or that lies outside its curve.
+/// Returns a warning for each clock that needs another voltage than its energies use, or that is outside its curve.
 std::vector<std::string> power_warnings(const RunConfig& config);
 
-/// Throws InputError for curves that are none, or of domains that there are not, or that are asked for and missing.
+/// Throws InputError for invalid curves, curves of unknown domains, and missing curves.
 void check_power(const RunConfig& config);
 
 }  // namespace tools

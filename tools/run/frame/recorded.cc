@@ -21,14 +21,14 @@ namespace {
 
 using traces::Json;
 
-/// Values of all keys, as --set takes them.
+/// Returns all fields by key.
 std::map<std::string, sim::FieldInfo> fields(const RunConfig& config) {
   std::map<std::string, sim::FieldInfo> all;
   for (sim::FieldInfo& field : sim::list_fields(config)) all.emplace(field.path, std::move(field));
   return all;
 }
 
-/// Words of the command line on the work beside the configuration: with --scene, --camera, --frames, --resolution.
+/// Returns the keys that command-line options other than --set changed: --scene, --camera, --frames, --resolution.
 Json given(const RunConfig& effective, const JobOptions& options) {
   JobOptions plain;
   plain.config = options.config;
@@ -42,8 +42,8 @@ Json given(const RunConfig& effective, const JobOptions& options) {
   return out;
 }
 
-/// Keys that affect `function` change the work, but for those that nothing in it reads: of loading a scene, and of
-/// frame programs that are neither the one nor the other.
+/// True if a key that affects `function` changes this work. Limits of loading do not, and keys of unused frame programs
+/// do not.
 bool changes_work(std::string_view key, std::string_view program, std::string_view reference) {
   const std::string_view group = key.substr(0, key.find('.'));
   if (group == "limits") return false;
@@ -67,7 +67,7 @@ bool is_list_of_texts(const Json& json) { return json.is_array() && std::ranges:
 bool is_object_of_texts(const Json& json) { return json.is_object() && std::ranges::all_of(json, is_text); }
 bool is_pair(const Json& json) { return json.is_array() && json.size() == 2 && std::ranges::all_of(json, is_count); }
 
-/// A key that a header must have.
+/// A required key of a header.
 struct HeaderKey {
   const char* pointer;  ///< JSON pointer
   bool (*fits)(const Json&);
@@ -89,7 +89,7 @@ constexpr std::array<HeaderKey, 13> kHeaderKeys = {{
     {"/config", is_text, "YAML as text, \"\" if there is none"},
 }};
 
-/// A file's picture is as large as its configuration says.
+/// Throws InputError if the resolutions of trace and configuration differ.
 void check_resolution(const Json& header, const std::string& file, const RunConfig& config) {
   const auto sides = header.at("resolution").get<std::vector<std::uint64_t>>();
   if (sides[0] == config.render.width && sides[1] == config.render.height) return;
@@ -99,7 +99,7 @@ void check_resolution(const Json& header, const std::string& file, const RunConf
                   file, sides[0], sides[1], config.render.width, config.render.height));
 }
 
-// Keys that are left out are 0.
+// Reads a count; absent keys are 0.
 template <class Number>
 void read(const Json& json, const char* key, Number& number) {
   if (!json.contains(key)) return;
@@ -114,7 +114,7 @@ void read_all(const Json& json, const char* key, Array& numbers) {
   }
 }
 
-/// Counts of checks in the order of files, or from that order.
+/// Converts counts by check to the order in files, or from it.
 template <class Counts>
 Counts reordered(const Counts& counts, bool is_from_file) {
   using enum kernels::Check;
@@ -129,7 +129,8 @@ Counts reordered(const Counts& counts, bool is_from_file) {
   return out;
 }
 
-/// Another build may not have had all keys that change the work here: what it did then is what the default does.
+/// Throws InputError if a key that the recording build lacked differs from its default, which describes the recorded
+/// work.
 void check_not_recorded(const Json& header, const std::string& file,
                         const std::map<std::string, sim::FieldInfo>& asked) {
   const sim::JsonPointer id("/made_by/model_id");

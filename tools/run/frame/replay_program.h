@@ -10,10 +10,10 @@
 
 namespace tools {
 
-/// A part of a trace instead of a frame program: its tiles are read, not rendered, so there is no picture.
+/// Frame program that reads tiles from a trace file instead of rendering them, so there is no picture.
 class ReplayProgram final : public kernels::FrameProgram {
  public:
-  /// `kernels`: this program's, by their number in the trace. All arguments must outlive it.
+  /// `kernels`: kernels of this build by their number in the trace. All arguments must outlive the object.
   ReplayProgram(const traces::TraceReader& trace, const traces::TraceReader::Part& part, const traces::TileScope& scope,
                 std::span<const traces::KernelId> kernels);
 
@@ -37,12 +37,12 @@ class ReplayProgram final : public kernels::FrameProgram {
   kernels::Sampling sampling_;
   std::uint32_t kept_ = 0;
   std::uint64_t rays_ = 0;
-  std::vector<bool> seen_;  ///< by number of tile
+  std::vector<bool> seen_;  ///< by tile number
   mutable std::mutex mutex_;
-  mutable std::vector<std::unique_ptr<Cursor>> cursors_;  ///< that nobody uses
+  mutable std::vector<std::unique_ptr<Cursor>> cursors_;  ///< free cursors
 };
 
-/// Bounds of what a trace's work may refer to; null for a program that is no trace.
+/// Bounds of what the work of a trace may refer to; null for other programs.
 const traces::TileScope* scope_of(const kernels::FrameProgram& program);
 
 }  // namespace tools

@@ -9,7 +9,7 @@
 namespace tools {
 namespace {
 
-/// KeptWorkPlayer of kept work, as many at once as there are threads.
+/// Simulates recorded work on several machines concurrently.
 class KeptWorkPlayer {
  public:
   KeptWorkPlayer(const Inputs& inputs, const kernels::FrameRequirements& requirements, const KeptWork& work,
@@ -61,7 +61,9 @@ class KeptWorkPlayer {
   Progress* const progress_;
   std::vector<FrameResult> all_;
   std::mutex mutex_;
-  std::uint32_t tiles_done_ = 0, parts_done_ = 0;  ///< finished; parts, each of as many tiles as the frame has
+  std::uint32_t tiles_done_ = 0,
+                parts_done_ =
+                    0;  ///< finished tiles of the current part, finished parts; a part has as many tiles as the frame
 };
 
 }  // namespace

@@ -27,7 +27,7 @@
 namespace tools {
 namespace {
 
-/// An empty record of the frame's work. `kept_for` names who wants it in errors.
+/// Returns empty memory for the frame's work. `kept_for`: option or verb in errors.
 KeptWork work_to_keep(const Inputs& inputs, const kernels::FrameRequirements& requirements,
                       const kernels::FrameProgram& frame, const char* kept_for) {
   traces::TileScope scope{traces::links_of(inputs.image), traces::counts_of(inputs.image), 0, requirements.region_bytes,
@@ -38,19 +38,19 @@ KeptWork work_to_keep(const Inputs& inputs, const kernels::FrameRequirements& re
   return {std::move(scope), inputs.config.limits.memory.bytes, kept_for};
 }
 
-/// Begins the part of the trace that the frame's work goes to, if there is a trace.
+/// Begins a part of the trace, if there is a trace.
 void begin_part(const Inputs& inputs, const kernels::FrameRequirements& requirements, const SimulateOptions& extras) {
   if (extras.trace == nullptr) return;
   extras.trace->begin_part({inputs.frame, extras.reference}, traces::links_of(inputs.image),
                            traces::counts_of(inputs.image), requirements);
 }
 
-/// The picture to render.
+/// Returns the render settings of the frame.
 kernels::RenderConfig render_of(const Inputs& inputs, bool is_reference) {
   return is_reference ? reference_render(inputs.config.render) : inputs.config.render;
 }
 
-/// A frame program for the frame that `inputs` stand at.
+/// The frame program of the current frame, with its initial tile rates.
 struct Program {
   Program(const Inputs& inputs, const kernels::ProgramSpec& spec, const SimulateOptions& extras)
       : first(inputs.config.programs.multirate),
@@ -199,7 +199,7 @@ FrameResult play(const Inputs& inputs, const kernels::ProgramSpec& program, kern
   if (extras.itemised) observers.add(&accounting);
   observers.add(extras.observer);
   const std::unique_ptr<hw::Gpu> gpu = make_gpu(inputs, requirements, tiles, {}, observers.get());
-  check_figures(*gpu, inputs.config);  // what is missing is told before the work, not after it
+  check_figures(*gpu, inputs.config);  // report missing entries before the work
   if (extras.intervals != nullptr) gpu->machine().record_intervals(*extras.intervals);
   tiles.begin("simulating", inputs.frame);
   tiles.played_by(*gpu);

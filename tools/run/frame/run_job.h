@@ -33,72 +33,73 @@ namespace tools {
 
 class RunWatcher;
 
-/// Everything a run reads, read, as it is in one frame.
+/// All inputs of a run, as of one frame.
 struct Inputs {
   RunConfig config;
   traces::SceneInfo scene;
-  std::string scene_sha256, bvh_hash;  ///< the tree's: of the first frame
+  std::string scene_sha256, bvh_hash;  ///< hash of the tree of the first frame
   std::vector<std::string> warnings;
   std::uint32_t frame = 0;
-  float scene_size = 1;  ///< longest side of the scene's bounds in frame 0
+  float scene_size = 1;  ///< longest side of the scene's bounding box in frame 0
   traces::Camera camera;
   traces::MemoryImage image;
-  std::uint64_t stored_triangles = 0;  ///< in the image: each that is shared once
-  std::vector<std::uint32_t> parents;  ///< the parent of each node of the tree
+  std::uint64_t stored_triangles = 0;  ///< triangles in the image; shared ones count once
+  std::vector<std::uint32_t> parents;  ///< parent of each node of the tree
   double load_seconds = 0;
-  double update_seconds = 0;  ///< host: posing the scene and bringing the image up to date, later frames
-  traces::Scene moving;       ///< what later frames are posed from; empty if there are none
+  double update_seconds = 0;  ///< host time to pose the scene and update the image for later frames
+  traces::Scene moving;       ///< scene for later frames; empty if there are none
   std::uint32_t frames() const { return config.scene.last_frame - config.scene.first_frame + 1; }
 };
 
-/// Reads scene and configuration and builds the tree of the first frame. InputError, or Interrupted.
+/// Loads scene and configuration and builds the tree of the first frame. InputError, Interrupted.
 Inputs load_inputs(const JobOptions& options, Progress* progress = nullptr);
 Inputs load_inputs(const RunConfig& config, std::uint32_t threads, Progress* progress = nullptr);
-/// Says warnings on standard error, above the bar if there is one. Without `progress` nobody is told.
+/// Prints warnings to stderr, above a progress bar. No effect if `progress` is null.
 void tell_warnings(const std::vector<std::string>& lines, Progress* progress);
-/// Keys on which load_inputs() depends, with their values: equal texts, equal inputs.
+/// Returns the keys that load_inputs() depends on, with their values: equal texts, equal inputs.
 std::string inputs_key(const RunConfig& config);
-/// Goes to the next frame: poses the scene, then refits or rebuilds the tree if anything in it has moved. False after
-/// the last frame. Interrupted if an interrupt waits.
+/// Advances to the next frame: poses the scene, then refits or rebuilds the tree if geometry moved. False after the
+/// last frame. Interrupted if an interrupt is pending.
 bool advance(Inputs& inputs, std::uint32_t threads, Progress* progress = nullptr);
-/// Calls `call()` for each frame from the present one on, with the inputs as they are in it.
+/// Calls `call()` for each frame, starting with the current one.
 void for_each_frame(Inputs& inputs, std::uint32_t threads, Progress* progress, auto&& call) {
   do {
     call();
   } while (advance(inputs, threads, progress));
 }
 
-/// An estimate and its 95 % interval.
+/// An estimate with its 95 % interval.
 struct Interval {
   double estimate = 0;
-  double chance = 0;  ///< half of what the interval would be if only chance were at work
-  double method = 0;  ///< likewise what the method is off, whichever parts are drawn
+  double chance = 0;  ///< half-width of the random error
+  double method = 0;  ///< half-width of the systematic error of the method
   double half_width() const { return std::hypot(chance, method); }
-  /// Adds another interval: chance evens out, the method's error does not.
+  /// Adds another interval: random errors add in quadrature, systematic errors linearly.
   void add(const Interval& other);
 };
 
-/// Tile sampling of a frame, or of several (tile_sampling.h).
+/// Tile sampling of one or several frames (tile_sampling.h).
 struct SampledFrame {
   std::uint64_t tiles = 0, timed = 0, measured = 0, warmed = 0, blocks = 0, rounds = 0;
-  double asked = 0;  ///< share of the frame's work that was to be measured; 0: as much as it takes
+  double asked = 0;  ///< requested share of the frame's work; 0: automatic
   Interval cycles, energy_pj;
-  std::map<std::string, Interval> counters;       ///< sums over like units, by path; none if all tiles were timed
+  std::map<std::string, Interval> counters;  ///< sums over similar units by path; empty if all tiles were simulated
   double pilot_seconds = 0, warming_seconds = 0;  ///< host
   void add(const SampledFrame& other);
 };
 
-/// Slices of a frame, or of several that were cut alike (slices.h).
+/// Slices of one or several frames with the same number of slices (slices.h).
 struct SlicedFrame {
   std::uint32_t slices = 1;
-  std::uint64_t tiles = 0, again = 0, warmed = 0;  ///< all; those that fill a machine, or warm its caches
+  std::uint64_t tiles = 0, again = 0,
+                warmed = 0;  ///< all tiles; tiles simulated again to fill a machine; tiles that warm its caches
   Interval cycles, energy_pj;
-  std::vector<double> seconds;  ///< host: processor time of each slice's thread
-  double timing_seconds = 0;    ///< host: of all of them, without making tiles
+  std::vector<double> seconds;  ///< host processor time of each slice's thread
+  double timing_seconds = 0;    ///< host processor time of all slices, without executing tiles
   void add(const SlicedFrame& other);
 };
 
-/// A frame on the machine, or several added up.
+/// Results of one or several frames on the machine.
 struct FrameResult {
   kernels::ProgramSpec program;
   MachineConfig machine;
@@ -108,68 +109,67 @@ struct FrameResult {
   std::vector<hw::KernelUse> kernel_use;
   std::vector<hw::KernelSchedule> kernels;
   sim::EnergyReport energy;
-  std::uint64_t cycles = 0;  ///< cycles of the T&I clock
+  std::uint64_t cycles = 0;  ///< T&I clock cycles
   sim::Time elapsed = 0;
-  double wall_seconds = 0;  ///< host, functional and timing together
+  double wall_seconds = 0;  ///< host time of rendering and simulation together
   std::uint32_t tiles = 0,
-                finished_tiles = 0;  ///< tiles of the last frame; all are finished, but for SimulateOptions::keep_part
-  std::optional<SampledFrame> sampled;         ///< if most of this is estimated
-  std::optional<SlicedFrame> sliced;           ///< if it was to be cut into slices
-  std::vector<FrameResult> replicates;         ///< the same work, perturbed; without pictures
-  double replicate_seconds = 0;                ///< host, for these
-  std::vector<hw::TileAccount> tile_accounts;  ///< with SimulateOptions::itemised: of each entry of the tile list
-  hw::TileAccount rest;                        ///< likewise: what no tile has asked for
+                finished_tiles = 0;     ///< tiles of the last frame; all are finished unless SimulateOptions::keep_part
+  std::optional<SampledFrame> sampled;  ///< set if the results are estimated from sampled tiles
+  std::optional<SlicedFrame> sliced;    ///< set if slices were requested
+  std::vector<FrameResult> replicates;  ///< results of perturbed machines, without pictures
+  double replicate_seconds = 0;         ///< host time of the replicates
+  std::vector<hw::TileAccount> tile_accounts;  ///< with SimulateOptions::itemised: one per entry of the tile list
+  hw::TileAccount rest;                        ///< with SimulateOptions::itemised: activity that no tile requested
   std::uint64_t rays() const;
   bool is_part() const { return finished_tiles < tiles; }
-  /// Adds a later frame's figures; the picture stays.
+  /// Adds the results of a later frame. The picture stays.
   void add(const FrameResult& frame);
 };
 
-/// Render settings of what a run of `render` is compared with: effects are at the full rate.
+/// Returns the render settings of the reference of a run: effects at the full rate.
 kernels::RenderConfig reference_render(kernels::RenderConfig render);
 
-/// Tiles that the picture is cut into, for the frame that `inputs` stand at.
+/// Returns the number of tiles per row and column of the current frame.
 kernels::TileCounts tile_counts(const Inputs& inputs, const kernels::ProgramSpec& program);
 
-/// Options that go with a frame program.
+/// Options of simulate() and render().
 struct SimulateOptions {
-  kernels::RateMap* rates = nullptr;  ///< rates of its tiles, if they go on from frame to frame
-  bool marks = false;                 ///< how all samples came about is kept, for pictures
-  bool keep_part = false;             ///< an interrupt leaves the finished tiles, if there are any
+  kernels::RateMap* rates = nullptr;  ///< tile rates carried from frame to frame, if any
+  bool marks = false;                 ///< keep the origin of every sample, for pictures
+  bool keep_part = false;             ///< an interrupt keeps the finished tiles, if any
   Progress* progress = nullptr;
-  traces::TraceWriter* trace = nullptr;  ///< gets the frame's work, if somebody wants it
-  bool reference = false;  ///< this is what others are compared with: a part of the trace, by reference_render()
-  sim::Intervals* intervals = nullptr;    ///< gets what the machine did over time, if somebody wants it
-  RunWatcher* watcher = nullptr;          ///< looks at the frame while it is played
-  std::uint32_t replicates = 1;           ///< plays of the work, of which the first is not perturbed
-  const char* kept_for = "--replicates";  ///< option or verb that wants them, for who runs out of memory
-  bool itemised = false;                  ///< what each tile and pixel took is kept
-  hw::Observer* observer = nullptr;       ///< of the machine
+  traces::TraceWriter* trace = nullptr;  ///< receives the frame's work
+  bool reference = false;  ///< this is the reference: its own part of the trace, rendered with reference_render()
+  sim::Intervals* intervals = nullptr;    ///< receives the machine's counters over time
+  RunWatcher* watcher = nullptr;          ///< receives the frame during the simulation
+  std::uint32_t replicates = 1;           ///< number of simulations; all but the first are perturbed
+  const char* kept_for = "--replicates";  ///< option or verb to name if memory runs out
+  bool itemised = false;                  ///< keep the costs of each tile and pixel
+  hw::Observer* observer = nullptr;       ///< observer of the machine
 };
 
-/// Runs a frame program on the machine.
-/// `threads` of the host: one plays the machine, the others run ahead of it. sim::Deadlock if the machine is stuck,
-/// Interrupted if an interrupt waits and nothing is kept. Every frame begins with cold caches. What is kept of a run
-/// that was interrupted has no replicates.
+/// Renders a frame and simulates it on the machine. One host thread simulates; the others render ahead. Caches are cold
+/// at the start of each frame. An interrupted run that keeps a part has no replicates. sim::Deadlock; Interrupted if
+/// nothing is kept.
 FrameResult simulate(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
                      const SimulateOptions& extras = {});
 
-/// Records a frame once and plays it on the machine of each configuration, as many at once as there are threads. The
-/// configurations may differ from that of `inputs` in what does not change the work. Results in their order, without
-/// pictures. sim::InputError, which names `kept_for`, where the work takes too much memory; sim::Deadlock, Interrupted.
+/// Renders a frame once and simulates it on the machine of each configuration, `threads` at a time. The configurations
+/// may differ from `inputs` only in keys that do not change the work. Returns results in order, without pictures.
+/// InputError, which names `kept_for`, if memory runs out; sim::Deadlock, Interrupted.
 std::vector<FrameResult> simulate_on(const Inputs& inputs, const kernels::ProgramSpec& program,
                                      std::span<const RunConfig> configs, const char* kept_for, std::uint32_t threads,
                                      Progress* progress = nullptr);
 
-/// Plays what a frame program makes with `tracer` on the machine that `inputs` name; the last half of simulate().
+/// Simulates the tiles of a given frame program and tracer; the second half of simulate().
 FrameResult play(const Inputs& inputs, const kernels::ProgramSpec& program, kernels::FrameProgram& frame,
                  const traces::Tracer& tracer, std::uint32_t threads, const SimulateOptions& extras = {});
 
-/// The picture alone, traced by `tracer`, and if a trace is wanted the work.
+/// Renders a frame without a machine, and writes its work to the trace, if any.
 FrontEnd::Result render(const Inputs& inputs, const kernels::ProgramSpec& program, const traces::Tracer& tracer,
                         std::uint32_t threads, const SimulateOptions& extras = {});
 
-/// 0 means all the host has.
+/// Returns `wanted`, or the number of host threads if it is 0.
 std::uint32_t host_threads(std::uint32_t wanted);
 
 }  // namespace tools

@@ -16,27 +16,27 @@ class TraceWriter;
 
 namespace tools {
 
-/// Sums over the front ends that have made tiles of a frame so far, one after the other.
+/// Sums over earlier front ends that executed tiles of the same frame.
 struct FormerTiles {
   std::uint32_t tiles = 0;
   std::uint64_t rays = 0, cycles = 0;
-  /// Reports the sums when there are no more front ends.
+  /// Reports the sums as progress.
   void end(Progress* progress) const {
     if (progress != nullptr) progress->tiles_done(tiles, rays, cycles);
   }
 };
 
-/// Tiles of a frame from the front end to the machine. Reports progress and records their work. After an interrupt it
-/// throws Interrupted or, if the finished part is kept, ends the list: the machine finishes the tiles that it has.
+/// Passes tiles from the front end to the machine, reports progress and records the work. After an interrupt, next()
+/// throws Interrupted or, with `keep_part`, ends the list: the machine finishes the tiles that it has.
 class RunTiles final : public hw::TileSource {
  public:
-  /// `tiles`: how many there are. With `former` they follow those, and are added to them; the part that `progress` is
-  /// told of goes on until its end().
+  /// `tiles`: number of tiles. `former`: sums over earlier tiles of the same progress part, which this object
+  /// continues.
   RunTiles(FrontEnd& front_end, std::uint32_t tiles, Progress* progress, bool keep_part = false,
            FormerTiles* former = nullptr)
       : front_end_(front_end), tiles_(tiles), progress_(progress), keep_part_(keep_part), former_(former) {}
 
-  /// Also writes the work of each tile there; either may be null.
+  /// Records the work of each tile; either argument may be null.
   void record_to(traces::TraceWriter* trace, KeptWork* kept) { trace_ = trace, kept_ = kept; }
   void begin(const char* phase, std::uint32_t frame) const;
   void played_by(const hw::Gpu& gpu) { gpu_ = &gpu; }

@@ -10,7 +10,7 @@
 namespace tools {
 namespace {
 
-/// Frames without work for a rasteriser have none, but its figures stand in the tables all the same.
+/// The rasteriser of a frame that does not use one: its table entries are still valid.
 sim::UnitReport absent_rasteriser() {
   sim::UnitReport unit;
   unit.path = hw::name_in_core(hw::RasterUnit::kName, 0);

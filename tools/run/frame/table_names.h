@@ -6,8 +6,8 @@
 
 namespace tools {
 
-/// Every figure of the tables of energy and area must be one that some counter, unit or part of the machine can use,
-/// and every counter must find its figure. InputError.
+/// Throws InputError unless every entry of the tables of energy and area matches a counter, unit or part of the
+/// machine, and every counter has an entry.
 void check_table_names(std::span<const sim::UnitReport> units, const RunConfig& config);
 
 }  // namespace tools
