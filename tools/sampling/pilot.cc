@@ -14,14 +14,14 @@
 namespace tools {
 namespace {
 
-/// Sides of the squares of samples of which a pilot traces one, the first that divides the tile's.
+/// A pilot traces one sample of each square. Sides of the square to try, until one divides the tile's side.
 constexpr std::array kSides = {4U, 5U, 3U, 2U, 1U};
-/// Likewise for a mere guess at costs.
+/// Sides for guess_costs(), which needs less precision.
 constexpr std::array kGuessSides = {8U, 4U, 5U, 3U, 2U, 1U};
-/// Steps that take the host as long as what else a ray needs that a surface sends on (docs/slices.md).
+/// Host cost of a reflected or refracted ray besides its traversal, in traversal steps (docs/slices.md).
 constexpr std::uint64_t kStepsOfARay = 15;
 
-/// The frame with one sample of each square, as a program of as many tiles.
+/// The frame with one sample per square and the same number of tiles.
 kernels::FullProgram thin_program(const Inputs& inputs, const kernels::ProgramSpec& spec,
                                   std::span<const std::uint32_t> sides, double& thinning) {
   kernels::RenderConfig render = inputs.config.render;

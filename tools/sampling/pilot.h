@@ -8,26 +8,26 @@
 
 namespace tools {
 
-/// A thin picture, all of whose tiles are looked at: one of `thinning` samples of each of the frame's.
+/// Survey of all tiles of a frame from a picture with one of `thinning` samples.
 struct Pilot {
-  std::vector<TileTraits> traits;  ///< one of each of the frame's tiles
+  std::vector<TileTraits> traits;  ///< one per tile of the frame
   std::vector<double> costs;
   double thinning = 1;
   FrontEnd::Result function;
 };
 
-/// Side of a tile of the frame, in samples.
+/// Returns the side of a tile of the frame in samples.
 std::uint32_t tile_side(const kernels::RenderConfig& render, const kernels::ProgramSpec& spec);
 
-/// Renders the thin picture and looks at every tile.
+/// Renders the thin picture and computes traits and cost of every tile.
 Pilot look_at_all(const Inputs& inputs, const kernels::ProgramSpec& spec, const traces::Tracer& tracer,
                   std::uint32_t threads, Progress* progress);
 
-/// Guesses at what each of the frame's tiles will cost the host, as parts of each other, from a thinner picture.
+/// Estimates the relative host cost of each tile from a still thinner picture.
 std::vector<double> guess_costs(const Inputs& inputs, const kernels::ProgramSpec& spec, const traces::Tracer& tracer,
                                 std::uint32_t threads);
 
-/// Estimate of the frame's function from the pilot's.
+/// Scales the counts of the pilot to the whole frame.
 FrontEnd::Result scaled(const Pilot& pilot, const Inputs& inputs, const kernels::ProgramSpec& spec);
 
 inline std::uint64_t rounded(double x) { return static_cast<std::uint64_t>(std::llround(x)); }

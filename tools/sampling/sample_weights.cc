@@ -16,9 +16,9 @@ Eigen::Map<const Eigen::VectorXd> as_vector(std::span<const double> values) {
   return {values.data(), static_cast<Index>(values.size())};
 }
 
-/// Traits per size, standardised over the parts: those in which parts do not differ say nothing.
+/// Traits per size, standardised over the parts. Traits that are equal in all parts are 0.
 struct Traits {
-  Eigen::MatrixXd parts;  ///< a row each
+  Eigen::MatrixXd parts;  ///< one row per part
   Eigen::VectorXd whole;
 };
 

@@ -14,7 +14,7 @@
 namespace tools {
 namespace {
 
-/// Difference of two marks.
+/// Returns the difference of two marks.
 MeasuredPart between(const Mark& a, const Mark& b) {
   MeasuredPart part{b.time - a.time, b.units, b.kernels, {}};
   sim::subtract_reports(part.units, a.units);
@@ -22,8 +22,8 @@ MeasuredPart between(const Mark& a, const Mark& b) {
   return part;
 }
 
-/// Traits of what was worked on: what the machine counts itself, and otherwise those of the tiles that were under way,
-/// each for the share of its time that lies in the part.
+/// Traits of the work in a part: counted by the machine where it does, else those of the tiles in flight, weighted by
+/// the share of their time in the part.
 TileTraits traits_of(const MeasuredPart& part, sim::Time begin, sim::Time end, const TimedTiles& tiles,
                      std::span<const TileTraits> traits, std::span<const hw::KernelSchedule> kernels) {
   TileTraits sum;
@@ -69,7 +69,7 @@ SampledRun run_blocks(const Inputs& inputs, RunTiles& source, const kernels::Fra
   run.timed = tiles.played().size();
   run.warmed = tiles.warmed();
   run.warming_seconds = tiles.warming_seconds();
-  // A measured part ends where the next block is dispatched, the last one with the run.
+  // A measured part ends at the dispatch of the next block; the last one ends with the run.
   const Mark finished{0, gpu->elapsed(), gpu->report(), gpu->kernel_use()};
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     const bool is_last = i + 1 == blocks.size();
@@ -118,7 +118,7 @@ MeasuredPart weighted_sum(std::span<const MeasuredPart* const> parts, std::span<
       if (counter.kind != sim::CounterKind::kPeak)
         counter.value = rounded(sum([&](const MeasuredPart& p) { return p.units[u].counters[i].value; }));
     }
-    // Reasons are put in proportion, as they add up to the unit's time; what rounding leaves goes to the largest.
+    // Reasons are scaled to add up to the unit's time; the largest takes the rounding difference.
     unit.elapsed = rounded(longer * static_cast<double>(unit.elapsed));
     std::vector<double> spent;
     for (std::size_t i = 0; i < unit.cycles_by_reason.size(); ++i) {

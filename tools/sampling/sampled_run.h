@@ -11,34 +11,35 @@
 
 namespace tools {
 
-/// Work of the machine in a measured part of a block.
+/// Activity of the machine during the measured part of a block.
 struct MeasuredPart {
   sim::Time time = 0;
   std::vector<sim::UnitReport> units;
   std::vector<hw::KernelUse> kernels;
-  TileTraits traits;  ///< traits of what it worked on
+  TileTraits traits;  ///< traits of the work in this part
 };
 
-/// One run of blocks on a machine of its own.
+/// One run of a list of blocks on one machine.
 struct SampledRun {
-  MeasuredPart begin, end;  ///< counters of the frame, or of what stood there
+  MeasuredPart begin, end;  ///< counters of the first and last block, measured directly
   std::vector<MeasuredPart> parts;
-  std::vector<sim::UnitReport> units;  ///< reports of the whole run
+  std::vector<sim::UnitReport> units;  ///< of the whole run
   std::vector<hw::KernelSchedule> kernels;
   sim::Time elapsed = 0;
-  sim::Time cycle = 0;  ///< cycle of the T&I clock
+  sim::Time cycle = 0;  ///< period of the T&I clock
   std::uint64_t timed = 0, warmed = 0;
   double warming_seconds = 0;
 };
 
-/// Plays blocks of a frame. `traits`: of each of its tiles, by the pilot.
+/// Simulates blocks of a frame. `traits`: traits of each tile from the pilot.
 SampledRun run_blocks(const Inputs& inputs, RunTiles& source, const kernels::FrameRequirements& requirements,
                       std::span<const TimedBlock> blocks, std::span<const TileTraits> traits);
 
-/// Counters of like units added up, by path: "core.tni.trv.counters.l1_hits". Without those that are no sums over time.
+/// Returns the sums of counters over similar units by path: "core.tni.trv.counters.l1_hits". Counters that are not sums
+/// are left out.
 std::map<std::string, double> summed_counters(std::vector<sim::UnitReport> units);
 
-/// The whole from its parts, each with its weight. Peaks are those of what was timed.
+/// Returns the weighted sum of the parts. Peaks are the largest of the simulated parts.
 MeasuredPart weighted_sum(std::span<const MeasuredPart* const> parts, std::span<const double> weights,
                           const SampledRun& run);
 

@@ -17,7 +17,7 @@ namespace {
 
 using sim::Json;
 
-/// Counts of kernels, sampling and slices as a file has them.
+/// Keys of counts of kernels, sampling and slices.
 constexpr std::pair<const char*, std::uint64_t hw::KernelUse::*> kKernelCounts[] = {
     {"launches", &hw::KernelUse::launches},
     {"items", &hw::KernelUse::items},
@@ -32,7 +32,7 @@ constexpr std::pair<const char*, std::uint64_t kernels::Sampling::*> kSamplingCo
 constexpr std::pair<const char*, std::uint32_t Slice::*> kSliceTiles[] = {
     {"first", &Slice::first}, {"end", &Slice::end}, {"lead", &Slice::lead}, {"warming", &Slice::warming}};
 
-/// Reads counts and lists of them.
+/// Parses counts and lists of them.
 std::uint64_t count_in(const Json& json) { return sim::whole_number<std::uint64_t>(json, "a count"); }
 const Json& list_in(const Json& json, std::size_t size, const char* what) {
   if (json.is_array() && json.size() == size) return json;

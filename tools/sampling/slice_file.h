@@ -5,18 +5,17 @@
 
 namespace tools {
 
-/// A slice that was played where others of its frame were not, with the functional half of its own tiles.
+/// Results of one slice that was simulated in another process than the others.
 struct SlicePart {
   PlayedSlice played;
   FrontEnd::Result function;
   double wall_seconds = 0;  ///< host
 };
 
-/// All digits of a part, for whoever adds up the frame. What a machine's units are called and made of is not in it.
+/// Serialises a part exactly, for join_slices(). Names and structure of the machine are left out.
 sim::Json slice_json(const SlicePart& part);
 
-/// Reads a part back; `nothing` is the slice's machine before its first cycle. InputError for what is no part of such a
-/// machine.
+/// Parses a part. `nothing`: the slice's machine before its first cycle. InputError if the part does not match it.
 SlicePart read_slice(const sim::Json& json, Stretch nothing);
 
 }  // namespace tools

@@ -9,12 +9,12 @@
 namespace tools {
 namespace {
 
-/// Tiles of a lead for each three that are in flight. The first of them begin together, which tiles of a frame under
-/// way do not; until nearly as many more have followed, that is mostly forgotten (docs/slices.md).
+/// Tiles of a lead per three tiles in flight. The first tiles start together, unlike those in the middle of a frame;
+/// the lead lasts until this effect has decayed (docs/slices.md).
 constexpr std::uint32_t kLeadOfThree = 5;
 
-/// Small frames, and short slices, in leads: theirs are twice as long, as the error of a border is a larger part of
-/// their time (docs/slices.md).
+/// Below these lengths, in leads, frames and slices get leads of twice the length, because border errors are a larger
+/// part of their time (docs/slices.md).
 constexpr std::uint32_t kLeadsOfASmallFrame = 50, kLeadsOfAShortSlice = 5;
 
 }  // namespace
@@ -38,10 +38,11 @@ std::vector<Slice> plan_slices(std::span<const double> costs, std::uint32_t coun
   for (std::uint32_t k = 1; k <= count; ++k) {
     const double share = up_to.back() * k / count;
     const auto fair = static_cast<std::uint32_t>(std::ranges::lower_bound(up_to, share) - up_to.begin()) + 1;
-    const std::uint32_t last = tiles - (count - k) * shape.lead;  // leaves tiles enough for the others
+    const std::uint32_t last = tiles - (count - k) * shape.lead;  // leaves enough tiles for the others
     const std::uint32_t end = k == count ? tiles : std::clamp(fair, first + shape.lead, last);
     const std::uint32_t lead = std::min(wanted, first);
-    slices.push_back({first, end, lead, std::min(std::max(shape.warming, lead), first) - lead});  // leads warm, too
+    slices.push_back(
+        {first, end, lead, std::min(std::max(shape.warming, lead), first) - lead});  // leads warm the caches, too
     first = end;
   }
   return slices;

@@ -11,7 +11,7 @@
 
 namespace tools {
 
-/// Time and counters of a machine between two times.
+/// Time and counters of a machine between two points in time.
 struct Stretch {
   sim::Time time = 0;
   std::vector<sim::UnitReport> units;
@@ -24,7 +24,7 @@ struct Stretch {
   void add(const Stretch& other);
 };
 
-/// Cost of tiles that two machines have played.
+/// Cost of the tiles that two machines simulate.
 struct Probe {
   double time = 0, energy_pj = 0;
 };
@@ -33,14 +33,14 @@ struct Probe {
 struct PlayedSlice {
   Slice slice;
   Stretch own;
-  Probe before, after;                     ///< those of the last tiles of its lead and of its own, if there is a border
-  double seconds = 0, timing_seconds = 0;  ///< host: of its thread, and without making tiles
+  Probe before, after;  ///< probes at the ends of its lead and of its own tiles, where there is a border
+  double seconds = 0, timing_seconds = 0;  ///< host processor time of its thread: total, and without executing tiles
 };
 
-/// Plays slices of a frame, each on a machine of its own.
+/// Simulates slices of a frame, each on a machine of its own.
 class SlicePlayer {
  public:
-  /// `frame` is the program that renders the frame. `inputs` must outlive the player.
+  /// `frame`: program of the frame. `inputs` must outlive the player.
   SlicePlayer(const Inputs& inputs, const kernels::FrameProgram& frame);
 
   const Inputs& inputs() const { return inputs_; }
@@ -48,9 +48,9 @@ class SlicePlayer {
   const std::vector<hw::KernelSchedule>& kernels() const { return scheduled_->kernels; }
   std::uint32_t tiles() const { return tiles_; }
 
-  /// Threads may, with slices of their own; `workers` more render ahead of this one. sim::Deadlock, Interrupted.
+  /// Simulates one slice; thread-safe for different slices. `workers` threads render ahead. sim::Deadlock, Interrupted.
   PlayedSlice play(SharedFrame& frame, const traces::Tracer& tracer, const Slice& slice, std::uint32_t workers) const;
-  /// A machine before its first cycle.
+  /// Counters of a machine before its first cycle.
   Stretch nothing() const;
 
  private:

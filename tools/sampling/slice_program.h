@@ -10,7 +10,7 @@
 
 namespace tools {
 
-/// A frame's program that several threads render at once, each tile of which is kept and counted once.
+/// A frame program that several threads execute concurrently. Each tile is committed and counted once.
 class SharedFrame {
  public:
   SharedFrame(kernels::FrameProgram& program, Progress* progress) : program_(program), progress_(progress) {}
@@ -25,13 +25,13 @@ class SharedFrame {
     tiles_ += 1;
     if (progress_ != nullptr) progress_->tiles_done(tiles_, function_.all_rays(), 0);
   }
-  /// Adds the host's time for one who renders.
+  /// Adds the host times of one thread.
   void add_times(const FrontEnd::Result& function) {
     const std::lock_guard lock(mutex_);
     function_.seconds += function.seconds;
     function_.waited += function.waited;
   }
-  /// When all are through.
+  /// Returns the results after all threads have finished.
   FrontEnd::Result take_function() {
     function_.rgb = program_.take_picture();
     function_.sampling = program_.sampling();
@@ -46,8 +46,7 @@ class SharedFrame {
   std::uint32_t tiles_ = 0;
 };
 
-/// A shared frame as one slice renders it: only the slice's own tiles are kept. Interrupted after an interrupt by the
-/// user.
+/// View of a shared frame for one slice, which commits only the slice's own tiles. Throws Interrupted.
 class SliceProgram final : public kernels::FrameProgram {
  public:
   SliceProgram(SharedFrame& frame, const Slice& slice) : FrameProgram(0, 0), frame_(frame), slice_(slice) {}

@@ -10,10 +10,10 @@
 namespace tools {
 namespace {
 
-/// Error of a border that tiles played twice do not tell, in such tiles, as half of a 95 % interval (docs/slices.md).
+/// Half-width of the error of a border that the probes do not show, in tiles (docs/slices.md).
 constexpr double kBorderError = 4;
 
-/// Work that a machine has done: what the functional half counts as well, whatever the machine.
+/// Work of a machine in units that rendering counts as well.
 struct Work {
   double steps = 0, rays = 0;
   explicit Work(std::span<const sim::UnitReport> reports) {
@@ -25,8 +25,8 @@ struct Work {
   }
 };
 
-/// Ratio of a frame's work to what its slices have done: tiles under way at a border were not equally far on both
-/// machines. Mean of those of steps and rays.
+/// Ratio of the frame's work to the work that its slices simulated, which differs because tiles in flight at a border
+/// progress differently on both machines. Mean of the ratios of steps and rays.
 double undone(const FrontEnd::Result& function, const Work& done) {
   return (static_cast<double>(function.traversal_steps) / done.steps +
           static_cast<double>(function.all_rays()) / done.rays) /
@@ -53,7 +53,7 @@ void scale(Stretch& all, double factor) {
   }
 }
 
-/// Adds up times and counters into the first of them. The half intervals of all borders.
+/// Adds times and counters to the first slice. Returns the half-widths over all borders.
 Probe add_all(std::vector<PlayedSlice>& played, std::uint32_t probe) {
   Probe error;
   const auto add_error = [probe](double& sum, double filled, double under_way) {

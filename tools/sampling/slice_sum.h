@@ -5,8 +5,8 @@
 
 namespace tools {
 
-/// The frame that all of its slices make: their times and counters added up, and how far they disagree about tiles at
-/// borders (docs/slices.md). `function` is the whole frame's.
+/// Joins all slices to a frame: sums of times and counters, and an interval from the differences at borders
+/// (docs/slices.md). `function`: results of rendering the frame.
 FrameResult add_up(const SlicePlayer& player, const kernels::ProgramSpec& program, FrontEnd::Result function,
                    std::vector<PlayedSlice> played);
 

@@ -22,11 +22,10 @@
 namespace tools {
 namespace {
 
-/// Tiles of a slice for each of a lead, where the number of slices is free: leads cost less than a tenth, those of
-/// small frames up to 15 %.
+/// Automatic length of slices in leads: leads cost less than a tenth, in small frames up to 15 %.
 constexpr std::uint32_t kTilesOfALead = 10;
 
-/// Plays the slices of a frame, as many at once as there are threads. More threads render ahead of them.
+/// Simulates all slices, `threads` at a time. Further threads render ahead.
 std::vector<PlayedSlice> play_all(const SlicePlayer& player, SharedFrame& frame, const traces::Tracer& tracer,
                                   std::span<const Slice> slices, std::uint32_t threads) {
   const std::uint32_t at_once = std::min(threads, static_cast<std::uint32_t>(slices.size()));
@@ -53,7 +52,7 @@ void check_can_cut(const kernels::RenderConfig& render) {
   }
 }
 
-/// A frame, what renders and traces it, and where it is cut.
+/// A frame, its program and tracer, and its slices.
 struct CutFrame {
   CutFrame(const Inputs& inputs, const kernels::ProgramSpec& spec, std::uint32_t threads, std::uint32_t slices)
       : tracer(inputs.image),
@@ -88,7 +87,7 @@ void check_slices(const kernels::ProgramSpec& program) {
 
 std::uint32_t slices_of(const RunConfig& config, const kernels::ProgramSpec& program, std::uint32_t asked) {
   check_can_cut(config.render);
-  const traces::MemoryImage no_scene;  // tiles are the same of all
+  const traces::MemoryImage no_scene;  // the tiles do not depend on the scene
   const kernels::FullProgram frame(no_scene, {}, config.render, program.samples, 0);
   const SliceShape shape = slice_shape(*config.gpu, frame.requirements());
   if (asked == kAutoSlices) return std::max(1U, frame.tiles() / (kTilesOfALead * shape.lead));

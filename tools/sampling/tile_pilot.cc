@@ -8,11 +8,11 @@
 namespace tools {
 namespace {
 
-// Waits of a tile that is alone: a chunk to be started, a ray to cross to the T&I unit and back, and a step
-// of the longest ray, whose fetches hit.
+// Latencies of a tile alone on the machine: start of a chunk, transfer of a ray to the T&I unit and back, and a step of
+// the longest ray with cache hits.
 constexpr double kLaunchCycles = 10, kRayCycles = 20, kStepCycles = 12;
 
-/// Takes the line as read; was it there?
+/// Reads a line; true if it was a hit.
 bool read(hw::CacheTags& tags, hw::Addr line) {
   if (tags.probe(line)) return true;
   tags.fill(line);

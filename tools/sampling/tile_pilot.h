@@ -14,17 +14,17 @@ struct GpuConfig;
 
 namespace tools {
 
-/// Traits of a tile that tell its cost without playing it on the machine.
+/// Traits of a tile that predict its cost without simulating it.
 struct TileTraits {
   double tiles = 0;
-  double array = 0;        ///< cycles of the shader core's array, without prologues
-  double visits = 0;       ///< visits of nodes
-  double tests = 0;        ///< tests of triangles
-  double l1_misses = 0;    ///< misses of the traversal and intersection units' caches
-  double data_misses = 0;  ///< misses of the data cache
+  double array = 0;        ///< busy cycles of the shader core's array, without pipeline fill
+  double visits = 0;       ///< node visits
+  double tests = 0;        ///< triangle tests
+  double l1_misses = 0;    ///< misses of the caches of TRVs and IST
+  double data_misses = 0;  ///< data cache misses
   double l2_misses = 0;
-  double spills = 0;  ///< ray slots beyond a tile's share of the tile buffer, launch by launch
-  double path = 0;    ///< T&I cycles of the longest chain of launches and rays, if the tile were alone
+  double spills = 0;  ///< ray slots above a tile's share of the tile buffer, summed over launches
+  double path = 0;    ///< critical path of launches and rays in T&I cycles, for the tile alone
 
   static constexpr std::size_t kCount = 9;
   static constexpr double TileTraits::*kAll[kCount] = {
@@ -35,8 +35,8 @@ struct TileTraits {
   }
 };
 
-/// Looks at tiles that hold one of every `thinning` samples of a frame's tiles, in order, and says what whole ones
-/// would come to. Caches are tags alone, filled at once; tiles go to cores in turn, rays to traversal units in turn.
+/// Computes traits of full tiles from thin tiles with one of every `thinning` samples, in order. Caches are modelled as
+/// tags that fill at once; tiles go to cores, and rays to TRVs, round robin.
 class TilePilot {
  public:
   /// `slots`: a tile's share of the ray slots of a core's tile buffer.
@@ -44,7 +44,7 @@ class TilePilot {
             double thinning, double slots);
 
   TileTraits look(const traces::TileWork& work);
-  /// T&I cycles that the whole machine might take for it: for the choice of tiles, not an estimate.
+  /// Estimated T&I cycles on the whole machine; used to choose tiles, not as a result.
   double cost(const TileTraits& traits) const;
 
  private:
@@ -60,12 +60,12 @@ class TilePilot {
   const std::span<const hw::KernelSchedule> kernels_;
   const double thinning_;
   const double slots_;      ///< a tile's share of the ray slots
-  const double srp_cycle_;  ///< in T&I cycles
+  const double srp_cycle_;  ///< period of the SRP clock in T&I cycles
   std::vector<Core> cores_;
   hw::CacheTags l2_;
   std::vector<std::uint32_t> steps_;  ///< steps of each ray of the tile
-  std::vector<double> done_;          ///< time at which each node of its work is done
-  std::vector<double> made_;          ///< likewise, rays that a launch makes
+  std::vector<double> done_;          ///< completion time of each node of the tile's work
+  std::vector<double> made_;          ///< number of rays from each launch
 };
 
 }  // namespace tools

@@ -9,8 +9,8 @@
 namespace tools {
 namespace {
 
-/// Bytes of caches for each sample of the tiles that warm them: of the L2, and of all first-level caches. The usual
-/// machine comes to eight tiles of 16 x 16 samples by either.
+/// Cache bytes per sample of warming tiles: of the L2, and of all first-level caches. Both give eight tiles of 16 x 16
+/// samples for the default machine.
 constexpr std::uint64_t kSecondLevelBytes = 128, kFirstLevelBytes = 224;
 
 }  // namespace
@@ -28,7 +28,7 @@ TilePlan plan_tiles(std::span<const double> costs, double share, const PlanShape
   const double all = std::accumulate(costs.begin(), costs.end(), 0.0);
   double squares = 0;
   for (const double cost : costs) squares += cost * cost;
-  // A tile is drawn with a chance in proportion to its cost, so a drawn one costs this on average.
+  // A tile is drawn with probability proportional to its cost, so this is the mean cost of drawn tiles.
   const double drawn = squares / all;
   const auto count = std::max<std::uint32_t>(
       shape.least, static_cast<std::uint32_t>(std::lround(share * all / (drawn * shape.measured))));
@@ -37,8 +37,8 @@ TilePlan plan_tiles(std::span<const double> costs, double share, const PlanShape
   if (edges + sampled + sampled / 2 >= tiles) return {{{0, 0, tiles, 0}}, true, 0, tiles};
 
   TilePlan plan{{{0, 0, shape.edge, 0}}, false, shape.edge, tiles - shape.edge};
-  const std::uint32_t last = plan.end - shape.lead - length;  // where a block begins at the latest
-  // Cost of the measured parts of all blocks that begin before a tile.
+  const std::uint32_t last = plan.end - shape.lead - length;  // latest start of a block
+  // Prefix sums of the cost of measured parts, by the start of their block.
   std::vector<double> before(1);
   for (std::uint32_t first = plan.begin; first <= last; ++first) {
     const auto measured = costs.subspan(first + shape.lead, shape.measured);

@@ -22,13 +22,13 @@ namespace tools {
 namespace {
 
 constexpr double kRidge = 0.2;
-/// Error that blocks cannot tell, as half of a 95 % interval: neighbours that are others than the frame's, caches that
-/// are nearly warm, the pilot's totals (docs/sampling.md).
+/// Half-width of the systematic error, relative: neighbours other than in the frame, caches not quite warm, totals of
+/// the pilot (docs/sampling.md).
 constexpr double kModelError = 0.01;
-/// Share of the frame's work that is measured at most; a frame that would need more is timed whole.
+/// Largest share of the frame's work to sample; a frame that needs more is simulated whole.
 constexpr double kMostShare = 0.4;
 
-/// Entries of the frame's list that blocks need.
+/// Returns the entries of the tile list that blocks need.
 std::vector<std::uint32_t> tile_indices_of(std::span<const TimedBlock> blocks) {
   std::vector<std::uint32_t> tile_indices;
   for (const TimedBlock& block : blocks) {
@@ -43,21 +43,21 @@ SamplePart as_sample(const TileTraits& traits, double cost) {
   return part;
 }
 
-/// Estimates of a frame from the runs of its blocks.
+/// Estimates of a frame from runs of its blocks.
 struct Estimates {
   MeasuredPart whole;
   Interval time, energy;
   std::map<std::string, Interval> counters;
-  /// The larger of the first two, as a part of its estimate.
+  /// Larger relative half-width of time and energy.
   double relative_width() const {
     return std::max(time.half_width() / time.estimate, energy.half_width() / energy.estimate);
   }
 };
 
-/// Figures of a run of all tiles, which are known.
+/// Results of a run of all tiles, which are exact.
 Estimates known(const SampledRun& run) { return {{run.elapsed, run.units, run.begin.kernels, {}}, {}, {}, {}}; }
 
-/// The interval around an estimate, from what parts of a frame were `seen` to take.
+/// Returns the interval of an estimate from the values `seen` in the parts.
 Interval interval(double estimate, const SampleWeights& weights, std::span<const double> seen) {
   return {estimate, weights.half_width(seen), kModelError * estimate};
 }
@@ -99,13 +99,13 @@ Estimates estimate(const Inputs& inputs, const Pilot& pilot, const TilePlan& pla
   return e;
 }
 
-/// All but the picture.
+/// Copies everything except the picture.
 void copy_counts(const FrontEnd::Result& from, FrontEnd::Result& to) {
   to = from;
   to.rgb.clear();
 }
 
-/// Blocks overlap the neighbours of as many tiles as may be in flight, so they are as long.
+/// Blocks are as long as the number of tiles in flight, with which their neighbours overlap.
 PlanShape shape_of(const hw::GpuConfig& gpu, std::uint32_t tile_samples) {
   const std::uint32_t in_flight = gpu.cores * gpu.tile_buffer.tiles_in_flight;
   PlanShape shape;
@@ -125,14 +125,14 @@ void count_round(const SampledRun& run, SampledFrame& sampled) {
   for (const MeasuredPart& part : run.parts) sampled.measured += rounded(part.traits.tiles);
 }
 
-/// Share of the frame for the next round, where intervals are `off` times as wide as they may be: as many blocks more
-/// as should do, but not so many that they rest on a bad guess.
+/// Share of the next round if intervals are `off` times too wide. Limited to twice the share so far, because the
+/// estimate of `off` may be poor.
 double next_share(double spent, double off) {
   const double share = std::clamp(spent * (off * off - 1), spent / 2, 2 * spent);
   return spent + share > kMostShare ? 1 : share;
 }
 
-/// Has the result say what the frame is estimated to come to.
+/// Copies the estimates into the result.
 void take(Estimates&& estimates, const Inputs& inputs, const SampledRun& run, SampledFrame& sampled, FrameResult& s) {
   const auto cycles = [&](double time) { return time / static_cast<double>(run.cycle); };
   s.cycles = rounded(cycles(static_cast<double>(estimates.whole.time)));

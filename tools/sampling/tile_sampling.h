@@ -6,20 +6,20 @@
 
 namespace tools {
 
-/// How a frame is sampled (--tile-sampling, --image).
+/// Parameters of sampling (--tile-sampling, --image).
 struct TileSampling {
-  double share = 0.05;     ///< part of the frame's work that is measured
-  double target = 0;       ///< --tile-sampling auto: blocks are added until both intervals are within this; 0: no
-  bool full_image = true;  ///< all tiles are rendered, if not timed
+  double share = 0.05;  ///< share of the frame's work to measure
+  double target = 0;  ///< --tile-sampling auto: blocks are added until both relative half-widths are below this; 0: off
+  bool full_image = true;  ///< render all tiles, including those that are not simulated
 };
 
-/// "5%" or "auto", "full" or "none"; InputError otherwise.
+/// Parses "5%" or "auto", "full" or "none"; InputError otherwise.
 TileSampling parse_tile_sampling(const std::string& sampling, const std::string& image);
 
-/// InputError that says why, for a program whose tiles cannot be sampled.
+/// Throws InputError for a program whose tiles cannot be sampled.
 void check_tile_sampling(const kernels::ProgramSpec& program);
 
-/// As simulate(), with some of the frame's tiles timed and the rest estimated from them (docs/sampling.md).
+/// As simulate(), but simulates some tiles and estimates the rest from them (docs/sampling.md).
 FrameResult simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
                              const TileSampling& sampling, Progress* progress = nullptr);
 

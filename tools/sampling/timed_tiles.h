@@ -8,7 +8,7 @@
 
 namespace tools {
 
-/// Consecutive tiles of a frame that are timed: [first, end). Those from `measured` on count; those before fill the
+/// Consecutive tiles [first, end) of a frame to simulate. Tiles from `measured` on count; those before it fill the
 /// machine. `warming` tiles before `first` warm the caches.
 struct TimedBlock {
   std::uint32_t first = 0, measured = 0, end = 0;
@@ -23,36 +23,36 @@ struct Mark {
   std::vector<hw::KernelUse> kernels;
 };
 
-/// Gives a machine blocks of a frame's tiles, one after the other, and takes its counters when marked tiles are
+/// Passes blocks of a frame's tiles to a machine, one after the other, and samples its counters when marked tiles are
 /// dispatched.
 ///
-///   front end --> tiles of a block ----------------------------------> tile dispatcher
-///             \-> tiles before it --> caches warmed, in no time          | dispatched: marks
+///   front end --> tiles of a block ------------------------------> tile dispatcher
+///             \-> tiles before it --> warm the caches at once      | dispatched: marks
 class TimedTiles final : public hw::TileSource {
  public:
-  /// A tile that was played.
+  /// A tile that was simulated.
   struct Played {
     std::uint32_t tile = 0;
-    sim::Time begin = 0, end = 0;  ///< dispatched; given back, or when the next one was dispatched
+    sim::Time begin = 0, end = 0;  ///< dispatch; completion, or the first dispatch after it
   };
 
-  /// `blocks` and `marked` tiles in order, without overlap. The machine stops at the dispatch of tile `stop_at`.
+  /// `blocks` and `marked` are in tile order, without overlap. The machine stops at the dispatch of tile `stop_at`.
   TimedTiles(hw::TileSource& source, std::vector<TimedBlock> blocks, std::vector<std::uint32_t> marked,
              std::optional<std::uint32_t> stop_at = std::nullopt);
-  /// Must be called before the machine runs.
+  /// Call before the machine runs.
   void connect(hw::Gpu& gpu) { gpu_ = &gpu; }
 
   const traces::TileWork* next() override;
   void give_back(const traces::TileWork* work) override;
   void dispatched(sim::Time now) override;
-  /// Ends the tiles still in flight. Call once, when the machine is finished.
+  /// Sets the end of tiles still in flight. Call once, after the machine has finished.
   void finish();
 
-  /// The mark of a marked tile.
+  /// Returns the mark of a marked tile.
   const Mark& at(std::uint32_t tile) const;
   const std::vector<Played>& played() const { return played_; }
   std::uint64_t warmed() const { return warmed_; }
-  /// Host time for warming caches, and processor time for making tiles on the machine's thread.
+  /// Host time for warming caches, and processor time for executing tiles on the machine's thread.
   double warming_seconds() const { return warming_seconds_; }
   double making_seconds() const { return making_seconds_; }
 
@@ -65,11 +65,11 @@ class TimedTiles final : public hw::TileSource {
   const std::vector<std::uint32_t> marked_;
   const std::optional<std::uint32_t> stop_at_;
   hw::Gpu* gpu_ = nullptr;
-  std::size_t block_ = 0;                             ///< that next() is at
-  std::vector<const traces::TileWork*> for_warming_;  ///< tiles before the block that comes
-  std::vector<std::uint32_t> waiting_;                ///< tiles handed out by next() and not dispatched: one
-  std::size_t dispatched_block_ = 0;                  ///< block of the tile dispatched last
-  std::vector<std::uint32_t> back_;                   ///< given back since the last dispatch
+  std::size_t block_ = 0;                             ///< current block of next()
+  std::vector<const traces::TileWork*> for_warming_;  ///< warming tiles of the next block
+  std::vector<std::uint32_t> waiting_;  ///< tiles that next() returned and that are not dispatched; at most one
+  std::size_t dispatched_block_ = 0;    ///< block of the tile dispatched last
+  std::vector<std::uint32_t> back_;     ///< completed since the last dispatch
   std::vector<Mark> marks_;
   std::vector<Played> played_;
   std::uint64_t warmed_ = 0;
