@@ -19,7 +19,7 @@ sim::Json energy_totals_json(const sim::EnergyReport& energy, const WorkDone& wo
 
 namespace {
 
-/// Statistics of a figure's replicates, all divided by an area.
+/// Divides the statistics of replicates by an area.
 sim::Json per_mm2(sim::Json statistics, double mm2) {
   for (auto& [name, number] : statistics.items()) {
     if (!number.is_array()) {

@@ -18,14 +18,14 @@ using Colour = std::array<std::uint8_t, 3>;
 using kernels::SampleMark;
 
 constexpr Colour kYellow{255, 221, 0}, kBlue{20, 40, 200}, kGreen{0, 200, 60}, kGrey{96, 96, 96}, kWhite{255, 255, 255};
-constexpr int kDarkened = 4;  // a picture's brightness is divided by this under what is marked
+constexpr int kDarkened = 4;  // divisor of brightness under the marks
 
 struct Canvas {
   const FrontEnd::Result& frame;
-  std::uint32_t width, height;  ///< samples
-  std::uint32_t grid;           ///< samples along a pixel
+  std::uint32_t width, height;  ///< in samples
+  std::uint32_t grid;           ///< samples per pixel and axis
 
-  /// `colour(mark, x, y)` of each sample.
+  /// Paints each sample with `colour(mark, x, y)`.
   template <class F>
   DebugPicture paint(std::string name, F&& colour) const {
     DebugPicture picture{std::move(name), width, height, {}};
@@ -39,12 +39,12 @@ struct Canvas {
     return picture;
   }
 
-  /// The pixel that a sample belongs to.
+  /// Returns the pixel of a sample.
   const std::uint8_t* pixel(const std::vector<std::uint8_t>& picture, std::uint32_t x, std::uint32_t y) const {
     return &picture[3 * (std::size_t{y / grid} * (width / grid) + x / grid)];
   }
 
-  /// Marks samples that have `bit`, over the darkened picture.
+  /// Paints samples with `bit` white over the darkened picture.
   DebugPicture marked(std::string name, SampleMark bit) const {
     const std::vector<std::uint8_t> picture = to_rgb8(frame.rgb);
     return paint(std::move(name), [&](SampleMark mark, std::uint32_t x, std::uint32_t y) -> Colour {
@@ -56,7 +56,7 @@ struct Canvas {
   }
 };
 
-/// Samples by how they came about.
+/// Colours samples by their origin.
 DebugPicture similar_picture(const Canvas& canvas) {
   return canvas.paint("similar", [](SampleMark mark, std::uint32_t, std::uint32_t) {
     if ((mark & kernels::kReferenceMark) != 0) return kGrey;
@@ -65,7 +65,7 @@ DebugPicture similar_picture(const Canvas& canvas) {
   });
 }
 
-/// The picture where it is interpolated; elsewhere black.
+/// Shows interpolated samples; others are black.
 DebugPicture interpolated_picture(const Canvas& canvas) {
   const std::vector<std::uint8_t> picture = to_rgb8(canvas.frame.rgb);
   return canvas.paint("interpolated", [&](SampleMark mark, std::uint32_t x, std::uint32_t y) -> Colour {
@@ -75,7 +75,7 @@ DebugPicture interpolated_picture(const Canvas& canvas) {
   });
 }
 
-/// Tiles row by row, all of one size but those at the right and lower edges.
+/// Colours tiles, by rows; tiles at the right and lower edges may be smaller.
 DebugPicture rates_picture(const Canvas& canvas) {
   const kernels::Sampling& s = canvas.frame.sampling;
   const std::uint32_t across = (canvas.width + s.tile_side - 1) / s.tile_side;
@@ -88,7 +88,7 @@ DebugPicture rates_picture(const Canvas& canvas) {
   });
 }
 
-/// Rest of the weights of shaded samples: white where all count, black where none but the pixel's own do.
+/// Remaining weights of the filter: white if all samples count, black if only the pixel's own do.
 DebugPicture weights_picture(const Canvas& canvas) {
   return canvas.paint("weights", [](SampleMark mark, std::uint32_t, std::uint32_t) -> Colour {
     const auto share = static_cast<std::uint8_t>(mark >> kernels::kWeightShift);
@@ -96,7 +96,7 @@ DebugPicture weights_picture(const Canvas& canvas) {
   });
 }
 
-/// Edges that the filters of reconstruct found, a picture for each that there is.
+/// Adds a picture for each kind of edge that occurs.
 void add_edges(std::vector<DebugPicture>& pictures, const Canvas& canvas) {
   constexpr auto kNames = names_of(kernels::FilterEdge{});
   SampleMark all = 0;
@@ -116,7 +116,7 @@ void add_marked(std::vector<DebugPicture>& pictures, const Canvas& canvas, std::
   }
 }
 
-/// From none to eight or more.
+/// Colours for 0 to 8 or more.
 constexpr std::array<Colour, 9> kHeat{{{0, 0, 0},
                                        {20, 40, 200},
                                        {0, 130, 200},
@@ -174,7 +174,7 @@ std::vector<DebugPicture> raster_pictures(const traces::MemoryImage& image, cons
   std::vector<DebugPicture> pictures = {empty_picture("overdraw", render), empty_picture("quads", render)};
   traces::Coverage found;
   std::vector<traces::Ray> rays(render.width);
-  // Two rows at a time, so that no quad is cut.
+  // Two rows at a time, so that quads are complete.
   for (std::uint32_t y0 = 0; y0 < render.height; y0 += 2) {
     const std::uint32_t rows = std::min(2U, render.height - y0);
     rays.resize(std::size_t{rows} * render.width);

@@ -11,11 +11,11 @@ namespace tools {
 namespace {
 
 struct Named {
-  std::string_view begins;  ///< the kernel's name, or how it begins
+  std::string_view begins;  ///< prefix of the kernel's name
   KernelGroup group;
 };
 
-/// All others trace and shade.
+/// All other kernels trace and shade.
 constexpr Named kGroups[] = {{"check_", KernelGroup::kCheck},
                              {"test_subpixels", KernelGroup::kCheck},
                              {"list_contrasts", KernelGroup::kCheck},
@@ -35,8 +35,7 @@ KernelGroup group_of(std::string_view kernel) {
   return KernelGroup::kTracing;
 }
 
-/// Part of a kernel's cycles that goes to a group: all or nothing, or of a fused kernel as its parts' operations have
-/// it.
+/// Returns the share of a kernel's cycles in a group: 0 or 1; for a fused kernel by the operations of its parts.
 double part_of(std::string_view kernel, KernelGroup group) {
   const kernels::KernelInfo* info = kernels::find_kernel(kernel);
   if (info == nullptr || info->parts.empty()) return group_of(kernel) == group ? 1 : 0;

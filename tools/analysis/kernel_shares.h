@@ -5,14 +5,13 @@
 
 namespace tools {
 
-/// Purposes of kernels, where papers count the time of some of them apart.
-/// Checks pack what passed and what failed into streams.
+/// Purposes of kernels whose time papers report separately. Checks include the compaction of results into streams.
 enum class KernelGroup : std::uint8_t { kTracing, kCheck, kInterpolation, kCorrection };
 
-/// Share of the shader cores' busy cycles; nothing if they were never busy.
+/// Returns the share of the shader cores' busy cycles; nullopt if they were never busy.
 std::optional<double> kernel_share(const FrameResult& simulation, KernelGroup group);
 
-/// Part of the time for which the T&I units have no rays while checks or interpolation run on their core.
+/// Returns the share of time in which a core's T&I unit has no rays while its SRP runs checks or interpolation.
 std::optional<double> starved_share(const FrameResult& simulation);
 
 }  // namespace tools

@@ -15,26 +15,26 @@
 namespace tools {
 namespace {
 
-// Chosen: fitted to 39 random machines, of another draw than those in the tables of docs/bottleneck.md.
+// Fitted to 39 random machines other than those in the tables of docs/bottleneck.md.
 
-/// Share of a cache's MSHRs in use on average when there is nothing but misses to wait for.
+/// Mean share of a cache's MSHRs in use while it only waits for misses.
 constexpr double kRegistersInUse = 2.0 / 3;
-/// Share of the data bus that a frame's accesses reach.
+/// Reachable share of the data bus.
 constexpr double kBusAtBest = 0.9;
-/// A channel that was busy for other reasons than data, such as rows, can do part of that beside other requests' data.
+/// Share of a channel's other busy time, such as row commands, that cannot overlap with data of other requests.
 constexpr double kBusyWeight = 1.0 / 3;
-/// Share of time that lines can be on the wires of a port, to which requests come in bursts.
+/// Reachable share of a port's wires, given bursts of requests.
 constexpr double kPortAtBest = 0.7;
-/// Share of time that a unit of the T&I can test, to which rays come in bursts.
+/// Reachable share of test cycles of a T&I unit, given bursts of rays.
 constexpr double kTestsAtBest = 0.85;
-/// Share that is hidden of what more ray slots could hide at most.
+/// Fraction of the ideal gain from more ray slots that is realised.
 constexpr double kSlotsGain = 0.6;
 constexpr double kEndsOfTiles = 0.35, kSlotsWeight = 5;  // see never_full()
 
-/// Stages of a core, each with the time that it would need alone.
+/// Times of a core's stages, each on its own.
 using Stages = std::array<double, 3>;
 
-/// The time of all stages together.
+/// Returns the time of all stages together.
 double together(const Stages& stages, double p) {
   const double longest = std::ranges::max(stages);
   if (longest <= 0) return 0;
@@ -43,7 +43,7 @@ double together(const Stages& stages, double p) {
   return longest * std::pow(sum, 1 / p);
 }
 
-/// How the stages overlapped: p of together(stages, p) = time.
+/// Returns the overlap exponent p: together(stages, p) = time.
 double overlap(const Stages& stages, double time) {
   if (together(stages, 1) <= time) return 1;
   double low = 1, high = 40;
@@ -54,35 +54,35 @@ double overlap(const Stages& stages, double time) {
   return low;
 }
 
-/// Ideal shader cores would not keep the T&I unit full: of the time in which it is not full, this part stays. The
-/// ends of tiles always do; all of it does where launches wait for ray slots although the unit has room.
+/// Returns the fraction of the T&I unit's non-full time that ideal shader cores leave. The ends of tiles always remain;
+/// all remains if launches wait for ray slots while the unit has room.
 double never_full(const CoreTime::Demands& d) {
   if (d.fed <= 0) return 1;
   return std::min(1.0, kEndsOfTiles + kSlotsWeight * d.no_slots * (1 - d.tracing / d.fed));
 }
 
-/// The share of queues that is left at a memory if a part of its traffic goes: the queue of a station that is busy for
-/// a share r of the time is as r / (1 - r).
+/// Returns the relative queue length at a memory after the fraction `gone` of its traffic is removed. Queues scale as r
+/// / (1 - r) with the busy share r.
 double queue_left(double busy, double gone) {
-  constexpr double kMostBusy = 0.95;  // a frame is finite, and so are its queues
+  constexpr double kMostBusy = 0.95;  // a finite frame has finite queues
   if (busy <= 0) return 1;
   const double r = std::min(busy, kMostBusy), left = r * (1 - gone);
   return left / (1 - left) / (r / (1 - r));
 }
 
-/// Lower bounds on the frame time from the work that remains when other resources are ideal.
+/// Lower bounds of the frame time from the work that remains if other resources are ideal.
 struct Least {
   double memory = 0, lines = 0, wires = 0, tests = 0;
 };
 Least least_times(const CoreTime::Demands& d) {
   return {.memory = (1 - kBusyWeight) * d.dram_bus / kBusAtBest + kBusyWeight * d.dram_busy,
-          .lines = 2 * d.l2_lines / (1 + d.l2_lines),  // half of the MSHRs that are free now can be in use, too
+          .lines = 2 * d.l2_lines / (1 + d.l2_lines),  // half of the free MSHRs could be used as well
           .wires = d.port_lines / kPortAtBest,
           .tests = d.tests / kTestsAtBest};
 }
 
-/// The stages if every ray slot fits: memory has shorter queues, and the L2 is less often blocked by it. `tree`: time
-/// of the T&I unit that goes to misses.
+/// Returns the stages if every ray slot fits: shorter memory queues, a less blocked L2. `tree`: miss time of the T&I
+/// unit.
 Stages without_spills(const CoreTime& t, double tree) {
   const double relief = t.demands.dram_queue * (1 - queue_left(t.demands.dram_busy, t.demands.spills));
   const auto saved = [&](const MissLevels& m) { return relief * (m.dram + m.blocked()); };
@@ -108,16 +108,16 @@ std::vector<Estimate> estimate(const CoreTime& t) {
   const double kernels = t.busy(), shading = kernels + t.data_misses;
   const double spilling = std::min(d.spilling, time);
   const double p = overlap({shading, d.fed, spilling}, time);
-  const double tree = t.tracing() > 0 ? d.fed * t.tree_misses / t.tracing() : 0;  // share of the T&I unit's time
+  const double tree = t.tracing() > 0 ? d.fed * t.tree_misses / t.tracing() : 0;  // miss time of the T&I unit
   const double ideal_tree = std::max(std::min(d.fed, d.tree_lines / kRegistersInUse), std::min(tree, d.tree_waits));
   const double ideal_data = std::min(t.data_misses, d.data_lines / kRegistersInUse);
   const double full_tracing = d.tracing + (d.fed - d.tracing) * never_full(d);
 
   const Least least = least_times(d);
-  const double moved = least.memory * d.transfers;  // goes past caches and L2
+  const double moved = least.memory * d.transfers;  // DMA traffic bypasses the caches and the L2
   const double all = std::max({least.memory, least.lines, least.wires});
 
-  // Stages, and the rest of the rasteriser's misses, if such parts of the misses' latencies go.
+  // Combined stages, and the rasteriser's miss time, without a part of the miss latencies.
   using Part = double (*)(const MissLevels&);
   const auto without = [&](Part part, double spills) {
     return together({kernels + t.data_misses * (1 - part(t.data_levels)), d.fed - tree * part(t.tree_levels), spills},
@@ -129,7 +129,7 @@ std::vector<Estimate> estimate(const CoreTime& t) {
   const Part of_dram = [](const MissLevels& m) { return m.dram + m.blocked(); };
   const Part of_wires = [](const MissLevels& m) { return m.wires; };
 
-  const double moving = std::min(spilling, d.spill_lines);  // spilled slots with a memory that takes no time
+  const double moving = std::min(spilling, d.spill_lines);  // spilled slots with an ideal memory
 
   const Stages fitting = without_spills(t, tree);
   const double fitting_time = together(fitting, p);
@@ -138,7 +138,7 @@ std::vector<Estimate> estimate(const CoreTime& t) {
   struct Rest {
     const char* resource;
     double stages, transfers, raster_misses;
-    double least_time;  ///< of the frame
+    double least_time;  ///< lower bound of the frame time
   };
   const std::vector<Rest> rests = {
       {"tni", together({shading, ideal_tree, spilling}, p), t.transfers, t.raster_misses, all},
@@ -154,7 +154,7 @@ std::vector<Estimate> estimate(const CoreTime& t) {
   };
   std::vector<Estimate> estimates;
   for (const Rest& rest : rests) {
-    // Cores that wait for the others' last tiles wait as long as these take.
+    // Cores that wait for the last tiles of others wait in proportion to tile times.
     const double busy = std::min(rest.stages, time) + rest.transfers + t.raster + rest.raster_misses;
     const double total = t.no_tile < 1 ? std::max(busy / (1 - t.no_tile), rest.least_time) : 1;
     estimates.push_back({rest.resource, total > 0 && total < 1 ? 1 / total : 1});

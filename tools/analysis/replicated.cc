@@ -28,7 +28,7 @@ std::string path_of(const std::string& pointer) {
   return path;
 }
 
-/// "6.764 ± 0.12 %"
+/// Returns "6.764 ± 0.12 %".
 std::string give_or_take(const Json& figures, const char* path) {
   const Json& f = figures.at(pointer_to(path));
   const double mean = f["mean"].get<double>();

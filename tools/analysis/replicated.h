@@ -9,24 +9,25 @@
 
 namespace tools {
 
-/// `totals.replicates` of a report: statistics of these figures over all plays, the first of which is `plain`.
+/// Returns `totals.replicates` of a report: statistics of its noisy totals over all simulations, the first of which is
+/// `plain`.
 sim::Json replicates_json(const Result& result, const sim::Json& plain);
 
-/// The same in a line, and of the figures that people look at first as a table.
+/// Formats the statistics as one line, and as a table of the main metrics.
 std::string replicates_text(const sim::Json& replicates);
 std::string replicates_table(const sim::Json& replicates);
 
-/// Draws of a figure, e.g. "energy_mj.nominal", that a report has; none without replicates.
+/// Returns the statistics of a metric such as "energy_mj.nominal" in a report; nullopt without replicates.
 std::optional<Draws> draws_in(const ReportFile& report, const std::string& figure);
 
-/// Difference of a figure of two reports, and what noise makes of it.
+/// Difference of a metric between two reports, with its noise.
 struct NoisyDifference {
-  double relative = 0;    ///< b's mean, or figure, over a's, less 1
-  double half_width = 0;  ///< half of its 95 % interval, as a part of a's
-  bool measured = false;  ///< by replicates of both
-  bool outside = false;   ///< beyond what noise explains
+  double relative = 0;    ///< relative difference of b's value or mean to a's
+  double half_width = 0;  ///< half-width of its 95 % interval, relative to a
+  bool measured = false;  ///< true if both have replicates
+  bool outside = false;   ///< larger than noise explains
 };
-/// None for figures that have no noise, or are 0.
+/// Returns nullopt for metrics that have no noise or are 0.
 std::optional<NoisyDifference> noisy_difference(const ReportFile& a, const ReportFile& b, const std::string& figure);
 
 }  // namespace tools

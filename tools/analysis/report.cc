@@ -50,8 +50,8 @@ Json rays_json(const FrameResult& s) {
           {"continued", s.function.continued}};
 }
 
-/// Purposes of the bytes: lines between L2 and memory, the picture, ray slots that did not fit into the tile buffers,
-/// and where a method has them samples and rates; out and in.
+/// Returns DRAM bytes by purpose: cache lines, picture, spilled ray slots and, where used, samples and rates; both
+/// directions.
 Json dram_clients_json(const FrameResult& s) {
   constexpr std::uint64_t kLine = 64;
   using Dma = hw::Dma::Stats;
@@ -82,13 +82,13 @@ Json interval_json(const Interval& i, double scale = 1) {
 void add_intervals(const FrameResult& s, const Interval& cycles, const Interval& energy_pj, Json& out) {
   const double ms_per_cycle = time_ms(s) / static_cast<double>(s.cycles);
   Json time = interval_json(cycles, ms_per_cycle);
-  time["estimate"] = time_ms(s);  // to the last digit
+  time["estimate"] = time_ms(s);  // exact
   out["cycles"] = interval_json(cycles);
   out["time_ms"] = std::move(time);
   out["energy_mj"] = interval_json(energy_pj, 1 / sim::kPicojoulesPerMillijoule);
 }
 
-/// Numbers of tiles that were timed, and 95 % intervals.
+/// Returns counts of sampled tiles, and 95 % intervals.
 Json sampled_json(const FrameResult& s) {
   const SampledFrame& f = *s.sampled;
   Json out = {{"tiles", f.tiles},   {"asked", f.asked == 0 ? Json("auto") : Json(f.asked)},
@@ -99,7 +99,7 @@ Json sampled_json(const FrameResult& s) {
   return out;
 }
 
-/// Slices, and where there are several 95 % intervals.
+/// Returns counts of slices, and 95 % intervals if there are several.
 Json sliced_json(const FrameResult& s) {
   const SlicedFrame& f = *s.sliced;
   Json out = {{"slices", f.slices}, {"tiles", f.tiles}, {"again", f.again}, {"warmed", f.warmed}};

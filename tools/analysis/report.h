@@ -6,14 +6,14 @@
 
 namespace tools {
 
-/// A run, and the run it is compared with if there is one: of one frame, or of all.
+/// One or all frames of a run, with the reference, if any.
 struct Result {
   const FrameResult& run;
   const FrameResult* reference = nullptr;
-  double squared_error = 0;  ///< mean over the pictures' channels, with a reference
+  double squared_error = 0;  ///< mean over the channels of the pictures, with a reference
 };
 
-/// A frame (`frames[]`) or all of them (`totals`) in report.json.
+/// Returns a frame (`frames[]`) or all frames (`totals`) as in report.json.
 sim::Json totals_json(const Result& result);
 
 struct Report {
@@ -21,26 +21,27 @@ struct Report {
   const JobOptions& options;
   const Result& totals;
   const sim::Json& frames;  ///< one entry per frame
-  bool partial = false;     ///< interrupted before the last frame
-  double wall_seconds = 0;  ///< time of the whole job
+  bool partial = false;     ///< true if interrupted before the last frame
+  double wall_seconds = 0;  ///< host time of the whole job
 };
 
-/// report.json, schema raywatt-report/1: everything but `host` and `provenance.argv` depends on the inputs alone.
+/// Returns report.json, schema raywatt-report/1. Everything except `host` and `provenance.argv` depends only on the
+/// inputs.
 sim::Json report_json(const Report& report);
 
-/// Origin of the result: program, configuration, scene, command line.
+/// Returns the origin of the result: program, configuration, scene, command line.
 sim::Json provenance_json(const Inputs& inputs, const JobOptions& options);
 
-/// The table for a terminal, from the JSON.
+/// Formats a report as tables for a terminal.
 std::string report_table(const sim::Json& report);
 
-/// Peak resident memory of this process, in MiB.
+/// Returns the peak resident memory of this process in MiB.
 double peak_rss_mib();
 
-/// Samples that a frame program traced of those wanted, why, and the cost of deciding: totals.sampling of a report.
+/// Returns totals.sampling of a report: traced and wanted samples, reasons for tracing, and the cost of the decision.
 sim::Json sampling_json(const FrameResult& simulation);
 
-/// The share of similar samples among those checked, and the blocks' side, of each tile, row by row.
+/// Returns the share of similar samples among those checked and the block side, for each tile, by rows.
 sim::Json tiles_json(const kernels::Sampling& sampling);
 
 }  // namespace tools

@@ -14,7 +14,7 @@ using sim::Json;
 
 namespace {
 
-/// The schema of a report, or what else it is.
+/// Describes the schema of a JSON value, for errors.
 std::string schema_of(const Json& json) {
   if (!json.is_object() || !json.contains("schema")) return "no 'schema'";
   const Json& schema = json["schema"];
@@ -23,7 +23,7 @@ std::string schema_of(const Json& json) {
 
 constexpr int kDeepest = 32;
 
-/// Figures with a band stay together.
+/// Values with a band are not split.
 void flatten(const Json& node, const std::string& key, int depth, FlatConfig& out) {
   if (node.is_object() && node.size() == 3 && node.contains("nominal")) {
     out[sim::printable(key)] = sim::printable(sim::json_line(node));
@@ -74,7 +74,7 @@ ReportFile parse_report(const std::string& bytes, const std::filesystem::path& f
     report.json = sim::parse_json(bytes);
   } catch (const sim::JsonError& error) {
     throw refuse(fmt::format("is not JSON: {}", error.what()));
-  } catch (const sim::InputError& error) {  // it says what is allowed
+  } catch (const sim::InputError& error) {  // the message already names what is allowed
     throw sim::InputError(fmt::format("{}: {}", report.file.string(), error.what()));
   }
   if (schema_of(report.json) != "schema 'raywatt-report/1'") throw refuse("has " + schema_of(report.json));

@@ -33,13 +33,13 @@ void flatten(const Json& node, const std::string& path, int depth, Numbers& out)
   }
 }
 
-/// "core3" is one of the units that "core0" begins; "l2" is not, as there is no "l0".
+/// Returns the name without its number if siblings are numbered from 0: "core3" -> "core", but "l2" stays.
 std::string kind_of(const std::string& name, const Json& siblings) {
   const std::string kind = name.substr(0, name.find_last_not_of("0123456789") + 1);
   return !kind.empty() && siblings.contains(kind + "0") ? kind : name;
 }
 
-/// Adds the numbers below the units' tree, or a part of it, to those of equal kind.
+/// Sums the numbers of similar units in the tree of units.
 class Sums {
  public:
   void add(const Json& node, const std::string& kind, int depth) {
@@ -66,12 +66,12 @@ bool ends_in(std::string_view path, std::string_view text) {
   return path.ends_with(text) && path.size() > text.size() && path[path.size() - text.size() - 1] == '.';
 }
 
-/// Is `path` in the group that `text` names, if "." or nothing comes before it?
+/// True if `path` is in the group `text`.
 bool is_below(std::string_view path, std::string_view text) {
   return path.size() > text.size() && path.starts_with(text) && (path[text.size()] == '.' || path[text.size()] == '[');
 }
 
-/// As many last parts of a path as `text` has.
+/// Returns the last components of a path, as many as `text` has.
 std::string end_of(std::string_view path, std::string_view text) {
   std::size_t at = std::string_view::npos;
   for (auto dots = std::ranges::count(text, '.'); dots >= 0; --dots) {
@@ -92,12 +92,12 @@ constexpr std::size_t kMostShown = 8;
                   shown < candidates.size() ? fmt::format(" and {} more", candidates.size() - shown) : "", hint));
 }
 
-/// Meaning of a text among paths: one path, a group of them, several, or none of these.
+/// What a text denotes among paths: one path, a group, several paths, or nothing.
 struct Meanings {
   Meanings(std::string_view text, std::span<const std::string> paths) {
     if (text.empty()) return;
     const std::string in_totals = fmt::format("totals.{}", text), inside = fmt::format(".{}.", text);
-    std::array<std::vector<std::string>, 3> ends;  // paths in totals, in all else, in frames: first come, first served
+    std::array<std::vector<std::string>, 3> ends;  // in totals, elsewhere, in frames: in order of precedence
     std::vector<std::string> below;
     for (const std::string& path : paths) {
       if (path == text || (path == in_totals && one.empty())) one = path;
@@ -120,7 +120,7 @@ struct Meanings {
   std::vector<std::string> group, several;
 };
 
-/// ", did you mean 'x'?" for the nearest end of the paths that begin with `start`; a band goes by its name.
+/// Returns ", did you mean 'x'?" with the nearest end of the paths that start with `start`; bands count by name.
 std::string nearest_end(std::string_view text, std::span<const std::string> paths, std::string_view start) {
   constexpr std::string_view kNominal = ".nominal";
   std::set<std::string> known;
@@ -133,7 +133,7 @@ std::string nearest_end(std::string_view text, std::span<const std::string> path
   return traces::did_you_mean(text, names);
 }
 
-/// The nominal figure of a group that is a band and nothing else; empty for others.
+/// Returns the nominal path of a group that is a band; empty for other groups.
 std::string nominal_of(const std::vector<std::string>& group) {
   constexpr std::size_t kSides = 3;
   if (group.size() != kSides) return {};
@@ -202,7 +202,7 @@ std::vector<std::string> report_path_group(std::string_view text, std::span<cons
   if (!m.one.empty()) return {m.one};
   if (!m.several.empty()) refuse_several(text, "may mean any of", m.several);
   if (text != "units") return m.group;
-  // The sums say how many units there are; what else lies there is a single unit of several.
+  // Sums have a `units` entry; other paths belong to single units of several.
   const std::set<std::string> known(paths.begin(), paths.end());
   std::erase_if(m.group, [&](const std::string& path) {
     const std::size_t end = std::min(path.find(".why."), path.find(".counters."));

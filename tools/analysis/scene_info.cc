@@ -29,7 +29,7 @@ Json cameras_json(const traces::Scene& scene) {
   return list;
 }
 
-/// Bytes that a tree takes in each format.
+/// Returns the size of a tree in each format.
 Json nodes_by_format(std::uint64_t inner_nodes, std::uint64_t trees) {
   using traces::BoxNumbers, traces::BoxRecords;
   Json formats;
@@ -44,7 +44,7 @@ Json nodes_by_format(std::uint64_t inner_nodes, std::uint64_t trees) {
   return formats;
 }
 
-/// The sizes of its parts; what fills lines up counts as the textures'.
+/// Returns the sizes of its parts; padding counts as textures.
 Json memory_json(const traces::MemoryImage& image) {
   Json parts = {{"nodes", image.node_array_bytes()},
                 {"triangles", image.triangles.size() * sizeof(traces::TriangleRecord)},
@@ -86,7 +86,7 @@ std::string animation_text(const Json& animation) {
                      plural(animation["moving_instances"].get<std::uint64_t>(), "instance"));
 }
 
-/// Memory by the triangle only where triangles, not the program itself, are most of it.
+/// Shows memory per triangle only if triangles dominate the program's own memory.
 std::string host_text(const Json& host, std::uint64_t triangles) {
   constexpr std::uint64_t kTrianglesThatTell = 10'000;
   std::string text = fmt::format("loaded in {:.2f} s, tree in {:.2f} s, peak memory {}", host["load_s"].get<double>(),

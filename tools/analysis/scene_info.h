@@ -8,17 +8,17 @@
 
 namespace tools {
 
-/// Cost of loading a scene and building its tree on this host.
+/// Host cost of loading a scene and building its tree.
 struct SceneCost {
   double load_s = 0, build_s = 0;
   std::uint64_t file_bytes = 0;  ///< 0 for a built-in scene
-  std::uint64_t peak_bytes = 0;  ///< most memory in use at a time, beyond what the program took before
+  std::uint64_t peak_bytes = 0;  ///< peak memory in addition to that before loading
 };
 
-/// Description of a scene: schema raywatt-scene/1. All but `host` follows from the scene alone.
+/// Returns the description of a scene, schema raywatt-scene/1. All except `host` depends only on the scene.
 sim::Json scene_info_json(const traces::Scene& scene, const traces::MemoryImage& image, const SceneCost& cost);
 
-/// The same for people; `cameras`: also where each camera stands.
+/// Formats the description; `cameras`: with the position of each camera.
 std::string scene_info_text(const sim::Json& info, bool cameras);
 
 }  // namespace tools

@@ -28,7 +28,7 @@ std::string spread(const Json& s, double scale, const char* unit) {
                      s["high"].get<double>() * scale, unit);
 }
 
-/// Samples of an adaptive program.
+/// Formats the samples of an adaptive program.
 std::string samples(const Json& totals) {
   const Json& s = totals["sampling"];
   std::string out = fmt::format("{} of {} traced ({})", si_text(s["traced"].get<double>()),
@@ -41,9 +41,9 @@ std::string samples(const Json& totals) {
   return out;
 }
 
-/// First reasons for which samples of an adaptive program were traced, as shares of the traced ones, largest first.
+/// Formats the first reasons for tracing samples as shares of the traced ones, largest first.
 std::string tracing_reasons(const Json& s) {
-  constexpr std::uint64_t kOfSubpixel = 4;  // samples
+  constexpr std::uint64_t kOfSubpixel = 4;  // samples per sub-pixel
   std::vector<std::pair<std::uint64_t, std::string>> reasons;
   const std::uint64_t traced = s["traced"].get<std::uint64_t>();
   std::uint64_t explained = 0;
@@ -67,7 +67,7 @@ std::string tracing_reasons(const Json& s) {
   return out;
 }
 
-/// Half of a 95 % interval, where a figure is estimated.
+/// Formats the half-width of a 95 % interval, for estimated metrics.
 std::string half_interval(const Json& totals, const char* figure) {
   const char* const by = totals.contains("sampled") ? "sampled" : "sliced";
   if (!totals.contains(by) || !totals[by].contains(figure)) return "";
@@ -81,7 +81,7 @@ std::string slices(const Json& sliced) {
   return fmt::format("{}{}", count, count > 1 ? ", added up; ± is half of a 95 % interval" : "");
 }
 
-/// Scene, size and program, and whether the run is complete.
+/// Formats scene, size and program, and whether the run is complete.
 std::string heading(const Json& report) {
   const Json& frames = report["frames"];
   std::string out;
@@ -96,7 +96,7 @@ std::string heading(const Json& report) {
                            report["program"].get<std::string>(), si_text(report["scene"]["triangles"].get<double>()));
 }
 
-/// DRAM traffic, and whose it is.
+/// Formats DRAM traffic by purpose.
 std::string dram_traffic(const Json& totals) {
   const auto bytes = [](const Json& n) { return si_text(n.get<double>(), "B"); };
   const Json& clients = totals["dram_bytes_by_client"];
@@ -108,7 +108,7 @@ std::string dram_traffic(const Json& totals) {
   return out + ")";
 }
 
-/// Empty for a frame without rays, where a rasteriser finds what is seen, and that is all.
+/// Empty for a frame without rays, where the rasteriser finds all visible surfaces.
 std::string steps_per_ray(const Json& totals) {
   const auto rays = totals["rays"]["total"].get<double>();
   return rays > 0 ? fmt::format("  = {:.1f} per ray", totals["traversal_steps"].get<double>() / rays) : "";
@@ -130,7 +130,7 @@ std::string area(const Json& totals) {
                      sim::four_digits(totals["perf"]["mrays_per_s_per_mm2"].get<double>()));
 }
 
-/// What grew most, for a run that is slower than its reference with fewer traversal steps; else empty.
+/// For a run with fewer traversal steps that is slower than its reference: the part that grew most; else empty.
 std::string slower_because(const Json& t) {
   const Json &relative = t["relative"], &reference = t["reference"];
   const double steps = relative["traversal_steps"].get<double>();

@@ -40,23 +40,23 @@ using OfRaster = hw::RasterUnit::CycleReason;
 
 double ratio(auto a, auto b) { return b == 0 ? 0 : static_cast<double>(a) / static_cast<double>(b); }
 
-/// Average times of the machine's L2 and memory, in ns, and what queues in the L2 wait for.
+/// Mean latencies of L2 and memory in ns, and causes of queues in the L2.
 struct Beyond {
-  double l2 = 0;            ///< from a read's arrival until its line leaves
-  double dram = 0;          ///< part of it in which memory is waited for
-  double blocked_bank = 0;  ///< part of it in which the read waits for an MSHR or for room on the way to memory
-  double port_blocked = 0;  ///< part of the queues in front of the L2, 0 to 1, that is there because of that
-  double wires = 0;         ///< of a request and its line between core and L2, without queues
+  double l2 = 0;            ///< from the arrival of a read to the departure of its line
+  double dram = 0;          ///< part of `l2` that waits for memory
+  double blocked_bank = 0;  ///< part of `l2` that waits for an MSHR or for room on the way to memory
+  double port_blocked = 0;  ///< share of the queues before the L2 with that cause, 0 to 1
+  double wires = 0;         ///< latency of a request and its line between core and L2, without queues
   double ideal_wires = 0;   ///< the same with an ideal interconnect
 };
 
-/// Time between a core and the L2 without queues, in cycles of the L2's clock: a cycle in the port, the distance both
-/// ways, and the line on the wires.
+/// Latency between a core and the L2 without queues, in L2 cycles: one in the port, the distance both ways, the line on
+/// the wires.
 double wire_cycles(std::uint32_t distance, std::uint32_t line) { return 1.0 + 2.0 * distance + line; }
 
 Beyond beyond(std::span<const UnitReport> units, const hw::GpuConfig& config) {
   using OfBank = hw::L2Bank::CycleReason;
-  constexpr double kOftenBlocked = 0.05;  // chosen: queues of the ports' own making are seen below this share of time
+  constexpr double kOftenBlocked = 0.05;  // chosen: below this share of time, queues arise in the ports themselves
   const Units<hw::L2Bank> banks(units);
   const double ns = 1000 / banks.clock_mhz();
   const std::uint64_t reads = banks.counted(&L2Stats::reads);
@@ -74,13 +74,13 @@ Beyond beyond(std::span<const UnitReport> units, const hw::GpuConfig& config) {
   return b;
 }
 
-/// All times in ns. `latency`: of a miss; `crossing`: part of it for the look-up and between clocks; `line_wait`: part
-/// of it in queues for the wires down.
+/// Splits a miss latency by level; all times in ns. `crossing`: part of `latency` for lookup and clock crossings;
+/// `line_wait`: part in queues for the wires down.
 MissLevels levels(double latency, const Beyond& b, double crossing, double line_wait) {
   if (latency == 0) return {};
   const double dram = std::min(b.dram, latency), l2 = std::clamp(b.l2 - b.dram, 0.0, latency - dram);
   const double interconnect = latency - dram - l2;
-  const double queues = std::max(0.0, interconnect - b.wires - crossing - line_wait);  // on the way up
+  const double queues = std::max(0.0, interconnect - b.wires - crossing - line_wait);  // queues on the way up
   const double wires = std::min(interconnect - queues, b.wires - b.ideal_wires + line_wait);
   return {.interconnect = interconnect / latency,
           .l2 = l2 / latency,
@@ -90,7 +90,7 @@ MissLevels levels(double latency, const Beyond& b, double crossing, double line_
           .blocked_bank = std::min(b.blocked_bank, l2) / latency};
 }
 
-/// Work of the rays inside a T&I unit, as shares of the time in which traversal units have any.
+/// Activity of the rays inside a T&I unit, as shares of the time with rays in a TRV.
 struct Inside {
   double boxes = 0, triangles = 0, misses = 0;
 };
@@ -109,19 +109,19 @@ Inside inside(const Trvs& trvs, const Ists& ist) {
           ratio(misses_of(trvs), there) + at_ist * ratio(misses_of(ist), leaves)};
 }
 
-/// Sum of the misses' times over the units' elapsed time: misses under way on average.
+/// Returns the mean number of misses in flight: the sum of their latencies over elapsed time.
 template <class Unit>
 double misses_under_way(const Units<Unit>& units) {
   return ratio(units.counted(&Unit::Stats::l1_miss_cycles), units.elapsed());
 }
 
-/// The same for rays that wait: several may wait for one line.
+/// Returns the mean number of waiting rays; several may wait for one line.
 template <class Unit>
 double rays_waiting(const Units<Unit>& units) {
   return misses_under_way(units) * ratio(units.counted(&Unit::Stats::l1_late), units.counted(&Unit::Stats::l1_fills));
 }
 
-/// What the DMA and ray slots without room make of the traffic of memory.
+/// Adds the shares of the DMA and of spilled ray slots in memory traffic.
 void add_traffic(std::span<const UnitReport> units, std::uint32_t core, const hw::GpuConfig& config,
                  const Beyond& memory, CoreTime::Demands& d) {
   using Stats = hw::Dma::Stats;
@@ -163,15 +163,15 @@ double record_share(std::span<const UnitReport> units, const Units<hw::L2Bank>& 
   return ratio(requests, banks.counted(&L2Stats::reads) + banks.counted(&L2Stats::writes));
 }
 
-/// Time for all visits at the pace of times when every ray slot was taken; that of all times where there were too few.
+/// Returns the time of all visits at the rate while every ray slot was taken; at the overall rate if that was rare.
 double tracing_demand(const Trvs& trvs) {
   const double occupied = 1 - trvs.share(OfTrv::kStarved), full = ratio(trvs.counted(&TrvStats::full), trvs.elapsed());
   if (full < 0.02) return occupied;
   return std::min(occupied, full * ratio(trvs.counted(&TrvStats::visits), trvs.counted(&TrvStats::full_visits)));
 }
 
-/// The rasteriser gets that part of the time without rays in which it was not idle, divided by what it did over the
-/// frame: the array may wait for other things meanwhile, but mostly launches wait for what it finds.
+/// Moves time without rays to the rasteriser, up to its busy time, in proportion to its activity over the frame. An
+/// approximation: launches mostly wait for the rasteriser then.
 void part_from_transfers(const Units<hw::RasterUnit>& rasteriser, const Beyond& memory, CoreTime& t) {
   const double busy = rasteriser.empty() ? 0 : 1 - rasteriser.share(OfRaster::kIdle);
   if (busy == 0) return;
@@ -185,7 +185,7 @@ void part_from_transfers(const Units<hw::RasterUnit>& rasteriser, const Beyond& 
 
 CoreTime core_time(std::span<const UnitReport> units, std::uint32_t number, const Beyond& memory,
                    const hw::GpuConfig& config) {
-  constexpr double kIdealRays = 64;  // of a traversal unit (hw::IdealConfig)
+  constexpr double kIdealRays = 64;  // per TRV (hw::IdealConfig)
   const std::string core = hw::name_in_core("core.", number);
   const Units<hw::Srp> srp(units, core);
   const Trvs trvs(units, core);
@@ -224,7 +224,7 @@ CoreTime core_time(std::span<const UnitReport> units, std::uint32_t number, cons
   t.pipes = tracing - t.boxes - t.triangles - t.tree_misses;
   const double srp_ns = 1000 / srp.clock_mhz(), tni_ns = 1000 / trvs.clock_mhz(), l2_ns = 1000 / banks.clock_mhz();
   const double line_wait = l2_ns * ratio(port.counted(&PortStats::line_wait), port.counted(&PortStats::lines_down));
-  // Latency in ns: one cache cycle for the look-up, plus the synchronisers in both directions if the clocks differ.
+  // ns: one cache cycle for the lookup, plus the synchronisers of both directions if the clocks differ.
   const auto crossing = [&](double ns) { return ns + (ns == l2_ns ? 0 : config.clocks.synchroniser * (ns + l2_ns)); };
   t.data_levels = levels(srp_ns * ratio(srp.counted(&SrpStats::cache_miss_cycles), srp.counted(&SrpStats::cache_fills)),
                          memory, crossing(srp_ns), line_wait);
@@ -235,7 +235,7 @@ CoreTime core_time(std::span<const UnitReport> units, std::uint32_t number, cons
   return t;
 }
 
-/// Calls f(member of a, same member of b) for every share and demand of a CoreTime.
+/// Calls f(member of a, same member of b) for every share and demand.
 template <class A, class F>
 void each_share(A& a, const CoreTime& b, F&& f) {
   for (double CoreTime::*share :
@@ -254,13 +254,13 @@ void each_share(A& a, const CoreTime& b, F&& f) {
   }
 }
 
-/// Time that kinds of caches spend on misses, and the levels that it is spent on.
+/// Miss time by kind of cache, and its levels.
 constexpr std::array<std::pair<double CoreTime::*, MissLevels CoreTime::*>, 3> kMisses = {
     {{&CoreTime::data_misses, &CoreTime::data_levels},
      {&CoreTime::tree_misses, &CoreTime::tree_levels},
      {&CoreTime::raster_misses, &CoreTime::raster_levels}}};
 
-/// Adds the levels of a core's misses to those of all: a core counts as much as it missed.
+/// Adds a core's miss levels, weighted by its miss time.
 void add_levels(MissLevels& all, const MissLevels& core, double weight) {
   for (double MissLevels::*level : {&MissLevels::interconnect, &MissLevels::l2, &MissLevels::dram, &MissLevels::wires,
                                     &MissLevels::blocked_request, &MissLevels::blocked_bank}) {
@@ -272,7 +272,7 @@ sim::Json levels_json(const MissLevels& l, double share) {
   return {{"interconnect", share * l.interconnect}, {"l2", share * l.l2}, {"dram", share * l.dram}};
 }
 
-/// The name of a part or level in words.
+/// Returns the display name of a part or level.
 const char* word_for(const std::string& name) {
   static const std::map<std::string, const char*> kWords = {{"kernels", "kernels"},
                                                             {"switches", "kernel switches"},
@@ -292,7 +292,7 @@ const char* word_for(const std::string& name) {
   return kWords.at(name);
 }
 
-/// A share, or the sum of those of its levels.
+/// Returns a share, or the sum of its levels.
 double sum_of_levels(const sim::Json& share) {
   double all = 0;
   for (const sim::Json& part : share) all += part.get<double>();

@@ -6,9 +6,9 @@
 
 namespace tools {
 
-/// Contents of a trace, schema raywatt-trace-info/1. InputError for one that is damaged.
+/// Returns the contents of a trace, schema raywatt-trace-info/1. InputError if the trace is damaged.
 sim::Json trace_info(const traces::TraceReader& trace);
-/// The same for a terminal, without the keys.
+/// Formats the contents for a terminal, without the keys.
 std::string trace_info_text(const sim::Json& info);
 
 }  // namespace tools

@@ -16,7 +16,7 @@
 
 namespace tools {
 
-/// The name under which a counter of `Stats` is reported: a member, or a function from Stats to one of its counters.
+/// Returns the reported name of a counter: a member of `Stats`, or a function from Stats to a member.
 template <class Stats>
 std::string_view counter_name(auto&& counter) {
   const Stats stats{};
@@ -28,20 +28,20 @@ std::string_view counter_name(auto&& counter) {
   return found;
 }
 
-/// The path in a report of a counter's sum over all units of a kind.
+/// Returns the report path of a counter's sum over all units of a kind.
 template <class Unit>
 std::string counter_path(std::uint64_t Unit::Stats::*counter, std::string_view kind = Unit::kName) {
   return fmt::format("units.{}.counters.{}", kind, counter_name<typename Unit::Stats>(counter));
 }
 
-/// The units of one type among a machine's, and sums over them; 0 if there are none.
+/// The units of one type, and sums over them; 0 if there are none.
 template <class Unit>
 class Units {
  public:
   using Stats = typename Unit::Stats;
   using CycleReason = typename Unit::CycleReason;
 
-  /// Those whose path begins with `prefix`.
+  /// Selects units whose path starts with `prefix`.
   explicit Units(std::span<const sim::UnitReport> units, std::string_view prefix = {}) {
     for (const sim::UnitReport& unit : units) {
       if (unit.type == typeid(Unit) && unit.path.starts_with(prefix)) units_.push_back(&unit);
@@ -52,12 +52,12 @@ class Units {
   std::uint64_t elapsed() const {
     return sum([](const sim::UnitReport& unit) { return unit.elapsed; });
   }
-  /// Cycles given to a reason.
+  /// Cycles charged to a reason.
   std::uint64_t spent(CycleReason reason) const {
     return sum(
         [&](const sim::UnitReport& unit) { return unit.cycles_by_reason.at(static_cast<std::size_t>(reason)).second; });
   }
-  /// A counter, as for counter_name().
+  /// Sum of a counter, given as for counter_name().
   std::uint64_t counted(auto&& counter) const {
     const std::string_view name = counter_name<Stats>(counter);
     return sum([&](const sim::UnitReport& unit) {
@@ -66,7 +66,7 @@ class Units {
       return found->value;
     });
   }
-  /// The part of all their time that is given to a reason.
+  /// Share of time charged to a reason.
   double share(CycleReason reason) const {
     return elapsed() == 0 ? 0 : static_cast<double>(spent(reason)) / static_cast<double>(elapsed());
   }

@@ -12,16 +12,16 @@
 namespace tools {
 namespace {
 
-/// Tiles that are timed over the share that was asked for, from which on it is said: chosen, as blocks are whole tiles.
+/// Ratio of simulated to requested tiles that causes a warning. Chosen: blocks are whole tiles.
 constexpr double kMuchMore = 1.5;
 
-/// "14 nm, 0.80 V, 75 C" -> "14nm"
+/// Returns "14nm" for "14 nm, 0.80 V, 75 C".
 std::string node_of(std::string process) {
   std::erase(process, ' ');
   return process.substr(0, process.find(','));
 }
 
-/// Leakage and what is said per mm2 take figures of both tables.
+/// True if area and energy tables are of different processes; leakage and results per mm2 use both.
 bool are_of_two_processes(const RunConfig& config) {
   return !config.area.arrays.empty() && config.area.process != sim::AreaConfig().process &&
          config.energy.process != sim::EnergyConfig().process &&

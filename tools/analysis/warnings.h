@@ -8,11 +8,12 @@
 
 namespace tools {
 
-/// A line for each size outside the curves of the tables, and for each clock whose energies hold at another voltage.
+/// Returns a warning for each size outside the curves of the tables, and for each clock whose energies are for another
+/// voltage.
 std::vector<std::string> extrapolation_warnings(const RunConfig& config, std::span<const sim::UnitReport> units);
 
-/// Lines of `warnings[]` in report.json that follow from the run itself: extrapolations, tables of two processes,
-/// sampling that times more than was asked for.
+/// Returns the warnings of report.json from the run itself: extrapolations, tables of different processes, sampling
+/// that simulated more than requested.
 std::vector<std::string> run_warnings(const RunConfig& config, std::span<const sim::UnitReport> units,
                                       const std::optional<SampledFrame>& sampled = {});
 
