@@ -33,7 +33,7 @@ std::vector<std::string> option_names(const DeclaredVerb& verb) {
   return names;
 }
 
-/// Names that an option takes, beside files: those that messages about wrong ones offer.
+/// Returns the names that an option accepts besides files.
 std::vector<std::string> known_names(const DeclaredVerb& verb, const DeclaredOption& option) {
   const std::string& name = option.names.front();
   std::vector<std::string> known;
@@ -54,7 +54,7 @@ std::vector<std::string> known_names(const DeclaredVerb& verb, const DeclaredOpt
              (joined(verb.words) == "raywatt sweep run" || verb.words.back() == "optimise")) {
     for (const std::string& path : config_names_in("experiments")) known.push_back(path.substr(path.find('/') + 1));
   }
-  std::erase_if(known, [](const std::string& each) {  // what a shell would take for more than a word
+  std::erase_if(known, [](const std::string& each) {  // words that a shell would split
     return !std::ranges::all_of(each, [](unsigned char c) { return std::isalnum(c) || std::strchr("-_.:", c); });
   });
   return known;
@@ -70,15 +70,15 @@ std::vector<std::string> positional_names(const DeclaredVerb& verb) {
   return names;
 }
 
-/// Name of the list of keys that --set of a verb takes.
+/// Returns the name of the list of keys for a verb's --set.
 const char* list_of_keys(const DeclaredVerb& verb) {
   return joined(verb.words) == "raywatt energy price" ? "of_energy" : "every";
 }
 
 bool takes_keys(const DeclaredOption& option) { return option.names.front() == "--set"; }
 
-/// Calls f(patterns, variable, values) for each option that takes a value: "choices" has what it may be, "names" what
-/// it may be beside a file, "keys" which list of keys, and "next" nothing, so that files alone are left.
+/// Calls f(patterns, variable, values) for each option with a value. `variable`: "choices" for the only allowed values,
+/// "names" for values besides files, "keys" for a list of keys, "next" for files only.
 template <class F>
 void for_values(const DeclaredVerb& verb, const F& f) {
   for (const DeclaredOption& option : verb.options) {
@@ -94,7 +94,7 @@ void for_values(const DeclaredVerb& verb, const F& f) {
   }
 }
 
-/// Cases of a `case` over the verb, each of them lines of `body`.
+/// Returns the cases of a shell `case` over the verb, with `body(verb)` as lines.
 template <class F>
 std::string cases(const std::vector<DeclaredVerb>& verbs, const F& body) {
   std::string out;
@@ -103,7 +103,7 @@ std::string cases(const std::vector<DeclaredVerb>& verbs, const F& body) {
   return out;
 }
 
-/// A loop that finds the verb in the words before the one that is completed.
+/// A loop that finds the verb in the words before the cursor.
 constexpr std::string_view kFindVerb = R"(  verb=raywatt
   for word in "${before[@]}"; do
     case " $verb $word" in
@@ -117,7 +117,8 @@ std::string find_verb(const std::vector<DeclaredVerb>& verbs) {
   return fmt::format("{}      {}) verb=\"$verb $word\" ;;\n    esac\n  done\n", kFindVerb, known);
 }
 
-/// Lines that put the words that may come next into `next`, or `choices`, or `names` that may be files as well.
+/// Returns the lines that set `next`, `choices` (the only words) or `names` (words besides files) to the words that may
+/// follow.
 std::string what_comes(const std::vector<DeclaredVerb>& verbs) {
   const auto offered = [](const DeclaredVerb& verb) {
     std::string lines = fmt::format("      next='{} {} {}'\n", joined(verb.verbs), joined(positional_names(verb)),
@@ -132,10 +133,10 @@ std::string what_comes(const std::vector<DeclaredVerb>& verbs) {
   return "  case $verb in\n" + cases(verbs, offered) + "  esac\n";
 }
 
-/// Keys with the equals sign that follows.
+/// Returns the keys, each with an equals sign.
 std::string settings(const std::vector<std::string>& keys) { return fmt::format("{}=", fmt::join(keys, "= ")); }
 
-/// Lines that put into `keys` what may follow --set, and with a `key` before an equals sign its values into `choices`.
+/// Returns the lines that set `keys` to the keys of --set and, after "key=", `choices` to its values.
 std::string what_is_set() {
   const SetKeys keys = set_keys();
   std::string values;
@@ -205,7 +206,7 @@ _raywatt "$@"
 )";
 }
 
-/// A function of fish that writes what may follow --set: lists of keys by their names, and values of a key.
+/// Returns a fish function that prints completions of --set: keys by list, and values of a key.
 std::string fish_settings() {
   const SetKeys keys = set_keys();
   std::string out =

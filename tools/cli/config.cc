@@ -20,7 +20,7 @@
 namespace tools {
 namespace {
 
-/// The question of an experiment, or the first sentence of the comment that a file begins with.
+/// Returns the question of an experiment, or the first sentence of the comment at the start of a file.
 std::string line_about(const std::filesystem::path& file) {
   constexpr std::size_t kLongest = 110;
   constexpr std::string_view kQuestion = "question: ";
@@ -41,14 +41,14 @@ std::string line_about(const std::filesystem::path& file) {
   return text.size() <= kLongest ? text : text.substr(0, text.rfind(' ', kLongest)) + " ...";
 }
 
-/// Is the experiment one for `optimise`?
+/// True for an experiment of `raywatt optimise`.
 bool is_search(const std::string& name) {
   std::ifstream in(find_config_file(name));
   std::string line;
   return std::getline(in, line) && line.starts_with("schema: raywatt-optimise/");
 }
 
-/// Every file that a name finds, by kind, with a line about each.
+/// Lists the configuration files by kind, with one line about each.
 std::string config_list() {
   std::string text;
   const auto list = [&](const std::string& head, const std::vector<std::string>& names) {
@@ -68,7 +68,7 @@ std::string config_list() {
   list("hits of caches over their size (--set latency.extends=NAME)", config_names_in("latency"));
   list("area tables (--set area.extends=NAME)", config_names_in("area"));
   std::vector<std::string> searches = config_names_in("experiments");
-  // Subranges, which std::ranges would give, do not compile with clang 14.
+  // std::ranges subranges do not compile with clang 14.
   const auto sweeps = std::stable_partition(searches.begin(), searches.end(), is_search);
   list("sweeps (raywatt sweep run NAME; without experiments/)", {sweeps, searches.end()});
   list("searches (raywatt optimise NAME; without experiments/)", {searches.begin(), sweeps});

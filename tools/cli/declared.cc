@@ -9,7 +9,7 @@
 namespace tools {
 namespace {
 
-/// Those between the braces of "TEXT:{local,slurm}".
+/// Returns the words between the braces of "TEXT:{local,slurm}".
 std::vector<std::string> choices_in(const std::string& type) {
   const std::size_t begin = type.find('{'), end = type.find('}');
   if (begin == std::string::npos || end == std::string::npos) return {};
@@ -34,7 +34,8 @@ void add_verb(const CLI::App& app, std::vector<std::string> words, std::vector<D
   words.push_back(app.get_name());
   DeclaredVerb verb{words, app.get_description(), app.get_footer(), {}, {}};
   for (const CLI::Option* option : app.get_options()) verb.options.push_back(declared(*option));
-  const auto below = app.get_subcommands([](const CLI::App* sub) { return !sub->get_group().empty(); });  // not hidden
+  const auto below =
+      app.get_subcommands([](const CLI::App* sub) { return !sub->get_group().empty(); });  // only visible ones
   std::ranges::transform(below, std::back_inserter(verb.verbs), [](const CLI::App* sub) { return sub->get_name(); });
   verbs.push_back(std::move(verb));
   for (const CLI::App* sub : below) add_verb(*sub, words, verbs);

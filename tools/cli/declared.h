@@ -8,12 +8,12 @@ class App;
 
 namespace tools {
 
-/// An option or a positional argument as a verb declares it.
+/// An option or a positional argument of a verb.
 struct DeclaredOption {
-  std::vector<std::string> names;  ///< "-o", "--output"; "file" of a positional argument
+  std::vector<std::string> names;  ///< "-o", "--output"; "file" for a positional argument
   std::string help;
-  std::string takes;                 ///< what its value is, as --help shows it; empty for a flag
-  std::vector<std::string> choices;  ///< where only these are allowed
+  std::string takes;                 ///< type of its value as in --help; empty for a flag
+  std::vector<std::string> choices;  ///< the only allowed values, if restricted
   bool is_positional;
 };
 
@@ -22,10 +22,10 @@ struct DeclaredVerb {
   std::vector<std::string> words;  ///< "raywatt", "trace", "replay"
   std::string help, footer;
   std::vector<DeclaredOption> options;
-  std::vector<std::string> verbs;  ///< the next words
+  std::vector<std::string> verbs;  ///< its subcommands
 };
 
-/// The program, its verbs and theirs, each before what is below it.
+/// Returns the program, its verbs and their subcommands, parents first.
 std::vector<DeclaredVerb> declared_verbs(const CLI::App& app);
 
 }  // namespace tools

@@ -35,7 +35,7 @@ void add_set_option(CLI::App& verb, std::vector<std::string>& sets) {
                ""});
 }
 
-/// Refuses the value of a variable that is not set.
+/// Validator that rejects empty values, which usually come from an unset variable.
 static CLI::Validator not_empty(const std::string& allowed) {
   return {[allowed](const std::string& value) { return value.empty() ? allowed : std::string(); }, ""};
 }

@@ -12,40 +12,39 @@ class Option;
 
 namespace tools {
 
-/// Adds to a verb of the command line what says what is rendered, and on what.
-/// `positional`: the configuration is an argument of its own.
+/// Adds the options shared by all verbs that render. `positional`: the configuration is a positional argument.
 void add_work_options(CLI::App& verb, JobOptions& options, bool positional = true);
-/// Adds a list of rays, which takes the place of what says what is rendered; call it last.
+/// Adds --rays, which excludes the options of a rendered run; call it last.
 void add_rays_option(CLI::App& verb, JobOptions& options);
-/// Adds the program that others are compared with.
-/// --timeline
+/// Adds --timeline.
 void add_timeline_option(CLI::App& verb, JobOptions& options);
+/// Adds --reference.
 void add_reference_option(CLI::App& verb, JobOptions& options);
-/// Adds ideal resources.
+/// Adds --ideal.
 void add_ideal_option(CLI::App& verb, JobOptions& options);
-/// Adds what becomes of the results.
+/// Adds the options of the output folder and of messages.
 void add_output_options(CLI::App& verb, JobOptions& options);
-/// Adds whether intervals are kept.
+/// Adds --intervals.
 void add_intervals_option(CLI::App& verb, JobOptions& options);
-/// Adds frames of an animation.
+/// Adds --frames.
 void add_frames_option(CLI::App& verb, JobOptions& options);
-/// These, frames, and what becomes of the results.
+/// Adds work, frame, ideal and output options.
 void add_job_options(CLI::App& verb, JobOptions& options);
 void add_config_options(CLI::App& verb, std::string& config, std::vector<std::string>& sets);
 void add_set_option(CLI::App& verb, std::vector<std::string>& sets);
 
-/// Adds who computes points, and how many at a time.
+/// Adds the options of the launcher of points.
 void add_launcher_options(CLI::App& verb, LauncherOptions& options);
 
-/// Adds the form of the progress that goes to standard error.
+/// Adds --progress.
 void add_progress_option(CLI::App& verb, std::string& progress);
 
-/// Has the options of all verbs that are there refuse an empty value: as a rule, that of a variable that is not set.
-/// --set says itself what it takes.
+/// Makes all options of all existing verbs reject empty values, which usually come from unset variables. --set has a
+/// check of its own.
 void refuse_empty_values(CLI::App& app);
-/// Refuses a negative number, which CLI11 takes for a huge one.
+/// Rejects negative numbers, which CLI11 reads as large unsigned ones.
 void refuse_negative(CLI::Option& option);
-/// Refuses values that are no finite number above 0.
+/// Rejects values that are not finite numbers above 0.
 void require_positive(CLI::Option& option);
 
 }  // namespace tools

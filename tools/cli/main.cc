@@ -26,25 +26,25 @@ namespace {
 
 constexpr std::size_t kLongestComplaint = 4096;
 
-/// One line, whatever file names and arguments it quotes.
+/// Prints one line to stderr, with unsafe characters replaced. Returns `exit`.
 int complain(std::string_view what, int exit) {
   tools::tell(sim::printable(what, kLongestComplaint));
   return exit;
 }
 
-/// The verb that the command line has come to, or the program itself.
+/// Returns the verb that the command line selects, or the program itself.
 const CLI::App& reached(const CLI::App& app) {
   const CLI::App* verb = &app;
   while (!verb->get_subcommands().empty()) verb = verb->get_subcommands().front();
   return *verb;
 }
 
-/// "raywatt trace replay"
+/// Returns for example "raywatt trace replay".
 std::string command(const CLI::App& verb) {
   return (verb.get_parent() != nullptr ? command(*verb.get_parent()) + " " : "") + verb.get_name();
 }
 
-/// "unknown verb 'shwo', did you mean 'show'?" if that is what is wrong with the command line.
+/// Returns "unknown verb 'shwo', did you mean 'show'?" if a verb is wrong; else empty.
 std::string unknown_verb(const CLI::App& verb) {
   const std::vector<std::string> rest = verb.remaining();
   std::vector<std::string> known;
@@ -56,7 +56,7 @@ std::string unknown_verb(const CLI::App& verb) {
                      sim::printable(rest.front()), traces::did_you_mean(rest.front(), known), fmt::join(known, ", "));
 }
 
-/// What to type for "raywatt run sgrt-2016 --set cores=2 rays=8"; empty if no word of `rest` is a setting.
+/// Suggests --set for "raywatt run sgrt-2016 --set cores=2 rays=8"; empty if no word is a setting.
 std::string setting_without_option(const CLI::App& verb, const std::vector<std::string>& rest) {
   const auto setting =
       std::ranges::find_if(rest, [](const std::string& word) { return word.find('=') != std::string::npos; });
@@ -64,7 +64,7 @@ std::string setting_without_option(const CLI::App& verb, const std::vector<std::
   return fmt::format("'{0}' follows no option; allowed: --set {0}, one --set for each key", sim::printable(*setting));
 }
 
-/// "unknown option '--scen', did you mean '--scene'?" if that is what is wrong with the command line.
+/// Returns "unknown option '--scen', did you mean '--scene'?" if an option is wrong; else empty.
 std::string unknown_option(const CLI::App& verb) {
   const std::vector<std::string> rest = verb.remaining();
   const auto option = std::ranges::find_if(rest, [](const std::string& word) { return word.starts_with("--"); });
@@ -75,7 +75,7 @@ std::string unknown_option(const CLI::App& verb) {
   }
   const std::string asked = option->substr(0, option->find('='));
   if (verb.get_parent() == nullptr) {
-    // "raywatt --resolution 64x32": the option of a verb that is missing.
+    // "raywatt --resolution 64x32": the verb is missing.
     for (const CLI::App* sub : verb.get_subcommands([](const CLI::App*) { return true; })) {
       if (sub->get_option_no_throw(asked) == nullptr) continue;
       return fmt::format("'{0}' is an option of a verb; allowed: raywatt {1} {0} ...", sim::printable(asked),
@@ -86,7 +86,7 @@ std::string unknown_option(const CLI::App& verb) {
                      command(verb));
 }
 
-/// "report needs DIR (folder of a run ...)" if a required argument is missing.
+/// Returns "report needs DIR (folder of a run ...)" if a required argument is missing; else empty.
 std::string missing_argument(const CLI::App& verb) {
   for (const CLI::Option* option : verb.get_options()) {
     if (!option->get_required() || option->count() != 0) continue;
@@ -99,7 +99,7 @@ std::string missing_argument(const CLI::App& verb) {
   return {};
 }
 
-/// What to type instead of "raywatt help run"; empty for other command lines.
+/// Suggests --help for "raywatt help run"; empty for other command lines.
 std::string help_as_word(const CLI::App& verb, int argc, char** argv) {
   if (argc < 2 || std::string_view(argv[1]) != "help") return {};
   return fmt::format("help is an option; allowed: {} --help", command(verb));
@@ -137,7 +137,7 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    const bool asked = error.get_exit_code() == 0;  // --help, --version
+    const bool asked = error.get_exit_code() == 0;  // --help or --version
     if (asked) {
       app.exit(error);
       tools::flush_output();
@@ -166,7 +166,7 @@ int main(int argc, char** argv) {
   try {
     return run(argc, argv);
   } catch (const tools::Interrupted&) {
-    return 128 + SIGINT;  // not reached while HoldInterrupts ends the process
+    return 128 + SIGINT;  // only if no HoldInterrupts ended the process
   } catch (const sim::InputError& error) {
     return complain(error.what(), tools::kBadInput);
   } catch (const sim::IoError& error) {

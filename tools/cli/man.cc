@@ -15,7 +15,7 @@
 namespace tools {
 namespace {
 
-/// Rows of the table in docs/verbs.md.
+/// Exit codes, as in the table of docs/verbs.md.
 constexpr std::array<std::pair<int, std::string_view>, 8> kEndings = {{
     {kGood, "good"},
     {kCheckFailed,
@@ -31,7 +31,7 @@ constexpr std::array<std::pair<int, std::string_view>, 8> kEndings = {{
     {128 + SIGTERM, "the same by SIGTERM"},
 }};
 
-/// Text that roff takes as it is: no line of it is a request.
+/// Escapes text for roff.
 std::string plain(std::string_view text) {
   std::string out;
   bool begins = true;

@@ -33,7 +33,7 @@ void add_option(CLI::App& app, const BenchmarkOption& option, BenchmarkJob& job)
   if (option.default_shown) made->capture_default_str();
 }
 
-/// Prints them. Says so, and makes `exit` kCheckFailed, if figures leave their closed forms.
+/// Prints the findings. If values differ from their closed forms, prints a message and sets `exit` to kCheckFailed.
 void show(const Findings& findings, const char* name, bool json, int& exit) {
   const bool ready = !findings.printed.empty();
   fmt::print("{}", ready ? findings.printed : json ? json_of(name, findings) : table_of(findings));

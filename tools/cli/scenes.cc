@@ -27,8 +27,8 @@
 namespace tools {
 namespace {
 
-/// "VmRSS" (memory in use) or "VmHWM" (its peak) of this process, in bytes. getrusage() would count the program that
-/// started this one.
+/// Returns "VmRSS" (resident memory) or "VmHWM" (its peak) of this process in bytes. getrusage() would include the
+/// parent program before exec.
 std::uint64_t memory_in_use(const std::string& key) {
   std::ifstream status("/proc/self/status");
   for (std::string word; status >> word;) {
@@ -51,7 +51,7 @@ void list() {
              fmt::join(workload_names(), ", "));
 }
 
-/// The scene that a user asks for by name, workload or file.
+/// A scene requested by name, workload or file.
 struct Wanted {
   JobOptions job;
   traces::Scene open() const { return open(load_run_config(job)); }

@@ -5,10 +5,10 @@
 
 namespace tools {
 
-/// Keys that --set takes, for scripts that complete command lines.
+/// The keys of --set, for completion scripts.
 struct SetKeys {
-  std::vector<std::string> every, of_energy;  ///< in the order of their declaration; the latter: of energy alone
-  std::vector<std::pair<std::string, std::vector<std::string>>> values;  ///< words that a key takes, or names of files
+  std::vector<std::string> every, of_energy;  ///< in order of declaration; `of_energy`: keys that affect energy only
+  std::vector<std::pair<std::string, std::vector<std::string>>> values;  ///< values of a key: words, or names of files
 };
 SetKeys set_keys();
 

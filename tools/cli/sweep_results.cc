@@ -24,14 +24,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Width of the terminal; 80 characters if there is none.
+/// Returns the width of the terminal, or 80.
 std::size_t terminal_width() {
   winsize size{};
   return ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col != 0 ? size.ws_col : 80;
 }
 
-/// Has the index say what there is now. Where it cannot be written (another user's folder, a full disk) an older one is
-/// good enough.
+/// Updates the index. If it cannot be written (another user's folder, a full disk), an older index is used.
 void collect_if_possible(const fs::path& sweep) {
   try {
     results::collect(sweep::SweepFolder::open(sweep));
@@ -42,7 +41,7 @@ void collect_if_possible(const fs::path& sweep) {
   }
 }
 
-/// Has `ask` read the results of a sweep. A file that turns out to be damaged is the user's input.
+/// Prints `ask(results)`. A damaged index is reported as an input error.
 template <class Ask>
 void with_results(const fs::path& sweep, Ask&& ask, bool csv = false) {
   collect_if_possible(sweep);
@@ -55,7 +54,7 @@ void with_results(const fs::path& sweep, Ask&& ask, bool csv = false) {
   }
 }
 
-/// A verb that reads the results of the sweep in `folder`.
+/// Adds a verb that reads the results of the sweep in `folder`.
 CLI::App* add_query(CLI::App& group, const char* name, const char* description, fs::path& folder) {
   CLI::App* verb = group.add_subcommand(name, description);
   verb->add_option("sweep", folder, "folder of the sweep")->required()->type_name("DIR");
@@ -68,7 +67,7 @@ void add_where(CLI::App& verb, std::vector<std::string>& where) {
       ->type_name("EXPR");
 }
 
-/// `band`: also under draws of the energy tables.
+/// `band`: also evaluate random draws of the energy tables.
 void add_energy_option(CLI::App& verb, bool& band) {
   verb.add_option_function<std::string>(
           "--energy", [&band](const std::string& word) { band = word == "band"; },

@@ -13,7 +13,7 @@
 namespace tools {
 namespace {
 
-/// "[CONFIG] FILE"
+/// The arguments "[CONFIG] FILE".
 struct Arguments {
   std::vector<std::string> words;
   const std::string& file() const { return words.back(); }

@@ -10,7 +10,7 @@ class App;
 
 namespace tools {
 
-// One function per verb: adds it to the command line. The verb runs as its callback and leaves its ending in `exit`.
+// One function per verb, which adds it to the command line. The verb runs as a callback and sets `exit`.
 void add_run(CLI::App& app, const std::vector<std::string>& argv, int& exit);
 void add_verify(CLI::App& app, const std::vector<std::string>& argv, int& exit);
 void add_reproduce(CLI::App& app, const std::vector<std::string>& argv);
@@ -27,7 +27,7 @@ void add_baseline(CLI::App& app, int& exit);
 void add_trace(CLI::App& app, const std::vector<std::string>& argv);
 void add_microbench(CLI::App& app, int& exit);
 void add_sweep(CLI::App& app, int& exit);
-/// Those verbs of `raywatt sweep` that look at results.
+/// Adds the verbs of `raywatt sweep` that read results.
 void add_sweep_results(CLI::App& sweep);
 void add_optimise(CLI::App& app, int& exit);
 void add_completion(CLI::App& app);
