@@ -10,7 +10,7 @@
 
 namespace test {
 
-/// Letters and digits of a text, joined by underscores: a name that GoogleTest accepts.
+/// Joins the letters and digits of a text by underscores, which gives a name that GoogleTest accepts.
 inline std::string name_of_text(std::string_view text) {
   std::string name;
   for (const char c : text) {
@@ -24,8 +24,8 @@ inline std::string name_of_text(std::string_view text) {
   return name;
 }
 
-/// Last argument of INSTANTIATE_TEST_SUITE_P: names each test by its parameter, which is a text, a number, an enum with
-/// names_of() or a tuple of them.
+/// Name generator for INSTANTIATE_TEST_SUITE_P. Names each test by its parameter: a text, a number, an enum with
+/// names_of(), or a tuple of them.
 struct ParamName {
   template <class T>
   static std::string name(const T& value) {

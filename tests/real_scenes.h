@@ -4,8 +4,7 @@
 
 namespace test {
 
-/// Where real scenes lie, for the tests that want some: $RAYWATT_SCENES, or a folder shared beside the checkout. It
-/// need not exist.
+/// Returns the folder of real scenes: $RAYWATT_SCENES, or a folder shared next to the checkout. It may not exist.
 inline std::filesystem::path scenes_folder() {
   const char* variable = std::getenv("RAYWATT_SCENES");
   if (variable != nullptr) return variable;

@@ -7,7 +7,7 @@
 
 namespace test {
 
-/// A folder that lives as long as the test.
+/// A folder that exists during a test.
 class TempFolder {
  public:
   TempFolder() {

@@ -7,7 +7,7 @@
 namespace sim::test {
 namespace {
 
-/// Every mixture of clocks, depths and intervals that a small machine can have.
+/// Returns all combinations of clocks, depths and intervals of a small machine.
 std::vector<PipelineConfig> machines() {
   std::vector<PipelineConfig> all;
   for (std::uint64_t i = 0; i < 300; ++i) {
@@ -26,7 +26,7 @@ std::vector<PipelineConfig> machines() {
   return all;
 }
 
-/// A run's end, what arrived when, and where every unit's time went.
+/// Results of a run: its end, what arrived when, and each unit's time by reason.
 struct Outcome {
   Time end = 0;
   std::vector<std::uint64_t> taken;
@@ -162,7 +162,7 @@ TEST(Engine, AMachineThatGoesOnAndRetiresNothingIsFound) {
 TEST(Engine, AMachineThatRetiresWithinItsPatienceIsLeftAlone) {
   PipelineConfig c;
   c.interval = 100;
-  c.patience = 2 * 100 + 2 * (1 + 3 + 1);  // a rest of the sink, and the way to it
+  c.patience = 2 * 100 + 2 * (1 + 3 + 1);  // one rest of the sink plus the latency to it
   Pipeline machine(c);
   EXPECT_NO_THROW(run(machine));
   EXPECT_EQ(machine.sink.taken.size(), c.items);

@@ -8,7 +8,7 @@
 
 namespace sim::test {
 
-/// An empty folder for the length of a test.
+/// An empty folder that exists during a test.
 class Folder {
  public:
   Folder() {
@@ -37,7 +37,7 @@ class Folder {
   std::filesystem::path path_;
 };
 
-/// The complaint of a call, without the folder's name; "no error" if it does not.
+/// Returns the error text of a call without the folder's name, or "no error".
 template <class Error, class Call>
 std::string complaint(const Folder& folder, Call&& call) {
   try {

@@ -7,7 +7,7 @@
 namespace sim::test {
 namespace {
 
-/// A value that counts femtoseconds, taken down until `end`.
+/// Records a value that counts femtoseconds until `end`.
 Intervals recorded(Time length, std::size_t most, Time end) {
   Intervals intervals(length, most);
   intervals.allocate_rows(1);

@@ -61,14 +61,14 @@ TEST(Link, IntoAnotherClockDomainWaitsForTheSynchroniserAndTheConsumersEdge) {
   EXPECT_EQ(link.pop_at(), 12U);  // 2 + 2 x 2 + 2 x 3 = 12, an edge of the consumer
   link.push(4, 2);
   link.pop(12);
-  EXPECT_EQ(link.pop_at(), 15U);  // 14 is no edge
+  EXPECT_EQ(link.pop_at(), 15U);  // 14 is not an edge
 }
 
 TEST(Link, RoomGoesBackOnTheProducersEdge) {
   Link<int> link(1, 1, kFast, kSlow, 0);
   link.push(0, 1);
   link.pop(link.pop_at());
-  EXPECT_EQ(link.push_at(), 6U);  // popped at 3, over at 6
+  EXPECT_EQ(link.push_at(), 6U);  // popped at 3, free at 6
   link.push(6, 1);
   link.pop(9);
   EXPECT_EQ(link.push_at(), 12U);
@@ -108,10 +108,11 @@ TEST(Link, ShowsWhenItsFirstItemCanBePoppedAndThatOneHasComeIntoAnEmptyLink) {
 }
 
 TEST(Opens, IsTheNextTimeAtWhichItemOrRoomChanges) {
-  EXPECT_EQ(next_transfer_time(10, 2, 16, 0), 16U);          // the item comes later
-  EXPECT_EQ(next_transfer_time(10, 2, 10, kNever), kNever);  // it is here: a link wakes us when there is room
+  EXPECT_EQ(next_transfer_time(10, 2, 16, 0), 16U);  // the item arrives later
+  EXPECT_EQ(next_transfer_time(10, 2, 10, kNever),
+            kNever);  // the item is here; the link wakes the unit when there is room
   EXPECT_EQ(next_transfer_time(10, 2, 8, 14), 14U);
-  EXPECT_EQ(next_transfer_time(10, 2, 8, 4), 12U);  // both are here
+  EXPECT_EQ(next_transfer_time(10, 2, 8, 4), 12U);  // item and room are here
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 
 #include "sim/engine.h"
 
-// Consequences of units and links that are declared once.
+// Properties that follow from declared units and links.
 
 namespace sim::test {
 namespace {
@@ -17,7 +17,7 @@ namespace {
 enum class Side : std::uint8_t { kNear, kFar };
 constexpr std::array<std::string_view, 2> names_of(Side) { return {"near", "far"}; }
 
-/// Takes what comes and hands it on, a number at a time.
+/// Passes numbers on, one at a time.
 class Relay {
  public:
   static constexpr Side kBlock = Side::kFar;
@@ -187,7 +187,7 @@ struct Chain {
   }
   Machine& machine() { return machine_; }
   bool done() const { return taking->stats().taken == expected; }
-  /// The last few numbers are taken with all units together, as the end may be at any time.
+  /// Near the end, the limits are the current time, because the run may end at any time.
   RunLimits run_limits(Time now) const {
     const Time end = taking->stats().taken + 8 >= expected ? now : now + machine_.lookahead();
     return {end, end};

@@ -12,17 +12,17 @@ namespace sim::test {
 struct PipelineConfig {
   Clock source{2}, stage{2}, sink{2};
   std::uint64_t items = 50;
-  std::size_t capacity = 2;     ///< items of each link
-  std::uint64_t latency = 1;    ///< cycles of each link
-  std::uint64_t depth = 3;      ///< cycles of the stage's pipe
-  std::size_t in_flight = 2;    ///< inside the stage's pipe
-  std::uint64_t interval = 1;   ///< cycles the sink rests after each item
-  std::uint64_t appetite = 50;  ///< items the sink takes at all
-  bool restless = false;        ///< a sink that takes no more looks every cycle all the same
+  std::size_t capacity = 2;     ///< capacity of each link
+  std::uint64_t latency = 1;    ///< latency of each link in cycles
+  std::uint64_t depth = 3;      ///< length of the stage's pipe in cycles
+  std::size_t in_flight = 2;    ///< maximum number of items in the stage's pipe
+  std::uint64_t interval = 1;   ///< cycles between two items of the sink
+  std::uint64_t appetite = 50;  ///< number of items that the sink accepts
+  bool restless = false;        ///< a full sink still ticks every cycle
   Time patience = kNever;
 };
 
-/// Sends numbers as fast as there is room.
+/// Sends a number whenever there is room.
 class Source {
  public:
   enum class CycleReason : std::uint8_t { kDone, kSending, kFull, kCount };
@@ -47,7 +47,7 @@ class Source {
   Link<std::uint64_t>& out_;
 };
 
-/// Holds each number for the length of its pipe.
+/// Delays each number by the length of its pipe.
 class Stage {
  public:
   enum class CycleReason : std::uint8_t { kStarved, kWorking, kInside, kFull, kCount };
@@ -87,7 +87,7 @@ class Stage {
   Link<std::uint64_t>& out_;
 };
 
-/// Takes a number, then rests.
+/// Receives a number, then waits for an interval.
 class Sink {
  public:
   enum class CycleReason : std::uint8_t { kStarved, kTaking, kResting, kCount };
@@ -143,7 +143,7 @@ class Pipeline {
   Machine& machine() { return machine_; }
   bool done() const { return sink.taken.size() == config_.items; }
   Time patience() const { return config_.patience; }
-  /// Where each unit's time went, in the order of units and reasons.
+  /// Returns each unit's time by reason, in order.
   std::vector<Time> spent(Time end) {
     machine_.finish(end + 1);
     std::vector<Time> all;
@@ -170,11 +170,11 @@ class Pipeline {
   Sink& sink;
 };
 
-/// The same with its partitions run by themselves.
+/// The same with partitions that run on their own.
 class ApartPipeline : public Pipeline {
  public:
   using Pipeline::Pipeline;
-  /// The last items are taken with all partitions at the same time.
+  /// Near the end, all partitions run together.
   RunLimits run_limits(Time now) const {
     const bool ends_soon = config_.items - sink.taken.size() <= config_.capacity;
     const Time end = ends_soon ? now : now + machine_.lookahead();

@@ -11,8 +11,8 @@
 #include "tools/run/frame/run_job.h"
 #include "traces/accel/bvh_tracer.h"
 
-// Adaptive sampling against what was published. What is not reproduced is written in DEVIATIONS.md with its cause, and
-// held here at its measured range.
+// Adaptive sampling compared with publications. Deviations are explained in DEVIATIONS.md and asserted here at their
+// measured range.
 
 namespace tools {
 namespace {
@@ -28,12 +28,12 @@ JobOptions reproduction(const std::string& scene, const std::string& resolution,
 
 double tni_pj(const FrameResult& s) { return s.energy.blocks.at("tni").total().nominal; }
 
-/// A method and what it is compared with (Lee et al. 2016, figure 7).
+/// A method compared with its reference (Lee et al. 2016, figure 7).
 struct Gain {
   double traced_ratio = 0;
-  double work = 0;  ///< traversal steps, against the reference's
+  double work = 0;  ///< traversal steps relative to the reference
   double speed_up = 0;
-  double power = 0, perf_per_watt = 0;  ///< the T&I units' alone
+  double power = 0, perf_per_watt = 0;  ///< of the T&I units only
   double check = 0, interpolation = 0;  ///< shares of the shader cores' cycles
   double starved = 0;
 
@@ -56,7 +56,7 @@ struct Gain {
   }
 };
 
-/// A1 to A3: the shader cores set the pace.
+/// A1 to A3: the shader cores limit the frame.
 void expect_as_measured(const Gain& g) {
   expect_between("speed-up x work, published 1", g.speed_up * g.work, 0.35, 0.85);
   expect_between("power of the T&I units, published 1 to 1.09", g.power, 0.45, 0.85);
@@ -106,7 +106,7 @@ TEST(SgrtBalanced, SpeedFollowsTheWorkSavedAsItsTraversalUnitsSetThePace) {
   EXPECT_GT(car.speed_up, chess.speed_up);
 }
 
-/// Samples of undersample, traced by no machine.
+/// Samples that undersample traces, without a machine.
 tools::FrontEnd::Result undersampled(const std::string& scene, const std::string& resolution,
                                      std::uint32_t samples = 1) {
   Inputs inputs = load_inputs(reproduction(scene, resolution));

@@ -8,8 +8,8 @@
 #include "tests/validation/figures.h"
 #include "tools/run/frame/run_job.h"
 
-// Bands of a believable machine of this class. A figure outside is in DEVIATIONS.md with its cause, and held
-// here at its measured range, outside the band, so that closing a gap is noticed.
+// Plausible bands for a machine of this class. Values outside their band are explained in DEVIATIONS.md and asserted
+// here at their measured range, so that closing a gap is noticed.
 
 namespace tools {
 namespace {
@@ -19,7 +19,7 @@ struct Figures {
   double dram_share = 0;    ///< share of all energy
   double watts = 0;
   double mrays_per_s = 0;
-  std::uint64_t spilled = 0;  ///< ray slots that did not fit into the tile buffers
+  std::uint64_t spilled = 0;  ///< spilled ray slots
 };
 
 std::uint64_t sum(const FrameResult& s, const std::string& counter) {
@@ -43,7 +43,7 @@ Figures measure(const std::string& scene, std::vector<std::string> sets = {}) {
           static_cast<double>(s.rays()) / seconds / 1e6, sum(s, "spilled_slots")};
 }
 
-/// Rules that hold for every scene: power and ray rate inside their bands; energy per node visit above its band (D1).
+/// Rules for all scenes: power and ray rate inside their bands, energy per node visit above its band (D1).
 void expect_believable(const Figures& f) {
   expect_between("W", f.watts, 0.5, 3);
   expect_between("Mrays/s", f.mrays_per_s, 100, 320);
@@ -72,7 +72,7 @@ TEST(Bands, ASceneThatFitsTheL2HardlyUsesMemoryUnlessRaySlotsSpill) {
   expect_between("share of DRAM", held.dram_share, 0.10, 0.12);  // just above its band: D2
 }
 
-/// Empty if there are no real scenes here.
+/// Returns an empty path if real scenes are not available.
 std::string real_scene(const char* name) {
   const std::filesystem::path file = test::scenes_folder() / name;
   return std::filesystem::exists(file) ? file.string() : "";

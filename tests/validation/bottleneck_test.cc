@@ -6,8 +6,8 @@
 
 #include "hw_models/machines/gpu_config.h"
 
-// The resource that one run's counters name is the one whose perfection brings most, within 2 %. Random machines are in
-// docs/bottleneck.md; here small built-in scenes, on machines that are limited by different things.
+// The resource that the counters of one run name gives the largest speed-up if ideal, within 2 %. Uses small built-in
+// scenes on machines with different limits; docs/bottleneck.md has random machines.
 
 namespace tools {
 namespace {

@@ -11,8 +11,8 @@
 #include "tools/studies/reproduce/masks.h"
 #include "traces/accel/bvh_tracer.h"
 
-// Subpixel reconstruction against what is wanted of it. What is not reached is written in DEVIATIONS.md with its cause,
-// and held here at its measured range.
+// Subpixel reconstruction compared with its requirements. Deviations are explained in DEVIATIONS.md and asserted here
+// at their measured range.
 
 namespace tools::reproduce {
 namespace {
@@ -80,20 +80,20 @@ TEST(Chiu, OnPlainSurfacesReconstructionIsAsGoodAsItIsWanted) {
   EXPECT_GE(ours.at.at(Mask::kShadowEdge), sraa.at.at(Mask::kShadowEdge) + 2);
   EXPECT_GE(ours.at.at(Mask::kObjectEdge), sraa.at.at(Mask::kObjectEdge) - 0.5);
   EXPECT_GE(ours.at.at(Mask::kElsewhere), 36);
-  // The weight of normals as printed blurs creases.
+  // The published weight of normals blurs creases.
   EXPECT_LT(cornell.of("reconstruct", "reconstruct.normal_weight=factor").whole, ours.whole - 0.5);
-  // At equal rays four samples win.
+  // At equal ray counts, four samples per pixel win.
   EXPECT_GT(cornell.of("full:4", "render.samples=rotated").whole, ours.whole + 3);
 }
 
 TEST(Chiu, GeometryByRaysIsAQuarterOfTheRaysOfSixteenSamples) {
-  // Paths that end behind the first mirror; what is not shaded follows no second one.
+  // Paths end after the first mirror; unshaded samples follow no second one.
   Pictures cornell("cornell", "", "96x96", "2");
   EXPECT_NEAR(cornell.rays_of_truth() / static_cast<double>(cornell.of("reconstruct").rays), 4.0, 0.02 * 4.0);
 }
 
 TEST(Chiu, GeometryByRasterisersLeavesTheRaysThatAreNotPrimary) {
-  // One of k rays a sample is primary: 16 k against 4 (k - 1) with paths that end behind the first mirror (C5).
+  // One of k rays per sample is primary: 16 k against 4 (k - 1) for paths that end after the first mirror (C5).
   Pictures cornell("cornell", "", "96x96", "2");
   const double k = cornell.rays_a_sample_of_truth(), wanted = 4 * k / (k - 1);
   const auto rays = static_cast<double>(cornell.of("reconstruct", "render.primary=raster").rays);

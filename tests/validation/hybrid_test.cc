@@ -5,13 +5,13 @@
 #include "tests/validation/figures.h"
 #include "tools/studies/reproduce/plan.h"
 
-// A rasteriser beside the T&I units, against rays alone, beside what was published. What is not reproduced is written
-// in DEVIATIONS.md (H1 to H3) with its cause, and held here at its measured range, at a small resolution.
+// A rasteriser with T&I units compared with rays alone and with publications. Deviations (H1 to H3) are explained in
+// DEVIATIONS.md and asserted here at their measured range, at a small resolution.
 
 namespace tools::reproduce {
 namespace {
 
-/// The figures of a setting of `raywatt reproduce hybrid` on a built-in scene.
+/// Returns the metrics of a setting of `raywatt reproduce hybrid` on a built-in scene.
 auto hybrid_figures(const std::string& scene, const std::string& setting, std::uint32_t width = 128) {
   return measure(hybrid(false), scene, setting, width);
 }
@@ -30,7 +30,7 @@ TEST(HybridFrames, CostMoreThanRaysWhereTrianglesAreSmallerThanPixels) {  // H2
   const auto chess = hybrid_figures("chess", "shadows");
   expect_between("performance per watt, published up to 2.18", chess.at("gpu_perf_per_watt"), 0.75, 0.85);
   expect_between("memory traffic", chess.at("dram_bytes_ratio"), 1.4, 1.7);
-  // The geometry pass stays what it is while pixels grow in number.
+  // The cost of the geometry pass does not grow with the number of pixels.
   const auto finer = hybrid_figures("chess", "shadows", 256);
   EXPECT_GT(finer.at("gpu_perf_per_watt"), chess.at("gpu_perf_per_watt"));
   EXPECT_GT(finer.at("speedup"), chess.at("speedup"));
@@ -43,7 +43,7 @@ TEST(HybridFrames, GainLittleWhereSurfacesSendManyRays) {  // H3
   const auto half = hybrid_figures("cornell", "occlusion and soft shadows, half rate");
   expect_between("rays left at half rate", half.at("rays_ratio"), 0.74, 0.79);
   expect_between("performance per watt at half rate", half.at("gpu_perf_per_watt"), 0.93, 1.02);
-  // The lower rate saves as much of the time without a rasteriser.
+  // The lower rate saves as large a share of the time without a rasteriser.
   const double saved = half.at("cycles") / full.at("cycles");
   expect_between("cycles at half rate", saved, 0.65, 0.75);
   expect_between("of rays alone", saved * half.at("speedup") / full.at("speedup"), 0.9 * saved, saved);

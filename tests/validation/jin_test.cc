@@ -8,7 +8,7 @@
 #include "tools/run/frame/ground_truth.h"
 #include "tools/run/frame/run_job.h"
 
-// Supersampling against what was published (Jin et al. 2009, table 2): DEVIATIONS.md has its figures and the cause.
+// Supersampling compared with Jin et al. 2009, table 2; DEVIATIONS.md explains the differences.
 
 namespace tools {
 namespace {
@@ -24,7 +24,7 @@ Inputs conference(const std::string& textures = "0.6") {
 
 struct Render {
   double psnr = 0;
-  double samples = 0;  ///< a pixel
+  double samples = 0;  ///< per pixel
 };
 
 TEST(Jin2009, NineSamplesArePassedOnlyWhereTexturesAreSampledMoreFinelyThanByDefault) {

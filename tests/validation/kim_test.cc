@@ -6,8 +6,7 @@
 
 #include "tests/validation/figures.h"
 
-// Undersampling against what was published (Kim et al. 2016, tables 3 to 5): DEVIATIONS.md has its figures and the
-// cause.
+// Undersampling compared with Kim et al. 2016, tables 3 to 5; DEVIATIONS.md explains the differences.
 
 namespace tools::reproduce {
 namespace {

@@ -10,12 +10,12 @@
 #include "tools/run/frame/run_job.h"
 #include "traces/accel/bvh_tracer.h"
 
-// Rate control on a view that moves: what the picture loses against blocks of 2 everywhere (DEVIATIONS.md, A6).
+// Rate control on a moving view: loss of picture quality against blocks of 2 everywhere (DEVIATIONS.md, A6).
 
 namespace tools {
 namespace {
 
-/// multirate:under under some configuration, frame by frame.
+/// multirate:under with some configuration, frame by frame.
 struct Way {
   explicit Way(const kernels::MultirateConfig& wanted) : config(wanted), rates(wanted) {}
   kernels::MultirateConfig config;

@@ -5,13 +5,13 @@
 #include "tests/validation/figures.h"
 #include "tools/studies/reproduce/plan.h"
 
-// Mechanisms of the SGRT line beside what was published. What is not reproduced is written in DEVIATIONS.md (U1 to U5)
-// with its cause, and held here at its measured range, on built-in scenes.
+// Mechanisms of the SGRT papers compared with publications. Deviations (U1 to U5) are explained in DEVIATIONS.md and
+// asserted here at their measured range, on built-in scenes.
 
 namespace tools::reproduce {
 namespace {
 
-/// The figures of a setting of `raywatt reproduce sgrt-units` on a built-in scene.
+/// Returns the metrics of a setting of `raywatt reproduce sgrt-units` on a built-in scene.
 auto sgrt_units_figures(const std::string& scene, const std::string& setting, std::uint32_t width = 256) {
   return measure(sgrt_units(false), scene, setting, width);
 }

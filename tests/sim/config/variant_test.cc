@@ -8,7 +8,7 @@
 namespace sim::test {
 namespace {
 
-/// A base, and a variant of it.
+/// A base and a variant of it.
 struct Bound {
   MachineConfig base, config;
   ConfigNode base_tree = config_tree(base), tree = config_tree(config);
@@ -64,7 +64,7 @@ TEST(ConfigVariant, IsTheBaseAfterAReset) {
 
 TEST(ConfigVariant, AfterAResetBlamesNoFormerArgument) {
   Bound b;
-  b.set("l2.ways=3");  // no whole number of sets
+  b.set("l2.ways=3");  // the number of sets is not whole
   EXPECT_THROW(check_tree(b.tree), std::exception);
   b.variant.reset();
   EXPECT_NO_THROW(check_tree(b.tree));

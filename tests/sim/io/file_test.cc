@@ -33,7 +33,7 @@ TEST(WriteFile, ReplacesTheWholeFileAndLeavesNothingElse) {
 
 TEST(WriteFile, TouchesNoOtherFileAndFollowsNoLink) {
   const Folder folder;
-  // Whatever name it takes in between, it is none of these.
+  // Names that a temporary file never has.
   const std::string own = std::to_string(::getpid());
   const auto mine = folder.write("x.raywatt-tmp.json", "mine"),
              first = folder.write("x." + own + "-0.raywatt-tmp.json", "mine");
@@ -101,7 +101,7 @@ TEST(CheckOutput, AFolderThatTheUserMayNotWriteIntoIsRefused) {
   const auto former = folder.write("former.html", "a page");
   std::filesystem::permissions(folder.path(), std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
   constexpr uid_t kNobody = 65534;
-  const bool is_root = ::geteuid() == 0;  // root may write anywhere
+  const bool is_root = ::geteuid() == 0;  // root may write everywhere
   ASSERT_TRUE(!is_root || ::seteuid(kNobody) == 0);
   EXPECT_THROW(check_output(folder.path() / "page.html", {.kind = "page"}), InputError);
   EXPECT_THROW(check_output(former, {.kind = "page", .any = true}), InputError) << "a new one would go beside it";

@@ -15,12 +15,12 @@ namespace {
 
 using Library = nlohmann::ordered_json;
 
-/// What the library writes, as a line or indented.
+/// Text by nlohmann::json, on one line or indented.
 std::string written(const Library& json, int indent) {
   return json.dump(indent, ' ', false, Library::error_handler_t::replace);
 }
 
-/// Random values: any bits as numbers, any bytes as texts and keys.
+/// Random values: arbitrary bits as numbers, arbitrary bytes as texts and keys.
 class RandomValue {
  public:
   Library next(int levels) {
@@ -54,7 +54,7 @@ class RandomValue {
   std::uint64_t below(std::uint64_t end) { return random_() % end; }
   double fraction() {
     const std::uint64_t kind = below(4);
-    if (kind == 0) return std::bit_cast<double>(random_());  // any exponent; no number, too
+    if (kind == 0) return std::bit_cast<double>(random_());  // any exponent, including NaN
     if (kind == 1) return static_cast<double>(random_() % 1'000'000) / 1000;
     if (kind == 2) return static_cast<double>(random_() >> below(64));
     return std::ldexp(1, static_cast<int>(below(2100)) - 1075);
@@ -69,7 +69,7 @@ class RandomValue {
   std::mt19937_64 random_{7};
 };
 
-/// The same value, built by Json's own functions.
+/// Builds the same value with Json's own functions.
 Json copy_of(const Library& json) {
   if (json.is_boolean()) return json.get<bool>();
   if (json.is_number_unsigned()) return json.get<std::uint64_t>();
@@ -151,7 +151,7 @@ std::string object_of(std::size_t keys) {
   return text + "}";
 }
 
-// It takes a fifth of a second; a search through all keys before each took more than a minute.
+// Takes a fifth of a second; a linear search per key took more than a minute.
 TEST(JsonObject, OfManyKeysIsParsedInLinearTime) {
   EXPECT_EQ(parse_json(object_of(kMostJsonKeys)).size(), kMostJsonKeys);
 }

@@ -3,7 +3,7 @@
 #include "sim/report/table.h"
 #include "sim/report/table_checks.h"
 
-// Sizes that the tables' curves do not cover; figures as people read them.
+// Sizes outside the tables' curves, and number formats.
 
 namespace sim {
 namespace {

@@ -63,7 +63,7 @@ TEST(PowerScale, GoesWithTheSquareTheExponentAndTheTemperature) {
   EXPECT_NEAR(power_scale(c, 1.6).leakage, 2, 1e-12);
 }
 
-/// Energy of a unit of 100 KiB and 2 mm2 that counted `boxes` of 3 pJ in a time.
+/// Energy of a unit with 100 KiB and 2 mm2 that counted `boxes` events of 3 pJ.
 double pj(double boxes, Time time, const PowerScale& scale) {
   EnergyConfig e;
   e.events = {{"box", {3, 3, 3}}};
@@ -80,7 +80,7 @@ double pj(double boxes, Time time, const PowerScale& scale) {
   return compute_energy(std::vector{unit}, e, {}, time, {{"tni", scale}}).total_pj.nominal;
 }
 
-// 22 mW at 0.8 V and 75 C: times a femtosecond they are 22e-6 pJ.
+// 22 mW at 0.8 V and 75 C: 22e-6 pJ per femtosecond.
 TEST(LeakageAlone, IsPowerTimesTimeAtAnyVoltageAndTemperature) {
   PowerConfig c = power_config();
   constexpr Time kTime = kFemtosecondsPerSecond / 1000;
@@ -94,7 +94,7 @@ TEST(LeakageAlone, IsPowerTimesTimeAtAnyVoltageAndTemperature) {
   }
 }
 
-// A fixed number of cycles: at one voltage energy goes with the time, so the fastest clock takes least.
+// For a fixed number of cycles at one voltage, energy is proportional to time, so the fastest clock needs least.
 TEST(LeakageAlone, AtOneVoltageGoesWithOneOverTheClock) {
   const double slow = pj(0, 4 * kFemtosecondsPerSecond / 1000, {}), fast = pj(0, kFemtosecondsPerSecond / 1000, {});
   EXPECT_NEAR(slow / fast, 4, 1e-12);

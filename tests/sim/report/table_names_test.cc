@@ -15,7 +15,7 @@ UnitReport unit(const char* path, const char* block, std::vector<UnitPart> parts
   return u;
 }
 
-/// A machine of two kinds of units; one has a part whose number is a key.
+/// A machine with two kinds of units; one has a part whose number is a key.
 std::vector<UnitReport> units() {
   return {unit("core0.tni.trv0", "tni", {{"tester", 2}}), unit("core0.tni.trv1", "tni", {{"tester", 2}}),
           unit("core0.srp", "srp")};

@@ -14,7 +14,7 @@ namespace {
 
 using Colour = std::array<std::uint8_t, 3>;
 
-/// A row of grey pixels that came about as `marks` say.
+/// A row of grey pixels with these marks.
 FrontEnd::Result row_of(std::vector<kernels::SampleMark> marks) {
   FrontEnd::Result frame;
   frame.rgb.assign(3 * marks.size(), 0.5F);

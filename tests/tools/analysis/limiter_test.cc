@@ -4,7 +4,7 @@
 
 #include "tests/tools/analysis/made_up_machine.h"
 
-// Which resource is named from the counters of one run.
+// The resource that the counters of one run name.
 
 namespace tools {
 namespace {
@@ -76,7 +76,7 @@ TEST(Limiter, TimeWithoutATileShrinksWithTheTimeOfTiles) {
 }
 
 TEST(Limiter, MemoryThatIsStillNeededBoundsTheFrameAndNotItsBusyPart) {
-  // Half of the MSHRs of the L2 are in use, times without a tile included. Three quarters are the most to expect.
+  // Half of the L2's MSHRs are in use, including time without a tile; at most three quarters can be.
   const CoreTime t = {.kernels = 0.1,
                       .boxes = 0.7,
                       .no_tile = 0.2,
@@ -118,7 +118,7 @@ TEST(Limiter, WiresBoundWhatIdealMemoryCanBring) {
 }
 
 TEST(Limiter, SlotsThatDoNotFitAreAStageThatAnIdealTileBufferHasNot) {
-  // Nothing overlaps: half of the time goes to spilled slots.
+  // Sequential stages: half of the time moves spilled slots.
   const CoreTime t = {.kernels = 0.3,
                       .boxes = 0.2,
                       .transfers = 0.0,
@@ -129,7 +129,7 @@ TEST(Limiter, SlotsThatDoNotFitAreAStageThatAnIdealTileBufferHasNot) {
 }
 
 TEST(Limiter, WithoutSpilledSlotsMemoryHasShorterQueues) {
-  // Memory is busy for 80 % of the time, half of that with spilled slots: a queue as 4 to 1 becomes one as 2 to 3.
+  // Memory is busy 80 % of the time, half of that with spilled slots: queues shrink from 4 / 1 to 2 / 3.
   const double left = (0.4 / 0.6) / (0.8 / 0.2);
   const CoreTime t = {.kernels = 0.2,
                       .data_misses = 0.8,

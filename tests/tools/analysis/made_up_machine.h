@@ -16,7 +16,7 @@
 
 namespace test {
 
-/// Reports of a machine of one core whose units say what they are told to, each over 100 cycles of 1 GHz.
+/// Reports of a machine of one core with given values, over 100 cycles at 1 GHz.
 struct MadeUpMachine {
   using Reasons = std::map<std::string, std::uint64_t>;
   using Counters = std::map<std::string, std::uint64_t>;
@@ -40,7 +40,7 @@ struct MadeUpMachine {
   }
 
  private:
-  /// Reasons and counters that are not given are 0.
+  /// Absent reasons and counters are 0.
   template <class Unit>
   static sim::UnitReport unit(std::string path, Reasons why, Counters counters) {
     sim::UnitReport report;

@@ -10,7 +10,7 @@
 #include "sim/io/json.h"
 #include "tests/temp_folder.h"
 
-// Every number of a report has a path, and any end of it that is clear names it.
+// Every number of a report has a path, and any unambiguous end of it names it.
 
 namespace tools {
 namespace {

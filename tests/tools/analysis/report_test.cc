@@ -15,14 +15,14 @@
 #include "tests/tools/program.h"
 #include "tools/analysis/report_file.h"
 
-// Parts of totals that not every run has: samples and rates beside the picture, items that idled; the table for people.
+// Optional parts of totals: DRAM traffic of samples and rates, idle items, the table.
 
 namespace tools {
 namespace {
 
 using sim::Json;
 
-/// A run whose DMAs have moved one more line of each kind named in `areas` each way.
+/// A run with one more DMA line in each direction for each area in `areas`.
 FrameResult run_with_lines(const std::vector<std::string>& areas) {
   JobOptions options;
   options.resolution = "16x16";
@@ -86,7 +86,7 @@ TEST(KernelsReported, IdleItemsAreToldOnlyOfKernelsThatHadAny) {
   }
 }
 
-/// The longest number of a line's cells before its share, in digits from the first that is not 0.
+/// Returns the digits of the longest number before the share in a line, without leading zeros.
 std::ptrdiff_t most_digits(std::string line) {
   line.erase(line.rfind(' ', line.rfind(' ') - 1));
   std::ptrdiff_t most = 0;

@@ -6,7 +6,7 @@
 #include "tests/tools/analysis/made_up_machine.h"
 #include "tools/run/frame/run_job.h"
 
-// Every cycle of a core is in one place of the view.
+// Every cycle of a core has exactly one cause.
 
 namespace tools {
 namespace {
@@ -16,8 +16,8 @@ double sum(const CoreTime& t) {
 }
 
 TEST(TopDown, TimeInWhichTheArrayIdlesGoesToWhatTheRaysDoMeanwhile) {
-  // The array ran 30 of 100 cycles and idled 70, 60 of them with rays in the unit. Of the time in which the traversal
-  // unit had rays (80), a quarter went to visits, a quarter to misses, half to the IST, which tested half its time.
+  // The array ran 30 of 100 cycles and idled 70, 60 of them with rays in the unit. Of the TRV's 80 cycles with rays, a
+  // quarter were visits, a quarter misses, half waits for the IST, which tested half its time.
   const test::MadeUpMachine machine{.trv = {{"starved", 20}, {"visiting", 20}, {"l1_miss", 20}, {"ist", 40}},
                                     .ist = {{"starved", 60}, {"testing", 20}, {"l1_miss", 10}, {"mshr_full", 10}},
                                     .srp = {{"running", 30}, {"waiting", 50}, {"no_slots", 15}, {"starved", 5}},
@@ -36,7 +36,7 @@ TEST(TopDown, TimeInWhichTheArrayIdlesGoesToWhatTheRaysDoMeanwhile) {
 }
 
 TEST(TopDown, MissesGoToTheLevelsAtWhichTheirTimePasses) {
-  // A miss of the data cache takes 80 ns, of which the L2 keeps its requests 60, 45 of them waiting for memory.
+  // A data cache miss takes 80 ns: 60 in the L2, 45 of them waiting for memory.
   const test::MadeUpMachine machine{.srp = {{"running", 40}, {"cache_miss", 60}},
                                     .of_srp = {{"cache_fills", 10}, {"cache_miss_cycles", 800}},
                                     .of_l2 = {{"reads", 20}, {"latency", 1200}, {"memory_cycles", 900}}};
@@ -49,9 +49,9 @@ TEST(TopDown, MissesGoToTheLevelsAtWhichTheirTimePasses) {
 }
 
 TEST(TopDown, QueuesInFrontOfAnL2WithoutMshrsAreSeenApartFromWires) {
-  // A miss takes 100 ns: 1 for the look-up, 11 on wires (1 in the port, 2 x 4 of distance, 2 for 64 bytes at 32 bytes a
-  // cycle), 60 in the L2, and 28 queued in front of the L2. The 60 are 30 for memory, 5 for the look-up and 25 more.
-  // Half of the 25 is charged to MSHRs, because a bank waited for an MSHR in half of its sampled cycles.
+  // A miss takes 100 ns: 1 for the lookup, 11 on wires (1 in the port, 2 x 4 of distance, 2 for 64 bytes at 32 bytes
+  // per cycle), 60 in the L2, and 28 queued before the L2. The 60 are 30 for memory, 5 for the lookup and 25 more. Half
+  // of the 25 is charged to MSHRs, because a bank waited for an MSHR in half of its sampled cycles.
   const test::MadeUpMachine machine{.trv = {{"visiting", 40}, {"l1_miss", 60}},
                                     .l2 = {{"serving", 30}, {"mshr_full", 30}, {"memory", 40}},
                                     .of_trv = {{"l1_fills", 1}, {"l1_miss_cycles", 100}, {"l1_late", 3}},
@@ -81,7 +81,7 @@ TEST(TopDown, QueuesInFrontOfAnL2ThatTakesRequestsAreThePortsOwn) {
 }
 
 TEST(TopDown, OfMemorysTrafficTheSpilledSlotsAreSeenApart) {
-  // Memory moved 40 lines, 20 of them for the DMA, 10 of these spilled slots. The DMA had work for 50 of 100 cycles.
+  // Memory moved 40 lines, 20 of them for the DMA, 10 of these spilled slots. The DMA was active for 50 of 100 cycles.
   const test::MadeUpMachine machine{
       .dram = {{"reading", 40}, {"row_conflict", 30}, {"latency", 10}, {"idle", 20}},
       .dma = {{"moving", 20}, {"waiting", 30}, {"idle", 50}},

@@ -7,7 +7,7 @@
 #include "hw_models/frame/memory_interface.h"
 #include "tests/tools/analysis/made_up_machine.h"
 
-// Counters and reasons of a machine's units are read by their declarations.
+// Counters and reasons of units, read through their declarations.
 
 namespace tools {
 namespace {

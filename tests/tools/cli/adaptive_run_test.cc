@@ -9,7 +9,7 @@
 
 #include "tests/tools/program.h"
 
-// Runs of adaptive sampling: what report.json says of samples, and rates that go on from frame to frame.
+// Adaptive sampling: samples in report.json, and rates carried from frame to frame.
 
 namespace test {
 namespace {
@@ -42,7 +42,7 @@ INSTANTIATE_TEST_SUITE_P(Programs, AdaptiveRun, testing::Values("multirate:under
                          });
 
 TEST_P(AdaptiveRun, ReportsItsSamples) {
-  // Pixels of so small a picture are far from each other.
+  // Adjacent pixels of such a small picture are far apart in the scene.
   const Json report = report_of(folder_.path() / "out", GetParam(), {"--set", "undersample.position=0.2"});
   EXPECT_EQ(report["program"], GetParam());
   const Json& totals = report["totals"];
@@ -97,7 +97,7 @@ TEST_P(AdaptiveRun, ItsConfigurationLoadsAgainAndGivesTheSameRun) {
   EXPECT_EQ(repeatable(read_json(out / "report.json")), repeatable(first));
 }
 
-/// Shares that the printed table gives as reasons for tracing, by name.
+/// Returns the shares of the printed reasons for tracing, by name.
 std::map<std::string, double> reasons_of(const std::filesystem::path& out) {
   const std::string table = read_bytes(out / "report.txt");
   const std::string title = "traced because of";
@@ -124,14 +124,14 @@ TEST(TracingReasons, AreSharesOfAllTracedSamples) {
   }
 }
 
-/// Figures of a frame.
+/// Counts of a frame.
 std::uint64_t references(const Json& frame) {
   const Json& s = frame["sampling"];
   return s["wanted"].get<std::uint64_t>() - s["checked"].get<std::uint64_t>() -
          s["failed"]["border"].get<std::uint64_t>();
 }
 
-/// Frames of a view that does not change, of 128 x 64 pixels.
+/// Frames of a static view with 128 x 64 pixels.
 Json frames_of(const std::filesystem::path& out, const Words& more) {
   Words words = {"run",       "--scene",         "teapot",    "--frames", "0:3", "--resolution", "128x64",
                  "--program", "multirate:under", "--threads", "1",        "-o",  out.string()};
@@ -146,7 +146,7 @@ Json frames_of(const std::filesystem::path& out, const Words& more) {
 TEST(Rates, GoOnFromFrameToFrameOfAStaticView) {
   const TempFolder folder;
   const Json frames = frames_of(folder.path() / "out", {"--set", "multirate.rate_control=hysteresis", "--set",
-                                                        "render.tile=16"});  // some show little
+                                                        "render.tile=16"});  // some tiles show little
   EXPECT_EQ(references(frames[0]), 128U * 64 / 4) << "blocks of 2";
   EXPECT_LT(references(frames[1]), references(frames[0])) << "some tiles have blocks of 4";
   EXPECT_LT(frames[1]["traced_ratio"], frames[0]["traced_ratio"]);

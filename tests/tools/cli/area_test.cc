@@ -68,7 +68,7 @@ TEST(AreaOfARun, OfABlockThatTheTableDoesNotKnowIsRefused) {
   expect_refusal(run_with("tni: 1, tni@8KiB: 1"), {"area.arrays.tni", "with and without a size"});
 }
 
-/// Nominal mm2 of all logic and of all pads, and watts that leak, of a run with such settings.
+/// Nominal mm2 of logic and pads, and leakage power, of a run with these settings.
 struct Built {
   double logic, pads, leakage_w;
 };
@@ -85,13 +85,13 @@ Built built(const TempFolder& folder, const Words& sets) {
 TEST(AreaOfARun, FollowsTheNumberOfFunctionalUnitsAndBoxTesters) {
   const TempFolder folder;
   const Built plain = built(folder, {});
-  // Four cores of sixteen units more, of fifteen multipliers less, of three dividers less.
+  // Four cores with sixteen more units, fifteen fewer multipliers, three fewer dividers.
   EXPECT_NEAR(built(folder, {"srp.array.rows=8"}).logic - plain.logic, 4 * 16 * 0.0151, 1e-9);
   EXPECT_NEAR(built(folder, {"srp.array.mul_units=1"}).logic - plain.logic, -4 * 15 * 0.0081, 1e-9);
   EXPECT_NEAR(built(folder, {"srp.array.div_sqrt_units=1"}).logic - plain.logic, -4 * 3 * 0.0322, 1e-9);
   EXPECT_NEAR(built(folder, {"srp.array.mul_add=true"}).logic - plain.logic, 4 * 16 * 0.0009, 1e-9);
   EXPECT_NEAR(built(folder, {"tni.trv.box_testers=1"}).logic - plain.logic, -16 * 0.0363, 1e-9);
-  // At 7 nm the same parts are 0.36 of that.
+  // At 7 nm the same parts take 0.36 of that.
   EXPECT_NEAR(built(folder, {"area.extends=7nm", "srp.array.rows=8"}).logic, 0.36 * (plain.logic + 4 * 16 * 0.0151),
               1e-9);
 }

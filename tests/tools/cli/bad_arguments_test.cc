@@ -2,12 +2,12 @@
 
 #include "tests/tools/program.h"
 
-// A command line that cannot be used: one line on stderr, exit 2, and nothing made.
+// Invalid command lines: one line on stderr, exit code 2, no output.
 
 namespace test {
 namespace {
 
-/// "run" with these arguments, and a folder for the results that would have to be made.
+/// Expects `run` with these arguments to fail without creating its output folder.
 void expect_run_refused(Words arguments, const Words& parts) {
   const TempFolder folder;
   arguments.insert(arguments.begin(), "run");

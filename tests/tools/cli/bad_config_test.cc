@@ -2,8 +2,8 @@
 
 #include "tests/tools/program.h"
 
-// A configuration that cannot be used: one line on stderr with file, line and column (or the argument) and what is
-// allowed, exit 2, and nothing made.
+// Invalid configurations: one line on stderr with file, line and column (or the argument) and what is allowed, exit
+// code 2, no output.
 
 namespace test {
 namespace {
@@ -18,7 +18,7 @@ void expect_config_refused(const TempFolder& folder, const std::string& config, 
   EXPECT_EQ(names_in(folder.path()), before);
 }
 
-/// A file with this text, which extends the default machine, is refused at this position.
+/// Expects an error at this position in a file with this text, which extends the default machine.
 void expect_yaml_refused(const std::string& text, const std::string& position, Words parts) {
   const TempFolder folder;
   const std::string file = folder.write("mine.yaml", "extends: sgrt-2016\n" + text).string();
@@ -124,7 +124,7 @@ TEST(BadConfig, SetOfAnUnknownKey) {
 }
 
 TEST(BadConfig, AClockThatIsNotThereGetsTheClocksThatAre) {
-  // Neither the group dram nor the boolean ideal.dram is a clock.
+  // The group dram and the boolean ideal.dram are not clocks.
   expect_set_refused("clocks.dram=3", {"clocks.dram: unknown key 'dram'; allowed: tni, srp, l2, synchroniser"});
 }
 

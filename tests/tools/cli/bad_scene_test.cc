@@ -6,12 +6,12 @@
 #include "tests/tools/program.h"
 #include "tests/traces/scene/tiny_gltf_file.h"
 
-// A scene that cannot be used: one line on stderr that names the file, exit 2, and nothing made.
+// Invalid scenes: one line on stderr with the file's name, exit code 2, no output.
 
 namespace test {
 namespace {
 
-/// The verb is refused this scene; the folder for the results, and the one that is to be around it, are not made.
+/// Expects the verb to fail without creating the output folder or its parent.
 void expect_scene_refused(const TempFolder& folder, const std::string& scene, const Words& parts) {
   const Words before = names_in(folder.path());
   for (const char* verb : {"run", "verify"}) {

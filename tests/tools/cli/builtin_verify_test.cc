@@ -22,8 +22,8 @@ traces::Texture read_png(const std::filesystem::path& file) {
   return traces::read_image(std::as_bytes(std::span(bytes)), file.string());
 }
 
-/// Pixels of which some channel is more than one step of 8 bits apart. Behind glass a distance's last bits become
-/// visible, and Embree's depend on how the host's processor estimates reciprocals.
+/// Counts pixels with a channel that differs by more than one step of 8 bits. Glass amplifies the last bits of
+/// distances, and Embree's depend on the host's reciprocal estimates.
 std::size_t pixels_that_differ(const std::filesystem::path& a, const std::filesystem::path& b) {
   const traces::Texture one = read_png(a), other = read_png(b);
   std::size_t differ = 0;
@@ -38,7 +38,7 @@ std::size_t pixels_that_differ(const std::filesystem::path& a, const std::filesy
   return differ;
 }
 
-/// Small pictures; of the hairball, an eighth of its strands.
+/// Small pictures; the hairball has an eighth of its strands.
 TEST_P(BuiltIn, AgreesWithEmbreeRayForRayAndInItsPicture) {
   const TempFolder folder;
   Words words = {"verify", "--scene", GetParam(), "--resolution", "200x100", "--quiet", "-o", folder.path().string()};

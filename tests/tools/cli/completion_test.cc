@@ -10,7 +10,7 @@
 #include "tests/temp_folder.h"
 #include "tests/tools/program.h"
 
-// Scripts of shells and the manual page: both made from the options that the verbs declare.
+// Completion scripts and the manual page, both generated from the declared options.
 
 namespace test {
 namespace {
@@ -21,7 +21,7 @@ std::string printed(const Words& arguments) {
   return ending.out;
 }
 
-/// Lines that a command writes.
+/// Returns the output lines of a command.
 Words lines_of_command(const std::string& command) {
   const std::unique_ptr<FILE, int (*)(FILE*)> shell(::popen(command.c_str(), "r"), ::pclose);
   Words words(1);
@@ -40,7 +40,7 @@ struct Bash : testing::Test {
   TempFolder folder;
   std::filesystem::path script = folder.write("completion", printed({"completion", "bash"}));
 
-  /// Offers of bash for a command line whose last word is begun.
+  /// Returns the completions of bash for an incomplete command line.
   Words offered(const std::string& line) const {
     const std::string command = "cd '" + folder.path().string() +
                                 "' && mkdir -p empty && cd empty && bash -c 'source " + script.string() +
@@ -144,7 +144,7 @@ TEST_F(Bash, OffersEveryOptionThatHelpShows) {
   }
 }
 
-/// A script of another shell, where that is installed: tools/validate package brings them.
+/// Scripts of other shells, if installed (tools/validate package installs them).
 struct OtherShells : testing::Test {
   TempFolder folder;
   bool has(const char* shell) const {
@@ -157,7 +157,7 @@ TEST_F(OtherShells, ZshParsesItsScriptAndOffersNames) {
   if (!has("zsh")) GTEST_SKIP() << "there is no zsh";
   const std::filesystem::path script = folder.write("_raywatt", printed({"completion", "zsh"}));
   EXPECT_EQ(std::system(("zsh -n '" + script.string() + "'").c_str()), 0);
-  // In place of the functions of a terminal, those that say what they would offer.
+  // Replaces the shell's completion functions by functions that print the offers.
   const auto offered = [&](const std::string& words, int current) {
     const std::string command =
         "zsh -f -c 'compadd() { while [[ $1 != -- ]]; do shift; done; shift; [ $# = 0 ] || print -l -- $@ }; "

@@ -5,7 +5,7 @@
 #include "tests/tools/program.h"
 #include "tests/tools/studies/sweep/small_sweep.h"
 
-// Files of JSON that would exhaust the stack of whoever walks through them.
+// JSON nested deeply enough to exhaust the stack of a recursive reader.
 
 namespace test {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "tests/tools/program.h"
 
-// raywatt dvfs, and runs whose energies follow the voltage.
+// raywatt dvfs, and runs with energies at the needed voltage.
 
 namespace test {
 namespace {
@@ -88,7 +88,7 @@ tools::DvfsCurve two_points(double slow_mj, double fast_mj, double idle_mw) {
   return curve;
 }
 
-// Leakage of 100 mW alone, at one voltage: 2 mJ in 20 ms, 1 mJ in 10 ms; what is gated leaves 0.03 x 100 mW x 10 ms.
+// Only 100 mW of leakage at one voltage: 2 mJ in 20 ms, 1 mJ in 10 ms; gated leakage is 0.03 x 100 mW x 10 ms.
 TEST(DvfsPoints, OfLeakageAloneRaceToIdle) {
   tools::DvfsCurve curve = two_points(2, 1, 3);
   tools::choose_points(curve, 20);

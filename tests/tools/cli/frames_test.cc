@@ -9,14 +9,14 @@
 #include "tests/tools/program.h"
 #include "tests/traces/scene/tiny_gltf_file.h"
 
-// Runs over several frames of a scene that moves, and the workload files that ask for them.
+// Runs of several frames of an animated scene, and workload files with frames.
 
 namespace test {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// The smallest chess set, while the first piece is on its way.
+/// The smallest chess set while the first piece moves.
 Words chess(const Words& more) {
   Words words = {"--scene", "chess", "--set", "scene.triangles=5000", "--set", "scene.frame_rate=2"};
   words.insert(words.end(), more.begin(), more.end());
@@ -130,7 +130,7 @@ TEST(Frames, FewerOfAnInterruptedRunDoNotReplaceMore) {
   EXPECT_EQ(names_in(folder.path()), Words{"out"});
 }
 
-/// Starts work that tells how far it is, and interrupts it after its first frame.
+/// Starts a verb with progress output and interrupts it after its first frame.
 Ending interrupted_after_a_frame(Words words) {
   words.insert(words.end(), {"--progress", "json", "--threads", "1"});
   Program program(words);

@@ -2,7 +2,7 @@
 
 #include "tests/tools/program.h"
 
-// Files that other programs wrote to try out their readers, through the whole of ours.
+// Conformance files of other programs, through the whole simulator.
 
 namespace test {
 namespace {
@@ -15,7 +15,8 @@ TEST(GltfModels, EveryTestModelOfAssimpIsRenderedOrRefusedInOneLine) {
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
     const std::filesystem::path& path = entry.path();
     if ((path.extension() != ".glb" && path.extension() != ".gltf") || !entry.is_regular_file()) continue;
-    if (path.parent_path().filename() == "Mesh_PrimitiveMode") continue;  // 16 near twins; the scene tests load them
+    if (path.parent_path().filename() == "Mesh_PrimitiveMode")
+      continue;  // 16 near duplicates; the scene tests load them
     SCOPED_TRACE(path.string());
     const Ending ending = raywatt(
         {"run", "--scene", path.string(), "--resolution", "16x8", "--force", "-o", (out.path() / "run").string()});

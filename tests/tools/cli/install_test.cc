@@ -11,7 +11,7 @@
 #include "tests/tools/program.h"
 #include "tools/host/build_info.h"
 
-// An installation in a folder of its own.
+// An installation in its own folder.
 
 namespace test {
 namespace {

@@ -6,14 +6,14 @@
 
 #include "tests/tools/program.h"
 
-// A run that is stopped leaves nothing half made.
+// An interrupted run leaves no partial files.
 
 namespace test {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// The last line of --progress json that is whole; an empty object if there is none.
+/// Returns the last complete line of --progress json, or an empty object.
 nlohmann::json last_progress(const std::string& err) {
   const std::size_t end = err.rfind('\n');
   if (end == std::string::npos) return nlohmann::json::object();
@@ -29,7 +29,7 @@ bool wait_for_tiles(Program& program) {
   });
 }
 
-/// Waits for what tells where it is.
+/// Waits for a value in the progress.
 bool wait_for(Program& program, const std::string& key, const nlohmann::json& value) {
   return program.wait_until([&](const std::string& err) {
     const nlohmann::json line = last_progress(err);
@@ -37,13 +37,13 @@ bool wait_for(Program& program, const std::string& key, const nlohmann::json& va
   });
 }
 
-/// A run that takes many seconds, and tells how far it is.
+/// A run of many seconds with progress output.
 Words long_run(const fs::path& out) {
   return {"run", "--resolution", "256x256", "--program", "full:256",  "--threads",
           "2",   "--progress",   "json",    "-o",        out.string()};
 }
 
-/// Stops a run into `out` with this signal while it works.
+/// Interrupts a run with output `out` by this signal.
 Ending stopped_by(int signal, const fs::path& out) {
   Program program(long_run(out));
   EXPECT_TRUE(wait_for_tiles(program));
@@ -51,7 +51,7 @@ Ending stopped_by(int signal, const fs::path& out) {
   return program.wait();
 }
 
-/// Sums over all units: the cycles that have elapsed, and the cycles that their reasons give account of.
+/// Returns sums over all units: elapsed cycles, and cycles by reason.
 std::pair<std::uint64_t, std::uint64_t> elapsed_and_why(const nlohmann::json& units) {
   std::pair<std::uint64_t, std::uint64_t> sums;
   if (units.contains("elapsed")) {
@@ -137,7 +137,7 @@ TEST(Interrupt, WithSampledTilesKeepsFinishedFramesAndNothingOfOthers) {
   EXPECT_SAYS(later.err, "kept " + std::to_string(report["frames"].size()) + " of 100001 frames in");
 }
 
-/// The report of `run --rays` on such a list, but for how long it was.
+/// The report of `run --rays` on such a list, without host times.
 nlohmann::json figures_of_rays(const fs::path& out) {
   const nlohmann::json report = read_json(out / "report.json");
   nlohmann::json figures = {{"totals", report["totals"]}, {"units", report["units"]}};

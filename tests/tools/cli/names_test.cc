@@ -4,7 +4,8 @@
 #include "tests/tools/program.h"
 #include "tests/traces/scene/tiny_gltf_file.h"
 
-// Names that are not there get the nearest one; what does nothing, or more than was asked for, is said.
+// Unknown names are answered with the nearest one; settings without effect, or with more effect than requested, cause a
+// warning.
 
 namespace test {
 namespace {

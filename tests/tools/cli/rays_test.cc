@@ -8,7 +8,7 @@
 
 #include "tests/tools/program.h"
 
-// A list of rays instead of a camera: T&I units, caches and memory alone.
+// A list of rays in place of a camera: only T&I units, caches and memory.
 
 namespace test {
 namespace {
@@ -22,7 +22,7 @@ std::string bytes_of(const Floats& floats) {
   return bytes;
 }
 
-/// Rays from a point in the box of the scene cornell to all sides.
+/// Rays from a point in the box of the scene cornell in all directions.
 Floats fan(std::uint32_t count) {
   Floats floats;
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -75,8 +75,8 @@ TEST_F(Rays, AreAllTracedByTheUnitsOfAllCoresAndNothingElseWorks) {
 }
 
 TEST_F(Rays, ThatHitNothingAndAreShortAreCounted) {
-  const Json r = report({0,   1,   0,   0, 0, 0,  1, 0,        // no length
-                         500, 500, 500, 0, 1, 0,  0, 1e30F,    // outside, away
+  const Json r = report({0,   1,   0,   0, 0, 0,  1, 0,        // zero direction
+                         500, 500, 500, 0, 1, 0,  0, 1e30F,    // outside, pointing away
                          0,   1,   0,   0, 0, -1, 0, 1e30F});  // to the floor
   EXPECT_EQ(r["totals"]["rays"]["hits"], 1);
 }

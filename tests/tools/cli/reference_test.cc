@@ -3,7 +3,7 @@
 
 #include "tests/tools/program.h"
 
-// `run --reference` and `verify`: a run beside another, and beside Embree.
+// `run --reference` and `verify`: comparison with a second run and with Embree.
 
 namespace test {
 namespace {

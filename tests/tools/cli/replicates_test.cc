@@ -61,7 +61,7 @@ TEST(ReplicatesOption, AreATableOfMeanDeviationAndIntervalForPeople) {
 }
 
 TEST(ReplicatesOption, CoverEveryFigureThatTheyMove) {
-  // Figures of a frame as a whole; energies by event and cycles by kernel explain these.
+  // Metrics of the whole frame only; energies by event and cycles by kernel explain these.
   const TempFolder folder;
   const Json totals = replicated_report(folder.path() / "out", {"--replicates", "3"})["totals"];
   const Json figures = totals["replicates"]["figures"].flatten(), flat = totals.flatten();
@@ -106,7 +106,7 @@ TEST(ReplicatesOption, IsRefusedWhereTilesAreSampled) {
   expect_refusal(raywatt(small_run(folder.path() / "out", more)), {"--replicates", "--tile-sampling"});
 }
 
-/// Speed-ups of a bottleneck that are outside the noise, each of which is checked.
+/// Counts the speed-ups outside the noise and checks each.
 std::size_t outside_of(const std::string& text, const char* from, int plays) {
   std::size_t outside = 0;
   const Json found = Json::parse(text);

@@ -5,14 +5,14 @@
 
 #include "tests/tools/program.h"
 
-// Results of a run: the files, the fields of report.json, sums that must hold, and that it can be repeated.
+// Results of a run: files, fields of report.json, sums, repeatability.
 
 namespace test {
 namespace {
 
 using Json = nlohmann::json;
 
-/// Runs with `more`, expects it to end well, and reads the report.
+/// Runs with `more`, expects success, and returns the report.
 Json report_of(const std::filesystem::path& out, const Words& more = {}) {
   const Ending ending = raywatt(small_run(out, more));
   EXPECT_EQ(ending.exit, 0) << ending.err;
@@ -27,7 +27,7 @@ void expect_members(const Json& object, const Words& names, const std::string& w
 const Words kBand = {"low", "nominal", "high"};
 const Words kBlocks = {"tni", "srp", "l2", "tile_buffer", "dma", "interconnect", "dram"};
 
-/// Everything that two runs of one model on one input have in common.
+/// Returns the parts of a report that are equal for equal inputs.
 Json repeatable(Json report) {
   report.erase("host");
   report["provenance"].erase("argv");
@@ -63,7 +63,7 @@ TEST(Run, LeavesTheSamePicturesOnAllThreadsOfTheHost) {
   EXPECT_EQ(raywatt(words).exit, 0);
   words = small_run(all, more);
   const auto threads = std::ranges::find(words, "--threads");
-  words.erase(threads, threads + 2);  // as most users have it
+  words.erase(threads, threads + 2);  // the default
   EXPECT_EQ(raywatt(words).exit, 0);
 
   std::size_t pictures = 0;

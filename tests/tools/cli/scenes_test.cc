@@ -13,7 +13,7 @@
 namespace test {
 namespace {
 
-/// Scenes that are built and exported in a moment.
+/// Scenes that are fast to build and export.
 Words small_builtin_scenes() {
   Words names;
   for (const traces::BuiltinInfo& scene : traces::builtin_scenes()) {

@@ -4,7 +4,7 @@
 #include "tests/tools/program.h"
 #include "tests/tools/studies/sweep/small_sweep.h"
 
-// Callers that have closed standard streams, or whose streams take nothing.
+// Parent processes that closed standard streams, or streams that accept no output.
 
 namespace test {
 namespace {

@@ -6,7 +6,7 @@
 #include "tests/temp_folder.h"
 #include "tests/tools/program.h"
 
-// --timeline of the program: its file, what the report says of it, what is refused.
+// --timeline: its file, its entry in the report, its errors.
 
 namespace test {
 namespace {

@@ -6,7 +6,7 @@
 #include "tests/tools/program.h"
 #include "tests/traces/scene/tiny_gltf_file.h"
 
-// Where output goes, and the verbs that have no results.
+// Output streams, and verbs without results.
 
 namespace test {
 namespace {
@@ -39,7 +39,7 @@ TEST(Version, IsOneLine) {
   EXPECT_EQ(std::ranges::count(version, '\n'), 1) << version;
 }
 
-// Most of a start's time goes to the dynamic linker, which looks every symbol up in every library.
+// Most of the startup time is symbol lookup of the dynamic linker, which grows with the number of libraries.
 TEST(Version, ComesWithoutTheLibrariesOfImages) {
   const std::string libraries = output_of({"--version"}, {.variables = {{"LD_TRACE_LOADED_OBJECTS", "1"}}});
   EXPECT_SAYS(libraries, "libembree");
@@ -176,7 +176,7 @@ TEST(LookUp, ABareNameIsNeverAFileOfTheWorkingFolder) {
   EXPECT_SAYS(output_of({"config", "show", "mine.yaml"}, {other.path(), {}, 0, {}}), "cores: 3  #");
 }
 
-/// Does the schema have a place for every key of the value, and for none that is not declared?
+/// Expects the schema to have every key of the value, and no undeclared one.
 void expect_known(const nlohmann::json& schema, const nlohmann::json& value, const std::string& path) {
   if (!value.is_object() || !schema.contains("properties")) return;
   for (const auto& [key, inner] : value.items()) {

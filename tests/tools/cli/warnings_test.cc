@@ -7,7 +7,7 @@
 #include "tests/tools/program.h"
 #include "tools/run/frame/load_config.h"
 
-// Warnings of a run's inputs, which every verb that reads them tells.
+// Warnings about a run's inputs, printed by every verb that reads them.
 
 namespace test {
 namespace {
@@ -15,7 +15,7 @@ namespace {
 const Words kIdle = {"--set", "dram.grade=lpddr5-6400"};
 constexpr const char* kSaid = "raywatt: warning: dram.grade is a name for reports and takes no figures";
 
-/// Standard error of a verb with a setting that does nothing.
+/// Returns standard error of a verb with a setting without effect.
 std::string said_by(Words words, const Words& more = kIdle) {
   words.insert(words.end(), more.begin(), more.end());
   const Ending ending = raywatt(words);

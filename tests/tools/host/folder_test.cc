@@ -11,7 +11,7 @@
 #include "tests/tools/program.h"
 #include "tools/host/run_folder.h"
 
-// Where results may go, and that nobody ever sees half of them.
+// Where results may be written, and that they appear as a whole.
 
 namespace test {
 namespace {
@@ -131,7 +131,7 @@ TEST(Folder, ThatTheUserMayNotReadIsRefused) {
   fs::create_directory(out);
   fs::permissions(out, fs::perms::owner_write | fs::perms::owner_exec);
   constexpr uid_t kNobody = 65534;
-  const bool is_root = ::geteuid() == 0;  // root may read anything
+  const bool is_root = ::geteuid() == 0;  // root may read everything
   ASSERT_TRUE(!is_root || (::chmod(folder.path().c_str(), 0755) == 0 && ::seteuid(kNobody) == 0));
   EXPECT_THROW(tools::RunFolder(out, true), sim::InputError);
   ASSERT_TRUE(!is_root || ::seteuid(0) == 0);
@@ -280,7 +280,7 @@ TEST(Folder, AFailureWhileWritingLeavesTheFormerResults) {
 }
 
 TEST(Folder, AFullDiskEndsWith74AndLeavesNothing) {
-  // The first limit is hit by report.json, the second by image.exr, which another library writes.
+  // report.json exceeds the first limit; image.exr, written by another library, the second.
   const auto full_disk_of = [](std::uint64_t bytes, const char* resolution, const char* file) {
     const TempFolder folder;
     const Words words = {"run", "--resolution", resolution, "-o", (folder.path() / "new" / "out").string()};

@@ -9,7 +9,7 @@
 #include "tests/tools/program.h"
 #include "tools/host/run_folder.h"
 
-// Signals, as the process that gets them handles them.
+// Signals and the handling by the process that receives them.
 
 namespace test {
 namespace {

@@ -40,12 +40,12 @@ class OnTerminal {
   OnTerminal(const OnTerminal&) = delete;
   OnTerminal& operator=(const OnTerminal&) = delete;
 
-  /// Reads until the screen has been sent `part`, or all there is.
+  /// Reads until the output contains `part`, or to its end.
   bool wait_for(const std::string& part) {
     char bytes[1024];
     while (screen_.find(part) == std::string::npos) {
       const ssize_t n = ::read(terminal_, bytes, sizeof bytes);
-      if (n <= 0) return false;  // EIO when the program has ended
+      if (n <= 0) return false;  // EIO after the end of the program
       screen_.append(bytes, static_cast<std::size_t>(n));
     }
     return true;

@@ -11,7 +11,7 @@
 #include "tests/tools/host/on_terminal.h"
 #include "tests/tools/program.h"
 
-// Progress that a run reports while it goes on.
+// Progress output during a run.
 
 namespace test {
 namespace {
@@ -102,7 +102,7 @@ TEST(ProgressJson, CountsNoTimeBetweenPartsInItsRate) {
     std::this_thread::sleep_for(writing);
     progress.begin_part("simulating", 1, 2);
     progress.tiles_done(1, kRays, 1);
-    progress.phase("writing the picture");  // the part was interrupted
+    progress.phase("writing the picture");  // interrupts the part
     std::this_thread::sleep_for(writing);
     progress.end("interrupted");
   }
@@ -225,7 +225,7 @@ TEST(ProgressBar, ComesAfterTwoSecondsAndIsErasedByAnInterrupt) {
 
 TEST(ProgressBar, IsGoneWhenTheTableComes) {
   const TempFolder folder;
-  // Some four seconds of work on an idle host; none of the sizes of built-in scenes is as long on any.
+  // About four seconds of work on an idle host, longer than any built-in scene at its default size.
   OnTerminal run({"run", "--scene", "chess", "--set", "scene.triangles=1500000", "--resolution", "64x32", "--threads",
                   "1", "-o", (folder.path() / "out").string()});
   EXPECT_EQ(run.wait(), 0);

@@ -12,7 +12,7 @@
 namespace test {
 namespace {
 
-// Each takes what the others have made for left, unless they hold its lock.
+// Each writer would remove the folders of the others if they did not hold their locks.
 TEST(Staging, OfManyWithOneTargetIsTakenFromNone) {
   const TempFolder folder;
   std::atomic<int> lost = 0;

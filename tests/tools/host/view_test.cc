@@ -9,7 +9,7 @@
 #include "tests/tools/program.h"
 #include "tests/tools/studies/sweep/small_sweep.h"
 
-// The live view of a running job: picture and figures on a terminal.
+// Live views: pictures and statistics on a terminal.
 
 namespace test {
 namespace {
@@ -28,7 +28,7 @@ Words watched(const TempFolder& folder) { return small_run(folder.path() / "out"
 TEST(Watch, ShowsPictureFiguresAndTheEndOnATerminalWithColours) {
   const TempFolder folder;
   Words words = watched(folder);
-  *std::ranges::find(words, "64x32") = "512x256";  // lasts longer than the half second between two views on any host
+  *std::ranges::find(words, "64x32") = "512x256";  // longer than the half second between two views on any host
   OnTerminal run(words, {{"COLORTERM", "truecolor"}, {"LANG", "C.UTF-8"}});
   EXPECT_EQ(run.wait(), 0);
   EXPECT_SAYS(run.screen(), "\u2580");

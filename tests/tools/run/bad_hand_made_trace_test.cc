@@ -4,7 +4,7 @@
 #include "tests/tools/program.h"
 #include "tests/tools/run/hand_made_trace.h"
 
-// Traces written by hand that are wrong.
+// Invalid traces written by hand.
 
 namespace test {
 namespace {
@@ -17,7 +17,7 @@ class BadHandMadeTrace : public ::testing::Test {
     words.insert(words.end(), {folder_.write("a.trace", content).string(), "-o", (folder_.path() / "out").string()});
     return raywatt(words);
   }
-  /// With a header of which a key is another, or none.
+  /// Expects an error for a header with a changed or removed key.
   static std::string with(const std::string& pointer, const OrderedJson& value) {
     return trace(kWords, false, [&](OrderedJson& header, OrderedJson&) {
       const OrderedJson::json_pointer key(pointer);
@@ -72,7 +72,7 @@ TEST_F(BadHandMadeTrace, OfBlocksThatSayNothingOfTheirContentIsRefused) {
   expect_refusal(replay(trace(kWords, false, {}, {.size = false})), {"a.trace: has a block without a size"});
 }
 
-/// A tile of so many rays that walk alike.
+/// A tile of `rays` rays with equal walks.
 std::string tile_of_equals(std::uint64_t rays) {
   const std::string count = varint(rays), each = bytes({1, 1 << 1 | 1});
   std::string all = bytes({0, 0, 4, 0, 0, /*nodes*/ 3, /*launch*/ 0}) + count + bytes({0, 0, 0, 0, /*rays*/ 1}) +

@@ -8,7 +8,7 @@
 
 #include "tests/tools/run/trace_bytes.h"
 
-// A trace written by hand, byte by byte as docs/trace-format.md says, by somebody who has nothing else of ours.
+// A trace written byte by byte from docs/trace-format.md alone.
 
 namespace test {
 
@@ -23,10 +23,10 @@ inline std::string bytes(std::initializer_list<int> values) {
 /// The root has two leaves: triangle 0; triangles 1 and 2.
 inline const std::string kTree = bytes({0b0000'000'1, 0b0000'001'1});
 
-/// Two instances of a tree over all three triangles; behind the nodes, the tree of each.
+/// Two instances of a tree over all three triangles; the nodes, then the tree of each instance.
 inline const std::string kLevels = bytes({0b0000'000'1, 0b0000'000'1, 0b0000'010'1, 0, 1, 1});
 
-/// Four pixels: a kernel makes their rays, another looks at what they hit, 16 bytes go to the picture.
+/// Four pixels: one kernel makes their rays, another reads the hits, 16 bytes go to the picture.
 inline std::string tile(int index, const std::string& walks) {
   return bytes({0,
                 index,
@@ -72,8 +72,8 @@ inline std::string tile(int index, const std::string& walks) {
          walks;
 }
 
-/// Three of the four rays go to the first leaf and hit there; the last goes to the second leaf, first to hit of two
-/// boxes, misses a triangle by its distance, hits the next, and what is on its stack lies behind that.
+/// Three of four rays enter the first leaf and hit. The last enters the second leaf first, misses a triangle by
+/// distance, hits the next; its stack entry is then farther than the hit.
 inline const std::string kWords = bytes({17, /*words*/ 1}) + [] {
   std::string out;
   for (int ray = 0; ray < 3; ++ray) {
@@ -83,7 +83,7 @@ inline const std::string kWords = bytes({17, /*words*/ 1}) + [] {
          number(2U << 30 | 1, 4) + number(3U << 30 | 1, 4) + std::string();
 }();
 
-/// Bits, given as '0' and '1', lowest first, as walks of so many words.
+/// Encodes bits, given as '0' and '1', lowest first, as walks of `words` words.
 inline std::string as_walks(const std::string& all, int words) {
   std::string out((all.size() + 7) / 8, '\0');
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -104,14 +104,14 @@ inline std::string bits() {
   return as_walks(all, 17);
 }
 
-/// All rays hit the second instance's box and enter it, test the first triangle and hit it.
+/// All rays enter the second instance, test the first triangle and hit it.
 inline std::string bits_of_levels() {
   std::string all;
   for (int ray = 0; ray < 4; ++ray) all += /*the second box*/ "010" /*the only box*/ "100" /*hit*/ "110000" /*end*/ "1";
   return as_walks(all, 4 * 6);
 }
 
-/// A test's change to the contents of a file.
+/// A change of a test to the contents of a file.
 using Change = std::function<void(OrderedJson& header, OrderedJson& contents)>;
 
 /// A file of one tree and one frame. `tree` and `part` are entries of the contents, without the offsets of blocks.

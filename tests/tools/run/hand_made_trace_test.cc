@@ -7,7 +7,7 @@
 
 #include "tests/tools/program.h"
 
-// Traces written by hand are played.
+// Replays of traces written by hand.
 
 namespace test {
 namespace {
@@ -46,7 +46,7 @@ TEST(HandMadeTrace, OfAnotherBuildMustHaveAllKeysThatAreNotTheirDefaults) {
     const std::string file = folder.write("a.trace", trace(bits(), false, change)).string();
     return raywatt({"trace", "replay", "sgrt-2016", file, "-o", (folder.path() / "out").string()});
   };
-  // render.height and render.width are given and are not among the keys of its `function`.
+  // render.height and render.width are in `given`, not in `function`.
   expect_refusal(replay({{"model_id", "of last year"}}),
                  {"a.trace", "was recorded by another build", "without the key render.height", "2 is asked for",
                   "allowed: the default, 512"});

@@ -11,7 +11,7 @@
 #include "tools/run/stored_frames.h"
 #include "traces/trace_file/trace_writer.h"
 
-// One recording, many machines: a replay on each says what a run on it says. RAYWATT_REPLAYS says how many.
+// One recording, many machines: each replay equals a run. RAYWATT_REPLAYS sets their number.
 
 namespace test {
 namespace {
@@ -28,7 +28,7 @@ tools::JobOptions options_for(const std::filesystem::path& config) {
   return options;
 }
 
-/// Keys of timing and walk drawn anew, keys of layout in turn.
+/// Random keys of timing and walk; keys of layout in turn.
 tools::RunConfig random_machine(std::uint64_t seed, traces::InstanceLevels levels) {
   tools::RunConfig config = tools::load_run_config({});
   *config.gpu = hw::test::random_config(seed);

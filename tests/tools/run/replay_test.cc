@@ -10,7 +10,7 @@
 #include "tests/tools/program.h"
 #include "tests/tools/run/trace_bytes.h"
 
-// A replay says what the run said, to the last digit, or says in one line why it cannot.
+// A replay gives exactly the report of the run, or one line with the reason why not.
 
 namespace test {
 namespace {
@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-/// A report without what two runs of one model on one input differ in.
+/// Returns the parts of a report that are equal for equal inputs.
 Json repeatable(const fs::path& folder) {
   Json report = read_json(folder / "report.json");
   report.erase("host");
@@ -26,7 +26,7 @@ Json repeatable(const fs::path& folder) {
   return report;
 }
 
-/// Caches that tables have no figures for are said, and nothing else.
+/// Expects success with no warnings except about extrapolated caches.
 void expect_good(const Ending& ending) {
   EXPECT_EQ(ending.exit, 0) << ending.err;
   std::istringstream lines(ending.err);

@@ -4,11 +4,11 @@
 
 #include <zstd.h>
 
-// Pieces of traces, as docs/trace-format.md has them.
+// Parts of traces, as in docs/trace-format.md.
 
 namespace test {
 
-/// How blocks are made; others are to be refused.
+/// Encoding of blocks; variations must be refused.
 struct Form {
   bool checksum = true, size = true;
 };
@@ -23,14 +23,14 @@ inline std::string block(const std::string& content, const Form& form = {}) {
   return packed;
 }
 
-/// The lowest first.
+/// Encodes a number, lowest byte first.
 inline std::string number(std::uint64_t value, int bytes) {
   std::string out;
   for (; bytes > 0; --bytes, value >>= 8) out += static_cast<char>(value & 0xff);
   return out;
 }
 
-/// 7 bits a byte, lowest first, the top bit set in all but the last.
+/// Encodes 7 bits per byte, lowest first; the top bit is set in all but the last.
 inline std::string varint(std::uint64_t value) {
   std::string out;
   for (; value >= 0x80; value >>= 7) out += static_cast<char>((value & 0x7f) | 0x80);

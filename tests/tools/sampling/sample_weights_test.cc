@@ -8,7 +8,7 @@
 
 #include "sim/hash.h"
 
-// Totals from parts: what is exact, and how often the interval holds the truth.
+// Estimated totals: exact cases, and the coverage of the interval.
 
 namespace tools {
 namespace {
@@ -17,14 +17,14 @@ double uniform(std::uint64_t trial, std::uint64_t index, std::uint64_t of) {
   return static_cast<double>(sim::unit_float(sim::hash(trial, index, of)));
 }
 
-/// Nearly normal, with variance 1.
+/// Approximately normal, variance 1.
 double noise(std::uint64_t trial, std::uint64_t index) {
   double sum = -6;
   for (std::uint64_t i = 0; i < 12; ++i) sum += uniform(trial, index, 100 + i);
   return sum;
 }
 
-/// A whole of many parts, of which some are drawn with chances in proportion to their size.
+/// A whole of many parts, some of them drawn with probability proportional to size.
 struct Drawn {
   SamplePart whole{0, {0, 0}};
   std::vector<SamplePart> parts;
@@ -32,7 +32,7 @@ struct Drawn {
   double truth = 0;
 };
 
-/// Each part takes 3 per size, 2 and 5 per trait, and what no trait tells: `unknown` per size, times a normal deviate.
+/// The quantity of a part is 3 per size, 2 and 5 per trait, plus `unknown` per size times a normal deviate.
 Drawn draw(std::uint64_t trial, std::size_t count, double unknown) {
   constexpr std::size_t kAll = 2000;
   std::vector<SamplePart> all;

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-// How a frame's tiles are cut into slices.
+// Plans that split a frame's tiles into slices.
 
 namespace tools {
 namespace {
@@ -36,7 +36,7 @@ TEST(SlicePlan, ShortSlicesAndThoseOfSmallFramesHaveLeadsTwiceAsLongWhichDoTheWa
   const std::vector<Slice> as_short_as_leads = plan_slices(std::vector<double>(120, 1), 10, kShape);
   EXPECT_EQ(as_short_as_leads[1].begin(), 0U) << "there are no more tiles before it";
   EXPECT_EQ(as_short_as_leads[9].begin(), 108U - 24);
-  // Frames of less than fifty leads are small, slices of less than five are short.
+  // Frames below fifty leads are small, slices below five are short.
   EXPECT_EQ(plan_slices(std::vector<double>(599, 1), 2, kShape)[1].lead, 24U);
   EXPECT_EQ(plan_slices(std::vector<double>(600, 1), 2, kShape)[1].lead, 12U);
   EXPECT_EQ(plan_slices(std::vector<double>(1200, 1), 20, kShape)[1].lead, 12U);

@@ -13,7 +13,7 @@
 #include "tools/sampling/pilot.h"
 #include "traces/accel/bvh_tracer.h"
 
-// Frames cut into slices, beside the same frames played whole.
+// Sliced frames compared with the same frames simulated as a whole.
 
 namespace tools {
 namespace {
@@ -42,7 +42,7 @@ const FrameResult& eight_slices() {
   return s;
 }
 
-/// The first figure in which two runs differ; empty if they do not.
+/// Returns the first value in which two runs differ; empty if none.
 std::string first_difference(const FrameResult& a, const FrameResult& b) {
   if (a.cycles != b.cycles || a.elapsed != b.elapsed) return "cycles";
   for (std::size_t u = 0; u < a.units.size(); ++u) {
@@ -111,7 +111,7 @@ TEST(Slices, ThePictureAndAllThatIsCountedOfItAreTheWholeFrames) {
     EXPECT_EQ(cut.function.rays[k], whole.function.rays[k]);
 }
 
-/// Eight slices, each played alone and read from its text.
+/// Eight slices, each simulated alone and parsed from its text.
 const std::vector<sim::Json>& eight_parts() {
   static const std::vector<sim::Json> parts = [] {
     std::vector<sim::Json> all(8);
@@ -247,7 +247,7 @@ TEST(SlicedRun, SaysHowManySlicesThereWereAndHowFarOffTheyMayBe) {
 
 TEST(SlicedRun, MachinesTakeAPartOfTheTimeOfSlicesWhoeverRenders) {
   const TempFolder folder;
-  for (const char* threads : {"2", "3"}) {  // 3: one machine has a thread that renders ahead of it
+  for (const char* threads : {"2", "3"}) {  // 3: one machine has an extra thread that renders ahead
     const std::filesystem::path out = folder.path() / threads;
     const Ending ending = raywatt({"run", "--resolution", "64x64", "--threads", threads, "--set", "render.tile=4",
                                    "--set", "cores=2", "--slices", "2", "-o", out.string()});

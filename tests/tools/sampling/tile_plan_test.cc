@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-// Which tiles of a frame are timed.
+// Plans of the simulated tiles of a frame.
 
 namespace tools {
 namespace {

@@ -13,7 +13,7 @@
 #include "tests/tools/program.h"
 #include "tools/sampling/sampled_run.h"
 
-// Frames of which some tiles are timed, beside the same frames timed whole.
+// Sampled frames compared with the same frames simulated as a whole.
 
 namespace tools {
 namespace {
@@ -45,7 +45,7 @@ const FrameResult& sampled() {
   return s;
 }
 
-/// The first figure in which two runs differ; empty if they do not.
+/// Returns the first value in which two runs differ; empty if none.
 std::string difference(const FrameResult& a, const FrameResult& b) {
   if (a.cycles != b.cycles) return "cycles";
   for (std::size_t u = 0; u < a.units.size(); ++u) {
@@ -136,7 +136,7 @@ TEST(TileSampling, CountersAreNearThoseOfTheWholeFrame) {
   expect_near("srp", "items", 0.03);
   expect_near("dispatcher", "rays_in", 0.05);
   expect_near("dma", "picture_lines_written", 0.1);
-  expect_near("bank", "latency", 0.2);  // made up when the run is over
+  expect_near("bank", "latency", 0.2);  // filled in at the end of the run
 }
 
 TEST(TileSampling, AutoGoesOnUntilTheIntervalsAreNarrowEnough) {
@@ -163,7 +163,7 @@ TEST(TileSampling, CountersHaveIntervalsThatHoldTheTruth) {
   for (const auto& [path, truth] : summed_counters(whole().units)) {
     const Interval& estimate = sampled().sampled->counters.at(path);
     EXPECT_GE(estimate.half_width(), 0.01 * estimate.estimate) << path;
-    if (truth < 1000) continue;  // a few of them may fall between the blocks
+    if (truth < 1000) continue;  // rare events may fall between the blocks
     all += 1;
     if (std::abs(estimate.estimate - truth) <= estimate.half_width()) {
       inside += 1;

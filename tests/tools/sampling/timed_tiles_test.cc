@@ -9,7 +9,7 @@
 #include "sim/engine.h"
 #include "tests/hw_models/machines/gpu_harness.h"
 
-// Blocks of a frame on the machine, and caches warmed by the tiles before them.
+// Blocks of a frame on the machine, with caches warmed by the tiles before them.
 
 namespace tools {
 namespace {
@@ -103,7 +103,7 @@ TEST(TimedTiles, WarmedCachesAskLessOfMemory) {
 
 TEST(TimedTiles, ATileThatWasJustWarmedMissesNothingInTheL2) {
   const BlockRun cold = run({{0, 0, 1, 0}});
-  // The machine gives up the list behind its last block: of two equal tiles the first warms for the second.
+  // The machine stops after its last block: of two equal tiles, the first warms the caches for the second.
   hw::GpuConfig config;
   config.cores = 1;
   config.l2.cache.size.bytes = 1 << 20;

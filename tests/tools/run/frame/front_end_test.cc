@@ -88,7 +88,7 @@ TEST(FrontEnd, AFailureInAThreadComesOutWhereTheTileIsAskedFor) {
   }
 }
 
-/// A list of tiles, each of which is made as the test says.
+/// A frame program with tiles as the test defines them.
 class MadeUp final : public kernels::FrameProgram {
  public:
   using Run = std::function<void(std::uint32_t tile_index, kernels::TileResult& out)>;
@@ -117,7 +117,7 @@ TEST(FrontEnd, OfSeveralTilesThatFailTheFirstIsToldHoweverManyThreadsMakeThem) {
   MadeUp program(8, [&](std::uint32_t tile_index, kernels::TileResult&) {
     if (tile_index < 2) return;
     std::unique_lock lock(mutex);
-    // The thread with the earlier tile is the later of the two.
+    // The thread with the earlier tile finishes later.
     if (tile_index == 2) news.wait_for(lock, std::chrono::milliseconds(500), [&] { return later_has_failed; });
     later_has_failed = tile_index > 2;
     news.notify_all();
@@ -163,7 +163,7 @@ TEST(FrontEnd, MemoryThatAThreadIsRefusedComesOutWhereTheTileIsAskedFor) {
     const rlimit tight{pages * static_cast<rlim_t>(::getpagesize()) + (8U << 20), before.rlim_max};
     setrlimit(RLIMIT_AS, &tight);
   };
-  // All slots get room for the longest tile so far.
+  // All slots reserve room for the longest tile so far.
   MadeUp program(
       100,
       [](std::uint32_t tile_index, kernels::TileResult& out) { out.work.walk.resize(tile_index == 0 ? 16U << 20 : 0); },

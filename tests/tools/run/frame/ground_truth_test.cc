@@ -23,7 +23,7 @@ tools::Inputs small_cornell() {
   return tools::load_inputs(options);
 }
 
-/// The one EXR file of a cache.
+/// Returns the only EXR file of a cache.
 fs::path picture_in(const fs::path& cache) {
   for (const auto& entry : fs::directory_iterator(cache)) {
     if (entry.path().extension() == ".exr") return entry.path();
@@ -74,7 +74,7 @@ TEST(GroundTruth, IsNotTakenFromFilesThatAreNotIt) {
   folder.write(name, good.substr(0, good.size() / 2));
   EXPECT_EQ(tools::ground_truth(inputs, kSamples, 1, folder.path()), truth);
 
-  traces::write_exr(picture, 32, 16, std::vector<float>(truth.size(), 0.5F));  // somebody else's
+  traces::write_exr(picture, 32, 16, std::vector<float>(truth.size(), 0.5F));  // another picture
   EXPECT_EQ(tools::ground_truth(inputs, kSamples, 1, folder.path()), truth);
   EXPECT_EQ(read_bytes(picture), good);
 

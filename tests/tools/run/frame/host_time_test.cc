@@ -4,7 +4,7 @@
 
 #include "tools/run/frame/run_job.h"
 
-// The estimate of a run's time, without timing: the steps, and what is made of a rate.
+// Estimates of a run's time: steps, and the use of a rate.
 
 namespace tools {
 namespace {

@@ -79,7 +79,7 @@ TEST(HitCycles, ThatAreAutoAreTheDefaultMachinesForItsSizes) {
   EXPECT_TRUE(latency_warnings(with(kAuto)).empty());
 }
 
-// 0.301 ns are one cycle of 1 GHz, 1.02 ns two; 0.848 ns are two cycles of 2 GHz, 0.609 ns too, 0.496 ns one.
+// 0.301 ns is one cycle at 1 GHz, 1.02 ns two; 0.848 ns and 0.609 ns are two cycles at 2 GHz, 0.496 ns one.
 TEST(HitCycles, ThatAreAutoFollowSizeAndClock) {
   EXPECT_EQ(cycles(with(auto_and({"clocks.tni=1 GHz", "tni.trv.l1.size=512 KiB", "tni.ist.l1.size=16 KiB"}))),
             (std::vector<std::uint32_t>{3, 2, 12}));

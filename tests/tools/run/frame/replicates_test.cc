@@ -8,7 +8,7 @@
 #include "tests/hw_models/machines/gpu_harness.h"
 #include "traces/trace_file/tree_links.h"
 
-// One recording that serves many plays.
+// One recording, several simulations.
 
 namespace tools {
 namespace {
