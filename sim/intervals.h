@@ -37,7 +37,7 @@ class Intervals {
   Time end() const { return end_; }
   /// Number of intervals. The last one may be shorter than the others.
   std::size_t size() const { return rows_; }
-  std::size_t row_row_width() const { return width_; }
+  std::size_t row_width() const { return width_; }
   std::span<const std::uint64_t> row(std::size_t i) const { return {values_.get() + i * width_, width_}; }
   /// End time of an interval.
   Time end_of(std::size_t i) const { return i + 1 == rows_ && end_ != 0 ? end_ : (i + 1) * length_; }

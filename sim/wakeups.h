@@ -28,7 +28,7 @@ struct WakeupHandle {
 };
 
 /// The engine's wake-up times: one for each unit, and the minimum of each group of eight neighbours. A group is
-/// compared at once (sim/branch_free.h).
+/// compared at once (sim/eight.h).
 class WakeupTable {
  public:
   static constexpr std::size_t kGroup = kMatchWidth;

@@ -106,7 +106,7 @@ ConfigNode* ConfigNode::find_child(std::string_view name) {
 }
 
 ConfigNode& TreeBuilder::add(std::string_view key, std::string_view meaning) {
-  assert(group_.child(key) == nullptr && "a key declared twice");
+  assert(group_.find_child(key) == nullptr && "a key declared twice");
   ConfigNode& node = group_.children.emplace_back();
   node.key = key;
   if (!group_.path.empty()) node.path.append(group_.path).append(1, '.');
@@ -139,7 +139,7 @@ std::string suggest_keys(const ConfigNode& root, const ConfigNode& group, std::s
     return fmt::format("did you mean '{}'?", fmt::join(elsewhere, "' or '"));
   const std::string_view start = comparable_start(key);
   const auto nearest =
-      find_nearest_origins(start, group.children, std::max<std::size_t>(1, start.size() / 3), &ConfigNode::key);
+      find_nearest(start, group.children, std::max<std::size_t>(1, start.size() / 3), &ConfigNode::key);
   if (nearest != group.children.end()) return fmt::format("did you mean '{}'?", nearest->path);
   std::vector<std::string_view> keys;
   for (const ConfigNode& child : group.children) keys.push_back(child.key);

@@ -23,7 +23,7 @@ void collect_fields(const ConfigNode& group, std::vector<FieldInfo>& fields) {
     }
     FieldInfo info{node.path, node.kind(), node.unit, node.meaning, node.limits, node.affects, value_text(node), {}};
     if (const auto* choice = std::get_if<EnumTarget>(&*node.target)) {
-      info.choices.parse_value(choice->names.begin(), choice->names.end());
+      info.choices.assign(choice->names.begin(), choice->names.end());
     }
     fields.push_back(std::move(info));
   }

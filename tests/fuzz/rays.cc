@@ -1,5 +1,5 @@
 #include "tests/fuzz/common.h"
-#include "tools/run/ray_list.h"
+#include "tools/run/jobs.h"
 
 // A list of rays, as `raywatt run --rays FILE` reads it.
 

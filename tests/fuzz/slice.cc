@@ -7,8 +7,8 @@
 namespace {
 
 /// Returns a machine of one unit and one kernel before its first cycle.
-tools::Stretch nothing() {
-  tools::Stretch machine;
+tools::MachineSpan initial_state() {
+  tools::MachineSpan machine;
   sim::UnitReport& unit = machine.units.emplace_back();
   unit.path = "core0";
   unit.cycles_by_reason = {{"busy", 0}, {"idle", 0}};
@@ -19,8 +19,8 @@ tools::Stretch nothing() {
 
 void there_and_back(std::string_view text) {
   try {
-    const sim::Json written = tools::slice_json(tools::read_slice(sim::parse_json(text), nothing()));
-    if (tools::slice_json(tools::read_slice(written, nothing())) != written) std::abort();
+    const sim::Json written = tools::slice_json(tools::read_slice(sim::parse_json(text), initial_state()));
+    if (tools::slice_json(tools::read_slice(written, initial_state())) != written) std::abort();
   } catch (const sim::JsonError&) {  // not JSON; the store's checksum excludes such texts
   }
 }

@@ -4,8 +4,8 @@
 
 #include "tests/fuzz/common.h"
 #include "tools/analysis/trace_info.h"
-#include "tools/run/frame/recorded.h"
 #include "tools/run/frame/replay_program.h"
+#include "tools/run/frame/trace_header.h"
 
 namespace fuzz {
 namespace {

@@ -36,8 +36,8 @@ Json measure(const Case& c) {
   options.resolution = "64x32";
   options.threads = 1;
   const Inputs inputs = load_inputs(options);
-  const FrameResult s = simulate(inputs, kernels::parse_program(c.program), 1);
-  Json out = {{"cycles", s.cycles}, {"rays", s.rays()}, {"traversal_steps", s.function.traversal_steps}};
+  const FrameResult s = simulate_frame(inputs, kernels::parse_program(c.program), 1);
+  Json out = {{"cycles", s.cycles}, {"rays", s.rays()}, {"traversal_steps", s.rendered.traversal_steps}};
   for (const auto& [block, energy] : s.energy.blocks) out["energy_pj"][block] = energy.total().nominal;
   for (const sim::UnitReport& unit : s.units) {
     Json& kind = out["units"][kind_of(unit.path)];

@@ -33,7 +33,7 @@ const Played& played() {
     options.resolution = "16x16";
     options.sets = {"render.primary=raster"};  // so that there are rasterisers
     const tools::Inputs inputs = tools::load_inputs(options);
-    Played p{inputs.config, tools::simulate(inputs, kernels::parse_program("full:1"), 1).units, {}, {}};
+    Played p{inputs.config, tools::simulate_frame(inputs, kernels::parse_program("full:1"), 1).units, {}, {}};
     p.device = hw::dram_energy_events(p.config.gpu->dram);
     for (const sim::UnitReport& unit : p.units) {
       for (const sim::CounterReport& counter : unit.counters) {

@@ -6,8 +6,8 @@
 
 #include "tests/real_scenes.h"
 #include "tests/validation/figures.h"
-#include "tools/analysis/kernel_shares.h"
 #include "tools/analysis/picture.h"
+#include "tools/analysis/sampling_report.h"
 #include "tools/run/frame/run_job.h"
 #include "traces/accel/bvh_tracer.h"
 
@@ -42,11 +42,11 @@ struct Gain {
     JobOptions options = reproduction(scene, "512x256", sets);
     options.config = config;
     const Inputs inputs = load_inputs(options);
-    const FrameResult run = simulate(inputs, kernels::parse_program(program), 0);
-    const FrameResult full = simulate(inputs, kernels::parse_program(reference), 0);
+    const FrameResult run = simulate_frame(inputs, kernels::parse_program(program), 0);
+    const FrameResult full = simulate_frame(inputs, kernels::parse_program(reference), 0);
     const auto ratio = [](auto a, auto b) { return static_cast<double>(a) / static_cast<double>(b); };
-    traced_ratio = ratio(run.function.sampling.traced, run.function.sampling.wanted);
-    work = ratio(run.function.traversal_steps, full.function.traversal_steps);
+    traced_ratio = ratio(run.rendered.sampling.traced, run.rendered.sampling.wanted);
+    work = ratio(run.rendered.traversal_steps, full.rendered.traversal_steps);
     speed_up = ratio(full.cycles, run.cycles);
     perf_per_watt = tni_pj(full) / tni_pj(run);
     power = speed_up / perf_per_watt;
@@ -107,29 +107,28 @@ TEST(SgrtBalanced, SpeedFollowsTheWorkSavedAsItsTraversalUnitsSetThePace) {
 }
 
 /// Samples that undersample traces, without a machine.
-tools::FrontEnd::Result undersampled(const std::string& scene, const std::string& resolution,
-                                     std::uint32_t samples = 1) {
+tools::RenderResult undersampled(const std::string& scene, const std::string& resolution, std::uint32_t samples = 1) {
   Inputs inputs = load_inputs(reproduction(scene, resolution));
   inputs.config.programs.undersample.samples = samples;
-  return render(inputs, kernels::parse_program("undersample"), traces::BvhTracer(inputs.image), 0);
+  return render_frame(inputs, kernels::parse_program("undersample"), traces::BvhTracer(inputs.image), 0);
 }
 
 TEST(Kim2016, ConferenceTracesWhatWasPublishedAndLessWithResolution) {
   const std::filesystem::path file = test::scenes_folder() / "conference-331k.glb";
   if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not here";
   const std::string conference = file.string();
-  const auto ratio = [](const tools::FrontEnd::Result& r) {
+  const auto ratio = [](const tools::RenderResult& r) {
     return static_cast<double>(r.sampling.traced) / static_cast<double>(r.sampling.wanted);
   };
-  const tools::FrontEnd::Result fine = undersampled(conference, "1024x1024");
-  const tools::FrontEnd::Result coarse = undersampled(conference, "512x512");
-  const tools::FrontEnd::Result four = undersampled(conference, "512x512", 4);
+  const tools::RenderResult fine = undersampled(conference, "1024x1024");
+  const tools::RenderResult coarse = undersampled(conference, "512x512");
+  const tools::RenderResult four = undersampled(conference, "512x512", 4);
   expect_between("traced ratio, published 0.300", ratio(fine), 0.26, 0.345);
   EXPECT_LT(ratio(fine), ratio(coarse));
   EXPECT_EQ(four.sampling.traced, fine.sampling.traced) << "2 x 2 samples at 512 are those of 1024";
   const Inputs inputs = load_inputs(reproduction(conference, "1024x1024"));
-  const tools::FrontEnd::Result full =
-      render(inputs, kernels::parse_program("full:1"), traces::BvhTracer(inputs.image), 0);
+  const tools::RenderResult full =
+      render_frame(inputs, kernels::parse_program("full:1"), traces::BvhTracer(inputs.image), 0);
   EXPECT_GE(psnr_db(mean_squared_error(fine.rgb, full.rgb)), 40);
 }
 

@@ -35,7 +35,7 @@ Figures measure(const std::string& scene, std::vector<std::string> sets = {}) {
   options.scene = scene;
   options.resolution = "512x256";
   options.sets = std::move(sets);
-  const FrameResult s = simulate(load_inputs(options), kernels::parse_program("full:1"), 0);
+  const FrameResult s = simulate_frame(load_inputs(options), kernels::parse_program("full:1"), 0);
   const double all = s.energy.total_pj.nominal;
   const double seconds = static_cast<double>(s.elapsed) * 1e-15;
   return {s.energy.blocks.at("tni").total().nominal / static_cast<double>(sum(s, "visits")),

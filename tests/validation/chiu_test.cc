@@ -39,7 +39,7 @@ class Pictures {
   }
 
   Quality of(const std::string& program, const std::string& set = {}) {
-    const FrontEnd::Result result = show(program, set);
+    const RenderResult result = show(program, set);
     Quality quality{.whole = psnr_db(mean_squared_error(result.rgb, truth_.rgb)).value_or(0)};
     const MaskedErrors errors = masked_errors(masks_, result.rgb, truth_.rgb);
     for (std::size_t m = 0; m < errors.size(); ++m) {
@@ -54,21 +54,21 @@ class Pictures {
   }
 
  private:
-  static std::uint64_t rays_of(const FrontEnd::Result& result) {
+  static std::uint64_t rays_of(const RenderResult& result) {
     std::uint64_t all = 0;
     for (const std::uint64_t rays : result.rays) all += rays;
     return all;
   }
-  FrontEnd::Result show(const std::string& program, const std::string& set = {}) {
+  RenderResult show(const std::string& program, const std::string& set = {}) {
     JobOptions options = options_;
     if (!set.empty()) options.sets.push_back(set);
     inputs_.config = load_run_config(options);
-    return render(inputs_, kernels::parse_program(program), traces::BvhTracer(inputs_.image), 0);
+    return render_frame(inputs_, kernels::parse_program(program), traces::BvhTracer(inputs_.image), 0);
   }
 
   JobOptions options_;
   Inputs inputs_;
-  FrontEnd::Result truth_;
+  RenderResult truth_;
   std::vector<Mask> masks_;
 };
 

@@ -32,9 +32,9 @@ TEST(Jin2009, NineSamplesArePassedOnlyWhereTexturesAreSampledMoreFinelyThanByDef
   const Inputs with_textures = conference("0.1");
   const std::vector<float> truth = ground_truth(inputs, 256, 0, {});
   const auto render = [&](const Inputs& of, const std::string& program) -> Render {
-    const FrameResult run = simulate(of, kernels::parse_program(program), 0);
-    return {.psnr = psnr_db(mean_squared_error(run.function.rgb, truth)).value_or(0),
-            .samples = static_cast<double>(run.function.sampling.traced) / (96 * 48)};
+    const FrameResult run = simulate_frame(of, kernels::parse_program(program), 0);
+    return {.psnr = psnr_db(mean_squared_error(run.rendered.rgb, truth)).value_or(0),
+            .samples = static_cast<double>(run.rendered.sampling.traced) / (96 * 48)};
   };
   const Render nine = render(inputs, "full:9"), four = render(inputs, "full:4");
   const Render adaptive = render(inputs, "supersample"), finer = render(with_textures, "supersample");

@@ -25,8 +25,8 @@ struct Way {
 
   void render_frame(Inputs& inputs, const traces::Tracer& tracer, const std::vector<float>& full) {
     inputs.config.programs.multirate = config;
-    const FrontEnd::Result run =
-        render(inputs, kernels::parse_program("multirate:under"), tracer, 0, {.rates = &rates});
+    const RenderResult run =
+        render_frame(inputs, kernels::parse_program("multirate:under"), tracer, 0, {.rates = &rates});
     squared_error += mean_squared_error(run.rgb, full);
     for (const std::uint8_t block : run.sampling.blocks) {
       coarse += block == kernels::RateMap::kCoarse ? 1 : 0;
@@ -55,10 +55,10 @@ TEST(RateControl, LosesLessThanADecibelWithAQuarterOfTheTilesCoarse) {
   Way unguarded(config);
   for (std::uint32_t frame = 0; frame < kFrames; ++frame) {
     if (frame != 0) {
-      ASSERT_TRUE(advance(inputs, 0));
+      ASSERT_TRUE(advance_frame(inputs, 0));
     }
     const traces::BvhTracer tracer(inputs.image);
-    const std::vector<float> full = render(inputs, kernels::parse_program("full:1"), tracer, 0).rgb;
+    const std::vector<float> full = render_frame(inputs, kernels::parse_program("full:1"), tracer, 0).rgb;
     for (Way* way : {&off, &guarded, &unguarded}) way->render_frame(inputs, tracer, full);
   }
   EXPECT_EQ(off.coarse, 0U);

@@ -21,13 +21,13 @@ constexpr Colour kYellow{255, 221, 0}, kBlue{20, 40, 200}, kGreen{0, 200, 60}, k
 constexpr int kDarkened = 4;  // divisor of brightness under the marks
 
 struct Canvas {
-  const FrontEnd::Result& frame;
+  const RenderResult& frame;
   std::uint32_t width, height;  ///< in samples
   std::uint32_t grid;           ///< samples per pixel and axis
 
   /// Paints each sample with `colour(mark, x, y)`.
   template <class F>
-  DebugPicture paint(std::string name, F&& colour) const {
+  DebugPicture paint_samples(std::string name, F&& colour) const {
     DebugPicture picture{std::move(name), width, height, {}};
     picture.rgb.reserve(std::size_t{3} * width * height);
     for (std::uint32_t y = 0; y < height; ++y) {
@@ -40,16 +40,16 @@ struct Canvas {
   }
 
   /// Returns the pixel of a sample.
-  const std::uint8_t* pixel(const std::vector<std::uint8_t>& picture, std::uint32_t x, std::uint32_t y) const {
+  const std::uint8_t* pixel_at(const std::vector<std::uint8_t>& picture, std::uint32_t x, std::uint32_t y) const {
     return &picture[3 * (std::size_t{y / grid} * (width / grid) + x / grid)];
   }
 
   /// Paints samples with `bit` white over the darkened picture.
-  DebugPicture marked(std::string name, SampleMark bit) const {
+  DebugPicture marked_picture(std::string name, SampleMark bit) const {
     const std::vector<std::uint8_t> picture = to_rgb8(frame.rgb);
-    return paint(std::move(name), [&](SampleMark mark, std::uint32_t x, std::uint32_t y) -> Colour {
+    return paint_samples(std::move(name), [&](SampleMark mark, std::uint32_t x, std::uint32_t y) -> Colour {
       if ((mark & bit) != 0) return kWhite;
-      const std::uint8_t* at = pixel(picture, x, y);
+      const std::uint8_t* at = pixel_at(picture, x, y);
       const auto grey = static_cast<std::uint8_t>((at[0] + 2 * at[1] + at[2]) / 4 / kDarkened);
       return {grey, grey, grey};
     });
@@ -58,7 +58,7 @@ struct Canvas {
 
 /// Colours samples by their origin.
 DebugPicture similar_picture(const Canvas& canvas) {
-  return canvas.paint("similar", [](SampleMark mark, std::uint32_t, std::uint32_t) {
+  return canvas.paint_samples("similar", [](SampleMark mark, std::uint32_t, std::uint32_t) {
     if ((mark & kernels::kReferenceMark) != 0) return kGrey;
     if ((mark & kernels::kCorrectedMark) != 0) return kGreen;
     return (mark & kernels::kTracedMark) != 0 ? kBlue : kYellow;
@@ -68,9 +68,9 @@ DebugPicture similar_picture(const Canvas& canvas) {
 /// Shows interpolated samples; others are black.
 DebugPicture interpolated_picture(const Canvas& canvas) {
   const std::vector<std::uint8_t> picture = to_rgb8(canvas.frame.rgb);
-  return canvas.paint("interpolated", [&](SampleMark mark, std::uint32_t x, std::uint32_t y) -> Colour {
+  return canvas.paint_samples("interpolated", [&](SampleMark mark, std::uint32_t x, std::uint32_t y) -> Colour {
     if ((mark & kernels::kTracedMark) != 0) return {0, 0, 0};
-    const std::uint8_t* at = canvas.pixel(picture, x, y);
+    const std::uint8_t* at = canvas.pixel_at(picture, x, y);
     return {at[0], at[1], at[2]};
   });
 }
@@ -79,7 +79,7 @@ DebugPicture interpolated_picture(const Canvas& canvas) {
 DebugPicture rates_picture(const Canvas& canvas) {
   const kernels::Sampling& s = canvas.frame.sampling;
   const std::uint32_t across = (canvas.width + s.tile_side - 1) / s.tile_side;
-  return canvas.paint("rates", [&](SampleMark, std::uint32_t x, std::uint32_t y) -> Colour {
+  return canvas.paint_samples("rates", [&](SampleMark, std::uint32_t x, std::uint32_t y) -> Colour {
     const std::size_t tile = std::size_t{y / s.tile_side} * across + x / s.tile_side;
     const int full = s.blocks[tile] > 2 ? 255 : 110;
     const float similar = s.similar[tile];
@@ -90,7 +90,7 @@ DebugPicture rates_picture(const Canvas& canvas) {
 
 /// Remaining weights of the filter: white if all samples count, black if only the pixel's own do.
 DebugPicture weights_picture(const Canvas& canvas) {
-  return canvas.paint("weights", [](SampleMark mark, std::uint32_t, std::uint32_t) -> Colour {
+  return canvas.paint_samples("weights", [](SampleMark mark, std::uint32_t, std::uint32_t) -> Colour {
     const auto share = static_cast<std::uint8_t>(mark >> kernels::kWeightShift);
     return {share, share, share};
   });
@@ -103,7 +103,7 @@ void add_edges(std::vector<DebugPicture>& pictures, const Canvas& canvas) {
   for (const SampleMark mark : canvas.frame.marks) all |= mark;
   for (std::size_t i = 0; i < kNames.size(); ++i) {
     const auto bit = static_cast<SampleMark>(1U << i);
-    if ((all & bit) != 0) pictures.push_back(canvas.marked("edges-" + std::string(kNames[i]), bit));
+    if ((all & bit) != 0) pictures.push_back(canvas.marked_picture("edges-" + std::string(kNames[i]), bit));
   }
 }
 
@@ -112,7 +112,8 @@ void add_marked(std::vector<DebugPicture>& pictures, const Canvas& canvas, std::
                 std::span<const std::uint64_t> counts, const Name& names) {
   for (std::size_t i = 0; i < counts.size(); ++i) {
     if (counts[i] == 0) continue;
-    pictures.push_back(canvas.marked(std::string(prefix) + std::string(names[i]), static_cast<SampleMark>(1U << i)));
+    pictures.push_back(
+        canvas.marked_picture(std::string(prefix) + std::string(names[i]), static_cast<SampleMark>(1U << i)));
   }
 }
 
@@ -131,14 +132,14 @@ DebugPicture empty_picture(const char* name, const kernels::RenderConfig& render
   return {name, render.width, render.height, std::vector<std::uint8_t>(std::size_t{3} * render.width * render.height)};
 }
 
-void paint(DebugPicture& picture, std::size_t pixel, std::uint32_t count) {
+void paint_count(DebugPicture& picture, std::size_t pixel, std::uint32_t count) {
   const Colour& colour = kHeat.at(std::min<std::size_t>(count, kHeat.size() - 1));
   std::ranges::copy(colour, picture.rgb.begin() + static_cast<std::ptrdiff_t>(3 * pixel));
 }
 
 }  // namespace
 
-std::vector<DebugPicture> debug_pictures(const kernels::ProgramSpec& program, const FrontEnd::Result& frame,
+std::vector<DebugPicture> debug_pictures(const kernels::ProgramSpec& program, const RenderResult& frame,
                                          std::uint32_t width, std::uint32_t height) {
   std::vector<DebugPicture> pictures;
   if (frame.marks.empty()) return pictures;
@@ -148,9 +149,10 @@ std::vector<DebugPicture> debug_pictures(const kernels::ProgramSpec& program, co
   using Kind = kernels::ProgramSpec::Kind;
   if (program.kind == Kind::kSupersample) {
     constexpr std::array<Colour, 5> kCounts{{{0, 0, 0}, {255, 0, 0}, {0, 255, 0}, {0, 0, 255}, kWhite}};
-    pictures.push_back(canvas.paint(
+    pictures.push_back(canvas.paint_samples(
         "active", [&](SampleMark mark, std::uint32_t, std::uint32_t) { return kCounts.at(kernels::active_of(mark)); }));
-    if (frame.sampling.propagated != 0) pictures.push_back(canvas.marked("propagated", kernels::kCorrectedMark));
+    if (frame.sampling.propagated != 0)
+      pictures.push_back(canvas.marked_picture("propagated", kernels::kCorrectedMark));
     add_marked(pictures, canvas, "differs-", frame.sampling.reasons, names_of(kernels::Attribute{}));
     return pictures;
   }
@@ -187,8 +189,8 @@ std::vector<DebugPicture> raster_pictures(const traces::MemoryImage& image, cons
     rasteriser->cover_samples(rays, found, nullptr);
     for (std::size_t i = 0; i < rays.size(); ++i) {
       const std::size_t pixel = std::size_t{y0} * render.width + i;
-      paint(pictures[0], pixel, found.layers[i]);
-      paint(pictures[1], pixel, found.quads[i]);
+      paint_count(pictures[0], pixel, found.layers[i]);
+      paint_count(pictures[1], pixel, found.quads[i]);
     }
   }
   return pictures;

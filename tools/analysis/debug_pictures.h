@@ -26,7 +26,7 @@ struct DebugPicture {
 ///   `active` (0 to 4 active sub-pixels: black, red, green, blue, white), `differs-NAME` (pixels with an active
 ///   sub-pixel whose attribute differed), `propagated` (pixels corrected by propagation rounds) reconstruct: `weights`
 ///   (remaining filter weight around a pixel, from black to white), `edges-NAME` (pixels whose filter has an edge)
-std::vector<DebugPicture> debug_pictures(const kernels::ProgramSpec& program, const FrontEnd::Result& frame,
+std::vector<DebugPicture> debug_pictures(const kernels::ProgramSpec& program, const RenderResult& frame,
                                          std::uint32_t width, std::uint32_t height);
 
 /// Returns pictures of the rasteriser's work for one sample per pixel:

@@ -35,7 +35,7 @@ constexpr double kEndsOfTiles = 0.35, kSlotsWeight = 5;  // see never_full()
 using Stages = std::array<double, 3>;
 
 /// Returns the time of all stages together.
-double together(const Stages& stages, double p) {
+double combined_time(const Stages& stages, double p) {
   const double longest = std::ranges::max(stages);
   if (longest <= 0) return 0;
   double sum = 0;
@@ -44,12 +44,12 @@ double together(const Stages& stages, double p) {
 }
 
 /// Returns the overlap exponent p: together(stages, p) = time.
-double overlap(const Stages& stages, double time) {
-  if (together(stages, 1) <= time) return 1;
+double overlap_exponent(const Stages& stages, double time) {
+  if (combined_time(stages, 1) <= time) return 1;
   double low = 1, high = 40;
   for (int i = 0; i < 60; ++i) {
     const double p = (low + high) / 2;
-    (together(stages, p) > time ? low : high) = p;
+    (combined_time(stages, p) > time ? low : high) = p;
   }
   return low;
 }
@@ -85,8 +85,8 @@ Least least_times(const CoreTime::Demands& d) {
 /// unit.
 Stages without_spills(const CoreTime& t, double tree) {
   const double relief = t.demands.dram_queue * (1 - queue_left(t.demands.dram_busy, t.demands.spills));
-  const auto saved = [&](const MissLevels& m) { return relief * (m.dram + m.blocked()); };
-  return {t.busy() + t.data_misses * (1 - saved(t.data_levels)), t.demands.fed - tree * saved(t.tree_levels), 0};
+  const auto saved = [&](const MissLevels& m) { return relief * (m.dram + m.blocked_share()); };
+  return {t.busy_share() + t.data_misses * (1 - saved(t.data_levels)), t.demands.fed - tree * saved(t.tree_levels), 0};
 }
 
 std::string_view words_of(std::string_view resource) {
@@ -95,20 +95,21 @@ std::string_view words_of(std::string_view resource) {
 
 }  // namespace
 
-Utilisation utilisation(std::span<const sim::UnitReport> units) {
+Utilisation utilisation_of(std::span<const sim::UnitReport> units) {
   using Reason = hw::Srp::CycleReason;
   const Units<hw::Srp> srps(units);
   return {Units<hw::Trv>(units).share(hw::Trv::CycleReason::kVisiting),
           srps.share(Reason::kRunning) + srps.share(Reason::kSwitching), data_bus_share(units)};
 }
 
-std::vector<Estimate> estimate(const CoreTime& t) {
+std::vector<Estimate> estimate_speedups(const CoreTime& t) {
   const CoreTime::Demands& d = t.demands;
   const double time = 1 - (t.raster + t.raster_misses + t.transfers + t.no_tile);
-  const double kernels = t.busy(), shading = kernels + t.data_misses;
+  const double kernels = t.busy_share(), shading = kernels + t.data_misses;
   const double spilling = std::min(d.spilling, time);
-  const double p = overlap({shading, d.fed, spilling}, time);
-  const double tree = t.tracing() > 0 ? d.fed * t.tree_misses / t.tracing() : 0;  // miss time of the T&I unit
+  const double p = overlap_exponent({shading, d.fed, spilling}, time);
+  const double tree =
+      t.tracing_share() > 0 ? d.fed * t.tree_misses / t.tracing_share() : 0;  // miss time of the T&I unit
   const double ideal_tree = std::max(std::min(d.fed, d.tree_lines / kRegistersInUse), std::min(tree, d.tree_waits));
   const double ideal_data = std::min(t.data_misses, d.data_lines / kRegistersInUse);
   const double full_tracing = d.tracing + (d.fed - d.tracing) * never_full(d);
@@ -120,19 +121,19 @@ std::vector<Estimate> estimate(const CoreTime& t) {
   // Combined stages, and the rasteriser's miss time, without a part of the miss latencies.
   using Part = double (*)(const MissLevels&);
   const auto without = [&](Part part, double spills) {
-    return together({kernels + t.data_misses * (1 - part(t.data_levels)), d.fed - tree * part(t.tree_levels), spills},
-                    p);
+    return combined_time(
+        {kernels + t.data_misses * (1 - part(t.data_levels)), d.fed - tree * part(t.tree_levels), spills}, p);
   };
   const auto raster_without = [&](Part part) { return t.raster_misses * (1 - part(t.raster_levels)); };
   const Part everything = [](const MissLevels&) { return 1.0; };
   const Part of_l2 = [](const MissLevels& m) { return m.l2 + m.dram + m.blocked_request; };
-  const Part of_dram = [](const MissLevels& m) { return m.dram + m.blocked(); };
+  const Part of_dram = [](const MissLevels& m) { return m.dram + m.blocked_share(); };
   const Part of_wires = [](const MissLevels& m) { return m.wires; };
 
   const double moving = std::min(spilling, d.spill_lines);  // spilled slots with an ideal memory
 
   const Stages fitting = without_spills(t, tree);
-  const double fitting_time = together(fitting, p);
+  const double fitting_time = combined_time(fitting, p);
   const double hidden = std::clamp(fitting_time - std::ranges::max(fitting), 0.0, d.no_slots + t.banks);
 
   struct Rest {
@@ -141,12 +142,12 @@ std::vector<Estimate> estimate(const CoreTime& t) {
     double least_time;  ///< lower bound of the frame time
   };
   const std::vector<Rest> rests = {
-      {"tni", together({shading, ideal_tree, spilling}, p), t.transfers, t.raster_misses, all},
+      {"tni", combined_time({shading, ideal_tree, spilling}, p), t.transfers, t.raster_misses, all},
       {"l1", without(everything, spilling), t.transfers, 0, std::max({all * d.records, moved, least.tests})},
       {"l2", without(of_l2, spilling), t.transfers, raster_without(of_l2), std::max({moved, least.wires, least.tests})},
       {"dram", without(of_dram, moving), spilling > 0 ? t.transfers * moving / spilling : 0, raster_without(of_dram),
        std::max(least.wires, least.tests)},
-      {"srp", together({ideal_data, full_tracing, spilling}, p), t.transfers, t.raster_misses, all},
+      {"srp", combined_time({ideal_data, full_tracing, spilling}, p), t.transfers, t.raster_misses, all},
       {"tile_buffer", fitting_time - kSlotsGain * hidden, 0, t.raster_misses,
        std::max((1 - d.spills) * std::max(least.memory, least.lines), least.wires)},
       {"interconnect", without(of_wires, spilling), t.transfers, raster_without(of_wires),
@@ -162,11 +163,11 @@ std::vector<Estimate> estimate(const CoreTime& t) {
   return estimates;
 }
 
-const Estimate& most(const std::vector<Estimate>& estimates) {
+const Estimate& largest_speedup(const std::vector<Estimate>& estimates) {
   return *std::ranges::max_element(estimates, {}, &Estimate::speedup);
 }
 
-std::string limiter(std::vector<Estimate> estimates) {
+std::string limiter_text(std::vector<Estimate> estimates) {
   std::ranges::stable_sort(estimates, std::greater<>(), &Estimate::speedup);
   const Estimate &first = estimates[0], &second = estimates[1];
   if (first.speedup < 1.01) return "nothing alone: no resource made perfect would be worth 1 %";

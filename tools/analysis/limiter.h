@@ -14,7 +14,7 @@ struct Utilisation {
   double srp = 0;   ///< cycles in which a kernel runs or is switched in
   double dram = 0;  ///< cycles with data on a channel's bus
 };
-Utilisation utilisation(std::span<const sim::UnitReport> units);
+Utilisation utilisation_of(std::span<const sim::UnitReport> units);
 
 /// Estimated speed-up if a resource were ideal.
 struct Estimate {
@@ -33,12 +33,12 @@ struct Estimate {
 /// 4. Time without a tile shrinks in proportion to tile times.
 ///
 /// Not modelled: changes of hit rates and of the tile-to-core assignment.
-std::vector<Estimate> estimate(const CoreTime& time);
+std::vector<Estimate> estimate_speedups(const CoreTime& time);
 
 /// Returns the resource with the largest speed-up.
-const Estimate& most(const std::vector<Estimate>& estimates);
+const Estimate& largest_speedup(const std::vector<Estimate>& estimates);
 
 /// Returns one line on the resource that limits the frame.
-std::string limiter(std::vector<Estimate> estimates);
+std::string limiter_text(std::vector<Estimate> estimates);
 
 }  // namespace tools

@@ -40,7 +40,7 @@ double pixels_of(const ReportFile& report) { return report.number("resolution[0]
 
 }  // namespace
 
-Json replicates_json(const Result& result, const Json& plain) {
+Json replicates_json(const ComparedResult& result, const Json& plain) {
   std::vector<Json> plays = {plain};
   for (std::size_t i = 0; i < result.run.replicates.size(); ++i) {
     const FrameResult* reference = result.reference == nullptr ? nullptr : &result.reference->replicates[i];

@@ -11,7 +11,7 @@ namespace tools {
 
 /// Returns `totals.replicates` of a report: statistics of its noisy totals over all simulations, the first of which is
 /// `plain`.
-sim::Json replicates_json(const Result& result, const sim::Json& plain);
+sim::Json replicates_json(const ComparedResult& result, const sim::Json& plain);
 
 /// Formats the statistics as one line, and as a table of the main metrics.
 std::string replicates_text(const sim::Json& replicates);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <ctime>
+#include <iterator>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -15,16 +16,17 @@
 #include "shader_kernels/catalogue.h"
 #include "sim/config/config.h"
 #include "sim/io/json.h"
+#include "sim/io/printable.h"
 #include "sim/report/report_json.h"
 #include "sim/report/table.h"
-#include "tools/analysis/cost_totals.h"
+#include "sim/report/table_checks.h"
 #include "tools/analysis/limiter.h"
 #include "tools/analysis/picture.h"
 #include "tools/analysis/replicated.h"
 #include "tools/analysis/top_down.h"
 #include "tools/analysis/units.h"
-#include "tools/analysis/warnings.h"
 #include "tools/host/build_info.h"
+#include "tools/run/frame/power.h"
 #include "traces/accel/bvh_info.h"
 #include "traces/accel/embree_tracer.h"
 
@@ -34,31 +36,31 @@ using sim::Json;
 
 namespace {
 
-double time_ms(const FrameResult& s) { return static_cast<double>(s.elapsed) / sim::kFemtosecondsPerMillisecond; }
-double energy_mj(const FrameResult& s) { return s.energy.total_pj.nominal / sim::kPicojoulesPerMillijoule; }
-double tni_mj(const FrameResult& s) {
-  return s.energy.blocks.at("tni").total().nominal / sim::kPicojoulesPerMillijoule;
+double time_ms(const FrameResult& run) { return static_cast<double>(run.elapsed) / sim::kFemtosecondsPerMillisecond; }
+double energy_mj(const FrameResult& run) { return run.energy.total_pj.nominal / sim::kPicojoulesPerMillijoule; }
+double tni_mj(const FrameResult& run) {
+  return run.energy.blocks.at("tni").total().nominal / sim::kPicojoulesPerMillijoule;
 }
 
-Json rays_json(const FrameResult& s) {
-  const auto of = [&](traces::RayKind kind) { return s.function.rays[static_cast<std::size_t>(kind)]; };
+Json rays_json(const FrameResult& run) {
+  const auto of = [&](traces::RayKind kind) { return run.rendered.rays[static_cast<std::size_t>(kind)]; };
   return {{"primary", of(traces::RayKind::kPrimary)},
           {"shadow", of(traces::RayKind::kShadow)},
           {"reflection", of(traces::RayKind::kReflection)},
           {"refraction", of(traces::RayKind::kRefraction)},
-          {"total", s.rays()},
-          {"continued", s.function.continued}};
+          {"total", run.rays()},
+          {"continued", run.rendered.continued}};
 }
 
 /// Returns DRAM bytes by purpose: cache lines, picture, spilled ray slots and, where used, samples and rates; both
 /// directions.
-Json dram_clients_json(const FrameResult& s) {
+Json dram_clients_json(const FrameResult& run) {
   constexpr std::uint64_t kLine = 64;
   using Dma = hw::Dma::Stats;
   using L2 = hw::L2Bank::Stats;
   using hw::Area;
-  const Units<hw::Dma> dmas(s.units);
-  const Units<hw::L2Bank> banks(s.units);
+  const Units<hw::Dma> dmas(run.units);
+  const Units<hw::L2Bank> banks(run.units);
   const auto moved = [&](Area area) {
     const auto written = [=](const Dma& d) -> auto& { return d.lines[static_cast<std::size_t>(area)].written; };
     const auto read = [=](const Dma& d) -> auto& { return d.lines[static_cast<std::size_t>(area)].read; };
@@ -79,52 +81,52 @@ Json interval_json(const Interval& i, double scale = 1) {
           {"high", (i.estimate + i.half_width()) * scale}};
 }
 
-void add_intervals(const FrameResult& s, const Interval& cycles, const Interval& energy_pj, Json& out) {
-  const double ms_per_cycle = time_ms(s) / static_cast<double>(s.cycles);
+void add_intervals(const FrameResult& run, const Interval& cycles, const Interval& energy_pj, Json& out) {
+  const double ms_per_cycle = time_ms(run) / static_cast<double>(run.cycles);
   Json time = interval_json(cycles, ms_per_cycle);
-  time["estimate"] = time_ms(s);  // exact
+  time["estimate"] = time_ms(run);  // exact
   out["cycles"] = interval_json(cycles);
   out["time_ms"] = std::move(time);
   out["energy_mj"] = interval_json(energy_pj, 1 / sim::kPicojoulesPerMillijoule);
 }
 
 /// Returns counts of sampled tiles, and 95 % intervals.
-Json sampled_json(const FrameResult& s) {
-  const SampledFrame& f = *s.sampled;
-  Json out = {{"tiles", f.tiles},   {"asked", f.asked == 0 ? Json("auto") : Json(f.asked)},
-              {"timed", f.timed},   {"measured", f.measured},
-              {"warmed", f.warmed}, {"blocks", f.blocks},
-              {"rounds", f.rounds}};
-  add_intervals(s, f.cycles, f.energy_pj, out);
+Json sampled_json(const FrameResult& run) {
+  const SampledFrame& sampled = *run.sampled;
+  Json out = {{"tiles", sampled.tiles},   {"asked", sampled.asked == 0 ? Json("auto") : Json(sampled.asked)},
+              {"timed", sampled.timed},   {"measured", sampled.measured},
+              {"warmed", sampled.warmed}, {"blocks", sampled.blocks},
+              {"rounds", sampled.rounds}};
+  add_intervals(run, sampled.cycles, sampled.energy_pj, out);
   return out;
 }
 
 /// Returns counts of slices, and 95 % intervals if there are several.
-Json sliced_json(const FrameResult& s) {
-  const SlicedFrame& f = *s.sliced;
-  Json out = {{"slices", f.slices}, {"tiles", f.tiles}, {"again", f.again}, {"warmed", f.warmed}};
-  if (f.slices > 1) add_intervals(s, f.cycles, f.energy_pj, out);
+Json sliced_json(const FrameResult& run) {
+  const SlicedFrame& sliced = *run.sliced;
+  Json out = {{"slices", sliced.slices}, {"tiles", sliced.tiles}, {"again", sliced.again}, {"warmed", sliced.warmed}};
+  if (sliced.slices > 1) add_intervals(run, sliced.cycles, sliced.energy_pj, out);
   return out;
 }
 
 double ratio(std::uint64_t part, std::uint64_t whole) { return static_cast<double>(part) / static_cast<double>(whole); }
 
-Json perf_json(const FrameResult& s) {
-  const double ms = time_ms(s);
-  const auto rays = static_cast<double>(s.rays());
-  return {{"fps", 1000 * s.frames / ms}, {"mrays_per_s", rays / ms / 1000}};
+Json perf_json(const FrameResult& run) {
+  const double ms = time_ms(run);
+  const auto rays = static_cast<double>(run.rays());
+  return {{"fps", 1000 * run.frames / ms}, {"mrays_per_s", rays / ms / 1000}};
 }
 
-Json kernels_json(const FrameResult& s) {
+Json kernels_json(const FrameResult& run) {
   Json out = Json::object();
   std::uint64_t all = 0;
-  for (const hw::KernelUse& use : s.kernel_use) all += use.cycles;
-  for (std::size_t k = 0; k < s.kernels.size(); ++k) {
-    const hw::KernelUse& use = s.kernel_use[k];
+  for (const hw::KernelUse& use : run.kernel_use) all += use.cycles;
+  for (std::size_t k = 0; k < run.kernels.size(); ++k) {
+    const hw::KernelUse& use = run.kernel_use[k];
     if (use.launches == 0) continue;
-    Json& kernel = out[s.kernels[k].kernel];
+    Json& kernel = out[run.kernels[k].kernel];
     kernel = {{"launches", use.launches}, {"items", use.items},
-              {"ii", s.kernels[k].ii},    {"depth", s.kernels[k].depth},
+              {"ii", run.kernels[k].ii},  {"depth", run.kernels[k].depth},
               {"cycles", use.cycles},     {"share", static_cast<double>(use.cycles) / static_cast<double>(all)},
               {"starved", use.starved}};
     if (use.idle != 0) kernel["idle"] = use.idle;
@@ -132,13 +134,13 @@ Json kernels_json(const FrameResult& s) {
   return out;
 }
 
-std::uint64_t dram_bytes(const FrameResult& s) {
-  return Units<hw::DramChannel>(s.units).counted(&hw::DramChannel::Stats::bytes);
+std::uint64_t dram_bytes(const FrameResult& run) {
+  return Units<hw::DramChannel>(run.units).counted(&hw::DramChannel::Stats::bytes);
 }
 
-void add_relative(Json& totals, const Result& result) {
+void add_relative(Json& totals, const ComparedResult& result) {
   const FrameResult &run = result.run, &reference = *result.reference;
-  const auto power = [](const FrameResult& s, double mj) { return mj / time_ms(s); };
+  const auto power = [](const FrameResult& of, double mj) { return mj / time_ms(of); };
   const auto per = [](std::uint64_t a, std::uint64_t b) { return static_cast<double>(a) / static_cast<double>(b); };
   const std::optional<double> psnr = psnr_db(result.squared_error);
   totals["psnr_db"] = psnr ? Json(*psnr) : Json(nullptr);
@@ -146,7 +148,7 @@ void add_relative(Json& totals, const Result& result) {
   totals["reference"] = {{"cycles", reference.cycles},
                          {"top_down", time_json(top_down(reference.units, *reference.machine).gpu)}};
   totals["relative"] = {{"speedup", per(reference.cycles, run.cycles)},
-                        {"traversal_steps", per(run.function.traversal_steps, reference.function.traversal_steps)},
+                        {"traversal_steps", per(run.rendered.traversal_steps, reference.rendered.traversal_steps)},
                         {"dram_bytes", per(dram_bytes(run), dram_bytes(reference))},
                         {"tni_power", power(run, tni_mj(run)) / power(reference, tni_mj(reference))},
                         {"tni_perf_per_watt", tni_mj(reference) / tni_mj(run)},
@@ -154,17 +156,17 @@ void add_relative(Json& totals, const Result& result) {
                         {"rays", per(run.rays(), reference.rays())}};
 }
 
-Json host_json(const Report& report) {
+Json host_json(const ReportInput& report) {
   std::array<char, 256> name{};
   gethostname(name.data(), name.size() - 1);
-  const Result& totals = report.totals;
-  const FrontEnd::Result& function = totals.run.function;
-  const std::optional<SlicedFrame>& sliced = totals.run.sliced;
-  const bool is_cut = sliced && sliced->slices > 1;
-  const double timing = is_cut ? sliced->timing_seconds : totals.run.wall_seconds - function.waited;
-  const double reference = totals.reference != nullptr ? totals.reference->wall_seconds : 0;
+  const ComparedResult& result = report.result;
+  const RenderResult& rendered = result.run.rendered;
+  const std::optional<SlicedFrame>& sliced = result.run.sliced;
+  const bool is_sliced = sliced && sliced->slices > 1;
+  const double timing = is_sliced ? sliced->timing_seconds : result.run.wall_seconds - rendered.waited;
+  const double reference = result.reference != nullptr ? result.reference->wall_seconds : 0;
   const double replicates =
-      totals.run.replicate_seconds + (totals.reference != nullptr ? totals.reference->replicate_seconds : 0);
+      result.run.replicate_seconds + (result.reference != nullptr ? result.reference->replicate_seconds : 0);
   const double load = report.inputs.load_seconds + report.inputs.update_seconds;
   const double wall = report.wall_seconds - load - reference - replicates;
   Json host = {{"date", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)))},
@@ -172,55 +174,58 @@ Json host_json(const Report& report) {
                {"wall_s", report.wall_seconds},
                {"load_s", load},
                {"update_s", report.inputs.update_seconds},
-               {"functional_s", function.seconds},
+               {"functional_s", rendered.seconds},
                {"timing_s", std::max(0.0, timing)},
-               {"rays_per_s", static_cast<double>(totals.run.rays()) / wall},
-               {"steps_per_s", static_cast<double>(function.traversal_steps) / wall},
+               {"rays_per_s", static_cast<double>(result.run.rays()) / wall},
+               {"steps_per_s", static_cast<double>(rendered.traversal_steps) / wall},
                {"peak_rss_mb", peak_rss_mib()},
                {"threads", host_threads(report.options.threads)}};
   if (replicates != 0) host["replicates_s"] = replicates;
-  if (totals.run.sampled) {
-    host["pilot_s"] = totals.run.sampled->pilot_seconds;
-    host["warming_s"] = totals.run.sampled->warming_seconds;
+  if (result.run.sampled) {
+    host["pilot_s"] = result.run.sampled->pilot_seconds;
+    host["warming_s"] = result.run.sampled->warming_seconds;
   }
-  if (is_cut) host["slices_s"] = sliced->seconds;
+  if (is_sliced) host["slices_s"] = sliced->seconds;
   return host;
 }
 
-Json warnings_json(const Inputs& in, const FrameResult& run) {
-  Json lines = in.warnings;
-  for (std::string& line : run_warnings(in.config, run.units, run.sampled)) lines.push_back(std::move(line));
+Json warnings_json(const Inputs& inputs, const FrameResult& run) {
+  Json lines = inputs.warnings;
+  for (std::string& line : run_warnings(inputs.config, run.units, run.sampled)) lines.push_back(std::move(line));
   return lines;
 }
 
 }  // namespace
 
-Json totals_json(const Result& result) {
-  const FrameResult& s = result.run;
+Json totals_json(const ComparedResult& result) {
+  const FrameResult& run = result.run;
   Json energy =
-      energy_totals_json(s.energy, {time_ms(s), static_cast<double>(s.rays()), static_cast<double>(s.frames)});
-  Json perf = perf_json(s);
+      energy_totals_json(run.energy, {time_ms(run), static_cast<double>(run.rays()), static_cast<double>(run.frames)});
+  Json perf = perf_json(run);
   perf.update(energy["perf"]);
   energy["perf"] = std::move(perf);
-  const Utilisation used = utilisation(s.units);
-  Json totals = {
-      {"cycles", s.cycles},           {"time_ms", time_ms(s)},
-      {"rays", rays_json(s)},         {"traced_ratio", ratio(s.function.sampling.traced, s.function.sampling.wanted)},
-      {"sampling", sampling_json(s)}, {"traversal_steps", s.function.traversal_steps},
-      {"dram_bytes", dram_bytes(s)},  {"dram_bytes_by_client", dram_clients_json(s)}};
+  const Utilisation used = utilisation_of(run.units);
+  Json totals = {{"cycles", run.cycles},
+                 {"time_ms", time_ms(run)},
+                 {"rays", rays_json(run)},
+                 {"traced_ratio", ratio(run.rendered.sampling.traced, run.rendered.sampling.wanted)},
+                 {"sampling", sampling_json(run)},
+                 {"traversal_steps", run.rendered.traversal_steps},
+                 {"dram_bytes", dram_bytes(run)},
+                 {"dram_bytes_by_client", dram_clients_json(run)}};
   totals.update(energy);
   totals["utilisation"] = {{"tni", used.tni}, {"srp", used.srp}, {"dram", used.dram}};
-  const TopDown view = top_down(s.units, *s.machine);
+  const TopDown view = top_down(run.units, *run.machine);
   totals["top_down"] = top_down_json(view);
-  const std::vector<Estimate> estimates = estimate(view.gpu);
-  totals["limiter"] = limiter(estimates);
-  totals["bottleneck"] = {{"named", most(estimates).resource}};
+  const std::vector<Estimate> estimates = estimate_speedups(view.gpu);
+  totals["limiter"] = limiter_text(estimates);
+  totals["bottleneck"] = {{"named", largest_speedup(estimates).resource}};
   for (const Estimate& e : estimates) totals["bottleneck"]["estimated_speedup"][e.resource] = e.speedup;
-  totals["kernels"] = kernels_json(s);
-  if (s.sampled) totals["sampled"] = sampled_json(s);
-  if (s.sliced) totals["sliced"] = sliced_json(s);
+  totals["kernels"] = kernels_json(run);
+  if (run.sampled) totals["sampled"] = sampled_json(run);
+  if (run.sliced) totals["sliced"] = sliced_json(run);
   if (result.reference != nullptr) add_relative(totals, result);
-  if (!s.replicates.empty()) totals["replicates"] = replicates_json(result, totals);
+  if (!run.replicates.empty()) totals["replicates"] = replicates_json(result, totals);
   return totals;
 }
 
@@ -245,26 +250,26 @@ Json provenance_json(const Inputs& inputs, const JobOptions& options) {
           {"argv", options.argv}};
 }
 
-Json report_json(const Report& report) {
-  const Inputs& in = report.inputs;
-  const FrameResult& run = report.totals.run;
-  Json totals = totals_json(report.totals);
-  add_area(totals, run.units, in.config);
-  totals["extrapolated"] = extrapolation_warnings(in.config, run.units).size();
+Json report_json(const ReportInput& report) {
+  const Inputs& inputs = report.inputs;
+  const FrameResult& run = report.result.run;
+  Json totals = totals_json(report.result);
+  add_area(totals, run.units, inputs.config);
+  totals["extrapolated"] = extrapolation_warnings(inputs.config, run.units).size();
   Json out = {{"schema", "raywatt-report/1"},
               {"partial", report.partial},
               {"program", run.program.name()},
-              {"resolution", {in.config.render.width, in.config.render.height}},
-              {"config", Json(sim::config_json(in.config))},
+              {"resolution", {inputs.config.render.width, inputs.config.render.height}},
+              {"config", Json(sim::config_json(inputs.config))},
               {"scene",
-               {{"name", in.scene.name},
-                {"triangles", in.scene.triangles},
-                {"stored_triangles", in.stored_triangles},
-                {"memory_bytes", in.image.layout.end},
-                {"instances", in.scene.instances},
-                {"lights", in.scene.lights}}},
-              {"warnings", warnings_json(in, run)},
-              {"provenance", provenance_json(in, report.options)},
+               {{"name", inputs.scene.name},
+                {"triangles", inputs.scene.triangles},
+                {"stored_triangles", inputs.stored_triangles},
+                {"memory_bytes", inputs.image.layout.end},
+                {"instances", inputs.scene.instances},
+                {"lights", inputs.scene.lights}}},
+              {"warnings", warnings_json(inputs, run)},
+              {"provenance", provenance_json(inputs, report.options)},
               {"totals", std::move(totals)},
               {"frames", report.frames},
               {"units", sim::units_json(run.units)}};
@@ -274,6 +279,107 @@ Json report_json(const Report& report) {
   }
   out["host"] = host_json(report);
   return out;
+}
+
+sim::Json energy_totals_json(const sim::EnergyReport& energy, const WorkDone& work) {
+  const double mj = energy.total_pj.nominal / sim::kPicojoulesPerMillijoule;
+  const double tni_mj = energy.blocks.at("tni").total().nominal / sim::kPicojoulesPerMillijoule;
+  sim::Json out = sim::energy_json(energy);
+  out["power_w"] = sim::band_json(energy.total_pj * (1 / (sim::kPicojoulesPerMillijoule * work.time_ms)));
+  out["perf"] = {{"nj_per_ray", mj * 1e6 / work.rays},
+                 {"frames_per_joule_gpu", 1000 * work.frames / mj},
+                 {"frames_per_joule_tni", 1000 * work.frames / tni_mj}};
+  return out;
+}
+
+namespace {
+
+/// Divides the statistics of replicates by an area.
+sim::Json per_mm2(sim::Json statistics, double mm2) {
+  for (auto& [name, number] : statistics.items()) {
+    if (!number.is_array()) {
+      number = number.get<double>() / mm2;
+      continue;
+    }
+    for (auto& value : number) value = value.get<double>() / mm2;
+  }
+  return statistics;
+}
+
+}  // namespace
+
+void add_area(sim::Json& totals, std::span<const sim::UnitReport> units, const RunConfig& config) {
+  if (config.area.arrays.empty()) return;
+  const sim::AreaReport area = sim::compute_area(units, config.energy, config.area);
+  const double mm2 = area.total.nominal;
+  totals["area_mm2"] = mm2;
+  totals["area_band_mm2"] = sim::band_json(area.total);
+  sim::AreaOfBlock all;
+  for (const auto& [name, block] : area.blocks) {
+    totals["area_by_block_mm2"][name] = sim::band_json(block.total());
+    all.logic += block.logic;
+    all.arrays += block.arrays;
+    all.buffers += block.buffers;
+    all.pads += block.pads;
+  }
+  totals["area_by_part_mm2"] = {{"logic", sim::band_json(all.logic)},
+                                {"arrays", sim::band_json(all.arrays)},
+                                {"buffers", sim::band_json(all.buffers)},
+                                {"pads", sim::band_json(all.pads)}};
+  auto& perf = totals["perf"];
+  perf["frames_per_joule_per_mm2"] = perf["frames_per_joule_gpu"].get<double>() / mm2;
+  perf["mrays_per_s_per_mm2"] = perf["mrays_per_s"].get<double>() / mm2;
+  if (!totals.contains("replicates")) return;
+  auto& replicated = totals["replicates"]["figures"]["perf"];
+  replicated["frames_per_joule_per_mm2"] = per_mm2(replicated["frames_per_joule_gpu"], mm2);
+  replicated["mrays_per_s_per_mm2"] = per_mm2(replicated["mrays_per_s"], mm2);
+}
+
+namespace {
+
+/// Ratio of simulated to requested tiles that causes a warning. Chosen: blocks are whole tiles.
+constexpr double kMuchMore = 1.5;
+
+/// Returns "14nm" for "14 nm, 0.80 V, 75 C".
+std::string node_of(std::string process) {
+  std::erase(process, ' ');
+  return process.substr(0, process.find(','));
+}
+
+/// True if area and energy tables are of different processes; leakage and results per mm2 use both.
+bool are_of_two_processes(const RunConfig& config) {
+  return !config.area.arrays.empty() && config.area.process != sim::AreaConfig().process &&
+         config.energy.process != sim::EnergyConfig().process &&
+         node_of(config.area.process) != node_of(config.energy.process);
+}
+
+}  // namespace
+
+std::vector<std::string> extrapolation_warnings(const RunConfig& config, std::span<const sim::UnitReport> units) {
+  std::vector<std::string> lines = sim::sizes_outside_curves(units, config.energy.events, config.area.arrays);
+  std::ranges::move(latency_warnings(config), std::back_inserter(lines));
+  std::ranges::move(power_warnings(config), std::back_inserter(lines));
+  return lines;
+}
+
+std::vector<std::string> run_warnings(const RunConfig& config, std::span<const sim::UnitReport> units,
+                                      const std::optional<SampledFrame>& sampled) {
+  std::vector<std::string> lines = extrapolation_warnings(config, units);
+  if (are_of_two_processes(config)) {
+    lines.push_back(
+        fmt::format("area.process is '{}' and energy.process '{}': frames per joule and mm2 are of a chip in "
+                    "two processes",
+                    sim::printable(config.area.process), sim::printable(config.energy.process)));
+  }
+  if (!sampled || sampled->asked == 0) return lines;
+  const double timed = static_cast<double>(sampled->timed) / static_cast<double>(sampled->tiles);
+  if (timed > kMuchMore * sampled->asked) {
+    lines.push_back(
+        fmt::format("--tile-sampling {:.3g}% has timed {:.3g} % of the tiles: the frame is too small for "
+                    "less, as it begins, ends and is cut into blocks of several tiles",
+                    100 * sampled->asked, 100 * timed));
+  }
+  return lines;
 }
 
 }  // namespace tools

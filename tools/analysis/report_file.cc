@@ -24,12 +24,12 @@ std::string schema_of(const Json& json) {
 constexpr int kDeepest = 32;
 
 /// Values with a band are not split.
-void flatten(const Json& node, const std::string& key, int depth, FlatConfig& out) {
+void flatten_config(const Json& node, const std::string& key, int depth, FlatConfig& out) {
   if (node.is_object() && node.size() == 3 && node.contains("nominal")) {
     out[sim::printable(key)] = sim::printable(sim::json_line(node));
   } else if (node.is_object() && depth < kDeepest) {
     for (const auto& [name, value] : node.items()) {
-      flatten(value, key.empty() ? name : key + "." + name, depth + 1, out);
+      flatten_config(value, key.empty() ? name : key + "." + name, depth + 1, out);
     }
   } else if (!node.is_structured()) {
     out[sim::printable(key)] = sim::printable(node.is_string() ? node.get<std::string>() : sim::json_line(node));
@@ -91,7 +91,7 @@ ReportFile parse_report(const std::string& bytes, const std::filesystem::path& f
 
 FlatConfig flat_config(const Json& config) {
   FlatConfig out;
-  flatten(config, "", 0, out);
+  flatten_config(config, "", 0, out);
   return out;
 }
 

@@ -22,14 +22,16 @@ using Numbers = std::vector<ReportNumber>;
 
 constexpr int kDeepestReport = 32;
 
-void flatten(const Json& node, const std::string& path, int depth, Numbers& out) {
+void collect_numbers(const Json& node, const std::string& path, int depth, Numbers& out) {
   if (depth > kDeepestReport) throw sim::InputError("the report is nested more deeply than any report");
   if (node.is_number()) {
     out.push_back({path, node.get<double>()});
   } else if (node.is_object()) {
-    for (const auto& [key, value] : node.items()) flatten(value, fmt::format("{}.{}", path, key), depth + 1, out);
+    for (const auto& [key, value] : node.items())
+      collect_numbers(value, fmt::format("{}.{}", path, key), depth + 1, out);
   } else if (node.is_array()) {
-    for (std::size_t i = 0; i < node.size(); ++i) flatten(node[i], fmt::format("{}[{}]", path, i), depth + 1, out);
+    for (std::size_t i = 0; i < node.size(); ++i)
+      collect_numbers(node[i], fmt::format("{}[{}]", path, i), depth + 1, out);
   }
 }
 
@@ -156,7 +158,7 @@ Numbers report_numbers(const Json& report) {
   Numbers out;
   if (!report.is_object()) return out;
   for (const auto& [key, value] : report.items()) {
-    if (key != "host" && key != "provenance" && key != "sampled_counters") flatten(value, key, 1, out);
+    if (key != "host" && key != "provenance" && key != "sampled_counters") collect_numbers(value, key, 1, out);
   }
   Numbers sums = unit_sums(report);
   {

@@ -16,14 +16,14 @@ namespace {
 
 using sim::Json;
 
-Json numbers(const glm::vec4& v) { return {v.x, v.y, v.z}; }
+Json vector_json(const glm::vec4& v) { return {v.x, v.y, v.z}; }
 
 Json cameras_json(const traces::Scene& scene) {
   Json list = Json::array();
   for (const traces::Camera& camera : scene.cameras) {
     list.push_back({{"name", camera.name},
-                    {"position", numbers(camera.to_world[3])},
-                    {"direction", numbers(-camera.to_world[2])},
+                    {"position", vector_json(camera.to_world[3])},
+                    {"direction", vector_json(-camera.to_world[2])},
                     {"vertical_fov_degrees", static_cast<double>(camera.vertical_fov) * 180 / std::numbers::pi}});
   }
   return list;
@@ -61,7 +61,7 @@ Json memory_json(const traces::MemoryImage& image) {
           {"nodes_by_format", nodes_by_format(image.nodes.size(), 1 + image.trees.size())}};
 }
 
-std::string plural(std::uint64_t count, const char* what) {
+std::string count_text(std::uint64_t count, const char* what) {
   const std::string_view one = what;
   if (count != 1 && one == "leaf") return fmt::format("{} leaves", count);
   return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
@@ -80,10 +80,10 @@ std::string sizes_text(const Json& sizes) {
 std::string animation_text(const Json& animation) {
   if (animation["tracks"] == 0) return "none";
   return fmt::format("{:.3g} s, {}, {}, {}, {} move", animation["duration_s"].get<double>(),
-                     plural(animation["tracks"].get<std::uint64_t>(), "track"),
-                     plural(animation["skins"].get<std::uint64_t>(), "skin"),
-                     plural(animation["morph_targets"].get<std::uint64_t>(), "morph target"),
-                     plural(animation["moving_instances"].get<std::uint64_t>(), "instance"));
+                     count_text(animation["tracks"].get<std::uint64_t>(), "track"),
+                     count_text(animation["skins"].get<std::uint64_t>(), "skin"),
+                     count_text(animation["morph_targets"].get<std::uint64_t>(), "morph target"),
+                     count_text(animation["moving_instances"].get<std::uint64_t>(), "instance"));
 }
 
 /// Shows memory per triangle only if triangles dominate the program's own memory.
@@ -170,8 +170,8 @@ std::string scene_info_text(const Json& info, bool cameras) {
   line("memory image", fmt::format("{} ({})", bytes_text(memory["bytes"]), sizes_text(memory["parts"])));
   line("nodes by format", sizes_text(memory["nodes_by_format"]));
   const Json& tree = info["bvh"];
-  line("BVH", fmt::format("{}, {}, depth {}, SAH cost {:.1f}", plural(tree["nodes"].get<std::uint64_t>(), "node"),
-                          plural(tree["leaves"].get<std::uint64_t>(), "leaf"), tree["depth"].get<std::uint64_t>(),
+  line("BVH", fmt::format("{}, {}, depth {}, SAH cost {:.1f}", count_text(tree["nodes"].get<std::uint64_t>(), "node"),
+                          count_text(tree["leaves"].get<std::uint64_t>(), "leaf"), tree["depth"].get<std::uint64_t>(),
                           tree["sah_cost"].get<double>()));
   line("host", host_text(info["host"], triangles));
   return text;

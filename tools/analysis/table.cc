@@ -21,23 +21,23 @@ using sim::si_text;
 
 namespace {
 
-std::string percent(const Json& share) { return fmt::format("{:.1f} %", 100 * share.get<double>()); }
+std::string percent_text(const Json& share) { return fmt::format("{:.1f} %", 100 * share.get<double>()); }
 
-std::string spread(const Json& s, double scale, const char* unit) {
+std::string band_text(const Json& s, double scale, const char* unit) {
   return fmt::format("{:.3g} / {:.3g} / {:.3g} {}", s["low"].get<double>() * scale, s["nominal"].get<double>() * scale,
                      s["high"].get<double>() * scale, unit);
 }
 
 /// Formats the samples of an adaptive program.
-std::string samples(const Json& totals) {
+std::string samples_text(const Json& totals) {
   const Json& s = totals["sampling"];
   std::string out = fmt::format("{} of {} traced ({})", si_text(s["traced"].get<double>()),
-                                si_text(s["wanted"].get<double>()), percent(totals["traced_ratio"]));
+                                si_text(s["wanted"].get<double>()), percent_text(totals["traced_ratio"]));
   for (const char* of_them : {"halo", "correction"}) {
     if (s[of_them] != 0) out += fmt::format(", {} for the {}", si_text(s[of_them].get<double>()), of_them);
   }
   if (s.contains("similar_ratio"))
-    out += fmt::format("; {} of those compared were similar", percent(s["similar_ratio"]));
+    out += fmt::format("; {} of those compared were similar", percent_text(s["similar_ratio"]));
   return out;
 }
 
@@ -62,7 +62,7 @@ std::string tracing_reasons(const Json& s) {
   std::string out;
   for (const auto& [samples, name] : reasons) {
     if (!out.empty()) out += ", ";
-    out += fmt::format("{} {}", name, percent(static_cast<double>(samples) / static_cast<double>(traced)));
+    out += fmt::format("{} {}", name, percent_text(static_cast<double>(samples) / static_cast<double>(traced)));
   }
   return out;
 }
@@ -76,13 +76,13 @@ std::string half_interval(const Json& totals, const char* figure) {
   return fmt::format("  ± {:.1f} %", 100 * half / i["estimate"].get<double>());
 }
 
-std::string slices(const Json& sliced) {
+std::string slices_text(const Json& sliced) {
   const int count = sliced["slices"].get<int>();
   return fmt::format("{}{}", count, count > 1 ? ", added up; ± is half of a 95 % interval" : "");
 }
 
 /// Formats scene, size and program, and whether the run is complete.
-std::string heading(const Json& report) {
+std::string heading_text(const Json& report) {
   const Json& frames = report["frames"];
   std::string out;
   if (!frames.empty() && frames.front().contains("finished_tiles")) {
@@ -114,7 +114,7 @@ std::string steps_per_ray(const Json& totals) {
   return rays > 0 ? fmt::format("  = {:.1f} per ray", totals["traversal_steps"].get<double>() / rays) : "";
 }
 
-std::string efficiency(const Json& totals) {
+std::string efficiency_text(const Json& totals) {
   const Json& perf = totals["perf"];
   std::string out = fmt::format("{} frames/J GPU with memory, {} frames/J T&I alone",
                                 sim::four_digits(perf["frames_per_joule_gpu"].get<double>()),
@@ -124,8 +124,8 @@ std::string efficiency(const Json& totals) {
   return out;
 }
 
-std::string area(const Json& totals) {
-  return fmt::format("{}, {} frames/J and {} Mrays/s per mm2", spread(totals["area_band_mm2"], 1, "mm2"),
+std::string area_text(const Json& totals) {
+  return fmt::format("{}, {} frames/J and {} Mrays/s per mm2", band_text(totals["area_band_mm2"], 1, "mm2"),
                      sim::four_digits(totals["perf"]["frames_per_joule_per_mm2"].get<double>()),
                      sim::four_digits(totals["perf"]["mrays_per_s_per_mm2"].get<double>()));
 }
@@ -141,12 +141,12 @@ std::string slower_because(const Json& t) {
                      si_text(grown.cycles), si_text(after - before), steps);
 }
 
-std::string overview(const Json& report) {
+std::string overview_text(const Json& report) {
   const Json& t = report["totals"];
   const Json& rays = t["rays"];
   const auto count = [](const Json& n) { return si_text(n.get<double>()); };
   const Json& frames = report["frames"];
-  std::string out = heading(report);
+  std::string out = heading_text(report);
   const auto line = [&](const char* name, const std::string& value) {
     out += fmt::format("  {:<22}{}\n", name, value);
   };
@@ -163,7 +163,7 @@ std::string overview(const Json& report) {
     const char* const rest = timed < tiles ? "; the rest is estimated, ± is half of a 95 % interval" : "";
     line("sampled", fmt::format("{} of {} tiles timed{}", timed, tiles, rest));
   }
-  if (t.contains("sliced")) line("slices", slices(t["sliced"]));
+  if (t.contains("sliced")) line("slices", slices_text(t["sliced"]));
   line("cycles (T&I clock)",
        fmt::format("{}  = {} ms  = {} frames/s{}", count(t["cycles"]), sim::four_digits(t["time_ms"].get<double>()),
                    sim::four_digits(t["perf"]["fps"].get<double>()), half_interval(t, "cycles")));
@@ -171,20 +171,20 @@ std::string overview(const Json& report) {
                            count(rays["primary"]), count(rays["shadow"]), count(rays["reflection"]),
                            count(rays["refraction"])));
   if (t["sampling"].contains("checked") || t["sampling"].contains("active")) {
-    line("samples", samples(t));
+    line("samples", samples_text(t));
     line("traced because of", tracing_reasons(t["sampling"]));
   }
   line("ray rate", si_text(1e6 * t["perf"]["mrays_per_s"].get<double>(), "rays/s"));
   line("traversal steps", count(t["traversal_steps"]) + steps_per_ray(t));
   line("DRAM traffic", dram_traffic(t));
-  line("busy", fmt::format("T&I {}, SRP {}, DRAM {}", percent(t["utilisation"]["tni"]),
-                           percent(t["utilisation"]["srp"]), percent(t["utilisation"]["dram"])));
+  line("busy", fmt::format("T&I {}, SRP {}, DRAM {}", percent_text(t["utilisation"]["tni"]),
+                           percent_text(t["utilisation"]["srp"]), percent_text(t["utilisation"]["dram"])));
   line("time goes to", top_down_text(t["top_down"]["gpu"]));
   line("limited by (estimate)", t["limiter"].get<std::string>());
-  line("energy", spread(t["energy_mj"], 1, "mJ  (low / nominal / high)") + half_interval(t, "energy_mj"));
-  line("power", spread(t["power_w"], 1, "W"));
-  line("efficiency", efficiency(t));
-  if (t.contains("area_mm2")) line("area", area(t));
+  line("energy", band_text(t["energy_mj"], 1, "mJ  (low / nominal / high)") + half_interval(t, "energy_mj"));
+  line("power", band_text(t["power_w"], 1, "W"));
+  line("efficiency", efficiency_text(t));
+  if (t.contains("area_mm2")) line("area", area_text(t));
   if (t.contains("replicates")) line("replicates", replicates_text(t["replicates"]));
   if (t.contains("relative")) {
     const Json& r = t["relative"];
@@ -220,7 +220,7 @@ std::string kernel_table(const Json& kernels) {
   for (const auto& [name, k] : kernels.items()) {
     table.add_row({name, si_text(k["launches"].get<double>()), si_text(k["items"].get<double>()),
                    std::to_string(k["ii"].get<int>()), std::to_string(k["depth"].get<int>()),
-                   si_text(k["cycles"].get<double>()), percent(k["share"])});
+                   si_text(k["cycles"].get<double>()), percent_text(k["share"])});
   }
   return table.text();
 }
@@ -229,7 +229,7 @@ std::string kernel_table(const Json& kernels) {
 
 std::string report_table(const Json& report) {
   const Json& totals = report["totals"];
-  std::string out = overview(report) + "\n";
+  std::string out = overview_text(report) + "\n";
   if (totals.contains("replicates")) out += replicates_table(totals["replicates"]) + "\n";
   return out + energy_table(totals) + "\n" + kernel_table(totals["kernels"]);
 }

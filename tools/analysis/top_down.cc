@@ -38,10 +38,10 @@ using OfSrp = hw::Srp::CycleReason;
 
 using OfRaster = hw::RasterUnit::CycleReason;
 
-double ratio(auto a, auto b) { return b == 0 ? 0 : static_cast<double>(a) / static_cast<double>(b); }
+double safe_ratio(auto a, auto b) { return b == 0 ? 0 : static_cast<double>(a) / static_cast<double>(b); }
 
 /// Mean latencies of L2 and memory in ns, and causes of queues in the L2.
-struct Beyond {
+struct MemoryLatencies {
   double l2 = 0;            ///< from the arrival of a read to the departure of its line
   double dram = 0;          ///< part of `l2` that waits for memory
   double blocked_bank = 0;  ///< part of `l2` that waits for an MSHR or for room on the way to memory
@@ -54,20 +54,20 @@ struct Beyond {
 /// the wires.
 double wire_cycles(std::uint32_t distance, std::uint32_t line) { return 1.0 + 2.0 * distance + line; }
 
-Beyond beyond(std::span<const UnitReport> units, const hw::GpuConfig& config) {
+MemoryLatencies memory_latencies(std::span<const UnitReport> units, const hw::GpuConfig& config) {
   using OfBank = hw::L2Bank::CycleReason;
   constexpr double kOftenBlocked = 0.05;  // chosen: below this share of time, queues arise in the ports themselves
   const Units<hw::L2Bank> banks(units);
   const double ns = 1000 / banks.clock_mhz();
   const std::uint64_t reads = banks.counted(&L2Stats::reads);
-  Beyond b{.l2 = ns * ratio(banks.counted(&L2Stats::latency), reads),
-           .dram = ns * ratio(banks.counted(&L2Stats::memory_cycles), reads)};
-  const double look_ups = ns * ratio(banks.counted(&L2Stats::hits) * config.l2.cache.hit_cycles +
-                                         banks.counted(&L2Stats::misses) * (config.l2.lookup_cycles + 1),
-                                     reads);
+  MemoryLatencies b{.l2 = ns * safe_ratio(banks.counted(&L2Stats::latency), reads),
+                    .dram = ns * safe_ratio(banks.counted(&L2Stats::memory_cycles), reads)};
+  const double look_ups = ns * safe_ratio(banks.counted(&L2Stats::hits) * config.l2.cache.hit_cycles +
+                                              banks.counted(&L2Stats::misses) * (config.l2.lookup_cycles + 1),
+                                          reads);
   const double blocked = banks.share(OfBank::kMshrFull) + banks.share(OfBank::kMemoryFull);
   const double moving = banks.share(OfBank::kServing) + banks.share(OfBank::kOutputFull);
-  b.blocked_bank = std::max(0.0, b.l2 - b.dram - look_ups) * ratio(blocked, blocked + moving);
+  b.blocked_bank = std::max(0.0, b.l2 - b.dram - look_ups) * safe_ratio(blocked, blocked + moving);
   b.port_blocked = std::min(1.0, blocked / kOftenBlocked);
   b.wires = ns * wire_cycles(config.interconnect.latency, config.interconnect.cycles_of(hw::kLineBytes));
   b.ideal_wires = ns * wire_cycles(1, 1);
@@ -76,7 +76,7 @@ Beyond beyond(std::span<const UnitReport> units, const hw::GpuConfig& config) {
 
 /// Splits a miss latency by level; all times in ns. `crossing`: part of `latency` for lookup and clock crossings;
 /// `line_wait`: part in queues for the wires down.
-MissLevels levels(double latency, const Beyond& b, double crossing, double line_wait) {
+MissLevels split_miss(double latency, const MemoryLatencies& b, double crossing, double line_wait) {
   if (latency == 0) return {};
   const double dram = std::min(b.dram, latency), l2 = std::clamp(b.l2 - b.dram, 0.0, latency - dram);
   const double interconnect = latency - dram - l2;
@@ -91,7 +91,7 @@ MissLevels levels(double latency, const Beyond& b, double crossing, double line_
 }
 
 /// Activity of the rays inside a T&I unit, as shares of the time with rays in a TRV.
-struct Inside {
+struct TniActivity {
   double boxes = 0, triangles = 0, misses = 0;
 };
 
@@ -101,29 +101,30 @@ double misses_of(const Units<Unit>& units) {
   return units.share(Reason::kL1Miss) + units.share(Reason::kMshrFull) + units.share(Reason::kRauFull);
 }
 
-Inside inside(const Trvs& trvs, const Ists& ist) {
+TniActivity tni_activity(const Trvs& trvs, const Ists& ist) {
   const double there = 1 - trvs.share(OfTrv::kStarved), leaves = 1 - ist.share(OfIst::kStarved);
-  const double at_ist = ratio(trvs.share(OfTrv::kIst), there);
-  return {ratio(trvs.share(OfTrv::kVisiting) + trvs.share(OfTrv::kSerial), there),
-          at_ist * ratio(ist.share(OfIst::kTesting), leaves),
-          ratio(misses_of(trvs), there) + at_ist * ratio(misses_of(ist), leaves)};
+  const double at_ist = safe_ratio(trvs.share(OfTrv::kIst), there);
+  return {safe_ratio(trvs.share(OfTrv::kVisiting) + trvs.share(OfTrv::kSerial), there),
+          at_ist * safe_ratio(ist.share(OfIst::kTesting), leaves),
+          safe_ratio(misses_of(trvs), there) + at_ist * safe_ratio(misses_of(ist), leaves)};
 }
 
 /// Returns the mean number of misses in flight: the sum of their latencies over elapsed time.
 template <class Unit>
 double misses_under_way(const Units<Unit>& units) {
-  return ratio(units.counted(&Unit::Stats::l1_miss_cycles), units.elapsed());
+  return safe_ratio(units.counted(&Unit::Stats::l1_miss_cycles), units.elapsed());
 }
 
 /// Returns the mean number of waiting rays; several may wait for one line.
 template <class Unit>
 double rays_waiting(const Units<Unit>& units) {
-  return misses_under_way(units) * ratio(units.counted(&Unit::Stats::l1_late), units.counted(&Unit::Stats::l1_fills));
+  return misses_under_way(units) *
+         safe_ratio(units.counted(&Unit::Stats::l1_late), units.counted(&Unit::Stats::l1_fills));
 }
 
 /// Adds the shares of the DMA and of spilled ray slots in memory traffic.
 void add_traffic(std::span<const UnitReport> units, std::uint32_t core, const hw::GpuConfig& config,
-                 const Beyond& memory, CoreTime::Demands& d) {
+                 const MemoryLatencies& memory, CoreTime::Demands& d) {
   using Stats = hw::Dma::Stats;
   constexpr auto kSpill = static_cast<std::size_t>(hw::Area::kSpill);
   const Units<hw::Dma> all(units), dma(units, hw::name_in_core(hw::Dma::kName, core));
@@ -139,10 +140,10 @@ void add_traffic(std::span<const UnitReport> units, std::uint32_t core, const hw
   };
   const std::uint64_t memory_lines =
       channels.counted(&hw::DramChannel::Stats::reads) + channels.counted(&hw::DramChannel::Stats::writes);
-  d.transfers = ratio(lines(all), memory_lines);
-  d.spills = ratio(spilled(all), memory_lines);
-  d.spilling = dma.empty() ? 0 : (1 - dma.share(hw::Dma::CycleReason::kIdle)) * ratio(spilled(dma), lines(dma));
-  d.spill_lines = ratio(spilled(dma) * config.interconnect.cycles_of(hw::kLineBytes), port.elapsed());
+  d.transfers = safe_ratio(lines(all), memory_lines);
+  d.spills = safe_ratio(spilled(all), memory_lines);
+  d.spilling = dma.empty() ? 0 : (1 - dma.share(hw::Dma::CycleReason::kIdle)) * safe_ratio(spilled(dma), lines(dma));
+  d.spill_lines = safe_ratio(spilled(dma) * config.interconnect.cycles_of(hw::kLineBytes), port.elapsed());
   d.dram_bus = data_bus_share(units);
   d.dram_busy = channels.empty()
                     ? 0
@@ -150,7 +151,7 @@ void add_traffic(std::span<const UnitReport> units, std::uint32_t core, const hw
   const hw::DramTiming& timing = config.dram.timing;
   const double idle_ns = static_cast<double>(config.dram.fabric.time + timing.ck.time * (timing.rcd + timing.rl)) /
                          static_cast<double>(sim::kFemtosecondsPerSecond / 1'000'000'000);
-  const double line_ns = memory.dram * ratio(banks.counted(&L2Stats::reads), banks.counted(&L2Stats::misses));
+  const double line_ns = memory.dram * safe_ratio(banks.counted(&L2Stats::reads), banks.counted(&L2Stats::misses));
   d.dram_queue = line_ns > idle_ns ? 1 - idle_ns / line_ns : 0;
 }
 
@@ -160,19 +161,20 @@ double record_share(std::span<const UnitReport> units, const Units<hw::L2Bank>& 
   std::uint64_t requests = 0;
   for (const auto kind : {&Stats::ray_reads, &Stats::ray_writes, &Stats::hit_reads, &Stats::hit_writes})
     requests += records.counted(kind);
-  return ratio(requests, banks.counted(&L2Stats::reads) + banks.counted(&L2Stats::writes));
+  return safe_ratio(requests, banks.counted(&L2Stats::reads) + banks.counted(&L2Stats::writes));
 }
 
 /// Returns the time of all visits at the rate while every ray slot was taken; at the overall rate if that was rare.
 double tracing_demand(const Trvs& trvs) {
-  const double occupied = 1 - trvs.share(OfTrv::kStarved), full = ratio(trvs.counted(&TrvStats::full), trvs.elapsed());
+  const double occupied = 1 - trvs.share(OfTrv::kStarved),
+               full = safe_ratio(trvs.counted(&TrvStats::full), trvs.elapsed());
   if (full < 0.02) return occupied;
-  return std::min(occupied, full * ratio(trvs.counted(&TrvStats::visits), trvs.counted(&TrvStats::full_visits)));
+  return std::min(occupied, full * safe_ratio(trvs.counted(&TrvStats::visits), trvs.counted(&TrvStats::full_visits)));
 }
 
 /// Moves time without rays to the rasteriser, up to its busy time, in proportion to its activity over the frame. An
 /// approximation: launches mostly wait for the rasteriser then.
-void part_from_transfers(const Units<hw::RasterUnit>& rasteriser, const Beyond& memory, CoreTime& t) {
+void part_from_transfers(const Units<hw::RasterUnit>& rasteriser, const MemoryLatencies& memory, CoreTime& t) {
   const double busy = rasteriser.empty() ? 0 : 1 - rasteriser.share(OfRaster::kIdle);
   if (busy == 0) return;
   const double misses = rasteriser.share(OfRaster::kMemory) + rasteriser.share(OfRaster::kPortFull);
@@ -180,10 +182,10 @@ void part_from_transfers(const Units<hw::RasterUnit>& rasteriser, const Beyond& 
   t.transfers -= awaited;
   t.raster_misses = awaited * misses / busy;
   t.raster = awaited - t.raster_misses;
-  t.raster_levels = levels(memory.l2, memory, 0, 0);
+  t.raster_levels = split_miss(memory.l2, memory, 0, 0);
 }
 
-CoreTime core_time(std::span<const UnitReport> units, std::uint32_t number, const Beyond& memory,
+CoreTime core_time(std::span<const UnitReport> units, std::uint32_t number, const MemoryLatencies& memory,
                    const hw::GpuConfig& config) {
   constexpr double kIdealRays = 64;  // per TRV (hw::IdealConfig)
   const std::string core = hw::name_in_core("core.", number);
@@ -201,37 +203,39 @@ CoreTime core_time(std::span<const UnitReport> units, std::uint32_t number, cons
   using PortStats = hw::CorePort::Stats;
   t.demands = {
       .no_slots = srp.share(OfSrp::kNoSlots),
-      .fed = ratio(srp.counted(&SrpStats::fed), srp.elapsed()),
+      .fed = safe_ratio(srp.counted(&SrpStats::fed), srp.elapsed()),
       .occupied = 1 - trvs.share(OfTrv::kStarved),
       .tree_lines =
           std::max(misses_under_way(trvs) / config.tni.trv.l1.mshrs, misses_under_way(ist) / config.tni.ist.l1.mshrs),
       .tree_waits = std::max(rays_waiting(trvs), rays_waiting(ist)) / kIdealRays,
       .tests = std::max(trvs.share(OfTrv::kVisiting) + trvs.share(OfTrv::kSerial), ist.share(OfIst::kTesting)),
-      .data_lines = ratio(srp.counted(&SrpStats::cache_miss_cycles), srp.elapsed()) / config.srp.data_cache.mshrs,
-      .l2_lines = ratio(banks.counted(&L2Stats::line_cycles), banks.elapsed()) / config.l2.mshrs_per_bank(),
-      .port_lines =
-          ratio(port.counted(&PortStats::lines_down) * config.interconnect.cycles_of(hw::kLineBytes), port.elapsed()),
+      .data_lines = safe_ratio(srp.counted(&SrpStats::cache_miss_cycles), srp.elapsed()) / config.srp.data_cache.mshrs,
+      .l2_lines = safe_ratio(banks.counted(&L2Stats::line_cycles), banks.elapsed()) / config.l2.mshrs_per_bank(),
+      .port_lines = safe_ratio(port.counted(&PortStats::lines_down) * config.interconnect.cycles_of(hw::kLineBytes),
+                               port.elapsed()),
       .tracing = tracing_demand(trvs),
       .records = record_share(units, banks)};
   add_traffic(units, number, config, memory, t.demands);
-  const double tracing = ratio(srp.counted(&SrpStats::awaited), srp.elapsed());
+  const double tracing = safe_ratio(srp.counted(&SrpStats::awaited), srp.elapsed());
   t.transfers = std::max(0.0, srp.share(OfSrp::kWaiting) + srp.share(OfSrp::kBorders) + t.demands.no_slots - tracing);
   part_from_transfers(Units<hw::RasterUnit>(units, core), memory, t);
-  const Inside in = inside(trvs, ist);
+  const TniActivity in = tni_activity(trvs, ist);
   t.boxes = tracing * in.boxes;
   t.triangles = tracing * in.triangles;
   t.tree_misses = tracing * in.misses;
   t.pipes = tracing - t.boxes - t.triangles - t.tree_misses;
   const double srp_ns = 1000 / srp.clock_mhz(), tni_ns = 1000 / trvs.clock_mhz(), l2_ns = 1000 / banks.clock_mhz();
-  const double line_wait = l2_ns * ratio(port.counted(&PortStats::line_wait), port.counted(&PortStats::lines_down));
+  const double line_wait =
+      l2_ns * safe_ratio(port.counted(&PortStats::line_wait), port.counted(&PortStats::lines_down));
   // ns: one cache cycle for the lookup, plus the synchronisers of both directions if the clocks differ.
   const auto crossing = [&](double ns) { return ns + (ns == l2_ns ? 0 : config.clocks.synchroniser * (ns + l2_ns)); };
-  t.data_levels = levels(srp_ns * ratio(srp.counted(&SrpStats::cache_miss_cycles), srp.counted(&SrpStats::cache_fills)),
-                         memory, crossing(srp_ns), line_wait);
-  t.tree_levels =
-      levels(tni_ns * ratio(trvs.counted(&TrvStats::l1_miss_cycles) + ist.counted(&hw::Ist::Stats::l1_miss_cycles),
-                            trvs.counted(&TrvStats::l1_fills) + ist.counted(&hw::Ist::Stats::l1_fills)),
-             memory, crossing(tni_ns), line_wait);
+  t.data_levels =
+      split_miss(srp_ns * safe_ratio(srp.counted(&SrpStats::cache_miss_cycles), srp.counted(&SrpStats::cache_fills)),
+                 memory, crossing(srp_ns), line_wait);
+  t.tree_levels = split_miss(
+      tni_ns * safe_ratio(trvs.counted(&TrvStats::l1_miss_cycles) + ist.counted(&hw::Ist::Stats::l1_miss_cycles),
+                          trvs.counted(&TrvStats::l1_fills) + ist.counted(&hw::Ist::Stats::l1_fills)),
+      memory, crossing(tni_ns), line_wait);
   return t;
 }
 
@@ -307,7 +311,7 @@ double data_bus_share(std::span<const UnitReport> units) {
 }
 
 TopDown top_down(std::span<const UnitReport> units, const hw::GpuConfig& config) {
-  const Beyond memory = beyond(units, config);
+  const MemoryLatencies memory = memory_latencies(units, config);
   TopDown view;
   for (std::uint32_t c = 0; !Units<hw::Srp>(units, hw::name_in_core(hw::Srp::kName, c)).empty(); ++c) {
     view.cores.push_back(core_time(units, c, memory, config));

@@ -22,7 +22,7 @@ struct MissLevels {
   double blocked_request = 0;  ///< of `interconnect`: queues before an L2 that waits for memory
   double blocked_bank = 0;     ///< of `l2`: queues inside that wait for memory
   /// Queue time that an ideal memory or an ideal L2 would remove.
-  double blocked() const { return blocked_request + blocked_bank; }
+  double blocked_share() const { return blocked_request + blocked_bank; }
 };
 
 /// Time of a core by cause, from the view of its shader core. Each cycle has one cause; shares of elapsed time.
@@ -65,8 +65,8 @@ struct CoreTime {
   /// Miss latency of its caches by level.
   MissLevels data_levels{}, tree_levels{}, raster_levels{};
 
-  double busy() const { return kernels + switches + banks; }
-  double tracing() const { return boxes + triangles + pipes + tree_misses; }
+  double busy_share() const { return kernels + switches + banks; }
+  double tracing_share() const { return boxes + triangles + pipes + tree_misses; }
 };
 
 /// All cores in order, and their mean.

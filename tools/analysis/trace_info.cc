@@ -4,7 +4,7 @@
 
 #include "sim/io/printable.h"
 #include "sim/report/table.h"
-#include "tools/run/frame/recorded.h"
+#include "tools/run/frame/trace_header.h"
 
 namespace tools {
 

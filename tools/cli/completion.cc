@@ -1,9 +1,14 @@
 #include <algorithm>
+#include <array>
 #include <cctype>
+#include <csignal>
 #include <cstring>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -11,11 +16,12 @@
 
 #include "shader_kernels/catalogue.h"
 #include "shader_kernels/programs/program_spec.h"
-#include "tools/cli/declared.h"
-#include "tools/cli/set_keys.h"
+#include "sim/config/config.h"
 #include "tools/cli/verbs.h"
-#include "tools/host/command_text.h"
+#include "tools/host/build_info.h"
 #include "tools/host/paths.h"
+#include "tools/host/standard_streams.h"
+#include "tools/run/frame/load_config.h"
 #include "tools/studies/energy/show.h"
 #include "tools/studies/reproduce/plan.h"
 #include "traces/scenes/builtin.h"
@@ -23,7 +29,86 @@
 namespace tools {
 namespace {
 
-std::string joined(const std::vector<std::string>& words) { return fmt::format("{}", fmt::join(words, " ")); }
+/// An option or a positional argument of a verb.
+struct DeclaredOption {
+  std::vector<std::string> names;  ///< "-o", "--output"; "file" for a positional argument
+  std::string help;
+  std::string takes;                 ///< type of its value as in --help; empty for a flag
+  std::vector<std::string> choices;  ///< the only allowed values, if restricted
+  bool is_positional;
+};
+
+/// A verb of the program, or the program itself.
+struct DeclaredVerb {
+  std::vector<std::string> words;  ///< "raywatt", "trace", "replay"
+  std::string help, footer;
+  std::vector<DeclaredOption> options;
+  std::vector<std::string> verbs;  ///< its subcommands
+};
+
+/// Returns the words between the braces of "TEXT:{local,slurm}".
+std::vector<std::string> choices_in(const std::string& type) {
+  const std::size_t begin = type.find('{'), end = type.find('}');
+  if (begin == std::string::npos || end == std::string::npos) return {};
+  return CLI::detail::split(type.substr(begin + 1, end - begin - 1), ',');
+}
+
+DeclaredOption declare_option(const CLI::Option& option) {
+  DeclaredOption found;
+  for (const std::string& name : option.get_snames()) found.names.push_back("-" + name);
+  for (const std::string& name : option.get_lnames()) found.names.push_back("--" + name);
+  found.is_positional = found.names.empty();
+  if (found.is_positional) found.names.push_back(option.get_name());
+  found.help = option.get_description();
+  if (option.get_items_expected_max() > 0) {
+    found.takes = option.get_type_name();
+    found.choices = choices_in(found.takes);
+  }
+  return found;
+}
+
+void add_verb(const CLI::App& app, std::vector<std::string> words, std::vector<DeclaredVerb>& verbs) {
+  words.push_back(app.get_name());
+  DeclaredVerb verb{words, app.get_description(), app.get_footer(), {}, {}};
+  for (const CLI::Option* option : app.get_options()) verb.options.push_back(declare_option(*option));
+  const auto below =
+      app.get_subcommands([](const CLI::App* sub) { return !sub->get_group().empty(); });  // only visible ones
+  std::ranges::transform(below, std::back_inserter(verb.verbs), [](const CLI::App* sub) { return sub->get_name(); });
+  verbs.push_back(std::move(verb));
+  for (const CLI::App* sub : below) add_verb(*sub, words, verbs);
+}
+
+/// Returns the program, its verbs and their subcommands, parents first.
+std::vector<DeclaredVerb> declared_verbs(const CLI::App& app) {
+  std::vector<DeclaredVerb> verbs;
+  add_verb(app, {}, verbs);
+  return verbs;
+}
+
+/// The keys of --set, for completion scripts.
+struct SetKeys {
+  std::vector<std::string> every, of_energy;  ///< in order of declaration; `of_energy`: keys that affect energy only
+  std::vector<std::pair<std::string, std::vector<std::string>>> values;  ///< values of a key: words, or names of files
+};
+
+SetKeys set_keys() {
+  SetKeys keys;
+  for (sim::FieldInfo& field : sim::list_fields(load_run_config(JobOptions()))) {
+    keys.every.push_back(field.path);
+    if (field.affects == sim::Affects::kEnergy) keys.of_energy.push_back(field.path);
+    if (field.kind == sim::FieldKind::kBool) field.choices = {"true", "false"};
+    if (!field.choices.empty()) keys.values.emplace_back(field.path, std::move(field.choices));
+  }
+  for (const std::string group : {"dram", "energy", "power", "latency", "area"}) {
+    const std::string key = group + ".extends";
+    keys.every.push_back(key);
+    if (group == "energy" || group == "power") keys.of_energy.push_back(key);
+    keys.values.emplace_back(key, config_names_in(group));
+  }
+  return keys;
+}
+
+std::string join_words(const std::vector<std::string>& words) { return fmt::format("{}", fmt::join(words, " ")); }
 
 std::vector<std::string> option_names(const DeclaredVerb& verb) {
   std::vector<std::string> names;
@@ -51,7 +136,7 @@ std::vector<std::string> known_names(const DeclaredVerb& verb, const DeclaredOpt
   } else if (option.is_positional && name == "event") {
     known = energy_names(JobOptions());
   } else if (option.is_positional && name == "file" &&
-             (joined(verb.words) == "raywatt sweep run" || verb.words.back() == "optimise")) {
+             (join_words(verb.words) == "raywatt sweep run" || verb.words.back() == "optimise")) {
     for (const std::string& path : config_names_in("experiments")) known.push_back(path.substr(path.find('/') + 1));
   }
   std::erase_if(known, [](const std::string& each) {  // words that a shell would split
@@ -72,7 +157,7 @@ std::vector<std::string> positional_names(const DeclaredVerb& verb) {
 
 /// Returns the name of the list of keys for a verb's --set.
 const char* list_of_keys(const DeclaredVerb& verb) {
-  return joined(verb.words) == "raywatt energy price" ? "of_energy" : "every";
+  return join_words(verb.words) == "raywatt energy price" ? "of_energy" : "every";
 }
 
 bool takes_keys(const DeclaredOption& option) { return option.names.front() == "--set"; }
@@ -96,10 +181,10 @@ void for_values(const DeclaredVerb& verb, const F& f) {
 
 /// Returns the cases of a shell `case` over the verb, with `body(verb)` as lines.
 template <class F>
-std::string cases(const std::vector<DeclaredVerb>& verbs, const F& body) {
+std::string verb_cases(const std::vector<DeclaredVerb>& verbs, const F& body) {
   std::string out;
   for (const DeclaredVerb& verb : verbs)
-    out += fmt::format("    {})\n{}      ;;\n", single_quoted(joined(verb.words)), body(verb));
+    out += fmt::format("    {})\n{}      ;;\n", single_quoted(join_words(verb.words)), body(verb));
   return out;
 }
 
@@ -112,7 +197,7 @@ constexpr std::string_view kFindVerb = R"(  verb=raywatt
 std::string find_verb(const std::vector<DeclaredVerb>& verbs) {
   std::string known;
   for (const DeclaredVerb& verb : verbs) {
-    if (verb.words.size() > 1) known += fmt::format("{}' {}'", known.empty() ? "" : " | ", joined(verb.words));
+    if (verb.words.size() > 1) known += fmt::format("{}' {}'", known.empty() ? "" : " | ", join_words(verb.words));
   }
   return fmt::format("{}      {}) verb=\"$verb $word\" ;;\n    esac\n  done\n", kFindVerb, known);
 }
@@ -121,31 +206,31 @@ std::string find_verb(const std::vector<DeclaredVerb>& verbs) {
 /// follow.
 std::string what_comes(const std::vector<DeclaredVerb>& verbs) {
   const auto offered = [](const DeclaredVerb& verb) {
-    std::string lines = fmt::format("      next='{} {} {}'\n", joined(verb.verbs), joined(positional_names(verb)),
-                                    joined(option_names(verb)));
+    std::string lines = fmt::format("      next='{} {} {}'\n", join_words(verb.verbs),
+                                    join_words(positional_names(verb)), join_words(option_names(verb)));
     std::string choices;
     for_values(verb, [&](const auto& names, const char* variable, const auto& values) {
-      choices += fmt::format("        {}) {}='{}' ;;\n", fmt::join(names, " | "), variable, joined(values));
+      choices += fmt::format("        {}) {}='{}' ;;\n", fmt::join(names, " | "), variable, join_words(values));
     });
     if (!choices.empty()) lines += "      case $previous in\n" + choices + "      esac\n";
     return lines;
   };
-  return "  case $verb in\n" + cases(verbs, offered) + "  esac\n";
+  return "  case $verb in\n" + verb_cases(verbs, offered) + "  esac\n";
 }
 
 /// Returns the keys, each with an equals sign.
-std::string settings(const std::vector<std::string>& keys) { return fmt::format("{}=", fmt::join(keys, "= ")); }
+std::string keys_with_equals(const std::vector<std::string>& keys) { return fmt::format("{}=", fmt::join(keys, "= ")); }
 
 /// Returns the lines that set `keys` to the keys of --set and, after "key=", `choices` to its values.
 std::string what_is_set() {
   const SetKeys keys = set_keys();
   std::string values;
   for (const auto& [key, choices] : keys.values) {
-    values += fmt::format("    {}) choices={} ;;\n", single_quoted(key), single_quoted(joined(choices)));
+    values += fmt::format("    {}) choices={} ;;\n", single_quoted(key), single_quoted(join_words(choices)));
   }
   return fmt::format(
       "  case $keys in\n    every) keys={} ;;\n    of_energy) keys={} ;;\n  esac\n  case $key in\n{}  esac\n",
-      single_quoted(settings(keys.every)), single_quoted(settings(keys.of_energy)), values);
+      single_quoted(keys_with_equals(keys.every)), single_quoted(keys_with_equals(keys.of_energy)), values);
 }
 
 std::string for_bash(const std::vector<DeclaredVerb>& verbs) {
@@ -213,11 +298,11 @@ std::string fish_settings() {
       "function __raywatt_settings\n  set -l begun (string replace -r '^--set=' '' -- (commandline -ct))\n"
       "  switch $begun\n";
   for (const auto& [key, choices] : keys.values) {
-    out += fmt::format("    case '{0}=*'\n      printf '{0}=%s\\n' {1}\n", key, joined(choices));
+    out += fmt::format("    case '{0}=*'\n      printf '{0}=%s\\n' {1}\n", key, join_words(choices));
   }
   out += "    case '*=*'\n    case '*'\n      switch $argv[1]\n";
   for (const auto& [list, names] : {std::pair{"every", &keys.every}, std::pair{"of_energy", &keys.of_energy}}) {
-    out += fmt::format("        case {}\n          printf '%s=\\n' {}\n", list, joined(*names));
+    out += fmt::format("        case {}\n          printf '%s=\\n' {}\n", list, join_words(*names));
   }
   return out + "      end\n  end\nend\n";
 }
@@ -230,21 +315,21 @@ std::string for_fish(const std::vector<DeclaredVerb>& verbs) {
 )";
   std::vector<std::string> known;
   for (const DeclaredVerb& verb : verbs) {
-    if (verb.words.size() > 1) known.push_back(single_quoted(joined(verb.words)));
+    if (verb.words.size() > 1) known.push_back(single_quoted(join_words(verb.words)));
   }
   out += fmt::format(
       "      case {}\n        set verb \"$verb $word\"\n    end\n  end\n  test \"$verb\" = \"$argv\"\nend\n",
-      joined(known));
+      join_words(known));
   for (const DeclaredVerb& verb : verbs) {
     const std::string here =
-        fmt::format("complete -c raywatt -n {}", single_quoted("__raywatt_verb " + joined(verb.words)));
+        fmt::format("complete -c raywatt -n {}", single_quoted("__raywatt_verb " + join_words(verb.words)));
     for (const DeclaredVerb& below : verbs) {
       const bool is_next = below.words.size() == verb.words.size() + 1 &&
                            std::equal(verb.words.begin(), verb.words.end(), below.words.begin());
       if (is_next) out += fmt::format("{} -a {} -d {}\n", here, below.words.back(), single_quoted(below.help));
     }
     if (const std::vector<std::string> names = positional_names(verb); !names.empty()) {
-      out += fmt::format("{} -a {}\n", here, single_quoted(joined(names)));
+      out += fmt::format("{} -a {}\n", here, single_quoted(join_words(names)));
     }
     for (const DeclaredOption& option : verb.options) {
       if (option.is_positional) continue;
@@ -254,15 +339,74 @@ std::string for_fish(const std::vector<DeclaredVerb>& verbs) {
       for (const std::string& name : option.names) {
         out += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
       }
-      if (!option.choices.empty()) out += " -x -a " + single_quoted(joined(option.choices));
+      if (!option.choices.empty()) out += " -x -a " + single_quoted(join_words(option.choices));
       if (!option.takes.empty() && option.choices.empty()) out += takes_keys(option) ? " -x" : " -r";
       if (takes_keys(option)) out += fmt::format(" -a '(__raywatt_settings {})'", list_of_keys(verb));
       if (const std::vector<std::string> names = known_names(verb, option); !names.empty()) {
-        out += " -a " + single_quoted(joined(names));
+        out += " -a " + single_quoted(join_words(names));
       }
       out += fmt::format(" -d {}\n", single_quoted(help));
     }
   }
+  return out;
+}
+
+/// Exit codes, as in the table of docs/verbs.md.
+constexpr std::array<std::pair<int, std::string_view>, 8> kEndings = {{
+    {kGood, "good"},
+    {kCheckFailed,
+     "it ran, but a check failed: a ray or a figure differs, points of a sweep failed, no point of a search meets the "
+     "constraints"},
+    {kBadInput,
+     "bad input, an output that cannot be begun, or a processor without AVX2; one line says where, what was wrong and "
+     "what is allowed. Nothing is written"},
+    {kStuckMachine, "the simulated machine is stuck, or goes on and retires nothing; every unit's state is printed"},
+    {kOurBug, "a bug of Raywatt"},
+    {kIoFailed, "reading or writing failed, for instance a full disk, or the memory of the host ran out"},
+    {128 + SIGINT, "interrupted (128 + the signal); what is finished is kept, marked partial, and named"},
+    {128 + SIGTERM, "the same by SIGTERM"},
+}};
+
+/// Escapes text for roff.
+std::string escape_roff(std::string_view text) {
+  std::string out;
+  bool begins = true;
+  for (const char c : text) {
+    if (begins && (c == '.' || c == '\'')) out += "\\&";
+    if (c == '\\') {
+      out += "\\e";
+    } else if (c == '-') {
+      out += "\\-";
+    } else {
+      out += c;
+    }
+    begins = c == '\n';
+  }
+  return out;
+}
+
+std::string verb_section(const DeclaredVerb& verb) {
+  std::string out;
+  if (verb.words.size() > 1) out += fmt::format(".SS {}\n", escape_roff(fmt::format("{}", fmt::join(verb.words, " "))));
+  out += escape_roff(verb.help) + "\n";
+  for (const DeclaredOption& option : verb.options) {
+    out += fmt::format(".TP\n\\fB{}\\fR {}\n{}\n", escape_roff(fmt::format("{}", fmt::join(option.names, ", "))),
+                       escape_roff(option.takes), escape_roff(option.help));
+  }
+  if (!verb.footer.empty()) out += fmt::format(".PP\n.nf\n{}\n.fi\n", escape_roff(verb.footer));
+  return out;
+}
+
+std::string manual_page(const std::vector<DeclaredVerb>& verbs) {
+  std::string out = fmt::format(".TH RAYWATT 1 \"\" \"raywatt {}\" \"User Commands\"\n", build_info().version);
+  out += ".SH NAME\nraywatt \\- simulator of a mobile ray\\-tracing GPU\n.SH SYNOPSIS\n";
+  out += ".B raywatt\nVERB [OPTIONS]\n.SH DESCRIPTION\n" + verb_section(verbs.front()) + ".SH VERBS\n";
+  for (std::size_t v = 1; v < verbs.size(); ++v) out += verb_section(verbs[v]);
+  out +=
+      ".SH ENVIRONMENT\n.TP\n\\fBRAYWATT_PATH\\fR\nfolders of configurations, workloads and scenes, separated by "
+      "colons, that are looked through first\n.TP\n\\fBRAYWATT_STORE\\fR\nfolder of the results of sweeps\n"
+      ".SH EXIT STATUS\n";
+  for (const auto& [exit, meaning] : kEndings) out += fmt::format(".TP\n{}\n{}\n", exit, escape_roff(meaning));
   return out;
 }
 
@@ -278,6 +422,12 @@ void add_completion(CLI::App& app) {
     const std::vector<DeclaredVerb> verbs = declared_verbs(app);
     fmt::print("{}", *shell == "bash" ? for_bash(verbs) : *shell == "zsh" ? for_zsh(verbs) : for_fish(verbs));
   });
+}
+
+void add_man(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("man", "The manual page: every verb with its options");
+  verb->footer("Example: raywatt man | man -l -");
+  verb->callback([&app] { fmt::print("{}", manual_page(declared_verbs(app))); });
 }
 
 }  // namespace tools

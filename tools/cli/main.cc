@@ -27,21 +27,21 @@ namespace {
 constexpr std::size_t kLongestComplaint = 4096;
 
 /// Prints one line to stderr, with unsafe characters replaced. Returns `exit`.
-int complain(std::string_view what, int exit) {
-  tools::tell(sim::printable(what, kLongestComplaint));
+int print_error(std::string_view what, int exit) {
+  tools::print_message(sim::printable(what, kLongestComplaint));
   return exit;
 }
 
 /// Returns the verb that the command line selects, or the program itself.
-const CLI::App& reached(const CLI::App& app) {
+const CLI::App& selected_verb(const CLI::App& app) {
   const CLI::App* verb = &app;
   while (!verb->get_subcommands().empty()) verb = verb->get_subcommands().front();
   return *verb;
 }
 
 /// Returns for example "raywatt trace replay".
-std::string command(const CLI::App& verb) {
-  return (verb.get_parent() != nullptr ? command(*verb.get_parent()) + " " : "") + verb.get_name();
+std::string command_of(const CLI::App& verb) {
+  return (verb.get_parent() != nullptr ? command_of(*verb.get_parent()) + " " : "") + verb.get_name();
 }
 
 /// Returns "unknown verb 'shwo', did you mean 'show'?" if a verb is wrong; else empty.
@@ -83,7 +83,7 @@ std::string unknown_option(const CLI::App& verb) {
     }
   }
   return fmt::format("unknown option '{}'{}; see {} --help", sim::printable(asked), traces::did_you_mean(asked, known),
-                     command(verb));
+                     command_of(verb));
 }
 
 /// Returns "report needs DIR (folder of a run ...)" if a required argument is missing; else empty.
@@ -93,8 +93,8 @@ std::string missing_argument(const CLI::App& verb) {
     const std::string& about = option->get_description();
     const std::string type = option->get_type_name();
     const bool is_telling = option->get_positional() && !type.empty() && !type.starts_with("TEXT");
-    return fmt::format("{} needs {}: {}; see {} --help", command(verb), is_telling ? type : option->get_name(),
-                       sim::printable(about.substr(0, about.find('\n'))), command(verb));
+    return fmt::format("{} needs {}: {}; see {} --help", command_of(verb), is_telling ? type : option->get_name(),
+                       sim::printable(about.substr(0, about.find('\n'))), command_of(verb));
   }
   return {};
 }
@@ -102,10 +102,10 @@ std::string missing_argument(const CLI::App& verb) {
 /// Suggests --help for "raywatt help run"; empty for other command lines.
 std::string help_as_word(const CLI::App& verb, int argc, char** argv) {
   if (argc < 2 || std::string_view(argv[1]) != "help") return {};
-  return fmt::format("help is an option; allowed: {} --help", command(verb));
+  return fmt::format("help is an option; allowed: {} --help", command_of(verb));
 }
 
-int run(int argc, char** argv) {
+int run_command(int argc, char** argv) {
   int exit = tools::kGood;
   CLI::App app{"Raywatt simulates a mobile ray-tracing GPU: cycles, rays, energy and performance per watt.", "raywatt"};
   app.require_subcommand(1);
@@ -143,15 +143,15 @@ int run(int argc, char** argv) {
       tools::flush_output();
       return exit;
     }
-    const CLI::App& verb = reached(app);
+    const CLI::App& verb = selected_verb(app);
     std::string problem = help_as_word(verb, argc, argv);
     if (problem.empty()) problem = unknown_verb(verb);
     if (problem.empty()) problem = unknown_option(verb);
     if (problem.empty() && error.get_exit_code() == static_cast<int>(CLI::ExitCodes::RequiredError)) {
       problem = missing_argument(verb);
     }
-    if (problem.empty()) problem = fmt::format("{}; see {} --help", error.what(), command(verb));
-    return complain(problem, tools::kBadInput);
+    if (problem.empty()) problem = fmt::format("{}; see {} --help", error.what(), command_of(verb));
+    return print_error(problem, tools::kBadInput);
   }
   tools::flush_output();
   return exit;
@@ -161,28 +161,28 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   tools::open_closed_streams();
-  tools::outlive_failed_writes();
-  tools::end_on_interrupts();
+  tools::ignore_write_signals();
+  tools::install_interrupt_handlers();
   try {
-    return run(argc, argv);
+    return run_command(argc, argv);
   } catch (const tools::Interrupted&) {
     return 128 + SIGINT;  // only if no HoldInterrupts ended the process
   } catch (const sim::InputError& error) {
-    return complain(error.what(), tools::kBadInput);
+    return print_error(error.what(), tools::kBadInput);
   } catch (const sim::IoError& error) {
-    return complain(error.what(), tools::kIoFailed);
+    return print_error(error.what(), tools::kIoFailed);
   } catch (const sim::Deadlock& error) {
-    tools::tell(error.what());
+    tools::print_message(error.what());
     std::fputs(error.state.c_str(), stderr);
     return tools::kStuckMachine;
   } catch (const std::system_error& error) {
-    return complain(error.what(), tools::kIoFailed);
+    return print_error(error.what(), tools::kIoFailed);
   } catch (const std::bad_alloc&) {
-    return complain(
+    return print_error(
         "out of memory: the work needs more than this host gives; a smaller --resolution or limits.memory, or fewer "
         "--threads, needs less",
         tools::kIoFailed);
   } catch (const std::exception& error) {
-    return complain(fmt::format("internal error: {}", error.what()), tools::kOurBug);
+    return print_error(fmt::format("internal error: {}", error.what()), tools::kOurBug);
   }
 }

@@ -1,12 +1,25 @@
 #include "tools/studies/sweep/sweep.h"
 
+#include <filesystem>
 #include <memory>
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
 
+#include "sim/error.h"
 #include "tools/cli/job_options.h"
 #include "tools/cli/verbs.h"
 #include "tools/host/paths.h"
+#include "tools/host/standard_streams.h"
+#include "tools/studies/sweep/results/best.h"
+#include "tools/studies/sweep/results/index/collect.h"
+#include "tools/studies/sweep/results/index/sqlite.h"
+#include "tools/studies/sweep/results/pareto.h"
+#include "tools/studies/sweep/results/results_table.h"
+#include "tools/studies/sweep/results/sensitivity.h"
+#include "tools/studies/sweep/store/folder.h"
 
 namespace tools {
 namespace {
@@ -95,6 +108,167 @@ void add_sweep(CLI::App& app, int& exit) {
   add_sweep_watch(*verb);
   add_sweep_cancel(*verb);
   add_sweep_results(*verb);
+}
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Returns the width of the terminal, or 80.
+std::size_t terminal_width() {
+  winsize size{};
+  return ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col != 0 ? size.ws_col : 80;
+}
+
+/// Updates the index. If it cannot be written (another user's folder, a full disk), an older index is used.
+void collect_if_possible(const fs::path& sweep) {
+  try {
+    results::collect(sweep::SweepFolder::open(sweep));
+  } catch (const sim::IoError& error) {
+    std::error_code failed;
+    if (!fs::exists(sweep / "index.sqlite", failed)) throw;
+    print_message("warning: {}; what follows is what was last collected", error.what());
+  }
+}
+
+/// Prints `ask(results)`. A damaged index is reported as an input error.
+template <class Ask>
+void with_results(const fs::path& sweep, Ask&& ask, bool csv = false) {
+  collect_if_possible(sweep);
+  try {
+    const results::Results read(sweep);
+    fmt::print("{}", csv ? ask(read) : terminal_text(ask(read)));
+  } catch (const results::SqliteError& error) {
+    throw sim::InputError(fmt::format("{}: is damaged ({}); remove it, and it is made anew",
+                                      (sweep / "index.sqlite").string(), error.what()));
+  }
+}
+
+/// Adds a verb that reads the results of the sweep in `folder`.
+CLI::App* add_query(CLI::App& group, const char* name, const char* description, fs::path& folder) {
+  CLI::App* verb = group.add_subcommand(name, description);
+  verb->add_option("sweep", folder, "folder of the sweep")->required()->type_name("DIR");
+  return verb;
+}
+
+void add_where(CLI::App& verb, std::vector<std::string>& where) {
+  verb.add_option("--where", where, "only points that meet this, e.g. 'power_w.nominal<1 and cores>=2' (repeatable)")
+      ->allow_extra_args(false)
+      ->type_name("EXPR");
+}
+
+/// `band`: also evaluate random draws of the energy tables.
+void add_energy_option(CLI::App& verb, bool& band) {
+  verb.add_option_function<std::string>(
+          "--energy", [&band](const std::string& word) { band = word == "band"; },
+          "nominal: by nominal energy tables; band: how sure that is under 2000 draws of all their entries, too")
+      ->check(CLI::IsMember({"nominal", "band"}))
+      ->default_str("nominal");
+}
+
+void add_collect(CLI::App& group) {
+  const auto folder = std::make_shared<fs::path>();
+  CLI::App* verb = add_query(group, "collect", "Gather what has come out into index.sqlite and results.csv", *folder);
+  verb->footer("Example: raywatt sweep collect out/l1");
+  verb->callback([folder] {
+    const sweep::SweepFolder opened = sweep::SweepFolder::open(*folder);
+    join_sweep(opened);
+    const results::Collected collected = results::collect(opened);
+    fmt::print("{}{}\ntable: {}\nindex: {}\n", summary_text(collected), collected.unchanged ? ", as before" : "",
+               (*folder / "results.csv").string(), (*folder / "index.sqlite").string());
+  });
+}
+
+void add_table(CLI::App& group) {
+  struct Options : results::TableOptions {
+    fs::path folder;
+  };
+  const auto o = std::make_shared<Options>();
+  CLI::App* verb = add_query(group, "table", "Points with any axes and figures of their reports", o->folder);
+  verb->add_option("--columns", o->columns, "n, id, status, error, axes, report paths or ends of them")
+      ->delimiter(',')
+      ->type_name("A,B,...");
+  verb->add_option("--sort", o->sort, "by a column; the greatest first with :desc")->type_name("COLUMN[:desc]");
+  add_where(*verb, o->where);
+  refuse_negative(*verb->add_option("--limit", o->limit, "rows at most")->type_name("N"));
+  verb->add_flag("--csv", o->csv, "as CSV, with all digits");
+  verb->footer("Example: raywatt sweep table out/l1 --columns n,tni.trv.l1.size,cycles,power_w.nominal --sort cycles");
+  verb->callback([o] {
+    with_results(
+        o->folder, [&](const auto& r) { return results_table(r, *o); }, o->csv);
+  });
+}
+
+void add_pareto(CLI::App& group) {
+  struct Options : results::ParetoOptions {
+    fs::path folder;
+  };
+  const auto o = std::make_shared<Options>();
+  CLI::App* verb = add_query(group, "pareto", "Points than which none is better in two figures at once", o->folder);
+  verb->add_option("--x", o->x, "a figure; max: before it if more is better, min: if less is")
+      ->required()
+      ->type_name("[max:|min:]PATH");
+  verb->add_option("--y", o->y, "the other")->required()->type_name("[max:|min:]PATH");
+  add_where(*verb, o->where);
+  verb->add_flag("--csv", o->csv, "the front as CSV");
+  add_energy_option(*verb, o->band);
+  verb->footer(
+      "Without max: or min: more is better of performance, utilisation and PSNR, and less of all else.\n\n"
+      "Example: raywatt sweep pareto out/l1 --x power_w.nominal --y fps");
+  verb->callback([o] {
+    with_results(
+        o->folder, [&](const auto& r) { return pareto_text(r, *o, terminal_width()); }, o->csv);
+  });
+}
+
+void add_sensitivity(CLI::App& group) {
+  struct Options {
+    fs::path folder;
+    std::vector<std::string> metrics, where;
+    bool band = false;
+  };
+  const auto o = std::make_shared<Options>();
+  CLI::App* verb = add_query(group, "sensitivity", "How much each axis changes each figure", o->folder);
+  verb->add_option("--metric", o->metrics, "a report path (repeatable)")->allow_extra_args(false)->type_name("PATH");
+  add_where(*verb, o->where);
+  add_energy_option(*verb, o->band);
+  verb->footer("Example: raywatt sweep sensitivity out/l1 --metric cycles --metric dram_bytes");
+  verb->callback([o] {
+    with_results(o->folder, [&](const auto& r) { return sensitivity_text(r, o->metrics, o->where, o->band); });
+  });
+}
+
+void add_best(CLI::App& group) {
+  struct Options {
+    fs::path folder;
+    std::string most, least;
+    std::vector<std::string> where;
+    bool band = false;
+  };
+  const auto o = std::make_shared<Options>();
+  CLI::App* verb = add_query(group, "best", "The point with the most or least of a figure", o->folder);
+  CLI::Option* most = verb->add_option("--max", o->most, "the figure that is to be high")->type_name("PATH");
+  verb->add_option("--min", o->least, "the figure that is to be low")->type_name("PATH")->excludes(most);
+  add_where(*verb, o->where);
+  add_energy_option(*verb, o->band);
+  verb->footer("Example: raywatt sweep best out/l1 --max frames_per_joule_gpu --where 'power_w.nominal<1'");
+  verb->callback([o] {
+    if (o->most.empty() == o->least.empty()) throw sim::InputError("sweep best needs --max PATH or --min PATH");
+    with_results(o->folder, [&](const auto& r) {
+      const std::vector<sweep::Point> points = sweep::SweepFolder::open(o->folder).points();
+      return best_text(r, points, {o->most.empty() ? o->least : o->most, !o->most.empty(), o->where, o->band});
+    });
+  });
+}
+
+}  // namespace
+
+void add_sweep_results(CLI::App& sweep) {
+  add_collect(sweep);
+  add_table(sweep);
+  add_pareto(sweep);
+  add_sensitivity(sweep);
+  add_best(sweep);
 }
 
 }  // namespace tools

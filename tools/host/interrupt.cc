@@ -17,13 +17,13 @@ std::atomic<bool> has_bar = false;
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
 std::string kept_so_far;  ///< must not be used in the signal handler
 
-void say(std::string_view words) {
+void write_words(std::string_view words) {
   [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, words.data(), words.size());
 }
 
-[[noreturn]] void end(int signal, std::string_view words) {
-  if (has_bar) say("\r\x1b[K");
-  say(words);
+[[noreturn]] void end_process(int signal, std::string_view words) {
+  if (has_bar) write_words("\r\x1b[K");
+  write_words(words);
   ::_exit(128 + signal);
 }
 
@@ -31,12 +31,12 @@ extern "C" void on_interrupt(int signal) {
   const bool second = waiting.exchange(signal) != 0;
   if (held == 0 || second)  // read last, as ~HoldInterrupts() reads `waiting` last, so at least one of the two sees the
                             // other's write
-    end(signal, "raywatt: interrupted\n");
+    end_process(signal, "raywatt: interrupted\n");
 }
 
 }  // namespace
 
-void end_on_interrupts() {
+void install_interrupt_handlers() {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     struct sigaction action = {};
     if (::sigaction(signal, nullptr, &action) != 0 || action.sa_handler == SIG_IGN) continue;
@@ -47,17 +47,17 @@ void end_on_interrupts() {
   }
 }
 
-bool interrupted() { return waiting != 0; }
+bool is_interrupted() { return waiting != 0; }
 
-void tell_if_interrupted(const std::string& kept) { kept_so_far = "; " + sim::printable(kept, std::string::npos); }
+void set_interrupt_note(const std::string& kept) { kept_so_far = "; " + sim::printable(kept, std::string::npos); }
 
-void erase_if_interrupted(bool bar_is_there) { has_bar = bar_is_there; }
+void set_bar_visible(bool bar_is_there) { has_bar = bar_is_there; }
 
 HoldInterrupts::HoldInterrupts() { held += 1; }
 
 HoldInterrupts::~HoldInterrupts() {
   held -= 1;
-  if (held == 0 && waiting != 0) end(waiting, "raywatt: interrupted" + kept_so_far + "\n");
+  if (held == 0 && waiting != 0) end_process(waiting, "raywatt: interrupted" + kept_so_far + "\n");
 }
 
 }  // namespace tools

@@ -7,7 +7,7 @@ namespace tools {
 
 /// Installs handlers: SIGINT, SIGTERM and SIGHUP end the process with 128 + the signal and one line on stderr. Signals
 /// that the parent process ignores stay ignored.
-void end_on_interrupts();
+void install_interrupt_handlers();
 
 /// Delays interrupts while an object exists, so that no results are lost and no files are left half written. A second
 /// interrupt is not delayed. The destructor of the last object ends the process if an interrupt is pending.
@@ -20,13 +20,13 @@ class HoldInterrupts {
 };
 
 /// Sets the text after "interrupted" in the message of a delayed interrupt: "kept 3 of 10 frames in out".
-void tell_if_interrupted(const std::string& kept);
+void set_interrupt_note(const std::string& kept);
 
 /// Sets whether the last line of the terminal is a progress bar, which an interrupt erases before its message.
-void erase_if_interrupted(bool bar_is_there);
+void set_bar_visible(bool bar_is_there);
 
 /// True if an interrupt is pending.
-bool interrupted();
+bool is_interrupted();
 
 /// Thrown by long computations when an interrupt is pending.
 using Interrupted = sim::Cancelled;

@@ -56,7 +56,7 @@ std::vector<std::string> yaml_names(const std::vector<fs::path>& folders) {
 }
 
 /// Returns "known: a, b", or the folders that were searched if there are no configurations at all.
-std::string known(const std::vector<std::string>& names) {
+std::string known_text(const std::vector<std::string>& names) {
   if (!names.empty()) return fmt::format("known: {}", fmt::join(names, ", "));
   std::vector<std::string> folders;
   for (const fs::path& folder : search_folders()) folders.push_back(sim::printable(folder.string()));
@@ -95,7 +95,7 @@ void check_no_scene(const std::string& argument) {
 }
 
 /// Returns ", did you mean 'sgrt-2016'?", or a scene if its name is nearer.
-std::string what_was_meant(const std::string& argument, const std::vector<std::string>& configs) {
+std::string suggest_name(const std::string& argument, const std::vector<std::string>& configs) {
   std::vector<std::string> scenes = workload_names();
   for (const traces::BuiltinInfo& scene : traces::builtin_scenes()) scenes.push_back(scene.name);
   const std::string_view start = sim::comparable_start(argument);
@@ -137,7 +137,7 @@ fs::path find_experiment(const fs::path& argument) {
   std::vector<std::string> names = config_names_in(folder);
   for (std::string& each : names) each.erase(0, folder.size() + 1);
   throw sim::InputError(fmt::format("no experiment is called '{}'{}; {}; or give a path to a .yaml file",
-                                    sim::printable(name), traces::did_you_mean(name, names), known(names)));
+                                    sim::printable(name), traces::did_you_mean(name, names), known_text(names)));
 }
 
 fs::path find_config(const std::string& argument) {
@@ -150,7 +150,7 @@ fs::path find_config(const std::string& argument) {
   }
   const std::vector<std::string> names = config_names();
   throw sim::InputError(fmt::format("no configuration is called '{}'{}; {}; or give a path to a .yaml file",
-                                    sim::printable(argument), what_was_meant(argument, names), known(names)));
+                                    sim::printable(argument), suggest_name(argument, names), known_text(names)));
 }
 
 }  // namespace tools

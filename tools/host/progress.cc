@@ -60,7 +60,7 @@ std::string duration_text(double seconds) {
 
 }  // namespace
 
-double ProgressState::share() const {
+double ProgressState::done_share() const {
   const double of_part = tile == tiles ? 0 : static_cast<double>(tile) / tiles;  // a finished part is counted in `part`
   return (part + of_part) / parts;
 }
@@ -69,7 +69,7 @@ double ProgressState::rays_per_s() const { return traced_seconds > 0 ? static_ca
 
 double ProgressState::seconds_left() const {
   const double before = tiles == 0 ? 0 : static_cast<double>(tile_before) / tiles / parts;
-  return share() > before ? busy_seconds * (1 - share()) / (share() - before) : -1;
+  return done_share() > before ? busy_seconds * (1 - done_share()) / (done_share() - before) : -1;
 }
 
 std::string progress_line(const ProgressState& s, std::size_t columns) {
@@ -77,8 +77,9 @@ std::string progress_line(const ProgressState& s, std::size_t columns) {
   line += s.phase;
   if (s.tiles != 0) {
     if (s.parts > 1) line += fmt::format(" frame {}", s.frame);
-    const auto full = static_cast<std::size_t>(s.share() * kBar);
-    line += fmt::format(" [{}{}] {:.0f} %", std::string(full, '#'), std::string(kBar - full, '.'), 100 * s.share());
+    const auto full = static_cast<std::size_t>(s.done_share() * kBar);
+    line +=
+        fmt::format(" [{}{}] {:.0f} %", std::string(full, '#'), std::string(kBar - full, '.'), 100 * s.done_share());
     if (s.rays != 0) line += "  " + sim::si_text(s.rays_per_s(), "rays/s");
     if (s.ended) {
       line += "  after " + duration_text(s.seconds);
@@ -116,23 +117,25 @@ Progress::Form Progress::form_of(const std::string& form, bool quiet) {
 Progress::Progress(const std::string& form, bool quiet, View* view)
     : form_(form_of(form, quiet)), hints_(!quiet && form != "json" && form != "none"), view_(view) {
   shows_picture_ = form_ == Form::kView && view_ != nullptr && has_true_colour();
-  if (form_ != Form::kNone) thread_ = std::thread([this] { run(); });
+  if (form_ != Form::kNone) thread_ = std::thread([this] { run_display(); });
 }
 
-Progress::~Progress() { end(interrupted() ? "interrupted" : std::uncaught_exceptions() != 0 ? "failed" : "done"); }
+Progress::~Progress() {
+  finish(is_interrupted() ? "interrupted" : std::uncaught_exceptions() != 0 ? "failed" : "done");
+}
 
-void Progress::phase(const std::string& what) {
+void Progress::set_phase(const std::string& what) {
   const std::lock_guard lock(mutex_);
   stop_clock();
   state_.phase = what;
 }
 
-void Progress::expect(std::uint32_t parts, const std::string& label) {
+void Progress::expect_parts(std::uint32_t parts, const std::string& label) {
   const std::lock_guard lock(mutex_);
-  restart(parts, label);
+  restart_parts(parts, label);
 }
 
-void Progress::restart(std::uint32_t parts, const std::string& label) {
+void Progress::restart_parts(std::uint32_t parts, const std::string& label) {
   state_ = {.phase = state_.phase, .label = label, .parts = std::max(parts, 1U)};
   rays_before_ = cycles_before_ = 0;
   busy_since_ = part_since_ = {};
@@ -140,7 +143,7 @@ void Progress::restart(std::uint32_t parts, const std::string& label) {
 
 void Progress::begin_part(const std::string& what, std::uint32_t frame, std::uint32_t tiles, std::uint32_t before) {
   const std::lock_guard lock(mutex_);
-  if (state_.part == state_.parts) restart(state_.parts, std::string(state_.label));
+  if (state_.part == state_.parts) restart_parts(state_.parts, std::string(state_.label));
   stop_clock();
   part_since_ = sim::HostClock::now();
   if (busy_since_ == sim::HostClock::time_point{}) busy_since_ = part_since_;
@@ -150,7 +153,7 @@ void Progress::begin_part(const std::string& what, std::uint32_t frame, std::uin
   state_.tiles = tiles;
 }
 
-void Progress::tiles_done(std::uint32_t tiles, std::uint64_t rays, std::uint64_t cycles) {
+void Progress::set_tiles_done(std::uint32_t tiles, std::uint64_t rays, std::uint64_t cycles) {
   const std::lock_guard lock(mutex_);
   state_.tile = tiles;
   state_.rays = rays_before_ + rays;
@@ -162,13 +165,13 @@ void Progress::tiles_done(std::uint32_t tiles, std::uint64_t rays, std::uint64_t
   cycles_before_ = state_.cycles;
 }
 
-void Progress::say(const std::string& line) {
+void Progress::print_line(const std::string& line) {
   const std::lock_guard lock(mutex_);
-  erase();
+  erase_bar();
   write_stderr(line + "\n");
 }
 
-void Progress::end(const std::string& how) {
+void Progress::finish(const std::string& how) {
   if (!thread_.joinable()) return;
   {
     const std::lock_guard lock(mutex_);
@@ -177,42 +180,42 @@ void Progress::end(const std::string& how) {
   }
   news_.notify_all();
   thread_.join();
-  if (form_ == Form::kJson) write_stderr(progress_json(now()));
+  if (form_ == Form::kJson) write_stderr(progress_json(current_state()));
   if (form_ == Form::kView && view_lines_ != 0) show_view();
   if (form_ == Form::kLines) show_line();
-  erase();
+  erase_bar();
 }
 
-void Progress::run() {
+void Progress::run_display() {
   std::unique_lock lock(mutex_);
   const auto ended = [this] { return ended_; };
   if (form_ == Form::kBar && news_.wait_for(lock, kPatience, ended)) return;
   const auto between = form_ == Form::kView ? kBetweenViews : form_ == Form::kLines ? kPatience : kBetween;
   for (bool at_once = form_ == Form::kView; at_once || !news_.wait_for(lock, between, ended); at_once = false) {
     try {
-      show();
+      draw_progress();
     } catch (const std::bad_alloc&) {
       // The work continues without this line.
     }
   }
 }
 
-void Progress::show() {
+void Progress::draw_progress() {
   if (form_ == Form::kJson) {
-    write_stderr(progress_json(now()));
+    write_stderr(progress_json(current_state()));
     return;
   }
   if (form_ == Form::kView) return show_view();
   if (form_ == Form::kLines) return show_line();
   bar_is_there_ = true;
-  erase_if_interrupted(true);
-  write_stderr(fmt::format("\r{}\x1b[K", progress_line(now(), columns_of_terminal())));
+  set_bar_visible(true);
+  write_stderr(fmt::format("\r{}\x1b[K", progress_line(current_state(), columns_of_terminal())));
 }
 
 /// Redraws the view: picture, statistics, progress.
 void Progress::show_view() {
   const std::size_t columns = columns_of_terminal(), rows = rows_of_terminal();
-  const ProgressState state = now();
+  const ProgressState state = current_state();
   std::vector<std::string> lines = {progress_line(state, columns)};
   if (state.seconds_left() >= 0 && !state.ended) lines.push_back(end_text(state.seconds_left()));
   if (view_ != nullptr) {
@@ -234,7 +237,7 @@ void Progress::show_view() {
 /// Appends a line, for logs.
 void Progress::show_line() {
   constexpr std::size_t kAnyLength = 1 << 10;
-  const ProgressState state = now();
+  const ProgressState state = current_state();
   std::string line = progress_line(state, kAnyLength);
   if (state.seconds_left() >= 0 && !state.ended) line += ", " + end_text(state.seconds_left());
   if (view_ != nullptr) {
@@ -243,12 +246,12 @@ void Progress::show_line() {
   write_stderr(line + "\n");
 }
 
-void Progress::erase() {
+void Progress::erase_bar() {
   view_lines_ = 0;
   if (!bar_is_there_) return;
   write_stderr("\r\x1b[K");
   bar_is_there_ = false;
-  erase_if_interrupted(false);
+  set_bar_visible(false);
 }
 
 double Progress::traced_seconds() const {
@@ -262,7 +265,7 @@ void Progress::stop_clock() {
   part_since_ = {};
 }
 
-ProgressState Progress::now() const {
+ProgressState Progress::current_state() const {
   ProgressState state = state_;
   state.seconds = sim::seconds_since(begin_);
   state.traced_seconds = traced_seconds();

@@ -24,7 +24,7 @@ struct ProgressState {
   double busy_seconds = 0;    ///< since the start of the first part
   double traced_seconds = 0;  ///< within parts that count rays, without the time between them
 
-  double share() const;  ///< finished share of the job, 0 to 1
+  double done_share() const;  ///< finished share of the job, 0 to 1
   double rays_per_s() const;
   double seconds_left() const;  ///< negative if unknown
 };
@@ -50,33 +50,33 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
 
   /// Sets the current activity, which traces no rays, and ends the current part.
-  void phase(const std::string& what);
+  void set_phase(const std::string& what);
   /// Starts a count of `parts` parts; it restarts if more parts follow.
-  void expect(std::uint32_t parts, const std::string& label = {});
+  void expect_parts(std::uint32_t parts, const std::string& label = {});
   /// Begins a part. `before`: tiles that earlier work finished, for a job of one part.
   void begin_part(const std::string& what, std::uint32_t frame, std::uint32_t tiles, std::uint32_t before = 0);
   /// Sets the finished tiles, rays and cycles of the current part; the last tile ends the part.
-  void tiles_done(std::uint32_t tiles, std::uint64_t rays, std::uint64_t cycles);
+  void set_tiles_done(std::uint32_t tiles, std::uint64_t rays, std::uint64_t cycles);
   /// Prints a line to stderr above the bar.
-  void say(const std::string& line);
+  void print_line(const std::string& line);
   /// Prints a line unless progress is quiet, "json" or "none".
   bool shows_hints() const { return hints_; }
-  void hint(const std::string& line) {
-    if (hints_) say(line);
+  void print_hint(const std::string& line) {
+    if (hints_) print_line(line);
   }
   /// Ends the display: "done", "interrupted" or "failed". Nothing is printed afterwards.
-  void end(const std::string& how);
+  void finish(const std::string& how);
 
  private:
   enum class Form : std::uint8_t { kBar, kJson, kView, kLines, kNone };
   static Form form_of(const std::string& form, bool quiet);
-  void restart(std::uint32_t parts, const std::string& label);
-  void run();
-  void show();
+  void restart_parts(std::uint32_t parts, const std::string& label);
+  void run_display();
+  void draw_progress();
   void show_view();
   void show_line();
-  void erase();
-  ProgressState now() const;
+  void erase_bar();
+  ProgressState current_state() const;
   double traced_seconds() const;
   void stop_clock();
 

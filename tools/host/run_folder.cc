@@ -242,7 +242,7 @@ void RunFolder::fill(const std::function<std::string(const Open& folder)>& write
   }
   if (error) throw sim::IoError(cannot_be_written(target_, error));
   dated_ = false;
-  tell_if_interrupted(fmt::format("kept {} in {}", kept, target_.string()));
+  set_interrupt_note(fmt::format("kept {} in {}", kept, target_.string()));
 }
 
 }  // namespace tools

@@ -20,7 +20,7 @@ void open_closed_streams() {
   }
 }
 
-void outlive_failed_writes() {
+void ignore_write_signals() {
   for (const int signal : kSignalsOfWrites) std::signal(signal, SIG_IGN);
 }
 
@@ -47,16 +47,38 @@ bool locale_has_utf8() {
 
 }  // namespace
 
-std::string for_terminal(std::string text) {
+std::string terminal_text(std::string text) {
   constexpr std::string_view kSign = "\u00b1";
   if (locale_has_utf8()) return text;
   for (std::size_t at = 0; (at = text.find(kSign, at)) != std::string::npos;) text.replace(at, kSign.size(), "+-");
   return text;
 }
 
-void tell(std::string_view text) {
+void print_message(std::string_view text) {
   const std::string line = fmt::format("raywatt: {}\n", text);
   static_cast<void>(std::fwrite(line.data(), 1, line.size(), stderr));
+}
+
+namespace {
+
+std::string shell_word(const std::string& word) {
+  constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./:,=%+@";
+  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
+  return single_quoted(word);
+}
+
+}  // namespace
+
+std::string single_quoted(std::string_view word) {
+  std::string out = "'";
+  for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
+}
+
+std::string command_text(const std::vector<std::string>& words) {
+  std::string out;
+  for (const std::string& word : words) out += (out.empty() ? "" : " ") + shell_word(word);
+  return out;
 }
 
 }  // namespace tools

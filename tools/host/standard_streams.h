@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -16,19 +17,25 @@ void open_closed_streams();
 /// Signals sent on a write to a closed pipe, or past the file size limit (ulimit -f).
 inline constexpr std::array<int, 2> kSignalsOfWrites = {SIGPIPE, SIGXFSZ};
 /// Ignores these signals, so that write() returns an error. Child processes must restore them.
-void outlive_failed_writes();
+void ignore_write_signals();
 
 /// Flushes standard output. Throws std::system_error if any write failed.
 void flush_output();
 
 /// Replaces non-ASCII signs ("±" by "+-") unless LC_ALL, LC_CTYPE or LANG, the first that is set, names UTF-8.
-std::string for_terminal(std::string text);
+std::string terminal_text(std::string text);
 
 /// Prints "raywatt: TEXT" to standard error. Ignores errors.
-void tell(std::string_view text);
+void print_message(std::string_view text);
 template <class... Args>
-void tell(fmt::format_string<Args...> format, Args&&... args) {
-  tell(std::string_view(fmt::format(format, std::forward<Args>(args)...)));
+void print_message(fmt::format_string<Args...> format, Args&&... args) {
+  print_message(std::string_view(fmt::format(format, std::forward<Args>(args)...)));
 }
+
+/// Returns a word in single quotes for a shell.
+std::string single_quoted(std::string_view word);
+
+/// Returns a command for a shell; words are quoted where necessary.
+std::string command_text(const std::vector<std::string>& words);
 
 }  // namespace tools

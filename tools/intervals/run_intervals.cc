@@ -221,7 +221,7 @@ class Table {
   }
 
   void add_utilisation() {
-    const Utilisation used = utilisation(within_);
+    const Utilisation used = utilisation_of(within_);
     series_.add("utilisation", "tni", "%", kPercent * used.tni);
     series_.add("utilisation", "srp", "%", kPercent * used.srp);
     series_.add("utilisation", "dram", "%", kPercent * used.dram);

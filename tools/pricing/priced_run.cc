@@ -22,8 +22,8 @@
 #include "sim/report/table_checks.h"
 #include "tools/host/paths.h"
 #include "tools/pricing/idle_machine.h"
+#include "tools/run/frame/load_config.h"
 #include "tools/run/frame/power.h"
-#include "tools/run/frame/table_names.h"
 
 namespace tools {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "sim/report/energy.h"
 #include "sim/report/energy_table.h"
-#include "tools/analysis/cost_totals.h"
+#include "tools/analysis/report.h"
 #include "tools/analysis/report_file.h"
 #include "tools/run/frame/load_config.h"
 

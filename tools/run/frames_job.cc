@@ -9,12 +9,11 @@
 #include "sim/io/printable.h"
 #include "sim/report/report_json.h"
 #include "tools/analysis/report.h"
-#include "tools/host/command_text.h"
 #include "tools/host/interrupt.h"
 #include "tools/host/run_folder.h"
 #include "tools/host/standard_streams.h"
 #include "tools/run/frame/host_time.h"
-#include "tools/run/frame/recorded.h"
+#include "tools/run/frame/trace_header.h"
 #include "tools/run/jobs.h"
 #include "tools/run/live_run.h"
 #include "tools/run/picture_files.h"
@@ -33,7 +32,7 @@ RunResult run_or_interrupt(FrameSource& frames, const RunOptions& options, std::
     if (result.partial && result.frames.size() < frames_to_replace) throw Interrupted();
     return result;
   } catch (const Interrupted&) {
-    progress.end("interrupted");
+    progress.finish("interrupted");
     throw;
   }
 }
@@ -56,11 +55,11 @@ struct Announced {
   bool picture, timeline, reference;
 };
 void print_results(const sim::Json& json, const std::filesystem::path& folder, const Announced& has) {
-  fmt::print("{}\n", for_terminal(report_table(json)));
+  fmt::print("{}\n", terminal_text(report_table(json)));
   if (has.picture) fmt::print("picture: {}\n", (folder / "image.png").string());
   if (has.timeline) fmt::print("timeline: {}\n", (folder / kTimelineFile).string());
   fmt::print("report:  {}\n", (folder / "report.json").string());
-  if (has.reference) tell_reference(folder);
+  if (has.reference) print_reference_location(folder);
   fmt::print("page:    raywatt report {0} -o {1}\n", command_text({folder.string()}),
              command_text({folder.string() + ".html"}));
 }
@@ -76,17 +75,17 @@ void run_frames(const JobOptions& options) {
   Progress progress(options.watch ? "watch" : options.progress, options.quiet, &live);
   Inputs inputs = load_inputs(options, &progress);
   RenderedFrames frames(inputs, plan, options.threads, &progress);
-  live.of(inputs.config);
+  live.set_config(inputs.config);
   timeline.check(inputs, plan.program);
-  tell_warnings(inputs.warnings, &progress);
+  print_warnings(inputs.warnings, &progress);
   if (plan.sampling() == nullptr && progress.shows_hints()) {
-    const Plays plays{options.threads, frames.replicates(), frames.slices()};
-    double frame = estimated_seconds(inputs, plan.program, plays);
-    if (frames.has_reference()) frame += estimated_seconds(inputs, *plan.whole()->reference, plays);
-    tell_long(inputs.load_seconds + frame * inputs.frames(),
-              "a smaller --resolution, fewer --frames or --tile-sampling take less", progress);
+    const RunParallelism plays{options.threads, frames.replicates(), frames.slices()};
+    double frame = estimate_seconds(inputs, plan.program, plays);
+    if (frames.has_reference()) frame += estimate_seconds(inputs, *plan.whole()->reference, plays);
+    print_duration_hint(inputs.load_seconds + frame * inputs.frames(),
+                        "a smaller --resolution, fewer --frames or --tile-sampling take less", progress);
   }
-  progress.expect(inputs.frames() * (frames.has_reference() ? 2 : 1) * frames.replicates());
+  progress.expect_parts(inputs.frames() * (frames.has_reference() ? 2 : 1) * frames.replicates());
   const std::size_t to_replace = frames_to_replace(folder.target() / "report.json");
   const bool has_picture = plan.sampling() == nullptr || plan.sampling()->full_image;
 
@@ -101,7 +100,7 @@ void run_frames(const JobOptions& options) {
                     trace_header(inputs, options));
     }
     const auto write_frame = [&](const PlayedFrame& played) {
-      progress.phase("writing the picture");
+      progress.set_phase("writing the picture");
       write_pictures(
           open(),
           {.played = played, .program = plan.program, .has_picture = has_picture, .debug = options.debug_images},
@@ -117,16 +116,16 @@ void run_frames(const JobOptions& options) {
                                                .trace = trace ? &*trace : nullptr,
                                                .on_frame = write_frame},
                                               to_replace, progress);
-    progress.end(result.partial ? "interrupted" : "done");
+    progress.finish(result.partial ? "interrupted" : "done");
     const std::filesystem::path& staging = open();
     const double wall = sim::seconds_since(begin);
-    json = report_json({inputs, options, result.totals(), result.frames, result.partial, wall});
+    json = report_json({inputs, options, result.report_totals(), result.frames, result.partial, wall});
     timeline.write(staging, json);
     write_report(staging, json, inputs.config, result);
     write_reference(staging, {inputs, options}, result);
     if (trace && !result.partial) trace->commit();
-    tell_warnings(json, inputs.warnings.size());  // before a pending interrupt ends the process
-    return result.kept(inputs.frames());
+    print_warnings(json, inputs.warnings.size());  // before a pending interrupt ends the process
+    return result.kept_text(inputs.frames());
   });
   if (options.json) return fmt::print("{}", sim::json_text(json["totals"]));
   if (options.quiet) return;

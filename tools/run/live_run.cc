@@ -16,8 +16,8 @@ namespace tools {
 namespace {
 
 /// Scales a picture down by averaging pixels; never up.
-SmallPicture shrunk(std::span<const float> rgb, std::size_t width, std::size_t height, std::size_t most_width,
-                    std::size_t most_height) {
+SmallPicture scale_down(std::span<const float> rgb, std::size_t width, std::size_t height, std::size_t most_width,
+                        std::size_t most_height) {
   const std::size_t factor =
       std::max({std::size_t{1}, (width + most_width - 1) / most_width, (height + most_height - 1) / most_height});
   SmallPicture small{width / factor, height / factor, {}};
@@ -36,7 +36,7 @@ SmallPicture shrunk(std::span<const float> rgb, std::size_t width, std::size_t h
 
 }  // namespace
 
-void LiveRun::of(const RunConfig& config) {
+void LiveRun::set_config(const RunConfig& config) {
   const std::lock_guard lock(mutex_);
   energy_ = config.energy;
   device_ = hw::dram_energy_events(config.gpu->dram);
@@ -45,7 +45,7 @@ void LiveRun::of(const RunConfig& config) {
   height_ = config.render.height;
 }
 
-void LiveRun::begin(std::vector<sim::UnitReport> units, const sim::Intervals* intervals) {
+void LiveRun::begin_machine(std::vector<sim::UnitReport> units, const sim::Intervals* intervals) {
   const std::lock_guard lock(mutex_);
   units_ = std::move(units);
   formula_ = std::make_unique<sim::EnergyFormula>(units_, energy_, device_, 0, scales_);
@@ -54,11 +54,11 @@ void LiveRun::begin(std::vector<sim::UnitReport> units, const sim::Intervals* in
   row_.clear();
 }
 
-void LiveRun::note(std::span<const float> rgb) {
+void LiveRun::publish_frame(std::span<const float> rgb) {
   const std::lock_guard lock(mutex_);
-  wanted_ = false;
+  requested_ = false;
   if (wanted_width_ != 0 && wanted_height_ != 0 && rgb.size() == std::size_t{3} * width_ * height_) {
-    picture_ = shrunk(rgb, width_, height_, wanted_width_, wanted_height_);
+    picture_ = scale_down(rgb, width_, height_, wanted_width_, wanted_height_);
   }
   if (intervals_ == nullptr || intervals_->size() == 0) return;
   const std::size_t last = intervals_->size() - 1;
@@ -79,12 +79,12 @@ double LiveRun::until_pj(const std::vector<std::uint64_t>& row, sim::Time end) {
 
 std::vector<std::string> LiveRun::lines() {
   const std::lock_guard lock(mutex_);
-  wanted_ = true;
+  requested_ = true;
   if (row_.empty()) return {};
   const double watts = (until_pj(row_, end_) - until_pj(before_, begin_)) / static_cast<double>(end_ - begin_) *
                        sim::kWattsPerPicojouleOverFemtosecond;
   sim::each_value(units_, [&](std::uint64_t& value, std::size_t i, sim::CounterKind) { value = row_[i] - before_[i]; });
-  const Utilisation used = utilisation(units_);
+  const Utilisation used = utilisation_of(units_);
   return {fmt::format("T&I {:.0f} %  SRP {:.0f} %  DRAM {:.0f} %  {:.2f} W  at {:.0f} us of simulated time",
                       100 * used.tni, 100 * used.srp, 100 * used.dram, watts,
                       static_cast<double>(end_) / sim::kFemtosecondsPerMicrosecond)};

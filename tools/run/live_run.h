@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "sim/report/energy.h"
-#include "tools/host/run_watcher.h"
 #include "tools/host/view.h"
+#include "tools/run/frame/front_end.h"
 #include "tools/run/frame/load_config.h"
 
 namespace tools {
@@ -19,10 +19,10 @@ namespace tools {
 class LiveRun final : public View, public RunWatcher {
  public:
   /// Sets the configuration of the frames to show.
-  void of(const RunConfig& config);
+  void set_config(const RunConfig& config);
 
-  void begin(std::vector<sim::UnitReport> units, const sim::Intervals* intervals) override;
-  void note(std::span<const float> rgb) override;
+  void begin_machine(std::vector<sim::UnitReport> units, const sim::Intervals* intervals) override;
+  void publish_frame(std::span<const float> rgb) override;
 
   std::vector<std::string> lines() override;
   SmallPicture picture(std::size_t width, std::size_t height) override;

@@ -1,3 +1,6 @@
+#include <array>
+#include <cmath>
+#include <cstring>
 #include <optional>
 
 #include <fmt/format.h>
@@ -5,24 +8,25 @@
 #include "hw_models/dram/dram_energy.h"
 #include "hw_models/machines/ray_machine.h"
 #include "sim/config/config.h"
+#include "sim/error.h"
 #include "sim/host_clock.h"
 #include "sim/io/file.h"
 #include "sim/io/json.h"
+#include "sim/io/printable.h"
 #include "sim/report/report_json.h"
 #include "sim/report/table.h"
+#include "sim/sha256.h"
 #include "tools/analysis/report.h"
 #include "tools/analysis/top_down.h"
 #include "tools/analysis/units.h"
-#include "tools/analysis/warnings.h"
 #include "tools/host/interrupt.h"
 #include "tools/host/run_folder.h"
 #include "tools/pricing/idle_machine.h"
+#include "tools/run/frame/load_config.h"
 #include "tools/run/frame/power.h"
 #include "tools/run/frame/run_job.h"
-#include "tools/run/frame/table_names.h"
 #include "tools/run/jobs.h"
-#include "tools/run/ray_list.h"
-#include "tools/run/run_result.h"
+#include "tools/run/run.h"
 
 namespace tools {
 namespace {
@@ -48,7 +52,7 @@ Json totals_of(const hw::RayMachine& machine, std::uint64_t listed, const std::v
   return totals;
 }
 
-std::string table(const Json& report) {
+std::string rays_table(const Json& report) {
   const Json& t = report["totals"];
   std::string out = fmt::format("{}  rays of a list  ({} triangles)\n", report["scene"]["name"].get<std::string>(),
                                 sim::si_text(report["scene"]["triangles"].get<double>()));
@@ -81,7 +85,7 @@ std::string table(const Json& report) {
 }
 
 /// Builds the report of the rays that `played` has finished.
-Json report_of(const JobOptions& options, const Inputs& inputs, const RayList& list, const hw::RayMachine& played) {
+Json rays_report(const JobOptions& options, const Inputs& inputs, const RayList& list, const hw::RayMachine& played) {
   const std::vector<sim::UnitReport> units = played.report();
   const sim::EnergyReport energy =
       sim::compute_energy(units, inputs.config.energy, hw::dram_energy_events(inputs.config.gpu->dram),
@@ -113,34 +117,76 @@ void run_rays(const JobOptions& options) {
   const RayList list = read_ray_list(options.rays);
   const Inputs inputs = load_inputs(options, &progress);
   check_table_names(idle_units(*inputs.config.gpu), inputs.config);
-  tell_warnings(inputs.warnings, &progress);
+  print_warnings(inputs.warnings, &progress);
   hw::RayMachine machine(*inputs.config.gpu, inputs.image, inputs.parents, list.rays, [&](const hw::RaysDone& so_far) {
-    progress.tiles_done(so_far.blocks, so_far.rays, so_far.cycles);
-    return !interrupted();
+    progress.set_tiles_done(so_far.blocks, so_far.rays, so_far.cycles);
+    return !is_interrupted();
   });
 
   Json json;
   folder.fill([&](const RunFolder::Open& open) {
     std::optional<HoldInterrupts> hold;  // a partial result never replaces an earlier one
     if (!folder.holds_former_run()) hold.emplace();
-    progress.expect(1);
+    progress.expect_parts(1);
     progress.begin_part(
         "simulating", 0,
         static_cast<std::uint32_t>((list.rays.size() + hw::CoreRays::kBlock - 1) / hw::CoreRays::kBlock));
     machine.run();
-    json = report_of(options, inputs, list, machine);
-    progress.end(json["partial"].get<bool>() ? "interrupted" : "done");
+    json = rays_report(options, inputs, list, machine);
+    progress.finish(json["partial"].get<bool>() ? "interrupted" : "done");
     json["host"] = {
         {"wall_s", sim::seconds_since(begin)}, {"load_s", inputs.load_seconds}, {"peak_rss_mb", peak_rss_mib()}};
     sim::write_file_atomically(open() / "report.json", sim::json_text(json));
-    sim::write_file_atomically(open() / "report.txt", table(json));
+    sim::write_file_atomically(open() / "report.txt", rays_table(json));
     sim::write_file_atomically(open() / "config.yaml", sim::dump_config(inputs.config));
-    tell_warnings(json, inputs.warnings.size());  // before an interrupt ends the run, which throws
+    print_warnings(json, inputs.warnings.size());  // before an interrupt ends the run, which throws
     return fmt::format("{} of {} rays", machine.rays(), list.rays.size());
   });
   if (options.json) return fmt::print("{}", sim::json_text(json["totals"]));
   if (options.quiet) return;
-  fmt::print("{}\nreport:  {}\n", table(json), (folder.target() / "report.json").string());
+  fmt::print("{}\nreport:  {}\n", rays_table(json), (folder.target() / "report.json").string());
+}
+
+namespace {
+
+constexpr std::uint64_t kRayBytes = 32, kMostRays = 1U << 26;
+
+/// Returns what is wrong with a ray; empty if nothing.
+std::string_view ray_problem(const traces::Ray& ray) {
+  const auto finite = [](const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); };
+  if (!finite(ray.origin)) return "origin is not finite";
+  if (!finite(ray.direction)) return "direction is not finite";
+  if (ray.direction == glm::vec3(0)) return "direction is zero";
+  if (!(ray.t_min >= 0) || std::isinf(ray.t_min)) return "t_min is not a number from 0 on";
+  if (!(ray.t_max >= ray.t_min)) return "t_max is less than t_min, or no number";
+  return {};
+}
+
+}  // namespace
+
+RayList read_ray_list(const std::filesystem::path& path) {
+  const std::string bytes = sim::read_file(path, kMostRays * kRayBytes);
+  const std::string shown = sim::printable(path.string());
+  if (bytes.empty() || bytes.size() % kRayBytes != 0) {
+    throw sim::InputError(
+        fmt::format("{}: has {} bytes; allowed: 32 a ray (8 floats: origin, t_min, direction, "
+                    "t_max), at least one ray",
+                    shown, bytes.size()));
+  }
+  RayList list{std::vector<traces::Ray>(bytes.size() / kRayBytes), sim::sha256_hex(bytes)};
+  for (std::size_t i = 0; i < list.rays.size(); ++i) {
+    std::array<float, 8> n{};
+    std::memcpy(n.data(), bytes.data() + i * kRayBytes, kRayBytes);
+    list.rays[i] = {{n[0], n[1], n[2]}, n[3], {n[4], n[5], n[6]}, n[7]};
+    const std::string_view wrong = ray_problem(list.rays[i]);
+    if (!wrong.empty()) {
+      throw sim::InputError(
+          fmt::format("{}: ray {}: {}; allowed: finite numbers, a direction that is not zero, "
+                      "0 <= t_min <= t_max (t_max may be infinite)",
+                      shown, i, wrong));
+    }
+  }
+  return list;
 }
 
 }  // namespace tools

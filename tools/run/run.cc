@@ -1,12 +1,21 @@
 #include "tools/run/run.h"
 
+#include <array>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "sim/config/config.h"
+#include "sim/error.h"
+#include "sim/io/file.h"
 #include "sim/io/json.h"
+#include "sim/report/report_json.h"
 #include "tools/analysis/picture.h"
 #include "tools/analysis/report.h"
+#include "tools/analysis/report_file.h"
 #include "tools/host/interrupt.h"
-#include "tools/run/frame/recorded.h"
+#include "tools/host/standard_streams.h"
+#include "tools/run/frame/trace_header.h"
 #include "tools/sampling/slices.h"
 #include "tools/tiles/tile_frame.h"
 #include "traces/trace_file/trace_writer.h"
@@ -16,33 +25,33 @@ namespace tools {
 RenderedFrames::RenderedFrames(Inputs& inputs, const RunPlan& plan, std::uint32_t threads, Progress* progress)
     : PosedFrames(inputs, threads, progress),
       plan_(plan),
-      slices_(plan.sliced() != nullptr ? slices_of(inputs.config, plan.program, plan.sliced()->slices) : 0),
+      slices_(plan.sliced() != nullptr ? slice_count(inputs.config, plan.program, plan.sliced()->slices) : 0),
       rates_(inputs.config.programs.multirate),
       reference_rates_(rates_) {}
 
 bool RenderedFrames::has_whole_frames() const { return plan_.sampling() == nullptr && slices_ <= 1; }
 
-FrameResult RenderedFrames::play(const SimulateOptions& extras) {
+FrameResult RenderedFrames::simulate(const SimulateOptions& extras) {
   if (plan_.sampling() != nullptr)
     return simulate_sampled(inputs_, plan_.program, threads_, *plan_.sampling(), progress_);
   if (slices_ > 1) return simulate_slices(inputs_, plan_.program, threads_, slices_, progress_);
   SimulateOptions own = extras;
   own.rates = &rates_;
   own.marks = plan_.whole() != nullptr && plan_.whole()->debug_images;
-  FrameResult frame = simulate(inputs_, plan_.program, threads_, own);
-  if (slices_ == 1) frame.sliced = uncut(frame);
+  FrameResult frame = simulate_frame(inputs_, plan_.program, threads_, own);
+  if (slices_ == 1) frame.sliced = as_single_slice(frame);
   return frame;
 }
 
-FrameResult RenderedFrames::play_reference(const SimulateOptions& extras) {
+FrameResult RenderedFrames::simulate_reference(const SimulateOptions& extras) {
   SimulateOptions own = extras;
   own.rates = &reference_rates_;
   own.reference = true;
-  return simulate(inputs_, *plan_.whole()->reference, threads_, own);
+  return simulate_frame(inputs_, *plan_.whole()->reference, threads_, own);
 }
 
 double RenderedFrames::squared_error(const FrameResult& frame, const FrameResult& reference) const {
-  return mean_squared_error(frame.function.rgb, reference.function.rgb);
+  return mean_squared_error(frame.rendered.rgb, reference.rendered.rgb);
 }
 
 namespace {
@@ -53,7 +62,7 @@ void play_frame(FrameSource& frames, const RunOptions& options, RunResult& out) 
   const bool may_be_part = options.keep_part && out.frames.empty() && frames.has_whole_frames();
   std::optional<sim::Intervals> intervals;
   if ((options.intervals || options.live != nullptr) && frames.has_whole_frames()) {
-    intervals = intervals_of_frame(frames.count());
+    intervals = intervals_of_frame(frames.frame_count());
   }
   const SimulateOptions common{.progress = options.progress, .trace = options.trace, .replicates = frames.replicates()};
   SimulateOptions own = common;
@@ -63,7 +72,7 @@ void play_frame(FrameSource& frames, const RunOptions& options, RunResult& out) 
   own.itemised = options.itemised;
   if (options.timeline != nullptr && frames.has_whole_frames())
     own.observer = options.timeline->begin_frame(inputs.config);
-  FrameResult frame = frames.play(own);
+  FrameResult frame = frames.simulate(own);
   const bool has_tiles = !frame.tile_accounts.empty();
   if (has_tiles) {
     out.tiles.frames.push_back(tile_frame(frame, inputs.config, inputs.frame));
@@ -72,7 +81,7 @@ void play_frame(FrameSource& frames, const RunOptions& options, RunResult& out) 
   std::optional<FrameResult> reference;
   if (frames.has_reference() && !frame.is_part()) {
     try {
-      reference = frames.play_reference(common);
+      reference = frames.simulate_reference(common);
     } catch (const Interrupted&) {
       if (!may_be_part) throw;
     }
@@ -98,7 +107,7 @@ RunResult run(FrameSource& frames, const RunOptions& options) {
   try {
     do {
       play_frame(frames, options, out);
-    } while (!out.partial && frames.advance());
+    } while (!out.partial && frames.advance_frame());
   } catch (const Interrupted&) {
     if (out.frames.empty()) throw;
     out.partial = true;
@@ -110,7 +119,162 @@ sim::Json plain_report(Inputs inputs, const JobOptions& options, Progress* progr
   RenderedFrames frames(inputs, make_plan(options), options.threads, progress);
   const RunResult result = run(frames, {.progress = progress});
   if (result.partial) throw Interrupted();
-  return report_json({inputs, options, result.totals(), result.frames, false, 0});
+  return report_json({inputs, options, result.report_totals(), result.frames, false, 0});
+}
+
+namespace {
+
+/// An option that needs whole frames, and why sampling and slices refuse it.
+struct OfWholeFrames {
+  const char* option;
+  bool (*is_given)(const JobOptions& options);
+  const char* why_not_sampled;
+  const char* why_not_sliced;
+};
+constexpr std::array<OfWholeFrames, 5> kOfWholeFrames = {{
+    {"--reference", [](const JobOptions& o) { return !o.reference.empty(); }, "compare two runs of all tiles",
+     "compare two runs with equal --slices"},
+    {"--replicates", [](const JobOptions& o) { return o.replicates > 1; }, "replicates play all tiles",
+     "replicates are played side by side already"},
+    {"--timeline", [](const JobOptions& o) { return !o.timeline.empty(); },
+     "a timeline is of a frame whose tiles are all timed", "a timeline is of one machine"},
+    {"--record", [](const JobOptions& o) { return !o.record.empty(); }, "a trace has all tiles",
+     "slices render tiles at their borders twice"},
+    {"--debug-images", [](const JobOptions& o) { return o.debug_images; }, "they show what all tiles took",
+     "what a tile took is that of one machine"},
+}};
+
+void refuse_options_of_whole_frames(const JobOptions& options, const char* mode, const char* OfWholeFrames::*why) {
+  for (const OfWholeFrames& each : kOfWholeFrames) {
+    if (each.is_given(options))
+      throw sim::InputError(fmt::format("{} does not go with {}: {}", mode, each.option, each.*why));
+  }
+}
+
+}  // namespace
+
+RunPlan make_plan(const JobOptions& options) {
+  RunPlan plan{kernels::parse_program(options.program), Whole{}};
+  const bool is_sampled = !options.tile_sampling.empty(), is_sliced = !options.slices.empty();
+  if (is_sampled) {
+    check_tile_sampling(plan.program);
+    refuse_options_of_whole_frames(options, "--tile-sampling", &OfWholeFrames::why_not_sampled);
+    plan.how = parse_tile_sampling(options.tile_sampling, options.image);
+  } else if (options.image != "full") {
+    throw sim::InputError("--image none goes with --tile-sampling only");
+  }
+  if (is_sliced) {
+    const std::uint32_t slices = parse_slices(options.slices);
+    check_slices(plan.program);
+    if (is_sampled) {
+      throw sim::InputError("--slices does not go with --tile-sampling: a sample of the tiles is not cut");
+    }
+    refuse_options_of_whole_frames(options, "--slices", &OfWholeFrames::why_not_sliced);
+    plan.how = Sliced{slices};
+  }
+  if (!is_sampled && !is_sliced) {
+    Whole whole{{}, options.replicates, options.debug_images};
+    if (!options.reference.empty()) whole.reference = kernels::parse_program(options.reference);
+    plan.how = whole;
+  }
+  return plan;
+}
+
+namespace {
+
+void add_to_sum(FrameResult frame, std::optional<FrameResult>& total) {
+  if (total) {
+    total->add(frame);
+  } else {
+    total = std::move(frame);
+  }
+}
+
+}  // namespace
+
+void RunResult::add(std::uint32_t number, FrameResult frame, std::optional<FrameResult> compared, double error,
+                    const sim::Intervals* over_time) {
+  const auto entry_of = [&](const FrameResult& s, const ComparedResult& result) {
+    sim::Json entry = {{"frame", number}};
+    if (s.is_part()) entry.update({{"finished_tiles", s.finished_tiles}, {"tiles", s.tiles}});
+    entry.update(totals_json(result));
+    if (!s.rendered.sampling.similar.empty()) entry["sampling"]["tiles"] = tiles_json(s.rendered.sampling);
+    return entry;
+  };
+  frames.push_back(entry_of(frame, {frame, compared ? &*compared : nullptr, error}));
+  if (compared) reference_frames.push_back(entry_of(*compared, {*compared}));
+  squared_error += error;
+  if (over_time != nullptr) intervals.add(number, *over_time);
+  add_to_sum(std::move(frame), total);
+  if (compared) add_to_sum(*std::move(compared), reference);
+}
+
+ComparedResult RunResult::report_totals() const {
+  return {*total, reference ? &*reference : nullptr, squared_error / static_cast<double>(frames.size())};
+}
+
+void RunResult::set_partial(const FrameResult& frame, std::uint32_t replicates, bool lacks_reference) {
+  const bool lacks_replicates = frame.replicates.size() + 1 < replicates;
+  missing = fmt::format("{}{}{}", lacks_replicates ? "its replicates" : "",
+                        lacks_replicates && lacks_reference ? " and " : "", lacks_reference ? "its reference" : "");
+  partial = frame.is_part() || !missing.empty();
+}
+
+std::string RunResult::kept_text(std::size_t all) const {
+  if (total->is_part()) {
+    return fmt::format("{} of {} tiles of frame {}", total->finished_tiles, total->tiles,
+                       frames.front()["frame"].get<std::uint32_t>());
+  }
+  if (all > 1) return fmt::format("{} of {} frames", frames.size(), all);
+  return missing.empty() ? "the whole run" : "the run without " + missing;
+}
+
+std::size_t frames_to_replace(const std::filesystem::path& file) {
+  try {
+    const auto former = sim::parse_json(sim::read_file(file, kLargestReport));
+    if (!former.at("schema").get<std::string>().starts_with("raywatt-")) return 1;
+    return former.at("frames").size() + (former.value("partial", false) ? 0 : 1);
+  } catch (const sim::InputError&) {
+  } catch (const sim::JsonError&) {
+  }
+  return 1;
+}
+
+void print_warnings(const sim::Json& report, std::size_t already_printed) {
+  const sim::Json& lines = report.at("warnings");
+  for (std::size_t i = already_printed; i < lines.size(); ++i)
+    print_message("warning: {}", lines[i].get<std::string>());
+}
+
+void write_report(const std::filesystem::path& folder, const sim::Json& json, const RunConfig& config,
+                  const RunResult& result) {
+  sim::write_file_atomically(folder / "report.json", sim::json_text(json));
+  sim::write_file_atomically(folder / "report.txt", report_table(json));
+  sim::write_file_atomically(folder / "config.yaml", sim::dump_config(config));
+  if (!result.intervals.empty()) {
+    sim::write_file_atomically(folder / kIntervalFile, result.intervals.file(result.total->units));
+  }
+  if (!result.tiles.frames.empty()) sim::write_file_atomically(folder / kTilesFile, tiles_text(result.tiles));
+}
+
+void write_reference(const std::filesystem::path& folder, const Origin& origin, const RunResult& result) {
+  if (!result.reference) return;
+  const FrameResult& run = *result.reference;
+  const double load = origin.inputs.load_seconds + origin.inputs.update_seconds;
+  const double wall = load + run.wall_seconds + run.replicate_seconds;
+  sim::Json json = report_json({origin.inputs, origin.options, {run}, result.reference_frames, result.partial, wall});
+  // Changes the JSON because a copy of the inputs would duplicate the scene.
+  RunConfig config = origin.inputs.config;
+  config.render = reference_render(config.render);
+  json["config"] = sim::config_json(config);
+  json["provenance"]["config_hash"] = sim::config_hash(config);
+  sim::write_file_atomically(folder / kReferenceReport, sim::json_text(json));
+}
+
+void print_reference_location(const std::filesystem::path& folder) {
+  const std::string reference = (folder / kReferenceReport).string();
+  fmt::print("reference: {}\n{} says where the gain comes from\n", reference,
+             command_text({"raywatt", "compare", reference, (folder / "report.json").string()}));
 }
 
 }  // namespace tools

@@ -1,14 +1,91 @@
 #pragma once
 #include <algorithm>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <optional>
+#include <string>
+#include <variant>
 
-#include "tools/run/run_plan.h"
-#include "tools/run/run_result.h"
+#include "shader_kernels/programs/program_spec.h"
+#include "sim/io/json.h"
+#include "tools/analysis/report.h"
+#include "tools/intervals/interval_file.h"
+#include "tools/run/frame/job_options.h"
+#include "tools/sampling/tile_sampling.h"
+#include "tools/tiles/tile_table.h"
 #include "tools/timeline/timeline_job.h"
 
 namespace tools {
+
+/// Every tile of a frame is simulated on one machine.
+struct Whole {
+  std::optional<kernels::ProgramSpec> reference;  ///< program of the reference run, if any
+  std::uint32_t replicates = 1;                   ///< simulations of each frame; all but the first are perturbed
+  bool debug_images = false;
+};
+
+/// The tiles of a frame are split into slices, simulated concurrently on machines of their own (docs/slices.md).
+struct Sliced {
+  std::uint32_t slices = 1;  ///< or kAutoSlices
+};
+
+/// What a run simulates and how. Invalid combinations of options cannot be represented.
+struct RunPlan {
+  kernels::ProgramSpec program;
+  std::variant<Whole, TileSampling, Sliced> how;
+
+  const Whole* whole() const { return std::get_if<Whole>(&how); }
+  const TileSampling* sampling() const { return std::get_if<TileSampling>(&how); }
+  const Sliced* sliced() const { return std::get_if<Sliced>(&how); }
+};
+
+/// Returns the plan of the options of `raywatt run`. InputError for options that exclude each other.
+RunPlan make_plan(const JobOptions& options);
+
+/// Sums over the frames of a run.
+struct RunResult {
+  std::optional<FrameResult> total, reference;
+  double squared_error = 0;  ///< sum over frames
+  sim::Json frames = sim::Json::array();
+  IntervalPacker intervals;
+  sim::Json reference_frames = sim::Json::array();
+  bool partial = false;
+  std::string missing;  ///< what an interrupt left out: "its replicates"
+  TileTable tiles;      ///< tiles of the itemised frames
+
+  /// Adds a frame and its reference, if any. `error`: mean squared difference of their pictures.
+  void add(std::uint32_t number, FrameResult frame, std::optional<FrameResult> compared, double error,
+           const sim::Intervals* over_time = nullptr);
+  ComparedResult report_totals() const;
+  /// Sets `partial` and `lacks` for a frame that should have `replicates` simulations and may lack its reference.
+  void set_partial(const FrameResult& frame, std::uint32_t replicates, bool lacks_reference);
+  /// Describes what an interrupted run of `all` frames has kept.
+  std::string kept_text(std::size_t all) const;
+};
+
+/// Number of frames that an interrupted run needs to replace the result in this report.json or verify.json: as many as
+/// a partial result has, more than a complete one has. 1 if there is no result.
+std::size_t frames_to_replace(const std::filesystem::path& file);
+
+/// Prints the `warnings` of a report to stderr, without the first `told`.
+void print_warnings(const sim::Json& report, std::size_t already_printed);
+
+/// Writes report.json, report.txt, config.yaml and, if present, intervals and tiles.json to a folder.
+void write_report(const std::filesystem::path& folder, const sim::Json& json, const RunConfig& config,
+                  const RunResult& result);
+
+/// Inputs and options of a run.
+struct Origin {
+  const Inputs& inputs;
+  const JobOptions& options;
+};
+
+/// Writes the report of the reference next to that of the run, if there is a reference.
+void write_reference(const std::filesystem::path& folder, const Origin& origin, const RunResult& result);
+
+/// Prints the location of the reference's report and the command that compares both.
+void print_reference_location(const std::filesystem::path& folder);
 
 /// Source of the frames of a run: rendered from a scene, read from a trace, or joined from slices. Frames are visited
 /// in order.
@@ -18,19 +95,19 @@ class FrameSource {
   /// Configuration and scene of the current frame.
   virtual const Inputs& inputs() const = 0;
   /// Number of frames.
-  virtual std::uint32_t count() const { return inputs().frames(); }
+  virtual std::uint32_t frame_count() const { return inputs().frames(); }
   /// True if each frame is simulated as a whole on one machine.
   virtual bool has_whole_frames() const { return true; }
   virtual bool has_reference() const = 0;
   /// Simulations of each frame; all but the first are perturbed (docs/noise.md).
   virtual std::uint32_t replicates() const { return 1; }
   /// Simulates the current frame, or the reference program on it.
-  virtual FrameResult play(const SimulateOptions& extras) = 0;
-  virtual FrameResult play_reference(const SimulateOptions& extras) = 0;
+  virtual FrameResult simulate(const SimulateOptions& extras) = 0;
+  virtual FrameResult simulate_reference(const SimulateOptions& extras) = 0;
   /// Returns the mean squared difference of the current frame's pictures.
   virtual double squared_error(const FrameResult& frame, const FrameResult& reference) const = 0;
   /// Advances to the next frame; false after the last.
-  virtual bool advance() = 0;
+  virtual bool advance_frame() = 0;
 };
 
 /// Frames of a scene; advancing updates `inputs`.
@@ -39,7 +116,7 @@ class PosedFrames : public FrameSource {
   PosedFrames(Inputs& inputs, std::uint32_t threads, Progress* progress)
       : inputs_(inputs), threads_(threads), progress_(progress) {}
   const Inputs& inputs() const override { return inputs_; }
-  bool advance() override { return tools::advance(inputs_, threads_, progress_); }
+  bool advance_frame() override { return tools::advance_frame(inputs_, threads_, progress_); }
 
  protected:
   Inputs& inputs_;
@@ -57,8 +134,8 @@ class RenderedFrames final : public PosedFrames {
   bool has_whole_frames() const override;
   bool has_reference() const override { return plan_.whole() != nullptr && plan_.whole()->reference; }
   std::uint32_t replicates() const override { return plan_.whole() != nullptr ? plan_.whole()->replicates : 1; }
-  FrameResult play(const SimulateOptions& extras) override;
-  FrameResult play_reference(const SimulateOptions& extras) override;
+  FrameResult simulate(const SimulateOptions& extras) override;
+  FrameResult simulate_reference(const SimulateOptions& extras) override;
   double squared_error(const FrameResult& frame, const FrameResult& reference) const override;
 
  private:
@@ -96,5 +173,4 @@ RunResult run(FrameSource& frames, const RunOptions& options);
 /// Returns the report of all frames of `inputs`, without pictures. Uses the program, reference, replicates and threads
 /// of `options`. Interrupted.
 sim::Json plain_report(Inputs inputs, const JobOptions& options, Progress* progress = nullptr);
-
 }  // namespace tools

@@ -9,9 +9,8 @@
 #include "sim/host_clock.h"
 #include "sim/io/printable.h"
 #include "tools/run/frame/host_time.h"
-#include "tools/run/frame/kept_work.h"
-#include "tools/run/frame/recorded.h"
 #include "tools/run/frame/replay_program.h"
+#include "tools/run/frame/trace_header.h"
 #include "traces/accel/bvh_config.h"
 
 namespace tools {
@@ -69,7 +68,7 @@ StoredFrames::StoredFrames(const std::filesystem::path& file, const JobOptions& 
           file,
           [&](const traces::Json& header, const std::string& name) { return replay_config(header, name, options); },
           options.threads, 1) {
-  inputs_.warnings = idle_settings(options, inputs_.config);
+  inputs_.warnings = ineffective_setting_warnings(options, inputs_.config);
 }
 
 StoredFrames::StoredFrames(const std::filesystem::path& file, const RunConfig& config, std::uint32_t threads,
@@ -122,13 +121,13 @@ void StoredFrames::read_frame(std::size_t index) {
   });
 }
 
-bool StoredFrames::advance() {
+bool StoredFrames::advance_frame() {
   if (index_ + 1 == trace_.frames().size()) return false;
   read_frame(index_ + 1);
   return true;
 }
 
-const Part& StoredFrames::part(bool reference) const {
+const Part& StoredFrames::find_part(bool reference) const {
   return trace_.naming_file([&]() -> const Part& {
     const auto found = std::ranges::find_if(trace_.parts(), [&](const Part& p) {
       return p.frame == inputs_.frame && p.reference == reference && p.tiles != 0;
@@ -151,18 +150,18 @@ void StoredFrames::load_tree(const Part& part) {
   inputs_.load_seconds += sim::seconds_since(begin);
 }
 
-double StoredFrames::estimated_seconds() {
+double StoredFrames::estimate_seconds() {
   const double steps = recorded_steps();
-  const Plays plays{threads_, replicates_};
+  const RunParallelism plays{threads_, replicates_};
   HostRate rate = kUsualRate;
   // Tiles of other programs depend on each other.
   const bool has_free_tiles = program_.kind == kernels::ProgramSpec::Kind::kFull;
-  if (has_free_tiles && may_be_long(steps, plays)) {
-    const Part& first = part(false);
+  if (has_free_tiles && may_take_minutes(steps, plays)) {
+    const Part& first = find_part(false);
     load_tree(first);
     ReplayProgram frame(trace_, first, scope_, kernels_);
     try {
-      rate = measured_rate(inputs_, frame, NoTracer());
+      rate = measure_rate(inputs_, frame, NoTracer());
     } catch (const sim::Deadlock&) {  // the replay itself reports the error
     }
   }
@@ -173,13 +172,15 @@ FrameResult StoredFrames::play_part(const Part& part, const kernels::ProgramSpec
                                     const SimulateOptions& extras) {
   load_tree(part);
   ReplayProgram frame(trace_, part, scope_, kernels_);
-  return tools::play(inputs_, program, frame, NoTracer(), threads_, extras);
+  return tools::simulate_program(inputs_, program, frame, NoTracer(), threads_, extras);
 }
 
-FrameResult StoredFrames::play(const SimulateOptions& extras) { return play_part(part(false), program_, extras); }
+FrameResult StoredFrames::simulate(const SimulateOptions& extras) {
+  return play_part(find_part(false), program_, extras);
+}
 
-FrameResult StoredFrames::play_reference(const SimulateOptions& extras) {
-  return play_part(part(true), *reference_, extras);
+FrameResult StoredFrames::simulate_reference(const SimulateOptions& extras) {
+  return play_part(find_part(true), *reference_, extras);
 }
 
 double StoredFrames::squared_error(const FrameResult&, const FrameResult&) const { return squared_error_; }

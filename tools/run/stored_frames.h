@@ -19,19 +19,19 @@ class StoredFrames final : public FrameSource {
   StoredFrames(const std::filesystem::path& file, const RunConfig& config, std::uint32_t threads,
                std::uint32_t replicates);
 
-  std::uint32_t count() const override { return static_cast<std::uint32_t>(trace_.frames().size()); }
+  std::uint32_t frame_count() const override { return static_cast<std::uint32_t>(trace_.frames().size()); }
   /// Estimates the host seconds of all frames. Simulates a few tiles first if it may take minutes.
-  double estimated_seconds();
+  double estimate_seconds();
 
   const Inputs& inputs() const override { return inputs_; }
   bool has_reference() const override { return reference_.has_value(); }
   std::uint32_t replicates() const override { return replicates_; }
-  FrameResult play(const SimulateOptions& extras) override;
-  FrameResult play_reference(const SimulateOptions& extras) override;
+  FrameResult simulate(const SimulateOptions& extras) override;
+  FrameResult simulate_reference(const SimulateOptions& extras) override;
   double squared_error(const FrameResult& frame, const FrameResult& reference) const override;
-  bool advance() override;
+  bool advance_frame() override;
   /// Goes back to the first frame.
-  void rewind() { read_frame(0); }
+  void go_to_first_frame() { read_frame(0); }
 
  private:
   StoredFrames(const std::filesystem::path& file,
@@ -40,7 +40,7 @@ class StoredFrames final : public FrameSource {
   /// Traversal steps of all frames and references, as recorded.
   double recorded_steps() const;
   void read_frame(std::size_t index);
-  const traces::TraceReader::Part& part(bool reference) const;
+  const traces::TraceReader::Part& find_part(bool reference) const;
   FrameResult play_part(const traces::TraceReader::Part& part, const kernels::ProgramSpec& program,
                         const SimulateOptions& extras);
   void load_tree(const traces::TraceReader::Part& part);

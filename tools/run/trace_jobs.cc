@@ -14,7 +14,7 @@
 #include "tools/host/run_folder.h"
 #include "tools/host/standard_streams.h"
 #include "tools/run/frame/host_time.h"
-#include "tools/run/frame/recorded.h"
+#include "tools/run/frame/trace_header.h"
 #include "tools/run/jobs.h"
 #include "tools/run/stored_frames.h"
 #include "tools/timeline/timeline_job.h"
@@ -30,11 +30,11 @@ struct Recorder {
   kernels::ProgramSpec spec;
   kernels::RateMap rates;
 
-  std::vector<float> record(const Inputs& inputs, std::uint32_t threads, Progress& progress, traces::TraceWriter& trace,
-                            bool reference) {
+  std::vector<float> record_frame(const Inputs& inputs, std::uint32_t threads, Progress& progress,
+                                  traces::TraceWriter& trace, bool reference) {
     const traces::BvhTracer tracer(inputs.image);
-    return render(inputs, spec, tracer, threads,
-                  {.rates = &rates, .progress = &progress, .trace = &trace, .reference = reference})
+    return render_frame(inputs, spec, tracer, threads,
+                        {.rates = &rates, .progress = &progress, .trace = &trace, .reference = reference})
         .rgb;
   }
 };
@@ -56,14 +56,14 @@ void record_trace(const JobOptions& options, const std::filesystem::path& file) 
   if (!options.reference.empty()) compared = kernels::parse_program(options.reference);
   Progress progress(options.progress, options.quiet);
   Inputs inputs = load_inputs(options, &progress);
-  tell_warnings(inputs.warnings, &progress);
+  print_warnings(inputs.warnings, &progress);
   if (progress.shows_hints()) {
-    double frame = estimated_functional_seconds(inputs, spec, 1, options.threads);
-    if (compared) frame += estimated_functional_seconds(inputs, *compared, 1, options.threads);
-    tell_long(inputs.load_seconds + frame * inputs.frames(), "a smaller --resolution or fewer --frames take less",
-              progress);
+    double frame = estimate_render_seconds(inputs, spec, 1, options.threads);
+    if (compared) frame += estimate_render_seconds(inputs, *compared, 1, options.threads);
+    print_duration_hint(inputs.load_seconds + frame * inputs.frames(),
+                        "a smaller --resolution or fewer --frames take less", progress);
   }
-  progress.expect(inputs.frames() * (compared ? 2 : 1));
+  progress.expect_parts(inputs.frames() * (compared ? 2 : 1));
   const kernels::RateMap rates(inputs.config.programs.multirate);
   Recorder program{spec, rates};
   std::optional<Recorder> reference;
@@ -73,15 +73,15 @@ void record_trace(const JobOptions& options, const std::filesystem::path& file) 
   const HoldInterrupts hold;  // from the first tile; a half-written file is removed before the hold ends
   const std::unique_ptr<traces::TraceWriter> trace = std::move(opened);
   for_each_frame(inputs, options.threads, &progress, [&] {
-    const std::vector<float> picture = program.record(inputs, options.threads, progress, *trace, false);
+    const std::vector<float> picture = program.record_frame(inputs, options.threads, progress, *trace, false);
     double error = 0;
     if (reference) {
-      error = mean_squared_error(picture, reference->record(inputs, options.threads, progress, *trace, true));
+      error = mean_squared_error(picture, reference->record_frame(inputs, options.threads, progress, *trace, true));
     }
     trace->end_frame(recorded_frame(inputs.frame, error));
   });
   trace->commit();
-  progress.end("done");
+  progress.finish("done");
   if (!options.quiet) fmt::print("{}", trace_info_text(trace_info(traces::TraceReader(file))));
 }
 
@@ -95,9 +95,9 @@ void replay_trace(const JobOptions& options, const std::filesystem::path& file) 
     throw sim::InputError("--timeline: a trace does not know where tiles lie in the picture; allowed: all, slowest:N");
   }
   StoredFrames frames(file, options);
-  tell_warnings(frames.inputs().warnings, &progress);
-  if (progress.shows_hints()) tell_long(frames.estimated_seconds(), {}, progress);
-  progress.expect(frames.count() * (frames.has_reference() ? 2 : 1));
+  print_warnings(frames.inputs().warnings, &progress);
+  if (progress.shows_hints()) print_duration_hint(frames.estimate_seconds(), {}, progress);
+  progress.expect_parts(frames.frame_count() * (frames.has_reference() ? 2 : 1));
   const std::size_t to_replace = frames_to_replace(folder.target() / "report.json");
   hold.emplace();
   sim::Json json;
@@ -107,22 +107,22 @@ void replay_trace(const JobOptions& options, const std::filesystem::path& file) 
                                           .intervals = options.intervals,
                                           .itemised = true,
                                           .timeline = &timeline});
-    progress.end(result.partial ? "interrupted" : "done");
+    progress.finish(result.partial ? "interrupted" : "done");
     if (result.partial && result.frames.size() < to_replace) throw Interrupted();
     const double wall = sim::seconds_since(begin);
-    json = report_json({frames.inputs(), options, result.totals(), result.frames, result.partial, wall});
+    json = report_json({frames.inputs(), options, result.report_totals(), result.frames, result.partial, wall});
     if (result.total->is_part()) leave_out_sampling(json);
     timeline.write(open(), json);
     write_report(open(), json, frames.inputs().config, result);
     write_reference(open(), {frames.inputs(), options}, result);
-    tell_warnings(json, frames.inputs().warnings.size());  // before a pending interrupt ends the process
-    return result.kept(frames.count());
+    print_warnings(json, frames.inputs().warnings.size());  // before a pending interrupt ends the process
+    return result.kept_text(frames.frame_count());
   });
   hold.reset();
   if (options.quiet) return;
-  fmt::print("{}\nreport:  {}\n", for_terminal(report_table(json)), (folder.target() / "report.json").string());
+  fmt::print("{}\nreport:  {}\n", terminal_text(report_table(json)), (folder.target() / "report.json").string());
   if (timeline.selection()) fmt::print("timeline: {}\n", (folder.target() / kTimelineFile).string());
-  if (json["totals"].contains("reference")) tell_reference(folder.target());
+  if (json["totals"].contains("reference")) print_reference_location(folder.target());
 }
 
 }  // namespace tools

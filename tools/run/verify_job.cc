@@ -13,8 +13,7 @@
 #include "tools/run/frame/host_time.h"
 #include "tools/run/frame/run_job.h"
 #include "tools/run/jobs.h"
-#include "tools/run/ray_list.h"
-#include "tools/run/run_result.h"
+#include "tools/run/run.h"
 #include "traces/accel/bvh_tracer.h"
 #include "traces/accel/embree_tracer.h"
 #include "traces/accel/verify.h"
@@ -39,11 +38,11 @@ std::string counts_text(const traces::VerifyCounts& counts) {
 }
 
 /// Comparison of one or all frames with Embree.
-struct Verdict {
+struct EmbreeComparison {
   traces::VerifyCounts counts;
   double squared_error = 0;
 
-  sim::Json json() const {
+  sim::Json to_json() const {
     const std::optional<double> psnr = psnr_db(squared_error);
     sim::Json json = counts_json(counts);
     json["psnr_db"] = psnr ? sim::Json(*psnr) : sim::Json(nullptr);
@@ -53,15 +52,15 @@ struct Verdict {
 };
 
 /// Compares the current frame; writes both pictures if `open` is given.
-Verdict verify_frame(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
-                     Progress& progress, const RunFolder::Open* open) {
+EmbreeComparison verify_frame(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
+                              Progress& progress, const RunFolder::Open* open) {
   const traces::BvhTracer tested(inputs.image);
-  progress.phase("building Embree's tree");
-  const traces::EmbreeTracer embree(inputs.image, host_threads(threads), interrupted);
+  progress.set_phase("building Embree's tree");
+  const traces::EmbreeTracer embree(inputs.image, host_threads(threads), is_interrupted);
   const traces::VerifyingTracer verifying(inputs.image, tested, embree);
   const SimulateOptions extras{.progress = &progress};
-  const std::vector<float> ours = render(inputs, program, verifying, threads, extras).rgb;
-  const std::vector<float> truth = render(inputs, program, embree, threads, extras).rgb;
+  const std::vector<float> ours = render_frame(inputs, program, verifying, threads, extras).rgb;
+  const std::vector<float> truth = render_frame(inputs, program, embree, threads, extras).rgb;
   if (open != nullptr) {
     const std::filesystem::path& folder = (*open)();
     const std::uint32_t width = inputs.config.render.width, height = inputs.config.render.height;
@@ -73,25 +72,27 @@ Verdict verify_frame(const Inputs& inputs, const kernels::ProgramSpec& program, 
 
 /// Verifies frames one after the other and sums their results.
 struct Verification {
-  Verdict total;  ///< squared_error is a sum
+  EmbreeComparison total;  ///< squared_error is a sum
   sim::Json frames = sim::Json::array();
 
-  Verdict mean() const { return {total.counts, total.squared_error / static_cast<double>(frames.size())}; }
+  EmbreeComparison mean_comparison() const {
+    return {total.counts, total.squared_error / static_cast<double>(frames.size())};
+  }
 
-  void add(std::uint32_t frame, const Verdict& verdict) {
+  void add(std::uint32_t frame, const EmbreeComparison& verdict) {
     sim::Json entry = {{"frame", frame}};
-    entry.update(verdict.json());
+    entry.update(verdict.to_json());
     frames.push_back(std::move(entry));
     total.counts += verdict.counts;
     total.squared_error += verdict.squared_error;
   }
 
   /// Verifies all frames, or those before an interrupt; Interrupted if there are none.
-  void run(Inputs& inputs, const JobOptions& options, Progress& progress, const RunFolder::Open& open) {
+  void verify_all(Inputs& inputs, const JobOptions& options, Progress& progress, const RunFolder::Open& open) {
     const kernels::ProgramSpec program = kernels::parse_program(options.program);
     try {
       add(inputs.frame, verify_frame(inputs, program, options.threads, progress, &open));
-      while (advance(inputs, options.threads, &progress)) {
+      while (advance_frame(inputs, options.threads, &progress)) {
         add(inputs.frame, verify_frame(inputs, program, options.threads, progress, nullptr));
       }
     } catch (const Interrupted&) {
@@ -104,7 +105,7 @@ struct Verification {
 double seconds_of(const Inputs& inputs, const JobOptions& options) {
   constexpr double kTimes = 2;  // chosen: rays are traced three times, and shaded once
   const kernels::ProgramSpec spec = kernels::parse_program(options.program);
-  return inputs.load_seconds + estimated_functional_seconds(inputs, spec, kTimes, options.threads) * inputs.frames();
+  return inputs.load_seconds + estimate_render_seconds(inputs, spec, kTimes, options.threads) * inputs.frames();
 }
 
 }  // namespace
@@ -114,19 +115,19 @@ int verify_frames(const JobOptions& options) {
   RunFolder folder(options.out, options.force, {.mark = "verify.json"});
   Progress progress(options.progress, options.quiet);
   Inputs inputs = load_inputs(options, &progress);
-  tell_warnings(inputs.warnings, &progress);
+  print_warnings(inputs.warnings, &progress);
   if (progress.shows_hints())
-    tell_long(seconds_of(inputs, options), "a smaller --resolution or fewer --frames take less", progress);
-  progress.expect(2 * inputs.frames());
+    print_duration_hint(seconds_of(inputs, options), "a smaller --resolution or fewer --frames take less", progress);
+  progress.expect_parts(2 * inputs.frames());
   const std::size_t to_replace = frames_to_replace(folder.target() / "verify.json");
   Verification done;
   folder.fill([&](const RunFolder::Open& open) {
-    done.run(inputs, options, progress, open);
+    done.verify_all(inputs, options, progress, open);
     const bool partial = done.frames.size() < inputs.frames();
-    progress.end(partial ? "interrupted" : "done");
+    progress.finish(partial ? "interrupted" : "done");
     if (partial && done.frames.size() < to_replace) throw Interrupted();
     sim::Json json = {{"schema", "raywatt-verify/1"}, {"partial", partial}};
-    json.update(done.mean().json());
+    json.update(done.mean_comparison().to_json());
     json["frames"] = done.frames;
     json["provenance"] = provenance_json(inputs, options);
     sim::write_file_atomically(open() / "verify.json", sim::json_text(json));
@@ -134,7 +135,7 @@ int verify_frames(const JobOptions& options) {
   });
   const traces::VerifyCounts& counts = done.total.counts;
   if (!options.quiet) {
-    const std::optional<double> psnr = psnr_db(done.mean().squared_error);
+    const std::optional<double> psnr = psnr_db(done.mean_comparison().squared_error);
     fmt::print("{}, picture {}\n", counts_text(counts), psnr ? fmt::format("{:.2f} dB", *psnr) : "identical");
     fmt::print("details: {}\n", (folder.target() / "verify.json").string());
   }
@@ -146,17 +147,17 @@ int verify_rays(const JobOptions& options) {
   Progress progress(options.progress, options.quiet);
   const RayList list = read_ray_list(options.rays);
   const Inputs inputs = load_inputs(options, &progress);
-  tell_warnings(inputs.warnings, &progress);
+  print_warnings(inputs.warnings, &progress);
   const traces::BvhTracer tested(inputs.image);
-  progress.phase("building Embree's tree");
+  progress.set_phase("building Embree's tree");
   const traces::EmbreeTracer embree(inputs.image, host_threads(options.threads));
   const traces::VerifyingTracer verifying(inputs.image, tested, embree);
   std::vector<traces::Hit> hits(list.rays.size());
   progress.begin_part("tracing", 0, 1);
   verifying.trace(list.rays, traces::RayKind::kPrimary, hits, nullptr);
   const traces::VerifyCounts counts = verifying.counts();
-  progress.tiles_done(1, counts.rays, 0);
-  progress.end("done");
+  progress.set_tiles_done(1, counts.rays, 0);
+  progress.finish("done");
   folder.fill([&](const RunFolder::Open& open) {
     sim::Json json = {{"schema", "raywatt-verify/1"}, {"partial", false}};
     json.update(counts_json(counts));

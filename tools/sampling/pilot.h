@@ -1,35 +1,97 @@
 #pragma once
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "hw_models/memory/cache_tags.h"
+#include "hw_models/srp/schedule.h"
 #include "tools/run/frame/run_job.h"
-#include "tools/sampling/tile_pilot.h"
+#include "traces/accel/memory_image.h"
+#include "traces/stream.h"
+
+namespace hw {
+struct GpuConfig;
+}
 
 namespace tools {
+
+/// Traits of a tile that predict its cost without simulating it.
+struct TileTraits {
+  double tiles = 0;
+  double array = 0;        ///< busy cycles of the shader core's array, without pipeline fill
+  double visits = 0;       ///< node visits
+  double tests = 0;        ///< triangle tests
+  double l1_misses = 0;    ///< misses of the caches of TRVs and IST
+  double data_misses = 0;  ///< data cache misses
+  double l2_misses = 0;
+  double spills = 0;  ///< ray slots above a tile's share of the tile buffer, summed over launches
+  double path = 0;    ///< critical path of launches and rays in T&I cycles, for the tile alone
+
+  static constexpr std::size_t kCount = 9;
+  static constexpr double TileTraits::*kAll[kCount] = {
+      &TileTraits::tiles,       &TileTraits::array,     &TileTraits::visits, &TileTraits::tests, &TileTraits::l1_misses,
+      &TileTraits::data_misses, &TileTraits::l2_misses, &TileTraits::spills, &TileTraits::path};
+  void add(const TileTraits& other, double factor = 1) {
+    for (const auto member : kAll) this->*member += factor * (other.*member);
+  }
+};
 
 /// Survey of all tiles of a frame from a picture with one of `thinning` samples.
 struct Pilot {
   std::vector<TileTraits> traits;  ///< one per tile of the frame
   std::vector<double> costs;
   double thinning = 1;
-  FrontEnd::Result function;
+  RenderResult rendered;
 };
 
 /// Returns the side of a tile of the frame in samples.
 std::uint32_t tile_side(const kernels::RenderConfig& render, const kernels::ProgramSpec& spec);
 
 /// Renders the thin picture and computes traits and cost of every tile.
-Pilot look_at_all(const Inputs& inputs, const kernels::ProgramSpec& spec, const traces::Tracer& tracer,
-                  std::uint32_t threads, Progress* progress);
+Pilot survey_tiles(const Inputs& inputs, const kernels::ProgramSpec& spec, const traces::Tracer& tracer,
+                   std::uint32_t threads, Progress* progress);
 
 /// Estimates the relative host cost of each tile from a still thinner picture.
-std::vector<double> guess_costs(const Inputs& inputs, const kernels::ProgramSpec& spec, const traces::Tracer& tracer,
-                                std::uint32_t threads);
+std::vector<double> estimate_costs(const Inputs& inputs, const kernels::ProgramSpec& spec, const traces::Tracer& tracer,
+                                   std::uint32_t threads);
 
 /// Scales the counts of the pilot to the whole frame.
-FrontEnd::Result scaled(const Pilot& pilot, const Inputs& inputs, const kernels::ProgramSpec& spec);
+RenderResult scale_to_frame(const Pilot& pilot, const Inputs& inputs, const kernels::ProgramSpec& spec);
 
-inline std::uint64_t rounded(double x) { return static_cast<std::uint64_t>(std::llround(x)); }
+inline std::uint64_t round_count(double x) { return static_cast<std::uint64_t>(std::llround(x)); }
+
+/// Computes traits of full tiles from thin tiles with one of every `thinning` samples, in order. Caches are modelled as
+/// tags that fill at once; tiles go to cores, and rays to TRVs, round robin.
+class TilePilot {
+ public:
+  /// `slots`: a tile's share of the ray slots of a core's tile buffer.
+  TilePilot(const hw::GpuConfig& config, const traces::Layout& layout, std::span<const hw::KernelSchedule> kernels,
+            double thinning, double slots);
+
+  TileTraits measure_tile(const traces::TileWork& work);
+  /// Estimated T&I cycles on the whole machine; used to choose tiles, not as a result.
+  double estimate_cost(const TileTraits& traits) const;
+
+ private:
+  struct Core {
+    std::vector<hw::CacheTags> trvs;
+    hw::CacheTags ist, data;
+  };
+  double critical_path(const traces::TileWork& work);
+  double spilled_slots(const traces::TileWork& work);
+
+  const hw::GpuConfig& config_;
+  const traces::Layout& layout_;
+  const std::span<const hw::KernelSchedule> kernels_;
+  const double thinning_;
+  const double slots_;      ///< a tile's share of the ray slots
+  const double srp_cycle_;  ///< period of the SRP clock in T&I cycles
+  std::vector<Core> cores_;
+  hw::CacheTags l2_;
+  std::vector<std::uint32_t> steps_;  ///< steps of each ray of the tile
+  std::vector<double> done_;          ///< completion time of each node of the tile's work
+  std::vector<double> made_;          ///< number of rays from each launch
+};
 
 }  // namespace tools

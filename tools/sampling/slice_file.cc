@@ -74,7 +74,7 @@ void read_unit(const Json& json, sim::UnitReport& unit) {
   for (std::size_t i = 0; i < unit.counters.size(); ++i) unit.counters[i].value = count_in(counters[i]);
 }
 
-void read_stretch(const Json& json, Stretch& own) {
+void read_span(const Json& json, MachineSpan& own) {
   own.time = count_in(json.at("time"));
   const Json& units = list_in(json.at("units"), own.units.size(), "units");
   for (std::size_t u = 0; u < own.units.size(); ++u) read_unit(units[u], own.units[u]);
@@ -85,7 +85,7 @@ void read_stretch(const Json& json, Stretch& own) {
 Json probe_json(const Probe& probe) { return {{"time", probe.time}, {"energy_pj", probe.energy_pj}}; }
 Probe read_probe(const Json& json) { return {amount_in(json.at("time")), amount_in(json.at("energy_pj"))}; }
 
-void read_function(const Json& json, FrontEnd::Result& function) {
+void read_function(const Json& json, RenderResult& function) {
   const Json& rays = list_in(json.at("rays"), std::size(function.rays), "rays");
   for (std::size_t k = 0; k < std::size(function.rays); ++k) function.rays[k] = count_in(rays[k]);
   function.continued = count_in(json.at("continued"));
@@ -97,7 +97,7 @@ void read_function(const Json& json, FrontEnd::Result& function) {
 
 Json slice_json(const SlicePart& part) {
   const PlayedSlice& played = part.played;
-  const FrontEnd::Result& function = part.function;
+  const RenderResult& function = part.rendered;
   Json units = Json::array(), kernels = Json::array();
   for (const sim::UnitReport& unit : played.own.units) units.push_back(unit_json(unit));
   for (const hw::KernelUse& use : played.own.kernels) kernels.push_back(counts_json(kKernelCounts, use));
@@ -120,21 +120,21 @@ Json slice_json(const SlicePart& part) {
             {"wall_s", part.wall_seconds}}}};
 }
 
-SlicePart read_slice(const Json& json, Stretch nothing) {
+SlicePart read_slice(const Json& json, MachineSpan nothing) {
   try {
     SlicePart part;
     PlayedSlice& played = part.played;
     read_counts(kSliceTiles, json.at("tiles"), played.slice);
     played.own = std::move(nothing);
-    read_stretch(json, played.own);
+    read_span(json, played.own);
     played.before = read_probe(json.at("before"));
     played.after = read_probe(json.at("after"));
-    read_function(json.at("function"), part.function);
+    read_function(json.at("function"), part.rendered);
     const Json& host = json.at("host");
     played.seconds = amount_in(host.at("slice_s"));
     played.timing_seconds = amount_in(host.at("timing_s"));
-    part.function.seconds = amount_in(host.at("functional_s"));
-    part.function.waited = amount_in(host.at("waited_s"));
+    part.rendered.seconds = amount_in(host.at("functional_s"));
+    part.rendered.waited = amount_in(host.at("waited_s"));
     part.wall_seconds = amount_in(host.at("wall_s"));
     return part;
   } catch (const sim::JsonError& error) {

@@ -1,14 +1,14 @@
 #pragma once
 
 #include "sim/io/json.h"
-#include "tools/sampling/slice_play.h"
+#include "tools/sampling/slice_player.h"
 
 namespace tools {
 
 /// Results of one slice that was simulated in another process than the others.
 struct SlicePart {
   PlayedSlice played;
-  FrontEnd::Result function;
+  RenderResult rendered;
   double wall_seconds = 0;  ///< host
 };
 
@@ -16,6 +16,6 @@ struct SlicePart {
 sim::Json slice_json(const SlicePart& part);
 
 /// Parses a part. `nothing`: the slice's machine before its first cycle. InputError if the part does not match it.
-SlicePart read_slice(const sim::Json& json, Stretch nothing);
+SlicePart read_slice(const sim::Json& json, MachineSpan nothing);
 
 }  // namespace tools

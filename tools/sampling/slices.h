@@ -2,9 +2,11 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "sim/io/json.h"
 #include "tools/run/frame/run_job.h"
+#include "tools/sampling/slice_player.h"
 
 namespace tools {
 
@@ -19,9 +21,9 @@ void check_slices(const kernels::ProgramSpec& program);
 
 /// Returns the number of slices of a frame. kAutoSlices depends on frame and machine only. InputError if the frame
 /// cannot be split into `asked` slices.
-std::uint32_t slices_of(const RunConfig& config, const kernels::ProgramSpec& program, std::uint32_t asked);
+std::uint32_t slice_count(const RunConfig& config, const kernels::ProgramSpec& program, std::uint32_t asked);
 
-/// As simulate(), but splits the frame into slices, each simulated on a machine of its own, `threads` at a time
+/// As simulate_frame(), but splits the frame into slices, each simulated on a machine of its own, `threads` at a time
 /// (docs/slices.md). The result does not depend on `threads`.
 FrameResult simulate_slices(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
                             std::uint32_t slices, Progress* progress = nullptr);
@@ -34,6 +36,11 @@ sim::Json simulate_slice(const Inputs& inputs, const kernels::ProgramSpec& progr
 FrameResult join_slices(const Inputs& inputs, const kernels::ProgramSpec& program, std::span<const sim::Json> slices);
 
 /// Returns the slice data of a frame that was simulated as a whole.
-SlicedFrame uncut(const FrameResult& s);
+SlicedFrame as_single_slice(const FrameResult& s);
+
+/// Joins all slices to a frame: sums of times and counters, and an interval from the differences at borders
+/// (docs/slices.md). `function`: results of rendering the frame.
+FrameResult sum_slices(const SlicePlayer& player, const kernels::ProgramSpec& program, RenderResult function,
+                       std::vector<PlayedSlice> played);
 
 }  // namespace tools

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -10,11 +11,15 @@
 #include "sim/error.h"
 #include "sim/hash.h"
 #include "sim/host_clock.h"
+#include "sim/io/json.h"
 #include "sim/io/printable.h"
+#include "sim/report/report_json.h"
+#include "tools/analysis/report_paths.h"
+#include "tools/analysis/units.h"
+#include "tools/run/frame/front_end.h"
 #include "tools/run/frame/machine_run.h"
 #include "tools/sampling/pilot.h"
 #include "tools/sampling/sample_weights.h"
-#include "tools/sampling/sampled_run.h"
 #include "tools/sampling/tile_plan.h"
 #include "traces/accel/bvh_tracer.h"
 
@@ -55,10 +60,12 @@ struct Estimates {
 };
 
 /// Results of a run of all tiles, which are exact.
-Estimates known(const SampledRun& run) { return {{run.elapsed, run.units, run.begin.kernels, {}}, {}, {}, {}}; }
+Estimates exact_estimates(const SampledRun& run) {
+  return {{run.elapsed, run.units, run.begin.kernels, {}}, {}, {}, {}};
+}
 
 /// Returns the interval of an estimate from the values `seen` in the parts.
-Interval interval(double estimate, const SampleWeights& weights, std::span<const double> seen) {
+Interval interval_around(double estimate, const SampleWeights& weights, std::span<const double> seen) {
   return {estimate, weights.half_width(seen), kModelError * estimate};
 }
 
@@ -70,12 +77,13 @@ std::map<std::string, Interval> counter_intervals(const MeasuredPart& whole, std
   }
   std::map<std::string, Interval> intervals;
   for (const auto& [path, estimate] : summed_counters(whole.units)) {
-    intervals[path] = interval(estimate, weights, seen.at(path));
+    intervals[path] = interval_around(estimate, weights, seen.at(path));
   }
   return intervals;
 }
 
-Estimates estimate(const Inputs& inputs, const Pilot& pilot, const TilePlan& plan, std::span<const SampledRun> runs) {
+Estimates estimate_frame(const Inputs& inputs, const Pilot& pilot, const TilePlan& plan,
+                         std::span<const SampledRun> runs) {
   const TilePilot measure(*inputs.config.gpu, inputs.image.layout, {}, 1, 0);
   std::vector<const MeasuredPart*> parts;
   std::vector<SamplePart> samples;
@@ -83,24 +91,24 @@ Estimates estimate(const Inputs& inputs, const Pilot& pilot, const TilePlan& pla
   for (const SampledRun& run : runs) {
     for (const MeasuredPart& part : run.parts) {
       parts.push_back(&part);
-      samples.push_back(as_sample(part.traits, measure.cost(part.traits)));
+      samples.push_back(as_sample(part.traits, measure.estimate_cost(part.traits)));
       times.push_back(static_cast<double>(part.time));
       energies.push_back(energy_of(part.units, part.time, inputs.config).total_pj.nominal);
     }
   }
   TileTraits rest;
   for (std::uint32_t tile = plan.begin; tile < plan.end; ++tile) rest.add(pilot.traits[tile]);
-  const SampleWeights weights(samples, as_sample(rest, measure.cost(rest)), kRidge);
+  const SampleWeights weights(samples, as_sample(rest, measure.estimate_cost(rest)), kRidge);
   Estimates e;
   e.whole = weighted_sum(parts, weights.weights(), runs.front());
-  e.time = interval(static_cast<double>(e.whole.time), weights, times);
-  e.energy = interval(energy_of(e.whole.units, e.whole.time, inputs.config).total_pj.nominal, weights, energies);
+  e.time = interval_around(static_cast<double>(e.whole.time), weights, times);
+  e.energy = interval_around(energy_of(e.whole.units, e.whole.time, inputs.config).total_pj.nominal, weights, energies);
   e.counters = counter_intervals(e.whole, parts, weights);
   return e;
 }
 
 /// Copies everything except the picture.
-void copy_counts(const FrontEnd::Result& from, FrontEnd::Result& to) {
+void copy_counts(const RenderResult& from, RenderResult& to) {
   to = from;
   to.rgb.clear();
 }
@@ -122,7 +130,7 @@ void count_round(const SampledRun& run, SampledFrame& sampled) {
   sampled.warmed += run.warmed;
   sampled.warming_seconds += run.warming_seconds;
   sampled.blocks += run.parts.size();
-  for (const MeasuredPart& part : run.parts) sampled.measured += rounded(part.traits.tiles);
+  for (const MeasuredPart& part : run.parts) sampled.measured += round_count(part.traits.tiles);
 }
 
 /// Share of the next round if intervals are `off` times too wide. Limited to twice the share so far, because the
@@ -133,16 +141,17 @@ double next_share(double spent, double off) {
 }
 
 /// Copies the estimates into the result.
-void take(Estimates&& estimates, const Inputs& inputs, const SampledRun& run, SampledFrame& sampled, FrameResult& s) {
+void set_estimates(Estimates&& estimates, const Inputs& inputs, const SampledRun& run, SampledFrame& sampled,
+                   FrameResult& s) {
   const auto cycles = [&](double time) { return time / static_cast<double>(run.cycle); };
-  s.cycles = rounded(cycles(static_cast<double>(estimates.whole.time)));
+  s.cycles = round_count(cycles(static_cast<double>(estimates.whole.time)));
   s.elapsed = s.cycles * run.cycle;
   s.units = std::move(estimates.whole.units);
   s.kernel_use = std::move(estimates.whole.kernels);
   s.kernels = run.kernels;
   s.energy = energy_of(s.units, s.elapsed, inputs.config);
-  sampled.cycles = {static_cast<double>(s.cycles), cycles(estimates.time.chance), cycles(estimates.time.method)};
-  sampled.energy_pj = {s.energy.total_pj.nominal, estimates.energy.chance, estimates.energy.method};
+  sampled.cycles = {static_cast<double>(s.cycles), cycles(estimates.time.random), cycles(estimates.time.systematic)};
+  sampled.energy_pj = {s.energy.total_pj.nominal, estimates.energy.random, estimates.energy.systematic};
   sampled.counters = std::move(estimates.counters);
 }
 
@@ -191,22 +200,22 @@ FrameResult simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& p
   check_render(inputs.config.render);
   const sim::HostClock::time_point begin = sim::HostClock::now();
   const traces::BvhTracer tracer(inputs.image);
-  const Pilot pilot = look_at_all(inputs, program, tracer, threads, progress);
+  const Pilot pilot = survey_tiles(inputs, program, tracer, threads, progress);
   const std::uint32_t side = tile_side(inputs.config.render, program);
   const PlanShape shape = shape_of(*inputs.config.gpu, side * side);
 
   FrameResult s;
   s.program = program;
   s.machine = inputs.config.gpu;
-  s.function = scaled(pilot, inputs, program);
+  s.rendered = scale_to_frame(pilot, inputs, program);
   SampledFrame sampled;
   sampled.tiles = pilot.costs.size();
   sampled.asked = sampling.target == 0 ? sampling.share : 0;
   sampled.pilot_seconds = sim::seconds_since(begin);
-  double waited = pilot.function.waited, functional = pilot.function.seconds;
+  double waited = pilot.rendered.waited, functional = pilot.rendered.seconds;
 
   std::vector<SampledRun> runs;
-  FormerTiles told;
+  ProgressBase reported;
   Estimates estimates;
   for (double share = sampling.share, spent = 0;;) {
     const TilePlan plan = plan_tiles(pilot.costs, share, shape, sim::hash(inputs.frame, runs.size()));
@@ -216,32 +225,32 @@ FrameResult simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& p
         picture ? std::vector<std::uint32_t>{} : tile_indices_of(plan.blocks);
     FrontEnd front_end(frame, tracer, host_threads(threads) - 1, true, tile_indices);
     RunTiles source(front_end, picture ? frame.tiles() : static_cast<std::uint32_t>(tile_indices.size()), progress,
-                    false, &told);
-    source.begin("simulating", inputs.frame);
+                    false, &reported);
+    source.begin_part("simulating", inputs.frame);
     runs.push_back(run_blocks(inputs, source, frame.requirements(), plan.blocks, pilot.traits));
     const SampledRun& run = runs.back();
-    const FrontEnd::Result& function = front_end.result();
+    const RenderResult& function = front_end.result();
     waited += function.waited;
     functional += function.seconds;
     count_round(run, sampled);
-    if (picture) s.function = function;
+    if (picture) s.rendered = function;
     if (plan.all) {
-      if (!sampling.full_image) copy_counts(function, s.function);
+      if (!sampling.full_image) copy_counts(function, s.rendered);
       sampled.timed = sampled.measured = run.timed;
       sampled.warmed = sampled.blocks = 0;
-      estimates = known(run);
+      estimates = exact_estimates(run);
       break;
     }
-    estimates = estimate(inputs, pilot, plan, runs);
+    estimates = estimate_frame(inputs, pilot, plan, runs);
     spent += share;
     const double off = estimates.relative_width() / sampling.target;
     if (sampling.target == 0 || off <= 1) break;
     share = next_share(spent, off);
   }
-  told.end(progress);
-  s.function.waited = waited;
-  s.function.seconds = functional;
-  take(std::move(estimates), inputs, runs.front(), sampled, s);
+  reported.report_to(progress);
+  s.rendered.waited = waited;
+  s.rendered.seconds = functional;
+  set_estimates(std::move(estimates), inputs, runs.front(), sampled, s);
   s.sampled = sampled;
   s.wall_seconds = sim::seconds_since(begin);
   return s;
@@ -249,8 +258,8 @@ FrameResult simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& p
 
 void Interval::add(const Interval& other) {
   estimate += other.estimate;
-  chance = std::hypot(chance, other.chance);
-  method += other.method;
+  random = std::hypot(random, other.random);
+  systematic += other.systematic;
 }
 
 void SampledFrame::add(const SampledFrame& other) {
@@ -265,6 +274,138 @@ void SampledFrame::add(const SampledFrame& other) {
   for (const auto& [path, interval] : other.counters) counters[path].add(interval);
   pilot_seconds += other.pilot_seconds;
   warming_seconds += other.warming_seconds;
+}
+
+namespace {
+
+/// Returns the difference of two marks.
+MeasuredPart difference_of(const Mark& a, const Mark& b) {
+  MeasuredPart part{b.time - a.time, b.units, b.kernels, {}};
+  sim::subtract_reports(part.units, a.units);
+  for (std::size_t k = 0; k < part.kernels.size(); ++k) part.kernels[k] -= a.kernels[k];
+  return part;
+}
+
+/// Traits of the work in a part: counted by the machine where it does, else those of the tiles in flight, weighted by
+/// the share of their time in the part.
+TileTraits traits_of(const MeasuredPart& part, sim::Time begin, sim::Time end, const TimedTiles& tiles,
+                     std::span<const TileTraits> traits, std::span<const hw::KernelSchedule> kernels) {
+  TileTraits sum;
+  for (const TimedTiles::TimedTile& tile : tiles.simulated_tiles()) {
+    const sim::Time from = std::max(tile.begin, begin), to = std::min(tile.end, end);
+    if (from < to)
+      sum.add(traits[tile.tile], static_cast<double>(to - from) / static_cast<double>(tile.end - tile.begin));
+  }
+  const Units<hw::Trv> trvs(part.units);
+  sum.visits =
+      static_cast<double>(trvs.counted(&hw::Trv::Stats::visits) - trvs.counted(&hw::Trv::Stats::restarted_visits));
+  sum.tests = static_cast<double>(Units<hw::Ist>(part.units).counted(&hw::Ist::Stats::tests));
+  sum.array = 0;
+  for (std::size_t k = 0; k < kernels.size(); ++k)
+    sum.array += static_cast<double>(part.kernels[k].items) * kernels[k].ii;
+  return sum;
+}
+
+}  // namespace
+
+SampledRun run_blocks(const Inputs& inputs, RunTiles& source, const kernels::FrameRequirements& requirements,
+                      std::span<const TimedBlock> blocks, std::span<const TileTraits> traits) {
+  std::vector<std::uint32_t> marked;
+  for (const TimedBlock& block : blocks) {
+    if (block.first != blocks.front().first) marked.push_back(block.first);
+    if (marked.empty() || block.measured != marked.back()) marked.push_back(block.measured);
+  }
+  TimedTiles tiles(source, {blocks.begin(), blocks.end()}, std::move(marked));
+  const auto gpu = make_gpu(inputs, requirements, tiles);
+  tiles.set_gpu(*gpu);
+  source.set_gpu(*gpu);
+  run_to_end(*gpu);
+  tiles.end_tiles();
+
+  SampledRun run;
+  run.units = gpu->report();
+  run.kernels = gpu->kernels();
+  run.elapsed = gpu->elapsed();
+  run.cycle = gpu->elapsed() / gpu->cycles();
+  run.timed = tiles.simulated_tiles().size();
+  run.warmed = tiles.warmed_tiles();
+  run.warming_seconds = tiles.warming_seconds();
+  // A measured part ends at the dispatch of the next block; the last one ends with the run.
+  const Mark finished{0, gpu->elapsed(), gpu->report(), gpu->kernel_use()};
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const bool is_last = i + 1 == blocks.size();
+    const Mark &begin = tiles.mark_at(blocks[i].measured),
+               &end = is_last ? finished : tiles.mark_at(blocks[i + 1].first);
+    MeasuredPart part = difference_of(begin, end);
+    part.traits = traits_of(part, begin.time, end.time, tiles, traits, run.kernels);
+    if (i == 0) {
+      run.begin = std::move(part);
+    } else if (is_last) {
+      run.end = std::move(part);
+    } else {
+      run.parts.push_back(std::move(part));
+    }
+  }
+  return run;
+}
+
+std::map<std::string, double> summed_counters(std::vector<sim::UnitReport> units) {
+  for (sim::UnitReport& unit : units) {
+    std::erase_if(unit.counters, [](const sim::CounterReport& c) { return c.kind == sim::CounterKind::kPeak; });
+  }
+  constexpr std::string_view kUnits = "units.";
+  std::map<std::string, double> sums;
+  for (const ReportNumber& number : unit_sums({{"units", sim::units_json(units)}})) {
+    if (number.path.find(".counters.") != std::string::npos) sums[number.path.substr(kUnits.size())] = number.value;
+  }
+  return sums;
+}
+
+MeasuredPart weighted_sum(std::span<const MeasuredPart* const> parts, std::span<const double> weights,
+                          const SampledRun& run) {
+  const auto sum = [&](auto&& of) {
+    double total = static_cast<double>(of(run.begin)) + static_cast<double>(of(run.end));
+    for (std::size_t k = 0; k < parts.size(); ++k) total += weights[k] * static_cast<double>(of(*parts[k]));
+    return std::max(0.0, total);
+  };
+  const auto round_count = [](double x) { return static_cast<std::uint64_t>(std::llround(x)); };
+  MeasuredPart whole;
+  whole.time = round_count(sum([](const MeasuredPart& p) { return p.time; }));
+  const double longer = static_cast<double>(whole.time) / static_cast<double>(run.elapsed);
+  whole.units = run.units;
+  for (std::size_t u = 0; u < run.units.size(); ++u) {
+    sim::UnitReport& unit = whole.units[u];
+    for (std::size_t i = 0; i < unit.counters.size(); ++i) {
+      sim::CounterReport& counter = unit.counters[i];
+      if (counter.kind != sim::CounterKind::kPeak)
+        counter.value = round_count(sum([&](const MeasuredPart& p) { return p.units[u].counters[i].value; }));
+    }
+    // Reasons are scaled to add up to the unit's time; the largest takes the rounding difference.
+    unit.elapsed = round_count(longer * static_cast<double>(unit.elapsed));
+    std::vector<double> spent;
+    for (std::size_t i = 0; i < unit.cycles_by_reason.size(); ++i) {
+      spent.push_back(sum([&](const MeasuredPart& p) { return p.units[u].cycles_by_reason[i].second; }));
+    }
+    const double all = std::accumulate(spent.begin(), spent.end(), 0.0);
+    std::uint64_t given = 0;
+    for (std::size_t i = 0; i < unit.cycles_by_reason.size(); ++i) {
+      unit.cycles_by_reason[i].second =
+          all == 0 ? 0 : static_cast<std::uint64_t>(spent[i] / all * static_cast<double>(unit.elapsed));
+      given += unit.cycles_by_reason[i].second;
+    }
+    if (unit.cycles_by_reason.empty()) continue;
+    std::ranges::max_element(unit.cycles_by_reason, {}, [](const auto& why) { return why.second; })->second +=
+        unit.elapsed - given;
+  }
+  whole.kernels.resize(run.begin.kernels.size());
+  for (std::size_t k = 0; k < whole.kernels.size(); ++k) {
+    const auto of = [&](std::uint64_t hw::KernelUse::*member) {
+      return round_count(sum([&](const MeasuredPart& p) { return p.kernels[k].*member; }));
+    };
+    using Use = hw::KernelUse;
+    whole.kernels[k] = {of(&Use::launches), of(&Use::items), of(&Use::idle), of(&Use::cycles), of(&Use::starved)};
+  }
+  return whole;
 }
 
 }  // namespace tools

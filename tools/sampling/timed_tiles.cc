@@ -14,7 +14,7 @@ TimedTiles::TimedTiles(hw::TileSource& source, std::vector<TimedBlock> blocks, s
 const traces::TileWork* TimedTiles::next() {
   while (block_ < blocks_.size()) {
     const TimedBlock& block = blocks_[block_];
-    const traces::TileWork* work = take();
+    const traces::TileWork* work = take_tile();
     if (work == nullptr) return nullptr;
     if (work->tile >= block.first) {
       if (work->tile + 1 == block.end) block_ += 1;
@@ -27,11 +27,11 @@ const traces::TileWork* TimedTiles::next() {
       source_.give_back(work);
     }
   }
-  while (const traces::TileWork* work = take()) source_.give_back(work);
+  while (const traces::TileWork* work = take_tile()) source_.give_back(work);
   return nullptr;
 }
 
-const traces::TileWork* TimedTiles::take() {
+const traces::TileWork* TimedTiles::take_tile() {
   const double begin = sim::thread_seconds();
   const traces::TileWork* work = source_.next();
   making_seconds_ += sim::thread_seconds() - begin;
@@ -47,7 +47,7 @@ void TimedTiles::dispatched(sim::Time now) {
   const std::uint32_t tile = waiting_.back();
   waiting_.pop_back();
   for (const std::uint32_t ended : back_) {
-    std::ranges::find(played_.rbegin(), played_.rend(), ended, &Played::tile)->end = now;
+    std::ranges::find(simulated_.rbegin(), simulated_.rend(), ended, &TimedTile::tile)->end = now;
   }
   back_.clear();
   if (tile >= blocks_[dispatched_block_].end) dispatched_block_ += 1;
@@ -55,12 +55,12 @@ void TimedTiles::dispatched(sim::Time now) {
     gpu_->account_until(now);
     marks_.push_back({tile, now, gpu_->report(), gpu_->kernel_use()});
   }
-  if (tile == blocks_[dispatched_block_].first) warm();
-  played_.push_back({tile, now, now});
+  if (tile == blocks_[dispatched_block_].first) warm_caches();
+  simulated_.push_back({tile, now, now});
   if (stop_at_ == tile) gpu_->stop();
 }
 
-void TimedTiles::warm() {
+void TimedTiles::warm_caches() {
   const sim::HostClock::time_point begin = sim::HostClock::now();
   std::uint32_t core = 0;
   for (const traces::TileWork* work : for_warming_) {
@@ -73,12 +73,12 @@ void TimedTiles::warm() {
   warming_seconds_ += sim::seconds_since(begin);
 }
 
-void TimedTiles::finish() {
-  for (Played& tile : played_) {
+void TimedTiles::end_tiles() {
+  for (TimedTile& tile : simulated_) {
     if (tile.end == tile.begin) tile.end = gpu_->elapsed();
   }
 }
 
-const Mark& TimedTiles::at(std::uint32_t tile) const { return *std::ranges::find(marks_, tile, &Mark::tile); }
+const Mark& TimedTiles::mark_at(std::uint32_t tile) const { return *std::ranges::find(marks_, tile, &Mark::tile); }
 
 }  // namespace tools

@@ -31,7 +31,7 @@ struct Mark {
 class TimedTiles final : public hw::TileSource {
  public:
   /// A tile that was simulated.
-  struct Played {
+  struct TimedTile {
     std::uint32_t tile = 0;
     sim::Time begin = 0, end = 0;  ///< dispatch; completion, or the first dispatch after it
   };
@@ -40,25 +40,25 @@ class TimedTiles final : public hw::TileSource {
   TimedTiles(hw::TileSource& source, std::vector<TimedBlock> blocks, std::vector<std::uint32_t> marked,
              std::optional<std::uint32_t> stop_at = std::nullopt);
   /// Call before the machine runs.
-  void connect(hw::Gpu& gpu) { gpu_ = &gpu; }
+  void set_gpu(hw::Gpu& gpu) { gpu_ = &gpu; }
 
   const traces::TileWork* next() override;
   void give_back(const traces::TileWork* work) override;
   void dispatched(sim::Time now) override;
   /// Sets the end of tiles still in flight. Call once, after the machine has finished.
-  void finish();
+  void end_tiles();
 
   /// Returns the mark of a marked tile.
-  const Mark& at(std::uint32_t tile) const;
-  const std::vector<Played>& played() const { return played_; }
-  std::uint64_t warmed() const { return warmed_; }
+  const Mark& mark_at(std::uint32_t tile) const;
+  const std::vector<TimedTile>& simulated_tiles() const { return simulated_; }
+  std::uint64_t warmed_tiles() const { return warmed_; }
   /// Host time for warming caches, and processor time for executing tiles on the machine's thread.
   double warming_seconds() const { return warming_seconds_; }
   double making_seconds() const { return making_seconds_; }
 
  private:
-  const traces::TileWork* take();
-  void warm();
+  const traces::TileWork* take_tile();
+  void warm_caches();
 
   hw::TileSource& source_;
   const std::vector<TimedBlock> blocks_;
@@ -71,7 +71,7 @@ class TimedTiles final : public hw::TileSource {
   std::size_t dispatched_block_ = 0;    ///< block of the tile dispatched last
   std::vector<std::uint32_t> back_;     ///< completed since the last dispatch
   std::vector<Mark> marks_;
-  std::vector<Played> played_;
+  std::vector<TimedTile> simulated_;
   std::uint64_t warmed_ = 0;
   double warming_seconds_ = 0, making_seconds_ = 0;
 };

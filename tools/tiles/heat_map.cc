@@ -62,7 +62,7 @@ std::vector<HeatMap> heat_maps(const FrameResult& s, const TileFrame& tiles, std
   constexpr double kNanojoulesPerMillijoule = 1e6;
   const auto energy = [&](std::size_t i) { return tiles.at("energy_mj_nominal")[i] * kNanojoulesPerMillijoule; };
   using kernels::PixelWork;
-  const std::vector<PixelWork>& pixels = s.function.pixels;
+  const std::vector<PixelWork>& pixels = s.rendered.pixels;
   const auto map = [&](const char* name, const char* title, const char* colours) {
     return HeatMap{name, title, colours, width, height, {}};
   };

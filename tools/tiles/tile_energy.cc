@@ -200,9 +200,9 @@ std::optional<std::size_t> TileWeights::of_counter(const sim::UnitReport& unit, 
 
 TileWeights::TileWeights(const FrameResult& s)
     : s_(s), kinds_(kOperations + srp_counters()), values_(s.tile_accounts.size() * kinds_), rest_(kinds_) {
-  if (s.function.summaries.tiles.size() < s.tile_accounts.size()) throw std::logic_error("tiles without a summary");
+  if (s.rendered.summaries.tiles.size() < s.tile_accounts.size()) throw std::logic_error("tiles without a summary");
   for (std::size_t i = 0; i < s.tile_accounts.size(); ++i) {
-    const kernels::TileSummary& tile = s.function.summaries.tiles[i];
+    const kernels::TileSummary& tile = s.rendered.summaries.tiles[i];
     double* const values = &values_[i * kinds_];
     std::uint64_t rays = 0;
     for (const std::uint64_t of_kind : tile.rays) rays += of_kind;
@@ -251,12 +251,12 @@ void TileWeights::add_kernels(const FrameResult& s) {
   }
   std::size_t next = 0;
   for (std::size_t i = 0; i < s.tile_accounts.size(); ++i) {
-    const kernels::TileSummary& tile = s.function.summaries.tiles[i];
+    const kernels::TileSummary& tile = s.rendered.summaries.tiles[i];
     double* const values = &values_[i * kinds_];
     values[kBufferAccesses] = values[kRays] * (2 * sizeof(traces::Ray) + 2 * sizeof(traces::Hit)) / kAccess +
                               static_cast<double>(tile.transfer_bytes) / kAccess;
     for (; next < tile.kernels; ++next) {
-      const kernels::KernelItems& use = s.function.summaries.kernels[next];
+      const kernels::KernelItems& use = s.rendered.summaries.kernels[next];
       const hw::KernelSchedule& kernel = s.kernels[use.kernel];
       for (std::size_t c = 0; c < item[use.kernel].size(); ++c) {
         values[kOperations + c] += use.items * item[use.kernel][c];

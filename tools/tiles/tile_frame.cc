@@ -55,14 +55,14 @@ class Builder {
     for (const double one : column.values) column.total += one;
     column.total += rest;
   }
-  const kernels::TileSummary& summary(std::size_t i) const { return s_.function.summaries.tiles[i]; }
+  const kernels::TileSummary& summary(std::size_t i) const { return s_.rendered.summaries.tiles[i]; }
   const hw::TileAccount& account(std::size_t i) const { return s_.tile_accounts[i]; }
 
   void add_firsts() {
     std::uint32_t pass = 0;
     add("tile", "", [&](std::size_t i) { return summary(i).tile; });
     add("pass", "", [&](std::size_t i) { return pass += summary(i).begins_pass ? 1U : 0U; });
-    if (s_.function.pixels.empty()) return;
+    if (s_.rendered.pixels.empty()) return;
     const std::vector<const kernels::TileSummary*> firsts = first_passes();
     add("x", "pixels", [&](std::size_t i) { return firsts[i]->x; });
     add("y", "pixels", [&](std::size_t i) { return firsts[i]->y; });

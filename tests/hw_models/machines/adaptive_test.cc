@@ -50,7 +50,7 @@ GpuConfig smallest_machine() {
   return config;
 }
 
-void expect_same_function(const tools::FrontEnd::Result& a, const tools::FrontEnd::Result& b) {
+void expect_same_function(const tools::RenderResult& a, const tools::RenderResult& b) {
   EXPECT_EQ(difference(a, b), "");
   EXPECT_EQ(a.sampling.traced, b.sampling.traced);
   EXPECT_EQ(a.sampling.halo, b.sampling.halo);

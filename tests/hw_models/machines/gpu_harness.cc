@@ -221,7 +221,7 @@ std::string difference(const Outcome& a, const Outcome& b) {
   return found;
 }
 
-std::string difference(const tools::FrontEnd::Result& a, const tools::FrontEnd::Result& b) {
+std::string difference(const tools::RenderResult& a, const tools::RenderResult& b) {
   if (a.rgb != b.rgb) return "picture";
   if (!std::ranges::equal(a.rays, b.rays) || a.continued != b.continued) return "rays by kind";
   if (a.traversal_steps != b.traversal_steps) return "traversal steps";

@@ -79,7 +79,7 @@ const Frame& teapot_64x32();
 struct Outcome {
   std::vector<sim::UnitReport> units;
   std::vector<KernelUse> kernels;
-  tools::FrontEnd::Result function;
+  tools::RenderResult function;
   sim::Time elapsed = 0;
   std::uint64_t cycles = 0;
 
@@ -118,6 +118,6 @@ Outcome play(const Frame& frame, TileSource& tiles, const GpuConfig& config, con
 /// Returns the first counter in which two runs differ ("core0.srp.rays: 12, 13"); empty if all are equal.
 std::string difference(const Outcome& a, const Outcome& b);
 /// The same for the functional results: picture, rays by kind, traversal steps.
-std::string difference(const tools::FrontEnd::Result& a, const tools::FrontEnd::Result& b);
+std::string difference(const tools::RenderResult& a, const tools::RenderResult& b);
 
 }  // namespace hw::test

@@ -15,8 +15,8 @@ namespace {
 using Colour = std::array<std::uint8_t, 3>;
 
 /// A row of grey pixels with these marks.
-FrontEnd::Result row_of(std::vector<kernels::SampleMark> marks) {
-  FrontEnd::Result frame;
+RenderResult row_of(std::vector<kernels::SampleMark> marks) {
+  RenderResult frame;
   frame.rgb.assign(3 * marks.size(), 0.5F);
   frame.marks = std::move(marks);
   return frame;
@@ -32,8 +32,7 @@ std::vector<Colour> picture_of(const std::vector<DebugPicture>& pictures, std::s
 
 TEST(DebugPictures, ReferencesAreApartFromWhatIsInterpolatedAndWhatIsTraced) {
   using kernels::kCorrectedMark, kernels::kReferenceMark, kernels::kTracedMark;
-  const FrontEnd::Result frame =
-      row_of({kTracedMark | kReferenceMark, 0, kTracedMark | 1, kTracedMark | kCorrectedMark});
+  const RenderResult frame = row_of({kTracedMark | kReferenceMark, 0, kTracedMark | 1, kTracedMark | kCorrectedMark});
   const std::vector<DebugPicture> pictures = debug_pictures(kernels::parse_program("multirate:under"), frame, 4, 1);
   const std::vector<Colour> similar = picture_of(pictures, "similar");
   ASSERT_EQ(similar.size(), 4U);
@@ -46,7 +45,7 @@ TEST(DebugPictures, ReferencesAreApartFromWhatIsInterpolatedAndWhatIsTraced) {
 }
 
 TEST(DebugPictures, RoundsOfPropagationAreShownWhereThereWereAny) {
-  FrontEnd::Result frame = row_of({0, kernels::kCorrectedMark | 1U << kernels::kActiveCountShift});
+  RenderResult frame = row_of({0, kernels::kCorrectedMark | 1U << kernels::kActiveCountShift});
   const kernels::ProgramSpec program = kernels::parse_program("supersample");
   EXPECT_TRUE(picture_of(debug_pictures(program, frame, 2, 1), "propagated").empty());
   frame.sampling.propagated = 1;
@@ -59,7 +58,7 @@ TEST(DebugPictures, RoundsOfPropagationAreShownWhereThereWereAny) {
 TEST(DebugPictures, WeightsAndEdgesOfReconstructAreShownWhereThereAreAny) {
   const auto bit = [](kernels::FilterEdge edge) { return 1U << static_cast<std::uint32_t>(edge); };
   const std::uint32_t all = 255U << kernels::kWeightShift;
-  const FrontEnd::Result frame = row_of(
+  const RenderResult frame = row_of(
       {static_cast<kernels::SampleMark>(all), static_cast<kernels::SampleMark>(bit(kernels::FilterEdge::kShadow)),
        static_cast<kernels::SampleMark>(51U << kernels::kWeightShift | bit(kernels::FilterEdge::kReflection))});
   for (const char* program : {"reconstruct", "reconstruct:sraa"}) {

@@ -10,7 +10,7 @@ namespace tools {
 namespace {
 
 double worth(const CoreTime& time, const std::string& resource) {
-  for (const Estimate& e : estimate(time)) {
+  for (const Estimate& e : estimate_speedups(time)) {
     if (e.resource == resource) return e.speedup;
   }
   ADD_FAILURE() << resource;
@@ -19,16 +19,16 @@ double worth(const CoreTime& time, const std::string& resource) {
 
 TEST(Limiter, IsTheShaderCoreWhereKernelsKeepTheArrayBusyAndTheUnitWaits) {
   const CoreTime t = {.kernels = 1, .demands = {.fed = 0.25, .occupied = 0.25, .tracing = 0.25}};
-  EXPECT_EQ(most(estimate(t)).resource, "srp");
+  EXPECT_EQ(largest_speedup(estimate_speedups(t)).resource, "srp");
   EXPECT_NEAR(worth(t, "srp"), 4, 1e-6) << "the T&I unit alone needs a quarter";
-  EXPECT_TRUE(limiter(estimate(t)).starts_with("shader cores")) << limiter(estimate(t));
-  EXPECT_NE(limiter(estimate(t)).find("x4.00"), std::string::npos) << limiter(estimate(t));
+  EXPECT_TRUE(limiter_text(estimate_speedups(t)).starts_with("shader cores")) << limiter_text(estimate_speedups(t));
+  EXPECT_NE(limiter_text(estimate_speedups(t)).find("x4.00"), std::string::npos) << limiter_text(estimate_speedups(t));
 }
 
 TEST(Limiter, IsTheUnitWhereTheArrayWaitsForRays) {
   const CoreTime t = {
       .kernels = 0.2, .boxes = 0.6, .triangles = 0.2, .demands = {.fed = 1, .occupied = 1, .tracing = 1}};
-  EXPECT_EQ(most(estimate(t)).resource, "tni");
+  EXPECT_EQ(largest_speedup(estimate_speedups(t)).resource, "tni");
   EXPECT_NEAR(worth(t, "tni"), 5, 1e-6) << "kernels alone need a fifth";
   EXPECT_NEAR(worth(t, "srp"), 1, 0.01) << "they are hidden behind the unit";
 }
@@ -38,7 +38,7 @@ TEST(Limiter, IsTheFirstLevelWhereTheArrayStandsStillForItsLines) {
                       .data_misses = 0.7,
                       .demands = {.fed = 0.05, .occupied = 0.05, .data_lines = 0.35, .tracing = 0.05},
                       .data_levels = {.interconnect = 0.2, .l2 = 0.3, .dram = 0.5}};
-  EXPECT_EQ(most(estimate(t)).resource, "l1");
+  EXPECT_EQ(largest_speedup(estimate_speedups(t)).resource, "l1");
   EXPECT_GT(worth(t, "l1"), worth(t, "l2"));
   EXPECT_GT(worth(t, "l2"), worth(t, "dram")) << "an ideal L2 asks nothing of memory";
   EXPECT_NEAR(worth(t, "dram"), 1 / (0.3 + 0.35), 0.02);
@@ -52,7 +52,7 @@ TEST(Limiter, NoIdealUnitHelpsWhereTheMshrsOfTheL2AreAllInUse) {
                       .tree_levels = {.interconnect = 0.1, .l2 = 0.4, .dram = 0.5}};
   EXPECT_EQ(worth(t, "tni"), 1);
   EXPECT_EQ(worth(t, "srp"), 1);
-  EXPECT_EQ(most(estimate(t)).resource, "l1");
+  EXPECT_EQ(largest_speedup(estimate_speedups(t)).resource, "l1");
 }
 
 TEST(Limiter, MoreRaySlotsCannotHideMoreThanTheShorterStage) {
@@ -139,16 +139,16 @@ TEST(Limiter, WithoutSpilledSlotsMemoryHasShorterQueues) {
 }
 
 TEST(Limiter, NamesNothingThatIsWorthNothing) {
-  const std::vector<Estimate> estimates = estimate({.no_tile = 1});
-  EXPECT_LT(most(estimates).speedup, 1.01);
-  EXPECT_TRUE(limiter(estimates).starts_with("nothing")) << limiter(estimates);
+  const std::vector<Estimate> estimates = estimate_speedups({.no_tile = 1});
+  EXPECT_LT(largest_speedup(estimates).speedup, 1.01);
+  EXPECT_TRUE(limiter_text(estimates).starts_with("nothing")) << limiter_text(estimates);
 }
 
 TEST(Limiter, UtilisationCountsSwitchesAsWorkOfTheShaderCores) {
   const test::MadeUpMachine machine{.trv = {{"visiting", 60}, {"starved", 40}},
                                     .srp = {{"running", 45}, {"switching", 20}, {"cache_miss", 35}},
                                     .dram = {{"reading", 30}, {"writing", 5}, {"idle", 65}}};
-  const Utilisation u = utilisation(machine.units());
+  const Utilisation u = utilisation_of(machine.units());
   EXPECT_DOUBLE_EQ(u.tni, 0.60);
   EXPECT_DOUBLE_EQ(u.srp, 0.65);
   EXPECT_DOUBLE_EQ(u.dram, 0.35);
@@ -158,8 +158,8 @@ TEST(Limiter, UtilisationIsTheMeanOverUnitsAndNothingWithoutAny) {
   std::vector<sim::UnitReport> units = test::MadeUpMachine{.srp = {{"running", 100}}}.units();
   const std::vector<sim::UnitReport> idle = test::MadeUpMachine{}.units();
   units.insert(units.end(), idle.begin(), idle.end());
-  EXPECT_DOUBLE_EQ(utilisation(units).srp, 0.5);
-  EXPECT_EQ(utilisation({}).srp, 0);
+  EXPECT_DOUBLE_EQ(utilisation_of(units).srp, 0.5);
+  EXPECT_EQ(utilisation_of({}).srp, 0);
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ using sim::Json;
 FrameResult run_with_lines(const std::vector<std::string>& areas) {
   JobOptions options;
   options.resolution = "16x16";
-  FrameResult run = simulate(load_inputs(options), kernels::parse_program("full:1"), 1);
+  FrameResult run = simulate_frame(load_inputs(options), kernels::parse_program("full:1"), 1);
   for (sim::UnitReport& unit : run.units) {
     for (sim::CounterReport& counter : unit.counters) {
       for (const std::string& area : areas) {

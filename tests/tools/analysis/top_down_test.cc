@@ -12,7 +12,7 @@ namespace tools {
 namespace {
 
 double sum(const CoreTime& t) {
-  return t.busy() + t.data_misses + t.tracing() + t.raster + t.raster_misses + t.transfers + t.no_tile;
+  return t.busy_share() + t.data_misses + t.tracing_share() + t.raster + t.raster_misses + t.transfers + t.no_tile;
 }
 
 TEST(TopDown, TimeInWhichTheArrayIdlesGoesToWhatTheRaysDoMeanwhile) {
@@ -100,7 +100,7 @@ TEST(TopDown, CoresThatHadNothingToDoTakeNothingFromTheLevelsOfOthers) {
   JobOptions options;
   options.resolution = "16x16";  // one tile
   options.sets = {"scene.triangles=500", "cores=4"};
-  const FrameResult s = simulate(load_inputs(options), kernels::parse_program("full:1"), 1);
+  const FrameResult s = simulate_frame(load_inputs(options), kernels::parse_program("full:1"), 1);
   const TopDown view = top_down(s.units, *s.machine);
   for (const MissLevels& l : {view.gpu.data_levels, view.gpu.tree_levels}) {
     EXPECT_NEAR(l.interconnect + l.l2 + l.dram, 1, 1e-9);
@@ -114,7 +114,7 @@ TEST(TopDown, SharesOfEveryCoreOfARealFrameSumToOneWhateverTheMachine) {
     JobOptions options;
     options.resolution = "64x32";
     options.sets = {set};
-    const FrameResult s = simulate(load_inputs(options), kernels::parse_program("full:1"), 1);
+    const FrameResult s = simulate_frame(load_inputs(options), kernels::parse_program("full:1"), 1);
     const TopDown view = top_down(s.units, *s.machine);
     EXPECT_EQ(view.cores.size(), s.machine->cores);
     for (const CoreTime& core : view.cores) EXPECT_NEAR(sum(core), 1, 1e-9);

@@ -23,7 +23,7 @@ tools::Inputs inputs_of(const std::vector<std::string>& sets) {
 }
 
 tools::FrameResult run(const tools::Inputs& inputs) {
-  return tools::simulate(inputs, kernels::parse_program("full:1"), 1);
+  return tools::simulate_frame(inputs, kernels::parse_program("full:1"), 1);
 }
 
 /// Returns every key that affects the layout, with another value.
@@ -51,9 +51,9 @@ TEST(LayoutKeys, MoveAddressesAndChangeNothingOfTheWork) {
               sim::config_hash(standard.config, sim::Affects::kLayout));
     EXPECT_NE(inputs.image.layout.attributes, standard.image.layout.attributes);
     const tools::FrameResult moved = run(inputs);
-    EXPECT_EQ(moved.function.rgb, expected.function.rgb);
+    EXPECT_EQ(moved.rendered.rgb, expected.rendered.rgb);
     EXPECT_EQ(moved.rays(), expected.rays());
-    EXPECT_EQ(moved.function.traversal_steps, expected.function.traversal_steps);
+    EXPECT_EQ(moved.rendered.traversal_steps, expected.rendered.traversal_steps);
   }
 }
 
@@ -62,7 +62,7 @@ TEST(HybridNumbers, AreAnotherTreeAndNoOtherPicture) {
   EXPECT_NE(hybrid.bvh_hash, floats.bvh_hash);
   EXPECT_NE(sim::config_hash(hybrid.config, sim::Affects::kFunction),
             sim::config_hash(floats.config, sim::Affects::kFunction));
-  EXPECT_EQ(run(hybrid).function.rgb, run(floats).function.rgb);
+  EXPECT_EQ(run(hybrid).rendered.rgb, run(floats).rendered.rgb);
 }
 
 TEST(HybridNumbers, AgreeWithEmbreeRayForRayInMovingScenesToo) {

@@ -68,7 +68,7 @@ TEST(IdleSettings, AreEachSaidOnceInAnyOrder) {
   for (const Words& sets : {Words{"dram.grade=LPDDR5-6400", "render.mip_filter=nearest", "render.mip_filter=linear"},
                             Words{"render.mip_filter=nearest", "render.mip_filter=linear", "dram.grade=LPDDR5-6400"}}) {
     options.sets = sets;
-    EXPECT_EQ(tools::idle_settings(options, config).size(), 2U) << sets.front();
+    EXPECT_EQ(tools::ineffective_setting_warnings(options, config).size(), 2U) << sets.front();
   }
 }
 
@@ -78,14 +78,14 @@ TEST(IdleSettings, AreKeysOfOnesOwnCameraLightsAndSkyWhileTheScenesAreTaken) {
   options.sets = {"scene.view.position=1 2 3",    "scene.view.source=scene",      "scene.sky.background=1 1 1",
                   "scene.lights.position=0 1 0",  "scene.lights.intensity=1 1 1", "scene.orbit=10",
                   "scene.lights.direction=0 1 0", "scene.view.position=1 2 4"};
-  const std::vector<std::string> said = tools::idle_settings(options, config);
+  const std::vector<std::string> said = tools::ineffective_setting_warnings(options, config);
   ASSERT_EQ(said.size(), 6U);
   EXPECT_EQ(said[0], "scene.view.position does nothing without scene.view.source=own");
   config.scene.view.source = traces::ViewSource::kOwn;
   config.scene.sky.source = traces::Sky::kOwn;
   config.scene.lights.rig = traces::LightRig::kPoint;
   config.scene.camera_path = traces::CameraPath::kOrbit;
-  EXPECT_EQ(tools::idle_settings(options, config),
+  EXPECT_EQ(tools::ineffective_setting_warnings(options, config),
             Words{"scene.lights.direction does nothing without scene.lights.rig=sun"});
 }
 
@@ -96,13 +96,13 @@ TEST(IdleSettings, APatternOfSamplesHoldsForTheReferenceAlone) {
   options.reference = "full:4";
   for (const char* program : {"multirate:super", "undersample"}) {
     options.program = program;
-    EXPECT_EQ(tools::idle_settings(options, config).size(), 1U) << program;
+    EXPECT_EQ(tools::ineffective_setting_warnings(options, config).size(), 1U) << program;
   }
   options.program = "supersample";
-  EXPECT_EQ(tools::idle_settings(options, config).size(), 0U);
+  EXPECT_EQ(tools::ineffective_setting_warnings(options, config).size(), 0U);
   config.render.samples = kernels::SamplePattern::kRegular;
   options.program = "undersample";
-  EXPECT_EQ(tools::idle_settings(options, config).size(), 0U);
+  EXPECT_EQ(tools::ineffective_setting_warnings(options, config).size(), 0U);
 }
 
 }  // namespace

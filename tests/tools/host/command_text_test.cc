@@ -1,6 +1,6 @@
-#include "tools/host/command_text.h"
-
 #include <gtest/gtest.h>
+
+#include "tools/host/standard_streams.h"
 
 namespace test {
 namespace {

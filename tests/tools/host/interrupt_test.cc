@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 TEST(Interrupt, WaitsUntilResultsThatAreBeingWrittenAreThere) {
   const TempFolder folder;
   const auto interrupted = [&] {
-    tools::end_on_interrupts();
+    tools::install_interrupt_handlers();
     tools::RunFolder results(folder.path() / "out", false);
     results.fill([](const tools::RunFolder::Open& open) {
       const fs::path& staging = open();
@@ -28,7 +28,7 @@ TEST(Interrupt, WaitsUntilResultsThatAreBeingWrittenAreThere) {
       return "it";
     });
   };
-  EXPECT_EXIT(interrupted(), testing::ExitedWithCode(128 + SIGTERM), "raywatt: interrupted");
+  EXPECT_EXIT(is_interrupted(), testing::ExitedWithCode(128 + SIGTERM), "raywatt: interrupted");
   EXPECT_EQ(names_in(folder.path()), Words{"out"});
   EXPECT_EQ(read_bytes(folder.path() / "out" / "report.json"), "{}");
 }
@@ -36,7 +36,7 @@ TEST(Interrupt, WaitsUntilResultsThatAreBeingWrittenAreThere) {
 TEST(Interrupt, SaysNothingThatATerminalWouldObey) {
   const TempFolder folder;
   const auto interrupted = [&] {
-    tools::end_on_interrupts();
+    tools::install_interrupt_handlers();
     tools::RunFolder results(folder.path() / "out\x1b[31m", false);
     results.fill([](const tools::RunFolder::Open& open) {
       std::ofstream(open() / "report.json") << "{}";
@@ -44,14 +44,14 @@ TEST(Interrupt, SaysNothingThatATerminalWouldObey) {
       return "it";
     });
   };
-  EXPECT_EXIT(interrupted(), testing::ExitedWithCode(128 + SIGTERM),
+  EXPECT_EXIT(is_interrupted(), testing::ExitedWithCode(128 + SIGTERM),
               "raywatt: interrupted; kept it in .*/out\\?\\[31m");
 }
 
 TEST(Interrupt, StaysIgnoredWhereTheCallerIgnoresIt) {
   const auto ignored = [] {
     std::signal(SIGINT, SIG_IGN);
-    tools::end_on_interrupts();
+    tools::install_interrupt_handlers();
     std::raise(SIGINT);
     std::_Exit(0);
   };

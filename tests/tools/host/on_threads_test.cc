@@ -1,5 +1,3 @@
-#include "tools/host/on_threads.h"
-
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -11,12 +9,14 @@
 
 #include <gtest/gtest.h>
 
+#include "tools/host/parallel.h"
+
 namespace {
 
 using Jobs = std::vector<std::function<void()>>;
 
-void do_all(const Jobs& jobs, std::size_t threads) {
-  tools::do_all(jobs.size(), threads, [&](std::size_t i, std::size_t thread) {
+void parallel_for(const Jobs& jobs, std::size_t threads) {
+  tools::parallel_for(jobs.size(), threads, [&](std::size_t i, std::size_t thread) {
     EXPECT_LT(thread, std::max<std::size_t>(threads, 1));
     jobs[i]();
   });
@@ -25,7 +25,7 @@ void do_all(const Jobs& jobs, std::size_t threads) {
 TEST(OnThreads, EachNumberIsCalledOnceAndAllHaveEnded) {
   for (const std::size_t count : {0U, 1U, 2U, 7U}) {
     std::array<std::atomic<int>, 8> calls{};
-    tools::on_threads(count, [&](std::size_t i) { ++calls[i]; });
+    tools::run_on_threads(count, [&](std::size_t i) { ++calls[i]; });
     for (std::size_t i = 0; i < calls.size(); ++i) EXPECT_EQ(calls[i], i < count ? 1 : 0) << count;
   }
 }
@@ -37,13 +37,13 @@ TEST(OnThreads, FailureOfAnyThreadReachesTheCallerWhenTheOthersHaveEnded) {
       if (i == failing) throw std::bad_alloc();
       ++ended;
     };
-    EXPECT_THROW(tools::on_threads(4, work), std::bad_alloc);
+    EXPECT_THROW(tools::run_on_threads(4, work), std::bad_alloc);
     EXPECT_EQ(ended, 3);
   }
 }
 
 TEST(OnThreads, OfSeveralFailuresOneReachesTheCaller) {
-  EXPECT_THROW(tools::on_threads(3, [](std::size_t) { throw std::runtime_error("all"); }), std::runtime_error);
+  EXPECT_THROW(tools::run_on_threads(3, [](std::size_t) { throw std::runtime_error("all"); }), std::runtime_error);
 }
 
 TEST(DoAll, DoesEachJobOnceForAnyNumberOfThreads) {
@@ -51,17 +51,17 @@ TEST(DoAll, DoesEachJobOnceForAnyNumberOfThreads) {
     std::array<std::atomic<int>, 3> done{};
     Jobs jobs;
     for (std::atomic<int>& one : done) jobs.emplace_back([&one] { ++one; });
-    do_all(jobs, threads);
+    parallel_for(jobs, threads);
     for (const std::atomic<int>& one : done) EXPECT_EQ(one, 1) << threads;
   }
-  EXPECT_NO_THROW(do_all({}, 2));
+  EXPECT_NO_THROW(parallel_for({}, 2));
 }
 
 TEST(DoAll, BeginsThemInTheirOrderSoManyAtATimeAtMost) {
   std::vector<int> order;
   Jobs jobs;
   for (int i = 0; i < 4; ++i) jobs.emplace_back([&order, i] { order.push_back(i); });
-  do_all(jobs, 1);
+  parallel_for(jobs, 1);
   EXPECT_EQ(order, (std::vector<int>{0, 1, 2, 3}));
 
   std::atomic<int> at_work = 0, most = 0;
@@ -72,7 +72,7 @@ TEST(DoAll, BeginsThemInTheirOrderSoManyAtATimeAtMost) {
     std::this_thread::yield();
     --at_work;
   };
-  do_all(Jobs(50, work), 3);
+  parallel_for(Jobs(50, work), 3);
   EXPECT_LE(most, 3);
 }
 
@@ -84,7 +84,7 @@ TEST(DoAll, ThrowsWhatTheFirstInTheOrderHasThrownAndBeginsNoMore) {
     jobs[0] = failing("first");
     jobs[1] = failing("second");
     try {
-      do_all(jobs, threads);
+      parallel_for(jobs, threads);
       ADD_FAILURE();
     } catch (const std::runtime_error& error) {
       EXPECT_STREQ(error.what(), "first") << threads;

@@ -94,17 +94,17 @@ TEST(ProgressJson, CountsNoTimeBetweenPartsInItsRate) {
   testing::internal::CaptureStderr();
   {
     tools::Progress progress("json", true);
-    progress.expect(2);
+    progress.expect_parts(2);
     progress.begin_part("simulating", 0, 2);
-    progress.tiles_done(1, kRays / 2, 1);
-    progress.tiles_done(2, kRays, 1);
-    progress.phase("writing the picture");
+    progress.set_tiles_done(1, kRays / 2, 1);
+    progress.set_tiles_done(2, kRays, 1);
+    progress.set_phase("writing the picture");
     std::this_thread::sleep_for(writing);
     progress.begin_part("simulating", 1, 2);
-    progress.tiles_done(1, kRays, 1);
-    progress.phase("writing the picture");  // interrupts the part
+    progress.set_tiles_done(1, kRays, 1);
+    progress.set_phase("writing the picture");  // interrupts the part
     std::this_thread::sleep_for(writing);
-    progress.end("interrupted");
+    progress.finish("interrupted");
   }
   const std::string said = testing::internal::GetCapturedStderr();
   const nlohmann::json last = nlohmann::json::parse(said.substr(said.rfind('{')));

@@ -7,7 +7,7 @@
 #include "tests/hw_models/machines/random_config.h"
 #include "tests/tools/program.h"
 #include "tools/analysis/report.h"
-#include "tools/run/frame/recorded.h"
+#include "tools/run/frame/trace_header.h"
 #include "tools/run/stored_frames.h"
 #include "traces/trace_file/trace_writer.h"
 
@@ -53,7 +53,7 @@ void expect_same_on_machines(std::uint64_t count, traces::InstanceLevels levels)
     const tools::JobOptions options = options_for(write_config(folder, 0, levels));
     const tools::Inputs inputs = tools::load_inputs(options);
     traces::TraceWriter writer(trace, tools::trace_header(inputs, options));
-    tools::simulate(inputs, {}, 1, {.rates = nullptr, .trace = &writer});
+    tools::simulate_frame(inputs, {}, 1, {.rates = nullptr, .trace = &writer});
     writer.end_frame(tools::recorded_frame(0, 0));
     writer.commit();
   }
@@ -61,7 +61,7 @@ void expect_same_on_machines(std::uint64_t count, traces::InstanceLevels levels)
     SCOPED_TRACE(seed);
     const tools::JobOptions options = options_for(write_config(folder, seed, levels));
     const tools::Inputs inputs = tools::load_inputs(options);
-    const tools::FrameResult run = tools::simulate(inputs, {}, 1);
+    const tools::FrameResult run = tools::simulate_frame(inputs, {}, 1);
     tools::StoredFrames frames(trace, options);
     const tools::RunResult replayed = tools::run(frames, {});
     EXPECT_EQ(sim::config_hash(frames.inputs().config), sim::config_hash(inputs.config));

@@ -1,11 +1,11 @@
-#include "tools/sampling/slice_plan.h"
-
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "tools/sampling/tile_plan.h"
 
 // Plans that split a frame's tiles into slices.
 

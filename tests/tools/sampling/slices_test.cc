@@ -33,7 +33,7 @@ const Inputs& teapot_tiles() {
 const kernels::ProgramSpec kFull = kernels::parse_program("full:1");
 
 const FrameResult& uncut_teapot() {
-  static const FrameResult s = simulate(teapot_tiles(), kFull, 1);
+  static const FrameResult s = simulate_frame(teapot_tiles(), kFull, 1);
   return s;
 }
 
@@ -56,7 +56,7 @@ std::string first_difference(const FrameResult& a, const FrameResult& b) {
   for (std::size_t k = 0; k < a.kernel_use.size(); ++k) {
     if (a.kernel_use[k].cycles != b.kernel_use[k].cycles) return "kernel " + std::to_string(k);
   }
-  if (a.function.rgb != b.function.rgb || a.rays() != b.rays()) return "function";
+  if (a.rendered.rgb != b.rendered.rgb || a.rays() != b.rays()) return "function";
   return a.energy.total_pj.nominal == b.energy.total_pj.nominal ? "" : "energy";
 }
 
@@ -70,7 +70,7 @@ double counted(const FrameResult& s, const std::string& name) {
 }
 
 TEST(Slices, CostsAreGuessedFromStepsAndRaysThatSurfacesSendOn) {
-  const FrontEnd::Result& function = uncut_teapot().function;
+  const RenderResult& function = uncut_teapot().rendered;
   const auto rays = [&](traces::RayKind kind) { return function.rays[static_cast<std::size_t>(kind)]; };
   const double all = static_cast<double>(
       function.traversal_steps + 15 * (rays(traces::RayKind::kReflection) + rays(traces::RayKind::kRefraction)));
@@ -97,18 +97,18 @@ TEST(Slices, ShorterThanTheirLeadsAddUpToo) {
   const FrameResult one = simulate_slices(teapot_tiles(), kFull, 1, kSlices);
   const FrameResult three = simulate_slices(teapot_tiles(), kFull, 3, kSlices);
   EXPECT_EQ(first_difference(one, three), "");
-  EXPECT_EQ(one.function.traversal_steps, uncut_teapot().function.traversal_steps);
+  EXPECT_EQ(one.rendered.traversal_steps, uncut_teapot().rendered.traversal_steps);
   EXPECT_GT(one.sliced->again, (kSlices - 2) * 17U) << "longer than slices";
   EXPECT_NEAR(one.sliced->cycles.estimate, static_cast<double>(uncut_teapot().cycles), one.sliced->cycles.half_width());
 }
 
 TEST(Slices, ThePictureAndAllThatIsCountedOfItAreTheWholeFrames) {
   const FrameResult &whole = uncut_teapot(), &cut = eight_slices();
-  EXPECT_EQ(cut.function.rgb, whole.function.rgb);
-  EXPECT_EQ(cut.function.traversal_steps, whole.function.traversal_steps);
-  EXPECT_EQ(cut.function.sampling.background, whole.function.sampling.background);
-  for (std::size_t k = 0; k < std::size(whole.function.rays); ++k)
-    EXPECT_EQ(cut.function.rays[k], whole.function.rays[k]);
+  EXPECT_EQ(cut.rendered.rgb, whole.rendered.rgb);
+  EXPECT_EQ(cut.rendered.traversal_steps, whole.rendered.traversal_steps);
+  EXPECT_EQ(cut.rendered.sampling.background, whole.rendered.sampling.background);
+  for (std::size_t k = 0; k < std::size(whole.rendered.rays); ++k)
+    EXPECT_EQ(cut.rendered.rays[k], whole.rendered.rays[k]);
 }
 
 /// Eight slices, each simulated alone and parsed from its text.
@@ -124,11 +124,11 @@ const std::vector<sim::Json>& eight_parts() {
 
 TEST(Slices, PlayedEachAloneTheyAddUpToTheSameFrameToTheLastCounter) {
   FrameResult joined = join_slices(teapot_tiles(), kFull, eight_parts());
-  joined.function.rgb = eight_slices().function.rgb;
+  joined.rendered.rgb = eight_slices().rendered.rgb;
   EXPECT_EQ(first_difference(eight_slices(), joined), "");
   EXPECT_EQ(joined.sliced->cycles.half_width(), eight_slices().sliced->cycles.half_width());
   EXPECT_EQ(joined.sliced->energy_pj.half_width(), eight_slices().sliced->energy_pj.half_width());
-  EXPECT_EQ(joined.function.sampling.background, eight_slices().function.sampling.background);
+  EXPECT_EQ(joined.rendered.sampling.background, eight_slices().rendered.sampling.background);
 }
 
 TEST(Slices, WhatIsNoSliceOfTheFrameIsNotJoined) {
@@ -189,12 +189,12 @@ TEST(Slices, EveryUnitsReasonsSumToItsTimeWhichIsTheFrames) {
 }
 
 TEST(Slices, AutoGivesEachTenTimesTheTilesThatFillItsMachine) {
-  EXPECT_EQ(slices_of(teapot_tiles().config, kFull, kAutoSlices), 16U) << "1600 tiles, 10 fill it";
-  EXPECT_EQ(slices_of(teapot_tiles().config, kFull, 160), 160U);
-  EXPECT_THROW(slices_of(teapot_tiles().config, kFull, 161), sim::InputError);
+  EXPECT_EQ(slice_count(teapot_tiles().config, kFull, kAutoSlices), 16U) << "1600 tiles, 10 fill it";
+  EXPECT_EQ(slice_count(teapot_tiles().config, kFull, 160), 160U);
+  EXPECT_THROW(slice_count(teapot_tiles().config, kFull, 161), sim::InputError);
   JobOptions small;
   small.resolution = "64x64";
-  EXPECT_EQ(slices_of(load_inputs(small).config, kFull, kAutoSlices), 1U);
+  EXPECT_EQ(slice_count(load_inputs(small).config, kFull, kAutoSlices), 1U);
 }
 
 TEST(Slices, OfFramesThatAreAddedUpChanceEvensOut) {

@@ -11,7 +11,6 @@
 
 #include "sim/error.h"
 #include "tests/tools/program.h"
-#include "tools/sampling/sampled_run.h"
 
 // Sampled frames compared with the same frames simulated as a whole.
 
@@ -36,7 +35,7 @@ const kernels::ProgramSpec& program() {
 }
 
 const FrameResult& whole() {
-  static const FrameResult s = simulate(inputs(), program(), 1);
+  static const FrameResult s = simulate_frame(inputs(), program(), 1);
   return s;
 }
 
@@ -79,7 +78,7 @@ TEST(TileSampling, AFrameTooSmallToSampleIsTimedWholeToTheLastCounter) {
   JobOptions options;
   options.resolution = "64x64";
   const Inputs small = load_inputs(options);
-  const FrameResult a = simulate(small, program(), 1), b = simulate_sampled(small, program(), 1, {});
+  const FrameResult a = simulate_frame(small, program(), 1), b = simulate_sampled(small, program(), 1, {});
   EXPECT_EQ(difference(a, b), "");
   EXPECT_EQ(b.sampled->timed, b.sampled->tiles);
   EXPECT_EQ(b.sampled->cycles.half_width(), 0);
@@ -95,15 +94,15 @@ TEST(TileSampling, EstimatesAreTheSameWithAndWithoutAPicture) {
   sampling.full_image = false;
   const FrameResult blind = simulate_sampled(inputs(), program(), 2, sampling);
   EXPECT_EQ(difference(sampled(), blind), "");
-  EXPECT_TRUE(blind.function.rgb.empty());
+  EXPECT_TRUE(blind.rendered.rgb.empty());
   EXPECT_NEAR(static_cast<double>(blind.rays()), static_cast<double>(whole().rays()),
               0.02 * static_cast<double>(whole().rays()));
 }
 
 TEST(TileSampling, ThePictureAndWhatWasTracedAreThoseOfTheWholeFrame) {
-  EXPECT_EQ(sampled().function.rgb, whole().function.rgb);
+  EXPECT_EQ(sampled().rendered.rgb, whole().rendered.rgb);
   EXPECT_EQ(sampled().rays(), whole().rays());
-  EXPECT_EQ(sampled().function.traversal_steps, whole().function.traversal_steps);
+  EXPECT_EQ(sampled().rendered.traversal_steps, whole().rendered.traversal_steps);
 }
 
 TEST(TileSampling, ReasonsOfEveryUnitSumToItsTime) {
@@ -200,7 +199,7 @@ TEST(TileSampling, AutoThatTimesAllTilesInTheEndIsExactAndKeepsThePicture) {
   sampling.target = 1e-6;
   const FrameResult s = simulate_sampled(inputs(), program(), 1, sampling);
   EXPECT_EQ(difference(s, whole()), "");
-  EXPECT_EQ(s.function.rgb, whole().function.rgb);
+  EXPECT_EQ(s.rendered.rgb, whole().rendered.rgb);
   EXPECT_GT(s.sampled->rounds, 1U);
   EXPECT_EQ(s.sampled->timed, s.sampled->tiles);
   EXPECT_EQ(s.sampled->measured, s.sampled->tiles);
@@ -213,7 +212,7 @@ TEST(TileSampling, ALargeL2IsAsWarmAsInTheWholeFrame) {
   options.resolution = "512x256";
   options.sets = {"render.tile=8", "l2.size=8 MiB"};
   const Inputs large = load_inputs(options);
-  const FrameResult a = simulate(large, program(), 1), b = simulate_sampled(large, program(), 1, {});
+  const FrameResult a = simulate_frame(large, program(), 1), b = simulate_sampled(large, program(), 1, {});
   EXPECT_LT(b.sampled->timed, b.sampled->tiles);
   EXPECT_NEAR(b.sampled->cycles.estimate, static_cast<double>(a.cycles), b.sampled->cycles.half_width());
   EXPECT_NEAR(b.sampled->energy_pj.estimate, a.energy.total_pj.nominal, b.sampled->energy_pj.half_width());

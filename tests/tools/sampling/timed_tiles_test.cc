@@ -23,7 +23,7 @@ const Frame& frame() {
 
 struct BlockRun {
   std::vector<Mark> marks;
-  std::vector<TimedTiles::Played> played;
+  std::vector<TimedTiles::TimedTile> played;
   std::uint64_t fills = 0, warmed = 0;
   std::vector<sim::UnitReport> units;
 };
@@ -36,11 +36,11 @@ BlockRun run(const std::vector<TimedBlock>& blocks, const std::vector<std::uint3
   for (std::size_t i = 1; i < blocks.size(); ++i) marked.insert(marked.end(), {blocks[i].first, blocks[i].measured});
   TimedTiles tiles(front_end, blocks, marked);
   hw::Gpu gpu(config, frame().workload(), tiles);
-  tiles.connect(gpu);
+  tiles.set_gpu(gpu);
   gpu.finish(sim::run(gpu));
-  tiles.finish();
-  BlockRun r{{}, tiles.played(), 0, tiles.warmed(), gpu.report()};
-  for (const std::uint32_t tile : marked) r.marks.push_back(tiles.at(tile));
+  tiles.end_tiles();
+  BlockRun r{{}, tiles.simulated_tiles(), 0, tiles.warmed_tiles(), gpu.report()};
+  for (const std::uint32_t tile : marked) r.marks.push_back(tiles.mark_at(tile));
   for (const sim::UnitReport& unit : r.units) {
     for (const sim::CounterReport& counter : unit.counters)
       r.fills += unit.block == "l2" && counter.name == "fills" ? counter.value : 0;
@@ -66,7 +66,7 @@ TEST(TimedTiles, OneBlockOfAllTilesIsThePlainRun) {
 TEST(TimedTiles, TilesOfBlocksAloneArePlayedInOrder) {
   const BlockRun r = run({{0, 0, 4, 0}, {40, 42, 48, 5}, {120, 124, 128, 8}});
   std::vector<std::uint32_t> tiles;
-  for (const TimedTiles::Played& tile : r.played) tiles.push_back(tile.tile);
+  for (const TimedTiles::TimedTile& tile : r.played) tiles.push_back(tile.tile);
   EXPECT_EQ(tiles, (std::vector<std::uint32_t>{0,  1,  2,   3,   40,  41,  42,  43,  44,  45,
                                                46, 47, 120, 121, 122, 123, 124, 125, 126, 127}));
   EXPECT_EQ(r.warmed, 13U);
@@ -76,11 +76,11 @@ TEST(TimedTiles, MarksBoundTheMeasuredParts) {
   const BlockRun r = run({{0, 0, 4, 0}, {40, 42, 48, 5}, {120, 124, 128, 8}});
   ASSERT_EQ(r.marks.size(), 5U);
   const auto begin_of = [&](std::uint32_t tile) {
-    return std::ranges::find(r.played, tile, &TimedTiles::Played::tile)->begin;
+    return std::ranges::find(r.played, tile, &TimedTiles::TimedTile::tile)->begin;
   };
   const std::vector<sim::Time> times = {begin_of(0), begin_of(40), begin_of(42), begin_of(120), begin_of(124)};
   for (std::size_t i = 0; i < times.size(); ++i) EXPECT_EQ(r.marks[i].time, times[i]) << i;
-  for (const TimedTiles::Played& tile : r.played) EXPECT_LT(tile.begin, tile.end) << tile.tile;
+  for (const TimedTiles::TimedTile& tile : r.played) EXPECT_LT(tile.begin, tile.end) << tile.tile;
 }
 
 TEST(TimedTiles, TilesThatNobodyNeedsNeedNotBeMade) {

@@ -39,10 +39,10 @@ INSTANTIATE_TEST_SUITE_P(Programs, HeatMapsOf, testing::Values("full:1", "full:4
                          [](const auto& i) { return std::string(i.param).substr(0, 4) + std::to_string(i.index); });
 
 TEST_P(HeatMapsOf, PixelsHaveTheirOwnWork) {
-  for (std::size_t i = 0; i < s.function.pixels.size(); ++i) {
-    EXPECT_EQ(maps.at("rays").values[i], static_cast<float>(s.function.pixels[i].rays)) << i;
-    EXPECT_EQ(maps.at("steps").values[i], static_cast<float>(s.function.pixels[i].steps)) << i;
-    EXPECT_EQ(maps.at("tests").values[i], static_cast<float>(s.function.pixels[i].tests)) << i;
+  for (std::size_t i = 0; i < s.rendered.pixels.size(); ++i) {
+    EXPECT_EQ(maps.at("rays").values[i], static_cast<float>(s.rendered.pixels[i].rays)) << i;
+    EXPECT_EQ(maps.at("steps").values[i], static_cast<float>(s.rendered.pixels[i].steps)) << i;
+    EXPECT_EQ(maps.at("tests").values[i], static_cast<float>(s.rendered.pixels[i].tests)) << i;
   }
 }
 

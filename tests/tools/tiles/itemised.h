@@ -19,7 +19,7 @@ inline Inputs small_inputs(const std::vector<std::string>& sets = {}, const std:
 
 /// Runs a frame with accounts for each tile and pixel.
 inline FrameResult itemised(const Inputs& inputs, const char* program = "full:1", std::uint32_t threads = 1) {
-  return simulate(inputs, kernels::parse_program(program), threads, {.itemised = true});
+  return simulate_frame(inputs, kernels::parse_program(program), threads, {.itemised = true});
 }
 
 }  // namespace tools::test

@@ -54,11 +54,11 @@ INSTANTIATE_TEST_SUITE_P(Programs, PixelsOf,
 TEST_P(PixelsOf, EachProgramSumToItsTotalsForAnyNumberOfThreads) {
   const FrameResult s = itemised(inputs_, GetParam());
   const TileFrame frame = tile_frame(s, inputs_.config, 0);
-  ASSERT_EQ(s.function.pixels.size(), std::size_t{kWidth} * kHeight);
-  EXPECT_EQ(sums(s.function.pixels), (Sums{s.rays(), s.function.traversal_steps, total(frame, "tests")}));
+  ASSERT_EQ(s.rendered.pixels.size(), std::size_t{kWidth} * kHeight);
+  EXPECT_EQ(sums(s.rendered.pixels), (Sums{s.rays(), s.rendered.traversal_steps, total(frame, "tests")}));
   const FrameResult other = itemised(inputs_, GetParam(), 4);
-  for (std::size_t i = 0; i < s.function.pixels.size(); ++i) {
-    const PixelWork &a = s.function.pixels[i], &b = other.function.pixels[i];
+  for (std::size_t i = 0; i < s.rendered.pixels.size(); ++i) {
+    const PixelWork &a = s.rendered.pixels[i], &b = other.rendered.pixels[i];
     ASSERT_TRUE(a.rays == b.rays && a.steps == b.steps && a.tests == b.tests) << "pixel " << i;
   }
 }
@@ -72,7 +72,7 @@ TEST(Pixels, OfATileSumToIt) {
       Sums of_tile;
       for (double y = frame.at("y")[i]; y < frame.at("y")[i] + frame.at("height")[i]; ++y) {
         for (double x = frame.at("x")[i]; x < frame.at("x")[i] + frame.at("width")[i]; ++x) {
-          of_tile.add(s.function.pixels[static_cast<std::size_t>(y * kWidth + x)]);
+          of_tile.add(s.rendered.pixels[static_cast<std::size_t>(y * kWidth + x)]);
         }
       }
       EXPECT_EQ(of_tile.steps, static_cast<std::uint64_t>(frame.at("steps")[i])) << program << " tile " << i;
@@ -85,12 +85,12 @@ TEST(Pixels, HaveRaysWhereTheProgramTraced) {
   // Halos come from memory, so that a tile traces its own samples alone.
   const Inputs inputs = small_inputs({"render.tile=16"});
   for (const char* program : {"multirate:under", "undersample"}) {
-    const FrameResult s = simulate(inputs, kernels::parse_program(program), 1, {.marks = true, .itemised = true});
-    ASSERT_EQ(s.function.marks.size(), s.function.pixels.size());
+    const FrameResult s = simulate_frame(inputs, kernels::parse_program(program), 1, {.marks = true, .itemised = true});
+    ASSERT_EQ(s.rendered.marks.size(), s.rendered.pixels.size());
     std::size_t untraced = 0;
-    for (std::size_t i = 0; i < s.function.pixels.size(); ++i) {
-      const bool traced = (s.function.marks[i] & kernels::kTracedMark) != 0;
-      EXPECT_EQ(s.function.pixels[i].rays > 0, traced) << program << " pixel " << i % kWidth << ", " << i / kWidth;
+    for (std::size_t i = 0; i < s.rendered.pixels.size(); ++i) {
+      const bool traced = (s.rendered.marks[i] & kernels::kTracedMark) != 0;
+      EXPECT_EQ(s.rendered.pixels[i].rays > 0, traced) << program << " pixel " << i % kWidth << ", " << i / kWidth;
       untraced += traced ? 0 : 1;
     }
     const bool is_sparse = program == std::string("multirate:under");

@@ -38,9 +38,9 @@ double counted(std::uint64_t value) { return static_cast<double>(value); }
 void expect_sums(const FrameResult& s, const TileFrame& frame) {
   constexpr const char* kRays[] = {"rays_primary", "rays_shadow", "rays_reflection", "rays_refraction"};
   for (std::size_t kind = 0; kind < std::size(kRays); ++kind) {
-    EXPECT_EQ(sum_of_column(frame, kRays[kind]), counted(s.function.rays[kind])) << kRays[kind];
+    EXPECT_EQ(sum_of_column(frame, kRays[kind]), counted(s.rendered.rays[kind])) << kRays[kind];
   }
-  EXPECT_EQ(sum_of_column(frame, "steps"), counted(s.function.traversal_steps));
+  EXPECT_EQ(sum_of_column(frame, "steps"), counted(s.rendered.traversal_steps));
   EXPECT_EQ(sum_of_column(frame, "tests"), counted(Units<hw::Ist>(s.units).counted(&hw::Ist::Stats::tests)));
   std::uint64_t kernel_cycles = 0;
   for (const hw::KernelUse& use : s.kernel_use) kernel_cycles += use.cycles;
@@ -69,7 +69,7 @@ TEST(TilesOfRandomMachines, SumToTheirTotalsAndChangeNothing) {
   Inputs inputs = small_inputs({"render.tile=8"}, "32x16");
   for (std::uint64_t seed = 0; seed < 30; ++seed) {
     *inputs.config.gpu = hw::test::random_config(seed);
-    const FrameResult plain = simulate(inputs, {}, 1), s = itemised(inputs);
+    const FrameResult plain = simulate_frame(inputs, {}, 1), s = itemised(inputs);
     const hw::test::Outcome a{plain.units, plain.kernel_use, {}, plain.elapsed, plain.cycles};
     const hw::test::Outcome b{s.units, s.kernel_use, {}, s.elapsed, s.cycles};
     EXPECT_EQ(difference(a, b), "") << "machine " << seed;

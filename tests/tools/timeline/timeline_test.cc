@@ -21,7 +21,7 @@ namespace {
 struct Recorded {
   Inputs inputs = small_inputs({"render.tile=16", "cores=2"});
   TimelineRecorder recorder{2};
-  FrameResult s = simulate(inputs, {}, 1, {.itemised = true, .observer = &recorder});
+  FrameResult s = simulate_frame(inputs, {}, 1, {.itemised = true, .observer = &recorder});
   TileFrame tiles = tile_frame(s, inputs.config, 0);
 
   Timeline make(const std::string& asked, std::uint64_t most_bytes = kMostTimelineBytes) const {
@@ -162,7 +162,7 @@ TEST(Timelines, KeepToTheirRoomAndSayWhatHadNone) {
 
 TEST(Timelines, ChangeNothing) {
   const Recorded& r = recorded();
-  const FrameResult plain = simulate(r.inputs, {}, 1);
+  const FrameResult plain = simulate_frame(r.inputs, {}, 1);
   const hw::test::Outcome a{plain.units, plain.kernel_use, {}, plain.elapsed, plain.cycles};
   const hw::test::Outcome b{r.s.units, r.s.kernel_use, {}, r.s.elapsed, r.s.cycles};
   EXPECT_EQ(difference(a, b), "");
@@ -171,7 +171,7 @@ TEST(Timelines, ChangeNothing) {
 TEST(Timelines, AreTheSameForAnyNumberOfThreads) {
   const Recorded& r = recorded();
   TimelineRecorder recorder(2);
-  const FrameResult s = simulate(r.inputs, {}, 3, {.itemised = true, .observer = &recorder});
+  const FrameResult s = simulate_frame(r.inputs, {}, 3, {.itemised = true, .observer = &recorder});
   EXPECT_EQ(make_timeline(recorder, {}, s, r.tiles, r.inputs.config).bytes, r.make("all").bytes);
 }
 

@@ -6,7 +6,11 @@
 #include <numeric>
 #include <utility>
 
+#include "hw_models/machines/gpu.h"
 #include "sim/host_clock.h"
+#include "tools/host/interrupt.h"
+#include "tools/run/frame/replay_program.h"
+#include "traces/trace_file/trace_writer.h"
 
 namespace tools {
 namespace {
@@ -30,7 +34,7 @@ FrontEnd::FrontEnd(kernels::FrameProgram& program, const traces::Tracer& tracer,
       tile_indices_(std::move(tile_indices)),
       max_ahead_(std::max<std::size_t>(1, 8 * std::size_t{workers})) {
   if (itemised) {
-    result_.summaries.tiles.reserve(count());
+    result_.summaries.tiles.reserve(tile_count());
     result_.pixels.resize(program.picture().size() / 3);
   }
   threads_.reserve(workers);
@@ -62,7 +66,7 @@ std::unique_ptr<FrontEnd::Slot> FrontEnd::take_slot() {
   return slot;
 }
 
-void FrontEnd::make(Slot& slot, std::uint32_t tile, kernels::TileBuffer& buffer) const {
+void FrontEnd::execute_tile(Slot& slot, std::uint32_t tile, kernels::TileBuffer& buffer) const {
   const sim::HostClock::time_point begin = sim::HostClock::now();
   std::swap(slot.tile.buffer, buffer);
   slot.tile.wants_pixel_work = itemised_;
@@ -75,8 +79,8 @@ void FrontEnd::run_ahead() {
   kernels::TileBuffer buffer;
   std::unique_lock lock(mutex_);
   for (;;) {
-    room_.wait(lock, [&] { return stop_ || failure_ || next_tile_ == count() || may_make(); });
-    if (stop_ || failure_ || next_tile_ == count()) return;
+    room_.wait(lock, [&] { return stop_ || failure_ || next_tile_ == tile_count() || may_execute(); });
+    if (stop_ || failure_ || next_tile_ == tile_count()) return;
     try {
       ahead_.push_back(take_slot());
     } catch (...) {
@@ -90,7 +94,7 @@ void FrontEnd::run_ahead() {
     const std::uint32_t tile = tile_index(next_tile_++);
     lock.unlock();
     try {
-      make(slot, tile, buffer);
+      execute_tile(slot, tile, buffer);
     } catch (...) {
       slot.failure = std::current_exception();
     }
@@ -106,14 +110,14 @@ void FrontEnd::run_ahead() {
 
 const traces::TileWork* FrontEnd::next() {
   const sim::HostClock::time_point begin = sim::HostClock::now();
-  const traces::TileWork* work = take();
+  const traces::TileWork* work = take_tile();
   result_.waited += sim::seconds_since(begin);
   return work;
 }
 
-const traces::TileWork* FrontEnd::take() {
+const traces::TileWork* FrontEnd::take_tile() {
   std::unique_lock lock(mutex_);
-  if (taken_ == count()) return nullptr;
+  if (taken_ == tile_count()) return nullptr;
   if (taken_ == pass_end_) {
     program_.begin_pass(taken_, tracer_);
     pass_end_ = program_.pass_end(taken_);
@@ -121,7 +125,7 @@ const traces::TileWork* FrontEnd::take() {
   }
   if (threads_.empty()) {
     ahead_.push_back(take_slot());
-    make(*ahead_.back(), tile_index(next_tile_++), buffer_);
+    execute_tile(*ahead_.back(), tile_index(next_tile_++), buffer_);
   } else {
     // Failures are reported in tile order, whichever thread fails first.
     news_.wait(lock, [&] { return ahead_.empty() ? failure_ != nullptr : ahead_.front()->ready; });
@@ -133,7 +137,7 @@ const traces::TileWork* FrontEnd::take() {
   ahead_.erase(ahead_.begin());
   room_.notify_one();
   taken_ += 1;
-  keep(*handed_.back());
+  commit_slot(*handed_.back());
   return &handed_.back()->tile.work;
 }
 
@@ -144,21 +148,21 @@ void FrontEnd::give_back(const traces::TileWork* work) {
   handed_.erase(slot);
 }
 
-void FrontEnd::keep(const Slot& slot) {
+void FrontEnd::commit_slot(const Slot& slot) {
   each_array(slot.tile, [longest = longest_.begin()](const auto& array) mutable {
     *longest = std::max(*longest, array.size());
     ++longest;
   });
   program_.commit_tile(slot.tile);
-  if (itemised_) itemise(slot.tile);
-  if (taken_ == count()) keep_picture();
+  if (itemised_) add_tile_costs(slot.tile);
+  if (taken_ == tile_count()) finish_picture();
   for (std::size_t k = 0; k < std::size(result_.rays); ++k) result_.rays[k] += slot.tile.rays[k];
   result_.continued += slot.tile.continued;
   result_.traversal_steps += slot.tile.traversal_steps;
   result_.seconds += slot.seconds;
 }
 
-void FrontEnd::itemise(const kernels::TileResult& tile) {
+void FrontEnd::add_tile_costs(const kernels::TileResult& tile) {
   result_.summaries.add(tile);
   for (const kernels::PixelWork& work : tile.pixel_work) {
     kernels::PixelWork& pixel = result_.pixels[work.pixel];
@@ -168,23 +172,54 @@ void FrontEnd::itemise(const kernels::TileResult& tile) {
   }
 }
 
-void FrontEnd::keep_picture() {
+void FrontEnd::finish_picture() {
   if (result_.rgb.empty()) result_.rgb = program_.take_picture();
   result_.sampling = program_.sampling();
   result_.marks = program_.sample_marks();
 }
 
-std::uint64_t FrontEnd::Result::all_rays() const {
+std::uint64_t RenderResult::all_rays() const {
   return std::accumulate(std::begin(rays), std::end(rays), std::uint64_t{0});
 }
 
-void FrontEnd::Result::add(const Result& other) {
+void RenderResult::add(const RenderResult& other) {
   for (std::size_t k = 0; k < std::size(rays); ++k) rays[k] += other.rays[k];
   sampling.add(other.sampling);
   continued += other.continued;
   traversal_steps += other.traversal_steps;
   seconds += other.seconds;
   waited += other.waited;
+}
+
+void RunTiles::begin_part(const char* phase, std::uint32_t frame) const {
+  if (progress_ != nullptr) progress_->begin_part(phase, frame, tiles_ + (former_ != nullptr ? former_->tiles : 0));
+}
+
+const traces::TileWork* RunTiles::next() {
+  if (is_interrupted()) {
+    if (!keep_part_ || finished_ == 0) throw Interrupted{};
+    front_end_.finish_picture();
+    return nullptr;
+  }
+  const traces::TileWork* work = front_end_.next();
+  if (trace_ != nullptr && work != nullptr) trace_->add(*work);
+  if (kept_ != nullptr && work != nullptr) kept_->add(*work);
+  return work;
+}
+
+void RunTiles::give_back(const traces::TileWork* work) {
+  front_end_.give_back(work);
+  finished_ += 1;
+  if (watcher_ != nullptr && watcher_->frame_requested()) watcher_->publish_frame(front_end_.picture_so_far());
+  ProgressBase all = former_ != nullptr ? *former_ : ProgressBase{};
+  all.tiles += finished_;
+  all.rays += front_end_.result().all_rays();
+  all.cycles += gpu_ != nullptr ? gpu_->cycles_so_far() : 0;
+  if (former_ != nullptr && finished_ == tiles_) {
+    *former_ = all;
+  } else {
+    all.report_to(progress_);
+  }
 }
 
 }  // namespace tools

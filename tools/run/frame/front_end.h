@@ -1,41 +1,56 @@
 #pragma once
 #include <array>
+#include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <exception>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <thread>
 #include <vector>
 
 #include "hw_models/frame/tile_dispatcher.h"
 #include "shader_kernels/programs/wavefront/frame_program.h"
 #include "shader_kernels/programs/wavefront/tile_result.h"
+#include "sim/intervals.h"
+#include "sim/unit_report.h"
+#include "tools/host/progress.h"
 #include "traces/ray.h"
 
+namespace hw {
+class Gpu;
+}
+
+namespace traces {
+class TraceWriter;
+}
+
 namespace tools {
+
+class InMemoryTrace;
+
+/// Results of a frame program, independent of the machine.
+struct RenderResult {
+  std::vector<float> rgb;                  ///< linear RGB by rows; set after the last tile or by keep_picture()
+  kernels::Sampling sampling;              ///< set together with rgb
+  std::vector<kernels::SampleMark> marks;  ///< set together with rgb, if the program keeps marks
+  kernels::TileSummaries summaries;        ///< of the tiles taken so far, if itemised
+  std::vector<kernels::PixelWork> pixels;  ///< if itemised, by rows; empty for a program without a picture
+  std::uint64_t rays[static_cast<std::size_t>(traces::RayKind::kCount)] = {};
+  std::uint64_t continued = 0;  ///< rays that continued behind a transparent surface
+  std::uint64_t traversal_steps = 0;
+  double seconds = 0;  ///< host time summed over threads
+  double waited = 0;   ///< host time that the caller of next() was blocked
+  std::uint64_t all_rays() const;
+  /// Adds the counts of another frame. The picture and the data of tiles and pixels stay.
+  void add(const RenderResult& other);
+};
 
 /// Executes a frame program tile by tile, in order, and keeps the picture. Worker threads run ahead of the machine by a
 /// bounded number of tiles and bytes. The results are independent of the number of threads.
 class FrontEnd final : public hw::TileSource {
  public:
-  /// Results of a frame program, independent of the machine.
-  struct Result {
-    std::vector<float> rgb;                  ///< linear RGB by rows; set after the last tile or by keep_picture()
-    kernels::Sampling sampling;              ///< set together with rgb
-    std::vector<kernels::SampleMark> marks;  ///< set together with rgb, if the program keeps marks
-    kernels::TileSummaries summaries;        ///< of the tiles taken so far, if itemised
-    std::vector<kernels::PixelWork> pixels;  ///< if itemised, by rows; empty for a program without a picture
-    std::uint64_t rays[static_cast<std::size_t>(traces::RayKind::kCount)] = {};
-    std::uint64_t continued = 0;  ///< rays that continued behind a transparent surface
-    std::uint64_t traversal_steps = 0;
-    double seconds = 0;  ///< host time summed over threads
-    double waited = 0;   ///< host time that the caller of next() was blocked
-    std::uint64_t all_rays() const;
-    /// Adds the counts of another frame. The picture and the data of tiles and pixels stay.
-    void add(const Result& other);
-  };
-
   /// `workers`: threads besides the caller's; 0: next() executes tiles. `record`: also record the work for a machine.
   /// `tile_indices`: entries of the tile list to execute, in order, for a program of one pass; empty: all. `itemised`:
   /// keep the costs of each tile and pixel.
@@ -47,11 +62,11 @@ class FrontEnd final : public hw::TileSource {
 
   const traces::TileWork* next() override;
   void give_back(const traces::TileWork* work) override;
-  const Result& result() const { return result_; }
+  const RenderResult& result() const { return result_; }
   /// Picture of the tiles taken so far.
-  const std::vector<float>& picture() const { return result_.rgb.empty() ? program_.picture() : result_.rgb; }
+  const std::vector<float>& picture_so_far() const { return result_.rgb.empty() ? program_.picture() : result_.rgb; }
   /// Sets the picture in result() for an unfinished frame. No tile may be taken afterwards.
-  void keep_picture();
+  void finish_picture();
 
  private:
   struct Slot {
@@ -62,18 +77,18 @@ class FrontEnd final : public hw::TileSource {
     std::exception_ptr failure;  ///< exception of its execution
   };
   void run_ahead();
-  bool may_make() const {
+  bool may_execute() const {
     constexpr std::uint64_t kMaxBytes = 256U << 20;
     return next_tile_ < pass_end_ && ahead_.size() < max_ahead_ && ahead_bytes_ < kMaxBytes;
   }
-  const traces::TileWork* take();
+  const traces::TileWork* take_tile();
   /// Returns a free slot with the capacity that tiles have needed so far, so that later tiles do not allocate.
   std::unique_ptr<Slot> take_slot();
   /// Executes a tile. `buffer`: scratch memory of the thread, shared by its tiles.
-  void make(Slot& slot, std::uint32_t tile, kernels::TileBuffer& buffer) const;
-  void keep(const Slot& slot);
-  void itemise(const kernels::TileResult& tile);
-  std::uint32_t count() const {
+  void execute_tile(Slot& slot, std::uint32_t tile, kernels::TileBuffer& buffer) const;
+  void commit_slot(const Slot& slot);
+  void add_tile_costs(const kernels::TileResult& tile);
+  std::uint32_t tile_count() const {
     return tile_indices_.empty() ? program_.tiles() : static_cast<std::uint32_t>(tile_indices_.size());
   }
   std::uint32_t tile_index(std::uint32_t i) const { return tile_indices_.empty() ? i : tile_indices_[i]; }
@@ -82,7 +97,7 @@ class FrontEnd final : public hw::TileSource {
   const traces::Tracer& tracer_;
   const bool record_, itemised_;
   const std::vector<std::uint32_t> tile_indices_;
-  Result result_;
+  RenderResult result_;
   std::mutex mutex_;
   std::condition_variable room_, news_;
   std::vector<std::unique_ptr<Slot>> ahead_;   ///< tiles in execution or finished, in order
@@ -99,6 +114,63 @@ class FrontEnd final : public hw::TileSource {
   bool stop_ = false;
   std::exception_ptr failure_;  ///< exception while the slot of next_tile_ was allocated
   std::vector<std::thread> threads_;
+};
+
+/// Receives a frame while it is simulated. The simulation thread calls it at tile ends, only when a frame was
+/// requested, so that thread reads no clock.
+class RunWatcher {
+ public:
+  virtual ~RunWatcher() = default;
+  /// Called before a machine's first cycle, with its units and the intervals that it records.
+  virtual void begin_machine(std::vector<sim::UnitReport> units, const sim::Intervals* intervals) = 0;
+  bool frame_requested() const { return requested_.load(std::memory_order_relaxed); }
+  /// Called with the picture so far, in linear light.
+  virtual void publish_frame(std::span<const float> rgb) = 0;
+
+ protected:
+  std::atomic<bool> requested_{false};
+};
+
+/// Sums over earlier front ends that executed tiles of the same frame.
+struct ProgressBase {
+  std::uint32_t tiles = 0;
+  std::uint64_t rays = 0, cycles = 0;
+  /// Reports the sums as progress.
+  void report_to(Progress* progress) const {
+    if (progress != nullptr) progress->set_tiles_done(tiles, rays, cycles);
+  }
+};
+
+/// Passes tiles from the front end to the machine, reports progress and records the work. After an interrupt, next()
+/// throws Interrupted or, with `keep_part`, ends the list: the machine finishes the tiles that it has.
+class RunTiles final : public hw::TileSource {
+ public:
+  /// `tiles`: number of tiles. `former`: sums over earlier tiles of the same progress part, which this object
+  /// continues.
+  RunTiles(FrontEnd& front_end, std::uint32_t tiles, Progress* progress, bool keep_part = false,
+           ProgressBase* former = nullptr)
+      : front_end_(front_end), tiles_(tiles), progress_(progress), keep_part_(keep_part), former_(former) {}
+
+  /// Records the work of each tile; either argument may be null.
+  void record_to(traces::TraceWriter* trace, InMemoryTrace* kept) { trace_ = trace, kept_ = kept; }
+  void begin_part(const char* phase, std::uint32_t frame) const;
+  void set_gpu(const hw::Gpu& gpu) { gpu_ = &gpu; }
+  void set_watcher(RunWatcher* watcher) { watcher_ = watcher; }
+  const traces::TileWork* next() override;
+  void give_back(const traces::TileWork* work) override;
+  std::uint32_t finished_tiles() const { return finished_; }
+
+ private:
+  FrontEnd& front_end_;
+  const std::uint32_t tiles_;
+  Progress* const progress_;
+  const bool keep_part_;
+  ProgressBase* const former_;
+  const hw::Gpu* gpu_ = nullptr;
+  RunWatcher* watcher_ = nullptr;
+  traces::TraceWriter* trace_ = nullptr;
+  InMemoryTrace* kept_ = nullptr;
+  std::uint32_t finished_ = 0;
 };
 
 }  // namespace tools

@@ -59,7 +59,7 @@ std::string digest_of(const std::vector<float>& rgb) {
   return sim::sha256_hex({reinterpret_cast<const char*>(rgb.data()), rgb.size() * sizeof(float)});
 }
 
-std::optional<std::vector<float>> find(const fs::path& picture, const fs::path& digest, std::size_t values) {
+std::optional<std::vector<float>> load_truth(const fs::path& picture, const fs::path& digest, std::size_t values) {
   try {
     traces::FloatImage image = traces::read_exr(picture);
     if (image.rgb.size() != values || sim::read_file(digest, kDigestBytes) != digest_of(image.rgb)) return {};
@@ -70,23 +70,24 @@ std::optional<std::vector<float>> find(const fs::path& picture, const fs::path& 
   return {};
 }
 
-void keep(const fs::path& picture, const fs::path& digest, const RunConfig& config, const std::vector<float>& rgb) {
+void store_truth(const fs::path& picture, const fs::path& digest, const RunConfig& config,
+                 const std::vector<float>& rgb) {
   try {
     std::error_code failed;
     fs::create_directories(picture.parent_path(), failed);
     traces::write_exr(picture, config.render.width, config.render.height, rgb);
     sim::write_file_atomically(digest, digest_of(rgb));
   } catch (const sim::IoError& error) {
-    tell("warning: the ground truth is not kept: {}", error.what());
+    print_message("warning: the ground truth is not kept: {}", error.what());
   }
 }
 
 std::vector<float> render_truth(Inputs& inputs, std::uint32_t samples, std::uint32_t threads, Progress* progress) {
   const Restored<kernels::SamplePattern> pattern(inputs.config.render.samples, kernels::SamplePattern::kJittered);
   const Restored<std::uint32_t> seed(inputs.frame, inputs.frame ^ kOtherSeed);
-  const traces::EmbreeTracer embree(inputs.image, host_threads(threads), interrupted);
-  return render(inputs, kernels::parse_program(fmt::format("full:{}", samples)), embree, threads,
-                {.progress = progress})
+  const traces::EmbreeTracer embree(inputs.image, host_threads(threads), is_interrupted);
+  return render_frame(inputs, kernels::parse_program(fmt::format("full:{}", samples)), embree, threads,
+                      {.progress = progress})
       .rgb;
 }
 
@@ -106,9 +107,9 @@ std::vector<float> ground_truth(Inputs& inputs, std::uint32_t samples, std::uint
   const std::string name = name_of(inputs, samples);
   const fs::path picture = cache / (name + ".exr"), digest = cache / (name + ".sha256");
   const std::size_t values = std::size_t{inputs.config.render.width} * inputs.config.render.height * 3;
-  if (std::optional<std::vector<float>> kept = find(picture, digest, values)) return *std::move(kept);
+  if (std::optional<std::vector<float>> kept = load_truth(picture, digest, values)) return *std::move(kept);
   std::vector<float> rgb = render_truth(inputs, samples, threads, progress);
-  keep(picture, digest, inputs.config, rgb);
+  store_truth(picture, digest, inputs.config, rgb);
   return rgb;
 }
 

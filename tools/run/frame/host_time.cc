@@ -36,7 +36,7 @@ class MeasuredTiles final : public hw::TileSource {
   }
   void give_back(const traces::TileWork* work) override { source_.give_back(work); }
   double making_seconds() const { return making_; }
-  std::uint64_t steps() const { return steps_; }
+  std::uint64_t step_count() const { return steps_; }
 
  private:
   FrontEnd& source_;
@@ -55,7 +55,7 @@ std::vector<std::uint32_t> spread_over(std::uint32_t all, std::uint32_t count) {
 
 }  // namespace
 
-double estimated_steps(const Inputs& inputs, const kernels::ProgramSpec& spec) {
+double estimate_steps(const Inputs& inputs, const kernels::ProgramSpec& spec) {
   kernels::RenderConfig few = inputs.config.render;
   const double samples = static_cast<double>(few.width) * few.height * spec.samples;
   few.width = std::clamp(few.width / kOneOf, 1U, kAcross);
@@ -72,16 +72,18 @@ double estimated_steps(const Inputs& inputs, const kernels::ProgramSpec& spec) {
   return static_cast<double>(steps) / looked_at * samples;
 }
 
-bool may_be_long(double steps, const Plays& plays) { return steps * kSlowestStep * plays.replicates >= kLong; }
+bool may_take_minutes(double steps, const RunParallelism& plays) {
+  return steps * kSlowestStep * plays.replicates >= kLong;
+}
 
-HostRate measured_rate(const Inputs& inputs, const kernels::ProgramSpec& spec) {
+HostRate measure_rate(const Inputs& inputs, const kernels::ProgramSpec& spec) {
   const bool is_full = spec.kind == kernels::ProgramSpec::Kind::kFull;
   kernels::FullProgram program(inputs.image, inputs.camera, inputs.config.render, is_full ? spec.samples : 1,
                                inputs.frame);
-  return measured_rate(inputs, program, traces::BvhTracer(inputs.image));
+  return measure_rate(inputs, program, traces::BvhTracer(inputs.image));
 }
 
-HostRate measured_rate(const Inputs& inputs, kernels::FrameProgram& program, const traces::Tracer& tracer) {
+HostRate measure_rate(const Inputs& inputs, kernels::FrameProgram& program, const traces::Tracer& tracer) {
   const std::uint32_t tiles = program.tiles();
   const std::uint32_t played = std::min(tiles, std::clamp(tiles / kOneTileOf, kFewestTiles, kMostTiles));
   FrontEnd front(program, tracer, 0, true, spread_over(tiles, played));
@@ -90,12 +92,12 @@ HostRate measured_rate(const Inputs& inputs, kernels::FrameProgram& program, con
   const double begin = sim::thread_seconds();
   run_to_end(*gpu);
   const double all = sim::thread_seconds() - begin;
-  if (source.steps() == 0) return kUsualRate;
-  const auto steps = static_cast<double>(source.steps());
+  if (source.step_count() == 0) return kUsualRate;
+  const auto steps = static_cast<double>(source.step_count());
   return {.functional = source.making_seconds() / steps, .machine = (all - source.making_seconds()) / steps};
 }
 
-double frame_seconds(double steps, const HostRate& rate, const Plays& plays) {
+double frame_seconds(double steps, const HostRate& rate, const RunParallelism& plays) {
   const std::uint32_t threads = host_threads(plays.threads);
   const double functional = steps * rate.functional, machine = steps * rate.machine;
   const double play = machine / std::min(threads, std::max(plays.slices, 1U));
@@ -105,35 +107,35 @@ double frame_seconds(double steps, const HostRate& rate, const Plays& plays) {
   return first + (others + threads - 1) / threads * machine;
 }
 
-double estimated_seconds(const Inputs& inputs, const kernels::ProgramSpec& spec, const Plays& plays) {
-  const double steps = estimated_steps(inputs, spec);
+double estimate_seconds(const Inputs& inputs, const kernels::ProgramSpec& spec, const RunParallelism& plays) {
+  const double steps = estimate_steps(inputs, spec);
   HostRate rate = kUsualRate;
-  if (may_be_long(steps * inputs.frames(), plays)) {
+  if (may_take_minutes(steps * inputs.frames(), plays)) {
     try {
-      rate = measured_rate(inputs, spec);
+      rate = measure_rate(inputs, spec);
     } catch (const sim::Deadlock&) {  // the run itself reports the error
     }
   }
   return frame_seconds(steps, rate, plays);
 }
 
-double estimated_functional_seconds(const Inputs& inputs, const kernels::ProgramSpec& spec, double times,
-                                    std::uint32_t threads) {
-  const double steps = estimated_steps(inputs, spec);
+double estimate_render_seconds(const Inputs& inputs, const kernels::ProgramSpec& spec, double times,
+                               std::uint32_t threads) {
+  const double steps = estimate_steps(inputs, spec);
   double rate = kUsualRate.functional;
-  if (may_be_long(steps * inputs.frames(), {})) {
+  if (may_take_minutes(steps * inputs.frames(), {})) {
     try {
-      rate = measured_rate(inputs, spec).functional;
+      rate = measure_rate(inputs, spec).functional;
     } catch (const sim::Deadlock&) {  // this work has no machine
     }
   }
   return times * steps * rate / host_threads(threads);
 }
 
-void tell_long(double seconds, std::string_view less, Progress& progress) {
+void print_duration_hint(double seconds, std::string_view less, Progress& progress) {
   if (seconds < kLong) return;
-  progress.hint(fmt::format("raywatt: this may take about {:.0f} min on this host{}{}", seconds / 60,
-                            less.empty() ? "" : "; ", less));
+  progress.print_hint(fmt::format("raywatt: this may take about {:.0f} min on this host{}{}", seconds / 60,
+                                  less.empty() ? "" : "; ", less));
 }
 
 }  // namespace tools

@@ -3,18 +3,25 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "hw_models/machines/gpu_config.h"
+#include "hw_models/memory/unit_names.h"
+#include "hw_models/raster/raster_unit.h"
 #include "sim/config/config.h"
+#include "sim/config/quantity.h"
 #include "sim/edit_distance.h"
 #include "sim/error.h"
 #include "sim/io/printable.h"
+#include "sim/report/energy_table.h"
+#include "sim/report/table_checks.h"
 #include "tools/host/paths.h"
-#include "tools/run/frame/config_variants.h"
 #include "tools/run/frame/power.h"
 #include "traces/scene/did_you_mean.h"
 #include "traces/scenes/library.h"
@@ -115,33 +122,36 @@ void apply_rest(sim::ConfigLoader& loader, const sim::ConfigNode& tree, RunConfi
 }
 
 /// Keys, by prefix, that have no effect for some values of other keys.
-struct Idle {
+struct IneffectiveKeys {
   std::string_view keys;
-  bool (*is_idle)(const RunConfig& config);
+  bool (*is_ineffective)(const RunConfig& config);
   std::string_view why;
 };
 
-constexpr std::array kIdle = {
-    Idle{"render.mip_filter", [](const RunConfig& c) { return c.render.mip_maps == traces::MipMaps::kOff; },
-         "with render.mip_maps=off"},
-    Idle{"scene.view.", [](const RunConfig& c) { return c.scene.view.source == traces::ViewSource::kScene; },
-         "without scene.view.source=own"},
-    Idle{"scene.sky.", [](const RunConfig& c) { return c.scene.sky.source == traces::Sky::kScene; },
-         "without scene.sky.source=own"},
-    Idle{"scene.lights.position", [](const RunConfig& c) { return c.scene.lights.rig != traces::LightRig::kPoint; },
-         "without scene.lights.rig=point"},
-    Idle{"scene.lights.direction", [](const RunConfig& c) { return c.scene.lights.rig != traces::LightRig::kSun; },
-         "without scene.lights.rig=sun"},
-    Idle{"scene.lights.intensity",
-         [](const RunConfig& c) {
-           return c.scene.lights.rig != traces::LightRig::kPoint && c.scene.lights.rig != traces::LightRig::kSun;
-         },
-         "without scene.lights.rig=point or sun"},
-    Idle{"scene.orbit", [](const RunConfig& c) { return c.scene.camera_path == traces::CameraPath::kScene; },
-         "without scene.camera_path=orbit"}};
+constexpr std::array kIneffectiveKeys = {
+    IneffectiveKeys{"render.mip_filter", [](const RunConfig& c) { return c.render.mip_maps == traces::MipMaps::kOff; },
+                    "with render.mip_maps=off"},
+    IneffectiveKeys{"scene.view.", [](const RunConfig& c) { return c.scene.view.source == traces::ViewSource::kScene; },
+                    "without scene.view.source=own"},
+    IneffectiveKeys{"scene.sky.", [](const RunConfig& c) { return c.scene.sky.source == traces::Sky::kScene; },
+                    "without scene.sky.source=own"},
+    IneffectiveKeys{"scene.lights.position",
+                    [](const RunConfig& c) { return c.scene.lights.rig != traces::LightRig::kPoint; },
+                    "without scene.lights.rig=point"},
+    IneffectiveKeys{"scene.lights.direction",
+                    [](const RunConfig& c) { return c.scene.lights.rig != traces::LightRig::kSun; },
+                    "without scene.lights.rig=sun"},
+    IneffectiveKeys{"scene.lights.intensity",
+                    [](const RunConfig& c) {
+                      return c.scene.lights.rig != traces::LightRig::kPoint &&
+                             c.scene.lights.rig != traces::LightRig::kSun;
+                    },
+                    "without scene.lights.rig=point or sun"},
+    IneffectiveKeys{"scene.orbit", [](const RunConfig& c) { return c.scene.camera_path == traces::CameraPath::kScene; },
+                    "without scene.camera_path=orbit"}};
 
 /// Warns if dram.grade is set to the name of a grade that has a configuration file.
-void tell_grade(const std::string& set, std::vector<std::string>& out) {
+void add_grade_warning(const std::string& set, std::vector<std::string>& out) {
   if (!set.starts_with("dram.grade=")) return;
   std::string grade = set.substr(set.find('=') + 1);
   std::ranges::transform(grade, grade.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -209,16 +219,16 @@ const RunConfig& ConfigVariants::apply(const JobOptions& options) {
   return config_;
 }
 
-std::vector<std::string> idle_settings(const JobOptions& options, const RunConfig& config) {
+std::vector<std::string> ineffective_setting_warnings(const JobOptions& options, const RunConfig& config) {
   std::vector<std::string> out;
   for (const std::string& set : options.sets) {
     const std::string_view key = std::string_view(set).substr(0, set.find('='));
-    for (const Idle& idle : kIdle) {
-      if (!key.starts_with(idle.keys) || key.ends_with(".source") || !idle.is_idle(config)) continue;
+    for (const IneffectiveKeys& idle : kIneffectiveKeys) {
+      if (!key.starts_with(idle.keys) || key.ends_with(".source") || !idle.is_ineffective(config)) continue;
       std::string line = fmt::format("{} does nothing {}", key, idle.why);
       if (std::ranges::find(out, line) == out.end()) out.push_back(std::move(line));
     }
-    tell_grade(set, out);
+    add_grade_warning(set, out);
   }
   const bool is_on_grid = options.program.starts_with("multirate") || options.program == "undersample";
   const bool has_one_sample = options.reference == "full:1";  // at the pixel's centre with any pattern
@@ -241,6 +251,111 @@ void check_run_config(RunConfig& config, const std::string& origin) {
   sim::check_tree(sim::config_tree(config), origin);
   check_energy_figures(config, origin);
   check_power(config);
+}
+
+namespace {
+
+constexpr const char* kCurve = "read";
+/// Tolerance for rounding: a latency that exceeds a whole number of cycles by less is not rounded up.
+constexpr double kCycleRounding = 1e-9;
+
+struct Cache {
+  std::string path;
+  hw::CacheConfig& cache;
+  std::uint64_t hz;
+  std::uint32_t around;  ///< cycles of a hit in addition to the array's
+};
+
+std::array<Cache, 3> caches_of(RunConfig& config) {
+  hw::GpuConfig& gpu = *config.gpu;
+  return {{{"tni.trv.l1", gpu.tni.trv.l1, gpu.clocks.tni.hz, config.latency.l1},
+           {"tni.ist.l1", gpu.tni.ist.l1, gpu.clocks.tni.hz, config.latency.l1},
+           {"l2", gpu.l2.cache, gpu.clocks.l2.hz, config.latency.l2}}};
+}
+
+const sim::EnergyCurve& curve_of(const sim::EnergyTable& table, const std::string& path) {
+  if (!table.contains(kCurve) || !table.curve(kCurve).depends_on_size()) {
+    throw sim::InputError(
+        fmt::format("{}.hit_cycles: auto needs latency.arrays; allowed: a number, or points such as "
+                    "read@16KiB, as in latency.extends=latency/22nm",
+                    path));
+  }
+  return table.curve(kCurve);
+}
+
+/// An entry that no cache reads is a misspelling.
+void check_names(const sim::EnergyTable& table) {
+  for (const std::string& name : table.names()) {
+    if (name == kCurve) continue;
+    throw sim::InputError(
+        fmt::format("latency.arrays.{}: no latency goes by this name; allowed: {}, with a size such as "
+                    "{}@16KiB",
+                    sim::printable(name), kCurve, kCurve));
+  }
+}
+
+}  // namespace
+
+void set_hit_cycles(RunConfig& config) {
+  constexpr double kHzPerNanosecond = 1e9;
+  const sim::EnergyTable table(config.latency.arrays, "latency.arrays");
+  check_names(table);
+  for (const Cache& c : caches_of(config)) {
+    if (!c.cache.hit_cycles.is_auto) continue;
+    const sim::EnergyCurve& curve = curve_of(table, c.path);
+    if (c.cache.size.bytes == 0) continue;  // check_tree() refuses it
+    const double ns = curve.at(c.cache.size.bytes).at(&sim::Band::nominal);
+    const double cycles = std::ceil(ns * static_cast<double>(c.hz) / kHzPerNanosecond - kCycleRounding);
+    c.cache.hit_cycles.value = std::max(1U, c.around + static_cast<std::uint32_t>(cycles));
+  }
+}
+
+std::vector<std::string> latency_warnings(const RunConfig& config) {
+  std::vector<std::string> lines;
+  RunConfig read = config;
+  const sim::EnergyTable table(read.latency.arrays, "latency.arrays");
+  for (const Cache& c : caches_of(read)) {
+    if (!c.cache.hit_cycles.is_auto) continue;
+    const sim::EnergyCurve& curve = curve_of(table, c.path);
+    const std::uint64_t bytes = c.cache.size.bytes;
+    if (bytes >= curve.least_bytes() && bytes <= curve.most_bytes()) continue;
+    const auto size = [](std::uint64_t b) { return sim::quantity_text(b, sim::byte_units()); };
+    lines.push_back(fmt::format(
+        "latency.arrays: {} has {}, outside {} to {} of {}, and its hit_cycles of {} are extrapolated", c.path,
+        size(bytes), size(curve.least_bytes()), size(curve.most_bytes()), kCurve, c.cache.hit_cycles.value));
+  }
+  return lines;
+}
+
+namespace {
+
+/// The rasteriser of a frame that does not use one: its table entries are still valid.
+sim::UnitReport absent_rasteriser() {
+  sim::UnitReport unit;
+  unit.path = hw::name_in_core(hw::RasterUnit::kName, 0);
+  unit.block = names_of(hw::Block{})[static_cast<std::size_t>(hw::RasterUnit::kBlock)];
+  const hw::RasterUnit::Stats none;
+  hw::RasterUnit::Stats::describe(none, [&](const std::uint64_t& value, const char* name, const char* meaning,
+                                            const char* event = "", sim::CounterKind kind = sim::CounterKind::kSum) {
+    unit.counters.push_back({name, meaning, value, event, kind});
+  });
+  return unit;
+}
+
+}  // namespace
+
+void check_table_names(std::span<const sim::UnitReport> units, const RunConfig& config) {
+  std::vector<sim::UnitReport> all(units.begin(), units.end());
+  all.push_back(absent_rasteriser());
+  std::vector<std::string> declared;
+  for (const sim::UnitReport& unit : all) {
+    for (const sim::CounterReport& counter : unit.counters) {
+      if (unit.block != "dram" && !counter.event.empty()) declared.push_back(counter.event);
+    }
+  }
+  sim::check_energy_events(config.energy, declared);
+  sim::check_unit_names(config.energy, all);
+  sim::check_unit_names(config.area, all);
 }
 
 }  // namespace tools

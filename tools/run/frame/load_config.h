@@ -1,4 +1,8 @@
 #pragma once
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -6,17 +10,43 @@
 #include "shader_kernels/programs/wavefront/render_config.h"
 #include "sim/config/config_tree.h"
 #include "sim/config/field.h"
+#include "sim/config/variant.h"
 #include "sim/named.h"
 #include "sim/report/area.h"
 #include "sim/report/energy.h"
 #include "sim/report/power.h"
-#include "tools/run/frame/cache_latency.h"
+#include "sim/unit_report.h"
 #include "tools/run/frame/job_options.h"
 #include "tools/run/frame/machine_config.h"
 #include "traces/accel/bvh_config.h"
 #include "traces/scenes/workload.h"
 
 namespace tools {
+
+struct RunConfig;
+
+/// Hit latency over the size of a cache: one file of configs/latency.
+struct LatencyConfig {
+  std::string process = "unnamed";
+  std::map<std::string, sim::Band> arrays;
+  std::uint32_t l1 = 1, l2 = 11;
+
+  static void describe(auto& c, auto&& field) {
+    using sim::Affects;
+    field(NAMED(c.process), "", "what the figures describe", sim::any(), Affects::kReport);
+    field(NAMED(c.arrays), "ns", "time in which an array is read, as read@16KiB: points of a curve over its size",
+          sim::at_least(0), Affects::kTiming);
+    field(NAMED(c.l1), "cycles", "of a hit of a first-level cache of the T&I unit, beside its array",
+          sim::between(0, 63), Affects::kTiming);
+    field(NAMED(c.l2), "cycles", "of a hit of the L2, beside its array", sim::between(0, 63), Affects::kTiming);
+  }
+};
+
+/// Sets the hit latency of caches with hit_cycles `auto` from size and clock. InputError without a curve.
+void set_hit_cycles(RunConfig& config);
+
+/// Returns a warning for each cache with hit_cycles `auto` and a size outside the curve.
+std::vector<std::string> latency_warnings(const RunConfig& config);
 
 /// Everything that a run depends on, except the frame program: one YAML file. The machine's keys are at the top level.
 struct RunConfig {
@@ -40,7 +70,7 @@ struct RunConfig {
 RunConfig load_run_config(const JobOptions& options);
 
 /// Returns a warning for each setting of the command line that has no effect.
-std::vector<std::string> idle_settings(const JobOptions& options, const RunConfig& config);
+std::vector<std::string> ineffective_setting_warnings(const JobOptions& options, const RunConfig& config);
 
 /// Throws InputError if the name is not a scene, a workload or a file.
 void check_scene(const std::string& name);
@@ -53,6 +83,32 @@ RunConfig load_base_config(const std::string& config, const std::string& scene);
 void apply_ideal(RunConfig& config, const std::vector<std::string>& resources);
 /// Checks limits and rules, and that there are energy values. `origin`: name of the configuration in errors.
 void check_run_config(RunConfig& config, const std::string& origin);
+
+/// Applies options to a base configuration repeatedly; the cost is proportional to the changes.
+class ConfigVariants {
+ public:
+  /// `origin`: name of the base in errors.
+  ConfigVariants(RunConfig base, std::string origin);
+  ConfigVariants(const ConfigVariants&) = delete;
+  ConfigVariants& operator=(const ConfigVariants&) = delete;
+
+  /// Returns the base with the options applied and checked; valid until the next call. InputError.
+  const RunConfig& apply(const JobOptions& options);
+  /// The configuration of the last call.
+  const RunConfig& config() const { return config_; }
+  /// Returns sim::config_hash() of that configuration.
+  std::string hash(std::optional<sim::Affects> only) const { return variant_.hash(only); }
+
+ private:
+  RunConfig base_, config_;
+  std::string origin_;
+  sim::ConfigNode base_tree_, tree_;
+  sim::ConfigVariant variant_;
+};
+
+/// Throws InputError unless every entry of the tables of energy and area matches a counter, unit or part of the
+/// machine, and every counter has an entry.
+void check_table_names(std::span<const sim::UnitReport> units, const RunConfig& config);
 
 }  // namespace tools
 

@@ -1,11 +1,13 @@
 #include "tools/run/frame/machine_run.h"
 
+#include <mutex>
 #include <utility>
 
 #include "hw_models/dram/dram_energy.h"
 #include "sim/engine.h"
+#include "tools/host/parallel.h"
+#include "tools/run/frame/load_config.h"
 #include "tools/run/frame/power.h"
-#include "tools/run/frame/table_names.h"
 
 namespace tools {
 
@@ -25,7 +27,7 @@ std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const RunConfig& config,
       perturbation);
 }
 
-void check_figures(const hw::Gpu& gpu, const RunConfig& config) {
+void check_tables(const hw::Gpu& gpu, const RunConfig& config) {
   check_table_names(gpu.report(), config);
   energy_of(gpu, config);
   if (!config.area.arrays.empty()) sim::compute_area(gpu.report(), config.energy, config.area);
@@ -45,13 +47,92 @@ void run_to_end(hw::Gpu& gpu) {
   if (!gpu.stopped()) gpu.finish(last_edge);
 }
 
-void take(const hw::Gpu& gpu, const RunConfig& config, FrameResult& s) {
+void collect_results(const hw::Gpu& gpu, const RunConfig& config, FrameResult& s) {
   s.units = gpu.report();
   s.kernel_use = gpu.kernel_use();
   s.kernels = gpu.kernels();
   s.cycles = gpu.cycles();
   s.elapsed = gpu.elapsed();
   s.energy = energy_of(gpu, config);
+}
+
+namespace {
+
+/// Simulates recorded work on several machines concurrently.
+class VariantRuns {
+ public:
+  VariantRuns(const Inputs& inputs, const kernels::FrameRequirements& requirements, const InMemoryTrace& work,
+              const FrameResult& plain, std::span<const MachineVariant> plays, const char* what, Progress* progress)
+      : inputs_(inputs),
+        requirements_(requirements),
+        work_(work),
+        plays_(plays),
+        what_(what),
+        progress_(progress),
+        all_(plays.size(), plain) {
+    for (FrameResult& s : all_) s.rendered.rgb = {}, s.rendered.marks = {};
+    begin_part();
+  }
+
+  std::vector<FrameResult> play(std::uint32_t threads) {
+    parallel_for(all_.size(), threads, [this](std::size_t i, std::size_t) { play_one(i); });
+    return std::move(all_);
+  }
+
+ private:
+  void play_one(std::size_t i) {
+    InMemoryTraceProgram program(work_, requirements_, [&] { tile_done(); });
+    const NoTracer no_tracer;
+    FrontEnd tiles(program, no_tracer, 0);
+    const RunConfig& config = plays_[i].config;
+    const auto gpu = make_gpu(inputs_, config, requirements_, tiles, plays_[i].perturbation, {}, plays_[i].scheduled);
+    run_to_end(*gpu);
+    all_[i].machine = config.gpu;
+    collect_results(*gpu, config, all_[i]);
+  }
+  void begin_part() {
+    if (progress_ != nullptr) progress_->begin_part(what_, inputs_.frame, work_.tiles());
+  }
+  void tile_done() {
+    const std::lock_guard lock(mutex_);
+    tiles_done_ += 1;
+    if (progress_ != nullptr) progress_->set_tiles_done(tiles_done_, 0, 0);
+    if (tiles_done_ < work_.tiles()) return;
+    tiles_done_ = 0;
+    if (++parts_done_ < all_.size()) begin_part();
+  }
+
+  const Inputs& inputs_;
+  const kernels::FrameRequirements& requirements_;
+  const InMemoryTrace& work_;
+  const std::span<const MachineVariant> plays_;
+  const char* const what_;
+  Progress* const progress_;
+  std::vector<FrameResult> all_;
+  std::mutex mutex_;
+  std::uint32_t tiles_done_ = 0,
+                parts_done_ =
+                    0;  ///< finished tiles of the current part, finished parts; a part has as many tiles as the frame
+};
+
+}  // namespace
+
+std::vector<FrameResult> simulate_variants(const Inputs& inputs, const kernels::FrameRequirements& requirements,
+                                           const InMemoryTrace& work, const FrameResult& plain,
+                                           std::span<const MachineVariant> plays, const char* what,
+                                           std::uint32_t threads, Progress* progress) {
+  return VariantRuns(inputs, requirements, work, plain, plays, what, progress).play(host_threads(threads));
+}
+
+std::vector<FrameResult> simulate_replicates(const Inputs& inputs, const kernels::FrameRequirements& requirements,
+                                             const InMemoryTrace& work, const FrameResult& plain, const hw::Gpu& gpu,
+                                             std::uint32_t count, std::uint32_t threads, Progress* progress) {
+  std::vector<MachineVariant> plays;
+  for (std::uint32_t number = 1; number <= count; ++number) {
+    plays.push_back(
+        {inputs.config, hw::draw_perturbation(inputs.config.gpu->cores, inputs.frame, number), gpu.scheduled()});
+  }
+  return simulate_variants(inputs, requirements, work, plain, plays, "replicating", threads, progress);
 }
 
 }  // namespace tools

@@ -1,8 +1,11 @@
 #pragma once
+#include <cstdint>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "hw_models/machines/gpu.h"
+#include "tools/run/frame/replay_program.h"
 #include "tools/run/frame/run_job.h"
 
 namespace tools {
@@ -26,7 +29,7 @@ std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const RunConfig& config,
                                   std::shared_ptr<const hw::ScheduledKernels> scheduled = nullptr);
 
 /// Throws InputError if the machine's units and the tables of energy and area do not match.
-void check_figures(const hw::Gpu& gpu, const RunConfig& config);
+void check_tables(const hw::Gpu& gpu, const RunConfig& config);
 
 /// Runs the machine until all tiles are done or it is stopped. sim::Deadlock if the machine is stuck.
 void run_to_end(hw::Gpu& gpu);
@@ -38,6 +41,26 @@ sim::EnergyReport energy_of(const hw::Gpu& gpu, const RunConfig& config);
 sim::EnergyReport energy_of(std::span<const sim::UnitReport> units, sim::Time elapsed, const RunConfig& config);
 
 /// Copies the results of a finished machine into `s`.
-void take(const hw::Gpu& gpu, const RunConfig& config, FrameResult& s);
+void collect_results(const hw::Gpu& gpu, const RunConfig& config, FrameResult& s);
+
+/// A machine that simulates recorded work.
+struct MachineVariant {
+  RunConfig config;
+  hw::Perturbation perturbation;
+  std::shared_ptr<const hw::ScheduledKernels> scheduled{};  ///< kernel schedules of its shader cores; null: computed
+};
+
+/// Simulates recorded work on several machines, `threads` at a time, and returns their results in order. `plain`:
+/// results that are equal for all. `what`: name in the progress. An exception of one machine ends all: sim::Deadlock,
+/// Interrupted.
+std::vector<FrameResult> simulate_variants(const Inputs& inputs, const kernels::FrameRequirements& requirements,
+                                           const InMemoryTrace& work, const FrameResult& plain,
+                                           std::span<const MachineVariant> plays, const char* what,
+                                           std::uint32_t threads, Progress* progress);
+
+/// The same on `count` machines with perturbations 1 to `count`. `plain`: result of the unperturbed machine `gpu`.
+std::vector<FrameResult> simulate_replicates(const Inputs& inputs, const kernels::FrameRequirements& requirements,
+                                             const InMemoryTrace& work, const FrameResult& plain, const hw::Gpu& gpu,
+                                             std::uint32_t count, std::uint32_t threads, Progress* progress);
 
 }  // namespace tools

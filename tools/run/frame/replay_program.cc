@@ -1,19 +1,22 @@
 #include "tools/run/frame/replay_program.h"
 
 #include <algorithm>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "sim/error.h"
-#include "tools/run/frame/recorded.h"
+#include "tools/host/interrupt.h"
+#include "tools/run/frame/trace_header.h"
+#include "traces/trace_file/walk_code.h"
 
 namespace tools {
 
 ReplayProgram::ReplayProgram(const traces::TraceReader& trace, const traces::TraceReader::Part& part,
                              const traces::TileScope& scope, std::span<const traces::KernelId> kernels)
     : FrameProgram(0, 0), trace_(trace), part_(part), scope_(scope), kernels_(kernels), tiles_(trace.tiles(part)) {
-  FrontEnd::Result result = trace.naming_file([&] { return result_of(part.result); });
+  RenderResult result = trace.naming_file([&] { return parse_recorded_result(part.result); });
   continued_ = result.continued;
   sampling_ = std::move(result.sampling);
 }
@@ -70,6 +73,32 @@ void ReplayProgram::commit_tile(const kernels::TileResult& tile) {
 const traces::TileScope* scope_of(const kernels::FrameProgram& program) {
   const auto* replay = dynamic_cast<const ReplayProgram*>(&program);
   return replay == nullptr ? nullptr : &replay->scope();
+}
+
+void InMemoryTrace::add(const traces::TileWork& work) {
+  encoded_.clear();
+  encoder_.encode(work, scope_.links, encoded_);
+  encoded_.resize(encoded_.size() + traces::kBitsPadding);
+  bytes_ += encoded_.size();
+  if (bytes_ > most_bytes_) {
+    throw sim::InputError(
+        fmt::format("{}: the frame's work takes more than limits.memory, {} MiB; allowed: a smaller --resolution, "
+                    "fewer samples, or a larger limits.memory",
+                    requested_by_, most_bytes_ >> 20));
+  }
+  tiles_.push_back(encoded_);
+}
+
+void InMemoryTrace::decode_tile(std::uint32_t tile_index, traces::TileDecoder& decoder, traces::TileWork& out) const {
+  const std::string_view bytes = tiles_[tile_index];
+  decoder.decode(bytes.substr(0, bytes.size() - traces::kBitsPadding), scope_, out);
+}
+
+void InMemoryTraceProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& /*tracer*/, bool /*record*/,
+                                    kernels::TileResult& out) const {
+  if (is_interrupted()) throw Interrupted{};
+  work_.decode_tile(tile_index, decoder_, out.work);
+  on_tile_();
 }
 
 }  // namespace tools

@@ -11,12 +11,10 @@
 #include "sim/host_clock.h"
 #include "sim/io/printable.h"
 #include "tools/host/interrupt.h"
-#include "tools/run/frame/kept_work.h"
+#include "tools/run/frame/front_end.h"
 #include "tools/run/frame/machine_run.h"
-#include "tools/run/frame/recorded.h"
 #include "tools/run/frame/replay_program.h"
-#include "tools/run/frame/replicates.h"
-#include "tools/run/frame/run_tiles.h"
+#include "tools/run/frame/trace_header.h"
 #include "traces/accel/build.h"
 #include "traces/accel/bvh_info.h"
 #include "traces/accel/bvh_tracer.h"
@@ -28,14 +26,14 @@ namespace tools {
 namespace {
 
 /// Returns empty memory for the frame's work. `kept_for`: option or verb in errors.
-KeptWork work_to_keep(const Inputs& inputs, const kernels::FrameRequirements& requirements,
-                      const kernels::FrameProgram& frame, const char* kept_for) {
+InMemoryTrace make_in_memory_trace(const Inputs& inputs, const kernels::FrameRequirements& requirements,
+                                   const kernels::FrameProgram& frame, const char* requested_by) {
   traces::TileScope scope{traces::links_of(inputs.image), traces::counts_of(inputs.image), 0, requirements.region_bytes,
                           requirements.raster};
   if (const traces::TileScope* recorded = scope_of(frame)) scope = *recorded;
   scope.kernels = static_cast<std::uint32_t>(kernels::kernel_catalogue().size());
   scope.tile_bytes = traces::most_tile_bytes(requirements);
-  return {std::move(scope), inputs.config.limits.memory.bytes, kept_for};
+  return {std::move(scope), inputs.config.limits.memory.bytes, requested_by};
 }
 
 /// Begins a part of the trace, if there is a trace.
@@ -51,8 +49,8 @@ kernels::RenderConfig render_of(const Inputs& inputs, bool is_reference) {
 }
 
 /// The frame program of the current frame, with its initial tile rates.
-struct Program {
-  Program(const Inputs& inputs, const kernels::ProgramSpec& spec, const SimulateOptions& extras)
+struct PreparedProgram {
+  PreparedProgram(const Inputs& inputs, const kernels::ProgramSpec& spec, const SimulateOptions& extras)
       : first(inputs.config.programs.multirate),
         frame(kernels::make_program(
             spec, {inputs.image, inputs.camera, render_of(inputs, extras.reference), inputs.config.programs,
@@ -83,16 +81,16 @@ kernels::RenderConfig reference_render(kernels::RenderConfig render) {
 }
 
 Inputs load_inputs(const JobOptions& options, Progress* progress) {
-  if (progress != nullptr) progress->phase("loading");
+  if (progress != nullptr) progress->set_phase("loading");
   const RunConfig config = load_run_config(options);
   Inputs in = load_inputs(config, options.threads, progress);
-  for (std::string& line : idle_settings(options, config)) in.warnings.push_back(std::move(line));
+  for (std::string& line : ineffective_setting_warnings(options, config)) in.warnings.push_back(std::move(line));
   return in;
 }
 
 Inputs load_inputs(const RunConfig& config, std::uint32_t threads, Progress* progress) {
   const auto phase = [&](const char* what) {
-    if (progress != nullptr) progress->phase(what);
+    if (progress != nullptr) progress->set_phase(what);
   };
   phase("loading");
   Inputs in;
@@ -111,8 +109,8 @@ Inputs load_inputs(const RunConfig& config, std::uint32_t threads, Progress* pro
         "all frames are equal: the scene has no animation; scene.camera_path=orbit moves the camera");
   }
   phase("building the tree");
-  in.image =
-      traces::build_memory_image(scene, in.config.bvh, host_threads(threads), interrupted, in.config.render.mip_maps);
+  in.image = traces::build_memory_image(scene, in.config.bvh, host_threads(threads), is_interrupted,
+                                        in.config.render.mip_maps);
   in.bvh_hash = traces::bvh_hash(in.image);
   in.stored_triangles = in.image.triangles.size();
   in.parents = traces::parents_of(in.image);
@@ -121,9 +119,9 @@ Inputs load_inputs(const RunConfig& config, std::uint32_t threads, Progress* pro
   return in;
 }
 
-void tell_warnings(const std::vector<std::string>& lines, Progress* progress) {
+void print_warnings(const std::vector<std::string>& lines, Progress* progress) {
   if (progress == nullptr) return;
-  for (const std::string& line : lines) progress->say("raywatt: warning: " + line);
+  for (const std::string& line : lines) progress->print_line("raywatt: warning: " + line);
 }
 
 std::string inputs_key(const RunConfig& config) {
@@ -137,15 +135,15 @@ std::string inputs_key(const RunConfig& config) {
   return key;
 }
 
-bool advance(Inputs& in, std::uint32_t threads, Progress* progress) {
+bool advance_frame(Inputs& in, std::uint32_t threads, Progress* progress) {
   if (in.frame == in.config.scene.last_frame) return false;
-  if (progress != nullptr) progress->phase("building the tree");
+  if (progress != nullptr) progress->set_phase("building the tree");
   const sim::HostClock::time_point begin = sim::HostClock::now();
   const traces::Moved moved = traces::pose_workload(in.moving, in.config.scene, in.frame + 1);
   in.frame += 1;
   in.camera = in.moving.cameras.front();
   if (moved.geometry) {
-    traces::update_memory_image(in.moving, in.config.bvh, host_threads(threads), in.image, interrupted);
+    traces::update_memory_image(in.moving, in.config.bvh, host_threads(threads), in.image, is_interrupted);
     in.parents = traces::parents_of(in.image);
   } else if (moved.lights) {
     in.image.lights = in.moving.lights;
@@ -155,14 +153,14 @@ bool advance(Inputs& in, std::uint32_t threads, Progress* progress) {
 }
 
 kernels::TileCounts tile_counts(const Inputs& inputs, const kernels::ProgramSpec& program) {
-  return Program(inputs, program, {}).frame->tile_counts();
+  return PreparedProgram(inputs, program, {}).frame->tile_counts();
 }
 
-std::uint64_t FrameResult::rays() const { return function.all_rays(); }
+std::uint64_t FrameResult::rays() const { return rendered.all_rays(); }
 
 void FrameResult::add(const FrameResult& frame) {
   frames += frame.frames;
-  function.add(frame.function);
+  rendered.add(frame.rendered);
   sim::add_reports(units, frame.units);
   for (std::size_t k = 0; k < kernel_use.size(); ++k) kernel_use[k] += frame.kernel_use[k];
   energy += frame.energy;
@@ -175,23 +173,23 @@ void FrameResult::add(const FrameResult& frame) {
   for (std::size_t i = 0; i < replicates.size(); ++i) replicates[i].add(frame.replicates[i]);
 }
 
-FrameResult simulate(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
-                     const SimulateOptions& extras) {
-  const Program made(inputs, program, extras);
+FrameResult simulate_frame(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
+                           const SimulateOptions& extras) {
+  const PreparedProgram made(inputs, program, extras);
   const traces::BvhTracer tracer(inputs.image);
-  FrameResult s = play(inputs, program, *made.frame, tracer, threads, extras);
-  if (extras.rates != nullptr && !s.is_part()) extras.rates->advance(s.function.sampling);
+  FrameResult s = simulate_program(inputs, program, *made.frame, tracer, threads, extras);
+  if (extras.rates != nullptr && !s.is_part()) extras.rates->advance(s.rendered.sampling);
   return s;
 }
 
-FrameResult play(const Inputs& inputs, const kernels::ProgramSpec& program, kernels::FrameProgram& frame,
-                 const traces::Tracer& tracer, std::uint32_t threads, const SimulateOptions& extras) {
+FrameResult simulate_program(const Inputs& inputs, const kernels::ProgramSpec& program, kernels::FrameProgram& frame,
+                             const traces::Tracer& tracer, std::uint32_t threads, const SimulateOptions& extras) {
   const sim::HostClock::time_point begin = sim::HostClock::now();
   FrontEnd front_end(frame, tracer, host_threads(threads) - 1, true, {}, extras.itemised);
   RunTiles tiles(front_end, frame.tiles(), extras.progress, extras.keep_part);
   const kernels::FrameRequirements requirements = frame.requirements();
-  std::optional<KeptWork> kept;
-  if (extras.replicates > 1) kept.emplace(work_to_keep(inputs, requirements, frame, extras.kept_for));
+  std::optional<InMemoryTrace> kept;
+  if (extras.replicates > 1) kept.emplace(make_in_memory_trace(inputs, requirements, frame, extras.requested_by));
   begin_part(inputs, requirements, extras);
   tiles.record_to(extras.trace, kept ? &*kept : nullptr);
   hw::TileAccounting accounting(extras.itemised ? frame.tiles() : 0);
@@ -199,31 +197,31 @@ FrameResult play(const Inputs& inputs, const kernels::ProgramSpec& program, kern
   if (extras.itemised) observers.add(&accounting);
   observers.add(extras.observer);
   const std::unique_ptr<hw::Gpu> gpu = make_gpu(inputs, requirements, tiles, {}, observers.get());
-  check_figures(*gpu, inputs.config);  // report missing entries before the work
+  check_tables(*gpu, inputs.config);  // report missing entries before the work
   if (extras.intervals != nullptr) gpu->machine().record_intervals(*extras.intervals);
-  tiles.begin("simulating", inputs.frame);
-  tiles.played_by(*gpu);
-  if (extras.watcher != nullptr) extras.watcher->begin(gpu->report(), extras.intervals);
-  tiles.watched_by(extras.watcher);
+  tiles.begin_part("simulating", inputs.frame);
+  tiles.set_gpu(*gpu);
+  if (extras.watcher != nullptr) extras.watcher->begin_machine(gpu->report(), extras.intervals);
+  tiles.set_watcher(extras.watcher);
   run_to_end(*gpu);
-  if (extras.trace != nullptr && tiles.finished() == frame.tiles()) {
+  if (extras.trace != nullptr && tiles.finished_tiles() == frame.tiles()) {
     extras.trace->end_part(recorded_result(front_end.result()));
   }
 
   FrameResult s;
   s.program = program;
   s.machine = inputs.config.gpu;
-  s.function = front_end.result();
-  take(*gpu, inputs.config, s);
+  s.rendered = front_end.result();
+  collect_results(*gpu, inputs.config, s);
   s.tile_accounts = accounting.take_tiles();
   s.rest = accounting.rest();
   s.wall_seconds = sim::seconds_since(begin);
   s.tiles = frame.tiles();
-  s.finished_tiles = tiles.finished();
+  s.finished_tiles = tiles.finished_tiles();
   if (extras.replicates == 1 || s.is_part()) return s;
   try {
-    s.replicates = play_replicates(inputs, requirements, *kept, s, *gpu, extras.replicates - 1, host_threads(threads),
-                                   extras.progress);
+    s.replicates = simulate_replicates(inputs, requirements, *kept, s, *gpu, extras.replicates - 1,
+                                       host_threads(threads), extras.progress);
     s.replicate_seconds = sim::seconds_since(begin) - s.wall_seconds;
   } catch (const Interrupted&) {
     if (!extras.keep_part) throw;
@@ -231,36 +229,36 @@ FrameResult play(const Inputs& inputs, const kernels::ProgramSpec& program, kern
   return s;
 }
 
-std::vector<FrameResult> simulate_on(const Inputs& inputs, const kernels::ProgramSpec& program,
-                                     std::span<const RunConfig> configs, const char* kept_for, std::uint32_t threads,
-                                     Progress* progress) {
-  const Program made(inputs, program, {});
+std::vector<FrameResult> simulate_configs(const Inputs& inputs, const kernels::ProgramSpec& program,
+                                          std::span<const RunConfig> configs, const char* requested_by,
+                                          std::uint32_t threads, Progress* progress) {
+  const PreparedProgram made(inputs, program, {});
   const traces::BvhTracer tracer(inputs.image);
   FrontEnd front_end(*made.frame, tracer, host_threads(threads));
-  if (progress != nullptr) progress->expect(static_cast<std::uint32_t>(configs.size()) + 1);
+  if (progress != nullptr) progress->expect_parts(static_cast<std::uint32_t>(configs.size()) + 1);
   RunTiles tiles(front_end, made.frame->tiles(), progress);
   const kernels::FrameRequirements requirements = made.frame->requirements();
-  KeptWork kept = work_to_keep(inputs, requirements, *made.frame, kept_for);
+  InMemoryTrace kept = make_in_memory_trace(inputs, requirements, *made.frame, requested_by);
   tiles.record_to(nullptr, &kept);
-  tiles.begin("rendering", inputs.frame);
+  tiles.begin_part("rendering", inputs.frame);
   while (const traces::TileWork* work = tiles.next()) tiles.give_back(work);
   FrameResult plain;
   plain.program = program;
-  plain.function = front_end.result();
+  plain.rendered = front_end.result();
   plain.tiles = plain.finished_tiles = made.frame->tiles();
-  std::vector<Play> plays;
+  std::vector<MachineVariant> plays;
   for (const RunConfig& config : configs) plays.push_back({config, {}, {}});
-  return play_kept(inputs, requirements, kept, plain, plays, "simulating", threads, progress);
+  return simulate_variants(inputs, requirements, kept, plain, plays, "simulating", threads, progress);
 }
 
-FrontEnd::Result render(const Inputs& inputs, const kernels::ProgramSpec& program, const traces::Tracer& tracer,
-                        std::uint32_t threads, const SimulateOptions& extras) {
-  const Program made(inputs, program, extras);
+RenderResult render_frame(const Inputs& inputs, const kernels::ProgramSpec& program, const traces::Tracer& tracer,
+                          std::uint32_t threads, const SimulateOptions& extras) {
+  const PreparedProgram made(inputs, program, extras);
   FrontEnd front_end(*made.frame, tracer, host_threads(threads), extras.trace != nullptr);
   RunTiles tiles(front_end, made.frame->tiles(), extras.progress);
   begin_part(inputs, made.frame->requirements(), extras);
   tiles.record_to(extras.trace, nullptr);
-  tiles.begin("rendering", inputs.frame);
+  tiles.begin_part("rendering", inputs.frame);
   while (const traces::TileWork* work = tiles.next()) tiles.give_back(work);
   if (extras.trace != nullptr) extras.trace->end_part(recorded_result(front_end.result()));
   if (extras.rates != nullptr) extras.rates->advance(front_end.result().sampling);

@@ -55,25 +55,25 @@ struct Inputs {
 Inputs load_inputs(const JobOptions& options, Progress* progress = nullptr);
 Inputs load_inputs(const RunConfig& config, std::uint32_t threads, Progress* progress = nullptr);
 /// Prints warnings to stderr, above a progress bar. No effect if `progress` is null.
-void tell_warnings(const std::vector<std::string>& lines, Progress* progress);
+void print_warnings(const std::vector<std::string>& lines, Progress* progress);
 /// Returns the keys that load_inputs() depends on, with their values: equal texts, equal inputs.
 std::string inputs_key(const RunConfig& config);
 /// Advances to the next frame: poses the scene, then refits or rebuilds the tree if geometry moved. False after the
 /// last frame. Interrupted if an interrupt is pending.
-bool advance(Inputs& inputs, std::uint32_t threads, Progress* progress = nullptr);
+bool advance_frame(Inputs& inputs, std::uint32_t threads, Progress* progress = nullptr);
 /// Calls `call()` for each frame, starting with the current one.
 void for_each_frame(Inputs& inputs, std::uint32_t threads, Progress* progress, auto&& call) {
   do {
     call();
-  } while (advance(inputs, threads, progress));
+  } while (advance_frame(inputs, threads, progress));
 }
 
 /// An estimate with its 95 % interval.
 struct Interval {
   double estimate = 0;
-  double chance = 0;  ///< half-width of the random error
-  double method = 0;  ///< half-width of the systematic error of the method
-  double half_width() const { return std::hypot(chance, method); }
+  double random = 0;      ///< half-width of the random error
+  double systematic = 0;  ///< half-width of the systematic error of the method
+  double half_width() const { return std::hypot(random, systematic); }
   /// Adds another interval: random errors add in quadrature, systematic errors linearly.
   void add(const Interval& other);
 };
@@ -104,7 +104,7 @@ struct FrameResult {
   kernels::ProgramSpec program;
   MachineConfig machine;
   std::uint32_t frames = 1;
-  FrontEnd::Result function;
+  RenderResult rendered;
   std::vector<sim::UnitReport> units;
   std::vector<hw::KernelUse> kernel_use;
   std::vector<hw::KernelSchedule> kernels;
@@ -132,7 +132,7 @@ kernels::RenderConfig reference_render(kernels::RenderConfig render);
 /// Returns the number of tiles per row and column of the current frame.
 kernels::TileCounts tile_counts(const Inputs& inputs, const kernels::ProgramSpec& program);
 
-/// Options of simulate() and render().
+/// Options of simulate_frame() and render_frame().
 struct SimulateOptions {
   kernels::RateMap* rates = nullptr;  ///< tile rates carried from frame to frame, if any
   bool marks = false;                 ///< keep the origin of every sample, for pictures
@@ -140,34 +140,34 @@ struct SimulateOptions {
   Progress* progress = nullptr;
   traces::TraceWriter* trace = nullptr;  ///< receives the frame's work
   bool reference = false;  ///< this is the reference: its own part of the trace, rendered with reference_render()
-  sim::Intervals* intervals = nullptr;    ///< receives the machine's counters over time
-  RunWatcher* watcher = nullptr;          ///< receives the frame during the simulation
-  std::uint32_t replicates = 1;           ///< number of simulations; all but the first are perturbed
-  const char* kept_for = "--replicates";  ///< option or verb to name if memory runs out
-  bool itemised = false;                  ///< keep the costs of each tile and pixel
-  hw::Observer* observer = nullptr;       ///< observer of the machine
+  sim::Intervals* intervals = nullptr;        ///< receives the machine's counters over time
+  RunWatcher* watcher = nullptr;              ///< receives the frame during the simulation
+  std::uint32_t replicates = 1;               ///< number of simulations; all but the first are perturbed
+  const char* requested_by = "--replicates";  ///< option or verb to name if memory runs out
+  bool itemised = false;                      ///< keep the costs of each tile and pixel
+  hw::Observer* observer = nullptr;           ///< observer of the machine
 };
 
 /// Renders a frame and simulates it on the machine. One host thread simulates; the others render ahead. Caches are cold
 /// at the start of each frame. An interrupted run that keeps a part has no replicates. sim::Deadlock; Interrupted if
 /// nothing is kept.
-FrameResult simulate(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
-                     const SimulateOptions& extras = {});
+FrameResult simulate_frame(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
+                           const SimulateOptions& extras = {});
 
 /// Renders a frame once and simulates it on the machine of each configuration, `threads` at a time. The configurations
 /// may differ from `inputs` only in keys that do not change the work. Returns results in order, without pictures.
 /// InputError, which names `kept_for`, if memory runs out; sim::Deadlock, Interrupted.
-std::vector<FrameResult> simulate_on(const Inputs& inputs, const kernels::ProgramSpec& program,
-                                     std::span<const RunConfig> configs, const char* kept_for, std::uint32_t threads,
-                                     Progress* progress = nullptr);
+std::vector<FrameResult> simulate_configs(const Inputs& inputs, const kernels::ProgramSpec& program,
+                                          std::span<const RunConfig> configs, const char* requested_by,
+                                          std::uint32_t threads, Progress* progress = nullptr);
 
-/// Simulates the tiles of a given frame program and tracer; the second half of simulate().
-FrameResult play(const Inputs& inputs, const kernels::ProgramSpec& program, kernels::FrameProgram& frame,
-                 const traces::Tracer& tracer, std::uint32_t threads, const SimulateOptions& extras = {});
+/// Simulates the tiles of a given frame program and tracer; the second half of simulate_frame().
+FrameResult simulate_program(const Inputs& inputs, const kernels::ProgramSpec& program, kernels::FrameProgram& frame,
+                             const traces::Tracer& tracer, std::uint32_t threads, const SimulateOptions& extras = {});
 
 /// Renders a frame without a machine, and writes its work to the trace, if any.
-FrontEnd::Result render(const Inputs& inputs, const kernels::ProgramSpec& program, const traces::Tracer& tracer,
-                        std::uint32_t threads, const SimulateOptions& extras = {});
+RenderResult render_frame(const Inputs& inputs, const kernels::ProgramSpec& program, const traces::Tracer& tracer,
+                          std::uint32_t threads, const SimulateOptions& extras = {});
 
 /// Returns `wanted`, or the number of host threads if it is 0.
 std::uint32_t host_threads(std::uint32_t wanted);

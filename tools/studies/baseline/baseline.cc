@@ -19,7 +19,7 @@ namespace {
 constexpr std::size_t kLongestLine = 400;
 
 /// Lines for the terminal: names of runs are the user's, and may hold anything.
-void print(const std::string& text) { fmt::print("{}", for_terminal(text)); }
+void print(const std::string& text) { fmt::print("{}", terminal_text(text)); }
 void tell(const RunCheck& run) {
   print(sim::printable(check_line(run), kLongestLine) + "\n");
   std::fflush(stdout);

@@ -22,8 +22,8 @@
 #include "tools/analysis/report.h"
 #include "tools/host/build_info.h"
 #include "tools/host/interrupt.h"
-#include "tools/run/frame/recorded.h"
 #include "tools/run/frame/run_job.h"
+#include "tools/run/frame/trace_header.h"
 #include "tools/run/stored_frames.h"
 #include "tools/sampling/tile_sampling.h"
 #include "traces/accel/bvh_tracer.h"
@@ -67,8 +67,8 @@ std::unique_ptr<StoredFrames> recorded(const Inputs& inputs, const BenchOptions&
                                        const std::filesystem::path& folder, Progress& progress) {
   const std::filesystem::path file = folder / "a.trace";
   traces::TraceWriter writer(file, trace_header(inputs, options.job));
-  render(inputs, kernels::parse_program(options.job.program), traces::BvhTracer(inputs.image), options.job.threads,
-         {.progress = &progress, .trace = &writer});
+  render_frame(inputs, kernels::parse_program(options.job.program), traces::BvhTracer(inputs.image),
+               options.job.threads, {.progress = &progress, .trace = &writer});
   writer.end_frame(recorded_frame(inputs.frame, 0));
   writer.commit();
   JobOptions on_one_thread = options.job;
@@ -90,20 +90,20 @@ class Rounds {
         progress_(progress) {
     const bool samples = program_.kind == kernels::ProgramSpec::Kind::kFull;
     if (samples) sampling_ = TileSampling{.full_image = false};
-    progress.expect(1 + (samples ? 5 : 4) * options.runs, options.job.scene);
+    progress.expect_parts(1 + (samples ? 5 : 4) * options.runs, options.job.scene);
   }
 
   void run() {
     const SimulateOptions extras{.progress = &progress_};
-    const double picture = render(inputs_, program_, traces::BvhTracer(inputs_.image), 1, extras).seconds;
-    const FrameResult one = simulate(inputs_, program_, 1, extras);
-    const FrameResult all = simulate(inputs_, program_, options_.job.threads, extras);
+    const double picture = render_frame(inputs_, program_, traces::BvhTracer(inputs_.image), 1, extras).seconds;
+    const FrameResult one = simulate_frame(inputs_, program_, 1, extras);
+    const FrameResult all = simulate_frame(inputs_, program_, options_.job.threads, extras);
     rays_ = one.rays();
-    steps_ = one.function.traversal_steps;
+    steps_ = one.rendered.traversal_steps;
     const auto rays = static_cast<double>(rays_), steps = static_cast<double>(steps_);
-    const double timing = one.wall_seconds - one.function.waited;
+    const double timing = one.wall_seconds - one.rendered.waited;
     add("functional_rays_per_s", rays / picture);
-    add("recording_rays_per_s", rays / one.function.seconds);
+    add("recording_rays_per_s", rays / one.rendered.seconds);
     add("one_thread_rays_per_s", rays / one.wall_seconds);
     add("simulated_rays_per_s", rays / all.wall_seconds);
     add("steps_per_s", steps / all.wall_seconds);
@@ -112,7 +112,7 @@ class Rounds {
     // Peak memory is that of whole runs.
     if (peak_mib_ == 0) peak_mib_ = peak_rss_mib();
     if (replay_ == nullptr) replay_ = recorded(inputs_, options_, scratch_, progress_);
-    replay_->rewind();
+    replay_->go_to_first_frame();
     add("replay_s_per_timing_s", tools::run(*replay_, {.progress = &progress_}).total->wall_seconds / timing);
     if (sampling_) add_sampled(one, timing);
   }
@@ -130,7 +130,7 @@ class Rounds {
     const FrameResult some = simulate_sampled(inputs_, program_, 1, *sampling_, &progress_);
     const double off = some.sampled->cycles.estimate - static_cast<double>(whole.cycles);
     add("sampling_speedup", whole.wall_seconds / some.wall_seconds);
-    add("sampling_timing_speedup", timing / (some.wall_seconds - some.function.waited));
+    add("sampling_timing_speedup", timing / (some.wall_seconds - some.rendered.waited));
     add("sampling_cycles_error_percent", 100 * std::abs(off) / static_cast<double>(whole.cycles));
     add("sampling_cycles_inside", std::abs(off) <= some.sampled->cycles.half_width() ? 1 : 0);
   }
@@ -159,7 +159,7 @@ Json measure(const std::string& scene, const BenchOptions& options, Json all, co
   own.job.scene = scene;
   Progress progress(own.job.progress, own.job.quiet);
   const Inputs inputs = load_inputs(own.job, &progress);
-  tell_warnings(inputs.warnings, &progress);
+  print_warnings(inputs.warnings, &progress);
   if (other != nullptr) {  // before the time is spent
     all["scenes"] = Json::array({conditions_of(inputs)});
     check_comparable(all, *other, options.against, options.scenes.size() == 1);
@@ -182,7 +182,7 @@ std::string read_all(int file) {
   constexpr int kGlanceMs = 100;  // at an interrupt that came just before the wait
   std::string text;
   char part[4096];
-  while (!interrupted()) {
+  while (!is_interrupted()) {
     pollfd waited{file, POLLIN, 0};
     if (::poll(&waited, 1, kGlanceMs) <= 0) continue;  // an interrupt ends this
     const ssize_t n = ::read(file, part, sizeof part);
@@ -225,7 +225,7 @@ class Measuring {
   /// Interrupted if an interrupt waits.
   std::string result() {
     std::string text = read_all(from_child_);
-    if (interrupted()) throw Interrupted{};
+    if (is_interrupted()) throw Interrupted{};
     return text;
   }
   /// Its end, as waitpid() tells it.

@@ -9,8 +9,8 @@
 #include "hw_models/tni/ist.h"
 #include "hw_models/tni/trv.h"
 #include "tools/analysis/limiter.h"
+#include "tools/analysis/report.h"
 #include "tools/analysis/units.h"
-#include "tools/analysis/warnings.h"
 #include "tools/host/progress.h"
 #include "tools/noise/noise.h"
 #include "tools/run/frame/run_job.h"
@@ -75,22 +75,22 @@ NoisySpeedup noisy_speedup(const Bottleneck& found, const Bound& bound) {
 
 Bottleneck find_bottleneck(const JobOptions& options, Progress* progress) {
   Inputs inputs = load_inputs(options, progress);
-  tell_warnings(inputs.warnings, progress);
+  print_warnings(inputs.warnings, progress);
   const kernels::ProgramSpec program = kernels::parse_program(options.program);
   const auto play = [&](const char* what) {
-    if (progress != nullptr) progress->expect(options.replicates, what);
-    return simulate(inputs, program, options.threads, {.progress = progress, .replicates = options.replicates});
+    if (progress != nullptr) progress->expect_parts(options.replicates, what);
+    return simulate_frame(inputs, program, options.threads, {.progress = progress, .replicates = options.replicates});
   };
   const FrameResult measured = play("as configured");
   const std::vector<std::string> of_run = run_warnings(inputs.config, measured.units);
-  tell_warnings(of_run, progress);
+  print_warnings(of_run, progress);
   const double pixels = double{1} * inputs.config.render.width * inputs.config.render.height;
   const CoreTime time = top_down(measured.units, *measured.machine).gpu;
-  const std::vector<Estimate> estimates = estimate(time);
+  const std::vector<Estimate> estimates = estimate_speedups(time);
   Bottleneck found{.cycles = measured.cycles,
-                   .limiter = limiter(estimates),
+                   .limiter = limiter_text(estimates),
                    .time = time,
-                   .named = most(estimates).resource,
+                   .named = largest_speedup(estimates).resource,
                    .bounds = {},
                    .caches = cache_shares(measured.units, time),
                    .plays = plays_of(measured),

@@ -11,12 +11,11 @@
 #include "sim/error.h"
 #include "sim/io/printable.h"
 #include "sim/report/table.h"
-#include "tools/analysis/cost_totals.h"
-#include "tools/analysis/warnings.h"
+#include "tools/analysis/report.h"
 #include "tools/pricing/idle_machine.h"
+#include "tools/run/frame/load_config.h"
 #include "tools/run/frame/power.h"
 #include "tools/run/frame/run_job.h"
-#include "tools/run/frame/table_names.h"
 #include "traces/scene/did_you_mean.h"
 
 namespace tools {
@@ -99,12 +98,12 @@ DvfsCurve dvfs_curve(const DvfsOptions& options, Progress* progress) {
   std::ranges::sort(factors);
   factors.erase(std::unique(factors.begin(), factors.end()), factors.end());
   const Inputs inputs = load_inputs(options.job, progress);
-  tell_warnings(inputs.warnings, progress);
+  print_warnings(inputs.warnings, progress);
   check_table_names(idle_units(*inputs.config.gpu), inputs.config);
   std::vector<RunConfig> configs;
   for (const double factor : factors) configs.push_back(at_factor(inputs.config, options.domains, factor));
-  const std::vector<FrameResult> runs =
-      simulate_on(inputs, kernels::parse_program(options.job.program), configs, "dvfs", options.job.threads, progress);
+  const std::vector<FrameResult> runs = simulate_configs(inputs, kernels::parse_program(options.job.program), configs,
+                                                         "dvfs", options.job.threads, progress);
   DvfsCurve curve;
   std::vector<std::string> warnings;
   for (std::size_t i = 0; i < runs.size(); ++i) {
@@ -113,7 +112,7 @@ DvfsCurve dvfs_curve(const DvfsOptions& options, Progress* progress) {
       if (std::ranges::find(warnings, line) == warnings.end()) warnings.push_back(line);
     }
   }
-  tell_warnings(warnings, progress);
+  print_warnings(warnings, progress);
   curve.warnings = inputs.warnings;
   std::ranges::move(warnings, std::back_inserter(curve.warnings));
   double slowest = 0;

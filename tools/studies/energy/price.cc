@@ -47,7 +47,7 @@ std::vector<Priced> price_sweep(const fs::path& path, const PriceTable& table) {
   }
   const std::string missing = results::missing_text(counts);
   if (out.empty()) throw sim::InputError(fmt::format("{}: {}", sim::printable(path.string()), missing));
-  if (!missing.empty()) tell("warning: {}: {}", sim::printable(path.string()), missing);
+  if (!missing.empty()) print_message("warning: {}: {}", sim::printable(path.string()), missing);
   return out;
 }
 

@@ -17,7 +17,6 @@
 #include "tools/pricing/idle_machine.h"
 #include "tools/pricing/priced_run.h"
 #include "tools/run/frame/load_config.h"
-#include "tools/run/frame/table_names.h"
 #include "tools/studies/energy/origins.h"
 #include "traces/scene/did_you_mean.h"
 

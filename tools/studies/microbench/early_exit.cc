@@ -167,7 +167,7 @@ Exits exits_in_walks(const Inputs& inputs, const kernels::ProgramSpec& spec) {
 void add_scene(const JobOptions& job, Findings& found) {
   const Inputs inputs = load_inputs(job);
   const kernels::ProgramSpec spec = kernels::parse_program(job.program);
-  const Exits measured = exits_of(simulate(inputs, spec, 1).units), expected = exits_in_walks(inputs, spec);
+  const Exits measured = exits_of(simulate_frame(inputs, spec, 1).units), expected = exits_in_walks(inputs, spec);
   const std::string name =
       fmt::format("{}, {}x{}", inputs.scene.name, inputs.config.render.width, inputs.config.render.height);
   const auto tests = static_cast<double>(expected[0] + expected[1] + expected[2]);

@@ -80,16 +80,16 @@ int run(const Options& options) {
   const std::unique_ptr<sweep::Launcher> launcher = make_launcher(options, folder);
 
   Progress progress(options.progress, options.quiet);
-  progress.expect(1, "optimise");
+  progress.expect_parts(1, "optimise");
   progress.begin_part("simulating", 0, static_cast<std::uint32_t>(task.budget));
   const auto announce = [&](const std::vector<Point>& points) {
     write_points(points, former);
-    progress.phase(fmt::format("{} of {} simulations, {} on the front", search.simulated(), task.budget,
-                               search.pareto_front().size()));
-    progress.tiles_done(static_cast<std::uint32_t>(search.simulated()), 0, 0);
+    progress.set_phase(fmt::format("{} of {} simulations, {} on the front", search.simulated(), task.budget,
+                                   search.pareto_front().size()));
+    progress.set_tiles_done(static_cast<std::uint32_t>(search.simulated()), 0, 0);
   };
   const bool finished = search.run(*launcher, store, {announce, [](std::size_t, sweep::Fate) {}});
-  progress.end(finished ? "done" : "interrupted");
+  progress.finish(finished ? "done" : "interrupted");
 
   std::vector<Point> simulated;
   for (const Trial& trial : search.trials()) {
@@ -98,13 +98,13 @@ int run(const Options& options) {
   if (finished) write_points(simulated, {});
   sim::write_file_atomically(out / "history.jsonl", history_jsonl(search));
   sim::write_file_atomically(out / "front.csv", pareto_front_csv(search));
-  tell_if_interrupted(
+  set_interrupt_note(
       fmt::format("kept {} of {} simulations; the same command goes on", search.simulated(), task.budget));
   if (!finished) return kGood;  // the end of `hold` ends the process
 
   const bool is_feasible = !search.pareto_front().empty();
   if (!options.quiet) {
-    const std::string found = for_terminal(is_feasible ? pareto_front_text(search) : infeasible_text(search));
+    const std::string found = terminal_text(is_feasible ? pareto_front_text(search) : infeasible_text(search));
     fmt::print("{}\n{}results: {}, history.jsonl\n", found, summary(search), (out / "front.csv").string());
   }
   for (const Trial& trial : search.trials()) {

@@ -11,7 +11,7 @@
 #include "sim/io/printable.h"
 #include "sim/report/table.h"
 #include "tools/analysis/report_paths.h"
-#include "tools/host/command_text.h"
+#include "tools/host/standard_streams.h"
 #include "tools/studies/optimise/near_front.h"
 #include "tools/studies/sweep/results/cells.h"
 #include "tools/studies/sweep/results/index/csv.h"

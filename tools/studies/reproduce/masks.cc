@@ -6,7 +6,7 @@
 
 #include "shader_kernels/programs/wavefront/wavefront.h"
 #include "tools/analysis/picture.h"
-#include "tools/host/on_threads.h"
+#include "tools/host/parallel.h"
 #include "traces/accel/bvh_tracer.h"
 
 namespace tools::reproduce {
@@ -41,7 +41,8 @@ class Rows {
                   .inverse_grid = 1.0F / kGrid};
     kernels::RetainedRecords retained;
     retained.geometry = retained.secondary = true;
-    const auto made = wave.generate_listed(ports, out.buffer.checks.samples, kernels::Wavefront::kNone, samples, retained);
+    const auto made =
+        wave.generate_listed(ports, out.buffer.checks.samples, kernels::Wavefront::kNone, samples, retained);
     wave.run(made, samples, retained);
     for (std::uint32_t x = 0; x < config_.width; ++x) row[x] = mask(x, pitch, out);
   }
@@ -94,7 +95,7 @@ std::vector<Mask> masks_of(const Inputs& inputs, std::uint32_t threads) {
   const std::uint32_t width = inputs.config.render.width, height = inputs.config.render.height;
   std::vector<Mask> masks(std::size_t{width} * height);
   const std::uint32_t workers = std::max(1U, threads);
-  on_threads(workers, [&](std::size_t worker) {
+  run_on_threads(workers, [&](std::size_t worker) {
     kernels::TileResult out;
     for (auto y = static_cast<std::uint32_t>(worker); y < height; y += workers) {
       rows.find(y, out, masks.data() + std::size_t{y} * width);

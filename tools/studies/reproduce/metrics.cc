@@ -10,8 +10,8 @@
 #include "hw_models/srp/srp.h"
 #include "hw_models/tni/ist.h"
 #include "hw_models/tni/trv.h"
-#include "tools/analysis/kernel_shares.h"
 #include "tools/analysis/picture.h"
+#include "tools/analysis/sampling_report.h"
 #include "tools/analysis/units.h"
 
 namespace tools::reproduce {
@@ -76,7 +76,7 @@ Value ops_of_interpolated(const Comparison& c) {
 
 Value speedup(const Comparison& c) { return ratio(c.reference.simulation.cycles, c.run.simulation.cycles); }
 Value work_ratio(const Comparison& c) {
-  return ratio(c.run.simulation.function.traversal_steps, c.reference.simulation.function.traversal_steps);
+  return ratio(c.run.simulation.rendered.traversal_steps, c.reference.simulation.rendered.traversal_steps);
 }
 Value tni_perf_per_watt(const Comparison& c) { return ratio(tni_pj(c.reference), tni_pj(c.run)); }
 

@@ -16,7 +16,7 @@ struct Outcome {
   std::uint64_t pixels = 0;
   std::uint64_t box_bytes = 0, node_bytes = 0;  ///< the tree in the GPU's memory: boxes alone, and whole nodes
   bool machine = true;                          ///< else `simulation` has nothing but what the frame program found out
-  const kernels::Sampling& sampling() const { return simulation.function.sampling; }
+  const kernels::Sampling& sampling() const { return simulation.rendered.sampling; }
 };
 
 /// Runs that a figure is made from.

@@ -42,7 +42,7 @@ double reflective_share(Inputs& inputs, std::uint32_t threads) {
   config.width = kProbePixels;
   config.depth = 2;
   const double pixels = static_cast<double>(config.width) * config.height;
-  const FrontEnd::Result result = render(inputs, {}, traces::BvhTracer(inputs.image), threads);
+  const RenderResult result = render_frame(inputs, {}, traces::BvhTracer(inputs.image), threads);
   config = before;
   return static_cast<double>(result.rays[static_cast<std::size_t>(traces::RayKind::kReflection)]) / pixels;
 }

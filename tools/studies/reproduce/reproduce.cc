@@ -69,7 +69,7 @@ class Job {
     cases_ = std::move(cases);
     former_ = load_former(folder, head());
     if (former_.finished.empty()) return;
-    progress_.say(fmt::format("raywatt: goes on behind {} rows that are finished", former_.finished.size()));
+    progress_.print_line(fmt::format("raywatt: goes on behind {} rows that are finished", former_.finished.size()));
   }
 
   bool is_done() const { return next_ == cases_.size(); }
@@ -85,7 +85,7 @@ class Job {
     write(open());
   }
 
-  void end(bool has_failed) { progress_.end(!has_failed ? "done" : interrupted() ? "interrupted" : "failed"); }
+  void end(bool has_failed) { progress_.finish(!has_failed ? "done" : is_interrupted() ? "interrupted" : "failed"); }
   const Results& results() const { return results_; }
 
  private:
@@ -93,8 +93,8 @@ class Job {
     const Case& c = cases_[next_];
     const std::string label = fmt::format("{} of {}: {}, {}", next_ + 1, cases_.size(), c.view.scene, c.setting);
     if (!take_over(c)) {
-      if (options_.progress == "auto") progress_.say(label);
-      progress_.expect(1, label);
+      if (options_.progress == "auto") progress_.print_line(label);
+      progress_.expect_parts(1, label);
       measure(c, open);
     }
     next_ += 1;

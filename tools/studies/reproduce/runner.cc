@@ -139,10 +139,10 @@ const Outcome& Runner::outcome(const Case& c, const Program& program) {
   out.machine = c.machine;
   const SimulateOptions extras{.marks = !c.picture.empty(), .progress = progress_};
   if (c.machine) {
-    out.simulation = simulate(*inputs_, spec, options_.threads, extras);
+    out.simulation = simulate_frame(*inputs_, spec, options_.threads, extras);
   } else {
     out.simulation.program = spec;
-    out.simulation.function = render(*inputs_, spec, traces::BvhTracer(inputs_->image), options_.threads, extras);
+    out.simulation.rendered = render_frame(*inputs_, spec, traces::BvhTracer(inputs_->image), options_.threads, extras);
   }
   return outcomes_.emplace(key, std::move(out)).first->second;
 }
@@ -167,13 +167,13 @@ std::vector<Measured> Runner::measure(const Case& c) {
   look_at(c);
   const Outcome& run = outcome(c, c.run);
   const Outcome& reference = outcome(c, c.reference);
-  const std::vector<float>& other = c.truth ? truth(c) : reference.simulation.function.rgb;
+  const std::vector<float>& other = c.truth ? truth(c) : reference.simulation.rendered.rgb;
   Comparison comparison{.run = run,
                         .reference = reference,
-                        .squared_error = mean_squared_error(run.simulation.function.rgb, other),
+                        .squared_error = mean_squared_error(run.simulation.rendered.rgb, other),
                         .reflective_share = reflective_share_};
   if (std::ranges::any_of(c.figures, [](const Figure& f) { return asks_for_masks(f.metric); })) {
-    comparison.masked = masked_errors(masks(c), run.simulation.function.rgb, other);
+    comparison.masked = masked_errors(masks(c), run.simulation.rendered.rgb, other);
   }
   std::vector<Measured> figures;
   for (const Figure& figure : c.figures) figures.push_back(measured(find_metric(figure.metric), comparison));
@@ -192,13 +192,13 @@ void Runner::write_pictures(const Case& c, const fs::path& folder) const {
     }
   };
   const FrameResult& simulation = outcomes_.at(key_of(c, c.run)).simulation;
-  const std::vector<float>& run = simulation.function.rgb;
+  const std::vector<float>& run = simulation.rendered.rgb;
   write(c.picture, to_rgb8(run));
-  for (const DebugPicture& p : debug_pictures(simulation.program, simulation.function, c.width, c.height)) {
+  for (const DebugPicture& p : debug_pictures(simulation.program, simulation.rendered, c.width, c.height)) {
     const std::string name = file_part(fmt::format("{}-{}", c.picture, p.name));
     traces::write_png(folder / fmt::format("figure-{}.png", name), p.width, p.height, p.rgb);
   }
-  const std::vector<float>& other = c.truth ? truth_ : outcomes_.at(key_of(c, c.reference)).simulation.function.rgb;
+  const std::vector<float>& other = c.truth ? truth_ : outcomes_.at(key_of(c, c.reference)).simulation.rendered.rgb;
   const std::string frame = c.view.frame.empty() ? "" : "-" + c.view.frame;
   write(fmt::format("reference-{}{}-{}", c.view.scene, frame, c.truth ? "truth" : c.reference.name), to_rgb8(other));
   write(c.picture + "-difference", difference(run, other));

@@ -31,7 +31,7 @@ void join_sweep(const sweep::SweepFolder& folder) {
     try {
       if (is_left(store, point)) computer.compute(point, {});
     } catch (const sim::IoError& error) {
-      tell("warning: slices of point {} are not joined: {}", point.n, error.what());
+      print_message("warning: slices of point {} are not joined: {}", point.n, error.what());
     }
   }
 }

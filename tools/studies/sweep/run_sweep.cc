@@ -47,11 +47,11 @@ struct Planned {
 Planned plan_from_file(const SweepOptions& options, const fs::path& file) {
   const sweep::Spec spec = sweep::read_spec(file);
   Progress progress(options.progress == "json" ? "none" : options.progress, options.quiet);
-  progress.expect(1, "sweep");
-  progress.phase("choosing points");
+  progress.expect_parts(1, "sweep");
+  progress.set_phase("choosing points");
   const auto tell = [&](std::size_t points, std::size_t of) {
     if (points == 1) progress.begin_part("planning", 0, static_cast<std::uint32_t>(of));
-    progress.tiles_done(static_cast<std::uint32_t>(points), 0, 0);
+    progress.set_tiles_done(static_cast<std::uint32_t>(points), 0, 0);
   };
   return {sim::read_file(file, 1 << 20), sweep::plan(spec, file.parent_path(), tell), spec.slurm};
 }
@@ -101,7 +101,7 @@ class Watcher {
   Watcher(const SweepOptions& options, const std::vector<Point>& points)
       : progress_(options.progress, options.quiet), points_(points), slices_(points.size()) {
     for (const Point& point : points) all_ += point.pieces();
-    progress_.expect(1, "sweep");
+    progress_.expect_parts(1, "sweep");
     progress_.begin_part(text(), 0, all_);
   }
   void slice_ended(std::size_t p) {
@@ -113,13 +113,13 @@ class Watcher {
     failed_ += fate == Fate::kFailed ? 1 : 0;
     show(points_[p].pieces() - slices_[p]);
   }
-  void end(const std::string& how) { progress_.end(how); }
+  void end(const std::string& how) { progress_.finish(how); }
 
  private:
   void show(std::uint32_t more) {
     done_ += more;
-    progress_.phase(text());
-    progress_.tiles_done(done_, 0, 0);
+    progress_.set_phase(text());
+    progress_.set_tiles_done(done_, 0, 0);
   }
   std::string text() const {
     const std::size_t all = points_.size();
@@ -213,7 +213,7 @@ int run_sweep(const SweepOptions& options) {
                    {"workers", end.workers},
                    {"busy", end.busy}});
   results::collect(folder);
-  tell_if_interrupted(fmt::format("kept {} of {} points in {}", computed + found, planned.points.size(), out.string()));
+  set_interrupt_note(fmt::format("kept {} of {} points in {}", computed + found, planned.points.size(), out.string()));
   if (!options.quiet) print_summary(end, out);
   if (failed != 0) print_failures(store, planned.points);
   if (missing != 0) tell_missing(folder, missing);

@@ -12,8 +12,8 @@
 #include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "sim/report/report_json.h"
-#include "tools/host/command_text.h"
 #include "tools/host/progress.h"
+#include "tools/host/standard_streams.h"
 #include "tools/studies/sweep/launch/slurm_words.h"
 #include "tools/studies/sweep/store/folder.h"
 #include "tools/studies/sweep/sweep.h"
@@ -118,12 +118,12 @@ void watch_sweep(const fs::path& path) {
     for (;; status = status_of(folder)) {
       const std::uint64_t missing = count_of(status, "missing");
       view.show(counts_text(status));
-      progress.tiles_done(known(), 0, 0);
+      progress.set_tiles_done(known(), 0, 0);
       const bool is_run = folder.runner() || count_of(status, "running") != 0 || slurm_status(folder);
       if (missing == 0 || !is_run) break;
       std::this_thread::sleep_for(kBetween);
     }
-    progress.end(count_of(status, "missing") == 0 ? "done" : "nobody is running this sweep");
+    progress.finish(count_of(status, "missing") == 0 ? "done" : "nobody is running this sweep");
   }
   fmt::print("{}\n", counts_text(status));
 }

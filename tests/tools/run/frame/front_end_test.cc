@@ -23,7 +23,7 @@ namespace {
 using hw::test::difference;
 using hw::test::Frame;
 
-FrontEnd::Result take_all(FrontEnd& front_end) {
+RenderResult take_all(FrontEnd& front_end) {
   while (const traces::TileWork* work = front_end.next()) front_end.give_back(work);
   return front_end.result();
 }
@@ -46,8 +46,8 @@ TEST(FrontEnd, APictureWithoutRecordingIsTheSamePicture) {
   const Frame& frame = hw::test::teapot_64x32();
   FrontEnd recorded(frame.program(), frame.tracer(), 0);
   FrontEnd silent(frame.program(), frame.tracer(), 2, false);
-  const FrontEnd::Result with_work = take_all(recorded);
-  const FrontEnd::Result without = take_all(silent);
+  const RenderResult with_work = take_all(recorded);
+  const RenderResult without = take_all(silent);
   EXPECT_EQ(with_work.rgb, without.rgb);
   EXPECT_GT(with_work.traversal_steps, 0U);
   EXPECT_EQ(without.traversal_steps, 0U) << "steps are counted from the walks";

@@ -87,7 +87,7 @@ TEST(GroundTruth, HasOtherSamplesThanTheProgramItMeasures) {
   const std::vector<float> truth = tools::ground_truth(inputs, kSamples, 1, {});
   inputs.config.render.samples = kernels::SamplePattern::kJittered;
   const traces::EmbreeTracer embree(inputs.image, 1);
-  const std::vector<float> same_seed = tools::render(inputs, kernels::parse_program("full:16"), embree, 1).rgb;
+  const std::vector<float> same_seed = tools::render_frame(inputs, kernels::parse_program("full:16"), embree, 1).rgb;
   EXPECT_GT(tools::mean_squared_error(truth, same_seed), 0);
 }
 

@@ -19,16 +19,16 @@ Inputs inputs_of(const std::string& resolution) {
 const kernels::ProgramSpec kOne = kernels::parse_program("full:1"), kFour = kernels::parse_program("full:4");
 
 TEST(HostTime, StepsOfAPictureAreThoseOfASmallOneScaledByItsPixels) {
-  const std::uint64_t steps = simulate(inputs_of("24x12"), kOne, 1).function.traversal_steps;
+  const std::uint64_t steps = simulate_frame(inputs_of("24x12"), kOne, 1).rendered.traversal_steps;
   ASSERT_GT(steps, 0U);
-  EXPECT_DOUBLE_EQ(estimated_steps(inputs_of("72x36"), kOne), 9 * static_cast<double>(steps));
+  EXPECT_DOUBLE_EQ(estimate_steps(inputs_of("72x36"), kOne), 9 * static_cast<double>(steps));
 }
 
 TEST(HostTime, StepsGrowWithPixelsAndSamples) {
   const Inputs small = inputs_of("72x36"), large = inputs_of("7200x3600");
-  const double steps = estimated_steps(small, kOne);
-  EXPECT_DOUBLE_EQ(estimated_steps(large, kOne), 10'000 * steps) << "the same pixels are looked at";
-  EXPECT_DOUBLE_EQ(estimated_steps(small, kFour), 4 * steps);
+  const double steps = estimate_steps(small, kOne);
+  EXPECT_DOUBLE_EQ(estimate_steps(large, kOne), 10'000 * steps) << "the same pixels are looked at";
+  EXPECT_DOUBLE_EQ(estimate_steps(small, kFour), 4 * steps);
 }
 
 TEST(HostTime, OfAFrameOnOneThreadIsBothHalvesAndOnSeveralTheLongerOne) {
@@ -51,20 +51,20 @@ TEST(HostTime, OfSlicesIsSharedByTheThreads) {
 }
 
 TEST(HostTime, IsMeasuredFromAMinuteOfTheSlowestStepsOn) {
-  EXPECT_FALSE(may_be_long(14.9e6, {}));  // 4 us each
-  EXPECT_TRUE(may_be_long(15.1e6, {}));
-  EXPECT_TRUE(may_be_long(4e6, {.replicates = 4}));
+  EXPECT_FALSE(may_take_minutes(14.9e6, {}));  // 4 us each
+  EXPECT_TRUE(may_take_minutes(15.1e6, {}));
+  EXPECT_TRUE(may_take_minutes(4e6, {.replicates = 4}));
 }
 
 TEST(HostTime, OfAShortFrameIsNotMeasured) {
   const Inputs inputs = inputs_of("24x12");
-  EXPECT_DOUBLE_EQ(estimated_seconds(inputs, kOne, {.threads = 1}),
-                   frame_seconds(estimated_steps(inputs, kOne), kUsualRate, {.threads = 1}));
+  EXPECT_DOUBLE_EQ(estimate_seconds(inputs, kOne, {.threads = 1}),
+                   frame_seconds(estimate_steps(inputs, kOne), kUsualRate, {.threads = 1}));
 }
 
 TEST(HostTime, IsMeasuredOnTilesOfTheMachineThatIsNamed) {
   for (const kernels::ProgramSpec& spec : {kOne, kFour, kernels::parse_program("undersample")}) {
-    const HostRate rate = measured_rate(inputs_of("64x32"), spec);
+    const HostRate rate = measure_rate(inputs_of("64x32"), spec);
     EXPECT_GT(rate.functional, 0) << spec.name();
     EXPECT_GT(rate.machine, rate.functional) << spec.name();
   }

@@ -8,7 +8,7 @@
 #include "sim/config/value.h"
 #include "sim/error.h"
 #include "tools/pricing/idle_machine.h"
-#include "tools/run/frame/cache_latency.h"
+#include "tools/run/frame/load_config.h"
 
 namespace tools {
 namespace {

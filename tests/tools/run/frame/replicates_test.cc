@@ -1,11 +1,10 @@
-#include "tools/run/frame/replicates.h"
-
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "sim/error.h"
 #include "tests/hw_models/machines/gpu_harness.h"
+#include "tools/run/frame/machine_run.h"
 #include "traces/trace_file/tree_links.h"
 
 // One recording, several simulations.
@@ -24,7 +23,7 @@ const Inputs& small_inputs() {
 }
 
 FrameResult run(std::uint32_t replicates, std::uint32_t threads, const char* program = "full:1") {
-  return simulate(small_inputs(), kernels::parse_program(program), threads, {.replicates = replicates});
+  return simulate_frame(small_inputs(), kernels::parse_program(program), threads, {.replicates = replicates});
 }
 
 hw::test::Outcome outcome_of(const FrameResult& s) { return {s.units, s.kernel_use, {}, s.elapsed, s.cycles}; }
@@ -34,7 +33,7 @@ TEST(Replicates, LeaveThePlainRunAsItIsToTheLastCounter) {
   EXPECT_TRUE(plain.replicates.empty());
   EXPECT_EQ(first.replicates.size(), 3U);
   EXPECT_EQ(difference(outcome_of(plain), outcome_of(first)), "");
-  EXPECT_EQ(hw::test::difference(plain.function, first.function), "");
+  EXPECT_EQ(hw::test::difference(plain.rendered, first.rendered), "");
   EXPECT_EQ(plain.energy.total_pj.nominal, first.energy.total_pj.nominal);
 }
 
@@ -60,20 +59,20 @@ TEST(Replicates, TraceNoRayAnew) {
   const FrameResult s = run(3, 1, "multirate:under");
   for (const FrameResult& replicate : s.replicates) {
     EXPECT_EQ(replicate.rays(), s.rays());
-    EXPECT_EQ(replicate.function.traversal_steps, s.function.traversal_steps);
-    EXPECT_TRUE(replicate.function.rgb.empty());
+    EXPECT_EQ(replicate.rendered.traversal_steps, s.rendered.traversal_steps);
+    EXPECT_TRUE(replicate.rendered.rgb.empty());
   }
 }
 
-TEST(KeptWork, IsTheWorkThatWasRecordedToTheLastCounter) {
+TEST(InMemoryTrace, IsTheWorkThatWasRecordedToTheLastCounter) {
   const hw::test::Frame frame("teapot", 64, 32);
   const traces::MemoryImage& image = frame.workload().image;
-  KeptWork kept({traces::links_of(image), traces::counts_of(image), 1000, frame.workload().needs.region_bytes},
-                1U << 30, "--replicates");
+  InMemoryTrace kept({traces::links_of(image), traces::counts_of(image), 1000, frame.workload().needs.region_bytes},
+                     1U << 30, "--replicates");
   for (const traces::TileWork& work : frame.record()) kept.add(work);
   EXPECT_EQ(kept.tiles(), frame.program().tiles());
   std::uint32_t finished = 0;
-  KeptProgram program(kept, frame.workload().needs, [&] { finished += 1; });
+  InMemoryTraceProgram program(kept, frame.workload().needs, [&] { finished += 1; });
   const NoTracer no_tracer;
   FrontEnd tiles(program, no_tracer, 0);
   const hw::GpuConfig config;
@@ -81,11 +80,11 @@ TEST(KeptWork, IsTheWorkThatWasRecordedToTheLastCounter) {
   EXPECT_EQ(finished, kept.tiles());
 }
 
-TEST(KeptWork, BeyondItsMemoryIsRefusedByName) {
+TEST(InMemoryTrace, BeyondItsMemoryIsRefusedByName) {
   const hw::test::Frame& frame = hw::test::cornell_64x32();
   const traces::MemoryImage& image = frame.workload().image;
-  KeptWork kept({traces::links_of(image), traces::counts_of(image), 1000, frame.workload().needs.region_bytes}, 100,
-                "dvfs");
+  InMemoryTrace kept({traces::links_of(image), traces::counts_of(image), 1000, frame.workload().needs.region_bytes},
+                     100, "dvfs");
   try {
     kept.add(frame.record().front());
     FAIL() << "100 bytes hold no tile";

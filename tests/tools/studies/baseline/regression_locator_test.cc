@@ -110,7 +110,8 @@ TEST(RegressionLocator, EveryReasonOfEveryUnitIsOneKindOfReason) {
     JobOptions options;
     options.resolution = "4x4";
     options.sets = {"scene.triangles=500", std::string("direct_interface.enabled=") + direct, "render.primary=raster"};
-    for (const sim::UnitReport& unit : simulate(load_inputs(options), kernels::parse_program("full:1"), 1).units) {
+    for (const sim::UnitReport& unit :
+         simulate_frame(load_inputs(options), kernels::parse_program("full:1"), 1).units) {
       for (const auto& [reason, cycles] : unit.cycles_by_reason) {
         const std::string kind = std::regex_replace(unit.path, std::regex("(core|trv|bank|channel)[0-9]+"), "$1");
         EXPECT_TRUE(hw::kind_of_reason(kind, reason)) << unit.path << " " << reason << ": add it to kUnitKinds";

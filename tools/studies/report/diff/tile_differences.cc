@@ -16,7 +16,7 @@ TileTable loaded_or_told(const std::filesystem::path& file) {
   try {
     return load_tiles(file);
   } catch (const sim::InputError& error) {
-    tell("warning: {}; the page compares no tiles", error.what());
+    print_message("warning: {}; the page compares no tiles", error.what());
     throw;
   }
 }

@@ -62,7 +62,7 @@ std::optional<std::string> page_picture(const std::filesystem::path& file, std::
     if (square == 1) return data_url("image/png", bytes);
     return data_url("image/png", traces::encode_png(averaged(picture, square)));
   } catch (const sim::InputError& error) {
-    tell("warning: {}; the page goes without it", error.what());
+    print_message("warning: {}; the page goes without it", error.what());
     return std::nullopt;
   }
 }

@@ -1,6 +1,6 @@
 #include "sim/io/printable.h"
 #include "tools/analysis/report_file.h"
-#include "tools/host/command_text.h"
+#include "tools/host/standard_streams.h"
 #include "tools/studies/report/run/run_parts.h"
 
 namespace tools::pages {

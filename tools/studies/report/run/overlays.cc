@@ -140,7 +140,7 @@ Overlays overlays_of(const Run& run) {
       from(run, out);
     } catch (const sim::InputError& error) {
       out.missing += fmt::format("{}{}.", out.missing.empty() ? "" : " ", error.what());
-      tell("warning: {}; the page lacks its overlays", error.what());
+      print_message("warning: {}; the page lacks its overlays", error.what());
     }
   };
   if (run.report.is_reference()) {

@@ -120,7 +120,7 @@ void add_series(const Run& run, View& view) {
     section.block("series", "series", "Over time", {{"charts", std::move(charts)}});
   } catch (const sim::InputError& error) {
     section.text(fmt::format("Figures over time are not shown: {}", error.what()));
-    tell("warning: {}; the page shows no figures over time", error.what());
+    print_message("warning: {}; the page shows no figures over time", error.what());
   }
   view.add(section);
 }

@@ -8,7 +8,7 @@
 #include "sim/error.h"
 #include "sim/io/printable.h"
 #include "tools/analysis/report_paths.h"
-#include "tools/host/command_text.h"
+#include "tools/host/standard_streams.h"
 #include "tools/studies/report/sweep/sweep_parts.h"
 #include "tools/studies/sweep/results/figure_noise.h"
 

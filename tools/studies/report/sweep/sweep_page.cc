@@ -43,7 +43,7 @@ void collect_in(const fs::path& folder) {
   } catch (const sim::IoError& error) {
     std::error_code failed;
     if (!fs::exists(folder / "index.sqlite", failed)) throw;
-    tell("warning: {}; the page has what was last collected", error.what());
+    print_message("warning: {}; the page has what was last collected", error.what());
   }
 }
 

@@ -15,7 +15,7 @@
 #include "tools/host/exit_code.h"
 #include "tools/host/interrupt.h"
 #include "tools/host/standard_streams.h"
-#include "tools/run/frame/recorded.h"
+#include "tools/run/frame/trace_header.h"
 #include "tools/run/stored_frames.h"
 #include "tools/studies/sweep/store/durable.h"
 #include "traces/scene/images.h"
@@ -37,7 +37,7 @@ RunResult run_all(FrameSource& frames, const RunOptions& options) {
 void write_picture(const PlayedFrame& played, const fs::path& file) {
   if (!played.is_first) return;
   const kernels::RenderConfig& render = played.inputs.config.render;
-  traces::write_png(file, render.width, render.height, to_rgb8(played.frame.function.rgb));
+  traces::write_png(file, render.width, render.height, to_rgb8(played.frame.rendered.rgb));
 }
 
 }  // namespace
@@ -74,7 +74,7 @@ Inputs& PointComputer::inputs_for(const Point& point, const PointKeys::Key& key,
 Fate PointComputer::compute(const Point& point, const Order& order) try {
   std::optional<Lock> lock = store_.lock(point.id);
   for (auto pause = std::chrono::milliseconds(2); !lock && order.wait; lock = store_.lock(point.id)) {
-    if (interrupted()) throw Interrupted{};
+    if (is_interrupted()) throw Interrupted{};
     std::this_thread::sleep_for(pause);
     pause = std::min(pause * 2, std::chrono::milliseconds(200));
   }
@@ -127,7 +127,7 @@ void PointComputer::compute_now(const Point& point, const PointKeys::Key& key, c
     try {
       return replay(point, key, config);
     } catch (const sim::InputError& error) {  // cut short, or of another hand
-      tell("warning: {}; computed without it", error.what());
+      print_message("warning: {}; computed without it", error.what());
       store_.remove_stream(key.stream);
     }
   }
@@ -142,9 +142,9 @@ void PointComputer::compute_now(const Point& point, const PointKeys::Key& key, c
     if (point.image) how.on_frame = [&](const PlayedFrame& played) { write_picture(played, folder / "image.png"); };
     const RunResult result = run_all(frames, how);
     if (recording) recording->trace->commit();
-    write_results(folder,
-                  report_json({inputs, options, result.totals(), result.frames, false, sim::seconds_since(begin)}),
-                  config);
+    write_results(
+        folder, report_json({inputs, options, result.report_totals(), result.frames, false, sim::seconds_since(begin)}),
+        config);
   });
 }
 
@@ -152,8 +152,8 @@ void PointComputer::replay(const Point& point, const PointKeys::Key& key, const 
   const auto begin = sim::HostClock::now();
   StoredFrames frames(store_.stream(key.stream), config, threads_, point.replicates);
   const RunResult result = run_all(frames, {});
-  const sim::Json report =
-      report_json({frames.inputs(), point.options(), result.totals(), result.frames, false, sim::seconds_since(begin)});
+  const sim::Json report = report_json(
+      {frames.inputs(), point.options(), result.report_totals(), result.frames, false, sim::seconds_since(begin)});
   store_.put(point.id, key.made_of, [&](const fs::path& folder) { write_results(folder, report, config); });
 }
 
@@ -165,7 +165,7 @@ std::optional<PointComputer::Recording> PointComputer::begin_recording(const std
     auto trace = std::make_unique<traces::TraceWriter>(store_.stream(stream), trace_header(inputs, options));
     return Recording{*std::move(lock), std::move(trace)};
   } catch (const sim::InputError& error) {  // not every kind of work can be recorded
-    tell("warning: {}; points compute it each for itself", error.what());
+    print_message("warning: {}; points compute it each for itself", error.what());
     return std::nullopt;
   }
 }

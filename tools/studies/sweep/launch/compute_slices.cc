@@ -51,10 +51,12 @@ class JoinedSlices final : public PosedFrames {
       : PosedFrames(inputs, threads, nullptr), program_(program), slices_(std::move(slices)) {}
   bool has_whole_frames() const override { return false; }
   bool has_reference() const override { return false; }
-  FrameResult play(const SimulateOptions&) override {
+  FrameResult simulate(const SimulateOptions&) override {
     return join_slices(inputs_, program_, at_frame(slices_, inputs_.frame - inputs_.config.scene.first_frame));
   }
-  FrameResult play_reference(const SimulateOptions&) override { throw std::logic_error("slices have no reference"); }
+  FrameResult simulate_reference(const SimulateOptions&) override {
+    throw std::logic_error("slices have no reference");
+  }
   double squared_error(const FrameResult&, const FrameResult&) const override { return 0; }
 
  private:
@@ -90,7 +92,8 @@ void PointComputer::join(const Point& whole, const PointKeys::Key& key, const Ru
     }
     if (result.partial) throw Interrupted{};
     const double wall = result.total->wall_seconds + inputs.load_seconds + inputs.update_seconds;
-    write_results(folder, report_json({inputs, whole.options(), result.totals(), result.frames, false, wall}), config);
+    write_results(folder, report_json({inputs, whole.options(), result.report_totals(), result.frames, false, wall}),
+                  config);
   });
 }
 

@@ -64,7 +64,7 @@ class LocalLauncher::Batch {
     end_.workers = static_cast<std::uint32_t>(std::min(launcher_.workers_.size(), waiting_.size()));
     begun_.resize(end_.workers);
     while (left_ != 0) {
-      if (interrupted()) {
+      if (is_interrupted()) {
         launcher_.stop();
         end_.interrupted = true;
         break;
@@ -213,7 +213,7 @@ class LocalLauncher::Batch {
 
   void crashed(Worker& worker, std::size_t p) {
     const int status = launcher_.reap(worker);
-    if (interrupted()) return;
+    if (is_interrupted()) return;
     const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
     const int exit = signal != 0 ? 128 + signal : WEXITSTATUS(status);
     const bool by_somebody = exit == 128 + SIGKILL || exit == 128 + SIGTERM;

@@ -139,7 +139,7 @@ void LocalLauncher::work(int socket, const std::filesystem::path& log) {
   } catch (const std::bad_alloc&) {
     exit = kIoFailed;
   } catch (const std::exception& error) {
-    tell("internal error: {}", error.what());
+    print_message("internal error: {}", error.what());
     std::fflush(stderr);
     exit = kOurBug;
   }

@@ -13,8 +13,8 @@
 #include "sim/host_clock.h"
 #include "sim/io/file.h"
 #include "sim/io/printable.h"
-#include "tools/host/command_text.h"
 #include "tools/host/interrupt.h"
+#include "tools/host/standard_streams.h"
 #include "tools/studies/sweep/launch/slurm_client.h"
 #include "tools/studies/sweep/launch/slurm_queue.h"
 
@@ -157,7 +157,7 @@ class PatientQueue {
 
 void sleep_unless_interrupted(double seconds) {
   const sim::HostClock::time_point begin = sim::HostClock::now();
-  while (!interrupted() && sim::seconds_since(begin) < seconds) std::this_thread::sleep_for(Seconds(0.05));
+  while (!is_interrupted() && sim::seconds_since(begin) < seconds) std::this_thread::sleep_for(Seconds(0.05));
 }
 
 /// Logs of tasks that had nothing to say.
@@ -196,7 +196,7 @@ BatchEnd SlurmLauncher::play(std::span<const Point> points, const Watch& watch) 
   look(Fate::kFound);
   PatientQueue queue(folder_);
   bool settled = false;  // what tasks wrote last may show late on file systems that are shared
-  while (!open.empty() && !interrupted()) {
+  while (!open.empty() && !is_interrupted()) {
     const bool is_empty = queue.is_empty();
     look(Fate::kComputed);
     if (open.empty() || (is_empty && settled)) break;
@@ -205,7 +205,7 @@ BatchEnd SlurmLauncher::play(std::span<const Point> points, const Watch& watch) 
                                       : std::clamp(sim::seconds_since(begin) / 20, kShortestPause, kLongestPause));
   }
   end.seconds = sim::seconds_since(begin);
-  end.interrupted = interrupted();
+  end.interrupted = is_interrupted();
   if (end.interrupted) return end;
   remove_empty_logs(folder_.log());
   for (const Point& point : points) {

@@ -7,7 +7,7 @@
 
 #include "sim/error.h"
 #include "sim/io/printable.h"
-#include "tools/host/command_text.h"
+#include "tools/host/standard_streams.h"
 #include "tools/studies/sweep/results/cells.h"
 #include "tools/studies/sweep/results/condition.h"
 #include "tools/studies/sweep/results/energy_band.h"

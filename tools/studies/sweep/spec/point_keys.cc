@@ -86,7 +86,7 @@ void PointKeys::set_key(Point& point) {
   const ConfigVariants* applied = nullptr;
   try {
     applied = &apply(point);
-    if (point.slices != 0) tools::slices_of(applied->config(), kernels::parse_program(point.program), point.slices);
+    if (point.slices != 0) tools::slice_count(applied->config(), kernels::parse_program(point.program), point.slices);
   } catch (const sim::InputError& error) {
     point.error = error.what();
     point.id.clear();

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "sim/io/json.h"
-#include "tools/run/frame/config_variants.h"
 #include "tools/run/frame/load_config.h"
 #include "tools/studies/sweep/spec/point.h"
 

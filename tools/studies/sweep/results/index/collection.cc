@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "tools/host/on_threads.h"
+#include "tools/host/parallel.h"
 
 namespace tools::results {
 namespace {
@@ -19,7 +19,7 @@ struct Reader {
 /// The reader of every point.
 std::vector<std::size_t> read_all(const sweep::Store& store, Collection& all, std::vector<Reader>& readers) {
   std::vector<std::size_t> by(all.points.size());
-  do_all(all.points.size(), readers.size(), [&](std::size_t i, std::size_t reader) {
+  parallel_for(all.points.size(), readers.size(), [&](std::size_t i, std::size_t reader) {
     all.states[i] = read_point_state(store, all.points[i].id, readers[reader].names);
     by[i] = reader;
   });

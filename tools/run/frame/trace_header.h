@@ -12,12 +12,12 @@ namespace tools {
 /// Returns the header of a trace of these inputs.
 traces::Json trace_header(const Inputs& inputs, const JobOptions& options);
 /// Returns the result of a part: outputs of the frame program that are not in its work.
-traces::Json recorded_result(const FrontEnd::Result& result);
+traces::Json recorded_result(const RenderResult& result);
 /// Returns the entry of a frame. `error`: mean squared difference from the reference's picture.
 traces::Json recorded_frame(std::uint32_t number, double error);
 
 /// Parses the result of a part: sampling and continued rays.
-FrontEnd::Result result_of(const traces::Json& json);
+RenderResult parse_recorded_result(const traces::Json& json);
 
 /// Throws InputError, without the file's name, if a key is missing or has the wrong type. The functions below need a
 /// checked header.

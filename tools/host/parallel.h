@@ -12,7 +12,7 @@ namespace tools {
 /// Calls work(0) to work(count - 1) concurrently: the first on the calling thread, each other on a thread of its own.
 /// Returns after all have ended. Rethrows the first exception, or the failure to start a thread.
 template <typename Work>
-void on_threads(std::size_t count, Work&& work) {
+void run_on_threads(std::size_t count, Work&& work) {
   std::mutex mutex;
   std::exception_ptr failure;
   const auto guarded = [&](std::size_t i) {
@@ -36,10 +36,10 @@ void on_threads(std::size_t count, Work&& work) {
 /// numbered from 0. No call starts after a failure. Rethrows the exception of the lowest i that failed, for any number
 /// of threads.
 template <typename Work>
-void do_all(std::size_t count, std::size_t threads, Work&& work) {
+void parallel_for(std::size_t count, std::size_t threads, Work&& work) {
   std::atomic<std::size_t> next = 0;
   std::vector<std::exception_ptr> failures(count);
-  on_threads(std::min(std::max<std::size_t>(threads, 1), count), [&](std::size_t thread) {
+  run_on_threads(std::min(std::max<std::size_t>(threads, 1), count), [&](std::size_t thread) {
     for (std::size_t i = next++; i < count; i = next++) {
       try {
         work(i, thread);

@@ -1,4 +1,4 @@
-#include "tools/sampling/slice_play.h"
+#include "tools/sampling/slice_player.h"
 
 #include <numeric>
 
@@ -7,13 +7,13 @@
 
 namespace tools {
 
-void Stretch::take_off(const Mark& earlier) {
+void MachineSpan::subtract(const Mark& earlier) {
   time -= earlier.time;
   sim::subtract_reports(units, earlier.units);
   for (std::size_t k = 0; k < kernels.size(); ++k) kernels[k] -= earlier.kernels[k];
 }
 
-void Stretch::add(const Stretch& other) {
+void MachineSpan::add(const MachineSpan& other) {
   time += other.time;
   sim::add_reports(units, other.units);
   for (std::size_t k = 0; k < kernels.size(); ++k) kernels[k] += other.kernels[k];
@@ -26,17 +26,17 @@ SlicePlayer::SlicePlayer(const Inputs& inputs, const kernels::FrameProgram& fram
       shape_(slice_shape(*inputs.config.gpu, requirements_)),
       scheduled_(std::make_shared<const hw::ScheduledKernels>(hw::schedule_kernels(*inputs.config.gpu))) {}
 
-std::unique_ptr<hw::Gpu> SlicePlayer::machine(hw::TileSource& tiles) const {
+std::unique_ptr<hw::Gpu> SlicePlayer::make_machine(hw::TileSource& tiles) const {
   return make_gpu(inputs_, inputs_.config, requirements_, tiles, {}, {}, scheduled_);
 }
 
-Stretch SlicePlayer::nothing() const {
+MachineSpan SlicePlayer::initial_state() const {
   NoTiles none;
-  return Stretch(*machine(none));
+  return MachineSpan(*make_machine(none));
 }
 
-PlayedSlice SlicePlayer::play(SharedFrame& frame, const traces::Tracer& tracer, const Slice& slice,
-                              std::uint32_t workers) const {
+PlayedSlice SlicePlayer::run_slice(SharedFrame& frame, const traces::Tracer& tracer, const Slice& slice,
+                                   std::uint32_t workers) const {
   const double begin = sim::thread_seconds();
   SliceProgram program(frame, slice);
   const bool is_last = slice.end == tiles_;
@@ -50,27 +50,27 @@ PlayedSlice SlicePlayer::play(SharedFrame& frame, const traces::Tracer& tracer, 
   if (!is_last) stop_at = slice.end;
   TimedTiles tiles(front_end, {{slice.lead_begin(), slice.first, is_last ? slice.end : slice.end + 1, slice.warming}},
                    std::move(marked), stop_at);
-  const auto gpu = machine(tiles);
-  tiles.connect(*gpu);
+  const auto gpu = make_machine(tiles);
+  tiles.set_gpu(*gpu);
   run_to_end(*gpu);
 
   PlayedSlice played;
   played.slice = slice;
-  played.own = is_last ? Stretch(*gpu) : Stretch(tiles.at(slice.end));
+  played.own = is_last ? MachineSpan(*gpu) : MachineSpan(tiles.mark_at(slice.end));
   if (slice.first != 0) {
-    played.own.take_off(tiles.at(slice.first));
-    played.before = probe(tiles, slice.first);
+    played.own.subtract(tiles.mark_at(slice.first));
+    played.before = measure_probe(tiles, slice.first);
   }
-  if (!is_last) played.after = probe(tiles, slice.end);
+  if (!is_last) played.after = measure_probe(tiles, slice.end);
   frame.add_times(front_end.result());
   played.seconds = sim::thread_seconds() - begin;
   played.timing_seconds = played.seconds - tiles.making_seconds();
   return played;
 }
 
-Probe SlicePlayer::probe(const TimedTiles& tiles, std::uint32_t border) const {
-  Stretch stretch(tiles.at(border));
-  stretch.take_off(tiles.at(border - shape_.probe));
+Probe SlicePlayer::measure_probe(const TimedTiles& tiles, std::uint32_t border) const {
+  MachineSpan stretch(tiles.mark_at(border));
+  stretch.subtract(tiles.mark_at(border - shape_.probe));
   return {static_cast<double>(stretch.time), energy_of(stretch.units, stretch.time, inputs_.config).total_pj.nominal};
 }
 

@@ -1,4 +1,4 @@
-#include "tools/run/frame/recorded.h"
+#include "tools/run/frame/trace_header.h"
 
 #include <algorithm>
 #include <array>
@@ -22,19 +22,19 @@ namespace {
 using traces::Json;
 
 /// Returns all fields by key.
-std::map<std::string, sim::FieldInfo> fields(const RunConfig& config) {
+std::map<std::string, sim::FieldInfo> fields_by_key(const RunConfig& config) {
   std::map<std::string, sim::FieldInfo> all;
   for (sim::FieldInfo& field : sim::list_fields(config)) all.emplace(field.path, std::move(field));
   return all;
 }
 
 /// Returns the keys that command-line options other than --set changed: --scene, --camera, --frames, --resolution.
-Json given(const RunConfig& effective, const JobOptions& options) {
+Json fields_given_by_options(const RunConfig& effective, const JobOptions& options) {
   JobOptions plain;
   plain.config = options.config;
   plain.sets = options.sets;
   plain.ideal = options.ideal;
-  const auto without = fields(load_run_config(plain));
+  const auto without = fields_by_key(load_run_config(plain));
   Json out = Json::object();
   for (const sim::FieldInfo& field : sim::list_fields(effective)) {
     if (field.value != without.at(field.path).value) out[field.path] = field.value;
@@ -101,13 +101,13 @@ void check_resolution(const Json& header, const std::string& file, const RunConf
 
 // Reads a count; absent keys are 0.
 template <class Number>
-void read(const Json& json, const char* key, Number& number) {
+void read_count(const Json& json, const char* key, Number& number) {
   if (!json.contains(key)) return;
   number = static_cast<Number>(traces::number_at(json, key, std::numeric_limits<Number>::max()));
 }
 
 template <class Array>
-void read_all(const Json& json, const char* key, Array& numbers) {
+void read_counts(const Json& json, const char* key, Array& numbers) {
   if (!json.contains(key)) return;
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     numbers[i] = traces::number_of(json.at(key).at(i), std::numeric_limits<std::uint64_t>::max(), key);
@@ -116,7 +116,7 @@ void read_all(const Json& json, const char* key, Array& numbers) {
 
 /// Converts counts by check to the order in files, or from it.
 template <class Counts>
-Counts reordered(const Counts& counts, bool is_from_file) {
+Counts reorder_checks(const Counts& counts, bool is_from_file) {
   using enum kernels::Check;
   constexpr std::array kInFile{kObject, kNormal,          kShadow,          kPosition,        kConvexity, kTexture,
                                kColour, kSecondaryObject, kSecondaryNormal, kSecondaryShadow, kDetail,    kBorder};
@@ -136,7 +136,7 @@ void check_not_recorded(const Json& header, const std::string& file,
   const sim::JsonPointer id("/made_by/model_id");
   if (!header.contains(id) || header.at(id) == build_info().model_id) return;
   const auto program = header.at("program").get<std::string>(), reference = header.at("reference").get<std::string>();
-  const auto defaults = fields(RunConfig{});
+  const auto defaults = fields_by_key(RunConfig{});
   for (const auto& [path, field] : asked) {
     if (field.affects != sim::Affects::kFunction || !changes_work(path, program, reference)) continue;
     if (header.at("function").contains(path)) continue;
@@ -170,13 +170,13 @@ Json trace_header(const Inputs& inputs, const JobOptions& options) {
           {"made_by", {{"version", build.version}, {"git", build.git}, {"model_id", build.model_id}}},
           {"kernels", std::move(kernels)},
           {"function", function_fields(inputs.config, program, reference)},
-          {"given", given(inputs.config, options)},
+          {"given", fields_given_by_options(inputs.config, options)},
           {"config", sim::dump_config(inputs.config)}};
 }
 
 Json recorded_frame(std::uint32_t number, double error) { return {{"frame", number}, {"squared_error", error}}; }
 
-Json recorded_result(const FrontEnd::Result& result) {
+Json recorded_result(const RenderResult& result) {
   const kernels::Sampling& s = result.sampling;
   return {{"rays", std::span(result.rays)},
           {"traversal_steps", result.traversal_steps},
@@ -190,8 +190,8 @@ Json recorded_result(const FrontEnd::Result& result) {
             {"traced_background", s.traced_background},
             {"checked", s.checked},
             {"passed", s.passed},
-            {"failed", reordered(s.failed, false)},
-            {"first_failed", reordered(s.first_failed, false)},
+            {"failed", reorder_checks(s.failed, false)},
+            {"first_failed", reorder_checks(s.first_failed, false)},
             {"rough", s.rough},
             {"active", s.active},
             {"reasons", s.reasons},
@@ -204,35 +204,35 @@ Json recorded_result(const FrontEnd::Result& result) {
             {"has_rates", s.has_rates}}}};
 }
 
-FrontEnd::Result result_of(const Json& json) {
-  FrontEnd::Result result;
-  read(json, "continued", result.continued);
+RenderResult parse_recorded_result(const Json& json) {
+  RenderResult result;
+  read_count(json, "continued", result.continued);
   const Json& from = json.at("sampling");
   kernels::Sampling& s = result.sampling;
-  read(from, "wanted", s.wanted);
+  read_count(from, "wanted", s.wanted);
   if (s.wanted == 0) throw sim::InputError("sampling.wanted is not there or 0");
-  read(from, "traced", s.traced);
-  read(from, "halo", s.halo);
-  read(from, "correction", s.correction);
-  read(from, "background", s.background);
-  read(from, "traced_background", s.traced_background);
-  read(from, "checked", s.checked);
-  read(from, "passed", s.passed);
-  read_all(from, "failed", s.failed);
-  read_all(from, "first_failed", s.first_failed);
-  s.failed = reordered(s.failed, true);
-  s.first_failed = reordered(s.first_failed, true);
-  read(from, "rough", s.rough);
-  read_all(from, "active", s.active);
-  read_all(from, "reasons", s.reasons);
-  read_all(from, "first_reasons", s.first_reasons);
-  read(from, "padding", s.padding);
-  read(from, "propagated", s.propagated);
+  read_count(from, "traced", s.traced);
+  read_count(from, "halo", s.halo);
+  read_count(from, "correction", s.correction);
+  read_count(from, "background", s.background);
+  read_count(from, "traced_background", s.traced_background);
+  read_count(from, "checked", s.checked);
+  read_count(from, "passed", s.passed);
+  read_counts(from, "failed", s.failed);
+  read_counts(from, "first_failed", s.first_failed);
+  s.failed = reorder_checks(s.failed, true);
+  s.first_failed = reorder_checks(s.first_failed, true);
+  read_count(from, "rough", s.rough);
+  read_counts(from, "active", s.active);
+  read_counts(from, "reasons", s.reasons);
+  read_counts(from, "first_reasons", s.first_reasons);
+  read_count(from, "padding", s.padding);
+  read_count(from, "propagated", s.propagated);
   for (const Json& share : from.value("similar", Json::array())) s.similar.push_back(share.get<float>());
   for (const Json& side : from.value("blocks", Json::array())) {
     s.blocks.push_back(static_cast<std::uint8_t>(traces::number_of(side, 255, "blocks")));
   }
-  read(from, "tile_side", s.tile_side);
+  read_count(from, "tile_side", s.tile_side);
   s.has_rates = from.value("has_rates", false);
   return result;
 }
@@ -251,7 +251,7 @@ void check_header(const Json& header) {
 
 void check_recorded(const Json& header, const std::string& file, const RunConfig& config) {
   const auto program = header.at("program").get<std::string>(), reference = header.at("reference").get<std::string>();
-  const auto asked = fields(config);
+  const auto asked = fields_by_key(config);
   for (const auto& [path, value] : header.at("function").items()) {
     if (!changes_work(path, program, reference)) continue;
     const auto field = asked.find(path);
