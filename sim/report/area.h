@@ -27,12 +27,12 @@ struct AreaConfig {
     const auto area = [&](auto& value, const char* name, const char* unit, const char* meaning) {
       field(value, name, unit, meaning, at_least(0), Affects::kEnergy);
     };
-    area(NAMED(c.process), "", "what the figures describe");
-    area(NAMED(c.logic_scale), "", "area of logic in this process over energy.logic");
+    area(NAMED(c.process), "", "technology of the table");
+    area(NAMED(c.logic_scale), "", "area of logic in this process relative to energy.logic");
     area(NAMED(c.arrays), "mm2", "the array of a unit whose accesses are counted, by size");
-    area(NAMED(c.buffers), "mm2/KiB", "a unit's storage beside that array");
+    area(NAMED(c.buffers), "mm2/KiB", "storage of a unit in addition to that array");
     area(NAMED(c.pads), "mm2", "drivers, receivers and pads of a unit at the die's edge, for each 16 data lines");
-    area(NAMED(c.placement), "", "die over the sum of its blocks: wires between them and gaps");
+    area(NAMED(c.placement), "", "die area relative to the sum of its blocks, for wires and gaps");
   }
 };
 

@@ -40,19 +40,17 @@ struct EnergyConfig {
     const auto energy = [&](auto& value, const char* name, const char* unit, const char* meaning, Limits limits) {
       field(value, name, unit, meaning, limits, Affects::kEnergy);
     };
-    energy(NAMED(c.process), "", "what the figures describe", any());
+    energy(NAMED(c.process), "", "technology of the table", any());
     energy(NAMED(c.events), "pJ", "energy of one event, without its share of the clock tree", at_least(0));
-    energy(NAMED(c.clock_share), "", "clock tree's part of a block's dynamic energy", between(0, 0.9));
+    energy(NAMED(c.clock_share), "", "share of the clock tree in a block's dynamic energy", between(0, 0.9));
     energy(NAMED(c.sram_leakage), "mW/KiB", "leakage of storage", at_least(0));
     energy(NAMED(c.logic_leakage), "mW/mm2", "leakage of logic", at_least(0));
     energy(NAMED(c.logic), "mm2", "area of a unit's logic", at_least(0));
     energy(NAMED(c.parts), "mm2", "area of a part of a unit's logic, as tni.trv.box_tester", at_least(0));
     energy(NAMED(c.parts_in_logic), "parts",
-           "how many of a part the figure of logic holds; those that a unit has beyond are added to it, those that it "
-           "has not are taken off",
-           at_least(0));
+           "number of this part included in logic; additional parts are added, missing ones subtracted", at_least(0));
     energy(NAMED(c.flop_clock), "pJ", "clocking one flip-flop for a cycle", at_least(0));
-    energy(NAMED(c.idle_clocked), "", "part of an idle unit's flip-flops that clock gating does not stop",
+    energy(NAMED(c.idle_clocked), "", "share of an idle unit's flip-flops that clock gating does not stop",
            between(0, 1));
     energy(NAMED(c.flops), "flops", "flip-flops of a unit", at_least(0));
   }

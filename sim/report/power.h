@@ -33,16 +33,16 @@ struct PowerConfig {
       field(value, name, unit, meaning, limits, Affects::kEnergy);
     };
     power(NAMED(c.voltage), "",
-          "voltage at which energies are told: the energy table's whatever the clock, or what each clock needs by dvfs",
+          "voltage used for energies: that of the energy table at any clock, or the one that each clock needs by dvfs",
           any());
     power(NAMED(c.dvfs), "V", "voltage that a clock domain needs for a frequency, as tni@500MHz: points of a curve",
           at_least(0));
-    power(NAMED(c.nominal_voltage), "V", "voltage that the energy table's figures hold at", between(0.1, 5));
+    power(NAMED(c.nominal_voltage), "V", "voltage of the energy table", between(0.1, 5));
     power(NAMED(c.temperature), "C", "of the chip, for leakage", between(-40, 150));
-    power(NAMED(c.nominal_temperature), "C", "temperature that the energy table's figures hold at", between(-40, 150));
+    power(NAMED(c.nominal_temperature), "C", "temperature of the energy table", between(-40, 150));
     power(NAMED(c.leakage_exponent), "", "power of the voltage with which leakage grows", between(0, 20));
     power(NAMED(c.leakage_doubling), "C", "rise of temperature that doubles leakage", between(1, 1000));
-    power(NAMED(c.idle_leakage), "", "part of the leakage that is left between frames (raywatt dvfs)", between(0, 1));
+    power(NAMED(c.idle_leakage), "", "share of the leakage that remains between frames (raywatt dvfs)", between(0, 1));
   }
   void check(auto&& complain) const {
     for (const auto& [name, volt] : dvfs) {

@@ -170,9 +170,9 @@ const Estimate& largest_speedup(const std::vector<Estimate>& estimates) {
 std::string limiter_text(std::vector<Estimate> estimates) {
   std::ranges::stable_sort(estimates, std::greater<>(), &Estimate::speedup);
   const Estimate &first = estimates[0], &second = estimates[1];
-  if (first.speedup < 1.01) return "nothing alone: no resource made perfect would be worth 1 %";
-  return fmt::format("{} (perfect, they would be worth x{:.2f}; next are {} with x{:.2f})", words_of(first.resource),
-                     first.speedup, words_of(second.resource), second.speedup);
+  if (first.speedup < 1.01) return "no single resource: none would gain 1 % if ideal";
+  return fmt::format("{} (x{:.2f} if ideal; next: {}, x{:.2f})", words_of(first.resource), first.speedup,
+                     words_of(second.resource), second.speedup);
 }
 
 }  // namespace tools

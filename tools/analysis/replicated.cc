@@ -67,7 +67,7 @@ Json replicates_json(const ComparedResult& result, const Json& plain) {
 
 std::string replicates_text(const Json& replicates) {
   const Json& f = replicates["figures"];
-  return fmt::format("{} plays, mean and 95 %: cycles {}, mJ {}, W {}, frames/J {}", replicates["count"].get<int>(),
+  return fmt::format("{} runs, mean and 95 %: cycles {}, mJ {}, W {}, frames/J {}", replicates["count"].get<int>(),
                      give_or_take(f, "cycles"), give_or_take(f, "energy_mj.nominal"),
                      give_or_take(f, "power_w.nominal"), give_or_take(f, "perf.frames_per_joule_gpu"));
 }
@@ -91,8 +91,7 @@ std::string replicates_table(const Json& replicates) {
                                       "relative.dram_bytes",
                                       "relative.tni_perf_per_watt",
                                       "relative.gpu_perf_per_watt"};
-  sim::Table table(
-      {fmt::format("of {} plays", replicates["count"].get<int>()), "mean", "deviation", "95 %, low", "high"});
+  sim::Table table({fmt::format("{} runs", replicates["count"].get<int>()), "mean", "deviation", "95 %, low", "high"});
   for (const char* path : kFigures) {
     const sim::JsonPointer at = pointer_to(path);
     if (!replicates["figures"].contains(at)) continue;

@@ -367,16 +367,16 @@ std::vector<std::string> run_warnings(const RunConfig& config, std::span<const s
   std::vector<std::string> lines = extrapolation_warnings(config, units);
   if (are_of_two_processes(config)) {
     lines.push_back(
-        fmt::format("area.process is '{}' and energy.process '{}': frames per joule and mm2 are of a chip in "
-                    "two processes",
+        fmt::format("area.process is '{}' and energy.process '{}': results per mm2 mix two "
+                    "processes",
                     sim::printable(config.area.process), sim::printable(config.energy.process)));
   }
   if (!sampled || sampled->asked == 0) return lines;
   const double timed = static_cast<double>(sampled->timed) / static_cast<double>(sampled->tiles);
   if (timed > kMuchMore * sampled->asked) {
     lines.push_back(
-        fmt::format("--tile-sampling {:.3g}% has timed {:.3g} % of the tiles: the frame is too small for "
-                    "less, as it begins, ends and is cut into blocks of several tiles",
+        fmt::format("--tile-sampling {:.3g}% simulated {:.3g} % of the tiles: the frame is too small for fewer, "
+                    "given its start, its end and blocks of several tiles",
                     100 * sampled->asked, 100 * timed));
   }
   return lines;

@@ -101,7 +101,7 @@ std::string place_text(const Json& camera) {
   const auto triple = [](const Json& v) {
     return fmt::format("({:.4g}, {:.4g}, {:.4g})", v[0].get<double>(), v[1].get<double>(), v[2].get<double>());
   };
-  return fmt::format("at {}, looks along {}, {:.1f} degrees high", triple(camera["position"]),
+  return fmt::format("at {}, direction {}, vertical field of view {:.1f} degrees", triple(camera["position"]),
                      triple(camera["direction"]), camera["vertical_fov_degrees"].get<double>());
 }
 

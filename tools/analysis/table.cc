@@ -78,7 +78,7 @@ std::string half_interval(const Json& totals, const char* figure) {
 
 std::string slices_text(const Json& sliced) {
   const int count = sliced["slices"].get<int>();
-  return fmt::format("{}{}", count, count > 1 ? ", added up; ± is half of a 95 % interval" : "");
+  return fmt::format("{}{}", count, count > 1 ? ", added up; ± is the half-width of a 95 % interval" : "");
 }
 
 /// Formats scene, size and program, and whether the run is complete.
@@ -86,8 +86,9 @@ std::string heading_text(const Json& report) {
   const Json& frames = report["frames"];
   std::string out;
   if (!frames.empty() && frames.front().contains("finished_tiles")) {
-    out = fmt::format("PARTIAL: interrupted after {} of {} tiles; frames per second and per joule are of them alone\n",
-                      frames.front()["finished_tiles"].get<int>(), frames.front()["tiles"].get<int>());
+    out = fmt::format(
+        "PARTIAL: interrupted after {} of {} tiles; frame rate and efficiency are those of the finished tiles\n",
+        frames.front()["finished_tiles"].get<int>(), frames.front()["tiles"].get<int>());
   } else if (report["partial"].get<bool>()) {
     out = "PARTIAL: interrupted before the last frame or the reference\n";
   }
@@ -137,7 +138,7 @@ std::string slower_because(const Json& t) {
   if (relative["speedup"].get<double>() >= 1 || steps >= 1) return "";
   const double before = reference["cycles"].get<double>(), after = t["cycles"].get<double>();
   const GrownPart grown = most_grown_part({reference["top_down"], before}, {t["top_down"]["gpu"], after});
-  return fmt::format("{} take {} cycles more, the frame {}, with x{:.3f} of the traversal steps", grown.name,
+  return fmt::format("{} take {} more cycles, the frame {} more, with x{:.3f} of the traversal steps", grown.name,
                      si_text(grown.cycles), si_text(after - before), steps);
 }
 
@@ -160,8 +161,8 @@ std::string overview_text(const Json& report) {
   }
   if (t.contains("sampled")) {
     const int timed = t["sampled"]["timed"].get<int>(), tiles = t["sampled"]["tiles"].get<int>();
-    const char* const rest = timed < tiles ? "; the rest is estimated, ± is half of a 95 % interval" : "";
-    line("sampled", fmt::format("{} of {} tiles timed{}", timed, tiles, rest));
+    const char* const rest = timed < tiles ? "; the rest is estimated, ± is the half-width of a 95 % interval" : "";
+    line("sampled", fmt::format("{} of {} tiles simulated{}", timed, tiles, rest));
   }
   if (t.contains("sliced")) line("slices", slices_text(t["sliced"]));
   line("cycles (T&I clock)",

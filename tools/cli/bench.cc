@@ -33,7 +33,7 @@ void run_bench(const BenchOptions& options, bool json) {
 
 void add_bench(CLI::App& app) {
   CLI::App* verb = app.add_subcommand(
-      "bench", "How fast the simulator is: functional half, timing, whole runs, replays and sampled tiles");
+      "bench", "Measure the speed of the simulator: rendering, timing, whole runs, replays and sampled tiles");
   const auto options = std::make_shared<BenchOptions>();
   const auto json = std::make_shared<bool>(false);
   add_config_options(*verb, options->job.config, options->job.sets);
@@ -42,15 +42,15 @@ void add_bench(CLI::App& app) {
   verb->add_option("--resolution", options->job.resolution, "WIDTHxHEIGHT (default: the configuration's)");
   verb->add_option("--threads", options->job.threads, "host threads of the whole run (default: all cores)")
       ->check(CLI::Range(1, 1024));
-  verb->add_option("--runs", options->runs, "rounds; figures are medians over them")
+  verb->add_option("--runs", options->runs, "rounds; results are medians over them")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  verb->add_option("--against", options->against, "JSON of another build: also how many times as good each figure is");
+  verb->add_option("--against", options->against, "JSON of another build; also print the ratio of each result");
   CLI::Option* measured = verb->add_option("--measured", options->measured, "JSON of this build, instead of measuring");
   for (const char* of_measuring : {"config", "--set", "--scene", "--program", "--resolution", "--threads", "--runs"}) {
     measured->excludes(verb->get_option(of_measuring));
   }
-  verb->add_flag("--json", *json, "as JSON");
+  verb->add_flag("--json", *json, "print JSON");
   add_progress_option(*verb, options->job.progress);
   verb->footer(
       "Example: raywatt bench --scene chess --resolution 512x256 --against main.json\n"
@@ -88,7 +88,7 @@ void print_findings(const Findings& findings, const char* name, bool json, int& 
   const auto missed = std::ranges::count_if(findings.figures, [](const Figure& f) { return !f.good(); });
   if (missed == 0) return;
   exit = kCheckFailed;
-  print_message("{} of {} figures leave their closed forms", missed, findings.figures.size());
+  print_message("{} of {} values differ from their closed forms", missed, findings.figures.size());
 }
 
 void add_benchmark(CLI::App& verb, const Benchmark& benchmark, int& exit) {
@@ -105,12 +105,12 @@ void add_benchmark(CLI::App& verb, const Benchmark& benchmark, int& exit) {
 }  // namespace
 
 void add_microbench(CLI::App& app, int& exit) {
-  CLI::App* verb = app.add_subcommand("microbench", "Pieces of the machine alone, measured beside their closed forms");
+  CLI::App* verb = app.add_subcommand("microbench", "Measure parts of the machine and compare them with closed forms");
   verb->require_subcommand(1);
   verb->footer(
-      "A figure that leaves its closed form by more than it may ends the verb with exit code 1.\n\n"
+      "Exit code 1 if a value differs from its closed form by more than the tolerance.\n\n"
       "Example: raywatt microbench dram --set dram.extends=dram/lpddr5-6400");
-  verb->add_subcommand("list", "What each of them measures")->callback([verb] { print_benchmarks(*verb); });
+  verb->add_subcommand("list", "List the benchmarks")->callback([verb] { print_benchmarks(*verb); });
   for (const auto& benchmark : {chase_benchmark, bandwidth_benchmark, mshr_benchmark, dram_benchmark, rays_benchmark,
                                 early_exit_benchmark, tile_buffer_benchmark, kernels_benchmark}) {
     add_benchmark(*verb, benchmark(), exit);

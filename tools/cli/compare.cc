@@ -50,23 +50,23 @@ void run_comparison(const CompareOptions& options) {
 
 void add_compare(CLI::App& app) {
   CLI::App* verb = app.add_subcommand(
-      "compare", "Runs side by side: what changed in cycles, energy and pictures, and which counters explain it");
+      "compare", "Compare runs: changes of cycles, energy and pictures, and the counters that explain them");
   const auto options = std::make_shared<CompareOptions>();
-  verb->add_option("runs", options->paths,
-                   "folders of runs, or report.json files; the others are held against the first")
+  verb->add_option("runs", options->paths, "folders of runs, or report.json files; all are compared with the first")
       ->required()
       ->expected(2, 100)
       ->option_text("RUN RUN... REQUIRED");
-  verb->add_option("--replicates", options->replicates,
-                   "play runs that have fewer replicates so many times, slightly perturbed, so that noise is measured\n"
-                   "(docs/noise.md)")
+  verb->add_option(
+          "--replicates", options->replicates,
+          "simulate runs that have fewer replicates this number of times, slightly perturbed, to measure noise\n"
+          "(docs/noise.md)")
       ->check(CLI::Range(1U, kMostReplicates))
       ->capture_default_str();
-  verb->add_option("--threads", options->threads, "host threads of these plays (default: all cores)")
+  verb->add_option("--threads", options->threads, "host threads of the replicates (default: all cores)")
       ->check(CLI::Range(1, 1024));
   add_progress_option(*verb, options->progress);
-  verb->add_flag("--json", options->json, "as JSON, with all that differs");
-  verb->footer("Example: raywatt compare raywatt-out/base raywatt-out/two-ports\nExit 0 whatever differs.");
+  verb->add_flag("--json", options->json, "print JSON, with all differences");
+  verb->footer("Example: raywatt compare raywatt-out/base raywatt-out/two-ports\nExit code 0 for any difference.");
   verb->callback([=] { run_comparison(*options); });
 }
 
@@ -78,11 +78,11 @@ CLI::App* add_step(CLI::App& verb, const char* name, const char* what, const std
                    int& exit, int (*run)(const Options&)) {
   CLI::App* step = verb.add_subcommand(name, what);
   step->add_option("suite", options->suite, "the suite, a YAML file (docs/compare.md)")->required();
-  step->add_option("-j,--jobs", options->jobs, "runs at once; by default as many as the host has threads")
+  step->add_option("-j,--jobs", options->jobs, "concurrent runs (default: all host threads)")
       ->check(CLI::Range(1, 1024));
   step->add_option("--replicates", options->replicates,
-                   "play each run so many times, slightly perturbed: a figure that noise moves has moved if it did so\n"
-                   "beyond it (docs/noise.md)")
+                   "simulate each run this number of times, slightly perturbed: a value with noise has changed if the\n"
+                   "change exceeds the noise (docs/noise.md)")
       ->check(CLI::Range(1U, kMostReplicates))
       ->capture_default_str();
   step->callback([=, &exit] { exit = run(*options); });
@@ -92,21 +92,21 @@ CLI::App* add_step(CLI::App& verb, const char* name, const char* what, const std
 }  // namespace
 
 void add_baseline(CLI::App& app, int& exit) {
-  CLI::App* verb = app.add_subcommand("baseline", "Stored figures of small runs, and whether they have moved");
+  CLI::App* verb = app.add_subcommand("baseline", "Store the results of small runs, and detect changes");
   verb->require_subcommand(1);
   const auto options = std::make_shared<Options>();
   CLI::App* step = add_step(*verb, "record", "Compute a suite and store its values", options, exit, record_baseline);
-  step->add_flag("--force", options->force, "replace stored values unseen");
+  step->add_flag("--force", options->force, "replace stored values without showing changes");
   step->footer("Example: raywatt baseline record tests/baseline/suite.yaml");
-  step = add_step(*verb, "check", "Compute a suite and say what is not as stored, and in which unit", options, exit,
+  step = add_step(*verb, "check", "Compute a suite and report changed values, and the unit that changed", options, exit,
                   check_baseline);
   step->add_option("--junit", options->junit,
                    "also write the result as JUnit XML into this file: a new one, or one of an earlier check");
-  step->add_flag("--force", options->force, "replace whatever file has that name");
+  step->add_flag("--force", options->force, "replace any file of that name");
   step->footer(
       "Example: raywatt baseline check tests/baseline/suite.yaml --junit baseline.xml\n"
-      "Exit 0: nothing moved; 1: something did; 2: stored values are of other inputs, or there are none.");
-  step = add_step(*verb, "accept", "Show what is not as stored, and store it", options, exit, accept_baseline);
+      "Exit code 0: nothing changed; 1: something changed; 2: stored values are missing or of other inputs.");
+  step = add_step(*verb, "accept", "Show changed values and store them", options, exit, accept_baseline);
   step->footer("Example: raywatt baseline accept tests/baseline/suite.yaml");
   verb->footer("Example: raywatt baseline check tests/baseline/suite.yaml");
 }
@@ -120,8 +120,8 @@ std::string bottleneck_text(const Bottleneck& b) {
       fmt::format("{} cycles of the T&I clock\nlimited by (estimate)  {}\ntime goes to           {}\n\n",
                   sim::si_text(static_cast<double>(b.cycles)), b.limiter, top_down_text(time_json(b.time)));
   const bool replicated = b.plays.count > 1;
-  sim::Table table({"made perfect", "cycles", "speed-up", "estimated",
-                    replicated ? fmt::format("noise, of {} plays", b.plays.count) : "noise, assumed"});
+  sim::Table table({"ideal", "cycles", "speed-up", "estimated",
+                    replicated ? fmt::format("noise, {} runs", b.plays.count) : "noise, assumed"});
   for (const Bound& bound : b.bounds) {
     const NoisySpeedup s = noisy_speedup(b, bound);
     const std::string mean = replicated ? fmt::format("mean {:.3f} ", s.value) : "";
@@ -129,7 +129,7 @@ std::string bottleneck_text(const Bottleneck& b) {
                    fmt::format("{:.3f}", b.speedup(bound)), fmt::format("{:.2f}", bound.estimated),
                    fmt::format("{}± {:.2g}, {}", mean, s.half_width, s.outside ? "outside" : "within")});
   }
-  sim::Table caches({"first-level caches", "hits", "cycles a miss", "time waited for"});
+  sim::Table caches({"first-level caches", "hits", "cycles per miss", "share of time"});
   for (const CacheShare& cache : b.caches) {
     caches.add_row({cache.name, fmt::format("{:.1f} %", 100 * cache.hit_rate),
                     fmt::format("{:.1f}", cache.cycles_a_miss), fmt::format("{:.1f} %", 100 * cache.share)});
@@ -163,16 +163,17 @@ Json bottleneck_json(const Bottleneck& b) {
 
 void add_bottleneck(CLI::App& app) {
   CLI::App* verb = app.add_subcommand(
-      "bottleneck", "What a frame gains if one resource is made perfect, for each resource, and what limits it");
+      "bottleneck", "Speed-up of a frame if one resource is ideal, for each resource, and what limits the frame");
   const auto options = std::make_shared<JobOptions>();
   const auto json = std::make_shared<bool>(false);
   add_work_options(*verb, *options);
-  verb->add_option("--replicates", options->replicates,
-                   "play every run so many times, slightly perturbed, and say which speed-ups are outside the noise\n"
-                   "(docs/noise.md)")
+  verb->add_option(
+          "--replicates", options->replicates,
+          "simulate every machine this number of times, slightly perturbed, and report which speed-ups exceed the\n"
+          "noise (docs/noise.md)")
       ->check(CLI::Range(1U, kMostReplicates))
       ->capture_default_str();
-  verb->add_flag("--json", *json, "as JSON");
+  verb->add_flag("--json", *json, "print JSON");
   add_progress_option(*verb, options->progress);
   verb->footer("Example: raywatt bottleneck sgrt-2016 --scene chess --resolution 512x256");
   verb->callback([=] {

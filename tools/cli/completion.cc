@@ -355,15 +355,15 @@ std::string for_fish(const std::vector<DeclaredVerb>& verbs) {
 constexpr std::array<std::pair<int, std::string_view>, 8> kEndings = {{
     {kGood, "good"},
     {kCheckFailed,
-     "it ran, but a check failed: a ray or a figure differs, points of a sweep failed, no point of a search meets the "
-     "constraints"},
+     "a check failed: a ray or a value differs, points of a sweep failed, no point of a search meets the constraints"},
     {kBadInput,
-     "bad input, an output that cannot be begun, or a processor without AVX2; one line says where, what was wrong and "
-     "what is allowed. Nothing is written"},
-    {kStuckMachine, "the simulated machine is stuck, or goes on and retires nothing; every unit's state is printed"},
+     "bad input, an output that cannot be written, or a processor without AVX2; one line names the place, the fault "
+     "and what is allowed. Nothing is written"},
+    {kStuckMachine,
+     "the simulated machine is stuck, or active without retiring anything; every unit's state is printed"},
     {kOurBug, "a bug of Raywatt"},
     {kIoFailed, "reading or writing failed, for instance a full disk, or the memory of the host ran out"},
-    {128 + SIGINT, "interrupted (128 + the signal); what is finished is kept, marked partial, and named"},
+    {128 + SIGINT, "interrupted (128 + the signal); finished results are kept, marked partial, and named"},
     {128 + SIGTERM, "the same by SIGTERM"},
 }};
 
@@ -404,7 +404,7 @@ std::string manual_page(const std::vector<DeclaredVerb>& verbs) {
   for (std::size_t v = 1; v < verbs.size(); ++v) out += verb_section(verbs[v]);
   out +=
       ".SH ENVIRONMENT\n.TP\n\\fBRAYWATT_PATH\\fR\nfolders of configurations, workloads and scenes, separated by "
-      "colons, that are looked through first\n.TP\n\\fBRAYWATT_STORE\\fR\nfolder of the results of sweeps\n"
+      "colons, that are searched first\n.TP\n\\fBRAYWATT_STORE\\fR\nfolder of the results of sweeps\n"
       ".SH EXIT STATUS\n";
   for (const auto& [exit, meaning] : kEndings) out += fmt::format(".TP\n{}\n{}\n", exit, escape_roff(meaning));
   return out;
@@ -413,11 +413,10 @@ std::string manual_page(const std::vector<DeclaredVerb>& verbs) {
 }  // namespace
 
 void add_completion(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand("completion", "A script that completes command lines of raywatt in a shell");
+  CLI::App* verb = app.add_subcommand("completion", "Print a completion script for a shell");
   const auto shell = std::make_shared<std::string>();
-  verb->add_option("shell", *shell, "whose script")->required()->check(CLI::IsMember({"bash", "zsh", "fish"}));
-  verb->footer(
-      "Example: source <(raywatt completion bash)\nAn installed raywatt has all three where the shells look for them.");
+  verb->add_option("shell", *shell, "bash, zsh or fish")->required()->check(CLI::IsMember({"bash", "zsh", "fish"}));
+  verb->footer("Example: source <(raywatt completion bash)\nAn installation already contains all three scripts.");
   verb->callback([&app, shell] {
     const std::vector<DeclaredVerb> verbs = declared_verbs(app);
     fmt::print("{}", *shell == "bash" ? for_bash(verbs) : *shell == "zsh" ? for_zsh(verbs) : for_fish(verbs));
@@ -425,7 +424,7 @@ void add_completion(CLI::App& app) {
 }
 
 void add_man(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand("man", "The manual page: every verb with its options");
+  CLI::App* verb = app.add_subcommand("man", "Print the manual page: every verb with its options");
   verb->footer("Example: raywatt man | man -l -");
   verb->callback([&app] { fmt::print("{}", manual_page(declared_verbs(app))); });
 }

@@ -24,18 +24,18 @@ void add_price(CLI::App& group) {
   };
   const auto o = std::make_shared<PriceOptions>();
   CLI::App* verb = group.add_subcommand(
-      "price", "Joules of finished runs and sweeps under another table, from their counts, without simulation");
+      "price", "Energy of finished runs and sweeps under another table, from their counters, without simulation");
   verb->add_option("runs", o->paths, "folders of runs or of sweeps, or report.json files")->required();
-  verb->add_option("--energy", o->table.energy, "a whole table, e.g. energy/14nm or a file")->type_name("FILE");
+  verb->add_option("--energy", o->table.energy, "energy table, e.g. energy/14nm or a file")->type_name("FILE");
   verb->add_option("--set", o->table.sets,
-                   "a key that affects energy alone; one number leaves a figure no band (repeatable)")
+                   "set a key that only affects energy; a single number has no band (repeatable)")
       ->allow_extra_args(false)
       ->type_name("KEY=VALUE");
-  CLI::Option* csv = verb->add_flag("--csv", o->csv, "a line a run, with all digits");
-  verb->add_flag("--json", o->json, "as JSON, with all that follows from energy")->excludes(csv);
+  CLI::Option* csv = verb->add_flag("--csv", o->csv, "print CSV, one line per run, with all digits");
+  verb->add_flag("--json", o->json, "print JSON, with all results that depend on energy")->excludes(csv);
   verb->footer(
       "Example: raywatt energy price raywatt-out/base out/l1 --set energy.events.tni.box_test=48\n"
-      "Exit 0, or 2 for what cannot be priced.");
+      "Exit code 0, or 2 if a run cannot be priced.");
   verb->callback([o] {
     const PriceFormat format = o->csv ? PriceFormat::kCsv : o->json ? PriceFormat::kJson : PriceFormat::kText;
     fmt::print("{}", price_text(o->paths, o->table, format));
@@ -49,19 +49,19 @@ void add_show(CLI::App& group) {
   };
   const auto o = std::make_shared<ShowOptions>();
   CLI::App* verb = group.add_subcommand(
-      "show", "Figures of the energy tables: bands, curves over size, sources, and what counts each");
+      "show", "Show energy tables: bands, curves over size, sources, and the counters that use each entry");
   verb->add_option("event", o->name,
                    "an entry, its end or its group, e.g. tni.box_test, cache, clock_share; default: all");
   verb->add_option("--config", o->job.config, "configuration: file or name")->type_name("CONFIG");
   add_set_option(*verb, o->job.sets);
-  verb->footer("Example: raywatt energy show cache.l1_read\nExit 0, or 2 if there is no such entry.");
+  verb->footer("Example: raywatt energy show cache.l1_read\nExit code 0, or 2 if there is no such entry.");
   verb->callback([o] { fmt::print("{}", energy_show(o->job, o->name)); });
 }
 
 }  // namespace
 
 void add_energy(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand("energy", "What events cost, and finished runs under other tables");
+  CLI::App* verb = app.add_subcommand("energy", "Show energy tables, and price finished runs under other tables");
   verb->require_subcommand(1);
   verb->footer("Example: raywatt energy show tni.box_test");
   add_price(*verb);
@@ -70,22 +70,22 @@ void add_energy(CLI::App& app) {
 
 void add_dvfs(CLI::App& app) {
   CLI::App* verb =
-      app.add_subcommand("dvfs", "Frames a second against watts over the clock, each clock at the voltage it needs");
+      app.add_subcommand("dvfs", "Frame rate and power over clock frequency, each clock at the voltage that it needs");
   const auto options = std::make_shared<DvfsOptions>();
   const auto json = std::make_shared<bool>(false);
   add_work_options(*verb, options->job);
-  verb->add_option("--factors", options->factors, "clocks over the configured ones")
+  verb->add_option("--factors", options->factors, "clock frequencies relative to the configured ones")
       ->delimiter(',')
       ->check(CLI::Range(0.01, 20.0))
       ->capture_default_str()
       ->type_name("LIST");
-  verb->add_option("--clocks", options->domains, "clock domains that move; the others stay as configured")
+  verb->add_option("--clocks", options->domains, "clock domains to scale; the others stay as configured")
       ->delimiter(',')
       ->capture_default_str()
       ->type_name("LIST");
   require_positive(*verb->add_option("--fps", options->fps, "target frame rate (default: that of the slowest point)")
                         ->type_name("NUMBER"));
-  verb->add_flag("--json", *json, "as JSON");
+  verb->add_flag("--json", *json, "print JSON");
   add_progress_option(*verb, options->job.progress);
   verb->footer("Example: raywatt dvfs sgrt-balanced --scene chess --resolution 512x256 --fps 60");
   verb->callback([=] {

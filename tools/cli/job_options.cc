@@ -13,7 +13,7 @@ namespace tools {
 
 void add_progress_option(CLI::App& verb, std::string& progress) {
   verb.add_option("--progress", progress,
-                  "auto: a bar on a terminal after two seconds; json: lines for programs on standard error; none")
+                  "auto: a bar on a terminal after two seconds; json: lines of JSON on standard error; none: nothing")
       ->check(CLI::IsMember({"auto", "json", "none"}))
       ->capture_default_str();
 }
@@ -52,23 +52,23 @@ void add_work_options(CLI::App& verb, JobOptions& options, bool positional) {
   verb.add_option("--camera", options.camera, "camera of the scene, by name or index (default: its first)");
   verb.add_option(
           "--program", options.program,
-          "frame program: full:N traces N samples per pixel, a square; multirate:under, multirate:super,\n"
+          "frame program: full:N traces N samples per pixel (N a square); multirate:under, multirate:super,\n"
           "undersample and supersample trace where neighbours differ; reconstruct and reconstruct:sraa shade one\n"
-          "sample per pixel and find out the geometry of four (docs/adaptive.md)")
+          "sample per pixel and use the geometry of four (docs/adaptive.md)")
       ->capture_default_str();
   verb.add_option("--resolution", options.resolution, "WIDTHxHEIGHT (default: the configuration's, 1024x512)");
   verb.add_option("--threads", options.threads, "host threads (default: all cores)")->check(CLI::Range(1, 1024));
 }
 
 void add_frames_option(CLI::App& verb, JobOptions& options) {
-  verb.add_option("--frames", options.frames,
-                  "A:B renders frames A to B of an animation, A frame A alone (default: 0)");
+  verb.add_option("--frames", options.frames, "frames of an animation: A:B (both included), or A (default: 0)");
 }
 
 void add_ideal_option(CLI::App& verb, JobOptions& options) {
   std::vector<std::string> names;
   for (const hw::IdealConfig::Resource& resource : hw::IdealConfig::kResources) names.emplace_back(resource.name);
-  verb.add_option("--ideal", options.ideal, "a resource made perfect, for a bound (repeatable, or with commas)")
+  verb.add_option("--ideal", options.ideal,
+                  "make this resource ideal, for an upper bound (repeatable, or separated by commas)")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(CLI::IsMember(names));
@@ -77,7 +77,7 @@ void add_ideal_option(CLI::App& verb, JobOptions& options) {
 void add_output_options(CLI::App& verb, JobOptions& options) {
   verb.add_option("-o,--output", options.out, "folder for the results (default: a dated one below raywatt-out/)")
       ->check(not_empty("allowed: a folder"));
-  verb.add_flag("--force", options.force, "put the results among the files of a folder that is not a former run");
+  verb.add_flag("--force", options.force, "write into a folder that is not an earlier run, among its files");
   verb.add_flag("--quiet", options.quiet, "no table, no bar");
   add_progress_option(verb, options.progress);
 }
@@ -85,7 +85,7 @@ void add_output_options(CLI::App& verb, JobOptions& options) {
 void add_intervals_option(CLI::App& verb, JobOptions& options) {
   verb.add_option_function<std::string>(
           "--intervals", [&options](const std::string& choice) { options.intervals = choice == "on"; },
-          "on: what every unit did over time, in intervals.bin.zst (docs/intervals.md); off: no such file")
+          "on: write the counters of every unit over time to intervals.bin.zst (docs/intervals.md); off: do not")
       ->check(CLI::IsMember({"on", "off"}))
       ->default_str("on");
 }
@@ -98,9 +98,9 @@ void add_job_options(CLI::App& verb, JobOptions& options) {
 }
 
 void add_rays_option(CLI::App& verb, JobOptions& options) {
-  CLI::Option* rays =
-      verb.add_option("--rays", options.rays,
-                      "trace this list of rays, 8 floats each (origin, t_min, direction, t_max), T&I units alone");
+  CLI::Option* rays = verb.add_option(
+      "--rays", options.rays,
+      "trace the rays of this file, 8 floats each (origin, t_min, direction, t_max), on the T&I units only");
   for (const char* other :
        {"--program", "--camera", "--resolution", "--frames", "--reference", "--record", "--debug-images",
         "--tile-sampling", "--slices", "--image", "--replicates", "--intervals", "--watch", "--timeline"}) {
@@ -111,28 +111,29 @@ void add_rays_option(CLI::App& verb, JobOptions& options) {
 void add_timeline_option(CLI::App& verb, JobOptions& options) {
   verb.add_option(
           "--timeline", options.timeline,
-          "also the first frame over time, for ui.perfetto.dev (timeline.pftrace, 32 MiB at most): what cores did\n"
-          "while these tiles were worked on: slowest:N, tile:X,Y (column and row), pixel:X,Y, all (docs/timeline.md)")
+          "also write a timeline of the first frame for ui.perfetto.dev (timeline.pftrace, at most 32 MiB): activity\n"
+          "of the cores during these tiles: slowest:N, tile:X,Y (column and row), pixel:X,Y, all (docs/timeline.md)")
       ->check(not_empty("allowed: slowest:8, tile:X,Y, pixel:X,Y, all"));
 }
 
 void add_reference_option(CLI::App& verb, JobOptions& options) {
-  verb.add_option("--reference", options.reference, "also run this program; add PSNR and relative figures");
+  verb.add_option("--reference", options.reference,
+                  "also run this program, and report PSNR and metrics relative to it");
 }
 
 void add_launcher_options(CLI::App& verb, LauncherOptions& options) {
-  verb.add_option("--launcher", options.launcher, "who computes: local, processes on this host; slurm, a job array")
+  verb.add_option("--launcher", options.launcher, "local: processes on this host; slurm: a job array")
       ->check(CLI::IsMember({"local", "slurm"}))
       ->capture_default_str();
   verb.add_option("-j,--jobs", options.jobs,
-                  "points at a time (default: all cores); slurm: tasks of an array at a time")
+                  "points computed concurrently (default: all cores); slurm: concurrent tasks of an array")
       ->check(CLI::Range(1, 1024));
   verb.add_option("--slurm-args", options.slurm_arguments,
-                  "slurm: options for sbatch, as it knows them: --slurm-args \"--partition=short --time=1:00:00\"")
+                  "slurm: options for sbatch, e.g. --slurm-args \"--partition=short --time=1:00:00\"")
       ->allow_extra_args(false);
-  verb.add_option("--chunk", options.chunk, "slurm: points of a task (default: as many as make a hundred tasks)")
+  verb.add_option("--chunk", options.chunk, "slurm: points per task (default: enough for a hundred tasks)")
       ->check(CLI::Range(1, 1'000'000));
-  verb.add_flag("--retry-failed", options.retry_failed, "points that failed are computed again");
+  verb.add_flag("--retry-failed", options.retry_failed, "compute failed points again");
 }
 
 void refuse_empty_values(CLI::App& app) {

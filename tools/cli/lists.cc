@@ -82,7 +82,7 @@ std::string config_list() {
   list("memory grades (--set dram.extends=NAME)", config_names_in("dram"));
   list("energy tables (--set energy.extends=NAME)", config_names_in("energy"));
   list("voltages over clocks (--set power.extends=NAME)", config_names_in("power"));
-  list("hits of caches over their size (--set latency.extends=NAME)", config_names_in("latency"));
+  list("cache latencies over size (--set latency.extends=NAME)", config_names_in("latency"));
   list("area tables (--set area.extends=NAME)", config_names_in("area"));
   std::vector<std::string> searches = config_names_in("experiments");
   // std::ranges subranges do not compile with clang 14.
@@ -95,23 +95,23 @@ std::string config_list() {
 }  // namespace
 
 void add_config(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand("config", "What can be configured");
+  CLI::App* verb = app.add_subcommand("config", "Show configurations and their keys");
   verb->require_subcommand(1);
   verb->footer("Example: raywatt config show sgrt-2016 --set cores=2");
   CLI::App* list = verb->add_subcommand(
-      "list", "Configurations, memory grades, energy, power, area and latency tables, and experiments known by name");
+      "list", "List configurations, memory grades, tables of energy, power, area and latency, and experiments");
   list->footer("Example: raywatt config list");
   list->callback([] { fmt::print("{}", config_list()); });
-  CLI::App* show = verb->add_subcommand("show", "The effective configuration: every field, with its meaning");
+  CLI::App* show = verb->add_subcommand("show", "Show the effective configuration: every key with its meaning");
   const auto options = std::make_shared<JobOptions>();
   add_config_options(*show, options->config, options->sets);
   show->footer("Example: raywatt config show sgrt-2016 --set cores=2");
   show->callback([options] { fmt::print("{}", sim::dump_config(load_run_config(*options))); });
-  CLI::App* schema = verb->add_subcommand("schema", "JSON Schema of configuration files");
+  CLI::App* schema = verb->add_subcommand("schema", "Print a JSON Schema of configuration files");
   schema->footer("Example: raywatt config schema > schema.json");
   schema->callback([] { fmt::print("{}", sim::json_text(sim::config_schema<RunConfig>())); });
   CLI::App* manual = verb->add_subcommand(
-      "manual", "Every field: value in sgrt-2016, unit, range, what it affects, meaning (Markdown)");
+      "manual", "Print every key: value in sgrt-2016, unit, range, what it affects, meaning (Markdown)");
   manual->footer("Example: raywatt config manual > manual.md");
   manual->callback([] { fmt::print("{}", sim::config_manual(load_run_config(JobOptions{}))); });
 }
@@ -148,15 +148,15 @@ void print_kernel(const JobOptions& options, const std::string& name) {
 }  // namespace
 
 void add_kernels(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand("kernels", "What runs on the shader cores");
+  CLI::App* verb = app.add_subcommand("kernels", "Show the kernels of the shader cores");
   verb->require_subcommand(1);
   verb->footer("Example: raywatt kernels show shade_diffuse");
   const auto options = std::make_shared<JobOptions>();
-  CLI::App* all = verb->add_subcommand("list", "Kernels with their schedules on a configuration's array");
+  CLI::App* all = verb->add_subcommand("list", "List kernels with their schedules on a configuration's array");
   add_config_options(*all, options->config, options->sets);
   all->footer("Example: raywatt kernels list --set srp.array.cache_ports=2");
   all->callback([options] { print_kernels(*options); });
-  CLI::App* one = verb->add_subcommand("show", "A kernel's dataflow graph and schedule");
+  CLI::App* one = verb->add_subcommand("show", "Show a kernel's dataflow graph and schedule");
   const auto name = std::make_shared<std::string>();
   one->add_option("kernel", *name, "name of the kernel")->required();
   add_config_options(*one, options->config, options->sets);
@@ -255,26 +255,26 @@ CLI::App* add_scene_verb(CLI::App& verb, const char* name, const char* descripti
 }  // namespace
 
 void add_scenes(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand("scenes", "What can be rendered");
+  CLI::App* verb = app.add_subcommand("scenes", "List, describe and export scenes");
   verb->require_subcommand(1);
   verb->footer("Example: raywatt scenes info teapot");
 
-  CLI::App* all = verb->add_subcommand("list", "Built-in scenes and workloads");
+  CLI::App* all = verb->add_subcommand("list", "List built-in scenes and workloads");
   all->footer("Example: raywatt scenes list");
   all->callback([] { print_scenes(); });
 
   const auto asked = std::make_shared<InfoOptions>();
   CLI::App* info =
-      add_scene_verb(*verb, "info", "What is in a scene, its tree, and what loading it costs", asked->scene);
-  info->add_flag("--camera", asked->cameras, "also where each camera stands and looks");
-  info->add_flag("--json", asked->json, "as JSON");
+      add_scene_verb(*verb, "info", "Describe a scene, its tree, and the cost of loading it", asked->scene);
+  info->add_flag("--camera", asked->cameras, "also print position and direction of each camera");
+  info->add_flag("--json", asked->json, "print JSON");
   info->footer("Example: raywatt scenes info teapot --camera");
   info->callback([asked] { print_scene(*asked); });
 
   const auto wanted = std::make_shared<ExportOptions>();
   CLI::App* out =
       add_scene_verb(*verb, "export", "Write a scene as glTF 2.0 that passes the Khronos validator", wanted->scene);
-  out->add_option("-o,--output", wanted->out, "the file, .glb")->required();
+  out->add_option("-o,--output", wanted->out, "the file (.glb)")->required();
   out->add_flag("--force", wanted->force, "replace the file if it exists");
   out->footer("Example: raywatt scenes export cornell -o cornell.glb");
   out->callback([wanted] { export_scene(*wanted); });

@@ -179,8 +179,9 @@ int main(int argc, char** argv) {
     return print_error(error.what(), tools::kIoFailed);
   } catch (const std::bad_alloc&) {
     return print_error(
-        "out of memory: the work needs more than this host gives; a smaller --resolution or limits.memory, or fewer "
-        "--threads, needs less",
+        "out of memory: the work needs more than this host has; allowed: a smaller --resolution or limits.memory, or "
+        "fewer "
+        "--threads",
         tools::kIoFailed);
   } catch (const std::exception& error) {
     return print_error(fmt::format("internal error: {}", error.what()), tools::kOurBug);

@@ -18,34 +18,36 @@ void add_run(CLI::App& app, const std::vector<std::string>& argv, int&) {
   options->argv = argv;
   add_job_options(*verb, *options);
   add_reference_option(*verb, *options);
-  verb->add_option("--record", options->record, "also write the work into this file, for raywatt trace replay");
-  verb->add_flag("--debug-images", options->debug_images,
-                 "also pictures of where work went, debug-cycles.png, debug-steps.png, debug-energy.png, ..., and of\n"
-                 "how an adaptive frame came about, debug-similar.png, debug-check-NAME.png, ...");
+  verb->add_option("--record", options->record, "also write the work to this trace file, for raywatt trace replay");
+  verb->add_flag(
+      "--debug-images", options->debug_images,
+      "also write pictures of costs (debug-cycles.png, debug-steps.png, debug-energy.png, ...) and of adaptive\n"
+      "sampling (debug-similar.png, debug-check-NAME.png, ...)");
   verb->add_option("--tile-sampling", options->tile_sampling,
-                   "time a part of the frame's tiles and estimate the rest, with 95 % intervals: a share of the\n"
+                   "simulate some of the frame's tiles and estimate the rest, with 95 % intervals: a share of the\n"
                    "frame's work, e.g. 5%, or auto, which stops at +-2 % (docs/sampling.md)")
       ->check([](const std::string& text) { return text.empty() ? std::string("is empty; allowed: 5%, auto") : ""; });
-  verb->add_option("--image", options->image, "with --tile-sampling: render all tiles, or none but those needed")
+  verb->add_option("--image", options->image,
+                   "with --tile-sampling: full renders all tiles, none only those that are needed")
       ->check(CLI::IsMember({"full", "none"}))
       ->capture_default_str();
   verb->add_option(
           "--slices", options->slices,
-          "cut the frame's tiles into so many runs, played side by side on machines of their own, and add them\n"
-          "up, with 95 % intervals: a number, or auto, as many as suit the frame (docs/slices.md)")
+          "split the frame's tiles into this number of slices, simulate them concurrently on machines of their own\n"
+          "and add them up, with 95 % intervals: a number, or auto (docs/slices.md)")
       ->check([](const std::string& text) { return text.empty() ? std::string("is empty; allowed: 2, auto") : ""; });
   verb->add_option("--replicates", options->replicates,
-                   "play the frame's work so many times, all but the first with displacements that no architect would\n"
-                   "notice, and report mean and 95 % interval of each figure (docs/noise.md)")
+                   "simulate the frame this number of times, all but the first with small timing perturbations, and\n"
+                   "report mean and 95 % interval of each metric (docs/noise.md)")
       ->check(CLI::Range(1U, kMostReplicates))
       ->capture_default_str();
   add_intervals_option(*verb, *options);
   verb->add_flag("--watch", options->watch,
-                 "show the picture so far, utilisation and power of the last interval and when it ends; a line every\n"
-                 "two seconds where standard output is no terminal")
+                 "show the picture so far, utilisation and power of the last interval, and the expected end; a line\n"
+                 "every two seconds if standard output is not a terminal")
       ->excludes(verb->get_option("--progress"), verb->get_option("--quiet"));
   add_timeline_option(*verb, *options);
-  verb->add_flag("--json", options->json, "totals of report.json on standard output, in the table's stead");
+  verb->add_flag("--json", options->json, "print the totals of report.json as JSON instead of the table");
   add_rays_option(*verb, *options);
   verb->footer("Example: raywatt run sgrt-2016 --scene teapot --set cores=2 -o out/two-cores");
   verb->callback([options] { options->rays.empty() ? run_frames(*options) : run_rays(*options); });
@@ -60,7 +62,8 @@ void add_verify(CLI::App& app, const std::vector<std::string>& argv, int& exit) 
   add_output_options(*verb, *options);
   add_rays_option(*verb, *options);
   verb->footer(
-      "Example: raywatt verify --scene teapot --resolution 512x256\nEnds with 1 if a ray differs that is no edge tie.");
+      "Example: raywatt verify --scene teapot --resolution 512x256\nExit code 1 if a ray differs, except for ties at "
+      "edges.");
   verb->callback([options, &exit] { exit = options->rays.empty() ? verify_frames(*options) : verify_rays(*options); });
 }
 
@@ -74,14 +77,15 @@ struct Arguments {
 };
 
 void add_arguments(CLI::App& verb, Arguments& arguments) {
-  verb.add_option("arguments", arguments.words, "[CONFIG] FILE: a configuration, if any, and the trace")
+  verb.add_option("arguments", arguments.words, "[CONFIG] FILE: an optional configuration, and the trace file")
       ->required()
       ->expected(1, 2)
       ->type_name("");
 }
 
 void add_record(CLI::App& group, const std::vector<std::string>& argv) {
-  CLI::App* verb = group.add_subcommand("record", "Write the work of a run into a file; no machine is simulated");
+  CLI::App* verb =
+      group.add_subcommand("record", "Write the work of a run to a trace file, without simulating a machine");
   const auto options = std::make_shared<JobOptions>();
   const auto arguments = std::make_shared<Arguments>();
   options->argv = argv;
@@ -89,7 +93,7 @@ void add_record(CLI::App& group, const std::vector<std::string>& argv) {
   add_work_options(*verb, *options, false);
   add_frames_option(*verb, *options);
   add_reference_option(*verb, *options);
-  verb->add_flag("--quiet", options->quiet, "say nothing");
+  verb->add_flag("--quiet", options->quiet, "print nothing");
   add_progress_option(*verb, options->progress);
   verb->footer("Example: raywatt trace record --scene chess --resolution 512x256 chess.trace");
   verb->callback([=] {
@@ -100,7 +104,7 @@ void add_record(CLI::App& group, const std::vector<std::string>& argv) {
 
 void add_replay(CLI::App& group, const std::vector<std::string>& argv) {
   CLI::App* verb = group.add_subcommand(
-      "replay", "Play a file on a machine; the report is that of the run it came from, without pictures");
+      "replay", "Simulate a trace on a machine; the report equals that of a run, without pictures");
   const auto options = std::make_shared<JobOptions>();
   const auto arguments = std::make_shared<Arguments>();
   options->argv = argv;
@@ -112,7 +116,7 @@ void add_replay(CLI::App& group, const std::vector<std::string>& argv) {
   add_output_options(*verb, *options);
   add_timeline_option(*verb, *options);
   verb->footer(
-      "Without CONFIG: on the machine that it was recorded with. Keys that change the work must be as recorded.\n\n"
+      "Without CONFIG, the recorded machine is used. Keys that change the work must be as recorded.\n\n"
       "Example: raywatt trace replay chess.trace --set cores=2 -o out/two-cores");
   verb->callback([=] {
     options->config = arguments->has_config() ? arguments->words.front() : "";
@@ -121,11 +125,11 @@ void add_replay(CLI::App& group, const std::vector<std::string>& argv) {
 }
 
 void add_info(CLI::App& group) {
-  CLI::App* verb = group.add_subcommand("info", "What a file holds");
+  CLI::App* verb = group.add_subcommand("info", "Print what a trace contains");
   const auto file = std::make_shared<std::string>();
   const auto json = std::make_shared<bool>(false);
-  verb->add_option("file", *file, "the trace")->required();
-  verb->add_flag("--json", *json, "as JSON");
+  verb->add_option("file", *file, "the trace file")->required();
+  verb->add_flag("--json", *json, "print JSON");
   verb->footer("Example: raywatt trace info chess.trace --json");
   verb->callback([=] {
     const sim::Json info = trace_info(traces::TraceReader(*file));
@@ -136,7 +140,7 @@ void add_info(CLI::App& group) {
 }  // namespace
 
 void add_trace(CLI::App& app, const std::vector<std::string>& argv) {
-  CLI::App* verb = app.add_subcommand("trace", "Work on disk: recorded once, played on any machine");
+  CLI::App* verb = app.add_subcommand("trace", "Record the work of a run once, and simulate it on any machine");
   verb->require_subcommand(1);
   verb->footer("Example: raywatt trace replay chess.trace --set cores=2");
   add_record(*verb, argv);

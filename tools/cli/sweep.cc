@@ -27,22 +27,21 @@ namespace {
 namespace fs = std::filesystem;
 
 void add_sweep_run(CLI::App& group, int& exit) {
-  CLI::App* verb =
-      group.add_subcommand("run", "Compute all points of a sweep; those that are there are not computed again");
+  CLI::App* verb = group.add_subcommand("run", "Compute all points of a sweep that are not stored yet");
   const auto options = std::make_shared<SweepOptions>();
   verb->add_option("file", options->file,
                    "the sweep: an experiment's name such as trv-cores, or a .yaml file (docs/sweeps.md)");
   verb->add_option("-o,--output", options->out, "folder of the sweep (default: raywatt-out/sweep-NAME)");
   verb->add_option("--store", options->store,
-                   "folder of results, for any number of sweeps (default: $RAYWATT_STORE, else raywatt-out/store)");
+                   "folder of results, shared by all sweeps (default: $RAYWATT_STORE, else raywatt-out/store)");
   add_launcher_options(*verb, *options);
-  verb->add_flag("--wait", options->wait, "slurm: return when all points have ended");
-  verb->add_flag("--resume", options->resume, "go on with the sweep in the folder; then FILE may be left out");
+  verb->add_flag("--wait", options->wait, "slurm: wait until all points have ended");
+  verb->add_flag("--resume", options->resume, "continue the sweep in the folder; FILE is optional then");
   verb->add_flag("--dry-run", options->dry_run, "list the points; compute nothing, write nothing");
   verb->add_flag("--quiet", options->quiet, "no summary, no bar");
   add_progress_option(*verb, options->progress);
   verb->footer(
-      "The same command again goes on where it was stopped. Ends with 1, and a list, if points failed.\n\n"
+      "The same command continues an interrupted sweep. Exit code 1, and a list, if points failed.\n\n"
       "Example: raywatt sweep run trv-cores -o out/trv-cores -j 4");
   verb->callback([options, &exit] {
     if (!options->file.empty()) options->file = find_experiment(options->file);
@@ -51,45 +50,48 @@ void add_sweep_run(CLI::App& group, int& exit) {
 }
 
 void add_sweep_point(CLI::App& group, int& exit) {
-  CLI::App* verb =
-      group.add_subcommand("point", "Compute some points of a sweep: what launchers start on cluster nodes");
+  CLI::App* verb = group.add_subcommand("point", "Compute some points of a sweep; launchers run it on cluster nodes");
   const auto options = std::make_shared<PointOptions>();
   verb->add_option("folder", options->folder, "the sweep's folder")->required();
-  verb->add_option("--list", options->list, "a file of ids, one or more a line (default: all points of the sweep)");
-  refuse_negative(*verb->add_option("--index", options->index, "which chunk of its lines, from 0")->required());
-  verb->add_option("-j,--jobs", options->jobs, "points at a time")->check(CLI::Range(1, 1024))->capture_default_str();
-  verb->add_option("--chunk", options->chunk, "lines of a chunk")
+  verb->add_option("--list", options->list,
+                   "a file of point ids, one or more per line (default: all points of the sweep)");
+  refuse_negative(*verb->add_option("--index", options->index, "index of a chunk of its lines, from 0")->required());
+  verb->add_option("-j,--jobs", options->jobs, "points computed concurrently")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  verb->add_option("--chunk", options->chunk, "lines per chunk")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
-  verb->add_flag("--retry-failed", options->retry_failed, "points that failed are computed again");
+  verb->add_flag("--retry-failed", options->retry_failed, "compute failed points again");
   verb->footer(
-      "Ends with 0 at once if the results are there, with 1 if a point fails.\n\n"
+      "Exit code 0 if the results are stored already, 1 if a point fails.\n\n"
       "Example: raywatt sweep point out/l1 --list out/l1/submit-1.txt --index 7 --chunk 4");
   verb->callback([options, &exit] { exit = compute_points(*options); });
 }
 
 void add_sweep_status(CLI::App& group) {
-  CLI::App* verb = group.add_subcommand("status", "How far a sweep is");
+  CLI::App* verb = group.add_subcommand("status", "Print the progress of a sweep");
   const auto path = std::make_shared<fs::path>();
   const auto json = std::make_shared<bool>(false);
   verb->add_option("folder", *path, "the sweep's folder")->required();
-  verb->add_flag("--json", *json, "as JSON");
+  verb->add_flag("--json", *json, "print JSON");
   verb->footer("Example: raywatt sweep status out/l1");
   verb->callback([=] { print_sweep_status(*path, *json); });
 }
 
 void add_sweep_watch(CLI::App& group) {
-  CLI::App* verb = group.add_subcommand("watch", "Show how far a sweep is until its points have ended");
+  CLI::App* verb = group.add_subcommand("watch", "Show the progress of a sweep until its points have ended");
   const auto path = std::make_shared<fs::path>();
   verb->add_option("folder", *path, "the sweep's folder")->required();
   verb->footer(
-      "Looks at the folder and its store alone, once a second. A line every two seconds where standard output is no\n"
-      "terminal.\n\nExample: raywatt sweep watch out/l1");
+      "Reads only the folder and its store, once per second. Prints a line every two seconds if standard output is\n"
+      "not a terminal.\n\nExample: raywatt sweep watch out/l1");
   verb->callback([=] { watch_sweep(*path); });
 }
 
 void add_sweep_cancel(CLI::App& group) {
-  CLI::App* verb = group.add_subcommand("cancel", "Stop whoever runs a sweep, and its jobs; what is finished is kept");
+  CLI::App* verb =
+      group.add_subcommand("cancel", "Stop the process that runs a sweep, and its jobs; finished points are kept");
   const auto path = std::make_shared<fs::path>();
   verb->add_option("folder", *path, "the sweep's folder")->required();
   verb->footer("Example: raywatt sweep cancel out/l1");
@@ -99,7 +101,8 @@ void add_sweep_cancel(CLI::App& group) {
 }  // namespace
 
 void add_sweep(CLI::App& app, int& exit) {
-  CLI::App* verb = app.add_subcommand("sweep", "Many runs: axes, conditions, subsets; nothing is computed twice");
+  CLI::App* verb =
+      app.add_subcommand("sweep", "Run a design space: axes, conditions, subsets; stored results are reused");
   verb->require_subcommand(1);
   verb->footer("Example: raywatt sweep run trv-cores -o out/trv-cores");
   add_sweep_run(*verb, exit);
@@ -127,7 +130,7 @@ void collect_if_possible(const fs::path& sweep) {
   } catch (const sim::IoError& error) {
     std::error_code failed;
     if (!fs::exists(sweep / "index.sqlite", failed)) throw;
-    print_message("warning: {}; what follows is what was last collected", error.what());
+    print_message("warning: {}; the results below are those last collected", error.what());
   }
 }
 
@@ -139,7 +142,7 @@ void with_results(const fs::path& sweep, Ask&& ask, bool csv = false) {
     const results::Results read(sweep);
     fmt::print("{}", csv ? ask(read) : terminal_text(ask(read)));
   } catch (const results::SqliteError& error) {
-    throw sim::InputError(fmt::format("{}: is damaged ({}); remove it, and it is made anew",
+    throw sim::InputError(fmt::format("{}: is damaged ({}); remove it, and it is built again",
                                       (sweep / "index.sqlite").string(), error.what()));
   }
 }
@@ -152,7 +155,8 @@ CLI::App* add_query(CLI::App& group, const char* name, const char* description, 
 }
 
 void add_where(CLI::App& verb, std::vector<std::string>& where) {
-  verb.add_option("--where", where, "only points that meet this, e.g. 'power_w.nominal<1 and cores>=2' (repeatable)")
+  verb.add_option("--where", where,
+                  "only points that meet this condition, e.g. 'power_w.nominal<1 and cores>=2' (repeatable)")
       ->allow_extra_args(false)
       ->type_name("EXPR");
 }
@@ -161,14 +165,14 @@ void add_where(CLI::App& verb, std::vector<std::string>& where) {
 void add_energy_option(CLI::App& verb, bool& band) {
   verb.add_option_function<std::string>(
           "--energy", [&band](const std::string& word) { band = word == "band"; },
-          "nominal: by nominal energy tables; band: how sure that is under 2000 draws of all their entries, too")
+          "nominal: by nominal energies; band: also the probability over 2000 random draws of the energy tables")
       ->check(CLI::IsMember({"nominal", "band"}))
       ->default_str("nominal");
 }
 
 void add_collect(CLI::App& group) {
   const auto folder = std::make_shared<fs::path>();
-  CLI::App* verb = add_query(group, "collect", "Gather what has come out into index.sqlite and results.csv", *folder);
+  CLI::App* verb = add_query(group, "collect", "Collect results into index.sqlite and results.csv", *folder);
   verb->footer("Example: raywatt sweep collect out/l1");
   verb->callback([folder] {
     const sweep::SweepFolder opened = sweep::SweepFolder::open(*folder);
@@ -184,14 +188,14 @@ void add_table(CLI::App& group) {
     fs::path folder;
   };
   const auto o = std::make_shared<Options>();
-  CLI::App* verb = add_query(group, "table", "Points with any axes and figures of their reports", o->folder);
+  CLI::App* verb = add_query(group, "table", "Print points with axes and metrics of their reports", o->folder);
   verb->add_option("--columns", o->columns, "n, id, status, error, axes, report paths or ends of them")
       ->delimiter(',')
       ->type_name("A,B,...");
-  verb->add_option("--sort", o->sort, "by a column; the greatest first with :desc")->type_name("COLUMN[:desc]");
+  verb->add_option("--sort", o->sort, "column to sort by; largest first with :desc")->type_name("COLUMN[:desc]");
   add_where(*verb, o->where);
-  refuse_negative(*verb->add_option("--limit", o->limit, "rows at most")->type_name("N"));
-  verb->add_flag("--csv", o->csv, "as CSV, with all digits");
+  refuse_negative(*verb->add_option("--limit", o->limit, "maximum number of rows")->type_name("N"));
+  verb->add_flag("--csv", o->csv, "print CSV, with all digits");
   verb->footer("Example: raywatt sweep table out/l1 --columns n,tni.trv.l1.size,cycles,power_w.nominal --sort cycles");
   verb->callback([o] {
     with_results(
@@ -204,16 +208,16 @@ void add_pareto(CLI::App& group) {
     fs::path folder;
   };
   const auto o = std::make_shared<Options>();
-  CLI::App* verb = add_query(group, "pareto", "Points than which none is better in two figures at once", o->folder);
-  verb->add_option("--x", o->x, "a figure; max: before it if more is better, min: if less is")
+  CLI::App* verb = add_query(group, "pareto", "Print the Pareto front of two metrics", o->folder);
+  verb->add_option("--x", o->x, "a metric; the prefix max: or min: gives its direction")
       ->required()
       ->type_name("[max:|min:]PATH");
-  verb->add_option("--y", o->y, "the other")->required()->type_name("[max:|min:]PATH");
+  verb->add_option("--y", o->y, "the other metric")->required()->type_name("[max:|min:]PATH");
   add_where(*verb, o->where);
-  verb->add_flag("--csv", o->csv, "the front as CSV");
+  verb->add_flag("--csv", o->csv, "print the front as CSV");
   add_energy_option(*verb, o->band);
   verb->footer(
-      "Without max: or min: more is better of performance, utilisation and PSNR, and less of all else.\n\n"
+      "Without a prefix, performance, utilisation and PSNR are maximised and all other metrics minimised.\n\n"
       "Example: raywatt sweep pareto out/l1 --x power_w.nominal --y fps");
   verb->callback([o] {
     with_results(
@@ -228,7 +232,7 @@ void add_sensitivity(CLI::App& group) {
     bool band = false;
   };
   const auto o = std::make_shared<Options>();
-  CLI::App* verb = add_query(group, "sensitivity", "How much each axis changes each figure", o->folder);
+  CLI::App* verb = add_query(group, "sensitivity", "Print the effect of each axis on each metric", o->folder);
   verb->add_option("--metric", o->metrics, "a report path (repeatable)")->allow_extra_args(false)->type_name("PATH");
   add_where(*verb, o->where);
   add_energy_option(*verb, o->band);
@@ -246,9 +250,9 @@ void add_best(CLI::App& group) {
     bool band = false;
   };
   const auto o = std::make_shared<Options>();
-  CLI::App* verb = add_query(group, "best", "The point with the most or least of a figure", o->folder);
-  CLI::Option* most = verb->add_option("--max", o->most, "the figure that is to be high")->type_name("PATH");
-  verb->add_option("--min", o->least, "the figure that is to be low")->type_name("PATH")->excludes(most);
+  CLI::App* verb = add_query(group, "best", "Print the best point by one metric", o->folder);
+  CLI::Option* most = verb->add_option("--max", o->most, "metric to maximise")->type_name("PATH");
+  verb->add_option("--min", o->least, "metric to minimise")->type_name("PATH")->excludes(most);
   add_where(*verb, o->where);
   add_energy_option(*verb, o->band);
   verb->footer("Example: raywatt sweep best out/l1 --max frames_per_joule_gpu --where 'power_w.nominal<1'");

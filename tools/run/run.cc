@@ -273,7 +273,7 @@ void write_reference(const std::filesystem::path& folder, const Origin& origin, 
 
 void print_reference_location(const std::filesystem::path& folder) {
   const std::string reference = (folder / kReferenceReport).string();
-  fmt::print("reference: {}\n{} says where the gain comes from\n", reference,
+  fmt::print("reference: {}\ncompare with: {}\n", reference,
              command_text({"raywatt", "compare", reference, (folder / "report.json").string()}));
 }
 

@@ -43,7 +43,7 @@ TEST(AreaOfARun, OfAnotherProcessIsAnotherAndMovesNothingElse) {
   EXPECT_EQ(a["cycles"], b["cycles"]);
   EXPECT_EQ(a["energy_mj"], b["energy_mj"]);
   const auto warned = [](const std::filesystem::path& run) {
-    return read_json(run / "report.json")["warnings"].dump().find("of a chip in two processes") != std::string::npos;
+    return read_json(run / "report.json")["warnings"].dump().find("results per mm2 mix two processes") != std::string::npos;
   };
   EXPECT_FALSE(warned(folder.path() / "a"));
   EXPECT_TRUE(warned(out));

@@ -207,7 +207,7 @@ TEST(ManualPage, HasEveryVerbAndIsNoRequestByAccident) {
   const std::string page = printed({"man"});
   for (const char* part :
        {".TH RAYWATT 1", ".SS raywatt run\n", ".SS raywatt trace replay\n", ".SS raywatt sweep best\n",
-        "\\fB\\-o, \\-\\-output\\fR", ".SH EXIT STATUS", "\n.TP\n2\nbad input, an output that cannot be begun, ",
+        "\\fB\\-o, \\-\\-output\\fR", ".SH EXIT STATUS", "\n.TP\n2\nbad input, an output that cannot be written, ",
         "\n.TP\n130\ninterrupted", "\n.TP\n143\n"}) {
     EXPECT_NE(page.find(part), std::string::npos) << part;
   }

@@ -147,7 +147,7 @@ TEST(Warnings, OfOptionsThatDoNothing) {
   };
   EXPECT_EQ(warned({}), "");
   EXPECT_SAYS(warned({"--set", "render.mip_maps=off", "--set", "render.mip_filter=linear"}),
-              "render.mip_filter does nothing with render.mip_maps=off");
+              "render.mip_filter has no effect with render.mip_maps=off");
   EXPECT_EQ(warned({"--set", "render.mip_filter=linear"}), "");
   EXPECT_SAYS(warned({"--set", "dram.grade=LPDDR3-160"}), "--set dram.extends=lpddr3-1600 does");
   EXPECT_EQ(warned({"--set", "dram.grade=mine"}), "") << "any text is a name";
@@ -177,7 +177,7 @@ TEST(Warnings, OfSizesOutsideTheCurvesAreInTheReportToo) {
 TEST(Warnings, OfTileSamplingThatTimesMuchMoreThanAsked) {
   const TempFolder folder;
   const Ending run = ending_well(small_run(folder.path() / "out", {"--tile-sampling", "5%"}));
-  EXPECT_SAYS(run.err, "--tile-sampling 5% has timed 100 % of the tiles");
+  EXPECT_SAYS(run.err, "--tile-sampling 5% simulated 100 % of the tiles");
   EXPECT_EQ(read_json(folder.path() / "out" / "report.json")["totals"]["sampled"]["asked"], 0.05);
 }
 

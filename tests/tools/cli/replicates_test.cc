@@ -47,7 +47,7 @@ TEST(ReplicatesOption, AreATableOfMeanDeviationAndIntervalForPeople) {
   const auto out = folder.path() / "out";
   const Json figures = replicated_report(out, {"--replicates", "3"})["totals"]["replicates"]["figures"];
   const std::string text = read_bytes(out / "report.txt");
-  EXPECT_SAYS(text, "of 3 plays ");
+  EXPECT_SAYS(text, "3 runs ");
   for (const char* name : {"cycles", "perf.fps", "energy_mj.nominal", "power_w.nominal", "perf.frames_per_joule_gpu"}) {
     std::string pointer = std::string("/") + name;
     std::ranges::replace(pointer, '.', '/');

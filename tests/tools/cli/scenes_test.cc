@@ -134,8 +134,8 @@ TEST(ScenesInfo, CountsMotionTexturesAndTheFile) {
 }
 
 TEST(ScenesInfo, ShowsWhereCamerasStandOnRequest) {
-  EXPECT_SAYS(raywatt({"scenes", "info", "cornell", "--camera"}).out, "'front' at (0, 0, 3.4), looks along (");
-  EXPECT_EQ(raywatt({"scenes", "info", "cornell"}).out.find("looks along"), std::string::npos);
+  EXPECT_SAYS(raywatt({"scenes", "info", "cornell", "--camera"}).out, "'front' at (0, 0, 3.4), direction (");
+  EXPECT_EQ(raywatt({"scenes", "info", "cornell"}).out.find("direction"), std::string::npos);
 }
 
 TEST(ScenesHelp, OfEverySubVerbHasItsOwnExample) {

@@ -13,7 +13,7 @@ namespace test {
 namespace {
 
 const Words kIdle = {"--set", "dram.grade=lpddr5-6400"};
-constexpr const char* kSaid = "raywatt: warning: dram.grade is a name for reports and takes no figures";
+constexpr const char* kSaid = "raywatt: warning: dram.grade is only a name in reports";
 
 /// Returns standard error of a verb with a setting without effect.
 std::string said_by(Words words, const Words& more = kIdle) {
@@ -80,13 +80,13 @@ TEST(IdleSettings, AreKeysOfOnesOwnCameraLightsAndSkyWhileTheScenesAreTaken) {
                   "scene.lights.direction=0 1 0", "scene.view.position=1 2 4"};
   const std::vector<std::string> said = tools::ineffective_setting_warnings(options, config);
   ASSERT_EQ(said.size(), 6U);
-  EXPECT_EQ(said[0], "scene.view.position does nothing without scene.view.source=own");
+  EXPECT_EQ(said[0], "scene.view.position has no effect without scene.view.source=own");
   config.scene.view.source = traces::ViewSource::kOwn;
   config.scene.sky.source = traces::Sky::kOwn;
   config.scene.lights.rig = traces::LightRig::kPoint;
   config.scene.camera_path = traces::CameraPath::kOrbit;
   EXPECT_EQ(tools::ineffective_setting_warnings(options, config),
-            Words{"scene.lights.direction does nothing without scene.lights.rig=sun"});
+            Words{"scene.lights.direction has no effect without scene.lights.rig=sun"});
 }
 
 TEST(IdleSettings, APatternOfSamplesHoldsForTheReferenceAlone) {

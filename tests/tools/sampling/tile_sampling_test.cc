@@ -250,7 +250,7 @@ TEST(SampledRun, SaysWhatIsEstimatedAndHowWell) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "out" / "image.png"));
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "out" / "image.exr"));
   EXPECT_EQ(ending.out.find("image.png"), std::string::npos);
-  EXPECT_SAYS(ending.out, "of 1600 tiles timed");
+  EXPECT_SAYS(ending.out, "of 1600 tiles simulated");
   EXPECT_SAYS(ending.out, "±");
   const nlohmann::json totals = read_json(folder.path() / "out" / "report.json")["totals"];
   const nlohmann::json& s = totals["sampled"];

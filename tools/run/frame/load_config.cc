@@ -158,7 +158,7 @@ void add_grade_warning(const std::string& set, std::vector<std::string>& out) {
   const std::vector<std::string> known = config_names_in("dram");
   const auto meant = sim::find_nearest("dram/" + grade, known, grade.size() / 4);
   if (meant == known.end()) return;
-  out.push_back(fmt::format("dram.grade is a name for reports and takes no figures; --set dram.extends={} does",
+  out.push_back(fmt::format("dram.grade is only a name in reports; --set dram.extends={} sets the timing",
                             meant->substr(std::string_view("dram/").size())));
 }
 
@@ -176,13 +176,13 @@ void RunConfig::describe(auto& c, auto&& field) {
   hw::GpuConfig::describe(*c.gpu, field);
   field.group(NAMED(c.render), "what is rendered, and how finely");
   kernels::ProgramConfig::describe(c.programs, field);
-  field.group(NAMED(c.bvh), "how the tree is built on the host, and how it lies in memory");
+  field.group(NAMED(c.bvh), "build of the tree on the host, and its layout in memory");
   field.group(NAMED(c.energy), "energy per event, leakage and clock");
-  field.group(NAMED(c.power), "voltage and temperature: what clocks need, and what they do to energy");
+  field.group(NAMED(c.power), "voltage and temperature, and their effect on energy");
   field.group(NAMED(c.area), "area of storage and pads; that of logic is in energy.logic");
-  field.group(NAMED(c.latency), "time of a cache's hit over its size, where hit_cycles is auto");
-  field.group(NAMED(c.scene), "what is looked at, from where, and when");
-  field.group(NAMED(c.limits), "what a scene file may cost at most");
+  field.group(NAMED(c.latency), "hit latency of caches over size, for hit_cycles auto");
+  field.group(NAMED(c.scene), "scene, camera and frames");
+  field.group(NAMED(c.limits), "limits for scene files");
 }
 
 void RunConfig::check(auto&& complain) const { gpu->check(complain); }
@@ -225,7 +225,7 @@ std::vector<std::string> ineffective_setting_warnings(const JobOptions& options,
     const std::string_view key = std::string_view(set).substr(0, set.find('='));
     for (const IneffectiveKeys& idle : kIneffectiveKeys) {
       if (!key.starts_with(idle.keys) || key.ends_with(".source") || !idle.is_ineffective(config)) continue;
-      std::string line = fmt::format("{} does nothing {}", key, idle.why);
+      std::string line = fmt::format("{} has no effect {}", key, idle.why);
       if (std::ranges::find(out, line) == out.end()) out.push_back(std::move(line));
     }
     add_grade_warning(set, out);

@@ -33,12 +33,12 @@ struct LatencyConfig {
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
-    field(NAMED(c.process), "", "what the figures describe", sim::any(), Affects::kReport);
-    field(NAMED(c.arrays), "ns", "time in which an array is read, as read@16KiB: points of a curve over its size",
+    field(NAMED(c.process), "", "technology of the table", sim::any(), Affects::kReport);
+    field(NAMED(c.arrays), "ns", "time to read an array, as read@16KiB: points of a curve over its size",
           sim::at_least(0), Affects::kTiming);
-    field(NAMED(c.l1), "cycles", "of a hit of a first-level cache of the T&I unit, beside its array",
+    field(NAMED(c.l1), "cycles", "of a hit of a first-level cache of the T&I unit, in addition to its array",
           sim::between(0, 63), Affects::kTiming);
-    field(NAMED(c.l2), "cycles", "of a hit of the L2, beside its array", sim::between(0, 63), Affects::kTiming);
+    field(NAMED(c.l2), "cycles", "of a hit of the L2, in addition to its array", sim::between(0, 63), Affects::kTiming);
   }
 };
 

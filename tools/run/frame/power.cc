@@ -68,12 +68,12 @@ std::vector<std::string> power_warnings(const RunConfig& config) {
     const double volt = curve.at(hz);
     if (config.power.voltage == sim::Voltage::kDvfs) {
       if (hz >= curve.least_hz() && hz <= curve.most_hz()) continue;
-      lines.push_back(fmt::format("power.dvfs: clocks.{} of {} is outside {} to {}; taken for {:.4g} V", domain.name,
+      lines.push_back(fmt::format("power.dvfs: clocks.{} of {} is outside {} to {}; {:.4g} V is assumed", domain.name,
                                   clock_text(hz), clock_text(curve.least_hz()), clock_text(curve.most_hz()), volt));
     } else if (std::abs(volt - nominal) > kVoltRounding * nominal) {
       lines.push_back(
-          fmt::format("power.dvfs: clocks.{} of {} needs {:.4g} V, and energies are those of {:.4g} V, the energy "
-                      "table's; power.voltage=dvfs scales them",
+          fmt::format("power.dvfs: clocks.{} of {} needs {:.4g} V, but energies are for {:.4g} V, the voltage of "
+                      "the energy table; power.voltage=dvfs scales them",
                       domain.name, clock_text(hz), volt, nominal));
     }
   }
