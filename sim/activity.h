@@ -73,7 +73,7 @@ class Activity {
 
   /// Time charged to a reason, as of the last finish().
   Time spent(CycleReason why) const { return spent_[index(why)]; }
-  Time accounted() const { return accounted_; }
+  Time accounted_until() const { return accounted_; }
 
  private:
   static constexpr std::size_t index(CycleReason why) { return static_cast<std::size_t>(why); }

@@ -87,7 +87,7 @@ class Gpu {
   bool stopped() const { return stopped_; }
 
   /// Returns the T&I cycles up to the last tick of the tile dispatcher, while the machine runs.
-  std::uint64_t cycles_so_far() const { return tni_clock_.cycles(dispatcher_->activity().accounted()); }
+  std::uint64_t cycles_so_far() const { return tni_clock_.cycles(dispatcher_->activity().accounted_until()); }
 
   /// Returns the counters of all units, in a fixed order.
   std::vector<sim::UnitReport> report() const { return machine_.report(); }

@@ -52,7 +52,7 @@ void CorePort::finish(sim::Time end) {
 
 /// Accounts for a transfer that ended between the last tick and `until`.
 inline void CorePort::account_until(sim::Time until) {
-  if (line_until_ >= activity_.accounted() && line_until_ < until)
+  if (line_until_ >= activity_.accounted_until() && line_until_ < until)
     activity_.spend(line_until_, clock_.period(), waiting_, waiting_);
 }
 

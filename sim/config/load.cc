@@ -75,11 +75,11 @@ std::string unknown_key(const ConfigNode& root, const ConfigNode& group, std::st
 }
 
 /// Returns an entry of a map of values as a field of its own. Adds the entry if absent.
-ConfigNode figure_of(const ConfigNode& map, std::string_view key) {
-  ConfigNode figure = map;
-  figure.path = path_of(map, key);
-  figure.target = &(*std::get<std::map<std::string, Band>*>(*map.target))[std::string(key)];
-  return figure;
+ConfigNode map_entry(const ConfigNode& map, std::string_view key) {
+  ConfigNode field = map;
+  field.path = path_of(map, key);
+  field.target = &(*std::get<std::map<std::string, Band>*>(*map.target))[std::string(key)];
+  return field;
 }
 
 /// Returns the rest of a --set path after a field, without a final "nominal": a single number sets low, nominal and
@@ -88,13 +88,13 @@ std::string_view path_in_band(const ConfigNode& node, std::string_view path, con
   const std::size_t dot = path.rfind('.');
   const std::string_view last = path.substr(dot == std::string_view::npos ? 0 : dot + 1);
   const std::string_view entry = dot == std::string_view::npos ? std::string_view() : path.substr(0, dot);
-  const bool is_figure =
+  const bool is_band =
       node.kind() == FieldKind::kBandMap ? !entry.empty() : node.kind() == FieldKind::kBand && entry.empty();
-  if (is_figure && (last == kLow || last == kHigh)) {
+  if (is_band && (last == kLow || last == kHigh)) {
     refuse(at, path_of(node, path),
            "is a part of a band; allowed: one number, which leaves no band, or all of {low: 1, nominal: 2, high: 3}");
   }
-  return is_figure && last == kNominal ? entry : path;
+  return is_band && last == kNominal ? entry : path;
 }
 
 /// Parses the text after '=': a mapping in braces, a text in double quotes, or plain text.
@@ -199,8 +199,8 @@ void ConfigLoader::apply_value(ConfigNode& node, const YamlNode& value, const So
   if (node.kind() == FieldKind::kBand && is_mapping) return apply_band(node, value, source, at);
   if (node.kind() == FieldKind::kBandMap && is_mapping) {
     for (const YamlNode::Entry& entry : value.entries) {
-      ConfigNode figure = figure_of(node, entry.key);
-      apply_value(figure, *entry.value, source, source.place_of(entry.value_at));
+      ConfigNode field = map_entry(node, entry.key);
+      apply_value(field, *entry.value, source, source.place_of(entry.value_at));
     }
     return;
   }
@@ -259,8 +259,8 @@ void ConfigLoader::apply_set(const std::string& argument) {
   const bool is_map = node->kind() == FieldKind::kBandMap;
   const std::string_view rest = path_in_band(*node, path, source.name);
   if (is_map) {
-    ConfigNode figure = figure_of(*node, rest);
-    return apply_value(figure, *value, source, source.name);
+    ConfigNode field = map_entry(*node, rest);
+    return apply_value(field, *value, source, source.name);
   }
   if (rest.empty()) return apply_value(*node, *value, source, source.name);
   refuse(source.name, path_of(*node, path), fmt::format("'{}' is one value, without keys inside", node->path));

@@ -21,8 +21,8 @@ Band array_of(const EnergyTable& arrays, const UnitReport& unit) {
 }
 
 /// Area of a unit's pads; the table gives it for sixteen data lines.
-Band pads_of(const Band& figure, const UnitReport& unit) {
-  if (unit.data_lines != 0) return figure * (static_cast<double>(unit.data_lines) / 16);
+Band pads_of(const Band& area, const UnitReport& unit) {
+  if (unit.data_lines != 0) return area * (static_cast<double>(unit.data_lines) / 16);
   throw InputError(fmt::format("area.pads: unit '{}' has no data lines at the die's edge", unit.path));
 }
 

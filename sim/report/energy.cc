@@ -126,27 +126,30 @@ EnergyFormula::EventEnergy EnergyFormula::find_event_energy(
   return {.point = curve.at(unit.cache_bytes)};
 }
 
-std::size_t EnergyFormula::index_of(const EventEnergy& figure) {
-  const auto known = std::ranges::find(event_energies_, figure);
+std::size_t EnergyFormula::index_of(const EventEnergy& energy) {
+  const auto known = std::ranges::find(event_energies_, energy);
   if (known != event_energies_.end()) return static_cast<std::size_t>(known - event_energies_.begin());
-  event_energies_.push_back(figure);
+  event_energies_.push_back(energy);
   return event_energies_.size() - 1;
 }
 
 std::vector<double> EnergyFormula::pj_per_event(Side side) const {
   std::vector<double> out;
   out.reserve(event_energies_.size());
-  for (const EventEnergy& figure : event_energies_) out.push_back(figure.at(side));
+  for (const EventEnergy& energy : event_energies_) out.push_back(energy.at(side));
   return out;
 }
 
-EnergyFormula::Kinds EnergyFormula::unit_kinds(const Unit& unit, const std::vector<double>& figures, Side side) const {
+EnergyFormula::Kinds EnergyFormula::unit_kinds(const Unit& unit, const std::vector<double>& pj_per_event,
+                                               Side side) const {
   const PowerScale& scale = scales_[unit.block];
   Kinds sum;
   double on_chip = 0;
   for (const Term& term : unit.terms) {
-    const DeviceEvent* device = event_energies_[term.figure].device;
-    (device == nullptr ? on_chip : device->standby ? sum.leakage : sum.dynamic) += figures[term.figure] * term.count;
+    const DeviceEvent* device = event_energies_[term.energy_index].device;
+    (device == nullptr ? on_chip
+     : device->standby ? sum.leakage
+                       : sum.dynamic) += pj_per_event[term.energy_index] * term.count;
   }
   const double share = config_.clock_share.*side;
   sum.dynamic += on_chip * scale.dynamic;
@@ -192,8 +195,8 @@ std::vector<EnergyFormula::UnitEnergy> EnergyFormula::unit_energies() const {
       all[u].events.resize(unit.terms.size());
       double counted = 0;
       for (std::size_t t = 0; t < unit.terms.size(); ++t) {
-        const DeviceEvent* device = event_energies_[unit.terms[t].figure].device;
-        double pj = values[unit.terms[t].figure] * unit.terms[t].count;
+        const DeviceEvent* device = event_energies_[unit.terms[t].energy_index].device;
+        double pj = values[unit.terms[t].energy_index] * unit.terms[t].count;
         if (device == nullptr) pj = pj / (1 - share) * scale.dynamic;
         if (device == nullptr || !device->standby) counted += all[u].events[t].*side = pj;
       }
@@ -211,8 +214,8 @@ EnergyReport EnergyFormula::report() const {
       const Kinds kinds = unit_kinds(unit, values, side);
       std::map<std::string, Band>& events = report.events[blocks_[unit.block]];
       for (const Term& term : unit.terms) {
-        const double scale = event_energies_[term.figure].device == nullptr ? scales_[unit.block].dynamic : 1;
-        events[term.event].*side += values[term.figure] * term.count * scale;
+        const double scale = event_energies_[term.energy_index].device == nullptr ? scales_[unit.block].dynamic : 1;
+        events[term.event].*side += values[term.energy_index] * term.count * scale;
       }
       for (EnergyByKind* sum : {&report.blocks[blocks_[unit.block]], &report.kinds}) {
         sum->dynamic.*side += kinds.dynamic;
@@ -243,9 +246,9 @@ LogicArea::LogicArea(const UnitReport& unit, const EnergyConfig& config)
     : logic_(&required_entry(config.logic, unit, "energy.logic")) {
   if (config.parts.empty() && config.parts_in_logic.empty()) return;
   for (const UnitPart& part : unit.parts) {
-    const Band& figure = find_part_entry(config.parts, unit, part, "energy.parts");
+    const Band& area = find_part_entry(config.parts, unit, part, "energy.parts");
     const double held = find_part_entry(config.parts_in_logic, unit, part, "energy.parts_in_logic").nominal;
-    if (part.count != held) differences_.push_back({part.count - held, &figure});
+    if (part.count != held) differences_.push_back({part.count - held, &area});
   }
 }
 

@@ -167,7 +167,7 @@ class EnergyFormula {
     friend bool operator==(const EventEnergy&, const EventEnergy&) = default;
   };
   struct Term {
-    std::size_t figure;
+    std::size_t energy_index;
     double count;
     std::string event;
   };
@@ -187,9 +187,9 @@ class EnergyFormula {
 
   EventEnergy find_event_energy(const UnitReport& unit, const CounterReport& counter,
                                 const std::map<std::string, DeviceEvent>& device_events) const;
-  std::size_t index_of(const EventEnergy& figure);
+  std::size_t index_of(const EventEnergy& energy);
   std::vector<double> pj_per_event(Side side) const;
-  Kinds unit_kinds(const Unit& unit, const std::vector<double>& figures, Side side) const;
+  Kinds unit_kinds(const Unit& unit, const std::vector<double>& pj_per_event, Side side) const;
 
   const EnergyConfig& config_;
   EnergyTable table_;

@@ -34,7 +34,7 @@ std::string whole_entry(std::string_view entry) { return std::string(entry); }
 /// `name_of` extracts the name of an entry: all of it, or event_of() where a size may follow.
 void check_entries(std::string_view table, const std::map<std::string, Band>& entries, std::string_view unknown,
                    const Names& known, std::string (*name_of)(std::string_view) = whole_entry) {
-  for (const auto& [entry, figure] : entries) {
+  for (const auto& [entry, value] : entries) {
     if (const std::string name = name_of(entry); !known.contains(name)) refuse_entry(table, name, unknown, known);
   }
 }

@@ -99,12 +99,12 @@ TEST(Engine, EveryUnitsTimeSumsToTheWhole) {
     Pipeline machine(c);
     const Time end = run(machine);
     machine.spent(end);
-    EXPECT_EQ(machine.stage.activity.accounted(), c.stage.edge_at_or_after(end + 1));
+    EXPECT_EQ(machine.stage.activity.accounted_until(), c.stage.edge_at_or_after(end + 1));
     Time sum = 0;
     for (std::size_t i = 0; i < machine.stage.activity.kReasons; ++i) {
       sum += machine.stage.activity.spent(static_cast<Stage::CycleReason>(i));
     }
-    EXPECT_EQ(sum, machine.stage.activity.accounted());
+    EXPECT_EQ(sum, machine.stage.activity.accounted_until());
   }
 }
 

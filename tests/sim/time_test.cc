@@ -36,7 +36,7 @@ TEST(Activity, ChargesEveryCycleOnce) {
   EXPECT_EQ(a.spent(CycleReason::kWorking), 4U);
   EXPECT_EQ(a.spent(CycleReason::kBlocked), 8U);
   EXPECT_EQ(a.spent(CycleReason::kIdle), 8U);
-  EXPECT_EQ(a.accounted(), 20U);
+  EXPECT_EQ(a.accounted_until(), 20U);
 }
 
 TEST(Activity, TimeBeforeTheFirstTickGoesToTheFirstReason) {
@@ -51,7 +51,7 @@ TEST(Activity, FinishesOnlyOnce) {
   a.finish(4);
   a.finish(4);
   a.finish(2);
-  EXPECT_EQ(a.accounted(), 4U);
+  EXPECT_EQ(a.accounted_until(), 4U);
 }
 
 TEST(Hash, DependsOnEveryKeyAndOnTheirOrder) {

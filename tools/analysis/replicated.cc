@@ -29,8 +29,8 @@ std::string path_of(const std::string& pointer) {
 }
 
 /// Returns "6.764 ± 0.12 %".
-std::string give_or_take(const Json& figures, const char* path) {
-  const Json& f = figures.at(pointer_to(path));
+std::string give_or_take(const Json& metrics, const char* path) {
+  const Json& f = metrics.at(pointer_to(path));
   const double mean = f["mean"].get<double>();
   const double half = (f["high"].get<double>() - f["low"].get<double>()) / 2;
   return fmt::format("{} ± {:.2g} %", sim::four_digits(mean), mean == 0 ? 0 : 100 * half / mean);
@@ -73,7 +73,7 @@ std::string replicates_text(const Json& replicates) {
 }
 
 std::string replicates_table(const Json& replicates) {
-  constexpr const char* kFigures[] = {"cycles",
+  constexpr const char* kMetrics[] = {"cycles",
                                       "time_ms",
                                       "perf.fps",
                                       "perf.mrays_per_s",
@@ -92,31 +92,31 @@ std::string replicates_table(const Json& replicates) {
                                       "relative.tni_perf_per_watt",
                                       "relative.gpu_perf_per_watt"};
   sim::Table table({fmt::format("{} runs", replicates["count"].get<int>()), "mean", "deviation", "95 %, low", "high"});
-  for (const char* path : kFigures) {
+  for (const char* path : kMetrics) {
     const sim::JsonPointer at = pointer_to(path);
     if (!replicates["figures"].contains(at)) continue;
-    const Json& figure = replicates["figures"].at(at);
+    const Json& metric = replicates["figures"].at(at);
     std::vector<std::string> cells = {path};
     for (const char* part : {"mean", "deviation", "low", "high"}) {
-      cells.push_back(sim::four_digits(figure[part].get<double>()));
+      cells.push_back(sim::four_digits(metric[part].get<double>()));
     }
     table.add_row(std::move(cells));
   }
   return table.text();
 }
 
-std::optional<Draws> draws_in(const ReportFile& report, const std::string& figure) {
-  const std::string at = "totals.replicates.figures." + figure;
+std::optional<Draws> draws_in(const ReportFile& report, const std::string& metric) {
+  const std::string at = "totals.replicates.figures." + metric;
   if (!report.has(at + ".mean")) return std::nullopt;
   return Draws{static_cast<std::size_t>(report.number("totals.replicates.count")), report.number(at + ".mean"),
                report.number(at + ".deviation")};
 }
 
-std::optional<NoisyDifference> noisy_difference(const ReportFile& a, const ReportFile& b, const std::string& figure) {
-  const double of_a = a.number("totals." + figure), of_b = b.number("totals." + figure);
-  if (!is_noisy(figure) || of_a == 0 || of_b == 0) return std::nullopt;
-  const std::optional<Draws> draws_a = draws_in(a, figure), draws_b = draws_in(b, figure);
-  double assumed = default_noise(std::min(pixels_of(a), pixels_of(b)), figure);
+std::optional<NoisyDifference> noisy_difference(const ReportFile& a, const ReportFile& b, const std::string& metric) {
+  const double of_a = a.number("totals." + metric), of_b = b.number("totals." + metric);
+  if (!is_noisy(metric) || of_a == 0 || of_b == 0) return std::nullopt;
+  const std::optional<Draws> draws_a = draws_in(a, metric), draws_b = draws_in(b, metric);
+  double assumed = default_noise(std::min(pixels_of(a), pixels_of(b)), metric);
   for (const auto& draws : {draws_a, draws_b}) {
     if (draws) assumed = std::max(assumed, noise_of_pair(*draws));
   }

@@ -18,7 +18,7 @@ std::string replicates_text(const sim::Json& replicates);
 std::string replicates_table(const sim::Json& replicates);
 
 /// Returns the statistics of a metric such as "energy_mj.nominal" in a report; nullopt without replicates.
-std::optional<Draws> draws_in(const ReportFile& report, const std::string& figure);
+std::optional<Draws> draws_in(const ReportFile& report, const std::string& metric);
 
 /// Difference of a metric between two reports, with its noise.
 struct NoisyDifference {
@@ -28,6 +28,6 @@ struct NoisyDifference {
   bool outside = false;   ///< larger than noise explains
 };
 /// Returns nullopt for metrics that have no noise or are 0.
-std::optional<NoisyDifference> noisy_difference(const ReportFile& a, const ReportFile& b, const std::string& figure);
+std::optional<NoisyDifference> noisy_difference(const ReportFile& a, const ReportFile& b, const std::string& metric);
 
 }  // namespace tools

@@ -150,7 +150,7 @@ std::string nominal_of(const std::vector<std::string>& group) {
 
 bool is_total(std::string_view path) { return path.starts_with("totals."); }
 
-std::string figure_name(std::string_view path) {
+std::string metric_name(std::string_view path) {
   return std::string(is_total(path) ? path.substr(std::string_view("totals.").size()) : path);
 }
 
@@ -184,13 +184,13 @@ std::string resolve_report_path(std::string_view text, std::span<const std::stri
   if (!m.one.empty()) return m.one;
   if (std::string nominal = nominal_of(m.group); !nominal.empty()) return nominal;
   if (!m.group.empty()) {
-    const bool is_of_figures = m.group.front().starts_with("totals.");
-    const std::string figure = is_of_figures ? "" : nearest_end(text, paths, "totals.");
-    if (!figure.empty() && m.group.size() > kMostShown) {
+    const bool is_in_totals = m.group.front().starts_with("totals.");
+    const std::string nearest = is_in_totals ? "" : nearest_end(text, paths, "totals.");
+    if (!nearest.empty() && m.group.size() > kMostShown) {
       throw sim::InputError(fmt::format("the report path '{}' is a group of {} numbers, none of them a figure{}",
-                                        sim::printable(text), m.group.size(), figure));
+                                        sim::printable(text), m.group.size(), nearest));
     }
-    refuse_several(text, "is a group of", m.group, figure);
+    refuse_several(text, "is a group of", m.group, nearest);
   }
   if (!m.several.empty()) refuse_several(text, "may mean any of", m.several);
   throw sim::InputError(

@@ -25,7 +25,7 @@ std::vector<ReportNumber> unit_sums(const sim::Json& report);
 /// True for a path in `totals`.
 bool is_total(std::string_view path);
 /// Returns a path as it is displayed and may be typed: without a leading "totals.".
-std::string figure_name(std::string_view path);
+std::string metric_name(std::string_view path);
 
 /// Returns the path that `text` denotes: itself, "totals." plus itself, or the only path that ends in it at a dot.
 /// Totals take precedence over units and others, these over single frames. A group that is a band denotes its nominal

@@ -68,10 +68,10 @@ std::string tracing_reasons(const Json& s) {
 }
 
 /// Formats the half-width of a 95 % interval, for estimated metrics.
-std::string half_interval(const Json& totals, const char* figure) {
+std::string half_interval(const Json& totals, const char* metric) {
   const char* const by = totals.contains("sampled") ? "sampled" : "sliced";
-  if (!totals.contains(by) || !totals[by].contains(figure)) return "";
-  const Json& i = totals[by][figure];
+  if (!totals.contains(by) || !totals[by].contains(metric)) return "";
+  const Json& i = totals[by][metric];
   const double half = (i["high"].get<double>() - i["low"].get<double>()) / 2;
   return fmt::format("  ± {:.1f} %", 100 * half / i["estimate"].get<double>());
 }

@@ -81,7 +81,7 @@ void run_frames(const JobOptions& options) {
   if (plan.sampling() == nullptr && progress.shows_hints()) {
     const RunParallelism plays{options.threads, frames.replicates(), frames.slices()};
     double frame = estimate_seconds(inputs, plan.program, plays);
-    if (frames.has_reference()) frame += estimate_seconds(inputs, *plan.whole()->reference, plays);
+    if (frames.has_reference()) frame += estimate_seconds(inputs, *plan.whole_frames()->reference, plays);
     print_duration_hint(inputs.load_seconds + frame * inputs.frames(),
                         "a smaller --resolution, fewer --frames or --tile-sampling take less", progress);
   }

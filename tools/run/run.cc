@@ -25,7 +25,7 @@ namespace tools {
 RenderedFrames::RenderedFrames(Inputs& inputs, const RunPlan& plan, std::uint32_t threads, Progress* progress)
     : PosedFrames(inputs, threads, progress),
       plan_(plan),
-      slices_(plan.sliced() != nullptr ? slice_count(inputs.config, plan.program, plan.sliced()->slices) : 0),
+      slices_(plan.slicing() != nullptr ? slice_count(inputs.config, plan.program, plan.slicing()->slices) : 0),
       rates_(inputs.config.programs.multirate),
       reference_rates_(rates_) {}
 
@@ -37,7 +37,7 @@ FrameResult RenderedFrames::simulate(const SimulateOptions& extras) {
   if (slices_ > 1) return simulate_slices(inputs_, plan_.program, threads_, slices_, progress_);
   SimulateOptions own = extras;
   own.rates = &rates_;
-  own.marks = plan_.whole() != nullptr && plan_.whole()->debug_images;
+  own.marks = plan_.whole_frames() != nullptr && plan_.whole_frames()->debug_images;
   FrameResult frame = simulate_frame(inputs_, plan_.program, threads_, own);
   if (slices_ == 1) frame.sliced = as_single_slice(frame);
   return frame;
@@ -47,7 +47,7 @@ FrameResult RenderedFrames::simulate_reference(const SimulateOptions& extras) {
   SimulateOptions own = extras;
   own.rates = &reference_rates_;
   own.reference = true;
-  return simulate_frame(inputs_, *plan_.whole()->reference, threads_, own);
+  return simulate_frame(inputs_, *plan_.whole_frames()->reference, threads_, own);
 }
 
 double RenderedFrames::squared_error(const FrameResult& frame, const FrameResult& reference) const {

@@ -35,9 +35,9 @@ struct RunPlan {
   kernels::ProgramSpec program;
   std::variant<Whole, TileSampling, Sliced> how;
 
-  const Whole* whole() const { return std::get_if<Whole>(&how); }
+  const Whole* whole_frames() const { return std::get_if<Whole>(&how); }
   const TileSampling* sampling() const { return std::get_if<TileSampling>(&how); }
-  const Sliced* sliced() const { return std::get_if<Sliced>(&how); }
+  const Sliced* slicing() const { return std::get_if<Sliced>(&how); }
 };
 
 /// Returns the plan of the options of `raywatt run`. InputError for options that exclude each other.
@@ -132,8 +132,10 @@ class RenderedFrames final : public PosedFrames {
   /// Number of concurrent slices; 1 for a whole frame.
   std::uint32_t slices() const { return std::max(1U, slices_); }
   bool has_whole_frames() const override;
-  bool has_reference() const override { return plan_.whole() != nullptr && plan_.whole()->reference; }
-  std::uint32_t replicates() const override { return plan_.whole() != nullptr ? plan_.whole()->replicates : 1; }
+  bool has_reference() const override { return plan_.whole_frames() != nullptr && plan_.whole_frames()->reference; }
+  std::uint32_t replicates() const override {
+    return plan_.whole_frames() != nullptr ? plan_.whole_frames()->replicates : 1;
+  }
   FrameResult simulate(const SimulateOptions& extras) override;
   FrameResult simulate_reference(const SimulateOptions& extras) override;
   double squared_error(const FrameResult& frame, const FrameResult& reference) const override;

@@ -41,10 +41,10 @@ struct Recorder {
 
 /// Removes sampling from the report of a partial frame: a trace has it only for whole frames.
 void leave_out_sampling(sim::Json& report) {
-  for (sim::Json* figures : {&report["totals"], &report["frames"].front()}) {
-    figures->erase("traced_ratio");
-    (*figures)["rays"].erase("continued");
-    (*figures)["sampling"] = sim::Json::object();
+  for (sim::Json* totals : {&report["totals"], &report["frames"].front()}) {
+    totals->erase("traced_ratio");
+    (*totals)["rays"].erase("continued");
+    (*totals)["sampling"] = sim::Json::object();
   }
 }
 

@@ -36,7 +36,7 @@ struct PortHarness {
   const Echo& target(std::size_t i) { return *harness.echoes[i]; }
   const CorePort& port() { return *harness.ports.front(); }
   std::uint64_t why(CorePort::CycleReason w) { return kClock.cycles(port().activity().spent(w)); }
-  std::uint64_t elapsed() { return kClock.cycles(port().activity().accounted()); }
+  std::uint64_t elapsed() { return kClock.cycles(port().activity().accounted_until()); }
 
   Harness harness;
 };

@@ -198,7 +198,7 @@ TEST(Tni, AllRaysLeaveAndEveryCycleHasAReason) {
     const Ist::Stats& ist = harness.tni().ist().stats();
     EXPECT_EQ(ist.leaves_in, ist.leaves_out);
     EXPECT_EQ(ist.l1_hits + ist.l1_misses, ist.l1_accesses);
-    EXPECT_EQ(harness.tni().ist().activity().accounted(), harness.end_time());
+    EXPECT_EQ(harness.tni().ist().activity().accounted_until(), harness.end_time());
     std::uint64_t leaves = 0, fills = ist.l1_fills;
     for (const Trv* trv : harness.tni().trvs()) {
       const Trv::Stats& s = trv->stats();
@@ -212,7 +212,7 @@ TEST(Tni, AllRaysLeaveAndEveryCycleHasAReason) {
       EXPECT_EQ(setup.hybrid ? s.box_tests : s.hybrid_box_tests, 0U);
       EXPECT_EQ(s.pushes, s.pops + s.dropped);
       EXPECT_EQ(s.rau_writes, s.rau_reads);
-      EXPECT_EQ(trv->activity().accounted(), harness.end_time());
+      EXPECT_EQ(trv->activity().accounted_until(), harness.end_time());
       sim::Time sum = 0;
       for (std::size_t w = 0; w < static_cast<std::size_t>(Trv::CycleReason::kCount); ++w) {
         sum += trv->activity().spent(static_cast<Trv::CycleReason>(w));

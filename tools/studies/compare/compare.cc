@@ -217,7 +217,7 @@ Comparison compare(const ReportFile& a, const ReportFile& b) {
     const bool says_nothing =
         path == std::string_view("totals.traced_ratio") && a.number(path) == 1 && b.number(path) == 1;
     if (!says_nothing && (a.has(path) || b.has(path))) {
-      const std::string figure = figure_name(path);
+      const std::string figure = metric_name(path);
       out.figures.push_back({name, a.number(path), b.number(path), {}, figure});
       if (!out.says_nothing_of(figure)) out.figures.back().noise = noisy_difference(a, b, figure);
     }

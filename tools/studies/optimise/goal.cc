@@ -36,8 +36,8 @@ bool Goal::is_met(double value) const {
 
 std::string Goal::text() const {
   const std::string_view name = names_of(kind).at(static_cast<std::size_t>(kind));
-  return is_objective() ? fmt::format("{} {}", name, figure_name(figure))
-                        : fmt::format("{} {} {}", figure_name(figure), name, limit);
+  return is_objective() ? fmt::format("{} {}", name, metric_name(figure))
+                        : fmt::format("{} {} {}", metric_name(figure), name, limit);
 }
 
 std::string Goal::room_title() const {

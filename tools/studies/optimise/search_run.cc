@@ -80,7 +80,7 @@ SeenFigure seen_figure(const std::vector<ReportNumber>& numbers, const ReportNum
     const auto found = std::ranges::find(numbers, path, &ReportNumber::path);
     return found == numbers.end() ? std::nullopt : std::optional(found->value);
   };
-  const std::string name = is_total(figure.path) ? figure_name(figure.path) : std::string();
+  const std::string name = is_total(figure.path) ? metric_name(figure.path) : std::string();
   if (!is_noisy(name)) return {.value = figure.value};
   const std::string draws = "totals.replicates.figures." + name;
   const auto count = at("totals.replicates.count"), mean = at(draws + ".mean"), deviation = at(draws + ".deviation");

@@ -128,7 +128,7 @@ std::string table_text(const SearchRun& search, const std::vector<const Trial*>&
   for (const auto& [name, value] : trials.front()->point.axes) header.push_back(sim::printable(name));
   std::vector<std::vector<std::string>> columns;
   for (const std::size_t g : goals) {
-    header.push_back(figure_name(search.goals()[g].figure));
+    header.push_back(metric_name(search.goals()[g].figure));
     std::vector<results::Value> values;
     for (const Trial* trial : trials) values.emplace_back(trial->figures[g]);
     columns.push_back(results::shown_cells(values));

@@ -174,7 +174,7 @@ std::vector<Metric> metrics_of(const results::Results& results, const std::vecto
   std::vector<Metric> wanted = usual_metrics();
   for (const std::string& path : goal_paths) {
     const bool is_known = path.empty() || std::ranges::find(wanted, path, &Metric::path) != wanted.end();
-    if (!is_known) wanted.insert(wanted.begin(), {path, figure_name(path)});
+    if (!is_known) wanted.insert(wanted.begin(), {path, metric_name(path)});
   }
   std::vector<Metric> found;
   for (Metric& metric : wanted) {

@@ -82,6 +82,6 @@ std::vector<std::string> shown_cells(const Column& column, const std::vector<std
   return cells_of(values, is_total(column.name));
 }
 
-std::string shown_name(const Column& column) { return sim::printable(figure_name(column.name)); }
+std::string shown_name(const Column& column) { return sim::printable(metric_name(column.name)); }
 
 }  // namespace tools::results

@@ -117,7 +117,7 @@ std::string EnergyBand::best_text(const Results& results, const BandedMetric& m)
     ++wins[best];
   }
   const std::vector<Column> varying = results.varying();
-  sim::Table table({"", "point", figure_name(m.name), "95 % interval", "best in",
+  sim::Table table({"", "point", metric_name(m.name), "95 % interval", "best in",
                     "over the best, low / nominal / high tables", "95 % interval", "better in"});
   for (std::size_t rank = 0; rank < std::min(order.size(), kRivals); ++rank) {
     const std::size_t i = order[rank];
@@ -171,7 +171,7 @@ std::vector<double> EnergyBand::factors_at(const EnergyMetric& metric, const std
 std::string EnergyBand::tornado_text(const Results& results, const BandedMetric& m) {
   const std::optional<EnergyMetric> joules = energy_metric(m.name);
   if (!joules)
-    throw sim::InputError(fmt::format("{} has no joules in it, so no energy table moves it", figure_name(m.name)));
+    throw sim::InputError(fmt::format("{} has no joules in it, so no energy table moves it", metric_name(m.name)));
   if (m.rows.size() < 2) throw sim::InputError("a ranking needs two points");
   std::vector<PricedRun*> all;
   for (const auto& run : runs_) all.push_back(run.get());
@@ -213,7 +213,7 @@ std::string EnergyBand::tornado_text(const Results& results, const BandedMetric&
       "{}: what decides the ranking; ratio: point {} over point {}, the best two, {:.4f} by nominal tables; one entry "
       "at "
       "a time, all others nominal\n\n{}",
-      figure_name(m.name), n(second), n(first), m.nominal[second] / m.nominal[first], table.text());
+      metric_name(m.name), n(second), n(first), m.nominal[second] / m.nominal[first], table.text());
 }
 
 }  // namespace tools::results

@@ -48,7 +48,7 @@ std::string statistics_path(const std::string& name) { return "totals.replicates
 FigureNoise::FigureNoise(const Results& results, const Column& figure, const std::vector<std::size_t>& rows)
     : means_(figure), seen_(results.rows().size()) {
   for (std::size_t row = 0; row < seen_.size(); ++row) seen_[row].value = number_at(figure, row);
-  const std::string name = is_total(figure.name) ? figure_name(figure.name) : std::string();
+  const std::string name = is_total(figure.name) ? metric_name(figure.name) : std::string();
   noisy_ = tools::is_noisy(name) && !rows.empty();
   if (!noisy_) return;
   const std::string at = statistics_path(name);
@@ -103,7 +103,7 @@ std::string FigureNoise::text() const {
 Column column_of_means(const Results& results, const std::string& path) {
   Column figure = results.column(path);
   if (!is_total(figure.name)) return figure;
-  const std::string mean = statistics_path(figure_name(figure.name)) + ".mean";
+  const std::string mean = statistics_path(metric_name(figure.name)) + ".mean";
   if (!results.has_metric(mean)) return figure;
   const Column means = results.column(mean);
   for (std::size_t row = 0; row < figure.values.size(); ++row) {

@@ -88,7 +88,7 @@ Column shares_of(const Draws2d& draws, std::size_t rows, bool csv) {
 void add_ratios(const Draws2d& draws, std::size_t rows, std::vector<Column>& columns) {
   for (const BandedMetric* metric : {&draws.x, &draws.y}) {
     if (!energy_metric(metric->name)) continue;
-    Column ratios{fmt::format("{} over the best, low / nominal / high tables", figure_name(metric->name)),
+    Column ratios{fmt::format("{} over the best, low / nominal / high tables", metric_name(metric->name)),
                   std::vector<Value>(rows)};
     const std::size_t best = metric->ranking().front();
     for (std::size_t i = 0; i < metric->rows.size(); ++i) {

@@ -89,7 +89,7 @@ class AdditiveModel {
 std::string percent(double share) { return fmt::format("{:.1f} %", 100 * share); }
 
 std::string text_of(const Sensitivity& s) {
-  std::string out = fmt::format("{}: mean {} of {} points{}\n", figure_name(s.metric), shown(s.mean), s.points,
+  std::string out = fmt::format("{}: mean {} of {} points{}\n", metric_name(s.metric), shown(s.mean), s.points,
                                 s.is_grid ? "" : fmt::format(", which are {}", kNoGrid));
   const bool noisy = !s.noise_text.empty();
   if (noisy) out += s.noise_text + "\n";
