@@ -19,7 +19,7 @@ Intervals recorded(Time length, std::size_t most, Time end) {
   return intervals;
 }
 
-TEST(IntervalRows, StandAtMultiplesOfTheirLengthAndAtTheEnd) {
+TEST(IntervalRows, AreAtMultiplesOfTheirLengthAndAtTheEnd) {
   const Intervals intervals = recorded(10, 8, 34);
   ASSERT_EQ(intervals.size(), 4U);
   for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(intervals.row(i)[0], 10 * (i + 1));
@@ -32,7 +32,7 @@ TEST(IntervalRows, HaveNoEmptyOneAtAnEndThatIsAnEdge) {
   EXPECT_EQ(recorded(10, 8, 10).size(), 1U);
 }
 
-TEST(IntervalRows, AreNeverMoreThanWantedNorFewerThanHalfOfThem) {
+TEST(IntervalRows, AreAtMostTheLimitAndAtLeastHalfOfIt) {
   for (const std::size_t most : {2U, 4U, 6U, 64U}) {
     for (Time end = 1; end < 3000; ++end) {
       const Intervals intervals = recorded(10, most, end);

@@ -24,7 +24,7 @@ TEST(Link, HandsItemsOutInTheOrderOfPushes) {
   for (int i = 0; i < 3; ++i) EXPECT_EQ(link.pop(10), i);
 }
 
-TEST(Link, WithoutRoomAsksForAPop) {
+TEST(Link, WithoutRoomIsPushableAfterAPop) {
   Link<int> link(2, 1, kFast);
   link.push(0, 1);
   EXPECT_EQ(link.push_at(), 0U);

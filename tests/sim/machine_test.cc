@@ -155,7 +155,7 @@ TEST(Machine, ALinkIsNearlyFullWhereOneTickOfItsProducerMightFillIt) {
   EXPECT_EQ(machine.partitions().outer.front().nearly_full, 1U);
 }
 
-TEST(Machine, WhatItsOwnerKnowsOfDoesNotBoundTheLookahead) {
+TEST(Machine, LinksByOwnerDoNotBoundTheLookahead) {
   Machine machine;
   const UnitId inner = machine.unit({.name = "inner", .clock = Clock(2)});
   const UnitId outer = machine.unit({.name = "outer", .clock = Clock(2), .partition = 1});
@@ -265,7 +265,7 @@ TEST(Machine, ThrowsForALinkOfAUnitThatIsNotDeclared) {
   EXPECT_THROW(machine.link<int>(1, 1, unit, UnitId{1, Clock(2)}), std::logic_error);
 }
 
-TEST(Machine, ThrowsForWhatComesAfterTheStart) {
+TEST(Machine, ThrowsForChangesAfterTheStart) {
   Pair pair;
   pair.machine().start();
   EXPECT_THROW(pair.machine().unit({.name = "late", .clock = Clock(2)}), std::logic_error);

@@ -12,7 +12,7 @@
 namespace sim::test {
 namespace {
 
-TEST(WakeupTable, TickThoseThatAreDueAndNoOthers) {
+TEST(WakeupTable, TicksExactlyTheDueUnits) {
   constexpr std::size_t kUnits = 19;
   WakeupTable wakeups(kUnits);
   std::vector<Time> expected(kUnits, 0);
@@ -35,7 +35,7 @@ TEST(WakeupTable, TickThoseThatAreDueAndNoOthers) {
   }
 }
 
-TEST(WakeupTable, OfSeveralGroupsSayWhoIsDueAndWhoIsNext) {
+TEST(WakeupTable, ReportsDueUnitsAndTheNextTimeOverSeveralGroups) {
   constexpr std::size_t kUnits = 19, kGroups = 3;
   std::vector<Time> times(WakeupTable::round_up_to_groups(kUnits), kNever), earliest_time(kGroups);
   for (Time now = 1; now < 200; ++now) {

@@ -72,7 +72,7 @@ class Pictures {
   std::vector<Mask> masks_;
 };
 
-TEST(Chiu, OnPlainSurfacesReconstructionIsAsGoodAsItIsWanted) {
+TEST(Chiu, OnPlainSurfacesReconstructionReachesItsTarget) {
   Pictures cornell("cornell", "", "96x96");
   const Quality none = cornell.of("reconstruct", "reconstruct.radius=0"), sraa = cornell.of("reconstruct:sraa");
   const Quality ours = cornell.of("reconstruct");
@@ -121,7 +121,7 @@ TEST(Chiu, ObjectEdgesBehindChairsAreBelowThoseOfSraa) {
   expect_between("SRAA over ours, dB", edges("SRAA") - edges("ours"), 0.5, 2.5);  // C3
 }
 
-TEST(Chiu, TimeIsSavedAsWantedWhereTracingSetsThePace) {
+TEST(Chiu, TimeIsSavedAsPublishedWhereTracingLimits) {
   const auto figures = [](const std::string& setting, std::uint32_t width) {
     return measure(chiu(false), "Sponza", setting, width);
   };

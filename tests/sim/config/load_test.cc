@@ -36,16 +36,14 @@ unit:
   EXPECT_EQ(c.unit.l1.size.bytes, 8192U);
 }
 
-TEST(LoadConfig, LeavesDefaultsWhereTheFileSaysNothing) {
-  EXPECT_EQ(ConfigHarness().load("seed: 7\n"), MachineConfig{});
-}
+TEST(LoadConfig, KeepsDefaultsOfAbsentKeys) { EXPECT_EQ(ConfigHarness().load("seed: 7\n"), MachineConfig{}); }
 
 TEST(LoadConfig, AnAliasRepeatsItsAnchor) {
   const MachineConfig c = ConfigHarness().load("unit:\n  l1: &small {size: 1 KiB}\nl2: *small\n");
   EXPECT_EQ(c.l2.size.bytes, 1024U);
 }
 
-TEST(Extends, ReadsTheBaseFirstWhereverTheKeyStands) {
+TEST(Extends, ReadsTheBaseFirstAtAnyPositionOfTheKey) {
   ConfigHarness b;
   b.file("base.yaml", "seed: 1\nunit: {rays: 8, stack: short}\n");
   const MachineConfig c = b.load("unit: {rays: 9}\nextends: base.yaml\n");
@@ -63,7 +61,7 @@ TEST(Extends, WorksInsideAnyGroupAndMergesMaps) {
   EXPECT_EQ(c.events, (std::map<std::string, Band>{{"a", {1, 1, 1}}, {"b", {3, 3, 3}}, {"c", {4, 4, 4}}}));
 }
 
-TEST(Extends, LooksBesideTheFileThenAlongTheSearchPath) {
+TEST(Extends, SearchesNextToTheFileThenOnTheSearchPath) {
   ConfigHarness b;
   b.file("share/base.yaml", "seed: 2\nl2: {extends: caches/big}\n").file("share/caches/big.yaml", "size: 1 MiB\n");
   EXPECT_EQ(b.error("extends: base\n"), "a.yaml:1:10: extends: no configuration file 'base'");

@@ -238,7 +238,7 @@ TEST(JsonStream, HoldsOneValueAfterAnother) {
 
 std::string nested(std::size_t levels) { return std::string(levels, '[') + std::string(levels, ']'); }
 
-TEST(Json, NestedDeeperIsToldFromAsDeep) {
+TEST(Json, DetectsNestingBeyondTheLimitOnly) {
   EXPECT_FALSE(is_nested_deeper(nested(5), 5));
   EXPECT_TRUE(is_nested_deeper(nested(6), 5));
   EXPECT_TRUE(is_nested_deeper(R"({"a": [{"b": {"c": []}}]})", 4));

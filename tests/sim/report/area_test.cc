@@ -85,7 +85,7 @@ TEST(Area, OfPadsIsByTheSixteenDataLines) {
   }
 }
 
-TEST(Area, OfLogicIsThatOfItsFigureWithAsManyPartsAsTheFigureHolds) { EXPECT_EQ(logic_with(2, 1), (Band{0.5, 1, 2})); }
+TEST(Area, OfLogicEqualsTheTableForTheTablesNumberOfParts) { EXPECT_EQ(logic_with(2, 1), (Band{0.5, 1, 2})); }
 
 TEST(Area, OfLogicGrowsByEachPartMoreAndShrinksByEachPartLess) {
   EXPECT_EQ(logic_with(5, 1), (Band{0.5 + 3 * 0.125, 1 + 3 * 0.25, 2 + 3 * 0.5}));
@@ -108,7 +108,7 @@ TEST(Area, OfLogicIsNeverBelowNothing) {
   EXPECT_EQ(LogicArea(u, c).band(), Band());
 }
 
-TEST(Area, OfLogicIsItsFigureWhereTheTableIsFromBeforeThereWereParts) {
+TEST(Area, OfLogicEqualsTheTableWithoutParts) {
   EnergyConfig c = energy();
   c.parts = c.parts_in_logic = {};
   UnitReport u = sized_unit("core0.tni.trv0", "tni", 0, 0);
@@ -136,7 +136,7 @@ TEST(Area, OfWhatTheTableDoesNotKnowIsAnError) {
             "'tni.divider'");
 }
 
-TEST(AreaTables, NameASourceForEveryFigureAndRiseWithSize) {
+TEST(AreaTables, NameASourceForEveryEntryAndRiseWithSize) {
   for (const char* name : {"configs/area/14nm.yaml", "configs/area/7nm.yaml"}) {
     const AreaConfig c = load_config<AreaConfig>(name);
     for (const char* block : {"tni", "srp", "l2", "tile_buffer"}) {

@@ -48,7 +48,7 @@ std::string error_of(const EnergyConfig& c, const UnitReport& u) {
   return complaint<InputError>(folder, [&] { compute_energy(std::vector{u}, c, {}, 1); });
 }
 
-TEST(Energy, OfEventsIsCountTimesFigureAndTheClockTreesShare) {
+TEST(Energy, OfEventsIsCountTimesEntryPlusTheClockTreesShare) {
   const EnergyReport e = compute_energy(std::vector{counting_unit("core0.tni", "tni", {{"boxes", "", 10, "box"}})},
                                         energy_config(), {}, 0);
   expect_near(e.kinds.dynamic, {10, 20, 40});
@@ -98,7 +98,7 @@ TEST(Energy, SizeDependentEventsAreInterpolatedOnLogLogPaper) {
   expect_near(table.at("box", 4 * 1024), {1, 2, 4});
 }
 
-TEST(Energy, TheUnitsArraySizeChoosesTheFigure) {
+TEST(Energy, TheUnitsArraySizeSelectsTheEntry) {
   UnitReport u = counting_unit("core0.tni", "tni", {{"reads", "", 2, "read"}});
   u.sram_bytes = 1 << 20;
   u.cache_bytes = 64 * 1024;
@@ -119,7 +119,7 @@ TEST(Energy, OfADeviceIsTakenAsItIs) {
   expect_near(e.kinds.leakage, {10, 20, 30});
 }
 
-TEST(Energy, OfABlockIsToldByEventWithoutTheClock) {
+TEST(Energy, OfABlockIsReportedByEventWithoutTheClock) {
   const std::map<std::string, DeviceEvent> device = {{"dram.read", {{100, 200, 300}, false}},
                                                      {"dram.standby", {{1, 2, 3}, true}}};
   const std::vector<UnitReport> units = {
@@ -156,7 +156,7 @@ TEST(Energy, BothViewsSumToTheTotal) {
   expect_near(e.kinds.dynamic + e.kinds.clock + e.kinds.leakage, e.total_pj);
 }
 
-TEST(Energy, NamesWhatItHasNoFigureFor) {
+TEST(Energy, NamesTheEventWithoutAnEntry) {
   EXPECT_EQ(error_of(energy_config(), counting_unit("core0.tni", "tni", {{"n", "", 1, "bxo"}})),
             "energy.events: no figure for 'bxo', which counter 'n' of unit 'core0.tni' names");
   EXPECT_EQ(error_of(energy_config(), counting_unit("core0.srp", "srp", {})),

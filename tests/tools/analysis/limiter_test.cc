@@ -33,7 +33,7 @@ TEST(Limiter, IsTheUnitWhereTheArrayWaitsForRays) {
   EXPECT_NEAR(worth(t, "srp"), 1, 0.01) << "they are hidden behind the unit";
 }
 
-TEST(Limiter, IsTheFirstLevelWhereTheArrayStandsStillForItsLines) {
+TEST(Limiter, IsTheFirstLevelWhereTheArrayStallsForItsLines) {
   const CoreTime t = {.kernels = 0.3,
                       .data_misses = 0.7,
                       .demands = {.fed = 0.05, .occupied = 0.05, .data_lines = 0.35, .tracing = 0.05},

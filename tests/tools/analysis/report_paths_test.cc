@@ -150,7 +150,7 @@ TEST(ReportPath, AGroupIsRefusedWithWhatIsInIt) {
   }
 }
 
-TEST(ReportPath, ALargeGroupThatIsNoFigureGetsTheNearestFigureAlone) {
+TEST(ReportPath, ALargeGroupSuggestsOnlyTheNearestMetric) {
   std::vector<std::string> keys = {"totals.energy_mj.high", "totals.energy_mj.low", "totals.energy_mj.nominal"};
   for (int i = 0; i < 20; ++i) keys.push_back("config.dram.energy.key" + std::to_string(i));
   try {
@@ -162,7 +162,7 @@ TEST(ReportPath, ALargeGroupThatIsNoFigureGetsTheNearestFigureAlone) {
   }
 }
 
-TEST(ReportPath, AFigureWithABandMeansItsNominalOne) {
+TEST(ReportPath, AMetricWithABandDenotesItsNominalValue) {
   const std::vector<std::string> band = {"totals.energy_mj.high", "totals.energy_mj.low", "totals.energy_mj.nominal",
                                          "totals.replicates.figures.energy_mj.nominal.mean"};
   EXPECT_EQ(resolve_report_path("energy_mj", band), "totals.energy_mj.nominal");
@@ -180,7 +180,7 @@ TEST(ReportPath, OneThatIsNotThereGetsTheNearest) {
   EXPECT_SAYS(complaint("cycles."), "no report path");
 }
 
-TEST(ReportPathGroup, IsAllThatLiesBelowOrTheOneThatIsMeant) {
+TEST(ReportPathGroup, IsAllPathsBelowOrTheMatchingPath) {
   using Paths = std::vector<std::string>;
   EXPECT_EQ(report_path_group("rays", paths()), (Paths{"totals.rays.primary", "totals.rays.total"}));
   EXPECT_EQ(report_path_group("primary", paths()), Paths{"totals.rays.primary"});
@@ -190,7 +190,7 @@ TEST(ReportPathGroup, IsAllThatLiesBelowOrTheOneThatIsMeant) {
   EXPECT_THROW(report_path_group("nominal", paths()), sim::InputError);
 }
 
-TEST(ReportPathGroup, UnitsStandsForTheSumsAlone) {
+TEST(ReportPathGroup, UnitsDenotesTheSumsOnly) {
   const std::vector<std::string> units = report_path_group("units", paths());
   EXPECT_EQ(std::ranges::count(units, "units.core.tni.trv.counters.hits"), 1);
   EXPECT_EQ(std::ranges::count(units, "units.tile_dispatcher.elapsed"), 1);

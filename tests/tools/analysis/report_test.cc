@@ -43,7 +43,7 @@ std::uint64_t cores(const FrameResult& run) {
   return dmas;
 }
 
-TEST(DramClients, SamplesAndRatesAreToldOnlyIfAnyMoved) {
+TEST(DramClients, SamplesAndRatesAreReportedOnlyIfAnyMoved) {
   const FrameResult plain = run_with_lines({});
   const Json without = totals_json({plain})["dram_bytes_by_client"];
   EXPECT_FALSE(without.contains("samples"));
@@ -73,7 +73,7 @@ TEST(DramClients, TheTableNamesThem) {
   EXPECT_NE(told.find(", samples 512 B)"), std::string::npos) << told;
 }
 
-TEST(KernelsReported, IdleItemsAreToldOnlyOfKernelsThatHadAny) {
+TEST(KernelsReported, IdleItemsAreReportedOnlyForKernelsWithAny) {
   FrameResult run = run_with_lines({});
   const Json without = totals_json({run});
   for (const auto& [name, kernel] : without["kernels"].items()) EXPECT_FALSE(kernel.contains("idle")) << name;

@@ -99,7 +99,7 @@ TEST(BadScene, AnUnknownNameGetsTheNearestOne) {
   expect_scene_refused(folder, "zzzzzz", {"'zzzzzz'", "cornell", "teapot"});
 }
 
-TEST(BadScene, AnUnknownCameraIsToldWhichThereAre) {
+TEST(BadScene, AnUnknownCameraIsAnsweredWithTheKnownOnes) {
   const TempFolder folder;
   for (const char* camera : {"rear", "7", "-1"}) {
     expect_refusal(raywatt({"run", "--camera", camera, "-o", (folder.path() / "out").string()}),

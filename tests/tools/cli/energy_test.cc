@@ -35,18 +35,18 @@ TEST(EnergyShow, HasTheCurveOverSize) {
   EXPECT_SAYS(text, "counted by core.srp ");
 }
 
-TEST(EnergyShow, SaysWhatIsGivenOnTheCommandLine) {
+TEST(EnergyShow, ShowsValuesOfTheCommandLine) {
   const std::string text = output_of({"energy", "show", "tni.box_test", "--set", "energy.events.tni.box_test=48"});
   EXPECT_SAYS(text, "48 pJ  (no band)");
   EXPECT_SAYS(text, "--set energy.events.tni.box_test=48");
 }
 
-TEST(EnergyShow, SaysWhatIsGivenInAMappingOnTheCommandLine) {
+TEST(EnergyShow, ShowsMappingsOfTheCommandLine) {
   const std::string set = "energy.events={tni.box_test: 48}";
   EXPECT_SAYS(output_of({"energy", "show", "tni.box_test", "--set", set}), "48 pJ  (no band)\n    --set " + set);
 }
 
-TEST(EnergyShow, KnowsLogicAndMemoryAndAll) {
+TEST(EnergyShow, ShowsLogicAndMemoryAndAll) {
   EXPECT_SAYS(output_of({"energy", "show", "logic.tni.trv"}), "16 units core.tni.trv");
   EXPECT_SAYS(output_of({"energy", "show", "parts.tni.trv.box_tester"}), "16 units core.tni.trv, each with 2");
   EXPECT_SAYS(output_of({"energy", "show", "dram.energy.phy"}), "counted by dram");
@@ -56,7 +56,7 @@ TEST(EnergyShow, KnowsLogicAndMemoryAndAll) {
   expect_refusal(raywatt({"energy", "show", "tni.bxo_test"}), {"tni.bxo_test", "did you mean", "tni.box_test"});
 }
 
-TEST(EnergyPrice, OfARunSaysWhatBecameOfTheBandAndOfEveryBlock) {
+TEST(EnergyPrice, OfARunShowsTheBandAndEveryBlock) {
   const TempFolder folder;
   const std::string out = run_into(folder.path() / "a").string();
   const Words words = {"energy", "price", out, "--set", "energy.events.tni.box_test.nominal=48"};
@@ -107,7 +107,7 @@ TEST(EnergyPrice, OfASweepCountsPointsWithoutAResult) {
   expect_refusal(raywatt({"energy", "price", out}), {out, "3 of 3 points have no result: 2 damaged, 1 missing"});
 }
 
-TEST(EnergyPrice, SaysWhichPlayItIsOfAndWhatIsExtrapolated) {
+TEST(EnergyPrice, NamesTheReplicateAndTheExtrapolations) {
   const TempFolder folder;
   const std::string out =
       run_into(folder.path() / "a", {"--replicates", "2", "--set", "tni.trv.l1.size=512KiB"}).string();

@@ -29,7 +29,7 @@ nlohmann::json report_of(const fs::path& out, const Words& more) {
   return read_json(out / "report.json");
 }
 
-TEST(Frames, HaveTheirOwnFiguresAndPicturesAndTheTotalIsTheirSum) {
+TEST(Frames, HaveTheirOwnResultsAndPicturesAndTheTotalIsTheirSum) {
   const TempFolder folder;
   const fs::path out = folder.path() / "out";
   const nlohmann::json report = report_of(out, {"--frames", "1:3"});
@@ -188,7 +188,7 @@ TEST(Frames, ThatMakeNoSenseAreRefused) {
   EXPECT_TRUE(names_in(folder.path()).empty());
 }
 
-TEST(WorkloadFile, SaysWhatIsRenderedAndSetsGoBeforeIt) {
+TEST(WorkloadFile, DefinesTheSceneAndYieldsToSets) {
   const TempFolder folder;
   folder.write("triangle.glb", TinyGltf().glb());
   const std::string file =
@@ -203,7 +203,7 @@ TEST(WorkloadFile, SaysWhatIsRenderedAndSetsGoBeforeIt) {
   EXPECT_EQ(report["frames"].size(), 2U);
 }
 
-TEST(WorkloadFile, SaysNothingOfTheMachine) {
+TEST(WorkloadFile, RefusesKeysOfTheMachine) {
   const TempFolder folder;
   const std::string file = folder.write("bad.yaml", "scene: {name: teapot}\ncores: 2\n").string();
   expect_refusal(raywatt({"run", "--scene", file, "-o", (folder.path() / "out").string()}),

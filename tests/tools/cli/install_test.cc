@@ -57,7 +57,7 @@ TEST_F(Installation, HasWhatTheProgramAndItsUsersNeed) {
   }
 }
 
-TEST_F(Installation, SaysWhoseTheLibrariesOfPagesAreAsTheyAreLocked) {
+TEST_F(Installation, HasTheLicencesOfTheLockedLibrariesOfPages) {
   if (!fs::exists(root() / "share/raywatt/report_page/libraries.js"))
     GTEST_SKIP() << "no scripts of pages were bundled";
   std::ifstream file(root() / "share/doc/raywatt/copyright");
@@ -83,7 +83,7 @@ TEST_F(Installation, RendersAndWritesPictures) {
   EXPECT_TRUE(fs::exists(folder->path() / "out" / "image.png"));
 }
 
-TEST_F(Installation, ReadsThePresetsBesideItAndNotThoseOfTheSources) {
+TEST_F(Installation, ReadsItsOwnPresetsAndNotThoseOfTheSources) {
   const fs::path presets = root() / "share/raywatt/configs";
   std::ofstream(presets / "mine.yaml") << "extends: sgrt-2016\ncores: 3\n";
   fs::rename(presets / "sgrt-2016.yaml", presets / "other.yaml");
@@ -95,7 +95,7 @@ TEST_F(Installation, ReadsThePresetsBesideItAndNotThoseOfTheSources) {
   EXPECT_NE(shown.out.find("cores: 3"), std::string::npos);
 }
 
-TEST_F(Installation, SaysWhereItLookedForConfigurationsIfThereAreNone) {
+TEST_F(Installation, NamesTheSearchedFoldersIfThereAreNoConfigurations) {
   const fs::path share = root() / "share/raywatt";
   fs::rename(share, root() / "share/away");
   const Ending alone = installed({"run"});

@@ -54,7 +54,7 @@ TEST(Names, GetTheNearestOneOfTheirKind) {
   expect_nearest({"optimise", "optimise-croes"}, "optimise-cores");
 }
 
-TEST(Refusals, SayWhatToTypeInstead) {
+TEST(Refusals, SuggestWhatToTypeInstead) {
   const TempFolder folder;
   folder.write("mine.glb", TinyGltf().glb());
   const Surroundings here{folder.path(), {}, 0, {}};
@@ -174,7 +174,7 @@ TEST(Warnings, OfSizesOutsideTheCurvesAreInTheReportToo) {
   EXPECT_EQ(small["totals"]["extrapolated"], small["warnings"].size());
 }
 
-TEST(Warnings, OfTileSamplingThatTimesMuchMoreThanAsked) {
+TEST(Warnings, OfTileSamplingThatSimulatesMuchMoreThanRequested) {
   const TempFolder folder;
   const Ending run = ending_well(small_run(folder.path() / "out", {"--tile-sampling", "5%"}));
   EXPECT_SAYS(run.err, "--tile-sampling 5% simulated 100 % of the tiles");
@@ -231,7 +231,7 @@ TEST(Bottleneck, ShowsProgressAndEachFirstLevelCache) {
   EXPECT_NEAR(share("data"), sum(time["data_misses"]), 1e-12);
 }
 
-TEST(EnergyPrice, SaysThatAFileIsNoEnergyTable) {
+TEST(EnergyPrice, RefusesAFileThatIsNotAnEnergyTable) {
   const TempFolder folder;
   const std::string out = (folder.path() / "out").string();
   ending_well(small_run(out));

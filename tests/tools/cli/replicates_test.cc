@@ -60,7 +60,7 @@ TEST(ReplicatesOption, AreATableOfMeanDeviationAndIntervalForPeople) {
   }
 }
 
-TEST(ReplicatesOption, CoverEveryFigureThatTheyMove) {
+TEST(ReplicatesOption, CoverEveryMetricThatTheyChange) {
   // Metrics of the whole frame only; energies by event and cycles by kernel explain these.
   const TempFolder folder;
   const Json totals = replicated_report(folder.path() / "out", {"--replicates", "3"})["totals"];
@@ -128,7 +128,7 @@ Json without_noise(const std::string& text) {
   return found;
 }
 
-TEST(ReplicatesOption, OfBottleneckSaysWhichSpeedupsAreOutsideTheNoise) {
+TEST(ReplicatesOption, OfBottleneckReportsTheSpeedupsOutsideTheNoise) {
   const Words plain = {"bottleneck", "--resolution", "32x16", "--progress", "none", "--json"};
   Words replicated = plain;
   replicated.insert(replicated.end(), {"--replicates", "3"});

@@ -154,7 +154,7 @@ TEST(Run, EveryUnitsTimeIsChargedToReasonsThatSumToIt) {
   EXPECT_GT(units, 30) << "four cores, each with a shader core, four TRVs, an IST and more";
 }
 
-TEST(Run, DerivedFiguresFollowFromTheCounted) {
+TEST(Run, DerivedMetricsFollowFromTheCounters) {
   const TempFolder folder;
   const Json totals = report_of(folder.path() / "out")["totals"];
   const double ms = totals["time_ms"], mj = totals["energy_mj"]["nominal"];
@@ -207,7 +207,7 @@ TEST(Run, ItsConfigurationLoadsAgainAndGivesTheSameRun) {
   EXPECT_EQ(read_bytes(out / "config.yaml"), read_bytes(folder.path() / "first" / "config.yaml"));
 }
 
-TEST(Run, WithoutRaysHasNoFiguresOfOne) {
+TEST(Run, WithoutRaysHasNoMetricsPerRay) {
   const TempFolder folder;
   const std::filesystem::path out = folder.path() / "out";
   const Json report = report_of(out, {"--set", "render.primary=raster", "--set", "render.effects=none"});

@@ -95,7 +95,7 @@ TEST(ScenesInfo, GivesTheBytesOfNodesInEachFormatAndInTheChosenOne) {
   EXPECT_EQ(info({"--set", "bvh.numbers=hybrid"})["memory_image"]["parts"]["nodes"], formats["hybrid pair"]);
 }
 
-TEST(ScenesInfo, TellsOfFourTriangles) {
+TEST(ScenesInfo, DescribesFourTriangles) {
   const TempFolder folder;
   // A tetrahedron: (0,0,0), (1,0,0), (0,1,0), (0,0,1), and its faces.
   const std::string file =
@@ -133,7 +133,7 @@ TEST(ScenesInfo, CountsMotionTexturesAndTheFile) {
   EXPECT_EQ(info["animation"]["moving_instances"], 5) << "all but the two boards";
 }
 
-TEST(ScenesInfo, ShowsWhereCamerasStandOnRequest) {
+TEST(ScenesInfo, ShowsThePlacesOfCamerasOnRequest) {
   EXPECT_SAYS(raywatt({"scenes", "info", "cornell", "--camera"}).out, "'front' at (0, 0, 3.4), direction (");
   EXPECT_EQ(raywatt({"scenes", "info", "cornell"}).out.find("direction"), std::string::npos);
 }

@@ -9,7 +9,7 @@
 namespace test {
 namespace {
 
-TEST(StandardStreams, AComplaintThatNobodyCanReadKeepsItsExitCode) {
+TEST(StandardStreams, AnErrorThatCannotBePrintedKeepsItsExitCode) {
   EXPECT_EQ(raywatt({"config", "show", "nosuch"}, {.closed = {STDERR_FILENO}}).exit, 2);
   EXPECT_EQ(raywatt({"config", "show", "nosuch"}, {.err = "/dev/full"}).exit, 2);
 }
@@ -27,7 +27,7 @@ TEST(StandardStreams, HelpAndVersionThatCannotBeWrittenFail) {
   }
 }
 
-TEST(StandardStreams, AReaderThatHasGoneIsAWriteThatFails) {
+TEST(StandardStreams, AClosedPipeIsAFailedWrite) {
   const TempFolder folder;
   const Ending table = raywatt({"scenes", "list"}, {.unread = {STDOUT_FILENO}});
   EXPECT_EQ(table.exit, 74);
@@ -38,7 +38,7 @@ TEST(StandardStreams, AReaderThatHasGoneIsAWriteThatFails) {
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "out" / "report.json"));
 }
 
-TEST(StandardStreams, ARunWithoutAnyWritesItsFiles) {
+TEST(StandardStreams, ARunWithoutStreamsWritesItsFiles) {
   const TempFolder folder;
   const Ending ending =
       raywatt(small_run(folder.path() / "out", {"--quiet"}), {.closed = {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}});
@@ -47,7 +47,7 @@ TEST(StandardStreams, ARunWithoutAnyWritesItsFiles) {
   EXPECT_EQ(ending.out + ending.err, "") << "no file of the run took their place";
 }
 
-TEST(StandardStreams, ASweepWithoutAnyKeepsTheResultOfEveryPoint) {
+TEST(StandardStreams, ASweepWithoutStreamsKeepsTheResultOfEveryPoint) {
   const TempFolder folder;
   const std::filesystem::path file = write_sweep(folder, "axes: {cores: [1, 2], tni.trvs: [1, 2]}\n");
   const Ending ending =

@@ -25,7 +25,7 @@ struct TimelineOption : testing::Test {
   nlohmann::json report() const { return read_json(out / "report.json"); }
 };
 
-TEST_F(TimelineOption, WritesAFileAndSaysWhatIsInIt) {
+TEST_F(TimelineOption, WritesAFileAndDescribesIt) {
   const Ending ending = run("slowest:2");
   ASSERT_EQ(ending.exit, 0) << ending.err;
   EXPECT_GT(fs::file_size(out / "timeline.pftrace"), 1000U);

@@ -40,7 +40,7 @@ TEST(Version, IsOneLine) {
 }
 
 // Most of the startup time is symbol lookup of the dynamic linker, which grows with the number of libraries.
-TEST(Version, ComesWithoutTheLibrariesOfImages) {
+TEST(Version, LoadsNoLibrariesOfImages) {
   const std::string libraries = output_of({"--version"}, {.variables = {{"LD_TRACE_LOADED_OBJECTS", "1"}}});
   EXPECT_SAYS(libraries, "libembree");
   EXPECT_EQ(libraries.find("libOpenImageIO"), std::string::npos) << libraries;
@@ -185,7 +185,7 @@ void expect_known(const nlohmann::json& schema, const nlohmann::json& value, con
   }
 }
 
-TEST(Config, SchemaIsJsonThatKnowsEveryKeyOfTheDefaultMachine) {
+TEST(Config, SchemaIsJsonWithEveryKeyOfTheDefaultMachine) {
   const TempFolder folder;
   const nlohmann::json schema = nlohmann::json::parse(output_of({"config", "schema"}));
   EXPECT_SAYS(schema["$schema"].get<std::string>(), "2020-12");

@@ -23,7 +23,7 @@ std::string said_by(Words words, const Words& more = kIdle) {
   return ending.err;
 }
 
-TEST(Warnings, OfSettingsThatDoNothingAreToldByEveryVerb) {
+TEST(Warnings, OfIneffectiveSettingsArePrintedByEveryVerb) {
   const TempFolder folder;
   const std::string out = (folder.path() / "out").string(), trace = (folder.path() / "a.trace").string(),
                     rays = folder.write("a.rays", ray_list(8)).string();
@@ -40,7 +40,7 @@ TEST(Warnings, OfSettingsThatDoNothingAreToldByEveryVerb) {
   }
 }
 
-TEST(Warnings, OfTheRunAreToldByBottleneckAndStandInItsJson) {
+TEST(Warnings, OfTheRunArePrintedByBottleneckAndAreInItsJson) {
   const Words words = {"bottleneck", "--resolution", "16x16", "--json", "--set", "tni.trv.l1.size=512KiB"};
   const Ending ending = raywatt(words);
   ASSERT_EQ(ending.exit, 0) << ending.err;
@@ -48,7 +48,7 @@ TEST(Warnings, OfTheRunAreToldByBottleneckAndStandInItsJson) {
   EXPECT_FALSE(nlohmann::json::parse(ending.out)["warnings"].empty());
 }
 
-TEST(Warnings, OfLongWorkAreToldWhereverStandardErrorGoes) {
+TEST(Warnings, OfLongWorkArePrintedToAnyStandardError) {
   const TempFolder folder;
   const std::string out = (folder.path() / "out").string();
   for (const Words& verb : {Words{"run", "-o", out}, Words{"verify", "-o", out}, Words{"trace", "record", out}}) {

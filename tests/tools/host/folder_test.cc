@@ -166,7 +166,7 @@ TEST(Folder, TakesNoTraceInItsOwnPlaceOrAboveIt) {
   }
 }
 
-TEST(Folder, OfSomebodyElseIsRefusedAndLeftAlone) {
+TEST(Folder, WithForeignFilesIsRefusedAndLeftAlone) {
   const TempFolder folder;
   const fs::path out = folder.path() / "out";
   fs::create_directories(out / "deep");
@@ -205,7 +205,7 @@ TEST(Folder, OfAnotherVerbIsRefusedAndByForceKeepsWhatTheNewOneDoesNotWrite) {
   }
 }
 
-TEST(Folder, OfSomebodyElseTakesResultsByForceAndLosesNothing) {
+TEST(Folder, WithForeignFilesTakesResultsByForceAndLosesNothing) {
   const TempFolder folder;
   const fs::path out = folder.path() / "out";
   fs::create_directories(out / "deep");
@@ -229,7 +229,7 @@ TEST(Folder, OfAFormerRunKeepsTheNotesMadeInIt) {
   EXPECT_FALSE(fs::exists(out / "reference.exr"));
 }
 
-TEST(Folder, BehindALinkIsTheOneThatIsMeant) {
+TEST(Folder, IsResolvedThroughLinks) {
   const TempFolder folder;
   fs::create_directories(folder.path() / "disk" / "out");
   fs::create_directory_symlink(folder.path() / "disk" / "out", folder.path() / "link");

@@ -33,7 +33,7 @@ TEST(Interrupt, WaitsUntilResultsThatAreBeingWrittenAreThere) {
   EXPECT_EQ(read_bytes(folder.path() / "out" / "report.json"), "{}");
 }
 
-TEST(Interrupt, SaysNothingThatATerminalWouldObey) {
+TEST(Interrupt, PrintsNoControlSequencesOfOthers) {
   const TempFolder folder;
   const auto interrupted = [&] {
     tools::install_interrupt_handlers();

@@ -39,7 +39,7 @@ TEST(ProgressLine, ShowsShareRateAndTimeLeft) {
             "simulating frame 7 [#########...............] 38 %  1.50 Mrays/s  5 s left");
 }
 
-TEST(ProgressLine, SaysHowLongItTookOnceItHasEndedAndNoTimeLeft) {
+TEST(ProgressLine, ShowsTheDurationAfterTheEndAndNoTimeLeft) {
   tools::ProgressState state = half_way();
   state.phase = "interrupted";
   state.ended = true;
@@ -65,13 +65,13 @@ TEST(ProgressLine, NeverFillsTheTerminal) {
   }
 }
 
-TEST(ProgressLine, SaysWhatIsDoneBeforeThereAreTiles) {
+TEST(ProgressLine, ShowsTheActivityBeforeThereAreTiles) {
   tools::ProgressState state;
   state.seconds = 200;
   EXPECT_EQ(tools::progress_line(state, 80), "loading ...  3 min 20 s");
 }
 
-TEST(ProgressJson, IsOneLineWithEveryFigure) {
+TEST(ProgressJson, IsOneLineWithEveryValue) {
   const std::string line = tools::progress_json(half_way());
   EXPECT_EQ(std::ranges::count(line, '\n'), 1);
   const nlohmann::json json = nlohmann::json::parse(line);
@@ -210,7 +210,7 @@ Words long_run(const TempFolder& folder) {
           "2",         "-o",           (folder.path() / "out").string()};
 }
 
-TEST(ProgressBar, ComesAfterTwoSecondsAndIsErasedByAnInterrupt) {
+TEST(ProgressBar, AppearsAfterTwoSecondsAndIsErasedByAnInterrupt) {
   const TempFolder folder;
   const auto begin = std::chrono::steady_clock::now();
   OnTerminal run(long_run(folder));
@@ -223,7 +223,7 @@ TEST(ProgressBar, ComesAfterTwoSecondsAndIsErasedByAnInterrupt) {
   EXPECT_SAYS(run.screen(), "\r\x1b[Kraywatt: interrupted; kept ");
 }
 
-TEST(ProgressBar, IsGoneWhenTheTableComes) {
+TEST(ProgressBar, IsErasedBeforeTheTable) {
   const TempFolder folder;
   // About four seconds of work on an idle host, longer than any built-in scene at its default size.
   OnTerminal run({"run", "--scene", "chess", "--set", "scene.triangles=1500000", "--resolution", "64x32", "--threads",
@@ -234,7 +234,7 @@ TEST(ProgressBar, IsGoneWhenTheTableComes) {
   EXPECT_NE(run.screen().find("\r\x1b[Kchess  64x32"), std::string::npos) << run.screen();
 }
 
-TEST(ProgressBar, IsNotThereInAPipeNorIfNobodyWantsIt) {
+TEST(ProgressBar, IsAbsentInAPipeAndIfTurnedOff) {
   const TempFolder folders[4];
   const auto words = [&](int run, const Words& unwanted) {
     Words all = long_run(folders[run]);

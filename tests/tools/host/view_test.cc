@@ -25,7 +25,7 @@ TEST(HalfBlocks, HaveTwoPixelsACharacter) {
 
 Words watched(const TempFolder& folder) { return small_run(folder.path() / "out", {"--watch", "--scene", "teapot"}); }
 
-TEST(Watch, ShowsPictureFiguresAndTheEndOnATerminalWithColours) {
+TEST(Watch, ShowsPictureStatisticsAndTheEndOnATerminalWithColours) {
   const TempFolder folder;
   Words words = watched(folder);
   *std::ranges::find(words, "64x32") = "512x256";  // longer than the half second between two views on any host
@@ -46,7 +46,7 @@ TEST(Watch, ShowsNoPictureWithoutTwentyFourBitColour) {
   EXPECT_EQ(run.screen().find("\u2580"), std::string::npos);
 }
 
-TEST(Watch, SaysPlainLinesElsewhereAndChangesNoResult) {
+TEST(Watch, PrintsPlainLinesElsewhereAndChangesNoResult) {
   const TempFolder folder;
   ASSERT_EQ(raywatt(small_run(folder.path() / "plain", {"--scene", "teapot"})).exit, 0);
   const Ending ending = raywatt(small_run(folder.path() / "out", {"--scene", "teapot", "--watch"}));

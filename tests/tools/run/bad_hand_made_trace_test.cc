@@ -62,12 +62,12 @@ TEST_F(BadHandMadeTrace, OfTwoResolutionsIsRefused) {
   expect_refusal(replay(with("/given/render.width", "8")), {"a.trace: its resolution is 4x2", "8x2"});
 }
 
-TEST_F(BadHandMadeTrace, WithoutAConfigurationAsksForOne) {
+TEST_F(BadHandMadeTrace, WithoutAConfigurationNeedsOne) {
   expect_refusal(replay(trace(kWords), {}),
                  {"a.trace: has no configuration; give one: raywatt trace replay CONFIG ", "a.trace"});
 }
 
-TEST_F(BadHandMadeTrace, OfBlocksThatSayNothingOfTheirContentIsRefused) {
+TEST_F(BadHandMadeTrace, OfBlocksWithoutTheirContentSizeIsRefused) {
   expect_refusal(replay(trace(kWords, false, {}, {.checksum = false})), {"a.trace: has a block without a checksum"});
   expect_refusal(replay(trace(kWords, false, {}, {.size = false})), {"a.trace: has a block without a size"});
 }
@@ -99,7 +99,7 @@ TEST_F(BadHandMadeTrace, OfFewBytesThatWouldTakeMuchMemoryIsRefused) {
   }
 }
 
-TEST_F(BadHandMadeTrace, WhoseTilesAreThereTwiceOrImportFromOneBehindThemIsRefused) {
+TEST_F(BadHandMadeTrace, WithRepeatedTilesOrImportsFromLaterOnesIsRefused) {
   expect_refusal(replay(trace(kWords, false, {}, {}, {tile(0, kWords), tile(0, kWords)})),
                  {"a.trace: tile 0 is there twice"});
   std::string importing = tile(0, kWords);
@@ -112,7 +112,7 @@ TEST_F(BadHandMadeTrace, WhoseTilesAreThereTwiceOrImportFromOneBehindThemIsRefus
                  {"a.trace: tile 0 imports from one that does not come before it"});
 }
 
-TEST_F(BadHandMadeTrace, WhoseTilesDemandMoreThanTheTileBufferSendsItsRaysThroughMemory) {
+TEST_F(BadHandMadeTrace, WhoseTilesExceedTheTileBufferSendsItsRaysThroughMemory) {
   const auto demanding = [](const std::string& key, const OrderedJson& value) {
     return trace(kWords, false, [&](OrderedJson&, OrderedJson& contents) {
       if (contents.contains("parts")) contents["parts"][0]["demands"][key] = value;

@@ -57,7 +57,7 @@ TEST(HandMadeTrace, OfAnotherBuildMustHaveAllKeysThatAreNotTheirDefaults) {
   EXPECT_EQ(replay({{"model_id", id}}).exit, 0) << "this build left out what it knew of";
 }
 
-TEST(HandMadeTrace, OfManyStepsIsSaidToTakeLongToWhoListens) {
+TEST(HandMadeTrace, OfManyStepsGetsAHintOfItsDuration) {
   const TempFolder folder;
   const std::string content = trace(bits(), false, [](OrderedJson&, OrderedJson& contents) {
     if (contents.contains("parts")) contents["parts"][0]["result"]["traversal_steps"] = 12'000'000'000;

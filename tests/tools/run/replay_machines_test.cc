@@ -77,11 +77,11 @@ void expect_same_on_machines(std::uint64_t count, traces::InstanceLevels levels)
   }
 }
 
-TEST(ReplayMachines, SayWhatARunOnThemSays) {
+TEST(ReplayMachines, GiveTheReportOfARun) {
   expect_same_on_machines(machines_wanted(), traces::InstanceLevels::kFlatten);
 }
 
-TEST(ReplayMachines, SayWhatARunOnThemSaysOfTwoLevels) {
+TEST(ReplayMachines, GiveTheReportOfARunWithTwoLevels) {
   expect_same_on_machines((machines_wanted() + 1) / 2, traces::InstanceLevels::kTwoLevel);
 }
 

@@ -58,7 +58,7 @@ class Replay : public ::testing::Test {
   TempFolder folder_;
 };
 
-TEST_F(Replay, SaysWhatTheRunSaidForEveryFrameProgram) {
+TEST_F(Replay, GivesTheReportOfTheRunForEveryFrameProgram) {
   const std::vector<Words> runs = {
       {},
       {"--program", "full:4", "--scene", "chess"},
@@ -82,7 +82,7 @@ TEST_F(Replay, SaysWhatTheRunSaidForEveryFrameProgram) {
   }
 }
 
-TEST_F(Replay, SaysWhatTheRunSaidOfAnAnimationWithWhatItIsComparedWith) {
+TEST_F(Replay, GivesTheReportOfAnAnimationWithItsReference) {
   run("run", {"--scene", "chess", "--frames", "20:22", "--program", "multirate:super", "--reference", "full:1"}, true);
   expect_good(replay("replay"));
   expect_same("run", "replay");
@@ -100,7 +100,7 @@ TEST_F(Replay, RecordingChangesNothingAndRecordingAloneMakesTheSameFile) {
   EXPECT_EQ(read_bytes(trace()), read_bytes(alone));
 }
 
-TEST_F(Replay, OfAnotherMachineSaysWhatARunOnThatMachineSays) {
+TEST_F(Replay, OnAnotherMachineGivesTheReportOfARunOnIt) {
   run("recorded", {"--scene", "teapot"}, true);
   const Words changes = {"--set",   "cores=2",
                          "--set",   "tni.trv.stack=restart_trail",
@@ -114,7 +114,7 @@ TEST_F(Replay, OfAnotherMachineSaysWhatARunOnThatMachineSays) {
   expect_same("run", "replay");
 }
 
-TEST_F(Replay, OfTwoLevelsSaysWhatRunsOnOtherMachinesSay) {
+TEST_F(Replay, OfTwoLevelsGivesTheReportsOfRunsOnOtherMachines) {
   const Words levels = {"--scene", "forest", "--set", "scene.triangles=20000", "--set", "bvh.instances=two_level"};
   run("recorded", levels, true);
   const std::vector<Words> machines = {
@@ -182,7 +182,7 @@ TEST_F(Replay, RecordsIntoTheFolderOfTheReportEvenIfThatIsNew) {
   EXPECT_EQ(names_in(folder_.path()), Words{});
 }
 
-TEST_F(Replay, InfoSaysWhatIsInTheFile) {
+TEST_F(Replay, InfoDescribesTheFile) {
   run("run", {"--program", "full:4", "--reference", "full:1"}, true);
   const Json report = read_json(at("run") / "report.json");
   const Ending ending = raywatt({"trace", "info", trace(), "--json"});
@@ -272,7 +272,7 @@ TEST_F(Replay, MemoryThatRunsOutIsSaidInOneLine) {
   EXPECT_FALSE(fs::exists(trace()));
 }
 
-TEST_F(Replay, WhatCannotBeWrittenLeavesNothingBehind) {
+TEST_F(Replay, AFailedWriteLeavesNoFiles) {
   Surroundings small;
   small.longest_file = 10'000;
   const Ending full = raywatt({"trace", "record", "--resolution", "64x32", trace()}, small);

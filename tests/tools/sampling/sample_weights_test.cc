@@ -57,7 +57,7 @@ Drawn draw(std::uint64_t trial, std::size_t count, double unknown) {
   return d;
 }
 
-TEST(SampleWeights, WhatTraitsTellIsEstimatedExactly) {
+TEST(SampleWeights, QuantitiesLinearInTheTraitsAreExact) {
   const Drawn d = draw(1, 12, 0);
   const SampleWeights weights(d.parts, d.whole, 0);
   EXPECT_NEAR(weights.total(d.observed) / d.truth, 1, 1e-6);

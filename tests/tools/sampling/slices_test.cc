@@ -152,7 +152,7 @@ TEST(Slices, WhatIsNoSliceOfTheFrameIsNotJoined) {
   EXPECT_SAYS(refused([](auto& p) { p[1].erase("function"); }), "function");
 }
 
-TEST(Slices, TheTruthLiesInNearlyAllIntervals) {
+TEST(Slices, TheTruthIsInNearlyAllIntervals) {
   int inside = 0;
   const auto look = [&](const Interval& interval, double truth) {
     inside += std::abs(interval.estimate - truth) <= interval.half_width() ? 1 : 0;
@@ -221,7 +221,7 @@ TEST(Slices, NumbersAreReadAndOthersRefused) {
 namespace test {
 namespace {
 
-TEST(SlicedRun, SaysHowManySlicesThereWereAndHowFarOffTheyMayBe) {
+TEST(SlicedRun, ReportsTheNumberOfSlicesAndTheInterval) {
   const TempFolder folder;
   const auto totals_of = [&](const char* slices) {
     const std::filesystem::path out = folder.path() / slices;
@@ -245,7 +245,7 @@ TEST(SlicedRun, SaysHowManySlicesThereWereAndHowFarOffTheyMayBe) {
   EXPECT_FALSE(whole["sliced"].contains("cycles"));
 }
 
-TEST(SlicedRun, MachinesTakeAPartOfTheTimeOfSlicesWhoeverRenders) {
+TEST(SlicedRun, MachinesTakeAShareOfTheTimeOfSlicesForAnyThreads) {
   const TempFolder folder;
   for (const char* threads : {"2", "3"}) {  // 3: one machine has an extra thread that renders ahead
     const std::filesystem::path out = folder.path() / threads;

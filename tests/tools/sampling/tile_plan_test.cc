@@ -28,7 +28,7 @@ TEST(TilePlan, BlocksAreInOrderAndWarmWithTilesOfNoBlock) {
   }
 }
 
-TEST(TilePlan, OfTilesThatCostTheSameTheShareAskedForIsMeasured) {
+TEST(TilePlan, MeasuresTheRequestedShareOfTilesOfEqualCost) {
   for (const double share : {0.05, 0.1, 0.2}) {
     EXPECT_NEAR(measured(plan_tiles(std::vector<double>(20000, 7), share, {}, 1)) / 20000.0, share, share / 50);
   }
@@ -51,7 +51,7 @@ TEST(TilePlan, TilesThatCostNothingAreNeverDrawn) {
   }
 }
 
-TEST(TilePlan, AFrameOfFewTilesIsTimedWhole) {
+TEST(TilePlan, AFrameOfFewTilesIsSimulatedWhole) {
   const TilePlan plan = plan_tiles(std::vector<double>(512, 1), 0.05, {}, 1);
   EXPECT_TRUE(plan.all);
   ASSERT_EQ(plan.blocks.size(), 1U);

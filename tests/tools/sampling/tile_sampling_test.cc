@@ -66,7 +66,7 @@ TEST(TileSampling, FarFromAllTilesAreTimed) {
   EXPECT_GT(f.warmed, 0U);
 }
 
-TEST(TileSampling, TheTruthLiesInTheIntervals) {
+TEST(TileSampling, TheTruthIsInTheIntervals) {
   const SampledFrame& f = *sampled().sampled;
   EXPECT_NEAR(f.cycles.estimate, static_cast<double>(whole().cycles), f.cycles.half_width());
   EXPECT_NEAR(f.energy_pj.estimate, whole().energy.total_pj.nominal, f.energy_pj.half_width());
@@ -74,7 +74,7 @@ TEST(TileSampling, TheTruthLiesInTheIntervals) {
   EXPECT_LT(f.energy_pj.half_width(), 0.1 * f.energy_pj.estimate);
 }
 
-TEST(TileSampling, AFrameTooSmallToSampleIsTimedWholeToTheLastCounter) {
+TEST(TileSampling, AFrameTooSmallToSampleIsSimulatedWholeToTheLastCounter) {
   JobOptions options;
   options.resolution = "64x64";
   const Inputs small = load_inputs(options);
@@ -240,7 +240,7 @@ TEST(TileSampling, ProgramsWhoseTilesNeedOthersAreRefused) {
 namespace test {
 namespace {
 
-TEST(SampledRun, SaysWhatIsEstimatedAndHowWell) {
+TEST(SampledRun, ReportsEstimatesAndIntervals) {
   const TempFolder folder;
   const Words sampled = {"run",   "--resolution",  "160x160", "--threads", "1",
                          "--set", "render.tile=4", "--set",   "cores=2",   "--tile-sampling",

@@ -83,7 +83,7 @@ TEST(TimedTiles, MarksBoundTheMeasuredParts) {
   for (const TimedTiles::TimedTile& tile : r.played) EXPECT_LT(tile.begin, tile.end) << tile.tile;
 }
 
-TEST(TimedTiles, TilesThatNobodyNeedsNeedNotBeMade) {
+TEST(TimedTiles, UnneededTilesNeedNotBeExecuted) {
   const std::vector<TimedBlock> blocks = {{0, 0, 4, 0}, {40, 42, 48, 2}, {120, 124, 128, 0}};
   std::vector<std::uint32_t> tile_indices;
   for (std::uint32_t tile = 0; tile < 128; ++tile) {
@@ -95,7 +95,7 @@ TEST(TimedTiles, TilesThatNobodyNeedsNeedNotBeMade) {
   EXPECT_EQ(all.fills, few.fills);
 }
 
-TEST(TimedTiles, WarmedCachesAskLessOfMemory) {
+TEST(TimedTiles, WarmedCachesReadLessFromMemory) {
   const BlockRun cold = run({{0, 0, 4, 0}, {80, 84, 96, 0}, {124, 126, 128, 0}});
   const BlockRun warm = run({{0, 0, 4, 0}, {80, 84, 96, 16}, {124, 126, 128, 0}});
   EXPECT_LT(warm.fills, cold.fills * 97 / 100);

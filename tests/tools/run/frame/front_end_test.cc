@@ -79,7 +79,7 @@ class FailingTracer final : public traces::Tracer {
   }
 };
 
-TEST(FrontEnd, AFailureInAThreadComesOutWhereTheTileIsAskedFor) {
+TEST(FrontEnd, AFailureInAThreadIsThrownByNext) {
   const Frame& frame = hw::test::cornell_64x32();
   const FailingTracer tracer;
   for (const std::uint32_t workers : {0U, 1U, 2U}) {
@@ -109,7 +109,7 @@ class MadeUp final : public kernels::FrameProgram {
   const std::function<void()> keep_;
 };
 
-TEST(FrontEnd, OfSeveralTilesThatFailTheFirstIsToldHoweverManyThreadsMakeThem) {
+TEST(FrontEnd, TheFirstOfSeveralFailedTilesIsReportedForAnyNumberOfThreads) {
   const FailingTracer tracer;
   std::mutex mutex;
   std::condition_variable news;
@@ -153,7 +153,7 @@ TEST(FrontEnd, DoesNotRunAheadByMuchMemory) {
 }
 
 #ifndef RAYWATT_SANITIZED  // they end the process instead
-TEST(FrontEnd, MemoryThatAThreadIsRefusedComesOutWhereTheTileIsAskedFor) {
+TEST(FrontEnd, AFailedAllocationInAThreadIsThrownByNext) {
   const FailingTracer tracer;
   rlimit before{};
   getrlimit(RLIMIT_AS, &before);

@@ -99,7 +99,7 @@ TEST(GroundTruth, LeavesItsInputsAsTheyWere) {
   EXPECT_EQ(inputs.config.render.samples, kernels::SamplePattern::kRegular);
 }
 
-TEST(GroundTruth, LiesWhereTheEnvironmentSays) {
+TEST(GroundTruth, IsCachedWhereTheEnvironmentSets) {
   ::setenv("XDG_CACHE_HOME", "/a/cache", 1);
   EXPECT_EQ(tools::cache_folder(), "/a/cache/raywatt");
   ::setenv("XDG_CACHE_HOME", "not/absolute", 1);

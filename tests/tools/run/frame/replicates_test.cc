@@ -55,7 +55,7 @@ TEST(Replicates, DifferFromThePlainRunAndFromEachOther) {
   EXPECT_NE(difference(outcome_of(s.replicates[1]), outcome_of(s.replicates[2])), "");
 }
 
-TEST(Replicates, TraceNoRayAnew) {
+TEST(Replicates, TraceNoRaysAgain) {
   const FrameResult s = run(3, 1, "multirate:under");
   for (const FrameResult& replicate : s.replicates) {
     EXPECT_EQ(replicate.rays(), s.rays());

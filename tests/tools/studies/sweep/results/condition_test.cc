@@ -72,7 +72,7 @@ TEST(Condition, ComparesTextsForEquality) {
   EXPECT_EQ(met({"kind>2"}), "3") << "texts beside numbers are not above any";
 }
 
-TEST(Condition, AFigureWithABandMeansItsNominalOne) {
+TEST(Condition, AMetricWithABandDenotesItsNominalValue) {
   EXPECT_EQ(met({"power_w>=0"}), met({"power_w.nominal>=0"}));
   EXPECT_EQ(met({"power_w<0"}), "");
 }

@@ -22,7 +22,7 @@ void parallel_for(const Jobs& jobs, std::size_t threads) {
   });
 }
 
-TEST(OnThreads, EachNumberIsCalledOnceAndAllHaveEnded) {
+TEST(RunOnThreads, EachNumberIsCalledOnceAndAllHaveEnded) {
   for (const std::size_t count : {0U, 1U, 2U, 7U}) {
     std::array<std::atomic<int>, 8> calls{};
     tools::run_on_threads(count, [&](std::size_t i) { ++calls[i]; });
@@ -30,7 +30,7 @@ TEST(OnThreads, EachNumberIsCalledOnceAndAllHaveEnded) {
   }
 }
 
-TEST(OnThreads, FailureOfAnyThreadReachesTheCallerWhenTheOthersHaveEnded) {
+TEST(RunOnThreads, FailureOfAnyThreadReachesTheCallerWhenTheOthersHaveEnded) {
   for (const std::size_t failing : {0U, 1U, 3U}) {
     std::atomic<int> ended = 0;
     const auto work = [&](std::size_t i) {
@@ -42,11 +42,11 @@ TEST(OnThreads, FailureOfAnyThreadReachesTheCallerWhenTheOthersHaveEnded) {
   }
 }
 
-TEST(OnThreads, OfSeveralFailuresOneReachesTheCaller) {
+TEST(RunOnThreads, OfSeveralFailuresOneReachesTheCaller) {
   EXPECT_THROW(tools::run_on_threads(3, [](std::size_t) { throw std::runtime_error("all"); }), std::runtime_error);
 }
 
-TEST(DoAll, DoesEachJobOnceForAnyNumberOfThreads) {
+TEST(ParallelFor, DoesEachJobOnceForAnyNumberOfThreads) {
   for (const std::size_t threads : {0U, 1U, 2U, 5U}) {
     std::array<std::atomic<int>, 3> done{};
     Jobs jobs;
@@ -57,7 +57,7 @@ TEST(DoAll, DoesEachJobOnceForAnyNumberOfThreads) {
   EXPECT_NO_THROW(parallel_for({}, 2));
 }
 
-TEST(DoAll, BeginsThemInTheirOrderSoManyAtATimeAtMost) {
+TEST(ParallelFor, BeginsThemInOrderOnALimitedNumberOfThreads) {
   std::vector<int> order;
   Jobs jobs;
   for (int i = 0; i < 4; ++i) jobs.emplace_back([&order, i] { order.push_back(i); });
@@ -76,7 +76,7 @@ TEST(DoAll, BeginsThemInTheirOrderSoManyAtATimeAtMost) {
   EXPECT_LE(most, 3);
 }
 
-TEST(DoAll, ThrowsWhatTheFirstInTheOrderHasThrownAndBeginsNoMore) {
+TEST(ParallelFor, ThrowsWhatTheFirstInTheOrderHasThrownAndBeginsNoMore) {
   const auto failing = [](const char* with) { return [with] { throw std::runtime_error(with); }; };
   for (const std::size_t threads : {1U, 2U, 3U}) {
     std::atomic<int> done = 0;
