@@ -128,7 +128,7 @@ inline traces::Mesh sheet(float left, float right, float z = 0) {
 
 /// Joins the two sides of x = 0 to one object; `left` must not be smooth at x = 0.
 inline traces::Mesh both_sides(traces::Mesh left, const traces::Mesh& right) {
-  traces::append(left, right);
+  traces::append_mesh(left, right);
   return left;
 }
 

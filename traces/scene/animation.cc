@@ -18,7 +18,7 @@ namespace traces {
 namespace {
 
 template <class T>
-bool replace(T& old, const T& by) {
+bool assign_if_different(T& old, const T& by) {
   const bool changed = old != by;
   old = by;
   return changed;
@@ -40,13 +40,13 @@ bool place_vertices(Scene& scene, const Instance& instance, const NodePoses& nod
   if (mesh.deformation->skin != kNone) joints = joint_matrices(scene.skins[mesh.deformation->skin], nodes);
   std::span<const double> weights;
   if (instance.node != kNone) weights = nodes.morph_weights[instance.node];
-  return deform(mesh, joints, weights);
+  return deform_mesh(mesh, joints, weights);
 }
 
 bool place_instance(Scene& scene, Instance& instance, const NodePoses& nodes) {
   const std::shared_ptr<const Deformation>& deformation = scene.meshes[instance.mesh].deformation;
-  if (deformation != nullptr && deformation->skin != kNone) return replace(instance.to_world, glm::mat4(1));
-  return instance.node != kNone && replace(instance.to_world, glm::mat4(nodes.to_world[instance.node]));
+  if (deformation != nullptr && deformation->skin != kNone) return assign_if_different(instance.to_world, glm::mat4(1));
+  return instance.node != kNone && assign_if_different(instance.to_world, glm::mat4(nodes.to_world[instance.node]));
 }
 
 /// Throws InputError if a moved instance leaves the range in which ray arithmetic is finite.
@@ -66,22 +66,22 @@ void check_reach(const Scene& scene, const Instance& instance, double seconds) {
 bool place_camera(Camera& camera, const NodePoses& nodes) {
   if (camera.node == kNone) return false;
   const glm::dmat4& to_world = nodes.to_world[camera.node];
-  return replace(camera.to_world,
-                 camera_to_world(to_world).value_or(glm::mat4(glm::translate(glm::dmat4(1), glm::dvec3(to_world[3])))));
+  return assign_if_different(camera.to_world, camera_to_world(to_world).value_or(
+                                                  glm::mat4(glm::translate(glm::dmat4(1), glm::dvec3(to_world[3])))));
 }
 
 bool place_light(Light& light, const NodePoses& nodes) {
   if (light.node == kNone) return false;
   const glm::dmat4 to_world = nodes.to_world[light.node] * glm::dmat4(light.in_node);
-  const bool moved = replace(light.position, glm::vec3(to_world[3]));
+  const bool moved = assign_if_different(light.position, glm::vec3(to_world[3]));
   const glm::dvec3 ahead = -glm::dvec3(to_world[2]);
   const double length = glm::length(ahead);
-  return replace(light.direction, length > 0 ? glm::vec3(ahead / length) : glm::vec3(0, -1, 0)) || moved;
+  return assign_if_different(light.direction, length > 0 ? glm::vec3(ahead / length) : glm::vec3(0, -1, 0)) || moved;
 }
 
 }  // namespace
 
-Moved pose(Scene& scene, double seconds) {
+Moved pose_scene(Scene& scene, double seconds) {
   const NodePoses nodes = pose_nodes(scene, seconds);
   Moved moved;
   for (Instance& instance : scene.instances) {
@@ -95,7 +95,7 @@ Moved pose(Scene& scene, double seconds) {
   return moved;
 }
 
-double duration(const Scene& scene) {
+double animation_seconds(const Scene& scene) {
   float last = 0;
   for (const Track& track : scene.tracks) last = std::max(last, track.times.empty() ? 0.0F : track.times.back());
   return static_cast<double>(last);

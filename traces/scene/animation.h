@@ -48,7 +48,7 @@ struct Skin {
   std::vector<glm::mat4> inverse_bind;
 };
 
-/// Kinds of scene content that pose() changed.
+/// Kinds of scene content that pose_scene() changed.
 struct Moved {
   bool geometry = false;  ///< an instance or a mesh's vertices
   bool view = false;      ///< a camera
@@ -59,12 +59,12 @@ struct Moved {
 ///
 /// 1. The result depends on the time alone, not on the previous pose, and has the same bits on every host.
 /// 2. All tracks start at time 0. A file is loaded in its pose at time 0.
-/// 3. Nothing repeats; for a loop, pass the time modulo duration().
+/// 3. Nothing repeats; for a loop, pass the time modulo animation_seconds().
 ///
 /// Throws InputError if something moves further than kFarthest from the origin.
-Moved pose(Scene& scene, double seconds);
+Moved pose_scene(Scene& scene, double seconds);
 
 /// Returns the time of the last key of any track in seconds; 0 for a still scene.
-double duration(const Scene& scene);
+double animation_seconds(const Scene& scene);
 
 }  // namespace traces

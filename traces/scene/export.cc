@@ -22,7 +22,7 @@ std::string export_glb(const Scene& scene) {
   gltf_export::write_skins(scene, map, out);
   gltf_export::write_lights(scene, map, out);
   gltf_export::write_animation(scene, map, out);
-  return std::move(out).glb();
+  return std::move(out).glb_bytes();
 }
 
 }  // namespace traces

@@ -63,13 +63,13 @@ namespace {
 /// Poses an animated file at time 0.
 void place_all(gltf::Context& context) {
   try {
-    pose(context.scene, 0);
+    pose_scene(context.scene, 0);
   } catch (const sim::InputError& error) {
     context.refuse(error.what());
   }
 }
 
-Scene read(const std::filesystem::path& path, const SceneLimits& limits) {
+Scene read_scene(const std::filesystem::path& path, const SceneLimits& limits) {
   gltf::Budget budget(sim::printable(path.string()), limits.memory.bytes);
   Scene scene;
   scene.name = path.stem().string();
@@ -98,7 +98,7 @@ Scene read(const std::filesystem::path& path, const SceneLimits& limits) {
         "shows no triangles; at least one is needed; points, lines and primitives without POSITION do not count");
   if (scene.cameras.empty()) scene.cameras.push_back(framing_camera(scene));
   if (!gltf::read_final_light(context)) finish_lights(scene);
-  pose(scene, 0);  // places the emitters' lights, too: a later pose at time 0 gives the same bits
+  pose_scene(scene, 0);  // places the emitters' lights, too: a later pose at time 0 gives the same bits
   return scene;
 }
 
@@ -106,7 +106,7 @@ Scene read(const std::filesystem::path& path, const SceneLimits& limits) {
 
 Scene load_gltf(const std::filesystem::path& path, const SceneLimits& limits) {
   try {
-    return read(path, limits);
+    return read_scene(path, limits);
   } catch (const std::bad_alloc&) {
     throw sim::InputError(sim::printable(path.string()) + ": needs more memory than this machine has left");
   }

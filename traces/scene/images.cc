@@ -17,7 +17,7 @@
 namespace traces {
 namespace {
 
-const ImageCodec& codec() {
+const ImageCodec& image_codec() {
   static const ImageCodec* const loaded = reinterpret_cast<ImageCodecFactory>(
       sim::load_module(RAYWATT_IMAGES_MODULE, kImageCodecSymbol, "for image files"))();
   return *loaded;
@@ -53,7 +53,7 @@ void check_size(const std::filesystem::path& path, std::uint32_t width, std::uin
 
 /// Calls `write`; an IoError that it throws is prefixed with the name of the file or texture.
 template <class Write>
-std::string named(const std::string& name, const Write& write) try {
+std::string call_with_name(const std::string& name, const Write& write) try {
   return write();
 } catch (const sim::IoError& error) {
   throw sim::IoError(fmt::format("{}: {}", sim::printable(name), error.what()));
@@ -70,7 +70,7 @@ Texture read_image(std::span<const std::byte> bytes, const std::string& name, co
   Texture texture;
   texture.name = name;
   ImageCodec::Size size;
-  const std::string error = codec().decode(bytes, format, limits.pixels, size, texture.texels);
+  const std::string error = image_codec().decode_image(bytes, format, limits.pixels, size, texture.texels);
   if (!error.empty()) throw sim::InputError(fmt::format("{}: {}", name, sim::printable(error)));
   texture.width = size.width;
   texture.height = size.height;
@@ -85,14 +85,15 @@ std::string encode_png(const Texture& texture) {
   for (const std::uint32_t texel : texture.texels) {
     for (std::uint32_t k = 0; k < channels; ++k) pixels.push_back(static_cast<std::uint8_t>(texel >> (8 * k)));
   }
-  return named(fmt::format("texture '{}'", texture.name),
-               [&] { return png_bytes(texture.width, texture.height, channels, pixels); });
+  return call_with_name(fmt::format("texture '{}'", texture.name),
+                        [&] { return png_bytes(texture.width, texture.height, channels, pixels); });
 }
 
 void write_png(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
                std::span<const std::uint8_t> rgb8, std::span<const ImageNote> notes) {
   check_size(path, width, height, rgb8.size());
-  sim::write_file_atomically(path, named(path.string(), [&] { return png_bytes(width, height, 3, rgb8, notes); }));
+  sim::write_file_atomically(path,
+                             call_with_name(path.string(), [&] { return png_bytes(width, height, 3, rgb8, notes); }));
 }
 
 void write_exr(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
@@ -105,13 +106,13 @@ void write_exr(const std::filesystem::path& path, std::uint32_t width, std::uint
                std::span<const ImageChannel> channels, std::span<const float> values,
                std::span<const ImageNote> notes) {
   check_size(path, width, height, values.size(), channels.size());
-  sim::write_file_atomically(path,
-                             named(path.string(), [&] { return exr_bytes(width, height, channels, values, notes); }));
+  sim::write_file_atomically(
+      path, call_with_name(path.string(), [&] { return exr_bytes(width, height, channels, values, notes); }));
 }
 
 std::vector<std::uint8_t> map_colours(const std::string& map, std::span<const float> values) {
   std::vector<std::uint8_t> rgb;
-  const std::string error = codec().map_colours(map.c_str(), values, rgb);
+  const std::string error = image_codec().map_colours(map.c_str(), values, rgb);
   if (!error.empty()) throw sim::IoError(fmt::format("colour map '{}': {}", map, sim::printable(error)));
   return rgb;
 }
@@ -123,7 +124,7 @@ GreyImage draw_text(const std::string& text) {
   }
   GreyImage image;
   ImageCodec::Size size;
-  const std::string error = codec().draw_text(text.c_str(), kFont, kTextHeight, size, image.pixels);
+  const std::string error = image_codec().draw_text(text.c_str(), kFont, kTextHeight, size, image.pixels);
   if (!error.empty()) throw sim::IoError(fmt::format("the text '{}': {}", sim::printable(text), sim::printable(error)));
   image.width = size.width;
   image.height = size.height;
@@ -140,7 +141,7 @@ FloatImage read_exr(const std::filesystem::path& path, const SceneLimits& limits
   FloatImage image;
   ImageCodec::Size size;
   const std::string error =
-      codec().decode_exr(std::as_bytes(std::span(bytes.data(), bytes.size())), limits.pixels, size, image.rgb);
+      image_codec().decode_exr(std::as_bytes(std::span(bytes.data(), bytes.size())), limits.pixels, size, image.rgb);
   if (!error.empty()) throw sim::InputError(fmt::format("{}: {}", shown, sim::printable(error)));
   image.width = size.width;
   image.height = size.height;

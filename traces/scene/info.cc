@@ -19,7 +19,7 @@ std::vector<bool> moving_nodes(const Scene& scene) {
 }
 
 void count_motion(const Scene& scene, SceneInfo& info) {
-  info.duration = duration(scene);
+  info.duration = animation_seconds(scene);
   info.tracks = scene.tracks.size();
   info.skins = scene.skins.size();
   for (const Mesh& mesh : scene.meshes) {

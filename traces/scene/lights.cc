@@ -25,7 +25,7 @@ struct Emitter {
   Bounds bounds;
 };
 
-Emitter measure(const Mesh& mesh, const glm::mat4& to_world) {
+Emitter measure_emitter(const Mesh& mesh, const glm::mat4& to_world) {
   Emitter e;
   for (const auto& triangle : mesh.triangles) {
     glm::dvec3 p[3];
@@ -57,7 +57,7 @@ glm::vec3 way_out(const Emitter& e, const glm::vec3& centroid, const glm::vec3& 
 }
 
 /// Returns an orthonormal frame at `position` whose -z is `direction`.
-glm::mat4 frame(const glm::vec3& position, const glm::vec3& direction) {
+glm::mat4 light_frame(const glm::vec3& position, const glm::vec3& direction) {
   const glm::vec3 other = std::abs(direction.y) < 0.9F ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0);
   const glm::vec3 right = glm::normalize(glm::cross(other, -direction));
   return {glm::vec4(right, 0), glm::vec4(glm::cross(-direction, right), 0), glm::vec4(-direction, 0),
@@ -90,7 +90,7 @@ void add_emitter_lights(Scene& scene) {
     const Mesh& mesh = scene.meshes[instance.mesh];
     const glm::vec3 emission = emissions[mesh.material];
     if (strongest_channel(emission) < 1) continue;
-    const Emitter e = measure(mesh, instance.to_world);
+    const Emitter e = measure_emitter(mesh, instance.to_world);
     if (!(e.area > 0)) continue;
     const glm::vec3 centroid(e.moment / e.area);
     const glm::vec3 way = way_out(e, centroid, world.centre());
@@ -103,7 +103,8 @@ void add_emitter_lights(Scene& scene) {
     const bool skinned = mesh.deformation != nullptr && mesh.deformation->skin != kNone;
     if (instance.node != kNone && !skinned && !is_flat(glm::dmat3(instance.to_world))) {
       light.node = instance.node;
-      light.in_node = glm::mat4(glm::inverse(glm::dmat4(instance.to_world)) * glm::dmat4(frame(light.position, way)));
+      light.in_node =
+          glm::mat4(glm::inverse(glm::dmat4(instance.to_world)) * glm::dmat4(light_frame(light.position, way)));
     }
     found.push_back(light);
   }
@@ -143,7 +144,7 @@ struct Point {
 };
 
 /// True for a lamp or an unlit surface, whose colour does not depend on incident light.
-bool shines(const Material& material) {
+bool is_shining(const Material& material) {
   return material.emission != glm::vec3(0) && !(material.casts_light && material.emission_texture.used());
 }
 
@@ -152,7 +153,7 @@ template <class Visit>
 void for_each_triangle(const Scene& scene, Visit visit) {
   for (const Instance& instance : scene.instances) {
     const Mesh& mesh = scene.meshes[instance.mesh];
-    if (shines(scene.materials[mesh.material])) continue;
+    if (is_shining(scene.materials[mesh.material])) continue;
     for (const auto& triangle : mesh.triangles) {
       glm::vec3 p[3];
       for (std::size_t k = 0; k < 3; ++k)
@@ -187,7 +188,7 @@ std::vector<Point> spread_points(const Scene& scene, std::size_t count) {
   return points;
 }
 
-glm::vec3 irradiance(const Scene& scene, const Point& at) {
+glm::vec3 irradiance_at(const Scene& scene, const Point& at) {
   glm::vec3 sum{0};
   for (const Light& light : scene.lights) {
     if (light.kind == Light::Kind::kDirectional) {
@@ -226,14 +227,14 @@ std::vector<Sample> seen_by(const Camera& camera, const Scene& scene, const std:
     const float distance = std::max(glm::length(d), nearest);
     const float facing = glm::dot(d, point.normal) / distance;
     if (facing < 0) point.normal = -point.normal;
-    const glm::vec3 e = irradiance(scene, point);
+    const glm::vec3 e = irradiance_at(scene, point);
     samples.push_back({std::max({e.x, e.y, e.z}), std::abs(facing) / (distance * distance)});
   }
   return samples;
 }
 
 /// Returns the irradiance below which a share `rank` of the total weight falls.
-float percentile(std::vector<Sample> samples, float rank) {
+float weighted_percentile(std::vector<Sample> samples, float rank) {
   std::sort(samples.begin(), samples.end(),
             [](const Sample& a, const Sample& b) { return a.irradiance < b.irradiance; });
   const float total =
@@ -250,20 +251,21 @@ constexpr std::size_t kPoints = 16384;
 constexpr float kRank = 0.9F;
 
 /// Returns how bright the lights make the first camera's view, or the whole scene if the camera sees nothing.
-float brightness(const Scene& scene, const std::vector<Point>& points) {
+float view_brightness(const Scene& scene, const std::vector<Point>& points) {
   float level = 0;
   if (!scene.cameras.empty()) {
-    level = percentile(seen_by(scene.cameras[0], scene, points, 0.02F * world_bounds(scene).diagonal()), kRank);
+    level =
+        weighted_percentile(seen_by(scene.cameras[0], scene, points, 0.02F * world_bounds(scene).diagonal()), kRank);
   }
   if (!(level > 0)) {
     std::vector<Sample> everywhere;
     for (Point point : points) {
-      const glm::vec3 front = irradiance(scene, point);
+      const glm::vec3 front = irradiance_at(scene, point);
       point.normal = -point.normal;
-      const glm::vec3 e = glm::max(front, irradiance(scene, point));
+      const glm::vec3 e = glm::max(front, irradiance_at(scene, point));
       everywhere.push_back({std::max({e.x, e.y, e.z}), 1});
     }
-    level = percentile(std::move(everywhere), kRank);
+    level = weighted_percentile(std::move(everywhere), kRank);
   }
   return level;
 }
@@ -277,7 +279,7 @@ void keep_strongest_light(Scene& scene) {
   Light strongest;
   for (const Light& light : all) {
     scene.lights = {light};
-    const float level = brightness(scene, points);
+    const float level = view_brightness(scene, points);
     if (level > most) {
       most = level;
       strongest = light;
@@ -289,7 +291,7 @@ void keep_strongest_light(Scene& scene) {
 
 void expose_lights(Scene& scene) {
   scene.ambient = glm::vec3(kAmbient);
-  const float level = brightness(scene, spread_points(scene, kPoints));
+  const float level = view_brightness(scene, spread_points(scene, kPoints));
   const float scale = kTargetIrradiance / level;
   if (!(level > 0) || !std::isfinite(scale)) return;
   for (Light& light : scene.lights) light.intensity *= scale;

@@ -14,7 +14,7 @@ namespace traces {
 namespace {
 
 template <class T>
-void select(std::vector<T>& values, const std::vector<std::uint32_t>& from) {
+void select_values(std::vector<T>& values, const std::vector<std::uint32_t>& from) {
   if (values.empty()) return;
   std::vector<T> selected;
   selected.reserve(from.size());
@@ -25,12 +25,12 @@ void select(std::vector<T>& values, const std::vector<std::uint32_t>& from) {
 }  // namespace
 
 void select_vertices(Mesh& mesh, const std::vector<std::uint32_t>& from) {
-  select(mesh.positions, from);
-  select(mesh.normals, from);
-  select(mesh.uvs, from);
-  select(mesh.second_uvs, from);
-  select(mesh.tangents, from);
-  select(mesh.colours, from);
+  select_values(mesh.positions, from);
+  select_values(mesh.normals, from);
+  select_values(mesh.uvs, from);
+  select_values(mesh.second_uvs, from);
+  select_values(mesh.tangents, from);
+  select_values(mesh.colours, from);
 }
 
 namespace {
@@ -102,11 +102,11 @@ glm::dvec3 direction_of(const glm::dvec3& v) {
 }
 
 /// Returns the unit vector of the part perpendicular to the normal, or zero.
-glm::dvec3 flattened(const glm::dvec3& v, const glm::dvec3& normal) {
+glm::dvec3 perpendicular_part(const glm::dvec3& v, const glm::dvec3& normal) {
   return direction_of(v - normal * glm::dot(normal, v));
 }
 
-glm::dvec3 perpendicular(const glm::dvec3& normal) {
+glm::dvec3 any_perpendicular(const glm::dvec3& normal) {
   const glm::dvec3 other = std::abs(normal.x) < 0.7 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
   return glm::normalize(other - normal * glm::dot(normal, other));
 }
@@ -123,21 +123,21 @@ class TangentBuilder {
  public:
   TangentBuilder(const Mesh& mesh, const std::vector<glm::vec2>& uvs)
       : mesh_(mesh), uvs_(uvs), group_of_(3 * mesh.triangles.size(), kNone) {
-    weld();
+    weld_vertices();
     for (const auto& triangle : mesh.triangles) frames_.push_back(frame_of(triangle));
     find_neighbours();
     find_groups();
   }
 
   /// Returns the tangent of corner `i` of a triangle.
-  glm::vec4 at(std::size_t triangle, std::size_t i) const {
+  glm::vec4 tangent_at(std::size_t triangle, std::size_t i) const {
     const std::uint32_t vertex = mesh_.triangles[triangle][i];
     std::uint32_t group = group_of_[3 * triangle + i];
     if (group == kNone) group = group_at_[vertex_of_[vertex]];
-    return group == kNone ? any(vertex) : tangents_[group];
+    return group == kNone ? any_tangent(vertex) : tangents_[group];
   }
-  glm::vec4 any(std::uint32_t vertex) const {
-    return glm::vec4(glm::dvec4(perpendicular(glm::dvec3(mesh_.normals[vertex])), 1));
+  glm::vec4 any_tangent(std::uint32_t vertex) const {
+    return glm::vec4(glm::dvec4(any_perpendicular(glm::dvec3(mesh_.normals[vertex])), 1));
   }
 
  private:
@@ -153,7 +153,7 @@ class TangentBuilder {
     return {vertex_of_[a], vertex_of_[b], vertex_of_[c]};
   }
 
-  void weld() {
+  void weld_vertices() {
     const auto key = [&](std::uint32_t i) {
       const glm::vec3 &p = mesh_.positions[i], &n = mesh_.normals[i];
       return std::tuple(p.x, p.y, p.z, n.x, n.y, n.z, uvs_[i].x, uvs_[i].y);
@@ -239,21 +239,22 @@ class TangentBuilder {
       if (!frame.has_direction && is_free) frame.is_mirrored = is_mirrored;
       if (frame.is_mirrored != is_mirrored) continue;
       groups[i] = group;
-      if (frame.has_direction) sum += flattened(frame.along_u, normal) * angle_at(v, i, normal);
+      if (frame.has_direction) sum += perpendicular_part(frame.along_u, normal) * angle_at(v, i, normal);
       for (const std::uint32_t edge : {(i + 2) % 3, i}) {
         const std::uint32_t next = neighbour_[3 * triangle + edge];
         if (next != kNone) open_.push_back(next);
       }
     }
-    const glm::dvec3 tangent = flattened(sum, normal);
-    tangents_.push_back(tangent == glm::dvec3(0) ? any(vertex) : glm::vec4(glm::dvec4(tangent, is_mirrored ? -1 : 1)));
+    const glm::dvec3 tangent = perpendicular_part(sum, normal);
+    tangents_.push_back(tangent == glm::dvec3(0) ? any_tangent(vertex)
+                                                 : glm::vec4(glm::dvec4(tangent, is_mirrored ? -1 : 1)));
     if (group_at_[vertex] == kNone) group_at_[vertex] = group;
   }
 
   /// Returns the angle of a triangle at its corner `i`, in the plane perpendicular to the normal.
   double angle_at(const Corners& v, std::uint32_t i, const glm::dvec3& normal) const {
     const auto edge_to = [&](std::uint32_t other) {
-      return flattened(glm::dvec3(mesh_.positions[v[other]]) - glm::dvec3(mesh_.positions[v[i]]), normal);
+      return perpendicular_part(glm::dvec3(mesh_.positions[v[other]]) - glm::dvec3(mesh_.positions[v[i]]), normal);
     };
     return std::acos(std::clamp(glm::dot(edge_to((i + 1) % 3), edge_to((i + 2) % 3)), -1.0, 1.0));
   }
@@ -283,7 +284,7 @@ std::vector<std::uint32_t> compute_tangents(Mesh& mesh, bool second) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const auto corners = mesh.triangles[t];
     for (std::size_t i = 0; i < 3; ++i) {
-      const glm::vec4 tangent = builder.at(t, i);
+      const glm::vec4 tangent = builder.tangent_at(t, i);
       std::uint32_t vertex = corners[i];
       if (tangents[vertex] == glm::vec4(0)) tangents[vertex] = tangent;
       while (tangents[vertex] != tangent) {
@@ -299,7 +300,7 @@ std::vector<std::uint32_t> compute_tangents(Mesh& mesh, bool second) {
     }
   }
   for (std::uint32_t v = 0; v < vertices; ++v) {
-    if (tangents[v] == glm::vec4(0)) tangents[v] = builder.any(v);
+    if (tangents[v] == glm::vec4(0)) tangents[v] = builder.any_tangent(v);
   }
   if (from.size() > vertices) select_vertices(mesh, from);
   mesh.tangents = std::move(tangents);

@@ -42,7 +42,7 @@ Span find_span(const Track& track, double seconds) {
 /// Parts of a key; a cubic spline has all three, other tracks only the value.
 enum class Part : std::uint8_t { kInTangent, kValue, kOutTangent };
 
-double number(const Track& track, std::size_t key, Part part, std::size_t i, std::size_t count) {
+double key_number(const Track& track, std::size_t key, Part part, std::size_t i, std::size_t count) {
   const bool spline = track.interpolation == Interpolation::kCubicSpline;
   const std::size_t row = spline ? 3 * key + static_cast<std::size_t>(part) : key;
   return static_cast<double>(track.values[row * count + i]);
@@ -50,10 +50,10 @@ double number(const Track& track, std::size_t key, Part part, std::size_t i, std
 
 double on_spline(const Track& track, const Span& span, std::size_t i, std::size_t count) {
   const double s = span.share, s2 = s * s, s3 = s2 * s;
-  return (2 * s3 - 3 * s2 + 1) * number(track, span.from, Part::kValue, i, count) +
-         (s3 - 2 * s2 + s) * span.seconds * number(track, span.from, Part::kOutTangent, i, count) +
-         (3 * s2 - 2 * s3) * number(track, span.to, Part::kValue, i, count) +
-         (s3 - s2) * span.seconds * number(track, span.to, Part::kInTangent, i, count);
+  return (2 * s3 - 3 * s2 + 1) * key_number(track, span.from, Part::kValue, i, count) +
+         (s3 - 2 * s2 + s) * span.seconds * key_number(track, span.from, Part::kOutTangent, i, count) +
+         (3 * s2 - 2 * s3) * key_number(track, span.to, Part::kValue, i, count) +
+         (s3 - s2) * span.seconds * key_number(track, span.to, Part::kInTangent, i, count);
 }
 
 /// Returns sin(share x angle) / sin(angle) by its series in 1 - cosine. For a cosine of 0 to 1 each term is at most
@@ -68,12 +68,12 @@ double arc_weight(double share, double cosine) {
   return sum;
 }
 
-double dot(std::span<const double> a, std::span<const double> b) {
+double dot_product(std::span<const double> a, std::span<const double> b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
 }
 
 void to_unit(std::span<double> q) {
-  const double length = std::sqrt(dot(q, q));
+  const double length = std::sqrt(dot_product(q, q));
   if (!(length > 0)) {
     std::ranges::fill(q, 0.0);
     q[3] = 1;
@@ -85,12 +85,12 @@ void to_unit(std::span<double> q) {
 void on_arc(const Track& track, const Span& span, std::span<double> out) {
   double from[4], to[4];
   for (std::size_t i = 0; i < 4; ++i) {
-    from[i] = number(track, span.from, Part::kValue, i, 4);
-    to[i] = number(track, span.to, Part::kValue, i, 4);
+    from[i] = key_number(track, span.from, Part::kValue, i, 4);
+    to[i] = key_number(track, span.to, Part::kValue, i, 4);
   }
   to_unit(from);
   to_unit(to);
-  const double cosine = dot(from, to);
+  const double cosine = dot_product(from, to);
   const double angle_cosine = std::min(std::abs(cosine), 1.0);
   const double a = arc_weight(1 - span.share, angle_cosine);
   const double b = arc_weight(span.share, angle_cosine) * (cosine < 0 ? -1 : 1);
@@ -99,7 +99,7 @@ void on_arc(const Track& track, const Span& span, std::span<double> out) {
 
 }  // namespace
 
-void sample(const Track& track, double seconds, std::span<double> out) {
+void sample_track(const Track& track, double seconds, std::span<double> out) {
   const std::size_t count = out.size();
   assert(!track.times.empty() && "a track has at least one key");
   assert(track.values.size() ==
@@ -107,21 +107,21 @@ void sample(const Track& track, double seconds, std::span<double> out) {
   const bool rotation = track.path == Track::Path::kRotation;
   const Span span = find_span(track, seconds);
   if (span.from == span.to || track.interpolation == Interpolation::kStep) {
-    for (std::size_t i = 0; i < count; ++i) out[i] = number(track, span.from, Part::kValue, i, count);
+    for (std::size_t i = 0; i < count; ++i) out[i] = key_number(track, span.from, Part::kValue, i, count);
   } else if (track.interpolation == Interpolation::kCubicSpline) {
     for (std::size_t i = 0; i < count; ++i) out[i] = on_spline(track, span, i, count);
   } else if (rotation) {
     on_arc(track, span, out);
   } else {
     for (std::size_t i = 0; i < count; ++i) {
-      const double from = number(track, span.from, Part::kValue, i, count);
-      out[i] = from + span.share * (number(track, span.to, Part::kValue, i, count) - from);
+      const double from = key_number(track, span.from, Part::kValue, i, count);
+      out[i] = from + span.share * (key_number(track, span.to, Part::kValue, i, count) - from);
     }
   }
   if (rotation) to_unit(out);
 }
 
-void sample_slope(const Track& track, double seconds, std::span<double> out) {
+void sample_track_slope(const Track& track, double seconds, std::span<double> out) {
   assert(track.interpolation == Interpolation::kCubicSpline);
   const std::size_t count = out.size();
   const Span span = find_span(track, seconds);
@@ -130,9 +130,10 @@ void sample_slope(const Track& track, double seconds, std::span<double> out) {
   const double s = span.share, s2 = s * s;
   for (std::size_t i = 0; i < count; ++i) {
     out[i] = (6 * s2 - 6 * s) / span.seconds *
-                 (number(track, span.from, Part::kValue, i, count) - number(track, span.to, Part::kValue, i, count)) +
-             (3 * s2 - 4 * s + 1) * number(track, span.from, Part::kOutTangent, i, count) +
-             (3 * s2 - 2 * s) * number(track, span.to, Part::kInTangent, i, count);
+                 (key_number(track, span.from, Part::kValue, i, count) -
+                  key_number(track, span.to, Part::kValue, i, count)) +
+             (3 * s2 - 4 * s + 1) * key_number(track, span.from, Part::kOutTangent, i, count) +
+             (3 * s2 - 2 * s) * key_number(track, span.to, Part::kInTangent, i, count);
   }
 }
 
@@ -154,16 +155,16 @@ glm::dmat4 local_matrix(const LocalPose& p) {
                    {p.scale[0], p.scale[1], p.scale[2]});
 }
 
-void apply(const Track& track, double seconds, LocalPose& pose, std::vector<double>& weights) {
+void apply_track(const Track& track, double seconds, LocalPose& pose, std::vector<double>& weights) {
   switch (track.path) {
     case Track::Path::kTranslation:
-      return sample(track, seconds, pose.translation);
+      return sample_track(track, seconds, pose.translation);
     case Track::Path::kRotation:
-      return sample(track, seconds, pose.rotation);
+      return sample_track(track, seconds, pose.rotation);
     case Track::Path::kScale:
-      return sample(track, seconds, pose.scale);
+      return sample_track(track, seconds, pose.scale);
     case Track::Path::kMorphWeights:
-      return sample(track, seconds, weights);
+      return sample_track(track, seconds, weights);
   }
 }
 
@@ -195,7 +196,7 @@ NodePoses pose_nodes(const Scene& scene, double seconds) {
   }
   // In reverse, so that the first track of a node and path takes effect.
   for (auto track = scene.tracks.rbegin(); track != scene.tracks.rend(); ++track) {
-    apply(*track, seconds, local[track->node], poses.morph_weights[track->node]);
+    apply_track(*track, seconds, local[track->node], poses.morph_weights[track->node]);
   }
   poses.to_world.reserve(scene.nodes.size());
   for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
@@ -223,8 +224,8 @@ void add_targets(const std::vector<std::vector<glm::vec3>>& targets, std::span<c
   }
 }
 
-glm::dmat4x3 blend(std::span<const glm::dmat4x3> joints, const std::array<std::uint16_t, 4>& which,
-                   const glm::vec4& weights) {
+glm::dmat4x3 blend_joints(std::span<const glm::dmat4x3> joints, const std::array<std::uint16_t, 4>& which,
+                          const glm::vec4& weights) {
   glm::dmat4x3 sum(0);
   for (int i = 0; i < 4; ++i) {
     if (weights[i] != 0) sum += static_cast<double>(weights[i]) * joints[which[static_cast<std::size_t>(i)]];
@@ -233,7 +234,7 @@ glm::dmat4x3 blend(std::span<const glm::dmat4x3> joints, const std::array<std::u
 }
 
 /// Returns the cofactor matrix, which transforms normals; it exists for singular matrices, too.
-glm::dmat3 cofactors(const glm::dmat4x3& m) {
+glm::dmat3 cofactor_matrix(const glm::dmat4x3& m) {
   const glm::dmat3 c(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
   return glm::dot(m[0], c[0]) < 0 ? -c : c;
 }
@@ -244,14 +245,14 @@ glm::vec3 unit_or_null(const glm::dvec3& v) {
 }
 
 template <class T>
-bool replace(std::vector<T>& old, std::vector<T>& by) {
+bool swap_if_different(std::vector<T>& old, std::vector<T>& by) {
   old.swap(by);
   return old != by;
 }
 
 }  // namespace
 
-bool deform(Mesh& mesh, std::span<const glm::dmat4x3> joints, std::span<const double> morph_weights) {
+bool deform_mesh(Mesh& mesh, std::span<const glm::dmat4x3> joints, std::span<const double> morph_weights) {
   const Deformation& rest = *mesh.deformation;
   std::vector<glm::dvec3> positions(rest.positions.begin(), rest.positions.end());
   std::vector<glm::dvec3> normals(rest.normals.begin(), rest.normals.end());
@@ -260,9 +261,9 @@ bool deform(Mesh& mesh, std::span<const glm::dmat4x3> joints, std::span<const do
   add_targets(rest.target_normals, morph_weights, normals);
   if (!rest.joints.empty()) {
     for (std::size_t i = 0; i < positions.size(); ++i) {
-      const glm::dmat4x3 m = blend(joints, rest.joints[i], rest.weights[i]);
+      const glm::dmat4x3 m = blend_joints(joints, rest.joints[i], rest.weights[i]);
       positions[i] = m * glm::dvec4(positions[i], 1);
-      if (!normals.empty()) normals[i] = cofactors(m) * normals[i];
+      if (!normals.empty()) normals[i] = cofactor_matrix(m) * normals[i];
       if (!tangents.empty()) tangents[i] = glm::dmat3(m) * tangents[i];
     }
   }
@@ -273,7 +274,7 @@ bool deform(Mesh& mesh, std::span<const glm::dmat4x3> joints, std::span<const do
   for (std::size_t i = 0; i < tangents.size(); ++i) {
     posed.tangents.emplace_back(unit_or_null(tangents[i]), rest.tangents[i].w);
   }
-  bool changed = replace(mesh.positions, posed.positions);
+  bool changed = swap_if_different(mesh.positions, posed.positions);
   if (normals.empty()) {
     posed.normals = triangle_normals(mesh);
   } else if (std::ranges::find(posed.normals, glm::vec3(0)) != posed.normals.end()) {
@@ -281,8 +282,8 @@ bool deform(Mesh& mesh, std::span<const glm::dmat4x3> joints, std::span<const do
     repair_normals(mesh);
     mesh.normals.swap(posed.normals);
   }
-  changed = replace(mesh.normals, posed.normals) || changed;
-  return replace(mesh.tangents, posed.tangents) || changed;
+  changed = swap_if_different(mesh.normals, posed.normals) || changed;
+  return swap_if_different(mesh.tangents, posed.tangents) || changed;
 }
 
 }  // namespace traces

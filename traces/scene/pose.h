@@ -14,10 +14,10 @@ namespace traces {
 
 /// Computes the track's value at a time, `out.size()` numbers. Rotations (four numbers) have unit length; linear ones
 /// follow the shortest arc. Arithmetic and square roots only, so that every host gets the same bits.
-void sample(const Track& track, double seconds, std::span<double> out);
+void sample_track(const Track& track, double seconds, std::span<double> out);
 
 /// Computes in `out` the time derivative, per second, of a cubic spline track.
-void sample_slope(const Track& track, double seconds, std::span<double> out);
+void sample_track_slope(const Track& track, double seconds, std::span<double> out);
 
 struct Scene;
 
@@ -38,6 +38,6 @@ double largest_entry(const glm::dmat4& m);
 /// Computes positions, normals and tangents of a deforming mesh from its rest pose: morph targets, then the skin
 /// (linear blend). Normals are transformed by the cofactors of the blended matrix, or recomputed from the triangles if
 /// the file has none. `joints` map from bind pose to world. Returns true if anything changed.
-bool deform(Mesh& mesh, std::span<const glm::dmat4x3> joints, std::span<const double> morph_weights);
+bool deform_mesh(Mesh& mesh, std::span<const glm::dmat4x3> joints, std::span<const double> morph_weights);
 
 }  // namespace traces

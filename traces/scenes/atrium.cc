@@ -58,18 +58,18 @@ glm::vec4 floor_slabs(float u, float v) {
   const auto i = static_cast<std::uint64_t>(u * 4), j = static_cast<std::uint64_t>(v * 4);
   const float corner = std::abs(std::abs(x - 0.5F) - 0.5F) + std::abs(std::abs(y - 0.5F) - 0.5F);
   const float edge = std::min(std::min(x, 1 - x), std::min(y, 1 - y));
-  const float cloud = fractal(u, v, 8, 5, 17);
+  const float cloud = fractal_noise(u, v, 8, 5, 17);
   if (corner < 0.2F) return {glm::vec3(0.24F, 0.16F, 0.14F) * (0.8F + 0.5F * cloud), 1};
   if (edge < 0.012F || corner < 0.216F) return {0.38F, 0.34F, 0.30F, 1};
   const glm::vec3 slab = (i + j) % 2 == 0 ? glm::vec3(0.76F, 0.68F, 0.56F) : glm::vec3(0.66F, 0.55F, 0.44F);
-  return {slab * (0.82F + 0.1F * random(3, i, j) + 0.25F * (cloud - 0.4F)), 1};
+  return {slab * (0.82F + 0.1F * random_unit(3, i, j) + 0.25F * (cloud - 0.4F)), 1};
 }
 
 /// A woven banner: a border, a field and an eight-pointed star.
-glm::vec4 banner(float u, float v, const glm::vec3& ground) {
+glm::vec4 banner_colour(float u, float v, const glm::vec3& ground) {
   const glm::vec3 gold(0.86F, 0.66F, 0.24F);
   const float weave =
-      0.86F + 0.2F * random(8, static_cast<std::uint64_t>(u * 128), static_cast<std::uint64_t>(v * 384));
+      0.86F + 0.2F * random_unit(8, static_cast<std::uint64_t>(u * 128), static_cast<std::uint64_t>(v * 384));
   glm::vec3 c = ground;
   const float edge = std::min(std::min(u, 1 - u), 0.4F * std::min(v, 1 - v) * 3);
   if (edge > 0.06F && edge < 0.1F) c = gold;
@@ -84,11 +84,11 @@ glm::vec4 banner(float u, float v, const glm::vec3& ground) {
   return {c * weave, 1};
 }
 
-glm::vec4 curtain(float u, float v) {
+glm::vec4 curtain_colour(float u, float v) {
   const float weave =
-      0.85F + 0.2F * random(9, static_cast<std::uint64_t>(u * 192), static_cast<std::uint64_t>(v * 192));
+      0.85F + 0.2F * random_unit(9, static_cast<std::uint64_t>(u * 192), static_cast<std::uint64_t>(v * 192));
   const float row = v * 5 - std::floor(v * 5), x = u * 6 - std::floor(u * 6) - 0.5F;
-  glm::vec3 c = glm::mix(glm::vec3(0.20F, 0.42F, 0.28F), glm::vec3(0.15F, 0.33F, 0.24F), fractal(u, v, 8, 3, 5));
+  glm::vec3 c = glm::mix(glm::vec3(0.20F, 0.42F, 0.28F), glm::vec3(0.15F, 0.33F, 0.24F), fractal_noise(u, v, 8, 3, 5));
   if (row < 0.06F || (row > 0.1F && row < 0.13F)) c = {0.80F, 0.66F, 0.32F};
   if (std::abs(x) + std::abs(row - 0.56F) < 0.14F) c = {0.66F, 0.52F, 0.26F};
   return {c * weave, 1};
@@ -103,22 +103,22 @@ void paint_pictures(Scene& scene) {
       wood_texture("oak", {0.44F, 0.28F, 0.16F}, {0.24F, 0.14F, 0.08F}, 44, 256),
       paint_texture("red banner", 256, 768,
                     [](float u, float v) {
-                      return banner(u, v, {0.66F, 0.10F, 0.09F});
+                      return banner_colour(u, v, {0.66F, 0.10F, 0.09F});
                     }),
       paint_texture("blue banner", 256, 768,
                     [](float u, float v) {
-                      return banner(u, v, {0.10F, 0.20F, 0.48F});
+                      return banner_colour(u, v, {0.10F, 0.20F, 0.48F});
                     }),
-      paint_texture("curtain", 512, 512, curtain),
+      paint_texture("curtain", 512, 512, curtain_colour),
   };
 }
 
 Materials add_materials(Scene& scene) {
   const auto with_picture = [&scene](const char* name, Picture picture, const glm::vec3& colour = glm::vec3(1),
                                      float mirror = 0) {
-    return add_material(scene, textured(name, picture, colour, mirror));
+    return add_material(scene, make_textured(name, picture, colour, mirror));
   };
-  Material glow = lamp("lantern", {0.99F, 0.80F, 0.48F});
+  Material glow = make_lamp("lantern", {0.99F, 0.80F, 0.48F});
   glow.casts_light = false;
   Materials is{};
   is.ashlar = with_picture("ashlar", kAshlar);
@@ -127,31 +127,31 @@ Materials add_materials(Scene& scene) {
   is.stone = with_picture("stone", kStone);
   is.light_stone = with_picture("light stone", kStone, glm::vec3(1.0F, 0.98F, 0.95F));
   is.wood = with_picture("oak", kWood);
-  is.plaster = add_material(scene, paint("plaster", {0.80F, 0.73F, 0.62F}));
+  is.plaster = add_material(scene, make_paint("plaster", {0.80F, 0.73F, 0.62F}));
   is.red = with_picture("red banner", kRedBanner);
   is.blue = with_picture("blue banner", kBlueBanner);
   is.curtain = with_picture("curtain", kCurtain);
-  is.iron = add_material(scene, paint("iron", {0.07F, 0.065F, 0.06F}));
-  is.leaf = add_material(scene, paint("leaves", {0.17F, 0.38F, 0.11F}));
-  is.clay = add_material(scene, paint("clay", {0.68F, 0.38F, 0.24F}));
-  is.soil = add_material(scene, paint("soil", {0.14F, 0.10F, 0.07F}));
-  is.water = add_material(scene, paint("water", {0.10F, 0.22F, 0.24F}, 0.45F));
+  is.iron = add_material(scene, make_paint("iron", {0.07F, 0.065F, 0.06F}));
+  is.leaf = add_material(scene, make_paint("leaves", {0.17F, 0.38F, 0.11F}));
+  is.clay = add_material(scene, make_paint("clay", {0.68F, 0.38F, 0.24F}));
+  is.soil = add_material(scene, make_paint("soil", {0.14F, 0.10F, 0.07F}));
+  is.water = add_material(scene, make_paint("water", {0.10F, 0.22F, 0.24F}, 0.45F));
   is.glow = add_material(scene, glow);
   return is;
 }
 
 /// Makes a column: Attic base, slightly swelling shaft, bell with two rings of leaves, abacus. `radius`: at the foot.
 Mesh make_column(float height, float radius, const Detail& detail) {
-  const std::uint32_t round = detail.cells(18, 6);
+  const std::uint32_t round = detail.cell_count(18, 6);
   const float r = radius;
   Mesh mesh = make_box("column", {-1.45F * r, 0, -1.45F * r}, {1.45F * r, 0.45F * r, 1.45F * r});
   const glm::vec2 base[] = {{1.3F * r, 0.45F * r},  {1.42F * r, 0.58F * r}, {1.3F * r, 0.72F * r},
                             {1.12F * r, 0.8F * r},  {1.14F * r, 0.9F * r},  {1.24F * r, 0.98F * r},
                             {1.14F * r, 1.08F * r}, {1.02F * r, 1.12F * r}, {r, 1.2F * r}};
-  append(mesh, make_lathe("", detail.profile(base), round));
+  append_mesh(mesh, make_lathe("", detail.coarser_profile(base), round));
   const float neck = height - 2.3F * r;
   const glm::vec2 shaft[] = {{r, 1.2F * r}, {0.99F * r, 0.4F * neck}, {0.93F * r, 0.75F * neck}, {0.85F * r, neck}};
-  append(mesh, make_lathe("", smoothed(detail.profile(shaft), detail.cells(2)), round));
+  append_mesh(mesh, make_lathe("", catmull_rom(detail.coarser_profile(shaft), detail.cell_count(2)), round));
   const glm::vec2 bell[] = {{0.85F * r, neck},
                             {0.98F * r, neck + 0.05F * r},
                             {0.98F * r, neck + 0.15F * r},
@@ -159,18 +159,18 @@ Mesh make_column(float height, float radius, const Detail& detail) {
                             {0.9F * r, neck + 1.0F * r},
                             {1.15F * r, neck + 1.7F * r},
                             {1.3F * r, neck + 1.85F * r}};
-  append(mesh, make_lathe("", detail.profile(bell), round));
+  append_mesh(mesh, make_lathe("", detail.coarser_profile(bell), round));
   for (int ring = 0; ring < 2; ++ring) {
     for (int k = 0; k < 8; ++k) {
       const glm::vec2 way = on_circle((k + 0.5 * ring) / 8.0);
       const float y = neck + (0.2F + 0.65F * static_cast<float>(ring)) * r;
       add_leaf(mesh, {0.88F * r * way.x, y, 0.88F * r * way.y},
                glm::normalize(glm::vec3(0.35F * way.x, 1, 0.35F * way.y)), 1.05F * r, 0.42F * r, 0.22F,
-               detail.cells(4, 2));
+               detail.cell_count(4, 2));
     }
   }
-  append(mesh, make_box("", {-1.4F * r, neck + 1.85F * r, -1.4F * r}, {1.4F * r, neck + 2.1F * r, 1.4F * r}));
-  append(mesh, make_box("", {-1.5F * r, neck + 2.1F * r, -1.5F * r}, {1.5F * r, height, 1.5F * r}));
+  append_mesh(mesh, make_box("", {-1.4F * r, neck + 1.85F * r, -1.4F * r}, {1.4F * r, neck + 2.1F * r, 1.4F * r}));
+  append_mesh(mesh, make_box("", {-1.5F * r, neck + 2.1F * r, -1.5F * r}, {1.5F * r, height, 1.5F * r}));
   project_uvs(mesh, 0.8F);
   return mesh;
 }
@@ -179,8 +179,8 @@ Mesh make_column(float height, float radius, const Detail& detail) {
 Mesh make_pier(float height) {
   constexpr float a = 0.32F;
   Mesh mesh = make_box("pier", {-a, 0, -a}, {a, height, a});
-  append(mesh, make_box("", {-a - 0.06F, 0, -a - 0.06F}, {a + 0.06F, 0.3F, a + 0.06F}));
-  append(mesh, make_box("", {-a - 0.05F, height - 0.2F, -a - 0.05F}, {a + 0.05F, height, a + 0.05F}));
+  append_mesh(mesh, make_box("", {-a - 0.06F, 0, -a - 0.06F}, {a + 0.06F, 0.3F, a + 0.06F}));
+  append_mesh(mesh, make_box("", {-a - 0.05F, height - 0.2F, -a - 0.05F}, {a + 0.05F, height, a + 0.05F}));
   project_uvs(mesh, 0.6F);
   return mesh;
 }
@@ -192,8 +192,8 @@ void add_columns(Scene& scene, const Materials& is, const Detail& detail) {
   const std::uint32_t high_pier = add_mesh(scene, make_pier(kTop - kUpper), is.ashlar);
   for (const float side : {-1.0F, 1.0F}) {
     const auto add_pair = [&](const glm::vec3& at, bool is_pier) {
-      add_instance(scene, is_pier ? low_pier : low, placed(at));
-      add_instance(scene, is_pier ? high_pier : high, placed(at + glm::vec3(0, kUpper, 0)));
+      add_instance(scene, is_pier ? low_pier : low, placement(at));
+      add_instance(scene, is_pier ? high_pier : high, placement(at + glm::vec3(0, kUpper, 0)));
     };
     for (int k = 0; k <= kLongBays; ++k) {
       add_pair({kLongBay * static_cast<float>(k) - kHalfLength, 0, side * kHalfWidth}, k == 0 || k == kLongBays);
@@ -206,23 +206,23 @@ void add_columns(Scene& scene, const Materials& is, const Detail& detail) {
 void add_balustrades(Scene& scene, const Materials& is, const Detail& detail) {
   const glm::vec2 shape[] = {{0.06F, 0.12F},  {0.06F, 0.16F}, {0.035F, 0.2F}, {0.075F, 0.34F}, {0.05F, 0.52F},
                              {0.032F, 0.64F}, {0.04F, 0.72F}, {0.06F, 0.76F}, {0.06F, 0.8F}};
-  const Mesh baluster = make_lathe("", detail.profile(shape), detail.cells(8, 4));
+  const Mesh baluster = make_lathe("", detail.coarser_profile(shape), detail.cell_count(8, 4));
   const auto make_bay = [&](float bay) {
     const float half = bay / 2 - 0.23F;
     Mesh mesh = make_box("balustrade", {-half, 0, -0.1F}, {half, 0.12F, 0.1F});
-    append(mesh, make_box("", {-half, 0.8F, -0.09F}, {half, 0.86F, 0.09F}));
-    append(mesh, make_box("", {-half, 0.86F, -0.12F}, {half, 0.94F, 0.12F}));
-    const std::uint32_t count = std::min(detail.cells(bay > 2.7F ? 9 : 7, 4), bay > 2.7F ? 9U : 7U);
+    append_mesh(mesh, make_box("", {-half, 0.8F, -0.09F}, {half, 0.86F, 0.09F}));
+    append_mesh(mesh, make_box("", {-half, 0.86F, -0.12F}, {half, 0.94F, 0.12F}));
+    const std::uint32_t count = std::min(detail.cell_count(bay > 2.7F ? 9 : 7, 4), bay > 2.7F ? 9U : 7U);
     for (std::uint32_t k = 0; k < count; ++k) {
       const float x = 2 * half * ((static_cast<float>(k) + 0.5F) / static_cast<float>(count) - 0.5F);
-      append(mesh, transformed(baluster, placed({x, 0, 0})));
+      append_mesh(mesh, transform_mesh(baluster, placement({x, 0, 0})));
     }
     project_uvs(mesh, 0.8F);
     return add_mesh(scene, std::move(mesh), is.light_stone);
   };
   const std::uint32_t long_bay = make_bay(kLongBay), short_bay = make_bay(kShortBay);
   for_each_bay([&](const glm::vec3& middle, const glm::vec3& inward, float width) {
-    add_instance(scene, width > 2.7F ? long_bay : short_bay, standing(middle + glm::vec3(0, kUpper, 0), inward));
+    add_instance(scene, width > 2.7F ? long_bay : short_bay, wall_axes(middle + glm::vec3(0, kUpper, 0), inward));
   });
 }
 
@@ -239,7 +239,7 @@ Mesh make_arch_strip(const glm::vec2& from, const glm::vec2& to, std::uint32_t c
 
 /// Makes one bay of wall above the springing line (y = 0 here) with its round arch; its face is at z = kWall / 2.
 Mesh make_arch_wall(float width, float radius, float height, const Detail& detail) {
-  const std::uint32_t cells = detail.cells(16, 4);
+  const std::uint32_t cells = detail.cell_count(16, 4);
   constexpr float kHalf = kWall / 2;
   Mesh mesh;
   mesh.name = "arch wall";
@@ -248,18 +248,18 @@ Mesh make_arch_wall(float width, float radius, float height, const Detail& detai
       const glm::vec2 p = radius * on_circle(s == 1 ? 0.5 : 0.5 * static_cast<double>(s));
       return glm::vec3(-side * p.x, t < 0.5F ? p.y : height, side * kHalf);
     });
-    append(mesh, face);
+    append_mesh(mesh, face);
     for (const float end : {-1.0F, 1.0F}) {
       const float inner = end * radius, outer = end * width / 2;
       const float left = std::min(inner, outer), wide = width / 2 - radius;
-      if (side > 0) append(mesh, make_quad("", {left, 0, kHalf}, {wide, 0, 0}, {0, height, 0}, 1));
-      if (side < 0) append(mesh, make_quad("", {left + wide, 0, -kHalf}, {-wide, 0, 0}, {0, height, 0}, 1));
+      if (side > 0) append_mesh(mesh, make_quad("", {left, 0, kHalf}, {wide, 0, 0}, {0, height, 0}, 1));
+      if (side < 0) append_mesh(mesh, make_quad("", {left + wide, 0, -kHalf}, {-wide, 0, 0}, {0, height, 0}, 1));
     }
   }
-  append(mesh, make_arch_strip({radius, kHalf}, {radius, -kHalf}, cells));
+  append_mesh(mesh, make_arch_strip({radius, kHalf}, {radius, -kHalf}, cells));
   for (const float end : {-1.0F, 1.0F}) {  // undersides, above the columns
     const float left = end < 0 ? -width / 2 : radius;
-    append(mesh, make_quad("", {left, 0, -kHalf}, {width / 2 - radius, 0, 0}, {0, 0, kWall}, 1));
+    append_mesh(mesh, make_quad("", {left, 0, -kHalf}, {width / 2 - radius, 0, 0}, {0, 0, kWall}, 1));
   }
   project_uvs(mesh, 0.42F);
   return mesh;
@@ -270,18 +270,18 @@ Mesh make_archivolt(float radius, const Detail& detail) {
   constexpr float z = kWall / 2;
   const glm::vec2 section[] = {{radius - 0.004F, z - 0.06F}, {radius - 0.004F, z + 0.06F}, {radius + 0.1F, z + 0.06F},
                                {radius + 0.12F, z + 0.035F}, {radius + 0.17F, z + 0.035F}, {radius + 0.19F, z - 0.01F}};
-  const std::uint32_t cells = detail.cells(16, 4);
+  const std::uint32_t cells = detail.cell_count(16, 4);
   Mesh mesh;
   mesh.name = "archivolt";
-  const std::vector<glm::vec2> points = detail.profile(section);
+  const std::vector<glm::vec2> points = detail.coarser_profile(section);
   for (std::size_t k = 0; k + 1 < points.size(); ++k) {
     const Mesh strip = make_arch_strip(points[k + 1], points[k], cells);
-    append(mesh, strip);
-    append(mesh, transformed(strip, placed(glm::vec3(0), 0.5)));
+    append_mesh(mesh, strip);
+    append_mesh(mesh, transform_mesh(strip, placement(glm::vec3(0), 0.5)));
   }
   const glm::vec2 key[] = {
       {-0.09F, radius - 0.03F}, {0.09F, radius - 0.03F}, {0.13F, radius + 0.3F}, {-0.13F, radius + 0.3F}};
-  append(mesh, transformed(make_extrusion("", key, kWall + 0.18F), placed({0, 0, -kWall / 2 - 0.09F})));
+  append_mesh(mesh, transform_mesh(make_extrusion("", key, kWall + 0.18F), placement({0, 0, -kWall / 2 - 0.09F})));
   project_uvs(mesh, 0.6F);
   return mesh;
 }
@@ -289,7 +289,7 @@ Mesh make_archivolt(float radius, const Detail& detail) {
 /// Makes a cornice along x, from -half to half, its back at z = 0.
 Mesh make_cornice(float half, std::span<const glm::vec2> outline) {
   const glm::mat4 along{{0, 0, 1, 0}, {0, 1, 0, 0}, {-1, 0, 0, 0}, {half, 0, 0, 1}};
-  Mesh mesh = transformed(make_extrusion("cornice", outline, 2 * half), along);
+  Mesh mesh = transform_mesh(make_extrusion("cornice", outline, 2 * half), along);
   project_uvs(mesh, 0.6F);
   return mesh;
 }
@@ -312,29 +312,31 @@ void add_door(Scene& scene, const Materials& is, const Detail& detail, const glm
   door.name = "door";
   for (const float x : {-0.62F, 0.0F}) {
     for (const auto& [low, high] : {std::pair{0.0F, 1.0F}, std::pair{1.0F, 2.3F}}) {
-      append(door, transformed(make_panel("", 0.62F, high - low, detail.profile(leaf), detail.cells(1)),
-                               wall * placed({x, low, 0})));
+      append_mesh(door,
+                  transform_mesh(make_panel("", 0.62F, high - low, detail.coarser_profile(leaf), detail.cell_count(1)),
+                                 wall * placement({x, low, 0})));
     }
   }
   project_uvs(door, 0.8F, true);
   add_object(scene, std::move(door), is.wood);
   Mesh frame;
   frame.name = "door frame";
-  for (const float x : {-0.82F, 0.62F}) append(frame, make_box("", {x, 0, 0}, {x + 0.2F, 2.3F, 0.12F}));
-  append(frame, make_box("", {-0.92F, 2.3F, 0}, {0.92F, 2.52F, 0.15F}));
-  append(frame, make_box("", {-0.98F, 2.52F, 0}, {0.98F, 2.6F, 0.22F}));
-  frame = transformed(std::move(frame), wall);
+  for (const float x : {-0.82F, 0.62F}) append_mesh(frame, make_box("", {x, 0, 0}, {x + 0.2F, 2.3F, 0.12F}));
+  append_mesh(frame, make_box("", {-0.92F, 2.3F, 0}, {0.92F, 2.52F, 0.15F}));
+  append_mesh(frame, make_box("", {-0.98F, 2.52F, 0}, {0.98F, 2.6F, 0.22F}));
+  frame = transform_mesh(std::move(frame), wall);
   project_uvs(frame, 0.6F);
   add_object(scene, std::move(frame), is.stone);
 }
 
 void add_walls(Scene& scene, const Materials& is, const Detail& detail) {
-  Mesh floor = make_quad("floor", {-kOuterX, 0, -kOuterZ}, {0, 0, 2 * kOuterZ}, {2 * kOuterX, 0, 0}, detail.cells(12));
+  Mesh floor =
+      make_quad("floor", {-kOuterX, 0, -kOuterZ}, {0, 0, 2 * kOuterZ}, {2 * kOuterX, 0, 0}, detail.cell_count(12));
   project_uvs(floor, 0.25F);
   add_object(scene, std::move(floor), is.floor);
   const auto add_outer = [&](const glm::vec3& origin, const glm::vec3& outward, float width) {
-    Mesh wall = transformed(make_quad("outer wall", glm::vec3(0), {width, 0, 0}, {0, kTop, 0}, detail.cells(8)),
-                            standing(origin, outward));
+    Mesh wall = transform_mesh(make_quad("outer wall", glm::vec3(0), {width, 0, 0}, {0, kTop, 0}, detail.cell_count(8)),
+                               wall_axes(origin, outward));
     project_uvs(wall, 0.7F);
     add_object(scene, std::move(wall), is.brick);
   };
@@ -349,12 +351,12 @@ void add_walls(Scene& scene, const Materials& is, const Detail& detail) {
   for_each_bay([&](const glm::vec3& middle, const glm::vec3& inward, float) {
     const glm::vec3 foot = middle - (kGallery - 0.001F) * inward;
     for (const float y : {0.0F, kUpper}) {
-      if (count++ % 3 != 1) add_door(scene, is, detail, standing(foot + glm::vec3(0, y, 0), inward));
+      if (count++ % 3 != 1) add_door(scene, is, detail, wall_axes(foot + glm::vec3(0, y, 0), inward));
     }
     // Beams below both ceilings.
     for (const float y : {kUpper - 0.2F, kTop}) {
-      Mesh beam = transformed(make_box("beam", {-0.1F, -0.2F, 0}, {0.1F, 0, kGallery - 0.2F}),
-                              standing(foot + glm::vec3(0, y, 0), inward));
+      Mesh beam = transform_mesh(make_box("beam", {-0.1F, -0.2F, 0}, {0.1F, 0, kGallery - 0.2F}),
+                                 wall_axes(foot + glm::vec3(0, y, 0), inward));
       project_uvs(beam, 0.8F);
       add_object(scene, std::move(beam), is.wood);
     }
@@ -379,7 +381,7 @@ void add_arcades(Scene& scene, const Materials& is, const Detail& detail) {
     const Kind& low = is_long ? long_low : short_low;
     const Kind& high = is_long ? long_high : short_high;
     for (const auto& [kind, y] : {std::pair{low, kSpring}, std::pair{high, kUpperSpring}}) {
-      const glm::mat4 at = standing(middle + glm::vec3(0, y, 0), inward);
+      const glm::mat4 at = wall_axes(middle + glm::vec3(0, y, 0), inward);
       add_instance(scene, kind.wall, at);
       add_instance(scene, kind.archivolt, at);
     }
@@ -393,16 +395,16 @@ void add_arcades(Scene& scene, const Materials& is, const Detail& detail) {
   for (const auto& [outline, y] :
        {std::pair<std::span<const glm::vec2>, float>{string_course, kUpper - 0.21F}, {crown, kTop - 0.35F}}) {
     for (const float side : {-1.0F, 1.0F}) {
-      const glm::mat4 long_side = standing({0, y, side * (kHalfWidth - kWall / 2)}, {0, 0, -side});
-      const glm::mat4 short_side = standing({side * (kHalfLength - kWall / 2), y, 0}, {-side, 0, 0});
-      add_object(scene, transformed(make_cornice(kHalfLength - kWall / 2, outline), long_side), is.light_stone);
-      add_object(scene, transformed(make_cornice(kHalfWidth - kWall / 2, outline), short_side), is.light_stone);
+      const glm::mat4 long_side = wall_axes({0, y, side * (kHalfWidth - kWall / 2)}, {0, 0, -side});
+      const glm::mat4 short_side = wall_axes({side * (kHalfLength - kWall / 2), y, 0}, {-side, 0, 0});
+      add_object(scene, transform_mesh(make_cornice(kHalfLength - kWall / 2, outline), long_side), is.light_stone);
+      add_object(scene, transform_mesh(make_cornice(kHalfWidth - kWall / 2, outline), short_side), is.light_stone);
       if (y < kTop - 1) continue;
       const Mesh dentil = make_box("", {-0.07F, -0.16F, 0}, {0.07F, 0, 0.1F});
       for (int k = -21; k <= 21; ++k)
-        append(dentils, transformed(dentil, long_side * placed({0.4F * static_cast<float>(k), 0, 0})));
+        append_mesh(dentils, transform_mesh(dentil, long_side * placement({0.4F * static_cast<float>(k), 0, 0})));
       for (int k = -8; k <= 8; ++k)
-        append(dentils, transformed(dentil, short_side * placed({0.4F * static_cast<float>(k), 0, 0})));
+        append_mesh(dentils, transform_mesh(dentil, short_side * placement({0.4F * static_cast<float>(k), 0, 0})));
     }
   }
   add_object(scene, std::move(dentils), is.light_stone);
@@ -415,7 +417,7 @@ void upright_picture(Mesh& mesh) {
 void add_cloth(Scene& scene, const Materials& is, const Detail& detail) {
   // Banners over the balustrades, at every other column.
   constexpr float kWide = 0.95F, kTall = 3.1F;
-  Mesh cloth = make_surface("banner", detail.cells(10, 4), detail.cells(18, 6), [](float s, float t) {
+  Mesh cloth = make_surface("banner", detail.cell_count(10, 4), detail.cell_count(18, 6), [](float s, float t) {
     const float down = 1 - t;
     const float wave = 0.05F * down * sin_turns(static_cast<double>(0.8F * s + 1.1F * t)) +
                        0.025F * down * sin_turns(static_cast<double>(2.0F * s - 0.7F * t));
@@ -425,15 +427,15 @@ void add_cloth(Scene& scene, const Materials& is, const Detail& detail) {
   upright_picture(cloth);
   const std::uint32_t red = add_mesh(scene, cloth, is.red), blue = add_mesh(scene, std::move(cloth), is.blue);
   const std::uint32_t rod = add_mesh(scene,
-                                     transformed(make_cylinder("banner rod", 0.022F, 1.15F, detail.cells(8, 4)),
-                                                 turned({0.575F, 0, 0}, {0, 0, 1}, 0.25)),
+                                     transform_mesh(make_cylinder("banner rod", 0.022F, 1.15F, detail.cell_count(8, 4)),
+                                                    rotation_about({0.575F, 0, 0}, {0, 0, 1}, 0.25)),
                                      is.iron);
   const std::uint32_t arm = add_mesh(scene,
-                                     transformed(make_cylinder("banner arm", 0.018F, 0.45F, detail.cells(8, 4)),
-                                                 turned({0, 0, -0.42F}, {1, 0, 0}, 0.25)),
+                                     transform_mesh(make_cylinder("banner arm", 0.018F, 0.45F, detail.cell_count(8, 4)),
+                                                    rotation_about({0, 0, -0.42F}, {1, 0, 0}, 0.25)),
                                      is.iron);
   const auto add_banner = [&](const glm::vec3& at, const glm::vec3& inward, std::uint32_t which) {
-    const glm::mat4 to_world = standing(at, inward);
+    const glm::mat4 to_world = wall_axes(at, inward);
     add_instance(scene, which, to_world);
     add_instance(scene, rod, to_world);
     add_instance(scene, arm, to_world);
@@ -446,13 +448,15 @@ void add_cloth(Scene& scene, const Materials& is, const Detail& detail) {
   }
   // Curtains in some of the lower arches.
   const float half = kLongBay / 2 - 0.24F;
-  Mesh curtain = make_curtain("curtain", half, 2.62F, 5, 0.07F, detail.cells(30, 10), detail.cells(10, 3), 77);
+  Mesh curtain =
+      make_curtain("curtain", half, 2.62F, 5, 0.07F, detail.cell_count(30, 10), detail.cell_count(10, 3), 77);
   upright_picture(curtain);
   const std::uint32_t curtain_mesh = add_mesh(scene, std::move(curtain), is.curtain);
-  const std::uint32_t pole = add_mesh(scene,
-                                      transformed(make_cylinder("curtain pole", 0.025F, 2 * half, detail.cells(8, 4)),
-                                                  turned({half, 0, 0}, {0, 0, 1}, 0.25)),
-                                      is.iron);
+  const std::uint32_t pole =
+      add_mesh(scene,
+               transform_mesh(make_cylinder("curtain pole", 0.025F, 2 * half, detail.cell_count(8, 4)),
+                              rotation_about({half, 0, 0}, {0, 0, 1}, 0.25)),
+               is.iron);
   for (const auto& [bay, side, both] : {std::tuple{1, -1.0F, true},
                                         {3, -1.0F, false},
                                         {4, -1.0F, true},
@@ -460,22 +464,22 @@ void add_cloth(Scene& scene, const Materials& is, const Detail& detail) {
                                         {3, 1.0F, true},
                                         {5, 1.0F, true}}) {
     const float x = kLongBay * (static_cast<float>(bay) + 0.5F) - kHalfLength;
-    const glm::mat4 at = standing({x, 0.12F, side * kHalfWidth}, {0, 0, -side});
-    add_instance(scene, pole, at * placed({0, 2.62F, 0}));
-    add_instance(scene, curtain_mesh, at * placed({-half, 0, 0}, 0, {both ? 0.75F : 0.95F, 1, 1}));
-    if (both) add_instance(scene, curtain_mesh, at * placed({0.25F * half, 0, 0}, 0, {0.75F, 1, 1}));
+    const glm::mat4 at = wall_axes({x, 0.12F, side * kHalfWidth}, {0, 0, -side});
+    add_instance(scene, pole, at * placement({0, 2.62F, 0}));
+    add_instance(scene, curtain_mesh, at * placement({-half, 0, 0}, 0, {both ? 0.75F : 0.95F, 1, 1}));
+    if (both) add_instance(scene, curtain_mesh, at * placement({0.25F * half, 0, 0}, 0, {0.75F, 1, 1}));
   }
 }
 
 void add_fountain(Scene& scene, const Materials& is, const Detail& detail) {
-  const glm::mat4 at = placed({2.6F, 0, 0});
+  const glm::mat4 at = placement({2.6F, 0, 0});
   const auto add_lathe = [&](const char* name, std::span<const glm::vec2> profile, std::uint32_t segments,
                              std::uint32_t material) {
-    Mesh mesh = make_lathe(name, detail.profile(profile), segments);
+    Mesh mesh = make_lathe(name, detail.coarser_profile(profile), segments);
     project_uvs(mesh, 0.6F);
-    add_object(scene, transformed(std::move(mesh), at), material);
+    add_object(scene, transform_mesh(std::move(mesh), at), material);
   };
-  const std::uint32_t round = detail.cells(28, 12);
+  const std::uint32_t round = detail.cell_count(28, 12);
   const glm::vec2 step[] = {{1.75F, 0}, {1.75F, 0.12F}, {1.3F, 0.12F}};
   const glm::vec2 rim[] = {{1.35F, 0.12F}, {1.35F, 0.2F},  {1.25F, 0.24F}, {1.25F, 0.5F},
                            {1.36F, 0.54F}, {1.36F, 0.62F}, {1.12F, 0.62F}, {1.12F, 0.3F}};
@@ -489,62 +493,62 @@ void add_fountain(Scene& scene, const Materials& is, const Detail& detail) {
   add_lathe("fountain step", step, 8, is.light_stone);
   add_lathe("fountain rim", rim, 8, is.stone);
   add_lathe("fountain water", pool, 8, is.water);
-  add_lathe("fountain bowl", smoothed(foot, detail.cells(2)), round, is.stone);
+  add_lathe("fountain bowl", catmull_rom(foot, detail.cell_count(2)), round, is.stone);
   add_lathe("fountain bowl's water", upper_pool, round, is.water);
-  add_lathe("finial", smoothed(finial, detail.cells(2)), round, is.light_stone);
+  add_lathe("finial", catmull_rom(finial, detail.cell_count(2)), round, is.light_stone);
 }
 
 void add_plants(Scene& scene, const Materials& is, const Detail& detail) {
   const glm::vec2 pot[] = {{0, 0},         {0.2F, 0},     {0.24F, 0.04F}, {0.33F, 0.3F},  {0.3F, 0.5F},
                            {0.27F, 0.55F}, {0.33F, 0.6F}, {0.34F, 0.65F}, {0.28F, 0.65F}, {0.25F, 0.58F}};
   const glm::vec2 ground[] = {{0.26F, 0.59F}, {0, 0.62F}};
-  const std::uint32_t round = detail.cells(22, 8);
-  const std::uint32_t pot_mesh = add_mesh(scene, make_lathe("pot", detail.profile(pot), round), is.clay);
-  const std::uint32_t soil_mesh = add_mesh(scene, make_lathe("soil", detail.profile(ground), round), is.soil);
+  const std::uint32_t round = detail.cell_count(22, 8);
+  const std::uint32_t pot_mesh = add_mesh(scene, make_lathe("pot", detail.coarser_profile(pot), round), is.clay);
+  const std::uint32_t soil_mesh = add_mesh(scene, make_lathe("soil", detail.coarser_profile(ground), round), is.soil);
   const glm::vec3 positions[] = {{-5.9F, 0, 2.75F}, {-6.1F, 0, -2.75F}, {-0.2F, 0, -2.75F},
                                  {0.1F, 0, 2.75F},  {5.9F, 0, -2.75F},  {6.1F, 0, 2.75F}};
   std::uint32_t seed = 90;
   for (const glm::vec3& at : positions) {
     ++seed;
-    add_instance(scene, pot_mesh, placed(at));
-    add_instance(scene, soil_mesh, placed(at));
+    add_instance(scene, pot_mesh, placement(at));
+    add_instance(scene, soil_mesh, placement(at));
     Mesh foliage;
     foliage.name = "foliage";
-    const std::uint32_t count = detail.pieces(70, 12);
+    const std::uint32_t count = detail.piece_count(70, 12);
     for (std::uint32_t k = 0; k < count; ++k) {
       const float age = (static_cast<float>(k) + 0.5F) / static_cast<float>(count);
       const glm::vec2 way = on_circle(static_cast<double>(0.382F * static_cast<float>(k)));
-      const float rise = 2.4F - 2.0F * age + 0.5F * random(seed, k);
+      const float rise = 2.4F - 2.0F * age + 0.5F * random_unit(seed, k);
       const float length = random_between(0.7F, 1.0F, seed, k, 1) * (1.15F - 0.3F * age);
       add_leaf(foliage, at + glm::vec3(0.1F * way.x, 0.6F, 0.1F * way.y), glm::normalize(glm::vec3(way.x, rise, way.y)),
-               length, 0.075F, 0.25F + 0.5F * age, detail.cells(6, 3));
+               length, 0.075F, 0.25F + 0.5F * age, detail.cell_count(6, 3));
     }
     add_object(scene, std::move(foliage), is.leaf);
   }
 }
 
 void add_lanterns(Scene& scene, const Materials& is, const Detail& detail) {
-  const std::uint32_t round = detail.cells(10, 6);
+  const std::uint32_t round = detail.cell_count(10, 6);
   const glm::vec2 hood[] = {{0.13F, 0.28F}, {0.14F, 0.3F},   {0.05F, 0.38F},
                             {0.02F, 0.42F}, {0.012F, 0.46F}, {0.012F, 1.05F}};
   const glm::vec2 base[] = {{0, -0.05F}, {0.03F, -0.02F}, {0.11F, 0}, {0.11F, 0.03F}, {0, 0.03F}};
-  Mesh frame = make_lathe("lantern", detail.profile(hood), round);
-  append(frame, make_lathe("", detail.profile(base), round));
+  Mesh frame = make_lathe("lantern", detail.coarser_profile(hood), round);
+  append_mesh(frame, make_lathe("", detail.coarser_profile(base), round));
   for (int k = 0; k < 6; ++k) {
     const glm::vec2 p = on_circle(k / 6.0);
-    append(frame, make_tube("",
-                            std::array{glm::vec3(0.105F * p.x, 0.02F, 0.105F * p.y),
-                                       glm::vec3(0.125F * p.x, 0.29F, 0.125F * p.y)},
-                            std::array{0.006F}, 4));
+    append_mesh(frame, make_tube("",
+                                 std::array{glm::vec3(0.105F * p.x, 0.02F, 0.105F * p.y),
+                                            glm::vec3(0.125F * p.x, 0.29F, 0.125F * p.y)},
+                                 std::array{0.006F}, 4));
   }
   const glm::vec2 flame[] = {{0.05F, 0.03F}, {0.075F, 0.12F}, {0.06F, 0.22F}, {0, 0.27F}};
   const std::uint32_t frame_mesh = add_mesh(scene, std::move(frame), is.iron);
   const std::uint32_t flame_mesh =
-      add_mesh(scene, make_lathe("lantern's light", smoothed(detail.profile(flame), 2), round), is.glow);
+      add_mesh(scene, make_lathe("lantern's light", catmull_rom(detail.coarser_profile(flame), 2), round), is.glow);
   int count = 0;
   for_each_bay([&](const glm::vec3& middle, const glm::vec3& inward, float) {
     if (count++ % 2 == 0) return;
-    const glm::mat4 at = placed(middle - 1.5F * inward + glm::vec3(0, kUpper - 0.4F - 1.05F, 0));
+    const glm::mat4 at = placement(middle - 1.5F * inward + glm::vec3(0, kUpper - 0.4F - 1.05F, 0));
     add_instance(scene, frame_mesh, at);
     add_instance(scene, flame_mesh, at);
   });
@@ -558,7 +562,7 @@ namespace {
 
 using namespace atrium;
 
-Scene furnish(const Detail& detail) {
+Scene furnish_court(const Detail& detail) {
   Scene scene;
   scene.name = "atrium";
   scene.background = {0.50F, 0.68F, 0.92F};
@@ -590,7 +594,7 @@ void add_cameras(Scene& scene) {
 /// of its class's triangles, as it has many different parts.
 Scene build_atrium(const BuiltinOptions& options) {
   constexpr std::uint32_t kClass = 66'000;
-  Scene scene = build_to_size(options.triangles_or(kClass), furnish);
+  Scene scene = build_to_size(options.triangles_or(kClass), furnish_court);
   paint_pictures(scene);
   add_cameras(scene);
   Light sun;

@@ -10,7 +10,7 @@ namespace traces {
 Scene build_cornell(const BuiltinOptions& options) {
   constexpr std::uint32_t kTriangles = 10'338;  // with 16 and 18 cells
   const Detail detail = detail_for(options.triangles_or(kTriangles), kTriangles);
-  const std::uint32_t wall_cells = detail.cells(16, 2), sphere_cells = detail.cells(18, 4);
+  const std::uint32_t wall_cells = detail.cell_count(16, 2), sphere_cells = detail.cell_count(18, 4);
   Scene scene;
   scene.name = "cornell";
   scene.background = glm::vec3(0.02F);

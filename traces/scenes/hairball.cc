@@ -25,7 +25,7 @@ constexpr glm::vec3 kMiddle{0, 1.22F, 0};
 
 glm::vec3 any_direction(std::uint64_t a, std::uint64_t b) {
   const float y = random_between(-1, 1, a, b, 1);
-  const glm::vec2 round = on_circle(static_cast<double>(random(a, b, 2)));
+  const glm::vec2 round = on_circle(static_cast<double>(random_unit(a, b, 2)));
   const float r = std::sqrt(std::max(1 - y * y, 0.0F));
   return {r * round.x, y, r * round.y};
 }
@@ -35,11 +35,11 @@ void add_strand(Mesh& mesh, std::uint64_t bundle, std::uint64_t strand, float ra
   const std::uint64_t lock = strand / kLock;
   glm::vec3 way = glm::normalize(any_direction(bundle * 2, lock) + 0.13F * any_direction(bundle * 2, strand + 99));
   glm::vec3 heading = glm::normalize(glm::cross(way, any_direction(bundle * 2 + 1, lock)));
-  const float depth = random_between(0.25F, 0.97F, bundle, lock, 3) + 0.05F * random(bundle, strand, 9);
-  const float wave = random(bundle, lock, 4) + 0.12F * random(bundle, strand, 4);
+  const float depth = random_between(0.25F, 0.97F, bundle, lock, 3) + 0.05F * random_unit(bundle, strand, 9);
+  const float wave = random_unit(bundle, lock, 4) + 0.12F * random_unit(bundle, strand, 4);
   const float rate = random_between(0.6F, 1.7F, bundle, lock, 5);
   const float stride = random_between(0.012F, 0.034F, bundle, lock, 6);  // turns per step
-  const float loose = random(bundle, strand, 8);
+  const float loose = random_unit(bundle, strand, 8);
   const float flown = loose > 0.93F ? 0.3F : 0.04F;  // a few strands project from the ball
   float bend = 0;
   glm::vec3 last = way * depth;
@@ -49,7 +49,7 @@ void add_strand(Mesh& mesh, std::uint64_t bundle, std::uint64_t strand, float ra
     const float c = cos_turns(static_cast<double>(stride)), s = sin_turns(static_cast<double>(stride));
     const glm::vec3 ahead = heading * c - way * s;
     way = glm::normalize(way * c + heading * s);
-    bend = 0.8F * bend + 0.035F * (2 * random(bundle * 4099 + (loose > 0.8F ? strand : lock), k, 7) - 1);
+    bend = 0.8F * bend + 0.035F * (2 * random_unit(bundle * 4099 + (loose > 0.8F ? strand : lock), k, 7) - 1);
     const float bc = cos_turns(static_cast<double>(bend)), bs = sin_turns(static_cast<double>(bend));
     heading = glm::normalize(ahead * bc + glm::cross(way, ahead) * bs);
     heading = glm::normalize(heading - way * glm::dot(heading, way));
@@ -80,14 +80,14 @@ void add_room(Scene& scene) {
   scene.textures.push_back(
       tile_texture("floor tiles", {0.55F, 0.56F, 0.60F}, {0.38F, 0.39F, 0.44F}, {0.20F, 0.20F, 0.22F}, 8, 3));
   scene.textures.push_back(stone_texture("plaster", {0.72F, 0.74F, 0.78F}, {0.52F, 0.54F, 0.60F}, 5));
-  const std::uint32_t floor = add_material(scene, textured("mirror floor", 0, glm::vec3(1), 0.62F));
-  const std::uint32_t wall = add_material(scene, textured("back wall", 1, {0.34F, 0.38F, 0.47F}));
-  const std::uint32_t mirror = add_material(scene, metal("mirror", {0.94F, 0.96F, 0.98F}, 0.88F));
-  const std::uint32_t brass = add_material(scene, metal("brass", {0.90F, 0.70F, 0.38F}, 0.6F));
+  const std::uint32_t floor = add_material(scene, make_textured("mirror floor", 0, glm::vec3(1), 0.62F));
+  const std::uint32_t wall = add_material(scene, make_textured("back wall", 1, {0.34F, 0.38F, 0.47F}));
+  const std::uint32_t mirror = add_material(scene, make_metal("mirror", {0.94F, 0.96F, 0.98F}, 0.88F));
+  const std::uint32_t brass = add_material(scene, make_metal("brass", {0.90F, 0.70F, 0.38F}, 0.6F));
   add_object(scene, make_quad("floor", {-6, 0, -2.6F}, {0, 0, 9.6F}, {8, 0, 0}, 8, 4), floor);
   add_object(scene, make_quad("back wall", {-6, 0, -2.6F}, {8, 0, 0}, {0, 4.4F, 0}, 8, 2), wall);
   add_object(scene, make_quad("right wall", {2, 0, -2.6F}, {0, 0, 9.6F}, {0, 4.4F, 0}, 8), mirror);
-  add_object(scene, transformed(make_torus("stand", 0.42F, 0.045F, 64, 16), placed({0, 0.28F, 0})), brass);
+  add_object(scene, transform_mesh(make_torus("stand", 0.42F, 0.045F, 64, 16), placement({0, 0.28F, 0})), brass);
   for (int k = 0; k < 3; ++k) {
     const glm::vec2 round = on_circle(k / 3.0 + 0.1);
     const glm::vec3 leg[] = {{0.62F * round.x, 0.02F, 0.62F * round.y}, {0.42F * round.x, 0.28F, 0.42F * round.y}};
@@ -129,7 +129,7 @@ Scene build_hairball(const BuiltinOptions& options) {
   const glm::vec3 colours[kColours] = {{0.86F, 0.38F, 0.14F}, {0.95F, 0.70F, 0.34F}, {0.50F, 0.22F, 0.12F}};
   for (std::uint32_t colour = 0; colour < kColours; ++colour) {
     const std::string name = "strands " + std::to_string(colour + 1);
-    const std::uint32_t material = add_material(scene, paint(name, colours[colour], 0.12F));
+    const std::uint32_t material = add_material(scene, make_paint(name, colours[colour], 0.12F));
     Mesh bundle;
     bundle.name = name;
     bundle.positions.reserve(std::size_t{strands} * (kSegments + 1) * kSides);
@@ -138,7 +138,8 @@ Scene build_hairball(const BuiltinOptions& options) {
     for (std::uint32_t k = 0; k < strands; ++k) add_strand(bundle, colour + 11, k, radius);
     const std::uint32_t mesh = add_mesh(scene, std::move(bundle), material);
     for (std::uint32_t k = 0; k < kBundles / kColours; ++k) {
-      const glm::quat turn = rotation(any_direction(colour, k + 50), static_cast<double>(random(colour, k + 60)));
+      const glm::quat turn =
+          axis_rotation(any_direction(colour, k + 50), static_cast<double>(random_unit(colour, k + 60)));
       glm::mat4 at = glm::mat4_cast(turn);
       at[3] = glm::vec4(kMiddle, 1);
       add_instance(scene, mesh, at);

@@ -58,7 +58,7 @@ constexpr float kHalves[][4][4][3] = {
 };
 
 /// Returns the patch of quarter turn `quarter`. The factor 0.56 approximates a circle, as in the original table.
-BezierPatch revolve(const Profile& profile, int quarter) {
+BezierPatch revolve_profile(const Profile& profile, int quarter) {
   constexpr float kArc[4][2] = {{1, 0}, {1, 0.56F}, {0.56F, 1}, {0, 1}};
   BezierPatch patch;
   for (std::size_t row = 0; row < 4; ++row) {
@@ -78,7 +78,7 @@ BezierPatch revolve(const Profile& profile, int quarter) {
 
 /// Returns one half of handle or spout; `side` is +1 or -1. Rows run along it; columns run round it so that normals
 /// point out.
-BezierPatch half(const float (&rows)[4][4][3], float side) {
+BezierPatch half_patch(const float (&rows)[4][4][3], float side) {
   BezierPatch patch;
   for (std::size_t row = 0; row < 4; ++row) {
     for (std::size_t i = 0; i < 4; ++i) {
@@ -93,7 +93,7 @@ struct Basis {
   float value[4], slope[4];
 };
 
-Basis bernstein(float t) {
+Basis bernstein_weights(float t) {
   const float s = 1 - t;
   return {{s * s * s, 3 * s * s * t, 3 * s * t * t, t * t * t},
           {-3 * s * s, 3 * s * s - 6 * s * t, 6 * s * t - 3 * t * t, 3 * t * t}};
@@ -104,20 +104,20 @@ Basis bernstein(float t) {
 std::vector<BezierPatch> teapot_patches() {
   std::vector<BezierPatch> patches;
   const auto revolved = [&patches](const Profile& profile) {
-    for (int quarter = 0; quarter < 4; ++quarter) patches.push_back(revolve(profile, quarter));
+    for (int quarter = 0; quarter < 4; ++quarter) patches.push_back(revolve_profile(profile, quarter));
   };
   for (std::size_t i = 0; i + 1 < std::size(kProfiles); ++i) revolved(kProfiles[i]);
   for (const auto& rows : kHalves) {
-    patches.push_back(half(rows, 1));
-    patches.push_back(half(rows, -1));
+    patches.push_back(half_patch(rows, 1));
+    patches.push_back(half_patch(rows, -1));
   }
   revolved(kProfiles[std::size(kProfiles) - 1]);
   return patches;
 }
 
-SurfacePoint evaluate(const BezierPatch& patch, float u, float v) {
+SurfacePoint evaluate_patch(const BezierPatch& patch, float u, float v) {
   const auto derive = [&patch](float at_u, float at_v, glm::vec3& du, glm::vec3& dv) {
-    const Basis bu = bernstein(at_u), bv = bernstein(at_v);
+    const Basis bu = bernstein_weights(at_u), bv = bernstein_weights(at_v);
     glm::vec3 position{0};
     du = dv = glm::vec3(0);
     for (std::size_t j = 0; j < 4; ++j) {
@@ -148,7 +148,7 @@ Mesh make_pot(std::string name, std::span<const BezierPatch> patches, std::uint3
       for (std::uint32_t i = 0; i <= cells; ++i) {
         const float u = static_cast<float>(i) / static_cast<float>(cells);
         const float v = static_cast<float>(j) / static_cast<float>(cells);
-        const SurfacePoint point = evaluate(patch, u, v);
+        const SurfacePoint point = evaluate_patch(patch, u, v);
         mesh.positions.push_back(point.position);
         mesh.normals.push_back(point.normal);
         mesh.uvs.emplace_back(u, v);
@@ -203,8 +203,8 @@ Scene build_teapot(const BuiltinOptions& options) {
   const std::uint32_t floor_id = add_material(scene, floor);
 
   const std::vector<BezierPatch> patches = teapot_patches();
-  add_object(scene, make_pot("teapot", patches, detail.cells(15, 3)), porcelain_id);
-  add_object(scene, make_quad("floor", {-12, 0, -12}, {0, 0, 24}, {24, 0, 0}, detail.cells(16, 2), 12), floor_id);
+  add_object(scene, make_pot("teapot", patches, detail.cell_count(15, 3)), porcelain_id);
+  add_object(scene, make_quad("floor", {-12, 0, -12}, {0, 0, 24}, {24, 0, 0}, detail.cell_count(16, 2), 12), floor_id);
 
   Light lamp;
   lamp.position = {-5, 9, 7};

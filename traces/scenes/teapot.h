@@ -20,6 +20,6 @@ struct SurfacePoint {
 
 /// Returns the patch at (u, v), 0 to 1. At a pole, where one side of the patch has no length, it returns a nearby
 /// normal.
-SurfacePoint evaluate(const BezierPatch& patch, float u, float v);
+SurfacePoint evaluate_patch(const BezierPatch& patch, float u, float v);
 
 }  // namespace traces

@@ -21,8 +21,8 @@
 namespace traces {
 namespace {
 
-glm::dvec3 dvec3(const sim::Triple& t) { return {t.x, t.y, t.z}; }
-glm::vec3 vec3(const sim::Triple& t) { return glm::vec3(dvec3(t)); }
+glm::dvec3 to_dvec3(const sim::Triple& t) { return {t.x, t.y, t.z}; }
+glm::vec3 to_vec3(const sim::Triple& t) { return glm::vec3(to_dvec3(t)); }
 
 std::size_t find_camera(const Scene& scene, const std::string& wanted) {
   if (wanted.empty()) return 0;
@@ -42,11 +42,11 @@ std::size_t find_camera(const Scene& scene, const std::string& wanted) {
 }
 
 Camera own_camera(const ViewConfig& view) {
-  const glm::dvec3 eye = dvec3(view.position);
+  const glm::dvec3 eye = to_dvec3(view.position);
   Camera camera;
   camera.name = "own";
-  camera.to_world = camera_to_world(glm::dmat4(glm::dvec4(0), glm::dvec4(dvec3(view.up), 0),
-                                               glm::dvec4(eye - dvec3(view.target), 0), glm::dvec4(eye, 1)))
+  camera.to_world = camera_to_world(glm::dmat4(glm::dvec4(0), glm::dvec4(to_dvec3(view.up), 0),
+                                               glm::dvec4(eye - to_dvec3(view.target), 0), glm::dvec4(eye, 1)))
                         .value();
   camera.vertical_fov = static_cast<float>(glm::radians(view.fov));
   return camera;
@@ -63,9 +63,9 @@ void choose_lights(Scene& scene, const LightsConfig& config) {
   }
   Light own;
   own.kind = config.rig == LightRig::kPoint ? Light::Kind::kPoint : Light::Kind::kDirectional;
-  own.position = vec3(config.position);
-  own.direction = glm::vec3(glm::normalize(dvec3(config.direction)));
-  own.intensity = vec3(config.intensity);
+  own.position = to_vec3(config.position);
+  own.direction = glm::vec3(glm::normalize(to_dvec3(config.direction)));
+  own.intensity = to_vec3(config.intensity);
   scene.lights = {own};
 }
 
@@ -81,7 +81,7 @@ void hold_camera(Scene& scene) {
 }
 
 /// Rotates the camera round the vertical axis through the middle of the scene in its current pose.
-void orbit(Scene& scene, double degrees) {
+void orbit_camera(Scene& scene, double degrees) {
   const glm::dvec3 centre(world_bounds(scene).centre());
   const glm::dmat4 turn = glm::translate(glm::dmat4(1), centre) *
                           glm::rotate(glm::dmat4(1), degrees * std::numbers::pi / 180, glm::dvec3(0, 1, 0)) *
@@ -119,8 +119,8 @@ Scene open_workload(const WorkloadConfig& workload, const SceneLimits& limits) {
   scene.cameras = {camera};
   if (workload.camera_path == CameraPath::kOrbit) hold_camera(scene);
   if (workload.sky.source == Sky::kOwn) {
-    scene.background = vec3(workload.sky.background);
-    scene.ambient = vec3(workload.sky.ambient);
+    scene.background = to_vec3(workload.sky.background);
+    scene.ambient = to_vec3(workload.sky.ambient);
   }
   pose_workload(scene, workload, workload.first_frame);
   return scene;
@@ -128,9 +128,9 @@ Scene open_workload(const WorkloadConfig& workload, const SceneLimits& limits) {
 
 Moved pose_workload(Scene& scene, const WorkloadConfig& workload, std::uint32_t frame) {
   const double seconds = workload.seconds_of(frame);
-  Moved moved = pose(scene, seconds);
+  Moved moved = pose_scene(scene, seconds);
   if (workload.camera_path == CameraPath::kOrbit) {
-    orbit(scene, workload.orbit * seconds);
+    orbit_camera(scene, workload.orbit * seconds);
     moved.view = true;
   }
   return moved;

@@ -67,11 +67,11 @@ TEST_P(MovingScene, IsHitAsEmbreeHitsItAtAnyTime) {
     GTEST_SKIP() << "no " << file << "; set RAYWATT_SCENES to a folder that has it";
   }
   Scene scene = load_gltf(file);
-  ASSERT_GT(duration(scene), 0);
+  ASSERT_GT(animation_seconds(scene), 0);
   MemoryImage refitted = build_memory_image(scene);
   for (int i = 0; i < 8; ++i) {
     SCOPED_TRACE(i);
-    pose(scene, duration(scene) * (i + 0.37) / 8);
+    pose_scene(scene, animation_seconds(scene) * (i + 0.37) / 8);
     refit_memory_image(scene, refitted);
     expect_no_faults(refitted, scene.cameras[0], static_cast<std::uint64_t>(i));
     expect_no_faults(build_memory_image(scene), scene.cameras[0], static_cast<std::uint64_t>(i));

@@ -156,11 +156,11 @@ TEST(ExactHit, KnowsHowSureItIs) {
   const auto certainty = [&](float x, float y) {
     return exact_hit(Ray{{x, y, 1}, 0, {0, 0, -1}}, image, Hit{.triangle = 0}).certainty;
   };
-  EXPECT_EQ(certainty(0.25F, 0.25F), Certainty::kHit);
-  EXPECT_EQ(certainty(0.25F, 1e-7F), Certainty::kUncertain);
-  EXPECT_EQ(certainty(0.25F, -1e-7F), Certainty::kUncertain);
-  EXPECT_EQ(certainty(0.25F, -1e-4F), Certainty::kMiss);
-  EXPECT_EQ(certainty(0.25F, 1e-4F), Certainty::kHit);
+  EXPECT_EQ(wall_axes(0.25F, 0.25F), Standing::kHit);
+  EXPECT_EQ(wall_axes(0.25F, 1e-7F), Standing::kUncertain);
+  EXPECT_EQ(wall_axes(0.25F, -1e-7F), Standing::kUncertain);
+  EXPECT_EQ(wall_axes(0.25F, -1e-4F), Standing::kMiss);
+  EXPECT_EQ(wall_axes(0.25F, 1e-4F), Standing::kHit);
 }
 
 }  // namespace

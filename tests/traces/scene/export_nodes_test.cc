@@ -164,11 +164,11 @@ std::vector<glm::vec3> shown(const Scene& scene, const std::string& mesh) {
 
 TEST(ExportOfTracks, EverythingMovesAsBefore) {
   Scene scene = feature_scene(), back = there_and_back(scene);
-  EXPECT_EQ(traces::duration(back), 2);
+  EXPECT_EQ(traces::animation_seconds(back), 2);
   std::vector<glm::vec3> before;
   for (const double seconds : {0.0, 0.25, 0.5, 0.75, 1.0, 3.0}) {
-    traces::pose(scene, seconds);
-    traces::pose(back, seconds);
+    traces::pose_scene(scene, seconds);
+    traces::pose_scene(back, seconds);
     for (const char* mesh : {"board", "pane", "sign", "cloth", "flag"}) {
       const std::vector<glm::vec3> wanted = shown(scene, mesh), got = shown(back, mesh);
       ASSERT_EQ(got.size(), wanted.size()) << mesh;
@@ -243,8 +243,8 @@ TEST(ExportOfTracks, BeginAtZeroAndGrow) {
     for (std::size_t i = 1; i < track.times.size(); ++i) EXPECT_GT(track.times[i], track.times[i - 1]);
   }
   for (const double seconds : {0.0, 0.25, 0.75, 1.5, 3.0}) {
-    traces::pose(scene, seconds);
-    traces::pose(back, seconds);
+    traces::pose_scene(scene, seconds);
+    traces::pose_scene(back, seconds);
     for (const char* mesh : {"board", "pane", "sign", "cloth", "flag"}) {
       const std::vector<glm::vec3> wanted = shown(scene, mesh), got = shown(back, mesh);
       ASSERT_EQ(got.size(), wanted.size()) << mesh;

@@ -8,7 +8,7 @@
 namespace test {
 namespace {
 
-using traces::pose;
+using traces::pose_scene;
 using traces::Scene;
 
 /// Adds a channel to the first animation.
@@ -64,8 +64,8 @@ TEST(GltfAnimations, AreReadAsTracks) {
   Scene scene = load(sliding());
   ASSERT_EQ(scene.tracks.size(), 1U);
   EXPECT_TRUE(scene.warnings.empty());
-  EXPECT_EQ(traces::duration(scene), 1);
-  EXPECT_TRUE(pose(scene, 0.5).geometry);
+  EXPECT_EQ(traces::animation_seconds(scene), 1);
+  EXPECT_TRUE(pose_scene(scene, 0.5).geometry);
   EXPECT_EQ(x_of(scene), 1);
 }
 
@@ -87,7 +87,7 @@ TEST(GltfAnimations, AStillFileIsTheSameToTheBitWhateverTheTime) {
   ASSERT_NE(loaded.lights[0].node, traces::kNone) << "a light stands in for the emitter";
   Scene scene = loaded;
   for (const double seconds : {0.0, 12.5}) {
-    const traces::Moved moved = pose(scene, seconds);
+    const traces::Moved moved = pose_scene(scene, seconds);
     EXPECT_FALSE(moved.geometry || moved.view || moved.lights);
     for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(scene.instances[i].to_world, loaded.instances[i].to_world);
     EXPECT_EQ(scene.cameras[0].to_world, loaded.cameras[0].to_world);
@@ -101,7 +101,7 @@ TEST(GltfAnimations, NormalisedIntegersAreRotationsToo) {
   const std::vector<std::int16_t> shorts{0, 0, 0, 32767, 0, 0, 23170, 23170};
   animate(file, 0, "rotation", add_floats(file, {0, 1}, "SCALAR", 2), file.add(shorts, kShort, "VEC4", 2, true));
   Scene scene = load(file);
-  pose(scene, 1);
+  pose_scene(scene, 1);
   EXPECT_NEAR(scene.instances[0].to_world[0][1], 1, 1e-6);
 }
 
@@ -130,7 +130,7 @@ TEST(GltfAnimations, WhatIsScaledToNothingMayGrow) {
   file.node()["scale"] = {0, 0, 0};
   Scene scene = load(file);
   ASSERT_EQ(scene.instances.size(), 1U);
-  pose(scene, 1);
+  pose_scene(scene, 1);
   EXPECT_EQ(scene.instances[0].to_world, glm::mat4(1));
 }
 
@@ -198,7 +198,7 @@ TEST(GltfMorphTargets, AreAnimated) {
   const std::vector<std::uint8_t> weights{0, 255};
   animate(file, 0, "weights", add_floats(file, {0, 2}, "SCALAR", 2), file.add(weights, kUByte, "SCALAR", 2, true));
   Scene scene = load(file);
-  EXPECT_TRUE(pose(scene, 1).geometry);
+  EXPECT_TRUE(pose_scene(scene, 1).geometry);
   EXPECT_FLOAT_EQ(scene.meshes[0].positions[2].z, 0.5F);
 }
 

@@ -62,7 +62,7 @@ TEST_P(NatureScene, HasTexturesLightsAndTwoCamerasAndMoves) {
   EXPECT_EQ(scene.cameras[0].node, traces::kNone);
   EXPECT_EQ(scene.cameras.back().name, "path");
   EXPECT_NE(scene.cameras.back().node, traces::kNone);
-  EXPECT_GT(traces::duration(scene), 10);
+  EXPECT_GT(traces::animation_seconds(scene), 10);
 }
 
 TEST_P(NatureScene, StaysWithinItsBounds) {
@@ -145,14 +145,16 @@ TEST(Forest, PointsOutWhatIsOfInterest) {
   EXPECT_LT(focus.size(), scene.instances.size() / 10);
 }
 
-TEST(Village, IsFlownThroughInSevenHundredFrames) { EXPECT_NEAR(traces::duration(scene_of("village")) * 30, 699, 0.5); }
+TEST(Village, IsFlownThroughInSevenHundredFrames) {
+  EXPECT_NEAR(traces::animation_seconds(scene_of("village")) * 30, 699, 0.5);
+}
 
 TEST(Village, ItsCameraKeepsAwayFromThings) {
   Scene scene = scene_of("village");
   const auto path = std::ranges::find(scene.cameras, "path", &traces::Camera::name);
   ASSERT_NE(path, scene.cameras.end());
-  for (double seconds = 0; seconds <= traces::duration(scene); seconds += 0.2) {
-    traces::pose(scene, seconds);
+  for (double seconds = 0; seconds <= traces::animation_seconds(scene); seconds += 0.2) {
+    traces::pose_scene(scene, seconds);
     const glm::vec3 eye(path->to_world[3]);
     for (const traces::Instance& instance : scene.instances) {
       if (glm::distance(eye, glm::vec3(instance.to_world[3])) > 30) continue;
@@ -168,7 +170,7 @@ TEST(Village, ItsCameraKeepsAwayFromThings) {
 TEST(Village, OnlyTheSailsTurn) {
   Scene scene = scene_of("village");
   const std::vector<traces::Instance> before = scene.instances;
-  traces::pose(scene, 1);
+  traces::pose_scene(scene, 1);
   for (std::size_t i = 0; i < before.size(); ++i) {
     const bool moved = scene.instances[i].to_world != before[i].to_world;
     EXPECT_EQ(moved, scene.meshes[before[i].mesh].name.starts_with("sails")) << scene.meshes[before[i].mesh].name;

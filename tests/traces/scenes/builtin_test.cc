@@ -84,7 +84,7 @@ TEST(Teapot, HasNewellsProportions) {
   for (const auto& patch : patches) {
     for (int i = 0; i <= 8; ++i) {
       for (int j = 0; j <= 8; ++j) {
-        bounds.add(traces::evaluate(patch, static_cast<float>(i) / 8, static_cast<float>(j) / 8).position);
+        bounds.add(traces::evaluate_patch(patch, static_cast<float>(i) / 8, static_cast<float>(j) / 8).position);
       }
     }
   }

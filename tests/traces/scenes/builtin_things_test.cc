@@ -124,8 +124,8 @@ TEST_P(Things, StayInTheirRoomAllTheTime) {
   Scene scene = traces::build_scene(GetParam());
   const traces::Bounds at_rest = traces::world_bounds(scene);
   EXPECT_LT(at_rest.diagonal(), 70);
-  for (double seconds = 0; seconds <= traces::duration(scene); seconds += 0.5) {
-    traces::pose(scene, seconds);
+  for (double seconds = 0; seconds <= traces::animation_seconds(scene); seconds += 0.5) {
+    traces::pose_scene(scene, seconds);
     const traces::Bounds bounds = traces::world_bounds(scene);
     EXPECT_LT(glm::length(bounds.lower - at_rest.lower), 1e-3F) << seconds;
     EXPECT_LT(glm::length(bounds.upper - at_rest.upper), 1e-3F) << seconds;
@@ -156,14 +156,14 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Paths, testing::Values("chess", "car", "laborat
 
 TEST_P(Paths, LeadACameraForSomeSeconds) {
   Scene scene = traces::build_scene(GetParam());
-  EXPECT_GE(traces::duration(scene), 4);
-  EXPECT_LE(traces::duration(scene), 30);
+  EXPECT_GE(traces::animation_seconds(scene), 4);
+  EXPECT_LE(traces::animation_seconds(scene), 30);
   const auto path = std::ranges::find(scene.cameras, "path", &traces::Camera::name);
   ASSERT_NE(path, scene.cameras.end());
   EXPECT_NE(path, scene.cameras.begin()) << "the first camera is the picture's";
   EXPECT_EQ(scene.cameras.front().node, traces::kNone);
   const glm::vec3 start = place_of(path->to_world);
-  traces::pose(scene, 0.5 * traces::duration(scene));
+  traces::pose_scene(scene, 0.5 * traces::animation_seconds(scene));
   EXPECT_GT(glm::length(place_of(path->to_world) - start), 0.3F);
 }
 
@@ -193,9 +193,9 @@ TEST(ChessGame, KnightAndBishopTake) {
   Scene scene = traces::build_scene("chess");
   const std::uint32_t knight = node_called(scene, "f3"), bishop = node_called(scene, "g4");
   EXPECT_EQ(place_of(hanging_on(scene, knight).to_world), glm::vec3(1.5F, 0, 1.5F));
-  traces::pose(scene, 1.9);
+  traces::pose_scene(scene, 1.9);
   EXPECT_GT(place_of(hanging_on(scene, knight).to_world).y, 0.5F) << "in the air";
-  traces::pose(scene, 6);
+  traces::pose_scene(scene, 6);
   EXPECT_LT(glm::length(place_of(hanging_on(scene, knight).to_world) - glm::vec3(0.5F, 0, -0.5F)), 1e-4F) << "e5";
   EXPECT_LT(glm::length(place_of(hanging_on(scene, bishop).to_world) - glm::vec3(-0.5F, 0, 3.5F)), 1e-4F) << "d1";
   for (const char* const taken : {"e5", "d1"}) {
@@ -209,11 +209,11 @@ TEST(Car, WheelsRollWithoutSlipping) {
   const std::uint32_t wheel = node_called(scene, "wheel");
   constexpr double kStep = 1e-3;
   for (const double seconds : {1.4, 3.01, 4.7}) {
-    traces::pose(scene, seconds);
+    traces::pose_scene(scene, seconds);
     const glm::mat4 before = hanging_on(scene, wheel).to_world;
     const glm::vec3 axle = place_of(before);
     const glm::vec4 touching = glm::inverse(before) * glm::vec4(axle - glm::vec3(0, axle.y, 0), 1);
-    traces::pose(scene, seconds + kStep);
+    traces::pose_scene(scene, seconds + kStep);
     const glm::mat4 after = hanging_on(scene, wheel).to_world;
     const float travelled = (place_of(after) - axle).x;
     EXPECT_GT(travelled, 1e-4F);
@@ -239,7 +239,7 @@ TEST(Laboratory, GlassHasAnInsideAndLiquidKeepsOffIt) {
 
 TEST(Turned, SimplifiedKeepsEndsAndCorners) {
   const std::vector<glm::vec2> line{{0, 0}, {0.5F, 0}, {1, 0}, {1, 0.4F}, {1, 1}};
-  EXPECT_EQ(traces::simplified(line, 3), (std::vector<glm::vec2>{{0, 0}, {1, 0}, {1, 1}}));
+  EXPECT_EQ(traces::simplify_line(line, 3), (std::vector<glm::vec2>{{0, 0}, {1, 0}, {1, 1}}));
 }
 
 TEST(Detail, FitDetailMeetsTheWantedCount) {

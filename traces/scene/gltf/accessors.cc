@@ -18,8 +18,8 @@ struct Elements {
   const std::uint8_t* at(std::size_t i) const { return data + i * stride; }
 };
 
-Elements elements(const Context& context, int buffer_view, std::size_t offset, std::size_t count, std::size_t size,
-                  const std::string& what) {
+Elements view_elements(const Context& context, int buffer_view, std::size_t offset, std::size_t count, std::size_t size,
+                       const std::string& what) {
   const Bytes bytes = view_bytes(context, buffer_view);
   const std::size_t given = context.model.bufferViews[static_cast<std::size_t>(buffer_view)].byteStride;
   const std::size_t stride = given == 0 ? size : given;
@@ -33,7 +33,7 @@ Elements elements(const Context& context, int buffer_view, std::size_t offset, s
 }
 
 template <class T>
-T load(const std::uint8_t* from) {
+T load_value(const std::uint8_t* from) {
   T value;
   std::memcpy(&value, from, sizeof value);
   return value;
@@ -58,30 +58,32 @@ std::size_t component_size(const Context& context, int type, const std::string& 
 float load_float(const std::uint8_t* from, int type, bool normalised) {
   switch (type) {
     case TINYGLTF_COMPONENT_TYPE_BYTE: {
-      const float v = load<std::int8_t>(from);
+      const float v = load_value<std::int8_t>(from);
       return normalised ? std::max(v / 127, -1.0F) : v;
     }
     case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: {
-      const float v = load<std::uint8_t>(from);
+      const float v = load_value<std::uint8_t>(from);
       return normalised ? v / 255 : v;
     }
     case TINYGLTF_COMPONENT_TYPE_SHORT: {
-      const float v = load<std::int16_t>(from);
+      const float v = load_value<std::int16_t>(from);
       return normalised ? std::max(v / 32767, -1.0F) : v;
     }
     case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: {
-      const float v = load<std::uint16_t>(from);
+      const float v = load_value<std::uint16_t>(from);
       return normalised ? v / 65535 : v;
     }
     case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
-      return static_cast<float>(load<std::uint32_t>(from));
+      return static_cast<float>(load_value<std::uint32_t>(from));
     default:
-      return load<float>(from);
+      return load_value<float>(from);
   }
 }
 
 std::uint32_t load_index(const std::uint8_t* from, std::size_t size) {
-  return size == 1 ? load<std::uint8_t>(from) : size == 2 ? load<std::uint16_t>(from) : load<std::uint32_t>(from);
+  return size == 1   ? load_value<std::uint8_t>(from)
+         : size == 2 ? load_value<std::uint16_t>(from)
+                     : load_value<std::uint32_t>(from);
 }
 
 bool is_unsigned(int type) {
@@ -94,7 +96,7 @@ template <class Put>
 void for_each_element(const Context& context, const tinygltf::Accessor& accessor, std::size_t size,
                       const std::string& what, Put put) {
   if (accessor.bufferView >= 0) {
-    const Elements dense = elements(context, accessor.bufferView, accessor.byteOffset, accessor.count, size, what);
+    const Elements dense = view_elements(context, accessor.bufferView, accessor.byteOffset, accessor.count, size, what);
     for (std::size_t i = 0; i < accessor.count; ++i) put(i, dense.at(i));
   }
   if (!accessor.sparse.isSparse) return;
@@ -105,10 +107,10 @@ void for_each_element(const Context& context, const tinygltf::Accessor& accessor
   }
   const auto count = static_cast<std::size_t>(sparse.count);
   const std::size_t index_size = component_size(context, sparse.indices.componentType, what);
-  const Elements indices = elements(context, sparse.indices.bufferView,
-                                    static_cast<std::size_t>(sparse.indices.byteOffset), count, index_size, what);
-  const Elements values = elements(context, sparse.values.bufferView,
-                                   static_cast<std::size_t>(sparse.values.byteOffset), count, size, what);
+  const Elements indices = view_elements(context, sparse.indices.bufferView,
+                                         static_cast<std::size_t>(sparse.indices.byteOffset), count, index_size, what);
+  const Elements values = view_elements(context, sparse.values.bufferView,
+                                        static_cast<std::size_t>(sparse.values.byteOffset), count, size, what);
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint32_t at = load_index(indices.at(i), index_size);
     if (at >= accessor.count)
@@ -121,14 +123,15 @@ void for_each_element(const Context& context, const tinygltf::Accessor& accessor
 constexpr std::size_t kMostZeros = 1 << 20;
 
 /// Returns the accessor after checking its bounds and taking its decoded size from the budget.
-const tinygltf::Accessor& find(Context& context, int index, int type, std::size_t bytes_each, const std::string& what) {
+const tinygltf::Accessor& find_accessor(Context& context, int index, int type, std::size_t bytes_each,
+                                        const std::string& what) {
   const tinygltf::Accessor& accessor = context.at(context.model.accessors, index, "accessors");
   if (accessor.type != type) context.refuse(what + " has the wrong type (scalar, vector or matrix)");
   if (accessor.count == 0) context.refuse(what + " is empty");
   const std::size_t size = component_size(context, accessor.componentType, what) *
                            static_cast<std::size_t>(tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(type)));
   if (accessor.bufferView >= 0) {
-    elements(context, accessor.bufferView, accessor.byteOffset, accessor.count, size, what);
+    view_elements(context, accessor.bufferView, accessor.byteOffset, accessor.count, size, what);
   } else if (accessor.count > kMostZeros) {
     context.refuse(
         fmt::format("{} has {} elements without a buffer view; allowed: {}", what, accessor.count, kMostZeros));
@@ -138,9 +141,9 @@ const tinygltf::Accessor& find(Context& context, int index, int type, std::size_
 }
 
 template <class Vector>
-std::vector<Vector> read(Context& context, int index, int type, const char* name) {
+std::vector<Vector> read_elements(Context& context, int index, int type, const char* name) {
   const std::string what = fmt::format("accessors[{}] ({})", index, name);
-  const tinygltf::Accessor& accessor = find(context, index, type, sizeof(Vector), what);
+  const tinygltf::Accessor& accessor = find_accessor(context, index, type, sizeof(Vector), what);
   const std::size_t size = component_size(context, accessor.componentType, what);
   constexpr int kComponents = Vector::length();
   std::vector<Vector> out(accessor.count, Vector(0));
@@ -178,20 +181,21 @@ Bytes view_bytes(const Context& context, int buffer_view) {
 
 std::vector<float> read_floats(Context& context, int accessor, const char* what) {
   std::vector<float> out;
-  for (const auto& v : read<Numbers<1>>(context, accessor, TINYGLTF_TYPE_SCALAR, what)) out.push_back(v.values[0]);
+  for (const auto& v : read_elements<Numbers<1>>(context, accessor, TINYGLTF_TYPE_SCALAR, what))
+    out.push_back(v.values[0]);
   return out;
 }
 
 std::vector<glm::vec2> read_vec2(Context& context, int accessor, const char* what) {
-  return read<glm::vec2>(context, accessor, TINYGLTF_TYPE_VEC2, what);
+  return read_elements<glm::vec2>(context, accessor, TINYGLTF_TYPE_VEC2, what);
 }
 
 std::vector<glm::vec3> read_vec3(Context& context, int accessor, const char* what) {
-  return read<glm::vec3>(context, accessor, TINYGLTF_TYPE_VEC3, what);
+  return read_elements<glm::vec3>(context, accessor, TINYGLTF_TYPE_VEC3, what);
 }
 
 std::vector<glm::vec4> read_vec4(Context& context, int accessor, const char* what) {
-  return read<glm::vec4>(context, accessor, TINYGLTF_TYPE_VEC4, what);
+  return read_elements<glm::vec4>(context, accessor, TINYGLTF_TYPE_VEC4, what);
 }
 
 std::vector<glm::mat4> read_mat4(Context& context, int accessor, const char* what) {
@@ -199,7 +203,7 @@ std::vector<glm::mat4> read_mat4(Context& context, int accessor, const char* wha
     context.refuse(fmt::format("accessors[{}] ({}) must be of single precision", accessor, what));
   }
   std::vector<glm::mat4> out;
-  for (const auto& v : read<Numbers<16>>(context, accessor, TINYGLTF_TYPE_MAT4, what)) {
+  for (const auto& v : read_elements<Numbers<16>>(context, accessor, TINYGLTF_TYPE_MAT4, what)) {
     out.push_back(glm::make_mat4(v.values.data()));
   }
   return out;
@@ -207,7 +211,7 @@ std::vector<glm::mat4> read_mat4(Context& context, int accessor, const char* wha
 
 std::vector<std::uint32_t> read_indices(Context& context, int index) {
   const std::string what = fmt::format("accessors[{}] (indices)", index);
-  const tinygltf::Accessor& accessor = find(context, index, TINYGLTF_TYPE_SCALAR, sizeof(std::uint32_t), what);
+  const tinygltf::Accessor& accessor = find_accessor(context, index, TINYGLTF_TYPE_SCALAR, sizeof(std::uint32_t), what);
   if (!is_unsigned(accessor.componentType)) {
     context.refuse(fmt::format("{}: component type {} is not one of 5121, 5123, 5125", what, accessor.componentType));
   }

@@ -26,7 +26,7 @@ class Budget {
     left_ -= count * bytes_each;
   }
 
-  std::uint64_t left() const { return left_; }
+  std::uint64_t bytes_left() const { return left_; }
 
  private:
   std::string file_;

@@ -64,7 +64,7 @@ bool decode_with(Budget& budget, const Bytes& bytes, draco::Mesh& mesh) {
 }
 
 /// Returns the fault of the data, or null.
-const char* decode(Budget& budget, const Bytes& bytes, draco::Mesh& mesh) {
+const char* decode_mesh(Budget& budget, const Bytes& bytes, draco::Mesh& mesh) {
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(bytes.data), bytes.size);
   draco::DracoHeader header{};
@@ -115,7 +115,7 @@ int add_indices(Context& context, tinygltf::Model& model, const draco::Mesh& mes
 
 /// Appends the value as component type T; returns false if T cannot represent it.
 template <class T>
-bool append(double value, std::vector<unsigned char>& bytes) {
+bool append_value(double value, std::vector<unsigned char>& bytes) {
   if constexpr (std::is_integral_v<T>) {
     value = std::round(value);
     if (!(value >= std::numeric_limits<T>::lowest() && value <= std::numeric_limits<T>::max())) return false;
@@ -126,21 +126,21 @@ bool append(double value, std::vector<unsigned char>& bytes) {
   return true;
 }
 
-bool append(double value, int component_type, bool normalised, std::vector<unsigned char>& bytes) {
+bool append_value(double value, int component_type, bool normalised, std::vector<unsigned char>& bytes) {
   const auto scaled = [&](double most) { return normalised ? value * most : value; };
   switch (component_type) {
     case TINYGLTF_COMPONENT_TYPE_BYTE:
-      return append<std::int8_t>(scaled(127), bytes);
+      return append_value<std::int8_t>(scaled(127), bytes);
     case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
-      return append<std::uint8_t>(scaled(255), bytes);
+      return append_value<std::uint8_t>(scaled(255), bytes);
     case TINYGLTF_COMPONENT_TYPE_SHORT:
-      return append<std::int16_t>(scaled(32767), bytes);
+      return append_value<std::int16_t>(scaled(32767), bytes);
     case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
-      return append<std::uint16_t>(scaled(65535), bytes);
+      return append_value<std::uint16_t>(scaled(65535), bytes);
     case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
-      return append<std::uint32_t>(scaled(4294967295), bytes);
+      return append_value<std::uint32_t>(scaled(4294967295), bytes);
     case TINYGLTF_COMPONENT_TYPE_FLOAT:
-      return append<float>(value, bytes);
+      return append_value<float>(value, bytes);
     default:
       return false;
   }
@@ -166,7 +166,7 @@ int add_attribute(Context& context, tinygltf::Model& model, const draco::PointAt
     std::array<double, 4> values{};
     const bool known = attribute.ConvertValue(at, static_cast<std::int8_t>(components), values.data());
     for (std::size_t k = 0; k < count; ++k) {
-      if (!known || !append(values[k], declared.componentType, attribute.normalized(), bytes)) {
+      if (!known || !append_value(values[k], declared.componentType, attribute.normalized(), bytes)) {
         context.refuse(fmt::format("{}: value {} does not fit component type {}", what, i, declared.componentType));
       }
     }
@@ -174,11 +174,11 @@ int add_attribute(Context& context, tinygltf::Model& model, const draco::PointAt
   return add_accessor(model, std::move(bytes), std::move(accessor));
 }
 
-void expand(Context& context, tinygltf::Model& model, tinygltf::Primitive& primitive, const tinygltf::Value& extension,
-            const std::string& what) {
+void expand_primitive(Context& context, tinygltf::Model& model, tinygltf::Primitive& primitive,
+                      const tinygltf::Value& extension, const std::string& what) {
   const Bytes bytes = view_bytes(context, index_or_none(extension, "bufferView"));
   draco::Mesh mesh;
-  if (const char* fault = decode(context.budget, bytes, mesh)) context.refuse(what + ": " + fault);
+  if (const char* fault = decode_mesh(context.budget, bytes, mesh)) context.refuse(what + ": " + fault);
   primitive.indices = add_indices(context, model, mesh);
   primitive.mode = TINYGLTF_MODE_TRIANGLES;
   if (!extension.Has("attributes") || !extension.Get("attributes").IsObject()) return;
@@ -203,7 +203,7 @@ void expand_draco(Context& context, tinygltf::Model& model) {
     for (std::size_t p = 0; p < primitives.size(); ++p) {
       const auto* extension = find_extension(primitives[p].extensions, "KHR_draco_mesh_compression");
       if (extension != nullptr)
-        expand(context, model, primitives[p], *extension, fmt::format("meshes[{}].primitives[{}]", m, p));
+        expand_primitive(context, model, primitives[p], *extension, fmt::format("meshes[{}].primitives[{}]", m, p));
     }
   }
 }
@@ -228,7 +228,7 @@ const char* fault_of(const std::string& mode, const std::string& filter, std::si
   return filter == "EXPONENTIAL" ? nullptr : "the filter is unknown";
 }
 
-std::vector<unsigned char> decode(Context& context, const tinygltf::Value& extension, const std::string& what) {
+std::vector<unsigned char> decode_view(Context& context, const tinygltf::Value& extension, const std::string& what) {
   const int index = index_or_none(extension, "buffer");
   const std::vector<unsigned char>& buffer = context.at(context.model.buffers, index, "buffers").data;
   const std::uint64_t offset = size_or(context, extension, "byteOffset", 0);
@@ -262,7 +262,7 @@ void expand_meshopt(Context& context, tinygltf::Model& model) {
     for (const char* name : {"EXT_meshopt_compression", "KHR_meshopt_compression"}) {
       const auto* extension = find_extension(view.extensions, name);
       if (extension == nullptr) continue;
-      std::vector<unsigned char> bytes = decode(context, *extension, fmt::format("bufferViews[{}] ({})", i, name));
+      std::vector<unsigned char> bytes = decode_view(context, *extension, fmt::format("bufferViews[{}] ({})", i, name));
       view.buffer = static_cast<int>(model.buffers.size());
       view.byteOffset = 0;
       view.byteLength = bytes.size();

@@ -35,7 +35,7 @@ int Textures::source_of(int texture) {
   return found.source;
 }
 
-Texture& Textures::image(int index) {
+Texture& Textures::decode_image(int index) {
   if (const auto found = images_.find(index); found != images_.end()) return found->second;
   const tinygltf::Image& image = context_.at(context_.model.images, index, "images");
   const std::string name = fmt::format("{}: images[{}]{}{}", context_.file, index, image.name.empty() ? "" : " ",
@@ -48,7 +48,7 @@ Texture& Textures::image(int index) {
     bytes = std::as_bytes(std::span(image.image));
   }
   SceneLimits limits = context_.limits;
-  limits.pixels = std::min(limits.pixels - pixels_, context_.budget.left() / (2 * sizeof(std::uint32_t)));
+  limits.pixels = std::min(limits.pixels - pixels_, context_.budget.bytes_left() / (2 * sizeof(std::uint32_t)));
   Texture texture = read_image(bytes, name, limits);
   count_pixels(texture, name);
   context_.budget.take(texture.texels.size(), sizeof(std::uint32_t), name);
@@ -64,7 +64,7 @@ void Textures::count_pixels(const Texture& texture, const std::string& name) {
   pixels_ += texture.texels.size();
 }
 
-std::uint32_t Textures::use(int texture, bool srgb) {
+std::uint32_t Textures::find_or_add(int texture, bool srgb) {
   const int source = source_of(texture);
   if (source < 0) return kNoTexture;
   tinygltf::Sampler sampler;
@@ -74,7 +74,7 @@ std::uint32_t Textures::use(int texture, bool srgb) {
   const auto [entry, is_new] = added_.try_emplace({source, sampler.wrapS, sampler.wrapT, nearest, srgb},
                                                   static_cast<std::uint32_t>(context_.scene.textures.size()));
   if (is_new) {
-    Texture copy = image(source);
+    Texture copy = decode_image(source);
     if (!shown_.insert(source).second) count_pixels(copy, copy.name);
     context_.budget.take(copy.texels.size(), sizeof(std::uint32_t), "a texture");
     copy.wrap_u = wrap_of(sampler.wrapS);
@@ -86,18 +86,18 @@ std::uint32_t Textures::use(int texture, bool srgb) {
   return entry->second;
 }
 
-glm::vec4 Textures::mean(int texture, bool srgb) {
+glm::vec4 Textures::mean_of(int texture, bool srgb) {
   const int source = source_of(texture);
   if (source < 0) return glm::vec4(1);
   const auto [entry, is_new] = means_.try_emplace({source, srgb}, glm::vec4(1));
   if (is_new) {
-    image(source).srgb = srgb;
-    entry->second = mean_texel(image(source));
+    decode_image(source).srgb = srgb;
+    entry->second = mean_texel(decode_image(source));
   }
   return entry->second;
 }
 
-glm::vec2 TexturePlacement::apply(const glm::vec2& uv) const {
+glm::vec2 TexturePlacement::transform_uv(const glm::vec2& uv) const {
   const glm::vec2 scaled = uv * scale;
   const float c = std::cos(rotation), s = std::sin(rotation);
   return offset + glm::vec2(c * scaled.x + s * scaled.y, -s * scaled.x + c * scaled.y);
@@ -152,7 +152,7 @@ float dielectric_share(float ior) {
   return std::min(2 * ratio * ratio, 1.0F);
 }
 
-float unit(const Context& context, double value, const std::string& what) {
+float clamp_to_unit(const Context& context, double value, const std::string& what) {
   return std::clamp(to_float(context, value, what), 0.0F, 1.0F);
 }
 
@@ -162,14 +162,14 @@ struct Extension {
   Textures& textures;
   const tinygltf::Value& object;
 
-  glm::vec4 mean(const char* texture, bool srgb) const {
+  glm::vec4 mean_of(const char* texture, bool srgb) const {
     const int index = object.Has(texture) ? index_or_none(object.Get(texture), "index") : -1;
-    return index < 0 ? glm::vec4(1) : textures.mean(index, srgb);
+    return index < 0 ? glm::vec4(1) : textures.mean_of(index, srgb);
   }
   /// Returns a factor of 0 to 1 times the mean of a channel of its texture.
-  float factor(const char* name, float absent, const char* texture, int channel) const {
+  float textured_factor(const char* name, float absent, const char* texture, int channel) const {
     const float value = std::clamp(number_or(context, object, name, absent), 0.0F, 1.0F);
-    return value > 0 ? value * mean(texture, false)[channel] : 0;
+    return value > 0 ? value * mean_of(texture, false)[channel] : 0;
   }
 };
 
@@ -185,10 +185,10 @@ void read_volume(const Context& context, const tinygltf::Value& volume, Surface&
 Surface read_surface(Context& context, Textures& textures, const tinygltf::Material& m, const std::string& what) {
   Surface s;
   const tinygltf::PbrMetallicRoughness& pbr = m.pbrMetallicRoughness;
-  s.metallic = s.mean_metallic = unit(context, pbr.metallicFactor, what + " metallicFactor");
-  s.roughness = s.mean_roughness = unit(context, pbr.roughnessFactor, what + " roughnessFactor");
+  s.metallic = s.mean_metallic = clamp_to_unit(context, pbr.metallicFactor, what + " metallicFactor");
+  s.roughness = s.mean_roughness = clamp_to_unit(context, pbr.roughnessFactor, what + " roughnessFactor");
   if (pbr.metallicRoughnessTexture.index >= 0) {
-    const glm::vec4 mean = textures.mean(pbr.metallicRoughnessTexture.index, false);
+    const glm::vec4 mean = textures.mean_of(pbr.metallicRoughnessTexture.index, false);
     s.mean_roughness *= mean.y;
     s.mean_metallic *= mean.z;
   }
@@ -197,19 +197,20 @@ Surface read_surface(Context& context, Textures& textures, const tinygltf::Mater
   }
   if (const auto* object = find_extension(m.extensions, "KHR_materials_transmission")) {
     const Extension glass{context, textures, *object};
-    s.transmission = glass.factor("transmissionFactor", 0, "transmissionTexture", 0);
+    s.transmission = glass.textured_factor("transmissionFactor", 0, "transmissionTexture", 0);
   }
   if (const auto* volume = find_extension(m.extensions, "KHR_materials_volume")) read_volume(context, *volume, s);
   if (const auto* object = find_extension(m.extensions, "KHR_materials_specular")) {
     const Extension specular{context, textures, *object};
     const glm::vec3 colour = glm::max(vec3_or(context, *object, "specularColorFactor", glm::vec3(1)), 0.0F) *
-                             glm::vec3(specular.mean("specularColorTexture", true));
-    s.specular = specular.factor("specularFactor", 1, "specularTexture", 3) * (colour.x + colour.y + colour.z) / 3;
+                             glm::vec3(specular.mean_of("specularColorTexture", true));
+    s.specular =
+        specular.textured_factor("specularFactor", 1, "specularTexture", 3) * (colour.x + colour.y + colour.z) / 3;
   }
   if (const auto* object = find_extension(m.extensions, "KHR_materials_clearcoat")) {
     const Extension coat{context, textures, *object};
-    s.coat = coat.factor("clearcoatFactor", 0, "clearcoatTexture", 0);
-    s.coat_roughness = coat.factor("clearcoatRoughnessFactor", 0, "clearcoatRoughnessTexture", 1);
+    s.coat = coat.textured_factor("clearcoatFactor", 0, "clearcoatTexture", 0);
+    s.coat_roughness = coat.textured_factor("clearcoatRoughnessFactor", 0, "clearcoatRoughnessTexture", 1);
   }
   return s;
 }
@@ -242,7 +243,7 @@ class Reader {
   Reader(Context& context, Textures& textures, const tinygltf::Material& from, std::string what)
       : context_(context), textures_(textures), from_(from), what_(std::move(what)) {}
 
-  Material read() {
+  Material read_material() {
     out_.name = sim::printable(from_.name);
     out_.double_sided = from_.doubleSided;
     read_base();
@@ -253,12 +254,12 @@ class Reader {
       return out_;
     }
     set_surface(out_, read_surface(context_, textures_, from_, what_), mean_base_);
-    out_.metal_rough_texture = use(from_.pbrMetallicRoughness.metallicRoughnessTexture, false);
-    out_.normal_texture = use(from_.normalTexture, false);
+    out_.metal_rough_texture = use_texture(from_.pbrMetallicRoughness.metallicRoughnessTexture, false);
+    out_.normal_texture = use_texture(from_.normalTexture, false);
     if (out_.normal_texture.used()) {
       out_.normal_scale = to_float(context_, from_.normalTexture.scale, what_ + " normalTexture scale");
     }
-    out_.occlusion_texture = use(from_.occlusionTexture, false);
+    out_.occlusion_texture = use_texture(from_.occlusionTexture, false);
     if (out_.occlusion_texture.used()) {
       out_.occlusion_strength = std::clamp(
           to_float(context_, from_.occlusionTexture.strength, what_ + " occlusionTexture strength"), 0.0F, 1.0F);
@@ -267,13 +268,13 @@ class Reader {
     return out_;
   }
 
-  Placements placements() const { return placements_; }
+  Placements texture_placements() const { return placements_; }
 
  private:
-  TextureUse use(const auto& info, bool srgb) {
+  TextureUse use_texture(const auto& info, bool srgb) {
     TextureUse result;
     if (info.index < 0) return result;
-    result.texture = textures_.use(info.index, srgb);
+    result.texture = textures_.find_or_add(info.index, srgb);
     if (!result.used()) return result;
     const TexturePlacement placement = read_placement(context_, info.texCoord, info.extensions);
     result.second_uv = placements_.is_second(context_, placement, fmt::format("{} '{}'", what_, out_.name));
@@ -286,9 +287,9 @@ class Reader {
         glm::clamp(to_vec4(context_, pbr.baseColorFactor, glm::vec4(1), what_ + " baseColorFactor"), 0.0F, 1.0F);
     out_.base_colour = glm::vec3(base);
     out_.opacity = base.w;
-    out_.base_texture = use(pbr.baseColorTexture, true);
+    out_.base_texture = use_texture(pbr.baseColorTexture, true);
     mean_base_ = out_.base_colour;
-    if (out_.base_texture.used()) mean_base_ *= glm::vec3(textures_.mean(pbr.baseColorTexture.index, true));
+    if (out_.base_texture.used()) mean_base_ *= glm::vec3(textures_.mean_of(pbr.baseColorTexture.index, true));
   }
 
   void read_alpha() {
@@ -318,7 +319,7 @@ class Reader {
       emission *= std::clamp(number_or(context_, *strength, "emissiveStrength", 1), 0.0F, 1e9F);
     }
     out_.emission = emission;
-    if (emission != glm::vec3(0)) out_.emission_texture = use(from_.emissiveTexture, true);
+    if (emission != glm::vec3(0)) out_.emission_texture = use_texture(from_.emissiveTexture, true);
   }
 
   Context& context_;
@@ -336,8 +337,8 @@ std::vector<Placements> read_materials(Context& context, Textures& textures) {
   std::vector<Placements> placements;
   for (std::size_t i = 0; i < context.model.materials.size(); ++i) {
     Reader reader(context, textures, context.model.materials[i], fmt::format("materials[{}]", i));
-    context.scene.materials.push_back(reader.read());
-    placements.push_back(reader.placements());
+    context.scene.materials.push_back(reader.read_material());
+    placements.push_back(reader.texture_placements());
   }
   return placements;
 }

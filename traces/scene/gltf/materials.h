@@ -20,13 +20,13 @@ class Textures {
 
   /// Returns the Scene::textures index of glTF texture `texture`, read as colour (`srgb`) or as numbers; kNoTexture if
   /// it has no readable image.
-  std::uint32_t use(int texture, bool srgb);
+  std::uint32_t find_or_add(int texture, bool srgb);
 
   /// Returns the mean of all texels, 0..1, alpha included; linear colour if `srgb`. White if the texture has no image.
-  glm::vec4 mean(int texture, bool srgb);
+  glm::vec4 mean_of(int texture, bool srgb);
 
  private:
-  Texture& image(int index);
+  Texture& decode_image(int index);
   int source_of(int texture);
   /// Adds the texture's pixels; refused if the scene then exceeds its limit.
   void count_pixels(const Texture& texture, const std::string& name);
@@ -44,7 +44,7 @@ struct TexturePlacement {
   int set = 0;
   glm::vec2 offset{0}, scale{1};
   float rotation = 0;
-  glm::vec2 apply(const glm::vec2& uv) const;
+  glm::vec2 transform_uv(const glm::vec2& uv) const;
   friend bool operator==(const TexturePlacement&, const TexturePlacement&) = default;
 };
 

@@ -24,7 +24,7 @@ void check_count(const Context& context, const Mesh& mesh, std::size_t count, co
 std::vector<glm::vec2> placed_uvs(Context& context, const tinygltf::Primitive& primitive,
                                   const TexturePlacement& placement, const Mesh& mesh) {
   const std::string name = fmt::format("TEXCOORD_{}", placement.set);
-  const int accessor = attribute(primitive, name);
+  const int accessor = find_attribute(primitive, name);
   if (accessor < 0) {
     context.warn(fmt::format("mesh '{}' has no {}: its textures show one spot everywhere", mesh.name, name));
     return {};
@@ -32,7 +32,7 @@ std::vector<glm::vec2> placed_uvs(Context& context, const tinygltf::Primitive& p
   std::vector<glm::vec2> uvs = read_vec2(context, accessor, "texture coordinates");
   check_count(context, mesh, uvs.size(), "texture coordinates");
   for (glm::vec2& uv : uvs) {
-    uv = placement.apply(uv);
+    uv = placement.transform_uv(uv);
     if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) {
       context.refuse(fmt::format("mesh '{}': a texture coordinate is too large", mesh.name));
     }
@@ -42,13 +42,13 @@ std::vector<glm::vec2> placed_uvs(Context& context, const tinygltf::Primitive& p
 
 }  // namespace
 
-int attribute(const tinygltf::Primitive& primitive, const std::string& name) {
+int find_attribute(const tinygltf::Primitive& primitive, const std::string& name) {
   const auto found = primitive.attributes.find(name);
   return found == primitive.attributes.end() ? -1 : found->second;
 }
 
 void read_normals(Context& context, const tinygltf::Primitive& primitive, Mesh& mesh) {
-  const int accessor = attribute(primitive, "NORMAL");
+  const int accessor = find_attribute(primitive, "NORMAL");
   if (accessor < 0) return;
   mesh.normals = read_vec3(context, accessor, "normals");
   check_count(context, mesh, mesh.normals.size(), "normals");
@@ -61,7 +61,7 @@ void read_uvs(Context& context, const tinygltf::Primitive& primitive, const Plac
 }
 
 void read_tangents(Context& context, const tinygltf::Primitive& primitive, Mesh& mesh) {
-  const int accessor = attribute(primitive, "TANGENT");
+  const int accessor = find_attribute(primitive, "TANGENT");
   if (accessor < 0) return;
   mesh.tangents = read_vec4(context, accessor, "tangents");
   check_count(context, mesh, mesh.tangents.size(), "tangents");
@@ -73,7 +73,7 @@ void read_tangents(Context& context, const tinygltf::Primitive& primitive, Mesh&
 }
 
 void read_colours(Context& context, const tinygltf::Primitive& primitive, Mesh& mesh) {
-  const int index = attribute(primitive, "COLOR_0");
+  const int index = find_attribute(primitive, "COLOR_0");
   if (index < 0) return;
   if (context.at(context.model.accessors, index, "accessors").type == TINYGLTF_TYPE_VEC3) {
     context.budget.take(mesh.positions.size(), sizeof(glm::vec4), "vertex colours");
@@ -93,7 +93,7 @@ bool is_triangles(int mode) {
 }
 
 /// Builds triangles from lists, strips or fans; in strips and fans, triangles with two equal corners are left out.
-std::vector<std::array<std::uint32_t, 3>> assemble(const std::vector<std::uint32_t>& order, int mode) {
+std::vector<std::array<std::uint32_t, 3>> assemble_triangles(const std::vector<std::uint32_t>& order, int mode) {
   std::vector<std::array<std::uint32_t, 3>> triangles;
   const std::size_t step = mode == TINYGLTF_MODE_TRIANGLES ? 3 : 1;
   triangles.reserve(order.size() / step);
@@ -152,14 +152,14 @@ void Meshes::fold_colours(Mesh& mesh) {
   context_.scene.materials.push_back(std::move(material));
 }
 
-Mesh Meshes::read(const tinygltf::Primitive& primitive, const std::string& name, int skin) {
+Mesh Meshes::read_mesh(const tinygltf::Primitive& primitive, const std::string& name, int skin) {
   constexpr std::uint64_t kCornerBytes = 96;    // a triangle's corner with all vertex attributes
   constexpr std::uint64_t kTangentBytes = 160;  // temporaries of a corner, and a copy of its vertex if it is split
   static const Placements kNowhere;
   Mesh mesh;
   mesh.name = name;
   mesh.material = material_of(primitive);
-  mesh.positions = read_vec3(context_, attribute(primitive, "POSITION"), "positions");
+  mesh.positions = read_vec3(context_, find_attribute(primitive, "POSITION"), "positions");
   const bool is_default = mesh.material >= placements_.size();
   const bool bumpy = context_.scene.materials[mesh.material].normal_texture.used();
   read_normals(context_, primitive, mesh);
@@ -168,7 +168,7 @@ Mesh Meshes::read(const tinygltf::Primitive& primitive, const std::string& name,
   if (bumpy && !mesh.normals.empty()) read_tangents(context_, primitive, mesh);
   const std::vector<std::uint32_t> order = read_order(context_, primitive, mesh);
   context_.budget.take(order.size(), kCornerBytes, "the triangles of mesh '" + name + "'");
-  mesh.triangles = assemble(order, primitive.mode);
+  mesh.triangles = assemble_triangles(order, primitive.mode);
   const bool flat = mesh.normals.empty();
   std::vector<std::uint32_t> from;  // the file's vertex of each vertex of the mesh
   if (!flat) {
@@ -186,7 +186,7 @@ Mesh Meshes::read(const tinygltf::Primitive& primitive, const std::string& name,
     from = std::move(of_file);
   }
   fold_colours(mesh);
-  if (deforms(primitive, skin)) mesh.deformation = read_deformation(context_, primitive, skin, mesh, flat, from);
+  if (is_deforming(primitive, skin)) mesh.deformation = read_deformation(context_, primitive, skin, mesh, flat, from);
   return mesh;
 }
 
@@ -196,30 +196,30 @@ std::vector<std::uint32_t> Meshes::primitives_of(int index, int skin) {
   const std::string name = mesh.name.empty() ? fmt::format("mesh {}", index) : sim::printable(mesh.name);
   for (std::size_t i = 0; i < mesh.primitives.size(); ++i) {
     const tinygltf::Primitive& primitive = mesh.primitives[i];
-    const bool rigid = !deforms(primitive, skin);
+    const bool rigid = !is_deforming(primitive, skin);
     const auto known = read_.find({index, i});
     if (rigid && known != read_.end()) {
       if (known->second != kNone) shown.push_back(known->second);
       continue;
     }
     const std::string part = mesh.primitives.size() == 1 ? name : fmt::format("{}/{}", name, i);
-    const std::uint32_t added = add(primitive, part, skin);
+    const std::uint32_t added = add_mesh(primitive, part, skin);
     if (rigid) read_.emplace(std::pair{index, i}, added);
     if (added != kNone) shown.push_back(added);
   }
   return shown;
 }
 
-std::uint32_t Meshes::add(const tinygltf::Primitive& primitive, const std::string& name, int skin) {
+std::uint32_t Meshes::add_mesh(const tinygltf::Primitive& primitive, const std::string& name, int skin) {
   if (!is_triangles(primitive.mode)) {
     context_.warn(fmt::format("mesh '{}': points and lines are left out", name));
     return kNone;
   }
-  if (attribute(primitive, "POSITION") < 0) {
+  if (find_attribute(primitive, "POSITION") < 0) {
     context_.warn(fmt::format("mesh '{}' has no positions and is left out", name));
     return kNone;
   }
-  Mesh mesh = read(primitive, name, skin);
+  Mesh mesh = read_mesh(primitive, name, skin);
   if (mesh.triangles.empty()) return kNone;
   float reach = 0;
   for (const glm::vec3& p : mesh.positions) reach = std::max({reach, std::abs(p.x), std::abs(p.y), std::abs(p.z)});

@@ -10,7 +10,7 @@
 namespace traces::gltf {
 
 /// Returns the accessor index of the primitive's attribute of that name, or -1.
-int attribute(const tinygltf::Primitive& primitive, const std::string& name);
+int find_attribute(const tinygltf::Primitive& primitive, const std::string& name);
 
 // These fill `mesh`, whose material and positions are set. Refused: a number of values other than that of positions.
 void read_normals(Context& context, const tinygltf::Primitive& primitive, Mesh& mesh);
@@ -33,8 +33,8 @@ class Meshes {
   float reach_of(std::uint32_t mesh) const { return reaches_[mesh]; }
 
  private:
-  std::uint32_t add(const tinygltf::Primitive& primitive, const std::string& name, int skin);
-  Mesh read(const tinygltf::Primitive& primitive, const std::string& name, int skin);
+  std::uint32_t add_mesh(const tinygltf::Primitive& primitive, const std::string& name, int skin);
+  Mesh read_mesh(const tinygltf::Primitive& primitive, const std::string& name, int skin);
   std::uint32_t material_of(const tinygltf::Primitive& primitive);
   /// Gives an unlit mesh a copy of its material whose emission is multiplied by the mean of its vertex colours.
   void fold_colours(Mesh& mesh);

@@ -15,14 +15,14 @@
 namespace traces::gltf {
 namespace {
 
-int find(const std::map<std::string, int>& attributes, const std::string& name) {
+int find_accessor(const std::map<std::string, int>& attributes, const std::string& name) {
   const auto found = attributes.find(name);
   return found == attributes.end() ? -1 : found->second;
 }
 
 /// Returns the values of the vertices that make up the mesh.
 template <class T>
-std::vector<T> pick(const std::vector<T>& all, const std::vector<std::uint32_t>& from) {
+std::vector<T> pick_vertices(const std::vector<T>& all, const std::vector<std::uint32_t>& from) {
   std::vector<T> picked;
   picked.reserve(from.size());
   for (const std::uint32_t i : from) picked.push_back(all[i]);
@@ -55,13 +55,14 @@ struct Influences {
 
 void read_set(Context& context, const tinygltf::Primitive& primitive, int set, std::size_t joint_count,
               const Mesh& mesh, std::vector<Influences>& influences) {
-  const int joints_at = find(primitive.attributes, fmt::format("JOINTS_{}", set));
+  const int joints_at = find_accessor(primitive.attributes, fmt::format("JOINTS_{}", set));
   const int type = context.at(context.model.accessors, joints_at, "accessors").componentType;
   if (type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE && type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT) {
     context.refuse(fmt::format("mesh '{}': joints of component type {}; allowed are 5121, 5123", mesh.name, type));
   }
   const auto joints = read_vec4(context, joints_at, "joints");
-  const auto weights = read_vec4(context, find(primitive.attributes, fmt::format("WEIGHTS_{}", set)), "joint weights");
+  const auto weights =
+      read_vec4(context, find_accessor(primitive.attributes, fmt::format("WEIGHTS_{}", set)), "joint weights");
   check_count(context, mesh, joints.size(), influences.size(), "joints");
   check_count(context, mesh, weights.size(), influences.size(), "joint weights");
   for (std::size_t i = 0; i < influences.size(); ++i) {
@@ -79,7 +80,7 @@ void read_set(Context& context, const tinygltf::Primitive& primitive, int set, s
 void read_joints(Context& context, const tinygltf::Primitive& primitive, int skin, const Mesh& mesh,
                  const std::vector<std::uint32_t>& from, std::size_t vertices, Deformation& out) {
   const auto has = [&](const char* name, int set) {
-    return find(primitive.attributes, fmt::format("{}_{}", name, set)) >= 0;
+    return find_accessor(primitive.attributes, fmt::format("{}_{}", name, set)) >= 0;
   };
   if (!has("JOINTS", 0) || !has("WEIGHTS", 0)) return;
   const std::size_t joint_count = context.at(context.model.skins, skin, "skins").joints.size();
@@ -105,12 +106,12 @@ std::vector<std::vector<glm::vec3>> read_targets(Context& context, const tinyglt
   std::vector<std::vector<glm::vec3>> targets;
   for (const auto& target : primitive.targets) {
     std::vector<glm::vec3>& picked = targets.emplace_back();
-    const int accessor = find(target, attribute);
+    const int accessor = find_accessor(target, attribute);
     if (accessor < 0) continue;
     const auto all = read_vec3(context, accessor, "morph target");
     check_count(context, mesh, all.size(), vertices, "displacements");
     context.budget.take(from.size(), sizeof(glm::vec3), "a morph target of mesh '" + mesh.name + "'");
-    picked = pick(all, from);
+    picked = pick_vertices(all, from);
   }
   return targets;
 }
@@ -130,15 +131,15 @@ std::vector<glm::mat4> read_inverse_bind(Context& context, const tinygltf::Skin&
 
 }  // namespace
 
-bool deforms(const tinygltf::Primitive& primitive, int skin) {
-  return !primitive.targets.empty() || (skin >= 0 && find(primitive.attributes, "JOINTS_0") >= 0);
+bool is_deforming(const tinygltf::Primitive& primitive, int skin) {
+  return !primitive.targets.empty() || (skin >= 0 && find_accessor(primitive.attributes, "JOINTS_0") >= 0);
 }
 
 std::shared_ptr<const Deformation> read_deformation(Context& context, const tinygltf::Primitive& primitive, int skin,
                                                     const Mesh& mesh, bool flat_normals,
                                                     const std::vector<std::uint32_t>& from) {
   const std::size_t vertices =
-      context.at(context.model.accessors, find(primitive.attributes, "POSITION"), "accessors").count;
+      context.at(context.model.accessors, find_accessor(primitive.attributes, "POSITION"), "accessors").count;
   context.budget.take(mesh.positions.size(), 2 * sizeof(glm::vec3) + sizeof(glm::vec4), "the rest of a moving mesh");
   auto out = std::make_shared<Deformation>();
   out->positions = mesh.positions;

@@ -8,7 +8,7 @@
 namespace traces::gltf {
 
 /// True if the primitive has morph targets or is deformed by glTF skin `skin` (-1: none).
-bool deforms(const tinygltf::Primitive& primitive, int skin);
+bool is_deforming(const tinygltf::Primitive& primitive, int skin);
 
 /// Returns the deformation of a mesh, given the mesh at rest. Vertex i of the mesh is vertex `from[i]` of the
 /// primitive. JOINTS_n and WEIGHTS_n after the first set are folded into the four largest weights, with a warning.

@@ -13,28 +13,28 @@ namespace {
 
 using sim::Json;
 
-Json* member(Json& object, const char* key) {
+json* find_member(json& object, const char* key) {
   if (!object.is_object()) return nullptr;
   const auto found = object.find(key);
   return found == object.end() ? nullptr : &*found;
 }
 
-Json* extension(Json& object, const char* name) {
-  Json* extensions = member(object, "extensions");
-  return extensions == nullptr ? nullptr : member(*extensions, name);
+json* find_extension_json(json& object, const char* name) {
+  json* extensions = find_member(object, "extensions");
+  return extensions == nullptr ? nullptr : find_member(*extensions, name);
 }
 
 /// Calls visit(entry) for each entry of `object[key]`, if that is a list.
 template <class Visit>
-void for_each(Json& object, const char* key, Visit visit) {
-  Json* list = member(object, key);
+void for_each(json& object, const char* key, Visit visit) {
+  json* list = find_member(object, key);
   if (list == nullptr || !list->is_array()) return;
   for (Json& entry : *list) visit(entry);
 }
 
 /// Returns `object[key][index]`, or null if there is no such entry.
-Json* entry(Json& object, const char* key, const Json& index) {
-  Json* list = member(object, key);
+json* find_entry(json& object, const char* key, const json& index) {
+  json* list = find_member(object, key);
   if (list == nullptr || !list->is_array() || !index.is_number_unsigned()) return nullptr;
   const auto at = index.get<std::uint64_t>();
   return at < list->size() ? &(*list)[at] : nullptr;
@@ -44,20 +44,20 @@ Json* entry(Json& object, const char* key, const Json& index) {
 
 bool make_parsable(Json& file, std::vector<std::size_t>& lent) {
   bool changed = false;
-  for_each(file, "buffers", [&](Json& buffer) {
-    if (extension(buffer, "EXT_meshopt_compression") == nullptr &&
-        extension(buffer, "KHR_meshopt_compression") == nullptr) {
+  for_each(file, "buffers", [&](json& buffer) {
+    if (find_extension_json(buffer, "EXT_meshopt_compression") == nullptr &&
+        find_extension_json(buffer, "KHR_meshopt_compression") == nullptr) {
       return;
     }
-    if (member(buffer, "uri") != nullptr) return;
+    if (find_member(buffer, "uri") != nullptr) return;
     buffer["uri"] = "data:application/octet-stream;base64,AA==";
     buffer["byteLength"] = 1;
     changed = true;
   });
-  for_each(file, "meshes", [&](Json& mesh) {
-    for_each(mesh, "primitives", [&](Json& primitive) {
-      const Json* indices = member(primitive, "indices");
-      Json* accessor = indices == nullptr ? nullptr : entry(file, "accessors", *indices);
+  for_each(file, "meshes", [&](json& mesh) {
+    for_each(mesh, "primitives", [&](json& primitive) {
+      const json* indices = find_member(primitive, "indices");
+      json* accessor = indices == nullptr ? nullptr : find_entry(file, "accessors", *indices);
       if (accessor == nullptr || accessor->contains("bufferView")) return;
       if (file["bufferViews"].empty()) file["bufferViews"].push_back({{"buffer", 0}, {"byteLength", 1}});
       (*accessor)["bufferView"] = 0;
@@ -91,7 +91,7 @@ void tell_sizes(Callbacks& fs) {
 }
 
 /// Sets all callbacks: if one is missing, newer releases access the file system.
-tinygltf::FsCallbacks callbacks(const Source& source) {
+tinygltf::FsCallbacks file_callbacks(const Source& source) {
   tinygltf::FsCallbacks fs{};
   fs.user_data = const_cast<Source*>(&source);
   fs.FileExists = [](const std::string& name, void* user) { return source_of(user).external.contains(name); };
@@ -117,7 +117,7 @@ std::string last_line(std::string text) {
 tinygltf::Model parse_model(const Source& source) {
   tinygltf::TinyGLTF loader;
   loader.SetImageLoader(keep_encoded, nullptr);
-  loader.SetFsCallbacks(callbacks(source));
+  loader.SetFsCallbacks(file_callbacks(source));
   tinygltf::Model model;
   std::string error, ignored;
   bool good = false;

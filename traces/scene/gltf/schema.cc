@@ -19,28 +19,30 @@ namespace {
 
 using enum PropertyType;
 
-Property object(std::string_view name, std::string_view kind) { return {.name = name, .type = kObject, .kind = kind}; }
-Property objects(std::string_view name, std::string_view kind) {
+Property object_property(std::string_view name, std::string_view kind) {
+  return {.name = name, .type = kObject, .kind = kind};
+}
+Property object_list(std::string_view name, std::string_view kind) {
   return {.name = name, .type = kObject, .kind = kind, .is_list = true};
 }
-Property needed(Property property) {
+Property make_required(Property property) {
   property.required = true;
   return property;
 }
-Property index(std::string_view name) { return {.name = name, .type = kIndex}; }
-Property indices(std::string_view name) { return {.name = name, .type = kIndex, .is_list = true}; }
-Property count(std::string_view name) { return {.name = name, .type = kCount}; }
-Property text(std::string_view name) { return {.name = name, .type = kText}; }
-Property boolean(std::string_view name) { return {.name = name, .type = kBoolean}; }
-Property number(std::string_view name) { return {.name = name, .type = kNumber}; }
-Property numbers(std::string_view name, std::size_t size = 0, std::string_view allowed = {}) {
+Property index_property(std::string_view name) { return {.name = name, .type = kIndex}; }
+Property index_list(std::string_view name) { return {.name = name, .type = kIndex, .is_list = true}; }
+Property count_property(std::string_view name) { return {.name = name, .type = kCount}; }
+Property text_property(std::string_view name) { return {.name = name, .type = kText}; }
+Property boolean_property(std::string_view name) { return {.name = name, .type = kBoolean}; }
+Property number_property(std::string_view name) { return {.name = name, .type = kNumber}; }
+Property number_list(std::string_view name, std::size_t size = 0, std::string_view allowed = {}) {
   return {.name = name, .type = kNumber, .is_list = true, .size = size, .allowed = allowed};
 }
 /// A factor, or a list of factors, of 0 to 1.
-Property share(std::string_view name) {
+Property share_property(std::string_view name) {
   return {.name = name, .type = kNumber, .least = 0, .most = 1, .allowed = "0 to 1"};
 }
-Property shares(std::string_view name, std::size_t size, std::string_view allowed) {
+Property share_list(std::string_view name, std::size_t size, std::string_view allowed) {
   return {.name = name, .type = kNumber, .is_list = true, .size = size, .least = 0, .most = 1, .allowed = allowed};
 }
 Property from_zero(std::string_view name) {
@@ -49,10 +51,10 @@ Property from_zero(std::string_view name) {
 Property above_zero(std::string_view name, std::string_view allowed = "more than 0") {
   return {.name = name, .type = kNumber, .least = 0, .is_above = true, .allowed = allowed};
 }
-Property words(std::string_view name, std::string_view allowed) {
+Property text_choice(std::string_view name, std::string_view allowed) {
   return {.name = name, .type = kText, .allowed = allowed, .is_choice = true};
 }
-Property codes(std::string_view name, std::string_view allowed) {
+Property code_choice(std::string_view name, std::string_view allowed) {
   return {.name = name, .type = kCount, .allowed = allowed, .is_choice = true};
 }
 
@@ -60,44 +62,50 @@ Property codes(std::string_view name, std::string_view allowed) {
 ObjectKinds geometry_kinds() {
   return {
       {"accessor",
-       {index("bufferView"), count("byteOffset"), needed(count("componentType")), needed(count("count")),
-        numbers("max"), numbers("min"), boolean("normalized"), object("sparse", "sparse"), needed(text("type"))}},
+       {index_property("bufferView"), count_property("byteOffset"), make_required(count_property("componentType")),
+        make_required(count_property("count")), number_list("max"), number_list("min"), boolean_property("normalized"),
+        object_property("sparse", "sparse"), make_required(text_property("type"))}},
       {"sparse",
-       {needed(count("count")), needed(object("indices", "sparse indices")),
-        needed(object("values", "sparse values"))}},
-      {"sparse indices", {needed(index("bufferView")), count("byteOffset"), needed(count("componentType"))}},
-      {"sparse values", {needed(index("bufferView")), count("byteOffset")}},
-      {"buffer", {needed(count("byteLength")), text("uri")}},
+       {make_required(count_property("count")), make_required(object_property("indices", "sparse indices")),
+        make_required(object_property("values", "sparse values"))}},
+      {"sparse indices",
+       {make_required(index_property("bufferView")), count_property("byteOffset"),
+        make_required(count_property("componentType"))}},
+      {"sparse values", {make_required(index_property("bufferView")), count_property("byteOffset")}},
+      {"buffer", {make_required(count_property("byteLength")), text_property("uri")}},
       {"buffer view",
-       {needed(index("buffer")), needed(count("byteLength")), count("byteOffset"), count("byteStride"),
-        count("target")}},
-      {"mesh", {needed(objects("primitives", "primitive")), numbers("weights")}},
+       {make_required(index_property("buffer")), make_required(count_property("byteLength")),
+        count_property("byteOffset"), count_property("byteStride"), count_property("target")}},
+      {"mesh", {make_required(object_list("primitives", "primitive")), number_list("weights")}},
       {"primitive",
-       {needed(object("attributes", "attributes")), index("indices"), index("material"), codes("mode", "0 1 2 3 4 5 6"),
-        objects("targets", "attributes")}},
-      {"attributes", {index("*")}},
+       {make_required(object_property("attributes", "attributes")), index_property("indices"),
+        index_property("material"), code_choice("mode", "0 1 2 3 4 5 6"), object_list("targets", "attributes")}},
+      {"attributes", {index_property("*")}},
   };
 }
 
 /// Materials, textures and images.
 ObjectKinds surface_kinds() {
   return {
-      {"image", {index("bufferView"), text("mimeType"), text("uri")}},
+      {"image", {index_property("bufferView"), text_property("mimeType"), text_property("uri")}},
       {"material",
-       {from_zero("alphaCutoff"), words("alphaMode", "OPAQUE MASK BLEND"), boolean("doubleSided"),
-        shares("emissiveFactor", 3, "3 numbers of 0 to 1"), object("emissiveTexture", "texture use"),
-        object("normalTexture", "normal texture"), object("occlusionTexture", "occlusion texture"),
-        object("pbrMetallicRoughness", "metallic roughness")}},
+       {from_zero("alphaCutoff"), text_choice("alphaMode", "OPAQUE MASK BLEND"), boolean_property("doubleSided"),
+        share_list("emissiveFactor", 3, "3 numbers of 0 to 1"), object_property("emissiveTexture", "texture use"),
+        object_property("normalTexture", "normal texture"), object_property("occlusionTexture", "occlusion texture"),
+        object_property("pbrMetallicRoughness", "metallic roughness")}},
       {"metallic roughness",
-       {shares("baseColorFactor", 4, "4 numbers of 0 to 1"), object("baseColorTexture", "texture use"),
-        share("metallicFactor"), object("metallicRoughnessTexture", "texture use"), share("roughnessFactor")}},
-      {"texture use", {needed(index("index")), index("texCoord")}},
-      {"normal texture", {needed(index("index")), number("scale"), index("texCoord")}},
-      {"occlusion texture", {needed(index("index")), share("strength"), index("texCoord")}},
+       {share_list("baseColorFactor", 4, "4 numbers of 0 to 1"), object_property("baseColorTexture", "texture use"),
+        share_property("metallicFactor"), object_property("metallicRoughnessTexture", "texture use"),
+        share_property("roughnessFactor")}},
+      {"texture use", {make_required(index_property("index")), index_property("texCoord")}},
+      {"normal texture",
+       {make_required(index_property("index")), number_property("scale"), index_property("texCoord")}},
+      {"occlusion texture",
+       {make_required(index_property("index")), share_property("strength"), index_property("texCoord")}},
       {"sampler",
-       {codes("magFilter", "9728 9729"), codes("minFilter", "9728 9729 9984 9985 9986 9987"),
-        codes("wrapS", "33071 33648 10497"), codes("wrapT", "33071 33648 10497")}},
-      {"texture", {index("sampler"), index("source")}},
+       {code_choice("magFilter", "9728 9729"), code_choice("minFilter", "9728 9729 9984 9985 9986 9987"),
+        code_choice("wrapS", "33071 33648 10497"), code_choice("wrapT", "33071 33648 10497")}},
+      {"texture", {index_property("sampler"), index_property("source")}},
   };
 }
 
@@ -105,46 +113,53 @@ ObjectKinds surface_kinds() {
 ObjectKinds scene_kinds() {
   return {
       {"glTF",
-       {objects("accessors", "accessor"),
-        objects("animations", "animation"),
-        object("asset", "asset"),
-        objects("bufferViews", "buffer view"),
-        objects("buffers", "buffer"),
-        objects("cameras", "camera"),
+       {object_list("accessors", "accessor"),
+        object_list("animations", "animation"),
+        object_property("asset", "asset"),
+        object_list("bufferViews", "buffer view"),
+        object_list("buffers", "buffer"),
+        object_list("cameras", "camera"),
         {.name = "extensionsRequired", .type = kText, .is_list = true},
         {.name = "extensionsUsed", .type = kText, .is_list = true},
-        objects("images", "image"),
-        objects("materials", "material"),
-        objects("meshes", "mesh"),
-        objects("nodes", "node"),
-        objects("samplers", "sampler"),
-        index("scene"),
-        objects("scenes", "scene"),
-        objects("skins", "skin"),
-        objects("textures", "texture")}},
-      {"asset", {text("copyright"), text("generator"), text("minVersion"), text("version")}},
-      {"animation", {needed(objects("channels", "channel")), needed(objects("samplers", "animation sampler"))}},
-      {"channel", {needed(index("sampler")), needed(object("target", "target"))}},
-      {"target", {index("node"), needed(text("path"))}},
-      {"animation sampler", {needed(index("input")), text("interpolation"), needed(index("output"))}},
+        object_list("images", "image"),
+        object_list("materials", "material"),
+        object_list("meshes", "mesh"),
+        object_list("nodes", "node"),
+        object_list("samplers", "sampler"),
+        index_property("scene"),
+        object_list("scenes", "scene"),
+        object_list("skins", "skin"),
+        object_list("textures", "texture")}},
+      {"asset",
+       {text_property("copyright"), text_property("generator"), text_property("minVersion"), text_property("version")}},
+      {"animation",
+       {make_required(object_list("channels", "channel")),
+        make_required(object_list("samplers", "animation sampler"))}},
+      {"channel", {make_required(index_property("sampler")), make_required(object_property("target", "target"))}},
+      {"target", {index_property("node"), make_required(text_property("path"))}},
+      {"animation sampler",
+       {make_required(index_property("input")), text_property("interpolation"),
+        make_required(index_property("output"))}},
       {"camera",
-       {object("orthographic", "orthographic"), object("perspective", "perspective"),
-        needed(words("type", "perspective orthographic"))}},
+       {object_property("orthographic", "orthographic"), object_property("perspective", "perspective"),
+        make_required(text_choice("type", "perspective orthographic"))}},
       {"orthographic",
-       {needed(number("xmag")), needed(number("ymag")), needed(number("zfar")), needed(from_zero("znear"))}},
+       {make_required(number_property("xmag")), make_required(number_property("ymag")),
+        make_required(number_property("zfar")), make_required(from_zero("znear"))}},
       {"perspective",
-       {above_zero("aspectRatio"), needed(above_zero("yfov", "more than 0, less than pi")), above_zero("zfar"),
-        needed(from_zero("znear"))}},
+       {above_zero("aspectRatio"), make_required(above_zero("yfov", "more than 0, less than pi")), above_zero("zfar"),
+        make_required(from_zero("znear"))}},
       {"node",
-       {index("camera"), indices("children"), numbers("matrix", 16, "16 numbers"), index("mesh"),
-        numbers("rotation", 4, "4 numbers"), numbers("scale", 3, "3 numbers"), index("skin"),
-        numbers("translation", 3, "3 numbers"), numbers("weights")}},
-      {"scene", {indices("nodes")}},
-      {"skin", {index("inverseBindMatrices"), needed(indices("joints")), index("skeleton")}},
+       {index_property("camera"), index_list("children"), number_list("matrix", 16, "16 numbers"),
+        index_property("mesh"), number_list("rotation", 4, "4 numbers"), number_list("scale", 3, "3 numbers"),
+        index_property("skin"), number_list("translation", 3, "3 numbers"), number_list("weights")}},
+      {"scene", {index_list("nodes")}},
+      {"skin",
+       {index_property("inverseBindMatrices"), make_required(index_list("joints")), index_property("skeleton")}},
       {"light",
-       {numbers("color", 3, "3 numbers"), number("intensity"), number("range"), object("spot", "spot"),
-        needed(text("type"))}},
-      {"spot", {number("innerConeAngle"), number("outerConeAngle")}},
+       {number_list("color", 3, "3 numbers"), number_property("intensity"), number_property("range"),
+        object_property("spot", "spot"), make_required(text_property("type"))}},
+      {"spot", {number_property("innerConeAngle"), number_property("outerConeAngle")}},
   };
 }
 
@@ -161,39 +176,44 @@ const ObjectKinds& object_kinds() {
 }
 
 const ObjectKinds& extension_kinds() {
-  static const std::vector<Property> kMeshopt = {index("buffer"),     count("byteLength"), count("byteOffset"),
-                                                 count("byteStride"), count("count"),      text("filter"),
-                                                 text("mode")};
+  static const std::vector<Property> kMeshopt = {index_property("buffer"),     count_property("byteLength"),
+                                                 count_property("byteOffset"), count_property("byteStride"),
+                                                 count_property("count"),      text_property("filter"),
+                                                 text_property("mode")};
   static const ObjectKinds kKinds = {
-      {"EXT_mesh_gpu_instancing", {object("attributes", "attributes")}},
+      {"EXT_mesh_gpu_instancing", {object_property("attributes", "attributes")}},
       {"EXT_meshopt_compression", kMeshopt},
       {"KHR_meshopt_compression", kMeshopt},
-      {"KHR_draco_mesh_compression", {object("attributes", "attributes"), needed(index("bufferView"))}},
-      {"KHR_lights_punctual", {index("light"), objects("lights", "light")}},
+      {"KHR_draco_mesh_compression",
+       {object_property("attributes", "attributes"), make_required(index_property("bufferView"))}},
+      {"KHR_lights_punctual", {index_property("light"), object_list("lights", "light")}},
       {"KHR_materials_clearcoat",
-       {share("clearcoatFactor"), object("clearcoatTexture", "texture use"), share("clearcoatRoughnessFactor"),
-        object("clearcoatRoughnessTexture", "texture use"), object("clearcoatNormalTexture", "normal texture")}},
+       {share_property("clearcoatFactor"), object_property("clearcoatTexture", "texture use"),
+        share_property("clearcoatRoughnessFactor"), object_property("clearcoatRoughnessTexture", "texture use"),
+        object_property("clearcoatNormalTexture", "normal texture")}},
       {"KHR_materials_emissive_strength", {from_zero("emissiveStrength")}},
       {"KHR_materials_ior", {{.name = "ior", .type = kNumber, .least = 0, .allowed = "0, or 1 or more"}}},
       {"KHR_materials_specular",
-       {share("specularFactor"),
-        object("specularTexture", "texture use"),
+       {share_property("specularFactor"),
+        object_property("specularTexture", "texture use"),
         {.name = "specularColorFactor",
          .type = kNumber,
          .is_list = true,
          .size = 3,
          .least = 0,
          .allowed = "3 numbers of 0 or more"},
-        object("specularColorTexture", "texture use")}},
-      {"KHR_materials_transmission", {share("transmissionFactor"), object("transmissionTexture", "texture use")}},
+        object_property("specularColorTexture", "texture use")}},
+      {"KHR_materials_transmission",
+       {share_property("transmissionFactor"), object_property("transmissionTexture", "texture use")}},
       {"KHR_materials_volume",
-       {shares("attenuationColor", 3, "3 numbers of 0 to 1"), above_zero("attenuationDistance"),
-        from_zero("thicknessFactor"), object("thicknessTexture", "texture use")}},
+       {share_list("attenuationColor", 3, "3 numbers of 0 to 1"), above_zero("attenuationDistance"),
+        from_zero("thicknessFactor"), object_property("thicknessTexture", "texture use")}},
       {"KHR_materials_unlit", {}},
       {"KHR_materials_variants", {}},  // the primitive's own material, which is the default, is shown
       {"KHR_mesh_quantization", {}},
       {"KHR_texture_transform",
-       {numbers("offset", 2, "2 numbers"), number("rotation"), numbers("scale", 2, "2 numbers"), index("texCoord")}},
+       {number_list("offset", 2, "2 numbers"), number_property("rotation"), number_list("scale", 2, "2 numbers"),
+        index_property("texCoord")}},
   };
   return kKinds;
 }
@@ -239,7 +259,7 @@ bool has_type(const Json& value, PropertyType type) {
 }
 
 /// True if a value that is not a list has the property's type, range and choice.
-bool fits(const Json& value, const Property& property) {
+bool has_valid_value(const Json& value, const Property& property) {
   if (!has_type(value, property.type)) return false;
   if (property.is_choice) {
     return is_among(value.is_string() ? value.get<std::string>() : sim::json_line(value), property.allowed);
@@ -286,24 +306,24 @@ class Checker {
     for (const auto& [key, member] : object.items()) {
       if (key == "extras") continue;
       if (key == "extensions") {
-        check_extensions(member, joined(at, key));
+        check_extensions(member, join_path(at, key));
         continue;
       }
-      if (key == "name") check_value(member, joined(at, key), {.name = "name", .type = kText});
+      if (key == "name") check_value(member, join_path(at, key), {.name = "name", .type = kText});
       for (const Property& property : properties) {
-        if (property.name == key || property.name == "*") check_property(member, joined(at, key), property);
+        if (property.name == key || property.name == "*") check_property(member, join_path(at, key), property);
       }
     }
     for (const Property& property : properties) {
       if (property.required && !object.contains(property.name)) {
         throw sim::InputError(
-            fmt::format("{}: {} is missing; allowed: {}", name_, joined(at, property.name), allowed_by(property)));
+            fmt::format("{}: {} is missing; allowed: {}", name_, join_path(at, property.name), allowed_by(property)));
       }
     }
   }
 
  private:
-  static std::string joined(const std::string& at, std::string_view key) {
+  static std::string join_path(const std::string& at, std::string_view key) {
     return at.empty() ? sim::printable(key) : fmt::format("{}.{}", at, sim::printable(key));
   }
   static std::string_view allowed_by(const Property& property) {
@@ -315,8 +335,8 @@ class Checker {
     for (const auto& [name, extension] : extensions.items()) {
       const auto kind = extension_kinds().find(name);
       if (kind == extension_kinds().end()) continue;
-      check_value(extension, joined(at, name), {.name = name, .type = kObject});
-      check(extension, joined(at, name), kind->second);
+      check_value(extension, join_path(at, name), {.name = name, .type = kObject});
+      check(extension, join_path(at, name), kind->second);
     }
   }
   void check_property(const Json& value, const std::string& at, const Property& property) const {
@@ -328,7 +348,7 @@ class Checker {
     if (!value.is_array() || (property.size != 0 && value.size() != property.size)) refuse(at, value, property);
     for (std::size_t i = 0; i < value.size(); ++i) {
       if (property.type == kNumber) {
-        if (!fits(value[i], property)) refuse(at, value, property);
+        if (!has_valid_value(value[i], property)) refuse(at, value, property);
         continue;
       }
       const std::string here = fmt::format("{}[{}]", at, i);
@@ -338,7 +358,7 @@ class Checker {
     }
   }
   void check_value(const Json& value, const std::string& at, const Property& property) const {
-    if (!fits(value, property)) refuse(at, value, property);
+    if (!has_valid_value(value, property)) refuse(at, value, property);
   }
   [[noreturn]] void refuse(const std::string& at, const Json& value, const Property& property) const {
     const std::string shown = sim::json_line(value);

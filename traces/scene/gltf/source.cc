@@ -214,7 +214,7 @@ void check_no_picture(const Source& source) {
   }
 }
 
-sim::Json parse(const Source& source, std::size_t levels) {
+sim::Json parse_json_of(const Source& source, std::size_t levels) {
   const std::string_view text = json_of(source);
   try {
     sim::Json json = sim::parse_json(text, levels);
@@ -288,7 +288,7 @@ class Resources {
   /// Reads the URIs of a list's entries and replaces them by keys of Source::external. Needed because tinygltf
   /// accepts few data: URIs, decodes '+' in file names as a blank and refuses files longer than byteLength. Returns
   /// true if there were any.
-  bool read(sim::Json& json, const char* list) {
+  bool replace_uris(sim::Json& json, const char* list) {
     const auto entries = json.find(list);
     if (entries == json.end()) return false;
     const bool is_buffers = std::string_view(list) == "buffers";
@@ -325,7 +325,7 @@ class Resources {
   }
 
   /// SHA-256 digests of the files read; empty if there were none.
-  const std::string& digests() const { return digests_; }
+  const std::string& file_digests() const { return digests_; }
 
  private:
   std::string bytes_of(const std::string& uri, const std::string& where) {
@@ -364,13 +364,13 @@ Source read_source(const std::filesystem::path& path, const SceneLimits& limits,
   check_no_picture(source);
   if (source.json_size == 0) refuse(source, "the file is empty");
   budget.take(source.json_size, kJsonExpansion, "the JSON");
-  sim::Json json = parse(source, limits.json_depth);
+  sim::Json json = parse_json_of(source, limits.json_depth);
   check_lists(source, json, limits);
   check_properties(json, source.shown_name);
   Resources resources(source, path.parent_path(), budget, limits);
-  bool changed = resources.read(json, "buffers");
-  changed |= resources.read(json, "images");
-  if (!resources.digests().empty()) source.sha256 = sim::sha256_hex(source.sha256 + resources.digests());
+  bool changed = resources.replace_uris(json, "buffers");
+  changed |= resources.replace_uris(json, "images");
+  if (!resources.file_digests().empty()) source.sha256 = sim::sha256_hex(source.sha256 + resources.file_digests());
   changed |= make_parsable(json, source.lent);
   if (changed) replace_json(source, sim::json_line(json));
   return source;

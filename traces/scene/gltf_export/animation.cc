@@ -58,8 +58,8 @@ void begin_at_zero(Track& track) {
   const bool spline = track.interpolation == Track::Interpolation::kCubicSpline;
   const std::size_t row = track.values.size() / track.times.size(), count = spline ? row / 3 : row;
   std::vector<double> value(count), slope(spline ? count : 0);
-  sample(track, 0, value);
-  if (spline) sample_slope(track, 0, slope);
+  sample_track(track, 0, value);
+  if (spline) sample_track_slope(track, 0, slope);
   std::vector<float> key;
   for (const std::vector<double>& part : {slope, value, slope}) key.insert(key.end(), part.begin(), part.end());
   track.times.erase(track.times.begin(), first);
@@ -91,7 +91,7 @@ void separate_keys(Track& track) {
 
 /// Returns the track as glTF allows it: ascending times from 0, rotations of unit length, at least two keys of a cubic
 /// spline.
-Track valid(Track track) {
+Track make_valid(Track track) {
   begin_at_zero(track);
   separate_keys(track);
   if (track.interpolation == Track::Interpolation::kCubicSpline && track.times.size() == 1) {
@@ -128,7 +128,7 @@ void write_animation(const Scene& scene, const NodeMap& map, Document& out) {
     const bool morphs = track.path == Track::Path::kMorphWeights;
     const std::vector<int> targets = morphs ? map.morphing[track.node] : std::vector<int>{map.gltf_nodes[track.node]};
     if (track.times.empty() || targets.empty() || !moved.emplace(track.node, track.path).second) continue;
-    const Track written = valid(track);
+    const Track written = make_valid(track);
     const auto [input, is_new] = inputs.try_emplace(written.times, 0);
     if (is_new) input->second = out.add(written.times, true);
     tinygltf::AnimationSampler sampler;

@@ -69,8 +69,8 @@ int Document::add(std::span<const glm::vec3> values, bool bounds, Use use) {
   if (bounds) {
     glm::vec3 least = values.front(), most = values.front();
     for (const glm::vec3& v : values) least = glm::min(least, v), most = glm::max(most, v);
-    model.accessors.back().minValues = numbers(least);
-    model.accessors.back().maxValues = numbers(most);
+    model.accessors.back().minValues = to_numbers(least);
+    model.accessors.back().maxValues = to_numbers(most);
   }
   return index;
 }
@@ -104,12 +104,12 @@ int Document::add(std::span<const std::array<std::uint32_t, 3>> triangles, bool 
                       count, Use::kIndices);
 }
 
-void Document::extend(tinygltf::ExtensionMap& extensions, const char* name, tinygltf::Value::Object object) {
+void Document::add_extension(tinygltf::ExtensionMap& extensions, const char* name, tinygltf::Value::Object object) {
   extensions[name] = tinygltf::Value(std::move(object));
   used_.insert(name);
 }
 
-std::string Document::glb() && {
+std::string Document::glb_bytes() && {
   constexpr std::size_t kMost = std::numeric_limits<std::uint32_t>::max() / 8 * 7;  // leaves room for the JSON
   if (buffer_.size() > kMost) throw sim::InputError("the scene is too large for a GLB file: it holds at most 4 GiB");
   if (!buffer_.empty()) model.buffers.emplace_back().data = std::move(buffer_);
@@ -122,13 +122,13 @@ std::string Document::glb() && {
   return glb;
 }
 
-std::vector<double> numbers(const glm::vec3& v) { return {double{v.x}, double{v.y}, double{v.z}}; }
-std::vector<double> numbers(const glm::vec4& v) { return {double{v.x}, double{v.y}, double{v.z}, double{v.w}}; }
+std::vector<double> to_numbers(const glm::vec3& v) { return {double{v.x}, double{v.y}, double{v.z}}; }
+std::vector<double> to_numbers(const glm::vec4& v) { return {double{v.x}, double{v.y}, double{v.z}, double{v.w}}; }
 
-tinygltf::Value value(float number) { return tinygltf::Value(static_cast<double>(number)); }
+tinygltf::Value to_value(float number) { return tinygltf::Value(static_cast<double>(number)); }
 
-tinygltf::Value value(const glm::vec3& v) {
-  return tinygltf::Value(tinygltf::Value::Array{value(v.x), value(v.y), value(v.z)});
+tinygltf::Value to_value(const glm::vec3& v) {
+  return tinygltf::Value(tinygltf::Value::Array{to_value(v.x), to_value(v.y), to_value(v.z)});
 }
 
 }  // namespace traces::gltf_export

@@ -37,10 +37,10 @@ class Document {
   int add_view(std::span<const std::byte> bytes, Use use = Use::kOther);
 
   /// Adds an extension's object and lists the extension as used.
-  void extend(tinygltf::ExtensionMap& extensions, const char* name, tinygltf::Value::Object object);
+  void add_extension(tinygltf::ExtensionMap& extensions, const char* name, tinygltf::Value::Object object);
 
   /// Returns the file's bytes and empties the document.
-  std::string glb() &&;
+  std::string glb_bytes() &&;
 
  private:
   int add_accessor(std::span<const std::byte> bytes, int component, int type, std::size_t count, Use use);
@@ -49,9 +49,9 @@ class Document {
   std::set<std::string> used_;
 };
 
-std::vector<double> numbers(const glm::vec3& v);
-std::vector<double> numbers(const glm::vec4& v);
-tinygltf::Value value(const glm::vec3& v);
-tinygltf::Value value(float number);
+std::vector<double> to_numbers(const glm::vec3& v);
+std::vector<double> to_numbers(const glm::vec4& v);
+tinygltf::Value to_value(const glm::vec3& v);
+tinygltf::Value to_value(float number);
 
 }  // namespace traces::gltf_export

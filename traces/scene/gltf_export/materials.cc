@@ -153,29 +153,29 @@ void use(const TextureUse& from, Info& to) {
 void write_surface(const Material& m, const Surface& s, tinygltf::Material& to, Document& out) {
   to.pbrMetallicRoughness.metallicFactor = double{s.metallic};
   to.pbrMetallicRoughness.roughnessFactor = double{s.roughness};
-  if (s.ior != 1.5F) out.extend(to.extensions, "KHR_materials_ior", {{"ior", value(s.ior)}});
-  if (s.coat > 0) out.extend(to.extensions, "KHR_materials_clearcoat", {{"clearcoatFactor", value(s.coat)}});
+  if (s.ior != 1.5F) out.add_extension(to.extensions, "KHR_materials_ior", {{"ior", to_value(s.ior)}});
+  if (s.coat > 0) out.add_extension(to.extensions, "KHR_materials_clearcoat", {{"clearcoatFactor", to_value(s.coat)}});
   if (m.transmission > 0) {
-    out.extend(to.extensions, "KHR_materials_transmission", {{"transmissionFactor", value(m.transmission)}});
+    out.add_extension(to.extensions, "KHR_materials_transmission", {{"transmissionFactor", to_value(m.transmission)}});
     if (s.thin && s.ior > 1) {
-      out.extend(to.extensions, "KHR_materials_volume", {{"thicknessFactor", value(0)}});
+      out.add_extension(to.extensions, "KHR_materials_volume", {{"thicknessFactor", to_value(0)}});
     } else if (const float most = strongest_channel(m.absorption); most > 0) {
       // One distance for all channels: the one at which the most absorbed channel has fallen to 1 / e.
       const glm::vec3 colour(std::exp(-m.absorption.x / most), std::exp(-m.absorption.y / most),
                              std::exp(-m.absorption.z / most));
-      out.extend(to.extensions, "KHR_materials_volume",
-                 {{"thicknessFactor", value(1)},
-                  {"attenuationDistance", value(std::min(1 / most, std::numeric_limits<float>::max()))},
-                  {"attenuationColor", value(colour)}});
+      out.add_extension(to.extensions, "KHR_materials_volume",
+                        {{"thicknessFactor", to_value(1)},
+                         {"attenuationDistance", to_value(std::min(1 / most, std::numeric_limits<float>::max()))},
+                         {"attenuationColor", to_value(colour)}});
     }
   }
 }
 
 void write_emission(const Material& m, tinygltf::Material& to, Document& out) {
   const float strength = std::max(strongest_channel(m.emission), 1.0F);
-  to.emissiveFactor = numbers(m.emission / strength);
+  to.emissiveFactor = to_numbers(m.emission / strength);
   if (strength > 1) {
-    out.extend(to.extensions, "KHR_materials_emissive_strength", {{"emissiveStrength", value(strength)}});
+    out.add_extension(to.extensions, "KHR_materials_emissive_strength", {{"emissiveStrength", to_value(strength)}});
   }
   use(m.emission_texture, to.emissiveTexture);
 }
@@ -197,16 +197,16 @@ tinygltf::Material material_of(const Scene& scene, const Material& m, Document& 
   to.name = m.name;
   tinygltf::PbrMetallicRoughness& pbr = to.pbrMetallicRoughness;
   if (is_unlit(m)) {
-    out.extend(to.extensions, "KHR_materials_unlit", {});
+    out.add_extension(to.extensions, "KHR_materials_unlit", {});
     to.doubleSided = m.double_sided;
-    pbr.baseColorFactor = numbers(glm::vec4(glm::clamp(m.emission, 0.0F, 1.0F), 1));
+    pbr.baseColorFactor = to_numbers(glm::vec4(glm::clamp(m.emission, 0.0F, 1.0F), 1));
     use(m.emission_texture.used() ? m.emission_texture : m.base_texture, pbr.baseColorTexture);
     write_alpha(m, to);
     return to;
   }
   const bool tinted = m.mirror > 0 && m.base_texture.used();
   const Surface s = surface_of(m, tinted ? mean_of(scene.textures[m.base_texture.texture]) : glm::vec3(1));
-  pbr.baseColorFactor = numbers(glm::vec4(s.base, 1));
+  pbr.baseColorFactor = to_numbers(glm::vec4(s.base, 1));
   use(m.base_texture, pbr.baseColorTexture);
   use(m.metal_rough_texture, pbr.metallicRoughnessTexture);
   write_surface(m, s, to, out);

@@ -63,7 +63,7 @@ glm::dmat3 unit_columns(const glm::dmat3& m, glm::dvec3& lengths) {
   return out;
 }
 
-void set(std::vector<double>& list, const glm::dvec3& v, const glm::dvec3& normal) {
+void set_unless_default(std::vector<double>& list, const glm::dvec3& v, const glm::dvec3& normal) {
   if (v != normal) list = {v.x, v.y, v.z};
 }
 
@@ -79,7 +79,7 @@ bool is_placement(const glm::mat4& matrix) {
   return shear <= kMost * std::max(longest, 1e-300) && glm::determinant(m) != 0;
 }
 
-TwoPlacements split(const glm::mat4& matrix) {
+TwoPlacements split_matrix(const glm::mat4& matrix) {
   glm::dmat3 m(matrix), turns(1);
   for (int sweep = 0; sweep < 30; ++sweep) {
     rotate_columns(m, turns, 0, 1);
@@ -102,9 +102,9 @@ TwoPlacements split(const glm::mat4& matrix) {
 
 void set_transform(tinygltf::Node& node, const Placement& placement) {
   const glm::dquat& q = placement.rotation;
-  set(node.translation, placement.translation, glm::dvec3(0));
+  set_unless_default(node.translation, placement.translation, glm::dvec3(0));
   if (q != glm::dquat(1, 0, 0, 0)) node.rotation = {q.x, q.y, q.z, q.w};
-  set(node.scale, placement.scale, glm::dvec3(1));
+  set_unless_default(node.scale, placement.scale, glm::dvec3(1));
 }
 
 void set_transform(tinygltf::Node& node, const Transform& transform) {
@@ -122,7 +122,7 @@ void set_transform(tinygltf::Node& node, const glm::mat4& matrix) {
 namespace {
 
 /// Merges repeated joints and sets unused ones to joint 0, as glTF demands.
-void tidy(std::array<std::uint16_t, 4>& joints, glm::vec4& weights) {
+void tidy_joints(std::array<std::uint16_t, 4>& joints, glm::vec4& weights) {
   for (int i = 0; i < 4; ++i) {
     for (int earlier = 0; earlier < i; ++earlier) {
       const bool same = joints[static_cast<std::size_t>(i)] == joints[static_cast<std::size_t>(earlier)];
@@ -148,7 +148,7 @@ void write_deformation(const Deformation& d, tinygltf::Primitive& to, Document& 
   if (!d.joints.empty()) {
     std::vector<std::array<std::uint16_t, 4>> joints = d.joints;
     std::vector<glm::vec4> weights = d.weights;
-    for (std::size_t i = 0; i < joints.size(); ++i) tidy(joints[i], weights[i]);
+    for (std::size_t i = 0; i < joints.size(); ++i) tidy_joints(joints[i], weights[i]);
     to.attributes["JOINTS_0"] = out.add(joints);
     to.attributes["WEIGHTS_0"] = out.add(weights);
   }
@@ -162,7 +162,7 @@ void write_deformation(const Deformation& d, tinygltf::Primitive& to, Document& 
 
 }  // namespace
 
-tinygltf::Primitive Meshes::write(const Mesh& mesh) {
+tinygltf::Primitive Meshes::write_primitive(const Mesh& mesh) {
   const Deformation* d = mesh.deformation.get();
   tinygltf::Primitive to;
   to.mode = TINYGLTF_MODE_TRIANGLES;
@@ -189,7 +189,7 @@ tinygltf::Primitive Meshes::write(const Mesh& mesh) {
 const tinygltf::Primitive& Meshes::primitive_of(std::uint32_t mesh) {
   const auto found = primitives_.find(mesh);
   if (found != primitives_.end()) return found->second;
-  return primitives_.emplace(mesh, write(scene_.meshes[mesh])).first->second;
+  return primitives_.emplace(mesh, write_primitive(scene_.meshes[mesh])).first->second;
 }
 
 int Meshes::mesh_of(const std::vector<std::uint32_t>& parts) {
@@ -254,7 +254,7 @@ int add_placed(Document& out, int parent, const glm::mat4& matrix) {
     set_transform(outer, matrix);
     return add_node(out, parent, outer);
   }
-  const TwoPlacements two = split(matrix);
+  const TwoPlacements two = split_matrix(matrix);
   set_transform(outer, two.outer);
   set_transform(inner, two.inner);
   return add_node(out, add_node(out, parent, outer), inner);
@@ -419,7 +419,7 @@ glm::mat4 frame_of(const Light& light) {
 tinygltf::Light light_of(const Light& light, float strongest) {
   tinygltf::Light to;
   to.intensity = double{strongest} * std::numbers::pi;
-  to.color = numbers(light.intensity / strongest);
+  to.color = to_numbers(light.intensity / strongest);
   to.range = std::max(double{light.range}, 0.0);
   to.type = "point";
   if (light.kind == Light::Kind::kDirectional) to.type = "directional";
@@ -450,12 +450,12 @@ void write_lights(const Scene& scene, const NodeMap& map, Document& out) {
     }
     tinygltf::Node& node = out.model.nodes[static_cast<std::size_t>(gltf_node)];
     const int index = static_cast<int>(out.model.lights.size());
-    out.extend(node.extensions, "KHR_lights_punctual", {{"light", tinygltf::Value(index)}});
+    out.add_extension(node.extensions, "KHR_lights_punctual", {{"light", tinygltf::Value(index)}});
     refer_to_light(node, index);
     if (node.name.empty()) node.name = "light";
     out.model.lights.push_back(light_of(light, strongest));
   }
-  const tinygltf::Value::Object ours{{"background", value(scene.background)}, {"ambient", value(scene.ambient)}};
+  const tinygltf::Value::Object ours{{"background", to_value(scene.background)}, {"ambient", to_value(scene.ambient)}};
   out.model.scenes[0].extras = tinygltf::Value(tinygltf::Value::Object{{"raywatt", tinygltf::Value(ours)}});
 }
 

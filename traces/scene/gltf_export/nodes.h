@@ -27,7 +27,7 @@ bool is_placement(const glm::mat4& matrix);
 struct TwoPlacements {
   Placement outer, inner;
 };
-TwoPlacements split(const glm::mat4& matrix);
+TwoPlacements split_matrix(const glm::mat4& matrix);
 
 /// These write only values that differ from glTF's defaults.
 void set_transform(tinygltf::Node& node, const Placement& placement);
@@ -44,7 +44,7 @@ class Meshes {
 
  private:
   const tinygltf::Primitive& primitive_of(std::uint32_t mesh);
-  tinygltf::Primitive write(const Mesh& mesh);
+  tinygltf::Primitive write_primitive(const Mesh& mesh);
 
   const Scene& scene_;
   Document& out_;

@@ -17,8 +17,8 @@ class ImageCodec {
 
   virtual ~ImageCodec() = default;
   /// Decodes a "png" or "jpeg" file; `rgba` has 8 bits a channel, R in the lowest byte.
-  virtual std::string decode(std::span<const std::byte> bytes, const char* format, std::uint64_t most_pixels,
-                             Size& size, std::vector<std::uint32_t>& rgba) const = 0;
+  virtual std::string decode_image(std::span<const std::byte> bytes, const char* format, std::uint64_t most_pixels,
+                                   Size& size, std::vector<std::uint32_t>& rgba) const = 0;
   virtual std::string decode_exr(std::span<const std::byte> bytes, std::uint64_t most_pixels, Size& size,
                                  std::vector<float>& rgb) const = 0;
   /// Maps values from 0 to 1 to sRGB colours, 3 bytes each, by one of the library's colour maps.

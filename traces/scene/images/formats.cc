@@ -23,21 +23,22 @@
 namespace traces {
 namespace {
 
-/// A PNG file being written, with libpng's structures. libpng reports errors by longjmp, so write() holds nothing to
-/// destroy.
+/// A PNG file being written, with libpng's structures. libpng reports errors by longjmp, so write_picture() holds
+/// nothing to destroy.
 class Writer {
  public:
-  Writer() : png_(png_create_write_struct(PNG_LIBPNG_VER_STRING, this, &Writer::fail, &Writer::ignore)) {
+  Writer()
+      : png_(png_create_write_struct(PNG_LIBPNG_VER_STRING, this, &Writer::report_error, &Writer::ignore_warning)) {
     if (png_ != nullptr) info_ = png_create_info_struct(png_);
   }
   ~Writer() { png_destroy_write_struct(&png_, &info_); }
   Writer(const Writer&) = delete;
   Writer& operator=(const Writer&) = delete;
 
-  bool write(std::uint32_t width, std::uint32_t height, std::uint32_t channels, const std::uint8_t* pixels,
-             std::span<png_text> texts) {
+  bool write_picture(std::uint32_t width, std::uint32_t height, std::uint32_t channels, const std::uint8_t* pixels,
+                     std::span<png_text> texts) {
     if (info_ == nullptr || setjmp(png_jmpbuf(png_)) != 0) return false;
-    png_set_write_fn(png_, this, &Writer::append, nullptr);
+    png_set_write_fn(png_, this, &Writer::append_bytes, nullptr);
     png_set_IHDR(png_, info_, width, height, 8, channels == 4 ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB,
                  PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     png_set_sRGB_gAMA_and_cHRM(png_, info_, PNG_sRGB_INTENT_ABSOLUTE);
@@ -52,12 +53,12 @@ class Writer {
   std::string error = "no memory";
 
  private:
-  static void fail(png_structp png, png_const_charp message) {
+  static void report_error(png_structp png, png_const_charp message) {
     static_cast<Writer*>(png_get_error_ptr(png))->error = message;
     png_longjmp(png, 1);
   }
-  static void ignore(png_structp, png_const_charp) {}
-  static void append(png_structp png, png_bytep data, std::size_t size) {
+  static void ignore_warning(png_structp, png_const_charp) {}
+  static void append_bytes(png_structp png, png_bytep data, std::size_t size) {
     static_cast<Writer*>(png_get_io_ptr(png))->bytes.append(reinterpret_cast<const char*>(data), size);
   }
 
@@ -78,7 +79,7 @@ std::string png_bytes(std::uint32_t width, std::uint32_t height, std::uint32_t c
     texts.push_back(text);
   }
   Writer writer;
-  if (!writer.write(width, height, channels, pixels.data(), texts))
+  if (!writer.write_picture(width, height, channels, pixels.data(), texts))
     throw sim::IoError(fmt::format("no PNG file of {} x {} pixels: {}", width, height, sim::printable(writer.error)));
   return std::move(writer.bytes);
 }

@@ -68,13 +68,13 @@ class Input {
   }
 
   template <class T>
-  std::string read(OIIO::TypeDesc type, std::vector<T>& pixels) {
-    pixels.resize(static_cast<std::size_t>(spec_.width) * static_cast<std::size_t>(spec_.height) * channels());
+  std::string read_pixels(OIIO::TypeDesc type, std::vector<T>& pixels) {
+    pixels.resize(static_cast<std::size_t>(spec_.width) * static_cast<std::size_t>(spec_.height) * channel_count());
     if (input_->read_image(0, 0, 0, spec_.nchannels, type, pixels.data())) return {};
     return "damaged: " + input_->geterror();
   }
 
-  std::size_t channels() const { return static_cast<std::size_t>(spec_.nchannels); }
+  std::size_t channel_count() const { return static_cast<std::size_t>(spec_.nchannels); }
   ImageCodec::Size size() const {
     return {static_cast<std::uint32_t>(spec_.width), static_cast<std::uint32_t>(spec_.height)};
   }
@@ -90,14 +90,14 @@ class Input {
 
 class OiioCodec : public ImageCodec {
  public:
-  std::string decode(std::span<const std::byte> bytes, const char* format, std::uint64_t most_pixels, Size& size,
-                     std::vector<std::uint32_t>& rgba) const override {
+  std::string decode_image(std::span<const std::byte> bytes, const char* format, std::uint64_t most_pixels, Size& size,
+                           std::vector<std::uint32_t>& rgba) const override {
     Input input(bytes, format);
     if (std::string error = input.check(most_pixels); !error.empty()) return error;
     std::vector<std::uint8_t> pixels;
-    if (std::string error = input.read(OIIO::TypeDesc::UINT8, pixels); !error.empty()) return error;
+    if (std::string error = input.read_pixels(OIIO::TypeDesc::UINT8, pixels); !error.empty()) return error;
     size = input.size();
-    const std::size_t n = input.channels();
+    const std::size_t n = input.channel_count();
     rgba.resize(pixels.size() / n);
     for (std::size_t i = 0; i < rgba.size(); ++i) {
       const std::uint8_t* p = &pixels[i * n];
@@ -113,9 +113,9 @@ class OiioCodec : public ImageCodec {
     Input input(bytes, "openexr");
     if (std::string error = input.check(most_pixels); !error.empty()) return error;
     std::vector<float> pixels;
-    if (std::string error = input.read(OIIO::TypeDesc::FLOAT, pixels); !error.empty()) return error;
+    if (std::string error = input.read_pixels(OIIO::TypeDesc::FLOAT, pixels); !error.empty()) return error;
     size = input.size();
-    const std::size_t n = input.channels();
+    const std::size_t n = input.channel_count();
     rgb.resize(pixels.size() / n * 3);
     for (std::size_t i = 0; i < pixels.size() / n; ++i) {
       for (std::size_t k = 0; k < 3; ++k) rgb[i * 3 + k] = pixels[i * n + std::min(k, n - 1)];

@@ -15,36 +15,39 @@
 namespace traces::bathroom {
 namespace {
 
-glm::vec4 marble(float u, float v) {
-  const float bend = fractal(u, v, 4, 5, 3);
+glm::vec4 marble_colour(float u, float v) {
+  const float bend = fractal_noise(u, v, 4, 5, 3);
   const float vein = std::abs(sin_turns(static_cast<double>(2 * u + v + 2.2F * bend)));
   const float thin = vein < 0.12F ? 1 - vein / 0.12F : 0.0F;
   const glm::vec3 ground =
-      glm::mix(glm::vec3(0.80F, 0.79F, 0.77F), glm::vec3(0.90F, 0.895F, 0.88F), fractal(u, v, 9, 3, 8));
+      glm::mix(glm::vec3(0.80F, 0.79F, 0.77F), glm::vec3(0.90F, 0.895F, 0.88F), fractal_noise(u, v, 9, 3, 8));
   return {glm::mix(ground, glm::vec3(0.52F, 0.52F, 0.54F), 0.7F * thin * bend), 1};
 }
 
-glm::vec4 stripes(float u, float v) {
+glm::vec4 stripes_colour(float u, float v) {
   const float row = v * 9 - std::floor(v * 9);
-  const float loop = 0.8F + 0.3F * random(4, static_cast<std::uint64_t>(u * 128), static_cast<std::uint64_t>(v * 128));
+  const float loop =
+      0.8F + 0.3F * random_unit(4, static_cast<std::uint64_t>(u * 128), static_cast<std::uint64_t>(v * 128));
   const glm::vec3 ink = row < 0.45F ? glm::vec3(0.16F, 0.36F, 0.52F) : glm::vec3(0.87F, 0.86F, 0.82F);
   return {ink * loop, 1};
 }
 
-glm::vec4 terry(float u, float v) {
-  const float loop = 0.78F + 0.3F * random(5, static_cast<std::uint64_t>(u * 128), static_cast<std::uint64_t>(v * 128));
-  return {glm::vec3(0.93F, 0.72F, 0.60F) * loop * (0.92F + 0.12F * fractal(u, v, 8, 3, 6)), 1};
+glm::vec4 terry_colour(float u, float v) {
+  const float loop =
+      0.78F + 0.3F * random_unit(5, static_cast<std::uint64_t>(u * 128), static_cast<std::uint64_t>(v * 128));
+  return {glm::vec3(0.93F, 0.72F, 0.60F) * loop * (0.92F + 0.12F * fractal_noise(u, v, 8, 3, 6)), 1};
 }
 
 /// A bottle's label; u runs round the bottle.
-glm::vec4 label(float u, float v) {
+glm::vec4 label_colour(float u, float v) {
   glm::vec3 c(0.93F, 0.92F, 0.86F);
   const float x = u * 2 - std::floor(u * 2);
   if (v > 0.3F && v < 0.72F && x > 0.15F && x < 0.85F) {
     c = {0.95F, 0.95F, 0.93F};
     if (v < 0.44F) c = {0.22F, 0.42F, 0.38F};
     const auto row = static_cast<std::uint64_t>(v * 48);
-    if (v > 0.48F && v < 0.68F && row % 2 == 0 && x > 0.22F && x < 0.6F + 0.2F * random(6, row)) c = glm::vec3(0.3F);
+    if (v > 0.48F && v < 0.68F && row % 2 == 0 && x > 0.22F && x < 0.6F + 0.2F * random_unit(6, row))
+      c = glm::vec3(0.3F);
   }
   return {c, 1};
 }
@@ -52,22 +55,22 @@ glm::vec4 label(float u, float v) {
 }  // namespace
 
 void paint_pictures(Scene& scene) {
-  scene.textures = {paint_texture("marble", 512, 512, marble),
+  scene.textures = {paint_texture("marble", 512, 512, marble_colour),
                     wood_texture("oak", {0.74F, 0.56F, 0.36F}, {0.55F, 0.37F, 0.20F}, 14, 512),
-                    paint_texture("terry", 256, 256, terry), paint_texture("stripes", 256, 256, stripes),
-                    paint_texture("label", 256, 256, label)};
+                    paint_texture("terry", 256, 256, terry_colour), paint_texture("stripes", 256, 256, stripes_colour),
+                    paint_texture("label", 256, 256, label_colour)};
 }
 
 Materials add_materials(Scene& scene) {
   const auto with_paint = [&scene](const char* name, const glm::vec3& colour, float mirror = 0) {
-    return add_material(scene, paint(name, colour, mirror));
+    return add_material(scene, make_paint(name, colour, mirror));
   };
   const auto with_picture = [&scene](const char* name, Picture picture, float mirror = 0) {
-    return add_material(scene, textured(name, picture, glm::vec3(1), mirror));
+    return add_material(scene, make_textured(name, picture, glm::vec3(1), mirror));
   };
-  Material ceiling = paint("ceiling", {0.86F, 0.86F, 0.85F});
+  Material ceiling = make_paint("ceiling", {0.86F, 0.86F, 0.85F});
   ceiling.emission = {0.3F, 0.295F, 0.285F};  // light that the room reflects to the ceiling
-  Material bulb = lamp("bulb", {0.99F, 0.95F, 0.86F});
+  Material bulb = make_lamp("bulb", {0.99F, 0.95F, 0.86F});
   ceiling.casts_light = bulb.casts_light = false;
   Materials is{};
   is.tile = with_paint("white tile", {0.80F, 0.83F, 0.82F}, 0.05F);
@@ -77,9 +80,9 @@ Materials add_materials(Scene& scene) {
   is.wall = with_paint("wall paint", {0.78F, 0.83F, 0.80F});
   is.ceiling = add_material(scene, ceiling);
   is.enamel = with_paint("enamel", {0.90F, 0.90F, 0.89F}, 0.05F);
-  is.chrome = add_material(scene, metal("chrome", {0.90F, 0.91F, 0.93F}, 0.82F));
-  is.mirror = add_material(scene, metal("mirror", glm::vec3(0.93F), 0.95F));
-  is.glass = add_material(scene, glass("shower screen", {0.94F, 0.98F, 0.965F}, 1.0F));
+  is.chrome = add_material(scene, make_metal("chrome", {0.90F, 0.91F, 0.93F}, 0.82F));
+  is.mirror = add_material(scene, make_metal("mirror", glm::vec3(0.93F), 0.95F));
+  is.glass = add_material(scene, make_glass("shower screen", {0.94F, 0.98F, 0.965F}, 1.0F));
   is.oak = with_picture("oak", kOak);
   is.stone = with_picture("marble top", kMarble, 0.05F);
   is.white = with_paint("white lacquer", {0.88F, 0.88F, 0.87F});
@@ -98,7 +101,7 @@ Materials add_materials(Scene& scene) {
   is.black = with_paint("black", glm::vec3(0.03F));
   is.leaf = with_paint("leaves", {0.16F, 0.42F, 0.13F});
   is.lamp = add_material(scene, bulb);
-  is.water = add_material(scene, glass("clear glass", glm::vec3(1), 1.4F));
+  is.water = add_material(scene, make_glass("clear glass", glm::vec3(1), 1.4F));
   return is;
 }
 
@@ -119,8 +122,10 @@ Mesh make_tiles(float left, float right, float top, bool accent, const Detail& d
     for (; x < right - 1e-4F; x += kTileWidth) {
       const float from = std::max(x, left) + 0.5F * kJoint, to = std::min(x + kTileWidth, right) - 0.5F * kJoint;
       if (to - from < 0.03F) continue;
-      const Mesh tile = make_panel("", to - from, kTileHeight - kJoint, detail.profile(rings), detail.cells(1));
-      append(mesh, transformed(tile, placed({from, kTileHeight * static_cast<float>(row) + 0.5F * kJoint, 0})));
+      const Mesh tile =
+          make_panel("", to - from, kTileHeight - kJoint, detail.coarser_profile(rings), detail.cell_count(1));
+      append_mesh(mesh,
+                  transform_mesh(tile, placement({from, kTileHeight * static_cast<float>(row) + 0.5F * kJoint, 0})));
     }
   }
   return mesh;
@@ -128,22 +133,23 @@ Mesh make_tiles(float left, float right, float top, bool accent, const Detail& d
 
 void add_tiled_wall(Scene& scene, const Materials& is, const Detail& detail, const glm::mat4& wall, float left,
                     float right) {
-  add_object(scene, transformed(make_tiles(left, right, kTiled, false, detail), wall), is.tile);
-  add_object(scene, transformed(make_tiles(left, right, kTiled, true, detail), wall), is.accent);
-  const Mesh grout = make_quad("grout", {left, 0, 0.004F}, {right - left, 0, 0}, {0, kTiled, 0}, detail.cells(4));
-  add_object(scene, transformed(grout, wall), is.grout);
-  Mesh trim = make_rounded_box("trim", {left, kTiled, 0}, {right, kTiled + 0.035F, 0.022F}, 0.009F, detail.cells(3));
-  add_object(scene, transformed(std::move(trim), wall), is.accent);
+  add_object(scene, transform_mesh(make_tiles(left, right, kTiled, false, detail), wall), is.tile);
+  add_object(scene, transform_mesh(make_tiles(left, right, kTiled, true, detail), wall), is.accent);
+  const Mesh grout = make_quad("grout", {left, 0, 0.004F}, {right - left, 0, 0}, {0, kTiled, 0}, detail.cell_count(4));
+  add_object(scene, transform_mesh(grout, wall), is.grout);
+  Mesh trim =
+      make_rounded_box("trim", {left, kTiled, 0}, {right, kTiled + 0.035F, 0.022F}, 0.009F, detail.cell_count(3));
+  add_object(scene, transform_mesh(std::move(trim), wall), is.accent);
   const Mesh paint =
-      make_quad("wall", {left, kTiled, 0}, {right - left, 0, 0}, {0, kHeight - kTiled, 0}, detail.cells(6));
-  add_object(scene, transformed(paint, wall), is.wall);
+      make_quad("wall", {left, kTiled, 0}, {right - left, 0, 0}, {0, kHeight - kTiled, 0}, detail.cell_count(6));
+  add_object(scene, transform_mesh(paint, wall), is.wall);
 }
 
 void add_floor(Scene& scene, const Materials& is, const Detail& detail) {
   constexpr float kRadius = 0.058F, kAcross = 0.866025F * 2 * kRadius;
   const glm::vec2 profile[] = {
       {kRadius - 0.0015F, 0}, {kRadius - 0.0015F, 0.002F}, {kRadius - 0.004F, 0.004F}, {0, 0.004F}};
-  const Mesh tile = make_lathe("", detail.profile(profile), 6);
+  const Mesh tile = make_lathe("", detail.coarser_profile(profile), 6);
   Mesh floor;
   floor.name = "floor tiles";
   for (int row = 0; row < 36; ++row) {
@@ -151,14 +157,14 @@ void add_floor(Scene& scene, const Materials& is, const Detail& detail) {
       const float z = -kHalfWidth + kAcross * (static_cast<float>(row) + (k % 2 == 0 ? 0.0F : 0.5F));
       const float x = -kHalfLength + 1.5F * kRadius * static_cast<float>(k);
       if (z > kHalfWidth + kRadius || x > kHalfLength + kRadius) continue;
-      append(floor, transformed(tile, placed({x, 0, z})));
+      append_mesh(floor, transform_mesh(tile, placement({x, 0, z})));
     }
   }
   project_uvs(floor, 0.7F);
   add_object(scene, std::move(floor), is.floor);
   add_object(scene,
              make_quad("floor grout", {-kHalfLength, 0.0022F, -kHalfWidth}, {0, 0, 2 * kHalfWidth},
-                       {2 * kHalfLength, 0, 0}, detail.cells(4)),
+                       {2 * kHalfLength, 0, 0}, detail.cell_count(4)),
              is.grout);
 }
 
@@ -168,52 +174,58 @@ void add_door(Scene& scene, const Materials& is, const Detail& detail, const glm
   Mesh door;
   door.name = "door";
   for (const auto& [low, high] : {std::pair{0.01F, 0.98F}, std::pair{0.98F, kTall}}) {
-    append(door, transformed(make_panel("", kWidth, high - low, detail.profile(field), detail.cells(3)),
-                             placed({left, low, 0})));
+    append_mesh(door,
+                transform_mesh(make_panel("", kWidth, high - low, detail.coarser_profile(field), detail.cell_count(3)),
+                               placement({left, low, 0})));
   }
   for (const float x : {left - 0.09F, left + kWidth})
-    append(door, make_box("", {x, 0, 0}, {x + 0.09F, kTall + 0.09F, 0.035F}));
-  append(door, make_box("", {left, kTall, 0}, {left + kWidth, kTall + 0.09F, 0.035F}));
-  door = transformed(std::move(door), wall);
+    append_mesh(door, make_box("", {x, 0, 0}, {x + 0.09F, kTall + 0.09F, 0.035F}));
+  append_mesh(door, make_box("", {left, kTall, 0}, {left + kWidth, kTall + 0.09F, 0.035F}));
+  door = transform_mesh(std::move(door), wall);
   project_uvs(door, 0.9F, true);
   add_object(scene, std::move(door), is.oak);
   const glm::vec3 grip[] = {{left + 0.78F, 1.02F, 0.01F},
                             {left + 0.78F, 1.02F, 0.06F},
                             {left + 0.74F, 1.02F, 0.07F},
                             {left + 0.66F, 1.02F, 0.065F}};
-  Mesh handle = make_tube("door handle", smoothed(grip, detail.cells(6, 2)), std::array{0.009F}, detail.cells(10, 5));
-  add_object(scene, transformed(std::move(handle), wall), is.chrome);
+  Mesh handle = make_tube("door handle", catmull_rom(grip, detail.cell_count(6, 2)), std::array{0.009F},
+                          detail.cell_count(10, 5));
+  add_object(scene, transform_mesh(std::move(handle), wall), is.chrome);
 }
 
 }  // namespace
 
 void add_walls(Scene& scene, const Materials& is, const Detail& detail) {
   constexpr float x = kHalfLength, z = kHalfWidth;
-  add_tiled_wall(scene, is, detail, standing({-x, 0, -z}, {0, 0, 1}), 0, 2 * x);
-  add_tiled_wall(scene, is, detail, standing({x, 0, -z}, {-1, 0, 0}), 0, 2 * z);
-  add_tiled_wall(scene, is, detail, standing({-x, 0, z}, {1, 0, 0}), 0, 2 * z);
-  const glm::mat4 front = standing({x, 0, z}, {0, 0, -1});
+  add_tiled_wall(scene, is, detail, wall_axes({-x, 0, -z}, {0, 0, 1}), 0, 2 * x);
+  add_tiled_wall(scene, is, detail, wall_axes({x, 0, -z}, {-1, 0, 0}), 0, 2 * z);
+  add_tiled_wall(scene, is, detail, wall_axes({-x, 0, z}, {1, 0, 0}), 0, 2 * z);
+  const glm::mat4 front = wall_axes({x, 0, z}, {0, 0, -1});
   constexpr float kDoorLeft = 0.7F, kDoorRight = kDoorLeft + 0.84F + 0.09F;
   add_tiled_wall(scene, is, detail, front, 0, kDoorLeft - 0.09F);
   add_tiled_wall(scene, is, detail, front, kDoorRight, 2 * x);
   add_door(scene, is, detail, front, kDoorLeft);
   add_object(scene,
-             transformed(make_quad("wall above the door", {kDoorLeft - 0.09F, 2.1F, 0}, {1.02F, 0, 0},
-                                   {0, kHeight - 2.1F, 0}, 2),
-                         front),
+             transform_mesh(make_quad("wall above the door", {kDoorLeft - 0.09F, 2.1F, 0}, {1.02F, 0, 0},
+                                      {0, kHeight - 2.1F, 0}, 2),
+                            front),
              is.wall);
   add_floor(scene, is, detail);
-  add_object(scene, make_quad("ceiling", {-x, kHeight, -z}, {2 * x, 0, 0}, {0, 0, 2 * z}, detail.cells(8)), is.ceiling);
+  add_object(scene, make_quad("ceiling", {-x, kHeight, -z}, {2 * x, 0, 0}, {0, 0, 2 * z}, detail.cell_count(8)),
+             is.ceiling);
   const glm::vec2 bowl[] = {{0, -0.12F}, {0.12F, -0.105F}, {0.18F, -0.07F}, {0.2F, -0.02F}};
-  const glm::mat4 under_ceiling = placed({-0.3F, kHeight, 0.25F});
+  const glm::mat4 under_ceiling = placement({-0.3F, kHeight, 0.25F});
   add_object(
       scene,
-      transformed(make_lathe("ceiling lamp", smoothed(detail.profile(bowl), detail.cells(4, 2)), detail.cells(36, 12)),
-                  under_ceiling),
+      transform_mesh(make_lathe("ceiling lamp", catmull_rom(detail.coarser_profile(bowl), detail.cell_count(4, 2)),
+                                detail.cell_count(36, 12)),
+                     under_ceiling),
       is.lamp);
   const glm::vec2 ring[] = {{0.2F, -0.03F}, {0.215F, -0.03F}, {0.215F, 0}};
-  add_object(scene, transformed(make_lathe("lamp ring", detail.profile(ring), detail.cells(36, 12)), under_ceiling),
-             is.chrome);
+  add_object(
+      scene,
+      transform_mesh(make_lathe("lamp ring", detail.coarser_profile(ring), detail.cell_count(36, 12)), under_ceiling),
+      is.chrome);
 }
 
 }  // namespace traces::bathroom
@@ -223,7 +235,7 @@ namespace {
 
 using namespace bathroom;
 
-Scene furnish(const Detail& detail) {
+Scene furnish_room(const Detail& detail) {
   Scene scene;
   scene.name = "bathroom";
   scene.background = glm::vec3(0.3F);
@@ -267,7 +279,7 @@ void add_light(Scene& scene, const glm::vec3& position, const glm::vec3& intensi
 /// tufts).
 Scene build_bathroom(const BuiltinOptions& options) {
   constexpr std::uint32_t kClass = 270'000;
-  Scene scene = build_to_size(options.triangles_or(kClass), furnish);
+  Scene scene = build_to_size(options.triangles_or(kClass), furnish_room);
   paint_pictures(scene);
   add_cameras(scene);
   add_light(scene, {-0.3F, kHeight - 0.3F, 0.25F}, {1, 0.96F, 0.9F});

@@ -20,7 +20,7 @@ constexpr float kNose = 2.23F, kTail = -2.20F, kSill = 0.17F;
 constexpr float kRoll = 0.06F, kRolled = 0.09F;  // height, and share of the width, of the rounded shoulder
 
 /// Interpolates (x, value) points smoothly; x ascending.
-float along(std::span<const glm::vec2> keys, float x) {
+float interpolate_keys(std::span<const glm::vec2> keys, float x) {
   std::size_t k = 0;
   while (k + 2 < keys.size() && x > keys[k + 1].x) ++k;
   const glm::vec2 b = keys[k], c = keys[k + 1];
@@ -31,7 +31,7 @@ float along(std::span<const glm::vec2> keys, float x) {
 }
 
 /// Returns 1 at 0, falling smoothly to 0 at +-1.
-float bump(float a) {
+float smooth_bump(float a) {
   const float s = std::max(1 - a * a, 0.0F);
   return s * s;
 }
@@ -47,7 +47,7 @@ constexpr glm::vec2 kWidth[] = {{-2.20F, 0.91F}, {-1.70F, 0.925F}, {-1.31F, 0.93
                                 {0.20F, 0.885F}, {0.80F, 0.89F},   {1.30F, 0.905F}, {2.23F, 0.89F}};
 
 /// Returns the share of the width at x; nose and tail are rounded in plan view.
-float rounding(float x) {
+float width_share(float x) {
   const float front = std::clamp((x - 1.10F) / (kNose - 1.10F), 0.0F, 1.0F);
   const float rear = std::clamp((-1.25F - x) / (-1.25F - kTail), 0.0F, 1.0F);
   const float e = std::max(front, rear), e2 = e * e;
@@ -55,14 +55,14 @@ float rounding(float x) {
 }
 
 /// Returns the x offset of front and rear in side view: largest at bumper height.
-float lean(float x, float y) {
+float lean_offset(float x, float y) {
   const float front = glm::smoothstep(1.7F, kNose, x), rear = glm::smoothstep(1.75F, -kTail, -x);
   const float low = (y - 0.42F) / 0.30F, high = (y - 0.72F) / 0.40F;
   return -front * 0.10F * low * low + rear * 0.16F * high * high;
 }
 
-float bottom(float x) {
-  float y = along(kBottom, x);
+float bottom_height(float x) {
+  float y = interpolate_keys(kBottom, x);
   for (const float axle : {kFrontAxle, kRearAxle}) {
     const float rest = kArch * kArch - (x - axle) * (x - axle);
     if (rest > 0) y = std::max(y, kWheel + std::sqrt(rest));
@@ -80,12 +80,12 @@ glm::vec2 arch_edge(float share) {
 }
 
 /// Returns the x positions of the cross sections: denser at the ends of arches, nose and tail.
-std::vector<float> stations(const Detail& detail) {
+std::vector<float> section_positions(const Detail& detail) {
   constexpr float kReach = kArch - 1e-4F;  // beyond it, the edge drops to the sill
   std::vector<float> xs{kTail};
   const auto add = [&](float to, double at_one, bool slow_start, bool slow_end) {
     const float from = xs.back();
-    const std::uint32_t steps = detail.cells(at_one, 4);
+    const std::uint32_t steps = detail.cell_count(at_one, 4);
     for (std::uint32_t k = 1; k <= steps; ++k) {
       const float t = static_cast<float>(k) / static_cast<float>(steps);
       float s = t;
@@ -110,29 +110,29 @@ std::vector<float> stations(const Detail& detail) {
 }  // namespace
 
 float side_at(float x, float y) {
-  const float u = std::clamp((y - kSill) / (along(kShoulder, x) - kSill), 0.0F, 1.0F);
-  float z = along(kWidth, x) - 0.045F * (1 - u) * (1 - u) - 0.055F * u * u * u;
-  z -= 0.045F * bump((x - 0.05F) / 1.05F) * bump((u - 0.42F) / 0.36F);  // the doors are recessed
+  const float u = std::clamp((y - kSill) / (interpolate_keys(kShoulder, x) - kSill), 0.0F, 1.0F);
+  float z = interpolate_keys(kWidth, x) - 0.045F * (1 - u) * (1 - u) - 0.055F * u * u * u;
+  z -= 0.045F * smooth_bump((x - 0.05F) / 1.05F) * smooth_bump((u - 0.42F) / 0.36F);  // the doors are recessed
   for (const float axle : {kFrontAxle, kRearAxle}) {
     const float away = std::sqrt((x - axle) * (x - axle) + (y - kWheel) * (y - kWheel));
     z += 0.030F * (1 - glm::smoothstep(kArch, kArch + 0.17F, away));
   }
-  return z * rounding(x);
+  return z * width_share(x);
 }
 
 Mesh make_shell(const Detail& detail) {
-  const std::vector<float> xs = stations(detail);
-  const std::uint32_t side = detail.cells(20, 5), top = detail.cells(18, 6), columns = 2 * (side + top);
+  const std::vector<float> xs = section_positions(detail);
+  const std::uint32_t side = detail.cell_count(20, 5), top = detail.cell_count(18, 6), columns = 2 * (side + top);
   return make_surface("shell", columns, static_cast<std::uint32_t>(xs.size() - 1), [&](float s, float t) {
     const auto row = static_cast<std::size_t>(t * static_cast<float>(xs.size() - 1) + 0.5F);
     const auto column = static_cast<std::uint32_t>(s * static_cast<float>(columns) + 0.5F);
     const float sign = 2 * column < columns ? -1.0F : 1.0F;
     const std::uint32_t k = std::min(column, columns - column);
-    const float x = xs[row], shoulder = along(kShoulder, x) - kRoll;
+    const float x = xs[row], shoulder = interpolate_keys(kShoulder, x) - kRoll;
     float y = 0, z = 0;
     if (k <= side) {
       const float share = static_cast<float>(k) / static_cast<float>(side);
-      y = glm::mix(bottom(x), shoulder, share);
+      y = glm::mix(bottom_height(x), shoulder, share);
       z = side_at(x, y);
     } else {
       // A third of the rows belongs to the rounded shoulder.
@@ -142,13 +142,15 @@ Mesh make_shell(const Detail& detail) {
                                                               static_cast<float>(top - rolling);
       const float out = 1 - share, past = std::max((out - 1 + kRolled) / kRolled, 0.0F);
       z = side_at(x, shoulder) * out;
-      y = shoulder + kRoll * (1 - past * past) + (along(kMiddle, x) - along(kShoulder, x)) * (1 - out * out);
+      y = shoulder + kRoll * (1 - past * past) +
+          (interpolate_keys(kMiddle, x) - interpolate_keys(kShoulder, x)) * (1 - out * out);
       // Fenders are higher than the bonnet, which has a rib on each side.
-      const float fenders = 0.050F * bump((x - kFrontAxle - 0.05F) / 0.75F) + 0.030F * bump((x - kRearAxle) / 0.7F);
-      y += fenders * bump((z - 0.68F) / 0.24F) * rounding(x);
-      y += 0.014F * bump((x - 1.35F) / 0.75F) * bump((z - 0.36F) / 0.09F);
+      const float fenders =
+          0.050F * smooth_bump((x - kFrontAxle - 0.05F) / 0.75F) + 0.030F * smooth_bump((x - kRearAxle) / 0.7F);
+      y += fenders * smooth_bump((z - 0.68F) / 0.24F) * width_share(x);
+      y += 0.014F * smooth_bump((x - 1.35F) / 0.75F) * smooth_bump((z - 0.36F) / 0.09F);
     }
-    return glm::vec3(x + lean(x, y), y, sign * z);
+    return glm::vec3(x + lean_offset(x, y), y, sign * z);
   });
 }
 
@@ -160,11 +162,11 @@ Mesh make_cabin(const Detail& detail) {
                                         {-0.2F, 0.79F},  {0.35F, 0.77F},  {0.80F, 0.70F}, {1.10F, 0.60F}};
   constexpr float kFoot = 0.78F, kFrom = -2.02F, kTo = 1.10F;
   const auto power = [](float c) { return std::sqrt(c * std::sqrt(c)); };  // c to the power 3/4: a fuller ellipse
-  return make_surface("cabin", 2 * detail.cells(20, 6), detail.cells(50, 12), [&](float s, float t) {
+  return make_surface("cabin", 2 * detail.cell_count(20, 6), detail.cell_count(50, 12), [&](float s, float t) {
     const float x = kFrom + (kTo - kFrom) * t;
     const glm::vec2 q = on_circle(0.5 - 0.5 * static_cast<double>(s));
-    const float height = std::max(along(kRoof, x) - kFoot, 0.01F), up = power(std::max(q.y, 0.0F));
-    const float half = along(kHalf, x) * (1 - 0.24F * up * height / 0.5F);
+    const float height = std::max(interpolate_keys(kRoof, x) - kFoot, 0.01F), up = power(std::max(q.y, 0.0F));
+    const float half = interpolate_keys(kHalf, x) * (1 - 0.24F * up * height / 0.5F);
     return glm::vec3(x, kFoot + height * up, (q.x < 0 ? -half : half) * power(std::abs(q.x)));
   });
 }
@@ -173,17 +175,17 @@ Mesh make_underbody(const Detail& detail) {
   Mesh dark;
   for (const float axle : {kFrontAxle, kRearAxle}) {
     for (const float sign : {-1.0F, 1.0F}) {
-      const Mesh liner = make_surface("", detail.cells(20, 6), 2, [&](float s, float t) {
+      const Mesh liner = make_surface("", detail.cell_count(20, 6), 2, [&](float s, float t) {
         const glm::vec2 edge = arch_edge(1 - s);
         const float x = axle + edge.x, y = kWheel + edge.y;
         const float outer = side_at(x, y) - 0.015F;
         return glm::vec3(x, y, sign * (outer - (sign > 0 ? t : 1 - t) * (outer - 0.45F)));
       });
-      append(dark, liner);
+      append_mesh(dark, liner);
     }
   }
-  append(dark, make_box("", {-0.92F, 0.15F, -0.80F}, {0.90F, 0.30F, 0.80F}));
-  append(dark, make_box("", {-1.95F, 0.22F, -0.50F}, {1.98F, 0.50F, 0.50F}));
+  append_mesh(dark, make_box("", {-0.92F, 0.15F, -0.80F}, {0.90F, 0.30F, 0.80F}));
+  append_mesh(dark, make_box("", {-1.95F, 0.22F, -0.50F}, {1.98F, 0.50F, 0.50F}));
   dark.name = "underbody";
   return dark;
 }
@@ -193,14 +195,14 @@ Mesh make_arch_lips(const Detail& detail) {
   for (const float axle : {kFrontAxle, kRearAxle}) {
     for (const float sign : {-1.0F, 1.0F}) {
       std::vector<glm::vec3> path;
-      const std::uint32_t steps = detail.cells(28, 8);
+      const std::uint32_t steps = detail.cell_count(28, 8);
       for (std::uint32_t k = 0; k <= steps; ++k) {
         const glm::vec2 edge = arch_edge(static_cast<float>(k) / static_cast<float>(steps));
         const float x = axle + edge.x, y = kWheel + edge.y;
         path.emplace_back(x, y, sign * (side_at(x, y) - 0.004F));
       }
       const float radius[] = {0.011F};
-      append(lips, make_tube("", path, radius, detail.cells(6, 4)));
+      append_mesh(lips, make_tube("", path, radius, detail.cell_count(6, 4)));
     }
   }
   lips.name = "arch lips";
@@ -221,7 +223,7 @@ struct Throw {
   float sign;
 };
 
-Throw way(From from) {
+Throw projection_of(From from) {
   switch (from) {
     case From::kFront:
       return {2, 1, 0, -1};
@@ -241,7 +243,7 @@ Throw way(From from) {
 Mesh make_patch(std::span<const glm::vec2> first, std::span<const glm::vec2> second, std::uint32_t columns,
                 std::uint32_t rows) {
   constexpr std::uint32_t kFine = 8;
-  const std::vector<glm::vec2> a = smoothed(first, kFine), b = smoothed(second, kFine);
+  const std::vector<glm::vec2> a = catmull_rom(first, kFine), b = catmull_rom(second, kFine);
   return make_surface("", columns, rows, [&](float s, float t) {
     return glm::vec3(on_line(a, s) + t * (on_line(b, s) - on_line(a, s)), 0);
   });
@@ -258,8 +260,8 @@ Mesh make_strip(std::span<const glm::vec2> line, float width, std::uint32_t colu
   return make_patch(first, second, columns, 1);
 }
 
-Mesh draped(const Mesh& body, const Mesh& patch, From from, float lift) {
-  const Throw to = way(from);
+Mesh drape_patch(const Mesh& body, const Mesh& patch, From from, float lift) {
+  const Throw to = projection_of(from);
   std::vector<char> is_hit(patch.positions.size(), 0);
   std::vector<float> best(patch.positions.size());
   Mesh out = patch;

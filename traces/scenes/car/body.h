@@ -46,6 +46,6 @@ enum class From : std::uint8_t {
 };
 
 /// Projects the patch onto a body, `lift` above its surface and with its normals; parts that miss are left out.
-Mesh draped(const Mesh& body, const Mesh& patch, From from, float lift);
+Mesh drape_patch(const Mesh& body, const Mesh& patch, From from, float lift);
 
 }  // namespace traces::car

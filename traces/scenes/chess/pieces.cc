@@ -13,37 +13,37 @@ namespace traces::chess {
 namespace {
 
 /// Makes the foot of all pieces: a heavy ring and a step.
-Outline foot(float radius) {
+Outline make_foot(float radius) {
   return Outline({0, 0})
-      .line(radius - 0.02F, 0)
-      .arc(radius - 0.01F, 0.12F, 0.028F)
-      .line(radius - 0.05F, 0.135F)
-      .arc(radius - 0.09F, 0.20F, 0.018F)
-      .line(radius - 0.115F, 0.21F);
+      .line_to(radius - 0.02F, 0)
+      .arc_to(radius - 0.01F, 0.12F, 0.028F)
+      .line_to(radius - 0.05F, 0.135F)
+      .arc_to(radius - 0.09F, 0.20F, 0.018F)
+      .line_to(radius - 0.115F, 0.21F);
 }
 
 /// Adds a ring round the neck.
-Outline& collar(Outline& outline, float radius, float height, float thickness) {
-  return outline.line(radius - 0.02F, height)
-      .arc(radius - 0.02F, height + thickness, 0.6F * thickness)
-      .line(radius - 0.07F, height + 1.3F * thickness);
+Outline& add_collar(Outline& outline, float radius, float height, float thickness) {
+  return outline.line_to(radius - 0.02F, height)
+      .arc_to(radius - 0.02F, height + thickness, 0.6F * thickness)
+      .line_to(radius - 0.07F, height + 1.3F * thickness);
 }
 
-Mesh turned(const Outline& outline, const Detail& detail, double points) {
-  return make_lathe("", simplified(outline.points(), detail.cells(points, 10)), detail.cells(26, 8));
+Mesh turn_outline(const Outline& outline, const Detail& detail, double points) {
+  return make_lathe("", simplify_line(outline.points(), detail.cell_count(points, 10)), detail.cell_count(26, 8));
 }
 
 Mesh make_pawn(const Detail& detail) {
-  Outline o = foot(0.30F);
-  o.arc(0.095F, 0.50F, -0.05F);
-  collar(o, 0.19F, 0.52F, 0.04F);
-  o.round({0, 0.70F}, 0.145F, -0.15, 0.25);
-  return turned(o, detail, 20);
+  Outline o = make_foot(0.30F);
+  o.arc_to(0.095F, 0.50F, -0.05F);
+  add_collar(o, 0.19F, 0.52F, 0.04F);
+  o.add_round({0, 0.70F}, 0.145F, -0.15, 0.25);
+  return turn_outline(o, detail, 20);
 }
 
 /// Adds six battlements: sectors of a ring.
 void add_battlements(Mesh& rook, const Detail& detail) {
-  const std::uint32_t steps = detail.cells(4, 2);
+  const std::uint32_t steps = detail.cell_count(4, 2);
   for (int k = 0; k < 6; ++k) {
     std::vector<glm::vec2> outline;
     for (const float radius : {0.265F, 0.185F}) {
@@ -55,19 +55,19 @@ void add_battlements(Mesh& rook, const Detail& detail) {
     Mesh block = make_extrusion("", outline, 0.11F);
     for (glm::vec3& p : block.positions) p = {p.x, p.z + 0.845F, -p.y};
     for (glm::vec3& n : block.normals) n = {n.x, n.z, -n.y};
-    append(rook, block);
+    append_mesh(rook, block);
   }
 }
 
 Mesh make_rook(const Detail& detail) {
-  Outline o = foot(0.33F);
-  o.arc(0.165F, 0.64F, -0.04F)
-      .line(0.20F, 0.66F)
-      .arc(0.20F, 0.70F, 0.02F)
-      .line(0.185F, 0.71F)
-      .arc(0.265F, 0.78F, -0.02F);
-  o.line(0.265F, 0.85F).line(0.185F, 0.85F).line(0.185F, 0.80F).line(0, 0.80F);
-  Mesh rook = turned(o, detail, 24);
+  Outline o = make_foot(0.33F);
+  o.arc_to(0.165F, 0.64F, -0.04F)
+      .line_to(0.20F, 0.66F)
+      .arc_to(0.20F, 0.70F, 0.02F)
+      .line_to(0.185F, 0.71F)
+      .arc_to(0.265F, 0.78F, -0.02F);
+  o.line_to(0.265F, 0.85F).line_to(0.185F, 0.85F).line_to(0.185F, 0.80F).line_to(0, 0.80F);
+  Mesh rook = turn_outline(o, detail, 24);
   add_battlements(rook, detail);
   return rook;
 }
@@ -85,12 +85,12 @@ Mesh make_mitre(const Detail& detail) {
     profile.emplace_back(radius(share), kLow + kHeight * share);
     depth.push_back(cut);
   };
-  const std::uint32_t below = detail.cells(6, 3), above = detail.cells(5, 3);
+  const std::uint32_t below = detail.cell_count(6, 3), above = detail.cell_count(5, 3);
   for (std::uint32_t k = 0; k <= below; ++k) row(0.50F * static_cast<float>(k) / static_cast<float>(below), 0);
   row(0.50F, 0), row(0.51F, 0.09F), row(0.51F, 0.09F), row(0.59F, 0.09F), row(0.59F, 0.09F), row(0.60F, 0),
       row(0.60F, 0);
   for (std::uint32_t k = 1; k <= above; ++k) row(0.60F + 0.40F * static_cast<float>(k) / static_cast<float>(above), 0);
-  return make_turned("", profile, detail.cells(26, 10), [&](float around, std::size_t k, const glm::vec3& p) {
+  return make_turned("", profile, detail.cell_count(26, 10), [&](float around, std::size_t k, const glm::vec3& p) {
     const float forward = 0.5F - 0.5F * cos_turns(static_cast<double>(around));  // 1 at the front, -x
     const float open = glm::smoothstep(0.25F, 0.6F, forward);
     const float r = profile[k].x;
@@ -102,60 +102,60 @@ Mesh make_mitre(const Detail& detail) {
 }
 
 Mesh make_bishop(const Detail& detail) {
-  Outline o = foot(0.32F);
-  o.arc(0.10F, 0.68F, -0.06F);
-  collar(o, 0.21F, 0.70F, 0.045F);
-  collar(o, 0.165F, 0.775F, 0.035F).line(0.085F, 0.86F).line(0, 0.86F);
-  Mesh bishop = turned(o, detail, 24);
-  append(bishop, transformed(make_mitre(detail), placed({0, 0, 0}, -0.17)));
-  const Outline ball = Outline({0, 1.19F}).round({0, 1.24F}, 0.05F, -0.25, 0.25);
-  append(bishop, make_lathe("", simplified(ball.points(), detail.cells(8, 4)), detail.cells(14, 5)));
+  Outline o = make_foot(0.32F);
+  o.arc_to(0.10F, 0.68F, -0.06F);
+  add_collar(o, 0.21F, 0.70F, 0.045F);
+  add_collar(o, 0.165F, 0.775F, 0.035F).line_to(0.085F, 0.86F).line_to(0, 0.86F);
+  Mesh bishop = turn_outline(o, detail, 24);
+  append_mesh(bishop, transform_mesh(make_mitre(detail), placement({0, 0, 0}, -0.17)));
+  const Outline ball = Outline({0, 1.19F}).add_round({0, 1.24F}, 0.05F, -0.25, 0.25);
+  append_mesh(bishop, make_lathe("", simplify_line(ball.points(), detail.cell_count(8, 4)), detail.cell_count(14, 5)));
   return bishop;
 }
 
 /// Makes the body of queen and king up to the crown, which begins at radius 0.14.
 Outline royal_body(float radius, float neck) {
-  Outline o = foot(radius);
-  o.line(radius - 0.10F, 0.25F).arc(0.125F, neck, -0.075F);
-  collar(o, 0.255F, neck + 0.02F, 0.05F);
-  collar(o, 0.205F, neck + 0.10F, 0.04F);
-  o.line(0.135F, neck + 0.16F);
+  Outline o = make_foot(radius);
+  o.line_to(radius - 0.10F, 0.25F).arc_to(0.125F, neck, -0.075F);
+  add_collar(o, 0.255F, neck + 0.02F, 0.05F);
+  add_collar(o, 0.205F, neck + 0.10F, 0.04F);
+  o.line_to(0.135F, neck + 0.16F);
   return o;
 }
 
 Mesh make_queen(const Detail& detail) {
   constexpr float kNeck = 0.98F;
   Outline o = royal_body(0.36F, kNeck);
-  o.line(0, kNeck + 0.16F);
-  Mesh queen = turned(o, detail, 26);
+  o.line_to(0, kNeck + 0.16F);
+  Mesh queen = turn_outline(o, detail, 26);
   // The coronet: a flaring cup with nine points, and a dome with a ball inside.
   constexpr int kPoints = 9;
   Outline cup({0.13F, kNeck + 0.15F});
-  cup.arc(0.235F, kNeck + 0.38F, -0.02F);
-  std::vector<glm::vec2> profile = simplified(cup.points(), detail.cells(6, 4));
+  cup.arc_to(0.235F, kNeck + 0.38F, -0.02F);
+  std::vector<glm::vec2> profile = simplify_line(cup.points(), detail.cell_count(6, 4));
   const std::size_t rim = profile.size() - 1;
   profile.push_back(profile.back());
   profile.emplace_back(0.20F, kNeck + 0.385F);
   profile.push_back(profile.back());
   profile.emplace_back(0.165F, kNeck + 0.33F);
-  const std::uint32_t segments = kPoints * detail.cells(4, 2);
-  append(queen, make_turned("", profile, segments, [&](float around, std::size_t k, const glm::vec3& p) {
-           if (k < rim || k > rim + 3) return p;
-           const float wave = 0.5F + 0.5F * cos_turns(static_cast<double>(around) * kPoints);
-           return p + glm::vec3(0, 0.075F * wave * wave - 0.02F, 0);
-         }));
+  const std::uint32_t segments = kPoints * detail.cell_count(4, 2);
+  append_mesh(queen, make_turned("", profile, segments, [&](float around, std::size_t k, const glm::vec3& p) {
+                if (k < rim || k > rim + 3) return p;
+                const float wave = 0.5F + 0.5F * cos_turns(static_cast<double>(around) * kPoints);
+                return p + glm::vec3(0, 0.075F * wave * wave - 0.02F, 0);
+              }));
   Outline dome({0.175F, kNeck + 0.33F});
-  dome.arc(0.04F, kNeck + 0.44F, 0.045F).round({0, kNeck + 0.485F}, 0.052F, -0.13, 0.25);
-  append(queen, turned(dome, detail, 11));
+  dome.arc_to(0.04F, kNeck + 0.44F, 0.045F).add_round({0, kNeck + 0.485F}, 0.052F, -0.13, 0.25);
+  append_mesh(queen, turn_outline(dome, detail, 11));
   return queen;
 }
 
 Mesh make_king(const Detail& detail) {
   constexpr float kNeck = 1.06F;
   Outline o = royal_body(0.37F, kNeck);
-  o.arc(0.215F, kNeck + 0.40F, -0.015F).line(0.225F, kNeck + 0.41F).arc(0.215F, kNeck + 0.44F, 0.01F);
-  o.arc(0.07F, kNeck + 0.53F, 0.03F).arc(0.055F, kNeck + 0.57F, 0.02F).line(0, kNeck + 0.575F);
-  Mesh king = turned(o, detail, 34);
+  o.arc_to(0.215F, kNeck + 0.40F, -0.015F).line_to(0.225F, kNeck + 0.41F).arc_to(0.215F, kNeck + 0.44F, 0.01F);
+  o.arc_to(0.07F, kNeck + 0.53F, 0.03F).arc_to(0.055F, kNeck + 0.57F, 0.02F).line_to(0, kNeck + 0.575F);
+  Mesh king = turn_outline(o, detail, 34);
   // A cross patty.
   const glm::vec2 quarter[] = {{0.022F, 0.025F}, {0.085F, 0.048F}, {0.085F, -0.048F}};
   std::vector<glm::vec2> outline;
@@ -165,15 +165,15 @@ Mesh make_king(const Detail& detail) {
       outline.push_back(q);
     }
   }
-  append(king, transformed(make_extrusion("", outline, 0.055F), placed({0, kNeck + 0.645F, -0.0275F})));
+  append_mesh(king, transform_mesh(make_extrusion("", outline, 0.055F), placement({0, kNeck + 0.645F, -0.0275F})));
   return king;
 }
 
 Mesh make_knight(const Detail& detail) {
-  Outline o = foot(0.33F);
-  o.line(0.24F, 0.24F).arc(0.25F, 0.275F, 0.012F).line(0.20F, 0.285F).line(0, 0.285F);
-  Mesh knight = turned(o, detail, 14);
-  append(knight, make_horse(detail));
+  Outline o = make_foot(0.33F);
+  o.line_to(0.24F, 0.24F).arc_to(0.25F, 0.275F, 0.012F).line_to(0.20F, 0.285F).line_to(0, 0.285F);
+  Mesh knight = turn_outline(o, detail, 14);
+  append_mesh(knight, make_horse(detail));
   return knight;
 }
 
@@ -220,11 +220,11 @@ Mesh make_head(const Detail& detail) {
     fronts.emplace_back(cut.front, cut.half_width);
   }
   constexpr std::uint32_t kFine = 16;
-  backs = smoothed(std::span<const glm::vec3>(backs), kFine);
-  fronts = smoothed(std::span<const glm::vec3>(fronts), kFine);
+  backs = catmull_rom(std::span<const glm::vec3>(backs), kFine);
+  fronts = catmull_rom(std::span<const glm::vec3>(fronts), kFine);
   const auto last = static_cast<float>(backs.size() - 1);
   return make_surface(
-      "", detail.cells(20, 8), detail.cells(34, 9),
+      "", detail.cell_count(20, 8), detail.cell_count(34, 9),
       [&](float s, float t) {
         const auto k = static_cast<std::size_t>(t * last + 0.5F);
         const glm::vec2 round = on_circle(static_cast<double>(s));
@@ -241,7 +241,7 @@ Mesh make_head(const Detail& detail) {
 Mesh make_mane() {
   const glm::vec2 crest[] = {{-0.240F, 0.42F}, {-0.270F, 0.55F}, {-0.255F, 0.70F}, {-0.205F, 0.84F},
                              {-0.125F, 0.96F}, {-0.030F, 1.03F}, {0.060F, 1.03F}};
-  const std::vector<glm::vec2> line = smoothed(std::span<const glm::vec2>(crest), 3);
+  const std::vector<glm::vec2> line = catmull_rom(std::span<const glm::vec2>(crest), 3);
   std::vector<glm::vec2> outline;
   for (std::size_t k = 0; k < line.size(); ++k) {
     const glm::vec2 along = glm::normalize(line[std::min(k + 1, line.size() - 1)] - line[k == 0 ? 0 : k - 1]);
@@ -261,16 +261,16 @@ Mesh make_mane() {
 
 Mesh make_horse(const Detail& detail) {
   Mesh horse = make_head(detail);
-  if (detail.share >= 0.5) append(horse, make_mane());
-  const std::uint32_t sides = detail.cells(8, 4);
+  if (detail.share >= 0.5) append_mesh(horse, make_mane());
+  const std::uint32_t sides = detail.cell_count(8, 4);
   for (const float side : {-1.0F, 1.0F}) {
     const glm::vec2 ear[] = {{0.020F, 0}, {0.042F, 0.045F}, {0.036F, 0.09F}, {0, 0.165F}};
-    append(horse, transformed(make_lathe("", ear, sides), placed({side * 0.062F, 1.0F, 0.02F})));
-    const Outline eye = Outline({0, -0.028F}).round({0, 0}, 0.028F, -0.25, 0.25);
-    append(horse, transformed(make_lathe("", simplified(eye.points(), detail.cells(6, 4)), sides),
-                              placed({side * 0.105F, 0.90F, -0.135F})));
-    append(horse, transformed(make_lathe("", simplified(eye.points(), detail.cells(6, 4)), sides),
-                              placed({side * 0.06F, 0.625F, -0.35F}, 0, glm::vec3(0.8F))));
+    append_mesh(horse, transform_mesh(make_lathe("", ear, sides), placement({side * 0.062F, 1.0F, 0.02F})));
+    const Outline eye = Outline({0, -0.028F}).add_round({0, 0}, 0.028F, -0.25, 0.25);
+    append_mesh(horse, transform_mesh(make_lathe("", simplify_line(eye.points(), detail.cell_count(6, 4)), sides),
+                                      placement({side * 0.105F, 0.90F, -0.135F})));
+    append_mesh(horse, transform_mesh(make_lathe("", simplify_line(eye.points(), detail.cell_count(6, 4)), sides),
+                                      placement({side * 0.06F, 0.625F, -0.35F}, 0, glm::vec3(0.8F))));
   }
   return horse;
 }

@@ -19,26 +19,28 @@ namespace traces::conference {
 namespace {
 
 /// Loops of wool with small diamonds in rows.
-glm::vec4 carpet(float u, float v) {
+glm::vec4 carpet_colour(float u, float v) {
   const float x = u * 8 - std::floor(u * 8) - 0.5F, y = v * 8 - std::floor(v * 8) - 0.5F;
   const float diamond = std::abs(x) + std::abs(y);
-  const float loop = random(1, static_cast<std::uint64_t>(u * 256), static_cast<std::uint64_t>(v * 256));
-  glm::vec3 wool = glm::mix(glm::vec3(0.29F, 0.32F, 0.40F), glm::vec3(0.36F, 0.40F, 0.47F), fractal(u, v, 8, 4, 2));
+  const float loop = random_unit(1, static_cast<std::uint64_t>(u * 256), static_cast<std::uint64_t>(v * 256));
+  glm::vec3 wool =
+      glm::mix(glm::vec3(0.29F, 0.32F, 0.40F), glm::vec3(0.36F, 0.40F, 0.47F), fractal_noise(u, v, 8, 4, 2));
   if (diamond < 0.12F) wool = {0.62F, 0.56F, 0.44F};
   if (diamond > 0.44F && diamond < 0.5F) wool = {0.44F, 0.45F, 0.48F};
   return {wool * (0.8F + 0.35F * loop), 1};
 }
 
-glm::vec4 chart(float u, float v) {
+glm::vec4 chart_colour(float u, float v) {
   const glm::vec3 ink(0.15F, 0.2F, 0.3F);
   glm::vec3 c = glm::mix(glm::vec3(0.97F), glm::vec3(0.88F, 0.93F, 0.98F), v);
   if (v < 0.13F) {
     c = {0.13F, 0.29F, 0.5F};
     const bool letters = v > 0.045F && v < 0.09F && u > 0.06F && u < 0.62F;
-    if (letters && random(7, static_cast<std::uint64_t>(u * 90)) > 0.3F) c = glm::vec3(0.95F);
+    if (letters && random_unit(7, static_cast<std::uint64_t>(u * 90)) > 0.3F) c = glm::vec3(0.95F);
   } else if (u > 0.07F && u < 0.93F && v > 0.2F && v < 0.9F) {
     const float x = (u - 0.1F) / 0.8F * 9, y = (0.85F - v) / 0.6F;
-    const float bar = 0.25F + 0.07F * std::floor(x) + 0.22F * random(5, static_cast<std::uint64_t>(std::max(x, 0.0F)));
+    const float bar =
+        0.25F + 0.07F * std::floor(x) + 0.22F * random_unit(5, static_cast<std::uint64_t>(std::max(x, 0.0F)));
     const float inside = x - std::floor(x);
     if (std::abs(y * 5 - std::floor(y * 5 + 0.5F)) < 0.02F) c *= 0.8F;
     if (x > 0 && x < 9 && inside > 0.15F && inside < 0.6F && y > 0 && y < bar) c = {0.2F, 0.5F, 0.75F};
@@ -49,22 +51,23 @@ glm::vec4 chart(float u, float v) {
 }
 
 /// Rows of hills, paler with distance.
-glm::vec4 hills(float u, float v) {
+glm::vec4 hills_colour(float u, float v) {
   glm::vec3 c = glm::mix(glm::vec3(0.95F, 0.75F, 0.5F), glm::vec3(0.35F, 0.55F, 0.8F), std::max(0.0F, 1 - 1.6F * v));
   for (std::uint32_t k = 0; k < 5; ++k) {
     const float near = static_cast<float>(k) / 4;
-    const float ridge = 0.38F + 0.13F * static_cast<float>(k) - 0.22F * fractal(u * 0.99F, 0.37F, 3 + k, 5, 20 + k);
+    const float ridge =
+        0.38F + 0.13F * static_cast<float>(k) - 0.22F * fractal_noise(u * 0.99F, 0.37F, 3 + k, 5, 20 + k);
     if (v > ridge) c = glm::mix(glm::vec3(0.62F, 0.68F, 0.75F), glm::vec3(0.12F, 0.24F, 0.12F), near);
   }
-  return {c * (0.9F + 0.2F * fractal(u, v, 32, 3, 9)), 1};
+  return {c * (0.9F + 0.2F * fractal_noise(u, v, 32, 3, 9)), 1};
 }
 
-glm::vec4 sea(float u, float v) {
+glm::vec4 sea_colour(float u, float v) {
   const float sun = glm::length(glm::vec2(u - 0.68F, (v - 0.34F) * 0.7F));
   glm::vec3 c = glm::mix(glm::vec3(0.25F, 0.45F, 0.75F), glm::vec3(0.95F, 0.72F, 0.55F), std::min(1.0F, 1.9F * v));
   if (sun < 0.07F) c = {1, 0.95F, 0.8F};
   if (v > 0.52F) {
-    const float wave = fractal(u, v * v, 12, 4, 33);
+    const float wave = fractal_noise(u, v * v, 12, 4, 33);
     c = glm::mix(glm::vec3(0.08F, 0.28F, 0.42F), glm::vec3(0.45F, 0.62F, 0.68F), wave * wave);
     if (std::abs(u - 0.68F) < 0.05F + 0.08F * wave) c += glm::vec3(0.3F, 0.24F, 0.15F) * wave;
   }
@@ -72,7 +75,7 @@ glm::vec4 sea(float u, float v) {
 }
 
 /// Blocks of colour between black lines.
-glm::vec4 shapes(float u, float v) {
+glm::vec4 shapes_colour(float u, float v) {
   const float columns[] = {0, 0.22F, 0.64F, 0.8F, 1.01F}, rows[] = {0, 0.3F, 0.48F, 0.83F, 1.01F};
   const glm::vec3 inks[] = {{0.93F, 0.9F, 0.84F}, {0.76F, 0.15F, 0.12F}, {0.93F, 0.9F, 0.84F}, {0.12F, 0.25F, 0.55F},
                             {0.93F, 0.9F, 0.84F}, {0.95F, 0.78F, 0.2F},  {0.9F, 0.88F, 0.82F}};
@@ -85,18 +88,19 @@ glm::vec4 shapes(float u, float v) {
   for (const float line : rows) {
     if (std::abs(v - line) < 0.012F) return {0.08F, 0.08F, 0.08F, 1};
   }
-  return {inks[static_cast<std::uint64_t>(random(3, i, j) * 7)] * (0.95F + 0.05F * fractal(u, v, 64, 2, 4)), 1};
+  return {inks[static_cast<std::uint64_t>(random_unit(3, i, j) * 7)] * (0.95F + 0.05F * fractal_noise(u, v, 64, 2, 4)),
+          1};
 }
 
 /// A laptop's screen with a window of text.
-glm::vec4 page(float u, float v) {
+glm::vec4 page_colour(float u, float v) {
   glm::vec3 c(0.93F, 0.95F, 0.97F);
   if (v < 0.08F) c = {0.2F, 0.32F, 0.5F};
   if (u < 0.18F && v >= 0.08F) c = {0.78F, 0.83F, 0.88F};
   const float line = v * 24 - std::floor(v * 24);
   const auto row = static_cast<std::uint64_t>(v * 24);
-  if (v > 0.12F && v < 0.95F && u > 0.23F && u < 0.6F + 0.33F * random(8, row) && line < 0.45F &&
-      random(9, row, static_cast<std::uint64_t>(u * 110)) > 0.22F) {
+  if (v > 0.12F && v < 0.95F && u > 0.23F && u < 0.6F + 0.33F * random_unit(8, row) && line < 0.45F &&
+      random_unit(9, row, static_cast<std::uint64_t>(u * 110)) > 0.22F) {
     c = {0.25F, 0.27F, 0.32F};
   }
   return {c, 1};
@@ -106,32 +110,32 @@ glm::vec4 page(float u, float v) {
 
 void paint_pictures(Scene& scene) {
   scene.textures = {
-      paint_texture("carpet", 512, 512, carpet),
+      paint_texture("carpet", 512, 512, carpet_colour),
       wood_texture("panelling wood", {0.66F, 0.44F, 0.25F}, {0.42F, 0.24F, 0.12F}, 3),
       wood_texture("table wood", {0.50F, 0.28F, 0.15F}, {0.26F, 0.12F, 0.06F}, 5),
       cloth_texture("upholstery", {0.20F, 0.30F, 0.42F}, {0.13F, 0.20F, 0.30F}, 48, 6, 256),
-      paint_texture("chart", 512, 512, chart),
-      paint_texture("hills", 512, 256, hills),
-      paint_texture("sea", 512, 256, sea),
-      paint_texture("shapes", 256, 256, shapes),
-      paint_texture("page", 256, 256, page),
+      paint_texture("chart", 512, 512, chart_colour),
+      paint_texture("hills", 512, 256, hills_colour),
+      paint_texture("sea", 512, 256, sea_colour),
+      paint_texture("shapes", 256, 256, shapes_colour),
+      paint_texture("page", 256, 256, page_colour),
   };
 }
 
 Materials add_materials(Scene& scene) {
   const auto with_picture = [&scene](const char* name, Picture picture, float mirror = 0) {
-    return add_material(scene, textured(name, picture, glm::vec3(1), mirror));
+    return add_material(scene, make_textured(name, picture, glm::vec3(1), mirror));
   };
   const auto with_paint = [&scene](const char* name, const glm::vec3& colour, float mirror = 0) {
-    return add_material(scene, paint(name, colour, mirror));
+    return add_material(scene, make_paint(name, colour, mirror));
   };
-  Material ceiling = paint("ceiling board", {0.86F, 0.85F, 0.82F});
+  Material ceiling = make_paint("ceiling board", {0.86F, 0.85F, 0.82F});
   ceiling.emission = {0.33F, 0.32F, 0.30F};  // light that the room reflects to the ceiling
-  Material panel = lamp("lamp panel", glm::vec3(0.98F, 0.96F, 0.9F));
-  Material screen = textured("projection", kChart, glm::vec3(0.25F));
+  Material panel = make_lamp("lamp panel", glm::vec3(0.98F, 0.96F, 0.9F));
+  Material screen = make_textured("projection", kChart, glm::vec3(0.25F));
   screen.emission = glm::vec3(0.42F);
   screen.emission_texture.texture = kChart;
-  Material glow = textured("laptop screen", kKeys, glm::vec3(0.3F));
+  Material glow = make_textured("laptop screen", kKeys, glm::vec3(0.3F));
   glow.emission = glm::vec3(0.5F);
   glow.emission_texture.texture = kKeys;
   panel.casts_light = screen.casts_light = glow.casts_light = ceiling.casts_light = false;
@@ -145,7 +149,7 @@ Materials add_materials(Scene& scene) {
   is.table_wood = with_picture("table top", kTableWood, 0.08F);
   is.white = with_paint("white lacquer", {0.85F, 0.85F, 0.83F});
   is.dark = with_paint("black plastic", {0.045F, 0.045F, 0.05F});
-  is.steel = add_material(scene, metal("brushed steel", {0.72F, 0.73F, 0.75F}, 0.45F));
+  is.steel = add_material(scene, make_metal("brushed steel", {0.72F, 0.73F, 0.75F}, 0.45F));
   is.fabric = with_picture("upholstery", kFabric);
   is.chart = with_paint("whiteboard", {0.9F, 0.91F, 0.92F}, 0.04F);
   is.screen = add_material(scene, screen);
@@ -162,7 +166,7 @@ Materials add_materials(Scene& scene) {
   is.china = with_paint("china", {0.88F, 0.87F, 0.84F}, 0.05F);
   is.keys = with_paint("laptop case", {0.42F, 0.43F, 0.45F});
   is.glow = add_material(scene, glow);
-  is.brass = add_material(scene, metal("brass", {0.80F, 0.60F, 0.30F}, 0.4F));
+  is.brass = add_material(scene, make_metal("brass", {0.80F, 0.60F, 0.30F}, 0.4F));
   return is;
 }
 
@@ -179,66 +183,67 @@ Mesh make_panelling(float width, const Detail& detail) {
   const auto count = static_cast<std::uint32_t>(width / 0.66F + 0.5F);
   const float step = width / static_cast<float>(count);
   for (std::uint32_t k = 0; k < count; ++k) {
-    const Mesh field = make_panel("", step, kPanelling - 0.17F, detail.profile(kField), detail.cells(3));
-    append(mesh, transformed(field, placed({static_cast<float>(k) * step, 0.12F, 0})));
+    const Mesh field = make_panel("", step, kPanelling - 0.17F, detail.coarser_profile(kField), detail.cell_count(3));
+    append_mesh(mesh, transform_mesh(field, placement({static_cast<float>(k) * step, 0.12F, 0})));
   }
   const glm::vec2 base[] = {{0, 0}, {0.03F, 0}, {0.03F, 0.1F}, {0.024F, 0.12F}, {0, 0.12F}};
   const glm::vec2 rail[] = {{0, 0}, {0.025F, 0}, {0.03F, 0.01F}, {0.045F, 0.035F}, {0.045F, 0.05F}, {0, 0.05F}};
   // The outlines' x becomes the direction out of the wall, their z the direction along it.
   const glm::mat4 along{{0, 0, 1, 0}, {0, 1, 0, 0}, {-1, 0, 0, 0}, {width, 0, 0, 1}};
-  append(mesh, transformed(make_extrusion("", base, width), along));
-  append(mesh, transformed(transformed(make_extrusion("", rail, width), along), placed({0, kPanelling - 0.05F, 0})));
+  append_mesh(mesh, transform_mesh(make_extrusion("", base, width), along));
+  append_mesh(mesh, transform_mesh(transform_mesh(make_extrusion("", rail, width), along),
+                                   placement({0, kPanelling - 0.05F, 0})));
   return mesh;
 }
 
 void add_panelling(Scene& scene, const Materials& is, const Detail& detail, const glm::vec3& origin,
                    const glm::vec3& outward, float width) {
-  Mesh mesh = transformed(make_panelling(width, detail), standing(origin, outward));
+  Mesh mesh = transform_mesh(make_panelling(width, detail), wall_axes(origin, outward));
   project_uvs(mesh, 0.9F, true);
   add_object(scene, std::move(mesh), is.wood);
 }
 
 void add_door(Scene& scene, const Materials& is, const Detail& detail) {
-  const glm::mat4 wall = standing({-kHalfLength, 0, 2.55F}, {1, 0, 0});
+  const glm::mat4 wall = wall_axes({-kHalfLength, 0, 2.55F}, {1, 0, 0});
   constexpr float kWidth = 0.95F, kTall = 2.1F;
   Mesh frame;
   frame.name = "door frame";
-  append(frame, make_box("", {-0.1F, 0, 0}, {0, kTall + 0.1F, 0.06F}));
-  append(frame, make_box("", {kWidth, 0, 0}, {kWidth + 0.1F, kTall + 0.1F, 0.06F}));
-  append(frame, make_box("", {0, kTall, 0}, {kWidth, kTall + 0.1F, 0.06F}));
+  append_mesh(frame, make_box("", {-0.1F, 0, 0}, {0, kTall + 0.1F, 0.06F}));
+  append_mesh(frame, make_box("", {kWidth, 0, 0}, {kWidth + 0.1F, kTall + 0.1F, 0.06F}));
+  append_mesh(frame, make_box("", {0, kTall, 0}, {kWidth, kTall + 0.1F, 0.06F}));
   Mesh leaf = make_panel("door", kWidth, kTall, std::array<glm::vec2, 2>{{{0, 0}, {0, 0.025F}}});
   for (const auto& [low, high] : {std::pair{0.12F, 0.95F}, std::pair{1.05F, 1.98F}}) {
     for (const float x : {0.1F, 0.51F}) {
-      const Mesh field = make_panel("", 0.34F, high - low, detail.profile(kField), detail.cells(3));
-      append(leaf, transformed(field, placed({x, low, 0.02F})));
+      const Mesh field = make_panel("", 0.34F, high - low, detail.coarser_profile(kField), detail.cell_count(3));
+      append_mesh(leaf, transform_mesh(field, placement({x, low, 0.02F})));
     }
   }
   for (Mesh* part : {&frame, &leaf}) {
-    *part = transformed(std::move(*part), wall);
+    *part = transform_mesh(std::move(*part), wall);
     project_uvs(*part, 0.9F, true);
     add_object(scene, std::move(*part), is.wood);
   }
-  const std::uint32_t round = detail.cells(12, 5);
-  Mesh handle =
-      transformed(make_cylinder("door handle", 0.028F, 0.012F, round), turned({0.88F, 1.02F, 0.025F}, {1, 0, 0}, 0.25));
+  const std::uint32_t round = detail.cell_count(12, 5);
+  Mesh handle = transform_mesh(make_cylinder("door handle", 0.028F, 0.012F, round),
+                               rotation_about({0.88F, 1.02F, 0.025F}, {1, 0, 0}, 0.25));
   const glm::vec3 grip[] = {
       {0.88F, 1.02F, 0.03F}, {0.88F, 1.02F, 0.075F}, {0.85F, 1.02F, 0.085F}, {0.75F, 1.02F, 0.08F}};
-  append(handle, make_tube("", smoothed(grip, detail.cells(6, 2)), std::array{0.01F}, round));
-  add_object(scene, transformed(std::move(handle), wall), is.brass);
+  append_mesh(handle, make_tube("", catmull_rom(grip, detail.cell_count(6, 2)), std::array{0.01F}, round));
+  add_object(scene, transform_mesh(std::move(handle), wall), is.brass);
 }
 
 /// Adds one wall above the panelling.
 void add_wall(Scene& scene, const Materials& is, const Detail& detail, const glm::vec3& origin,
               const glm::vec3& outward, float width, float height) {
-  const Mesh wall = make_quad("wall", glm::vec3(0), {width, 0, 0}, {0, height, 0}, detail.cells(12));
-  add_object(scene, transformed(wall, standing(origin, outward)), is.wall);
+  const Mesh wall = make_quad("wall", glm::vec3(0), {width, 0, 0}, {0, height, 0}, detail.cell_count(12));
+  add_object(scene, transform_mesh(wall, wall_axes(origin, outward)), is.wall);
 }
 
 }  // namespace
 
 void add_room(Scene& scene, const Materials& is, const Detail& detail) {
   constexpr float x = kHalfLength, z = kHalfWidth;
-  Mesh floor = make_quad("carpet", {-x, 0, -z}, {0, 0, 2 * z}, {2 * x, 0, 0}, detail.cells(24));
+  Mesh floor = make_quad("carpet", {-x, 0, -z}, {0, 0, 2 * z}, {2 * x, 0, 0}, detail.cell_count(24));
   project_uvs(floor, 0.8F);
   add_object(scene, std::move(floor), is.carpet);
   add_wall(scene, is, detail, {-x, 0, -z}, {0, 0, 1}, 2 * x, kHeight);
@@ -259,7 +264,8 @@ void add_cornice(Scene& scene, const Materials& is) {
   cornice.name = "cornice";
   const auto add_side = [&](const glm::vec3& origin, const glm::vec3& outward, float width) {
     const glm::mat4 along{{0, 0, 1, 0}, {0, 1, 0, 0}, {-1, 0, 0, 0}, {width, 0, 0, 1}};
-    append(cornice, transformed(transformed(make_extrusion("", outline, width), along), standing(origin, outward)));
+    append_mesh(cornice,
+                transform_mesh(transform_mesh(make_extrusion("", outline, width), along), wall_axes(origin, outward)));
   };
   constexpr float y = kHeight - 0.12F;
   add_side({-kHalfLength, y, -kHalfWidth}, {0, 0, 1}, 2 * kHalfLength);
@@ -277,36 +283,36 @@ void add_ceiling(Scene& scene, const Materials& is, const Detail& detail) {
   boards.name = "ceiling boards";
   panels.name = "lamp panels";
   grid.name = "ceiling grid";
-  const Mesh board = make_panel("", kStepX, kStepZ, detail.profile(board_rings), detail.cells(2));
+  const Mesh board = make_panel("", kStepX, kStepZ, detail.coarser_profile(board_rings), detail.cell_count(2));
   const auto is_lamp = [](int i, int j) { return i % 4 != 0 && i % 4 != 3 && (j == 2 || j == 7 || j == 4 || j == 5); };
-  const std::uint32_t cells = std::min(detail.cells(6, 3), 12U);
+  const std::uint32_t cells = std::min(detail.cell_count(6, 3), 12U);
   for (int j = 0; j < kRows; ++j) {
     for (int i = 0; i < kColumns; ++i) {
       const glm::vec3 corner(-kHalfLength + kStepX * static_cast<float>(i), kHeight,
                              -kHalfWidth + kStepZ * static_cast<float>(j));
       if (!is_lamp(i, j)) {
-        append(boards, transformed(board, hanging(corner)));
+        append_mesh(boards, transform_mesh(board, ceiling_axes(corner)));
         continue;
       }
-      append(panels, make_quad("", corner + glm::vec3(0, 0.03F, 0), {kStepX, 0, 0}, {0, 0, kStepZ}, 1));
+      append_mesh(panels, make_quad("", corner + glm::vec3(0, 0.03F, 0), {kStepX, 0, 0}, {0, 0, kStepZ}, 1));
       for (std::uint32_t k = 1; k < cells; ++k) {  // louvres
         const float share = static_cast<float>(k) / static_cast<float>(cells);
-        append(grid, make_box("", corner + glm::vec3(share * kStepX - 0.004F, 0.002F, 0),
-                              corner + glm::vec3(share * kStepX + 0.004F, 0.028F, kStepZ)));
-        append(grid, make_box("", corner + glm::vec3(0, 0.003F, share * kStepZ - 0.004F),
-                              corner + glm::vec3(kStepX, 0.027F, share * kStepZ + 0.004F)));
+        append_mesh(grid, make_box("", corner + glm::vec3(share * kStepX - 0.004F, 0.002F, 0),
+                                   corner + glm::vec3(share * kStepX + 0.004F, 0.028F, kStepZ)));
+        append_mesh(grid, make_box("", corner + glm::vec3(0, 0.003F, share * kStepZ - 0.004F),
+                                   corner + glm::vec3(kStepX, 0.027F, share * kStepZ + 0.004F)));
       }
     }
   }
   for (int i = 0; i <= kColumns; ++i) {
     const float at = -kHalfLength + kStepX * static_cast<float>(i);
-    append(grid,
-           make_box("", {at - 0.013F, kHeight - 0.004F, -kHalfWidth}, {at + 0.013F, kHeight + 0.02F, kHalfWidth}));
+    append_mesh(grid,
+                make_box("", {at - 0.013F, kHeight - 0.004F, -kHalfWidth}, {at + 0.013F, kHeight + 0.02F, kHalfWidth}));
   }
   for (int j = 0; j <= kRows; ++j) {
     const float at = -kHalfWidth + kStepZ * static_cast<float>(j);
-    append(grid,
-           make_box("", {-kHalfLength, kHeight - 0.003F, at - 0.013F}, {kHalfLength, kHeight + 0.02F, at + 0.013F}));
+    append_mesh(
+        grid, make_box("", {-kHalfLength, kHeight - 0.003F, at - 0.013F}, {kHalfLength, kHeight + 0.02F, at + 0.013F}));
   }
   add_object(scene, std::move(boards), is.ceiling);
   add_object(scene, std::move(panels), is.lamp);
@@ -321,12 +327,12 @@ void add_ceiling(Scene& scene, const Materials& is, const Detail& detail) {
 /// Adds three windows in the wall at +z, with curved slats before them.
 void add_windows(Scene& scene, const Materials& is, const Detail& detail) {
   constexpr float kLow = 1.05F, kHigh = 2.5F, kWide = 2.3F, kLeft[] = {0.6F, 3.45F, 6.3F};
-  const glm::mat4 wall = standing({kHalfLength, 0, kHalfWidth}, {0, 0, -1});
+  const glm::mat4 wall = wall_axes({kHalfLength, 0, kHalfWidth}, {0, 0, -1});
   Mesh plaster, frame;
   plaster.name = "window wall";
   frame.name = "window frames";
   const auto add_piece = [&](float x0, float x1, float y0, float y1) {
-    append(plaster, make_quad("", {x0, y0, 0}, {x1 - x0, 0, 0}, {0, y1 - y0, 0}, detail.cells(6)));
+    append_mesh(plaster, make_quad("", {x0, y0, 0}, {x1 - x0, 0, 0}, {0, y1 - y0, 0}, detail.cell_count(6)));
   };
   add_piece(0, 2 * kHalfLength, 0, kLow);
   add_piece(0, 2 * kHalfLength, kHigh, kHeight);
@@ -336,18 +342,19 @@ void add_windows(Scene& scene, const Materials& is, const Detail& detail) {
     from = left + kWide;
     for (int k = 0; k <= 2; ++k) {
       const float x = left + (kWide - 0.05F) * static_cast<float>(k) / 2;
-      append(frame, make_box("", {x, kLow, -0.12F}, {x + 0.05F, kHigh, -0.06F}));
+      append_mesh(frame, make_box("", {x, kLow, -0.12F}, {x + 0.05F, kHigh, -0.06F}));
     }
-    append(frame, make_box("", {left, kLow, -0.12F}, {left + kWide, kLow + 0.05F, -0.06F}));
-    append(frame, make_box("", {left, kHigh - 0.05F, -0.12F}, {left + kWide, kHigh, -0.06F}));
-    append(frame, make_box("", {left - 0.05F, kLow - 0.03F, -0.15F}, {left + kWide + 0.05F, kLow, 0.07F}));  // sill
-    append(frame, make_box("", {left, kHigh - 0.005F, -0.15F}, {left + kWide, kHigh, 0}));                   // reveals
-    append(frame, make_box("", {left, kLow, -0.15F}, {left + 0.004F, kHigh, 0}));
-    append(frame, make_box("", {left + kWide - 0.004F, kLow, -0.15F}, {left + kWide, kHigh, 0}));
+    append_mesh(frame, make_box("", {left, kLow, -0.12F}, {left + kWide, kLow + 0.05F, -0.06F}));
+    append_mesh(frame, make_box("", {left, kHigh - 0.05F, -0.12F}, {left + kWide, kHigh, -0.06F}));
+    append_mesh(frame,
+                make_box("", {left - 0.05F, kLow - 0.03F, -0.15F}, {left + kWide + 0.05F, kLow, 0.07F}));  // sill
+    append_mesh(frame, make_box("", {left, kHigh - 0.005F, -0.15F}, {left + kWide, kHigh, 0}));            // reveals
+    append_mesh(frame, make_box("", {left, kLow, -0.15F}, {left + 0.004F, kHigh, 0}));
+    append_mesh(frame, make_box("", {left + kWide - 0.004F, kLow, -0.15F}, {left + kWide, kHigh, 0}));
   }
   add_piece(from, 2 * kHalfLength, kLow, kHigh);
-  add_object(scene, transformed(std::move(plaster), wall), is.wall);
-  add_object(scene, transformed(std::move(frame), wall), is.white);
+  add_object(scene, transform_mesh(std::move(plaster), wall), is.wall);
+  add_object(scene, transform_mesh(std::move(frame), wall), is.white);
 
   constexpr int kSlats = 28;
   const std::uint32_t blind = [&] {
@@ -355,22 +362,22 @@ void add_windows(Scene& scene, const Materials& is, const Detail& detail) {
     mesh.name = "blind";
     for (int k = 0; k < kSlats; ++k) {
       const float y = kLow + 0.1F + (kHigh - kLow - 0.12F) * static_cast<float>(k) / kSlats;
-      append(mesh, make_surface("", detail.cells(4), detail.cells(4, 2), [y](float s, float t) {
-               const float across = 2 * t - 1;
-               return glm::vec3(0.02F + s * (kWide - 0.04F), y + 0.011F * across + 0.004F * (1 - across * across),
-                                -0.03F + 0.02F * across);
-             }));
+      append_mesh(mesh, make_surface("", detail.cell_count(4), detail.cell_count(4, 2), [y](float s, float t) {
+                    const float across = 2 * t - 1;
+                    return glm::vec3(0.02F + s * (kWide - 0.04F), y + 0.011F * across + 0.004F * (1 - across * across),
+                                     -0.03F + 0.02F * across);
+                  }));
     }
-    append(mesh, make_box("", {0.01F, kHigh - 0.05F, -0.055F}, {kWide - 0.01F, kHigh - 0.01F, -0.005F}));
-    append(mesh, make_box("", {0.02F, kLow + 0.05F, -0.045F}, {kWide - 0.02F, kLow + 0.07F, -0.015F}));
+    append_mesh(mesh, make_box("", {0.01F, kHigh - 0.05F, -0.055F}, {kWide - 0.01F, kHigh - 0.01F, -0.005F}));
+    append_mesh(mesh, make_box("", {0.02F, kLow + 0.05F, -0.045F}, {kWide - 0.02F, kLow + 0.07F, -0.015F}));
     for (const float x : {0.35F, kWide - 0.35F}) {
       for (const float z : {-0.052F, -0.008F}) {
-        append(mesh, make_box("", {x, kLow + 0.06F, z - 0.001F}, {x + 0.003F, kHigh - 0.03F, z + 0.001F}));
+        append_mesh(mesh, make_box("", {x, kLow + 0.06F, z - 0.001F}, {x + 0.003F, kHigh - 0.03F, z + 0.001F}));
       }
     }
     return add_mesh(scene, std::move(mesh), is.slats);
   }();
-  for (const float left : kLeft) add_instance(scene, blind, wall * placed({left, 0, 0}));
+  for (const float left : kLeft) add_instance(scene, blind, wall * placement({left, 0, 0}));
 }
 
 }  // namespace traces::conference
@@ -380,7 +387,7 @@ namespace {
 
 using namespace conference;
 
-Scene furnish(const Detail& detail) {
+Scene furnish_room(const Detail& detail) {
   Scene scene;
   scene.name = "conference";
   scene.background = {0.72F, 0.82F, 0.95F};
@@ -414,7 +421,7 @@ void add_cameras(Scene& scene) {
 /// A room like Anat Grynberg's and Greg Ward's conference room: much diffuse furniture under a lit ceiling.
 Scene build_conference(const BuiltinOptions& options) {
   constexpr std::uint32_t kClass = 190'000;
-  Scene scene = build_to_size(options.triangles_or(kClass), furnish);
+  Scene scene = build_to_size(options.triangles_or(kClass), furnish_room);
   paint_pictures(scene);
   add_cameras(scene);
   for (const float x : {-2.4F, 0.0F, 2.4F}) {

@@ -24,13 +24,13 @@ namespace {
 constexpr std::uint32_t kTriangles = 174'000;
 
 /// Returns the height of the ground: uneven, but flat in the clearing.
-float ground(float x, float z) {
+float ground_height(float x, float z) {
   const float r = std::sqrt(x * x + z * z);
   const float t = std::clamp((r - 2.5F) / 9, 0.0F, 1.0F);
-  return 2.6F * (fractal(glm::vec3(x / 9, z / 9, 4), 3, 7) - 0.5F) * t * t * (3 - 2 * t);
+  return 2.6F * (fractal_noise(glm::vec3(x / 9, z / 9, 4), 3, 7) - 0.5F) * t * t * (3 - 2 * t);
 }
 
-glm::vec3 on_ground(float x, float z, float above = 0) { return {x, ground(x, z) + above, z}; }
+glm::vec3 on_ground(float x, float z, float above = 0) { return {x, ground_height(x, z) + above, z}; }
 
 /// The generator's state: the scene and its detail.
 class Forest {
@@ -43,16 +43,16 @@ class Forest {
   void build();
 
  private:
-  std::uint32_t fine(float n, std::uint32_t least) const {
+  std::uint32_t scaled_count(float n, std::uint32_t least) const {
     return std::max(static_cast<std::uint32_t>(n * detail_ + 0.5F), least);
   }
 
   /// Returns a number of objects: n, or fewer in a scene of few triangles.
-  std::uint32_t few(float n) const { return static_cast<std::uint32_t>(n * std::min(detail_, 1.0F) + 0.5F); }
+  std::uint32_t capped_count(float n) const { return static_cast<std::uint32_t>(n * std::min(detail_, 1.0F) + 0.5F); }
 
-  std::uint32_t material(Texture texture, float mirror = 0);
+  std::uint32_t add_textured(Texture texture, float mirror = 0);
 
-  void show(const Pieces& pieces, const glm::mat4& at, bool focus);
+  void show_pieces(const Pieces& pieces, const glm::mat4& at, bool focus);
 
   void add_floor();
   /// Adds a panorama of deeper forest on all sides.
@@ -63,7 +63,7 @@ class Forest {
   void add_ferns();
   void add_mushrooms();
   /// Adds undergrowth, bushes and canopy up to the wanted number of triangles.
-  void fill();
+  void add_leaves();
   // `left`: remaining triangles.
   void add_undergrowth(float left);
   void add_bushes(float left);
@@ -89,23 +89,23 @@ void Forest::build() {
   add_stones_and_logs();
   add_ferns();
   add_mushrooms();
-  fill();
+  add_leaves();
 }
 
-std::uint32_t Forest::material(Texture texture, float mirror) {
+std::uint32_t Forest::add_textured(Texture texture, float mirror) {
   scene_.textures.push_back(std::move(texture));
   const auto index = static_cast<std::uint32_t>(scene_.textures.size() - 1);
-  return add_material(scene_, textured(scene_.textures.back().name, index, glm::vec3(1), mirror));
+  return add_material(scene_, make_textured(scene_.textures.back().name, index, glm::vec3(1), mirror));
 }
 
-void Forest::show(const Pieces& pieces, const glm::mat4& at, bool focus) {
+void Forest::show_pieces(const Pieces& pieces, const glm::mat4& at, bool focus) {
   for (const auto& [mesh, paint] : pieces) {
     scene_.instances[add_instance(scene_, add_mesh(scene_, mesh, paint), at)].focus = focus;
   }
 }
 
 void Forest::add_floor() {
-  const std::uint32_t cells = fine(84, 24);
+  const std::uint32_t cells = scaled_count(84, 24);
   Mesh floor = make_surface("forest floor", cells, cells, [](float s, float t) {
     const glm::vec2 p = (glm::vec2(s, 1 - t) - 0.5F) * 64.0F;
     // Denser in the middle.
@@ -115,46 +115,48 @@ void Forest::add_floor() {
   for (std::size_t i = 0; i < floor.uvs.size(); ++i) {
     floor.uvs[i] = glm::vec2(floor.positions[i].x, floor.positions[i].z) / 2.6F;
   }
-  litter_ = material(litter_texture("leaf litter", 2600, 3));
+  litter_ = add_textured(litter_texture("leaf litter", 2600, 3));
   add_object(scene_, std::move(floor), litter_);
 }
 
 void Forest::add_backdrop() {
   constexpr float kRadius = 31;
   Mesh round = make_surface(
-      "deep forest", fine(40, 20), 4,
+      "deep forest", scaled_count(40, 20), 4,
       [](float s, float t) {
         const glm::vec2 way = on_circle(static_cast<double>(s)) * kRadius;
         return glm::vec3(way.x, -3 + 17 * t, way.y);
       },
       true);
   for (glm::vec2& uv : round.uvs) uv = {5 * uv.x, 1 - uv.y};
-  const std::uint32_t deep = material(deep_forest_texture("deep forest"));
+  const std::uint32_t deep = add_textured(deep_forest_texture("deep forest"));
   scene_.textures.back().wrap_v = Texture::Wrap::kClamp;
   add_object(scene_, std::move(round), deep);
 }
 
 void Forest::add_focus() {
-  const std::uint32_t fur = material(fur_texture("deer fur"));
-  const std::uint32_t horn = material(bark_texture("antler", {0.42F, 0.33F, 0.24F}, {0.88F, 0.80F, 0.66F}, 6, 51, 256));
-  const std::uint32_t dark = add_material(scene_, paint("hoof and eye", {0.02F, 0.016F, 0.014F}, 0.12F));
-  show(make_deer(fine(18, 8), fur, horn, dark), placed(on_ground(-1.0F, -1.5F), 0.06), true);
+  const std::uint32_t fur = add_textured(fur_texture("deer fur"));
+  const std::uint32_t horn =
+      add_textured(bark_texture("antler", {0.42F, 0.33F, 0.24F}, {0.88F, 0.80F, 0.66F}, 6, 51, 256));
+  const std::uint32_t dark = add_material(scene_, make_paint("hoof and eye", {0.02F, 0.016F, 0.014F}, 0.12F));
+  show_pieces(make_deer(scaled_count(18, 8), fur, horn, dark), placement(on_ground(-1.0F, -1.5F), 0.06), true);
 
-  const std::uint32_t wood = material(wood_texture("bench wood", {0.72F, 0.56F, 0.38F}, {0.36F, 0.24F, 0.15F}, 52));
-  const std::uint32_t iron = add_material(scene_, paint("iron", {0.05F, 0.05F, 0.06F}, 0.15F));
-  const std::uint32_t flame = add_material(scene_, lamp("flame", {34, 22, 9}));
-  const glm::mat4 bench = placed(on_ground(1.75F, -0.1F), -0.06);
-  show(make_bench(wood, iron), bench, true);
-  show(make_lantern(iron, flame), bench * placed({0.45F, 0.46F, 0}), true);
+  const std::uint32_t wood = add_textured(wood_texture("bench wood", {0.72F, 0.56F, 0.38F}, {0.36F, 0.24F, 0.15F}, 52));
+  const std::uint32_t iron = add_material(scene_, make_paint("iron", {0.05F, 0.05F, 0.06F}, 0.15F));
+  const std::uint32_t flame = add_material(scene_, make_lamp("flame", {34, 22, 9}));
+  const glm::mat4 bench = placement(on_ground(1.75F, -0.1F), -0.06);
+  show_pieces(make_bench(wood, iron), bench, true);
+  show_pieces(make_lantern(iron, flame), bench * placement({0.45F, 0.46F, 0}), true);
 
-  caps_ = {material(cap_texture("fly agaric", {0.80F, 0.10F, 0.05F}, 53)),
-           material(cap_texture("brown cap", {0.55F, 0.34F, 0.18F}, 54))};
-  gills_ = material(gills_texture("gills"));
-  stem_ = material(bark_texture("stem", {0.74F, 0.68F, 0.56F}, {0.98F, 0.95F, 0.88F}, 12, 55, 256));
+  caps_ = {add_textured(cap_texture("fly agaric", {0.80F, 0.10F, 0.05F}, 53)),
+           add_textured(cap_texture("brown cap", {0.55F, 0.34F, 0.18F}, 54))};
+  gills_ = add_textured(gills_texture("gills"));
+  stem_ = add_textured(bark_texture("stem", {0.74F, 0.68F, 0.56F}, {0.98F, 0.95F, 0.88F}, 12, 55, 256));
   constexpr float kBig[][4] = {
       {-1.62F, 2.35F, 0.5F, 0.25F}, {-1.12F, 2.62F, 0.33F, 0.5F}, {-2.02F, 2.75F, 0.27F, 0.9F}};
   for (const auto& m : kBig) {
-    show(make_mushroom(m[2], m[3], fine(36, 12), caps_[0], gills_, stem_), placed(on_ground(m[0], m[1])), true);
+    show_pieces(make_mushroom(m[2], m[3], scaled_count(36, 12), caps_[0], gills_, stem_),
+                placement(on_ground(m[0], m[1])), true);
   }
 }
 
@@ -203,40 +205,42 @@ std::vector<Spot> tree_spots(std::size_t wanted) {
   std::vector<Spot> spots = {{0, -4.3F, 1.2F, 1.15F}, {1, 4.5F, 0.2F, 1.1F},  {2, 3.1F, -3.6F, 1},
                              {1, -2.9F, -4.6F, 1},    {0, 1.3F, -7.0F, 1.1F}, {2, -5.3F, -2.6F, 1.1F}};
   for (std::uint32_t k = 0; spots.size() < wanted && k < 400; ++k) {
-    const glm::vec2 way = on_circle(static_cast<double>(random(41, k)));
+    const glm::vec2 way = on_circle(static_cast<double>(random_unit(41, k)));
     const float r = random_between(6, 26, 42, k);
     const glm::vec2 p = way * r;
     const bool crowded = std::ranges::any_of(spots, [&](const Spot& o) { return glm::distance(p, {o.x, o.z}) < 2.6F; });
     // The camera's lane must remain free.
     if (crowded || (p.y > 0 && std::abs(p.x) < 3.6F)) continue;
     spots.push_back(
-        {static_cast<std::uint32_t>(random(43, k) * 2.999F), p.x, p.y, random_between(0.75F, 1.15F, 44, k)});
+        {static_cast<std::uint32_t>(random_unit(43, k) * 2.999F), p.x, p.y, random_between(0.75F, 1.15F, 44, k)});
   }
   return spots;
 }
 
 void Forest::add_trees() {
   const std::uint32_t oak =
-      material(bark_texture("furrowed bark", {0.13F, 0.10F, 0.08F}, {0.66F, 0.56F, 0.45F}, 13, 21));
-  const std::uint32_t beech = material(mossy_texture("mossy bark", {0.62F, 0.58F, 0.50F}, 22));
-  const std::uint32_t birch = material(bark_texture("birch bark", {0.16F, 0.14F, 0.13F}, {0.95F, 0.93F, 0.87F}, 3, 23));
+      add_textured(bark_texture("furrowed bark", {0.13F, 0.10F, 0.08F}, {0.66F, 0.56F, 0.45F}, 13, 21));
+  const std::uint32_t beech = add_textured(mossy_texture("mossy bark", {0.62F, 0.58F, 0.50F}, 22));
+  const std::uint32_t birch =
+      add_textured(bark_texture("birch bark", {0.16F, 0.14F, 0.13F}, {0.95F, 0.93F, 0.87F}, 3, 23));
   scene_.textures[scene_.materials[beech].base_texture.texture].wrap_v = Texture::Wrap::kMirror;
   const std::uint32_t barks[] = {oak, beech, birch};
-  const std::vector<Spot> spots = tree_spots(few(46));
+  const std::vector<Spot> spots = tree_spots(capped_count(46));
   for (std::uint32_t kind = 0; kind < std::size(kKinds); ++kind) {
     TreeShape shape = kKinds[kind].shape;
-    shape.sides = fine(10, 6);
-    shape.branches = std::clamp(fine(static_cast<float>(shape.branches), 5), 5U, 16U);
-    shape.twigs = std::clamp(fine(static_cast<float>(shape.twigs), 2), 2U, 7U);
+    shape.sides = scaled_count(10, 6);
+    shape.branches = std::clamp(scaled_count(static_cast<float>(shape.branches), 5), 5U, 16U);
+    shape.twigs = std::clamp(scaled_count(static_cast<float>(shape.twigs), 2), 2U, 7U);
     Tree tree = make_tree(kKinds[kind].name, shape, kind == 1 ? 2.2F : 1.4F);
-    append(tree.wood, make_roots(shape.girth, fine(6, 4), 50 + kind));
+    append_mesh(tree.wood, make_roots(shape.girth, scaled_count(6, 4), 50 + kind));
     for (glm::vec2& uv : tree.wood.uvs) uv.x *= 2;
     const std::uint32_t mesh = add_mesh(scene_, std::move(tree.wood), barks[kind]);
     crowns_.push_back({std::move(tree.twigs), {}});
     for (std::size_t k = 0; k < spots.size(); ++k) {
       const Spot& p = spots[k];
       if (p.kind != kind) continue;
-      const glm::mat4 at = placed(on_ground(p.x, p.z, -0.06F), static_cast<double>(random(45, k)), glm::vec3(p.size));
+      const glm::mat4 at =
+          placement(on_ground(p.x, p.z, -0.06F), static_cast<double>(random_unit(45, k)), glm::vec3(p.size));
       add_instance(scene_, mesh, at);
       crowns_.back().at.push_back(at);
     }
@@ -256,7 +260,7 @@ void Forest::add_canopy() {
   const LeafShape leaf{.length = size, .width = 0.7F * size, .scatter = 0.7F};
   for (std::size_t k = 0; k < crowns_.size(); ++k) {
     const std::uint32_t green =
-        material(foliage_texture("canopy", hues[k][0], hues[k][1], static_cast<std::uint32_t>(110 + k)));
+        add_textured(foliage_texture("canopy", hues[k][0], hues[k][1], static_cast<std::uint32_t>(110 + k)));
     const std::uint32_t mesh =
         add_mesh(scene_, make_leaves("canopy", crowns_[k].twigs, count, leaf, {0, 9, 0}, 120 + k), green);
     for (const glm::mat4& at : crowns_[k].at) add_instance(scene_, mesh, at);
@@ -267,10 +271,10 @@ void Forest::add_stones_and_logs() {
   constexpr glm::vec3 kRocks[] = {{0.55F, 0.52F, 0.48F}, {0.46F, 0.48F, 0.52F}};
   std::vector<std::uint32_t> meshes;
   for (std::uint32_t k = 0; k < 5; ++k) {
-    if (k < 2) rocks_.push_back(material(mossy_texture("mossy rock", kRocks[k], 60 + k)));
+    if (k < 2) rocks_.push_back(add_textured(mossy_texture("mossy rock", kRocks[k], 60 + k)));
     const glm::vec3 radii(random_between(0.8F, 1.2F, 61, k), random_between(0.5F, 0.8F, 62, k),
                           random_between(0.7F, 1.0F, 63, k));
-    Mesh rock = make_rock("rock", radii, fine(12, 5), 0.5F, 64 + k);
+    Mesh rock = make_rock("rock", radii, scaled_count(12, 5), 0.5F, 64 + k);
     scale_uvs(rock, {1, 1 / 1.5F});
     meshes.push_back(add_mesh(scene_, std::move(rock), rocks_[k % 2]));
   }
@@ -278,24 +282,25 @@ void Forest::add_stones_and_logs() {
                             {-3.2F, 2.3F, 0.3F}, {0.6F, -3.2F, 0.7F},  {-3.4F, -3.0F, 0.8F}, {3.4F, -1.7F, 0.6F}};
   std::uint32_t count = 0;
   const auto put = [&](float x, float z, float size) {
-    add_instance(scene_, meshes[count % meshes.size()],
-                 placed(on_ground(x, z, -0.14F * size), static_cast<double>(random(65, count)), glm::vec3(size)));
+    add_instance(
+        scene_, meshes[count % meshes.size()],
+        placement(on_ground(x, z, -0.14F * size), static_cast<double>(random_unit(65, count)), glm::vec3(size)));
     ++count;
   };
   for (const glm::vec3& p : near) put(p.x, p.y, p.z);
   for (std::uint32_t k = 0; k < 16; ++k) {
-    const glm::vec2 p = on_circle(static_cast<double>(random(66, k))) * random_between(5.2F, 14, 67, k);
+    const glm::vec2 p = on_circle(static_cast<double>(random_unit(66, k))) * random_between(5.2F, 14, 67, k);
     if (p.y > 0 && std::abs(p.x) < 3.2F) continue;
     put(p.x, p.y, random_between(0.3F, 1.2F, 68, k));
   }
-  const std::uint32_t log = add_mesh(scene_, make_log(3.6F, 0.24F, fine(18, 8), 71), log_bark_);
-  add_instance(scene_, log, placed(on_ground(-2.9F, -0.5F, -0.03F), 0.09));
-  add_instance(scene_, log, placed(on_ground(4.6F, -5.2F, 0.1F), -0.14, glm::vec3(1.2F)));
+  const std::uint32_t log = add_mesh(scene_, make_log(3.6F, 0.24F, scaled_count(18, 8), 71), log_bark_);
+  add_instance(scene_, log, placement(on_ground(-2.9F, -0.5F, -0.03F), 0.09));
+  add_instance(scene_, log, placement(on_ground(4.6F, -5.2F, 0.1F), -0.14, glm::vec3(1.2F)));
 }
 
 void Forest::add_ferns() {
-  const std::uint32_t green = material(foliage_texture("fern", {0.10F, 0.24F, 0.05F}, {0.50F, 0.68F, 0.22F}, 81));
-  const std::uint32_t pairs = fine(11, 5), fronds = fine(9, 5);
+  const std::uint32_t green = add_textured(foliage_texture("fern", {0.10F, 0.24F, 0.05F}, {0.50F, 0.68F, 0.22F}, 81));
+  const std::uint32_t pairs = scaled_count(11, 5), fronds = scaled_count(9, 5);
   const std::uint32_t meshes[] = {add_mesh(scene_, make_fern(fronds, pairs, 0.85F, 82), green),
                                   add_mesh(scene_, make_fern(fronds - 1, pairs, 0.6F, 83), green)};
   const glm::vec3 near[] = {{-2.55F, 3.2F, 0.8F}, {-3.0F, 1.7F, 1},     {-3.5F, 0.2F, 1.1F},   {2.95F, 2.9F, 0.75F},
@@ -304,12 +309,12 @@ void Forest::add_ferns() {
   std::uint32_t count = 0;
   const auto put = [&](float x, float z, float size) {
     add_instance(scene_, meshes[count % 2],
-                 placed(on_ground(x, z, -0.03F), static_cast<double>(random(84, count)), glm::vec3(size)));
+                 placement(on_ground(x, z, -0.03F), static_cast<double>(random_unit(84, count)), glm::vec3(size)));
     ++count;
   };
   for (const glm::vec3& p : near) put(p.x, p.y, p.z);
-  for (std::uint32_t k = 0; count < few(52); ++k) {
-    const glm::vec2 p = on_circle(static_cast<double>(random(85, k))) * random_between(4.2F, 13, 86, k);
+  for (std::uint32_t k = 0; count < capped_count(52); ++k) {
+    const glm::vec2 p = on_circle(static_cast<double>(random_unit(85, k))) * random_between(4.2F, 13, 86, k);
     if (p.y > 0 && std::abs(p.x) < 2.8F) continue;
     put(p.x, p.y, random_between(0.8F, 1.5F, 87, k));
   }
@@ -319,24 +324,24 @@ void Forest::add_mushrooms() {
   std::vector<std::vector<std::uint32_t>> kinds;
   for (std::uint32_t kind = 0; kind < 2; ++kind) {
     kinds.emplace_back();
-    for (const auto& [mesh, paint] :
-         make_mushroom(0.13F, 0.3F + 0.4F * static_cast<float>(kind), fine(10, 6), caps_[kind], gills_, stem_)) {
+    for (const auto& [mesh, paint] : make_mushroom(0.13F, 0.3F + 0.4F * static_cast<float>(kind), scaled_count(10, 6),
+                                                   caps_[kind], gills_, stem_)) {
       kinds.back().push_back(add_mesh(scene_, mesh, paint));
     }
   }
   constexpr glm::vec2 kGroups[] = {{-0.75F, 2.95F}, {1.3F, 2.6F},  {-2.2F, 0.5F},
                                    {1.0F, 0.9F},    {2.7F, -1.2F}, {-0.2F, 3.3F}};
   for (std::uint32_t g = 0; g < std::size(kGroups); ++g) {
-    for (std::uint32_t k = 0; k < few(4); ++k) {
-      const glm::vec2 p = kGroups[g] + 0.32F * (glm::vec2(random(91, g, k), random(92, g, k)) - 0.5F);
-      const glm::mat4 at = placed(on_ground(p.x, p.y, -0.01F), static_cast<double>(random(93, g, k)),
-                                  glm::vec3(random_between(0.5F, 1.15F, 94, g, k)));
+    for (std::uint32_t k = 0; k < capped_count(4); ++k) {
+      const glm::vec2 p = kGroups[g] + 0.32F * (glm::vec2(random_unit(91, g, k), random_unit(92, g, k)) - 0.5F);
+      const glm::mat4 at = placement(on_ground(p.x, p.y, -0.01F), static_cast<double>(random_unit(93, g, k)),
+                                     glm::vec3(random_between(0.5F, 1.15F, 94, g, k)));
       for (const std::uint32_t mesh : kinds[g % 2]) add_instance(scene_, mesh, at);
     }
   }
 }
 
-void Forest::fill() {
+void Forest::add_leaves() {
   const auto used = static_cast<std::uint32_t>(triangles_of(scene_));
   const float left =
       std::max(static_cast<float>(triangles_) - static_cast<float>(used), 0.05F * static_cast<float>(triangles_));
@@ -346,7 +351,8 @@ void Forest::fill() {
 }
 
 void Forest::add_undergrowth(float left) {
-  const std::uint32_t blades = material(foliage_texture("grass", {0.16F, 0.30F, 0.06F}, {0.58F, 0.68F, 0.26F}, 102));
+  const std::uint32_t blades =
+      add_textured(foliage_texture("grass", {0.16F, 0.30F, 0.06F}, {0.58F, 0.68F, 0.26F}, 102));
   constexpr std::uint32_t kPatches = 26, kTufts = 44;
   const auto leaves = static_cast<std::uint32_t>(0.25F * left / 2 / kPatches);
   const std::uint32_t patch = add_mesh(scene_, make_litter(1.5F, std::max(leaves, 4U), 103), litter_);
@@ -362,16 +368,16 @@ void Forest::add_undergrowth(float left) {
     add_instance(scene_, patch, {glm::vec4(u, 0), glm::vec4(n, 0), glm::vec4(glm::cross(u, n), 0), glm::vec4(foot, 1)});
   }
   for (std::uint32_t k = 0; k < kTufts; ++k) {
-    const glm::vec2 p = on_circle(static_cast<double>(random(105, k))) * random_between(1.5F, 7, 106, k);
+    const glm::vec2 p = on_circle(static_cast<double>(random_unit(105, k))) * random_between(1.5F, 7, 106, k);
     add_instance(scene_, tuft,
-                 placed(on_ground(p.x, p.y), static_cast<double>(random(107, k)),
-                        glm::vec3(random_between(0.6F, 1.1F, 108, k))));
+                 placement(on_ground(p.x, p.y), static_cast<double>(random_unit(107, k)),
+                           glm::vec3(random_between(0.6F, 1.1F, 108, k))));
   }
 }
 
 void Forest::add_bushes(float left) {
   constexpr std::uint32_t kBushes = 18;
-  const std::uint32_t shrub = material(foliage_texture("bush", {0.09F, 0.20F, 0.05F}, {0.42F, 0.58F, 0.18F}, 109));
+  const std::uint32_t shrub = add_textured(foliage_texture("bush", {0.09F, 0.20F, 0.05F}, {0.42F, 0.58F, 0.18F}, 109));
   const auto many = std::max(static_cast<std::uint32_t>(0.22F * left / 2 / kBushes), 30U);
   const float broad = 0.2F * std::clamp(1 / detail_, 0.6F, 2.2F);
   const LeafShape small{.length = broad, .width = 0.65F * broad, .scatter = 0.25F};
@@ -380,8 +386,8 @@ void Forest::add_bushes(float left) {
   for (std::uint32_t k = 0; k < kBushes; ++k) {
     const glm::vec2 p = on_circle(-0.5 * (k + 0.5) / kBushes) * random_between(6.5F, 13, 8, k);
     add_instance(scene_, bush,
-                 placed(on_ground(p.x, p.y, -0.1F), static_cast<double>(random(9, k)),
-                        glm::vec3(random_between(0.7F, 1.3F, 10, k))));
+                 placement(on_ground(p.x, p.y, -0.1F), static_cast<double>(random_unit(9, k)),
+                           glm::vec3(random_between(0.7F, 1.3F, 10, k))));
   }
 }
 

@@ -15,42 +15,48 @@ constexpr float kWall = 0.002F;  ///< thickness of the glass
 constexpr float kGap = 0.0015F;  ///< from glass to filling: more than the offset at which secondary rays begin
 
 /// Returns the outer profile, from the middle of the bottom to the rim.
-Outline outside(Vessel vessel) {
+Outline outer_profile(Vessel vessel) {
   Outline o({0, 0});
   switch (vessel) {
     case Vessel::kBeaker:
-      return o.line(0.034F, 0).arc(0.040F, 0.007F, 0.0018F).line(0.040F, 0.099F).arc(0.044F, 0.106F, -0.0012F);
+      return o.line_to(0.034F, 0)
+          .arc_to(0.040F, 0.007F, 0.0018F)
+          .line_to(0.040F, 0.099F)
+          .arc_to(0.044F, 0.106F, -0.0012F);
     case Vessel::kErlenmeyer:
-      o.line(0.041F, 0).arc(0.046F, 0.009F, 0.0025F).line(0.0185F, 0.098F).arc(0.0165F, 0.110F, -0.0008F);
-      return o.line(0.0165F, 0.138F).arc(0.0205F, 0.145F, -0.001F);
+      o.line_to(0.041F, 0).arc_to(0.046F, 0.009F, 0.0025F).line_to(0.0185F, 0.098F).arc_to(0.0165F, 0.110F, -0.0008F);
+      return o.line_to(0.0165F, 0.138F).arc_to(0.0205F, 0.145F, -0.001F);
     case Vessel::kRound:
-      return o.round({0, 0.050F}, 0.050F, -0.25, 0.195)
-          .line(0.0165F, 0.108F)
-          .line(0.0165F, 0.152F)
-          .arc(0.0200F, 0.158F, -0.001F);
+      return o.add_round({0, 0.050F}, 0.050F, -0.25, 0.195)
+          .line_to(0.0165F, 0.108F)
+          .line_to(0.0165F, 0.152F)
+          .arc_to(0.0200F, 0.158F, -0.001F);
     case Vessel::kTestTube:
-      return o.round({0, 0.0095F}, 0.0095F, -0.25, 0).line(0.0095F, 0.148F).arc(0.0115F, 0.152F, -0.0006F);
+      return o.add_round({0, 0.0095F}, 0.0095F, -0.25, 0).line_to(0.0095F, 0.148F).arc_to(0.0115F, 0.152F, -0.0006F);
     case Vessel::kBurette:
-      return Outline({0.003F, 0}).line(0.004F, 0.035F).arc(0.0085F, 0.050F, 0.001F).line(0.0085F, 0.40F);
+      return Outline({0.003F, 0}).line_to(0.004F, 0.035F).arc_to(0.0085F, 0.050F, 0.001F).line_to(0.0085F, 0.40F);
     case Vessel::kCylinder:
-      return o.line(0.012F, 0).arc(0.0155F, 0.004F, 0.001F).line(0.0155F, 0.205F).arc(0.0185F, 0.211F, -0.0008F);
+      return o.line_to(0.012F, 0)
+          .arc_to(0.0155F, 0.004F, 0.001F)
+          .line_to(0.0155F, 0.205F)
+          .arc_to(0.0185F, 0.211F, -0.0008F);
     case Vessel::kVolumetric:
-      o.line(0.026F, 0).arc(0.043F, 0.030F, 0.004F).arc(0.0095F, 0.090F, 0.012F);
-      return o.line(0.0085F, 0.105F).line(0.0085F, 0.188F).arc(0.0115F, 0.194F, -0.0006F);
+      o.line_to(0.026F, 0).arc_to(0.043F, 0.030F, 0.004F).arc_to(0.0095F, 0.090F, 0.012F);
+      return o.line_to(0.0085F, 0.105F).line_to(0.0085F, 0.188F).arc_to(0.0115F, 0.194F, -0.0006F);
     case Vessel::kBottle:
-      o.line(0.031F, 0).arc(0.035F, 0.005F, 0.0012F).line(0.035F, 0.084F).arc(0.0150F, 0.106F, 0.006F);
-      return o.line(0.0145F, 0.118F).line(0.0185F, 0.120F).line(0.0185F, 0.126F);
+      o.line_to(0.031F, 0).arc_to(0.035F, 0.005F, 0.0012F).line_to(0.035F, 0.084F).arc_to(0.0150F, 0.106F, 0.006F);
+      return o.line_to(0.0145F, 0.118F).line_to(0.0185F, 0.120F).line_to(0.0185F, 0.126F);
     default:
-      return o.line(0.044F, 0).arc(0.046F, 0.002F, 0.0005F).line(0.046F, 0.015F);
+      return o.line_to(0.044F, 0).arc_to(0.046F, 0.002F, 0.0005F).line_to(0.046F, 0.015F);
   }
 }
 
 std::vector<glm::vec2> line_of(Vessel vessel, const Detail& detail) {
-  return simplified(outside(vessel).points(), detail.cells(16, 7));
+  return simplify_line(outer_profile(vessel).points(), detail.cell_count(16, 7));
 }
 
 /// Returns the line moved inwards; its first point remains on the axis.
-std::vector<glm::vec2> inset(const std::vector<glm::vec2>& line, float by) {
+std::vector<glm::vec2> inset_line(const std::vector<glm::vec2>& line, float by) {
   std::vector<glm::vec2> out;
   const std::size_t last = line.size() - 1;
   for (std::size_t k = 0; k <= last; ++k) {
@@ -66,15 +72,15 @@ std::vector<glm::vec2> inset(const std::vector<glm::vec2>& line, float by) {
   return out;
 }
 
-std::uint32_t segments(const Detail& detail) { return detail.cells(36, 10); }
+std::uint32_t round_segments(const Detail& detail) { return detail.cell_count(36, 10); }
 
 }  // namespace
 
 Mesh make_vessel(Vessel vessel, const Detail& detail) {
   std::vector<glm::vec2> profile = line_of(vessel, detail);
-  const std::vector<glm::vec2> inner = inset(profile, kWall);
+  const std::vector<glm::vec2> inner = inset_line(profile, kWall);
   profile.insert(profile.end(), inner.rbegin(), inner.rend());
-  Mesh mesh = make_lathe("glass", profile, segments(detail));
+  Mesh mesh = make_lathe("glass", profile, round_segments(detail));
   if (vessel == Vessel::kBeaker) {
     for (glm::vec3& p : mesh.positions) {  // the spout
       const float across = std::max(1 - (p.z / 0.016F) * (p.z / 0.016F), 0.0F);
@@ -85,7 +91,7 @@ Mesh make_vessel(Vessel vessel, const Detail& detail) {
 }
 
 Mesh make_filling(Vessel vessel, float height, const Detail& detail) {
-  const std::vector<glm::vec2> wall = inset(line_of(vessel, detail), kWall + kGap);
+  const std::vector<glm::vec2> wall = inset_line(line_of(vessel, detail), kWall + kGap);
   std::vector<glm::vec2> profile{wall.front()};
   for (std::size_t k = 1; k < wall.size(); ++k) {
     if (wall[k].y >= height) {
@@ -97,7 +103,7 @@ Mesh make_filling(Vessel vessel, float height, const Detail& detail) {
     profile.push_back(wall[k]);
   }
   profile.emplace_back(0, profile.back().y);
-  return make_lathe("filling", profile, segments(detail));
+  return make_lathe("filling", profile, round_segments(detail));
 }
 
 }  // namespace traces::laboratory

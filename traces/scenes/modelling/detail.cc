@@ -8,15 +8,15 @@
 
 namespace traces {
 
-std::uint32_t Detail::cells(double at_one, std::uint32_t least) const {
+std::uint32_t Detail::cell_count(double at_one, std::uint32_t least) const {
   return std::max(static_cast<std::uint32_t>(share * at_one + 0.5), least);
 }
 
-std::uint32_t Detail::pieces(double at_one, std::uint32_t least) const {
+std::uint32_t Detail::piece_count(double at_one, std::uint32_t least) const {
   return std::max(static_cast<std::uint32_t>(share * share * at_one + 0.5), least);
 }
 
-std::vector<glm::vec2> Detail::profile(std::span<const glm::vec2> points) const {
+std::vector<glm::vec2> Detail::coarser_profile(std::span<const glm::vec2> points) const {
   const std::size_t stride = share < 0.34 ? 3 : share < 0.5 ? 2 : 1;
   std::vector<glm::vec2> kept;
   for (std::size_t k = 0; k + 1 < points.size(); k += stride) kept.push_back(points[k]);

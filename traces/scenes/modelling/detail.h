@@ -13,12 +13,12 @@ struct Detail {
   double share = 1;  ///< along a line; 1 makes the scene of its class
 
   /// Returns the cells along a line: `at_one` at detail 1, at least `least`.
-  std::uint32_t cells(double at_one, std::uint32_t least = 1) const;
+  std::uint32_t cell_count(double at_one, std::uint32_t least = 1) const;
   /// Returns a number of objects that grows with the number of triangles: `at_one` at detail 1.
-  std::uint32_t pieces(double at_one, std::uint32_t least = 1) const;
+  std::uint32_t piece_count(double at_one, std::uint32_t least = 1) const;
   /// Returns a coarser profile for few triangles: every second point between the ends up to half of detail 1, every
   /// third up to a third.
-  std::vector<glm::vec2> profile(std::span<const glm::vec2> points) const;
+  std::vector<glm::vec2> coarser_profile(std::span<const glm::vec2> points) const;
 };
 
 /// Returns the detail for `triangles`, which grow with its square, if detail 1 has `at_one`.

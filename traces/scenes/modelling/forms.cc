@@ -15,7 +15,7 @@
 namespace traces {
 namespace {
 
-glm::mat4 axes(const glm::vec3& x, const glm::vec3& y, const glm::vec3& z, const glm::vec3& origin) {
+glm::mat4 axes_of(const glm::vec3& x, const glm::vec3& y, const glm::vec3& z, const glm::vec3& origin) {
   return {glm::vec4(x, 0), glm::vec4(y, 0), glm::vec4(z, 0), glm::vec4(origin, 1)};
 }
 
@@ -33,17 +33,17 @@ void add_flat(Mesh& mesh, const std::array<glm::vec3, 4>& corners) {
 
 }  // namespace
 
-glm::mat4 standing(const glm::vec3& origin, const glm::vec3& outward) {
+glm::mat4 wall_axes(const glm::vec3& origin, const glm::vec3& outward) {
   const glm::vec3 up(0, 1, 0);
-  return axes(glm::cross(up, outward), up, outward, origin);
+  return axes_of(glm::cross(up, outward), up, outward, origin);
 }
 
-glm::mat4 lying(const glm::vec3& origin) { return axes({1, 0, 0}, {0, 0, -1}, {0, 1, 0}, origin); }
+glm::mat4 floor_axes(const glm::vec3& origin) { return axes_of({1, 0, 0}, {0, 0, -1}, {0, 1, 0}, origin); }
 
-glm::mat4 hanging(const glm::vec3& origin) { return axes({1, 0, 0}, {0, 0, 1}, {0, -1, 0}, origin); }
+glm::mat4 ceiling_axes(const glm::vec3& origin) { return axes_of({1, 0, 0}, {0, 0, 1}, {0, -1, 0}, origin); }
 
-glm::mat4 turned(const glm::vec3& origin, const glm::vec3& axis, double turns) {
-  glm::mat4 m = glm::mat4_cast(rotation(axis, turns));
+glm::mat4 rotation_about(const glm::vec3& origin, const glm::vec3& axis, double turns) {
+  glm::mat4 m = glm::mat4_cast(axis_rotation(axis, turns));
   m[3] = glm::vec4(origin, 1);
   return m;
 }
@@ -64,7 +64,7 @@ Mesh make_panel(std::string name, float width, float height, std::span<const glm
     }
   }
   const auto last = corners(rings.back());
-  append(mesh, make_quad("", last[0], last[1] - last[0], last[3] - last[0], cells));
+  append_mesh(mesh, make_quad("", last[0], last[1] - last[0], last[3] - last[0], cells));
   return mesh;
 }
 
@@ -110,7 +110,7 @@ Mesh make_cushion(std::string name, const glm::vec3& lower, const glm::vec3& upp
   return mesh;
 }
 
-Mesh warped(Mesh mesh, const std::function<glm::vec3(const glm::vec3&)>& to) {
+Mesh warp_mesh(Mesh mesh, const std::function<glm::vec3(const glm::vec3&)>& to) {
   constexpr float kStep = 1e-3F;
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
     const glm::vec3 p = mesh.positions[i], n = mesh.normals[i];
@@ -140,11 +140,11 @@ void project_uvs(Mesh& mesh, float repeats, bool upright) {
 Mesh make_curtain(std::string name, float width, float height, std::uint32_t folds, float depth, std::uint32_t columns,
                   std::uint32_t rows, std::uint32_t seed) {
   return make_surface(std::move(name), columns, rows, [=](float s, float t) {
-    const float sway = 0.15F * (noise(s * 0.999F, t * 0.999F, 5, seed) - 0.5F);
+    const float sway = 0.15F * (value_noise(s * 0.999F, t * 0.999F, 5, seed) - 0.5F);
     const float wave = sin_turns(static_cast<double>(s * static_cast<float>(folds) + sway));
     const float second = sin_turns(static_cast<double>(s * 2.7F * static_cast<float>(folds) + 0.3F));
     const float loose = 1 - 0.45F * t;
-    return glm::vec3(s * width + 0.06F * (1 - t) * (noise(s * 0.999F, 0, 7, seed + 1) - 0.5F), height * t,
+    return glm::vec3(s * width + 0.06F * (1 - t) * (value_noise(s * 0.999F, 0, 7, seed + 1) - 0.5F), height * t,
                      depth * loose * (wave + 0.25F * second));
   });
 }
@@ -161,13 +161,13 @@ void add_leaf(Mesh& mesh, const glm::vec3& base, const glm::vec3& direction, flo
   const glm::vec3 level(direction.x, 0, direction.z);
   const glm::vec3 out = glm::dot(level, level) > 1e-6F ? glm::normalize(level) : glm::vec3(1, 0, 0);
   const glm::vec3 across = glm::cross(glm::vec3(0, 1, 0), out);
-  append(mesh, make_surface("", 2, rows, [&](float s, float t) {
-           const float half = width * std::sqrt(t * (1 - t)) * (1.3F - 0.6F * t);
-           const glm::vec3 rib =
-               base + length * (t * direction - glm::vec3(0, droop * t * t, 0) + 0.3F * droop * t * t * out);
-           const float side = 1 - 2 * s;
-           return rib + half * (side * across + glm::vec3(0, 0.35F * std::abs(side), 0));
-         }));
+  append_mesh(mesh, make_surface("", 2, rows, [&](float s, float t) {
+                const float half = width * std::sqrt(t * (1 - t)) * (1.3F - 0.6F * t);
+                const glm::vec3 rib =
+                    base + length * (t * direction - glm::vec3(0, droop * t * t, 0) + 0.3F * droop * t * t * out);
+                const float side = 1 - 2 * s;
+                return rib + half * (side * across + glm::vec3(0, 0.35F * std::abs(side), 0));
+              }));
 }
 
 }  // namespace traces

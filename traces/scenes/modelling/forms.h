@@ -11,12 +11,12 @@ namespace traces {
 
 /// Returns the axes of a wall: x to the right and y up as seen from the room, z = `outward` (horizontal unit vector)
 /// out of the wall.
-glm::mat4 standing(const glm::vec3& origin, const glm::vec3& outward);
+glm::mat4 wall_axes(const glm::vec3& origin, const glm::vec3& outward);
 /// Returns the axes of a floor (x, y = -z of the world) or of a ceiling (x, y = z of the world).
-glm::mat4 lying(const glm::vec3& origin);
-glm::mat4 hanging(const glm::vec3& origin);
+glm::mat4 floor_axes(const glm::vec3& origin);
+glm::mat4 ceiling_axes(const glm::vec3& origin);
 /// Returns a rotation about an axis of unit length through `origin`.
-glm::mat4 turned(const glm::vec3& origin, const glm::vec3& axis, double turns);
+glm::mat4 rotation_about(const glm::vec3& origin, const glm::vec3& axis, double turns);
 
 /// Makes a plate in relief, z outwards, lower left corner at the origin. `rings` are nested rectangles, each given by
 /// distance from the rim and height, joined by flat faces; the innermost is filled with cells x cells squares.
@@ -28,7 +28,7 @@ Mesh make_cushion(std::string name, const glm::vec3& lower, const glm::vec3& upp
 
 /// Returns the mesh with every point moved by `to`, normals included. `to` must be smooth and must not turn things
 /// inside out.
-Mesh warped(Mesh mesh, const std::function<glm::vec3(const glm::vec3&)>& to);
+Mesh warp_mesh(Mesh mesh, const std::function<glm::vec3(const glm::vec3&)>& to);
 
 /// Sets texture coordinates in units of length, in the coordinate plane nearest to the normal's. `upright`: u points up
 /// on vertical faces, so that wood grain does too.

@@ -92,7 +92,7 @@ std::uint32_t add_node(Scene& scene, std::string name, const Transform& rest, st
   return static_cast<std::uint32_t>(scene.nodes.size() - 1);
 }
 
-void hang(Scene& scene, std::uint32_t instance, std::uint32_t node) { scene.instances[instance].node = node; }
+void attach_to_node(Scene& scene, std::uint32_t instance, std::uint32_t node) { scene.instances[instance].node = node; }
 
 void move_node(Scene& scene, std::uint32_t node, std::span<const Key> keys, Track::Interpolation interpolation) {
   Track track{
@@ -120,8 +120,8 @@ void add_camera_path(Scene& scene, std::string name, std::span<const ViewKey> ke
     eyes.push_back(key.eye);
     targets.push_back(key.target);
   }
-  eyes = smoothed(std::span<const glm::vec3>(eyes), samples);
-  targets = smoothed(std::span<const glm::vec3>(targets), samples);
+  eyes = catmull_rom(std::span<const glm::vec3>(eyes), samples);
+  targets = catmull_rom(std::span<const glm::vec3>(targets), samples);
   std::vector<Key> keys_of_eye;
   std::vector<TurnKey> turns;
   for (std::size_t i = 0; i < eyes.size(); ++i) {
@@ -142,7 +142,7 @@ void add_camera_path(Scene& scene, std::string name, std::span<const ViewKey> ke
 }
 
 void finish_scene(Scene& scene, const glm::vec3& ambient) {
-  pose(scene, 0);
+  pose_scene(scene, 0);
   finish_lights(scene);
   scene.ambient = ambient;
   scene.sha256 = scene_digest(scene);

@@ -20,7 +20,7 @@ struct TurnKey {
 std::uint32_t add_node(Scene& scene, std::string name, const Transform& rest = {}, std::uint32_t parent = kNone);
 
 /// Attaches the instance to the node, its mesh in the node's space; replaces its to_world.
-void hang(Scene& scene, std::uint32_t instance, std::uint32_t node);
+void attach_to_node(Scene& scene, std::uint32_t instance, std::uint32_t node);
 
 void move_node(Scene& scene, std::uint32_t node, std::span<const Key> keys,
                Track::Interpolation interpolation = Track::Interpolation::kLinear);

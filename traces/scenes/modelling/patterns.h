@@ -13,11 +13,11 @@ Texture paint_texture(std::string name, std::uint32_t width, std::uint32_t heigh
                       const std::function<glm::vec4(float u, float v)>& at);
 
 /// Returns value noise in 0..1 that repeats every `period` lattice cells; u = 1 is `period` cells.
-float noise(float u, float v, std::uint32_t period, std::uint32_t seed);
+float value_noise(float u, float v, std::uint32_t period, std::uint32_t seed);
 /// Returns a sum of octaves of noise, each twice as fine and half as strong; 0..1.
-float fractal(float u, float v, std::uint32_t period, std::uint32_t octaves, std::uint32_t seed);
+float fractal_noise(float u, float v, std::uint32_t period, std::uint32_t octaves, std::uint32_t seed);
 /// The same over space, without repetition; 0..1.
-float fractal(const glm::vec3& p, std::uint32_t octaves, std::uint32_t seed);
+float fractal_noise(const glm::vec3& p, std::uint32_t octaves, std::uint32_t seed);
 
 // Ready-made textures, all tileable; colours 0..1.
 Texture wood_texture(std::string name, const glm::vec3& light, const glm::vec3& dark, std::uint32_t seed,
@@ -32,7 +32,7 @@ Texture cloth_texture(std::string name, const glm::vec3& warp, const glm::vec3& 
                       std::uint32_t seed, std::uint32_t size = 512);
 
 /// Returns a random number in [0, 1) or [low, high): a hash of the keys.
-float random(std::uint64_t a, std::uint64_t b = 0, std::uint64_t c = 0);
+float random_unit(std::uint64_t a, std::uint64_t b = 0, std::uint64_t c = 0);
 float random_between(float low, float high, std::uint64_t a, std::uint64_t b = 0, std::uint64_t c = 0);
 
 }  // namespace traces

@@ -84,10 +84,10 @@ Mesh make_box(std::string name, const glm::vec3& lower, const glm::vec3& upper, 
     const glm::vec2 spans(repeats * size[(axis + 1) % 3], repeats * size[(axis + 2) % 3]);
     Mesh front = make_quad("", lower + across, u, v, cells);
     scale_uvs(front, spans);
-    append(mesh, front);
+    append_mesh(mesh, front);
     Mesh back = make_quad("", lower, v, u, cells);
     scale_uvs(back, {spans.y, spans.x});
-    append(mesh, back);
+    append_mesh(mesh, back);
   }
   mesh.name = std::move(name);
   return mesh;
@@ -171,7 +171,7 @@ Mesh make_surface(std::string name, std::uint32_t columns, std::uint32_t rows,
   return mesh;
 }
 
-void append(Mesh& mesh, const Mesh& other) {
+void append_mesh(Mesh& mesh, const Mesh& other) {
   const auto first = static_cast<std::uint32_t>(mesh.positions.size());
   mesh.positions.insert(mesh.positions.end(), other.positions.begin(), other.positions.end());
   mesh.normals.insert(mesh.normals.end(), other.normals.begin(), other.normals.end());
@@ -183,7 +183,7 @@ void append(Mesh& mesh, const Mesh& other) {
   for (const auto& t : other.triangles) mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
 }
 
-Mesh transformed(Mesh mesh, const glm::mat4& by) {
+Mesh transform_mesh(Mesh mesh, const glm::mat4& by) {
   const glm::vec3 x(by[0]), y(by[1]), z(by[2]);
   const bool mirrored = glm::dot(x, glm::cross(y, z)) < 0;
   const glm::mat3 cofactors(glm::cross(y, z), glm::cross(z, x), glm::cross(x, y));
@@ -195,7 +195,7 @@ Mesh transformed(Mesh mesh, const glm::mat4& by) {
   return mesh;
 }
 
-glm::mat4 placed(const glm::vec3& position, double turns_about_y, const glm::vec3& scale) {
+glm::mat4 placement(const glm::vec3& position, double turns_about_y, const glm::vec3& scale) {
   const float c = cos_turns(turns_about_y), s = sin_turns(turns_about_y);
   return {glm::vec4(c, 0, -s, 0) * scale.x, glm::vec4(0, 1, 0, 0) * scale.y, glm::vec4(s, 0, c, 0) * scale.z,
           glm::vec4(position, 1)};
@@ -225,7 +225,7 @@ std::uint32_t add_material(Scene& scene, Material material) {
   return static_cast<std::uint32_t>(scene.materials.size() - 1);
 }
 
-Material paint(std::string name, const glm::vec3& colour, float mirror) {
+Material make_paint(std::string name, const glm::vec3& colour, float mirror) {
   Material m;
   m.name = std::move(name);
   m.base_colour = colour;
@@ -233,27 +233,27 @@ Material paint(std::string name, const glm::vec3& colour, float mirror) {
   return m;
 }
 
-Material metal(std::string name, const glm::vec3& tint, float mirror) {
-  Material m = paint(std::move(name), tint, mirror);
+Material make_metal(std::string name, const glm::vec3& tint, float mirror) {
+  Material m = make_paint(std::move(name), tint, mirror);
   m.mirror_tint = tint;
   return m;
 }
 
-Material glass(std::string name, const glm::vec3& colour, float ior) {
-  Material m = paint(std::move(name), colour);
+Material make_glass(std::string name, const glm::vec3& colour, float ior) {
+  Material m = make_paint(std::move(name), colour);
   m.transmission = 1;
   m.ior = ior;
   return m;
 }
 
-Material lamp(std::string name, const glm::vec3& emission) {
-  Material m = paint(std::move(name), glm::vec3(0));
+Material make_lamp(std::string name, const glm::vec3& emission) {
+  Material m = make_paint(std::move(name), glm::vec3(0));
   m.emission = emission;
   return m;
 }
 
-Material textured(std::string name, std::uint32_t texture, const glm::vec3& colour, float mirror) {
-  Material m = paint(std::move(name), colour, mirror);
+Material make_textured(std::string name, std::uint32_t texture, const glm::vec3& colour, float mirror) {
+  Material m = make_paint(std::move(name), colour, mirror);
   m.base_texture.texture = texture;
   return m;
 }
@@ -269,7 +269,7 @@ namespace {
 constexpr float kSharp = 0.766F;  // cosine of 40 degrees
 
 template <class P>
-std::vector<P> through(std::span<const P> points, std::uint32_t steps) {
+std::vector<P> curve_through(std::span<const P> points, std::uint32_t steps) {
   std::vector<P> out;
   const std::size_t last = points.size() - 1;
   for (std::size_t k = 0; k < last; ++k) {
@@ -284,12 +284,12 @@ std::vector<P> through(std::span<const P> points, std::uint32_t steps) {
 }
 
 /// Returns twice the area of the triangle, positive if counter-clockwise.
-float turn(const glm::vec2& a, const glm::vec2& b, const glm::vec2& c) {
+float turn_area(const glm::vec2& a, const glm::vec2& b, const glm::vec2& c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
 /// Splits a simple polygon into triangles by ear clipping.
-std::vector<std::array<std::uint32_t, 3>> triangulate(std::span<const glm::vec2> outline) {
+std::vector<std::array<std::uint32_t, 3>> triangulate_outline(std::span<const glm::vec2> outline) {
   std::vector<std::uint32_t> left(outline.size());
   for (std::uint32_t i = 0; i < left.size(); ++i) left[i] = i;
   std::vector<std::array<std::uint32_t, 3>> triangles;
@@ -297,10 +297,11 @@ std::vector<std::array<std::uint32_t, 3>> triangulate(std::span<const glm::vec2>
     const std::size_t n = left.size();
     const std::uint32_t ia = left[(k + n - 1) % n], ib = left[k], ic = left[(k + 1) % n];
     const glm::vec2 a = outline[ia], b = outline[ib], c = outline[ic];
-    if (turn(a, b, c) <= 0) return false;
+    if (turn_area(a, b, c) <= 0) return false;
     return std::ranges::none_of(left, [&](std::uint32_t i) {
       const glm::vec2 p = outline[i];
-      return i != ia && i != ib && i != ic && turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0;
+      return i != ia && i != ib && i != ic && turn_area(a, b, p) >= 0 && turn_area(b, c, p) >= 0 &&
+             turn_area(c, a, p) >= 0;
     });
   };
   while (left.size() > 3) {
@@ -338,11 +339,11 @@ void add_cap(Mesh& mesh, std::span<const glm::vec3> ring, const glm::vec3& norma
 
 }  // namespace
 
-std::vector<glm::vec2> smoothed(std::span<const glm::vec2> points, std::uint32_t steps) {
-  return through(points, steps);
+std::vector<glm::vec2> catmull_rom(std::span<const glm::vec2> points, std::uint32_t steps) {
+  return curve_through(points, steps);
 }
-std::vector<glm::vec3> smoothed(std::span<const glm::vec3> points, std::uint32_t steps) {
-  return through(points, steps);
+std::vector<glm::vec3> catmull_rom(std::span<const glm::vec3> points, std::uint32_t steps) {
+  return curve_through(points, steps);
 }
 
 Mesh make_lathe(std::string name, std::span<const glm::vec2> profile, std::uint32_t segments) {
@@ -441,7 +442,7 @@ Mesh make_tube(std::string name, std::span<const glm::vec3> path, std::span<cons
 Mesh make_extrusion(std::string name, std::span<const glm::vec2> outline, float depth) {
   Mesh mesh;
   mesh.name = std::move(name);
-  const std::vector<std::array<std::uint32_t, 3>> face = triangulate(outline);
+  const std::vector<std::array<std::uint32_t, 3>> face = triangulate_outline(outline);
   for (const bool front : {true, false}) {
     const auto first = static_cast<std::uint32_t>(mesh.positions.size());
     for (const glm::vec2& p : outline) {
@@ -472,12 +473,12 @@ Mesh make_extrusion(std::string name, std::span<const glm::vec2> outline, float 
   return mesh;
 }
 
-Outline& Outline::line(float radius, float height) {
+Outline& Outline::line_to(float radius, float height) {
   points_.emplace_back(radius, height);
   return *this;
 }
 
-Outline& Outline::arc(float radius, float height, float bulge) {
+Outline& Outline::arc_to(float radius, float height, float bulge) {
   constexpr int kSteps = 12;
   const glm::vec2 a = points_.back(), b(radius, height);
   const glm::vec2 along = glm::normalize(b - a);
@@ -490,7 +491,7 @@ Outline& Outline::arc(float radius, float height, float bulge) {
   return *this;
 }
 
-Outline& Outline::round(const glm::vec2& centre, float radius, double from, double to) {
+Outline& Outline::add_round(const glm::vec2& centre, float radius, double from, double to) {
   constexpr int kSteps = 16;
   for (int k = 0; k <= kSteps; ++k) {
     const glm::vec2 p = centre + radius * on_circle(from + (to - from) * k / kSteps);
@@ -499,7 +500,7 @@ Outline& Outline::round(const glm::vec2& centre, float radius, double from, doub
   return *this;
 }
 
-std::vector<glm::vec2> simplified(std::vector<glm::vec2> points, std::size_t count) {
+std::vector<glm::vec2> simplify_line(std::vector<glm::vec2> points, std::size_t count) {
   while (points.size() > std::max<std::size_t>(count, 2)) {
     // Removes the point whose triangle with its neighbours is smallest (Visvalingam).
     std::size_t smallest = 1;

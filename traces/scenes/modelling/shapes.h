@@ -38,15 +38,15 @@ Mesh make_surface(std::string name, std::uint32_t columns, std::uint32_t rows,
 void add_grid(Mesh& mesh, std::uint32_t first, std::uint32_t columns, std::uint32_t rows);
 
 /// Adds all vertices and triangles of `other` to `mesh`; the material of `other` is ignored.
-void append(Mesh& mesh, const Mesh& other);
+void append_mesh(Mesh& mesh, const Mesh& other);
 /// Returns the mesh transformed by a rotation, scale or mirroring; a mirrored mesh keeps its outside.
-Mesh transformed(Mesh mesh, const glm::mat4& by);
-glm::mat4 placed(const glm::vec3& position, double turns_about_y = 0, const glm::vec3& scale = glm::vec3(1));
+Mesh transform_mesh(Mesh mesh, const glm::mat4& by);
+glm::mat4 placement(const glm::vec3& position, double turns_about_y = 0, const glm::vec3& scale = glm::vec3(1));
 void scale_uvs(Mesh& mesh, const glm::vec2& by);
 
 /// Adds the mesh with that material; returns its index. Show it with add_instance(), any number of times.
 std::uint32_t add_mesh(Scene& scene, Mesh mesh, std::uint32_t material);
-/// Adds an instance; returns its index. hang() of motion.h makes it move.
+/// Adds an instance; returns its index. attach_to_node() of motion.h makes it move.
 std::uint32_t add_instance(Scene& scene, std::uint32_t mesh, const glm::mat4& to_world = glm::mat4(1));
 
 /// Adds the mesh with its material and one instance in its place.
@@ -54,13 +54,14 @@ void add_object(Scene& scene, Mesh mesh, std::uint32_t material);
 
 std::uint32_t add_material(Scene& scene, Material material);
 /// Makes a diffuse material; `mirror` > 0 makes it glossy.
-Material paint(std::string name, const glm::vec3& colour, float mirror = 0);
+Material make_paint(std::string name, const glm::vec3& colour, float mirror = 0);
 /// Makes a metal that mirrors `mirror` of the light, tinted.
-Material metal(std::string name, const glm::vec3& tint, float mirror = 0.8F);
-Material glass(std::string name, const glm::vec3& colour = glm::vec3(1), float ior = 1.5F);
-Material lamp(std::string name, const glm::vec3& emission);
+Material make_metal(std::string name, const glm::vec3& tint, float mirror = 0.8F);
+Material make_glass(std::string name, const glm::vec3& colour = glm::vec3(1), float ior = 1.5F);
+Material make_lamp(std::string name, const glm::vec3& emission);
 /// Makes a diffuse material with texture `texture`.
-Material textured(std::string name, std::uint32_t texture, const glm::vec3& colour = glm::vec3(1), float mirror = 0);
+Material make_textured(std::string name, std::uint32_t texture, const glm::vec3& colour = glm::vec3(1),
+                       float mirror = 0);
 
 /// Returns the number of triangles as instanced.
 std::uint64_t triangles_of(const Scene& scene);
@@ -70,8 +71,8 @@ std::uint64_t triangles_of(const Scene& scene);
 Mesh make_lathe(std::string name, std::span<const glm::vec2> profile, std::uint32_t segments);
 
 /// Returns a Catmull-Rom curve through all points, `steps` points per section.
-std::vector<glm::vec2> smoothed(std::span<const glm::vec2> points, std::uint32_t steps);
-std::vector<glm::vec3> smoothed(std::span<const glm::vec3> points, std::uint32_t steps);
+std::vector<glm::vec2> catmull_rom(std::span<const glm::vec2> points, std::uint32_t steps);
+std::vector<glm::vec3> catmull_rom(std::span<const glm::vec3> points, std::uint32_t steps);
 
 /// Makes a cylinder along +y from y = 0, with caps.
 Mesh make_cylinder(std::string name, float radius, float height, std::uint32_t segments);
@@ -91,11 +92,11 @@ Mesh make_extrusion(std::string name, std::span<const glm::vec2> outline, float 
 class Outline {
  public:
   explicit Outline(const glm::vec2& start) : points_{start} {}
-  Outline& line(float radius, float height);
+  Outline& line_to(float radius, float height);
   /// Adds a curve to that point whose middle is `bulge` outside the straight line (negative: inside).
-  Outline& arc(float radius, float height, float bulge);
+  Outline& arc_to(float radius, float height, float bulge);
   /// Adds an arc about `centre`; from and to in turns, 0 outwards, 0.25 up.
-  Outline& round(const glm::vec2& centre, float radius, double from, double to);
+  Outline& add_round(const glm::vec2& centre, float radius, double from, double to);
   const std::vector<glm::vec2>& points() const { return points_; }
 
  private:
@@ -103,7 +104,7 @@ class Outline {
 };
 
 /// Returns the `count` points that best keep the line's shape, ends included.
-std::vector<glm::vec2> simplified(std::vector<glm::vec2> points, std::size_t count);
+std::vector<glm::vec2> simplify_line(std::vector<glm::vec2> points, std::size_t count);
 
 /// Makes a lathe whose points `shape(around, k, point)` may move: `around` in turns, `k` the index in the profile.
 /// Smooth, except that a repeated profile point makes an edge.

@@ -30,7 +30,7 @@ float cos_turns(double turns) { return sin_turns(turns + 0.25); }
 
 glm::vec2 on_circle(double turns) { return {cos_turns(turns), sin_turns(turns)}; }
 
-glm::quat rotation(const glm::vec3& axis, double turns) {
+glm::quat axis_rotation(const glm::vec3& axis, double turns) {
   const float s = sin_turns(turns / 2);
   return {cos_turns(turns / 2), axis.x * s, axis.y * s, axis.z * s};
 }

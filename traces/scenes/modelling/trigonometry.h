@@ -13,6 +13,6 @@ float cos_turns(double turns);
 glm::vec2 on_circle(double turns);
 
 /// Returns a rotation about an axis of unit length, counter-clockwise seen against the axis.
-glm::quat rotation(const glm::vec3& axis, double turns);
+glm::quat axis_rotation(const glm::vec3& axis, double turns);
 
 }  // namespace traces

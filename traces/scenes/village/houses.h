@@ -32,11 +32,11 @@ class Parts {
  public:
   void add(std::uint32_t material, const Mesh& piece, const glm::mat4& at = glm::mat4(1));
   /// Adds a box in the space of `at`.
-  void box(std::uint32_t material, const glm::mat4& at, const glm::vec3& lower, const glm::vec3& upper);
+  void add_box(std::uint32_t material, const glm::mat4& at, const glm::vec3& lower, const glm::vec3& upper);
   /// Adds a parallelogram, texture coordinates in metres.
-  void panel(std::uint32_t material, const glm::mat4& at, const glm::vec3& corner, const glm::vec3& u,
-             const glm::vec3& v);
-  Building take(Scene& scene, const std::string& name) const;
+  void add_panel(std::uint32_t material, const glm::mat4& at, const glm::vec3& corner, const glm::vec3& u,
+                 const glm::vec3& v);
+  Building take_meshes(Scene& scene, const std::string& name) const;
 
  private:
   std::vector<std::pair<std::uint32_t, Mesh>> meshes_;

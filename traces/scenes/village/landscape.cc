@@ -22,7 +22,7 @@ float step_between(float low, float high, float x) {
   return t * t * (3 - 2 * t);
 }
 
-float bump(const glm::vec2& p, const glm::vec2& middle, float height, float radius) {
+float smooth_bump(const glm::vec2& p, const glm::vec2& middle, float height, float radius) {
   const float d = glm::distance(p, middle) / radius;
   return height / ((1 + d * d) * (1 + d * d));
 }
@@ -36,12 +36,12 @@ void planar_uvs(Mesh& mesh, float texture_size) {
 
 float street_x(float z) { return 7 * sin_turns(static_cast<double>(z) / 150 + 0.04); }
 
-float ground(float x, float z) {
+float ground_height(float x, float z) {
   const glm::vec2 p(x, z);
   const float r = glm::length(p * glm::vec2(1.25F, 0.9F));
-  const float rolling = 9 * (fractal(glm::vec3(p / 75.0F, 3), 2, 11) - 0.5F) * step_between(38, 110, r);
-  const float hills = (20 + 95 * fractal(glm::vec3(p / 260.0F, 9), 3, 5)) * step_between(150, 620, r);
-  return rolling + hills + bump(p, kMill, 17, 42) + bump(p, kChurch, 3.2F, 26);
+  const float rolling = 9 * (fractal_noise(glm::vec3(p / 75.0F, 3), 2, 11) - 0.5F) * step_between(38, 110, r);
+  const float hills = (20 + 95 * fractal_noise(glm::vec3(p / 260.0F, 9), 3, 5)) * step_between(150, 620, r);
+  return rolling + hills + smooth_bump(p, kMill, 17, 42) + smooth_bump(p, kChurch, 3.2F, 26);
 }
 
 Mesh make_land(std::string name, float from, float to, std::uint32_t round, std::uint32_t rings, float texture_size) {
@@ -74,7 +74,7 @@ Mesh make_street(std::string name, float width, float cell, float texture_size) 
   const auto rows = static_cast<std::uint32_t>(length / cell);
   Mesh mesh = make_surface(std::move(name), 6, rows, [&](float s, float t) {
     const float z = kStreetStart - t * length;
-    const float edge = 0.35F * (noise(0.5F, z / 200 + 1, 150, 3) - 0.5F);
+    const float edge = 0.35F * (value_noise(0.5F, z / 200 + 1, 150, 3) - 0.5F);
     const float x = street_x(z) + (s - 0.5F) * (width + edge);
     return on_ground(x, z, 0.03F + 0.25F * s * (1 - s));
   });
@@ -98,8 +98,8 @@ Texture countryside_texture(std::string name, std::uint32_t size) {
   return paint_texture(std::move(name), size, size, [](float u, float v) {
     // Each point belongs to the nearest of a grid of shifted centres; where two are equally near, a hedge grows.
     constexpr float kFields = 13;
-    const float warp = 0.5F * noise(u, v, 20, 8);
-    const glm::vec2 p(u * kFields + warp, v * kFields + 0.6F * noise(u, v, 17, 9));
+    const float warp = 0.5F * value_noise(u, v, 20, 8);
+    const glm::vec2 p(u * kFields + warp, v * kFields + 0.6F * value_noise(u, v, 17, 9));
     const glm::vec2 cell = glm::floor(p);
     float nearest = 9, second = 9;
     std::uint64_t which = 0;
@@ -108,7 +108,7 @@ Texture countryside_texture(std::string name, std::uint32_t size) {
         const glm::vec2 c = cell + glm::vec2(i, j);
         const auto a = static_cast<std::uint64_t>(static_cast<int>(c.x) + 64);
         const auto b = static_cast<std::uint64_t>(static_cast<int>(c.y) + 64);
-        const glm::vec2 d = glm::abs(c + 0.2F + 0.6F * glm::vec2(random(a, b, 1), random(a, b, 2)) - p);
+        const glm::vec2 d = glm::abs(c + 0.2F + 0.6F * glm::vec2(random_unit(a, b, 1), random_unit(a, b, 2)) - p);
         const float away = d.x + d.y;
         if (away < nearest) {
           second = nearest;
@@ -122,10 +122,11 @@ Texture countryside_texture(std::string name, std::uint32_t size) {
     constexpr glm::vec3 kCrops[] = {{0.47F, 0.53F, 0.25F}, {0.42F, 0.50F, 0.24F}, {0.74F, 0.66F, 0.36F},
                                     {0.52F, 0.56F, 0.30F}, {0.55F, 0.46F, 0.33F}, {0.38F, 0.49F, 0.22F}};
     const float centre = glm::length(glm::vec2(u, v) - 0.5F);
-    const float grain = 0.82F + 0.36F * noise(u, v, 190, 4);
+    const float grain = 0.82F + 0.36F * value_noise(u, v, 190, 4);
     glm::vec3 colour = kCrops[which % std::size(kCrops)] * grain;
-    const bool wood = noise(u, v, 14, 21) > 0.66F;
-    if (wood || second - nearest < 0.07F) colour = glm::vec3(0.22F, 0.32F, 0.16F) * (0.6F + 0.8F * noise(u, v, 230, 5));
+    const bool wood = value_noise(u, v, 14, 21) > 0.66F;
+    if (wood || second - nearest < 0.07F)
+      colour = glm::vec3(0.22F, 0.32F, 0.16F) * (0.6F + 0.8F * value_noise(u, v, 230, 5));
     const float near = 1 - step_between(0.19F, 0.25F, centre);
     colour = glm::mix(colour, glm::vec3(0.45F, 0.53F, 0.24F) * grain, near);
     return glm::vec4(glm::mix(colour, glm::vec3(0.60F, 0.68F, 0.70F), 0.42F * step_between(0.2F, 0.5F, centre)), 1);
@@ -135,7 +136,7 @@ Texture countryside_texture(std::string name, std::uint32_t size) {
 Texture haze_texture(std::string name, std::uint32_t size) {
   return paint_texture(std::move(name), size, size, [](float u, float v) {
     const float centre = glm::length(glm::vec2(u, v) - 0.5F);
-    const float woods = fractal(u, v, 34, 4, 31);
+    const float woods = fractal_noise(u, v, 34, 4, 31);
     const glm::vec3 colour = glm::mix(glm::vec3(0.30F, 0.40F, 0.26F), glm::vec3(0.52F, 0.58F, 0.36F),
                                       std::clamp(5 * (woods - 0.45F), 0.0F, 1.0F));
     return glm::vec4(glm::mix(colour, glm::vec3(0.60F, 0.69F, 0.76F), 0.42F + 0.4F * step_between(0.2F, 0.5F, centre)),
@@ -145,12 +146,12 @@ Texture haze_texture(std::string name, std::uint32_t size) {
 
 Texture grass_texture(std::string name) {
   return paint_texture(std::move(name), 1024, 1024, [](float u, float v) {
-    const float meadow = fractal(u, v, 5, 3, 41);
-    const float blades = noise(u, v, 340, 43);
-    const float tuft = noise(u, v, 90, 44);
+    const float meadow = fractal_noise(u, v, 5, 3, 41);
+    const float blades = value_noise(u, v, 340, 43);
+    const float tuft = value_noise(u, v, 90, 44);
     glm::vec3 colour = glm::mix(glm::vec3(0.33F, 0.43F, 0.15F), glm::vec3(0.56F, 0.62F, 0.28F), meadow);
     colour *= 0.62F + 0.45F * blades + 0.25F * tuft;
-    if (random(static_cast<std::uint64_t>(u * 600), static_cast<std::uint64_t>(v * 600), 46) > 0.9985F) {
+    if (random_unit(static_cast<std::uint64_t>(u * 600), static_cast<std::uint64_t>(v * 600), 46) > 0.9985F) {
       colour = tuft > 0.5F ? glm::vec3(0.95F, 0.9F, 0.55F) : glm::vec3(0.95F);
     }
     return glm::vec4(colour, 1);
@@ -165,11 +166,11 @@ Texture cobble_texture(std::string name, std::uint32_t stones) {
     const float x = u * n + (row % 2 == 0 ? 0.0F : 0.5F);
     const std::uint32_t column = static_cast<std::uint32_t>(x) % stones;
     const glm::vec2 in(x - std::floor(x) - 0.5F, y - std::floor(y) - 0.5F);
-    const float away = glm::length(in * glm::vec2(1, 1.1F)) + 0.16F * (noise(u, v, 4 * stones, 51) - 0.5F);
-    const float shade = 0.7F + 0.4F * random(row, column, 52);
+    const float away = glm::length(in * glm::vec2(1, 1.1F)) + 0.16F * (value_noise(u, v, 4 * stones, 51) - 0.5F);
+    const float shade = 0.7F + 0.4F * random_unit(row, column, 52);
     const glm::vec3 stone =
-        glm::mix(glm::vec3(0.62F, 0.58F, 0.53F), glm::vec3(0.66F, 0.56F, 0.46F), random(row, column, 53));
-    const glm::vec3 earth = glm::vec3(0.38F, 0.33F, 0.26F) * (0.7F + 0.6F * noise(u, v, 120, 54));
+        glm::mix(glm::vec3(0.62F, 0.58F, 0.53F), glm::vec3(0.66F, 0.56F, 0.46F), random_unit(row, column, 53));
+    const glm::vec3 earth = glm::vec3(0.38F, 0.33F, 0.26F) * (0.7F + 0.6F * value_noise(u, v, 120, 54));
     return glm::vec4(glm::mix(stone * shade * (1.1F - 0.5F * away), earth, step_between(0.42F, 0.52F, away)), 1);
   });
 }
@@ -177,11 +178,11 @@ Texture cobble_texture(std::string name, std::uint32_t stones) {
 Texture crop_texture(std::string name, const glm::vec3& crop, const glm::vec3& soil, std::uint32_t rows,
                      std::uint32_t seed) {
   return paint_texture(std::move(name), 512, 512, [&](float u, float v) {
-    const float sway = 0.12F * (noise(u, v, 6, seed) - 0.5F);
+    const float sway = 0.12F * (value_noise(u, v, 6, seed) - 0.5F);
     const float wave = 0.5F + 0.5F * cos_turns(static_cast<double>((u + sway / 8) * static_cast<float>(rows)));
-    const float plants = noise(u, v, 150, seed + 1);
+    const float plants = value_noise(u, v, 150, seed + 1);
     const float there = std::clamp(1.8F * wave - 0.5F + (plants - 0.5F), 0.0F, 1.0F);
-    return glm::vec4(glm::mix(soil, crop, there) * (0.7F + 0.45F * noise(u, v, 210, seed + 2)), 1);
+    return glm::vec4(glm::mix(soil, crop, there) * (0.7F + 0.45F * value_noise(u, v, 210, seed + 2)), 1);
   });
 }
 
@@ -303,13 +304,13 @@ struct Planted {
 };
 
 /// Returns the places of all plants.
-std::vector<Planted> plant() {
+std::vector<Planted> plant_places() {
   std::vector<Planted> all;
   const auto put = [&all](Kind kind, float x, float z, float size = 1) {
     const auto key = all.size();
     const float grown = size * random_between(0.88F, 1.14F, 17, key);
-    all.push_back({kind, placed(on_ground(x, z), static_cast<double>(random(18, key)),
-                                glm::vec3(grown, grown * random_between(0.92F, 1.1F, 19, key), grown))});
+    all.push_back({kind, placement(on_ground(x, z), static_cast<double>(random_unit(18, key)),
+                                   glm::vec3(grown, grown * random_between(0.92F, 1.1F, 19, key), grown))});
   };
   put(kOak, 8.2F, -14.5F, 0.95F);
   put(kBirch, -10, -17);
@@ -317,8 +318,8 @@ std::vector<Planted> plant() {
   put(kMaple, 16, 6);
   for (int k = 0; k < 4; ++k) {  // an orchard
     for (int i = 0; i < 3; ++i) {
-      put(kApple, -24 - 6.0F * static_cast<float>(i) + random(1, static_cast<std::uint64_t>(k)),
-          52 + 6.5F * static_cast<float>(k) + random(2, static_cast<std::uint64_t>(i)));
+      put(kApple, -24 - 6.0F * static_cast<float>(i) + random_unit(1, static_cast<std::uint64_t>(k)),
+          52 + 6.5F * static_cast<float>(k) + random_unit(2, static_cast<std::uint64_t>(i)));
     }
   }
   for (int k = 0; k < 5; ++k) put(kPoplar, 37.5F, 54 - 9.0F * static_cast<float>(k));
@@ -341,13 +342,13 @@ std::vector<Planted> plant() {
   for (const float side : {-1.0F, 1.0F}) {  // front gardens
     for (int k = 0; k < 11; ++k) {
       const float z = 77 - 5.6F * static_cast<float>(k);
-      put(k % 3 == 1 ? kRoses : kBush, street_x(z) + side * 5, z + 2 * random(4, static_cast<std::uint64_t>(k)));
+      put(k % 3 == 1 ? kRoses : kBush, street_x(z) + side * 5, z + 2 * random_unit(4, static_cast<std::uint64_t>(k)));
     }
   }
   for (int k = 0; k < 14; ++k)
-    put(kBush, -45 + 0.5F * random(5, static_cast<std::uint64_t>(k)), 12 - 4.0F * static_cast<float>(k), 1.3F);
+    put(kBush, -45 + 0.5F * random_unit(5, static_cast<std::uint64_t>(k)), 12 - 4.0F * static_cast<float>(k), 1.3F);
   for (int k = 0; k < 12; ++k)
-    put(kBush, 20 + 1.2F * static_cast<float>(k), 70.5F + random(6, static_cast<std::uint64_t>(k)), 1.1F);
+    put(kBush, 20 + 1.2F * static_cast<float>(k), 70.5F + random_unit(6, static_cast<std::uint64_t>(k)), 1.1F);
   for (int k = 0; k < 4; ++k) put(kRoses, kSquare.x - 7.2F, kSquare.y - 4 + 3.0F * static_cast<float>(k), 0.8F);
   return all;
 }
@@ -362,19 +363,20 @@ void add_far_trees(Scene& scene, std::uint32_t leaves, std::uint32_t bark, float
   const auto count = std::max(static_cast<std::uint32_t>(150 * detail), 60U);
   for (std::uint32_t k = 0; k < count; ++k) {
     const std::uint64_t grove = k / 10;
-    const float way = random(61, grove), out = random_between(150, 330, 62, grove);
-    const glm::vec2 round{2 * way - 1, random(63, grove) < 0.5F ? -1.0F : 1.0F};
-    const glm::vec2 middle = glm::normalize(random(64, grove) < 0.5F ? round : glm::vec2(round.y, round.x)) * out;
-    const glm::vec2 p = middle + 42.0F * (glm::vec2(random(65, k), random(66, k)) - 0.5F);
+    const float way = random_unit(61, grove), out = random_between(150, 330, 62, grove);
+    const glm::vec2 round{2 * way - 1, random_unit(63, grove) < 0.5F ? -1.0F : 1.0F};
+    const glm::vec2 middle = glm::normalize(random_unit(64, grove) < 0.5F ? round : glm::vec2(round.y, round.x)) * out;
+    const glm::vec2 p = middle + 42.0F * (glm::vec2(random_unit(65, k), random_unit(66, k)) - 0.5F);
     const float size = random_between(0.9F, 1.7F, 67, k);
-    const glm::mat4 at = placed(on_ground(p.x, p.y, -0.3F), static_cast<double>(random(68, k)), glm::vec3(size));
+    const glm::mat4 at =
+        placement(on_ground(p.x, p.y, -0.3F), static_cast<double>(random_unit(68, k)), glm::vec3(size));
     add_instance(scene, mesh, at);
     add_instance(scene, trunk, at);
   }
 }
 
 void add_blossoms(Scene& scene, const std::vector<Planted>& plants) {
-  const std::uint32_t petals = add_material(scene, paint("rose petals", {0.75F, 0.08F, 0.12F}));
+  const std::uint32_t petals = add_material(scene, make_paint("rose petals", {0.75F, 0.08F, 0.12F}));
   const std::vector<Twig> stems = dome_twigs({0.82F, 1.04F, 0.82F}, 26, 7);
   const LeafShape petal{.length = 0.15F, .width = 0.15F, .scatter = 0.1F};
   const std::uint32_t blossom =
@@ -416,13 +418,13 @@ void add_garden(Scene& scene, std::uint32_t triangles, float detail) {
   const auto add_texture = [&scene](Texture texture) {
     scene.textures.push_back(std::move(texture));
     const auto index = static_cast<std::uint32_t>(scene.textures.size() - 1);
-    return add_material(scene, textured(scene.textures.back().name, index));
+    return add_material(scene, make_textured(scene.textures.back().name, index));
   };
   const std::uint32_t bark =
       add_texture(bark_texture("bark", {0.27F, 0.21F, 0.16F}, {0.55F, 0.47F, 0.38F}, 9, 81, 256));
   const std::uint32_t white_bark =
       add_texture(bark_texture("birch bark", {0.35F, 0.33F, 0.30F}, {0.97F, 0.95F, 0.90F}, 3, 82, 256));
-  const std::vector<Planted> plants = plant();
+  const std::vector<Planted> plants = plant_places();
   std::vector<std::vector<Twig>> twigs;
   std::vector<std::uint32_t> leaf_material;
   for (std::uint32_t k = 0; k < kKinds; ++k) {

@@ -22,14 +22,14 @@ using namespace village;
 constexpr std::uint32_t kTriangles = 600'000;
 constexpr float kFov = 0.62F;
 
-void show(Scene& scene, const Building& building, const glm::mat4& at) {
+void show_building(Scene& scene, const Building& building, const glm::mat4& at) {
   for (const std::uint32_t mesh : building) add_instance(scene, mesh, at);
 }
 
 std::uint32_t add_textured(Scene& scene, Texture texture) {
   scene.textures.push_back(std::move(texture));
   const auto index = static_cast<std::uint32_t>(scene.textures.size() - 1);
-  return add_material(scene, textured(scene.textures.back().name, index));
+  return add_material(scene, make_textured(scene.textures.back().name, index));
 }
 
 struct Palette {
@@ -37,17 +37,17 @@ struct Palette {
       stone, white, gold, cloth, water, hay, iron;
 };
 
-Texture plaster(const char* name, const glm::vec3& colour, std::uint32_t seed) {
+Texture plaster_texture(const char* name, const glm::vec3& colour, std::uint32_t seed) {
   return paint_texture(name, 512, 512, [&](float u, float v) {
-    const float stain = fractal(u, v, 4, 4, seed), grain = noise(u, v, 200, seed + 9);
+    const float stain = fractal_noise(u, v, 4, 4, seed), grain = value_noise(u, v, 200, seed + 9);
     return glm::vec4(colour * (0.82F + 0.2F * stain + 0.08F * grain), 1);
   });
 }
 
 Palette make_palette(Scene& s) {
   Palette p;
-  p.white_wall = add_textured(s, plaster("white plaster", {0.93F, 0.91F, 0.86F}, 1));
-  p.ochre_wall = add_textured(s, plaster("ochre plaster", {0.93F, 0.80F, 0.58F}, 2));
+  p.white_wall = add_textured(s, plaster_texture("white plaster", {0.93F, 0.91F, 0.86F}, 1));
+  p.ochre_wall = add_textured(s, plaster_texture("ochre plaster", {0.93F, 0.80F, 0.58F}, 2));
   p.brick = add_textured(s, brick_texture("brick", {0.72F, 0.40F, 0.30F}, {0.66F, 0.54F, 0.47F}, 4, 12, 3));
   p.rubble = add_textured(s, brick_texture("rubble", {0.72F, 0.68F, 0.60F}, {0.55F, 0.52F, 0.47F}, 3, 6, 4));
   p.red_tiles = add_textured(s, brick_texture("red tiles", {0.82F, 0.43F, 0.30F}, {0.58F, 0.30F, 0.22F}, 4, 4, 5));
@@ -57,14 +57,14 @@ Palette make_palette(Scene& s) {
   p.stone = add_textured(s, stone_texture("stone", {0.80F, 0.77F, 0.70F}, {0.52F, 0.50F, 0.46F}, 9));
   p.cloth = add_textured(s, cloth_texture("sailcloth", {0.95F, 0.92F, 0.84F}, {0.86F, 0.82F, 0.72F}, 64, 10, 256));
   p.hay = add_textured(s, crop_texture("hay", {0.88F, 0.78F, 0.45F}, {0.66F, 0.52F, 0.26F}, 60, 12));
-  p.green = add_material(s, paint("green paint", {0.08F, 0.23F, 0.12F}));
-  p.blue = add_material(s, paint("blue paint", {0.12F, 0.24F, 0.42F}));
-  p.red = add_material(s, paint("red paint", {0.42F, 0.07F, 0.05F}));
-  p.white = add_material(s, paint("white paint", {0.85F, 0.84F, 0.80F}));
-  p.glass = add_material(s, paint("window glass", {0.035F, 0.05F, 0.065F}, 0.3F));
-  p.gold = add_material(s, metal("gold", {0.95F, 0.72F, 0.30F}, 0.55F));
-  p.water = add_material(s, paint("water", {0.10F, 0.22F, 0.27F}, 0.45F));
-  p.iron = add_material(s, paint("iron", {0.08F, 0.08F, 0.09F}, 0.1F));
+  p.green = add_material(s, make_paint("green paint", {0.08F, 0.23F, 0.12F}));
+  p.blue = add_material(s, make_paint("blue paint", {0.12F, 0.24F, 0.42F}));
+  p.red = add_material(s, make_paint("red paint", {0.42F, 0.07F, 0.05F}));
+  p.white = add_material(s, make_paint("white paint", {0.85F, 0.84F, 0.80F}));
+  p.glass = add_material(s, make_paint("window glass", {0.035F, 0.05F, 0.065F}, 0.3F));
+  p.gold = add_material(s, make_metal("gold", {0.95F, 0.72F, 0.30F}, 0.55F));
+  p.water = add_material(s, make_paint("water", {0.10F, 0.22F, 0.27F}, 0.45F));
+  p.iron = add_material(s, make_paint("iron", {0.08F, 0.08F, 0.09F}, 0.1F));
   return p;
 }
 
@@ -165,10 +165,11 @@ void add_houses(Scene& s, const Palette& c, float detail) {
   for (const Plot& plot : kPlots) {
     const float x = street_x(plot.z) + plot.aside;
     const double along = static_cast<double>(street_x(plot.z + 4) - street_x(plot.z - 4)) / 8 / 6.2832;
-    show(s, buildings[plot.kind], placed(on_ground(x, plot.z), along + (plot.aside > 0 ? 0.5 : 0.0)));
+    show_building(s, buildings[plot.kind], placement(on_ground(x, plot.z), along + (plot.aside > 0 ? 0.5 : 0.0)));
   }
   const Paints holy{c.white_wall, c.slate, c.dark_wood, c.iron, c.glass, c.dark_wood, c.stone};
-  show(s, add_church(s, holy, c.white, c.gold, detail), placed(on_ground(kChurch.x, kChurch.y, -0.1F), 0.015));
+  show_building(s, add_church(s, holy, c.white, c.gold, detail),
+                placement(on_ground(kChurch.x, kChurch.y, -0.1F), 0.015));
 }
 
 void add_walls_and_fences(Scene& s, const Palette& c, float detail) {
@@ -203,35 +204,35 @@ void add_walls_and_fences(Scene& s, const Palette& c, float detail) {
 }
 
 void add_square(Scene& s, const Palette& c, float detail) {
-  show(s, add_fountain(s, c.stone, c.water, detail), placed(on_ground(kSquare.x, kSquare.y, 0.12F)));
-  show(s, add_cart(s, c.pale_wood, c.hay, c.iron), placed(on_ground(street_x(22) + 4.3F, 22), 0.21));
+  show_building(s, add_fountain(s, c.stone, c.water, detail), placement(on_ground(kSquare.x, kSquare.y, 0.12F)));
+  show_building(s, add_cart(s, c.pale_wood, c.hay, c.iron), placement(on_ground(street_x(22) + 4.3F, 22), 0.21));
   const std::uint32_t wheel = add_mesh(s, make_wheel(), c.dark_wood);
   for (const float side : {-kWheelSide, kWheelSide}) {
-    add_instance(s, wheel, placed(on_ground(street_x(22) + 4.3F, 22), 0.21) * placed({0, kWheelRadius, side}));
+    add_instance(s, wheel, placement(on_ground(street_x(22) + 4.3F, 22), 0.21) * placement({0, kWheelRadius, side}));
   }
 }
 
 void add_windmill(Scene& s, const Palette& c, float detail) {
   const Paints paints{c.white_wall, c.slate, c.dark_wood, c.red, c.glass, c.red, c.stone};
-  const glm::mat4 at = placed(on_ground(kMill.x, kMill.y), 0.13);
-  show(s, add_mill(s, paints, c.dark_wood, detail), at);
+  const glm::mat4 at = placement(on_ground(kMill.x, kMill.y), 0.13);
+  show_building(s, add_mill(s, paints, c.dark_wood, detail), at);
   constexpr float kQuarter = 23.3F / 15;  // seconds per quarter turn: the sails turn for the whole flight
-  const std::uint32_t base =
-      add_node(s, "mill", {.translation = glm::vec3(at * glm::vec4(kHub, 1)), .rotation = rotation({0, 1, 0}, 0.13)});
+  const std::uint32_t base = add_node(
+      s, "mill", {.translation = glm::vec3(at * glm::vec4(kHub, 1)), .rotation = axis_rotation({0, 1, 0}, 0.13)});
   const std::uint32_t axle = add_node(s, "sails", {}, base);
   std::vector<TurnKey> keys;
   for (int k = 0; k <= 15; ++k)
-    keys.push_back({kQuarter * static_cast<float>(k), rotation({0, 0, 1}, -k / 4.0 + 0.07)});
+    keys.push_back({kQuarter * static_cast<float>(k), axis_rotation({0, 0, 1}, -k / 4.0 + 0.07)});
   for (std::size_t k = 1; k < keys.size(); ++k) {
     if (glm::dot(keys[k].value, keys[k - 1].value) < 0) keys[k].value = -keys[k].value;
   }
   turn_node(s, axle, keys);
   s.nodes[axle].rest.rotation = keys[0].value;
   const glm::vec2 round = on_circle(0.07);
-  const glm::mat4 turned(glm::vec4(round.x, round.y, 0, 0), glm::vec4(-round.y, round.x, 0, 0), glm::vec4(0, 0, 1, 0),
-                         glm::vec4(0, 0, 0, 1));
+  const glm::mat4 turned(glm::vec4(round.x, round.y, 0, 0), glm::vec4(-round.y, round.x, 0, 0),
+                                 glm::vec4(0, 0, 1, 0), glm::vec4(0, 0, 0, 1));
   for (const std::uint32_t mesh : add_sails(s, c.dark_wood, c.cloth)) {
-    hang(s, add_instance(s, mesh, at * placed(kHub) * turned), axle);
+    attach_to_node(s, add_instance(s, mesh, at * placement(kHub) * turned), axle);
   }
 }
 

@@ -43,7 +43,7 @@ void expect_near(const glm::vec3& found, const glm::vec3& expected) {
 TEST(Skins, AtRestShowTheBindPose) {
   Scene scene = bending_strip();
   const Mesh before = scene.meshes[0];
-  EXPECT_FALSE(pose(scene, 0).geometry);
+  EXPECT_FALSE(pose_scene(scene, 0).geometry);
   EXPECT_EQ(scene.meshes[0].positions, before.positions);
   EXPECT_EQ(scene.meshes[0].normals, before.normals);
 }
@@ -53,7 +53,7 @@ TEST(Skins, VerticesFollowTheirJoints) {
   const float half = std::sqrt(0.5F);
   scene.tracks = {track_of(Path::kRotation, {0}, {0, 0, half, half})};  // the end turns up around (1, 0, 0)
   scene.tracks[0].node = 2;
-  EXPECT_TRUE(pose(scene, 0).geometry);
+  EXPECT_TRUE(pose_scene(scene, 0).geometry);
   const Mesh& mesh = scene.meshes[0];
   expect_near(mesh.positions[1], {0, 0, 1});
   expect_near(mesh.positions[3], {1, 1, 1});
@@ -67,7 +67,7 @@ TEST(Skins, VerticesFollowTheirJoints) {
 TEST(Skins, TheNodeThatShowsTheMeshDoesNotCount) {
   Scene scene = bending_strip();
   scene.tracks = {track_of(Path::kTranslation, {0}, {7, 7, 7})};
-  pose(scene, 0);
+  pose_scene(scene, 0);
   EXPECT_EQ(scene.instances[0].to_world, glm::mat4(1));
   expect_near(scene.meshes[0].positions[3], {2, 0, 1});
 }
@@ -81,13 +81,13 @@ TEST(MorphTargets, AddUpByTheirWeightsAndNormalsStayUnit) {
   rest.target_normals = {{{1, 0, 0}, {0, 0, 0}, {0, 0, 0}}, {}};
   scene.meshes[0].deformation = std::make_shared<Deformation>(std::move(rest));
   scene.nodes[0].morph_weights = {0, 0.25F};
-  pose(scene, 0);
+  pose_scene(scene, 0);
   expect_near(scene.meshes[0].positions[0], {0.25F, 0, 0});
   scene.tracks = {track_of(Path::kMorphWeights, {0, 1}, {0, 0, 1, -1})};
-  pose(scene, 1);
+  pose_scene(scene, 1);
   expect_near(scene.meshes[0].positions[0], {-1, 0, 1});
   expect_near(scene.meshes[0].normals[0], {std::sqrt(0.5F), 0, std::sqrt(0.5F)});
-  pose(scene, 0.5);
+  pose_scene(scene, 0.5);
   expect_near(scene.meshes[0].positions[0], {-0.5F, 0, 0.5F});
 }
 
@@ -98,7 +98,7 @@ TEST(MorphTargets, FlatNormalsAreThoseOfTheMovedTriangle) {
   rest.target_positions = {{{0, 0, 0}, {-1, 0, 1}, {0, 0, 0}}};  // (1, 0, 0) to (0, 0, 1)
   scene.meshes[0].deformation = std::make_shared<Deformation>(std::move(rest));
   scene.nodes[0].morph_weights = {1};
-  pose(scene, 0);
+  pose_scene(scene, 0);
   for (const glm::vec3& normal : scene.meshes[0].normals) expect_near(normal, {-1, 0, 0});
 }
 

@@ -18,7 +18,7 @@ using Interpolation = Track::Interpolation;
 
 std::array<double, 4> at(const Track& track, double seconds) {
   std::array<double, 4> out{};
-  sample(track, seconds, std::span(out).first(track.path == Path::kRotation ? 4 : 3));
+  sample_track(track, seconds, std::span(out).first(track.path == Path::kRotation ? 4 : 3));
   return out;
 }
 
@@ -96,14 +96,14 @@ TEST(Tracks, RotationsOnASplineAreMadeUnit) {
 
 TEST(Pose, MovesWhatHangsOnANodeAndSaysWhat) {
   Scene scene = one_node();
-  pose(scene, 0);
+  pose_scene(scene, 0);
   scene.tracks = {track_of(Path::kTranslation, {0, 1}, {0, 0, 0, 4, 0, 0})};
-  const Moved moved = pose(scene, 0.5);
+  const Moved moved = pose_scene(scene, 0.5);
   EXPECT_TRUE(moved.geometry && moved.view && moved.lights);
   EXPECT_EQ(scene.instances[0].to_world, glm::translate(glm::mat4(1), {2, 0, 0}));
   EXPECT_EQ(scene.cameras[0].to_world, glm::translate(glm::mat4(1), {2, 0, 0}));
   EXPECT_EQ(scene.lights[0].position, glm::vec3(2, 0, 0));
-  const Moved again = pose(scene, 0.5);
+  const Moved again = pose_scene(scene, 0.5);
   EXPECT_FALSE(again.geometry || again.view || again.lights);
 }
 
@@ -113,8 +113,8 @@ TEST(Pose, SaysThatOnlyTheCameraMovesWhereOnlyTheCameraDoes) {
   scene.cameras[0].node = 1;
   scene.tracks = {track_of(Path::kTranslation, {0, 1}, {0, 0, 0, 4, 0, 0})};
   scene.tracks[0].node = 1;
-  pose(scene, 0);
-  const Moved moved = pose(scene, 1);
+  pose_scene(scene, 0);
+  const Moved moved = pose_scene(scene, 1);
   EXPECT_TRUE(moved.view);
   EXPECT_FALSE(moved.geometry || moved.lights);
 }
@@ -129,7 +129,7 @@ TEST(Pose, ChildrenFollowTheirParents) {
   scene.instances[0].node = 2;
   const float half = std::sqrt(0.5F);
   scene.tracks = {track_of(Path::kRotation, {0}, {0, 0, half, half})};  // the root: 90 degrees around z
-  pose(scene, 0);
+  pose_scene(scene, 0);
   const glm::vec4 corner = scene.instances[0].to_world * glm::vec4(1, 0, 0, 1);
   EXPECT_NEAR(corner.x, 0, 1e-6);
   EXPECT_NEAR(corner.y, 4, 1e-6);
@@ -139,7 +139,7 @@ TEST(Pose, TheFirstTrackForANodeAndPathCounts) {
   Scene scene = one_node();
   scene.tracks = {track_of(Path::kTranslation, {0}, {1, 0, 0}), track_of(Path::kTranslation, {0}, {2, 0, 0}),
                   track_of(Path::kScale, {0}, {3, 3, 3})};
-  pose(scene, 0);
+  pose_scene(scene, 0);
   EXPECT_EQ(scene.instances[0].to_world[3][0], 1);
   EXPECT_EQ(scene.instances[0].to_world[0][0], 3);
 }
@@ -149,8 +149,8 @@ TEST(Pose, DependsOnTheTimeAlone) {
   scene.tracks = {track_of(Path::kRotation, {0, 1, 2}, {0, 0, 0, 1, 0.6F, 0, 0, 0.8F, 0, 0.8F, 0, 0.6F}),
                   track_of(Path::kTranslation, {0, 2}, {0, -1, 3, 4, 5, 6})};
   Scene other = scene;
-  pose(scene, 1.3);
-  for (const double seconds : {0.1, 1.9, -1.0, 0.7, 1.3}) pose(other, seconds);
+  pose_scene(scene, 1.3);
+  for (const double seconds : {0.1, 1.9, -1.0, 0.7, 1.3}) pose_scene(other, seconds);
   EXPECT_EQ(scene.instances[0].to_world, other.instances[0].to_world);
   EXPECT_EQ(scene.cameras[0].to_world, other.cameras[0].to_world);
   EXPECT_EQ(scene.lights[0].position, other.lights[0].position);
@@ -163,7 +163,7 @@ TEST(Pose, CamerasAreNotScaledAndLightsPointAhead) {
   scene.lights[0].in_node = glm::translate(glm::mat4(1), {0, 1, 0});
   const float half = std::sqrt(0.5F);
   scene.tracks = {track_of(Path::kRotation, {0}, {half, 0, 0, half})};  // 90 degrees around x: -z becomes +y
-  pose(scene, 0);
+  pose_scene(scene, 0);
   for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(glm::length(scene.cameras[0].to_world[axis]), 1, 1e-6);
   EXPECT_NEAR(scene.lights[0].direction.y, 1, 1e-6);
   EXPECT_NEAR(scene.lights[0].position.z, 3, 1e-6);
@@ -172,19 +172,19 @@ TEST(Pose, CamerasAreNotScaledAndLightsPointAhead) {
 TEST(Pose, RefusesWhatGoesTooFarAway) {
   Scene scene = one_node();
   scene.tracks = {track_of(Path::kTranslation, {0, 1}, {0, 0, 0, 1e16F, 0, 0})};
-  pose(scene, 0);
-  EXPECT_THROW(pose(scene, 1), sim::InputError);
+  pose_scene(scene, 0);
+  EXPECT_THROW(pose_scene(scene, 1), sim::InputError);
   scene.tracks[0].values[3] = 1e14F;
-  EXPECT_NO_THROW(pose(scene, 1));
+  EXPECT_NO_THROW(pose_scene(scene, 1));
   scene.meshes[0].positions[1].x = 100;  // 1e14 x 100
-  EXPECT_THROW(pose(scene, 0.5), sim::InputError);
+  EXPECT_THROW(pose_scene(scene, 0.5), sim::InputError);
 }
 
 TEST(Pose, LastsUntilTheLastKey) {
   Scene scene = one_node();
-  EXPECT_EQ(duration(scene), 0);
+  EXPECT_EQ(animation_seconds(scene), 0);
   scene.tracks = {track_of(Path::kScale, {0, 1.5F}, {1, 1, 1, 1, 1, 1}), track_of(Path::kTranslation, {1}, {0, 0, 0})};
-  EXPECT_EQ(duration(scene), 1.5);
+  EXPECT_EQ(animation_seconds(scene), 1.5);
 }
 
 }  // namespace
