@@ -23,7 +23,7 @@ INSTANTIATE_TEST_SUITE_P(Programs, BlockBorders, testing::Values("multirate:unde
                            return name;
                          });
 
-TEST_P(BlockBorders, TilesComeBehindThoseWhoseBordersTheyImport) {
+TEST_P(BlockBorders, TilesFollowThoseWhoseBordersTheyImport) {
   for_each_scene([&](const traces::Scene& scene) {
     const Recorded r = record(scene);
     std::set<std::uint32_t> before;
@@ -67,7 +67,7 @@ TEST_P(BlockBorders, AScanImportsOfTheTileBehindIt) {
   }
 }
 
-TEST_P(BlockBorders, WhatIsReadOfOtherTilesTheyHaveWritten) {
+TEST_P(BlockBorders, BytesReadFromOtherTilesWereWrittenByThem) {
   for_each_scene([&](const traces::Scene& scene) {
     programs_.undersample.correction = Correction::kOff;
     using Range = std::pair<std::uint64_t, std::uint64_t>;

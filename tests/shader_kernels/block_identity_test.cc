@@ -90,7 +90,7 @@ TEST_P(Blocks, UndersampleThatFindsNothingSimilarIsFull) {
   }
 }
 
-TEST_P(Blocks, TheWayToAMultiratePictureDoesNotChangeIt) {
+TEST_P(Blocks, AMultiratePictureDoesNotDependOnHowItIsMade) {
   for (const auto& [width, height] : kSizes) {
     for (const std::uint32_t grid : {1U, 2U}) {
       for (const std::uint32_t block : {2U, 3U, 4U}) {
@@ -105,7 +105,7 @@ TEST_P(Blocks, TheWayToAMultiratePictureDoesNotChangeIt) {
   }
 }
 
-TEST_P(Blocks, TheWayToAnUndersampledPictureDoesNotChangeIt) {
+TEST_P(Blocks, AnUndersampledPictureDoesNotDependOnHowItIsMade) {
   for (const auto& [width, height] : kSizes) {
     for (const std::uint32_t samples : {1U, 4U}) {
       for (const std::uint32_t block : {2U, 3U, 4U}) {

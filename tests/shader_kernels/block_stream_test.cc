@@ -55,7 +55,7 @@ TEST_P(BlockStream, NodesHaveItemsEdgesPointDownAndEveryBatchOfRaysIsRead) {
   }
 }
 
-TEST_P(BlockStream, NoWaveHasMoreRaysThanTheProgramAsksRoomFor) {
+TEST_P(BlockStream, NoWaveHasMoreRaysThanTheProgramRequires) {
   std::uint32_t most = 0;
   for_each_scene([&](const traces::Scene& scene) {
     const Recorded recorded = record(scene);
@@ -73,7 +73,7 @@ TEST_P(BlockStream, NoWaveHasMoreRaysThanTheProgramAsksRoomFor) {
   EXPECT_GT(most, 0U);
 }
 
-TEST_P(BlockStream, WhoRetracesTheHaloNeitherWaitsNorReads) {
+TEST_P(BlockStream, TilesThatRetraceTheHaloNeitherWaitNorRead) {
   programs_.undersample.correction = Correction::kOff;
   set({Halo::kRetrace, AttributeStorage::kTile});
   for_each_scene([&](const traces::Scene& scene) {
@@ -137,7 +137,7 @@ TEST_P(BlockStream, AttributesInMemoryAreWrittenAndReadBackOnceForEachCheck) {
   }
 }
 
-TEST_P(BlockStream, ItemsIdleOnlyWhereKernelsDivergeAndThenAllOfAStreamPassThroughBothSides) {
+TEST_P(BlockStream, ItemsIdleOnlyInDivergentKernelsWhichRunOverAllItems) {
   for (const Streams streams : {Streams::kCompacted, Streams::kDivergent}) {
     render_.streams = streams;
     const bool diverges = streams == Streams::kDivergent;

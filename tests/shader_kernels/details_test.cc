@@ -106,7 +106,7 @@ Material by_rule(const glm::vec3& base, float metallic, float roughness, float d
   return m;
 }
 
-TEST(MetallicRoughness, OfATextureIsTheRuleTexelByTexel) {
+TEST(MetallicRoughness, OfATextureFollowsTheRulePerTexel) {
   const glm::vec3 base(0.8F, 0.5F, 0.2F);
   for (const float metallic : {0.0F, 0.4F, 1.0F}) {
     for (const float roughness : {0.0F, 0.3F, 0.55F}) {
@@ -146,7 +146,7 @@ TEST(MetallicRoughness, AMetalTintsWithItsBaseTextureAndVertexColours) {
   expect_near(seen(scene), {0, 0.25F, 0}, 1e-4F);
 }
 
-TEST(Occlusion, DimsTheAmbientLightAlone) {
+TEST(Occlusion, DimsOnlyAmbientLight) {
   traces::Scene scene = empty_scene();
   scene.ambient = glm::vec3(0.4F);
   scene.lights.push_back(
@@ -176,7 +176,7 @@ TEST(VertexColours, AreInterpolatedAndMultiplyTheBaseColour) {
   }
 }
 
-TEST(SecondTextureCoordinates, AreUsedByTheTexturesThatAskForThem) {
+TEST(SecondTextureCoordinates, AreUsedByTexturesThatSelectThem) {
   for (const bool second : {false, true}) {
     for (const bool blended : {false, true}) {
       traces::Scene scene = empty_scene();
@@ -196,7 +196,7 @@ TEST(SecondTextureCoordinates, AreUsedByTheTexturesThatAskForThem) {
   }
 }
 
-TEST(Absorption, FollowsTheExponentialOfTheWayInside) {
+TEST(Absorption, FollowsTheExponentialOfTheDistanceInside) {
   for (const float thickness : {0.1F, 0.7F, 2.5F}) {
     traces::Scene scene = empty_scene();
     scene.background = glm::vec3(1);
@@ -235,7 +235,7 @@ TEST(Blending, AlphaIsOpacityTimesTextureTimesVertexColour) {
   EXPECT_NEAR(seen(scene).x, 1 - 0.8F * 0.5F * 128 / 255, 1e-4F);
 }
 
-TEST(LightRange, FadesToNothingAsTheExtensionSays) {
+TEST(LightRange, FadesToZeroAsTheExtensionSpecifies) {
   for (const float range : {0.0F, 1.5F, 2.5F, 100.0F}) {
     traces::Scene scene = empty_scene();
     add_quad(scene, wall(), {.base_colour = glm::vec3(1)});
@@ -245,7 +245,7 @@ TEST(LightRange, FadesToNothingAsTheExtensionSays) {
   }
 }
 
-TEST(Details, WhatASceneDoesNotHaveIsNotLaunched) {
+TEST(Details, KernelsThatASceneDoesNotNeedAreNotLaunched) {
   traces::Scene scene = traces::open_scene("cornell");
   const traces::MemoryImage image = traces::build_memory_image(scene);
   const traces::BvhTracer tracer(image);

@@ -174,7 +174,7 @@ TEST(ProgramSpec, NamesAreParsed) {
   EXPECT_EQ(parse_program("full:9").name(), "full:9");
 }
 
-TEST(ProgramSpec, WhatDoesNotExistIsRefusedWithTheList) {
+TEST(ProgramSpec, UnknownProgramsAreRefusedWithTheList) {
   for (const char* text :
        {"full:3", "full:", "full:4x", "full:-4", "full:0", "fill:4", "", "full:99999999999", "FULL"}) {
     try {

@@ -107,7 +107,7 @@ TEST(Instanced, AHitReadsTheRecordOfItsInstance) {
 }
 
 /// A sphere stretched unevenly and mirrored, lit from the side. A normal transformed like a point would be wrong.
-TEST(Instanced, NormalsGoByTheInverseTransposed) {
+TEST(Instanced, NormalsUseTheInverseTranspose) {
   traces::Scene scene = empty_scene();
   traces::add_object(scene, traces::make_sphere("ball", {0, 0, 0}, 1, 40),
                      traces::add_material(scene, {.base_colour = glm::vec3(1)}));

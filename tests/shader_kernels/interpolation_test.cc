@@ -44,7 +44,7 @@ traces::Scene ramp() {
   return scene;
 }
 
-TEST(FaintColours, PassTheCheckWhateverTheyAreAndBrighterOnesNeedNot) {
+TEST(FaintColours, AlwaysPassTheCheckAndBrighterOnesMayFail) {
   for (const float threshold : {1e-6F, 0.001F, 0.02F, 0.08F, 0.5F, 2.0F}) {
     const float faint = faint_channel(threshold);
     const auto apart = [&](const glm::vec3& a, const glm::vec3& b) {
@@ -61,7 +61,7 @@ TEST(FaintColours, PassTheCheckWhateverTheyAreAndBrighterOnesNeedNot) {
   }
 }
 
-TEST(Interpolation, AnEvenRampIsMetExactly) {
+TEST(Interpolation, AnEvenRampIsMatchedExactly) {
   const Stage stage = stage_of(ramp());
   for (const std::uint32_t block : {2U, 3U, 4U}) {
     for (const std::uint32_t grid : {1U, 2U}) {
@@ -82,7 +82,7 @@ TEST(Interpolation, AnEvenRampIsMetExactly) {
   }
 }
 
-TEST(Interpolation, AFarLightIsMetWithinAStepOfTheFrameBuffer) {
+TEST(Interpolation, AFarLightIsMatchedWithinAStepOfTheFrameBuffer) {
   traces::Scene scene = empty_scene();
   add_wall(scene, 0, 10, {.base_colour = {0.9F, 0.5F, 0.2F}});
   scene.lights.push_back({.position = {10, 5, 20}, .intensity = glm::vec3(500)});
@@ -132,7 +132,7 @@ TEST(Interpolation, TexturesAreLookedUpAtInterpolatedCoordinates) {
   EXPECT_GT(greatest_difference(stage.multirate(small(64, 64), {}), full), 0.2F) << "colours would be smeared";
 }
 
-TEST(Interpolation, WhatIsMirroredIsInterpolatedAsAColour) {
+TEST(Interpolation, MirroredLightIsInterpolatedAsAColour) {
   // Half a mirror before an even wall: local light is shaded again, mirrored light is that of the neighbours.
   traces::Scene scene = empty_scene();
   scene.ambient = glm::vec3(0.5F);

@@ -55,7 +55,7 @@ TEST(Layers, RaysPassTheHolesOfAMask) {
   for (std::size_t i = 64; i < rays.size(); ++i) EXPECT_GT(rays[i].t_min, 2.4F) << "behind what was no surface";
 }
 
-TEST(Layers, AContinuingRayDiffersFromTheFirstInItsBeginningAlone) {
+TEST(Layers, AContinuingRayDiffersFromTheFirstOnlyInItsStart) {
   traces::Scene scene = empty_scene();
   add_wall(scene, 0, 10, {.alpha = Alpha::kMask, .opacity = 0.4F});
   const View view(scene, {0, 0, 4}, {0, 0, 0}, small(1, 1));
@@ -88,7 +88,7 @@ TEST(Layers, AMaskedShadowHasHoles) {
   }
 }
 
-TEST(Layers, GlassTintsShadowsUnlessToldToBlockThem) {
+TEST(Layers, GlassTintsShadowsUnlessConfiguredToBlockThem) {
   Shadow shadow;
   shadow.pane(1, {.base_colour = {0.5F, 1, 0.25F}, .transmission = 0.8F});
   shadow.pane(2, {.base_colour = {1, 1, 0.5F}, .transmission = 1});
@@ -105,7 +105,7 @@ TEST(Layers, StainedGlassCastsItsPicture) {
   expect_near(shadow.lit(), {1, 0, 0}, 1e-4F);
 }
 
-TEST(Layers, NearestRaysMeetGlassAsTheyAlwaysDid) {
+TEST(Layers, NearestHitRaysStillHitGlass) {
   traces::Scene scene = empty_scene();
   scene.background = glm::vec3(1);
   add_wall(scene, 0, 10, {.transmission = 1});
@@ -124,7 +124,7 @@ TEST(Layers, BeyondTheLimitASurfaceCountsAsSolid) {
   }
 }
 
-TEST(Layers, LightTooFaintToBeSeenDoesNotGoOn) {
+TEST(Layers, LightTooFaintToBeSeenEnds) {
   Shadow shadow;
   for (int i = 1; i < 9; ++i) shadow.pane(static_cast<float>(i), {.alpha = Alpha::kBlend, .opacity = 0.95F});
   const View view(shadow.scene, {0, 0, 0.5F}, {0, 0, 0}, small(1, 1));
@@ -140,7 +140,7 @@ TEST(Layers, DarkSurfacesHaveTintedShadowsToo) {
   EXPECT_NEAR(shadow.lit().x, 0.004F, 1e-6F);
 }
 
-TEST(Layers, VertexColoursAndSecondCoordinatesHaveASay) {
+TEST(Layers, VertexColoursAndSecondCoordinatesCount) {
   for (const bool second : {false, true}) {
     Shadow shadow;
     const std::uint32_t leaf = half_a_leaf(shadow.scene);

@@ -54,7 +54,7 @@ float look_up(std::uint32_t width, std::uint32_t height, float footprint, std::v
 }
 float level(std::uint32_t number) { return srgb_code_records()[16 * (number + 1)].linear; }
 
-TEST(NearestMipLevel, IsWhoseTexelsAreNearestToTheFootprintInSize) {
+TEST(NearestMipLevel, HasTheTexelSizeNearestToTheFootprint) {
   constexpr auto kNearest = MipFilter::kNearest;
   for (const float texels : {0.0F, 0.01F, 1.0F, 1.4F})
     EXPECT_FLOAT_EQ(look_up<kNearest>(16, 16, texels / 16), level(0));
@@ -64,7 +64,7 @@ TEST(NearestMipLevel, IsWhoseTexelsAreNearestToTheFootprintInSize) {
   for (const float footprint : {0.0F, 1e-9F, 1.0F, 1e9F}) EXPECT_FLOAT_EQ(look_up<kNearest>(1, 1, footprint), level(0));
 }
 
-TEST(NearestMipLevel, OfALongTextureGoesByItsAreaAndEndsAtItsLongSide) {
+TEST(NearestMipLevel, OfALongTextureFollowsItsAreaAndEndsAtItsLongSide) {
   constexpr auto kNearest = MipFilter::kNearest;
   EXPECT_FLOAT_EQ(look_up<kNearest>(64, 4, 2.0F / 16), level(1)) << "as 16 x 16";
   EXPECT_FLOAT_EQ(look_up<kNearest>(64, 4, 1e9F), level(6));
@@ -143,13 +143,13 @@ TEST(RayCones, AreAsWideAsTheirSamples) {
   EXPECT_EQ(levels_seen(chequered_wall(), {0, 0, 8}, {0, 0, 0}, 16), Levels{2});
 }
 
-TEST(RayCones, CoverMoreOfASurfaceThatTheyMeetAtAnAngle) {
+TEST(RayCones, CoverMoreOfASurfaceAtAnAngle) {
   const float sine = std::sin(std::numbers::pi_v<float> / 3);
   EXPECT_EQ(levels_seen(chequered_wall(), {8 * sine, 0, 4}, {0, 0, 0}, 1), Levels{5})
       << "60 degrees off: twice as long";
 }
 
-TEST(RayCones, GoOnGrowingBehindAMirror) {
+TEST(RayCones, KeepGrowingAfterAMirror) {
   traces::Scene scene = chequered_wall();
   const traces::Scene wall = scene;
   traces::add_object(scene, traces::make_quad("mirror", {-1, -1, 4}, {0, 2, 0}, {2, 0, 0}, 1),
@@ -159,7 +159,7 @@ TEST(RayCones, GoOnGrowingBehindAMirror) {
 }
 
 /// An instance four times as large has a quarter of the texture density.
-TEST(RayCones, KnowAnInstancesScale) {
+TEST(RayCones, FollowAnInstancesScale) {
   traces::Scene scene = chequered_wall();
   scene.instances[0].to_world = glm::scale(glm::mat4(1), glm::vec3(4));
   const Levels flat = levels_seen(scene, {0, 0, 8}, {0, 0, 0}, 1);
@@ -169,7 +169,7 @@ TEST(RayCones, KnowAnInstancesScale) {
 
 /// Density is the root of a ratio of areas. A scale along the normal does not change it; a scale of 4 along one axis of
 /// the surface halves it.
-TEST(RayCones, KnowScalesThatDifferByAxis) {
+TEST(RayCones, FollowScalesThatDifferByAxis) {
   const traces::Scene wall = chequered_wall();
   const auto levels = [&](const glm::vec3& scale, float degrees, traces::InstanceLevels instances) {
     traces::Scene scene = wall;

@@ -63,7 +63,7 @@ TEST_F(PortBinding, APortFollowsAnArrayThatHasGrown) {
   EXPECT_EQ(after.port.base, reinterpret_cast<std::byte*>(tile.buffer.samples.geometry.data()));
 }
 
-TEST_F(PortBinding, APortBoundByHandStaysSo) {
+TEST_F(PortBinding, APortBoundByHandKeepsItsArray) {
   std::vector<GeometryRecord<float>> own(1);
   OnePort<GeometryRecord, true>::Ports<float> ports;
   ports.port.bind(own.data());
@@ -71,19 +71,19 @@ TEST_F(PortBinding, APortBoundByHandStaysSo) {
   EXPECT_EQ(ports.port.base, reinterpret_cast<std::byte*>(own.data()));
 }
 
-TEST_F(PortBinding, APortWithoutAnArrayOfItsNameFailsAndSaysWhich) {
+TEST_F(PortBinding, APortWithoutAnArrayOfItsNameFailsByName) {
   const std::string message = failure<OnePort<GeometryRecord, false>>();
   EXPECT_NE(message.find("one_port"), std::string::npos);
   EXPECT_NE(message.find("geometries"), std::string::npos);
 }
 
-TEST_F(PortBinding, APortOfAnotherTypeThanItsArrayFailsAndSaysWhich) {
+TEST_F(PortBinding, APortOfAnotherTypeThanItsArrayFailsByName) {
   const std::string message = failure<OnePort<SecondaryRecord, true>>();
   EXPECT_NE(message.find("one_port"), std::string::npos);
   EXPECT_NE(message.find("geometry"), std::string::npos);
 }
 
-TEST_F(PortBinding, CachedPortsReadTheSceneAndNoteIt) {
+TEST_F(PortBinding, CachedPortsReadTheSceneAndLogIt) {
   std::vector<traces::Access> log;
   ShadeSurface<false>::Ports<float> ports;
   bind_ports<ShadeSurface<false>>(ports, tile, scene, &log);

@@ -105,7 +105,7 @@ TEST(PostCorrection, FourScansRecoverRodsThickerThanAPixel) {
              met.share());
 }
 
-TEST(PostCorrection, TheThinnerRodsAreTheLessOfThemIsRecovered) {
+TEST(PostCorrection, ThinnerRodsAreRecoveredLess) {
   const std::array<UndersampleConfig, 4> ways = {scanning(Correction::kTwo), scanning(Correction::kFour),
                                                  scanning(Correction::kTwo, Neighbourhood::kEight),
                                                  scanning(Correction::kFour, Neighbourhood::kEight)};
@@ -127,7 +127,7 @@ TEST(PostCorrection, TheThinnerRodsAreTheLessOfThemIsRecovered) {
   }
 }
 
-TEST(PostCorrection, WhatItChangesIsTracedThereAndCounted) {
+TEST(PostCorrection, ItsChangesAreTracedAndCounted) {
   for (std::uint32_t seed = 0; seed < 10; ++seed) {
     const Stage rod = rod_of(seed, 1.4F);
     const RenderConfig render = small(kSide, kSide);
@@ -204,7 +204,7 @@ std::string scanned(const std::string& how, const std::string& what, const std::
   return shown;
 }
 
-TEST(PostCorrection, AScanFollowsWhatItFindsAndStopsWhereItWasWrong) {
+TEST(PostCorrection, AScanFollowsItsFindsAndStopsAtAMistake) {
   for (const bool along_y : {false, true}) {
     const PostCorrection::Scan forward{along_y, false}, backward{along_y, true};
     std::uint32_t suspects = 0;

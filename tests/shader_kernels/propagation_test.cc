@@ -93,7 +93,7 @@ TEST(Propagation, FollowsBarsThinnerThanAPixel) {
   EXPECT_LT(before, 0.5 * squared_error(world.run(render, rounds(0)).rgb, truth));
 }
 
-TEST(Propagation, CountsWhatItTracesAndMarksIt) {
+TEST(Propagation, CountsAndMarksTracedSubpixels) {
   const PropagationWorld world(bars());
   const RenderConfig render = small(64, 48);
   const Propagated once = world.run(render, rounds(0)), with = world.run(render, rounds(4));
@@ -116,7 +116,7 @@ TEST(Propagation, CountsWhatItTracesAndMarksIt) {
   EXPECT_EQ(subpixels, with.sampling.propagated);
 }
 
-TEST(Propagation, NothingIsLeftToItWhereAllIsActiveAndNothingLeadsToItWhereNothingIs) {
+TEST(Propagation, HasNothingToDoIfAllOrNoSubpixelsAreActive) {
   const PropagationWorld world(bars());
   const RenderConfig render = small(37, 29);
   EXPECT_EQ(world.run(render, all_at(0, 4)).rgb, world.full(render, 16));
@@ -154,7 +154,7 @@ TEST(Propagation, ThePictureIsTheSameForEveryTileHaloAttributeStoragePackingAndS
   }
 }
 
-TEST(Propagation, ARoundIsAPassThatReadsNothingWhereNothingLeadsToIt) {
+TEST(Propagation, ARoundReadsNothingInTilesWithoutActiveNeighbours) {
   const PropagationWorld world(bars());
   const RenderConfig render = small(64, 48);
   const SupersampleConfig c = rounds(2);
@@ -219,7 +219,7 @@ std::vector<std::uint32_t> found(const std::array<float, 16>& greys, const std::
   return out;
 }
 
-TEST(PropagateSubpixelsKernel, FindsNeighboursOfThoseMadeActiveLastThatDifferFromThem) {
+TEST(PropagateSubpixelsKernel, FindsNeighboursThatDifferFromTheLastActiveSubpixels) {
   std::array<float, 16> greys;
   greys.fill(0.5F);
   greys[5] = 0.6F;

@@ -40,17 +40,17 @@ TEST(RateMap, WithoutControlNothingChanges) {
   EXPECT_EQ(blocks(config, 1, 1, 5), (std::vector<std::uint32_t>{3, 3, 3, 3, 3}));
 }
 
-TEST(RateMap, GoesUpFromTheUpperThresholdOn) {
+TEST(RateMap, RisesFromTheUpperThreshold) {
   EXPECT_EQ(blocks(controlled(), 0.95F, 1, 3), (std::vector<std::uint32_t>{2, 4, 4}));
   EXPECT_EQ(blocks(controlled(), 0.9499F, 1, 3), (std::vector<std::uint32_t>{2, 2, 2}));
 }
 
-TEST(RateMap, StaysUpDownToTheLowerThreshold) {
+TEST(RateMap, StaysHighDownToTheLowerThreshold) {
   EXPECT_EQ(blocks(controlled(), 1, 0.901F, 5), (std::vector<std::uint32_t>{2, 4, 4, 4, 4}));
   EXPECT_EQ(blocks(controlled(), 1, 0.899F, 3), (std::vector<std::uint32_t>{2, 4, 2}));
 }
 
-TEST(RateMap, HoldsAfterItHasGoneDown) {
+TEST(RateMap, HoldsAfterAFall) {
   MultirateConfig config = controlled();
   config.rate_hold = 3;
   EXPECT_EQ(blocks(config, 1, 0, 8), (std::vector<std::uint32_t>{2, 4, 2, 2, 2, 2, 4, 2}));
@@ -113,7 +113,7 @@ INSTANTIATE_TEST_SUITE_P(Patterns, MixedRates,
                          testing::Values(0x5555555555555555U, 0x3a5c96f0e17d2b84U, 0xc3c3a5a50f0f9669U, 0x1U, 0U),
                          ::test::ParamName());
 
-TEST_P(MixedRates, ThePictureDoesNotDependOnWhoTracesTheHalo) {
+TEST_P(MixedRates, ThePictureDoesNotDependOnWhichTileTracesTheHalo) {
   for (const std::uint32_t grid : {1U, 2U}) {
     const RateMap map = rates(grid);
     MultirateConfig config = controlled();
@@ -150,7 +150,7 @@ TEST_P(MixedRates, NothingSimilarIsFullAtAnyRate) {
   EXPECT_EQ(stage_.multirate(render_, config, 2, false, &map).rgb, stage_.full(render_, 4).rgb);
 }
 
-TEST_P(MixedRates, EveryTileReadsItsRateAndWritesWhatItHasFound) {
+TEST_P(MixedRates, EveryTileReadsItsRateAndWritesItsResult) {
   const RateMap map = rates(1);
   const SampleTiles tiles(kWidth, kHeight, 1, render_.tile, RateMap::kCoarse);
   for (const traces::TileWork& work : stage_.multirate(render_, controlled(), 1, true, &map).works) {
@@ -170,7 +170,7 @@ TEST_P(MixedRates, EveryTileReadsItsRateAndWritesWhatItHasFound) {
   }
 }
 
-TEST(RateMap, AFlatSceneGoesOverToCoarseBlocksAndTracesLess) {
+TEST(RateMap, AFlatSceneChangesToCoarseBlocksAndTracesLess) {
   traces::Scene scene = empty_scene();
   add_wall(scene, 0, 100, {});
   const Stage stage(scene, traces::look_at("c", {0, 0, 4}, {0, 0, 0}, 0.5F));

@@ -9,7 +9,7 @@
 namespace kernels {
 namespace {
 
-TEST(Sampling, AFlatWallIsTracedAtReferencesAndThePicturesEdgeAlone) {
+TEST(Sampling, AFlatWallIsTracedOnlyAtReferencesAndThePicturesEdge) {
   const Stage stage = Room().add(sheet(-10, 10)).stage();
   for (const auto& [width, height] : {std::pair{32U, 32U}, {37U, 23U}, {5U, 3U}, {64U, 9U}}) {
     for (const std::uint32_t block : {2U, 3U, 4U}) {
@@ -67,7 +67,7 @@ TEST(Sampling, TracedAreReferencesAndThoseThatFailed) {
   }
 }
 
-TEST(Sampling, TwoObjectsInOnePlaneFailByObjectAlone) {
+TEST(Sampling, TwoObjectsInOnePlaneFailOnlyByObject) {
   const Room room = Room().add(sheet(-10, 0)).add(sheet(0, 10));
   EXPECT_EQ(failing(room.under()), Names{"object"});
   EXPECT_EQ(failing(room.multi()), Names{"object"});
@@ -75,7 +75,7 @@ TEST(Sampling, TwoObjectsInOnePlaneFailByObjectAlone) {
   EXPECT_EQ(room.multi().failed, room.under().failed);
 }
 
-TEST(Sampling, AnEdgeOfOneObjectFailsByNormalAlone) {
+TEST(Sampling, AnEdgeOfOneObjectFailsOnlyByNormal) {
   for (const float rise : {1.0F, -1.0F}) {
     const Room room = Room().add(fold(rise));
     EXPECT_EQ(failing(room.under()), Names{"normal"}) << rise;
@@ -87,7 +87,7 @@ TEST(Sampling, AnEdgeOfOneObjectFailsByNormalAlone) {
   }
 }
 
-TEST(Sampling, AShadowsEdgeFailsByShadowAlone) {
+TEST(Sampling, AShadowsEdgeFailsOnlyByShadow) {
   Room room;
   room.add(sheet(-10, 10)).add(sheet(0, 10, 9));  // the second sheet is behind the camera
   room.scene.lights.push_back(
@@ -97,7 +97,7 @@ TEST(Sampling, AShadowsEdgeFailsByShadowAlone) {
   EXPECT_EQ(failed(room.under(), Check::kShadow), 8U);
 }
 
-TEST(Sampling, ShadowsAreToldApartByLight) {
+TEST(Sampling, ShadowsAreDistinguishedByLight) {
   Room room;
   // A screen, seen edge-on, blocks a light on either side.
   room.add(sheet(-10, 10)).add(traces::make_quad("screen", {0, -10, 0.01F}, {0, 0, 3}, {0, 20, 0}, 1));
@@ -121,7 +121,7 @@ TEST(Sampling, ParallelSheetsFailByPositionAndConvexity) {
   EXPECT_EQ(failing(Room().add(sheet(-10, 10)).under(strict)), Names{"position"}) << "pixels are farther apart";
 }
 
-TEST(Sampling, TextureCoordinatesFailWhereTheyWrapAlone) {
+TEST(Sampling, TextureCoordinatesFailOnlyWhereTheyWrap) {
   for (const float repeats : {1.0F, 20.0F}) {
     Room room;
     const std::uint32_t white = add_texture(room.scene, 2, true, [](auto, auto) { return 0xffffffffU; });
@@ -168,7 +168,7 @@ TEST(Sampling, AShadowInAMirrorFailsBySecondaryShadow) {
   EXPECT_EQ(failing(room.multi()), Names{"secondary_shadow"});
 }
 
-TEST(Sampling, BackgroundIsWhatNoPrimaryRayHitsOrLiesBetweenSuch) {
+TEST(Sampling, BackgroundSamplesMissOrAreBetweenMisses) {
   const Room room = Room().add(sheet(-10, 0));
   for (const Sampling& s : {room.under(), room.multi()}) {
     EXPECT_EQ(s.background, 8U * 16U);

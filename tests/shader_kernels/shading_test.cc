@@ -158,7 +158,7 @@ glm::vec3 seen_through(const traces::Material& glass, int panes, const glm::vec4
 }
 
 /// KHR_materials_transmission: transmitted light takes the base colour at each surface.
-TEST(Shading, GlassTintsWhatIsSeenThroughItByItsBaseColour) {
+TEST(Shading, GlassTintsTransmittedLightByItsBaseColour) {
   const traces::Material red{.name = "red", .base_colour = {1, 0, 0}, .transmission = 1, .ior = 1};
   expect_near(seen_through(red, 1), {1, 0, 0}, 1e-5F);
   const traces::Material smoke{.name = "smoke", .base_colour = {0.5F, 0.8F, 1}, .transmission = 1, .ior = 1};

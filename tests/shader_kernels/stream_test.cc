@@ -84,7 +84,7 @@ TEST_P(Stream, RayBatchesComeFromOneLaunchAndCoverAllRaysInOrder) {
   });
 }
 
-TEST_P(Stream, WhoReadsTheSlotsOfABatchWaitsForItAndForAllThatWentOn) {
+TEST_P(Stream, ReadersOfABatchWaitForItAndForItsContinuedRays) {
   for_each_tile(1, [](const TileResult& tile) {
     const auto& nodes = tile.work.nodes;
     std::uint32_t last_scatter = WorkNode::kNone;

@@ -66,7 +66,7 @@ TEST(TestSubpixelsKernel, EachChannelHasItsWeight) {
   EXPECT_FALSE(active({0.5F, 0.5F, 0}));      // 1
 }
 
-TEST(TestSubpixelsKernel, TheThresholdOfWhatDisagreesApplies) {
+TEST(TestSubpixelsKernel, TheThresholdOfTheDifferingAttributeApplies) {
   const Vec3<float> same{0.5F, 0.5F, 0.5F};
   EXPECT_EQ(verdict_between(same, 2, 0), bit(Attribute::kObject) | 1U << kActiveShift);
   EXPECT_EQ(verdict_between(same, 2, 0.05), bit(Attribute::kObject));

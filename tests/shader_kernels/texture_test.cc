@@ -77,7 +77,7 @@ TEST(Textures, BordersFollowTheWrapMode) {
   EXPECT_NEAR(fetch_red(ramp(Wrap::kMirror), -0.375F, 0.125F), texel(1, 0), kTolerance);
 }
 
-TEST(Textures, NearestTakesTheTexelThatTheCoordinateLiesIn) {
+TEST(Textures, NearestTakesTheTexelAtTheCoordinate) {
   std::vector<traces::Access> log;
   for (const Wrap wrap : {Wrap::kRepeat, Wrap::kMirror, Wrap::kClamp}) {
     traces::Texture texture = ramp(wrap);
@@ -110,7 +110,7 @@ TEST(Textures, TheAccessNamesTheFootprintsCorners) {
   EXPECT_EQ(log[0].element2, (2U << 16) | 0U);
 }
 
-TEST(Decay, IsAsCloseToTheExponentialAsItSays) {
+TEST(Decay, IsWithinItsErrorBound) {
   for (int i = 0; i <= 40000; ++i) {
     const float x = static_cast<float>(i) / 1000;
     EXPECT_NEAR(exp_negative<float>(x), std::exp(-x), 4e-6F) << x;
@@ -129,7 +129,7 @@ TEST(Srgb, EveryCodeOfATextureDecodesToItsExactValueAndBack) {
   }
 }
 
-TEST(Srgb, TheEncoderIsAsCloseAsItSays) {
+TEST(Srgb, TheEncoderIsWithinItsErrorBound) {
   EXPECT_NEAR(encode_srgb<float>(1.0F), 1.0F, 1e-6F);
   for (int i = 0; i <= 4096; ++i) {
     const float x = static_cast<float>(i) / 4096;

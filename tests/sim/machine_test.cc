@@ -183,7 +183,7 @@ struct Chain {
     sorting = &machine_.build<Relay>(sorter, Clock(2), &given, &sorted);
     porting = &machine_.build<Relay>(porter, Clock(6), &sorted, &ported);
     taking = &machine_.build<Relay>(taker, Clock(10), &ported, nullptr);
-    machine.set_cluster({giver, sorter}, *this);
+    machine_.set_cluster({giver, sorter}, *this);
   }
   Machine& machine() { return machine_; }
   bool done() const { return taking->stats().taken == expected; }

@@ -37,7 +37,7 @@ TEST(WakeupTable, TicksExactlyTheDueUnits) {
 
 TEST(WakeupTable, ReportsDueUnitsAndTheNextTimeOverSeveralGroups) {
   constexpr std::size_t kUnits = 19, kGroups = 3;
-  std::vector<Time> times(WakeupTable::round_up_to_groups(kUnits), kNever), earliest_time(kGroups);
+  std::vector<Time> times(WakeupTable::round_up_to_groups(kUnits), kNever), earliest(kGroups);
   for (Time now = 1; now < 200; ++now) {
     for (std::size_t i = 0; i < kUnits; ++i) times[i] = now + hash(now, i) % 5;
     std::uint64_t due = 0;

@@ -26,7 +26,7 @@ struct Way {
   void render_frame(Inputs& inputs, const traces::Tracer& tracer, const std::vector<float>& full) {
     inputs.config.programs.multirate = config;
     const RenderResult run =
-        render_frame(inputs, kernels::parse_program("multirate:under"), tracer, 0, {.rates = &rates});
+        tools::render_frame(inputs, kernels::parse_program("multirate:under"), tracer, 0, {.rates = &rates});
     squared_error += mean_squared_error(run.rgb, full);
     for (const std::uint8_t block : run.sampling.blocks) {
       coarse += block == kernels::RateMap::kCoarse ? 1 : 0;

@@ -72,10 +72,8 @@ void add_compare(CLI::App& app) {
 
 namespace {
 
-using Options = BaselineOptions;
-
-CLI::App* add_step(CLI::App& verb, const char* name, const char* what, const std::shared_ptr<Options>& options,
-                   int& exit, int (*run)(const Options&)) {
+CLI::App* add_step(CLI::App& verb, const char* name, const char* what, const std::shared_ptr<BaselineOptions>& options,
+                   int& exit, int (*run)(const BaselineOptions&)) {
   CLI::App* step = verb.add_subcommand(name, what);
   step->add_option("suite", options->suite, "the suite, a YAML file (docs/compare.md)")->required();
   step->add_option("-j,--jobs", options->jobs, "concurrent runs (default: all host threads)")
@@ -94,7 +92,7 @@ CLI::App* add_step(CLI::App& verb, const char* name, const char* what, const std
 void add_baseline(CLI::App& app, int& exit) {
   CLI::App* verb = app.add_subcommand("baseline", "Store the results of small runs, and detect changes");
   verb->require_subcommand(1);
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<BaselineOptions>();
   CLI::App* step = add_step(*verb, "record", "Compute a suite and store its values", options, exit, record_baseline);
   step->add_flag("--force", options->force, "replace stored values without showing changes");
   step->footer("Example: raywatt baseline record tests/baseline/suite.yaml");

@@ -242,7 +242,7 @@ using Slice = RecordedSlice;
 constexpr std::uint32_t kNotWanted = std::numeric_limits<std::uint32_t>::max();
 
 /// Returns for each slice the rank, among the selected tiles, of the tile for which it is shown, or kNotWanted.
-std::vector<std::uint32_t> ranks(const std::vector<Slice>& slices, const std::vector<std::size_t>& rows, bool all) {
+std::vector<std::uint32_t> ranks(const std::vector<RecordedSlice>& slices, const std::vector<std::size_t>& rows, bool all) {
   if (all) return std::vector<std::uint32_t>(slices.size(), 0);
   struct Window {
     std::uint16_t core = 0;
@@ -326,7 +326,7 @@ class SliceWriter {
 };
 
 /// Returns the slices in order of rank, in which they get room.
-std::vector<std::size_t> in_order_of_rank(const std::vector<Slice>& slices, const std::vector<std::uint32_t>& rank) {
+std::vector<std::size_t> in_order_of_rank(const std::vector<RecordedSlice>& slices, const std::vector<std::uint32_t>& rank) {
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < slices.size(); ++i) {
     if (rank[i] != kNotWanted) order.push_back(i);
@@ -339,7 +339,7 @@ std::vector<std::size_t> in_order_of_rank(const std::vector<Slice>& slices, cons
 
 Timeline make_timeline(const TimelineRecorder& recorder, const TimelineSelection& selection, const FrameResult& s,
                        const TileFrame& tiles, const RunConfig& config, std::uint64_t most_bytes) {
-  const std::vector<Slice>& slices = recorder.slices();
+  const std::vector<RecordedSlice>& slices = recorder.slices();
   const bool all = selection.kind == TimelineSelection::Kind::kAll;
   std::vector<std::size_t> shown = in_order_of_rank(slices, ranks(slices, selected_tiles(selection, tiles), all));
   const std::size_t wanted = shown.size();

@@ -127,8 +127,7 @@ void TraceWriter::end_part(Json result) {
   contents_bytes_ += sim::json_line(part_).size();
   if (contents_bytes_ > kMaxContentsBytes) {
     throw sim::InputError(
-        fmt::format("what is told of frames beside their work takes more than {} MiB and cannot be recorded; allowed: "
-                    "fewer --frames",
+        fmt::format("results of frames take more than {} MiB and cannot be recorded; allowed: fewer --frames",
                     kMaxContentsBytes >> 20));
   }
   contents_["parts"].push_back(std::move(part_));

@@ -65,7 +65,7 @@ TEST(Effects, AreNamesBetweenCommas) {
   EXPECT_FALSE(parse_effects("none").has(Effect::kShadows));
 }
 
-TEST(Effects, OfOtherNamesAreRefusedWithTheList) {
+TEST(Effects, WithUnknownNamesAreRefusedWithTheList) {
   const auto refusal = [](const char* text) -> std::string {
     try {
       parse_effects(text);
@@ -82,7 +82,7 @@ TEST(Effects, OfOtherNamesAreRefusedWithTheList) {
   }
 }
 
-TEST(Effects, AreAllThatRaysAreTracedFor) {
+TEST(Effects, CauseAllRaysThatAreTraced) {
   const EffectStage cornell(traces::open_scene("cornell"));
   const Picture all = cornell.picture(small(64, 32));
   EXPECT_EQ(cornell.picture(with_effects("refractions, reflections, shadows", 64, 32)).rgb, all.rgb);
@@ -98,7 +98,7 @@ TEST(Effects, AreAllThatRaysAreTracedFor) {
   EXPECT_TRUE(glass.rays[kRefractionRays] != 0 && glass.rays[kShadowRays] != 0);
 }
 
-TEST(Effects, WithoutShadowsLeaveOutWhatStandsInTheWayAlone) {
+TEST(Effects, WithoutShadowsIgnoreOnlyOccluders) {
   traces::Scene scene = wall_scene();
   scene.ambient = glm::vec3(0.25F);
   scene.lights.push_back({.position = {0, 0, 3}, .intensity = glm::vec3(4)});
@@ -112,7 +112,7 @@ TEST(Effects, WithoutShadowsLeaveOutWhatStandsInTheWayAlone) {
   EXPECT_LT(View(scene, {0, 0, 2}, {0, 0, 0}).centre().x, free.centre().x);
 }
 
-TEST(Occlusion, LeavesTheLightOfAnOpenSkyAsItIs) {
+TEST(Occlusion, DoesNotChangeTheLightOfAnOpenSky) {
   RenderConfig config = with_effects("occlusion");
   config.occlusion_rays = 5;
   const View view(wall_scene(), {0, 0, 2}, {0, 0, 0}, config);
@@ -120,7 +120,7 @@ TEST(Occlusion, LeavesTheLightOfAnOpenSkyAsItIs) {
   EXPECT_EQ(view.picture.rays[kShadowRays], 5U * 81U);
 }
 
-TEST(Occlusion, ReachesAsFarAsItIsTold) {
+TEST(Occlusion, ReachesAsFarAsConfigured) {
   traces::Scene scene = wall_scene();
   add_wall(scene, 3, 1000, {.name = "ceiling"});
   RenderConfig config = with_effects("occlusion");
@@ -276,7 +276,7 @@ TEST(EffectsOfAFrame, AreThoseOfUnfusedKernelsInEveryProgram) {
   }
 }
 
-TEST(EffectsOfAFrame, ThatNeedRaysAreRefusedWhereSurfacesHaveNone) {
+TEST(EffectsOfAFrame, ThatNeedRaysAreRefusedForInterpolatedSurfaces) {
   const EffectStage cornell(traces::open_scene("cornell"));
   EXPECT_NO_THROW(cornell.by_program("undersample", with_effects("none", 32, 16)));
   for (const char* effect : {"occlusion", "soft_shadows"}) {

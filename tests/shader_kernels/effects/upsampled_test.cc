@@ -111,7 +111,7 @@ TEST(EffectRate, LeavesHardShadowsAndLaterBouncesAsTheyAre) {
   EXPECT_GT(4 * shadow_rays(half), shadow_rays(all));
 }
 
-TEST(EffectRate, MakesNoDifferenceWhereNothingIsInTheWay) {
+TEST(EffectRate, MakesNoDifferenceWithoutOccluders) {
   const RatedStage wall(open_wall());
   for (const char* effects : {"occlusion", "occlusion, soft_shadows"}) {
     const auto all = wall.render(rated(effects, EffectRate::kFull));
@@ -122,7 +122,7 @@ TEST(EffectRate, MakesNoDifferenceWhereNothingIsInTheWay) {
   }
 }
 
-TEST(EffectRate, MakesThePictureThatAnyTilesMake) {
+TEST(EffectRate, GivesTheSamePictureForAnyTileSize) {
   for (const traces::Scene& scene : {traces::open_scene("cornell"), showcase_scene()}) {
     const RatedStage stage(scene);
     for (const EffectRate rate : kLowerRates) {
@@ -160,7 +160,7 @@ TEST(EffectRate, IsCloseToAllRays) {
   }
 }
 
-TEST(EffectRate, TakesSharesOfPixelsThatAreAlike) {
+TEST(EffectRate, UsesSharesOfSimilarPixels) {
   // A row of pixels, 3 of them finished: the middle one has no rays, the left one is far behind it.
   constexpr std::uint32_t kPixels = 3;
   std::vector<VisibleRecord<float>> visible(kPixels, {{0, 0, 1}, 5, 0});
@@ -190,7 +190,7 @@ TEST(EffectRate, TakesSharesOfPixelsThatAreAlike) {
   expect_near({colours[0].rgb.x, 0, 0}, {0.25F, 0, 0}, 0);
 }
 
-TEST(EffectRate, IsThatOfFull1AndOfEffectsWithManyRaysAlone) {
+TEST(EffectRate, AppliesOnlyToFull1AndToEffectsWithManyRays) {
   const RatedStage wall(open_wall());
   for (const char* program : {"full:4", "multirate:under", "supersample", "reconstruct"}) {
     try {

@@ -83,7 +83,7 @@ void expect_fusion_to_change_nothing(const traces::Scene& scene, const traces::B
   }
 }
 
-TEST(FusedKernels, CheckGlobalColoursInTilesThatHaveSomeAlone) {
+TEST(FusedKernels, CheckGlobalColoursOnlyInTilesThatHaveSome) {
   const traces::Scene scene = traces::open_scene("cornell");  // its lamp glows, most of its tiles are matt
   const traces::MemoryImage image = traces::build_memory_image(scene, {});
   const ProgramConfig programs;
@@ -109,16 +109,14 @@ std::vector<std::string> all_scenes() {
 INSTANTIATE_TEST_SUITE_P(BuiltIn, FusedKernelsOf, testing::ValuesIn(all_scenes()),
                          [](const auto& i) { return i.param; });
 
-TEST_P(FusedKernelsOf, MakeThePictureThatTheirPartsMake) {
-  expect_fusion_to_change_nothing(traces::open_scene(GetParam()));
-}
+TEST_P(FusedKernelsOf, MakeThePictureOfTheirParts) { expect_fusion_to_change_nothing(traces::open_scene(GetParam())); }
 
-TEST(FusedKernels, MakeTheShowcaseThatTheirPartsMake) {
+TEST(FusedKernels, MakeThePictureOfTheirPartsInTheShowcase) {
   expect_fusion_to_change_nothing(showcase_scene());
   expect_fusion_to_change_nothing(showcase_scene(), {}, {}, traces::MipMaps::kOff);
 }
 
-TEST(FusedKernels, MakeThePictureOfOptionalChecksThatTheirPartsMake) {
+TEST(FusedKernels, MakeThePictureOfTheirPartsWithOptionalChecks) {
   ProgramConfig programs;
   programs.multirate.texture = 0.1;
   programs.undersample.samples = 4;
@@ -126,7 +124,7 @@ TEST(FusedKernels, MakeThePictureOfOptionalChecksThatTheirPartsMake) {
   expect_fusion_to_change_nothing(showcase_scene(), {}, programs);
 }
 
-TEST(FusedKernels, MakeAPictureOfInstancesThatTheirPartsMake) {
+TEST(FusedKernels, MakeThePictureOfTheirPartsWithInstances) {
   traces::BvhConfig bvh;
   bvh.instances = traces::InstanceLevels::kTwoLevel;
   expect_fusion_to_change_nothing(showcase_scene(), bvh);

@@ -113,7 +113,7 @@ TEST(Fusion, LoadsEachRecordOnceAndTakesStoredOnesFromRegisters) {
   EXPECT_EQ(number_of<K>(Op::kIntAdd), 2U);
 }
 
-TEST(Fusion, StoresNothingOfMemoriesThatNobodyElseReads) {
+TEST(Fusion, StoresNothingInMemoriesWithoutOtherReaders) {
   EXPECT_EQ(number_of<InRegisters>(Op::kStoreLocal), 1U);
   EXPECT_EQ(number_of<InRegisters>(Op::kLoadLocal), 1U);
 }
@@ -126,7 +126,7 @@ TEST(Fusion, StoresARecordThatPartsChangeOnce) {
   EXPECT_EQ(number_of<K>(Op::kIntAdd), 2U);
 }
 
-TEST(Fusion, ComputesOnceWhatPartsComputeAlike) {
+TEST(Fusion, SharesEqualOperationsOfParts) {
   using K = Named<Double, DoubleAgain>;
   EXPECT_EQ(number_of<K>(Op::kIntAdd), 1U);
   EXPECT_EQ(number_of<K>(Op::kStoreLocal), 2U);

@@ -73,7 +73,7 @@ TEST(ReconstructColour, MendsEdgesOfTexturesAndLeavesThoseOfGeometryToTheFilter)
   EXPECT_EQ(mended.sampling.traced, filtered.sampling.traced + 3 * listed);
 }
 
-TEST(ReconstructColour, ComparesWhatIsAlikeAlone) {
+TEST(ReconstructColour, ComparesOnlySimilarSamples) {
   // Black and white sheets at different depths: the filter separates them, so no pixel is listed.
   Room room;
   room.add(sheet(-10, 0.3F, 0), {.base_colour = glm::vec3(0)}).add(sheet(-10, 10, -3), {.base_colour = glm::vec3(1)});

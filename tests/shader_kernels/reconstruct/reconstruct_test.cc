@@ -86,7 +86,7 @@ std::vector<ColourRecord<float>> filtered(const VisibleRecord<float>& left, cons
   return pixels;
 }
 
-TEST(ReconstructKernel, EachSampleTakesTheMeanOfTheShadedOnesThatItIsLike) {
+TEST(ReconstructKernel, EachSampleTakesTheMeanOfSimilarShadedOnes) {
   const VisibleRecord<float> lit{{0, 0, 1}, 2, 0}, dark{{0, 0, 1}, 2, 1}, far{{0, 0, 1}, 50, 0};
   EXPECT_NEAR(filtered(lit, lit, lit)[0].rgb.x, 0.5F, 1e-6F) << "none of what lies outside the picture";
   EXPECT_NEAR(filtered(lit, lit, lit)[1].rgb.y, 0.5F, 1e-6F);
@@ -227,7 +227,7 @@ TEST(Reconstruct, KeepsAShadowsEdgeThatOneFilterBlurs) {
   EXPECT_LT(of_ours, 0.63 * of_sraa) << "2 dB";
 }
 
-TEST(Reconstruct, FiltersWhatAMirrorShowsByTheGeometryThatIsSeenThere) {
+TEST(Reconstruct, FiltersMirroredLightByTheMirroredGeometry) {
   // Two sheets behind the viewer, a white one and a black one farther away; the mirror shows their edge.
   Room room = mirror();
   room.add(behind(-20, 0.3F), {.base_colour = glm::vec3(0.9F)});
@@ -243,7 +243,7 @@ TEST(Reconstruct, FiltersWhatAMirrorShowsByTheGeometryThatIsSeenThere) {
   EXPECT_TRUE(std::ranges::any_of(ours.marks, [&](SampleMark m) { return (m & reflection) != 0; }));
 }
 
-TEST(Reconstruct, TransfersStayWithinTheirRegionsAndNobodyWaitsWhoRetraces) {
+TEST(Reconstruct, TransfersStayWithinTheirRegionsAndRetracedHalosDoNotWait) {
   const Stage stage(showcase_scene());
   for (const std::uint32_t radius : {0U, 1U, 2U}) {
     for (const Halo halo : {Halo::kReload, Halo::kRetrace}) {

@@ -76,7 +76,7 @@ TEST(TopDown, QueuesInFrontOfAnL2ThatTakesRequestsAreThePortsOwn) {
                                     .of_trv = {{"l1_fills", 1}, {"l1_miss_cycles", 100}},
                                     .of_l2 = {{"reads", 1}, {"misses", 1}, {"latency", 60}, {"memory_cycles", 30}}};
   const MissLevels l = top_down(machine.units(), {}).cores.at(0).tree_levels;
-  EXPECT_EQ(l.blocked(), 0);
+  EXPECT_EQ(l.blocked_share(), 0);
   EXPECT_NEAR(l.wires, 0.28 + 0.07, 1e-12);
 }
 

@@ -28,7 +28,7 @@ TEST(Interrupt, WaitsUntilResultsThatAreBeingWrittenAreThere) {
       return "it";
     });
   };
-  EXPECT_EXIT(is_interrupted(), testing::ExitedWithCode(128 + SIGTERM), "raywatt: interrupted");
+  EXPECT_EXIT(interrupted(), testing::ExitedWithCode(128 + SIGTERM), "raywatt: interrupted");
   EXPECT_EQ(names_in(folder.path()), Words{"out"});
   EXPECT_EQ(read_bytes(folder.path() / "out" / "report.json"), "{}");
 }
@@ -44,7 +44,7 @@ TEST(Interrupt, PrintsNoControlSequencesOfOthers) {
       return "it";
     });
   };
-  EXPECT_EXIT(is_interrupted(), testing::ExitedWithCode(128 + SIGTERM),
+  EXPECT_EXIT(interrupted(), testing::ExitedWithCode(128 + SIGTERM),
               "raywatt: interrupted; kept it in .*/out\\?\\[31m");
 }
 

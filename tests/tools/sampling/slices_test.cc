@@ -69,13 +69,13 @@ double counted(const FrameResult& s, const std::string& name) {
   return sum;
 }
 
-TEST(Slices, CostsAreGuessedFromStepsAndRaysThatSurfacesSendOn) {
+TEST(Slices, CostsAreEstimatedFromStepsAndRaysThatSurfacesSendOn) {
   const RenderResult& function = uncut_teapot().rendered;
   const auto rays = [&](traces::RayKind kind) { return function.rays[static_cast<std::size_t>(kind)]; };
   const double all = static_cast<double>(
       function.traversal_steps + 15 * (rays(traces::RayKind::kReflection) + rays(traces::RayKind::kRefraction)));
   const traces::BvhTracer tracer(teapot_tiles().image);
-  const std::vector<double> costs = guess_costs(teapot_tiles(), kFull, tracer, 2);
+  const std::vector<double> costs = estimate_costs(teapot_tiles(), kFull, tracer, 2);
   EXPECT_EQ(costs.size(), 1600U);
   EXPECT_NEAR(16 * std::accumulate(costs.begin(), costs.end(), 0.0), all, 0.1 * all) << "one of 16 samples";
 }

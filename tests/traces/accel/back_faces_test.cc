@@ -42,7 +42,7 @@ TEST(BackFaces, AreHitUnlessTheMaterialIsSingleSided) {
 }
 
 /// glTF: a transform with a negative determinant reverses the winding of front faces.
-TEST(BackFaces, OfMirroredInstancesAreBehindAsBefore) {
+TEST(BackFaces, OfMirroredInstancesStayBackFaces) {
   for (const InstanceLevels levels : kInstanceLevels) {
     Scene scene = single_sided(one_triangle());
     scene.instances[0].to_world = glm::translate(glm::scale(glm::mat4(1), {-1, 1, 1}), {-1, 0, 0});
@@ -73,7 +73,7 @@ TEST(BackFaces, EndATestInItsFirstPhase) {
   EXPECT_EQ(phases(kFromFront) & 3U, 3U);
 }
 
-TEST(BackFaces, OfASphereAreSeenFromWithinAlone) {
+TEST(BackFaces, OfASphereAreHitOnlyFromWithin) {
   const MemoryImage image = build_memory_image(single_sided(sphere(16, 16)), {}, 1);
   const std::vector<Ray> rays{{{0, 0.1F, 0.2F}, 0, {1, 0, 0}}, {{-3, 0.1F, 0.2F}, 0, {1, 0, 0}}};
   const std::vector<Hit> hits = trace(BvhTracer(image), rays);
@@ -81,7 +81,7 @@ TEST(BackFaces, OfASphereAreSeenFromWithinAlone) {
   EXPECT_NEAR(hits[1].t, 2.03F, 0.02F) << "the nearer side";
 }
 
-TEST(BackFaces, TheTreeNeverChangesTheAnswer) {
+TEST(BackFaces, GiveTheSameHitsWithAnyTree) {
   for (const InstanceLevels levels : kInstanceLevels) {
     for (const Scene& scene : {single_sided(triangle_soup(1000, 0.3F)), single_sided(scattered(40))}) {
       const MemoryImage image = build_memory_image(scene, {.instances = levels}, 1);
@@ -94,7 +94,7 @@ TEST(BackFaces, TheTreeNeverChangesTheAnswer) {
   }
 }
 
-TEST(BackFaces, AreTheSameToEmbreeAndToTheEquations) {
+TEST(BackFaces, AreTheSameForEmbreeAndTheEquations) {
   for (const InstanceLevels levels : kInstanceLevels) {
     for (const Scene& scene : {single_sided(triangle_soup(800, 0.3F)), single_sided(scattered(40)),
                                single_sided(with_flags(triangle_soup(800, 0.3F)))}) {
@@ -111,7 +111,7 @@ TEST(BackFaces, AreTheSameToEmbreeAndToTheEquations) {
   }
 }
 
-TEST(BackFaces, AreToldMissingByTheEquations) {
+TEST(BackFaces, AreMissedByTheEquations) {
   const MemoryImage both = build_memory_image(triangle_soup(800, 0.3F), {}, 1);
   const MemoryImage front = build_memory_image(single_sided(triangle_soup(800, 0.3F)), {}, 1);
   const BvhTracer wrong(both);

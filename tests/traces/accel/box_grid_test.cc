@@ -39,7 +39,7 @@ void expect_around(const MemoryImage& hybrid, const MemoryImage& floats) {
   }
 }
 
-TEST(HybridBoxes, HoldThoseOfFloatsByAStepAtMostInBuiltInScenes) {
+TEST(HybridBoxes, ContainFloatBoxesWithinAStepInBuiltInScenes) {
   for (const BuiltinInfo& info : builtin_scenes()) {
     SCOPED_TRACE(info.name);
     if (info.triangles > 100'000 && info.name != "hairball") continue;  // larger scenes take seconds to build
@@ -50,7 +50,7 @@ TEST(HybridBoxes, HoldThoseOfFloatsByAStepAtMostInBuiltInScenes) {
   }
 }
 
-TEST(HybridBoxes, HoldThoseOfFloatsFarFromTheOriginInFlatTinyAndHugeScenes) {
+TEST(HybridBoxes, ContainFloatBoxesInFlatTinyHugeAndFarScenes) {
   for (const glm::vec3 scale : {glm::vec3(1), glm::vec3(1, 0, 1), glm::vec3(0, 3, 0), glm::vec3(1, 1, 1e-7F),
                                 glm::vec3(1e-20F), glm::vec3(1e20F, 1, 1)}) {
     for (const float offset : {0.0F, -7.0F, 1e6F, -1e12F}) {
@@ -62,7 +62,7 @@ TEST(HybridBoxes, HoldThoseOfFloatsFarFromTheOriginInFlatTinyAndHugeScenes) {
   }
 }
 
-TEST(HybridBoxes, OfAMovedSceneLieOnAGridOfItsNewBounds) {
+TEST(HybridBoxes, OfAMovedSceneUseAGridOfItsNewBounds) {
   const Scene scene = triangle_soup(500, 0.1F);
   Scene moved = scene;
   for (glm::vec3& p : moved.meshes[0].positions) p = p * glm::vec3(3, 1, 0.5F) + 10.0F;
@@ -78,7 +78,7 @@ TEST(HybridBoxes, OfAMovedSceneLieOnAGridOfItsNewBounds) {
   EXPECT_EQ(bvh_hash(hybrid), bvh_hash(build_memory_image(scene, config))) << "and back";
 }
 
-TEST(HybridBoxes, AreAnotherTreeToTheHashAndAboutEquallyDearOnes) {
+TEST(HybridBoxes, HaveAnotherHashAndAboutEqualCost) {
   const Scene scene = triangle_soup(2000, 0.05F);
   const MemoryImage hybrid = build_memory_image(scene, {.numbers = BoxNumbers::kHybrid});
   const MemoryImage floats = build_memory_image(scene);

@@ -39,7 +39,7 @@ Exact solve(const MemoryImage& image, const Ray& ray) {
   return best;
 }
 
-TEST(BvhTracer, FindsWhatTheEquationsSay) {
+TEST(BvhTracer, FindsTheHitsOfTheEquations) {
   for (const float size : {0.02F, 0.3F, 1.5F}) {
     const MemoryImage image = build_memory_image(triangle_soup(400, size));
     const std::vector<Ray> rays = random_rays(20000);
@@ -59,7 +59,7 @@ TEST(BvhTracer, FindsWhatTheEquationsSay) {
   }
 }
 
-TEST(BvhTracer, TheTreeNeverChangesTheAnswer) {
+TEST(BvhTracer, FindsTheSameHitsWithAnyTree) {
   for (const std::uint32_t leaf_size : {1U, 4U, 7U}) {
     const MemoryImage soup = build_memory_image(triangle_soup(1000, 0.2F), {.leaf_size = leaf_size});
     const MemoryImage grid = build_memory_image(grid_soup(1000), {.leaf_size = leaf_size});
@@ -186,7 +186,7 @@ TEST(BvhTracer, OfEqualTrianglesTheOneThatCameFirstWins) {
   EXPECT_GT(hits, 500);
 }
 
-TEST(BvhTracer, AShadowRayEndsAtWhatIsSolidAndElseReportsTheNearestFlaggedHit) {
+TEST(BvhTracer, AShadowRayEndsAtAnOpaqueHitOrReportsTheNearestFlaggedOne) {
   for (const Scene& scene : {triangle_soup(1000, 0.2F), grid_soup(1000)}) {
     const MemoryImage image = build_memory_image(with_flags(scene));
     int flagged = 0, solid = 0, hidden = 0;

@@ -60,7 +60,7 @@ TEST(EmbreeTracer, CoversOneTriangleAndNone) {
 TEST(EmbreeTracer, NamesItsVersion) { EXPECT_EQ(embree_version().find_first_not_of("0123456789."), std::string::npos); }
 
 #if defined(__SSE__)
-TEST(EmbreeTracer, LeavesTheFloatingPointModeOfItsCallerAlone) {
+TEST(EmbreeTracer, KeepsTheFloatingPointModeOfItsCaller) {
   const unsigned before = _mm_getcsr();
   const MemoryImage image = build_memory_image(triangle_soup(5000, 0.2F), {}, 2);
   trace(EmbreeTracer(image, 2), random_rays(1000));

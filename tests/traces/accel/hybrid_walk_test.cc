@@ -85,7 +85,7 @@ TEST(HybridWalk, FindsTheHitsOfFloatsFromFarAway) {
 
 // From farther away the triangle test finds hits next to its triangles, outside all their boxes. No tree finds all of
 // these.
-TEST(HybridWalk, LosesNoMoreThanFloatsFromWhereTheTriangleTestIsCoarserThanBoxes) {
+TEST(HybridWalk, LosesNoMoreHitsThanFloatsWhereTheTriangleTestIsCoarserThanBoxes) {
   const Scene scene = triangle_soup(1000, 0.15F);
   const MemoryImage hybrid = build_memory_image(scene, kHybrid), floats = build_memory_image(scene);
   for (const float far : {1e5F, 1e7F, 1e12F}) {
@@ -126,8 +126,9 @@ TEST(HybridWalk, StartsOnPlanesOfBoxesAndOfTheGrid) {
     const auto lane = dice.below(4);
     const auto plane = [&](const NodeRecord& n) { return (axis == 0 ? n.x : axis == 1 ? n.y : n.z)[lane]; };
     ray.origin = dice.point();
-    ray.origin[axis] = dice.below(2) == 0 ? plane(floats.nodes[node])
-                                          : static_cast<float>(hybrid.grid->plane_position(plane(hybrid.nodes[node]), axis));
+    ray.origin[axis] = dice.below(2) == 0
+                           ? plane(floats.nodes[node])
+                           : static_cast<float>(hybrid.grid->plane_position(plane(hybrid.nodes[node]), axis));
     ray.direction = dice.direction();
     if (dice.below(2) == 0) ray.direction[axis] = 0;  // in the plane
   }
@@ -153,7 +154,7 @@ TEST(HybridWalk, AgreesWithEmbree) {
   EXPECT_EQ(verifying.counts().error_count(), 0U);
 }
 
-TEST(HybridWalk, IsHardlyLongerThanThatOfFloats) {
+TEST(HybridWalk, IsBarelyLongerThanWithFloats) {
   const Scene scene = triangle_soup(5000, 0.05F);
   const std::vector<Ray> rays = random_rays(20000);
   const auto words = [&](const BvhConfig& config) {

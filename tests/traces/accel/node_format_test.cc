@@ -14,7 +14,7 @@
 namespace traces {
 namespace {
 
-TEST(NodeFormat, HybridNumbersTakeFortyPercentOffBoxes) {
+TEST(NodeFormat, HybridNumbersShrinkBoxesByFortyPercent) {
   EXPECT_EQ(box_bytes(BoxNumbers::kFp32, BoxRecords::kPair), 48U);
   EXPECT_EQ(box_bytes(BoxNumbers::kHybrid, BoxRecords::kPair), 29U);
   EXPECT_EQ(box_bytes(BoxNumbers::kFp32, BoxRecords::kSingle), 24U);
@@ -43,7 +43,7 @@ MemoryImage image_of(std::uint32_t triangles, BoxNumbers numbers, BoxRecords box
 }
 
 // Four triangles in a row: node 0 has the inner nodes 1 and 2, each with two leaves.
-TEST(NodeFormat, PairsLieAtTheirNodesIndex) {
+TEST(NodeFormat, PairsAreStoredAtTheirNodesIndex) {
   for (const auto& [numbers, bytes] : {std::pair{BoxNumbers::kFp32, 64U}, {BoxNumbers::kHybrid, 40U}}) {
     const Layout at = image_of(4, numbers, BoxRecords::kPair).layout;
     EXPECT_TRUE(at.single_boxes.empty());
@@ -53,7 +53,7 @@ TEST(NodeFormat, PairsLieAtTheirNodesIndex) {
 }
 
 // Depth first: root 0; node 1 is record 1, its leaves 2 and 3; node 2 is record 4, its leaves 5 and 6.
-TEST(NodeFormat, SingleBoxesLieDepthFirstLeavesToo) {
+TEST(NodeFormat, SingleBoxesAreStoredDepthFirstIncludingLeaves) {
   using Children = std::array<std::uint32_t, 2>;
   for (const auto& [numbers, bytes] : {std::pair{BoxNumbers::kFp32, 32U}, {BoxNumbers::kHybrid, 20U}}) {
     const MemoryImage image = image_of(4, numbers, BoxRecords::kSingle);
@@ -84,13 +84,13 @@ TEST(NodeFormat, EveryRecordOfALargeTreeHasOneParentAndChildZeroFollowsIt) {
   EXPECT_EQ(std::ranges::count(named, 1), static_cast<std::ptrdiff_t>(named.size()));
 }
 
-TEST(NodeFormat, WhatIsNeverHitHasASingleBoxTooForBothAreRead) {
+TEST(NodeFormat, MissingChildrenHaveASingleBoxBecauseBothAreRead) {
   const MemoryImage one = build_memory_image(one_triangle(), {.boxes = BoxRecords::kSingle});
   EXPECT_EQ(one.layout.single_boxes, (std::vector<std::array<std::uint32_t, 2>>{{1, 2}}));
   EXPECT_EQ(one.node_array_bytes(), 96U);
 }
 
-TEST(TriangleFormat, ThirtySixBytesHoldTheVerticesAndLabelsLieBehindAllTriangles) {
+TEST(TriangleFormat, VerticesTakeThirtySixBytesAndLabelsFollowAllTriangles) {
   const Layout wide = image_of(4, BoxNumbers::kFp32, BoxRecords::kPair, 48).layout;
   EXPECT_FALSE(wide.has_labels());
   EXPECT_EQ(wide.triangle_at(3) - wide.triangles, 144U);

@@ -63,7 +63,7 @@ TEST(Refit, OfAnUnmovedSceneChangesNoBit) {
   }
 }
 
-TEST(Refit, DependsOnTheLastPoseAlone) {
+TEST(Refit, DependsOnlyOnTheLastPose) {
   for (const Scene& scene : scenes()) {
     MemoryImage once = build_memory_image(scene), often = once;
     const Scene there = moved_by_dice(scene, 0.3F);
@@ -111,7 +111,7 @@ TEST(Refit, AgreesWithEmbreeOnTheMovedTriangles) {
   EXPECT_EQ(verifying.counts().error_count(), 0U);
 }
 
-TEST(Refit, TheFurtherThingsMoveTheMoreTheOldTreeCosts) {
+TEST(Refit, CostsMoreTheFurtherThingsMove) {
   const Scene scene = triangle_soup(5000, 0.05F);
   MemoryImage image = build_memory_image(scene);
   const double built = bvh_info(image).sah_cost;
@@ -140,7 +140,7 @@ TEST(Refit, KeepsTheTreeTheMaterialsAndAllAddresses) {
   EXPECT_EQ(image.layout.end, built.layout.end);
 }
 
-TEST(Refit, TakesOverLightsAndDrawsFlatTrianglesToAPoint) {
+TEST(Refit, CopiesLightsAndShrinksFlatTrianglesToAPoint) {
   Scene scene = one_triangle();
   scene.lights.emplace_back();
   MemoryImage image = build_memory_image(scene);

@@ -86,7 +86,7 @@ TEST_F(Verify, BlamesTheReferenceIfThatIsWrong) {
   EXPECT_EQ(verifying.counts().error_count(), 0U);
 }
 
-TEST_F(Verify, HoldsFlaggedHitsOfShadowRaysToTheNearest) {
+TEST_F(Verify, ChecksThatFlaggedHitsOfShadowRaysAreNearest) {
   const MemoryImage image = build_memory_image(with_flags(triangle_soup(800, 0.3F)));
   const BvhTracer bvh(image);
   const EmbreeTracer embree(image, 1);
@@ -151,16 +151,16 @@ TEST_F(Verify, CountsTheSameFromManyThreads) {
   EXPECT_EQ(verifying.counts().missing_hits, 4 * alone.missing_hits);
 }
 
-TEST(ExactHit, KnowsHowSureItIs) {
+TEST(ExactHit, ReportsItsCertainty) {
   const MemoryImage image = build_memory_image(one_triangle());
   const auto certainty = [&](float x, float y) {
     return exact_hit(Ray{{x, y, 1}, 0, {0, 0, -1}}, image, Hit{.triangle = 0}).certainty;
   };
-  EXPECT_EQ(wall_axes(0.25F, 0.25F), Standing::kHit);
-  EXPECT_EQ(wall_axes(0.25F, 1e-7F), Standing::kUncertain);
-  EXPECT_EQ(wall_axes(0.25F, -1e-7F), Standing::kUncertain);
-  EXPECT_EQ(wall_axes(0.25F, -1e-4F), Standing::kMiss);
-  EXPECT_EQ(wall_axes(0.25F, 1e-4F), Standing::kHit);
+  EXPECT_EQ(certainty(0.25F, 0.25F), Certainty::kHit);
+  EXPECT_EQ(certainty(0.25F, 1e-7F), Certainty::kUncertain);
+  EXPECT_EQ(certainty(0.25F, -1e-7F), Certainty::kUncertain);
+  EXPECT_EQ(certainty(0.25F, -1e-4F), Certainty::kMiss);
+  EXPECT_EQ(certainty(0.25F, 1e-4F), Certainty::kHit);
 }
 
 }  // namespace

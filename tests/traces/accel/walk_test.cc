@@ -157,7 +157,7 @@ TEST(Walk, EntersAnInstanceWithAWordOfItsOwnAndLeavesItWithoutOne) {
   EXPECT_FLOAT_EQ(r.hits[0].t, 5);
 }
 
-TEST(Walk, IsAppendedToWhatTheSinkHolds) {
+TEST(Walk, IsAppendedToTheSink) {
   const MemoryImage image = build_memory_image(triangle_soup(3000, 0.15F));
   const std::vector<Ray> rays = random_rays(600);
   Recorded whole = record(image, rays, RayKind::kPrimary);
@@ -208,7 +208,7 @@ TEST(Walk, TheChildEnteredFirstIsNearAndChildZeroOfEquals) {
   EXPECT_EQ(first_word(0.7F, 1), visit_step(0, 3, 0));
 }
 
-TEST(Walk, CullsWhatBeginsBehindTheHit) {
+TEST(Walk, CullsEntriesBeyondTheHit) {
   const MemoryImage image = build_memory_image(triangle_soup(3000, 0.15F));
   const Recorded r = record(image, random_rays(1000), RayKind::kPrimary);
   std::uint64_t culls = 0;

@@ -21,7 +21,7 @@ std::vector<std::array<glm::vec3, 3>> square(float x0, float y0, float x1, float
   return {{at(x0, y0), at(x1, y0), at(x1, y1)}, {at(x0, y0), at(x1, y1), at(x0, y1)}};
 }
 
-void append_mesh(std::vector<std::array<glm::vec3, 3>>& all, const std::vector<std::array<glm::vec3, 3>>& more) {
+void append(std::vector<std::array<glm::vec3, 3>>& all, const std::vector<std::array<glm::vec3, 3>>& more) {
   all.insert(all.end(), more.begin(), more.end());
 }
 
@@ -48,7 +48,7 @@ TEST(Rasteriser, CoversASquareOfTwoTrianglesOnceWithSamplesOnTheirCommonEdge) {
 TEST(Rasteriser, GivesSamplesOnAnEdgeToTheTriangleRightOfItOrBelow) {
   const PictureCamera camera = straight_ahead(16, 16);
   std::vector<std::array<glm::vec3, 3>> both = square(0, 0, 0.5F, 1);
-  append_mesh(both, square(0.5F, 0, 1, 1));
+  append(both, square(0.5F, 0, 1, 1));
   const Rasteriser beside(image_of(both), camera, {}, 16);
   Coverage found;
   // The middle of the picture: a ray along the axis, without rounding.
@@ -58,7 +58,7 @@ TEST(Rasteriser, GivesSamplesOnAnEdgeToTheTriangleRightOfItOrBelow) {
   EXPECT_GE(found.winners[0].triangle, 2U) << "the right one's";
 
   both = square(0, 0, 1, 0.5F);
-  append_mesh(both, square(0, 0.5F, 1, 1));
+  append(both, square(0, 0.5F, 1, 1));
   const Rasteriser stacked(image_of(both), camera, {}, 16);
   stacked.cover_samples(middle, found, nullptr);
   EXPECT_EQ(found.layers[0], 1U);
@@ -94,7 +94,7 @@ TEST(Rasteriser, CountsFourSamplesOfAPixel) {
 TEST(Rasteriser, LeavesOutBlocksThatAreFullOfNearerSurfaces) {
   const PictureCamera camera = straight_ahead(32, 32);
   std::vector<std::array<glm::vec3, 3>> all = square(0, 0, 1, 1, 1);
-  append_mesh(all, square(0, 0, 1, 1, 2));  // behind the first
+  append(all, square(0, 0, 1, 1, 2));  // behind the first
   const Rasteriser rasteriser(image_of(all), camera, {}, 32);
   const Seen seen = cover(rasteriser, rays_of(camera, 0, 0, 32, 32));
   std::uint32_t hidden = 0, passed = 0;
@@ -138,19 +138,19 @@ TEST(Rasteriser, SurvivesTrianglesThatNoSceneShouldHave) {
                   kMax = std::numeric_limits<float>::max();
   const glm::vec3 a(-1, -1, -1), b(1, -1, -1), c(0, 1, -1);
   std::vector<std::array<glm::vec3, 3>> all = square(0, 0, 1, 1);
-  append_mesh(all, {{glm::vec3(kNan), b, c},
-                    {a, glm::vec3(0, kNan, -1), c},
-                    {a, b, glm::vec3(kInf, 0, -1)},
-                    {a, b, glm::vec3(0, -kInf, 1)},
-                    {a, a, a},
-                    {a, b, b},
-                    {a, b, (a + b) * 0.5F},
-                    {glm::vec3(0), glm::vec3(0), glm::vec3(0)},
-                    {glm::vec3(0), b, c},                                             // a vertex in the eye
-                    {glm::vec3(-1, 0, 0), glm::vec3(1, 0, 0), glm::vec3(0, 0, -3)},   // seen edge-on
-                    {glm::vec3(-1, -1, 1), glm::vec3(1, -1, 1), glm::vec3(0, 1, 1)},  // behind the eye
-                    {glm::vec3(-kMax, -kMax, -kMax), glm::vec3(kMax, -kMax, -kMax), glm::vec3(0, kMax, -kMax)},
-                    {glm::vec3(-kMax, -1, 1), glm::vec3(kMax, -1, 1), glm::vec3(0, -1, -kMax)}});
+  append(all, {{glm::vec3(kNan), b, c},
+               {a, glm::vec3(0, kNan, -1), c},
+               {a, b, glm::vec3(kInf, 0, -1)},
+               {a, b, glm::vec3(0, -kInf, 1)},
+               {a, a, a},
+               {a, b, b},
+               {a, b, (a + b) * 0.5F},
+               {glm::vec3(0), glm::vec3(0), glm::vec3(0)},
+               {glm::vec3(0), b, c},                                             // a vertex at the eye
+               {glm::vec3(-1, 0, 0), glm::vec3(1, 0, 0), glm::vec3(0, 0, -3)},   // seen edge-on
+               {glm::vec3(-1, -1, 1), glm::vec3(1, -1, 1), glm::vec3(0, 1, 1)},  // behind the eye
+               {glm::vec3(-kMax, -kMax, -kMax), glm::vec3(kMax, -kMax, -kMax), glm::vec3(0, kMax, -kMax)},
+               {glm::vec3(-kMax, -1, 1), glm::vec3(kMax, -1, 1), glm::vec3(0, -1, -kMax)}});
   const PictureCamera camera = straight_ahead(32, 32);
   const Rasteriser rasteriser(image_of(all), camera, {.batch = 3}, 8);
   Seen seen;
@@ -199,7 +199,7 @@ TEST(Rasteriser, HasEveryEntryOfItsListsInOneBatchesRuns) {
   std::vector<std::array<glm::vec3, 3>> all;
   for (std::uint64_t i = 0; i < 300; ++i) {
     const float x = sim::unit_float(sim::hash(1, i)), y = sim::unit_float(sim::hash(2, i));
-    append_mesh(all, square(x, y, x + 0.1F, y + 0.05F, 1 + x));
+    append(all, square(x, y, x + 0.1F, y + 0.05F, 1 + x));
   }
   const PictureCamera camera = straight_ahead(64, 64);
   const Rasteriser rasteriser(image_of(all), camera, {.batch = 64}, 16);
@@ -222,7 +222,7 @@ TEST(Rasteriser, FindsTheSameInAnyListsAndBlocks) {
   std::vector<std::array<glm::vec3, 3>> all;
   for (std::uint64_t i = 0; i < 200; ++i) {
     const float x = sim::unit_float(sim::hash(3, i)), y = sim::unit_float(sim::hash(4, i));
-    append_mesh(all, square(x - 0.2F, y - 0.2F, x + 0.2F, y, 1 + 3 * sim::unit_float(sim::hash(5, i))));
+    append(all, square(x - 0.2F, y - 0.2F, x + 0.2F, y, 1 + 3 * sim::unit_float(sim::hash(5, i))));
   }
   const PictureCamera camera = straight_ahead(40, 30);
   const std::vector<Ray> rays = rays_of(camera, 0, 0, 40, 30);

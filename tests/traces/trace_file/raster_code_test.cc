@@ -17,7 +17,7 @@ using test::tile_of_raster;
 using test::tiny_raster;
 using test::tiny_scope;
 
-TEST(RasterCode, GivesBackABatchAndAWave) {
+TEST(RasterCode, RestoresABatchAndAWave) {
   const TileScope scope = tiny_raster();
   const TileWork tile = tile_of_raster();
   TileWork back;
@@ -32,7 +32,7 @@ TEST(RasterCode, IsRefusedInAFrameWithoutRasteriser) {
   EXPECT_EQ(complaint(tile_of_raster(), tiny_scope()), "kind of a node is out of range");
 }
 
-TEST(RasterCode, IsRefusedIfItNamesWhatTheFrameHasNot) {
+TEST(RasterCode, IsRefusedWithReferencesOutsideTheFrame) {
   const auto without = [](const std::function<void(RasterDemands&)>& change) {
     TileScope scope = tiny_raster();
     change(*scope.raster);
@@ -44,7 +44,7 @@ TEST(RasterCode, IsRefusedIfItNamesWhatTheFrameHasNot) {
   EXPECT_EQ(without([](RasterDemands& d) { d.entries = 7; }), "a list of triangles is out of range");
 }
 
-TEST(RasterCode, IsRefusedIfItsFiguresContradictEachOther) {
+TEST(RasterCode, IsRefusedWithContradictoryCounts) {
   const auto with = [](const std::function<void(TileWork&)>& change) {
     TileWork tile = tile_of_raster();
     change(tile);

@@ -25,7 +25,7 @@ using test::tiny_levels;
 using test::tiny_scope;
 using test::tiny_tile;
 
-TEST(TileCode, GivesBackATileThatHasEverything) {
+TEST(TileCode, RestoresATileWithEverything) {
   const TileScope scope = tiny_scope();
   const TileWork tile = tiny_tile();
   TileWork back;
@@ -35,7 +35,7 @@ TEST(TileCode, GivesBackATileThatHasEverything) {
   EXPECT_EQ(rays.steps.all(), 1U + 3 + 3 + 6 + 3 + 1 + 2 + 2) << "visits and tests of the five rays";
 }
 
-TEST(TileCode, GivesBackRaysThatEnterInstances) {
+TEST(TileCode, RestoresRaysThatEnterInstances) {
   const TileScope scope = tiny_levels();
   const TileWork tile = tile_of_levels();
   const std::string bytes = encode(tile, scope.links);
@@ -47,7 +47,7 @@ TEST(TileCode, GivesBackRaysThatEnterInstances) {
   EXPECT_THROW(decode(encode(flat, scope.links), scope, back), sim::InputError);
 }
 
-TEST(TileCode, ADecoderUsesStorageOfFormerTilesAgain) {
+TEST(TileCode, ADecoderReusesItsStorage) {
   const TileScope scope = tiny_scope();
   const TileWork tile = tiny_tile();
   TileWork small;
@@ -69,7 +69,7 @@ TEST(TileCode, ADecoderUsesStorageOfFormerTilesAgain) {
   EXPECT_TRUE(std::ranges::any_of(work.nodes, [&](const WorkNode& n) { return n.inputs.data() == edges; }));
 }
 
-TEST(TileCode, WalksThatAreNoneOnTheTreeAreRefusedWhenRead) {
+TEST(TileCode, WalksThatDoNotFitTheTreeAreRefusedWhenRead) {
   const TileScope scope = tiny_scope();
   TileWork tile = tiny_tile();
   tile.walk[1] = visit_step(2, 0, 0);  // in place of the end
@@ -77,7 +77,7 @@ TEST(TileCode, WalksThatAreNoneOnTheTreeAreRefusedWhenRead) {
   EXPECT_THROW(decode(encode(tile, scope.links), scope, back), sim::InputError);
 }
 
-TEST(TileCode, WhatATileRefersToMustBeThere) {
+TEST(TileCode, ReferencesOfATileMustExist) {
   const auto without = [](auto&& change) {
     TileScope scope = tiny_scope();
     change(scope);
@@ -97,7 +97,7 @@ TEST(TileCode, WhatATileRefersToMustBeThere) {
   EXPECT_EQ(without([](TileScope& s) { s.region_bytes[2] = 0; }), "bytes of a transfer is out of range");
 }
 
-TEST(TileCode, WhatAWalkEntersMustBeThere) {
+TEST(TileCode, EnteredInstancesMustExist) {
   const auto changed = [](std::size_t word, std::uint32_t to) {
     TileWork tile = tile_of_levels(), back;
     tile.walk[word] = to;
@@ -148,7 +148,7 @@ TEST(TileCode, AGraphThatAMachineCouldNotPlayIsRefused) {
             "rays must have one input, an `each` edge from a launch");
 }
 
-TEST(TileCode, RaysWhoseHitsNobodyReadsAreRefused) {
+TEST(TileCode, RaysWithoutReadersAreRefused) {
   TileWork tile = tiny_tile();
   tile.nodes[5].inputs = {{2, Edge::Kind::kAll}};
   EXPECT_EQ(complaint(tile, tiny_scope()), "no node reads the hits of node 4");
@@ -157,7 +157,7 @@ TEST(TileCode, RaysWhoseHitsNobodyReadsAreRefused) {
   EXPECT_EQ(complaint(tile, tiny_scope()), "no node reads all hits of node 4");
 }
 
-TEST(TileCode, WordsThatTheBitsDoNotMakeTakeNoRoom) {
+TEST(TileCode, AForgedNumberOfWordsTakesNoMemory) {
   std::string bytes;
   ByteWriter to(bytes);
   constexpr std::uint32_t kBytes = 4U << 20;
@@ -171,7 +171,7 @@ TEST(TileCode, WordsThatTheBitsDoNotMakeTakeNoRoom) {
   EXPECT_LE(back.walk.capacity(), kBytes / 4) << "words of four bytes: no more than the tile has itself";
 }
 
-TEST(TileCode, ATileHasNoMoreNodesThanAMachineHasRoomFor) {
+TEST(TileCode, ATileHasALimitedNumberOfNodes) {
   TileWork tile;
   tile.nodes.resize(kMaxTileNodes, {.items = 1, .inputs = {}});
   tile.access_begin = {0};
@@ -233,9 +233,9 @@ void expect_tile_or_complaint(const TileScope& scope, const TileWork& tile) {
   EXPECT_GT(accepted, 100U) << "otherwise only the first check has been tried";
 }
 
-TEST(TileCode, NoBytesMakeAnythingButATileOrAComplaint) { expect_tile_or_complaint(tiny_scope(), tiny_tile()); }
+TEST(TileCode, AnyBytesGiveAValidTileOrAnError) { expect_tile_or_complaint(tiny_scope(), tiny_tile()); }
 
-TEST(TileCode, NoBytesMakeAnythingButATileOrAComplaintOfTwoLevels) {
+TEST(TileCode, AnyBytesOfTwoLevelsGiveAValidTileOrAnError) {
   expect_tile_or_complaint(tiny_levels(), tile_of_levels());
 }
 
@@ -253,7 +253,7 @@ TileWork rays_through(const MemoryImage& image, RayKind kind, const std::vector<
   return tile;
 }
 
-TEST(TileCode, WalksOfAnyRaysComeBackAndTakeAFewBitsAStep) {
+TEST(TileCode, WalksAreRestoredAndTakeAFewBitsPerStep) {
   const std::vector<Scene> scenes = {with_flags(triangle_soup(2000, 0.3F)), grid_soup(500), one_triangle(),
                                      sphere(40, 80)};
   for (const Scene& scene : scenes) {
@@ -274,7 +274,7 @@ TEST(TileCode, WalksOfAnyRaysComeBackAndTakeAFewBitsAStep) {
   }
 }
 
-TEST(TileCode, WalksThroughInstancesComeBackAndEnteringCostsNothing) {
+TEST(TileCode, WalksThroughInstancesAreRestoredAndEntersTakeNoBits) {
   for (const Scene& scene : {scattered(80), scattered(1), with_flags(triangle_soup(2000, 0.3F))}) {
     const MemoryImage image = build_memory_image(scene, {.instances = InstanceLevels::kTwoLevel}, 1);
     const TileScope scope{links_of(image), counts_of(image), 1, {}};

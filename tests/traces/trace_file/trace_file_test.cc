@@ -72,7 +72,7 @@ void read_all(const std::filesystem::path& path) {
   }
 }
 
-TEST(TraceFile, GivesBackItsPartsTreesAndTilesInAnyOrder) {
+TEST(TraceFile, ReturnsItsPartsTreesAndTilesInAnyOrder) {
   const Folder folder;
   const auto path = folder.path() / "a.trace";
   write(path);
@@ -153,7 +153,7 @@ TEST(TraceFile, EqualWorkMakesEqualBytes) {
   EXPECT_EQ(bytes_of(folder.path() / "a.trace"), bytes_of(folder.path() / "b.trace"));
 }
 
-TEST(TraceFile, IsThereAsAWholeOrNotAtAll) {
+TEST(TraceFile, AppearsCompleteOrNotAtAll) {
   const Folder folder;
   const auto path = folder.path() / "a.trace";
   {
@@ -169,7 +169,7 @@ TEST(TraceFile, IsThereAsAWholeOrNotAtAll) {
   write(path);  // over an existing trace
 }
 
-TEST(TraceFile, WhatIsNoTraceIsNeitherReplacedNorRead) {
+TEST(TraceFile, OtherFilesAreNeitherReplacedNorRead) {
   const Folder folder;
   const auto thesis = folder.write("thesis.txt", "three years");
   EXPECT_EQ(complaint<sim::InputError>(folder, [&] { TraceWriter(thesis, {}); }),
@@ -191,7 +191,7 @@ TEST(TraceFile, WhatIsNoTraceIsNeitherReplacedNorRead) {
             "no/folder: cannot be written: there is no folder no; make it first");
 }
 
-TEST(TraceFile, WhatIsNoRegularFileIsRefusedBeforeItIsOpened) {
+TEST(TraceFile, FilesThatAreNotRegularAreRefusedBeforeTheyAreOpened) {
   const Folder folder;
   const auto pipe = folder.path() / "f.trace";
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);

@@ -16,7 +16,7 @@ namespace {
 
 using test::tiny_levels;
 
-TEST(TreeLinks, ComeBackAndMustBeATree) {
+TEST(TreeLinks, AreRestoredAndMustBeATree) {
   const MemoryImage image = build_memory_image(triangle_soup(3000, 0.2F), {}, 1);
   const Links links = links_of(image);
   const auto within = [](std::uint64_t triangles) { return ImageCounts{.triangles = triangles, .textures = {}}; };
@@ -47,7 +47,7 @@ TEST(TreeLinks, ComeBackAndMustBeATree) {
   EXPECT_EQ(decode_links(encode_links({deep, {}}), deep.size(), within(1)).nodes, deep);
 }
 
-TEST(TreeLinks, OfTwoLevelsComeBackAndMustHaveTreesOfInstancesAndTrianglesEach) {
+TEST(TreeLinks, OfTwoLevelsAreRestoredAndMustHaveTreesOfInstancesAndTriangles) {
   for (const Scene& scene : {scattered(80), scattered(1), Scene{}}) {
     const MemoryImage image = build_memory_image(scene, {.instances = InstanceLevels::kTwoLevel}, 1);
     const Links links = links_of(image);
@@ -113,7 +113,7 @@ bool is_sound(const TileScope& scope) {
   return sound && nodes == scope.links.nodes.size();
 }
 
-TEST(TreeLinks, NoBytesMakeAnythingButATreeOrAComplaint) {
+TEST(TreeLinks, AnyBytesGiveATreeOrAnError) {
   const TileScope scope = tiny_levels();
   const std::string good = encode_links(scope.links);
   std::size_t accepted = 0;

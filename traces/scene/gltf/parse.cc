@@ -13,28 +13,28 @@ namespace {
 
 using sim::Json;
 
-json* find_member(json& object, const char* key) {
+Json* find_member(Json& object, const char* key) {
   if (!object.is_object()) return nullptr;
   const auto found = object.find(key);
   return found == object.end() ? nullptr : &*found;
 }
 
-json* find_extension_json(json& object, const char* name) {
-  json* extensions = find_member(object, "extensions");
+Json* find_extension_json(Json& object, const char* name) {
+  Json* extensions = find_member(object, "extensions");
   return extensions == nullptr ? nullptr : find_member(*extensions, name);
 }
 
 /// Calls visit(entry) for each entry of `object[key]`, if that is a list.
 template <class Visit>
-void for_each(json& object, const char* key, Visit visit) {
-  json* list = find_member(object, key);
+void for_each(Json& object, const char* key, Visit visit) {
+  Json* list = find_member(object, key);
   if (list == nullptr || !list->is_array()) return;
   for (Json& entry : *list) visit(entry);
 }
 
 /// Returns `object[key][index]`, or null if there is no such entry.
-json* find_entry(json& object, const char* key, const json& index) {
-  json* list = find_member(object, key);
+Json* find_entry(Json& object, const char* key, const Json& index) {
+  Json* list = find_member(object, key);
   if (list == nullptr || !list->is_array() || !index.is_number_unsigned()) return nullptr;
   const auto at = index.get<std::uint64_t>();
   return at < list->size() ? &(*list)[at] : nullptr;
@@ -44,7 +44,7 @@ json* find_entry(json& object, const char* key, const json& index) {
 
 bool make_parsable(Json& file, std::vector<std::size_t>& lent) {
   bool changed = false;
-  for_each(file, "buffers", [&](json& buffer) {
+  for_each(file, "buffers", [&](Json& buffer) {
     if (find_extension_json(buffer, "EXT_meshopt_compression") == nullptr &&
         find_extension_json(buffer, "KHR_meshopt_compression") == nullptr) {
       return;
@@ -54,10 +54,10 @@ bool make_parsable(Json& file, std::vector<std::size_t>& lent) {
     buffer["byteLength"] = 1;
     changed = true;
   });
-  for_each(file, "meshes", [&](json& mesh) {
-    for_each(mesh, "primitives", [&](json& primitive) {
-      const json* indices = find_member(primitive, "indices");
-      json* accessor = indices == nullptr ? nullptr : find_entry(file, "accessors", *indices);
+  for_each(file, "meshes", [&](Json& mesh) {
+    for_each(mesh, "primitives", [&](Json& primitive) {
+      const Json* indices = find_member(primitive, "indices");
+      Json* accessor = indices == nullptr ? nullptr : find_entry(file, "accessors", *indices);
       if (accessor == nullptr || accessor->contains("bufferView")) return;
       if (file["bufferViews"].empty()) file["bufferViews"].push_back({{"buffer", 0}, {"byteLength", 1}});
       (*accessor)["bufferView"] = 0;

@@ -80,7 +80,7 @@ TEST(MemoryImage, BoxesHoldTheirTriangles) {
       });
 }
 
-TEST(MemoryImage, TheLargerChildIsChildZeroAndLiesRightBehindItsParent) {
+TEST(MemoryImage, TheLargerChildIsChildZeroAndFollowsItsParent) {
   const MemoryImage image = build_memory_image(triangle_soup(5000, 0.1F));
   std::set<std::uint32_t> placed{0};
   for_each_child(
@@ -184,7 +184,7 @@ TEST(MemoryImage, PlacesEverythingOnLinesOfItsOwn) {
   EXPECT_EQ(at.frame_buffer, at.end);
 }
 
-TEST(MemoryImage, WhatNoMaterialNeedsTakesNoMemory) {
+TEST(MemoryImage, RecordsThatNoMaterialNeedsTakeNoMemory) {
   Scene scene = triangle_soup(100, 0.3F);
   scene.materials = {{.mirror = 0.5F}};
   const MemoryImage plain = build_memory_image(scene);
@@ -209,7 +209,7 @@ TEST(MemoryImage, WhatNoMaterialNeedsTakesNoMemory) {
   EXPECT_EQ(masked.white, 0U);
 }
 
-TEST(MemoryImage, FlagsTellWhichTrianglesAreNotSolid) {
+TEST(MemoryImage, FlagsMarkTrianglesThatAreNotOpaque) {
   const MemoryImage image = build_memory_image(with_flags(triangle_soup(300, 0.3F)));
   for (const TriangleRecord& t : image.triangles) {
     const std::uint32_t material = t.material & kTriangleMask;
@@ -249,7 +249,7 @@ TEST(MemoryImage, RefusesATextureThatIsNotThereOrEncodedForAnotherUse) {
   EXPECT_THROW(build_memory_image(scene), sim::InputError);
 }
 
-TEST(MemoryImage, TheHashKnowsEveryBitOfTheTree) {
+TEST(MemoryImage, TheHashCoversEveryBitOfTheTree) {
   MemoryImage image = build_memory_image(triangle_soup(100, 0.3F));
   const std::string hash = bvh_hash(image);
   EXPECT_EQ(hash, bvh_hash(build_memory_image(triangle_soup(100, 0.3F), {}, 1)));
@@ -258,7 +258,7 @@ TEST(MemoryImage, TheHashKnowsEveryBitOfTheTree) {
   EXPECT_NE(hash, bvh_hash(image));
 }
 
-TEST(MemoryImage, RefusesAMeshThatNamesWhatItDoesNotHave) {
+TEST(MemoryImage, RefusesAMeshWithInvalidReferences) {
   Scene scene = one_triangle();
   scene.meshes[0].triangles[0][2] = 3;
   EXPECT_THROW(build_memory_image(scene), sim::InputError);

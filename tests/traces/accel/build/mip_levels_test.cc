@@ -107,7 +107,7 @@ MemoryImage with_mips(const Scene& scene, const BvhConfig& config = {}) {
   return build_memory_image(scene, config, 1, nullptr, MipMaps::kOn);
 }
 
-TEST(MipMaps, EveryLevelIsATextureBehindTheOneItIsHalfOf) {
+TEST(MipMaps, EveryLevelFollowsTheOneOfTwiceItsSize) {
   const MemoryImage image = with_mips(textured_triangle());
   EXPECT_EQ(image.mip_levels, (std::vector<std::uint32_t>{5, 0, 0, 0, 0, 2, 0, 1}));
   ASSERT_EQ(image.textures.size(), 8U);

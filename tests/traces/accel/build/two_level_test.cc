@@ -55,7 +55,7 @@ TEST(HitOfInstances, HoldsTheInstanceAndTheWeightsInFourWords) {
   EXPECT_EQ(instance_of(corner), kMaxInstances - 1);
 }
 
-TEST(TwoLevels, NoTreeChangesTheAnswer) {
+TEST(TwoLevels, GiveTheSameHitsWithAnyTree) {
   for (const std::uint32_t leaf_size : {1U, 4U}) {
     BvhConfig config = kLevels;
     config.leaf_size = leaf_size;
@@ -100,7 +100,7 @@ TEST(TwoLevels, PortableArithmeticGivesTheSameBits) {
   }
 }
 
-TEST(TwoLevels, ShowWhatTheFlattenedSceneShows) {
+TEST(TwoLevels, FindTheHitsOfTheFlattenedScene) {
   const Scene scene = scattered(100);
   const MemoryImage flat = build_memory_image(scene);
   const MemoryImage levels = build_memory_image(scene, kLevels);
@@ -157,7 +157,7 @@ TEST(TwoLevels, AWrongInstanceIsADistanceError) {
   EXPECT_GT(verifying.counts().distance_errors, 100U);
 }
 
-TEST(TwoLevels, AMeshLiesInMemoryOnceHoweverOftenItStandsSomewhere) {
+TEST(TwoLevels, AMeshIsStoredOnceForAllItsInstances) {
   Scene scene = sphere(20, 40);
   const std::size_t triangles = scene.meshes[0].triangles.size();
   scene.instances.resize(500, scene.instances[0]);
@@ -172,7 +172,7 @@ TEST(TwoLevels, AMeshLiesInMemoryOnceHoweverOftenItStandsSomewhere) {
   EXPECT_LT(image.layout.end, 30 * build_memory_image(one_triangle()).layout.end + 500 * 128 + triangles * 200);
 }
 
-TEST(TwoLevels, WhatCannotBeInvertedOrDeformsHasATreeOfItsOwn) {
+TEST(TwoLevels, MeshesThatDeformOrCannotBeInvertedHaveTheirOwnTree) {
   Scene scene = sphere(6, 8);
   scene.instances.resize(4, scene.instances[0]);
   scene.instances[1].to_world[1] = glm::vec4(0);
@@ -216,7 +216,7 @@ TEST(FlatInstances, HaveFiniteRecordsInTreesOfOneAndTwoLevels) {
   }
 }
 
-TEST(TwoLevels, EverySingleBoxHasAPlaceOfItsOwn) {
+TEST(TwoLevels, EverySingleBoxHasItsOwnRecord) {
   BvhConfig config = kLevels;
   config.boxes = BoxRecords::kSingle;
   const MemoryImage image = build_memory_image(scattered(40), config);
@@ -250,7 +250,7 @@ Scene deforming() {
   return scene;
 }
 
-TEST(TwoLevels, AMovedSceneRebuiltIsTheSceneBuiltWhereItIs) {
+TEST(TwoLevels, ARebuildOfAMovedSceneEqualsANewBuild) {
   MemoryImage image = build_memory_image(deforming(), kLevels);
   for (const float by : {0.3F, 0.1F}) {
     const Scene scene = moved(deforming(), by);
@@ -262,7 +262,7 @@ TEST(TwoLevels, AMovedSceneRebuiltIsTheSceneBuiltWhereItIs) {
   }
 }
 
-TEST(TwoLevels, AMovedSceneRefittedIsHitAsEveryTriangleIs) {
+TEST(TwoLevels, ARefittedSceneGivesTheHitsOfEveryTriangle) {
   BvhConfig config = kLevels;
   config.update = BvhUpdate::kRefit;
   MemoryImage image = build_memory_image(deforming(), config);
@@ -289,7 +289,7 @@ TEST(TwoLevels, AnInstanceThatBecomesFlatGetsATreeOfItsOwnAndLosesItAgain) {
   EXPECT_EQ(bvh_hash(image), bvh_hash(build_memory_image(scene, kLevels)));
 }
 
-TEST(TwoLevels, TheNodeAboveAnInstanceIsKnown) {
+TEST(TwoLevels, TheParentOfAnInstanceIsFound) {
   const MemoryImage image = build_memory_image(scattered(40), kLevels);
   const std::vector<std::uint32_t> parents = parents_of(image);
   ASSERT_EQ(parents.size(), image.nodes.size() + image.instances.size());
