@@ -1,6 +1,7 @@
 #include "sim/io/file.h"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <fstream>
 #include <system_error>
@@ -38,7 +39,80 @@ class Descriptor {
   const int fd_;
 };
 
-constexpr std::string_view kTemporary = ".raywatt-tmp";  // nobody else calls a file so
+constexpr std::string_view kTemporary = ".raywatt-tmp";  // ends the temporary names of no other program
+
+/// True if an open file still is the one called `path`: another process may have removed it.
+bool has_name(int file, const std::filesystem::path& path) {
+  struct stat open {
+  }, named{};
+  return ::fstat(file, &open) == 0 && ::lstat(path.c_str(), &named) == 0 && open.st_ino == named.st_ino &&
+         open.st_dev == named.st_dev;
+}
+
+enum class Kind : std::uint8_t { kFile, kFolder };
+
+/// Creates a temporary file or folder that does not exist yet, and locks it. Returns its descriptor; -1 with EEXIST if
+/// the name is taken, or with another error. File systems without locks are accepted.
+int create_locked(const std::filesystem::path& path, Kind kind) {
+  int file = -1;
+  if (kind == Kind::kFile) {
+    file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+  } else if (::mkdir(path.c_str(), 0777) == 0) {
+    file = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+    if (file < 0 && errno != ENOENT) {
+      const int error = errno;
+      ::rmdir(path.c_str());
+      errno = error;
+    }
+  }
+  if (file < 0) return file;
+  // Until it is locked, another process may take it for stale and remove it.
+  const bool is_taken = ::flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  if (!is_taken && has_name(file, path)) return file;
+  ::close(file);
+  errno = EEXIST;
+  return -1;
+}
+
+/// Removes the entries of a folder that have such a name and whose lock is free.
+void remove_stale_entries(const std::filesystem::path& folder, const std::function<bool(const std::string&)>& matches) {
+  std::error_code failed, ignored;
+  std::filesystem::directory_iterator entry(folder, failed);
+  for (; !failed && entry != std::filesystem::directory_iterator(); entry.increment(failed)) {
+    const std::filesystem::path& path = entry->path();
+    if (!matches(path.filename().string())) continue;
+    const Descriptor stale(path, O_RDONLY | O_NOFOLLOW | O_NONBLOCK);
+    const bool is_free = stale.valid() && ::flock(stale.get(), LOCK_EX | LOCK_NB) == 0 && has_name(stale.get(), path);
+    if (is_free) std::filesystem::remove_all(path, ignored);
+  }
+}
+
+/// Splits "PID-N" off the end of a text, with the dot before it; former versions wrote "PID.N" for folders. False if
+/// there is none.
+bool remove_process_and_number(std::string_view& text) {
+  constexpr std::string_view kDigits = "0123456789";
+  for (const std::string_view separators : {"-.", "."}) {
+    const std::size_t digits = text.find_last_not_of(kDigits);
+    const bool is_number = digits != text.npos && digits + 1 != text.size();
+    if (!is_number || separators.find(text[digits]) == separators.npos) return false;
+    text = text.substr(0, digits);
+  }
+  return true;
+}
+
+bool is_temporary_folder_name(std::string_view name) {
+  if (!name.starts_with('.') || !name.ends_with(kTemporary)) return false;
+  name.remove_suffix(kTemporary.size());
+  return remove_process_and_number(name) && name.size() > 1;
+}
+
+std::filesystem::path parent_of(const std::filesystem::path& path) {
+  return path.has_parent_path() ? path.parent_path() : ".";
+}
+
+[[noreturn]] void fail_to_write(const std::filesystem::path& path, int error) {
+  throw IoError(fmt::format("{}: cannot be written: {}", printable(path.string()), reason(error)));
+}
 
 }  // namespace
 
@@ -72,14 +146,9 @@ std::string read_file(const std::filesystem::path& path, std::uint64_t most_byte
   }
 }
 
-void remove_left_of(const std::filesystem::path& path) {
-  std::error_code failed;
-  std::filesystem::directory_iterator entry(path.has_parent_path() ? path.parent_path() : ".", failed);
-  for (; !failed && entry != std::filesystem::directory_iterator(); entry.increment(failed)) {
-    if (!is_left_of(entry->path().filename().string(), path.filename())) continue;
-    const Descriptor left(entry->path(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK);
-    if (left.valid() && ::flock(left.get(), LOCK_EX | LOCK_NB) == 0) ::unlink(entry->path().c_str());
-  }
+void remove_stale_files(const std::filesystem::path& path) {
+  remove_stale_entries(parent_of(path),
+                       [&](const std::string& name) { return is_temporary_name(name, path.filename()); });
 }
 
 static void check_replaceable(const std::filesystem::path& path, const Replaceable& what) {
@@ -90,7 +159,7 @@ static void check_replaceable(const std::filesystem::path& path, const Replaceab
   if (type == Type::not_found) return;
   if (type == Type::none) throw InputError(fmt::format("{}: cannot be written: {}", shown, failed.message()));
   if (type == Type::directory) throw InputError(shown + ": is a folder, not a file");
-  if (type != Type::regular) {  // to open a pipe is to wait for who writes into it
+  if (type != Type::regular) {  // opening a pipe would block until it has a writer
     throw InputError(fmt::format("{}: is there and is {}; allowed: a new file, or a {} to be replaced", shown,
                                  type == Type::symlink ? "a link" : "not a regular file", what.kind));
   }
@@ -105,10 +174,10 @@ static void check_replaceable(const std::filesystem::path& path, const Replaceab
   }
 }
 
-/// A file that is replaced is written beside its place, too.
+/// Checks that the folder exists and takes new files: a file is replaced through a temporary one next to it.
 static void check_folder_of(const std::filesystem::path& path) {
   const std::string shown = printable(path.string());
-  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  const std::filesystem::path folder = parent_of(path);
   std::error_code failed;
   if (!std::filesystem::is_directory(folder, failed)) {
     throw InputError(
@@ -121,21 +190,16 @@ static void check_folder_of(const std::filesystem::path& path) {
 void check_output(const std::filesystem::path& path, const Replaceable& what) {
   check_replaceable(path, what);
   check_folder_of(path);
-  remove_left_of(path);
+  remove_stale_files(path);
 }
 
 NewFile::NewFile(std::filesystem::path path) : path_(std::move(path)) {
   const std::string extension = path_.extension().string();
-  // Again if the name is taken: by what a killed process has left, by another thread, by a file of the user's.
   for (int n = 0; n < 1000 && (n == 0 || errno == EEXIST); ++n) {
     temporary_ = path_;
     temporary_.replace_extension(fmt::format(".{}-{}{}{}", ::getpid(), n, kTemporary, extension));
-    file_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
-    if (file_ < 0) continue;
-    struct stat about {};
-    if (::flock(file_, LOCK_EX | LOCK_NB) != 0 || ::fstat(file_, &about) != 0 || about.st_nlink != 0) return;
-    ::close(std::exchange(file_, -1));  // taken for left in the moment before it was locked
-    errno = EEXIST;
+    file_ = create_locked(temporary_, Kind::kFile);
+    if (file_ >= 0) return;
   }
   fail();
 }
@@ -145,12 +209,9 @@ NewFile::~NewFile() {
   if (!temporary_.empty()) ::unlink(temporary_.c_str());
 }
 
-void NewFile::fail() const {
-  const int error = errno;
-  throw IoError(fmt::format("{}: cannot be written: {}", printable(path_.string()), reason(error)));
-}
+void NewFile::fail() const { fail_to_write(path_, errno); }
 
-/// Leaves in errno why it is false.
+/// Writes all bytes. False with the error in errno if that fails.
 static bool write_all(int file, std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t written = ::write(file, bytes.data(), bytes.size());
@@ -166,12 +227,12 @@ void NewFile::write(std::string_view bytes) {
 
 void NewFile::commit() {
   if (::fsync(file_) != 0) fail();
-  // Holds the lock until the file has its name: without it another process takes the file for left.
+  // The lock is held until the rename: without it another process would remove the file as stale.
   const Descriptor locked(::fcntl(file_, F_DUPFD_CLOEXEC, 0));
   if (::close(std::exchange(file_, -1)) != 0) fail();  // some file systems report a full disk only here
   if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail();
   temporary_.clear();
-  const Descriptor folder(path_.has_parent_path() ? path_.parent_path() : ".", O_RDONLY | O_DIRECTORY);
+  const Descriptor folder(parent_of(path_), O_RDONLY | O_DIRECTORY);
   if (folder.valid()) ::fsync(folder.get());
 }
 
@@ -191,14 +252,133 @@ void append_to_file(const std::filesystem::path& path, std::string_view bytes) {
                             file.valid() && !regular ? "it is not a regular file" : reason(errno)));
 }
 
-bool is_left_of(std::string_view left, const std::filesystem::path& name) {
-  const std::string begin = name.stem().string() + ".", end = std::string(kTemporary) + name.extension().string();
-  if (!left.starts_with(begin) || !left.ends_with(end) || left.size() <= begin.size() + end.size()) return false;
-  const std::string_view number = left.substr(begin.size(), left.size() - begin.size() - end.size());
-  const std::size_t dash = number.find('-');
-  if (dash == number.npos || dash == 0 || dash + 1 == number.size()) return false;
-  return number.find_first_not_of("0123456789", dash + 1) == number.npos &&
-         number.find_first_not_of("0123456789") == dash;
+void sync_to_disk(const std::filesystem::path& path) {
+  const Descriptor file(path, O_RDONLY);
+  if (!file.valid() || ::fsync(file.get()) != 0) fail_to_write(path, errno);
+}
+
+void make_folders(const std::filesystem::path& path) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) return;
+  const std::filesystem::path parent = std::filesystem::absolute(path).lexically_normal().parent_path();
+  if (parent != path) make_folders(parent);
+  if (std::filesystem::create_directory(path, error)) sync_to_disk(parent);
+  if (error) fail_to_write(path, error == std::errc::file_exists ? ENOTDIR : error.value());
+}
+
+bool is_temporary_name(std::string_view name, const std::filesystem::path& target) {
+  const std::string begin = target.stem().string(), end = std::string(kTemporary) + target.extension().string();
+  if (!name.ends_with(end)) return false;
+  name.remove_suffix(end.size());
+  return remove_process_and_number(name) && name == begin;
+}
+
+NewFolder::NewFolder(std::filesystem::path target, const std::filesystem::path& parent)
+    : target_(std::move(target)), parent_(parent.empty() ? target_.parent_path() : parent) {}
+
+NewFolder::~NewFolder() {
+  std::error_code ignored;
+  if (!temporary_.empty()) std::filesystem::remove_all(temporary_, ignored);
+  for (const std::filesystem::path& parent : made_parents_) std::filesystem::remove(parent, ignored);
+  if (lock_ >= 0) ::close(lock_);
+}
+
+std::error_code NewFolder::make() {
+  std::error_code error;
+  for (std::filesystem::path p = parent_; !std::filesystem::exists(p, error) && p.has_relative_path();
+       p = p.parent_path()) {
+    made_parents_.push_back(p);
+  }
+  for (int n = 0; n < 100; ++n) {
+    std::filesystem::create_directories(parent_, error);
+    if (error) continue;  // another process has just removed a parent that it had made
+    temporary_ = parent_ / fmt::format(".{}.{}-{}{}", target_.filename().string(), ::getpid(), n, kTemporary);
+    lock_ = create_locked(temporary_, Kind::kFolder);
+    if (lock_ >= 0) return {};
+    error = {errno, std::generic_category()};
+    temporary_.clear();
+    if (error != std::errc::file_exists && error != std::errc::no_such_file_or_directory) break;
+  }
+  return error;
+}
+
+void NewFolder::remove_stale() const { remove_stale_entries(parent_, is_temporary_folder_name); }
+
+namespace {
+
+constexpr std::size_t kMostNote = 512;
+
+[[noreturn]] void fail_to_lock(const std::filesystem::path& path, int error) {
+  throw IoError(fmt::format("{}: cannot be locked: {}", printable(path.string()), reason(error)));
+}
+
+// A lock of the open file description: freed by the kernel, and seen by other hosts, which flock() is not.
+struct flock write_lock() {
+  struct flock range {};
+  range.l_type = F_WRLCK;
+  range.l_whence = SEEK_SET;
+  return range;
+}
+
+std::string note_in(int file) {
+  std::array<char, kMostNote> text{};
+  const ssize_t size = ::pread(file, text.data(), text.size(), 0);
+  return {text.data(), static_cast<std::size_t>(size < 0 ? 0 : size)};
+}
+
+/// A lock file is empty or holds one line, "HOST PID". Any other file is not ours.
+bool is_lock_file(int file) {
+  struct stat open {};
+  if (::fstat(file, &open) != 0 || !S_ISREG(open.st_mode) || open.st_size > static_cast<off_t>(kMostNote)) return false;
+  const std::string note = note_in(file);
+  const std::size_t space = note.rfind(' ');
+  return open.st_size == 0 ||
+         (space != std::string::npos && note.find_first_not_of("0123456789", space + 1) == note.size() - 1 &&
+          note.ends_with('\n'));
+}
+
+}  // namespace
+
+std::optional<FileLock> FileLock::try_acquire(const std::filesystem::path& path, const std::string& note) {
+  for (;;) {
+    const int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
+    if (file < 0 && errno != ELOOP) fail_to_lock(path, errno);
+    if (file < 0 || !is_lock_file(file)) {
+      if (file >= 0) ::close(file);
+      throw InputError(printable(path.string()) + ": is not a lock file of Raywatt; allowed: another folder");
+    }
+    struct flock range = write_lock();
+    if (::fcntl(file, F_OFD_SETLK, &range) != 0) {
+      const int error = errno;
+      ::close(file);
+      if (error == EAGAIN || error == EACCES) return std::nullopt;
+      fail_to_lock(path, error);
+    }
+    if (has_name(file, path)) {  // the former holder removes the file when it releases the lock
+      if (!note.empty() && (::ftruncate(file, 0) != 0 ||
+                            ::pwrite(file, note.data(), note.size(), 0) != static_cast<ssize_t>(note.size()))) {
+        const int error = errno;
+        ::unlink(path.c_str());
+        ::close(file);
+        fail_to_lock(path, error);
+      }
+      return FileLock(path, file);
+    }
+    ::close(file);
+  }
+}
+
+std::optional<std::string> FileLock::read_holder(const std::filesystem::path& path) {
+  const Descriptor file(path, O_RDWR | O_NOFOLLOW | O_NONBLOCK);
+  struct flock range = write_lock();
+  const bool is_held = file.valid() && ::fcntl(file.get(), F_OFD_GETLK, &range) == 0 && range.l_type != F_UNLCK;
+  return is_held ? std::optional(note_in(file.get())) : std::nullopt;
+}
+
+FileLock::~FileLock() {
+  if (file_ < 0) return;
+  ::unlink(path_.c_str());
+  ::close(file_);
 }
 
 }  // namespace sim

@@ -2,7 +2,6 @@
 
 #include "tests/fuzz/common.h"
 #include "tools/studies/sweep/spec/plan.h"
-#include "tools/studies/sweep/spec/subset.h"
 
 // A sweep's file, as `raywatt sweep run FILE --dry-run` reads it, and its first points. Further points are not made, as
 // their time grows with their number.
@@ -30,9 +29,9 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     if (!is_small(spec)) return;
     tools::sweep::Planner planner(spec, fuzz::folder());
     const auto is_wanted = [&](const tools::sweep::Choice& choice) { return planner.is_wanted(choice); };
-    const std::vector<tools::sweep::Choice> choices = choose(spec.subset, planner.sizes(), is_wanted);
+    const std::vector<tools::sweep::Choice> choices = choose_combinations(spec.subset, planner.axis_sizes(), is_wanted);
     for (std::size_t i = 0; i < std::min(choices.size(), kMostPoints); ++i) {
-      const std::string line = to_line(planner.point(choices[i]));
+      const std::string line = to_line(planner.make_point(choices[i]));
       tools::sweep::read_line(line, "points");
     }
   });

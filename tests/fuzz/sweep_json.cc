@@ -1,7 +1,7 @@
 #include <filesystem>
 
 #include "tests/fuzz/common.h"
-#include "tools/studies/sweep/results/index/report_scan.h"
+#include "tools/studies/sweep/results/collect.h"
 #include "tools/studies/sweep/store/folder.h"
 #include "tools/studies/sweep/store/store.h"
 
@@ -17,7 +17,7 @@ const std::string kId(64, '0');
 void read_folder(const std::string& folder) {
   fuzz::refusing([&] {
     const auto sweep = tools::sweep::SweepFolder::open(fuzz::folder() / folder);
-    sweep.points();
+    sweep.read_points();
   });
 }
 
@@ -26,7 +26,7 @@ void read_failure(std::string_view bytes) {
   const tools::sweep::Store store(root);
   static const bool made = fs::create_directories(store.failure_file(kId).parent_path());
   if (made) fuzz::file_of(bytes, fs::relative(store.failure_file(kId), fuzz::folder()).string());
-  fuzz::refusing([&] { store.failure(kId); });
+  fuzz::refusing([&] { store.read_failure(kId); });
 }
 
 }  // namespace

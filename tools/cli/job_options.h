@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "tools/run/frame/job_options.h"
-#include "tools/studies/sweep/launch/launcher_options.h"
+#include "tools/studies/sweep/launch/launcher.h"
 
 namespace CLI {
 class App;

@@ -14,11 +14,10 @@
 #include "tools/host/paths.h"
 #include "tools/host/standard_streams.h"
 #include "tools/studies/sweep/results/best.h"
-#include "tools/studies/sweep/results/index/collect.h"
-#include "tools/studies/sweep/results/index/sqlite.h"
+#include "tools/studies/sweep/results/collect.h"
 #include "tools/studies/sweep/results/pareto.h"
-#include "tools/studies/sweep/results/results_table.h"
 #include "tools/studies/sweep/results/sensitivity.h"
+#include "tools/studies/sweep/results/table.h"
 #include "tools/studies/sweep/store/folder.h"
 
 namespace tools {
@@ -123,28 +122,12 @@ std::size_t terminal_width() {
   return ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col != 0 ? size.ws_col : 80;
 }
 
-/// Updates the index. If it cannot be written (another user's folder, a full disk), an older index is used.
-void collect_if_possible(const fs::path& sweep) {
-  try {
-    results::collect(sweep::SweepFolder::open(sweep));
-  } catch (const sim::IoError& error) {
-    std::error_code failed;
-    if (!fs::exists(sweep / "index.sqlite", failed)) throw;
-    print_message("warning: {}; the results below are those last collected", error.what());
-  }
-}
-
-/// Prints `ask(results)`. A damaged index is reported as an input error.
-template <class Ask>
-void with_results(const fs::path& sweep, Ask&& ask, bool csv = false) {
-  collect_if_possible(sweep);
-  try {
-    const results::Results read(sweep);
-    fmt::print("{}", csv ? ask(read) : terminal_text(ask(read)));
-  } catch (const results::SqliteError& error) {
-    throw sim::InputError(fmt::format("{}: is damaged ({}); remove it, and it is built again",
-                                      (sweep / "index.sqlite").string(), error.what()));
-  }
+/// Collects the results of a sweep and prints what `write` makes of them.
+template <class Write>
+void print_results(const fs::path& sweep, Write&& write, bool csv = false) {
+  results::collect_if_writable(sweep, "what follows is");
+  const results::Results read(sweep);
+  fmt::print("{}", csv ? write(read) : terminal_text(write(read)));
 }
 
 /// Adds a verb that reads the results of the sweep in `folder`.
@@ -177,7 +160,7 @@ void add_collect(CLI::App& group) {
   verb->callback([folder] {
     const sweep::SweepFolder opened = sweep::SweepFolder::open(*folder);
     join_sweep(opened);
-    const results::Collected collected = results::collect(opened);
+    const results::Collected collected = results::collect_results(opened);
     fmt::print("{}{}\ntable: {}\nindex: {}\n", summary_text(collected), collected.unchanged ? ", as before" : "",
                (*folder / "results.csv").string(), (*folder / "index.sqlite").string());
   });
@@ -198,7 +181,7 @@ void add_table(CLI::App& group) {
   verb->add_flag("--csv", o->csv, "print CSV, with all digits");
   verb->footer("Example: raywatt sweep table out/l1 --columns n,tni.trv.l1.size,cycles,power_w.nominal --sort cycles");
   verb->callback([o] {
-    with_results(
+    print_results(
         o->folder, [&](const auto& r) { return results_table(r, *o); }, o->csv);
   });
 }
@@ -220,7 +203,7 @@ void add_pareto(CLI::App& group) {
       "Without a prefix, performance, utilisation and PSNR are maximised and all other metrics minimised.\n\n"
       "Example: raywatt sweep pareto out/l1 --x power_w.nominal --y fps");
   verb->callback([o] {
-    with_results(
+    print_results(
         o->folder, [&](const auto& r) { return pareto_text(r, *o, terminal_width()); }, o->csv);
   });
 }
@@ -238,7 +221,7 @@ void add_sensitivity(CLI::App& group) {
   add_energy_option(*verb, o->band);
   verb->footer("Example: raywatt sweep sensitivity out/l1 --metric cycles --metric dram_bytes");
   verb->callback([o] {
-    with_results(o->folder, [&](const auto& r) { return sensitivity_text(r, o->metrics, o->where, o->band); });
+    print_results(o->folder, [&](const auto& r) { return sensitivity_text(r, o->metrics, o->where, o->band); });
   });
 }
 
@@ -258,8 +241,8 @@ void add_best(CLI::App& group) {
   verb->footer("Example: raywatt sweep best out/l1 --max frames_per_joule_gpu --where 'power_w.nominal<1'");
   verb->callback([o] {
     if (o->most.empty() == o->least.empty()) throw sim::InputError("sweep best needs --max PATH or --min PATH");
-    with_results(o->folder, [&](const auto& r) {
-      const std::vector<sweep::Point> points = sweep::SweepFolder::open(o->folder).points();
+    print_results(o->folder, [&](const auto& r) {
+      const std::vector<sweep::Point> points = sweep::SweepFolder::open(o->folder).read_points();
       return best_text(r, points, {o->most.empty() ? o->least : o->most, !o->most.empty(), o->where, o->band});
     });
   });

@@ -9,10 +9,8 @@ list(SORT RAYWATT_MODEL_SOURCES)
 # What makes a report of the model's figures, or estimates them: results are stored under both ids.
 file(GLOB_RECURSE RAYWATT_REPORT_SOURCES CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}
   host/*.h host/*.cc run/*.h run/*.cc analysis/*.h analysis/*.cc sampling/*.h sampling/*.cc
-  studies/sweep/launch/compute.h studies/sweep/launch/compute.cc
-  studies/sweep/launch/compute_slices.cc)
-raywatt_require_files(host run analysis sampling studies/sweep/launch/compute.h
-  studies/sweep/launch/compute.cc studies/sweep/launch/compute_slices.cc)
+  studies/sweep/launch/compute.h studies/sweep/launch/compute.cc)
+raywatt_require_files(host run analysis sampling studies/sweep/launch/compute.h studies/sweep/launch/compute.cc)
 list(SORT RAYWATT_REPORT_SOURCES)
 
 string(TOUPPER "${CMAKE_BUILD_TYPE}" build_type)

@@ -20,8 +20,8 @@
 #include <unistd.h>
 
 #include "sim/error.h"
+#include "sim/io/file.h"
 #include "tools/host/interrupt.h"
-#include "tools/host/staging.h"
 
 namespace tools {
 
@@ -31,17 +31,17 @@ namespace {
 
 fs::path dated_folder() {
   const std::string date = fmt::format("{:%Y-%m-%d_%H-%M-%S}", fmt::localtime(std::time(nullptr)));
-  std::error_code ignored;  // failures are told where the folder is made
+  std::error_code ignored;  // reported when the folder is made
   const fs::path parent = fs::absolute("raywatt-out", ignored);
   fs::path folder = parent / date;
   for (int n = 2; fs::exists(folder, ignored); ++n) folder = parent / fmt::format("{}_{}", date, n);
   return folder;
 }
 
-constexpr std::streamsize kLongestStart = 1 << 20;  ///< bytes of a report that hold what it was made by
+constexpr std::streamsize kLongestStart = 1 << 20;  ///< bytes of a report that contain its command line
 
-/// The start of the file of this name if it is one of ours, else nothing. Others have a report.json too.
-std::string start_of_results(const fs::path& folder, std::string_view name) {
+/// Returns the first bytes of a result file; empty if there is none or another program wrote it.
+std::string read_start(const fs::path& folder, std::string_view name) {
   std::error_code failed;
   if (!fs::is_regular_file(folder / name, failed)) return {};
   std::string start(kLongestStart, '\0');
@@ -51,7 +51,7 @@ std::string start_of_results(const fs::path& folder, std::string_view name) {
   return std::string_view(start).substr(0, 128).find("\"schema\": \"raywatt-") != std::string_view::npos ? start : "";
 }
 
-/// The verb that has written this report.json.
+/// Returns the verb that wrote this report.json.
 std::string_view verb_of(const std::string& report) {
   std::size_t at = report.find("\"argv\": [");
   if (at != std::string::npos) at = report.find('"', report.find('[', at));  // the first word
@@ -64,12 +64,12 @@ std::string_view verb_of(const std::string& report) {
 enum class Former : std::uint8_t { kNone, kOfOtherVerb, kOwn };
 
 Former former_results(const fs::path& folder, const ResultsOf& verb) {
-  const std::string start = start_of_results(folder, verb.mark);
+  const std::string start = read_start(folder, verb.mark);
   if (start.empty()) return Former::kNone;
   return verb.name.empty() || verb.name == verb_of(start) ? Former::kOwn : Former::kOfOtherVerb;
 }
 
-/// Every file that a verb may leave in its folder.
+/// Names of the files that verbs write into their folders.
 constexpr std::array<std::string_view, 17> kResults = {
     "report.json",    "report.txt",  "config.yaml", "tiles.json",     "intervals.bin.zst", "timeline.pftrace",
     "image.png",      "image.exr",   "pixels.exr",  "reference.exr",  "reference.png",     "reference.json",
@@ -96,7 +96,7 @@ bool is_result(const fs::directory_entry& entry, const ResultsOf& verb) {
          is_result_name(name);
 }
 
-/// Former results of the verb: none in a folder that is not its own.
+/// Lists the former results of the verb; none in a folder of another verb.
 std::vector<fs::path> former_files(const fs::path& folder, const ResultsOf& verb) {
   std::vector<fs::path> files;
   if (former_results(folder, verb) != Former::kOwn) return files;
@@ -106,8 +106,7 @@ std::vector<fs::path> former_files(const fs::path& folder, const ResultsOf& verb
   return files;
 }
 
-/// InputError if something that is no file has a result's name, in whose way it would stay, or if the folder cannot be
-/// read.
+/// InputError if the folder cannot be read, or if a folder, link or device in it has the name of a result.
 void check_names(const fs::path& folder) {
   std::error_code failed, vanished;
   fs::directory_iterator entry(folder, failed);
@@ -120,8 +119,8 @@ void check_names(const fs::path& folder) {
   if (failed) throw sim::InputError(fmt::format("{}: cannot be read ({})", folder.string(), failed.message()));
 }
 
-/// Puts the results of `from` into `to` among the files of others, in place of former results.
-std::error_code place_among(const fs::path& from, const fs::path& to, const std::vector<fs::path>& former) {
+/// Moves the results from `from` to `to`, which also contains other files, and removes former results there.
+std::error_code move_results(const fs::path& from, const fs::path& to, const std::vector<fs::path>& former) {
   std::vector<fs::path> results;
   for (const fs::directory_entry& entry : fs::directory_iterator(from)) results.push_back(entry.path().filename());
   std::error_code error;
@@ -140,8 +139,8 @@ std::string cannot_be_written(const fs::path& folder, const std::error_code& err
   return fmt::format("{}: cannot be written ({})", folder.string(), error.message());
 }
 
-/// Two folders take each other's place, in one step where the file system can do that.
-std::error_code exchange(const fs::path& a, const fs::path& b) {
+/// Exchanges two folders, atomically where the file system supports it.
+std::error_code exchange_folders(const fs::path& a, const fs::path& b) {
   if (::renameat2(AT_FDCWD, a.c_str(), AT_FDCWD, b.c_str(), RENAME_EXCHANGE) == 0) return {};
   const fs::path aside = a.string() + ".old";
   std::error_code error, ignored;
@@ -152,15 +151,15 @@ std::error_code exchange(const fs::path& a, const fs::path& b) {
   return error;
 }
 
-/// Gives `folder` the permissions and the group of the one that it is to replace.
-void resemble(const fs::path& folder, const fs::path& former) {
+/// Copies permissions and group of the folder that will be replaced.
+void copy_permissions(const fs::path& folder, const fs::path& former) {
   struct stat about {};
   if (::stat(former.c_str(), &about) != 0) return;
   std::ignore = ::chown(folder.c_str(), static_cast<uid_t>(-1), about.st_gid);  // first: it clears setgid
   ::chmod(folder.c_str(), about.st_mode & 07777U);
 }
 
-/// Somebody stands in the working directory: a shell would be left in a folder that is gone.
+/// A shell whose working directory is replaced would be left in a deleted folder.
 bool is_working_directory(const fs::path& folder) {
   std::error_code ignored;
   return fs::equivalent(folder, fs::current_path(ignored), ignored);
@@ -198,7 +197,7 @@ RunFolder::RunFolder(fs::path target, bool force, const ResultsOf& verb)
       throw sim::InputError(
           fmt::format("{}: holds the results of raywatt {}; choose another folder or give --force to put these among "
                       "them, in place of files of the same name",
-                      target_.string(), verb_of(start_of_results(target_, verb_.mark))));
+                      target_.string(), verb_of(read_start(target_, verb_.mark))));
     }
     if (!force && former == Former::kNone && !fs::is_empty(target_, error)) {
       throw sim::InputError(
@@ -207,7 +206,8 @@ RunFolder::RunFolder(fs::path target, bool force, const ResultsOf& verb)
                       target_.string(), verb_.mark));
     }
   }
-  Staging probe(target_);
+  sim::NewFolder probe(target_);
+  probe.remove_stale();
   error = probe.make();
   if (error) throw sim::InputError(cannot_be_written(target_, error));
 }
@@ -216,29 +216,30 @@ bool RunFolder::holds_former_run() const { return former_results(target_, verb_)
 
 void RunFolder::fill(const std::function<std::string(const Open& folder)>& write) {
   std::optional<HoldInterrupts> hold;
-  Staging staging(target_);
+  sim::NewFolder staging(target_);
+  staging.remove_stale();
   std::error_code error;
   const std::string kept = write([&]() -> const fs::path& {
     if (!hold) hold.emplace();
-    if (staging.folder().empty()) error = staging.make();
+    if (staging.path().empty()) error = staging.make();
     if (error) throw sim::IoError(cannot_be_written(target_, error));
-    return staging.folder();
+    return staging.path();
   });
-  resemble(staging.folder(), target_);
+  copy_permissions(staging.path(), target_);
   if (is_working_directory(target_)) {
     error = std::make_error_code(std::errc::file_exists);
   } else {
-    fs::rename(staging.folder(), target_, error);  // a full folder is never replaced by this
+    fs::rename(staging.path(), target_, error);  // fails if the target is not empty
   }
-  while (dated_ && is_occupied(error)) {  // by a run of the same second
+  while (dated_ && is_occupied(error)) {  // another run began in the same second
     target_ = dated_folder();
-    fs::rename(staging.folder(), target_, error);
+    fs::rename(staging.path(), target_, error);
   }
   if (is_occupied(error)) {
     const std::vector<fs::path> former = former_files(target_, verb_);
     const auto files = static_cast<std::size_t>(std::distance(fs::directory_iterator(target_), {}));
-    error = former.size() == files && !is_working_directory(target_) ? exchange(staging.folder(), target_)
-                                                                     : place_among(staging.folder(), target_, former);
+    error = former.size() == files && !is_working_directory(target_) ? exchange_folders(staging.path(), target_)
+                                                                     : move_results(staging.path(), target_, former);
   }
   if (error) throw sim::IoError(cannot_be_written(target_, error));
   dated_ = false;

@@ -110,16 +110,17 @@ TEST(CheckOutput, AFolderThatTheUserMayNotWriteIntoIsRefused) {
 }
 
 TEST(WriteFile, WhatAKilledWriterLeavesIsKnownByItsName) {
-  EXPECT_TRUE(is_left_of("x.123-0.raywatt-tmp.json", "x.json"));
-  EXPECT_TRUE(is_left_of("x.123-45.raywatt-tmp", "x"));
+  EXPECT_TRUE(is_temporary_name("x.123-0.raywatt-tmp.json", "x.json"));
+  EXPECT_TRUE(is_temporary_name("x.123-45.raywatt-tmp", "x"));
   for (const char* other : {"x.json", "x.raywatt-tmp.json", "x.123.raywatt-tmp.json", "x.a-0.raywatt-tmp.json",
                             "y.123-0.raywatt-tmp.json", "x.-1.raywatt-tmp.json", "x.1-2-3.raywatt-tmp.json",
                             "x.123-0.tmp.json", "x.123-0.raywatt-tmp.yaml", "x..raywatt-tmp.json"}) {
-    EXPECT_FALSE(is_left_of(other, "x.json")) << other;
+    EXPECT_FALSE(is_temporary_name(other, "x.json")) << other;
   }
   const Folder folder;
   NewFile file(folder.path() / "x.y.png");
-  EXPECT_TRUE(is_left_of(std::filesystem::directory_iterator(folder.path())->path().filename().string(), "x.y.png"));
+  EXPECT_TRUE(
+      is_temporary_name(std::filesystem::directory_iterator(folder.path())->path().filename().string(), "x.y.png"));
 }
 
 TEST(WriteFile, WithoutAFolderIsAnIoError) {

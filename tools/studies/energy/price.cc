@@ -13,7 +13,7 @@
 #include "sim/io/printable.h"
 #include "tools/host/standard_streams.h"
 #include "tools/studies/energy/priced_text.h"
-#include "tools/studies/sweep/results/index/point_state.h"
+#include "tools/studies/sweep/results/collect.h"
 #include "tools/studies/sweep/store/folder.h"
 
 namespace tools {
@@ -36,12 +36,11 @@ std::vector<Priced> price_sweep(const fs::path& path, const PriceTable& table) {
   const sweep::Store store = folder.store();
   std::vector<Priced> out;
   results::StatusCounts counts;
-  for (const sweep::Point& point : folder.points()) {
-    const std::optional<std::string> report = store.report(point.id);
-    const results::Status status = report ? results::Status::kDone : results::status_without_report(store, point.id);
-    ++counts[std::string(name_of(status))];
+  for (const sweep::Point& point : folder.read_points()) {
+    const std::optional<std::string> report = store.read_report(point.id);
+    ++counts[report ? sweep::PointStatus::kDone : results::listed_status(store, point.id)];
     if (!report) continue;
-    out.push_back(price(path.string(), parse_report(*report, store.folder(point.id) / "report.json"), table));
+    out.push_back(price(path.string(), parse_report(*report, store.folder_of(point.id) / "report.json"), table));
     out.back().n = fmt::format("{}", point.n);
     out.back().axes = point.axes;
   }

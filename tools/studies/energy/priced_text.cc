@@ -10,7 +10,7 @@
 #include "sim/io/printable.h"
 #include "sim/report/report_json.h"
 #include "sim/report/table.h"
-#include "tools/studies/sweep/results/index/csv.h"
+#include "tools/studies/sweep/results/table.h"
 
 namespace tools {
 namespace {

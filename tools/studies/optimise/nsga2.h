@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "tools/studies/sweep/spec/subset.h"
+#include "tools/studies/sweep/spec/spec.h"
 
 namespace tools::optimise {
 

@@ -33,15 +33,15 @@ Task task_of(const Options& options) {
   return task;
 }
 
-std::uint64_t count(const SearchRun& search, Trial::State state) {
-  return static_cast<std::uint64_t>(std::ranges::count(search.trials(), state, &Trial::state));
+std::uint64_t count(const SearchRun& search, PointStatus status) {
+  return static_cast<std::uint64_t>(std::ranges::count(search.trials(), status, &Trial::status));
 }
 
 std::string summary(const SearchRun& search) {
   const auto looks = std::ranges::count_if(
-      search.trials(), [](const Trial& trial) { return trial.is_look && trial.state != Trial::State::kImpossible; });
-  const std::uint64_t failed = count(search, Trial::State::kFailed),
-                      impossible = count(search, Trial::State::kImpossible);
+      search.trials(), [](const Trial& trial) { return trial.is_look && trial.status != PointStatus::kImpossible; });
+  const std::uint64_t failed = count(search, PointStatus::kFailed),
+                      impossible = count(search, PointStatus::kImpossible);
   std::string text = fmt::format("{} points simulated", search.simulated());
   if (looks != 0) text += fmt::format(" after {} first looks", looks);
   text += fmt::format(": {} computed now, {} found in the store", search.computed(), search.found());
@@ -53,7 +53,7 @@ std::string summary(const SearchRun& search) {
 }  // namespace
 
 int run(const Options& options) {
-  check(options);
+  check_options(options);
   const Task task = task_of(options);
   SearchRun search(task, options.file.parent_path());
   const fs::path out = !options.out.empty()
@@ -62,11 +62,11 @@ int run(const Options& options) {
   const fs::path store_root = !options.store.empty() ? options.store : sweep::Store::default_root();
   const std::string text = sim::read_file(options.file, 1 << 20);
   const HoldInterrupts hold;
-  const std::optional<sweep::Lock> lock = SweepFolder::claim(out, SweepFolder::Of::kSearch);
+  const std::optional<sim::FileLock> lock = SweepFolder::try_claim(out, SweepFolder::Of::kSearch);
   if (!lock) throw sim::InputError(fmt::format("{}: somebody is working in this folder", sim::printable(out.string())));
   // Tasks of an interrupted search that are still under way find their points here.
   std::vector<Point> former;
-  if (fs::exists(out / "sweep.json")) former = SweepFolder::open(out).points();
+  if (fs::exists(out / "sweep.json")) former = SweepFolder::open(out).read_points();
   const auto write_points = [&](std::vector<Point> points, const std::vector<Point>& others) {
     std::set<std::string> ids;
     for (const Point& point : points) ids.insert(point.id);
@@ -76,7 +76,7 @@ int run(const Options& options) {
   };
   const SweepFolder folder = write_points({}, former);
   const sweep::Store store = folder.store();
-  store.clean();
+  store.remove_stale();
   const std::unique_ptr<sweep::Launcher> launcher = make_launcher(options, folder);
 
   Progress progress(options.progress, options.quiet);
@@ -88,12 +88,12 @@ int run(const Options& options) {
                                    search.pareto_front().size()));
     progress.set_tiles_done(static_cast<std::uint32_t>(search.simulated()), 0, 0);
   };
-  const bool finished = search.run(*launcher, store, {announce, [](std::size_t, sweep::Fate) {}});
+  const bool finished = search.run(*launcher, store, {announce, [](std::size_t, PointStatus) {}});
   progress.finish(finished ? "done" : "interrupted");
 
   std::vector<Point> simulated;
   for (const Trial& trial : search.trials()) {
-    if (!trial.is_look && trial.state != Trial::State::kImpossible) simulated.push_back(trial.point);
+    if (!trial.is_look && trial.status != PointStatus::kImpossible) simulated.push_back(trial.point);
   }
   if (finished) write_points(simulated, {});
   sim::write_file_atomically(out / "history.jsonl", history_jsonl(search));
@@ -108,9 +108,9 @@ int run(const Options& options) {
     fmt::print("{}\n{}results: {}, history.jsonl\n", found, summary(search), (out / "front.csv").string());
   }
   for (const Trial& trial : search.trials()) {
-    if (trial.state == Trial::State::kFailed) fmt::print("failed: {}\n", sim::printable(trial.error, 500));
+    if (trial.status == PointStatus::kFailed) fmt::print("failed: {}\n", sim::printable(trial.error, 500));
   }
-  return is_feasible && count(search, Trial::State::kFailed) == 0 ? kGood : kCheckFailed;
+  return is_feasible && count(search, PointStatus::kFailed) == 0 ? kGood : kCheckFailed;
 }
 
 }  // namespace tools::optimise

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "tools/studies/sweep/launch/launcher_options.h"
+#include "tools/studies/sweep/launch/launcher.h"
 
 namespace tools::optimise {
 

@@ -9,6 +9,7 @@
 #include "sim/hash.h"
 #include "tools/studies/optimise/nsga2.h"
 #include "tools/studies/optimise/search_models.h"
+#include "tools/studies/sweep/spec/plan.h"
 
 namespace tools::optimise {
 namespace {
@@ -56,7 +57,7 @@ Search::Search(Space space, std::vector<Goal> goals, const Options& options)
     if (sizes_.back() > 1) genes_.push_back(a);
     points = std::min(points * sizes_.back(), 2 * kSmallSpace);
   }
-  if (points <= kSmallSpace) all_ = sweep::choose({}, sizes_, space_.is_wanted);
+  if (points <= kSmallSpace) all_ = sweep::choose_combinations({}, sizes_, space_.is_wanted);
 }
 
 Score Search::score_of(const std::vector<double>& figures) const {
@@ -118,7 +119,7 @@ std::vector<Choice> Search::spread(std::size_t count) {
   if (points.size() < count) {
     const sweep::Subset subset{sweep::Subset::Kind::kLatinHypercube, count - points.size(),
                                sim::hash(options_.seed, told_.size())};
-    for (const Choice& point : sweep::choose(subset, sizes_, space_.is_wanted)) {
+    for (const Choice& point : sweep::choose_combinations(subset, sizes_, space_.is_wanted)) {
       if (points.size() < count && is_new(point)) points.insert(point);
     }
   }

@@ -36,10 +36,10 @@ class Search {
   /// Different points of which nothing has been told; fewer than `count` only if no others can be found.
   std::vector<Choice> propose(std::size_t count);
 
-  /// Adds a point's figures, one for each goal, or none if it cannot be computed. `errors`: standard deviations of noisy
-  /// figures; `are_bounds`: they are assumed upper bounds, not measured.
+  /// Adds a point's figures, one for each goal, or none if it cannot be computed. `errors`: standard deviations of
+  /// noisy figures; `are_bounds`: they are assumed upper bounds, not measured.
   void tell(const Choice& point, const std::optional<std::vector<double>>& figures,
-            const std::vector<double>& errors = {}, bool are_bounds = false);
+                     const std::vector<double>& errors = {}, bool are_bounds = false);
   /// The same, roughly: the point may still be proposed.
   void tell_look(const Choice& point, const std::vector<double>& figures);
 

@@ -12,13 +12,12 @@
 #include "sim/io/printable.h"
 #include "tools/analysis/report_paths.h"
 #include "tools/sampling/tile_sampling.h"
-#include "tools/studies/sweep/results/notes.h"
-#include "tools/studies/sweep/spec/magnitude.h"
+#include "tools/studies/sweep/results/figure_noise.h"
+#include "tools/studies/sweep/spec/value.h"
 
 namespace tools::optimise {
 namespace {
 
-using sweep::Fate;
 using sweep::Point;
 
 constexpr std::uint64_t kFirstShare = 5;       // a fifth of the budget, for points that are spread
@@ -115,8 +114,8 @@ void SearchRun::find_figures(const std::vector<std::string>& paths) {
 }
 
 void SearchRun::read_figures(Trial& trial, const sweep::Store& store) {
-  const std::optional<std::string> report = store.report(trial.point.id);
-  if (!report) throw sim::IoError(fmt::format("{}: the result is gone", store.folder(trial.point.id).string()));
+  const std::optional<std::string> report = store.read_report(trial.point.id);
+  if (!report) throw sim::IoError(fmt::format("{}: the result is gone", store.folder_of(trial.point.id).string()));
   const auto json = sim::parse_json(*report);
   trial.extrapolations = results::extrapolation_lines(json);
   const std::vector<ReportNumber> numbers = figures_of(json);
@@ -129,7 +128,7 @@ void SearchRun::read_figures(Trial& trial, const sweep::Store& store) {
   for (const Goal& goal : task_.goals) {
     const auto number = std::ranges::find(numbers, goal.figure, &ReportNumber::path);
     if (number == numbers.end() || !std::isfinite(number->value)) {
-      trial.state = Trial::State::kFailed;
+      trial.status = PointStatus::kFailed;
       trial.error = fmt::format("its report has no {}", goal.figure);
       trial.is_feasible = false;
       trial.figures.clear();
@@ -148,31 +147,31 @@ bool SearchRun::simulate(std::vector<Trial>& fresh, sweep::Launcher& launcher, c
   std::vector<Point> points, all;
   std::vector<std::size_t> owners;
   for (std::size_t f = 0; f < fresh.size(); ++f) {
-    if (fresh[f].state == Trial::State::kImpossible) continue;
+    if (fresh[f].status == PointStatus::kImpossible) continue;
     points.push_back(fresh[f].point);
     owners.push_back(f);
   }
   if (points.empty()) return true;
   for (const Trial& trial : trials_) {
-    if (trial.state != Trial::State::kImpossible) all.push_back(trial.point);
+    if (trial.status != PointStatus::kImpossible) all.push_back(trial.point);
   }
   all.insert(all.end(), points.begin(), points.end());
   hooks.announce(all);
   const sweep::BatchEnd end = launcher.run(points, hooks.watch);
   if (end.interrupted) return false;
-  computed_ += end.count(Fate::kComputed);
-  found_ += end.count(Fate::kFound);
+  computed_ += end.count_of(PointStatus::kComputed);
+  found_ += end.count_of(PointStatus::kDone);
   for (std::size_t p = 0; p < points.size(); ++p) {
     Trial& trial = fresh[owners[p]];
-    if (end.fates[p] == Fate::kComputed || end.fates[p] == Fate::kFound) {
+    if (is_done(end.statuses[p])) {
       read_figures(trial, store);
       continue;
     }
-    if (end.fates[p] != Fate::kFailed) {
+    if (end.statuses[p] != PointStatus::kFailed) {
       throw sim::IoError("points were not computed, as somebody stopped who should; the same command goes on");
     }
-    trial.state = Trial::State::kFailed;
-    const std::optional<sweep::Failure> failure = store.failure(trial.point.id);
+    trial.status = PointStatus::kFailed;
+    const std::optional<sweep::Failure> failure = store.read_failure(trial.point.id);
     trial.error = failure ? failure->error : "it failed";
   }
   return true;
@@ -185,13 +184,13 @@ bool SearchRun::compute(const std::vector<Choice>& choices, bool looks, sweep::L
   std::vector<std::string> ids;
   for (const Choice& choice : choices) {
     Trial trial;
-    trial.point = planner_.point(choice, looks ? task_.looks_sampling : "");
+    trial.point = planner_.make_point(choice, looks ? task_.looks_sampling : "");
     trial.choice = choice;
     trial.is_look = looks;
     trial.batch = batches_;
     ids.push_back(trial.point.id);
     if (!trial.point.error.empty()) {
-      trial.state = Trial::State::kImpossible;
+      trial.status = PointStatus::kImpossible;
       trial.error = trial.point.error;
     }
     const bool is_known = by_id_.contains(ids.back()) || indices.contains(ids.back());
@@ -202,13 +201,13 @@ bool SearchRun::compute(const std::vector<Choice>& choices, bool looks, sweep::L
 
   if (!simulate(fresh, launcher, store, hooks)) return false;
   for (Trial& trial : fresh) {
-    if (!trial.is_look && trial.state != Trial::State::kImpossible) simulated_ += 1;
+    if (!trial.is_look && trial.status != PointStatus::kImpossible) simulated_ += 1;
     by_id_.emplace(trial.point.id, trials_.size());
     trials_.push_back(std::move(trial));
   }
   for (std::size_t c = 0; c < choices.size(); ++c) {
     const Trial& trial = trials_[by_id_.at(ids[c])];
-    const bool is_done = trial.state == Trial::State::kDone;
+    const bool is_done = trial.status == PointStatus::kDone;
     if (looks) {
       looked_.emplace(choices[c], true);
       if (is_done) search_.tell_look(choices[c], trial.figures);
@@ -263,7 +262,7 @@ const Trial* SearchRun::nearest() const {
   const Trial* nearest = nullptr;
   double least = 0;
   for (const Trial& trial : trials_) {
-    if (trial.state != Trial::State::kDone || trial.is_look) continue;
+    if (trial.status != PointStatus::kDone || trial.is_look) continue;
     double miss = 0;
     for (std::size_t g = 0; g < task_.goals.size(); ++g) {
       const Goal& goal = task_.goals[g];

@@ -15,11 +15,13 @@
 
 namespace tools::optimise {
 
+using sweep::PointStatus;
+
 /// A point that the search has asked for.
 struct Trial {
   sweep::Point point;
   Choice choice;
-  enum class State : std::uint8_t { kDone, kFailed, kImpossible } state = State::kDone;
+  PointStatus status = PointStatus::kDone;  ///< kDone, kFailed or kImpossible
   bool is_look = false;                     ///< an estimate by tile sampling
   bool is_feasible = false;                 ///< it meets all constraints
   std::uint32_t batch = 0;                  ///< with which it was simulated
@@ -28,7 +30,6 @@ struct Trial {
   std::string error;                        ///< why there are none
   std::vector<std::string> extrapolations;  ///< warnings of its report, if some of its figures are extrapolated
 };
-constexpr std::array<std::string_view, 3> names_of(Trial::State) { return {"done", "failed", "impossible"}; }
 
 /// A search and the simulations that it asks for. What it does follows from the task, the seed and the results alone:
 /// begun again after an interrupt it finds its simulations in the store and goes on.
@@ -42,7 +43,7 @@ class SearchRun {
   struct Hooks {
     /// Told all points so far before those that are new are computed.
     std::function<void(const std::vector<sweep::Point>& points)> announce;
-    sweep::Launcher::Watch watch;  ///< told of each point of a batch
+    sweep::Launcher::PointWatch watch;  ///< told of each point of a batch
   };
   /// False if interrupted. InputError for a figure that reports do not have.
   bool run(sweep::Launcher& launcher, const sweep::Store& store, const Hooks& hooks);

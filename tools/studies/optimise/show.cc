@@ -13,8 +13,7 @@
 #include "tools/analysis/report_paths.h"
 #include "tools/host/standard_streams.h"
 #include "tools/studies/optimise/near_front.h"
-#include "tools/studies/sweep/results/cells.h"
-#include "tools/studies/sweep/results/index/csv.h"
+#include "tools/studies/sweep/results/table.h"
 
 namespace tools::optimise {
 namespace {
@@ -24,7 +23,7 @@ using sim::Json;
 constexpr std::size_t kMostCommands = 20, kMostNear = 20,
                       kMostNamed = 20;  // in the terminal; front.csv and history.jsonl have all
 
-std::string command_of(const Trial& trial) { return command_text(trial.point.options().argv); }
+std::string command_of(const Trial& trial) { return command_text(trial.point.run_options().argv); }
 
 /// Objectives and constraints; a figure that has several goals once.
 std::vector<std::size_t> shown_goals(const SearchRun& search) {
@@ -52,7 +51,7 @@ std::size_t number_of(const SearchRun& search, const Trial& trial) {
 std::vector<const Trial*> done(const SearchRun& search) {
   std::vector<const Trial*> all;
   for (const Trial& trial : search.trials()) {
-    if (trial.state == Trial::State::kDone && !trial.is_look) all.push_back(&trial);
+    if (trial.status == PointStatus::kDone && !trial.is_look) all.push_back(&trial);
   }
   return all;
 }
@@ -217,7 +216,7 @@ std::string history_jsonl(const SearchRun& search) {
     Json line = {{"n", number_of(search, trial)},
                  {"batch", trial.batch},
                  {"id", trial.point.id},
-                 {"state", names_of(trial.state).at(static_cast<std::size_t>(trial.state))}};
+                 {"state", name_of(trial.status)}};
     if (trial.is_look) line["look"] = true;
     line["axes"] = Json::object();
     for (const auto& [name, value] : trial.point.axes) line["axes"][name] = value;

@@ -11,7 +11,7 @@
 #include "sim/error.h"
 #include "sim/io/file.h"
 #include "sim/io/printable.h"
-#include "tools/studies/sweep/spec/yaml_value.h"
+#include "tools/studies/sweep/spec/spec.h"
 
 namespace tools::optimise {
 namespace {

@@ -1,6 +1,9 @@
 #include <algorithm>
 #include <ctime>
+#include <iterator>
+#include <map>
 #include <optional>
+#include <sstream>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -13,37 +16,38 @@
 #include "tools/host/exit_code.h"
 #include "tools/host/interrupt.h"
 #include "tools/host/progress.h"
-#include "tools/studies/sweep/launch/slurm_words.h"
-#include "tools/studies/sweep/results/index/collect.h"
+#include "tools/host/standard_streams.h"
+#include "tools/studies/sweep/launch/local_launcher.h"
+#include "tools/studies/sweep/launch/slurm.h"
+#include "tools/studies/sweep/results/collect.h"
 #include "tools/studies/sweep/spec/plan.h"
-#include "tools/studies/sweep/store/folder.h"
 #include "tools/studies/sweep/sweep.h"
 
 namespace tools {
 namespace {
 
 namespace fs = std::filesystem;
-using sweep::Fate;
 using sweep::Point;
+using sweep::PointStatus;
 using sweep::Store;
 using sweep::SweepFolder;
 
 constexpr std::size_t kShownFailures = 20;
 
-/// "12  cores=4, tni.trvs=2"
-std::string name_of(const Point& point) {
+/// Returns "12  cores=4, tni.trvs=2".
+std::string label_of(const Point& point) {
   std::vector<std::string> parts;
   for (const auto& [name, value] : point.axes) parts.push_back(name + "=" + value);
   return fmt::format("{:<5} {}", point.n, fmt::join(parts, ", "));
 }
 
 struct Planned {
-  std::string text;  ///< text of the file
+  std::string text;  ///< of the file
   std::vector<Point> points;
   std::vector<std::string> slurm;
 };
 
-/// Files that it names are seen from the folder that it is in.
+/// Plans the points of a sweep's file. Files that it names are relative to its folder.
 Planned plan_from_file(const SweepOptions& options, const fs::path& file) {
   const sweep::Spec spec = sweep::read_spec(file);
   Progress progress(options.progress == "json" ? "none" : options.progress, options.quiet);
@@ -53,22 +57,23 @@ Planned plan_from_file(const SweepOptions& options, const fs::path& file) {
     if (points == 1) progress.begin_part("planning", 0, static_cast<std::uint32_t>(of));
     progress.set_tiles_done(static_cast<std::uint32_t>(points), 0, 0);
   };
-  return {sim::read_file(file, 1 << 20), sweep::plan(spec, file.parent_path(), tell), spec.slurm};
+  return {sim::read_file(file, 1 << 20), sweep::plan_points(spec, file.parent_path(), tell), spec.slurm};
 }
 
-/// The points of a folder, with their keys of today; planned anew if it was killed before it had any.
+/// Reads the points of a folder and updates their keys; plans them again if the former run was killed before it had
+/// any.
 Planned plan_from_folder(const SweepOptions& options, const SweepFolder& folder) {
   const fs::path file = folder.path() / "sweep.yaml";
-  Planned planned{sim::read_file(file, 1 << 20), folder.points(), folder.slurm()};
+  Planned planned{sim::read_file(file, 1 << 20), folder.read_points(), folder.slurm_arguments()};
   if (planned.points.empty()) return plan_from_file(options, file);
   sweep::PointKeys keys;
   for (Point& point : planned.points) keys.set_key(point);
   return planned;
 }
 
-/// "to compute, 3 of 8 slices in the store"
-std::string state_text(const Point& point, const Store& store) {
-  const auto is_there = [&](const Point& one) { return store.state(one.id) == Store::State::kGood; };
+/// Returns "in the store", "impossible" or "to compute, 3 of 8 slices in the store".
+std::string plan_status_text(const Point& point, const Store& store) {
+  const auto is_there = [&](const Point& one) { return store.is_done(one.id); };
   if (is_there(point)) return "in the store";
   if (!point.error.empty()) return "impossible";
   if (!point.is_cut()) return "to compute";
@@ -85,38 +90,38 @@ void print_plan(const std::vector<Point>& points, const Store& store) {
   for (const Point& point : points) {
     std::vector<std::string> cells = {std::to_string(point.n)};
     for (const auto& [name, value] : point.axes) cells.push_back(value);
-    cells.push_back(state_text(point, store));
+    cells.push_back(plan_status_text(point, store));
     there += cells.back() == "in the store" ? 1 : 0;
     table.add_row(std::move(cells));
   }
   fmt::print("{}\n{} points, {} of them in the store\n", table.text(), points.size(), there);
   for (const Point& point : points) {
-    if (!point.error.empty()) fmt::print("impossible: {}: {}\n", name_of(point), sim::printable(point.error, 500));
+    if (!point.error.empty()) fmt::print("impossible: {}: {}\n", label_of(point), sim::printable(point.error, 500));
   }
 }
 
-/// Tells how far a batch is: by points, or by slices where points are cut.
-class Watcher {
+/// Shows the progress of a batch, by points or, where points are cut, by slices.
+class BatchProgress {
  public:
-  Watcher(const SweepOptions& options, const std::vector<Point>& points)
+  BatchProgress(const SweepOptions& options, const std::vector<Point>& points)
       : progress_(options.progress, options.quiet), points_(points), slices_(points.size()) {
-    for (const Point& point : points) all_ += point.pieces();
+    for (const Point& point : points) all_ += point.piece_count();
     progress_.expect_parts(1, "sweep");
     progress_.begin_part(text(), 0, all_);
   }
-  void slice_ended(std::size_t p) {
+  void count_slice(std::size_t p) {
     slices_[p] += 1;
-    show(1);
+    show_progress(1);
   }
-  void ended(std::size_t p, Fate fate) {
+  void count_point(std::size_t p, PointStatus status) {
     ended_ += 1;
-    failed_ += fate == Fate::kFailed ? 1 : 0;
-    show(points_[p].pieces() - slices_[p]);
+    failed_ += status == PointStatus::kFailed ? 1 : 0;
+    show_progress(points_[p].piece_count() - slices_[p]);
   }
   void end(const std::string& how) { progress_.finish(how); }
 
  private:
-  void show(std::uint32_t more) {
+  void show_progress(std::uint32_t more) {
     done_ += more;
     progress_.set_phase(text());
     progress_.set_tiles_done(done_, 0, 0);
@@ -130,15 +135,15 @@ class Watcher {
 
   Progress progress_;
   const std::vector<Point>& points_;
-  std::vector<std::uint32_t> slices_;  ///< ended slices of each point
-  std::uint32_t all_ = 0, done_ = 0;   ///< slices, and points that have none
+  std::vector<std::uint32_t> slices_;  ///< ended slices, by point
+  std::uint32_t all_ = 0, done_ = 0;   ///< pieces: slices, and points that are not cut
   std::uint32_t ended_ = 0, failed_ = 0;
 };
 
 void print_summary(const sweep::BatchEnd& end, const fs::path& out) {
-  const std::uint64_t missing = end.count(Fate::kMissing);
-  fmt::print("{} points: {} computed, {} found, {} failed{}\n", end.fates.size(), end.count(Fate::kComputed),
-             end.count(Fate::kFound), end.count(Fate::kFailed),
+  const std::uint64_t missing = end.count_of(PointStatus::kMissing);
+  fmt::print("{} points: {} computed, {} found, {} failed{}\n", end.statuses.size(),
+             end.count_of(PointStatus::kComputed), end.count_of(PointStatus::kDone), end.count_of(PointStatus::kFailed),
              missing != 0 ? fmt::format(", {} missing", missing) : "");
   if (end.workers != 0) {
     fmt::print("time:    {:.1f} s, {} worker{} busy {:.1f} % of it\n", end.seconds, end.workers,
@@ -152,10 +157,10 @@ void print_summary(const sweep::BatchEnd& end, const fs::path& out) {
 void print_failures(const Store& store, const std::vector<Point>& points) {
   std::size_t failed = 0;
   for (const Point& point : points) {
-    const std::optional<sweep::Failure> failure = store.failure(point.id);
-    if (!failure || store.state(point.id) == Store::State::kGood) continue;
+    const std::optional<sweep::Failure> failure = store.read_failure(point.id);
+    if (!failure || store.is_done(point.id)) continue;
     if (failed == 0) fmt::print("failed:\n");
-    if (++failed <= kShownFailures) fmt::print("  {}: {}\n", name_of(point), sim::printable(failure->error, 500));
+    if (++failed <= kShownFailures) fmt::print("  {}: {}\n", label_of(point), sim::printable(failure->error, 500));
   }
   if (failed > kShownFailures) fmt::print("  and {} more\n", failed - kShownFailures);
 }
@@ -164,7 +169,7 @@ int run_sweep(const SweepOptions& options) {
   if (options.file.empty() && !(options.resume && !options.out.empty())) {
     throw sim::InputError("no sweep is named; allowed: raywatt sweep run FILE, or raywatt sweep run --resume -o DIR");
   }
-  check(options);
+  check_options(options);
   if (options.wait && options.launcher != "slurm") throw sim::InputError("--wait is for --launcher slurm");
   const bool from_file = !options.file.empty();
   const fs::path out = !options.out.empty()
@@ -181,43 +186,137 @@ int run_sweep(const SweepOptions& options) {
     return kGood;
   }
   const HoldInterrupts hold;
-  const std::optional<sweep::Lock> lock = SweepFolder::claim(out, SweepFolder::Of::kSweep);
-  if (!lock) throw sim::InputError(fmt::format("{}: somebody is running this sweep", sim::printable(out.string())));
+  const std::optional<sim::FileLock> lock = SweepFolder::try_claim(out, SweepFolder::Of::kSweep);
+  if (!lock)
+    throw sim::InputError(fmt::format("{}: another process is running this sweep", sim::printable(out.string())));
   const SweepFolder folder =
       SweepFolder::create(out, SweepFolder::Of::kSweep, planned.text, planned.points, store_root, planned.slurm);
   const Store store = folder.store();
-  store.clean();
+  store.remove_stale();
   const std::unique_ptr<sweep::Launcher> launcher = make_launcher(options, folder);
   if (auto* slurm = dynamic_cast<sweep::SlurmLauncher*>(launcher.get()); slurm != nullptr && !options.wait) {
-    const sweep::SlurmLauncher::Submitted submitted = slurm->submit(planned.points);
+    const sweep::SlurmLauncher::Submitted submitted = slurm->submit_points(planned.points);
     if (submitted.points + submitted.queued != 0) {
-      if (!options.quiet) tell_submitted(submitted, planned.points, out);
+      if (!options.quiet) print_submitted(submitted, planned.points, out);
       return kGood;
     }
   }
-  Watcher watcher(options, planned.points);
+  BatchProgress batch(options, planned.points);
   const sweep::BatchEnd end = launcher->run(
-      planned.points, [&](std::size_t p, Fate fate) { watcher.ended(p, fate); },
-      [&](std::size_t p) { watcher.slice_ended(p); });
-  watcher.end(end.interrupted ? "interrupted" : "done");
-  const std::uint64_t computed = end.count(Fate::kComputed), found = end.count(Fate::kFound),
-                      failed = end.count(Fate::kFailed), missing = end.count(Fate::kMissing);
-  folder.check_there();
-  folder.note_run({{"date", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)))},
-                   {"host", sweep::host_name()},
-                   {"points", planned.points.size()},
-                   {"computed", computed},
-                   {"found", found},
-                   {"failed", failed},
-                   {"seconds", end.seconds},
-                   {"workers", end.workers},
-                   {"busy", end.busy}});
-  results::collect(folder);
+      planned.points, [&](std::size_t p, PointStatus status) { batch.count_point(p, status); },
+      [&](std::size_t p) { batch.count_slice(p); });
+  batch.end(end.interrupted ? "interrupted" : "done");
+  const std::uint64_t computed = end.count_of(PointStatus::kComputed), found = end.count_of(PointStatus::kDone),
+                      failed = end.count_of(PointStatus::kFailed), missing = end.count_of(PointStatus::kMissing);
+  folder.check_exists();
+  folder.log_run({{"date", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)))},
+                  {"host", sweep::host_name()},
+                  {"points", planned.points.size()},
+                  {"computed", computed},
+                  {"found", found},
+                  {"failed", failed},
+                  {"seconds", end.seconds},
+                  {"workers", end.workers},
+                  {"busy", end.busy}});
+  results::collect_results(folder);
   set_interrupt_note(fmt::format("kept {} of {} points in {}", computed + found, planned.points.size(), out.string()));
   if (!options.quiet) print_summary(end, out);
   if (failed != 0) print_failures(store, planned.points);
-  if (missing != 0) tell_missing(folder, missing);
+  if (missing != 0) print_missing(folder, missing);
   return failed + missing != 0 ? kCheckFailed : kGood;
+}
+
+namespace {
+
+/// Reads the ids of each line of a list; without a list, each point of the sweep is a line. Cut points are replaced by
+/// their slices.
+std::vector<std::vector<std::string>> list_ids(const std::vector<Point>& points, const fs::path& list) {
+  std::vector<std::vector<std::string>> ids;
+  if (list.empty()) {
+    for (const Point& point : points) {
+      if (!point.is_cut()) ids.push_back({point.id});
+      for (const Point& slice : slices_of(point)) ids.push_back({slice.id});
+    }
+    return ids;
+  }
+  std::istringstream lines(sim::read_file(list, std::uint64_t{1} << 30));
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    ids.emplace_back(std::istream_iterator<std::string>(words), std::istream_iterator<std::string>());
+  }
+  return ids;
+}
+
+/// Returns the points of a chunk of lines.
+std::vector<Point> points_of_chunk(const SweepFolder& folder, const PointOptions& options) {
+  const std::vector<Point> all = folder.read_points();
+  const std::vector<std::vector<std::string>> lines = list_ids(all, options.list);
+  const std::uint64_t chunks = (lines.size() + options.chunk - 1) / options.chunk;
+  if (options.index >= chunks) {
+    throw sim::InputError(
+        fmt::format("--index {}: there are {} chunks of {} points", options.index, chunks, options.chunk));
+  }
+  std::map<std::string, Point> by_id;
+  for (const Point& point : all) {
+    by_id.emplace(point.id, point);
+    for (const Point& slice : slices_of(point)) by_id.emplace(slice.id, slice);
+  }
+  const std::size_t begin = options.index * options.chunk;
+  const std::size_t end = begin + std::min<std::size_t>(options.chunk, lines.size() - begin);
+  std::vector<Point> points;
+  for (std::size_t l = begin; l < end; ++l) {
+    for (const std::string& id : lines[l]) {
+      const auto found = by_id.find(id);
+      if (found == by_id.end()) {
+        throw sim::InputError(fmt::format("{}:{}: '{}' is no point of this sweep",
+                                          sim::printable(options.list.string()), l + 1, sim::printable(id)));
+      }
+      points.push_back(found->second);
+    }
+  }
+  return points;
+}
+
+}  // namespace
+
+int compute_points(const PointOptions& options) {
+  const SweepFolder folder = SweepFolder::open(options.folder);
+  const std::vector<Point> points = points_of_chunk(folder, options);
+  const HoldInterrupts hold;
+  sweep::LocalLauncher launcher(folder.store(), {.jobs = options.jobs,
+                                                 .threads = 1,
+                                                 .retry_failed = options.retry_failed,
+                                                 .keep_streams = true,
+                                                 .log = folder.log_folder()});
+  const sweep::BatchEnd end = launcher.run(points);
+  return end.count_of(PointStatus::kFailed) != 0 ? kCheckFailed : kGood;
+}
+
+namespace {
+
+/// True if all slices of a point are done or one has failed, but the point itself is neither done nor failed.
+bool is_left_unjoined(const Store& store, const Point& point) {
+  const auto has = [&](PointStatus status) {
+    return [&, status](const Point& p) { return store.status_of(p.id) == status; };
+  };
+  if (!point.is_cut() || has(PointStatus::kDone)(point) || has(PointStatus::kFailed)(point)) return false;
+  const std::vector<Point> slices = slices_of(point);
+  return std::ranges::all_of(slices, has(PointStatus::kDone)) || std::ranges::any_of(slices, has(PointStatus::kFailed));
+}
+
+}  // namespace
+
+void join_sweep(const SweepFolder& folder) {
+  const Store store = folder.store();
+  const HoldInterrupts hold;
+  sweep::PointComputer computer(store, 0);
+  for (const Point& point : folder.read_points()) {
+    try {
+      if (is_left_unjoined(store, point)) computer.compute_point(point, {});
+    } catch (const sim::IoError& error) {
+      print_message("warning: slices of point {} are not joined: {}", point.n, error.what());
+    }
+  }
 }
 
 }  // namespace tools

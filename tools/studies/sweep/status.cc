@@ -14,8 +14,7 @@
 #include "sim/report/report_json.h"
 #include "tools/host/progress.h"
 #include "tools/host/standard_streams.h"
-#include "tools/studies/sweep/launch/slurm_words.h"
-#include "tools/studies/sweep/store/folder.h"
+#include "tools/studies/sweep/launch/slurm.h"
 #include "tools/studies/sweep/sweep.h"
 
 namespace tools {
@@ -23,35 +22,36 @@ namespace {
 
 namespace fs = std::filesystem;
 using sweep::Point;
+using sweep::PointStatus;
 using sweep::Store;
 using sweep::SweepFolder;
 
-/// How far a sweep is, from its folder and the store alone.
-sim::Json status_of(const SweepFolder& folder) {
+/// Counts the points of a sweep by status, from its folder and the store alone.
+sim::Json count_points(const SweepFolder& folder) {
   const Store store = folder.store();
   std::uint64_t done = 0, failed = 0, running = 0, damaged = 0, slices = 0, slices_done = 0;
-  const std::vector<Point> points = folder.points();
+  const std::vector<Point> points = folder.read_points();
   sim::Json failures = sim::Json::array();
   for (const Point& point : points) {
-    const Store::State state = store.state(point.id);
-    if (state == Store::State::kGood) {
+    const PointStatus status = store.status_of(point.id);
+    if (is_done(status)) {
       done += 1;
-    } else if (const std::optional<sweep::Failure> failure = store.failure(point.id)) {
+    } else if (const std::optional<sweep::Failure> failure = store.read_failure(point.id)) {
       failed += 1;
       failures.push_back({{"n", point.n}, {"id", point.id}, {"exit", failure->exit}, {"error", failure->error}});
     } else {
       bool is_running = store.is_locked(point.id);
       for (const Point& slice : slices_of(point)) {
         slices += 1;
-        slices_done += store.state(slice.id) == Store::State::kGood ? 1 : 0;
+        slices_done += store.is_done(slice.id) ? 1 : 0;
         is_running = is_running || store.is_locked(slice.id);
       }
       running += is_running ? 1 : 0;
-      damaged += state == Store::State::kDamaged ? 1 : 0;
+      damaged += status == PointStatus::kDamaged ? 1 : 0;
     }
   }
-  const std::optional<SweepFolder::Runner> runner = folder.runner();
-  sim::Json status = {
+  const std::optional<SweepFolder::Runner> runner = folder.find_runner();
+  sim::Json counts = {
       {"points", points.size()},
       {"done", done},
       {"failed", failed},
@@ -61,8 +61,8 @@ sim::Json status_of(const SweepFolder& folder) {
       {"runner", runner ? sim::Json{{"host", runner->host}, {"process", runner->process}} : sim::Json(nullptr)},
       {"store", store.root().string()},
       {"failures", failures}};
-  if (slices != 0) status["slices_of_missing"] = {{"slices", slices}, {"done", slices_done}};
-  return status;
+  if (slices != 0) counts["slices_of_missing"] = {{"slices", slices}, {"done", slices_done}};
+  return counts;
 }
 
 std::uint64_t count_of(const sim::Json& status, const char* key) { return status.at(key).get<std::uint64_t>(); }
@@ -77,16 +77,16 @@ std::string counts_text(const sim::Json& status) {
   return text;
 }
 
-/// Points that have no result; where they are cut, slices.
+/// Number of points without a result; where they are cut, of slices.
 std::uint64_t missing_pieces(const sim::Json& status) {
   const auto slices = status.find("slices_of_missing");
   return slices == status.end() ? count_of(status, "missing") : count_of(*slices, "slices") - count_of(*slices, "done");
 }
 
-/// The view of a sweep: its counts.
+/// Live view of the counts of a sweep.
 class SweepView final : public View {
  public:
-  void show(std::string counts) {
+  void set_counts(std::string counts) {
     const std::lock_guard lock(mutex_);
     counts_ = std::move(counts);
   }
@@ -107,64 +107,64 @@ void watch_sweep(const fs::path& path) {
   constexpr auto kBetween = std::chrono::seconds(1);
   const SweepFolder folder = SweepFolder::open(path);
   SweepView view;
-  sim::Json status = status_of(folder);
+  sim::Json status = count_points(folder);
   std::uint32_t all = 0;
-  for (const Point& point : folder.points()) all += point.pieces();
-  const auto known = [&status, all] { return all - static_cast<std::uint32_t>(missing_pieces(status)); };
-  const std::uint32_t before = known();
+  for (const Point& point : folder.read_points()) all += point.piece_count();
+  const auto done_pieces = [&status, all] { return all - static_cast<std::uint32_t>(missing_pieces(status)); };
+  const std::uint32_t before = done_pieces();
   {
     Progress progress("watch", false, &view);
     progress.begin_part("computing", 0, all, before);
-    for (;; status = status_of(folder)) {
+    for (;; status = count_points(folder)) {
       const std::uint64_t missing = count_of(status, "missing");
-      view.show(counts_text(status));
-      progress.set_tiles_done(known(), 0, 0);
-      const bool is_run = folder.runner() || count_of(status, "running") != 0 || slurm_status(folder);
+      view.set_counts(counts_text(status));
+      progress.set_tiles_done(done_pieces(), 0, 0);
+      const bool is_run = folder.find_runner() || count_of(status, "running") != 0 || sweep::slurm_status(folder);
       if (missing == 0 || !is_run) break;
       std::this_thread::sleep_for(kBetween);
     }
-    progress.finish(count_of(status, "missing") == 0 ? "done" : "nobody is running this sweep");
+    progress.finish(count_of(status, "missing") == 0 ? "done" : "no process is running this sweep");
   }
   fmt::print("{}\n", counts_text(status));
 }
 
 void print_sweep_status(const fs::path& path, bool json) {
   const SweepFolder folder = SweepFolder::open(path);
-  sim::Json status = status_of(folder);
-  const std::optional<sim::Json> slurm = slurm_status(folder);
+  sim::Json status = count_points(folder);
+  const std::optional<sim::Json> slurm = sweep::slurm_status(folder);
   if (slurm) status["slurm"] = *slurm;
   if (json) {
     fmt::print("{}", sim::json_text(status));
     return;
   }
   fmt::print("{}\n", counts_text(status));
-  if (const std::optional<SweepFolder::Runner> runner = folder.runner()) {
+  if (const std::optional<SweepFolder::Runner> runner = folder.find_runner()) {
     fmt::print("run by process {} on {}\n", runner->process, runner->host);
   }
-  if (slurm) print_slurm_status(*slurm);
+  if (slurm) sweep::print_slurm_status(*slurm);
   fmt::print("store: {}\n", folder.store().root().string());
-  print_failures(folder.store(), folder.points());
+  print_failures(folder.store(), folder.read_points());
 }
 
 void cancel_sweep(const fs::path& path) {
-  constexpr auto kGlance = std::chrono::milliseconds(20);
-  constexpr int kGlances = 1000;
+  constexpr auto kPollPeriod = std::chrono::milliseconds(20);
+  constexpr int kPolls = 1000;
   const SweepFolder folder = SweepFolder::open(path);
-  const std::optional<SweepFolder::Runner> runner = folder.runner();
+  const std::optional<SweepFolder::Runner> runner = folder.find_runner();
   const bool is_here = runner && runner->host == sweep::host_name() && runner->process > 1;
   if (is_here) {
     ::kill(runner->process, SIGTERM);
-    for (int k = 0; k < kGlances && folder.runner(); ++k) std::this_thread::sleep_for(kGlance);
-    if (folder.runner()) throw sim::IoError(fmt::format("process {} does not end", runner->process));
+    for (int k = 0; k < kPolls && folder.find_runner(); ++k) std::this_thread::sleep_for(kPollPeriod);
+    if (folder.find_runner()) throw sim::IoError(fmt::format("process {} does not end", runner->process));
   }
-  const bool had_jobs =
-      cancel_on_slurm(folder);  // without them, a process elsewhere that waits for them ends by itself
+  // A process on another host that waits for the jobs ends when they do.
+  const bool had_jobs = sweep::cancel_on_slurm(folder);
   if (runner && !is_here && !had_jobs) {
     throw sim::InputError(fmt::format("{}: is run by process {} on {}; cancel it there", sim::printable(path.string()),
                                       runner->process, sim::printable(runner->host)));
   }
   if (!runner && !had_jobs) {
-    fmt::print("nobody is running this sweep\n");
+    fmt::print("no process is running this sweep\n");
     return;
   }
   fmt::print("cancelled; what is finished is kept. Go on with: {}\n",

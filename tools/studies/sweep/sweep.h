@@ -4,43 +4,40 @@
 #include <string>
 #include <vector>
 
-#include "tools/studies/sweep/launch/launcher_options.h"
+#include "tools/studies/sweep/launch/launcher.h"
 #include "tools/studies/sweep/spec/point.h"
 #include "tools/studies/sweep/store/folder.h"
 #include "tools/studies/sweep/store/store.h"
 
 namespace tools {
 
-/// A sweep by its file, or with `resume` by its folder `out`.
+/// Options of `raywatt sweep run`: a sweep by its file, or with `resume` by its folder `out`.
 struct SweepOptions : LauncherOptions {
   std::filesystem::path file, out, store;
   bool wait = false, resume = false, dry_run = false, quiet = false;
   std::string progress = "auto";
 };
-
-/// Computes all points that have no result, and makes the table: kGood, or kCheckFailed if points failed.
+/// Computes all points without a result, then collects the results. Returns kGood, or kCheckFailed if points failed.
 int run_sweep(const SweepOptions& options);
 
-/// A chunk of the points of the sweep in `folder`, or of those in a list of ids.
+/// Options of `raywatt sweep point`: a chunk of the points of the sweep in `folder`, or of the ids in `list`.
 struct PointOptions {
   std::filesystem::path folder, list;
   std::uint64_t index = 0, chunk = 1;
   std::uint32_t jobs = 1;
   bool retry_failed = false;
 };
-
 int compute_points(const PointOptions& options);
 
-/// Joins the slices of points whose last one was computed by a process that was killed before it could.
+/// Joins slices whose last one was computed by a process that was killed before it could join them.
 void join_sweep(const sweep::SweepFolder& folder);
 
-/// Prints how far the sweep in a folder is.
+/// Prints the progress of the sweep in a folder.
 void print_sweep_status(const std::filesystem::path& path, bool json);
-/// Shows how far it is until all its points have ended or nobody computes any.
+/// Shows the progress until all points have ended or no process computes them.
 void watch_sweep(const std::filesystem::path& path);
-/// Prints the first of those points that failed, with their errors.
+/// Prints the first failed points with their errors.
 void print_failures(const sweep::Store& store, const std::vector<sweep::Point>& points);
-
 /// Ends the process that runs the sweep in a folder, and its jobs.
 void cancel_sweep(const std::filesystem::path& path);
 

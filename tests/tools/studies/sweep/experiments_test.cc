@@ -27,7 +27,7 @@ TEST(Experiments, AreFiveEachWithAQuestionAndSoundPoints) {
   for (const fs::path& file : experiments()) {
     const Spec spec = read_spec(file);
     EXPECT_TRUE(spec.question.ends_with("?")) << file;
-    const std::vector<Point> points = plan(spec, file.parent_path());
+    const std::vector<Point> points = plan_points(spec, file.parent_path());
     EXPECT_GE(points.size(), 10U) << file;
     EXPECT_LE(points.size(), 40U) << file;
     for (const Point& point : points) EXPECT_EQ(point.error, "") << file;
@@ -40,12 +40,12 @@ TEST(Experiments, RunAtATinySize) {
   PointKeys keys;
   PointComputer computer(store, 1);
   for (const fs::path& file : experiments()) {
-    Point point = plan(read_spec(file), file.parent_path()).back();
+    Point point = plan_points(read_spec(file), file.parent_path()).back();
     point.scene = "cornell";
     point.resolution = "16x16";
     keys.set_key(point);
-    EXPECT_EQ(computer.compute(point, {}), Fate::kComputed)
-        << file << ": " << (store.failure(point.id) ? store.failure(point.id)->error : "");
+    EXPECT_EQ(computer.compute_point(point, {}), PointStatus::kComputed)
+        << file << ": " << (store.read_failure(point.id) ? store.read_failure(point.id)->error : "");
   }
 }
 

@@ -1,11 +1,10 @@
-#include "tools/studies/sweep/spec/point_keys.h"
-
 #include <set>
 
 #include <gtest/gtest.h>
 
 #include "sim/config/config.h"
 #include "tests/tools/studies/sweep/small_sweep.h"
+#include "tools/studies/sweep/spec/point.h"
 
 // What a point's results depend on, however many points came before it.
 
@@ -22,7 +21,7 @@ TEST(PointKeys, HashTheConfigurationThatARunOfThePointLoads) {
   PointKeys keys;
   std::set<std::string> ids;
   for (const Point& point : points) {
-    const tools::RunConfig loaded = tools::load_run_config(point.options());
+    const tools::RunConfig loaded = tools::load_run_config(point.run_options());
     const PointKeys::Key key = keys.key_of(point);
     EXPECT_EQ(key.made_of["config_hash"], sim::config_hash(loaded));
     EXPECT_EQ(sim::config_hash(keys.config_of(point)), sim::config_hash(loaded));

@@ -40,7 +40,7 @@ struct SlicedSweep : testing::Test {
     return all;
   }
   std::string table() const { return read_bytes(out / "results.csv"); }
-  void forget(const Point& point) const { fs::remove_all(store.folder(point.id)); }
+  void forget(const Point& point) const { fs::remove_all(store.folder_of(point.id)); }
   std::string collect() const {
     const Ending ending = raywatt({"sweep", "collect", out});
     EXPECT_EQ(ending.exit, 0) << ending.err;
@@ -72,12 +72,12 @@ TEST_F(SlicedSweep, AReportIsThatOfARunInSlices) {
     const Ending one = raywatt({"run", "--resolution", "64x64", "--set", "render.tile=4", "--set",
                                 "cores=" + point.axes[0].second, "--slices", "4", "-o", alone});
     ASSERT_EQ(one.exit, 0) << one.err;
-    const nlohmann::json joined = read_json(store.folder(point.id) / "report.json");
+    const nlohmann::json joined = read_json(store.folder_of(point.id) / "report.json");
     EXPECT_EQ(comparable(joined), comparable(read_json(alone / "report.json")));
     EXPECT_EQ(joined["totals"]["sliced"]["slices"], 4);
     EXPECT_EQ(joined["host"]["slices_s"].size(), kSlices);
     EXPECT_GT(joined["host"]["rays_per_s"], 0);
-    EXPECT_EQ(read_bytes(store.folder(point.id) / "config.yaml"), read_bytes(alone / "config.yaml"));
+    EXPECT_EQ(read_bytes(store.folder_of(point.id) / "config.yaml"), read_bytes(alone / "config.yaml"));
   }
   EXPECT_EQ(std::ranges::count(table(), '\n'), 3) << "a row a point";
   EXPECT_EQ(run().exit, 0);
@@ -96,7 +96,7 @@ TEST_F(SlicedSweep, FramesOfAnAnimationAreJoinedOneByOne) {
                      "--set", "cores=1", "--slices", "4", "-o", alone})
                 .exit,
             0);
-  EXPECT_EQ(comparable(read_json(store.folder(points()[0].id) / "report.json")),
+  EXPECT_EQ(comparable(read_json(store.folder_of(points()[0].id) / "report.json")),
             comparable(read_json(alone / "report.json")));
 }
 
@@ -162,11 +162,11 @@ TEST_F(SlicedSweep, SlicesThatNobodyHasJoinedAreJoinedByCollectAndByTheNextRun) 
 TEST_F(SlicedSweep, ASliceThatIsMissingOrDamagedIsComputedAlone) {
   ASSERT_EQ(run().exit, 0);
   const std::vector<Point> slices = slices_of(points()[1]);
-  const auto written = [&](std::size_t s) { return fs::last_write_time(store.folder(slices[s].id) / "slice.json"); };
+  const auto written = [&](std::size_t s) { return fs::last_write_time(store.folder_of(slices[s].id) / "slice.json"); };
   const auto others = std::vector{written(0), written(1)};
   forget(points()[1]);
   forget(slices[2]);
-  std::ofstream(store.folder(slices[3].id) / "slice.json", std::ios::app) << " ";
+  std::ofstream(store.folder_of(slices[3].id) / "slice.json", std::ios::app) << " ";
   EXPECT_SAYS(collect(), "2 points: 1 done, 1 missing");
   const Ending plan = run({"--dry-run"});
   EXPECT_SAYS(plan.out, "to compute, 2 of 4 slices in the store");
@@ -216,7 +216,7 @@ TEST_F(SlicedSweep, APointFailsWithItsFirstSliceThatDoes) {
 
 TEST_F(SlicedSweep, ASliceThatIsNoneFailsItsPoint) {
   ASSERT_EQ(run().exit, 0);
-  const fs::path at = store.folder(slices_of(points()[0])[1].id);
+  const fs::path at = store.folder_of(slices_of(points()[0])[1].id);
   const std::string whole = read_bytes(at / "slice.json");
   const auto put = [&](const std::string& text) {
     std::ofstream(at / "slice.json") << text;

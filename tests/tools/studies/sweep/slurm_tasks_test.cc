@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "tools/studies/sweep/launch/slurm_queue.h"
+#include "tools/studies/sweep/launch/slurm.h"
 
 // How points are shared out among the tasks of a job array.
 

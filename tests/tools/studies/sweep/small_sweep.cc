@@ -17,14 +17,14 @@ fs::path write_sweep(const TempFolder& folder, const std::string& lines, const s
 
 std::vector<tools::sweep::Point> points_of(const std::string& lines) {
   const TempFolder folder;
-  return tools::sweep::plan(tools::sweep::read_spec(write_sweep(folder, lines)), folder.path());
+  return tools::sweep::plan_points(tools::sweep::read_spec(write_sweep(folder, lines)), folder.path());
 }
 
 std::string complaint_of(const std::string& lines) {
   const TempFolder folder;
   const fs::path file = write_sweep(folder, lines);
   try {
-    tools::sweep::plan(tools::sweep::read_spec(file), folder.path());
+    tools::sweep::plan_points(tools::sweep::read_spec(file), folder.path());
   } catch (const sim::InputError& error) {
     std::string text = error.what();
     const std::size_t name = text.find(file.string());

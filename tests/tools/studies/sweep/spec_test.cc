@@ -129,7 +129,7 @@ TEST(SweepSpec, APointOfASceneFileDependsOnItsBytes) {
   const auto id_of = [&](TinyGltf scene) {
     folder.write("scene.glb", scene.glb());
     const auto file = write_sweep(folder, "scene: ./scene.glb\n");
-    return tools::sweep::plan(tools::sweep::read_spec(file), folder.path())[0].id;
+    return tools::sweep::plan_points(tools::sweep::read_spec(file), folder.path())[0].id;
   };
   TinyGltf other;
   other.node()["translation"] = {0, 0, 1};

@@ -4,13 +4,11 @@
 #include <limits>
 
 #include <gtest/gtest.h>
-#include <sys/stat.h>
 
 #include "sim/error.h"
+#include "sim/io/file.h"
 #include "sim/sha256.h"
 #include "tests/tools/studies/sweep/small_sweep.h"
-#include "tools/studies/sweep/store/durable.h"
-#include "tools/studies/sweep/store/lock.h"
 
 // Results by what they were made of: whole, or not there.
 
@@ -18,8 +16,8 @@ namespace test {
 namespace {
 
 namespace fs = std::filesystem;
+using tools::sweep::PointStatus;
 using tools::sweep::Store;
-using State = Store::State;
 
 struct SweepStore : testing::Test {
   TempFolder folder;
@@ -28,23 +26,23 @@ struct SweepStore : testing::Test {
   std::string id = sim::sha256_hex(sim::json_line(made_of));
 
   void put() {
-    store.put(id, made_of, [](const fs::path& to) {
-      tools::sweep::write_durably(to / "report.json", "{\"totals\": {\"cycles\": 1}}\n");
-      tools::sweep::write_durably(to / "config.yaml", "cores: 1\n");
+    store.put_result(id, made_of, [](const fs::path& to) {
+      sim::write_file_atomically(to / "report.json", "{\"totals\": {\"cycles\": 1}}\n");
+      sim::write_file_atomically(to / "config.yaml", "cores: 1\n");
     });
   }
 };
 
 TEST_F(SweepStore, HasAPointOnceItIsPut) {
-  EXPECT_EQ(store.state(id), State::kMissing);
-  EXPECT_FALSE(store.report(id));
+  EXPECT_EQ(store.status_of(id), PointStatus::kMissing);
+  EXPECT_FALSE(store.read_report(id));
   put();
-  EXPECT_EQ(store.state(id), State::kGood);
-  EXPECT_EQ(store.report(id), "{\"totals\": {\"cycles\": 1}}\n");
-  EXPECT_EQ(names_in(store.folder(id)), (Words{"config.yaml", "point.json", "report.json"}));
+  EXPECT_EQ(store.status_of(id), PointStatus::kDone);
+  EXPECT_EQ(store.read_report(id), "{\"totals\": {\"cycles\": 1}}\n");
+  EXPECT_EQ(names_in(store.folder_of(id)), (Words{"config.yaml", "point.json", "report.json"}));
   EXPECT_TRUE(names_in(store.root() / "tmp").empty());
   put();  // the second of two equal results is dropped
-  EXPECT_EQ(store.state(id), State::kGood);
+  EXPECT_EQ(store.status_of(id), PointStatus::kDone);
   EXPECT_TRUE(names_in(store.root() / "tmp").empty());
 }
 
@@ -61,11 +59,11 @@ TEST_F(SweepStore, NeverServesWhatIsDamaged) {
   };
   for (std::size_t d = 0; d < damages.size(); ++d) {
     put();
-    damages[d](store.folder(id));
-    EXPECT_EQ(store.state(id), State::kDamaged) << d;
-    EXPECT_TRUE(d == 3 || !store.report(id)) << d;
-    EXPECT_TRUE(store.lock(id)) << d;
-    EXPECT_EQ(store.state(id), State::kMissing) << d << ": put aside by who computes it anew";
+    damages[d](store.folder_of(id));
+    EXPECT_EQ(store.status_of(id), PointStatus::kDamaged) << d;
+    EXPECT_TRUE(d == 3 || !store.read_report(id)) << d;
+    EXPECT_TRUE(store.lock_point(id)) << d;
+    EXPECT_EQ(store.status_of(id), PointStatus::kMissing) << d << ": put aside by who computes it anew";
   }
   EXPECT_EQ(names_in(store.root() / "damaged").size(), damages.size());
 }
@@ -73,83 +71,63 @@ TEST_F(SweepStore, NeverServesWhatIsDamaged) {
 TEST_F(SweepStore, HasAPointOfAnotherIdForDamaged) {
   put();
   const std::string other = sim::sha256_hex("other");
-  fs::create_directories(store.folder(other).parent_path());
-  fs::copy(store.folder(id), store.folder(other));
-  EXPECT_EQ(store.state(other), State::kDamaged);
+  fs::create_directories(store.folder_of(other).parent_path());
+  fs::copy(store.folder_of(id), store.folder_of(other));
+  EXPECT_EQ(store.status_of(other), PointStatus::kDamaged);
 }
 
 TEST_F(SweepStore, LocksAPointForOneAtATime) {
   {
-    const auto lock = store.lock(id);
+    const auto lock = store.lock_point(id);
     ASSERT_TRUE(lock);
-    EXPECT_FALSE(store.lock(id));
+    EXPECT_FALSE(store.lock_point(id));
     EXPECT_TRUE(store.is_locked(id));
-    EXPECT_TRUE(store.lock(sim::sha256_hex("other")));
+    EXPECT_TRUE(store.lock_point(sim::sha256_hex("other")));
   }
   EXPECT_FALSE(store.is_locked(id));
-  EXPECT_TRUE(store.lock(id));
+  EXPECT_TRUE(store.lock_point(id));
   EXPECT_TRUE(names_in(store.root() / "locks").empty()) << "nothing stays";
-}
-
-TEST_F(SweepStore, ALockTakesNoFileOfSomebodyElse) {
-  const fs::path precious = folder.path() / "precious", name = folder.path() / "lock";
-  const auto refuses = [&] {
-    EXPECT_THROW(tools::sweep::Lock::attempt(name, "host 1\n"), sim::InputError);
-    EXPECT_EQ(tools::sweep::Lock::holder(name), std::nullopt);
-    EXPECT_TRUE(fs::exists(fs::symlink_status(name)));
-    fs::remove(name);
-  };
-  std::ofstream(precious) << "three years";
-  fs::create_symlink(precious, name);
-  refuses();
-  EXPECT_EQ(read_bytes(precious), "three years");
-  fs::create_symlink(folder.path() / "absent", name);
-  refuses();
-  for (const char* text : {"three years", "4 years\n1", "host 1", "host 1a\n"}) {
-    std::ofstream(name) << text;
-    refuses();
-  }
-  ASSERT_EQ(::mkfifo(name.c_str(), 0600), 0);
-  refuses();
-  std::ofstream(name) << "host 1\n";
-  EXPECT_TRUE(tools::sweep::Lock::attempt(name, "host 2\n")) << "a killed one has left it";
 }
 
 TEST_F(SweepStore, WhatAKilledProcessHasLeftIsRemovedAndWhatALivingOneHasIsNot) {
   const std::string living = sim::sha256_hex("living");
-  const auto lock = store.lock(living);
+  const auto lock = store.lock_point(living);
   for (const std::string& name : {id, living}) {
-    tools::sweep::make_folders(store.root() / "tmp" / (name + ".host.1"));
-    std::ofstream(store.root() / "tmp" / (name + ".host.1") / "report.json") << "{";
+    for (const std::string& left :
+         {"." + name + ".123-0.raywatt-tmp", name + ".host.1"}) {  // the latter of old versions
+      sim::make_folders(store.root() / "tmp" / left);
+      std::ofstream(store.root() / "tmp" / left / "report.json") << "{";
+    }
   }
   std::ofstream(store.root() / "locks" / id) << "";
   for (const std::string& name : {id, living}) {
-    tools::sweep::make_folders(store.root() / "failed" / name.substr(0, 2));
+    sim::make_folders(store.root() / "failed" / name.substr(0, 2));
     std::ofstream(store.root() / "failed" / name.substr(0, 2) / (name + ".123-0.raywatt-tmp.json")) << "{";
   }
-  store.clean();
+  store.remove_stale();
   EXPECT_EQ(names_in(store.root() / "failed" / id.substr(0, 2)), Words{});
   EXPECT_EQ(names_in(store.root() / "failed" / living.substr(0, 2)), Words{living + ".123-0.raywatt-tmp.json"});
-  EXPECT_EQ(names_in(store.root() / "tmp"), Words{living + ".host.1"});
+  EXPECT_EQ(names_in(store.root() / "tmp"), (Words{"." + living + ".123-0.raywatt-tmp", living + ".host.1"}));
   EXPECT_EQ(names_in(store.root() / "locks"), Words{living});
 }
 
 TEST_F(SweepStore, AFailedWriteLeavesNothing) {
-  EXPECT_THROW(store.put(id, made_of, [](const fs::path&) { throw std::runtime_error("no"); }), std::runtime_error);
-  EXPECT_EQ(store.state(id), State::kMissing);
+  EXPECT_THROW(store.put_result(id, made_of, [](const fs::path&) { throw std::runtime_error("no"); }),
+               std::runtime_error);
+  EXPECT_EQ(store.status_of(id), PointStatus::kMissing);
   EXPECT_TRUE(names_in(store.root() / "tmp").empty());
 }
 
 TEST_F(SweepStore, RemembersFailures) {
   store.put_failure({id, 3, "stuck", "core0: waits\n", "here", 2});
-  const auto failure = store.failure(id);
+  const auto failure = store.read_failure(id);
   ASSERT_TRUE(failure);
   EXPECT_EQ(failure->exit, 3);
   EXPECT_EQ(failure->error, "stuck");
   EXPECT_EQ(failure->log, "core0: waits\n");
   EXPECT_EQ(failure->attempt, 2);
-  store.forget_failure(id);
-  EXPECT_FALSE(store.failure(id));
+  store.remove_failure(id);
+  EXPECT_FALSE(store.read_failure(id));
 }
 
 TEST_F(SweepStore, HasNoFailureWhoseNumbersAreNoneOrTooLarge) {
@@ -158,7 +136,7 @@ TEST_F(SweepStore, HasNoFailureWhoseNumbersAreNoneOrTooLarge) {
     std::filesystem::create_directories(file.parent_path());
     std::ofstream(file) << R"({"exit": )" << exit << R"(, "error": "", "log": "", "host": "", "attempt": )" << attempt
                         << "}";
-    return store.failure(id);
+    return store.read_failure(id);
   };
   ASSERT_TRUE(with("-2147483648", "2147483647"));
   EXPECT_EQ(with("-2147483648", "1")->exit, std::numeric_limits<int>::min());

@@ -17,7 +17,7 @@ struct SweepStreams : testing::Test {
   Store store{folder.path() / "store"}, other{folder.path() / "other"};
 
   std::string report_in(const Store& where, const Point& point) {
-    return comparable(nlohmann::json::parse(where.report(point.id).value())).dump();
+    return comparable(nlohmann::json::parse(where.read_report(point.id).value())).dump();
   }
 };
 
@@ -26,24 +26,24 @@ TEST_F(SweepStreams, APlayedPointIsTheComputedOne) {
       points_of("axes: {cores: [1, 2], tni.trv.stack_entries: [4, 8]}\nframes: 0:1\nreference: full:4\n");
   ASSERT_EQ(points.size(), 4U);
   PointComputer sharing(store, 1), alone(other, 1);
-  EXPECT_EQ(sharing.compute(points[0], {.record = true}), Fate::kComputed);
-  EXPECT_TRUE(fs::exists(store.stream(points[0].stream)));
+  EXPECT_EQ(sharing.compute_point(points[0], {.record = true}), PointStatus::kComputed);
+  EXPECT_TRUE(fs::exists(store.stream_file(points[0].stream)));
   for (const Point& point : points) {
     EXPECT_EQ(point.stream, points[0].stream);
-    sharing.compute(point, {});
-    alone.compute(point, {});
+    sharing.compute_point(point, {});
+    alone.compute_point(point, {});
     EXPECT_EQ(report_in(store, point), report_in(other, point));
   }
-  EXPECT_LT(nlohmann::json::parse(*store.report(points[1].id))["host"]["load_s"], 1e-2) << "without its scene";
+  EXPECT_LT(nlohmann::json::parse(*store.read_report(points[1].id))["host"]["load_s"], 1e-2) << "without its scene";
 }
 
 TEST_F(SweepStreams, ReplicatesOfAPlayedPointAreThoseOfTheComputedOne) {
   const std::vector<Point> points = points_of("axes: {cores: [1, 2]}\nreplicates: 3\nreference: full:4\n");
   PointComputer sharing(store, 1), alone(other, 1);
-  sharing.compute(points[0], {.record = true});
-  sharing.compute(points[1], {});
-  alone.compute(points[1], {});
-  EXPECT_TRUE(fs::exists(store.stream(points[0].stream))) << "it was played";
+  sharing.compute_point(points[0], {.record = true});
+  sharing.compute_point(points[1], {});
+  alone.compute_point(points[1], {});
+  EXPECT_TRUE(fs::exists(store.stream_file(points[0].stream))) << "it was played";
   EXPECT_EQ(report_in(store, points[1]), report_in(other, points[1]));
   const auto replicates = nlohmann::json::parse(report_in(store, points[1]))["totals"]["replicates"];
   EXPECT_EQ(replicates["count"], 3);
@@ -54,11 +54,11 @@ TEST_F(SweepStreams, ReplicatesOfAPlayedPointAreThoseOfTheComputedOne) {
 TEST_F(SweepStreams, ADamagedStreamIsThrownAway) {
   const std::vector<Point> points = points_of("axes: {cores: [1, 2]}\n");
   PointComputer computer(store, 1), alone(other, 1);
-  computer.compute(points[0], {.record = true});
-  fs::resize_file(store.stream(points[0].stream), 1000);
-  EXPECT_EQ(computer.compute(points[1], {}), Fate::kComputed);
-  EXPECT_FALSE(fs::exists(store.stream(points[0].stream)));
-  alone.compute(points[1], {});
+  computer.compute_point(points[0], {.record = true});
+  fs::resize_file(store.stream_file(points[0].stream), 1000);
+  EXPECT_EQ(computer.compute_point(points[1], {}), PointStatus::kComputed);
+  EXPECT_FALSE(fs::exists(store.stream_file(points[0].stream)));
+  alone.compute_point(points[1], {});
   EXPECT_EQ(report_in(store, points[1]), report_in(other, points[1]));
 }
 
@@ -66,9 +66,9 @@ TEST_F(SweepStreams, OfABatchAreRecordedOnceAndRemovedAfterwards) {
   const std::vector<Point> points = points_of("axes: {program: [full:1, full:4], cores: [1, 2]}\nimage: no\n");
   LocalLauncher launcher(store, {.jobs = 1, .threads = 1});
   bool was_there = false;
-  const BatchEnd end =
-      launcher.run(points, [&](std::size_t p, Fate) { was_there |= fs::exists(store.stream(points[p].stream)); });
-  EXPECT_EQ(end.count(Fate::kComputed), 4U);
+  const BatchEnd end = launcher.run(
+      points, [&](std::size_t p, PointStatus) { was_there |= fs::exists(store.stream_file(points[p].stream)); });
+  EXPECT_EQ(end.count_of(PointStatus::kComputed), 4U);
   EXPECT_TRUE(was_there);
   EXPECT_TRUE(names_in(store.root() / "streams").empty());
 }
@@ -76,9 +76,10 @@ TEST_F(SweepStreams, OfABatchAreRecordedOnceAndRemovedAfterwards) {
 TEST_F(SweepStreams, ALauncherTakesBatchAfterBatch) {
   const std::vector<Point> points = points_of("axes: {cores: [1, 2], tni.trvs: [1, 2]}\n");
   LocalLauncher launcher(store, {.jobs = 2, .threads = 1});
-  EXPECT_EQ(launcher.run(std::span(points).first(2)).count(Fate::kComputed), 2U);
+  EXPECT_EQ(launcher.run(std::span(points).first(2)).count_of(PointStatus::kComputed), 2U);
   const BatchEnd second = launcher.run(points);
-  EXPECT_EQ(second.fates, (std::vector{Fate::kFound, Fate::kFound, Fate::kComputed, Fate::kComputed}));
+  EXPECT_EQ(second.statuses,
+            (std::vector{PointStatus::kDone, PointStatus::kDone, PointStatus::kComputed, PointStatus::kComputed}));
   EXPECT_EQ(second.workers, 2U);
   EXPECT_GT(second.busy, 0);
   EXPECT_LE(second.busy, 1);

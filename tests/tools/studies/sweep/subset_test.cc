@@ -1,11 +1,10 @@
-#include "tools/studies/sweep/spec/subset.h"
-
 #include <algorithm>
 #include <set>
 
 #include <gtest/gtest.h>
 
 #include "sim/error.h"
+#include "tools/studies/sweep/spec/plan.h"
 
 // Which combinations a sweep takes when it does not take all.
 
@@ -21,7 +20,7 @@ bool everything(const Choice&) { return true; }
 
 std::vector<Choice> chosen(Subset::Kind kind, std::uint64_t count, std::uint64_t seed = 1,
                            const std::function<bool(const Choice&)>& is_wanted = everything) {
-  return tools::sweep::choose({kind, count, seed}, kAxisSizes, is_wanted);
+  return tools::sweep::choose_combinations({kind, count, seed}, kAxisSizes, is_wanted);
 }
 
 /// How often each value of an axis was drawn.
@@ -79,7 +78,7 @@ TEST(Subset, OfALatinHypercubeDrawsEachValueOfAnAxisEquallyOften) {
 
 TEST(Subset, OfSobolIsEvenOnEveryAxis) {
   const std::vector<Choice> points =
-      tools::sweep::choose({Subset::Kind::kSobol, 64, 7}, std::vector<std::uint32_t>{64, 64}, everything);
+      tools::sweep::choose_combinations({Subset::Kind::kSobol, 64, 7}, std::vector<std::uint32_t>{64, 64}, everything);
   std::set<std::uint32_t> columns, rows;
   for (const Choice& choice : points) {
     columns.insert(choice[0] / 2);
@@ -91,9 +90,11 @@ TEST(Subset, OfSobolIsEvenOnEveryAxis) {
 
 TEST(Subset, ThatIsTooLargeIsRefusedBeforeItTakesAllMemory) {
   const std::vector<std::uint32_t> huge(60, 10'000);
-  EXPECT_THROW(tools::sweep::choose({}, huge, everything), sim::InputError);
-  EXPECT_EQ(tools::sweep::choose({Subset::Kind::kSobol, 50, 1}, huge, everything).size(), 50U);
-  EXPECT_TRUE(tools::sweep::choose({Subset::Kind::kRandom, 50, 1}, huge, [](const Choice&) { return false; }).empty());
+  EXPECT_THROW(tools::sweep::choose_combinations({}, huge, everything), sim::InputError);
+  EXPECT_EQ(tools::sweep::choose_combinations({Subset::Kind::kSobol, 50, 1}, huge, everything).size(), 50U);
+  EXPECT_TRUE(tools::sweep::choose_combinations({Subset::Kind::kRandom, 50, 1}, huge, [](const Choice&) {
+                return false;
+              }).empty());
 }
 
 }  // namespace

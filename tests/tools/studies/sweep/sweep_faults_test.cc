@@ -117,7 +117,7 @@ TEST_F(SweepFaults, TwoRunsOfOneFolderAreRefused) {
   EXPECT_TRUE(wait_until([&] { return fs::exists(out / "lock") && fs::exists(out / "points.jsonl"); }));
   const std::string points = read_bytes(out / "points.jsonl");
   const Ending second = raywatt(sweep_run(folder, write_sweep(folder, kTwelve)));
-  expect_refusal(second, {"somebody is running this sweep"});
+  expect_refusal(second, {"another process is running this sweep"});
   EXPECT_EQ(read_bytes(out / "points.jsonl"), points);
 }
 
@@ -143,7 +143,7 @@ TEST_F(SweepFaults, CancelStopsWhoRunsIt) {
   EXPECT_SAYS(raywatt({"sweep", "status", out}).out, "run by process " + std::to_string(program.process()));
   EXPECT_SAYS(raywatt({"sweep", "cancel", out}).out, "cancelled");
   EXPECT_EQ(program.wait().exit, 128 + SIGTERM);
-  EXPECT_SAYS(raywatt({"sweep", "cancel", out}).out, "nobody is running this sweep");
+  EXPECT_SAYS(raywatt({"sweep", "cancel", out}).out, "no process is running this sweep");
   EXPECT_EQ(points_in(store), 1U);
 }
 

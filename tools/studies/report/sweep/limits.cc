@@ -6,7 +6,6 @@
 #include "tools/analysis/report_file.h"
 #include "tools/studies/report/sweep/sweep_parts.h"
 #include "tools/studies/sweep/results/figure_noise.h"
-#include "tools/studies/sweep/results/notes.h"
 
 namespace tools::pages {
 namespace {
@@ -15,7 +14,7 @@ namespace {
 std::string interval_text(const Sweep& sweep, const Metric& metric, const std::vector<std::size_t>& rows,
                           std::size_t row) {
   const results::FigureNoise noise(sweep.results, sweep.results.column(metric.path), rows);
-  return noise.is_noisy() ? results::give_or_take(noise, row) : std::string();
+  return noise.is_noisy() ? results::interval_text(noise, row) : std::string();
 }
 
 }  // namespace

@@ -77,13 +77,13 @@ Dataset points_of(const Sweep& sweep) {
   Dataset data(std::move(columns));
   for (std::size_t i = 0; i < sweep.results.rows().size(); ++i) {
     const results::Row& row = sweep.results.rows()[i];
-    std::vector<Json> cells = {row.n, row.status};
+    std::vector<Json> cells = {row.n, std::string(name_of(row.status))};
     for (const results::Column& axis : sweep.axes)
       cells.emplace_back(sim::printable(results::exact_text(axis.values[i])));
     for (const results::Column& values : sweep.values) cells.push_back(number_of(values.values[i]));
     if (has_constraints) cells.emplace_back(!row.is_done() ? "" : eligible[i] ? "met" : "broken");
     cells.emplace_back(sim::printable(results::exact_text(errors.values[i]), kLongestText));
-    cells.emplace_back(sim::printable(command_text(sweep.points[i].options().argv), kLongestText));
+    cells.emplace_back(sim::printable(command_text(sweep.points[i].run_options().argv), kLongestText));
     data.row(std::move(cells));
   }
   return data;
@@ -110,16 +110,16 @@ Json front_of(const Sweep& sweep, const std::string& x_path, const std::string& 
   std::vector<std::size_t> rows;
   const std::vector<bool> may = sweep.eligible();
   for (std::size_t row = 0; row < may.size(); ++row) {
-    if (may[row] && x.of(row) && y.of(row)) rows.push_back(row);
+    if (may[row] && x.value_of(row) && y.value_of(row)) rows.push_back(row);
   }
   Json front = Json::array(), near = Json::array();
   if (!rows.empty()) {
     const results::FigureNoise x_noise(sweep.results, x.column, rows), y_noise(sweep.results, y.column, rows);
     x.column = x_noise.means();
     y.column = y_noise.means();
-    const results::ParetoFront found = results::pareto_front(x, y, may);
+    const results::ParetoFront found = results::find_front(x, y, may);
     for (const std::size_t row : found.rows) front.push_back(row);
-    for (const std::size_t row : results::near_front(x, y, x_noise, y_noise, found, {})) near.push_back(row);
+    for (const std::size_t row : results::find_near_front(x, y, x_noise, y_noise, found, {})) near.push_back(row);
   }
   return {{"x", x_path}, {"y", y_path}, {"front", std::move(front)}, {"near", std::move(near)}};
 }

@@ -10,8 +10,8 @@
 #include "sim/error.h"
 #include "sim/io/printable.h"
 #include "tools/studies/report/sweep/sweep_parts.h"
+#include "tools/studies/sweep/results/best.h"
 #include "tools/studies/sweep/results/sensitivity.h"
-#include "tools/studies/sweep/results/ties.h"
 
 namespace tools::pages {
 namespace {
@@ -86,12 +86,12 @@ std::string what_ties(const Sweep& sweep, const Metric& metric, std::size_t best
   }
   const results::FigureNoise noise(sweep.results, sweep.results.column(metric.path), candidates);
   if (!noise.is_noisy() || candidates.size() < 2) return {};
-  const std::size_t ties = results::ties_with(noise, metric.more, candidates, best).size();
+  const std::size_t ties = results::find_ties(noise, metric.more, candidates, best).size();
   return fmt::format("; {} with it by {}",
                      ties == 0   ? "no point ties"
                      : ties == 1 ? "1 point ties"
                                  : fmt::format("{} points tie", ties),
-                     noise.text());
+                     noise.describe());
 }
 
 std::string with_capital(std::string words) {
@@ -176,7 +176,7 @@ void add_sweep_verdict(const Sweep& sweep, View& view) {
     for (const optimise::Goal& goal : sweep.task->goals) goals.push_back(goal.text());
     view.fact("Asked for", fmt::format("{}", fmt::join(goals, ", ")));
   }
-  if (const std::string missing = sweep.results.what_is_missing(); !missing.empty()) view.notice(missing);
+  if (const std::string missing = sweep.results.missing_text(); !missing.empty()) view.notice(missing);
   const std::vector<std::pair<std::string, std::string>> links = {{"the front", "front"},
                                                                   {"what each axis does", "sensitivity"}};
   const Metric* const metric = main_metric(sweep);

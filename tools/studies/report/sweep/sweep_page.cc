@@ -8,9 +8,8 @@
 #include "sim/io/printable.h"
 #include "tools/host/standard_streams.h"
 #include "tools/studies/report/sweep/sweep_parts.h"
+#include "tools/studies/sweep/results/collect.h"
 #include "tools/studies/sweep/results/figure_noise.h"
-#include "tools/studies/sweep/results/index/collect.h"
-#include "tools/studies/sweep/results/index/sqlite.h"
 #include "tools/studies/sweep/spec/spec.h"
 #include "tools/studies/sweep/store/folder.h"
 
@@ -36,21 +35,11 @@ std::string question_in(const fs::path& folder) {
   }
 }
 
-/// Has the index say what there is now, or, where it cannot be written, what was last collected.
-void collect_in(const fs::path& folder) {
-  try {
-    results::collect(sweep::SweepFolder::open(folder));
-  } catch (const sim::IoError& error) {
-    std::error_code failed;
-    if (!fs::exists(folder / "index.sqlite", failed)) throw;
-    print_message("warning: {}; the page has what was last collected", error.what());
-  }
-}
-
 View view_of(const fs::path& folder) {
   const results::Results results(folder);
-  Sweep sweep{results, sweep::SweepFolder::open(folder).points(), {}, {}, task_in(folder), {}, results.varying(), {},
-              {}};
+  Sweep sweep{
+      results, sweep::SweepFolder::open(folder).read_points(), {}, {}, task_in(folder), {}, results.varying_axes(), {},
+      {}};
   const bool fits = sweep.points.size() == results.rows().size() &&
                     std::ranges::equal(sweep.points, results.rows(), {}, &sweep::Point::id, &results::Row::id);
   if (!fits) throw sim::InputError(folder.string() + ": has other points than its index; run 'raywatt sweep collect'");
@@ -79,13 +68,8 @@ bool is_sweep(const fs::path& folder) {
 }
 
 View sweep_view(const fs::path& folder) {
-  collect_in(folder);
-  try {
-    return view_of(folder);
-  } catch (const results::SqliteError& error) {
-    throw sim::InputError(fmt::format("{}: is damaged ({}); remove it, and it is made anew",
-                                      (folder / "index.sqlite").string(), error.what()));
-  }
+  results::collect_if_writable(folder, "the page has");
+  return view_of(folder);
 }
 
 }  // namespace tools::pages

@@ -3,21 +3,27 @@
 #include <algorithm>
 #include <chrono>
 #include <new>
+#include <span>
 #include <thread>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "sim/config/config.h"
 #include "sim/error.h"
 #include "sim/host_clock.h"
+#include "sim/io/json.h"
+#include "sim/io/printable.h"
 #include "sim/report/report_json.h"
 #include "tools/analysis/picture.h"
+#include "tools/analysis/report.h"
 #include "tools/host/exit_code.h"
 #include "tools/host/interrupt.h"
 #include "tools/host/standard_streams.h"
 #include "tools/run/frame/trace_header.h"
+#include "tools/run/run.h"
 #include "tools/run/stored_frames.h"
-#include "tools/studies/sweep/store/durable.h"
+#include "tools/sampling/slices.h"
 #include "traces/scene/images.h"
 #include "traces/trace_file/trace_writer.h"
 
@@ -25,8 +31,9 @@ namespace tools::sweep {
 namespace {
 
 namespace fs = std::filesystem;
+using sim::Json;
 
-/// run() of frames that are no part of a result unless all are there.
+/// Runs all frames. Interrupted, without a partial result, if an interrupt arrives.
 RunResult run_all(FrameSource& frames, const RunOptions& options) {
   RunResult result = run(frames, options);
   if (result.partial) throw Interrupted{};
@@ -40,19 +47,64 @@ void write_picture(const PlayedFrame& played, const fs::path& file) {
   traces::write_png(file, render.width, render.height, to_rgb8(played.frame.rendered.rgb));
 }
 
-}  // namespace
-
-void refuse_changed(const Point& point) {
+/// The point itself is not at fault, so no Failure is recorded.
+[[noreturn]] void refuse_changed(const Point& point) {
   throw sim::IoError(
       fmt::format("point {}: what it is made of has changed since the sweep was planned; the same command "
                   "plans anew",
                   point.n));
 }
 
+/// Writes the report and the configuration of a point into its folder.
 void write_results(const fs::path& folder, const sim::Json& report, const RunConfig& config) {
-  write_durably(folder / "report.json", sim::json_text(report));
-  write_durably(folder / "config.yaml", sim::dump_config(config));
+  sim::write_file_atomically(folder / "report.json", sim::json_text(report));
+  sim::write_file_atomically(folder / "config.yaml", sim::dump_config(config));
 }
+
+Failure failure_of_whole(const Point& slice, Failure failure) {
+  failure.id = slice.whole;
+  failure.error = fmt::format("slice {} of {}: {}", slice.slice, slice.slices, failure.error);
+  return failure;
+}
+
+/// Reads the frames of a slice from the store.
+Json frames_in(const Store& store, const Point& slice) {
+  const std::optional<std::string> bytes = store.read_slice(slice.id);
+  if (!bytes) {
+    throw sim::IoError(fmt::format("point {}: slice {} has been taken out of the store; the same command computes it",
+                                   slice.n, slice.slice));
+  }
+  return sim::parse_json(*bytes).at("frames");
+}
+
+/// Returns one frame of every slice.
+std::vector<Json> at_frame(std::span<const Json> slices, std::size_t frame) {
+  std::vector<Json> out;
+  for (const Json& slice : slices) out.push_back(slice.at(frame));
+  return out;
+}
+
+/// Frames whose results are the joined results of their slices.
+class JoinedSlices final : public PosedFrames {
+ public:
+  JoinedSlices(Inputs& inputs, const kernels::ProgramSpec& program, std::vector<Json> slices, std::uint32_t threads)
+      : PosedFrames(inputs, threads, nullptr), program_(program), slices_(std::move(slices)) {}
+  bool has_whole_frames() const override { return false; }
+  bool has_reference() const override { return false; }
+  FrameResult simulate(const SimulateOptions&) override {
+    return join_slices(inputs_, program_, at_frame(slices_, inputs_.frame - inputs_.config.scene.first_frame));
+  }
+  FrameResult simulate_reference(const SimulateOptions&) override {
+    throw std::logic_error("slices have no reference");
+  }
+  double squared_error(const FrameResult&, const FrameResult&) const override { return 0; }
+
+ private:
+  const kernels::ProgramSpec program_;
+  const std::vector<Json> slices_;
+};
+
+}  // namespace
 
 Inputs& PointComputer::inputs_for(const Point& point, const PointKeys::Key& key, const RunConfig& config) {
   const std::string wanted = inputs_key(config);
@@ -60,7 +112,7 @@ Inputs& PointComputer::inputs_for(const Point& point, const PointKeys::Key& key,
     inputs_key_.clear();
     inputs_ = {};
     inputs_ = load_inputs(config, threads_);
-    if (inputs_.frames() == 1) inputs_key_ = wanted;  // later frames change them
+    if (inputs_.frames() == 1) inputs_key_ = wanted;  // a second frame would change them
   }
   inputs_.config = config;
   const auto planned = key.made_of.at("scene_sha256").get<std::string>();
@@ -71,16 +123,16 @@ Inputs& PointComputer::inputs_for(const Point& point, const PointKeys::Key& key,
   return inputs_;
 }
 
-Fate PointComputer::compute(const Point& point, const Order& order) try {
-  std::optional<Lock> lock = store_.lock(point.id);
-  for (auto pause = std::chrono::milliseconds(2); !lock && order.wait; lock = store_.lock(point.id)) {
+PointStatus PointComputer::compute_point(const Point& point, const Order& order) try {
+  std::optional<sim::FileLock> lock = store_.lock_point(point.id);
+  for (auto pause = std::chrono::milliseconds(2); !lock && order.wait; lock = store_.lock_point(point.id)) {
     if (is_interrupted()) throw Interrupted{};
     std::this_thread::sleep_for(pause);
     pause = std::min(pause * 2, std::chrono::milliseconds(200));
   }
-  if (!lock) return Fate::kLocked;
-  if (store_.state(point.id) == Store::State::kGood) return Fate::kFound;
-  if (!order.retry && store_.failure(point.id)) return Fate::kFailed;
+  if (!lock) return PointStatus::kLocked;
+  const PointStatus before = store_.status_of(point.id);
+  if (before == PointStatus::kDone || (before == PointStatus::kFailed && !order.retry)) return before;
   int exit = kOurBug;
   std::string error, log;
   try {
@@ -88,14 +140,14 @@ Fate PointComputer::compute(const Point& point, const Order& order) try {
     const RunConfig config = keys_.config_of(point);
     const PointKeys::Key key = keys_.key_of(point);
     if (key.id != (point.slice != 0 ? point.whole : point.id)) refuse_changed(point);
-    if (const std::optional<Failure> failure = complete(point, order)) {
+    if (const std::optional<Failure> failure = compute_missing_slices(point, order)) {
       store_.put_failure(*failure);
-      return Fate::kFailed;
+      return PointStatus::kFailed;
     }
     compute_now(point, key, config, order.record);
-    store_.forget_failure(point.id);
-    if (point.slice != 0) join_after(point, order);
-    return Fate::kComputed;
+    store_.remove_failure(point.id);
+    if (point.slice != 0) join_if_complete(point, order);
+    return PointStatus::kComputed;
   } catch (const Interrupted&) {
     throw;
   } catch (const sim::IoError&) {
@@ -115,25 +167,25 @@ Fate PointComputer::compute(const Point& point, const Order& order) try {
     error = fmt::format("internal error: {}", e.what());
   }
   put_failure(point, {point.id, exit, error, log, host_name(), order.attempt});
-  return Fate::kFailed;
-} catch (const std::bad_alloc&) {  // the host is short of it now, the point is not to blame
+  return PointStatus::kFailed;
+} catch (const std::bad_alloc&) {  // a shortage of the host, not an error of the point
   throw sim::IoError(fmt::format("point {}: out of memory; fewer points at a time (-j) need less", point.n));
 }
 
 void PointComputer::compute_now(const Point& point, const PointKeys::Key& key, const RunConfig& config, bool record) {
   if (point.slice != 0) return play_slice(point, key, config);
-  if (point.slices != 0) return join(point, key, config);
-  if (!key.stream.empty() && fs::exists(store_.stream(key.stream))) {
+  if (point.slices != 0) return join_slices_of(point, key, config);
+  if (!key.stream.empty() && fs::exists(store_.stream_file(key.stream))) {
     try {
-      return replay(point, key, config);
-    } catch (const sim::InputError& error) {  // cut short, or of another hand
+      return replay_stream(point, key, config);
+    } catch (const sim::InputError& error) {  // truncated or foreign trace
       print_message("warning: {}; computed without it", error.what());
       store_.remove_stream(key.stream);
     }
   }
   const auto begin = sim::HostClock::now();
-  const JobOptions options = point.options();
-  store_.put(point.id, key.made_of, [&](const fs::path& folder) {
+  const JobOptions options = point.run_options();
+  store_.put_result(point.id, key.made_of, [&](const fs::path& folder) {
     Inputs& inputs = inputs_for(point, key, config);
     std::optional<Recording> recording;
     if (record && !key.stream.empty()) recording = begin_recording(key.stream, inputs, options);
@@ -148,25 +200,88 @@ void PointComputer::compute_now(const Point& point, const PointKeys::Key& key, c
   });
 }
 
-void PointComputer::replay(const Point& point, const PointKeys::Key& key, const RunConfig& config) {
+void PointComputer::replay_stream(const Point& point, const PointKeys::Key& key, const RunConfig& config) {
   const auto begin = sim::HostClock::now();
-  StoredFrames frames(store_.stream(key.stream), config, threads_, point.replicates);
+  StoredFrames frames(store_.stream_file(key.stream), config, threads_, point.replicates);
   const RunResult result = run_all(frames, {});
   const sim::Json report = report_json(
-      {frames.inputs(), point.options(), result.report_totals(), result.frames, false, sim::seconds_since(begin)});
-  store_.put(point.id, key.made_of, [&](const fs::path& folder) { write_results(folder, report, config); });
+      {frames.inputs(), point.run_options(), result.report_totals(), result.frames, false, sim::seconds_since(begin)});
+  store_.put_result(point.id, key.made_of, [&](const fs::path& folder) { write_results(folder, report, config); });
 }
 
 std::optional<PointComputer::Recording> PointComputer::begin_recording(const std::string& stream, const Inputs& inputs,
                                                                        const JobOptions& options) {
-  std::optional<Lock> lock = store_.lock_stream(stream);
+  std::optional<sim::FileLock> lock = store_.lock_stream(stream);
   if (!lock) return std::nullopt;  // another process records it
   try {
-    auto trace = std::make_unique<traces::TraceWriter>(store_.stream(stream), trace_header(inputs, options));
+    auto trace = std::make_unique<traces::TraceWriter>(store_.stream_file(stream), trace_header(inputs, options));
     return Recording{*std::move(lock), std::move(trace)};
-  } catch (const sim::InputError& error) {  // not every kind of work can be recorded
+  } catch (const sim::InputError& error) {
     print_message("warning: {}; points compute it each for itself", error.what());
     return std::nullopt;
+  }
+}
+
+void PointComputer::play_slice(const Point& slice, const PointKeys::Key& key, const RunConfig& config) {
+  const kernels::ProgramSpec program = kernels::parse_program(slice.program);
+  store_.put_result(slice.id, made_of(slice), [&](const fs::path& folder) {
+    Inputs& inputs = inputs_for(slice, key, config);
+    Json frames = Json::array();
+    for_each_frame(inputs, threads_, nullptr,
+                   [&] { frames.push_back(simulate_slice(inputs, program, threads_, slice.slices, slice.slice - 1)); });
+    sim::write_file_atomically(folder / kSliceFile,
+                               sim::json_line(Json{{"schema", "raywatt-slice/1"}, {"frames", frames}}) + "\n");
+  });
+}
+
+void PointComputer::join_slices_of(const Point& whole, const PointKeys::Key& key, const RunConfig& config) {
+  const kernels::ProgramSpec program = kernels::parse_program(whole.program);
+  store_.put_result(whole.id, key.made_of, [&](const fs::path& folder) {
+    Inputs& inputs = inputs_for(whole, key, config);
+    RunResult result;
+    try {
+      std::vector<Json> slices;
+      for (const Point& slice : slices_of(whole)) slices.push_back(frames_in(store_, slice));
+      JoinedSlices frames(inputs, program, std::move(slices), threads_);
+      result = run(frames, {});
+    } catch (const sim::JsonError& error) {
+      throw sim::InputError(fmt::format("a slice in the store is damaged: {}", sim::printable(error.what())));
+    }
+    if (result.partial) throw Interrupted{};
+    const double wall = result.total->wall_seconds + inputs.load_seconds + inputs.update_seconds;
+    write_results(
+        folder, report_json({inputs, whole.run_options(), result.report_totals(), result.frames, false, wall}), config);
+  });
+}
+
+std::optional<Failure> PointComputer::compute_missing_slices(const Point& whole, const Order& order) {
+  std::vector<Point> missing;
+  for (const Point& slice : slices_of(whole)) {
+    if (store_.is_done(slice.id)) continue;
+    if (const auto failure = store_.read_failure(slice.id)) return failure_of_whole(slice, *failure);
+    missing.push_back(slice);
+  }
+  for (const Point& slice : missing) {
+    if (compute_point(slice, {.wait = true, .attempt = order.attempt}) != PointStatus::kFailed) continue;
+    return failure_of_whole(slice, store_.read_failure(slice.id).value_or(Failure()));
+  }
+  return std::nullopt;
+}
+
+void PointComputer::join_if_complete(const Point& slice, const Order& order) {
+  const Point whole = whole_of(slice);
+  const auto is_there = [&](const Point& one) { return fs::exists(store_.folder_of(one.id)); };
+  if (std::ranges::all_of(slices_of(whole), is_there))
+    compute_point(whole, {.retry = order.retry, .attempt = order.attempt});
+}
+
+void PointComputer::put_failure(const Point& point, const Failure& failure) const {
+  store_.put_failure(failure);
+  if (point.slice == 0) return;
+  // Another process that holds the lock finds the failure of the slice.
+  const std::optional<sim::FileLock> lock = store_.lock_point(point.whole);
+  if (lock && store_.status_of(point.whole) == PointStatus::kMissing) {
+    store_.put_failure(failure_of_whole(point, failure));
   }
 }
 

@@ -1,11 +1,16 @@
 #include "tools/studies/sweep/launch/launcher.h"
 
 #include <algorithm>
+#include <sstream>
+
+#include "sim/error.h"
+#include "tools/studies/sweep/launch/local_launcher.h"
+#include "tools/studies/sweep/launch/slurm.h"
 
 namespace tools::sweep {
 namespace {
 
-/// Adds what came of a later batch.
+/// Adds the times of a later batch.
 void add_times(const BatchEnd& later, BatchEnd& end) {
   const double seconds = end.seconds + later.seconds;
   if (seconds > 0) end.busy = (end.busy * end.seconds + later.busy * later.seconds) / seconds;
@@ -16,43 +21,43 @@ void add_times(const BatchEnd& later, BatchEnd& end) {
 
 }  // namespace
 
-std::uint64_t BatchEnd::count(Fate fate) const { return static_cast<std::uint64_t>(std::ranges::count(fates, fate)); }
-
-bool Launcher::is_wanted(const Point& point) const {
-  return store_.state(point.id) != Store::State::kGood && (retry_failed_ || !store_.failure(point.id));
+std::uint64_t BatchEnd::count_of(PointStatus status) const {
+  return static_cast<std::uint64_t>(std::ranges::count(statuses, status));
 }
 
-void Launcher::forget_failure(const Point& point) const {
-  if (const std::optional<Lock> lock = store_.lock(point.id)) store_.forget_failure(point.id);
+void Launcher::remove_failure(const Point& point) const {
+  if (const std::optional<sim::FileLock> lock = store_.lock_point(point.id)) store_.remove_failure(point.id);
 }
 
-/// A batch some of whose points are cut: first slices, then points that are to be joined.
+/// A batch with cut points: first their slices are computed with the other points, then the slices are joined.
 class Launcher::CutBatch {
  public:
   CutBatch(Launcher& launcher, std::span<const Point> points) : launcher_(launcher), points_(points) {
     cut_.resize(points.size());
     for (std::size_t p = 0; p < points.size(); ++p) {
-      const std::vector<Point> slices = launcher.is_wanted(points[p]) ? slices_of(points[p]) : std::vector<Point>();
-      if (slices.empty()) add(points[p], p);
-      for (const Point& slice : slices) add(slice, p);
-      if (!slices.empty() && launcher.retry_failed_) launcher.forget_failure(points[p]);
+      const std::vector<Point> slices = launcher.needs_computing(launcher.store_.status_of(points[p].id))
+                                            ? slices_of(points[p])
+                                            : std::vector<Point>();
+      if (slices.empty()) add_job(points[p], p);
+      for (const Point& slice : slices) add_job(slice, p);
+      if (!slices.empty() && launcher.retry_failed_) launcher.remove_failure(points[p]);
       cut_[p].is_cut = !slices.empty();
     }
   }
 
-  BatchEnd run(const Watch& watch, const SliceWatch& slice_watch) {
-    BatchEnd end = launcher_.play(jobs_, [&](std::size_t j, Fate fate) {
-      jobs_[j].slice != 0 ? slice_watch(owners_[j]) : watch(owners_[j], fate);
+  BatchEnd run(const PointWatch& watch, const SliceWatch& slice_watch) {
+    BatchEnd end = launcher_.run_batch(jobs_, [&](std::size_t j, PointStatus status) {
+      jobs_[j].slice != 0 ? slice_watch(point_of_[j]) : watch(point_of_[j], status);
     });
-    std::vector<Fate> fates(points_.size(), Fate::kMissing);
+    std::vector<PointStatus> statuses(points_.size(), PointStatus::kMissing);
     for (std::size_t j = 0; j < jobs_.size(); ++j) {
-      Cut& cut = cut_[owners_[j]];
-      if (!cut.is_cut) fates[owners_[j]] = end.fates[j];
-      cut.is_new = cut.is_new || end.fates[j] == Fate::kComputed;
-      cut.lacks_some = cut.lacks_some || end.fates[j] == Fate::kMissing;
+      Cut& cut = cut_[point_of_[j]];
+      if (!cut.is_cut) statuses[point_of_[j]] = end.statuses[j];
+      cut.is_new = cut.is_new || end.statuses[j] == PointStatus::kComputed;
+      cut.lacks_some = cut.lacks_some || end.statuses[j] == PointStatus::kMissing;
     }
-    end.fates = std::move(fates);
-    join(end, watch);
+    end.statuses = std::move(statuses);
+    join_slices(end, watch);
     return end;
   }
 
@@ -63,38 +68,69 @@ class Launcher::CutBatch {
     bool lacks_some = false;  ///< a slice was not
   };
 
-  void add(const Point& job, std::size_t owner) {
+  void add_job(const Point& job, std::size_t point) {
     jobs_.push_back(job);
-    owners_.push_back(owner);
+    point_of_.push_back(point);
   }
 
-  /// Joins slices that whoever computed the last one has not.
-  void join(BatchEnd& end, const Watch& watch) {
+  /// Joins slices that the worker of the last one has not joined.
+  void join_slices(BatchEnd& end, const PointWatch& watch) {
     std::vector<Point> wholes;
-    std::vector<std::size_t> owners;
+    std::vector<std::size_t> indices;
     for (std::size_t p = 0; p < points_.size(); ++p) {
-      if (!cut_[p].is_cut || cut_[p].lacks_some || (end.interrupted && launcher_.is_wanted(points_[p]))) continue;
+      if (!cut_[p].is_cut || cut_[p].lacks_some ||
+          (end.interrupted && launcher_.needs_computing(launcher_.store_.status_of(points_[p].id))))
+        continue;
       wholes.push_back(points_[p]);
-      owners.push_back(p);
+      indices.push_back(p);
     }
-    const BatchEnd joined = launcher_.play(wholes, [&](std::size_t w, Fate fate) {
-      const bool is_new = fate == Fate::kFound && cut_[owners[w]].is_new;
-      end.fates[owners[w]] = is_new ? Fate::kComputed : fate;
-      watch(owners[w], end.fates[owners[w]]);
+    const BatchEnd joined = launcher_.run_batch(wholes, [&](std::size_t w, PointStatus status) {
+      const bool is_new = status == PointStatus::kDone && cut_[indices[w]].is_new;
+      end.statuses[indices[w]] = is_new ? PointStatus::kComputed : status;
+      watch(indices[w], end.statuses[indices[w]]);
     });
     add_times(joined, end);
   }
 
   Launcher& launcher_;
   const std::span<const Point> points_;
-  std::vector<Cut> cut_;  ///< points by number
+  std::vector<Cut> cut_;  ///< by point
   std::vector<Point> jobs_;
-  std::vector<std::size_t> owners_;  ///< points of the jobs
+  std::vector<std::size_t> point_of_;  ///< index of the point of each job
 };
 
-BatchEnd Launcher::run(std::span<const Point> points, const Watch& watch, const SliceWatch& slice_watch) {
-  if (std::ranges::none_of(points, &Point::is_cut)) return play(points, watch);
+BatchEnd Launcher::run(std::span<const Point> points, const PointWatch& watch, const SliceWatch& slice_watch) {
+  if (std::ranges::none_of(points, &Point::is_cut)) return run_batch(points, watch);
   return CutBatch(*this, points).run(watch, slice_watch);
 }
 
 }  // namespace tools::sweep
+
+namespace tools {
+
+void check_options(const LauncherOptions& options) {
+  const bool has_slurm_options = !options.slurm_arguments.empty() || options.chunk != 0;
+  if (options.launcher != "slurm" && has_slurm_options) {
+    throw sim::InputError("--slurm-args and --chunk are for --launcher slurm");
+  }
+}
+
+std::unique_ptr<sweep::Launcher> make_launcher(const LauncherOptions& options, const sweep::SweepFolder& folder) {
+  if (options.launcher == "slurm") {
+    std::vector<std::string> arguments = folder.slurm_arguments();  // of the file, then of the command line
+    for (const std::string& several : options.slurm_arguments) {
+      std::istringstream words(several);
+      for (std::string word; words >> word;) arguments.push_back(word);
+    }
+    return std::make_unique<sweep::SlurmLauncher>(folder,
+                                                  sweep::SlurmLauncher::Options{.chunk = options.chunk,
+                                                                                .tasks = options.jobs,
+                                                                                .retry_failed = options.retry_failed,
+                                                                                .arguments = std::move(arguments)});
+  }
+  return std::make_unique<sweep::LocalLauncher>(
+      folder.store(), sweep::LocalLauncher::Options{
+                          .jobs = options.jobs, .retry_failed = options.retry_failed, .log = folder.log_folder()});
+}
+
+}  // namespace tools

@@ -1,59 +1,65 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "tools/studies/sweep/launch/compute.h"
+#include "tools/studies/sweep/store/folder.h"
 
 namespace tools::sweep {
 
-/// How a batch of points ended.
+/// Result of a batch of points.
 struct BatchEnd {
-  std::vector<Fate> fates;  ///< fates of the points, in their order
-  double seconds = 0;       ///< host: from the first point begun to the last one finished
-  double busy = 0;          ///< share of that time in which workers had a point in hand; 0 if none was begun
+  std::vector<PointStatus> statuses;  ///< in the order of the points
+  double seconds = 0;                 ///< host time from the first point begun to the last one finished
+  double busy = 0;                    ///< share of that time in which workers had a point; 0 if none was begun
   std::uint32_t workers = 0;
   bool interrupted = false;  ///< points may be missing
-  std::uint64_t count(Fate fate) const;
+  std::uint64_t count_of(PointStatus status) const;
 };
 
-/// Has points computed into a store. Afterwards Store::report() and Store::failure() tell what came out: points that
-/// are there are not computed again, and those that failed before only if that is asked for.
+/// Computes batches of points into a store.
 ///
 ///   LocalLauncher launcher(store, {.jobs = 2});
 ///   const BatchEnd end = launcher.run(points);
-///   if (end.fates[0] != Fate::kFailed) use(*store.report(points[0].id));
+///   if (is_done(end.statuses[0])) use(*store.read_report(points[0].id));
 ///
-/// Points need their keys (PointKeys::set_key). Two with one id are computed once. A point that fails, or crashes its
-/// worker, is no reason to stop. Slices of points that are cut are handed out like points.
+/// 1. Points must have their keys (PointKeys::set_key). Two points with one id are computed once.
+/// 2. Points that are done are not computed again; failed points only with `retry_failed`.
+/// 3. A point that fails or crashes its worker does not stop the batch.
+/// 4. Slices of cut points are handed out like points.
 class Launcher {
  public:
   virtual ~Launcher() = default;
   Launcher(const Launcher&) = delete;
   Launcher& operator=(const Launcher&) = delete;
 
-  /// Told when a point has ended, by its index in the batch.
-  using Watch = std::function<void(std::size_t point, Fate fate)>;
-  /// Told when a slice of a point has ended, however it has.
+  /// Called when a point has ended, with its index in the batch.
+  using PointWatch = std::function<void(std::size_t point, PointStatus status)>;
+  /// Called when a slice of a point has ended, with the index of the point.
   using SliceWatch = std::function<void(std::size_t point)>;
-  /// Returns when all points have ended, or when an interrupt waits (tools/host/interrupt.h; have a HoldInterrupts).
-  /// IoError if the store cannot be written: points that are finished are kept.
+  /// Returns when all points have ended or an interrupt waits (tools/host/interrupt.h; the caller holds interrupts).
+  /// IoError if the store cannot be written; finished points are kept.
   BatchEnd run(
-      std::span<const Point> points, const Watch& watch = [](std::size_t, Fate) {},
+      std::span<const Point> points, const PointWatch& watch = [](std::size_t, PointStatus) {},
       const SliceWatch& slice_watch = [](std::size_t) {});
 
  protected:
   Launcher(Store store, bool retry_failed) : store_(std::move(store)), retry_failed_(retry_failed) {}
 
-  /// The same for points that are not cut, for slices, and for points whose slices have all ended.
-  virtual BatchEnd play(std::span<const Point> points, const Watch& watch) = 0;
+  /// run() for whole points, for slices, and for cut points whose slices have all ended.
+  virtual BatchEnd run_batch(std::span<const Point> points, const PointWatch& watch) = 0;
 
-  /// Shall it be computed?
-  bool is_wanted(const Point& point) const;
-  /// Forgets why it failed, so that a failure seen later is a new one.
-  void forget_failure(const Point& point) const;
+  /// False if a point with this status is done, or failed and is not retried.
+  bool needs_computing(PointStatus status) const {
+    return !is_done(status) && (retry_failed_ || status != PointStatus::kFailed);
+  }
+  /// Removes the record of a failure, so that one seen later is new.
+  void remove_failure(const Point& point) const;
 
   const Store store_;
   const bool retry_failed_;
@@ -63,3 +69,20 @@ class Launcher {
 };
 
 }  // namespace tools::sweep
+
+namespace tools {
+
+/// Options that choose the launcher of a sweep or a search.
+struct LauncherOptions {
+  std::string launcher = "local";
+  std::uint32_t jobs = 0;
+  bool retry_failed = false;
+  std::vector<std::string> slurm_arguments;
+  std::uint64_t chunk = 0;
+};
+
+/// InputError for options of another launcher.
+void check_options(const LauncherOptions& options);
+std::unique_ptr<sweep::Launcher> make_launcher(const LauncherOptions& options, const sweep::SweepFolder& folder);
+
+}  // namespace tools

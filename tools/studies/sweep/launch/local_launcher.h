@@ -9,40 +9,40 @@
 
 namespace tools::sweep {
 
-/// Worker processes on this host, which live as long as the launcher and take one point after the other. The process
-/// that makes one should have one thread. A worker that crashes takes only its point with it.
+/// Worker processes on this host, which live as long as the launcher and compute one point after the other. A worker
+/// that crashes fails only its point. The process that creates a launcher should have one thread, because it forks.
 class LocalLauncher final : public Launcher {
  public:
   struct Options {
     std::uint32_t jobs = 0;     ///< workers; 0: one for each core of the host
-    std::uint32_t threads = 0;  ///< threads of each; 0: the host's cores, shared out
+    std::uint32_t threads = 0;  ///< threads of each worker; 0: the cores of the host, shared out
     bool retry_failed = false;
-    bool keep_streams = false;    ///< recorded streams stay for other launchers when the last point here has used them
-    std::filesystem::path log{};  ///< folder for what workers say; empty: nowhere
+    bool keep_streams = false;    ///< keep recorded streams for other launchers after the last point has used them
+    std::filesystem::path log{};  ///< folder for the output of workers; empty: it is discarded
   };
   LocalLauncher(const Store& store, const Options& options);
   ~LocalLauncher() override;
 
  private:
-  BatchEnd play(std::span<const Point> points, const Watch& watch) override;
+  BatchEnd run_batch(std::span<const Point> points, const PointWatch& watch) override;
 
   struct Worker {
     pid_t process = -1;
     int socket = -1;
     std::filesystem::path log;
-    std::uint64_t log_begin = 0;       ///< where in it the point under way begins
-    std::optional<std::size_t> point;  ///< under way
-    std::string id;                    ///< its id
+    std::uint64_t log_begin = 0;       ///< size of the log when the current point was begun
+    std::optional<std::size_t> point;  ///< current point
+    std::string id;                    ///< id of the current point
   };
   class Batch;
 
-  void start(Worker& worker);
-  /// Waits for its end; the status as of waitpid().
-  int reap(Worker& worker);
-  void stop();
-  /// It may have been ended by a second interrupt: Ctrl-C and Slurm send theirs to every process.
-  void tidy_up_after(const Worker& worker);
-  [[noreturn]] void work(int socket, const std::filesystem::path& log);
+  void start_worker(Worker& worker);
+  /// Waits until the process has ended; returns its status as waitpid() does.
+  int reap_worker(Worker& worker);
+  void stop_workers();
+  /// Removes the unfinished folder of a worker, which a second interrupt may have ended.
+  void clean_up_after(const Worker& worker);
+  [[noreturn]] void run_worker(int socket, const std::filesystem::path& log);
 
   const Options options_;
   std::vector<Worker> workers_;

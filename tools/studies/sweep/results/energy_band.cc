@@ -10,27 +10,27 @@
 #include "sim/io/printable.h"
 #include "sim/report/table.h"
 #include "tools/analysis/report_paths.h"
-#include "tools/studies/sweep/results/cells.h"
+#include "tools/studies/sweep/results/table.h"
 
 namespace tools::results {
 namespace {
 
-constexpr std::size_t kRivals = 6;  ///< points of a table of the best
-constexpr std::size_t kBars = 12;   ///< lines of a tornado
+constexpr std::size_t kRivals = 6;  ///< rows of a table of the best points
+constexpr std::size_t kBars = 12;   ///< rows of a tornado table
 
-/// pJ of a block, or of all for an empty name, by low or high tables.
+/// Energy of a block in pJ by the low or high tables; an empty name is the whole machine.
 double side_pj(const PricedRun& run, const std::string& block, sim::Side side) {
   return block.empty() ? run.total(side) : run.of_block(block, side);
 }
 
-std::string percent(double share) { return fmt::format("{:.1f} %", 100 * share); }
+std::string percent_text(double share) { return fmt::format("{:.1f} %", 100 * share); }
 
-std::string interval_text(const std::vector<double>& samples) {
+std::string sample_interval_text(const std::vector<double>& samples) {
   const Interval95 i = interval_of(samples);
-  return fmt::format("{} .. {}", shown(i.from), shown(i.to));
+  return fmt::format("{} .. {}", number_text(i.from), number_text(i.to));
 }
 
-/// "cores=2 tni.trvs=4" of a row.
+/// Returns "cores=2 tni.trvs=4" for a row.
 std::string label_of(const std::vector<Column>& varying, std::size_t row) {
   std::string out;
   for (const Column& column : varying) {
@@ -40,8 +40,8 @@ std::string label_of(const std::vector<Column>& varying, std::size_t row) {
   return sim::printable(out, 60);
 }
 
-/// Share of all pairs of points that stand in another order under `b` than under `a`.
-double turned(const std::vector<double>& a, const std::vector<double>& b) {
+/// Share of all pairs of points whose order under `b` differs from that under `a`.
+double share_of_turned_pairs(const std::vector<double>& a, const std::vector<double>& b) {
   std::size_t pairs = 0, other = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
     for (std::size_t k = i + 1; k < a.size(); ++k, ++pairs) other += (a[i] < a[k]) != (b[i] < b[k]) ? 1 : 0;
@@ -59,7 +59,7 @@ std::size_t best_of(const BandedMetric& m, const std::vector<double>& values) {
 
 }  // namespace
 
-std::vector<std::size_t> BandedMetric::ranking() const {
+std::vector<std::size_t> BandedMetric::rank_points() const {
   std::vector<std::size_t> order(rows.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return is_better(nominal[a], nominal[b]); });
@@ -80,7 +80,7 @@ EnergyBand::EnergyBand(const Results& results, const std::vector<bool>& may) {
   if (rows_.empty()) throw sim::InputError("no point has a report to be priced");
 }
 
-BandedMetric EnergyBand::metric(const Column& column, bool most) {
+BandedMetric EnergyBand::price_metric(const Column& column, bool most) {
   const std::optional<EnergyMetric> joules = energy_metric(column.name);
   BandedMetric out{column.name, most, {}, {}, {}, {}, {}};
   for (std::size_t i = 0; i < rows_.size(); ++i) {
@@ -107,7 +107,7 @@ BandedMetric EnergyBand::metric(const Column& column, bool most) {
 }
 
 std::string EnergyBand::best_text(const Results& results, const BandedMetric& m) const {
-  const std::vector<std::size_t> order = m.ranking();
+  const std::vector<std::size_t> order = m.rank_points();
   std::vector<std::size_t> wins(m.rows.size());
   for (std::uint64_t draw = 0; draw < kEnergyDraws; ++draw) {
     std::size_t best = 0;
@@ -116,7 +116,7 @@ std::string EnergyBand::best_text(const Results& results, const BandedMetric& m)
     }
     ++wins[best];
   }
-  const std::vector<Column> varying = results.varying();
+  const std::vector<Column> varying = results.varying_axes();
   sim::Table table({"", "point", metric_name(m.name), "95 % interval", "best in",
                     "over the best, low / nominal / high tables", "95 % interval", "better in"});
   for (std::size_t rank = 0; rank < std::min(order.size(), kRivals); ++rank) {
@@ -128,10 +128,11 @@ std::string EnergyBand::best_text(const Results& results, const BandedMetric& m)
       ratios.push_back(mine / leader);
       better += m.is_better(mine, leader) ? 1 : 0;
     }
-    const auto share = [](std::size_t n) { return percent(static_cast<double>(n) / double{kEnergyDraws}); };
-    table.add_row({label_of(varying, m.rows[i]), fmt::format("{}", results.rows()[m.rows[i]].n), shown(m.nominal[i]),
-                   interval_text(m.drawn[i]), share(wins[i]), rank == 0 ? "" : m.ratio_text(i, order.front()),
-                   rank == 0 ? "" : interval_text(ratios), rank == 0 ? "" : share(better)});
+    const auto share = [](std::size_t n) { return percent_text(static_cast<double>(n) / double{kEnergyDraws}); };
+    table.add_row({label_of(varying, m.rows[i]), fmt::format("{}", results.rows()[m.rows[i]].n),
+                   number_text(m.nominal[i]), sample_interval_text(m.drawn[i]), share(wins[i]),
+                   rank == 0 ? "" : m.ratio_text(i, order.front()), rank == 0 ? "" : sample_interval_text(ratios),
+                   rank == 0 ? "" : share(better)});
   }
   return fmt::format("under {} draws of the energy tables, {} points\n\n{}", kEnergyDraws, m.rows.size(), table.text());
 }
@@ -175,13 +176,13 @@ std::string EnergyBand::tornado_text(const Results& results, const BandedMetric&
   if (m.rows.size() < 2) throw sim::InputError("a ranking needs two points");
   std::vector<PricedRun*> all;
   for (const auto& run : runs_) all.push_back(run.get());
-  const std::vector<std::size_t> order = m.ranking();
+  const std::vector<std::size_t> order = m.rank_points();
   const std::size_t first = order[0], second = order[1];
   struct Bar {
     std::string entry;
     double at_low, at_high, turned;
     std::size_t best_low, best_high;
-    double swing() const { return std::abs(std::log(at_high / at_low)); }
+    double swing_size() const { return std::abs(std::log(at_high / at_low)); }
   };
   std::vector<Bar> bars;
   for (const std::string& entry : entries_of(all)) {
@@ -195,19 +196,19 @@ std::string EnergyBand::tornado_text(const Results& results, const BandedMetric&
       return values;
     };
     const std::vector<double> low = values_at(0), high = values_at(1);
-    bars.push_back({entry, low[second] / low[first], high[second] / high[first], turned(low, high), best_of(m, low),
-                    best_of(m, high)});
+    bars.push_back({entry, low[second] / low[first], high[second] / high[first], share_of_turned_pairs(low, high),
+                    best_of(m, low), best_of(m, high)});
   }
   std::erase_if(bars, [](const Bar& bar) { return bar.at_low == bar.at_high && bar.turned == 0; });
   std::ranges::stable_sort(bars, [](const Bar& a, const Bar& b) {
-    return a.turned != b.turned ? a.turned > b.turned : a.swing() > b.swing();
+    return a.turned != b.turned ? a.turned > b.turned : a.swing_size() > b.swing_size();
   });
   const auto n = [&](std::size_t i) { return results.rows()[m.rows[i]].n; };
   sim::Table table({"entry of the tables", "ratio at low", "at high", "best at low", "at high", "pairs turned"});
   for (std::size_t i = 0; i < std::min(bars.size(), kBars); ++i) {
     const Bar& bar = bars[i];
     table.add_row({bar.entry, fmt::format("{:.4f}", bar.at_low), fmt::format("{:.4f}", bar.at_high),
-                   fmt::format("{}", n(bar.best_low)), fmt::format("{}", n(bar.best_high)), percent(bar.turned)});
+                   fmt::format("{}", n(bar.best_low)), fmt::format("{}", n(bar.best_high)), percent_text(bar.turned)});
   }
   return fmt::format(
       "{}: what decides the ranking; ratio: point {} over point {}, the best two, {:.4f} by nominal tables; one entry "

@@ -9,35 +9,34 @@
 
 namespace tools::results {
 
-/// A figure of the points of a sweep, under nominal energy tables and under each draw of them.
+/// A figure of the points of a sweep under nominal energy tables and under each draw of them.
 struct BandedMetric {
   std::string name;
   bool most = false;  ///< more is better
   std::vector<std::size_t> rows;
   std::vector<double> nominal;             ///< by point
-  std::vector<std::vector<double>> drawn;  ///< by point, then by draw; equal to nominal where no joules are in it
+  std::vector<std::vector<double>> drawn;  ///< by point, then by draw; nominal for a figure without energy
   std::vector<double> at_low, at_high;     ///< by point, under the low and the high tables
 
   bool is_better(double a, double b) const { return most ? a > b : a < b; }
-  /// Figure of a point over that of another under the low, nominal and high tables: "0.981 / 0.975 / 0.969".
+  /// Returns the ratio of two points under the low, nominal and high tables: "0.981 / 0.975 / 0.969".
   std::string ratio_text(std::size_t point, std::size_t other) const;
-  /// Points from the best to the worst under nominal tables, as indices of `rows`; of equal ones the first.
-  std::vector<std::size_t> ranking() const;
+  /// Orders the points from best to worst under nominal tables, as indices of `rows`.
+  std::vector<std::size_t> rank_points() const;
 };
 
-/// Points of a sweep priced under draws of all entries of their energy tables; entries of a name are drawn together.
+/// Prices points of a sweep under draws of all entries of their energy tables. Entries of one name are drawn together.
 class EnergyBand {
  public:
-  /// Prices the points that `may` be and have a report. InputError if one cannot be priced.
+  /// Prices the points that `may` select and that have a report. InputError if one cannot be priced.
   EnergyBand(const Results& results, const std::vector<bool>& may);
 
-  BandedMetric metric(const Column& column, bool most);
-  /// Share of the draws in which each point is on the Pareto front of two metrics of the same points.
+  BandedMetric price_metric(const Column& column, bool most);
+  /// Returns the share of draws in which each point is on the Pareto front of two metrics.
   static std::vector<double> shares_on_front(const BandedMetric& x, const BandedMetric& y);
-  /// Best points in the order of the nominal figure, how sure each rank is, and how the others compare with the best.
+  /// Writes a table of the best points by the nominal figure, with the confidence of each rank.
   std::string best_text(const Results& results, const BandedMetric& metric) const;
-  /// Entries of the tables by how much they move the best two points against each other, and the ranking of all.
-  /// InputError for a figure without joules.
+  /// Writes a table of the entries that change the ranking most. InputError for a figure without energy.
   std::string tornado_text(const Results& results, const BandedMetric& metric);
 
  private:

@@ -1,10 +1,13 @@
 #include "tools/studies/sweep/results/figure_noise.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include "sim/io/json.h"
 #include "tools/analysis/report_file.h"
 #include "tools/analysis/report_paths.h"
 #include "tools/run/frame/job_options.h"
@@ -17,14 +20,14 @@ double number_at(const Column& column, std::size_t row) {
   return number ? number->value : 0;
 }
 
-/// Noise of a figure of totals that is assumed for the picture of each point.
+/// Returns the noise of a figure of `totals` that is assumed for the picture size of each point.
 std::vector<double> assumed_noise(const Results& results, const std::vector<std::size_t>& rows,
                                   const std::string& figure) {
   const auto noise_at = [&](std::size_t row) {
     const ReportFile report = load_report(results.folder_of(results.rows()[row]));
     return default_noise(report.number("resolution[0]") * report.number("resolution[1]"), figure);
   };
-  if (std::ranges::find(results.axes(), "resolution") == results.axes().end()) {  // the configuration's for all
+  if (std::ranges::find(results.axes(), "resolution") == results.axes().end()) {  // the configuration's for all points
     return std::vector<double>(results.rows().size(), noise_at(rows.front()));
   }
   std::vector<double> out(results.rows().size());
@@ -40,7 +43,7 @@ std::vector<double> assumed_noise(const Results& results, const std::vector<std:
   return out;
 }
 
-/// Path of the statistics of a figure that is "cycles" among the totals.
+/// Path of the statistics of a figure of `totals`.
 std::string statistics_path(const std::string& name) { return "totals.replicates.figures." + name; }
 
 }  // namespace
@@ -79,18 +82,18 @@ FigureNoise::FigureNoise(const Results& results, const Column& figure, const std
   range([](const SeenFigure& seen) { return seen.assumed; });
 }
 
-double FigureNoise::chance_better(std::size_t b, std::size_t a, bool most) const {
+double FigureNoise::p_value_better(std::size_t b, std::size_t a, bool most) const {
   MeanDifference d = difference_of(seen_[a], seen_[b]);
   if (!most) d.value = -d.value;
   return d.chance_above();
 }
 
-std::string give_or_take(const FigureNoise& noise, std::size_t row) {
+std::string interval_text(const FigureNoise& noise, std::size_t row) {
   const double value = number_at(noise.means(), row);
   return fmt::format("± {:.2g} %", value == 0 ? 0 : 100 * noise.half_width(row) / std::abs(value));
 }
 
-std::string FigureNoise::text() const {
+std::string FigureNoise::describe() const {
   if (is_measured()) {
     const std::string to = least_ == most_ ? "" : fmt::format(" to {:.0f}", most_);
     return fmt::format("noise measured by {:.0f}{} replicates a point", least_, to);
@@ -100,16 +103,52 @@ std::string FigureNoise::text() const {
                      100 * least_, to);
 }
 
-Column column_of_means(const Results& results, const std::string& path) {
-  Column figure = results.column(path);
-  if (!is_total(figure.name)) return figure;
-  const std::string mean = statistics_path(metric_name(figure.name)) + ".mean";
-  if (!results.has_metric(mean)) return figure;
-  const Column means = results.column(mean);
-  for (std::size_t row = 0; row < figure.values.size(); ++row) {
-    if (!is_absent(means.values[row])) figure.values[row] = means.values[row];
+std::string extrapolated_note(const Results& results, const std::vector<std::size_t>& rows) {
+  constexpr const char* kFigure = "totals.extrapolated";
+  constexpr std::size_t kNamed = 12;
+  if (!results.has_metric(kFigure)) return {};
+  const Column column = results.column(kFigure);
+  std::vector<std::int64_t> points;
+  for (const std::size_t row : rows) {
+    const auto count = amount_of(column.values[row]);
+    if (count && count->value > 0) points.push_back(results.rows()[row].n);
   }
-  return figure;
+  if (points.empty()) return {};
+  std::ranges::sort(points);
+  const std::size_t more = points.size() - std::min(points.size(), kNamed);
+  points.resize(points.size() - more);
+  return fmt::format("\nfigures beyond what the tables cover, as warnings[] of the reports say: point{} {}{}\n",
+                     points.size() == 1 ? "" : "s", fmt::join(points, ", "),
+                     more == 0 ? "" : fmt::format(" and {} more", more));
+}
+
+std::vector<std::string> extrapolation_lines(const sim::Json& report) {
+  const sim::JsonPointer count("/totals/extrapolated"), warnings("/warnings");
+  std::vector<std::string> lines;
+  if (!report.contains(count) || report[count] == 0 || !report.contains(warnings)) return lines;
+  // Only these warnings begin with the name of a table.
+  constexpr std::array<std::string_view, 4> kTables = {"energy.events", "area.arrays", "latency.arrays", "power.dvfs"};
+  for (const sim::Json& line : report[warnings]) {
+    if (!line.is_string()) continue;
+    const auto is_of = [text = line.get<std::string>()](std::string_view table) { return text.starts_with(table); };
+    if (std::ranges::any_of(kTables, is_of)) lines.push_back(line.get<std::string>());
+  }
+  return lines;
+}
+
+std::string energy_draws_note(const std::vector<const FigureNoise*>& figures) {
+  const auto some = [&](auto is) { return std::ranges::any_of(figures, [&](const FigureNoise* f) { return is(*f); }); };
+  std::string out;
+  if (some([](const FigureNoise& f) { return f.is_noisy(); })) {
+    out += "the draws are of the energy tables alone: of noise they say nothing\n";
+  }
+  if (some([](const FigureNoise& f) { return f.is_noisy() && f.is_measured(); })) {
+    out += "a draw takes the counts of replicate 0, and the figure is the mean of all plays\n";
+  }
+  if (some([](const FigureNoise& f) { return f.means().name.ends_with("_per_mm2"); })) {
+    out += "area is nominal in all draws\n";
+  }
+  return out;
 }
 
 }  // namespace tools::results

@@ -6,45 +6,54 @@
 #include "tools/noise/noise.h"
 #include "tools/studies/sweep/results/results.h"
 
+namespace sim {
+class Json;
+}
+
 namespace tools::results {
 
-/// Noise of a figure at some points of a sweep: measured if all of them have replicates of it, otherwise assumed for
-/// the sizes of their pictures.
+/// Significance level of all statements on noise.
+inline constexpr double kError = 0.05;
+
+/// Noise of a figure at some points of a sweep: measured if all of them have replicates, otherwise assumed for the size
+/// of their pictures.
 class FigureNoise {
  public:
   FigureNoise(const Results& results, const Column& figure, const std::vector<std::size_t>& rows);
 
-  /// Do races move the figure?
+  /// True if the figure depends on races, so that it has noise.
   bool is_noisy() const { return noisy_; }
   bool is_measured() const { return measured_; }
-  /// Values of the points: means of the replicates, if they are measured.
+  /// Values of the points; means of the replicates if noise is measured.
   const Column& means() const { return means_; }
-  /// Plays of a point; 1 without replicates.
-  std::size_t plays(std::size_t row) const { return seen_[row].draws ? seen_[row].draws->count : 1; }
-  /// Standard deviation of a point's value; 0 for a figure without noise.
+  /// Number of replicates of a point; 1 without replicates.
+  std::size_t replicate_count(std::size_t row) const { return seen_[row].draws ? seen_[row].draws->count : 1; }
+  /// Standard error of the value of a point; 0 for a figure without noise.
   double error(std::size_t row) const { return seen_[row].error(); }
-  /// Half of the 95 % interval of a point's value.
+  /// Half of the 95 % interval of the value of a point.
   double half_width(std::size_t row) const { return seen_[row].half_width(); }
-  /// Chance that `b` is seen so much better than `a` if it is not.
-  double chance_better(std::size_t b, std::size_t a, bool most) const;
-  /// "noise measured by 5 replicates a point", "a noise of 2 %, assumed ...".
-  std::string text() const;
+  /// p-value of `b` better than `a` under the null hypothesis that it is not.
+  double p_value_better(std::size_t b, std::size_t a, bool most) const;
+  /// Returns "noise measured by 5 replicates a point" or "a noise of 2 %, assumed ...".
+  std::string describe() const;
 
  private:
   bool noisy_ = false, measured_ = false;
   Column means_;
   std::vector<SeenFigure> seen_;  ///< by row
-  double least_ = 0, most_ = 0;   ///< range of the assumed noises, or of the plays
+  double least_ = 0, most_ = 0;   ///< range of the assumed noise, or of the number of replicates
 };
 
-/// "± 0.52 %" of a point's value: half of its 95 % interval.
-std::string give_or_take(const FigureNoise& noise, std::size_t row);
+/// Returns "± 0.52 %", half of the 95 % interval of the value of a point.
+std::string interval_text(const FigureNoise& noise, std::size_t row);
 
-/// A column as statements take it: of each point the mean of its replicates, if it has any, else the value of its play.
-/// InputError for paths that mean nothing.
-Column column_of_means(const Results& results, const std::string& path);
+// Notes below an answer; empty if there is nothing to say.
 
-/// Chance below which a difference is held to be real.
-inline constexpr double kError = 0.05;
+/// Names the points among `rows` with figures of energy, area or latency outside the curves of their tables.
+std::string extrapolated_note(const Results& results, const std::vector<std::size_t>& rows);
+/// Returns the warnings of a report about extrapolated figures.
+std::vector<std::string> extrapolation_lines(const sim::Json& report);
+/// States the limits of draws of the energy tables: no noise, counts of replicate 0, nominal area.
+std::string energy_draws_note(const std::vector<const FigureNoise*>& figures);
 
 }  // namespace tools::results

@@ -2,22 +2,86 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 
 #include <fmt/format.h>
 
 #include "sim/error.h"
 #include "tools/analysis/report_paths.h"
-#include "tools/studies/sweep/results/cells.h"
-#include "tools/studies/sweep/results/condition.h"
 #include "tools/studies/sweep/results/energy_band.h"
-#include "tools/studies/sweep/results/notes.h"
-#include "tools/studies/sweep/results/results_table.h"
+#include "tools/studies/sweep/results/table.h"
 
 namespace tools::results {
 namespace {
 
-/// Better high, but for some below them.
+constexpr std::size_t kHeight = 20, kLeastWidth = 40, kMostWidth = 160;
+
+/// Range of the values of an objective.
+struct ValueRange {
+  double low = 0, high = 0;
+  std::string low_text, high_text;
+
+  ValueRange(const Objective& objective, const std::vector<std::size_t>& rows) {
+    const auto by_value = [&](std::size_t a, std::size_t b) { return *objective.value_of(a) < *objective.value_of(b); };
+    const auto [least, most] = std::ranges::minmax_element(rows, by_value);
+    low = *objective.value_of(*least);
+    high = *objective.value_of(*most);
+    low_text = end_text(objective, *least);
+    high_text = end_text(objective, *most);
+  }
+  static std::string end_text(const Objective& objective, std::size_t row) {
+    const Value& value = objective.column.values[row];
+    return std::holds_alternative<std::string>(value) ? std::get<std::string>(value)
+                                                      : number_text(*objective.value_of(row));
+  }
+  std::size_t cell_of(double value, std::size_t cells) const {
+    if (high == low) return cells / 2;
+    return static_cast<std::size_t>(std::lround((value - low) / (high - low) * static_cast<double>(cells - 1)));
+  }
+};
+
+}  // namespace
+
+std::string pareto_plot(const Objective& x, const Objective& y, const ParetoFront& front, std::size_t width) {
+  const std::vector<std::size_t> all = front.all_rows();
+  const ValueRange xs(x, all), ys(y, all);
+  const std::size_t margin = std::max(xs.low_text.size() / 2, std::max(ys.low_text.size(), ys.high_text.size()));
+  const std::size_t columns = std::clamp(width, kLeastWidth, kMostWidth) - margin - 3;
+  std::vector<std::string> lines(kHeight, std::string(columns, ' '));
+  const auto cell = [&](std::size_t row) -> char& {
+    return lines[kHeight - 1 - ys.cell_of(*y.value_of(row), kHeight)][xs.cell_of(*x.value_of(row), columns)];
+  };
+  for (const std::size_t row : front.other) cell(row) = '.';
+  for (const std::size_t row : front.near) cell(row) = '~';
+  for (std::size_t i = front.rows.size(); i-- > 0;) cell(front.rows[i]) = front.mark_of(i);
+
+  std::string out = fmt::format("{}\n", y.describe());
+  for (std::size_t line = 0; line < kHeight; ++line) {
+    const std::string& label = line == 0 ? ys.high_text : line == kHeight - 1 ? ys.low_text : std::string();
+    out += fmt::format("{:>{}} |{}", label, margin, lines[line]);
+    out.erase(out.find_last_not_of(' ') + 1);
+    out += '\n';
+  }
+  const std::size_t between = columns + 1 - std::min(columns, xs.low_text.size() + xs.high_text.size());
+  out += fmt::format("{:>{}} +{:->{}}\n", "", margin, "", columns);
+  out += fmt::format("{:>{}}  {}{:>{}}{}\n", "", margin, xs.low_text, "", between - 1, xs.high_text);
+  const std::string title = x.describe();
+  out += fmt::format("{:>{}}\n", title, std::max(title.size(), margin + 2 + columns));
+  out += fmt::format("{} of {} points are on the front: {}; dots are the others\n", front.rows.size(), all.size(),
+                     front.mark_of(0) == '#' ? "#" : "letters, as in the table");
+  if (std::ranges::find(front.sure, false) != front.sure.end()) {
+    out += "a letter with ~: noise does not tell whether another point is as good in both\n";
+  }
+  if (!front.near.empty()) {
+    out += fmt::format("{} more may be, marked ~: none beats them by more than the band\n", front.near.size());
+  }
+  return out;
+}
+
+namespace {
+
+/// Figures that are better high, except for those in kBetterLow.
 constexpr std::array<std::string_view, 4> kBetterHigh = {"totals.perf.", "totals.relative.", "totals.psnr_db",
                                                          "totals.utilisation."};
 constexpr std::array<std::string_view, 5> kBetterLow = {"totals.perf.nj_per_ray", "totals.relative.traversal_steps",
@@ -33,23 +97,23 @@ std::string path_of(std::string_view text) {
   return std::string(text.starts_with("min:") || text.starts_with("max:") ? text.substr(4) : text);
 }
 
-/// Marks of the points on the Pareto front, with "~" those that may not be, and near it.
-Column letters_of(const ParetoFront& front, std::size_t rows, bool csv) {
-  Column letters{"", std::vector<Value>(rows)};
+/// Marks of the points: on the front, on it perhaps ("~" added), and near it ("~").
+Column marks_of(const ParetoFront& front, std::size_t rows, bool csv) {
+  Column marks{"", std::vector<Value>(rows)};
   for (std::size_t i = 0; i < front.rows.size(); ++i) {
-    letters.values[front.rows[i]] = std::string(1, front.mark(i)) + (csv || front.sure[i] ? "" : "~");
+    marks.values[front.rows[i]] = std::string(1, front.mark_of(i)) + (csv || front.sure[i] ? "" : "~");
   }
-  for (const std::size_t row : front.near) letters.values[row] = std::string("~");
-  return letters;
+  for (const std::size_t row : front.near) marks.values[row] = std::string("~");
+  return marks;
 }
 
 /// Two figures of the same points under draws of the energy tables.
-struct Draws2d {
+struct DrawnPair {
   BandedMetric x, y;
-  std::vector<std::size_t> at;  ///< by row: where it stands in both
+  std::vector<std::size_t> at;  ///< by row, its index in both
 
-  /// Share of the draws in which one row is as good in both and better in one.
-  double dominates(std::size_t better, std::size_t worse) const {
+  /// Share of the draws in which one row dominates another.
+  double share_dominating(std::size_t better, std::size_t worse) const {
     const std::size_t b = at[better], w = at[worse];
     std::size_t count = 0;
     for (std::uint64_t draw = 0; draw < kEnergyDraws; ++draw) {
@@ -61,21 +125,22 @@ struct Draws2d {
   }
 };
 
-Draws2d drawn(const Results& results, const Objective& x, const Objective& y, const ParetoFront& front) {
+DrawnPair price_both(const Results& results, const Objective& x, const Objective& y, const ParetoFront& front) {
   if (!energy_metric(x.column.name) && !energy_metric(y.column.name)) {
     throw sim::InputError(fmt::format("--energy band: neither {} nor {} has joules that draws tell of; allowed: {}",
                                       shown_name(x.column), shown_name(y.column), kEnergyMetrics));
   }
   std::vector<bool> may(results.rows().size());
-  for (const std::size_t row : front.all()) may[row] = true;
+  for (const std::size_t row : front.all_rows()) may[row] = true;
   EnergyBand band(results, may);
-  Draws2d out{band.metric(x.column, x.most), band.metric(y.column, y.most), std::vector<std::size_t>(may.size())};
+  DrawnPair out{band.price_metric(x.column, x.most), band.price_metric(y.column, y.most),
+                std::vector<std::size_t>(may.size())};
   for (std::size_t i = 0; i < out.x.rows.size(); ++i) out.at[out.x.rows[i]] = i;
   return out;
 }
 
-/// Share of the draws on whose front each row is, for people as "86.5 %".
-Column shares_of(const Draws2d& draws, std::size_t rows, bool csv) {
+/// Column with the share of draws in which each row is on the front: "86.5 %".
+Column shares_of(const DrawnPair& draws, std::size_t rows, bool csv) {
   Column shares{"on the front in", std::vector<Value>(rows)};
   const std::vector<double> found = EnergyBand::shares_on_front(draws.x, draws.y);
   for (std::size_t i = 0; i < found.size(); ++i) {
@@ -84,13 +149,13 @@ Column shares_of(const Draws2d& draws, std::size_t rows, bool csv) {
   return shares;
 }
 
-/// For each figure with joules, every row over the best one, under all low, nominal and high tables.
-void add_ratios(const Draws2d& draws, std::size_t rows, std::vector<Column>& columns) {
+/// Adds, for each figure with energy, the ratio of each row to the best one under low, nominal and high tables.
+void add_ratios(const DrawnPair& draws, std::size_t rows, std::vector<Column>& columns) {
   for (const BandedMetric* metric : {&draws.x, &draws.y}) {
     if (!energy_metric(metric->name)) continue;
     Column ratios{fmt::format("{} over the best, low / nominal / high tables", metric_name(metric->name)),
                   std::vector<Value>(rows)};
-    const std::size_t best = metric->ranking().front();
+    const std::size_t best = metric->rank_points().front();
     for (std::size_t i = 0; i < metric->rows.size(); ++i) {
       ratios.values[metric->rows[i]] = metric->ratio_text(i, best);
     }
@@ -98,9 +163,9 @@ void add_ratios(const Draws2d& draws, std::size_t rows, std::vector<Column>& col
   }
 }
 
-/// Noise of a figure, if it has any, in a line.
+/// Line about the noise of a figure; empty if it has none.
 std::string noise_line(const Objective& objective, const FigureNoise& noise) {
-  return noise.is_noisy() ? fmt::format("{}: {}\n", shown_name(objective.column), noise.text()) : std::string();
+  return noise.is_noisy() ? fmt::format("{}: {}\n", shown_name(objective.column), noise.describe()) : std::string();
 }
 
 }  // namespace
@@ -109,34 +174,34 @@ Objective::Objective(const Results& results, const std::string& text)
     : column(results.column(path_of(text))),
       most(text.starts_with("max:") || (!text.starts_with("min:") && is_better_high(column.name))) {}
 
-std::optional<double> Objective::of(std::size_t row) const {
+std::optional<double> Objective::value_of(std::size_t row) const {
   const std::optional<sweep::Magnitude> number = amount_of(column.values[row]);
   return number ? std::optional(number->value) : std::nullopt;
 }
 
-std::string Objective::text() const {
+std::string Objective::describe() const {
   return fmt::format("{} ({} is better)", shown_name(column), most ? "more" : "less");
 }
 
-std::vector<std::size_t> ParetoFront::all() const {
+std::vector<std::size_t> ParetoFront::all_rows() const {
   std::vector<std::size_t> rows_of_both = rows;
   rows_of_both.insert(rows_of_both.end(), other.begin(), other.end());
   return rows_of_both;
 }
 
-char ParetoFront::mark(std::size_t i) const {
+char ParetoFront::mark_of(std::size_t i) const {
   constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ";
   return rows.size() <= kLetters.size() ? kLetters[i] : '#';
 }
 
-ParetoFront pareto_front(const Objective& x, const Objective& y, const std::vector<bool>& may) {
+ParetoFront find_front(const Objective& x, const Objective& y, const std::vector<bool>& may) {
   struct Point {
     std::size_t row;
     double x, y;
   };
   std::vector<Point> points;
   for (std::size_t row = 0; row < may.size(); ++row) {
-    const auto at_x = x.of(row), at_y = y.of(row);
+    const auto at_x = x.value_of(row), at_y = y.value_of(row);
     if (may[row] && at_x && at_y) points.push_back({row, *at_x, *at_y});
   }
   std::ranges::stable_sort(points, [&](const Point& a, const Point& b) {
@@ -153,16 +218,17 @@ ParetoFront pareto_front(const Objective& x, const Objective& y, const std::vect
   return front;
 }
 
-std::vector<std::size_t> near_front(const Objective& x, const Objective& y, const FigureNoise& x_noise,
-                                    const FigureNoise& y_noise, const ParetoFront& front,
-                                    const std::function<bool(std::size_t better, std::size_t worse)>& sure) {
-  const std::vector<std::size_t> all = front.all();
+std::vector<std::size_t> find_near_front(const Objective& x, const Objective& y, const FigureNoise& x_noise,
+                                         const FigureNoise& y_noise, const ParetoFront& front,
+                                         const std::function<bool(std::size_t better, std::size_t worse)>& sure) {
+  const std::vector<std::size_t> all = front.all_rows();
   const double level = kError / static_cast<double>(all.size());
   const auto is_as_good = [&](const Objective& o, const FigureNoise& noise, std::size_t better, std::size_t worse) {
-    return noise.chance_better(better, worse, o.most) <= level || (!noise.is_noisy() && *o.of(better) == *o.of(worse));
+    return noise.p_value_better(better, worse, o.most) <= level ||
+           (!noise.is_noisy() && *o.value_of(better) == *o.value_of(worse));
   };
   const auto beats = [&](std::size_t better, std::size_t worse) {
-    if (*x.of(better) == *x.of(worse) && *y.of(better) == *y.of(worse)) return false;
+    if (*x.value_of(better) == *x.value_of(worse) && *y.value_of(better) == *y.value_of(worse)) return false;
     return is_as_good(x, x_noise, better, worse) && is_as_good(y, y_noise, better, worse) &&
            (!sure || sure(better, worse));
   };
@@ -175,14 +241,14 @@ std::vector<std::size_t> near_front(const Objective& x, const Objective& y, cons
 
 std::vector<bool> surely_on_front(const Objective& x, const Objective& y, const FigureNoise& x_noise,
                                   const FigureNoise& y_noise, const ParetoFront& front) {
-  const std::vector<std::size_t> all = front.all();
+  const std::vector<std::size_t> all = front.all_rows();
   const double level = kError / (2 * static_cast<double>(all.size()));
   std::vector<bool> sure;
   for (const std::size_t row : front.rows) {
     sure.push_back(std::ranges::all_of(all, [&](std::size_t other) {
-      const bool is_equal = *x.of(row) == *x.of(other) && *y.of(row) == *y.of(other);
-      return is_equal || x_noise.chance_better(row, other, x.most) <= level ||
-             y_noise.chance_better(row, other, y.most) <= level;
+      const bool is_equal = *x.value_of(row) == *x.value_of(other) && *y.value_of(row) == *y.value_of(other);
+      return is_equal || x_noise.p_value_better(row, other, x.most) <= level ||
+             y_noise.p_value_better(row, other, y.most) <= level;
     }));
   }
   return sure;
@@ -190,36 +256,36 @@ std::vector<bool> surely_on_front(const Objective& x, const Objective& y, const 
 
 std::string pareto_text(const Results& results, const ParetoOptions& options, std::size_t width) {
   Objective x(results, options.x), y(results, options.y);
-  const std::vector<bool> may = meeting(results, options.where);
+  const std::vector<bool> may = rows_meeting(results, options.where);
   std::vector<std::size_t> rows;
   for (std::size_t row = 0; row < may.size(); ++row) {
-    if (may[row] && x.of(row) && y.of(row)) rows.push_back(row);
+    if (may[row] && x.value_of(row) && y.value_of(row)) rows.push_back(row);
   }
   const FigureNoise x_noise(results, x.column, rows), y_noise(results, y.column, rows);
   x.column = x_noise.means();
   y.column = y_noise.means();
-  ParetoFront front = pareto_front(x, y, may);
+  ParetoFront front = find_front(x, y, may);
   if (front.rows.empty()) {
-    const std::string missing = results.what_is_missing();
+    const std::string missing = results.missing_text();
     throw sim::InputError(fmt::format("no point has both {} and {}{}{}", shown_name(x.column), shown_name(y.column),
                                       options.where.empty() ? "" : " and meets --where",
                                       missing.empty() ? "" : "; " + missing));
   }
-  std::optional<Draws2d> draws;
+  std::optional<DrawnPair> draws;
   std::function<bool(std::size_t, std::size_t)> sure;
   if (options.band) {
-    draws = drawn(results, x, y, front);
-    sure = [&](std::size_t better, std::size_t worse) { return draws->dominates(better, worse) >= 1 - kError; };
+    draws = price_both(results, x, y, front);
+    sure = [&](std::size_t better, std::size_t worse) { return draws->share_dominating(better, worse) >= 1 - kError; };
   }
-  front.near = near_front(x, y, x_noise, y_noise, front, sure);
+  front.near = find_near_front(x, y, x_noise, y_noise, front, sure);
   front.sure = surely_on_front(x, y, x_noise, y_noise, front);
-  std::vector<Column> columns = {letters_of(front, results.rows().size(), options.csv), results.column("n")};
+  std::vector<Column> columns = {marks_of(front, results.rows().size(), options.csv), results.column("n")};
   if (options.csv) {
     columns.front().name = "front";
     columns.push_back(results.column("id"));
   }
   const auto is_objective = [&](const Column& c) { return c.name == x.column.name || c.name == y.column.name; };
-  for (Column& column : results.varying()) {
+  for (Column& column : results.varying_axes()) {
     if (!is_objective(column)) columns.push_back(std::move(column));
   }
   columns.push_back(x.column);
@@ -233,7 +299,7 @@ std::string pareto_text(const Results& results, const ParetoOptions& options, st
   const std::string table = table_text(names, columns, shown, options.csv);
   if (options.csv) return table;
   std::string out = pareto_plot(x, y, front, width) + noise_line(x, x_noise) + noise_line(y, y_noise) + "\n" + table;
-  if (draws) out += draws_note({&x_noise, &y_noise});
+  if (draws) out += energy_draws_note({&x_noise, &y_noise});
   return out + extrapolated_note(results, rows);
 }
 

@@ -1,59 +1,100 @@
 #pragma once
+#include <cstdint>
 #include <filesystem>
+#include <map>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "tools/studies/sweep/results/index/index_file.h"
+#include "tools/studies/sweep/spec/point.h"
+#include "tools/studies/sweep/spec/value.h"
+
+namespace SQLite {
+class Column;
+class Database;
+}  // namespace SQLite
 
 namespace tools::results {
 
-/// A point as the index knows it.
+using sweep::amount_of;
+using sweep::exact_text;
+using sweep::is_absent;
+using sweep::is_before;
+using sweep::PointStatus;
+using sweep::Value;
+
+/// Number of points by status.
+using StatusCounts = std::map<PointStatus, std::size_t>;
+/// Returns "2 of 200 points have no result: 1 failed, 1 missing"; empty if all have one.
+std::string missing_text(const StatusCounts& counts);
+
+/// Version of the tables of index.sqlite. A file of another version is made again.
+inline constexpr int kIndexSchema = 1;
+/// Opens index.sqlite for reading, without locks: the file is only ever replaced as a whole. InputError if it is
+/// missing, damaged or of another version.
+std::unique_ptr<SQLite::Database> open_index(const std::filesystem::path& file);
+/// Reads the table `sweep` of an index: the store and the hash of the inputs.
+std::map<std::string, std::string> read_facts(const SQLite::Database& index);
+Value to_value(const SQLite::Column& column);
+PointStatus status_named(std::string_view name);
+
+/// A point in the index.
 struct Row {
   std::int64_t n = 0;
-  std::string id, status;
-  bool is_done() const { return status == "done"; }
+  std::string id;
+  PointStatus status = PointStatus::kMissing;
+  bool is_done() const { return sweep::is_done(status); }
 };
 
-/// A value of every point, in their order.
+/// One value for each point, in their order.
 struct Column {
-  std::string name;  ///< in full
+  std::string name;  ///< full path or name of the axis
   std::vector<Value> values;
 };
 
-/// The results of a sweep, read from its index.
+/// The results of a sweep, read from its index. All members throw InputError if the index is damaged.
 class Results {
  public:
-  /// InputError if there is no index.
   explicit Results(const std::filesystem::path& sweep);
+  ~Results();
+  Results(const Results&) = delete;
+  Results& operator=(const Results&) = delete;
 
   const std::vector<Row>& rows() const { return rows_; }
   const std::vector<std::string>& axes() const { return axes_; }
+  /// Folder of the point in the store.
   std::filesystem::path folder_of(const Row& row) const;
 
-  /// "n", "id", "status" or "error"; an axis; or a path of report.json. Any end of a path at a dot means it if it is
-  /// the only one. What is neither an axis nor in `totals` is looked for in the reports themselves, which takes longer.
-  /// InputError with the candidates, or the nearest.
+  /// Reads a column: "n", "id", "status", "error", an axis, or a path of report.json or an unambiguous end of one.
+  /// Paths outside `totals` are read from the reports, which takes longer. InputError with the candidates or the
+  /// nearest.
   Column column(std::string_view text) const;
   bool has_metric(std::string_view path) const;
-
-  /// Axes with more than one value.
-  std::vector<Column> varying() const;
-
-  /// "2 of 200 points have no result: 1 failed, 1 missing", or nothing.
-  std::string what_is_missing() const;
+  /// Columns of the axes with more than one value.
+  std::vector<Column> varying_axes() const;
+  /// missing_text() of all points.
+  std::string missing_text() const;
 
  private:
-  Column of_metric(std::size_t number, const std::string& path) const;
-  Column of_axis(std::size_t number, const std::string& name) const;
-  Column of_errors() const;
-  Column of_reports(std::string_view text) const;
-  std::size_t place_of(std::int64_t n) const;
+  /// Reads a column by a query of point and value.
+  Column query_column(const std::string& name, const std::string& sql, std::int64_t number) const;
+  Column read_from_reports(std::string_view text) const;
 
+  const std::filesystem::path file_;
   std::filesystem::path store_;
-  mutable Database index_;
+  std::unique_ptr<SQLite::Database> index_;
   std::vector<Row> rows_;
   std::vector<std::string> axes_, metrics_;
 };
+
+/// Reads a column with the mean of the replicates where a point has them. InputError for unknown paths.
+Column column_of_means(const Results& results, const std::string& path);
+
+/// Tests which points meet all conditions ("power_w.nominal<1 and cores>=2"), by means of replicates; a point without
+/// the value does not. InputError for unknown paths and values that cannot be compared.
+std::vector<bool> rows_meeting(const Results& results, const std::vector<std::string>& conditions);
+/// Lists the paths that conditions compare, each once.
+std::vector<std::string> compared_paths(const std::vector<std::string>& conditions);
 
 }  // namespace tools::results

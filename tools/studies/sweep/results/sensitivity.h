@@ -6,17 +6,17 @@
 
 namespace tools::results {
 
-/// Caveat of shares over points of which some combinations of values are not there.
+/// Caveat for shares over points that lack some combinations of values.
 inline constexpr const char* kNoGrid = "no full grid: shares are estimates";
 
-/// Influence of an axis on a metric: its main effect, all other axes averaged.
+/// Main effect of an axis on a metric, averaged over all other axes.
 struct Effect {
   std::string axis;                 ///< axes that always move together are one: "a + b"
-  std::vector<std::string> levels;  ///< its values, or groups of neighbours among them
+  std::vector<std::string> levels;  ///< its values, or groups of neighbouring values
   std::vector<double> means;        ///< mean of the metric at each level
-  double range = 0;                 ///< from the lowest mean to the highest, over the mean of all
-  double share = 0;                 ///< share of the variance, 0 to 1, what noise explains taken off
-  double low = 0, high = 0;         ///< 95 % interval of the share, by noise
+  double range = 0;                 ///< distance of the lowest and highest mean, over the mean of all points
+  double share = 0;                 ///< share of the variance, 0 to 1, without noise
+  double low = 0, high = 0;         ///< 95 % interval of the share
   std::vector<std::size_t> at;      ///< level of each point
   std::string interval_text() const;
 };
@@ -29,20 +29,21 @@ struct Sensitivity {
   bool is_grid = true;          ///< every combination of values is there: shares are exact
   std::vector<Effect> effects;  ///< the largest share first
   double noise = 0;             ///< share of the variance that noise explains
-  std::string noise_text;       ///< how that is known; empty for a figure without noise
-  /// Share of the variance that axes cause only together.
-  double rest() const;
+  std::string noise_text;       ///< source of the noise; empty for a figure without noise
+  /// Share of the variance that no axis explains alone.
+  double share_of_interactions() const;
 };
 
-/// Effects of all axes that vary on a metric, over the points that `may` be and have it. On a full grid the shares are
-/// the first-order terms of an analysis of variance. Otherwise (subsets, failed points) an additive model is fitted by
-/// least squares, values of an axis that hardly any two points share are taken together in groups, and what chance
-/// alone would explain is taken off the shares. Noise of the points (figure_noise.h) is taken off, too; intervals
-/// are those of sweeps drawn about the points' values. InputError if the metric is no number.
+/// Computes the effects of all axes that vary on a metric, over the selected points that have it. InputError if the
+/// metric is no number.
+/// 1. Full grid: the first-order terms of an analysis of variance.
+/// 2. Otherwise: an additive model by least squares; values that hardly any two points share are joined in groups, and
+///    the share that chance explains is subtracted.
+/// 3. Noise of the points is subtracted; intervals are those of a parametric bootstrap.
 Sensitivity find_sensitivity(const Results& results, const std::string& metric, const std::vector<bool>& may);
 
-/// `metrics` empty: the usual ones. `band`: for metrics that follow from energy, which entries of the tables decide the
-/// ranking, too.
+/// Writes the sensitivity tables. `metrics` empty: the usual ones. `band`: adds the entries of the energy tables that
+/// decide the ranking.
 std::string sensitivity_text(const Results& results, std::vector<std::string> metrics,
                              const std::vector<std::string>& where, bool band = false);
 

@@ -1,34 +1,152 @@
 #include "tools/studies/sweep/spec/plan.h"
 
 #include <algorithm>
+#include <numeric>
+#include <set>
 #include <utility>
 
+#include <boost/random/sobol.hpp>
 #include <fmt/format.h>
 
 #include "shader_kernels/programs/program_spec.h"
 #include "sim/config/config.h"
+#include "sim/config/config_tree.h"
 #include "sim/error.h"
+#include "sim/hash.h"
 #include "sim/io/printable.h"
 #include "tools/run/frame/load_config.h"
 #include "tools/sampling/slices.h"
 #include "tools/sampling/tile_sampling.h"
-#include "tools/studies/sweep/spec/subset.h"
 #include "traces/scenes/library.h"
 
 namespace tools::sweep {
-namespace {
 
 namespace fs = std::filesystem;
 
+using Term = AxisCondition::Term;
+
+std::optional<bool> outcome_of(const Term& term, const Operand& left, std::span<const Operand> rights) {
+  for (const Operand& right : rights) {
+    const std::optional<bool> outcome = compare(left, term.comparison, right);
+    if (!outcome && needs_order(term.comparison)) return std::nullopt;
+    if (outcome.value_or(term.comparison == Comparison::kUnequal)) return true;  // values of two kinds are unequal
+  }
+  return false;
+}
+
+bool holds(const AxisCondition& condition, std::span<const std::uint32_t> choice) {
+  return std::ranges::all_of(condition.terms, [&](const Term& term) {
+    const std::uint32_t value = choice[term.left.axis];
+    if (!term.right && term.outcomes[value]) return *term.outcomes[value];
+    const Operand& left = (*term.lefts)[value];
+    const auto rights =
+        term.right ? std::span(*term.rights).subspan(choice[term.right->axis], 1) : std::span(term.values);
+    if (const std::optional<bool> outcome = outcome_of(term, left, rights)) return *outcome;
+    const auto has_no_order = [&](const Operand& right) { return !compare(left, term.comparison, right); };
+    sim::refuse(
+        term.at, {},
+        fmt::format("'{}' and '{}' cannot be put in order; allowed: numbers, of one unit if they have units",
+                    sim::printable(left.text), sim::printable(std::ranges::find_if(rights, has_no_order)->text)));
+  });
+}
+
+namespace {
+
+constexpr std::uint64_t kMostDraws = 1U << 20;  // about a second
+
+/// Scales a number of 32 bits to the index of one of `values` values; all are equally likely.
+std::uint32_t scale_to_index(std::uint32_t number, std::uint32_t values) {
+  return static_cast<std::uint32_t>((std::uint64_t{number} * values) >> 32);
+}
+
+std::uint64_t grid_size(std::span<const std::uint32_t> sizes) {
+  std::uint64_t size = 1;
+  for (const std::uint32_t values : sizes) size = std::min<std::uint64_t>(size * values, std::uint64_t{1} << 40);
+  return size;
+}
+
+std::vector<Choice> list_grid(std::span<const std::uint32_t> sizes,
+                              const std::function<bool(const Choice&)>& is_wanted) {
+  if (grid_size(sizes) > kMostPoints) {
+    throw sim::InputError(fmt::format(
+        "the grid has more than {} points; allowed: a subset, e.g. 'subset: {{sobol: 1000}}'", kMostPoints));
+  }
+  std::vector<Choice> all;
+  Choice choice(sizes.size(), 0);
+  for (;;) {
+    if (is_wanted(choice)) all.push_back(choice);
+    std::size_t axis = sizes.size();
+    while (axis != 0 && ++choice[axis - 1] == sizes[axis - 1]) choice[--axis] = 0;
+    if (axis == 0) return all;
+  }
+}
+
+/// Draws until `count` different wanted combinations are found.
+template <class Draw>
+std::vector<Choice> draw_until(std::uint64_t count, const std::function<bool(const Choice&)>& is_wanted, Draw&& draw) {
+  std::vector<Choice> all;
+  std::set<Choice> drawn;
+  for (std::uint64_t i = 0; i < kMostDraws && all.size() < count; ++i) {
+    Choice choice = draw(i);
+    if (is_wanted(choice) && drawn.insert(choice).second) all.push_back(std::move(choice));
+  }
+  return all;
+}
+
+std::vector<Choice> draw_latin_hypercube(const Subset& subset, std::span<const std::uint32_t> sizes,
+                                         const std::function<bool(const Choice&)>& is_wanted) {
+  std::vector<Choice> all(subset.count, Choice(sizes.size()));
+  std::vector<std::uint32_t> order(subset.count);
+  for (std::size_t axis = 0; axis < sizes.size(); ++axis) {
+    std::iota(order.begin(), order.end(), 0U);
+    std::ranges::sort(order, {}, [&](std::uint32_t i) { return std::pair(sim::hash(subset.seed, axis, i), i); });
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      all[i][axis] = static_cast<std::uint32_t>(std::uint64_t{order[i]} * sizes[axis] / subset.count);
+    }
+  }
+  std::set<Choice> seen;
+  std::erase_if(all, [&](const Choice& choice) { return !seen.insert(choice).second || !is_wanted(choice); });
+  return all;
+}
+
+}  // namespace
+
+std::vector<Choice> choose_combinations(const Subset& subset, std::span<const std::uint32_t> sizes,
+                                        const std::function<bool(const Choice&)>& is_wanted) {
+  if (subset.kind == Subset::Kind::kGrid || sizes.empty()) return list_grid(sizes, is_wanted);
+  if (subset.kind == Subset::Kind::kLatinHypercube) return draw_latin_hypercube(subset, sizes, is_wanted);
+  const bool takes_all = grid_size(sizes) <= subset.count;  // drawing would take long to find the last ones
+  if (takes_all) return list_grid(sizes, is_wanted);
+  Choice choice(sizes.size());
+  if (subset.kind == Subset::Kind::kRandom) {
+    return draw_until(subset.count, is_wanted, [&](std::uint64_t i) {
+      for (std::size_t a = 0; a < sizes.size(); ++a) {
+        choice[a] = scale_to_index(static_cast<std::uint32_t>(sim::hash(subset.seed, i, a) >> 32), sizes[a]);
+      }
+      return choice;
+    });
+  }
+  boost::random::sobol sequence(sizes.size());  // 64 bits a number, axis by axis
+  return draw_until(subset.count, is_wanted, [&](std::uint64_t) {
+    for (std::size_t a = 0; a < sizes.size(); ++a) {
+      const std::uint64_t shift = sim::hash(subset.seed, a);  // keeps the sequence even
+      choice[a] = scale_to_index(static_cast<std::uint32_t>((sequence() ^ shift) >> 32), sizes[a]);
+    }
+    return choice;
+  });
+}
+
+namespace {
+
 constexpr std::size_t kLongestLine = 100'000;  // bytes of a line of points.jsonl
 
-/// A file is seen from the spec; a name is looked up later.
+/// Makes the name of a file absolute, relative to the folder of the spec; other names stay.
 std::string from_folder(const std::string& text, const fs::path& folder) {
   const bool is_file = traces::is_scene_file(text) || text.ends_with(".yaml");
   return is_file && fs::path(text).is_relative() ? (fs::absolute(folder) / text).lexically_normal().string() : text;
 }
 
-/// A built-in name stays; a file is seen from the folder. InputError for names that points.jsonl cannot hold.
+/// The same for a scene. InputError for names that points.jsonl cannot hold.
 std::string scene_from(const std::string& value, const fs::path& folder) {
   std::string scene = from_folder(value, folder);
   if (sim::with_escaped_bytes(scene) == scene) return scene;
@@ -45,20 +163,20 @@ void set_work(Point& point, const std::string& key, const std::string& value, co
   if (key == "program") point.program = value;
 }
 
-/// Throws the complaint of a run about "key=value" alone.
+/// Throws the InputError of a run for "key=value" alone.
 void check_setting(RunConfig base, const std::string& argument) {
   sim::ConfigNode tree = sim::config_tree(base);
   try {
     sim::ConfigLoader(tree).apply_set(argument);
   } catch (const sim::InputError& error) {
-    std::string text = error.what();  // without "--set key=value: ", which nobody has typed
+    std::string text = error.what();  // without its prefix "--set key=value: "
     const std::string origin = "--set " + sim::printable(argument);
     if (text.starts_with(origin)) text.erase(0, std::min(text.size(), origin.size() + 2));
     throw sim::InputError(text);
   }
 }
 
-/// Throws the complaint of a run about this value alone.
+/// Throws the InputError of a run for this value alone.
 void check_value(const RunConfig& base, const std::string& key, const std::string& value) {
   if (key == "scene" && !value.empty() && !value.ends_with(".yaml")) check_scene(value);
   if (key == "program") kernels::parse_program(value);
@@ -67,7 +185,7 @@ void check_value(const RunConfig& base, const std::string& key, const std::strin
   if (!is_work_key(key)) check_setting(base, fmt::format("{}={}", key, value));
 }
 
-/// Calls; what is refused then says where the file gives the key: in an axis, or by itself.
+/// Calls `call`; adds to its InputError where the file gives the key: in an axis or by itself.
 void at_key(const Spec& spec, const std::string& key, auto&& call) {
   try {
     call();
@@ -100,8 +218,8 @@ void check_values(const Spec& spec, const RunConfig& base) {
   }
 }
 
-/// Refuses what does not go with slices.
-void check_cut(const Spec& spec) {
+/// Refuses options that do not go with slices.
+void check_slicing(const Spec& spec) {
   at_key(spec, "slices", [&] {
     const auto refuse = [](const char* key, const char* why) {
       throw sim::InputError(fmt::format("does not go with {}: {}", key, why));
@@ -109,7 +227,7 @@ void check_cut(const Spec& spec) {
     if (!spec.tile_sampling.empty()) refuse("tile_sampling", "a sample of the tiles is not cut");
     if (!spec.reference.empty()) refuse("reference", "compare two points of equal slices");
     if (spec.replicates != 1) refuse("replicates", "they are played from one record of the whole frame");
-    if (spec.image) refuse("image", "slices have parts of it, which nobody joins");
+    if (spec.image) refuse("image", "slices have parts of it, which are not joined");
   });
   at_key(spec, "program", [&] {
     bool is_axis = false;
@@ -124,16 +242,17 @@ void check_cut(const Spec& spec) {
   });
 }
 
-/// True if the point's line may be longer than allowed, at six bytes for an escaped one.
+/// True if the line of the point may be too long; an escaped byte takes six.
 bool may_be_long(const Point& point) {
   std::size_t bytes = point.config.size() + point.scene.size() + point.camera.size() + point.error.size();
   for (const auto& [name, value] : point.axes) bytes += name.size() + value.size();
   for (const std::string& set : point.sets) bytes += set.size();
-  constexpr std::size_t kOthers = 1000;  // ids, names of members, and what is short
+  constexpr std::size_t kOthers = 1000;  // ids, names of members, short members
   return 6 * bytes + 10 * (point.axes.size() + point.sets.size()) + kOthers > kLongestLine;
 }
 
-Point make_point(const Spec& spec, const fs::path& folder, const Choice& choice) {
+/// Makes the point of a combination, without its keys.
+Point unkeyed_point(const Spec& spec, const fs::path& folder, const Choice& choice) {
   Point point;
   point.config = from_folder(spec.config, folder);
   point.reference = spec.reference;
@@ -182,24 +301,24 @@ Planner::Planner(Spec spec, const fs::path& folder)
   if (!spec_.tile_sampling.empty() && spec_.replicates != 1) {
     throw sim::InputError("replicates and tile_sampling do not go together: replicates play all tiles");
   }
-  if (spec_.slices != 0) check_cut(spec_);
+  if (spec_.slices != 0) check_slicing(spec_);
 }
 
-std::vector<std::uint32_t> Planner::sizes() const {
+std::vector<std::uint32_t> Planner::axis_sizes() const {
   std::vector<std::uint32_t> sizes;
   for (const Axis& axis : spec_.axes) sizes.push_back(static_cast<std::uint32_t>(axis.values.size()));
   return sizes;
 }
 
 bool Planner::is_wanted(const Choice& choice) const {
-  const auto here = [&](const Condition& condition) { return holds(condition, choice); };
-  return std::ranges::all_of(spec_.where, here) && !excluded_.holds(choice);
+  const auto holds_here = [&](const AxisCondition& condition) { return holds(condition, choice); };
+  return std::ranges::all_of(spec_.where, holds_here) && std::ranges::none_of(spec_.exclude, holds_here);
 }
 
-Point Planner::point(const Choice& choice) { return point(choice, spec_.tile_sampling); }
+Point Planner::make_point(const Choice& choice) { return make_point(choice, spec_.tile_sampling); }
 
-Point Planner::point(const Choice& choice, const std::string& tile_sampling) {
-  Point point = make_point(spec_, folder_, choice);
+Point Planner::make_point(const Choice& choice, const std::string& tile_sampling) {
+  Point point = unkeyed_point(spec_, folder_, choice);
   point.tile_sampling = tile_sampling;
   if (!tile_sampling.empty()) {  // replicates and slices play all tiles
     point.replicates = 1;
@@ -212,15 +331,15 @@ Point Planner::point(const Choice& choice, const std::string& tile_sampling) {
   return point;
 }
 
-std::vector<Point> plan(const Spec& spec, const fs::path& folder, const Planned& planned) {
+std::vector<Point> plan_points(const Spec& spec, const fs::path& folder, const PlanProgress& progress) {
   Planner planner(spec, folder);
   std::vector<Point> points;
   const auto is_wanted = [&](const Choice& choice) { return planner.is_wanted(choice); };
-  const std::vector<Choice> choices = choose(spec.subset, planner.sizes(), is_wanted);
+  const std::vector<Choice> choices = choose_combinations(spec.subset, planner.axis_sizes(), is_wanted);
   for (const Choice& choice : choices) {
-    points.push_back(planner.point(choice));
+    points.push_back(planner.make_point(choice));
     points.back().n = points.size() - 1;
-    if (planned) planned(points.size(), choices.size());
+    if (progress) progress(points.size(), choices.size());
   }
   if (points.empty()) {
     const std::string key = spec.where.empty() ? "exclude" : "where";

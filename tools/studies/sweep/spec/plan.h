@@ -1,44 +1,55 @@
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <span>
 #include <vector>
 
-#include "tools/studies/sweep/spec/conditions.h"
-#include "tools/studies/sweep/spec/point_keys.h"
+#include "tools/studies/sweep/spec/point.h"
 #include "tools/studies/sweep/spec/spec.h"
-#include "tools/studies/sweep/spec/subset.h"
 
 namespace tools::sweep {
 
-/// Makes points of a space one by one.
+/// True if the combination meets the condition. InputError if a comparison has no order.
+bool holds(const AxisCondition& condition, std::span<const std::uint32_t> choice);
+
+/// Lists the wanted combinations of a subset, each once; a grid in order, the last axis fastest. InputError for more
+/// than a million.
+/// 1. random and sobol draw until there are `subset.count` wanted combinations.
+/// 2. latin_hypercube draws each value of an axis equally often, then drops repeated and unwanted combinations.
+/// `sizes`: number of values of each axis.
+std::vector<Choice> choose_combinations(const Subset& subset, std::span<const std::uint32_t> sizes,
+                                        const std::function<bool(const Choice&)>& is_wanted);
+
+/// Makes the points of a space one by one.
 class Planner {
  public:
-  /// Files that the spec names are seen from `folder`. InputError, with its position in the spec, for a value that is
+  /// Files that the spec names are relative to `folder`. InputError, with its position in the file, for a value that is
   /// not allowed.
   Planner(Spec spec, const std::filesystem::path& folder);
   Planner(const Planner&) = delete;
   Planner& operator=(const Planner&) = delete;
 
-  std::vector<std::uint32_t> sizes() const;  ///< how many values each axis has
+  std::vector<std::uint32_t> axis_sizes() const;  ///< number of values of each axis
+  /// True if no `exclude` and every `where` holds.
   bool is_wanted(const Choice& choice) const;
-  /// With its keys, and n = 0; values that do not go together make a point with an error.
-  Point point(const Choice& choice);
-  /// The same by another tile sampling than the spec's.
-  Point point(const Choice& choice, const std::string& tile_sampling);
+  /// Makes the point of a combination, with its keys and n = 0. Values that do not go together give a point with an
+  /// error.
+  Point make_point(const Choice& choice);
+  /// The same with another tile sampling than that of the spec.
+  Point make_point(const Choice& choice, const std::string& tile_sampling);
 
  private:
   const Spec spec_;
-  const AnyCondition excluded_{spec_.exclude, spec_.axes};
   const std::filesystem::path folder_;
   PointKeys keys_;
 };
 
-/// Told how many points of how many are planned.
-using Planned = std::function<void(std::size_t points, std::size_t of)>;
+/// Called after each planned point.
+using PlanProgress = std::function<void(std::size_t points, std::size_t of)>;
 
-/// The points of a sweep, in order, with their keys. Files that the spec names are seen from `folder`. InputError, with
-/// its position in the spec, for a value that is not allowed; values that do not go together make a point with an
-/// error.
-std::vector<Point> plan(const Spec& spec, const std::filesystem::path& folder, const Planned& planned = {});
+/// Plans the points of a sweep, in order, with their keys. InputError as Planner.
+std::vector<Point> plan_points(const Spec& spec, const std::filesystem::path& folder,
+                               const PlanProgress& progress = {});
 
 }  // namespace tools::sweep

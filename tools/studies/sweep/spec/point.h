@@ -1,49 +1,102 @@
 #pragma once
+#include <array>
 #include <cstdint>
+#include <map>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "sim/io/json.h"
 #include "tools/run/frame/job_options.h"
+#include "tools/run/frame/load_config.h"
 
 namespace tools::sweep {
 
-/// One simulation: what is computed, said as to `raywatt run`. A line of points.jsonl. One that is cut into slices is
-/// computed slice by slice, each of which is a point by itself.
-struct Point {
-  std::uint64_t n = 0;                                    ///< in the order of the sweep, from 0
-  std::string id;                                         ///< 64 hexadecimal digits: equal ids, equal results
-  std::vector<std::pair<std::string, std::string>> axes;  ///< name and value, as the sweep says them
-  std::string config = "sgrt-2016";
-  std::string scene, camera, frames, resolution;             ///< empty: the configuration's
-  std::string program = "full:1", reference, tile_sampling;  ///< the last two may be empty: none
-  bool image = false;                                        ///< the picture is kept
-  std::uint32_t replicates = 1;                              ///< plays of its work
-  std::uint32_t slices = 0;                                  ///< that its frames are cut into; 0: none
-  std::uint32_t slice = 0;                                   ///< the one that this is, from 1; 0: all of them, joined
-  std::string whole;                                         ///< id of the point that it is a slice of
-  std::vector<std::string> sets;                             ///< "key=value"
-  std::string stream;  ///< key of the recorded work that points share which differ in the machine alone; empty: none
-  std::string error;   ///< why it cannot be computed at all, if its values do not go together
+/// Status of a point, in a store, a batch, a table of results or a search.
+enum class PointStatus : std::uint8_t {
+  kMissing,     ///< not computed
+  kLocked,      ///< another process is computing it
+  kImpossible,  ///< its values do not go together
+  kDamaged,     ///< its files do not match their digests
+  kFailed,      ///< it could not be computed; a Failure is recorded
+  kDone,        ///< its result is in the store
+  kComputed,    ///< its result is in the store and was computed by this batch
+};
+inline bool is_done(PointStatus status) { return status >= PointStatus::kDone; }
+inline std::string_view name_of(PointStatus status) {
+  constexpr std::array<std::string_view, 7> kNames = {"missing", "locked", "impossible", "damaged",
+                                                      "failed",  "done",   "computed"};
+  return kNames.at(static_cast<std::size_t>(status));
+}
 
-  /// Has slices that can be computed?
+/// One simulation, described by options of `raywatt run`; a line of points.jsonl. A point that is cut into slices is
+/// computed slice by slice, and each slice is a point.
+struct Point {
+  std::uint64_t n = 0;                                    ///< index in the sweep
+  std::string id;                                         ///< 64 hexadecimal digits: equal ids, equal results
+  std::vector<std::pair<std::string, std::string>> axes;  ///< name and value, as the sweep's file has them
+  std::string config = "sgrt-2016";
+  std::string scene, camera, frames, resolution;             ///< empty: of the configuration
+  std::string program = "full:1", reference, tile_sampling;  ///< the last two are empty if there is none
+  bool image = false;                                        ///< the picture is kept
+  std::uint32_t replicates = 1;                              ///< perturbed repetitions
+  std::uint32_t slices = 0;                                  ///< slices of each frame; 0: frames are not cut
+  std::uint32_t slice = 0;                                   ///< number of this slice, from 1; 0: the whole point
+  std::string whole;                                         ///< id of the whole point of a slice
+  std::vector<std::string> sets;                             ///< "key=value"
+  std::string stream;  ///< key of the recorded work, shared by points that differ only in the machine; may be empty
+  std::string error;   ///< reason that it cannot be computed, if its values do not go together
+
+  /// True if its slices are computed separately.
   bool is_cut() const { return slices != 0 && slice == 0 && error.empty(); }
-  /// Pieces in which it is handed out.
-  std::uint32_t pieces() const { return is_cut() ? slices : 1; }
-  /// The same as options of a run; argv is the command that does it.
-  JobOptions options() const;
+  /// Number of pieces that are handed to workers.
+  std::uint32_t piece_count() const { return is_cut() ? slices : 1; }
+  /// Options of the run that computes the point; argv is its command.
+  JobOptions run_options() const;
 };
 
-/// The slices of a point in order; none if it is not cut.
+/// Lists the slices of a point in order; none if it is not cut.
 std::vector<Point> slices_of(const Point& point);
-/// The point that it is a slice of.
+/// Returns the whole point of a slice.
 Point whole_of(const Point& slice);
-/// Contents of which the id of a slice is the hash.
+/// Returns the JSON whose hash is the id of a slice.
 sim::Json made_of(const Point& slice);
 
-/// A line of points.jsonl, without its end, and back. InputError that begins with `where` for anything else.
+/// Writes and reads a line of points.jsonl, without its end. InputError that begins with `where`.
 std::string to_line(const Point& point);
 Point read_line(const std::string& line, const std::string& where);
+
+/// Digest of scenes that are not files.
+inline constexpr std::string_view kBuiltIn = "built-in";
+
+/// Computes ids of points from all that their results depend on. Caches configurations and scene files, so that many
+/// points take no longer than one.
+class PointKeys {
+ public:
+  struct Key {
+    sim::Json made_of;   ///< all that the result depends on
+    std::string id;      ///< hash of made_of
+    std::string stream;  ///< as in Point
+  };
+
+  /// Returns the effective configuration, valid until the next call of a member. InputError if its values do not go
+  /// together.
+  const RunConfig& config_of(const Point& point);
+  /// InputError as config_of().
+  Key key_of(const Point& point);
+  /// Sets id and stream of the point; if its values do not go together, error and an id of the request. InputError for
+  /// a scene file that cannot be read.
+  void set_key(Point& point);
+
+ private:
+  /// Applies the point to the variants of its base configuration. InputError.
+  const ConfigVariants& apply_point(const Point& point);
+  Key make_key(const Point& point, const ConfigVariants& applied);
+  std::string scene_digest(const RunConfig& config);
+
+  std::map<std::pair<std::string, std::string>, ConfigVariants> bases_;  ///< by configuration and scene
+  std::map<std::string, std::string> digests_;                           ///< by scene file
+};
 
 }  // namespace tools::sweep

@@ -9,52 +9,91 @@
 #include <string_view>
 #include <vector>
 
-#include "tools/studies/sweep/spec/magnitude.h"
+#include "sim/config/yaml_tree.h"
+#include "tools/studies/sweep/spec/condition.h"
 
 namespace tools::sweep {
 
-/// Something that is varied: one key of the configuration, or several that move together; or what is rendered.
+/// A value of a YAML file with its position and its path for error messages. All readers throw InputError for a value
+/// of another kind.
+class YamlValue {
+ public:
+  /// The root mapping. `root` must outlive all values.
+  YamlValue(const sim::YamlNode& root, std::string file) : node_(&root), file_(std::move(file)) {}
+
+  bool is_mapping() const { return node_->kind == sim::YamlNode::Kind::kMapping; }
+  bool is_list() const { return node_->kind == sim::YamlNode::Kind::kSequence; }
+  bool is_text() const { return node_->kind == sim::YamlNode::Kind::kScalar; }
+
+  const std::string& text() const;
+  std::uint64_t whole_number(std::uint64_t least, std::uint64_t most) const;
+  bool yes_or_no() const;
+  std::vector<std::string> list_of_texts() const;
+  std::vector<YamlValue> items() const;    ///< elements of a list
+  std::vector<YamlValue> entries() const;  ///< entries of a mapping
+  /// Entries of a mapping. InputError, with the nearest allowed key, for a key that is not among `keys`.
+  std::vector<YamlValue> entries(std::span<const std::string_view> keys) const;
+
+  const std::string& key() const { return key_; }
+  std::string where() const;  ///< "file:line:column"
+  [[noreturn]] void refuse(std::string_view problem) const;
+
+ private:
+  YamlValue(const YamlValue& parent, const sim::YamlNode::Entry& entry, std::string path)
+      : node_(entry.value.get()),
+        key_at_(entry.key_at),
+        at_(entry.value_at),
+        key_(entry.key),
+        path_(std::move(path)),
+        file_(parent.file_) {}
+
+  const sim::YamlNode* node_;
+  sim::TextPosition key_at_, at_;
+  std::string key_, path_, file_;
+};
+
+/// What a sweep varies: one key of the configuration, several keys together, or what is rendered.
 struct Axis {
   struct Value {
     std::string label;
     std::vector<std::string> settings;  ///< one for each key
   };
   std::string name;
-  std::string at;  ///< "file:line:column" of its values, for messages
+  std::string at;  ///< "file:line:column" of its values
   std::vector<std::string> keys;
   std::vector<Value> values;
 };
 
-/// The keys of an axis that are no keys of the configuration.
+/// A combination: for each axis the index of its value.
+using Choice = std::vector<std::uint32_t>;
+
+/// True for axis keys that are not keys of the configuration: scene, camera, frames, resolution, program.
 bool is_work_key(const std::string& key);
-/// True if points of the axis render different pictures: it moves the scene, camera, frames or resolution.
+/// True if the axis changes what is rendered: scene, camera, frames or resolution.
 bool moves_workload(const Axis& axis);
 
-enum class Comparison : std::uint8_t { kEqual, kUnequal, kLess, kLessEqual, kGreater, kGreaterEqual };
-
-/// Something that holds for some combinations of values: all its terms do.
-struct Condition {
+/// A condition on a combination of axis values. It holds if all its terms hold.
+struct AxisCondition {
   struct Side {
     std::size_t axis = 0;
-    std::optional<std::size_t> key;  ///< one of its keys; none: its label
-  };
-  /// A value, read once.
-  struct Operand {
-    std::string text;
-    std::optional<Magnitude> magnitude;
+    std::optional<std::size_t> key;  ///< one of its keys; none: the label of its value
   };
   using Operands = std::shared_ptr<const std::vector<Operand>>;  ///< all values of an axis
   struct Term {
     Side left;
     Comparison comparison = Comparison::kEqual;
-    std::vector<std::string> values;  ///< one of which, or
-    std::optional<Side> right;        ///< another axis in this combination
+    std::vector<Operand> values;  ///< right side: one of these, or
+    std::optional<Side> right;    ///< another axis
     std::string at;
-    Operands lefts, rights;                       ///< values of the axes
-    std::vector<std::optional<bool>> outcomes{};  ///< outcome for each value of the left axis, if it compares
+    Operands lefts, rights;
+    std::vector<std::optional<bool>> outcomes{};  ///< outcome_of() each left value with `values`
   };
   std::vector<Term> terms;
 };
+/// True if the comparison of a term holds with one of `rights`; nothing if one before that has no order with `left`.
+std::optional<bool> outcome_of(const AxisCondition::Term& term, const Operand& left, std::span<const Operand> rights);
+
+inline constexpr std::uint64_t kMostPoints = 1'000'000;
 
 struct Subset {
   enum class Kind : std::uint8_t { kGrid, kRandom, kLatinHypercube, kSobol } kind = Kind::kGrid;
@@ -64,25 +103,23 @@ struct Subset {
 
 /// Contents of a sweep's file (docs/sweeps.md).
 struct Spec {
-  std::string question;  ///< that it answers, for people
+  std::string question;  ///< what the sweep answers, for readers
   std::string config = "sgrt-2016";
   std::string scene, camera, frames, resolution, program = "full:1", reference, tile_sampling;
   bool image = false;
-  std::uint32_t replicates = 1;  ///< plays of each point (docs/noise.md)
-  std::uint32_t slices = 0;      ///< that frames are cut into (docs/slices.md); 0: they are played whole
+  std::uint32_t replicates = 1;  ///< perturbed repetitions of each point (docs/noise.md)
+  std::uint32_t slices = 0;      ///< slices of each frame (docs/slices.md); 0: frames are played whole
   std::vector<std::string> sets;
   std::vector<Axis> axes;  ///< the last varies fastest
-  std::vector<Condition> exclude, where;
+  std::vector<AxisCondition> exclude, where;
   Subset subset;
   std::vector<std::string> slurm;                    ///< arguments for sbatch
-  std::map<std::string, std::string> key_positions;  ///< where its keys stand, "file:line:column", for messages
+  std::map<std::string, std::string> key_positions;  ///< "file:line:column" of the value of each key
 };
 
-class YamlValue;
-
-/// InputError of one line: file, line, column, key, what is wrong, what is allowed.
+/// Reads a sweep's file. InputError of one line: file, line, column, key, what is wrong, what is allowed.
 Spec read_spec(const std::filesystem::path& file);
-/// The part of another kind of file that is a sweep. `others`: keys of that kind, which are left to the caller.
+/// Reads the part of another kind of file that describes a sweep. `others`: keys that the caller reads.
 Spec read_spec(const YamlValue& root, std::string_view schema, std::span<const std::string_view> others);
 
 }  // namespace tools::sweep

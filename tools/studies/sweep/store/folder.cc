@@ -9,11 +9,9 @@
 #include <unistd.h>
 
 #include "sim/error.h"
-#include "sim/io/file.h"
 #include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "sim/report/report_json.h"
-#include "tools/studies/sweep/store/durable.h"
 
 namespace tools::sweep {
 
@@ -26,19 +24,19 @@ using sim::Json;
 constexpr std::string_view kFolderSchema = "raywatt-sweep-folder/1";
 constexpr std::uint64_t kMostFolderBytes = std::uint64_t{1} << 32;
 constexpr std::array<std::string_view, 3> kFiles = {"sweep.json", "sweep.yaml", "points.jsonl"};
-/// Files that are made from the results of its points.
+/// Files that are made from the results of the points.
 constexpr std::array<std::string_view, 4> kResults = {"results.csv", "index.sqlite", "history.jsonl", "front.csv"};
 
-/// Remains of the folder's files after a run was killed while it wrote them.
-bool is_left_over(const fs::directory_entry& entry) {
+/// True for a temporary file that a killed run has left.
+bool is_stale(const fs::directory_entry& entry) {
   const std::string name = entry.path().filename();
-  return std::ranges::any_of(kFiles, [&](std::string_view file) { return sim::is_left_of(name, file); });
+  return std::ranges::any_of(kFiles, [&](std::string_view file) { return sim::is_temporary_name(name, file); });
 }
 
-/// Files that a run that was killed at once may leave in a new folder.
-bool is_beginning(const fs::directory_entry& entry) {
+/// True for an entry that a run may have left in a new folder when it was killed at its start.
+bool is_of_begun_run(const fs::directory_entry& entry) {
   const fs::path name = entry.path().filename();
-  return name == "lock" || name == "log" || is_left_over(entry);
+  return name == "lock" || name == "log" || is_stale(entry);
 }
 
 bool is_sweep(const fs::path& path) {
@@ -46,7 +44,7 @@ bool is_sweep(const fs::path& path) {
   return fs::is_regular_file(path / "sweep.json", failed);
 }
 
-/// Calls f with the contents of sweep.json. InputError where it is not what it should be.
+/// Calls f with the contents of sweep.json. InputError if it is malformed.
 void read_description(const fs::path& path, auto&& f) {
   const std::string bytes = sim::read_file(path / "sweep.json", kMostFolderBytes);
   const auto damaged = [&](const std::exception& error) {
@@ -62,14 +60,14 @@ void read_description(const fs::path& path, auto&& f) {
   }
 }
 
-/// JSON holds the names of folder and store.
+/// InputError for a name that JSON cannot hold.
 void check_name(const fs::path& path) {
   if (sim::with_escaped_bytes(path.string()) == path.string()) return;
   throw sim::InputError(fmt::format("{}: the name is no UTF-8, which the files of a sweep are; allowed: another",
                                     sim::printable(path.string())));
 }
 
-/// InputError if a name of the folder's files is a link, a folder or a device. Removes what killed writers have left.
+/// InputError if one of the folder's files is a link, a folder or a device. Removes stale temporary files.
 void check_files(const fs::path& path) {
   const sim::Replaceable own{.kind = "file of the sweep", .any = true};
   for (const std::string_view file : kFiles) sim::check_output(path / file, own);
@@ -78,7 +76,17 @@ void check_files(const fs::path& path) {
 
 constexpr std::array<std::string_view, 2> kOf = {"sweep", "search"};
 
-void check_free(const fs::path& path, std::string_view of) {
+/// Makes a folder that the user named. InputError if that fails.
+void make_named_folder(const fs::path& path) {
+  try {
+    sim::make_folders(path);
+  } catch (const sim::IoError& error) {
+    throw sim::InputError(error.what());
+  }
+}
+
+/// InputError for a folder with other contents than a sweep or a search of this kind.
+void check_contents(const fs::path& path, std::string_view of) {
   const std::string shown = sim::printable(path.string());
   std::error_code failed;
   if (!fs::exists(path, failed)) return;
@@ -91,7 +99,7 @@ void check_free(const fs::path& path, std::string_view of) {
   }
   if (!fs::is_directory(path, failed)) throw sim::InputError(shown + ": is a file, not a folder");
   for (const fs::directory_entry& entry : fs::directory_iterator(path)) {
-    if (!is_beginning(entry)) {
+    if (!is_of_begun_run(entry)) {
       throw sim::InputError(shown + ": holds files but no sweep; choose another folder");
     }
   }
@@ -111,11 +119,11 @@ SweepFolder SweepFolder::open(const fs::path& path) {
   return folder;
 }
 
-std::optional<Lock> SweepFolder::claim(const fs::path& path, Of of) {
-  check_free(path, kOf[static_cast<std::size_t>(of)]);
+std::optional<sim::FileLock> SweepFolder::try_claim(const fs::path& path, Of of) {
+  check_contents(path, kOf[static_cast<std::size_t>(of)]);
   check_name(fs::absolute(path));
-  begin_folder(path);
-  return Lock::attempt(path / "lock", fmt::format("{} {}\n", host_name(), ::getpid()));
+  make_named_folder(path);
+  return sim::FileLock::try_acquire(path / "lock", fmt::format("{} {}\n", host_name(), ::getpid()));
 }
 
 SweepFolder SweepFolder::create(const fs::path& path, Of of, const std::string& spec, const std::vector<Point>& points,
@@ -125,8 +133,8 @@ SweepFolder SweepFolder::create(const fs::path& path, Of of, const std::string& 
   folder.store_ = fs::absolute(store).lexically_normal();
   folder.slurm_ = slurm;
   check_name(folder.store_);
-  begin_folder(folder.store_);
-  make_folders(folder.log());
+  make_named_folder(folder.store_);
+  sim::make_folders(folder.log_folder());
   check_files(folder.path_);
   const auto replace = [&](const char* name, const std::string& text) {
     const fs::path file = folder.path_ / name;
@@ -146,10 +154,10 @@ SweepFolder SweepFolder::create(const fs::path& path, Of of, const std::string& 
   return folder;
 }
 
-std::vector<Point> SweepFolder::points() const {
+std::vector<Point> SweepFolder::read_points() const {
   const fs::path file = path_ / "points.jsonl";
   std::error_code failed;
-  if (!fs::exists(file, failed)) return {};  // killed between the folder's first file and this one
+  if (!fs::exists(file, failed)) return {};  // killed before it was written
   std::istringstream lines(sim::read_file(file, kMostFolderBytes));
   std::vector<Point> points;
   for (std::string line; std::getline(lines, line);) {
@@ -162,15 +170,15 @@ std::vector<Point> SweepFolder::points() const {
   return points;
 }
 
-std::optional<SweepFolder::Runner> SweepFolder::runner() const {
-  const std::optional<std::string> note = Lock::holder(path_ / "lock");
+std::optional<SweepFolder::Runner> SweepFolder::find_runner() const {
+  const std::optional<std::string> note = sim::FileLock::read_holder(path_ / "lock");
   if (!note) return std::nullopt;
   Runner runner;
   std::istringstream(*note) >> runner.host >> runner.process;
   return runner;
 }
 
-void SweepFolder::check_there() const {
+void SweepFolder::check_exists() const {
   std::error_code failed;
   if (fs::exists(path_ / "sweep.json", failed)) return;
   throw sim::IoError(
@@ -179,9 +187,8 @@ void SweepFolder::check_there() const {
                   sim::printable(path_.string()), sim::printable(store_.string())));
 }
 
-void SweepFolder::note_run(const Json& run) const {
-  const fs::path file = log() / "runs.jsonl";
-  sim::append_to_file(file, sim::json_line(run) + "\n");
+void SweepFolder::log_run(const Json& run) const {
+  sim::append_to_file(log_folder() / "runs.jsonl", sim::json_line(run) + "\n");
 }
 
 }  // namespace tools::sweep

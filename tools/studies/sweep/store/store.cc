@@ -13,12 +13,10 @@
 #include <unistd.h>
 
 #include "sim/error.h"
-#include "sim/io/file.h"
 #include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "sim/report/report_json.h"
 #include "sim/sha256.h"
-#include "tools/studies/sweep/store/durable.h"
 
 namespace tools::sweep {
 
@@ -30,17 +28,16 @@ using sim::Json;
 
 constexpr std::uint64_t kMostPointBytes = std::uint64_t{1} << 30;
 constexpr const char* kPointFile = "point.json";
-constexpr const char* kReportFile = "report.json";
 const std::string kStreamLock = "stream-";
 
-/// The file as it was written; nothing if it is not.
-std::optional<std::string> sound_file(const fs::path& folder, const std::string& name, const Json& digests) {
+/// Returns the bytes of a file; nothing unless they match their digest.
+std::optional<std::string> read_file_of(const fs::path& folder, const std::string& name, const Json& digests) {
   std::string bytes = sim::read_file(folder / name, kMostPointBytes);
   if (sim::sha256_hex(bytes) != digests.at(name).get<std::string>()) return std::nullopt;
   return bytes;
 }
 
-/// Runs `read`; nothing where a file is missing or malformed.
+/// Calls `read`; returns nothing where a file is missing or malformed.
 template <class F>
 auto if_sound(F&& read) -> decltype(read()) {
   try {
@@ -51,18 +48,29 @@ auto if_sound(F&& read) -> decltype(read()) {
   return {};
 }
 
-/// Digests of a point's files, if point.json is sound.
-Json digests_of(const fs::path& folder, const std::string& id) {
+/// Returns the digests in point.json. InputError if that file belongs to another point.
+Json read_digests(const fs::path& folder, const std::string& id) {
   const Json point = sim::parse_json(sim::read_file(folder / kPointFile, kMostPointBytes));
   if (sim::sha256_hex(sim::json_line(point.at("made_of"))) != id ||
-      !(point.at("files").contains(kReportFile) || point.at("files").contains(kSliceFile))) {
+      !(point.at("files").contains("report.json") || point.at("files").contains(kSliceFile))) {
     throw sim::InputError("another point");
   }
   return point.at("files");
 }
 
-bool is_id(const std::string& text) {
-  return text.size() == 64 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
+/// Returns the id in a file name "ID...", ".ID..."; empty if there is none.
+std::string id_in(std::string name) {
+  name = name.substr(name.starts_with('.') ? 1 : 0, 64);
+  return name.size() == 64 && name.find_first_not_of("0123456789abcdef") == std::string::npos ? name : std::string();
+}
+
+std::vector<std::string> list_names(const fs::path& folder) {
+  std::error_code failed;
+  std::vector<std::string> names;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, failed)) {
+    names.push_back(entry.path().filename());
+  }
+  return names;
 }
 
 }  // namespace
@@ -72,35 +80,31 @@ fs::path Store::default_root() {
   return given != nullptr && *given != '\0' ? fs::path(given) : fs::path("raywatt-out") / "store";
 }
 
-fs::path Store::folder(const std::string& id) const { return root_ / "points" / id.substr(0, 2) / id; }
+fs::path Store::folder_of(const std::string& id) const { return root_ / "points" / id.substr(0, 2) / id; }
 
 fs::path Store::failure_file(const std::string& id) const {
   return root_ / "failed" / id.substr(0, 2) / (id + ".json");
 }
 
-Store::State Store::state(const std::string& id) const {
+PointStatus Store::status_of(const std::string& id) const {
   std::error_code failed;
-  const fs::path result = folder(id);
-  if (!fs::exists(result, failed)) return State::kMissing;
-  const bool good = if_sound([&] {
-    const Json digests = digests_of(result, id);
+  const fs::path folder = folder_of(id);
+  if (!fs::exists(folder, failed)) return read_failure(id) ? PointStatus::kFailed : PointStatus::kMissing;
+  const bool is_sound = if_sound([&] {
+    const Json digests = read_digests(folder, id);
     for (const auto& [name, digest] : digests.items()) {
-      if (!sound_file(result, name, digests)) return false;
+      if (!read_file_of(folder, name, digests)) return false;
     }
     return true;
   });
-  return good ? State::kGood : State::kDamaged;
+  return is_sound ? PointStatus::kDone : PointStatus::kDamaged;
 }
 
-std::optional<std::string> Store::report(const std::string& id) const {
-  return if_sound([&] { return sound_file(folder(id), kReportFile, digests_of(folder(id), id)); });
+std::optional<std::string> Store::read_sound(const std::string& id, const char* file) const {
+  return if_sound([&] { return read_file_of(folder_of(id), file, read_digests(folder_of(id), id)); });
 }
 
-std::optional<std::string> Store::slice(const std::string& id) const {
-  return if_sound([&] { return sound_file(folder(id), kSliceFile, digests_of(folder(id), id)); });
-}
-
-std::optional<Failure> Store::failure(const std::string& id) const {
+std::optional<Failure> Store::read_failure(const std::string& id) const {
   return if_sound([&]() -> std::optional<Failure> {
     const Json json = sim::parse_json(sim::read_file(failure_file(id), kMostPointBytes));
     return Failure{id,
@@ -112,55 +116,54 @@ std::optional<Failure> Store::failure(const std::string& id) const {
   });
 }
 
-std::optional<Lock> Store::lock(const std::string& id) const {
-  make_folders(root_ / "locks");
-  std::optional<Lock> lock = Lock::attempt(lock_file(id));
-  if (lock) clean(id);
+std::optional<sim::FileLock> Store::lock_point(const std::string& id) const {
+  sim::make_folders(root_ / "locks");
+  std::optional<sim::FileLock> lock = sim::FileLock::try_acquire(lock_file(id));
+  if (lock) clean_up(id);
   return lock;
 }
 
-std::optional<Lock> Store::lock_stream(const std::string& key) const {
-  make_folders(root_ / "locks");
-  make_folders(root_ / "streams");
-  return Lock::attempt(root_ / "locks" / (kStreamLock + key));
+std::optional<sim::FileLock> Store::lock_stream(const std::string& key) const {
+  sim::make_folders(root_ / "locks");
+  sim::make_folders(root_ / "streams");
+  return sim::FileLock::try_acquire(root_ / "locks" / (kStreamLock + key));
 }
 
-bool Store::is_locked(const std::string& id) const { return Lock::holder(lock_file(id)).has_value(); }
+bool Store::is_locked(const std::string& id) const { return sim::FileLock::read_holder(lock_file(id)).has_value(); }
 
-void Store::put(const std::string& id, const Json& made_of, const std::function<void(const fs::path&)>& write) const {
-  const fs::path staging = root_ / "tmp" / fmt::format("{}.{}.{}", id, host_name(), getpid());
+void Store::put_result(const std::string& id, const Json& made_of,
+                       const std::function<void(const fs::path&)>& write) const {
+  const fs::path result = folder_of(id);
+  const auto fail = [&](const std::error_code& error) {
+    throw sim::IoError(fmt::format("{}: cannot be written: {}", sim::printable(result.string()), error.message()));
+  };
+  sim::make_folders(root_ / "tmp");
+  sim::NewFolder temporary(result, root_ / "tmp");
+  if (const std::error_code error = temporary.make()) fail(error);
   try {
-    make_folders(staging);
-    write(staging);
-    std::vector<std::string> names;
-    for (const fs::directory_entry& entry : fs::directory_iterator(staging)) names.push_back(entry.path().filename());
+    write(temporary.path());
+    std::vector<std::string> names = list_names(temporary.path());
     std::ranges::sort(names);
     Json files = Json::object();
     for (const std::string& name : names) {
-      files[name] = sim::sha256_hex(sim::read_file(staging / name, kMostPointBytes));
+      files[name] = sim::sha256_hex(sim::read_file(temporary.path() / name, kMostPointBytes));
     }
-    write_durably(staging / kPointFile, sim::json_text({{"id", id}, {"made_of", made_of}, {"files", files}}));
-    make_durable(staging);
-    const fs::path result = folder(id);
-    make_folders(result.parent_path());
-    fs::rename(staging, result);  // loses against a result that is there: all are equal
-    make_durable(result.parent_path());
-    make_durable(root_ / "points");
+    sim::write_file_atomically(temporary.path() / kPointFile,
+                               sim::json_text({{"id", id}, {"made_of", made_of}, {"files", files}}));
+    sim::make_folders(result.parent_path());
+    std::error_code error;
+    fs::rename(temporary.path(), result, error);
+    const bool was_there = error == std::errc::directory_not_empty || error == std::errc::file_exists;
+    if (error && !was_there) fail(error);  // a result that is there already is equal
+    sim::sync_to_disk(result.parent_path());
+    sim::sync_to_disk(root_ / "points");
   } catch (const std::system_error& error) {
-    std::error_code ignored;
-    fs::remove_all(staging, ignored);
-    if (error.code() == std::errc::directory_not_empty || error.code() == std::errc::file_exists) return;
-    throw sim::IoError(
-        fmt::format("{}: cannot be written: {}", sim::printable(folder(id).string()), error.code().message()));
-  } catch (...) {
-    std::error_code ignored;
-    fs::remove_all(staging, ignored);
-    throw;
+    fail(error.code());
   }
 }
 
 void Store::put_failure(const Failure& f) const {
-  make_folders(failure_file(f.id).parent_path());
+  sim::make_folders(failure_file(f.id).parent_path());
   sim::write_file_atomically(failure_file(f.id), sim::json_text({{"id", f.id},
                                                                  {"exit", f.exit},
                                                                  {"error", sim::printable(f.error, 4096)},
@@ -169,57 +172,53 @@ void Store::put_failure(const Failure& f) const {
                                                                  {"attempt", f.attempt}}));
 }
 
-void Store::forget_failure(const std::string& id) const {
+void Store::remove_failure(const std::string& id) const {
   std::error_code ignored;
   fs::remove(failure_file(id), ignored);
 }
 
 void Store::remove_stream(const std::string& key) const {
   std::error_code ignored;
-  fs::remove(stream(key), ignored);
+  fs::remove(stream_file(key), ignored);
 }
 
-void Store::clean(const std::string& id) const {
+/// Removes temporary folders of a point and sets a damaged result aside. Requires the point's lock, which other hosts
+/// see where they do not see the locks of temporary folders.
+void Store::clean_up(const std::string& id) const {
   std::error_code error, ignored;
-  for (const fs::directory_entry& entry : fs::directory_iterator(root_ / "tmp", error)) {
-    if (entry.path().filename().string().starts_with(id)) fs::remove_all(entry.path(), ignored);
+  for (const std::string& name : list_names(root_ / "tmp")) {
+    if (id_in(name) == id) fs::remove_all(root_ / "tmp" / name, ignored);
   }
-  if (state(id) != State::kDamaged) return;
-  make_folders(root_ / "damaged");
+  if (status_of(id) != PointStatus::kDamaged) return;
+  sim::make_folders(root_ / "damaged");
   for (int k = 1; k < 100; ++k) {
-    fs::rename(folder(id), root_ / "damaged" / fmt::format("{}.{}", id, k), error);
+    fs::rename(folder_of(id), root_ / "damaged" / fmt::format("{}.{}", id, k), error);
     if (!error) return;
   }
-  throw sim::IoError(
-      fmt::format("{}: is damaged and cannot be put aside: {}", sim::printable(folder(id).string()), error.message()));
+  throw sim::IoError(fmt::format("{}: is damaged and cannot be put aside: {}", sim::printable(folder_of(id).string()),
+                                 error.message()));
 }
 
-void Store::clean() const {
-  std::error_code error;
-  std::set<std::string> left;
-  for (const fs::directory_entry& entry : fs::directory_iterator(root_ / "tmp", error)) {
-    const std::string id = entry.path().filename().string().substr(0, 64);
-    if (is_id(id)) left.insert(id);
+void Store::remove_stale() const {
+  std::set<std::string> ids;
+  for (const char* folder : {"tmp", "locks"}) {
+    for (const std::string& name : list_names(root_ / folder)) ids.insert(id_in(name));
   }
-  for (const fs::directory_entry& entry : fs::directory_iterator(root_ / "locks", error)) {
-    const std::string id = entry.path().filename();
-    if (is_id(id)) left.insert(id);
+  ids.erase("");
+  for (const std::string& id : ids) lock_point(id);  // cleans up, then releases the lock
+  for (const std::string& name : list_names(root_ / "locks")) {
+    if (name.starts_with(kStreamLock)) lock_stream(name.substr(kStreamLock.size()));
   }
-  for (const std::string& id : left) lock(id);  // and let go again
-  for (const fs::directory_entry& entry : fs::directory_iterator(root_ / "locks", error)) {
-    const std::string name = entry.path().filename();
-    if (name.starts_with(kStreamLock)) lock_stream(name.substr(kStreamLock.size()));  // likewise
+  std::error_code ignored;
+  for (const std::string& name : list_names(root_ / "streams")) {
+    const std::string key = id_in(name);
+    if (key.empty() || name == stream_file(key).filename()) continue;
+    if (const std::optional<sim::FileLock> lock = lock_stream(key)) fs::remove(root_ / "streams" / name, ignored);
   }
-  for (const fs::directory_entry& entry : fs::directory_iterator(root_ / "streams", error)) {
-    const std::string name = entry.path().filename();
-    const bool is_whole = name.size() == stream(name.substr(0, 64)).filename().string().size();
-    if (!is_id(name.substr(0, 64)) || is_whole) continue;
-    if (const std::optional<Lock> lock = lock_stream(name.substr(0, 64))) fs::remove(entry.path(), error);
-  }
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root_ / "failed", error)) {
-    const std::string name = entry.path().filename(), id = name.substr(0, 64);
-    if (!is_id(id) || !sim::is_left_of(name, id + ".json")) continue;
-    if (const std::optional<Lock> held = lock(id)) fs::remove(entry.path(), error);
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root_ / "failed", ignored)) {
+    const std::string name = entry.path().filename(), id = id_in(name);
+    if (id.empty() || !sim::is_temporary_name(name, id + ".json")) continue;
+    if (const std::optional<sim::FileLock> lock = lock_point(id)) fs::remove(entry.path(), ignored);
   }
 }
 

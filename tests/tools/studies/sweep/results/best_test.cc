@@ -7,7 +7,7 @@
 
 #include "tests/tools/program.h"
 #include "tests/tools/studies/sweep/results/made_sweep.h"
-#include "tools/studies/sweep/results/notes.h"
+#include "tools/studies/sweep/results/figure_noise.h"
 #include "tools/studies/sweep/results/pareto.h"
 
 // raywatt sweep best
@@ -121,13 +121,13 @@ TEST(Best, FiguresThatConditionsCompareAreMeansToo) {
 }
 
 TEST(Best, DrawsOfAFigurePerAreaSayThatTheAreaIsNominal) {
-  EXPECT_EQ(tools::results::draws_note({}), "");
+  EXPECT_EQ(tools::results::energy_draws_note({}), "");
   MadeSweep sweep;
   sweep.add({{"cores", "1"}});
   sweep.finish(0, 1000);
   tools::results::Column figure{"totals.perf.frames_per_joule_per_mm2", {tools::results::Value(1.0)}};
   const tools::results::FigureNoise noise(sweep.results(), figure, {});
-  EXPECT_EQ(tools::results::draws_note({&noise}), "area is nominal in all draws\n");
+  EXPECT_EQ(tools::results::energy_draws_note({&noise}), "area is nominal in all draws\n");
 }
 
 TEST(Best, FiguresWithoutNoiseHaveNoTies) {

@@ -1,9 +1,8 @@
-#include "tools/studies/sweep/results/condition.h"
-
 #include <gtest/gtest.h>
 
 #include "sim/error.h"
 #include "tests/tools/studies/sweep/results/made_sweep.h"
+#include "tools/studies/sweep/results/results.h"
 
 // --where
 
@@ -25,7 +24,7 @@ std::string met(const std::vector<std::string>& conditions) {
   const FourKinds sweep;
   const Results results = sweep.results();
   std::string points;
-  const std::vector<bool> all = meeting(results, conditions);
+  const std::vector<bool> all = rows_meeting(results, conditions);
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (all[i]) points += std::to_string(i);
   }
@@ -107,7 +106,7 @@ TEST(Condition, RefusesWhatCannotBeCompared) {
 
 TEST(Condition, SaysThatAUnitOrOrIsNotKnown) {
   EXPECT_SAYS(refusal("cycles<=12mm2"), "'mm2' of '12mm2' is no unit of frequency, time or bytes");
-  EXPECT_SAYS(refusal("cycles<=12 mm2"), "'mm2' behind '12' is no unit of frequency, time or bytes");
+  EXPECT_SAYS(refusal("cycles<=12 mm2"), "'mm2' after '12' is no unit of frequency, time or bytes");
   EXPECT_SAYS(refusal("cycles<300 or cycles>400"), "'or' is not known");
   EXPECT_SAYS(refusal("kind=rau cycles<3"), "'and' is missing");
 }

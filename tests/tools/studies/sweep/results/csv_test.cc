@@ -1,6 +1,6 @@
-#include "tools/studies/sweep/results/index/csv.h"
-
 #include <gtest/gtest.h>
+
+#include "tools/studies/sweep/results/table.h"
 
 namespace test {
 namespace {

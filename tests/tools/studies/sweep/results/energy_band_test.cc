@@ -36,9 +36,9 @@ TEST_F(BandOfASweep, HasTheNominalFigureTimesTheDrawsEnergyOverTheNominal) {
   const Results results(folder.path() / "out");
   const std::vector<bool> all(results.rows().size(), true);
   EnergyBand band(results, all);
-  const BandedMetric mj = band.metric(results.column("energy_mj.nominal"), false);
-  const BandedMetric per_joule = band.metric(results.column("perf.frames_per_joule_gpu"), true);
-  const BandedMetric cycles = band.metric(results.column("cycles"), false);
+  const BandedMetric mj = band.price_metric(results.column("energy_mj.nominal"), false);
+  const BandedMetric per_joule = band.price_metric(results.column("perf.frames_per_joule_gpu"), true);
+  const BandedMetric cycles = band.price_metric(results.column("cycles"), false);
   ASSERT_EQ(mj.rows.size(), 4U);
   for (std::size_t i = 0; i < 4; ++i) {
     tools::PricedRun run(tools::load_report(results.folder_of(results.rows()[mj.rows[i]])));
@@ -54,7 +54,7 @@ TEST_F(BandOfASweep, HasTheNominalFigureTimesTheDrawsEnergyOverTheNominal) {
 TEST_F(BandOfASweep, RatiosAreThoseOfTheLowNominalAndHighTables) {
   const Results results(folder.path() / "out");
   EnergyBand band(results, std::vector<bool>(results.rows().size(), true));
-  const BandedMetric per_joule = band.metric(results.column("perf.frames_per_joule_gpu"), true);
+  const BandedMetric per_joule = band.price_metric(results.column("perf.frames_per_joule_gpu"), true);
   const tools::results::Column low = results.column("energy_mj.low"), nominal = results.column("energy_mj.nominal"),
                                high = results.column("energy_mj.high");
   const auto ratio = [&](const tools::results::Column& mj) {  // frames per joule: the other way round
@@ -67,8 +67,8 @@ TEST_F(BandOfASweep, RatiosAreThoseOfTheLowNominalAndHighTables) {
 TEST_F(BandOfASweep, SharesOnTheFrontAreThoseOfTheDrawsFronts) {
   const Results results(folder.path() / "out");
   EnergyBand band(results, std::vector<bool>(results.rows().size(), true));
-  const BandedMetric x = band.metric(results.column("energy_mj.nominal"), false);
-  const BandedMetric y = band.metric(results.column("cycles"), false);
+  const BandedMetric x = band.price_metric(results.column("energy_mj.nominal"), false);
+  const BandedMetric y = band.price_metric(results.column("cycles"), false);
   const std::vector<double> shares = EnergyBand::shares_on_front(x, y);
   for (std::size_t i = 0; i < x.rows.size(); ++i) {
     double wanted = 0;

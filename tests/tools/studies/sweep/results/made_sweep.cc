@@ -68,7 +68,7 @@ void MadeSweep::add_grid(const std::string& a, const std::vector<std::string>& v
 
 void MadeSweep::finish(std::size_t n, const std::string& report) const {
   remove(n);
-  store().put(id(n), made_of(n), [&](const fs::path& folder) {
+  store().put_result(id(n), made_of(n), [&](const fs::path& folder) {
     write_bytes(folder / "config.yaml", "cores: 4\n");
     write_bytes(folder / "report.json", report);
   });
@@ -93,7 +93,7 @@ tools::sweep::SweepFolder MadeSweep::write() const {
                                            {});
 }
 
-tools::results::Collected MadeSweep::collect() const { return tools::results::collect(write()); }
+tools::results::Collected MadeSweep::collect() const { return tools::results::collect_results(write()); }
 
 tools::results::Results MadeSweep::results() const {
   collect();

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/temp_folder.h"
-#include "tools/studies/sweep/results/index/collect.h"
+#include "tools/studies/sweep/results/collect.h"
 #include "tools/studies/sweep/results/results.h"
 
 namespace test {
@@ -46,7 +46,7 @@ class MadeSweep {
 
   std::filesystem::path folder() const { return temporary_.path() / "sweep"; }
   tools::sweep::Store store() const { return tools::sweep::Store(temporary_.path() / "store"); }
-  std::filesystem::path point(std::size_t n) const { return store().folder(id(n)); }
+  std::filesystem::path point(std::size_t n) const { return store().folder_of(id(n)); }
   const std::string& id(std::size_t n) const { return points_.at(n).id; }
   const std::vector<tools::sweep::Point>& points() const { return points_; }
 

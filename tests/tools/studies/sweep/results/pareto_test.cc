@@ -32,7 +32,7 @@ struct Plane : MadeSweep {
 };
 
 ParetoFront front_of(const Results& results, const std::string& x, const std::string& y) {
-  return tools::results::pareto_front({results, x}, {results, y}, std::vector<bool>(results.rows().size(), true));
+  return tools::results::find_front({results, x}, {results, y}, std::vector<bool>(results.rows().size(), true));
 }
 
 using Rows = std::vector<std::size_t>;

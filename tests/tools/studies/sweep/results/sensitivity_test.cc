@@ -46,7 +46,7 @@ TEST(Sensitivity, OfASumIsThatOfItsTerms) {
   EXPECT_NEAR(s.effects[1].share, 200 / 3.0 / total, 1e-12);
   EXPECT_NEAR(s.effects[1].means[0], 115, 1e-9);
   EXPECT_NEAR(s.effects[1].means[2], 135, 1e-9);
-  EXPECT_NEAR(s.rest(), 0, 1e-12);
+  EXPECT_NEAR(s.share_of_interactions(), 0, 1e-12);
 }
 
 TEST(Sensitivity, OfAnExclusiveOrIsOnlyTogether) {
@@ -55,7 +55,7 @@ TEST(Sensitivity, OfAnExclusiveOrIsOnlyTogether) {
   const Sensitivity s = of_steps(sweep);
   EXPECT_NEAR(s.effects[0].share, 0, 1e-12);
   EXPECT_NEAR(s.effects[1].share, 0, 1e-12);
-  EXPECT_NEAR(s.rest(), 1, 1e-12);
+  EXPECT_NEAR(s.share_of_interactions(), 1, 1e-12);
 }
 
 TEST(Sensitivity, PointsThatFailedDoNotBiasTheOthers) {
@@ -123,7 +123,7 @@ TEST(Sensitivity, OfWhatNeverChangesIsNone) {
   const Sensitivity s = of_steps(sweep);
   EXPECT_EQ(s.effects[0].share, 0);
   EXPECT_EQ(s.effects[0].range, 0);
-  EXPECT_EQ(s.rest(), 0);
+  EXPECT_EQ(s.share_of_interactions(), 0);
 }
 
 TEST(Sensitivity, IsShownWithTheLargestFirst) {
@@ -165,7 +165,7 @@ TEST(Sensitivity, TakesOffWhatNoiseExplainsAndNamesIt) {
   EXPECT_EQ(s.effects[1].low, 0) << "it may do nothing";
   EXPECT_GT(s.effects[1].high, 0.01);
   EXPECT_GT(s.noise, 0.05);
-  double sum = s.noise + s.rest();
+  double sum = s.noise + s.share_of_interactions();
   for (const auto& effect : s.effects) {
     sum += effect.share;
     EXPECT_LE(effect.low, effect.share);

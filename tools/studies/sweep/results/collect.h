@@ -8,11 +8,31 @@
 #include <utility>
 #include <vector>
 
-#include "tools/studies/sweep/results/index/value.h"
+#include "tools/studies/sweep/results/results.h"
+#include "tools/studies/sweep/store/folder.h"
 
 namespace tools::results {
 
-/// Numbers the paths of metrics in the order in which they are first met.
+struct Collected {
+  StatusCounts counts;
+  bool unchanged = false;  ///< nothing had changed since the last collection, and nothing was written
+};
+
+/// Makes index.sqlite from points.jsonl and the store, and results.csv from the index. Both are replaced as a whole;
+/// another collector of the same sweep waits. Does nothing if no input has changed. InputError for a damaged list of
+/// points.
+Collected collect_results(const sweep::SweepFolder& folder);
+/// collect_results(); if the folder cannot be written but has an index, a warning that ends with "`shown` what was last
+/// collected".
+void collect_if_writable(const std::filesystem::path& sweep, std::string_view shown);
+
+/// Returns "200 points: 198 done, 2 failed".
+std::string summary_text(const Collected& collected);
+
+/// Status of a point as tables show it: as Store::status_of(), but a damaged record of a failure counts as failed.
+PointStatus listed_status(const sweep::Store& store, const std::string& id);
+
+/// Numbers paths of metrics in the order of their first use.
 class MetricNames {
  public:
   std::uint32_t number_of(std::string_view path) {
@@ -33,25 +53,20 @@ class MetricNames {
   std::vector<std::string> names_;
 };
 
-/// Figures that the index keeps of every frame: paths within an entry of a report's `frames`.
+/// Paths within an entry of `frames` of a report that the index contains, and within `host`.
 inline constexpr std::array kFrameFigures = {"frame",           "cycles",     "time_ms",           "rays.total",
                                              "traversal_steps", "dram_bytes", "energy_mj.nominal", "power_w.nominal",
                                              "traced_ratio",    "psnr_db"};
-using FrameFigures = std::array<Value, kFrameFigures.size()>;
-
-/// Members of its `host`.
 inline constexpr std::array kHostFacts = {"name", "date", "threads", "wall_s", "timing_s", "rays_per_s", "peak_rss_mb"};
-using HostFacts = std::array<Value, kHostFacts.size()>;
 
-/// The part of a report that an index holds.
+/// The part of a report that the index contains.
 struct ReportScan {
   std::vector<std::pair<std::uint32_t, Value>> metrics;  ///< scalars of `totals`: number of the path, value
-  std::vector<FrameFigures> frames;
-  HostFacts host;
+  std::vector<std::array<Value, kFrameFigures.size()>> frames;
+  std::array<Value, kHostFacts.size()> host;
 };
-
-/// Reads a report in one pass, without building a tree of it. Returns what is wrong with it, if anything: it is cut
-/// off, no report, or of an interrupted run.
+/// Reads a report in one pass, without building a tree. Returns its error, if any: truncated, no report, or of an
+/// interrupted run.
 std::optional<std::string> scan_report(std::string_view json, MetricNames& names, ReportScan& scan);
 
 }  // namespace tools::results

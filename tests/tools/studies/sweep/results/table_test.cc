@@ -1,4 +1,4 @@
-#include "tools/studies/sweep/results/results_table.h"
+#include "tools/studies/sweep/results/table.h"
 
 #include <array>
 
@@ -8,7 +8,6 @@
 #include "sim/error.h"
 #include "tests/tools/program.h"
 #include "tests/tools/studies/sweep/results/made_sweep.h"
-#include "tools/studies/sweep/results/cells.h"
 
 // raywatt sweep table
 

@@ -1,25 +1,134 @@
-#include "tools/studies/sweep/results/results_table.h"
+#include "tools/studies/sweep/results/table.h"
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 
 #include <fmt/format.h>
 
 #include "sim/error.h"
 #include "sim/io/printable.h"
 #include "sim/report/table.h"
-#include "tools/studies/sweep/results/cells.h"
-#include "tools/studies/sweep/results/condition.h"
+#include "tools/analysis/report_paths.h"
 #include "tools/studies/sweep/results/figure_noise.h"
-#include "tools/studies/sweep/results/index/csv.h"
 
 namespace tools::results {
 namespace {
 
-/// Shown where nobody says what to show.
+bool is_number(std::string_view text) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc{} && end == text.data() + text.size();
+}
+
+/// True if a spreadsheet would run the text as a formula.
+bool is_formula(std::string_view text) {
+  constexpr std::string_view kFirst = "=+-@\t\r";
+  return !text.empty() && kFirst.find(text.front()) != std::string_view::npos && !is_number(text);
+}
+
+}  // namespace
+
+std::string csv_cell(std::string_view text) {
+  std::string plain = is_formula(text) ? "'" : "";
+  plain += text;
+  if (plain.find_first_of(",\"\r\n") == std::string::npos) return plain;
+  std::string cell(1, '"');
+  for (const char c : plain) cell.append(c == '"' ? 2 : 1, c);
+  cell += '"';
+  return cell;
+}
+
+std::string csv_line(const std::vector<std::string>& cells) {
+  std::string line;
+  for (const std::string& cell : cells) {
+    if (&cell != &cells.front()) line += ',';
+    line += csv_cell(cell);
+  }
+  line += '\n';
+  return line;
+}
+
+namespace {
+
+constexpr int kDigits = 4;
+
+/// Returns the power of ten of a number, rounded as it is shown.
+int exponent_of(double number) {
+  const std::string text = fmt::format("{:.{}e}", number, kDigits - 1);
+  const char* digits = text.data() + text.find('e') + 1;
+  int exponent = 0;
+  std::from_chars(*digits == '+' ? digits + 1 : digits, text.data() + text.size(), exponent);
+  return exponent;
+}
+
+/// Writes a number without a prefix: a count in full.
+std::string plain_text(double number, bool is_count) {
+  return is_count && std::abs(number) < 10'000 ? fmt::format("{:.0f}", number) : sim::four_digits(number);
+}
+
+/// The metric prefix that the numbers of a column share: that of the largest, if it has more than four digits.
+class SharedPrefix {
+ public:
+  void add_number(double number) { largest_ = std::max(largest_, exponent_of(number)); }
+
+  std::string text(double number, bool is_count) const {
+    constexpr std::string_view kPrefixes[] = {"", "k", "M", "G", "T", "P"};
+    if (largest_ < kDigits) return plain_text(number, is_count);
+    const int group = std::min(largest_ / 3, 5);
+    if (number == 0 || exponent_of(number) < 3 * group - 1)
+      return plain_text(number, is_count);  // too small for the prefix
+    return fmt::format("{} {}", sim::four_digits(number / std::pow(10.0, 3 * group)), kPrefixes[group]);
+  }
+
+ private:
+  int largest_ = 0;
+};
+
+/// `shortens`: whole numbers are figures, shown with four digits, and no names or settings.
+std::vector<std::string> cells_of(const std::vector<Value>& values, bool shortens) {
+  const auto number_in = [&](const Value& value) -> std::optional<double> {
+    if (const auto* real = std::get_if<double>(&value)) return *real;
+    const auto* count = std::get_if<std::int64_t>(&value);
+    return count != nullptr && shortens ? std::optional(static_cast<double>(*count)) : std::nullopt;
+  };
+  SharedPrefix prefix;
+  for (const Value& value : values) {
+    if (const auto number = number_in(value)) prefix.add_number(*number);
+  }
+  std::vector<std::string> cells;
+  for (const Value& value : values) {
+    const auto number = number_in(value);
+    if (number) {
+      cells.push_back(prefix.text(*number, std::holds_alternative<std::int64_t>(value)));
+    } else {
+      cells.push_back(is_absent(value) ? "-" : sim::printable(exact_text(value)));
+    }
+  }
+  return cells;
+}
+
+}  // namespace
+
+std::string number_text(double number) { return plain_text(number, number == std::trunc(number)); }
+
+std::vector<std::string> shown_cells(const std::vector<Value>& values) { return cells_of(values, false); }
+
+std::vector<std::string> shown_cells(const Column& column, const std::vector<std::size_t>& rows) {
+  std::vector<Value> values;
+  for (const std::size_t row : rows) values.push_back(column.values[row]);
+  return cells_of(values, is_total(column.name));
+}
+
+std::string shown_name(const Column& column) { return sim::printable(metric_name(column.name)); }
+
+namespace {
+
+/// Figures that are shown unless columns are given.
 constexpr const char* kUsualColumns[] = {"cycles", "perf.fps", "energy_mj.nominal", "power_w.nominal",
                                          "perf.frames_per_joule_gpu"};
 
-/// Statistics that stand for a figure in tables for other programs, if there are any.
+/// Columns of a figure in CSV: mean and interval if there are replicates, else the figure.
 std::vector<std::string> statistics_of(const Results& results, const std::string& figure) {
   const std::string at = fmt::format("totals.replicates.figures.{}.", figure);
   if (!results.has_metric(at + "mean")) return {figure};
@@ -28,7 +137,7 @@ std::vector<std::string> statistics_of(const Results& results, const std::string
 
 std::vector<std::string> usual_columns(const Results& results, bool csv) {
   std::vector<std::string> names = {"n", "status"};
-  for (const Column& column : results.varying()) names.push_back(column.name);
+  for (const Column& column : results.varying_axes()) names.push_back(column.name);
   for (const char* metric : kUsualColumns) {
     if (!results.has_metric(fmt::format("totals.{}", metric))) continue;
     for (std::string& name : csv ? statistics_of(results, metric) : std::vector<std::string>{metric}) {
@@ -43,7 +152,7 @@ std::vector<std::string> usual_columns(const Results& results, bool csv) {
   return names;
 }
 
-/// A figure as people read it, "771200 ± 0.52 %", where all points that are done have replicates of it; else as it is.
+/// Replaces values by "771200 ± 0.52 %" if all points that are done have replicates of the figure.
 Column with_interval(const Results& results, Column column) {
   if (!results.has_metric("totals.replicates.count")) return column;
   std::vector<std::size_t> done;
@@ -54,12 +163,12 @@ Column with_interval(const Results& results, Column column) {
   if (!noise.is_measured()) return column;
   const std::vector<std::string> means = shown_cells(noise.means(), done);
   for (std::size_t i = 0; i < done.size(); ++i) {
-    column.values[done[i]] = fmt::format("{} {}", means[i], give_or_take(noise, done[i]));
+    column.values[done[i]] = fmt::format("{} {}", means[i], interval_text(noise, done[i]));
   }
   return column;
 }
 
-/// Absent values come last in both directions.
+/// Sorts rows by "column" or "column:desc". Absent values come last in both orders.
 void sort_rows(std::vector<std::size_t>& rows, const Results& results, const std::string& text) {
   const std::size_t colon = text.rfind(':');
   const std::string order = colon == std::string::npos ? "asc" : text.substr(colon + 1);
@@ -112,7 +221,7 @@ std::string results_table(const Results& results, const TableOptions& options) {
     if (!options.csv) columns.back() = with_interval(results, std::move(columns.back()));
     names.push_back(options.csv ? columns.back().name : shown_name(columns.back()));
   }
-  const std::vector<bool> met = meeting(results, options.where);
+  const std::vector<bool> met = rows_meeting(results, options.where);
   std::vector<std::size_t> rows;
   for (std::size_t i = 0; i < met.size(); ++i) {
     if (met[i]) rows.push_back(i);

@@ -1,0 +1,599 @@
+#include "tools/studies/sweep/results/collect.h"
+
+#include <algorithm>
+#include <chrono>
+#include <iterator>
+#include <limits>
+#include <new>
+#include <numeric>
+#include <thread>
+
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <fmt/format.h>
+#include <sqlite3.h>
+#include <sys/stat.h>
+
+#include "sim/error.h"
+#include "sim/io/file.h"
+#include "sim/io/json.h"
+#include "sim/io/printable.h"
+#include "sim/sha256.h"
+#include "tools/host/parallel.h"
+#include "tools/host/standard_streams.h"
+#include "tools/studies/sweep/results/table.h"
+
+namespace tools::results {
+namespace {
+
+namespace fs = std::filesystem;
+using sim::Json;
+
+// Levels of nesting; the report itself is level 1.
+constexpr std::size_t kInHost = 2, kInFrames = 2, kInFrame = 3, kDeepest = 32;
+
+/// Tracks the path of each value while a report is parsed: "totals.top_down.cores[2].boxes".
+class ReportScanner : public sim::JsonReader {
+ public:
+  ReportScanner(MetricNames& names, ReportScan& scan) : names_(names), scan_(scan) {}
+
+  bool null() override { return add_value({}); }
+  bool boolean(bool is_true) override {
+    if (section_ == Section::kPartial) partial_ = is_true;
+    return add_value(std::string(is_true ? "true" : "false"));
+  }
+  bool integer(std::int64_t number) override { return add_value(number); }
+  bool natural(std::uint64_t number) override {
+    if (number > std::uint64_t{std::numeric_limits<std::int64_t>::max()}) return add_value(static_cast<double>(number));
+    return add_value(static_cast<std::int64_t>(number));
+  }
+  bool real(double number) override { return add_value(number); }
+  bool text(std::string& text) override {
+    if (section_ == Section::kSchema) schema_ = text;
+    return section_ == Section::kNone || add_value(text);
+  }
+  bool begin_object() override { return open_container(false); }
+  bool begin_array() override { return open_container(true); }
+  bool end_object() override { return close_container(); }
+  bool end_array() override { return close_container(); }
+  bool key(std::string& name) override {
+    if (levels_.size() == 1) begin_section(name);
+    if (section_ == Section::kNone) return true;
+    path_.resize(levels_.back().path);
+    if (levels_.size() > 1) path_ += '.';
+    path_ += name;
+    return true;
+  }
+
+  std::optional<std::string> find_problem() const {
+    if (!problem_.empty()) return problem_;
+    if (!schema_.starts_with("raywatt-")) return "it is no report: it has no schema";
+    if (partial_) return "it is of an interrupted run";
+    if (scan_.metrics.empty()) return "it has no totals";
+    return std::nullopt;
+  }
+
+ private:
+  enum class Section { kNone, kSchema, kPartial, kTotals, kFrames, kHost };
+  struct Level {
+    std::size_t path;      ///< length of the path so far
+    std::int64_t element;  ///< number of the next element; -1: an object
+  };
+
+  bool refuse(std::string problem) {
+    problem_ = std::move(problem);
+    return false;
+  }
+
+  void begin_section(std::string_view name) {
+    section_ = name == "totals"    ? Section::kTotals
+               : name == "frames"  ? Section::kFrames
+               : name == "host"    ? Section::kHost
+               : name == "schema"  ? Section::kSchema
+               : name == "partial" ? Section::kPartial
+                                   : Section::kNone;
+  }
+
+  /// Updates the path before an element of an array.
+  void begin_element() {
+    if (section_ == Section::kNone || levels_.empty() || levels_.back().element < 0) return;
+    if (section_ == Section::kFrames && levels_.size() == kInFrames) scan_.frames.emplace_back();
+    path_.resize(levels_.back().path);
+    path_ += fmt::format("[{}]", levels_.back().element++);
+  }
+
+  bool open_container(bool is_array) {
+    if (levels_.size() == kDeepest) return refuse("it is nested more deeply than any report");
+    begin_element();
+    levels_.push_back({path_.size(), is_array ? 0 : -1});
+    return true;
+  }
+  bool close_container() {
+    levels_.pop_back();
+    return true;
+  }
+
+  bool add_value(Value value) {
+    begin_element();
+    if (is_absent(value)) return true;
+    if (section_ == Section::kTotals) scan_.metrics.emplace_back(names_.number_of(path_), std::move(value));
+    if (section_ == Section::kHost) keep_if_named(kHostFacts, kInHost, scan_.host, std::move(value));
+    if (section_ == Section::kFrames && !scan_.frames.empty()) {
+      keep_if_named(kFrameFigures, kInFrame, scan_.frames.back(), std::move(value));
+    }
+    return true;
+  }
+
+  /// Keeps a value if its path below a level is one of `names`.
+  template <class Names, class Values>
+  void keep_if_named(const Names& names, std::size_t level, Values& values, Value value) const {
+    if (levels_.size() < level) return;
+    const auto found = std::ranges::find(names, std::string_view(path_).substr(levels_[level - 1].path + 1));
+    if (found != names.end()) values[static_cast<std::size_t>(found - names.begin())] = std::move(value);
+  }
+
+  MetricNames& names_;
+  ReportScan& scan_;
+  Section section_ = Section::kNone;
+  std::vector<Level> levels_;
+  std::string path_, schema_, problem_;
+  bool partial_ = false;
+};
+
+}  // namespace
+
+std::optional<std::string> scan_report(std::string_view json, MetricNames& names, ReportScan& scan) {
+  ReportScanner scanner(names, scan);
+  try {
+    sim::scan_json(json, scanner);
+  } catch (const sim::JsonError& error) {
+    const std::string_view text = error.what();
+    const std::size_t head = text.find("] ");  // end of "[json.exception.parse_error.101] "
+    return sim::printable(text.substr(head == std::string_view::npos ? 0 : head + 2));
+  } catch (const sim::InputError& error) {
+    return error.what();
+  }
+  return scanner.find_problem();
+}
+
+namespace {
+
+/// A point as tables show it.
+struct ListedPoint {
+  std::int64_t n = 0;
+  std::string id;
+  /// Name and value: its axes, then scene, program and so on where they are no axes.
+  std::vector<std::pair<std::string, std::string>> axes;
+};
+
+/// Reason that a point has no result.
+struct PointError {
+  std::string text, log;
+  Value exit, host, attempt;
+};
+
+struct PointState {
+  PointStatus status = PointStatus::kMissing;
+  ReportScan report;  ///< of a point that is done
+  PointError error;   ///< of a point that failed or is damaged
+};
+
+std::vector<ListedPoint> list_points(std::span<const sweep::Point> points) {
+  constexpr std::pair<const char*, std::string sweep::Point::*> kSettings[] = {
+      {"scene", &sweep::Point::scene},
+      {"camera", &sweep::Point::camera},
+      {"frames", &sweep::Point::frames},
+      {"resolution", &sweep::Point::resolution},
+      {"program", &sweep::Point::program},
+      {"reference", &sweep::Point::reference},
+      {"tile_sampling", &sweep::Point::tile_sampling}};
+  std::vector<ListedPoint> listed;
+  for (const sweep::Point& point : points) {
+    ListedPoint& line = listed.emplace_back(ListedPoint{static_cast<std::int64_t>(point.n), point.id, point.axes});
+    for (const auto& [name, member] : kSettings) {
+      const bool is_axis =
+          std::ranges::find(point.axes, name, [](const auto& axis) { return axis.first; }) != point.axes.end();
+      if (!is_axis && !(point.*member).empty()) line.axes.emplace_back(name, point.*member);
+    }
+  }
+  return listed;
+}
+
+PointState damaged_state(std::string why) {
+  PointState state;
+  state.status = PointStatus::kDamaged;
+  state.error.text = std::move(why);
+  return state;
+}
+
+/// Reads a point from the store. A report that is malformed or not finished is damaged.
+PointState read_point_state(const sweep::Store& store, const std::string& id, MetricNames& names) try {
+  PointState state;
+  if (const std::optional<std::string> report = store.read_report(id)) {
+    state.status = PointStatus::kDone;
+    const std::optional<std::string> problem = scan_report(*report, names, state.report);
+    return problem ? damaged_state("report.json: " + *problem) : state;
+  }
+  state.status = listed_status(store, id);
+  if (state.status != PointStatus::kMissing && state.status != PointStatus::kFailed) {
+    return damaged_state("its files are not as they were written");
+  }
+  if (state.status == PointStatus::kMissing) return state;
+  if (const std::optional<sweep::Failure> failure = store.read_failure(id)) {
+    state.error = {failure->error, failure->log, std::int64_t{failure->exit}, failure->host,
+                   std::int64_t{failure->attempt}};
+  } else {
+    state.error.text = "the record of its failure is damaged";
+  }
+  return state;
+} catch (const sim::InputError& error) {
+  return damaged_state(error.what());
+} catch (const sim::IoError& error) {
+  return damaged_state(error.what());
+} catch (const fs::filesystem_error& error) {
+  return damaged_state(error.what());
+}
+
+/// All points of a sweep with their results.
+struct Collection {
+  std::vector<ListedPoint> points;
+  std::vector<PointState> states;           ///< without their metrics, which are in `columns`
+  std::vector<std::string> axes;            ///< names, in the order of their first use
+  std::vector<std::string> metrics;         ///< paths, in the order of their first use
+  std::vector<std::vector<Value>> columns;  ///< by metric, then by point
+};
+
+/// Reads all points on all cores. The result does not depend on the number of cores.
+Collection read_all_points(std::vector<ListedPoint> points, const sweep::Store& store) {
+  constexpr std::uint32_t kUnknown = std::numeric_limits<std::uint32_t>::max();
+  /// A thread numbers metrics for itself; `global` are their numbers in the collection.
+  struct Reader {
+    MetricNames names;
+    std::vector<std::uint32_t> global;
+  };
+  Collection all;
+  all.points = std::move(points);
+  all.states.resize(all.points.size());
+  const std::size_t cores = std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, 8);
+  std::vector<Reader> readers(std::min(cores, all.points.size()));
+  std::vector<std::size_t> reader_of(all.points.size());
+  parallel_for(all.points.size(), readers.size(), [&](std::size_t i, std::size_t reader) {
+    all.states[i] = read_point_state(store, all.points[i].id, readers[reader].names);
+    reader_of[i] = reader;
+  });
+  MetricNames names, axes;
+  for (std::size_t i = 0; i < all.points.size(); ++i) {
+    for (const auto& [axis, value] : all.points[i].axes) axes.number_of(axis);
+    if (all.states[i].status != PointStatus::kDone) continue;
+    Reader& reader = readers[reader_of[i]];
+    reader.global.resize(reader.names.names().size(), kUnknown);
+    for (auto& [number, value] : std::exchange(all.states[i].report.metrics, {})) {
+      std::uint32_t& global = reader.global[number];
+      if (global == kUnknown) global = names.number_of(reader.names.names()[number]);
+      if (all.columns.size() <= global) all.columns.resize(global + 1, std::vector<Value>(all.points.size()));
+      all.columns[global][i] = std::move(value);
+    }
+  }
+  all.metrics = names.names();
+  all.axes = axes.names();
+  return all;
+}
+
+// Values are stored column by column: queries read few columns of all points.
+constexpr const char* kTables = R"(
+PRAGMA user_version = 1;
+CREATE TABLE sweep (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
+CREATE TABLE points (
+  n INTEGER PRIMARY KEY,
+  id TEXT NOT NULL,
+  status TEXT NOT NULL CHECK (status IN ('done', 'failed', 'missing', 'damaged')));
+CREATE TABLE axes (axis INTEGER PRIMARY KEY, name TEXT NOT NULL UNIQUE);
+CREATE TABLE parameters (
+  axis INTEGER NOT NULL REFERENCES axes, point INTEGER NOT NULL REFERENCES points,
+  value TEXT NOT NULL,
+  number REAL, -- in bytes, hertz, femtoseconds, or as it stands
+  PRIMARY KEY (axis, point)) WITHOUT ROWID;
+CREATE TABLE metric_names (metric INTEGER PRIMARY KEY, path TEXT NOT NULL UNIQUE);
+CREATE TABLE metrics (
+  metric INTEGER NOT NULL REFERENCES metric_names, point INTEGER NOT NULL REFERENCES points,
+  value NOT NULL,
+  PRIMARY KEY (metric, point)) WITHOUT ROWID;
+CREATE TABLE frames (
+  point INTEGER NOT NULL REFERENCES points, place INTEGER NOT NULL,
+  frame INTEGER, cycles INTEGER, time_ms REAL, rays INTEGER, traversal_steps INTEGER, dram_bytes INTEGER,
+  energy_mj REAL, power_w REAL, traced_ratio REAL, psnr_db REAL,
+  PRIMARY KEY (point, place)) WITHOUT ROWID;
+CREATE TABLE errors (
+  point INTEGER PRIMARY KEY REFERENCES points, error TEXT NOT NULL, exit INTEGER, host TEXT, attempt INTEGER,
+  log TEXT NOT NULL);
+CREATE TABLE host (
+  point INTEGER PRIMARY KEY REFERENCES points, name TEXT, date TEXT, threads INTEGER, wall_s REAL, timing_s REAL,
+  rays_per_s REAL, peak_rss_mb REAL);
+CREATE VIEW results AS
+  SELECT point, id, status, path, value FROM metrics JOIN metric_names USING (metric) JOIN points ON n = point;
+)";
+
+constexpr const char* kIndices = R"(
+CREATE INDEX points_by_id ON points (id);
+CREATE INDEX points_by_status ON points (status);
+)";
+
+void bind_value(SQLite::Statement& statement, int parameter, const Value& value) {
+  if (const auto* text = std::get_if<std::string>(&value)) {
+    statement.bind(parameter, *text);
+  } else if (const auto* whole = std::get_if<std::int64_t>(&value)) {
+    statement.bind(parameter, *whole);
+  } else if (const auto* real = std::get_if<double>(&value)) {
+    statement.bind(parameter, *real);
+  } else {
+    statement.bind(parameter);
+  }
+}
+
+/// Inserts a row.
+void insert_row(SQLite::Statement& statement, std::span<const Value> values) {
+  for (int parameter = 1; const Value& value : values) bind_value(statement, parameter++, value);
+  statement.exec();
+  statement.reset();
+}
+void insert_row(SQLite::Statement& statement, std::initializer_list<Value> values) {
+  insert_row(statement, std::span(values.begin(), values.size()));
+}
+
+void write_points(SQLite::Database& index, const Collection& all) {
+  SQLite::Statement point(index, "INSERT INTO points VALUES (?, ?, ?)");
+  SQLite::Statement error(index, "INSERT INTO errors VALUES (?, ?, ?, ?, ?, ?)");
+  SQLite::Statement frame(index, "INSERT INTO frames VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+  SQLite::Statement host(index, "INSERT INTO host VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
+  for (std::size_t i = 0; i < all.points.size(); ++i) {
+    const std::int64_t n = all.points[i].n;
+    const PointState& state = all.states[i];
+    insert_row(point, {n, all.points[i].id, std::string(name_of(state.status))});
+    if (state.status == PointStatus::kFailed || state.status == PointStatus::kDamaged) {
+      const PointError& e = state.error;
+      insert_row(error, {n, e.text, e.exit, e.host, e.attempt, e.log});
+    }
+    if (state.status != PointStatus::kDone) continue;
+    for (std::size_t f = 0; f < state.report.frames.size(); ++f) {
+      std::vector<Value> row = {n, static_cast<std::int64_t>(f)};
+      row.insert(row.end(), state.report.frames[f].begin(), state.report.frames[f].end());
+      insert_row(frame, row);
+    }
+    std::vector<Value> row = {n};
+    row.insert(row.end(), state.report.host.begin(), state.report.host.end());
+    insert_row(host, row);
+  }
+}
+
+void write_axes(SQLite::Database& index, const Collection& all) {
+  SQLite::Statement axis(index, "INSERT INTO axes VALUES (?, ?)");
+  SQLite::Statement parameter(index, "INSERT INTO parameters VALUES (?, ?, ?, ?)");
+  for (std::size_t a = 0; a < all.axes.size(); ++a) {
+    const auto number = static_cast<std::int64_t>(a);
+    insert_row(axis, {number, all.axes[a]});
+    for (const ListedPoint& point : all.points) {
+      for (const auto& [name, value] : point.axes) {
+        if (name != all.axes[a]) continue;
+        const std::optional<sweep::Magnitude> magnitude = sweep::magnitude_of(value);
+        insert_row(parameter, {number, point.n, value, magnitude ? Value(magnitude->value) : Value()});
+      }
+    }
+  }
+}
+
+void write_metrics(SQLite::Database& index, const Collection& all) {
+  SQLite::Statement metric(index, "INSERT INTO metric_names VALUES (?, ?)");
+  SQLite::Statement cell(index, "INSERT INTO metrics VALUES (?, ?, ?)");
+  for (std::size_t m = 0; m < all.metrics.size(); ++m) {
+    const auto number = static_cast<std::int64_t>(m);
+    insert_row(metric, {number, all.metrics[m]});
+    cell.bind(1, number);
+    for (std::size_t i = 0; i < all.points.size(); ++i) {
+      if (is_absent(all.columns[m][i])) continue;
+      cell.bind(2, all.points[i].n);
+      bind_value(cell, 3, all.columns[m][i]);
+      cell.exec();
+      cell.reset();
+    }
+  }
+}
+
+/// Fills the tables of an index but `sweep`.
+void write_tables(SQLite::Database& index, const Collection& all) {
+  index.exec("PRAGMA page_size = 8192; PRAGMA foreign_keys = OFF; BEGIN");
+  index.exec(kTables);
+  write_points(index, all);
+  write_axes(index, all);
+  write_metrics(index, all);
+  index.exec(kIndices);
+  index.exec("COMMIT");
+}
+
+/// The cells of one column of results.csv, which are read in the order of the points.
+class CellReader {
+ public:
+  CellReader(const SQLite::Database& index, const char* sql, std::int64_t number) : cells_(index, sql) {
+    cells_.bind(1, number);
+    has_next_ = cells_.executeStep();
+  }
+  /// Returns the value of a point, which follows the points of earlier calls.
+  Value read_value(std::int64_t n) {
+    if (!has_next_ || cells_.getColumn(0).getInt64() != n) return {};
+    Value value = to_value(cells_.getColumn(1));
+    has_next_ = cells_.executeStep();
+    return value;
+  }
+
+ private:
+  SQLite::Statement cells_;
+  bool has_next_ = false;
+};
+
+/// Returns the name of the base unit of an axis; null if none of its values has a unit.
+const char* unit_of_axis(const SQLite::Database& index, std::int64_t axis) {
+  using Kind = sweep::Magnitude::Kind;
+  SQLite::Statement values(index, "SELECT value FROM parameters WHERE axis = ?");
+  values.bind(1, axis);
+  while (values.executeStep()) {
+    const std::optional<sweep::Magnitude> number = sweep::magnitude_of(values.getColumn(0).getString());
+    if (!number || number->kind == Kind::kNumber) continue;
+    return number->kind == Kind::kBytes ? "bytes" : number->kind == Kind::kTime ? "fs" : "hz";
+  }
+  return nullptr;
+}
+
+/// Exports results.csv: one row a point, with its axes, axes with a unit as numbers too, and every metric by name.
+/// Contains nothing of the host and no errors, so equal sweeps have equal bytes.
+std::string export_csv(const SQLite::Database& index) {
+  std::vector<std::string> header = {"n", "id", "status"};
+  std::vector<CellReader> texts, numbers, metrics;
+  std::vector<std::string> number_names;
+  SQLite::Statement axis(index, "SELECT axis, name FROM axes ORDER BY axis");
+  while (axis.executeStep()) {
+    const std::int64_t a = axis.getColumn(0).getInt64();
+    header.push_back(axis.getColumn(1).getString());
+    texts.emplace_back(index, "SELECT point, value FROM parameters WHERE axis = ? ORDER BY point", a);
+    const char* const unit = unit_of_axis(index, a);
+    if (unit == nullptr) continue;
+    number_names.push_back(fmt::format("{}_{}", header.back(), unit));
+    numbers.emplace_back(
+        index, "SELECT point, number FROM parameters WHERE axis = ? AND number IS NOT NULL ORDER BY point", a);
+  }
+  header.insert(header.end(), number_names.begin(), number_names.end());
+  SQLite::Statement metric(index, "SELECT metric, path FROM metric_names ORDER BY path");
+  while (metric.executeStep()) {
+    header.push_back(metric.getColumn(1).getString());
+    metrics.emplace_back(index, "SELECT point, value FROM metrics WHERE metric = ? ORDER BY point",
+                         metric.getColumn(0).getInt64());
+  }
+  std::string out = csv_line(header);
+  SQLite::Statement point(index, "SELECT n, id, status FROM points ORDER BY n");
+  while (point.executeStep()) {
+    const std::int64_t n = point.getColumn(0).getInt64();
+    out += fmt::format("{},{},{}", n, point.getColumn(1).getString(), point.getColumn(2).getString());
+    for (std::vector<CellReader>* columns : {&texts, &numbers, &metrics}) {
+      for (CellReader& column : *columns) {
+        const Value value = column.read_value(n);
+        const bool is_text = std::holds_alternative<std::string>(value);
+        out += ',' + (is_text ? csv_cell(exact_text(value)) : exact_text(value));
+      }
+    }
+    out += '\n';
+  }
+  return out;
+}
+
+/// Returns the bytes of the file of a database in memory.
+std::string file_bytes(SQLite::Database& index) {
+  sqlite3_int64 size = 0;
+  const std::unique_ptr<unsigned char, decltype(&sqlite3_free)> image(
+      sqlite3_serialize(index.getHandle(), "main", &size, 0), &sqlite3_free);
+  if (!image) throw std::bad_alloc();
+  return {reinterpret_cast<const char*>(image.get()), static_cast<std::size_t>(size)};
+}
+
+/// Returns size, inode and time of a file, which change when it does; "-" if there is none.
+std::string file_mark(const fs::path& file) {
+  struct stat status {};
+  if (::stat(file.c_str(), &status) != 0) return "-";
+  return fmt::format("{} {} {}.{:09}", status.st_size, status.st_ino, status.st_mtim.tv_sec, status.st_mtim.tv_nsec);
+}
+
+/// Returns a hash that changes when anything does from which the index is made.
+std::string input_fingerprint(const std::vector<ListedPoint>& points, const sweep::Store& store) {
+  sim::Sha256 all;
+  all.add(fmt::format("{}\n{}\n", kIndexSchema, store.root().string()));
+  for (const ListedPoint& point : points) {
+    all.add(fmt::format("{} {}\n", point.n, point.id));
+    for (const auto& [name, value] : point.axes) all.add(fmt::format("{}\n{}\n", name, value));
+    const fs::path folder = store.folder_of(point.id);
+    all.add(fmt::format("{}, {}, {}, {}\n", file_mark(folder), file_mark(folder / "report.json"),
+                        file_mark(folder / "point.json"), file_mark(store.failure_file(point.id))));
+  }
+  return all.hex_digest();
+}
+
+/// Returns the counts of the index if it was made from these inputs and results.csv is unchanged.
+std::optional<Collected> load_if_current(const fs::path& sweep, const std::string& fingerprint) {
+  try {
+    const std::unique_ptr<SQLite::Database> index = open_index(sweep / "index.sqlite");
+    std::map<std::string, std::string> facts = read_facts(*index);
+    if (facts["made_from"] != fingerprint || facts["csv"] != file_mark(sweep / "results.csv")) return std::nullopt;
+    Collected collected{{}, true};
+    SQLite::Statement count(*index, "SELECT status, COUNT(*) FROM points GROUP BY status");
+    while (count.executeStep()) {
+      collected.counts[status_named(count.getColumn(0).getString())] =
+          static_cast<std::size_t>(count.getColumn(1).getInt64());
+    }
+    return collected;
+  } catch (const sim::InputError&) {
+    return std::nullopt;
+  } catch (const SQLite::Exception&) {
+    return std::nullopt;
+  }
+}
+
+sim::FileLock wait_for_lock(const fs::path& file) {
+  for (;;) {
+    if (std::optional<sim::FileLock> lock = sim::FileLock::try_acquire(file)) return std::move(*lock);
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+}
+
+}  // namespace
+
+PointStatus listed_status(const sweep::Store& store, const std::string& id) {
+  const PointStatus status = store.status_of(id);
+  return status == PointStatus::kMissing && fs::exists(store.failure_file(id)) ? PointStatus::kFailed : status;
+}
+
+Collected collect_results(const sweep::SweepFolder& folder) try {
+  const fs::path &path = folder.path(), csv = path / "results.csv";
+  const sim::FileLock lock = wait_for_lock(path / "collect.lock");
+  std::vector<ListedPoint> points = list_points(folder.read_points());
+  if (points.empty()) throw sim::InputError(sim::printable((path / "points.jsonl").string()) + ": holds no point");
+  const sweep::Store store = folder.store();
+  const std::string fingerprint = input_fingerprint(points, store);
+  if (const std::optional<Collected> current = load_if_current(path, fingerprint)) return *current;
+
+  Collected collected;
+  SQLite::Database index(":memory:", SQLite::OPEN_READWRITE);
+  {
+    const Collection all = read_all_points(std::move(points), store);
+    for (const PointState& state : all.states) ++collected.counts[state.status];
+    write_tables(index, all);
+  }
+  sim::write_file_atomically(csv, export_csv(index));
+  SQLite::Statement fact(index, "INSERT INTO sweep VALUES (?, ?)");
+  insert_row(fact, {"store", store.root().string()});
+  insert_row(fact, {"made_from", fingerprint});
+  insert_row(fact, {"csv", file_mark(csv)});
+  sim::write_file_atomically(path / "index.sqlite", file_bytes(index));
+  return collected;
+} catch (const SQLite::Exception& error) {
+  if (error.getErrorCode() == SQLITE_NOMEM) throw std::bad_alloc();
+  throw;
+}
+
+void collect_if_writable(const fs::path& sweep, std::string_view shown) {
+  try {
+    collect_results(sweep::SweepFolder::open(sweep));
+  } catch (const sim::IoError& error) {
+    std::error_code failed;
+    if (!fs::exists(sweep / "index.sqlite", failed)) throw;
+    print_message("warning: {}; {} what was last collected", error.what(), shown);
+  }
+}
+
+std::string summary_text(const Collected& collected) {
+  std::size_t points = 0;
+  for (const auto& [status, count] : collected.counts) points += count;
+  const auto found = collected.counts.find(PointStatus::kDone);
+  std::string text = fmt::format("{} points: {} done", points, found == collected.counts.end() ? 0 : found->second);
+  for (const PointStatus status : {PointStatus::kFailed, PointStatus::kDamaged, PointStatus::kMissing}) {
+    const auto some = collected.counts.find(status);
+    if (some != collected.counts.end()) text += fmt::format(", {} {}", some->second, name_of(status));
+  }
+  return text;
+}
+
+}  // namespace tools::results

@@ -1,0 +1,48 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "tools/studies/sweep/spec/value.h"
+
+namespace tools::sweep {
+
+// The language of conditions in a sweep's file (`exclude`, `where`) and on the command line (`--where`).
+
+enum class Comparison : std::uint8_t { kEqual, kUnequal, kLess, kLessEqual, kGreater, kGreaterEqual };
+/// True for comparisons that need an order: all but = and !=.
+inline bool needs_order(Comparison comparison) {
+  return comparison != Comparison::kEqual && comparison != Comparison::kUnequal;
+}
+
+/// A side of a comparison: its text, and its magnitude if it is a number.
+struct Operand {
+  std::string text;
+  std::optional<Magnitude> magnitude;
+
+  Operand() = default;
+  explicit Operand(std::string of) : text(std::move(of)), magnitude(magnitude_of(text)) {}
+  explicit Operand(const Value& value) : text(exact_text(value)), magnitude(amount_of(value)) {}
+};
+
+/// Compares two values: numbers by magnitude, all else by text. Nothing for two magnitudes of different kinds, and if
+/// an order is needed for anything but two numbers.
+std::optional<bool> compare(const Operand& left, Comparison comparison, const Operand& right);
+
+/// One comparison of a condition, before names are looked up.
+struct ConditionTerm {
+  std::string name;  ///< an axis, a key or a path of the report
+  Comparison comparison = Comparison::kEqual;
+  std::string value;
+};
+
+/// Reads "<= 8 KiB" into comparison and value; without a sign it is =. The value is all the rest, maybe empty.
+std::pair<Comparison, std::string> parse_comparison(const std::string& text);
+
+/// Reads "power_w.nominal<1 and tni.trv.l1.size>='16 KiB'". InputError with the column where the text is wrong.
+std::vector<ConditionTerm> parse_condition(const std::string& text);
+
+}  // namespace tools::sweep
