@@ -1,7 +1,6 @@
 #include "tools/studies/baseline/suite.h"
 
 #include "tests/fuzz/common.h"
-#include "tools/studies/baseline/stored.h"
 
 // A suite of `raywatt baseline`, and the file of its values: the input is read as both.
 

@@ -1,11 +1,11 @@
-// Pages for everybody: axe finds nothing serious, in light, dark, on a narrow window and on paper.
+// Accessibility: axe finds no serious violation in light and dark theme, on a narrow window and on paper.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { axe, drawn, look } from "./surroundings.mjs";
 
 async function check(page) {
   await page.evaluate(axe);
-  // Rows of a table are made alike; behind the first ones there are thousands.
+  // Later rows of a table are made like the first ones, and there are thousands.
   const rows = { include: ["html"], exclude: ["tbody tr:nth-child(n + 12)"] };
   const { violations } = await page.evaluate((rows) => window.axe.run(rows, { resultTypes: ["violations"] }), rows);
   const grave = violations.filter((v) => ["serious", "critical"].includes(v.impact));
@@ -28,7 +28,7 @@ for (const name of ["run.html", "diff.html", "sweep.html"]) {
   }));
 }
 
-/** Another overlay, another colour, other figures: the last of each list; and a point. */
+/** Selects the last choice of each list, and a point. */
 async function chooseOthers(page) {
   for (const box of await page.locator("select:visible").all()) {
     const values = await box.locator("option").evaluateAll((options) => options.map((o) => o.value));
@@ -59,12 +59,12 @@ for (const name of ["run.html", "adaptive.html", "diff.html", "sweep.html", "sea
   }
 }
 
-test("paper is light, whatever the window is", () => look("sweep.html", { theme: "dark" }, async (page) => {
+test("paper is light for any theme", () => look("sweep.html", { theme: "dark" }, async (page) => {
   const has = (wanted) => page.waitForFunction((wanted) => {
     const canvas = document.querySelector('[data-block="shares"] canvas'), data = window.pixelsOf(canvas);
     let dark = 0, light = 0;
     for (let i = 0; i < data.length; i += 4) {
-      const isLabel = (i / 4) % canvas.width < 0.08 * canvas.width && data[i + 3] > 200;  // at the left, there is no more than text
+      const isLabel = (i / 4) % canvas.width < 0.08 * canvas.width && data[i + 3] > 200;  // the left margin contains only text
       if (isLabel) data[i] < 100 ? ++dark : data[i] > 180 && ++light;
     }
     return (dark > light ? "dark" : "light") === wanted;
@@ -76,7 +76,7 @@ test("paper is light, whatever the window is", () => look("sweep.html", { theme:
   await has("light");
 }));
 
-test("the theme that is asked for stands in the address and recolours the charts", () => look("run.html", {}, async (page) => {
+test("the chosen theme is part of the address and recolours the charts", () => look("run.html", {}, async (page) => {
   const ground = () => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
   const before = await ground();
   await page.getByLabel("Theme").selectOption("dark");
@@ -84,7 +84,7 @@ test("the theme that is asked for stands in the address and recolours the charts
   assert.equal(await page.evaluate(() => location.hash), "#theme=dark");
 }));
 
-test("everything that can be clicked is reached by the keyboard", () => look("sweep.html", {}, async (page) => {
+test("everything that can be clicked can be reached with the keyboard", () => look("sweep.html", {}, async (page) => {
   const lost = await page.evaluate(() => [...document.querySelectorAll("button, a, select, input, .choosable, .stage")].filter((e) => e.tabIndex < 0).length);
   assert.equal(lost, 0);
 }));

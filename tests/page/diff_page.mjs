@@ -5,7 +5,7 @@ import { test } from "node:test";
 import { boxOf, json, look, nanojoulesOf, numberOf, program } from "./surroundings.mjs";
 
 const [a, b] = [json("base", "report.json").totals, json("ports", "report.json").totals];
-const data = (page) => page.evaluate(() => JSON.parse(document.getElementById("data").textContent).views[0].data);
+const data = (page) => page.evaluate(() => raywattPage.views[0].data);
 
 test("the waterfall of cycles goes from one run to the other without a gap", () => look("diff.html", {}, async (page) => {
   const { columns, rows } = (await data(page)).cycles;
@@ -16,7 +16,7 @@ test("the waterfall of cycles goes from one run to the other without a gap", () 
   assert.ok(Math.abs(rows.at(-2)[to] - b.cycles) < 1e-6 * a.cycles);
 }));
 
-test("keys and figures are those of compare", () => look("diff.html", {}, async (page) => {
+test("keys and figures equal those of compare", () => look("diff.html", {}, async (page) => {
   const compared = JSON.parse(program("compare", "base", "ports", "--json")).against[0];
   const of = await data(page);
   assert.deepEqual(of.keys.rows, compared.config.map((key) => [key.key, key.a, key.b]));
@@ -37,7 +37,7 @@ test("pictures flip and split", () => look("diff.html", { hash: "#pair=a" }, asy
   assert.match(await other.evaluate((e) => e.style.clipPath), /25%/);
 }));
 
-/** Figures of the tiles of a run, by row and column of the picture. */
+/** Metrics of the tiles of a run, by row and column of the picture. */
 function tilesOf(run, figure) {
   const { columns } = json(run, "tiles.json").frames[0];
   const out = [];

@@ -1,4 +1,4 @@
-// Names that would be markup run nothing and are shown as they are.
+// Names that contain markup run nothing and are shown as text.
 import assert from "node:assert/strict";
 import fs from "node:fs";
 import { test } from "node:test";

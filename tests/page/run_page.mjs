@@ -9,10 +9,10 @@ import { at, boxOf, json, look, nanojoulesOf, numberOf, program, raywatt } from 
 const report = json("base", "report.json");
 const figure = (page, id) => page.locator(`[data-figure="${id}"] .value`).innerText();
 const near = (text, value) => assert.ok(Math.abs(numberOf(text) / value - 1) < 1e-3, `${text} is not ${value}`);
-const data = (page) => page.evaluate(() => JSON.parse(document.getElementById("data").textContent).views[0].data);
+const data = (page) => page.evaluate(() => raywattPage.views[0].data);
 const silent = { warn: () => silent, info: () => silent, debug: () => silent, error: assert.fail, level: () => silent };
 const tiles = json("base", "tiles.json").frames[0].columns;
-/** A figure of each tile; tiles of the picture stand in rows. */
+/** A metric of each tile, row by row. */
 const figureOf = (id, of = tiles) => of.tile.map((_, i) => ({
   cycles: of.finished[i] - of.dispatched[i], srp: of.srp_cycles[i], steps: of.steps[i], tests: of.tests[i], dram: of.dram_bytes[i],
   energy: 1e6 * of.energy_mj_nominal[i], rays: of.rays_primary[i] + of.rays_shadow[i] + of.rays_reflection[i] + of.rays_refraction[i],
@@ -22,7 +22,9 @@ const rows = ({ columns, rows }) => rows.map((row) => Object.fromEntries(columns
 test("the verdict comes first and names the report's own bound", () => look("run.html", {}, async (page) => {
   const sentence = await page.locator("main").evaluate((main) => main.firstElementChild.querySelector(".sentence").innerText);
   const worths = report.totals.bottleneck.estimated_speedup;
-  assert.ok(sentence.includes(`×${Math.max(...Object.values(worths)).toFixed(2)} if perfect`), sentence);
+  const most = Math.max(...Object.values(worths));
+  assert.ok(sentence.includes(`×${most.toFixed(2)} if perfect`), sentence);
+  assert.equal(rows((await data(page)).bounds)[0].speedup, most);
   await page.getByRole("link", { name: "where the cycles went", exact: true }).click();
   assert.equal(await page.evaluate(() => location.hash), "#at=cycles");
   assert.equal(await page.evaluate(() => document.activeElement.id), "cycles");
@@ -48,7 +50,10 @@ test("stacks, peaks, kernels and energy in its data are those of report.json to 
   const stack = rows(of.stacks).filter((r) => r.who === "all cores");
   assert.equal(stack.find((r) => r.part === "kernels").share, t.top_down.gpu.kernels);
   assert.equal(stack.find((r) => r.part === "tree misses: DRAM").share, t.top_down.gpu.tree_misses.dram);
-  assert.ok(Math.abs(stack.reduce((sum, r) => sum + r.share, 0) - 1) < 1e-9);
+  for (const who of ["all cores", "core 1"]) {
+    const sum = rows(of.stacks).filter((r) => r.who === who).reduce((all, r) => all + r.share, 0);
+    assert.ok(Math.abs(sum - 1) < 1e-9, who);
+  }
   const peaks = rows(of.peaks);
   const share = (name) => peaks.find((r) => r.unit.startsWith(name)).share;
   assert.ok(Math.abs(share("Traversal") - t.utilisation.tni) < 1e-12);
@@ -76,18 +81,18 @@ test("the flow of energy follows the switch, and the address keeps it", () => lo
   await page.waitForFunction((low) => Math.abs(Number.parseFloat([...document.querySelectorAll('[data-block="flow"] svg text')].find((t) => t.textContent.startsWith("GPU")).textContent.match(/([\d.]+) mJ/)[1]) / low - 1) < 1e-3, report.totals.energy_mj.low);
 }));
 
-/** Labels of the flow that stand out of its drawing, or out of the window, or over each other. */
+/** Labels of the flow that are outside of the drawing or the window, or overlap. */
 const unreadable = () => {
   const svg = document.querySelector('[data-block="flow"] svg'), whole = svg.getBoundingClientRect();
   const labels = [...svg.querySelectorAll("text")].map((t) => ({ words: t.textContent, ...t.getBoundingClientRect().toJSON() }));
   const isOut = (l) => l.left < whole.left - 1 || l.right > Math.min(whole.right, innerWidth) + 1 || l.top < whole.top - 1 || l.bottom > whole.bottom + 1;
-  const LEADING = 3;  // pixels of a line without ink
+  const LEADING = 3;  // pixels above and below the letters of a line
   const isOver = (a, b) => a.left < b.right && b.left < a.right && a.top + LEADING < b.bottom - LEADING && b.top + LEADING < a.bottom - LEADING;
   const over = labels.flatMap((a, i) => labels.slice(i + 1).filter((b) => isOver(a, b)).map((b) => `${a.words} over ${b.words}`));
   return { labels: labels.length, bad: [...labels.filter(isOut).map((l) => `${l.words} is cut`), ...over] };
 };
 
-test("all labels of the flow of energy are read without scrolling, whatever the width", async () => {
+test("all labels of the flow of energy are readable without scrolling at any width", async () => {
   for (const surroundings of [{ width: 320 }, { width: 360, theme: "dark" }, { width: 600 }, { width: 720 }, { width: 770 }, { width: 1280 }, { width: 360, media: "print" }]) {
     await look("run.html", surroundings, async (page) => {
       await page.waitForFunction(() => {
@@ -152,7 +157,7 @@ test("tables sort by a click on a heading, both ways", () => look("run.html", {}
   assert.deepEqual(await column(), [...up].sort((a, b) => b - a));
 }));
 
-test("the probe says where it is, under the pointer and by keys", () => look("run.html", {}, async (page) => {
+test("the probe shows its position, under the pointer and by keys", () => look("run.html", {}, async (page) => {
   const stage = page.locator('[data-block="frame"] .stage');
   const box = await boxOf(stage);
   await stage.hover({ position: { x: (box.width * 10.5) / 64, y: (box.height * 20.5) / 32 } });
@@ -164,7 +169,7 @@ test("the probe says where it is, under the pointer and by keys", () => look("ru
 }));
 
 test("overlays of tiles have the numbers of tiles.json, and those of pixels sum to the report's", () => look("run.html", {}, async (page) => {
-  const block = (await page.evaluate(() => JSON.parse(document.getElementById("data").textContent).views[0].sections))
+  const block = (await page.evaluate(() => raywattPage.views[0].sections))
     .find((s) => s.id === "picture").blocks[0];
   const stage = page.locator('[data-block="frame"] .stage'), readout = page.locator('[data-block="frame"] .readout');
   assert.equal(tiles.tile.length, 8);
@@ -201,7 +206,7 @@ test("overlays of tiles have the numbers of tiles.json, and those of pixels sum 
 
 const micros = (cycles) => (1e3 * report.totals.time_ms * cycles) / report.totals.cycles;
 
-test("a tile that is pointed at is marked in time", () => look("run.html", {}, async (page) => {
+test("the tile under the pointer is marked in time", () => look("run.html", {}, async (page) => {
   const stage = page.locator('[data-block="frame"] .stage'), box = await boxOf(stage);
   await stage.hover({ position: { x: (box.width * 40.5) / 64, y: (box.height * 20.5) / 32 } });
   const i = tiles.x.findIndex((x, k) => x === 32 && tiles.y[k] === 16);
@@ -233,7 +238,7 @@ test("time that is brushed, by the pointer and by keys, lights the tiles that we
   const span = (await page.evaluate(() => location.hash)).slice(6).split("-").map(Number);
   assert.deepEqual(await dimmed(), wanted(span));
   const ends = tiles.finished.map(micros).sort((a, b) => a - b);
-  const late = [Math.ceil((ends[3] + ends[4]) / 2), Math.ceil(ends[7])];  // half of the tiles are through
+  const late = [Math.ceil((ends[3] + ends[4]) / 2), Math.ceil(ends[7])];  // half of the tiles are finished
   await page.getByLabel("Brush from, us").fill(String(late[0]));
   await page.getByLabel("Brush to, us").fill(String(late[1]));
   await page.keyboard.press("Enter");
@@ -242,7 +247,7 @@ test("time that is brushed, by the pointer and by keys, lights the tiles that we
   assert.deepEqual(await dimmed(), few);
 }));
 
-test("an address that is opened shows what its sender saw", () => look("run.html", { fresh: true,
+test("an address restores the state of its sender", () => look("run.html", { fresh: true,
   hash: "#overlay=steps&opacity=40&series=bandwidth&time=2-9&side=low&tables=peaks&sort.kernel-table=ii:desc&theme=dark" }, async (page) => {
   assert.equal(await page.getByLabel("Overlay", { exact: true }).inputValue(), "steps");
   assert.equal(await page.locator(".stage .over:not(.lit)").evaluate((e) => e.style.opacity), "0.4");
@@ -274,7 +279,20 @@ test("a run ends with the line that makes its page", () => {
   assert.ok(fs.readFileSync(at("said.html"), "utf8").startsWith("<!doctype html>"));
 });
 
-test("a run without pictures still has its page, which says so", async () => {
+test("a nearly empty report has a page that names what is missing", async () => {
+  const bare = json("base", "report.json");
+  for (const part of ["units", "config", "scene", "frames", "program", "resolution"]) delete bare[part];
+  for (const part of ["top_down", "bottleneck", "kernels", "energy_by_block_mj", "area_band_mm2"]) delete bare.totals[part];
+  fs.mkdirSync(at("lacking"), { recursive: true });
+  fs.writeFileSync(at("lacking", "report.json"), JSON.stringify(bare));
+  program("report", "lacking", "-o", "lacking.html");
+  await look("lacking.html", { drawings: false }, async (page) => {
+    assert.match(await page.locator(".sentence").innerText(), /does not say/);
+    assert.match(await page.locator("#picture").innerText(), /no image\.png/);
+  });
+});
+
+test("a run without pictures has a page that says so", async () => {
   fs.mkdirSync(at("bare"), { recursive: true });
   fs.copyFileSync(at("base", "report.json"), at("bare", "report.json"));
   program("report", "bare", "-o", "bare.html");

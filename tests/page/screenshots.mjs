@@ -31,7 +31,7 @@ const browser = await chromium.launch({
   executablePath: "/usr/bin/chromium",
   args: ["--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"],
 });
-/** The page from an element on, when all of it is drawn. */
+/** Takes a picture of the page from an element on, after everything is drawn. */
 async function shoot(file, hash, name, { from = "header", height = 860, theme = "light" } = {}) {
   const page = await browser.newPage({ colorScheme: theme, viewport: { width: 1180, height }, reducedMotion: "reduce" });
   await page.goto(`file://${path.join(folder, file)}${hash}`);

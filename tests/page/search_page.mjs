@@ -12,7 +12,7 @@ const table = (...names) => {
 const LIMIT = 0.41;  // watts: some points meet it and some do not
 const front = table("search", "front.csv");
 
-test("the page asks what the search asked, and begins with the front that it found", () => look("search.html", {}, async (page) => {
+test("the page shows the question and the goals, and begins with the front of the search", () => look("search.html", {}, async (page) => {
   const text = await page.locator("body").innerText();
   for (const words of ["Which machines are quick and frugal?", "max perf.fps", "max frames_per_joule_gpu", `power_w.nominal < ${LIMIT}`]) {
     assert.ok(text.includes(words), words);
@@ -41,12 +41,12 @@ test("no point that breaks a constraint is best or on a front, whatever the figu
   assert.equal(await page.locator('[data-block="points"] tbody tr').count(), eligible.length);
 }));
 
-test("points that a search asked for show the commands that front.csv has", () => look("search.html", { hash: `#point=${front[0].n}` }, async (page) => {
+test("points of a search show the commands of front.csv", () => look("search.html", { hash: `#point=${front[0].n}` }, async (page) => {
   assert.equal(await page.locator(".command code").innerText(), front[0].command.replace(/^"|"$/g, "").replaceAll('""', '"'));
   assert.equal(await page.locator('[data-block="points"] tbody tr').count(), table("search", "results.csv").length);
 }));
 
-test("the page says how many points meet the constraint, and how much room the best one has", () => look("search.html", {}, async (page) => {
+test("the page shows how many points meet the constraint, and the distance of the best one", () => look("search.html", {}, async (page) => {
   const powers = table("search", "results.csv").map((row) => Number(row["totals.power_w.nominal"]));
   const met = powers.filter((power) => power < LIMIT).length;
   assert.ok((await page.locator("body").innerText()).includes(`${met} of ${powers.length} points meet all constraints`));

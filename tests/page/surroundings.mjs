@@ -1,4 +1,4 @@
-// A browser, and pages that the real program has written: node all.mjs RAYWATT NODE_MODULES
+// A browser, and pages written by the real program: node all.mjs RAYWATT NODE_MODULES
 import assert from "node:assert/strict";
 import { execFile, execFileSync } from "node:child_process";
 import fs from "node:fs";
@@ -31,7 +31,7 @@ process.on("exit", () => fs.rmSync(folder, { recursive: true, force: true }));
 
 export const at = (...names) => path.join(folder, ...names);
 export const program = (...words) => execFileSync(raywatt, words, { cwd: folder, encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
-/** The same, while others run. */
+/** Runs the program asynchronously. */
 const running = (...words) => promisify(execFile)(raywatt, words, { cwd: folder });
 export const json = (...names) => JSON.parse(fs.readFileSync(at(...names), "utf8"));
 
@@ -83,7 +83,7 @@ const [browser] = await Promise.all([
 const open = new Map();  // pages by file
 export const close = () => browser.close();
 
-/** Opens a page; it complains of whatever it complains of, and of each request to the network. */
+/** Opens a page and collects its console messages, errors and requests to the network. */
 async function opened(name, address) {
   const context = await browser.newContext({ acceptDownloads: true, reducedMotion: "reduce" });
   const page = await context.newPage();
@@ -91,7 +91,7 @@ async function opened(name, address) {
   page.on("console", (message) => page.complaints.push(`${message.type()}: ${message.text()}`));
   page.on("pageerror", (error) => page.complaints.push(String(error.stack)));
   page.on("request", (request) => /^(file|data|blob):/.test(request.url()) || page.complaints.push(`asks for ${request.url()}`));
-  /** Pixels of a canvas, which is not read itself. */
+  /** Returns the pixels of a copy of a canvas. */
   await page.addInitScript(() => {
     window.pixelsOf = (canvas) => {
       const copy = document.createElement("canvas");
@@ -108,34 +108,34 @@ async function opened(name, address) {
 }
 
 /**
- * Has `use` look at a page. Pages stay open from test to test, and another state is another fragment of the address;
- * `fresh`: read again, as one does who opens that address.
+ * Opens a page in a state and calls `use`. Pages stay open between tests, and the state is the fragment of the address.
+ * `fresh`: loads the page again. `drawings`: waits for the charts.
  */
-export async function look(name, { hash = "", theme = "light", width = 1280, fresh = false, media = "screen" } = {}, use) {
+export async function look(name, { hash = "", theme = "light", width = 1280, fresh = false, media = "screen", drawings = true } = {}, use) {
   const address = `file://${at(name)}${hash || "#"}`;
   if (fresh) await open.get(name)?.context().close();
   const page = fresh || !open.has(name) ? await opened(name, address) : open.get(name);
   if (page.viewportSize().width !== width) await page.setViewportSize({ width, height: 900 });
   await page.emulateMedia({ colorScheme: theme, media });
   if (page.url() !== address) await page.goto(address);
-  await drawn(page);
+  if (drawings) await drawn(page);
   await use(page);
   assert.deepEqual(page.complaints, []);
 }
 
-/** A number as pages show it: "17.07 k" is 17070. */
+/** Parses a number of a page: "17.07 k" is 17070. */
 export function numberOf(text) {
   const [, digits, prefix] = text.trim().replace("−", "-").match(/^([\d.e+-]+)(?: ([kMGT])(?![a-z]))?/);
   return Number(digits) * { k: 1e3, M: 1e6, G: 1e9, T: 1e12 }[prefix ?? ""] || Number(digits);
 }
 
-/** Nanojoules of a text: "2.3 µJ" is 2300. */
+/** Parses an energy into nanojoules: "2.3 µJ" is 2300. */
 export function nanojoulesOf(text) {
   const [, digits, prefix] = text.trim().replace("−", "-").match(/^([\d.e+-]+) ([mµnp]?)J$/);
   return Number(digits) * { "": 1e9, m: 1e6, µ: 1e3, n: 1, p: 1e-3 }[prefix];
 }
 
-/** Where an element lies, once two looks a twentieth of a second apart agree: what loads late moves what is below it. */
+/** Returns the box of an element after it has not moved for 50 ms: content that loads late moves what is below it. */
 export async function boxOf(locator) {
   for (let before = await locator.boundingBox(); ; ) {
     await locator.page().waitForTimeout(50);
@@ -145,7 +145,7 @@ export async function boxOf(locator) {
   }
 }
 
-/** Waits until every chart of the page is drawn, and drawn for this width and theme. */
+/** Waits until every chart of the page is drawn for this width and theme. */
 export async function drawn(page) {
   await page.waitForFunction(() => {
     const drawings = [...document.querySelectorAll(".drawing")];

@@ -31,7 +31,7 @@ TEST_P(NamedLimiter, IsWorthMostWithinTwoPercent) {
   options.threads = 2;
   const Bottleneck b = find_bottleneck(options);
   ASSERT_EQ(b.bounds.size(), hw::IdealConfig::kResources.size());
-  const auto speedup = [&](const Bound& bound) { return b.speedup(bound); };
+  const auto speedup = [&](const Bound& bound) { return b.speedup_of(bound); };
   const double best = speedup(std::ranges::max(b.bounds, {}, speedup));
   const Bound named = *std::ranges::find(b.bounds, b.named, &Bound::resource);
   EXPECT_GE(speedup(named), 0.98 * best) << b.named << ": " << b.limiter;

@@ -26,9 +26,9 @@ inline std::map<std::string, double> measure(const std::vector<Case>& cases, con
     c.width = width;
     c.height = width / 2;
     const Options options;
-    const std::vector<Measured> values = Runner(options).measure(c);
+    const std::vector<Measured> values = Runner(options).measure_case(c);
     std::map<std::string, double> figures;
-    for (std::size_t i = 0; i < values.size(); ++i) figures[c.figures[i].metric] = values[i].value.value();
+    for (std::size_t i = 0; i < values.size(); ++i) figures[c.metrics[i].metric] = values[i].value.value();
     return figures;
   }
   throw std::logic_error("there is no setting " + setting + " of " + scene);

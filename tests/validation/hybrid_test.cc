@@ -13,7 +13,7 @@ namespace {
 
 /// Returns the metrics of a setting of `raywatt reproduce hybrid` on a built-in scene.
 auto hybrid_figures(const std::string& scene, const std::string& setting, std::uint32_t width = 128) {
-  return measure(hybrid(false), scene, setting, width);
+  return measure(hybrid_cases(false), scene, setting, width);
 }
 
 TEST(HybridFrames, SaveEnergyWhereTrianglesAreFewForThePixels) {  // H1

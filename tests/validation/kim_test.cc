@@ -14,7 +14,7 @@ namespace {
 using Figures = std::map<std::string, double>;
 
 TEST(Kim2016, TracesLessWithMorePixelsAndGainsTimeLaterAsInterpolatedSamplesTakeMoreOperations) {
-  const std::vector<Case> cases = kim2016(false);
+  const std::vector<Case> cases = kim_cases(false);
   const Figures coarse = measure(cases, "conference", "1024 1x1", 128);
   Figures fine = measure(cases, "conference", "1024 1x1", 256);
   const auto falls = [&](const char* figure) { return fine[figure] < coarse.at(figure); };

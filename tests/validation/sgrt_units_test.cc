@@ -13,7 +13,7 @@ namespace {
 
 /// Returns the metrics of a setting of `raywatt reproduce sgrt-units` on a built-in scene.
 auto sgrt_units_figures(const std::string& scene, const std::string& setting, std::uint32_t width = 256) {
-  return measure(sgrt_units(false), scene, setting, width);
+  return measure(sgrt_unit_cases(false), scene, setting, width);
 }
 
 TEST(SgrtUnits, TwoBoxTestersAreAsMuchFasterAsOneHasMoreToIssueWhereTraversalSetsThePace) {

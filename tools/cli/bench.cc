@@ -20,8 +20,8 @@ namespace {
 void run_bench(const BenchOptions& options, bool json) {
   sim::Json other;
   if (!options.against.empty()) other = load_bench(options.against);
-  sim::Json out = options.measured.empty() ? measure_scenes(options, options.against.empty() ? nullptr : &other)
-                                           : load_bench(options.measured);
+  sim::Json out = options.saved_metrics.empty() ? measure_scenes(options, options.against.empty() ? nullptr : &other)
+                                                : load_bench(options.saved_metrics);
   if (!options.against.empty()) {
     check_comparable(out, other, options.against);
     compare_bench(out, other);
@@ -46,9 +46,10 @@ void add_bench(CLI::App& app) {
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   verb->add_option("--against", options->against, "JSON of another build; also print the ratio of each result");
-  CLI::Option* measured = verb->add_option("--measured", options->measured, "JSON of this build, instead of measuring");
+  CLI::Option* saved_metrics =
+      verb->add_option("--measured", options->saved_metrics, "JSON of this build, instead of measuring");
   for (const char* of_measuring : {"config", "--set", "--scene", "--program", "--resolution", "--threads", "--runs"}) {
-    measured->excludes(verb->get_option(of_measuring));
+    saved_metrics->excludes(verb->get_option(of_measuring));
   }
   verb->add_flag("--json", *json, "print JSON");
   add_progress_option(*verb, options->job.progress);
@@ -85,10 +86,10 @@ void add_option(CLI::App& app, const BenchmarkOption& option, BenchmarkJob& job)
 void print_findings(const Findings& findings, const char* name, bool json, int& exit) {
   const bool ready = !findings.printed.empty();
   fmt::print("{}", ready ? findings.printed : json ? json_of(name, findings) : table_of(findings));
-  const auto missed = std::ranges::count_if(findings.figures, [](const Figure& f) { return !f.good(); });
+  const auto missed = std::ranges::count_if(findings.measurements, [](const Measurement& m) { return !m.is_good(); });
   if (missed == 0) return;
   exit = kCheckFailed;
-  print_message("{} of {} values differ from their closed forms", missed, findings.figures.size());
+  print_message("{} of {} values differ from their closed forms", missed, findings.measurements.size());
 }
 
 void add_benchmark(CLI::App& verb, const Benchmark& benchmark, int& exit) {

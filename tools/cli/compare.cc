@@ -124,7 +124,7 @@ std::string bottleneck_text(const Bottleneck& b) {
     const NoisySpeedup s = noisy_speedup(b, bound);
     const std::string mean = replicated ? fmt::format("mean {:.3f} ", s.value) : "";
     table.add_row({bound.resource, sim::si_text(static_cast<double>(bound.cycles)),
-                   fmt::format("{:.3f}", b.speedup(bound)), fmt::format("{:.2f}", bound.estimated),
+                   fmt::format("{:.3f}", b.speedup_of(bound)), fmt::format("{:.2f}", bound.estimated),
                    fmt::format("{}± {:.2g}, {}", mean, s.half_width, s.outside ? "outside" : "within")});
   }
   sim::Table caches({"first-level caches", "hits", "cycles per miss", "share of time"});
@@ -141,7 +141,7 @@ Json bottleneck_json(const Bottleneck& b) {
   Json bounds = Json::object();
   for (const Bound& bound : b.bounds) {
     bounds[bound.resource] = {
-        {"cycles", bound.cycles}, {"speedup", b.speedup(bound)}, {"estimated_speedup", bound.estimated}};
+        {"cycles", bound.cycles}, {"speedup", b.speedup_of(bound)}, {"estimated_speedup", bound.estimated}};
     const NoisySpeedup s = noisy_speedup(b, bound);
     bounds[bound.resource]["noise"] = {{"from", b.plays.count > 1 ? "replicates" : "default"},
                                        {"plays", b.plays.count},

@@ -132,7 +132,7 @@ std::vector<std::string> known_names(const DeclaredVerb& verb, const DeclaredOpt
   } else if (option.is_positional && name == "kernel") {
     for (const kernels::KernelInfo& kernel : kernels::kernel_catalogue()) known.emplace_back(kernel.name);
   } else if (option.is_positional && name == "paper") {
-    for (const reproduce::Paper& paper : reproduce::papers()) known.emplace_back(paper.name);
+    for (const reproduce::Paper& paper : reproduce::all_papers()) known.emplace_back(paper.name);
   } else if (option.is_positional && name == "event") {
     known = energy_names(JobOptions());
   } else if (option.is_positional && name == "file" &&

@@ -18,7 +18,7 @@ void add_report(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("report", "Write a self-contained HTML report of a run, a comparison or a sweep");
   const auto options = std::make_shared<pages::Options>();
   verb->add_option(
-          "what", options->what,
+          "what", options->inputs,
           "folder of a run; folders of several runs, which are compared with the first; or folder of a sweep or a\n"
           "search")
       ->required()

@@ -1,4 +1,4 @@
-// Bundles scripts and style of the pages: node build.mjs OUT COPYRIGHT, where node_modules is. COPYRIGHT is that of the rest.
+// Bundles scripts and style of the pages: node build.mjs OUT COPYRIGHT, in the folder of node_modules. COPYRIGHT: copyright file of our own code.
 import { build } from "esbuild";
 import fs from "node:fs";
 import path from "node:path";

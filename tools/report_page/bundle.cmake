@@ -1,6 +1,6 @@
-# cmake -DSOURCE=... -DCOPYRIGHT=... -DWORK=... -DOUT=... -DNPM=... -DNODE=... -P bundle.cmake: page.js, libraries.js and
-# page.css in OUT, and whose they are. Where the registry is not reached it says so and leaves none: then the next build
-# tries again, and everything but `raywatt report` works.
+# cmake -DSOURCE=... -DCOPYRIGHT=... -DWORK=... -DOUT=... -DNPM=... -DNODE=... -P bundle.cmake: makes page.js,
+# libraries.js, page.css and their copyright file in OUT. If npm's registry is not reachable it prints a message and makes
+# none; the next build tries again.
 file(MAKE_DIRECTORY ${WORK} ${OUT})
 file(REMOVE ${OUT}/page.js ${OUT}/libraries.js ${OUT}/page.css ${OUT}/copyright ${OUT}/stamp)
 foreach(part package.json package-lock.json build.mjs licences.mjs src)

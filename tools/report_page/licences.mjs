@@ -1,4 +1,4 @@
-// Licences of the packages that are bundled, from what each says of itself.
+// Licences of the packages that are bundled, from their own files.
 import fs from "node:fs";
 import path from "node:path";
 

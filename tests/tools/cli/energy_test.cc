@@ -112,13 +112,13 @@ TEST(EnergyPrice, NamesTheReplicateAndTheExtrapolations) {
   const std::string out =
       run_into(folder.path() / "a", {"--replicates", "2", "--set", "tni.trv.l1.size=512KiB"}).string();
   const std::string text = output_of({"energy", "price", out});
-  EXPECT_SAYS(text, "priced is the first of 2 plays");
+  EXPECT_SAYS(text, "priced: the first of 2 replicates");
   EXPECT_SAYS(text, "note: energy.events: the array of tni.trv has 512 KiB, outside ");
   const Json run = Json::parse(output_of({"energy", "price", out, "--json"}))["runs"][0];
   EXPECT_EQ(run["plays"], 2);
   EXPECT_FALSE(run["extrapolated"].empty());
   const std::string plain = output_of({"energy", "price", run_into(folder.path() / "b").string()});
-  EXPECT_EQ(plain.find("priced is the first"), std::string::npos) << plain;
+  EXPECT_EQ(plain.find("priced: the first"), std::string::npos) << plain;
   EXPECT_EQ(plain.find("note:"), std::string::npos) << plain;
 }
 

@@ -1,4 +1,4 @@
-// The frame of a block: heading, what it can do, the drawing, and the same as a table.
+// The frame of a block: heading, buttons, the drawing, and the same data as a table.
 import { h } from "./dom.js";
 import { saveCsv } from "./files.js";
 import * as state from "./state.js";
@@ -7,8 +7,8 @@ import { plainTable } from "./table.js";
 const shownTables = () => new Set(state.get("tables").split(",").filter(Boolean));
 
 /**
- * `body` is the drawing; `more` are further controls. With `data` there is a switch to a table, and a download; where
- * data change, they are a function, and `refresh()` of the figure says that they have.
+ * `body` is the drawing; `more` are further controls. With `data` there is a switch to a table, and a download. `data`
+ * may be a function; call `refresh()` of the figure when its result changes.
  */
 export function frame(block, body, { data, name = () => block.id, more = [], table } = {}) {
   const rows = typeof data === "function" ? data : () => data;

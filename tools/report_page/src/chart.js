@@ -10,12 +10,12 @@ import * as theme from "./theme.js";
 const options = (expressionInterpreter) => ({
   mode: "vega-lite", actions: false, ast: true, expr: expressionInterpreter, defaultStyle: false, config: theme.config(),
   tooltip: { disableDefaultStyle: true, theme: "page" }, renderer: "canvas",
-  logLevel: 1,  // errors: a height in steps beside a width of its place is warned of, though it is what is meant
+  logLevel: 1,  // errors only: a height in steps with a container width causes a warning
 });
 
-const ANOTHER = 50;  // pixels of difference from which a chart is fitted anew
+const RESIZE = 50;  // change of the width, in pixels, after which a chart is drawn again
 
-/** Draws a specification into an element, and again when theme or width change. `ready` gets the view. */
+/** Draws a specification into an element, and again when theme or width changes. `ready` receives the view. */
 export function drawn(element, spec, data, ready, more = {}) {
   let view = null, width = 0, waiting = 0;
   async function draw() {
@@ -37,14 +37,14 @@ export function drawn(element, spec, data, ready, more = {}) {
   const done = draw();
   new ResizeObserver(() => {
     const now = element.clientWidth;
-    if (!now || !view || Math.abs(now - width) < ANOTHER) return;
+    if (!now || !view || Math.abs(now - width) < RESIZE) return;
     clearTimeout(waiting);
     waiting = setTimeout(draw, 100);
   }).observe(element);
   return { done, draw };
 }
 
-/** A chart of the page's data; drawn when it comes near the window, so that the first screen need not wait. */
+/** A chart of the page's data. It is drawn when it is near the window, so that the first screen is not delayed. */
 export function chart(block, data) {
   const body = h("div", { class: "drawing", "data-about": block.about });
   const spec = specOf(block.chart, block.about);
@@ -73,14 +73,14 @@ export function whenNear(element, draw) {
   near.observe(element);
 }
 
-// What is further away is drawn when there is nothing else to do, and before it is printed.
+// Charts that are further away are drawn when the browser is idle, and before printing.
 const idle = (draw) => (window.requestIdleCallback ? requestIdleCallback(draw, { timeout: 300 }) : setTimeout(draw, 200));
 function drawNext() {
   const [next] = waiting.keys();
   if (next) start(next);
   if (waiting.size > 0) idle(drawNext);
 }
-/** Another view is about to be drawn. */
+/** Drops charts that wait to be drawn, before another view is drawn. */
 export const freshView = () => waiting.clear();
 export const drawRest = () => libraries.then(() => idle(drawNext));
 window.addEventListener("beforeprint", () => [...waiting.keys()].forEach(start));

@@ -1,11 +1,11 @@
-// Elements of the page. Text goes in as text alone, so that no name of a report becomes markup.
+// Elements of the page. Text is inserted as text nodes, so that no name in a report becomes markup.
 
 /** h("a", {href: "#x", onclick: f, class: "y"}, "words", otherElement) */
 export function h(tag, attributes = {}, ...children) {
   return fill(document.createElement(tag), attributes, children);
 }
 
-/** The same for a drawing. */
+/** The same for SVG. */
 export function s(tag, attributes = {}, ...children) {
   return fill(document.createElementNS("http://www.w3.org/2000/svg", tag), attributes, children);
 }
@@ -26,7 +26,7 @@ function fill(element, attributes, children) {
 let ids = 0;
 export const newId = (prefix) => `${prefix}-${++ids}`;
 
-/** A list to choose from, with its label: choices are {value, name}, or groups {name, choices}. */
+/** A select box with its label: choices are {value, name}, or groups {name, choices}. */
 export function choice(label, choices, value, change) {
   const id = newId("choice");
   const option = (c) => (c.choices ? h("optgroup", { label: c.name }, c.choices.map(option)) : h("option", { value: c.value }, c.name));
@@ -37,7 +37,7 @@ export function choice(label, choices, value, change) {
   return element;
 }
 
-/** Buttons of which one is on: choices are {value, name}. A click asks for a change; `press(value)` shows which is on. */
+/** Buttons of which one is pressed: choices are {value, name}. A click calls `change`; `press(value)` shows the pressed one. */
 export function switches(label, choices, value, change) {
   const buttons = choices.map((c) => h("button", { type: "button", onclick: () => change(c.value) }, c.name));
   const group = h("span", { class: "switches", role: "group", "aria-label": label }, buttons);

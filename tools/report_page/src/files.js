@@ -1,4 +1,4 @@
-// Downloads, made from what the page holds.
+// Downloads of the page's data.
 
 function save(name, type, text) {
   const url = URL.createObjectURL(new Blob([text], { type }));
@@ -9,7 +9,7 @@ function save(name, type, text) {
   setTimeout(() => URL.revokeObjectURL(url), 10000);
 }
 
-/** A cell of CSV; a spreadsheet takes none of them for a formula. */
+/** A cell of CSV, quoted so that a spreadsheet does not evaluate it as a formula. */
 function cell(value) {
   if (value === null || value === undefined) return "";
   if (typeof value === "number" || typeof value === "boolean") return String(value);
@@ -28,7 +28,7 @@ export const saveCsv = (name, data) => save(`${name}.csv`, "text/csv", csvOf(dat
 
 const SCHEMA = "https://vega.github.io/schema/vega-lite/v6.json";
 
-/** The specification with its data inside, as notebooks and editors open it. */
+/** Saves the specification with its data, for notebooks and the Vega editor. */
 export const saveSpec = (name, spec, data) =>
   save(`${name}.vl.json`, "application/json", JSON.stringify({ $schema: SCHEMA, ...spec, data: { values: records(data) } }, null, 1));
 

@@ -1,20 +1,20 @@
-// Charts fitted to the width they have: legends in columns, and on a narrow window names above their bars.
+// Fits charts to their width: legends in columns, and names above bars on a narrow window.
 
-export const NARROW = 560;  // pixels, below which names stand above bars
+export const NARROW = 560;  // pixels; below this width names are above their bars
 export const LETTER = 6.7;  // width
-const SYMBOL = 34;  // width of what stands beside a name in a legend
+const SYMBOL = 34;  // width of the symbol of a legend entry, with gaps
 const LINE = 15, BAR = 12;  // heights of a line of text and of a bar
 
 const layersOf = (spec) => [spec, ...(spec.layer ?? []).flatMap(layersOf)];
 
-/** As many columns as go beside each other. */
+/** Sets the number of columns of a legend by its width. */
 function fitLegend(colour, values, width) {
   const names = colour.scale?.domain ?? [...new Set(values.map((v) => v[colour.field]))];
   const longest = Math.max(1, ...names.map((name) => String(name ?? "").length));
   colour.legend.columns = Math.max(1, Math.min(names.length, Math.floor(width / (longest * LETTER + SYMBOL))));
 }
 
-/** Names, and what is written at the ends of bars, get lines of their own above each bar. */
+/** Moves names and labels of bars to lines above each bar. */
 function stackRows(spec, values, width) {
   const { name, label, first } = spec.usermeta.rows;
   const lengthOf = (value) => String(value[name] ?? "").length + String((label && value[label]) ?? "").length + 3;
@@ -36,7 +36,7 @@ function stackRows(spec, values, width) {
   if (label) spec.layer.push(lines === 2 ? text(label, "left", 0, 1) : text(label, "right", "width", 0));
 }
 
-/** A specification for a place of this width. */
+/** Returns a specification fitted to a width in pixels. */
 export function fitted(spec, values, width) {
   if (!width) return spec;
   const out = structuredClone(spec);

@@ -1,4 +1,4 @@
-// Numbers as people read them: four digits at most, metric prefixes, units.
+// Number formats: at most four digits, metric prefixes, units.
 
 const PREFIXES = [[1e12, "T"], [1e9, "G"], [1e6, "M"], [1e3, "k"]];
 const SMALLER = [[1, ""], [1e-3, "m"], [1e-6, "µ"], [1e-9, "n"], [1e-12, "p"]];
@@ -29,7 +29,7 @@ function joules(value) {
   return `${digits(value / scale)} ${prefix}J`;
 }
 
-/** A difference: with its sign, and a minus as wide as a plus. */
+/** A difference with its sign; the minus is as wide as a plus. */
 export const signed = (value, unit = "") => (value > 0 ? "+" : value < 0 ? "−" : "") + si(Math.abs(value), unit);
 
 export function percent(share) {
@@ -37,14 +37,30 @@ export function percent(share) {
   return `${value.toFixed(Math.abs(value) < 9.995 ? 2 : 1)} %`;
 }
 
-/** A value as its column or figure shows it; what is not there is a dash. */
+const METRIC = ["f", "p", "n", "u", "m", "", "k", "M", "G", "T", "P"], NO_PREFIX = 5;
+
+/** Three digits with a metric prefix: "12.3 M", "950", "4.56 mJ". A ratio below 1 has no prefix. */
+export function short(value, unit = "") {
+  const withUnit = (text, prefix) => (prefix || unit ? `${text} ${prefix}${unit}` : text);
+  if (!Number.isFinite(value) || (Number.isInteger(value) && Math.abs(value) < 1000)) return withUnit(String(value), "");
+  if (!unit && Math.abs(value) < 1 && Math.abs(value) >= 1e-3) return value.toPrecision(3);
+  const exponent = Number(value.toExponential(2).split("e")[1]);
+  const group = Math.max(-NO_PREFIX, Math.min(NO_PREFIX, Math.floor(exponent / 3)));
+  const decimals = Math.max(0, Math.min(2, 2 - (exponent - 3 * group)));
+  return withUnit((value / 10 ** (3 * group)).toFixed(decimals), METRIC[group + NO_PREFIX]);
+}
+
+/** "1 core", "4 cores", "31.9 k triangles". */
+export const counted = (count, one) => `${short(count)} ${one}${count === 1 ? "" : "s"}`;
+
+/** A value in the format of its column; a missing value is a dash. */
 export function shown(value, { show, unit = "" } = {}, withUnit = true) {
   if (value === null || value === undefined || value === "") return "–";
   if (typeof value !== "number") return withMinus(String(value));
   return withMinus(numberText(value, show, unit, withUnit));
 }
 
-/** A minus as wide as a plus. */
+/** Replaces a hyphen by a minus, which is as wide as a plus. */
 const withMinus = (text) => text.replace(/^-(?=\d)/, "−");
 
 function numberText(value, show, unit, withUnit) {

@@ -1,4 +1,4 @@
-// Figures that people look at first, with their bands.
+// Headline figures with their bands.
 import { h } from "./dom.js";
 import { shown } from "./format.js";
 

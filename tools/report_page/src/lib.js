@@ -1,4 +1,4 @@
-// The libraries, once they are there: the page is painted before they are read.
+// Third-party libraries, loaded after the first paint.
 
 let arrived;
 export const libraries = new Promise((resolve) => (arrived = resolve));
@@ -10,7 +10,7 @@ function read() {
   document.head.append(script);
 }
 
-/** Reads them when the page as it is has been painted. */
+/** Loads the libraries after the next paint. */
 export function readLibraries() {
   const soon = () => requestAnimationFrame(() => setTimeout(read));
   if (document.readyState === "loading") document.addEventListener("DOMContentLoaded", soon);

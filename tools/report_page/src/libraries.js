@@ -1,4 +1,4 @@
-// What the pages use of others: most of their bytes. Handed over when it has been read, after the first paint.
+// Third-party code: most of the bytes of a page. lib.js receives it after the first paint.
 import embed from "vega-embed";
 import { scheme } from "vega";
 import { expressionInterpreter } from "vega-interpreter";

@@ -1,19 +1,19 @@
-// The link between picture and time: which tile is pointed at, and which tiles a brushed time lights.
+// Connects picture and time: the tile under the pointer, and the tiles in flight during the brushed time.
 
 let pointed = [], lit = [];
 let times = null, span = null;
 
-/** When tiles were in flight: {begin_us, end_us}. */
-export const know = (of) => (times = of);
+/** Sets the times of the tiles: {begin_us, end_us}. */
+export const setTimes = (of) => (times = of);
 export const spanOf = (tile) => (times && tile !== null && times.begin_us[tile] !== null ? [times.begin_us[tile], times.end_us[tile]] : null);
 
 export const listenPointed = (listener) => pointed.push(listener);
 export const listenLit = (listener) => lit.push(listener);
 
-/** A tile, or null. */
+/** Reports the tile under the pointer, or null. */
 export const point = (tile) => pointed.forEach((listener) => listener(tile));
 
-/** Lights the tiles that were in flight in a stretch of time; null: all. */
+/** Highlights the tiles in flight during [from, to]; null: all. */
 export function brush(next) {
   if (!times || String(next) === String(span)) return;
   span = next;

@@ -8,12 +8,17 @@ import { parallel, pointsTable, scatter } from "./points.js";
 import { series } from "./series.js";
 import { headlines } from "./headlines.js";
 import { frame } from "./block.js";
+import { diffViews } from "./diff.js";
+import { runView } from "./run.js";
+import { sweepView } from "./sweep.js";
 import { sortableTable } from "./table.js";
 import { readLibraries } from "./lib.js";
 import * as state from "./state.js";
 import * as theme from "./theme.js";
 
-const model = JSON.parse(document.getElementById("data").textContent);
+const { kind, title, data } = JSON.parse(document.getElementById("data").textContent);
+const views = kind === "run" ? [runView(data)] : kind === "sweep" ? [sweepView(data)] : diffViews(data);
+globalThis.raywattPage = { kind, title, views };  // for tests
 const page = document.getElementById("page");
 
 const LONG = 12;  // rows from which a table has a filter
@@ -63,13 +68,13 @@ function draw() {
   state.freshView();
   theme.freshView();
   charts.freshView();
-  const index = Math.min(Number(state.get("view", "0")) || 0, model.views.length - 1);
-  const view = model.views[index];
-  const views = model.views.length > 1 &&
-    choice("Pair", model.views.map((v, i) => ({ value: String(i), name: v.name })), String(index), (value) => state.set({ view: value === "0" ? "" : value }));
+  const index = Math.min(Number(state.get("view", "0")) || 0, views.length - 1);
+  const view = views[index];
+  const pairs = views.length > 1 &&
+    choice("Pair", views.map((v, i) => ({ value: String(i), name: v.name })), String(index), (value) => state.set({ view: value === "0" ? "" : value }));
   page.replaceChildren(
     h("header", {},
-      h("div", { class: "top" }, h("h1", {}, model.title), h("div", { class: "tools" }, views,
+      h("div", { class: "top" }, h("h1", {}, title), h("div", { class: "tools" }, pairs,
         choice("Theme", theme.choices, state.get("theme"), (value) => state.set({ theme: value })))),
       view.facts.length > 0 && h("dl", { class: "facts" }, view.facts.map((f) => h("div", {}, h("dt", {}, f.name), h("dd", {}, f.value)))),
       h("nav", { "aria-label": "Parts of this page" }, view.sections.map((part) => link(part.id[0].toUpperCase() + part.id.slice(1), part.id)))),

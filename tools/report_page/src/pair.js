@@ -1,4 +1,4 @@
-// Two pictures, one above the other to flip between or split by a line; beside them a map of what differs.
+// Two pictures to flip between or to split by a line, and a map of their differences.
 import { h, switches, choice } from "./dom.js";
 import { frame } from "./block.js";
 import { colourBar } from "./colours.js";
@@ -12,7 +12,7 @@ const OPACITY = 0.92;
 
 export function pair(block) {
   const linked = [];
-  /** The cross of one stands in the other, too. */
+  /** Moves the crosses of the other views. */
   const follow = (self) => (x, y) => linked.forEach((view) => view !== self() && view.mark(x, y));
   const figures = [];
   if (block.a) figures.push(both(block, linked, follow));
@@ -69,7 +69,7 @@ function map(block, linked, follow) {
   const hint = "Point at the map, or move the probe by arrow keys.";
   let colours = null;
 
-  /** The difference at a tile, and what it is between. */
+  /** The difference at a tile, and both values. */
   function words(x, y, value) {
     const { name, unit, of, tile, diverging } = layer();
     const at = Math.floor(y / tile) * Math.ceil(block.width / tile) + Math.floor(x / tile);

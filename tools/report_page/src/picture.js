@@ -1,4 +1,4 @@
-// The picture of a run with overlays to choose from, a colour bar and a probe.
+// The picture of a run with a choice of overlays, a colour bar and a probe.
 import { h, choice } from "./dom.js";
 import { frame } from "./block.js";
 import { colourBar } from "./colours.js";
@@ -11,13 +11,13 @@ import * as state from "./state.js";
 const HINT = "Point at the picture, or move the probe by arrow keys.";
 const OPACITY = "85";  // percent
 
-/** Overlays by what they are of. */
+/** Overlays in groups. */
 function choices(block) {
   const named = (layers) => layers.map((l) => ({ value: l.id, name: l.name }));
   const groups = [
     { name: "by tile", choices: named(block.grids.filter((g) => g.tile)) },
     { name: "by pixel", choices: named(block.grids.filter((g) => !g.tile)) },
-    { name: "how the frame came about", choices: named(block.overlays) }];
+    { name: "debug pictures", choices: named(block.overlays) }];
   return [{ value: "", name: "none" }, ...groups.filter((g) => g.choices.length > 0)];
 }
 
@@ -27,7 +27,7 @@ export function picture(block) {
   const bar = h("div", { class: "bar" });
   const times = block.times;
   const side = times?.side ?? block.grids.find((g) => g.tile)?.tile;
-  if (times) link.know(times);
+  if (times) link.setTimes(times);
   let layer = null, colours = null;
 
   const view = stage(block, {
@@ -45,7 +45,7 @@ export function picture(block) {
     if (!layer || layer.picture) return where + when(x, y);
     return `${where}: ${value === null || value === undefined ? "no value" : si(value, layer.unit)} (${layer.name})${when(x, y)}`;
   }
-  /** When the tile of a pixel was in flight. */
+  /** The core and the time of the tile of a pixel. */
   function when(x, y) {
     if (!times) return "";
     const i = indexAt(x, y);
@@ -58,7 +58,7 @@ export function picture(block) {
     slider.value = state.get("opacity", OPACITY);
     opacity.hidden = !layer || Boolean(layer.picture);
     const map = await view.show(layer, Number(slider.value) / 100);
-    if (layer !== now) return;  // another has been chosen meanwhile
+    if (layer !== now) return;  // another overlay was chosen in the meantime
     colours = map ? colourBar(layer, map) : null;
     bar.replaceChildren(...[colours, layer?.note && h("p", { class: "note" }, layer.note)].filter(Boolean));
     view.dataset.shown = layer?.id ?? "";

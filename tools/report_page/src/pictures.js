@@ -1,4 +1,4 @@
-// Pictures stand behind the page's script, so that what needs none of them is painted before they are read.
+// Pictures are stored after the page's script, so that the first paint does not wait for them.
 
 const parsed = new Promise((resolve) => {
   if (document.readyState === "loading") document.addEventListener("DOMContentLoaded", resolve);
@@ -6,7 +6,7 @@ const parsed = new Promise((resolve) => {
 });
 const pictures = parsed.then(() => JSON.parse(document.getElementById("picture-data").textContent));
 
-/** The data: URL of a picture that data call "picture:3". */
+/** Returns the data: URL of "picture:3". */
 export async function urlOf(name) {
   return (await pictures)[Number(name.split(":")[1])];
 }

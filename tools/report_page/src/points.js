@@ -1,4 +1,4 @@
-// The points of a sweep: a scatter of any two figures with its front, a table, lines over the axes; one point chosen.
+// The points of a sweep: a scatter of any two metrics with its front, a table, parallel axes, and a selected point.
 import { h, choice } from "./dom.js";
 import { frame } from "./block.js";
 import { drawn, whenNear } from "./chart.js";
@@ -10,8 +10,7 @@ import * as state from "./state.js";
 const ACCENT = "#1f5fa8", REST = "#8a9099", INK = "#1c2733", WAIT = "#b85c12", GROUND = "#ffffff";
 
 /**
- * Rows than which no other is as good in both figures and better in one: indices, from the best x on. Those that break a
- * constraint of a search are none.
+ * The Pareto front of two metrics: indices, the best x first. Points that violate a constraint are excluded.
  */
 export function frontOf(points, x, y) {
   const better = (metric, a, b) => (metric.more ? a > b : a < b);
@@ -35,7 +34,7 @@ function choose(i) {
   state.set({ point: i === chosenRow() ? "" : String(i) });
 }
 
-let left = null;  // rows that the table's filter has left
+let left = null;  // rows that pass the filter of the table
 const filterListeners = [];
 
 const named = (metric) => (metric.unit ? `${metric.name}, ${metric.unit}` : metric.name);
@@ -77,7 +76,7 @@ export function scatter(block, data) {
       ],
     };
   }
-  /** What is drawn, for readers: its table and its download. */
+  /** The drawn points for the table and the download. */
   function shownRows() {
     const both = [["x", x()], ["y", y()]].map(([field, m]) => ({ ...data.columns.find((c) => c.field === m.field), field }));
     const columns = [{ field: "n", title: "point", show: "number" }, ...both, { field: "place", title: "place", show: "text" }, { field: "axes", title: "axes", show: "text" }];
@@ -105,7 +104,7 @@ export function scatter(block, data) {
   return figure;
 }
 
-/** What is known of the chosen point, and its command. */
+/** The values and the command of the chosen point. */
 function details(block, data, points) {
   const box = h("div", { class: "details", role: "status" });
   function show() {
@@ -161,7 +160,7 @@ export function parallel(block, data) {
     ...block.axes.flatMap((a) => a.levels.map((level, i) => ({ axis: a.field, share: a.levels.length < 2 ? 0.5 : i / (a.levels.length - 1), text: level }))),
     ...shownMetrics.flatMap((m, k) => [0, 1].map((e) => ({ axis: named(m), share: e, text: shown(spread[k][e], { show: "number" }) }))),
   ];
-  /** Names of axes beside each other, or aslant where they have no room. */
+  /** Names of axes are horizontal, or slanted if there is no room. */
   const heads = () => (body.clientWidth > 115 * names.length ? { labelAngle: 0, labelLimit: 150, labelPadding: 14 }
     : { labelAngle: -50, labelAlign: "left", labelLimit: 130, labelPadding: 16 });
   const spec = () => ({

@@ -1,4 +1,4 @@
-// The flow of energy, from the whole through blocks to what they spent it on.
+// The flow of energy from the total through blocks to events, clock and leakage.
 import { h, s, switches } from "./dom.js";
 import { frame } from "./block.js";
 import { digits, percent } from "./format.js";
@@ -11,10 +11,10 @@ import * as theme from "./theme.js";
 const BLOCKS = ["#2b6cb0", "#b85c12", "#17736d", "#6b4a95", "#63a0d8", "#4aa89a", "#a184c2", "#b3446c"];
 const RESTS = { clock: "#e0964a", leakage: "#8a9099" };
 const SIDES = [{ value: "low", name: "low" }, { value: "nominal", name: "nominal" }, { value: "high", name: "high" }];
-const ROW = 16, FLOW = 230;  // height of a label, and of all flows together
-const NODE = 10, GAP = 5;  // width of a node, and between it and its label
-const THREE_COLUMNS = 700;  // width, from which labels of whole, blocks and events go beside each other
-const LEAST = 300;  // width, below which the drawing is made smaller as a whole
+const ROW = 16, FLOW = 230;  // height of a label; height of all flows together
+const NODE = 10, GAP = 5;  // width of a node; gap before its label
+const THREE_COLUMNS = 700;  // width from which total, blocks and events have a column each
+const LEAST = 300;  // width below which the drawing is scaled down
 
 export function flow(block, data) {
   const links = records(data);
@@ -39,7 +39,7 @@ export function flow(block, data) {
 
 const wordsOf = (name) => (name.includes(": ") ? name.split(": ").slice(1).join(": ") : name);
 
-/** Without room for three columns the whole is a line above its blocks; on a narrow window labels have shares alone. */
+/** Without room for three columns the total is a line above its blocks. On a narrow window labels have only shares. */
 function drawing({ sankey, sankeyLinkHorizontal, sankeyJustify }, all, side, width, about) {
   const hasWhole = width >= THREE_COLUMNS;
   const every = all.filter((l) => l[side] > 0).map((l) => ({ source: l.from, target: l.to, value: l[side] }));
@@ -49,7 +49,7 @@ function drawing({ sankey, sankeyLinkHorizontal, sankeyJustify }, all, side, wid
   const total = blocks.reduce((sum, name) => sum + into.get(name), 0);
   const rank = new Map(blocks.map((name, i) => [name, i]));
   const parent = new Map(every.map((l) => [l.target, l.source]));
-  /** Blocks from the largest on, their events beside them in the same order, clock and leakage of all last. */
+  /** Blocks by size, their events in the same order, then clock and leakage. */
   function order({ name }) {
     if (name in RESTS) return 1e6 + Object.keys(RESTS).indexOf(name);
     if (rank.has(name)) return rank.get(name);

@@ -1,4 +1,4 @@
-// Figures over time: a group at a time, brushed to light tiles of the picture, marked where a tile is pointed at.
+// Metrics over time, one group at a time. A brush highlights tiles of the picture; the tile under the pointer is marked.
 import { h, choice } from "./dom.js";
 import { frame } from "./block.js";
 import { whenNear, drawn } from "./chart.js";
@@ -13,7 +13,7 @@ const span = () => {
   return Number.isFinite(from) && Number.isFinite(to) && to > from ? [from, to] : null;
 };
 
-/** Two numbers for those who brush by keys. */
+/** Two number fields, to brush with the keyboard. */
 function ends(end, change) {
   const input = (label) => h("input", { type: "number", min: 0, max: end, step: "any", "aria-label": label, onchange: () => change() });
   const from = input("Brush from, us"), to = input("Brush to, us");
@@ -31,7 +31,7 @@ export function series(block, _, all) {
   const end = Math.max(...records(all[block.charts[0].data]).map((row) => row.end_us));
   let view = null, drawing = null;
 
-  /** The chart's own marks, a brush, and a band for the tile that is pointed at. */
+  /** The chart, a brush, and a band for the tile under the pointer. */
   function spec() {
     const { encoding, mark, transform, ...rest } = specOf(chart().chart, chart().about);
     const brush = { name: "brush", select: { type: "interval", encodings: ["x"] } };
@@ -48,27 +48,27 @@ export function series(block, _, all) {
   const setTime = (of, from) => {
     const time = of && of[1] > of[0] ? of.map(digits).join("-") : "";
     if (time !== state.get("time")) state.set({ time }, from);
-    tell(null);
+    update(null);
   };
   const brushed = (_, value) => setTime(value?.begin_us, redraw);
   const times = ends(end, () => setTime(times.span()));
-  function tell(tile) {
+  function update(tile) {
     const of = link.spanOf(tile);
     link.brush(span());
     times.show(span());
     readout.textContent = of ? `The tile that is pointed at: ${digits(of[0])} to ${digits(of[1])} us.`
-      : span() ? "A click beside the brush ends it." : "Drag over the chart to brush a stretch of time.";
+      : span() ? "A click outside of the brush ends it." : "Drag over the chart to brush a stretch of time.";
   }
   function point(tile) {
     const of = link.spanOf(tile);
     view?.data("pointed", of ? [{ from: of[0], to: of[1] }] : []).runAsync();
-    tell(tile);
+    update(tile);
   }
   const redraw = () => {
     body.dataset.about = chart().about;
     pick.show(chart().id);
     drawing?.draw();
-    tell(null);
+    update(null);
   };
   const pick = choice("Figure", block.charts.map((c) => ({ value: c.id, name: c.name })), chart().id,
     (value) => state.set({ series: value === block.charts[0].id ? "" : value }));
@@ -78,7 +78,7 @@ export function series(block, _, all) {
   state.listen("time", redraw);
   link.listenPointed(point);
   body.dataset.about = chart().about;
-  tell(null);
+  update(null);
   whenNear(figure, () => {
     drawing = drawn(body, spec, () => records(data()), (drawnView) => {
       view = drawnView;

@@ -1,4 +1,4 @@
-// Vega-Lite specifications of the charts, made from the options of a block (`block.chart`). Fields are dataset columns.
+// Vega-Lite specifications of the charts, from the options of a block (`block.chart`). Fields are dataset columns.
 const ACCENT = "#1f5fa8", WAIT = "#b85c12", REST = "#8a9099", TEXT = "#1c2733", INVERSE = "#ffffff";
 const BAR = 22;  // height of a bar's band, in pixels
 const NAMED = 0.055;  // smallest share of a part that is labelled inside its bar

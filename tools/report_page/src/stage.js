@@ -1,9 +1,9 @@
-// A picture with a layer of values above it, and a probe under the pointer or the arrow keys.
+// A picture with a layer of values on top, and a probe that the pointer or the arrow keys move.
 import { h } from "./dom.js";
 import { colourMap, shareOf } from "./colours.js";
 import { showIn, urlOf } from "./pictures.js";
 
-/** Pixels of an image as numbers, once it has come. */
+/** Returns the pixels of an image after it is decoded. */
 async function pixelsOf(picture) {
   const image = new Image();
   image.src = await urlOf(picture);
@@ -14,7 +14,7 @@ async function pixelsOf(picture) {
   return { width: canvas.width, height: canvas.height, data: context.getImageData(0, 0, canvas.width, canvas.height).data };
 }
 
-/** A grid of tiles as numbers: columns, rows, and the value at a pixel. */
+/** A grid of tiles: columns, rows, and the value at a pixel. */
 export function gridOf(layer, width, height) {
   const columns = Math.ceil(width / layer.tile), rows = Math.ceil(height / layer.tile);
   return { columns, rows, at: (x, y) => layer.values[Math.floor(y / layer.tile) * columns + Math.floor(x / layer.tile)] };
@@ -32,7 +32,7 @@ function drawGrid(layer, grid, canvas, map) {
   context.putImageData(pixels, 0, 0);
 }
 
-/** Values of pixels come as pictures whose red and green are a number of steps. */
+/** Draws values of pixels, which are pictures whose red and green are the high and low byte of a number of steps. */
 async function drawValues(layer, canvas, map) {
   const { width, height, data } = await pixelsOf(layer.pixels);
   canvas.width = width;
@@ -46,7 +46,8 @@ async function drawValues(layer, canvas, map) {
 }
 
 /**
- * `probed(x, y, value)` is told of the pixel under the pointer, with null when it has left. `chosen(x, y)` of a click.
+ * `probed(x, y, value)` is called for the pixel under the pointer, with null after the pointer has left; `chosen(x, y)`
+ * for a click.
  */
 export function stage({ width, height, picture, about }, { probed, chosen }) {
   const image = h("img", { alt: about, width, height, hidden: !picture, decoding: "async" });
@@ -58,7 +59,7 @@ export function stage({ width, height, picture, about }, { probed, chosen }) {
   element.style.aspectRatio = `${width} / ${height}`;
   let at = null, read = () => null;
 
-  /** The cross stands at a pixel, or nowhere: null. */
+  /** Moves the cross to a pixel; null hides it. */
   function mark(x, y) {
     cross.hidden = x === null;
     if (x === null) return;
@@ -117,7 +118,7 @@ export function stage({ width, height, picture, about }, { probed, chosen }) {
     return map;
   };
   element.fade = (opacity) => (over.style.opacity = opacity);
-  /** Lights tiles of a grid up and dims the others; nothing dims without a set. */
+  /** Dims the tiles of a grid that are not in the set; null dims none. */
   element.light = (tiles, tile) => {
     lit.hidden = !tiles;
     if (!tiles) return;

@@ -1,8 +1,8 @@
-// The state of the page is in the fragment of its address: what is sent or marked shows what its sender saw.
+// The state of the page is the fragment of its address, so that a link or bookmark restores it.
 
 const listeners = new Map();
 let state = read();
-let isDrawn = false;  // what listens from now on is part of the view that is drawn
+let isDrawn = false;  // later listeners belong to the drawn view
 
 /** State in the fragment. A malformed one ("#%") gives the default state. */
 function read() {
@@ -17,17 +17,17 @@ function read() {
 
 export const get = (key, otherwise = "") => state.get(key) ?? otherwise;
 
-/** Sets keys; an empty value takes its key away. Those who listen are told, but for `from`. */
+/** Sets keys and notifies listeners except `from`; an empty value removes its key. */
 export function set(changes, from) {
   for (const [key, value] of Object.entries(changes)) {
     if (value === "" || value === null || value === undefined) state.delete(key);
     else state.set(key, value);
   }
   history.replaceState(null, "", "#" + state.toString());
-  for (const key of Object.keys(changes)) tell(key, from);
+  for (const key of Object.keys(changes)) notify(key, from);
 }
 
-function tell(key, from) {
+function notify(key, from) {
   for (const { listener } of [...(listeners.get(key) ?? [])]) if (listener !== from) listener(get(key));
 }
 
@@ -36,7 +36,7 @@ export function listen(key, listener) {
   listeners.get(key).push({ listener, drawn: isDrawn });
 }
 
-/** Another view is about to be drawn: those who listen for parts of the one before are let go. */
+/** Removes the listeners of the previous view, before another view is drawn. */
 export function freshView() {
   for (const [key, all] of listeners) listeners.set(key, all.filter((each) => !each.drawn));
   isDrawn = true;
@@ -46,6 +46,6 @@ window.addEventListener("hashchange", () => {
   const before = state;
   state = read();
   for (const key of new Set([...before.keys(), ...state.keys()])) {
-    if (before.get(key) !== state.get(key)) tell(key);
+    if (before.get(key) !== state.get(key)) notify(key);
   }
 });

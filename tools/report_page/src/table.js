@@ -1,14 +1,14 @@
-// Tables that sort, and that take a filter where they are long.
+// Tables that sort; long ones have a filter.
 import { h } from "./dom.js";
 import { shown } from "./format.js";
 import * as state from "./state.js";
 
 const MARKS = new Set(["shown", "order", "pale", "labelled", "right"]);
-const LONG = 36;  // characters from which a cell is broken into lines
-const WIDE = 7;  // columns above which no cell is broken
+const LONG = 36;  // characters from which a cell wraps
+const WIDE = 7;  // columns above which no cell wraps
 const isNumeric = (column) => column.show !== "text";
 
-/** Columns that say something to a reader: not those that only order, place or label marks of a chart. */
+/** Columns for readers: not those that only order, place or label the marks of a chart. */
 export function readable(data) {
   return data.columns.map((column, i) => ({ ...column, i }))
     .filter((c) => !MARKS.has(c.title));
@@ -24,7 +24,7 @@ function cellOf(row, column) {
   return h("td", { class: isNumeric(column) ? "number" : text.length > LONG ? "long" : null }, text);
 }
 
-/** Rows as they are. */
+/** A table without filter and state. */
 export function plainTable(title, data) {
   return sortableTable({ id: "", title }, data, {}).element;
 }
@@ -36,7 +36,7 @@ const compare = (a, b) => {
   return String(a).localeCompare(String(b), "en", { numeric: true });
 };
 
-/** A filter of words, all of which a row has, and comparisons such as fps>=100, all of which it meets. */
+/** A filter of words and comparisons such as fps>=100. A row passes if it contains all words and meets all comparisons. */
 export function filterOf(text, columns) {
   const tests = [];
   for (const word of text.trim().split(/\s+/).filter(Boolean)) {
@@ -59,7 +59,7 @@ export function filterOf(text, columns) {
   return (row) => tests.every((test) => test(row));
 }
 
-/** What a filter may be, by a column that there is. */
+/** An example of a filter, with an existing column. */
 function hint(columns) {
   const column = columns.find((c) => isNumeric(c) && c.field !== "n") ?? columns[0];
   const name = column.field.split(".").at(-1);
@@ -68,12 +68,12 @@ function hint(columns) {
 }
 
 /**
- * A table whose headings sort. `id` names its state in the address; `chosen(i, row)` is told of a click on a row, and
- * `filtered(rows)` of what a filter has left.
+ * A table whose headings sort. `id` names its state in the address. `chosen(i, row)` is called for a click on a row,
+ * `filtered(rows)` with the rows that pass the filter.
  */
 export function sortableTable({ id, title }, data, { filter = false, chosen, filtered, hidden = new Set() } = {}) {
   const columns = readable(data).filter((c) => !hidden.has(c.field));
-  let [sorted, way] = ["", ""];
+  let [sorted, direction] = ["", ""];
   const body = h("tbody");
   const heads = columns.map((column) => {
     const sort = h("button", { type: "button", onclick: () => turn(column.field) }, heading(column));
@@ -86,15 +86,15 @@ export function sortableTable({ id, title }, data, { filter = false, chosen, fil
     placeholder: hint(columns), oninput: () => state.set({ [`filter.${id}`]: input.value }) });
 
   function turn(field) {
-    if (sorted !== field) [sorted, way] = [field, "asc"];
-    else if (way === "asc") way = "desc";
-    else [sorted, way] = ["", ""];
-    if (id) state.set({ [`sort.${id}`]: sorted ? `${sorted}:${way}` : "" });
+    if (sorted !== field) [sorted, direction] = [field, "asc"];
+    else if (direction === "asc") direction = "desc";
+    else [sorted, direction] = ["", ""];
+    if (id) state.set({ [`sort.${id}`]: sorted ? `${sorted}:${direction}` : "" });
     else show();
   }
-  /** What the address says. */
+  /** Reads the state in the address. */
   function follow() {
-    [sorted, way] = state.get(`sort.${id}`).split(":");
+    [sorted, direction] = state.get(`sort.${id}`).split(":");
     if (input && input.value !== state.get(`filter.${id}`)) input.value = state.get(`filter.${id}`);
     show();
   }
@@ -102,7 +102,7 @@ export function sortableTable({ id, title }, data, { filter = false, chosen, fil
   function show() {
     const column = columns.find((c) => c.field === sorted);
     heads.forEach((head, i) => {
-      if (columns[i] === column) head.setAttribute("aria-sort", way === "desc" ? "descending" : "ascending");
+      if (columns[i] === column) head.setAttribute("aria-sort", direction === "desc" ? "descending" : "ascending");
       else head.removeAttribute("aria-sort");
     });
     const fits = input ? filterOf(input.value, columns) : () => true;
@@ -112,7 +112,7 @@ export function sortableTable({ id, title }, data, { filter = false, chosen, fil
         const [x, y] = [a[column.i], b[column.i]];
         const none = (v) => v === null || v === undefined || v === "";
         if (none(x) || none(y)) return none(x) - none(y);
-        return way === "desc" ? compare(y, x) : compare(x, y);
+        return direction === "desc" ? compare(y, x) : compare(x, y);
       });
     }
     body.replaceChildren(...rows.map(([row, i]) => {

@@ -1,4 +1,4 @@
-// Light and dark: the page's colours are in page.css, those of the charts here.
+// Light and dark theme of the charts; page.css has the colours of the page.
 import * as state from "./state.js";
 
 const preferred = window.matchMedia("(prefers-color-scheme: dark)");
@@ -18,7 +18,7 @@ export function isDark() {
   return asked ? asked === "dark" : preferred.matches;
 }
 
-/** The colours of specifications are those on a light ground; these stand for them on a dark one. */
+/** Colours on a dark ground, by the colour on a light ground that specifications use. */
 const DARK = {
   "#1f5fa8": "#6fb0f2",
   "#2b6cb0": "#5a9fe0",
@@ -43,7 +43,7 @@ const DARK = {
   "#ffffff": "#0f151b",
 };
 
-/** A specification, or a part of one, in the colours of now. */
+/** A specification, or a part of one, in the colours of the current theme. */
 export function coloured(spec) {
   if (!isDark()) return spec;
   return JSON.parse(JSON.stringify(spec), (key, value) => (typeof value === "string" && DARK[value]) || value);
@@ -80,9 +80,9 @@ export function config() {
   };
 }
 
-/** Told when the theme has changed. */
+/** Adds a listener for changes of the theme. */
 export const listen = (listener) => listeners.push(listener);
-/** Another view is about to be drawn: what listened was part of the one before. */
+/** Removes the listeners of the previous view. */
 export const freshView = () => (listeners = []);
 
 const root = document.documentElement;

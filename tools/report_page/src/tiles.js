@@ -1,8 +1,8 @@
-// Figures of tiles as rows of a table: those over the picture that have one side of a tile.
+// Metrics of tiles as rows of a table: those whose tiles have the size of the first.
 
 const where = [{ field: "x", title: "tile x", show: "number" }, { field: "y", title: "tile y", show: "number" }];
 
-/** `columnsOf(grid)` gives the columns of a figure, each with its `values`. */
+/** `columnsOf(grid)` returns the columns of a metric, each with its `values`. */
 export function tileRows(grids, width, columnsOf) {
   const tiled = grids.filter((g) => g.tile);
   if (tiled.length === 0) return null;

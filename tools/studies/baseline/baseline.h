@@ -9,11 +9,11 @@ struct BaselineOptions {
   std::uint32_t jobs = 0;
   std::string junit;
   bool force = false;
-  std::uint32_t replicates = 1;  ///< plays of each run
+  std::uint32_t replicates = 1;  ///< replicates of each run
 };
 
-// Each computes the suite: kGood, or kCheckFailed if a run failed or moved. InputError for stored values of other
-// inputs.
+// Each simulates the suite and returns kGood, or kCheckFailed if a run failed or a value moved. InputError if the
+// stored values belong to other inputs.
 int record_baseline(const BaselineOptions& options);
 int check_baseline(const BaselineOptions& options);
 int accept_baseline(const BaselineOptions& options);

@@ -1,40 +1,128 @@
 #include "tools/studies/baseline/check.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <functional>
 #include <set>
+#include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "sim/config/config.h"
+#include "sim/edit_distance.h"
 #include "sim/error.h"
+#include "sim/io/printable.h"
 #include "tools/analysis/report_paths.h"
 #include "tools/run/frame/load_config.h"
-#include "tools/studies/baseline/misspelt.h"
+#include "tools/studies/baseline/measure.h"
 #include "traces/accel/embree_tracer.h"
 
 namespace tools {
 namespace {
 
-/// The suite's choice of the numbers of reports.
-class Choice {
+/// Returns small runs of another scene, one for each program and reference of the suite.
+Suite probes_of(const Suite& suite) {
+  Suite probes;
+  for (const SuiteRun& run : suite.runs) {
+    const auto is_like = [&](const SuiteRun& other) {
+      return other.options.program == run.options.program && other.options.reference == run.options.reference;
+    };
+    if (std::ranges::any_of(probes.runs, is_like)) continue;
+    SuiteRun probe = run;
+    probe.options.scene = "cornell";
+    probe.options.camera = probe.options.frames = "";
+    probe.options.resolution = "16x16";
+    probe.options.replicates = 1;
+    std::erase_if(probe.options.sets, [](const std::string& set) { return set.starts_with("scene."); });
+    probes.runs.push_back(std::move(probe));
+  }
+  return probes;
+}
+
+/// Removes digits, so that "units.core0.srp" and "units.core3.srp" are equal.
+std::string without_numbers(std::string path) {
+  std::erase_if(path, [](unsigned char c) { return std::isdigit(c) != 0; });
+  return path;
+}
+
+/// Returns the end of a path with as many dots as `text`.
+std::string end_like(const std::string& path, std::string_view text) {
+  std::size_t begin = path.size();
+  for (auto parts = std::ranges::count(text, '.') + 1; parts > 0 && begin != std::string::npos; --parts) {
+    begin = begin == 0 ? std::string::npos : path.rfind('.', begin - 1);
+  }
+  return begin == std::string::npos ? path : path.substr(begin + 1);
+}
+
+/// Returns the nearest end of the paths that reports of all scenes have; empty if none is near.
+std::string nearest_end_like(const std::string& text, const std::vector<std::string>& paths) {
+  constexpr std::string_view kNominal = ".nominal";
+  std::set<std::string> known;
+  for (const std::string& path : paths) {
+    if (path.starts_with("units.") || path.find(".kernels.") != std::string::npos) continue;
+    known.insert(end_like(path, text));
+    if (path.ends_with(kNominal)) known.insert(end_like(path.substr(0, path.size() - kNominal.size()), text));
+  }
+  const std::string_view start = sim::comparable_start(text);
+  const auto found = sim::find_nearest(start, known, std::max<std::size_t>(1, start.size() / 4));
+  return found == known.end() ? std::string() : *found;
+}
+
+/// True if `text` matches a path, or several.
+bool is_known(const std::string& text, const std::vector<std::string>& kinds) {
+  try {
+    return !report_path_group(without_numbers(text), kinds).empty();
+  } catch (const sim::InputError&) {  // matches several
+    return true;
+  }
+}
+
+}  // namespace
+
+void check_report_paths(const Suite& suite, std::uint32_t jobs) {
+  std::vector<std::string> paths;
+  try {
+    measure(probes_of(suite), jobs, [&](const SuiteRun&, const Measured& probe) {
+      for (const auto& [path, value] : probe.all) paths.push_back(path);
+    });
+  } catch (const sim::InputError&) {  // the run itself fails with a better message
+    return;
+  }
+  std::set<std::string> kinds;
+  for (const std::string& path : paths) kinds.insert(without_numbers(path));
+  const std::vector<std::string> known(kinds.begin(), kinds.end());
+  for (const Kept& kept : suite.kept) {
+    if (is_known(kept.text, known)) continue;
+    if (const std::string nearest = nearest_end_like(kept.text, paths); !nearest.empty()) {
+      throw sim::InputError(fmt::format("{}: keep: there is no report path '{}', did you mean '{}'?", kept.at,
+                                        sim::printable(kept.text), nearest));
+    }
+  }
+}
+
+namespace {
+
+/// Chooses numbers of reports by `keep` of the suite.
+class KeptPaths {
  public:
-  explicit Choice(const Suite& suite) : suite_(suite) {}
+  explicit KeptPaths(const Suite& suite) : suite_(suite) {}
 
   struct Chosen {
     std::string path;
     double percent = 0;
   };
-  /// In the order of `keep`; what is named twice stands where it is first, with its last tolerance.
-  std::vector<Chosen> of(const Values& all) {
+  /// Returns the chosen paths in the order of `keep`. A path named twice has its first place and its last tolerance.
+  std::vector<Chosen> choose_paths(const Values& all) {
     std::vector<std::string> paths;
     for (const auto& [path, value] : all) paths.push_back(path);
     std::vector<Chosen> out;
     std::map<std::string, std::size_t> index_of;
     for (const Kept& kept : suite_.kept) {
-      for (std::string& path : group(kept, paths)) {
+      for (std::string& path : paths_of(kept, paths)) {
         found_.insert(kept.text);
         const auto [at, is_new] = index_of.emplace(path, out.size());
         if (is_new) out.push_back({std::move(path), 0});
@@ -43,22 +131,22 @@ class Choice {
     }
     return out;
   }
-  void refuse_what_no_run_has(const Values& all) const {
+  void refuse_absent_paths(const Values& all) const {
     std::vector<std::string> paths;
     for (const auto& [path, value] : all) paths.push_back(path);
     for (const Kept& kept : suite_.kept) {
       if (found_.contains(kept.text)) continue;
-      refused(kept, [&] { resolve_report_path(kept.text, paths); });
+      add_place_to_errors(kept, [&] { resolve_report_path(kept.text, paths); });
     }
   }
 
  private:
-  static std::vector<std::string> group(const Kept& kept, const std::vector<std::string>& paths) {
+  static std::vector<std::string> paths_of(const Kept& kept, const std::vector<std::string>& paths) {
     std::vector<std::string> out;
-    refused(kept, [&] { out = report_path_group(kept.text, paths); });
+    add_place_to_errors(kept, [&] { out = report_path_group(kept.text, paths); });
     return out;
   }
-  static void refused(const Kept& kept, const std::function<void()>& call) {
+  static void add_place_to_errors(const Kept& kept, const std::function<void()>& call) {
     try {
       call();
     } catch (const sim::InputError& error) {
@@ -69,7 +157,7 @@ class Choice {
   std::set<std::string> found_;
 };
 
-/// Keys that say what work is done, rather than how fast.
+/// Keys that change the recorded work.
 const std::set<std::string>& function_keys() {
   static const std::set<std::string> keys = [] {
     std::set<std::string> out;
@@ -90,9 +178,10 @@ void refuse_other_work(std::vector<KeyPair>& keys, std::vector<std::string>& ref
   std::erase_if(keys, [](const KeyPair& key) { return function_keys().contains(key.key); });
 }
 
-/// The reasons why values made from `was` with that Embree cannot be compared with values made from `is`; all other
-/// keys that differ go to `keys`.
-std::vector<std::string> refusals(const Facts& was, const std::string& embree, const Facts& is, ChangedKeys& keys) {
+/// Returns the reasons that values of `was`, made with that Embree version, cannot be compared with values of `is`. All
+/// other keys that differ are added to `keys`.
+std::vector<std::string> find_refusals(const Facts& was, const std::string& embree, const Facts& is,
+                                       ChangedKeys& keys) {
   std::vector<std::string> out;
   if (was.program != is.program) out.push_back(fmt::format("stored of program {}, now {}", was.program, is.program));
   keys = changed_keys(was.config, is.config);
@@ -115,23 +204,23 @@ std::vector<std::string> refusals(const Facts& was, const std::string& embree, c
   return out;
 }
 
-/// The unit whose counters moved most clearly: among the units of the changed keys, if these have counters that moved.
-std::optional<LocatedRegression> locate(const ChangedKeys& keys, const Values& was, const Values& is) {
+/// Locates the regression in the units of the changed keys if their counters moved, and else in all units.
+std::optional<LocatedRegression> locate_in_run(const ChangedKeys& keys, const Values& was, const Values& is) {
   std::optional<LocatedRegression> best;
   for (const KeyPair& key : keys.changed) {
     const auto found = largest_move_in(unit_of_key(key.key), was, is);
-    if (found && (!best || found->clarity > best->clarity)) best = found;
+    if (found && (!best || found->certainty > best->certainty)) best = found;
   }
   return best ? best : locate_regression(was, is);
 }
 
-bool same(double was, double is, double percent) {
+bool is_within_tolerance(double was, double is, double percent) {
   return was == is || std::abs(is - was) <= percent / 100 * std::abs(was);
 }
 
-/// A figure that noise moves: means of replicates, now and as stored. Of stored values without replicates the value is
-/// one draw, taken to deviate as those of now do.
-Moved replicated(const std::string& path, const StoredRun& stored, const Draws& now) {
+/// Compares the means of stored and new replicates. A stored value without replicates counts as one draw with the
+/// deviation of the new ones.
+Moved compare_replicates(const std::string& path, const StoredRun& stored, const Draws& now) {
   const auto was = stored.draws.find(path);
   if (was != stored.draws.end()) {
     return {path, was->second.mean, now.mean, difference_of(was->second, now).half_width()};
@@ -141,23 +230,23 @@ Moved replicated(const std::string& path, const StoredRun& stored, const Draws& 
   return {path, stored.values.at(path), now.mean, d.half_width()};
 }
 
-void find_moved(const StoredRun& stored, const std::vector<Choice::Chosen>& chosen, const Measured& now,
+void find_moved(const StoredRun& stored, const std::vector<KeptPaths::Chosen>& chosen, const Measured& now,
                 RunCheck& run) {
   std::set<std::string> known;
-  for (const Choice::Chosen& c : chosen) {
+  for (const KeptPaths::Chosen& c : chosen) {
     known.insert(c.path);
     const auto draws = now.draws.find(c.path);
     if (draws != now.draws.end() && stored.values.contains(c.path)) {
-      Moved moved = replicated(c.path, stored, draws->second);
+      Moved moved = compare_replicates(c.path, stored, draws->second);
       const bool outside = std::abs(*moved.is - *moved.was) > *moved.noise;
-      if (outside && !same(*moved.was, *moved.is, c.percent)) run.moved.push_back(std::move(moved));
+      if (outside && !is_within_tolerance(*moved.was, *moved.is, c.percent)) run.moved.push_back(std::move(moved));
       continue;
     }
     const double is = now.all.at(c.path);
     const auto was = stored.values.find(c.path);
     if (was == stored.values.end() && is != 0) {
       run.moved.push_back({c.path, std::nullopt, is, {}});
-    } else if (was != stored.values.end() && !same(was->second, is, c.percent)) {
+    } else if (was != stored.values.end() && !is_within_tolerance(was->second, is, c.percent)) {
       run.moved.push_back({c.path, was->second, is, {}});
     }
   }
@@ -168,45 +257,46 @@ void find_moved(const StoredRun& stored, const std::vector<Choice::Chosen>& chos
 
 }  // namespace
 
-std::size_t Checked::count(bool (*of)(const RunCheck&)) const {
-  return static_cast<std::size_t>(std::ranges::count_if(runs, of));
+std::size_t Checked::count_if(bool (*predicate)(const RunCheck&)) const {
+  return static_cast<std::size_t>(std::ranges::count_if(runs, predicate));
 }
 
 Checked check_suite(const Suite& suite, const Baseline* stored, std::uint32_t jobs,
-                    const std::function<void(const RunCheck&)>& tell) {
-  refuse_misspelt(suite, jobs);
+                    const std::function<void(const RunCheck&)>& report) {
+  check_report_paths(suite, jobs);
   Checked out;
   out.now.embree = traces::embree_version();
-  Choice choice(suite);
+  KeptPaths kept_paths(suite);
   Values one_of_them;
-  measure(suite, jobs, [&](const SuiteRun& named, Measured measured) {
+  simulate_suite(suite, jobs, [&](const SuiteRun& named, Measured measured) {
     RunCheck run;
     run.name = named.name;
     run.seconds = measured.seconds;
     run.error = measured.error;
     if (run.error.empty()) {
-      const std::vector<Choice::Chosen> chosen = choice.of(measured.all);
+      const std::vector<KeptPaths::Chosen> chosen = kept_paths.choose_paths(measured.all);
       run.values = chosen.size();
       StoredRun& now = out.now.runs[named.name];
       now.facts = measured.facts;
-      for (const Choice::Chosen& c : chosen) {
+      for (const KeptPaths::Chosen& c : chosen) {
         if (const auto draws = measured.draws.find(c.path); draws != measured.draws.end()) now.draws.insert(*draws);
         if (const double value = measured.all.at(c.path); value != 0) now.values[c.path] = value;
       }
       const auto was = stored != nullptr ? stored->runs.find(named.name) : decltype(stored->runs.find(""))();
       if (stored != nullptr && was == stored->runs.end()) {
-        run.refused.emplace_back("nothing is stored of it");
+        run.refused.emplace_back("it has no stored values");
       } else if (stored != nullptr) {
-        run.refused = refusals(was->second.facts, stored->embree, measured.facts, run.keys);
+        run.refused = find_refusals(was->second.facts, stored->embree, measured.facts, run.keys);
         find_moved(was->second, chosen, measured, run);
-        if (run.refused.empty() && !run.moved.empty()) run.located = locate(run.keys, was->second.values, measured.all);
+        if (run.refused.empty() && !run.moved.empty())
+          run.located = locate_in_run(run.keys, was->second.values, measured.all);
       }
       one_of_them = std::move(measured.all);
     }
-    tell(run);
+    report(run);
     out.runs.push_back(std::move(run));
   });
-  if (!one_of_them.empty()) choice.refuse_what_no_run_has(one_of_them);
+  if (!one_of_them.empty()) kept_paths.refuse_absent_paths(one_of_them);
   return out;
 }
 

@@ -6,60 +6,59 @@
 #include <string>
 #include <vector>
 
-#include "tools/studies/baseline/changed_keys.h"
+#include "tools/studies/baseline/changes.h"
 #include "tools/studies/baseline/measure.h"
-#include "tools/studies/baseline/regression_locator.h"
 
 namespace tools {
 
-/// A kept value that is not what is stored; nothing where there is none.
+/// A kept value that differs from the stored one. `was` or `is` is empty if the value is missing on that side.
 struct Moved {
   std::string path;
   std::optional<double> was, is;
-  std::optional<double> noise;  ///< half of the difference's 95 % interval, where replicates tell: means are compared
+  std::optional<double> noise;  ///< with replicates: half of the 95 % interval of the difference of means
 };
 
-/// A run now against its stored values.
+/// A run compared with its stored values.
 struct RunCheck {
   std::string name;
-  std::string error;                         ///< it could not be computed
-  std::vector<std::string> refused;          ///< why stored and new values cannot be held against each other
-  std::vector<Moved> moved;                  ///< in the order of the suite's `keep`, and of paths
-  std::size_t values = 0;                    ///< kept
-  ChangedKeys keys;                          ///< keys that differ, without those that change the work
-  std::optional<LocatedRegression> located;  ///< by the counters; in the unit of a changed key, if there is one
+  std::string error;                         ///< reason that it has no result
+  std::vector<std::string> refused;          ///< reasons that stored and new values are not comparable
+  std::vector<Moved> moved;                  ///< ordered as `keep` of the suite, then by path
+  std::size_t values = 0;                    ///< number of kept values
+  ChangedKeys keys;                          ///< keys that differ, except those that change the recorded work
+  std::optional<LocatedRegression> located;  ///< by the counters; in the unit of a changed key, if any
   double seconds = 0;
-  /// True if the unit is certain enough to be named for this run alone: by a changed key, or by its counters.
-  bool names_unit() const { return located && (located->is_clear() || !keys.changed.empty()); }
-  bool good() const { return error.empty() && refused.empty() && moved.empty(); }
+  /// True if the unit can be named for this run alone: because a key changed, or because its counters are certain.
+  bool names_unit() const { return located && (located->is_certain() || !keys.changed.empty()); }
+  bool is_good() const { return error.empty() && refused.empty() && moved.empty(); }
 };
 
-/// A suite measured anew and held against stored values, if there are any.
+/// The results of a suite, compared with stored values if there are any.
 struct Checked {
   std::vector<RunCheck> runs;
-  Baseline now;  ///< what would be stored; of runs that could be computed
-  std::size_t count(bool (*of)(const RunCheck&)) const;
+  Baseline now;  ///< values to store, of the runs that have results
+  std::size_t count_if(bool (*predicate)(const RunCheck&)) const;
 };
 
-/// Measures a suite, `jobs` runs at once. `stored` may be null. `tell` hears of each run in turn. InputError if `keep`
-/// has what no run has.
+/// Simulates a suite, `jobs` runs at once, and calls `report` for each run in order. `stored` may be null. InputError
+/// if no run has a path of `keep`; misspelled paths are found before the runs, by small pictures of each program.
 Checked check_suite(const Suite& suite, const Baseline* stored, std::uint32_t jobs,
-                    const std::function<void(const RunCheck&)>& tell);
+                    const std::function<void(const RunCheck&)>& report);
 
-/// The run that moved and names a unit most clearly; null if none does.
-const RunCheck* clearest(const Checked& checked);
+/// Returns the moved run whose located unit is most certain; null if there is none.
+const RunCheck* most_certain(const Checked& checked);
 
-/// "ok  teapot", "MOVED  teapot: 12 of 300 values, cycles 100 -> 104 (+4.0 %)": a line.
+/// Returns a line: "ok  teapot", "MOVED  teapot: 12 of 300 values, cycles 100 -> 104 (+4.0 %)".
 std::string check_line(const RunCheck& run);
-/// Lines on the runs that are not good: keys that changed, figures that moved, and the unit.
+/// Describes the runs that are not good: changed keys, moved values, and the unit.
 std::string check_details(const Checked& checked);
 /// Returns "most likely in l2.bank: why.lookup 1921 -> 2364 cycles (+443)". The run must have a located unit.
 std::string located_text(const RunCheck& run);
 /// "100 -> 104 (+4, +4.0 %)"
 std::string moved_text(const Moved& moved);
 
-/// Writes a check as JUnit XML, which continuous integration systems show: a test case for each run. IoError.
-/// InputError if the file is there and was not made by write_junit(); with `force`, unless it is a regular file.
+/// Writes a check as JUnit XML for continuous integration, a test case per run. InputError if the file exists and is
+/// not from write_junit(); with `force`, if it is not a regular file.
 void check_junit(const std::filesystem::path& file, bool force);
 void write_junit(const std::filesystem::path& file, const Suite& suite, const Checked& checked);
 

@@ -28,7 +28,7 @@ namespace {
 
 using sim::Json;
 
-/// The report of a run, or {"error": why there is none, "is_input": the user can mend it}; std::bad_alloc.
+/// Returns the report of a run, or {"error": text, "is_input": true if the user can fix it}. std::bad_alloc is thrown.
 Json report_or_error(const JobOptions& options) {
   try {
     return plain_report(load_inputs(options), options);
@@ -36,14 +36,14 @@ Json report_or_error(const JobOptions& options) {
     return {{"error", fmt::format("{}\n{}", error.what(), error.state)}, {"is_input", false}};
   } catch (const sim::InputError& error) {
     return {{"error", error.what()}, {"is_input", true}};
-  } catch (const std::bad_alloc&) {  // the host is short of it now, the run is not to blame
+  } catch (const std::bad_alloc&) {  // a temporary shortage of the host, not a failure of the run
     throw;
   } catch (const std::exception& error) {
     return {{"error", error.what()}, {"is_input", false}};
   }
 }
 
-/// Draws of each figure of `totals` that noise moves, by its path.
+/// Returns the replicate statistics of the noisy figures of `totals`, by path.
 StoredDraws draws_of_replicates(const Json& replicates) {
   StoredDraws out;
   const auto count = replicates["count"].get<std::size_t>();
@@ -70,11 +70,11 @@ Measured measured_from(const SuiteRun& run, const std::string& text, int status,
   Json report;
   try {
     report = sim::parse_json(text);
-  } catch (const sim::JsonError&) {  // it did not come to the end of it
+  } catch (const sim::JsonError&) {  // the process ended before the report was complete
   }
   if (WEXITSTATUS(status) == kIoFailed) throw std::bad_alloc();
   if (!report.is_object()) {
-    out.error = fmt::format("ended with {} before it was done", WEXITSTATUS(status));
+    out.error = fmt::format("ended with {} before its report", WEXITSTATUS(status));
   } else if (report.contains("error")) {
     out.error = report["error"].get<std::string>();
     if (report["is_input"].get<bool>()) throw sim::InputError(fmt::format("runs.{}: {}", run.name, out.error));
@@ -90,37 +90,37 @@ Measured measured_from(const SuiteRun& run, const std::string& text, int status,
   return out;
 }
 
-[[noreturn]] void fail(const char* what) { throw std::system_error(errno, std::generic_category(), what); }
+[[noreturn]] void throw_errno(const char* what) { throw std::system_error(errno, std::generic_category(), what); }
 
-/// A run in a process of its own, which writes its report into a pipe.
+/// A run in its own process, which writes its report to a pipe.
 class Worker {
  public:
-  Worker(std::size_t number, const SuiteRun& run) : number_(number), run_(&run), begin_(sim::HostClock::now()) {
+  Worker(std::size_t number, const SuiteRun& run) : index_(number), run_(&run), begin_(sim::HostClock::now()) {
     int ends[2];
     if (::pipe(ends) != 0) fail("pipe");
     process_ = ::fork();
     if (process_ < 0) fail("fork");
     if (process_ == 0) {
       ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-      for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_DFL);  // the parent says it
+      for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_DFL);  // the parent prints the message
       ::close(ends[0]);
-      std::_Exit(work(ends[1]));
+      std::_Exit(run_and_send(ends[1]));
     }
     ::close(ends[1]);
     end_ = ends[0];
   }
 
-  std::size_t number() const { return number_; }
-  int end() const { return end_; }
-  /// Reads what is there; false if that was all.
-  bool receive() {
+  std::size_t run_index() const { return index_; }
+  int pipe_end() const { return end_; }
+  /// Reads available data. Returns false at the end.
+  bool receive_data() {
     char part[1 << 16];
     const ssize_t n = ::read(end_, part, sizeof part);
     if (n > 0) text_.append(part, static_cast<std::size_t>(n));
     if (n < 0 && errno != EINTR) fail("pipe");
     return n != 0;
   }
-  Measured finish() {
+  Measured wait_for_result() {
     ::close(end_);
     int status = 0;
     while (::waitpid(process_, &status, 0) < 0 && errno == EINTR) {
@@ -129,15 +129,15 @@ class Worker {
   }
 
  private:
-  /// Exit code: 0, kIoFailed if there was no memory, else 1.
-  int work(int file) const {
+  /// Simulates and returns the exit code: 0, kIoFailed if memory ran out, else 1.
+  int run_and_send(int file) const {
     try {
-      return send(file, sim::json_line(report_or_error(run_->options)));
+      return send_report(file, sim::json_line(report_or_error(run_->options)));
     } catch (const std::bad_alloc&) {
       return kIoFailed;
     }
   }
-  static int send(int file, std::string_view text) {
+  static int send_report(int file, std::string_view text) {
     while (!text.empty()) {
       const ssize_t written = ::write(file, text.data(), text.size());
       if (written < 0) return 1;
@@ -146,7 +146,7 @@ class Worker {
     return 0;
   }
 
-  std::size_t number_;
+  std::size_t index_;
   const SuiteRun* run_;
   sim::HostClock::time_point begin_;
   pid_t process_ = -1;
@@ -156,7 +156,8 @@ class Worker {
 
 }  // namespace
 
-void measure(const Suite& suite, std::uint32_t jobs, const std::function<void(const SuiteRun&, Measured)>& take) {
+void simulate_suite(const Suite& suite, std::uint32_t jobs,
+                    const std::function<void(const SuiteRun&, Measured)>& take) {
   std::vector<std::optional<Measured>> done(suite.runs.size());
   std::vector<Worker> workers;
   std::size_t next = 0, taken = 0;
@@ -166,11 +167,11 @@ void measure(const Suite& suite, std::uint32_t jobs, const std::function<void(co
       next += 1;
     }
     std::vector<pollfd> ends;
-    for (const Worker& worker : workers) ends.push_back({worker.end(), POLLIN, 0});
+    for (const Worker& worker : workers) ends.push_back({worker.pipe_end(), POLLIN, 0});
     if (::poll(ends.data(), ends.size(), -1) < 0 && errno != EINTR) fail("poll");
     for (std::size_t i = workers.size(); i-- > 0;) {
-      if (ends[i].revents == 0 || workers[i].receive()) continue;
-      done[workers[i].number()] = workers[i].finish();
+      if (ends[i].revents == 0 || workers[i].receive_data()) continue;
+      done[workers[i].run_index()] = workers[i].wait_for_result();
       workers.erase(workers.begin() + static_cast<std::ptrdiff_t>(i));
     }
     for (; taken < done.size() && done[taken]; ++taken) take(suite.runs[taken], *std::move(done[taken]));

@@ -2,7 +2,6 @@
 #include <functional>
 #include <string>
 
-#include "tools/studies/baseline/stored.h"
 #include "tools/studies/baseline/suite.h"
 
 namespace tools {
@@ -10,14 +9,14 @@ namespace tools {
 /// The result of a run of a suite.
 struct Measured {
   Facts facts;
-  Values all;          ///< every number of its report; of replicates those in `draws` alone
-  StoredDraws draws;   ///< empty without replicates
-  std::string error;   ///< why there is no report; empty if there is
+  Values all;          ///< all numbers of its report except replicates
+  StoredDraws draws;   ///< statistics of replicates, if any
+  std::string error;   ///< reason that there is no report; empty if there is one
   double seconds = 0;  ///< host time
 };
 
-/// Computes every run of a suite, `jobs` at once, each in a process of its own, and hands them over in their order.
-/// InputError if one of them cannot be begun, e.g. for a scene file that is broken.
-void measure(const Suite& suite, std::uint32_t jobs, const std::function<void(const SuiteRun&, Measured)>& take);
+/// Simulates the runs of a suite, `jobs` at once, each in its own process, and calls `take` for each in order.
+/// InputError if a run cannot start, e.g. because of a broken scene file.
+void simulate_suite(const Suite& suite, std::uint32_t jobs, const std::function<void(const SuiteRun&, Measured)>& take);
 
 }  // namespace tools

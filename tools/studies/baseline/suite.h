@@ -1,17 +1,20 @@
 #pragma once
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
+#include "tools/analysis/report_file.h"
+#include "tools/noise/statistics.h"
 #include "tools/run/frame/job_options.h"
 
 namespace tools {
 
-/// A value that a suite keeps of its runs.
+/// A value of a report that a suite stores for each run.
 struct Kept {
-  std::string text;    ///< report path, any clear end of one, or a group
-  double percent = 0;  ///< tolerance in percent of the stored value; 0: none
-  std::string at;      ///< where the suite says so
+  std::string text;    ///< report path, an unambiguous end of one, or a group
+  double percent = 0;  ///< tolerance, in percent of the stored value
+  std::string at;      ///< "file:line:column" of the entry
 };
 
 struct SuiteRun {
@@ -19,17 +22,44 @@ struct SuiteRun {
   JobOptions options;
 };
 
-/// Small runs whose figures are stored and checked.
+/// Small runs whose values are stored and checked.
 struct Suite {
   std::filesystem::path file;
-  std::filesystem::path values;  ///< where they are stored
+  std::filesystem::path values;  ///< file of the stored values
   std::vector<Kept> kept;
   std::vector<SuiteRun> runs;
-  std::string name() const { return file.stem().string(); }
+  std::string suite_name() const { return file.stem().string(); }
 };
 
-/// Reads a suite. InputError with file, line and column for what is not allowed; that includes every run's
-/// configuration, so that nothing is found to be wrong after the first has been computed.
+/// Reads a suite and the configurations of all its runs. InputError with file, line and column.
 Suite load_suite(const std::filesystem::path& file);
+
+/// Origin of a run's values.
+struct Facts {
+  std::string program, scene_sha256, bvh_hash;
+  FlatConfig config;  ///< without the scene name, because files can be moved
+};
+
+/// Numbers by report path. Stored values are not 0.
+using Values = std::map<std::string, double>;
+/// Replicate statistics by report path.
+using StoredDraws = std::map<std::string, Draws>;
+
+struct StoredRun {
+  Facts facts;
+  Values values;
+  StoredDraws draws;  ///< empty if recorded without replicates
+};
+
+/// The stored values of a suite, a readable YAML file.
+struct Baseline {
+  std::string embree;
+  std::map<std::string, StoredRun> runs;
+};
+
+/// Reads stored values. InputError if the file does not exist or is not a baseline.
+Baseline load_baseline(const std::filesystem::path& file);
+/// Returns the text of a baseline file, runs in the order of the suite.
+std::string baseline_text(const Baseline& baseline, const Suite& suite);
 
 }  // namespace tools

@@ -8,9 +8,11 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <sstream>
 #include <system_error>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <poll.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -18,7 +20,10 @@
 
 #include "sim/config/config.h"
 #include "sim/error.h"
+#include "sim/io/file.h"
 #include "sim/io/json.h"
+#include "sim/io/printable.h"
+#include "sim/report/table.h"
 #include "tools/analysis/report.h"
 #include "tools/host/build_info.h"
 #include "tools/host/interrupt.h"
@@ -35,7 +40,7 @@ using sim::Json;
 
 namespace {
 
-/// A folder that goes with whoever has it.
+/// A temporary folder, removed by the destructor.
 class ScratchFolder {
  public:
   ScratchFolder() {
@@ -49,22 +54,22 @@ class ScratchFolder {
   }
   ScratchFolder(const ScratchFolder&) = delete;
   ScratchFolder& operator=(const ScratchFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
+  const std::filesystem::path& folder() const { return path_; }
 
  private:
   std::filesystem::path path_;
 };
 
-/// The subject of a scene's figures.
+/// Returns what the metrics of a scene depend on.
 Json conditions_of(const Inputs& inputs) {
   return {{"scene", inputs.scene.name},
           {"resolution", {inputs.config.render.width, inputs.config.render.height}},
           {"config_hash", sim::config_hash(inputs.config)}};
 }
 
-/// The work of a frame as a trace, written into `folder`. The file has no name any more when this is there.
-std::unique_ptr<StoredFrames> recorded(const Inputs& inputs, const BenchOptions& options,
-                                       const std::filesystem::path& folder, Progress& progress) {
+/// Records the work of a frame as a trace in `folder`, opens it, and removes the file.
+std::unique_ptr<StoredFrames> record_trace(const Inputs& inputs, const BenchOptions& options,
+                                           const std::filesystem::path& folder, Progress& progress) {
   const std::filesystem::path file = folder / "a.trace";
   traces::TraceWriter writer(file, trace_header(inputs, options.job));
   render_frame(inputs, kernels::parse_program(options.job.program), traces::BvhTracer(inputs.image),
@@ -78,11 +83,12 @@ std::unique_ptr<StoredFrames> recorded(const Inputs& inputs, const BenchOptions&
   return replay;
 }
 
-/// A round: everything once, one after the other, so that figures can be compared whatever the host is doing.
-class Rounds {
+/// Measures rounds. A round measures everything once in turn, so that metrics are comparable under changing load.
+class RoundRunner {
  public:
-  /// `scratch`: a folder to write into.
-  Rounds(const Inputs& inputs, const BenchOptions& options, const std::filesystem::path& scratch, Progress& progress)
+  /// `scratch`: folder for temporary files.
+  RoundRunner(const Inputs& inputs, const BenchOptions& options, const std::filesystem::path& scratch,
+              Progress& progress)
       : inputs_(inputs),
         options_(options),
         scratch_(scratch),
@@ -109,15 +115,15 @@ class Rounds {
     add("steps_per_s", steps / all.wall_seconds);
     add("ns_per_step", 1e9 * timing / steps);
     add("timing_s_per_functional_s", timing / picture);
-    // Peak memory is that of whole runs.
+    // Peak memory of whole runs, before anything else.
     if (peak_mib_ == 0) peak_mib_ = peak_rss_mib();
-    if (replay_ == nullptr) replay_ = recorded(inputs_, options_, scratch_, progress_);
+    if (replay_ == nullptr) replay_ = record_trace(inputs_, options_, scratch_, progress_);
     replay_->go_to_first_frame();
     add("replay_s_per_timing_s", tools::run(*replay_, {.progress = &progress_}).total->wall_seconds / timing);
-    if (sampling_) add_sampled(one, timing);
+    if (sampling_) add_sampled_metrics(one, timing);
   }
 
-  Json json() const {
+  Json result_json() const {
     Json out = conditions_of(inputs_);
     out.update({{"triangles", inputs_.scene.triangles}, {"rays", rays_}, {"traversal_steps", steps_}});
     for (const auto& [name, values] : values_) out[name] = median(values);
@@ -126,7 +132,7 @@ class Rounds {
   }
 
  private:
-  void add_sampled(const FrameResult& whole, double timing) {
+  void add_sampled_metrics(const FrameResult& whole, double timing) {
     const FrameResult some = simulate_sampled(inputs_, program_, 1, *sampling_, &progress_);
     const double off = some.sampled->cycles.estimate - static_cast<double>(whole.cycles);
     add("sampling_speedup", whole.wall_seconds / some.wall_seconds);
@@ -136,7 +142,7 @@ class Rounds {
   }
 
   void add(const char* name, double value) {
-    const auto known = std::ranges::find(values_, name, [](const auto& figure) { return figure.first; });
+    const auto known = std::ranges::find(values_, name, [](const auto& metric) { return metric.first; });
     (known != values_.end() ? *known : values_.emplace_back(name, std::vector<double>{})).second.push_back(value);
   }
 
@@ -147,26 +153,26 @@ class Rounds {
   Progress& progress_;
   double peak_mib_ = 0;
   std::unique_ptr<StoredFrames> replay_;
-  std::optional<TileSampling> sampling_;  ///< for programs whose tiles can be sampled
+  std::optional<TileSampling> sampling_;  ///< if tiles of the program can be sampled
   std::uint64_t rays_ = 0, steps_ = 0;
   std::vector<std::pair<std::string, std::vector<double>>> values_;
 };
 
-/// `all`: what holds for all scenes, without them.
-Json measure(const std::string& scene, const BenchOptions& options, Json all, const Json* other,
-             const std::filesystem::path& scratch) {
+/// Measures a scene. `all`: the members that are common to all scenes.
+Json measure_scene(const std::string& scene, const BenchOptions& options, Json all, const Json* other,
+                   const std::filesystem::path& scratch) {
   BenchOptions own = options;
   own.job.scene = scene;
   Progress progress(own.job.progress, own.job.quiet);
   const Inputs inputs = load_inputs(own.job, &progress);
   print_warnings(inputs.warnings, &progress);
-  if (other != nullptr) {  // before the time is spent
+  if (other != nullptr) {  // check before measuring
     all["scenes"] = Json::array({conditions_of(inputs)});
     check_comparable(all, *other, options.against, options.scenes.size() == 1);
   }
-  Rounds rounds(inputs, own, scratch, progress);
+  RoundRunner rounds(inputs, own, scratch, progress);
   for (std::uint32_t i = 0; i < options.runs; ++i) rounds.run();
-  return rounds.json();
+  return rounds.result_json();
 }
 
 void write_all(int file, std::string_view text) {
@@ -177,9 +183,9 @@ void write_all(int file, std::string_view text) {
   }
 }
 
-/// All that comes, or what has come by an interrupt.
+/// Reads until the end, or until an interrupt.
 std::string read_all(int file) {
-  constexpr int kGlanceMs = 100;  // at an interrupt that came just before the wait
+  constexpr int kGlanceMs = 100;  // limits the delay of an interrupt just before the wait
   std::string text;
   char part[4096];
   while (!is_interrupted()) {
@@ -193,8 +199,8 @@ std::string read_all(int file) {
   return text;
 }
 
-/// A process that measures, and what it has to say. What measure() throws goes to main() there, which says so and ends
-/// the process.
+/// A child process that measures and sends its result. Exceptions of measure_scene() reach main() of the child, which
+/// prints them and exits.
 class Measuring {
  public:
   Measuring(const std::string& scene, const BenchOptions& options, const Json& all, const Json* other,
@@ -205,11 +211,11 @@ class Measuring {
     if (child_ < 0) throw std::system_error(errno, std::generic_category(), "fork");
     if (child_ == 0) {
       ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-      for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {  // the parent says it
+      for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {  // the parent prints the message
         if (std::signal(signal, SIG_DFL) == SIG_IGN) std::signal(signal, SIG_IGN);
       }
       ::close(ends[0]);
-      write_all(ends[1], sim::json_line(measure(scene, options, all, other, scratch)));
+      write_all(ends[1], sim::json_line(measure_scene(scene, options, all, other, scratch)));
       std::_Exit(0);
     }
     ::close(ends[1]);
@@ -217,19 +223,19 @@ class Measuring {
   }
   ~Measuring() {
     ::close(from_child_);
-    if (child_ > 0) ::kill(child_, SIGKILL), wait();
+    if (child_ > 0) ::kill(child_, SIGKILL), wait_for_exit();
   }
   Measuring(const Measuring&) = delete;
   Measuring& operator=(const Measuring&) = delete;
 
-  /// Interrupted if an interrupt waits.
-  std::string result() {
+  /// Returns the text of the result. Throws Interrupted after an interrupt.
+  std::string read_result() {
     std::string text = read_all(from_child_);
     if (is_interrupted()) throw Interrupted{};
     return text;
   }
-  /// Its end, as waitpid() tells it.
-  int wait() {
+  /// Waits for the end and returns the status of waitpid().
+  int wait_for_exit() {
     int status = 0;
     while (::waitpid(child_, &status, 0) < 0 && errno == EINTR) {
     }
@@ -242,16 +248,16 @@ class Measuring {
   int from_child_ = -1;
 };
 
-/// measure() in a process of its own, so that peak memory is that of the scene.
+/// Measures in a child process, so that peak memory is of this scene only.
 Json measure_apart(const std::string& scene, const BenchOptions& options, const Json& all, const Json* other) {
   std::string text;
   int status = 0;
   {
-    const HoldInterrupts hold;  // until the folder is gone
+    const HoldInterrupts hold;  // until the folder is removed
     const ScratchFolder scratch;
-    Measuring process(scene, options, all, other, scratch.path());
-    text = process.result();
-    status = process.wait();
+    Measuring process(scene, options, all, other, scratch.folder());
+    text = process.read_result();
+    status = process.wait_for_exit();
   }
   if (WIFSIGNALED(status))
     throw std::runtime_error(fmt::format("signal {} while measuring {}", WTERMSIG(status), scene));
@@ -261,9 +267,9 @@ Json measure_apart(const std::string& scene, const BenchOptions& options, const 
 
 }  // namespace
 
-const std::vector<BenchFigure>& bench_figures() {
-  using enum BenchFigure::Kind;
-  static const std::vector<BenchFigure> figures = {
+const std::vector<BenchMetric>& bench_metrics() {
+  using enum BenchMetric::Kind;
+  static const std::vector<BenchMetric> metrics = {
       {"functional_rays_per_s", "functional rays/s"},
       {"recording_rays_per_s", "recording rays/s"},
       {"one_thread_rays_per_s", "1 thread rays/s"},
@@ -278,7 +284,7 @@ const std::vector<BenchFigure>& bench_figures() {
       {"sampling_cycles_error_percent", "cycles off by %", kFact, true},
       {"sampling_cycles_inside", "inside the interval", kFact, true},
   };
-  return figures;
+  return metrics;
 }
 
 Json measure_scenes(const BenchOptions& options, const Json* other) {
@@ -297,6 +303,202 @@ Json measure_scenes(const BenchOptions& options, const Json* other) {
   for (const std::string& scene : options.scenes) scenes.push_back(measure_apart(scene, options, out, other));
   out["scenes"] = std::move(scenes);
   return out;
+}
+
+using sim::Json;
+
+namespace {
+
+constexpr std::uint64_t kLargestFile = 16 << 20;
+
+/// Returns the entry of a scene, or null.
+const Json* find_scene(const Json& bench, const Json& name) {
+  const auto found = std::ranges::find(bench["scenes"], name, [](const Json& scene) { return scene["scene"]; });
+  return found != bench["scenes"].end() ? &*found : nullptr;
+}
+
+/// Converts schema version 1, which had no metric for all threads.
+void read_as_version_2(Json& bench) {
+  for (Json& scene : bench["scenes"]) {
+    for (const auto& [was, is] : {std::pair{"functional_rays_per_s", "recording_rays_per_s"},
+                                  std::pair{"simulated_rays_per_s", "one_thread_rays_per_s"}}) {
+      if (!scene.contains(was)) continue;
+      scene[is] = scene[was];
+      scene.erase(was);
+    }
+    scene.erase("peak_rss_mb");  // included all earlier scenes
+  }
+  bench["schema"] = "raywatt-bench/2";
+}
+
+/// Returns the format error; empty if there is none.
+std::string format_error(const Json& bench) {
+  if (!bench.is_object() || !bench.contains("schema") || !bench["schema"].is_string()) return "has no 'schema'";
+  const std::string schema = bench["schema"].get<std::string>();
+  if (schema != "raywatt-bench/1" && schema != "raywatt-bench/2") {
+    return fmt::format("has schema '{}'", sim::printable(schema));
+  }
+  if (!bench.contains("scenes") || !bench["scenes"].is_array()) return "has no 'scenes'";
+  for (const Json& scene : bench["scenes"]) {
+    if (!scene.is_object() || !scene.contains("scene") || !scene["scene"].is_string()) {
+      return "has a scene without a name";
+    }
+    for (const BenchMetric& metric : bench_metrics()) {
+      if (scene.contains(metric.name) && !scene[metric.name].is_number()) {
+        return fmt::format("has a '{}' that is not a number", metric.name);
+      }
+    }
+  }
+  return {};
+}
+
+/// Returns the differences of a scene of two results: "resolution [64,32] instead of [32,32]".
+std::vector<std::string> find_differences(const Json& a, const Json& b, const Json& scene_a, const Json& scene_b) {
+  std::vector<std::string> found;
+  const auto differs = [](const Json& x, const Json& y, const char* key) {
+    return x.contains(key) && y.contains(key) && x[key] != y[key];
+  };
+  const auto compare = [&](const Json& x, const Json& y, const char* key) {
+    if (!differs(x, y, key)) return;
+    found.push_back(fmt::format("{} {} instead of {}", key, sim::printable(sim::json_line(y[key])),
+                                sim::printable(sim::json_line(x[key]))));
+  };
+  compare(scene_a, scene_b, "resolution");
+  compare(a, b, "program");
+  compare(a, b, "threads");
+  if (!found.empty() || !differs(scene_a, scene_b, "config_hash")) return found;
+  compare(a, b, "config");
+  compare(a, b, "set");
+  // Other builds may compute the hash from other keys.
+  if (found.empty() && !differs(a, b, "git")) compare(scene_a, scene_b, "config_hash");
+  return found;
+}
+
+/// Returns the medians of the metrics by scene.
+Json merge_results(const std::vector<Json>& results) {
+  Json out = results.front();
+  for (Json& scene : out["scenes"]) {
+    for (const BenchMetric& metric : bench_metrics()) {
+      std::vector<double> values;
+      for (const Json& result : results) {
+        const Json* same = find_scene(result, scene["scene"]);
+        if (same != nullptr && same->contains(metric.name)) values.push_back((*same)[metric.name].get<double>());
+      }
+      if (!values.empty()) scene[metric.name] = median(values);
+    }
+  }
+  return out;
+}
+
+std::string cell_text(const BenchMetric& metric, const Json& scene) {
+  if (!scene.contains(metric.name)) return "-";
+  const auto value = scene[metric.name].get<double>();
+  if (metric.name == "sampling_cycles_inside") return value >= 0.5 ? "yes" : "no";
+  return metric.kind == BenchMetric::Kind::kRate ? sim::si_text(value) : fmt::format("{:.2f}", value);
+}
+
+/// Returns a table and an empty line; nothing if no scene has its metrics.
+std::string table_of(const Json& bench, bool is_partial, bool compares) {
+  std::vector<BenchMetric> columns;
+  for (const BenchMetric& metric : bench_metrics()) {
+    const bool is_compared = metric.kind != BenchMetric::Kind::kFact;
+    if (metric.is_partial == is_partial && (is_compared || !compares)) columns.push_back(metric);
+  }
+  std::vector<std::string> header = {compares ? "times as good" : "scene"};
+  for (const BenchMetric& metric : columns) header.push_back(metric.header);
+  sim::Table table(header);
+  bool shows = false;
+  for (const Json& scene : bench["scenes"]) {
+    if (compares && !scene.contains("against")) continue;
+    std::vector<std::string> row = {scene["scene"].get<std::string>()};
+    for (const BenchMetric& metric : columns) {
+      const Json& from = compares ? scene["against"] : scene;
+      shows = shows || from.contains(metric.name);
+      const bool has = compares && from.contains(metric.name);
+      row.push_back(has        ? fmt::format("x{:.2f}", from[metric.name].get<double>())
+                    : compares ? "-"
+                               : cell_text(metric, scene));
+    }
+    table.add_row(row);
+  }
+  return shows ? table.text() + "\n" : "";
+}
+
+}  // namespace
+
+Json load_bench(const std::filesystem::path& file) {
+  const std::string name = sim::printable(file.string());
+  const auto refuse = [&](const std::string& why) {
+    return sim::InputError(
+        fmt::format("{}: {}; allowed: output of 'raywatt bench --json', once or several times", name, why));
+  };
+  std::string bytes = sim::read_file(file, kLargestFile);
+  if (sim::is_nested_deeper(bytes, sim::kDeepestJson))
+    throw refuse(fmt::format("is nested deeper than {} levels", sim::kDeepestJson));
+  std::istringstream text(std::move(bytes));
+  std::vector<Json> results;
+  try {
+    while (text >> std::ws && text.peek() != std::char_traits<char>::eof()) {
+      Json& result = results.emplace_back();
+      result = sim::parse_json(text);
+      if (const std::string why = format_error(result); !why.empty()) throw refuse(why);
+      if (result["schema"] == "raywatt-bench/1") read_as_version_2(result);
+      for (const Json& scene : result["scenes"]) {
+        const Json* same = find_scene(results.front(), scene["scene"]);
+        if (same == nullptr) continue;
+        const std::vector<std::string> all = find_differences(results.front(), result, *same, scene);
+        if (!all.empty()) throw refuse(fmt::format("has results of different kinds: {}", fmt::join(all, ", ")));
+      }
+    }
+  } catch (const sim::JsonError&) {
+    throw refuse(text.eof() ? "ends early" : "is not JSON");
+  }
+  if (results.empty()) throw refuse("is empty");
+  return merge_results(results);
+}
+
+void check_comparable(const Json& bench, const Json& other, const std::filesystem::path& file, bool need_one) {
+  const std::string name = sim::printable(file.string());
+  bool have_one = false;
+  for (const Json& scene : bench["scenes"]) {
+    const Json* same = find_scene(other, scene["scene"]);
+    if (same == nullptr) continue;
+    have_one = true;
+    const std::vector<std::string> all = find_differences(bench, other, scene, *same);
+    if (all.empty()) continue;
+    throw sim::InputError(
+        fmt::format("{}: cannot be compared with these metrics: {} has {}; allowed: the same frame on "
+                    "the same machine",
+                    name, scene["scene"].get<std::string>(), fmt::join(all, ", ")));
+  }
+  if (have_one || !need_one) return;
+  std::vector<std::string> there;
+  for (const Json& scene : other["scenes"]) there.push_back(sim::printable(scene["scene"].get<std::string>()));
+  throw sim::InputError(
+      fmt::format("{}: has no scene in common with these metrics; its scenes: {}", name, fmt::join(there, ", ")));
+}
+
+void compare_bench(Json& bench, const Json& other) {
+  for (Json& scene : bench["scenes"]) {
+    const Json* same = find_scene(other, scene["scene"]);
+    if (same == nullptr) continue;
+    Json ratios = Json::object();
+    for (const BenchMetric& metric : bench_metrics()) {
+      if (metric.kind == BenchMetric::Kind::kFact) continue;
+      if (!scene.contains(metric.name) || !same->contains(metric.name)) continue;
+      const double ratio = scene[metric.name].get<double>() / (*same)[metric.name].get<double>();
+      ratios[metric.name] = metric.kind == BenchMetric::Kind::kCost ? 1 / ratio : ratio;
+    }
+    scene["against"] = std::move(ratios);
+  }
+}
+
+std::string bench_table(const Json& bench) {
+  std::string text;
+  for (const bool compares : {false, true}) {
+    for (const bool is_partial : {false, true}) text += table_of(bench, is_partial, compares);
+  }
+  return text.substr(0, text.size() - 1);  // without the last empty line
 }
 
 }  // namespace tools

@@ -18,13 +18,13 @@
 namespace tools {
 namespace {
 
-double ratio(std::uint64_t part, std::uint64_t whole) {
+double ratio_or_zero(std::uint64_t part, std::uint64_t whole) {
   return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
 }
 
-/// Time in which a unit of the T&I waits for lines, as a share of the time in which it has rays.
+/// Returns the share of the time with rays in which a unit of the T&I waits for lines.
 template <class Unit>
-double missing(const Units<Unit>& units) {
+double miss_share(const Units<Unit>& units) {
   using Reason = typename Unit::CycleReason;
   const double there = 1 - units.share(Reason::kStarved);
   return there > 0
@@ -35,11 +35,11 @@ double missing(const Units<Unit>& units) {
 template <class Unit>
 CacheShare tree_cache(const char* name, const Units<Unit>& units, double share) {
   using Stats = typename Unit::Stats;
-  return {name, ratio(units.counted(&Stats::l1_hits), units.counted(&Stats::l1_accesses)),
-          ratio(units.counted(&Stats::l1_miss_cycles), units.counted(&Stats::l1_fills)), share};
+  return {name, ratio_or_zero(units.counted(&Stats::l1_hits), units.counted(&Stats::l1_accesses)),
+          ratio_or_zero(units.counted(&Stats::l1_miss_cycles), units.counted(&Stats::l1_fills)), share};
 }
 
-/// Cycles of a run and of its replicates.
+/// Returns the statistics of the cycles of a run and its replicates.
 Draws plays_of(const FrameResult& run) {
   std::vector<double> cycles = {static_cast<double>(run.cycles)};
   for (const FrameResult& replicate : run.replicates) cycles.push_back(static_cast<double>(replicate.cycles));
@@ -52,16 +52,16 @@ std::vector<CacheShare> cache_shares(std::span<const sim::UnitReport> units, con
   const Units<hw::Trv> trvs(units);
   const Units<hw::Ist> ists(units);
   const Units<hw::Srp> srps(units);
-  // A ray that is with the triangle unit waits as that unit does.
+  // A ray in the triangle unit waits as that unit does.
   const double there = 1 - trvs.share(hw::Trv::CycleReason::kStarved);
   const double at_ist = there > 0 ? trvs.share(hw::Trv::CycleReason::kIst) / there : 0;
-  const double nodes = missing(trvs), triangles = at_ist * missing(ists), all = nodes + triangles;
+  const double nodes = miss_share(trvs), triangles = at_ist * miss_share(ists), all = nodes + triangles;
   const double of_nodes = all > 0 ? time.tree_misses * nodes / all : 0;
   using Srp = hw::Srp::Stats;
   return {tree_cache("node", trvs, of_nodes),
           tree_cache("triangle", ists, time.tree_misses - of_nodes),
-          {"data", ratio(srps.counted(&Srp::cache_hits), srps.counted(&Srp::cache_accesses)),
-           ratio(srps.counted(&Srp::cache_miss_cycles), srps.counted(&Srp::cache_fills)), time.data_misses}};
+          {"data", ratio_or_zero(srps.counted(&Srp::cache_hits), srps.counted(&Srp::cache_accesses)),
+           ratio_or_zero(srps.counted(&Srp::cache_miss_cycles), srps.counted(&Srp::cache_fills)), time.data_misses}};
 }
 
 NoisySpeedup noisy_speedup(const Bottleneck& found, const Bound& bound) {

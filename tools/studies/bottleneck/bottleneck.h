@@ -12,46 +12,48 @@ namespace tools {
 
 class Progress;
 
-/// Cycles of a frame with one resource made ideal.
+/// Cycles of a frame with one ideal resource.
 struct Bound {
   std::string resource;
   std::uint64_t cycles = 0;  ///< cycles of the T&I clock
-  double estimated = 1;      ///< the speed-up that the counters of the run as configured promise
-  Draws plays{};             ///< cycles over all replicates
+  double estimated = 1;      ///< speed-up estimated from the counters of the configured run
+  Draws plays{};             ///< cycles of all replicates
 };
 
-/// First-level caches of a kind, by the run as configured. `ideal.l1` makes all of them perfect at once.
+/// First-level caches of a kind in the configured run. `ideal.l1` makes all kinds ideal.
 struct CacheShare {
   std::string name;          ///< "node", "triangle", "data"
-  double hit_rate = 0;       ///< share of the probes
-  double cycles_a_miss = 0;  ///< cycles of the cache's clock
-  double share = 0;          ///< part of the cores' time in which its misses are waited for
+  double hit_rate = 0;       ///< per probe
+  double cycles_a_miss = 0;  ///< in the clock of the cache
+  double share = 0;          ///< share of the time of the cores that waits for its misses
 };
 std::vector<CacheShare> cache_shares(std::span<const sim::UnitReport> units, const CoreTime& time);
 
-/// The limit of a frame by one run's counters, and the most that each resource could bring, by further runs.
+/// The bottleneck of a frame, estimated from the counters of one run and measured by runs with ideal resources.
 struct Bottleneck {
   std::uint64_t cycles = 0;
   std::string limiter;  ///< in words
   CoreTime time;
-  std::string named;  ///< the resource that the counters name
+  std::string named;  ///< resource with the largest estimate
   std::vector<Bound> bounds;
   std::vector<CacheShare> caches;
-  Draws plays{};             ///< cycles over all replicates, as configured
-  double assumed_noise = 0;  ///< default_noise() of cycles, where there are no replicates
+  Draws plays{};             ///< cycles of all replicates of the configured run
+  double assumed_noise = 0;  ///< default_noise() of cycles, used without replicates
   std::vector<std::string> warnings{};
-  double speedup(const Bound& bound) const { return static_cast<double>(cycles) / static_cast<double>(bound.cycles); }
+  double speedup_of(const Bound& bound) const {
+    return static_cast<double>(cycles) / static_cast<double>(bound.cycles);
+  }
 };
 
-/// Speed-up of mean over mean by replicates of both, or else that of the runs with the assumed noise.
+/// Speed-up and its noise: of means of replicates, or of single runs with the assumed noise.
 struct NoisySpeedup {
   double value = 1;
   double half_width = 0;  ///< half of its 95 % interval
-  bool outside = false;   ///< beyond what noise explains
+  bool outside = false;   ///< larger than the noise
 };
 NoisySpeedup noisy_speedup(const Bottleneck& found, const Bound& bound);
 
-/// Simulates the first frame once as configured and once with each resource made ideal. InputError, sim::Deadlock.
+/// Simulates the first frame as configured, and once with each resource ideal. InputError, sim::Deadlock.
 Bottleneck find_bottleneck(const JobOptions& options, Progress* progress = nullptr);
 
 }  // namespace tools

@@ -6,21 +6,36 @@
 #include <limits>
 #include <optional>
 #include <set>
+#include <span>
 #include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "hw_models/dram/dram_channel.h"
 #include "hw_models/machines/unit_kinds.h"
+#include "hw_models/memory/l2_bank.h"
+#include "hw_models/srp/srp.h"
+#include "hw_models/tni/ist.h"
+#include "hw_models/tni/trv.h"
+#include "sim/error.h"
+#include "sim/io/file.h"
+#include "sim/io/json.h"
+#include "sim/io/printable.h"
+#include "tools/analysis/picture.h"
 #include "tools/analysis/report_file.h"
 #include "tools/analysis/report_paths.h"
+#include "tools/analysis/units.h"
+#include "tools/pricing/idle_machine.h"
+#include "tools/run/run.h"
+#include "traces/scene/images.h"
 
 namespace tools {
 namespace {
 
 using sim::Json;
 
-/// Figures that people look at first: a name, and where a report has it.
+/// The main metrics: name and report path.
 constexpr std::array<std::pair<const char*, const char*>, 15> kFigures = {{
     {"cycles", "totals.cycles"},
     {"time_ms", "totals.time_ms"},
@@ -39,18 +54,18 @@ constexpr std::array<std::pair<const char*, const char*>, 15> kFigures = {{
     {"traced_ratio", "totals.traced_ratio"},
 }};
 
-/// By more than the rounding of a quotient or a sum.
-bool differ(const Pair& pair) {
+/// True if the values differ by more than rounding.
+bool is_different(const MetricPair& pair) {
   constexpr double kRounding = 1e-13;
   return std::abs(pair.difference()) > kRounding * std::max(std::abs(pair.a), std::abs(pair.b));
 }
 
-void sort_by_difference(std::vector<Pair>& pairs) {
-  std::erase_if(pairs, [](const Pair& pair) { return !differ(pair); });
-  std::ranges::stable_sort(pairs, std::greater<>(), [](const Pair& pair) { return std::abs(pair.difference()); });
+void sort_by_difference(std::vector<MetricPair>& pairs) {
+  std::erase_if(pairs, [](const MetricPair& pair) { return !is_different(pair); });
+  std::ranges::stable_sort(pairs, std::greater<>(), [](const MetricPair& pair) { return std::abs(pair.difference()); });
 }
 
-/// All paths of either report that begin with `prefix`, without it.
+/// Returns the paths of either report that begin with `prefix`, without the prefix.
 std::set<std::string> paths_below(const std::string& prefix, const ReportFile& a, const ReportFile& b) {
   std::set<std::string> out;
   for (const ReportFile* report : {&a, &b}) {
@@ -78,9 +93,9 @@ std::vector<KeyPair> config_difference(const ReportFile& a, const ReportFile& b)
   return out;
 }
 
-std::vector<Pair> times(const ReportFile& a, const ReportFile& b) {
+std::vector<MetricPair> time_pairs(const ReportFile& a, const ReportFile& b) {
   const std::string prefix = "totals.top_down.gpu.";
-  std::vector<Pair> out;
+  std::vector<MetricPair> out;
   for (const std::string& part : paths_below(prefix, a, b)) {
     if (part.starts_with("demands.")) continue;
     out.push_back({part, a.number(prefix + part) * a.number("totals.cycles"),
@@ -90,24 +105,24 @@ std::vector<Pair> times(const ReportFile& a, const ReportFile& b) {
   return out;
 }
 
-/// Is this a path of unit_sums()? No part of it but "l2" ends in a number.
+/// True if the unit is a sum over a kind of units (unit_sums()).
 bool is_sum(const ReportFile& report, const std::string& unit) { return report.has("units." + unit + ".units"); }
 
-/// Time in which a unit does nothing, or the tile buffer just keeps: what the other reasons leave.
+/// True for idle time, and for time in which the tile buffer only stores: the complement of other reasons.
 bool is_rest(std::string_view unit, std::string_view reason) {
   const std::optional<sim::ReasonKind> kind = hw::kind_of_reason(unit, reason);
   return kind == sim::ReasonKind::kIdle || (unit == hw::TileBuffer::kName && kind == sim::ReasonKind::kBackground);
 }
 
-/// T&I cycles that an average unit of a kind gave to a reason.
+/// Returns the T&I cycles of an average unit of a kind with a reason.
 double mean_cycles(const ReportFile& report, const std::string& unit, const std::string& reason) {
   const double elapsed = report.number("units." + unit + ".elapsed");
   return elapsed == 0 ? 0
                       : report.number("units." + unit + ".why." + reason) / elapsed * report.number("totals.cycles");
 }
 
-std::vector<Pair> reasons(const ReportFile& a, const ReportFile& b) {
-  std::vector<Pair> out;
+std::vector<MetricPair> reason_pairs(const ReportFile& a, const ReportFile& b) {
+  std::vector<MetricPair> out;
   for (const std::string& path : paths_below("units.", a, b)) {
     const std::size_t why = path.find(".why.");
     if (why == std::string::npos) continue;
@@ -120,9 +135,9 @@ std::vector<Pair> reasons(const ReportFile& a, const ReportFile& b) {
   return out;
 }
 
-std::vector<Pair> blocks(const ReportFile& a, const ReportFile& b) {
+std::vector<MetricPair> block_pairs(const ReportFile& a, const ReportFile& b) {
   const std::string prefix = "totals.energy_by_block_mj.";
-  std::vector<Pair> out;
+  std::vector<MetricPair> out;
   for (const std::string& path : paths_below(prefix, a, b)) {
     if (!path.ends_with(".nominal")) continue;
     out.push_back({path.substr(0, path.find('.')), a.number(prefix + path), b.number(prefix + path)});
@@ -131,9 +146,9 @@ std::vector<Pair> blocks(const ReportFile& a, const ReportFile& b) {
   return out;
 }
 
-std::vector<Pair> events(const ReportFile& a, const ReportFile& b) {
+std::vector<MetricPair> event_pairs(const ReportFile& a, const ReportFile& b) {
   const std::string prefix = "totals.energy_by_event_mj.", kinds = "totals.energy_by_kind_mj.";
-  std::vector<Pair> out;
+  std::vector<MetricPair> out;
   for (const std::string& path : paths_below(prefix, a, b)) {
     const std::size_t dot = path.find('.');
     out.push_back({path.substr(0, dot) + " " + path.substr(dot + 1), a.number(prefix + path), b.number(prefix + path)});
@@ -146,15 +161,15 @@ std::vector<Pair> events(const ReportFile& a, const ReportFile& b) {
   return out;
 }
 
-/// The larger of the two is so many times the other, or without end.
-double factor(const Pair& pair) {
+/// Returns the larger value divided by the smaller; infinity if that is 0.
+double change_factor(const MetricPair& pair) {
   const auto [low, high] = std::minmax(pair.a, pair.b);
   return low == 0 ? std::numeric_limits<double>::infinity() : high / low;
 }
 
-std::vector<Pair> counters(const ReportFile& a, const ReportFile& b) {
+std::vector<MetricPair> counter_pairs(const ReportFile& a, const ReportFile& b) {
   const double least = 0.01 * std::max(a.number("totals.rays.total"), b.number("totals.rays.total"));
-  std::vector<Pair> out;
+  std::vector<MetricPair> out;
   for (const std::string& path : paths_below("units.", a, b)) {
     const std::size_t at = path.find(".counters.");
     if (at == std::string::npos) continue;
@@ -170,12 +185,12 @@ std::vector<Pair> counters(const ReportFile& a, const ReportFile& b) {
     }
   }
   sort_by_difference(out);
-  std::erase_if(out, [&](const Pair& pair) { return std::abs(pair.difference()) <= least; });
-  std::ranges::stable_sort(out, std::greater<>(), factor);
+  std::erase_if(out, [&](const MetricPair& pair) { return std::abs(pair.difference()) <= least; });
+  std::ranges::stable_sort(out, std::greater<>(), change_factor);
   return out;
 }
 
-/// "9 frames, 2 to 10" of several.
+/// "2 to 10"
 std::string frames_text(const ReportFile& report) {
   const auto frames = report.json.find("frames");
   const std::size_t count = frames != report.json.end() && frames->is_array() ? frames->size() : 0;
@@ -188,7 +203,7 @@ std::string program_of(const ReportFile& report) {
   return program != report.json.end() && program->is_string() ? program->get<std::string>() : "unknown";
 }
 
-std::vector<std::string> other_work(const ReportFile& a, const ReportFile& b) {
+std::vector<std::string> work_differences(const ReportFile& a, const ReportFile& b) {
   std::vector<std::string> out;
   const auto check = [&](const char* what, const std::string& of_a, const std::string& of_b) {
     if (of_a != of_b) out.push_back(fmt::format("{}: {} and {}", what, of_a, of_b));
@@ -198,7 +213,7 @@ std::vector<std::string> other_work(const ReportFile& a, const ReportFile& b) {
   };
   check("scenes", a.text("scene", "name"), b.text("scene", "name"));
   if (out.empty() && a.text("provenance", "scene_sha256") != b.text("provenance", "scene_sha256")) {
-    out.emplace_back("scenes: of the same name, but not the same (scene_sha256)");
+    out.emplace_back("scenes: same name, different contents (scene_sha256)");
   }
   check("programs", program_of(a), program_of(b));
   check("resolutions", size(a), size(b));
@@ -206,11 +221,121 @@ std::vector<std::string> other_work(const ReportFile& a, const ReportFile& b) {
   return out;
 }
 
+/// A ratio of counters, summed over all units of a kind.
+struct Ratio {
+  const char* name;
+  std::string part;
+  std::string whole;
+  std::string more{};  ///< added to `whole`
+  bool rest = false;   ///< 1 minus the ratio
+};
+
+std::vector<Ratio> ratios_of_counters() {
+  using Trv = hw::Trv::Stats;
+  using Ist = hw::Ist::Stats;
+  using Srp = hw::Srp::Stats;
+  using L2 = hw::L2Bank::Stats;
+  using Dram = hw::DramChannel::Stats;
+  const auto trv = [](auto counter) { return counter_path<hw::Trv>(counter); };
+  const auto ist = [](auto counter) { return counter_path<hw::Ist>(counter); };
+  const auto srp = [](auto counter) { return counter_path<hw::Srp>(counter); };
+  const auto l2 = [](auto counter) { return counter_path<hw::L2Bank>(counter); };
+  const auto dram = [](auto counter) { return counter_path<hw::DramChannel>(counter); };
+  return {{"node L1 hit rate", trv(&Trv::l1_hits), trv(&Trv::l1_accesses)},
+          {"node L1 cycles a miss", trv(&Trv::l1_miss_cycles), trv(&Trv::l1_fills)},
+          {"triangle L1 hit rate", ist(&Ist::l1_hits), ist(&Ist::l1_accesses)},
+          {"triangle L1 cycles a miss", ist(&Ist::l1_miss_cycles), ist(&Ist::l1_fills)},
+          {"data cache hit rate", srp(&Srp::cache_hits), srp(&Srp::cache_accesses)},
+          {"data cache cycles a miss", srp(&Srp::cache_miss_cycles), srp(&Srp::cache_fills)},
+          {"L2 hit rate", l2(&L2::hits), l2(&L2::reads)},
+          {"L2 cycles a read", l2(&L2::latency), l2(&L2::reads)},
+          {"DRAM row hit rate", dram(&Dram::row_hits), dram(&Dram::reads), dram(&Dram::writes)},
+          {"DRAM clocks a read", dram(&Dram::read_latency), dram(&Dram::reads)},
+          {"IST early exit rate", ist(&Ist::edge_tests), ist(&Ist::tests), {}, true},
+          {"node visits a ray", trv(&Trv::visits), trv(&Trv::rays_in)}};
+}
+
+std::vector<MetricPair> ratio_pairs(const ReportFile& a, const ReportFile& b) {
+  std::vector<MetricPair> out;
+  for (const Ratio& ratio : ratios_of_counters()) {
+    const auto of = [&](const ReportFile& report) {
+      double whole = report.number(ratio.whole);
+      if (!ratio.more.empty()) whole += report.number(ratio.more);
+      const double share = whole == 0 ? 0 : report.number(ratio.part) / whole;
+      return ratio.rest && whole != 0 ? 1 - share : share;
+    };
+    const MetricPair pair{ratio.name, of(a), of(b)};
+    if (pair.a != pair.b) out.push_back(pair);
+  }
+  return out;
+}
+
+void compare_energy(const ReportFile& a, const ReportFile& b, Comparison& out) {
+  try {
+    PricedRun of_a(a), of_b(b);
+    out.energy = {energy_ratio(of_a, of_b, ""), energy_ratio(of_a, of_b, "tni"), tornado(of_a, of_b, "")};
+  } catch (const sim::InputError& error) {
+    out.no_energy = error.what();
+  }
+}
+
+constexpr std::uint64_t kLargestPicture = 1ULL << 30;
+
+double squared_error(const traces::Texture& a, const traces::Texture& b) {
+  double squares = 0;
+  for (std::size_t i = 0; i < a.texels.size(); ++i) {
+    for (const unsigned shift : {0U, 8U, 16U}) {
+      const auto channel = [&](std::uint32_t texel) { return static_cast<double>((texel >> shift) & 0xff) / 255; };
+      const double difference = channel(a.texels[i]) - channel(b.texels[i]);
+      squares += difference * difference;
+    }
+  }
+  return squares / (3 * static_cast<double>(a.texels.size()));
+}
+
+traces::Texture read_png(const std::filesystem::path& file) {
+  const std::string bytes = sim::read_file(file, kLargestPicture);
+  return traces::read_image(std::as_bytes(std::span(bytes.data(), bytes.size())), file.string());
+}
+
+/// True if the file exists, whether it is a picture or not.
+bool has_picture(const ReportFile& report, const char* type) {
+  std::error_code failed;
+  return std::filesystem::exists(std::filesystem::symlink_status(report.picture(type), failed));
+}
+
+bool both_have_picture(const ReportFile& a, const ReportFile& b, const char* type) {
+  return has_picture(a, type) && has_picture(b, type);
+}
+
+template <class Image>
+bool have_same_size(const Image& a, const Image& b, Comparison& out) {
+  if (a.width == b.width && a.height == b.height) return true;
+  out.no_picture = fmt::format("sizes differ: {}x{} and {}x{}", a.width, a.height, b.width, b.height);
+  return false;
+}
+
+void compare_pictures(const ReportFile& a, const ReportFile& b, Comparison& out) {
+  try {
+    if (both_have_picture(a, b, "exr")) {
+      const traces::FloatImage of_a = traces::read_exr(a.picture("exr")), of_b = traces::read_exr(b.picture("exr"));
+      if (have_same_size(of_a, of_b, out)) out.squared_error = mean_squared_error(of_a.rgb, of_b.rgb);
+    } else if (both_have_picture(a, b, "png")) {
+      const traces::Texture of_a = read_png(a.picture("png")), of_b = read_png(b.picture("png"));
+      if (have_same_size(of_a, of_b, out)) out.squared_error = squared_error(of_a, of_b);
+    } else {
+      out.no_picture = "not both have one";
+    }
+  } catch (const sim::InputError& error) {
+    out.no_picture = error.what();  // the metrics can be compared without pictures
+  }
+}
+
 }  // namespace
 
 Comparison compare(const ReportFile& a, const ReportFile& b) {
   Comparison out;
-  out.other_work = other_work(a, b);
+  out.other_work = work_differences(a, b);
   out.config = config_difference(a, b);
   out.other_clock = std::ranges::find(out.config, "clocks.tni", &KeyPair::key) != out.config.end();
   for (const auto& [name, path] : kFigures) {
@@ -218,16 +343,16 @@ Comparison compare(const ReportFile& a, const ReportFile& b) {
         path == std::string_view("totals.traced_ratio") && a.number(path) == 1 && b.number(path) == 1;
     if (!says_nothing && (a.has(path) || b.has(path))) {
       const std::string figure = metric_name(path);
-      out.figures.push_back({name, a.number(path), b.number(path), {}, figure});
-      if (!out.says_nothing_of(figure)) out.figures.back().noise = noisy_difference(a, b, figure);
+      out.metrics.push_back({name, a.number(path), b.number(path), {}, figure});
+      if (!out.is_meaningless(figure)) out.metrics.back().noise = noisy_difference(a, b, figure);
     }
   }
-  out.time = times(a, b);
-  out.reasons = reasons(a, b);
-  out.blocks = blocks(a, b);
-  out.events = events(a, b);
-  out.counters = counters(a, b);
-  out.ratios = ratios(a, b);
+  out.time = time_pairs(a, b);
+  out.reasons = reason_pairs(a, b);
+  out.blocks = block_pairs(a, b);
+  out.events = event_pairs(a, b);
+  out.counters = counter_pairs(a, b);
+  out.ratios = ratio_pairs(a, b);
   compare_energy(a, b, out);
   compare_pictures(a, b, out);
   return out;
@@ -240,39 +365,66 @@ std::vector<std::string> comparison_warnings(const std::vector<ReportFile>& repo
   for (const ReportFile& report : reports) {
     const auto partial = report.json.find("partial");
     if (partial != report.json.end() && *partial == true) {
-      out.push_back(fmt::format("{}: is of a run that was interrupted", report.file.string()));
+      out.push_back(fmt::format("{}: the run was interrupted", report.file.string()));
     }
     if (report.has("totals.sampled.tiles")) {
-      out.push_back(fmt::format("{}: figures are estimates (--tile-sampling), which may explain small differences",
+      out.push_back(fmt::format("{}: metrics are estimates (--tile-sampling), which may explain small differences",
                                 report.file.string()));
     }
     if (report.has("totals.sliced.cycles.estimate")) {
-      out.push_back(fmt::format("{}: figures are sums of slices (--slices), which may explain small differences",
+      out.push_back(fmt::format("{}: metrics are sums of slices (--slices), which may explain small differences",
                                 report.file.string()));
     }
     if (report.has("totals.extrapolated") && report.number("totals.extrapolated") > 0) {
-      out.push_back(
-          fmt::format("{}: has figures beyond what the tables cover, as its warnings[] say", report.file.string()));
+      out.push_back(fmt::format("{}: some metrics are extrapolated, see its warnings[]", report.file.string()));
     }
   }
   for (std::size_t i = 0; i < against.size(); ++i) {
     const std::string name = reports[i + 1].file.string();
     for (const std::string& what : against[i].other_work) {
-      out.push_back(fmt::format("{} and {} had other work to do: {}", first, name, what));
+      out.push_back(fmt::format("{} and {} did different work: {}", first, name, what));
     }
     if (against[i].other_clock) {
       out.push_back(
-          fmt::format("{} and {} have T&I clocks of their own (clocks.tni): compare times, not cycles", first, name));
+          fmt::format("{} and {} have different T&I clocks (clocks.tni): compare times, not cycles", first, name));
     }
     const auto model = [](const ReportFile& report) { return report.text("provenance", "model_id"); };
     if (model(reports[0]) != model(reports[i + 1])) {
       out.push_back(
-          fmt::format("{} and {} were made by different models (model_id): the program explains "
-                      "differences as well as the configuration does",
+          fmt::format("{} and {} were made by different models (model_id): the program may "
+                      "also explain differences",
                       first, name));
     }
   }
   return out;
+}
+
+void add_replicates(ReportFile& report, std::uint32_t count, std::uint32_t threads, Progress* progress) {
+  if (report.number("totals.replicates.count") >= count) return;
+  const auto refuse = [&](const std::string& why) {
+    throw sim::InputError(fmt::format(
+        "--replicates: {}: {}; allowed: reports of complete runs by this version's model, with the scene in its place",
+        sim::printable(report.file.string()), why));
+  };
+  if (report.json.value("partial", false)) refuse("the run was interrupted");
+  if (report.has("totals.sampled.tiles")) refuse("has estimates (--tile-sampling), and replicates simulate all tiles");
+  if (report.has("totals.sliced.cycles.estimate"))
+    refuse("has sums of slices (--slices), and replicates simulate all tiles");
+  const auto program = report.json.find("program");
+  if (program == report.json.end() || !program->is_string()) refuse("has no frame program");
+  JobOptions options;
+  options.program = program->get<std::string>();
+  options.threads = threads;
+  options.replicates = count;
+  sim::Json played = plain_report(load_inputs(reported_config(report), threads, progress), options, progress);
+  const auto cycles = played["totals"]["cycles"].get<double>();
+  if (cycles != report.number("totals.cycles")) {
+    refuse(fmt::format("has {:.0f} cycles, but a repetition takes {:.0f}", report.number("totals.cycles"), cycles));
+  }
+  for (ReportNumber& number : report_numbers(played)) {
+    if (number.path.starts_with("totals.replicates.")) report.numbers[std::move(number.path)] = number.value;
+  }
+  report.json["totals"]["replicates"] = std::move(played["totals"]["replicates"]);
 }
 
 }  // namespace tools

@@ -9,7 +9,9 @@
 
 #include "hw_models/machines/gpu_config.h"
 #include "sim/error.h"
+#include "sim/io/json.h"
 #include "sim/io/printable.h"
+#include "sim/report/report_json.h"
 #include "sim/report/table.h"
 #include "tools/analysis/report.h"
 #include "tools/pricing/idle_machine.h"
@@ -22,21 +24,21 @@ namespace tools {
 namespace {
 
 constexpr double kHzPerMhz = 1e6;
-/// Share of a period by which a frame may be longer and still be taken to meet it: rounding alone.
+/// Tolerance of the period for rounding.
 constexpr double kPeriodRounding = 1e-9;
 
-void check_domains(const std::vector<std::string>& asked) {
+void check_domains(const std::vector<std::string>& names) {
   std::vector<std::string> known;
   for (const ClockDomain& domain : clock_domains()) known.emplace_back(domain.name);
-  for (const std::string& name : asked) {
+  for (const std::string& name : names) {
     if (std::ranges::find(known, name) != known.end()) continue;
-    throw sim::InputError(fmt::format("--clocks: no clock domain is called '{}'{}; allowed: {}", sim::printable(name),
+    throw sim::InputError(fmt::format("--clocks: there is no clock domain '{}'{}; allowed: {}", sim::printable(name),
                                       traces::did_you_mean(name, known), fmt::join(known, ", ")));
   }
 }
 
-/// The configuration with clocks times a factor, each at the voltage that it needs.
-RunConfig at_factor(const RunConfig& base, const std::vector<std::string>& domains, double factor) {
+/// Returns the configuration with scaled clocks, each at the voltage that it needs.
+RunConfig config_at_factor(const RunConfig& base, const std::vector<std::string>& domains, double factor) {
   RunConfig config = base;
   config.power.voltage = sim::Voltage::kDvfs;
   for (const ClockDomain& domain : clock_domains()) {
@@ -48,13 +50,13 @@ RunConfig at_factor(const RunConfig& base, const std::vector<std::string>& domai
   return config;
 }
 
-/// Power between frames: what gating leaves of the chip's leakage, and the memory powered down.
+/// Returns the power between frames: the leakage of the gated chip, and the memory in power-down.
 double idle_mw(const RunConfig& config, const FrameResult& s, double ms) {
   constexpr double kPicojoulesPerMicrojoule = 1e6;  // uJ / ms = mW
   double leakage_pj = 0;
   for (const ClockDomain& domain : clock_domains()) {
     for (const std::string& block : domain.blocks) {
-      const auto of_block = s.energy.blocks.find(block);  // a machine may have no rasteriser
+      const auto of_block = s.energy.blocks.find(block);  // the rasteriser may be absent
       if (of_block != s.energy.blocks.end()) leakage_pj += of_block->second.leakage.nominal;
     }
   }
@@ -101,7 +103,7 @@ DvfsCurve dvfs_curve(const DvfsOptions& options, Progress* progress) {
   print_warnings(inputs.warnings, progress);
   check_table_names(idle_units(*inputs.config.gpu), inputs.config);
   std::vector<RunConfig> configs;
-  for (const double factor : factors) configs.push_back(at_factor(inputs.config, options.domains, factor));
+  for (const double factor : factors) configs.push_back(config_at_factor(inputs.config, options.domains, factor));
   const std::vector<FrameResult> runs = simulate_configs(inputs, kernels::parse_program(options.job.program), configs,
                                                          "dvfs", options.job.threads, progress);
   DvfsCurve curve;
@@ -119,6 +121,74 @@ DvfsCurve dvfs_curve(const DvfsOptions& options, Progress* progress) {
   for (const DvfsPoint& point : curve.points) slowest = std::max(slowest, point.ms);
   choose_points(curve, options.fps > 0 ? 1000 / options.fps : slowest);
   return curve;
+}
+
+namespace {
+
+using sim::Json;
+
+std::string marks_of(const DvfsCurve& curve, std::size_t i) {
+  std::string marks;
+  const auto mark = [&](bool is, const char* name) {
+    if (is) marks += (marks.empty() ? "" : ", ") + std::string(name);
+  };
+  mark(i == curve.energy_optimal, "energy-optimal");
+  mark(i == curve.race_to_idle && curve.points[i].period_mj >= 0, "race to idle");
+  mark(i == curve.least_a_period && curve.points[i].period_mj >= 0, "least per period");
+  return marks;
+}
+
+}  // namespace
+
+std::string dvfs_text(const DvfsCurve& curve) {
+  sim::Table table({"clocks x", "MHz", "V", "ms", "frames/s", "W", "mJ per frame", "frames/J", "mJ per period", ""});
+  for (std::size_t i = 0; i < curve.points.size(); ++i) {
+    const DvfsPoint& p = curve.points[i];
+    std::string mhz, volt;
+    for (std::size_t d = 0; d < p.mhz.size(); ++d) {
+      mhz += fmt::format("{}{:.4g}", d == 0 ? "" : "/", p.mhz[d]);
+      volt += fmt::format("{}{:.3f}", d == 0 ? "" : "/", p.volt[d]);
+    }
+    table.add_row({fmt::format("{:.4g}", p.factor), mhz, volt, sim::four_digits(p.ms),
+                   sim::four_digits(p.frames_per_second()), sim::four_digits(p.power_w()),
+                   sim::four_digits(p.mj.nominal), sim::four_digits(1000 / p.mj.nominal),
+                   p.period_mj < 0 ? std::string("too slow") : sim::four_digits(p.period_mj), marks_of(curve, i)});
+  }
+  const bool is_met = curve.points[curve.least_a_period].period_mj >= 0;
+  return fmt::format(
+      "clocks and voltages of T&I units / shader cores / L2; the memory clock is constant\n\n{}\n"
+      "a period is {} ms, {} frames/s: a frame, then idle{}\n",
+      table.text(), sim::four_digits(curve.period_ms), sim::four_digits(1000 / curve.period_ms),
+      is_met ? "" : "; no clock of the curve is fast enough");
+}
+
+Json dvfs_json(const DvfsCurve& curve) {
+  Json points = Json::array();
+  for (const DvfsPoint& p : curve.points) {
+    Json mhz = Json::object(), volt = Json::object();
+    for (std::size_t d = 0; d < p.mhz.size(); ++d) {
+      mhz[std::string(clock_domains()[d].name)] = p.mhz[d];
+      volt[std::string(clock_domains()[d].name)] = p.volt[d];
+    }
+    points.push_back({{"factor", p.factor},
+                      {"mhz", mhz},
+                      {"volt", volt},
+                      {"cycles", p.cycles},
+                      {"time_ms", p.ms},
+                      {"fps", p.frames_per_second()},
+                      {"energy_mj", sim::band_json(p.mj)},
+                      {"power_w", p.power_w()},
+                      {"idle_mw", p.idle_mw},
+                      {"period_mj", p.period_mj < 0 ? Json(nullptr) : Json(p.period_mj)}});
+  }
+  return {
+      {"schema", "raywatt-dvfs/1"},
+      {"period_ms", curve.period_ms},
+      {"energy_optimal", curve.energy_optimal},
+      {"race_to_idle", curve.race_to_idle},
+      {"least_a_period", curve.points[curve.least_a_period].period_mj < 0 ? Json(nullptr) : Json(curve.least_a_period)},
+      {"warnings", curve.warnings},
+      {"points", points}};
 }
 
 }  // namespace tools

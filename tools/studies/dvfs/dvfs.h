@@ -14,37 +14,38 @@ class Progress;
 struct DvfsOptions {
   JobOptions job;
   std::vector<double> factors = {0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1, 1.1, 1.2};  ///< times the configured clocks
-  std::vector<std::string> domains = {"tni", "srp", "l2"};                         ///< those whose clocks move
-  double fps = 0;  ///< frames a second that are wanted; 0: those of the slowest point
+  std::vector<std::string> domains = {"tni", "srp", "l2"};                         ///< domains whose clocks are scaled
+  double fps = 0;  ///< target frame rate; 0: of the slowest point
 };
 
-/// The frame at clocks that are a factor times the configured ones.
+/// The frame at scaled clocks.
 struct DvfsPoint {
   double factor = 1;
-  std::vector<double> mhz, volt;  ///< clock and voltage of each domain
-  std::uint64_t cycles = 0;       ///< cycles of the T&I clock
+  std::vector<double> mhz, volt;  ///< of each domain
+  std::uint64_t cycles = 0;       ///< of the T&I clock
   double ms = 0;
-  sim::Band mj;           ///< a frame
-  double idle_mw = 0;     ///< between frames
-  double period_mj = -1;  ///< a frame and the rest of its period; negative: it takes longer than that
-  double watt() const { return mj.nominal / ms; }
-  double fps() const { return 1000 / ms; }
+  sim::Band mj;        ///< per frame
+  double idle_mw = 0;  ///< power between frames
+  double period_mj =
+      -1;  ///< energy of a frame and the rest of its period; negative: the frame is longer than the period
+  double power_w() const { return mj.nominal / ms; }
+  double frames_per_second() const { return 1000 / ms; }
 };
 
-/// Figures of a frame over the clock, by rising factor, with the memory's clock as it is.
+/// Points of a frame at ascending clocks. The clock of the memory is constant.
 struct DvfsCurve {
   std::vector<DvfsPoint> points;
   double period_ms = 0;
   std::vector<std::string> warnings;
-  std::size_t energy_optimal = 0;  ///< least energy a frame, whatever becomes of the time after it
-  std::size_t race_to_idle = 0;    ///< the fastest, then idle for the rest of the period
-  std::size_t least_a_period = 0;  ///< least energy of frame and rest
+  std::size_t energy_optimal = 0;  ///< point with the least energy per frame
+  std::size_t race_to_idle = 0;    ///< fastest point; idle for the rest of the period
+  std::size_t least_a_period = 0;  ///< point with the least energy per period
 };
 
-/// Names the points of a curve whose frames are known: period energies, and which points are which.
+/// Computes the energy per period of all points, and the three special points.
 void choose_points(DvfsCurve& curve, double period_ms);
 
-/// The first frame, recorded once and played on a machine for each factor. InputError, sim::Deadlock, Interrupted.
+/// Records the first frame once and simulates it for each factor. InputError, sim::Deadlock, Interrupted.
 DvfsCurve dvfs_curve(const DvfsOptions& options, Progress* progress = nullptr);
 
 std::string dvfs_text(const DvfsCurve& curve);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <functional>
 #include <map>
 #include <set>
 
@@ -10,22 +12,97 @@
 
 #include "hw_models/dram/dram_energy.h"
 #include "hw_models/machines/gpu_config.h"
+#include "sim/config/load.h"
 #include "sim/config/quantity.h"
 #include "sim/error.h"
+#include "sim/io/file.h"
 #include "sim/io/printable.h"
 #include "sim/report/energy_table.h"
+#include "tools/host/paths.h"
 #include "tools/pricing/idle_machine.h"
 #include "tools/pricing/priced_run.h"
 #include "tools/run/frame/load_config.h"
-#include "tools/studies/energy/origins.h"
 #include "traces/scene/did_you_mean.h"
 
 namespace tools {
 namespace {
 
+namespace fs = std::filesystem;
+
+constexpr std::uint64_t kLargestConfig = 4 << 20;
+
+/// Returns the comment of a line, without "source:".
+std::string comment_of(const std::string& text, int line) {
+  std::size_t begin = 0;
+  for (int i = 1; i < line; ++i) begin = text.find('\n', begin) + 1;
+  const std::string whole = text.substr(begin, text.find('\n', begin) - begin);
+  const std::size_t comment = whole.find("# ");
+  if (comment == std::string::npos) return "no comment";
+  const std::string comment_text = whole.substr(comment + 2);
+  return comment_text.starts_with("source: ") ? comment_text.substr(8) : comment_text;
+}
+
+/// Returns the last part of a path.
+std::string last_part(const std::string& path) { return path.substr(path.rfind('.') + 1); }
+
+/// Records the origin of each value while files and settings override each other.
+class Layers {
+ public:
+  explicit Layers(std::map<std::string, std::string>& out) : out_(out) {}
+
+  void add_file(const std::string& prefix, const fs::path& path) {
+    const std::string text = sim::read_file(path, kLargestConfig);
+    add_mapping(prefix, *sim::parse_yaml_mapping(text, path.string()), path.parent_path(),
+                [&](int line) { return fmt::format("{}  ({}:{})", comment_of(text, line), path.string(), line); });
+  }
+
+  /// Adds "KEY=VALUE". A value in braces sets several keys.
+  void add_set(const std::string& text) {
+    const std::size_t equals = text.find('=');
+    const std::string value = text.substr(equals + 1), origin = "--set " + text;
+    std::string key = text.substr(0, equals);
+    for (const std::string end : {".nominal", ".extends"}) {
+      if (key.ends_with(end)) key.resize(key.size() - end.size());
+      if (text.substr(0, equals) == key + ".extends") add_file(key, sim::find_config(value, {}, text, last_part(key)));
+    }
+    if (value.starts_with('{')) {
+      add_mapping(key, *sim::parse_yaml_mapping(value, origin), {}, [&](int) { return origin; });
+    }
+    out_[key] = origin;
+  }
+
+ private:
+  /// `origin` returns the origin of a line.
+  void add_mapping(const std::string& prefix, const sim::YamlNode& node, const fs::path& folder,
+                   const std::function<std::string(int)>& origin) {
+    if (const auto* base = node.find("extends"))
+      add_file(prefix, sim::find_config(base->value->scalar, folder, "extends", last_part(prefix)));
+    for (const sim::YamlNode::Entry& entry : node.entries) {
+      const std::string key = prefix.empty() ? entry.key : prefix + "." + entry.key;
+      out_[key] = origin(entry.key_at.line);
+      if (entry.value->kind == sim::YamlNode::Kind::kMapping) add_mapping(key, *entry.value, folder, origin);
+    }
+  }
+
+  std::map<std::string, std::string>& out_;
+};
+
+}  // namespace
+
+std::map<std::string, std::string> config_origins(const std::string& config, const std::vector<std::string>& sets) {
+  sim::set_config_search_path(config_folders());
+  std::map<std::string, std::string> out;
+  Layers layers(out);
+  layers.add_file("", find_config(config));
+  for (const std::string& set : sets) layers.add_set(set);
+  return out;
+}
+
+namespace {
+
 constexpr std::string_view kEvents = "energy.events.";
 
-/// Where each figure was given, by its full name.
+/// Origin of each value, by its full name.
 using Origins = std::map<std::string, std::string>;
 
 /// "core0.tni.trv2" -> "core.tni.trv"
@@ -41,7 +118,7 @@ std::string kind_of(const std::string& path) {
   return out;
 }
 
-/// Counters by the event that they name, in words.
+/// Returns the counters of each event, in words.
 std::map<std::string, std::set<std::string>> counted_by(const std::vector<sim::UnitReport>& units) {
   std::map<std::string, std::set<std::string>> out;
   for (const sim::UnitReport& unit : units) {
@@ -52,15 +129,15 @@ std::map<std::string, std::set<std::string>> counted_by(const std::vector<sim::U
   return out;
 }
 
-/// Entry and what multiplies it.
+/// Finds the counters and units that use an entry.
 class Users {
  public:
   explicit Users(const RunConfig& config)
       : config_(config), units_(idle_units(*config.gpu, true)), counters_(counted_by(units_)) {}
 
-  const std::vector<sim::UnitReport>& units() const { return units_; }
+  const std::vector<sim::UnitReport>& all_units() const { return units_; }
 
-  std::set<std::string> of(const EnergyEntry& entry) const {
+  std::set<std::string> users_of(const EnergyEntry& entry) const {
     if (entry.name.starts_with(kEvents)) return of_event(entry.name.substr(kEvents.size()));
     for (const std::string table : {"energy.logic.", "energy.flops."}) {
       if (entry.name.starts_with(table)) return units_of(entry.name.substr(table.size()));
@@ -77,7 +154,7 @@ class Users {
     const auto found = counters_.find(event);
     return found == counters_.end() ? std::set<std::string>{} : found->second;
   }
-  /// Units that have no entry of their own stand under their block's.
+  /// Returns the units of an entry. Units without their own entry use the entry of their block.
   std::set<std::string> units_of(const std::string& entry) const {
     std::map<std::string, std::size_t> kinds;
     for (const sim::UnitReport& unit : units_) {
@@ -90,7 +167,7 @@ class Users {
     for (const auto& [kind, count] : kinds) out.insert(fmt::format("{} units {}", count, kind));
     return out;
   }
-  /// Units that hold a part, and how many of it each.
+  /// Returns the units that contain a part, and its number per unit.
   std::set<std::string> units_with(const std::string& entry) const {
     std::map<std::pair<std::string, std::uint32_t>, std::size_t> kinds;
     for (const sim::UnitReport& unit : units_) {
@@ -105,7 +182,7 @@ class Users {
     }
     return out;
   }
-  /// Events of the memory that change with a figure.
+  /// Returns the events of the memory that depend on a value.
   std::set<std::string> of_device(const std::string& name) const {
     RunConfig changed = config_;
     for (EnergyEntry& entry : energy_entries(changed)) {
@@ -130,14 +207,14 @@ std::string band_text(const sim::Band& s, const std::string& unit) {
   return (unit.empty() ? band : band + " " + unit) + (s.low == s.high ? "  (no band)" : "");
 }
 
-/// Bytes of "cache.l1_read@16KiB"; 0 for what is no point of a curve.
+/// Returns the bytes of "cache.l1_read@16KiB"; 0 if it is not a point of a curve.
 double size_of(const EnergyEntry::Figure& figure) {
   const std::size_t at = figure.name.find('@');
   if (at == std::string::npos) return 0;
   return static_cast<double>(sim::read_quantity(figure.name.substr(at + 1), sim::byte_units()));
 }
 
-/// Exponent with which a curve rises from each of its points to the next.
+/// Returns the exponents of a curve between its points.
 std::string curve_text(const EnergyEntry& entry) {
   std::vector<std::string> steps;
   for (auto a = entry.figures.begin(), b = std::next(a); b != entry.figures.end(); ++a, ++b) {
@@ -147,7 +224,7 @@ std::string curve_text(const EnergyEntry& entry) {
     };
     steps.push_back(fmt::format("{:.2f} from {} to {}", power, text(*a), text(*b)));
   }
-  return fmt::format("  rises with size to the power {}; beyond the points on as at the nearest\n",
+  return fmt::format("  grows with size to the power {}; extrapolated with the nearest exponent\n",
                      fmt::join(steps, ", "));
 }
 
@@ -165,13 +242,13 @@ std::string entry_text(const EnergyEntry& entry, const Users& users, const Origi
                        sim::printable(origin == origins.end() ? "by default" : origin->second, 2000));
   }
   if (entry.figures.size() > 1) out += curve_text(entry);
-  const std::set<std::string> counters = users.of(entry);
+  const std::set<std::string> counters = users.users_of(entry);
   if (counters.empty()) return out + "  " + entry.meaning + "\n";
   for (const std::string& counter : counters) out += "  counted by " + counter + "\n";
   return out;
 }
 
-/// Adds what an entry may be called, or a group that it is in: each run of the parts of its name.
+/// Adds all names of an entry and its groups: each contiguous part of its path.
 void add_names(const EnergyEntry& entry, std::set<std::string>& known) {
   const std::string name = entry.name + ".";
   for (std::size_t begin = 0; begin < name.size(); begin = name.find('.', begin) + 1) {
@@ -199,7 +276,7 @@ std::string energy_show(const JobOptions& options, const std::string& name) {
   RunConfig config = load_run_config(options);
   const Origins origins = config_origins(options.config, options.sets);
   const Users users(config);
-  check_table_names(users.units(), config);
+  check_table_names(users.all_units(), config);
   std::string out;
   std::set<std::string> known;
   for (EnergyEntry& entry : energy_entries(config)) {
@@ -209,7 +286,8 @@ std::string energy_show(const JobOptions& options, const std::string& name) {
     out += (out.empty() ? "" : "\n") + entry_text(entry, users, origins);
   }
   if (out.empty()) {
-    throw sim::InputError(fmt::format("no energy entry is called '{}'{}; see raywatt energy show", sim::printable(name),
+    throw sim::InputError(fmt::format("there is no energy entry '{}'{}; allowed: see raywatt energy show",
+                                      sim::printable(name),
                                       traces::did_you_mean(name, std::vector(known.begin(), known.end()))));
   }
   return fmt::format("{}: low / nominal / high\n\n{}", config.energy.process, out);

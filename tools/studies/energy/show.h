@@ -1,4 +1,5 @@
 #pragma once
+#include <map>
 #include <string>
 #include <vector>
 
@@ -6,11 +7,15 @@
 
 namespace tools {
 
-/// Entries of a configuration's energy tables: bands, curves over size, where each figure comes from and what counts
-/// it. `name` is an entry, the end of one or the group before a dot; empty: all. InputError if there is none.
+/// Describes entries of the energy tables of a configuration: bands, curves over size, sources, and counters that use
+/// them. `name`: an entry, the end of one, or a group; empty: all. InputError if there is none.
 std::string energy_show(const JobOptions& options, const std::string& name);
 
-/// Entries by the shortest of their names, as energy_show() takes them.
+/// Returns the shortest names of all entries that energy_show() accepts.
 std::vector<std::string> energy_names(const JobOptions& options);
+
+/// Returns the origin of each value of a configuration, by path: the comment after "source:" and "FILE:LINE", or
+/// "--set KEY=VALUE". `config` is a name or a file.
+std::map<std::string, std::string> config_origins(const std::string& config, const std::vector<std::string>& sets);
 
 }  // namespace tools

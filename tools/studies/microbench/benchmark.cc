@@ -1,17 +1,109 @@
 #include "tools/studies/microbench/benchmark.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 #include <fmt/format.h>
 
 #include "hw_models/machines/gpu_config.h"
 #include "sim/error.h"
+#include "sim/io/json.h"
 #include "sim/io/printable.h"
+#include "sim/report/report_json.h"
+#include "sim/report/table.h"
 #include "sim/time.h"
 #include "tools/host/paths.h"
 
 namespace tools {
+namespace {
+
+using Relation = Measurement::Relation;
+
+constexpr double kTolerance = 0.02;
+
+const char* words_for(Relation holds) {
+  switch (holds) {
+    case Relation::kExactly:
+      return "exactly";
+    case Relation::kClosely:
+      return "within 2 %";
+    case Relation::kNearly:
+      return "nine tenths or more";
+    case Relation::kAtMost:
+      return "an upper bound";
+    case Relation::kAtLeast:
+      return "a lower bound";
+  }
+  return "";
+}
+
+std::string table_of_figures(const Findings& findings) {
+  sim::Table table({findings.title, "measured", "closed form", "", "difference", "holds", "", ""});
+  for (const Measurement& f : findings.measurements) {
+    table.add_row({f.name, fmt::format("{:.3f}", f.measured), fmt::format("{:.3f}", f.expected), f.unit,
+                   fmt::format("{:+.2f} %", 100 * f.relative_error()), words_for(f.holds), f.remark,
+                   f.is_good() ? "" : "MISSED"});
+  }
+  return table.text();
+}
+
+}  // namespace
+
+bool Measurement::is_good() const {
+  switch (holds) {
+    case Relation::kExactly:
+      return std::abs(measured - expected) <= 1e-9 * std::abs(expected);
+    case Relation::kClosely:
+      return std::abs(measured - expected) <= kTolerance * expected;
+    case Relation::kNearly:
+      return measured >= 0.9 * expected && measured <= expected;
+    case Relation::kAtMost:
+      return measured <= (1 + kTolerance) * expected;
+    case Relation::kAtLeast:
+      return measured >= expected;
+  }
+  return false;
+}
+
+double Measurement::relative_error() const { return measured == expected ? 0 : measured / expected - 1; }
+
+bool Findings::is_good() const {
+  return std::ranges::all_of(measurements, [](const Measurement& f) { return f.is_good(); });
+}
+
+UpperBound tightest_bound(const std::vector<UpperBound>& bounds) {
+  constexpr double kClear = 1.5;
+  UpperBound tightest = *std::ranges::min_element(bounds, {}, &UpperBound::value);
+  for (const UpperBound& bound : bounds) tightest.reached &= bound.reached || bound.value > kClear * tightest.value;
+  return tightest;
+}
+
+std::string table_of(const Findings& findings) {
+  std::string text = findings.table.empty() ? table_of_figures(findings) : findings.table;
+  for (const std::string& note : findings.notes) text += "\n" + note + "\n";
+  return text;
+}
+
+std::string json_of(std::string_view benchmark, const Findings& findings) {
+  sim::Json measurements = sim::Json::array();
+  for (const Measurement& f : findings.measurements) {
+    measurements.push_back({{"name", f.name},
+                            {"unit", f.unit},
+                            {"measured", f.measured},
+                            {"expected", f.expected},
+                            {"relative_error", f.relative_error()},
+                            {"holds", words_for(f.holds)},
+                            {"remark", f.remark},
+                            {"good", f.is_good()}});
+  }
+  return sim::json_text({{"schema", "raywatt-microbench/1"},
+                         {"benchmark", benchmark},
+                         {"title", findings.title},
+                         {"figures", measurements},
+                         {"notes", findings.notes},
+                         {"good", findings.is_good()}});
+}
 
 BenchmarkOption json_option() { return {"--json", "as JSON", &BenchmarkJob::json}; }
 
@@ -25,7 +117,7 @@ std::vector<JobOptions> jobs_of_all_grades(const JobOptions& job) {
   for (const std::string& set : job.sets) {
     if (!set.starts_with("dram.extends=")) continue;
     throw sim::InputError(
-        fmt::format("--all-grades does not go with --set {}; allowed: one of them", sim::printable(set)));
+        fmt::format("--all-grades and --set {} exclude each other; allowed: one of them", sim::printable(set)));
   }
   std::vector<JobOptions> jobs;
   for (const std::string& grade : config_names_in("dram")) {

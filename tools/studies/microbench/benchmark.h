@@ -1,15 +1,66 @@
 #pragma once
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
 #include "tools/run/frame/load_config.h"
-#include "tools/studies/microbench/figure.h"
 
 namespace tools {
 
-/// The machine that is measured, and what else a benchmark may be told.
+/// A value measured on a part of the machine, and its closed form.
+struct Measurement {
+  /// The required relation of the two.
+  enum class Relation : std::uint8_t {
+    kExactly,
+    kClosely,  ///< within 2 %
+    kNearly,   ///< 90 % to 100 % of the form
+    kAtMost,   ///< the form is an upper bound, with 2 % tolerance for start and end
+    kAtLeast,  ///< the form is a lower bound
+  };
+  std::string name;
+  std::string unit;
+  double measured = 0;
+  double expected = 0;
+  Relation holds = Relation::kExactly;
+  std::string remark{};  ///< e.g. the bottleneck
+
+  bool is_good() const;
+  /// Returns 0 if both are equal.
+  double relative_error() const;
+};
+
+/// Results of a benchmark.
+struct Findings {
+  std::string title;
+  std::vector<Measurement> measurements;
+  std::vector<std::string> notes{};  ///< printed below the table
+  std::string table{};               ///< replaces the table of all measurements
+  std::string printed{};             ///< replaces all other output
+
+  bool is_good() const;
+};
+
+/// An upper bound and the bottleneck that causes it.
+struct UpperBound {
+  double value = 0;
+  std::string_view by;
+  bool reached = true;  ///< false: waiting, which the form ignores, keeps the unit below it
+
+  /// The relation of a measurement to the bound.
+  Measurement::Relation required_relation() const {
+    return reached ? Measurement::Relation::kClosely : Measurement::Relation::kAtMost;
+  }
+};
+/// Returns the smallest bound. It is not reached if a bound that is not reached is less than 1.5 times as large.
+UpperBound tightest_bound(const std::vector<UpperBound>& bounds);
+
+std::string table_of(const Findings& findings);
+/// Schema raywatt-microbench/1.
+std::string json_of(std::string_view benchmark, const Findings& findings);
+
+/// The machine and the options of a benchmark.
 struct BenchmarkJob {
   JobOptions machine;
   bool json = false;
@@ -18,7 +69,7 @@ struct BenchmarkJob {
   bool all_grades = false;
   std::vector<std::string> kernels;
   std::string stream;
-  std::uint32_t outstanding = 0;  ///< 0: as many as the read queue holds
+  std::uint32_t outstanding = 0;  ///< 0: size of the read queue
   std::string refresh = "on";
 };
 
@@ -30,11 +81,11 @@ struct BenchmarkOption {
   const char* meaning;
   Member member;
   bool default_shown = false;
-  std::vector<std::string> words{};  ///< that are allowed; none: any
-  int most = 0;                      ///< a number is from 1 to this
+  std::vector<std::string> words{};  ///< allowed words; empty: any
+  int most = 0;                      ///< largest number; the smallest is 1
 };
 
-/// A benchmark of `raywatt microbench`. All have --json among their options.
+/// A benchmark of `raywatt microbench`. All have the option --json.
 struct Benchmark {
   const char* name;
   const char* meaning;
@@ -43,19 +94,18 @@ struct Benchmark {
   Findings (*measure)(const BenchmarkJob& job);
 };
 
-/// --json, as most benchmarks have it.
+/// Returns the option --json.
 BenchmarkOption json_option();
 
-/// The configured machine without ideal resources: what costs no time has no figure.
+/// Returns the configured machine without ideal resources.
 RunConfig real_machine(const JobOptions& job);
-/// The job on each grade in configs/dram. InputError if it sets the grade itself.
+/// Returns the job with each grade in configs/dram. InputError if the job sets the grade.
 std::vector<JobOptions> jobs_of_all_grades(const JobOptions& job);
 
-/// Line after line once a unit is busy: the mean rate, per second, between the first tenth and the last of these
-/// moments (in fs, in any order).
+/// Returns the mean rate per second between the first and the last tenth of these times (in fs, in any order).
 double steady_rate(std::vector<std::uint64_t> moments);
 
-// Each benchmark measures a piece of the machine alone beside its closed form.
+// Each benchmark measures a part of the machine alone and compares it with closed forms.
 Benchmark chase_benchmark();
 Benchmark bandwidth_benchmark();
 Benchmark mshr_benchmark();

@@ -1,6 +1,9 @@
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
+#include <cstdio>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -8,22 +11,111 @@
 #include "hw_models/dram/dram_measurements.h"
 #include "hw_models/machines/gpu_config.h"
 #include "sim/error.h"
+#include "sim/io/file.h"
 #include "sim/io/json.h"
+#include "sim/io/printable.h"
 #include "sim/report/report_json.h"
 #include "sim/report/table.h"
 #include "tools/run/frame/load_config.h"
 #include "tools/studies/microbench/benchmark.h"
-#include "tools/studies/microbench/dram_stream.h"
-#include "tools/studies/microbench/figure.h"
 
 namespace tools {
+namespace {
+
+constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 30;
+constexpr double kLatestNs = 1e9;
+
+std::string read_standard_input() {
+  std::string text;
+  std::array<char, 65536> part;
+  while (const std::size_t n = std::fread(part.data(), 1, part.size(), stdin)) {
+    text.append(part.data(), n);
+    if (text.size() > kMostBytes) throw sim::InputError("standard input: more than 1 GiB of requests");
+  }
+  if (std::ferror(stdin) != 0) throw sim::IoError("standard input: reading failed");
+  return text;
+}
+
+class StreamParser {
+ public:
+  StreamParser(std::string_view text, std::string name) : rest_(text), name_(std::move(name)) {}
+
+  std::vector<hw::DramRequest> parse_all() {
+    std::vector<hw::DramRequest> requests;
+    while (!rest_.empty()) {
+      number_ += 1;
+      const std::size_t end = rest_.find('\n');
+      line_ = rest_.substr(0, end);
+      rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
+      line_ = line_.substr(0, line_.find('#'));
+      if (const std::string_view first = next_word(); !first.empty()) requests.push_back(parse_request(first));
+    }
+    if (requests.empty()) throw sim::InputError(fmt::format("{}: no requests; {}", name_, kAllowed));
+    return requests;
+  }
+
+ private:
+  static constexpr std::string_view kAllowed =
+      "a line is a hexadecimal address, R or W, and optionally an earliest time in ns, such as '0x1f40 R 12.5'";
+
+  std::string_view next_word() {
+    const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
+    std::size_t begin = 0;
+    while (begin < line_.size() && is_blank(line_[begin])) ++begin;
+    std::size_t end = begin;
+    while (end < line_.size() && !is_blank(line_[end])) ++end;
+    const std::string_view word = line_.substr(begin, end - begin);
+    line_.remove_prefix(end);
+    return word;
+  }
+
+  hw::DramRequest parse_request(std::string_view address) {
+    hw::DramRequest r;
+    const std::string_view kind = next_word(), time = next_word(), more = next_word();
+    const bool prefixed = address.starts_with("0x") || address.starts_with("0X");
+    const std::string_view digits = address.substr(prefixed ? 2 : 0);
+    const auto [rest, bad] = std::from_chars(digits.data(), digits.data() + digits.size(), r.address, 16);
+    if (bad != std::errc{} || rest != digits.data() + digits.size())
+      refuse(address, "is not a hexadecimal address of at most 64 bits");
+    if (kind.empty()) refuse(address, "is followed by neither R nor W");
+    if (kind != "R" && kind != "W") refuse(kind, "is neither R nor W");
+    r.write = kind == "W";
+    if (!time.empty()) r.earliest = parse_time(time);
+    if (!more.empty()) refuse(more, "is one word too many");
+    return r;
+  }
+
+  sim::Time parse_time(std::string_view text) const {
+    double ns = -1;
+    const auto [rest, bad] = std::from_chars(text.data(), text.data() + text.size(), ns);
+    if (bad != std::errc{} || rest != text.data() + text.size() || !(ns >= 0 && ns <= kLatestNs))
+      refuse(text, "is not a time from 0 to 1e9 ns");
+    return static_cast<sim::Time>(std::llround(ns * sim::kFemtosecondsPerNs));
+  }
+
+  [[noreturn]] void refuse(std::string_view word, std::string_view what) const {
+    throw sim::InputError(fmt::format("{}:{}: '{}' {}; {}", name_, number_, sim::printable(word), what, kAllowed));
+  }
+
+  std::string_view rest_, line_;
+  std::string name_;
+  std::size_t number_ = 0;
+};
+
+}  // namespace
+
+std::vector<hw::DramRequest> load_dram_stream(const std::string& file) {
+  const std::string text = file == "-" ? read_standard_input() : sim::read_file(file, kMostBytes);
+  return StreamParser(text, file == "-" ? "standard input" : file).parse_all();
+}
+
 namespace {
 
 using sim::Json;
 
 double ns_of(sim::Time time) { return static_cast<double>(time) / sim::kFemtosecondsPerNs; }
 
-/// Latencies of some of the requests, in ns.
+/// Latency statistics, in ns.
 struct Latencies {
   static constexpr std::array<const char*, 6> kNames = {"min", "p50", "p90", "p99", "max", "mean"};
   std::array<double, 6> values{};
@@ -48,7 +140,7 @@ struct Latencies {
   }
 };
 
-/// A stream that was played, and what follows from it.
+/// The results of a simulated stream.
 struct Result {
   const hw::DramConfig& config;
   const hw::DramPlay play;
@@ -59,11 +151,11 @@ struct Result {
       : config(c),
         play(hw::play(c, requests, limit)),
         outstanding(limit),
-        all(latencies(requests, true, true)),
-        reads(latencies(requests, true, false)),
-        writes(latencies(requests, false, true)) {}
+        all(latencies_ns(requests, true, true)),
+        reads(latencies_ns(requests, true, false)),
+        writes(latencies_ns(requests, false, true)) {}
 
-  double gbps() const { return static_cast<double>(play.stats.bytes) / ns_of(play.end); }
+  double bandwidth_gbps() const { return static_cast<double>(play.stats.bytes) / ns_of(play.end); }
   double peak_gbps() const {
     return static_cast<double>(config.organisation.burst.bytes) / ns_of(config.timing.burst * config.timing.ck.time);
   }
@@ -73,7 +165,7 @@ struct Result {
   }
 
  private:
-  std::vector<double> latencies(const std::vector<hw::DramRequest>& requests, bool of_reads, bool of_writes) const {
+  std::vector<double> latencies_ns(const std::vector<hw::DramRequest>& requests, bool of_reads, bool of_writes) const {
     std::vector<double> ns;
     for (std::size_t i = 0; i < requests.size(); ++i) {
       if (requests[i].write ? of_writes : of_reads) ns.push_back(ns_of(play.latency(i)));
@@ -96,9 +188,9 @@ Json stream_json(const Result& r) {
           {"reads", s.reads},
           {"writes", s.writes},
           {"time_ns", ns_of(r.play.end)},
-          {"bandwidth_gbps", r.gbps()},
+          {"bandwidth_gbps", r.bandwidth_gbps()},
           {"peak_gbps", r.peak_gbps()},
-          {"bandwidth_of_peak", r.gbps() / r.peak_gbps()},
+          {"bandwidth_of_peak", r.bandwidth_gbps() / r.peak_gbps()},
           {"row_hits", s.row_hits},
           {"row_misses", s.row_misses},
           {"row_conflicts", s.row_conflicts},
@@ -120,8 +212,8 @@ std::string stream_text(const Result& r) {
                              r.config.line.bytes, r.outstanding));
   line("requests", fmt::format("{} ({} reads, {} writes)", r.all.count, s.reads, s.writes));
   line("time", fmt::format("{:.3f} us", ns_of(r.play.end) / 1000));
-  line("bandwidth",
-       fmt::format("{:.3f} GB/s ({:.1f} % of {:.2f} GB/s)", r.gbps(), 100 * r.gbps() / r.peak_gbps(), r.peak_gbps()));
+  line("bandwidth", fmt::format("{:.3f} GB/s ({:.1f} % of {:.2f} GB/s)", r.bandwidth_gbps(),
+                                100 * r.bandwidth_gbps() / r.peak_gbps(), r.peak_gbps()));
   line("rows", fmt::format("{} hits ({:.1f} %), {} misses, {} conflicts", s.row_hits, 100 * r.hit_rate(), s.row_misses,
                            s.row_conflicts));
   const sim::Band energy = r.pj_per_bit();
@@ -147,19 +239,19 @@ std::string stream_text(const Result& r) {
   return all + "\n" + table.text();
 }
 
-Figure::Holds same(hw::DramMeasurement::Holds holds) {
+Measurement::Relation relation_of(hw::DramMeasurement::Holds holds) {
   using Holds = hw::DramMeasurement::Holds;
   switch (holds) {
     case Holds::kExactly:
-      return Figure::Holds::kExactly;
+      return Measurement::Relation::kExactly;
     case Holds::kClosely:
-      return Figure::Holds::kClosely;
+      return Measurement::Relation::kClosely;
     case Holds::kNearly:
-      return Figure::Holds::kNearly;
+      return Measurement::Relation::kNearly;
     case Holds::kAtMost:
       break;
   }
-  return Figure::Holds::kAtMost;
+  return Measurement::Relation::kAtMost;
 }
 
 hw::DramConfig memory_of(const BenchmarkJob& job, const JobOptions& machine) {
@@ -170,10 +262,10 @@ hw::DramConfig memory_of(const BenchmarkJob& job, const JobOptions& machine) {
 
 void add(Findings& findings, const std::string& prefix, const std::vector<hw::DramMeasurement>& measured) {
   for (const hw::DramMeasurement& f : measured)
-    findings.figures.push_back({prefix + f.name, f.unit, f.measured, f.expected, same(f.holds)});
+    findings.measurements.push_back({prefix + f.name, f.unit, f.measured, f.expected, relation_of(f.holds)});
 }
 
-/// Energy of every grade in configs/dram, a channel each.
+/// Returns the energy of a channel of each grade in configs/dram.
 Findings energies_of_grades(const BenchmarkJob& job) {
   Findings findings{"energy of a channel of each grade", {}};
   for (const JobOptions& of_grade : jobs_of_all_grades(job.machine)) {
@@ -183,9 +275,9 @@ Findings energies_of_grades(const BenchmarkJob& job) {
   return findings;
 }
 
-Findings measure(const BenchmarkJob& job) {
+Findings measure_channel(const BenchmarkJob& job) {
   if (job.all_grades && !job.stream.empty()) {
-    throw sim::InputError("--all-grades does not go with --stream; allowed: one of them");
+    throw sim::InputError("--all-grades and --stream exclude each other; allowed: one of them");
   }
   if (job.all_grades) return energies_of_grades(job);
   const hw::DramConfig config = memory_of(job, job.machine);
@@ -196,7 +288,8 @@ Findings measure(const BenchmarkJob& job) {
   }
   const std::vector<hw::DramRequest> requests = load_dram_stream(job.stream);
   const Result result(config, requests, job.outstanding == 0 ? config.controller.read_queue : job.outstanding);
-  return {.title = {}, .figures = {}, .printed = job.json ? sim::json_text(stream_json(result)) : stream_text(result)};
+  return {
+      .title = {}, .measurements = {}, .printed = job.json ? sim::json_text(stream_json(result)) : stream_text(result)};
 }
 
 }  // namespace
@@ -204,30 +297,32 @@ Findings measure(const BenchmarkJob& job) {
 Benchmark dram_benchmark() {
   return {
       "dram",
-      "A memory channel alone: what its grade allows, or a file of requests",
-      "All requests go to one channel, in the order of the file. Addresses are the channel's own: bits that would\n"
-      "choose among channels are not there, bits beyond its capacity do not count. A request for any byte is one for\n"
-      "its line (dram.line). Read or written, it is done when the last of its data has passed the bus; dram.fabric is\n"
-      "left out. Time 0 is when the first request may reach the channel. Percentiles are by nearest rank.\n"
+      "A memory channel alone: the limits of its grade, or a file of requests",
+      "All requests go to one channel, in the order of the file. Addresses are within the channel: they have no "
+      "channel\n"
+      "bits, and bits above the capacity are ignored. A request is for the line (dram.line) of its byte. It is done\n"
+      "when the last of its data has passed the bus; dram.fabric is not included. Time 0 is when the first request "
+      "may\n"
+      "reach the channel. Percentiles are by nearest rank.\n"
       "\n"
       "Example: raywatt microbench dram --stream requests.txt --outstanding 16 --refresh off\n"
       "Example: raywatt microbench dram --set dram.extends=dram/lpddr5-6400\n"
       "Example: raywatt microbench dram --all-grades",
       {{"--stream",
-        "play this file, or standard input if it is -. A line is a hexadecimal address, R or W, and if\n"
-        "wanted the earliest time in ns. Without it: a table of figures beside their closed forms",
+        "simulate this file, or standard input if it is -. A line is a hexadecimal address, R or W, and\n"
+        "optionally the earliest time in ns. Without it: a table of measurements and closed forms",
         &BenchmarkJob::stream},
        {"--outstanding",
-        "requests sent and not done, at most; a write is done when the channel has taken it\n(default: "
+        "requests in flight, at most; a write is done when the channel has taken it\n(default: "
         "dram.controller.read_queue)",
         &BenchmarkJob::outstanding,
         false,
         {},
         65536},
-       {"--all-grades", "energy of each speed grade in configs/dram in turn", &BenchmarkJob::all_grades},
+       {"--all-grades", "energy of each speed grade in configs/dram", &BenchmarkJob::all_grades},
        {"--refresh", "off: no refreshes", &BenchmarkJob::refresh, true, {"on", "off"}},
        {"--json", "as JSON, with every request's completion time", &BenchmarkJob::json}},
-      measure};
+      measure_channel};
 }
 
 }  // namespace tools

@@ -6,8 +6,8 @@
 
 namespace tools {
 
-/// The requests of a stream file, or of standard input if `file` is "-". A line is a hexadecimal address, R or W, and
-/// if wanted the earliest time in ns; empty lines and what follows a # do not count. InputError names file and line.
+/// Reads the requests of a stream file, or of standard input if `file` is "-". A line is a hexadecimal address, R or W,
+/// and optionally the earliest time in ns. Empty lines and comments after # are ignored. InputError has file and line.
 std::vector<hw::DramRequest> load_dram_stream(const std::string& file);
 
 }  // namespace tools

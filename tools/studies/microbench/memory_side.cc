@@ -12,8 +12,8 @@ struct CacheInClock {
   const hw::CacheConfig& cache;
 };
 
-/// First-level caches of a core.
-std::vector<CacheInClock> caches(const hw::GpuConfig& config) {
+/// Returns the first-level caches of a core.
+std::vector<CacheInClock> first_level_caches(const hw::GpuConfig& config) {
   const sim::Clock tni = config.clocks.tni.clock();
   std::vector<CacheInClock> all(config.tni.trvs, {tni, config.tni.trv.l1});
   all.push_back({tni, config.tni.ist.l1});
@@ -29,7 +29,7 @@ MemorySide::MemorySide(const hw::GpuConfig& config)
       memory_(machine_, config, hw::MemorySystem::Dma::kNo) {
   for (std::uint32_t core = 0; core < config.cores; ++core) {
     memory_.declare_ports();
-    for (const auto& [clock, cache] : caches(config)) {
+    for (const auto& [clock, cache] : first_level_caches(config)) {
       const sim::UnitId unit = machine_.unit({hw::name_in_core("core.reader", core), clock, core + 1});
       const hw::MemoryPort port = memory_.cache_client(core, {unit, cache.mshrs});
       readers_.push_back(&machine_.build<Reader>(unit, clock, cache, port.client, port.requests, port.responses));

@@ -33,18 +33,18 @@ Task task_of(const Options& options) {
   return task;
 }
 
-std::uint64_t count(const SearchRun& search, PointStatus status) {
-  return static_cast<std::uint64_t>(std::ranges::count(search.trials(), status, &Trial::status));
+std::uint64_t count_trials(const SearchRun& search, PointStatus state) {
+  return static_cast<std::uint64_t>(std::ranges::count(search.trials(), state, &Trial::status));
 }
 
-std::string summary(const SearchRun& search) {
+std::string summary_text(const SearchRun& search) {
   const auto looks = std::ranges::count_if(
       search.trials(), [](const Trial& trial) { return trial.is_look && trial.status != PointStatus::kImpossible; });
-  const std::uint64_t failed = count(search, PointStatus::kFailed),
-                      impossible = count(search, PointStatus::kImpossible);
-  std::string text = fmt::format("{} points simulated", search.simulated());
+  const std::uint64_t failed = count_trials(search, PointStatus::kFailed),
+                      impossible = count_trials(search, PointStatus::kImpossible);
+  std::string text = fmt::format("{} points simulated", search.simulated_count());
   if (looks != 0) text += fmt::format(" after {} first looks", looks);
-  text += fmt::format(": {} computed now, {} found in the store", search.computed(), search.found());
+  text += fmt::format(": {} computed now, {} found in the store", search.computed_count(), search.found_count());
   if (failed != 0) text += fmt::format(", {} failed", failed);
   if (impossible != 0) text += fmt::format(", {} impossible", impossible);
   return text + "\n";
@@ -63,8 +63,9 @@ int run(const Options& options) {
   const std::string text = sim::read_file(options.file, 1 << 20);
   const HoldInterrupts hold;
   const std::optional<sim::FileLock> lock = SweepFolder::try_claim(out, SweepFolder::Of::kSearch);
-  if (!lock) throw sim::InputError(fmt::format("{}: somebody is working in this folder", sim::printable(out.string())));
-  // Tasks of an interrupted search that are still under way find their points here.
+  if (!lock)
+    throw sim::InputError(fmt::format("{}: folder is locked by another process", sim::printable(out.string())));
+  // Workers of an interrupted search that still run find their points in sweep.json.
   std::vector<Point> former;
   if (fs::exists(out / "sweep.json")) former = SweepFolder::open(out).read_points();
   const auto write_points = [&](std::vector<Point> points, const std::vector<Point>& others) {
@@ -84,9 +85,9 @@ int run(const Options& options) {
   progress.begin_part("simulating", 0, static_cast<std::uint32_t>(task.budget));
   const auto announce = [&](const std::vector<Point>& points) {
     write_points(points, former);
-    progress.set_phase(fmt::format("{} of {} simulations, {} on the front", search.simulated(), task.budget,
+    progress.set_phase(fmt::format("{} of {} simulations, {} on the front", search.simulated_count(), task.budget,
                                    search.pareto_front().size()));
-    progress.set_tiles_done(static_cast<std::uint32_t>(search.simulated()), 0, 0);
+    progress.set_tiles_done(static_cast<std::uint32_t>(search.simulated_count()), 0, 0);
   };
   const bool finished = search.run(*launcher, store, {announce, [](std::size_t, PointStatus) {}});
   progress.finish(finished ? "done" : "interrupted");
@@ -98,19 +99,19 @@ int run(const Options& options) {
   if (finished) write_points(simulated, {});
   sim::write_file_atomically(out / "history.jsonl", history_jsonl(search));
   sim::write_file_atomically(out / "front.csv", pareto_front_csv(search));
-  set_interrupt_note(
-      fmt::format("kept {} of {} simulations; the same command goes on", search.simulated(), task.budget));
-  if (!finished) return kGood;  // the end of `hold` ends the process
+  set_interrupt_note(fmt::format("kept {} of {} simulations; run the same command again to continue",
+                                 search.simulated_count(), task.budget));
+  if (!finished) return kGood;  // the destructor of `hold` ends the process
 
   const bool is_feasible = !search.pareto_front().empty();
   if (!options.quiet) {
     const std::string found = terminal_text(is_feasible ? pareto_front_text(search) : infeasible_text(search));
-    fmt::print("{}\n{}results: {}, history.jsonl\n", found, summary(search), (out / "front.csv").string());
+    fmt::print("{}\n{}results: {}, history.jsonl\n", found, summary_text(search), (out / "front.csv").string());
   }
   for (const Trial& trial : search.trials()) {
     if (trial.status == PointStatus::kFailed) fmt::print("failed: {}\n", sim::printable(trial.error, 500));
   }
-  return is_feasible && count(search, PointStatus::kFailed) == 0 ? kGood : kCheckFailed;
+  return is_feasible && count_trials(search, PointStatus::kFailed) == 0 ? kGood : kCheckFailed;
 }
 
 }  // namespace tools::optimise

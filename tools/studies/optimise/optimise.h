@@ -8,7 +8,7 @@
 
 namespace tools::optimise {
 
-/// A search by its file, and what replaces the file's own.
+/// Options of a search; they override those of its file.
 struct Options : LauncherOptions {
   std::filesystem::path file, out, store;
   std::optional<std::uint64_t> budget, seed;
@@ -17,7 +17,7 @@ struct Options : LauncherOptions {
   std::string progress = "auto";
 };
 
-/// Searches, and writes history.jsonl and front.csv: kGood, or kCheckFailed if nothing is feasible or points failed.
+/// Runs a search and writes history.jsonl and front.csv. Returns kCheckFailed if no point is feasible or some failed.
 int run(const Options& options);
 
 }  // namespace tools::optimise

@@ -6,58 +6,60 @@
 #include <set>
 #include <vector>
 
-#include "tools/studies/optimise/goal.h"
-#include "tools/studies/optimise/pareto_front.h"
+#include "tools/studies/optimise/multi_objective.h"
 #include "tools/studies/optimise/surrogate.h"
+#include "tools/studies/optimise/task.h"
 
 namespace tools::optimise {
 
-/// The space that is searched.
+/// The search space.
 struct Space {
   std::vector<AxisShape> axes;
   std::function<bool(const Choice&)> is_wanted;
 };
 
-/// Finds good points of a space from few of them. Does not compute any: proposes points, and is told their figures.
+/// Bayesian optimisation of one or two objectives under constraints. The caller simulates the proposed points.
 ///
-/// The first points are spread over the space. Then each figure is estimated everywhere from what is known (Surrogate),
-/// NSGA-II searches these estimates, and of all that it brings those points are proposed from which most hypervolume is
-/// expected. What noise moves is not hunted: figures are smoothed by their errors, and points that were told are worth
-/// what the estimates make of them. The same seed and the same answers lead to the same choices.
+/// 1. The first points are spread over the space.
+/// 2. Then a Surrogate of each metric estimates it at all points, and NSGA-II searches the estimates.
+/// 3. The points with the largest expected hypervolume gain are proposed.
+/// 4. Noise is not optimised: noisy metrics are smoothed, and simulated points count with their smoothed values.
+///
+/// The same seed and the same results lead to the same points.
 class Search {
  public:
   struct Options {
     std::uint64_t seed = 1;
-    std::uint32_t population = 40;  ///< NSGA-II's; a multiple of 4, at least 8
+    std::uint32_t population = 40;  ///< of NSGA-II; a multiple of 4, at least 8
   };
   /// `goals`: one or two objectives, then constraints.
   Search(Space space, std::vector<Goal> goals, const Options& options);
 
-  /// Different points of which nothing has been told; fewer than `count` only if no others can be found.
-  std::vector<Choice> propose(std::size_t count);
+  /// Returns `count` new points without a result; fewer if no others can be found.
+  std::vector<Choice> propose_points(std::size_t count);
 
-  /// Adds a point's figures, one for each goal, or none if it cannot be computed. `errors`: standard deviations of
-  /// noisy figures; `are_bounds`: they are assumed upper bounds, not measured.
-  void tell(const Choice& point, const std::optional<std::vector<double>>& figures,
-                     const std::vector<double>& errors = {}, bool are_bounds = false);
-  /// The same, roughly: the point may still be proposed.
-  void tell_look(const Choice& point, const std::vector<double>& figures);
+  /// Adds the metrics of a point, one per goal, or none if it cannot be simulated. `errors`: standard deviations of
+  /// noisy metrics; `are_bounds`: they are assumed upper bounds, not measured.
+  void add_result(const Choice& point, const std::optional<std::vector<double>>& metrics,
+                  const std::vector<double>& errors = {}, bool are_bounds = false);
+  /// Adds approximate metrics of a point, which may still be proposed.
+  void add_look(const Choice& point, const std::vector<double>& metrics);
 
-  /// Scores of the points told so far that meet all constraints.
-  const std::map<Choice, Score>& scores() const { return scores_; }
-  /// The score of any figures.
-  Score score_of(const std::vector<double>& figures) const;
+  /// Scores of the points with a result that meet all constraints.
+  const std::map<Choice, Score>& feasible_scores() const { return feasible_scores_; }
+  /// Converts metrics to a score.
+  Score score_of(const std::vector<double>& metrics) const;
 
  private:
   class Models;
 
-  bool is_new(const Choice& point) const { return !told_.contains(point) && space_.is_wanted(point); }
-  Choice draw();
-  std::vector<Choice> spread(std::size_t count);
+  bool is_new(const Choice& point) const { return !results_known_.contains(point) && space_.is_wanted(point); }
+  Choice draw_point();
+  std::vector<Choice> spread_points(std::size_t count);
   void add_random(std::size_t count, std::set<Choice>& points);
   std::vector<Choice> neighbours_of_front() const;
-  std::vector<Choice> candidates(Models& models, std::size_t count);
-  std::vector<Choice> evolve(Models& models, double optimism, std::uint64_t seed);
+  std::vector<Choice> find_candidates(Models& models, std::size_t count);
+  std::vector<Choice> evolve_points(Models& models, double optimism, std::uint64_t seed);
 
   const Space space_;
   const std::vector<Goal> goals_;
@@ -65,13 +67,13 @@ class Search {
   std::size_t objectives_ = 1;
   std::vector<std::size_t> genes_;  ///< axes with more than one value
   std::vector<std::uint32_t> sizes_;
-  std::vector<Choice> all_;  ///< points of a space that is small
+  std::vector<Choice> all_;  ///< all points of a small space
 
-  std::map<Choice, bool> told_;                              ///< had it figures?
-  std::vector<Surrogate::Values> figures_, errors_, looks_;  ///< for each goal
+  std::map<Choice, bool> results_known_;                     ///< false: it cannot be simulated
+  std::vector<Surrogate::Values> metrics_, errors_, looks_;  ///< per goal
   bool errors_are_bounds_ = false;
-  std::map<Choice, Score> scores_;
-  std::vector<Surrogate> surrogates_;  ///< for each goal, then for whether a point can be computed
+  std::map<Choice, Score> feasible_scores_;
+  std::vector<Surrogate> surrogates_;  ///< one per goal, then one for whether a point can be simulated
   std::uint64_t draws_ = 0;
 };
 

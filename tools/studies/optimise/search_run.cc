@@ -20,12 +20,12 @@ namespace {
 
 using sweep::Point;
 
-constexpr std::uint64_t kFirstShare = 5;       // a fifth of the budget, for points that are spread
-constexpr std::size_t kLooks = 4;              // first looks for each point that is simulated
-constexpr std::uint64_t kMostImpossible = 10;  // for each point of the budget
-constexpr double kIdentical = 100;             // dB, of a picture that equals its reference: nobody sees a better one
+constexpr std::uint64_t kFirstShare = 5;       // a fifth of the budget is spread over the space
+constexpr std::size_t kLooks = 4;              // first looks per simulated point
+constexpr std::uint64_t kMostImpossible = 10;  // per point of the budget
+constexpr double kIdentical = 100;             // dB, for a picture that is identical to its reference
 
-/// Are the values of an axis numbers that rise, or fall, as listed?
+/// True if the values of an axis are numbers in ascending or descending order.
 bool is_ordered(const sweep::Axis& axis) {
   for (std::size_t k = 0; k < axis.keys.size(); ++k) {
     bool rises = true, falls = true;
@@ -66,25 +66,25 @@ void check_looks(const Task& task) {
   }
 }
 
-/// The numbers of a report, of which each that a search may want is finite.
-std::vector<ReportNumber> figures_of(sim::Json json) {
+/// Returns the numbers of a report. An identical picture has a finite PSNR.
+std::vector<ReportNumber> metric_values_of(sim::Json json) {
   const sim::JsonPointer identical("/totals/identical");
   if (json.contains(identical) && json[identical] == true) json["totals"]["psnr_db"] = kIdentical;
   return report_numbers(json);
 }
 
-/// A number of a report with its noise: that of its replicates, or what is assumed of a picture of this size.
-SeenFigure seen_figure(const std::vector<ReportNumber>& numbers, const ReportNumber& figure) {
+/// Returns a number of a report with its noise: of its replicates, or as assumed for the size of the picture.
+SeenFigure seen_figure(const std::vector<ReportNumber>& numbers, const ReportNumber& metric) {
   const auto at = [&](const std::string& path) -> std::optional<double> {
     const auto found = std::ranges::find(numbers, path, &ReportNumber::path);
     return found == numbers.end() ? std::nullopt : std::optional(found->value);
   };
-  const std::string name = is_total(figure.path) ? metric_name(figure.path) : std::string();
-  if (!is_noisy(name)) return {.value = figure.value};
+  const std::string name = is_total(metric.path) ? metric_name(metric.path) : std::string();
+  if (!is_noisy(name)) return {.value = metric.value};
   const std::string draws = "totals.replicates.figures." + name;
   const auto count = at("totals.replicates.count"), mean = at(draws + ".mean"), deviation = at(draws + ".deviation");
   if (count && mean && deviation) return {*mean, Draws{static_cast<std::size_t>(*count), *mean, *deviation}};
-  return {figure.value, std::nullopt,
+  return {metric.value, std::nullopt,
           default_noise(at("resolution[0]").value_or(0) * at("resolution[1]").value_or(0), name)};
 }
 
@@ -102,10 +102,10 @@ SearchRun::SearchRun(const Task& task, const std::filesystem::path& folder)
   }
 }
 
-void SearchRun::find_figures(const std::vector<std::string>& paths) {
+void SearchRun::resolve_metrics(const std::vector<std::string>& paths) {
   for (Goal& goal : task_.goals) {
     try {
-      goal.figure = resolve_report_path(goal.figure, paths);
+      goal.metric = resolve_report_path(goal.metric, paths);
     } catch (const sim::InputError& error) {
       throw sim::InputError(fmt::format("{}: {}", goal.at, error.what()));
     }
@@ -113,37 +113,37 @@ void SearchRun::find_figures(const std::vector<std::string>& paths) {
   has_paths_ = true;
 }
 
-void SearchRun::read_figures(Trial& trial, const sweep::Store& store) {
+void SearchRun::read_metrics(Trial& trial, const sweep::Store& store) {
   const std::optional<std::string> report = store.read_report(trial.point.id);
   if (!report) throw sim::IoError(fmt::format("{}: the result is gone", store.folder_of(trial.point.id).string()));
   const auto json = sim::parse_json(*report);
   trial.extrapolations = results::extrapolation_lines(json);
-  const std::vector<ReportNumber> numbers = figures_of(json);
+  const std::vector<ReportNumber> numbers = metric_values_of(json);
   if (!has_paths_) {
     std::vector<std::string> paths;
     for (const ReportNumber& number : numbers) paths.push_back(number.path);
-    find_figures(paths);
+    resolve_metrics(paths);
   }
   trial.is_feasible = true;
   for (const Goal& goal : task_.goals) {
-    const auto number = std::ranges::find(numbers, goal.figure, &ReportNumber::path);
+    const auto number = std::ranges::find(numbers, goal.metric, &ReportNumber::path);
     if (number == numbers.end() || !std::isfinite(number->value)) {
       trial.status = PointStatus::kFailed;
-      trial.error = fmt::format("its report has no {}", goal.figure);
+      trial.error = fmt::format("its report has no {}", goal.metric);
       trial.is_feasible = false;
-      trial.figures.clear();
+      trial.metrics.clear();
       trial.seen.clear();
       return;
     }
     const SeenFigure seen = seen_figure(numbers, *number);
-    trial.figures.push_back(seen.value);
+    trial.metrics.push_back(seen.value);
     trial.seen.push_back(seen);
     trial.is_feasible = trial.is_feasible && goal.is_met(seen.value);
   }
 }
 
-bool SearchRun::simulate(std::vector<Trial>& fresh, sweep::Launcher& launcher, const sweep::Store& store,
-                         const Hooks& hooks) {
+bool SearchRun::simulate_trials(std::vector<Trial>& fresh, sweep::Launcher& launcher, const sweep::Store& store,
+                                const Hooks& hooks) {
   std::vector<Point> points, all;
   std::vector<std::size_t> owners;
   for (std::size_t f = 0; f < fresh.size(); ++f) {
@@ -164,11 +164,11 @@ bool SearchRun::simulate(std::vector<Trial>& fresh, sweep::Launcher& launcher, c
   for (std::size_t p = 0; p < points.size(); ++p) {
     Trial& trial = fresh[owners[p]];
     if (is_done(end.statuses[p])) {
-      read_figures(trial, store);
+      read_metrics(trial, store);
       continue;
     }
     if (end.statuses[p] != PointStatus::kFailed) {
-      throw sim::IoError("points were not computed, as somebody stopped who should; the same command goes on");
+      throw sim::IoError("points were not simulated because a worker stopped; run the same command again to continue");
     }
     trial.status = PointStatus::kFailed;
     const std::optional<sweep::Failure> failure = store.read_failure(trial.point.id);
@@ -177,10 +177,10 @@ bool SearchRun::simulate(std::vector<Trial>& fresh, sweep::Launcher& launcher, c
   return true;
 }
 
-bool SearchRun::compute(const std::vector<Choice>& choices, bool looks, sweep::Launcher& launcher,
-                        const sweep::Store& store, const Hooks& hooks) {
+bool SearchRun::compute_points(const std::vector<Choice>& choices, bool looks, sweep::Launcher& launcher,
+                               const sweep::Store& store, const Hooks& hooks) {
   std::vector<Trial> fresh;
-  std::map<std::string, std::size_t> indices;  // indices of fresh ones
+  std::map<std::string, std::size_t> indices;  // of new points
   std::vector<std::string> ids;
   for (const Choice& choice : choices) {
     Trial trial;
@@ -194,12 +194,12 @@ bool SearchRun::compute(const std::vector<Choice>& choices, bool looks, sweep::L
       trial.error = trial.point.error;
     }
     const bool is_known = by_id_.contains(ids.back()) || indices.contains(ids.back());
-    if (is_known) continue;  // values of other names that make the same machine
+    if (is_known) continue;  // other values that result in the same machine
     indices.emplace(ids.back(), fresh.size());
     fresh.push_back(std::move(trial));
   }
 
-  if (!simulate(fresh, launcher, store, hooks)) return false;
+  if (!simulate_trials(fresh, launcher, store, hooks)) return false;
   for (Trial& trial : fresh) {
     if (!trial.is_look && trial.status != PointStatus::kImpossible) simulated_ += 1;
     by_id_.emplace(trial.point.id, trials_.size());
@@ -210,12 +210,12 @@ bool SearchRun::compute(const std::vector<Choice>& choices, bool looks, sweep::L
     const bool is_done = trial.status == PointStatus::kDone;
     if (looks) {
       looked_.emplace(choices[c], true);
-      if (is_done) search_.tell_look(choices[c], trial.figures);
+      if (is_done) search_.add_look(choices[c], trial.metrics);
     } else {
       std::vector<double> errors;
       std::ranges::transform(trial.seen, std::back_inserter(errors), &SeenFigure::error);
       const bool are_assumed = std::ranges::any_of(trial.seen, [](const SeenFigure& s) { return s.assumed > 0; });
-      search_.tell(choices[c], is_done ? std::optional(trial.figures) : std::nullopt, errors, are_assumed);
+      search_.add_result(choices[c], is_done ? std::optional(trial.metrics) : std::nullopt, errors, are_assumed);
     }
   }
   batches_ += 1;
@@ -225,23 +225,23 @@ bool SearchRun::compute(const std::vector<Choice>& choices, bool looks, sweep::L
 bool SearchRun::run(sweep::Launcher& launcher, const sweep::Store& store, const Hooks& hooks) {
   const std::uint64_t axes = task_.space.axes.size();
   const std::uint64_t first = std::min(std::max(task_.budget / kFirstShare, 2 * (axes + 1)), (task_.budget + 1) / 2);
-  std::uint64_t asked = 0;
-  while (simulated_ < task_.budget && asked < task_.budget * (kMostImpossible + 1)) {
+  std::uint64_t proposed_count = 0;
+  while (simulated_ < task_.budget && proposed_count < task_.budget * (kMostImpossible + 1)) {
     const std::size_t count = std::min(simulated_ == 0 ? first : task_.batch, task_.budget - simulated_);
     if (task_.sampled) {
-      std::vector<Choice> looks = search_.propose(kLooks * count);
+      std::vector<Choice> looks = search_.propose_points(kLooks * count);
       std::erase_if(looks, [&](const Choice& choice) { return looked_.contains(choice); });
-      if (!compute(looks, true, launcher, store, hooks)) return false;
+      if (!compute_points(looks, true, launcher, store, hooks)) return false;
     }
-    const std::vector<Choice> proposed = search_.propose(count);
+    const std::vector<Choice> proposed = search_.propose_points(count);
     if (proposed.empty()) break;
-    asked += proposed.size();
-    if (!compute(proposed, false, launcher, store, hooks)) return false;
+    proposed_count += proposed.size();
+    if (!compute_points(proposed, false, launcher, store, hooks)) return false;
   }
   return true;
 }
 
-std::vector<const Trial*> SearchRun::feasible() const {
+std::vector<const Trial*> SearchRun::feasible_trials() const {
   std::vector<const Trial*> out;
   for (const Trial& trial : trials_) {
     if (trial.is_feasible && !trial.is_look) out.push_back(&trial);
@@ -250,15 +250,15 @@ std::vector<const Trial*> SearchRun::feasible() const {
 }
 
 std::vector<const Trial*> SearchRun::pareto_front() const {
-  const std::vector<const Trial*> all = feasible();
+  const std::vector<const Trial*> all = feasible_trials();
   std::vector<const Trial*> pareto_front;
   std::vector<Score> scores;
-  for (const Trial* trial : all) scores.push_back(search_.score_of(trial->figures));
+  for (const Trial* trial : all) scores.push_back(search_.score_of(trial->metrics));
   for (const std::size_t i : pareto_front_of(scores)) pareto_front.push_back(all[i]);
   return pareto_front;
 }
 
-const Trial* SearchRun::nearest() const {
+const Trial* SearchRun::least_infeasible() const {
   const Trial* nearest = nullptr;
   double least = 0;
   for (const Trial& trial : trials_) {
@@ -266,8 +266,8 @@ const Trial* SearchRun::nearest() const {
     double miss = 0;
     for (std::size_t g = 0; g < task_.goals.size(); ++g) {
       const Goal& goal = task_.goals[g];
-      if (goal.is_met(trial.figures[g])) continue;
-      miss += std::abs(trial.figures[g] - goal.limit) / std::max(std::abs(goal.limit), 1e-12);
+      if (goal.is_met(trial.metrics[g])) continue;
+      miss += std::abs(trial.metrics[g] - goal.limit) / std::max(std::abs(goal.limit), 1e-12);
     }
     if (nearest == nullptr || miss < least) {
       nearest = &trial;

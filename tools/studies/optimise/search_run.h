@@ -17,58 +17,59 @@ namespace tools::optimise {
 
 using sweep::PointStatus;
 
-/// A point that the search has asked for.
+/// A point proposed by the search, and its result.
 struct Trial {
   sweep::Point point;
   Choice choice;
   PointStatus status = PointStatus::kDone;  ///< kDone, kFailed or kImpossible
-  bool is_look = false;                     ///< an estimate by tile sampling
+  bool is_look = false;                     ///< approximate: simulated with tile sampling
   bool is_feasible = false;                 ///< it meets all constraints
-  std::uint32_t batch = 0;                  ///< with which it was simulated
-  std::vector<double> figures;              ///< for each goal; means of replicates, if there are any
-  std::vector<SeenFigure> seen;             ///< the same with their noise
-  std::string error;                        ///< why there are none
-  std::vector<std::string> extrapolations;  ///< warnings of its report, if some of its figures are extrapolated
+  std::uint32_t batch = 0;                  ///< number of the batch in which it was simulated
+  std::vector<double> metrics;              ///< per goal; means of the replicates, if any
+  std::vector<SeenFigure> seen;             ///< the metrics with their noise
+  std::string error;                        ///< reason that there are no metrics
+  std::vector<std::string> extrapolations;  ///< warnings of its report about extrapolated metrics
 };
 
-/// A search and the simulations that it asks for. What it does follows from the task, the seed and the results alone:
-/// begun again after an interrupt it finds its simulations in the store and goes on.
+/// Runs a search: has points proposed, simulates them and adds their results. It is deterministic for a task, a seed
+/// and the results, so that an interrupted search continues from the simulations in the store.
 class SearchRun {
  public:
-  /// InputError for a task that cannot be done. Files that it names are seen from `folder`.
+  /// `folder`: where relative paths of the task begin. InputError for an impossible task.
   SearchRun(const Task& task, const std::filesystem::path& folder);
   SearchRun(const SearchRun&) = delete;
   SearchRun& operator=(const SearchRun&) = delete;
 
   struct Hooks {
-    /// Told all points so far before those that are new are computed.
+    /// Called with all points so far before new ones are simulated.
     std::function<void(const std::vector<sweep::Point>& points)> announce;
-    sweep::Launcher::PointWatch watch;  ///< told of each point of a batch
+    sweep::Launcher::PointWatch watch;  ///< called for each point of a batch
   };
-  /// False if interrupted. InputError for a figure that reports do not have.
+  /// Returns false if interrupted. InputError for a metric that reports do not have.
   bool run(sweep::Launcher& launcher, const sweep::Store& store, const Hooks& hooks);
 
   const std::vector<Trial>& trials() const { return trials_; }
-  /// Those that were simulated and meet the constraints.
-  std::vector<const Trial*> feasible() const;
-  /// Those of them on the Pareto front: the best in the first objective first.
+  /// Simulated points that meet all constraints.
+  std::vector<const Trial*> feasible_trials() const;
+  /// Feasible points on the Pareto front, the best in the first objective first.
   std::vector<const Trial*> pareto_front() const;
-  /// The simulated point that misses the constraints least; none if nothing could be simulated.
-  const Trial* nearest() const;
-  const std::vector<Goal>& goals() const { return task_.goals; }  ///< their figures in full, once there is a report
-  std::uint64_t simulated() const { return simulated_; }          ///< without first looks
-  std::uint64_t computed() const { return computed_; }            ///< trials that were not in the store
-  std::uint64_t found() const { return found_; }                  ///< trials that were in the store
+  /// Returns the simulated point with the smallest violation of the constraints; null if nothing could be simulated.
+  const Trial* least_infeasible() const;
+  const std::vector<Goal>& goals() const { return task_.goals; }  ///< with full metric paths after the first report
+  std::uint64_t simulated_count() const { return simulated_; }    ///< excluding first looks
+  std::uint64_t computed_count() const { return computed_; }      ///< trials that were not in the store
+  std::uint64_t found_count() const { return found_; }            ///< trials that were in the store
 
  private:
-  /// Has points computed and tells the search; false if interrupted.
-  bool compute(const std::vector<Choice>& choices, bool looks, sweep::Launcher& launcher, const sweep::Store& store,
-               const Hooks& hooks);
-  /// Has those computed that are possible, and reads their figures; false if interrupted.
-  bool simulate(std::vector<Trial>& fresh, sweep::Launcher& launcher, const sweep::Store& store, const Hooks& hooks);
-  /// Reads a report. Nothing, and why, if it lacks a figure.
-  void read_figures(Trial& trial, const sweep::Store& store);
-  void find_figures(const std::vector<std::string>& paths);
+  /// Simulates points and adds their results to the search. Returns false if interrupted.
+  bool compute_points(const std::vector<Choice>& choices, bool looks, sweep::Launcher& launcher,
+                      const sweep::Store& store, const Hooks& hooks);
+  /// Simulates the possible points and reads their metrics. Returns false if interrupted.
+  bool simulate_trials(std::vector<Trial>& fresh, sweep::Launcher& launcher, const sweep::Store& store,
+                       const Hooks& hooks);
+  /// Reads the metrics of a report. A missing metric sets the status to kFailed.
+  void read_metrics(Trial& trial, const sweep::Store& store);
+  void resolve_metrics(const std::vector<std::string>& paths);
 
   Task task_;
   sweep::Planner planner_;

@@ -5,13 +5,13 @@
 
 namespace tools::optimise {
 
-/// The front, or the best point, as a table, and the commands that run its points again.
+/// Returns the Pareto front, or the best point, as a table, and the commands that rerun its points.
 std::string pareto_front_text(const SearchRun& search);
-/// The front with all digits: axes, figures, command.
+/// Returns the Pareto front with all digits: axes, metrics, command.
 std::string pareto_front_csv(const SearchRun& search);
-/// A line of JSON for each point in the order of the search.
+/// Returns a line of JSON per point in the order of the search.
 std::string history_jsonl(const SearchRun& search);
-/// The reason that there is no Pareto front.
+/// Explains why no point is feasible.
 std::string infeasible_text(const SearchRun& search);
 
 }  // namespace tools::optimise

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -11,9 +13,82 @@
 #include "sim/error.h"
 #include "sim/io/file.h"
 #include "sim/io/printable.h"
+#include "tools/analysis/report_paths.h"
 #include "tools/studies/sweep/spec/spec.h"
 
 namespace tools::optimise {
+namespace {
+
+std::string without_blanks(const std::string& text) {
+  const std::size_t begin = text.find_first_not_of(' ');
+  return begin == std::string::npos ? "" : text.substr(begin, text.find_last_not_of(' ') - begin + 1);
+}
+
+}  // namespace
+
+bool Goal::is_met(double value) const {
+  switch (kind) {
+    case Kind::kBelow:
+      return value < limit;
+    case Kind::kAtMost:
+      return value <= limit;
+    case Kind::kAbove:
+      return value > limit;
+    case Kind::kAtLeast:
+      return value >= limit;
+    default:
+      return true;
+  }
+}
+
+std::string Goal::text() const {
+  const std::string_view name = names_of(kind).at(static_cast<std::size_t>(kind));
+  return is_objective() ? fmt::format("{} {}", name, metric_name(metric))
+                        : fmt::format("{} {} {}", metric_name(metric), name, limit);
+}
+
+std::string Goal::room_title() const {
+  return fmt::format("room to {} {}", names_of(kind).at(static_cast<std::size_t>(kind)), limit);
+}
+
+double Goal::room_to_limit(double value) const {
+  const double distance = is_upper() ? limit - value : value - limit;
+  return limit == 0 ? distance : distance / std::abs(limit);
+}
+
+std::string Goal::room_text(double value) const {
+  if (limit == 0) return fmt::format("{:.3g}", room_to_limit(value));
+  const double percent = 100 * room_to_limit(value);
+  return std::abs(percent) < 1 ? fmt::format("{:.2g} %", percent) : fmt::format("{:.1f} %", percent);
+}
+
+Goal read_constraint(const std::string& text) {
+  const std::size_t sign = text.find_first_of("<>");
+  if (sign != std::string::npos) {
+    const bool or_equal = text.substr(sign + 1).starts_with('=');
+    Goal goal;
+    goal.kind = text[sign] == '<' ? (or_equal ? Goal::Kind::kAtMost : Goal::Kind::kBelow)
+                                  : (or_equal ? Goal::Kind::kAtLeast : Goal::Kind::kAbove);
+    goal.metric = without_blanks(text.substr(0, sign));
+    const std::string number = without_blanks(text.substr(sign + (or_equal ? 2 : 1)));
+    const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), goal.limit);
+    const bool is_number = error == std::errc() && std::isfinite(goal.limit) && !goal.metric.empty();
+    const std::string_view unit(end, number.data() + number.size());
+    if (is_number && unit.empty()) return goal;
+    if (is_number) {
+      throw sim::InputError(
+          fmt::format("constraint '{}': '{}' is not part of a number; a metric has the unit of its name; "
+                      "allowed: '{}'",
+                      sim::printable(text), sim::printable(without_blanks(std::string(unit))),
+                      sim::printable(text.substr(0, text.size() - unit.size()))));
+    }
+  }
+  throw sim::InputError(
+      fmt::format("'{}' is not a constraint; allowed: PATH < NUMBER, or with <=, >, >=, e.g. "
+                  "power_w.nominal < 1",
+                  sim::printable(text)));
+}
+
 namespace {
 
 using sweep::YamlValue;
@@ -31,7 +106,7 @@ void read_objectives(const YamlValue& value, std::vector<Goal>& goals) {
     for (const YamlValue& entry : item.entries(kKinds)) {
       Goal goal;
       goal.kind = entry.key() == "max" ? Goal::Kind::kMax : Goal::Kind::kMin;
-      goal.figure = entry.text();
+      goal.metric = entry.text();
       goal.at = entry.where();
       goals.push_back(std::move(goal));
     }
@@ -41,7 +116,7 @@ void read_objectives(const YamlValue& value, std::vector<Goal>& goals) {
   }
 }
 
-/// Reason for refusing workloads as an axis of a search: the search would choose the easiest workload.
+/// Workloads are refused as an axis, because the search would choose the easiest one.
 constexpr std::string_view kOneWorkload =
     "would make the easiest workload part of the answer; allowed: one workload, by scene, camera, frames and "
     "resolution";

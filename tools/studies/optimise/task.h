@@ -1,30 +1,56 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "tools/studies/optimise/goal.h"
 #include "tools/studies/sweep/spec/spec.h"
 
 namespace tools::optimise {
 
-/// The task of `raywatt optimise` (docs/optimise.md): a sweep's axes, conditions and workloads, and what of them
-/// is best.
+/// An objective or a constraint on a metric.
+struct Goal {
+  enum class Kind : std::uint8_t { kMax, kMin, kBelow, kAtMost, kAbove, kAtLeast };
+  Kind kind = Kind::kMax;
+  std::string metric;  ///< a report path, or an unambiguous end of one
+  double limit = 0;    ///< of a constraint
+  std::string at;      ///< "file:line:column", for messages
+
+  bool is_objective() const { return kind == Kind::kMax || kind == Kind::kMin; }
+  bool is_upper() const { return kind == Kind::kBelow || kind == Kind::kAtMost; }
+  /// True if the value meets the constraint. Objectives are always met.
+  bool is_met(double value) const;
+  std::string text() const;
+  /// Title of the column of distances: "room to < 1.4".
+  std::string room_title() const;
+  /// Returns the distance of a value from the limit, as a share of the limit if that is not 0. Negative if the
+  /// constraint is violated.
+  double room_to_limit(double value) const;
+  /// Returns the distance as text: "1.7 %", "-0.25".
+  std::string room_text(double value) const;
+};
+constexpr std::array<std::string_view, 6> names_of(Goal::Kind) { return {"max", "min", "<", "<=", ">", ">="}; }
+
+/// Parses "PATH < NUMBER", or with <=, >, >=; InputError for other text.
+Goal read_constraint(const std::string& text);
+
+/// The task of `raywatt optimise` (docs/optimise.md): axes, conditions and workload as of a sweep, and goals.
 struct Task {
-  std::string file;  ///< its name, for messages
+  std::string file;  ///< name, for messages
   sweep::Spec space;
   std::vector<Goal> goals;        ///< one or two objectives, then constraints
-  std::uint64_t budget = 100;     ///< different points that are simulated
-  std::uint64_t seed = 1;         ///< starts all that is drawn
-  std::uint32_t population = 40;  ///< NSGA-II's
-  std::uint32_t batch = 8;        ///< points that are simulated at a time
-  bool sampled = false;           ///< first looks by tile sampling
-  std::string looks_sampling;     ///< how, as --tile-sampling says it
+  std::uint64_t budget = 100;     ///< points to simulate
+  std::uint64_t seed = 1;         ///< of all random choices
+  std::uint32_t population = 40;  ///< of NSGA-II
+  std::uint32_t batch = 8;        ///< points simulated in parallel
+  bool sampled = false;           ///< use first looks by tile sampling
+  std::string looks_sampling;     ///< value of --tile-sampling for first looks
 };
 inline constexpr std::uint64_t kLeastBudget = 4, kMostBudget = 1000;
 
-/// InputError of one line: file, line, column, key, what is wrong, what is allowed.
+/// Reads a task; InputError with file, line, column, key, error, allowed values.
 Task read_task(const std::filesystem::path& file);
 
 }  // namespace tools::optimise

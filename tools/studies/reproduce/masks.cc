@@ -13,19 +13,19 @@ namespace tools::reproduce {
 namespace {
 
 constexpr std::uint32_t kGrid = 4, kSamples = kGrid * kGrid;
-constexpr float kSameNormal = 0.9F;  ///< as the checks of adaptive sampling have it
+constexpr float kSameNormal = 0.9F;  ///< as in the checks of adaptive sampling
 constexpr float kTextureContrast = 0.1F;
 
-/// Traces and shades the samples of rows of pixels.
-class Rows {
+/// Traces and shades the samples of pixel rows, and classifies the pixels.
+class RowClassifier {
  public:
-  explicit Rows(const Inputs& inputs)
+  explicit RowClassifier(const Inputs& inputs)
       : config_(inputs.config.render),
         scene_(inputs.image, config_),
         camera_(kernels::camera_uniforms(inputs.camera, config_.width, config_.height)),
         tracer_(inputs.image) {}
 
-  void find(std::uint32_t y, kernels::TileResult& out, Mask* row) const {
+  void classify_row(std::uint32_t y, kernels::TileResult& out, Mask* row) const {
     const std::uint32_t pitch = kGrid * config_.width, samples = pitch * kGrid;
     out.buffer.reserve_samples(samples);
     out.buffer.reserve_wave(samples);
@@ -44,11 +44,11 @@ class Rows {
     const auto made =
         wave.generate_listed(ports, out.buffer.checks.samples, kernels::Wavefront::kNone, samples, retained);
     wave.run(made, samples, retained);
-    for (std::uint32_t x = 0; x < config_.width; ++x) row[x] = mask(x, pitch, out);
+    for (std::uint32_t x = 0; x < config_.width; ++x) row[x] = classify_pixel(x, pitch, out);
   }
 
  private:
-  static Mask mask(std::uint32_t x, std::uint32_t pitch, const kernels::TileResult& out) {
+  static Mask classify_pixel(std::uint32_t x, std::uint32_t pitch, const kernels::TileResult& out) {
     const auto any = [&](auto&& differs) {
       for (std::uint32_t i = 1; i < kSamples; ++i) {
         if (differs(kGrid * x, i / kGrid * pitch + kGrid * x + i % kGrid)) return true;
@@ -91,14 +91,14 @@ class Rows {
 }  // namespace
 
 std::vector<Mask> masks_of(const Inputs& inputs, std::uint32_t threads) {
-  const Rows rows(inputs);
+  const RowClassifier classifier(inputs);
   const std::uint32_t width = inputs.config.render.width, height = inputs.config.render.height;
   std::vector<Mask> masks(std::size_t{width} * height);
   const std::uint32_t workers = std::max(1U, threads);
   run_on_threads(workers, [&](std::size_t worker) {
     kernels::TileResult out;
     for (auto y = static_cast<std::uint32_t>(worker); y < height; y += workers) {
-      rows.find(y, out, masks.data() + std::size_t{y} * width);
+      classifier.classify_row(y, out, masks.data() + std::size_t{y} * width);
     }
   });
   return masks;

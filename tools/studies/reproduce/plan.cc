@@ -6,9 +6,10 @@ namespace tools::reproduce {
 namespace {
 
 constexpr std::string_view kLeeNote =
-    "Figure 7 is about the T&I unit. Its rows are of T&I units that always have rays at hand, as shader cores and tile "
-    "buffers are ideal; those of the whole frame are of the machine as configured, where what is not traced saves time "
-    "only if T&I units set the pace.";
+    "Figure 7 is about the T&I unit. Its rows are of T&I units that never wait for rays, because shader cores and tile "
+    "buffers are ideal. Rows of the whole frame are of the machine as configured, where fewer rays save time only if "
+    "the "
+    "T&I units are the bottleneck.";
 constexpr std::string_view kKimNote =
     "Kim's GPU walks the tree in the kernels that also check and shade, so there a sample that is not traced is cheap. "
     "Here T&I units walk it, and the shader cores' part of the two turns around: a sample that is not traced costs "
@@ -18,7 +19,8 @@ constexpr std::string_view kKimNote =
 
 constexpr std::string_view kHybridNote =
     "The paper's abstract gives one figure, the most that its hybrid gains in performance per energy, without scenes, "
-    "resolution or what is left for rays. Pictures of both are the same here. What a rasteriser saves are primary rays: "
+    "resolution or what is left for rays. Pictures of both are the same here. What a rasteriser saves are primary "
+    "rays: "
     "shadow rays and the shader cores' work stay, so gains follow from their share.";
 
 constexpr std::string_view kChiuNote =
@@ -29,20 +31,20 @@ constexpr std::string_view kChiuNote =
 
 }  // namespace
 
-std::string Program::text() const {
+std::string ProgramSetup::program_text() const {
   std::string out = name;
   for (const std::string& set : sets) out += " --set " + set;
   return out;
 }
 
-const std::vector<Paper>& papers() {
+const std::vector<Paper>& all_papers() {
   static const std::vector<Paper> all = {
-      {"lee2016", "Lee et al. 2016, adaptive multi-rate ray sampling", kLeeNote, lee2016},
-      {"kim2016", "Kim et al. 2016, adaptive undersampling", kKimNote, kim2016},
-      {"jin2009", "Jin et al. 2009, selective and adaptive supersampling", "", jin2009},
-      {"chiu", "Chiu et al. 2012, subpixel reconstruction antialiasing for ray tracing", kChiuNote, chiu},
-      {"sgrt-units", "Mechanisms of the SGRT line, 2013 to 2015", "", sgrt_units},
-      {"hybrid", "A rasteriser beside the T&I units, 2015", kHybridNote, hybrid}};
+      {"lee2016", "Lee et al. 2016, adaptive multi-rate ray sampling", kLeeNote, lee_cases},
+      {"kim2016", "Kim et al. 2016, adaptive undersampling", kKimNote, kim_cases},
+      {"jin2009", "Jin et al. 2009, selective and adaptive supersampling", "", jin_cases},
+      {"chiu", "Chiu et al. 2012, subpixel reconstruction antialiasing for ray tracing", kChiuNote, chiu_cases},
+      {"sgrt-units", "Mechanisms of the SGRT line, 2013 to 2015", "", sgrt_unit_cases},
+      {"hybrid", "A rasteriser beside the T&I units, 2015", kHybridNote, hybrid_cases}};
   return all;
 }
 
@@ -52,7 +54,7 @@ Sets reproduction_rules() {
 
 Sets tni_alone() { return {"ideal.srp=true", "ideal.tile_buffer=true", "tile_buffer.tiles_in_flight=8"}; }
 
-std::uint32_t side(std::uint32_t pixels, bool quick) {
+std::uint32_t side_pixels(std::uint32_t pixels, bool quick) {
   constexpr std::uint32_t kQuickly = 16;
   return quick ? std::max(1U, pixels / kQuickly) : pixels;
 }

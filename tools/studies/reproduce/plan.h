@@ -6,79 +6,77 @@
 
 namespace tools::reproduce {
 
-/// Arguments as of --set.
+/// Arguments of --set.
 using Sets = std::vector<std::string>;
 
-/// A scene of a paper and what stands in for it.
+/// A scene of a paper, and the scene that replaces it.
 struct View {
-  std::string scene;               ///< as the paper calls it
-  std::string stand_in;            ///< workload or built-in scene, if none of `files` is there; may be empty
-  std::vector<std::string> files;  ///< names to look for in --scenes DIR, first come first
-  std::string camera{}, frame{};   ///< empty: the workload's
+  std::string scene;               ///< name in the paper
+  std::string stand_in;            ///< workload or built-in scene, used if no file of `files` exists; may be empty
+  std::vector<std::string> files;  ///< file names in --scenes DIR; the first that exists is used
+  std::string camera{}, frame{};   ///< empty: of the workload
   Sets sets{};
-  std::uint32_t mirrors = 0;  ///< per cent of pixels that shall reflect (mirrors.h); 0: as the scene is
+  std::uint32_t mirrors = 0;  ///< percent of pixels that reflect (set_reflective_share()); 0: unchanged
   friend bool operator==(const View&, const View&) = default;
 };
 
 /// A frame program and its keys.
-struct Program {
+struct ProgramSetup {
   std::string name{};
   Sets sets{};
   /// "multirate:under --set multirate.attributes=dram"
-  std::string text() const;
+  std::string program_text() const;
 };
 
-/// A figure to measure: where it stands in the paper, and what it is (metrics.h).
-struct Figure {
+/// A metric to measure (metrics.h), and its table or figure in the paper.
+struct PaperMetric {
   std::string experiment, metric;
 };
 
-/// A square of a picture, enlarged eight times: its centre, in shares of width and height, and its side, of the height.
+/// A square of a picture, enlarged eight times. The centre is in shares of width and height, the side of the height.
 struct Crop {
   std::string name;
   double x = 0, y = 0, side = 0;
 };
 
-/// One setting on one scene: what is run, what it is compared with, and the figures that come of it.
+/// One setting on one scene: the run, its reference, and the metrics to measure.
 struct Case {
   View view;
   std::string setting;
   std::uint32_t width = 0, height = 0;
-  Program run{};
-  Program reference{};
-  bool machine = true;  ///< false: the picture and the counts of samples alone
-  bool truth = false;   ///< PSNR against 256 samples per pixel instead of the reference
-  std::vector<Figure> figures{};
+  ProgramSetup run{};
+  ProgramSetup reference{};
+  bool machine = true;  ///< false: only the picture and the counts of samples
+  bool truth = false;   ///< PSNR against 256 samples per pixel, not against the reference
+  std::vector<PaperMetric> metrics{};
   std::string picture{};      ///< figure-PICTURE.png and figure-PICTURE-difference.png; empty: none
-  std::vector<Crop> crops{};  ///< figure-PICTURE-NAME.png, of the reference and the difference, too
+  std::vector<Crop> crops{};  ///< figure-PICTURE-NAME.png, also of the reference and the difference
 };
 
-/// The experiments of a paper. `quick`: at a fraction of the resolution, some of them, and the built-in scenes made of
-/// few triangles.
+/// The experiments of a paper. `quick`: some of them, at a fraction of the resolution, with fewer triangles.
 struct Paper {
   std::string_view name;
   std::string_view title;
-  std::string_view note;  ///< how its figures and ours go together; may be empty
+  std::string_view note;  ///< how to compare its figures with ours; may be empty
   std::vector<Case> (*cases)(bool quick);
 };
-std::vector<Case> lee2016(bool quick);
-std::vector<Case> kim2016(bool quick);
-std::vector<Case> jin2009(bool quick);
-std::vector<Case> chiu(bool quick);
-std::vector<Case> sgrt_units(bool quick);
-std::vector<Case> hybrid(bool quick);
+std::vector<Case> lee_cases(bool quick);
+std::vector<Case> kim_cases(bool quick);
+std::vector<Case> jin_cases(bool quick);
+std::vector<Case> chiu_cases(bool quick);
+std::vector<Case> sgrt_unit_cases(bool quick);
+std::vector<Case> hybrid_cases(bool quick);
 
-/// All of them.
-const std::vector<Paper>& papers();
+/// All papers.
+const std::vector<Paper>& all_papers();
 
-/// Keys that make any scene one of these experiments', as traces/workloads/reproduction.yaml does for the built-in
-/// ones.
+/// Keys that adapt a scene to these experiments, as traces/workloads/reproduction.yaml does for built-in scenes.
 Sets reproduction_rules();
 
-/// Keys of a machine whose T&I units always have rays at hand, as where they are measured by themselves.
+/// Keys of a machine whose T&I units never wait for rays, to measure them alone.
 Sets tni_alone();
 
-/// Pixels of one side when a plan is quick.
-std::uint32_t side(std::uint32_t pixels, bool quick);
+/// Returns the pixels of a side, reduced if `quick`.
+std::uint32_t side_pixels(std::uint32_t pixels, bool quick);
 
 }  // namespace tools::reproduce

@@ -18,7 +18,6 @@
 #include "tools/host/build_info.h"
 #include "tools/host/interrupt.h"
 #include "tools/host/run_folder.h"
-#include "tools/studies/reproduce/former.h"
 #include "tools/studies/reproduce/results.h"
 #include "traces/accel/embree_tracer.h"
 #include "traces/scene/did_you_mean.h"
@@ -31,15 +30,15 @@ namespace {
 
 const Paper& find_paper(const std::string& name) {
   std::vector<std::string> known;
-  for (const Paper& paper : papers()) {
+  for (const Paper& paper : all_papers()) {
     if (paper.name == name) return paper;
     known.emplace_back(paper.name);
   }
-  throw sim::InputError(fmt::format("no paper is called '{}'{}; there are: {}", sim::printable(name),
+  throw sim::InputError(fmt::format("there is no paper '{}'{}; allowed: {}", sim::printable(name),
                                     traces::did_you_mean(name, known), fmt::join(known, ", ")));
 }
 
-sim::Json provenance(const Options& options, const RunConfig& config) {
+sim::Json provenance_json(const Options& options, const RunConfig& config) {
   const BuildInfo build = build_info();
   return {{"version", build.version},   {"git", build.git},
           {"dirty", build.dirty},       {"compiler", build.compiler},
@@ -48,7 +47,7 @@ sim::Json provenance(const Options& options, const RunConfig& config) {
           {"argv", options.argv}};
 }
 
-/// A job under way: its rows so far, and the files that show them.
+/// Runs the cases of a paper and writes rows and files.
 class Job {
  public:
   Job(const Options& options, const Paper& paper, const RunConfig& config)
@@ -61,53 +60,55 @@ class Job {
     results_.note = paper.note;
     results_.quick = options.quick;
     results_.shrink = options.shrink;
-    provenance_ = provenance(options, config);
+    provenance_ = provenance_json(options, config);
   }
 
-  /// Sets out to measure the cases, but those that a stopped run has left in `folder`.
-  void begin(std::vector<Case> cases, const fs::path& folder) {
+  /// Sets the cases to measure. Rows of a stopped run in `folder` are reused.
+  void begin_cases(std::vector<Case> cases, const fs::path& folder) {
     cases_ = std::move(cases);
-    former_ = load_former(folder, head());
+    former_ = load_former(folder, header_json());
     if (former_.finished.empty()) return;
-    progress_.print_line(fmt::format("raywatt: goes on behind {} rows that are finished", former_.finished.size()));
+    progress_.print_line(fmt::format("raywatt: continues after {} finished rows", former_.finished.size()));
   }
 
   bool is_done() const { return next_ == cases_.size(); }
 
-  /// Measures cases until there are more rows than in `folder`, where less never replaces more; then writes all.
-  void go_on(const fs::path& folder, const RunFolder::Open& open) {
+  /// Measures cases until there are more rows than in `folder`, then writes all files.
+  void continue_cases(const fs::path& folder, const RunFolder::Open& open) {
     const bool some_are_kept = next_ != 0 || !former_.finished.empty();
     do {
-      take_next(open);
+      finish_next_case(open);
     } while (!is_done() && results_.rows.size() <= former_.rows);
     results_.partial = !is_done();
-    if (some_are_kept) keep_pictures(folder, open());
-    write(open());
+    if (some_are_kept) copy_pictures(folder, open());
+    write_files(open());
   }
 
-  void end(bool has_failed) { progress_.finish(!has_failed ? "done" : is_interrupted() ? "interrupted" : "failed"); }
-  const Results& results() const { return results_; }
+  void end_progress(bool has_failed) {
+    progress_.finish(!has_failed ? "done" : is_interrupted() ? "interrupted" : "failed");
+  }
+  const Results& current_results() const { return results_; }
 
  private:
-  void take_next(const RunFolder::Open& open) {
+  void finish_next_case(const RunFolder::Open& open) {
     const Case& c = cases_[next_];
     const std::string label = fmt::format("{} of {}: {}, {}", next_ + 1, cases_.size(), c.view.scene, c.setting);
-    if (!take_over(c)) {
+    if (!reuse_rows(c)) {
       if (options_.progress == "auto") progress_.print_line(label);
       progress_.expect_parts(1, label);
-      measure(c, open);
+      measure_case(c, open);
     }
     next_ += 1;
   }
 
-  /// Takes the rows of a case that a former run has finished.
-  bool take_over(const Case& c) {
+  /// Reuses the rows of a case that an earlier run has finished. Returns false if there are none.
+  bool reuse_rows(const Case& c) {
     std::vector<Row> rows;
     const std::string stand_in = stand_in_or_none(c.view);
-    for (const Figure& figure : c.figures) {
+    for (const PaperMetric& figure : c.metrics) {
       Row row = empty_row(c, figure, stand_in);
       const auto found = std::ranges::find_if(former_.finished, [&](const Row& other) {
-        return other.figure == row.figure && other.stand_in == row.stand_in && other.width == row.width &&
+        return other.key == row.key && other.stand_in == row.stand_in && other.width == row.width &&
                other.height == row.height && other.program == row.program && other.reference == row.reference;
       });
       if (found == former_.finished.end()) return false;
@@ -115,7 +116,7 @@ class Job {
       row.why_not = found->why_not;
       rows.push_back(std::move(row));
     }
-    note_scene(stand_in);
+    record_scene_digest(stand_in);
     results_.rows.insert(results_.rows.end(), rows.begin(), rows.end());
     return true;
   }
@@ -128,45 +129,45 @@ class Job {
     }
   }
 
-  void note_scene(const std::string& stand_in) {
+  void record_scene_digest(const std::string& stand_in) {
     if (!scenes_.contains(stand_in)) scenes_[stand_in] = digest_of_file(stand_in);
   }
 
-  Row empty_row(const Case& c, const Figure& figure, const std::string& stand_in) const {
-    Row row{.figure = {figure.experiment, c.view.scene, c.setting, figure.metric},
+  Row empty_row(const Case& c, const PaperMetric& figure, const std::string& stand_in) const {
+    Row row{.key = {figure.experiment, c.view.scene, c.setting, figure.metric},
             .stand_in = stand_in,
             .width = c.width,
             .height = c.height,
-            .program = c.run.text(),
-            .reference = c.truth && figure.metric == "psnr_db" ? "256 samples" : c.reference.text(),
+            .program = c.run.program_text(),
+            .reference = c.truth && figure.metric == "psnr_db" ? "256 samples" : c.reference.program_text(),
             .measured = {},
             .why_not = {},
             .published = {}};
-    const auto found = published_.find(row.figure);
+    const auto found = published_.find(row.key);
     if (found != published_.end()) row.published = found->second;
     return row;
   }
 
-  void measure(const Case& c, const RunFolder::Open& open) {
+  void measure_case(const Case& c, const RunFolder::Open& open) {
     std::vector<Measured> figures;
     const std::string stand_in = stand_in_or_none(c.view);
     try {
-      note_scene(stand_in);
-      figures = runner_.measure(c);
+      record_scene_digest(stand_in);
+      figures = runner_.measure_case(c);
       runner_.write_pictures(c, open());
     } catch (const sim::InputError& error) {
-      figures.assign(c.figures.size(), {{}, std::string("skipped: ") + error.what()});
+      figures.assign(c.metrics.size(), {{}, std::string("skipped: ") + error.what()});
     }
     for (std::size_t i = 0; i < figures.size(); ++i) {
-      Row row = empty_row(c, c.figures[i], stand_in);
+      Row row = empty_row(c, c.metrics[i], stand_in);
       row.measured = figures[i].value;
       row.why_not = figures[i].why_not;
       results_.rows.push_back(std::move(row));
     }
   }
 
-  /// Brings the pictures of cases that were finished before.
-  static void keep_pictures(const fs::path& from, const fs::path& to) {
+  /// Copies the pictures of reused cases.
+  static void copy_pictures(const fs::path& from, const fs::path& to) {
     for (const fs::directory_entry& entry : fs::directory_iterator(from)) {
       const fs::path name = entry.path().filename();
       if (name.extension() != ".png" || !is_result_name(name.string())) continue;
@@ -176,14 +177,14 @@ class Job {
     }
   }
 
-  /// Members before the rows: all that these depend on beside their cases.
-  sim::Json head() const {
+  /// Returns the members before the rows: everything that rows depend on, except their cases.
+  sim::Json header_json() const {
     return {{"schema", "raywatt-reproduce/1"}, {"paper", results_.paper},     {"quick", results_.quick},
             {"shrink", results_.shrink},       {"partial", results_.partial}, {"provenance", provenance_}};
   }
 
-  void write(const fs::path& folder) const {
-    sim::Json json = head();
+  void write_files(const fs::path& folder) const {
+    sim::Json json = header_json();
     json.erase("provenance");
     json["rows"] = rows_json(results_);
     json["scenes"] = scenes_;
@@ -205,11 +206,11 @@ class Job {
   std::size_t next_ = 0;
   Former former_;
   Results results_;
-  sim::Json scenes_ = sim::Json::object();  ///< digests of the files that stand in
+  sim::Json scenes_ = sim::Json::object();  ///< SHA-256 by scene
   sim::Json provenance_;
 };
 
-/// The paper's experiments at the size that is asked for.
+/// Returns the cases of a paper at the requested size.
 std::vector<Case> cases_of(const Paper& paper, const Options& options) {
   std::vector<Case> cases = paper.cases(options.quick);
   for (Case& c : cases) {
@@ -225,30 +226,30 @@ void reproduce(const Options& options) {
   const Paper& paper = find_paper(options.paper);
   std::error_code ignored;
   if (!options.scenes.empty() && !fs::is_directory(options.scenes, ignored)) {
-    throw sim::InputError(fmt::format("--scenes {}: is no folder", sim::printable(options.scenes.string())));
+    throw sim::InputError(fmt::format("--scenes {}: is not a folder", sim::printable(options.scenes.string())));
   }
   RunFolder folder(options.out, options.force, {.mark = "reproduce.json"});
   JobOptions plain;
   plain.config = options.config;
   Job job(options, paper, load_run_config(plain));
-  std::optional<HoldInterrupts> hold;  // once something is kept that an interrupt can tell of
+  std::optional<HoldInterrupts> hold;  // set after the first results are written
   std::exception_ptr failure;
   try {
-    for (job.begin(cases_of(paper, options), folder.target()); !job.is_done();) {
+    for (job.begin_cases(cases_of(paper, options), folder.target()); !job.is_done();) {
       folder.fill([&](const RunFolder::Open& open) {
-        job.go_on(folder.target(), open);
-        return fmt::format("{} rows", job.results().rows.size());
+        job.continue_cases(folder.target(), open);
+        return fmt::format("{} rows", job.current_results().rows.size());
       });
       if (!hold) hold.emplace();
     }
   } catch (...) {
     failure = std::current_exception();
   }
-  job.end(failure != nullptr);
+  job.end_progress(failure != nullptr);
   const bool some_are_kept = hold.has_value();
-  hold.reset();  // an interrupt ends here
+  hold.reset();  // an interrupt ends the process here
   if (some_are_kept) {
-    fmt::print("{}\nresults: {}\n", results_text(job.results()), (folder.target() / "reproduce.md").string());
+    fmt::print("{}\nresults: {}\n", results_text(job.current_results()), (folder.target() / "reproduce.md").string());
   }
   if (failure) std::rethrow_exception(failure);
 }

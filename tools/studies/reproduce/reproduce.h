@@ -3,11 +3,13 @@
 
 namespace tools::reproduce {
 
-/// Runs a paper's experiments, one after the other, and leaves measured beside published in the output folder:
-/// reproduce.md, reproduce.json and pictures, put there as each setting finishes and marked partial until all have;
-/// then prints the table. Whatever ends it before, the same call goes on from what is finished. A scene that is not
-/// there or cannot be used costs its rows alone. InputError for a paper that is not known and a configuration that is
-/// none, before anything is run.
+/// Runs the experiments of a paper and compares measured with published values.
+///   1. After each setting the output folder has reproduce.md, reproduce.json and pictures, marked partial until all
+///   are
+///      done. At the end the table is printed.
+///   2. If it is stopped, the same call continues with the missing settings.
+///   3. A missing or broken scene loses only its own rows.
+/// InputError for an unknown paper or an invalid configuration, before anything runs.
 void reproduce(const Options& options);
 
 }  // namespace tools::reproduce

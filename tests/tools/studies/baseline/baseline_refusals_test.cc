@@ -6,12 +6,12 @@
 
 #include "tests/tools/studies/baseline/baseline_suite.h"
 
-// Suites and stored values that cannot be used, or not compared.
+// Suites and stored values that cannot be used or compared.
 
 namespace test {
 namespace {
 
-/// Ended with 2 and a line of why; other than a refusal it has told of the runs before.
+/// Expects exit code 2 and one line of error, after lines on the runs.
 void expect_not_comparable(const Ending& ending, const Words& parts) {
   EXPECT_EQ(ending.exit, 2) << ending.out;
   for (const std::string& part : parts) EXPECT_SAYS(ending.err, part);
@@ -54,7 +54,7 @@ TEST(Baseline, ThatWouldSaySomethingToTheTerminalIsRefused) {
     suite.write_values(changed.replace(at, text.find('\n', at) - at, "\"a\\e[31m\""));
     const Ending ending = suite.baseline("check");
     EXPECT_EQ(ending.exit, 2);
-    EXPECT_SAYS(ending.err, "holds what is no printable text");
+    EXPECT_SAYS(ending.err, "holds text that is not printable");
     EXPECT_EQ((ending.out + ending.err).find('\x1b'), std::string::npos);
   }
 }
@@ -79,7 +79,7 @@ TEST(Baseline, OfOtherRunsIsRefused) {
   suite.write_values(replaced(text, "  square:", "  round:"));
   expect_refusal(suite.baseline("check"), {"'round'", "no longer in the suite"});
   suite.write_values(text.substr(0, text.find("  square:")));
-  expect_not_comparable(suite.baseline("check"), {"nothing is stored of it"});
+  expect_not_comparable(suite.baseline("check"), {"it has no stored values"});
   EXPECT_EQ(suite.baseline("accept").exit, 0);
   EXPECT_EQ(suite.values(), text);
 }

@@ -7,7 +7,7 @@
 
 #include "tests/tools/studies/baseline/baseline_suite.h"
 
-// A suite of small runs, its stored values, and what is said when something has moved.
+// A suite of small runs, its stored values, and the output after a change.
 
 namespace test {
 namespace {
@@ -52,7 +52,7 @@ TEST(Baseline, RecordDoesNotReplaceValuesUnseen) {
   expect_refusal(suite.baseline("record"), {"suite.baseline.yaml", "accept", "--force"});
 }
 
-/// A change of one cycle, or of the least that its unit can express.
+/// A change of one cycle, or of the smallest step of its unit.
 struct Latency {
   const char* change;  ///< a line of the machine's file
   const char* key;
@@ -76,7 +76,7 @@ constexpr Latency kLatencies[] = {
     {"srp: {switch_cycles: 101}", "srp.switch_cycles", "8", "101", "core.srp", "core.srp"},
     {"interconnect: {latency: 5}", "interconnect.latency", "4", "5", "interconnect between first-level caches and L2",
      "interconnect"},
-    {"dram: {fabric: 52 ns}", "dram.fabric", "50 ns", "52 ns", "way between L2 and memory", "dram.channel"}};
+    {"dram: {fabric: 52 ns}", "dram.fabric", "50 ns", "52 ns", "path between L2 and memory", "dram.channel"}};
 
 TEST(Baseline, ACycleMoreInOneLatencyFailsAndNamesTheKeyAndItsUnitFirst) {
   BaselineSuite suite;
@@ -98,7 +98,7 @@ TEST(Baseline, WithoutAChangedKeyTheCountersNameTheUnit) {
   ASSERT_EQ(suite.baseline("record").exit, 0);
   const std::string text = suite.values();
   for (const Latency& l : kLatencies) {
-    // A model that changed: other figures of the configuration that was stored.
+    // A changed model: other values for the stored configuration.
     suite.machine(l.change);
     suite.write_values(replaced(text, fmt::format("  {}: {}\n", l.key, l.was), fmt::format("  {}: {}\n", l.key, l.is)));
     const Ending ending = suite.baseline("check");
@@ -114,7 +114,7 @@ TEST(Baseline, AKeyThatMovesNothingIsNamedToo) {
   suite.machine("tni: {rau: {rows: 8}}");
   const Ending ending = suite.baseline("check");
   EXPECT_EQ(ending.exit, 0);
-  EXPECT_SAYS(ending.out, "Changed in tni: tni.rau.rows was 16, is 8\nNothing that is kept has moved.\n");
+  EXPECT_SAYS(ending.out, "Changed in tni: tni.rau.rows was 16, is 8\nNo kept value has moved.\n");
 }
 
 TEST(Baseline, NamesChangedKeysAndALargeGroupOnce) {
@@ -123,7 +123,8 @@ TEST(Baseline, NamesChangedKeysAndALargeGroupOnce) {
   suite.machine("dram: {extends: dram/lpddr3-1600}\nl2: {lookup_cycles: 5}");
   const Ending ending = suite.baseline("check");
   EXPECT_SAYS(ending.out, "\nChanged in l2.bank: l2.lookup_cycles was 4, is 5\n");
-  EXPECT_SAYS(ending.out, "\nChanged in dram.channel: dram.timing.burst was 8, is 4, and 28 more keys of dram.timing\n");
+  EXPECT_SAYS(ending.out,
+              "\nChanged in dram.channel: dram.timing.burst was 8, is 4, and 28 more keys of dram.timing\n");
 }
 
 TEST(Baseline, AKeyThatOnlyOneConfigurationHasIsNoCause) {
@@ -135,7 +136,7 @@ TEST(Baseline, AKeyThatOnlyOneConfigurationHasIsNoCause) {
   const Ending ending = suite.baseline("check");
   EXPECT_SAYS(ending.out, "\nMost likely in l2.bank: ");
   EXPECT_SAYS(ending.out,
-              "\nKeys of one of the two configurations alone:\nChanged in core.dma: dma.depth was none, is 8\n"
+              "\nKeys of only one of the two configurations:\nChanged in core.dma: dma.depth was none, is 8\n"
               "Changed in core.dma: dma.of_an_older_model was 8, is none\n");
 }
 
@@ -163,7 +164,7 @@ TEST(Baseline, ATolerancePasses) {
 }
 
 TEST(Baseline, WithReplicatesAFigureHasMovedOnlyBeyondTheNoise) {
-  // A machine of several cores, whose cycles the start of a core moves.
+  // A machine of several cores, whose cycles depend on the start of a core.
   BaselineSuite suite;
   const auto machine = [&](const std::string& change) {
     suite.folder().write("cores.yaml", "extends: sgrt-2016\n" + change);
@@ -223,8 +224,8 @@ TEST(Baseline, ValuesThatAreNotStoredOrNotKeptHaveMoved) {
   suite.write(replaced(read_bytes(suite.folder().path() / "suite.yaml"), "rays.primary", "rays.shadow"));
   const Ending ending = suite.baseline("check");
   EXPECT_EQ(ending.exit, 1);
-  EXPECT_SAYS(ending.out, "totals.rays.primary: was 1, is gone");
-  EXPECT_SAYS(ending.out, "nothing stored");
+  EXPECT_SAYS(ending.out, "totals.rays.primary: was 1, is missing");
+  EXPECT_SAYS(ending.out, "not stored");
 }
 
 TEST(Baseline, WritesJunitXmlThatOthersCanRead) {

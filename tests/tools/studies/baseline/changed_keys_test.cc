@@ -1,5 +1,3 @@
-#include "tools/studies/baseline/changed_keys.h"
-
 #include <set>
 
 #include <gtest/gtest.h>
@@ -7,6 +5,7 @@
 #include "hw_models/machines/unit_kinds.h"
 #include "sim/config/config.h"
 #include "tools/run/frame/load_config.h"
+#include "tools/studies/baseline/changes.h"
 
 // The unit that a key of the configuration belongs to.
 

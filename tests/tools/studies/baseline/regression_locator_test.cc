@@ -1,18 +1,17 @@
-#include "tools/studies/baseline/regression_locator.h"
-
 #include <regex>
 
 #include <gtest/gtest.h>
 
 #include "hw_models/machines/unit_kinds.h"
 #include "tools/run/frame/run_job.h"
+#include "tools/studies/baseline/changes.h"
 
-// Which unit has changed, from what two runs say.
+// Locating the changed unit from the counters of two runs.
 
 namespace tools {
 namespace {
 
-/// A machine in which each unit ran for 1000 cycles.
+/// The values of a machine whose units ran for 1000 cycles.
 Values machine() {
   Values v = {{"totals.cycles", 1000}};
   for (const char* unit : {"core.tni.trv", "core.srp", "l2.bank", "dram.channel"}) {
@@ -31,14 +30,14 @@ TEST(RegressionLocator, IsTheUnitWhoseOwnTimeMovedNotTheOnesThatWaitForIt) {
   ASSERT_TRUE(located);
   EXPECT_EQ(located->unit, "l2.bank");
   EXPECT_EQ(located->moved, "why.lookup 0 -> 30 cycles (+30)");
-  EXPECT_EQ(located->clarity, 1);
+  EXPECT_EQ(located->certainty, 1);
 }
 
 TEST(RegressionLocator, IsLessClearTheMoreUnitsMove) {
   Values was = machine(), is = machine();
   is["units.l2.bank.why.lookup"] = 30;
   is["units.core.srp.why.running"] = 10;
-  EXPECT_DOUBLE_EQ(locate_regression(was, is)->clarity, 0.75);
+  EXPECT_DOUBLE_EQ(locate_regression(was, is)->certainty, 0.75);
 }
 
 TEST(RegressionLocator, WithoutAnyIsTheUnitNearestToMemoryThatWaitedLonger) {
@@ -48,7 +47,7 @@ TEST(RegressionLocator, WithoutAnyIsTheUnitNearestToMemoryThatWaitedLonger) {
   EXPECT_EQ(locate_regression(was, is)->unit, "core.tni.trv");
 }
 
-/// A machine whose L2 read 100 lines of a memory that took 60 cycles for each, and 20 of the way.
+/// The values of a machine whose L2 read 100 lines: 60 cycles each in the memory, 20 on the path.
 Values machine_with_reads() {
   Values v = machine();
   v["units.l2.bank.counters.fills"] = 100;
@@ -63,12 +62,12 @@ TEST(RegressionLocator, IsTheWayWhereMissesTookLongerThanTheNextLevelServedThem)
   is["units.l2.bank.counters.line_cycles"] = 8100;
   const auto located = locate_regression(was, is);
   ASSERT_TRUE(located);
-  EXPECT_EQ(located->unit, "way between L2 and memory");
+  EXPECT_EQ(located->unit, "path between L2 and memory");
   EXPECT_EQ(located->moved, "misses spent 2000 -> 2100 T&I cycles there (+100)");
 }
 
 TEST(RegressionLocator, IsNoWayWhereTheNextLevelServedOthersToo) {
-  // 300 reads of a DMA, of 60 cycles each, are no part of what the L2 waited for: 8100 - 24000 is the time of nothing.
+  // 300 reads of the DMA, 60 cycles each, are not waited for by the L2: 8100 - 24000 has no meaning.
   Values was = machine_with_reads(), is = machine_with_reads();
   is["units.l2.bank.counters.line_cycles"] = 8100;
   is["units.dram.channel.counters.reads"] = 400;
@@ -87,7 +86,7 @@ TEST(RegressionLocator, InAKnownUnitIsTheReasonOfItThatMovedMost) {
   is["units.l2.bank.why.lookup"] = 240;
   EXPECT_EQ(largest_move_in("tni", was, is)->unit, "core.tni.trv");
   EXPECT_EQ(largest_move_in("core.tni.trv", was, is)->moved, "why.l1_miss 0 -> 100 cycles (+100)");
-  EXPECT_DOUBLE_EQ(largest_move_in("core.tni.trv", was, is)->clarity, 0.2) << "60 of 300 cycles of work";
+  EXPECT_DOUBLE_EQ(largest_move_in("core.tni.trv", was, is)->certainty, 0.2) << "60 of 300 cycles of work";
   EXPECT_FALSE(largest_move_in("core.srp", was, is)) << "none of its reasons moved";
   EXPECT_FALSE(largest_move_in("clocks", was, is));
   EXPECT_FALSE(largest_move_in("", was, is));

@@ -15,9 +15,9 @@
 #include "sim/hash.h"
 #include "tests/tools/program.h"
 #include "tools/run/frame/load_config.h"
-#include "tools/studies/baseline/changed_keys.h"
+#include "tools/studies/baseline/changes.h"
 
-// Of the default machine one key is changed at a time: the check names the key's unit before any other.
+// One key of the default machine is changed at a time, and the check names its unit first.
 
 namespace test {
 namespace {
@@ -32,7 +32,7 @@ struct Change {
   std::string value;
 };
 
-/// Other values for a field: of a number double and half, the next of a list's names.
+/// Returns other values for a field: double and half of a number, the next name of a list.
 std::vector<std::string> other_values(const FieldInfo& field) {
   if (field.kind == FieldKind::kBool) return {field.value == "true" ? "false" : "true"};
   if (field.kind == FieldKind::kEnum) {
@@ -50,7 +50,7 @@ std::vector<std::string> other_values(const FieldInfo& field) {
   return out;
 }
 
-/// The first other value that the configuration allows.
+/// Returns the first other value that the configuration allows.
 std::optional<Change> change_of(const FieldInfo& field) {
   for (const std::string& value : other_values(field)) {
     tools::JobOptions options;
@@ -98,9 +98,9 @@ std::vector<std::string> words_of(const std::string& line) {
   return out;
 }
 
-/// True if a word of the line is a unit or a key, or the path of a unit's counter.
+/// True if a word of the line is a unit, a key, or the path of a counter.
 bool names_unit_or_key(const std::string& line, const std::set<std::string>& keys) {
-  if (line.find("interconnect between") != std::string::npos || line.find("way between") != std::string::npos)
+  if (line.find("interconnect between") != std::string::npos || line.find("path between") != std::string::npos)
     return true;
   return std::ranges::any_of(words_of(line), [&](std::string word) {
     while (word.ends_with('.')) word.pop_back();
@@ -112,7 +112,7 @@ bool names_unit_or_key(const std::string& line, const std::set<std::string>& key
   });
 }
 
-/// The first line of a check's output that names a unit or a key.
+/// Returns the first line of the output of a check that names a unit or a key.
 std::string first_named(const std::string& out, const std::set<std::string>& keys) {
   std::istringstream lines(out);
   for (std::string line; std::getline(lines, line);) {

@@ -7,7 +7,7 @@
 
 #include "tests/tools/program.h"
 
-// How fast the simulator is, and against another build.
+// raywatt bench, alone and against another build.
 
 namespace test {
 namespace {
@@ -18,7 +18,7 @@ Words bench(const Words& more) {
   return words;
 }
 
-/// JSON that a bench of these words prints.
+/// Returns the JSON of `raywatt bench` with these words.
 nlohmann::json json_of(Words words) {
   words.emplace_back("--json");
   const Ending ending = raywatt(words);
@@ -27,17 +27,17 @@ nlohmann::json json_of(Words words) {
   return nlohmann::json::parse(ending.out);
 }
 
-nlohmann::json figures(const Words& more = {}) { return json_of(bench(more)); }
+nlohmann::json metrics(const Words& more = {}) { return json_of(bench(more)); }
 
 TEST(Bench, MeasuresEveryFigureOfEveryScene) {
-  const nlohmann::json result = figures({"--threads", "2"});
+  const nlohmann::json result = metrics({"--threads", "2"});
   EXPECT_EQ(result["runs"], 2);
   EXPECT_EQ(result["threads"], 2);
   ASSERT_EQ(result["scenes"].size(), 2U);
   for (const nlohmann::json& scene : result["scenes"]) {
-    for (const tools::BenchFigure& figure : tools::bench_figures()) {
-      if (figure.kind == tools::BenchFigure::Kind::kFact) continue;
-      EXPECT_GT(scene[figure.name], 0) << figure.name;
+    for (const tools::BenchMetric& metric : tools::bench_metrics()) {
+      if (metric.kind == tools::BenchMetric::Kind::kFact) continue;
+      EXPECT_GT(scene[metric.name], 0) << metric.name;
     }
     EXPECT_EQ(scene["sampling_cycles_error_percent"], 0) << "so small a frame is timed whole";
     EXPECT_EQ(scene["sampling_cycles_inside"], 1);
@@ -47,19 +47,19 @@ TEST(Bench, MeasuresEveryFigureOfEveryScene) {
 
 TEST(Bench, PrintsAColumnForEveryFigure) {
   const std::string table = raywatt(bench({"--scene", "teapot"})).out;
-  for (const tools::BenchFigure& figure : tools::bench_figures()) EXPECT_SAYS(table, figure.header);
+  for (const tools::BenchMetric& metric : tools::bench_metrics()) EXPECT_SAYS(table, metric.header);
   EXPECT_SAYS(table, "teapot");
   EXPECT_EQ(std::ranges::count(table, '\n'), 7) << "two tables of three lines, one between them\n" << table;
 }
 
 TEST(Bench, LeavesOutSamplesOfProgramsThatHaveNone) {
-  const nlohmann::json result = figures({"--scene", "teapot", "--program", "multirate:under"});
+  const nlohmann::json result = metrics({"--scene", "teapot", "--program", "multirate:under"});
   EXPECT_GT(result["scenes"][0]["replay_s_per_timing_s"], 0);
   EXPECT_FALSE(result["scenes"][0].contains("sampling_speedup"));
 }
 
 TEST(Bench, PeakMemoryIsThatOfTheSceneAlone) {
-  const nlohmann::json both = figures({"--scene", "chess", "--scene", "cornell"});
+  const nlohmann::json both = metrics({"--scene", "chess", "--scene", "cornell"});
   EXPECT_LT(both["scenes"][1]["peak_rss_mb"].get<double>(), 0.9 * both["scenes"][0]["peak_rss_mb"].get<double>())
       << "the smaller scene comes last";
 }
@@ -70,9 +70,9 @@ TEST(Bench, RefusesASceneThatIsNotThereWithOneLine) {
 
 /// Saved figures of a build: one scene, each figure `value`.
 nlohmann::ordered_json saved(double value, const std::string& scene = "teapot") {
-  nlohmann::ordered_json figures = {{"scene", scene}};
-  for (const tools::BenchFigure& figure : tools::bench_figures()) figures[figure.name] = value;
-  return {{"schema", "raywatt-bench/2"}, {"scenes", {figures}}};
+  nlohmann::ordered_json metrics = {{"scene", scene}};
+  for (const tools::BenchMetric& metric : tools::bench_metrics()) metrics[metric.name] = value;
+  return {{"schema", "raywatt-bench/2"}, {"scenes", {metrics}}};
 }
 
 TEST(Bench, SaysHowManyTimesAsGoodEachFigureIs) {
@@ -124,12 +124,12 @@ TEST(Bench, LeavesOutScenesThatTheOtherHasNot) {
   EXPECT_TRUE(result["scenes"][1].contains("against"));
   expect_refusal(
       raywatt({"bench", "--measured", folder.write("ours.json", saved(1).dump()).string(), "--against", theirs}),
-      {"theirs.json: has no scene in common", "there are: chess"});
+      {"theirs.json: has no scene in common", "its scenes: chess"});
   expect_refusal(raywatt(bench({"--scene", "cornell", "--against", theirs})), {"no scene in common"});
 }
 
 TEST(Bench, SaysWhatItsFiguresAreOf) {
-  const nlohmann::json result = figures({"--scene", "cornell", "--program", "full", "--set", "cores=2"});
+  const nlohmann::json result = metrics({"--scene", "cornell", "--program", "full", "--set", "cores=2"});
   EXPECT_EQ(result["program"], "full:1");
   EXPECT_EQ(result["config"], "sgrt-2016");
   EXPECT_EQ(result["set"], nlohmann::json{"cores=2"});
@@ -139,7 +139,7 @@ TEST(Bench, SaysWhatItsFiguresAreOf) {
 
 TEST(Bench, RefusesToCompareWhatIsNotTheSame) {
   const TempFolder folder;
-  const nlohmann::json theirs = figures({"--scene", "cornell", "--threads", "1"});
+  const nlohmann::json theirs = metrics({"--scene", "cornell", "--threads", "1"});
   const std::string file = folder.write("b1.json", theirs.dump()).string();
   const auto against = [&](const Words& more) {
     Words words = {"bench", "--scene", "cornell", "--threads", "1", "--runs", "1", "--against", file};

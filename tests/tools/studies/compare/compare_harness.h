@@ -11,7 +11,7 @@
 
 namespace test {
 
-/// Runs, each made when a test first asks for it.
+/// Runs, each made at its first use.
 class Runs : public testing::Test {
  protected:
   void run(const std::string& name) const {
@@ -41,7 +41,7 @@ class Runs : public testing::Test {
     EXPECT_EQ(json["schema"], "raywatt-compare/1");
     return json["against"][0];
   }
-  /// A report of a run, changed.
+  /// Writes a changed report of a run.
   std::string changed(const std::string& name, const std::function<void(nlohmann::json&)>& change) const {
     nlohmann::json report = read_json(path("base") + "/report.json");
     change(report);

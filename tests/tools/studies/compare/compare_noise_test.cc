@@ -7,7 +7,7 @@
 #include "tests/tools/program.h"
 #include "tests/tools/studies/compare/compare_harness.h"
 
-// Differences of runs, and what noise makes of them.
+// Differences of runs and their noise.
 
 namespace test {
 namespace {
@@ -34,7 +34,7 @@ TEST_F(Runs, OfWhichOneHasReplicatesAreHeldAgainstTheLargerNoise) {
   const Json one = Json::parse(raywatt({"compare", noisy, path("ports"), "--json"}).out);
   const Json noise = one["against"][0]["figures"]["cycles"]["noise"];
   EXPECT_EQ(noise["from"], "default");
-  // A mean of four plays, and one play of as much deviation.
+  // The mean of four replicates, and one replicate with the same deviation.
   EXPECT_NEAR(noise["half_width"].get<double>(), 1.96 * 0.2 * std::hypot(0.5, 1), 0.05);
   EXPECT_SAYS(raywatt({"compare", noisy, path("ports")}).out,
               "or that of one run's replicates if larger; --replicates 5");
@@ -49,7 +49,7 @@ TEST_F(Runs, OfWhichOneHasReplicatesAreHeldAgainstTheLargerNoise) {
 TEST_F(Runs, OfOtherClocksHaveNoVerdictOnCycles) {
   const std::string slow = changed("slow.json", [](Json& report) { report["config"]["clocks"]["tni"] = "400 MHz"; });
   const Ending ending = raywatt({"compare", path("base"), slow});
-  EXPECT_SAYS(ending.err, "have T&I clocks of their own (clocks.tni): compare times, not cycles");
+  EXPECT_SAYS(ending.err, "have different T&I clocks (clocks.tni): compare times, not cycles");
   EXPECT_SAYS(ending.out, "another clock");
   const Json c = Json::parse(raywatt({"compare", path("base"), slow, "--json"}).out)["against"][0];
   EXPECT_FALSE(c["figures"]["cycles"].contains("noise"));
@@ -66,7 +66,7 @@ TEST_F(Runs, ArePlayedAgainForTheirNoise) {
   EXPECT_NE(cycles["noise"]["half_width"], plain["noise"]["half_width"]);
   const std::string other = changed("other.json", [](Json& report) { report["totals"]["cycles"] = 7; });
   expect_refusal(raywatt({"compare", path("base"), other, "--replicates", "2", "--progress", "none"}),
-                 {"other.json: says 7 cycles, and played again it takes "});
+                 {"other.json: has 7 cycles, but a repetition takes "});
 }
 
 TEST_F(Runs, AreHeldAgainstTheirReplicatesWhereBothHaveThem) {

@@ -11,7 +11,7 @@
 #include "tests/tools/studies/compare/compare_harness.h"
 #include "tools/analysis/report_paths.h"
 
-// Runs side by side: what changed, and which counters explain it.
+// Comparisons of runs: what changed, and the counters that explain it.
 
 namespace test {
 namespace {

@@ -5,8 +5,7 @@
 
 #include "tests/tools/program.h"
 
-// raywatt microbench: every piece of the machine, measured alone, holds its closed form; and some of these forms by
-// hand.
+// raywatt microbench: measurements equal their closed forms, and some closed forms equal values computed by hand.
 
 namespace test {
 namespace {
@@ -128,8 +127,8 @@ TEST(MicrobenchMshr, GivesALineForEachRegisterAndLatencyUntilThePortIsFull) {
   EXPECT_NEAR(value_of(all, "32 miss registers, lines in the L2"), 250, 0.1) << "a line in two cycles of 2 ns";
 }
 
-// A request slot is taken for a cycle of the client, three of the L2 to cross and one until the pop is seen: between
-// 2 + 4 x 1.25 ns and the next edge that is 8 ns, for two slots.
+// A request slot is occupied for a cycle of the client, three of the L2 to cross, and one until the pop is seen: 2 + 4
+// x 1.25 ns, up to the next edge 8 ns, for two slots.
 TEST(MicrobenchMshr, FindsTheWireThatAClockCrossingFills) {
   const Json all = measured("mshr", {"--set", "clocks.l2=800 MHz", "--set", "clocks.synchroniser=3"});
   EXPECT_NEAR(value_of(all, "64 miss registers, lines in the L2"), 2e3 / 8, 1);
@@ -201,12 +200,12 @@ TEST(MicrobenchVerb, PrintsATableWithTheMarginOfEachFigure) {
   for (const char* part : {"closed form", "within 2 %", "core ports", "difference"}) EXPECT_SAYS(ending.out, part);
 }
 
-// Refreshes that take more than half of each bank's time: a stream cannot reach nine tenths of the bus.
+// Refreshes take more than half of the time of each bank, so that a stream cannot reach 90 % of the bus.
 TEST(MicrobenchVerb, EndsWithOneIfAFigureLeavesItsClosedForm) {
   const Ending ending = raywatt({"microbench", "dram", "--set", "dram.timing.refi_pb=60"});
   EXPECT_EQ(ending.exit, 1);
   EXPECT_SAYS(ending.out, "MISSED");
-  EXPECT_SAYS(ending.err, "differ from their closed forms");
+  EXPECT_SAYS(ending.err, "miss their closed forms");
 }
 
 TEST(MicrobenchVerb, MeasuresRealResourcesEvenIfTheConfigurationMakesThemIdeal) {

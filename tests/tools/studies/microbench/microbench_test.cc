@@ -5,12 +5,12 @@
 
 #include "tests/tools/program.h"
 
-// raywatt microbench: pieces of the machine alone.
+// raywatt microbench: parts of the machine alone.
 
 namespace test {
 namespace {
 
-/// A stream file in a folder of the test's own.
+/// A stream file in a temporary folder.
 class Stream {
  public:
   explicit Stream(const std::string& text) { std::ofstream(path()) << text; }
@@ -44,9 +44,10 @@ TEST(MicrobenchDram, HoldsEveryGradeToItsClosedForms) {
 TEST(MicrobenchDram, RefusesAGradeAndAStreamWithAllGrades) {
   for (const char* benchmark : {"dram", "bandwidth"}) {
     expect_refusal(raywatt({"microbench", benchmark, "--all-grades", "--set", "dram.extends=dram/lpddr5-6400"}),
-                   {"--all-grades does not go with --set dram.extends=dram/lpddr5-6400"});
+                   {"--all-grades and --set dram.extends=dram/lpddr5-6400"});
   }
-  expect_refusal(raywatt({"microbench", "dram", "--all-grades", "--stream", "nothere"}), {"does not go with --stream"});
+  expect_refusal(raywatt({"microbench", "dram", "--all-grades", "--stream", "nothere"}),
+                 {"--all-grades and --stream exclude each other"});
 }
 
 TEST(MicrobenchDram, ComparesTheEnergyOfAllGrades) {

@@ -27,7 +27,7 @@ TEST(Acquisition, GoesOnWhereProbabilitiesUnderflow) {
 }
 
 TEST(Acquisition, ExpectsTheMeanOfWhatIsAboveTheBest) {
-  // Of a normal value at the best, and far above it.
+  // A normal value at the best one, and far above it.
   EXPECT_NEAR(log_expected_gain({3, 2}, 3), std::log(2 / std::sqrt(2 * std::numbers::pi)), 1e-14);
   EXPECT_NEAR(log_expected_gain({103, 2}, 3), std::log(100), 1e-14);
   EXPECT_NEAR(std::exp(log_expected_gain({2, 1}, 3)), 0.08331547058768617, 1e-14);  // phi(1) - (1 - Phi(1))

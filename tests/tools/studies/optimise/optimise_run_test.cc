@@ -10,7 +10,7 @@
 #include "tools/host/build_info.h"
 #include "tools/studies/optimise/search_run.h"
 
-// Searches as people run them.
+// raywatt optimise.
 
 namespace test {
 namespace {
@@ -40,7 +40,7 @@ struct Optimise : testing::Test {
     for (std::string line; std::getline(text, line);) points.push_back(Json::parse(line));
     return points;
   }
-  /// Cells of front.csv, none of which has a comma; the header first.
+  /// Returns the cells of front.csv, header first. No cell contains a comma.
   std::vector<Words> front() const {
     std::vector<Words> rows;
     std::istringstream text(read_bytes(out / "front.csv"));
@@ -118,11 +118,11 @@ TEST_F(Optimise, SaysWhatNoiseDoesNotTellFromTheBest) {
   const std::string lines = "axes: {cores: [1, 2], tni.trvs: [2, 3, 4], clocks.tni: [500 MHz, 501 MHz]}\nbudget: 12\n";
   const Ending single = run(lines + "objectives: [max: perf.fps]\n");
   ASSERT_EQ(single.exit, 0) << single.err;
-  EXPECT_SAYS(single.out, "from the best; a noise of 25 %, assumed for this size of picture");
-  EXPECT_SAYS(single.out, "noise does not tell ");
+  EXPECT_SAYS(single.out, " the best within noise; a noise of 25 %, assumed for this size of picture");
+  EXPECT_SAYS(single.out, " equal");
   const Ending both = run(lines + "objectives: [max: perf.fps, min: power_w]\nreplicates: 3\n");
   ASSERT_EQ(both.exit, 0) << both.err;
-  EXPECT_SAYS(both.out, "from the front; noise measured by 3 replicates a point");
+  EXPECT_SAYS(both.out, " the front within noise; noise measured by 3 replicates a point");
   EXPECT_SAYS(both.out, "--replicates 3");
 }
 
@@ -180,7 +180,7 @@ TEST_F(Optimise, SaysWhichPointComesNearestIfNoneMeetsTheConstraints) {
   const Ending ending = run(kSearch + "constraints: [power_w.nominal < 0.0001, cycles > 0]\n");
   EXPECT_EQ(ending.exit, 1) << ending.err;
   EXPECT_SAYS(ending.out, "none of 10 points meets the constraints; the nearest is ");
-  EXPECT_SAYS(ending.out, "where power_w.nominal < 0.0001 is asked for (room -");
+  EXPECT_SAYS(ending.out, "where power_w.nominal < 0.0001 is required (room -");
   EXPECT_SAYS(ending.out, "points that meet power_w.nominal < 0.0001: 0, cycles > 0: 10");
   EXPECT_EQ(front().size(), 1U) << "the header";
 }
@@ -193,9 +193,9 @@ TEST_F(Optimise, KeepsItsFrontWithinTheConstraints) {
   double best = 0;
   std::size_t feasible = 0;
   for (const Json& point : history()) {
-    const Json& figures = point["figures"];
-    EXPECT_EQ(point["feasible"], figures["totals.power_w.nominal"] <= 0.45);
-    if (point["feasible"]) best = std::max(best, figures["totals.perf.fps"].get<double>());
+    const Json& metrics = point["figures"];
+    EXPECT_EQ(point["feasible"], metrics["totals.power_w.nominal"] <= 0.45);
+    if (point["feasible"]) best = std::max(best, metrics["totals.perf.fps"].get<double>());
     feasible += point["feasible"] ? 1 : 0;
   }
   EXPECT_SAYS(ending.out,
@@ -273,7 +273,7 @@ TEST_F(Optimise, RefusesWhatItCannotUse) {
   refused(axes + "objectives: [{min: cycles}]\nconstraints: [cycles < many]\n", {"PATH < NUMBER"});
   refused(
       axes + "objectives: [{min: cycles}]\nconstraints: [power_w.nominal < 1 W]\n",
-      {":5:15", "'W' is no part of a number; figures have the unit of their name", "allowed: 'power_w.nominal < 1'"});
+      {":5:15", "'W' is not part of a number; a metric has the unit of its name", "allowed: 'power_w.nominal < 1'"});
   refused(axes + "objectives: [{min: cycles}]\nbudget: 3\n", {"budget", "4 to 1000"});
   refused(axes + "objectives: [{min: cycles}]\npopulation: 10\n", {"population", "multiple of 4"});
   refused(axes + "objectives: [{min: cycles}]\nsubset: {random: 4}\n", {"subset", "is for sweeps"});

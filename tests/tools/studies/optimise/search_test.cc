@@ -10,8 +10,9 @@
 #include <gtest/gtest.h>
 
 #include "sim/hash.h"
+#include "tools/studies/sweep/spec/plan.h"
 
-// Points that a search finds in spaces of 1,024 points with a tenth of their evaluations, against the true front.
+// Fronts found in spaces of 1,024 points with a tenth of the evaluations, compared with the true fronts.
 
 namespace test {
 namespace {
@@ -21,14 +22,14 @@ using namespace tools::optimise;
 constexpr std::size_t kBudget = 102, kFirst = 20, kBatch = 8;
 const Goal kMin = {Goal::Kind::kMin, "f", 0, ""}, kMax = {Goal::Kind::kMax, "f", 0, ""};
 
-/// A made-up space: figures of a point whose axes go from 0 to 1.
+/// A synthetic space: metrics of a point whose axes are from 0 to 1.
 struct MadeUp {
   std::vector<AxisShape> axes;
   std::vector<Goal> goals;
   std::function<std::vector<double>(const std::vector<double>& x)> f;
   std::function<bool(const Choice&)> is_wanted = [](const Choice&) { return true; };
 
-  std::vector<double> figures(const Choice& choice) const {
+  std::vector<double> metrics(const Choice& choice) const {
     std::vector<double> x;
     for (std::size_t a = 0; a < axes.size(); ++a) x.push_back(choice[a] / (axes[a].values - 1.0));
     return f(x);
@@ -36,44 +37,48 @@ struct MadeUp {
   std::vector<Choice> points() const {
     std::vector<std::uint32_t> sizes;
     for (const AxisShape& axis : axes) sizes.push_back(axis.values);
-    return tools::sweep::choose({}, sizes, is_wanted);
+    return tools::sweep::choose_combinations({}, sizes, is_wanted);
   }
   Search search(std::uint64_t seed) const { return Search({axes, is_wanted}, goals, {.seed = seed}); }
 
-  /// Scores of those that meet the constraints.
+  /// Returns the scores of points that meet the constraints.
   std::vector<Score> scores(const std::vector<Choice>& choices) const {
     Search judge = search(0);
-    for (const Choice& choice : choices) judge.tell(choice, figures(choice));
+    for (const Choice& choice : choices) judge.add_result(choice, metrics(choice));
     std::vector<Score> all;
-    for (const auto& [point, score] : judge.scores()) all.push_back(score);
+    for (const auto& [point, score] : judge.feasible_scores()) all.push_back(score);
     return all;
   }
 };
 
-/// The points that a search looks at, in order.
+/// Returns the points of a search in order.
 std::vector<Choice> search_run(const MadeUp& space, std::uint64_t seed, std::size_t budget = kBudget) {
   Search search = space.search(seed);
   std::vector<Choice> all;
   while (all.size() < budget) {
-    const std::vector<Choice> proposed = search.propose(all.empty() ? kFirst : std::min(kBatch, budget - all.size()));
+    const std::vector<Choice> proposed =
+        search.propose_points(all.empty() ? kFirst : std::min(kBatch, budget - all.size()));
     if (proposed.empty()) break;
-    for (const Choice& choice : proposed) search.tell(choice, space.figures(choice));
+    for (const Choice& choice : proposed) search.add_result(choice, space.metrics(choice));
     all.insert(all.end(), proposed.begin(), proposed.end());
   }
   return all;
 }
 
-/// Hypervolume as a share of the true front's, measured from the worst corner.
+/// Returns the hypervolume as a share of that of the true front, measured from the worst corner.
 double share(const MadeUp& space, const std::vector<Choice>& choices) {
   const std::vector<Score> all = space.scores(space.points());
   Score corner = all.front();
   for (const Score& score : all) {
     for (std::size_t o = 0; o < score.size(); ++o) corner[o] = std::min(corner[o], score[o]);
   }
-  return hypervolume(space.scores(choices), corner) / hypervolume(all, corner);
+  const auto size = [&](const std::vector<Score>& scores) {
+    return corner.size() == 1 ? std::ranges::max(scores)[0] - corner[0] : hypervolume(scores, corner);
+  };
+  return size(space.scores(choices)) / size(all);
 }
 
-/// The median of five seeds.
+/// Returns the median share of five seeds.
 double found(const MadeUp& space) {
   std::vector<double> shares;
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
@@ -132,8 +137,8 @@ TEST(Search, FindsAFrontUnderNoise) {
 }
 
 TEST(Search, DoesNotHuntNoise) {
-  // A hill over two axes; along the third there is noise alone. A search that takes luck for height looks lower on the
-  // hill than one that knows the errors.
+  // A hill over two axes; the third axis has only noise. Without errors the search mistakes noise for height and stays
+  // lower on the hill.
   const auto below_the_top = [](const Choice& c) {
     return 0.25 * ((c[0] - 4.0) * (c[0] - 4.0) + (c[1] - 4.0) * (c[1] - 4.0)) / 16;
   };
@@ -149,9 +154,9 @@ TEST(Search, DoesNotHuntNoise) {
       Search search({{{9, true}, {9, true}, {9, true}}, [](const Choice&) { return true; }}, {kMax}, {.seed = seed});
       bool has_top = false;
       for (std::size_t batch = 0; batch < 6; ++batch) {
-        for (const Choice& point : search.propose(batch == 0 ? 24 : kBatch)) {
-          search.tell(point, std::vector<double>{1 - below_the_top(point) + noise(point, seed)},
-                      tell_errors ? std::vector<double>{error} : std::vector<double>());
+        for (const Choice& point : search.propose_points(batch == 0 ? 24 : kBatch)) {
+          search.add_result(point, std::vector<double>{1 - below_the_top(point) + noise(point, seed)},
+                            tell_errors ? std::vector<double>{error} : std::vector<double>());
           has_top = has_top || below_the_top(point) == 0;
           if (batch == 0) continue;
           loss += below_the_top(point);
@@ -180,9 +185,9 @@ TEST(Search, FindsTheFrontUnderAConstraint) {
   MadeUp limited = kMachine;
   limited.goals.push_back({Goal::Kind::kBelow, "f", 0.5, ""});
   limited.f = [](const std::vector<double>& x) {
-    std::vector<double> figures = machine(x);
-    figures.push_back(figures[1]);
-    return figures;
+    std::vector<double> metrics = machine(x);
+    metrics.push_back(metrics[1]);
+    return metrics;
   };
   EXPECT_LT(limited.scores(limited.points()).size(), 400U) << "the constraint matters";
   EXPECT_GE(found(limited), 0.98);
@@ -204,8 +209,8 @@ TEST(Search, IsBetterThanChance) {
   std::vector<double> shares;
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const tools::sweep::Subset subset{tools::sweep::Subset::Kind::kRandom, kBudget, seed};
-    shares.push_back(
-        share(kMachine, tools::sweep::choose(subset, {std::vector<std::uint32_t>(5, 4)}, kMachine.is_wanted)));
+    shares.push_back(share(
+        kMachine, tools::sweep::choose_combinations(subset, {std::vector<std::uint32_t>(5, 4)}, kMachine.is_wanted)));
   }
   std::ranges::sort(shares);
   EXPECT_LT(shares[2], 0.97) << "the bar of these tests says something";
@@ -243,9 +248,9 @@ TEST(Search, LearnsWhereNothingCanBeComputed) {
   Search search = kMachine.search(1);
   std::size_t asked = 0, in_vain = 0;
   while (asked < kBudget) {
-    for (const Choice& choice : search.propose(asked == 0 ? kFirst : kBatch)) {
+    for (const Choice& choice : search.propose_points(asked == 0 ? kFirst : kBatch)) {
       const bool fails = choice[0] >= 2;  // half of the space, and the half with the greatest throughput
-      search.tell(choice, fails ? std::nullopt : std::optional(kMachine.figures(choice)));
+      search.add_result(choice, fails ? std::nullopt : std::optional(kMachine.metrics(choice)));
       asked += 1;
       in_vain += fails ? 1 : 0;
     }
@@ -256,26 +261,26 @@ TEST(Search, LearnsWhereNothingCanBeComputed) {
 TEST(Search, GoesOnIfNothingCouldBeComputedYet) {
   Search search = kMachine.search(1);
   for (int batch = 0; batch < 3; ++batch) {
-    const std::vector<Choice> proposed = search.propose(8);
+    const std::vector<Choice> proposed = search.propose_points(8);
     EXPECT_EQ(proposed.size(), 8U);
-    for (const Choice& choice : proposed) search.tell(choice, std::nullopt);
+    for (const Choice& choice : proposed) search.add_result(choice, std::nullopt);
   }
 }
 
 TEST(Search, LooksForPointsThatMeetConstraintsFirst) {
   MadeUp narrow{fours(5), {kMax, kMin, {Goal::Kind::kAtMost, "f", 0.35, ""}}, [](const std::vector<double>& x) {
-                  std::vector<double> figures = machine(x);
+                  std::vector<double> metrics = machine(x);
                   double away = 0;
                   for (const double v : x) away += std::abs(v - 0.66);
-                  figures.push_back(away);
-                  return figures;
+                  metrics.push_back(away);
+                  return metrics;
                 }};
   EXPECT_EQ(narrow.scores(narrow.points()).size(), 1U);
   Search search = narrow.search(3);
   std::size_t asked = 0;
-  while (search.scores().empty() && asked < kBudget) {
-    for (const Choice& choice : search.propose(asked == 0 ? kFirst : kBatch)) {
-      search.tell(choice, narrow.figures(choice));
+  while (search.feasible_scores().empty() && asked < kBudget) {
+    for (const Choice& choice : search.propose_points(asked == 0 ? kFirst : kBatch)) {
+      search.add_result(choice, narrow.metrics(choice));
       asked += 1;
     }
   }
@@ -287,7 +292,7 @@ TEST(Search, LooksForPointsThatMeetConstraintsFirst) {
 struct SmallestMachine {
   static constexpr std::array kCores = {1.0, 2.0, 4.0, 6.0, 8.0}, kUnits = {1.0, 2.0, 4.0}, kCache = {4.0, 8.0, 16.0},
                               kSecond = {64.0, 128.0, 256.0}, kClock = {300.0, 400.0, 500.0, 600.0};
-  static std::vector<double> figures(const Choice& c) {
+  static std::vector<double> metrics(const Choice& c) {
     const double cores = kCores.at(c[0]), units = kUnits.at(c[1]), cache = kCache.at(c[2]), second = kSecond.at(c[3]),
                  clock = kClock.at(c[4]);
     const double area = 1.5 + cores * (2.2 + 0.55 * units * (1 + 0.04 * cache)) + 0.009 * second;
@@ -301,8 +306,8 @@ struct SmallestMachine {
                          2e-5 * fps * (1 + 3 * miss * miss2);
     return {area, fps, power};
   }
-  /// Area within 2 % of the smallest that meets the limits: in how many of ten searches of 40 points. The least frame
-  /// rate is set by the first points, so that as many of them as asked for are feasible.
+  /// Returns in how many of ten searches of 40 points the area is within 2 % of the smallest feasible one. The limit of
+  /// the frame rate is set so that `first_feasible` of the first points are feasible.
   static int found(std::size_t first_feasible) {
     constexpr double kError = 0.09, kMostPower = 1.2;
     int good = 0;
@@ -312,34 +317,34 @@ struct SmallestMachine {
           kMin, {Goal::Kind::kAbove, "fps", 0, ""}, {Goal::Kind::kBelow, "power", kMostPower, ""}};
       const auto new_search = [&] { return Search({space.axes, space.is_wanted}, goals, {.seed = seed}); };
       std::vector<double> rates = {0};
-      const std::vector<Choice> first = new_search().propose(12);
+      const std::vector<Choice> first = new_search().propose_points(12);
       for (const Choice& point : first) {
-        if (figures(point)[2] < kMostPower) rates.push_back(figures(point)[1]);
+        if (metrics(point)[2] < kMostPower) rates.push_back(metrics(point)[1]);
       }
       std::ranges::sort(rates, std::greater{});
       goals[1].limit =
           first_feasible == 0 ? 1.02 * rates[0] : (rates.at(first_feasible - 1) + rates.at(first_feasible)) / 2;
       double smallest = 1e9;
       for (const Choice& point : space.points()) {
-        const std::vector<double> f = figures(point);
+        const std::vector<double> f = metrics(point);
         if (goals[1].is_met(f[1]) && goals[2].is_met(f[2])) smallest = std::min(smallest, f[0]);
       }
       EXPECT_LT(smallest, 1e9) << "some point is feasible, seed " << seed;
       Search search = new_search();
       for (std::size_t points = 0; points < 40;) {
         const std::vector<Choice> proposed =
-            points == 0 ? search.propose(12) : search.propose(std::min(kBatch, 40 - points));
+            points == 0 ? search.propose_points(12) : search.propose_points(std::min(kBatch, 40 - points));
         for (const Choice& point : proposed) {
-          const std::vector<double> f = figures(point);
-          search.tell(point, f, {0, kError * f[1], kError * f[2]}, true);
+          const std::vector<double> f = metrics(point);
+          search.add_result(point, f, {0, kError * f[1], kError * f[2]}, true);
         }
         points += proposed.size();
         if (points == 12) {
-          EXPECT_EQ(search.scores().size(), first_feasible) << "seed " << seed;
+          EXPECT_EQ(search.feasible_scores().size(), first_feasible) << "seed " << seed;
         }
       }
       double best = -1e9;
-      for (const auto& [point, score] : search.scores()) best = std::max(best, score[0]);
+      for (const auto& [point, score] : search.feasible_scores()) best = std::max(best, score[0]);
       good += -best <= 1.02 * smallest ? 1 : 0;
     }
     return good;
@@ -353,18 +358,18 @@ TEST(Search, FindsTheSmallestMachineFromOneFeasiblePoint) { EXPECT_GE(SmallestMa
 TEST(Search, FindsTheSmallestMachineFromSeveralFeasiblePoints) { EXPECT_GE(SmallestMachine::found(3), 9); }
 
 TEST(Search, FindsAFrontThatIsOnePointAfterItsFirstPoints) {
-  // Two objectives, a limit that one of the first points meets: the range of what is feasible is nothing.
+  // Two objectives and a limit that one of the first points meets, so that the range of feasible scores is empty.
   MadeUp limited = kMachine;
   limited.f = [](const std::vector<double>& x) {
-    std::vector<double> figures = machine(x);
-    figures.push_back(figures[1]);
-    return figures;
+    std::vector<double> metrics = machine(x);
+    metrics.push_back(metrics[1]);
+    return metrics;
   };
   std::vector<double> powers;
-  for (const Choice& point : limited.search(1).propose(kFirst)) powers.push_back(limited.figures(point)[1]);
+  for (const Choice& point : limited.search(1).propose_points(kFirst)) powers.push_back(limited.metrics(point)[1]);
   std::ranges::sort(powers);
   limited.goals.push_back({Goal::Kind::kBelow, "f", (powers[0] + powers[1]) / 2, ""});
-  EXPECT_EQ(limited.scores(limited.search(1).propose(kFirst)).size(), 1U);
+  EXPECT_EQ(limited.scores(limited.search(1).propose_points(kFirst)).size(), 1U);
   EXPECT_GE(share(limited, search_run(limited, 1, 60)), 0.98);
 }
 

@@ -7,7 +7,7 @@
 
 #include "sim/hash.h"
 
-// Figures estimated from some of their values.
+// Metrics estimated from some of their values.
 
 namespace test {
 namespace {
@@ -16,7 +16,7 @@ using namespace tools::optimise;
 
 const std::vector<AxisShape> kLine = {{21, true}};
 
-/// f at every `step`-th of the 21 points.
+/// Returns f at every `step`-th of the 21 points.
 Surrogate::Values sampled(const std::function<double(double)>& f, std::uint32_t step) {
   Surrogate::Values values;
   for (std::uint32_t i = 0; i < 21; i += step) values[{i}] = f(i);
@@ -26,9 +26,9 @@ Surrogate::Values sampled(const std::function<double(double)>& f, std::uint32_t 
 TEST(GaussianProcess, IsExactWhereItHasSeen) {
   GaussianProcess process(kLine);
   process.fit({{{0}, 3, 0}, {{5}, -1, 0}, {{20}, 7, 0}});
-  EXPECT_NEAR(process.at({0}).mean, 3, 0.5);
-  EXPECT_NEAR(process.at({20}).mean, 7, 0.5);
-  EXPECT_LT(process.at({5}).deviation, process.at({12}).deviation) << "it knows less between";
+  EXPECT_NEAR(process.estimate_at({0}).mean, 3, 0.5);
+  EXPECT_NEAR(process.estimate_at({20}).mean, 7, 0.5);
+  EXPECT_LT(process.estimate_at({5}).deviation, process.estimate_at({12}).deviation) << "it knows less between";
 }
 
 TEST(GaussianProcess, FindsOutThatAnAxisDoesNotMatter) {
@@ -39,19 +39,19 @@ TEST(GaussianProcess, FindsOutThatAnAxisDoesNotMatter) {
   }
   GaussianProcess process(plane);
   process.fit(seen);
-  for (std::uint32_t i = 0; i < 6; ++i) EXPECT_NEAR(process.at({i, 2}).mean, std::sin(i), 0.1) << i;
+  for (std::uint32_t i = 0; i < 6; ++i) EXPECT_NEAR(process.estimate_at({i, 2}).mean, std::sin(i), 0.1) << i;
 }
 
 TEST(GaussianProcess, BelievesAsIfItHadSeen) {
   GaussianProcess process(kLine);
   process.fit({{{0}, 0, 0}, {{8}, 1, 0}, {{20}, 0, 0}});
-  process.believe({14}, 5);
-  EXPECT_NEAR(process.at({14}).mean, 5, 0.1);
-  EXPECT_LT(process.at({14}).deviation, 0.4);
+  process.add_pseudo_observation({14}, 5);
+  EXPECT_NEAR(process.estimate_at({14}).mean, 5, 0.1);
+  EXPECT_LT(process.estimate_at({14}).deviation, 0.4);
 }
 
 TEST(GaussianProcess, SmoothsWhatErrorsBlur) {
-  // A wave about 3: seen exactly it is followed, seen through errors as large as it is it may be noise alone.
+  // A wave around 3: exact values are followed; with errors as large as the wave it may be only noise.
   std::vector<Observation> sure, blurred;
   for (std::uint32_t i = 0; i < 21; i += 2) {
     const double value = 3 + std::sin(0.5 * i);
@@ -63,8 +63,8 @@ TEST(GaussianProcess, SmoothsWhatErrorsBlur) {
   doubting.fit(blurred);
   for (const std::uint32_t i : {4U, 9U, 16U}) {
     const double wave = std::sin(0.5 * i);
-    EXPECT_NEAR(believing.at({i}).mean, 3 + wave, 0.1) << i;
-    EXPECT_LT(std::abs(doubting.at({i}).mean - 3), 0.6 * std::abs(wave)) << i;
+    EXPECT_NEAR(believing.estimate_at({i}).mean, 3 + wave, 0.1) << i;
+    EXPECT_LT(std::abs(doubting.estimate_at({i}).mean - 3), 0.6 * std::abs(wave)) << i;
   }
 }
 
@@ -75,24 +75,24 @@ TEST(GaussianProcess, TakesErrorsThatAreBoundsForSmallerOnesWhereValuesShowIt) {
   stated.fit(slope);
   bounded.fit(slope, true);
   for (const std::uint32_t i : {1U, 19U}) {
-    EXPECT_GT(std::abs(stated.at({i}).mean - 0.1 * i), 0.1) << i;
-    EXPECT_NEAR(bounded.at({i}).mean, 0.1 * i, 0.05) << i;
-    EXPECT_LT(bounded.at({i}).deviation, 0.5 * stated.at({i}).deviation) << i;
+    EXPECT_GT(std::abs(stated.estimate_at({i}).mean - 0.1 * i), 0.1) << i;
+    EXPECT_NEAR(bounded.estimate_at({i}).mean, 0.1 * i, 0.05) << i;
+    EXPECT_LT(bounded.estimate_at({i}).deviation, 0.5 * stated.estimate_at({i}).deviation) << i;
   }
 }
 
 TEST(GaussianProcess, NoisePromisesNoFigure) {
-  // A slope with one lucky point far above it.
+  // A slope with one point far above it.
   std::vector<Observation> seen;
   for (std::uint32_t i = 0; i < 21; i += 2) seen.push_back({{i}, 0.1 * i + (i == 10 ? 1.5 : 0), 0.25});
   GaussianProcess process(kLine);
   process.fit(seen);
-  EXPECT_LT(process.at({10}).mean, 1.4) << "of 1 on the slope and 2.5 seen";
-  EXPECT_LT(process.at({11}).mean + process.at({11}).deviation, 2.2);
+  EXPECT_LT(process.estimate_at({10}).mean, 1.4) << "of 1 on the slope and 2.5 seen";
+  EXPECT_LT(process.estimate_at({11}).mean + process.estimate_at({11}).deviation, 2.2);
 }
 
 TEST(GaussianProcess, HoldsTheTruthBehindErrorsInNineteenOfTwentyIntervals) {
-  // Bent planes over 625 points, of which 60 are seen through errors of a fifth to thrice the planes' deviation.
+  // Curved surfaces over 625 points, 60 of them observed with errors of a fifth to three times the deviation.
   const std::vector<AxisShape> space(4, AxisShape{5, true});
   std::size_t held = 0, asked = 0;
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
@@ -117,7 +117,7 @@ TEST(GaussianProcess, HoldsTheTruthBehindErrorsInNineteenOfTwentyIntervals) {
     GaussianProcess process(space);
     process.fit(seen);
     for (std::size_t i = 0; i < 625; ++i) {
-      const Estimate e = process.at(point(i));
+      const Estimate e = process.estimate_at(point(i));
       held += std::abs(e.mean - truth(point(i))) <= 1.96 * e.deviation ? 1 : 0;
       asked += 1;
     }
@@ -137,14 +137,15 @@ TEST(GaussianProcess, ErrorsCountInTheFiguresOwnUnit) {
   }
   small.fit(seen);
   large.fit(scaled);
-  for (std::uint32_t i = 0; i < 21; ++i) EXPECT_NEAR(large.at({i}).mean, 1000 * small.at({i}).mean, 1e-3) << i;
+  for (std::uint32_t i = 0; i < 21; ++i)
+    EXPECT_NEAR(large.estimate_at({i}).mean, 1000 * small.estimate_at({i}).mean, 1e-3) << i;
 }
 
 TEST(GaussianProcess, TakesValuesThatAreAllTheSame) {
   GaussianProcess process(kLine);
   process.fit({{{0}, 2, 0}, {{9}, 2, 0}, {{20}, 2, 0}});
-  EXPECT_NEAR(process.at({4}).mean, 2, 1e-9);
-  EXPECT_LT(process.at({4}).deviation, 1e-3);
+  EXPECT_NEAR(process.estimate_at({4}).mean, 2, 1e-9);
+  EXPECT_LT(process.estimate_at({4}).deviation, 1e-3);
 }
 
 TEST(GaussianProcess, KeepsValuesWithoutAnOrderApart) {
@@ -153,7 +154,7 @@ TEST(GaussianProcess, KeepsValuesWithoutAnOrderApart) {
   for (std::uint32_t i = 0; i < 11; ++i) seen.push_back({{i}, i % 2 == 0 ? 1.0 : -1.0, 0});
   GaussianProcess process(names);
   process.fit(seen);
-  EXPECT_NEAR(process.at({11}).mean, 1.0 / 11, 0.2) << "nothing follows for another name but the mean";
+  EXPECT_NEAR(process.estimate_at({11}).mean, 1.0 / 11, 0.2) << "nothing follows for another name but the mean";
 }
 
 TEST(Surrogate, EstimatesProductsByTheirLogarithms) {
@@ -161,7 +162,7 @@ TEST(Surrogate, EstimatesProductsByTheirLogarithms) {
   Surrogate surrogate(kLine);
   surrogate.fit(sampled(f, 4), {});
   for (std::uint32_t i = 0; i < 21; ++i) {
-    EXPECT_NEAR(surrogate.inverse(surrogate.at({i}).mean) / f(i), 1, 0.02) << i;
+    EXPECT_NEAR(surrogate.from_model_scale(surrogate.estimate_at({i}).mean) / f(i), 1, 0.02) << i;
   }
 }
 
@@ -169,18 +170,18 @@ TEST(Surrogate, EstimatesNoLogarithmsIfForbidden) {
   Surrogate surrogate(kLine);
   surrogate.forbid_log();
   surrogate.fit(sampled([](double x) { return std::exp(0.5 * x); }, 4), {});
-  EXPECT_EQ(surrogate.forward(-1), -1) << "a limit of 0 or less has a value";
-  EXPECT_GT(surrogate.at({2}).deviation, 0);
+  EXPECT_EQ(surrogate.to_model_scale(-1), -1) << "a limit of 0 or less has a value";
+  EXPECT_GT(surrogate.estimate_at({2}).deviation, 0);
 }
 
 TEST(Surrogate, EstimatesSumsAsTheyAre) {
   const auto f = [](double x) { return 40 - 2 * x; };
   Surrogate surrogate(kLine);
   surrogate.fit(sampled(f, 4), {});
-  EXPECT_NEAR(surrogate.inverse(surrogate.at({13}).mean), f(13), 0.3);
+  EXPECT_NEAR(surrogate.from_model_scale(surrogate.estimate_at({13}).mean), f(13), 0.3);
   const auto negative = [](double x) { return x - 10; };
   surrogate.fit(sampled(negative, 4), {});
-  EXPECT_NEAR(surrogate.inverse(surrogate.at({13}).mean), 3, 0.3);
+  EXPECT_NEAR(surrogate.from_model_scale(surrogate.estimate_at({13}).mean), 3, 0.3);
 }
 
 TEST(Surrogate, LearnsTheBiasOfFirstLooks) {
@@ -191,8 +192,8 @@ TEST(Surrogate, LearnsTheBiasOfFirstLooks) {
   helped.fit(sampled(f, 10), sampled(look, 2));
   double blind_error = 0, helped_error = 0;
   for (std::uint32_t i = 0; i < 21; ++i) {
-    blind_error = std::max(blind_error, std::abs(blind.inverse(blind.at({i}).mean) - f(i)));
-    helped_error = std::max(helped_error, std::abs(helped.inverse(helped.at({i}).mean) - f(i)));
+    blind_error = std::max(blind_error, std::abs(blind.from_model_scale(blind.estimate_at({i}).mean) - f(i)));
+    helped_error = std::max(helped_error, std::abs(helped.from_model_scale(helped.estimate_at({i}).mean) - f(i)));
   }
   EXPECT_GT(blind_error, 0.5);
   EXPECT_LT(helped_error, 0.15);

@@ -9,9 +9,9 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/tools/program.h"
-#include "tools/studies/report/page/page_file.h"
+#include "tools/studies/report/pictures.h"
 
-// The data of pages and what `raywatt report` refuses; tests/page looks at pages in a browser.
+// The data in pages, and what `raywatt report` refuses. tests/page has the tests of what is shown.
 
 namespace test {
 namespace {
@@ -49,7 +49,7 @@ class Pages : public testing::Test {
     return raywatt(words,
                    {.folder = folder->path(), .variables = {{"RAYWATT_PATH", (folder->path() / "scripts").string()}}});
   }
-  /// The text of the page of what is given.
+  /// Returns the text of a page.
   static std::string page_of(Words what) {
     what.insert(what.begin(), "report");
     what.insert(what.end(), {"-o", "page.html", "--force"});
@@ -57,75 +57,44 @@ class Pages : public testing::Test {
     EXPECT_EQ(ending.exit, 0) << ending.err;
     return read_bytes(folder->path() / "page.html");
   }
-  static Json model_of(const std::string& html) {
+  static Json data_in(const std::string& html) {
     const std::string begin = R"(<script type="application/json" id="data">)";
     const std::size_t at = html.find(begin) + begin.size();
-    return Json::parse(html.substr(at, html.find("</script>", at) - at));
+    return Json::parse(html.substr(at, html.find("</script>", at) - at))["data"];
   }
-  static Json view_of(const Words& what) { return model_of(page_of(what))["views"][0]; }
-  /// A column of a dataset.
-  static std::vector<Json> column(const Json& view, const char* data, const std::string& field) {
-    std::vector<Json> out;
-    const Json& columns = view["data"][data]["columns"];
-    std::size_t at = 0;
-    while (at < columns.size() && columns[at]["field"] != field) ++at;
-    EXPECT_LT(at, columns.size()) << field;
-    for (const Json& row : view["data"][data]["rows"]) out.push_back(row[at]);
-    return out;
+  static Json data_of(const Words& what) { return data_in(page_of(what)); }
+  /// Values of a metric of a sweep, by point.
+  static std::vector<double> metric_of(const Json& data, const std::string& field) {
+    std::size_t column = 2 + data["axes"].size();
+    for (const Json& metric : data["metrics"]) {
+      if (metric["field"] == field) break;
+      ++column;
+    }
+    std::vector<double> values;
+    for (const Json& point : data["points"]) values.push_back(point[column].get<double>());
+    return values;
   }
   static TempFolder* folder;
 };
 TempFolder* Pages::folder = nullptr;
 
-TEST_F(Pages, OfARunNameTheLargestBoundOfItsReportFirst) {
-  const Json totals = read_json(folder->path() / "base/report.json")["totals"];
-  double most = 0;
-  for (const auto& [name, speedup] : totals["bottleneck"]["estimated_speedup"].items())
-    most = std::max(most, speedup.get<double>());
-  const Json view = view_of({"base"});
-  char bound[16];
-  std::snprintf(bound, sizeof bound, "×%.2f", most);
-  EXPECT_SAYS(view["verdict"]["sentence"].get<std::string>(), bound);
-  EXPECT_EQ(column(view, "bounds", "speedup")[0], most);
-}
-
-TEST_F(Pages, OfARunHaveStacksThatSumToOne) {
-  const Json view = view_of({"base"});
-  double sum = 0;
-  const std::vector<Json> who = column(view, "stacks", "who"), share = column(view, "stacks", "share");
-  for (std::size_t i = 0; i < who.size(); ++i) sum += who[i] == "core 1" ? share[i].get<double>() : 0;
-  EXPECT_NEAR(sum, 1, 1e-9);
-}
-
 TEST_F(Pages, OfARunHaveAFlowOfEnergyThatLosesNothing) {
   const Json energy = read_json(folder->path() / "base/report.json")["totals"]["energy_mj"];
-  const Json view = view_of({"base"});
-  const std::vector<Json> from = column(view, "flow", "from");
+  const Json flow = data_of({"base"})["flow"];
+  std::size_t column = 2;
   for (const char* side : {"low", "nominal", "high"}) {
-    const std::vector<Json> mj = column(view, "flow", side);
     double blocks = 0, ends = 0;
-    for (std::size_t i = 0; i < from.size(); ++i) (from[i] == "GPU with memory" ? blocks : ends) += mj[i].get<double>();
+    for (const Json& link : flow) (link[0] == "GPU with memory" ? blocks : ends) += link[column].get<double>();
+    ++column;
     EXPECT_NEAR(blocks / energy[side].get<double>(), 1, 1e-9) << side;
     EXPECT_NEAR(ends / energy[side].get<double>(), 1, 1e-9) << side;
   }
 }
 
 TEST_F(Pages, OfARunSayWhatBoundsTheIntervalOfEachKernel) {
-  const Json view = view_of({"base"});
-  for (const Json& bound : column(view, "kernels", "bound")) EXPECT_TRUE(bound.is_string());
-}
-
-TEST_F(Pages, OfTwoRunsGoFromOneToTheOtherWithoutAGap) {
-  const double a = read_json(folder->path() / "base/report.json")["totals"]["cycles"];
-  const double b = read_json(folder->path() / "ports/report.json")["totals"]["cycles"];
-  const Json view = view_of({"base", "ports"});
-  const std::vector<Json> from = column(view, "cycles", "from"), to = column(view, "cycles", "to");
-  ASSERT_GE(to.size(), 3U);
-  EXPECT_EQ(to.front(), a);
-  EXPECT_EQ(to.back(), b);
-  for (std::size_t i = 1; i + 1 < to.size(); ++i) EXPECT_NEAR(from[i].get<double>(), to[i - 1].get<double>(), 1e-6 * a);
-  EXPECT_NEAR(to[to.size() - 2].get<double>(), b, 1e-6 * a);
-  EXPECT_EQ(column(view, "keys", "key"), std::vector<Json>{"tni.trvs"});
+  const Json kernels = data_of({"base"})["kernels"];
+  EXPECT_FALSE(kernels.empty());
+  for (const Json& kernel : kernels) EXPECT_TRUE(kernel["bound"].is_string());
 }
 
 TEST_F(Pages, OfSeveralFramesHaveTheDebugPicturesOfTheFirstWhateverItsNumber) {
@@ -133,19 +102,11 @@ TEST_F(Pages, OfSeveralFramesHaveTheDebugPicturesOfTheFirstWhateverItsNumber) {
                        "--program", "multirate:under", "--frames", "1:2", "--debug-images", "-o", "frames"})
                 .exit,
             0);
-  EXPECT_SAYS(page_of({"frames"}), "\"debug similar\"");
-}
-
-/// The block of a section.
-Json block_of(const Json& view, const char* section, std::size_t block = 0) {
-  for (const Json& each : view["sections"]) {
-    if (each["id"] == section) return each["blocks"][block];
-  }
-  return {};
+  EXPECT_SAYS(data_of({"frames"})["picture"]["debug"].dump(), "\"name\":\"similar\"");
 }
 
 TEST_F(Pages, OfTwoRunsMapTheDifferencesOfBothTables) {
-  const Json block = block_of(view_of({"base", "ports"}), "pictures");
+  const Json block = data_of({"base", "ports"})["pictures"][0];
   const auto cycles = [](const char* run) {
     const Json columns = read_json(folder->path() / run / "tiles.json")["frames"][0]["columns"];
     return columns["finished"][0].get<double>() - columns["dispatched"][0].get<double>();
@@ -164,24 +125,24 @@ TEST_F(Pages, OfTwoRunsSayWhyTilesAreNotCompared) {
   fs::create_directories(other);
   for (const char* file : {"report.json", "image.png"})
     fs::copy_file(folder->path() / "ports" / file, other / file, fs::copy_options::overwrite_existing);
-  EXPECT_SAYS(block_of(view_of({"base", "other"}), "pictures")["note"].get<std::string>(), "other has no tiles.json");
+  EXPECT_SAYS(data_of({"base", "other"})["pictures"][0]["note"].get<std::string>(), "other has no tiles.json");
   Json tiles = read_json(folder->path() / "ports/tiles.json");
   for (const char* side : {"width", "height"}) tiles["frames"][0]["columns"][side][0] = 16;
   folder->write("other/tiles.json", tiles.dump());
-  EXPECT_SAYS(block_of(view_of({"base", "other"}), "pictures")["note"].get<std::string>(),
+  EXPECT_SAYS(data_of({"base", "other"})["pictures"][0]["note"].get<std::string>(),
               "base has tiles of 32 pixels, other of 16");
   folder->write("other/tiles.json", "{\"schema\": 3}");
-  EXPECT_SAYS(block_of(view_of({"base", "other"}), "pictures")["note"].get<std::string>(), "is no tiles.json");
+  EXPECT_SAYS(data_of({"base", "other"})["pictures"][0]["note"].get<std::string>(), "is no tiles.json");
 }
 
 TEST_F(Pages, OfAReferenceShowItsPictureAndNothingOfTheRunsTiles) {
   ASSERT_EQ(in_folder({"run", "--resolution", "32x16", "--reference", "full:4", "-o", "with"}).exit, 0);
-  const Json pair = block_of(view_of({"with/reference.json", "with"}), "pictures");
+  const Json pair = data_of({"with/reference.json", "with"})["pictures"][0];
   EXPECT_NE(pair["a"], pair["b"]);
   EXPECT_SAYS(pair["note"].get<std::string>(), "is a reference");
   const std::string alone = page_of({"with/reference.json"});
   EXPECT_SAYS(alone, tools::pages::data_url("image/png", read_bytes(folder->path() / "with/reference.png")));
-  EXPECT_TRUE(block_of(model_of(alone)["views"][0], "picture")["grids"].empty());
+  EXPECT_TRUE(data_in(alone)["picture"]["grids"].empty());
 }
 
 TEST_F(Pages, OfDamagedFilesAreWrittenAndStandardErrorSaysWhatTheyLack) {
@@ -203,10 +164,10 @@ TEST_F(Pages, OfDamagedFilesAreWrittenAndStandardErrorSaysWhatTheyLack) {
 }
 
 TEST_F(Pages, OfASweepHaveAPointARowAndTheirCommands) {
-  const Json view = view_of({"sweep"});
-  EXPECT_EQ(column(view, "points", "n").size(), 4U);
-  EXPECT_EQ(column(view, "points", "cores"), (std::vector<Json>{"1", "1", "2", "2"}));
-  EXPECT_SAYS(column(view, "points", "command")[3].get<std::string>(), "--set tni.trvs=2");
+  const Json points = data_of({"sweep"})["points"];
+  ASSERT_EQ(points.size(), 4U);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(points[i][2], i < 2 ? "1" : "2");
+  EXPECT_SAYS(points[3].back().get<std::string>(), "--set tni.trvs=2");
 }
 
 TEST_F(Pages, OfASweepWithReplicatesGoByTheirMeans) {
@@ -223,12 +184,12 @@ TEST_F(Pages, OfASweepWithReplicatesGoByTheirMeans) {
   };
   const std::vector<double> plain = csv_column("totals.cycles"),
                             means = csv_column("totals.replicates.figures.cycles.mean");
-  const Json view = view_of({"noisy"});
-  const std::vector<Json> shown = column(view, "points", "totals.cycles");
+  const Json data = data_of({"noisy"});
+  const std::vector<double> shown = metric_of(data, "totals.cycles");
   ASSERT_EQ(shown.size(), 2U);
-  for (std::size_t i = 0; i < shown.size(); ++i) EXPECT_DOUBLE_EQ(shown[i].get<double>(), means[i]);
+  for (std::size_t i = 0; i < shown.size(); ++i) EXPECT_DOUBLE_EQ(shown[i], means[i]);
   EXPECT_NE(plain, means) << "else the test says nothing";
-  EXPECT_SAYS(view["verdict"].dump(), "with it by noise measured by 3 replicates a point");
+  EXPECT_SAYS(data["ties"].get<std::string>(), "with it by noise measured by 3 replicates a point");
 }
 
 TEST_F(Pages, OfASearchCallBestWhatIsOnTheFrontWherePointsTie) {
@@ -236,10 +197,10 @@ TEST_F(Pages, OfASearchCallBestWhatIsOnTheFrontWherePointsTie) {
                 "schema: raywatt-optimise/1\nresolution: 16x16\nsets: [scene.triangles=500]\nbudget: 4\n"
                 "axes: {cores: [4, 2, 1]}\nobjectives: [max: perf.fps, max: frames_per_joule_gpu]\n");
   ASSERT_EQ(in_folder({"optimise", "ties.yaml", "-o", "ties", "--store", "store", "-j", "1"}).exit, 0);
-  const Json view = view_of({"ties"});
-  const std::vector<Json> fps = column(view, "points", "totals.perf.fps");
-  ASSERT_EQ(std::set<Json>(fps.begin(), fps.end()).size(), 1U) << "one tile, one core";
-  EXPECT_SAYS(view["verdict"].dump(), "(cores 1)");
+  const Json data = data_of({"ties"});
+  const std::vector<double> fps = metric_of(data, "totals.perf.fps");
+  ASSERT_EQ(std::set<double>(fps.begin(), fps.end()).size(), 1U) << "one tile, one core";
+  EXPECT_EQ(data["points"][data["best"]["totals.perf.fps"].get<std::size_t>()][2], "1") << "one core";
 }
 
 TEST_F(Pages, OfASearchCountFeasiblePointsAndSayHowFarTheLimitsAre) {
@@ -248,14 +209,17 @@ TEST_F(Pages, OfASearchCountFeasiblePointsAndSayHowFarTheLimitsAre) {
                 "axes: {cores: [1, 2], clocks.tni: [300 MHz]}\nobjectives: [min: area_mm2]\n"
                 "constraints: [area_mm2 > 1, power_w < 100]\n");
   ASSERT_EQ(in_folder({"optimise", "limits.yaml", "-o", "limits", "--store", "store", "-j", "1"}).exit, 0);
-  const Json view = view_of({"limits"});
-  EXPECT_SAYS(view["facts"].dump(), "2 of 2 points");
-  EXPECT_EQ(column(view, "limits", "constraint"), (std::vector<Json>{"area_mm2 > 1", "power_w < 100"}));
-  EXPECT_EQ(column(view, "limits", "met"), (std::vector<Json>{2, 2}));
-  const double power = column(view, "limits", "best")[1].get<double>();
-  EXPECT_EQ(column(view, "limits", "room")[1], fmt::format("{:.1f} %", 100 - power)) << "a group means its nominal";
-  EXPECT_SAYS(view["notices"].dump(), "power.dvfs: clocks.tni of 300 MHz");
-  EXPECT_SAYS(view["notices"].back().get<std::string>(),
+  const Json data = data_of({"limits"});
+  for (const Json& point : data["points"]) EXPECT_EQ(point[point.size() - 3], true) << "eligible";
+  const Json limits = data["limits"];
+  ASSERT_EQ(limits.size(), 2U);
+  EXPECT_EQ(limits[0][0], "area_mm2 > 1");
+  EXPECT_EQ(limits[1][0], "power_w < 100");
+  for (const Json& limit : limits) EXPECT_EQ(limit[1], 2) << "points that meet it";
+  const double power = limits[1][2].get<double>();
+  EXPECT_EQ(limits[1][4], fmt::format("{:.1f} %", 100 - power)) << "a group means its nominal";
+  EXPECT_SAYS(data["notices"].dump(), "power.dvfs: clocks.tni of 300 MHz");
+  EXPECT_SAYS(data["notices"].back().get<std::string>(),
               "There are figures beyond what the tables cover, as warnings[] of the reports say: points 0, 1");
 }
 
@@ -272,7 +236,7 @@ TEST_F(Pages, HoldNoNameAsMarkup) {
   const std::string html = page_of({"hostile"});
   EXPECT_EQ(html.find("<img"), std::string::npos);
   EXPECT_EQ(html.find("<!--"), std::string::npos);
-  EXPECT_EQ(model_of(html)["views"][0]["notices"][0], hostile);
+  EXPECT_EQ(data_in(html)["report"]["warnings"][0], hostile);
 }
 
 TEST_F(Pages, AllowTheirOwnScriptsAlone) {
@@ -308,9 +272,9 @@ TEST_F(Pages, SayWhatTheyLackOfABareReport) {
     report["totals"].erase(part);
   fs::create_directories(folder->path() / "bare");
   folder->write("bare/report.json", report.dump());
-  const Json view = view_of({"bare"});
-  EXPECT_SAYS(view["verdict"]["sentence"].get<std::string>(), "does not say");
-  EXPECT_SAYS(view["sections"].dump(), "no image.png");
+  const Json data = data_of({"bare"});
+  EXPECT_SAYS(data["picture"]["missing"].get<std::string>(), "no image.png");
+  EXPECT_FALSE(data["not_priced"].get<std::string>().empty());
 }
 
 }  // namespace

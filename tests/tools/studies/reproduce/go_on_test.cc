@@ -6,7 +6,7 @@
 
 #include "tests/tools/program.h"
 
-// `raywatt reproduce` that was interrupted: what it keeps, and how it goes on.
+// An interrupted `raywatt reproduce`: its results, and how it continues.
 
 namespace test {
 namespace {
@@ -19,7 +19,7 @@ Words small_hybrid(const fs::path& out, const Words& more = {}) {
   return words;
 }
 
-/// Interrupts experiments of their own size as soon as they have begun.
+/// Interrupts experiments of small size after their start.
 Ending begun(const fs::path& out) {
   Program program({"reproduce", "hybrid", "--threads", "1", "-o", out.string()});
   EXPECT_TRUE(program.wait_for_complaint());
@@ -29,7 +29,7 @@ Ending begun(const fs::path& out) {
 
 class GoOn : public testing::Test {
  protected:
-  /// Finished results, as if an interrupt had come when all but the last rows were there.
+  /// Leaves results as after an interrupt before the last rows.
   void interrupt_late() {
     ASSERT_EQ(raywatt(small_hybrid(out)).exit, 0);
     whole = results();
@@ -39,7 +39,7 @@ class GoOn : public testing::Test {
     part["rows"][0]["measured"] = 77;  // what no run measures
     std::ofstream(out / "reproduce.json") << part.dump(2);
   }
-  /// Begins or goes on, and is sent a signal as soon as rows are kept.
+  /// Starts or continues, and sends a signal after the first rows are written.
   Ending lee2016_until(int signal) const {
     const bool is_anew = !fs::exists(out);
     const auto before = is_anew ? fs::file_time_type::min() : fs::last_write_time(out / "reproduce.json");
@@ -71,7 +71,7 @@ TEST_F(GoOn, KeepsThemWhenKilledTooAndTakesThemUp) {
   EXPECT_EQ(results()["partial"], true);
   const std::size_t rows = results()["rows"].size();
   EXPECT_GE(rows, 1U);
-  EXPECT_SAYS(lee2016_until(SIGKILL).err, "goes on behind " + std::to_string(rows) + " rows");
+  EXPECT_SAYS(lee2016_until(SIGKILL).err, "continues after " + std::to_string(rows) + " finished rows");
   EXPECT_GT(results()["rows"].size(), rows);
 }
 
@@ -80,7 +80,7 @@ TEST_F(GoOn, TakesFinishedRowsAndMeasuresTheRest) {
   const Words pictures = names_in(out);
   const Ending ending = raywatt(small_hybrid(out));
   EXPECT_EQ(ending.exit, 0) << ending.err;
-  EXPECT_SAYS(ending.err, "goes on behind");
+  EXPECT_SAYS(ending.err, "continues after");
   EXPECT_EQ(first_figure(), 77);
   nlohmann::ordered_json now = results();
   now["rows"][0]["measured"] = whole["rows"][0]["measured"];

@@ -7,13 +7,11 @@
 
 #include "sim/error.h"
 #include "tests/tools/program.h"
-#include "tools/studies/reproduce/mirrors.h"
 #include "tools/studies/reproduce/plan.h"
-#include "tools/studies/reproduce/published.h"
 #include "tools/studies/reproduce/results.h"
 #include "tools/studies/reproduce/runner.h"
 
-// `raywatt reproduce`: published experiments, measured beside published.
+// `raywatt reproduce`: measured and published values of experiments.
 
 namespace test {
 namespace {
@@ -21,20 +19,20 @@ namespace {
 namespace fs = std::filesystem;
 using namespace tools::reproduce;
 
-/// The figures that a plan measures.
-std::set<FigureKey> figures(const Paper& paper, bool quick) {
-  std::set<FigureKey> out;
+/// Returns the metrics that a plan measures.
+std::set<MetricKey> figures(const Paper& paper, bool quick) {
+  std::set<MetricKey> out;
   for (const Case& c : paper.cases(quick)) {
-    for (const Figure& figure : c.figures) {
+    for (const PaperMetric& figure : c.metrics) {
       out.insert({figure.experiment, c.view.scene, c.setting, figure.metric});
     }
   }
   return out;
 }
 
-std::string name_of(const FigureKey& p) { return p.experiment + ", " + p.scene + ", " + p.setting + ", " + p.metric; }
+std::string name_of(const MetricKey& p) { return p.experiment + ", " + p.scene + ", " + p.setting + ", " + p.metric; }
 
-/// Pictures of a plan's own tests go where nothing else is.
+/// Uses a cache folder of the test.
 Surroundings with_cache(const TempFolder& folder) {
   return {.folder = {},
           .variables = {{"XDG_CACHE_HOME", (folder.path() / "cache").string()}},
@@ -43,7 +41,7 @@ Surroundings with_cache(const TempFolder& folder) {
 }
 
 class EachPaper : public testing::TestWithParam<Paper> {};
-INSTANTIATE_TEST_SUITE_P(Reproduce, EachPaper, testing::ValuesIn(papers()), [](const auto& paper) {
+INSTANTIATE_TEST_SUITE_P(Reproduce, EachPaper, testing::ValuesIn(all_papers()), [](const auto& paper) {
   std::string name(paper.param.name);
   std::ranges::replace(name, '-', '_');
   return name;
@@ -69,7 +67,7 @@ TEST_P(EachPaper, QuicklyGetsANumberForEveryRow) {
 }
 
 TEST_P(EachPaper, HasAPlaceForEveryPublishedFigure) {
-  const std::set<FigureKey> measured = figures(GetParam(), false);
+  const std::set<MetricKey> measured = figures(GetParam(), false);
   for (const auto& [figure, range] : load_published(std::string(GetParam().name))) {
     EXPECT_TRUE(measured.contains(figure)) << name_of(figure);
     EXPECT_LE(range.low, range.high) << name_of(figure);
@@ -77,15 +75,15 @@ TEST_P(EachPaper, HasAPlaceForEveryPublishedFigure) {
 }
 
 TEST_P(EachPaper, QuicklyMeasuresSomeOfWhatItMeasuresAtLength) {
-  const std::set<FigureKey> all = figures(GetParam(), false), quick = figures(GetParam(), true);
+  const std::set<MetricKey> all = figures(GetParam(), false), quick = figures(GetParam(), true);
   EXPECT_LT(quick.size(), all.size());
-  for (const FigureKey& figure : quick) EXPECT_TRUE(all.contains(figure)) << name_of(figure);
+  for (const MetricKey& figure : quick) EXPECT_TRUE(all.contains(figure)) << name_of(figure);
 }
 
 TEST_P(EachPaper, NamesFiguresThatExistAndEachPictureOnce) {
   std::set<std::string> pictures;
   for (const Case& c : GetParam().cases(false)) {
-    for (const Figure& figure : c.figures) EXPECT_NO_THROW(find_metric(figure.metric)) << figure.metric;
+    for (const PaperMetric& figure : c.metrics) EXPECT_NO_THROW(find_metric(figure.metric)) << figure.metric;
     EXPECT_TRUE(c.picture.empty() || pictures.insert(c.picture).second) << c.picture;
   }
 }
@@ -155,19 +153,19 @@ TEST(Reproduce, MeasuresARunAgainstAReferenceWithATreeOfItsOwn) {
          .height = 16,
          .run = {"full:1", {"bvh.numbers=hybrid"}},
          .reference = {"full:1"}};
-  c.figures = {{"", "box_bytes_ratio"}, {"", "node_bytes_ratio"}};
-  const std::vector<Measured> figures = runner.measure(c);
+  c.metrics = {{"", "box_bytes_ratio"}, {"", "node_bytes_ratio"}};
+  const std::vector<Measured> figures = runner.measure_case(c);
   EXPECT_DOUBLE_EQ(figures.at(0).value.value(), 29.0 / 48) << "twelve planes of 19 bits against twelve floats";
   EXPECT_DOUBLE_EQ(figures.at(1).value.value(), 40.0 / 64);
   std::swap(c.run, c.reference);
-  EXPECT_DOUBLE_EQ(runner.measure(c).at(0).value.value(), 48 / 29.0);
+  EXPECT_DOUBLE_EQ(runner.measure_case(c).at(0).value.value(), 48 / 29.0);
 }
 
 TEST(Reproduce, MeasuresFigure7OfLeeOnUnitsAloneAndTheFrameOnTheWholeMachine) {
   const Sets alone = tni_alone();
   std::set<std::string> scopes;
-  for (const Case& c : lee2016(false)) {
-    for (const Figure& figure : c.figures) {
+  for (const Case& c : lee_cases(false)) {
+    for (const PaperMetric& figure : c.metrics) {
       if (figure.experiment != "figure 7" && figure.experiment != "whole frame") continue;
       scopes.insert(figure.experiment);
       const Sets expected = figure.experiment == "figure 7" ? alone : Sets{};
@@ -188,12 +186,12 @@ TEST(Reproduce, CountsMoreOperationsForAnInterpolatedSampleThanForATracedOne) {
          .height = 128,
          .run = {"undersample"},
          .reference = {"full:1"}};
-  c.figures = {{"", "ops_of_traced"}, {"", "ops_of_interpolated"}};
-  const std::vector<Measured> figures = runner.measure(c);
+  c.metrics = {{"", "ops_of_traced"}, {"", "ops_of_interpolated"}};
+  const std::vector<Measured> figures = runner.measure_case(c);
   EXPECT_GT(figures.at(0).value.value(), 100);
   EXPECT_GT(figures.at(1).value.value(), figures.at(0).value.value());
   c.run = c.reference;
-  EXPECT_FALSE(runner.measure(c).at(1).value.has_value()) << "all samples are traced";
+  EXPECT_FALSE(runner.measure_case(c).at(1).value.has_value()) << "all samples are traced";
 }
 
 TEST(Reproduce, SaysHowAPapersFiguresAndOursGoTogether) {
@@ -206,7 +204,7 @@ TEST(Reproduce, SaysHowAPapersFiguresAndOursGoTogether) {
 TEST(Reproduce, WritesWhatIsHeldAgainstWhatAndEachFigureOverItsScenes) {
   Results results;
   for (const double speedup : {1.0, 3.0, 2.0}) {
-    results.rows.push_back({.figure = {"caches", fmt::format("scene {}", speedup), "large", "speedup"},
+    results.rows.push_back({.key = {"caches", fmt::format("scene {}", speedup), "large", "speedup"},
                             .stand_in = "",
                             .width = 8,
                             .height = 4,
@@ -226,7 +224,7 @@ TEST(Reproduce, RefusesWhatItDoesNotKnowBeforeItBegins) {
   const std::string out = (folder.path() / "out").string();
   expect_refusal(raywatt({"reproduce", "lee2061", "-o", out}), {"lee2061", "did you mean 'lee2016'", "kim2016"});
   expect_refusal(raywatt({"reproduce", "lee2016", "--scenes", "/no/such/folder", "-o", out}),
-                 {"--scenes", "no folder"});
+                 {"--scenes", "not a folder"});
   expect_refusal(raywatt({"reproduce", "lee2016", "--config", "sgrt-2061", "-o", out}), {"sgrt-2061", "sgrt-2016"});
   EXPECT_TRUE(names_in(folder.path()).empty());
 }

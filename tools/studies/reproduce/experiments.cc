@@ -1,0 +1,689 @@
+#include <string>
+
+#include <fmt/format.h>
+
+#include "tools/studies/reproduce/plan.h"
+
+namespace tools::reproduce {
+
+// Lee 2016: multi-rate sampling at 2048x1024 without rate control, which section 5 of the paper lists as future work.
+// Two scopes: T&I units alone, as in figure 7, and the whole frame.
+
+namespace {
+
+constexpr std::uint32_t kLeeWidth = 2048, kLeeHeight = 1024;
+
+View view_of_lee(const std::string& scene, bool quick) {
+  View view{.scene = scene, .stand_in = "lee2016-" + scene, .files = {}};
+  if (quick) view.sets = {"scene.triangles=15000"};
+  return view;
+}
+
+Case mode_of(const View& view, bool super, bool quick) {
+  const std::string setting = super ? "super" : "under";
+  return {.view = view,
+          .setting = setting,
+          .width = side_pixels(kLeeWidth, quick),
+          .height = side_pixels(kLeeHeight, quick),
+          .run = {"multirate:" + setting},
+          .reference = {super ? "full:4" : "full:1"}};
+}
+
+Case whole_frame(const View& view, bool super, bool quick) {
+  Case c = mode_of(view, super, quick);
+  c.metrics = {{"table 1", "psnr_db"},
+               {"whole frame", "traced_ratio"},
+               {"whole frame", "work_ratio"},
+               {"whole frame", "speedup"},
+               {"whole frame", "speedup_x_work"},
+               {"whole frame", "tni_power"},
+               {"whole frame", "tni_perf_per_watt"},
+               {"whole frame", "gpu_perf_per_watt"},
+               {"kernel shares", "check_share"},
+               {"kernel shares", "interpolation_share"},
+               {"kernel shares", "starved_share"}};
+  return c;
+}
+
+Case units_alone(const View& view, bool super, bool quick) {
+  Case c = mode_of(view, super, quick);
+  c.run.sets = c.reference.sets = tni_alone();
+  c.metrics = {{"figure 7", "time_ratio"},
+               {"figure 7", "speedup"},
+               {"figure 7", "speedup_x_work"},
+               {"figure 7", "tni_power"},
+               {"figure 7", "tni_perf_per_watt"}};
+  if (view.scene == "village" && super) {
+    c.metrics.insert(c.metrics.end(), {{"figure 1", "psnr_db"}, {"figure 1", "tni_perf_per_watt"}});
+    c.picture = "1-village";
+  }
+  return c;
+}
+
+}  // namespace
+
+std::vector<Case> lee_cases(bool quick) {
+  std::vector<Case> cases;
+  for (const std::string scene : {"teapot", "chess", "car", "laboratory", "village"}) {
+    if (quick && (scene == "car" || scene == "laboratory")) continue;
+    const View view = view_of_lee(scene, quick);
+    for (const bool super : {true, false}) {
+      cases.push_back(units_alone(view, super, quick));
+      cases.push_back(whole_frame(view, super, quick));
+    }
+    for (const bool super : {true, false}) {
+      Case c = mode_of(view, super, quick);
+      c.reference = c.run;  // attributes in the tile buffer, the default
+      c.run.sets = {"multirate.attributes=dram"};
+      c.metrics = {{"attributes in DRAM", "dram_bytes_ratio"},
+                   {"attributes in DRAM", "energy_ratio"},
+                   {"attributes in DRAM", "time_ratio"}};
+      cases.push_back(std::move(c));
+    }
+  }
+  for (const char* frame : {"1", "150", "340", "400", "600", "700"}) {
+    View view = view_of_lee("village", quick);
+    view.frame = frame;
+    Case c = mode_of(view, false, quick);
+    c.machine = false;
+    c.setting = std::string("frame ") + frame;
+    c.metrics = {{"figure 4", "similar_ratio"}, {"figure 4", "traced_ratio"}};
+    c.picture = std::string("4-frame-") + frame;
+    cases.push_back(std::move(c));
+    if (quick && view.frame == "150") break;
+  }
+  return cases;
+}
+
+// Kim 2016: undersampling with 2x2 base blocks and post-correction by two scans, which are the defaults.
+
+namespace {
+
+View view_of_kim(const std::string& scene, bool quick) {
+  View view{.scene = scene, .stand_in = "", .files = {}};
+  if (scene == "bathroom" || scene == "conference" || scene == "hairball") {
+    view.stand_in = "kim2016-" + scene;
+    if (quick) view.sets = {"scene.triangles=15000"};
+    return view;
+  }
+  view.files = {scene + ".glb"};
+  if (scene == "cafe") view.files.emplace_back("hotel-room-99k.glb");
+  if (scene == "ben") view.files.emplace_back("cesium-man-skinned-5k.glb");
+  if (scene == "kitchen") view.files.emplace_back("kitchen-866k.glb");
+  if (scene == "san-miguel") view.files.emplace_back("garden-outdoor-643k.glb");
+  view.sets = reproduction_rules();
+  return view;
+}
+
+/// grid x grid samples per pixel; the reference traces all of them.
+Case undersample_case(const View& view, std::uint32_t width, std::uint32_t height, std::uint32_t grid, bool quick) {
+  return {.view = view,
+          .setting = fmt::format("{}x{}", grid, grid),
+          .width = side_pixels(width, quick),
+          .height = side_pixels(height, quick),
+          .run = {"undersample", {fmt::format("undersample.samples={}", grid * grid)}},
+          .reference = {fmt::format("full:{}", grid * grid)}};
+}
+
+std::vector<PaperMetric> metric_list(const std::string& experiment, const std::vector<std::string>& metrics) {
+  std::vector<PaperMetric> out;
+  for (const std::string& metric : metrics) out.push_back({experiment, metric});
+  return out;
+}
+
+/// Tables 5 and 3(a) of a scene, and its part of figures 1 and 6.
+void add_table_5(std::vector<Case>& cases, const std::string& scene, bool quick) {
+  const View view = view_of_kim(scene, quick);
+  for (const std::uint32_t width : {512U, 1024U, 2048U}) {
+    for (const std::uint32_t grid : {1U, 2U, 4U}) {
+      if (quick && (width != 1024 || grid > 2)) continue;
+      Case c = undersample_case(view, width, width, grid, quick);
+      c.setting = fmt::format("{} {}", width, c.setting);
+      c.metrics = metric_list("table 5", {"speedup", "traced_ratio", "traced_ratio_lit", "psnr_db"});
+      if (width == 1024 && grid == 1) {
+        for (const char* share : {"tracing_share", "adaptive_share", "correction_share"}) {
+          c.metrics.push_back({"table 3a", share});
+        }
+        for (const char* ops : {"ops_of_traced", "ops_of_interpolated"}) c.metrics.push_back({"operations", ops});
+        if (scene == "kitchen") c.metrics.push_back({"figure 1", "traced_ratio"});
+        if (scene == "kitchen" || scene == "bathroom") c.picture = "1-" + scene;
+      }
+      cases.push_back(std::move(c));
+    }
+  }
+}
+
+/// Thin objects and their shadows, with and without post-correction.
+void add_figure_6_of_kim(std::vector<Case>& cases, bool quick) {
+  const View view = view_of_kim("bathroom", quick);
+  Case without = undersample_case(view, 1024, 1024, 1, quick);
+  without.setting = "no correction";
+  without.run.sets.emplace_back("undersample.correction=off");
+  without.metrics = metric_list("figure 6", {"psnr_db", "traced_ratio"});
+  without.picture = "6-uncorrected";
+  Case shadows = undersample_case(view, 1024, 1024, 1, quick);
+  shadows.setting = "shadows corrected";
+  shadows.run.sets.emplace_back("undersample.correct_shadows=true");
+  shadows.metrics = without.metrics;
+  shadows.picture = "6-corrected";
+  Case fine = undersample_case(view, 1024, 1024, 4, quick);
+  fine.metrics = without.metrics;
+  fine.machine = false;
+  fine.picture = "6-sixteen-samples";
+  cases.insert(cases.end(), {without, shadows, fine});
+}
+
+/// An increasing share of the bathroom are mirrors.
+void add_table_3b(std::vector<Case>& cases, bool quick) {
+  for (const std::uint32_t share : {20U, 40U, 60U, 80U, 100U}) {
+    if (quick && share % 40 != 20) continue;
+    View view = view_of_kim("bathroom", quick);
+    view.mirrors = share;
+    Case c = undersample_case(view, 1024, 1024, 1, quick);
+    c.setting = fmt::format("mirrors {} %", share);
+    c.metrics = metric_list("table 3b", {"reflective_share", "speedup", "traced_ratio", "rays_ratio"});
+    cases.push_back(std::move(c));
+  }
+}
+
+void add_table_3c(std::vector<Case>& cases, bool quick) {
+  int number = 0;
+  for (const char* camera : {"corner", "door", "seated", "windows", "along"}) {
+    View view = view_of_kim("conference", quick);
+    view.camera = camera;
+    Case c = undersample_case(view, 1024, 1024, 1, quick);
+    c.setting = fmt::format("view {}", ++number);
+    c.metrics = metric_list("table 3c", {"traced_ratio", "speedup"});
+    cases.push_back(std::move(c));
+  }
+}
+
+void add_table_4(std::vector<Case>& cases, bool quick) {
+  for (const std::uint32_t grid : {1U, 2U, 4U, 8U, 16U}) {
+    if (quick && grid > 1) continue;
+    Case c = undersample_case(view_of_kim("hairball", quick), 3840, 2160, grid, quick);
+    c.machine = grid <= 2;
+    // Scans store some bytes per sample of the frame: 38 GB for 16 x 16.
+    if (grid > 4) c.run.sets.emplace_back("undersample.correction=off");
+    c.metrics = metric_list("table 4", {"speedup", "traced_ratio", "psnr_db"});
+    cases.push_back(std::move(c));
+  }
+}
+
+}  // namespace
+
+std::vector<Case> kim_cases(bool quick) {
+  std::vector<Case> cases;
+  for (const char* scene : {"cafe", "ben", "kitchen", "conference", "bathroom", "san-miguel"}) {
+    if (!quick || !view_of_kim(scene, quick).stand_in.empty()) add_table_5(cases, scene, quick);
+  }
+  add_figure_6_of_kim(cases, quick);
+  add_table_3b(cases, quick);
+  add_table_3c(cases, quick);
+  add_table_4(cases, quick);
+  return cases;
+}
+
+// Jin 2009: supersampling at 1024x1024; the reference has 256 samples per pixel.
+
+namespace {
+
+constexpr std::uint32_t kJinSide = 1024;
+
+/// Attributes that are compared for the pixel and for its secondary ray.
+constexpr const char* kGeometry[] = {"object", "normal", "shadow", "texture"};
+
+View view_of_jin(const std::string& scene, bool quick) {
+  View view{.scene = scene, .stand_in = "", .files = {}};
+  if (scene == "bathroom" || scene == "conference" || scene == "forest") {
+    view.stand_in = "jin2009-" + scene;
+    if (quick) view.sets = {"scene.triangles=15000"};
+    return view;
+  }
+  view.files = {scene + ".glb", scene == "room" ? "hotel-room-99k.glb" : "kitchen-866k.glb"};
+  view.sets = reproduction_rules();
+  view.sets.emplace_back("render.samples=jittered");
+  return view;
+}
+
+std::string threshold_key(const std::string& key, double value) { return fmt::format("supersample.{}={}", key, value); }
+
+/// Sets the threshold of an attribute for the pixel and for its secondary ray.
+void set_both(Sets& sets, const std::string& key, double value) {
+  sets.push_back(threshold_key(key, value));
+  sets.push_back(threshold_key("secondary_" + key, value));
+}
+
+/// The paper's defaults; `alpha` is the threshold of colour and of both textures.
+ProgramSetup adaptive_supersampling(const std::string& scene, double alpha) {
+  ProgramSetup program{"supersample", {threshold_key("colour", alpha)}};
+  set_both(program.sets, "object", scene == "conference" ? 0.0 : 0.05);
+  set_both(program.sets, "normal", 0.06);
+  set_both(program.sets, "shadow", 0.06);
+  set_both(program.sets, "texture", alpha);
+  return program;
+}
+
+Case against_truth(const View& view, std::string setting, ProgramSetup run, bool quick) {
+  return {.view = view,
+          .setting = std::move(setting),
+          .width = side_pixels(kJinSide, quick),
+          .height = side_pixels(kJinSide, quick),
+          .run = std::move(run),
+          .reference = {"full:1"},
+          .truth = true};
+}
+
+void add_table_2(std::vector<Case>& cases, const std::string& scene, bool quick) {
+  const View view = view_of_jin(scene, quick);
+  const auto add = [&](std::string setting, ProgramSetup run) {
+    Case c = against_truth(view, std::move(setting), std::move(run), quick);
+    c.metrics = {{"table 2", "psnr_db"}, {"table 2", "time_of_fixed_1"}};
+    if (c.run.name == "supersample") {
+      c.metrics.push_back({"table 2", "samples_of_fixed_9"});
+      c.picture = fmt::format("1-{}-{}", scene, c.setting);
+    }
+    cases.push_back(std::move(c));
+  };
+  for (const int samples : {16, 9, 4, 1}) {
+    add(fmt::format("fixed {}", samples), {fmt::format("full:{}", samples)});
+  }
+  if (scene != "forest") {
+    add("tau 0.6", adaptive_supersampling(scene, 0.6));
+    return;
+  }
+  for (const double alpha : {0.1, 0.3, 0.6, 1.0})
+    add(fmt::format("tau {:.1f}", alpha), adaptive_supersampling(scene, alpha));
+  ProgramSetup shadows = adaptive_supersampling(scene, 1.0);
+  set_both(shadows.sets, "shadow", 1.0);
+  add("tau 1.0, shadows 1.0", shadows);
+  shadows.sets.emplace_back("supersample.focus=true");
+  add("in focus", shadows);
+}
+
+/// One strict attribute, all others at 1.
+void add_figure_6_of_jin(std::vector<Case>& cases, bool quick) {
+  View view{.scene = "textured room", .stand_in = "atrium", .files = {}};
+  view.sets = reproduction_rules();
+  view.sets.emplace_back("render.samples=jittered");
+  if (quick) view.sets.emplace_back("scene.triangles=15000");
+  std::vector<std::string> keys = {"colour"};
+  for (const char* key : kGeometry) keys.insert(keys.end(), {key, std::string("secondary_") + key});
+  for (const std::string& strict : keys) {
+    ProgramSetup run{"supersample", {}};
+    for (const std::string& key : keys) run.sets.push_back(threshold_key(key, key == strict ? 0.05 : 1.0));
+    Case c = against_truth(view, strict + " alone", std::move(run), quick);
+    c.machine = false;
+    c.metrics = {{"figure 6", "sample_ratio"}, {"figure 6", "psnr_db"}};
+    c.picture = "6-" + strict;
+    cases.push_back(std::move(c));
+  }
+}
+
+/// Only colour against all thresholds: quality by number of samples.
+void add_figure_7(std::vector<Case>& cases, bool quick) {
+  const View view = view_of_jin("forest", quick);
+  for (const double alpha : {0.1, 0.2, 0.3, 0.6, 1.0}) {
+    ProgramSetup colour{"supersample", {threshold_key("colour", alpha)}};
+    for (const char* key : kGeometry) set_both(colour.sets, key, -1);
+    for (const bool single : {true, false}) {
+      Case c = against_truth(view, fmt::format("{} {:.1f}", single ? "colour only" : "all thresholds", alpha),
+                             single ? colour : adaptive_supersampling("forest", alpha), quick);
+      c.machine = false;
+      c.metrics = {{"figure 7", "sample_ratio"}, {"figure 7", "psnr_db"}};
+      c.picture = single ? fmt::format("7-colour-{:.1f}", alpha) : fmt::format("7-all-{:.1f}", alpha);
+      cases.push_back(std::move(c));
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<Case> jin_cases(bool quick) {
+  std::vector<Case> cases;
+  for (const char* scene : {"bathroom", "conference", "room", "kitchen", "forest"}) {
+    if (quick && (view_of_jin(scene, quick).stand_in.empty() || std::string(scene) == "conference")) continue;
+    add_table_2(cases, scene, quick);
+  }
+  add_figure_7(cases, quick);
+  add_figure_6_of_jin(cases, quick);
+  return cases;
+}
+
+// Chiu 2012: one shaded sample per pixel and the geometry of four, compared with sixteen samples.
+
+namespace {
+
+constexpr std::uint32_t kChiuSide = 1024;
+
+ProgramSetup unfiltered_program() { return {"reconstruct", {"reconstruct.radius=0"}}; }
+ProgramSetup sraa_program() { return {"reconstruct:sraa"}; }
+ProgramSetup reconstruction_program() { return {"reconstruct"}; }
+/// Rasterisers find the geometry.
+ProgramSetup raster_reconstruction() { return {"reconstruct", {"render.primary=raster"}}; }
+ProgramSetup printed_weights() { return {"reconstruct", {"reconstruct.normal_weight=factor"}}; }
+/// Uses the colour test of supersample.
+ProgramSetup colour_test() { return {"reconstruct", {"reconstruct.colour=0.02"}}; }
+ProgramSetup four_samples() { return {"full:4", {"render.samples=rotated"}}; }
+ProgramSetup sixteen_samples() { return {"full:16"}; }
+
+struct Setting {
+  std::string name;
+  ProgramSetup run;
+};
+
+View view_of(const std::string& scene, const std::string& stand_in, bool quick, const std::string& camera = {}) {
+  View view{.scene = scene, .stand_in = stand_in, .files = {}, .camera = camera};
+  view.sets = reproduction_rules();
+  if (quick && stand_in != "cornell") view.sets.emplace_back("scene.triangles=15000");
+  return view;
+}
+/// A court with a polished floor.
+View sponza_view(bool quick, const std::string& camera = {}) { return view_of("Sponza", "atrium", quick, camera); }
+
+Case chiu_case(const View& view, const Setting& setting, std::uint32_t pixels, const ProgramSetup& reference,
+               bool quick) {
+  return {.view = view,
+          .setting = setting.name,
+          .width = side_pixels(pixels, quick),
+          .height = side_pixels(pixels, quick),
+          .run = setting.run,
+          .reference = reference};
+}
+
+/// Returns the program on T&I units that never wait for rays.
+ProgramSetup on_tni_alone(ProgramSetup program) {
+  const Sets sets = tni_alone();
+  program.sets.insert(program.sets.end(), sets.begin(), sets.end());
+  return program;
+}
+
+/// Time by resolution, of the frame and of its two passes.
+void add_times(std::vector<Case>& cases, bool quick) {
+  const View view = sponza_view(quick);
+  for (const std::uint32_t pixels : {256U, 512U, 768U, 1024U}) {
+    if (quick && pixels == 768) continue;
+    for (const bool whole : {true, false}) {
+      const std::string name = fmt::format("{}x{}{}", pixels, pixels, whole ? "" : ", T&I alone");
+      const auto on = [&](const ProgramSetup& program) { return whole ? program : on_tni_alone(program); };
+      for (const Setting& s : {Setting{"none", unfiltered_program()},
+                               {"ours, by rays", reconstruction_program()},
+                               {"ours", raster_reconstruction()},
+                               {"16x", sixteen_samples()}}) {
+        Case c = chiu_case(view, {s.name + ", " + name, on(s.run)}, pixels, on(sixteen_samples()), quick);
+        c.metrics = {{"figure 3", "frame_ms"}, {"figure 3", "speedup"}, {"figure 3", "rays_ratio"}};
+        cases.push_back(std::move(c));
+      }
+      Case passes = chiu_case(view, {name, on(reconstruction_program())}, pixels, on(unfiltered_program()), quick);
+      passes.metrics = {{"table 1", "frame_ms"}, {"table 1", "geometry_share"}};
+      cases.push_back(std::move(passes));
+    }
+  }
+}
+
+/// Pictures of all filters, and of four samples at the positions of the geometry.
+void add_pictures(std::vector<Case>& cases, const std::string& figure, const View& view, const std::vector<Crop>& crops,
+                  bool quick) {
+  const std::string number = figure.substr(figure.find(' ') + 1);
+  for (const Setting& s : {Setting{"none", unfiltered_program()},
+                           {"SRAA", sraa_program()},
+                           {"ours", reconstruction_program()},
+                           {"colour-test", colour_test()},
+                           {"4x", four_samples()}}) {
+    Case c = chiu_case(view, s, kChiuSide, sixteen_samples(), quick);
+    c.machine = false;
+    c.metrics = {{figure, "psnr_db"}};
+    c.picture = number + "-" + s.name;
+    c.crops = crops;
+    cases.push_back(std::move(c));
+  }
+}
+
+/// Errors by mask, for both interpretations of the normal weight and for the colour test.
+void add_quality(std::vector<Case>& cases, const View& view, const std::string& name, std::uint32_t width,
+                 std::uint32_t height, const std::vector<std::string>& masks, bool quick) {
+  for (const Setting& s : {Setting{"none", unfiltered_program()},
+                           {"SRAA", sraa_program()},
+                           {"ours", reconstruction_program()},
+                           {"as printed", printed_weights()},
+                           {"colour-test", colour_test()},
+                           {"4x", four_samples()}}) {
+    Case c = chiu_case(view, {fmt::format("{}, {}, {}x{}", s.name, name, width, height), s.run}, width,
+                       sixteen_samples(), quick);
+    c.height = side_pixels(height, quick);
+    c.machine = false;
+    c.metrics = {{"masks", "psnr_db"}, {"masks", "rays_ratio"}};
+    for (const std::string& mask : masks) c.metrics.push_back({"masks", "psnr_at_" + mask});
+    cases.push_back(std::move(c));
+  }
+}
+
+void add_masks(std::vector<Case>& cases, bool quick) {
+  std::vector<std::string> masks = {"object_edges", "shadow_edges", "elsewhere"};
+  const auto add = [&](const View& view, const std::string& name) {
+    add_quality(cases, view, name, kChiuSide, kChiuSide, masks, quick);
+    if (!quick) add_quality(cases, view, name, 512, 256, masks, quick);
+  };
+  add(view_of("Cornell box", "cornell", quick, "front"), "front");
+  if (quick) return;
+  View nearer = view_of("Cornell box", "cornell", quick, "path");
+  nearer.frame = "60";
+  add(nearer, "nearer");
+  masks.emplace_back("texture_edges");
+  for (const char* camera : {"corner", "seated"}) add(view_of("conference", "conference", quick, camera), camera);
+  for (const char* camera : {"court", "arcade"}) add(sponza_view(quick, camera), camera);
+}
+
+}  // namespace
+
+std::vector<Case> chiu_cases(bool quick) {
+  std::vector<Case> cases;
+  add_times(cases, quick);
+  add_pictures(cases, "figure 4", view_of("Cornell box", "cornell", quick), {{"shadow", 0.34, 0.83, 0.0625}}, quick);
+  add_pictures(cases, "figure 5", sponza_view(quick),
+               {{"primary", 0.48, 0.44, 0.0625},
+                {"shadow", 0.5, 0.7, 0.0625},
+                {"reflection", 0.61, 0.87, 0.0625},
+                {"reflected-shadow", 0.7, 0.9, 0.0625}},
+               quick);
+  add_pictures(cases, "figure 6", view_of("textured floor", "chess", quick), {{"floor", 0.5, 0.8, 0.0625}}, quick);
+  for (Case& c : cases) {
+    if (c.view.scene == "textured floor") c.metrics.push_back({"figure 6", "psnr_at_texture_edges"});
+  }
+  add_masks(cases, quick);
+  return cases;
+}
+
+// Mechanisms of the SGRT line against their predecessors, on five scenes and on machines with different bottlenecks.
+// Run and reference differ in one mechanism.
+
+namespace {
+
+constexpr std::uint32_t kWidth = 512, kHeight = 256;
+
+struct Machine {
+  std::string name;
+  Sets sets;
+};
+
+Machine whole_gpu() { return {"whole GPU", {}}; }
+/// T&I units alone, as the papers measured.
+Machine units_alone() { return {"T&I alone", tni_alone()}; }
+/// One traversal unit per intersection unit, which it rarely waits for.
+Machine one_trv() {
+  Machine machine = units_alone();
+  machine.name = "T&I alone, one TRV";
+  machine.sets.emplace_back("tni.trvs=1");
+  return machine;
+}
+
+std::vector<View> sgrt_views(bool quick) {
+  if (quick) {
+    View view{.scene = "chess", .stand_in = "chess", .files = {}};
+    view.sets = reproduction_rules();
+    view.sets.emplace_back("scene.triangles=15000");
+    return {view};
+  }
+  std::vector<View> all = {{.scene = "car", .stand_in = "car", .files = {"car-62k.glb"}},
+                           {.scene = "chess", .stand_in = "chess", .files = {"chess-42k.glb"}},
+                           {.scene = "room", .stand_in = "bathroom", .files = {"hotel-room-99k.glb"}},
+                           {.scene = "conference", .stand_in = "conference", .files = {"conference-331k.glb"}},
+                           {.scene = "garden", .stand_in = "forest", .files = {"garden-outdoor-643k.glb"}}};
+  for (View& view : all) view.sets = reproduction_rules();
+  return all;
+}
+
+Sets join_sets(Sets a, const Sets& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+/// Collects the cases of one scene.
+class Plan {
+ public:
+  Plan(std::vector<Case>& cases, const View& view, bool quick) : cases_(cases), view_(view), quick_(quick) {}
+
+  void add(const std::string& setting, const std::string& experiment, const Sets& run, const Sets& reference,
+           const std::vector<std::string>& metrics) {
+    Case c{.view = view_,
+           .setting = setting,
+           .width = quick_ ? kWidth / 4 : kWidth,
+           .height = quick_ ? kHeight / 4 : kHeight,
+           .run = {"full:1", run},
+           .reference = {"full:1", reference}};
+    for (const std::string& metric : metrics) c.metrics.push_back({experiment, metric});
+    cases_.push_back(std::move(c));
+  }
+
+ private:
+  std::vector<Case>& cases_;
+  const View& view_;
+  const bool quick_;
+};
+
+/// Before 2014: one box tester, one pipe for all work, a memory record per box.
+void add_two_boxes(Plan& plan, const Machine& m) {
+  plan.add("2-AABB against 1-AABB, " + m.name, "two-AABB traversal 2014", m.sets,
+           join_sets(m.sets, {"tni.trv.box_testers=1", "bvh.boxes=single"}), {"speedup", "tni_perf_per_watt"});
+}
+
+const std::vector<std::string> kCacheUse = {
+    "l1_hits",        "l1_hits_ratio", "l1_first_hits",    "l1_first_hits_ratio",
+    "l1_fills_ratio", "speedup",       "tni_perf_per_watt"};
+
+void add_reorder(Plan& plan, const Machine& m) {
+  for (const char* other : {"bypass", "blocking", "rau"}) {
+    plan.add(fmt::format("reorder against {}, {}", other, m.name), "reorder buffer 2015", m.sets,
+             join_sets(m.sets, {std::string("tni.miss_handling=") + other}), kCacheUse);
+  }
+}
+
+/// Sizes that the paper does not give: rays in flight per unit, and cache sizes.
+void add_sizes(Plan& plan, const Machine& m) {
+  const auto add = [&](const std::string& size, const Sets& sets) {
+    for (const char* other : {"bypass", "blocking"}) {
+      plan.add(fmt::format("{}, against {}", size, other), "reorder buffer 2015 by size", join_sets(m.sets, sets),
+               join_sets(join_sets(m.sets, sets), {std::string("tni.miss_handling=") + other}),
+               {"l1_hits_ratio", "speedup", "tni_perf_per_watt"});
+    }
+  };
+  for (const int rays : {8, 16, 32, 64}) {
+    add(fmt::format("{} rays", rays), {fmt::format("tni.trv.rays={}", rays), fmt::format("tni.ist.leaves={}", rays)});
+  }
+  for (const int size : {4, 8, 64}) {
+    add(fmt::format("caches of {} KiB", size),
+        {fmt::format("tni.trv.l1.size={} KiB", size), fmt::format("tni.ist.l1.size={} KiB", size)});
+  }
+}
+
+void add_direct_interface(Plan& plan, const Machine& m) {
+  const std::vector<std::string> metrics = {"dram_bytes_ratio", "speedup", "gpu_perf_per_watt"};
+  const auto add = [&](const std::string& how, const Sets& off) {
+    plan.add("on against off, " + m.name + how, "direct interface 2013", m.sets,
+             join_sets(join_sets(m.sets, {"direct_interface.enabled=false"}), off), metrics);
+  };
+  add("", {});
+  // Rings of 512 rays and hits, 48 KiB per core, are overwritten before the L2 evicts them.
+  if (m.name == "T&I alone") add(", records stay in the L2", {"direct_interface.ring=512"});
+}
+
+void add_hybrid(Plan& plan, const Machine& m) {
+  plan.add(
+      "hybrid against floats, " + m.name, "hybrid numbers 2015", join_sets(m.sets, {"bvh.numbers=hybrid"}), m.sets,
+      {"box_bytes_ratio", "node_bytes_ratio", "l1_fills_ratio", "dram_bytes_ratio", "speedup", "tni_perf_per_watt"});
+}
+
+}  // namespace
+
+std::vector<Case> sgrt_unit_cases(bool quick) {
+  std::vector<Case> cases;
+  for (const View& view : sgrt_views(quick)) {
+    Plan plan(cases, view, quick);
+    std::vector<Machine> machines = {units_alone()};
+    if (!quick) machines.push_back(whole_gpu());
+    for (const Machine& m : machines) {
+      add_reorder(plan, m);
+      add_direct_interface(plan, m);
+    }
+    if (!quick) add_sizes(plan, units_alone());
+    // Experiments with other trees are last, so that each tree is built once.
+    for (const Machine& m : machines) add_hybrid(plan, m);
+    machines.push_back(one_trv());
+    for (const Machine& m : machines) add_two_boxes(plan, m);
+  }
+  return cases;
+}
+
+// A rasteriser for primary visibility with T&I units for all other rays, against rays only. The gain depends on the
+// other rays, so each scene has three sets of effects: shadows; reflections and refractions; occlusion and soft
+// shadows, for all pixels and for one of 2 x 2.
+
+namespace {
+
+constexpr std::uint32_t kHybridWidth = 512, kHybridHeight = 256;
+
+std::vector<View> hybrid_views(bool quick) {
+  std::vector<View> all;
+  for (const char* scene : {"cornell", "chess", "conference", "car", "atrium"}) {
+    View view{.scene = scene, .stand_in = scene, .files = {}};
+    view.sets = reproduction_rules();
+    all.push_back(view);
+    if (quick) return all;
+  }
+  return all;
+}
+
+}  // namespace
+
+std::vector<Case> hybrid_cases(bool quick) {
+  std::vector<Case> cases;
+  for (const View& view : hybrid_views(quick)) {
+    const auto add = [&](const std::string& setting, const Sets& sets) {
+      Sets raster = sets;
+      raster.emplace_back("render.primary=raster");
+      cases.push_back({.view = view,
+                       .setting = setting,
+                       .width = quick ? kHybridWidth / 4 : kHybridWidth,
+                       .height = quick ? kHybridHeight / 4 : kHybridHeight,
+                       .run = {"full:1", raster},
+                       .reference = {"full:1", sets},
+                       .metrics = {{"raster hybrid 2015", "rays_ratio"},
+                                   {"raster hybrid 2015", "cycles"},
+                                   {"raster hybrid 2015", "speedup"},
+                                   {"raster hybrid 2015", "dram_bytes"},
+                                   {"raster hybrid 2015", "dram_bytes_ratio"},
+                                   {"raster hybrid 2015", "energy_ratio"},
+                                   {"raster hybrid 2015", "gpu_perf_per_watt"},
+                                   {"raster hybrid 2015", "raster_share"}}});
+    };
+    add("shadows", {"render.depth=1"});
+    add("reflections and refractions", {});
+    if (!quick) add("reflections and refractions, T&I alone", tni_alone());
+    const std::string effects = "render.effects=occlusion, soft_shadows, reflections, refractions";
+    add("occlusion and soft shadows", {effects});
+    add("occlusion and soft shadows, half rate", {effects, "render.effect_rate=half"});
+  }
+  return cases;
+}
+
+}  // namespace tools::reproduce
