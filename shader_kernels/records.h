@@ -142,7 +142,7 @@ struct VisibleRecord {
   I<V> shadows;    ///< as in GeometryRecord
   static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.normal, r.depth, r.shadows)); }
 };
-// Depths of a ray without a hit, a sample without such a ray, and a pixel outside the picture. They differ so much from
+// Depths of a ray without a hit, a sample without such a ray, and a pixel outside the picture. They differ from
 // all others that the filter weight is 0.
 inline constexpr float kMissDepth = 1e9F, kNoBranchDepth = -1e9F, kOutsideDepth = -3e9F;
 

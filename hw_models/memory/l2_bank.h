@@ -158,7 +158,7 @@ class L2Bank {
       counter(NAMED(s.written_back), "lines, or pieces of one, written to memory later", "cache.l2_read");
       counter(NAMED(s.bytes_written), "bytes of all writes");
       counter(NAMED(s.bytes_overwritten), "of these, bytes written again before memory had them");
-      counter(NAMED(s.bytes_to_memory), "bytes that memory was told to write");
+      counter(NAMED(s.bytes_to_memory), "bytes written to memory");
       counter(NAMED(s.latency), "cycles from the arrival of reads to their lines leaving, all together", "",
               sim::CounterKind::kAtEnd);
       counter(NAMED(s.memory_cycles), "of these, cycles in which misses waited for their lines", "",

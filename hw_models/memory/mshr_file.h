@@ -48,7 +48,7 @@ class MshrFile {
   /// Frees the line's MSHR. The returned payload stays valid until the next release.
   const Payload& release(Addr line) {
     const std::uint32_t i = index_of(line);
-    assert(i < size_ && "a line came back that nobody asked for");
+    assert(i < size_ && "a line came back without a request");
     const std::uint32_t freed = slots_[i];
     size_ -= 1;
     lines_[i] = lines_[size_];

@@ -65,7 +65,8 @@ struct RasterStats {
     counter(NAMED(s.blocks_hidden), "of these, blocks that the hierarchical z buffer left out");
     counter(NAMED(s.quads), "quads tested for fine coverage");
     counter(NAMED(s.quads_hidden), "quads in blocks that were left out");
-    counter(NAMED(s.quad_passes), "times that a quad's samples were tested, so many of a pixel at once", "raster.quad");
+    counter(NAMED(s.quad_passes), "sample tests of quads: each tests one group of samples of every pixel",
+            "raster.quad");
     counter(NAMED(s.samples_covered), "samples that triangles cover: those left out, failed and passed together");
     counter(NAMED(s.samples_hidden), "of these, samples in blocks that were left out");
     counter(NAMED(s.samples_failed), "of these, samples behind a nearer triangle", "raster.depth_test");

@@ -54,7 +54,7 @@ F<V> density_in_world(const InstanceFields<V>& instance, const Vec3<V>& n, const
 }
 
 /// Transforms a tangent to world space; the result is unit or zero. The columns of the inverse matrix are cross
-/// products of rows over the determinant, of which only the sign matters.
+/// products of rows over the determinant; only its sign matters.
 template <class V>
 Vec3<V> tangent_to_world(const InstanceFields<V>& instance, const Vec3<V>& t) {
   const Vec3<V> along = cross(instance.row1, instance.row2) * t.x + cross(instance.row2, instance.row0) * t.y +

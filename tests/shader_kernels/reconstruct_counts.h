@@ -25,7 +25,7 @@ inline constexpr Hand kReconstructByHand[] = {
     {"list_branches", {5, 3, 0, 1, 4, 1, 7, 2, 4, 1, 0}},
     // To_float, divmod; mul, 2 add; to_int, 3 add. Steps, 2 r each way: add, 2 less, and, select; those along y mul.
     // A weight: sub, mul; dot, max, min, sub, mul, mul; add, decay, equal, select    9 add 15 mul 1 div 2 other 1 1
-    //   of which there are 4 for each of the 8 (24) others, whose steps take 1 or 2 add, and; to_int, select; and 3.
+    //   4 of them for each of the 8 (24) others, whose steps take 1 or 2 add, and; to_int, select; and 3.
     // Shares: 4 x 8 (24) add; 3 (less, 2 select); 4 div. Colours: 4 mul, 3 add; 3 mul; 8 (24) vector add.
     {"reconstruct", {418, 593, 39, 71, 46, 53, 11, 10, 21, 1, 0}},
     {"reconstruct_wide", {1186, 1667, 103, 199, 118, 137, 27, 26, 53, 1, 0}},

@@ -23,9 +23,9 @@ namespace fs = std::filesystem;
 constexpr const char* kSweep =
     "schema: raywatt-sweep/1\n"
     "resolution: 64x32\n"
-    "axes: {program: [full:1, full:4], cores: [1, 2, 4], tni.trvs: [1, 2, 4, 8], scene.camera: ['0', nobody]}\n"
-    "exclude: [{scene.camera: nobody, cores: '> 1'}, {scene.camera: nobody, tni.trvs: '> 1'},\n"
-    "          {scene.camera: nobody, program: 'full:4'}]\n";
+    "axes: {program: [full:1, full:4], cores: [1, 2, 4], tni.trvs: [1, 2, 4, 8], scene.camera: ['0', absent]}\n"
+    "exclude: [{scene.camera: absent, cores: '> 1'}, {scene.camera: absent, tni.trvs: '> 1'},\n"
+    "          {scene.camera: absent, program: 'full:4'}]\n";
 constexpr std::size_t kPoints = 25, kGoodPoints = 24;
 constexpr std::size_t kLargestArray = 11;
 

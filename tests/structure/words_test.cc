@@ -106,5 +106,36 @@ TEST(Words, ThatAreRetiredAreInNoSource) {
   }
 }
 
+/// Phrases that no comment, page or message uses; CONTRIBUTING says what to write instead.
+constexpr std::array kPhrases = {"nobody",    "somebody",    "whoever",     "foresees", "foresee",
+                                 "told",      "likewise",    "anew",        "so many",  "so much",
+                                 "as may be", "as often as", "has come to", "of which", "is over since"};
+
+/// A text file that people read: a source, a page, a configuration or a script.
+bool is_read(const fs::path& file) {
+  const std::string type = file.extension().string(), name = file.filename().string();
+  const bool script = type.empty() && (is_below(file, "tools") || is_below(file, "docs") || is_below(file, ".ci"));
+  constexpr std::array kTypes = {".h", ".cc", ".md", ".yaml", ".txt", ".cmake", ".sh", ".py", ".js", ".mjs", ".css"};
+  return (script || std::ranges::find(kTypes, type) != kTypes.end()) && !is_below(file, "tests/fuzz/corpus") &&
+         file != "tests/structure/words_test.cc" && name != "LICENSE";
+}
+
+TEST(Words, OfTheRetiredStyleAreInNoText) {
+  std::size_t files = 0;
+  for (const fs::path& file : repository_files()) {
+    if (!is_read(file)) continue;
+    ++files;
+    std::size_t number = 0;
+    for (std::string line : lines_of(file)) {
+      ++number;
+      std::ranges::transform(line, line.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+      for (const std::string_view phrase : kPhrases) {
+        EXPECT_EQ(find_word(line, phrase), std::string::npos) << file.string() << ":" << number << ": " << phrase;
+      }
+    }
+  }
+  EXPECT_GT(files, 500U) << "the scan finds the texts";
+}
+
 }  // namespace
 }  // namespace test

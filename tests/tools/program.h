@@ -32,9 +32,9 @@ struct Surroundings {
   std::vector<std::pair<std::string, std::string>> variables{};  ///< added to the environment
   std::uint64_t longest_file = 0;   ///< bytes after which writing a file fails; 0: no limit
   std::string out{};                ///< file that stdout goes to; empty: into Ending::out
-  std::string err{};                ///< likewise for stderr
+  std::string err{};                ///< text on stderr
   std::vector<int> closed{};        ///< standard streams that are closed, by descriptor
-  std::vector<int> unread{};        ///< those that are pipes which nobody reads any more
+  std::vector<int> unread{};        ///< descriptors that are pipes whose reading end is closed
   std::filesystem::path program{};  ///< empty: the one that was built
 };
 
@@ -72,7 +72,7 @@ Ending raywatt(const Words& arguments, const Surroundings& around = {});
 /// A run that is over in a moment: 64 x 32 pixels on one thread, results to `out`.
 Words small_run(const std::filesystem::path& out, const Words& more = {});
 
-/// A file of so many rays, down into the box of the scene cornell; a shorter one is the begin of a longer one.
+/// A file of `count` rays, down into the box of the scene cornell; a shorter file is the begin of a longer one.
 std::string ray_list(std::size_t count);
 
 nlohmann::json read_json(const std::filesystem::path& path);

@@ -43,7 +43,7 @@ TEST(Jin2009, NineSamplesArePassedOnlyWhereTexturesAreSampledMoreFinelyThanByDef
   expect_between("below nine samples, dB", nine.psnr - adaptive.psnr, 0.4, 1.1);
   expect_between("gained with textures, dB", finer.psnr - adaptive.psnr, 0.9, 1.6);
   EXPECT_GT(finer.psnr, nine.psnr);
-  expect_between("for so many samples a pixel", finer.samples - adaptive.samples, 0.2, 0.5);
+  expect_between("for this number of samples a pixel", finer.samples - adaptive.samples, 0.2, 0.5);
 }
 
 }  // namespace

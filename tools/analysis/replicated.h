@@ -9,7 +9,7 @@
 
 namespace tools {
 
-/// Returns `totals.replicates` of a report: statistics of its noisy totals over all simulations, the first of which is
+/// Returns `totals.replicates` of a report: statistics of its noisy totals over all simulations; the first is
 /// `plain`.
 sim::Json replicates_json(const ComparedResult& result, const sim::Json& plain);
 

@@ -54,7 +54,7 @@ std::size_t units_below(const Json& node, int depth = 0) {
 RunConfig reported_config(const ReportFile& report) {
   const auto json = report.json.find("config");
   if (json == report.json.end() || !json->is_object()) {
-    throw sim::InputError(fmt::format("{}: has no config, so nobody knows what its counts cost", name_of(report)));
+    throw sim::InputError(fmt::format("{}: has no config, so its counts cannot be priced", name_of(report)));
   }
   RunConfig config;
   sim::ConfigNode tree = sim::config_tree(config);

@@ -68,7 +68,7 @@ struct RunResult {
 /// a partial result has, more than a complete one has. 1 if there is no result.
 std::size_t frames_to_replace(const std::filesystem::path& file);
 
-/// Prints the `warnings` of a report to stderr, without the first `told`.
+/// Prints the `warnings` of a report to stderr, without the first `already_printed`.
 void print_warnings(const sim::Json& report, std::size_t already_printed);
 
 /// Writes report.json, report.txt, config.yaml and, if present, intervals and tiles.json to a folder.

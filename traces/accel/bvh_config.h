@@ -46,7 +46,7 @@ struct BvhConfig {
     field.not_modelled("width", "every node has two children");
     field.not_modelled("compression", "only bvh.numbers reduces the size of boxes");
     field(NAMED(c.update), "",
-          "moving scenes: build the tree anew for each frame, or refit the boxes of the first frame's tree", sim::any(),
+          "moving scenes: rebuild the tree for each frame, or refit the boxes of the first frame's tree", sim::any(),
           kFunction);
     field(NAMED(c.instances), "",
           "meshes that stand in several places: copied to each, under one tree, or kept once, each with a tree of its "

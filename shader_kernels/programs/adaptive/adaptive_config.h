@@ -49,7 +49,7 @@ struct MultirateConfig : AdaptiveConfig {
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
-    field(NAMED(c.block), "samples", "side of a block, of which one sample is always traced", sim::between(2, 4),
+    field(NAMED(c.block), "samples", "side of a block; one of its samples is always traced", sim::between(2, 4),
           Affects::kFunction);
     field(NAMED(c.normal), "", "normals are similar if their dot product is at least this; 2: never",
           sim::between(-1, 2), Affects::kFunction);
@@ -96,7 +96,7 @@ struct UndersampleConfig : AdaptiveConfig {
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
-    field(NAMED(c.block), "samples", "side of a block, of which one sample is always traced", sim::between(2, 8),
+    field(NAMED(c.block), "samples", "side of a block; one of its samples is always traced", sim::between(2, 8),
           Affects::kFunction);
     field(NAMED(c.samples), "", "samples per pixel, a square", sim::between(1, 256), Affects::kFunction);
     field(NAMED(c.position), "scene sizes",
@@ -153,9 +153,9 @@ struct SupersampleConfig : AdaptiveConfig {
     };
     threshold(NAMED(c.colour), "contrast from which a sub-pixel is sampled where nothing else disagrees; -1: never");
     threshold(NAMED(c.object), "where objects differ; 0: always, 1: never, -1: they are not compared");
-    threshold(NAMED(c.normal), "where normals differ; likewise");
-    threshold(NAMED(c.shadow), "where the number of shadows differs; likewise");
-    threshold(NAMED(c.texture), "where the pixel's surface has a texture; likewise");
+    threshold(NAMED(c.normal), "where normals differ; values as for object");
+    threshold(NAMED(c.shadow), "where the number of shadows differs; values as for object");
+    threshold(NAMED(c.texture), "where the pixel's surface has a texture; values as for object");
     threshold(NAMED(c.secondary_object), "as object, of the hit behind the stronger branch");
     threshold(NAMED(c.secondary_normal), "as normal, of that hit");
     threshold(NAMED(c.secondary_shadow), "as shadow, of that hit");

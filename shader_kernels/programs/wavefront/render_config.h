@@ -101,10 +101,11 @@ struct RenderConfig {
     field(NAMED(c.glass_shadows), "",
           "shadow rays that meet glass: blocked, or let through unbent with its transmission and colour", sim::any(),
           Affects::kFunction);
-    field(NAMED(c.mip_maps), "",
-          "textures in memory with levels of half the size each, of which a look-up takes what fits the ray's cone, or "
-          "as they come",
-          sim::any(), Affects::kFunction);
+    field(
+        NAMED(c.mip_maps), "",
+        "textures in memory with mip levels, from which a lookup takes the level that fits the ray's cone, or as they "
+        "come",
+        sim::any(), Affects::kFunction);
     field(NAMED(c.mip_filter), "",
           "a look-up takes the mip level nearest to the cone's footprint, or blends the two about it (trilinear)",
           sim::any(), Affects::kFunction);

@@ -12,7 +12,7 @@
 
 namespace kernels {
 
-/// Geometry that samples of reconstruct keep, and of which rays.
+/// Geometry that samples of reconstruct keep, and the rays that it comes from.
 struct VisibleSamples {
   bool are_kept = false;
   bool are_shaded = true;                                           ///< false: hits are found but not shaded

@@ -127,7 +127,7 @@ struct TileBuffer {
   void reserve_samples(std::size_t count);
   /// Makes room for `pixels` pixels whose centres are among `centres` samples.
   void reserve_subpixels(std::size_t centres, std::size_t pixels);
-  /// Makes room for `count` samples of reconstruct, `pixels` of which may be queued.
+  /// Makes room for `count` samples of reconstruct; at most `pixels` of them are queued.
   void reserve_visible(std::size_t count, std::size_t pixels);
   /// Makes room for `count` samples with effects at a lower rate, and `light_count` lights.
   void reserve_rated(std::size_t count, std::size_t light_count);

@@ -131,7 +131,7 @@ TEST(IdealChannel, AnswersAnyNumberACycleLater) {
         EXPECT_EQ(sent.latency(), DramHarness::kWires);
       }
     }
-    EXPECT_EQ(b.requester(r).script[99].cycle, 99U) << "nobody waits";
+    EXPECT_EQ(b.requester(r).script[99].cycle, 99U) << "no request waits";
   }
   EXPECT_EQ(b.stats().reads + b.stats().writes, 300U);
   EXPECT_EQ(b.stats().read_bursts, 2 * b.stats().reads);

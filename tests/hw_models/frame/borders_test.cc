@@ -142,13 +142,13 @@ TEST(Borders, AllTilesThatImportABorderGetAnUpdate) {
   BorderHarness harness({{}, {{0, 0}}, {{0, 0}}, {{0, 0}}},
                         {{20, 0, 0, 0}, {30, 0, 0}, {30, 1, 1}, {31, 0, 2}, {31, 1, 3}});
   harness.run();
-  std::vector<std::uint32_t> told;
+  std::vector<std::uint32_t> notified;
   for (const Heard& h : harness.heard) {
-    if (h.cycle > 10) told.push_back(h.tile);
+    if (h.cycle > 10) notified.push_back(h.tile);
     EXPECT_EQ(h.missing, h.cycle < 10 && h.tile != 0 ? 1U : 0U);
   }
-  std::ranges::sort(told);
-  EXPECT_EQ(told, (std::vector<std::uint32_t>{1, 2, 3}));
+  std::ranges::sort(notified);
+  EXPECT_EQ(notified, (std::vector<std::uint32_t>{1, 2, 3}));
 }
 
 TEST(Borders, TheOracleAgreesAndTheTimeIsTheSameAsWithoutThem) {

@@ -39,7 +39,7 @@ TEST(Arbiter, OldestFirstServesTheLowestNumberOfEquals) {
 TEST(Arbiter, FixedServesTheFirstThatIsReady) {
   EXPECT_EQ(order(Arbitration::kFixed, {30, 20, 10}), (Order{0, 0, 0, 0, 0}));
   EXPECT_EQ(order(Arbitration::kFixed, {0, 20, 10}), (Order{1, 1, 1, 1, 1}));
-  EXPECT_EQ(order(Arbitration::kFixed, {0, 0, 0}), (Order{3, 3, 3, 3, 3})) << "nobody";
+  EXPECT_EQ(order(Arbitration::kFixed, {0, 0, 0}), (Order{3, 3, 3, 3, 3})) << "no requests";
 }
 
 TEST(Arbiter, FixedLetsTheLastClientOfAPortWait) {

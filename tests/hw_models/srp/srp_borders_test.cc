@@ -19,7 +19,7 @@ constexpr std::uint64_t kDma = 1 + 5;               // cycles: cold kernel; link
 constexpr std::uint64_t kLoop = kSwitch + 10 + 15;  // sixteen items, switch included
 constexpr std::uint64_t kStart = 1;                 // the first cycle in which the shader core sees a tile
 
-/// Imports `imports` borders, of which `missing` are missing. One launch needs none, another needs all.
+/// Imports `imports` borders; `missing` of them are missing. One launch needs none, another needs all.
 traces::TileWork importing(std::uint32_t imports, std::uint32_t tile = 1) {
   TileBuilder work(tile);
   std::vector<traces::Edge> all = {TileBuilder::all(work.launch(kA, 16))};
@@ -98,7 +98,7 @@ traces::TileWork tracing(std::uint32_t tile, std::uint32_t times, bool imports) 
 TEST(SrpBorders, TheOldestTileSpillsThoughAYoungerOneWaitsForItsBorder) {
   SrpHarness harness(room_for(16), {{1, 10}, {1, 10}});
   harness.add(tracing(0, 2, false)).add(importing(1), 1).tell(100'000, 1, 0).run();
-  EXPECT_LT(harness.done_at(0), 10'000U) << "nobody waits for news that only this tile can make";
+  EXPECT_LT(harness.done_at(0), 10'000U) << "no tile waits for an update that only this tile sends";
   EXPECT_EQ(harness.srp().tile_buffer().stats().spilled_slots, 16U);
 }
 

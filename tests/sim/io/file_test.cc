@@ -79,7 +79,7 @@ TEST(AppendToFile, TakesRegularFilesAlone) {
   std::filesystem::create_symlink(file, link);
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
   EXPECT_THROW(append_to_file(link, "three\n"), IoError);
-  EXPECT_THROW(append_to_file(pipe, "three\n"), IoError) << "nobody reads it, and nobody waits";
+  EXPECT_THROW(append_to_file(pipe, "three\n"), IoError) << "no process reads it, and the call does not wait";
   EXPECT_EQ(read_file(file, 100), "one\ntwo\n");
 }
 

@@ -69,8 +69,8 @@ TEST(DramClients, TheTableNamesThem) {
                          {"totals", totals_json({run})}});
   };
   EXPECT_EQ(table(run_with_lines({})).find("samples"), std::string::npos);
-  const std::string told = table(run_with_lines({"samples"}));
-  EXPECT_NE(told.find(", samples 512 B)"), std::string::npos) << told;
+  const std::string printed = table(run_with_lines({"samples"}));
+  EXPECT_NE(printed.find(", samples 512 B)"), std::string::npos) << printed;
 }
 
 TEST(KernelsReported, IdleItemsAreReportedOnlyForKernelsWithAny) {

@@ -142,10 +142,10 @@ TEST(Folder, ByForceTakesNothingThatWouldStayInTheWay) {
   const TempFolder folder;
   const fs::path out = folder.path() / "out";
   fs::create_directories(out / "image.png");
-  std::ofstream(out / "report.json") << "somebody else's";
+  std::ofstream(out / "report.json") << "another program's";
   expect_refusal(raywatt(small_run(out, {"--force"})),
                  {"image.png: has the name of a result and is not a regular file"});
-  EXPECT_EQ(read_bytes(out / "report.json"), "somebody else's");
+  EXPECT_EQ(read_bytes(out / "report.json"), "another program's");
   EXPECT_EQ(names_in(out), (Words{"image.png", "report.json"}));
 }
 
@@ -172,7 +172,7 @@ TEST(Folder, WithForeignFilesIsRefusedAndLeftAlone) {
   fs::create_directories(out / "deep");
   std::ofstream(out / "deep" / "thesis.txt") << "three years";
   expect_refusal(raywatt(small_run(out)), {out.string(), "holds files but no report.json of a former run", "--force"});
-  std::ofstream(out / "report.json") << "{\"schema\": \"somebody else's\"}";
+  std::ofstream(out / "report.json") << "{\"schema\": \"another program's\"}";
   expect_refusal(raywatt(small_run(out)), {out.string(), "holds files but no report.json of a former run", "--force"});
   EXPECT_EQ(read_bytes(out / "deep" / "thesis.txt"), "three years");
   EXPECT_EQ(names_in(out), (Words{"deep", "report.json"}));

@@ -37,7 +37,7 @@ export function choice(label, choices, value, change) {
   return element;
 }
 
-/** Buttons of which one is pressed: choices are {value, name}. A click calls `change`; `press(value)` shows the pressed one. */
+/** Buttons, one of them pressed: choices are {value, name}. A click calls `change`; `press(value)` shows the pressed one. */
 export function switches(label, choices, value, change) {
   const buttons = choices.map((c) => h("button", { type: "button", onclick: () => change(c.value) }, c.name));
   const group = h("span", { class: "switches", role: "group", "aria-label": label }, buttons);

@@ -100,7 +100,7 @@ int check_baseline(const BaselineOptions& options) {
                                       suite.values.string(), names.front(), again));
   }
   const Checked checked = measure_suite(suite, &stored, options);
-  print(check_details(checked));
+  print_to_terminal(check_details(checked));
   if (!options.junit.empty()) write_junit(options.junit, suite, checked);
   const std::size_t refused = checked.count_if(is_refused), failed = checked.count_if(has_failed),
                     moved = checked.count_if(has_moved);
@@ -129,7 +129,7 @@ int accept_baseline(const BaselineOptions& options) {
     print_to_terminal(sim::printable(fmt::format("GONE     {}", name), kLongestLine) + "\n");
   }
   const Checked checked = measure_suite(suite, &stored, options);
-  print(check_details(checked));
+  print_to_terminal(check_details(checked));
   return store_values(suite, checked);
 }
 

@@ -86,7 +86,7 @@ bool is_known(const std::string& text, const std::vector<std::string>& kinds) {
 void check_report_paths(const Suite& suite, std::uint32_t jobs) {
   std::vector<std::string> paths;
   try {
-    measure(probes_of(suite), jobs, [&](const SuiteRun&, const Measured& probe) {
+    simulate_suite(probes_of(suite), jobs, [&](const SuiteRun&, const Measured& probe) {
       for (const auto& [path, value] : probe.all) paths.push_back(path);
     });
   } catch (const sim::InputError&) {  // the run itself fails with a better message

@@ -97,9 +97,9 @@ class Worker {
  public:
   Worker(std::size_t number, const SuiteRun& run) : index_(number), run_(&run), begin_(sim::HostClock::now()) {
     int ends[2];
-    if (::pipe(ends) != 0) fail("pipe");
+    if (::pipe(ends) != 0) throw_errno("pipe");
     process_ = ::fork();
-    if (process_ < 0) fail("fork");
+    if (process_ < 0) throw_errno("fork");
     if (process_ == 0) {
       ::prctl(PR_SET_PDEATHSIG, SIGKILL);
       for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_DFL);  // the parent prints the message
@@ -117,7 +117,7 @@ class Worker {
     char part[1 << 16];
     const ssize_t n = ::read(end_, part, sizeof part);
     if (n > 0) text_.append(part, static_cast<std::size_t>(n));
-    if (n < 0 && errno != EINTR) fail("pipe");
+    if (n < 0 && errno != EINTR) throw_errno("pipe");
     return n != 0;
   }
   Measured wait_for_result() {
@@ -168,7 +168,7 @@ void simulate_suite(const Suite& suite, std::uint32_t jobs,
     }
     std::vector<pollfd> ends;
     for (const Worker& worker : workers) ends.push_back({worker.pipe_end(), POLLIN, 0});
-    if (::poll(ends.data(), ends.size(), -1) < 0 && errno != EINTR) fail("poll");
+    if (::poll(ends.data(), ends.size(), -1) < 0 && errno != EINTR) throw_errno("poll");
     for (std::size_t i = workers.size(); i-- > 0;) {
       if (ends[i].revents == 0 || workers[i].receive_data()) continue;
       done[workers[i].run_index()] = workers[i].wait_for_result();

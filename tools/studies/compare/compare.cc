@@ -36,7 +36,7 @@ namespace {
 using sim::Json;
 
 /// The main metrics: name and report path.
-constexpr std::array<std::pair<const char*, const char*>, 15> kFigures = {{
+constexpr std::array<std::pair<const char*, const char*>, 15> kTotals = {{
     {"cycles", "totals.cycles"},
     {"time_ms", "totals.time_ms"},
     {"fps", "totals.perf.fps"},
@@ -338,13 +338,13 @@ Comparison compare(const ReportFile& a, const ReportFile& b) {
   out.other_work = work_differences(a, b);
   out.config = config_difference(a, b);
   out.other_clock = std::ranges::find(out.config, "clocks.tni", &KeyPair::key) != out.config.end();
-  for (const auto& [name, path] : kFigures) {
+  for (const auto& [name, path] : kTotals) {
     const bool says_nothing =
         path == std::string_view("totals.traced_ratio") && a.number(path) == 1 && b.number(path) == 1;
     if (!says_nothing && (a.has(path) || b.has(path))) {
-      const std::string figure = metric_name(path);
-      out.metrics.push_back({name, a.number(path), b.number(path), {}, figure});
-      if (!out.is_meaningless(figure)) out.metrics.back().noise = noisy_difference(a, b, figure);
+      const std::string metric = metric_name(path);
+      out.metrics.push_back({name, a.number(path), b.number(path), {}, metric});
+      if (!out.is_meaningless(metric)) out.metrics.back().noise = noisy_difference(a, b, metric);
     }
   }
   out.time = time_pairs(a, b);

@@ -54,7 +54,7 @@ struct Comparison {
   std::string no_picture;  ///< reason that there is no squared_error
 
   /// True if the metric cannot be compared because it counts cycles of different clocks.
-  bool is_meaningless(std::string_view figure) const { return other_clock && figure == "cycles"; }
+  bool is_meaningless(std::string_view metric) const { return other_clock && metric == "cycles"; }
 };
 
 /// Simulates `count` replicates of the run of a report (docs/noise.md) and adds their statistics to the report, unless

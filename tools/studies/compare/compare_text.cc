@@ -62,7 +62,7 @@ std::string short_name(const ReportFile& report) {
   return sim::printable(usual ? folder : file.stem().string(), 40);
 }
 
-std::string figure_text(const std::string& name, double value) {
+std::string metric_value_text(const std::string& name, double value) {
   static const std::map<std::string, const char*> kUnits = {
       {"time_ms", "ms"}, {"dram_bytes", "B"},        {"energy_mj", "mJ"},  {"energy_tni_mj", "mJ"},
       {"power_w", "W"},  {"mrays_per_s", "Mrays/s"}, {"nj_per_ray", "nJ"}, {"area_mm2", "mm2"}};
@@ -84,12 +84,12 @@ std::string overview_text(const std::vector<ReportFile>& reports, const std::vec
   for (std::size_t i = 1; i < names.size(); ++i) header.insert(header.end(), {names[i], "", "noise"});
   sim::Table table(header);
   for (const MetricPair& first : against.front().metrics) {
-    std::vector<std::string> row = {first.label, figure_text(first.name, first.a)};
+    std::vector<std::string> row = {first.label, metric_value_text(first.name, first.a)};
     for (const Comparison& c : against) {
       const auto pair = std::ranges::find(c.metrics, first.name, &MetricPair::name);
       if (pair == c.metrics.end()) row.insert(row.end(), {"-", "", ""});
       if (pair == c.metrics.end()) continue;
-      row.insert(row.end(), {figure_text(pair->name, pair->b), change_text(*pair), noise_text(c, *pair)});
+      row.insert(row.end(), {metric_value_text(pair->name, pair->b), change_text(*pair), noise_text(c, *pair)});
     }
     table.add_row(std::move(row));
   }
@@ -131,8 +131,8 @@ std::string pairs_table(const std::string& title, const std::vector<MetricPair>&
   return "\n" + table.text() + rest;
 }
 
-double difference_of(const Comparison& c, const char* figure) {
-  const auto found = std::ranges::find(c.metrics, figure, &MetricPair::name);
+double difference_of(const Comparison& c, const char* metric) {
+  const auto found = std::ranges::find(c.metrics, metric, &MetricPair::name);
   return found == c.metrics.end() ? 0 : found->difference();
 }
 
@@ -284,10 +284,10 @@ Json against_json(const Comparison& c) {
   Json config = Json::array(), metrics = Json::object();
   for (const KeyPair& key : c.config) config.push_back({{"key", key.key}, {"a", key.a}, {"b", key.b}});
   for (const MetricPair& pair : c.metrics) {
-    Json& figure = metrics[pair.name];
-    figure = {{"a", pair.a}, {"b", pair.b}, {"relative", pair.a == 0 ? Json() : Json(pair.b / pair.a)}};
+    Json& metric = metrics[pair.name];
+    metric = {{"a", pair.a}, {"b", pair.b}, {"relative", pair.a == 0 ? Json() : Json(pair.b / pair.a)}};
     if (!pair.noise) continue;
-    figure["noise"] = {{"from", pair.noise->measured ? "replicates" : "default"},
+    metric["noise"] = {{"from", pair.noise->measured ? "replicates" : "default"},
                        {"difference", pair.noise->relative},
                        {"half_width", pair.noise->half_width},
                        {"outside", pair.noise->outside}};

@@ -219,9 +219,9 @@ std::map<std::string, sim::Band> table_values_of(RunConfig config) {
   return out;
 }
 
-std::string band_text(const std::map<std::string, sim::Band>& figures, const std::string& name) {
-  const auto found = figures.find(name);
-  if (found == figures.end()) return "none";
+std::string band_text(const std::map<std::string, sim::Band>& values, const std::string& name) {
+  const auto found = values.find(name);
+  if (found == values.end()) return "none";
   const sim::Band& s = found->second;
   if (s.low == s.high) return fmt::format("{} without a band", s.nominal);
   return fmt::format("{} / {} / {}", s.low, s.nominal, s.high);
@@ -234,7 +234,7 @@ std::vector<TableChange> table_changes(const RunConfig& from, const RunConfig& t
   auto all = a;
   all.insert(b.begin(), b.end());
   std::vector<TableChange> out;
-  for (const auto& [name, figure] : all) {
+  for (const auto& [name, value] : all) {
     TableChange change{name, band_text(a, name), band_text(b, name)};
     if (change.from != change.to) out.push_back(std::move(change));
   }

@@ -38,7 +38,7 @@ const char* words_for(Relation holds) {
   return "";
 }
 
-std::string table_of_figures(const Findings& findings) {
+std::string measurement_table(const Findings& findings) {
   sim::Table table({findings.title, "measured", "closed form", "", "difference", "holds", "", ""});
   for (const Measurement& f : findings.measurements) {
     table.add_row({f.name, fmt::format("{:.3f}", f.measured), fmt::format("{:.3f}", f.expected), f.unit,
@@ -80,7 +80,7 @@ UpperBound tightest_bound(const std::vector<UpperBound>& bounds) {
 }
 
 std::string table_of(const Findings& findings) {
-  std::string text = findings.table.empty() ? table_of_figures(findings) : findings.table;
+  std::string text = findings.table.empty() ? measurement_table(findings) : findings.table;
   for (const std::string& note : findings.notes) text += "\n" + note + "\n";
   return text;
 }

@@ -68,7 +68,7 @@ class Chase {
  private:
   /// Reads the lines in order and adds the latency of the last read, from the probe of the L1 to its data.
   /// `neighbour_first`: another client has read the last line before. No level: an L1 hit.
-  void measure_read(Measurement& figure, std::uint32_t phase, const std::vector<hw::Addr>& lines, bool neighbour_first,
+  void measure_read(Measurement& measurement, std::uint32_t phase, const std::vector<hw::Addr>& lines, bool neighbour_first,
                     std::optional<Level> level) const {
     MemorySide side(config_);
     Reader& reader = side.reader_of(0, 0);
@@ -79,8 +79,8 @@ class Chase {
     const Reader::Read& last = reader.all_reads().back();
     const sim::Time hit = config_.tni.trv.l1.hit_cycles * clock_.period();
     const sim::Time expected = (level ? forms_.line_return_time(last.probed, *level) - last.probed : 0) + hit;
-    figure.measured += static_cast<double>(last.arrived - last.probed + hit) / sim::kFemtosecondsPerNs / kPhases;
-    figure.expected += static_cast<double>(expected) / sim::kFemtosecondsPerNs / kPhases;
+    measurement.measured += static_cast<double>(last.arrived - last.probed + hit) / sim::kFemtosecondsPerNs / kPhases;
+    measurement.expected += static_cast<double>(expected) / sim::kFemtosecondsPerNs / kPhases;
   }
 
   hw::GpuConfig config_;
@@ -131,7 +131,7 @@ double measured_gbps(const hw::GpuConfig& config, bool random) {
   return steady_rate(moments) * static_cast<double>(config.l2.cache.line.bytes) / 1e9;
 }
 
-Measurement figure_of(const hw::GpuConfig& config, bool random) {
+Measurement measure_machine(const hw::GpuConfig& config, bool random) {
   const MemoryForms forms(config);
   const Level level = random ? Level::kBankClosed : Level::kRowOpen;
   const std::uint32_t mshrs = config.cores * (config.tni.trvs * config.tni.trv.l1.mshrs + config.tni.ist.l1.mshrs +
@@ -155,7 +155,7 @@ Findings measure_bandwidth(const JobOptions& job, bool all_grades) {
   }
   Findings found{"lines read through the L2", {}};
   for (const hw::GpuConfig& config : machines) {
-    for (const bool random : {false, true}) found.measurements.push_back(figure_of(config, random));
+    for (const bool random : {false, true}) found.measurements.push_back(measure_machine(config, random));
   }
   return found;
 }

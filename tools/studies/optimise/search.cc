@@ -49,15 +49,15 @@ class Search::Models {
     set_range();
     for (const auto& [point, score] : search.feasible_scores_) {
       std::vector<Estimate> metrics;
-      for (std::size_t o = 0; o < search.objectives_; ++o) metrics.push_back({smoothed_figure(point, o), 0});
+      for (std::size_t o = 0; o < search.objectives_; ++o) metrics.push_back({smoothed_metric(point, o), 0});
       add_feasible({metrics, 0});
     }
   }
 
   struct Estimated {
-    std::vector<Estimate> metrics;    ///< of the objectives, on the scale of their surrogates
-    double log_feasible = 0;          ///< log probability that the point can be simulated and meets all constraints
-    std::optional<double> log_value;  ///< the logarithm of the acquisition value, if it was needed
+    std::vector<Estimate> metrics;      ///< of the objectives, on the scale of their surrogates
+    double log_feasible = 0;            ///< log probability that the point can be simulated and meets all constraints
+    std::optional<double> log_value{};  ///< the logarithm of the acquisition value, if it was needed
   };
 
   Estimated& estimate_at(const Choice& point) {
@@ -132,7 +132,7 @@ class Search::Models {
   double as_maximised(double value, std::size_t objective) const { return is_max(objective) ? value : -value; }
 
   /// Returns the metric of a simulated point on the scale of its surrogate; a noisy one is replaced by its estimate.
-  double smoothed_figure(const Choice& point, std::size_t objective) const {
+  double smoothed_metric(const Choice& point, std::size_t objective) const {
     const Surrogate& surrogate = search_.surrogates_[objective];
     if (search_.errors_[objective].contains(point)) return surrogate.estimate_at(point).mean;
     return surrogate.to_model_scale(search_.metrics_[objective].at(point));

@@ -105,8 +105,8 @@ class Job {
   bool reuse_rows(const Case& c) {
     std::vector<Row> rows;
     const std::string stand_in = stand_in_or_none(c.view);
-    for (const PaperMetric& figure : c.metrics) {
-      Row row = empty_row(c, figure, stand_in);
+    for (const PaperMetric& metric : c.metrics) {
+      Row row = empty_row(c, metric, stand_in);
       const auto found = std::ranges::find_if(former_.finished, [&](const Row& other) {
         return other.key == row.key && other.stand_in == row.stand_in && other.width == row.width &&
                other.height == row.height && other.program == row.program && other.reference == row.reference;
@@ -133,13 +133,13 @@ class Job {
     if (!scenes_.contains(stand_in)) scenes_[stand_in] = digest_of_file(stand_in);
   }
 
-  Row empty_row(const Case& c, const PaperMetric& figure, const std::string& stand_in) const {
-    Row row{.key = {figure.experiment, c.view.scene, c.setting, figure.metric},
+  Row empty_row(const Case& c, const PaperMetric& metric, const std::string& stand_in) const {
+    Row row{.key = {metric.experiment, c.view.scene, c.setting, metric.metric},
             .stand_in = stand_in,
             .width = c.width,
             .height = c.height,
             .program = c.run.program_text(),
-            .reference = c.truth && figure.metric == "psnr_db" ? "256 samples" : c.reference.program_text(),
+            .reference = c.truth && metric.metric == "psnr_db" ? "256 samples" : c.reference.program_text(),
             .measured = {},
             .why_not = {},
             .published = {}};
@@ -149,19 +149,19 @@ class Job {
   }
 
   void measure_case(const Case& c, const RunFolder::Open& open) {
-    std::vector<Measured> figures;
+    std::vector<Measured> measured;
     const std::string stand_in = stand_in_or_none(c.view);
     try {
       record_scene_digest(stand_in);
-      figures = runner_.measure_case(c);
+      measured = runner_.measure_case(c);
       runner_.write_pictures(c, open());
     } catch (const sim::InputError& error) {
-      figures.assign(c.metrics.size(), {{}, std::string("skipped: ") + error.what()});
+      measured.assign(c.metrics.size(), {{}, std::string("skipped: ") + error.what()});
     }
-    for (std::size_t i = 0; i < figures.size(); ++i) {
+    for (std::size_t i = 0; i < measured.size(); ++i) {
       Row row = empty_row(c, c.metrics[i], stand_in);
-      row.measured = figures[i].value;
-      row.why_not = figures[i].why_not;
+      row.measured = measured[i].value;
+      row.why_not = measured[i].why_not;
       results_.rows.push_back(std::move(row));
     }
   }

@@ -211,19 +211,19 @@ std::string scenes_markdown(std::span<const Row> rows) {
   std::string out;
   std::vector<std::pair<std::string, std::string>> listed;
   for (const Row& row : rows) {
-    const std::pair figure{row.key.setting, row.key.metric};
-    if (std::ranges::find(listed, figure) != listed.end()) continue;
-    listed.push_back(figure);
+    const std::pair metric{row.key.setting, row.key.metric};
+    if (std::ranges::find(listed, metric) != listed.end()) continue;
+    listed.push_back(metric);
     std::vector<double> values;
     for (const Row& other : rows) {
-      const bool same = other.key.setting == figure.first && other.key.metric == figure.second;
+      const bool same = other.key.setting == metric.first && other.key.metric == metric.second;
       if (same && other.measured) values.push_back(*other.measured);
     }
     if (values.size() < 2) continue;
     std::ranges::sort(values);
     const double median = (values[(values.size() - 1) / 2] + values[values.size() / 2]) / 2;
-    const auto text = [&](double value) { return metric_text(find_metric(figure.second), value); };
-    out += fmt::format("| {} | {} | {} | {} | {} to {} | {} |\n", figure.first, figure.second, values.size(),
+    const auto text = [&](double value) { return metric_text(find_metric(metric.second), value); };
+    out += fmt::format("| {} | {} | {} | {} | {} to {} | {} |\n", metric.first, metric.second, values.size(),
                        text(median), text(values.front()), text(values.back()), published_text(row));
   }
   if (out.empty()) return out;

@@ -244,9 +244,9 @@ std::vector<Measured> Runner::measure_case(const Case& c) {
   if (std::ranges::any_of(c.metrics, [](const PaperMetric& f) { return needs_masks(f.metric); })) {
     comparison.masked = masked_errors(pixel_masks(c), run.simulation.rendered.rgb, other);
   }
-  std::vector<Measured> figures;
-  for (const PaperMetric& figure : c.metrics) figures.push_back(measure_metric(find_metric(figure.metric), comparison));
-  return figures;
+  std::vector<Measured> out;
+  for (const PaperMetric& metric : c.metrics) out.push_back(measure_metric(find_metric(metric.metric), comparison));
+  return out;
 }
 
 void Runner::write_pictures(const Case& c, const fs::path& folder) const {

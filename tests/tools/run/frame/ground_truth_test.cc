@@ -69,7 +69,7 @@ TEST(GroundTruth, IsNotTakenFromFilesThatAreNotIt) {
 
   folder.write(name, "not a picture");
   EXPECT_EQ(tools::ground_truth(inputs, kSamples, 1, folder.path()), truth);
-  EXPECT_EQ(read_bytes(picture), good) << "written anew";
+  EXPECT_EQ(read_bytes(picture), good) << "written again";
 
   folder.write(name, good.substr(0, good.size() / 2));
   EXPECT_EQ(tools::ground_truth(inputs, kSamples, 1, folder.path()), truth);

@@ -20,11 +20,11 @@ namespace fs = std::filesystem;
 using namespace tools::reproduce;
 
 /// Returns the metrics that a plan measures.
-std::set<MetricKey> figures(const Paper& paper, bool quick) {
+std::set<MetricKey> metric_keys(const Paper& paper, bool quick) {
   std::set<MetricKey> out;
   for (const Case& c : paper.cases(quick)) {
-    for (const PaperMetric& figure : c.metrics) {
-      out.insert({figure.experiment, c.view.scene, c.setting, figure.metric});
+    for (const PaperMetric& metric : c.metrics) {
+      out.insert({metric.experiment, c.view.scene, c.setting, metric.metric});
     }
   }
   return out;
@@ -57,7 +57,7 @@ TEST_P(EachPaper, QuicklyGetsANumberForEveryRow) {
   EXPECT_EQ(results["schema"], "raywatt-reproduce/1");
   EXPECT_EQ(results["paper"], paper);
   EXPECT_EQ(results["partial"], false);
-  EXPECT_EQ(results["rows"].size(), figures(GetParam(), true).size());
+  EXPECT_EQ(results["rows"].size(), metric_keys(GetParam(), true).size());
   for (const nlohmann::json& row : results["rows"]) EXPECT_TRUE(row["measured"].is_number()) << row;
   EXPECT_SAYS(ending.out, std::string(GetParam().title));
   EXPECT_SAYS(read_bytes(out / "reproduce.md"), "| scene | stand-in |");
@@ -66,24 +66,24 @@ TEST_P(EachPaper, QuicklyGetsANumberForEveryRow) {
             std::ranges::any_of(cases, [](const Case& c) { return !c.picture.empty(); }));
 }
 
-TEST_P(EachPaper, HasAPlaceForEveryPublishedFigure) {
-  const std::set<MetricKey> measured = figures(GetParam(), false);
-  for (const auto& [figure, range] : load_published(std::string(GetParam().name))) {
-    EXPECT_TRUE(measured.contains(figure)) << name_of(figure);
-    EXPECT_LE(range.low, range.high) << name_of(figure);
+TEST_P(EachPaper, MeasuresEveryPublishedMetric) {
+  const std::set<MetricKey> measured = metric_keys(GetParam(), false);
+  for (const auto& [key, range] : load_published(std::string(GetParam().name))) {
+    EXPECT_TRUE(measured.contains(key)) << name_of(key);
+    EXPECT_LE(range.low, range.high) << name_of(key);
   }
 }
 
 TEST_P(EachPaper, QuicklyMeasuresSomeOfWhatItMeasuresAtLength) {
-  const std::set<MetricKey> all = figures(GetParam(), false), quick = figures(GetParam(), true);
+  const std::set<MetricKey> all = metric_keys(GetParam(), false), quick = metric_keys(GetParam(), true);
   EXPECT_LT(quick.size(), all.size());
-  for (const MetricKey& figure : quick) EXPECT_TRUE(all.contains(figure)) << name_of(figure);
+  for (const MetricKey& key : quick) EXPECT_TRUE(all.contains(key)) << name_of(key);
 }
 
-TEST_P(EachPaper, NamesFiguresThatExistAndEachPictureOnce) {
+TEST_P(EachPaper, NamesMetricsThatExistAndEachPictureOnce) {
   std::set<std::string> pictures;
   for (const Case& c : GetParam().cases(false)) {
-    for (const PaperMetric& figure : c.metrics) EXPECT_NO_THROW(find_metric(figure.metric)) << figure.metric;
+    for (const PaperMetric& metric : c.metrics) EXPECT_NO_THROW(find_metric(metric.metric)) << metric.metric;
     EXPECT_TRUE(c.picture.empty() || pictures.insert(c.picture).second) << c.picture;
   }
 }
@@ -154,9 +154,9 @@ TEST(Reproduce, MeasuresARunAgainstAReferenceWithATreeOfItsOwn) {
          .run = {"full:1", {"bvh.numbers=hybrid"}},
          .reference = {"full:1"}};
   c.metrics = {{"", "box_bytes_ratio"}, {"", "node_bytes_ratio"}};
-  const std::vector<Measured> figures = runner.measure_case(c);
-  EXPECT_DOUBLE_EQ(figures.at(0).value.value(), 29.0 / 48) << "twelve planes of 19 bits against twelve floats";
-  EXPECT_DOUBLE_EQ(figures.at(1).value.value(), 40.0 / 64);
+  const std::vector<Measured> measured = runner.measure_case(c);
+  EXPECT_DOUBLE_EQ(measured.at(0).value.value(), 29.0 / 48) << "twelve planes of 19 bits against twelve floats";
+  EXPECT_DOUBLE_EQ(measured.at(1).value.value(), 40.0 / 64);
   std::swap(c.run, c.reference);
   EXPECT_DOUBLE_EQ(runner.measure_case(c).at(0).value.value(), 48 / 29.0);
 }
@@ -165,12 +165,12 @@ TEST(Reproduce, MeasuresFigure7OfLeeOnUnitsAloneAndTheFrameOnTheWholeMachine) {
   const Sets alone = tni_alone();
   std::set<std::string> scopes;
   for (const Case& c : lee_cases(false)) {
-    for (const PaperMetric& figure : c.metrics) {
-      if (figure.experiment != "figure 7" && figure.experiment != "whole frame") continue;
-      scopes.insert(figure.experiment);
-      const Sets expected = figure.experiment == "figure 7" ? alone : Sets{};
-      EXPECT_EQ(c.run.sets, expected) << figure.experiment << ", " << c.view.scene;
-      EXPECT_EQ(c.reference.sets, expected) << figure.experiment << ", " << c.view.scene;
+    for (const PaperMetric& metric : c.metrics) {
+      if (metric.experiment != "figure 7" && metric.experiment != "whole frame") continue;
+      scopes.insert(metric.experiment);
+      const Sets expected = metric.experiment == "figure 7" ? alone : Sets{};
+      EXPECT_EQ(c.run.sets, expected) << metric.experiment << ", " << c.view.scene;
+      EXPECT_EQ(c.reference.sets, expected) << metric.experiment << ", " << c.view.scene;
     }
   }
   EXPECT_EQ(scopes.size(), 2U);
@@ -187,9 +187,9 @@ TEST(Reproduce, CountsMoreOperationsForAnInterpolatedSampleThanForATracedOne) {
          .run = {"undersample"},
          .reference = {"full:1"}};
   c.metrics = {{"", "ops_of_traced"}, {"", "ops_of_interpolated"}};
-  const std::vector<Measured> figures = runner.measure_case(c);
-  EXPECT_GT(figures.at(0).value.value(), 100);
-  EXPECT_GT(figures.at(1).value.value(), figures.at(0).value.value());
+  const std::vector<Measured> measured = runner.measure_case(c);
+  EXPECT_GT(measured.at(0).value.value(), 100);
+  EXPECT_GT(measured.at(1).value.value(), measured.at(0).value.value());
   c.run = c.reference;
   EXPECT_FALSE(runner.measure_case(c).at(1).value.has_value()) << "all samples are traced";
 }

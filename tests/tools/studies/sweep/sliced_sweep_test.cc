@@ -203,7 +203,7 @@ TEST_F(SlicedSweep, ASliceWhoseWorkerCrashesFailsItsPointUntilItIsComputedAnew) 
 }
 
 TEST_F(SlicedSweep, APointFailsWithItsFirstSliceThatDoes) {
-  const Ending ending = run({"-j", "1"}, std::string(kTwo) + "camera: nobody\nwhere: [{cores: 1}]\n");
+  const Ending ending = run({"-j", "1"}, std::string(kTwo) + "camera: absent\nwhere: [{cores: 1}]\n");
   EXPECT_EQ(ending.exit, 1);
   EXPECT_SAYS(ending.out, "slice 1 of 4: ");
   fs::remove_all(store.root());
@@ -211,7 +211,7 @@ TEST_F(SlicedSweep, APointFailsWithItsFirstSliceThatDoes) {
   const std::string status = raywatt({"sweep", "status", out}).out;
   EXPECT_SAYS(status, "1 points: 0 done, 1 failed");
   EXPECT_SAYS(status, "slice 3 of 4: ");
-  EXPECT_SAYS(status, "nobody");
+  EXPECT_SAYS(status, "absent");
 }
 
 TEST_F(SlicedSweep, ASliceThatIsNoneFailsItsPoint) {

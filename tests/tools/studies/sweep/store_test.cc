@@ -63,7 +63,7 @@ TEST_F(SweepStore, NeverServesWhatIsDamaged) {
     EXPECT_EQ(store.status_of(id), PointStatus::kDamaged) << d;
     EXPECT_TRUE(d == 3 || !store.read_report(id)) << d;
     EXPECT_TRUE(store.lock_point(id)) << d;
-    EXPECT_EQ(store.status_of(id), PointStatus::kMissing) << d << ": put aside by who computes it anew";
+    EXPECT_EQ(store.status_of(id), PointStatus::kMissing) << d << ": removed by the process that computes it again";
   }
   EXPECT_EQ(names_in(store.root() / "damaged").size(), damages.size());
 }

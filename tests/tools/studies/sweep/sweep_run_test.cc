@@ -102,14 +102,14 @@ TEST_F(SweepRun, UsesWhatAnotherSweepHasComputed) {
 }
 
 TEST_F(SweepRun, RecordsAPointThatFailsGoesOnAndEndsWithOne) {
-  const std::string lines = "axes: {camera: ['0', nobody]}\nsets: [cores=1]\n";
+  const std::string lines = "axes: {camera: ['0', absent]}\nsets: [cores=1]\n";
   const Ending ending = run(lines);
   EXPECT_EQ(ending.exit, 1) << ending.err;
   EXPECT_EQ(last_run(out), (Tally{2, 1, 0, 1}));
-  EXPECT_SAYS(ending.out, "1     camera=nobody: ");
+  EXPECT_SAYS(ending.out, "1     camera=absent: ");
   const std::string results = read_bytes(out / "results.csv");
   EXPECT_SAYS(results, ",done,");
-  EXPECT_SAYS(results, ",failed,nobody,");
+  EXPECT_SAYS(results, ",failed,absent,");
   run(lines);
   EXPECT_EQ(last_run(out), (Tally{2, 0, 1, 1})) << "not tried again";
   run(lines, {"--retry-failed"});
@@ -225,8 +225,8 @@ TEST_F(SweepRun, PointsOfAListAreComputedByTheirIndex) {
   EXPECT_EQ(points_in(store), 3U);
   EXPECT_EQ(point("0").exit, 0) << "there already";
   expect_refusal(point("2"), {"--index 2", "there are 2 chunks of 2 points"});
-  folder.write("list.txt", "nobody\n");
-  expect_refusal(point("0"), {"list.txt:1: 'nobody' is no point of this sweep"});
+  folder.write("list.txt", "absent\n");
+  expect_refusal(point("0"), {"list.txt:1: 'absent' is no point of this sweep"});
 }
 
 }  // namespace

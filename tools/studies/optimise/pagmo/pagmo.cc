@@ -75,7 +75,7 @@ class PagmoAlgorithms final : public PagmoModule {
   }
 
   double hypervolume(std::vector<std::vector<double>> points, const std::vector<double>& reference) const override {
-    return pagmo::hypervolume(std::move(points), false).compute_points(reference);
+    return pagmo::hypervolume(std::move(points), false).compute(reference);
   }
 };
 

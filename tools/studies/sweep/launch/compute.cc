@@ -51,7 +51,7 @@ void write_picture(const PlayedFrame& played, const fs::path& file) {
 [[noreturn]] void refuse_changed(const Point& point) {
   throw sim::IoError(
       fmt::format("point {}: what it is made of has changed since the sweep was planned; the same command "
-                  "plans anew",
+                  "plans again",
                   point.n));
 }
 

@@ -70,7 +70,7 @@ auto query_index(const fs::path& file, Query&& query) {
   } catch (const SQLite::Exception& error) {
     if (error.getErrorCode() == SQLITE_NOMEM) throw std::bad_alloc();
     throw sim::InputError(
-        fmt::format("{}: is damaged ({}); remove it, and it is made anew", file.string(), error.what()));
+        fmt::format("{}: is damaged ({}); remove it, and it is built again", file.string(), error.what()));
   }
 }
 
@@ -118,7 +118,7 @@ std::unique_ptr<SQLite::Database> open_index(const fs::path& file) {
     if (error.getErrorCode() == SQLITE_NOMEM) throw std::bad_alloc();
   }
   throw sim::InputError(
-      fmt::format("{}: is damaged or of another version; 'raywatt sweep collect {}' makes it anew", shown, sweep));
+      fmt::format("{}: is damaged or of another version; 'raywatt sweep collect {}' builds it again", shown, sweep));
 }
 
 std::map<std::string, std::string> read_facts(const SQLite::Database& index) {

@@ -29,7 +29,7 @@ std::string number_text(double number);
 struct TableOptions {
   std::vector<std::string> columns;  ///< empty: axes that vary, and the usual figures
   std::string sort;                  ///< "column" or "column:desc"; empty: order of the points
-  std::vector<std::string> where;    ///< conditions, all of which must hold
+  std::vector<std::string> where;    ///< conditions; all must hold
   std::optional<std::size_t> limit;  ///< maximum number of rows
   bool csv = false;                  ///< CSV with all digits
 };

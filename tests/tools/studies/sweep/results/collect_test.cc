@@ -35,7 +35,7 @@ StatusCounts counts(std::size_t done, std::size_t failed, std::size_t missing, s
 }
 void expect_counts(const Collected& is, const StatusCounts& wanted) { EXPECT_EQ(is.counts, wanted); }
 
-/// Three points, of which one is done.
+/// Three points; one is done.
 struct Three : MadeSweep {
   Three() {
     for (const char* size : {"4 KiB", "8 KiB", "16 KiB"}) add({{"l1.size", size}});
@@ -230,7 +230,7 @@ TEST(Collect, ADamagedIndexIsMadeAnew) {
   }
   fs::remove(index);
   ASSERT_EQ(::mkfifo(index.c_str(), 0600), 0);
-  EXPECT_EQ(raywatt({"sweep", "table", sweep.folder().string()}).exit, 0) << "a pipe nobody writes into";
+  EXPECT_EQ(raywatt({"sweep", "table", sweep.folder().string()}).exit, 0) << "a pipe without a writer";
   EXPECT_EQ(read_bytes(index).size(), sound.size());
 }
 

@@ -103,7 +103,7 @@ TEST(Sensitivity, AxesThatMoveTogetherAreOne) {
 }
 
 TEST(Sensitivity, ValuesThatNoTwoPointsShareAreTakenTogether) {
-  MadeSweep sweep;  // as of a random subset of two wide ranges, of which the second does nothing
+  MadeSweep sweep;  // as from a random subset of two wide ranges; the second has no effect
   for (std::uint64_t i = 0; i < 100; ++i) {
     const std::uint64_t a = sim::hash(i, 1) % 100'000, b = sim::hash(i, 2) % 100'000;
     sweep.finish(sweep.add({{"a", std::to_string(a)}, {"b", std::to_string(b)}}), 1000 + static_cast<double>(a));
@@ -138,7 +138,7 @@ TEST(Sensitivity, IsShownWithTheLargestFirst) {
             "only together                                                                        0.0 %\n");
 }
 
-/// Two axes of which one does nothing; each point has so many plays' mean and deviation.
+/// Two axes, one without effect; each point has the mean and deviation of its replicates.
 struct NoisyGrid : MadeSweep {
   explicit NoisyGrid(double deviation, double of_noise = 1) {
     for (std::size_t s = 0; s < 6; ++s) {

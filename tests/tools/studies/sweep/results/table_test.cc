@@ -104,7 +104,7 @@ TEST(ResultsTable, ShowsWholeMeansInFourDigits) {
   EXPECT_SAYS(results_table(sweep.results(), {}), "  98.77 k ± ");
 }
 
-/// Points of which the means of three plays stand in another order than the plays called replicate 0.
+/// Points whose means of three replicates have another order than their replicates 0.
 struct PlaysInAnotherOrder : FourRows {
   PlaysInAnotherOrder() {
     const double means[] = {1500, 3500, 2500};
