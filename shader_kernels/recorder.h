@@ -126,7 +126,7 @@ inline IntNode select(const MaskNode& mask, const IntNode& yes, const IntNode& n
   return record_op<IntNode>(Op::kSelect, mask, yes, no);
 }
 
-/// Records the load of a record. Its fields become kInput nodes with their byte offsets.
+/// Adds the load of a data structure to the graph. Each field becomes a kInput node with its byte offset.
 template <template <class> class R>
 R<Recorded> record_load(Recorder& recorder, Op op, const std::string& memory, std::array<IntNode, 3> address,
                         std::uint32_t address_words) {

@@ -8,7 +8,7 @@
 
 namespace hw {
 
-/// Reasons for a channel's cycles.
+/// What a DRAM channel spends a cycle on.
 enum class DramCycleReason : std::uint8_t {
   kIdle,
   kReading,

@@ -7,7 +7,7 @@
 
 namespace hw {
 
-/// A new tile for a core, or an update of the missing borders of a tile that the core already has.
+/// Message to a core: a new tile, or the borders that a tile in the core still waits for.
 struct TileJob {
   const traces::TileWork* work = nullptr;
   std::uint32_t missing = 0;  ///< borders that are not in memory yet: a bit for each of TileWork::imports

@@ -149,7 +149,7 @@ class ShadedAround {
   }
 
  private:
-  /// A step to another column or row; 0 beyond the edge of the picture.
+  /// Offset to the neighbour in another column or row; 0 where the neighbour is outside the picture.
   struct Step {
     F<V> samples;
     M<V> inside;

@@ -149,9 +149,9 @@ class EnergyFormula {
   };
   /// In the order of the units. The sum equals report().total_pj except for the order of additions.
   std::vector<UnitEnergy> unit_energies() const;
-  /// pJ of one side by block, in alphabetical order.
+  /// Returns the energy of each block in pJ, blocks in alphabetical order; `side` is low, nominal or high.
   std::vector<double> block_energies(Side side) const;
-  /// pJ of one side by kind.
+  /// Returns the energy of each kind in pJ.
   std::vector<double> kind_energies(Side side) const;
   static constexpr std::array<const char*, 3> kKinds = {"dynamic", "clock", "leakage"};
   /// pJ of one side, bit-equal to that side of report().total_pj.

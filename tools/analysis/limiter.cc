@@ -61,8 +61,8 @@ double never_full(const CoreTime::Demands& d) {
   return std::min(1.0, kEndsOfTiles + kSlotsWeight * d.no_slots * (1 - d.tracing / d.fed));
 }
 
-/// Returns the relative queue length at a memory after the fraction `gone` of its traffic is removed. Queues scale as r
-/// / (1 - r) with the busy share r.
+/// Returns the queue length at a memory without the fraction `gone` of its traffic, relative to the length with it.
+/// Queue length is r / (1 - r) at utilisation r.
 double queue_left(double busy, double gone) {
   constexpr double kMostBusy = 0.95;  // a finite frame has finite queues
   if (busy <= 0) return 1;

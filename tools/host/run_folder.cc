@@ -75,12 +75,12 @@ constexpr std::array<std::string_view, 17> kResults = {
     "image.png",      "image.exr",   "pixels.exr",  "reference.exr",  "reference.png",     "reference.json",
     "difference.png", "verify.json", "embree.png",  "reproduce.json", "reproduce.md"};
 
-/// figure-1-village.png, debug-similar.png, debug-steps.exr
+/// True for pictures with this prefix, as figure-1-village.png and debug-steps.exr.
 bool is_picture_of(std::string_view prefix, std::string_view name) {
   return name.starts_with(prefix) && (name.ends_with(".png") || name.ends_with(".exr"));
 }
 
-/// frame-0000.png, frame-0000-debug-similar.png
+/// True for names of frame pictures, as frame-0000.png and frame-0000-debug-similar.png.
 bool is_frame(std::string_view name) {
   constexpr std::string_view kHead = "frame-", kDigits = "0123456789";
   if (!name.starts_with(kHead)) return false;

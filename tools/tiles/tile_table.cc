@@ -25,7 +25,7 @@ Json number(double value) {
   return value;
 }
 
-/// Writes one column per line, without other blanks.
+/// Writes each column of the table as one line of JSON without spaces.
 void append_columns(const TileFrame& frame, std::string& out) {
   for (const TileColumn& column : frame.columns) {
     Json values = Json::array();

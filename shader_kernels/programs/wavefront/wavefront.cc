@@ -99,7 +99,8 @@ constexpr auto kSpawn = std::to_array<SpawnStage>({
 
 // Records of a sample's hits and shadow rays.
 
-/// Records the heaviest branch. All rays are weighed first, because that branch may hit nothing.
+/// Keeps the hit of the branch with the greatest weight in the pixel. All rays are compared first, because that branch
+/// may hit nothing.
 template <bool kInstanced>
 Launched record_branch(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
   const Node weighed = wave.graph.launch<WeighBranch>(bounce.rays);

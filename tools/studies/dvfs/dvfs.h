@@ -32,7 +32,7 @@ struct DvfsPoint {
   double frames_per_second() const { return 1000 / ms; }
 };
 
-/// Points of a frame at ascending clocks. The clock of the memory is constant.
+/// Operating points of a frame in order of ascending core clock; the memory clock is constant.
 struct DvfsCurve {
   std::vector<DvfsPoint> points;
   double period_ms = 0;

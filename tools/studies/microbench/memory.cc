@@ -67,7 +67,7 @@ class Chase {
 
  private:
   /// Reads the lines in order and adds the latency of the last read, from the probe of the L1 to its data.
-  /// `neighbour_first`: another client has read the last line before. No level: an L1 hit.
+  /// `neighbour_first`: another client has read the last line before. Without `level` the read hits the L1.
   void measure_read(Measurement& measurement, std::uint32_t phase, const std::vector<hw::Addr>& lines, bool neighbour_first,
                     std::optional<Level> level) const {
     MemorySide side(config_);
@@ -180,7 +180,7 @@ namespace {
 constexpr std::uint32_t kMissedLines = 8000;
 constexpr sim::Time kWarm = sim::kFemtosecondsPerSecond;  // start of the measurement, after the L2 is warm
 
-/// Returns the rate at which the cache of one traversal unit can miss.
+/// Returns the greatest number of misses per cycle that the cache of one traversal unit sustains.
 double measured_rate(const hw::GpuConfig& config, bool in_l2) {
   MemorySide side(config);
   const std::uint64_t line = config.l2.cache.line.bytes;

@@ -20,7 +20,8 @@ struct SweepOptions : LauncherOptions {
 /// Computes all points without a result, then collects the results. Returns kGood, or kCheckFailed if points failed.
 int run_sweep(const SweepOptions& options);
 
-/// Options of `raywatt sweep point`: a chunk of the points of the sweep in `folder`, or of the ids in `list`.
+/// Options of `raywatt sweep point`, which computes a chunk of the points of the sweep in `folder`, or of the ids in
+/// `list`.
 struct PointOptions {
   std::filesystem::path folder, list;
   std::uint64_t index = 0, chunk = 1;

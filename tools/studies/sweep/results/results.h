@@ -73,7 +73,7 @@ class Results {
   bool has_metric(std::string_view path) const;
   /// Columns of the axes with more than one value.
   std::vector<Column> varying_axes() const;
-  /// missing_text() of all points.
+  /// Returns how many points have no result, by status, as one line; empty if all have one.
   std::string missing_text() const;
 
  private:

@@ -163,7 +163,7 @@ void set_work(Point& point, const std::string& key, const std::string& value, co
   if (key == "program") point.program = value;
 }
 
-/// Throws the InputError of a run for "key=value" alone.
+/// Checks one setting "key=value" on the base configuration; throws the InputError that a run would report.
 void check_setting(RunConfig base, const std::string& argument) {
   sim::ConfigNode tree = sim::config_tree(base);
   try {
