@@ -86,8 +86,9 @@ struct Slurm : testing::Test {
     const auto is_computing = [&] {
       std::error_code missing;
       for (const fs::directory_entry& entry : fs::directory_iterator(store / "tmp", missing)) {
-        const std::string name = entry.path().filename();
-        worker = name.substr(name.rfind('.') + 1);
+        // A temporary folder is named ".ID.PID-N.raywatt-tmp".
+        const std::string process = entry.path().stem().extension();
+        worker = process.substr(std::min<std::size_t>(1, process.size()), process.find('-') - 1);
         if (is_on(node, worker)) return true;
       }
       return false;

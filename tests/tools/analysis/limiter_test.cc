@@ -141,7 +141,7 @@ TEST(Limiter, WithoutSpilledSlotsMemoryHasShorterQueues) {
 TEST(Limiter, NamesNothingThatIsWorthNothing) {
   const std::vector<Estimate> estimates = estimate_speedups({.no_tile = 1});
   EXPECT_LT(largest_speedup(estimates).speedup, 1.01);
-  EXPECT_TRUE(limiter_text(estimates).starts_with("nothing")) << limiter_text(estimates);
+  EXPECT_TRUE(limiter_text(estimates).starts_with("no single resource")) << limiter_text(estimates);
 }
 
 TEST(Limiter, UtilisationCountsSwitchesAsWorkOfTheShaderCores) {

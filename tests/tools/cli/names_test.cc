@@ -111,7 +111,7 @@ TEST(Names, OfFilesThatAGroupExtendsAreBareOnesOfItsFolder) {
 
 TEST(Names, AreListedWithALineEach) {
   const std::string list = ending_well({"config", "list"}).out;
-  for (const char* line : {"sgrt-balanced      A machine whose T&I units", "dram/lpddr3-1600   LPDDR3-1600: two x32",
+  for (const char* line : {"sgrt-balanced      A machine limited by its T&I units", "dram/lpddr3-1600   LPDDR3-1600: two x32",
                            "energy/14nm  Energy, leakage and clock", "area/7nm   Area of a mobile GPU",
                            "experiments/trv-cores        Where does the next"}) {
     EXPECT_SAYS(list, line);
@@ -149,7 +149,7 @@ TEST(Warnings, OfOptionsThatDoNothing) {
   EXPECT_SAYS(warned({"--set", "render.mip_maps=off", "--set", "render.mip_filter=linear"}),
               "render.mip_filter has no effect with render.mip_maps=off");
   EXPECT_EQ(warned({"--set", "render.mip_filter=linear"}), "");
-  EXPECT_SAYS(warned({"--set", "dram.grade=LPDDR3-160"}), "--set dram.extends=lpddr3-1600 does");
+  EXPECT_SAYS(warned({"--set", "dram.grade=LPDDR3-160"}), "--set dram.extends=lpddr3-1600 sets the timing");
   EXPECT_EQ(warned({"--set", "dram.grade=mine"}), "") << "any text is a name";
 }
 

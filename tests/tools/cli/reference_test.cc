@@ -126,7 +126,7 @@ TEST(Reference, IsComparedByACommandThatAShellTakes) {
   const std::string out = (folder.path() / "two words").string();
   const Ending ending = raywatt({"run", "--resolution", "16x16", "-o", out, "--reference", "full:1"});
   ASSERT_EQ(ending.exit, 0) << ending.err;
-  EXPECT_SAYS(ending.out, "raywatt compare '" + out + "/reference.json' '" + out + "/report.json' says");
+  EXPECT_SAYS(ending.out, "compare with: raywatt compare '" + out + "/reference.json' '" + out + "/report.json'");
 }
 
 TEST(Reference, OfAFormerRunGoesWithIt) {

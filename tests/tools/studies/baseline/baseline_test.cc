@@ -259,7 +259,7 @@ runs:
   EXPECT_SAYS(std::string(first.child("failure").child_value()),
               "Changed in core.tni.trv: tni.trv.box_latency was 12, is 13");
   EXPECT_SAYS(std::string(first.child("failure").child_value()), "units.core.tni.trv.why.pipe: ");
-  EXPECT_SAYS(std::string(second.child("error").attribute("message").value()), "nothing is stored");
+  EXPECT_SAYS(std::string(second.child("error").attribute("message").value()), "it has no stored values");
   EXPECT_FALSE(third.first_child()) << "all is well";
 }
 

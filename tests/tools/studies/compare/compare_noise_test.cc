@@ -36,8 +36,7 @@ TEST_F(Runs, OfWhichOneHasReplicatesAreHeldAgainstTheLargerNoise) {
   EXPECT_EQ(noise["from"], "default");
   // The mean of four replicates, and one replicate with the same deviation.
   EXPECT_NEAR(noise["half_width"].get<double>(), 1.96 * 0.2 * std::hypot(0.5, 1), 0.05);
-  EXPECT_SAYS(raywatt({"compare", noisy, path("ports")}).out,
-              "or that of one run's replicates if larger; --replicates 5");
+  EXPECT_SAYS(raywatt({"compare", noisy, path("ports")}).out, "or of one run's replicates if larger; --replicates 5");
   const std::string tripled = changed("tripled.json", [](Json& report) {
     const double cycles = report["totals"]["cycles"];
     report["totals"]["replicates"] = {{"count", 4},

@@ -205,7 +205,7 @@ TEST(MicrobenchVerb, EndsWithOneIfAFigureLeavesItsClosedForm) {
   const Ending ending = raywatt({"microbench", "dram", "--set", "dram.timing.refi_pb=60"});
   EXPECT_EQ(ending.exit, 1);
   EXPECT_SAYS(ending.out, "MISSED");
-  EXPECT_SAYS(ending.err, "miss their closed forms");
+  EXPECT_SAYS(ending.err, "differ from their closed forms");
 }
 
 TEST(MicrobenchVerb, MeasuresRealResourcesEvenIfTheConfigurationMakesThemIdeal) {
