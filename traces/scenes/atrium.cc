@@ -192,8 +192,8 @@ void add_columns(Scene& scene, const Materials& is, const Detail& detail) {
   const std::uint32_t high_pier = add_mesh(scene, make_pier(kTop - kUpper), is.ashlar);
   for (const float side : {-1.0F, 1.0F}) {
     const auto add_pair = [&](const glm::vec3& at, bool is_pier) {
-      add_instance(scene, is_pier ? low_pier : low, placement(at));
-      add_instance(scene, is_pier ? high_pier : high, placement(at + glm::vec3(0, kUpper, 0)));
+      add_instance(scene, is_pier ? low_pier : low, placement_at(at));
+      add_instance(scene, is_pier ? high_pier : high, placement_at(at + glm::vec3(0, kUpper, 0)));
     };
     for (int k = 0; k <= kLongBays; ++k) {
       add_pair({kLongBay * static_cast<float>(k) - kHalfLength, 0, side * kHalfWidth}, k == 0 || k == kLongBays);
@@ -215,7 +215,7 @@ void add_balustrades(Scene& scene, const Materials& is, const Detail& detail) {
     const std::uint32_t count = std::min(detail.cell_count(bay > 2.7F ? 9 : 7, 4), bay > 2.7F ? 9U : 7U);
     for (std::uint32_t k = 0; k < count; ++k) {
       const float x = 2 * half * ((static_cast<float>(k) + 0.5F) / static_cast<float>(count) - 0.5F);
-      append_mesh(mesh, transform_mesh(baluster, placement({x, 0, 0})));
+      append_mesh(mesh, transform_mesh(baluster, placement_at({x, 0, 0})));
     }
     project_uvs(mesh, 0.8F);
     return add_mesh(scene, std::move(mesh), is.light_stone);
@@ -277,11 +277,11 @@ Mesh make_archivolt(float radius, const Detail& detail) {
   for (std::size_t k = 0; k + 1 < points.size(); ++k) {
     const Mesh strip = make_arch_strip(points[k + 1], points[k], cells);
     append_mesh(mesh, strip);
-    append_mesh(mesh, transform_mesh(strip, placement(glm::vec3(0), 0.5)));
+    append_mesh(mesh, transform_mesh(strip, placement_at(glm::vec3(0), 0.5)));
   }
   const glm::vec2 key[] = {
       {-0.09F, radius - 0.03F}, {0.09F, radius - 0.03F}, {0.13F, radius + 0.3F}, {-0.13F, radius + 0.3F}};
-  append_mesh(mesh, transform_mesh(make_extrusion("", key, kWall + 0.18F), placement({0, 0, -kWall / 2 - 0.09F})));
+  append_mesh(mesh, transform_mesh(make_extrusion("", key, kWall + 0.18F), placement_at({0, 0, -kWall / 2 - 0.09F})));
   project_uvs(mesh, 0.6F);
   return mesh;
 }
@@ -314,7 +314,7 @@ void add_door(Scene& scene, const Materials& is, const Detail& detail, const glm
     for (const auto& [low, high] : {std::pair{0.0F, 1.0F}, std::pair{1.0F, 2.3F}}) {
       append_mesh(door,
                   transform_mesh(make_panel("", 0.62F, high - low, detail.coarser_profile(leaf), detail.cell_count(1)),
-                                 wall * placement({x, low, 0})));
+                                 wall * placement_at({x, low, 0})));
     }
   }
   project_uvs(door, 0.8F, true);
@@ -402,9 +402,9 @@ void add_arcades(Scene& scene, const Materials& is, const Detail& detail) {
       if (y < kTop - 1) continue;
       const Mesh dentil = make_box("", {-0.07F, -0.16F, 0}, {0.07F, 0, 0.1F});
       for (int k = -21; k <= 21; ++k)
-        append_mesh(dentils, transform_mesh(dentil, long_side * placement({0.4F * static_cast<float>(k), 0, 0})));
+        append_mesh(dentils, transform_mesh(dentil, long_side * placement_at({0.4F * static_cast<float>(k), 0, 0})));
       for (int k = -8; k <= 8; ++k)
-        append_mesh(dentils, transform_mesh(dentil, short_side * placement({0.4F * static_cast<float>(k), 0, 0})));
+        append_mesh(dentils, transform_mesh(dentil, short_side * placement_at({0.4F * static_cast<float>(k), 0, 0})));
     }
   }
   add_object(scene, std::move(dentils), is.light_stone);
@@ -465,14 +465,14 @@ void add_cloth(Scene& scene, const Materials& is, const Detail& detail) {
                                         {5, 1.0F, true}}) {
     const float x = kLongBay * (static_cast<float>(bay) + 0.5F) - kHalfLength;
     const glm::mat4 at = wall_axes({x, 0.12F, side * kHalfWidth}, {0, 0, -side});
-    add_instance(scene, pole, at * placement({0, 2.62F, 0}));
-    add_instance(scene, curtain_mesh, at * placement({-half, 0, 0}, 0, {both ? 0.75F : 0.95F, 1, 1}));
-    if (both) add_instance(scene, curtain_mesh, at * placement({0.25F * half, 0, 0}, 0, {0.75F, 1, 1}));
+    add_instance(scene, pole, at * placement_at({0, 2.62F, 0}));
+    add_instance(scene, curtain_mesh, at * placement_at({-half, 0, 0}, 0, {both ? 0.75F : 0.95F, 1, 1}));
+    if (both) add_instance(scene, curtain_mesh, at * placement_at({0.25F * half, 0, 0}, 0, {0.75F, 1, 1}));
   }
 }
 
 void add_fountain(Scene& scene, const Materials& is, const Detail& detail) {
-  const glm::mat4 at = placement({2.6F, 0, 0});
+  const glm::mat4 at = placement_at({2.6F, 0, 0});
   const auto add_lathe = [&](const char* name, std::span<const glm::vec2> profile, std::uint32_t segments,
                              std::uint32_t material) {
     Mesh mesh = make_lathe(name, detail.coarser_profile(profile), segments);
@@ -510,8 +510,8 @@ void add_plants(Scene& scene, const Materials& is, const Detail& detail) {
   std::uint32_t seed = 90;
   for (const glm::vec3& at : positions) {
     ++seed;
-    add_instance(scene, pot_mesh, placement(at));
-    add_instance(scene, soil_mesh, placement(at));
+    add_instance(scene, pot_mesh, placement_at(at));
+    add_instance(scene, soil_mesh, placement_at(at));
     Mesh foliage;
     foliage.name = "foliage";
     const std::uint32_t count = detail.piece_count(70, 12);
@@ -548,7 +548,7 @@ void add_lanterns(Scene& scene, const Materials& is, const Detail& detail) {
   int count = 0;
   for_each_bay([&](const glm::vec3& middle, const glm::vec3& inward, float) {
     if (count++ % 2 == 0) return;
-    const glm::mat4 at = placement(middle - 1.5F * inward + glm::vec3(0, kUpper - 0.4F - 1.05F, 0));
+    const glm::mat4 at = placement_at(middle - 1.5F * inward + glm::vec3(0, kUpper - 0.4F - 1.05F, 0));
     add_instance(scene, frame_mesh, at);
     add_instance(scene, flame_mesh, at);
   });

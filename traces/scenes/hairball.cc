@@ -87,7 +87,7 @@ void add_room(Scene& scene) {
   add_object(scene, make_quad("floor", {-6, 0, -2.6F}, {0, 0, 9.6F}, {8, 0, 0}, 8, 4), floor);
   add_object(scene, make_quad("back wall", {-6, 0, -2.6F}, {8, 0, 0}, {0, 4.4F, 0}, 8, 2), wall);
   add_object(scene, make_quad("right wall", {2, 0, -2.6F}, {0, 0, 9.6F}, {0, 4.4F, 0}, 8), mirror);
-  add_object(scene, transform_mesh(make_torus("stand", 0.42F, 0.045F, 64, 16), placement({0, 0.28F, 0})), brass);
+  add_object(scene, transform_mesh(make_torus("stand", 0.42F, 0.045F, 64, 16), placement_at({0, 0.28F, 0})), brass);
   for (int k = 0; k < 3; ++k) {
     const glm::vec2 round = on_circle(k / 3.0 + 0.1);
     const glm::vec3 leg[] = {{0.62F * round.x, 0.02F, 0.62F * round.y}, {0.42F * round.x, 0.28F, 0.42F * round.y}};

@@ -125,7 +125,7 @@ Mesh make_tiles(float left, float right, float top, bool accent, const Detail& d
       const Mesh tile =
           make_panel("", to - from, kTileHeight - kJoint, detail.coarser_profile(rings), detail.cell_count(1));
       append_mesh(mesh,
-                  transform_mesh(tile, placement({from, kTileHeight * static_cast<float>(row) + 0.5F * kJoint, 0})));
+                  transform_mesh(tile, placement_at({from, kTileHeight * static_cast<float>(row) + 0.5F * kJoint, 0})));
     }
   }
   return mesh;
@@ -157,7 +157,7 @@ void add_floor(Scene& scene, const Materials& is, const Detail& detail) {
       const float z = -kHalfWidth + kAcross * (static_cast<float>(row) + (k % 2 == 0 ? 0.0F : 0.5F));
       const float x = -kHalfLength + 1.5F * kRadius * static_cast<float>(k);
       if (z > kHalfWidth + kRadius || x > kHalfLength + kRadius) continue;
-      append_mesh(floor, transform_mesh(tile, placement({x, 0, z})));
+      append_mesh(floor, transform_mesh(tile, placement_at({x, 0, z})));
     }
   }
   project_uvs(floor, 0.7F);
@@ -176,7 +176,7 @@ void add_door(Scene& scene, const Materials& is, const Detail& detail, const glm
   for (const auto& [low, high] : {std::pair{0.01F, 0.98F}, std::pair{0.98F, kTall}}) {
     append_mesh(door,
                 transform_mesh(make_panel("", kWidth, high - low, detail.coarser_profile(field), detail.cell_count(3)),
-                               placement({left, low, 0})));
+                               placement_at({left, low, 0})));
   }
   for (const float x : {left - 0.09F, left + kWidth})
     append_mesh(door, make_box("", {x, 0, 0}, {x + 0.09F, kTall + 0.09F, 0.035F}));
@@ -214,7 +214,7 @@ void add_walls(Scene& scene, const Materials& is, const Detail& detail) {
   add_object(scene, make_quad("ceiling", {-x, kHeight, -z}, {2 * x, 0, 0}, {0, 0, 2 * z}, detail.cell_count(8)),
              is.ceiling);
   const glm::vec2 bowl[] = {{0, -0.12F}, {0.12F, -0.105F}, {0.18F, -0.07F}, {0.2F, -0.02F}};
-  const glm::mat4 under_ceiling = placement({-0.3F, kHeight, 0.25F});
+  const glm::mat4 under_ceiling = placement_at({-0.3F, kHeight, 0.25F});
   add_object(
       scene,
       transform_mesh(make_lathe("ceiling lamp", catmull_rom(detail.coarser_profile(bowl), detail.cell_count(4, 2)),

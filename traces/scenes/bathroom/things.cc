@@ -25,7 +25,7 @@ Mesh make_tap(const Detail& detail, float height, float reach) {
                             {0, 0.72F * height, reach}};
   append_mesh(mesh, make_tube("", catmull_rom(neck, detail.cell_count(8, 3)), std::array{0.0105F}, round));
   for (const float side : {-1.0F, 1.0F}) {
-    const glm::mat4 at = placement({side * 0.085F, 0, 0});
+    const glm::mat4 at = placement_at({side * 0.085F, 0, 0});
     const glm::vec2 knob[] = {{0.022F, 0},      {0.022F, 0.006F}, {0.012F, 0.012F}, {0.012F, 0.04F},
                               {0.018F, 0.046F}, {0.016F, 0.056F}, {0, 0.058F}};
     append_mesh(mesh, transform_mesh(make_lathe("", detail.coarser_profile(knob), round), at));
@@ -73,10 +73,11 @@ void add_tub(Scene& scene, const Materials& is, const Detail& detail) {
   const glm::vec3 middle(kTubLeft + kTubHalf, 0, kTubZ);
   add_object(scene,
              transform_mesh(make_vessel("bath tub", rings, true, detail.cell_count(112, 24), detail.cell_count(4)),
-                            placement(middle)),
+                            placement_at(middle)),
              is.enamel);
-  add_object(scene, transform_mesh(make_drain(detail), placement(middle + glm::vec3(-0.45F, 0.108F, 0))), is.chrome);
-  add_object(scene, transform_mesh(make_tap(detail, 0.2F, 0.2F), placement({kTubLeft + 0.035F, kTubRim, kTubZ}, 0.25)),
+  add_object(scene, transform_mesh(make_drain(detail), placement_at(middle + glm::vec3(-0.45F, 0.108F, 0))), is.chrome);
+  add_object(scene,
+             transform_mesh(make_tap(detail, 0.2F, 0.2F), placement_at({kTubLeft + 0.035F, kTubRim, kTubZ}, 0.25)),
              is.chrome);
   // A glass screen on the rim, hinged at the wall.
   const float z = kTubZ + 0.36F;
@@ -101,7 +102,7 @@ void add_vanity(Scene& scene, const Materials& is, const Detail& detail) {
       const glm::vec3 corner(kLeft + 0.7F * static_cast<float>(k), 0.25F + 0.275F * static_cast<float>(row), kFront);
       append_mesh(cabinet,
                   transform_mesh(make_panel("", 0.7F, 0.275F, detail.coarser_profile(drawer), detail.cell_count(3)),
-                                 placement(corner)));
+                                 placement_at(corner)));
       const glm::vec3 bow[] = {corner + glm::vec3(0.27F, 0.14F, 0.012F), corner + glm::vec3(0.275F, 0.14F, 0.035F),
                                corner + glm::vec3(0.35F, 0.14F, 0.045F), corner + glm::vec3(0.425F, 0.14F, 0.035F),
                                corner + glm::vec3(0.43F, 0.14F, 0.012F)};
@@ -111,8 +112,8 @@ void add_vanity(Scene& scene, const Materials& is, const Detail& detail) {
   }
   for (const float x : {kLeft + 0.05F, kRight - 0.05F}) {
     for (const float z : {back + 0.05F, kFront - 0.05F}) {
-      append_mesh(cabinet,
-                  transform_mesh(make_cone("", 0.018F, 0.03F, 0.25F, detail.cell_count(16, 6)), placement({x, 0, z})));
+      append_mesh(cabinet, transform_mesh(make_cone("", 0.018F, 0.03F, 0.25F, detail.cell_count(16, 6)),
+                                          placement_at({x, 0, z})));
     }
   }
   project_uvs(cabinet, 0.8F);
@@ -132,10 +133,11 @@ void add_basin(Scene& scene, const Materials& is, const Detail& detail) {
   const glm::vec3 at(1.02F, kCounter, -kHalfWidth + 0.29F);
   add_object(scene,
              transform_mesh(make_vessel("wash basin", rings, false, detail.cell_count(72, 20), detail.cell_count(4)),
-                            placement(at)),
+                            placement_at(at)),
              is.enamel);
-  add_object(scene, transform_mesh(make_drain(detail), placement(at + glm::vec3(0, 0.013F, 0))), is.chrome);
-  add_object(scene, transform_mesh(make_tap(detail, 0.28F, 0.17F), placement({1.02F, kCounter, -kHalfWidth + 0.075F})),
+  add_object(scene, transform_mesh(make_drain(detail), placement_at(at + glm::vec3(0, 0.013F, 0))), is.chrome);
+  add_object(scene,
+             transform_mesh(make_tap(detail, 0.28F, 0.17F), placement_at({1.02F, kCounter, -kHalfWidth + 0.075F})),
              is.chrome);
 }
 
@@ -145,7 +147,7 @@ void add_mirror(Scene& scene, const Materials& is, const Detail& detail) {
   const glm::vec2 rim[] = {{0, 0}, {0, 0.03F}, {0.02F, 0.035F}, {0.03F, 0.02F}, {0.03F, 0.018F}};
   Mesh frame = make_panel("mirror frame", 1.4F, 0.9F, rim);
   frame.triangles.resize(frame.triangles.size() - 2);
-  add_object(scene, transform_mesh(std::move(frame), wall * placement({2.12F, 1.2F, 0})), is.oak);
+  add_object(scene, transform_mesh(std::move(frame), wall * placement_at({2.12F, 1.2F, 0})), is.oak);
   add_object(scene, transform_mesh(make_quad("mirror", {2.15F, 1.23F, 0.019F}, {1.34F, 0, 0}, {0, 0.84F, 0}, 1), wall),
              is.mirror);
   Mesh bulbs,
@@ -174,7 +176,7 @@ void add_toilet(Scene& scene, const Materials& is, const Detail& detail) {
   const auto egg = [](const glm::vec3& p) {
     return glm::vec3(p.x < 0 ? 1.15F * p.x : p.x, p.y, p.z * (1 - 0.25F * p.x / 0.25F * 0.3F));
   };
-  const glm::mat4 at = placement({kHalfLength - 0.46F, 0, 0.1F});
+  const glm::mat4 at = placement_at({kHalfLength - 0.46F, 0, 0.1F});
   Mesh body = warp_mesh(make_vessel("toilet", bowl, false, round, steps), egg);
   append_mesh(body, warp_mesh(make_vessel("", lid, false, round, steps), egg));
   append_mesh(body, make_cushion("", {0.2F, 0.36F, -0.19F}, {0.44F, 0.78F, 0.19F}, 0.03F, detail.cell_count(4), 1));
@@ -184,7 +186,7 @@ void add_toilet(Scene& scene, const Materials& is, const Detail& detail) {
   const glm::vec2 button[] = {{0.025F, 0}, {0.025F, 0.004F}, {0.02F, 0.006F}, {0, 0.006F}};
   add_object(scene,
              transform_mesh(make_lathe("flush", detail.coarser_profile(button), detail.cell_count(16, 6)),
-                            at * placement({0.32F, 0.82F, 0})),
+                            at * placement_at({0.32F, 0.82F, 0})),
              is.chrome);
   // A roll of paper on its holder.
   const glm::vec3 holder[] = {{kHalfLength - 0.01F, 0.78F, 0.5F},
@@ -225,7 +227,7 @@ Mesh make_head(const Detail& detail) {
     for (int k = 0; k < 6 * ring; ++k) {
       const glm::vec2 at = on_circle(k / (6.0 * ring)) * 0.0115F * static_cast<float>(ring);
       append_mesh(mesh, transform_mesh(make_cylinder("", 0.002F, 0.004F, detail.cell_count(6, 3)),
-                                       placement({at.x, -0.004F, at.y})));
+                                       placement_at({at.x, -0.004F, at.y})));
     }
   }
   return mesh;
@@ -311,7 +313,7 @@ void add_shower(Scene& scene, const Materials& is, const Detail& detail) {
 
 void add_baskets(Scene& scene, const Materials& is, const Detail& detail) {
   // Laundry on the floor at the tub's end, bottles in a caddy on the tiles, soap on the tub's rim.
-  const glm::mat4 laundry = placement({0.02F, 0.005F, -1.18F});
+  const glm::mat4 laundry = placement_at({0.02F, 0.005F, -1.18F});
   add_object(scene, transform_mesh(make_basket(detail, 0.19F, 0.19F, 0.42F, 52, 9), laundry), is.wire);
   Mesh rolls;
   rolls.name = "rolled towels";
@@ -325,11 +327,11 @@ void add_baskets(Scene& scene, const Materials& is, const Detail& detail) {
                                   const glm::vec2 p = on_circle(static_cast<double>(kTurns * s)) * (0.012F + 0.05F * s);
                                   return glm::vec3(p.x, 0.5F * t * (1 - 0.03F * s * static_cast<float>(k % 3)), -p.y);
                                 }),
-                   laundry * placement({at.x, 0.012F, at.y}, 0.17 * k)));
+                   laundry * placement_at({at.x, 0.012F, at.y}, 0.17 * k)));
   }
   scale_uvs(rolls, {6, 2});
   add_object(scene, std::move(rolls), is.towel);
-  const glm::mat4 caddy = placement({-1.3F, 1.25F, -kHalfWidth + 0.075F});
+  const glm::mat4 caddy = placement_at({-1.3F, 1.25F, -kHalfWidth + 0.075F});
   add_object(scene, transform_mesh(make_basket(detail, 0.17F, 0.06F, 0.09F, 40, 4), caddy), is.chrome);
 }
 
@@ -386,14 +388,15 @@ Mesh make_towel(const Detail& detail, float width, float front, float back, floa
 void add_towels(Scene& scene, const Materials& is, const Detail& detail) {
   constexpr float back = -kHalfWidth + 0.075F;
   add_object(scene,
-             transform_mesh(make_towel(detail, 0.42F, 0.62F, 0.45F, 0.012F, 3), placement({-0.73F, 1.52F, back})),
+             transform_mesh(make_towel(detail, 0.42F, 0.62F, 0.45F, 0.012F, 3), placement_at({-0.73F, 1.52F, back})),
              is.towel);
-  add_object(scene, transform_mesh(make_towel(detail, 0.3F, 0.44F, 0.32F, 0.012F, 7), placement({-0.3F, 1.52F, back})),
+  add_object(scene,
+             transform_mesh(make_towel(detail, 0.3F, 0.44F, 0.32F, 0.012F, 7), placement_at({-0.3F, 1.52F, back})),
              is.striped);
   const float y = 0.4F + 0.058F * 17;
   add_object(scene,
              transform_mesh(make_towel(detail, 0.38F, 0.5F, 0.4F, 0.012F, 12),
-                            placement({kHalfLength - 0.075F, y, -0.54F}, -0.25)),
+                            placement_at({kHalfLength - 0.075F, y, -0.54F}, -0.25)),
              is.striped);
 }
 
@@ -414,7 +417,7 @@ void add_mat(Scene& scene, const Materials& is, const Detail& detail) {
       append_mesh(mat, make_tube("", std::array{root, tip}, std::array{thick, 0.0F}, 3));
     }
   }
-  add_object(scene, transform_mesh(std::move(mat), placement({-0.72F, 0, -0.35F}, 0.015)), is.mat);
+  add_object(scene, transform_mesh(std::move(mat), placement_at({-0.72F, 0, -0.35F}, 0.015)), is.mat);
 }
 
 namespace {
@@ -430,7 +433,7 @@ void add_bottle(Scene& scene, const Detail& detail, const glm::vec3& at, float r
   add_object(
       scene,
       transform_mesh(make_lathe("bottle", catmull_rom(detail.coarser_profile(shape), detail.cell_count(4, 2)), round),
-                     placement(at)),
+                     placement_at(at)),
       body);
   std::vector<glm::vec2> top{{0.45F * radius, 0}};
   for (int k = 0; k < 4; ++k) {
@@ -444,7 +447,7 @@ void add_bottle(Scene& scene, const Detail& detail, const glm::vec3& at, float r
   top.emplace_back(0, 0.051F);
   add_object(scene,
              transform_mesh(make_lathe("cap", detail.coarser_profile(top), round),
-                            placement(at + glm::vec3(0, 0.95F * height, 0))),
+                            placement_at(at + glm::vec3(0, 0.95F * height, 0))),
              cap);
 }
 
@@ -456,7 +459,7 @@ void add_dispenser(Scene& scene, const Materials& is, const Detail& detail, cons
   add_object(scene,
              transform_mesh(make_lathe("soap dispenser",
                                        catmull_rom(detail.coarser_profile(body), detail.cell_count(4, 2)), round),
-                            placement(at)),
+                            placement_at(at)),
              is.amber);
   const glm::vec2 collar[] = {{0.019F, 0.128F}, {0.019F, 0.143F}, {0.006F, 0.145F}, {0.006F, 0.165F},
                               {0.013F, 0.167F}, {0.013F, 0.178F}, {0, 0.18F}};
@@ -464,7 +467,7 @@ void add_dispenser(Scene& scene, const Materials& is, const Detail& detail, cons
   const glm::vec3 spout[] = {{0, 0.172F, 0}, {0, 0.174F, 0.025F}, {0, 0.172F, 0.045F}, {0, 0.16F, 0.052F}};
   append_mesh(
       pump, make_tube("", catmull_rom(spout, detail.cell_count(5, 2)), std::array{0.0045F}, detail.cell_count(10, 4)));
-  add_object(scene, transform_mesh(std::move(pump), placement(at, 0.05)), is.chrome);
+  add_object(scene, transform_mesh(std::move(pump), placement_at(at, 0.05)), is.chrome);
 }
 
 /// Makes bristles along +y on a rectangle around the origin.
@@ -497,23 +500,23 @@ void add_brush(Scene& scene, const Materials& is, const Detail& detail, const gl
                           const float narrow = 1 - 0.62F * along * along * (3 - 2 * along);
                           return glm::vec3(p.x, p.y, p.z * narrow);
                         });
-  const glm::mat4 scaled = at * placement(glm::vec3(0), 0, glm::vec3(size));
+  const glm::mat4 scaled = at * placement_at(glm::vec3(0), 0, glm::vec3(size));
   add_object(scene, transform_mesh(std::move(body), scaled), wood);
   Mesh bristles =
       make_bristles("bristles", 0.22F, 0.105F, 0.13F, 0.0035F, detail.cell_count(36, 8), detail.cell_count(18, 4));
-  add_object(scene, transform_mesh(std::move(bristles), scaled * placement({-0.24F, -0.002F, 0})), is.bristle);
+  add_object(scene, transform_mesh(std::move(bristles), scaled * placement_at({-0.24F, -0.002F, 0})), is.bristle);
 }
 
 void add_toothbrushes(Scene& scene, const Materials& is, const Detail& detail, const glm::vec3& at) {
   const glm::vec2 tumbler[] = {{0.03F, 0}, {0.036F, 0.1F}, {0.0345F, 0.1F}, {0.0285F, 0.008F}, {0, 0.008F}};
-  add_object(
-      scene,
-      transform_mesh(make_lathe("tumbler", detail.coarser_profile(tumbler), detail.cell_count(36, 12)), placement(at)),
-      is.white);
+  add_object(scene,
+             transform_mesh(make_lathe("tumbler", detail.coarser_profile(tumbler), detail.cell_count(36, 12)),
+                            placement_at(at)),
+             is.white);
   const std::uint32_t inks[] = {is.blue, is.rose, is.green};
   for (std::uint32_t k = 0; k < 3; ++k) {
-    const glm::mat4 lean =
-        placement(at + glm::vec3(0, 0.012F, 0), 0.33 * k) * rotation_about(glm::vec3(-0.018F, 0, 0), {0, 0, 1}, -0.045);
+    const glm::mat4 lean = placement_at(at + glm::vec3(0, 0.012F, 0), 0.33 * k) *
+                           rotation_about(glm::vec3(-0.018F, 0, 0), {0, 0, 1}, -0.045);
     const glm::vec3 stick[] = {{0, 0, 0}, {0.001F, 0.06F, 0}, {0.001F, 0.12F, 0}, {0, 0.15F, 0}, {0, 0.18F, 0}};
     const float radii[] = {0.0045F, 0.0055F, 0.004F, 0.0035F, 0.005F};
     add_object(scene, transform_mesh(make_tube("toothbrush", stick, radii, detail.cell_count(8, 4)), lean), inks[k]);
@@ -537,7 +540,7 @@ void add_duck(Scene& scene, const Materials& is, const Detail& detail, const glm
                                                  return glm::vec3(0.03F * p.x, 0.017F * p.y + 0.01F * p.x * p.x,
                                                                   0.007F * p.z);
                                                }),
-                                     placement({-0.008F, 0.045F, side * 0.04F})));
+                                     placement_at({-0.008F, 0.045F, side * 0.04F})));
   }
   duck.uvs.clear();
   add_object(scene, transform_mesh(std::move(duck), at), is.duck);
@@ -553,9 +556,10 @@ void add_duck(Scene& scene, const Materials& is, const Detail& detail, const glm
 void add_fern(Scene& scene, const Materials& is, const Detail& detail, const glm::vec3& at) {
   const glm::vec2 pot[] = {{0.035F, 0},     {0.05F, 0.08F},   {0.055F, 0.08F}, {0.055F, 0.095F},
                            {0.05F, 0.095F}, {0.045F, 0.085F}, {0, 0.085F}};
-  add_object(scene,
-             transform_mesh(make_lathe("pot", detail.coarser_profile(pot), detail.cell_count(28, 10)), placement(at)),
-             is.white);
+  add_object(
+      scene,
+      transform_mesh(make_lathe("pot", detail.coarser_profile(pot), detail.cell_count(28, 10)), placement_at(at)),
+      is.white);
   Mesh fern;
   fern.name = "fern";
   const std::uint32_t fronds = detail.cell_count(20, 8);
@@ -590,16 +594,16 @@ void add_toiletries(Scene& scene, const Materials& is, const Detail& detail) {
   add_bottle(scene, detail, {1.63F, kCounter, back + 0.3F}, 0.026F, 0.13F, is.water, is.chrome);
   add_bottle(scene, detail, {1.53F, kCounter, back + 0.38F}, 0.02F, 0.09F, is.rose, is.white);
   add_fern(scene, is, detail, {0.46F, kCounter, back + 0.18F});
-  add_brush(scene, is, detail, placement({0.52F, kCounter + 0.022F, back + 0.45F}, 0.06), 0.22F, is.oak);
+  add_brush(scene, is, detail, placement_at({0.52F, kCounter + 0.022F, back + 0.45F}, 0.06), 0.22F, is.oak);
   // In the caddy above the tub, and on the tub's rim.
   const float y = 1.256F, z = back + 0.075F;
   add_bottle(scene, detail, {-1.41F, y, z}, 0.033F, 0.2F, is.blue, is.white);
   add_bottle(scene, detail, {-1.32F, y, z}, 0.03F, 0.17F, is.bottle, is.rose);
   add_bottle(scene, detail, {-1.24F, y, z}, 0.028F, 0.21F, is.green, is.white);
-  add_duck(scene, is, detail, placement({-0.28F, kTubRim + 0.004F, kTubZ + 0.362F}, 0.11));
-  add_brush(scene, is, detail, placement({-0.055F, kTubRim + 0.04F, kTubZ - 0.05F}, 0.24), 0.34F, is.oak);
+  add_duck(scene, is, detail, placement_at({-0.28F, kTubRim + 0.004F, kTubZ + 0.362F}, 0.11));
+  add_brush(scene, is, detail, placement_at({-0.055F, kTubRim + 0.04F, kTubZ - 0.05F}, 0.24), 0.34F, is.oak);
   Mesh soap = make_cushion("soap", {-0.04F, 0, -0.026F}, {0.04F, 0.026F, 0.026F}, 0.0125F, detail.cell_count(4), 1);
-  add_object(scene, transform_mesh(std::move(soap), placement({0.72F, kCounter, back + 0.47F}, 0.07)), is.rose);
+  add_object(scene, transform_mesh(std::move(soap), placement_at({0.72F, kCounter, back + 0.47F}, 0.07)), is.rose);
   // A rack across the tub with a sponge.
   Mesh rack;
   rack.name = "bath rack";
@@ -617,7 +621,7 @@ void add_toiletries(Scene& scene, const Materials& is, const Detail& detail) {
       make_cushion("sponge", {-0.06F, 0, -0.045F}, {0.06F, 0.05F, 0.045F}, 0.02F, detail.cell_count(4),
                    detail.cell_count(10)),
       [](const glm::vec3& p) { return p * (1 + 0.16F * (fractal_noise(60.0F * p + glm::vec3(9), 2, 5) - 0.5F)); });
-  add_object(scene, transform_mesh(std::move(sponge), placement({-0.78F, kTubRim + 0.02F, kTubZ + 0.08F}, 0.1)),
+  add_object(scene, transform_mesh(std::move(sponge), placement_at({-0.78F, kTubRim + 0.02F, kTubZ + 0.08F}, 0.1)),
              is.duck);
 }
 

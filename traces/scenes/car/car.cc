@@ -73,7 +73,7 @@ Mesh make_rim(const Detail& detail) {
     }
     const Outline bolt = Outline({0.010F, 0}).line_to(0.010F, 0.012F).line_to(0, 0.014F);
     const glm::vec2 at = 0.052F * on_circle(k / 5.0 + 0.1);
-    append_mesh(rim, transform_mesh(lay_down(make_lathe("", bolt.points(), 6)), placement({at, 0.074F})));
+    append_mesh(rim, transform_mesh(lay_down(make_lathe("", bolt.points(), 6)), placement_at({at, 0.074F})));
   }
   return rim;
 }
@@ -98,7 +98,7 @@ Mesh make_caliper(const Detail& detail) {
       outline.push_back(radius * on_circle(0.39 + 0.19 * share));
     }
   }
-  Mesh caliper = transform_mesh(make_extrusion("caliper", outline, 0.07F), placement({0, 0, -0.03F}));
+  Mesh caliper = transform_mesh(make_extrusion("caliper", outline, 0.07F), placement_at({0, 0, -0.03F}));
   return caliper;
 }
 
@@ -174,10 +174,10 @@ void add_hall(Scene& scene, const Detail& detail) {
     const float at = -14 + 4 * static_cast<float>(k);
     for (const float side : {-1.0F, 1.0F}) {
       const double turns = side < 0 ? 0 : 0.5;
-      add_instance(scene, rib, placement({at, 0, side * kSide}, turns));
-      add_instance(scene, column, placement({at + 2, 0, side * kSide}, turns));
+      add_instance(scene, rib, placement_at({at, 0, side * kSide}, turns));
+      add_instance(scene, column, placement_at({at + 2, 0, side * kSide}, turns));
     }
-    add_instance(scene, beam, placement({at, 0, 0}));
+    add_instance(scene, beam, placement_at({at, 0, 0}));
   }
   // Strips under the ceiling; the middle ones light the hall, the others only glow.
   for (int k = 0; k < 3; ++k) {
@@ -313,7 +313,7 @@ Mesh make_mirror(float side, const Detail& detail) {
         return glm::vec3(x, 0.062F * up.x * round.x, -0.105F * up.x * round.y);
       },
       true);
-  shell = transform_mesh(std::move(shell), placement({0.50F, 0.945F, side * 0.985F}));
+  shell = transform_mesh(std::move(shell), placement_at({0.50F, 0.945F, side * 0.985F}));
   const glm::vec3 path[] = {{0.50F, 0.86F, side * 0.76F}, {0.51F, 0.90F, side * 0.84F}, {0.51F, 0.93F, side * 0.93F}};
   const float radii[] = {0.022F, 0.018F, 0.016F};
   append_mesh(shell, make_tube("", path, radii, detail.cell_count(8, 4)));

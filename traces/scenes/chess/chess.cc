@@ -69,7 +69,7 @@ Mesh make_frame() {
       board.triangles.push_back({first, first + 3, first + 1});
       board.triangles.push_back({first, first + 2, first + 3});
     }
-    append_mesh(frame, transform_mesh(board, placement({0, 0, 0}, 0.25 * side)));
+    append_mesh(frame, transform_mesh(board, placement_at({0, 0, 0}, 0.25 * side)));
   }
   frame.name = "frame of the board";
   return frame;
@@ -78,7 +78,7 @@ Mesh make_frame() {
 void add_clock(Scene& scene, const Detail& detail, std::uint32_t wood, std::uint32_t brass, std::uint32_t ivory,
                std::uint32_t black) {
   // In its own space the clock faces +z.
-  const glm::mat4 at = placement({-6.9F, kTableTop, -0.6F}, 0.19);
+  const glm::mat4 at = placement_at({-6.9F, kTableTop, -0.6F}, 0.19);
   const auto part = [&](Mesh mesh, std::uint32_t material) {
     add_instance(scene, add_mesh(scene, std::move(mesh), material), at);
   };
@@ -106,7 +106,7 @@ void add_clock(Scene& scene, const Detail& detail, std::uint32_t wood, std::uint
     }
     const glm::vec2 knob[] = {
         {0.11F, 0}, {0.11F, x < 0 ? 0.10F : 0.2F}, {0.09F, x < 0 ? 0.13F : 0.23F}, {0, x < 0 ? 0.14F : 0.24F}};
-    append_mesh(buttons, transform_mesh(make_lathe("", knob, detail.cell_count(20, 8)), placement({x, 1.34F, 0})));
+    append_mesh(buttons, transform_mesh(make_lathe("", knob, detail.cell_count(20, 8)), placement_at({x, 1.34F, 0})));
   }
   dials.name = "dials", rings.name = "bezels", hands.name = "hands", buttons.name = "buttons";
   part(std::move(dials), ivory);
@@ -160,7 +160,7 @@ void add_surroundings(Scene& scene, const Detail& detail) {
                            {0.4F, -2},      {0.6F, -1.1F}};
   const std::uint32_t leg_mesh = add_mesh(scene, make_lathe("leg", leg, detail.cell_count(12, 6)), table);
   for (const float x : {-9.8F, 9.8F}) {
-    for (const float z : {-6.3F, 6.3F}) add_instance(scene, leg_mesh, placement({x, 0, z}));
+    for (const float z : {-6.3F, 6.3F}) add_instance(scene, leg_mesh, placement_at({x, 0, z}));
   }
 
   const std::uint32_t enamel = add_material(scene, make_paint("black enamel", {0.02F, 0.02F, 0.02F}, 0.05F));
@@ -184,7 +184,8 @@ void add_surroundings(Scene& scene, const Detail& detail) {
   const std::uint32_t panel = add_mesh(
       scene, make_rounded_box("panel", {-1.9F, -4.4F, 0}, {1.9F, 4.4F, 0.3F}, 0.14F, detail.cell_count(1.4)), table);
   for (int k = 0; k < 8; ++k) {
-    add_instance(scene, panel, placement({kLeft + 2.2F + 4.2F * static_cast<float>(k), kFloor + 4.8F, kBack + 0.1F}));
+    add_instance(scene, panel,
+                 placement_at({kLeft + 2.2F + 4.2F * static_cast<float>(k), kFloor + 4.8F, kBack + 0.1F}));
   }
   add_object(scene,
              make_rounded_box("rail", {kLeft, kFloor + 9.5F, kBack}, {kRight, kFloor + 10.1F, kBack + 0.6F}, 0.15F, 2),
@@ -271,7 +272,7 @@ void add_pieces(Scene& scene, const Detail& detail) {
     for (std::size_t k = 0; k < group.squares.size(); k += 2) {
       const std::string_view name = group.squares.substr(k, 2);
       const double turns = (group.white ? 0.0 : 0.5) + static_cast<double>(random_between(-0.02F, 0.02F, k, 31));
-      const std::uint32_t instance = add_instance(scene, mesh, placement(square_middle(name), turns));
+      const std::uint32_t instance = add_instance(scene, mesh, placement_at(square_middle(name), turns));
       for (const Move& move : game_moves()) {
         if (move.from != name) continue;
         const Transform rest{.translation = square_middle(name), .rotation = axis_rotation({0, 1, 0}, turns)};

@@ -107,7 +107,7 @@ Mesh make_bishop(const Detail& detail) {
   add_collar(o, 0.21F, 0.70F, 0.045F);
   add_collar(o, 0.165F, 0.775F, 0.035F).line_to(0.085F, 0.86F).line_to(0, 0.86F);
   Mesh bishop = turn_outline(o, detail, 24);
-  append_mesh(bishop, transform_mesh(make_mitre(detail), placement({0, 0, 0}, -0.17)));
+  append_mesh(bishop, transform_mesh(make_mitre(detail), placement_at({0, 0, 0}, -0.17)));
   const Outline ball = Outline({0, 1.19F}).add_round({0, 1.24F}, 0.05F, -0.25, 0.25);
   append_mesh(bishop, make_lathe("", simplify_line(ball.points(), detail.cell_count(8, 4)), detail.cell_count(14, 5)));
   return bishop;
@@ -165,7 +165,7 @@ Mesh make_king(const Detail& detail) {
       outline.push_back(q);
     }
   }
-  append_mesh(king, transform_mesh(make_extrusion("", outline, 0.055F), placement({0, kNeck + 0.645F, -0.0275F})));
+  append_mesh(king, transform_mesh(make_extrusion("", outline, 0.055F), placement_at({0, kNeck + 0.645F, -0.0275F})));
   return king;
 }
 
@@ -265,12 +265,12 @@ Mesh make_horse(const Detail& detail) {
   const std::uint32_t sides = detail.cell_count(8, 4);
   for (const float side : {-1.0F, 1.0F}) {
     const glm::vec2 ear[] = {{0.020F, 0}, {0.042F, 0.045F}, {0.036F, 0.09F}, {0, 0.165F}};
-    append_mesh(horse, transform_mesh(make_lathe("", ear, sides), placement({side * 0.062F, 1.0F, 0.02F})));
+    append_mesh(horse, transform_mesh(make_lathe("", ear, sides), placement_at({side * 0.062F, 1.0F, 0.02F})));
     const Outline eye = Outline({0, -0.028F}).add_round({0, 0}, 0.028F, -0.25, 0.25);
     append_mesh(horse, transform_mesh(make_lathe("", simplify_line(eye.points(), detail.cell_count(6, 4)), sides),
-                                      placement({side * 0.105F, 0.90F, -0.135F})));
+                                      placement_at({side * 0.105F, 0.90F, -0.135F})));
     append_mesh(horse, transform_mesh(make_lathe("", simplify_line(eye.points(), detail.cell_count(6, 4)), sides),
-                                      placement({side * 0.06F, 0.625F, -0.35F}, 0, glm::vec3(0.8F))));
+                                      placement_at({side * 0.06F, 0.625F, -0.35F}, 0, glm::vec3(0.8F))));
   }
   return horse;
 }

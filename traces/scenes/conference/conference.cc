@@ -184,7 +184,7 @@ Mesh make_panelling(float width, const Detail& detail) {
   const float step = width / static_cast<float>(count);
   for (std::uint32_t k = 0; k < count; ++k) {
     const Mesh field = make_panel("", step, kPanelling - 0.17F, detail.coarser_profile(kField), detail.cell_count(3));
-    append_mesh(mesh, transform_mesh(field, placement({static_cast<float>(k) * step, 0.12F, 0})));
+    append_mesh(mesh, transform_mesh(field, placement_at({static_cast<float>(k) * step, 0.12F, 0})));
   }
   const glm::vec2 base[] = {{0, 0}, {0.03F, 0}, {0.03F, 0.1F}, {0.024F, 0.12F}, {0, 0.12F}};
   const glm::vec2 rail[] = {{0, 0}, {0.025F, 0}, {0.03F, 0.01F}, {0.045F, 0.035F}, {0.045F, 0.05F}, {0, 0.05F}};
@@ -192,7 +192,7 @@ Mesh make_panelling(float width, const Detail& detail) {
   const glm::mat4 along{{0, 0, 1, 0}, {0, 1, 0, 0}, {-1, 0, 0, 0}, {width, 0, 0, 1}};
   append_mesh(mesh, transform_mesh(make_extrusion("", base, width), along));
   append_mesh(mesh, transform_mesh(transform_mesh(make_extrusion("", rail, width), along),
-                                   placement({0, kPanelling - 0.05F, 0})));
+                                   placement_at({0, kPanelling - 0.05F, 0})));
   return mesh;
 }
 
@@ -215,7 +215,7 @@ void add_door(Scene& scene, const Materials& is, const Detail& detail) {
   for (const auto& [low, high] : {std::pair{0.12F, 0.95F}, std::pair{1.05F, 1.98F}}) {
     for (const float x : {0.1F, 0.51F}) {
       const Mesh field = make_panel("", 0.34F, high - low, detail.coarser_profile(kField), detail.cell_count(3));
-      append_mesh(leaf, transform_mesh(field, placement({x, low, 0.02F})));
+      append_mesh(leaf, transform_mesh(field, placement_at({x, low, 0.02F})));
     }
   }
   for (Mesh* part : {&frame, &leaf}) {
@@ -377,7 +377,7 @@ void add_windows(Scene& scene, const Materials& is, const Detail& detail) {
     }
     return add_mesh(scene, std::move(mesh), is.slats);
   }();
-  for (const float left : kLeft) add_instance(scene, blind, wall * placement({left, 0, 0}));
+  for (const float left : kLeft) add_instance(scene, blind, wall * placement_at({left, 0, 0}));
 }
 
 }  // namespace traces::conference

@@ -59,11 +59,11 @@ Mesh make_chair_frame(const Detail& detail) {
   Mesh mesh;
   mesh.name = "chair frame";
   for (int k = 0; k < 5; ++k) {
-    const glm::mat4 turn = placement(glm::vec3(0), 0.2 * k + 0.05);
+    const glm::mat4 turn = placement_at(glm::vec3(0), 0.2 * k + 0.05);
     const glm::vec3 arm[] = {{0.02F, 0.135F, 0}, {0.14F, 0.125F, 0}, {0.28F, 0.095F, 0}, {0.31F, 0.085F, 0}};
     const float radii[] = {0.026F, 0.022F, 0.016F, 0.014F};
     append_mesh(mesh, transform_mesh(make_tube("", arm, radii, round), turn));
-    append_mesh(mesh, transform_mesh(make_castor(detail), turn * placement({0.30F, 0, 0}, 0.13 * k)));
+    append_mesh(mesh, transform_mesh(make_castor(detail), turn * placement_at({0.30F, 0, 0}, 0.13 * k)));
   }
   const glm::vec2 lift[] = {{0.05F, 0.11F},  {0.05F, 0.155F}, {0.03F, 0.165F}, {0.03F, 0.29F}, {0.019F, 0.292F},
                             {0.019F, 0.41F}, {0.09F, 0.415F}, {0.09F, 0.43F},  {0, 0.43F}};
@@ -120,10 +120,10 @@ void add_table(Scene& scene, const Materials& is, const Detail& detail) {
   for (const float x : {-1.55F, 0.0F, 1.55F}) {
     Mesh foot = make_slab("table foot", 0.3F, 0.24F, drum, round / 2);
     project_uvs(foot, 0.8F, true);
-    add_object(scene, transform_mesh(std::move(foot), placement({x, 0, 0})), is.table_wood);
+    add_object(scene, transform_mesh(std::move(foot), placement_at({x, 0, 0})), is.table_wood);
     Mesh base = make_slab("table plinth", 0.36F, 0.3F, plinth, round / 2);
     append_mesh(base, make_face("", 0.348F, 0.288F, 0.035F, true, round / 2, 1));
-    add_object(scene, transform_mesh(std::move(base), placement({x, 0, 0})), is.dark);
+    add_object(scene, transform_mesh(std::move(base), placement_at({x, 0, 0})), is.dark);
   }
 }
 
@@ -137,7 +137,7 @@ void add_chairs(Scene& scene, const Materials& is, const Detail& detail) {
       return random_between(-most, most, 71, number, what);
     };
     const glm::mat4 at =
-        placement({x + stray(0, 0.04F), 0, z + stray(1, 0.05F)}, turns + static_cast<double>(stray(2, 0.035F)));
+        placement_at({x + stray(0, 0.04F), 0, z + stray(1, 0.05F)}, turns + static_cast<double>(stray(2, 0.035F)));
     add_instance(scene, frame, at);
     add_instance(scene, upholstery, at);
   };
@@ -156,7 +156,7 @@ namespace {
 void add_framed_picture(Scene& scene, std::uint32_t frame, std::uint32_t mount, std::uint32_t picture,
                         const glm::mat4& wall, float left, float low, float width, float height) {
   const glm::vec2 moulding[] = {{0, 0}, {0, 0.022F}, {0.012F, 0.032F}, {0.03F, 0.026F}, {0.04F, 0.012F}};
-  const glm::mat4 at = wall * placement({left, low, 0});
+  const glm::mat4 at = wall * placement_at({left, low, 0});
   Mesh rim = make_panel("picture frame", width, height, moulding);
   rim.triangles.resize(rim.triangles.size() - 2);
   add_object(scene, transform_mesh(std::move(rim), at), frame);
@@ -270,7 +270,7 @@ void add_wall_things(Scene& scene, const Materials& is, const Detail& detail) {
                                      rotation_about({4.29F, 1.09F, 0.05F}, {0, 0, 1}, 0.25)));
   add_object(scene, transform_mesh(std::move(casing), end), is.dark);
   const glm::vec2 board[] = {{0, 0}, {0, 0.03F}, {0.02F, 0.03F}, {0.022F, 0.02F}};
-  add_object(scene, transform_mesh(make_panel("whiteboard", 1.5F, 1.05F, board), end * placement({4.62F, 1.2F, 0})),
+  add_object(scene, transform_mesh(make_panel("whiteboard", 1.5F, 1.05F, board), end * placement_at({4.62F, 1.2F, 0})),
              is.chart);
   Mesh tray = make_box("pen tray", {4.75F, 1.15F, 0}, {5.95F, 1.165F, 0.09F});
   add_object(scene, transform_mesh(std::move(tray), end), is.steel);
@@ -298,7 +298,7 @@ void add_wall_things(Scene& scene, const Materials& is, const Detail& detail) {
   knobs.name = "knobs";
   for (int k = 0; k < 4; ++k) {
     const float x = 3.32F + 0.64F * static_cast<float>(k);
-    append_mesh(chest, transform_mesh(make_panel("", 0.64F, 0.7F, door), placement({x, 0.08F, 0.42F})));
+    append_mesh(chest, transform_mesh(make_panel("", 0.64F, 0.7F, door), placement_at({x, 0.08F, 0.42F})));
     append_mesh(knobs,
                 make_sphere("", {x + (k % 2 == 0 ? 0.58F : 0.06F), 0.5F, 0.45F}, 0.016F, detail.cell_count(4, 2)));
   }
@@ -310,7 +310,7 @@ void add_wall_things(Scene& scene, const Materials& is, const Detail& detail) {
                              {0.05F, 0.235F}, {0.03F, 0.25F}, {0.03F, 0.275F}, {0, 0.28F}};
   const std::uint32_t can =
       add_mesh(scene, make_lathe("flask", detail.coarser_profile(flask), detail.cell_count(28, 10)), is.steel);
-  for (const float x : {4.1F, 4.28F}) add_instance(scene, can, back * placement({x, 0.835F, 0.22F}));
+  for (const float x : {4.1F, 4.28F}) add_instance(scene, can, back * placement_at({x, 0.835F, 0.22F}));
 }
 
 void add_table_things(Scene& scene, const Materials& is, const Detail& detail) {
@@ -318,8 +318,8 @@ void add_table_things(Scene& scene, const Materials& is, const Detail& detail) {
   const std::uint32_t parts[] = {add_mesh(scene, make_laptop_case(detail), is.keys),
                                  add_mesh(scene, make_laptop_keys(), is.dark),
                                  add_mesh(scene, make_laptop_screen(), is.glow)};
-  const glm::mat4 laptops[] = {placement({-1.3F, y, 0.5F}, 0.02), placement({1.28F, y, -0.5F}, 0.52),
-                               placement({0.42F, y, 0.5F}, -0.03)};
+  const glm::mat4 laptops[] = {placement_at({-1.3F, y, 0.5F}, 0.02), placement_at({1.28F, y, -0.5F}, 0.52),
+                               placement_at({0.42F, y, 0.5F}, -0.03)};
   for (const glm::mat4& at : laptops) {
     for (const std::uint32_t part : parts) add_instance(scene, part, at);
   }
@@ -328,25 +328,25 @@ void add_table_things(Scene& scene, const Materials& is, const Detail& detail) {
       {-1.75F, y, 0.42F}, {-0.55F, y, -0.45F}, {0.78F, y, 0.42F}, {1.7F, y, -0.42F}, {2.2F, y, 0.3F}};
   for (const glm::vec3& at : cups)
     add_instance(scene, cup,
-                 placement(at, static_cast<double>(random_unit(9, static_cast<std::uint64_t>(at.x * 8 + 40)))));
+                 placement_at(at, static_cast<double>(random_unit(9, static_cast<std::uint64_t>(at.x * 8 + 40)))));
   const std::uint32_t pad =
       add_mesh(scene, make_box("note pad", {-0.105F, 0, -0.148F}, {0.105F, 0.008F, 0.148F}), is.paper);
   const std::uint32_t pen = add_mesh(scene, make_cone("pen", 0.005F, 0.003F, 0.14F, detail.cell_count(10, 5)), is.blue);
   for (int k = 0; k < 6; ++k) {
     const float x = -2.15F + 0.86F * static_cast<float>(k), side = k % 2 == 0 ? -1.0F : 1.0F;
     const glm::mat4 at =
-        placement({x + 0.06F, y, side * 0.56F},
-                  static_cast<double>(0.04F * (random_unit(12, static_cast<std::uint64_t>(k)) - 0.5F)));
+        placement_at({x + 0.06F, y, side * 0.56F},
+                     static_cast<double>(0.04F * (random_unit(12, static_cast<std::uint64_t>(k)) - 0.5F)));
     add_instance(scene, pad, at);
     add_instance(scene, pen, at * rotation_about({0.03F, 0.0135F, 0.06F}, {-0.6F, 0, -0.8F}, 0.25));
   }
-  add_object(scene, transform_mesh(make_telephone(detail), placement({-0.35F, y, 0.02F}, 0.1)), is.dark);
+  add_object(scene, transform_mesh(make_telephone(detail), placement_at({-0.35F, y, 0.02F}, 0.1)), is.dark);
   const glm::vec2 bowl[] = {{0, 0},          {0.06F, 0},      {0.065F, 0.01F}, {0.1F, 0.05F},
                             {0.115F, 0.11F}, {0.11F, 0.115F}, {0.098F, 0.1F},  {0, 0.1F}};
   add_object(scene,
              transform_mesh(make_lathe("flower bowl", catmull_rom(detail.coarser_profile(bowl), detail.cell_count(3)),
                                        detail.cell_count(32, 10)),
-                            placement({0.62F, y, -0.02F})),
+                            placement_at({0.62F, y, -0.02F})),
              is.china);
   Mesh leaves = make_leaves(detail, {0.62F, y + 0.08F, -0.02F}, detail.cell_count(30, 10), 0.26F, 5);
   Mesh blossoms;
@@ -378,8 +378,8 @@ void add_plant(Scene& scene, const Materials& is, const Detail& detail) {
   const std::uint32_t soil_mesh = add_mesh(scene, make_lathe("soil", detail.coarser_profile(ground), round), is.soil);
   std::uint32_t seed = 40;
   for (const glm::vec3& at : corners) {
-    add_instance(scene, pot_mesh, placement(at));
-    add_instance(scene, soil_mesh, placement(at));
+    add_instance(scene, pot_mesh, placement_at(at));
+    add_instance(scene, soil_mesh, placement_at(at));
     Mesh foliage, canes;
     foliage.name = "foliage";
     canes.name = "canes";

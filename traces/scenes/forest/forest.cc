@@ -139,14 +139,14 @@ void Forest::add_focus() {
   const std::uint32_t horn =
       add_textured(bark_texture("antler", {0.42F, 0.33F, 0.24F}, {0.88F, 0.80F, 0.66F}, 6, 51, 256));
   const std::uint32_t dark = add_material(scene_, make_paint("hoof and eye", {0.02F, 0.016F, 0.014F}, 0.12F));
-  show_pieces(make_deer(scaled_count(18, 8), fur, horn, dark), placement(on_ground(-1.0F, -1.5F), 0.06), true);
+  show_pieces(make_deer(scaled_count(18, 8), fur, horn, dark), placement_at(on_ground(-1.0F, -1.5F), 0.06), true);
 
   const std::uint32_t wood = add_textured(wood_texture("bench wood", {0.72F, 0.56F, 0.38F}, {0.36F, 0.24F, 0.15F}, 52));
   const std::uint32_t iron = add_material(scene_, make_paint("iron", {0.05F, 0.05F, 0.06F}, 0.15F));
   const std::uint32_t flame = add_material(scene_, make_lamp("flame", {34, 22, 9}));
-  const glm::mat4 bench = placement(on_ground(1.75F, -0.1F), -0.06);
+  const glm::mat4 bench = placement_at(on_ground(1.75F, -0.1F), -0.06);
   show_pieces(make_bench(wood, iron), bench, true);
-  show_pieces(make_lantern(iron, flame), bench * placement({0.45F, 0.46F, 0}), true);
+  show_pieces(make_lantern(iron, flame), bench * placement_at({0.45F, 0.46F, 0}), true);
 
   caps_ = {add_textured(cap_texture("fly agaric", {0.80F, 0.10F, 0.05F}, 53)),
            add_textured(cap_texture("brown cap", {0.55F, 0.34F, 0.18F}, 54))};
@@ -156,7 +156,7 @@ void Forest::add_focus() {
       {-1.62F, 2.35F, 0.5F, 0.25F}, {-1.12F, 2.62F, 0.33F, 0.5F}, {-2.02F, 2.75F, 0.27F, 0.9F}};
   for (const auto& m : kBig) {
     show_pieces(make_mushroom(m[2], m[3], scaled_count(36, 12), caps_[0], gills_, stem_),
-                placement(on_ground(m[0], m[1])), true);
+                placement_at(on_ground(m[0], m[1])), true);
   }
 }
 
@@ -240,7 +240,7 @@ void Forest::add_trees() {
       const Spot& p = spots[k];
       if (p.kind != kind) continue;
       const glm::mat4 at =
-          placement(on_ground(p.x, p.z, -0.06F), static_cast<double>(random_unit(45, k)), glm::vec3(p.size));
+          placement_at(on_ground(p.x, p.z, -0.06F), static_cast<double>(random_unit(45, k)), glm::vec3(p.size));
       add_instance(scene_, mesh, at);
       crowns_.back().at.push_back(at);
     }
@@ -284,7 +284,7 @@ void Forest::add_stones_and_logs() {
   const auto put = [&](float x, float z, float size) {
     add_instance(
         scene_, meshes[count % meshes.size()],
-        placement(on_ground(x, z, -0.14F * size), static_cast<double>(random_unit(65, count)), glm::vec3(size)));
+        placement_at(on_ground(x, z, -0.14F * size), static_cast<double>(random_unit(65, count)), glm::vec3(size)));
     ++count;
   };
   for (const glm::vec3& p : near) put(p.x, p.y, p.z);
@@ -294,8 +294,8 @@ void Forest::add_stones_and_logs() {
     put(p.x, p.y, random_between(0.3F, 1.2F, 68, k));
   }
   const std::uint32_t log = add_mesh(scene_, make_log(3.6F, 0.24F, scaled_count(18, 8), 71), log_bark_);
-  add_instance(scene_, log, placement(on_ground(-2.9F, -0.5F, -0.03F), 0.09));
-  add_instance(scene_, log, placement(on_ground(4.6F, -5.2F, 0.1F), -0.14, glm::vec3(1.2F)));
+  add_instance(scene_, log, placement_at(on_ground(-2.9F, -0.5F, -0.03F), 0.09));
+  add_instance(scene_, log, placement_at(on_ground(4.6F, -5.2F, 0.1F), -0.14, glm::vec3(1.2F)));
 }
 
 void Forest::add_ferns() {
@@ -309,7 +309,7 @@ void Forest::add_ferns() {
   std::uint32_t count = 0;
   const auto put = [&](float x, float z, float size) {
     add_instance(scene_, meshes[count % 2],
-                 placement(on_ground(x, z, -0.03F), static_cast<double>(random_unit(84, count)), glm::vec3(size)));
+                 placement_at(on_ground(x, z, -0.03F), static_cast<double>(random_unit(84, count)), glm::vec3(size)));
     ++count;
   };
   for (const glm::vec3& p : near) put(p.x, p.y, p.z);
@@ -334,8 +334,8 @@ void Forest::add_mushrooms() {
   for (std::uint32_t g = 0; g < std::size(kGroups); ++g) {
     for (std::uint32_t k = 0; k < capped_count(4); ++k) {
       const glm::vec2 p = kGroups[g] + 0.32F * (glm::vec2(random_unit(91, g, k), random_unit(92, g, k)) - 0.5F);
-      const glm::mat4 at = placement(on_ground(p.x, p.y, -0.01F), static_cast<double>(random_unit(93, g, k)),
-                                     glm::vec3(random_between(0.5F, 1.15F, 94, g, k)));
+      const glm::mat4 at = placement_at(on_ground(p.x, p.y, -0.01F), static_cast<double>(random_unit(93, g, k)),
+                                        glm::vec3(random_between(0.5F, 1.15F, 94, g, k)));
       for (const std::uint32_t mesh : kinds[g % 2]) add_instance(scene_, mesh, at);
     }
   }
@@ -370,8 +370,8 @@ void Forest::add_undergrowth(float left) {
   for (std::uint32_t k = 0; k < kTufts; ++k) {
     const glm::vec2 p = on_circle(static_cast<double>(random_unit(105, k))) * random_between(1.5F, 7, 106, k);
     add_instance(scene_, tuft,
-                 placement(on_ground(p.x, p.y), static_cast<double>(random_unit(107, k)),
-                           glm::vec3(random_between(0.6F, 1.1F, 108, k))));
+                 placement_at(on_ground(p.x, p.y), static_cast<double>(random_unit(107, k)),
+                              glm::vec3(random_between(0.6F, 1.1F, 108, k))));
   }
 }
 
@@ -386,8 +386,8 @@ void Forest::add_bushes(float left) {
   for (std::uint32_t k = 0; k < kBushes; ++k) {
     const glm::vec2 p = on_circle(-0.5 * (k + 0.5) / kBushes) * random_between(6.5F, 13, 8, k);
     add_instance(scene_, bush,
-                 placement(on_ground(p.x, p.y, -0.1F), static_cast<double>(random_unit(9, k)),
-                           glm::vec3(random_between(0.7F, 1.3F, 10, k))));
+                 placement_at(on_ground(p.x, p.y, -0.1F), static_cast<double>(random_unit(9, k)),
+                              glm::vec3(random_between(0.7F, 1.3F, 10, k))));
   }
 }
 

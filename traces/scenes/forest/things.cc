@@ -35,7 +35,7 @@ Mesh make_limb(std::span<const Joint> joints, std::uint32_t steps, std::uint32_t
   return make_tube("", path, thick, sides);
 }
 
-Mesh mirrored_in_z(const Mesh& mesh) { return transform_mesh(mesh, placement(glm::vec3(0), 0, {1, 1, -1})); }
+Mesh mirrored_in_z(const Mesh& mesh) { return transform_mesh(mesh, placement_at(glm::vec3(0), 0, {1, 1, -1})); }
 
 }  // namespace
 
@@ -118,18 +118,18 @@ Pieces make_deer(std::uint32_t sides, std::uint32_t fur, std::uint32_t horn, std
   const Joint hind[] = {{{-0.46F, 1.0F, 0.08F}, 0.17F},  {{-0.40F, 0.78F, 0.13F}, 0.125F},
                         {{-0.45F, 0.6F, 0.13F}, 0.065F}, {{-0.56F, 0.46F, 0.13F}, 0.042F},
                         {{-0.53F, 0.2F, 0.13F}, 0.027F}, {{-0.52F, 0.1F, 0.13F}, 0.031F}};
-  Mesh skin = transform_mesh(make_limb(body, steps, sides), placement(glm::vec3(0), 0, {1, 1, 0.8F}));
-  append_mesh(skin, transform_mesh(make_limb(head, steps, sides), placement(glm::vec3(0), 0, {1, 1, 0.8F})));
+  Mesh skin = transform_mesh(make_limb(body, steps, sides), placement_at(glm::vec3(0), 0, {1, 1, 0.8F}));
+  append_mesh(skin, transform_mesh(make_limb(head, steps, sides), placement_at(glm::vec3(0), 0, {1, 1, 0.8F})));
   Mesh hooves;
   for (const auto& [leg, step] :
        {std::pair(std::span<const Joint>(fore), 0.05F), {std::span<const Joint>(hind), -0.06F}}) {
     Mesh limb = make_limb(leg, steps, thin);
     append_mesh(skin, limb);
-    append_mesh(skin, transform_mesh(mirrored_in_z(limb), placement({step, 0, 0})));
+    append_mesh(skin, transform_mesh(mirrored_in_z(limb), placement_at({step, 0, 0})));
     for (const float s : {1.0F, -1.0F}) {
       const glm::vec3 foot = leg.back().at;
       append_mesh(hooves, transform_mesh(make_cone("", 0.05F, 0.032F, 0.13F, thin),
-                                         placement({foot.x + 0.012F + (s < 0 ? step : 0.0F), -0.02F, s * foot.z})));
+                                         placement_at({foot.x + 0.012F + (s < 0 ? step : 0.0F), -0.02F, s * foot.z})));
     }
   }
   const Joint tail[] = {{{-0.64F, 1.07F, 0}, 0.05F}, {{-0.72F, 1.0F, 0}, 0.04F}, {{-0.74F, 0.88F, 0}, 0}};
@@ -188,16 +188,17 @@ Pieces make_lantern(std::uint32_t iron, std::uint32_t flame) {
   frame.name = "lantern";
   light.name = "flame";
   append_mesh(frame, make_cylinder("", 0.09F, 0.025F, 24));
-  append_mesh(frame, transform_mesh(make_cone("", 0.1F, 0.03F, 0.07F, 24), placement({0, 0.24F, 0})));
-  append_mesh(frame, transform_mesh(make_cylinder("", 0.03F, 0.03F, 12), placement({0, 0.31F, 0})));
+  append_mesh(frame, transform_mesh(make_cone("", 0.1F, 0.03F, 0.07F, 24), placement_at({0, 0.24F, 0})));
+  append_mesh(frame, transform_mesh(make_cylinder("", 0.03F, 0.03F, 12), placement_at({0, 0.31F, 0})));
   for (int k = 0; k < 4; ++k) {
     const glm::vec2 round = on_circle(k / 4.0 + 0.125) * 0.08F;
-    append_mesh(frame, transform_mesh(make_cylinder("", 0.006F, 0.23F, 6), placement({round.x, 0.02F, round.y})));
+    append_mesh(frame, transform_mesh(make_cylinder("", 0.006F, 0.23F, 6), placement_at({round.x, 0.02F, round.y})));
   }
   const glm::mat4 upright(glm::vec4(1, 0, 0, 0), glm::vec4(0, 0, 1, 0), glm::vec4(0, -1, 0, 0),
                           glm::vec4(0, 0.35F, 0, 1));
   append_mesh(frame, transform_mesh(make_torus("", 0.05F, 0.006F, 24, 6), upright));
-  append_mesh(light, transform_mesh(make_sphere("", {0, 0, 0}, 0.045F, 6), placement({0, 0.12F, 0}, 0, {1, 1.6F, 1})));
+  append_mesh(light,
+              transform_mesh(make_sphere("", {0, 0, 0}, 0.045F, 6), placement_at({0, 0.12F, 0}, 0, {1, 1.6F, 1})));
   return {{std::move(frame), iron}, {std::move(light), flame}};
 }
 

@@ -180,7 +180,7 @@ void add_cupboards(Scene& scene, const Looks& looks, const Detail& detail) {
   const std::uint32_t handle = add_mesh(
       scene, make_rounded_box("handle", {-0.06F, -0.14F, 0.03F}, {0.06F, -0.125F, 0.05F}, 0.006F, steps), steel);
   for (int k = 0; k < 6; ++k) {
-    const glm::mat4 at = placement({kLeft + 0.225F + 0.42F * static_cast<float>(k), 0, 0.27F});
+    const glm::mat4 at = placement_at({kLeft + 0.225F + 0.42F * static_cast<float>(k), 0, 0.27F});
     for (const std::uint32_t mesh : {door, drawer, handle}) add_instance(scene, mesh, at);
   }
   add_object(scene, make_box("cupboards", {kLeft, -0.8F, kBack}, {1.2F, -0.045F, 0.27F}), white);
@@ -255,7 +255,7 @@ Mesh make_thin_rod(const glm::vec3& from, const glm::vec3& to, float radius, con
 /// about y).
 void add_stand(Scene& scene, const Looks& looks, const glm::vec3& position, double turns, float clamp, float reach,
                const Detail& detail) {
-  const glm::mat4 at = placement(position, turns);
+  const glm::mat4 at = placement_at(position, turns);
   add(scene, make_rounded_box("foot", {-0.05F, 0, -0.075F}, {0.16F, 0.016F, 0.075F}, 0.005F, detail.cell_count(3)),
       looks.iron, at);
   Mesh steel = make_thin_rod({0, 0.015F, 0}, {0, 0.56F, 0}, 0.006F, detail);
@@ -282,7 +282,7 @@ void add_stand(Scene& scene, const Looks& looks, const glm::vec3& position, doub
 
 /// Adds a burner with its flame, below a tripod with a wire gauze at height 0.2.
 void add_burner(Scene& scene, const Looks& looks, const glm::vec3& position, const Detail& detail) {
-  const glm::mat4 at = placement(position);
+  const glm::mat4 at = placement_at(position);
   const std::uint32_t sides = detail.cell_count(28, 8);
   Outline foot({0, 0});
   foot.line_to(0.040F, 0)
@@ -326,8 +326,8 @@ void add_burner(Scene& scene, const Looks& looks, const glm::vec3& position, con
       looks.inner_flame, at);
 
   constexpr float kTop = 0.198F;
-  Mesh tripod =
-      transform_mesh(make_torus("", 0.06F, 0.004F, sides, detail.cell_count(8, 4)), placement({0, kTop - 0.004F, 0}));
+  Mesh tripod = transform_mesh(make_torus("", 0.06F, 0.004F, sides, detail.cell_count(8, 4)),
+                               placement_at({0, kTop - 0.004F, 0}));
   for (int leg = 0; leg < 3; ++leg) {
     const glm::vec2 way = on_circle(leg / 3.0 + 0.08);
     append_mesh(tripod, make_thin_rod({0.095F * way.x, 0, 0.095F * way.y},
@@ -352,7 +352,7 @@ void add_burner(Scene& scene, const Looks& looks, const glm::vec3& position, con
 
 /// Adds a wooden rack for six tubes, 0.04 apart along x, whose bottoms are 0.02 above the bench.
 void add_rack(Scene& scene, const Looks& looks, const glm::vec3& position, const Detail& detail) {
-  const glm::mat4 at = placement(position);
+  const glm::mat4 at = placement_at(position);
   const std::uint32_t steps = detail.cell_count(2);
   Mesh rack = make_rounded_box("", {-0.135F, 0, -0.03F}, {0.135F, 0.018F, 0.03F}, 0.003F, steps);
   for (const float x : {-0.135F, 0.123F}) {
@@ -375,7 +375,7 @@ void add_rack(Scene& scene, const Looks& looks, const glm::vec3& position, const
 
 /// Adds a magnetic stirrer, its plate at height 0.055.
 void add_stirrer(Scene& scene, const Looks& looks, const glm::vec3& position, const Detail& detail) {
-  const glm::mat4 at = placement(position);
+  const glm::mat4 at = placement_at(position);
   add(scene,
       make_rounded_box("stirrer", {-0.075F, 0.004F, -0.08F}, {0.075F, 0.046F, 0.095F}, 0.008F, detail.cell_count(3)),
       looks.plastic, at);
@@ -399,15 +399,15 @@ void add_mortar(Scene& scene, const Looks& looks, const glm::vec3& position, con
       .line_to(0.044F, 0.058F);
   bowl.arc_to(0, 0.016F, -0.017F);
   add(scene, make_lathe("mortar", simplify_line(bowl.points(), detail.cell_count(20, 9)), detail.cell_count(36, 10)),
-      looks.porcelain, placement(position));
+      looks.porcelain, placement_at(position));
   const std::vector<glm::vec3> path{
       {0.008F, 0.026F, 0}, {0.0F, 0.034F, 0}, {-0.014F, 0.048F, 0}, {-0.05F, 0.085F, 0.005F}, {-0.075F, 0.11F, 0.008F}};
   const std::array radii{0.0F, 0.012F, 0.010F, 0.007F, 0.008F};
-  add(scene, make_tube("pestle", path, radii, detail.cell_count(16, 6)), looks.porcelain, placement(position));
+  add(scene, make_tube("pestle", path, radii, detail.cell_count(16, 6)), looks.porcelain, placement_at(position));
 }
 
 void add_notebook(Scene& scene, const Looks& looks, const glm::vec3& position, double turns, const Detail& detail) {
-  const glm::mat4 at = placement(position, turns);
+  const glm::mat4 at = placement_at(position, turns);
   add(scene, make_rounded_box("cover", {-0.155F, 0, -0.105F}, {0.155F, 0.006F, 0.105F}, 0.002F, detail.cell_count(2)),
       looks.iron, at);
   for (const float side : {-1.0F, 1.0F}) {
@@ -450,13 +450,14 @@ class Glassware {
   void place_vessel(Vessel vessel, const glm::vec3& at, float height, std::uint32_t filling, double turns = 0) {
     std::uint32_t& mesh = meshes_[static_cast<std::size_t>(vessel)];
     if (mesh == kNone) mesh = add_mesh(scene_, laboratory::make_vessel(vessel, detail_), glass_);
-    add_instance(scene_, mesh, placement(at, turns));
+    add_instance(scene_, mesh, placement_at(at, turns));
     if (height > 0)
-      add_instance(scene_, add_mesh(scene_, laboratory::make_filling(vessel, height, detail_), filling), placement(at));
+      add_instance(scene_, add_mesh(scene_, laboratory::make_filling(vessel, height, detail_), filling),
+                   placement_at(at));
   }
 
   void add(Mesh mesh, const glm::vec3& at) {
-    add_instance(scene_, add_mesh(scene_, std::move(mesh), glass_), placement(at));
+    add_instance(scene_, add_mesh(scene_, std::move(mesh), glass_), placement_at(at));
   }
 
  private:
@@ -499,8 +500,8 @@ void add_bottles(Scene& scene, const Looks& looks, const Detail& detail) {
       const float x = laboratory::kShelfFrom + 0.055F + 0.094F * static_cast<float>(k) +
                       random_between(-0.006F, 0.006F, k, row, 83);
       const glm::vec3 at(x, height, laboratory::kShelfDepth + random_between(-0.015F, 0.02F, k, row, 84));
-      const glm::mat4 to_world = placement(at, static_cast<double>(random_between(-0.06F, 0.06F, k, row, 85)),
-                                           glm::vec3(random_between(0.92F, 1.1F, k, row, 86)));
+      const glm::mat4 to_world = placement_at(at, static_cast<double>(random_between(-0.06F, 0.06F, k, row, 85)),
+                                              glm::vec3(random_between(0.92F, 1.1F, k, row, 86)));
       add_instance(scene, bottles[static_cast<std::size_t>(4 * random_unit(k, row, 87))], to_world);
       add_instance(scene, label, to_world);
       add_instance(scene, top, to_world);
@@ -516,7 +517,7 @@ void add_titration(Scene& scene, const Looks& looks, const glm::vec3& flask, flo
   for (glm::vec3& n : tap.normals) n = {n.y, -n.x, n.z};
   append_mesh(tap,
               make_rounded_box("", {0.015F, -0.014F, -0.003F}, {0.021F, 0.014F, 0.003F}, 0.002F, detail.cell_count(2)));
-  add_instance(scene, add_mesh(scene, std::move(tap), looks.plastic), placement({flask.x, tip + 0.038F, flask.z}));
+  add_instance(scene, add_mesh(scene, std::move(tap), looks.plastic), placement_at({flask.x, tip + 0.038F, flask.z}));
 
   const Outline drop = Outline({0, -0.003F}).add_round({0, 0}, 0.003F, -0.25, 0.12).line_to(0, 0.0065F);
   const std::uint32_t drop_mesh = add_mesh(
@@ -594,7 +595,7 @@ void add_all(Scene& scene, const Looks& looks, const Detail& detail) {
       scene,
       add_mesh(scene, make_torus("cork ring", 0.034F, 0.011F, detail.cell_count(30, 8), detail.cell_count(12, 5)),
                looks.cork),
-      placement(ring + glm::vec3(0, 0.011F, 0)));
+      placement_at(ring + glm::vec3(0, 0.011F, 0)));
   ware.place_vessel(Vessel::kRound, ring + glm::vec3(0, 0.0105F, 0), 0.060F, looks.red);
   ware.place_vessel(Vessel::kDish, {0.20F, 0, 0.17F}, 0.007F, looks.green);
   ware.place_vessel(Vessel::kDish, {0.25F, 0, 0.08F}, 0, looks.green);

@@ -195,7 +195,7 @@ Mesh transform_mesh(Mesh mesh, const glm::mat4& by) {
   return mesh;
 }
 
-glm::mat4 placement(const glm::vec3& position, double turns_about_y, const glm::vec3& scale) {
+glm::mat4 placement_at(const glm::vec3& position, double turns_about_y, const glm::vec3& scale) {
   const float c = cos_turns(turns_about_y), s = sin_turns(turns_about_y);
   return {glm::vec4(c, 0, -s, 0) * scale.x, glm::vec4(0, 1, 0, 0) * scale.y, glm::vec4(s, 0, c, 0) * scale.z,
           glm::vec4(position, 1)};

@@ -41,7 +41,7 @@ void add_grid(Mesh& mesh, std::uint32_t first, std::uint32_t columns, std::uint3
 void append_mesh(Mesh& mesh, const Mesh& other);
 /// Returns the mesh transformed by a rotation, scale or mirroring; a mirrored mesh keeps its outside.
 Mesh transform_mesh(Mesh mesh, const glm::mat4& by);
-glm::mat4 placement(const glm::vec3& position, double turns_about_y = 0, const glm::vec3& scale = glm::vec3(1));
+glm::mat4 placement_at(const glm::vec3& position, double turns_about_y = 0, const glm::vec3& scale = glm::vec3(1));
 void scale_uvs(Mesh& mesh, const glm::vec2& by);
 
 /// Adds the mesh with that material; returns its index. Show it with add_instance(), any number of times.

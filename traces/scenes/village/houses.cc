@@ -81,12 +81,12 @@ void add_timber(Parts& parts, std::uint32_t timber, const glm::mat4& at, float l
 }
 
 void add_chimney(Parts& parts, const Paints& p, const HouseShape& s) {
-  const glm::mat4 at = placement({s.width * 0.12F, 0, s.chimney * s.length});
+  const glm::mat4 at = placement_at({s.width * 0.12F, 0, s.chimney * s.length});
   const float top = s.ridge + 1.15F;
   parts.add_box(p.stone, at, {-0.42F, s.eaves, -0.35F}, {0.42F, top, 0.35F});
   parts.add_box(p.stone, at, {-0.5F, top - 0.25F, -0.43F}, {0.5F, top - 0.1F, 0.43F});
   for (const float x : {-0.2F, 0.2F}) {
-    parts.add(p.roof, transform_mesh(make_cone("", 0.13F, 0.1F, 0.45F, 10), placement({x, top, 0})), at);
+    parts.add(p.roof, transform_mesh(make_cone("", 0.13F, 0.1F, 0.45F, 10), placement_at({x, top, 0})), at);
   }
 }
 
@@ -97,15 +97,15 @@ void add_dormer(Parts& parts, const Paints& p, const HouseShape& s, double turns
   const glm::mat4 at = wall_frame(turns, out, aside, floor);
   const float w = 0.75F, h = 1.05F, deep = h / slope + 0.6F, peak = 0.65F;
   parts.add_box(p.wall, at, {-w, -0.1F, -deep}, {w, h, 0});
-  add_window(parts, p, at * placement({0, 0.2F, 0}), 0.8F, 0.75F, false);
+  add_window(parts, p, at * placement_at({0, 0.2F, 0}), 0.8F, 0.75F, false);
   const glm::vec2 gable[] = {{-w - 0.2F, h - 0.13F}, {w + 0.2F, h - 0.13F}, {0, h + peak}};
-  parts.add(p.roof, transform_mesh(make_extrusion("", gable, deep + 0.9F), placement({0, 0, -deep - 0.7F})), at);
+  parts.add(p.roof, transform_mesh(make_extrusion("", gable, deep + 0.9F), placement_at({0, 0, -deep - 0.7F})), at);
 }
 
 }  // namespace
 
 glm::mat4 wall_frame(double turns, float out, float aside, float up) {
-  return placement({0, up, 0}, turns) * placement({out, 0, 0}, 0.25) * placement({aside, 0, 0});
+  return placement_at({0, up, 0}, turns) * placement_at({out, 0, 0}, 0.25) * placement_at({aside, 0, 0});
 }
 
 void Parts::add(std::uint32_t material, const Mesh& piece, const glm::mat4& at) {
@@ -239,7 +239,7 @@ constexpr float kTower = 5.4F, kTowerTop = 17.5F, kSpireTop = 30;
 constexpr float kTowerZ = 11;  // the nave's front is at 9.5
 
 void add_arch_window(Parts& parts, const Paints& p, const glm::mat4& at, float width, float height) {
-  const glm::mat4 back = at * placement({0, 0, -0.04F});
+  const glm::mat4 back = at * placement_at({0, 0, -0.04F});
   parts.add(p.stone, make_arch(width + 0.36F, height + 0.2F, 0.12F, 10), back);
   parts.add(p.glass, make_arch(width, height, 0.14F, 10), back);
   parts.add_box(p.timber, at, {-0.03F, 0, 0.05F}, {0.03F, height - 0.1F, 0.13F});
@@ -262,12 +262,12 @@ void add_nave(Parts& parts, const Paints& p, const HouseShape& nave) {
   const glm::vec2 apse[] = {{3.3F, -1}, {3.3F, 4.9F}, {3.55F, 4.9F}, {3.55F, 5.1F}, {0, 7.6F}};
   Mesh round = make_lathe("", std::span(apse).first(3), 32);
   scale_uvs(round, {20, 4});
-  parts.add(p.wall, round, placement({0, 0, -nave.length / 2}));
+  parts.add(p.wall, round, placement_at({0, 0, -nave.length / 2}));
   Mesh cone = make_lathe("", std::span(apse).subspan(2), 32);
   scale_uvs(cone, {20, 4});
-  parts.add(p.roof, cone, placement({0, 0, -nave.length / 2}));
+  parts.add(p.roof, cone, placement_at({0, 0, -nave.length / 2}));
   for (const double turns : {0.15, 0.25, 0.35}) {
-    add_arch_window(parts, p, placement({0, 0, -nave.length / 2}) * wall_frame(turns, 3.3F, 0, 1.6F), 0.8F, 2.5F);
+    add_arch_window(parts, p, placement_at({0, 0, -nave.length / 2}) * wall_frame(turns, 3.3F, 0, 1.6F), 0.8F, 2.5F);
   }
 }
 
@@ -280,7 +280,8 @@ void add_clock(Parts& parts, const glm::mat4& at, std::uint32_t white, std::uint
     const glm::vec2 round = on_circle(k / 12.0) * 0.86F;
     parts.add(
         dark,
-        transform_mesh(make_box("", {-0.05F, -0.09F, 0}, {0.05F, 0.09F, 0.16F}), placement({round.x, round.y, 0})), at);
+        transform_mesh(make_box("", {-0.05F, -0.09F, 0}, {0.05F, 0.09F, 0.16F}), placement_at({round.x, round.y, 0})),
+        at);
   }
   parts.add_box(dark, at, {-0.04F, -0.15F, 0}, {0.04F, 0.8F, 0.18F});
   parts.add_box(dark, at, {-0.55F, -0.05F, 0}, {0.15F, 0.05F, 0.2F});
@@ -288,7 +289,7 @@ void add_clock(Parts& parts, const glm::mat4& at, std::uint32_t white, std::uint
 
 void add_tower(Parts& parts, const Paints& p, std::uint32_t white, std::uint32_t gold) {
   const float w = kTower / 2;
-  const glm::mat4 foot = placement({0, 0, kTowerZ});
+  const glm::mat4 foot = placement_at({0, 0, kTowerZ});
   for (int side = 0; side < 4; ++side) {
     const glm::mat4 at = foot * wall_frame(side / 4.0, w);
     parts.add_panel(p.wall, at, {-w, -1, 0}, {kTower, 0, 0}, {0, kTowerTop + 1, 0});
@@ -299,8 +300,8 @@ void add_tower(Parts& parts, const Paints& p, std::uint32_t white, std::uint32_t
       parts.add_box(p.stone, at, {w - (1.2F - reach), y, -0.2F}, {w + 0.04F, y + 0.74F, 0.045F});
     }
     for (const float x : {-0.95F, 0.95F}) {
-      const glm::mat4 opening = at * placement({x, 12.9F, -0.03F});
-      parts.add(p.stone, make_arch(1.5F, 3.6F, 0.1F, 8), opening * placement({0, -0.15F, 0}));
+      const glm::mat4 opening = at * placement_at({x, 12.9F, -0.03F});
+      parts.add(p.stone, make_arch(1.5F, 3.6F, 0.1F, 8), opening * placement_at({0, -0.15F, 0}));
       parts.add(p.timber, make_arch(1.15F, 3.3F, 0.12F, 8), opening);
       for (int k = 0; k < 9; ++k) {
         const float y = 0.1F + 0.3F * static_cast<float>(k);
@@ -310,8 +311,8 @@ void add_tower(Parts& parts, const Paints& p, std::uint32_t white, std::uint32_t
     for (const float y : {6.2F, 12.3F, kTowerTop - 0.35F}) {
       parts.add_box(p.stone, at, {-w - 0.15F, y, -0.2F}, {w + 0.15F, y + 0.35F, 0.16F});
     }
-    add_clock(parts, at * placement({0, 10.2F, 0}), white, gold, p.timber);
-    if (side % 2 == 0) add_arch_window(parts, p, at * placement({0, 3, 0}), 0.7F, 2);
+    add_clock(parts, at * placement_at({0, 10.2F, 0}), white, gold, p.timber);
+    if (side % 2 == 0) add_arch_window(parts, p, at * placement_at({0, 3, 0}), 0.7F, 2);
     // The spire's eight sides: the transition from square to octagon is simplified to two slopes.
     for (int part = 0; part < 2; ++part) {
       const float low = part == 0 ? w + 0.35F : w * 0.62F, high = part == 0 ? w * 0.62F : 0.12F;
@@ -321,7 +322,7 @@ void add_tower(Parts& parts, const Paints& p, std::uint32_t white, std::uint32_t
         return glm::vec3((2 * s - 1) * out, from + (to - from) * t, out);
       });
       for (std::size_t i = 0; i < slope.uvs.size(); ++i) slope.uvs[i] = {slope.positions[i].x, -slope.positions[i].y};
-      parts.add(p.roof, slope, foot * placement({0, 0, 0}, side / 4.0));
+      parts.add(p.roof, slope, foot * placement_at({0, 0, 0}, side / 4.0));
     }
   }
   parts.add_box(p.stone, foot, {-w - 0.3F, kTowerTop - 0.05F, -w - 0.3F}, {w + 0.3F, kTowerTop, w + 0.3F});
@@ -329,7 +330,7 @@ void add_tower(Parts& parts, const Paints& p, std::uint32_t white, std::uint32_t
   parts.add_box(gold, foot, {-0.06F, kSpireTop, -0.06F}, {0.06F, kSpireTop + 2.6F, 0.06F});
   parts.add_box(gold, foot, {-0.75F, kSpireTop + 1.6F, -0.06F}, {0.75F, kSpireTop + 1.75F, 0.06F});
   const glm::mat4 porch = foot * wall_frame(0.75, w);
-  parts.add(p.stone, make_arch(2.9F, 4.4F, 0.5F, 12), porch * placement({0, -0.2F, 0}));
+  parts.add(p.stone, make_arch(2.9F, 4.4F, 0.5F, 12), porch * placement_at({0, -0.2F, 0}));
   parts.add(p.door, make_arch(1.9F, 3.5F, 0.54F, 12), porch);
   parts.add_box(p.timber, porch, {-0.03F, 0, 0.5F}, {0.03F, 3.3F, 0.57F});
   for (const float s : {-1.0F, 1.0F}) {

@@ -309,8 +309,8 @@ std::vector<Planted> plant_places() {
   const auto put = [&all](Kind kind, float x, float z, float size = 1) {
     const auto key = all.size();
     const float grown = size * random_between(0.88F, 1.14F, 17, key);
-    all.push_back({kind, placement(on_ground(x, z), static_cast<double>(random_unit(18, key)),
-                                   glm::vec3(grown, grown * random_between(0.92F, 1.1F, 19, key), grown))});
+    all.push_back({kind, placement_at(on_ground(x, z), static_cast<double>(random_unit(18, key)),
+                                      glm::vec3(grown, grown * random_between(0.92F, 1.1F, 19, key), grown))});
   };
   put(kOak, 8.2F, -14.5F, 0.95F);
   put(kBirch, -10, -17);
@@ -369,7 +369,7 @@ void add_far_trees(Scene& scene, std::uint32_t leaves, std::uint32_t bark, float
     const glm::vec2 p = middle + 42.0F * (glm::vec2(random_unit(65, k), random_unit(66, k)) - 0.5F);
     const float size = random_between(0.9F, 1.7F, 67, k);
     const glm::mat4 at =
-        placement(on_ground(p.x, p.y, -0.3F), static_cast<double>(random_unit(68, k)), glm::vec3(size));
+        placement_at(on_ground(p.x, p.y, -0.3F), static_cast<double>(random_unit(68, k)), glm::vec3(size));
     add_instance(scene, mesh, at);
     add_instance(scene, trunk, at);
   }

@@ -28,7 +28,7 @@ Mesh make_stone_wall(float length, float detail, std::uint32_t seed) {
       scale_uvs(stone, {0.2F, 0.2F});
       for (glm::vec2& uv : stone.uvs) uv += glm::vec2(random_unit(seed, key, 3), random_unit(seed, key, 4));
       append_mesh(mesh,
-                  transform_mesh(stone, placement({x + width / 2, y, 0.04F * (random_unit(seed, key, 5) - 0.5F)})));
+                  transform_mesh(stone, placement_at({x + width / 2, y, 0.04F * (random_unit(seed, key, 5) - 0.5F)})));
       x += width;
     }
   }
@@ -97,8 +97,8 @@ Building add_mill(Scene& scene, const Paints& p, std::uint32_t cap, float detail
   parts.add(
       p.timber,
       make_extrusion("", std::vector<glm::vec2>{{-0.3F, 11.3F}, {0.3F, 11.3F}, {0.3F, 11.9F}, {-0.3F, 11.9F}}, 3.5F));
-  parts.add(p.stone, make_arch(1.6F, 2.7F, 0.6F, 8), placement({0, 0, 3.2F}));
-  parts.add(p.door, make_arch(1.2F, 2.4F, 0.64F, 8), placement({0, 0, 3.2F}));
+  parts.add(p.stone, make_arch(1.6F, 2.7F, 0.6F, 8), placement_at({0, 0, 3.2F}));
+  parts.add(p.door, make_arch(1.2F, 2.4F, 0.64F, 8), placement_at({0, 0, 3.2F}));
   for (const double turns : {0.1, 0.4, 0.75, 0.9}) {
     for (const float y : {4.2F, 7.6F}) {
       const glm::mat4 at = wall_frame(turns, 3.3F - 0.1F * (y - 4), 0, y);
@@ -149,7 +149,7 @@ Building add_cart(Scene& scene, std::uint32_t timber, std::uint32_t hay, std::ui
   const glm::vec3 axle[] = {{0, kWheelRadius, -0.95F}, {0, kWheelRadius, 0.95F}};
   const float radius[] = {0.06F};
   parts.add(iron, make_tube("", axle, radius, 8));
-  parts.add(hay, make_rock("", {1.5F, 0.75F, 0.78F}, 16, 0.35F, 77), placement({0, 0.78F, 0}));
+  parts.add(hay, make_rock("", {1.5F, 0.75F, 0.78F}, 16, 0.35F, 77), placement_at({0, 0.78F, 0}));
   return parts.take_meshes(scene, "cart");
 }
 
@@ -158,7 +158,7 @@ Mesh make_wheel() {
   mesh.name = "wheel";
   const glm::mat4 upright(glm::vec4(1, 0, 0, 0), glm::vec4(0, 0, 1, 0), glm::vec4(0, -1, 0, 0), glm::vec4(0, 0, 0, 1));
   append_mesh(mesh, transform_mesh(make_torus("", kWheelRadius - 0.05F, 0.05F, 32, 6), upright));
-  append_mesh(mesh, transform_mesh(make_cylinder("", 0.12F, 0.22F, 12), placement({0, 0, -0.11F}) * upright));
+  append_mesh(mesh, transform_mesh(make_cylinder("", 0.12F, 0.22F, 12), placement_at({0, 0, -0.11F}) * upright));
   for (int k = 0; k < 10; ++k) {
     const glm::vec2 round = on_circle(k / 10.0);
     const glm::vec3 spoke[] = {{0.1F * round.x, 0.1F * round.y, 0},
