@@ -107,7 +107,7 @@ std::vector<IntervalUnit> interval_units(std::span<const sim::UnitReport> units)
   return all;
 }
 
-IntervalFrame IntervalFrame::merged(std::size_t most) const {
+IntervalFrame IntervalFrame::merged_to(std::size_t most) const {
   IntervalFrame less = *this;
   while (less.rows > std::max<std::size_t>(most, 1)) {
     const std::size_t pairs = (less.rows + 1) / 2;
@@ -130,7 +130,8 @@ void IntervalPacker::add(std::uint32_t frame, const sim::Intervals& intervals) {
   const auto bytes =
       std::make_unique_for_overwrite<char[]>(kLongestVarint * (4 + (intervals.size() + 1) * intervals.row_width()));
   char* at = bytes.get();
-  for (const std::uint64_t number : {std::uint64_t{frame}, intervals.interval_length(), intervals.end(), intervals.size()}) {
+  for (const std::uint64_t number :
+       {std::uint64_t{frame}, intervals.interval_length(), intervals.end(), intervals.size()}) {
     at = write_number(at, number);
   }
   for (std::size_t column = 0; column < intervals.row_width(); ++column) at = write_column(at, intervals, column);
@@ -138,7 +139,7 @@ void IntervalPacker::add(std::uint32_t frame, const sim::Intervals& intervals) {
   frames_ += 1;
 }
 
-std::string IntervalPacker::file(std::span<const sim::UnitReport> units) const {
+std::string IntervalPacker::file_bytes(std::span<const sim::UnitReport> units) const {
   std::string bytes(kMagic);
   traces::ByteWriter out(bytes);
   out.write_number(frames_);
@@ -173,7 +174,7 @@ IntervalFile read_intervals(std::string_view bytes) {
   const std::uint64_t frames = in.read_number(kMostFrames, "the number of frames");
   const std::uint64_t units = in.read_number(kMostUnits, "the number of units");
   std::size_t width = 0;
-  for (std::uint64_t u = 0; u < units; ++u) width += file.units.emplace_back(read_unit(in)).values();
+  for (std::uint64_t u = 0; u < units; ++u) width += file.units.emplace_back(read_unit(in)).value_count();
   if (in.bytes_left() != 0) throw sim::InputError("has more than its names before its frames");
   std::uint64_t values_left = kMostValues;
   for (std::uint64_t f = 0; f < frames; ++f) {

@@ -23,7 +23,7 @@ struct IntervalUnit {
   std::string path;  ///< "core0.tni.trv2"
   std::vector<std::string> reasons;
   std::vector<Counter> counters;
-  std::size_t values() const { return reasons.size() + counters.size(); }
+  std::size_t value_count() const { return reasons.size() + counters.size(); }
 };
 std::vector<IntervalUnit> interval_units(std::span<const sim::UnitReport> units);
 
@@ -39,7 +39,7 @@ struct IntervalFrame {
   sim::Time begin_of(std::size_t i) const { return i * length; }
   sim::Time end_of(std::size_t i) const { return i + 1 == rows ? end : (i + 1) * length; }
   /// Returns the same with at most `most` intervals: neighbours are merged in pairs, repeatedly.
-  IntervalFrame merged(std::size_t most) const;
+  IntervalFrame merged_to(std::size_t most) const;
 };
 
 /// Contents of intervals.bin.zst (docs/intervals.md).
@@ -58,7 +58,7 @@ class IntervalPacker {
   void add(std::uint32_t frame, const sim::Intervals& intervals);
   bool empty() const { return frames_ == 0; }
   /// Returns the file's bytes.
-  std::string file(std::span<const sim::UnitReport> units) const;
+  std::string file_bytes(std::span<const sim::UnitReport> units) const;
 
  private:
   std::uint32_t frames_ = 0;

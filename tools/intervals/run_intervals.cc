@@ -114,7 +114,7 @@ class EnergyUntil {
       : device_(hw::dram_energy_events(run.config().gpu->dram)),
         formula_(run.units(), run.config().energy, device_, 0, power_scales(run.config())) {}
 
-  const sim::EnergyFormula& at(const IntervalFrame& frame, std::size_t interval, const Reports& until) {
+  const sim::EnergyFormula& formula_at(const IntervalFrame& frame, std::size_t interval, const Reports& until) {
     formula_.set_counts(until, frame.end_of(interval));
     return formula_;
   }
@@ -151,7 +151,7 @@ class Table {
         within_(until_),
         series_(table_.series) {}
 
-  IntervalTable make() {
+  IntervalTable make_table() {
     for (std::size_t i = 0; i < frame_.rows; ++i) {
       RunIntervals::set_until(frame_, i, until_);
       RunIntervals::set_within(frame_, i, within_);
@@ -174,7 +174,7 @@ class Table {
 
  private:
   void add_power(std::size_t interval) {
-    const sim::EnergyFormula& energy = energy_.at(frame_, interval, until_);
+    const sim::EnergyFormula& energy = energy_.formula_at(frame_, interval, until_);
     std::vector<double> blocks = energy.block_energies(side_), kinds = energy.kind_energies(side_);
     blocks.push_back(energy.total(side_));
     if (blocks_before_.empty()) blocks_before_.resize(blocks.size()), kinds_before_.resize(kinds.size());
@@ -264,8 +264,8 @@ const IntervalSeries* IntervalTable::find(std::string_view group, std::string_vi
   return found == series.end() ? nullptr : &*found;
 }
 
-IntervalTable derive(const RunIntervals& run, const IntervalFrame& frame, sim::Side side, std::size_t most) {
-  return Table(run, frame.merged(most), side).make();
+IntervalTable derive_table(const RunIntervals& run, const IntervalFrame& frame, sim::Side side, std::size_t most) {
+  return Table(run, frame.merged_to(most), side).make_table();
 }
 
 IntervalEnergy energy_until(const RunIntervals& run, const IntervalFrame& frame, sim::Side side) {
@@ -274,7 +274,7 @@ IntervalEnergy energy_until(const RunIntervals& run, const IntervalFrame& frame,
   IntervalEnergy all;
   for (std::size_t i = 0; i < frame.rows; ++i) {
     RunIntervals::set_until(frame, i, until);
-    const sim::EnergyFormula& formula = energy.at(frame, i, until);
+    const sim::EnergyFormula& formula = energy.formula_at(frame, i, until);
     all.blocks = formula.block_names();
     all.until_pj.push_back(formula.block_energies(side));
   }

@@ -56,15 +56,15 @@ bool is_noisy(std::string_view figure) { return is_among(figure, kNoisyFigures);
 
 double noise_of_pair(const Draws& draws) { return deviations_of_pair() * draws.deviation / std::abs(draws.mean); }
 
-double SeenFigure::error() const {
+double SeenFigure::standard_error() const {
   return draws ? difference_of(*draws, Draws{1, 0, 0}).error : assumed * std::abs(value) / deviations_of_pair();
 }
 
-double SeenFigure::half_width() const { return draws ? draws->half_width() : student_t(kEndless) * error(); }
+double SeenFigure::half_width() const { return draws ? draws->half_width() : student_t(kEndless) * standard_error(); }
 
 MeanDifference difference_of(const SeenFigure& a, const SeenFigure& b) {
   if (a.draws && b.draws) return difference_of(*a.draws, *b.draws);
-  return {b.value - a.value, std::hypot(a.error(), b.error()), kEndless};
+  return {b.value - a.value, std::hypot(a.standard_error(), b.standard_error()), kEndless};
 }
 
 }  // namespace tools

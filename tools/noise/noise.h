@@ -44,7 +44,7 @@ struct SeenFigure {
   double assumed = 0;            ///< default_noise() of a run without replicates; 0: the figure does not vary
 
   /// Returns the standard deviation of the value.
-  double error() const;
+  double standard_error() const;
   /// Returns half of the value's 95 % interval.
   double half_width() const;
 };

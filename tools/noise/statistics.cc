@@ -53,7 +53,7 @@ MeanDifference difference_of(const Draws& a, const Draws& b) {
   return out;
 }
 
-std::vector<bool> rejected(std::span<const double> chances, double error) {
+std::vector<bool> reject_hypotheses(std::span<const double> chances, double error) {
   std::vector<std::size_t> order(chances.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order, {}, [&](std::size_t i) { return chances[i]; });

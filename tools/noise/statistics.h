@@ -36,6 +36,6 @@ MeanDifference difference_of(const Draws& a, const Draws& b);
 
 /// Returns which hypotheses are rejected, given their p-values, at a family-wise error rate of `error` (Holm,
 /// Scandinavian Journal of Statistics 1979).
-std::vector<bool> rejected(std::span<const double> chances, double error);
+std::vector<bool> reject_hypotheses(std::span<const double> chances, double error);
 
 }  // namespace tools

@@ -35,10 +35,10 @@ std::vector<double> drawn_pj(PricedRun& run, const std::string& block, std::uint
   std::vector<double> out;
   out.reserve(draws);
   for (std::uint64_t i = 0; i < draws; ++i) {
-    run.draw({seed, i});
+    run.apply_draw({seed, i});
     out.push_back(nominal_pj(run, block));
   }
-  run.restore();
+  run.restore_nominal();
   return out;
 }
 
@@ -68,13 +68,13 @@ EnergyRatio energy_ratio(PricedRun& a, PricedRun& b, const std::string& block) {
   return out;
 }
 
-double TornadoBar::swing() const { return std::abs(std::log(at_high / at_low)); }
+double TornadoBar::ratio_swing() const { return std::abs(std::log(at_high / at_low)); }
 
 std::vector<std::string> entries_of(const std::vector<PricedRun*>& runs) {
   std::vector<std::string> names;
   std::set<std::string> known;
   for (PricedRun* run : runs) {
-    for (const EnergyEntry& entry : run->entries()) {
+    for (const EnergyEntry& entry : run->band_entries()) {
       if (known.insert(entry.name).second) names.push_back(entry.name);
     }
   }
@@ -82,14 +82,14 @@ std::vector<std::string> entries_of(const std::vector<PricedRun*>& runs) {
 }
 
 void set_alone(PricedRun& run, const std::string& entry, double quantile) {
-  for (EnergyEntry& e : run.entries()) {
-    e.restore();
+  for (EnergyEntry& e : run.band_entries()) {
+    e.restore_nominal();
     if (e.name == entry) e.set_quantile(quantile);
   }
-  run.refresh();
+  run.update_formula();
 }
 
-std::vector<TornadoBar> tornado(PricedRun& a, PricedRun& b, const std::string& block) {
+std::vector<TornadoBar> tornado_bars(PricedRun& a, PricedRun& b, const std::string& block) {
   std::vector<TornadoBar> bars;
   for (const std::string& entry : entries_of({&a, &b})) {
     const auto ratio = [&](double quantile) {
@@ -101,9 +101,9 @@ std::vector<TornadoBar> tornado(PricedRun& a, PricedRun& b, const std::string& b
     bar.at_high = ratio(1);
     if (bar.at_low != bar.at_high) bars.push_back(std::move(bar));
   }
-  a.restore();
-  b.restore();
-  std::ranges::stable_sort(bars, std::greater<>(), &TornadoBar::swing);
+  a.restore_nominal();
+  b.restore_nominal();
+  std::ranges::stable_sort(bars, std::greater<>(), &TornadoBar::ratio_swing);
   return bars;
 }
 

@@ -47,10 +47,10 @@ EnergyRatio energy_ratio(PricedRun& a, PricedRun& b, const std::string& block);
 struct TornadoBar {
   std::string entry;
   double at_low = 0, at_high = 0;
-  double swing() const;
+  double ratio_swing() const;
 };
 /// Returns all entries that change the ratio, those of the largest change first.
-std::vector<TornadoBar> tornado(PricedRun& a, PricedRun& b, const std::string& block);
+std::vector<TornadoBar> tornado_bars(PricedRun& a, PricedRun& b, const std::string& block);
 
 /// Returns the names of the entries that at least one run has, in order of first appearance.
 std::vector<std::string> entries_of(const std::vector<PricedRun*>& runs);

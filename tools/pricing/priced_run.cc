@@ -34,7 +34,8 @@ std::uint64_t hash_of(const std::string& name) {
   return h;
 }
 
-void add(std::vector<EnergyEntry>& entries, const sim::ConfigNode& node, const std::string& key, sim::Band& figure) {
+void add_figure(std::vector<EnergyEntry>& entries, const sim::ConfigNode& node, const std::string& key,
+                sim::Band& figure) {
   const std::string name = key.empty() ? node.path : node.path + "." + key;
   const std::string entry = sim::event_of(name);
   if (entries.empty() || entries.back().name != entry) {
@@ -43,17 +44,17 @@ void add(std::vector<EnergyEntry>& entries, const sim::ConfigNode& node, const s
   entries.back().figures.push_back({name, &figure, figure});
 }
 
-void collect(const sim::ConfigNode& group, std::vector<EnergyEntry>& entries) {
+void collect_entries(const sim::ConfigNode& group, std::vector<EnergyEntry>& entries) {
   for (const sim::ConfigNode& node : group.children) {
     if (node.path == "area" || node.path == "power") continue;  // no energy figures
     if (node.is_group()) {
-      collect(node, entries);
+      collect_entries(node, entries);
     } else if (node.affects != sim::Affects::kEnergy) {
       continue;
     } else if (auto* const figure = std::get_if<sim::Band*>(&*node.target)) {
-      add(entries, node, "", **figure);
+      add_figure(entries, node, "", **figure);
     } else if (auto* const map = std::get_if<std::map<std::string, sim::Band>*>(&*node.target)) {
-      for (auto& [key, spread] : **map) add(entries, node, key, spread);
+      for (auto& [key, spread] : **map) add_figure(entries, node, key, spread);
     }
   }
 }
@@ -68,13 +69,13 @@ void EnergyEntry::set_quantile(double quantile) {
   for (const Figure& f : figures) f.value->nominal = at_quantile(f.band, quantile);
 }
 
-void EnergyEntry::restore() {
+void EnergyEntry::restore_nominal() {
   for (const Figure& f : figures) *f.value = f.band;
 }
 
 std::vector<EnergyEntry> energy_entries(RunConfig& config) {
   std::vector<EnergyEntry> entries;
-  collect(sim::config_tree(config), entries);
+  collect_entries(sim::config_tree(config), entries);
   return entries;
 }
 
@@ -85,7 +86,7 @@ double at_quantile(const sim::Band& band, double quantile) {
   return from > 0 ? from * std::pow(to / from, part) : from + (to - from) * part;
 }
 
-double EnergyDraw::quantile(const EnergyEntry& entry) const {
+double EnergyDraw::quantile_of(const EnergyEntry& entry) const {
   return sim::unit_float(sim::hash(seed, number, entry.hash));
 }
 
@@ -122,7 +123,7 @@ std::filesystem::path table_file(const std::string& name) {
 }
 
 /// Applies another table; refuses keys that change more than energy.
-void apply(const PriceTable& table, RunConfig& config) {
+void apply_table(const PriceTable& table, RunConfig& config) {
   sim::set_config_search_path(config_folders());
   const auto before = sim::list_fields(config);
   std::filesystem::path file;
@@ -175,7 +176,7 @@ PricedRun::PricedRun(const ReportFile& report, const PriceTable& table)
         fmt::format("by its own table its counts come to {:.6g} mJ, and it states {:.6g}", own, stated));
   }
   if (!table.is_own()) {
-    apply(table, config_);
+    apply_table(table, config_);
     units = idle_units(*config_.gpu, counts.has_rasteriser());
     counts.fill(units);
     make_formula(units);
@@ -193,18 +194,18 @@ void PricedRun::make_formula(const std::vector<sim::UnitReport>& units) {
   formula_ = std::make_unique<sim::EnergyFormula>(units, config_.energy, device_, elapsed_, power_scales(config_));
 }
 
-void PricedRun::refresh() {
+void PricedRun::update_formula() {
   for (const auto& [name, event] : hw::dram_energy_events(config_.gpu->dram)) device_.at(name) = event;
 }
 
-void PricedRun::draw(const EnergyDraw& draw) {
-  for (EnergyEntry& entry : entries_) entry.set_quantile(draw.quantile(entry));
-  refresh();
+void PricedRun::apply_draw(const EnergyDraw& draw) {
+  for (EnergyEntry& entry : entries_) entry.set_quantile(draw.quantile_of(entry));
+  update_formula();
 }
 
-void PricedRun::restore() {
-  for (EnergyEntry& entry : entries_) entry.restore();
-  refresh();
+void PricedRun::restore_nominal() {
+  for (EnergyEntry& entry : entries_) entry.restore_nominal();
+  update_formula();
 }
 
 double PricedRun::of_block(const std::string& block, sim::Side side) const {

@@ -30,7 +30,7 @@ struct EnergyEntry {
   bool has_band() const;
   /// Sets the nominal figure of each point to a quantile of its band.
   void set_quantile(double quantile);
-  void restore();
+  void restore_nominal();
 };
 
 /// Returns the entries of all tables, including those without a band, in the order of the configuration. `config` must
@@ -46,7 +46,7 @@ double at_quantile(const sim::Band& band, double quantile);
 struct EnergyDraw {
   std::uint64_t seed = 1;
   std::uint64_t number = 0;
-  double quantile(const EnergyEntry& entry) const;
+  double quantile_of(const EnergyEntry& entry) const;
 };
 
 /// Energy figures that replace those of the run.
@@ -73,15 +73,15 @@ class PricedRun {
   const WorkDone& work() const { return work_; }
   /// Returns a line for each kind of unit whose array is outside all points of a curve of the table, and for each clock
   /// whose energies hold at another voltage.
-  const std::vector<std::string>& extrapolated() const { return extrapolated_; }
+  const std::vector<std::string>& extrapolation_warnings() const { return extrapolated_; }
 
   /// Returns the figures that have a band.
-  std::vector<EnergyEntry>& entries() { return entries_; }
+  std::vector<EnergyEntry>& band_entries() { return entries_; }
   /// Sets nominal figures to those of a draw; restore() sets them back to the table's.
-  void draw(const EnergyDraw& draw);
-  void restore();
+  void apply_draw(const EnergyDraw& draw);
+  void restore_nominal();
   /// Recomputes the formula; call after changing entries directly.
-  void refresh();
+  void update_formula();
 
   /// Returns the current pJ of one side.
   double total(sim::Side side) const { return formula_->total(side); }

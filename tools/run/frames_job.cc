@@ -76,7 +76,7 @@ void run_frames(const JobOptions& options) {
   Inputs inputs = load_inputs(options, &progress);
   RenderedFrames frames(inputs, plan, options.threads, &progress);
   live.set_config(inputs.config);
-  timeline.check(inputs, plan.program);
+  timeline.check_selection(inputs, plan.program);
   print_warnings(inputs.warnings, &progress);
   if (plan.sampling() == nullptr && progress.shows_hints()) {
     const RunParallelism plays{options.threads, frames.replicates(), frames.slices()};
@@ -120,7 +120,7 @@ void run_frames(const JobOptions& options) {
     const std::filesystem::path& staging = open();
     const double wall = sim::seconds_since(begin);
     json = report_json({inputs, options, result.report_totals(), result.frames, result.partial, wall});
-    timeline.write(staging, json);
+    timeline.write_file(staging, json);
     write_report(staging, json, inputs.config, result);
     write_reference(staging, {inputs, options}, result);
     if (trace && !result.partial) trace->commit();
@@ -129,7 +129,7 @@ void run_frames(const JobOptions& options) {
   });
   if (options.json) return fmt::print("{}", sim::json_text(json["totals"]));
   if (options.quiet) return;
-  print_results(json, folder.target(), {has_picture, timeline.selection().has_value(), frames.has_reference()});
+  print_results(json, folder.target(), {has_picture, timeline.tile_selection().has_value(), frames.has_reference()});
 }
 
 }  // namespace tools

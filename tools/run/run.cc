@@ -252,7 +252,7 @@ void write_report(const std::filesystem::path& folder, const sim::Json& json, co
   sim::write_file_atomically(folder / "report.txt", report_table(json));
   sim::write_file_atomically(folder / "config.yaml", sim::dump_config(config));
   if (!result.intervals.empty()) {
-    sim::write_file_atomically(folder / kIntervalFile, result.intervals.file(result.total->units));
+    sim::write_file_atomically(folder / kIntervalFile, result.intervals.file_bytes(result.total->units));
   }
   if (!result.tiles.frames.empty()) sim::write_file_atomically(folder / kTilesFile, tiles_text(result.tiles));
 }

@@ -91,7 +91,7 @@ void replay_trace(const JobOptions& options, const std::filesystem::path& file) 
   std::optional<HoldInterrupts> hold;  // its destructor ends the process after the last progress line
   Progress progress(options.progress, options.quiet);
   TimelineJob timeline(options.timeline);
-  if (timeline.selection() && timeline.selection()->needs_places()) {
+  if (timeline.tile_selection() && timeline.tile_selection()->needs_places()) {
     throw sim::InputError("--timeline: a trace does not know where tiles lie in the picture; allowed: all, slowest:N");
   }
   StoredFrames frames(file, options);
@@ -112,7 +112,7 @@ void replay_trace(const JobOptions& options, const std::filesystem::path& file) 
     const double wall = sim::seconds_since(begin);
     json = report_json({frames.inputs(), options, result.report_totals(), result.frames, result.partial, wall});
     if (result.total->is_part()) leave_out_sampling(json);
-    timeline.write(open(), json);
+    timeline.write_file(open(), json);
     write_report(open(), json, frames.inputs().config, result);
     write_reference(open(), {frames.inputs(), options}, result);
     print_warnings(json, frames.inputs().warnings.size());  // before a pending interrupt ends the process
@@ -121,7 +121,7 @@ void replay_trace(const JobOptions& options, const std::filesystem::path& file) 
   hold.reset();
   if (options.quiet) return;
   fmt::print("{}\nreport:  {}\n", terminal_text(report_table(json)), (folder.target() / "report.json").string());
-  if (timeline.selection()) fmt::print("timeline: {}\n", (folder.target() / kTimelineFile).string());
+  if (timeline.tile_selection()) fmt::print("timeline: {}\n", (folder.target() / kTimelineFile).string());
   if (json["totals"].contains("reference")) print_reference_location(folder.target());
 }
 

@@ -74,7 +74,7 @@ std::vector<HeatMap> heat_maps(const FrameResult& s, const TileFrame& tiles, std
           of_tiles(map("energy", "Energy of a pixel in nJ", "turbo"), by_area(tiles, energy), true)};
 }
 
-DrawnMap draw(const HeatMap& map) {
+DrawnMap draw_heat_map(const HeatMap& map) {
   constexpr std::uint32_t kMargin = 3, kBar = 8;
   const float most = *std::ranges::max_element(map.values);
   const std::string most_text = most < 1000 ? fmt::format("{:.4g}", most) : fmt::format("{:.0f}", most);
@@ -142,7 +142,7 @@ void write_pixels(const std::filesystem::path& file, const std::vector<kernels::
 void write_heat_maps(const std::filesystem::path& folder, const std::string& prefix, const std::vector<HeatMap>& maps,
                      std::span<const traces::ImageNote> notes) {
   for (const HeatMap& map : maps) {
-    const DrawnMap drawn = draw(map);
+    const DrawnMap drawn = draw_heat_map(map);
     const std::string name = fmt::format("{}debug-{}", prefix, map.name);
     traces::write_png(folder / (name + ".png"), drawn.width, drawn.height, drawn.rgb, notes);
     const std::vector<traces::ImageChannel> channel = {{map.name}};

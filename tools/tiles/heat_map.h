@@ -32,7 +32,7 @@ struct DrawnMap {
   std::uint32_t width = 0, height = 0;
   std::vector<std::uint8_t> rgb;
 };
-DrawnMap draw(const HeatMap& map);
+DrawnMap draw_heat_map(const HeatMap& map);
 
 inline constexpr const char* kPixelsFile = "pixels.exr";
 

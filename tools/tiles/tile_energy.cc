@@ -20,7 +20,7 @@
 
 namespace tools {
 
-Residence residence(std::span<const hw::TileAccount> tiles, sim::Time elapsed, std::optional<std::uint32_t> core) {
+Residence residence_of(std::span<const hw::TileAccount> tiles, sim::Time elapsed, std::optional<std::uint32_t> core) {
   struct Event {
     sim::Time at;
     std::size_t tile;
@@ -112,36 +112,36 @@ struct Rule {
 };
 
 template <class Unit>
-Rule rule(std::uint64_t Unit::Stats::*counter, Kind kind) {
+Rule make_rule(std::uint64_t Unit::Stats::*counter, Kind kind) {
   return {typeid(Unit), counter_name<typename Unit::Stats>(counter), kind};
 }
 
 /// Rules for counters that are not shared out like the others of their unit.
-const std::vector<Rule>& rules() {
+const std::vector<Rule>& special_rules() {
   using hw::CorePort, hw::DramChannel, hw::Ist, hw::L2Bank, hw::Srp, hw::Trv;
   static const std::vector<Rule> all = {
-      rule<Trv>(&Trv::Stats::rays_in, kRays),
-      rule<Trv>(&Trv::Stats::rays_out, kRays),
-      rule<Trv>(&Trv::Stats::l1_misses, kNodeLines),
-      rule<Trv>(&Trv::Stats::l1_fills, kNodeLines),
-      rule<Trv>(&Trv::Stats::bypass_passes, kNodeLines),
-      rule<Ist>(&Ist::Stats::l1_misses, kTriangleLines),
-      rule<Ist>(&Ist::Stats::l1_fills, kTriangleLines),
-      rule<Ist>(&Ist::Stats::bypass_passes, kTriangleLines),
-      rule<Srp>(&Srp::Stats::rays, kRays),
-      rule<Srp>(&Srp::Stats::hits, kRays),
-      rule<Srp>(&Srp::Stats::config_reads, kSrpCycles),
-      rule<Srp>(&Srp::Stats::config_rows_switched, kSrpCycles),
-      rule<Srp>(&Srp::Stats::config_rows_loaded, kSrpCycles),
-      rule<Srp>(&Srp::Stats::cache_hits, kAccesses),
-      rule<Srp>(&Srp::Stats::cache_misses, kShadingLines),
-      rule<Srp>(&Srp::Stats::cache_fills, kShadingLines),
-      rule<L2Bank>(&L2Bank::Stats::hits, kL2Hits),
-      rule<L2Bank>(&L2Bank::Stats::misses, kL2Misses),
-      rule<L2Bank>(&L2Bank::Stats::fills, kL2Fills),
-      rule<DramChannel>(&DramChannel::Stats::read_bursts, kDramReads),
-      rule<DramChannel>(&DramChannel::Stats::write_bursts, kDramWrites),
-      rule<DramChannel>(&DramChannel::Stats::activates, kActivates),
+      make_rule<Trv>(&Trv::Stats::rays_in, kRays),
+      make_rule<Trv>(&Trv::Stats::rays_out, kRays),
+      make_rule<Trv>(&Trv::Stats::l1_misses, kNodeLines),
+      make_rule<Trv>(&Trv::Stats::l1_fills, kNodeLines),
+      make_rule<Trv>(&Trv::Stats::bypass_passes, kNodeLines),
+      make_rule<Ist>(&Ist::Stats::l1_misses, kTriangleLines),
+      make_rule<Ist>(&Ist::Stats::l1_fills, kTriangleLines),
+      make_rule<Ist>(&Ist::Stats::bypass_passes, kTriangleLines),
+      make_rule<Srp>(&Srp::Stats::rays, kRays),
+      make_rule<Srp>(&Srp::Stats::hits, kRays),
+      make_rule<Srp>(&Srp::Stats::config_reads, kSrpCycles),
+      make_rule<Srp>(&Srp::Stats::config_rows_switched, kSrpCycles),
+      make_rule<Srp>(&Srp::Stats::config_rows_loaded, kSrpCycles),
+      make_rule<Srp>(&Srp::Stats::cache_hits, kAccesses),
+      make_rule<Srp>(&Srp::Stats::cache_misses, kShadingLines),
+      make_rule<Srp>(&Srp::Stats::cache_fills, kShadingLines),
+      make_rule<L2Bank>(&L2Bank::Stats::hits, kL2Hits),
+      make_rule<L2Bank>(&L2Bank::Stats::misses, kL2Misses),
+      make_rule<L2Bank>(&L2Bank::Stats::fills, kL2Fills),
+      make_rule<DramChannel>(&DramChannel::Stats::read_bursts, kDramReads),
+      make_rule<DramChannel>(&DramChannel::Stats::write_bursts, kDramWrites),
+      make_rule<DramChannel>(&DramChannel::Stats::activates, kActivates),
   };
   return all;
 }
@@ -171,11 +171,11 @@ class TileWeights {
   explicit TileWeights(const FrameResult& s);
 
   /// Returns the number of kinds of work.
-  std::size_t count() const { return kinds_; }
-  double of(std::size_t tile, std::size_t kind) const { return values_[tile * kinds_ + kind]; }
+  std::size_t kind_count() const { return kinds_; }
+  double part_of(std::size_t tile, std::size_t kind) const { return values_[tile * kinds_ + kind]; }
   double of_rest(std::size_t kind) const { return rest_[kind]; }
   /// Returns the sum over all tiles of a core; without a core, over all tiles and requests without a tile.
-  double sum(std::size_t kind, std::optional<std::uint32_t> core) const;
+  double sum_of(std::size_t kind, std::optional<std::uint32_t> core) const;
 
   /// Returns the kind of work for a counter of a unit; none if it depends on time.
   static std::optional<std::size_t> of_counter(const sim::UnitReport& unit, std::string_view counter);
@@ -192,8 +192,8 @@ class TileWeights {
 
 std::optional<std::size_t> TileWeights::of_counter(const sim::UnitReport& unit, std::string_view counter) {
   const auto is_it = [&](const Rule& rule) { return rule.unit == unit.type && rule.counter == counter; };
-  const auto found = std::ranges::find_if(rules(), is_it);
-  if (found != rules().end()) return found->kind;
+  const auto found = std::ranges::find_if(special_rules(), is_it);
+  if (found != special_rules().end()) return found->kind;
   if (unit.type == typeid(hw::Srp)) return kOperations + srp_counter(counter);
   return usual_kind(unit);
 }
@@ -266,10 +266,10 @@ void TileWeights::add_kernels(const FrameResult& s) {
   }
 }
 
-double TileWeights::sum(std::size_t kind, std::optional<std::uint32_t> core) const {
+double TileWeights::sum_of(std::size_t kind, std::optional<std::uint32_t> core) const {
   double all = core ? 0 : rest_[kind];
   for (std::size_t tile = 0; tile < s_.tile_accounts.size(); ++tile) {
-    if (!core || s_.tile_accounts[tile].core == *core) all += of(tile, kind);
+    if (!core || s_.tile_accounts[tile].core == *core) all += part_of(tile, kind);
   }
   return all;
 }
@@ -289,7 +289,7 @@ std::optional<std::uint32_t> core_of(std::string_view path) {
 class Shared {
  public:
   Shared(const FrameResult& s, const TileWeights& weights, std::optional<std::uint32_t> core)
-      : s_(s), weights_(weights), core_(core), counted_(weights.count()) {}
+      : s_(s), weights_(weights), core_(core), counted_(weights.kind_count()) {}
 
   void add(std::size_t weight, const sim::Band& pj) { counted_[weight] += pj; }
   void add_standing(const sim::Band& pj) { standing_ += pj; }
@@ -297,16 +297,16 @@ class Shared {
   void share_out(TileEnergy& energy) const {
     for (std::size_t w = 0; w < counted_.size(); ++w) {
       if (counted_[w].high == 0) continue;
-      const double all = weights_.sum(w, core_);
+      const double all = weights_.sum_of(w, core_);
       if (all == 0) {
         energy.rest += counted_[w];
         continue;
       }
       const sim::Band each = counted_[w] * (1 / all);
-      for_tiles([&](std::size_t tile) { energy.tiles[tile] += each * weights_.of(tile, w); });
+      for_tiles([&](std::size_t tile) { energy.tiles[tile] += each * weights_.part_of(tile, w); });
       if (!core_) energy.rest += each * weights_.of_rest(w);
     }
-    const Residence present = residence(s_.tile_accounts, s_.elapsed, core_);
+    const Residence present = residence_of(s_.tile_accounts, s_.elapsed, core_);
     for_tiles([&](std::size_t tile) { energy.tiles[tile] += standing_ * present.tiles[tile]; });
     energy.rest += standing_ * present.rest;
   }

@@ -18,7 +18,7 @@ struct Residence {
   std::vector<double> tiles;  ///< 0 for tiles of other cores
   double rest = 0;
 };
-Residence residence(std::span<const hw::TileAccount> tiles, sim::Time elapsed, std::optional<std::uint32_t> core);
+Residence residence_of(std::span<const hw::TileAccount> tiles, sim::Time elapsed, std::optional<std::uint32_t> core);
 
 /// Energy of a frame by tile, in pJ.
 struct TileEnergy {

@@ -29,7 +29,7 @@ class Builder {
     frame_.frame = frame;
   }
 
-  TileFrame build() {
+  TileFrame build_frame() {
     add_firsts();
     add_times();
     add_function();
@@ -55,13 +55,13 @@ class Builder {
     for (const double one : column.values) column.total += one;
     column.total += rest;
   }
-  const kernels::TileSummary& summary(std::size_t i) const { return s_.rendered.summaries.tiles[i]; }
-  const hw::TileAccount& account(std::size_t i) const { return s_.tile_accounts[i]; }
+  const kernels::TileSummary& summary_of(std::size_t i) const { return s_.rendered.summaries.tiles[i]; }
+  const hw::TileAccount& account_of(std::size_t i) const { return s_.tile_accounts[i]; }
 
   void add_firsts() {
     std::uint32_t pass = 0;
-    add("tile", "", [&](std::size_t i) { return summary(i).tile; });
-    add("pass", "", [&](std::size_t i) { return pass += summary(i).begins_pass ? 1U : 0U; });
+    add("tile", "", [&](std::size_t i) { return summary_of(i).tile; });
+    add("pass", "", [&](std::size_t i) { return pass += summary_of(i).begins_pass ? 1U : 0U; });
     if (s_.rendered.pixels.empty()) return;
     const std::vector<const kernels::TileSummary*> firsts = first_passes();
     add("x", "pixels", [&](std::size_t i) { return firsts[i]->x; });
@@ -74,42 +74,42 @@ class Builder {
   std::vector<const kernels::TileSummary*> first_passes() const {
     std::vector<const kernels::TileSummary*> by_tile, firsts;
     std::size_t count = 0;
-    for (std::size_t i = 0; i < s_.tile_accounts.size() && !(i != 0 && summary(i).begins_pass); ++i) count += 1;
+    for (std::size_t i = 0; i < s_.tile_accounts.size() && !(i != 0 && summary_of(i).begins_pass); ++i) count += 1;
     by_tile.resize(count);
     for (std::size_t i = 0; i < count; ++i) {
-      if (summary(i).tile < count) by_tile[summary(i).tile] = &summary(i);
+      if (summary_of(i).tile < count) by_tile[summary_of(i).tile] = &summary_of(i);
     }
     for (std::size_t i = 0; i < s_.tile_accounts.size(); ++i) {
-      const kernels::TileSummary* first = i < count ? nullptr : by_tile[summary(i).tile % count];
-      firsts.push_back(first == nullptr ? &summary(i) : first);
+      const kernels::TileSummary* first = i < count ? nullptr : by_tile[summary_of(i).tile % count];
+      firsts.push_back(first == nullptr ? &summary_of(i) : first);
     }
     return firsts;
   }
   void add_times() {
     const sim::Clock tni = config_.gpu->clocks.tni.clock();
-    add("core", "", [&](std::size_t i) { return account(i).core; });
-    add("dispatched", "T&I cycles", [&](std::size_t i) { return tni.cycles(account(i).dispatched); });
-    add("finished", "T&I cycles", [&](std::size_t i) { return tni.cycles(account(i).finished); });
+    add("core", "", [&](std::size_t i) { return account_of(i).core; });
+    add("dispatched", "T&I cycles", [&](std::size_t i) { return tni.cycles(account_of(i).dispatched); });
+    add("finished", "T&I cycles", [&](std::size_t i) { return tni.cycles(account_of(i).finished); });
     add_sum("srp_cycles", "SRP cycles", static_cast<double>(s_.rest.srp_cycles),
-            [&](std::size_t i) { return account(i).srp_cycles; });
+            [&](std::size_t i) { return account_of(i).srp_cycles; });
   }
   void add_function() {
     constexpr std::array kKinds = {"rays_primary", "rays_shadow", "rays_reflection", "rays_refraction"};
     static_assert(kKinds.size() == static_cast<std::size_t>(traces::RayKind::kCount));
     for (std::size_t k = 0; k < kKinds.size(); ++k) {
-      add_sum(kKinds[k], "rays", 0, [&](std::size_t i) { return summary(i).rays[k]; });
+      add_sum(kKinds[k], "rays", 0, [&](std::size_t i) { return summary_of(i).rays[k]; });
     }
-    add_sum("steps", "steps", 0, [&](std::size_t i) { return summary(i).steps; });
-    add_sum("tests", "tests", 0, [&](std::size_t i) { return summary(i).tests; });
+    add_sum("steps", "steps", 0, [&](std::size_t i) { return summary_of(i).steps; });
+    add_sum("tests", "tests", 0, [&](std::size_t i) { return summary_of(i).tests; });
   }
   void add_memory() {
     const auto bytes = [](std::uint64_t lines) { return static_cast<double>(hw::kLineBytes * lines); };
     for (std::size_t a = 0; a < hw::kRequesterKinds; ++a) {
       add_sum(std::string("bytes_").append(names_of(hw::RequesterKind{})[a]), "bytes", bytes(s_.rest.lines[a]),
-              [&](std::size_t i) { return bytes(account(i).lines[a]); });
+              [&](std::size_t i) { return bytes(account_of(i).lines[a]); });
     }
     add_sum("dram_bytes", "bytes", bytes(s_.rest.dram_reads + s_.rest.dram_writes),
-            [&](std::size_t i) { return bytes(account(i).dram_reads + account(i).dram_writes); });
+            [&](std::size_t i) { return bytes(account_of(i).dram_reads + account_of(i).dram_writes); });
   }
   void add_energy() {
     const TileEnergy energy = tile_energy(s_, config_);
@@ -133,7 +133,7 @@ class Builder {
 }  // namespace
 
 TileFrame tile_frame(const FrameResult& s, const RunConfig& config, std::uint32_t frame) {
-  return Builder(s, config, frame).build();
+  return Builder(s, config, frame).build_frame();
 }
 
 }  // namespace tools

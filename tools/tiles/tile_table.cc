@@ -20,7 +20,7 @@ constexpr std::string_view kSchema = "raywatt-tiles/1";
 constexpr std::uint64_t kLargestFile = std::uint64_t{4} << 30;
 constexpr double kLargestExact = 0x1p53;
 
-Json number(double value) {
+Json number_json(double value) {
   if (value == std::trunc(value) && std::abs(value) < kLargestExact) return static_cast<std::int64_t>(value);
   return value;
 }
@@ -29,16 +29,16 @@ Json number(double value) {
 void append_columns(const TileFrame& frame, std::string& out) {
   for (const TileColumn& column : frame.columns) {
     Json values = Json::array();
-    for (const double value : column.values) values.push_back(number(value));
+    for (const double value : column.values) values.push_back(number_json(value));
     out += fmt::format("{}\n        {}: {}", &column == &frame.columns.front() ? "" : ",",
                        sim::json_line(Json(column.name)), sim::json_line(values));
   }
 }
 
-Json sums(const TileFrame& frame, double TileColumn::*of) {
+Json sums_json(const TileFrame& frame, double TileColumn::*of) {
   Json out = Json::object();
   for (const TileColumn& column : frame.columns) {
-    if (column.is_sum) out[column.name] = number(column.*of);
+    if (column.is_sum) out[column.name] = number_json(column.*of);
   }
   return out;
 }
@@ -64,7 +64,7 @@ TileFrame frame_of(const Json& json, const Json& units, const std::string& file)
 }
 
 /// Parses JSON; throws InputError, with the file's name, if it is nested too deeply.
-Json parsed(const std::string& bytes, const std::string& name) {
+Json parse_file(const std::string& bytes, const std::string& name) {
   try {
     return sim::parse_json(bytes);
   } catch (const sim::InputError& error) {
@@ -97,7 +97,8 @@ std::string tiles_text(const TileTable& table) {
                        &frame == &table.frames.front() ? "" : ",", frame.frame);
     append_columns(frame, out);
     out += fmt::format("\n      }},\n      \"rest\": {},\n      \"totals\": {}\n    }}",
-                       sim::json_line(sums(frame, &TileColumn::rest)), sim::json_line(sums(frame, &TileColumn::total)));
+                       sim::json_line(sums_json(frame, &TileColumn::rest)),
+                       sim::json_line(sums_json(frame, &TileColumn::total)));
   }
   return out + "\n  ]\n}\n";
 }
@@ -109,7 +110,7 @@ TileTable load_tiles(const std::filesystem::path& file_or_folder) {
   const std::string name = sim::printable(file.string());
   TileTable table;
   try {
-    const Json json = parsed(sim::read_file(file, kLargestFile), name);
+    const Json json = parse_file(sim::read_file(file, kLargestFile), name);
     const std::string schema = json.at("schema").get<std::string>();
     if (schema != kSchema) {
       throw sim::InputError(fmt::format("{}: schema '{}'; allowed: '{}'", name, sim::printable(schema), kSchema));

@@ -42,7 +42,7 @@ class TimelineRecorder final : public hw::Observer {
 
   /// Returns the slices in the order in which they ended.
   const std::vector<RecordedSlice>& slices() const { return slices_; }
-  const std::vector<MemoryBin>& memory() const { return memory_; }
+  const std::vector<MemoryBin>& memory_bins() const { return memory_; }
 
  private:
   void start_tile(const hw::TileStarted& event);
@@ -61,7 +61,7 @@ class TimelineRecorder final : public hw::Observer {
     std::uint32_t rays = 0;  ///< in the T&I unit when it began
     sim::Time begin = 0;
   };
-  MemoryBin& bin(sim::Time at) {
+  MemoryBin& bin_at(sim::Time at) {
     const auto index = static_cast<std::size_t>(at / kBin);
     if (index >= memory_.size()) [[unlikely]]
       memory_.resize(index + 1);

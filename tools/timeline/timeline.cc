@@ -26,7 +26,7 @@ namespace tools {
 namespace {
 
 /// Parses `count` comma-separated whole numbers; empty if the text is anything else.
-std::vector<std::uint32_t> numbers(std::string_view text, std::size_t count) {
+std::vector<std::uint32_t> parse_numbers(std::string_view text, std::size_t count) {
   std::vector<std::uint32_t> out;
   const char* at = text.data();
   const char* const end = at + text.size();
@@ -43,23 +43,23 @@ std::vector<std::uint32_t> numbers(std::string_view text, std::size_t count) {
 }
 
 /// Returns the text after a word and a colon; none if it begins differently.
-std::optional<std::string_view> behind(std::string_view text, std::string_view word) {
+std::optional<std::string_view> text_after(std::string_view text, std::string_view word) {
   if (!text.starts_with(word)) return {};
   return text.substr(word.size());
 }
 
-bool covers(const TileFrame& tiles, std::size_t row, std::uint32_t x, std::uint32_t y) {
+bool covers_pixel(const TileFrame& tiles, std::size_t row, std::uint32_t x, std::uint32_t y) {
   const auto at = [&](const char* column) { return tiles.at(column)[row]; };
   return x >= at("x") && x < at("x") + at("width") && y >= at("y") && y < at("y") + at("height");
 }
 
 /// Returns the distinct values of a column, ascending.
-std::vector<double> distinct(const std::vector<double>& column) {
+std::vector<double> distinct_values(const std::vector<double>& column) {
   const std::set<double> values(column.begin(), column.end());
   return {values.begin(), values.end()};
 }
 
-std::vector<std::size_t> slowest(const TileFrame& tiles, std::size_t count) {
+std::vector<std::size_t> slowest_rows(const TileFrame& tiles, std::size_t count) {
   const std::vector<double>&begin = tiles.at("dispatched"), &end = tiles.at("finished");
   std::vector<std::size_t> rows(tiles.rows());
   std::iota(rows.begin(), rows.end(), std::size_t{0});
@@ -73,15 +73,15 @@ std::vector<std::size_t> slowest(const TileFrame& tiles, std::size_t count) {
 TimelineSelection parse_timeline(const std::string& text) {
   using Kind = TimelineSelection::Kind;
   if (text == "all") return {};
-  if (const auto count = behind(text, "slowest:")) {
-    const std::vector<std::uint32_t> n = numbers(*count, 1);
+  if (const auto count = text_after(text, "slowest:")) {
+    const std::vector<std::uint32_t> n = parse_numbers(*count, 1);
     if (!n.empty() && n[0] > 0) return {Kind::kSlowest, n[0], 0, 0};
   }
-  if (const auto position = behind(text, "tile:")) {
-    if (const auto n = numbers(*position, 2); !n.empty()) return {Kind::kTile, 0, n[0], n[1]};
+  if (const auto position = text_after(text, "tile:")) {
+    if (const auto n = parse_numbers(*position, 2); !n.empty()) return {Kind::kTile, 0, n[0], n[1]};
   }
-  if (const auto position = behind(text, "pixel:")) {
-    if (const auto n = numbers(*position, 2); !n.empty()) return {Kind::kPixel, 0, n[0], n[1]};
+  if (const auto position = text_after(text, "pixel:")) {
+    if (const auto n = parse_numbers(*position, 2); !n.empty()) return {Kind::kPixel, 0, n[0], n[1]};
   }
   throw sim::InputError(fmt::format(
       "--timeline '{}': allowed: all, slowest:N, tile:X,Y (column and row of a tile) or pixel:X,Y, e.g. slowest:8",
@@ -95,10 +95,10 @@ std::vector<std::size_t> selected_tiles(const TimelineSelection& selection, cons
     std::iota(rows.begin(), rows.end(), std::size_t{0});
     return rows;
   }
-  if (selection.kind == Kind::kSlowest) return slowest(tiles, selection.count);
+  if (selection.kind == Kind::kSlowest) return slowest_rows(tiles, selection.count);
   std::uint32_t x = selection.x, y = selection.y;
   if (selection.kind == Kind::kTile) {
-    const std::vector<double> columns = distinct(tiles.at("x")), rows = distinct(tiles.at("y"));
+    const std::vector<double> columns = distinct_values(tiles.at("x")), rows = distinct_values(tiles.at("y"));
     if (x >= columns.size() || y >= rows.size()) {
       throw sim::InputError(fmt::format("--timeline tile:{},{}: there is no such tile; allowed: 0,0 to {},{}", x, y,
                                         columns.size() - 1, rows.size() - 1));
@@ -108,7 +108,7 @@ std::vector<std::size_t> selected_tiles(const TimelineSelection& selection, cons
   }
   std::vector<std::size_t> found;
   for (std::size_t row = 0; row < tiles.rows(); ++row) {
-    if (covers(tiles, row, x, y)) found.push_back(row);
+    if (covers_pixel(tiles, row, x, y)) found.push_back(row);
   }
   if (found.empty()) throw sim::InputError(fmt::format("--timeline pixel:{},{}: there is no such pixel", x, y));
   return found;
@@ -116,30 +116,30 @@ std::vector<std::size_t> selected_tiles(const TimelineSelection& selection, cons
 
 namespace {
 
-constexpr std::size_t kMostStretches = 2048;
+constexpr std::size_t kMostTimeBins = 2048;
 constexpr double kLineBytes = 64;
 constexpr double kJoulesPerMillijoule = 1e-3;
 
 /// A frame divided into bins of equal time, each a whole number of the recorder's bins.
-class Stretches {
+class TimeBins {
  public:
-  explicit Stretches(sim::Time elapsed)
-      : bins_(1 + static_cast<std::size_t>(elapsed / TimelineRecorder::kBin / kMostStretches)),
+  explicit TimeBins(sim::Time elapsed)
+      : bins_(1 + static_cast<std::size_t>(elapsed / TimelineRecorder::kBin / kMostTimeBins)),
         length_(bins_ * TimelineRecorder::kBin),
         elapsed_(elapsed),
         count_(static_cast<std::size_t>((elapsed + length_ - 1) / length_)) {}
 
-  std::size_t count() const { return count_; }
+  std::size_t bin_count() const { return count_; }
   std::size_t of_bin(std::size_t bin) const { return std::min(bin / bins_, count_ - 1); }
-  sim::Time begin(std::size_t i) const { return i * length_; }
-  double seconds(std::size_t i) const {
-    return static_cast<double>(std::min(begin(i + 1), elapsed_) - begin(i)) / sim::kFemtosecondsPerSecond;
+  sim::Time bin_begin(std::size_t i) const { return i * length_; }
+  double bin_seconds(std::size_t i) const {
+    return static_cast<double>(std::min(bin_begin(i + 1), elapsed_) - bin_begin(i)) / sim::kFemtosecondsPerSecond;
   }
   /// Spreads an amount evenly over [from, to).
-  void spread(std::vector<double>& over, sim::Time from, sim::Time to, double amount) const {
+  void spread_amount(std::vector<double>& over, sim::Time from, sim::Time to, double amount) const {
     if (from >= to) return;
-    for (auto i = static_cast<std::size_t>(from / length_); i < count_ && begin(i) < to; ++i) {
-      const sim::Time part = std::min(to, begin(i + 1)) - std::max(from, begin(i));
+    for (auto i = static_cast<std::size_t>(from / length_); i < count_ && bin_begin(i) < to; ++i) {
+      const sim::Time part = std::min(to, bin_begin(i + 1)) - std::max(from, bin_begin(i));
       over[i] += amount * static_cast<double>(part) / static_cast<double>(to - from);
     }
   }
@@ -152,20 +152,20 @@ class Stretches {
 
 class CounterWriter {
  public:
-  CounterWriter(const Stretches& stretches, TracePackets& to) : stretches_(stretches), to_(to) {}
+  CounterWriter(const TimeBins& time_bins, TracePackets& to) : time_bins_(time_bins), to_(to) {}
 
   /// Writes a value per bin, only where it changes.
-  void write(std::uint64_t track, auto&& value) {
+  void write_values(std::uint64_t track, auto&& value) {
     double before = -1;
-    for (std::size_t i = 0; i < stretches_.count(); ++i) {
+    for (std::size_t i = 0; i < time_bins_.bin_count(); ++i) {
       const double now = value(i);
-      if (now != before) to_.count(nanoseconds(stretches_.begin(i)), track, now);
+      if (now != before) to_.add_count(to_nanoseconds(time_bins_.bin_begin(i)), track, now);
       before = now;
     }
   }
 
  private:
-  const Stretches& stretches_;
+  const TimeBins& time_bins_;
   TracePackets& to_;
 };
 
@@ -178,18 +178,19 @@ void write_rays(const TimelineRecorder& recorder, std::uint32_t core, std::uint6
   }
   std::ranges::stable_sort(seen, {}, &std::pair<sim::Time, std::uint32_t>::first);
   // At most as many values as other counters.
-  const std::size_t step = 1 + seen.size() / kMostStretches;
-  for (std::size_t i = 0; i < seen.size(); i += step) to.count(nanoseconds(seen[i].first), track, seen[i].second);
+  const std::size_t step = 1 + seen.size() / kMostTimeBins;
+  for (std::size_t i = 0; i < seen.size(); i += step)
+    to.add_count(to_nanoseconds(seen[i].first), track, seen[i].second);
 }
 
-std::vector<double> joules(const FrameResult& s, const TileFrame& tiles, const Stretches& stretches) {
-  std::vector<double> out(stretches.count());
+std::vector<double> energy_per_bin(const FrameResult& s, const TileFrame& tiles, const TimeBins& time_bins) {
+  std::vector<double> out(time_bins.bin_count());
   const TileColumn& energy = *tiles.find("energy_mj_nominal");
   for (std::size_t i = 0; i < tiles.rows(); ++i) {
     const hw::TileAccount& account = s.tile_accounts[i];
-    stretches.spread(out, account.dispatched, account.finished, energy.values[i] * kJoulesPerMillijoule);
+    time_bins.spread_amount(out, account.dispatched, account.finished, energy.values[i] * kJoulesPerMillijoule);
   }
-  stretches.spread(out, 0, s.elapsed, energy.rest * kJoulesPerMillijoule);
+  time_bins.spread_amount(out, 0, s.elapsed, energy.rest * kJoulesPerMillijoule);
   return out;
 }
 
@@ -201,12 +202,12 @@ std::vector<double> joules(const FrameResult& s, const TileFrame& tiles, const S
 /// A tile's energy is spread evenly over its time in flight, the rest evenly over the frame.
 void write_counters(const TimelineRecorder& recorder, const FrameResult& s, const TileFrame& tiles,
                     const RunConfig& config, TimelineTracks& tracks, TracePackets& to) {
-  const Stretches stretches(s.elapsed);
-  CounterWriter counters(stretches, to);
-  std::vector<MemoryBin> memory(stretches.count());
-  for (std::size_t bin = 0; bin < recorder.memory().size(); ++bin) {
-    const MemoryBin& from = recorder.memory()[bin];
-    MemoryBin& sum = memory[stretches.of_bin(bin)];
+  const TimeBins time_bins(s.elapsed);
+  CounterWriter counters(time_bins, to);
+  std::vector<MemoryBin> memory(time_bins.bin_count());
+  for (std::size_t bin = 0; bin < recorder.memory_bins().size(); ++bin) {
+    const MemoryBin& from = recorder.memory_bins()[bin];
+    MemoryBin& sum = memory[time_bins.of_bin(bin)];
     sum.l2_hits += from.l2_hits;
     sum.l2_misses += from.l2_misses;
     sum.lines_read += from.lines_read;
@@ -214,26 +215,27 @@ void write_counters(const TimelineRecorder& recorder, const FrameResult& s, cons
   }
   const auto rate = [&](std::uint64_t MemoryBin::*lines) {
     return [&, lines](std::size_t i) {
-      return static_cast<double>(memory[i].*lines) * kLineBytes / stretches.seconds(i) / 1e9;
+      return static_cast<double>(memory[i].*lines) * kLineBytes / time_bins.bin_seconds(i) / 1e9;
     };
   };
-  counters.write(tracks.shared_counter("DRAM read", "GB/s"), rate(&MemoryBin::lines_read));
-  counters.write(tracks.shared_counter("DRAM write", "GB/s"), rate(&MemoryBin::lines_written));
-  counters.write(tracks.shared_counter("L2 hits", "%"), [&](std::size_t i) {
+  counters.write_values(tracks.shared_counter("DRAM read", "GB/s"), rate(&MemoryBin::lines_read));
+  counters.write_values(tracks.shared_counter("DRAM write", "GB/s"), rate(&MemoryBin::lines_written));
+  counters.write_values(tracks.shared_counter("L2 hits", "%"), [&](std::size_t i) {
     const std::uint64_t all = memory[i].l2_hits + memory[i].l2_misses;
     return all == 0 ? 0 : 100 * static_cast<double>(memory[i].l2_hits) / static_cast<double>(all);
   });
-  const std::vector<double> spent = joules(s, tiles, stretches);
-  counters.write(tracks.shared_counter("power", "W"), [&](std::size_t i) { return spent[i] / stretches.seconds(i); });
+  const std::vector<double> spent = energy_per_bin(s, tiles, time_bins);
+  counters.write_values(tracks.shared_counter("power", "W"),
+                        [&](std::size_t i) { return spent[i] / time_bins.bin_seconds(i); });
   for (std::uint32_t core = 0; core < config.gpu->cores; ++core) {
-    std::vector<double> busy(stretches.count());
+    std::vector<double> busy(time_bins.bin_count());
     for (const RecordedSlice& slice : recorder.slices()) {
       if (slice.kind != RecordedSlice::Kind::kLoop || slice.core != core) continue;
       const auto seconds = static_cast<double>(slice.end - slice.begin) / sim::kFemtosecondsPerSecond;
-      stretches.spread(busy, slice.begin, slice.end, seconds);
+      time_bins.spread_amount(busy, slice.begin, slice.end, seconds);
     }
-    counters.write(tracks.core_counter(core, "SRP busy", "%"),
-                   [&](std::size_t i) { return 100 * busy[i] / stretches.seconds(i); });
+    counters.write_values(tracks.core_counter(core, "SRP busy", "%"),
+                          [&](std::size_t i) { return 100 * busy[i] / time_bins.bin_seconds(i); });
     write_rays(recorder, core, tracks.core_counter(core, "rays in T&I", "rays"), to);
   }
 }
@@ -242,7 +244,8 @@ using Slice = RecordedSlice;
 constexpr std::uint32_t kNotWanted = std::numeric_limits<std::uint32_t>::max();
 
 /// Returns for each slice the rank, among the selected tiles, of the tile for which it is shown, or kNotWanted.
-std::vector<std::uint32_t> ranks(const std::vector<RecordedSlice>& slices, const std::vector<std::size_t>& rows, bool all) {
+std::vector<std::uint32_t> slice_ranks(const std::vector<RecordedSlice>& slices, const std::vector<std::size_t>& rows,
+                                       bool all) {
   if (all) return std::vector<std::uint32_t>(slices.size(), 0);
   struct Window {
     std::uint16_t core = 0;
@@ -273,15 +276,16 @@ class SliceWriter {
 
   /// Calls add(time, write) for each event of a slice in order; write(packets) adds it.
   void each_event(const Slice& slice, std::uint64_t track, auto&& add) const {
-    const auto ends = [=](TracePackets& to, std::uint64_t time) { to.end(time, track); };
+    const auto ends = [=](TracePackets& to, std::uint64_t time) { to.end_slice(time, track); };
     add(slice.begin, [=, this](TracePackets& to, std::uint64_t time) { write_begin(slice, track, to, time); });
     if (slice.kind == Slice::Kind::kLoop) {
       const std::array<std::tuple<const char*, sim::Time, sim::Time>, 2> parts = {
           {{"switch", slice.begin, slice.configured}, {"banks", slice.configured, slice.start}}};
       for (const auto& [part, begin, end] : parts) {
-        if (nanoseconds(begin) == nanoseconds(end)) continue;
-        add(begin,
-            [=, name = part](TracePackets& to, std::uint64_t time) { to.begin(time, track, name, "kernel", 0, {}); });
+        if (to_nanoseconds(begin) == to_nanoseconds(end)) continue;
+        add(begin, [=, name = part](TracePackets& to, std::uint64_t time) {
+          to.begin_slice(time, track, name, "kernel", 0, {});
+        });
         add(end, ends);
       }
     }
@@ -296,26 +300,26 @@ class SliceWriter {
     switch (slice.kind) {
       case Slice::Kind::kTile: {
         const auto steps = static_cast<std::uint64_t>(tiles_.at("steps")[slice.entry]);
-        to.begin(time, track, fmt::format("tile {}", tile), "tile", flow, {{"tile", tile}, {"steps", steps}});
+        to.begin_slice(time, track, fmt::format("tile {}", tile), "tile", flow, {{"tile", tile}, {"steps", steps}});
         break;
       }
       case Slice::Kind::kLoop:
-        to.begin(time, track, s_.kernels[slice.kernel].kernel, "kernel", 0,
-                 {{"cycles", slice.cycles},
-                  {"items", slice.amount},
-                  {"launches", slice.launches},
-                  {"stalled_ns", nanoseconds(slice.stalled)},
-                  {"tile", tile}});
+        to.begin_slice(time, track, s_.kernels[slice.kernel].kernel, "kernel", 0,
+                       {{"cycles", slice.cycles},
+                        {"items", slice.amount},
+                        {"launches", slice.launches},
+                        {"stalled_ns", to_nanoseconds(slice.stalled)},
+                        {"tile", tile}});
         break;
       case Slice::Kind::kRays: {
         constexpr std::array kNames = {"primary rays", "shadow rays", "reflection rays", "refraction rays"};
-        to.begin(time, track, kNames.at(slice.what), "rays", flow, {{"rays", slice.amount}, {"tile", tile}});
+        to.begin_slice(time, track, kNames.at(slice.what), "rays", flow, {{"rays", slice.amount}, {"tile", tile}});
         break;
       }
       case Slice::Kind::kTransfer: {
         constexpr std::array kAreas = {"picture", "samples", "rates", "spill"};
-        to.begin(time, track, fmt::format("{} {}", slice.to_memory ? "write" : "read", kAreas.at(slice.what)),
-                 "transfer", flow, {{"bytes", slice.amount}, {"tile", tile}});
+        to.begin_slice(time, track, fmt::format("{} {}", slice.to_memory ? "write" : "read", kAreas.at(slice.what)),
+                       "transfer", flow, {{"bytes", slice.amount}, {"tile", tile}});
         break;
       }
     }
@@ -326,7 +330,8 @@ class SliceWriter {
 };
 
 /// Returns the slices in order of rank, in which they get room.
-std::vector<std::size_t> in_order_of_rank(const std::vector<RecordedSlice>& slices, const std::vector<std::uint32_t>& rank) {
+std::vector<std::size_t> in_order_of_rank(const std::vector<RecordedSlice>& slices,
+                                          const std::vector<std::uint32_t>& rank) {
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < slices.size(); ++i) {
     if (rank[i] != kNotWanted) order.push_back(i);
@@ -341,7 +346,7 @@ Timeline make_timeline(const TimelineRecorder& recorder, const TimelineSelection
                        const TileFrame& tiles, const RunConfig& config, std::uint64_t most_bytes) {
   const std::vector<RecordedSlice>& slices = recorder.slices();
   const bool all = selection.kind == TimelineSelection::Kind::kAll;
-  std::vector<std::size_t> shown = in_order_of_rank(slices, ranks(slices, selected_tiles(selection, tiles), all));
+  std::vector<std::size_t> shown = in_order_of_rank(slices, slice_ranks(slices, selected_tiles(selection, tiles), all));
   const std::size_t wanted = shown.size();
 
   TimelineTracks tracks(config.gpu->cores);
@@ -356,7 +361,7 @@ Timeline make_timeline(const TimelineRecorder& recorder, const TimelineSelection
   for (; fitting < shown.size(); ++fitting) {
     const std::size_t before = scratch.bytes().size();
     writer.each_event(slices[shown[fitting]], TimelineTracks::kLongestId,
-                      [&](sim::Time at, auto&& write) { write(scratch, nanoseconds(at)); });
+                      [&](sim::Time at, auto&& write) { write(scratch, to_nanoseconds(at)); });
     used += scratch.bytes().size() - before;
     if (used > most_bytes) break;
   }
@@ -371,10 +376,10 @@ Timeline make_timeline(const TimelineRecorder& recorder, const TimelineSelection
   };
   std::vector<Event> events;
   for (const std::size_t i : shown) {
-    const std::uint64_t track = tracks.of(slices[i]);
+    const std::uint64_t track = tracks.track_of(slices[i]);
     std::uint32_t number = 0;
     writer.each_event(slices[i], track, [&](sim::Time at, auto&&) {
-      events.push_back({nanoseconds(at), i, track, number++});
+      events.push_back({to_nanoseconds(at), i, track, number++});
     });
   }
   std::ranges::stable_sort(events, {}, &Event::time);
@@ -382,11 +387,11 @@ Timeline make_timeline(const TimelineRecorder& recorder, const TimelineSelection
   for (const Event& event : events) {
     std::uint32_t number = 0;
     writer.each_event(slices[event.slice], event.track, [&](sim::Time at, auto&& write) {
-      if (number++ == event.number) write(packets, nanoseconds(at));
+      if (number++ == event.number) write(packets, to_nanoseconds(at));
     });
   }
   TracePackets head;
-  tracks.describe(head);
+  tracks.write_descriptors(head);
   return {TracePackets::texts_of(packets) + head.bytes() + counters.bytes() + packets.bytes(), shown.size(),
           wanted - shown.size()};
 }

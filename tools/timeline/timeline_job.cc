@@ -15,7 +15,7 @@ TimelineJob::TimelineJob(std::string asked) : asked_(std::move(asked)) {
   if (!asked_.empty()) selection_ = parse_timeline(asked_);
 }
 
-void TimelineJob::check(const Inputs& inputs, const kernels::ProgramSpec& program) const {
+void TimelineJob::check_selection(const Inputs& inputs, const kernels::ProgramSpec& program) const {
   if (!selection_ || !selection_->needs_places()) return;
   const bool is_tile = selection_->kind == TimelineSelection::Kind::kTile;
   kernels::TileCounts counts{inputs.config.render.width, inputs.config.render.height};
@@ -44,7 +44,7 @@ void TimelineJob::end_frame(const FrameResult& s, const TileFrame& tiles, const 
   recorder_.reset();
 }
 
-void TimelineJob::write(const std::filesystem::path& folder, sim::Json& report) const {
+void TimelineJob::write_file(const std::filesystem::path& folder, sim::Json& report) const {
   if (!problem_.empty()) report["warnings"].push_back(problem_ + "; no timeline is written");
   if (!made_) return;
   sim::write_file_atomically(folder / kTimelineFile, made_->bytes);

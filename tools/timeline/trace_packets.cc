@@ -57,7 +57,7 @@ using perfetto::Annotation, perfetto::Counter, perfetto::Event, perfetto::Intern
 constexpr std::uint32_t kSequence = 1;
 
 void add_texts(Writer& interned, perfetto::Tag tag, const InternedTexts& texts) {
-  for (const auto& [text, number] : texts.all()) {
+  for (const auto& [text, number] : texts.all_texts()) {
     Writer entry(interned, tag);
     entry.add_uint64(Interned::kId, number);
     entry.add_string(Interned::kText, text);
@@ -102,25 +102,26 @@ void TracePackets::add_track(const TimelineTrack& of) {
   });
 }
 
-void TracePackets::begin(std::uint64_t time, std::uint64_t track, std::string_view name, std::string_view category,
-                         std::uint64_t flow, std::initializer_list<std::pair<std::string_view, std::uint64_t>> notes) {
+void TracePackets::begin_slice(std::uint64_t time, std::uint64_t track, std::string_view name,
+                               std::string_view category, std::uint64_t flow,
+                               std::initializer_list<std::pair<std::string_view, std::uint64_t>> notes) {
   add_packet([&](Writer& packet) {
     packet.add_uint64(Packet::kTimestamp, time);
     Writer event(packet, Packet::kTrackEvent);
     event.add_int32(Event::kType, Event::kBegin);
     event.add_uint64(Event::kTrack, track);
-    event.add_uint64(Event::kName, names_.number(name));
-    event.add_uint64(Event::kCategory, categories_.number(category));
+    event.add_uint64(Event::kName, names_.number_of(name));
+    event.add_uint64(Event::kCategory, categories_.number_of(category));
     if (flow != 0) event.add_fixed64(Event::kFlow, flow);
     for (const auto& [note, value] : notes) {
       Writer annotation(event, Event::kAnnotation);
-      annotation.add_uint64(Annotation::kName, notes_.number(note));
+      annotation.add_uint64(Annotation::kName, notes_.number_of(note));
       annotation.add_uint64(Annotation::kUint, value);
     }
   });
 }
 
-void TracePackets::end(std::uint64_t time, std::uint64_t track) {
+void TracePackets::end_slice(std::uint64_t time, std::uint64_t track) {
   add_packet([&](Writer& packet) {
     packet.add_uint64(Packet::kTimestamp, time);
     Writer event(packet, Packet::kTrackEvent);
@@ -129,7 +130,7 @@ void TracePackets::end(std::uint64_t time, std::uint64_t track) {
   });
 }
 
-void TracePackets::count(std::uint64_t time, std::uint64_t track, double value) {
+void TracePackets::add_count(std::uint64_t time, std::uint64_t track, double value) {
   add_packet([&](Writer& packet) {
     packet.add_uint64(Packet::kTimestamp, time);
     Writer event(packet, Packet::kTrackEvent);
@@ -161,26 +162,26 @@ enum Rank : std::int32_t { kOfTiles = 0, kOfSrp = 100, kOfRays = 101, kOfDma = 1
 
 }  // namespace
 
-std::uint64_t TimelineTracks::add(std::uint64_t parent, std::string name, std::int32_t rank, std::string unit) {
-  const std::uint64_t id = shared() + tracks_.size() + 1;
+std::uint64_t TimelineTracks::new_track(std::uint64_t parent, std::string name, std::int32_t rank, std::string unit) {
+  const std::uint64_t id = shared_process() + tracks_.size() + 1;
   tracks_.push_back({id, parent, std::move(name), rank, std::move(unit)});
   return id;
 }
 
-std::uint64_t TimelineTracks::of(const RecordedSlice& slice) {
+std::uint64_t TimelineTracks::track_of(const RecordedSlice& slice) {
   Core& core = cores_[slice.core];
-  const std::uint64_t parent = process(slice.core);
+  const std::uint64_t parent = process_of(slice.core);
   switch (slice.kind) {
     case RecordedSlice::Kind::kLoop:
-      if (core.srp == 0) core.srp = add(parent, "SRP", kOfSrp);
+      if (core.srp == 0) core.srp = new_track(parent, "SRP", kOfSrp);
       return core.srp;
     case RecordedSlice::Kind::kTransfer:
-      if (core.dma == 0) core.dma = add(parent, "DMA", kOfDma);
+      if (core.dma == 0) core.dma = new_track(parent, "DMA", kOfDma);
       return core.dma;
     case RecordedSlice::Kind::kTile: {
       if (core.slots.size() <= slice.slot) core.slots.resize(std::size_t{slice.slot} + 1);
       std::uint64_t& slot = core.slots[slice.slot];
-      if (slot == 0) slot = add(parent, fmt::format("tile slot {}", slice.slot), kOfTiles + slice.slot);
+      if (slot == 0) slot = new_track(parent, fmt::format("tile slot {}", slice.slot), kOfTiles + slice.slot);
       return slot;
     }
     case RecordedSlice::Kind::kRays:
@@ -189,7 +190,7 @@ std::uint64_t TimelineTracks::of(const RecordedSlice& slice) {
   const auto is_free = [&](const Lane& lane) { return lane.free_at <= slice.begin; };
   auto lane = std::ranges::find_if(core.rays, is_free);
   if (lane == core.rays.end()) {
-    core.rays.push_back({add(parent, "T&I rays", kOfRays), 0});
+    core.rays.push_back({new_track(parent, "T&I rays", kOfRays), 0});
     lane = core.rays.end() - 1;
   }
   lane->free_at = slice.end;
@@ -197,18 +198,18 @@ std::uint64_t TimelineTracks::of(const RecordedSlice& slice) {
 }
 
 std::uint64_t TimelineTracks::shared_counter(const std::string& name, const std::string& unit) {
-  return add(shared(), name, kOfCounters, unit);
+  return new_track(shared_process(), name, kOfCounters, unit);
 }
 
 std::uint64_t TimelineTracks::core_counter(std::uint32_t core, const std::string& name, const std::string& unit) {
-  return add(process(core), name, kOfCounters, unit);
+  return new_track(process_of(core), name, kOfCounters, unit);
 }
 
-void TimelineTracks::describe(TracePackets& to) const {
+void TimelineTracks::write_descriptors(TracePackets& to) const {
   for (std::uint32_t core = 0; core < cores_.size(); ++core) {
-    to.add_process(process(core), fmt::format("core {}", core), static_cast<std::int32_t>(core));
+    to.add_process(process_of(core), fmt::format("core {}", core), static_cast<std::int32_t>(core));
   }
-  to.add_process(shared(), "shared", static_cast<std::int32_t>(cores_.size()));
+  to.add_process(shared_process(), "shared", static_cast<std::int32_t>(cores_.size()));
   for (const TimelineTrack& track : tracks_) to.add_track(track);
 }
 

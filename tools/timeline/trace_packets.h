@@ -14,10 +14,10 @@ namespace tools {
 /// Texts that events refer to by number.
 class InternedTexts {
  public:
-  std::uint64_t number(std::string_view text) {
+  std::uint64_t number_of(std::string_view text) {
     return numbers_.try_emplace(std::string(text), numbers_.size() + 1).first->second;
   }
-  const std::map<std::string, std::uint64_t>& all() const { return numbers_; }
+  const std::map<std::string, std::uint64_t>& all_texts() const { return numbers_; }
 
  private:
   std::map<std::string, std::uint64_t> numbers_;
@@ -38,10 +38,10 @@ class TracePackets {
   void add_process(std::uint64_t id, std::string_view name, std::int32_t rank);
   void add_track(const TimelineTrack& track);
   /// Begins a slice. `flow`: the slice's flow; 0: none.
-  void begin(std::uint64_t time, std::uint64_t track, std::string_view name, std::string_view category,
-             std::uint64_t flow, std::initializer_list<std::pair<std::string_view, std::uint64_t>> notes);
-  void end(std::uint64_t time, std::uint64_t track);
-  void count(std::uint64_t time, std::uint64_t track, double value);
+  void begin_slice(std::uint64_t time, std::uint64_t track, std::string_view name, std::string_view category,
+                   std::uint64_t flow, std::initializer_list<std::pair<std::string_view, std::uint64_t>> notes);
+  void end_slice(std::uint64_t time, std::uint64_t track);
+  void add_count(std::uint64_t time, std::uint64_t track, double value);
 
   const std::string& bytes() const { return bytes_; }
   std::string take() { return std::move(bytes_); }
@@ -55,7 +55,7 @@ class TracePackets {
   InternedTexts names_, categories_, notes_;
 };
 
-constexpr std::uint64_t nanoseconds(sim::Time time) { return time / sim::kFemtosecondsPerNanosecond; }
+constexpr std::uint64_t to_nanoseconds(sim::Time time) { return time / sim::kFemtosecondsPerNanosecond; }
 
 /// Tracks of a timeline: a process for each core, and one shared by all.
 class TimelineTracks {
@@ -66,12 +66,12 @@ class TimelineTracks {
 
   /// Returns the track of a slice. Call it for a core's slices in the order of their begin: overlapping batches of rays
   /// get different tracks.
-  std::uint64_t of(const RecordedSlice& slice);
+  std::uint64_t track_of(const RecordedSlice& slice);
   /// Adds a counter to the process shared by all cores, or to a core; returns its track.
   std::uint64_t shared_counter(const std::string& name, const std::string& unit);
   std::uint64_t core_counter(std::uint32_t core, const std::string& name, const std::string& unit);
   /// Writes all tracks in use, processes first.
-  void describe(TracePackets& to) const;
+  void write_descriptors(TracePackets& to) const;
 
  private:
   struct Lane {
@@ -83,9 +83,9 @@ class TimelineTracks {
     std::vector<std::uint64_t> slots;
     std::vector<Lane> rays;
   };
-  std::uint64_t process(std::uint32_t core) const { return core + 1; }
-  std::uint64_t shared() const { return cores_.size() + 1; }
-  std::uint64_t add(std::uint64_t parent, std::string name, std::int32_t rank, std::string unit = {});
+  std::uint64_t process_of(std::uint32_t core) const { return core + 1; }
+  std::uint64_t shared_process() const { return cores_.size() + 1; }
+  std::uint64_t new_track(std::uint64_t parent, std::string name, std::int32_t rank, std::string unit = {});
 
   std::vector<Core> cores_;
   std::vector<TimelineTrack> tracks_;

@@ -39,7 +39,7 @@ void expect_energy_adds_up(const RunIntervals& run, const nlohmann::json& frame_
       const double stated = frame_report["energy_by_block_mj"][energy.blocks[b]][name].get<double>();
       EXPECT_EQ(energy.until_pj.back()[b] * 1e-9, stated) << energy.blocks[b] << ' ' << name;
     }
-    const tools::IntervalTable table = tools::derive(run, frame, side);
+    const tools::IntervalTable table = tools::derive_table(run, frame, side);
     const tools::IntervalSeries* power = table.find("power", "total");
     ASSERT_NE(power, nullptr);
     double pj = 0;
@@ -155,7 +155,7 @@ TEST(IntervalSeries, HaveStacksThatFillTheTimeAndSharesWithinTheirBounds) {
   const fs::path out = folder.path() / "out";
   ASSERT_EQ(raywatt(small_run(out, {"--scene", "chess"})).exit, 0);
   const RunIntervals run = RunIntervals::load(out);
-  const tools::IntervalTable table = tools::derive(run, run.frames().front());
+  const tools::IntervalTable table = tools::derive_table(run, run.frames().front());
   const std::size_t intervals = run.frames().front().rows;
   ASSERT_GT(intervals, 2U);
   for (const char* group : {"stack.tni", "stack.ist", "stack.srp", "stack.dram"}) {
@@ -182,7 +182,7 @@ TEST(IntervalSeries, SayTheFramesBytesOverItsTime) {
   ASSERT_EQ(raywatt(small_run(out, {"--scene", "chess"})).exit, 0);
   const RunIntervals run = RunIntervals::load(out);
   for (const std::size_t most : {std::size_t{2048}, std::size_t{5}, std::size_t{1}}) {
-    const tools::IntervalTable table = tools::derive(run, run.frames().front(), &sim::Band::nominal, most);
+    const tools::IntervalTable table = tools::derive_table(run, run.frames().front(), &sim::Band::nominal, most);
     ASSERT_LE(table.end_us.size(), most);
     double bytes = 0, rays = 0;
     for (std::size_t i = 0; i < table.end_us.size(); ++i) {

@@ -35,17 +35,17 @@ TEST(SeenFigure, OfTwoRunsOfOneDesignDiffersByTheAssumedNoise) {
 
 TEST(SeenFigure, HasTheErrorOfItsReplicatesOrOfWhatIsAssumed) {
   const SeenFigure measured{100, Draws{4, 100, 6}}, assumed{100, {}, 0.02}, exact{100};
-  EXPECT_DOUBLE_EQ(measured.error(), 3);
+  EXPECT_DOUBLE_EQ(measured.standard_error(), 3);
   EXPECT_NEAR(measured.half_width(), 3 * 3.182446, 1e-5) << "Student, three degrees of freedom";
-  EXPECT_NEAR(assumed.error(), 2 / (1.959964 * std::sqrt(2.0)), 1e-6);
-  EXPECT_EQ(exact.error(), 0);
+  EXPECT_NEAR(assumed.standard_error(), 2 / (1.959964 * std::sqrt(2.0)), 1e-6);
+  EXPECT_EQ(exact.standard_error(), 0);
 }
 
 TEST(SeenFigure, OfOneSideWithReplicatesIsHeldAgainstTheOther) {
   const SeenFigure measured{100, Draws{4, 100, 6}}, assumed{110, {}, 0.02};
   const MeanDifference d = difference_of(measured, assumed);
   EXPECT_EQ(d.value, 10);
-  EXPECT_NEAR(d.error, std::hypot(3, assumed.error()), 1e-12);
+  EXPECT_NEAR(d.error, std::hypot(3, assumed.standard_error()), 1e-12);
 }
 
 TEST(NoisyFigures, AreThoseThatRacesMove) {

@@ -66,9 +66,10 @@ TEST(MeanDifference, WhatDoesNotVaryIsSure) {
 
 TEST(Holm, ComparesEachChanceWithWhatTheNumberOfThoseLeftAllows) {
   // 0.01 <= 0.05 / 4 and 0.016 <= 0.05 / 3, but 0.026 > 0.05 / 2; the test stops there.
-  EXPECT_EQ(rejected(std::array{0.026, 0.01, 0.04, 0.016}, 0.05), (std::vector<bool>{false, true, false, true}));
-  EXPECT_EQ(rejected(std::array{0.05}, 0.05), std::vector<bool>{true});
-  EXPECT_TRUE(rejected({}, 0.05).empty());
+  EXPECT_EQ(reject_hypotheses(std::array{0.026, 0.01, 0.04, 0.016}, 0.05),
+            (std::vector<bool>{false, true, false, true}));
+  EXPECT_EQ(reject_hypotheses(std::array{0.05}, 0.05), std::vector<bool>{true});
+  EXPECT_TRUE(reject_hypotheses({}, 0.05).empty());
 }
 
 }  // namespace

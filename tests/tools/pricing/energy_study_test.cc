@@ -24,11 +24,11 @@ struct TwoDesigns : testing::Test {
 /// Returns the figures of a draw as arguments of --set.
 std::vector<std::string> sets_of(PricedRun& run, const EnergyDraw& draw) {
   std::vector<std::string> sets;
-  run.draw(draw);
-  for (const EnergyEntry& entry : run.entries()) {
+  run.apply_draw(draw);
+  for (const EnergyEntry& entry : run.band_entries()) {
     for (const EnergyEntry::Figure& f : entry.figures) sets.push_back(fmt::format("{}={}", f.name, f.value->nominal));
   }
-  run.restore();
+  run.restore_nominal();
   return sets;
 }
 
@@ -59,16 +59,16 @@ TEST_F(TwoDesigns, UnderADrawAreWhatARunWithThatTableSays) {
 
 TEST_F(TwoDesigns, DrawOneQuantileForAllPointsOfACurveAndBothDesigns) {
   PricedRun of_a(a), of_b(b);
-  of_a.draw({1, 5});
-  of_b.draw({1, 5});
-  for (std::size_t e = 0; e < of_a.entries().size(); ++e) {
-    const EnergyEntry &x = of_a.entries()[e], &y = of_b.entries()[e];
+  of_a.apply_draw({1, 5});
+  of_b.apply_draw({1, 5});
+  for (std::size_t e = 0; e < of_a.band_entries().size(); ++e) {
+    const EnergyEntry &x = of_a.band_entries()[e], &y = of_b.band_entries()[e];
     ASSERT_EQ(x.name, y.name);
     EXPECT_EQ(x.figures.front().value->nominal, y.figures.front().value->nominal) << x.name;
     if (x.name != "energy.events.cache.l1_read") continue;
     ASSERT_EQ(x.figures.size(), 6U);
     for (const EnergyEntry::Figure& f : x.figures) {
-      EXPECT_EQ(f.value->nominal, at_quantile(f.band, EnergyDraw{1, 5}.quantile(x))) << f.name;
+      EXPECT_EQ(f.value->nominal, at_quantile(f.band, EnergyDraw{1, 5}.quantile_of(x))) << f.name;
     }
   }
 }
@@ -94,14 +94,14 @@ TEST_F(TwoDesigns, AreEqualToThemselvesWhateverTheTables) {
   EXPECT_EQ(ratio.drawn.from, 1);
   EXPECT_EQ(ratio.drawn.to, 1);
   EXPECT_EQ(ratio.b_less, 0);
-  EXPECT_TRUE(tornado(one, other, "").empty());
+  EXPECT_TRUE(tornado_bars(one, other, "").empty());
 }
 
 TEST_F(TwoDesigns, HaveATornadoOfOneEntryAtATime) {
   PricedRun of_a(a), of_b(b);
-  const std::vector<TornadoBar> bars = tornado(of_a, of_b, "");
+  const std::vector<TornadoBar> bars = tornado_bars(of_a, of_b, "");
   ASSERT_GT(bars.size(), 10U);
-  EXPECT_TRUE(std::ranges::is_sorted(bars, std::greater<>(), &TornadoBar::swing));
+  EXPECT_TRUE(std::ranges::is_sorted(bars, std::greater<>(), &TornadoBar::ratio_swing));
   const auto bar = std::ranges::find(bars, "energy.events.tni.box_test", &TornadoBar::entry);
   ASSERT_NE(bar, bars.end());
   const PriceTable low{.sets = {"energy.events.tni.box_test=7.9"}};

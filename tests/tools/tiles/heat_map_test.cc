@@ -72,7 +72,7 @@ TEST(HeatMap, IsDrawnFromNothingToTheMostAboveItsBar) {
   HeatMap map{"steps", "STEPS", "viridis", 300, 2, std::vector<float>(600, 0)};
   map.values[301] = 70;
   map.values[302] = 35;
-  const DrawnMap drawn = draw(map);
+  const DrawnMap drawn = draw_heat_map(map);
   const std::vector<float> scale = {0, 0.5F, 1};
   const Rgb colours = traces::map_colours("viridis", scale);
   const auto colour = [&](std::ptrdiff_t i) { return Rgb(colours.begin() + 3 * i, colours.begin() + 3 * i + 3); };
@@ -99,7 +99,7 @@ TEST(HeatMap, HasTheColoursThatItsMapDefines) {
 }
 
 TEST(HeatMap, OfNothingIsOfOneColour) {
-  const DrawnMap drawn = draw({"rays", "RAYS", "turbo", 200, 1, std::vector<float>(200, 0)});
+  const DrawnMap drawn = draw_heat_map({"rays", "RAYS", "turbo", 200, 1, std::vector<float>(200, 0)});
   EXPECT_EQ(pixel(drawn, 0, 0), pixel(drawn, 199, 0));
 }
 

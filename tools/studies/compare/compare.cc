@@ -273,7 +273,7 @@ std::vector<MetricPair> ratio_pairs(const ReportFile& a, const ReportFile& b) {
 void compare_energy(const ReportFile& a, const ReportFile& b, Comparison& out) {
   try {
     PricedRun of_a(a), of_b(b);
-    out.energy = {energy_ratio(of_a, of_b, ""), energy_ratio(of_a, of_b, "tni"), tornado(of_a, of_b, "")};
+    out.energy = {energy_ratio(of_a, of_b, ""), energy_ratio(of_a, of_b, "tni"), tornado_bars(of_a, of_b, "")};
   } catch (const sim::InputError& error) {
     out.no_energy = error.what();
   }

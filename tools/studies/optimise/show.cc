@@ -43,7 +43,7 @@ class Comparator {
     bool differs = false;
     for (std::size_t o = 0; o < objective_count(); ++o) {
       const bool is_better = p_value(a, b, o) <= level;
-      const bool is_equal = a.seen[o].error() == 0 && b.seen[o].error() == 0 && a.metrics[o] == b.metrics[o];
+      const bool is_equal = a.seen[o].standard_error() == 0 && b.seen[o].standard_error() == 0 && a.metrics[o] == b.metrics[o];
       if (!is_better && !is_equal) return false;
       differs = differs || is_better;
     }
@@ -58,7 +58,7 @@ std::vector<const Trial*> ties_with(const Trial& first, const std::vector<const 
                                     const Comparator& comparator) {
   std::vector<double> chances;
   for (const Trial* other : others) chances.push_back(comparator.p_value(first, *other, 0));
-  const std::vector<bool> worse = rejected(chances, kError);
+  const std::vector<bool> worse = reject_hypotheses(chances, kError);
   std::vector<const Trial*> ties;
   for (std::size_t i = 0; i < others.size(); ++i) {
     if (!worse[i]) ties.push_back(others[i]);
@@ -227,7 +227,7 @@ std::string table_text(const SearchRun& search, const std::vector<const Trial*>&
     std::vector<results::Value> values;
     for (const Trial* trial : trials) values.emplace_back(trial->metrics[g]);
     columns.push_back(results::shown_cells(values));
-    if (std::ranges::any_of(trials, [&](const Trial* t) { return t->seen[g].error() > 0; })) {
+    if (std::ranges::any_of(trials, [&](const Trial* t) { return t->seen[g].standard_error() > 0; })) {
       header.emplace_back("95 %");
       std::vector<std::string>& intervals = columns.emplace_back();
       for (const Trial* trial : trials) {

@@ -100,7 +100,7 @@ std::vector<std::size_t> find_ties(const FigureNoise& noise, bool most, const st
     others.push_back(row);
     p_values.push_back(noise.p_value_better(first, row, most));
   }
-  const std::vector<bool> worse = rejected(p_values, kError);
+  const std::vector<bool> worse = reject_hypotheses(p_values, kError);
   for (std::size_t i = 0; i < others.size(); ++i) {
     if (!worse[i]) ties.push_back(others[i]);
   }

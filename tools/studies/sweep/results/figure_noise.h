@@ -29,7 +29,7 @@ class FigureNoise {
   /// Number of replicates of a point; 1 without replicates.
   std::size_t replicate_count(std::size_t row) const { return seen_[row].draws ? seen_[row].draws->count : 1; }
   /// Standard error of the value of a point; 0 for a figure without noise.
-  double error(std::size_t row) const { return seen_[row].error(); }
+  double error(std::size_t row) const { return seen_[row].standard_error(); }
   /// Half of the 95 % interval of the value of a point.
   double half_width(std::size_t row) const { return seen_[row].half_width(); }
   /// p-value of `b` better than `a` under the null hypothesis that it is not.
