@@ -38,7 +38,7 @@ struct IntervalFrame {
   std::span<const std::uint64_t> row(std::size_t i) const { return {values.data() + i * width, width}; }
   sim::Time begin_of(std::size_t i) const { return i * length; }
   sim::Time end_of(std::size_t i) const { return i + 1 == rows ? end : (i + 1) * length; }
-  /// Returns the same with at most `most` intervals: neighbours are merged in pairs, repeatedly.
+  /// Returns a copy with at most `most` intervals: neighbours are merged in pairs, repeatedly.
   IntervalFrame merged_to(std::size_t most) const;
 };
 

@@ -104,11 +104,6 @@ Mesh make_caliper(const Detail& detail) {
 
 constexpr float kEnd = 16, kSide = 7.5F, kHeight = 5.2F;
 
-std::uint32_t add_texture(Scene& scene, Texture texture) {
-  scene.textures.push_back(std::move(texture));
-  return static_cast<std::uint32_t>(scene.textures.size() - 1);
-}
-
 /// Concrete slabs with joints and the holes of their formwork.
 Texture concrete_texture() {
   return paint_texture("concrete", 512, 512, [](float u, float v) {

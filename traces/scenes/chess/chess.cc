@@ -22,11 +22,6 @@ constexpr float kTableTop = -0.42F;
 
 constexpr float kFloor = -9, kCeiling = 14, kLeft = -15, kRight = 19, kBack = -17, kFront = 19;
 
-std::uint32_t add_texture(Scene& scene, Texture texture) {
-  scene.textures.push_back(std::move(texture));
-  return static_cast<std::uint32_t>(scene.textures.size() - 1);
-}
-
 /// Makes the light or dark squares; each shows another part of the plank.
 Mesh make_squares(bool light) {
   Mesh squares;
@@ -262,11 +257,12 @@ void animate_move(Scene& scene, std::uint32_t node, const Move& move) {
 }
 
 void add_pieces(Scene& scene, const Detail& detail) {
-  scene.textures.push_back(wood_texture("boxwood", {0.93F, 0.76F, 0.50F}, {0.82F, 0.60F, 0.34F}, 21, 256));
-  const auto boxwood = static_cast<std::uint32_t>(scene.textures.size() - 1);
-  scene.textures.push_back(wood_texture("rosewood", {0.23F, 0.10F, 0.07F}, {0.12F, 0.05F, 0.04F}, 22, 256));
+  const std::uint32_t boxwood =
+      add_texture(scene, wood_texture("boxwood", {0.93F, 0.76F, 0.50F}, {0.82F, 0.60F, 0.34F}, 21, 256));
+  const std::uint32_t rosewood =
+      add_texture(scene, wood_texture("rosewood", {0.23F, 0.10F, 0.07F}, {0.12F, 0.05F, 0.04F}, 22, 256));
   const std::uint32_t white = add_material(scene, make_textured("lacquered boxwood", boxwood, glm::vec3(1), 0.12F));
-  const std::uint32_t black = add_material(scene, make_textured("lacquered rosewood", boxwood + 1, glm::vec3(1), 0.2F));
+  const std::uint32_t black = add_material(scene, make_textured("lacquered rosewood", rosewood, glm::vec3(1), 0.2F));
   for (const Placement& group : kPosition) {
     const std::uint32_t mesh = add_mesh(scene, chess::make_piece(group.piece, detail), group.white ? white : black);
     for (std::size_t k = 0; k < group.squares.size(); k += 2) {

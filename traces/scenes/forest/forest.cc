@@ -50,8 +50,6 @@ class Forest {
   /// Returns a number of objects: n, or fewer in a scene of few triangles.
   std::uint32_t capped_count(float n) const { return static_cast<std::uint32_t>(n * std::min(detail_, 1.0F) + 0.5F); }
 
-  std::uint32_t add_textured(Texture texture, float mirror = 0);
-
   void show_pieces(const Pieces& pieces, const glm::mat4& at, bool focus);
 
   void add_floor();
@@ -92,12 +90,6 @@ void Forest::build() {
   add_leaves();
 }
 
-std::uint32_t Forest::add_textured(Texture texture, float mirror) {
-  scene_.textures.push_back(std::move(texture));
-  const auto index = static_cast<std::uint32_t>(scene_.textures.size() - 1);
-  return add_material(scene_, make_textured(scene_.textures.back().name, index, glm::vec3(1), mirror));
-}
-
 void Forest::show_pieces(const Pieces& pieces, const glm::mat4& at, bool focus) {
   for (const auto& [mesh, paint] : pieces) {
     scene_.instances[add_instance(scene_, add_mesh(scene_, mesh, paint), at)].focus = focus;
@@ -115,7 +107,7 @@ void Forest::add_floor() {
   for (std::size_t i = 0; i < floor.uvs.size(); ++i) {
     floor.uvs[i] = glm::vec2(floor.positions[i].x, floor.positions[i].z) / 2.6F;
   }
-  litter_ = add_textured(litter_texture("leaf litter", 2600, 3));
+  litter_ = add_textured(scene_, litter_texture("leaf litter", 2600, 3));
   add_object(scene_, std::move(floor), litter_);
 }
 
@@ -129,29 +121,30 @@ void Forest::add_backdrop() {
       },
       true);
   for (glm::vec2& uv : round.uvs) uv = {5 * uv.x, 1 - uv.y};
-  const std::uint32_t deep = add_textured(deep_forest_texture("deep forest"));
+  const std::uint32_t deep = add_textured(scene_, deep_forest_texture("deep forest"));
   scene_.textures.back().wrap_v = Texture::Wrap::kClamp;
   add_object(scene_, std::move(round), deep);
 }
 
 void Forest::add_focus() {
-  const std::uint32_t fur = add_textured(fur_texture("deer fur"));
+  const std::uint32_t fur = add_textured(scene_, fur_texture("deer fur"));
   const std::uint32_t horn =
-      add_textured(bark_texture("antler", {0.42F, 0.33F, 0.24F}, {0.88F, 0.80F, 0.66F}, 6, 51, 256));
+      add_textured(scene_, bark_texture("antler", {0.42F, 0.33F, 0.24F}, {0.88F, 0.80F, 0.66F}, 6, 51, 256));
   const std::uint32_t dark = add_material(scene_, make_paint("hoof and eye", {0.02F, 0.016F, 0.014F}, 0.12F));
   show_pieces(make_deer(scaled_count(18, 8), fur, horn, dark), placement_at(on_ground(-1.0F, -1.5F), 0.06), true);
 
-  const std::uint32_t wood = add_textured(wood_texture("bench wood", {0.72F, 0.56F, 0.38F}, {0.36F, 0.24F, 0.15F}, 52));
+  const std::uint32_t wood =
+      add_textured(scene_, wood_texture("bench wood", {0.72F, 0.56F, 0.38F}, {0.36F, 0.24F, 0.15F}, 52));
   const std::uint32_t iron = add_material(scene_, make_paint("iron", {0.05F, 0.05F, 0.06F}, 0.15F));
   const std::uint32_t flame = add_material(scene_, make_lamp("flame", {34, 22, 9}));
   const glm::mat4 bench = placement_at(on_ground(1.75F, -0.1F), -0.06);
   show_pieces(make_bench(wood, iron), bench, true);
   show_pieces(make_lantern(iron, flame), bench * placement_at({0.45F, 0.46F, 0}), true);
 
-  caps_ = {add_textured(cap_texture("fly agaric", {0.80F, 0.10F, 0.05F}, 53)),
-           add_textured(cap_texture("brown cap", {0.55F, 0.34F, 0.18F}, 54))};
-  gills_ = add_textured(gills_texture("gills"));
-  stem_ = add_textured(bark_texture("stem", {0.74F, 0.68F, 0.56F}, {0.98F, 0.95F, 0.88F}, 12, 55, 256));
+  caps_ = {add_textured(scene_, cap_texture("fly agaric", {0.80F, 0.10F, 0.05F}, 53)),
+           add_textured(scene_, cap_texture("brown cap", {0.55F, 0.34F, 0.18F}, 54))};
+  gills_ = add_textured(scene_, gills_texture("gills"));
+  stem_ = add_textured(scene_, bark_texture("stem", {0.74F, 0.68F, 0.56F}, {0.98F, 0.95F, 0.88F}, 12, 55, 256));
   constexpr float kBig[][4] = {
       {-1.62F, 2.35F, 0.5F, 0.25F}, {-1.12F, 2.62F, 0.33F, 0.5F}, {-2.02F, 2.75F, 0.27F, 0.9F}};
   for (const auto& m : kBig) {
@@ -219,10 +212,10 @@ std::vector<Spot> tree_spots(std::size_t wanted) {
 
 void Forest::add_trees() {
   const std::uint32_t oak =
-      add_textured(bark_texture("furrowed bark", {0.13F, 0.10F, 0.08F}, {0.66F, 0.56F, 0.45F}, 13, 21));
-  const std::uint32_t beech = add_textured(mossy_texture("mossy bark", {0.62F, 0.58F, 0.50F}, 22));
+      add_textured(scene_, bark_texture("furrowed bark", {0.13F, 0.10F, 0.08F}, {0.66F, 0.56F, 0.45F}, 13, 21));
+  const std::uint32_t beech = add_textured(scene_, mossy_texture("mossy bark", {0.62F, 0.58F, 0.50F}, 22));
   const std::uint32_t birch =
-      add_textured(bark_texture("birch bark", {0.16F, 0.14F, 0.13F}, {0.95F, 0.93F, 0.87F}, 3, 23));
+      add_textured(scene_, bark_texture("birch bark", {0.16F, 0.14F, 0.13F}, {0.95F, 0.93F, 0.87F}, 3, 23));
   scene_.textures[scene_.materials[beech].base_texture.texture].wrap_v = Texture::Wrap::kMirror;
   const std::uint32_t barks[] = {oak, beech, birch};
   const std::vector<Spot> spots = tree_spots(capped_count(46));
@@ -260,7 +253,7 @@ void Forest::add_canopy() {
   const LeafShape leaf{.length = size, .width = 0.7F * size, .scatter = 0.7F};
   for (std::size_t k = 0; k < crowns_.size(); ++k) {
     const std::uint32_t green =
-        add_textured(foliage_texture("canopy", hues[k][0], hues[k][1], static_cast<std::uint32_t>(110 + k)));
+        add_textured(scene_, foliage_texture("canopy", hues[k][0], hues[k][1], static_cast<std::uint32_t>(110 + k)));
     const std::uint32_t mesh =
         add_mesh(scene_, make_leaves("canopy", crowns_[k].twigs, count, leaf, {0, 9, 0}, 120 + k), green);
     for (const glm::mat4& at : crowns_[k].at) add_instance(scene_, mesh, at);
@@ -271,7 +264,7 @@ void Forest::add_stones_and_logs() {
   constexpr glm::vec3 kRocks[] = {{0.55F, 0.52F, 0.48F}, {0.46F, 0.48F, 0.52F}};
   std::vector<std::uint32_t> meshes;
   for (std::uint32_t k = 0; k < 5; ++k) {
-    if (k < 2) rocks_.push_back(add_textured(mossy_texture("mossy rock", kRocks[k], 60 + k)));
+    if (k < 2) rocks_.push_back(add_textured(scene_, mossy_texture("mossy rock", kRocks[k], 60 + k)));
     const glm::vec3 radii(random_between(0.8F, 1.2F, 61, k), random_between(0.5F, 0.8F, 62, k),
                           random_between(0.7F, 1.0F, 63, k));
     Mesh rock = make_rock("rock", radii, scaled_count(12, 5), 0.5F, 64 + k);
@@ -299,7 +292,8 @@ void Forest::add_stones_and_logs() {
 }
 
 void Forest::add_ferns() {
-  const std::uint32_t green = add_textured(foliage_texture("fern", {0.10F, 0.24F, 0.05F}, {0.50F, 0.68F, 0.22F}, 81));
+  const std::uint32_t green =
+      add_textured(scene_, foliage_texture("fern", {0.10F, 0.24F, 0.05F}, {0.50F, 0.68F, 0.22F}, 81));
   const std::uint32_t pairs = scaled_count(11, 5), fronds = scaled_count(9, 5);
   const std::uint32_t meshes[] = {add_mesh(scene_, make_fern(fronds, pairs, 0.85F, 82), green),
                                   add_mesh(scene_, make_fern(fronds - 1, pairs, 0.6F, 83), green)};
@@ -352,7 +346,7 @@ void Forest::add_leaves() {
 
 void Forest::add_undergrowth(float left) {
   const std::uint32_t blades =
-      add_textured(foliage_texture("grass", {0.16F, 0.30F, 0.06F}, {0.58F, 0.68F, 0.26F}, 102));
+      add_textured(scene_, foliage_texture("grass", {0.16F, 0.30F, 0.06F}, {0.58F, 0.68F, 0.26F}, 102));
   constexpr std::uint32_t kPatches = 26, kTufts = 44;
   const auto leaves = static_cast<std::uint32_t>(0.25F * left / 2 / kPatches);
   const std::uint32_t patch = add_mesh(scene_, make_litter(1.5F, std::max(leaves, 4U), 103), litter_);
@@ -377,7 +371,8 @@ void Forest::add_undergrowth(float left) {
 
 void Forest::add_bushes(float left) {
   constexpr std::uint32_t kBushes = 18;
-  const std::uint32_t shrub = add_textured(foliage_texture("bush", {0.09F, 0.20F, 0.05F}, {0.42F, 0.58F, 0.18F}, 109));
+  const std::uint32_t shrub =
+      add_textured(scene_, foliage_texture("bush", {0.09F, 0.20F, 0.05F}, {0.42F, 0.58F, 0.18F}, 109));
   const auto many = std::max(static_cast<std::uint32_t>(0.22F * left / 2 / kBushes), 30U);
   const float broad = 0.2F * std::clamp(1 / detail_, 0.6F, 2.2F);
   const LeafShape small{.length = broad, .width = 0.65F * broad, .scatter = 0.25F};

@@ -116,35 +116,32 @@ Material make_flame(std::string name, const glm::vec3& emission) {
 /// Adds all textures and materials.
 Looks add_looks(Scene& scene) {
   const auto add = [&scene](Material material) { return add_material(scene, std::move(material)); };
-  const auto show = [&scene](Texture texture, float mirror) {
-    scene.textures.push_back(std::move(texture));
-    const auto index = static_cast<std::uint32_t>(scene.textures.size() - 1);
-    return add_material(scene, make_textured(scene.textures.back().name, index, glm::vec3(1), mirror));
-  };
   return {
       .steel = add(make_metal("steel", {0.80F, 0.81F, 0.83F}, 0.6F)),
       .iron = add(make_paint("cast iron", {0.10F, 0.14F, 0.17F}, 0.08F)),
       .brass = add(make_metal("brass", {0.92F, 0.70F, 0.36F}, 0.55F)),
-      .wood = show(wood_texture("rack wood", {0.76F, 0.55F, 0.34F}, {0.56F, 0.36F, 0.20F}, 61, 256), 0.05F),
+      .wood =
+          add_textured(scene, wood_texture("rack wood", {0.76F, 0.55F, 0.34F}, {0.56F, 0.36F, 0.20F}, 61, 256), 0.05F),
       .porcelain = add(make_paint("porcelain", {0.88F, 0.87F, 0.84F}, 0.10F)),
       .plastic = add(make_paint("white plastic", {0.80F, 0.82F, 0.84F}, 0.08F)),
       .cork = add(make_paint("cork", {0.55F, 0.37F, 0.21F})),
       .rubber = add(make_paint("red rubber", {0.52F, 0.13F, 0.08F}, 0.03F)),
-      .tiles =
-          show(tile_texture("wall tiles", {0.84F, 0.89F, 0.88F}, {0.80F, 0.86F, 0.86F}, {0.55F, 0.58F, 0.58F}, 8, 53),
-               0.07F),
-      .floor = show(
-          tile_texture("floor", {0.62F, 0.58F, 0.52F}, {0.50F, 0.47F, 0.43F}, {0.33F, 0.31F, 0.29F}, 8, 55, 256), 0),
+      .tiles = add_textured(
+          scene, tile_texture("wall tiles", {0.84F, 0.89F, 0.88F}, {0.80F, 0.86F, 0.86F}, {0.55F, 0.58F, 0.58F}, 8, 53),
+          0.07F),
+      .floor = add_textured(
+          scene, tile_texture("floor", {0.62F, 0.58F, 0.52F}, {0.50F, 0.47F, 0.43F}, {0.33F, 0.31F, 0.29F}, 8, 55, 256),
+          0),
       .plaster = add(make_paint("plaster", {0.80F, 0.80F, 0.76F})),
-      .bench = show(stone_texture("bench top", {0.30F, 0.32F, 0.34F}, {0.19F, 0.20F, 0.22F}, 54), 0.14F),
+      .bench = add_textured(scene, stone_texture("bench top", {0.30F, 0.32F, 0.34F}, {0.19F, 0.20F, 0.22F}, 54), 0.14F),
       .lacquer = add(make_paint("lacquered wood", {0.74F, 0.76F, 0.74F}, 0.05F)),
-      .shelf = show(wood_texture("beech", {0.80F, 0.62F, 0.42F}, {0.62F, 0.44F, 0.27F}, 52, 256), 0.04F),
-      .chart = show(chart_texture(), 0),
+      .shelf = add_textured(scene, wood_texture("beech", {0.80F, 0.62F, 0.42F}, {0.62F, 0.44F, 0.27F}, 52, 256), 0.04F),
+      .chart = add_textured(scene, chart_texture(), 0),
       .rail = add(make_paint("black wood", {0.05F, 0.045F, 0.04F}, 0.05F)),
       .daylight = add(make_lamp("daylight", {9, 9.4F, 10})),
       .lamp = add(make_lamp("ceiling lamp", {12, 11.2F, 10})),
-      .page = show(page_texture(), 0),
-      .label = show(label_texture(), 0),
+      .page = add_textured(scene, page_texture(), 0),
+      .label = add_textured(scene, label_texture(), 0),
       .stopper = add(make_paint("black stopper", {0.03F, 0.03F, 0.035F}, 0.08F)),
       .flame = add(make_flame("flame", {0.07F, 0.16F, 0.50F})),
       .inner_flame = add(make_flame("inner flame", {0.35F, 0.65F, 0.95F})),

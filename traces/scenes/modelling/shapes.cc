@@ -225,6 +225,17 @@ std::uint32_t add_material(Scene& scene, Material material) {
   return static_cast<std::uint32_t>(scene.materials.size() - 1);
 }
 
+std::uint32_t add_texture(Scene& scene, Texture texture) {
+  scene.textures.push_back(std::move(texture));
+  return static_cast<std::uint32_t>(scene.textures.size() - 1);
+}
+
+std::uint32_t add_textured(Scene& scene, Texture texture, float mirror) {
+  const std::string name = texture.name;
+  const std::uint32_t index = add_texture(scene, std::move(texture));
+  return add_material(scene, make_textured(name, index, glm::vec3(1), mirror));
+}
+
 Material make_paint(std::string name, const glm::vec3& colour, float mirror) {
   Material m;
   m.name = std::move(name);

@@ -53,6 +53,9 @@ std::uint32_t add_instance(Scene& scene, std::uint32_t mesh, const glm::mat4& to
 void add_object(Scene& scene, Mesh mesh, std::uint32_t material);
 
 std::uint32_t add_material(Scene& scene, Material material);
+std::uint32_t add_texture(Scene& scene, Texture texture);
+/// Adds the texture and a diffuse material of the same name that shows it; returns the material's index.
+std::uint32_t add_textured(Scene& scene, Texture texture, float mirror = 0);
 /// Makes a diffuse material; `mirror` > 0 makes it glossy.
 Material make_paint(std::string name, const glm::vec3& colour, float mirror = 0);
 /// Makes a metal that mirrors `mirror` of the light, tinted.

@@ -415,22 +415,17 @@ void add_leaves(Scene& scene, std::uint32_t triangles, float detail, const std::
 }  // namespace
 
 void add_garden(Scene& scene, std::uint32_t triangles, float detail) {
-  const auto add_texture = [&scene](Texture texture) {
-    scene.textures.push_back(std::move(texture));
-    const auto index = static_cast<std::uint32_t>(scene.textures.size() - 1);
-    return add_material(scene, make_textured(scene.textures.back().name, index));
-  };
   const std::uint32_t bark =
-      add_texture(bark_texture("bark", {0.27F, 0.21F, 0.16F}, {0.55F, 0.47F, 0.38F}, 9, 81, 256));
+      add_textured(scene, bark_texture("bark", {0.27F, 0.21F, 0.16F}, {0.55F, 0.47F, 0.38F}, 9, 81, 256));
   const std::uint32_t white_bark =
-      add_texture(bark_texture("birch bark", {0.35F, 0.33F, 0.30F}, {0.97F, 0.95F, 0.90F}, 3, 82, 256));
+      add_textured(scene, bark_texture("birch bark", {0.35F, 0.33F, 0.30F}, {0.97F, 0.95F, 0.90F}, 3, 82, 256));
   const std::vector<Planted> plants = plant_places();
   std::vector<std::vector<Twig>> twigs;
   std::vector<std::uint32_t> leaf_material;
   for (std::uint32_t k = 0; k < kKinds; ++k) {
     const Species& kind = kSpecies[k];
     leaf_material.push_back(
-        add_texture(foliage_texture(std::string(kind.name) + " leaves", kind.dark, kind.light, 90 + k)));
+        add_textured(scene, foliage_texture(std::string(kind.name) + " leaves", kind.dark, kind.light, 90 + k)));
     if (kind.shape.height > 0) {
       TreeShape shape = kind.shape;
       shape.branches =

@@ -26,12 +26,6 @@ void show_building(Scene& scene, const Building& building, const glm::mat4& at) 
   for (const std::uint32_t mesh : building) add_instance(scene, mesh, at);
 }
 
-std::uint32_t add_textured(Scene& scene, Texture texture) {
-  scene.textures.push_back(std::move(texture));
-  const auto index = static_cast<std::uint32_t>(scene.textures.size() - 1);
-  return add_material(scene, make_textured(scene.textures.back().name, index));
-}
-
 struct Palette {
   std::uint32_t white_wall, ochre_wall, brick, rubble, red_tiles, slate, dark_wood, pale_wood, green, blue, red, glass,
       stone, white, gold, cloth, water, hay, iron;
