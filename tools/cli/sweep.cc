@@ -125,7 +125,7 @@ std::size_t terminal_width() {
 /// Collects the results of a sweep and prints what `write` makes of them.
 template <class Write>
 void print_results(const fs::path& sweep, Write&& write, bool csv = false) {
-  results::collect_if_writable(sweep, "what follows is");
+  results::collect_if_writable(sweep, "the results below are those last collected");
   const results::Results read(sweep);
   fmt::print("{}", csv ? write(read) : terminal_text(write(read)));
 }

@@ -401,7 +401,7 @@ bool is_sweep(const fs::path& folder) {
 }
 
 Json sweep_data(const fs::path& folder) {
-  results::collect_if_writable(folder, "the page shows");
+  results::collect_if_writable(folder, "the page shows what was last collected");
   const results::Results results(folder);
   return Sweep(folder, results).data_json();
 }

@@ -574,13 +574,13 @@ Collected collect_results(const sweep::SweepFolder& folder) try {
   throw;
 }
 
-void collect_if_writable(const fs::path& sweep, std::string_view shown) {
+void collect_if_writable(const fs::path& sweep, std::string_view consequence) {
   try {
     collect_results(sweep::SweepFolder::open(sweep));
   } catch (const sim::IoError& error) {
     std::error_code failed;
     if (!fs::exists(sweep / "index.sqlite", failed)) throw;
-    print_message("warning: {}; {} what was last collected", error.what(), shown);
+    print_message("warning: {}; {}", error.what(), consequence);
   }
 }
 

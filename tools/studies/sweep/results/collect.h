@@ -22,9 +22,8 @@ struct Collected {
 /// another collector of the same sweep waits. Does nothing if no input has changed. InputError for a damaged list of
 /// points.
 Collected collect_results(const sweep::SweepFolder& folder);
-/// collect_results(); if the folder cannot be written but has an index, a warning that ends with "`shown` what was last
-/// collected".
-void collect_if_writable(const std::filesystem::path& sweep, std::string_view shown);
+/// collect_results(); if the folder cannot be written but has an index, only a warning that ends with `consequence`.
+void collect_if_writable(const std::filesystem::path& sweep, std::string_view consequence);
 
 /// Returns "200 points: 198 done, 2 failed".
 std::string summary_text(const Collected& collected);
