@@ -189,7 +189,7 @@ Priced price_run(const std::string& run, const ReportFile& report, const PriceTa
           .repriced = energy_totals_json(repriced.energy(), repriced.work()),
           .changes = table_changes(own.config(), repriced.config()),
           .plays = std::max<std::size_t>(1, static_cast<std::size_t>(report.number("totals.replicates.count"))),
-          .extrapolated = repriced.extrapolated()};
+          .extrapolated = repriced.extrapolation_warnings()};
 }
 
 std::vector<Priced> price_sweep(const fs::path& path, const PriceTable& table) {

@@ -213,7 +213,7 @@ bool SearchRun::compute_points(const std::vector<Choice>& choices, bool looks, s
       if (is_done) search_.add_look(choices[c], trial.metrics);
     } else {
       std::vector<double> errors;
-      std::ranges::transform(trial.seen, std::back_inserter(errors), &SeenFigure::error);
+      std::ranges::transform(trial.seen, std::back_inserter(errors), &SeenFigure::standard_error);
       const bool are_assumed = std::ranges::any_of(trial.seen, [](const SeenFigure& s) { return s.assumed > 0; });
       search_.add_result(choices[c], is_done ? std::optional(trial.metrics) : std::nullopt, errors, are_assumed);
     }

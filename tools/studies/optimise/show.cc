@@ -43,7 +43,8 @@ class Comparator {
     bool differs = false;
     for (std::size_t o = 0; o < objective_count(); ++o) {
       const bool is_better = p_value(a, b, o) <= level;
-      const bool is_equal = a.seen[o].standard_error() == 0 && b.seen[o].standard_error() == 0 && a.metrics[o] == b.metrics[o];
+      const bool is_equal =
+          a.seen[o].standard_error() == 0 && b.seen[o].standard_error() == 0 && a.metrics[o] == b.metrics[o];
       if (!is_better && !is_equal) return false;
       differs = differs || is_better;
     }

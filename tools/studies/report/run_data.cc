@@ -147,7 +147,8 @@ Json series_json(const ReportFile& report) {
   try {
     const RunIntervals intervals(report);
     if (intervals.frames().empty()) throw sim::InputError("its file of intervals is empty");
-    const IntervalTable table = derive_table(intervals, intervals.frames().front(), &sim::Band::nominal, kMostIntervals);
+    const IntervalTable table =
+        derive_table(intervals, intervals.frames().front(), &sim::Band::nominal, kMostIntervals);
     Json all = Json::array();
     for (const IntervalSeries& series : table.series) {
       const auto is_nothing = [](double value) { return value == 0 || !std::isfinite(value); };

@@ -164,7 +164,7 @@ std::vector<double> EnergyBand::factors_at(const EnergyMetric& metric, const std
     set_alone(*run, entry, quantile);
     const double pj = nominal_pj(*run, metric.block);
     out.push_back(metric.inverse ? nominal / pj : pj / nominal);
-    run->restore();
+    run->restore_nominal();
   }
   return out;
 }
