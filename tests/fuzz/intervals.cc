@@ -11,7 +11,7 @@ namespace {
 
 void read(std::string_view bytes) {
   fuzz::refusing([&] {
-    for (const tools::IntervalFrame& frame : tools::read_intervals(bytes).frames) frame.merged(3);
+    for (const tools::IntervalFrame& frame : tools::read_intervals(bytes).frames) frame.merged_to(3);
   });
 }
 
