@@ -52,6 +52,60 @@ bool holds(const AxisCondition& condition, std::span<const std::uint32_t> choice
 
 namespace {
 
+/// True if the outcome of the term is known for every value on its left.
+bool is_known(const Term& term) {
+  return !term.right && std::ranges::all_of(term.outcomes, [](const auto& outcome) { return outcome.has_value(); });
+}
+
+/// True if no combination of values is refused.
+bool can_always_compare(const Term& term) {
+  if (!term.right) return is_known(term);
+  if (!needs_order(term.comparison)) return true;
+  const std::optional<Magnitude>& first = term.lefts->front().magnitude;
+  const auto is_alike = [&](const Operand& value) { return value.magnitude && value.magnitude->kind == first->kind; };
+  return first && std::ranges::all_of(*term.lefts, is_alike) && std::ranges::all_of(*term.rights, is_alike);
+}
+
+/// The known term that holds for the fewest values. Null if no term is known, or if one before it may be refused.
+const Term* find_rarest_term(const AxisCondition& condition) {
+  const Term* best = nullptr;
+  std::ptrdiff_t least = 0;
+  for (const Term& term : condition.terms) {
+    if (is_known(term)) {
+      const std::ptrdiff_t values = std::ranges::count(term.outcomes, std::optional(true));
+      if (best == nullptr || values < least) best = &term, least = values;
+    }
+    if (!can_always_compare(term)) break;
+  }
+  return best;
+}
+
+}  // namespace
+
+AnyCondition::AnyCondition(std::span<const AxisCondition> conditions, std::span<const Axis> axes) {
+  for (const Axis& axis : axes) by_value_.emplace_back(axis.values.size());
+  for (const AxisCondition& condition : conditions) {
+    const Term* term = find_rarest_term(condition);
+    if (term == nullptr) {
+      others_.push_back(&condition);
+      continue;
+    }
+    for (std::size_t value = 0; value < term->outcomes.size(); ++value) {
+      if (*term->outcomes[value]) by_value_[term->left.axis][value].push_back(&condition);
+    }
+  }
+}
+
+bool AnyCondition::any_holds(std::span<const std::uint32_t> choice) const {
+  const auto holds_here = [&](const AxisCondition* condition) { return holds(*condition, choice); };
+  for (std::size_t axis = 0; axis < by_value_.size(); ++axis) {
+    if (std::ranges::any_of(by_value_[axis][choice[axis]], holds_here)) return true;
+  }
+  return std::ranges::any_of(others_, holds_here);
+}
+
+namespace {
+
 constexpr std::uint64_t kMostDraws = 1U << 20;  // about a second
 
 /// Scales a number of 32 bits to the index of one of `values` values; all are equally likely.
@@ -312,7 +366,7 @@ std::vector<std::uint32_t> Planner::axis_sizes() const {
 
 bool Planner::is_wanted(const Choice& choice) const {
   const auto holds_here = [&](const AxisCondition& condition) { return holds(condition, choice); };
-  return std::ranges::all_of(spec_.where, holds_here) && std::ranges::none_of(spec_.exclude, holds_here);
+  return std::ranges::all_of(spec_.where, holds_here) && !excluded_.any_holds(choice);
 }
 
 Point Planner::make_point(const Choice& choice) { return make_point(choice, spec_.tile_sampling); }

@@ -13,6 +13,18 @@ namespace tools::sweep {
 /// True if the combination meets the condition. InputError if a comparison has no order.
 bool holds(const AxisCondition& condition, std::span<const std::uint32_t> choice);
 
+/// Tests whether any of many conditions holds. Conditions are indexed by the term that holds for the fewest values, so
+/// that most are never evaluated: a small file can have thousands. Refers to the conditions.
+class AnyCondition {
+ public:
+  AnyCondition(std::span<const AxisCondition> conditions, std::span<const Axis> axes);
+  bool any_holds(std::span<const std::uint32_t> choice) const;
+
+ private:
+  std::vector<std::vector<std::vector<const AxisCondition*>>> by_value_;  ///< by axis and value
+  std::vector<const AxisCondition*> others_;                              ///< conditions without a known term
+};
+
 /// Lists the wanted combinations of a subset, each once; a grid in order, the last axis fastest. InputError for more
 /// than a million.
 /// 1. random and sobol draw until there are `subset.count` wanted combinations.
@@ -41,6 +53,7 @@ class Planner {
 
  private:
   const Spec spec_;
+  const AnyCondition excluded_{spec_.exclude, spec_.axes};
   const std::filesystem::path folder_;
   PointKeys keys_;
 };
