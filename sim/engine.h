@@ -108,7 +108,7 @@ Time run_outer(WakeupTable& wakeups, const Partition& partition, Time inner, Tim
 /// or kNever. No partition passes an interval boundary before all have reached it.
 template <class Owner, class TickAt>
 Time run_partitions(Owner& owner, Time now, Watchdog<Owner>& watchdog, TickAt&& tick_at) {
-  WakeupTable& wakeups = owner.machine().wakeups();
+  WakeupTable& wakeups = owner.machine().wakeup_table();
   Partitions& partitions = owner.machine().partitions();
   const std::size_t count = partitions.outer.size();
   // Alternates the direction: the partition that ran last is still in the host's caches.
@@ -135,7 +135,7 @@ template <Skip kSkip = Skip::kOn, class Owner>
 Time run(Owner& owner) {
   Machine& machine = owner.machine();
   machine.start();
-  WakeupTable& wakeups = machine.wakeups();
+  WakeupTable& wakeups = machine.wakeup_table();
   const auto tick_at = [units = machine.tick_functions().data()](Time now) {
     return [units, now](std::size_t i) { return units[i](now); };
   };
@@ -171,7 +171,7 @@ template <class Owner>
 Time run_shuffled(Owner& owner, std::uint64_t seed) {
   Machine& machine = owner.machine();
   machine.start();
-  WakeupTable& wakeups = machine.wakeups();
+  WakeupTable& wakeups = machine.wakeup_table();
   std::vector<std::size_t> order(wakeups.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   Watchdog<Owner> watchdog(owner);

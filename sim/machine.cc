@@ -7,33 +7,34 @@
 namespace sim {
 
 UnitId Machine::unit(Declaration declared) {
-  require(!is_started(), "a unit is declared before the start");
+  require_rule(!is_started(), "a unit is declared before the start");
   declared_.push_back(std::move(declared));
   return {declared_.size() - 1, declared_.back().clock};
 }
 
-void Machine::require(bool kept, std::string_view rule) {
+void Machine::require_rule(bool kept, std::string_view rule) {
   if (!kept) throw std::logic_error("sim::Machine: " + std::string(rule));
 }
 
 void Machine::require_unbuilt(UnitId id) const {
-  require(!is_started(), "a unit is built before the start");
-  require(id.index < declared_.size(), "a unit is declared before it is built");
-  require(std::ranges::none_of(units_, [&](const auto& unit) { return unit->declared == id.index; }),
-          declared_[id.index].name + " is built once");
+  require_rule(!is_started(), "a unit is built before the start");
+  require_rule(id.index < declared_.size(), "a unit is declared before it is built");
+  require_rule(std::ranges::none_of(units_, [&](const auto& unit) { return unit->declared == id.index; }),
+               declared_[id.index].name + " is built once");
 }
 
 void Machine::require_cluster_rules(const std::vector<UnitId>& units) const {
-  require(!is_started() && !units.empty(), "a cluster has units, and is named before the start");
+  require_rule(!is_started() && !units.empty(), "a cluster has units, and is named before the start");
   const Declaration& first = declared_[units.front().index];
   const auto alike = [&](UnitId unit) {
     return unit.clock == first.clock && declared_[unit.index].partition == first.partition;
   };
-  require(first.partition != 0 && std::ranges::all_of(units, alike), "a cluster has one outer partition and one clock");
+  require_rule(first.partition != 0 && std::ranges::all_of(units, alike),
+               "a cluster has one outer partition and one clock");
   const auto elsewhere = [&](const ClusteredUnits& other) {
     return declared_[other.units.front().index].partition != first.partition;
   };
-  require(std::ranges::all_of(clusters_, elsewhere), "a partition has one cluster at most");
+  require_rule(std::ranges::all_of(clusters_, elsewhere), "a partition has one cluster at most");
 }
 
 bool Machine::is_drained() const {
@@ -42,7 +43,7 @@ bool Machine::is_drained() const {
 }
 
 void Machine::record_intervals(Intervals& intervals) {
-  require(!is_started(), "intervals are recorded from the start");
+  require_rule(!is_started(), "intervals are recorded from the start");
   std::size_t width = 0;
   for (const UnitReport& unit : report()) width += unit.cycles_by_reason.size() + unit.counters.size();
   intervals.allocate_rows(width);
@@ -97,7 +98,7 @@ std::uint64_t Machine::retired() const {
 
 void Machine::start() {
   if (is_started()) return;
-  require(units_.size() == declared_.size(), "each declared unit is built");
+  require_rule(units_.size() == declared_.size(), "each declared unit is built");
   place_units();
   connect_links();
 }
@@ -146,10 +147,10 @@ WakeupTable::Groups Machine::place_group(std::span<const std::size_t> units, std
 void Machine::connect_links() {
   for (const auto& wire : wires_) {
     const std::size_t from = declared_[wire->from].partition, to = declared_[wire->to].partition;
-    require(from == to || from == 0 || to == 0, "outer partitions meet the inner one alone");
+    require_rule(from == to || from == 0 || to == 0, "outer partitions meet the inner one alone");
     Partition& sender = from == 0 ? partitions_.inner : partitions_.outer[from - 1];
-    wire->connect(wakeups_.handle_of(slots_[wire->from]), wakeups_.handle_of(slots_[wire->to]),
-                  from != to ? &sender.nearly_full : nullptr);
+    wire->attach_ends(wakeups_.handle_of(slots_[wire->from]), wakeups_.handle_of(slots_[wire->to]),
+                      from != to ? &sender.nearly_full : nullptr);
     if (from != to && wire->lookahead == Lookahead::kByLatency) lookahead_ = std::min(lookahead_, wire->latency());
   }
 }

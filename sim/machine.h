@@ -65,8 +65,8 @@ class Machine {
   Link<T>& link(std::size_t capacity, std::uint64_t latency_cycles, UnitId from, UnitId to,
                 Lookahead lookahead = Lookahead::kByLatency, std::size_t at_once = 1) {
     auto wire = std::make_unique<Wire<T>>(capacity, latency_cycles, from.clock, to.clock, synchroniser_cycles_);
-    require(from.index < declared_.size() && to.index < declared_.size(), "a link is between declared units");
-    require(!is_started(), "a link is declared before the start");
+    require_rule(from.index < declared_.size() && to.index < declared_.size(), "a link is between declared units");
+    require_rule(!is_started(), "a link is declared before the start");
     wire->from = from.index;
     wire->to = to.index;
     wire->lookahead = lookahead;
@@ -133,10 +133,10 @@ class Machine {
   // Interface for the engine.
   /// Assigns wake-up times and wakes all units at time 0. No effect if already started.
   void start();
-  WakeupTable& wakeups() { return wakeups_; }
+  WakeupTable& wakeup_table() { return wakeups_; }
   Partitions& partitions() { return partitions_; }
   /// Shortest latency of the links between partitions, without those of kind kByOwner.
-  Time lookahead() const { return lookahead_; }
+  Time min_lookahead() const { return lookahead_; }
   Time wake_time(UnitId unit) const { return wakeups_[slots_[unit.index]]; }
   /// The next interval boundary, which all units must reach together; kNever if nothing is recorded.
   Time next_boundary() const { return next_boundary_; }
@@ -205,7 +205,7 @@ class Machine {
     virtual ~AnyWire() = default;
     virtual bool empty() const = 0;
     virtual Time latency() const = 0;
-    virtual void connect(WakeupHandle producer, WakeupHandle consumer, std::uint32_t* nearly_full) = 0;
+    virtual void attach_ends(WakeupHandle producer, WakeupHandle consumer, std::uint32_t* nearly_full) = 0;
     std::size_t from = 0, to = 0, at_once = 1;
     Lookahead lookahead = Lookahead::kByLatency;
   };
@@ -215,7 +215,7 @@ class Machine {
         : link(capacity, latency, producer, consumer, synchroniser) {}
     bool empty() const override { return link.empty(); }
     Time latency() const override { return link.latency(); }
-    void connect(WakeupHandle producer, WakeupHandle consumer, std::uint32_t* nearly_full) override {
+    void attach_ends(WakeupHandle producer, WakeupHandle consumer, std::uint32_t* nearly_full) override {
       link.set_wakeup_handles(producer, consumer);
       if (nearly_full != nullptr) link.count_if_nearly_full(nearly_full, at_once);
     }
@@ -223,7 +223,7 @@ class Machine {
   };
 
   /// Throws std::logic_error unless `kept`.
-  static void require(bool kept, std::string_view rule);
+  static void require_rule(bool kept, std::string_view rule);
   void require_unbuilt(UnitId id) const;
   void require_cluster_rules(const std::vector<UnitId>& units) const;
   bool is_started() const { return wakeups_.size() != 0; }

@@ -50,7 +50,7 @@ struct ClusterTurn {
   std::span<const Time> others;  ///< minima of the partition's other units, by groups
 
   /// True if the turn includes `at`: the partition may run that far, and no other unit is due earlier.
-  bool includes(Time at) const {
+  bool includes_time(Time at) const {
     // A single comparison, because the limit that ends the turn is unpredictable.
     Time over = run_limit(partition, inner, end) - 1;
     for (const Time& other : others) over = std::min(over, other);

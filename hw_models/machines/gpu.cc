@@ -204,7 +204,7 @@ sim::RunLimits Gpu::run_limits(sim::Time now) const {
   if (stopped_ || dispatcher_->done()) return {now, now};
   const Core& core = cores_.front();
   const sim::Time dispatch = machine_.wake_time(dispatcher_id_), next_tile = dispatch + core.tiles_in.latency();
-  const sim::Time lookahead = std::min(machine_.lookahead(), core.tiles_in.latency() + core.tiles_out.latency());
+  const sim::Time lookahead = std::min(machine_.min_lookahead(), core.tiles_in.latency() + core.tiles_out.latency());
   const sim::Time end = std::min(now + lookahead, next_tile);
   // A tile may end within this time, so the dispatcher must not run ahead.
   return {dispatch, dispatcher_->has_more() ? end : std::min(end, last_tile_may_end(now))};

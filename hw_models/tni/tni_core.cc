@@ -90,7 +90,7 @@ void TniCore::run(const sim::ClusterTurn& turn, sim::Time now) {
     Trv::tick_due(trvs_, due >> 2 & all_trvs, &wakes[2], cycle);
     if ((due >> 2 & ~all_trvs) != 0) wakes[2 + trvs] = port_->tick(cycle.now);
     const sim::Time soonest = sim::WakeupTable::refresh_group_minima(wakes, turn.group_minima);
-    if (!turn.includes(soonest)) return;
+    if (!turn.includes_time(soonest)) return;
     cycle.go_to(soonest, dispatcher_id_.clock);
   }
 }

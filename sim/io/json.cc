@@ -282,7 +282,7 @@ const Json* Json::find_for_value(std::string_view key) const {
 
 const Json* Json::find_at(const JsonPointer& pointer) const {
   const Json* at = this;
-  for (const std::string& token : pointer.tokens()) {
+  for (const std::string& token : pointer.path_tokens()) {
     if (at->is_array()) {
       std::size_t index = 0;
       const char* const end = token.data() + token.size();
@@ -325,7 +325,7 @@ Json& Json::at(std::size_t index) { return const_cast<Json&>(std::as_const(*this
 
 const Json& Json::at(const JsonPointer& pointer) const {
   const Json* found = find_at(pointer);
-  if (found == nullptr) throw key_error(fmt::format("{}", fmt::join(pointer.tokens(), "/")));
+  if (found == nullptr) throw key_error(fmt::format("{}", fmt::join(pointer.path_tokens(), "/")));
   return *found;
 }
 
@@ -340,7 +340,7 @@ Json& Json::operator[](std::string_view key) {
 
 Json& Json::operator[](const JsonPointer& pointer) {
   Json* at = this;
-  for (const std::string& token : pointer.tokens()) {
+  for (const std::string& token : pointer.path_tokens()) {
     const bool is_index = !token.empty() && token.find_first_not_of("0123456789") == std::string::npos;
     if (at->is_null()) *at = is_index ? array() : object();
     if (at->is_array()) {
@@ -413,7 +413,7 @@ Json Json::flatten() const {
   return out;
 }
 
-bool Json::equals(const Json& other) const {
+bool Json::equals_json(const Json& other) const {
   if (is_number() && other.is_number() && type_ != other.type_) {
     if (type_ == Type::kDouble || other.type_ == Type::kDouble) return get<double>() == other.get<double>();
     return type_ == Type::kInteger ? std::cmp_equal(value_.integer, other.value_.natural)
@@ -535,7 +535,7 @@ class JsonWriter {
                                                         nlohmann::json::error_handler_t::replace};
 };
 
-std::string written(const Json& json, std::size_t indent) {
+std::string written_text(const Json& json, std::size_t indent) {
   JsonWriter writer(indent);
   writer.write(json);
   return writer.take();
@@ -543,8 +543,8 @@ std::string written(const Json& json, std::size_t indent) {
 
 }  // namespace
 
-std::string json_line(const Json& json) { return written(json, 0); }
-std::string json_lines(const Json& json) { return written(json, 2) + "\n"; }
+std::string json_line(const Json& json) { return written_text(json, 0); }
+std::string json_lines(const Json& json) { return written_text(json, 2) + "\n"; }
 std::ostream& operator<<(std::ostream& out, const Json& json) { return out << json_line(json); }
 
 // --- Reading -----------------------------------------------------------------------------------------------------

@@ -75,7 +75,7 @@ class JsonIterator {
 class JsonPointer {
  public:
   explicit JsonPointer(std::string_view text);
-  const std::vector<std::string>& tokens() const { return tokens_; }
+  const std::vector<std::string>& path_tokens() const { return tokens_; }
 
  private:
   std::vector<std::string> tokens_;
@@ -217,7 +217,7 @@ class Json {
   Json flatten() const;
 
   /// Numbers of different types are compared by value. The order of keys counts.
-  friend bool operator==(const Json& a, const Json& b) { return a.equals(b); }
+  friend bool operator==(const Json& a, const Json& b) { return a.equals_json(b); }
 
  private:
   friend class JsonBuilder;
@@ -235,7 +235,7 @@ class Json {
   explicit Json(Type type);
   [[noreturn]] void refuse(int number, const char* what) const;
   Json take() const noexcept;  ///< moves an element out of a braced list
-  bool equals(const Json& other) const;
+  bool equals_json(const Json& other) const;
   const Json* find_value(std::string_view key) const;
   const Json* find_for_value(std::string_view key) const;
   const Json* find_at(const JsonPointer& pointer) const;

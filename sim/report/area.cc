@@ -35,7 +35,7 @@ AreaReport compute_area(std::span<const UnitReport> units, const EnergyConfig& e
   AreaReport report;
   for (const UnitReport& unit : units) {
     AreaOfBlock& block = report.blocks[unit.block];
-    block.logic += LogicArea(unit, energy).band() * config.logic_scale;
+    block.logic += LogicArea(unit, energy).area_band() * config.logic_scale;
     if (unit.cache_bytes != 0) block.arrays += array_of(arrays, unit);
     if (unit.sram_bytes > unit.cache_bytes) {
       const double kib = static_cast<double>(unit.sram_bytes - unit.cache_bytes) / 1024;

@@ -118,7 +118,7 @@ EnergyFormula::EventEnergy EnergyFormula::find_event_energy(
     throw InputError(fmt::format("energy.events: no figure for '{}', which counter '{}' of unit '{}' names",
                                  counter.event, counter.name, unit.path));
   }
-  const EnergyCurve& curve = table_.curve(counter.event);
+  const EnergyCurve& curve = table_.curve_of(counter.event);
   if (unit.cache_bytes == 0 && curve.depends_on_size()) {
     throw InputError(fmt::format("energy.events: '{}' depends on the size of an array, and unit '{}' has none",
                                  counter.event, unit.path));
@@ -258,6 +258,6 @@ double LogicArea::at(Side side) const {
   return std::max(0.0, mm2);
 }
 
-Band LogicArea::band() const { return {at(&Band::low), at(&Band::nominal), at(&Band::high)}; }
+Band LogicArea::area_band() const { return {at(&Band::low), at(&Band::nominal), at(&Band::high)}; }
 
 }  // namespace sim

@@ -118,7 +118,7 @@ class LogicArea {
   LogicArea(const UnitReport& unit, const EnergyConfig& config);
 
   double at(Side side) const;
-  Band band() const;
+  Band area_band() const;
 
  private:
   struct Difference {

@@ -55,11 +55,11 @@ EnergyPoint EnergyCurve::at(std::uint64_t bytes) const {
 }
 
 Band EnergyTable::at(std::string_view event, std::uint64_t bytes) const {
-  const EnergyPoint point = curve(event).at(bytes);
+  const EnergyPoint point = curve_of(event).at(bytes);
   return {point.at(&Band::low), point.at(&Band::nominal), point.at(&Band::high)};
 }
 
-std::vector<std::string> EnergyTable::names() const {
+std::vector<std::string> EnergyTable::event_names() const {
   std::vector<std::string> names;
   for (const auto& [name, curve] : curves_) names.push_back(name);
   return names;

@@ -57,9 +57,9 @@ class EnergyTable {
   /// Energy of an event in pJ in an array of `bytes`. contains() must be true.
   Band at(std::string_view event, std::uint64_t bytes) const;
   bool contains(std::string_view event) const { return curves_.contains(std::string(event)); }
-  const EnergyCurve& curve(std::string_view event) const { return curves_.at(std::string(event)); }
+  const EnergyCurve& curve_of(std::string_view event) const { return curves_.at(std::string(event)); }
   /// Names without sizes, in alphabetical order.
-  std::vector<std::string> names() const;
+  std::vector<std::string> event_names() const;
 
  private:
   std::map<std::string, EnergyCurve> curves_;

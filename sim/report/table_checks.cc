@@ -95,8 +95,8 @@ struct Array {
 using Outside = std::map<Array, std::set<std::string>>;
 
 void add_if_outside(const EnergyTable& table, const std::string& entry, const UnitReport& unit, Outside& outside) {
-  if (!table.contains(entry) || !table.curve(entry).depends_on_size()) return;
-  const EnergyCurve& curve = table.curve(entry);
+  if (!table.contains(entry) || !table.curve_of(entry).depends_on_size()) return;
+  const EnergyCurve& curve = table.curve_of(entry);
   if (unit.cache_bytes >= curve.least_bytes() && unit.cache_bytes <= curve.most_bytes()) return;
   outside[{entry_name(unit), unit.cache_bytes, curve.least_bytes(), curve.most_bytes()}].insert(entry);
 }

@@ -126,7 +126,7 @@ TEST(Machine, StateHasALineForEachUnitThatHasOne) { EXPECT_EQ(Pair().machine().s
 TEST(Machine, WhatLeadsInwardBoundsTheLookaheadAndIsCountedWhenNearlyFull) {
   Pair pair(2, 1, 100);
   pair.machine().start();
-  EXPECT_EQ(pair.machine().lookahead(), 26U);
+  EXPECT_EQ(pair.machine().min_lookahead(), 26U);
   ASSERT_EQ(pair.machine().partitions().outer.size(), 1U);
   const Partition& outer = pair.machine().partitions().outer.front();
   EXPECT_EQ(outer.nearly_full, 0U);
@@ -164,7 +164,7 @@ TEST(Machine, LinksByOwnerDoNotBoundTheLookahead) {
   machine.build<Relay>(inner, Clock(2), &other, &known);
   machine.build<Relay>(outer, Clock(2), &known, &other);
   machine.start();
-  EXPECT_EQ(machine.lookahead(), 18U);
+  EXPECT_EQ(machine.min_lookahead(), 18U);
 }
 
 TEST(Machine, PartitionsShareNoGroupOfWakeUpTimes) {
@@ -189,7 +189,7 @@ struct Chain {
   bool done() const { return taking->stats().taken == expected; }
   /// Near the end, the limits are the current time, because the run may end at any time.
   RunLimits run_limits(Time now) const {
-    const Time end = taking->stats().taken + 8 >= expected ? now : now + machine_.lookahead();
+    const Time end = taking->stats().taken + 8 >= expected ? now : now + machine_.min_lookahead();
     return {end, end};
   }
   void run(const ClusterTurn& turn, Time now) {
@@ -201,7 +201,7 @@ struct Chain {
       if (turn.wakeup_times[0] <= now) turn.wakeup_times[0] = giving->tick(now);
       if (turn.wakeup_times[1] <= now) turn.wakeup_times[1] = sorting->tick(now);
       now = WakeupTable::refresh_group_minima(turn.wakeup_times, turn.group_minima);
-    } while (turn.includes(now));
+    } while (turn.includes_time(now));
   }
   std::array<std::uint64_t, 8> outcome() const {
     return {giving->stats().taken, sorting->stats().taken, porting->stats().taken, taking->stats().taken,

@@ -177,7 +177,7 @@ class ApartPipeline : public Pipeline {
   /// Near the end, all partitions run together.
   RunLimits run_limits(Time now) const {
     const bool ends_soon = config_.items - sink.taken.size() <= config_.capacity;
-    const Time end = ends_soon ? now : now + machine_.lookahead();
+    const Time end = ends_soon ? now : now + machine_.min_lookahead();
     return {end, end};
   }
 };

@@ -91,7 +91,7 @@ TEST(EnergyTable, HasThePartsOfTheMachinesUnitsAndNoOthers) {
 
 TEST(EnergyTable, HasTheDefaultMachinesLogicAsItIs) {
   for (const sim::UnitReport& unit : played().units) {
-    EXPECT_EQ(sim::LogicArea(unit, played().config.energy).band(),
+    EXPECT_EQ(sim::LogicArea(unit, played().config.energy).area_band(),
               sim::required_entry(played().config.energy.logic, unit, "logic"))
         << unit.path;
   }

@@ -109,7 +109,9 @@ Json sliced_json(const FrameResult& run) {
   return out;
 }
 
-double ratio(std::uint64_t part, std::uint64_t whole) { return static_cast<double>(part) / static_cast<double>(whole); }
+double ratio_of(std::uint64_t part, std::uint64_t whole) {
+  return static_cast<double>(part) / static_cast<double>(whole);
+}
 
 Json perf_json(const FrameResult& run) {
   const double ms = time_ms(run);
@@ -208,7 +210,7 @@ Json totals_json(const ComparedResult& result) {
   Json totals = {{"cycles", run.cycles},
                  {"time_ms", time_ms(run)},
                  {"rays", rays_json(run)},
-                 {"traced_ratio", ratio(run.rendered.sampling.traced, run.rendered.sampling.wanted)},
+                 {"traced_ratio", ratio_of(run.rendered.sampling.traced, run.rendered.sampling.wanted)},
                  {"sampling", sampling_json(run)},
                  {"traversal_steps", run.rendered.traversal_steps},
                  {"dram_bytes", dram_bytes(run)},

@@ -25,7 +25,8 @@ namespace tools {
 RenderedFrames::RenderedFrames(Inputs& inputs, const RunPlan& plan, std::uint32_t threads, Progress* progress)
     : PosedFrames(inputs, threads, progress),
       plan_(plan),
-      slices_(plan.slicing() != nullptr ? slice_count(inputs.config, plan.program, plan.slicing()->slices) : 0),
+      slices_(plan.slice_settings() != nullptr ? slice_count(inputs.config, plan.program, plan.slice_settings()->slices)
+                                               : 0),
       rates_(inputs.config.programs.multirate),
       reference_rates_(rates_) {}
 

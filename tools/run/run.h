@@ -37,7 +37,7 @@ struct RunPlan {
 
   const Whole* whole_frames() const { return std::get_if<Whole>(&how); }
   const TileSampling* sampling() const { return std::get_if<TileSampling>(&how); }
-  const Sliced* slicing() const { return std::get_if<Sliced>(&how); }
+  const Sliced* slice_settings() const { return std::get_if<Sliced>(&how); }
 };
 
 /// Returns the plan of the options of `raywatt run`. InputError for options that exclude each other.

@@ -22,7 +22,7 @@ struct Traits {
   Eigen::VectorXd whole;
 };
 
-Traits standardise(std::span<const SamplePart> parts, const SamplePart& whole) {
+Traits standardise_traits(std::span<const SamplePart> parts, const SamplePart& whole) {
   const auto n = static_cast<Index>(parts.size()), p = static_cast<Index>(whole.traits.size());
   Traits traits{Eigen::MatrixXd::Zero(n, p), Eigen::VectorXd::Zero(p)};
   for (std::size_t j = 0; j < whole.traits.size(); ++j) {
@@ -45,7 +45,7 @@ Traits standardise(std::span<const SamplePart> parts, const SamplePart& whole) {
 SampleWeights::SampleWeights(std::span<const SamplePart> parts, const SamplePart& whole, double ridge) {
   const auto count = static_cast<double>(parts.size());
   for (const SamplePart& part : parts) sizes_.push_back(part.size);
-  const Traits z = standardise(parts, whole);
+  const Traits z = standardise_traits(parts, whole);
   Eigen::MatrixXd normal = z.parts.transpose() * z.parts;
   normal.diagonal().array() += count * std::max(ridge, 1e-9);
   const Eigen::MatrixXd solved = normal.llt().solve(z.parts.transpose());

@@ -21,7 +21,7 @@ class SampleWeights {
   /// `ridge`: 0 gives least squares; larger values give estimates nearer to the mean of the parts.
   SampleWeights(std::span<const SamplePart> parts, const SamplePart& whole, double ridge);
 
-  const std::vector<double>& weights() const { return weights_; }
+  const std::vector<double>& part_weights() const { return weights_; }
   /// Estimates the whole's total of a quantity observed in each part.
   double total(std::span<const double> observed) const;
   /// Half-width of the 95 % interval of total(), from the residuals of the fit.

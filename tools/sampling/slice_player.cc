@@ -7,7 +7,7 @@
 
 namespace tools {
 
-void MachineSpan::subtract(const Mark& earlier) {
+void MachineSpan::subtract_mark(const Mark& earlier) {
   time -= earlier.time;
   sim::subtract_reports(units, earlier.units);
   for (std::size_t k = 0; k < kernels.size(); ++k) kernels[k] -= earlier.kernels[k];
@@ -58,7 +58,7 @@ PlayedSlice SlicePlayer::run_slice(SharedFrame& frame, const traces::Tracer& tra
   played.slice = slice;
   played.own = is_last ? MachineSpan(*gpu) : MachineSpan(tiles.mark_at(slice.end));
   if (slice.first != 0) {
-    played.own.subtract(tiles.mark_at(slice.first));
+    played.own.subtract_mark(tiles.mark_at(slice.first));
     played.before = measure_probe(tiles, slice.first);
   }
   if (!is_last) played.after = measure_probe(tiles, slice.end);
@@ -70,7 +70,7 @@ PlayedSlice SlicePlayer::run_slice(SharedFrame& frame, const traces::Tracer& tra
 
 Probe SlicePlayer::measure_probe(const TimedTiles& tiles, std::uint32_t border) const {
   MachineSpan stretch(tiles.mark_at(border));
-  stretch.subtract(tiles.mark_at(border - shape_.probe));
+  stretch.subtract_mark(tiles.mark_at(border - shape_.probe));
   return {static_cast<double>(stretch.time), energy_of(stretch.units, stretch.time, inputs_.config).total_pj.nominal};
 }
 

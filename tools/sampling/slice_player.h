@@ -25,7 +25,7 @@ struct MachineSpan {
   MachineSpan() = default;
   explicit MachineSpan(const hw::Gpu& gpu) : time(gpu.elapsed()), units(gpu.report()), kernels(gpu.kernel_use()) {}
   explicit MachineSpan(const Mark& mark) : time(mark.time), units(mark.units), kernels(mark.kernels) {}
-  void subtract(const Mark& earlier);
+  void subtract_mark(const Mark& earlier);
   void add(const MachineSpan& other);
 };
 

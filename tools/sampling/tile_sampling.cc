@@ -100,7 +100,7 @@ Estimates estimate_frame(const Inputs& inputs, const Pilot& pilot, const TilePla
   for (std::uint32_t tile = plan.begin; tile < plan.end; ++tile) rest.add(pilot.traits[tile]);
   const SampleWeights weights(samples, as_sample(rest, measure.estimate_cost(rest)), kRidge);
   Estimates e;
-  e.whole = weighted_sum(parts, weights.weights(), runs.front());
+  e.whole = weighted_sum(parts, weights.part_weights(), runs.front());
   e.time = interval_around(static_cast<double>(e.whole.time), weights, times);
   e.energy = interval_around(energy_of(e.whole.units, e.whole.time, inputs.config).total_pj.nominal, weights, energies);
   e.counters = counter_intervals(e.whole, parts, weights);

@@ -50,7 +50,7 @@ UnitReport channel(std::uint32_t data_lines) {
 Band logic_with(std::uint32_t testers, std::uint32_t adders) {
   UnitReport u = sized_unit("core0.tni.trv0", "tni", 0, 0);
   u.parts = {{"tester", testers}, {"adder", adders}};
-  return LogicArea(u, energy()).band();
+  return LogicArea(u, energy()).area_band();
 }
 
 TEST(Area, IsLogicArraysBuffersAndPadsOfEveryUnitAndThePlacement) {
@@ -97,7 +97,7 @@ TEST(Area, OfLogicIsNoSmallerUnderHighTablesThanUnderLowOnesThoughItHoldsLess) {
   c.logic["tni.trv"] = {1, 1, 1};
   UnitReport u = sized_unit("core0.tni.trv0", "tni", 0, 0);
   u.parts = {{"tester", 0}, {"adder", 1}};
-  EXPECT_EQ(LogicArea(u, c).band(), (Band{0.5, 0.5, 0.5}));
+  EXPECT_EQ(LogicArea(u, c).area_band(), (Band{0.5, 0.5, 0.5}));
 }
 
 TEST(Area, OfLogicIsNeverBelowNothing) {
@@ -105,7 +105,7 @@ TEST(Area, OfLogicIsNeverBelowNothing) {
   c.parts_in_logic["tni.adder"] = {100, 100, 100};
   UnitReport u = sized_unit("core0.tni.trv0", "tni", 0, 0);
   u.parts = {{"adder", 1}};
-  EXPECT_EQ(LogicArea(u, c).band(), Band());
+  EXPECT_EQ(LogicArea(u, c).area_band(), Band());
 }
 
 TEST(Area, OfLogicEqualsTheTableWithoutParts) {
@@ -113,7 +113,7 @@ TEST(Area, OfLogicEqualsTheTableWithoutParts) {
   c.parts = c.parts_in_logic = {};
   UnitReport u = sized_unit("core0.tni.trv0", "tni", 0, 0);
   u.parts = {{"tester", 7}};
-  EXPECT_EQ(LogicArea(u, c).band(), (Band{0.5, 1, 2}));
+  EXPECT_EQ(LogicArea(u, c).area_band(), (Band{0.5, 1, 2}));
 }
 
 TEST(Area, OfWhatTheTableDoesNotKnowIsAnError) {

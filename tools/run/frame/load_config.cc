@@ -274,18 +274,18 @@ std::array<Cache, 3> caches_of(RunConfig& config) {
 }
 
 const sim::EnergyCurve& curve_of(const sim::EnergyTable& table, const std::string& path) {
-  if (!table.contains(kCurve) || !table.curve(kCurve).depends_on_size()) {
+  if (!table.contains(kCurve) || !table.curve_of(kCurve).depends_on_size()) {
     throw sim::InputError(
         fmt::format("{}.hit_cycles: auto needs latency.arrays; allowed: a number, or points such as "
                     "read@16KiB, as in latency.extends=latency/22nm",
                     path));
   }
-  return table.curve(kCurve);
+  return table.curve_of(kCurve);
 }
 
 /// An entry that no cache reads is a misspelling.
 void check_names(const sim::EnergyTable& table) {
-  for (const std::string& name : table.names()) {
+  for (const std::string& name : table.event_names()) {
     if (name == kCurve) continue;
     throw sim::InputError(
         fmt::format("latency.arrays.{}: no latency goes by this name; allowed: {}, with a size such as "

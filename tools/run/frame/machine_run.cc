@@ -74,7 +74,7 @@ class VariantRuns {
     begin_part();
   }
 
-  std::vector<FrameResult> play(std::uint32_t threads) {
+  std::vector<FrameResult> run_all(std::uint32_t threads) {
     parallel_for(all_.size(), threads, [this](std::size_t i, std::size_t) { play_one(i); });
     return std::move(all_);
   }
@@ -121,7 +121,7 @@ std::vector<FrameResult> simulate_variants(const Inputs& inputs, const kernels::
                                            const InMemoryTrace& work, const FrameResult& plain,
                                            std::span<const MachineVariant> plays, const char* what,
                                            std::uint32_t threads, Progress* progress) {
-  return VariantRuns(inputs, requirements, work, plain, plays, what, progress).play(host_threads(threads));
+  return VariantRuns(inputs, requirements, work, plain, plays, what, progress).run_all(host_threads(threads));
 }
 
 std::vector<FrameResult> simulate_replicates(const Inputs& inputs, const kernels::FrameRequirements& requirements,

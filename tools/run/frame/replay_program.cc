@@ -72,7 +72,7 @@ void ReplayProgram::commit_tile(const kernels::TileResult& tile) {
 
 const traces::TileScope* scope_of(const kernels::FrameProgram& program) {
   const auto* replay = dynamic_cast<const ReplayProgram*>(&program);
-  return replay == nullptr ? nullptr : &replay->scope();
+  return replay == nullptr ? nullptr : &replay->tile_scope();
 }
 
 void InMemoryTrace::add(const traces::TileWork& work) {

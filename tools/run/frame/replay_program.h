@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "shader_kernels/programs/wavefront/frame_program.h"
+#include "traces/ray.h"
 #include "traces/trace_file/tile_code.h"
 #include "traces/trace_file/trace_reader.h"
-#include "traces/ray.h"
 
 namespace tools {
 
@@ -27,7 +27,7 @@ class ReplayProgram final : public kernels::FrameProgram {
   void run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
                 kernels::TileResult& out) const override;
   void commit_tile(const kernels::TileResult& tile) override;
-  const traces::TileScope& scope() const { return scope_; }
+  const traces::TileScope& tile_scope() const { return scope_; }
 
  private:
   using Cursor = traces::TraceReader::Cursor;
