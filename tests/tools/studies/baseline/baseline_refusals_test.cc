@@ -19,7 +19,7 @@ void expect_not_comparable(const Ending& ending, const Words& parts) {
   EXPECT_EQ(ending.out.find("MOVED"), std::string::npos) << ending.out;
 }
 
-TEST(Baseline, OfAnotherTreeIsRefusedAndNoRegression) {
+TEST(Baseline, RefusesAnotherTree) {
   BaselineSuite suite;
   ASSERT_EQ(suite.baseline("record").exit, 0);
   const std::string text = suite.values();
@@ -32,7 +32,7 @@ TEST(Baseline, OfAnotherTreeIsRefusedAndNoRegression) {
   expect_not_comparable(suite.baseline("check"), {"2 of 2 runs", "bvh.traversal_cost was 1.0, is 3.0"});
 }
 
-TEST(Baseline, OfAnotherEmbreeIsCheckedWhereItsTreesAreTheSame) {
+TEST(Baseline, AcceptsAnotherEmbreeIfItsTreesAreEqual) {
   const BaselineSuite suite;
   ASSERT_EQ(suite.baseline("record").exit, 0);
   std::string text = suite.values();
@@ -44,7 +44,7 @@ TEST(Baseline, OfAnotherEmbreeIsCheckedWhereItsTreesAreTheSame) {
   expect_not_comparable(suite.baseline("check"), {"another tree", "stored with Embree 2.17.7, this program has "});
 }
 
-TEST(Baseline, ThatWouldSaySomethingToTheTerminalIsRefused) {
+TEST(Baseline, RefusesControlCharacters) {
   const BaselineSuite suite;
   ASSERT_EQ(suite.baseline("record").exit, 0);
   const std::string text = suite.values();
@@ -59,7 +59,7 @@ TEST(Baseline, ThatWouldSaySomethingToTheTerminalIsRefused) {
   }
 }
 
-TEST(Baseline, OfOtherWorkIsRefused) {
+TEST(Baseline, RefusesOtherWork) {
   BaselineSuite suite;
   ASSERT_EQ(suite.baseline("record").exit, 0);
   const std::string text = suite.values();
@@ -72,7 +72,7 @@ TEST(Baseline, OfOtherWorkIsRefused) {
   expect_not_comparable(suite.baseline("check"), {"another scene"});
 }
 
-TEST(Baseline, OfOtherRunsIsRefused) {
+TEST(Baseline, RefusesOtherRuns) {
   BaselineSuite suite;
   ASSERT_EQ(suite.baseline("record").exit, 0);
   const std::string text = suite.values();
@@ -84,7 +84,7 @@ TEST(Baseline, OfOtherRunsIsRefused) {
   EXPECT_EQ(suite.values(), text);
 }
 
-TEST(Baseline, ASuiteThatCannotBeUsedIsRefusedWithItsPlace) {
+TEST(Baseline, RefusesABrokenSuiteWithItsLine) {
   BaselineSuite suite;
   const auto refused = [&](const std::string& text, const Words& parts) {
     suite.write(text);
@@ -111,7 +111,7 @@ TEST(Baseline, ASuiteThatCannotBeUsedIsRefusedWithItsPlace) {
   refused("keep: {cycles: -5 %}\nruns: {a: {}}\n", {"0 % to 100 %"});
 }
 
-TEST(Baseline, WhatOnlyARunCanTellIsRefusedThen) {
+TEST(Baseline, RefusesBadValuesThatOnlyARunFinds) {
   BaselineSuite suite;
   const std::string runs = "\nruns: {a: {resolution: 1x1, set: {scene.triangles: 500}}}\n";
   suite.write("keep: {cycels: exact}" + runs);
@@ -129,7 +129,7 @@ TEST(Baseline, WhatOnlyARunCanTellIsRefusedThen) {
   EXPECT_EQ(names_in(suite.folder().path()), (Words{"machine.yaml", "serial.yaml", "suite.yaml"}));
 }
 
-TEST(Baseline, StoredValuesThatAreNoneAreRefused) {
+TEST(Baseline, RefusesBrokenStoredValues) {
   const BaselineSuite suite;
   const std::string begin = "schema: raywatt-baseline/1\n";
   for (const auto& [text, part] : std::vector<std::pair<std::string, std::string>>{

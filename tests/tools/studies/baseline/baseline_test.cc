@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST(Baseline, OfAnUnchangedMachineIsAsStored) {
+TEST(Baseline, PassesForAnUnchangedMachine) {
   const BaselineSuite suite;
   const Ending recorded = suite.baseline("record");
   ASSERT_EQ(recorded.exit, 0) << recorded.err;
@@ -25,7 +25,7 @@ TEST(Baseline, OfAnUnchangedMachineIsAsStored) {
   EXPECT_SAYS(checked.out, "ok       square");
 }
 
-TEST(Baseline, IsTheSameFileHoweverManyRunAtOnce) {
+TEST(Baseline, IsTheSameFileForAnyNumberOfJobs) {
   const BaselineSuite suite;
   ASSERT_EQ(suite.baseline("record", {"-j", "1"}).exit, 0);
   const std::string one = suite.values();
@@ -33,7 +33,7 @@ TEST(Baseline, IsTheSameFileHoweverManyRunAtOnce) {
   EXPECT_EQ(suite.values(), one);
 }
 
-TEST(Baseline, IsWrittenForPeopleToRead) {
+TEST(Baseline, IsReadableYaml) {
   const BaselineSuite suite;
   ASSERT_EQ(suite.baseline("record").exit, 0);
   const std::string text = suite.values();
@@ -44,7 +44,7 @@ TEST(Baseline, IsWrittenForPeopleToRead) {
   }
 }
 
-TEST(Baseline, RecordDoesNotReplaceValuesUnseen) {
+TEST(Baseline, RecordDoesNotReplaceStoredValues) {
   const BaselineSuite suite;
   expect_refusal(suite.baseline("check"), {"suite.baseline.yaml", "baseline record"});
   expect_refusal(suite.baseline("accept"), {"suite.baseline.yaml", "baseline record"});
@@ -78,7 +78,7 @@ constexpr Latency kLatencies[] = {
      "interconnect"},
     {"dram: {fabric: 52 ns}", "dram.fabric", "50 ns", "52 ns", "path between L2 and memory", "dram.channel"}};
 
-TEST(Baseline, ACycleMoreInOneLatencyFailsAndNamesTheKeyAndItsUnitFirst) {
+TEST(Baseline, OneMoreCycleOfLatencyFailsAndNamesTheKeyAndItsUnit) {
   BaselineSuite suite;
   ASSERT_EQ(suite.baseline("record").exit, 0);
   for (const Latency& l : kLatencies) {
@@ -93,7 +93,7 @@ TEST(Baseline, ACycleMoreInOneLatencyFailsAndNamesTheKeyAndItsUnitFirst) {
   }
 }
 
-TEST(Baseline, WithoutAChangedKeyTheCountersNameTheUnit) {
+TEST(Baseline, CountersNameTheUnitIfNoKeyChanged) {
   BaselineSuite suite;
   ASSERT_EQ(suite.baseline("record").exit, 0);
   const std::string text = suite.values();
@@ -108,7 +108,7 @@ TEST(Baseline, WithoutAChangedKeyTheCountersNameTheUnit) {
   }
 }
 
-TEST(Baseline, AKeyThatMovesNothingIsNamedToo) {
+TEST(Baseline, NamesAChangedKeyWithoutEffect) {
   BaselineSuite suite;
   ASSERT_EQ(suite.baseline("record").exit, 0);
   suite.machine("tni: {rau: {rows: 8}}");
@@ -127,7 +127,7 @@ TEST(Baseline, NamesChangedKeysAndALargeGroupOnce) {
               "\nChanged in dram.channel: dram.timing.burst was 8, is 4, and 28 more keys of dram.timing\n");
 }
 
-TEST(Baseline, AKeyThatOnlyOneConfigurationHasIsNoCause) {
+TEST(Baseline, DoesNotBlameAKeyOfOneConfigurationOnly) {
   BaselineSuite suite;
   ASSERT_EQ(suite.baseline("record").exit, 0);
   suite.write_values(replaced(replaced(suite.values(), "  l2.lookup_cycles: 4\n", "  l2.lookup_cycles: 5\n"),
@@ -140,7 +140,7 @@ TEST(Baseline, AKeyThatOnlyOneConfigurationHasIsNoCause) {
               "Changed in core.dma: dma.of_an_older_model was 8, is none\n");
 }
 
-TEST(Baseline, SaysWhatMovedByHowMuchAndWhichKeyIsToBlame) {
+TEST(Baseline, PrintsEachChangeAndItsKey) {
   BaselineSuite suite;
   ASSERT_EQ(suite.baseline("record").exit, 0);
   suite.machine("tni: {trv: {box_latency: 13}}");
@@ -151,7 +151,7 @@ TEST(Baseline, SaysWhatMovedByHowMuchAndWhichKeyIsToBlame) {
   EXPECT_SAYS(ending.out, "2 of 2 runs moved");
 }
 
-TEST(Baseline, ATolerancePasses) {
+TEST(Baseline, PassesWithinATolerance) {
   BaselineSuite suite("{cycles: 20 %}");
   ASSERT_EQ(suite.baseline("record").exit, 0);
   suite.machine("tni: {trv: {box_latency: 13}}");
@@ -163,7 +163,7 @@ TEST(Baseline, ATolerancePasses) {
   EXPECT_EQ(ending.out.find("Most likely"), std::string::npos) << "no counters of units are kept";
 }
 
-TEST(Baseline, WithReplicatesAFigureHasMovedOnlyBeyondTheNoise) {
+TEST(Baseline, WithReplicatesOnlyChangesBeyondNoiseFail) {
   // A machine of several cores, whose cycles depend on the start of a core.
   BaselineSuite suite;
   const auto machine = [&](const std::string& change) {
@@ -189,7 +189,7 @@ runs:
   EXPECT_SAYS(slow.out, " noise ");
 }
 
-TEST(Baseline, WithReplicatesAStoredValueIsOneDraw) {
+TEST(Baseline, WithReplicatesAStoredValueCountsAsOneDraw) {
   BaselineSuite suite("{cycles: exact, rays: exact}");
   ASSERT_EQ(suite.baseline("record").exit, 0);
   EXPECT_EQ(suite.values().find("replicates"), std::string::npos);
@@ -198,7 +198,7 @@ TEST(Baseline, WithReplicatesAStoredValueIsOneDraw) {
   EXPECT_EQ(suite.baseline("check", {"--replicates", "3"}).exit, 1);
 }
 
-TEST(Baseline, ThePathNamedLastHasItsTolerance) {
+TEST(Baseline, TheLastMatchingToleranceApplies) {
   BaselineSuite suite(
       "{totals.rays: exact, units: exact, units.core: 100 %, units.dram: 100 %, units.l2: 100 %, "
       "units.tile_dispatcher: 100 %}");
@@ -207,7 +207,7 @@ TEST(Baseline, ThePathNamedLastHasItsTolerance) {
   EXPECT_EQ(suite.baseline("check").exit, 0) << suite.baseline("check").out;
 }
 
-TEST(Baseline, AcceptShowsWhatMovedAndTakesIt) {
+TEST(Baseline, AcceptPrintsTheChangesAndStoresThem) {
   BaselineSuite suite;
   ASSERT_EQ(suite.baseline("record").exit, 0);
   suite.machine("l2: {lookup_cycles: 5}");
@@ -218,7 +218,7 @@ TEST(Baseline, AcceptShowsWhatMovedAndTakesIt) {
   EXPECT_EQ(suite.baseline("check").exit, 0);
 }
 
-TEST(Baseline, ValuesThatAreNotStoredOrNotKeptHaveMoved) {
+TEST(Baseline, AddedAndRemovedValuesCountAsChanges) {
   BaselineSuite suite("{cycles: exact, rays.primary: exact}");
   ASSERT_EQ(suite.baseline("record").exit, 0);
   suite.write(replaced(read_bytes(suite.folder().path() / "suite.yaml"), "rays.primary", "rays.shadow"));
@@ -228,7 +228,7 @@ TEST(Baseline, ValuesThatAreNotStoredOrNotKeptHaveMoved) {
   EXPECT_SAYS(ending.out, "not stored");
 }
 
-TEST(Baseline, WritesJunitXmlThatOthersCanRead) {
+TEST(Baseline, WritesValidJunitXml) {
   BaselineSuite suite;
   suite.write(R"(
 keep: {cycles: exact, units: exact}
@@ -263,7 +263,7 @@ runs:
   EXPECT_FALSE(third.first_child()) << "all is well";
 }
 
-TEST(Baseline, AnXmlFileReplacesNothingButAnEarlierOne) {
+TEST(Baseline, JunitXmlReplacesOnlyJunitXml) {
   const BaselineSuite suite;
   ASSERT_EQ(suite.baseline("record").exit, 0);
   const auto check = [&](const fs::path& file, const Words& more = {}) {
@@ -290,7 +290,7 @@ TEST(Baseline, AnXmlFileReplacesNothingButAnEarlierOne) {
   EXPECT_EQ(check(thesis, {"--force"}).exit, 0);
 }
 
-TEST(Baseline, StoredValuesReplaceNothingButStoredValues) {
+TEST(Baseline, StoredValuesReplaceOnlyStoredValues) {
   BaselineSuite suite;
   suite.write_values("three years");
   expect_refusal(suite.baseline("record"), {"is there and is no file of stored values"});
@@ -298,7 +298,7 @@ TEST(Baseline, StoredValuesReplaceNothingButStoredValues) {
   EXPECT_EQ(suite.baseline("record", {"--force"}).exit, 0);
 }
 
-TEST(Baseline, AnXmlFileThatCannotBeWrittenIsSaid) {
+TEST(Baseline, ReportsAnXmlFileThatCannotBeWritten) {
   const BaselineSuite suite;
   ASSERT_EQ(suite.baseline("record").exit, 0);
   const Ending ending = suite.baseline("check", {"--junit", (suite.folder().path() / "none" / "junit.xml").string()});

@@ -27,7 +27,7 @@ TEST(UnitOfKey, IsTheOnlyKindInsideTheGroup) {
   EXPECT_EQ(unit_of_key("dram.timing.rl"), "dram.channel");
 }
 
-TEST(UnitOfKey, IsTheOutermostGroupWhereSeveralKindsOrNoneAreInside) {
+TEST(UnitOfKey, IsTheOutermostGroupIfItHasSeveralKindsOrNone) {
   EXPECT_EQ(unit_of_key("tni.miss_handling"), "tni");
   EXPECT_EQ(unit_of_key("tni.rau.rows"), "tni");
   EXPECT_EQ(unit_of_key("direct_interface.interval"), "direct_interface");
@@ -53,7 +53,7 @@ TEST(UnitOfKey, IsAKindOfUnitsOrAGroupForEveryKey) {
   }
 }
 
-TEST(UnitOfKey, HasThePartsThatItsCountersAreOf) {
+TEST(UnitOfKey, CoversTheUnitsOfItsCounters) {
   EXPECT_TRUE(is_part_of("core.tni.trv", "core.tni.trv"));
   EXPECT_TRUE(is_part_of("core.tni.trv", "tni"));
   EXPECT_TRUE(is_part_of("l2.bank", "l2.bank"));
@@ -63,14 +63,14 @@ TEST(UnitOfKey, HasThePartsThatItsCountersAreOf) {
   EXPECT_FALSE(is_part_of("core.srp", ""));
 }
 
-TEST(ChangedKeys, AreThoseOfBothConfigurationsApartFromThoseOfOne) {
+TEST(ChangedKeys, ListKeysOfOnlyOneConfigurationSeparately) {
   const ChangedKeys keys = changed_keys({{"l2.mshrs", "32"}, {"l2.ways", "8"}, {"old", "1"}},
                                         {{"l2.mshrs", "8"}, {"l2.ways", "8"}, {"new.key", "2"}});
   EXPECT_EQ(changed_text(keys.changed), "Changed in l2.bank: l2.mshrs was 32, is 8\n");
   EXPECT_EQ(changed_text(keys.of_one), "Changed in new: new.key was none, is 2\nChanged: old was 1, is none\n");
 }
 
-TEST(ChangedKeys, OfAGroupOfMoreThanFourAreOneLine) {
+TEST(ChangedKeys, MoreThanFourOfAGroupAreOneLine) {
   std::vector<KeyPair> keys = {{"dram.grade", "A", "B"}};
   for (const char* name : {"ccd_l", "faw", "ras", "rc"}) keys.push_back({std::string("dram.timing.") + name, "1", "2"});
   EXPECT_EQ(
@@ -84,7 +84,7 @@ TEST(ChangedKeys, OfAGroupOfMoreThanFourAreOneLine) {
             "Changed in dram.channel: dram.timing.ccd_l was 1, is 2, and 4 more keys of dram.timing\n");
 }
 
-TEST(ChangedKeys, OfOneUnitStandTogether) {
+TEST(ChangedKeys, AreGroupedByUnit) {
   EXPECT_EQ(changed_text({{"l2.mshrs", "32", "8"}, {"cores", "4", "2"}, {"l2.ways", "8", "4"}}),
             "Changed in l2.bank: l2.mshrs was 32, is 8\nChanged in l2.bank: l2.ways was 8, is 4\n"
             "Changed: cores was 4, is 2\n");

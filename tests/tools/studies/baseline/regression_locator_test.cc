@@ -21,7 +21,7 @@ Values machine() {
   return v;
 }
 
-TEST(RegressionLocator, IsTheUnitWhoseOwnTimeMovedNotTheOnesThatWaitForIt) {
+TEST(RegressionLocator, NamesTheSlowUnitNotTheUnitsThatWaitForIt) {
   Values was = machine(), is = machine();
   is["units.core.tni.trv.why.l1_miss"] = 100;
   is["units.core.srp.why.waiting"] = 100;
@@ -33,14 +33,14 @@ TEST(RegressionLocator, IsTheUnitWhoseOwnTimeMovedNotTheOnesThatWaitForIt) {
   EXPECT_EQ(located->certainty, 1);
 }
 
-TEST(RegressionLocator, IsLessClearTheMoreUnitsMove) {
+TEST(RegressionLocator, IsLessCertainIfMoreUnitsChange) {
   Values was = machine(), is = machine();
   is["units.l2.bank.why.lookup"] = 30;
   is["units.core.srp.why.running"] = 10;
   EXPECT_DOUBLE_EQ(locate_regression(was, is)->certainty, 0.75);
 }
 
-TEST(RegressionLocator, WithoutAnyIsTheUnitNearestToMemoryThatWaitedLonger) {
+TEST(RegressionLocator, FallsBackToTheWaitingUnitNearestToMemory) {
   Values was = machine(), is = machine();
   is["units.core.tni.trv.why.ist"] = 79;
   is["units.core.srp.why.waiting"] = 79;
@@ -57,7 +57,7 @@ Values machine_with_reads() {
   return v;
 }
 
-TEST(RegressionLocator, IsTheWayWhereMissesTookLongerThanTheNextLevelServedThem) {
+TEST(RegressionLocator, NamesThePathIfMissesTookLongerThanTheNextLevel) {
   Values was = machine_with_reads(), is = machine_with_reads();
   is["units.l2.bank.counters.line_cycles"] = 8100;
   const auto located = locate_regression(was, is);
@@ -66,7 +66,7 @@ TEST(RegressionLocator, IsTheWayWhereMissesTookLongerThanTheNextLevelServedThem)
   EXPECT_EQ(located->moved, "misses spent 2000 -> 2100 T&I cycles there (+100)");
 }
 
-TEST(RegressionLocator, IsNoWayWhereTheNextLevelServedOthersToo) {
+TEST(RegressionLocator, NamesNoPathIfTheNextLevelServedOtherUnits) {
   // 300 reads of the DMA, 60 cycles each, are not waited for by the L2: 8100 - 24000 has no meaning.
   Values was = machine_with_reads(), is = machine_with_reads();
   is["units.l2.bank.counters.line_cycles"] = 8100;
@@ -79,7 +79,7 @@ TEST(RegressionLocator, IsNoWayWhereTheNextLevelServedOthersToo) {
   EXPECT_EQ(located->moved.find("-> -"), std::string::npos) << located->moved;
 }
 
-TEST(RegressionLocator, InAKnownUnitIsTheReasonOfItThatMovedMost) {
+TEST(RegressionLocator, NamesTheReasonThatChangedMost) {
   Values was = machine(), is = machine();
   is["units.core.tni.trv.why.l1_miss"] = 100;
   is["units.core.tni.trv.why.pipe"] = 60;
@@ -92,7 +92,7 @@ TEST(RegressionLocator, InAKnownUnitIsTheReasonOfItThatMovedMost) {
   EXPECT_FALSE(largest_move_in("", was, is));
 }
 
-TEST(RegressionLocator, NothingToDoMeansNothing) {
+TEST(RegressionLocator, IgnoresIdleCycles) {
   Values was = machine(), is = machine();
   is["units.core.tni.trv.why.starved"] = 79;
   is["units.dram.channel.why.idle"] = 79;
@@ -104,7 +104,7 @@ TEST(RegressionLocator, NothingToDoMeansNothing) {
   EXPECT_FALSE(locate_regression({{"totals.cycles", 100}}, is)) << "no unit was kept";
 }
 
-TEST(RegressionLocator, EveryReasonOfEveryUnitIsOneKindOfReason) {
+TEST(RegressionLocator, ClassifiesEveryReasonOfEveryUnit) {
   for (const char* direct : {"true", "false"}) {
     JobOptions options;
     options.resolution = "4x4";

@@ -138,7 +138,7 @@ class Suite {
   std::string file_;
 };
 
-TEST(SingleKey, ThatChangedIsNamedWithItsUnitBeforeAnyOther) {
+TEST(SingleKey, IsNamedWithItsUnitFirst) {
   std::set<std::string> keys;
   for (const FieldInfo& field : sim::list_fields(tools::RunConfig{})) keys.insert(field.path);
   Suite suite;

@@ -29,7 +29,7 @@ nlohmann::json json_of(Words words) {
 
 nlohmann::json metrics(const Words& more = {}) { return json_of(bench(more)); }
 
-TEST(Bench, MeasuresEveryFigureOfEveryScene) {
+TEST(Bench, MeasuresEveryMetricOfEveryScene) {
   const nlohmann::json result = metrics({"--threads", "2"});
   EXPECT_EQ(result["runs"], 2);
   EXPECT_EQ(result["threads"], 2);
@@ -45,26 +45,26 @@ TEST(Bench, MeasuresEveryFigureOfEveryScene) {
   }
 }
 
-TEST(Bench, PrintsAColumnForEveryFigure) {
+TEST(Bench, PrintsAColumnForEveryMetric) {
   const std::string table = raywatt(bench({"--scene", "teapot"})).out;
   for (const tools::BenchMetric& metric : tools::bench_metrics()) EXPECT_SAYS(table, metric.header);
   EXPECT_SAYS(table, "teapot");
   EXPECT_EQ(std::ranges::count(table, '\n'), 7) << "two tables of three lines, one between them\n" << table;
 }
 
-TEST(Bench, LeavesOutSamplesOfProgramsThatHaveNone) {
+TEST(Bench, OmitsSamplesOfProgramsWithoutSamples) {
   const nlohmann::json result = metrics({"--scene", "teapot", "--program", "multirate:under"});
   EXPECT_GT(result["scenes"][0]["replay_s_per_timing_s"], 0);
   EXPECT_FALSE(result["scenes"][0].contains("sampling_speedup"));
 }
 
-TEST(Bench, PeakMemoryIsThatOfTheSceneAlone) {
+TEST(Bench, PeakMemoryIsThatOfTheScene) {
   const nlohmann::json both = metrics({"--scene", "chess", "--scene", "cornell"});
   EXPECT_LT(both["scenes"][1]["peak_rss_mb"].get<double>(), 0.9 * both["scenes"][0]["peak_rss_mb"].get<double>())
       << "the smaller scene comes last";
 }
 
-TEST(Bench, RefusesASceneThatIsNotThereWithOneLine) {
+TEST(Bench, RefusesAMissingSceneWithOneLine) {
   expect_refusal(raywatt(bench({"--scene", "teapott"})), {"teapott", "did you mean 'teapot'"});
 }
 
@@ -75,7 +75,7 @@ nlohmann::ordered_json saved(double value, const std::string& scene = "teapot") 
   return {{"schema", "raywatt-bench/2"}, {"scenes", {metrics}}};
 }
 
-TEST(Bench, SaysHowManyTimesAsGoodEachFigureIs) {
+TEST(Bench, PrintsTheRatioOfEachMetric) {
   const TempFolder folder;
   const std::string ours = folder.write("ours.json", saved(30).dump()).string();
   const std::string theirs = folder.write("theirs.json", saved(10).dump()).string();
@@ -89,14 +89,14 @@ TEST(Bench, SaysHowManyTimesAsGoodEachFigureIs) {
   EXPECT_SAYS(raywatt(Words({"bench", "--measured", ours, "--against", theirs})).out, "x3.00");
 }
 
-TEST(Bench, TakesMediansOfResultsThatAreSavedOneBehindTheOther) {
+TEST(Bench, TakesMediansOfAppendedResults) {
   const TempFolder folder;
   const std::string many = saved(5).dump(2) + "\n" + saved(1).dump() + saved(100).dump(2) + "\n";
   const nlohmann::json result = json_of({"bench", "--measured", folder.write("many.json", many).string()});
   EXPECT_EQ(result["scenes"][0]["ns_per_step"], 5);
 }
 
-TEST(Bench, ComparesWithBuildsOfBeforeOnlyWhatTheyMeasured) {
+TEST(Bench, ComparesOnlyMetricsThatTheOtherBuildHas) {
   const TempFolder folder;
   const nlohmann::json before = {{"schema", "raywatt-bench/1"},
                                  {"scenes",
@@ -113,7 +113,7 @@ TEST(Bench, ComparesWithBuildsOfBeforeOnlyWhatTheyMeasured) {
       << "one thread, peak memory of all scenes before";
 }
 
-TEST(Bench, LeavesOutScenesThatTheOtherHasNot) {
+TEST(Bench, OmitsScenesThatTheOtherBuildLacks) {
   const TempFolder folder;
   nlohmann::ordered_json both = saved(1);
   both["scenes"].push_back(saved(1, "chess")["scenes"][0]);
@@ -128,7 +128,7 @@ TEST(Bench, LeavesOutScenesThatTheOtherHasNot) {
   expect_refusal(raywatt(bench({"--scene", "cornell", "--against", theirs})), {"no scene in common"});
 }
 
-TEST(Bench, SaysWhatItsFiguresAreOf) {
+TEST(Bench, RecordsItsConditions) {
   const nlohmann::json result = metrics({"--scene", "cornell", "--program", "full", "--set", "cores=2"});
   EXPECT_EQ(result["program"], "full:1");
   EXPECT_EQ(result["config"], "sgrt-2016");
@@ -137,7 +137,7 @@ TEST(Bench, SaysWhatItsFiguresAreOf) {
   EXPECT_EQ(result["scenes"][0]["config_hash"].get<std::string>().size(), 64U);
 }
 
-TEST(Bench, RefusesToCompareWhatIsNotTheSame) {
+TEST(Bench, RefusesToCompareDifferentConditions) {
   const TempFolder folder;
   const nlohmann::json theirs = metrics({"--scene", "cornell", "--threads", "1"});
   const std::string file = folder.write("b1.json", theirs.dump()).string();
@@ -176,7 +176,7 @@ TEST(Bench, RefusesToCompareWhatIsNotTheSame) {
                  {"two.json", "results of different kinds", "program"});
 }
 
-TEST(Bench, OfMeasuredFiguresTakesNothingThatSaysWhatToMeasure) {
+TEST(Bench, RefusesMeasuringOptionsWithSavedMetrics) {
   const TempFolder folder;
   const std::string ours = folder.write("ours.json", saved(1).dump()).string();
   for (const Words& words : std::vector<Words>{
@@ -187,7 +187,7 @@ TEST(Bench, OfMeasuredFiguresTakesNothingThatSaysWhatToMeasure) {
   }
 }
 
-TEST(Bench, RefusesFilesThatHoldNoFigures) {
+TEST(Bench, RefusesFilesWithoutMetrics) {
   const TempFolder folder;
   for (const char* text :
        {"", "{", "[]", "{}", R"({"schema": "raywatt-bench/2", "sc)", "7", R"({"schema": "raywatt-report/1"})",

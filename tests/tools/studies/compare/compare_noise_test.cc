@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-TEST_F(Runs, AreHeldAgainstTheAssumedNoiseWithoutReplicates) {
+TEST_F(Runs, UseTheAssumedNoiseWithoutReplicates) {
   const Json c = compared("base", "ports");
   const Json& noise = c["figures"]["cycles"]["noise"];
   EXPECT_EQ(noise["from"], "default");
@@ -25,7 +25,7 @@ TEST_F(Runs, AreHeldAgainstTheAssumedNoiseWithoutReplicates) {
               "noise: assumed for this size of picture; --replicates 5");
 }
 
-TEST_F(Runs, OfWhichOneHasReplicatesAreHeldAgainstTheLargerNoise) {
+TEST_F(Runs, UseTheLargerNoiseIfOneHasReplicates) {
   const std::string noisy = changed("noisy.json", [](Json& report) {
     const double cycles = report["totals"]["cycles"];
     report["totals"]["replicates"] = {{"count", 4},
@@ -45,7 +45,7 @@ TEST_F(Runs, OfWhichOneHasReplicatesAreHeldAgainstTheLargerNoise) {
   EXPECT_SAYS(raywatt({"compare", path("base"), tripled}).out, "=  mean x3 ± ") << "whatever the first plays say";
 }
 
-TEST_F(Runs, OfOtherClocksHaveNoVerdictOnCycles) {
+TEST_F(Runs, WithOtherClocksHaveNoVerdictOnCycles) {
   const std::string slow = changed("slow.json", [](Json& report) { report["config"]["clocks"]["tni"] = "400 MHz"; });
   const Ending ending = raywatt({"compare", path("base"), slow});
   EXPECT_SAYS(ending.err, "have different T&I clocks (clocks.tni): compare times, not cycles");
@@ -55,7 +55,7 @@ TEST_F(Runs, OfOtherClocksHaveNoVerdictOnCycles) {
   EXPECT_TRUE(c["figures"]["time_ms"].contains("noise"));
 }
 
-TEST_F(Runs, ArePlayedAgainForTheirNoise) {
+TEST_F(Runs, AreSimulatedAgainForTheirNoise) {
   const Ending ending = raywatt({"compare", path("base"), path("ports"), "--replicates", "3", "--json"});
   ASSERT_EQ(ending.exit, 0) << ending.err;
   const Json cycles = Json::parse(ending.out)["against"][0]["figures"]["cycles"];
@@ -68,7 +68,7 @@ TEST_F(Runs, ArePlayedAgainForTheirNoise) {
                  {"other.json: has 7 cycles, but a repetition takes "});
 }
 
-TEST_F(Runs, AreHeldAgainstTheirReplicatesWhereBothHaveThem) {
+TEST_F(Runs, UseTheirReplicatesIfBothHaveThem) {
   const auto replicated = [&](double mean) {
     return [mean](Json& report) {
       report["totals"]["replicates"] = {{"count", 5}, {"figures", {{"cycles", {{"mean", mean}, {"deviation", 2.0}}}}}};

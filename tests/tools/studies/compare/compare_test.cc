@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-TEST_F(Runs, OfEqualInputsAreEqualToTheLastCounterAndPixel) {
+TEST_F(Runs, WithEqualInputsAreEqualToTheLastCounterAndPixel) {
   const Json c = compared("base", "same");
   for (const char* list : {"config", "time", "reasons", "ratios", "energy_by_block_mj", "counters", "other_work"}) {
     EXPECT_TRUE(c[list].empty()) << list << c[list];
@@ -31,7 +31,7 @@ TEST_F(Runs, OfEqualInputsAreEqualToTheLastCounterAndPixel) {
   EXPECT_SAYS(text, "identical");
 }
 
-TEST_F(Runs, TellWhichKeysDifferAndHowMuchFasterOneIs) {
+TEST_F(Runs, ListDifferentKeysAndTheSpeedup) {
   const Json c = compared("base", "ports");
   ASSERT_EQ(c["config"].size(), 1U);
   EXPECT_EQ(c["config"][0], (Json{{"key", "srp.switch_cycles"}, {"a", "8"}, {"b", "16"}}));
@@ -47,7 +47,7 @@ TEST_F(Runs, TellWhichKeysDifferAndHowMuchFasterOneIs) {
   EXPECT_SAYS(raywatt({"compare", path("base"), path("ports")}).out, "srp.switch_cycles: 8 -> 16");
 }
 
-TEST_F(Runs, HaveFiguresThatOtherVerbsKnowByTheSameNames) {
+TEST_F(Runs, NameMetricsAsOtherVerbsDo) {
   std::vector<std::string> paths;
   const auto report = sim::parse_json(read_bytes(path("base") + "/report.json"));
   for (const tools::ReportNumber& number : tools::report_numbers(report)) paths.push_back(number.path);
@@ -62,7 +62,7 @@ TEST_F(Runs, HaveFiguresThatOtherVerbsKnowByTheSameNames) {
   EXPECT_GE(figures, 13U);
 }
 
-TEST_F(Runs, SayWhichOfThemIsExtrapolated) {
+TEST_F(Runs, MarkExtrapolatedRuns) {
   const std::string beyond = changed("beyond.json", [](Json& report) { report["totals"]["extrapolated"] = 2; });
   const std::string err = raywatt({"compare", path("base"), beyond}).err,
                     said = " some metrics are extrapolated, see its warnings";
@@ -70,7 +70,7 @@ TEST_F(Runs, SayWhichOfThemIsExtrapolated) {
   EXPECT_EQ(err.find(said), err.rfind(said)) << "base has none";
 }
 
-TEST_F(Runs, ExplanationsComeWithTheLargestFirst) {
+TEST_F(Runs, ListTheLargestExplanationsFirst) {
   const Json c = compared("base", "slow-l2");
   for (const char* list : {"time", "reasons", "energy_by_block_mj", "energy_by_event_mj"}) {
     ASSERT_GE(c[list].size(), 2U) << list;
@@ -82,7 +82,7 @@ TEST_F(Runs, ExplanationsComeWithTheLargestFirst) {
   EXPECT_EQ(c["ratios"][0]["name"].get<std::string>().substr(0, 7), "node L1");
 }
 
-TEST_F(Runs, RatesAreShares) {
+TEST_F(Runs, GiveRatesAsShares) {
   const Json c = compared("base", "samples");
   bool has_row_hits = false;
   for (const Json& ratio : c["ratios"]) {
@@ -95,7 +95,7 @@ TEST_F(Runs, RatesAreShares) {
   EXPECT_TRUE(has_row_hits);
 }
 
-TEST_F(Runs, PlacesOfTimeAddUpToTheDifferenceInCycles) {
+TEST_F(Runs, ExplainTheWholeDifferenceInCycles) {
   const Json c = compared("base", "slow-l2");
   double sum = 0;
   for (const Json& part : c["time"]) sum += part["difference"].get<double>();
@@ -103,7 +103,7 @@ TEST_F(Runs, PlacesOfTimeAddUpToTheDifferenceInCycles) {
   EXPECT_NEAR(sum, cycles["b"].get<double>() - cycles["a"].get<double>(), 1e-6 * cycles["a"].get<double>());
 }
 
-TEST_F(Runs, EventsWithClockAndLeakageAddUpToTheDifferenceInEnergy) {
+TEST_F(Runs, ExplainTheWholeDifferenceInEnergy) {
   const Json c = compared("base", "slow-l2");
   double sum = 0;
   for (const Json& event : c["energy_by_event_mj"]) {
@@ -115,7 +115,7 @@ TEST_F(Runs, EventsWithClockAndLeakageAddUpToTheDifferenceInEnergy) {
   EXPECT_NEAR(sum, energy["b"].get<double>() - energy["a"].get<double>(), 1e-6 * energy["a"].get<double>());
 }
 
-TEST_F(Runs, OfOtherWorkAreComparedWithAWarning) {
+TEST_F(Runs, WithOtherWorkAreComparedWithAWarning) {
   const auto warned = [&](const std::string& other, const std::string& why) {
     const Ending ending = raywatt({"compare", path("base"), path(other)});
     EXPECT_EQ(ending.exit, 0);
@@ -128,14 +128,14 @@ TEST_F(Runs, OfOtherWorkAreComparedWithAWarning) {
   EXPECT_EQ(raywatt({"compare", path("base"), path("ports")}).err, "");
 }
 
-TEST_F(Runs, PicturesOfDifferentSizesAreSaidToBe) {
+TEST_F(Runs, ReportPicturesOfDifferentSizes) {
   EXPECT_EQ(compared("base", "larger")["picture"]["why_not"], "sizes differ: 32x16 and 48x32");
   const double psnr = compared("base", "samples")["picture"]["psnr_db"];
   EXPECT_GT(psnr, 10);
   EXPECT_LT(psnr, 60);
 }
 
-TEST_F(Runs, EightBitPicturesDoWhereOneHasNoOthers) {
+TEST_F(Runs, CompareEightBitPicturesIfOneHasNoOther) {
   const std::filesystem::path copy = folder.path() / "copy";
   std::filesystem::copy(path("samples"), copy, std::filesystem::copy_options::recursive);
   std::filesystem::remove(copy / "image.exr");
@@ -153,7 +153,7 @@ TEST_F(Runs, EightBitPicturesDoWhereOneHasNoOthers) {
   EXPECT_SAYS(compared("base", "copy")["picture"]["why_not"].get<std::string>(), "image.png");
 }
 
-TEST_F(Runs, SeveralStandInOneTable) {
+TEST_F(Runs, AppearInOneTable) {
   const std::string text = raywatt({"compare", path("base"), path("ports"), path("slow-l2")}).out;
   EXPECT_SAYS(text, "ports against base");
   EXPECT_SAYS(text, "slow-l2 against base");
@@ -161,7 +161,7 @@ TEST_F(Runs, SeveralStandInOneTable) {
   for (const char* name : {"base", "ports", "slow-l2"}) EXPECT_SAYS(header, name);
 }
 
-TEST_F(Runs, OfOtherModelsOrInterruptedOrOlderAreComparedAllTheSame) {
+TEST_F(Runs, MayBeOfOtherModelsInterruptedOrOlder) {
   const auto warned = [&](const std::string& other, const std::string& why) {
     const Ending ending = raywatt({"compare", path("base"), other});
     EXPECT_EQ(ending.exit, 0) << ending.err;
@@ -178,7 +178,7 @@ TEST_F(Runs, OfOtherModelsOrInterruptedOrOlderAreComparedAllTheSame) {
          "");
 }
 
-TEST_F(Runs, WhatIsNoReportIsRefused) {
+TEST_F(Runs, RefuseFilesThatAreNoReports) {
   const auto refused = [&](const std::string& other, const Words& parts) {
     expect_refusal(raywatt({"compare", path("base"), other}), parts);
     expect_refusal(raywatt({"compare", other, path("base"), "--json"}), parts);
@@ -200,7 +200,7 @@ TEST_F(Runs, WhatIsNoReportIsRefused) {
   expect_refusal(raywatt({"compare", path("base")}), {"runs"});
 }
 
-TEST_F(Runs, ReportsOfStrangeShapeDoNotCrashIt) {
+TEST_F(Runs, SurviveReportsOfStrangeShape) {
   for (const char* text : {R"({"schema": "raywatt-report/1", "totals": {"cycles": 0}})",
                            R"({"schema": "raywatt-report/1", "totals": {"cycles": 5, "rays": 7, "top_down": []},
                                "units": {"core0": 3}, "config": [], "scene": "none", "provenance": 1, "frames": {}})",

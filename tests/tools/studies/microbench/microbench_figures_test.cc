@@ -55,7 +55,7 @@ INSTANTIATE_TEST_SUITE_P(All, Microbench,
                          testing::Values("chase", "bandwidth", "mshr", "rays", "early_exit", "tile_buffer", "kernels"),
                          [](const auto& benchmark) { return std::string(benchmark.param); });
 
-TEST_P(Microbench, HoldsItsClosedFormsOnEveryMachine) {
+TEST_P(Microbench, EqualsItsClosedFormsOnEveryMachine) {
   const std::map<std::string, std::pair<double, double>> least_and_most = {{"exactly", {-1e-9, 1e-9}},
                                                                            {"within 2 %", {-0.02, 0.02}},
                                                                            {"an upper bound", {-0.75, 0.02}},
@@ -78,7 +78,7 @@ TEST_P(Microbench, HoldsItsClosedFormsOnEveryMachine) {
 // L2 cycles of 2 ns: wire 1, distance 4, bank 12, distance 4, wire 1; then the L1's 2 again.
 // DRAM: 1 + 4 + 4 cycles and the wire to the channel are 20 ns, two of its cycles later 21.25; 47, 76 or 105 of them
 // for the line, 80 for the fabric; a wire and two L2 cycles, up to the next edge; bank 1, distance 4, wire 1, L1 2.
-TEST(MicrobenchChase, AddsUpTheWayToEachLevel) {
+TEST(MicrobenchChase, AddsUpThePathToEachLevel) {
   const Json all = measured("chase", {"--set", "dram.channels=2"});
   EXPECT_DOUBLE_EQ(value_of(all, "L1 hit"), 2 * 2);
   EXPECT_DOUBLE_EQ(value_of(all, "L2 hit"), 2 * (22 + 2));
@@ -94,7 +94,7 @@ TEST(MicrobenchBandwidth, ReachesANarrowPort) {
   EXPECT_EQ(all["figures"][0]["remark"], "core ports");
 }
 
-TEST(MicrobenchBandwidth, ComesNearWhatOneChannelStreams) {
+TEST(MicrobenchBandwidth, NearlyReachesTheStreamOfOneChannel) {
   const Json all = measured("bandwidth", {"--set", "dram.channels=1"});
   EXPECT_GT(value_of(all, "LPDDR4-3200, stream"), 0.9 * 6.4);
   EXPECT_LT(value_of(all, "LPDDR4-3200, stream"), 6.4);
@@ -179,7 +179,7 @@ TEST(MicrobenchKernels, NeedLessTimeOnALargerArrayUntilPortsOrRecurrencesBindThe
   EXPECT_EQ(measured("kernels", {"--kernel", "sum_subpixels"})["figures"][4]["remark"], "recurrence");
 }
 
-TEST(MicrobenchKernels, AreThoseThatAreNamed) {
+TEST(MicrobenchKernels, AreTheNamedKernels) {
   EXPECT_EQ(measured("kernels", {"--kernel", "shade_diffuse", "--kernel", "absorb"})["figures"].size(), 10U);
   expect_refusal(raywatt({"microbench", "kernels", "--kernel", "shade_difuse"}), {"shade_difuse", "shade_diffuse"});
 }
@@ -194,14 +194,14 @@ TEST(MicrobenchVerb, ListsWhatEachMeasures) {
   }
 }
 
-TEST(MicrobenchVerb, PrintsATableWithTheMarginOfEachFigure) {
+TEST(MicrobenchVerb, PrintsATableWithTheMarginOfEachMeasurement) {
   const Ending ending = raywatt({"microbench", "mshr"});
   EXPECT_EQ(ending.exit, 0);
   for (const char* part : {"closed form", "within 2 %", "core ports", "difference"}) EXPECT_SAYS(ending.out, part);
 }
 
 // Refreshes take more than half of the time of each bank, so that a stream cannot reach 90 % of the bus.
-TEST(MicrobenchVerb, EndsWithOneIfAFigureLeavesItsClosedForm) {
+TEST(MicrobenchVerb, EndsWithOneIfAMeasurementMissesItsClosedForm) {
   const Ending ending = raywatt({"microbench", "dram", "--set", "dram.timing.refi_pb=60"});
   EXPECT_EQ(ending.exit, 1);
   EXPECT_SAYS(ending.out, "MISSED");

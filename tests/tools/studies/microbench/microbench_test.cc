@@ -29,7 +29,7 @@ nlohmann::json played(const std::string& text, const Words& more = {}) {
   return nlohmann::json::parse(ending.out);
 }
 
-TEST(MicrobenchDram, HoldsEveryGradeToItsClosedForms) {
+TEST(MicrobenchDram, ComparesEveryGradeWithItsClosedForms) {
   for (const char* grade : {"lpddr3-1600", "lpddr4-3200", "lpddr4-4266", "lpddr4x-4266", "lpddr5-6400"}) {
     const Ending ending = raywatt({"microbench", "dram", "--set", std::string("dram.extends=dram/") + grade, "--json"});
     ASSERT_EQ(ending.exit, 0) << ending.err;
@@ -72,7 +72,7 @@ TEST(MicrobenchDram, PrintsATable) {
 }
 
 // 0.625 ns a cycle: tRCD 29, RL 28, tDQSCK 3, two bursts of 8, tRP 29; WL 14 and tDQSS 1.
-TEST(MicrobenchDram, SaysWhenEachRequestOfAFileIsDone) {
+TEST(MicrobenchDram, PrintsWhenEachRequestOfAFileEnds) {
   const nlohmann::json j = played(
       "# a closed bank, its row, another row\n"
       "\n"
@@ -104,14 +104,14 @@ TEST(MicrobenchDram, SaysWhenEachRequestOfAFileIsDone) {
   EXPECT_DOUBLE_EQ(static_cast<double>(cycles) * 0.625, done[3]) << "every cycle has a reason";
 }
 
-TEST(MicrobenchDram, CountsTheEnergyOfWhatItDid) {
+TEST(MicrobenchDram, CountsTheEnergyOfItsRequests) {
   const nlohmann::json j = played("0 R\n", {"--refresh", "off"});
   const double standby = 18.62 * 47.5;  // mW x ns: the row is open from the start
   const double pj = 616.9 + 2 * (551.3 + 412.2 + 512) + standby;
   EXPECT_NEAR(j["energy_pj_per_bit"]["nominal"].get<double>(), pj / 512, 1e-9);
 }
 
-TEST(MicrobenchDram, LetsNoMoreRequestsOutThanItIsTold) {
+TEST(MicrobenchDram, LimitsRequestsInFlight) {
   const std::string two_banks = "0x0 R\n0x800 R\n";
   const auto apart = [&](const char* outstanding) {
     const auto done = played(two_banks, {"--outstanding", outstanding, "--set", "dram.channels=1"})["completion_ns"];
@@ -121,19 +121,19 @@ TEST(MicrobenchDram, LetsNoMoreRequestsOutThanItIsTold) {
   EXPECT_DOUBLE_EQ(apart("2"), 0.625 * 16) << "side by side but for the bus";
 }
 
-TEST(MicrobenchDram, SendsEverythingToOneChannelHoweverManyThereAre) {
+TEST(MicrobenchDram, SendsAllRequestsToOneChannel) {
   const std::string lines = "0x0 R\n0x40 R\n0x80 R\n0x800 R\n";
   EXPECT_EQ(played(lines, {"--set", "dram.channels=1"})["completion_ns"],
             played(lines, {"--set", "dram.channels=4"})["completion_ns"]);
 }
 
-TEST(MicrobenchDram, HasNoRefreshesIfTheyAreOff) {
+TEST(MicrobenchDram, HasNoRefreshesIfDisabled) {
   const std::string late = "0 R\n0 R 1e6\n";
   EXPECT_EQ(played(late)["counters"]["refreshes"], 1'600'000 / 780);
   EXPECT_EQ(played(late, {"--refresh", "off"})["counters"]["refreshes"], 0);
 }
 
-TEST(MicrobenchDram, RefusesWhatIsNoRequestWithItsLine) {
+TEST(MicrobenchDram, RefusesABrokenRequestWithItsLine) {
   const auto refusal = [](const std::string& text, const Words& parts) {
     const Stream stream("0 R\n\n" + text + "\n");
     Words expected = {stream.path() + ":3: ", "R or W"};

@@ -9,16 +9,16 @@ using namespace tools::optimise;
 
 const Score kOrigin = {0, 0};
 
-TEST(ParetoFront, HasThoseThatNoOtherBeats) {
+TEST(ParetoFront, HasThePointsThatNoOtherDominates) {
   const std::vector<Score> scores = {{1, 3}, {2, 2}, {1, 2}, {3, 1}, {2, 1}};
   EXPECT_EQ(pareto_front_of(scores), (std::vector<std::size_t>{3, 1, 0})) << "the best in the first objective first";
 }
 
-TEST(ParetoFront, OfEqualOnesHasTheFirst) {
+TEST(ParetoFront, HasTheFirstOfEqualPoints) {
   EXPECT_EQ(pareto_front_of(std::vector<Score>{{1, 1}, {1, 1}}), (std::vector<std::size_t>{0}));
 }
 
-TEST(ParetoFront, OfOneObjectiveIsTheBest) {
+TEST(ParetoFront, IsTheBestPointOfOneObjective) {
   EXPECT_EQ(pareto_front_of(std::vector<Score>{{1}, {3}, {2}}), (std::vector<std::size_t>{1}));
 }
 
@@ -29,11 +29,11 @@ TEST(Hypervolume, IsTheAreaBetweenTheCornerAndTheFront) {
   EXPECT_EQ(hypervolume(std::vector<Score>{{2, 3}}, {1, 1}), 2);
 }
 
-TEST(Hypervolume, CountsNothingThatIsNoBetterThanTheCorner) {
+TEST(Hypervolume, IgnoresPointsThatAreNotBetterThanTheCorner) {
   EXPECT_EQ(hypervolume(std::vector<Score>{{2, 0}, {0, 2}, {-1, 5}}, kOrigin), 0);
 }
 
-TEST(HypervolumeGain, IsWhatAScoreAddsToTheHypervolume) {
+TEST(HypervolumeGain, IsTheIncreaseOfTheHypervolume) {
   const std::vector<Score> front = {{1, 4}, {3, 3}, {5, 1}};
   HypervolumeGain gain(kOrigin);
   for (const Score& score : front) gain.add(score);

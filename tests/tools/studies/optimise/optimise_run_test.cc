@@ -80,7 +80,7 @@ TEST_F(Optimise, SimulatesItsBudgetAndKeepsTheFront) {
   EXPECT_EQ(listed, best);
 }
 
-TEST_F(Optimise, SaysTheCommandThatRunsAPointAgain) {
+TEST_F(Optimise, PrintsTheCommandOfAPoint) {
   ASSERT_EQ(run(kAxes + "objectives: [max: perf.fps]\nbudget: 4\n").exit, 0);
   const std::vector<Words> rows = front();
   ASSERT_EQ(rows.size(), 2U) << "one objective has one best point";
@@ -103,7 +103,7 @@ TEST_F(Optimise, SaysTheCommandThatRunsAPointAgain) {
   EXPECT_EQ(read_json(alone / "report.json")["totals"]["perf"]["fps"].get<double>(), std::stod(rows[1][6]));
 }
 
-TEST_F(Optimise, APictureThatEqualsItsReferenceIsBetterThanAllOthers) {
+TEST_F(Optimise, APictureEqualToItsReferenceIsBest) {
   const Ending ending =
       run("axes: {program: [full:1, full:4, full:9, full:16]}\nreference: full:1\nbudget: 4\n"
           "objectives: [max: psnr_db]\nconstraints: [psnr_db > 20]\n");
@@ -114,7 +114,7 @@ TEST_F(Optimise, APictureThatEqualsItsReferenceIsBetterThanAllOthers) {
   EXPECT_EQ(rows[1][3], "100");
 }
 
-TEST_F(Optimise, SaysWhatNoiseDoesNotTellFromTheBest) {
+TEST_F(Optimise, NamesPointsThatEqualTheBestWithinNoise) {
   const std::string lines = "axes: {cores: [1, 2], tni.trvs: [2, 3, 4], clocks.tni: [500 MHz, 501 MHz]}\nbudget: 12\n";
   const Ending single = run(lines + "objectives: [max: perf.fps]\n");
   ASSERT_EQ(single.exit, 0) << single.err;
@@ -126,13 +126,13 @@ TEST_F(Optimise, SaysWhatNoiseDoesNotTellFromTheBest) {
   EXPECT_SAYS(both.out, "--replicates 3");
 }
 
-TEST_F(Optimise, OfFiguresWithoutNoiseIsSure) {
+TEST_F(Optimise, HasNoDoubtsAboutMetricsWithoutNoise) {
   const Ending ending = run("axes: {cores: [1, 2], tni.trvs: [1, 2]}\nbudget: 4\nobjectives: [min: area_mm2]\n");
   ASSERT_EQ(ending.exit, 0) << ending.err;
   EXPECT_EQ(ending.out.find("noise"), std::string::npos) << ending.out;
 }
 
-TEST_F(Optimise, AgainComputesNothingAndLeavesEveryByte) {
+TEST_F(Optimise, RepeatedComputesNothingAndKeepsEveryByte) {
   ASSERT_EQ(run(kSearch).exit, 0);
   const std::string before = results();
   const Ending again = run(kSearch, {"-j", "1"});
@@ -142,7 +142,7 @@ TEST_F(Optimise, AgainComputesNothingAndLeavesEveryByte) {
   EXPECT_EQ(points_in(store), 10U);
 }
 
-TEST_F(Optimise, KilledItGoesOnAndEndsTheSame) {
+TEST_F(Optimise, ContinuesAfterAKillWithTheSameResult) {
   ASSERT_EQ(run(kSearch).exit, 0);
   const std::string undisturbed = results();
   fs::remove_all(out);
@@ -161,7 +161,7 @@ TEST_F(Optimise, KilledItGoesOnAndEndsTheSame) {
   EXPECT_EQ(points_in(store), 10U) << kept << " were kept";
 }
 
-TEST_F(Optimise, UsesWhatASweepHasComputed) {
+TEST_F(Optimise, ReusesResultsOfASweep) {
   ASSERT_EQ(raywatt(sweep_run(folder, write_sweep(folder, kAxes))).exit, 0);
   out = folder.path() / "search";
   const Ending ending = run(kSearch);
@@ -176,7 +176,7 @@ TEST_F(Optimise, EndsWhenTheSpaceHasNoMorePoints) {
   EXPECT_SAYS(ending.out, "3 points simulated");
 }
 
-TEST_F(Optimise, SaysWhichPointComesNearestIfNoneMeetsTheConstraints) {
+TEST_F(Optimise, NamesTheNearestPointIfNoneMeetsTheConstraints) {
   const Ending ending = run(kSearch + "constraints: [power_w.nominal < 0.0001, cycles > 0]\n");
   EXPECT_EQ(ending.exit, 1) << ending.err;
   EXPECT_SAYS(ending.out, "none of 10 points meets the constraints; the nearest is ");
@@ -204,7 +204,7 @@ TEST_F(Optimise, KeepsItsFrontWithinTheConstraints) {
   EXPECT_EQ(std::stod(front()[1][6]), best);
 }
 
-TEST_F(Optimise, SaysWhatIsExtrapolated) {
+TEST_F(Optimise, NamesExtrapolatedPoints) {
   const Ending ending = run("axes: {clocks.tni: [300 MHz], cores: [1, 2]}\nobjectives: [min: area_mm2]\nbudget: 4\n");
   ASSERT_EQ(ending.exit, 0) << ending.err;
   EXPECT_SAYS(ending.out, "warning: point 0: power.dvfs: clocks.tni of 300 MHz");
@@ -213,7 +213,7 @@ TEST_F(Optimise, SaysWhatIsExtrapolated) {
             std::string::npos);
 }
 
-TEST_F(Optimise, SaysWhereNoiseMayBreakALimit) {
+TEST_F(Optimise, NamesPointsThatMayBreakALimitByNoise) {
   const std::string lines = "axes: {cores: [1, 2]}\nobjectives: [min: area_mm2]\nbudget: 4\nconstraints: ";
   EXPECT_EQ(run(lines + "[cycles > 1]\n").out.find("within the noise"), std::string::npos);
   double cycles = 0;
@@ -222,7 +222,7 @@ TEST_F(Optimise, SaysWhereNoiseMayBreakALimit) {
               "within the noise of the limit cycles < ");
 }
 
-TEST_F(Optimise, CountsNoPointWhoseValuesDoNotGoTogether) {
+TEST_F(Optimise, DoesNotCountPointsOfInvalidCombinations) {
   const Ending ending =
       run("axes:\n"
           "  l1: {keys: [tni.trv.l1.size, tni.trv.l1.ways], values: [[12 KiB, 3], [16 KiB, 4]]}\n"
@@ -234,7 +234,7 @@ TEST_F(Optimise, CountsNoPointWhoseValuesDoNotGoTogether) {
   EXPECT_SAYS(ending.out, "2 impossible");
 }
 
-TEST_F(Optimise, TakesFirstLooksBySamplingAndConfirmsTheFront) {
+TEST_F(Optimise, LooksBySamplingFirstAndConfirmsTheFront) {
   const Ending ending =
       run("program: full:1\nsets: [tni.ist.leaves=16]\naxes: {cores: [1, 2], tni.trvs: [1, 2, 4]}\n"
           "objectives: [{max: perf.fps}, {min: power_w.nominal}]\nbudget: 4\n",
@@ -251,12 +251,12 @@ TEST_F(Optimise, TakesFirstLooksBySamplingAndConfirmsTheFront) {
   }
 }
 
-TEST_F(Optimise, ReadsAsASweep) {
+TEST_F(Optimise, IsReadableAsASweep) {
   ASSERT_EQ(run(kSearch).exit, 0);
   EXPECT_SAYS(raywatt({"sweep", "status", out}).out, "10 points: 10 done, 0 failed");
 }
 
-TEST_F(Optimise, RefusesWhatItCannotUse) {
+TEST_F(Optimise, RefusesBadTasks) {
   const std::string axes = "axes: {cores: [1, 2]}\n";
   const auto refused = [&](const std::string& lines, const Words& parts) {
     Words all = parts;
@@ -288,13 +288,13 @@ TEST_F(Optimise, RefusesWhatItCannotUse) {
   EXPECT_FALSE(fs::exists(folder.path() / "raywatt-out"));
 }
 
-TEST_F(Optimise, GoesByItsAmericanNameToo) {
+TEST_F(Optimise, HasItsAmericanNameToo) {
   Words all = words("axes: {cores: [1]}\nobjectives: [{min: cycles}]\n");
   all[0] = "optimize";
   EXPECT_EQ(raywatt(all).exit, 0);
 }
 
-TEST_F(Optimise, HasAnExampleThatIsSound) {
+TEST_F(Optimise, HasAValidExample) {
   const fs::path folder_of = fs::path(tools::build_info().source_dir) / "configs/experiments";
   const tools::optimise::Task task = tools::optimise::read_task(folder_of / "optimise-cores.yaml");
   EXPECT_TRUE(task.space.question.ends_with("?"));

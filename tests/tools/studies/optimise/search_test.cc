@@ -136,7 +136,7 @@ TEST(Search, FindsAFrontUnderNoise) {
   EXPECT_GE(found(rough), 0.98);
 }
 
-TEST(Search, DoesNotHuntNoise) {
+TEST(Search, DoesNotChaseNoise) {
   // A hill over two axes; the third axis has only noise. Without errors the search mistakes noise for height and stays
   // lower on the hill.
   const auto below_the_top = [](const Choice& c) {
@@ -171,7 +171,7 @@ TEST(Search, DoesNotHuntNoise) {
   EXPECT_LT(mean_loss(true), 0.8 * mean_loss(false));
 }
 
-TEST(Search, FindsAFrontAmongNamesWithoutOrder) {
+TEST(Search, FindsAFrontAmongUnorderedNames) {
   MadeUp names{{{4, true}, {4, true}, {4, true}, {16, false}}, {kMin, kMin}, [](const std::vector<double>& x) {
                  const int name = static_cast<int>(std::lround(x[3] * 15));
                  return std::vector<double>{
@@ -205,7 +205,7 @@ TEST(Search, FindsTheBestOfOneObjective) {
   EXPECT_NEAR(found(single), 1, 1e-12) << "the very point";
 }
 
-TEST(Search, IsBetterThanChance) {
+TEST(Search, IsBetterThanRandomPoints) {
   std::vector<double> shares;
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const tools::sweep::Subset subset{tools::sweep::Subset::Kind::kRandom, kBudget, seed};
@@ -217,18 +217,18 @@ TEST(Search, IsBetterThanChance) {
   EXPECT_GE(share(kMachine, search_run(kMachine, 1, 60)), 0.98) << "and sixty points do";
 }
 
-TEST(Search, TakesTheSameCourseForTheSameSeed) {
+TEST(Search, ProposesTheSamePointsForTheSameSeed) {
   EXPECT_EQ(search_run(kMachine, 7, 44), search_run(kMachine, 7, 44));
   EXPECT_NE(search_run(kMachine, 7, 44), search_run(kMachine, 8, 44));
 }
 
-TEST(Search, StaysWithinWhatIsWanted) {
+TEST(Search, ProposesOnlyValidPoints) {
   MadeUp part = kMachine;
   part.is_wanted = [](const Choice& c) { return (c[0] + c[1]) % 2 == 0; };
   for (const Choice& point : search_run(part, 1, 60)) EXPECT_TRUE(part.is_wanted(point));
 }
 
-TEST(Search, LooksAtEveryPointOfASpaceThatIsSmallerThanItsBudget) {
+TEST(Search, ProposesEveryPointOfASmallSpace) {
   MadeUp small{{{3, true}, {5, true}, {1, true}}, {kMin, kMin}, [](const std::vector<double>& x) {
                  return std::vector<double>{x[0] - x[1], x[1]};
                }};
@@ -236,7 +236,7 @@ TEST(Search, LooksAtEveryPointOfASpaceThatIsSmallerThanItsBudget) {
   EXPECT_EQ(search_run(small, 1).size(), 14U);
 }
 
-TEST(Search, ComesToTheLastPointOfAHugeSpaceWithFewWantedOnes) {
+TEST(Search, ProposesTheLastValidPointOfAHugeSpace) {
   MadeUp rare{std::vector<AxisShape>(6, {8, true}), {kMin, kMin}, [](const std::vector<double>& x) {
                 return std::vector<double>{x[0], -x[0]};
               }};
@@ -244,7 +244,7 @@ TEST(Search, ComesToTheLastPointOfAHugeSpaceWithFewWantedOnes) {
   EXPECT_GE(search_run(rare, 1).size(), 7U) << "of eight in 262,144";
 }
 
-TEST(Search, LearnsWhereNothingCanBeComputed) {
+TEST(Search, AvoidsRegionsWhereSimulationsFail) {
   Search search = kMachine.search(1);
   std::size_t asked = 0, in_vain = 0;
   while (asked < kBudget) {
@@ -258,7 +258,7 @@ TEST(Search, LearnsWhereNothingCanBeComputed) {
   EXPECT_LT(in_vain, 25U);
 }
 
-TEST(Search, GoesOnIfNothingCouldBeComputedYet) {
+TEST(Search, ContinuesIfAllSimulationsFailed) {
   Search search = kMachine.search(1);
   for (int batch = 0; batch < 3; ++batch) {
     const std::vector<Choice> proposed = search.propose_points(8);
@@ -267,7 +267,7 @@ TEST(Search, GoesOnIfNothingCouldBeComputedYet) {
   }
 }
 
-TEST(Search, LooksForPointsThatMeetConstraintsFirst) {
+TEST(Search, SearchesFeasiblePointsFirst) {
   MadeUp narrow{fours(5), {kMax, kMin, {Goal::Kind::kAtMost, "f", 0.35, ""}}, [](const std::vector<double>& x) {
                   std::vector<double> metrics = machine(x);
                   double away = 0;
@@ -357,7 +357,7 @@ TEST(Search, FindsTheSmallestMachineFromOneFeasiblePoint) { EXPECT_GE(SmallestMa
 
 TEST(Search, FindsTheSmallestMachineFromSeveralFeasiblePoints) { EXPECT_GE(SmallestMachine::found(3), 9); }
 
-TEST(Search, FindsAFrontThatIsOnePointAfterItsFirstPoints) {
+TEST(Search, FindsAFrontOfOnePoint) {
   // Two objectives and a limit that one of the first points meets, so that the range of feasible scores is empty.
   MadeUp limited = kMachine;
   limited.f = [](const std::vector<double>& x) {

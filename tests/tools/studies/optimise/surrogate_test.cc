@@ -23,7 +23,7 @@ Surrogate::Values sampled(const std::function<double(double)>& f, std::uint32_t 
   return values;
 }
 
-TEST(GaussianProcess, IsExactWhereItHasSeen) {
+TEST(GaussianProcess, IsExactAtObservedPoints) {
   GaussianProcess process(kLine);
   process.fit({{{0}, 3, 0}, {{5}, -1, 0}, {{20}, 7, 0}});
   EXPECT_NEAR(process.estimate_at({0}).mean, 3, 0.5);
@@ -31,7 +31,7 @@ TEST(GaussianProcess, IsExactWhereItHasSeen) {
   EXPECT_LT(process.estimate_at({5}).deviation, process.estimate_at({12}).deviation) << "it knows less between";
 }
 
-TEST(GaussianProcess, FindsOutThatAnAxisDoesNotMatter) {
+TEST(GaussianProcess, DetectsAnAxisWithoutEffect) {
   const std::vector<AxisShape> plane = {{6, true}, {6, true}};
   std::vector<Observation> seen;
   for (std::uint32_t i = 0; i < 6; ++i) {
@@ -42,7 +42,7 @@ TEST(GaussianProcess, FindsOutThatAnAxisDoesNotMatter) {
   for (std::uint32_t i = 0; i < 6; ++i) EXPECT_NEAR(process.estimate_at({i, 2}).mean, std::sin(i), 0.1) << i;
 }
 
-TEST(GaussianProcess, BelievesAsIfItHadSeen) {
+TEST(GaussianProcess, TreatsPseudoObservationsAsObserved) {
   GaussianProcess process(kLine);
   process.fit({{{0}, 0, 0}, {{8}, 1, 0}, {{20}, 0, 0}});
   process.add_pseudo_observation({14}, 5);
@@ -50,7 +50,7 @@ TEST(GaussianProcess, BelievesAsIfItHadSeen) {
   EXPECT_LT(process.estimate_at({14}).deviation, 0.4);
 }
 
-TEST(GaussianProcess, SmoothsWhatErrorsBlur) {
+TEST(GaussianProcess, SmoothsValuesWithErrors) {
   // A wave around 3: exact values are followed; with errors as large as the wave it may be only noise.
   std::vector<Observation> sure, blurred;
   for (std::uint32_t i = 0; i < 21; i += 2) {
@@ -68,7 +68,7 @@ TEST(GaussianProcess, SmoothsWhatErrorsBlur) {
   }
 }
 
-TEST(GaussianProcess, TakesErrorsThatAreBoundsForSmallerOnesWhereValuesShowIt) {
+TEST(GaussianProcess, AssumesSmallerErrorsThanBoundsIfValuesShowIt) {
   std::vector<Observation> slope;
   for (std::uint32_t i = 0; i < 21; i += 2) slope.push_back({{i}, 0.1 * i, 0.25});
   GaussianProcess stated(kLine), bounded(kLine);
@@ -81,7 +81,7 @@ TEST(GaussianProcess, TakesErrorsThatAreBoundsForSmallerOnesWhereValuesShowIt) {
   }
 }
 
-TEST(GaussianProcess, NoisePromisesNoFigure) {
+TEST(GaussianProcess, DoesNotLowerEstimatesByNoise) {
   // A slope with one point far above it.
   std::vector<Observation> seen;
   for (std::uint32_t i = 0; i < 21; i += 2) seen.push_back({{i}, 0.1 * i + (i == 10 ? 1.5 : 0), 0.25});
@@ -91,7 +91,7 @@ TEST(GaussianProcess, NoisePromisesNoFigure) {
   EXPECT_LT(process.estimate_at({11}).mean + process.estimate_at({11}).deviation, 2.2);
 }
 
-TEST(GaussianProcess, HoldsTheTruthBehindErrorsInNineteenOfTwentyIntervals) {
+TEST(GaussianProcess, CoversTheTruthInNineteenOfTwentyIntervals) {
   // Curved surfaces over 625 points, 60 of them observed with errors of a fifth to three times the deviation.
   const std::vector<AxisShape> space(4, AxisShape{5, true});
   std::size_t held = 0, asked = 0;
@@ -127,7 +127,7 @@ TEST(GaussianProcess, HoldsTheTruthBehindErrorsInNineteenOfTwentyIntervals) {
   EXPECT_LT(share, 0.995) << "nor are they so wide that they always hold";
 }
 
-TEST(GaussianProcess, ErrorsCountInTheFiguresOwnUnit) {
+TEST(GaussianProcess, TakesErrorsInTheUnitOfTheMetric) {
   GaussianProcess small(kLine), large(kLine);
   std::vector<Observation> seen, scaled;
   for (std::uint32_t i = 0; i < 21; i += 4) {
@@ -141,14 +141,14 @@ TEST(GaussianProcess, ErrorsCountInTheFiguresOwnUnit) {
     EXPECT_NEAR(large.estimate_at({i}).mean, 1000 * small.estimate_at({i}).mean, 1e-3) << i;
 }
 
-TEST(GaussianProcess, TakesValuesThatAreAllTheSame) {
+TEST(GaussianProcess, AcceptsEqualValues) {
   GaussianProcess process(kLine);
   process.fit({{{0}, 2, 0}, {{9}, 2, 0}, {{20}, 2, 0}});
   EXPECT_NEAR(process.estimate_at({4}).mean, 2, 1e-9);
   EXPECT_LT(process.estimate_at({4}).deviation, 1e-3);
 }
 
-TEST(GaussianProcess, KeepsValuesWithoutAnOrderApart) {
+TEST(GaussianProcess, SeparatesUnorderedValues) {
   const std::vector<AxisShape> names = {{12, false}};
   std::vector<Observation> seen;
   for (std::uint32_t i = 0; i < 11; ++i) seen.push_back({{i}, i % 2 == 0 ? 1.0 : -1.0, 0});
@@ -174,7 +174,7 @@ TEST(Surrogate, EstimatesNoLogarithmsIfForbidden) {
   EXPECT_GT(surrogate.estimate_at({2}).deviation, 0);
 }
 
-TEST(Surrogate, EstimatesSumsAsTheyAre) {
+TEST(Surrogate, EstimatesSumsWithoutLogarithms) {
   const auto f = [](double x) { return 40 - 2 * x; };
   Surrogate surrogate(kLine);
   surrogate.fit(sampled(f, 4), {});

@@ -42,7 +42,7 @@ TEST(TileMaps, SumTheRowsOfATile) {
   EXPECT_EQ(tile_values(metric("energy"), tiles, grid)[1], 5e6) << "nJ";
 }
 
-TEST(TileMaps, RefuseTilesOutsideOfThePictureAndTablesWithoutPlaces) {
+TEST(TileMaps, RefuseTilesOutsideThePictureAndTablesWithoutPlaces) {
   tools::TileFrame tiles = frame();
   EXPECT_THROW(tile_grid(tiles, 8, 5), sim::InputError);
   tiles.columns[1].values[0] = -1;
@@ -58,11 +58,11 @@ TEST(TileMaps, RefuseTilesOutsideOfThePictureAndTablesWithoutPlaces) {
   EXPECT_THROW(tile_values(metric("steps"), frame(), tile_grid(frame(), 16, 5)), sim::InputError);
 }
 
-TEST(TileMaps, HoldWholeNumbersExactlyAndOthersInFiveDigits) {
+TEST(TileMaps, KeepWholeNumbersExactlyAndOthersInFiveDigits) {
   EXPECT_EQ(sim::json_line(page_numbers({123456789, -2, 0, 1.0 / 3, 123456.7})), "[123456789,-2,0,0.33333,123460.0]");
 }
 
-TEST(PagePictures, AreAveragedOverSquaresWhereTheyAreTooLarge) {
+TEST(PagePictures, AreAveragedOverSquaresIfTooLarge) {
   const TempFolder folder;
   const std::vector<std::uint8_t> rgb = {10, 0, 0, 20, 0, 0, 100, 0, 5, 30, 0, 0, 40, 0, 0, 100, 0, 5};
   const auto file = folder.path() / "picture.png";

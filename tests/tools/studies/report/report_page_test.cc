@@ -78,7 +78,7 @@ class Pages : public testing::Test {
 };
 TempFolder* Pages::folder = nullptr;
 
-TEST_F(Pages, OfARunHaveAFlowOfEnergyThatLosesNothing) {
+TEST_F(Pages, OfARunShowTheWholeEnergy) {
   const Json energy = read_json(folder->path() / "base/report.json")["totals"]["energy_mj"];
   const Json flow = data_of({"base"})["flow"];
   std::size_t column = 2;
@@ -91,13 +91,13 @@ TEST_F(Pages, OfARunHaveAFlowOfEnergyThatLosesNothing) {
   }
 }
 
-TEST_F(Pages, OfARunSayWhatBoundsTheIntervalOfEachKernel) {
+TEST_F(Pages, OfARunNameTheBoundOfEachKernel) {
   const Json kernels = data_of({"base"})["kernels"];
   EXPECT_FALSE(kernels.empty());
   for (const Json& kernel : kernels) EXPECT_TRUE(kernel["bound"].is_string());
 }
 
-TEST_F(Pages, OfSeveralFramesHaveTheDebugPicturesOfTheFirstWhateverItsNumber) {
+TEST_F(Pages, OfSeveralFramesHaveDebugPicturesOfTheFirst) {
   ASSERT_EQ(in_folder({"run", "--scene", "chess", "--set", "scene.triangles=500", "--resolution", "16x16", "--quiet",
                        "--program", "multirate:under", "--frames", "1:2", "--debug-images", "-o", "frames"})
                 .exit,
@@ -120,7 +120,7 @@ TEST_F(Pages, OfTwoRunsMapTheDifferencesOfBothTables) {
   EXPECT_SAYS(block["note"].get<std::string>(), "Equal in every tile: rays of a tile, steps of a tile");
 }
 
-TEST_F(Pages, OfTwoRunsSayWhyTilesAreNotCompared) {
+TEST_F(Pages, OfTwoRunsExplainWhyTilesAreNotCompared) {
   const fs::path other = folder->path() / "other";
   fs::create_directories(other);
   for (const char* file : {"report.json", "image.png"})
@@ -135,7 +135,7 @@ TEST_F(Pages, OfTwoRunsSayWhyTilesAreNotCompared) {
   EXPECT_SAYS(data_of({"base", "other"})["pictures"][0]["note"].get<std::string>(), "is no tiles.json");
 }
 
-TEST_F(Pages, OfAReferenceShowItsPictureAndNothingOfTheRunsTiles) {
+TEST_F(Pages, OfAReferenceShowItsPictureWithoutTiles) {
   ASSERT_EQ(in_folder({"run", "--resolution", "32x16", "--reference", "full:4", "-o", "with"}).exit, 0);
   const Json pair = data_of({"with/reference.json", "with"})["pictures"][0];
   EXPECT_NE(pair["a"], pair["b"]);
@@ -145,7 +145,7 @@ TEST_F(Pages, OfAReferenceShowItsPictureAndNothingOfTheRunsTiles) {
   EXPECT_TRUE(data_in(alone)["picture"]["grids"].empty());
 }
 
-TEST_F(Pages, OfDamagedFilesAreWrittenAndStandardErrorSaysWhatTheyLack) {
+TEST_F(Pages, OfDamagedFilesAreWrittenWithWarnings) {
   const fs::path run = folder->path() / "damaged";
   fs::copy(folder->path() / "base", run);
   folder->write("damaged/tiles.json", "{");
@@ -163,14 +163,14 @@ TEST_F(Pages, OfDamagedFilesAreWrittenAndStandardErrorSaysWhatTheyLack) {
   EXPECT_NE(two.err.find("the page compares no tiles"), std::string::npos) << two.err;
 }
 
-TEST_F(Pages, OfASweepHaveAPointARowAndTheirCommands) {
+TEST_F(Pages, OfASweepHaveAPointPerRowWithItsCommand) {
   const Json points = data_of({"sweep"})["points"];
   ASSERT_EQ(points.size(), 4U);
   for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(points[i][2], i < 2 ? "1" : "2");
   EXPECT_SAYS(points[3].back().get<std::string>(), "--set tni.trvs=2");
 }
 
-TEST_F(Pages, OfASweepWithReplicatesGoByTheirMeans) {
+TEST_F(Pages, OfASweepWithReplicatesShowMeans) {
   folder->write("noisy.yaml",
                 "schema: raywatt-sweep/1\nresolution: 16x16\nreplicates: 3\nsets: [scene.triangles=500]\n"
                 "axes: {cores: [1, 2]}\n");
@@ -192,7 +192,7 @@ TEST_F(Pages, OfASweepWithReplicatesGoByTheirMeans) {
   EXPECT_SAYS(data["ties"].get<std::string>(), "with it by noise measured by 3 replicates a point");
 }
 
-TEST_F(Pages, OfASearchCallBestWhatIsOnTheFrontWherePointsTie) {
+TEST_F(Pages, OfASearchHaveABestPointOnTheFront) {
   folder->write("ties.yaml",
                 "schema: raywatt-optimise/1\nresolution: 16x16\nsets: [scene.triangles=500]\nbudget: 4\n"
                 "axes: {cores: [4, 2, 1]}\nobjectives: [max: perf.fps, max: frames_per_joule_gpu]\n");
@@ -203,7 +203,7 @@ TEST_F(Pages, OfASearchCallBestWhatIsOnTheFrontWherePointsTie) {
   EXPECT_EQ(data["points"][data["best"]["totals.perf.fps"].get<std::size_t>()][2], "1") << "one core";
 }
 
-TEST_F(Pages, OfASearchCountFeasiblePointsAndSayHowFarTheLimitsAre) {
+TEST_F(Pages, OfASearchCountFeasiblePointsAndShowTheirLimits) {
   folder->write("limits.yaml",
                 "schema: raywatt-optimise/1\nresolution: 16x16\nsets: [scene.triangles=500]\nbudget: 4\n"
                 "axes: {cores: [1, 2], clocks.tni: [300 MHz]}\nobjectives: [min: area_mm2]\n"
@@ -225,7 +225,7 @@ TEST_F(Pages, OfASearchCountFeasiblePointsAndSayHowFarTheLimitsAre) {
 
 TEST_F(Pages, AreTheSameBytesForTheSameRun) { EXPECT_EQ(page_of({"base"}), page_of({"base"})); }
 
-TEST_F(Pages, HoldNoNameAsMarkup) {
+TEST_F(Pages, EscapeAllNames) {
   Json report = read_json(folder->path() / "base/report.json");
   const std::string hostile = "</script><img src=x onerror=alert(1)><!--";
   report["scene"]["name"] = hostile;
@@ -239,13 +239,13 @@ TEST_F(Pages, HoldNoNameAsMarkup) {
   EXPECT_EQ(data_in(html)["report"]["warnings"][0], hostile);
 }
 
-TEST_F(Pages, AllowTheirOwnScriptsAlone) {
+TEST_F(Pages, AllowOnlyTheirOwnScripts) {
   const std::string html = page_of({"base"});
   EXPECT_SAYS(html, "default-src &#39;none&#39;; script-src &#39;sha256-");
   EXPECT_EQ(html.find("unsafe"), std::string::npos);
 }
 
-TEST_F(Pages, AreRefusedForWhatIsNoRunAndForMixedKinds) {
+TEST_F(Pages, RefuseInputsThatAreNoRunsOrOfMixedKinds) {
   fs::create_directories(folder->path() / "empty");
   expect_refusal(in_folder({"report", "empty", "-o", "x.html"}), {"holds no run, sweep or search", "report.json"});
   expect_refusal(in_folder({"report", "nowhere", "-o", "x.html"}), {"nowhere"});
@@ -254,7 +254,7 @@ TEST_F(Pages, AreRefusedForWhatIsNoRunAndForMixedKinds) {
   EXPECT_FALSE(fs::exists(folder->path() / "x.html"));
 }
 
-TEST_F(Pages, ReplacePagesAloneAndNeverALink) {
+TEST_F(Pages, ReplaceOnlyPagesAndNoLinks) {
   folder->write("mine.html", "<p>mine</p>");
   expect_refusal(in_folder({"report", "base", "-o", "mine.html"}), {"mine.html"});
   EXPECT_EQ(read_bytes(folder->path() / "mine.html"), "<p>mine</p>");
@@ -265,7 +265,7 @@ TEST_F(Pages, ReplacePagesAloneAndNeverALink) {
   expect_refusal(in_folder({"report", "base", "-o", "base", "--force"}), {"base"});
 }
 
-TEST_F(Pages, SayWhatTheyLackOfABareReport) {
+TEST_F(Pages, ListWhatAReportLacks) {
   Json report = read_json(folder->path() / "base/report.json");
   for (const char* part : {"units", "config", "scene", "frames", "program", "resolution"}) report.erase(part);
   for (const char* part : {"top_down", "bottleneck", "kernels", "energy_by_block_mj", "area_band_mm2"})

@@ -59,14 +59,14 @@ class GoOn : public testing::Test {
   nlohmann::ordered_json whole;
 };
 
-TEST_F(GoOn, KeepsFinishedRowsWhenInterruptedMarkedPartial) {
+TEST_F(GoOn, KeepsFinishedRowsAfterAnInterrupt) {
   EXPECT_EQ(lee2016_until(SIGINT).exit, 128 + SIGINT);
   EXPECT_EQ(results()["partial"], true);
   EXPECT_GE(results()["rows"].size(), 1U);
   EXPECT_SAYS(read_bytes(out / "reproduce.md"), "PARTIAL");
 }
 
-TEST_F(GoOn, KeepsThemWhenKilledTooAndTakesThemUp) {
+TEST_F(GoOn, KeepsFinishedRowsAfterAKill) {
   lee2016_until(SIGKILL);
   EXPECT_EQ(results()["partial"], true);
   const std::size_t rows = results()["rows"].size();
@@ -75,7 +75,7 @@ TEST_F(GoOn, KeepsThemWhenKilledTooAndTakesThemUp) {
   EXPECT_GT(results()["rows"].size(), rows);
 }
 
-TEST_F(GoOn, TakesFinishedRowsAndMeasuresTheRest) {
+TEST_F(GoOn, ReusesFinishedRowsAndMeasuresTheRest) {
   interrupt_late();
   const Words pictures = names_in(out);
   const Ending ending = raywatt(small_hybrid(out));
@@ -88,20 +88,20 @@ TEST_F(GoOn, TakesFinishedRowsAndMeasuresTheRest) {
   EXPECT_EQ(names_in(out), pictures);
 }
 
-TEST_F(GoOn, MeasuresAllAnewWhereSomethingElseIsAskedFor) {
+TEST_F(GoOn, MeasuresAllRowsForOtherOptions) {
   interrupt_late();
   EXPECT_EQ(raywatt(small_hybrid(out, {"--config", "sgrt-balanced"})).exit, 0);
   EXPECT_NE(first_figure(), 77);
 }
 
-TEST_F(GoOn, ReplacesNothingByLess) {
+TEST_F(GoOn, DoesNotReplaceResultsByFewer) {
   ASSERT_EQ(raywatt(small_hybrid(out)).exit, 0);
   const std::string before = read_bytes(out / "reproduce.json");
   EXPECT_EQ(begun(out).exit, 128 + SIGINT);
   EXPECT_EQ(read_bytes(out / "reproduce.json"), before);
 }
 
-TEST_F(GoOn, IsNotKeptFromStartingByResultsThatNobodyCanRead) {
+TEST_F(GoOn, StartsInSpiteOfUnreadableResults) {
   fs::create_directories(out);
   std::ofstream(out / "reproduce.json") << R"({"schema": "raywatt-reproduce/1", "rows": )";
   EXPECT_EQ(raywatt(small_hybrid(out)).exit, 0);

@@ -47,7 +47,7 @@ INSTANTIATE_TEST_SUITE_P(Reproduce, EachPaper, testing::ValuesIn(all_papers()), 
   return name;
 });
 
-TEST_P(EachPaper, QuicklyGetsANumberForEveryRow) {
+TEST_P(EachPaper, HasANumberForEveryRowOfAQuickRun) {
   const TempFolder folder;
   const fs::path out = folder.path() / "out";
   const std::string paper(GetParam().name);
@@ -74,7 +74,7 @@ TEST_P(EachPaper, MeasuresEveryPublishedMetric) {
   }
 }
 
-TEST_P(EachPaper, QuicklyMeasuresSomeOfWhatItMeasuresAtLength) {
+TEST_P(EachPaper, MeasuresFewerMetricsInAQuickRun) {
   const std::set<MetricKey> all = metric_keys(GetParam(), false), quick = metric_keys(GetParam(), true);
   EXPECT_LT(quick.size(), all.size());
   for (const MetricKey& key : quick) EXPECT_TRUE(all.contains(key)) << name_of(key);
@@ -95,7 +95,7 @@ TEST(Published, HoldsNumbersAndRanges) {
   EXPECT_EQ(p.at({"table 1", "teapot", "super", "tni_power"}), (Range{1, 1.09}));
 }
 
-TEST(Published, ThatMakesNoSenseIsRefusedWithItsPlace) {
+TEST(Published, IsRefusedWithItsPlaceIfInvalid) {
   const std::pair<const char*, const char*> wrong[] = {{"a: 1\n", "p.yaml:1:1: 'a'"},
                                                        {"a: {b: {c: {d: x}}}\n", "'d' must be a number"},
                                                        {"a: {b: {c: {d: .inf}}}\n", "'d' must be a number"},
@@ -112,7 +112,7 @@ TEST(Published, ThatMakesNoSenseIsRefusedWithItsPlace) {
   }
 }
 
-TEST(Reproduce, SkipsScenesThatNobodyHasAndSaysWhatTheyAreCalled) {
+TEST(Reproduce, SkipsMissingScenesAndNamesTheirFiles) {
   const TempFolder folder;
   Options options;
   options.paper = "kim2016";
@@ -132,7 +132,7 @@ TEST(Reproduce, SkipsScenesThatNobodyHasAndSaysWhatTheyAreCalled) {
   EXPECT_EQ(complaint(), (folder.path() / "kitchen-866k.glb").string());
 }
 
-TEST(Reproduce, TakesABuiltInSceneOnlyIfThereIsNoFileOfTheOneMeant) {
+TEST(Reproduce, UsesABuiltInSceneOnlyWithoutTheOriginal) {
   const TempFolder folder;
   Options options;
   const tools::reproduce::View car{.scene = "car", .stand_in = "car", .files = {"car-62k.glb"}};
@@ -143,7 +143,7 @@ TEST(Reproduce, TakesABuiltInSceneOnlyIfThereIsNoFileOfTheOneMeant) {
   EXPECT_EQ(Runner(options).stand_in(car), (folder.path() / "car-62k.glb").string());
 }
 
-TEST(Reproduce, MeasuresARunAgainstAReferenceWithATreeOfItsOwn) {
+TEST(Reproduce, ComparesARunWithAReferenceOnAnotherTree) {
   Options options;
   options.threads = 1;
   Runner runner(options);
@@ -194,14 +194,14 @@ TEST(Reproduce, CountsMoreOperationsForAnInterpolatedSampleThanForATracedOne) {
   EXPECT_FALSE(runner.measure_case(c).at(1).value.has_value()) << "all samples are traced";
 }
 
-TEST(Reproduce, SaysHowAPapersFiguresAndOursGoTogether) {
+TEST(Reproduce, ExplainsHowToCompareMetrics) {
   Results results;
   results.note = "a note";
   EXPECT_SAYS(results_text(results), "\na note\n");
   EXPECT_SAYS(results_markdown(results, {}), "\na note\n");
 }
 
-TEST(Reproduce, WritesWhatIsHeldAgainstWhatAndEachFigureOverItsScenes) {
+TEST(Reproduce, WritesProgramsReferencesAndMetricsOverScenes) {
   Results results;
   for (const double speedup : {1.0, 3.0, 2.0}) {
     results.rows.push_back({.key = {"caches", fmt::format("scene {}", speedup), "large", "speedup"},
@@ -219,7 +219,7 @@ TEST(Reproduce, WritesWhatIsHeldAgainstWhatAndEachFigureOverItsScenes) {
   EXPECT_SAYS(text, "| large | speedup | 3 | 2.00 x | 1.00 x to 3.00 x | 1.00 x to 2.90 x |");
 }
 
-TEST(Reproduce, RefusesWhatItDoesNotKnowBeforeItBegins) {
+TEST(Reproduce, RefusesUnknownNamesBeforeItStarts) {
   const TempFolder folder;
   const std::string out = (folder.path() / "out").string();
   expect_refusal(raywatt({"reproduce", "lee2061", "-o", out}), {"lee2061", "did you mean 'lee2016'", "kim2016"});
@@ -229,7 +229,7 @@ TEST(Reproduce, RefusesWhatItDoesNotKnowBeforeItBegins) {
   EXPECT_TRUE(names_in(folder.path()).empty());
 }
 
-TEST(Mirrors, CoverAboutTheShareOfTheViewThatIsWanted) {
+TEST(Mirrors, CoverAboutTheRequestedShareOfTheView) {
   tools::JobOptions options;
   options.scene = "kim2016-bathroom";
   options.sets = {"scene.triangles=15000"};
