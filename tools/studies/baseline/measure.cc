@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <csignal>
 #include <cstdlib>
+#include <memory>
 #include <new>
 #include <optional>
 #include <string_view>
@@ -12,14 +12,13 @@
 
 #include <fmt/format.h>
 #include <poll.h>
-#include <sys/prctl.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include "sim/error.h"
 #include "sim/host_clock.h"
 #include "sim/io/json.h"
 #include "tools/analysis/report_paths.h"
+#include "tools/host/child_process.h"
 #include "tools/host/exit_code.h"
 #include "tools/run/run.h"
 
@@ -90,69 +89,22 @@ Measured measured_from(const SuiteRun& run, const std::string& text, int status,
   return out;
 }
 
-[[noreturn]] void throw_errno(const char* what) { throw std::system_error(errno, std::generic_category(), what); }
-
-/// A run in its own process, which writes its report to a pipe.
-class Worker {
- public:
-  Worker(std::size_t number, const SuiteRun& run) : index_(number), run_(&run), begin_(sim::HostClock::now()) {
-    int ends[2];
-    if (::pipe(ends) != 0) throw_errno("pipe");
-    process_ = ::fork();
-    if (process_ < 0) throw_errno("fork");
-    if (process_ == 0) {
-      ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-      for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_DFL);  // the parent prints the message
-      ::close(ends[0]);
-      std::_Exit(run_and_send(ends[1]));
-    }
-    ::close(ends[1]);
-    end_ = ends[0];
-  }
-
-  std::size_t run_index() const { return index_; }
-  int pipe_end() const { return end_; }
-  /// Reads available data. Returns false at the end.
-  bool receive_data() {
-    char part[1 << 16];
-    const ssize_t n = ::read(end_, part, sizeof part);
-    if (n > 0) text_.append(part, static_cast<std::size_t>(n));
-    if (n < 0 && errno != EINTR) throw_errno("pipe");
-    return n != 0;
-  }
-  Measured wait_for_result() {
-    ::close(end_);
-    int status = 0;
-    while (::waitpid(process_, &status, 0) < 0 && errno == EINTR) {
-    }
-    return measured_from(*run_, text_, status, sim::seconds_since(begin_));
-  }
-
- private:
-  /// Simulates and returns the exit code: 0, kIoFailed if memory ran out, else 1.
-  int run_and_send(int file) const {
-    try {
-      return send_report(file, sim::json_line(report_or_error(run_->options)));
-    } catch (const std::bad_alloc&) {
-      return kIoFailed;
-    }
-  }
-  static int send_report(int file, std::string_view text) {
-    while (!text.empty()) {
-      const ssize_t written = ::write(file, text.data(), text.size());
-      if (written < 0) return 1;
-      text.remove_prefix(static_cast<std::size_t>(written));
-    }
-    return 0;
-  }
-
-  std::size_t index_;
-  const SuiteRun* run_;
-  sim::HostClock::time_point begin_;
-  pid_t process_ = -1;
-  int end_ = -1;
-  std::string text_;
+/// A run that is being simulated in a child process.
+struct Worker {
+  std::size_t run = 0;  ///< index in the suite
+  sim::HostClock::time_point begin = sim::HostClock::now();
+  std::unique_ptr<ChildProcess> child;
 };
+
+std::unique_ptr<ChildProcess> start_run(const SuiteRun& run) {
+  return std::make_unique<ChildProcess>([&] {
+    try {
+      return sim::json_line(report_or_error(run.options));
+    } catch (const std::bad_alloc&) {
+      std::_Exit(kIoFailed);
+    }
+  });
+}
 
 }  // namespace
 
@@ -162,16 +114,19 @@ void simulate_suite(const Suite& suite, std::uint32_t jobs,
   std::vector<Worker> workers;
   std::size_t next = 0, taken = 0;
   while (taken < suite.runs.size()) {
-    while (workers.size() < jobs && next < suite.runs.size()) {
-      workers.emplace_back(next, suite.runs[next]);
-      next += 1;
+    for (; workers.size() < jobs && next < suite.runs.size(); ++next) {
+      workers.push_back({.run = next, .child = start_run(suite.runs[next])});
     }
     std::vector<pollfd> ends;
-    for (const Worker& worker : workers) ends.push_back({worker.pipe_end(), POLLIN, 0});
-    if (::poll(ends.data(), ends.size(), -1) < 0 && errno != EINTR) throw_errno("poll");
+    for (const Worker& worker : workers) ends.push_back({worker.child->pipe_end(), POLLIN, 0});
+    if (::poll(ends.data(), ends.size(), -1) < 0 && errno != EINTR) {
+      throw std::system_error(errno, std::generic_category(), "poll");
+    }
     for (std::size_t i = workers.size(); i-- > 0;) {
-      if (ends[i].revents == 0 || workers[i].receive_data()) continue;
-      done[workers[i].run_index()] = workers[i].wait_for_result();
+      const auto& [run, begin, child] = workers[i];
+      if (ends[i].revents == 0 || child->receive_data()) continue;
+      const int status = child->wait_for_exit();
+      done[run] = measured_from(suite.runs[run], child->received_text(), status, sim::seconds_since(begin));
       workers.erase(workers.begin() + static_cast<std::ptrdiff_t>(i));
     }
     for (; taken < done.size() && done[taken]; ++taken) take(suite.runs[taken], *std::move(done[taken]));

@@ -1,9 +1,7 @@
 #include "tools/studies/bench/bench.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
@@ -14,7 +12,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <poll.h>
-#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -26,6 +23,7 @@
 #include "sim/report/table.h"
 #include "tools/analysis/report.h"
 #include "tools/host/build_info.h"
+#include "tools/host/child_process.h"
 #include "tools/host/interrupt.h"
 #include "tools/run/frame/run_job.h"
 #include "tools/run/frame/trace_header.h"
@@ -175,89 +173,22 @@ Json measure_scene(const std::string& scene, const BenchOptions& options, Json a
   return rounds.result_json();
 }
 
-void write_all(int file, std::string_view text) {
-  while (!text.empty()) {
-    const ssize_t written = ::write(file, text.data(), text.size());
-    if (written < 0) throw std::system_error(errno, std::generic_category(), "pipe");
-    text.remove_prefix(static_cast<std::size_t>(written));
-  }
-}
-
-/// Reads until the end, or until an interrupt.
-std::string read_all(int file) {
-  constexpr int kGlanceMs = 100;  // limits the delay of an interrupt just before the wait
-  std::string text;
-  char part[4096];
-  while (!is_interrupted()) {
-    pollfd waited{file, POLLIN, 0};
-    if (::poll(&waited, 1, kGlanceMs) <= 0) continue;  // an interrupt ends this
-    const ssize_t n = ::read(file, part, sizeof part);
-    if (n == 0) break;
-    if (n > 0) text.append(part, static_cast<std::size_t>(n));
-    if (n < 0 && errno != EINTR) throw std::system_error(errno, std::generic_category(), "pipe");
-  }
-  return text;
-}
-
-/// A child process that measures and sends its result. Exceptions of measure_scene() reach main() of the child, which
-/// prints them and exits.
-class Measuring {
- public:
-  Measuring(const std::string& scene, const BenchOptions& options, const Json& all, const Json* other,
-            const std::filesystem::path& scratch) {
-    int ends[2];
-    if (::pipe(ends) != 0) throw std::system_error(errno, std::generic_category(), "pipe");
-    child_ = ::fork();
-    if (child_ < 0) throw std::system_error(errno, std::generic_category(), "fork");
-    if (child_ == 0) {
-      ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-      for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {  // the parent prints the message
-        if (std::signal(signal, SIG_DFL) == SIG_IGN) std::signal(signal, SIG_IGN);
-      }
-      ::close(ends[0]);
-      write_all(ends[1], sim::json_line(measure_scene(scene, options, all, other, scratch)));
-      std::_Exit(0);
-    }
-    ::close(ends[1]);
-    from_child_ = ends[0];
-  }
-  ~Measuring() {
-    ::close(from_child_);
-    if (child_ > 0) ::kill(child_, SIGKILL), wait_for_exit();
-  }
-  Measuring(const Measuring&) = delete;
-  Measuring& operator=(const Measuring&) = delete;
-
-  /// Returns the text of the result. Throws Interrupted after an interrupt.
-  std::string read_result() {
-    std::string text = read_all(from_child_);
-    if (is_interrupted()) throw Interrupted{};
-    return text;
-  }
-  /// Waits for the end and returns the status of waitpid().
-  int wait_for_exit() {
-    int status = 0;
-    while (::waitpid(child_, &status, 0) < 0 && errno == EINTR) {
-    }
-    child_ = -1;
-    return status;
-  }
-
- private:
-  pid_t child_ = -1;
-  int from_child_ = -1;
-};
-
-/// Measures in a child process, so that peak memory is of this scene only.
+/// Measures in a child process, so that peak memory is of this scene only. Exceptions of the child reach its main().
 Json measure_apart(const std::string& scene, const BenchOptions& options, const Json& all, const Json* other) {
+  constexpr int kGlanceMs = 100;  // limits the delay of an interrupt just before the wait
   std::string text;
   int status = 0;
   {
     const HoldInterrupts hold;  // until the folder is removed
     const ScratchFolder scratch;
-    Measuring process(scene, options, all, other, scratch.folder());
-    text = process.read_result();
-    status = process.wait_for_exit();
+    ChildProcess child([&] { return sim::json_line(measure_scene(scene, options, all, other, scratch.folder())); });
+    for (bool is_open = true; is_open && !is_interrupted();) {
+      pollfd end{child.pipe_end(), POLLIN, 0};
+      if (::poll(&end, 1, kGlanceMs) > 0) is_open = child.receive_data();
+    }
+    if (is_interrupted()) throw Interrupted{};
+    text = child.received_text();
+    status = child.wait_for_exit();
   }
   if (WIFSIGNALED(status))
     throw std::runtime_error(fmt::format("signal {} while measuring {}", WTERMSIG(status), scene));
@@ -304,8 +235,6 @@ Json measure_scenes(const BenchOptions& options, const Json* other) {
   out["scenes"] = std::move(scenes);
   return out;
 }
-
-using sim::Json;
 
 namespace {
 
