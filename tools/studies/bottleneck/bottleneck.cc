@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <span>
 
 #include "hw_models/machines/gpu_config.h"
 #include "hw_models/srp/srp.h"
@@ -46,8 +47,6 @@ Draws plays_of(const FrameResult& run) {
   return draws_of(cycles);
 }
 
-}  // namespace
-
 std::vector<CacheShare> cache_shares(std::span<const sim::UnitReport> units, const CoreTime& time) {
   const Units<hw::Trv> trvs(units);
   const Units<hw::Ist> ists(units);
@@ -63,6 +62,8 @@ std::vector<CacheShare> cache_shares(std::span<const sim::UnitReport> units, con
           {"data", ratio_or_zero(srps.counted(&Srp::cache_hits), srps.counted(&Srp::cache_accesses)),
            ratio_or_zero(srps.counted(&Srp::cache_miss_cycles), srps.counted(&Srp::cache_fills)), time.data_misses}};
 }
+
+}  // namespace
 
 NoisySpeedup noisy_speedup(const Bottleneck& found, const Bound& bound) {
   const auto seen = [&](const Draws& plays) {

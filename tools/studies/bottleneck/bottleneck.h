@@ -1,6 +1,5 @@
 #pragma once
 #include <cstdint>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -27,7 +26,6 @@ struct CacheShare {
   double cycles_a_miss = 0;  ///< in the clock of the cache
   double share = 0;          ///< share of the time of the cores that waits for its misses
 };
-std::vector<CacheShare> cache_shares(std::span<const sim::UnitReport> units, const CoreTime& time);
 
 /// The bottleneck of a frame, estimated from the counters of one run and measured by runs with ideal resources.
 struct Bottleneck {

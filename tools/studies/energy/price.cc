@@ -13,6 +13,7 @@
 
 #include "sim/config/config.h"
 #include "sim/error.h"
+#include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "sim/report/report_json.h"
 #include "sim/report/table.h"
@@ -25,6 +26,23 @@ namespace tools {
 namespace {
 
 using sim::Json;
+namespace fs = std::filesystem;
+
+/// A value that differs between two tables; "none" if a table lacks it.
+struct TableChange {
+  std::string name, from, to;
+};
+
+/// A run priced under two tables.
+struct Priced {
+  std::string run;                                          ///< path of the run or sweep
+  std::string n{};                                          ///< number of the point of a sweep
+  std::vector<std::pair<std::string, std::string>> axes{};  ///< of the point
+  sim::Json own, repriced;                                  ///< energy_totals_json()
+  std::vector<TableChange> changes;
+  std::size_t plays = 1;                  ///< replicates of the run; the first is priced
+  std::vector<std::string> extrapolated;  ///< sizes outside of the curves of the new table
+};
 
 double number_in(const Json& totals, const char* pointer) { return totals.at(sim::JsonPointer(pointer)).get<double>(); }
 
@@ -128,8 +146,7 @@ std::string points_text(const std::vector<Priced>& points) {
                      table.text(), notes_text(points));
 }
 
-}  // namespace
-
+/// Returns text for a terminal: each run, or a table of the points of a sweep.
 std::string priced_text(const std::vector<std::vector<Priced>>& groups) {
   std::string out;
   for (const std::vector<Priced>& group : groups) {
@@ -139,6 +156,7 @@ std::string priced_text(const std::vector<std::vector<Priced>>& groups) {
   return out;
 }
 
+/// Returns a line per run, with all digits.
 std::string priced_csv(const std::vector<Priced>& runs) {
   const std::vector<std::string> axes = axes_of(runs);
   std::vector<std::string> header = {"run", "n"};
@@ -159,6 +177,7 @@ std::string priced_csv(const std::vector<Priced>& runs) {
   return out;
 }
 
+/// Returns JSON, schema raywatt-price/1.
 std::string priced_json(const std::vector<Priced>& runs) {
   Json out = {{"schema", "raywatt-price/1"}, {"runs", Json::array()}};
   for (const Priced& run : runs) {
@@ -178,9 +197,39 @@ std::string priced_json(const std::vector<Priced>& runs) {
   return sim::json_text(out);
 }
 
-namespace {
+std::map<std::string, sim::Band> table_values_of(RunConfig config) {
+  std::map<std::string, sim::Band> out;
+  for (const EnergyEntry& entry : energy_entries(config)) {
+    for (const EnergyEntry::Figure& f : entry.figures) out[f.name] = f.band;
+  }
+  return out;
+}
 
-namespace fs = std::filesystem;
+std::string band_text(const std::map<std::string, sim::Band>& values, const std::string& name) {
+  const auto found = values.find(name);
+  if (found == values.end()) return "none";
+  const sim::Band& s = found->second;
+  if (s.low == s.high) return fmt::format("{} without a band", s.nominal);
+  return fmt::format("{} / {} / {}", s.low, s.nominal, s.high);
+}
+
+std::vector<TableChange> table_changes(const RunConfig& from, const RunConfig& to) {
+  const auto a = table_values_of(from), b = table_values_of(to);
+  auto all = a;
+  all.insert(b.begin(), b.end());
+  std::vector<TableChange> out;
+  for (const auto& [name, value] : all) {
+    TableChange change{name, band_text(a, name), band_text(b, name)};
+    if (change.from != change.to) out.push_back(std::move(change));
+  }
+  const auto keys = sim::list_fields(from), others = sim::list_fields(to);
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    if (!keys[i].path.starts_with("power.") || keys[i].value == others[i].value) continue;
+    const bool is_table = keys[i].kind == sim::FieldKind::kBandMap;
+    out.push_back({keys[i].path, is_table ? "a table" : keys[i].value, is_table ? "another" : others[i].value});
+  }
+  return out;
+}
 
 Priced price_run(const std::string& run, const ReportFile& report, const PriceTable& table) {
   const PricedRun own(report), repriced(report, table);
@@ -211,41 +260,7 @@ std::vector<Priced> price_sweep(const fs::path& path, const PriceTable& table) {
   return out;
 }
 
-std::map<std::string, sim::Band> table_values_of(RunConfig config) {
-  std::map<std::string, sim::Band> out;
-  for (const EnergyEntry& entry : energy_entries(config)) {
-    for (const EnergyEntry::Figure& f : entry.figures) out[f.name] = f.band;
-  }
-  return out;
-}
-
-std::string band_text(const std::map<std::string, sim::Band>& values, const std::string& name) {
-  const auto found = values.find(name);
-  if (found == values.end()) return "none";
-  const sim::Band& s = found->second;
-  if (s.low == s.high) return fmt::format("{} without a band", s.nominal);
-  return fmt::format("{} / {} / {}", s.low, s.nominal, s.high);
-}
-
 }  // namespace
-
-std::vector<TableChange> table_changes(const RunConfig& from, const RunConfig& to) {
-  const auto a = table_values_of(from), b = table_values_of(to);
-  auto all = a;
-  all.insert(b.begin(), b.end());
-  std::vector<TableChange> out;
-  for (const auto& [name, value] : all) {
-    TableChange change{name, band_text(a, name), band_text(b, name)};
-    if (change.from != change.to) out.push_back(std::move(change));
-  }
-  const auto keys = sim::list_fields(from), others = sim::list_fields(to);
-  for (std::size_t i = 0; i < keys.size(); ++i) {
-    if (!keys[i].path.starts_with("power.") || keys[i].value == others[i].value) continue;
-    const bool is_table = keys[i].kind == sim::FieldKind::kBandMap;
-    out.push_back({keys[i].path, is_table ? "a table" : keys[i].value, is_table ? "another" : others[i].value});
-  }
-  return out;
-}
 
 std::string price_text(const std::vector<fs::path>& paths, const PriceTable& table, PriceFormat format) {
   std::vector<std::vector<Priced>> priced;

@@ -30,6 +30,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint64_t kLargestConfig = 4 << 20;
+constexpr std::string_view kEvents = "energy.events.";
+
+/// Origin of each value, by its full name.
+using Origins = std::map<std::string, std::string>;
 
 /// Returns the comment of a line, without "source:".
 std::string comment_of(const std::string& text, int line) {
@@ -48,7 +52,7 @@ std::string last_part(const std::string& path) { return path.substr(path.rfind('
 /// Records the origin of each value while files and settings override each other.
 class Layers {
  public:
-  explicit Layers(std::map<std::string, std::string>& out) : out_(out) {}
+  explicit Layers(Origins& out) : out_(out) {}
 
   void add_file(const std::string& prefix, const fs::path& path) {
     const std::string text = sim::read_file(path, kLargestConfig);
@@ -84,26 +88,18 @@ class Layers {
     }
   }
 
-  std::map<std::string, std::string>& out_;
+  Origins& out_;
 };
 
-}  // namespace
-
-std::map<std::string, std::string> config_origins(const std::string& config, const std::vector<std::string>& sets) {
+/// Returns the origin of each value of a configuration: the comment after "source:" and "FILE:LINE", or "--set ...".
+Origins config_origins(const JobOptions& options) {
   sim::set_config_search_path(config_folders());
-  std::map<std::string, std::string> out;
+  Origins out;
   Layers layers(out);
-  layers.add_file("", find_config(config));
-  for (const std::string& set : sets) layers.add_set(set);
+  layers.add_file("", find_config(options.config));
+  for (const std::string& set : options.sets) layers.add_set(set);
   return out;
 }
-
-namespace {
-
-constexpr std::string_view kEvents = "energy.events.";
-
-/// Origin of each value, by its full name.
-using Origins = std::map<std::string, std::string>;
 
 /// "core0.tni.trv2" -> "core.tni.trv"
 std::string kind_of(const std::string& path) {
@@ -274,7 +270,7 @@ std::vector<std::string> energy_names(const JobOptions& options) {
 
 std::string energy_show(const JobOptions& options, const std::string& name) {
   RunConfig config = load_run_config(options);
-  const Origins origins = config_origins(options.config, options.sets);
+  const Origins origins = config_origins(options);
   const Users users(config);
   check_table_names(users.all_units(), config);
   std::string out;

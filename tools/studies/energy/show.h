@@ -1,5 +1,4 @@
 #pragma once
-#include <map>
 #include <string>
 #include <vector>
 
@@ -13,9 +12,5 @@ std::string energy_show(const JobOptions& options, const std::string& name);
 
 /// Returns the shortest names of all entries that energy_show() accepts.
 std::vector<std::string> energy_names(const JobOptions& options);
-
-/// Returns the origin of each value of a configuration, by path: the comment after "source:" and "FILE:LINE", or
-/// "--set KEY=VALUE". `config` is a name or a file.
-std::map<std::string, std::string> config_origins(const std::string& config, const std::vector<std::string>& sets);
 
 }  // namespace tools

@@ -1,5 +1,3 @@
-#include "tools/studies/report/diff_data.h"
-
 #include <algorithm>
 #include <cmath>
 #include <span>
@@ -11,8 +9,8 @@
 #include "sim/io/file.h"
 #include "tools/host/standard_streams.h"
 #include "tools/studies/compare/compare.h"
+#include "tools/studies/report/page_data.h"
 #include "tools/studies/report/pictures.h"
-#include "tools/studies/report/run_data.h"
 #include "traces/scene/images.h"
 
 namespace tools::pages {

@@ -89,6 +89,11 @@ void check_inline(const Bundle& bundle) {
   check(bundle.style, "page.css", "</style");
 }
 
+/// Escapes text for HTML.
+std::string html_text(std::string_view text) {
+  return escape_text(text, {{'<', "&lt;"}, {'>', "&gt;"}, {'&', "&amp;"}, {'"', "&quot;"}, {'\'', "&#39;"}});
+}
+
 }  // namespace
 
 Bundle load_bundle() {
@@ -107,10 +112,6 @@ Bundle load_bundle() {
       fmt::format("the scripts of pages do not exist: page.js, libraries.js and page.css are in none of {}; a build "
                   "makes them if node and npm are installed and npm's registry is reachable",
                   fmt::join(tried, ", ")));
-}
-
-std::string html_text(std::string_view text) {
-  return escape_text(text, {{'<', "&lt;"}, {'>', "&gt;"}, {'&', "&amp;"}, {'"', "&quot;"}, {'\'', "&#39;"}});
 }
 
 std::string page_html(const Bundle& bundle, const std::string& kind, const std::string& title, Json data) {

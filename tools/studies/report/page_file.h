@@ -22,7 +22,4 @@ Bundle load_bundle();
 /// policy allows only the bundle's scripts, by hash.
 std::string page_html(const Bundle& bundle, const std::string& kind, const std::string& title, sim::Json data);
 
-/// Escapes text for HTML.
-std::string html_text(std::string_view text);
-
 }  // namespace tools::pages

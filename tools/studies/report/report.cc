@@ -8,10 +8,8 @@
 #include "sim/io/file.h"
 #include "sim/io/printable.h"
 #include "tools/studies/compare/compare.h"
-#include "tools/studies/report/diff_data.h"
+#include "tools/studies/report/page_data.h"
 #include "tools/studies/report/page_file.h"
-#include "tools/studies/report/run_data.h"
-#include "tools/studies/report/sweep_data.h"
 
 namespace tools::pages {
 namespace {

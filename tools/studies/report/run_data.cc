@@ -1,5 +1,3 @@
-#include "tools/studies/report/run_data.h"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -19,6 +17,7 @@
 #include "tools/host/standard_streams.h"
 #include "tools/intervals/run_intervals.h"
 #include "tools/pricing/priced_run.h"
+#include "tools/studies/report/page_data.h"
 #include "tools/studies/report/pictures.h"
 
 namespace tools::pages {

@@ -8,8 +8,8 @@
 #include "sim/error.h"
 #include "sim/io/printable.h"
 #include "tools/host/standard_streams.h"
+#include "tools/studies/report/page_data.h"
 #include "tools/studies/report/pictures.h"
-#include "tools/studies/report/run_data.h"
 #include "traces/scene/images.h"
 
 namespace tools::pages {

@@ -1,5 +1,3 @@
-#include "tools/studies/report/sweep_data.h"
-
 #include <algorithm>
 #include <limits>
 #include <optional>
@@ -14,6 +12,7 @@
 #include "tools/analysis/report_paths.h"
 #include "tools/host/standard_streams.h"
 #include "tools/studies/optimise/task.h"
+#include "tools/studies/report/page_data.h"
 #include "tools/studies/sweep/results/best.h"
 #include "tools/studies/sweep/results/collect.h"
 #include "tools/studies/sweep/results/figure_noise.h"

@@ -195,8 +195,6 @@ constexpr std::array<Metric, 43> kMetrics = {{
 
 }  // namespace
 
-std::span<const Metric> all_metrics() { return kMetrics; }
-
 const Metric& find_metric(std::string_view name) {
   const auto found = std::ranges::find(kMetrics, name, &Metric::name);
   if (found == kMetrics.end()) throw std::logic_error(fmt::format("there is no metric '{}'", name));

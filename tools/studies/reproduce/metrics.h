@@ -1,7 +1,6 @@
 #pragma once
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 
@@ -39,7 +38,6 @@ struct Metric {
   std::optional<double> (*measure)(const Comparison&);
 };
 
-std::span<const Metric> all_metrics();
 /// Returns the metric of a name; std::logic_error if there is none.
 const Metric& find_metric(std::string_view name);
 
