@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "tools/studies/baseline/changes.h"
-#include "tools/studies/baseline/measure.h"
+#include "tools/studies/baseline/suite.h"
 
 namespace tools {
 

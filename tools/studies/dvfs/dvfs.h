@@ -24,10 +24,9 @@ struct DvfsPoint {
   std::vector<double> mhz, volt;  ///< of each domain
   std::uint64_t cycles = 0;       ///< of the T&I clock
   double ms = 0;
-  sim::Band mj;        ///< per frame
-  double idle_mw = 0;  ///< power between frames
-  double period_mj =
-      -1;  ///< energy of a frame and the rest of its period; negative: the frame is longer than the period
+  sim::Band mj;           ///< per frame
+  double idle_mw = 0;     ///< power between frames
+  double period_mj = -1;  ///< energy of a frame and the rest of its period; negative if the frame is longer than it
   double power_w() const { return mj.nominal / ms; }
   double frames_per_second() const { return 1000 / ms; }
 };

@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <string>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -684,6 +686,58 @@ std::vector<Case> hybrid_cases(bool quick) {
     add("occlusion and soft shadows, half rate", {effects, "render.effect_rate=half"});
   }
   return cases;
+}
+
+namespace {
+
+constexpr std::string_view kLeeNote =
+    "Figure 7 is about the T&I unit. Its rows are of T&I units that never wait for rays, because shader cores and tile "
+    "buffers are ideal. Rows of the whole frame are of the machine as configured, where fewer rays save time only if "
+    "the T&I units are the bottleneck.";
+
+constexpr std::string_view kKimNote =
+    "Kim's GPU walks the tree in the kernels that also check and shade, so a sample that is not traced is cheap there. "
+    "Here T&I units walk the tree, so such a sample costs the shader cores more than a traced one: operations "
+    "ops_of_interpolated and ops_of_traced. Speed-ups equal those of the paper only if T&I units are the bottleneck.";
+
+constexpr std::string_view kHybridNote =
+    "The paper's abstract gives one value, the largest gain in performance per energy, without scenes, resolution or "
+    "remaining rays. Here the pictures of both are equal. A rasteriser saves only primary rays. Shadow rays and the "
+    "work of the shader cores remain, so the gain depends on their share.";
+
+constexpr std::string_view kChiuNote =
+    "Chiu's passes process the whole frame one after the other; here a tile goes through both. The cost of the first "
+    "pass, geometry, is the time of a frame beyond that of its shaded samples alone (geometry_share), so it includes "
+    "the filters. T&I alone: shader cores and tile buffers are ideal, so times are those of the T&I units.";
+
+}  // namespace
+
+std::string ProgramSetup::program_text() const {
+  std::string out = name;
+  for (const std::string& set : sets) out += " --set " + set;
+  return out;
+}
+
+const std::vector<Paper>& all_papers() {
+  static const std::vector<Paper> all = {
+      {"lee2016", "Lee et al. 2016, adaptive multi-rate ray sampling", kLeeNote, lee_cases},
+      {"kim2016", "Kim et al. 2016, adaptive undersampling", kKimNote, kim_cases},
+      {"jin2009", "Jin et al. 2009, selective and adaptive supersampling", "", jin_cases},
+      {"chiu", "Chiu et al. 2012, subpixel reconstruction antialiasing for ray tracing", kChiuNote, chiu_cases},
+      {"sgrt-units", "Mechanisms of the SGRT line, 2013 to 2015", "", sgrt_unit_cases},
+      {"hybrid", "A rasteriser next to the T&I units, 2015", kHybridNote, hybrid_cases}};
+  return all;
+}
+
+Sets reproduction_rules() {
+  return {"scene.lights.rig=strongest", "render.depth=3", "render.samples=regular", "render.glass_shadows=opaque"};
+}
+
+Sets tni_alone() { return {"ideal.srp=true", "ideal.tile_buffer=true", "tile_buffer.tiles_in_flight=8"}; }
+
+std::uint32_t side_pixels(std::uint32_t pixels, bool quick) {
+  constexpr std::uint32_t kQuickly = 16;
+  return quick ? std::max(1U, pixels / kQuickly) : pixels;
 }
 
 }  // namespace tools::reproduce
