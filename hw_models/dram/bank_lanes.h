@@ -11,7 +11,7 @@ namespace hw {
 /// compiler vectors. A set of banks is a mask with a bit per bank.
 class BankLanes {
  public:
-  static constexpr std::uint32_t kMost = 32;  ///< most banks
+  static constexpr std::uint32_t kMaxBanks = 32;  ///< maximum number of banks
 
   /// `banks`: banks in use.
   explicit BankLanes(std::uint32_t banks) : fours_((banks + kWidth - 1) / kWidth) {}
@@ -20,40 +20,40 @@ class BankLanes {
   std::uint64_t operator[](std::size_t bank) const { return all_[bank]; }
 
   /// Returns the banks whose number is at most `most`, below 2^63. Bits above the last bank are undefined.
-  std::uint32_t up_to(std::uint64_t most) const {
-    return up_to(most, [&](std::uint32_t four) { return at(four); });
+  std::uint32_t banks_up_to(std::uint64_t most) const {
+    return banks_up_to(most, [&](std::uint32_t four) { return load_four(four); });
   }
   /// Returns the banks whose numbers here and in `other` are both at most `most`.
-  std::uint32_t both_up_to(const BankLanes& other, std::uint64_t most) const {
-    return up_to(most, [&](std::uint32_t four) { return larger(at(four), other.at(four)); });
+  std::uint32_t banks_with_both_up_to(const BankLanes& other, std::uint64_t most) const {
+    return banks_up_to(most, [&](std::uint32_t four) { return max_of(load_four(four), other.load_four(four)); });
   }
   /// Returns the smallest number of these banks.
-  std::uint64_t least(std::uint32_t banks) const {
-    return least(banks, [&](std::uint32_t four) { return at(four); });
+  std::uint64_t min_of(std::uint32_t banks) const {
+    return min_of(banks, [&](std::uint32_t four) { return load_four(four); });
   }
   /// Returns the minimum over these banks of the larger of their two numbers.
   std::uint64_t min_of_max(const BankLanes& other, std::uint32_t banks) const {
-    return least(banks, [&](std::uint32_t four) { return larger(at(four), other.at(four)); });
+    return min_of(banks, [&](std::uint32_t four) { return max_of(load_four(four), other.load_four(four)); });
   }
   /// Returns the bitwise or of the numbers of these banks.
-  std::uint64_t any_of(std::uint32_t banks) const {
+  std::uint64_t combined_bits(std::uint32_t banks) const {
     Four any{};
-    each([&](std::uint32_t four, const Four& bit) { any |= at(four) & ((bit & banks) == bit); });
+    for_each_four([&](std::uint32_t four, const Four& bit) { any |= load_four(four) & ((bit & banks) == bit); });
     return static_cast<std::uint64_t>(any[0] | any[1] | any[2] | any[3]);
   }
   /// Raises the numbers of these banks to at least `to`.
-  void raise(std::uint32_t banks, std::uint64_t to) {
+  void raise_to(std::uint32_t banks, std::uint64_t to) {
     const Four bound = Four{} + static_cast<std::int64_t>(to);
     Four bit{1, 2, 4, 8};
     for (std::uint32_t four = 0; four < fours_; ++four, bit <<= kWidth) {
-      const Four number = at(four), above = ((bit & banks) == bit) & (bound > number);
+      const Four number = load_four(four), above = ((bit & banks) == bit) & (bound > number);
       const Four raised = (bound & above) | (number & ~above);
       std::memcpy(&all_[std::size_t{four} * kWidth], &raised, sizeof raised);
     }
   }
   /// Replaces every number by f(number); the compiler vectorises the loop.
   template <class F>
-  void replace(F&& f) {
+  void replace_all(F&& f) {
     for (std::uint32_t bank = 0; bank < fours_ * kWidth; ++bank) all_[bank] = f(all_[bank]);
   }
 
@@ -63,38 +63,39 @@ class BankLanes {
 
   /// Calls f(index, mask of each bank) for every four banks.
   template <class F>
-  void each(F&& f) const {
+  void for_each_four(F&& f) const {
     Four bit{1, 2, 4, 8};
     for (std::uint32_t four = 0; four < fours_; ++four, bit <<= kWidth) f(four, bit);
   }
   template <class Get>
-  std::uint32_t up_to(std::uint64_t most, Get&& get) const {
+  std::uint32_t banks_up_to(std::uint64_t most, Get&& get) const {
     Four banks{};
-    each([&](std::uint32_t four, const Four& bit) { banks |= bit & (get(four) <= static_cast<std::int64_t>(most)); });
+    for_each_four(
+        [&](std::uint32_t four, const Four& bit) { banks |= bit & (get(four) <= static_cast<std::int64_t>(most)); });
     return static_cast<std::uint32_t>(banks[0] | banks[1] | banks[2] | banks[3]);
   }
   template <class Get>
-  std::uint64_t least(std::uint32_t banks, Get&& get) const {
+  std::uint64_t min_of(std::uint32_t banks, Get&& get) const {
     constexpr std::int64_t kNone = std::numeric_limits<std::int64_t>::max();
     Four least{kNone, kNone, kNone, kNone};
-    each([&](std::uint32_t four, const Four& bit) {
+    for_each_four([&](std::uint32_t four, const Four& bit) {
       const Four asked = (bit & banks) == bit, number = get(four), less = asked & (number < least);
       least = (number & less) | (least & ~less);
     });
     return static_cast<std::uint64_t>(std::min(std::min(least[0], least[1]), std::min(least[2], least[3])));
   }
-  Four at(std::uint32_t four) const {
+  Four load_four(std::uint32_t four) const {
     Four numbers;
     std::memcpy(&numbers, &all_[std::size_t{four} * kWidth], sizeof numbers);
     return numbers;
   }
-  static Four larger(const Four& a, const Four& b) {
+  static Four max_of(const Four& a, const Four& b) {
     const Four above = a > b;
     return (a & above) | (b & ~above);
   }
 
   std::uint32_t fours_;
-  alignas(32) std::array<std::uint64_t, kMost> all_{};
+  alignas(32) std::array<std::uint64_t, kMaxBanks> all_{};
 };
 
 }  // namespace hw

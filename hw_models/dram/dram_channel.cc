@@ -8,7 +8,7 @@
 
 namespace hw {
 
-static std::size_t most_bursts(const DramTiming& t) {
+static std::size_t max_bursts(const DramTiming& t) {
   return (std::max(t.rl + t.dqsck, t.wl + t.dqss) + 64) / t.burst + 4;
 }
 
@@ -29,7 +29,7 @@ DramChannel::DramChannel(const DramConfig& c, Links links, bool ideal, const Dra
       observer_(links.observer),
       device_(c),
       scheduler_(c, device_),
-      data_bus_(most_bursts(c.timing)),
+      data_bus_(max_bursts(c.timing)),
       page_policy_(c.controller.page_policy),
       refresh_at_(refresh_interval_ == 0 || ideal ? sim::kNever : shift.first_refresh(refresh_interval_)),
       to_refresh_(device_.refresh_leaders()),
@@ -37,24 +37,24 @@ DramChannel::DramChannel(const DramConfig& c, Links links, bool ideal, const Dra
       writes_(c.controller.write_queue, c.organisation.all_banks()),
       ports_(Arbitration::kRoundRobin, ports_in_.size()) {
   const Cycle in_flight = fabric_ + c.timing.rl + c.timing.dqsck + device_.data_cycles();
-  most_returns_ = 2 * (in_flight / (Cycle{bursts_} * c.timing.burst) + 4);
+  max_returns_ = 2 * (in_flight / (Cycle{bursts_} * c.timing.burst) + 4);
 }
 
 sim::Time DramChannel::tick(sim::Time now) {
   if (ideal_) return tick_ideal(now);
   const Cycle cycle = clock_.cycles(now);
   account_until(cycle);
-  if (refresh_at_ <= cycle) refresh(cycle);
+  if (refresh_at_ <= cycle) run_due_refreshes(cycle);
   if (ports_in_.pop_at() <= now) take_request(now, cycle);
-  if (!returns_.empty() && respond(returns_.front(), now)) {
-    next_is_stale_ |= returns_.size() == most_returns_;
+  if (!returns_.empty() && send_response(returns_.front(), now)) {
+    next_is_stale_ |= returns_.size() == max_returns_;
     returns_.pop_front();
   }
-  if (next_is_stale_ || cycle >= reschedule_at_) reschedule(cycle);
-  if (next_.at() <= cycle) {
+  if (next_is_stale_ || cycle >= reschedule_at_) choose_next_command(cycle);
+  if (next_.start_cycle() <= cycle) {
     assert(next_ == best_command(cycle) && "a command that survives is the one chosen afresh");
-    issue(now, cycle);
-    reschedule(cycle);
+    issue_command(now, cycle);
+    choose_next_command(cycle);
   }
   return next_wake(now);
 }
@@ -63,12 +63,12 @@ void DramChannel::finish(sim::Time end) {
   const Cycle cycle = clock_.cycles(end);
   if (!ideal_) {
     account_until(cycle);
-    refresh(cycle);
-    power_down(cycle);
+    run_due_refreshes(cycle);
+    power_down_if_idle(cycle);
     count_power_down(cycle);
   }
   activity_.finish(end);
-  stats_.turnarounds = device_.turnarounds();
+  stats_.turnarounds = device_.turnaround_count();
   stats_.active_standby = device_.active_cycles(cycle);
   stats_.precharge_standby = ranks_ * cycle - stats_.active_standby - stats_.power_down;
 }
@@ -78,33 +78,33 @@ inline void DramChannel::take_request(sim::Time now, Cycle cycle) {
     return ports_in_.can_pop(i, now) && has_room_for(ports_in_[i].front());
   };
   const std::uint32_t port =
-      ports_.choose(ports_in_.nonempty_mask(), has_room, [](std::uint32_t) { return sim::Time{0}; });
+      ports_.choose_requester(ports_in_.nonempty_mask(), has_room, [](std::uint32_t) { return sim::Time{0}; });
   if (port == ports_.count()) return;
-  ports_.served(port);
+  ports_.note_served(port);
   const MemRequest request = ports_in_[port].pop(now);
-  const DramAddress address = map_.address(request.line);
+  const DramAddress address = map_.address_of(request.line);
   if (controller_.power_down) {
-    power_down(cycle);
-    wake(cycle);
+    power_down_if_idle(cycle);
+    leave_power_down(cycle);
   }
-  page_policy_.requested(address.bank, address.row);
+  page_policy_.note_request(address.bank, address.row);
   const bool row_is_open = device_.is_open(address.bank, address.row);
-  next_is_stale_ |= !next_survives(request.write, address.bank, row_is_open);
+  next_is_stale_ |= !next_command_survives(request.write, address.bank, row_is_open);
   (request.write ? writes_ : reads_).push({request, address, cycle, static_cast<std::uint16_t>(port)}, row_is_open);
 }
 
 /// True if a new request cannot change the next command. This is the common case under load: older requests of its bank
 /// go first.
-inline bool DramChannel::next_survives(bool write, std::uint32_t bank, bool row_is_open) const {
+inline bool DramChannel::next_command_survives(bool write, std::uint32_t bank, bool row_is_open) const {
   if (write != writing_) return false;
   const DramQueue& queue = write ? writes_ : reads_;
-  return queue.hits(bank) != 0 || (queue.waiting(bank) != 0 && !row_is_open);
+  return queue.hit_positions(bank) != 0 || (queue.waiting_positions(bank) != 0 && !row_is_open);
 }
 
 /// Returns a line when it is due, at most one per cycle. Fast path: if the link will have room, the line is pushed
 /// early with its future timestamp. This cannot hide a full `returns_`, which holds twice the lines that can be
 /// pending.
-bool DramChannel::respond(const Return& line, sim::Time now) {
+bool DramChannel::send_response(const Return& line, sim::Time now) {
   const sim::Time at = std::max(now, line.due);
   sim::Link<MemResponse>& out = *ports_out_[line.port];
   if (at < return_at_ || !out.can_push(at)) return false;
@@ -115,7 +115,7 @@ bool DramChannel::respond(const Return& line, sim::Time now) {
 
 inline sim::Time DramChannel::next_wake(sim::Time now) const {
   // While no command is scheduled, refreshes have no visible effect and are run later.
-  const Cycle cycle = std::min({next_.at(), reschedule_at_, next_.none() ? sim::kNever : refresh_at_});
+  const Cycle cycle = std::min({next_.start_cycle(), reschedule_at_, next_.is_none() ? sim::kNever : refresh_at_});
   sim::Time wake = cycle == sim::kNever ? sim::kNever : cycle * clock_.period();
   if (!returns_.empty())
     wake = std::min(wake, std::max(returns_.front().due, ports_out_[returns_.front().port]->push_at()));
@@ -127,84 +127,87 @@ inline sim::Time DramChannel::next_wake(sim::Time now) const {
   return std::max(wake, now + clock_.period());
 }
 
-void DramChannel::reschedule(Cycle now) {
+void DramChannel::choose_next_command(Cycle now) {
   next_is_stale_ = false;
-  const Cycle read_due = due(reads_), write_due = due(writes_);
+  const Cycle read_due = overdue_at(reads_), write_due = overdue_at(writes_);
   reschedule_at_ = std::min(read_due <= now ? sim::kNever : read_due, write_due <= now ? sim::kNever : write_due);
   if (writes_.size() >= controller_.write_high) draining_ = true;
   if (writes_.size() <= controller_.write_low) draining_ = false;
-  writing_ = writes_first(read_due, write_due, now);
+  writing_ = serves_writes_first(read_due, write_due, now);
   const DramQueue& queue = writing_ ? writes_ : reads_;
-  const bool blocked = !writing_ && returns_.size() == most_returns_;
+  const bool blocked = !writing_ && returns_.size() == max_returns_;
   next_ = queue.empty() || blocked ? ScheduledCommand{} : best_command(now);
 }
 
 ScheduledCommand DramChannel::best_command(Cycle now) const {
   const DramQueue& queue = writing_ ? writes_ : reads_;
-  return scheduler_.best_command(queue, writing_, due(queue) <= now, now);
+  return scheduler_.best_command(queue, writing_, overdue_at(queue) <= now, now);
 }
 
-/// Returns the reason why the data bus is idle between the last and the next reschedule().
-DramChannel::CycleReason DramChannel::waiting() const {
+/// Returns the reason why the data bus is idle between two calls of choose_next_command().
+DramChannel::CycleReason DramChannel::wait_reason() const {
   if ((writing_ ? writes_ : reads_).empty()) return CycleReason::kIdle;
-  if (next_.none()) return CycleReason::kReturnsFull;
-  return device_.reason(next_.command(), next_.bank(), writing_, next_.at());
+  if (next_.is_none()) return CycleReason::kReturnsFull;
+  return device_.wait_reason(next_.command(), next_.bank(), writing_, next_.start_cycle());
 }
 
 /// `read_due`, `write_due`: when the oldest read and write exceed the age limit.
-inline bool DramChannel::writes_first(Cycle read_due, Cycle write_due, Cycle now) const {
+inline bool DramChannel::serves_writes_first(Cycle read_due, Cycle write_due, Cycle now) const {
   if (reads_.empty() || writes_.empty()) return reads_.empty();
   if (read_due <= now && write_due <= now) return write_due < read_due;
   return read_due <= now || write_due <= now ? write_due <= now : draining_;
 }
 
-inline void DramChannel::issue(sim::Time now, Cycle cycle) {
+inline void DramChannel::issue_command(sim::Time now, Cycle cycle) {
   DramQueue& queue = writing_ ? writes_ : reads_;
   DramQueue::Entry& entry = queue.at(next_.position());
   const DramAddress address = entry.address;
   switch (next_.command()) {
     case DramCommand::kColumn:
-      transfer(entry, now, cycle);
-      queue.remove(next_.position());
-      if ((reads_.hits(address.bank) | writes_.hits(address.bank)) == 0) row_done(address);
+      transfer_line(entry, now, cycle);
+      queue.remove_at(next_.position());
+      if ((reads_.hit_positions(address.bank) | writes_.hit_positions(address.bank)) == 0) apply_page_policy(address);
       break;
     case DramCommand::kActivate:
       entry.activated = true;
       stats_.activates += 1;
       if (observer_ != nullptr) [[unlikely]]
-        notify(*observer_, RowActivated{entry.request.owner});
-      device_.activate(address.bank, address.row, cycle);
-      reads_.row_opened(address.bank, address.row);
-      writes_.row_opened(address.bank, address.row);
+        notify(*observer_, RowActivated{entry.request.tile});
+      device_.activate_row(address.bank, address.row, cycle);
+      reads_.note_row_opened(address.bank, address.row);
+      writes_.note_row_opened(address.bank, address.row);
       break;
     case DramCommand::kPrecharge:
       entry.precharged = true;
-      device_.precharge(address.bank, cycle);
-      reads_.row_closed(address.bank);
-      writes_.row_closed(address.bank);
+      device_.precharge_bank(address.bank, cycle);
+      reads_.note_row_closed(address.bank);
+      writes_.note_row_closed(address.bank);
       break;
   }
 }
 
 /// Applies the page policy after the last queued hit of a row.
-inline void DramChannel::row_done(const DramAddress& address) {
-  const bool others = (reads_.waiting(address.bank) | writes_.waiting(address.bank)) != 0;
-  if (page_policy_.closes(address.bank, address.row, others)) device_.auto_precharge(address.bank);
+inline void DramChannel::apply_page_policy(const DramAddress& address) {
+  const bool others = (reads_.waiting_positions(address.bank) | writes_.waiting_positions(address.bank)) != 0;
+  if (page_policy_.closes_row(address.bank, address.row, others)) device_.auto_precharge(address.bank);
 }
 
 /// Moves the request's line over the data bus.
-inline void DramChannel::transfer(const DramQueue::Entry& entry, sim::Time now, Cycle cycle) {
+inline void DramChannel::transfer_line(const DramQueue::Entry& entry, sim::Time now, Cycle cycle) {
   const MemRequest& r = entry.request;
-  const Cycle data = r.write ? device_.write(entry.address.bank, cycle) : device_.read(entry.address.bank, cycle);
+  const Cycle data =
+      r.write ? device_.write_line(entry.address.bank, cycle) : device_.read_line(entry.address.bank, cycle);
   const Cycle end = data + device_.data_cycles();
   data_end_ = std::max(data_end_, end);
-  device_.each_burst(data, [&](Cycle begin, Cycle burst_end) { data_bus_.book({begin, burst_end, r.write}); });
+  device_.for_each_burst(data, [&](Cycle begin, Cycle burst_end) {
+    data_bus_.book_burst({begin, burst_end, r.write});
+  });
   if (r.write) {
     stats_.writes += 1;
     stats_.write_bursts += bursts_;
   } else {
     const Return line{{r.line, r.source, r.tag}, entry.port, (end + fabric_) * clock_.period()};
-    if (!returns_.empty() || !respond(line, now)) returns_.push_back(line);
+    if (!returns_.empty() || !send_response(line, now)) returns_.push_back(line);
     stats_.reads += 1;
     stats_.read_bursts += bursts_;
     stats_.read_latency += end - entry.arrived;
@@ -221,44 +224,44 @@ inline void DramChannel::transfer(const DramQueue::Entry& entry, sim::Time now, 
 /// Charges the cycles before `until`: to the data bus while it is busy, otherwise to the reason why the next command
 /// waits.
 void DramChannel::account_until(Cycle until) {
-  while (settled_ < until) {
+  while (accounted_until_ < until) {
     Cycle end = until;
     CycleReason why;
-    if (!data_bus_.empty() && data_bus_.front().begin <= settled_) {
+    if (!data_bus_.empty() && data_bus_.front().begin <= accounted_until_) {
       const DataBus::Burst& burst = data_bus_.front();
       end = std::min(until, burst.end);
       why = burst.write ? CycleReason::kWriting : CycleReason::kReading;
       if (end == burst.end) data_bus_.pop();
     } else {
-      why = waiting();
+      why = wait_reason();
       if (!data_bus_.empty()) {
         end = std::min(until, data_bus_.front().begin);
         if (why == CycleReason::kIdle) why = CycleReason::kLatency;
       }
     }
-    activity_.spend(settled_ * clock_.period(), clock_.period(), why, why);
-    settled_ = end;
+    activity_.spend(accounted_until_ * clock_.period(), clock_.period(), why, why);
+    accounted_until_ = end;
   }
 }
 
 std::string DramChannel::state() const {
   return fmt::format("{} reads and {} writes queued, {} lines to return, {} banks open, {}", reads_.size(),
-                     writes_.size(), returns_.size(), device_.open_banks(), writing_ ? "writing" : "reading");
+                     writes_.size(), returns_.size(), device_.open_bank_count(), writing_ ? "writing" : "reading");
 }
 
 /// Runs all refreshes due by `now`, each at its own time. The result does not depend on when this is called.
-void DramChannel::refresh(Cycle now) {
+void DramChannel::run_due_refreshes(Cycle now) {
   const auto due_after = [&](std::uint64_t turns) {
     return refresh_interval_ * (turns / ranks_ + 1) + refresh_interval_ * (turns % ranks_) / ranks_;
   };
   while (refresh_at_ <= now) {
     Cycle due = refresh_at_;
-    power_down(due);
+    power_down_if_idle(due);
     if (is_down_) {
       if (due > down_since_) {
         count_power_down(due);
         due += exit_cycles_;
-        device_.wake(due);
+        device_.leave_power_down(due);
       }
       down_since_ = std::max(due, down_since_) + refresh_cycles_;
     }
@@ -272,14 +275,14 @@ void DramChannel::refresh(Cycle now) {
 void DramChannel::refresh_banks(std::uint32_t rank, Cycle due) {
   if (controller_.refresh == RefreshKind::kAllBank) {
     device_.refresh_rank(rank, due);
-    close_rows(device_.banks_of(rank));
+    note_rows_closed(device_.banks_of(rank));
     stats_.refreshes_all += 1;
     return;
   }
   const std::uint32_t leader = next_refresh(rank);
-  const std::uint32_t banks = device_.refreshed_with(leader);
-  device_.refresh(banks, due);
-  close_rows(banks);
+  const std::uint32_t banks = device_.banks_refreshed_with(leader);
+  device_.refresh_banks(banks, due);
+  note_rows_closed(banks);
   stats_.refreshes += 1;
   to_refresh_ &= ~(1U << leader);
   const std::uint32_t of_rank = device_.banks_of(rank);
@@ -289,33 +292,33 @@ void DramChannel::refresh_banks(std::uint32_t rank, Cycle due) {
 std::uint32_t DramChannel::next_refresh(std::uint32_t rank) const {
   const std::uint32_t candidates = to_refresh_ & device_.banks_of(rank);
   if (controller_.refresh_order == RefreshOrder::kIdleFirst) {
-    const std::uint32_t wanted = reads_.banks() | writes_.banks();
+    const std::uint32_t wanted = reads_.requested_banks() | writes_.requested_banks();
     for (std::uint32_t left = candidates; left != 0; left &= left - 1) {
       const auto leader = static_cast<std::uint32_t>(std::countr_zero(left));
-      if ((wanted & device_.refreshed_with(leader)) == 0) return leader;
+      if ((wanted & device_.banks_refreshed_with(leader)) == 0) return leader;
     }
   }
   return static_cast<std::uint32_t>(std::countr_zero(candidates));
 }
 
 /// Notes that the device has closed these banks.
-void DramChannel::close_rows(std::uint32_t banks) {
+void DramChannel::note_rows_closed(std::uint32_t banks) {
   for (std::uint32_t left = banks; left != 0; left &= left - 1) {
     const auto bank = static_cast<std::uint32_t>(std::countr_zero(left));
-    reads_.row_closed(bank);
-    writes_.row_closed(bank);
+    reads_.note_row_closed(bank);
+    writes_.note_row_closed(bank);
   }
 }
 
 /// Powers down if the channel has been idle long enough before `now`. The result does not depend on when this is
 /// called, as long as it is before the next change.
-void DramChannel::power_down(Cycle now) {
+void DramChannel::power_down_if_idle(Cycle now) {
   const Cycle due = data_end_ + controller_.power_down_after;
   if (!controller_.power_down || is_down_ || due >= now || !reads_.empty() || !writes_.empty()) return;
   is_down_ = true;
   down_since_ = due;
   for (std::uint32_t rank = 0; rank < ranks_; ++rank)
-    down_since_ = std::max(down_since_, device_.precharge_all(device_.banks_of(rank), due));
+    down_since_ = std::max(down_since_, device_.precharge_banks(device_.banks_of(rank), due));
 }
 
 void DramChannel::count_power_down(Cycle until) {
@@ -326,13 +329,13 @@ void DramChannel::count_power_down(Cycle until) {
 }
 
 /// Leaves power-down because a request has arrived.
-void DramChannel::wake(Cycle now) {
+void DramChannel::leave_power_down(Cycle now) {
   if (!is_down_) return;
   count_power_down(now);
   is_down_ = false;
   if (now <= down_since_) return;
   stats_.power_downs += 1;
-  device_.wake(now + exit_cycles_);
+  device_.leave_power_down(now + exit_cycles_);
 }
 
 /// Ticks an ideal channel, which answers all requests that have arrived.

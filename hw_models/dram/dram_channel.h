@@ -35,12 +35,12 @@ class DataBus {
   bool empty() const { return size_ == 0; }
   const Burst& front() const { return bursts_[head_]; }
   void pop() {
-    head_ = next(head_);
+    head_ = next_index(head_);
     size_ -= 1;
   }
 
   /// Books a burst. It may begin before the last one booked, as bursts of two bank groups interleave.
-  void book(Burst burst) {
+  void book_burst(Burst burst) {
     assert(size_ < capacity_);
     std::size_t i = head_ + size_ < capacity_ ? head_ + size_ : head_ + size_ - capacity_;
     size_ += 1;
@@ -54,7 +54,7 @@ class DataBus {
   }
 
  private:
-  std::size_t next(std::size_t i) const { return i + 1 == capacity_ ? 0 : i + 1; }
+  std::size_t next_index(std::size_t i) const { return i + 1 == capacity_ ? 0 : i + 1; }
 
   std::vector<Burst> bursts_;
   std::size_t capacity_;
@@ -88,7 +88,7 @@ class DramChannel {
  public:
   static constexpr const char* kName = "dram.channel";
   static constexpr Block kBlock = Block::kDram;
-  static constexpr std::size_t kAtOnce = 2;  ///< most lines to a port in one tick: a waiting one and a new one
+  static constexpr std::size_t kMaxLinesPerTick = 2;  ///< to a port: a waiting line and a new one
   using CycleReason = DramCycleReason;
   static constexpr auto kReasons = kDramReasons;
   struct Stats {
@@ -152,31 +152,31 @@ class DramChannel {
   };
 
   void account_until(Cycle until);
-  void refresh(Cycle now);
+  void run_due_refreshes(Cycle now);
   std::uint32_t next_refresh(std::uint32_t rank) const;
   void refresh_banks(std::uint32_t rank, Cycle due);
-  void close_rows(std::uint32_t banks);
-  void power_down(Cycle now);
+  void note_rows_closed(std::uint32_t banks);
+  void power_down_if_idle(Cycle now);
   void count_power_down(Cycle until);
-  void wake(Cycle now);
+  void leave_power_down(Cycle now);
   void take_request(sim::Time now, Cycle cycle);
-  bool respond(const Return& line, sim::Time now);
+  bool send_response(const Return& line, sim::Time now);
   sim::Time next_wake(sim::Time now) const;
   sim::Time tick_ideal(sim::Time now);
 
-  void reschedule(Cycle now);
-  bool writes_first(Cycle read_due, Cycle write_due, Cycle now) const;
-  bool next_survives(bool write, std::uint32_t bank, bool row_is_open) const;
+  void choose_next_command(Cycle now);
+  bool serves_writes_first(Cycle read_due, Cycle write_due, Cycle now) const;
+  bool next_command_survives(bool write, std::uint32_t bank, bool row_is_open) const;
   ScheduledCommand best_command(Cycle now) const;
-  CycleReason waiting() const;
-  void issue(sim::Time now, Cycle cycle);
-  void row_done(const DramAddress& address);
-  void transfer(const DramQueue::Entry& entry, sim::Time now, Cycle cycle);
+  CycleReason wait_reason() const;
+  void issue_command(sim::Time now, Cycle cycle);
+  void apply_page_policy(const DramAddress& address);
+  void transfer_line(const DramQueue::Entry& entry, sim::Time now, Cycle cycle);
   /// Returns when the queue's oldest request exceeds the age limit.
-  Cycle due(const DramQueue& queue) const {
-    return queue.empty() ? sim::kNever : queue.oldest().arrived + controller_.age_limit;
+  Cycle overdue_at(const DramQueue& queue) const {
+    return queue.empty() ? sim::kNever : queue.oldest_entry().arrived + controller_.age_limit;
   }
-  bool has_room_for(const MemRequest& request) const { return !(request.write ? writes_ : reads_).full(); }
+  bool has_room_for(const MemRequest& request) const { return !(request.write ? writes_ : reads_).is_full(); }
 
   const DramController controller_;
   const DramMap map_;
@@ -194,7 +194,7 @@ class DramChannel {
   Observer* const observer_;
 
   DramDevice device_;
-  const DramScheduling scheduler_;
+  const DramScheduler scheduler_;
   DataBus data_bus_;
   DramPagePolicy page_policy_;
   Cycle refresh_at_;
@@ -208,8 +208,8 @@ class DramChannel {
 
   DramQueue reads_, writes_;
   sim::Ring<Return> returns_;
-  std::size_t most_returns_;  ///< twice the lines that a full data bus moves during the latency of device and fabric
-  sim::Time return_at_ = 0;   ///< when the next line may leave
+  std::size_t max_returns_;  ///< twice the lines that a full data bus moves during the latency of device and fabric
+  sim::Time return_at_ = 0;  ///< when the next line may leave
   Arbiter ports_;
   bool draining_ = false;  ///< writes go first, down to the low mark
   bool writing_ = false;   ///< `next_` serves the write queue
@@ -217,7 +217,7 @@ class DramChannel {
   bool next_is_stale_ = true;
   Cycle reschedule_at_ = sim::kNever;  ///< when a request becomes overdue
 
-  Cycle settled_ = 0;
+  Cycle accounted_until_ = 0;
   Stats stats_;
   sim::Activity<CycleReason> activity_;
 };

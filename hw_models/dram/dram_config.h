@@ -47,11 +47,11 @@ enum class PagePolicy : std::uint8_t {
 constexpr std::array<std::string_view, 3> names_of(PagePolicy) { return {"open", "closed", "adaptive"}; }
 
 /// Scheduler: which request is served next, among the reads or among the writes.
-enum class DramScheduler : std::uint8_t {
+enum class DramSchedulingPolicy : std::uint8_t {
   kFrFcfs,  ///< ready requests first, the oldest first among equals
   kFcfs,    ///< strictly the oldest: other requests do not prepare their banks
 };
-constexpr std::array<std::string_view, 2> names_of(DramScheduler) { return {"fr_fcfs", "fcfs"}; }
+constexpr std::array<std::string_view, 2> names_of(DramSchedulingPolicy) { return {"fr_fcfs", "fcfs"}; }
 
 /// Organisation of a channel: ranks, banks, rows.
 struct DramOrganisation {
@@ -143,7 +143,7 @@ struct DramTiming {
 struct DramController {
   DramMapping mapping = DramMapping::kRowBankColumnChannel;
   bool bank_xor = true;
-  DramScheduler scheduler = DramScheduler::kFrFcfs;
+  DramSchedulingPolicy scheduler = DramSchedulingPolicy::kFrFcfs;
   PagePolicy page_policy = PagePolicy::kOpen;
   RefreshKind refresh = RefreshKind::kPerBank;
   RefreshOrder refresh_order = RefreshOrder::kIdleFirst;
@@ -279,7 +279,7 @@ struct DramConfig {
     return std::uint64_t{timing.refi_pb} * (organisation.banks / organisation.refresh_banks);
   }
   /// Returns the mapping of lines to channels.
-  Interleave interleave() const {
+  Interleave channel_interleave() const {
     const bool by_page = controller.mapping == DramMapping::kRowBankChannelColumn;
     return {by_page ? organisation.page.bytes : line.bytes, channels};
   }
@@ -304,7 +304,7 @@ struct DramAddress {
   std::uint32_t row = 0;
 };
 
-/// Maps address bits to rank, bank and row. DramConfig::interleave() selects the channel before.
+/// Maps address bits to rank, bank and row. DramConfig::channel_interleave() selects the channel before.
 class DramMap {
  public:
   explicit DramMap(const DramConfig& c)
@@ -315,7 +315,7 @@ class DramMap {
         xor_mask_(c.controller.bank_xor ? c.organisation.banks - 1 : 0),
         row_mask_(c.organisation.rows - 1) {}
 
-  DramAddress address(Addr line) const {
+  DramAddress address_of(Addr line) const {
     // Channel and column are below bank and row in either order, so one shift serves both mappings.
     const Addr in_channel = line >> skip_;
     const std::uint32_t bank_mask = (1U << bank_bits_) - 1;

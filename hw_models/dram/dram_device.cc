@@ -11,9 +11,9 @@ using enum DramCommand;
 
 namespace {
 
-std::uint32_t log2(std::uint32_t n) { return static_cast<std::uint32_t>(std::countr_zero(n)); }
+std::uint32_t log2_of(std::uint32_t n) { return static_cast<std::uint32_t>(std::countr_zero(n)); }
 /// Returns a mask of every `stride`th of the first `banks` banks.
-std::uint32_t every(std::uint32_t stride, std::uint32_t banks) {
+std::uint32_t strided_mask(std::uint32_t stride, std::uint32_t banks) {
   std::uint32_t mask = 0;
   for (std::uint32_t bank = 0; bank < banks; bank += stride) mask |= 1U << bank;
   return mask;
@@ -23,7 +23,7 @@ std::uint32_t first_bits(std::uint32_t n) { return static_cast<std::uint32_t>((s
 /// Returns the distance between banks that are refreshed together: half of the bank groups, or half of the banks.
 std::uint32_t pair_distance(const DramOrganisation& o) { return o.bank_groups > 1 ? o.bank_groups / 2 : o.banks / 2; }
 
-std::uint32_t leaders(const DramOrganisation& o) {
+std::uint32_t leader_banks(const DramOrganisation& o) {
   std::uint32_t banks = 0;
   for (std::uint32_t bank = 0; bank < o.all_banks(); ++bank) {
     if (o.refresh_banks == 1 || (bank & pair_distance(o)) == 0) banks |= 1U << bank;
@@ -31,7 +31,7 @@ std::uint32_t leaders(const DramOrganisation& o) {
   return banks;
 }
 
-BankLanes lanes(const DramConfig& c) { return BankLanes(c.organisation.all_banks()); }
+BankLanes empty_lanes(const DramConfig& c) { return BankLanes(c.organisation.all_banks()); }
 
 }  // namespace
 
@@ -39,30 +39,30 @@ DramDevice::DramDevice(const DramConfig& c)
     : t_(c.timing),
       constraint_cycles_(constraint_cycles(c)),
       ranks_(c.organisation.ranks),
-      rank_shift_(log2(c.organisation.banks)),
+      rank_shift_(log2_of(c.organisation.banks)),
       group_mask_((c.organisation.bank_groups - 1) | ~(c.organisation.banks - 1)),
-      group_banks_(every(c.organisation.bank_groups, c.organisation.banks)),
+      group_banks_(strided_mask(c.organisation.bank_groups, c.organisation.banks)),
       rank_banks_(first_bits(c.organisation.banks)),
       refresh_set_(c.organisation.refresh_banks == 1 ? 1 : 1 | 1U << pair_distance(c.organisation)),
-      refresh_leaders_(leaders(c.organisation)),
-      train_length_(Cycle{c.bursts_per_line() - 1} * c.timing.ccd_l),
-      bank_at_{lanes(c), lanes(c), lanes(c), lanes(c)},
-      group_at_{lanes(c), lanes(c)},
+      refresh_leaders_(leader_banks(c.organisation)),
+      column_span_(Cycle{c.bursts_per_line() - 1} * c.timing.ccd_l),
+      bank_at_{empty_lanes(c), empty_lanes(c), empty_lanes(c), empty_lanes(c)},
+      group_at_{empty_lanes(c), empty_lanes(c)},
       calendar_(c.timing, c.bursts_per_line(), c.commands_per_line()) {
   assert(c.organisation.all_banks() <= kMaxBanks && c.organisation.ranks <= kMaxRanks);
 }
 
-DramCycleReason DramDevice::reason(DramCommand command, std::uint32_t bank, bool write, Cycle at) const {
-  const bool by_bank = at == this->at(op_of(command, write), bank);
+DramCycleReason DramDevice::wait_reason(DramCommand command, std::uint32_t bank, bool write, Cycle at) const {
+  const bool by_bank = at == this->ready_at(op_of(command, write), bank);
   const Rank& rank = rank_[rank_of(bank)];
   if (at == awake_at_ && at != 0) return DramCycleReason::kPowerDown;
   switch (command) {
     case kColumn:
       if (by_bank) return DramCycleReason::kActivate;
-      if (at == rank.at[index(column(write))]) return rank.reason[index(column(write))];
+      if (at == rank.at[index_of(column_op(write))]) return rank.reason[index_of(column_op(write))];
       if (at == group_at_[write][bank])
         return last_was_write_ && !write ? DramCycleReason::kTurnaround : DramCycleReason::kColumn;
-      return calendar_.data_free(at - 1) ? DramCycleReason::kCommandBus : DramCycleReason::kColumn;
+      return calendar_.is_data_bus_free(at - 1) ? DramCycleReason::kCommandBus : DramCycleReason::kColumn;
     case kActivate:
       if (by_bank) return closed_reason_[bank];
       return at == rank.next_activate(at - 1, t_) ? DramCycleReason::kActivate : DramCycleReason::kCommandBus;
@@ -74,24 +74,24 @@ DramCycleReason DramDevice::reason(DramCommand command, std::uint32_t bank, bool
 
 /// Applies all constraints after operation `kFrom` of the bank at `now`. The loop is unrolled at compile time.
 template <DramOp kFrom>
-inline void DramDevice::constrain(std::uint32_t bank, Cycle now) {
+inline void DramDevice::apply_constraints(std::uint32_t bank, Cycle now) {
   const std::uint32_t own_rank = rank_of(bank);
   const auto apply = [&]<std::size_t kRow>() {
     constexpr const DramConstraint& row = kDramConstraints[kRow];
     if constexpr (row.from == kFrom) {
       const Cycle bound = now + static_cast<Cycle>(constraint_cycles_[kRow]);
       if constexpr (row.scope == DramScope::kBank) {
-        at(row.to, bank) = std::max(at(row.to, bank), bound);
+        ready_at(row.to, bank) = std::max(ready_at(row.to, bank), bound);
       } else if constexpr (row.scope == DramScope::kBankGroup) {
-        group_at_[row.to == DramOp::kWrite].raise(group_of(bank), bound);
+        group_at_[row.to == DramOp::kWrite].raise_to(group_of(bank), bound);
       } else if constexpr (row.count > 1) {
         rank_[own_rank].add_to_window(bound);
       } else if constexpr (row.scope == DramScope::kRank) {
-        rank_[own_rank].raise(row.to, bound, row.reason);
+        rank_[own_rank].raise_bound(row.to, bound, row.reason);
       } else {
         const auto later = std::max(static_cast<std::int64_t>(bound), std::int64_t{0});
         for (std::uint32_t r = 0; r < ranks_; ++r) {
-          if (r != own_rank) rank_[r].raise(row.to, static_cast<Cycle>(later), row.reason);
+          if (r != own_rank) rank_[r].raise_bound(row.to, static_cast<Cycle>(later), row.reason);
         }
       }
     }
@@ -100,7 +100,7 @@ inline void DramDevice::constrain(std::uint32_t bank, Cycle now) {
   (std::make_index_sequence<kDramConstraints.size()>());
 }
 
-void DramDevice::activate(std::uint32_t bank, std::uint32_t row, Cycle now) {
+void DramDevice::activate_row(std::uint32_t bank, std::uint32_t row, Cycle now) {
   Rank& rank = rank_[rank_of(bank)];
   if ((open_ & banks_of(rank_of(bank))) == 0 && now > rank.active_until) {
     rank.active += rank.active_until - rank.active_since;
@@ -108,34 +108,34 @@ void DramDevice::activate(std::uint32_t bank, std::uint32_t row, Cycle now) {
   }
   open_ |= 1U << bank;
   rows_[bank] = row;
-  constrain<DramOp::kActivate>(bank, now);
-  calendar_.book(kActivate, now);
+  apply_constraints<DramOp::kActivate>(bank, now);
+  calendar_.book_command(kActivate, now);
 }
 
-void DramDevice::precharge(std::uint32_t bank, Cycle now) {
-  calendar_.book(kPrecharge, now);
-  close(bank, now);
+void DramDevice::precharge_bank(std::uint32_t bank, Cycle now) {
+  calendar_.book_command(kPrecharge, now);
+  close_bank(bank, now);
 }
 
-void DramDevice::close(std::uint32_t bank, Cycle now) {
+void DramDevice::close_bank(std::uint32_t bank, Cycle now) {
   open_ &= ~(1U << bank);
-  constrain<DramOp::kPrecharge>(bank, now);
+  apply_constraints<DramOp::kPrecharge>(bank, now);
   closed_reason_[bank] = DramCycleReason::kRowConflict;
   Rank& rank = rank_[rank_of(bank)];
   rank.active_until = std::max(rank.active_until, now);
 }
 
-DramDevice::Cycle DramDevice::read(std::uint32_t bank, Cycle now) {
+DramDevice::Cycle DramDevice::read_line(std::uint32_t bank, Cycle now) {
   now = reserve_burst_sequence(bank, false, now);
-  constrain<DramOp::kRead>(bank, now);
+  apply_constraints<DramOp::kRead>(bank, now);
   const Cycle data = now + t_.rl + t_.dqsck;
   rank_[rank_of(bank)].wck_stops_at = data + data_cycles() + t_.wck_post;
   return data;
 }
 
-DramDevice::Cycle DramDevice::write(std::uint32_t bank, Cycle now) {
+DramDevice::Cycle DramDevice::write_line(std::uint32_t bank, Cycle now) {
   now = reserve_burst_sequence(bank, true, now);
-  constrain<DramOp::kWrite>(bank, now);
+  apply_constraints<DramOp::kWrite>(bank, now);
   const Cycle data = now + t_.wl + t_.dqss;
   rank_[rank_of(bank)].wck_stops_at = data + data_cycles() + t_.wck_post;
   return data;
@@ -149,55 +149,56 @@ DramDevice::Cycle DramDevice::reserve_burst_sequence(std::uint32_t bank, bool wr
     calendar_.book_with_sync(now);
     return now + t_.wck_sync;
   }
-  calendar_.book(kColumn, now);
+  calendar_.book_command(kColumn, now);
   return now;
 }
 
-void DramDevice::refresh(std::uint32_t banks, Cycle due) {
+void DramDevice::refresh_banks(std::uint32_t banks, Cycle due) {
   for (std::uint32_t left = banks & open_; left != 0; left &= left - 1) {
-    const std::uint32_t bank = log2(left);
-    close(bank, std::max(due, at(DramOp::kPrecharge, bank)));
+    const std::uint32_t bank = log2_of(left);
+    close_bank(bank, std::max(due, ready_at(DramOp::kPrecharge, bank)));
   }
-  Rank& rank = rank_[rank_of(log2(banks))];
+  Rank& rank = rank_[rank_of(log2_of(banks))];
   const Cycle begin = begin_of_refresh(banks, due);
   rank.refreshed_at =
-      t_.pbr2act == 0 ? begin
-                      : std::max({begin, rank.at[index(DramOp::kActivate)], rank.four_activates[rank.oldest_activate]});
+      t_.pbr2act == 0
+          ? begin
+          : std::max({begin, rank.at[index_of(DramOp::kActivate)], rank.four_activates[rank.oldest_activate]});
   start_refresh<DramOp::kRefresh>(banks, rank.refreshed_at);
 }
 
 void DramDevice::refresh_rank(std::uint32_t rank, Cycle due) {
   const std::uint32_t banks = banks_of(rank);
-  start_refresh<DramOp::kRefreshRank>(banks, begin_of_refresh(banks, precharge_all(banks, due)));
+  start_refresh<DramOp::kRefreshRank>(banks, begin_of_refresh(banks, precharge_banks(banks, due)));
 }
 
 /// Returns the first cycle at or after `from` at which all of the banks are precharged.
 DramDevice::Cycle DramDevice::begin_of_refresh(std::uint32_t banks, Cycle from) const {
   for (std::uint32_t left = banks; left != 0; left &= left - 1)
-    from = std::max(from, at(DramOp::kActivate, log2(left)));
+    from = std::max(from, ready_at(DramOp::kActivate, log2_of(left)));
   return from;
 }
 
 template <DramOp kRefresh>
 void DramDevice::start_refresh(std::uint32_t banks, Cycle begin) {
   for (std::uint32_t left = banks; left != 0; left &= left - 1) {
-    constrain<kRefresh>(log2(left), begin);
-    closed_reason_[log2(left)] = DramCycleReason::kRefresh;
+    apply_constraints<kRefresh>(log2_of(left), begin);
+    closed_reason_[log2_of(left)] = DramCycleReason::kRefresh;
   }
 }
 
-DramDevice::Cycle DramDevice::precharge_all(std::uint32_t banks, Cycle from) {
+DramDevice::Cycle DramDevice::precharge_banks(std::uint32_t banks, Cycle from) {
   const std::uint32_t open = banks & open_;
-  const Cycle closed = rank_[rank_of(log2(banks))].active_until;  // a precharge may be booked for the future
+  const Cycle closed = rank_[rank_of(log2_of(banks))].active_until;  // a precharge may be booked for the future
   if (open == 0) return closed == 0 ? from : std::max(from, closed + t_.rp);
   Cycle begin = std::max(from, closed);
   for (std::uint32_t left = open; left != 0; left &= left - 1)
-    begin = std::max(begin, at(DramOp::kPrecharge, log2(left)));
-  for (std::uint32_t left = open; left != 0; left &= left - 1) close(log2(left), begin);
+    begin = std::max(begin, ready_at(DramOp::kPrecharge, log2_of(left)));
+  for (std::uint32_t left = open; left != 0; left &= left - 1) close_bank(log2_of(left), begin);
   return begin + t_.rp_ab;
 }
 
-std::uint32_t DramDevice::open_banks() const { return static_cast<std::uint32_t>(std::popcount(open_)); }
+std::uint32_t DramDevice::open_bank_count() const { return static_cast<std::uint32_t>(std::popcount(open_)); }
 
 DramDevice::Cycle DramDevice::active_cycles(Cycle until) {
   Cycle sum = 0;

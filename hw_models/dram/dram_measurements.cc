@@ -18,9 +18,9 @@ constexpr std::size_t kAnswers = 64;
 
 /// Runs a list of requests through one channel. A request spends one cycle on its link, so all internal times are one
 /// cycle late.
-class Player : Observer {
+class ChannelRunner : Observer {
  public:
-  Player(const DramConfig& config, std::span<const DramRequest> requests, std::uint32_t outstanding)
+  ChannelRunner(const DramConfig& config, std::span<const DramRequest> requests, std::uint32_t outstanding)
       : requests_(requests),
         outstanding_(outstanding),
         ranks_(config.organisation.ranks),
@@ -31,29 +31,29 @@ class Player : Observer {
         channel_(config, {{&in_}, {&out_}, this}) {
     in_.set_wakeup_handles(nullptr, &wake_);
     out_.set_wakeup_handles(&wake_, nullptr);
-    play_.arrived.resize(requests.size());
-    play_.done.resize(requests.size());
+    run_.arrived.resize(requests.size());
+    run_.done.resize(requests.size());
   }
 
-  DramPlay run() {
+  DramRun run_requests() {
     for (sim::Time now = 0; served_ < requests_.size(); now = next_time(now)) {
       for (; !reads_.empty() && reads_.front() <= now; reads_.pop_front()) waiting_ -= 1;
-      for (; may_send() && requests_[next_].earliest <= now; ++next_) send(now);
+      for (; may_send() && requests_[next_].earliest <= now; ++next_) send_request(now);
       while (out_.can_pop(now)) out_.pop(now);
       if (wake_ > now) continue;
       wake_ = sim::kNever;
       wake_ = std::min(wake_, channel_.tick(now));
       take_posted();
     }
-    return finish();
+    return take_result();
   }
 
  private:
   bool may_send() const { return next_ < requests_.size() && waiting_ < outstanding_; }
 
-  void send(sim::Time now) {
+  void send_request(sim::Time now) {
     const DramRequest& r = requests_[next_];
-    play_.arrived[next_] = now;
+    run_.arrived[next_] = now;
     waiting_ += 1;
     in_.push(now, {r.address / line_ * line_, static_cast<std::uint16_t>(next_ >> 16),
                    static_cast<std::uint16_t>(next_), r.write});
@@ -65,12 +65,12 @@ class Player : Observer {
   }
 
   void on_event(const Event& event) override {
-    if (const DramServed* served = std::get_if<DramServed>(&event)) serve(served->request, served->end);
+    if (const DramServed* served = std::get_if<DramServed>(&event)) complete_request(served->request, served->end);
   }
-  void serve(const MemRequest& r, sim::Time end) {
+  void complete_request(const MemRequest& r, sim::Time end) {
     const std::size_t i = std::size_t{r.source} << 16 | r.tag;
-    play_.done[i] = end - clock_.period();
-    play_.end = std::max(play_.end, play_.done[i]);
+    run_.done[i] = end - clock_.period();
+    run_.end = std::max(run_.end, run_.done[i]);
     if (!r.write) reads_.push_back(end - clock_.period());
     served_ += 1;
   }
@@ -82,14 +82,14 @@ class Player : Observer {
     return std::max(next, now + clock_.period());
   }
 
-  DramPlay finish() {
-    channel_.finish(play_.end + clock_.period());
-    play_.stats = channel_.stats();
-    play_.stats.precharge_standby -= ranks_;
+  DramRun take_result() {
+    channel_.finish(run_.end + clock_.period());
+    run_.stats = channel_.stats();
+    run_.stats.precharge_standby -= ranks_;
     const sim::UnitReport report = sim::report_of(channel_, "");
-    play_.why = report.cycles_by_reason;
-    play_.why.front().second -= 1;
-    return std::move(play_);
+    run_.why = report.cycles_by_reason;
+    run_.why.front().second -= 1;
+    return std::move(run_);
   }
 
   std::span<const DramRequest> requests_;
@@ -107,22 +107,22 @@ class Player : Observer {
   std::size_t taken_ = 0;       ///< requests that the channel has accepted
   std::size_t served_ = 0;      ///< requests whose data are booked
   sim::Ring<sim::Time> reads_;  ///< end times of reads, in order of their commands
-  DramPlay play_;
+  DramRun run_;
 };
 
 }  // namespace
 
-DramPlay play(DramConfig config, std::span<const DramRequest> requests, std::uint32_t outstanding) {
+DramRun play_requests(DramConfig config, std::span<const DramRequest> requests, std::uint32_t outstanding) {
   assert(requests.size() < std::uint64_t{1} << 32 && outstanding > 0);
   config.channels = 1;
   config.fabric = {0};
   if (requests.empty()) return {};
-  return Player(config, requests, outstanding).run();
+  return ChannelRunner(config, requests, outstanding).run_requests();
 }
 
 namespace {
 
-using Holds = DramMeasurement::Holds;
+using Agreement = DramMeasurement::Agreement;
 
 constexpr std::uint32_t kOutstanding = 48;
 constexpr std::uint64_t kPause = 4096;  ///< cycles between requests that must not affect each other
@@ -141,10 +141,10 @@ class Experiment {
   }
 
   /// Returns the address of a row's first line.
-  Addr row(std::uint32_t bank, Addr index) const {
+  Addr row_address(std::uint32_t bank, Addr index) const {
     return (index * config.organisation.all_banks() + bank) * config.organisation.page.bytes;
   }
-  void send(Addr address, std::uint64_t cycle = 0, bool write = false) {
+  void add_request(Addr address, std::uint64_t cycle = 0, bool write = false) {
     requests_.push_back({address, write, cycle * config.timing.ck.time});
   }
   /// True if the changed configuration satisfies the rules between its keys.
@@ -153,141 +153,145 @@ class Experiment {
     config.check([&good](auto&&...) { good = false; });
     return good;
   }
-  void go() { play_ = play(config, requests_, kOutstanding); }
+  void run_requests() { run_ = play_requests(config, requests_, kOutstanding); }
 
-  double ns(double cycles) const { return cycles * static_cast<double>(config.timing.ck.time) * 1e-6; }
+  double to_ns(double cycles) const { return cycles * static_cast<double>(config.timing.ck.time) * 1e-6; }
   /// Returns the bandwidth if a line takes `cycles` cycles.
-  double gbps(double cycles) const { return static_cast<double>(config.line.bytes) / ns(cycles); }
+  double to_gbps(double cycles) const { return static_cast<double>(config.line.bytes) / to_ns(cycles); }
   /// Nominal energy of all requests, in pJ.
-  double energy() const { return dram_energy(config, play_.stats).nominal; }
+  double total_energy() const { return dram_energy(config, run_.stats).nominal; }
   /// Time until the last data, in ns.
-  double time() const { return static_cast<double>(play_.end) * 1e-6; }
-  double bits() const { return static_cast<double>(8 * play_.stats.bytes); }
-  double latency(std::size_t request) const { return static_cast<double>(play_.latency(request)) * 1e-6; }
+  double total_time() const { return static_cast<double>(run_.end) * 1e-6; }
+  double total_bits() const { return static_cast<double>(8 * run_.stats.bytes); }
+  double latency_ns(std::size_t request) const { return static_cast<double>(run_.request_latency(request)) * 1e-6; }
   /// Last data to last data.
-  double distance(std::size_t first, std::size_t second) const {
-    return static_cast<double>(play_.done[second] - play_.done[first]) * 1e-6;
+  double time_between(std::size_t first, std::size_t second) const {
+    return static_cast<double>(run_.done[second] - run_.done[first]) * 1e-6;
   }
   /// Bandwidth over the last nine tenths of the lines.
   double steady_gbps() const {
     const std::size_t first = requests_.size() / 10, last = requests_.size() - 1;
-    return static_cast<double>((last - first) * config.line.bytes) / distance(first, last);
+    return static_cast<double>((last - first) * config.line.bytes) / time_between(first, last);
   }
 
   DramConfig config;
 
  private:
   std::vector<DramRequest> requests_;
-  DramPlay play_;
+  DramRun run_;
 };
 
-void lone_reads(const DramConfig& grade, std::vector<DramMeasurement>& measured) {
+void measure_single_reads(const DramConfig& grade, std::vector<DramMeasurement>& measured) {
   Experiment m(grade);
   const DramClosedForms form(m.config);
-  m.send(m.row(0, 1));
-  m.send(m.row(0, 1), kPause);
-  m.send(m.row(0, 2), 2 * kPause);
-  m.go();
-  measured.push_back({"read, row open", "ns", m.latency(1), m.ns(form.row_hit())});
-  measured.push_back({"read, bank closed", "ns", m.latency(0), m.ns(form.closed_bank())});
-  measured.push_back({"read, other row open", "ns", m.latency(2), m.ns(form.row_conflict())});
+  m.add_request(m.row_address(0, 1));
+  m.add_request(m.row_address(0, 1), kPause);
+  m.add_request(m.row_address(0, 2), 2 * kPause);
+  m.run_requests();
+  measured.push_back({"read, row open", "ns", m.latency_ns(1), m.to_ns(form.row_hit())});
+  measured.push_back({"read, bank closed", "ns", m.latency_ns(0), m.to_ns(form.closed_bank())});
+  measured.push_back({"read, other row open", "ns", m.latency_ns(2), m.to_ns(form.row_conflict())});
 
   Experiment sleeper(grade);
   sleeper.config.controller.power_down = true;
-  sleeper.send(sleeper.row(0, 1));
-  sleeper.send(sleeper.row(0, 1), kPause);
-  sleeper.go();
-  measured.push_back({"read, powered down", "ns", sleeper.latency(1), sleeper.ns(form.after_power_down())});
+  sleeper.add_request(sleeper.row_address(0, 1));
+  sleeper.add_request(sleeper.row_address(0, 1), kPause);
+  sleeper.run_requests();
+  measured.push_back({"read, powered down", "ns", sleeper.latency_ns(1), sleeper.to_ns(form.after_power_down())});
 }
 
 /// Returns the time between two row hits that arrive in consecutive cycles.
-double pair(Experiment& m, std::uint32_t second_bank, bool first_writes, bool second_writes) {
-  m.send(m.row(0, 0));
-  m.send(m.row(second_bank, 0), kPause);
-  m.send(m.row(0, 0), 2 * kPause, first_writes);
-  m.send(m.row(second_bank, 0), 2 * kPause + 1, second_writes);
-  m.go();
-  return m.distance(2, 3);
+double time_between_hits(Experiment& m, std::uint32_t second_bank, bool first_writes, bool second_writes) {
+  m.add_request(m.row_address(0, 0));
+  m.add_request(m.row_address(second_bank, 0), kPause);
+  m.add_request(m.row_address(0, 0), 2 * kPause, first_writes);
+  m.add_request(m.row_address(second_bank, 0), 2 * kPause + 1, second_writes);
+  m.run_requests();
+  return m.time_between(2, 3);
 }
 
-void turnarounds(const DramConfig& grade, std::vector<DramMeasurement>& measured) {
+void measure_turnarounds(const DramConfig& grade, std::vector<DramMeasurement>& measured) {
   const DramClosedForms form(grade);
   Experiment write(grade), read(grade), group(grade), rank(grade);
-  measured.push_back({"read to write", "ns", pair(write, 0, false, true), write.ns(form.write_after_read())});
-  measured.push_back({"write to read", "ns", pair(read, 0, true, false), read.ns(form.read_after_write())});
+  measured.push_back(
+      {"read to write", "ns", time_between_hits(write, 0, false, true), write.to_ns(form.write_after_read())});
+  measured.push_back(
+      {"write to read", "ns", time_between_hits(read, 0, true, false), read.to_ns(form.read_after_write())});
   if (grade.organisation.bank_groups > 1) {
-    const double expected = group.ns(form.read_after_write_of_other_group());
-    measured.push_back({"write to read, other bank group", "ns", pair(group, 1, true, false), expected});
+    const double expected = group.to_ns(form.read_after_write_of_other_group());
+    measured.push_back({"write to read, other bank group", "ns", time_between_hits(group, 1, true, false), expected});
   }
   if (2 * grade.organisation.banks <= 32) {
     rank.config.organisation.ranks = 2;
-    const double expected = rank.ns(form.read_after_read_of_other_rank());
+    const double expected = rank.to_ns(form.read_after_read_of_other_rank());
     measured.push_back(
-        {"read to read, other rank", "ns", pair(rank, grade.organisation.banks, false, false), expected});
+        {"read to read, other rank", "ns", time_between_hits(rank, grade.organisation.banks, false, false), expected});
   }
 }
 
-void sequential(const DramConfig& grade, std::vector<DramMeasurement>& measured) {
+void measure_streams(const DramConfig& grade, std::vector<DramMeasurement>& measured) {
   for (const bool write : {false, true}) {
     for (const bool refresh : {false, true}) {
       Experiment m(grade);
       m.config.controller.mapping = grade.controller.mapping;
       if (refresh) m.config.timing = grade.timing;
       if (refresh) m.config.controller = grade.controller;
-      for (Addr i = 0; i < kLines; ++i) m.send(i * m.config.line.bytes, 0, write);
-      m.go();
+      for (Addr i = 0; i < kLines; ++i) m.add_request(i * m.config.line.bytes, 0, write);
+      m.run_requests();
       measured.push_back({std::string(write ? "sequential writes" : "sequential reads") + (refresh ? ", as set" : ""),
-                          "GB/s", m.steady_gbps(), m.gbps(DramClosedForms(m.config).streamed_line()),
-                          refresh ? Holds::kNearly : Holds::kClosely});
+                          "GB/s", m.steady_gbps(), m.to_gbps(DramClosedForms(m.config).streamed_line()),
+                          refresh ? Agreement::kNearly : Agreement::kClosely});
     }
   }
 }
 
 /// Measures a stream of `lines` lines from each row, over all banks in turn.
-DramMeasurement rows_in_turn(Experiment& m, const char* name, std::uint32_t lines, Holds holds) {
+DramMeasurement measure_row_stream(Experiment& m, const char* name, std::uint32_t lines, Agreement holds) {
   const std::uint32_t banks = m.config.organisation.banks;
   for (std::uint32_t i = 0; i < kLines; ++i) {
     const std::uint32_t row = i / lines;
-    m.send(m.row(row % banks, row / banks) + i % lines * m.config.line.bytes);
+    m.add_request(m.row_address(row % banks, row / banks) + i % lines * m.config.line.bytes);
   }
-  m.go();
-  return {name, "GB/s", m.steady_gbps(), m.gbps(DramClosedForms(m.config).line_of_own_row(lines)), holds};
+  m.run_requests();
+  return {name, "GB/s", m.steady_gbps(), m.to_gbps(DramClosedForms(m.config).line_of_own_row(lines)), holds};
 }
 
-void rows(const DramConfig& grade, std::vector<DramMeasurement>& measured) {
+void measure_rows(const DramConfig& grade, std::vector<DramMeasurement>& measured) {
   Experiment activates(grade), lines(grade), long_rows(grade), random(grade);
   activates.config.line = grade.organisation.burst;
   activates.config.organisation.bl32 = false;
   DramTiming& t = activates.config.timing;
   t.ca_activate = t.ca_column = t.ca_precharge = 1;
-  measured.push_back(rows_in_turn(activates, "a burst of every row, tRRD and tFAW alone", 1, Holds::kClosely));
+  measured.push_back(
+      measure_row_stream(activates, "a burst of every row, tRRD and tFAW alone", 1, Agreement::kClosely));
   const auto most = static_cast<std::uint32_t>(grade.organisation.page.bytes / grade.line.bytes);
   const std::uint32_t lines_of_row = std::min<std::uint32_t>(16, most);
-  measured.push_back(rows_in_turn(long_rows, "sixteen lines of every row", lines_of_row, Holds::kClosely));
+  measured.push_back(measure_row_stream(long_rows, "sixteen lines of every row", lines_of_row, Agreement::kClosely));
   // A split activate fits between the commands of other lines; a whole activate may not. Lines of one command are
   // packed less closely than lines of two, whose command slots keep their bursts apart. Random reads lose up to 3 % of
   // a saturated command bus to displaced ACT-2s.
   const bool is_close = grade.timing.aad != 0 && !grade.organisation.bl32;
-  measured.push_back(rows_in_turn(lines, "a line of every row", 1, is_close ? Holds::kClosely : Holds::kAtMost));
-  for (Addr i = 0; i < kLines; ++i) random.send(sim::hash(i) % (1 << 22) * random.config.line.bytes);
-  random.go();
-  const double expected = random.gbps(DramClosedForms(random.config).line_of_own_row(1));
   measured.push_back(
-      {"random reads", "GB/s", random.steady_gbps(), expected, is_close ? Holds::kNearly : Holds::kAtMost});
+      measure_row_stream(lines, "a line of every row", 1, is_close ? Agreement::kClosely : Agreement::kAtMost));
+  for (Addr i = 0; i < kLines; ++i) random.add_request(sim::hash(i) % (1 << 22) * random.config.line.bytes);
+  random.run_requests();
+  const double expected = random.to_gbps(DramClosedForms(random.config).line_of_own_row(1));
+  measured.push_back(
+      {"random reads", "GB/s", random.steady_gbps(), expected, is_close ? Agreement::kNearly : Agreement::kAtMost});
 }
 
-void refreshes(const DramConfig& grade, std::vector<DramMeasurement>& measured) {
+void measure_refreshes(const DramConfig& grade, std::vector<DramMeasurement>& measured) {
   for (const RefreshKind kind : {RefreshKind::kPerBank, RefreshKind::kAllBank}) {
     Experiment m(grade);
     m.config.timing = grade.timing;
     m.config.controller.refresh = kind;
     if (m.config.refresh_interval() == 0 || !m.is_possible()) continue;
-    for (Addr i = 0; i < kLines; ++i) m.send(m.row(0, 0));
-    m.go();
-    const double expected = m.gbps(DramClosedForms(m.config).line_between_refreshes());
+    for (Addr i = 0; i < kLines; ++i) m.add_request(m.row_address(0, 0));
+    m.run_requests();
+    const double expected = m.to_gbps(DramClosedForms(m.config).line_between_refreshes());
     measured.push_back(
         {kind == RefreshKind::kPerBank ? "a row's hits, refresh by bank" : "a row's hits, refresh of all", "GB/s",
-         m.steady_gbps(), expected, Holds::kClosely});
+         m.steady_gbps(), expected, Agreement::kClosely});
   }
 }
 
@@ -309,15 +313,15 @@ double background_mw(const DramConfig& c, const sim::Band& standby) {
 
 }  // namespace
 
-bool DramMeasurement::good() const {
-  switch (holds) {
-    case Holds::kExactly:
+bool DramMeasurement::is_within_tolerance() const {
+  switch (agreement) {
+    case Agreement::kExactly:
       return std::abs(measured - expected) < 1e-9 * expected;
-    case Holds::kClosely:
+    case Agreement::kClosely:
       return std::abs(measured - expected) <= 0.02 * expected;
-    case Holds::kNearly:
+    case Agreement::kNearly:
       return measured >= 0.9 * expected && measured <= expected;
-    case Holds::kAtMost:
+    case Agreement::kAtMost:
       return measured <= 1.02 * expected;
   }
   return false;
@@ -325,11 +329,11 @@ bool DramMeasurement::good() const {
 
 std::vector<DramMeasurement> dram_measurements(const DramConfig& grade) {
   std::vector<DramMeasurement> measured;
-  lone_reads(grade, measured);
-  turnarounds(grade, measured);
-  sequential(grade, measured);
-  rows(grade, measured);
-  refreshes(grade, measured);
+  measure_single_reads(grade, measured);
+  measure_turnarounds(grade, measured);
+  measure_streams(grade, measured);
+  measure_rows(grade, measured);
+  measure_refreshes(grade, measured);
   std::ranges::move(dram_energy_measurements(grade), std::back_inserter(measured));
   return measured;
 }
@@ -342,31 +346,32 @@ std::vector<DramMeasurement> dram_energy_measurements(const DramConfig& grade) {
   std::vector<DramMeasurement> measured;
 
   Experiment stream = as_set(grade);
-  for (Addr i = 0; i < kLines; ++i) stream.send(i * stream.config.line.bytes);
-  stream.go();
+  for (Addr i = 0; i < kLines; ++i) stream.add_request(i * stream.config.line.bytes);
+  stream.run_requests();
   const double active = background_mw(grade, e.active_standby);
   const double streamed = (line + e.activate.nominal / lines_of_row) / line_bits;
-  measured.push_back({"energy, sequential reads", "pJ/bit", stream.energy() / stream.bits(),
-                      streamed + active * stream.time() / stream.bits(), Holds::kClosely});
+  measured.push_back({"energy, sequential reads", "pJ/bit", stream.total_energy() / stream.total_bits(),
+                      streamed + active * stream.total_time() / stream.total_bits(), Agreement::kClosely});
 
   Experiment random = as_set(grade);
-  for (Addr i = 0; i < kLines; ++i) random.send(sim::hash(i) % (1 << 22) * random.config.line.bytes);
-  random.go();
-  measured.push_back({"energy, random reads", "pJ/bit", random.energy() / random.bits(),
-                      (line + e.activate.nominal) / line_bits + active * random.time() / random.bits(),
-                      Holds::kClosely});
+  for (Addr i = 0; i < kLines; ++i) random.add_request(sim::hash(i) % (1 << 22) * random.config.line.bytes);
+  random.run_requests();
+  measured.push_back({"energy, random reads", "pJ/bit", random.total_energy() / random.total_bits(),
+                      (line + e.activate.nominal) / line_bits + active * random.total_time() / random.total_bits(),
+                      Agreement::kClosely});
 
   Experiment idle = as_set(grade);
   idle.config.controller.page_policy = PagePolicy::kClosed;
   constexpr std::uint64_t kIdleCycles = 8'000'000;
-  idle.send(0);
-  idle.send(0, kIdleCycles);
-  idle.go();
-  const double mw = idle.energy() / idle.time(), expected = background_mw(grade, e.precharge_standby);
-  const double peak_bits_per_ns = 8 * static_cast<double>(grade.organisation.burst.bytes) / idle.ns(grade.timing.burst);
-  measured.push_back({"energy, idle", "mW", mw, expected, Holds::kClosely});
+  idle.add_request(0);
+  idle.add_request(0, kIdleCycles);
+  idle.run_requests();
+  const double mw = idle.total_energy() / idle.total_time(), expected = background_mw(grade, e.precharge_standby);
+  const double peak_bits_per_ns =
+      8 * static_cast<double>(grade.organisation.burst.bytes) / idle.to_ns(grade.timing.burst);
+  measured.push_back({"energy, idle", "mW", mw, expected, Agreement::kClosely});
   measured.push_back({"energy, idle, for each bit of the peak", "pJ/bit", mw / peak_bits_per_ns,
-                      expected / peak_bits_per_ns, Holds::kClosely});
+                      expected / peak_bits_per_ns, Agreement::kClosely});
   return measured;
 }
 

@@ -26,20 +26,20 @@ class DramClosedForms {
         refresh_((c.controller.refresh == RefreshKind::kAllBank ? t_.rp_ab + t_.rfc_ab : t_.rp + t_.rfc_pb)) {}
 
   // A single read, by the state of its bank.
-  double row_hit() const { return t_.wck_sync + t_.rl + t_.dqsck + train() + t_.burst; }
+  double row_hit() const { return t_.wck_sync + t_.rl + t_.dqsck + column_span() + t_.burst; }
   double closed_bank() const { return t_.rcd + row_hit(); }
   double row_conflict() const { return t_.rp + closed_bank(); }
   double after_power_down() const { return t_.xp + closed_bank(); }
 
   // Two row hits in succession: last data to last data.
-  double write_after_read() const { return train() + t_.burst + t_.rtw + t_.dqss; }
+  double write_after_read() const { return column_span() + t_.burst + t_.rtw + t_.dqss; }
   double read_after_write() const {
-    return std::max(t_.burst + t_.wtr_s, t_.ccd_l + t_.wtr_l) + cas_after_write() + t_.rl + t_.dqsck + train();
+    return std::max(t_.burst + t_.wtr_s, t_.ccd_l + t_.wtr_l) + cas_after_write() + t_.rl + t_.dqsck + column_span();
   }
   double read_after_write_of_other_group() const {
-    return t_.burst + t_.wtr_s + cas_after_write() + t_.rl + t_.dqsck + train();
+    return t_.burst + t_.wtr_s + cas_after_write() + t_.rl + t_.dqsck + column_span();
   }
-  double read_after_read_of_other_rank() const { return train() + t_.burst + t_.rtrs + t_.wck_sync; }
+  double read_after_read_of_other_rank() const { return column_span() + t_.burst + t_.rtrs + t_.wck_sync; }
 
   // Time per line of an endless stream.
   /// A stream that keeps the data bus busy. Gaps between bursts of one bank group are filled by another group.
@@ -47,7 +47,7 @@ class DramClosedForms {
   /// A stream of `lines` lines from each row, bank by bank: the tightest of the limits by activates, buses and banks.
   double line_of_own_row(std::uint32_t lines) const {
     const double activate = std::max<double>(t_.rrd, t_.faw / 4.0) / ranks_;  // each rank has its own windows
-    const std::uint32_t hits = (lines - 1) * bursts_ * t_.ccd_l + train();
+    const std::uint32_t hits = (lines - 1) * bursts_ * t_.ccd_l + column_span();
     const double row = std::max(t_.rc, std::max(t_.ras, t_.rcd + hits + t_.rtp) + t_.rp);
     const double commands = t_.ca_activate + lines * commands_ * t_.ca_column + t_.ca_precharge;
     return std::max({activate, row / banks_, commands, lines * streamed_line()}) / lines;
@@ -55,14 +55,14 @@ class DramClosedForms {
   /// A stream of row hits in one bank, with the refreshes that close its row.
   double line_between_refreshes() const {
     const double line = bursts_ * t_.ccd_l;
-    const double lost = train() + t_.rtp + refresh_ + t_.rcd + t_.wck_sync - line;
+    const double lost = column_span() + t_.rtp + refresh_ + t_.rcd + t_.wck_sync - line;
     return line * bank_refresh_interval_ / (bank_refresh_interval_ - lost);
   }
 
  private:
   /// Cycles of the CAS before a read that waited for tWTR; 0 if WCK is still running.
   std::uint32_t cas_after_write() const { return t_.wtr_s >= t_.wck_post ? t_.wck_sync : 0; }
-  std::uint32_t train() const { return (bursts_ - 1) * t_.ccd_l; }  ///< first to last column command of a line
+  std::uint32_t column_span() const { return (bursts_ - 1) * t_.ccd_l; }  ///< first to last column command of a line
 
   const DramTiming t_;
   const std::uint32_t bursts_, commands_, ranks_, banks_, groups_;
@@ -78,24 +78,24 @@ struct DramRequest {
 };
 
 /// Result of a list of requests. Time 0 is when a request without `earliest` reaches the channel.
-struct DramPlay {
+struct DramRun {
   std::vector<sim::Time> arrived;  ///< by request: when it arrived
   std::vector<sim::Time> done;     ///< by request: when its last data had passed the bus
   sim::Time end = 0;               ///< when the last data had passed the bus
   DramChannel::Stats stats;
   std::vector<std::pair<std::string, std::uint64_t>> why;  ///< cycles by DramCycleReason; their sum is `end`
 
-  sim::Time latency(std::size_t request) const { return done[request] - arrived[request]; }
+  sim::Time request_latency(std::size_t request) const { return done[request] - arrived[request]; }
 };
 
 /// Runs the requests through a single channel in their order, with at most `outstanding` of them in flight. The
 /// channel's addresses begin at 0 and contain no other channel's lines; `fabric` is ignored.
-DramPlay play(DramConfig config, std::span<const DramRequest> requests, std::uint32_t outstanding);
+DramRun play_requests(DramConfig config, std::span<const DramRequest> requests, std::uint32_t outstanding);
 
 /// A measured value of a channel, and the value that its closed form predicts.
 struct DramMeasurement {
   /// How closely measured and expected must agree.
-  enum class Holds : std::uint8_t {
+  enum class Agreement : std::uint8_t {
     kExactly,
     kClosely,  ///< within 2 %
     kNearly,   ///< between 0.9 and 1.0 of the closed form
@@ -105,9 +105,9 @@ struct DramMeasurement {
   std::string unit;  ///< "ns", "GB/s", "pJ/bit" or "mW"
   double measured = 0;
   double expected = 0;
-  Holds holds = Holds::kExactly;
+  Agreement agreement = Agreement::kExactly;
 
-  bool good() const;
+  bool is_within_tolerance() const;
 };
 
 /// Returns times and bandwidths of a speed grade, then dram_energy_measurements(). The controller leaves rows open,

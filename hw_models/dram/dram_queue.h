@@ -31,27 +31,27 @@ class DramQueue {
   }
 
   bool empty() const { return size_ == 0; }
-  bool full() const { return size_ == capacity_; }
+  bool is_full() const { return size_ == capacity_; }
   std::uint32_t size() const { return size_; }
-  const Entry& oldest() const { return entries_[order_[0]]; }
+  const Entry& oldest_entry() const { return entries_[order_[0]]; }
   Entry& at(std::uint32_t position) { return entries_[order_[position]]; }
   const Entry& at(std::uint32_t position) const { return entries_[order_[position]]; }
 
   /// Mask of banks with queued requests.
-  std::uint32_t banks() const { return banks_; }
+  std::uint32_t requested_banks() const { return banks_; }
   /// Mask of banks with a queued hit.
   std::uint32_t hit_banks() const { return hit_banks_; }
   /// Positions of the bank's requests.
-  std::uint64_t waiting(std::uint32_t bank) const { return waiting_[bank]; }
+  std::uint64_t waiting_positions(std::uint32_t bank) const { return waiting_[bank]; }
   /// Positions of the bank's hits.
-  std::uint64_t hits(std::uint32_t bank) const { return hits_[bank]; }
+  std::uint64_t hit_positions(std::uint32_t bank) const { return hits_[bank]; }
 
   /// Positions of the requests, and of the hits, of several banks.
-  std::uint64_t waiting_in(std::uint32_t banks) const { return waiting_.any_of(banks); }
-  std::uint64_t hits_in(std::uint32_t banks) const { return hits_.any_of(banks); }
+  std::uint64_t waiting_positions_in(std::uint32_t banks) const { return waiting_.combined_bits(banks); }
+  std::uint64_t hit_positions_in(std::uint32_t banks) const { return hits_.combined_bits(banks); }
 
   void push(const Entry& entry, bool row_is_open) {
-    assert(!full());
+    assert(!is_full());
     const std::uint32_t bank = entry.address.bank;
     const std::uint64_t bit = std::uint64_t{1} << size_;
     entries_[order_[size_]] = entry;
@@ -61,20 +61,20 @@ class DramQueue {
     banks_ |= 1U << bank;
   }
 
-  void remove(std::uint32_t position) {
+  void remove_at(std::uint32_t position) {
     assert(position < size_);
     const std::uint8_t slot = order_[position];
     const std::uint32_t bank = entries_[slot].address.bank;
     std::copy(order_.data() + position + 1, order_.data() + size_, order_.data() + position);
     size_ -= 1;
     order_[size_] = slot;
-    waiting_.replace([&](std::uint64_t positions) { return without(positions, position); });
-    hits_.replace([&](std::uint64_t positions) { return without(positions, position); });
+    waiting_.replace_all([&](std::uint64_t positions) { return without_position(positions, position); });
+    hits_.replace_all([&](std::uint64_t positions) { return without_position(positions, position); });
     set_hits(bank, hits_[bank]);
     if (waiting_[bank] == 0) banks_ &= ~(1U << bank);
   }
 
-  void row_opened(std::uint32_t bank, std::uint32_t row) {
+  void note_row_opened(std::uint32_t bank, std::uint32_t row) {
     std::uint64_t hits = 0;
     for (std::uint64_t left = waiting_[bank]; left != 0; left &= left - 1) {
       const auto position = static_cast<std::size_t>(std::countr_zero(left));
@@ -82,7 +82,7 @@ class DramQueue {
     }
     set_hits(bank, hits);
   }
-  void row_closed(std::uint32_t bank) { set_hits(bank, 0); }
+  void note_row_closed(std::uint32_t bank) { set_hits(bank, 0); }
 
  private:
   void set_hits(std::uint32_t bank, std::uint64_t positions) {
@@ -91,7 +91,7 @@ class DramQueue {
   }
 
   /// Returns the mask after the request at `position` is removed and later ones have moved up.
-  static std::uint64_t without(std::uint64_t mask, std::uint32_t position) {
+  static std::uint64_t without_position(std::uint64_t mask, std::uint32_t position) {
     const std::uint64_t before = (std::uint64_t{1} << position) - 1;
     return (mask & before) | ((mask >> 1) & ~before);
   }

@@ -9,12 +9,12 @@ namespace hw {
 /// all banks of the rank equally. So the rank's first slot goes to the oldest request whose bank is ready by then. If
 /// no bank is ready, the first slot after the earliest bank is ready is assigned in the same way.
 template <DramCommand kCommand>
-[[gnu::always_inline]] inline void DramScheduling::best_of(const DramQueue& queue, std::uint32_t banks,
-                                                           std::uint32_t rank, bool writes, Cycle from,
-                                                           ScheduledCommand& best) const {
+[[gnu::always_inline]] inline void DramScheduler::best_of(const DramQueue& queue, std::uint32_t banks,
+                                                          std::uint32_t rank, bool writes, Cycle from,
+                                                          ScheduledCommand& best) const {
   if (banks == 0) return;
   const auto none_is_better = [&](Cycle at) { return best < ScheduledCommand(at, kCommand, 0, 0); };
-  const Cycle rank_ready = device_.rank_ready(kCommand, rank, writes, from);
+  const Cycle rank_ready = device_.rank_ready_at(kCommand, rank, writes, from);
   if (none_is_better(rank_ready)) return;
   const auto take = [&](Cycle at, std::uint64_t positions) {
     const auto oldest = static_cast<std::uint32_t>(std::countr_zero(positions));
@@ -24,17 +24,18 @@ template <DramCommand kCommand>
   const auto is_over = [&](Cycle slot) {
     if (none_is_better(slot)) return true;
     const std::uint32_t ready = banks & device_.ready_banks<kCommand>(writes, slot);
-    if (ready != 0) take(slot, kCommand == DramCommand::kColumn ? queue.hits_in(ready) : queue.waiting_in(ready));
+    if (ready != 0)
+      take(slot, kCommand == DramCommand::kColumn ? queue.hit_positions_in(ready) : queue.waiting_positions_in(ready));
     return ready != 0;
   };
-  if (is_over(device_.slot(kCommand, rank, rank_ready))) return;
-  is_over(device_.slot(kCommand, rank, device_.first_ready<kCommand>(banks, writes)));
+  if (is_over(device_.first_bus_slot(kCommand, rank, rank_ready))) return;
+  is_over(device_.first_bus_slot(kCommand, rank, device_.first_ready_cycle<kCommand>(banks, writes)));
 }
 
-ScheduledCommand DramScheduling::best_command(const DramQueue& queue, bool writes, bool is_overdue, Cycle now) const {
-  const EligibleBanks eligible =
-      policy_ == DramScheduler::kFcfs ? Fcfs::eligible(queue, is_overdue) : FrFcfs::eligible(queue, is_overdue);
-  const Cycle from = device_.awake(now);
+ScheduledCommand DramScheduler::best_command(const DramQueue& queue, bool writes, bool is_overdue, Cycle now) const {
+  const EligibleBanks eligible = policy_ == DramSchedulingPolicy::kFcfs ? Fcfs::eligible_banks(queue, is_overdue)
+                                                                        : FrFcfs::eligible_banks(queue, is_overdue);
+  const Cycle from = device_.first_awake_cycle(now);
   ScheduledCommand best;
   for (std::uint32_t rank = 0; rank < ranks_; ++rank) {
     const std::uint32_t here = eligible.all & device_.banks_of(rank), others = here & ~eligible.columns;

@@ -23,18 +23,20 @@ class ScheduledCommand {
       : key_(at << kAt.first | std::uint64_t{static_cast<std::uint8_t>(command)} << kCommand.first |
              position << kPosition.first | bank << kBank.first) {}
 
-  bool none() const { return key_ == kNone; }
-  Cycle at() const { return none() ? sim::kNever : kAt.of(key_); }
-  DramCommand command() const { return static_cast<DramCommand>(kCommand.of(key_)); }
-  std::uint32_t position() const { return static_cast<std::uint32_t>(kPosition.of(key_)); }
-  std::uint32_t bank() const { return static_cast<std::uint32_t>(kBank.of(key_)); }
+  bool is_none() const { return key_ == kNone; }
+  Cycle start_cycle() const { return is_none() ? sim::kNever : kAt.extract_from(key_); }
+  DramCommand command() const { return static_cast<DramCommand>(kCommand.extract_from(key_)); }
+  std::uint32_t position() const { return static_cast<std::uint32_t>(kPosition.extract_from(key_)); }
+  std::uint32_t bank() const { return static_cast<std::uint32_t>(kBank.extract_from(key_)); }
   friend auto operator<=>(const ScheduledCommand&, const ScheduledCommand&) = default;
 
  private:
   /// A field of `bits` bits of the key, from bit `first` on.
   struct BitField {
     std::uint32_t first, bits;
-    constexpr std::uint64_t of(std::uint64_t key) const { return key >> first & ((std::uint64_t{1} << bits) - 1); }
+    constexpr std::uint64_t extract_from(std::uint64_t key) const {
+      return key >> first & ((std::uint64_t{1} << bits) - 1);
+    }
   };
   static constexpr BitField kBank{0, 5}, kPosition{5, 6}, kCommand{11, 2}, kAt{13, 51};
 
@@ -51,33 +53,33 @@ struct EligibleBanks {
 /// First ready, first come, first served (Rixner et al. 2000): hits may overtake older requests of their bank until the
 /// queue's oldest request is overdue.
 struct FrFcfs {
-  static EligibleBanks eligible(const DramQueue& queue, bool is_overdue) {
-    EligibleBanks banks{queue.banks(), queue.hit_banks()};
+  static EligibleBanks eligible_banks(const DramQueue& queue, bool is_overdue) {
+    EligibleBanks banks{queue.requested_banks(), queue.hit_banks()};
     if (is_overdue) [[unlikely]]
       banks.columns = without_overtaking(queue);
     return banks;
   }
   /// Returns the banks with hits. The oldest request's bank is included only if that request is a hit.
   static std::uint32_t without_overtaking(const DramQueue& queue) {
-    const std::uint32_t bank = queue.oldest().address.bank;
-    return (queue.hits(bank) & 1) != 0 ? queue.hit_banks() : queue.hit_banks() & ~(1U << bank);
+    const std::uint32_t bank = queue.oldest_entry().address.bank;
+    return (queue.hit_positions(bank) & 1) != 0 ? queue.hit_banks() : queue.hit_banks() & ~(1U << bank);
   }
 };
 
 /// Strictly first come, first served: the oldest request blocks all others.
 struct Fcfs {
-  static EligibleBanks eligible(const DramQueue& queue, bool /*is_overdue*/) {
-    return {1U << queue.oldest().address.bank, FrFcfs::without_overtaking(queue)};
+  static EligibleBanks eligible_banks(const DramQueue& queue, bool /*is_overdue*/) {
+    return {1U << queue.oldest_entry().address.bank, FrFcfs::without_overtaking(queue)};
   }
 };
 
 /// Chooses a channel's next command among the banks that the policy allows: the earliest one; of equals, a column
 /// command before an activate before a precharge; then that of the oldest request.
-class DramScheduling {
+class DramScheduler {
  public:
   using Cycle = DramDevice::Cycle;
 
-  DramScheduling(const DramConfig& config, const DramDevice& device)
+  DramScheduler(const DramConfig& config, const DramDevice& device)
       : policy_(config.controller.scheduler), ranks_(config.organisation.ranks), device_(device) {}
 
   /// `is_overdue`: the oldest request has exceeded the age limit.
@@ -88,7 +90,7 @@ class DramScheduling {
   void best_of(const DramQueue& queue, std::uint32_t banks, std::uint32_t rank, bool writes, Cycle from,
                ScheduledCommand& best) const;
 
-  const DramScheduler policy_;
+  const DramSchedulingPolicy policy_;
   const std::uint32_t ranks_;
   const DramDevice& device_;
 };
@@ -103,10 +105,10 @@ class DramPagePolicy {
 
   /// True if the row is closed with its last queued hit, which is being served. `others`: requests for other rows of
   /// the bank wait.
-  bool closes(std::uint32_t bank, std::uint32_t row, bool others) {
+  bool closes_row(std::uint32_t bank, std::uint32_t row, bool others) {
     if (policy_ != PagePolicy::kAdaptive) return policy_ == PagePolicy::kClosed;
     if (others) {
-      count(bank, true);
+      count_next_row(bank, true);
       return true;
     }
     last_row_[bank] = row;
@@ -115,14 +117,14 @@ class DramPagePolicy {
   }
 
   /// Notes the arrival of a request for the bank.
-  void requested(std::uint32_t bank, std::uint32_t row) {
+  void note_request(std::uint32_t bank, std::uint32_t row) {
     if ((unproven_ >> bank & 1) == 0) return;
     unproven_ &= ~(1U << bank);
-    count(bank, row != last_row_[bank]);
+    count_next_row(bank, row != last_row_[bank]);
   }
 
  private:
-  void count(std::uint32_t bank, bool other) {
+  void count_next_row(std::uint32_t bank, bool other) {
     std::uint8_t& n = others_[bank];
     if (other ? n < 3 : n > 0) n = static_cast<std::uint8_t>(other ? n + 1 : n - 1);
   }

@@ -54,13 +54,13 @@ enum class DramScope : std::uint8_t { kBank, kBankGroup, kRank, kOtherRanks };
 struct DramTerms : DramTiming {
   explicit DramTerms(const DramConfig& c)
       : DramTiming(c.timing),
-        train(std::int64_t{c.bursts_per_line() - 1} * ccd_l),
+        column_span(std::int64_t{c.bursts_per_line() - 1} * ccd_l),
         read_latency(std::int64_t{rl} + dqsck),
         write_latency(std::int64_t{wl} + dqss),
-        read_end(train + read_latency + burst),
-        write_end(train + write_latency + burst) {}
+        read_end(column_span + read_latency + burst),
+        write_end(column_span + write_latency + burst) {}
 
-  std::int64_t train;                        ///< from the first to the last column command of a line
+  std::int64_t column_span;                  ///< from the first to the last column command of a line
   std::int64_t read_latency, write_latency;  ///< from a column command to its first data
   std::int64_t read_end, write_end;          ///< from the first column command of a line to the end of its data
 };
@@ -91,21 +91,23 @@ inline constexpr auto kDramConstraints = [] {
 
       {kBank, Op::kPrecharge, Op::kActivate, [](Terms t) { return std::int64_t{t.rp}; }},
 
-      {kBank, Op::kRead, Op::kPrecharge, [](Terms t) { return t.train + t.rtp; }},
-      {kBankGroup, Op::kRead, Op::kRead, [](Terms t) { return t.train + t.ccd_l; }},
-      {kBankGroup, Op::kRead, Op::kWrite, [](Terms t) { return t.train + t.ccd_l; }},
+      {kBank, Op::kRead, Op::kPrecharge, [](Terms t) { return t.column_span + t.rtp; }},
+      {kBankGroup, Op::kRead, Op::kRead, [](Terms t) { return t.column_span + t.ccd_l; }},
+      {kBankGroup, Op::kRead, Op::kWrite, [](Terms t) { return t.column_span + t.ccd_l; }},
       {kRank, Op::kRead, Op::kWrite, [](Terms t) { return t.read_end + t.rtw - t.wl; }, Reason::kTurnaround},
-      {kOtherRanks, Op::kRead, Op::kRead, [](Terms t) { return t.train + t.burst + t.rtrs; }, Reason::kRankSwitch},
+      {kOtherRanks, Op::kRead, Op::kRead, [](Terms t) { return t.column_span + t.burst + t.rtrs; },
+       Reason::kRankSwitch},
       {kOtherRanks, Op::kRead, Op::kWrite, [](Terms t) { return t.read_end + t.rtw - t.wl; }, Reason::kTurnaround},
       {kOtherRanks, Op::kRead, Op::kWrite, [](Terms t) { return t.read_end + t.rtrs - t.wl; }, Reason::kRankSwitch},
 
       {kBank, Op::kWrite, Op::kPrecharge, [](Terms t) { return t.write_end + t.wr; }},
-      {kBankGroup, Op::kWrite, Op::kRead, [](Terms t) { return t.train + t.write_latency + t.ccd_l + t.wtr_l; }},
-      {kBankGroup, Op::kWrite, Op::kWrite, [](Terms t) { return t.train + t.ccd_l; }},
+      {kBankGroup, Op::kWrite, Op::kRead, [](Terms t) { return t.column_span + t.write_latency + t.ccd_l + t.wtr_l; }},
+      {kBankGroup, Op::kWrite, Op::kWrite, [](Terms t) { return t.column_span + t.ccd_l; }},
       {kRank, Op::kWrite, Op::kRead, [](Terms t) { return t.write_end + t.wtr_s; }, Reason::kTurnaround},
       {kOtherRanks, Op::kWrite, Op::kRead, [](Terms t) { return t.write_end + t.rtrs - t.read_latency; },
        Reason::kRankSwitch},
-      {kOtherRanks, Op::kWrite, Op::kWrite, [](Terms t) { return t.train + t.burst + t.rtrs; }, Reason::kRankSwitch},
+      {kOtherRanks, Op::kWrite, Op::kWrite, [](Terms t) { return t.column_span + t.burst + t.rtrs; },
+       Reason::kRankSwitch},
 
       {kBank, Op::kRefresh, Op::kActivate, [](Terms t) { return std::int64_t{t.rfc_pb}; }},
       {kBank, Op::kRefreshRank, Op::kActivate, [](Terms t) { return std::int64_t{t.rfc_ab}; }},

@@ -25,22 +25,22 @@ sim::Time Dma::tick(sim::Time now) {
     links_.done_out.push(now, DmaDone{job_.tag});
     if (links_.observer != nullptr) {
       notify(*links_.observer,
-             TransferEnded{links_.core, job_.owner, job_.area, job_.write, job_.base, job_.bytes, begun_at_, now});
+             TransferEnded{links_.core, job_.tile, job_.area, job_.write, job_.base, job_.bytes, begun_at_, now});
     }
     active_ = false;
     stats_.jobs += 1;
   }
   const auto reason = [&](sim::Time at) {
     if (!active_) return CycleReason::kIdle;
-    return encodes(at) ? CycleReason::kEncoding : CycleReason::kWaiting;
+    return is_encoding(at) ? CycleReason::kEncoding : CycleReason::kWaiting;
   };
   activity_.spend(now, clock_.period(), moved ? CycleReason::kMoving : reason(now), reason(clock_.after(now, 1)));
   return next_wake(now);
 }
 
 bool Dma::move_line(sim::Time now) {
-  if (lines_left_ == 0 || encodes(now) || !links_.memory_out.can_push(now)) return false;
-  links_.memory_out.push(now, MemRequest{next_line_, port_, 0, job_.write, kWholeLine, job_.owner});
+  if (lines_left_ == 0 || is_encoding(now) || !links_.memory_out.can_push(now)) return false;
+  links_.memory_out.push(now, MemRequest{next_line_, client_, 0, job_.write, kWholeLine, job_.tile});
   next_line_ += kLineBytes;
   lines_left_ -= 1;
   encoded_at_ = clock_.after(now, job_.encode_cycles);
@@ -57,7 +57,7 @@ sim::Time Dma::next_wake(sim::Time now) const {
   if (!active_) {
     at = std::min(at, std::max(next, links_.jobs_in.pop_at()));
   } else if (lines_left_ > 0) {
-    at = std::min(at, encodes(next) ? encoded_at_ : std::max(next, links_.memory_out.push_at()));
+    at = std::min(at, is_encoding(next) ? encoded_at_ : std::max(next, links_.memory_out.push_at()));
   } else if (replies_left_ == 0) {
     at = std::min(at, std::max(next, links_.done_out.push_at()));
   }

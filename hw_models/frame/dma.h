@@ -64,7 +64,7 @@ class Dma {
     std::uint32_t core = 0;  ///< number of its core in events
   };
 
-  Dma(Links links, std::uint16_t port, sim::Clock clock) : clock_(clock), links_(links), port_(port) {}
+  Dma(Links links, std::uint16_t client, sim::Clock clock) : clock_(clock), links_(links), client_(client) {}
   Dma(const Dma&) = delete;
   Dma& operator=(const Dma&) = delete;
 
@@ -79,11 +79,11 @@ class Dma {
  private:
   bool move_line(sim::Time now);
   sim::Time next_wake(sim::Time now) const;
-  bool encodes(sim::Time now) const { return active_ && lines_left_ > 0 && now < encoded_at_; }
+  bool is_encoding(sim::Time now) const { return active_ && lines_left_ > 0 && now < encoded_at_; }
 
   const sim::Clock clock_;
   Links links_;
-  const std::uint16_t port_;
+  const std::uint16_t client_;
   bool active_ = false;
   DmaJob job_;
   Addr next_line_ = 0;

@@ -7,19 +7,19 @@
 namespace hw {
 namespace {
 
-MemoryInterface::Rays::Shape rays_of(const DirectInterfaceConfig& c, Addr base, std::uint16_t port) {
-  return {base, c.ray_bytes, c.ring, c.depth, port};
+MemoryInterface::Rays::Shape rays_of(const DirectInterfaceConfig& c, Addr base, std::uint16_t client) {
+  return {base, c.ray_bytes, c.ring, c.depth, client};
 }
-MemoryInterface::Hits::Shape hits_of(const DirectInterfaceConfig& c, Addr base, std::uint16_t port) {
-  return {base + MemoryInterface::Rays::bytes_of(rays_of(c, base, port)), c.hit_bytes, c.ring, c.depth,
-          static_cast<std::uint16_t>(port + 1)};
+MemoryInterface::Hits::Shape hits_of(const DirectInterfaceConfig& c, Addr base, std::uint16_t client) {
+  return {base + MemoryInterface::Rays::bytes_of(rays_of(c, base, client)), c.hit_bytes, c.ring, c.depth,
+          static_cast<std::uint16_t>(client + 1)};
 }
 
 }  // namespace
 
-MemoryInterface::MemoryInterface(const DirectInterfaceConfig& config, Addr base, std::uint16_t port,
+MemoryInterface::MemoryInterface(const DirectInterfaceConfig& config, Addr base, std::uint16_t client,
                                  const Rays::Links& rays, const Hits::Links& hits, sim::Clock clock)
-    : clock_(clock), rays_(rays_of(config, base, port), rays), hits_(hits_of(config, base, port), hits) {}
+    : clock_(clock), rays_(rays_of(config, base, client), rays), hits_(hits_of(config, base, client), hits) {}
 
 Addr MemoryInterface::bytes_of(const DirectInterfaceConfig& config) {
   return Rays::bytes_of(rays_of(config, 0, 0)) + Hits::bytes_of(hits_of(config, 0, 0));
@@ -30,7 +30,8 @@ sim::Time MemoryInterface::tick(sim::Time now) {
   moved |= rays_.tick(now);
   constexpr std::array kWaits{CycleReason::kIdle, CycleReason::kMemory, CycleReason::kPortFull,
                               CycleReason::kOutputFull};
-  const auto waits = std::max(static_cast<std::size_t>(hits_.waits(now)), static_cast<std::size_t>(rays_.waits(now)));
+  const auto waits =
+      std::max(static_cast<std::size_t>(hits_.wait_state(now)), static_cast<std::size_t>(rays_.wait_state(now)));
   const CycleReason then = kWaits[waits];
   activity_.spend(now, clock_.period(), moved ? CycleReason::kMoving : then, then);
   const sim::Time next = clock_.after(now, 1);
@@ -39,20 +40,20 @@ sim::Time MemoryInterface::tick(sim::Time now) {
 
 void MemoryInterface::finish(sim::Time end) {
   activity_.finish(end);
-  const Rays::Counts& rays = rays_.counts();
-  const Hits::Counts& hits = hits_.counts();
+  const Rays::Counts& rays = rays_.transfer_counts();
+  const Hits::Counts& hits = hits_.transfer_counts();
   stats_ = {.rays = rays.records,
             .hits = hits.records,
             .ray_writes = rays.written,
             .ray_reads = rays.read,
             .hit_writes = hits.written,
             .hit_reads = hits.read,
-            .ray_latency = clock_.cycles(rays_.latency().until(end)),
-            .hit_latency = clock_.cycles(hits_.latency().until(end))};
+            .ray_latency = clock_.cycles(rays_.latency_sum().sum_at(end)),
+            .hit_latency = clock_.cycles(hits_.latency_sum().sum_at(end))};
 }
 
 std::string MemoryInterface::state() const {
-  return fmt::format("{} rays and {} hits on their way through memory", rays_.inside(), hits_.inside());
+  return fmt::format("{} rays and {} hits on their way through memory", rays_.records_inside(), hits_.records_inside());
 }
 
 }  // namespace hw

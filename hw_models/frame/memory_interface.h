@@ -26,12 +26,12 @@ namespace hw {
 /// 3. A read follows its write on the same link, so it cannot overtake the write on the way to the L2.
 /// 4. Memory holds up to `ring` records.
 template <class Record>
-class RecordStream {
+class MemoryFifo {
  public:
   struct Shape {
     Addr base = 0;  ///< start of the ring, at a line
     std::uint32_t record_bytes = 0, ring = 0, depth = 0;
-    std::uint16_t port = 0;  ///< number of this client at the core's port
+    std::uint16_t client = 0;  ///< number of this client at the core's port
   };
   struct Links {
     sim::Link<Record>& in;
@@ -44,8 +44,8 @@ class RecordStream {
   };
   enum class Waits : std::uint8_t { kNothing, kMemory, kPort, kOutput };
 
-  RecordStream(const Shape& shape, const Links& links)
-      : shape_(shape), links_(links), records_(shape.ring), chunks_(most_chunks(shape)) {}
+  MemoryFifo(const Shape& shape, const Links& links)
+      : shape_(shape), links_(links), records_(shape.ring), chunks_(max_chunks(shape)) {}
 
   /// Returns the bytes of memory of the ring, in whole lines.
   static Addr bytes_of(const Shape& shape) { return end_of_line(Addr{shape.ring} * shape.record_bytes - 1); }
@@ -53,29 +53,29 @@ class RecordStream {
   /// Does one cycle; true if anything moved.
   bool tick(sim::Time now) {
     take_lines(now);
-    bool moved = hand_on(now);
-    moved |= ask(now);
+    bool moved = deliver_record(now);
+    moved |= send_request(now);
     moved |= take_record(now);
     return moved;
   }
 
-  Waits waits(sim::Time now) const {
+  Waits wait_state(sim::Time now) const {
     if (has_record()) return Waits::kOutput;
-    if ((may_read() || may_write()) && !links_.memory_out.can_push(now)) return Waits::kPort;
+    if ((can_read() || can_write()) && !links_.memory_out.can_push(now)) return Waits::kPort;
     return accepted_ != delivered_ ? Waits::kMemory : Waits::kNothing;
   }
 
   sim::Time next_wake(sim::Time next) const {
     sim::Time at = links_.memory_in.pop_at();
     if (has_record()) at = std::min(at, links_.out.push_at());
-    if (may_read() || may_write()) at = std::min(at, links_.memory_out.push_at());
+    if (can_read() || can_write()) at = std::min(at, links_.memory_out.push_at());
     if (has_room()) at = std::min(at, links_.in.pop_at());
     return std::max(next, at);
   }
 
-  const Counts& counts() const { return counts_; }
-  std::uint64_t inside() const { return accepted_ - delivered_; }
-  const LatencySum& latency() const { return latency_; }
+  const Counts& transfer_counts() const { return counts_; }
+  std::uint64_t records_inside() const { return accepted_ - delivered_; }
+  const LatencySum& latency_sum() const { return latency_; }
 
  private:
   struct Entry {
@@ -85,52 +85,54 @@ class RecordStream {
   /// The bytes that one read request covers, up to byte `end`.
   struct Chunk {
     Addr end = 0;
-    bool come = false;
+    bool has_arrived = false;
   };
 
   static Addr end_of_line(Addr byte) { return line_of(byte) + kLineBytes; }
-  /// Returns the most outstanding read requests: each ends at the end of a record or of a line.
-  static std::size_t most_chunks(const Shape& s) { return s.depth * (std::size_t{s.record_bytes} / kLineBytes + 2); }
+  /// Returns the maximum number of outstanding read requests. Each ends at the end of a record or of a line.
+  static std::size_t max_chunks(const Shape& s) { return s.depth * (std::size_t{s.record_bytes} / kLineBytes + 2); }
 
   bool has_room() const { return accepted_ - delivered_ < shape_.ring; }
-  bool has_record() const { return come_ >= (delivered_ + 1) * shape_.record_bytes; }
-  bool may_read() const { return asked_ < written_ && asked_ < (delivered_ + shape_.depth) * shape_.record_bytes; }
-  bool may_write() const {
+  bool has_record() const { return arrived_ >= (delivered_ + 1) * shape_.record_bytes; }
+  bool can_read() const {
+    return requested_ < written_ && requested_ < (delivered_ + shape_.depth) * shape_.record_bytes;
+  }
+  bool can_write() const {
     const Addr accepted = accepted_ * shape_.record_bytes;
     if (written_ == accepted) return false;
     return accepted >= end_of_line(written_) || written_ / shape_.record_bytes == delivered_;
   }
 
   void take_lines(sim::Time now) {
-    while (links_.memory_in.can_pop(now)) chunks_[links_.memory_in.pop(now).tag].come = true;
-    for (; first_ != last_ && chunks_[first_ % chunks_.size()].come; ++first_) {
-      come_ = chunks_[first_ % chunks_.size()].end;
+    while (links_.memory_in.can_pop(now)) chunks_[links_.memory_in.pop(now).tag].has_arrived = true;
+    for (; first_ != last_ && chunks_[first_ % chunks_.size()].has_arrived; ++first_) {
+      arrived_ = chunks_[first_ % chunks_.size()].end;
     }
   }
 
-  bool hand_on(sim::Time now) {
+  bool deliver_record(sim::Time now) {
     if (!has_record() || !links_.out.can_push(now)) return false;
     const Entry& entry = records_[delivered_ % shape_.ring];
     links_.out.push(now, entry.record);
-    latency_.depart(entry.arrived, now);
+    latency_.note_departure(entry.arrived, now);
     delivered_ += 1;
     return true;
   }
 
   /// Sends a request. Reads go first, as they free room.
-  bool ask(sim::Time now) {
-    const bool read = may_read();
-    if ((!read && !may_write()) || !links_.memory_out.can_push(now)) return false;
-    Addr& at = read ? asked_ : written_;
+  bool send_request(sim::Time now) {
+    const bool read = can_read();
+    if ((!read && !can_write()) || !links_.memory_out.can_push(now)) return false;
+    Addr& at = read ? requested_ : written_;
     const Addr end = std::min(end_of_line(at), read ? written_ : accepted_ * shape_.record_bytes);
     const auto first = static_cast<std::uint32_t>(at % kLineBytes / kSectorBytes);
     const auto past = static_cast<std::uint32_t>((end - 1) % kLineBytes / kSectorBytes + 1);
     MemRequest request{shape_.base + line_of(at) % bytes_of(shape_),
-                       shape_.port,
+                       shape_.client,
                        0,
                        !read,
                        static_cast<SectorMask>((1U << past) - (1U << first)),
-                       records_[at / shape_.record_bytes % shape_.ring].record.owner};
+                       records_[at / shape_.record_bytes % shape_.ring].record.tile};
     if (read) {
       request.tag = static_cast<std::uint16_t>(last_ % chunks_.size());
       chunks_[request.tag] = {end, false};
@@ -146,7 +148,7 @@ class RecordStream {
     if (!has_room() || !links_.in.can_pop(now)) return false;
     const sim::Time arrived = links_.in.pop_at();
     records_[accepted_ % shape_.ring] = {links_.in.pop(now), arrived};
-    latency_.arrive(arrived);
+    latency_.note_arrival(arrived);
     accepted_ += 1;
     counts_.records += 1;
     return true;
@@ -154,11 +156,11 @@ class RecordStream {
 
   const Shape shape_;
   Links links_;
-  std::vector<Entry> records_;                  ///< contents of the ring; memory itself holds no data
-  std::vector<Chunk> chunks_;                   ///< requested chunks, in order
-  std::uint64_t first_ = 0, last_ = 0;          ///< outstanding chunks: [first_, last_)
-  std::uint64_t accepted_ = 0, delivered_ = 0;  ///< number of records so far
-  Addr written_ = 0, asked_ = 0, come_ = 0;     ///< number of bytes so far
+  std::vector<Entry> records_;                      ///< contents of the ring; memory itself holds no data
+  std::vector<Chunk> chunks_;                       ///< requested chunks, in order
+  std::uint64_t first_ = 0, last_ = 0;              ///< outstanding chunks: [first_, last_)
+  std::uint64_t accepted_ = 0, delivered_ = 0;      ///< number of records so far
+  Addr written_ = 0, requested_ = 0, arrived_ = 0;  ///< number of bytes so far
   Counts counts_;
   LatencySum latency_;
 };
@@ -200,11 +202,11 @@ class MemoryInterface {
       counter(NAMED(s.hit_latency), "the same for hits", "", kAtEnd);
     }
   };
-  using Rays = RecordStream<RayJob>;
-  using Hits = RecordStream<RayDone>;
+  using Rays = MemoryFifo<RayJob>;
+  using Hits = MemoryFifo<RayDone>;
 
   /// `base`: start of its memory. `port`: client number of the rays; that of the hits is `port` + 1.
-  MemoryInterface(const DirectInterfaceConfig& config, Addr base, std::uint16_t port, const Rays::Links& rays,
+  MemoryInterface(const DirectInterfaceConfig& config, Addr base, std::uint16_t client, const Rays::Links& rays,
                   const Hits::Links& hits, sim::Clock clock);
   MemoryInterface(const MemoryInterface&) = delete;
   MemoryInterface& operator=(const MemoryInterface&) = delete;

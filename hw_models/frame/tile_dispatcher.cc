@@ -16,14 +16,14 @@ TileDispatcher::TileDispatcher(TileSource& source, TilesInFlight tiles_per_core,
       in_flight_(links_.to_core.size()),
       start_at_(links_.to_core.size()) {
   for (std::size_t core = 0; core < starts.size(); ++core) start_at_[core] = clock.after(0, starts[core]);
-  importers_.reserve(tiles_per_core.most() * links_.to_core.size());
+  importers_.reserve(tiles_per_core.max_tiles() * links_.to_core.size());
 }
 
 sim::Time TileDispatcher::tick(sim::Time now) {
-  collect(now);
-  flush(now);
+  collect_messages(now);
+  flush_l2(now);
   notify_importers(now);
-  const bool dispatched = next_ != nullptr && !must_wait() && dispatch(now);
+  const bool dispatched = next_ != nullptr && !must_wait() && dispatch_tile(now);
   const bool waits = next_ != nullptr && must_wait();
   const CycleReason then = next_ == nullptr ? CycleReason::kIdle
                            : waits          ? CycleReason::kWaiting
@@ -39,7 +39,7 @@ sim::Time TileDispatcher::tick(sim::Time now) {
     }
   }
   for (const Importer& i : importers_) {
-    if (i.has_news) at = std::min(at, std::max(next, links_.to_core[i.core]->push_at()));
+    if (i.update_pending) at = std::min(at, std::max(next, links_.to_core[i.core]->push_at()));
   }
   return at;
 }
@@ -51,7 +51,7 @@ bool TileDispatcher::has_room(std::size_t core) const {
   return in_flight_[core] < (later ? tiles_per_core_.later : tiles_per_core_.first);
 }
 
-bool TileDispatcher::dispatch(sim::Time now) {
+bool TileDispatcher::dispatch_tile(sim::Time now) {
   const std::size_t cores = in_flight_.size();
   for (std::size_t k = 0; k < cores; ++k) {
     const std::size_t core = (turn_ + k) % cores;
@@ -59,7 +59,7 @@ bool TileDispatcher::dispatch(sim::Time now) {
     const auto tag = static_cast<TileTag>(stats_.dispatched & kTileTagMask);
     if (links_.observer != nullptr)
       notify(*links_.observer, TileDispatched{tag, static_cast<std::uint32_t>(core), now});
-    const TileJob job{next_, missing(*next_), tag};
+    const TileJob job{next_, missing_borders(*next_), tag};
     links_.to_core[core]->push(now, job);
     if (job.missing != 0) {
       importers_.push_back({core, job});
@@ -77,34 +77,35 @@ bool TileDispatcher::dispatch(sim::Time now) {
   return false;
 }
 
-void TileDispatcher::collect(sim::Time now) {
+void TileDispatcher::collect_messages(sim::Time now) {
   for (std::size_t core = 0; core < in_flight_.size(); ++core) {
     if (!links_.from_core[core]->can_pop(now)) continue;
     const TileDone done = links_.from_core[core]->pop(now);
     if (done.border != traces::WorkNode::kNone) {
-      written(done.work->tile, 1U << done.border);
+      note_borders_written(done.work->tile, 1U << done.border);
       stats_.borders += 1;
       continue;
     }
-    written(done.work->tile, (1U << traces::kMostBorders) - 1);  // borders that it has not written will not change
-    if (links_.observer != nullptr) notify(*links_.observer, TileFinished{done.owner, now});
+    note_borders_written(done.work->tile,
+                         (1U << traces::kMostBorders) - 1);  // borders that it has not written will not change
+    if (links_.observer != nullptr) notify(*links_.observer, TileFinished{done.tile, now});
     source_.give_back(done.work);
     in_flight_[core] -= 1;
     stats_.finished += 1;
   }
 }
 
-void TileDispatcher::written(std::uint32_t tile, std::uint32_t borders) {
+void TileDispatcher::note_borders_written(std::uint32_t tile, std::uint32_t borders) {
   if (written_.size() <= tile) written_.resize(std::size_t{tile} + 1);
   written_[tile] = static_cast<std::uint8_t>(written_[tile] | borders);
   for (Importer& i : importers_) {
-    const std::uint32_t left = i.job.missing & missing(*i.job.work);
-    i.has_news |= left != i.job.missing;
+    const std::uint32_t left = i.job.missing & missing_borders(*i.job.work);
+    i.update_pending |= left != i.job.missing;
     i.job.missing = left;
   }
 }
 
-std::uint32_t TileDispatcher::missing(const traces::TileWork& work) const {
+std::uint32_t TileDispatcher::missing_borders(const traces::TileWork& work) const {
   std::uint32_t bits = 0;
   for (std::size_t i = 0; i < work.imports.size(); ++i) {
     const auto [tile, number] = work.imports[i];
@@ -116,15 +117,15 @@ std::uint32_t TileDispatcher::missing(const traces::TileWork& work) const {
 /// Sends border updates to the cores that import them and have room.
 void TileDispatcher::notify_importers(sim::Time now) {
   for (Importer& i : importers_) {
-    if (!i.has_news || !links_.to_core[i.core]->can_push(now)) continue;
+    if (!i.update_pending || !links_.to_core[i.core]->can_push(now)) continue;
     links_.to_core[i.core]->push(now, i.job);
-    i.has_news = false;
+    i.update_pending = false;
   }
-  std::erase_if(importers_, [](const Importer& i) { return !i.has_news && i.job.missing == 0; });
+  std::erase_if(importers_, [](const Importer& i) { return !i.update_pending && i.job.missing == 0; });
 }
 
-void TileDispatcher::flush(sim::Time now) {
-  if (flushed_ || !done()) return;
+void TileDispatcher::flush_l2(sim::Time now) {
+  if (flushed_ || !is_done()) return;
   flushed_ = true;
   for (sim::Link<Flush>* bank : links_.to_l2) bank->push(now, Flush{});
 }

@@ -79,29 +79,29 @@ class TileDispatcher {
   /// True if there are tiles left to dispatch.
   bool has_more() const { return next_ != nullptr; }
   /// True if all tiles have been dispatched and finished.
-  bool done() const { return next_ == nullptr && stats_.dispatched == stats_.finished; }
+  bool is_done() const { return next_ == nullptr && stats_.dispatched == stats_.finished; }
   std::string state() const;
 
-  /// Most messages in flight from a core with `tiles` tiles: borders and ends of tiles.
-  static constexpr std::size_t most_done(std::size_t tiles) { return tiles * (traces::kMostBorders + 1); }
+  /// Returns the maximum number of messages in flight from a core with `tiles` tiles: borders and ends of tiles.
+  static constexpr std::size_t max_messages(std::size_t tiles) { return tiles * (traces::kMostBorders + 1); }
 
  private:
   /// A tile in flight with missing borders.
   struct Importer {
     std::size_t core = 0;
     TileJob job;
-    bool has_news = false;
+    bool update_pending = false;
   };
 
-  bool dispatch(sim::Time now);
+  bool dispatch_tile(sim::Time now);
   /// True if the next tile must wait until all tiles before it are finished.
   bool must_wait() const;
   bool has_room(std::size_t core) const;
-  void collect(sim::Time now);
-  void written(std::uint32_t tile, std::uint32_t borders);
-  std::uint32_t missing(const traces::TileWork& work) const;
+  void collect_messages(sim::Time now);
+  void note_borders_written(std::uint32_t tile, std::uint32_t borders);
+  std::uint32_t missing_borders(const traces::TileWork& work) const;
   void notify_importers(sim::Time now);
-  void flush(sim::Time now);
+  void flush_l2(sim::Time now);
 
   TileSource& source_;
   const TilesInFlight tiles_per_core_;

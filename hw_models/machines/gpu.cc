@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "hw_models/frame/tile_lines.h"
-#include "hw_models/machines/patience.h"
+#include "hw_models/machines/livelock_timeout.h"
 #include "hw_models/tni/tni_core.h"
 #include "shader_kernels/catalogue.h"
 #include "sim/hash.h"
@@ -17,7 +17,7 @@ ScheduledKernels schedule_kernels(const GpuConfig& config) {
   if (config.ideal.tile_buffer) srp.array.local_ports = 64;  // more than any kernel can use
   ScheduledKernels out;
   for (const kernels::KernelInfo& kernel : kernels::kernel_catalogue()) {
-    out.kernels.push_back(schedule(kernel.graph, srp));
+    out.kernels.push_back(schedule_kernel(kernel.graph, srp));
     out.conflicts.push_back(bank_conflicts(out.kernels.back(), kernel.graph, config.tile_buffer.banks));
   }
   return out;
@@ -83,7 +83,7 @@ Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles, c
       machine_(config.clocks.synchroniser),
       memory_(machine_, config_, MemorySystem::Dma::kYes, perturbation.dram, workload.observer),
       dispatcher_id_(machine_.unit({TileDispatcher::kName, l2_clock_})) {
-  patience_ = hw::patience(config, scheduled_->kernels, scheduled_->conflicts);
+  patience_ = hw::livelock_timeout(config, scheduled_->kernels, scheduled_->conflicts);
 
   TileDispatcher::Links links;
   links.observer = workload.observer;
@@ -95,7 +95,7 @@ Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles, c
   // The L2 gets writes only of rays, hits and the results of a rasteriser's geometry pass.
   const bool writes = !config.direct_interface.enabled || workload.needs.raster;
   const bool keeps_writes = writes && config.l2.writes == L2Writes::kBack && !config.ideal.l2;
-  if (keeps_writes) links.to_l2 = memory_.flushes(dispatcher_id_);
+  if (keeps_writes) links.to_l2 = memory_.link_flushes(dispatcher_id_);
   dispatcher_ =
       &machine_.build<TileDispatcher>(dispatcher_id_, tiles, in_flight_, links, l2_clock_, perturbation.starts);
   for (std::uint32_t c = 0; c < config.cores; ++c) build_core(c, workload);
@@ -105,13 +105,13 @@ Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles, c
 Gpu::Core& Gpu::declare_core(std::uint32_t c) {
   const sim::UnitId srp = machine_.unit({name_in_core(Srp::kName, c), srp_clock_, c + 1, config_.srp.sram_bytes(),
                                          config_.srp.data_cache.size.bytes, config_.srp.array.parts()});
-  const std::uint32_t in_flight = in_flight_.most();
+  const std::uint32_t in_flight = in_flight_.max_tiles();
   const auto known = sim::Lookahead::kByOwner;  // run_limits() limits the lookahead of tiles
   TniCore tni(machine_, config_.tni, {config_.ideal.tni, config_.ideal.l1}, c, tni_clock_);
   memory_.declare_ports();
   return cores_.emplace_back(
       Core{srp, std::move(tni), machine_.link<TileJob>(in_flight, 1, dispatcher_id_, srp, known),
-           machine_.link<TileDone>(TileDispatcher::most_done(in_flight + 1), 1, srp, dispatcher_id_, known)});
+           machine_.link<TileDone>(TileDispatcher::max_messages(in_flight + 1), 1, srp, dispatcher_id_, known)});
 }
 
 Gpu::Interface Gpu::link_interface(const Core& core, sim::UnitId between) {
@@ -132,7 +132,7 @@ Gpu::RasterWires Gpu::link_rasteriser(const Core& core, std::uint32_t c) {
       machine_.unit({name_in_core(RasterUnit::kName, c), tni_clock_, c + 1, raster.sram_bytes(), raster.l1.size.bytes});
   auto& jobs = machine_.link<RasterJob>(raster.jobs, 1, core.srp_id, unit);
   auto& done = machine_.link<RasterDone>(2 * raster.jobs, 1, unit, core.srp_id);
-  return {unit, jobs, done, memory_.cache_client(c, {unit, raster.l1.mshrs, RequesterKind::kRaster})};
+  return {unit, jobs, done, memory_.add_cache_client(c, {unit, raster.l1.mshrs, RequesterKind::kRaster})};
 }
 
 Srp::Frame Gpu::frame_of(const Workload& workload, std::uint32_t core) const {
@@ -159,10 +159,11 @@ void Gpu::build_core(std::uint32_t c, const Workload& workload) {
   if (!direct.enabled) between = machine_.unit({name_in_core(MemoryInterface::kName, c), l2_clock_, c + 1});
   const Interface wires = link_interface(core, between.value_or(core.srp_id));
 
-  const std::vector<MemoryPort> tni = memory_.cache_clients(c, core.tni.memory_clients());
-  const MemoryPort data = memory_.cache_client(c, {core.srp_id, config_.srp.data_cache.mshrs, RequesterKind::kShading});
-  const MemoryPort transfers = memory_.dma_client(c, dma);
-  const std::uint32_t in_flight = in_flight_.most();
+  const std::vector<MemoryPort> tni = memory_.add_cache_clients(c, core.tni.memory_clients());
+  const MemoryPort data =
+      memory_.add_cache_client(c, {core.srp_id, config_.srp.data_cache.mshrs, RequesterKind::kShading});
+  const MemoryPort transfers = memory_.add_dma_client(c, dma);
+  const std::uint32_t in_flight = in_flight_.max_tiles();
   auto& dma_jobs = machine_.link<DmaJob>(in_flight, 1, core.srp_id, dma);
   auto& dma_dones = machine_.link<DmaDone>(in_flight, 1, dma, core.srp_id);
 
@@ -174,8 +175,8 @@ void Gpu::build_core(std::uint32_t c, const Workload& workload) {
                  dma_jobs, dma_dones, raster ? &raster->jobs : nullptr, raster ? &raster->done : nullptr},
       data.client, srp_clock_);
   machine_.report_subunit(name_in_core(TileBuffer::kName, c), core.srp->tile_buffer(), config_.tile_buffer.size.bytes);
-  core.tni.build(machine_, scene_in_memory(workload.image, workload.parents), direct.interval,
-                 {wires.rays_to_tni, wires.hits_from_tni, tni});
+  core.tni.build_units(machine_, scene_in_memory(workload.image, workload.parents), direct.interval,
+                       {wires.rays_to_tni, wires.hits_from_tni, tni});
   core.dma = &machine_.build<Dma>(
       dma, Dma::Links{dma_jobs, dma_dones, transfers.requests, transfers.responses, workload.observer, c},
       transfers.client, srp_clock_);
@@ -188,9 +189,9 @@ void Gpu::build_core(std::uint32_t c, const Workload& workload) {
   std::vector<MemoryPort> records;  // of the rays, then of the hits
   if (between) {
     const MemoryClient client{*between, config_.interconnect.link_depth, RequesterKind::kRecords};
-    records = memory_.cache_clients(c, std::array{client, client});
+    records = memory_.add_cache_clients(c, std::array{client, client});
   }
-  core.tni.cluster(machine_, memory_.cache_port_id(c), memory_.build_ports(c));
+  core.tni.make_cluster(machine_, memory_.cache_port_id(c), memory_.build_ports(c));
   if (!between) return;
   const MemoryPort &rays = records[0], &hits = records[1];
   machine_.build<MemoryInterface>(
@@ -201,7 +202,7 @@ void Gpu::build_core(std::uint32_t c, const Workload& workload) {
 
 sim::RunLimits Gpu::run_limits(sim::Time now) const {
   // When all tiles are finished, the run may end at any time.
-  if (stopped_ || dispatcher_->done()) return {now, now};
+  if (stopped_ || dispatcher_->is_done()) return {now, now};
   const Core& core = cores_.front();
   const sim::Time dispatch = machine_.wake_time(dispatcher_id_), next_tile = dispatch + core.tiles_in.latency();
   const sim::Time lookahead = std::min(machine_.min_lookahead(), core.tiles_in.latency() + core.tiles_out.latency());
@@ -224,28 +225,28 @@ void Gpu::finish(sim::Time last_edge) {
 }
 
 std::vector<KernelUse> Gpu::kernel_use() const {
-  std::vector<KernelUse> sum(kernels().size());
+  std::vector<KernelUse> sum(kernel_schedules().size());
   for (const Core& core : cores_) {
     for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += core.srp->kernel_use()[k];
   }
   return sum;
 }
 
-void Gpu::warm(const traces::TileWork& work, std::uint32_t core) {
+void Gpu::warm_caches(const traces::TileWork& work, std::uint32_t core) {
   const Core& c = cores_[core];
   const std::vector<Trv*>& trvs = c.tni.trvs();
-  const Interleave banks = config_.l2.interleave();
-  const auto second_level = [&](Addr line) { memory_.banks()[banks.owner(line)]->warm(line); };
+  const Interleave banks = config_.l2.bank_interleave();
+  const auto second_level = [&](Addr line) { memory_.l2_banks()[banks.index_of(line)]->warm_line(line); };
   for_each_line(
       work, layout_,
       [&](std::uint32_t ray, Addr line) {
-        if (!trvs[ray % trvs.size()]->warm(line)) second_level(line);
+        if (!trvs[ray % trvs.size()]->warm_line(line)) second_level(line);
       },
       [&](Addr line) {
-        if (!c.tni.ist().warm(line)) second_level(line);
+        if (!c.tni.ist().warm_line(line)) second_level(line);
       },
       [&](Addr line) {
-        if (!c.srp->warm(line)) second_level(line);
+        if (!c.srp->warm_line(line)) second_level(line);
       });
 }
 

@@ -70,36 +70,36 @@ class Gpu {
 
   // Interface for the engine (sim/engine.h).
   sim::Machine& machine() { return machine_; }
-  bool done() const { return stopped_ || (dispatcher_->done() && machine_.is_drained()); }
+  bool done() const { return stopped_ || (dispatcher_->is_done() && machine_.is_drained()); }
   sim::RunLimits run_limits(sim::Time now) const;
   sim::Time patience() const { return patience_; }
 
   /// Charges every unit's time up to the end of the run. Called once, with the time that the engine returned.
   void finish(sim::Time last_edge);
   /// Returns the end of the run, rounded up to whole T&I cycles; after finish().
-  sim::Time elapsed() const { return elapsed_; }
-  std::uint64_t cycles() const { return tni_clock_.cycles(elapsed_); }
+  sim::Time elapsed_time() const { return elapsed_; }
+  std::uint64_t elapsed_cycles() const { return tni_clock_.cycles(elapsed_); }
 
   /// Brings all counters up to a time at which a tile is dispatched, while the machine runs.
   void account_until(sim::Time now) { machine_.account_until(now); }
   /// Ends the run early, when the last tile of the list is dispatched. The tiles in flight are not finished.
-  void stop() { stopped_ = true; }
-  bool stopped() const { return stopped_; }
+  void stop_early() { stopped_ = true; }
+  bool is_stopped() const { return stopped_; }
 
   /// Returns the T&I cycles up to the last tick of the tile dispatcher, while the machine runs.
   std::uint64_t cycles_so_far() const { return tni_clock_.cycles(dispatcher_->activity().accounted_until()); }
 
   /// Returns the counters of all units, in a fixed order.
-  std::vector<sim::UnitReport> report() const { return machine_.report(); }
+  std::vector<sim::UnitReport> unit_reports() const { return machine_.report(); }
   /// Returns the cost of each kernel, summed over the cores, by KernelId.
   std::vector<KernelUse> kernel_use() const;
-  const std::vector<KernelSchedule>& kernels() const { return scheduled_->kernels; }
-  const std::shared_ptr<const ScheduledKernels>& scheduled() const { return scheduled_; }
-  std::uint32_t cores() const { return static_cast<std::uint32_t>(cores_.size()); }
+  const std::vector<KernelSchedule>& kernel_schedules() const { return scheduled_->kernels; }
+  const std::shared_ptr<const ScheduledKernels>& scheduled_kernels() const { return scheduled_; }
+  std::uint32_t core_count() const { return static_cast<std::uint32_t>(cores_.size()); }
 
   /// Warms the caches of a core with the lines that a tile reads, and the L2 with the lines that these caches miss.
   /// Takes no time and counts nothing.
-  void warm(const traces::TileWork& work, std::uint32_t core);
+  void warm_caches(const traces::TileWork& work, std::uint32_t core);
 
  private:
   struct Core {

@@ -59,7 +59,7 @@ void MemorySystem::link_to_banks(Port& cache) {
   const std::uint32_t depth = link_depth_ + distance_;
   const auto by_latency = sim::Lookahead::kByLatency;
   const std::size_t requests = config_.ideal.interconnect ? depth : 1,
-                    lines = config_.ideal.l2 ? depth : L2Bank::kAtOnce;
+                    lines = config_.ideal.l2 ? depth : L2Bank::kMaxLinesPerTick;
   for (Bank& bank : declared_banks_) {
     auto& up = machine_.link<MemRequest>(depth, distance_, cache.unit, bank.unit, by_latency, requests);
     auto& down = machine_.link<MemResponse>(depth, distance_, bank.unit, cache.unit, by_latency, lines);
@@ -77,7 +77,7 @@ void MemorySystem::link_to_channels(Port& dma) {
   const std::uint32_t depth = link_depth_ + distance_;
   const auto by_latency = sim::Lookahead::kByLatency;
   const std::size_t requests = config_.ideal.interconnect ? depth : 1;
-  const std::size_t lines = config_.ideal.dram ? depth : DramChannel::kAtOnce;
+  const std::size_t lines = config_.ideal.dram ? depth : DramChannel::kMaxLinesPerTick;
   for (Channel& channel : declared_channels_) {
     auto& up = machine_.link<MemRequest>(depth, distance_, dma.unit, channel.unit, by_latency, requests);
     auto& down = machine_.link<MemResponse>(depth, down_distance, channel.unit, dma.unit, by_latency, lines);
@@ -88,7 +88,7 @@ void MemorySystem::link_to_channels(Port& dma) {
   }
 }
 
-MemoryPort MemorySystem::client(Port& port, const MemoryClient& client, std::uint32_t request_depth) {
+MemoryPort MemorySystem::add_client(Port& port, const MemoryClient& client, std::uint32_t request_depth) {
   auto& up = machine_.link<MemRequest>(request_depth, 1, client.unit, port.unit);
   auto& down = machine_.link<MemResponse>(client.lines, 1, port.unit, client.unit);
   port.links.clients_in.push_back(&up);
@@ -97,21 +97,21 @@ MemoryPort MemorySystem::client(Port& port, const MemoryClient& client, std::uin
   return {up, down, static_cast<std::uint16_t>(port.links.clients_in.size() - 1)};
 }
 
-MemoryPort MemorySystem::cache_client(std::uint32_t core, const MemoryClient& one) {
-  return client(cache_ports_[core], one, config_.ideal.interconnect ? kIdealDepth : kRequestDepth);
+MemoryPort MemorySystem::add_cache_client(std::uint32_t core, const MemoryClient& one) {
+  return add_client(cache_ports_[core], one, config_.ideal.interconnect ? kIdealDepth : kRequestDepth);
 }
 
-std::vector<MemoryPort> MemorySystem::cache_clients(std::uint32_t core, std::span<const MemoryClient> clients) {
+std::vector<MemoryPort> MemorySystem::add_cache_clients(std::uint32_t core, std::span<const MemoryClient> clients) {
   std::vector<MemoryPort> all;
-  for (const MemoryClient& one : clients) all.push_back(cache_client(core, one));
+  for (const MemoryClient& one : clients) all.push_back(add_cache_client(core, one));
   return all;
 }
 
-MemoryPort MemorySystem::dma_client(std::uint32_t core, sim::UnitId dma) {
-  return client(dma_ports_[core], {dma, config_.dma.depth, RequesterKind::kTransfers}, config_.dma.depth);
+MemoryPort MemorySystem::add_dma_client(std::uint32_t core, sim::UnitId dma) {
+  return add_client(dma_ports_[core], {dma, config_.dma.depth, RequesterKind::kTransfers}, config_.dma.depth);
 }
 
-std::vector<sim::Link<Flush>*> MemorySystem::flushes(sim::UnitId from) {
+std::vector<sim::Link<Flush>*> MemorySystem::link_flushes(sim::UnitId from) {
   std::vector<sim::Link<Flush>*> all;
   for (Bank& bank : declared_banks_) all.push_back(bank.links.flush_in = &machine_.link<Flush>(1, 1, from, bank.unit));
   return all;
@@ -124,8 +124,8 @@ CorePort& MemorySystem::build_ports(std::uint32_t core) {
                                                                 clock_, config_.l2.cache.line.bytes,
                                                                 config_.ideal.interconnect));
   };
-  CorePort& caches = build(cache_ports_[core], config_.l2.interleave());
-  if (dma_ == Dma::kYes) build(dma_ports_[core], config_.dram.interleave());
+  CorePort& caches = build(cache_ports_[core], config_.l2.bank_interleave());
+  if (dma_ == Dma::kYes) build(dma_ports_[core], config_.dram.channel_interleave());
   return caches;
 }
 
@@ -133,7 +133,7 @@ void MemorySystem::build_banks_and_channels() {
   for (Bank& bank : declared_banks_) {
     bank.links.observer = observer_;
     banks_.push_back(&machine_.build<L2Bank>(bank.unit, config_.l2, static_cast<std::uint16_t>(banks_.size()),
-                                             bank.links, config_.dram.interleave(), clock_,
+                                             bank.links, config_.dram.channel_interleave(), clock_,
                                              config_.interconnect.arbitration, config_.ideal.l2));
   }
   for (Channel& channel : declared_channels_) {

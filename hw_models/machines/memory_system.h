@@ -33,21 +33,21 @@ class MemorySystem {
   /// Declares the ports of the next core.
   void declare_ports();
   /// Adds a client to a core's cache port.
-  MemoryPort cache_client(std::uint32_t core, const MemoryClient& client);
-  std::vector<MemoryPort> cache_clients(std::uint32_t core, std::span<const MemoryClient> clients);
+  MemoryPort add_cache_client(std::uint32_t core, const MemoryClient& client);
+  std::vector<MemoryPort> add_cache_clients(std::uint32_t core, std::span<const MemoryClient> clients);
   /// Links the DMA to its port, with dma.depth slots.
-  MemoryPort dma_client(std::uint32_t core, sim::UnitId dma);
+  MemoryPort add_dma_client(std::uint32_t core, sim::UnitId dma);
   /// Links from a unit to each bank that carry a Flush.
-  std::vector<sim::Link<Flush>*> flushes(sim::UnitId from);
+  std::vector<sim::Link<Flush>*> link_flushes(sim::UnitId from);
 
   /// Builds a core's ports, and returns its cache port.
   CorePort& build_ports(std::uint32_t core);
   sim::UnitId cache_port_id(std::uint32_t core) const { return cache_ports_[core].unit; }
   void build_banks_and_channels();
 
-  const std::vector<CorePort*>& ports() const { return built_ports_; }
-  const std::vector<L2Bank*>& banks() const { return banks_; }
-  const std::vector<DramChannel*>& channels() const { return channels_; }
+  const std::vector<CorePort*>& core_ports() const { return built_ports_; }
+  const std::vector<L2Bank*>& l2_banks() const { return banks_; }
+  const std::vector<DramChannel*>& dram_channels() const { return channels_; }
 
  private:
   struct Port {
@@ -66,7 +66,7 @@ class MemorySystem {
   void link_banks_to_channels();
   void link_to_banks(Port& cache);
   void link_to_channels(Port& dma);
-  MemoryPort client(Port& port, const MemoryClient& client, std::uint32_t request_depth);
+  MemoryPort add_client(Port& port, const MemoryClient& client, std::uint32_t request_depth);
 
   sim::Machine& machine_;
   const GpuConfig& config_;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "hw_models/machines/patience.h"
+#include "hw_models/machines/livelock_timeout.h"
 #include "hw_models/tni/tni_core.h"
 #include "sim/engine.h"
 #include "traces/walk.h"
@@ -23,7 +23,7 @@ std::span<const traces::Ray> CoreRays::block_of(std::uint32_t block) const {
   return rays_.subspan(begin, std::min<std::size_t>(kBlock, rays_.size() - begin));
 }
 
-void CoreRays::trace_next() {
+void CoreRays::trace_next_block() {
   const auto rays = block_of(first_ + static_cast<std::uint32_t>(blocks_.size()));
   if (spare_.empty()) spare_.emplace_back();
   blocks_.push_back(std::move(spare_.back()));
@@ -40,7 +40,7 @@ void CoreRays::trace_next() {
 }
 
 const std::uint32_t* CoreRays::walk(std::uint32_t ray) {
-  while (ray / kBlock >= first_ + blocks_.size()) trace_next();
+  while (ray / kBlock >= first_ + blocks_.size()) trace_next_block();
   const Block& block = blocks_[ray / kBlock - first_];
   return block.words.data() + block.begin[ray % kBlock];
 }
@@ -80,7 +80,7 @@ void RayMachine::add_core(std::uint32_t c, const traces::MemoryImage& image, std
   const sim::UnitId source = machine_.unit({name_in_core("core.rays", c), clock_, c + 1});
   memory_.declare_ports();
   TniCore tni(machine_, config_.tni, {config_.ideal.tni, config_.ideal.l1}, c, clock_);
-  const std::vector<MemoryPort> ports = memory_.cache_clients(c, tni.memory_clients());
+  const std::vector<MemoryPort> ports = memory_.add_cache_clients(c, tni.memory_clients());
   core.source = &build_source_and_tni(machine_, config_.direct_interface, source, core.rays, tni,
                                       scene_in_memory(image, parents), ports);
   memory_.build_ports(c);
@@ -92,20 +92,20 @@ void RayMachine::run() {
 }
 
 bool RayMachine::done() const {
-  return std::ranges::all_of(cores_, [](const Core& core) { return core.source->done(); }) && machine_.is_drained();
+  return std::ranges::all_of(cores_, [](const Core& core) { return core.source->is_done(); }) && machine_.is_drained();
 }
 
-sim::Time RayMachine::patience() const { return hw::patience(config_, {}, {}); }
+sim::Time RayMachine::patience() const { return hw::livelock_timeout(config_, {}, {}); }
 
-std::uint64_t RayMachine::hits() const {
+std::uint64_t RayMachine::hit_count() const {
   std::uint64_t sum = 0;
-  for (const Core& core : cores_) sum += core.rays.hits();
+  for (const Core& core : cores_) sum += core.rays.hit_count();
   return sum;
 }
 
-std::uint64_t RayMachine::steps() const {
+std::uint64_t RayMachine::step_count() const {
   std::uint64_t sum = 0;
-  for (const Core& core : cores_) sum += core.rays.steps();
+  for (const Core& core : cores_) sum += core.rays.step_count();
   return sum;
 }
 

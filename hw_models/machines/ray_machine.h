@@ -42,7 +42,7 @@ class RaySource {
     const sim::Time send = sent_ < rays_.count() ? std::max({next, send_at_, out_.push_at()}) : sim::kNever;
     return std::min(send, std::max(next, in_.pop_at()));
   }
-  bool done() const { return returned_ == rays_.count(); }
+  bool is_done() const { return returned_ == rays_.count(); }
 
  private:
   const sim::Clock clock_;
@@ -64,7 +64,7 @@ RaySource<Rays>& build_source_and_tni(sim::Machine& machine, const DirectInterfa
   auto& jobs = machine.link<RayJob>(direct.depth, 1, source, tni.dispatcher_id());
   auto& dones = machine.link<RayDone>(direct.depth, 1, tni.dispatcher_id(), source);
   auto& built = machine.build<RaySource<Rays>>(source, source.clock, direct.interval, rays, jobs, dones);
-  tni.build(machine, scene, direct.interval, {jobs, dones, memory});
+  tni.build_units(machine, scene, direct.interval, {jobs, dones, memory});
   return built;
 }
 
@@ -83,8 +83,8 @@ class CoreRays {
   std::uint32_t count() const { return count_; }
   const std::uint32_t* walk(std::uint32_t ray);
   void returned(std::uint32_t ray, sim::Time now);
-  std::uint64_t hits() const { return hits_; }
-  std::uint64_t steps() const { return steps_; }
+  std::uint64_t hit_count() const { return hits_; }
+  std::uint64_t step_count() const { return steps_; }
 
  private:
   struct Block {
@@ -92,7 +92,7 @@ class CoreRays {
     std::uint32_t left = 0;
   };
   std::span<const traces::Ray> block_of(std::uint32_t block) const;
-  void trace_next();
+  void trace_next_block();
 
   const std::span<const traces::Ray> rays_;
   const traces::Tracer& tracer_;
@@ -130,12 +130,12 @@ class RayMachine {
   /// Runs all rays, or until `watch` stops it. sim::Deadlock if they do not finish.
   void run();
   /// Finished rays.
-  std::uint64_t rays() const { return done_.rays; }
-  sim::Time elapsed() const { return elapsed_; }
-  std::uint64_t cycles() const { return clock_.cycles(elapsed_); }
-  std::uint64_t hits() const;
-  std::uint64_t steps() const;
-  std::vector<sim::UnitReport> report() const { return machine_.report(); }
+  std::uint64_t ray_count() const { return done_.rays; }
+  sim::Time elapsed_time() const { return elapsed_; }
+  std::uint64_t elapsed_cycles() const { return clock_.cycles(elapsed_); }
+  std::uint64_t hit_count() const;
+  std::uint64_t step_count() const;
+  std::vector<sim::UnitReport> unit_reports() const { return machine_.report(); }
 
   // Interface for the engine.
   sim::Machine& machine() { return machine_; }

@@ -21,35 +21,36 @@ constexpr std::array<std::string_view, 3> names_of(Arbitration) { return {"round
 /// Arbitrates among `count` requesters, at most 64.
 class Arbiter {
  public:
-  Arbiter(Arbitration how, std::size_t count) : how_(how), count_(static_cast<std::uint32_t>(count)) {
+  Arbiter(Arbitration arbitration, std::size_t count)
+      : arbitration_(arbitration), count_(static_cast<std::uint32_t>(count)) {
     assert(count <= 64);
   }
 
   std::uint32_t count() const { return count_; }
 
-  /// Returns the requester to serve: one with a bit in `asking` that is `ready(i)`; count() if there is none.
+  /// Returns the requester to serve: one with a bit in `requesting` that is `ready(i)`; count() if there is none.
   /// `since(i)`: when it began to wait.
   template <class Ready, class Since>
-  std::uint32_t choose(std::uint64_t asking, Ready&& ready, Since&& since) const {
-    if (how_ == Arbitration::kOldestFirst) return oldest(asking, ready, since);
-    for (std::uint64_t left = std::rotr(asking, static_cast<int>(turn_)); left != 0; left &= left - 1) {
+  std::uint32_t choose_requester(std::uint64_t requesting, Ready&& ready, Since&& since) const {
+    if (arbitration_ == Arbitration::kOldestFirst) return oldest_ready(requesting, ready, since);
+    for (std::uint64_t left = std::rotr(requesting, static_cast<int>(turn_)); left != 0; left &= left - 1) {
       const std::uint32_t i = (static_cast<std::uint32_t>(std::countr_zero(left)) + turn_) % 64;
       if (ready(i)) return i;
     }
     return count_;
   }
   /// Notes that the requester has been served.
-  void served(std::uint32_t asker) {
-    if (how_ == Arbitration::kRoundRobin) turn_ = after(asker);
+  void note_served(std::uint32_t requester) {
+    if (arbitration_ == Arbitration::kRoundRobin) turn_ = next_index(requester);
   }
 
  private:
-  std::uint32_t after(std::uint32_t i) const { return i + 1 == count_ ? 0 : i + 1; }
+  std::uint32_t next_index(std::uint32_t i) const { return i + 1 == count_ ? 0 : i + 1; }
   template <class Ready, class Since>
-  std::uint32_t oldest(std::uint64_t asking, Ready&& ready, Since&& since) const {
+  std::uint32_t oldest_ready(std::uint64_t requesting, Ready&& ready, Since&& since) const {
     std::uint32_t found = count_;
     sim::Time first = sim::kNever;
-    for (std::uint64_t left = asking; left != 0; left &= left - 1) {
+    for (std::uint64_t left = requesting; left != 0; left &= left - 1) {
       const auto i = static_cast<std::uint32_t>(std::countr_zero(left));
       if (since(i) >= first || !ready(i)) continue;
       found = i;
@@ -58,7 +59,7 @@ class Arbiter {
     return found;
   }
 
-  Arbitration how_;
+  Arbitration arbitration_;
   std::uint32_t count_;
   std::uint32_t turn_ = 0;
 };

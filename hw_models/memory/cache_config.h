@@ -51,16 +51,16 @@ struct CacheConfig {
       complain("line", "a cache line must be a power of two bytes, not " + std::to_string(line.bytes));
     } else if (ways == 0 || size.bytes == 0 || size.bytes % (ways * line.bytes) != 0) {
       complain("size", std::to_string(size.bytes) + " bytes cannot be divided into sets of " + shape);
-    } else if (!std::has_single_bit(sets())) {
-      complain("size", std::to_string(size.bytes) + " bytes in sets of " + shape + " make " + std::to_string(sets()) +
-                           " sets; the number of sets must be a power of two");
+    } else if (!std::has_single_bit(set_count())) {
+      complain("size", std::to_string(size.bytes) + " bytes in sets of " + shape + " make " +
+                           std::to_string(set_count()) + " sets; the number of sets must be a power of two");
     } else if (replacement == Replacement::kPlru && !std::has_single_bit(ways)) {
       complain("replacement", "plru halves a set again and again: " + std::to_string(ways) +
                                   " ways are no power of two; allowed: lru, random");
     }
   }
 
-  std::uint64_t sets() const { return size.bytes / (ways * line.bytes); }
+  std::uint64_t set_count() const { return size.bytes / (ways * line.bytes); }
 };
 
 /// Write policy of the L2.
@@ -98,11 +98,12 @@ struct L2Config {
     if (!std::has_single_bit(banks) || cache.mshrs % banks != 0)
       complain("mshrs", std::to_string(cache.mshrs) + " miss registers cannot be divided over " +
                             std::to_string(banks) + " banks");
-    if (cache.sets() % banks != 0)
-      complain("banks", "more banks (" + std::to_string(banks) + ") than sets (" + std::to_string(cache.sets()) + ")");
+    if (cache.set_count() % banks != 0)
+      complain("banks",
+               "more banks (" + std::to_string(banks) + ") than sets (" + std::to_string(cache.set_count()) + ")");
   }
   std::uint32_t mshrs_per_bank() const { return cache.mshrs / banks; }
-  Interleave interleave() const { return {cache.line.bytes, banks}; }
+  Interleave bank_interleave() const { return {cache.line.bytes, banks}; }
 };
 
 }  // namespace hw

@@ -2,14 +2,14 @@
 
 namespace hw {
 
-void CacheTags::renumber() {
+void CacheTags::renumber_use_times() {
   std::vector<std::uint32_t> times;
   for (std::size_t set = 0; set <= set_mask_; ++set) {
-    times.assign(used(set), used(set) + ways_);
+    times.assign(use_times_of(set), use_times_of(set) + ways_);
     std::ranges::sort(times);
     // Empty slots keep 0. All other times are distinct.
     for (std::uint32_t way = 0; way < ways_; ++way) {
-      std::uint32_t& time = used(set)[way];
+      std::uint32_t& time = use_times_of(set)[way];
       if (time != 0) time = 1 + static_cast<std::uint32_t>(std::ranges::lower_bound(times, time) - times.begin());
     }
   }

@@ -42,61 +42,61 @@ class CacheTags {
         stride_((config.ways + kLanes - 1) / kLanes * kLanes),
         words_(2 * stride_),
         replacement_(config.replacement),
-        set_mask_(config.sets() / banks - 1),
-        sets_(config.sets() / banks * 2 * stride_, 0),
-        trees_(replacement_ == Replacement::kPlru ? config.sets() / banks : 0, 0),
+        set_mask_(config.set_count() / banks - 1),
+        sets_(config.set_count() / banks * 2 * stride_, 0),
+        trees_(replacement_ == Replacement::kPlru ? config.set_count() / banks : 0, 0),
         clock_(clock) {
-    assert(std::has_single_bit(banks) && config.sets() >= banks);
+    assert(std::has_single_bit(banks) && config.set_count() >= banks);
     for (std::size_t set = 0; set < sets_.size(); set += 2 * stride_) std::fill_n(&sets_[set], stride_, kInvalid);
   }
 
   /// Returns the number of slots; some may stay empty.
-  std::size_t slots() const { return sets_.size() / 2; }
+  std::size_t slot_count() const { return sets_.size() / 2; }
 
   /// True if the line is cached; then marks it as used.
   bool probe(Addr line) {
     const std::size_t set = set_of(line);
-    std::uint32_t* const here = tags(set);
-    const std::uint32_t way = find(here, tag_of(line));
+    std::uint32_t* const here = tags_of(set);
+    const std::uint32_t way = find_way(here, tag_of(line));
     if (way == kNoWay) return false;
-    use(here, set, way);
+    mark_used(here, set, way);
     return true;
   }
 
   /// Returns the slot of the line and marks it as used; kNoSlot if the line is not cached.
   std::size_t look_up(Addr line) {
     const std::size_t set = set_of(line);
-    const std::uint32_t way = find(set, tag_of(line));
+    const std::uint32_t way = find_way(set, tag_of(line));
     if (way == kNoWay) return kNoSlot;
-    use(set, way);
+    mark_used(set, way);
     return slot_of(set, way);
   }
 
   /// True if the line is cached; does not mark it as used.
-  bool holds(Addr line) const { return find(set_of(line), tag_of(line)) != kNoWay; }
+  bool has_line(Addr line) const { return find_way(set_of(line), tag_of(line)) != kNoWay; }
 
   /// Prefetches, on the host, the tags that a probe for the line will read.
-  void look_ahead(Addr line) const { __builtin_prefetch(tags(set_of(line))); }
+  void prefetch_tags_on_host(Addr line) const { __builtin_prefetch(tags_of(set_of(line))); }
 
   /// Puts the line into an empty way of its set, or replaces the victim.
   Filled fill(Addr line) {
     const std::size_t set = set_of(line);
-    const std::uint32_t found = find(set, tag_of(line));
-    const std::uint32_t way = found != kNoWay ? found : victim(set, tag_of(line));
-    const std::uint32_t before = tags(set)[way];
+    const std::uint32_t found = find_way(set, tag_of(line));
+    const std::uint32_t way = found != kNoWay ? found : choose_victim(set, tag_of(line));
+    const std::uint32_t before = tags_of(set)[way];
     fills_ += 1;
-    tags(set)[way] = tag_of(line);
-    use(set, way);
+    tags_of(set)[way] = tag_of(line);
+    mark_used(set, way);
     return {slot_of(set, way), before != kInvalid && found == kNoWay, Addr{before} << line_shift_};
   }
 
   /// Empties the slot.
-  void remove(std::size_t slot) {
-    tags(slot / stride_)[slot % stride_] = kInvalid;
-    used(slot / stride_)[slot % stride_] = 0;
+  void clear_slot(std::size_t slot) {
+    tags_of(slot / stride_)[slot % stride_] = kInvalid;
+    use_times_of(slot / stride_)[slot % stride_] = 0;
   }
   /// Returns the line in a slot that is not empty.
-  Addr line_at(std::size_t slot) const { return Addr{tags(slot / stride_)[slot % stride_]} << line_shift_; }
+  Addr line_at(std::size_t slot) const { return Addr{tags_of(slot / stride_)[slot % stride_]} << line_shift_; }
 
  private:
   static constexpr std::uint32_t kInvalid = std::numeric_limits<std::uint32_t>::max();
@@ -107,25 +107,25 @@ class CacheTags {
   std::uint32_t tag_of(Addr line) const { return static_cast<std::uint32_t>(line >> line_shift_); }
   std::size_t set_of(Addr line) const { return static_cast<std::size_t>((line >> set_shift_) & set_mask_); }
   std::size_t slot_of(std::size_t set, std::uint32_t way) const { return set * stride_ + way; }
-  std::uint32_t* tags(std::size_t set) { return &sets_[set * words_]; }
-  const std::uint32_t* tags(std::size_t set) const { return &sets_[set * words_]; }
-  std::uint32_t* used(std::size_t set) { return tags(set) + stride_; }
-  const std::uint32_t* used(std::size_t set) const { return tags(set) + stride_; }
+  std::uint32_t* tags_of(std::size_t set) { return &sets_[set * words_]; }
+  const std::uint32_t* tags_of(std::size_t set) const { return &sets_[set * words_]; }
+  std::uint32_t* use_times_of(std::size_t set) { return tags_of(set) + stride_; }
+  const std::uint32_t* use_times_of(std::size_t set) const { return tags_of(set) + stride_; }
 
   /// Returns the way that holds `tag`, or kNoWay.
-  std::uint32_t find(std::size_t set, std::uint32_t tag) const { return find(tags(set), tag); }
+  std::uint32_t find_way(std::size_t set, std::uint32_t tag) const { return find_way(tags_of(set), tag); }
   /// Returns the way that holds `tag` among a set's tags, or kNoWay.
-  std::uint32_t find(const std::uint32_t* here, std::uint32_t tag) const {
-    if (const std::uint32_t mask = equal(here, tag); mask != 0)
+  std::uint32_t find_way(const std::uint32_t* here, std::uint32_t tag) const {
+    if (const std::uint32_t mask = match_four(here, tag); mask != 0)
       return static_cast<std::uint32_t>(std::countr_zero(mask));
     for (std::uint32_t way = kLanes; way < stride_; way += kLanes) {
-      const std::uint32_t mask = equal(here + way, tag);
+      const std::uint32_t mask = match_four(here + way, tag);
       if (mask != 0) return way + static_cast<std::uint32_t>(std::countr_zero(mask));
     }
     return kNoWay;
   }
   /// Returns a bit mask of the tags out of four that equal `tag`.
-  static std::uint32_t equal(const std::uint32_t* four, std::uint32_t tag) {
+  static std::uint32_t match_four(const std::uint32_t* four, std::uint32_t tag) {
 #if defined(__SSE4_1__)
     const __m128i all = _mm_loadu_si128(reinterpret_cast<const __m128i*>(four));
     const __m128i same = _mm_cmpeq_epi32(all, _mm_set1_epi32(static_cast<std::int32_t>(tag)));
@@ -137,20 +137,20 @@ class CacheTags {
 #endif
   }
 
-  void use(std::size_t set, std::uint32_t way) { use(tags(set), set, way); }
+  void mark_used(std::size_t set, std::uint32_t way) { mark_used(tags_of(set), set, way); }
   /// Marks a way as used; `here` are the set's tags.
-  void use(std::uint32_t* here, std::size_t set, std::uint32_t way) {
+  void mark_used(std::uint32_t* here, std::size_t set, std::uint32_t way) {
     if (clock_ == std::numeric_limits<std::uint32_t>::max()) [[unlikely]]
-      renumber();
+      renumber_use_times();
     here[stride_ + way] = ++clock_;
     if (replacement_ == Replacement::kPlru) point_away(trees_[set], way);
   }
   /// Replaces times of last use by ranks within their sets, so that the clock can restart.
-  void renumber();
+  void renumber_use_times();
   /// Returns the first empty way, or the way to replace.
-  std::uint32_t victim(std::size_t set, std::uint32_t tag) const {
-    const std::uint32_t least = sim::index_of_min(used(set), ways_);
-    if (replacement_ == Replacement::kLru || tags(set)[least] == kInvalid) return least;
+  std::uint32_t choose_victim(std::size_t set, std::uint32_t tag) const {
+    const std::uint32_t least = sim::index_of_min(use_times_of(set), ways_);
+    if (replacement_ == Replacement::kLru || tags_of(set)[least] == kInvalid) return least;
     if (replacement_ == Replacement::kRandom) return static_cast<std::uint32_t>(sim::hash(tag, fills_) % ways_);
     return pointed_at(trees_[set]);
   }

@@ -31,12 +31,12 @@ CorePort::CorePort(const InterconnectConfig& config, Links links, Interleave tar
 
 sim::Time CorePort::tick(sim::Time now) {
   account_until(now);
-  const bool requested = clients_in_.nonempty_mask() != 0 && send_up(now);
-  if (targets_in_.nonempty_mask() != 0) carry_down(now);
+  const bool requested = clients_in_.nonempty_mask() != 0 && send_requests_up(now);
+  if (targets_in_.nonempty_mask() != 0) carry_lines_down(now);
   const sim::Time next = now + clock_.period();
-  const sim::Time wake = look_ahead(now);
+  const sim::Time wake = find_next_wake(now);
   const auto why_at = [&](sim::Time at, CycleReason otherwise) {
-    return at < line_until_ ? CycleReason::kLine : otherwise;
+    return at < line_transfer_end_ ? CycleReason::kLine : otherwise;
   };
   activity_.spend(now, clock_.period(), why_at(now, requested ? CycleReason::kRequest : waiting_),
                   why_at(next, waiting_));
@@ -52,70 +52,70 @@ void CorePort::finish(sim::Time end) {
 
 /// Accounts for a transfer that ended between the last tick and `until`.
 inline void CorePort::account_until(sim::Time until) {
-  if (line_until_ >= activity_.accounted_until() && line_until_ < until)
-    activity_.spend(line_until_, clock_.period(), waiting_, waiting_);
+  if (line_transfer_end_ >= activity_.accounted_until() && line_transfer_end_ < until)
+    activity_.spend(line_transfer_end_, clock_.period(), waiting_, waiting_);
 }
 
-inline bool CorePort::send_up(sim::Time now) {
+inline bool CorePort::send_requests_up(sim::Time now) {
   if (ideal_) {
     bool any = false;
     for (std::uint32_t client = 0; client < up_.count(); ++client) {
-      for (; can_send(client, now); any = true) send(client, now);
+      for (; can_send(client, now); any = true) send_request(client, now);
     }
     return any;
   }
   if (up_free_ > now) return false;
-  const std::uint32_t client = up_.choose(
+  const std::uint32_t client = up_.choose_requester(
       clients_in_.nonempty_mask(), [&](std::uint32_t i) { return can_send(i, now); },
       [&](std::uint32_t i) { return clients_in_.pop_at(i); });
   if (client == up_.count()) return false;
-  send(client, now);
-  up_.served(client);
+  send_request(client, now);
+  up_.note_served(client);
   return true;
 }
 
-inline void CorePort::send(std::uint32_t client, sim::Time now) {
+inline void CorePort::send_request(std::uint32_t client, sim::Time now) {
   request_wait_ += now - clients_in_.pop_at(client);
   const MemRequest request = clients_in_[client].pop(now);
   target_of(request).push(now, request);
   up_free_ = now + clock_.period();
   if (request.write) {
     up_free_ = now + carry_time_[static_cast<std::size_t>(std::popcount(request.sectors))];
-    line_until_ = std::max(line_until_, up_free_);
+    line_transfer_end_ = std::max(line_transfer_end_, up_free_);
   }
   if (observer_ != nullptr) [[unlikely]]
-    notify(*observer_, LineRequested{request.owner, requesters_[client]});
+    notify(*observer_, LineRequested{request.tile, requesters_[client]});
   stats_.requests += 1;
   stats_.lines_up += request.write;
 }
 
-[[gnu::always_inline]] inline void CorePort::carry_down(sim::Time now) {
+[[gnu::always_inline]] inline void CorePort::carry_lines_down(sim::Time now) {
   if (ideal_) {
     for (std::uint32_t target = 0; target < down_.count(); ++target) {
-      while (can_carry(target, now)) carry(target, now);
+      while (can_carry(target, now)) carry_line(target, now);
     }
     return;
   }
   if (down_free_ > now) return;
-  const std::uint32_t target = down_.choose(
+  const std::uint32_t target = down_.choose_requester(
       targets_in_.nonempty_mask(), [&](std::uint32_t i) { return can_carry(i, now); },
       [&](std::uint32_t i) { return targets_in_.pop_at(i); });
   if (target == down_.count()) return;
-  carry(target, now);
-  down_.served(target);
+  carry_line(target, now);
+  down_.note_served(target);
 }
 
-inline void CorePort::carry(std::uint32_t target, sim::Time now) {
+inline void CorePort::carry_line(std::uint32_t target, sim::Time now) {
   sim::Link<MemResponse>& in = targets_in_[target];
   line_wait_ += now - targets_in_.pop_at(target);
   clients_out_[in.front().source]->push(now, in.pop(now));
   down_free_ = now + carry_time_.back();
-  line_until_ = std::max(line_until_, down_free_);
+  line_transfer_end_ = std::max(line_transfer_end_, down_free_);
   stats_.lines_down += 1;
 }
 
 /// Returns when the port may next have something to do, and notes what it waits for until then.
-[[gnu::always_inline]] inline sim::Time CorePort::look_ahead(sim::Time now) {
+[[gnu::always_inline]] inline sim::Time CorePort::find_next_wake(sim::Time now) {
   sim::Time wake = sim::kNever;
   waiting_ = CycleReason::kIdle;
   // A message that is not visible yet must not be read: wake when it becomes visible, and decide then.

@@ -100,10 +100,10 @@ class CorePort {
   std::string state() const;
 
  private:
-  bool send_up(sim::Time now);
-  void carry_down(sim::Time now);
-  void send(std::uint32_t client, sim::Time now);
-  void carry(std::uint32_t target, sim::Time now);
+  bool send_requests_up(sim::Time now);
+  void carry_lines_down(sim::Time now);
+  void send_request(std::uint32_t client, sim::Time now);
+  void carry_line(std::uint32_t target, sim::Time now);
   bool can_send(std::uint32_t client, sim::Time now) const {
     return clients_in_.can_pop(client, now) && target_of(clients_in_[client].front()).can_push(now);
   }
@@ -111,10 +111,10 @@ class CorePort {
     return targets_in_.can_pop(target, now) && clients_out_[targets_in_[target].front().source]->can_push(now);
   }
   void account_until(sim::Time until);
-  sim::Time look_ahead(sim::Time now);
+  sim::Time find_next_wake(sim::Time now);
 
   sim::Link<MemRequest>& target_of(const MemRequest& request) const {
-    return *targets_out_[targets_.owner(request.line)];
+    return *targets_out_[targets_.index_of(request.line)];
   }
 
   const std::vector<sim::Link<MemResponse>*> clients_out_;
@@ -132,7 +132,7 @@ class CorePort {
   sim::Time request_wait_ = 0, line_wait_ = 0;
   sim::Time up_free_ = 0;
   sim::Time down_free_ = 0;
-  sim::Time line_until_ = 0;  ///< end of the last line transfer, up or down
+  sim::Time line_transfer_end_ = 0;  ///< end of the last line transfer, up or down
   CycleReason waiting_{};
   Stats stats_;
   sim::Activity<CycleReason> activity_;

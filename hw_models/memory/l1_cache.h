@@ -24,38 +24,38 @@ class L1Cache {
 
   /// A line requested from memory.
   struct Miss {
-    std::uint64_t slots = 0;     ///< slots that wait for it
-    std::uint64_t asked_at = 0;  ///< cycle of the miss, on the unit's clock
+    std::uint64_t slots = 0;         ///< slots that wait for it
+    std::uint64_t requested_at = 0;  ///< cycle of the miss, on the unit's clock
   };
 
   L1Cache(const CacheConfig& config, std::uint16_t source, bool ideal = false)
       : tags_(config), misses_(config.mshrs), source_(source), ideal_(ideal) {}
 
-  Result access(Addr line, std::uint32_t slot, std::uint64_t cycle = 0) {
+  Result access_line(Addr line, std::uint32_t slot, std::uint64_t cycle = 0) {
     if (ideal_ || tags_.probe(line)) return Result::kHit;
     const std::uint64_t bit = std::uint64_t{1} << slot;
-    if (Miss* miss = misses_.find(line)) {
+    if (Miss* miss = misses_.find_payload(line)) {
       miss->slots |= bit;
       return Result::kMiss;
     }
-    if (misses_.full()) return Result::kFull;
-    ask(line, {bit, cycle}, owners_[slot]);
+    if (misses_.is_full()) return Result::kFull;
+    request_line(line, {bit, cycle}, slot_tiles_[slot]);
     return Result::kMiss;
   }
 
   /// Accesses a line in a cache that is not ideal. False, without side effects, if the line is not cached.
-  bool hit(Addr line) { return tags_.probe(line); }
+  bool try_hit(Addr line) { return tags_.probe(line); }
 
   /// Requests a line ahead of use, on behalf of a slot. False if it is cached or already requested. Needs a free MSHR.
-  bool prefetch(Addr line, std::uint32_t slot, std::uint64_t cycle) {
-    if (holds(line) || on_its_way(line) != nullptr) return false;
-    ask(line, {0, cycle}, owners_[slot]);
+  bool prefetch_line(Addr line, std::uint32_t slot, std::uint64_t cycle) {
+    if (has_line(line) || find_miss(line) != nullptr) return false;
+    request_line(line, {0, cycle}, slot_tiles_[slot]);
     return true;
   }
 
   /// Attributes later requests of this slot to the given tile.
-  void set_slot_tile(std::uint32_t slot, TileTag owner) { owners_[slot] = owner; }
-  TileTag owner(std::uint32_t slot) const { return owners_[slot]; }
+  void set_slot_tile(std::uint32_t slot, TileTag tile) { slot_tiles_[slot] = tile; }
+  TileTag slot_tile(std::uint32_t slot) const { return slot_tiles_[slot]; }
 
   /// Fills a line. Returns the slots that waited for it, and when it was requested.
   Miss fill(Addr line) {
@@ -63,58 +63,58 @@ class L1Cache {
     return misses_.release(line);
   }
 
-  /// Makes the line present as if it had been read, in no time (Gpu::warm). False if it was not present.
-  bool warm(Addr line) {
+  /// Makes the line present as if it had been read, in no time (Gpu::warm_caches). False if it was not present.
+  bool warm_line(Addr line) {
     if (ideal_ || tags_.probe(line)) return true;
     tags_.fill(line);
     return false;
   }
 
   /// True if the line is cached; without side effects.
-  bool holds(Addr line) const { return ideal_ || tags_.holds(line); }
+  bool has_line(Addr line) const { return ideal_ || tags_.has_line(line); }
   /// Prefetches, on the host, the tags that a probe for the line will read.
-  void look_ahead(Addr line) const { tags_.look_ahead(line); }
+  void prefetch_tags_on_host(Addr line) const { tags_.prefetch_tags_on_host(line); }
   /// Returns the outstanding miss of the line, or nullptr.
-  const Miss* on_its_way(Addr line) { return misses_.find(line); }
+  const Miss* find_miss(Addr line) { return misses_.find_payload(line); }
 
   /// Requests that have not been sent yet.
-  std::size_t unsent() const { return unsent_.size(); }
+  std::size_t unsent_requests() const { return unsent_.size(); }
   /// Sends the oldest unsent request, if there is one and the link has room.
-  void send(sim::Time now, sim::Link<MemRequest>& out) {
+  void send_request(sim::Time now, sim::Link<MemRequest>& out) {
     if (unsent_.empty() || !out.can_push(now)) [[likely]]
       return;
-    out.push(now, MemRequest{unsent_.front().line, source_, 0, false, kWholeLine, unsent_.front().owner});
+    out.push(now, MemRequest{unsent_.front().line, source_, 0, false, kWholeLine, unsent_.front().tile});
     unsent_.pop_front();
   }
-  /// Returns when send() has something to do.
-  sim::Time send_at(sim::Time next, const sim::Link<MemRequest>& out) const {
+  /// Returns when send_request() next has something to do.
+  sim::Time next_send_time(sim::Time next, const sim::Link<MemRequest>& out) const {
     return unsent_.empty() ? sim::kNever : std::max(next, out.push_at());
   }
 
-  std::uint32_t outstanding() const { return misses_.size(); }
+  std::uint32_t outstanding_misses() const { return misses_.size(); }
   std::uint32_t free_mshrs() const { return misses_.capacity() - misses_.size(); }
-  bool full() const { return misses_.full(); }
+  bool is_full() const { return misses_.is_full(); }
 
  private:
   struct Unsent {
     Addr line = 0;
-    TileTag owner = kNoTile;
+    TileTag tile = kNoTile;
   };
 
-  static std::array<TileTag, 64> no_owners() {
+  static std::array<TileTag, 64> no_tiles() {
     std::array<TileTag, 64> all{};
     all.fill(kNoTile);
     return all;
   }
-  void ask(Addr line, Miss miss, TileTag owner) {
+  void request_line(Addr line, Miss miss, TileTag tile) {
     misses_.allocate(line) = miss;
-    unsent_.push_back({line, owner});
+    unsent_.push_back({line, tile});
   }
 
   sim::Ring<Unsent> unsent_;
   CacheTags tags_;
   MshrFile<Miss> misses_;
-  std::array<TileTag, 64> owners_ = no_owners();
+  std::array<TileTag, 64> slot_tiles_ = no_tiles();
   std::uint16_t source_;
   bool ideal_;
 };

@@ -33,10 +33,10 @@ class L2Store {
   };
 
   explicit L2Store(const L2Config& config)
-      : tags_(config.cache, config.banks), valid_(tags_.slots(), kWholeLine), dirty_(tags_.slots(), 0) {}
+      : tags_(config.cache, config.banks), valid_(tags_.slot_count(), kWholeLine), dirty_(tags_.slot_count(), 0) {}
 
   /// Returns whether these sectors of the line are valid.
-  Found find(Addr line, SectorMask wanted) {
+  Found look_up(Addr line, SectorMask wanted) {
     const std::size_t slot = tags_.look_up(line);
     if (slot == CacheTags::kNoSlot) return Found::kNot;
     return (wanted & ~valid_[slot]) == 0 ? Found::kAll : Found::kPart;
@@ -45,12 +45,12 @@ class L2Store {
   /// Removes a cached line, and returns its dirty sectors.
   SectorMask invalidate(Addr line) {
     const std::size_t slot = tags_.look_up(line);
-    tags_.remove(slot);
-    return clean(slot);
+    tags_.clear_slot(slot);
+    return clean_slot(slot);
   }
 
   /// Writes sectors of a cached line and makes them dirty. Returns those that were dirty before.
-  SectorMask write(Addr line, SectorMask sectors) {
+  SectorMask write_sectors(Addr line, SectorMask sectors) {
     const std::size_t slot = tags_.look_up(line);
     const SectorMask before = dirty_[slot] & sectors;
     valid_[slot] |= sectors;
@@ -61,7 +61,7 @@ class L2Store {
   /// Allocates a line that is not cached, with these valid and dirty sectors. Returns the victim's dirty sectors.
   Victim allocate(Addr line, SectorMask sectors, SectorMask dirty) {
     const CacheTags::Filled filled = tags_.fill(line);
-    const Victim victim{filled.evicted, clean(filled.slot)};
+    const Victim victim{filled.evicted, clean_slot(filled.slot)};
     valid_[filled.slot] = sectors;
     make_dirty(filled.slot, dirty);
     return victim;
@@ -72,7 +72,7 @@ class L2Store {
   /// Cleans the next dirty line in the order of slots; there must be one.
   Victim clean_next() {
     while (dirty_[next_] == 0) next_ = next_ + 1 == dirty_.size() ? 0 : next_ + 1;
-    return {tags_.line_at(next_), clean(next_)};
+    return {tags_.line_at(next_), clean_slot(next_)};
   }
 
  private:
@@ -80,7 +80,7 @@ class L2Store {
     dirty_lines_ += dirty_[slot] == 0 && sectors != 0;
     dirty_[slot] |= sectors;
   }
-  SectorMask clean(std::size_t slot) {
+  SectorMask clean_slot(std::size_t slot) {
     const SectorMask sectors = dirty_[slot];
     dirty_lines_ -= sectors != 0;
     dirty_[slot] = 0;
@@ -118,7 +118,7 @@ class L2Bank {
  public:
   static constexpr const char* kName = "l2.bank";
   static constexpr Block kBlock = Block::kL2;
-  static constexpr std::size_t kAtOnce = 1;  ///< most lines to a core in one tick
+  static constexpr std::size_t kMaxLinesPerTick = 1;  ///< to a core
   enum class CycleReason : std::uint8_t {
     kIdle,
     kServing,
@@ -190,8 +190,8 @@ class L2Bank {
   const sim::Activity<CycleReason>& activity() const { return activity_; }
   std::string state() const;
   /// Makes the line present as if it had been read, in no time. Dirty sectors of its victim are dropped.
-  void warm(Addr line) {
-    if (store_.find(line, 0) == L2Store::Found::kNot) store_.allocate(line, kWholeLine, 0);
+  void warm_line(Addr line) {
+    if (store_.look_up(line, 0) == L2Store::Found::kNot) store_.allocate(line, kWholeLine, 0);
   }
 
  private:
@@ -206,8 +206,8 @@ class L2Bank {
   };
   struct Waiters {
     std::uint32_t count = 0;
-    SectorMask dirty = 0;     ///< dirty sectors, to be merged with the fill
-    TileTag owner = kNoTile;  ///< the tile whose request missed
+    SectorMask dirty = 0;    ///< dirty sectors, to be merged with the fill
+    TileTag tile = kNoTile;  ///< the tile whose request missed
     std::array<Waiter, L2Config::kMaxTargets> list;
   };
   struct Head {
@@ -222,35 +222,35 @@ class L2Bank {
     Addr line = 0;
     std::uint32_t next = 0, count = 0;  ///< index of the next waiter, and number of all
     const Waiters* waiters = nullptr;
-    bool pending() const { return next < count; }
-    const Waiter& first() const { return waiters->list[next]; }
+    bool has_waiters() const { return next < count; }
+    const Waiter& next_waiter() const { return waiters->list[next]; }
   };
 
-  bool reply(sim::Time now);
+  bool send_reply(sim::Time now);
   void take_fill(sim::Time now);
   void send_to_memory(sim::Time now);
   bool take_request(sim::Time now);
-  bool read(sim::Time now);
-  bool write(sim::Time now);
-  void write_here(sim::Time now);
-  bool flush(sim::Time now);
-  void to_memory(sim::Time now, const MemRequest& request);
-  void write_back(sim::Time now, const L2Store::Victim& victim, TileTag owner = kNoTile);
+  bool process_read(sim::Time now);
+  bool process_write(sim::Time now);
+  void store_write(sim::Time now);
+  bool flush_line(sim::Time now);
+  void queue_to_memory(sim::Time now, const MemRequest& request);
+  void write_back(sim::Time now, const L2Store::Victim& victim, TileTag tile = kNoTile);
   /// True if only a fill can unblock the head.
-  bool waits_for_fill() const { return head_.needs_mshr && misses_.full(); }
+  bool waits_for_fill() const { return head_.needs_mshr && misses_.is_full(); }
   /// True if the queue to memory has room for `requests` and a dirty victim of every miss.
-  bool has_room(std::uint32_t requests) const { return unsent_.size() + misses_.size() + requests <= room_; }
+  bool has_room(std::uint32_t requests) const { return unsent_.size() + misses_.size() + requests <= unsent_capacity_; }
   sim::Time tick_ideal(sim::Time now);
-  CycleReason waiting(sim::Time now) const;
+  CycleReason wait_reason(sim::Time now) const;
   sim::Time next_wake(sim::Time now) const;
   /// Returns the core of the next reply; kNoCore if there is no reply in this cycle.
   static constexpr std::uint16_t kNoCore = 0xffff;
   std::uint16_t reply_core(sim::Time now) const {
-    if (filled_.pending()) return filled_.first().core;
+    if (filled_.has_waiters()) return filled_.next_waiter().core;
     return hits_.can_pop(now) ? hits_.front().core : kNoCore;
   }
   sim::Link<MemRequest>& channel_of(const MemRequest& request) const {
-    return *channels_out_[channels_.owner(request.line)];
+    return *channels_out_[channels_.index_of(request.line)];
   }
 
   const std::vector<sim::Link<MemResponse>*> cores_out_;
@@ -268,7 +268,7 @@ class L2Bank {
   L2Store store_;
   MshrFile<Waiters> misses_;
   sim::Link<Reply> hits_;
-  std::uint32_t room_;
+  std::uint32_t unsent_capacity_;
   sim::Link<MemRequest> unsent_;
   Head head_;
   Filled filled_;

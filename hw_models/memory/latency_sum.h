@@ -8,18 +8,17 @@ namespace hw {
 /// Sum of the times that items spend inside a unit, from arrival to departure.
 class LatencySum {
  public:
-  void arrive(sim::Time at) {
+  void note_arrival(sim::Time at) {
     inside_ += 1;
     arrivals_ += at;
   }
-  void depart(sim::Time arrived, sim::Time now) {
+  void note_departure(sim::Time arrived, sim::Time now) {
     inside_ -= 1;
     arrivals_ -= arrived;
     departed_ += now - arrived;
   }
-  std::uint64_t inside() const { return inside_; }
   /// Returns the sum at `now`. Items still inside count up to `now`.
-  sim::Time until(sim::Time now) const { return departed_ + inside_ * now - arrivals_; }
+  sim::Time sum_at(sim::Time now) const { return departed_ + inside_ * now - arrivals_; }
 
  private:
   std::uint64_t inside_ = 0;

@@ -8,7 +8,7 @@
 
 namespace hw {
 
-/// A unit that requests lines, and how many lines can be on their way to it.
+/// A unit that requests lines, and how many of them can be outstanding.
 struct MemoryClient {
   sim::UnitId unit;
   std::uint32_t lines = 1;

@@ -42,7 +42,7 @@ struct MemRequest {
   std::uint16_t tag = 0;     ///< chosen by the requester, returned unchanged
   bool write = false;
   SectorMask sectors = kWholeLine;  ///< sectors to be written or read
-  TileTag owner = kNoTile;
+  TileTag tile = kNoTile;
 };
 
 /// Response to a read. Writes are posted and have no response.
@@ -62,7 +62,7 @@ class Interleave {
       : shift_(static_cast<std::uint32_t>(std::countr_zero(granule_bytes))), mask_(count - 1) {
     assert(std::has_single_bit(granule_bytes) && std::has_single_bit(count));
   }
-  constexpr std::uint32_t owner(Addr line) const { return static_cast<std::uint32_t>(line >> shift_) & mask_; }
+  constexpr std::uint32_t index_of(Addr line) const { return static_cast<std::uint32_t>(line >> shift_) & mask_; }
 
  private:
   std::uint32_t shift_;

@@ -25,24 +25,19 @@ class MshrFile {
   std::uint32_t size() const { return size_; }
   std::uint32_t capacity() const { return static_cast<std::uint32_t>(payloads_.size() - 1); }
   bool empty() const { return size_ == 0; }
-  bool full() const { return size_ == capacity(); }
+  bool is_full() const { return size_ == capacity(); }
 
   /// Returns the payload of the line's MSHR, or nullptr if the line is not outstanding.
-  Payload* find(Addr line) {
+  Payload* find_payload(Addr line) {
     const std::uint32_t i = index_of(line);
     return i == size_ ? nullptr : &payloads_[slots_[i]];
   }
 
   /// Allocates an MSHR for a line that has none. Its payload keeps the value of an earlier line.
   Payload& allocate(Addr line) {
-    assert(!full() && find(line) == nullptr);
+    assert(!is_full() && find_payload(line) == nullptr);
     lines_[size_] = line;
     return payloads_[slots_[size_++]];
-  }
-
-  /// Calls f(payload) for each outstanding line.
-  void each(auto&& f) const {
-    for (std::uint32_t i = 0; i < size_; ++i) f(payloads_[slots_[i]]);
   }
 
   /// Frees the line's MSHR. The returned payload stays valid until the next release.

@@ -32,10 +32,10 @@ class TileAccounting final : public Observer {
   const std::vector<TileAccount>& tiles() const { return accounts_; }
   /// Moves the accounts out, at the end of a run.
   std::vector<TileAccount> take_tiles() { return std::move(accounts_); }
-  const TileAccount& rest() const { return rest_; }
+  const TileAccount& untiled_account() const { return rest_; }
 
  private:
-  TileAccount& of(TileTag tile) {
+  TileAccount& account_of(TileTag tile) {
     if (tile == kNoTile) [[unlikely]]
       return rest_;
     const std::size_t newest = accounts_.size() - 1;

@@ -7,15 +7,15 @@
 
 namespace hw {
 
-void RasterFetch::enter(const traces::RasterTriangle& triangle, std::uint32_t entry, TileTag owner) {
-  l1_.set_slot_tile(static_cast<std::uint32_t>(entered_ % slots_.size()), owner);
-  Slot& s = slot(entered_++);
+void RasterFetch::add_triangle(const traces::RasterTriangle& triangle, std::uint32_t entry, TileTag tile) {
+  l1_.set_slot_tile(static_cast<std::uint32_t>(entered_ % slots_.size()), tile);
+  Slot& s = slot_of(entered_++);
   s = Slot{};
   s.triangle = &triangle;
   s.entry = entry;
 }
 
-void RasterFetch::add(Slot& slot, Addr first, std::uint32_t bytes) {
+void RasterFetch::add_lines(Slot& slot, Addr first, std::uint32_t bytes) {
   for (const Addr line : {line_of(first), line_of(first + bytes - 1)}) {
     const auto end = slot.lines.begin() + slot.count;
     if (std::find(slot.lines.begin(), end, line) == end) slot.lines[slot.count++] = line;
@@ -26,9 +26,9 @@ void RasterFetch::list_lines(Stage stage, Slot& slot) {
   slot.listed = true;
   slot.count = slot.next = 0;
   if (stage == kList) {
-    if (slot.entry != kBatch) add(slot, memory_.entry_at(slot.entry), RasterMemory::kEntryBytes);
+    if (slot.entry != kBatch) add_lines(slot, memory_.entry_at(slot.entry), RasterMemory::kEntryBytes);
   } else if (stage == kIndices) {
-    add(slot, memory_.index_at(slot.triangle->number), RasterMemory::kIndexBytes);
+    add_lines(slot, memory_.index_at(slot.triangle->number), RasterMemory::kIndexBytes);
   } else {
     list_vertices(slot);
   }
@@ -37,27 +37,27 @@ void RasterFetch::list_lines(Stage stage, Slot& slot) {
 void RasterFetch::list_vertices(Slot& slot) {
   for (const std::uint32_t vertex : slot.triangle->vertices) {
     if (slot.entry != kBatch) {
-      add(slot, memory_.transformed_at(vertex), RasterMemory::kTransformedBytes);
-    } else if (vertex_cache_.use(vertex)) {
+      add_lines(slot, memory_.transformed_at(vertex), RasterMemory::kTransformedBytes);
+    } else if (vertex_cache_.find_or_add(vertex)) {
       stats_.vertices_reused += 1;
     } else {
       slot.vertices[slot.missed++] = vertex;
-      add(slot, memory_.position_at(vertex), RasterMemory::kPositionBytes);
+      add_lines(slot, memory_.position_at(vertex), RasterMemory::kPositionBytes);
     }
   }
 }
 
-bool RasterFetch::advance(Stage stage, std::uint32_t& looked) {
+bool RasterFetch::advance_stage(Stage stage, std::uint32_t& looked) {
   const std::uint64_t number = done_[stage];
   if (number == entered_ || (stage != kList && done_[stage - 1] <= number)) return false;
-  Slot& s = slot(number);
+  Slot& s = slot_of(number);
   if (!s.listed) {
     if (s.pending != 0) return false;  // lines of the previous stage have not arrived
     list_lines(stage, s);
   }
   if (s.next < s.count) {
     const auto slot_number = static_cast<std::uint32_t>(number % slots_.size());
-    switch (l1_.access(s.lines[s.next], slot_number)) {
+    switch (l1_.access_line(s.lines[s.next], slot_number)) {
       case L1Cache::Result::kFull:
         return false;
       case L1Cache::Result::kMiss:
@@ -79,11 +79,11 @@ bool RasterFetch::advance(Stage stage, std::uint32_t& looked) {
   return true;
 }
 
-bool RasterFetch::look_up() {
+bool RasterFetch::look_up_lines() {
   std::uint32_t looked = 0;
   bool any = false;
   for (bool moved = true; moved && looked < lookups_;) {
-    moved = advance(kVertices, looked) || advance(kIndices, looked) || advance(kList, looked);
+    moved = advance_stage(kVertices, looked) || advance_stage(kIndices, looked) || advance_stage(kList, looked);
     any |= moved;
   }
   return any;
@@ -97,35 +97,36 @@ void RasterFetch::fill(Addr line) {
 }
 
 std::string RasterFetch::state() const {
-  return fmt::format("triangles in the window {}, lines on their way {}", entered_ - left_, l1_.outstanding());
+  return fmt::format("triangles in the window {}, lines on their way {}", entered_ - left_, l1_.outstanding_misses());
 }
 
-RasterUnit::RasterUnit(const RasterUnitConfig& config, const RasterMemory& memory, Links links, std::uint16_t port,
+RasterUnit::RasterUnit(const RasterUnitConfig& config, const RasterMemory& memory, Links links, std::uint16_t client,
                        sim::Clock clock, bool ideal_l1)
     : config_(config),
       memory_(memory),
       clock_(clock),
       links_(links),
-      fetch_(config, memory, port, ideal_l1, stats_),
-      writes_(config.write_buffer, port),
+      fetch_(config, memory, client, ideal_l1, stats_),
+      writes_(config.write_buffer, client),
       jobs_(config.jobs) {}
 
 sim::Time RasterUnit::tick(sim::Time now) {
   if (links_.memory_in.can_pop(now)) fetch_.fill(links_.memory_in.pop(now).line);
   bool wrote = false;
   bool moved = end_job(now);
-  if (end_ == End::kWriting && job(ended_).bins()) wrote = write_lists();
+  if (end_ == End::kWriting && job_at(ended_).is_batch()) wrote = write_lists();
   moved |= end_back(now);
   begin_back(now);
   moved |= end_front(now);
   begin_back(now);
   begin_front(now);
-  const bool looked = fetch_.look_up();
-  moved |= enter();
+  const bool looked = fetch_.look_up_lines();
+  moved |= enter_triangle();
   moved |= take_job(now);
-  wrote |= send(now);
+  wrote |= send_line(now);
   moved |= looked || wrote;
-  activity_.spend(now, clock_.period(), why(now, wrote, looked), why(clock_.after(now, 1), false, false));
+  activity_.spend(now, clock_.period(), cycle_reason(now, wrote, looked),
+                  cycle_reason(clock_.after(now, 1), false, false));
   return next_wake(now, moved);
 }
 
@@ -135,54 +136,54 @@ bool RasterUnit::take_job(sim::Time now) {
   return true;
 }
 
-bool RasterUnit::find(Cursor& at) const {
-  while (at.job < taken_ && at.triangle == job(at.job).triangles()) at = {at.job + 1, 0};
+bool RasterUnit::advance_cursor(Cursor& at) const {
+  while (at.job < taken_ && at.triangle == job_at(at.job).triangle_count()) at = {at.job + 1, 0};
   return at.job < taken_;
 }
 
-bool RasterUnit::enter() {
-  if (!fetch_.has_room() || !find(entering_)) return false;
-  const Job& from = job(entering_.job);
+bool RasterUnit::enter_triangle() {
+  if (!fetch_.has_room() || !advance_cursor(entering_)) return false;
+  const Job& from = job_at(entering_.job);
   if (entering_.triangle == 0) run_ = run_entry_ = 0;
   std::uint32_t entry = RasterFetch::kBatch;
-  if (!from.bins()) {
-    while (run_entry_ == from.run(run_).entries) {
+  if (!from.is_batch()) {
+    while (run_entry_ == from.run_at(run_).entries) {
       run_ += 1;
       run_entry_ = 0;
     }
-    entry = from.run(run_).first + run_entry_++;
+    entry = from.run_at(run_).first + run_entry_++;
     stats_.entries_read += 1;
   }
-  fetch_.enter(from.triangle(entering_.triangle++), entry, from.job.owner);
+  fetch_.add_triangle(from.triangle_at(entering_.triangle++), entry, from.job.tile);
   return true;
 }
 
 void RasterUnit::begin_front(sim::Time now) {
-  constexpr std::uint32_t kLines = 4;  // most lines that a triangle's transformed vertices fill
-  if (has_front_ || !fetch_.ready()) return;
-  find(setting_);
-  const Job& of = job(setting_.job);
-  if (of.bins() && !writes_.has_room(kLines)) return;
+  constexpr std::uint32_t kLines = 4;  // maximum number of lines that a triangle's transformed vertices fill
+  if (has_front_ || !fetch_.is_ready()) return;
+  advance_cursor(setting_);
+  const Job& of = job_at(setting_.job);
+  if (of.is_batch() && !writes_.has_room(kLines)) return;
   std::uint64_t cycles = 0;
-  if (of.bins()) {
-    cycles = std::uint64_t{fetch_.missed()} * config_.vertex_interval;
-    transform();
+  if (of.is_batch()) {
+    cycles = std::uint64_t{fetch_.missed_count()} * config_.vertex_interval;
+    write_vertices();
   } else {
     cycles = config_.setup_interval * parts_of(of);
     stats_.triangles_set_up += parts_of(of);
   }
-  fetch_.leave();
+  fetch_.remove_oldest();
   has_front_ = true;
   front_until_ = clock_.after(now, std::max<std::uint64_t>(1, cycles));
 }
 
 /// Writes the transformed vertices to memory.
-void RasterUnit::transform() {
-  const TileTag owner = job(setting_.job).job.owner;
-  for (std::uint32_t i = 0; i < fetch_.missed(); ++i) {
-    writes_.add(memory_.transformed_at(fetch_.missed_vertices()[i]), RasterMemory::kTransformedBytes, owner);
+void RasterUnit::write_vertices() {
+  const TileTag tile = job_at(setting_.job).job.tile;
+  for (std::uint32_t i = 0; i < fetch_.missed_count(); ++i) {
+    writes_.add_bytes(memory_.transformed_at(fetch_.missed_vertices()[i]), RasterMemory::kTransformedBytes, tile);
   }
-  stats_.vertices_transformed += fetch_.missed();
+  stats_.vertices_transformed += fetch_.missed_count();
 }
 
 bool RasterUnit::end_front(sim::Time now) {
@@ -195,10 +196,10 @@ bool RasterUnit::end_front(sim::Time now) {
 
 void RasterUnit::begin_back(sim::Time now) {
   // Further triangles in the queue belong to a later job.
-  if (has_back_ || queued_ == 0 || finished_ == job(ended_).triangles()) return;
-  const Job& of = job(ended_);
-  const traces::RasterTriangle& triangle = of.triangle(finished_);
-  const std::uint64_t cycles = of.bins() ? list_cycles(triangle) : cover_cycles(triangle, of.work());
+  if (has_back_ || queued_ == 0 || finished_ == job_at(ended_).triangle_count()) return;
+  const Job& of = job_at(ended_);
+  const traces::RasterTriangle& triangle = of.triangle_at(finished_);
+  const std::uint64_t cycles = of.is_batch() ? list_cycles(triangle) : cover_cycles(triangle, of.work());
   queued_ -= 1;
   has_back_ = true;
   back_until_ = clock_.after(now, std::max<std::uint64_t>(1, cycles));
@@ -236,26 +237,27 @@ bool RasterUnit::end_back(sim::Time now) {
 
 /// Sends the oldest job's results when all its triangles have been processed.
 bool RasterUnit::end_job(sim::Time now) {
-  if (!has_jobs() || finished_ < job(ended_).triangles()) return false;
-  const Job& of = job(ended_);
+  if (!has_jobs() || finished_ < job_at(ended_).triangle_count()) return false;
+  const Job& of = job_at(ended_);
   if (end_ == End::kNot) {
     end_ = End::kWriting;
     out_run_ = out_entry_ = 0;
-    if (of.bins() && of.work().runs == 0) close_writes();
+    if (of.is_batch() && of.work().runs == 0) close_writes();
     const std::uint64_t bytes = std::uint64_t{of.node().items} * config_.plane_bytes;
-    const std::uint64_t cycles = of.bins() ? 0 : (bytes + config_.plane_width.bytes - 1) / config_.plane_width.bytes;
+    const std::uint64_t cycles =
+        of.is_batch() ? 0 : (bytes + config_.plane_width.bytes - 1) / config_.plane_width.bytes;
     end_until_ = clock_.after(now, cycles);
     return true;
   }
   if (end_ == End::kWriting) {
-    const bool done = of.bins() ? out_run_ == of.work().runs && writes_.sent() >= closed_ : now >= end_until_;
+    const bool done = of.is_batch() ? out_run_ == of.work().runs && writes_.sent_lines() >= closed_ : now >= end_until_;
     if (!done) return false;
     end_ = End::kLeaving;
   }
   if (!links_.done_out.can_push(now)) return false;
   links_.done_out.push(now, RasterDone{of.job.tag});
-  (of.bins() ? stats_.batches : stats_.waves) += 1;
-  if (!of.bins()) stats_.samples_out += of.node().items;
+  (of.is_batch() ? stats_.batches : stats_.waves) += 1;
+  if (!of.is_batch()) stats_.samples_out += of.node().items;
   end_ = End::kNot;
   finished_ = 0;
   ended_ += 1;
@@ -267,13 +269,13 @@ bool RasterUnit::end_job(sim::Time now) {
 
 /// Writes a line, or part of one, of a batch's entries.
 bool RasterUnit::write_lists() {
-  const Job& of = job(ended_);
+  const Job& of = job_at(ended_);
   if (out_run_ == of.work().runs || !writes_.has_room(2)) return false;
-  const traces::ListRun& run = of.run(out_run_);
+  const traces::ListRun& run = of.run_at(out_run_);
   const Addr first = memory_.entry_at(run.first + out_entry_);
   const auto in_line = static_cast<std::uint32_t>((line_of(first) + kLineBytes - first) / RasterMemory::kEntryBytes);
   const std::uint32_t entries = std::min(in_line, run.entries - out_entry_);
-  if (entries != 0) writes_.add(first, entries * RasterMemory::kEntryBytes, of.job.owner);
+  if (entries != 0) writes_.add_bytes(first, entries * RasterMemory::kEntryBytes, of.job.tile);
   stats_.entries_written += entries;
   out_entry_ += entries;
   if (out_entry_ == run.entries) {
@@ -285,32 +287,32 @@ bool RasterUnit::write_lists() {
 }
 
 void RasterUnit::close_writes() {
-  writes_.close();
-  closed_ = writes_.closed();
+  writes_.close_line();
+  closed_ = writes_.closed_lines();
 }
 
-bool RasterUnit::send(sim::Time now) {
-  if (fetch_.send_at(now, links_.memory_out) <= now) {
-    fetch_.send(now, links_.memory_out);
+bool RasterUnit::send_line(sim::Time now) {
+  if (fetch_.next_send_time(now, links_.memory_out) <= now) {
+    fetch_.send_request(now, links_.memory_out);
     return false;
   }
-  if (!writes_.send(now, links_.memory_out)) return false;
+  if (!writes_.send_line(now, links_.memory_out)) return false;
   stats_.writes += 1;
   return true;
 }
 
-RasterUnit::CycleReason RasterUnit::why(sim::Time at, bool wrote, bool looked) const {
+RasterUnit::CycleReason RasterUnit::cycle_reason(sim::Time at, bool wrote, bool looked) const {
   if (!has_jobs()) return CycleReason::kIdle;
   if (end_ != End::kNot) {
-    if (job(ended_).bins()) return wrote ? CycleReason::kListing : CycleReason::kPortFull;
+    if (job_at(ended_).is_batch()) return wrote ? CycleReason::kListing : CycleReason::kPortFull;
     return at < end_until_ ? CycleReason::kWriting : CycleReason::kPortFull;
   }
-  if (has_back_ && at < back_until_) return job(ended_).bins() ? CycleReason::kListing : CycleReason::kCovering;
+  if (has_back_ && at < back_until_) return job_at(ended_).is_batch() ? CycleReason::kListing : CycleReason::kCovering;
   if (has_front_ && at < front_until_) {
-    return job(setting_.job).bins() ? CycleReason::kTransforming : CycleReason::kSettingUp;
+    return job_at(setting_.job).is_batch() ? CycleReason::kTransforming : CycleReason::kSettingUp;
   }
   if (looked) return CycleReason::kFetching;
-  return fetch_.ready() && !has_front_ ? CycleReason::kPortFull : CycleReason::kMemory;
+  return fetch_.is_ready() && !has_front_ ? CycleReason::kPortFull : CycleReason::kMemory;
 }
 
 sim::Time RasterUnit::next_wake(sim::Time now, bool moved) const {
@@ -320,17 +322,17 @@ sim::Time RasterUnit::next_wake(sim::Time now, bool moved) const {
   if (taken_ - ended_ < jobs_.size()) at = std::min(at, std::max(next, links_.jobs_in.pop_at()));
   if (has_front_ && now < front_until_) at = std::min(at, front_until_);
   if (has_back_) at = std::min(at, std::max(next, back_until_));
-  if (end_ == End::kWriting && !job(ended_).bins()) at = std::min(at, std::max(next, end_until_));
+  if (end_ == End::kWriting && !job_at(ended_).is_batch()) at = std::min(at, std::max(next, end_until_));
   if (end_ == End::kLeaving) at = std::min(at, std::max(next, links_.done_out.push_at()));
-  if (writes_.waiting()) at = std::min(at, std::max(next, links_.memory_out.push_at()));
-  return std::min(at, fetch_.send_at(next, links_.memory_out));
+  if (writes_.has_closed_line()) at = std::min(at, std::max(next, links_.memory_out.push_at()));
+  return std::min(at, fetch_.next_send_time(next, links_.memory_out));
 }
 
 std::string RasterUnit::state() const {
   if (!has_jobs()) return "idle";
-  const Job& of = job(ended_);
-  return fmt::format("{} tile {}, triangles {}/{}, set up {}, jobs {}, {}", of.bins() ? "listing" : "covering",
-                     of.job.work->tile, finished_, of.triangles(), queued_, taken_ - ended_, fetch_.state());
+  const Job& of = job_at(ended_);
+  return fmt::format("{} tile {}, triangles {}/{}, set up {}, jobs {}, {}", of.is_batch() ? "listing" : "covering",
+                     of.job.work->tile, finished_, of.triangle_count(), queued_, taken_ - ended_, fetch_.state());
 }
 
 }  // namespace hw

@@ -83,36 +83,36 @@ struct RasterStats {
 /// Write queue of a rasteriser: consecutive bytes of a line are combined.
 class RasterWrites {
  public:
-  RasterWrites(std::uint32_t lines, std::uint16_t port) : lines_(lines), port_(port) {}
+  RasterWrites(std::uint32_t lines, std::uint16_t client) : lines_(lines), client_(client) {}
 
   /// True if the queue has room for `lines` more, in addition to the open line.
   bool has_room(std::uint32_t lines) const { return queue_.size() + lines <= lines_; }
   bool empty() const { return queue_.empty() && open_.sectors == 0; }
   /// True if a closed line waits to be sent.
-  bool waiting() const { return !queue_.empty(); }
+  bool has_closed_line() const { return !queue_.empty(); }
   /// Lines closed and sent so far.
-  std::uint64_t closed() const { return sent_ + queue_.size(); }
-  std::uint64_t sent() const { return sent_; }
+  std::uint64_t closed_lines() const { return sent_ + queue_.size(); }
+  std::uint64_t sent_lines() const { return sent_; }
 
   /// Adds bytes of one line for a tile. Needs room for a line.
-  void add(Addr first, std::uint32_t bytes, TileTag owner) {
+  void add_bytes(Addr first, std::uint32_t bytes, TileTag tile) {
     const Addr line = line_of(first);
-    if (open_.sectors != 0 && open_.line != line) close();
+    if (open_.sectors != 0 && open_.line != line) close_line();
     const Addr from = (first - line) / kSectorBytes, to = (first + bytes - 1 - line) / kSectorBytes;
     open_.line = line;
-    open_.source = port_;
+    open_.source = client_;
     open_.write = true;
-    open_.owner = owner;
+    open_.tile = tile;
     open_.sectors = static_cast<SectorMask>(open_.sectors | ((2U << to) - (1U << from)));
   }
   /// Closes the open line, which is sent as it is.
-  void close() {
+  void close_line() {
     if (open_.sectors == 0) return;
     queue_.push_back(open_);
     open_.sectors = 0;
   }
   /// Sends a line if one waits and the link has room; true if it did.
-  bool send(sim::Time now, sim::Link<MemRequest>& out) {
+  bool send_line(sim::Time now, sim::Link<MemRequest>& out) {
     if (queue_.empty() || !out.can_push(now)) return false;
     out.push(now, queue_.front());
     queue_.pop_front();
@@ -122,7 +122,7 @@ class RasterWrites {
 
  private:
   const std::uint32_t lines_;
-  const std::uint16_t port_;
+  const std::uint16_t client_;
   MemRequest open_{.sectors = 0};
   sim::Ring<MemRequest> queue_;
   std::uint64_t sent_ = 0;
@@ -134,7 +134,7 @@ class VertexCache {
   explicit VertexCache(std::uint32_t entries) : entries_(entries, kNothing) {}
 
   /// True if the vertex is cached; otherwise adds it.
-  bool use(std::uint32_t vertex) {
+  bool find_or_add(std::uint32_t vertex) {
     if (std::ranges::find(entries_, std::uint64_t{vertex}) != entries_.end()) return true;
     entries_[next_] = vertex;
     next_ = next_ + 1 == entries_.size() ? 0 : next_ + 1;
@@ -158,10 +158,10 @@ class VertexCache {
 /// Not modelled: the latency of a hit, which the window hides.
 class RasterFetch {
  public:
-  RasterFetch(const RasterUnitConfig& config, const RasterMemory& memory, std::uint16_t port, bool ideal,
+  RasterFetch(const RasterUnitConfig& config, const RasterMemory& memory, std::uint16_t client, bool ideal,
               RasterStats& stats)
       : memory_(memory),
-        l1_(config.l1, port, ideal),
+        l1_(config.l1, client, ideal),
         lookups_(config.lookups),
         slots_(config.window),
         vertex_cache_(config.vertex_cache),
@@ -169,22 +169,24 @@ class RasterFetch {
 
   bool has_room() const { return entered_ - left_ < slots_.size(); }
   bool empty() const { return entered_ == left_; }
-  /// Adds a triangle to the window. `entry`: its index among the list entries, or kBatch. `owner`: its tile.
-  void enter(const traces::RasterTriangle& triangle, std::uint32_t entry, TileTag owner);
+  /// Adds a triangle to the window. `entry`: its index among the list entries, or kBatch. `tile`: its tile.
+  void add_triangle(const traces::RasterTriangle& triangle, std::uint32_t entry, TileTag tile);
   static constexpr std::uint32_t kBatch = traces::WorkNode::kNone;
 
   /// True if all lines of the oldest triangle have arrived.
-  bool ready() const { return !empty() && done_[kLast] > left_ && slot(left_).pending == 0; }
+  bool is_ready() const { return !empty() && done_[kLast] > left_ && slot_of(left_).pending == 0; }
   /// Number of its vertices that must be transformed.
-  std::uint32_t missed() const { return slot(left_).missed; }
-  std::array<std::uint32_t, 3> missed_vertices() const { return slot(left_).vertices; }
-  void leave() { left_ += 1; }
+  std::uint32_t missed_count() const { return slot_of(left_).missed; }
+  std::array<std::uint32_t, 3> missed_vertices() const { return slot_of(left_).vertices; }
+  void remove_oldest() { left_ += 1; }
 
   /// Looks up lines; true if anything moved.
-  bool look_up();
+  bool look_up_lines();
   void fill(Addr line);
-  void send(sim::Time now, sim::Link<MemRequest>& out) { l1_.send(now, out); }
-  sim::Time send_at(sim::Time next, const sim::Link<MemRequest>& out) const { return l1_.send_at(next, out); }
+  void send_request(sim::Time now, sim::Link<MemRequest>& out) { l1_.send_request(now, out); }
+  sim::Time next_send_time(sim::Time next, const sim::Link<MemRequest>& out) const {
+    return l1_.next_send_time(next, out);
+  }
   std::string state() const;
 
  private:
@@ -194,7 +196,7 @@ class RasterFetch {
   struct Slot {
     const traces::RasterTriangle* triangle = nullptr;
     std::uint32_t entry = kBatch;
-    std::uint32_t pending = 0;  ///< lines on their way
+    std::uint32_t pending = 0;  ///< lines not arrived yet
     std::array<Addr, kMostLines> lines{};
     std::uint32_t count = 0, next = 0;  ///< number of lines of the current stage, and the next one to look up
     bool listed = false;                ///< `lines` has the lines of the current stage
@@ -202,14 +204,14 @@ class RasterFetch {
     std::array<std::uint32_t, 3> vertices{};  ///< vertices to be transformed
   };
 
-  Slot& slot(std::uint64_t number) { return slots_[number % slots_.size()]; }
-  const Slot& slot(std::uint64_t number) const { return slots_[number % slots_.size()]; }
+  Slot& slot_of(std::uint64_t number) { return slots_[number % slots_.size()]; }
+  const Slot& slot_of(std::uint64_t number) const { return slots_[number % slots_.size()]; }
   /// Looks up one line at a stage, or passes a triangle without lines; false if it cannot. `looked` counts the
   /// look-ups.
-  bool advance(Stage stage, std::uint32_t& looked);
+  bool advance_stage(Stage stage, std::uint32_t& looked);
   void list_lines(Stage stage, Slot& slot);
   void list_vertices(Slot& slot);
-  static void add(Slot& slot, Addr first, std::uint32_t bytes);
+  static void add_lines(Slot& slot, Addr first, std::uint32_t bytes);
 
   const RasterMemory memory_;
   L1Cache l1_;
@@ -272,7 +274,7 @@ class RasterUnit {
     sim::Link<MemResponse>& memory_in;
   };
 
-  RasterUnit(const RasterUnitConfig& config, const RasterMemory& memory, Links links, std::uint16_t port,
+  RasterUnit(const RasterUnitConfig& config, const RasterMemory& memory, Links links, std::uint16_t client,
              sim::Clock clock, bool ideal_l1 = false);
   RasterUnit(const RasterUnit&) = delete;
   RasterUnit& operator=(const RasterUnit&) = delete;
@@ -293,12 +295,12 @@ class RasterUnit {
     RasterJob job;
     const traces::WorkNode& node() const { return job.work->nodes[job.node]; }
     const traces::RasterWork& work() const { return job.work->raster[node().raster]; }
-    bool bins() const { return node().kind == traces::WorkNode::Kind::kBin; }
-    std::uint32_t triangles() const { return work().triangles; }
-    const traces::RasterTriangle& triangle(std::uint32_t i) const {
+    bool is_batch() const { return node().kind == traces::WorkNode::Kind::kBin; }
+    std::uint32_t triangle_count() const { return work().triangles; }
+    const traces::RasterTriangle& triangle_at(std::uint32_t i) const {
       return job.work->raster_triangles[work().first_triangle + i];
     }
-    const traces::ListRun& run(std::uint32_t i) const { return job.work->list_runs[work().first_run + i]; }
+    const traces::ListRun& run_at(std::uint32_t i) const { return job.work->list_runs[work().first_run + i]; }
   };
   /// Progress of a stage: number of its job, and a triangle of that.
   struct Cursor {
@@ -308,7 +310,7 @@ class RasterUnit {
   enum class End : std::uint8_t { kNot, kWriting, kLeaving };
 
   // Stages from last to first; each returns true if it did something.
-  bool send(sim::Time now);
+  bool send_line(sim::Time now);
   bool end_job(sim::Time now);
   bool write_lists();
   void close_writes();
@@ -316,18 +318,18 @@ class RasterUnit {
   void begin_back(sim::Time now);
   bool end_front(sim::Time now);
   void begin_front(sim::Time now);
-  bool enter();
+  bool enter_triangle();
   bool take_job(sim::Time now);
 
-  const Job& job(std::uint64_t number) const { return jobs_[number % jobs_.size()]; }
+  const Job& job_at(std::uint64_t number) const { return jobs_[number % jobs_.size()]; }
   bool has_jobs() const { return taken_ != ended_; }
   /// Advances a cursor to the next triangle; false if there is none.
-  bool find(Cursor& at) const;
+  bool advance_cursor(Cursor& at) const;
   std::uint64_t list_cycles(const traces::RasterTriangle& triangle);
   std::uint64_t cover_cycles(const traces::RasterTriangle& triangle, const traces::RasterWork& work);
-  void transform();
-  std::uint64_t parts_of(const Job& job) const { return config_.parts(job.node().items); }
-  CycleReason why(sim::Time at, bool wrote, bool looked) const;
+  void write_vertices();
+  std::uint64_t parts_of(const Job& job) const { return config_.depth_buffer_parts(job.node().items); }
+  CycleReason cycle_reason(sim::Time at, bool wrote, bool looked) const;
   sim::Time next_wake(sim::Time now, bool moved) const;
 
   const RasterUnitConfig config_;

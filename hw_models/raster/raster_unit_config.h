@@ -71,7 +71,7 @@ struct RasterUnitConfig {
   }
 
   /// Returns the parts in which a wave of `samples` passes the depth buffer.
-  std::uint64_t parts(std::uint64_t samples) const {
+  std::uint64_t depth_buffer_parts(std::uint64_t samples) const {
     const std::uint64_t part = depth_buffer.bytes / depth_bytes;
     return std::max<std::uint64_t>(1, (samples + part - 1) / part);
   }

@@ -17,7 +17,7 @@ class ConfigMemory {
 
   /// Notes that the kernel, which takes `bytes`, runs next. True if it is resident; else it is loaded, and kept if it
   /// fits.
-  bool use(traces::KernelId kernel, std::uint64_t bytes) {
+  bool select_kernel(traces::KernelId kernel, std::uint64_t bytes) {
     const auto found = std::ranges::find(resident_, kernel, &Resident::kernel);
     if (found != resident_.end()) {
       std::rotate(found, found + 1, resident_.end());
@@ -42,7 +42,7 @@ class ConfigMemory {
 };
 
 /// A chunk of a launch, as part of the loop on the array.
-struct LoopPart {
+struct LoopChunk {
   std::uint32_t tile = 0, node = 0;
   std::uint32_t first = 0, items = 0;  ///< items of the launch, idle ones included
   std::uint32_t working = 0;           ///< leading items that do not idle
@@ -50,37 +50,38 @@ struct LoopPart {
 };
 
 /// Chunks that share one loop: first the working items of all chunks, then all idle items.
-class LoopParts {
+class LoopChunks {
  public:
-  void reserve(std::size_t parts) { parts_.reserve(parts); }
+  void reserve(std::size_t parts) { chunks_.reserve(parts); }
   void clear() {
-    parts_.clear();
+    chunks_.clear();
     items_ = working_ = 0;
   }
-  void add(LoopPart part) {
+  void add(LoopChunk part) {
     part.begin = working_;
     items_ += part.items;
     working_ += part.working;
-    parts_.push_back(part);
+    chunks_.push_back(part);
   }
 
-  std::uint32_t items() const { return items_; }
-  std::uint32_t working() const { return working_; }
-  std::size_t size() const { return parts_.size(); }
-  auto begin() const { return parts_.begin(); }
-  auto end() const { return parts_.end(); }
+  std::uint32_t item_count() const { return items_; }
+  std::uint32_t working_count() const { return working_; }
+  std::size_t size() const { return chunks_.size(); }
+  auto begin() const { return chunks_.begin(); }
+  auto end() const { return chunks_.end(); }
   /// Returns the part of a launch, or null.
-  const LoopPart* find(std::uint32_t tile, std::uint32_t node) const {
-    const auto part = std::ranges::find_if(parts_, [&](const LoopPart& p) { return p.tile == tile && p.node == node; });
-    return part == parts_.end() ? nullptr : &*part;
+  const LoopChunk* find_launch(std::uint32_t tile, std::uint32_t node) const {
+    const auto part =
+        std::ranges::find_if(chunks_, [&](const LoopChunk& p) { return p.tile == tile && p.node == node; });
+    return part == chunks_.end() ? nullptr : &*part;
   }
   /// Returns the part that contains a working item of the loop.
-  const LoopPart& of(std::uint32_t item) const {
-    return *std::ranges::find_if(parts_, [&](const LoopPart& p) { return item < p.begin + p.working; });
+  const LoopChunk& chunk_of(std::uint32_t item) const {
+    return *std::ranges::find_if(chunks_, [&](const LoopChunk& p) { return item < p.begin + p.working; });
   }
 
  private:
-  std::vector<LoopPart> parts_;
+  std::vector<LoopChunk> chunks_;
   std::uint32_t items_ = 0, working_ = 0;
 };
 
@@ -88,7 +89,7 @@ class LoopParts {
 struct ArrayLoop {
   bool active = false;
   traces::KernelId kernel = 0;
-  LoopParts parts;
+  LoopChunks chunks;
   std::uint32_t loading = 0;              ///< leading items that access the data cache
   sim::Time begin = 0;                    ///< start of the kernel switch
   sim::Time without_rays = 0;             ///< time without rays up to `begin`
@@ -101,14 +102,14 @@ struct ArrayLoop {
   std::uint32_t ii = 1, depth = 0;
 
   bool is_stalled() const { return stalled_since != sim::kNever; }
-  void stall(sim::Time now) { stalled_since = now; }
-  void resume(sim::Time now) {
+  void begin_stall(sim::Time now) { stalled_since = now; }
+  void end_stall(sim::Time now) {
     stall_time += now - stalled_since;
     stalled_since = sim::kNever;
   }
   sim::Time array_time(sim::Time now) const { return (is_stalled() ? stalled_since : now) - start - stall_time; }
   /// Returns when an item leaves the array, if there are no further stalls.
-  sim::Time leaves_at(const sim::Clock& clock, std::uint32_t item) const {
+  sim::Time item_end(const sim::Clock& clock, std::uint32_t item) const {
     return start + stall_time + (depth + sim::Time{item} * ii) * clock.period();
   }
 };

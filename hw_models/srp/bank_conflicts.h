@@ -11,7 +11,7 @@ struct BankConflicts {
   std::uint64_t cycles = 0;
   std::uint64_t items = 1;
   /// Returns the stall cycles of a loop of `n` items.
-  std::uint64_t of(std::uint64_t n) const { return cycles * n / items; }
+  std::uint64_t stall_cycles(std::uint64_t n) const { return cycles * n / items; }
 };
 
 /// Computes the bank conflicts of a scheduled kernel. Local memory has `banks` banks (a power of two), interleaved by

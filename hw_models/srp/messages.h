@@ -11,7 +11,7 @@ namespace hw {
 struct TileJob {
   const traces::TileWork* work = nullptr;
   std::uint32_t missing = 0;  ///< borders that are not in memory yet: a bit for each of TileWork::imports
-  TileTag owner = kNoTile;
+  TileTag tile = kNoTile;
 };
 static_assert(traces::kMostImports <= 32 && traces::kMostBorders <= 8);
 
@@ -20,7 +20,7 @@ static_assert(traces::kMostImports <= 32 && traces::kMostBorders <= 8);
 struct TileDone {
   const traces::TileWork* work = nullptr;
   std::uint32_t border = traces::WorkNode::kNone;  ///< kNone: the whole tile is finished
-  TileTag owner = kNoTile;
+  TileTag tile = kNoTile;
 };
 
 inline constexpr std::size_t kAreas = static_cast<std::size_t>(Area::kCount);
@@ -38,7 +38,7 @@ struct DmaJob {
   std::uint32_t tag = 0;  ///< returned when the job is done
   Area area = Area::kPicture;
   std::uint32_t encode_cycles = 0;  ///< cycles to sRGB-encode a line's pixels on the way; 0: no encoding
-  TileTag owner = kNoTile;
+  TileTag tile = kNoTile;
 };
 
 struct DmaDone {
@@ -50,7 +50,7 @@ struct RasterJob {
   const traces::TileWork* work = nullptr;
   std::uint32_t node = 0;
   std::uint32_t tag = 0;  ///< returned when the job is done
-  TileTag owner = kNoTile;
+  TileTag tile = kNoTile;
 };
 
 struct RasterDone {

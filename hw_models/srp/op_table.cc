@@ -13,7 +13,8 @@ struct Table {
   std::array<const char*, kOpClasses> event{};
   std::size_t ops = 0;  ///< number of operations with a class
 
-  constexpr void row(OpClass c, std::initializer_list<Op> of, std::uint32_t OpLatencyConfig::*key, const char* name) {
+  constexpr void add_class(OpClass c, std::initializer_list<Op> of, std::uint32_t OpLatencyConfig::*key,
+                           const char* name) {
     for (const Op op : of) class_of[static_cast<std::size_t>(op)] = c;
     latency[static_cast<std::size_t>(c)] = key;
     event[static_cast<std::size_t>(c)] = name;
@@ -25,20 +26,22 @@ constexpr Table kTable = [] {
   using enum OpClass;
   using Key = OpLatencyConfig;
   Table t;
-  t.row(kFree, {Op::kInput, Op::kConstant, Op::kBits}, nullptr, "");
-  t.row(kFpAdd, {Op::kAdd, Op::kSub}, &Key::fp_add, "srp.fp_add");
-  t.row(kFpMul, {Op::kMul}, &Key::fp_mul, "srp.fp_mul");
-  t.row(kFpMulAdd, {}, nullptr, "srp.fp_mul_add");
-  t.row(kFpDivSqrt, {Op::kDiv, Op::kSqrt}, &Key::div_sqrt, "srp.fp_div_sqrt");
-  t.row(kFpCompare, {Op::kMin, Op::kMax, Op::kLess, Op::kLessEqual, Op::kEqual}, &Key::fp_compare, "srp.fp_compare");
-  t.row(kIntAdd, {Op::kIntAdd, Op::kIntSub, Op::kIntLess, Op::kIntEqual}, &Key::integer, "srp.int_add");
-  t.row(kIntMul, {Op::kIntMul}, &Key::int_mul, "srp.int_mul");
-  t.row(kIntLogic, {Op::kAbs, Op::kNeg, Op::kAnd, Op::kOr, Op::kXor, Op::kSelect}, &Key::integer, "srp.int_logic");
-  t.row(kIntShift, {Op::kShiftLeft, Op::kShiftRight}, &Key::integer, "srp.int_shift");
-  t.row(kConvert, {Op::kFloor, Op::kToFloat, Op::kToInt}, &Key::convert, "srp.convert");
-  t.row(kLocalRead, {Op::kLoadLocal}, &Key::local_load, "tile.read");
-  t.row(kLocalWrite, {Op::kStoreLocal}, nullptr, "tile.write");
-  t.row(kCachedRead, {Op::kLoadCached}, nullptr, "");
+  t.add_class(kFree, {Op::kInput, Op::kConstant, Op::kBits}, nullptr, "");
+  t.add_class(kFpAdd, {Op::kAdd, Op::kSub}, &Key::fp_add, "srp.fp_add");
+  t.add_class(kFpMul, {Op::kMul}, &Key::fp_mul, "srp.fp_mul");
+  t.add_class(kFpMulAdd, {}, nullptr, "srp.fp_mul_add");
+  t.add_class(kFpDivSqrt, {Op::kDiv, Op::kSqrt}, &Key::div_sqrt, "srp.fp_div_sqrt");
+  t.add_class(kFpCompare, {Op::kMin, Op::kMax, Op::kLess, Op::kLessEqual, Op::kEqual}, &Key::fp_compare,
+              "srp.fp_compare");
+  t.add_class(kIntAdd, {Op::kIntAdd, Op::kIntSub, Op::kIntLess, Op::kIntEqual}, &Key::integer, "srp.int_add");
+  t.add_class(kIntMul, {Op::kIntMul}, &Key::int_mul, "srp.int_mul");
+  t.add_class(kIntLogic, {Op::kAbs, Op::kNeg, Op::kAnd, Op::kOr, Op::kXor, Op::kSelect}, &Key::integer,
+              "srp.int_logic");
+  t.add_class(kIntShift, {Op::kShiftLeft, Op::kShiftRight}, &Key::integer, "srp.int_shift");
+  t.add_class(kConvert, {Op::kFloor, Op::kToFloat, Op::kToInt}, &Key::convert, "srp.convert");
+  t.add_class(kLocalRead, {Op::kLoadLocal}, &Key::local_load, "tile.read");
+  t.add_class(kLocalWrite, {Op::kStoreLocal}, nullptr, "tile.write");
+  t.add_class(kCachedRead, {Op::kLoadCached}, nullptr, "");
   return t;
 }();
 static_assert(kTable.ops == static_cast<std::size_t>(Op::kCount), "every operation has one class");
@@ -49,7 +52,7 @@ OpClass class_of(Op op) { return kTable.class_of[static_cast<std::size_t>(op)]; 
 
 std::uint32_t latency_of(OpClass c, const OpLatencyConfig& latency) {
   if (c == OpClass::kLocalWrite) return 1;
-  if (c == OpClass::kCachedRead) return latency.cached();
+  if (c == OpClass::kCachedRead) return latency.cached_load_latency();
   if (c == OpClass::kFpMulAdd) return latency.fp_mul + latency.fp_add;
   const auto key = kTable.latency[static_cast<std::size_t>(c)];
   return key == nullptr ? 0 : latency.*key;

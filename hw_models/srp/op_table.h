@@ -50,6 +50,5 @@ std::uint32_t occupancy_of(OpClass c, const OpLatencyConfig& latency);
 /// Returns the energy event of one operation of this class (local memory: of one 16-byte access). Empty if there is
 /// none; the data cache counts its own.
 const char* energy_event(OpClass c);
-inline const char* op_energy_event(kernels::Op op) { return energy_event(class_of(op)); }
 
 }  // namespace hw

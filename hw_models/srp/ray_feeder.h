@@ -19,11 +19,11 @@ struct RayFeeder {
   sim::Time next_at = 0;        ///< when the direct interface accepts the next ray
   std::uint64_t in_flight = 0;  ///< rays in the T&I unit
 
-  void send(sim::Time now) {
+  void note_sent(sim::Time now) {
     idle_ = time_without_rays(now);
     in_flight += 1;
   }
-  void take_back(sim::Time now) {
+  void note_returned(sim::Time now) {
     if (--in_flight == 0) empty_since_ = now;
   }
   /// Returns the total time up to `now` in which the T&I unit had no ray of this core.

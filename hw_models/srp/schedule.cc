@@ -36,7 +36,7 @@ class Placer {
       : graph_(graph),
         config_(config),
         ii_(ii),
-        height_(graph.heights(ii)),
+        height_(graph.path_heights(ii)),
         starts_(graph.operations().size()),
         units_(starts_.size(), 0),
         last_(starts_.size(), -1),
@@ -73,58 +73,58 @@ class Placer {
     for (; tried_ < patience * starts_.size(); ++tried_) {
       const std::uint32_t op = most_urgent();
       if (op == kNone) return true;
-      place(op);
+      place_operation(op);
     }
     return most_urgent() == kNone;
   }
-  std::size_t tried() const { return tried_; }
-  std::uint32_t interval() const { return ii_; }
-  std::int64_t start(std::uint32_t op) const { return *starts_[op]; }
-  std::uint32_t unit(std::uint32_t op) const { return units_[op]; }
+  std::size_t placements_tried() const { return tried_; }
+  std::uint32_t initiation_interval() const { return ii_; }
+  std::int64_t start_of(std::uint32_t op) const { return *starts_[op]; }
+  std::uint32_t unit_of(std::uint32_t op) const { return units_[op]; }
 
  private:
   std::uint32_t most_urgent() const {
-    const std::uint32_t rank = waiting_.first(0, waiting_.size(), true);
+    const std::uint32_t rank = waiting_.find_first(0, waiting_.size(), true);
     return rank < waiting_.size() ? by_urgency_[rank] : kNone;
   }
 
-  std::uint32_t& slot(std::uint32_t op, std::uint32_t unit, std::int64_t cycle) {
-    return table(op)[std::size_t{unit} * ii_ + row_of(cycle)];
+  std::uint32_t& table_entry(std::uint32_t op, std::uint32_t unit, std::int64_t cycle) {
+    return table_of(op)[std::size_t{unit} * ii_ + row_of(cycle)];
   }
-  std::vector<std::uint32_t>& table(std::uint32_t op) {
+  std::vector<std::uint32_t>& table_of(std::uint32_t op) {
     return table_[static_cast<std::size_t>(pool_of(graph_.operations()[op].kind))];
   }
   std::uint32_t row_of(std::int64_t cycle) const { return static_cast<std::uint32_t>(cycle % ii_); }
 
-  std::vector<Bits>& busy(std::uint32_t op) {
+  std::vector<Bits>& busy_rows(std::uint32_t op) {
     return busy_[static_cast<std::size_t>(pool_of(graph_.operations()[op].kind))];
   }
 
   /// Places the operation at the first time at which a unit is free; of several units, on the least capable one.
-  void place(std::uint32_t op) {
+  void place_operation(std::uint32_t op) {
     const std::int64_t earliest = earliest_start(op);
     const Operation& operation = graph_.operations()[op];
     const std::uint32_t units = capable_units(operation.kind, config_.array), row = row_of(earliest);
-    const std::vector<Bits>& rows = busy(op);
+    const std::vector<Bits>& rows = busy_rows(op);
     std::uint32_t wait = ii_, best = 0;
     for (std::uint32_t unit = units; unit-- > 0 && wait > 0;) {
       const std::uint32_t here = rows_until_gap(rows[unit], row, operation.occupancy, wait);
       if (here < wait) best = unit;
       wait = here;
     }
-    if (wait < ii_) return settle(op, best, earliest + wait);
+    if (wait < ii_) return place_at(op, best, earliest + wait);
     const std::int64_t start = std::max(earliest, last_[op] + 1);
-    settle(op, least_urgent_unit(op, units, start), start);
+    place_at(op, least_urgent_unit(op, units, start), start);
   }
 
   std::int64_t earliest_start(std::uint32_t op) const {
     std::int64_t earliest = 0;
     for (const Dependence& d : incoming_[op]) {
-      if (d.from != op && starts_[d.from]) earliest = std::max(earliest, ready(d));
+      if (d.from != op && starts_[d.from]) earliest = std::max(earliest, ready_at(d));
     }
     return earliest;
   }
-  std::int64_t ready(const Dependence& d) const {
+  std::int64_t ready_at(const Dependence& d) const {
     return *starts_[d.from] + graph_.operations()[d.from].latency - std::int64_t{d.after} -
            std::int64_t{d.distance} * ii_;
   }
@@ -133,8 +133,8 @@ class Placer {
   /// than the best.
   std::uint32_t least_urgent_unit(std::uint32_t op, std::uint32_t units, std::int64_t start) {
     const std::uint32_t occupancy = graph_.operations()[op].occupancy, first = row_of(start);
-    const std::vector<Bits>& rows = busy(op);
-    const std::uint32_t* slots = table(op).data() + std::size_t{units} * ii_;
+    const std::vector<Bits>& rows = busy_rows(op);
+    const std::uint32_t* slots = table_of(op).data() + std::size_t{units} * ii_;
     std::uint32_t best = units - 1;
     std::int64_t least = std::numeric_limits<std::int64_t>::max();
     for (std::uint32_t unit = units; unit-- > 0 && least > 0;) {
@@ -152,27 +152,27 @@ class Placer {
   }
 
   /// Places the operation there, and evicts those that overlap it or would use its result too early.
-  void settle(std::uint32_t op, std::uint32_t unit, std::int64_t start) {
+  void place_at(std::uint32_t op, std::uint32_t unit, std::int64_t start) {
     const Operation& operation = graph_.operations()[op];
     for (std::uint32_t c = 0; c < operation.occupancy; ++c) {
-      const std::uint32_t other = slot(op, unit, start + c);
-      if (other != kNone) push_out(other);
-      slot(op, unit, start + c) = op;
-      busy(op)[unit].set(row_of(start + c), true);
+      const std::uint32_t other = table_entry(op, unit, start + c);
+      if (other != kNone) evict_operation(other);
+      table_entry(op, unit, start + c) = op;
+      busy_rows(op)[unit].set(row_of(start + c), true);
     }
     starts_[op] = start;
     waiting_.set(rank_[op], false);
     units_[op] = unit;
     last_[op] = start;
     for (const Dependence& d : outgoing_[op]) {
-      if (d.to != op && starts_[d.to] && *starts_[d.to] < ready(d)) push_out(d.to);
+      if (d.to != op && starts_[d.to] && *starts_[d.to] < ready_at(d)) evict_operation(d.to);
     }
   }
 
-  void push_out(std::uint32_t op) {
+  void evict_operation(std::uint32_t op) {
     for (std::uint32_t c = 0; c < graph_.operations()[op].occupancy; ++c) {
-      slot(op, units_[op], *starts_[op] + c) = kNone;
-      busy(op)[units_[op]].set(row_of(*starts_[op] + c), false);
+      table_entry(op, units_[op], *starts_[op] + c) = kNone;
+      busy_rows(op)[units_[op]].set(row_of(*starts_[op] + c), false);
     }
     starts_[op].reset();
     waiting_.set(rank_[op], true);
@@ -206,13 +206,13 @@ std::unique_ptr<Placer> place_at_least_interval(const ScheduleGraph& graph, cons
         continue;
       auto placer = std::make_unique<Placer>(graph, config, ii, order);
       if (placer->place_all(tried > kQuick ? kLessPatience : kPatience)) return placer;
-      tried += placer->tried();
+      tried += placer->placements_tried();
     }
     if (tried > kQuick) ++step;
   }
 }
 
-void count(const kernels::Graph& graph, const ScheduleGraph& parts, KernelSchedule& s) {
+void count_events(const kernels::Graph& graph, const ScheduleGraph& parts, KernelSchedule& s) {
   for (const Operation& op : parts.operations()) s.ops[static_cast<std::size_t>(op.kind)] += 1;
   s.local_reads = s.ops[static_cast<std::size_t>(OpClass::kLocalRead)];
   s.local_writes = s.ops[static_cast<std::size_t>(OpClass::kLocalWrite)];
@@ -239,25 +239,25 @@ void count(const kernels::Graph& graph, const ScheduleGraph& parts, KernelSchedu
 
 }  // namespace
 
-KernelSchedule schedule(const kernels::Graph& graph, const SrpConfig& config) {
+KernelSchedule schedule_kernel(const kernels::Graph& graph, const SrpConfig& config) {
   const ScheduleGraph parts(graph, config);
   KernelSchedule s;
   s.kernel = graph.kernel;
-  count(graph, parts, s);
+  count_events(graph, parts, s);
   s.res_mii = resource_interval(parts.operations(), config.array);
   s.rec_mii = parts.recurrence_interval();
   const auto placed = place_at_least_interval(parts, config, std::max({1U, s.res_mii, s.rec_mii}));
-  s.ii = placed->interval();
+  s.ii = placed->initiation_interval();
   const auto operations = static_cast<std::uint32_t>(parts.operations().size());
-  std::int64_t first = operations == 0 ? 0 : placed->start(0);
-  for (std::uint32_t op = 0; op < operations; ++op) first = std::min(first, placed->start(op));
+  std::int64_t first = operations == 0 ? 0 : placed->start_of(0);
+  for (std::uint32_t op = 0; op < operations; ++op) first = std::min(first, placed->start_of(op));
   for (std::uint32_t op = 0; op < operations; ++op) {
     const Operation& operation = parts.operations()[op];
-    const auto start = static_cast<std::uint32_t>(placed->start(op) - first);
-    s.placements.push_back({operation.node, operation.part, start, placed->unit(op)});
+    const auto start = static_cast<std::uint32_t>(placed->start_of(op) - first);
+    s.placements.push_back({operation.node, operation.part, start, placed->unit_of(op)});
     s.depth = std::max(s.depth, start + operation.latency);
   }
-  s.config_reads = s.ii * config.array.units();
+  s.config_reads = s.ii * config.array.unit_count();
   if (config.latency.load_queue > 0) s.queued_loads = s.ops[static_cast<std::size_t>(OpClass::kCachedRead)];
   return s;
 }

@@ -48,6 +48,6 @@ struct KernelSchedule {
 ///
 /// Not modelled: limits of the routing network (an operand costs one hop wherever it comes from), register pressure,
 /// records that two items in flight both change, VLIW mode.
-KernelSchedule schedule(const kernels::Graph& graph, const SrpConfig& config);
+KernelSchedule schedule_kernel(const kernels::Graph& graph, const SrpConfig& config);
 
 }  // namespace hw

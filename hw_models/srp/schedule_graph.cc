@@ -15,7 +15,7 @@ using kernels::Op;
 namespace {
 
 /// True if a path along `next` contains a cycle.
-bool has_circle(const std::vector<std::uint32_t>& next) {
+bool has_cycle(const std::vector<std::uint32_t>& next) {
   std::vector<std::uint32_t> met_from(next.size(), GraphNode::kNone);
   for (std::uint32_t first = 0; first < next.size(); ++first) {
     std::uint32_t at = first;
@@ -59,7 +59,8 @@ void ScheduleGraph::add_operations(const GraphNode& node, std::uint32_t id, cons
   const OpClass kind = adds_product(node) ? OpClass::kFpMulAdd : class_of(node.op);
   first_.push_back(static_cast<std::uint32_t>(operations_.size()));
   if (kind == OpClass::kFree || fused_[id]) return;
-  const std::uint32_t parts = is_memory(kind) ? std::max(1U, (node.bytes + width(kind) - 1) / width(kind)) : 1;
+  const std::uint32_t parts =
+      is_memory(kind) ? std::max(1U, (node.bytes + access_bytes(kind) - 1) / access_bytes(kind)) : 1;
   for (std::uint32_t part = 0; part < parts; ++part) {
     operations_.push_back({kind, id, part, latency_of(kind, latency), occupancy_of(kind, latency)});
   }
@@ -72,19 +73,20 @@ void ScheduleGraph::add_dependences(const Graph& graph, std::uint32_t id) {
     for (const std::uint32_t input : node.inputs) {
       if (input == GraphNode::kNone) continue;
       if (!fused_[input]) {
-        depend(graph, op, input, multiplies ? product_latency_ : 0);
+        add_dependence(graph, op, input, multiplies ? product_latency_ : 0);
         continue;
       }
-      kernels::for_each_input(graph.nodes[input], [&](std::uint32_t factor) { depend(graph, op, factor, 0); });
+      kernels::for_each_input(graph.nodes[input], [&](std::uint32_t factor) { add_dependence(graph, op, factor, 0); });
     }
     const std::size_t word = std::size_t{operations_[op].part} * kPortBytes / 4;
     for (std::size_t w = word; w < std::min(word + kPortBytes / 4, node.stored.size()); ++w) {
-      depend(graph, op, node.stored[w], 0);
+      add_dependence(graph, op, node.stored[w], 0);
     }
   }
 }
 
-void ScheduleGraph::depend(const Graph& graph, std::uint32_t operation, std::uint32_t on_node, std::uint32_t after) {
+void ScheduleGraph::add_dependence(const Graph& graph, std::uint32_t operation, std::uint32_t on_node,
+                                   std::uint32_t after) {
   const Source source = source_of(graph, on_node);
   if (source.operation != GraphNode::kNone)
     dependences_.push_back({source.operation, operation, source.distance, after});
@@ -99,14 +101,14 @@ ScheduleGraph::Source ScheduleGraph::source_of(const Graph& graph, std::uint32_t
     if (from == GraphNode::kNone) return {};
     const OpClass maker = class_of(graph.nodes[from].op);
     const bool field = node.op == Op::kInput && node.distance == 0 && is_memory(maker);
-    if (field) return {first_[from] + node.value / width(maker), distance};
+    if (field) return {first_[from] + node.value / access_bytes(maker), distance};
     distance += node.distance;
     id = from;
   }
   return {};  // values that are only passed on: no operation produces them
 }
 
-std::vector<std::int64_t> ScheduleGraph::heights(std::uint32_t ii) const {
+std::vector<std::int64_t> ScheduleGraph::path_heights(std::uint32_t ii) const {
   std::vector<std::int64_t> height;
   for (const Operation& op : operations_) height.push_back(op.latency);
   std::vector<std::uint32_t> next(operations_.size(), GraphNode::kNone);  // next operation on the longest path
@@ -121,7 +123,7 @@ std::vector<std::int64_t> ScheduleGraph::heights(std::uint32_t ii) const {
       next[d->from] = d->to;
       grew = true;
     }
-    if (grew && has_circle(next)) return {};
+    if (grew && has_cycle(next)) return {};
   }
   return height;
 }
@@ -131,14 +133,14 @@ std::uint32_t ScheduleGraph::recurrence_interval() const {
   std::uint64_t latencies = 0;
   for (const Operation& op : operations_) latencies += op.latency;
   for (std::uint32_t ii = 0; ii <= latencies; ++ii) {
-    if (!heights(ii).empty()) return ii;
+    if (!path_heights(ii).empty()) return ii;
   }
   throw std::invalid_argument("a kernel's value depends on itself within one item");
 }
 
 namespace {
 
-std::uint32_t divided_up(std::uint32_t a, std::uint32_t b) { return (a + b - 1) / b; }
+std::uint32_t ceil_div(std::uint32_t a, std::uint32_t b) { return (a + b - 1) / b; }
 
 }  // namespace
 
@@ -154,7 +156,7 @@ std::uint32_t pool_size(Pool pool, const ArrayConfig& array) {
     case Pool::kCache:
       return array.cache_ports;
     default:
-      return array.units();
+      return array.unit_count();
   }
 }
 
@@ -187,7 +189,7 @@ std::uint32_t resource_interval(const std::vector<Operation>& operations, const 
       const auto c = static_cast<OpClass>(other);
       if (pool_of(c) == pool_of(own) && capable_units(c, array) <= units) busy += demands[other].busy;
     }
-    ii = std::max({ii, divided_up(busy, units), divided_up(demand.operations, units) * demand.longest});
+    ii = std::max({ii, ceil_div(busy, units), ceil_div(demand.operations, units) * demand.longest});
   }
   return ii;
 }

@@ -46,8 +46,8 @@ class ScheduleGraph {
 
   /// Returns the height of each operation: the longest path, in cycles, from its issue to the end of this or a later
   /// item, with one item every `ii` cycles. Empty if `ii` is too short for a value passed from item to item.
-  std::vector<std::int64_t> heights(std::uint32_t ii) const;
-  /// Returns the smallest interval for which heights() is not empty.
+  std::vector<std::int64_t> path_heights(std::uint32_t ii) const;
+  /// Returns the smallest interval for which path_heights() is not empty.
   std::uint32_t recurrence_interval() const;
 
  private:
@@ -61,9 +61,9 @@ class ScheduleGraph {
   bool adds_product(const kernels::GraphNode& node) const;
   void add_operations(const kernels::GraphNode& node, std::uint32_t id, const OpLatencyConfig& latency);
   /// Returns the bytes that one access of a load or store of this class moves.
-  std::uint32_t width(OpClass c) const { return c == OpClass::kCachedRead ? cache_width_ : kPortBytes; }
+  std::uint32_t access_bytes(OpClass c) const { return c == OpClass::kCachedRead ? cache_width_ : kPortBytes; }
   void add_dependences(const kernels::Graph& graph, std::uint32_t id);
-  void depend(const kernels::Graph& graph, std::uint32_t operation, std::uint32_t on_node, std::uint32_t after);
+  void add_dependence(const kernels::Graph& graph, std::uint32_t operation, std::uint32_t on_node, std::uint32_t after);
   Source source_of(const kernels::Graph& graph, std::uint32_t id) const;
 
   std::uint32_t cache_width_;
@@ -97,9 +97,9 @@ class Bits {
     set_ += (value ? 1U : 0U) - ((word & bit) != 0 ? 1U : 0U);
     word = value ? word | bit : word & ~bit;
   }
-  std::uint32_t count(bool value) const { return value ? set_ : size_ - set_; }
+  std::uint32_t count_of(bool value) const { return value ? set_ : size_ - set_; }
   /// Returns the first index in [from, end) whose bit has the value; `end` if there is none.
-  std::uint32_t first(std::uint32_t from, std::uint32_t end, bool value) const {
+  std::uint32_t find_first(std::uint32_t from, std::uint32_t end, bool value) const {
     const std::uint64_t flip = value ? 0 : ~std::uint64_t{0};
     std::uint64_t below = (std::uint64_t{1} << from % 64) - 1;
     for (std::uint32_t word = from / 64; word * 64 < end; ++word, below = 0) {
@@ -120,13 +120,13 @@ class Bits {
 inline std::uint32_t rows_until(const Bits& rows, std::uint32_t row, bool busy) {
   std::uint32_t first = row;
   while (first >= rows.size()) first -= rows.size();
-  const std::uint32_t found = rows.first(first, rows.size(), busy);
-  return found < rows.size() ? found - first : rows.size() - first + rows.first(0, first, busy);
+  const std::uint32_t found = rows.find_first(first, rows.size(), busy);
+  return found < rows.size() ? found - first : rows.size() - first + rows.find_first(0, first, busy);
 }
 
 /// Returns the distance from row `from` to the first gap of `length` free rows in the ring; at most `limit`.
 inline std::uint32_t rows_until_gap(const Bits& rows, std::uint32_t from, std::uint32_t length, std::uint32_t limit) {
-  if (rows.count(false) < length) return limit;
+  if (rows.count_of(false) < length) return limit;
   for (std::uint32_t at = 0; at < limit;) {
     at += rows_until(rows, from + at, false);
     const std::uint32_t gap = length == 1 ? 1 : rows_until(rows, from + at, true);

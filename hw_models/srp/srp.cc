@@ -13,15 +13,15 @@ namespace hw {
 
 using traces::WorkNode;
 
-Srp::Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& frame, Links links, std::uint16_t port,
+Srp::Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& frame, Links links, std::uint16_t client,
          sim::Clock clock)
     : config_(config),
       clock_(clock),
       frame_(frame),
       links_(links),
       buffer_(buffer, frame.needs, clock, frame.ideal_buffer),
-      cache_(config.data_cache, port, frame.ideal_cache),
-      tiles_(tiles_in_flight(buffer, frame.needs, frame.ideal_buffer).most()),
+      cache_(config.data_cache, client, frame.ideal_cache),
+      tiles_(tiles_in_flight(buffer, frame.needs, frame.ideal_buffer).max_tiles()),
       launch_{.config_memory = ConfigMemory(config.config_memory.bytes, frame.kernels.size())},
       kernel_use_(frame.kernels.size()) {
   links_.tiles_in.mirror_pop_time(&arrivals_.tiles);
@@ -30,7 +30,7 @@ Srp::Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& f
   links_.dma_in.mirror_pop_time(&arrivals_.transfers);
   loads_.lines_missing.resize(kMostLoadCycles);
   rays_.feeds.reserve(64);
-  loop_.parts.reserve(64);
+  loop_.chunks.reserve(64);
   loads_.lines.reserve(64);
 }
 
@@ -43,19 +43,19 @@ sim::Time Srp::tick(sim::Time now) {
   run_array(now);
   while (feed_ray(now) && frame_.ray_interval == 0) {
   }
-  cache_.send(now, links_.memory_out);
+  cache_.send_request(now, links_.memory_out);
   if (!transfers_.dma.empty() && links_.dma_out.can_push(now)) {
     links_.dma_out.push(now, transfers_.dma.front());
     transfers_.dma.pop_front();
   }
   const CycleReason reason = current_reason(now);
-  account(now);
+  account_until(now);
   activity_.spend(now, clock_.period(), reason, reason);
   return next_wake(now);
 }
 
 /// Charges the time since the last tick to the state that the core had since then.
-inline void Srp::account(sim::Time now) {
+inline void Srp::account_until(sim::Time now) {
   const std::uint64_t cycles = clock_.cycles(now - occupancy_.until);
   if (occupancy_.tni_had_rays) stats_.fed += cycles;
   if (occupancy_.tni_had_rays && !occupancy_.array_was_busy) stats_.awaited += cycles;
@@ -65,7 +65,7 @@ inline void Srp::account(sim::Time now) {
 }
 
 void Srp::finish(sim::Time end) {
-  if (end > occupancy_.until) account(end);
+  if (end > occupancy_.until) account_until(end);
   activity_.finish(end);
   buffer_.finish(end);
 }
@@ -80,7 +80,7 @@ inline Srp::CycleReason Srp::current_reason(sim::Time now) const {
   if (launch_.is_blocked) return CycleReason::kNoSlots;
   const bool moves = rays_.in_flight > 0 || !rays_.feeds.empty() || transfers_.awaited > 0;
   const bool borders =
-      !moves && std::ranges::any_of(by_age_, [&](std::uint32_t t) { return tiles_[t].awaits_border(); });
+      !moves && std::ranges::any_of(by_age_, [&](std::uint32_t t) { return tiles_[t].is_awaiting_border(); });
   return borders ? CycleReason::kBorders : CycleReason::kWaiting;
 }
 
@@ -92,7 +92,7 @@ inline sim::Time Srp::next_wake(sim::Time now) const {
     at = now < loop_.configured ? loop_.configured : loop_.start;
   } else if (loop_.active && !loop_.is_stalled()) {
     const sim::Time origin = loop_.start + loop_.stall_time;
-    at = loop_.leaves_at(clock_, loop_.parts.items() - 1);
+    at = loop_.item_end(clock_, loop_.chunks.item_count() - 1);
     if (loop_.next_item < loop_.loading) at = origin + sim::Time{loop_.next_item} * loop_.ii * clock_.period();
     if (!loads_.queue.empty()) at = std::min(at, origin + loads_.queue.front().needed);
     at = std::max(at, next);
@@ -111,7 +111,7 @@ inline sim::Time Srp::next_wake(sim::Time now) const {
     at = std::min(at, std::max(next, links_.raster_in->pop_at()));
     if (!transfers_.raster.empty()) at = std::min(at, std::max(next, links_.raster_out->push_at()));
   }
-  return std::min(at, cache_.send_at(next, links_.memory_out));
+  return std::min(at, cache_.next_send_time(next, links_.memory_out));
 }
 
 std::string Srp::state() const {
@@ -119,13 +119,13 @@ std::string Srp::state() const {
   for (const std::uint32_t t : by_age_) {
     const TileRun& run = tiles_[t];
     tiles += fmt::format("; tile {}:", run.work().tile);
-    for (std::uint32_t n = 0; n < run.nodes(); ++n) {
-      if (!run.complete(n)) tiles += fmt::format(" node {} {}/{}", n, run.done(n), run.total(n));
+    for (std::uint32_t n = 0; n < run.node_count(); ++n) {
+      if (!run.is_complete(n)) tiles += fmt::format(" node {} {}/{}", n, run.done_items(n), run.total_items(n));
     }
   }
   return fmt::format("{}, rays in T&I {}, ray slots {}/{}, feeds {}, DMA jobs {}{}",
                      loop_.active ? (!loop_.is_stalled() ? "running" : "stalled") : "array idle", rays_.in_flight,
-                     buffer_.used(), buffer_.slots(), rays_.feeds.size(), transfers_.dma.size(), tiles);
+                     buffer_.used_slots(), buffer_.slot_count(), rays_.feeds.size(), transfers_.dma.size(), tiles);
 }
 
 // Tiles.
@@ -139,12 +139,12 @@ void Srp::take_tile(sim::Time now) {
     tiles_[tile].set_missing_borders(job.missing);
     return start_transfers(tile);
   }
-  tile = static_cast<std::uint32_t>(std::ranges::find_if_not(tiles_, &TileRun::active) - tiles_.begin());
-  tiles_[tile].begin(*job.work, config_.chunk, job.missing, job.owner);
-  if (by_age_.empty()) buffer_.in_use(now, true);
+  tile = static_cast<std::uint32_t>(std::ranges::find_if_not(tiles_, &TileRun::is_active) - tiles_.begin());
+  tiles_[tile].start_tile(*job.work, config_.chunk, job.missing, job.tile);
+  if (by_age_.empty()) buffer_.set_in_use(now, true);
   by_age_.push_back(tile);
   stats_.tiles += 1;
-  if (frame_.observer != nullptr) notify(*frame_.observer, TileStarted{frame_.core, tile, job.owner, now});
+  if (frame_.observer != nullptr) notify(*frame_.observer, TileStarted{frame_.core, tile, job.tile, now});
   start_transfers(tile);
 }
 
@@ -154,20 +154,20 @@ std::uint32_t Srp::find_in_flight_slot(const TileJob& job) const {
 }
 
 void Srp::finish_items(sim::Time now, std::uint32_t tile, std::uint32_t node, std::uint32_t items) {
-  buffer_.give_back(tiles_[tile].finish_items(node, items));
+  buffer_.return_slots(tiles_[tile].finish_items(node, items));
   launch_.check_pending = true;
   start_transfers(tile);
   end_tile(now, tile);
 }
 
 void Srp::end_tile(sim::Time now, std::uint32_t tile) {
-  if (!tiles_[tile].active() || !tiles_[tile].all_complete()) return;
-  assert(links_.tiles_out.can_push(now) && "room for all that tiles in flight have to say");
-  links_.tiles_out.push(now, TileDone{&tiles_[tile].work(), WorkNode::kNone, tiles_[tile].owner()});
+  if (!tiles_[tile].is_active() || !tiles_[tile].is_all_complete()) return;
+  assert(links_.tiles_out.can_push(now) && "room for all messages of tiles in flight");
+  links_.tiles_out.push(now, TileDone{&tiles_[tile].work(), WorkNode::kNone, tiles_[tile].tile_tag()});
   if (frame_.observer != nullptr) notify(*frame_.observer, TileEnded{frame_.core, tile, now});
-  tiles_[tile].end();
+  tiles_[tile].clear_tile();
   std::erase(by_age_, tile);
-  if (by_age_.empty()) buffer_.in_use(now, false);
+  if (by_age_.empty()) buffer_.set_in_use(now, false);
   launch_.check_pending = true;
 }
 
@@ -177,7 +177,7 @@ inline void Srp::run_array(sim::Time now) {
   if (loop_.active && now >= loop_.start) {
     const bool flowing = frame_.ideal ? load_all(now) : loads_in_time(now) && issue_loads(now);
     if (flowing && loop_.next_item == loop_.loading && loads_.queue.empty() &&
-        now >= loop_.leaves_at(clock_, loop_.parts.items() - 1)) {
+        now >= loop_.item_end(clock_, loop_.chunks.item_count() - 1)) {
       finish_chunk(now);
     }
   }
@@ -191,17 +191,17 @@ void Srp::finish_chunk(sim::Time now) {
   use.starved += clock_.cycles(rays_.time_without_rays(now) - loop_.without_rays);
   if (frame_.observer != nullptr) notify_loop(now, cycles);
   loop_.active = false;
-  for (const LoopPart& part : loop_.parts) finish_items(now, part.tile, part.node, part.items);
+  for (const LoopChunk& part : loop_.chunks) finish_items(now, part.tile, part.node, part.items);
 }
 
 /// Notifies the observer of a finished loop. Its cycles are divided among its tiles by items, in whole cycles that add
 /// up.
 void Srp::notify_loop(sim::Time now, std::uint64_t cycles) const {
   std::uint64_t items = 0, charged = 0;
-  for (const LoopPart& part : loop_.parts) {
+  for (const LoopChunk& part : loop_.chunks) {
     items += part.items;
-    const std::uint64_t until = cycles * items / loop_.parts.items();
-    notify(*frame_.observer, LoopCharged{tiles_[part.tile].owner(), until - charged});
+    const std::uint64_t until = cycles * items / loop_.chunks.item_count();
+    notify(*frame_.observer, LoopCharged{tiles_[part.tile].tile_tag(), until - charged});
     charged = until;
   }
   notify(*frame_.observer, LoopEnded{.core = frame_.core,
@@ -212,16 +212,16 @@ void Srp::notify_loop(sim::Time now, std::uint64_t cycles) const {
                                      .end = now,
                                      .stalled = loop_.stall_time,
                                      .cycles = cycles,
-                                     .items = loop_.parts.items(),
-                                     .launches = static_cast<std::uint32_t>(loop_.parts.size()),
-                                     .tile = tiles_[loop_.parts.begin()->tile].owner()});
+                                     .items = loop_.chunks.item_count(),
+                                     .launches = static_cast<std::uint32_t>(loop_.chunks.size()),
+                                     .tile = tiles_[loop_.chunks.begin()->tile].tile_tag()});
 }
 
 void Srp::fill(sim::Time now) {
   if (arrivals_.lines > now) return;
   const L1Cache::Miss miss = cache_.fill(links_.memory_in.pop(now).line);
   stats_.cache_fills += 1;
-  stats_.cache_miss_cycles += clock_.cycles(now) - miss.asked_at;
+  stats_.cache_miss_cycles += clock_.cycles(now) - miss.requested_at;
   for (std::uint64_t waited = miss.slots; waited != 0; waited &= waited - 1) {
     const auto slot = static_cast<std::uint32_t>(std::countr_zero(waited));
     if (--loads_.lines_missing[slot] == 0) loads_.missing &= ~(std::uint64_t{1} << slot);
@@ -235,12 +235,12 @@ bool Srp::loads_in_time(sim::Time now) {
     const bool late = !loads_.queue.empty() && loads_.queue.front().needed == loop_.array_time(now) &&
                       ((loads_.missing >> loads_.queue.front().slot) & 1U) != 0;
     if (late || loads_.mshrs_full) return false;
-    loop_.resume(now);
+    loop_.end_stall(now);
   }
   const sim::Time at = loop_.array_time(now);
   while (!loads_.queue.empty() && loads_.queue.front().needed <= at) {
     if ((loads_.missing >> loads_.queue.front().slot) & 1U) {
-      loop_.stall(now);
+      loop_.begin_stall(now);
       return false;
     }
     loads_.queue.pop_front();
@@ -254,11 +254,11 @@ bool Srp::issue_loads(sim::Time now) {
   if (loop_.next_item == loop_.loading || at < sim::Time{loop_.next_item} * loop_.ii * clock_.period()) return true;
   const std::uint32_t slot = loop_.next_item % kMostLoadCycles;
   if (!request_lines(now, loop_.next_item)) {
-    loop_.stall(now);
+    loop_.begin_stall(now);
     return false;
   }
   if ((loads_.missing >> slot & 1U) != 0)
-    loads_.queue.push_back({at + config_.latency.cached() * clock_.period(), slot});
+    loads_.queue.push_back({at + config_.latency.cached_load_latency() * clock_.period(), slot});
   loop_.next_item += 1;
   issue_ready_hits();
   return true;
@@ -269,10 +269,10 @@ bool Srp::issue_loads(sim::Time now) {
 inline void Srp::issue_ready_hits() {
   for (; loop_.next_item < loop_.loading; ++loop_.next_item) {
     if (accesses_of(loop_.next_item).empty()) continue;
-    if (cache_.outstanding() != 0) return;
+    if (cache_.outstanding_misses() != 0) return;
     collect_lines(loop_.next_item);
-    if (!std::ranges::all_of(loads_.lines, [&](Addr line) { return cache_.holds(line); })) return;
-    for (const Addr line : loads_.lines) cache_.access(line, 0);
+    if (!std::ranges::all_of(loads_.lines, [&](Addr line) { return cache_.has_line(line); })) return;
+    for (const Addr line : loads_.lines) cache_.access_line(line, 0);
     stats_.cache_accesses += loads_.lines.size();
     stats_.cache_hits += loads_.lines.size();
   }
@@ -282,10 +282,10 @@ inline void Srp::issue_ready_hits() {
 inline bool Srp::request_lines(sim::Time now, std::uint32_t item) {
   const std::uint32_t slot = item % kMostLoadCycles;
   collect_lines(item);
-  cache_.set_slot_tile(slot, tiles_[loop_.parts.of(item).tile].owner());
+  cache_.set_slot_tile(slot, tiles_[loop_.chunks.chunk_of(item).tile].tile_tag());
   for (; loop_.next_line < loads_.lines.size(); ++loop_.next_line) {
     stats_.cache_accesses += 1;
-    const L1Cache::Result result = cache_.access(loads_.lines[loop_.next_line], slot, clock_.cycles(now));
+    const L1Cache::Result result = cache_.access_line(loads_.lines[loop_.next_line], slot, clock_.cycles(now));
     if (result == L1Cache::Result::kHit) {
       stats_.cache_hits += 1;
       continue;
@@ -307,17 +307,17 @@ inline bool Srp::request_lines(sim::Time now, std::uint32_t item) {
 bool Srp::load_all(sim::Time now) {
   while (!loads_.mshrs_full && loop_.next_item < loop_.loading && request_lines(now, loop_.next_item))
     loop_.next_item += 1;
-  if (loads_.mshrs_full || cache_.outstanding() > 0) {
-    if (!loop_.is_stalled()) loop_.stall(now);
+  if (loads_.mshrs_full || cache_.outstanding_misses() > 0) {
+    if (!loop_.is_stalled()) loop_.begin_stall(now);
     return false;
   }
-  if (loop_.is_stalled()) loop_.resume(now);
+  if (loop_.is_stalled()) loop_.end_stall(now);
   return true;
 }
 
 /// Returns the accesses of an item of the current loop.
 inline std::span<const traces::Access> Srp::accesses_of(std::uint32_t item) const {
-  const LoopPart& part = loop_.parts.of(item);
+  const LoopChunk& part = loop_.chunks.chunk_of(item);
   const traces::TileWork& work = tiles_[part.tile].work();
   const std::uint32_t* begin = &work.access_begin[work.nodes[part.node].first + part.first + item - part.begin];
   return std::span(work.accesses).subspan(begin[0], begin[1] - begin[0]);
@@ -354,7 +354,7 @@ void Srp::start_chunk(sim::Time now) {
   // The borders that the oldest tile imports will arrive: they belong to even older tiles. Those of younger tiles may
   // depend on this one.
   const bool data_come = transfers_.spills_done < transfers_.spills_started || transfers_.awaited > 0 ||
-                         tiles_[by_age_.front()].awaits_border();
+                         tiles_[by_age_.front()].is_awaiting_border();
   if (rays_.in_flight > 0 || rays_can_go || data_come) return;
   for (const std::uint32_t tile : by_age_) {
     const std::uint32_t node = tiles_[tile].next_launch([](std::uint32_t) { return true; });
@@ -364,28 +364,28 @@ void Srp::start_chunk(sim::Time now) {
 
 bool Srp::has_ray_slots(std::uint32_t tile, std::uint32_t node) const {
   const TileRun& run = tiles_[tile];
-  const std::uint64_t rays = run.rays_made(node, run.done(node), run.chunk_items(node));
+  const std::uint64_t rays = run.rays_made(node, run.done_items(node), run.chunk_items(node));
   if (rays == 0) return true;
   const std::uint32_t wave = frame_.needs.wave_samples != 0 ? frame_.needs.wave_samples : frame_.needs.tile_samples;
-  const bool first_rays_of_younger = tile != by_age_.front() && !run.follows_rays(node);
-  return buffer_.free() >= rays + (first_rays_of_younger ? wave : 0);
+  const bool first_rays_of_younger = tile != by_age_.front() && !run.depends_on_rays(node);
+  return buffer_.free_slots() >= rays + (first_rays_of_younger ? wave : 0);
 }
 
 void Srp::begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node) {
   const WorkNode& work = tiles_[tile].node(node);
   const KernelSchedule& kernel = frame_.kernels[work.kernel];
   launch_.is_blocked = false;
-  loop_.parts.clear();
+  loop_.chunks.clear();
   loads_.lines_of_item = kNoItem;
-  add_part(tile, node);
+  add_chunk(tile, node);
   if (config_.merge) join_launches(work);
-  const std::uint32_t items = loop_.parts.items(), working = loop_.parts.working();
+  const std::uint32_t items = loop_.chunks.item_count(), working = loop_.chunks.working_count();
   const bool conflicts = !frame_.ideal && !frame_.ideal_buffer;
-  const std::uint64_t conflict_cycles = conflicts ? frame_.conflicts[work.kernel].of(items) : 0;
+  const std::uint64_t conflict_cycles = conflicts ? frame_.conflicts[work.kernel].stall_cycles(items) : 0;
   const sim::Time configured = clock_.after(now, switch_to(work.kernel));
   loop_ = ArrayLoop{.active = true,
                     .kernel = work.kernel,
-                    .parts = std::move(loop_.parts),
+                    .chunks = std::move(loop_.chunks),
                     .loading = work.has_accesses ? working : 0,
                     .begin = now,
                     .without_rays = rays_.time_without_rays(now),
@@ -393,12 +393,12 @@ void Srp::begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node) {
                     .start = clock_.after(configured, conflict_cycles),
                     .ii = frame_.ideal ? 0 : kernel.ii,
                     .depth = frame_.ideal ? 1 : kernel.depth};
-  stats_.add(kernel, items, working);
-  stats_.launches += loop_.parts.size();
-  if (loop_.parts.size() > 1) stats_.merged += 1;
-  buffer_.read(std::uint64_t{items} * kernel.local_reads);
-  buffer_.write(std::uint64_t{items} * kernel.local_writes);
-  buffer_.conflict(conflict_cycles);
+  stats_.add_loop(kernel, items, working);
+  stats_.launches += loop_.chunks.size();
+  if (loop_.chunks.size() > 1) stats_.merged += 1;
+  buffer_.count_reads(std::uint64_t{items} * kernel.local_reads);
+  buffer_.count_writes(std::uint64_t{items} * kernel.local_writes);
+  buffer_.count_conflicts(conflict_cycles);
   kernel_use_[work.kernel].launches += 1;
   kernel_use_[work.kernel].items += items;
   kernel_use_[work.kernel].idle += items - working;
@@ -408,31 +408,31 @@ void Srp::begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node) {
 std::uint64_t Srp::switch_to(traces::KernelId kernel) {
   if (std::exchange(launch_.kernel, kernel) == kernel || frame_.ideal) return 0;
   const std::uint32_t rows = frame_.kernels[kernel].ii;
-  const bool resident = launch_.config_memory.use(kernel, config_.config_bytes(rows));
+  const bool resident = launch_.config_memory.select_kernel(kernel, config_.config_bytes(rows));
   stats_.add_switch(rows, resident);
   return config_.switch_cycles + (resident ? 0 : config_.load_cycles(rows));
 }
 
 /// Adds a launch's next chunk to the loop. Rays without a slot are spilled to memory.
-void Srp::add_part(std::uint32_t tile, std::uint32_t node) {
+void Srp::add_chunk(std::uint32_t tile, std::uint32_t node) {
   TileRun& run = tiles_[tile];
-  const std::uint32_t first = run.done(node), items = run.chunk_items(node);
-  loop_.parts.add({tile, node, first, items, run.working(node, first, items)});
-  const std::uint64_t spilled = buffer_.take(run.rays_made(node, first, items));
+  const std::uint32_t first = run.done_items(node), items = run.chunk_items(node);
+  loop_.chunks.add({tile, node, first, items, run.working_items(node, first, items)});
+  const std::uint64_t spilled = buffer_.take_slots(run.rays_made(node, first, items));
   for (const std::uint32_t batch : run.batches_of(node)) {
     if (first == 0 && run.node(batch).kind == WorkNode::Kind::kRays) rays_.feeds.push_back({tile, batch, 0, 0});
   }
   if (spilled == 0) return;
   // A spilled ray is written and read back before it is issued; its hit is written and read back before it is shaded.
   const auto bytes = static_cast<std::uint32_t>(2 * spilled * buffer_.slot_bytes());
-  buffer_.read(bytes / kAccess);
-  buffer_.write(bytes / kAccess);
+  buffer_.count_reads(bytes / kAccessBytes);
+  buffer_.count_writes(bytes / kAccessBytes);
   const Addr spill = frame_.areas[static_cast<std::size_t>(Area::kSpill)];
-  transfers_.dma.push_back({spill, bytes, true, kSpillTag, Area::kSpill, 0, run.owner()});
-  transfers_.dma.push_back({spill, bytes, false, kSpillTag, Area::kSpill, 0, run.owner()});
+  transfers_.dma.push_back({spill, bytes, true, kSpillTag, Area::kSpill, 0, run.tile_tag()});
+  transfers_.dma.push_back({spill, bytes, false, kSpillTag, Area::kSpill, 0, run.tile_tag()});
   transfers_.spills_started += 2;
   for (RayFeed& f : rays_.feeds) {
-    if (f.tile == tile && run.producer(f.batch) == node) f.after_spill = transfers_.spills_started;
+    if (f.tile == tile && run.producing_launch(f.batch) == node) f.after_spill = transfers_.spills_started;
   }
 }
 
@@ -443,10 +443,10 @@ void Srp::join_launches(const WorkNode& work) {
     const TileRun& run = tiles_[tile];
     const auto joins = [&](std::uint32_t n) {
       return run.node(n).kernel == work.kernel && run.node(n).has_accesses == work.has_accesses &&
-             loop_.parts.items() + run.chunk_items(n) <= config_.chunk && loop_.parts.find(tile, n) == nullptr &&
-             has_ray_slots(tile, n);
+             loop_.chunks.item_count() + run.chunk_items(n) <= config_.chunk &&
+             loop_.chunks.find_launch(tile, n) == nullptr && has_ray_slots(tile, n);
     };
-    for (std::uint32_t n = run.next_launch(joins); n != TileRun::kNone; n = run.next_launch(joins)) add_part(tile, n);
+    for (std::uint32_t n = run.next_launch(joins); n != TileRun::kNone; n = run.next_launch(joins)) add_chunk(tile, n);
   }
 }
 
@@ -455,13 +455,13 @@ void Srp::join_launches(const WorkNode& work) {
 sim::Time Srp::ray_ready_at(const RayFeed& feed) const {
   if (transfers_.spills_done < feed.after_spill) return sim::kNever;
   const TileRun& run = tiles_[feed.tile];
-  const std::uint32_t launch = run.producer(feed.batch);
-  const std::uint32_t item = run.source(feed.batch, feed.next);
-  if (item < run.done(launch)) return 0;
-  const LoopPart* part = loop_.active ? loop_.parts.find(feed.tile, launch) : nullptr;
+  const std::uint32_t launch = run.producing_launch(feed.batch);
+  const std::uint32_t item = run.source_item(feed.batch, feed.next);
+  if (item < run.done_items(launch)) return 0;
+  const LoopChunk* part = loop_.active ? loop_.chunks.find_launch(feed.tile, launch) : nullptr;
   if (part == nullptr || item >= part->first + part->working) return sim::kNever;
   if (frame_.ideal && loop_.is_stalled()) return sim::kNever;
-  const sim::Time leaves = loop_.leaves_at(clock_, part->begin + item - part->first);
+  const sim::Time leaves = loop_.item_end(clock_, part->begin + item - part->first);
   return leaves <= loop_.stalled_since ? leaves : sim::kNever;
 }
 
@@ -472,9 +472,9 @@ inline bool Srp::feed_ray(sim::Time now) {
   const TileRun& run = tiles_[feed->tile];
   const std::uint32_t ray = run.node(feed->batch).first + feed->next;
   const traces::TileWork& work = run.work();
-  links_.rays_out.push(now, RayJob{work.walk.data() + work.ray_begin[ray], handle_of(feed->tile, ray), run.owner()});
-  buffer_.read(sizeof(traces::Ray) / kAccess);
-  rays_.send(now);
+  links_.rays_out.push(now, RayJob{work.walk.data() + work.ray_begin[ray], handle_of(feed->tile, ray), run.tile_tag()});
+  buffer_.count_reads(sizeof(traces::Ray) / kAccessBytes);
+  rays_.note_sent(now);
   stats_.rays += 1;
   if (frame_.observer != nullptr && feed->next == 0) {
     notify(*frame_.observer, BatchStarted{frame_.core, feed->tile, feed->batch, rays_.in_flight, now});
@@ -487,22 +487,22 @@ inline bool Srp::feed_ray(sim::Time now) {
 inline void Srp::take_hit(sim::Time now) {
   if (arrivals_.hits > now) return;
   const std::uint32_t id = links_.hits_in.pop(now).id;
-  buffer_.write(sizeof(traces::Hit) / kAccess);
-  rays_.take_back(now);
+  buffer_.count_writes(sizeof(traces::Hit) / kAccessBytes);
+  rays_.note_returned(now);
   stats_.hits += 1;
   const std::uint32_t tile = tile_of_handle(id);
-  const bool news = tiles_[tile].finish_ray(index_of_handle(id));
+  const bool may_be_ready = tiles_[tile].finish_ray(index_of_handle(id));
   if (frame_.observer != nullptr) [[unlikely]]
     notify_hit(now, tile, index_of_handle(id));
-  if (news) start_transfers(tile);
-  if (news || rays_.in_flight == 0) launch_.check_pending = true;
+  if (may_be_ready) start_transfers(tile);
+  if (may_be_ready || rays_.in_flight == 0) launch_.check_pending = true;
 }
 
 /// Notifies the observer of the end of a batch if the hit is its last one.
 void Srp::notify_hit(sim::Time now, std::uint32_t tile, std::uint32_t ray) const {
   const TileRun& run = tiles_[tile];
   const std::uint32_t batch = run.batch_of(ray);
-  if (!run.complete(batch)) return;
+  if (!run.is_complete(batch)) return;
   notify(*frame_.observer, BatchEnded{frame_.core, tile, batch, &run.node(batch), rays_.in_flight, now});
 }
 
@@ -516,12 +516,12 @@ void Srp::start_transfers(std::uint32_t tile) {
     const Addr base = frame_.areas[static_cast<std::size_t>(area)] + node.offset;
     const std::uint32_t cycles = area == Area::kPicture ? frame_.encode_cycles : 0;
     transfers_.dma.push_back(
-        {base, node.items, node.to_memory, handle_of(tile, n), area, cycles, tiles_[tile].owner()});
-    const std::uint64_t accesses = (std::uint64_t{node.items} * std::max(cycles, 1U) + kAccess - 1) / kAccess;
+        {base, node.items, node.to_memory, handle_of(tile, n), area, cycles, tiles_[tile].tile_tag()});
+    const std::uint64_t accesses = (std::uint64_t{node.items} * std::max(cycles, 1U) + kAccessBytes - 1) / kAccessBytes;
     if (node.to_memory) {
-      buffer_.read(accesses);
+      buffer_.count_reads(accesses);
     } else {
-      buffer_.write(accesses);
+      buffer_.count_writes(accesses);
     }
     if (tiles_[tile].is_awaited(n)) transfers_.awaited += 1;
   });
@@ -539,13 +539,13 @@ inline void Srp::take_dma(sim::Time now) {
   if (tiles_[tile].is_awaited(node)) transfers_.awaited -= 1;
   const WorkNode& moved = tiles_[tile].node(node);
   if (moved.to_memory && moved.border != WorkNode::kNone) {
-    links_.tiles_out.push(now, TileDone{&tiles_[tile].work(), moved.border, tiles_[tile].owner()});
+    links_.tiles_out.push(now, TileDone{&tiles_[tile].work(), moved.border, tiles_[tile].tile_tag()});
   }
   finish_items(now, tile, node, tiles_[tile].node(node).items);
 }
 
 void Srp::start_raster(std::uint32_t tile, std::uint32_t node) {
-  transfers_.raster.push_back({&tiles_[tile].work(), node, handle_of(tile, node), tiles_[tile].owner()});
+  transfers_.raster.push_back({&tiles_[tile].work(), node, handle_of(tile, node), tiles_[tile].tile_tag()});
   if (tiles_[tile].is_awaited(node)) transfers_.awaited += 1;
 }
 
@@ -556,7 +556,7 @@ void Srp::service_rasteriser_links(sim::Time now) {
     const std::uint32_t tile = tile_of_handle(tag), node = index_of_handle(tag);
     const traces::WorkNode& done = tiles_[tile].node(node);
     if (done.kind == traces::WorkNode::Kind::kRaster) {
-      buffer_.write((std::uint64_t{done.items} * frame_.plane_bytes + kAccess - 1) / kAccess);
+      buffer_.count_writes((std::uint64_t{done.items} * frame_.plane_bytes + kAccessBytes - 1) / kAccessBytes);
     }
     if (tiles_[tile].is_awaited(node)) transfers_.awaited -= 1;
     finish_items(now, tile, node, done.items);

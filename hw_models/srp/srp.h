@@ -102,7 +102,7 @@ class Srp {
     std::uint32_t core = 0;  ///< number of this core in events
   };
 
-  Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& frame, Links links, std::uint16_t port,
+  Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& frame, Links links, std::uint16_t client,
       sim::Clock clock);
   Srp(const Srp&) = delete;
   Srp& operator=(const Srp&) = delete;
@@ -116,11 +116,11 @@ class Srp {
   std::span<const KernelUse> kernel_use() const { return kernel_use_; }
   void finish(sim::Time end);
   std::string state() const;
-  bool warm(Addr line) { return cache_.warm(line); }
+  bool warm_line(Addr line) { return cache_.warm_line(line); }
 
  private:
   static constexpr std::uint32_t kNoItem = 0xffffffffU;    ///< no item's lines are listed
-  static constexpr std::uint64_t kAccess = 16;             ///< bytes of an access to the tile buffer
+  static constexpr std::uint64_t kAccessBytes = 16;        ///< bytes of an access to the tile buffer
   static constexpr std::uint32_t kSpillTag = 0xffffffffU;  ///< the tag of DMA jobs for spilled ray slots
   // A handle combines the slot of a tile in flight (high bits) with the index of a ray or node in the tile.
   static constexpr std::uint32_t kTileShift = 24;
@@ -192,7 +192,7 @@ class Srp {
   bool has_ray_slots(std::uint32_t tile, std::uint32_t node) const;
   void begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node);
   std::uint64_t switch_to(traces::KernelId kernel);
-  void add_part(std::uint32_t tile, std::uint32_t node);
+  void add_chunk(std::uint32_t tile, std::uint32_t node);
   void join_launches(const traces::WorkNode& work);
 
   // Ray feeder.
@@ -208,7 +208,7 @@ class Srp {
   void take_dma(sim::Time now);
   void service_rasteriser_links(sim::Time now);
 
-  void account(sim::Time now);
+  void account_until(sim::Time now);
   CycleReason current_reason(sim::Time now) const;
   sim::Time next_wake(sim::Time now) const;
 

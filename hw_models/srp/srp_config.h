@@ -39,17 +39,17 @@ struct ArrayConfig {
           Affects::kTiming);
   }
   void check(auto&& complain) const {
-    const std::string all = " of " + std::to_string(units()) + " functional units";
-    if (mul_units > units()) complain("mul_units", std::to_string(mul_units) + all + " cannot have a multiplier");
-    if (div_sqrt_units > units()) {
+    const std::string all = " of " + std::to_string(unit_count()) + " functional units";
+    if (mul_units > unit_count()) complain("mul_units", std::to_string(mul_units) + all + " cannot have a multiplier");
+    if (div_sqrt_units > unit_count()) {
       complain("div_sqrt_units", std::to_string(div_sqrt_units) + all + " cannot have a divider");
     }
   }
 
-  std::uint32_t units() const { return rows * columns; }
+  std::uint32_t unit_count() const { return rows * columns; }
   /// Returns the parts that take area. A multiplier handles floats and integers; a multiply-add unit also has an adder.
   std::vector<sim::UnitPart> parts() const {
-    return {{"functional_unit", units()},
+    return {{"functional_unit", unit_count()},
             {"multiplier", mul_units},
             {"product_adder", mul_add ? mul_units : 0},
             {"div_sqrt", div_sqrt_units}};
@@ -93,13 +93,13 @@ struct OpLatencyConfig {
           sim::between(0, kMostLoadCycles - 1), Affects::kTiming);
   }
   void check(auto&& complain) const {
-    if (cached() <= kMostLoadCycles) return;
+    if (cached_load_latency() <= kMostLoadCycles) return;
     complain("load_queue", std::to_string(load_queue) + " and cached_load, " + std::to_string(cached_load) +
                                ", make more than " + std::to_string(kMostLoadCycles) + " cycles");
   }
 
   /// Returns the cycles from a data-cache load to the use of its data.
-  std::uint32_t cached() const { return cached_load + load_queue; }
+  std::uint32_t cached_load_latency() const { return cached_load + load_queue; }
 };
 
 /// The shader core's data cache; a hit takes latency.cached_load and latency.load_queue.
@@ -142,7 +142,9 @@ struct SrpConfig {
   }
 
   /// Returns the bytes of configuration memory of a kernel with this initiation interval.
-  std::uint64_t config_bytes(std::uint32_t ii) const { return std::uint64_t{ii} * array.units() * config_word.bytes; }
+  std::uint64_t config_bytes(std::uint32_t ii) const {
+    return std::uint64_t{ii} * array.unit_count() * config_word.bytes;
+  }
   /// Returns the cycles to load its configuration.
   std::uint64_t load_cycles(std::uint32_t ii) const {
     return (config_bytes(ii) + config_load.bytes - 1) / config_load.bytes;

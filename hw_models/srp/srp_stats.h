@@ -94,7 +94,7 @@ struct SrpStats {
   }
 
   /// Charges a loop of `n` items. The first `working` items do not idle; the others access no cache.
-  void add(const KernelSchedule& k, std::uint64_t n, std::uint64_t working) {
+  void add_loop(const KernelSchedule& k, std::uint64_t n, std::uint64_t working) {
     const auto ops = [&](OpClass c) { return n * k.ops[static_cast<std::size_t>(c)]; };
     chunks += 1;
     items += n;

@@ -45,7 +45,7 @@ struct TileBufferConfig {
 struct TilesInFlight {
   std::uint32_t first = 1;  ///< in the first pass
   std::uint32_t later = 1;  ///< in each later pass
-  std::uint32_t most() const { return std::max(first, later); }
+  std::uint32_t max_tiles() const { return std::max(first, later); }
 };
 
 /// Returns the bytes of a full tile in the buffer: its colours and `attribute_bytes`.
@@ -111,28 +111,28 @@ class TileBuffer {
     if (ideal) slots_ = std::numeric_limits<std::uint64_t>::max();
   }
 
-  std::uint64_t free() const { return used_ < slots_ ? slots_ - used_ : 0; }
-  std::uint64_t used() const { return used_; }
-  std::uint64_t slots() const { return slots_; }
+  std::uint64_t free_slots() const { return used_ < slots_ ? slots_ - used_ : 0; }
+  std::uint64_t used_slots() const { return used_; }
+  std::uint64_t slot_count() const { return slots_; }
   std::uint32_t slot_bytes() const { return slot_bytes_; }
 
   /// Takes `n` slots, and returns how many of them do not fit.
-  std::uint64_t take(std::uint64_t n) {
-    const std::uint64_t spilled = n - std::min(n, free());
+  std::uint64_t take_slots(std::uint64_t n) {
+    const std::uint64_t spilled = n - std::min(n, free_slots());
     used_ += n;
     stats_.slots_taken += n;
     stats_.slots_peak = std::max(stats_.slots_peak, used_);
     stats_.spilled_slots += spilled;
     return spilled;
   }
-  void give_back(std::uint64_t n) { used_ -= n; }
+  void return_slots(std::uint64_t n) { used_ -= n; }
 
-  void read(std::uint64_t accesses) { stats_.reads += accesses; }
-  void write(std::uint64_t accesses) { stats_.writes += accesses; }
-  void conflict(std::uint64_t cycles) { stats_.bank_conflicts += cycles; }
+  void count_reads(std::uint64_t accesses) { stats_.reads += accesses; }
+  void count_writes(std::uint64_t accesses) { stats_.writes += accesses; }
+  void count_conflicts(std::uint64_t cycles) { stats_.bank_conflicts += cycles; }
 
   /// Notes whether the buffer is in use from `now` on.
-  void in_use(sim::Time now, bool used) {
+  void set_in_use(sim::Time now, bool used) {
     const CycleReason why = used ? CycleReason::kInUse : CycleReason::kIdle;
     activity_.spend(now, clock_.period(), why, why);
   }

@@ -26,7 +26,7 @@ void make_room(std::vector<T>& list, std::size_t needed) {
 
 }  // namespace
 
-void TileRun::begin(const traces::TileWork& work, std::uint32_t chunk, std::uint32_t missing, TileTag owner) {
+void TileRun::start_tile(const traces::TileWork& work, std::uint32_t chunk, std::uint32_t missing, TileTag tag) {
   if (work.ray_begin.size() > kMaxRays) {
     throw sim::InputError(
         "render.tile: a tile has more than 16777216 rays; allowed: a smaller tile, depth or number of lights");
@@ -34,7 +34,7 @@ void TileRun::begin(const traces::TileWork& work, std::uint32_t chunk, std::uint
   work_ = &work;
   chunk_ = chunk;
   missing_ = missing;
-  owner_ = owner;
+  tile_tag_ = tag;
   awaits_border_ = false;
   nodes_left_ = static_cast<std::uint32_t>(work.nodes.size());
   make_room(progress_, work.nodes.size());
@@ -45,7 +45,7 @@ void TileRun::begin(const traces::TileWork& work, std::uint32_t chunk, std::uint
   batch_of_ray_.resize(work.ray_begin.size());
   transfers_.clear();
   chunk_left_.clear();
-  for (std::uint32_t n = 0; n < nodes(); ++n) {
+  for (std::uint32_t n = 0; n < node_count(); ++n) {
     Progress& p = progress_[n];
     const WorkNode& w = node(n);
     assert(w.items > 0);
@@ -53,7 +53,7 @@ void TileRun::begin(const traces::TileWork& work, std::uint32_t chunk, std::uint
         w.inputs, [&](const Edge& e) { return has_slots(node(e.node)) || progress_[e.node].follows_rays; });
     if (w.kind == WorkNode::Kind::kRays) {
       assert(w.inputs.size() == 1 && w.inputs.front().kind == Edge::Kind::kEach && "rays come from one launch each");
-      progress_[producer(n)].batches += 1;
+      progress_[producing_launch(n)].batches += 1;
       p.first_chunk = static_cast<std::uint32_t>(chunk_left_.size());
       for (std::uint32_t left = w.items; left > 0; left -= std::min(left, chunk)) {
         chunk_left_.push_back(std::min(left, chunk));
@@ -62,7 +62,7 @@ void TileRun::begin(const traces::TileWork& work, std::uint32_t chunk, std::uint
     } else {
       for (const Edge& e : w.inputs) progress_[e.node].readers += 1;
       if (w.kind != WorkNode::Kind::kLaunch) transfers_.push_back(n);
-      if (w.kind == WorkNode::Kind::kRaster) progress_[producer(n)].batches += 1;
+      if (w.kind == WorkNode::Kind::kRaster) progress_[producing_launch(n)].batches += 1;
     }
   }
   list_batches();
@@ -78,14 +78,14 @@ void TileRun::list_batches() {
   }
   make_room(batches_, next);
   batches_.resize(next);
-  for (std::uint32_t n = 0; n < nodes(); ++n) {
+  for (std::uint32_t n = 0; n < node_count(); ++n) {
     if (!has_slots(node(n))) continue;
-    Progress& p = progress_[producer(n)];
+    Progress& p = progress_[producing_launch(n)];
     batches_[p.first_batch + p.batches++] = n;
   }
 }
 
-std::uint32_t TileRun::available(std::uint32_t n, const Edge& edge) const {
+std::uint32_t TileRun::available_items(std::uint32_t n, const Edge& edge) const {
   const Progress& from = progress_[edge.node];
   if (edge.kind == Edge::Kind::kAll) return dependents_released(edge.node) ? node(n).items : 0;
   const std::uint32_t prefix = node(edge.node).kind == WorkNode::Kind::kRays ? from.prefix : from.done;
@@ -95,12 +95,12 @@ std::uint32_t TileRun::available(std::uint32_t n, const Edge& edge) const {
   return static_cast<std::uint32_t>(std::lower_bound(first, first + node(n).items, prefix) - first);
 }
 
-std::uint32_t TileRun::chunk_items(std::uint32_t n) const { return std::min(chunk_, total(n) - done(n)); }
+std::uint32_t TileRun::chunk_items(std::uint32_t n) const { return std::min(chunk_, total_items(n) - done_items(n)); }
 
-bool TileRun::ready(std::uint32_t n) const {
-  if (complete(n)) return false;
-  const std::uint32_t want = std::min(done(n) + chunk_items(n), node(n).items);
-  return std::ranges::all_of(node(n).inputs, [&](const Edge& e) { return available(n, e) >= want; });
+bool TileRun::is_ready(std::uint32_t n) const {
+  if (is_complete(n)) return false;
+  const std::uint32_t want = std::min(done_items(n) + chunk_items(n), node(n).items);
+  return std::ranges::all_of(node(n).inputs, [&](const Edge& e) { return available_items(n, e) >= want; });
 }
 
 bool TileRun::inputs_released(std::uint32_t n) const {
@@ -112,7 +112,7 @@ std::uint32_t TileRun::rays_made(std::uint32_t n, std::uint32_t first, std::uint
   for (const std::uint32_t batch : batches_of(n)) {
     const WorkNode& w = node(batch);
     if (w.sources == WorkNode::kNone) {
-      rays += working(n, first, items);
+      rays += working_items(n, first, items);
       continue;
     }
     const auto begin = work_->sources.begin() + w.sources;
@@ -124,8 +124,8 @@ std::uint32_t TileRun::rays_made(std::uint32_t n, std::uint32_t first, std::uint
 
 std::uint32_t TileRun::finish_items(std::uint32_t n, std::uint32_t items) {
   progress_[n].done += items;
-  assert(progress_[n].done <= total(n));
-  if (!complete(n)) return 0;
+  assert(progress_[n].done <= total_items(n));
+  if (!is_complete(n)) return 0;
   nodes_left_ -= 1;
   std::uint32_t freed = 0;
   for (const Edge& e : node(n).inputs) {
@@ -139,19 +139,19 @@ bool TileRun::finish_ray(std::uint32_t ray) {
   Progress& p = progress_[n];
   const std::uint32_t index = ray - node(n).first;
   p.done += 1;
-  bool news = false;
+  bool may_be_ready = false;
   std::uint32_t* const chunk_left = &chunk_left_[p.first_chunk];
   if (--chunk_left[index / chunk_] == 0) {
     while (p.prefix < node(n).items && chunk_left[p.prefix / chunk_] == 0) {
       p.prefix = std::min(p.prefix + chunk_, node(n).items);
-      news = true;
+      may_be_ready = true;
     }
   }
   if (p.done == node(n).items) {
     nodes_left_ -= 1;
-    news = true;
+    may_be_ready = true;
   }
-  return news;
+  return may_be_ready;
 }
 
 }  // namespace hw

@@ -10,7 +10,7 @@
 
 namespace hw {
 
-/// Most rays of a tile: a handle has 24 bits for the ray.
+/// Maximum number of rays of a tile: a handle has 24 bits for the ray.
 inline constexpr std::uint32_t kMaxRays = 1U << 24;
 
 /// A tile in flight: the progress of each node of its work graph. It has no notion of time; the SRP keeps that.
@@ -18,25 +18,25 @@ class TileRun {
  public:
   /// Starts a tile. `chunk`: items of a launch that run together. A launch's next chunk is ready when all inputs of its
   /// items are. `missing`: imported borders that are not in memory yet, a bit each.
-  void begin(const traces::TileWork& work, std::uint32_t chunk, std::uint32_t missing = 0, TileTag owner = kNoTile);
+  void start_tile(const traces::TileWork& work, std::uint32_t chunk, std::uint32_t missing = 0, TileTag tag = kNoTile);
   void set_missing_borders(std::uint32_t missing) { missing_ = missing; }
-  void end() { work_ = nullptr; }
+  void clear_tile() { work_ = nullptr; }
 
-  bool active() const { return work_ != nullptr; }
+  bool is_active() const { return work_ != nullptr; }
   const traces::TileWork& work() const { return *work_; }
-  TileTag owner() const { return owner_; }
+  TileTag tile_tag() const { return tile_tag_; }
   const traces::WorkNode& node(std::uint32_t n) const { return work_->nodes[n]; }
-  std::uint32_t nodes() const { return static_cast<std::uint32_t>(work_->nodes.size()); }
+  std::uint32_t node_count() const { return static_cast<std::uint32_t>(work_->nodes.size()); }
   /// Items of node `n`, idle ones included.
-  std::uint32_t total(std::uint32_t n) const { return node(n).items + node(n).idle; }
+  std::uint32_t total_items(std::uint32_t n) const { return node(n).items + node(n).idle; }
   /// Finished items of node `n`.
-  std::uint32_t done(std::uint32_t n) const { return progress_[n].done; }
+  std::uint32_t done_items(std::uint32_t n) const { return progress_[n].done; }
   /// True if nodes that depend on node `n` may start. Idle items may be left.
   bool dependents_released(std::uint32_t n) const { return progress_[n].done >= node(n).items; }
-  bool complete(std::uint32_t n) const { return progress_[n].done == total(n); }
-  bool all_complete() const { return nodes_left_ == 0; }
+  bool is_complete(std::uint32_t n) const { return progress_[n].done == total_items(n); }
+  bool is_all_complete() const { return nodes_left_ == 0; }
   /// True if node `n` depends on rays, directly or through other nodes.
-  bool follows_rays(std::uint32_t n) const { return progress_[n].follows_rays; }
+  bool depends_on_rays(std::uint32_t n) const { return progress_[n].follows_rays; }
   /// True if unfinished nodes depend on node `n`.
   bool is_awaited(std::uint32_t n) const { return progress_[n].readers > 0; }
 
@@ -44,8 +44,8 @@ class TileRun {
   /// accepts. So consumers run before producers. kNone if there is none.
   template <class Usable>
   std::uint32_t next_launch(Usable&& usable) const {
-    for (std::uint32_t n = nodes(); n-- > 0;) {
-      if (node(n).kind == traces::WorkNode::Kind::kLaunch && ready(n) && usable(n)) return n;
+    for (std::uint32_t n = node_count(); n-- > 0;) {
+      if (node(n).kind == traces::WorkNode::Kind::kLaunch && is_ready(n) && usable(n)) return n;
     }
     return kNone;
   }
@@ -55,9 +55,9 @@ class TileRun {
     std::size_t left = 0;
     awaits_border_ = false;
     for (const std::uint32_t n : transfers_) {
-      const bool settled = inputs_released(n), lacks = settled && lacks_border(n);
-      awaits_border_ |= lacks;
-      if (settled && !lacks) {
+      const bool released = inputs_released(n), needs_border = released && has_missing_border(n);
+      awaits_border_ |= needs_border;
+      if (released && !needs_border) {
         start(n);
       } else {
         transfers_[left++] = n;
@@ -66,22 +66,22 @@ class TileRun {
     transfers_.resize(left);
   }
   /// True if a transfer waits for another tile's border and for nothing else.
-  bool awaits_border() const { return awaits_border_; }
+  bool is_awaiting_border() const { return awaits_border_; }
   /// Items in the next chunk of launch `n`, idle ones included.
   std::uint32_t chunk_items(std::uint32_t n) const;
   /// Returns the item of the producing launch that makes ray `i` of batch `n`.
-  std::uint32_t source(std::uint32_t n, std::uint32_t i) const {
+  std::uint32_t source_item(std::uint32_t n, std::uint32_t i) const {
     const std::uint32_t map = node(n).sources;
     return map == traces::WorkNode::kNone ? i : work_->sources[map + i];
   }
   /// The launch that makes the rays of batch `n`.
-  std::uint32_t producer(std::uint32_t n) const { return node(n).inputs.front().node; }
+  std::uint32_t producing_launch(std::uint32_t n) const { return node(n).inputs.front().node; }
   /// Batches that launch `n` makes: of rays, and of samples to be rasterised.
   std::span<const std::uint32_t> batches_of(std::uint32_t n) const {
     return std::span(batches_).subspan(progress_[n].first_batch, progress_[n].batches);
   }
   /// Returns how many items in [first, first + items) of launch `n` do not idle.
-  std::uint32_t working(std::uint32_t n, std::uint32_t first, std::uint32_t items) const {
+  std::uint32_t working_items(std::uint32_t n, std::uint32_t first, std::uint32_t items) const {
     return std::min(first + items, node(n).items) - std::min(first, node(n).items);
   }
   /// Returns the rays that items [first, first + items) of launch `n` make, in all its batches.
@@ -105,17 +105,17 @@ class TileRun {
     std::uint32_t first_chunk = 0;               ///< rays: index in chunk_left_
   };
   void list_batches();
-  bool ready(std::uint32_t n) const;
+  bool is_ready(std::uint32_t n) const;
   bool inputs_released(std::uint32_t n) const;
-  bool lacks_border(std::uint32_t n) const {
+  bool has_missing_border(std::uint32_t n) const {
     return node(n).border != kNone && !node(n).to_memory && (missing_ >> node(n).border & 1U) != 0;
   }
-  std::uint32_t available(std::uint32_t n, const traces::Edge& edge) const;
+  std::uint32_t available_items(std::uint32_t n, const traces::Edge& edge) const;
 
   const traces::TileWork* work_ = nullptr;
   std::uint32_t chunk_ = 1;
   std::uint32_t missing_ = 0;  ///< borders not in memory yet, a bit each
-  TileTag owner_ = kNoTile;
+  TileTag tile_tag_ = kNoTile;
   bool awaits_border_ = false;
   std::uint32_t nodes_left_ = 0;
   std::vector<Progress> progress_;

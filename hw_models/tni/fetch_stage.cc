@@ -5,17 +5,17 @@
 
 namespace hw {
 
-void FetchStage::missed(Addr line, std::uint64_t slot) {
+void FetchStage::wait_after_miss(Addr line, std::uint64_t slot) {
   if (handling_ == MissHandling::kBlocking) {
     stalled_ = true;
     return;
   }
   stats_.rau_writes += 1;
-  if (l1_.on_its_way(line)->slots == slot) rows_used_ += 1;
+  if (l1_.find_miss(line)->slots == slot) rows_used_ += 1;
 }
 
 void FetchStage::unblock_waiters(Addr line, std::uint64_t slots) {
-  resume(no_mshr_);
+  resume_slots(no_mshr_);
   if (handling_ == MissHandling::kBlocking) {
     if (slots != 0) stalled_ = false;
     return;
@@ -24,17 +24,17 @@ void FetchStage::unblock_waiters(Addr line, std::uint64_t slots) {
     stats_.rau_fills += 1;
     rows_read_.push_back(slots);
   }
-  if (wanted_row_ == line) resume(table_full_);
+  if (wanted_row_ == line) resume_slots(table_full_);
 }
 
-bool FetchStage::room_in_table(Addr line) {
-  const L1Cache::Miss* row = l1_.on_its_way(line);
+bool FetchStage::has_room_in_table(Addr line) {
+  const L1Cache::Miss* row = l1_.find_miss(line);
   if (row != nullptr && row->slots != 0) {
     wanted_row_ = line;
     return static_cast<std::uint32_t>(std::popcount(row->slots)) < rau_.rays;
   }
   wanted_row_ = kAnyRow;
-  return rows_used_ < rau_.rows || (row == nullptr && l1_.holds(line));
+  return rows_used_ < rau_.rows || (row == nullptr && l1_.has_line(line));
 }
 
 void FetchStage::leave_table(std::uint64_t slot) {
@@ -46,10 +46,10 @@ void FetchStage::leave_table(std::uint64_t slot) {
   *row = rows_read_.back();
   rows_read_.pop_back();
   rows_used_ -= 1;
-  if (wanted_row_ == kAnyRow) resume(table_full_);
+  if (wanted_row_ == kAnyRow) resume_slots(table_full_);
 }
 
-void FetchStage::resume(std::uint64_t slot) {
+void FetchStage::resume_slots(std::uint64_t slot) {
   if (slot == 0) return;
   resumed_ |= slot;
   ready_ |= slot;

@@ -50,7 +50,7 @@ class FetchStage {
   enum class Wait : std::uint8_t { kNothing, kLine, kMshr, kTable };
   /// The unit's reason for a cycle in which its slots wait for `wait`; `otherwise` if they wait for nothing.
   template <class CycleReason>
-  static constexpr CycleReason reason(Wait wait, CycleReason otherwise) {
+  static constexpr CycleReason wait_reason(Wait wait, CycleReason otherwise) {
     switch (wait) {
       case Wait::kTable:
         return CycleReason::kRauFull;
@@ -65,8 +65,8 @@ class FetchStage {
   }
 
   /// `ready`: the unit's mask of slots that need to read a line.
-  FetchStage(const CacheConfig& cache, const TniMode& mode, std::uint16_t port, std::uint64_t& ready)
-      : l1_(cache, port, mode.ideal_l1), handling_(mode.handling), rau_(mode.rau), ready_(ready) {
+  FetchStage(const CacheConfig& cache, const TniMode& mode, std::uint16_t client, std::uint64_t& ready)
+      : l1_(cache, client, mode.ideal_l1), handling_(mode.handling), rau_(mode.rau), ready_(ready) {
     rows_read_.reserve(rau_.rows);
   }
   FetchStage(const FetchStage&) = delete;
@@ -82,7 +82,7 @@ class FetchStage {
   bool is_stalled() const {
     return handling_ >= MissHandling::kRau && (stalled_ || (ready_ & (served_ | resumed_)) != 0);
   }
-  bool bypasses() const { return handling_ == MissHandling::kBypass; }
+  bool is_bypassing() const { return handling_ == MissHandling::kBypass; }
   /// The resource that slots wait for, the scarcest first.
   Wait waits_for() const {
     if (table_full_ != 0) return Wait::kTable;
@@ -92,10 +92,10 @@ class FetchStage {
 
   /// Probes for the line of a slot out of issuable_slots(). A slot that misses becomes ready again by itself, except
   /// under `bypass`.
-  [[gnu::noinline]] Wait read(std::uint32_t slot, Addr line, std::uint64_t cycle) {
+  [[gnu::noinline]] Wait read_line(std::uint32_t slot, Addr line, std::uint64_t cycle) {
     const std::uint64_t bit = std::uint64_t{1} << slot;
     ready_ &= ~bit;
-    if (handling_ != MissHandling::kReorder) forget(bit);
+    if (handling_ != MissHandling::kReorder) clear_waits(bit);
     if ((served_ & bit) != 0) {
       served_ &= ~bit;
       note_read(bit);
@@ -106,7 +106,7 @@ class FetchStage {
       stats_.l1_hits += 1;
       return Wait::kNothing;
     }
-    if (handling_ == MissHandling::kRau && !room_in_table(line)) {
+    if (handling_ == MissHandling::kRau && !has_room_in_table(line)) {
       late_ |= bit;
       stats_.l1_misses += 1;
       stats_.rau_full += 1;
@@ -114,7 +114,7 @@ class FetchStage {
       stalled_ = true;
       return Wait::kTable;
     }
-    switch (l1_.access(line, slot, cycle)) {
+    switch (l1_.access_line(line, slot, cycle)) {
       case L1Cache::Result::kHit:
         stats_.l1_hits += 1;
         note_read(bit);
@@ -123,7 +123,7 @@ class FetchStage {
         late_ |= bit;
         stats_.l1_misses += 1;
         missing_ |= bit;
-        if (handling_ >= MissHandling::kRau) missed(line, bit);
+        if (handling_ >= MissHandling::kRau) wait_after_miss(line, bit);
         return Wait::kLine;
       case L1Cache::Result::kFull:
         break;
@@ -137,9 +137,9 @@ class FetchStage {
   }
 
   /// Fast path: a first probe that hits; the unit then clears the slot's bit in `ready`. Returns false without side
-  /// effects if read() is needed. Only for reordered misses in a cache that is not ideal.
+  /// effects if read_line() is needed. Only for reordered misses in a cache that is not ideal.
   bool try_first_probe_hit(std::uint64_t bit, Addr line) {
-    if (((served_ | late_) & bit) != 0 || !l1_.hit(line)) [[unlikely]]
+    if (((served_ | late_) & bit) != 0 || !l1_.try_hit(line)) [[unlikely]]
       return false;
     stats_.l1_hits += 1;
     return true;
@@ -149,9 +149,9 @@ class FetchStage {
   void fill(Addr line, std::uint64_t cycle) {
     const L1Cache::Miss miss = l1_.fill(line);
     stats_.l1_fills += 1;
-    stats_.l1_miss_cycles += cycle - miss.asked_at;
+    stats_.l1_miss_cycles += cycle - miss.requested_at;
     served_ |= miss.slots;
-    if (bypasses()) return;
+    if (is_bypassing()) return;
     missing_ &= ~miss.slots;
     ready_ |= miss.slots | no_mshr_;  // an MSHR is free: slots that found none probe again
     if (handling_ != MissHandling::kReorder) unblock_waiters(line, miss.slots);
@@ -159,31 +159,35 @@ class FetchStage {
   }
 
   /// Prefetches, on the host, the tags that a probe for the line will read; the model is not changed.
-  void look_ahead(Addr line) const { l1_.look_ahead(line); }
-  bool warm(Addr line) { return l1_.warm(line); }
+  void prefetch_tags_on_host(Addr line) const { l1_.prefetch_tags_on_host(line); }
+  bool warm_line(Addr line) { return l1_.warm_line(line); }
 
   /// True if a prefetch would leave an MSHR free for demand misses.
   bool can_prefetch() const { return l1_.free_mshrs() >= 2; }
   /// Prefetches the line on behalf of a slot. False if it is in the cache or already requested.
-  bool prefetch(Addr line, std::uint32_t slot, std::uint64_t cycle) { return l1_.prefetch(line, slot, cycle); }
+  bool prefetch_line(Addr line, std::uint32_t slot, std::uint64_t cycle) {
+    return l1_.prefetch_line(line, slot, cycle);
+  }
   /// Attributes later requests of this slot to the given tile.
-  void set_slot_tile(std::uint32_t slot, TileTag owner) { l1_.set_slot_tile(slot, owner); }
-  TileTag owner(std::uint32_t slot) const { return l1_.owner(slot); }
+  void set_slot_tile(std::uint32_t slot, TileTag tile) { l1_.set_slot_tile(slot, tile); }
+  TileTag slot_tile(std::uint32_t slot) const { return l1_.slot_tile(slot); }
 
   /// Requests that have not been sent yet.
-  std::size_t unsent() const { return l1_.unsent(); }
-  void send(sim::Time now, sim::Link<MemRequest>& out) { l1_.send(now, out); }
-  sim::Time send_at(sim::Time next, const sim::Link<MemRequest>& out) const { return l1_.send_at(next, out); }
+  std::size_t unsent_requests() const { return l1_.unsent_requests(); }
+  void send_request(sim::Time now, sim::Link<MemRequest>& out) { l1_.send_request(now, out); }
+  sim::Time next_send_time(sim::Time next, const sim::Link<MemRequest>& out) const {
+    return l1_.next_send_time(next, out);
+  }
   /// True while requested lines have not arrived.
-  bool waits_for_memory() const { return l1_.outstanding() != 0; }
+  bool waits_for_memory() const { return l1_.outstanding_misses() != 0; }
 
   FetchStats stats() const {
     FetchStats all = stats_;
     all.l1_accesses = all.l1_hits + all.l1_misses;
     return all;
   }
-  std::uint64_t missing() const { return missing_; }
-  std::uint64_t no_mshr() const { return no_mshr_; }
+  std::uint64_t missing_slots() const { return missing_; }
+  std::uint64_t slots_without_mshr() const { return no_mshr_; }
 
  private:
   static constexpr Addr kAnyRow = ~Addr{0};
@@ -194,18 +198,18 @@ class FetchStage {
     late_ &= ~slot;
   }
   /// Clears the wait state of a slot that probes again.
-  void forget(std::uint64_t slot) {
+  void clear_waits(std::uint64_t slot) {
     missing_ &= ~slot;
     no_mshr_ &= ~slot;
     resumed_ &= ~slot;
   }
   /// Makes a slot that missed wait: in a row of the table (`rau`) or in the fetch stage (`blocking`).
-  void missed(Addr line, std::uint64_t slot);
+  void wait_after_miss(Addr line, std::uint64_t slot);
   /// A fill or a freed MSHR unblocks stalled slots.
   void unblock_waiters(Addr line, std::uint64_t slots);
-  bool room_in_table(Addr line);
+  bool has_room_in_table(Addr line);
   void leave_table(std::uint64_t slot);
-  void resume(std::uint64_t slot);
+  void resume_slots(std::uint64_t slot);
 
   std::uint64_t late_ = 0;    ///< slots whose first probe for their line missed
   std::uint64_t served_ = 0;  ///< slots whose line has arrived and is kept for them

@@ -13,7 +13,7 @@ namespace hw {
 using traces::ExitPhase;
 
 Ist::Ist(const IstConfig& config, const TniMode& mode, const TrianglesInMemory& triangles, Links links,
-         std::uint16_t port, sim::Clock clock)
+         std::uint16_t client, sim::Clock clock)
     : config_(config),
       clock_(clock),
       triangles_(triangles),
@@ -26,7 +26,7 @@ Ist::Ist(const IstConfig& config, const TniMode& mode, const TrianglesInMemory& 
       memory_out_(links.memory_out),
       memory_in_(links.memory_in),
       sources_(Arbitration::kRoundRobin, leaves_in_.size()),
-      fetch_(config.l1, mode, port, waiting_[kToFetch]),
+      fetch_(config.l1, mode, client, waiting_[kToFetch]),
       slots_(config.leaves),
       pipe_(clock, config.l1.hit_cycles + config.latency),
       free_(all_slots(config.leaves)) {
@@ -41,18 +41,18 @@ inline bool Ist::fill(const Cycle& cycle) {
 
 inline bool Ist::take_leaf(sim::Time now) {
   if (free_ == 0 || leaves_in_.nonempty_mask() == 0) return false;
-  const std::uint32_t trv = sources_.choose(
+  const std::uint32_t trv = sources_.choose_requester(
       leaves_in_.nonempty_mask(), [&](std::uint32_t i) { return leaves_in_.can_pop(i, now); },
       [](std::uint32_t) { return sim::Time{0}; });
   if (trv == sources_.count()) return false;
-  sources_.served(trv);
+  sources_.note_served(trv);
   const auto index = static_cast<std::uint32_t>(std::countr_zero(free_));
-  free_ &= ~bit(index);
-  occupied_ |= bit(index);
-  waiting_[kToFetch] |= bit(index);
+  free_ &= ~slot_bit(index);
+  occupied_ |= slot_bit(index);
+  waiting_[kToFetch] |= slot_bit(index);
   slots_[index] = Slot{leaves_in_[trv].pop(now), trv, 0, false, 0};
-  fetch_.set_slot_tile(index, slots_[index].job.owner);
-  fetch_.look_ahead(line_of(triangles_.base + Addr{slots_[index].job.first} * triangles_.bytes));
+  fetch_.set_slot_tile(index, slots_[index].job.tile);
+  fetch_.prefetch_tags_on_host(line_of(triangles_.base + Addr{slots_[index].job.first} * triangles_.bytes));
   stats_.leaves_in += 1;
   return true;
 }
@@ -60,10 +60,10 @@ inline bool Ist::take_leaf(sim::Time now) {
 /// Slots that may probe in this cycle.
 inline std::uint64_t Ist::issuable_slots() const { return reorders_ ? waiting_[kToFetch] : fetch_.issuable_slots(); }
 
-inline void Ist::read(Slot& slot, std::uint32_t index, bool last_line, std::uint64_t cycle) {
+inline void Ist::complete_fetch(Slot& slot, std::uint32_t index, bool last_line, std::uint64_t cycle) {
   if (!last_line) {
     slot.second_line = true;
-    waiting_[kToFetch] |= bit(index);
+    waiting_[kToFetch] |= slot_bit(index);
     return;
   }
   const ExitPhase phase = traces::phase_of(slot.job.phases, slot.tested);
@@ -74,13 +74,13 @@ inline void Ist::read(Slot& slot, std::uint32_t index, bool last_line, std::uint
   slot.tested += 1;
   slot.second_line = false;
   if (slot.tested < slot.job.count) {
-    waiting_[kToFetch] |= bit(index);
+    waiting_[kToFetch] |= slot_bit(index);
   } else {
-    pipe_.put(kToAnswer, index, cycle, slot.known_at - cycle);
+    pipe_.schedule_completion(kToAnswer, index, cycle, slot.known_at - cycle);
   }
 }
 
-[[gnu::always_inline]] inline Ist::CycleReason Ist::issue_one(std::uint64_t able, std::uint64_t cycle) {
+[[gnu::always_inline]] inline Ist::CycleReason Ist::issue_test(std::uint64_t able, std::uint64_t cycle) {
   const std::uint32_t index = round_robin(able, turn_);
   turn_ = (index + 1) % 64;
   Slot& slot = slots_[index];
@@ -89,80 +89,80 @@ inline void Ist::read(Slot& slot, std::uint32_t index, bool last_line, std::uint
   // Branch-free: whether it is the first or the second line is unpredictable.
   const Addr line = line_of(begin + (triangles_.bytes - 1) * Addr{slot.second_line});
   FetchStage::Wait wait = FetchStage::Wait::kNothing;
-  if (reorders_ && fetch_.try_first_probe_hit(bit(index), line)) {
-    waiting_[kToFetch] &= ~bit(index);
+  if (reorders_ && fetch_.try_first_probe_hit(slot_bit(index), line)) {
+    waiting_[kToFetch] &= ~slot_bit(index);
   } else {
-    wait = fetch_.read(index, line, cycle);
+    wait = fetch_.read_line(index, line, cycle);
   }
   if (wait == FetchStage::Wait::kNothing) {
-    read(slot, index, line == last_line, cycle);
+    complete_fetch(slot, index, line == last_line, cycle);
     return CycleReason::kTesting;
   }
-  if (fetch_.bypasses()) {
+  if (fetch_.is_bypassing()) {
     stats_.bypass_passes += 1;
-    pipe_.put(kToFetch, index, cycle, config_.l1.hit_cycles + config_.latency);
+    pipe_.schedule_completion(kToFetch, index, cycle, config_.l1.hit_cycles + config_.latency);
   }
-  return FetchStage::reason(wait, CycleReason::kL1Miss);
+  return FetchStage::wait_reason(wait, CycleReason::kL1Miss);
 }
 
-[[gnu::always_inline]] inline Ist::CycleReason Ist::issue(std::uint64_t cycle) {
+[[gnu::always_inline]] inline Ist::CycleReason Ist::issue_tests(std::uint64_t cycle) {
   CycleReason why = CycleReason::kStarved;  // until a slot tries
   for (std::uint64_t slots = issuable_slots(); slots != 0; slots = ideal_ ? issuable_slots() : 0) {
-    const CycleReason one = issue_one(slots, cycle);
+    const CycleReason one = issue_test(slots, cycle);
     if (why == CycleReason::kStarved || one == CycleReason::kTesting) why = one;
   }
   return why;
 }
 
-inline bool Ist::answer(sim::Time now) {
+inline bool Ist::send_answer(sim::Time now) {
   if (waiting_[kToAnswer] == 0) return false;
   const std::uint32_t index = round_robin(waiting_[kToAnswer], answer_turn_);
   const Slot& slot = slots_[index];
   sim::Link<LeafDone>& out = *leaves_out_[slot.trv];
   assert(out.can_push(now) && "the ray's slot is its reserved return space");
   answer_turn_ = (index + 1) % 64;
-  waiting_[kToAnswer] &= ~bit(index);
-  occupied_ &= ~bit(index);
-  free_ |= bit(index);
+  waiting_[kToAnswer] &= ~slot_bit(index);
+  occupied_ &= ~slot_bit(index);
+  free_ |= slot_bit(index);
   out.push(now, LeafDone{slot.job.slot});
   stats_.leaves_out += 1;
   return true;
 }
 
-inline Ist::CycleReason Ist::waiting() const {
+inline Ist::CycleReason Ist::wait_reason() const {
   if (occupied_ == 0) return CycleReason::kStarved;
   if (waiting_[kToAnswer] != 0) return CycleReason::kOutputFull;
-  return FetchStage::reason(fetch_.waits_for(), CycleReason::kPipe);
+  return FetchStage::wait_reason(fetch_.waits_for(), CycleReason::kPipe);
 }
 
 inline sim::Time Ist::next_wake(const Cycle& cycle) const {
   const sim::Time next = cycle.next;
   if ((issuable_slots() | waiting_[kToAnswer]) != 0) return next;
-  sim::Time at = pipe_.next(cycle);
+  sim::Time at = pipe_.next_completion(cycle);
   if (free_ != 0) at = std::min(at, std::max(next, leaves_in_.pop_at()));
   at = std::min(at, std::max(next, line_at_));
-  return std::min(at, fetch_.send_at(next, memory_out_));
+  return std::min(at, fetch_.next_send_time(next, memory_out_));
 }
 
 sim::Time Ist::tick(const Cycle& cycle) {
   const sim::Time now = cycle.now;
-  pipe_.take(cycle.number, waiting_);
+  pipe_.take_completed(cycle.number, waiting_);
   if (line_at_ <= now) run_once_or_drain(ideal_, [&] { return fill(cycle); });
   run_once_or_drain(ideal_, [&] { return take_leaf(now); });
-  const CycleReason tested = issue(cycle.number);
+  const CycleReason tested = issue_tests(cycle.number);
   const bool tried = tested != CycleReason::kStarved;
-  if (waiting_[kToAnswer] != 0) run_once_or_drain(ideal_, [&] { return answer(now); });
-  fetch_.send(now, memory_out_);
+  if (waiting_[kToAnswer] != 0) run_once_or_drain(ideal_, [&] { return send_answer(now); });
+  fetch_.send_request(now, memory_out_);
   const sim::Time wake = next_wake(cycle);
-  const CycleReason then = tried && wake == cycle.next ? tested : waiting();
+  const CycleReason then = tried && wake == cycle.next ? tested : wait_reason();
   activity_.spend(now, clock_.period(), tried ? tested : then, then);
   return wake;
 }
 
 std::string Ist::state() const {
   return fmt::format("leaves {}: ready {}, missing {}, no mshr {}, answering {}", std::popcount(occupied_),
-                     std::popcount(waiting_[kToFetch]), std::popcount(fetch_.missing()),
-                     std::popcount(fetch_.no_mshr()), std::popcount(waiting_[kToAnswer]));
+                     std::popcount(waiting_[kToFetch]), std::popcount(fetch_.missing_slots()),
+                     std::popcount(fetch_.slots_without_mshr()), std::popcount(waiting_[kToAnswer]));
 }
 
 }  // namespace hw

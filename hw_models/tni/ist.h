@@ -72,8 +72,8 @@ class Ist {
     sim::Link<MemResponse>& memory_in;
   };
 
-  Ist(const IstConfig& config, const TniMode& mode, const TrianglesInMemory& triangles, Links links, std::uint16_t port,
-      sim::Clock clock);
+  Ist(const IstConfig& config, const TniMode& mode, const TrianglesInMemory& triangles, Links links,
+      std::uint16_t client, sim::Clock clock);
   Ist(const Ist&) = delete;
   Ist& operator=(const Ist&) = delete;
 
@@ -90,7 +90,7 @@ class Ist {
   void finish(sim::Time end) { activity_.finish(end); }
   bool idle() const { return occupied_ == 0; }
   std::string state() const;
-  bool warm(Addr line) { return fetch_.warm(line); }
+  bool warm_line(Addr line) { return fetch_.warm_line(line); }
 
  private:
   struct Slot {
@@ -106,11 +106,11 @@ class Ist {
   bool fill(const Cycle& cycle);
   bool take_leaf(sim::Time now);
   std::uint64_t issuable_slots() const;
-  CycleReason issue(std::uint64_t cycle);
-  CycleReason issue_one(std::uint64_t able, std::uint64_t cycle);
-  void read(Slot& slot, std::uint32_t index, bool last_line, std::uint64_t cycle);
-  bool answer(sim::Time now);
-  CycleReason waiting() const;
+  CycleReason issue_tests(std::uint64_t cycle);
+  CycleReason issue_test(std::uint64_t able, std::uint64_t cycle);
+  void complete_fetch(Slot& slot, std::uint32_t index, bool last_line, std::uint64_t cycle);
+  bool send_answer(sim::Time now);
+  CycleReason wait_reason() const;
   sim::Time next_wake(const Cycle& cycle) const;
 
   const IstConfig config_;

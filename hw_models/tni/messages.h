@@ -9,13 +9,13 @@ namespace hw {
 struct RayJob {
   const std::uint32_t* walk = nullptr;
   std::uint32_t id = 0;
-  TileTag owner = kNoTile;
+  TileTag tile = kNoTile;
 };
 
 /// A finished ray returned to the SRP.
 struct RayDone {
   std::uint32_t id = 0;
-  TileTag owner = kNoTile;
+  TileTag tile = kNoTile;
 };
 
 /// A leaf that a traversal unit sends to the intersection unit.
@@ -24,7 +24,7 @@ struct LeafJob {
   std::uint32_t phases = 0;  ///< exit phase of each triangle's test (traces/walk.h)
   std::uint8_t count = 0;
   std::uint8_t slot = 0;  ///< the ray's slot in its traversal unit, which the answer returns
-  TileTag owner = kNoTile;
+  TileTag tile = kNoTile;
 };
 
 /// The intersection unit's answer: all triangles of a leaf have been tested.

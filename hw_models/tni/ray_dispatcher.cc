@@ -20,11 +20,11 @@ RayDispatcher::RayDispatcher(const Policy& policy, Links links, sim::Clock clock
       load_(to_trv_.size()) {}
 
 sim::Time RayDispatcher::tick(sim::Time now) {
-  const bool collected = collect(now);
-  while (collected && policy_.ideal && collect(now)) {
+  const bool collected = collect_hit(now);
+  while (collected && policy_.ideal && collect_hit(now)) {
   }
-  const bool dispatched = dispatch(now);
-  while (dispatched && policy_.ideal && dispatch(now)) {
+  const bool dispatched = dispatch_ray(now);
+  while (dispatched && policy_.ideal && dispatch_ray(now)) {
   }
   const auto waiting = [&](sim::Time at) {
     return rays_in_.can_pop(at) ? CycleReason::kTrvsFull : CycleReason::kStarved;
@@ -34,9 +34,9 @@ sim::Time RayDispatcher::tick(sim::Time now) {
   return next_wake(now);
 }
 
-std::size_t RayDispatcher::emptiest() const { return sim::index_of_min(load_.data(), load_.size()); }
+std::size_t RayDispatcher::emptiest_trv() const { return sim::index_of_min(load_.data(), load_.size()); }
 
-inline std::size_t RayDispatcher::next_in_turn(sim::Time at) const {
+inline std::size_t RayDispatcher::next_trv_in_turn(sim::Time at) const {
   std::size_t best = turn_;
   sim::Time soonest = sim::kNever;
   for (std::size_t k = 0; k < load_.size(); ++k) {
@@ -49,13 +49,13 @@ inline std::size_t RayDispatcher::next_in_turn(sim::Time at) const {
   return best;
 }
 
-inline std::size_t RayDispatcher::chosen(sim::Time at) const {
-  return policy_.dispatch == Dispatch::kEmptiest ? emptiest() : next_in_turn(at);
+inline std::size_t RayDispatcher::chosen_trv(sim::Time at) const {
+  return policy_.dispatch == Dispatch::kEmptiest ? emptiest_trv() : next_trv_in_turn(at);
 }
 
-bool RayDispatcher::dispatch(sim::Time now) {
+bool RayDispatcher::dispatch_ray(sim::Time now) {
   if (!rays_in_.can_pop(now)) return false;
-  const std::size_t trv = chosen(now);
+  const std::size_t trv = chosen_trv(now);
   if (load_[trv] == policy_.rays_per_trv || !to_trv_[trv]->can_push(now)) return false;
   to_trv_[trv]->push(now, rays_in_.pop(now));
   load_[trv] += 1;
@@ -64,13 +64,13 @@ bool RayDispatcher::dispatch(sim::Time now) {
   return true;
 }
 
-bool RayDispatcher::collect(sim::Time now) {
+bool RayDispatcher::collect_hit(sim::Time now) {
   if (from_trv_.nonempty_mask() == 0 || now < collect_at_ || !hits_out_.can_push(now)) return false;
-  const std::uint32_t trv = collects_.choose(
+  const std::uint32_t trv = collects_.choose_requester(
       from_trv_.nonempty_mask(), [&](std::uint32_t i) { return from_trv_.can_pop(i, now); },
       [](std::uint32_t) { return sim::Time{0}; });
   if (trv == collects_.count()) return false;
-  collects_.served(trv);
+  collects_.note_served(trv);
   hits_out_.push(now, from_trv_[trv].pop(now));
   load_[trv] -= 1;
   stats_.hits_out += 1;
@@ -82,7 +82,7 @@ inline sim::Time RayDispatcher::next_wake(sim::Time now) const {
   const sim::Time next = clock_.after(now, 1);
   const sim::Time at = std::max({next, collect_at_, from_trv_.pop_at(), hits_out_.push_at()});
   if (rays_in_.pop_at() == sim::kNever) return at;
-  const std::size_t trv = chosen(next);
+  const std::size_t trv = chosen_trv(next);
   if (load_[trv] == policy_.rays_per_trv) return rays_in_.can_pop(next) ? at : std::min(at, rays_in_.pop_at());
   return std::min(at, std::max({next, rays_in_.pop_at(), to_trv_[trv]->push_at()}));
 }

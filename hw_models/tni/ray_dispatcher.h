@@ -64,12 +64,12 @@ class RayDispatcher {
   std::string state() const;
 
  private:
-  bool dispatch(sim::Time now);
-  bool collect(sim::Time now);
-  std::size_t emptiest() const;
+  bool dispatch_ray(sim::Time now);
+  bool collect_hit(sim::Time now);
+  std::size_t emptiest_trv() const;
   /// Returns the TRV that can take a ray soonest at or after `at`; of several, the first in turn.
-  std::size_t next_in_turn(sim::Time at) const;
-  std::size_t chosen(sim::Time at) const;
+  std::size_t next_trv_in_turn(sim::Time at) const;
+  std::size_t chosen_trv(sim::Time at) const;
   sim::Time next_wake(sim::Time now) const;
 
   const sim::Clock clock_;

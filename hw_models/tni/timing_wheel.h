@@ -17,7 +17,7 @@ struct Cycle {
 
   Cycle(sim::Time at, const sim::Clock& clock) : now(at), next(clock.after(at, 1)), number(clock.cycles(at)) {}
   /// Moves to a later edge.
-  void go_to(sim::Time at, const sim::Clock& clock) {
+  void advance_to(sim::Time at, const sim::Clock& clock) {
     number += at == next ? 1 : clock.cycles(at - now);
     now = at;
     next = clock.after(at, 1);
@@ -33,15 +33,15 @@ class TimingWheel {
   /// A mask of slots for each pipe.
   struct alignas(kPipes * sizeof(std::uint64_t)) Masks : std::array<std::uint64_t, kPipes> {};
 
-  /// `longest`: largest latency that put() will receive. The number of bins is the next power of two above it.
-  TimingWheel(sim::Clock clock, std::uint64_t longest) : clock_(clock), last_(std::bit_ceil(longest + 1) - 1) {
-    assert(last_ < kMostSpan);
+  /// `longest`: largest latency that schedule_completion() will receive. The number of bins is the next power of two above it.
+  TimingWheel(sim::Clock clock, std::uint64_t longest) : clock_(clock), last_bin_(std::bit_ceil(longest + 1) - 1) {
+    assert(last_bin_ < kMostSpan);
   }
 
   /// Moves the slots that complete in this cycle into `waiting`. Must be called, in order, in every cycle in which
-  /// slots complete (next()). Branch-free: completions are unpredictable.
-  void take(std::uint64_t cycle, Masks& waiting) {
-    const std::uint64_t bin = cycle & last_;
+  /// slots complete (next_completion()). Branch-free: completions are unpredictable.
+  void take_completed(std::uint64_t cycle, Masks& waiting) {
+    const std::uint64_t bin = cycle & last_bin_;
     All out, here;
     std::memcpy(&out, &bins_[bin], sizeof out);
     std::memcpy(&here, &waiting, sizeof here);
@@ -51,21 +51,21 @@ class TimingWheel {
     occupied_ &= ~(std::uint64_t{1} << bin);
   }
   /// Schedules the slot to complete `latency` cycles after this one.
-  void put(std::size_t pipe, std::uint32_t slot, std::uint64_t cycle, std::uint64_t latency) {
-    assert(latency <= last_);
-    const std::uint64_t bin = (cycle + latency) & last_;
+  void schedule_completion(std::size_t pipe, std::uint32_t slot, std::uint64_t cycle, std::uint64_t latency) {
+    assert(latency <= last_bin_);
+    const std::uint64_t bin = (cycle + latency) & last_bin_;
     bins_[bin][pipe] |= std::uint64_t{1} << slot;
     occupied_ |= std::uint64_t{1} << bin;
   }
   /// Returns 1 if a slot completes in this cycle, else 0.
-  std::uint64_t comes_out(std::uint64_t cycle) const { return (occupied_ >> (cycle & last_)) & 1U; }
+  std::uint64_t completes_in(std::uint64_t cycle) const { return (occupied_ >> (cycle & last_bin_)) & 1U; }
   /// Returns when the next slot completes after this cycle; kNever if the pipes are empty.
-  sim::Time next(const Cycle& cycle) const {
+  sim::Time next_completion(const Cycle& cycle) const {
     if (occupied_ == 0) return sim::kNever;
-    const std::uint64_t bin = cycle.number & last_;
+    const std::uint64_t bin = cycle.number & last_bin_;
     const std::uint64_t later = occupied_ >> bin;  // 0: the next bin has wrapped around
     const int bins =
-        later != 0 ? std::countr_zero(later) : static_cast<int>(last_ + 1 - bin) + std::countr_zero(occupied_);
+        later != 0 ? std::countr_zero(later) : static_cast<int>(last_bin_ + 1 - bin) + std::countr_zero(occupied_);
     return clock_.after(cycle.now, static_cast<std::uint64_t>(bins));
   }
 
@@ -73,8 +73,8 @@ class TimingWheel {
   using All [[gnu::vector_size(sizeof(Masks))]] = std::uint64_t;  ///< the masks as one host vector
 
   sim::Clock clock_;
-  std::uint64_t occupied_ = 0;  ///< bins with slots, a bit each
-  const std::uint64_t last_;    ///< index of the last bin
+  std::uint64_t occupied_ = 0;    ///< bins with slots, a bit each
+  const std::uint64_t last_bin_;  ///< index of the last bin
   std::array<Masks, kMostSpan> bins_{};
 };
 
@@ -86,8 +86,8 @@ void run_once_or_drain(bool drain_all, Step&& step) {
 }
 
 /// Masks of one slot, and of the first `slots` slots.
-constexpr std::uint64_t bit(std::uint32_t slot) { return std::uint64_t{1} << slot; }
-constexpr std::uint64_t all_slots(std::uint32_t slots) { return slots == 64 ? ~std::uint64_t{0} : bit(slots) - 1; }
+constexpr std::uint64_t slot_bit(std::uint32_t slot) { return std::uint64_t{1} << slot; }
+constexpr std::uint64_t all_slots(std::uint32_t slots) { return slots == 64 ? ~std::uint64_t{0} : slot_bit(slots) - 1; }
 
 /// Returns the first set bit at or after `from`, wrapping around: round robin. `mask` must not be 0.
 inline std::uint32_t round_robin(std::uint64_t mask, std::uint32_t from) {

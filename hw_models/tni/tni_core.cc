@@ -42,7 +42,7 @@ std::vector<MemoryClient> TniCore::memory_clients() const {
   return all;
 }
 
-void TniCore::build(sim::Machine& machine, const Scene& scene, std::uint32_t hit_interval, const Links& links) {
+void TniCore::build_units(sim::Machine& machine, const Scene& scene, std::uint32_t hit_interval, const Links& links) {
   const TniMode mode{config_.miss_handling, config_.rau, ideal_.tni, ideal_.l1};
   const sim::Clock clock = dispatcher_id_.clock;
   const std::uint32_t depth = config_.link_depth, leaf_latency = config_.trv.leaf_latency;
@@ -67,7 +67,7 @@ void TniCore::build(sim::Machine& machine, const Scene& scene, std::uint32_t hit
   ist_ = &machine.build<Ist>(ist_id_, config_.ist, mode, scene.triangles, ist, links.memory.back().client, clock);
 }
 
-void TniCore::cluster(sim::Machine& machine, sim::UnitId port_id, CorePort& port) {
+void TniCore::make_cluster(sim::Machine& machine, sim::UnitId port_id, CorePort& port) {
   std::vector<sim::UnitId> units{dispatcher_id_, ist_id_};
   units.insert(units.end(), trv_ids_.begin(), trv_ids_.end());
   if (port_id.clock == dispatcher_id_.clock) {
@@ -91,7 +91,7 @@ void TniCore::run(const sim::ClusterTurn& turn, sim::Time now) {
     if ((due >> 2 & ~all_trvs) != 0) wakes[2 + trvs] = port_->tick(cycle.now);
     const sim::Time soonest = sim::WakeupTable::refresh_group_minima(wakes, turn.group_minima);
     if (!turn.includes_time(soonest)) return;
-    cycle.go_to(soonest, dispatcher_id_.clock);
+    cycle.advance_to(soonest, dispatcher_id_.clock);
   }
 }
 

@@ -41,10 +41,10 @@ class TniCore {
 
   TniCore(sim::Machine& machine, const TniConfig& config, const Ideal& ideal, std::uint32_t core, sim::Clock clock);
   /// Builds the units in the machine that declared them. `hit_interval`: cycles from one returned hit to the next.
-  void build(sim::Machine& machine, const Scene& scene, std::uint32_t hit_interval, const Links& links);
+  void build_units(sim::Machine& machine, const Scene& scene, std::uint32_t hit_interval, const Links& links);
 
   /// Makes its units a cluster of the machine (sim/partitions.h), with the core's port if that has the same clock.
-  void cluster(sim::Machine& machine, sim::UnitId port_id, CorePort& port);
+  void make_cluster(sim::Machine& machine, sim::UnitId port_id, CorePort& port);
   void run(const sim::ClusterTurn& turn, sim::Time now);
 
   /// The unit that takes rays and returns hits.

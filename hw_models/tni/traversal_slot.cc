@@ -7,7 +7,7 @@ namespace hw {
 
 using traces::StepKind;
 
-void RestartPath::plan(std::span<const StackEntryOrigin> entries, const TreeInMemory& tree, bool from_root) {
+void RestartPath::plan_path(std::span<const StackEntryOrigin> entries, const TreeInMemory& tree, bool from_root) {
   const std::uint32_t from = from_root ? 0 : entries.front().node;
   const std::uint32_t instance = entries.back().instance;
   const std::uint32_t root = instance == traces::kNone ? traces::kNone : tree.placed[instance].root;
@@ -27,9 +27,9 @@ void RestartPath::plan(std::span<const StackEntryOrigin> entries, const TreeInMe
 /// next_pipe() for the rare steps that its table does not cover.
 TraversalSlot::Pipe TraversalSlot::next_pipe_slow_path() {
   if (restarting_) return kToInner;
-  if (traces::kind_of(step_) == StepKind::kCull) {
-    culls_ = traces::culled_of(step_);
-    go_to(next_ + 1);
+  if (traces::kind_of(next_step_) == StepKind::kCull) {
+    culls_ = traces::culled_of(next_step_);
+    go_to_step(next_word_ + 1);
   }
   if (culls_ > 0) return kToStack;
   return next_pipe();
@@ -41,11 +41,11 @@ void TraversalSlot::list_entries(const std::uint32_t* walk, std::vector<StackEnt
   entries.clear();
   std::uint32_t instance = traces::kNone;
   bool must_pop = false;
-  for (const std::uint32_t* step = walk; step != next_; ++step) {
+  for (const std::uint32_t* step = walk; step != next_word_; ++step) {
     const StepKind kind = traces::kind_of(*step);
     if (kind == StepKind::kCull) {
       // The last culls are in progress: resize() below drops the entries that they have popped.
-      if (step + 1 != next_) entries.resize(entries.size() - traces::culled_of(*step));
+      if (step + 1 != next_word_) entries.resize(entries.size() - traces::culled_of(*step));
       continue;
     }
     if (must_pop) {
@@ -67,13 +67,14 @@ void TraversalSlot::list_entries(const std::uint32_t* walk, std::vector<StackEnt
   entries.resize(stack_depth_);
 }
 
-void TraversalSlot::restart(const std::uint32_t* walk, const TreeInMemory& tree, bool has_trail, std::uint32_t capacity,
-                            std::vector<StackEntryOrigin>& entries, RestartPath& path, StackStats& stats) {
+void TraversalSlot::restart_walk(const std::uint32_t* walk, const TreeInMemory& tree, bool has_trail,
+                                 std::uint32_t capacity, std::vector<StackEntryOrigin>& entries, RestartPath& path,
+                                 StackStats& stats) {
   assert(stack_depth_ > 0 && "a pop from an empty stack");
   // Each visit on the path pushes its far child again, so the short stack ends up with the youngest entries. With a
   // trail the last visit continues at its far child without a pop.
   list_entries(walk, entries);
-  path.plan(entries, tree, has_trail);
+  path.plan_path(entries, tree, has_trail);
   restarting_ = true;
   stats.restarts += 1;
   const std::uint32_t found = stack_depth_ - (has_trail ? 1U : 0U);

@@ -25,11 +25,11 @@ class RestartPath {
 
   /// Plans the path down to the node of the youngest entry: from the root if `from_root`, else from the node of the
   /// oldest entry.
-  void plan(std::span<const StackEntryOrigin> entries, const TreeInMemory& tree, bool from_root);
+  void plan_path(std::span<const StackEntryOrigin> entries, const TreeInMemory& tree, bool from_root);
   bool is_empty() const { return path_.empty(); }
   bool enters_instance() const { return (path_.back() & kEnter) != 0; }
-  std::uint32_t instance() const { return path_.back() & ~kEnter; }
-  std::uint32_t node() const { return path_.back(); }
+  std::uint32_t next_instance() const { return path_.back() & ~kEnter; }
+  std::uint32_t next_node() const { return path_.back(); }
   void pop() { path_.pop_back(); }
 
  private:
@@ -67,29 +67,26 @@ class TraversalSlot {
   enum Pipe : std::size_t { kToInner, kToStack, kToLeaf, kToRetire, kPipes };
 
   TraversalSlot() = default;
-  TraversalSlot(const std::uint32_t* walk, std::uint32_t id) : id_(id) { go_to(walk); }
+  TraversalSlot(const std::uint32_t* walk, std::uint32_t id) : id_(id) { go_to_step(walk); }
 
-  std::uint32_t id() const { return id_; }
+  std::uint32_t ray_id() const { return id_; }
   /// First word of the next step.
-  std::uint32_t step() const { return step_; }
+  std::uint32_t next_step() const { return next_step_; }
   /// Word of the last completed visit.
-  std::uint32_t last_visit() const { return next_[-1]; }
+  std::uint32_t last_visit() const { return next_word_[-1]; }
   /// Exit phases of the next step, which is a leaf.
-  std::uint32_t exit_phases() const { return next_[1]; }
+  std::uint32_t exit_phases() const { return next_word_[1]; }
   bool is_restarting() const { return restarting_; }
-  /// Stack entries not popped yet, dropped ones included; entries in the short stack.
-  std::uint32_t stack_depth() const { return stack_depth_; }
-  std::uint32_t short_stack_size() const { return short_stack_size_; }
 
   /// Returns the sub-pipe of the next step. `instances`: the scene has instances.
   [[gnu::always_inline]] Pipe next_pipe(bool instances = true) {
     // Indexed by kind of step; the second half is for steps that need a pop first.
     static constexpr std::array<Pipe, 8> kPipeOf{kToInner, kToLeaf,  kToStack, kToRetire,
                                                  kToStack, kToStack, kToStack, kToRetire};
-    const traces::StepKind kind = traces::kind_of(step_);
+    const traces::StepKind kind = traces::kind_of(next_step_);
     if (restarting_ || culls_ > 0 || kind == traces::StepKind::kCull) [[unlikely]]
       return next_pipe_slow_path();
-    if (instances && !must_pop_ && traces::is_enter(step_)) [[unlikely]]
+    if (instances && !must_pop_ && traces::is_enter(next_step_)) [[unlikely]]
       return kToInner;
     return kPipeOf[static_cast<std::size_t>(kind) + (must_pop_ ? 4U : 0U)];
   }
@@ -98,9 +95,9 @@ class TraversalSlot {
   /// `keeps_entries`: `capacity` is not 0. Branch-free except for a full stack: about half of the visits hit both
   /// children.
   [[gnu::always_inline]] bool advance_to_next_step(std::uint32_t capacity, bool keeps_entries, StackStats& stats) {
-    const std::uint32_t hits = traces::hits_of(step_);
-    go_to(next_ + 1);
-    __builtin_prefetch(next_ + 8);  // host prefetch of the ray's later steps
+    const std::uint32_t hits = traces::hits_of(next_step_);
+    go_to_step(next_word_ + 1);
+    __builtin_prefetch(next_word_ + 8);  // host prefetch of the ray's later steps
     must_pop_ = hits == 0;
     const unsigned both = hits == 3;
     stack_depth_ = static_cast<std::uint16_t>(stack_depth_ + both);
@@ -114,9 +111,9 @@ class TraversalSlot {
     return both != 0;
   }
   /// Completes an instance's transform: the ray continues in the instance's tree.
-  void enter_instance() { go_to(next_ + 1); }
+  void enter_instance() { go_to_step(next_word_ + 1); }
   /// Advances past a leaf that has been sent to the intersection unit. Its answer is followed by a pop or the end.
-  void send_leaf() { go_to(next_ + 2); }
+  void advance_past_leaf() { go_to_step(next_word_ + 2); }
   void take_answer() { must_pop_ = true; }
 
   /// Pops the youngest entry; false if the short stack is empty and the ray must restart.
@@ -128,8 +125,8 @@ class TraversalSlot {
     return true;
   }
   /// Restarts the ray, whose walk begins at `walk`. `entries` is scratch space.
-  void restart(const std::uint32_t* walk, const TreeInMemory& tree, bool has_trail, std::uint32_t capacity,
-               std::vector<StackEntryOrigin>& entries, RestartPath& path, StackStats& stats);
+  void restart_walk(const std::uint32_t* walk, const TreeInMemory& tree, bool has_trail, std::uint32_t capacity,
+                    std::vector<StackEntryOrigin>& entries, RestartPath& path, StackStats& stats);
   /// Completes a visit on the restart path. With a restart trail, the last one continues at its far child without a
   /// pop.
   void complete_replayed_visit(RestartPath& path, bool has_trail);
@@ -139,13 +136,13 @@ class TraversalSlot {
   void count_line() { lines_read_ += 1; }
   void reset_lines() { lines_read_ = 0; }
   /// The child whose box this pass tests; with one box tester only.
-  std::uint32_t child() const { return child_; }
+  std::uint32_t tested_child() const { return child_; }
   void switch_child() { child_ ^= 1U; }
 
  private:
-  void go_to(const std::uint32_t* to) {
-    next_ = to;
-    step_ = *to;
+  void go_to_step(const std::uint32_t* to) {
+    next_word_ = to;
+    next_step_ = *to;
   }
   /// Consumes a popped entry: drops it if it is farther than the hit, otherwise continues the ray there.
   void consume_entry() {
@@ -159,13 +156,13 @@ class TraversalSlot {
   Pipe next_pipe_slow_path();
   void list_entries(const std::uint32_t* walk, std::vector<StackEntryOrigin>& entries) const;
 
-  const std::uint32_t* next_ = nullptr;
-  std::uint32_t step_ = 0;
+  const std::uint32_t* next_word_ = nullptr;
+  std::uint32_t next_step_ = 0;
   std::uint32_t id_ = 0;
-  std::uint32_t culls_ = 0;  ///< entries still to be popped and dropped before the next step
-  std::uint16_t stack_depth_ = 0;
-  std::uint16_t short_stack_size_ = 0;
-  bool must_pop_ = false;  ///< the next step needs a pop first
+  std::uint32_t culls_ = 0;             ///< entries still to be popped and dropped before the next step
+  std::uint16_t stack_depth_ = 0;       ///< entries not popped yet, dropped ones included
+  std::uint16_t short_stack_size_ = 0;  ///< entries in the short stack
+  bool must_pop_ = false;               ///< the next step needs a pop first
   bool restarting_ = false;
   std::uint8_t child_ = 0;
   std::uint8_t lines_read_ = 0;

@@ -13,7 +13,7 @@ namespace hw {
 
 static constexpr std::size_t kUsualStackDepth = 128;  ///< entries reserved; deeper trees allocate more
 
-Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree, Links links, std::uint16_t port,
+Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree, Links links, std::uint16_t client,
          sim::Clock clock)
     : box_latency_(config.l1.hit_cycles + config.box_latency),
       transform_latency_(config.l1.hit_cycles + config.transform_latency),
@@ -29,7 +29,7 @@ Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree,
       is_default_(features_ == kDefaultTrvFeatures),
       slots_(config.rays),
       clock_(clock),
-      fetch_(config.l1, mode, port, waiting_[kToInner]),
+      fetch_(config.l1, mode, client, waiting_[kToInner]),
       pipes_(clock, std::max({box_latency_, transform_latency_, stack_latency_})),
       tree_(tree),
       links_(links),
@@ -92,18 +92,18 @@ void Trv::prefetch_far_nodes(std::uint64_t cycle) {
     if (!fetch_.can_prefetch()) break;
     stats_.prefetch_probes += 1;
     const Addr line = tree_.line_of_visit(node, config_.box_testers, 0, 0).line;
-    if (fetch_.prefetch(line, slot, cycle)) stats_.prefetches += 1;
+    if (fetch_.prefetch_line(line, slot, cycle)) stats_.prefetches += 1;
   }
   far_nodes_.clear();
 }
 
 /// Handles a probe that missed, and returns the cycle's reason.
-Trv::CycleReason Trv::missed(FetchStage::Wait wait, std::uint32_t index, std::uint64_t cycle) {
-  if (fetch_.bypasses()) {
+Trv::CycleReason Trv::handle_miss(FetchStage::Wait wait, std::uint32_t index, std::uint64_t cycle) {
+  if (fetch_.is_bypassing()) {
     stats_.bypass_passes += 1;
-    pipes_.put(kToInner, index, cycle, box_latency_);
+    pipes_.schedule_completion(kToInner, index, cycle, box_latency_);
   }
-  return FetchStage::reason(wait, CycleReason::kL1Miss);
+  return FetchStage::wait_reason(wait, CycleReason::kL1Miss);
 }
 
 /// Slots that may enter the one shared pipe; those with leaves only if there is room for a leaf.
@@ -112,17 +112,17 @@ std::uint64_t Trv::shared_work(bool room_for_leaves) const {
   return fetch_.issuable_slots() | waiting_[kToStack] | (room_for_leaves ? waiting_[kToLeaf] : 0);
 }
 
-Trv::CycleReason Trv::waiting(sim::Time next) const {
+Trv::CycleReason Trv::wait_reason(sim::Time next) const {
   if (occupied_ == 0) return CycleReason::kStarved;
   if (features_.one_pipe && next < leaf_free_at_) return CycleReason::kSerial;
   if (waiting_[kToRetire] != 0) return CycleReason::kOutputFull;
-  return FetchStage::reason(fetch_.waits_for(),
-                            (at_ist_ | waiting_[kToLeaf]) != 0 ? CycleReason::kIst : CycleReason::kPipe);
+  return FetchStage::wait_reason(fetch_.waits_for(),
+                                 (at_ist_ | waiting_[kToLeaf]) != 0 ? CycleReason::kIst : CycleReason::kPipe);
 }
 
 sim::Time Trv::next_wake(const Cycle& cycle) const {
   const sim::Time next = cycle.next;
-  sim::Time at = pipes_.next(cycle);
+  sim::Time at = pipes_.next_completion(cycle);
   if (features_.one_pipe) {
     const sim::Time free_at = std::max(next, leaf_free_at_);
     if (free_at > next || shared_work(false) != 0) at = std::min(at, free_at);
@@ -133,25 +133,26 @@ sim::Time Trv::next_wake(const Cycle& cycle) const {
   }
   if (waiting_[kToRetire] != 0) at = std::min(at, std::max(next, links_.rays_out.push_at()));
   at = std::min(at, std::max(next, arrivals_.soonest));
-  return std::min(at, fetch_.send_at(next, links_.memory_out));
+  return std::min(at, fetch_.next_send_time(next, links_.memory_out));
 }
 
 std::string Trv::state() const {
   return fmt::format("rays {}: ready {}, stack {}, leaf {}, retiring {}, missing {}, no mshr {}, at ist {}",
                      std::popcount(occupied_), std::popcount(waiting_[kToInner]), std::popcount(waiting_[kToStack]),
                      std::popcount(waiting_[kToLeaf]), std::popcount(waiting_[kToRetire]),
-                     std::popcount(fetch_.missing()), std::popcount(fetch_.no_mshr()), std::popcount(at_ist_));
+                     std::popcount(fetch_.missing_slots()), std::popcount(fetch_.slots_without_mshr()),
+                     std::popcount(at_ist_));
 }
 
 template <bool kDefault>
 [[gnu::always_inline]] inline void Trv::take_from_pipes(const Cycle& cycle) {
-  if (!features<kDefault>().prefetches || both_children_hit_ == 0) {
-    pipes_.take(cycle.number, waiting_);
+  if (!active_features<kDefault>().prefetches || both_children_hit_ == 0) {
+    pipes_.take_completed(cycle.number, waiting_);
     return;
   }
   TimingWheel<kPipes>::Masks out{};
-  pipes_.take(cycle.number, out);
-  for (std::size_t way = 0; way < kPipes; ++way) waiting_[way] |= out[way];
+  pipes_.take_completed(cycle.number, out);
+  for (std::size_t pipe = 0; pipe < kPipes; ++pipe) waiting_[pipe] |= out[pipe];
   note_far_nodes(both_children_hit_ & (out[kToInner] | out[kToLeaf]));
 }
 
@@ -164,15 +165,15 @@ bool Trv::fill(const Cycle& cycle) {
 bool Trv::take_answer(sim::Time now) {
   if (arrivals_.answers > now) return false;
   const std::uint32_t index = links_.leaves_in.pop(now).slot;
-  at_ist_ &= ~bit(index);
+  at_ist_ &= ~slot_bit(index);
   TraversalSlot& slot = slots_[index];
   slot.take_answer();
   switch (slot.next_pipe()) {
     case kToStack:
-      waiting_[kToStack] |= bit(index);
+      waiting_[kToStack] |= slot_bit(index);
       break;
     case kToRetire:
-      waiting_[kToRetire] |= bit(index);
+      waiting_[kToRetire] |= slot_bit(index);
       break;
     default:
       assert(false && "a leaf is followed by a pop or the end");
@@ -184,19 +185,19 @@ bool Trv::take_ray(sim::Time now) {
   if (free_ == 0 || arrivals_.rays > now) return false;
   const RayJob job = links_.rays_in.pop(now);
   const auto index = static_cast<std::uint32_t>(std::countr_zero(free_));
-  free_ &= ~bit(index);
-  occupied_ |= bit(index);
+  free_ &= ~slot_bit(index);
+  occupied_ |= slot_bit(index);
   TraversalSlot& slot = slots_[index];
   slot = TraversalSlot(job.walk, job.id);
   begins_[index] = job.walk;
-  fetch_.set_slot_tile(index, job.owner);
+  fetch_.set_slot_tile(index, job.tile);
   stats_.rays_in += 1;
   switch (slot.next_pipe()) {
     case kToInner:
-      waiting_[kToInner] |= bit(index);
+      waiting_[kToInner] |= slot_bit(index);
       break;
     case kToRetire:
-      waiting_[kToRetire] |= bit(index);
+      waiting_[kToRetire] |= slot_bit(index);
       break;
     default:
       assert(false && "a walk begins with the root");
@@ -215,24 +216,24 @@ void Trv::take_arrivals(const Cycle& cycle) {
 template <bool kDefault>
 [[gnu::always_inline]] inline Trv::CycleReason Trv::issue_visit(std::uint32_t index, const Cycle& cycle) {
   TraversalSlot& slot = slots_[index];
-  const TrvFeatures has = features<kDefault>();
+  const TrvFeatures has = active_features<kDefault>();
   if (has.instances && enters_instance(slot, index)) return issue_transform(slot, index, cycle.number);
-  const std::uint32_t node = slot.is_restarting() ? paths_[index].node() : traces::node_of(slot.step());
-  const TreeInMemory::Line read = has.plain
-                                      ? TreeInMemory::Line{tree_.line_of(node), true}
-                                      : tree_.line_of_visit(node, config_.box_testers, slot.child(), slot.lines_read());
+  const std::uint32_t node = slot.is_restarting() ? paths_[index].next_node() : traces::node_of(slot.next_step());
+  const TreeInMemory::Line read =
+      has.plain ? TreeInMemory::Line{tree_.line_of(node), true}
+                : tree_.line_of_visit(node, config_.box_testers, slot.tested_child(), slot.lines_read());
   // Fast path: it saves 6, 1 and 1 % of the host's instructions (frames as at tick_as()).
-  if (has.reorders && fetch_.try_first_probe_hit(bit(index), read.line)) {
-    waiting_[kToInner] &= ~bit(index);
-  } else if (const FetchStage::Wait wait = fetch_.read(index, read.line, cycle.number);
+  if (has.reorders && fetch_.try_first_probe_hit(slot_bit(index), read.line)) {
+    waiting_[kToInner] &= ~slot_bit(index);
+  } else if (const FetchStage::Wait wait = fetch_.read_line(index, read.line, cycle.number);
              wait != FetchStage::Wait::kNothing) {
-    return missed(wait, index, cycle.number);
+    return handle_miss(wait, index, cycle.number);
   }
   if (read.last) {
     complete_visit<kDefault>(slot, index, cycle.number);
   } else {
     slot.count_line();
-    waiting_[kToInner] |= bit(index);
+    waiting_[kToInner] |= slot_bit(index);
   }
   return CycleReason::kVisiting;
 }
@@ -241,15 +242,15 @@ bool Trv::ends_with_pass(TraversalSlot& slot, std::uint32_t index, std::uint64_t
   slot.reset_lines();
   if (config_.box_testers == 2) return true;
   slot.switch_child();
-  if (slot.child() == 0) return true;
+  if (slot.tested_child() == 0) return true;
   stats_.first_passes += 1;
-  pipes_.put(kToInner, index, cycle, box_latency_);
+  pipes_.schedule_completion(kToInner, index, cycle, box_latency_);
   return false;
 }
 
 template <bool kDefault>
 [[gnu::always_inline]] inline void Trv::complete_visit(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle) {
-  const TrvFeatures has = features<kDefault>();
+  const TrvFeatures has = active_features<kDefault>();
   if (!has.plain && !ends_with_pass(slot, index, cycle)) return;
   stats_.visits += 1;
   if (slot.is_restarting()) [[unlikely]] {
@@ -257,34 +258,34 @@ template <bool kDefault>
     slot.complete_replayed_visit(paths_[index], has_trail());
   } else {
     const bool hit_both = slot.advance_to_next_step(stack_room_, has.stack, stats_);
-    if (has.prefetches && hit_both) both_children_hit_ |= bit(index);
+    if (has.prefetches && hit_both) both_children_hit_ |= slot_bit(index);
   }
-  pipes_.put(slot.next_pipe(has.instances), index, cycle, box_latency_);
+  pipes_.schedule_completion(slot.next_pipe(has.instances), index, cycle, box_latency_);
 }
 
-[[gnu::always_inline]] inline void Trv::pop(std::uint32_t index, std::uint64_t cycle) {
-  waiting_[kToStack] &= ~bit(index);
+[[gnu::always_inline]] inline void Trv::pop_entry(std::uint32_t index, std::uint64_t cycle) {
+  waiting_[kToStack] &= ~slot_bit(index);
   TraversalSlot& slot = slots_[index];
   if (!slot.pop_stack_entry(stats_)) {
-    slot.restart(begins_[index], tree_, has_trail(), stack_room_, entries_, paths_[index], stats_);
+    slot.restart_walk(begins_[index], tree_, has_trail(), stack_room_, entries_, paths_[index], stats_);
   }
-  pipes_.put(slot.next_pipe(), index, cycle, stack_latency_);
+  pipes_.schedule_completion(slot.next_pipe(), index, cycle, stack_latency_);
 }
 
 [[gnu::always_inline]] inline void Trv::issue_pop(const Cycle& cycle) {
   const std::uint32_t index = round_robin(waiting_[kToStack], stack_turn_);
   stack_turn_ = (index + 1) % 64;
-  pop(index, cycle.number);
+  pop_entry(index, cycle.number);
 }
 
 Trv::CycleReason Trv::issue_any(const Cycle& cycle) {
   if (cycle.now < leaf_free_at_) return CycleReason::kSerial;
   const std::uint64_t work = shared_work(links_.leaves_out.can_push(cycle.now));
   if (work == 0) return CycleReason::kStarved;
-  const std::uint32_t index = next_of(work);
-  if ((waiting_[kToStack] & bit(index)) != 0) {
-    pop(index, cycle.number);
-  } else if ((waiting_[kToLeaf] & bit(index)) != 0) {
+  const std::uint32_t index = next_slot(work);
+  if ((waiting_[kToStack] & slot_bit(index)) != 0) {
+    pop_entry(index, cycle.number);
+  } else if ((waiting_[kToLeaf] & slot_bit(index)) != 0) {
     send_leaf(cycle.now, index);
   } else {
     return issue_visit<false>(index, cycle);
@@ -296,7 +297,7 @@ Trv::CycleReason Trv::issue_any(const Cycle& cycle) {
 /// (conference-331k, chess-42k and garden-outdoor-643k at 128x64).
 template <bool kDefault>
 [[gnu::always_inline]] inline sim::Time Trv::tick_as(const Cycle& cycle) {
-  const TrvFeatures has = features<kDefault>();
+  const TrvFeatures has = active_features<kDefault>();
   const sim::Time now = cycle.now;
   const auto issuable_slots = [&] { return has.reorders ? waiting_[kToInner] : fetch_.issuable_slots(); };
   take_from_pipes<kDefault>(cycle);
@@ -305,9 +306,9 @@ template <bool kDefault>
   if (has.one_pipe) {
     why = issue_any(cycle);
   } else {
-    if (issuable_slots() != 0) why = issue_visit<kDefault>(next_of(issuable_slots()), cycle);
+    if (issuable_slots() != 0) why = issue_visit<kDefault>(next_slot(issuable_slots()), cycle);
     while (has.ideal && issuable_slots() != 0) {
-      if (issue_visit<kDefault>(next_of(issuable_slots()), cycle) == CycleReason::kVisiting)
+      if (issue_visit<kDefault>(next_slot(issuable_slots()), cycle) == CycleReason::kVisiting)
         why = CycleReason::kVisiting;
     }
     if (waiting_[kToStack] != 0) issue_pop(cycle);
@@ -316,10 +317,10 @@ template <bool kDefault>
   if (has_output(now) || (has.prefetches && !far_nodes_.empty())) issue_outputs(cycle);
   if (rays_moved_) note_full(now);
   const bool is_busy =
-      !has.one_pipe && (issuable_slots() | waiting_[kToStack] | pipes_.comes_out(cycle.number + 1)) != 0;
+      !has.one_pipe && (issuable_slots() | waiting_[kToStack] | pipes_.completes_in(cycle.number + 1)) != 0;
   const sim::Time wake = is_busy ? cycle.next : next_wake(cycle);
   const bool tried = why != CycleReason::kStarved;
-  const CycleReason then = tried && wake == cycle.next ? why : waiting(cycle.next);
+  const CycleReason then = tried && wake == cycle.next ? why : wait_reason(cycle.next);
   activity_.spend(now, clock_.period(), tried ? why : then, then);
   return wake;
 }
@@ -340,22 +341,23 @@ void Trv::tick_due(std::span<Trv* const> trvs, std::uint64_t due, sim::Time* wak
 }
 
 bool Trv::enters_instance(const TraversalSlot& slot, std::uint32_t index) const {
-  return slot.is_restarting() ? paths_[index].enters_instance() : traces::is_enter(slot.step());
+  return slot.is_restarting() ? paths_[index].enters_instance() : traces::is_enter(slot.next_step());
 }
 
 /// Transforms a ray into an instance's space, one operation of the box pipe: 9 multiplications and 9 additions for the
 /// origin, 9 and 6 for the direction, and a reciprocal.
 Trv::CycleReason Trv::issue_transform(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle) {
-  const std::uint32_t instance = slot.is_restarting() ? paths_[index].instance() : traces::instance_of(slot.step());
-  const FetchStage::Wait wait = fetch_.read(index, tree_.line_of_instance(instance), cycle);
-  if (wait != FetchStage::Wait::kNothing) return missed(wait, index, cycle);
+  const std::uint32_t instance =
+      slot.is_restarting() ? paths_[index].next_instance() : traces::instance_of(slot.next_step());
+  const FetchStage::Wait wait = fetch_.read_line(index, tree_.line_of_instance(instance), cycle);
+  if (wait != FetchStage::Wait::kNothing) return handle_miss(wait, index, cycle);
   stats_.transforms += 1;
   if (slot.is_restarting()) {
     paths_[index].pop();  // never the last one: a node of the instance's tree follows
   } else {
     slot.enter_instance();
   }
-  pipes_.put(kToInner, index, cycle, transform_latency_);
+  pipes_.schedule_completion(kToInner, index, cycle, transform_latency_);
   return CycleReason::kVisiting;
 }
 
@@ -369,14 +371,14 @@ bool Trv::issue_leaf(sim::Time now) {
 }
 
 void Trv::send_leaf(sim::Time now, std::uint32_t index) {
-  waiting_[kToLeaf] &= ~bit(index);
+  waiting_[kToLeaf] &= ~slot_bit(index);
   TraversalSlot& slot = slots_[index];
-  const std::uint32_t step = slot.step();
+  const std::uint32_t step = slot.next_step();
   const std::uint32_t count = traces::count_of(step);
   links_.leaves_out.push(now, LeafJob{traces::first_of(step), slot.exit_phases(), static_cast<std::uint8_t>(count),
-                                      static_cast<std::uint8_t>(index), fetch_.owner(index)});
-  slot.send_leaf();
-  at_ist_ |= bit(index);
+                                      static_cast<std::uint8_t>(index), fetch_.slot_tile(index)});
+  slot.advance_past_leaf();
+  at_ist_ |= slot_bit(index);
   if (!features_.ideal) leaf_free_at_ = clock_.after(now, std::max(count, 1U));
   stats_.leaves += 1;
 }
@@ -384,22 +386,22 @@ void Trv::send_leaf(sim::Time now, std::uint32_t index) {
 void Trv::issue_outputs(const Cycle& cycle) {
   if (!features_.one_pipe) run_once_or_drain(features_.ideal, [&] { return issue_leaf(cycle.now); });
   if (waiting_[kToRetire] != 0) {
-    run_once_or_drain(features_.ideal, [&] { return retire(cycle.now); });
+    run_once_or_drain(features_.ideal, [&] { return retire_ray(cycle.now); });
     if (free_ != 0) arrivals_.soonest = std::min(arrivals_.soonest, arrivals_.rays);
     rays_moved_ = true;
   }
   if (!far_nodes_.empty()) prefetch_far_nodes(cycle.number);  // after demand requests
-  fetch_.send(cycle.now, links_.memory_out);
+  fetch_.send_request(cycle.now, links_.memory_out);
 }
 
-bool Trv::retire(sim::Time now) {
+bool Trv::retire_ray(sim::Time now) {
   if (waiting_[kToRetire] == 0 || !links_.rays_out.can_push(now)) return false;
   const std::uint32_t index = round_robin(waiting_[kToRetire], retire_turn_);
   retire_turn_ = (index + 1) % 64;
-  waiting_[kToRetire] &= ~bit(index);
-  occupied_ &= ~bit(index);
-  free_ |= bit(index);
-  links_.rays_out.push(now, RayDone{slots_[index].id(), fetch_.owner(index)});
+  waiting_[kToRetire] &= ~slot_bit(index);
+  occupied_ &= ~slot_bit(index);
+  free_ |= slot_bit(index);
+  links_.rays_out.push(now, RayDone{slots_[index].ray_id(), fetch_.slot_tile(index)});
   stats_.rays_out += 1;
   return true;
 }

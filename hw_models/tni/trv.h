@@ -120,7 +120,7 @@ class Trv {
     sim::Link<MemResponse>& memory_in;
   };
 
-  Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree, Links links, std::uint16_t port,
+  Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree, Links links, std::uint16_t client,
       sim::Clock clock);
   Trv(const Trv&) = delete;
   Trv& operator=(const Trv&) = delete;
@@ -136,7 +136,7 @@ class Trv {
   void finish(sim::Time end);
   bool idle() const { return occupied_ == 0 && !fetch_.waits_for_memory(); }
   std::string state() const;
-  bool warm(Addr line) { return fetch_.warm(line); }
+  bool warm_line(Addr line) { return fetch_.warm_line(line); }
 
  private:
   using Pipe = TraversalSlot::Pipe;
@@ -151,7 +151,7 @@ class Trv {
   sim::Time tick_as(const Cycle& cycle);
   sim::Time tick_as_declared(const Cycle& cycle);
   template <bool kDefault>
-  TrvFeatures features() const {
+  TrvFeatures active_features() const {
     return kDefault ? kDefaultTrvFeatures : features_;
   }
 
@@ -160,12 +160,14 @@ class Trv {
   bool take_answer(sim::Time now);
   bool fill(const Cycle& cycle);
   bool issue_leaf(sim::Time now);
-  bool retire(sim::Time now);
+  bool retire_ray(sim::Time now);
 
   /// Takes a line, an answer and a ray, each if it has arrived.
   void take_arrivals(const Cycle& cycle);
   /// True if any output can be issued. One combined test, as the single conditions are unpredictable.
-  bool has_output(sim::Time now) const { return (issuable_leaves(now) | waiting_[kToRetire] | fetch_.unsent()) != 0; }
+  bool has_output(sim::Time now) const {
+    return (issuable_leaves(now) | waiting_[kToRetire] | fetch_.unsent_requests()) != 0;
+  }
   /// Slots with a leaf, if the leaf pipe and the link are free.
   std::uint64_t issuable_leaves(sim::Time now) const {
     const bool room = std::max(leaf_free_at_, links_.leaves_out.push_at()) <= now;
@@ -176,20 +178,20 @@ class Trv {
   void issue_outputs(const Cycle& cycle);
 
   /// Returns the next slot of a mask, round robin.
-  std::uint32_t next_of(std::uint64_t slots) {
+  std::uint32_t next_slot(std::uint64_t slots) {
     const std::uint32_t index = round_robin(slots, inner_turn_);
     inner_turn_ = (index + 1) % 64;
     return index;
   }
   template <bool kDefault>
   CycleReason issue_visit(std::uint32_t index, const Cycle& cycle);
-  CycleReason missed(FetchStage::Wait wait, std::uint32_t index, std::uint64_t cycle);
+  CycleReason handle_miss(FetchStage::Wait wait, std::uint32_t index, std::uint64_t cycle);
   bool enters_instance(const TraversalSlot& slot, std::uint32_t index) const;
   CycleReason issue_transform(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle);
   CycleReason issue_any(const Cycle& cycle);
   std::uint64_t shared_work(bool room_for_leaves) const;
   void issue_pop(const Cycle& cycle);
-  void pop(std::uint32_t index, std::uint64_t cycle);
+  void pop_entry(std::uint32_t index, std::uint64_t cycle);
   void send_leaf(sim::Time now, std::uint32_t index);
   /// Ends a pass. False if the visit needs another pass.
   bool ends_with_pass(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle);
@@ -202,7 +204,7 @@ class Trv {
   void note_far_nodes(std::uint64_t visited);
   void prefetch_far_nodes(std::uint64_t cycle);
   /// Reason for cycles from `next` on in which no node enters the box pipe.
-  CycleReason waiting(sim::Time next) const;
+  CycleReason wait_reason(sim::Time next) const;
   sim::Time next_wake(const Cycle& cycle) const;
   void note_full(sim::Time now);
 

@@ -94,7 +94,7 @@ void dram_play(benchmark::State& state, const char* grade) {
     const std::uint64_t line = state.range(0) == 0 ? i : sim::mix_bits(i) % (1 << 24);
     requests.push_back({line * 64, sim::hash(i) % 100 >= static_cast<std::uint64_t>(state.range(1)), 0});
   }
-  for (auto _ : state) benchmark::DoNotOptimize(hw::play(config, requests, 32).end);
+  for (auto _ : state) benchmark::DoNotOptimize(hw::play_requests(config, requests, 32).end);
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(requests.size()));
 }
 BENCHMARK_CAPTURE(dram_play, lpddr4, "lpddr4-3200")->Args({0, 100})->Args({0, 80})->Args({1, 100})->Args({1, 80});

@@ -122,7 +122,7 @@ void print_kernels(const JobOptions& options) {
   const hw::SrpConfig srp = load_run_config(options).gpu->srp;
   sim::Table table({"kernel", "operations", "on units", "II", "depth", "local reads", "writes", "cached loads", ""});
   for (const kernels::KernelInfo& kernel : kernels::kernel_catalogue()) {
-    const hw::KernelSchedule s = hw::schedule(kernel.graph, srp);
+    const hw::KernelSchedule s = hw::schedule_kernel(kernel.graph, srp);
     table.add_row({std::string(kernel.name), std::to_string(kernels::executed_ops(kernel.graph)),
                    std::to_string(s.fu_ops), std::to_string(s.ii), std::to_string(s.depth),
                    std::to_string(s.local_reads), std::to_string(s.local_writes), std::to_string(s.cached_loads),
@@ -139,7 +139,7 @@ void print_kernel(const JobOptions& options, const std::string& name) {
     throw sim::InputError(fmt::format("no kernel is called '{}'{}; see raywatt kernels list", sim::printable(name),
                                       traces::did_you_mean(name, names)));
   }
-  const hw::KernelSchedule s = hw::schedule(kernel->graph, load_run_config(options).gpu->srp);
+  const hw::KernelSchedule s = hw::schedule_kernel(kernel->graph, load_run_config(options).gpu->srp);
   fmt::print("{}: {}\n\nII {} (units and ports allow {}), depth {}, {} operations on units\n\n{}\n{}", kernel->name,
              kernel->meaning, s.ii, s.res_mii, s.depth, s.fu_ops, kernels::operation_summary(kernel->graph),
              kernels::node_listing(kernel->graph));

@@ -22,7 +22,7 @@ std::vector<sim::UnitReport> idle_units(const hw::GpuConfig& config, bool raster
   hw::Gpu::Workload workload{
       .image = nothing, .parents = {}, .scheduled = std::make_shared<const hw::ScheduledKernels>()};
   if (rasterises) workload.needs.raster = traces::RasterDemands{};
-  return std::make_unique<hw::Gpu>(config, workload, tiles)->report();
+  return std::make_unique<hw::Gpu>(config, workload, tiles)->unit_reports();
 }
 
 namespace {

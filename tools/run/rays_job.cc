@@ -36,12 +36,12 @@ using sim::Json;
 /// `listed`: number of rays in the file.
 Json totals_of(const hw::RayMachine& machine, std::uint64_t listed, const std::vector<sim::UnitReport>& units,
                const sim::EnergyReport& energy) {
-  const std::uint64_t rays = machine.rays();
-  const double ms = static_cast<double>(machine.elapsed()) / sim::kFemtosecondsPerMillisecond;
-  Json totals = {{"cycles", machine.cycles()},
+  const std::uint64_t rays = machine.ray_count();
+  const double ms = static_cast<double>(machine.elapsed_time()) / sim::kFemtosecondsPerMillisecond;
+  Json totals = {{"cycles", machine.elapsed_cycles()},
                  {"time_ms", ms},
-                 {"rays", {{"total", rays}, {"hits", machine.hits()}, {"listed", listed}}},
-                 {"traversal_steps", machine.steps()},
+                 {"rays", {{"total", rays}, {"hits", machine.hit_count()}, {"listed", listed}}},
+                 {"traversal_steps", machine.step_count()},
                  {"dram_bytes", Units<hw::DramChannel>(units).counted(&hw::DramChannel::Stats::bytes)}};
   totals.update(sim::energy_json(energy));
   totals["power_w"] = sim::band_json(energy.total_pj, 1 / (sim::kPicojoulesPerMillijoule * ms));
@@ -86,16 +86,16 @@ std::string rays_table(const Json& report) {
 
 /// Builds the report of the rays that `played` has finished.
 Json rays_report(const JobOptions& options, const Inputs& inputs, const RayList& list, const hw::RayMachine& played) {
-  const std::vector<sim::UnitReport> units = played.report();
+  const std::vector<sim::UnitReport> units = played.unit_reports();
   const sim::EnergyReport energy =
       sim::compute_energy(units, inputs.config.energy, hw::dram_energy_events(inputs.config.gpu->dram),
-                          played.elapsed(), power_scales(inputs.config));
+                          played.elapsed_time(), power_scales(inputs.config));
   Json provenance = provenance_json(inputs, options);
   provenance["rays_sha256"] = list.sha256;
   Json warnings = inputs.warnings;
   for (std::string& line : run_warnings(inputs.config, units)) warnings.push_back(std::move(line));
   return {{"schema", "raywatt-rays/1"},
-          {"partial", played.rays() < list.rays.size()},
+          {"partial", played.ray_count() < list.rays.size()},
           {"config", Json(sim::config_json(inputs.config))},
           {"scene",
            {{"name", inputs.scene.name},
@@ -140,7 +140,7 @@ void run_rays(const JobOptions& options) {
     sim::write_file_atomically(open() / "report.txt", rays_table(json));
     sim::write_file_atomically(open() / "config.yaml", sim::dump_config(inputs.config));
     print_warnings(json, inputs.warnings.size());  // before an interrupt ends the run, which throws
-    return fmt::format("{} of {} rays", machine.rays(), list.rays.size());
+    return fmt::format("{} of {} rays", machine.ray_count(), list.rays.size());
   });
   if (options.json) return fmt::print("{}", sim::json_text(json["totals"]));
   if (options.quiet) return;

@@ -52,7 +52,7 @@ Pilot survey_tiles(const Inputs& inputs, const kernels::ProgramSpec& spec, const
   kernels::FullProgram program = thin_program(inputs, spec, kSides, pilot.thinning);
   std::vector<hw::KernelSchedule> kernels;
   for (const kernels::KernelInfo& kernel : kernels::kernel_catalogue()) {
-    kernels.push_back(hw::schedule(kernel.graph, inputs.config.gpu->srp));
+    kernels.push_back(hw::schedule_kernel(kernel.graph, inputs.config.gpu->srp));
   }
   const hw::GpuConfig& gpu = *inputs.config.gpu;
   const kernels::FrameRequirements requirements =
@@ -61,7 +61,7 @@ Pilot survey_tiles(const Inputs& inputs, const kernels::ProgramSpec& spec, const
   const hw::TilesInFlight tiles = hw::tiles_in_flight(gpu.tile_buffer, requirements, gpu.ideal.tile_buffer);
   const hw::TileBuffer buffer(gpu.tile_buffer, requirements, gpu.clocks.srp.clock(), gpu.ideal.tile_buffer);
   TilePilot tile_pilot(gpu, inputs.image.layout, kernels, pilot.thinning,
-                       static_cast<double>(buffer.slots()) / tiles.first);
+                       static_cast<double>(buffer.slot_count()) / tiles.first);
   FrontEnd front_end(program, tracer, host_threads(threads) - 1);
   while (const traces::TileWork* work = front_end.next()) {
     if (is_interrupted()) throw Interrupted{};

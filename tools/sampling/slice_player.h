@@ -23,7 +23,8 @@ struct MachineSpan {
   std::vector<hw::KernelUse> kernels;
 
   MachineSpan() = default;
-  explicit MachineSpan(const hw::Gpu& gpu) : time(gpu.elapsed()), units(gpu.report()), kernels(gpu.kernel_use()) {}
+  explicit MachineSpan(const hw::Gpu& gpu)
+      : time(gpu.elapsed_time()), units(gpu.unit_reports()), kernels(gpu.kernel_use()) {}
   explicit MachineSpan(const Mark& mark) : time(mark.time), units(mark.units), kernels(mark.kernels) {}
   void subtract_mark(const Mark& earlier);
   void add(const MachineSpan& other);

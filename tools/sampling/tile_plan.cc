@@ -73,7 +73,7 @@ constexpr std::uint32_t kLeadsOfASmallFrame = 50, kLeadsOfAShortSlice = 5;
 
 SliceShape slice_shape(const hw::GpuConfig& gpu, const traces::FrameRequirements& requirements) {
   const std::uint32_t in_flight =
-      gpu.cores * hw::tiles_in_flight(gpu.tile_buffer, requirements, gpu.ideal.tile_buffer).most();
+      gpu.cores * hw::tiles_in_flight(gpu.tile_buffer, requirements, gpu.ideal.tile_buffer).max_tiles();
   const std::uint32_t lead = (kLeadOfThree * in_flight + 2) / 3;
   return {.lead = lead, .probe = lead - in_flight, .warming = warming_tiles(gpu, requirements.tile_samples)};
 }

@@ -323,15 +323,15 @@ SampledRun run_blocks(const Inputs& inputs, RunTiles& source, const kernels::Fra
   tiles.end_tiles();
 
   SampledRun run;
-  run.units = gpu->report();
-  run.kernels = gpu->kernels();
-  run.elapsed = gpu->elapsed();
-  run.cycle = gpu->elapsed() / gpu->cycles();
+  run.units = gpu->unit_reports();
+  run.kernels = gpu->kernel_schedules();
+  run.elapsed = gpu->elapsed_time();
+  run.cycle = gpu->elapsed_time() / gpu->elapsed_cycles();
   run.timed = tiles.simulated_tiles().size();
   run.warmed = tiles.warmed_tiles();
   run.warming_seconds = tiles.warming_seconds();
   // A measured part ends at the dispatch of the next block; the last one ends with the run.
-  const Mark finished{0, gpu->elapsed(), gpu->report(), gpu->kernel_use()};
+  const Mark finished{0, gpu->elapsed_time(), gpu->unit_reports(), gpu->kernel_use()};
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     const bool is_last = i + 1 == blocks.size();
     const Mark &begin = tiles.mark_at(blocks[i].measured),

@@ -53,19 +53,19 @@ void TimedTiles::dispatched(sim::Time now) {
   if (tile >= blocks_[dispatched_block_].end) dispatched_block_ += 1;
   if (std::ranges::binary_search(marked_, tile)) {
     gpu_->account_until(now);
-    marks_.push_back({tile, now, gpu_->report(), gpu_->kernel_use()});
+    marks_.push_back({tile, now, gpu_->unit_reports(), gpu_->kernel_use()});
   }
   if (tile == blocks_[dispatched_block_].first) warm_caches();
   simulated_.push_back({tile, now, now});
-  if (stop_at_ == tile) gpu_->stop();
+  if (stop_at_ == tile) gpu_->stop_early();
 }
 
 void TimedTiles::warm_caches() {
   const sim::HostClock::time_point begin = sim::HostClock::now();
   std::uint32_t core = 0;
   for (const traces::TileWork* work : for_warming_) {
-    gpu_->warm(*work, core);
-    core = core + 1 == gpu_->cores() ? 0 : core + 1;
+    gpu_->warm_caches(*work, core);
+    core = core + 1 == gpu_->core_count() ? 0 : core + 1;
     source_.give_back(work);
   }
   warmed_ += for_warming_.size();
@@ -75,7 +75,7 @@ void TimedTiles::warm_caches() {
 
 void TimedTiles::end_tiles() {
   for (TimedTile& tile : simulated_) {
-    if (tile.end == tile.begin) tile.end = gpu_->elapsed();
+    if (tile.end == tile.begin) tile.end = gpu_->elapsed_time();
   }
 }
 

@@ -245,7 +245,7 @@ void TileWeights::add_kernels(const FrameResult& s) {
   std::vector<std::vector<double>> item;  // by kernel
   for (const hw::KernelSchedule& kernel : s.kernels) {
     hw::SrpStats one;
-    one.add(kernel, 1, 1);
+    one.add_loop(kernel, 1, 1);
     item.emplace_back();
     each_counter(one, [&](std::uint64_t value, const char*) { item.back().push_back(static_cast<double>(value)); });
   }

@@ -54,26 +54,26 @@ TEST_P(BankLanesOf, EqualABankByBankReference) {
     const std::uint64_t most = seed % 16;
     const auto of = static_cast<std::uint32_t>(sim::hash(seed, 77U)) & first(banks);
     const auto larger = [&](std::uint32_t bank) { return std::max(a[bank], b[bank]); };
-    EXPECT_EQ(a.up_to(most) & first(banks), expected.all_that([&](std::uint32_t i) { return a[i] <= most; }));
-    EXPECT_EQ(a.both_up_to(b, most) & first(banks),
+    EXPECT_EQ(a.banks_up_to(most) & first(banks), expected.all_that([&](std::uint32_t i) { return a[i] <= most; }));
+    EXPECT_EQ(a.banks_with_both_up_to(b, most) & first(banks),
               expected.all_that([&](std::uint32_t i) { return larger(i) <= most; }));
     BankLanes raised = a;
-    raised.raise(of, most);
+    raised.raise_to(of, most);
     for (std::uint32_t i = 0; i < banks; ++i) {
       EXPECT_EQ(raised[i], (of >> i & 1) != 0 ? std::max(a[i], most) : a[i]);
     }
-    EXPECT_EQ(a.least(of), expected.least(of, [&](std::uint32_t i) { return a[i]; }));
+    EXPECT_EQ(a.min_of(of), expected.least(of, [&](std::uint32_t i) { return a[i]; }));
     EXPECT_EQ(a.min_of_max(b, of), expected.least(of, larger));
     std::uint64_t any = 0;
     for (std::uint32_t bank = 0; bank < banks; ++bank) any |= (of >> bank & 1) != 0 ? a[bank] : 0;
-    EXPECT_EQ(a.any_of(of), any);
+    EXPECT_EQ(a.combined_bits(of), any);
   }
 }
 
 TEST_P(BankLanesOf, AreAllReplaced) {
   BankLanes lanes = some(GetParam(), 3);
   const BankLanes before = lanes;
-  lanes.replace([](std::uint64_t number) { return 3 * number + 1; });
+  lanes.replace_all([](std::uint64_t number) { return 3 * number + 1; });
   for (std::uint32_t bank = 0; bank < GetParam(); ++bank) EXPECT_EQ(lanes[bank], 3 * before[bank] + 1);
 }
 
@@ -82,10 +82,10 @@ INSTANTIATE_TEST_SUITE_P(Sizes, BankLanesOf, testing::Values(1U, 2U, 4U, 8U, 16U
 TEST(BankLanes, HoldWhatTakesAllBitsOfACycle) {
   BankLanes lanes(8);
   lanes[5] = std::uint64_t{1} << 62;
-  EXPECT_EQ(lanes.up_to((std::uint64_t{1} << 62) - 1), 0xdfU);
-  EXPECT_EQ(lanes.up_to(std::uint64_t{1} << 62), 0xffU);
-  EXPECT_EQ(lanes.least(1U << 5), std::uint64_t{1} << 62);
-  EXPECT_EQ(lanes.least(0), kNobody);
+  EXPECT_EQ(lanes.banks_up_to((std::uint64_t{1} << 62) - 1), 0xdfU);
+  EXPECT_EQ(lanes.banks_up_to(std::uint64_t{1} << 62), 0xffU);
+  EXPECT_EQ(lanes.min_of(1U << 5), std::uint64_t{1} << 62);
+  EXPECT_EQ(lanes.min_of(0), kNobody);
 }
 
 }  // namespace

@@ -59,8 +59,9 @@ TEST(AdaptivePages, StayOpenAgainIfTheNextRequestNeedsTheSameRow) {
 }
 
 TEST(Scheduler, FirstComeFirstServedNeitherOvertakesNorPreparesBanks) {
-  std::array<Script, 2> scripts{Script(DramHarness::quiet()),
-                                Script(with([](DramConfig& c) { c.controller.scheduler = DramScheduler::kFcfs; }))};
+  std::array<Script, 2> scripts{
+      Script(DramHarness::quiet()),
+      Script(with([](DramConfig& c) { c.controller.scheduler = DramSchedulingPolicy::kFcfs; }))};
   for (Script& s : scripts) {
     s.read(0, 1);
     s.read(0, 2);
@@ -114,11 +115,11 @@ TEST(Ranks, AreAboveTheirBanksInTheAddress) {
   });
   const DramMap map(c);
   const Addr pages = c.organisation.page.bytes;
-  EXPECT_EQ(map.address(7 * pages).bank, 7U);
-  EXPECT_EQ(map.address(8 * pages).bank, 8U);
-  EXPECT_EQ(map.address(16 * pages).row, 1U);
-  EXPECT_EQ(map.address(16 * pages).bank, 1U) << "row 1 changes the bank";
-  EXPECT_EQ(map.address((8 * 16 + 8) * pages).bank, 8U) << "row 8 does not change the rank";
+  EXPECT_EQ(map.address_of(7 * pages).bank, 7U);
+  EXPECT_EQ(map.address_of(8 * pages).bank, 8U);
+  EXPECT_EQ(map.address_of(16 * pages).row, 1U);
+  EXPECT_EQ(map.address_of(16 * pages).bank, 1U) << "row 1 changes the bank";
+  EXPECT_EQ(map.address_of((8 * 16 + 8) * pages).bank, 8U) << "row 8 does not change the rank";
 }
 
 TEST(IdealChannel, AnswersAnyNumberACycleLater) {
@@ -147,7 +148,7 @@ TEST(Controllers, OfEveryKindDoNotDependOnTheEngine) {
       c.controller.refresh = static_cast<RefreshKind>(seed / 3 % 2);
       c.controller.power_down = seed / 6 % 2 == 1;
       c.controller.power_down_after = seed % 5 == 0 ? 1 : 160;
-      c.controller.scheduler = static_cast<DramScheduler>(sim::hash(seed) % 2);
+      c.controller.scheduler = static_cast<DramSchedulingPolicy>(sim::hash(seed) % 2);
       c.controller.bank_xor = seed % 2 == 1;
       c.organisation.ranks = seed / 12 % 2 + 1;
       c.organisation.refresh_banks = sim::hash(seed, 1) % 2 + 1;

@@ -12,13 +12,10 @@
 namespace hw {
 namespace {
 
+using test::earliest_start;
 using test::kT;
 using Cycle = DramDevice::Cycle;
 using enum DramCommand;
-
-Cycle earliest(const DramDevice& d, DramCommand command, std::uint32_t bank, bool write, Cycle now) {
-  return d.slot(command, 0, d.ready(command, bank, write, d.rank_ready(command, 0, write, d.awake(now))));
-}
 
 DramConfig with_groups() {
   DramConfig c;
@@ -33,16 +30,16 @@ DramConfig with_groups() {
 
 TEST(DramDevice, AWriteAfterAReadWaitsForTheReadsDataToLeaveTheBus) {
   DramDevice d{DramConfig{}};
-  d.activate(0, 0, 0);
-  d.read(0, 100);
-  EXPECT_EQ(earliest(d, kColumn, 0, true, 101), 100 + kT.ccd_l + kT.rl + kT.dqsck + kT.burst + kT.rtw - kT.wl);
+  d.activate_row(0, 0, 0);
+  d.read_line(0, 100);
+  EXPECT_EQ(earliest_start(d, kColumn, 0, true, 101), 100 + kT.ccd_l + kT.rl + kT.dqsck + kT.burst + kT.rtw - kT.wl);
 }
 
 TEST(DramDevice, AReadAfterAWriteWaitsForTheWritesDataAndWtr) {
   DramDevice d{DramConfig{}};
-  d.activate(0, 0, 0);
-  d.write(0, 100);
-  EXPECT_EQ(earliest(d, kColumn, 0, false, 101), 100 + kT.ccd_l + kT.wl + kT.dqss + kT.burst + kT.wtr_s);
+  d.activate_row(0, 0, 0);
+  d.write_line(0, 100);
+  EXPECT_EQ(earliest_start(d, kColumn, 0, false, 101), 100 + kT.ccd_l + kT.wl + kT.dqss + kT.burst + kT.wtr_s);
 }
 
 TEST(DramDevice, AWriteToAnotherRankWaitsForTheRankSwitchOfTheBus) {
@@ -50,105 +47,104 @@ TEST(DramDevice, AWriteToAnotherRankWaitsForTheRankSwitchOfTheBus) {
   c.organisation.ranks = 2;
   const std::uint32_t other = c.organisation.banks;
   DramDevice d{c};
-  d.activate(0, 0, 0);
-  d.activate(other, 0, 40);
-  d.write(0, 100);
-  const Cycle ready = d.ready(kColumn, other, true, d.rank_ready(kColumn, 1, true, d.awake(101)));
-  EXPECT_EQ(d.slot(kColumn, 1, ready), 100 + kT.ccd_l + kT.burst + kT.rtrs);
-  EXPECT_EQ(earliest(d, kColumn, 0, true, 101), 100 + 2 * kT.ccd_l) << "the same rank's follows at once";
+  d.activate_row(0, 0, 0);
+  d.activate_row(other, 0, 40);
+  d.write_line(0, 100);
+  EXPECT_EQ(earliest_start(d, kColumn, other, true, 101, 1), 100 + kT.ccd_l + kT.burst + kT.rtrs);
+  EXPECT_EQ(earliest_start(d, kColumn, 0, true, 101), 100 + 2 * kT.ccd_l) << "the same rank's follows at once";
 }
 
 TEST(DramDevice, APrechargeWaitsForRowReadAndWriteTimes) {
   DramDevice d{DramConfig{}};
-  d.activate(0, 0, 0);
-  EXPECT_EQ(earliest(d, kPrecharge, 0, false, 10), kT.ras);
-  d.read(0, 100);
-  EXPECT_EQ(earliest(d, kPrecharge, 0, false, 101), 100 + kT.ccd_l + kT.rtp);
-  d.write(0, 200);
-  EXPECT_EQ(earliest(d, kPrecharge, 0, false, 201), 200 + kT.ccd_l + kT.wl + kT.dqss + kT.burst + kT.wr);
+  d.activate_row(0, 0, 0);
+  EXPECT_EQ(earliest_start(d, kPrecharge, 0, false, 10), kT.ras);
+  d.read_line(0, 100);
+  EXPECT_EQ(earliest_start(d, kPrecharge, 0, false, 101), 100 + kT.ccd_l + kT.rtp);
+  d.write_line(0, 200);
+  EXPECT_EQ(earliest_start(d, kPrecharge, 0, false, 201), 200 + kT.ccd_l + kT.wl + kT.dqss + kT.burst + kT.wr);
 }
 
 TEST(DramDevice, AnActivateWaitsForPrechargeRowCycleAndItsNeighbours) {
   DramDevice d{DramConfig{}};
-  d.activate(0, 0, 0);
-  EXPECT_EQ(earliest(d, kActivate, 1, false, 5), kT.rrd);
-  d.precharge(0, kT.ras);
-  EXPECT_EQ(earliest(d, kActivate, 0, false, kT.ras), std::max(kT.rc, kT.ras + kT.rp));
-  d.activate(0, 1, 200);
-  d.precharge(0, 400);
-  EXPECT_EQ(earliest(d, kActivate, 0, false, 401), 400 + kT.rp);
+  d.activate_row(0, 0, 0);
+  EXPECT_EQ(earliest_start(d, kActivate, 1, false, 5), kT.rrd);
+  d.precharge_bank(0, kT.ras);
+  EXPECT_EQ(earliest_start(d, kActivate, 0, false, kT.ras), std::max(kT.rc, kT.ras + kT.rp));
+  d.activate_row(0, 1, 200);
+  d.precharge_bank(0, 400);
+  EXPECT_EQ(earliest_start(d, kActivate, 0, false, 401), 400 + kT.rp);
 }
 
 TEST(DramDevice, TheFifthActivateWaitsForTheFirstToLeaveTheWindow) {
   DramConfig c;
   c.timing.faw = 90;
   DramDevice d{c};
-  for (std::uint32_t i = 0; i < 4; ++i) d.activate(i, 0, Cycle{i} * kT.rrd);
-  EXPECT_EQ(earliest(d, kActivate, 4, false, 50), 90U);
-  d.activate(4, 0, 90);
-  EXPECT_EQ(earliest(d, kActivate, 5, false, 91), 90 + kT.rrd);
+  for (std::uint32_t i = 0; i < 4; ++i) d.activate_row(i, 0, Cycle{i} * kT.rrd);
+  EXPECT_EQ(earliest_start(d, kActivate, 4, false, 50), 90U);
+  d.activate_row(4, 0, 90);
+  EXPECT_EQ(earliest_start(d, kActivate, 5, false, 91), 90 + kT.rrd);
 }
 
 TEST(DramDevice, AnActivateFitsBetweenTheTwoReadCommandsOfALine) {
   DramDevice d{DramConfig{}};
-  d.activate(0, 0, 0);
-  d.read(0, 100);  // command bus: 100 to 103 and 108 to 111
-  EXPECT_EQ(earliest(d, kActivate, 1, false, 100), 104U);
-  EXPECT_EQ(earliest(d, kActivate, 1, false, 105), 112U);
-  EXPECT_EQ(earliest(d, kPrecharge, 1, false, 105), 105U) << "half as long, fits before 108";
-  EXPECT_EQ(earliest(d, kPrecharge, 1, false, 107), 112U);
+  d.activate_row(0, 0, 0);
+  d.read_line(0, 100);  // command bus: 100 to 103 and 108 to 111
+  EXPECT_EQ(earliest_start(d, kActivate, 1, false, 100), 104U);
+  EXPECT_EQ(earliest_start(d, kActivate, 1, false, 105), 112U);
+  EXPECT_EQ(earliest_start(d, kPrecharge, 1, false, 105), 105U) << "half as long, fits before 108";
+  EXPECT_EQ(earliest_start(d, kPrecharge, 1, false, 107), 112U);
 }
 
 TEST(DramDevice, AnotherBankGroupsBurstsFillTheGapsOfALine) {
   DramDevice d{with_groups()};
-  for (std::uint32_t bank = 0; bank < 3; ++bank) d.activate(bank, 0, Cycle{bank} * 16);
-  d.read(0, 100);  // bursts at 100 and 104
-  EXPECT_EQ(earliest(d, kColumn, 1, false, 101), 102U);
-  EXPECT_EQ(earliest(d, kColumn, 0, false, 101), 108U) << "the same group";
-  d.read(1, 102);  // bursts at 102 and 106
-  EXPECT_EQ(earliest(d, kColumn, 2, false, 103), 108U) << "no gap left";
+  for (std::uint32_t bank = 0; bank < 3; ++bank) d.activate_row(bank, 0, Cycle{bank} * 16);
+  d.read_line(0, 100);  // bursts at 100 and 104
+  EXPECT_EQ(earliest_start(d, kColumn, 1, false, 101), 102U);
+  EXPECT_EQ(earliest_start(d, kColumn, 0, false, 101), 108U) << "the same group";
+  d.read_line(1, 102);  // bursts at 102 and 106
+  EXPECT_EQ(earliest_start(d, kColumn, 2, false, 103), 108U) << "no gap left";
 }
 
 TEST(DramDevice, AfterAWriteTheSameBankGroupWaitsLonger) {
   const DramConfig c = with_groups();
   DramDevice d{c};
-  d.activate(0, 0, 0);
-  d.activate(1, 0, 16);
-  d.write(0, 100);
+  d.activate_row(0, 0, 0);
+  d.activate_row(1, 0, 16);
+  d.write_line(0, 100);
   const Cycle data = 100 + c.timing.ccd_l + c.timing.wl + c.timing.dqss;
-  EXPECT_EQ(earliest(d, kColumn, 1, false, 101), data + c.timing.burst + c.timing.wtr_s);
-  EXPECT_EQ(earliest(d, kColumn, 0, false, 101), data + c.timing.ccd_l + c.timing.wtr_l);
+  EXPECT_EQ(earliest_start(d, kColumn, 1, false, 101), data + c.timing.burst + c.timing.wtr_s);
+  EXPECT_EQ(earliest_start(d, kColumn, 0, false, 101), data + c.timing.ccd_l + c.timing.wtr_l);
 }
 
 TEST(CommandCalendar, ALineOccupiesTheDataBusFromItsFirstBurstToItsLast) {
   CommandCalendar calendar(kT, 2, 2);
-  EXPECT_TRUE(calendar.data_free(100));
-  calendar.book(kColumn, 100);
-  EXPECT_FALSE(calendar.data_free(100));
-  EXPECT_FALSE(calendar.data_free(100 + 2 * kT.ccd_l - 1));
-  EXPECT_TRUE(calendar.data_free(100 + 2 * kT.ccd_l));
+  EXPECT_TRUE(calendar.is_data_bus_free(100));
+  calendar.book_command(kColumn, 100);
+  EXPECT_FALSE(calendar.is_data_bus_free(100));
+  EXPECT_FALSE(calendar.is_data_bus_free(100 + 2 * kT.ccd_l - 1));
+  EXPECT_TRUE(calendar.is_data_bus_free(100 + 2 * kT.ccd_l));
 }
 
 TEST(DramDevice, ARefreshClosesTheBankAndKeepsItBusy) {
   DramDevice d{DramConfig{}};
-  d.activate(0, 0, 0);
-  d.refresh(1U << 0, 20);
+  d.activate_row(0, 0, 0);
+  d.refresh_banks(1U << 0, 20);
   EXPECT_FALSE(d.is_open(0));
-  EXPECT_EQ(earliest(d, kActivate, 0, false, 21), std::max(kT.rc, kT.ras + kT.rp) + kT.rfc_pb);
-  d.refresh(1U << 1, 500);
-  EXPECT_EQ(earliest(d, kActivate, 1, false, 501), 500 + kT.rfc_pb);
+  EXPECT_EQ(earliest_start(d, kActivate, 0, false, 21), std::max(kT.rc, kT.ras + kT.rp) + kT.rfc_pb);
+  d.refresh_banks(1U << 1, 500);
+  EXPECT_EQ(earliest_start(d, kActivate, 1, false, 501), 500 + kT.rfc_pb);
 }
 
 TEST(DramDevice, StandbyIsActiveFromTheFirstActivateToTheLastPrecharge) {
   DramDevice d{DramConfig{}};
-  d.activate(0, 0, 100);
-  d.activate(1, 0, 150);
-  d.precharge(0, 300);
+  d.activate_row(0, 0, 100);
+  d.activate_row(1, 0, 150);
+  d.precharge_bank(0, 300);
   EXPECT_EQ(d.active_cycles(350), 250U);
-  d.precharge(1, 400);
+  d.precharge_bank(1, 400);
   EXPECT_EQ(d.active_cycles(1000), 300U);
-  d.activate(0, 0, 2000);
-  d.refresh(1U << 0, 2010);  // closes at 2000 + tRAS
+  d.activate_row(0, 0, 2000);
+  d.refresh_banks(1U << 0, 2010);  // closes at 2000 + tRAS
   EXPECT_EQ(d.active_cycles(2020), 320U);
   EXPECT_EQ(d.active_cycles(3000), 300U + kT.ras);
 }
@@ -181,8 +177,8 @@ TEST(DramMap, EveryLineOfAChannelHasItsOwnPlace) {
       std::vector<std::uint32_t> lines(c.channels);
       const Addr size = c.organisation.page.bytes * c.organisation.banks * c.organisation.rows * c.channels;
       for (Addr line = 0; line < size; line += 64) {
-        const DramAddress p = map.address(line);
-        const std::uint32_t channel = c.interleave().owner(line);
+        const DramAddress p = map.address_of(line);
+        const std::uint32_t channel = c.channel_interleave().index_of(line);
         lines[channel] += 1;
         rows.emplace(channel, p.bank, p.row);
         ASSERT_LT(p.bank, c.organisation.banks);
@@ -198,13 +194,13 @@ TEST(DramMap, AStreamFollowsTheMapping) {
   c.controller.bank_xor = false;
   DramMap map(c);
   const Addr stripe = 4 * 2048;  // a row of every channel
-  EXPECT_EQ(map.address(stripe - 64).bank, 0U);
-  EXPECT_EQ(map.address(stripe).bank, 1U);
-  EXPECT_EQ(map.address(8 * stripe).row, 1U);
+  EXPECT_EQ(map.address_of(stripe - 64).bank, 0U);
+  EXPECT_EQ(map.address_of(stripe).bank, 1U);
+  EXPECT_EQ(map.address_of(8 * stripe).row, 1U);
   c.controller.mapping = DramMapping::kRowColumnBankChannel;
   map = DramMap(c);
-  EXPECT_EQ(map.address(0).bank, 0U);
-  EXPECT_EQ(map.address(256).bank, 1U);
+  EXPECT_EQ(map.address_of(0).bank, 0U);
+  EXPECT_EQ(map.address_of(256).bank, 1U);
 }
 
 }  // namespace

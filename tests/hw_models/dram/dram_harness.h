@@ -1,4 +1,6 @@
 #pragma once
+#include <algorithm>
+
 #include "hw_models/dram/dram_measurements.h"
 #include "tests/hw_models/memory/harness.h"
 
@@ -61,6 +63,23 @@ struct DramHarness {
 inline const DramTiming kT;
 inline const DramClosedForms kForm{DramHarness::quiet()};
 
+/// Returns the first cycle at or after `now` at which the command can start in the bank of that rank.
+inline DramDevice::Cycle earliest_start(const DramDevice& d, DramCommand command, std::uint32_t bank, bool write,
+                                        DramDevice::Cycle now, std::uint32_t rank = 0) {
+  const auto bank_ready = [&] {
+    switch (command) {
+      case DramCommand::kColumn:
+        return d.first_ready_cycle<DramCommand::kColumn>(1U << bank, write);
+      case DramCommand::kActivate:
+        return d.first_ready_cycle<DramCommand::kActivate>(1U << bank, write);
+      default:
+        return d.first_ready_cycle<DramCommand::kPrecharge>(1U << bank, write);
+    }
+  };
+  const DramDevice::Cycle rank_ready = d.rank_ready_at(command, rank, write, d.first_awake_cycle(now));
+  return d.first_bus_slot(command, rank, std::max(rank_ready, bank_ready()));
+}
+
 /// Requests for rows of a single channel. Times are in cycles.
 struct Script {
   explicit Script(DramConfig c = DramHarness::quiet()) : config(std::move(c)) {}
@@ -69,16 +88,16 @@ struct Script {
     const Addr page = row * config.organisation.all_banks() + bank;
     requests.push_back({page * config.organisation.page.bytes + 64 * line, false, cycle * config.timing.ck.time});
   }
-  void go() { result = play(config, requests, 32); }
+  void go() { result = play_requests(config, requests, 32); }
   double latency(std::size_t i) const {
-    return static_cast<double>(result.latency(i)) / static_cast<double>(config.timing.ck.time);
+    return static_cast<double>(result.request_latency(i)) / static_cast<double>(config.timing.ck.time);
   }
   std::uint64_t done(std::size_t i) const { return result.done[i] / config.timing.ck.time; }
   std::uint64_t why(DramCycleReason reason) const { return result.why[static_cast<std::size_t>(reason)].second; }
 
   DramConfig config;
   std::vector<DramRequest> requests;
-  DramPlay result;
+  DramRun result;
 };
 
 inline DramConfig with(auto&& change) {

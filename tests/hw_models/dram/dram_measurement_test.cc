@@ -9,9 +9,11 @@
 namespace hw {
 namespace {
 
-using Holds = DramMeasurement::Holds;
+using Holds = DramMeasurement::Agreement;
 
-bool good(double measured, Holds holds) { return DramMeasurement{"", "ns", measured, 100, holds}.good(); }
+bool good(double measured, Holds holds) {
+  return DramMeasurement{"", "ns", measured, 100, holds}.is_within_tolerance();
+}
 
 TEST(DramMeasurement, IsExactToABillionth) {
   EXPECT_TRUE(good(100, Holds::kExactly));

@@ -20,7 +20,8 @@ INSTANTIATE_TEST_SUITE_P(Grades, DramMeasurements,
 
 void expect_good(const DramConfig& grade) {
   for (const DramMeasurement& f : dram_measurements(grade)) {
-    EXPECT_TRUE(f.good()) << f.name << ": " << f.measured << " " << f.unit << ", expected " << f.expected;
+    EXPECT_TRUE(f.is_within_tolerance()) << f.name << ": " << f.measured << " " << f.unit << ", expected "
+                                         << f.expected;
   }
 }
 

@@ -23,62 +23,62 @@ DramQueue four() {
 
 TEST(DramQueue, TracksRequestsByBankAndHitsOfItsOpenRow) {
   DramQueue queue = four();
-  EXPECT_TRUE(queue.full());
-  EXPECT_EQ(queue.banks(), 1U << 3 | 1U << 31);
+  EXPECT_TRUE(queue.is_full());
+  EXPECT_EQ(queue.requested_banks(), 1U << 3 | 1U << 31);
   EXPECT_EQ(queue.hit_banks(), 1U << 3);
-  EXPECT_EQ(queue.waiting(3), 0b1101U);
-  EXPECT_EQ(queue.waiting(31), 0b0010U);
-  EXPECT_EQ(queue.hits(3), 0b1001U);
-  EXPECT_EQ(queue.hits(31), 0U);
+  EXPECT_EQ(queue.waiting_positions(3), 0b1101U);
+  EXPECT_EQ(queue.waiting_positions(31), 0b0010U);
+  EXPECT_EQ(queue.hit_positions(3), 0b1001U);
+  EXPECT_EQ(queue.hit_positions(31), 0U);
 }
 
 TEST(DramQueue, MovesLaterRequestsUpWhenOneIsRemoved) {
   DramQueue queue = four();
-  queue.remove(1);
+  queue.remove_at(1);
   EXPECT_EQ(queue.size(), 3U);
-  EXPECT_EQ(queue.banks(), 1U << 3);
-  EXPECT_EQ(queue.waiting(3), 0b111U);
-  EXPECT_EQ(queue.waiting(31), 0U);
-  EXPECT_EQ(queue.hits(3), 0b101U);
+  EXPECT_EQ(queue.requested_banks(), 1U << 3);
+  EXPECT_EQ(queue.waiting_positions(3), 0b111U);
+  EXPECT_EQ(queue.waiting_positions(31), 0U);
+  EXPECT_EQ(queue.hit_positions(3), 0b101U);
   EXPECT_EQ(queue.at(1).address.row, 11U);
-  queue.remove(0);
-  EXPECT_EQ(queue.oldest().address.row, 11U);
-  EXPECT_EQ(queue.hits(3), 0b10U);
-  queue.remove(1);
+  queue.remove_at(0);
+  EXPECT_EQ(queue.oldest_entry().address.row, 11U);
+  EXPECT_EQ(queue.hit_positions(3), 0b10U);
+  queue.remove_at(1);
   EXPECT_EQ(queue.hit_banks(), 0U);
-  queue.remove(0);
+  queue.remove_at(0);
   EXPECT_TRUE(queue.empty());
-  EXPECT_EQ(queue.banks(), 0U);
+  EXPECT_EQ(queue.requested_banks(), 0U);
 }
 
 TEST(DramQueue, UpdatesHitsWhenARowOpensOrCloses) {
   DramQueue queue = four();
-  queue.row_opened(3, 11);
-  EXPECT_EQ(queue.hits(3), 0b100U);
-  queue.row_opened(31, 20);
+  queue.note_row_opened(3, 11);
+  EXPECT_EQ(queue.hit_positions(3), 0b100U);
+  queue.note_row_opened(31, 20);
   EXPECT_EQ(queue.hit_banks(), 1U << 3 | 1U << 31);
-  queue.row_closed(3);
-  EXPECT_EQ(queue.hits(3), 0U);
+  queue.note_row_closed(3);
+  EXPECT_EQ(queue.hit_positions(3), 0U);
   EXPECT_EQ(queue.hit_banks(), 1U << 31);
 }
 
 TEST(DramQueue, FindsTheRequestsOfSeveralBanks) {
   const DramQueue queue = four();
-  EXPECT_EQ(queue.waiting_in(1U << 3), 0b1101U);
-  EXPECT_EQ(queue.hits_in(1U << 3), 0b1001U);
-  EXPECT_EQ(queue.waiting_in(1U << 3 | 1U << 31), 0b1111U);
-  EXPECT_EQ(queue.hits_in(1U << 31), 0U);
-  EXPECT_EQ(queue.waiting_in(0), 0U);
+  EXPECT_EQ(queue.waiting_positions_in(1U << 3), 0b1101U);
+  EXPECT_EQ(queue.hit_positions_in(1U << 3), 0b1001U);
+  EXPECT_EQ(queue.waiting_positions_in(1U << 3 | 1U << 31), 0b1111U);
+  EXPECT_EQ(queue.hit_positions_in(1U << 31), 0U);
+  EXPECT_EQ(queue.waiting_positions_in(0), 0U);
 }
 
 TEST(DramQueue, HoldsSixtyFour) {
   DramQueue queue(64, 32);
   for (std::uint32_t i = 0; i < 64; ++i) queue.push(entry(i % 32, i), true);
-  EXPECT_TRUE(queue.full());
-  EXPECT_EQ(queue.waiting(31), std::uint64_t{1} << 31 | std::uint64_t{1} << 63);
+  EXPECT_TRUE(queue.is_full());
+  EXPECT_EQ(queue.waiting_positions(31), std::uint64_t{1} << 31 | std::uint64_t{1} << 63);
   for (std::uint32_t i = 0; i < 64; ++i) {
-    EXPECT_EQ(queue.oldest().address.row, i);
-    queue.remove(0);
+    EXPECT_EQ(queue.oldest_entry().address.row, i);
+    queue.remove_at(0);
   }
 }
 

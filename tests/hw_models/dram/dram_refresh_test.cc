@@ -33,11 +33,11 @@ TEST(PairRefresh, TakesBanksOfTwoGroupsTogether) {
   c.organisation.refresh_banks = 2;
   const DramDevice paired(c);
   EXPECT_EQ(paired.refresh_leaders(), 0b0011'0011'0011'0011U);
-  EXPECT_EQ(paired.refreshed_with(5), 1U << 5 | 1U << 7);
+  EXPECT_EQ(paired.banks_refreshed_with(5), 1U << 5 | 1U << 7);
   c.organisation.bank_groups = 1;
   const DramDevice halves(c);
   EXPECT_EQ(halves.refresh_leaders(), 0x00FFU);
-  EXPECT_EQ(halves.refreshed_with(5), 1U << 5 | 1U << 13);
+  EXPECT_EQ(halves.banks_refreshed_with(5), 1U << 5 | 1U << 13);
 }
 
 TEST(PowerDown, BeginsAfterTheIdleTimeAndThePrechargeAndEndsWithARequest) {
@@ -89,7 +89,7 @@ TEST(PowerDown, WaitsForAFuturePrecharge) {
 
 TEST(Refresh, ThatBarelyLeavesABankTimeStillServesAllRequests) {
   for (const RefreshKind kind : {RefreshKind::kPerBank, RefreshKind::kAllBank}) {
-    for (const DramScheduler scheduler : {DramScheduler::kFrFcfs, DramScheduler::kFcfs}) {
+    for (const DramSchedulingPolicy scheduler : {DramSchedulingPolicy::kFrFcfs, DramSchedulingPolicy::kFcfs}) {
       DramConfig c = with([&](DramConfig& d) {
         d.controller.refresh = kind;
         d.controller.scheduler = scheduler;

@@ -55,7 +55,7 @@ class BorderHarness {
     for (std::size_t c = 0; c < 2; ++c) {
       links.to_core.push_back(in_[c] = &machine_.link<TileJob>(tiles_per_core, 1, dispatcher, cores));
       links.from_core.push_back(
-          out_[c] = &machine_.link<TileDone>(TileDispatcher::most_done(tiles_per_core), 1, cores, dispatcher));
+          out_[c] = &machine_.link<TileDone>(TileDispatcher::max_messages(tiles_per_core), 1, cores, dispatcher));
     }
     dispatcher_ = &machine_.build<TileDispatcher>(dispatcher, tiles_, TilesInFlight{tiles_per_core, tiles_per_core},
                                                   links, clock_);
@@ -68,7 +68,7 @@ class BorderHarness {
     return *this;
   }
   sim::Machine& machine() { return machine_; }
-  bool done() const { return dispatcher_->done(); }
+  bool done() const { return dispatcher_->is_done(); }
 
   const TileDispatcher& dispatcher() const { return *dispatcher_; }
   std::uint64_t end() const { return clock_.cycles(end_); }

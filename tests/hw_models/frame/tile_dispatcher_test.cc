@@ -66,7 +66,7 @@ class DispatcherHarness {
     return *this;
   }
   sim::Machine& machine() { return machine_; }
-  bool done() const { return dispatcher_->done(); }
+  bool done() const { return dispatcher_->is_done(); }
 
   struct Arrival {
     std::size_t core;

@@ -60,7 +60,7 @@ Outcome run(Gpu& gpu, Engine engine, std::uint64_t seed) {
       gpu.finish(sim::run_shuffled(gpu, seed));
       break;
   }
-  return {gpu.report(), gpu.kernel_use(), {}, gpu.elapsed(), gpu.cycles()};
+  return {gpu.unit_reports(), gpu.kernel_use(), {}, gpu.elapsed_time(), gpu.elapsed_cycles()};
 }
 
 /// True for "core0.tni.trv2" and kind "trv".

@@ -22,8 +22,8 @@ struct MemorySide {
       memory.declare_ports();
       for (std::size_t i = 0; i <= kClients; ++i) {
         const sim::UnitId unit = harness.machine().unit({"requester", kClock, core + 1});
-        const MemoryPort port = i == kClients ? memory.dma_client(core, unit)
-                                              : memory.cache_client(core, {unit, config.interconnect.link_depth});
+        const MemoryPort port = i == kClients ? memory.add_dma_client(core, unit)
+                                              : memory.add_cache_client(core, {unit, config.interconnect.link_depth});
         harness.add_requester(unit, port.requests, port.responses, port.client);
       }
       memory.build_ports(core);
@@ -74,13 +74,13 @@ TEST(MemorySide, EveryRequestIsAnsweredAndCountedOnceAtEachLevel) {
     EXPECT_TRUE(r->done());
     EXPECT_EQ(r->mistakes, 0);
   }
-  for (const CorePort* p : m.memory.ports()) requests += p->stats().requests;
-  for (const L2Bank* b : m.memory.banks()) {
+  for (const CorePort* p : m.memory.core_ports()) requests += p->stats().requests;
+  for (const L2Bank* b : m.memory.l2_banks()) {
     lookups += b->stats().reads;
     fills += b->stats().fills;
     l2_misses += b->stats().misses - b->stats().merges;
   }
-  for (const DramChannel* c : m.memory.channels()) bytes += c->stats().bytes;
+  for (const DramChannel* c : m.memory.dram_channels()) bytes += c->stats().bytes;
   for (std::size_t core : {0U, 1U}) dma += m.dma(core).script.size();
   EXPECT_EQ(requests, 8000U);
   EXPECT_EQ(lookups + dma, 8000U);

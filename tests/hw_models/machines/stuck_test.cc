@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "hw_models/machines/patience.h"
+#include "hw_models/machines/livelock_timeout.h"
 #include "shader_kernels/catalogue.h"
 #include "sim/engine.h"
 #include "tests/hw_models/machines/gpu_harness.h"
@@ -40,7 +40,7 @@ void expect_stuck(Run&& run) {
     run(*gpu);
     FAIL() << "the machine ended";
   } catch (const sim::Deadlock& stuck) {
-    for (const sim::UnitReport& unit : gpu->report()) {
+    for (const sim::UnitReport& unit : gpu->unit_reports()) {
       if (unit.path.ends_with(".tile_buffer")) continue;  // its shader core reports its fill
       EXPECT_NE(stuck.state.find(unit.path + ": "), std::string::npos) << unit.path << " is not in\n" << stuck.state;
     }
@@ -71,8 +71,8 @@ TEST(Patience, GrowsWithEverythingThatARequestCanWaitFor) {
   const auto grows = [&](const char* what, auto&& change) {
     GpuConfig config;
     change(config);
-    EXPECT_GT(patience(config, {}, {}), patience(plain, {}, {})) << what;
-    EXPECT_LT(patience(config, {}, {}), 20 * patience(plain, {}, {})) << what;
+    EXPECT_GT(livelock_timeout(config, {}, {}), livelock_timeout(plain, {}, {})) << what;
+    EXPECT_LT(livelock_timeout(config, {}, {}), 20 * livelock_timeout(plain, {}, {})) << what;
   };
   for (auto timing :
        {&DramTiming::rfc_ab, &DramTiming::xp, &DramTiming::rp_ab, &DramTiming::rc, &DramTiming::rcd, &DramTiming::rl,
@@ -104,10 +104,11 @@ TEST(Patience, CoversEightChunksOfTheLongestKernel) {
   kernel.depth = 20;
   const std::vector<KernelSchedule> kernels = {kernel, {}};
   const std::vector<BankConflicts> conflicts(2);
-  const sim::Time none = patience(config, {}, {});
-  EXPECT_EQ(patience(config, kernels, conflicts) - none, 8U * (1000 * 3 + 20 + 6) * sim::kFemtosecondsPerNanosecond);
+  const sim::Time none = livelock_timeout(config, {}, {});
+  EXPECT_EQ(livelock_timeout(config, kernels, conflicts) - none,
+            8U * (1000 * 3 + 20 + 6) * sim::kFemtosecondsPerNanosecond);
   config.watchdog = 7;
-  EXPECT_EQ(patience(config, kernels, conflicts), 7U * config.clocks.tni.clock().period());
+  EXPECT_EQ(livelock_timeout(config, kernels, conflicts), 7U * config.clocks.tni.clock().period());
 }
 
 }  // namespace

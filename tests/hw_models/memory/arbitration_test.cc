@@ -14,11 +14,11 @@ std::vector<std::uint32_t> order(Arbitration how, std::array<sim::Time, 3> since
   Arbiter arbiter(how, 3);
   std::vector<std::uint32_t> served;
   for (int i = 0; i < 5; ++i) {
-    const std::uint32_t next = arbiter.choose(
+    const std::uint32_t next = arbiter.choose_requester(
         7, [&](std::uint32_t a) { return since[a] != 0; }, [&](std::uint32_t a) { return since[a]; });
     served.push_back(next);
     if (next == arbiter.count()) continue;
-    arbiter.served(next);
+    arbiter.note_served(next);
     since[next] += 10;
   }
   return served;

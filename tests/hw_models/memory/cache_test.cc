@@ -39,7 +39,7 @@ TEST(CacheTags, ALineIsAbsentUntilFilledAndThenPresent) {
 TEST(CacheTags, EvictTheLeastRecentlyUsedLineOfTheSet) {
   const CacheConfig c = shape(4 * 64 * 16, 64, 4);
   CacheTags tags(c);
-  const Addr stride = 64 * c.sets();
+  const Addr stride = 64 * c.set_count();
   for (Addr i = 0; i < 4; ++i) tags.fill(i * stride);
   EXPECT_TRUE(tags.probe(0));
   tags.fill(4 * stride);
@@ -109,16 +109,16 @@ TEST(CacheConfig, AnL2WhoseBanksDoNotDivideItIsRefused) {
 
 TEST(MshrFile, FindsAllocatesAndReleasesByLine) {
   MshrFile<std::uint64_t> file(2);
-  EXPECT_EQ(file.find(64), nullptr);
+  EXPECT_EQ(file.find_payload(64), nullptr);
   file.allocate(64) = 1;
   file.allocate(128) = 2;
-  EXPECT_TRUE(file.full());
-  *file.find(64) |= 8;
+  EXPECT_TRUE(file.is_full());
+  *file.find_payload(64) |= 8;
   EXPECT_EQ(file.release(64), 9U);
-  EXPECT_FALSE(file.full());
-  EXPECT_EQ(*file.find(128), 2U);
+  EXPECT_FALSE(file.is_full());
+  EXPECT_EQ(*file.find_payload(128), 2U);
   file.allocate(64) = 4;
-  EXPECT_EQ(*file.find(64), 4U);
+  EXPECT_EQ(*file.find_payload(64), 4U);
   EXPECT_EQ(file.release(128), 2U);
   EXPECT_EQ(file.size(), 1U);
 }
@@ -129,16 +129,16 @@ TEST(MshrFile, HoldsItsCapacityForAnyVectorWidthOfTheHost) {
     for (std::uint64_t round = 0; round < 50; ++round) {
       const auto line = [&](std::uint64_t i) { return 64 * (round * capacity + i); };
       for (std::uint64_t i = 0; i < capacity; ++i) file.allocate(line(i)) = i;
-      ASSERT_TRUE(file.full());
+      ASSERT_TRUE(file.is_full());
       for (std::uint64_t left = capacity; left > 0; --left) {
         const std::uint64_t i = (round + left * 7) % capacity;
         // Continues from there, wrapping around, to one that is still outstanding.
         for (std::uint64_t k = 0; k < capacity; ++k) {
           const std::uint64_t next = (i + k) % capacity;
-          if (file.find(line(next)) == nullptr) continue;
-          ASSERT_EQ(*file.find(line(next)), next);
+          if (file.find_payload(line(next)) == nullptr) continue;
+          ASSERT_EQ(*file.find_payload(line(next)), next);
           ASSERT_EQ(file.release(line(next)), next);
-          ASSERT_EQ(file.find(line(next)), nullptr);
+          ASSERT_EQ(file.find_payload(line(next)), nullptr);
           break;
         }
         ASSERT_EQ(file.size(), left - 1);

@@ -20,7 +20,7 @@ TEST(L2Store, IsCleanedInTheOrderOfItsSlotsWithWrapAround) {
   EXPECT_EQ(store.dirty_lines(), 3U);
   EXPECT_EQ(store.clean_next().line, 0U);
   EXPECT_EQ(store.clean_next().line, 64U);
-  store.write(0, 0b1000);
+  store.write_sectors(0, 0b1000);
   EXPECT_EQ(store.clean_next().line, 192U);
   const L2Store::Victim last = store.clean_next();
   EXPECT_EQ(last.line, 0U);
@@ -30,14 +30,14 @@ TEST(L2Store, IsCleanedInTheOrderOfItsSlotsWithWrapAround) {
 
 TEST(L2Store, DistinguishesPartialFromWholeLines) {
   L2Store store(four_lines());
-  EXPECT_EQ(store.find(64, 0b1), L2Store::Found::kNot);
+  EXPECT_EQ(store.look_up(64, 0b1), L2Store::Found::kNot);
   store.allocate(64, 0b0011, 0b0001);
-  EXPECT_EQ(store.find(64, 0b0011), L2Store::Found::kAll);
-  EXPECT_EQ(store.find(64, 0b0110), L2Store::Found::kPart);
-  EXPECT_EQ(store.write(64, 0b0101), 0b0001U) << "dirty before";
-  EXPECT_EQ(store.find(64, 0b0111), L2Store::Found::kAll);
+  EXPECT_EQ(store.look_up(64, 0b0011), L2Store::Found::kAll);
+  EXPECT_EQ(store.look_up(64, 0b0110), L2Store::Found::kPart);
+  EXPECT_EQ(store.write_sectors(64, 0b0101), 0b0001U) << "dirty before";
+  EXPECT_EQ(store.look_up(64, 0b0111), L2Store::Found::kAll);
   EXPECT_EQ(store.invalidate(64), 0b0101U) << "what is dirty";
-  EXPECT_EQ(store.find(64, 0b1), L2Store::Found::kNot);
+  EXPECT_EQ(store.look_up(64, 0b1), L2Store::Found::kNot);
 }
 
 TEST(L2Store, ReturnsOnlyTheDirtySectorsOfAVictim) {

@@ -56,7 +56,7 @@ TEST(L2Writes, AReadOfInvalidSectorsFetchesTheLineAroundTheDirtyOnes) {
 TEST(L2Writes, ADirtyVictimWritesOnlyItsSectorsToMemory) {
   L2Config c = BankHarness::small();
   BankHarness b(c);
-  const Addr stride = 64 * c.cache.sets();
+  const Addr stride = 64 * c.cache.set_count();
   b.core(0).send(0, 0, true, 0x01);
   for (Addr i = 1; i <= c.cache.ways; ++i) b.core(0).send(i * stride, 100 * i);
   b.core(0).send(0, 2000);

@@ -52,7 +52,7 @@ TEST(Replacement, OfAllKindsTakesEmptyWaysFirst) {
     CacheTags tags(cache(how, 8));
     for (Addr n = 0; n < 8; ++n) EXPECT_FALSE(tags.fill(64 * n).evicts);
     for (Addr n = 0; n < 8; ++n) EXPECT_TRUE(tags.probe(64 * n));
-    tags.remove(tags.look_up(64 * 5));
+    tags.clear_slot(tags.look_up(64 * 5));
     EXPECT_FALSE(tags.probe(64 * 5));
     EXPECT_FALSE(tags.fill(64 * 9).evicts) << "the way of what was removed";
   }

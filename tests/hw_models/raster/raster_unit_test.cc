@@ -40,10 +40,10 @@ TEST(RasterUnitConfig, AWaveLargerThanTheDepthBufferTakesPartsAndTheLastMayBeSma
   RasterUnitConfig config;
   config.depth_bytes = 8;
   config.depth_buffer = {800};
-  EXPECT_EQ(config.parts(1), 1U);
-  EXPECT_EQ(config.parts(100), 1U);
-  EXPECT_EQ(config.parts(101), 2U);
-  EXPECT_EQ(config.parts(200), 2U);
+  EXPECT_EQ(config.depth_buffer_parts(1), 1U);
+  EXPECT_EQ(config.depth_buffer_parts(100), 1U);
+  EXPECT_EQ(config.depth_buffer_parts(101), 2U);
+  EXPECT_EQ(config.depth_buffer_parts(200), 2U);
 }
 
 TEST(RasterUnit, CoversABlockAndAQuadACycle) {

@@ -16,7 +16,7 @@ std::uint64_t per_4_items(std::uint32_t second) {
   KernelSchedule schedule;
   schedule.ii = 2;
   schedule.placements = {{one, 0, 0, 0}, {other, 0, second, 1}};
-  return bank_conflicts(schedule, g.graph(), 4).of(4);
+  return bank_conflicts(schedule, g.graph(), 4).stall_cycles(4);
 }
 
 TEST(BankConflicts, ItemsInFlightConflictIfTheirRecordsAreInOneBank) {

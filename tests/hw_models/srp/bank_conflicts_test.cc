@@ -17,7 +17,7 @@ using test::TileBuilder;
 
 /// Returns the cycles lost per 16 items, with four ports.
 std::uint64_t per_16_items(const GraphBuilder& g, std::uint32_t banks) {
-  return bank_conflicts(schedule(g.graph(), SrpConfig{}), g.graph(), banks).of(16);
+  return bank_conflicts(schedule_kernel(g.graph(), SrpConfig{}), g.graph(), banks).stall_cycles(16);
 }
 
 TEST(BankConflicts, ASingleAccessHasNoConflict) {
@@ -71,10 +71,10 @@ TEST(BankConflicts, AConstantIndexStaysInItsBank) {
 
 TEST(BankConflicts, MoreBanksNeverMakeAKernelOfTheCatalogueSlower) {
   for (const kernels::KernelInfo& kernel : kernels::kernel_catalogue()) {
-    const KernelSchedule s = schedule(kernel.graph, SrpConfig{});
-    std::uint64_t before = bank_conflicts(s, kernel.graph, 1).of(64);
+    const KernelSchedule s = schedule_kernel(kernel.graph, SrpConfig{});
+    std::uint64_t before = bank_conflicts(s, kernel.graph, 1).stall_cycles(64);
     for (const std::uint32_t banks : {2U, 4U, 8U, 16U, 32U, 64U}) {
-      const std::uint64_t now = bank_conflicts(s, kernel.graph, banks).of(64);
+      const std::uint64_t now = bank_conflicts(s, kernel.graph, banks).stall_cycles(64);
       EXPECT_LE(now, before) << kernel.name << " with " << banks;
       before = now;
     }

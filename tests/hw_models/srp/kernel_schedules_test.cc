@@ -24,7 +24,7 @@ TEST(KernelSchedules, EachRunsAtItsLowerBoundAndKeepsEveryDependence) {
   fmt::print("{:<24}{:>5}{:>5}{:>5}{:>7}{:>6}{:>5}{:>7}{:>8}{:>8}\n", "kernel", "ii", "res", "rec", "depth", "ops",
              "div", "reads", "writes", "cached");
   for (const kernels::KernelInfo& kernel : kernels::kernel_catalogue()) {
-    const KernelSchedule s = schedule(kernel.graph, SrpConfig{});
+    const KernelSchedule s = schedule_kernel(kernel.graph, SrpConfig{});
     EXPECT_EQ(wrong_with(s, kernel.graph, SrpConfig{}), "");
     EXPECT_EQ(s.ii, std::max(s.res_mii, s.rec_mii)) << kernel.name;
     fmt::print("{:<24}{:>5}{:>5}{:>5}{:>7}{:>6}{:>5}{:>7}{:>8}{:>8}\n", s.kernel, s.ii, s.res_mii, s.rec_mii, s.depth,
@@ -38,7 +38,7 @@ TEST(KernelSchedules, ABiggerArrayNeverTakesLongerForAnItem) {
     std::uint32_t before = ~0U;
     for (const auto& [rows, columns] : {std::pair{1U, 4U}, {4U, 2U}, {4U, 4U}, {8U, 4U}, {8U, 8U}}) {
       const SrpConfig config = array_of(rows, columns);
-      const KernelSchedule s = schedule(kernel.graph, config);
+      const KernelSchedule s = schedule_kernel(kernel.graph, config);
       EXPECT_EQ(wrong_with(s, kernel.graph, config), "") << rows << 'x' << columns;
       EXPECT_LE(s.ii, before) << kernel.name << ' ' << rows << 'x' << columns;
       before = s.ii;
@@ -54,7 +54,7 @@ TEST(KernelSchedules, OddMachinesKeepEveryDependenceToo) {
       config.array.local_ports = 1;
       config.latency.div_sqrt_interval = interval;
       config.latency.integer = 3;
-      const KernelSchedule s = schedule(kernel.graph, config);
+      const KernelSchedule s = schedule_kernel(kernel.graph, config);
       EXPECT_EQ(wrong_with(s, kernel.graph, config), "") << interval;
       EXPECT_GE(s.ii, std::max(s.res_mii, s.rec_mii));
     }
@@ -63,7 +63,7 @@ TEST(KernelSchedules, OddMachinesKeepEveryDependenceToo) {
 
 TEST(KernelSchedules, TheSameGraphGivesTheSameSchedule) {
   for (const kernels::KernelInfo& kernel : kernels::kernel_catalogue()) {
-    const KernelSchedule a = schedule(kernel.graph, SrpConfig{}), b = schedule(kernel.graph, SrpConfig{});
+    const KernelSchedule a = schedule_kernel(kernel.graph, SrpConfig{}), b = schedule_kernel(kernel.graph, SrpConfig{});
     ASSERT_EQ(a.placements.size(), b.placements.size());
     for (std::size_t i = 0; i < a.placements.size(); ++i) {
       EXPECT_EQ(a.placements[i].start, b.placements[i].start);

@@ -21,14 +21,14 @@ TEST(OpTable, EveryOperationCostsEnergyExceptFreeAndCachedOnes) {
   for (int i = 0; i < static_cast<int>(Op::kCount); ++i) {
     const auto op = static_cast<Op>(i);
     const bool without = op == Op::kInput || op == Op::kConstant || op == Op::kBits || op == Op::kLoadCached;
-    EXPECT_EQ(std::string(op_energy_event(op)).empty(), without) << i;
+    EXPECT_EQ(std::string(energy_event(class_of(op))).empty(), without) << i;
   }
-  EXPECT_STREQ(op_energy_event(Op::kAdd), "srp.fp_add");
-  EXPECT_STREQ(op_energy_event(Op::kSqrt), "srp.fp_div_sqrt");
-  EXPECT_STREQ(op_energy_event(Op::kMin), "srp.fp_compare");
-  EXPECT_STREQ(op_energy_event(Op::kIntLess), "srp.int_add");
-  EXPECT_STREQ(op_energy_event(Op::kSelect), "srp.int_logic");
-  EXPECT_STREQ(op_energy_event(Op::kFloor), "srp.convert");
+  EXPECT_STREQ(energy_event(class_of(Op::kAdd)), "srp.fp_add");
+  EXPECT_STREQ(energy_event(class_of(Op::kSqrt)), "srp.fp_div_sqrt");
+  EXPECT_STREQ(energy_event(class_of(Op::kMin)), "srp.fp_compare");
+  EXPECT_STREQ(energy_event(class_of(Op::kIntLess)), "srp.int_add");
+  EXPECT_STREQ(energy_event(class_of(Op::kSelect)), "srp.int_logic");
+  EXPECT_STREQ(energy_event(class_of(Op::kFloor)), "srp.convert");
 }
 
 }  // namespace

@@ -59,7 +59,7 @@ class Player {
   void reserve(const Placement& p, std::uint32_t item) {
     const OpClass kind = class_of(graph_.nodes[p.node].op);
     const ArrayConfig& array = config_.array;
-    std::uint32_t units = array.units();
+    std::uint32_t units = array.unit_count();
     int pool = 0;
     if (kind == OpClass::kFpMul || kind == OpClass::kIntMul || product_of_.contains(p.node)) units = array.mul_units;
     if (kind == OpClass::kFpDivSqrt) units = array.div_sqrt_units;

@@ -31,7 +31,7 @@ constexpr std::uint32_t kIntervalFarFromBound = 135;
 
 void expect_near_the_bound(const SrpConfig& config) {
   for (const kernels::KernelInfo& kernel : kernels::kernel_catalogue()) {
-    const KernelSchedule s = schedule(kernel.graph, config);
+    const KernelSchedule s = schedule_kernel(kernel.graph, config);
     EXPECT_EQ(wrong_with(s, kernel.graph, config), "");
     const std::uint32_t bound = std::max({1U, s.res_mii, s.rec_mii});
     if (kernel.name == kFarFromBound && s.ii > bound + bound / 3) {
@@ -56,7 +56,7 @@ TEST(ScheduleExtremes, AreFoundInATenthOfASecondOnAQuietHost) {
   config.latency.fp_add = config.latency.integer = 1;
   for (const kernels::KernelInfo& kernel : kernels::kernel_catalogue()) {
     const double begin = processor_seconds();
-    schedule(kernel.graph, config);
+    schedule_kernel(kernel.graph, config);
     EXPECT_LT(processor_seconds() - begin, 1)
         << kernel.name;  // ten times the usual time, for slow hosts and builds with assertions
   }

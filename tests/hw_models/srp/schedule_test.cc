@@ -13,7 +13,7 @@ namespace {
 using kernels::Op;
 
 KernelSchedule checked(const GraphBuilder& g, const SrpConfig& config = {}) {
-  KernelSchedule s = schedule(g.graph(), config);
+  KernelSchedule s = schedule_kernel(g.graph(), config);
   EXPECT_EQ(wrong_with(s, g.graph(), config), "");
   return s;
 }
@@ -208,7 +208,7 @@ TEST(Schedule, AValueThatDependsOnItselfWithinAnItemIsRefused) {
   GraphBuilder g;
   const auto circle = g.carried(0);
   g.close(circle, g.op(Op::kAdd, {circle, g.item()}));
-  EXPECT_THROW(schedule(g.graph(), SrpConfig{}), std::invalid_argument);
+  EXPECT_THROW(schedule_kernel(g.graph(), SrpConfig{}), std::invalid_argument);
 }
 
 }  // namespace

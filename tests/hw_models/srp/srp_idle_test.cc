@@ -60,7 +60,7 @@ TEST(SrpIdle, IdleItemsMakeNoRaysAndTakeNoSlots) {
   harness.add(work.build()).run();
   EXPECT_EQ(harness.rays().size(), 6U);
   EXPECT_EQ(harness.srp().tile_buffer().stats().slots_taken, 6U);
-  EXPECT_EQ(harness.srp().tile_buffer().used(), 0U);
+  EXPECT_EQ(harness.srp().tile_buffer().used_slots(), 0U);
 }
 
 TEST(SrpIdle, AReadyLaunchRunsBeforeIdleChunks) {

@@ -63,7 +63,8 @@ TEST(SrpMerge, ALoopsCyclesAreDividedAmongItsTilesExactly) {
   setup.observer = &accounting;
   SrpHarness harness(setup, kKernels);
   harness.add(keeps_the_array()).add(short_tile(1)).add(short_tile(2)).add(short_tile(3)).run();
-  EXPECT_EQ(accounting.rest().srp_cycles, harness.cycles(kA) + harness.cycles(kB)) << "all tiles go by no name here";
+  EXPECT_EQ(accounting.untiled_account().srp_cycles, harness.cycles(kA) + harness.cycles(kB))
+      << "all tiles go by no name here";
 }
 
 TEST(SrpMerge, OffEachPaysItsOwn) {
@@ -195,7 +196,7 @@ TEST(SrpMerge, TheOracleAgreesAndEveryCycleHasAReason) {
     }
     EXPECT_EQ(sum, fast.elapsed());
     EXPECT_EQ(fast.cycles(kA) + fast.cycles(kB), busy) << "each loop's cycles are its kernel's";
-    EXPECT_EQ(fast.srp().tile_buffer().used(), 0U);
+    EXPECT_EQ(fast.srp().tile_buffer().used_slots(), 0U);
   }
 }
 

@@ -73,7 +73,7 @@ TEST(Srp, WithoutAnySlotEveryTileStillFinishes) {
   harness.run();
   EXPECT_EQ(harness.tiles_done().size(), 5U);
   EXPECT_EQ(harness.srp().tile_buffer().stats().spilled_slots, 5 * kSamples);
-  EXPECT_EQ(harness.srp().tile_buffer().used(), 0U);
+  EXPECT_EQ(harness.srp().tile_buffer().used_slots(), 0U);
 }
 
 TEST(Srp, EveryCycleHasAReasonAndTheOracleAgreesForAnyNumberOfSlots) {

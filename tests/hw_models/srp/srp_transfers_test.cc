@@ -119,7 +119,7 @@ TEST(SrpTransfers, ATransferMayWaitForRaysAndKeepsTheirSlotsUntilItIsDone) {
   work.transfer(Region::kSamples, true, 256, {TileBuilder::all(rays)});
   harness.add(work.build()).run();
   EXPECT_EQ(harness.done_at(0), kSwitch + 10 + 15 + 11 + 1 + 500) << "launch, T&I unit, DMA";
-  EXPECT_EQ(harness.srp().tile_buffer().used(), 0U) << "the transfer was the last that read them";
+  EXPECT_EQ(harness.srp().tile_buffer().used_slots(), 0U) << "the transfer was the last that read them";
 }
 
 TEST(SrpTransfers, NothingSpillsWhileALaunchWaitsForDataInFlight) {
@@ -165,7 +165,7 @@ TEST(SrpTransfers, TheOracleAgreesOnChainsOfTransfersAndLaunches) {
     for (std::size_t w = 0; w < static_cast<std::size_t>(Srp::CycleReason::kCount); ++w) {
       EXPECT_EQ(fast.spent(static_cast<Srp::CycleReason>(w)), oracle.spent(static_cast<Srp::CycleReason>(w)));
     }
-    EXPECT_EQ(fast.srp().tile_buffer().used(), 0U);
+    EXPECT_EQ(fast.srp().tile_buffer().used_slots(), 0U);
   }
 }
 

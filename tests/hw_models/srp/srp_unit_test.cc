@@ -144,7 +144,7 @@ TEST(Srp, ShadingBeginsWhenTheLastHitOfItsChunkReturns) {
   const std::uint64_t rays = SrpHarness::cold(5) + 30 + 7 * 5, tni = 1 + 10, shading = SrpHarness::cold(2) + 20 + 7 * 2;
   EXPECT_EQ(harness.done_at(0), rays + tni + shading);
   EXPECT_EQ(harness.spent(Srp::CycleReason::kWaiting), tni);
-  EXPECT_EQ(harness.srp().tile_buffer().used(), 0U) << "every slot has been given back";
+  EXPECT_EQ(harness.srp().tile_buffer().used_slots(), 0U) << "every slot has been given back";
 }
 
 TEST(Srp, ConsumersRunBeforeProducers) {

@@ -17,7 +17,7 @@ constexpr traces::KernelId kKernel = 0;
 
 /// A TileRun with its work.
 struct Tile {
-  explicit Tile(TileBuilder builder, std::uint32_t chunk = 256) : work(builder.build()) { run.begin(work, chunk); }
+  explicit Tile(TileBuilder builder, std::uint32_t chunk = 256) : work(builder.build()) { run.start_tile(work, chunk); }
   std::uint32_t next() const {
     return run.next_launch([](std::uint32_t) { return true; });
   }
@@ -87,7 +87,7 @@ TEST(TileRun, RaysReturningInAnyOrderReleaseTheirChunkWithTheLast) {
   EXPECT_EQ(tile.next(), kNone);
   for (const std::uint32_t ray : {0U, 2U, 3U}) EXPECT_FALSE(tile.run.finish_ray(ray));
   EXPECT_TRUE(tile.run.finish_ray(1));
-  EXPECT_TRUE(tile.run.complete(rays));
+  EXPECT_TRUE(tile.run.is_complete(rays));
   EXPECT_EQ(tile.next(), shade);
   tile.run.finish_items(shade, 4);
   EXPECT_EQ(tile.next(), shade) << "the second chunk had been in all the time";
@@ -117,7 +117,7 @@ TEST(TileRun, RaysMadeByAChunkAreThoseWithSourcesInIt) {
   EXPECT_EQ(tile.run.rays_made(launch, 4, 4), 1U);
   EXPECT_EQ(tile.run.rays_made(launch, 8, 2), 2U);
   EXPECT_TRUE(std::ranges::equal(tile.run.batches_of(launch), std::vector<std::uint32_t>{1, 2}));
-  EXPECT_EQ(tile.run.source(1, 2), 8U);
+  EXPECT_EQ(tile.run.source_item(1, 2), 8U);
   EXPECT_EQ(tile.run.batch_of(3), 2U);
 
   TileBuilder each;
@@ -136,9 +136,9 @@ TEST(TileRun, IsCompleteWhenLaunchesRaysAndTransfersAre) {
   tile.run.finish_ray(1);
   tile.run.finish_items(shade, 2);
   EXPECT_EQ(tile.next(), kNone) << "a transfer is no launch";
-  EXPECT_FALSE(tile.run.all_complete());
+  EXPECT_FALSE(tile.run.is_all_complete());
   tile.run.finish_items(out, 64);
-  EXPECT_TRUE(tile.run.all_complete());
+  EXPECT_TRUE(tile.run.is_all_complete());
 }
 
 TEST(TileRun, ATransferStartsOnceWhenItsLastInputIsComplete) {
@@ -171,24 +171,24 @@ TEST(TileRun, IdleItemsComeLastAndNoNodeWaitsForThem) {
   const auto each = builder.launch(kKernel, 6, {TileBuilder::each(producer)});
   const auto all = builder.launch(kKernel, 3, {TileBuilder::all(producer)});
   Tile tile(builder, 4);
-  EXPECT_EQ(tile.run.total(producer), 11U);
+  EXPECT_EQ(tile.run.total_items(producer), 11U);
   tile.run.finish_items(producer, 4);
   EXPECT_EQ(tile.next(), each);
   tile.run.finish_items(each, 4);
   EXPECT_EQ(tile.next(), producer);
   EXPECT_EQ(tile.run.chunk_items(producer), 4U);
-  EXPECT_EQ(tile.run.working(producer, 4, 4), 2U) << "two work, two idle";
+  EXPECT_EQ(tile.run.working_items(producer, 4, 4), 2U) << "two work, two idle";
   tile.run.finish_items(producer, 4);
-  EXPECT_FALSE(tile.run.complete(producer));
+  EXPECT_FALSE(tile.run.is_complete(producer));
   EXPECT_EQ(tile.next(), all) << "every item that works is finished";
   tile.run.finish_items(all, 3);
   tile.run.finish_items(each, 2);
-  EXPECT_FALSE(tile.run.all_complete());
+  EXPECT_FALSE(tile.run.is_all_complete());
   EXPECT_EQ(tile.next(), producer);
   EXPECT_EQ(tile.run.chunk_items(producer), 3U);
-  EXPECT_EQ(tile.run.working(producer, 8, 3), 0U);
+  EXPECT_EQ(tile.run.working_items(producer, 8, 3), 0U);
   tile.run.finish_items(producer, 3);
-  EXPECT_TRUE(tile.run.all_complete());
+  EXPECT_TRUE(tile.run.is_all_complete());
 }
 
 TEST(TileRun, IdleItemsWaitForAllInputsOfTheirLaunchAndKeepTheSlotsItReads) {
@@ -226,19 +226,19 @@ TEST(TileRun, AReusedSlotKeepsNothingOfTheTileBefore) {
   tile.run.finish_items(0, 9);
   for (std::uint32_t r = 0; r < 9; ++r) tile.run.finish_ray(r);
   tile.run.finish_items(2, 9);
-  EXPECT_TRUE(tile.run.all_complete());
-  tile.run.end();
-  EXPECT_FALSE(tile.run.active());
+  EXPECT_TRUE(tile.run.is_all_complete());
+  tile.run.clear_tile();
+  EXPECT_FALSE(tile.run.is_active());
 
   TileBuilder small;
   small.launch(kKernel, 3, {TileBuilder::each(small.rays(small.launch(kKernel, 3), 3))});
   const traces::TileWork work = small.build();
-  tile.run.begin(work, 2);
+  tile.run.start_tile(work, 2);
   EXPECT_EQ(tile.next(), 0U);
   EXPECT_EQ(tile.run.rays_made(0, 0, 3), 3U);
   tile.run.finish_items(0, 3);
   EXPECT_EQ(tile.next(), kNone) << "no ray of this tile is back";
-  EXPECT_FALSE(tile.run.all_complete());
+  EXPECT_FALSE(tile.run.is_all_complete());
 }
 
 }  // namespace

@@ -46,7 +46,8 @@ class TniHarness {
     machine_.build<Memory>(memory_id_, *this);
     const TreeInMemory tree{0,       setup.node_bytes, setup_.parents, setup_.single_boxes, setup.hybrid, setup_.links,
                             1 << 19, setup_.placed};
-    tni_.build(machine_, {tree, {1 << 20, setup.triangle_bytes}}, setup.hit_interval, {rays_in_, hits_out_, ports_});
+    tni_.build_units(machine_, {tree, {1 << 20, setup.triangle_bytes}}, setup.hit_interval,
+                     {rays_in_, hits_out_, ports_});
   }
 
   TniHarness& add(std::vector<std::uint32_t> walk, std::uint32_t times = 1) {

@@ -26,23 +26,23 @@ TEST(TimingWheel, EachSlotCompletesALatencyLaterInItsPipe) {
       const Cycle cycle(number * clock.period(), clock);
       TimingWheel<4>::Masks expected{}, waiting{};
       std::erase_if(inside, [&](const Inside& one) {
-        if (one.at == number) expected[one.way] |= bit(one.slot);
+        if (one.at == number) expected[one.way] |= slot_bit(one.slot);
         return one.at == number;
       });
-      expected[1] |= waiting[1] = bit(5);  // slots that wait already keep waiting
-      wheel.take(number, waiting);
+      expected[1] |= waiting[1] = slot_bit(5);  // slots that wait already keep waiting
+      wheel.take_completed(number, waiting);
       ASSERT_EQ(waiting, expected) << number;
       for (std::uint64_t some = sim::hash(longest, number) % 3; some > 0; --some) {
         const std::uint64_t latency = 1 + sim::hash(number, some, 1) % longest;
         const auto slot = static_cast<std::uint32_t>(sim::hash(number, some, 2) % 64);
         const std::size_t way = sim::hash(number, some, 3) % 4;
-        wheel.put(way, slot, number, latency);
+        wheel.schedule_completion(way, slot, number, latency);
         inside.push_back({number + latency, slot, way});
       }
       sim::Time next = sim::kNever;
       for (const Inside& one : inside) next = std::min(next, one.at * clock.period());
-      ASSERT_EQ(wheel.next(cycle), next) << number;
-      ASSERT_EQ(wheel.comes_out(number + 1) != 0, next == cycle.next) << number;
+      ASSERT_EQ(wheel.next_completion(cycle), next) << number;
+      ASSERT_EQ(wheel.completes_in(number + 1) != 0, next == cycle.next) << number;
     }
   }
 }

@@ -40,17 +40,16 @@ TEST(TraversalSlot, FollowsTheOnlyChildHitWithoutAPop) {
   const Walk walk = padded({visit_step(0, 1, 0), visit_step(1, 2, 0), leaf_step(7, 2), 0x11, end_step(false)});
   TraversalSlot slot(walk.data(), 3);
   StackStats stats;
-  EXPECT_EQ(slot.id(), 3U);
+  EXPECT_EQ(slot.ray_id(), 3U);
   EXPECT_EQ(slot.next_pipe(), kToInner);
   EXPECT_FALSE(slot.advance_to_next_step(kFullStack, true, stats));
   EXPECT_EQ(slot.next_pipe(), kToInner);
   slot.advance_to_next_step(kFullStack, true, stats);
   EXPECT_EQ(slot.next_pipe(), kToLeaf);
   EXPECT_EQ(slot.exit_phases(), 0x11U);
-  slot.send_leaf();
+  slot.advance_past_leaf();
   slot.take_answer();
-  EXPECT_EQ(slot.next_pipe(), kToRetire) << "nothing is on the stack";
-  EXPECT_EQ(slot.stack_depth(), 0U);
+  EXPECT_EQ(slot.next_pipe(), kToRetire) << "the stack is empty";
 }
 
 TEST(TraversalSlot, PopsTheFarChildAfterAVisitWithoutAHit) {
@@ -76,14 +75,14 @@ TEST(TraversalSlot, PopsEachCulledEntryBeforeTheOneThatItContinuesAt) {
   TraversalSlot slot(walk.data(), 0);
   StackStats stats;
   for (int visit = 0; visit < 3; ++visit) slot.advance_to_next_step(kFullStack, true, stats);
-  slot.send_leaf();
+  slot.advance_past_leaf();
   slot.take_answer();
   for (int pop = 0; pop < 3; ++pop) {
     EXPECT_EQ(slot.next_pipe(), kToStack);
     EXPECT_TRUE(slot.pop_stack_entry(stats));
   }
   EXPECT_EQ(slot.next_pipe(), kToInner);
-  EXPECT_EQ(slot.stack_depth(), 0U);
+  EXPECT_FALSE(slot.pop_stack_entry(stats)) << "the stack is empty";
 }
 
 TEST(TraversalSlot, DropsTheOldestEntryOfAFullShortStack) {
@@ -93,8 +92,9 @@ TEST(TraversalSlot, DropsTheOldestEntryOfAFullShortStack) {
   for (int visit = 0; visit < 3; ++visit) slot.advance_to_next_step(2, true, stats);
   EXPECT_EQ(stats.pushes, 3U);
   EXPECT_EQ(stats.dropped, 1U);
-  EXPECT_EQ(slot.short_stack_size(), 2U);
-  EXPECT_EQ(slot.stack_depth(), 3U);
+  EXPECT_TRUE(slot.pop_stack_entry(stats));
+  EXPECT_TRUE(slot.pop_stack_entry(stats));
+  EXPECT_FALSE(slot.pop_stack_entry(stats)) << "a restart is needed for the dropped entry";
 }
 
 TEST(TraversalSlot, CountsNoPushesWithoutAStack) {
@@ -114,9 +114,9 @@ TEST(TraversalSlot, EntersAnInstanceThroughTheBoxPipe) {
   StackStats stats;
   slot.advance_to_next_step(kFullStack, true, stats);
   EXPECT_EQ(slot.next_pipe(), kToInner);
-  EXPECT_EQ(traces::instance_of(slot.step()), 4U);
+  EXPECT_EQ(traces::instance_of(slot.next_step()), 4U);
   slot.enter_instance();
-  EXPECT_EQ(traces::node_of(slot.step()), 9U);
+  EXPECT_EQ(traces::node_of(slot.next_step()), 9U);
 }
 
 /// Walk with entries pushed at nodes 0, 1 and 3, then a visit without a hit at node 7; the entry of node 3 is next.
@@ -134,11 +134,11 @@ std::vector<std::uint32_t> replayed(bool has_trail, std::uint32_t capacity, Trav
     slot.advance_to_next_step(capacity, capacity != 0, stats);
   }
   EXPECT_EQ(slot.next_pipe(), kToStack);
-  slot.restart(kThreeEntries.data(), small.tree, has_trail, capacity, scratch, path, stats);
+  slot.restart_walk(kThreeEntries.data(), small.tree, has_trail, capacity, scratch, path, stats);
   std::vector<std::uint32_t> nodes;
   while (slot.is_restarting()) {
     EXPECT_EQ(slot.next_pipe(), kToInner);
-    nodes.push_back(path.node());
+    nodes.push_back(path.next_node());
     slot.complete_replayed_visit(path, has_trail);
   }
   return nodes;
@@ -152,7 +152,7 @@ TEST(Restart, VisitsTheNodesFromTheOldestDroppedEntryDownToThePoppedOne) {
   EXPECT_EQ(stats.restarts, 1U);
   EXPECT_EQ(slot.next_pipe(), kToStack) << "the entry that was found again is popped";
   EXPECT_TRUE(slot.pop_stack_entry(stats));
-  EXPECT_EQ(traces::node_of(slot.step()), 2U);
+  EXPECT_EQ(traces::node_of(slot.next_step()), 2U);
 }
 
 TEST(Restart, WithoutAnyStackDescendsFromTheRootForEachPop) {
@@ -160,8 +160,7 @@ TEST(Restart, WithoutAnyStackDescendsFromTheRootForEachPop) {
   StackStats stats;
   EXPECT_EQ(replayed(true, 0, slot, stats), (std::vector<std::uint32_t>{0, 1, 3}));
   EXPECT_EQ(slot.next_pipe(), kToInner) << "a trail needs no pop";
-  EXPECT_EQ(traces::node_of(slot.step()), 8U);
-  EXPECT_EQ(slot.stack_depth(), 2U);
+  EXPECT_EQ(traces::node_of(slot.next_step()), 8U);
 }
 
 }  // namespace

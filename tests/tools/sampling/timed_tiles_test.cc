@@ -39,7 +39,7 @@ BlockRun run(const std::vector<TimedBlock>& blocks, const std::vector<std::uint3
   tiles.set_gpu(gpu);
   gpu.finish(sim::run(gpu));
   tiles.end_tiles();
-  BlockRun r{{}, tiles.simulated_tiles(), 0, tiles.warmed_tiles(), gpu.report()};
+  BlockRun r{{}, tiles.simulated_tiles(), 0, tiles.warmed_tiles(), gpu.unit_reports()};
   for (const std::uint32_t tile : marked) r.marks.push_back(tiles.mark_at(tile));
   for (const sim::UnitReport& unit : r.units) {
     for (const sim::CounterReport& counter : unit.counters)
@@ -115,13 +115,13 @@ TEST(TimedTiles, ATileThatWasJustWarmedMissesNothingInTheL2) {
     explicit Same(const std::vector<traces::TileWork>& w) : work(w) {}
     const traces::TileWork* next() override { return std::exchange(given, true) ? nullptr : &work[60]; }
     void give_back(const traces::TileWork*) override {}
-    void dispatched(sim::Time) override { gpu->warm(work[60], 0); }
+    void dispatched(sim::Time) override { gpu->warm_caches(work[60], 0); }
   } same(work);
   hw::Gpu gpu(config, frame().workload(), same);
   same.gpu = &gpu;
   gpu.finish(sim::run(gpu));
   std::uint64_t fills = 0;
-  for (const sim::UnitReport& unit : gpu.report()) {
+  for (const sim::UnitReport& unit : gpu.unit_reports()) {
     for (const sim::CounterReport& counter : unit.counters)
       fills += unit.block == "l2" && counter.name == "fills" ? counter.value : 0;
   }

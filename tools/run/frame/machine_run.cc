@@ -28,13 +28,13 @@ std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const RunConfig& config,
 }
 
 void check_tables(const hw::Gpu& gpu, const RunConfig& config) {
-  check_table_names(gpu.report(), config);
+  check_table_names(gpu.unit_reports(), config);
   energy_of(gpu, config);
-  if (!config.area.arrays.empty()) sim::compute_area(gpu.report(), config.energy, config.area);
+  if (!config.area.arrays.empty()) sim::compute_area(gpu.unit_reports(), config.energy, config.area);
 }
 
 sim::EnergyReport energy_of(const hw::Gpu& gpu, const RunConfig& config) {
-  return energy_of(gpu.report(), gpu.elapsed(), config);
+  return energy_of(gpu.unit_reports(), gpu.elapsed_time(), config);
 }
 
 sim::EnergyReport energy_of(std::span<const sim::UnitReport> units, sim::Time elapsed, const RunConfig& config) {
@@ -44,15 +44,15 @@ sim::EnergyReport energy_of(std::span<const sim::UnitReport> units, sim::Time el
 
 void run_to_end(hw::Gpu& gpu) {
   const sim::Time last_edge = sim::run(gpu);
-  if (!gpu.stopped()) gpu.finish(last_edge);
+  if (!gpu.is_stopped()) gpu.finish(last_edge);
 }
 
 void collect_results(const hw::Gpu& gpu, const RunConfig& config, FrameResult& s) {
-  s.units = gpu.report();
+  s.units = gpu.unit_reports();
   s.kernel_use = gpu.kernel_use();
-  s.kernels = gpu.kernels();
-  s.cycles = gpu.cycles();
-  s.elapsed = gpu.elapsed();
+  s.kernels = gpu.kernel_schedules();
+  s.cycles = gpu.elapsed_cycles();
+  s.elapsed = gpu.elapsed_time();
   s.energy = energy_of(gpu, config);
 }
 
@@ -129,8 +129,8 @@ std::vector<FrameResult> simulate_replicates(const Inputs& inputs, const kernels
                                              std::uint32_t count, std::uint32_t threads, Progress* progress) {
   std::vector<MachineVariant> plays;
   for (std::uint32_t number = 1; number <= count; ++number) {
-    plays.push_back(
-        {inputs.config, hw::draw_perturbation(inputs.config.gpu->cores, inputs.frame, number), gpu.scheduled()});
+    plays.push_back({inputs.config, hw::draw_perturbation(inputs.config.gpu->cores, inputs.frame, number),
+                     gpu.scheduled_kernels()});
   }
   return simulate_variants(inputs, requirements, work, plain, plays, "replicating", threads, progress);
 }

@@ -201,7 +201,7 @@ FrameResult simulate_program(const Inputs& inputs, const kernels::ProgramSpec& p
   if (extras.intervals != nullptr) gpu->machine().record_intervals(*extras.intervals);
   tiles.begin_part("simulating", inputs.frame);
   tiles.set_gpu(*gpu);
-  if (extras.watcher != nullptr) extras.watcher->begin_machine(gpu->report(), extras.intervals);
+  if (extras.watcher != nullptr) extras.watcher->begin_machine(gpu->unit_reports(), extras.intervals);
   tiles.set_watcher(extras.watcher);
   run_to_end(*gpu);
   if (extras.trace != nullptr && tiles.finished_tiles() == frame.tiles()) {
@@ -214,7 +214,7 @@ FrameResult simulate_program(const Inputs& inputs, const kernels::ProgramSpec& p
   s.rendered = front_end.result();
   collect_results(*gpu, inputs.config, s);
   s.tile_accounts = accounting.take_tiles();
-  s.rest = accounting.rest();
+  s.rest = accounting.untiled_account();
   s.wall_seconds = sim::seconds_since(begin);
   s.tiles = frame.tiles();
   s.finished_tiles = tiles.finished_tiles();

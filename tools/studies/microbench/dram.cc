@@ -143,13 +143,13 @@ struct Latencies {
 /// The results of a simulated stream.
 struct Result {
   const hw::DramConfig& config;
-  const hw::DramPlay play;
+  const hw::DramRun play;
   const std::uint32_t outstanding;
   Latencies all, reads, writes;
 
   Result(const hw::DramConfig& c, const std::vector<hw::DramRequest>& requests, std::uint32_t limit)
       : config(c),
-        play(hw::play(c, requests, limit)),
+        play(hw::play_requests(c, requests, limit)),
         outstanding(limit),
         all(latencies_ns(requests, true, true)),
         reads(latencies_ns(requests, true, false)),
@@ -168,7 +168,7 @@ struct Result {
   std::vector<double> latencies_ns(const std::vector<hw::DramRequest>& requests, bool of_reads, bool of_writes) const {
     std::vector<double> ns;
     for (std::size_t i = 0; i < requests.size(); ++i) {
-      if (requests[i].write ? of_writes : of_reads) ns.push_back(ns_of(play.latency(i)));
+      if (requests[i].write ? of_writes : of_reads) ns.push_back(ns_of(play.request_latency(i)));
     }
     return ns;
   }
@@ -239,16 +239,16 @@ std::string stream_text(const Result& r) {
   return all + "\n" + table.text();
 }
 
-Measurement::Relation relation_of(hw::DramMeasurement::Holds holds) {
-  using Holds = hw::DramMeasurement::Holds;
-  switch (holds) {
-    case Holds::kExactly:
+Measurement::Relation relation_of(hw::DramMeasurement::Agreement agreement) {
+  using Agreement = hw::DramMeasurement::Agreement;
+  switch (agreement) {
+    case Agreement::kExactly:
       return Measurement::Relation::kExactly;
-    case Holds::kClosely:
+    case Agreement::kClosely:
       return Measurement::Relation::kClosely;
-    case Holds::kNearly:
+    case Agreement::kNearly:
       return Measurement::Relation::kNearly;
-    case Holds::kAtMost:
+    case Agreement::kAtMost:
       break;
   }
   return Measurement::Relation::kAtMost;
@@ -262,7 +262,7 @@ hw::DramConfig memory_of(const BenchmarkJob& job, const JobOptions& machine) {
 
 void add(Findings& findings, const std::string& prefix, const std::vector<hw::DramMeasurement>& measured) {
   for (const hw::DramMeasurement& f : measured)
-    findings.measurements.push_back({prefix + f.name, f.unit, f.measured, f.expected, relation_of(f.holds)});
+    findings.measurements.push_back({prefix + f.name, f.unit, f.measured, f.expected, relation_of(f.agreement)});
 }
 
 /// Returns the energy of a channel of each grade in configs/dram.

@@ -15,12 +15,12 @@ constexpr std::uint32_t kPhases = 20;  // start times in consecutive cycles, to 
 /// Returns the first line after line 0 in its channel and bank, in the same row or in another.
 std::optional<hw::Addr> find_line(const hw::DramConfig& dram, bool same_row) {
   const hw::DramMap map(dram);
-  const hw::DramAddress first = map.address(0);
+  const hw::DramAddress first = map.address_of(0);
   const hw::Addr end =
       4 * dram.channels * dram.organisation.page.bytes * dram.organisation.all_banks() * dram.organisation.all_banks();
   for (hw::Addr line = dram.line.bytes; line < end; line += dram.line.bytes) {
-    const hw::DramAddress address = map.address(line);
-    if (dram.interleave().owner(line) == 0 && address.bank == first.bank && (address.row == first.row) == same_row)
+    const hw::DramAddress address = map.address_of(line);
+    if (dram.channel_interleave().index_of(line) == 0 && address.bank == first.bank && (address.row == first.row) == same_row)
       return line;
   }
   return std::nullopt;

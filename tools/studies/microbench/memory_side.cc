@@ -31,7 +31,7 @@ MemorySide::MemorySide(const hw::GpuConfig& config)
     memory_.declare_ports();
     for (const auto& [clock, cache] : first_level_caches(config)) {
       const sim::UnitId unit = machine_.unit({hw::name_in_core("core.reader", core), clock, core + 1});
-      const hw::MemoryPort port = memory_.cache_client(core, {unit, cache.mshrs});
+      const hw::MemoryPort port = memory_.add_cache_client(core, {unit, cache.mshrs});
       readers_.push_back(&machine_.build<Reader>(unit, clock, cache, port.client, port.requests, port.responses));
     }
     memory_.build_ports(core);

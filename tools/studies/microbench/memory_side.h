@@ -41,24 +41,24 @@ class Reader {
   const sim::Clock& clock() const { return clock_; }
   sim::Time tick(sim::Time now) {
     if (in_.can_pop(now)) {
-      reads_[l1_.fill(in_.pop(now).line).asked_at].arrived = now;
+      reads_[l1_.fill(in_.pop(now).line).requested_at].arrived = now;
       finished_ += 1;
     }
     if (may_read() && reads_[next_].earliest <= now) read_next(now);
-    l1_.send(now, out_);
+    l1_.send_request(now, out_);
     const sim::Time next = clock_.after(now, 1);
     sim::Time wake = std::max(next, in_.pop_at());
     if (may_read()) wake = std::min(wake, std::max(next, clock_.edge_at_or_after(reads_[next_].earliest)));
-    return std::min(wake, l1_.send_at(next, out_));
+    return std::min(wake, l1_.next_send_time(next, out_));
   }
 
  private:
-  bool may_read() const { return next_ < reads_.size() && !l1_.full(); }
+  bool may_read() const { return next_ < reads_.size() && !l1_.is_full(); }
   void read_next(sim::Time now) {
     Read& read = reads_[next_];
     read.probed = now;
     // The cache stores the number of the read in place of the cycle of its miss.
-    if (l1_.access(read.line, 0, next_) == hw::L1Cache::Result::kHit) {
+    if (l1_.access_line(read.line, 0, next_) == hw::L1Cache::Result::kHit) {
       read.arrived = now;
       finished_ += 1;
     }

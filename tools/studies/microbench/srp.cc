@@ -22,7 +22,7 @@ constexpr std::array<std::array<std::uint32_t, 2>, 5> kSizes = {{{2, 2}, {4, 2},
 
 /// Returns an array of another size, with the same shares of units that multiply and divide, and the same ports.
 hw::SrpConfig resize_array(hw::SrpConfig srp, std::uint32_t rows, std::uint32_t columns) {
-  const std::uint32_t before = srp.array.units(), units = rows * columns;
+  const std::uint32_t before = srp.array.unit_count(), units = rows * columns;
   srp.array.rows = rows;
   srp.array.columns = columns;
   for (std::uint32_t* able : {&srp.array.mul_units, &srp.array.div_sqrt_units})
@@ -55,7 +55,7 @@ Findings measure_intervals(const hw::SrpConfig& srp, const std::vector<std::stri
   for (const kernels::KernelInfo* kernel : find_kernels(names)) {
     std::vector<std::string> cells = {std::string(kernel->name)};
     for (const auto& [rows, columns] : kSizes) {
-      const hw::KernelSchedule s = hw::schedule(kernel->graph, resize_array(srp, rows, columns));
+      const hw::KernelSchedule s = hw::schedule_kernel(kernel->graph, resize_array(srp, rows, columns));
       const std::uint32_t bound = std::max({1U, s.res_mii, s.rec_mii});
       const bool recurrence = s.rec_mii > s.res_mii;
       found.measurements.push_back({fmt::format("{}, {}x{}", kernel->name, rows, columns), "cycles", double(s.ii),
@@ -164,11 +164,11 @@ double counted_conflicts(const hw::KernelSchedule& schedule, const kernels::Grap
 Findings measure_conflicts(const hw::SrpConfig& srp) {
   Findings found{"local memory, an item of a loop", {}};
   const auto modelled = [](const hw::KernelSchedule& schedule, const kernels::Graph& graph, std::uint32_t banks) {
-    return static_cast<double>(hw::bank_conflicts(schedule, graph, banks).of(kItems)) / kItems;
+    return static_cast<double>(hw::bank_conflicts(schedule, graph, banks).stall_cycles(kItems)) / kItems;
   };
   for (const std::uint32_t stride : {16U, 32U, 48U, 64U}) {
     const kernels::Graph graph = copy_kernel(stride);
-    const hw::KernelSchedule schedule = hw::schedule(graph, srp);
+    const hw::KernelSchedule schedule = hw::schedule_kernel(graph, srp);
     for (std::uint32_t banks = 1; banks <= 64; banks *= 2) {
       found.measurements.push_back({fmt::format("stride {} B, {} bank{}", stride, banks, banks == 1 ? "" : "s"),
                                     "cycles", modelled(schedule, graph, banks),
@@ -179,7 +179,7 @@ Findings measure_conflicts(const hw::SrpConfig& srp) {
   std::vector<hw::KernelSchedule> schedules;
   std::uint32_t intervals = 0;
   for (const kernels::KernelInfo& kernel : kernels::kernel_catalogue())
-    intervals += schedules.emplace_back(hw::schedule(kernel.graph, srp)).ii;
+    intervals += schedules.emplace_back(hw::schedule_kernel(kernel.graph, srp)).ii;
   for (std::uint32_t banks = 1; banks <= 64; banks *= 2) {
     Measurement sum{fmt::format("all kernels, {} bank{}", banks, banks == 1 ? "" : "s"), "cycles"};
     sum.remark = fmt::format("II {} in all", intervals);

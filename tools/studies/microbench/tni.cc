@@ -162,7 +162,7 @@ class TniHarness {
 
   // For the engine.
   sim::Machine& machine() { return machine_; }
-  bool done() const { return source_->done(); }
+  bool done() const { return source_->is_done(); }
 
  private:
   const sim::Clock clock_;

@@ -75,7 +75,7 @@ std::string bound_of(const hw::KernelSchedule& s, const hw::ArrayConfig& array) 
   const auto per_unit = [](double work, std::uint32_t units) { return units == 0 ? 0 : work / units; };
   // The least interval at which the operations fit each resource.
   const std::pair<double, const char*> most = std::max<std::pair<double, const char*>>(
-      {{per_unit(s.fu_ops, array.units()), "functional units"},
+      {{per_unit(s.fu_ops, array.unit_count()), "functional units"},
        {per_unit(ops(OpClass::kFpMul) + ops(OpClass::kFpMulAdd) + ops(OpClass::kIntMul), array.mul_units),
         "multipliers"},
        {per_unit(ops(OpClass::kFpDivSqrt), array.div_sqrt_units), "dividers"},
@@ -96,7 +96,7 @@ Json kernels_json(const ReportFile& report, const PricedRun* priced) {
     out[name]["meaning"] = info->meaning;
     if (priced == nullptr) continue;
     const hw::SrpConfig& srp = priced->config().gpu->srp;
-    const hw::KernelSchedule schedule = hw::schedule(info->graph, srp);
+    const hw::KernelSchedule schedule = hw::schedule_kernel(info->graph, srp);
     if (schedule.ii == report.number(fmt::format("totals.kernels.{}.ii", name)))
       out[name]["bound"] = bound_of(schedule, srp.array);
   }

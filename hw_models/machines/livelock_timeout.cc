@@ -1,4 +1,4 @@
-#include "hw_models/machines/patience.h"
+#include "hw_models/machines/livelock_timeout.h"
 
 #include <algorithm>
 
@@ -9,7 +9,7 @@ namespace {
 constexpr sim::Time kMargin = 8;
 /// Longer than any frame, and small enough for arithmetic without overflow.
 constexpr sim::Time kLongest = 1000 * sim::kFemtosecondsPerSecond;
-/// Most lines of memory that an item needs one after the other; no record has more.
+/// Maximum number of lines that an item needs one after the other; no record has more.
 constexpr sim::Time kLines = 16;
 
 sim::Time longest_chunk(const GpuConfig& config, std::span<const KernelSchedule> kernels,
@@ -17,14 +17,14 @@ sim::Time longest_chunk(const GpuConfig& config, std::span<const KernelSchedule>
   sim::Time cycles = 0;
   for (std::size_t k = 0; k < kernels.size(); ++k) {
     const sim::Time items = config.srp.chunk;
-    cycles = std::max(cycles, items * kernels[k].ii + kernels[k].depth + conflicts[k].of(config.srp.chunk) +
+    cycles = std::max(cycles, items * kernels[k].ii + kernels[k].depth + conflicts[k].stall_cycles(config.srp.chunk) +
                                   config.srp.load_cycles(kernels[k].ii));
   }
   return (cycles + config.srp.switch_cycles) * config.clocks.srp.clock().period();
 }
 
 /// Returns the latency from a core to a channel and back, with empty queues.
-sim::Time way(const GpuConfig& config) {
+sim::Time round_trip_latency(const GpuConfig& config) {
   const sim::Time crossings = 8, synchroniser = config.clocks.synchroniser + 1;
   const sim::Time l2 = 2 * config.interconnect.latency + config.l2.lookup_cycles + config.l2.cache.hit_cycles +
                        2 * config.interconnect.cycles_of(kLineBytes) + crossings * synchroniser;
@@ -33,15 +33,15 @@ sim::Time way(const GpuConfig& config) {
 }
 
 /// Returns the worst latency of a line in a channel.
-sim::Time line(const DramConfig& dram) {
+sim::Time worst_line_latency(const DramConfig& dram) {
   const DramTiming& t = dram.timing;
   const sim::Time cycles = std::max(t.rfc_ab, t.rfc_pb) + t.xp + t.rp_ab + t.rc + t.rcd + t.rl + t.dqsck + t.wr +
                            t.wtr_l + t.faw + dram.bursts_per_line() * t.ccd_l;
   return cycles * t.ck.time;
 }
 
-/// Returns the most requests that can be in flight.
-sim::Time requests(const GpuConfig& config) {
+/// Returns the maximum number of requests in flight.
+sim::Time max_requests(const GpuConfig& config) {
   const sim::Time core = config.tni.trvs * config.tni.trv.l1.mshrs + config.tni.ist.l1.mshrs +
                          config.srp.data_cache.mshrs + config.dma.depth +
                          2 * (config.tni.trvs + 4) * config.interconnect.link_depth;
@@ -51,10 +51,11 @@ sim::Time requests(const GpuConfig& config) {
 
 }  // namespace
 
-sim::Time patience(const GpuConfig& config, std::span<const KernelSchedule> kernels,
-                   std::span<const BankConflicts> conflicts) {
+sim::Time livelock_timeout(const GpuConfig& config, std::span<const KernelSchedule> kernels,
+                           std::span<const BankConflicts> conflicts) {
   if (config.watchdog != 0) return config.watchdog * config.clocks.tni.clock().period();
-  const sim::Time memory = kLines * (way(config) + requests(config) * line(config.dram));
+  const sim::Time memory =
+      kLines * (round_trip_latency(config) + max_requests(config) * worst_line_latency(config.dram));
   const sim::Time item = longest_chunk(config, kernels, conflicts) + memory;
   return kMargin * std::min(item, kLongest / kMargin);
 }

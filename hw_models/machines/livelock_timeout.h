@@ -11,7 +11,7 @@ namespace hw {
 /// Returns the longest time that a machine may run without retiring anything: `watchdog`. If that is 0, several times
 /// the longest latency of an item: a chunk of the longest kernel, then lines from memory. Each line waits for all
 /// requests that can be in flight, a refresh, a power-up and a row change.
-sim::Time patience(const GpuConfig& config, std::span<const KernelSchedule> kernels,
-                   std::span<const BankConflicts> conflicts);
+sim::Time livelock_timeout(const GpuConfig& config, std::span<const KernelSchedule> kernels,
+                           std::span<const BankConflicts> conflicts);
 
 }  // namespace hw
