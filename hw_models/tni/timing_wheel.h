@@ -33,7 +33,8 @@ class TimingWheel {
   /// A mask of slots for each pipe.
   struct alignas(kPipes * sizeof(std::uint64_t)) Masks : std::array<std::uint64_t, kPipes> {};
 
-  /// `longest`: largest latency that schedule_completion() will receive. The number of bins is the next power of two above it.
+  /// `longest`: largest latency that schedule_completion() will receive. The number of bins is the next power of two
+  /// above it.
   TimingWheel(sim::Clock clock, std::uint64_t longest) : clock_(clock), last_bin_(std::bit_ceil(longest + 1) - 1) {
     assert(last_bin_ < kMostSpan);
   }

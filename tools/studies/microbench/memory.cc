@@ -20,7 +20,8 @@ std::optional<hw::Addr> find_line(const hw::DramConfig& dram, bool same_row) {
       4 * dram.channels * dram.organisation.page.bytes * dram.organisation.all_banks() * dram.organisation.all_banks();
   for (hw::Addr line = dram.line.bytes; line < end; line += dram.line.bytes) {
     const hw::DramAddress address = map.address_of(line);
-    if (dram.channel_interleave().index_of(line) == 0 && address.bank == first.bank && (address.row == first.row) == same_row)
+    if (dram.channel_interleave().index_of(line) == 0 && address.bank == first.bank &&
+        (address.row == first.row) == same_row)
       return line;
   }
   return std::nullopt;
@@ -68,8 +69,8 @@ class Chase {
  private:
   /// Reads the lines in order and adds the latency of the last read, from the probe of the L1 to its data.
   /// `neighbour_first`: another client has read the last line before. Without `level` the read hits the L1.
-  void measure_read(Measurement& measurement, std::uint32_t phase, const std::vector<hw::Addr>& lines, bool neighbour_first,
-                    std::optional<Level> level) const {
+  void measure_read(Measurement& measurement, std::uint32_t phase, const std::vector<hw::Addr>& lines,
+                    bool neighbour_first, std::optional<Level> level) const {
     MemorySide side(config_);
     Reader& reader = side.reader_of(0, 0);
     sim::Time at = phase * clock_.period();
