@@ -173,6 +173,8 @@ struct TniConfig {
     field(NAMED(c.trvs), "units", "traversal units", sim::between(1, 16), Affects::kTiming);
     field(NAMED(c.link_depth), "entries", "slots of each link inside the unit", sim::between(1, 64), Affects::kTiming);
     field(NAMED(c.dispatch), "", "which traversal unit gets a ray", sim::any(), Affects::kTiming);
+    field.not_modelled("sort", "rays keep the order of the shader core");
+    field.not_modelled("predictor", "every ray starts at the root of the tree");
     field(NAMED(c.miss_handling), "", "what becomes of a ray or leaf whose line is not in its L1", sim::any(),
           Affects::kTiming);
     field.group(NAMED(c.rau), "table of waiting rays (miss_handling: rau), one per L1");

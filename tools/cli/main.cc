@@ -90,11 +90,12 @@ std::string unknown_option(const CLI::App& verb) {
 std::string missing_argument(const CLI::App& verb) {
   for (const CLI::Option* option : verb.get_options()) {
     if (!option->get_required() || option->count() != 0) continue;
-    const std::string& about = option->get_description();
+    std::string about = option->get_description();
+    std::ranges::replace(about, '\n', ' ');
     const std::string type = option->get_type_name();
     const bool is_telling = option->get_positional() && !type.empty() && !type.starts_with("TEXT");
     return fmt::format("{} needs {}: {}; see {} --help", command_of(verb), is_telling ? type : option->get_name(),
-                       sim::printable(about.substr(0, about.find('\n'))), command_of(verb));
+                       sim::printable(about), command_of(verb));
   }
   return {};
 }

@@ -44,6 +44,9 @@ struct BvhConfig {
     field(NAMED(c.intersection_cost), "", "surface area heuristic: cost of a triangle", sim::between(0.01, 100),
           kFunction);
     field.not_modelled("width", "every node has two children");
+    field.not_modelled("collapse", "every node has two children");
+    field.not_modelled("format", "only bvh.numbers and bvh.boxes change the records");
+    field.not_modelled("builder", "the host builds the tree by the surface area heuristic, free of charge");
     field.not_modelled("compression", "only bvh.numbers reduces the size of boxes");
     field(NAMED(c.update), "",
           "moving scenes: rebuild the tree for each frame, or refit the boxes of the first frame's tree", sim::any(),

@@ -69,10 +69,11 @@ TEST(Refusals, SuggestWhatToTypeInstead) {
   refused({"config", "show", "--set", "dram.extends=lpddr9"},
           {"no configuration file 'lpddr9'", "known: lpddr3-1600, lpddr4-3200, "});
   refused({"config", "show", "--set", "bvh.width=8"}, {"bvh.width: is not modelled", "docs/design/not-modelled.md"});
+  refused({"config", "show", "--set", "tni.predictor=on"}, {"tni.predictor: is not modelled", "root of the tree"});
   refused({"run", "--scene", "chess.obj"}, {"'chess.obj' is no glTF file; allowed: .glb, .gltf; convert it first"});
   refused({"run", "--scene", "mine"}, {"no scene is called 'mine'; allowed: --scene mine.glb"});
   refused({"dvfs", "--fps", "abc"}, {"--fps: 'abc' is no number; allowed: a number above 0"});
-  refused({"report"}, {"raywatt report needs DIR: folder of a run"});
+  refused({"report"}, {"raywatt report needs DIR: folder of a run", "a sweep or a search; see raywatt report --help"});
   refused({"trace", "record"}, {"raywatt trace record needs arguments: [CONFIG] FILE"});
   refused({"help", "run"}, {"help is an option; allowed: raywatt run --help"});
   refused({"help"}, {"help is an option; allowed: raywatt --help"});
