@@ -66,7 +66,7 @@ using AllKernels = std::tuple<
     // For the effects of a frame.
     ShadeOpen, ShadeSoft, CastOcclusion, ClearEffects, GenerateCentredRays, SelectEffects<false>, SelectEffects<true>,
     ShadeSoftShare, CastOcclusionShare, CombineRatio, UpsampleEffects<false>, UpsampleEffects<true>,
-    // Fused kernels.
+    // Fused kernels: after all others (hand_counts.h), before their variants.
     FetchSurface<false>, FetchSurface<true>, LightSurface, LightSurfaceGeometry<false>, LightSurfaceGeometry<true>,
     LightSurfaceKept<false>, LightSurfaceKept<true>, LightSurfaceSecondary<false>, LightSurfaceSecondary<true>,
     FetchLit<false>, FetchLit<true>, FetchLitGeometry<false>, FetchLitGeometry<true>, FetchLitKept<false>,

@@ -9,7 +9,7 @@ bool checks_secondary(const MultirateConfig& multirate, const SceneTables& scene
   return multirate.secondary_checks && (!scene.fuses || (scene.has_secondary && scene.depth > 1));
 }
 
-/// A squared distance above that of any two colours.
+/// A distance above that of any two colours, which lie at most sqrt(3) apart.
 constexpr double kNotCompared = 2;
 
 BlockSetup block_setup(const MultirateConfig& multirate, std::uint32_t grid, bool has_secondary) {
