@@ -7,41 +7,42 @@
 
 namespace hw {
 
-/// A number for each bank of a channel, over all ranks. Banks are processed four at a time without branches, with
-/// compiler vectors. A set of banks is a mask with a bit per bank.
+/// One number for each bank of a DRAM channel, over all ranks. Four banks are processed at a time, without branches. A
+/// set of banks is a bit mask with one bit per bank.
 class BankLanes {
  public:
-  static constexpr std::uint32_t kMaxBanks = 32;  ///< maximum number of banks
+  static constexpr std::uint32_t kMaxBanks = 32;  ///< banks of all ranks
 
-  /// `banks`: banks in use.
+  /// `banks`: number of banks of the channel.
   explicit BankLanes(std::uint32_t banks) : fours_((banks + kWidth - 1) / kWidth) {}
 
   std::uint64_t& operator[](std::size_t bank) { return all_[bank]; }
   std::uint64_t operator[](std::size_t bank) const { return all_[bank]; }
 
-  /// Returns the banks whose number is at most `most`, below 2^63. Bits above the last bank are undefined.
+  /// Returns a mask of the banks whose number is at most `most`, which is below 2^63. Bits above the last bank are
+  /// undefined.
   std::uint32_t banks_up_to(std::uint64_t most) const {
     return banks_up_to(most, [&](std::uint32_t four) { return load_four(four); });
   }
-  /// Returns the banks whose numbers here and in `other` are both at most `most`.
+  /// Returns a mask of the banks whose numbers in this object and in `other` are both at most `most`.
   std::uint32_t banks_with_both_up_to(const BankLanes& other, std::uint64_t most) const {
     return banks_up_to(most, [&](std::uint32_t four) { return max_of(load_four(four), other.load_four(four)); });
   }
-  /// Returns the smallest number of these banks.
+  /// Returns the smallest number of the banks in the mask `banks`.
   std::uint64_t min_of(std::uint32_t banks) const {
     return min_of(banks, [&](std::uint32_t four) { return load_four(four); });
   }
-  /// Returns the minimum over these banks of the larger of their two numbers.
+  /// Returns the minimum, over the banks in the mask `banks`, of max(number in this object, number in `other`).
   std::uint64_t min_of_max(const BankLanes& other, std::uint32_t banks) const {
     return min_of(banks, [&](std::uint32_t four) { return max_of(load_four(four), other.load_four(four)); });
   }
-  /// Returns the bitwise or of the numbers of these banks.
+  /// Returns the bitwise OR of the numbers of the banks in the mask `banks`.
   std::uint64_t combined_bits(std::uint32_t banks) const {
     Four any{};
     for_each_four([&](std::uint32_t four, const Four& bit) { any |= load_four(four) & ((bit & banks) == bit); });
     return static_cast<std::uint64_t>(any[0] | any[1] | any[2] | any[3]);
   }
-  /// Raises the numbers of these banks to at least `to`.
+  /// Raises the numbers of the banks in the mask `banks` to at least `to`.
   void raise_to(std::uint32_t banks, std::uint64_t to) {
     const Four bound = Four{} + static_cast<std::int64_t>(to);
     Four bit{1, 2, 4, 8};
@@ -51,7 +52,7 @@ class BankLanes {
       std::memcpy(&all_[std::size_t{four} * kWidth], &raised, sizeof raised);
     }
   }
-  /// Replaces every number by f(number); the compiler vectorises the loop.
+  /// Replaces the number n of every bank by f(n); the compiler vectorises the loop.
   template <class F>
   void replace_all(F&& f) {
     for (std::uint32_t bank = 0; bank < fours_ * kWidth; ++bank) all_[bank] = f(all_[bank]);
@@ -59,9 +60,9 @@ class BankLanes {
 
  private:
   static constexpr std::uint32_t kWidth = 4;
-  using Four [[gnu::vector_size(32)]] = std::int64_t;  // signed, as host vectors compare signed numbers
+  using Four [[gnu::vector_size(32)]] = std::int64_t;  // signed, because host vectors compare signed numbers
 
-  /// Calls f(index, mask of each bank) for every four banks.
+  /// Calls f(i, bits) for each group i of four banks; `bits` holds the mask bit of each of the four.
   template <class F>
   void for_each_four(F&& f) const {
     Four bit{1, 2, 4, 8};

@@ -93,17 +93,17 @@ inline void DramChannel::take_request(sim::Time now, Cycle cycle) {
   (request.write ? writes_ : reads_).push({request, address, cycle, static_cast<std::uint16_t>(port)}, row_is_open);
 }
 
-/// True if a new request cannot change the next command. This is the common case under load: older requests of its bank
-/// go first.
+/// True if a new request cannot change which command the DRAM channel issues next. Under load this is the usual case,
+/// because older requests of the same bank have priority.
 inline bool DramChannel::next_command_survives(bool write, std::uint32_t bank, bool row_is_open) const {
   if (write != writing_) return false;
   const DramQueue& queue = write ? writes_ : reads_;
   return queue.hit_positions(bank) != 0 || (queue.waiting_positions(bank) != 0 && !row_is_open);
 }
 
-/// Returns a line when it is due, at most one per cycle. Fast path: if the link will have room, the line is pushed
-/// early with its future timestamp. This cannot hide a full `returns_`, which holds twice the lines that can be
-/// pending.
+/// Sends the data of a read to its requester if they are due; sends at most one line per cycle. Fast path: if the link
+/// will have room, the line is pushed early with its future timestamp. The return queue is then never full later than
+/// it would be, since it holds twice the lines that can be pending.
 bool DramChannel::send_response(const Return& line, sim::Time now) {
   const sim::Time at = std::max(now, line.due);
   sim::Link<MemResponse>& out = *ports_out_[line.port];
@@ -114,7 +114,8 @@ bool DramChannel::send_response(const Return& line, sim::Time now) {
 }
 
 inline sim::Time DramChannel::next_wake(sim::Time now) const {
-  // While no command is scheduled, refreshes have no visible effect and are run later.
+  // While the channel has no scheduled command, refreshes have no visible effect, so the channel need not wake for
+  // them.
   const Cycle cycle = std::min({next_.start_cycle(), reschedule_at_, next_.is_none() ? sim::kNever : refresh_at_});
   sim::Time wake = cycle == sim::kNever ? sim::kNever : cycle * clock_.period();
   if (!returns_.empty())
@@ -144,14 +145,15 @@ ScheduledCommand DramChannel::best_command(Cycle now) const {
   return scheduler_.best_command(queue, writing_, overdue_at(queue) <= now, now);
 }
 
-/// Returns the reason why the data bus is idle between two calls of choose_next_command().
+/// Returns the reason for the cycles in which a DRAM channel's data bus is idle until it next chooses a command.
 DramChannel::CycleReason DramChannel::wait_reason() const {
   if ((writing_ ? writes_ : reads_).empty()) return CycleReason::kIdle;
   if (next_.is_none()) return CycleReason::kReturnsFull;
   return device_.wait_reason(next_.command(), next_.bank(), writing_, next_.start_cycle());
 }
 
-/// `read_due`, `write_due`: when the oldest read and write exceed the age limit.
+/// True if the DRAM channel serves its write queue before its read queue. `read_due`, `write_due`: cycle at which the
+/// oldest read and the oldest write exceed the age limit.
 inline bool DramChannel::serves_writes_first(Cycle read_due, Cycle write_due, Cycle now) const {
   if (reads_.empty() || writes_.empty()) return reads_.empty();
   if (read_due <= now && write_due <= now) return write_due < read_due;
@@ -186,13 +188,13 @@ inline void DramChannel::issue_command(sim::Time now, Cycle cycle) {
   }
 }
 
-/// Applies the page policy after the last queued hit of a row.
+/// Closes the row now if the page policy says so. Called after the last queued hit of the row.
 inline void DramChannel::apply_page_policy(const DramAddress& address) {
   const bool others = (reads_.waiting_positions(address.bank) | writes_.waiting_positions(address.bank)) != 0;
   if (page_policy_.closes_row(address.bank, address.row, others)) device_.auto_precharge(address.bank);
 }
 
-/// Moves the request's line over the data bus.
+/// Books the data bus for the line of a read or write, and counts the transfer.
 inline void DramChannel::transfer_line(const DramQueue::Entry& entry, sim::Time now, Cycle cycle) {
   const MemRequest& r = entry.request;
   const Cycle data =
@@ -221,8 +223,8 @@ inline void DramChannel::transfer_line(const DramQueue::Entry& entry, sim::Time 
   }
 }
 
-/// Charges the cycles before `until`: to the data bus while it is busy, otherwise to the reason why the next command
-/// waits.
+/// Charges each cycle before `until` to reading or writing while the data bus is busy, otherwise to the reason why the
+/// channel's next command waits.
 void DramChannel::account_until(Cycle until) {
   while (accounted_until_ < until) {
     Cycle end = until;
@@ -249,7 +251,8 @@ std::string DramChannel::state() const {
                      writes_.size(), returns_.size(), device_.open_bank_count(), writing_ ? "writing" : "reading");
 }
 
-/// Runs all refreshes due by `now`, each at its own time. The result does not depend on when this is called.
+/// Performs every refresh of the DRAM channel that is due by `now`, each at its own cycle. The result does not depend
+/// on when this is called.
 void DramChannel::run_due_refreshes(Cycle now) {
   const auto due_after = [&](std::uint64_t turns) {
     return refresh_interval_ * (turns / ranks_ + 1) + refresh_interval_ * (turns % ranks_) / ranks_;
@@ -301,7 +304,7 @@ std::uint32_t DramChannel::next_refresh(std::uint32_t rank) const {
   return static_cast<std::uint32_t>(std::countr_zero(candidates));
 }
 
-/// Notes that the device has closed these banks.
+/// Updates the request queues after the device has closed these banks.
 void DramChannel::note_rows_closed(std::uint32_t banks) {
   for (std::uint32_t left = banks; left != 0; left &= left - 1) {
     const auto bank = static_cast<std::uint32_t>(std::countr_zero(left));
@@ -310,8 +313,8 @@ void DramChannel::note_rows_closed(std::uint32_t banks) {
   }
 }
 
-/// Powers down if the channel has been idle long enough before `now`. The result does not depend on when this is
-/// called, as long as it is before the next change.
+/// Puts the DRAM channel into power-down if it has been idle long enough before `now`. The result does not depend on
+/// when this is called, as long as the channel's state has not changed since.
 void DramChannel::power_down_if_idle(Cycle now) {
   const Cycle due = data_end_ + controller_.power_down_after;
   if (!controller_.power_down || is_down_ || due >= now || !reads_.empty() || !writes_.empty()) return;
@@ -328,7 +331,7 @@ void DramChannel::count_power_down(Cycle until) {
   down_counted_ = until;
 }
 
-/// Leaves power-down because a request has arrived.
+/// Takes the DRAM channel out of power-down because a request has arrived.
 void DramChannel::leave_power_down(Cycle now) {
   if (!is_down_) return;
   count_power_down(now);
@@ -338,7 +341,7 @@ void DramChannel::leave_power_down(Cycle now) {
   device_.leave_power_down(now + exit_cycles_);
 }
 
-/// Ticks an ideal channel, which answers all requests that have arrived.
+/// Ticks an ideal DRAM channel, which answers every request in the cycle in which it arrives.
 sim::Time DramChannel::tick_ideal(sim::Time now) {
   CycleReason why = CycleReason::kIdle;
   bool blocked = false;

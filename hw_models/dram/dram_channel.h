@@ -21,7 +21,7 @@
 
 namespace hw {
 
-/// The bursts booked on a DRAM data bus that have not ended, in order of time.
+/// Bursts booked on a DRAM channel's data bus that have not ended yet, in order of time.
 class DataBus {
  public:
   using Cycle = std::uint64_t;
@@ -39,7 +39,8 @@ class DataBus {
     size_ -= 1;
   }
 
-  /// Books a burst. It may begin before the last one booked, as bursts of two bank groups interleave.
+  /// Books a burst on the data bus. The burst may begin before the one booked last, because bursts of two bank groups
+  /// interleave.
   void book_burst(Burst burst) {
     assert(size_ < capacity_);
     std::size_t i = head_ + size_ < capacity_ ? head_ + size_ : head_ + size_ - capacity_;
@@ -88,7 +89,7 @@ class DramChannel {
  public:
   static constexpr const char* kName = "dram.channel";
   static constexpr Block kBlock = Block::kDram;
-  static constexpr std::size_t kMaxLinesPerTick = 2;  ///< to a port: a waiting line and a new one
+  static constexpr std::size_t kMaxLinesPerTick = 2;  ///< to one port: a waiting line and a new one
   using CycleReason = DramCycleReason;
   static constexpr auto kReasons = kDramReasons;
   struct Stats {
@@ -132,9 +133,9 @@ class DramChannel {
   DramChannel& operator=(const DramChannel&) = delete;
 
   sim::Time tick(sim::Time now);
-  /// Brings all counters up to `end`, an edge of the clock.
+  /// Updates all counters of the channel to the time `end`, an edge of its clock.
   void finish(sim::Time end);
-  /// True if no request is queued and no response is pending.
+  /// True if the channel holds no queued request and no pending response.
   bool idle() const { return reads_.empty() && writes_.empty() && returns_.empty(); }
 
   const sim::Clock& clock() const { return clock_; }
@@ -172,7 +173,7 @@ class DramChannel {
   void issue_command(sim::Time now, Cycle cycle);
   void apply_page_policy(const DramAddress& address);
   void transfer_line(const DramQueue::Entry& entry, sim::Time now, Cycle cycle);
-  /// Returns when the queue's oldest request exceeds the age limit.
+  /// Returns the cycle at which the oldest request in the queue exceeds the age limit.
   Cycle overdue_at(const DramQueue& queue) const {
     return queue.empty() ? sim::kNever : queue.oldest_entry().arrived + controller_.age_limit;
   }
@@ -187,7 +188,7 @@ class DramChannel {
   const Cycle fabric_;
   const Cycle refresh_interval_;  ///< cycles between refreshes of a rank; 0: never
   const std::uint32_t refresh_cycles_;
-  const std::uint32_t exit_cycles_;  ///< cycles from power-down to the first command
+  const std::uint32_t exit_cycles_;  ///< cycles from the end of power-down to the first command
   const sim::Clock clock_;
   const sim::Inputs<MemRequest> ports_in_;
   const std::vector<sim::Link<MemResponse>*> ports_out_;
@@ -198,24 +199,24 @@ class DramChannel {
   DataBus data_bus_;
   DramPagePolicy page_policy_;
   Cycle refresh_at_;
-  std::uint64_t refresh_turn_ = 0;  ///< refreshes so far: ranks take turns
-  std::uint32_t to_refresh_;        ///< banks not refreshed in this round yet, as a mask
+  std::uint64_t refresh_turn_ = 0;  ///< number of refreshes so far; ranks are refreshed in turn
+  std::uint32_t to_refresh_;        ///< mask of the banks not yet refreshed in this round
 
-  Cycle data_end_ = 0;  ///< the end of the last line's data
+  Cycle data_end_ = 0;  ///< last cycle of data booked so far
   bool is_down_ = false;
-  Cycle down_since_ = 0;    ///< start of power-down, if is_down_
-  Cycle down_counted_ = 0;  ///< end of the power-down time counted so far
+  Cycle down_since_ = 0;    ///< cycle at which power-down began, if is_down_
+  Cycle down_counted_ = 0;  ///< power-down time has been counted up to this cycle
 
   DramQueue reads_, writes_;
   sim::Ring<Return> returns_;
   std::size_t max_returns_;  ///< twice the lines that a full data bus moves during the latency of device and fabric
-  sim::Time return_at_ = 0;  ///< when the next line may leave
+  sim::Time return_at_ = 0;  ///< earliest time of the next response
   Arbiter ports_;
-  bool draining_ = false;  ///< writes go first, down to the low mark
-  bool writing_ = false;   ///< `next_` serves the write queue
+  bool draining_ = false;  ///< the channel serves writes first, down to the low mark
+  bool writing_ = false;   ///< `next_` is a command for the write queue
   ScheduledCommand next_;
   bool next_is_stale_ = true;
-  Cycle reschedule_at_ = sim::kNever;  ///< when a request becomes overdue
+  Cycle reschedule_at_ = sim::kNever;  ///< cycle at which a request exceeds the age limit
 
   Cycle accounted_until_ = 0;
   Stats stats_;

@@ -12,44 +12,44 @@
 
 namespace hw {
 
-/// Address mapping: the order of row, bank, column and channel bits, highest first. Consecutive lines differ in the
-/// last field.
+/// Order of the row, bank, column and channel bits in an address, highest first. Consecutive lines differ in the last
+/// field.
 enum class DramMapping : std::uint8_t {
-  kRowBankColumnChannel,  ///< a stream fills a row in every channel, then moves to the next bank
-  kRowColumnBankChannel,  ///< a stream cycles through the banks, as bank groups need it
-  kRowBankChannelColumn,  ///< a stream fills a row of one channel, then moves to the next channel
+  kRowBankColumnChannel,  ///< consecutive lines fill a row in every channel, then move to the next bank
+  kRowColumnBankChannel,  ///< consecutive lines cycle through the banks, as bank groups require
+  kRowBankChannelColumn,  ///< consecutive lines fill a row of one channel, then move to the next channel
 };
 constexpr std::array<std::string_view, 3> names_of(DramMapping) {
   return {"row_bank_column_channel", "row_column_bank_channel", "row_bank_channel_column"};
 }
 
-/// Order in which banks are refreshed.
+/// Order in which a memory controller refreshes the banks of a rank.
 enum class RefreshOrder : std::uint8_t {
-  kRoundRobin,  ///< the next bank (LPDDR3 allows no other order). A stream that cycles through the banks may
-                ///< synchronise with it
+  kRoundRobin,  ///< always the next bank (LPDDR3 allows no other order); a stream that cycles through the banks may
+                ///< stay in step with the refreshes
   kIdleFirst,   ///< a bank without queued requests, among those not refreshed in this round
 };
 constexpr std::array<std::string_view, 2> names_of(RefreshOrder) { return {"round_robin", "idle_first"}; }
 
-/// Part of a rank that one refresh takes.
+/// How many banks one refresh command occupies.
 enum class RefreshKind : std::uint8_t {
-  kPerBank,  ///< a bank, or the pair that the device refreshes together; other banks continue
-  kAllBank,  ///< all banks of a rank, less often
+  kPerBank,  ///< one bank, or the pair that the device refreshes together; the other banks continue
+  kAllBank,  ///< all banks of a rank, at longer intervals
 };
 constexpr std::array<std::string_view, 2> names_of(RefreshKind) { return {"per_bank", "all_bank"}; }
 
-/// Page policy: whether a row stays open when there is no queued request for it.
+/// Page policy: whether a DRAM row stays open when no queued request needs it.
 enum class PagePolicy : std::uint8_t {
-  kOpen,      ///< it stays open until a request needs another row of the bank
-  kClosed,    ///< its last queued hit closes it (auto-precharge)
-  kAdaptive,  ///< open or closed, predicted from the bank's earlier requests
+  kOpen,      ///< the row stays open until a request needs another row of the bank
+  kClosed,    ///< the last queued hit closes the row (auto-precharge)
+  kAdaptive,  ///< the row is left open or closed as predicted from the bank's earlier requests
 };
 constexpr std::array<std::string_view, 3> names_of(PagePolicy) { return {"open", "closed", "adaptive"}; }
 
-/// Scheduler: which request is served next, among the reads or among the writes.
+/// Scheduling policy: which read, or which write, a memory controller serves next.
 enum class DramSchedulingPolicy : std::uint8_t {
-  kFrFcfs,  ///< ready requests first, the oldest first among equals
-  kFcfs,    ///< strictly the oldest: other requests do not prepare their banks
+  kFrFcfs,  ///< first ready, first come: requests whose bank is ready go first, the oldest of them first
+  kFcfs,    ///< strictly the oldest request; no other request opens or closes its bank meanwhile
 };
 constexpr std::array<std::string_view, 2> names_of(DramSchedulingPolicy) { return {"fr_fcfs", "fcfs"}; }
 
@@ -83,7 +83,7 @@ struct DramOrganisation {
   std::uint32_t all_banks() const { return ranks * banks; }
 };
 
-/// Timing of a speed grade, in cycles of the command clock (nCK), and the period of that clock.
+/// DRAM timing parameters in cycles of the command clock (nCK), and the period of that clock.
 struct DramTiming {
   sim::Duration ck{625'000};
   std::uint32_t rl = 28, wl = 14, burst = 8, dqsck = 3;
@@ -139,7 +139,7 @@ struct DramTiming {
   }
 };
 
-/// Configuration of a channel's memory controller: how it orders requests.
+/// Configuration of a DRAM channel's memory controller: how it orders requests.
 struct DramController {
   DramMapping mapping = DramMapping::kRowBankColumnChannel;
   bool bank_xor = true;
@@ -183,7 +183,7 @@ struct DramController {
   }
 };
 
-/// Energy of a channel with its device, its I/O and the controller's PHY.
+/// Energy parameters of a DRAM channel: its device, its I/O and the controller's PHY.
 struct DramEnergy {
   sim::Band activate{308.4, 616.9, 1234};
   sim::Band read_core{422.7, 551.3, 918.8}, read_io{256, 412.2, 563.2};
@@ -211,7 +211,7 @@ struct DramEnergy {
   }
 };
 
-/// Configuration of the memory: equal LPDDR channels of one speed grade.
+/// Configuration of the memory: a number of equal LPDDR channels.
 struct DramConfig {
   std::string grade = "LPDDR4-3200";
   std::uint32_t channels = 4;
@@ -261,7 +261,8 @@ struct DramConfig {
     if (timing.wl > timing.rl) complain("timing.wl", at_most("rl", timing.rl));
     if (timing.burst > timing.ccd_s || timing.ccd_s > timing.ccd_l)
       complain("timing.ccd_s", "allowed: burst <= ccd_s <= ccd_l");
-    const std::uint32_t distance = timing.ccd_l * (organisation.bl32 ? 2 : 1);  // between commands of a line
+    const std::uint32_t distance =
+        timing.ccd_l * (organisation.bl32 ? 2 : 1);  // cycles between column commands of one line
     if (commands_per_line() > 1 && timing.ca_column > distance)
       complain("timing.ca_column", at_most("the distance of a line's commands", distance));
     check_refresh(complain);
@@ -269,23 +270,23 @@ struct DramConfig {
 
   std::uint32_t bursts_per_line() const { return static_cast<std::uint32_t>(line.bytes / organisation.burst.bytes); }
   std::uint32_t commands_per_line() const { return bursts_per_line() / (organisation.bl32 ? 2 : 1); }
-  /// Returns the time between refreshes of a rank in nCK; 0: never.
+  /// Returns the time between two refreshes of a rank in nCK; 0 if refresh is off.
   std::uint32_t refresh_interval() const {
     return controller.refresh == RefreshKind::kAllBank ? timing.refi_ab : timing.refi_pb;
   }
-  /// Returns the time between refreshes of the same bank in nCK; 0: never.
+  /// Returns the time between two refreshes of the same bank in nCK; 0 if refresh is off.
   std::uint64_t bank_refresh_interval() const {
     if (controller.refresh == RefreshKind::kAllBank) return timing.refi_ab;
     return std::uint64_t{timing.refi_pb} * (organisation.banks / organisation.refresh_banks);
   }
-  /// Returns the mapping of lines to channels.
+  /// Returns the mapping from line addresses to channels.
   Interleave channel_interleave() const {
     const bool by_page = controller.mapping == DramMapping::kRowBankChannelColumn;
     return {by_page ? organisation.page.bytes : line.bytes, channels};
   }
 
  private:
-  /// Refuses refreshes that leave a bank no time to open a row and serve a request.
+  /// Rejects a refresh rate that leaves a bank no time to open a row and serve a request between two refreshes.
   void check_refresh(auto&& complain) const {
     const bool all = controller.refresh == RefreshKind::kAllBank;
     const std::uint64_t busy =
@@ -298,13 +299,14 @@ struct DramConfig {
   }
 };
 
-/// A line's address in its channel. The column does not affect timing.
+/// Bank and row of a line within its DRAM channel. The column does not affect timing.
 struct DramAddress {
-  std::uint32_t bank = 0;  ///< number among the banks of all ranks, rank by rank
+  std::uint32_t bank = 0;  ///< bank number, counted rank by rank
   std::uint32_t row = 0;
 };
 
-/// Maps address bits to rank, bank and row. DramConfig::channel_interleave() selects the channel before.
+/// Maps the address of a line to bank and row within a DRAM channel. DramConfig::channel_interleave() selects the
+/// channel.
 class DramMap {
  public:
   explicit DramMap(const DramConfig& c)
@@ -316,7 +318,7 @@ class DramMap {
         row_mask_(c.organisation.rows - 1) {}
 
   DramAddress address_of(Addr line) const {
-    // Channel and column are below bank and row in either order, so one shift serves both mappings.
+    // Channel and column bits are below bank and row bits in either order, so one shift serves both mappings.
     const Addr in_channel = line >> skip_;
     const std::uint32_t bank_mask = (1U << bank_bits_) - 1;
     DramAddress a;
@@ -332,15 +334,16 @@ class DramMap {
   bool bank_first_;
   std::uint32_t skip_;
   std::uint32_t column_bits_;
-  std::uint32_t bank_bits_;  ///< including the rank's bits, which are highest
+  std::uint32_t bank_bits_;  ///< number of bank bits; the highest ones select the rank
   std::uint32_t xor_mask_;
   std::uint32_t row_mask_;
 };
 
-/// Small timing perturbation of a channel, for replicates (docs/noise.md). None by default.
+/// Small change of a DRAM channel's timing, to repeat a run with slightly different conditions (docs/noise.md). By
+/// default it changes nothing.
 struct DramPerturbation {
-  std::int32_t fabric = 0;    ///< cycles of the command clock added to reads; the sum is at least 0
-  std::uint32_t refresh = 0;  ///< cycles by which all refreshes are earlier, modulo their interval
+  std::int32_t fabric = 0;  ///< command clock cycles added to the latency of reads; the resulting latency is at least 0
+  std::uint32_t refresh = 0;  ///< cycles by which all refreshes are earlier, modulo the refresh interval
 
   std::uint64_t moved_fabric(std::uint64_t cycles) const {
     return static_cast<std::uint64_t>(std::max(std::int64_t{0}, static_cast<std::int64_t>(cycles) + fabric));

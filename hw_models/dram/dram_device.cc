@@ -12,7 +12,7 @@ using enum DramCommand;
 namespace {
 
 std::uint32_t log2_of(std::uint32_t n) { return static_cast<std::uint32_t>(std::countr_zero(n)); }
-/// Returns a mask of every `stride`th of the first `banks` banks.
+/// Returns a mask of banks 0, `stride`, 2 * `stride` and so on below `banks`.
 std::uint32_t strided_mask(std::uint32_t stride, std::uint32_t banks) {
   std::uint32_t mask = 0;
   for (std::uint32_t bank = 0; bank < banks; bank += stride) mask |= 1U << bank;
@@ -20,7 +20,8 @@ std::uint32_t strided_mask(std::uint32_t stride, std::uint32_t banks) {
 }
 std::uint32_t first_bits(std::uint32_t n) { return static_cast<std::uint32_t>((std::uint64_t{1} << n) - 1); }
 
-/// Returns the distance between banks that are refreshed together: half of the bank groups, or half of the banks.
+/// Returns the difference of the numbers of two banks that are refreshed together: half of the bank groups, or half of
+/// the banks.
 std::uint32_t pair_distance(const DramOrganisation& o) { return o.bank_groups > 1 ? o.bank_groups / 2 : o.banks / 2; }
 
 std::uint32_t leader_banks(const DramOrganisation& o) {
@@ -72,7 +73,8 @@ DramCycleReason DramDevice::wait_reason(DramCommand command, std::uint32_t bank,
   return DramCycleReason::kIdle;
 }
 
-/// Applies all constraints after operation `kFrom` of the bank at `now`. The loop is unrolled at compile time.
+/// Delays later commands by all timing constraints that follow operation `kFrom` of this bank at cycle `now`. The loop
+/// is unrolled at compile time.
 template <DramOp kFrom>
 inline void DramDevice::apply_constraints(std::uint32_t bank, Cycle now) {
   const std::uint32_t own_rank = rank_of(bank);
@@ -141,7 +143,8 @@ DramDevice::Cycle DramDevice::write_line(std::uint32_t bank, Cycle now) {
   return data;
 }
 
-/// Books the column commands of a line that starts at `now`, with a CAS if needed. Returns the cycle of the first one.
+/// Books the column commands of one line that starts at `now`, after a CAS if WCK is stopped. Returns the cycle of the
+/// first column command.
 DramDevice::Cycle DramDevice::reserve_burst_sequence(std::uint32_t bank, bool write, Cycle now) {
   turnarounds_ += write != last_was_write_;
   last_was_write_ = write;
@@ -172,7 +175,7 @@ void DramDevice::refresh_rank(std::uint32_t rank, Cycle due) {
   start_refresh<DramOp::kRefreshRank>(banks, begin_of_refresh(banks, precharge_banks(banks, due)));
 }
 
-/// Returns the first cycle at or after `from` at which all of the banks are precharged.
+/// Returns the first cycle at or after `from` at which all banks of the mask `banks` are precharged.
 DramDevice::Cycle DramDevice::begin_of_refresh(std::uint32_t banks, Cycle from) const {
   for (std::uint32_t left = banks; left != 0; left &= left - 1)
     from = std::max(from, ready_at(DramOp::kActivate, log2_of(left)));
@@ -189,7 +192,7 @@ void DramDevice::start_refresh(std::uint32_t banks, Cycle begin) {
 
 DramDevice::Cycle DramDevice::precharge_banks(std::uint32_t banks, Cycle from) {
   const std::uint32_t open = banks & open_;
-  const Cycle closed = rank_[rank_of(log2_of(banks))].active_until;  // a precharge may be booked for the future
+  const Cycle closed = rank_[rank_of(log2_of(banks))].active_until;  // a precharge may be booked for a future cycle
   if (open == 0) return closed == 0 ? from : std::max(from, closed + t_.rp);
   Cycle begin = std::max(from, closed);
   for (std::uint32_t left = open; left != 0; left &= left - 1)

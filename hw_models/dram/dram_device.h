@@ -12,21 +12,22 @@
 
 namespace hw {
 
-/// Commands in order of preference. kColumn is the sequence of reads, or of writes, that moves one line.
+/// DRAM commands in the order in which a scheduler prefers them. kColumn stands for the reads, or the writes, that move
+/// one line.
 enum class DramCommand : std::uint8_t { kColumn, kActivate, kPrecharge };
 
-/// Reservation table of the command bus and the data bus. For each kind of command, a bit mask marks the next 64 cycles
-/// in which it cannot start because it would conflict with something booked.
+/// Reservation table of a DRAM channel's command bus and data bus. For each kind of command, a bit mask marks those of
+/// the next 64 cycles in which it cannot start because it would conflict with a booked command.
 ///
 /// 1. The conflicts between each pair of kinds are precomputed, so queries and bookings need no loops.
 /// 2. Other commands fit into the gaps of a line's burst sequence.
-/// 3. With tAAD an activate is ACT-1 and, at most tAAD later, ACT-2. ACT-2 moves to another slot for reads and writes
-/// while it can. No ACT-1 is issued before that ACT-2.
+/// 3. With tAAD an activate is split into ACT-1 and, at most tAAD later, ACT-2. A read or write may take the cycle of a
+/// booked ACT-2, which then moves to a later one. No ACT-1 is issued before the pending ACT-2.
 class CommandCalendar {
  public:
   using Cycle = std::uint64_t;
 
-  /// A line takes `bursts` bursts, moved by `commands` column commands.
+  /// A line is transferred in `bursts` bursts, which `commands` column commands start.
   CommandCalendar(const DramTiming& t, std::uint32_t bursts, std::uint32_t commands)
       : half_activate_(t.aad == 0 ? 0 : t.ca_activate / 2),
         aad_(t.aad),
@@ -51,7 +52,8 @@ class CommandCalendar {
     }
   }
 
-  /// Returns the first cycle at or after `from` at which the command conflicts with nothing booked.
+  /// Returns the first cycle at or after `from` in which the command can start without a conflict on the command and
+  /// data buses.
   Cycle first_free(DramCommand command, Cycle from) const {
     if (command != DramCommand::kActivate) return first_free(index_of(command), from);
     if (half_activate_ == 0) return from + distance_to_free(mask_from(blocked_[kActivate], from));
@@ -61,12 +63,12 @@ class CommandCalendar {
     for (std::uint32_t d = half_activate_; d <= aad_; ++d) no_second &= blocked >> d;
     return from + distance_to_free(blocked | no_second);
   }
-  /// Returns the first cycle at or after `from` at which a CAS and its column command fit.
+  /// Returns the first cycle at or after `from` in which a CAS can start, followed by its column command.
   Cycle first_free_with_sync(Cycle from) const { return first_free(kSync, from); }
-  /// True if the data bus is free for a burst sequence that starts at `at`.
+  /// True if the data bus is free for all bursts of a line whose first burst starts at cycle `at`.
   bool is_data_bus_free(Cycle at) const { return (mask_from(blocked_data_, at) & 1) == 0; }
 
-  /// Books the command, and drops the cycles before `at`.
+  /// Books a command at cycle `at` and forgets all cycles before it.
   void book_command(DramCommand command, Cycle at) {
     book_kind(index_of(command), at);
     if (command != DramCommand::kActivate || half_activate_ == 0) return;
@@ -74,7 +76,7 @@ class CommandCalendar {
     act2_at_ = at + half_activate_ + distance_to_free(blocked_[kActivate] >> half_activate_);
     assert(act2_at_ <= act2_until_);
   }
-  /// Books a CAS at `at`, and a column command after it.
+  /// Books a CAS at cycle `at` and the column command that follows it.
   void book_with_sync(Cycle at) { book_kind(kSync, at); }
 
  private:
@@ -83,7 +85,7 @@ class CommandCalendar {
       32;  ///< more than the cycles from a command to any ACT-2 that it can conflict with
 
   static constexpr std::size_t index_of(DramCommand command) { return static_cast<std::size_t>(command); }
-  /// Returns the distance to the first start that is not blocked.
+  /// Returns the number of cycles until the first unblocked one.
   static Cycle distance_to_free(std::uint64_t blocked) { return static_cast<Cycle>(std::countr_one(blocked)); }
 
   Cycle first_free(std::size_t kind, Cycle from) const {
@@ -95,14 +97,14 @@ class CommandCalendar {
     }
     return at;
   }
-  /// True if the command, at `at`, would take the slot of an ACT-2.
+  /// True if the command at cycle `at` would occupy the command bus in a cycle of the pending ACT-2.
   bool conflicts_with_act2(std::size_t kind, Cycle at) const {
     return at < act2_at_ + half_activate_ && ((act2_conflicts_[kind] >> (kLatest + at - act2_at_)) & 1) != 0;
   }
   bool can_displace_act2(std::size_t kind, Cycle at) const {
     return kind != kPrecharge && at <= act2_at_ && act2_if_booked(kind, at) <= act2_until_;
   }
-  /// Returns the slot to which ACT-2 moves if the command is booked at `at`.
+  /// Returns the cycle to which the pending ACT-2 moves if the command is booked at cycle `at`.
   Cycle act2_if_booked(std::size_t kind, Cycle at) const {
     return at + distance_to_free(mask_from(blocked_[kActivate], at) | forbids_[kind][kActivate]);
   }
@@ -114,20 +116,21 @@ class CommandCalendar {
     if (kind == kColumn || kind == kSync) blocked_data_ |= forbids_data_[kind == kSync];
     base_ = at;
   }
-  /// Returns the starts at which a pattern `asked` conflicts with what is booked.
+  /// Returns a mask of the start cycles at which a command with the bus pattern `asked` conflicts with the pattern
+  /// `booked`.
   static std::uint64_t conflicting_starts(std::uint64_t asked, std::uint64_t booked) {
     std::uint64_t all = 0;
     for (; asked != 0; asked &= asked - 1) all |= booked >> std::countr_zero(asked);
     return all;
   }
-  /// Returns the pattern of `count` blocks of `length` cycles each, `stride` cycles apart.
+  /// Returns the bus pattern of `count` blocks of `length` cycles each, `stride` cycles apart, as a mask.
   static constexpr std::uint64_t block_pattern(std::uint32_t count, std::uint32_t length, std::uint32_t stride) {
     std::uint64_t pattern = 0;
     for (std::uint32_t i = 0; i < count; ++i) pattern |= ((std::uint64_t{1} << length) - 1) << (i * stride);
     return pattern;
   }
-  /// Returns the distances, in cycles, at which a pattern `asked` conflicts with a pattern `booked` that started
-  /// before.
+  /// Returns a mask of the distances, in cycles, at which a command with the bus pattern `asked` conflicts with one of
+  /// pattern `booked` that started earlier.
   static constexpr std::uint64_t conflict_distances(std::uint64_t booked, std::uint64_t asked) {
     std::uint64_t distances = 0;
     for (std::uint32_t d = 0; d < 64; ++d) {
@@ -141,19 +144,23 @@ class CommandCalendar {
 
   const std::uint32_t half_activate_;  ///< cycles of ACT-1, and of ACT-2; 0: an activate is one command
   const std::uint32_t aad_;
-  const std::array<std::uint64_t, kKinds> command_bus_;  ///< the pattern of each kind of command
-  const std::uint64_t data_bus_;                         ///< the pattern of a line
+  const std::array<std::uint64_t, kKinds>
+      command_bus_;               ///< cycles of the command bus that each kind of command occupies, as a mask
+  const std::uint64_t data_bus_;  ///< cycles of the data bus that a line occupies, as a mask
   Cycle base_ = 0;
-  std::array<std::uint64_t, kKinds> blocked_{};  ///< without the pending ACT-2
+  std::array<std::uint64_t, kKinds>
+      blocked_{};  ///< blocked start cycles of each kind of command, without conflicts with the pending ACT-2
   std::uint64_t blocked_data_ = 0;
-  Cycle act2_at_ = 0, act2_until_ = 0;  ///< slot of the last ACT-2, and the latest slot that it may take
+  Cycle act2_at_ = 0, act2_until_ = 0;  ///< cycle of the last ACT-2, and the latest cycle to which it may move
   std::array<std::array<std::uint64_t, kKinds>, kKinds> forbids_{};
-  std::array<std::uint64_t, 2> forbids_data_{};         ///< by a column command, and by one with a CAS
-  std::array<std::uint64_t, kKinds> act2_conflicts_{};  ///< by kind: starts in conflict with an ACT-2 at bit kLatest
+  std::array<std::uint64_t, 2> forbids_data_{};  ///< start cycles of a line's data that a column command blocks:
+                                                 ///< without and with a preceding CAS
+  std::array<std::uint64_t, kKinds>
+      act2_conflicts_{};  ///< for each kind of command, the start cycles in conflict with an ACT-2 at bit kLatest
 };
 
-/// The banks and buses of one channel, which determine when a command may run. Its state holds earliest allowed cycles
-/// of the command clock, not countdowns.
+/// The banks and buses of one DRAM channel, which determine when a command may run. The state is the earliest allowed
+/// cycle of each operation; nothing is counted down.
 class DramDevice {
  public:
   using Cycle = std::uint64_t;
@@ -165,30 +172,31 @@ class DramDevice {
   bool is_open(std::uint32_t bank) const { return ((open_ >> bank) & 1) != 0; }
   bool is_open(std::uint32_t bank, std::uint32_t row) const { return is_open(bank) && rows_[bank] == row; }
 
-  /// Banks with an open row, as a mask.
+  /// Returns a mask of the banks with an open row.
   std::uint32_t open_mask() const { return open_; }
 
-  /// Returns the first cycle at or after `now` at which the device is not in power-down.
+  /// Returns the first cycle at or after `now` at which the DRAM device is out of power-down.
   Cycle first_awake_cycle(Cycle now) const { return std::max(now, awake_at_); }
-  /// Returns the first cycle at or after `from` at which the rank allows the command in any of its banks.
+  /// Returns the first cycle at or after `from` at which the timing constraints of the rank allow the command.
   Cycle rank_ready_at(DramCommand command, std::uint32_t rank, bool write, Cycle from) const {
     if (command == DramCommand::kActivate) return rank_[rank].next_activate(from, t_);
     return command == DramCommand::kColumn ? std::max(from, rank_[rank].at[index_of(column_op(write))]) : from;
   }
-  /// Returns the banks that allow the command in cycle `by`, as a mask. Rank and buses are not considered.
+  /// Returns a mask of the banks that allow the command in cycle `by`. Ignores constraints of the rank and the buses.
   template <DramCommand kCommand>
   std::uint32_t ready_banks(bool write, Cycle by) const {
     const BankLanes& at = bank_at_[index_of(op_of(kCommand, write))];
     return kCommand == DramCommand::kColumn ? at.banks_with_both_up_to(group_at_[write], by) : at.banks_up_to(by);
   }
-  /// Returns the first cycle at which one of these banks allows the command. Rank and buses are not considered.
+  /// Returns the first cycle at which any bank of the mask `banks` allows the command. Ignores constraints of the rank
+  /// and the buses.
   template <DramCommand kCommand>
   Cycle first_ready_cycle(std::uint32_t banks, bool write) const {
     const BankLanes& at = bank_at_[index_of(op_of(kCommand, write))];
     return kCommand == DramCommand::kColumn ? at.min_of_max(group_at_[write], banks) : at.min_of(banks);
   }
-  /// Returns the first cycle at or after `ready` at which the buses are free for the command. For a read or write with
-  /// WCK stopped it is the cycle of the preceding CAS.
+  /// Returns the first cycle at or after `ready` at which the command bus and data bus are free for the command. If WCK
+  /// is stopped, a read or write needs a CAS first; then it is the cycle of the CAS.
   Cycle first_bus_slot(DramCommand command, std::uint32_t rank, Cycle ready) const {
     const Rank& of = rank_[rank];
     Cycle free = calendar_.first_free(command, ready);
@@ -202,43 +210,44 @@ class DramDevice {
     return free;
   }
 
-  /// Returns the reason why the command cannot run before `at`, its earliest cycle. The reason holds for all cycles
-  /// until then.
+  /// Returns the timing constraint that delays the command until `at`, its earliest cycle.
   DramCycleReason wait_reason(DramCommand command, std::uint32_t bank, bool write, Cycle at) const;
 
   void activate_row(std::uint32_t bank, std::uint32_t row, Cycle now);
   void precharge_bank(std::uint32_t bank, Cycle now);
-  /// Precharges the bank with its last read or write, which takes no command slot.
+  /// Closes the bank's row after its last read or write, without a precharge command on the bus.
   void auto_precharge(std::uint32_t bank) { close_bank(bank, ready_at(DramOp::kPrecharge, bank)); }
-  /// Reads or writes one line, with a CAS before it if WCK is stopped. Returns the cycle of the first data.
+  /// Reads or writes one line, after a CAS if WCK is stopped. Returns the cycle in which its data begin.
   Cycle read_line(std::uint32_t bank, Cycle now);
   Cycle write_line(std::uint32_t bank, Cycle now);
-  /// Cycles from the first data of a line to the end of its last burst.
+  /// Returns the number of cycles from the beginning of a line's first burst to the end of its last one.
   Cycle data_cycles() const { return column_span_ + t_.burst; }
-  /// Calls f(begin, end) for each interval in which a line whose data begin at `data` occupies the data bus.
+  /// Calls f(begin, end) for each interval in which a line whose data begin at cycle `data` occupies the data bus.
   void for_each_burst(Cycle data, auto&& f) const {
     if (t_.ccd_l == t_.burst) return f(data, data + data_cycles());
     for (Cycle begin = data; begin <= data + column_span_; begin += t_.ccd_l) f(begin, begin + t_.burst);
   }
 
-  /// Masks of the banks of a rank, and of the banks that a per-bank refresh takes together with `bank`.
+  /// Returns a mask: the banks of a rank, or the banks that a per-bank refresh of `bank` refreshes together.
   std::uint32_t banks_of(std::uint32_t rank) const { return rank_banks_ << (rank << rank_shift_); }
   std::uint32_t banks_refreshed_with(std::uint32_t bank) const { return refresh_set_ << bank; }
-  /// The banks by which per-bank refreshes are numbered: the lower one of each pair.
+  /// Returns a mask of the banks that name a per-bank refresh: the lower bank of each pair.
   std::uint32_t refresh_leaders() const { return refresh_leaders_; }
 
-  /// Closes and refreshes these banks together, as soon as allowed at or after `due`.
+  /// Closes the banks of the mask and refreshes them together, as soon as allowed at or after cycle `due`.
   void refresh_banks(std::uint32_t banks, Cycle due);
-  /// Closes and refreshes the whole rank, as soon as allowed at or after `due`.
+  /// Closes all banks of the rank and refreshes it, as soon as allowed at or after cycle `due`.
   void refresh_rank(std::uint32_t rank, Cycle due);
-  /// Closes these banks together, as soon as allowed at or after `from`. Returns when all of them are precharged.
+  /// Closes the banks of the mask together, as soon as allowed at or after cycle `from`. Returns the cycle at which all
+  /// are precharged.
   Cycle precharge_banks(std::uint32_t banks, Cycle from);
-  /// Leaves power-down: the first command may run at `at`.
+  /// Takes the DRAM device out of power-down; the first command may run at cycle `at`.
   void leave_power_down(Cycle at) { awake_at_ = at; }
 
   std::uint32_t open_bank_count() const;
   std::uint64_t turnaround_count() const { return turnarounds_; }
-  /// Returns the cycles before `until` with an open row, summed over ranks. `until` must not decrease between calls.
+  /// Returns the number of cycles before `until` with an open row, summed over ranks. `until` must not decrease between
+  /// calls.
   Cycle active_cycles(Cycle until);
 
  private:
@@ -251,7 +260,7 @@ class DramDevice {
   Cycle& ready_at(DramOp op, std::uint32_t bank) { return bank_at_[index_of(op)][bank]; }
   Cycle ready_at(DramOp op, std::uint32_t bank) const { return bank_at_[index_of(op)][bank]; }
   std::uint32_t rank_of(std::uint32_t bank) const { return bank >> rank_shift_; }
-  /// The banks of a bank's group, as a mask.
+  /// Returns a mask of the banks in the bank group of `bank`.
   std::uint32_t group_of(std::uint32_t bank) const { return group_banks_ << (bank & group_mask_); }
   template <DramOp kFrom>
   void apply_constraints(std::uint32_t bank, Cycle now);
@@ -262,15 +271,16 @@ class DramDevice {
   void start_refresh(std::uint32_t banks, Cycle begin);
 
   struct Rank {
-    std::array<Cycle, 3> at{};                ///< first cycle of a read, write or activate, by DramOp
-    std::array<DramCycleReason, 3> reason{};  ///< reason of each of `at`
-    std::array<Cycle, 4> four_activates{};    ///< when each of the last four activates leaves the tFAW window
+    std::array<Cycle, 3> at{};                ///< earliest cycle of a read, write or activate, by DramOp
+    std::array<DramCycleReason, 3> reason{};  ///< constraint that determines each entry of `at`
+    std::array<Cycle, 4>
+        four_activates{};  ///< for each of the last four activates, the cycle at which it leaves the tFAW window
     std::uint32_t oldest_activate = 0;
     Cycle active = 0;  ///< cycles with an open row before `active_since`
     Cycle active_since = 0, active_until = 0;
 
-    Cycle refreshed_at = 0;  ///< start of the last per-bank refresh; 0: none yet
-    Cycle wck_stops_at = 0;  ///< WCK stops at this cycle; a later read or write needs a CAS
+    Cycle refreshed_at = 0;  ///< start of the last per-bank refresh; 0 before the first
+    Cycle wck_stops_at = 0;  ///< cycle at which WCK stops; a later read or write needs a CAS
 
     Cycle next_activate(Cycle from, const DramTiming& t) const {
       Cycle activate = std::max({from, at[index_of(DramOp::kActivate)], four_activates[oldest_activate]});
@@ -294,18 +304,19 @@ class DramDevice {
   const DramTiming t_;
   const std::array<std::int64_t, kDramConstraints.size()> constraint_cycles_;
   const std::uint32_t ranks_, rank_shift_;
-  const std::uint32_t group_mask_;   ///< bits of a bank's number that give the first bank of its group
-  const std::uint32_t group_banks_;  ///< banks of the first group, as a mask
-  const std::uint32_t rank_banks_;   ///< banks of the first rank, as a mask
+  const std::uint32_t group_mask_;   ///< bits of a bank's number that identify the first bank of its group
+  const std::uint32_t group_banks_;  ///< mask of the banks of the first group
+  const std::uint32_t rank_banks_;   ///< mask of the banks of the first rank
   const std::uint32_t refresh_set_;
   const std::uint32_t refresh_leaders_;
-  const Cycle column_span_;  ///< first to last column command of a line
+  const Cycle column_span_;  ///< cycles from the first to the last column command of a line
 
-  std::uint32_t open_ = 0;  ///< banks with an open row, as a mask
+  std::uint32_t open_ = 0;  ///< mask of the banks with an open row
   std::array<std::uint32_t, kMaxBanks> rows_{};
-  std::array<BankLanes, 4> bank_at_;  ///< earliest cycle in the bank, by DramOp: read, write, activate, precharge
-  std::array<DramCycleReason, kMaxBanks> closed_reason_{};  ///< why an activate of the closed bank waits
-  std::array<BankLanes, 2> group_at_;                       ///< earliest read and write by the bank's group
+  std::array<BankLanes, 4>
+      bank_at_;  ///< earliest cycle of a read, write, activate and precharge in each bank, by DramOp
+  std::array<DramCycleReason, kMaxBanks> closed_reason_{};  ///< constraint that delays the activate of each closed bank
+  std::array<BankLanes, 2> group_at_;  ///< earliest read and write in each bank that its bank group allows
   std::array<Rank, kMaxRanks> rank_{};
   Cycle awake_at_ = 0;
   CommandCalendar calendar_;

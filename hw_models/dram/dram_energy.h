@@ -8,11 +8,12 @@
 
 namespace hw {
 
-/// Returns the energy of each event that DramChannel counts. A burst includes the device's core, the pins and the GPU's
-/// PHY. A standby cycle is one rank's background power for one cycle of the command clock.
+/// Returns the energy of each event that a DRAM channel counts. The energy of a burst includes the device's core, the
+/// pins and the GPU's PHY. The energy of a standby cycle is one rank's background power for one cycle of the command
+/// clock.
 std::map<std::string, sim::DeviceEvent> dram_energy_events(const DramConfig& config);
 
-/// Returns the energy of everything that a channel counted, in pJ.
+/// Returns the energy of all events that a DRAM channel counted, in pJ.
 sim::Band dram_energy(const DramConfig& config, const DramChannel::Stats& stats);
 
 }  // namespace hw

@@ -16,8 +16,8 @@ namespace {
 
 constexpr std::size_t kAnswers = 64;
 
-/// Runs a list of requests through one channel. A request spends one cycle on its link, so all internal times are one
-/// cycle late.
+/// Runs a list of requests through one DRAM channel. A request takes one cycle to reach the channel, so times measured
+/// inside are one cycle later than outside.
 class ChannelRunner : Observer {
  public:
   ChannelRunner(const DramConfig& config, std::span<const DramRequest> requests, std::uint32_t outstanding)
@@ -59,7 +59,7 @@ class ChannelRunner : Observer {
                    static_cast<std::uint16_t>(next_), r.write});
   }
 
-  /// Completes writes that the channel has accepted, as writes are posted.
+  /// Completes the writes that the channel has accepted, because writes are posted.
   void take_posted() {
     for (; taken_ + in_.size() < next_; ++taken_) waiting_ -= requests_[taken_].write ? 1 : 0;
   }
@@ -103,10 +103,10 @@ class ChannelRunner : Observer {
   sim::Time wake_ = 0;
 
   std::size_t next_ = 0;
-  std::uint32_t waiting_ = 0;   ///< sent and not done
+  std::uint32_t waiting_ = 0;   ///< requests that are sent and not completed
   std::size_t taken_ = 0;       ///< requests that the channel has accepted
-  std::size_t served_ = 0;      ///< requests whose data are booked
-  sim::Ring<sim::Time> reads_;  ///< end times of reads, in order of their commands
+  std::size_t served_ = 0;      ///< requests whose data transfers are booked
+  sim::Ring<sim::Time> reads_;  ///< end times of reads, in the order of their commands
   DramRun run_;
 };
 
@@ -140,14 +140,14 @@ class Experiment {
     c.age_limit = grade.controller.age_limit;
   }
 
-  /// Returns the address of a row's first line.
+  /// Returns the address of the first line of a DRAM row.
   Addr row_address(std::uint32_t bank, Addr index) const {
     return (index * config.organisation.all_banks() + bank) * config.organisation.page.bytes;
   }
   void add_request(Addr address, std::uint64_t cycle = 0, bool write = false) {
     requests_.push_back({address, write, cycle * config.timing.ck.time});
   }
-  /// True if the changed configuration satisfies the rules between its keys.
+  /// True if the configuration of the experiment satisfies the rules between its keys.
   bool is_possible() const {
     bool good = true;
     config.check([&good](auto&&...) { good = false; });
@@ -156,19 +156,19 @@ class Experiment {
   void run_requests() { run_ = play_requests(config, requests_, kOutstanding); }
 
   double to_ns(double cycles) const { return cycles * static_cast<double>(config.timing.ck.time) * 1e-6; }
-  /// Returns the bandwidth if a line takes `cycles` cycles.
+  /// Converts the cycles per line to a bandwidth in GB/s.
   double to_gbps(double cycles) const { return static_cast<double>(config.line.bytes) / to_ns(cycles); }
-  /// Nominal energy of all requests, in pJ.
+  /// Nominal energy of all requests of the experiment, in pJ.
   double total_energy() const { return dram_energy(config, run_.stats).nominal; }
-  /// Time until the last data, in ns.
+  /// Time from the start to the end of the last data transfer, in ns.
   double total_time() const { return static_cast<double>(run_.end) * 1e-6; }
   double total_bits() const { return static_cast<double>(8 * run_.stats.bytes); }
   double latency_ns(std::size_t request) const { return static_cast<double>(run_.request_latency(request)) * 1e-6; }
-  /// Last data to last data.
+  /// Returns the time from the last data of request `first` to the last data of request `second`.
   double time_between(std::size_t first, std::size_t second) const {
     return static_cast<double>(run_.done[second] - run_.done[first]) * 1e-6;
   }
-  /// Bandwidth over the last nine tenths of the lines.
+  /// Bandwidth of the experiment without the first tenth of its lines, in GB/s.
   double steady_gbps() const {
     const std::size_t first = requests_.size() / 10, last = requests_.size() - 1;
     return static_cast<double>((last - first) * config.line.bytes) / time_between(first, last);
@@ -200,7 +200,7 @@ void measure_single_reads(const DramConfig& grade, std::vector<DramMeasurement>&
   measured.push_back({"read, powered down", "ns", sleeper.latency_ns(1), sleeper.to_ns(form.after_power_down())});
 }
 
-/// Returns the time between two row hits that arrive in consecutive cycles.
+/// Returns the time between the last data of two row hits that arrive in consecutive cycles.
 double time_between_hits(Experiment& m, std::uint32_t second_bank, bool first_writes, bool second_writes) {
   m.add_request(m.row_address(0, 0));
   m.add_request(m.row_address(second_bank, 0), kPause);
@@ -245,7 +245,7 @@ void measure_streams(const DramConfig& grade, std::vector<DramMeasurement>& meas
   }
 }
 
-/// Measures a stream of `lines` lines from each row, over all banks in turn.
+/// Measures the bandwidth of a stream that reads `lines` lines from each row, bank after bank.
 DramMeasurement measure_row_stream(Experiment& m, const char* name, std::uint32_t lines, Agreement holds) {
   const std::uint32_t banks = m.config.organisation.banks;
   for (std::uint32_t i = 0; i < kLines; ++i) {
@@ -295,7 +295,7 @@ void measure_refreshes(const DramConfig& grade, std::vector<DramMeasurement>& me
   }
 }
 
-/// Returns an experiment with the ranks, refreshes and controller of the grade, without power-down.
+/// Returns an experiment with the ranks, refreshes and controller settings of the configuration, without power-down.
 Experiment as_set(const DramConfig& grade) {
   Experiment m(grade);
   m.config = grade;
@@ -303,7 +303,7 @@ Experiment as_set(const DramConfig& grade) {
   return m;
 }
 
-/// Returns the power of an idle channel in mW: all ranks in this standby state, and refreshes.
+/// Returns the power of an idle DRAM channel in mW: the given standby power of all ranks, plus refreshes.
 double background_mw(const DramConfig& c, const sim::Band& standby) {
   const bool all = c.controller.refresh == RefreshKind::kAllBank;
   const double refresh = all ? c.energy.refresh_all.nominal : c.energy.refresh.nominal;

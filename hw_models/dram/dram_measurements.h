@@ -11,8 +11,8 @@
 
 namespace hw {
 
-/// Times of a channel in closed form, in cycles of the command clock. A line is a sequence of bursts in one bank. Times
-/// end with a line's last data.
+/// Latencies and bandwidths of a DRAM channel as closed formulas, in cycles of the command clock. A line is a sequence
+/// of bursts in one bank. A latency ends with the line's last data.
 class DramClosedForms {
  public:
   explicit DramClosedForms(const DramConfig& c)
@@ -25,13 +25,13 @@ class DramClosedForms {
         bank_refresh_interval_(static_cast<double>(c.bank_refresh_interval())),
         refresh_((c.controller.refresh == RefreshKind::kAllBank ? t_.rp_ab + t_.rfc_ab : t_.rp + t_.rfc_pb)) {}
 
-  // A single read, by the state of its bank.
+  // Latency of a single read, by the state of its bank.
   double row_hit() const { return t_.wck_sync + t_.rl + t_.dqsck + column_span() + t_.burst; }
   double closed_bank() const { return t_.rcd + row_hit(); }
   double row_conflict() const { return t_.rp + closed_bank(); }
   double after_power_down() const { return t_.xp + closed_bank(); }
 
-  // Two row hits in succession: last data to last data.
+  // Time from the last data of one row hit to the last data of the next.
   double write_after_read() const { return column_span() + t_.burst + t_.rtw + t_.dqss; }
   double read_after_write() const {
     return std::max(t_.burst + t_.wtr_s, t_.ccd_l + t_.wtr_l) + cas_after_write() + t_.rl + t_.dqsck + column_span();
@@ -41,18 +41,19 @@ class DramClosedForms {
   }
   double read_after_read_of_other_rank() const { return column_span() + t_.burst + t_.rtrs + t_.wck_sync; }
 
-  // Time per line of an endless stream.
-  /// A stream that keeps the data bus busy. Gaps between bursts of one bank group are filled by another group.
+  /// Returns the cycles per line of a stream that keeps the data bus busy: bursts of other bank groups fill the gaps
+  /// between bursts of one group.
   double streamed_line() const { return bursts_ * std::max(t_.burst, groups_ > 1 ? t_.ccd_s : t_.ccd_l); }
-  /// A stream of `lines` lines from each row, bank by bank: the tightest of the limits by activates, buses and banks.
+  /// Returns the cycles per line of a stream that reads `lines` lines of each row, bank after bank: the tightest of the
+  /// limits by activates, buses and banks.
   double line_of_own_row(std::uint32_t lines) const {
-    const double activate = std::max<double>(t_.rrd, t_.faw / 4.0) / ranks_;  // each rank has its own windows
+    const double activate = std::max<double>(t_.rrd, t_.faw / 4.0) / ranks_;  // each rank has its own tFAW window
     const std::uint32_t hits = (lines - 1) * bursts_ * t_.ccd_l + column_span();
     const double row = std::max(t_.rc, std::max(t_.ras, t_.rcd + hits + t_.rtp) + t_.rp);
     const double commands = t_.ca_activate + lines * commands_ * t_.ca_column + t_.ca_precharge;
     return std::max({activate, row / banks_, commands, lines * streamed_line()}) / lines;
   }
-  /// A stream of row hits in one bank, with the refreshes that close its row.
+  /// Returns the cycles per line of a stream of row hits in one bank, including the refreshes that close its row.
   double line_between_refreshes() const {
     const double line = bursts_ * t_.ccd_l;
     const double lost = column_span() + t_.rtp + refresh_ + t_.rcd + t_.wck_sync - line;
@@ -60,9 +61,11 @@ class DramClosedForms {
   }
 
  private:
-  /// Cycles of the CAS before a read that waited for tWTR; 0 if WCK is still running.
+  /// Cycles of the CAS before a read that has waited for tWTR; 0 if WCK is still running.
   std::uint32_t cas_after_write() const { return t_.wtr_s >= t_.wck_post ? t_.wck_sync : 0; }
-  std::uint32_t column_span() const { return (bursts_ - 1) * t_.ccd_l; }  ///< first to last column command of a line
+  std::uint32_t column_span() const {
+    return (bursts_ - 1) * t_.ccd_l;
+  }  ///< cycles from the first to the last column command of a line
 
   const DramTiming t_;
   const std::uint32_t bursts_, commands_, ranks_, banks_, groups_;
@@ -70,36 +73,36 @@ class DramClosedForms {
   const double refresh_;
 };
 
-/// A request for the line that contains `address`, in the channel's own address space.
+/// A request for the line that contains `address`, an address within the DRAM channel.
 struct DramRequest {
   Addr address = 0;
   bool write = false;
-  sim::Time earliest = 0;  ///< it arrives at this time or later
+  sim::Time earliest = 0;  ///< earliest time at which the request reaches the channel
 };
 
-/// Result of a list of requests. Time 0 is when a request without `earliest` reaches the channel.
+/// Result of running a list of requests. Time 0 is the earliest time at which a request reaches the channel.
 struct DramRun {
-  std::vector<sim::Time> arrived;  ///< by request: when it arrived
-  std::vector<sim::Time> done;     ///< by request: when its last data had passed the bus
-  sim::Time end = 0;               ///< when the last data had passed the bus
+  std::vector<sim::Time> arrived;  ///< arrival time at the channel, by request
+  std::vector<sim::Time> done;     ///< time at which the last data have passed the bus, by request
+  sim::Time end = 0;               ///< time at which the last data of all requests have passed the bus
   DramChannel::Stats stats;
   std::vector<std::pair<std::string, std::uint64_t>> why;  ///< cycles by DramCycleReason; their sum is `end`
 
   sim::Time request_latency(std::size_t request) const { return done[request] - arrived[request]; }
 };
 
-/// Runs the requests through a single channel in their order, with at most `outstanding` of them in flight. The
-/// channel's addresses begin at 0 and contain no other channel's lines; `fabric` is ignored.
+/// Runs the requests through a single DRAM channel in their order, with at most `outstanding` of them in flight.
+/// Addresses are those within the channel; the configured fabric latency is ignored.
 DramRun play_requests(DramConfig config, std::span<const DramRequest> requests, std::uint32_t outstanding);
 
-/// A measured value of a channel, and the value that its closed form predicts.
+/// A measured value of a DRAM channel and its prediction by a closed formula.
 struct DramMeasurement {
-  /// How closely measured and expected must agree.
+  /// How closely a measured and a predicted value must agree.
   enum class Agreement : std::uint8_t {
     kExactly,
     kClosely,  ///< within 2 %
-    kNearly,   ///< between 0.9 and 1.0 of the closed form
-    kAtMost,   ///< the closed form is an upper bound, which ignores command slots and waiting banks (within 2 %)
+    kNearly,   ///< measured / predicted is between 0.9 and 1.0
+    kAtMost,   ///< measured is at most the prediction, which ignores command slots and waiting banks (plus 2 %)
   };
   std::string name;
   std::string unit;  ///< "ns", "GB/s", "pJ/bit" or "mW"
@@ -110,12 +113,12 @@ struct DramMeasurement {
   bool is_within_tolerance() const;
 };
 
-/// Returns times and bandwidths of a speed grade, then dram_energy_measurements(). The controller leaves rows open,
-/// neither refreshes nor powers down, and maps addresses as each measurement needs.
+/// Measures latencies and bandwidths of a DRAM speed grade, then the energies of dram_energy_measurements(). Rows stay
+/// open, refresh and power-down are off, and each measurement chooses its own address mapping.
 std::vector<DramMeasurement> dram_measurements(const DramConfig& grade);
 
-/// Returns the nominal energy of a channel as configured, with all ranks and refreshes: per bit of a stream and of
-/// random reads; idle, as power and per bit of peak bandwidth.
+/// Measures the nominal energy of a DRAM channel as configured, with all ranks and refreshes: per bit of a stream and
+/// of random reads, and when idle, as power and per bit of peak bandwidth.
 std::vector<DramMeasurement> dram_energy_measurements(const DramConfig& grade);
 
 }  // namespace hw

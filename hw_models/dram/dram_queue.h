@@ -12,8 +12,8 @@
 
 namespace hw {
 
-/// The requests that wait in a channel, oldest first. For each bank, bit masks over queue positions mark the bank's
-/// requests and its row hits. So the scheduler searches banks, not requests.
+/// Requests that wait in a DRAM channel, oldest first. For each bank, a bit mask over queue positions marks the bank's
+/// requests and another its row hits, so the scheduler searches banks instead of requests.
 class DramQueue {
  public:
   struct Entry {
@@ -21,8 +21,8 @@ class DramQueue {
     DramAddress address;
     std::uint64_t arrived = 0;
     std::uint16_t port = 0;
-    bool precharged = false;  ///< it needed a precharge
-    bool activated = false;   ///< it needed an activate
+    bool precharged = false;  ///< the channel precharged the bank for this request
+    bool activated = false;   ///< the channel opened the row for this request
   };
 
   DramQueue(std::uint32_t capacity, std::uint32_t banks) : capacity_(capacity), waiting_(banks), hits_(banks) {
@@ -37,16 +37,16 @@ class DramQueue {
   Entry& at(std::uint32_t position) { return entries_[order_[position]]; }
   const Entry& at(std::uint32_t position) const { return entries_[order_[position]]; }
 
-  /// Mask of banks with queued requests.
+  /// Returns a mask of the banks with queued requests.
   std::uint32_t requested_banks() const { return banks_; }
-  /// Mask of banks with a queued hit.
+  /// Returns a mask of the banks with a queued row hit.
   std::uint32_t hit_banks() const { return hit_banks_; }
-  /// Positions of the bank's requests.
+  /// Returns a mask of the queue positions of the bank's requests.
   std::uint64_t waiting_positions(std::uint32_t bank) const { return waiting_[bank]; }
-  /// Positions of the bank's hits.
+  /// Returns a mask of the queue positions of the bank's row hits.
   std::uint64_t hit_positions(std::uint32_t bank) const { return hits_[bank]; }
 
-  /// Positions of the requests, and of the hits, of several banks.
+  /// Returns a mask of the queue positions of all requests, or of all row hits, of the banks in the mask `banks`.
   std::uint64_t waiting_positions_in(std::uint32_t banks) const { return waiting_.combined_bits(banks); }
   std::uint64_t hit_positions_in(std::uint32_t banks) const { return hits_.combined_bits(banks); }
 
@@ -90,7 +90,8 @@ class DramQueue {
     hit_banks_ = (hit_banks_ & ~(1U << bank)) | std::uint32_t{positions != 0} << bank;
   }
 
-  /// Returns the mask after the request at `position` is removed and later ones have moved up.
+  /// Returns a mask of queue positions as it is after removal of the request at `position`: later requests move up by
+  /// one.
   static std::uint64_t without_position(std::uint64_t mask, std::uint32_t position) {
     const std::uint64_t before = (std::uint64_t{1} << position) - 1;
     return (mask & before) | ((mask >> 1) & ~before);

@@ -5,9 +5,10 @@
 
 namespace hw {
 
-/// Replaces `best` by the best command of this kind in these banks of a rank, if that is better. Rank and buses delay
-/// all banks of the rank equally. So the rank's first slot goes to the oldest request whose bank is ready by then. If
-/// no bank is ready, the first slot after the earliest bank is ready is assigned in the same way.
+/// Compares the best command of kind `kCommand` for the given banks of one rank with `best` and keeps the better one.
+/// Constraints of rank and buses delay all banks of the rank equally. So the rank's first slot goes to the oldest
+/// request whose bank is ready by then; if there is none, the first slot after a bank becomes ready is given in the
+/// same way.
 template <DramCommand kCommand>
 [[gnu::always_inline]] inline void DramScheduler::best_of(const DramQueue& queue, std::uint32_t banks,
                                                           std::uint32_t rank, bool writes, Cycle from,
@@ -20,7 +21,7 @@ template <DramCommand kCommand>
     const auto oldest = static_cast<std::uint32_t>(std::countr_zero(positions));
     best = std::min(best, ScheduledCommand(at, kCommand, oldest, queue.at(oldest).address.bank));
   };
-  // True if the slot is not better, or has been assigned.
+  // True if the slot is later than the best command so far, or if a command has been found for it.
   const auto is_over = [&](Cycle slot) {
     if (none_is_better(slot)) return true;
     const std::uint32_t ready = banks & device_.ready_banks<kCommand>(writes, slot);

@@ -10,13 +10,13 @@
 
 namespace hw {
 
-/// The command that a channel runs next if no request arrives before. It is one number that sorts by preference:
-/// earliest cycle, then kind of command, then oldest request. The low bits hold the bank.
+/// The command that a DRAM channel will issue next unless a new request changes it. It is one number that sorts by
+/// preference: earliest cycle, then kind of command, then oldest request. The low bits hold the bank.
 class ScheduledCommand {
  public:
   using Cycle = CommandCalendar::Cycle;
 
-  /// No command.
+  /// Constructs the absence of a command, which sorts after every command.
   ScheduledCommand() = default;
   /// `position`: the request's position in its DramQueue.
   ScheduledCommand(Cycle at, DramCommand command, std::uint32_t position, std::uint32_t bank)
@@ -31,7 +31,7 @@ class ScheduledCommand {
   friend auto operator<=>(const ScheduledCommand&, const ScheduledCommand&) = default;
 
  private:
-  /// A field of `bits` bits of the key, from bit `first` on.
+  /// A field of `bits` bits, from bit `first` on, in the number that encodes a command.
   struct BitField {
     std::uint32_t first, bits;
     constexpr std::uint64_t extract_from(std::uint64_t key) const {
@@ -44,14 +44,14 @@ class ScheduledCommand {
   std::uint64_t key_ = kNone;
 };
 
-/// Banks in which a scheduling policy allows commands, as masks.
+/// Masks of the banks for which a scheduling policy allows a command.
 struct EligibleBanks {
-  std::uint32_t all = 0;      ///< for any command
-  std::uint32_t columns = 0;  ///< for reads or writes of the open row
+  std::uint32_t all = 0;      ///< banks for which any command is allowed
+  std::uint32_t columns = 0;  ///< banks for which a read or write of the open row is allowed
 };
 
-/// First ready, first come, first served (Rixner et al. 2000): hits may overtake older requests of their bank until the
-/// queue's oldest request is overdue.
+/// FR-FCFS (first ready, first come, first served; Rixner et al. 2000). A row hit may overtake older requests of its
+/// bank until the queue's oldest request exceeds the age limit.
 struct FrFcfs {
   static EligibleBanks eligible_banks(const DramQueue& queue, bool is_overdue) {
     EligibleBanks banks{queue.requested_banks(), queue.hit_banks()};
@@ -59,22 +59,23 @@ struct FrFcfs {
       banks.columns = without_overtaking(queue);
     return banks;
   }
-  /// Returns the banks with hits. The oldest request's bank is included only if that request is a hit.
+  /// Returns a mask of the banks with row hits. The bank of the oldest request is included only if that request is a
+  /// hit.
   static std::uint32_t without_overtaking(const DramQueue& queue) {
     const std::uint32_t bank = queue.oldest_entry().address.bank;
     return (queue.hit_positions(bank) & 1) != 0 ? queue.hit_banks() : queue.hit_banks() & ~(1U << bank);
   }
 };
 
-/// Strictly first come, first served: the oldest request blocks all others.
+/// FCFS (first come, first served): the oldest request blocks all others.
 struct Fcfs {
   static EligibleBanks eligible_banks(const DramQueue& queue, bool /*is_overdue*/) {
     return {1U << queue.oldest_entry().address.bank, FrFcfs::without_overtaking(queue)};
   }
 };
 
-/// Chooses a channel's next command among the banks that the policy allows: the earliest one; of equals, a column
-/// command before an activate before a precharge; then that of the oldest request.
+/// Chooses a DRAM channel's next command among the banks that the policy allows: the one with the earliest cycle; among
+/// equals a column command before an activate before a precharge; then the one of the oldest request.
 class DramScheduler {
  public:
   using Cycle = DramDevice::Cycle;
@@ -82,7 +83,8 @@ class DramScheduler {
   DramScheduler(const DramConfig& config, const DramDevice& device)
       : policy_(config.controller.scheduler), ranks_(config.organisation.ranks), device_(device) {}
 
-  /// `is_overdue`: the oldest request has exceeded the age limit.
+  /// Returns the best command for the requests in the queue. `writes`: the queue holds writes. `is_overdue`: its oldest
+  /// request has exceeded the age limit.
   ScheduledCommand best_command(const DramQueue& queue, bool writes, bool is_overdue, Cycle now) const;
 
  private:
@@ -95,16 +97,17 @@ class DramScheduler {
   const DramDevice& device_;
 };
 
-/// Decides whether a row is closed with its last queued hit. The adaptive policy closes it if a request for another row
-/// of the bank is waiting. Otherwise it uses a two-bit counter per bank, which counts how often the next request needed
-/// another row; it closes the row in the upper half. Only the next request after a last hit is counted, independent of
-/// the decision and of refreshes.
+/// Decides whether a DRAM row is closed after its last queued hit.
+///
+/// The adaptive policy closes it if a request for another row of the bank waits. Otherwise it uses a two-bit counter
+/// per bank, which counts how often the next request needed another row; it closes the row if the counter is in its
+/// upper half. Only the next request after a last hit is counted, independent of the decision and of refreshes.
 class DramPagePolicy {
  public:
   explicit DramPagePolicy(PagePolicy policy) : policy_(policy) {}
 
-  /// True if the row is closed with its last queued hit, which is being served. `others`: requests for other rows of
-  /// the bank wait.
+  /// True if the row is to be closed after the hit that is being served, the last one queued. `others`: requests for
+  /// other rows of the bank wait.
   bool closes_row(std::uint32_t bank, std::uint32_t row, bool others) {
     if (policy_ != PagePolicy::kAdaptive) return policy_ == PagePolicy::kClosed;
     if (others) {
@@ -116,7 +119,7 @@ class DramPagePolicy {
     return others_[bank] >= 2;
   }
 
-  /// Notes the arrival of a request for the bank.
+  /// Updates the bank's prediction for an arriving request.
   void note_request(std::uint32_t bank, std::uint32_t row) {
     if ((unproven_ >> bank & 1) == 0) return;
     unproven_ &= ~(1U << bank);
@@ -130,9 +133,9 @@ class DramPagePolicy {
   }
 
   PagePolicy policy_;
-  std::uint32_t unproven_ = 0;  ///< banks whose next request is counted, as a mask
+  std::uint32_t unproven_ = 0;  ///< mask of the banks whose next request updates the counter
   std::array<std::uint32_t, 32> last_row_{};
-  std::array<std::uint8_t, 32> others_{};  ///< the two-bit counters
+  std::array<std::uint8_t, 32> others_{};  ///< two-bit counter of each bank
 };
 
 }  // namespace hw

@@ -8,7 +8,7 @@
 
 namespace hw {
 
-/// What a DRAM channel spends a cycle on.
+/// Reasons to which a DRAM channel charges its cycles.
 enum class DramCycleReason : std::uint8_t {
   kIdle,
   kReading,
@@ -43,14 +43,14 @@ inline constexpr auto kDramReasons = sim::reasons<DramCycleReason>({
     {DramCycleReason::kPowerDown, sim::working("power_down_exit", "the device leaves power-down (tXP)")},
 });
 
-/// Operation of a bank or a rank between which timing constraints apply. A read or write is all column commands of one
-/// line; its time is that of the first.
+/// Operations of a bank or rank between which DRAM timing constraints apply. A read or write is the whole sequence of
+/// column commands of one line, and starts with the first.
 enum class DramOp : std::uint8_t { kRead, kWrite, kActivate, kPrecharge, kRefresh, kRefreshRank };
 
-/// Banks to which a constraint applies, relative to the bank of its first operation.
+/// Banks to which a timing constraint applies, relative to the bank of its first operation.
 enum class DramScope : std::uint8_t { kBank, kBankGroup, kRank, kOtherRanks };
 
-/// Parameters of a grade, in cycles, and sums that several constraints use.
+/// DRAM timing parameters in cycles, and sums of them that several constraints use.
 struct DramTerms : DramTiming {
   explicit DramTerms(const DramConfig& c)
       : DramTiming(c.timing),
@@ -60,22 +60,23 @@ struct DramTerms : DramTiming {
         read_end(column_span + read_latency + burst),
         write_end(column_span + write_latency + burst) {}
 
-  std::int64_t column_span;                  ///< from the first to the last column command of a line
-  std::int64_t read_latency, write_latency;  ///< from a column command to its first data
-  std::int64_t read_end, write_end;          ///< from the first column command of a line to the end of its data
+  std::int64_t column_span;                  ///< cycles from the first to the last column command of a line
+  std::int64_t read_latency, write_latency;  ///< cycles from a column command to its first data
+  std::int64_t read_end, write_end;          ///< cycles from the first column command of a line to the end of its data
 };
 
-/// An operation `to` within `scope` starts at least `cycles` after the `count`th last operation `from`.
+/// A DRAM timing constraint: operation `to`, on a bank within `scope`, starts at least `cycles` after the operation
+/// `from`. With `count` > 1 it counts from the `count`th last such operation.
 struct DramConstraint {
   DramScope scope;
   DramOp from, to;
   std::int64_t (*cycles)(const DramTerms& t);         ///< may be negative towards other ranks
-  DramCycleReason reason = DramCycleReason::kColumn;  ///< cycle reason of a channel that waits for this constraint
+  DramCycleReason reason = DramCycleReason::kColumn;  ///< reason charged while a command waits for this constraint
   std::uint32_t count = 1;
 };
 
-/// The timing constraints of all grades (JESD209). DramDevice applies them after each operation. To add a command, add
-/// an operation, its rows here, and its change of state in DramDevice.
+/// The timing constraints of all DRAM speed grades (JESD209). DramDevice applies them after each operation. A new
+/// command needs an operation, its rows in this table, and its change of state in DramDevice.
 inline constexpr auto kDramConstraints = [] {
   using enum DramScope;
   using Op = DramOp;
@@ -114,7 +115,7 @@ inline constexpr auto kDramConstraints = [] {
   });
 }();
 
-/// Returns the cycles of each constraint for a grade (configs/dram/).
+/// Returns the cycles of each timing constraint for a DRAM configuration (configs/dram/).
 inline std::array<std::int64_t, kDramConstraints.size()> constraint_cycles(const DramConfig& config) {
   std::array<std::int64_t, kDramConstraints.size()> cycles{};
   const DramTerms terms(config);

@@ -7,7 +7,8 @@
 
 namespace hw {
 
-/// Configuration of the streaming path between SRP and T&I unit, or of the path through memory that replaces it.
+/// Configuration of the path of rays and hits between shader core and T&I unit: the direct interface, or the path
+/// through memory that replaces it.
 struct DirectInterfaceConfig {
   bool enabled = true;
   std::uint32_t depth = 64;

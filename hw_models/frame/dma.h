@@ -12,12 +12,12 @@
 
 namespace hw {
 
-/// Moves blocks between a core's tile buffer and memory, around the L2, one line per cycle.
+/// A core's DMA engine moves blocks between the core's tile buffer and memory, past the L2, one line per cycle.
 ///
 ///   jobs --> [one at a time, in order] --> line requests --> memory
 ///
-/// 1. Finished pixels may be linear colours in the tile buffer. Then a line takes as many cycles as it takes to read
-/// its pixels at one line per cycle, and a table encodes each pixel as kernel pack_colour would.
+/// 1. The DMA may sRGB-encode finished pixels with a table, as kernel pack_colour would. Then a line takes as many
+/// cycles as it takes to read its linear colours from the tile buffer.
 /// 2. A write is done when its last line has been sent, a read when its last line has arrived.
 /// 3. Part of a line costs as much as a whole line.
 ///
@@ -38,7 +38,7 @@ class Dma {
       std::uint64_t written = 0, read = 0;
     };
     std::uint64_t jobs = 0, lines_written = 0, lines_read = 0, pixels_encoded = 0;
-    std::array<Lines, kAreas> lines{};  ///< lines by Area
+    std::array<Lines, kAreas> lines{};  ///< lines moved, by Area
     static void describe(auto& s, auto&& counter) {
       counter(NAMED(s.jobs), "transfers finished");
       counter(NAMED(s.lines_written), "lines written to memory", "dma.line");
@@ -61,7 +61,7 @@ class Dma {
     sim::Link<MemRequest>& memory_out;
     sim::Link<MemResponse>& memory_in;
     Observer* observer = nullptr;
-    std::uint32_t core = 0;  ///< number of its core in events
+    std::uint32_t core = 0;  ///< number of the DMA's core, for events
   };
 
   Dma(Links links, std::uint16_t client, sim::Clock clock) : clock_(clock), links_(links), client_(client) {}
@@ -87,10 +87,10 @@ class Dma {
   bool active_ = false;
   DmaJob job_;
   Addr next_line_ = 0;
-  std::uint32_t lines_left_ = 0;  ///< lines not requested yet
+  std::uint32_t lines_left_ = 0;  ///< lines of the job not requested yet
   std::uint32_t replies_left_ = 0;
-  sim::Time begun_at_ = 0;    ///< start of the job
-  sim::Time encoded_at_ = 0;  ///< when the next line is encoded, if it must be
+  sim::Time begun_at_ = 0;    ///< start time of the job
+  sim::Time encoded_at_ = 0;  ///< time at which the next line is encoded; only for jobs with encoding
   Stats stats_;
   sim::Activity<CycleReason> activity_;
 };

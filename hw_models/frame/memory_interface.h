@@ -16,22 +16,23 @@
 
 namespace hw {
 
-/// One direction of the path through memory: records are written to a ring buffer in memory and read back in order.
+/// A FIFO queue in memory, for rays or hits of one core: records are written to a ring buffer in memory and read back
+/// in order.
 ///
 ///   in --> [records of a line] --write--> ring in memory --read--> [lines read back] --> out
 ///
 /// 1. Records are packed without gaps. A line is written when it is full, or early when all complete records have been
 /// delivered.
-/// 2. A written line is read at once, as long as fewer than `depth` records are requested or wait at the output.
+/// 2. A written line is read back at once, as long as fewer than `depth` records are requested or wait at the output.
 /// 3. A read follows its write on the same link, so it cannot overtake the write on the way to the L2.
 /// 4. Memory holds up to `ring` records.
 template <class Record>
 class MemoryFifo {
  public:
   struct Shape {
-    Addr base = 0;  ///< start of the ring, at a line
+    Addr base = 0;  ///< start address of the ring, a multiple of the line size
     std::uint32_t record_bytes = 0, ring = 0, depth = 0;
-    std::uint16_t client = 0;  ///< number of this client at the core's port
+    std::uint16_t client = 0;  ///< client number of this queue at the core's port
   };
   struct Links {
     sim::Link<Record>& in;
@@ -47,10 +48,10 @@ class MemoryFifo {
   MemoryFifo(const Shape& shape, const Links& links)
       : shape_(shape), links_(links), records_(shape.ring), chunks_(max_chunks(shape)) {}
 
-  /// Returns the bytes of memory of the ring, in whole lines.
+  /// Returns the size of the ring in bytes, in whole lines.
   static Addr bytes_of(const Shape& shape) { return end_of_line(Addr{shape.ring} * shape.record_bytes - 1); }
 
-  /// Does one cycle; true if anything moved.
+  /// Advances the queue by one cycle; true if a record or request has moved.
   bool tick(sim::Time now) {
     take_lines(now);
     bool moved = deliver_record(now);
@@ -82,7 +83,7 @@ class MemoryFifo {
     Record record;
     sim::Time arrived = 0;
   };
-  /// The bytes that one read request covers, up to byte `end`.
+  /// A read request and the byte of the record stream at which it ends.
   struct Chunk {
     Addr end = 0;
     bool has_arrived = false;
@@ -119,7 +120,8 @@ class MemoryFifo {
     return true;
   }
 
-  /// Sends a request. Reads go first, as they free room.
+  /// Sends one request to memory, if there is one. Reads have priority over writes, because they free space in the
+  /// ring.
   bool send_request(sim::Time now) {
     const bool read = can_read();
     if ((!read && !can_write()) || !links_.memory_out.can_push(now)) return false;
@@ -156,22 +158,22 @@ class MemoryFifo {
 
   const Shape shape_;
   Links links_;
-  std::vector<Entry> records_;                      ///< contents of the ring; memory itself holds no data
-  std::vector<Chunk> chunks_;                       ///< requested chunks, in order
-  std::uint64_t first_ = 0, last_ = 0;              ///< outstanding chunks: [first_, last_)
-  std::uint64_t accepted_ = 0, delivered_ = 0;      ///< number of records so far
-  Addr written_ = 0, requested_ = 0, arrived_ = 0;  ///< number of bytes so far
+  std::vector<Entry> records_;                      ///< records in the ring; memory itself holds no data
+  std::vector<Chunk> chunks_;                       ///< read requests sent, in order
+  std::uint64_t first_ = 0, last_ = 0;              ///< outstanding read requests are first_ to last_ - 1
+  std::uint64_t accepted_ = 0, delivered_ = 0;      ///< number of records taken and delivered so far
+  Addr written_ = 0, requested_ = 0, arrived_ = 0;  ///< number of bytes written, requested and read back so far
   Counts counts_;
   LatencySum latency_;
 };
 
-/// Replaces the direct interface when that is off: a core's rays and hits go through memory.
+/// Carries a core's rays and hits through memory if the direct interface between SRP and T&I unit is off.
 ///
 ///   SRP --> rays --> [ring of rays in memory] --> T&I unit
 ///   SRP <-- hits <-- [ring of hits in memory] <-- T&I unit
 ///
-/// Each direction is a separate client of the core's cache port and sends one request per cycle. There is no
-/// first-level cache. The L2 handles the writes by its policy (l2.writes).
+/// 1. Rays and hits are separate clients of the core's cache port; each sends one request per cycle.
+/// 2. There is no first-level cache. The L2 handles the writes by its policy (l2.writes).
 ///
 /// Not modelled: the energy of its buffers, which are those of the direct interface.
 class MemoryInterface {
@@ -205,13 +207,14 @@ class MemoryInterface {
   using Rays = MemoryFifo<RayJob>;
   using Hits = MemoryFifo<RayDone>;
 
-  /// `base`: start of its memory. `port`: client number of the rays; that of the hits is `port` + 1.
+  /// `base`: start address of its memory. `client`: client number of the rays at the core's port; the hits have the
+  /// next number.
   MemoryInterface(const DirectInterfaceConfig& config, Addr base, std::uint16_t client, const Rays::Links& rays,
                   const Hits::Links& hits, sim::Clock clock);
   MemoryInterface(const MemoryInterface&) = delete;
   MemoryInterface& operator=(const MemoryInterface&) = delete;
 
-  /// Returns the bytes of memory that it needs.
+  /// Returns the size in bytes of the memory that one core's rays and hits need.
   static Addr bytes_of(const DirectInterfaceConfig& config);
 
   sim::Time tick(sim::Time now);

@@ -15,27 +15,28 @@
 
 namespace hw {
 
-/// Source of a frame's tiles, in the order of the tile list.
+/// Supplies a frame's tiles to the tile dispatcher, in the order of the tile list.
 class TileSource {
  public:
   virtual ~TileSource() = default;
-  /// Returns the work of the next tile, or null at the end of the frame. It stays valid until give_back().
+  /// Returns the work of the next tile, or null at the end of the frame. The work stays valid until give_back().
   virtual const traces::TileWork* next() = 0;
   virtual void give_back(const traces::TileWork* work) = 0;
-  /// Notes that the tile last returned by next() is dispatched at `now`.
+  /// Called when the tile returned by the last next() is dispatched to a core at time `now`.
   virtual void dispatched([[maybe_unused]] sim::Time now) {}
 };
 
-/// Sends the tiles of the list, in order, to the cores, and tracks which borders are in memory.
+/// The tile dispatcher sends tiles to the cores in the order of the tile list, and tracks which tile borders are in
+/// memory.
 ///
 ///   tile list --> [one tile a cycle, round robin over cores with room] --> cores
 ///   borders written, tiles finished --> [tiles that import them] --------> updates for cores
 ///
 /// 1. A tile goes to the next core, round robin, that has room for one.
-/// 2. A tile does not wait for the borders that it imports. Only its transfers that read them wait, until the core gets
-/// an update.
-/// 3. A tile after all others (TileWork::after_all) waits until all tiles before it are finished. It begins a later
-/// pass, in which a core may have more tiles at once.
+/// 2. A tile is dispatched before the borders that it imports are in memory. Only its transfers that read them wait,
+/// until the core gets an update.
+/// 3. A tile marked `after_all` (TileWork) waits until all tiles before it are finished. It begins a later pass, in
+/// which a core may have more tiles at once.
 /// 4. There is no deadlock. Borders belong to earlier tiles, which are dispatched first. So the oldest tile imports
 /// only borders of finished tiles (docs/design/machine.md).
 class TileDispatcher {
@@ -61,11 +62,12 @@ class TileDispatcher {
   struct Links {
     std::vector<sim::Link<TileJob>*> to_core;
     std::vector<sim::Link<TileDone>*> from_core;
-    std::vector<sim::Link<Flush>*> to_l2;  ///< get a Flush when the last tile is finished; may be empty
+    std::vector<sim::Link<Flush>*>
+        to_l2;  ///< links to the L2 banks, for a Flush when the last tile is finished; may be empty
     Observer* observer = nullptr;
   };
 
-  /// `starts`: for each core, the cycles before it may get its first tile; empty: 0.
+  /// `starts`: cycles after time 0 before each core may get its first tile; empty: 0 for all cores.
   TileDispatcher(TileSource& source, TilesInFlight tiles_per_core, Links links, sim::Clock clock,
                  std::span<const std::uint32_t> starts = {});
   TileDispatcher(const TileDispatcher&) = delete;
@@ -76,17 +78,18 @@ class TileDispatcher {
   const Stats& stats() const { return stats_; }
   const sim::Activity<CycleReason>& activity() const { return activity_; }
   void finish(sim::Time end) { activity_.finish(end); }
-  /// True if there are tiles left to dispatch.
+  /// True if tiles are left to dispatch.
   bool has_more() const { return next_ != nullptr; }
   /// True if all tiles have been dispatched and finished.
   bool is_done() const { return next_ == nullptr && stats_.dispatched == stats_.finished; }
   std::string state() const;
 
-  /// Returns the maximum number of messages in flight from a core with `tiles` tiles: borders and ends of tiles.
+  /// Returns the maximum number of messages in flight from a core that works on `tiles` tiles: one per border and one
+  /// per end of a tile.
   static constexpr std::size_t max_messages(std::size_t tiles) { return tiles * (traces::kMostBorders + 1); }
 
  private:
-  /// A tile in flight with missing borders.
+  /// A tile in flight that imports borders which are not in memory yet.
   struct Importer {
     std::size_t core = 0;
     TileJob job;
@@ -94,7 +97,7 @@ class TileDispatcher {
   };
 
   bool dispatch_tile(sim::Time now);
-  /// True if the next tile must wait until all tiles before it are finished.
+  /// True if the next tile is an `after_all` tile and earlier tiles are unfinished.
   bool must_wait() const;
   bool has_room(std::size_t core) const;
   void collect_messages(sim::Time now);
@@ -110,10 +113,10 @@ class TileDispatcher {
   const traces::TileWork* next_;
   std::vector<std::uint32_t> in_flight_;
   std::vector<sim::Time> start_at_;    ///< earliest time of each core's first tile
-  std::vector<std::uint8_t> written_;  ///< borders in memory, a bit each, by number of the tile
-  std::vector<Importer> importers_;    ///< in dispatch order
+  std::vector<std::uint8_t> written_;  ///< mask of the borders in memory, by tile number
+  std::vector<Importer> importers_;    ///< tiles in flight with missing borders, in dispatch order
   std::size_t turn_ = 0;
-  bool has_samples_ = false;    ///< a tile with samples has been dispatched; a geometry pass has none
+  bool has_samples_ = false;    ///< a tile with samples has been dispatched; tiles of a geometry pass have none
   bool is_later_pass_ = false;  ///< an `after_all` tile has been dispatched after a tile with samples
   bool flushed_ = false;
   Stats stats_;

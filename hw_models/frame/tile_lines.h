@@ -8,7 +8,7 @@
 
 namespace hw {
 
-/// Returns the tree as a unit with two box testers reads it, without links.
+/// Returns the BVH in memory as a traversal unit with two box testers reads it, without the links for prefetching.
 inline TreeInMemory tree_of(const traces::Layout& layout) {
   return {.nodes = layout.nodes,
           .node_bytes = layout.node_bytes,
@@ -16,8 +16,9 @@ inline TreeInMemory tree_of(const traces::Layout& layout) {
           .instances = layout.instances};
 }
 
-/// Calls node(ray, line), triangle(line) or data(line) for every line that a tile's work reads: first the walks, ray by
-/// ray, then the kernels' accesses. A machine reads these lines in another order.
+/// Calls node(ray, line), triangle(line) or data(line) for every cache line that a tile reads: first the nodes and
+/// triangles of its rays, ray by ray, then the accesses of its kernels. A simulated machine reads these lines in
+/// another order.
 template <class Node, class Triangle, class Data>
 void for_each_line(const traces::TileWork& work, const traces::Layout& layout, Node&& node, Triangle&& triangle,
                    Data&& data) {

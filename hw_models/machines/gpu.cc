@@ -14,7 +14,7 @@ namespace hw {
 
 ScheduledKernels schedule_kernels(const GpuConfig& config) {
   SrpConfig srp = config.srp;
-  if (config.ideal.tile_buffer) srp.array.local_ports = 64;  // more than any kernel can use
+  if (config.ideal.tile_buffer) srp.array.local_ports = 64;  // more ports than any kernel can use
   ScheduledKernels out;
   for (const kernels::KernelInfo& kernel : kernels::kernel_catalogue()) {
     out.kernels.push_back(schedule_kernel(kernel.graph, srp));
@@ -25,8 +25,8 @@ ScheduledKernels schedule_kernels(const GpuConfig& config) {
 
 namespace {
 
-constexpr std::uint32_t kStarts = 8;   // a core starts up to seven cycles late
-constexpr std::uint32_t kFabrics = 3;  // a cycle less, none, a cycle more
+constexpr std::uint32_t kStarts = 8;   // a core starts 0 to 7 cycles late
+constexpr std::uint32_t kFabrics = 3;  // fabric latency changes by -1, 0 or +1 cycles
 
 }  // namespace
 
@@ -43,10 +43,12 @@ Perturbation draw_perturbation(std::uint32_t cores, std::uint32_t frame, std::ui
 
 namespace {
 
-/// Returns the bytes reserved for a core's largest spill: rays and hits of a chunk, in two batches.
+/// Returns the size in bytes of the memory for one core's largest ray spill: rays and hits of one chunk, in two
+/// batches.
 Addr spill_bytes(const GpuConfig& config) { return Addr{4} * config.srp.chunk * config.tile_buffer.slot_bytes; }
 
-/// Returns the frame's areas in memory: regions after the scene, then room for each core's largest spill.
+/// Returns the start addresses of the frame's areas in memory for one core: the regions after the scene, then space for
+/// the core's ray spill.
 std::array<Addr, kAreas> areas_of(const GpuConfig& config, const Gpu::Workload& workload, std::uint32_t core) {
   std::array<Addr, kAreas> areas{};
   Addr next = workload.image.layout.frame_buffer;
@@ -58,13 +60,13 @@ std::array<Addr, kAreas> areas_of(const GpuConfig& config, const Gpu::Workload& 
   return areas;
 }
 
-/// Returns the address of a core's rays and hits in memory, after the spills; without a direct interface.
+/// Returns the address of the memory through which one core's rays and hits pass without a direct interface.
 Addr records_of(const GpuConfig& config, const Gpu::Workload& workload, std::uint32_t core) {
   const Addr spills_end = areas_of(config, workload, config.cores)[static_cast<std::size_t>(Area::kSpill)];
   return spills_end + core * MemoryInterface::bytes_of(config.direct_interface);
 }
 
-/// Returns the rasterisers' arrays, shared by all cores, after the areas of all cores.
+/// Returns the addresses of the rasterisers' arrays, which all cores share; they follow the areas of all cores.
 RasterMemory raster_memory_of(const GpuConfig& config, const Gpu::Workload& workload) {
   return {whole_lines(records_of(config, workload, config.cores)), *workload.needs.raster};
 }
@@ -92,7 +94,7 @@ Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles, c
     links.to_core.push_back(&core.tiles_in);
     links.from_core.push_back(&core.tiles_out);
   }
-  // The L2 gets writes only of rays, hits and the results of a rasteriser's geometry pass.
+  // The L2 receives writes only of rays, of hits and of a rasteriser's geometry pass.
   const bool writes = !config.direct_interface.enabled || workload.needs.raster;
   const bool keeps_writes = writes && config.l2.writes == L2Writes::kBack && !config.ideal.l2;
   if (keeps_writes) links.to_l2 = memory_.link_flushes(dispatcher_id_);
@@ -106,7 +108,7 @@ Gpu::Core& Gpu::declare_core(std::uint32_t c) {
   const sim::UnitId srp = machine_.unit({name_in_core(Srp::kName, c), srp_clock_, c + 1, config_.srp.sram_bytes(),
                                          config_.srp.data_cache.size.bytes, config_.srp.array.parts()});
   const std::uint32_t in_flight = in_flight_.max_tiles();
-  const auto known = sim::Lookahead::kByOwner;  // run_limits() limits the lookahead of tiles
+  const auto known = sim::Lookahead::kByOwner;  // run_limits() bounds how early a tile can arrive
   TniCore tni(machine_, config_.tni, {config_.ideal.tni, config_.ideal.l1}, c, tni_clock_);
   memory_.declare_ports();
   return cores_.emplace_back(
@@ -186,7 +188,7 @@ void Gpu::build_core(std::uint32_t c, const Workload& workload) {
         RasterUnit::Links{raster->jobs, raster->done, raster->memory.requests, raster->memory.responses},
         raster->memory.client, tni_clock_, config_.ideal.l1);
   }
-  std::vector<MemoryPort> records;  // of the rays, then of the hits
+  std::vector<MemoryPort> records;  // ports for the rays and for the hits
   if (between) {
     const MemoryClient client{*between, config_.interconnect.link_depth, RequesterKind::kRecords};
     records = memory_.add_cache_clients(c, std::array{client, client});
@@ -201,7 +203,7 @@ void Gpu::build_core(std::uint32_t c, const Workload& workload) {
 }
 
 sim::RunLimits Gpu::run_limits(sim::Time now) const {
-  // When all tiles are finished, the run may end at any time.
+  // Once all tiles are finished, the run may end at any time.
   if (stopped_ || dispatcher_->is_done()) return {now, now};
   const Core& core = cores_.front();
   const sim::Time dispatch = machine_.wake_time(dispatcher_id_), next_tile = dispatch + core.tiles_in.latency();
@@ -211,8 +213,8 @@ sim::RunLimits Gpu::run_limits(sim::Time now) const {
   return {dispatch, dispatcher_->has_more() ? end : std::min(end, last_tile_may_end(now))};
 }
 
-/// Returns the earliest time at which the dispatcher can receive the end of the last tile, with no tile left to
-/// dispatch.
+/// Returns the earliest time at which the tile dispatcher can receive the end of the last tile. Called when no tile is
+/// left to dispatch.
 sim::Time Gpu::last_tile_may_end(sim::Time now) const {
   sim::Time at = now + cores_.front().tiles_out.latency();
   for (const Core& core : cores_) at = std::min(at, core.tiles_out.pop_at());

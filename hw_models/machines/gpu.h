@@ -24,43 +24,44 @@
 
 namespace hw {
 
-/// The schedules of all kernels for a machine's shader cores, by KernelId.
+/// The schedules and bank conflicts of all kernels on the shader cores of a configuration, by KernelId.
 struct ScheduledKernels {
   std::vector<KernelSchedule> kernels;
   std::vector<BankConflicts> conflicts;
 };
 ScheduledKernels schedule_kernels(const GpuConfig& config);
 
-/// Timing perturbation of a replicate, far below design significance (docs/noise.md). Cores start a few cycles later,
-/// the memory's fabric is a command clock cycle longer or shorter, refreshes have another phase. After Alameldeen and
-/// Wood, "Variability in Architectural Simulations of Multi-threaded Workloads", HPCA 2003. None by default.
+/// Small change of a GPU's timing, to measure how much results depend on chance (docs/noise.md): cores start a few
+/// cycles later, the memory fabric takes one command clock cycle more or less, refreshes have another phase. After
+/// Alameldeen and Wood, "Variability in Architectural Simulations of Multi-threaded Workloads", HPCA 2003. By default
+/// it changes nothing.
 struct Perturbation {
-  std::vector<std::uint32_t> starts;  ///< for each core, the dispatcher's cycles before its first tile; empty: 0
+  std::vector<std::uint32_t> starts;  ///< cycles after time 0 before each core's first tile; empty: 0 for all cores
   DramPerturbation dram;
 };
 
-/// Draws the perturbation of a replicate of a frame; replicate 0 has none.
+/// Returns the timing perturbation of one repetition of a frame, from a hash; repetition 0 is unperturbed.
 Perturbation draw_perturbation(std::uint32_t cores, std::uint32_t frame, std::uint32_t replicate);
 
-/// The whole machine: cores, shared memory side and tile dispatcher.
+/// The simulated GPU: cores, the memory side that they share, and the tile dispatcher.
 ///
 ///   tile dispatcher --> core x n: SRP <--direct interface--> T&I unit        core ports       L2 banks    channels
 ///                        |  tile buffer --> DMA -------------------------------------------------------> LPDDR
 ///                        +-- L1s of TRVs and IST, data cache --------------> arbiter -------> L2 -------->
 ///
-/// Frames that need one have a rasteriser in each core, which is another client of the core's port.
-///
-/// Without the direct interface, rays and hits go through a memory interface, also a client of the core's port.
+/// 1. If the frame needs rasterisers, each core has one, as a further client of its port.
+/// 2. Without the direct interface, rays and hits go through a memory interface, also a client of the core's port.
 class Gpu {
  public:
-  /// Properties of the workload that the machine needs in addition to its tiles.
+  /// Properties of a frame that a GPU needs in addition to the tiles.
   struct Workload {
     const traces::MemoryImage& image;
-    std::span<const std::uint32_t> parents;  ///< the parent of each node of the tree
+    std::span<const std::uint32_t> parents;  ///< parent of each node of the BVH
     traces::FrameRequirements needs{.tile_samples = 256};
     bool dma_encodes = false;  ///< the DMA sRGB-encodes finished pixels
     Observer* observer = nullptr;
-    /// Schedules from a machine with the same shader cores; null: the machine schedules the kernels.
+    /// Schedules of all kernels from a GPU with the same shader cores; if null, the kernels are scheduled on
+    /// construction.
     std::shared_ptr<const ScheduledKernels> scheduled{};
   };
 
@@ -74,19 +75,19 @@ class Gpu {
   sim::RunLimits run_limits(sim::Time now) const;
   sim::Time patience() const { return patience_; }
 
-  /// Charges every unit's time up to the end of the run. Called once, with the time that the engine returned.
+  /// Charges every unit's time up to the end of the run. Call once, with the time that the engine returned.
   void finish(sim::Time last_edge);
-  /// Returns the end of the run, rounded up to whole T&I cycles; after finish().
+  /// Returns the end of the run, rounded up to whole T&I cycles. Call after finish().
   sim::Time elapsed_time() const { return elapsed_; }
   std::uint64_t elapsed_cycles() const { return tni_clock_.cycles(elapsed_); }
 
-  /// Brings all counters up to a time at which a tile is dispatched, while the machine runs.
+  /// Updates all counters to the time `now` while the GPU runs. `now`: a time at which a tile is dispatched.
   void account_until(sim::Time now) { machine_.account_until(now); }
-  /// Ends the run early, when the last tile of the list is dispatched. The tiles in flight are not finished.
+  /// Ends the run early, at the dispatch of the last tile of the list. Tiles in flight are left unfinished.
   void stop_early() { stopped_ = true; }
   bool is_stopped() const { return stopped_; }
 
-  /// Returns the T&I cycles up to the last tick of the tile dispatcher, while the machine runs.
+  /// Returns the number of T&I cycles up to the last tick of the tile dispatcher, while the GPU runs.
   std::uint64_t cycles_so_far() const { return tni_clock_.cycles(dispatcher_->activity().accounted_until()); }
 
   /// Returns the counters of all units, in a fixed order.
@@ -97,8 +98,8 @@ class Gpu {
   const std::shared_ptr<const ScheduledKernels>& scheduled_kernels() const { return scheduled_; }
   std::uint32_t core_count() const { return static_cast<std::uint32_t>(cores_.size()); }
 
-  /// Warms the caches of a core with the lines that a tile reads, and the L2 with the lines that these caches miss.
-  /// Takes no time and counts nothing.
+  /// Puts the cache lines that a tile reads into the caches of a core, and those that miss there into the L2. Takes no
+  /// simulated time and counts no accesses.
   void warm_caches(const traces::TileWork& work, std::uint32_t core);
 
  private:
@@ -110,13 +111,13 @@ class Gpu {
     Srp* srp = nullptr;
     Dma* dma = nullptr;
   };
-  /// The links of a direct interface, or those between each end and a memory interface.
+  /// The links of a direct interface, or the links between each end and a memory interface.
   struct Interface {
     sim::Link<RayJob>&rays_from_srp, &rays_to_tni;
     sim::Link<RayDone>&hits_from_tni, &hits_to_srp;
   };
 
-  /// A rasteriser's links to its core and to memory.
+  /// The links of a rasteriser to its core and to memory.
   struct RasterWires {
     sim::UnitId unit;
     sim::Link<RasterJob>& jobs;

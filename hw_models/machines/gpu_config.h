@@ -16,8 +16,8 @@
 
 namespace hw {
 
-/// Resources made ideal, one or several at a time, so that they cost no time. A run with one of them bounds the gain
-/// from better hardware of that kind.
+/// Hardware resources that the model makes ideal, one or several at a time, so that they cost no time. A run with an
+/// ideal resource bounds the gain from better hardware of that kind.
 struct IdealConfig {
   bool tni = false;
   bool l1 = false;
@@ -29,7 +29,7 @@ struct IdealConfig {
 
   struct Resource {
     const char* name;
-    const char* words;  ///< plural, for sentences
+    const char* words;  ///< plural noun, for sentences
     bool IdealConfig::*member;
     const char* meaning;
   };
@@ -59,7 +59,7 @@ inline constexpr std::array<IdealConfig::Resource, 7> IdealConfig::kResources = 
      "any number of requests and lines a cycle, each in one cycle"},
 }};
 
-/// Clock domains on the chip. The memory's clock is part of its grade.
+/// Clock domains on the chip. The clock of the memory is part of the memory's configuration.
 struct ClockConfig {
   sim::Frequency tni{500'000'000};
   sim::Frequency srp{1'000'000'000};
@@ -85,7 +85,7 @@ struct DmaConfig {
   }
 };
 
-/// Configuration of the whole machine.
+/// Configuration of the whole GPU.
 struct GpuConfig {
   std::uint32_t cores = 4;
   ClockConfig clocks;

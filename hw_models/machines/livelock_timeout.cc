@@ -5,11 +5,11 @@
 namespace hw {
 namespace {
 
-/// Safety factor for effects that the sum below ignores; chosen.
+/// Safety factor for effects that the timeout's formula ignores; chosen.
 constexpr sim::Time kMargin = 8;
-/// Longer than any frame, and small enough for arithmetic without overflow.
+/// A time longer than any frame, and small enough for arithmetic without overflow.
 constexpr sim::Time kLongest = 1000 * sim::kFemtosecondsPerSecond;
-/// Maximum number of lines that an item needs one after the other; no record has more.
+/// Maximum number of memory lines that one item needs one after the other; no record has more.
 constexpr sim::Time kLines = 16;
 
 sim::Time longest_chunk(const GpuConfig& config, std::span<const KernelSchedule> kernels,
@@ -23,7 +23,7 @@ sim::Time longest_chunk(const GpuConfig& config, std::span<const KernelSchedule>
   return (cycles + config.srp.switch_cycles) * config.clocks.srp.clock().period();
 }
 
-/// Returns the latency from a core to a channel and back, with empty queues.
+/// Returns the latency from a core to a DRAM channel and back, with empty queues.
 sim::Time round_trip_latency(const GpuConfig& config) {
   const sim::Time crossings = 8, synchroniser = config.clocks.synchroniser + 1;
   const sim::Time l2 = 2 * config.interconnect.latency + config.l2.lookup_cycles + config.l2.cache.hit_cycles +
@@ -32,7 +32,7 @@ sim::Time round_trip_latency(const GpuConfig& config) {
   return l2 * config.clocks.l2.clock().period() + tni * config.clocks.tni.clock().period() + config.dram.fabric.time;
 }
 
-/// Returns the worst latency of a line in a channel.
+/// Returns the worst latency of one line in a DRAM channel that serves no other request.
 sim::Time worst_line_latency(const DramConfig& dram) {
   const DramTiming& t = dram.timing;
   const sim::Time cycles = std::max(t.rfc_ab, t.rfc_pb) + t.xp + t.rp_ab + t.rc + t.rcd + t.rl + t.dqsck + t.wr +
@@ -40,7 +40,7 @@ sim::Time worst_line_latency(const DramConfig& dram) {
   return cycles * t.ck.time;
 }
 
-/// Returns the maximum number of requests in flight.
+/// Returns the maximum number of memory requests in flight in the GPU.
 sim::Time max_requests(const GpuConfig& config) {
   const sim::Time core = config.tni.trvs * config.tni.trv.l1.mshrs + config.tni.ist.l1.mshrs +
                          config.srp.data_cache.mshrs + config.dma.depth +

@@ -5,7 +5,7 @@
 namespace hw {
 namespace {
 
-constexpr std::uint32_t kIdealDepth = 256;  // of links of an ideal interconnect: more than can be in flight
+constexpr std::uint32_t kIdealDepth = 256;  // slots of a link of an ideal interconnect: more than can be in flight
 
 }  // namespace
 
@@ -70,7 +70,8 @@ void MemorySystem::link_to_banks(Port& cache) {
   }
 }
 
-/// Links a DMA port to the channels. The latency down is that of the way up, rounded up to whole memory cycles.
+/// Links a core's DMA port to the DRAM channels. The latency towards the core equals that towards the channel, rounded
+/// up to whole memory cycles.
 void MemorySystem::link_to_channels(Port& dma) {
   const sim::Time cycle = config_.dram.timing.ck.time;
   const auto down_distance = static_cast<std::uint32_t>((distance_ * clock_.period() + cycle - 1) / cycle);

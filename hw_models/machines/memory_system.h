@@ -13,34 +13,34 @@
 
 namespace hw {
 
-/// Slots of the link for requests from a unit to its core's port.
+/// Slots of the link that carries requests from a unit to its core's port.
 inline constexpr std::uint32_t kRequestDepth = 2;
 
-/// The memory side of a machine: each core's ports, L2 banks, channels, and the links between them.
+/// The memory side of a GPU: the ports of each core, the L2 banks, the DRAM channels, and the links between them.
 ///
 ///   clients x n of each core --> cache port --> L2 banks --> channels
 ///   DMA of each core ----------> DMA port -----------------> channels
 ///
-/// It is declared first, core by core, so that links can connect to it. Ports are built after their clients.
+/// The ports are declared first, core by core, so that links can connect to them. They are built after their clients.
 class MemorySystem {
  public:
-  enum class Dma : bool { kNo, kYes };  ///< whether there are DMA ports
+  enum class Dma : bool { kNo, kYes };  ///< whether cores have DMA ports
 
-  /// `config` must outlive it.
+  /// `config` must outlive this object.
   MemorySystem(sim::Machine& machine, const GpuConfig& config, Dma dma, const DramPerturbation& shift = {},
                Observer* observer = nullptr);
 
-  /// Declares the ports of the next core.
+  /// Declares the cache port and the DMA port of the next core.
   void declare_ports();
-  /// Adds a client to a core's cache port.
+  /// Adds a client to a core's cache port and returns its links.
   MemoryPort add_cache_client(std::uint32_t core, const MemoryClient& client);
   std::vector<MemoryPort> add_cache_clients(std::uint32_t core, std::span<const MemoryClient> clients);
-  /// Links the DMA to its port, with dma.depth slots.
+  /// Links a core's DMA to its port, with dma.depth slots, and returns the links.
   MemoryPort add_dma_client(std::uint32_t core, sim::UnitId dma);
-  /// Links from a unit to each bank that carry a Flush.
+  /// Returns one link from a unit to each L2 bank, for messages to flush the bank.
   std::vector<sim::Link<Flush>*> link_flushes(sim::UnitId from);
 
-  /// Builds a core's ports, and returns its cache port.
+  /// Builds the ports of a core and returns its cache port.
   CorePort& build_ports(std::uint32_t core);
   sim::UnitId cache_port_id(std::uint32_t core) const { return cache_ports_[core].unit; }
   void build_banks_and_channels();
@@ -74,8 +74,8 @@ class MemorySystem {
   const DramPerturbation shift_;
   Observer* const observer_;
   const sim::Clock clock_;
-  const std::uint32_t distance_, link_depth_;  ///< of the links between ports and banks or channels
-  std::vector<Port> cache_ports_, dma_ports_;  ///< by core; without DMA there are no `dma_ports_`
+  const std::uint32_t distance_, link_depth_;  ///< latency and slots of the links between ports and banks or channels
+  std::vector<Port> cache_ports_, dma_ports_;  ///< by core; `dma_ports_` is empty without DMA
   std::vector<Bank> declared_banks_;
   std::vector<Channel> declared_channels_;
   std::vector<CorePort*> built_ports_;

@@ -17,7 +17,8 @@
 
 namespace hw {
 
-/// Replaces the shader core: sends a ray every `interval` cycles if the link has room, and accepts hits at once.
+/// Takes the place of the shader core: sends one ray every `interval` cycles if the link has room, and accepts every
+/// hit at once.
 ///
 /// `Rays` provides the rays by number: `count()`, `walk(ray)`, and `returned(ray, now)`, which is called for each
 /// finished ray.
@@ -54,7 +55,7 @@ class RaySource {
   sim::Time send_at_ = 0;
 };
 
-/// Builds a core's T&I unit with a source of rays in place of the shader core.
+/// Builds a core's T&I unit with a source of rays in place of the shader core, and returns the source.
 ///
 ///   source --> direct interface --> T&I unit --> memory
 template <class Rays>
@@ -68,13 +69,13 @@ RaySource<Rays>& build_source_and_tni(sim::Machine& machine, const DirectInterfa
   return built;
 }
 
-/// The rays of a list that one core gets: every nth block of kBlock rays, for n cores. A block is traced when first
-/// needed, and dropped when all its rays have returned.
+/// The part of a list of rays that one core traverses: with n cores, every nth block of kBlock rays. A block is traced
+/// when first needed, and dropped when all its rays have returned.
 class CoreRays {
  public:
   static constexpr std::uint32_t kBlock = 64;
-  /// Called for each finished block with its number of rays; returns whether to continue. If not, the core's list ends
-  /// after the blocks traced so far.
+  /// Called for each finished block with its number of rays; returns whether to continue. If it returns false, the
+  /// core's list ends after the blocks traced so far.
   using Finished = std::function<bool(std::uint32_t rays, sim::Time now)>;
 
   CoreRays(std::span<const traces::Ray> rays, const traces::Tracer& tracer, std::uint32_t core, std::uint32_t cores,
@@ -112,24 +113,24 @@ struct RaysDone {
   std::uint64_t rays = 0, cycles = 0;
 };
 
-/// The T&I units, caches and memory of a machine, with a list of rays in place of shader cores.
+/// A GPU without shader cores: its T&I units, caches and memory traverse a list of rays.
 ///
 ///   rays --> T&I unit of each core --> core port --> L2 banks --> channels
 class RayMachine {
  public:
-  /// Called for each finished block of rays; returns whether to continue. If not, the machine still finishes the blocks
-  /// that it has started.
+  /// Called for each finished block of rays; returns whether to continue. If it returns false, the blocks started so
+  /// far are still finished.
   using Watch = std::function<bool(const RaysDone& so_far)>;
 
-  /// `parents`: of the image's nodes. All arguments must outlive it.
+  /// `parents`: parent of each node of the image's BVH. All arguments must outlive this object.
   RayMachine(const GpuConfig& config, const traces::MemoryImage& image, std::span<const std::uint32_t> parents,
              std::span<const traces::Ray> rays, Watch watch);
   RayMachine(const RayMachine&) = delete;
   RayMachine& operator=(const RayMachine&) = delete;
 
-  /// Runs all rays, or until `watch` stops it. sim::Deadlock if they do not finish.
+  /// Traverses all rays, or rays until `watch` stops the run. Throws sim::Deadlock if they do not finish.
   void run();
-  /// Finished rays.
+  /// Returns the number of finished rays.
   std::uint64_t ray_count() const { return done_.rays; }
   sim::Time elapsed_time() const { return elapsed_; }
   std::uint64_t elapsed_cycles() const { return clock_.cycles(elapsed_); }
@@ -137,7 +138,7 @@ class RayMachine {
   std::uint64_t step_count() const;
   std::vector<sim::UnitReport> unit_reports() const { return machine_.report(); }
 
-  // Interface for the engine.
+  // Interface for the engine (sim/engine.h).
   sim::Machine& machine() { return machine_; }
   bool done() const;
   sim::Time patience() const;

@@ -19,13 +19,13 @@
 
 namespace hw {
 
-/// Name and reasons of a kind of units, for code that has only their reports.
+/// Name and cycle reasons of one kind of unit, for code that has only reports of units.
 struct UnitKind {
   std::string_view name;  ///< "core.tni.trv" of "core0.tni.trv2"
   std::span<const sim::Reason> reasons;
 };
 
-/// All kinds of units, from the memory up: a unit is before those that wait for it.
+/// All kinds of units, from the memory up: each kind precedes those that wait for it.
 inline constexpr std::array<UnitKind, 13> kUnitKinds = {{{DramChannel::kName, DramChannel::kReasons},
                                                          {L2Bank::kName, L2Bank::kReasons},
                                                          {CorePort::kCachePort, CorePort::kReasons},
@@ -40,7 +40,8 @@ inline constexpr std::array<UnitKind, 13> kUnitKinds = {{{DramChannel::kName, Dr
                                                          {Srp::kName, Srp::kReasons},
                                                          {TileDispatcher::kName, TileDispatcher::kReasons}}};
 
-/// Returns the kind of a reason of a kind of units ("core.tni.trv"); empty if there is no such reason.
+/// Returns the category of a cycle reason, such as waiting or idle. `unit`: a kind of unit ("core.tni.trv"). Empty if
+/// the unit has no such reason.
 inline std::optional<sim::ReasonKind> kind_of_reason(std::string_view unit, std::string_view reason) {
   const auto kind = std::ranges::find(kUnitKinds, unit, &UnitKind::name);
   if (kind == kUnitKinds.end()) return {};

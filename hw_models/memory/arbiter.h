@@ -12,13 +12,13 @@ namespace hw {
 
 /// Order in which an arbiter serves several requesters of one resource.
 enum class Arbitration : std::uint8_t {
-  kRoundRobin,   ///< each in turn
-  kOldestFirst,  ///< the longest-waiting requester; of several, the lowest number
-  kFixed,        ///< the lowest number that is ready; high numbers can starve
+  kRoundRobin,   ///< each requester in turn
+  kOldestFirst,  ///< the requester that has waited longest; among equals the lowest number
+  kFixed,        ///< the ready requester with the lowest number; high numbers can starve
 };
 constexpr std::array<std::string_view, 3> names_of(Arbitration) { return {"round_robin", "oldest_first", "fixed"}; }
 
-/// Arbitrates among `count` requesters, at most 64.
+/// Decides which of up to 64 requesters of one resource is served next.
 class Arbiter {
  public:
   Arbiter(Arbitration arbitration, std::size_t count)
@@ -28,8 +28,8 @@ class Arbiter {
 
   std::uint32_t count() const { return count_; }
 
-  /// Returns the requester to serve: one with a bit in `requesting` that is `ready(i)`; count() if there is none.
-  /// `since(i)`: when it began to wait.
+  /// Returns the requester to serve next, among those in the mask `requesting` for which ready(i) is true; count() if
+  /// there is none. since(i): time at which requester i began to wait.
   template <class Ready, class Since>
   std::uint32_t choose_requester(std::uint64_t requesting, Ready&& ready, Since&& since) const {
     if (arbitration_ == Arbitration::kOldestFirst) return oldest_ready(requesting, ready, since);
@@ -39,7 +39,7 @@ class Arbiter {
     }
     return count_;
   }
-  /// Notes that the requester has been served.
+  /// Updates the round-robin order after `requester` has been served.
   void note_served(std::uint32_t requester) {
     if (arbitration_ == Arbitration::kRoundRobin) turn_ = next_index(requester);
   }

@@ -11,15 +11,15 @@
 
 namespace hw {
 
-/// Replacement policy: which line of a full set a fill evicts.
+/// Replacement policy of a cache: which line of a full set a fill evicts.
 enum class Replacement : std::uint8_t {
-  kLru,     ///< the least recently used
+  kLru,     ///< the least recently used line
   kPlru,    ///< pseudo-LRU: each bit of a tree points away from the half that was used last
-  kRandom,  ///< a random one, drawn by hash
+  kRandom,  ///< a random line, drawn by hash
 };
 constexpr std::array<std::string_view, 3> names_of(Replacement) { return {"lru", "plru", "random"}; }
 
-/// The shape of a cache: size = sets x ways x line.
+/// Size and organisation of a cache: size = sets x ways x line.
 struct CacheConfig {
   sim::ByteSize size{16 * 1024};
   sim::ByteSize line{kLineBytes};
@@ -33,7 +33,7 @@ struct CacheConfig {
     field(NAMED(c.hit_cycles), "cycles", "from probe to data of a hit; auto: by its size and latency.*",
           sim::between(1, 64), sim::Affects::kTiming);
   }
-  /// Describes all fields except hit_cycles, for caches whose hit time is configured elsewhere.
+  /// Declares all fields except hit_cycles, for caches whose hit time is configured elsewhere.
   static void describe_shape(auto& c, auto&& field) {
     using sim::Affects;
     field(NAMED(c.size), "bytes", "data held; size = sets x ways x line", sim::between(64, 16 << 20), Affects::kTiming);
@@ -63,15 +63,16 @@ struct CacheConfig {
   std::uint64_t set_count() const { return size.bytes / (ways * line.bytes); }
 };
 
-/// Write policy of the L2.
+/// Write policy of the L2 cache.
 enum class L2Writes : std::uint8_t {
-  kBack,     ///< stores the write; memory is written when the line is evicted
-  kThrough,  ///< forwards the write to memory, and updates the line if it is cached
-  kAround,   ///< forwards the write to memory, and invalidates the line if it is cached
+  kBack,     ///< write-back: the L2 stores the write; memory is written when the line is evicted
+  kThrough,  ///< write-through: the L2 forwards the write to memory and updates the line if it is cached
+  kAround,   ///< write-around: the L2 forwards the write to memory and invalidates the line if it is cached
 };
 constexpr std::array<std::string_view, 3> names_of(L2Writes) { return {"back", "through", "around"}; }
 
-/// Configuration of the second-level cache, shared by all cores. Size and MSHRs are totals of all banks.
+/// Configuration of the second-level cache (L2), which all cores share. Size and number of MSHRs are totals over all
+/// banks.
 struct L2Config {
   CacheConfig cache{.size = {256 * 1024}, .ways = 8, .mshrs = 32, .hit_cycles = 12};
   std::uint32_t banks = 4;

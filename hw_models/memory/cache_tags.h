@@ -18,23 +18,23 @@
 
 namespace hw {
 
-/// The tags of a set-associative cache, or of one of its banks.
+/// The tag array of a set-associative cache, or of one bank of it.
 ///
 ///   line --> [ set: `ways` tags, `ways` times of last use or a tree of bits ] --> slot of the line, or miss
 ///
-/// Lines are interleaved over `banks`, and each bank has its share of the sets. A slot is one way of one set. It keeps
-/// its line from a fill until the next.
+/// 1. Lines are interleaved over `banks`; each bank has its share of the sets.
+/// 2. A slot is one way of one set. It keeps its line until the next fill of the slot.
 class CacheTags {
  public:
   static constexpr std::size_t kNoSlot = std::numeric_limits<std::size_t>::max();
-  /// Result of a fill: the line's slot, and the evicted line.
+  /// Result of filling a line: its slot, and the line that it evicted, if any.
   struct Filled {
     std::size_t slot = 0;
     bool evicts = false;
     Addr evicted = 0;
   };
 
-  /// `clock`: initial time of use, for tests.
+  /// `clock`: initial value of the times of use, for tests.
   explicit CacheTags(const CacheConfig& config, std::uint32_t banks = 1, std::uint32_t clock = 0)
       : line_shift_(static_cast<std::uint32_t>(std::countr_zero(config.line.bytes))),
         set_shift_(line_shift_ + static_cast<std::uint32_t>(std::countr_zero(banks))),
@@ -50,10 +50,10 @@ class CacheTags {
     for (std::size_t set = 0; set < sets_.size(); set += 2 * stride_) std::fill_n(&sets_[set], stride_, kInvalid);
   }
 
-  /// Returns the number of slots; some may stay empty.
+  /// Returns the number of slots, including those that can never be used because ways are rounded up.
   std::size_t slot_count() const { return sets_.size() / 2; }
 
-  /// True if the line is cached; then marks it as used.
+  /// True if the line is cached. A hit marks the line as recently used.
   bool probe(Addr line) {
     const std::size_t set = set_of(line);
     std::uint32_t* const here = tags_of(set);
@@ -63,7 +63,7 @@ class CacheTags {
     return true;
   }
 
-  /// Returns the slot of the line and marks it as used; kNoSlot if the line is not cached.
+  /// Returns the slot of the line and marks the line as recently used; kNoSlot if it is not cached.
   std::size_t look_up(Addr line) {
     const std::size_t set = set_of(line);
     const std::uint32_t way = find_way(set, tag_of(line));
@@ -72,13 +72,13 @@ class CacheTags {
     return slot_of(set, way);
   }
 
-  /// True if the line is cached; does not mark it as used.
+  /// True if the line is cached. Does not change the replacement order.
   bool has_line(Addr line) const { return find_way(set_of(line), tag_of(line)) != kNoWay; }
 
-  /// Prefetches, on the host, the tags that a probe for the line will read.
+  /// Prefetches, on the host, the tags that a probe for the line will read. The simulated cache is not changed.
   void prefetch_tags_on_host(Addr line) const { __builtin_prefetch(tags_of(set_of(line))); }
 
-  /// Puts the line into an empty way of its set, or replaces the victim.
+  /// Fills the line into an empty way of its set, or replaces another line.
   Filled fill(Addr line) {
     const std::size_t set = set_of(line);
     const std::uint32_t found = find_way(set, tag_of(line));
@@ -90,12 +90,12 @@ class CacheTags {
     return {slot_of(set, way), before != kInvalid && found == kNoWay, Addr{before} << line_shift_};
   }
 
-  /// Empties the slot.
+  /// Makes a slot empty.
   void clear_slot(std::size_t slot) {
     tags_of(slot / stride_)[slot % stride_] = kInvalid;
     use_times_of(slot / stride_)[slot % stride_] = 0;
   }
-  /// Returns the line in a slot that is not empty.
+  /// Returns the address of the line in a slot, which must not be empty.
   Addr line_at(std::size_t slot) const { return Addr{tags_of(slot / stride_)[slot % stride_]} << line_shift_; }
 
  private:
@@ -103,7 +103,7 @@ class CacheTags {
   static constexpr std::uint32_t kNoWay = std::numeric_limits<std::uint32_t>::max();
   static constexpr std::uint32_t kLanes = 4;
 
-  /// Returns the line number, which identifies a line in any set: addresses end far below 2^32 lines.
+  /// Returns the number of the line in memory, which serves as tag in every set: addresses end far below 2^32 lines.
   std::uint32_t tag_of(Addr line) const { return static_cast<std::uint32_t>(line >> line_shift_); }
   std::size_t set_of(Addr line) const { return static_cast<std::size_t>((line >> set_shift_) & set_mask_); }
   std::size_t slot_of(std::size_t set, std::uint32_t way) const { return set * stride_ + way; }
@@ -112,9 +112,9 @@ class CacheTags {
   std::uint32_t* use_times_of(std::size_t set) { return tags_of(set) + stride_; }
   const std::uint32_t* use_times_of(std::size_t set) const { return tags_of(set) + stride_; }
 
-  /// Returns the way that holds `tag`, or kNoWay.
+  /// Returns the way of set `set` that holds the tag, or kNoWay.
   std::uint32_t find_way(std::size_t set, std::uint32_t tag) const { return find_way(tags_of(set), tag); }
-  /// Returns the way that holds `tag` among a set's tags, or kNoWay.
+  /// Returns the way that holds the tag, given the tags of one set; kNoWay if no way holds it.
   std::uint32_t find_way(const std::uint32_t* here, std::uint32_t tag) const {
     if (const std::uint32_t mask = match_four(here, tag); mask != 0)
       return static_cast<std::uint32_t>(std::countr_zero(mask));
@@ -124,7 +124,7 @@ class CacheTags {
     }
     return kNoWay;
   }
-  /// Returns a bit mask of the tags out of four that equal `tag`.
+  /// Returns a mask of those of four tags that equal `tag`.
   static std::uint32_t match_four(const std::uint32_t* four, std::uint32_t tag) {
 #if defined(__SSE4_1__)
     const __m128i all = _mm_loadu_si128(reinterpret_cast<const __m128i*>(four));
@@ -138,16 +138,16 @@ class CacheTags {
   }
 
   void mark_used(std::size_t set, std::uint32_t way) { mark_used(tags_of(set), set, way); }
-  /// Marks a way as used; `here` are the set's tags.
+  /// Marks a way of a set as recently used. `here`: the tags of the set.
   void mark_used(std::uint32_t* here, std::size_t set, std::uint32_t way) {
     if (clock_ == std::numeric_limits<std::uint32_t>::max()) [[unlikely]]
       renumber_use_times();
     here[stride_ + way] = ++clock_;
     if (replacement_ == Replacement::kPlru) point_away(trees_[set], way);
   }
-  /// Replaces times of last use by ranks within their sets, so that the clock can restart.
+  /// Replaces the times of last use by their ranks within each set, so that the clock can restart.
   void renumber_use_times();
-  /// Returns the first empty way, or the way to replace.
+  /// Returns an empty way of the set, or else the way to replace.
   std::uint32_t choose_victim(std::size_t set, std::uint32_t tag) const {
     const std::uint32_t least = sim::index_of_min(use_times_of(set), ways_);
     if (replacement_ == Replacement::kLru || tags_of(set)[least] == kInvalid) return least;
@@ -155,8 +155,8 @@ class CacheTags {
     return pointed_at(trees_[set]);
   }
 
-  // The tree: bit n selects the half below node n that has the next victim. Node 1 is the root; 2n and 2n + 1 are the
-  // halves of n.
+  // In the pseudo-LRU tree, bit n selects the half below node n that contains the next victim. Node 1 is the root; 2n
+  // and 2n + 1 are the halves of n.
   void point_away(std::uint64_t& tree, std::uint32_t way) const {
     for (std::uint32_t node = way + ways_; node > 1; node /= 2) {
       const std::uint64_t bit = std::uint64_t{1} << (node / 2);
@@ -171,12 +171,12 @@ class CacheTags {
 
   std::uint32_t line_shift_;
   std::uint32_t set_shift_;
-  std::uint32_t ways_, stride_;  ///< ways of a set; the same rounded up, as four are compared at once
+  std::uint32_t ways_, stride_;  ///< ways of a set; the same rounded up, because four tags are compared at a time
   std::size_t words_;            ///< words of a set in `sets_`
   Replacement replacement_;
   Addr set_mask_;
   std::vector<std::uint32_t> sets_;   ///< for each set its tags, then their times of last use
-  std::vector<std::uint64_t> trees_;  ///< by set
+  std::vector<std::uint64_t> trees_;  ///< pseudo-LRU tree of each set
   std::uint32_t clock_;
   std::uint64_t fills_ = 0;
 };

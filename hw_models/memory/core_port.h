@@ -16,7 +16,7 @@
 
 namespace hw {
 
-/// Configuration of the interconnect between cores and the shared memory side.
+/// Configuration of the interconnect between the cores and the memory side that they share.
 struct InterconnectConfig {
   std::uint32_t latency = 4;
   std::uint32_t width_bytes = 32;
@@ -37,14 +37,14 @@ struct InterconnectConfig {
   }
 };
 
-/// A core's port to the memory side: its clients' requests go up, lines come down. One port carries the caches'
-/// requests to the L2 banks. A second port, with one client, carries the DMA's requests past the L2 to the DRAM
-/// channels.
+/// A core's port to the memory side: carries requests of the core's units up to L2 or memory, and lines down to the
+/// units. A core has two such ports: one for the requests of its caches to the L2 banks, and one for its DMA, past the
+/// L2 to the DRAM channels.
 ///
 ///   clients_in  --> arbiter, one request per cycle -------> targets_out (chosen by the line's address)
 ///   clients_out <-- arbiter, line / width cycles a line <-- targets_in
 ///
-/// 1. A client's number is its index in clients_out. It writes that number into `source`.
+/// 1. A client's number is its index in clients_out. The client writes that number into `source` of its requests.
 /// 2. A write carries its sectors up, and occupies the upward wires as long as these sectors would occupy the downward
 /// ones. A read of sectors returns the whole line.
 /// 3. The distance to the targets is the links' latency.
@@ -82,7 +82,7 @@ class CorePort {
     std::vector<sim::Link<MemResponse>*> clients_out;
     std::vector<sim::Link<MemRequest>*> targets_out;
     std::vector<sim::Link<MemResponse>*> targets_in;
-    std::vector<RequesterKind> requesters;  ///< by client, if there is an observer
+    std::vector<RequesterKind> requesters;  ///< kind of each client, if there is an observer
     Observer* observer = nullptr;
   };
 

@@ -12,19 +12,19 @@
 
 namespace hw {
 
-/// A read-only first-level cache of one unit: tags, merging MSHRs, and a queue of requests to memory. A bit mask holds
-/// the unit's slots that wait for a line. An ideal cache holds every line.
+/// A read-only first-level cache of one unit: tags, merging MSHRs, and a queue of requests to memory. Each MSHR holds a
+/// bit mask of the slots of the unit that wait for its line. An ideal cache hits on every line.
 class L1Cache {
  public:
   enum class Result : std::uint8_t {
     kHit,
-    kMiss,  ///< the slot now waits for the line; fill() returns it
-    kFull,  ///< no free MSHR: nothing has changed; retry after a fill
+    kMiss,  ///< the slot now waits for the line; fill() will return the slot
+    kFull,  ///< no MSHR is free, and nothing has changed; the slot must retry after a fill
   };
 
-  /// A line requested from memory.
+  /// An outstanding miss of a first-level cache.
   struct Miss {
-    std::uint64_t slots = 0;         ///< slots that wait for it
+    std::uint64_t slots = 0;         ///< mask of the unit's slots that wait for the line
     std::uint64_t requested_at = 0;  ///< cycle of the miss, on the unit's clock
   };
 
@@ -43,50 +43,52 @@ class L1Cache {
     return Result::kMiss;
   }
 
-  /// Accesses a line in a cache that is not ideal. False, without side effects, if the line is not cached.
+  /// Reads a line if it is cached. Returns false, without side effects, if it is not. Not for ideal caches.
   bool try_hit(Addr line) { return tags_.probe(line); }
 
-  /// Requests a line ahead of use, on behalf of a slot. False if it is cached or already requested. Needs a free MSHR.
+  /// Prefetches a line on behalf of a slot. Returns false if the line is cached or already requested. Requires a free
+  /// MSHR.
   bool prefetch_line(Addr line, std::uint32_t slot, std::uint64_t cycle) {
     if (has_line(line) || find_miss(line) != nullptr) return false;
     request_line(line, {0, cycle}, slot_tiles_[slot]);
     return true;
   }
 
-  /// Attributes later requests of this slot to the given tile.
+  /// Attributes later requests of a slot to the given tile.
   void set_slot_tile(std::uint32_t slot, TileTag tile) { slot_tiles_[slot] = tile; }
   TileTag slot_tile(std::uint32_t slot) const { return slot_tiles_[slot]; }
 
-  /// Fills a line. Returns the slots that waited for it, and when it was requested.
+  /// Fills a line and frees its MSHR. Returns the slots that waited for the line and the cycle of the miss.
   Miss fill(Addr line) {
     tags_.fill(line);
     return misses_.release(line);
   }
 
-  /// Makes the line present as if it had been read, in no time (Gpu::warm_caches). False if it was not present.
+  /// Puts a line into the cache in no simulated time (Gpu::warm_caches). Returns false if it was not there before.
   bool warm_line(Addr line) {
     if (ideal_ || tags_.probe(line)) return true;
     tags_.fill(line);
     return false;
   }
 
-  /// True if the line is cached; without side effects.
+  /// True if the line is cached. Does not change the replacement order.
   bool has_line(Addr line) const { return ideal_ || tags_.has_line(line); }
-  /// Prefetches, on the host, the tags that a probe for the line will read.
+  /// Prefetches, on the host, the tags that a probe for the line will read. The simulated cache is not changed.
   void prefetch_tags_on_host(Addr line) const { tags_.prefetch_tags_on_host(line); }
-  /// Returns the outstanding miss of the line, or nullptr.
+  /// Returns the outstanding miss of a line, or nullptr.
   const Miss* find_miss(Addr line) { return misses_.find_payload(line); }
 
-  /// Requests that have not been sent yet.
+  /// Returns the number of misses whose requests to memory have not been sent yet.
   std::size_t unsent_requests() const { return unsent_.size(); }
-  /// Sends the oldest unsent request, if there is one and the link has room.
+  /// Sends the oldest unsent request to memory, if there is one and the link has room.
   void send_request(sim::Time now, sim::Link<MemRequest>& out) {
     if (unsent_.empty() || !out.can_push(now)) [[likely]]
       return;
     out.push(now, MemRequest{unsent_.front().line, source_, 0, false, kWholeLine, unsent_.front().tile});
     unsent_.pop_front();
   }
-  /// Returns when send_request() next has something to do.
+  /// Returns the time at which send_request() can next send a request; kNever if there is none. `next`: the time of the
+  /// next cycle.
   sim::Time next_send_time(sim::Time next, const sim::Link<MemRequest>& out) const {
     return unsent_.empty() ? sim::kNever : std::max(next, out.push_at());
   }

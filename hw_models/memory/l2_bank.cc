@@ -66,7 +66,7 @@ bool L2Bank::idle() const {
   return !dirty && !head_.full && !filled_.has_waiters() && misses_.empty() && unsent_.empty() && hits_.empty();
 }
 
-/// Sends one line per cycle: waiters of the last fill first, then hits.
+/// Sends one line per cycle to a core: first to the waiters of the last fill, then for hits.
 inline bool L2Bank::send_reply(sim::Time now) {
   const std::uint16_t core = reply_core(now);
   if (core == kNoCore || !cores_out_[core]->can_push(now)) return false;
@@ -83,7 +83,7 @@ inline bool L2Bank::send_reply(sim::Time now) {
   return true;
 }
 
-/// Takes a line from memory. Its waiters are answered from the next cycle on.
+/// Takes a line from memory into the bank. Its waiters are answered from the next cycle on.
 void L2Bank::take_fill(sim::Time now) {
   const std::uint32_t channel = channels_turn_.choose_requester(
       channels_in_.nonempty_mask(), [&](std::uint32_t i) { return channels_in_.can_pop(i, now); },
@@ -107,7 +107,7 @@ inline void L2Bank::send_to_memory(sim::Time now) {
   channel.push(now, unsent_.pop(now));
 }
 
-/// Queues a request to memory. It leaves at the end of its look-up.
+/// Queues a request from the L2 bank to memory. The request leaves when its look-up time has passed.
 void L2Bank::queue_to_memory(sim::Time now, const MemRequest& request) {
   unsent_.push(now, request);
   if (request.write)
@@ -120,7 +120,7 @@ void L2Bank::write_back(sim::Time now, const L2Store::Victim& victim, TileTag ti
   stats_.written_back += 1;
 }
 
-/// Takes a request into the head if that is empty, then processes the head if it is not blocked.
+/// Takes a request into the head of the queue if the head is empty, then processes the head unless it is blocked.
 inline bool L2Bank::take_request(sim::Time now) {
   const bool waited = head_.full;
   if (waited && waits_for_fill()) return false;
@@ -202,7 +202,7 @@ inline sim::Time L2Bank::next_wake(sim::Time now) const {
     at(cores_in_.pop_at());
   } else if (!hits_.can_push(now) && !head_.request.write) {
     at(hits_.push_at());
-  }  // else the head waits for a fill or for memory, whose tick looks it up again
+  }  // the head waits for a fill or for memory, whose tick looks it up again
   if (flush_in_ != nullptr) at(flush_in_->pop_at());
   if (flushing_ && store_.dirty_lines() != 0 && has_room(1)) at(next);
   at(unsent_.can_pop(now) ? channel_of(unsent_.front()).push_at() : unsent_.pop_at());
@@ -217,7 +217,7 @@ std::string L2Bank::state() const {
       store_.dirty_lines());
 }
 
-/// Executes the write at the head of the queue by the write policy; false if it must wait.
+/// Executes the write at the head of the queue by the L2's write policy; false if the write must wait.
 bool L2Bank::process_write(sim::Time now) {
   if (!has_room(1)) return false;
   const MemRequest& r = head_.request;
@@ -239,7 +239,7 @@ bool L2Bank::process_write(sim::Time now) {
   return true;
 }
 
-/// Stores the head's write in the cache.
+/// Stores the write at the head of the queue in the cache (write-back).
 void L2Bank::store_write(sim::Time now) {
   const MemRequest& r = head_.request;
   SectorMask overwritten = 0;
@@ -258,7 +258,7 @@ void L2Bank::store_write(sim::Time now) {
   stats_.bytes_overwritten += sector_bytes_ * static_cast<std::uint32_t>(std::popcount(overwritten));
 }
 
-/// Writes back one dirty line per cycle after a Flush.
+/// After a Flush, writes one dirty line per cycle back to memory. Returns true if it did.
 bool L2Bank::flush_line(sim::Time now) {
   if (flush_in_->can_pop(now)) {
     flush_in_->pop(now);
@@ -269,7 +269,7 @@ bool L2Bank::flush_line(sim::Time now) {
   return true;
 }
 
-/// Ticks an ideal bank, which accepts any number of requests per cycle. Cores do not affect each other.
+/// Ticks an ideal L2 bank, which accepts any number of requests per cycle. Cores do not delay each other.
 sim::Time L2Bank::tick_ideal(sim::Time now) {
   bool served = false;
   CycleReason then = CycleReason::kIdle;

@@ -21,12 +21,12 @@
 
 namespace hw {
 
-/// The lines of one L2 bank, with the valid and the dirty sectors of each. A write allocates its line without a fetch,
+/// The lines of one L2 bank and, for each, its valid and its dirty sectors. A write allocates its line without a fetch,
 /// so some sectors may be invalid. Dirty sectors are always valid.
 class L2Store {
  public:
   enum class Found : std::uint8_t { kNot, kPart, kAll };
-  /// Dirty sectors of an evicted line, to be written to memory; 0: none.
+  /// An evicted line and its dirty sectors, which must be written to memory; 0: none is dirty.
   struct Victim {
     Addr line = 0;
     SectorMask sectors = 0;
@@ -35,21 +35,22 @@ class L2Store {
   explicit L2Store(const L2Config& config)
       : tags_(config.cache, config.banks), valid_(tags_.slot_count(), kWholeLine), dirty_(tags_.slot_count(), 0) {}
 
-  /// Returns whether these sectors of the line are valid.
+  /// Returns whether none of the line is cached (kNot), some of the wanted sectors are invalid (kPart), or all are
+  /// valid.
   Found look_up(Addr line, SectorMask wanted) {
     const std::size_t slot = tags_.look_up(line);
     if (slot == CacheTags::kNoSlot) return Found::kNot;
     return (wanted & ~valid_[slot]) == 0 ? Found::kAll : Found::kPart;
   }
 
-  /// Removes a cached line, and returns its dirty sectors.
+  /// Removes a cached line and returns its dirty sectors.
   SectorMask invalidate(Addr line) {
     const std::size_t slot = tags_.look_up(line);
     tags_.clear_slot(slot);
     return clean_slot(slot);
   }
 
-  /// Writes sectors of a cached line and makes them dirty. Returns those that were dirty before.
+  /// Writes sectors of a cached line and marks them dirty. Returns those that were dirty before.
   SectorMask write_sectors(Addr line, SectorMask sectors) {
     const std::size_t slot = tags_.look_up(line);
     const SectorMask before = dirty_[slot] & sectors;
@@ -58,7 +59,8 @@ class L2Store {
     return before;
   }
 
-  /// Allocates a line that is not cached, with these valid and dirty sectors. Returns the victim's dirty sectors.
+  /// Allocates a line that is not cached, with the given valid and dirty sectors. Returns the evicted line with its
+  /// dirty sectors.
   Victim allocate(Addr line, SectorMask sectors, SectorMask dirty) {
     const CacheTags::Filled filled = tags_.fill(line);
     const Victim victim{filled.evicted, clean_slot(filled.slot)};
@@ -67,9 +69,10 @@ class L2Store {
     return victim;
   }
 
-  /// Lines with at least one dirty sector.
+  /// Returns the number of lines with at least one dirty sector.
   std::size_t dirty_lines() const { return dirty_lines_; }
-  /// Cleans the next dirty line in the order of slots; there must be one.
+  /// Marks the next dirty line, in slot order, as clean and returns it with the sectors to be written. There must be a
+  /// dirty line.
   Victim clean_next() {
     while (dirty_[next_] == 0) next_ = next_ + 1 == dirty_.size() ? 0 : next_ + 1;
     return {tags_.line_at(next_), clean_slot(next_)};
@@ -88,7 +91,7 @@ class L2Store {
   }
 
   CacheTags tags_;
-  std::vector<SectorMask> valid_, dirty_;  ///< by slot
+  std::vector<SectorMask> valid_, dirty_;  ///< valid and dirty sectors of each slot
   std::size_t dirty_lines_ = 0;
   std::size_t next_ = 0;  ///< slot at which clean_next() continues
 };
@@ -109,16 +112,15 @@ class L2Store {
 /// line.
 /// 5. At the end of a frame, a Flush writes all dirty sectors to memory.
 /// 6. The queue to memory has room for a miss and a dirty victim of every MSHR, so a fill never waits for it.
-///
-/// An ideal bank has every line. It accepts any number of requests, answers each a cycle later and stores what is
-/// written.
+/// 7. An ideal bank hits on every line. It accepts any number of requests, answers each a cycle later and stores what
+/// is written.
 ///
 /// Not modelled: contention of fills, writes and reads for the data array.
 class L2Bank {
  public:
   static constexpr const char* kName = "l2.bank";
   static constexpr Block kBlock = Block::kL2;
-  static constexpr std::size_t kMaxLinesPerTick = 1;  ///< to a core
+  static constexpr std::size_t kMaxLinesPerTick = 1;  ///< to one core
   enum class CycleReason : std::uint8_t {
     kIdle,
     kServing,
@@ -182,14 +184,14 @@ class L2Bank {
 
   sim::Time tick(sim::Time now);
   void finish(sim::Time end);
-  /// True if there are no requests inside and, in a bank that can be flushed, no dirty lines.
+  /// True if the bank holds no requests and, if it can be flushed, no dirty lines.
   bool idle() const;
 
   const sim::Clock& clock() const { return clock_; }
   const Stats& stats() const { return stats_; }
   const sim::Activity<CycleReason>& activity() const { return activity_; }
   std::string state() const;
-  /// Makes the line present as if it had been read, in no time. Dirty sectors of its victim are dropped.
+  /// Puts a line into the bank in no simulated time. Dirty sectors of the evicted line are lost.
   void warm_line(Addr line) {
     if (store_.look_up(line, 0) == L2Store::Found::kNot) store_.allocate(line, kWholeLine, 0);
   }
@@ -202,25 +204,25 @@ class L2Bank {
   };
   struct Waiter {
     std::uint16_t core = 0, source = 0, tag = 0;
-    sim::Time arrived = 0, missed = 0;  ///< at the bank; at the tag look-up
+    sim::Time arrived = 0, missed = 0;  ///< time of arrival at the bank; time of the tag look-up
   };
   struct Waiters {
     std::uint32_t count = 0;
     SectorMask dirty = 0;    ///< dirty sectors, to be merged with the fill
-    TileTag tile = kNoTile;  ///< the tile whose request missed
+    TileTag tile = kNoTile;  ///< tile whose request missed
     std::array<Waiter, L2Config::kMaxTargets> list;
   };
   struct Head {
     MemRequest request;
     std::uint16_t core = 0;
     bool full = false;
-    bool needs_mshr = false;  ///< it missed and found no free MSHR
+    bool needs_mshr = false;  ///< the head missed and found no free MSHR
     sim::Time arrived = 0;
   };
-  /// The last filled line, while its waiters are answered.
+  /// The line of the last fill, while the requests that waited for it are answered.
   struct Filled {
     Addr line = 0;
-    std::uint32_t next = 0, count = 0;  ///< index of the next waiter, and number of all
+    std::uint32_t next = 0, count = 0;  ///< index of the next waiter, and number of all waiters
     const Waiters* waiters = nullptr;
     bool has_waiters() const { return next < count; }
     const Waiter& next_waiter() const { return waiters->list[next]; }
@@ -236,14 +238,15 @@ class L2Bank {
   bool flush_line(sim::Time now);
   void queue_to_memory(sim::Time now, const MemRequest& request);
   void write_back(sim::Time now, const L2Store::Victim& victim, TileTag tile = kNoTile);
-  /// True if only a fill can unblock the head.
+  /// True if the head of the queue is blocked until a fill frees an MSHR.
   bool waits_for_fill() const { return head_.needs_mshr && misses_.is_full(); }
-  /// True if the queue to memory has room for `requests` and a dirty victim of every miss.
+  /// True if the queue to memory has room for `requests` requests and, in addition, a dirty victim of every outstanding
+  /// miss.
   bool has_room(std::uint32_t requests) const { return unsent_.size() + misses_.size() + requests <= unsent_capacity_; }
   sim::Time tick_ideal(sim::Time now);
   CycleReason wait_reason(sim::Time now) const;
   sim::Time next_wake(sim::Time now) const;
-  /// Returns the core of the next reply; kNoCore if there is no reply in this cycle.
+  /// Returns the core of the next reply; kNoCore if the bank has no reply to send in this cycle.
   static constexpr std::uint16_t kNoCore = 0xffff;
   std::uint16_t reply_core(sim::Time now) const {
     if (filled_.has_waiters()) return filled_.next_waiter().core;
@@ -275,10 +278,11 @@ class L2Bank {
   Arbiter cores_;
   Arbiter channels_turn_;
   bool flushing_ = false;
-  std::deque<sim::Link<Reply>> ideal_;  ///< replies to each core, with one cycle of latency; empty unless ideal
-  LatencySum read_time_;                ///< of reads, from arrival to departure
-  LatencySum memory_time_;              ///< of misses, from look-up to fill
-  LatencySum line_time_;                ///< of lines, from first miss to fill
+  std::deque<sim::Link<Reply>>
+      ideal_;               ///< replies to each core, with one cycle of latency; empty unless the bank is ideal
+  LatencySum read_time_;    ///< latency of reads, from arrival to departure
+  LatencySum memory_time_;  ///< latency of misses, from look-up to fill
+  LatencySum line_time_;    ///< time of outstanding lines, from first miss to fill
   Stats stats_;
   sim::Activity<CycleReason> activity_;
 };

@@ -8,18 +8,18 @@
 
 namespace hw {
 
-/// A unit that requests lines, and how many of them can be outstanding.
+/// A unit that requests memory lines, and the maximum number of its outstanding requests.
 struct MemoryClient {
   sim::UnitId unit;
   std::uint32_t lines = 1;
   RequesterKind requester = RequesterKind::kNodes;
 };
 
-/// A client's links to its port.
+/// The links between a unit and its core's port to memory.
 struct MemoryPort {
   sim::Link<MemRequest>& requests;
   sim::Link<MemResponse>& responses;
-  std::uint16_t client = 0;  ///< its index at the port, which it writes into MemRequest::source
+  std::uint16_t client = 0;  ///< the unit's index at the port, which it writes into MemRequest::source
 };
 
 }  // namespace hw

@@ -10,8 +10,8 @@
 
 namespace hw {
 
-/// Miss status holding registers (MSHRs, Kroft 1981): the outstanding lines, each with a payload. Lines are kept dense,
-/// so a search compares all of them. Payloads do not move when lines do.
+/// Miss status holding registers (MSHRs, Kroft 1981): the outstanding lines of a cache, each with a payload. Lines are
+/// kept dense, so a search compares all of them. A payload stays at its address until its line is released.
 template <class Payload>
 class MshrFile {
  public:
@@ -27,20 +27,20 @@ class MshrFile {
   bool empty() const { return size_ == 0; }
   bool is_full() const { return size_ == capacity(); }
 
-  /// Returns the payload of the line's MSHR, or nullptr if the line is not outstanding.
+  /// Returns the payload of an outstanding line, or nullptr if the line is not outstanding.
   Payload* find_payload(Addr line) {
     const std::uint32_t i = index_of(line);
     return i == size_ ? nullptr : &payloads_[slots_[i]];
   }
 
-  /// Allocates an MSHR for a line that has none. Its payload keeps the value of an earlier line.
+  /// Allocates an MSHR for a line that is not outstanding. The returned payload still has the value of an earlier line.
   Payload& allocate(Addr line) {
     assert(!is_full() && find_payload(line) == nullptr);
     lines_[size_] = line;
     return payloads_[slots_[size_++]];
   }
 
-  /// Frees the line's MSHR. The returned payload stays valid until the next release.
+  /// Frees the MSHR of a line. The returned payload stays valid until the next release.
   const Payload& release(Addr line) {
     const std::uint32_t i = index_of(line);
     assert(i < size_ && "a line came back without a request");
@@ -63,11 +63,12 @@ class MshrFile {
     return size_;
   }
 
-  static constexpr Addr kNone = ~Addr{0};  ///< not an address of a line
+  static constexpr Addr kNone = ~Addr{0};  ///< marks unused entries; no line has this address
 
   std::vector<Addr> lines_;  ///< outstanding lines, then kNone
   std::vector<Payload> payloads_;
-  std::vector<std::uint32_t> slots_;  ///< by line: index of its payload; the last entry is that of the last release
+  std::vector<std::uint32_t>
+      slots_;  ///< payload index of each line in `lines_`; the last entry is the payload released last
   std::uint32_t size_ = 0;
 };
 

@@ -9,20 +9,23 @@
 
 namespace hw {
 
-/// Account of a tile: its core, its times, and its use of shared units. The tile that causes a request is charged.
+/// What one tile used: its core, its times, and its share of the units that all tiles share. A request is charged to
+/// the tile that causes it.
 struct TileAccount {
   std::uint32_t core = 0;
   sim::Time dispatched = 0, finished = 0;
   std::uint64_t srp_cycles = 0;  ///< cycles of loops on the array, from switch to drain, divided among a loop's items
-  std::array<std::uint64_t, kRequesterKinds> lines{};  ///< lines read from or written to the memory side
+  std::array<std::uint64_t, kRequesterKinds>
+      lines{};  ///< lines read from or written to the memory side, by kind of requester
   std::uint64_t l2_hits = 0, l2_misses = 0, l2_fills = 0, l2_writes = 0;
   std::uint64_t dram_reads = 0, dram_writes = 0, activates = 0;  ///< lines read and written; rows opened
 };
 
-/// Observer that keeps an account of each tile, in dispatch order, and one for events without a tile.
+/// Observer that charges events to tiles: one account for each tile, in dispatch order, and one for events without a
+/// tile.
 class TileAccounting final : public Observer {
  public:
-  /// Reserves space for `tiles` accounts.
+  /// Reserves memory for the accounts of `tiles` tiles.
   explicit TileAccounting(std::size_t tiles) { accounts_.reserve(tiles); }
   TileAccounting(const TileAccounting&) = delete;
   TileAccounting& operator=(const TileAccounting&) = delete;
@@ -30,7 +33,7 @@ class TileAccounting final : public Observer {
   void on_event(const Event& event) override;
 
   const std::vector<TileAccount>& tiles() const { return accounts_; }
-  /// Moves the accounts out, at the end of a run.
+  /// Moves the accounts of all tiles out of this object. Call at the end of a run.
   std::vector<TileAccount> take_tiles() { return std::move(accounts_); }
   const TileAccount& untiled_account() const { return rest_; }
 

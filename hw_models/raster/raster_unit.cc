@@ -177,7 +177,7 @@ void RasterUnit::begin_front(sim::Time now) {
   front_until_ = clock_.after(now, std::max<std::uint64_t>(1, cycles));
 }
 
-/// Writes the transformed vertices to memory.
+/// Queues the transformed vertices of the next triangle for writing to memory.
 void RasterUnit::write_vertices() {
   const TileTag tile = job_at(setting_.job).job.tile;
   for (std::uint32_t i = 0; i < fetch_.missed_count(); ++i) {
@@ -235,7 +235,8 @@ bool RasterUnit::end_back(sim::Time now) {
   return true;
 }
 
-/// Sends the oldest job's results when all its triangles have been processed.
+/// Finishes the rasteriser's oldest job when all its triangles have been processed: writes the batch's lists or the
+/// wave's hits, then reports to the core.
 bool RasterUnit::end_job(sim::Time now) {
   if (!has_jobs() || finished_ < job_at(ended_).triangle_count()) return false;
   const Job& of = job_at(ended_);
@@ -267,7 +268,7 @@ bool RasterUnit::end_job(sim::Time now) {
   return true;
 }
 
-/// Writes a line, or part of one, of a batch's entries.
+/// Queues one line of tile-list entries, or part of one, of the oldest batch for writing to memory.
 bool RasterUnit::write_lists() {
   const Job& of = job_at(ended_);
   if (out_run_ == of.work().runs || !writes_.has_room(2)) return false;

@@ -19,12 +19,13 @@
 
 namespace hw {
 
-/// Addresses of a rasteriser's arrays in memory, one after the other; no two share a line.
+/// Addresses of a rasteriser's arrays in memory: vertex positions, vertex numbers of triangles, transformed vertices
+/// and tile lists, in this order. No two arrays share a cache line.
 struct RasterMemory {
   static constexpr std::uint32_t kPositionBytes = 12;     ///< a vertex of the scene: three floats
-  static constexpr std::uint32_t kIndexBytes = 12;        ///< a triangle: its vertex numbers
+  static constexpr std::uint32_t kIndexBytes = 12;        ///< a triangle: three vertex numbers
   static constexpr std::uint32_t kTransformedBytes = 16;  ///< a vertex in picture space: four floats
-  static constexpr std::uint32_t kEntryBytes = 4;         ///< a list entry: a triangle number
+  static constexpr std::uint32_t kEntryBytes = 4;         ///< an entry of a tile list: a triangle number
 
   Addr positions = 0, indices = 0, transformed = 0, lists = 0, end = 0;
 
@@ -80,21 +81,21 @@ struct RasterStats {
   }
 };
 
-/// Write queue of a rasteriser: consecutive bytes of a line are combined.
+/// Write queue of a rasteriser. Consecutive bytes of one cache line are combined into one write.
 class RasterWrites {
  public:
   RasterWrites(std::uint32_t lines, std::uint16_t client) : lines_(lines), client_(client) {}
 
-  /// True if the queue has room for `lines` more, in addition to the open line.
+  /// True if the write queue has room for `lines` more lines, in addition to the one that is being filled.
   bool has_room(std::uint32_t lines) const { return queue_.size() + lines <= lines_; }
   bool empty() const { return queue_.empty() && open_.sectors == 0; }
-  /// True if a closed line waits to be sent.
+  /// True if a complete line waits to be sent to memory.
   bool has_closed_line() const { return !queue_.empty(); }
-  /// Lines closed and sent so far.
+  /// Returns the number of lines completed so far, sent or not.
   std::uint64_t closed_lines() const { return sent_ + queue_.size(); }
   std::uint64_t sent_lines() const { return sent_; }
 
-  /// Adds bytes of one line for a tile. Needs room for a line.
+  /// Adds bytes of one cache line, written on behalf of a tile. Requires room for one line.
   void add_bytes(Addr first, std::uint32_t bytes, TileTag tile) {
     const Addr line = line_of(first);
     if (open_.sectors != 0 && open_.line != line) close_line();
@@ -105,13 +106,13 @@ class RasterWrites {
     open_.tile = tile;
     open_.sectors = static_cast<SectorMask>(open_.sectors | ((2U << to) - (1U << from)));
   }
-  /// Closes the open line, which is sent as it is.
+  /// Ends the line that is being filled, so that it is sent as it is.
   void close_line() {
     if (open_.sectors == 0) return;
     queue_.push_back(open_);
     open_.sectors = 0;
   }
-  /// Sends a line if one waits and the link has room; true if it did.
+  /// Sends a complete line to memory; false if there is none or the link has no room.
   bool send_line(sim::Time now, sim::Link<MemRequest>& out) {
     if (queue_.empty() || !out.can_push(now)) return false;
     out.push(now, queue_.front());
@@ -128,12 +129,12 @@ class RasterWrites {
   std::uint64_t sent_ = 0;
 };
 
-/// Numbers of recently transformed vertices, with FIFO replacement.
+/// Cache of the numbers of recently transformed vertices, with FIFO replacement.
 class VertexCache {
  public:
   explicit VertexCache(std::uint32_t entries) : entries_(entries, kNothing) {}
 
-  /// True if the vertex is cached; otherwise adds it.
+  /// True if the vertex is in the cache. If not, adds it.
   bool find_or_add(std::uint32_t vertex) {
     if (std::ranges::find(entries_, std::uint64_t{vertex}) != entries_.end()) return true;
     entries_[next_] = vertex;
@@ -147,7 +148,7 @@ class VertexCache {
   std::size_t next_ = 0;
 };
 
-/// Fetches the lines of triangles, in order, ahead of their use.
+/// Fetches the cache lines that a rasteriser's next triangles need, in order, ahead of their use.
 ///
 ///   triangle --> [ entry of the list ] --> [ numbers of its vertices ] --> [ vertices ] --> ready, oldest first
 ///
@@ -169,18 +170,19 @@ class RasterFetch {
 
   bool has_room() const { return entered_ - left_ < slots_.size(); }
   bool empty() const { return entered_ == left_; }
-  /// Adds a triangle to the window. `entry`: its index among the list entries, or kBatch. `tile`: its tile.
+  /// Adds a triangle to the window of triangles whose lines are fetched. `entry`: its index among the tile-list
+  /// entries, or kBatch. `tile`: the tile that is charged.
   void add_triangle(const traces::RasterTriangle& triangle, std::uint32_t entry, TileTag tile);
   static constexpr std::uint32_t kBatch = traces::WorkNode::kNone;
 
-  /// True if all lines of the oldest triangle have arrived.
+  /// True if all lines of the oldest triangle in the window have arrived.
   bool is_ready() const { return !empty() && done_[kLast] > left_ && slot_of(left_).pending == 0; }
-  /// Number of its vertices that must be transformed.
+  /// Returns the number of vertices of the oldest triangle that must be transformed.
   std::uint32_t missed_count() const { return slot_of(left_).missed; }
   std::array<std::uint32_t, 3> missed_vertices() const { return slot_of(left_).vertices; }
   void remove_oldest() { left_ += 1; }
 
-  /// Looks up lines; true if anything moved.
+  /// Looks up lines of the triangles in the window; true if a stage has advanced.
   bool look_up_lines();
   void fill(Addr line);
   void send_request(sim::Time now, sim::Link<MemRequest>& out) { l1_.send_request(now, out); }
@@ -198,7 +200,7 @@ class RasterFetch {
     std::uint32_t entry = kBatch;
     std::uint32_t pending = 0;  ///< lines not arrived yet
     std::array<Addr, kMostLines> lines{};
-    std::uint32_t count = 0, next = 0;  ///< number of lines of the current stage, and the next one to look up
+    std::uint32_t count = 0, next = 0;  ///< number of lines of the current stage, and index of the next one to look up
     bool listed = false;                ///< `lines` has the lines of the current stage
     std::uint32_t missed = 0;
     std::array<std::uint32_t, 3> vertices{};  ///< vertices to be transformed
@@ -206,8 +208,8 @@ class RasterFetch {
 
   Slot& slot_of(std::uint64_t number) { return slots_[number % slots_.size()]; }
   const Slot& slot_of(std::uint64_t number) const { return slots_[number % slots_.size()]; }
-  /// Looks up one line at a stage, or passes a triangle without lines; false if it cannot. `looked` counts the
-  /// look-ups.
+  /// Looks up one line of the oldest triangle at a fetch stage, or passes a triangle that needs no line; false if the
+  /// stage cannot advance. `looked` counts the look-ups.
   bool advance_stage(Stage stage, std::uint32_t& looked);
   void list_lines(Stage stage, Slot& slot);
   void list_vertices(Slot& slot);
@@ -217,19 +219,19 @@ class RasterFetch {
   L1Cache l1_;
   const std::uint32_t lookups_;
   std::vector<Slot> slots_;
-  std::uint64_t entered_ = 0, left_ = 0;       ///< triangles so far
-  std::array<std::uint64_t, kStages> done_{};  ///< triangles so far whose look-ups at a stage are done
+  std::uint64_t entered_ = 0, left_ = 0;       ///< number of triangles that have entered and left the window so far
+  std::array<std::uint64_t, kStages> done_{};  ///< number of triangles that have passed each stage so far
   VertexCache vertex_cache_;
   RasterStats& stats_;
 };
 
-/// A core's tile-based rasteriser. In the geometry pass it puts triangles into tile lists; later it finds a wave's
-/// primary hits with the list of its tile, and writes them to the tile buffer:
+/// A core's tile-based rasteriser. In the geometry pass it puts triangles into tile lists. Later it finds the primary
+/// hits of a wave of samples with the list of the wave's tile, and writes them to the tile buffer.
 ///
 ///   batches --> [ fetch: numbers, vertices ] --> [ transform ] --> [ cull, list ] --> vertices, lists --> memory
 ///   waves   --> [ fetch: list, numbers, vertices ] --> [ set-up ] --> [ blocks, quads, depth ] --> hits
 ///
-/// 1. Jobs are listed or covered one at a time, in order. Lines of later jobs are fetched meanwhile.
+/// 1. Jobs (batches and waves) are processed one at a time, in order. Lines of later jobs are fetched meanwhile.
 /// 2. A batch's list entries are written when all its triangles have been processed. A wave's hits leave when all have
 /// been processed, `plane_width` bytes per cycle.
 /// 3. The unit holds depth and nearest triangle of each sample. A sample's data in the tile buffer are interpolated
@@ -302,14 +304,14 @@ class RasterUnit {
     }
     const traces::ListRun& run_at(std::uint32_t i) const { return job.work->list_runs[work().first_run + i]; }
   };
-  /// Progress of a stage: number of its job, and a triangle of that.
+  /// Position of a rasteriser stage: the number of a job and of a triangle in the job.
   struct Cursor {
     std::uint64_t job = 0;
     std::uint32_t triangle = 0;
   };
   enum class End : std::uint8_t { kNot, kWriting, kLeaving };
 
-  // Stages from last to first; each returns true if it did something.
+  // The rasteriser's stages from last to first. A stage that returns bool returns true if it did something.
   bool send_line(sim::Time now);
   bool end_job(sim::Time now);
   bool write_lists();
@@ -323,7 +325,7 @@ class RasterUnit {
 
   const Job& job_at(std::uint64_t number) const { return jobs_[number % jobs_.size()]; }
   bool has_jobs() const { return taken_ != ended_; }
-  /// Advances a cursor to the next triangle; false if there is none.
+  /// Moves the cursor to the first job that has a triangle left; false if there is none.
   bool advance_cursor(Cursor& at) const;
   std::uint64_t list_cycles(const traces::RasterTriangle& triangle);
   std::uint64_t cover_cycles(const traces::RasterTriangle& triangle, const traces::RasterWork& work);
@@ -340,17 +342,18 @@ class RasterUnit {
   RasterFetch fetch_;
   RasterWrites writes_;
   std::vector<Job> jobs_;
-  std::uint64_t taken_ = 0, ended_ = 0;    ///< jobs so far
-  Cursor entering_, setting_;              ///< next triangle to enter the window, and to be set up
-  std::uint32_t run_ = 0, run_entry_ = 0;  ///< next entry of the entering job: its run, and index in the run
+  std::uint64_t taken_ = 0, ended_ = 0;    ///< number of jobs taken and ended so far
+  Cursor entering_, setting_;              ///< next triangle to enter the window; next triangle to be set up
+  std::uint32_t run_ = 0, run_entry_ = 0;  ///< next list entry of the entering job: its run, and index in the run
   bool has_front_ = false, has_back_ = false;
   sim::Time front_until_ = 0, back_until_ = 0;
-  std::uint32_t queued_ = 0;    ///< triangles between front and back stage
+  std::uint32_t queued_ = 0;    ///< triangles between front stage (transform, set-up) and back stage (list, cover)
   std::uint32_t finished_ = 0;  ///< triangles of the oldest job that have passed the back stage
-  End end_ = End::kNot;         ///< state of the oldest job's end
+  End end_ = End::kNot;         ///< how far the oldest job has ended
   sim::Time end_until_ = 0;
-  std::uint64_t closed_ = 0;                   ///< lines that must have been sent before a batch ends
-  std::uint32_t out_run_ = 0, out_entry_ = 0;  ///< next entry of a batch to be written: its run, and index in the run
+  std::uint64_t closed_ = 0;  ///< number of lines that must have been sent before the batch ends
+  std::uint32_t out_run_ = 0,
+                out_entry_ = 0;  ///< next list entry of the batch to be written: its run, and index in the run
   sim::Activity<CycleReason> activity_;
 };
 

@@ -70,7 +70,7 @@ struct RasterUnitConfig {
     if (depth_buffer.bytes < depth_bytes) complain("depth_buffer", "holds not one sample's depth_bytes");
   }
 
-  /// Returns the parts in which a wave of `samples` passes the depth buffer.
+  /// Returns the number of parts in which a wave of `samples` samples passes the depth buffer.
   std::uint64_t depth_buffer_parts(std::uint64_t samples) const {
     const std::uint64_t part = depth_buffer.bytes / depth_bytes;
     return std::max<std::uint64_t>(1, (samples + part - 1) / part);

@@ -9,14 +9,15 @@
 
 namespace hw {
 
-/// The array's configuration memory: the kernels whose rows it holds. To make room for another kernel, it evicts the
-/// least recently used ones. Rows of a kernel need not be contiguous, so there is no fragmentation.
+/// Configuration memory of a shader core's array: records which kernels' rows it holds. To make room for another
+/// kernel, it evicts the least recently used ones. Rows of a kernel need not be contiguous, so there is no
+/// fragmentation.
 class ConfigMemory {
  public:
   ConfigMemory(std::uint64_t bytes, std::size_t kernels) : free_(bytes) { resident_.reserve(kernels); }
 
-  /// Notes that the kernel, which takes `bytes`, runs next. True if it is resident; else it is loaded, and kept if it
-  /// fits.
+  /// Selects the kernel that runs next and takes `bytes` of configuration. Returns true if it is in the memory;
+  /// otherwise loads it, and keeps it if it fits.
   bool select_kernel(traces::KernelId kernel, std::uint64_t bytes) {
     const auto found = std::ranges::find(resident_, kernel, &Resident::kernel);
     if (found != resident_.end()) {
@@ -41,15 +42,16 @@ class ConfigMemory {
   std::vector<Resident> resident_;  ///< least recently used first
 };
 
-/// A chunk of a launch, as part of the loop on the array.
+/// A chunk of a kernel launch that runs as part of a loop on the shader core's array.
 struct LoopChunk {
   std::uint32_t tile = 0, node = 0;
   std::uint32_t first = 0, items = 0;  ///< items of the launch, idle ones included
   std::uint32_t working = 0;           ///< leading items that do not idle
-  std::uint32_t begin = 0;             ///< number of the first item within the loop
+  std::uint32_t begin = 0;             ///< number of the chunk's first item within the loop
 };
 
-/// Chunks that share one loop: first the working items of all chunks, then all idle items.
+/// The chunks of kernel launches that run as one loop on the shader core's array: first the working items of all
+/// chunks, then all idle items.
 class LoopChunks {
  public:
   void reserve(std::size_t parts) { chunks_.reserve(parts); }
@@ -69,13 +71,13 @@ class LoopChunks {
   std::size_t size() const { return chunks_.size(); }
   auto begin() const { return chunks_.begin(); }
   auto end() const { return chunks_.end(); }
-  /// Returns the part of a launch, or null.
+  /// Returns the chunk of a launch in this loop, or null if the loop has none of that launch.
   const LoopChunk* find_launch(std::uint32_t tile, std::uint32_t node) const {
     const auto part =
         std::ranges::find_if(chunks_, [&](const LoopChunk& p) { return p.tile == tile && p.node == node; });
     return part == chunks_.end() ? nullptr : &*part;
   }
-  /// Returns the part that contains a working item of the loop.
+  /// Returns the chunk to which a working item of the loop belongs.
   const LoopChunk& chunk_of(std::uint32_t item) const {
     return *std::ranges::find_if(chunks_, [&](const LoopChunk& p) { return item < p.begin + p.working; });
   }
@@ -85,20 +87,21 @@ class LoopChunks {
   std::uint32_t items_ = 0, working_ = 0;
 };
 
-/// The loop that the array runs. Array time does not advance while the array is stalled.
+/// The software-pipelined loop that a shader core's array runs. Array time is the time since the start of the loop
+/// without the stalls.
 struct ArrayLoop {
   bool active = false;
   traces::KernelId kernel = 0;
   LoopChunks chunks;
   std::uint32_t loading = 0;              ///< leading items that access the data cache
-  sim::Time begin = 0;                    ///< start of the kernel switch
-  sim::Time without_rays = 0;             ///< time without rays up to `begin`
-  sim::Time configured = 0;               ///< end of the kernel switch
-  sim::Time start = 0;                    ///< start of the loop
+  sim::Time begin = 0;                    ///< start time of the kernel switch
+  sim::Time without_rays = 0;             ///< total time up to `begin` in which the T&I unit had no ray of the core
+  sim::Time configured = 0;               ///< end time of the kernel switch
+  sim::Time start = 0;                    ///< start time of the loop
   sim::Time stall_time = 0;               ///< stall time so far
-  sim::Time stalled_since = sim::kNever;  ///< kNever: not stalled
-  std::uint32_t next_item = 0;            ///< the next item to issue its loads
-  std::uint32_t next_line = 0;            ///< the next line of that item
+  sim::Time stalled_since = sim::kNever;  ///< start of the current stall; kNever: not stalled
+  std::uint32_t next_item = 0;            ///< next item to request its cache lines
+  std::uint32_t next_line = 0;            ///< index of the next cache line of that item
   std::uint32_t ii = 1, depth = 0;
 
   bool is_stalled() const { return stalled_since != sim::kNever; }
@@ -108,7 +111,7 @@ struct ArrayLoop {
     stalled_since = sim::kNever;
   }
   sim::Time array_time(sim::Time now) const { return (is_stalled() ? stalled_since : now) - start - stall_time; }
-  /// Returns when an item leaves the array, if there are no further stalls.
+  /// Returns the time at which an item leaves the array if there are no further stalls.
   sim::Time item_end(const sim::Clock& clock, std::uint32_t item) const {
     return start + stall_time + (depth + sim::Time{item} * ii) * clock.period();
   }

@@ -14,12 +14,12 @@ using kernels::Op;
 
 namespace {
 
-/// An access that every item makes, in cycle `slot` of the initiation interval. By then `behind` younger items have
-/// started.
+/// An access to local memory that every item of a loop makes, in cycle `slot` of the initiation interval. When an item
+/// makes it, `behind` younger items have started.
 struct LocalAccess {
   std::uint32_t slot = 0, behind = 0;
-  std::uint32_t words = 1;  ///< 16-byte pieces of a record
-  std::uint32_t part = 0;   ///< index of the first piece, counted from the array's first bank
+  std::uint32_t words = 1;  ///< number of 16-byte pieces of a record
+  std::uint32_t part = 0;   ///< index of the record's first piece, counted from the first bank of its array
   bool constant = false;
   std::uint32_t index = 0;  ///< record number, if constant
 };
@@ -54,7 +54,7 @@ BankConflicts bank_conflicts(const KernelSchedule& schedule, const kernels::Grap
   const std::vector<LocalAccess> accesses = accesses_of(schedule, graph);
   BankConflicts conflicts{0, banks};
   std::vector<std::uint32_t> used(banks);
-  for (std::uint32_t item = 0; item < banks; ++item) {  // the pattern repeats every `banks` items
+  for (std::uint32_t item = 0; item < banks; ++item) {  // the pattern of banks repeats every `banks` items
     for (std::uint32_t slot = 0; slot < schedule.ii; ++slot) {
       std::ranges::fill(used, 0);
       std::uint32_t most = 0;

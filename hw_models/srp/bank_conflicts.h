@@ -5,8 +5,8 @@
 
 namespace hw {
 
-/// Stall cycles of a loop due to conflicting accesses to banks of local memory: `cycles` per `items` items, once the
-/// loop is full.
+/// Stall cycles of a loop because of conflicting accesses to banks of local memory: `cycles` per `items` items, once
+/// the pipeline is full.
 struct BankConflicts {
   std::uint64_t cycles = 0;
   std::uint64_t items = 1;
@@ -14,12 +14,13 @@ struct BankConflicts {
   std::uint64_t stall_cycles(std::uint64_t n) const { return cycles * n / items; }
 };
 
-/// Computes the bank conflicts of a scheduled kernel. Local memory has `banks` banks (a power of two), interleaved by
+/// Computes the bank conflicts of a scheduled kernel in a local memory of `banks` banks, a power of two, interleaved by
 /// 16 bytes.
 ///
 /// 1. Arrays of records are staggered, as a compiler would place them: each begins a record's length after the one
 /// before.
-/// 2. The array is scheduled statically, so k accesses to one bank in a cycle take k - 1 cycles more.
+/// 2. The array of functional units is scheduled statically, so k accesses to one bank in a cycle take k - 1 extra
+/// cycles.
 /// 3. Items access records in item order; a constant index is the same record for all items.
 ///
 /// Not modelled: prologue and drain, accesses of the T&I unit.

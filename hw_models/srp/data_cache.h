@@ -7,7 +7,8 @@
 
 namespace hw {
 
-/// The cache lines that one access of a kernel touches. An access names an element; the layout gives its address.
+/// The cache lines that one access of a kernel reads. The access specifies an element; the memory layout gives the
+/// address.
 struct LineSet {
   Addr line[4];
   std::uint32_t count = 0;

@@ -9,9 +9,10 @@ using kernels::Op;
 
 struct Table {
   std::array<OpClass, static_cast<std::size_t>(Op::kCount)> class_of{};
-  std::array<std::uint32_t OpLatencyConfig::*, kOpClasses> latency{};  ///< its key; null: no latency
+  std::array<std::uint32_t OpLatencyConfig::*, kOpClasses>
+      latency{};  ///< configuration key of the latency; null: no latency
   std::array<const char*, kOpClasses> event{};
-  std::size_t ops = 0;  ///< number of operations with a class
+  std::size_t ops = 0;  ///< number of operations that have a class
 
   constexpr void add_class(OpClass c, std::initializer_list<Op> of, std::uint32_t OpLatencyConfig::*key,
                            const char* name) {

@@ -9,9 +9,10 @@
 
 namespace hw {
 
-/// Class of an operation: the unit or port of the array that it occupies, which sets its cost.
+/// Class of a kernel operation: the unit or port of the shader core's array that the operation occupies. The class
+/// determines its cost.
 enum class OpClass : std::uint8_t {
-  kFree,  ///< no unit: a value of the loop, a field of a loaded record, reinterpreted bits
+  kFree,  ///< occupies no unit: a value of the loop, a field of a loaded record, reinterpreted bits
   kFpAdd,
   kFpMul,
   kFpMulAdd,  ///< a multiply-add, on arrays with such units
@@ -28,7 +29,7 @@ enum class OpClass : std::uint8_t {
   kCount
 };
 inline constexpr std::size_t kOpClasses = static_cast<std::size_t>(OpClass::kCount);
-/// Operations, or 16-byte accesses, by class.
+/// Number of operations, or of 16-byte accesses, of each class.
 using OpMix = std::array<std::uint32_t, kOpClasses>;
 
 constexpr std::array<std::string_view, kOpClasses> names_of(OpClass) {
@@ -42,13 +43,13 @@ constexpr bool is_memory(OpClass c) {
   return c == OpClass::kLocalRead || c == OpClass::kLocalWrite || c == OpClass::kCachedRead;
 }
 
-/// Returns the cycles from issue to the first use of the result.
+/// Returns the cycles from the issue of an operation of this class to the first use of its result.
 std::uint32_t latency_of(OpClass c, const OpLatencyConfig& latency);
-/// Returns the cycles for which the operation occupies its unit or port.
+/// Returns the cycles for which an operation of this class occupies its unit or port.
 std::uint32_t occupancy_of(OpClass c, const OpLatencyConfig& latency);
 
-/// Returns the energy event of one operation of this class (local memory: of one 16-byte access). Empty if there is
-/// none; the data cache counts its own.
+/// Returns the name of the energy event of one operation of this class (for local memory, of one 16-byte access).
+/// Returns an empty string for classes without an event; the data cache counts its own events.
 const char* energy_event(OpClass c);
 
 }  // namespace hw

@@ -6,17 +6,17 @@
 
 namespace hw {
 
-/// A batch of rays that is being sent to the T&I unit.
+/// A batch of rays that a shader core is sending to the T&I unit.
 struct RayFeed {
   std::uint32_t tile = 0, batch = 0;
-  std::uint32_t next = 0;         ///< the next ray to send
-  std::uint64_t after_spill = 0;  ///< number of spill transfers that must have finished first
+  std::uint32_t next = 0;         ///< next ray to send
+  std::uint64_t after_spill = 0;  ///< number of spill transfers that must have finished before
 };
 
-/// The rays that a shader core is sending, and its rays in the T&I unit.
+/// The batches of rays that a shader core is sending, and the number of its rays in the T&I unit.
 struct RayFeeder {
   std::vector<RayFeed> feeds;   ///< in the order of their launches
-  sim::Time next_at = 0;        ///< when the direct interface accepts the next ray
+  sim::Time next_at = 0;        ///< time at which the direct interface accepts the next ray
   std::uint64_t in_flight = 0;  ///< rays in the T&I unit
 
   void note_sent(sim::Time now) {
@@ -26,7 +26,7 @@ struct RayFeeder {
   void note_returned(sim::Time now) {
     if (--in_flight == 0) empty_since_ = now;
   }
-  /// Returns the total time up to `now` in which the T&I unit had no ray of this core.
+  /// Returns the total time up to `now` in which the T&I unit held no ray of this core.
   sim::Time time_without_rays(sim::Time now) const { return idle_ + (in_flight == 0 ? now - empty_since_ : 0); }
 
  private:

@@ -16,20 +16,22 @@ using kernels::GraphNode;
 using kernels::Op;
 
 constexpr std::uint32_t kNone = GraphNode::kNone;
-/// Placements tried per operation before the next interval.
+/// Number of placements tried per operation before the scheduler tries the next initiation interval.
 constexpr std::size_t kPatience = 16;
-/// Total placements after which the search takes larger steps and tries fewer placements per operation.
+/// Total number of placements after which the scheduler increases the initiation interval in larger steps and tries
+/// fewer placements per operation.
 constexpr std::size_t kQuick = 10'000;
 constexpr std::size_t kLessPatience = 4;
 
-/// Order in which operations are placed.
+/// Order in which the kernel scheduler places operations.
 enum class Order : std::uint8_t {
   kByHeight,   ///< longest path to the end first
   kLongFirst,  ///< operations that occupy a unit for several cycles first, while there are gaps of that length; then by
                ///< height
 };
 
-/// Iterative modulo scheduling at one interval. An operation that finds no free slot evicts others.
+/// Places the operations of a kernel at one initiation interval by iterative modulo scheduling. An operation that finds
+/// no free unit evicts others.
 class Placer {
  public:
   Placer(const ScheduleGraph& graph, const SrpConfig& config, std::uint32_t ii, Order order)
@@ -67,7 +69,7 @@ class Placer {
     }
   }
 
-  /// Places all operations; false if one has no slot after `patience` tries per operation.
+  /// Places all operations. Returns false if the schedule is incomplete after `patience` placements per operation.
   bool place_all(std::size_t patience) {
     if (height_.size() != starts_.size()) return false;
     for (; tried_ < patience * starts_.size(); ++tried_) {
@@ -100,7 +102,7 @@ class Placer {
     return busy_[static_cast<std::size_t>(pool_of(graph_.operations()[op].kind))];
   }
 
-  /// Places the operation at the first time at which a unit is free; of several units, on the least capable one.
+  /// Places an operation at the first time at which a unit is free; among free units, on the least capable one.
   void place_operation(std::uint32_t op) {
     const std::int64_t earliest = earliest_start(op);
     const Operation& operation = graph_.operations()[op];
@@ -129,8 +131,8 @@ class Placer {
            std::int64_t{d.distance} * ii_;
   }
 
-  /// Returns the unit whose operations in these cycles are least urgent. Each unit is searched only until it is worse
-  /// than the best.
+  /// Returns the unit whose operations in these cycles are least urgent. The search of a unit stops as soon as it is
+  /// worse than the best so far.
   std::uint32_t least_urgent_unit(std::uint32_t op, std::uint32_t units, std::int64_t start) {
     const std::uint32_t occupancy = graph_.operations()[op].occupancy, first = row_of(start);
     const std::vector<Bits>& rows = busy_rows(op);
@@ -151,7 +153,8 @@ class Placer {
     return best;
   }
 
-  /// Places the operation there, and evicts those that overlap it or would use its result too early.
+  /// Places an operation on a unit at the time `start`, and evicts operations that overlap it or would use its result
+  /// too early.
   void place_at(std::uint32_t op, std::uint32_t unit, std::int64_t start) {
     const Operation& operation = graph_.operations()[op];
     for (std::uint32_t c = 0; c < operation.occupancy; ++c) {
@@ -184,17 +187,18 @@ class Placer {
   std::vector<std::int64_t> height_;
   std::vector<std::optional<std::int64_t>> starts_;
   std::vector<std::uint32_t> units_;
-  std::vector<std::int64_t> last_;                ///< start of the last placement; -1: none
-  std::vector<std::uint32_t> by_urgency_, rank_;  ///< operations, most urgent first; and each one's index in that order
-  Bits waiting_;                                  ///< operations without a slot, by rank
-  std::size_t tried_ = 0;                         ///< placements tried
+  std::vector<std::int64_t> last_;  ///< start of the operation's last placement; -1: not placed yet
+  std::vector<std::uint32_t> by_urgency_,
+      rank_;               ///< operations, most urgent first; index of each operation in that order
+  Bits waiting_;           ///< ranks of the operations without a place
+  std::size_t tried_ = 0;  ///< number of placements tried
   std::vector<std::vector<Dependence>> incoming_, outgoing_;
   std::array<std::vector<std::uint32_t>, kPools> table_;  ///< reservation table: the operation at unit * ii + row
   std::array<std::vector<Bits>, kPools> busy_;            ///< occupied rows of the table, by unit
 };
 
-/// Tries initiation intervals upwards from the lower bound, each in both orders: first one by one, later in growing
-/// steps (kQuick).
+/// Tries initiation intervals upwards from the lower bound, each with both orders, until all operations are placed. The
+/// interval grows by one, later in larger steps (kQuick).
 std::unique_ptr<Placer> place_at_least_interval(const ScheduleGraph& graph, const SrpConfig& config,
                                                 std::uint32_t bound) {
   std::size_t tried = 0;

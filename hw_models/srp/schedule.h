@@ -9,22 +9,22 @@
 
 namespace hw {
 
-/// Time and unit of one operation, or of one access of a load or store.
+/// Cycle and unit at which the schedule places one operation, or one access of a load or store.
 struct Placement {
   std::uint32_t node = 0;   ///< node of the kernel's graph
-  std::uint32_t part = 0;   ///< part of a record, as wide as the port
+  std::uint32_t part = 0;   ///< index of the part of a record that the access moves; a part is as wide as the port
   std::uint32_t start = 0;  ///< cycle of issue, counted from the item's first cycle
   std::uint32_t unit = 0;   ///< number of the functional unit (row by row), local port or cache port
 };
 
-/// A kernel as a software-pipelined loop. Item i of n starts at i * ii and ends `depth` cycles later, so a loop takes
-/// depth + (n - 1) * ii cycles. All counts are per item.
+/// A kernel scheduled as a software-pipelined loop on the shader core's array. Item i of n starts at cycle i * ii and
+/// ends `depth` cycles later, so a loop takes depth + (n - 1) * ii cycles. All counts are per item.
 struct KernelSchedule {
   std::string kernel;
-  std::uint32_t ii = 1;       ///< initiation interval
-  std::uint32_t depth = 0;    ///< schedule length of one item
+  std::uint32_t ii = 1;       ///< initiation interval in cycles
+  std::uint32_t depth = 0;    ///< cycles from the start to the end of one item
   std::uint32_t res_mii = 1;  ///< lower bound of the interval by units and ports
-  std::uint32_t rec_mii = 0;  ///< lower bound of the interval by values passed from item to item; 0: there are none
+  std::uint32_t rec_mii = 0;  ///< lower bound of the interval by values passed from item to item; 0 without such values
   OpMix ops{};
   std::uint32_t fu_ops = 0;        ///< operations on functional units
   std::uint32_t local_reads = 0;   ///< 16-byte accesses
@@ -38,8 +38,8 @@ struct KernelSchedule {
   std::vector<Placement> placements;
 };
 
-/// Places a kernel's operations on the array at the smallest initiation interval it can find: iterative modulo
-/// scheduling (B. R. Rau, MICRO-27, 1994). Deterministic.
+/// Places a kernel's operations on the shader core's array at the smallest initiation interval that it finds, by
+/// iterative modulo scheduling (B. R. Rau, MICRO-27, 1994). Deterministic.
 ///
 ///   graph --> [ operations and 16-byte accesses ] --> bounds --> [ reservation table of ii rows ] --> schedule
 ///

@@ -14,7 +14,7 @@ using kernels::Op;
 
 namespace {
 
-/// True if a path along `next` contains a cycle.
+/// True if a cycle is reached by following the links in `next`.
 bool has_cycle(const std::vector<std::uint32_t>& next) {
   std::vector<std::uint32_t> met_from(next.size(), GraphNode::kNone);
   for (std::uint32_t first = 0; first < next.size(); ++first) {
@@ -37,7 +37,7 @@ ScheduleGraph::ScheduleGraph(const Graph& graph, const SrpConfig& config)
   for (std::uint32_t id = 0; id < nodes; ++id) add_dependences(graph, id);
 }
 
-/// Fuses, with each addition, the first of its products that nothing else uses.
+/// Fuses each addition with the first of its factors' products that no other operation uses, into one multiply-add.
 void ScheduleGraph::fuse_products(const Graph& graph) {
   std::vector<std::uint32_t> uses(graph.nodes.size());
   for (const GraphNode& node : graph.nodes) kernels::for_each_input(node, [&](std::uint32_t id) { ++uses[id]; });
@@ -105,7 +105,7 @@ ScheduleGraph::Source ScheduleGraph::source_of(const Graph& graph, std::uint32_t
     distance += node.distance;
     id = from;
   }
-  return {};  // values that are only passed on: no operation produces them
+  return {};  // values that are passed on unchanged: no operation produces them
 }
 
 std::vector<std::int64_t> ScheduleGraph::path_heights(std::uint32_t ii) const {

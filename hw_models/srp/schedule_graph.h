@@ -11,10 +11,10 @@
 
 namespace hw {
 
-/// Bytes that a port of local memory moves per cycle.
+/// Bytes that a port of the shader core's local memory moves per cycle.
 inline constexpr std::uint32_t kPortBytes = 16;
 
-/// What the scheduler places: an operation of a kernel, or one port-wide access of a load or store.
+/// An item that the kernel scheduler places: an operation of a kernel, or one port-wide access of a load or store.
 struct Operation {
   OpClass kind = OpClass::kFree;
   std::uint32_t node = 0;
@@ -23,8 +23,8 @@ struct Operation {
   std::uint32_t occupancy = 1;
 };
 
-/// Operation `to` uses the result that `from` produced `distance` items before. It reads it `after` cycles after its
-/// issue.
+/// A dependence between operations of a kernel: operation `to` uses the result that operation `from` produced
+/// `distance` items before. It reads the result `after` cycles after its own issue.
 struct Dependence {
   std::uint32_t from = 0;
   std::uint32_t to = 0;
@@ -32,26 +32,27 @@ struct Dependence {
   std::uint32_t after = 0;
 };
 
-/// Dependence graph of a kernel: its operations and accesses, without free ones. On an array with multiply-add units, a
-/// product with a single use in an addition or subtraction is fused with it. The fused operation reads its other
-/// operand when the product is ready, so fusing lengthens nothing.
+/// Dependence graph of a kernel: the operations and memory accesses that occupy a unit or port. On an array with
+/// multiply-add units, a product with a single use in an addition or subtraction is fused with it. The fused operation
+/// reads its other operand when the product is ready, so fusing lengthens no path.
 class ScheduleGraph {
  public:
   ScheduleGraph(const kernels::Graph& graph, const SrpConfig& config);
 
   const std::vector<Operation>& operations() const { return operations_; }
   const std::vector<Dependence>& dependences() const { return dependences_; }
-  /// True if node `id` is a product fused with its addition.
+  /// True if graph node `id` is a product that is fused with its addition.
   bool is_fused(std::uint32_t id) const { return fused_[id]; }
 
   /// Returns the height of each operation: the longest path, in cycles, from its issue to the end of this or a later
   /// item, with one item every `ii` cycles. Empty if `ii` is too short for a value passed from item to item.
   std::vector<std::int64_t> path_heights(std::uint32_t ii) const;
-  /// Returns the smallest interval for which path_heights() is not empty.
+  /// Returns the smallest initiation interval at which every value passed from item to item arrives in time.
   std::uint32_t recurrence_interval() const;
 
  private:
-  /// Source of a value: an operation of this or an earlier item; kNone: a constant or the item's number.
+  /// Source of a value: an operation of the same item or of `distance` items before. kNone: a constant or the item's
+  /// number.
   struct Source {
     std::uint32_t operation = kernels::GraphNode::kNone;
     std::uint32_t distance = 0;
@@ -74,18 +75,18 @@ class ScheduleGraph {
   std::vector<Dependence> dependences_;
 };
 
-/// Units or ports of one kind. Some operations can use only some units of their pool.
+/// Kinds of units and ports that operations occupy. Some operations can use only some units of their pool.
 enum class Pool : std::uint8_t { kArray, kLocal, kCache, kCount };
 inline constexpr std::size_t kPools = static_cast<std::size_t>(Pool::kCount);
 
 Pool pool_of(OpClass c);
 std::uint32_t pool_size(Pool pool, const ArrayConfig& array);
-/// Returns how many units of its pool, counted from the first, can take an operation of this class.
+/// Returns how many units of its pool, counted from the first, can execute an operation of this class.
 std::uint32_t capable_units(OpClass c, const ArrayConfig& array);
-/// Returns the smallest interval at which every operation finds a unit.
+/// Returns the smallest initiation interval at which the array has enough units and ports for all operations.
 std::uint32_t resource_interval(const std::vector<Operation>& operations, const ArrayConfig& array);
 
-/// A bit vector that is searched a word at a time.
+/// A bit vector that is searched one word at a time.
 class Bits {
  public:
   explicit Bits(std::uint32_t size) : size_(size), words_((size + 63) / 64) {}
@@ -98,7 +99,7 @@ class Bits {
     word = value ? word | bit : word & ~bit;
   }
   std::uint32_t count_of(bool value) const { return value ? set_ : size_ - set_; }
-  /// Returns the first index in [from, end) whose bit has the value; `end` if there is none.
+  /// Returns the first index in [from, end) at which the bit is `value`; `end` if there is none.
   std::uint32_t find_first(std::uint32_t from, std::uint32_t end, bool value) const {
     const std::uint64_t flip = value ? 0 : ~std::uint64_t{0};
     std::uint64_t below = (std::uint64_t{1} << from % 64) - 1;
@@ -115,8 +116,8 @@ class Bits {
   std::vector<std::uint64_t> words_;
 };
 
-/// Returns the distance from `row` to the first busy (or free) row of the reservation table, which is a ring; its whole
-/// size if there is none. `row` may exceed the size.
+/// Returns the distance from `row` to the first row that is busy, or free if `busy` is false, in a reservation table
+/// that wraps around; the number of rows if there is none. `row` may exceed that number.
 inline std::uint32_t rows_until(const Bits& rows, std::uint32_t row, bool busy) {
   std::uint32_t first = row;
   while (first >= rows.size()) first -= rows.size();
@@ -124,7 +125,8 @@ inline std::uint32_t rows_until(const Bits& rows, std::uint32_t row, bool busy) 
   return found < rows.size() ? found - first : rows.size() - first + rows.find_first(0, first, busy);
 }
 
-/// Returns the distance from row `from` to the first gap of `length` free rows in the ring; at most `limit`.
+/// Returns the distance from row `from` to the first gap of `length` free rows in a reservation table that wraps
+/// around; at most `limit`.
 inline std::uint32_t rows_until_gap(const Bits& rows, std::uint32_t from, std::uint32_t length, std::uint32_t limit) {
   if (rows.count_of(false) < length) return limit;
   for (std::uint32_t at = 0; at < limit;) {

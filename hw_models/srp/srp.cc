@@ -54,7 +54,8 @@ sim::Time Srp::tick(sim::Time now) {
   return next_wake(now);
 }
 
-/// Charges the time since the last tick to the state that the core had since then.
+/// Counts the cycles since the last tick for the counters `fed` and `awaited`, by the state that the shader core had in
+/// them.
 inline void Srp::account_until(sim::Time now) {
   const std::uint64_t cycles = clock_.cycles(now - occupancy_.until);
   if (occupancy_.tni_had_rays) stats_.fed += cycles;
@@ -194,8 +195,8 @@ void Srp::finish_chunk(sim::Time now) {
   for (const LoopChunk& part : loop_.chunks) finish_items(now, part.tile, part.node, part.items);
 }
 
-/// Notifies the observer of a finished loop. Its cycles are divided among its tiles by items, in whole cycles that add
-/// up.
+/// Notifies the observer that the loop on the array has ended. The loop's cycles are divided among its tiles by their
+/// items, in whole cycles that add up.
 void Srp::notify_loop(sim::Time now, std::uint64_t cycles) const {
   std::uint64_t items = 0, charged = 0;
   for (const LoopChunk& part : loop_.chunks) {
@@ -229,7 +230,7 @@ void Srp::fill(sim::Time now) {
   loads_.mshrs_full = false;
 }
 
-/// True if all lines needed at this array time have arrived; otherwise stalls the array.
+/// True if all cache lines that the loop needs at this array time have arrived; otherwise stalls the array.
 bool Srp::loads_in_time(sim::Time now) {
   if (loop_.is_stalled()) {
     const bool late = !loads_.queue.empty() && loads_.queue.front().needed == loop_.array_time(now) &&
@@ -248,7 +249,8 @@ bool Srp::loads_in_time(sim::Time now) {
   return true;
 }
 
-/// Requests the lines of the item that enters the loop now. False if the array stalled.
+/// Requests the cache lines of the item that enters the loop now. Returns false if the array is stalled because no MSHR
+/// is free.
 bool Srp::issue_loads(sim::Time now) {
   const sim::Time at = loop_.array_time(now);
   if (loop_.next_item == loop_.loading || at < sim::Time{loop_.next_item} * loop_.ii * clock_.period()) return true;
@@ -264,8 +266,8 @@ bool Srp::issue_loads(sim::Time now) {
   return true;
 }
 
-/// Fast path: issues items early where that changes nothing. These are items without lines, and items that hit while no
-/// line is outstanding, so that no fill can come between.
+/// Fast path: lets items enter the loop early if that changes no result. These are items without cache lines, and items
+/// that hit while no miss is outstanding, so that no fill can come between.
 inline void Srp::issue_ready_hits() {
   for (; loop_.next_item < loop_.loading; ++loop_.next_item) {
     if (accesses_of(loop_.next_item).empty()) continue;
@@ -278,7 +280,7 @@ inline void Srp::issue_ready_hits() {
   }
 }
 
-/// Requests the lines of an item of the current chunk that it has not requested yet. False if no MSHR is free.
+/// Requests those cache lines of a loop item that it has not requested yet. Returns false if no MSHR is free.
 inline bool Srp::request_lines(sim::Time now, std::uint32_t item) {
   const std::uint32_t slot = item % kMostLoadCycles;
   collect_lines(item);
@@ -303,7 +305,8 @@ inline bool Srp::request_lines(sim::Time now, std::uint32_t item) {
   return true;
 }
 
-/// Ideal shader core: requests the lines of all items at once, as far as there are MSHRs. True when all have arrived.
+/// Ideal shader core: requests the cache lines of all items at once, as long as MSHRs are free. Returns true when all
+/// lines have arrived.
 bool Srp::load_all(sim::Time now) {
   while (!loads_.mshrs_full && loop_.next_item < loop_.loading && request_lines(now, loop_.next_item))
     loop_.next_item += 1;
@@ -315,7 +318,7 @@ bool Srp::load_all(sim::Time now) {
   return true;
 }
 
-/// Returns the accesses of an item of the current loop.
+/// Returns the data cache accesses of an item of the current loop.
 inline std::span<const traces::Access> Srp::accesses_of(std::uint32_t item) const {
   const LoopChunk& part = loop_.chunks.chunk_of(item);
   const traces::TileWork& work = tiles_[part.tile].work();
@@ -351,8 +354,8 @@ void Srp::start_chunk(sim::Time now) {
   if (!launch_.is_blocked) return;
   const bool rays_can_go =
       std::ranges::any_of(rays_.feeds, [&](const RayFeed& f) { return ray_ready_at(f) != sim::kNever; });
-  // The borders that the oldest tile imports will arrive: they belong to even older tiles. Those of younger tiles may
-  // depend on this one.
+  // The borders that the oldest tile imports will arrive, because they belong to even older tiles. Borders that younger
+  // tiles import may depend on this tile.
   const bool data_come = transfers_.spills_done < transfers_.spills_started || transfers_.awaited > 0 ||
                          tiles_[by_age_.front()].is_awaiting_border();
   if (rays_.in_flight > 0 || rays_can_go || data_come) return;
@@ -404,7 +407,7 @@ void Srp::begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node) {
   kernel_use_[work.kernel].idle += items - working;
 }
 
-/// Switches to the kernel, and returns the cycles until the array can run it.
+/// Switches the array to a kernel and returns the cycles until it can run the kernel.
 std::uint64_t Srp::switch_to(traces::KernelId kernel) {
   if (std::exchange(launch_.kernel, kernel) == kernel || frame_.ideal) return 0;
   const std::uint32_t rows = frame_.kernels[kernel].ii;
@@ -413,7 +416,7 @@ std::uint64_t Srp::switch_to(traces::KernelId kernel) {
   return config_.switch_cycles + (resident ? 0 : config_.load_cycles(rows));
 }
 
-/// Adds a launch's next chunk to the loop. Rays without a slot are spilled to memory.
+/// Adds the next chunk of a launch to the loop, and spills rays to memory for which no ray slot is free.
 void Srp::add_chunk(std::uint32_t tile, std::uint32_t node) {
   TileRun& run = tiles_[tile];
   const std::uint32_t first = run.done_items(node), items = run.chunk_items(node);
@@ -436,8 +439,8 @@ void Srp::add_chunk(std::uint32_t tile, std::uint32_t node) {
   }
 }
 
-/// Adds other ready launches of this kernel to the loop, oldest tile first, up to a chunk's items and the free ray
-/// slots.
+/// Adds other ready launches of the same kernel to the loop, oldest tile first, up to the items of a chunk and the free
+/// ray slots.
 void Srp::join_launches(const WorkNode& work) {
   for (const std::uint32_t tile : by_age_) {
     const TileRun& run = tiles_[tile];
@@ -498,7 +501,7 @@ inline void Srp::take_hit(sim::Time now) {
   if (may_be_ready || rays_.in_flight == 0) launch_.check_pending = true;
 }
 
-/// Notifies the observer of the end of a batch if the hit is its last one.
+/// Notifies the observer that a batch of rays has ended, if this hit is the batch's last one.
 void Srp::notify_hit(sim::Time now, std::uint32_t tile, std::uint32_t ray) const {
   const TileRun& run = tiles_[tile];
   const std::uint32_t batch = run.batch_of(ray);
@@ -549,7 +552,7 @@ void Srp::start_raster(std::uint32_t tile, std::uint32_t node) {
   if (tiles_[tile].is_awaited(node)) transfers_.awaited += 1;
 }
 
-/// Sends nodes to the rasteriser and takes finished ones.
+/// Sends jobs to the rasteriser and takes finished ones from it.
 void Srp::service_rasteriser_links(sim::Time now) {
   if (links_.raster_in->can_pop(now)) {
     const std::uint32_t tag = links_.raster_in->pop(now).tag;

@@ -25,8 +25,8 @@
 
 namespace hw {
 
-/// The shader core (SRP) of a GPU core: executes the kernel launches of its tiles, sends their rays to the T&I unit and
-/// starts DMA transfers for their data.
+/// The shader core (SRP) of a GPU core executes the kernel launches of the core's tiles, sends their rays to the T&I
+/// unit and starts DMA transfers of their data.
 ///
 ///   tiles --> [ launches: oldest tile, then consumers, first ] --> array: switch + depth + (n-1) II + stalls
 ///   rays  <-- [ tile buffer: a slot for each ray and its hit ] <-- hits
@@ -82,10 +82,10 @@ class Srp {
     sim::Link<MemResponse>& memory_in;
     sim::Link<DmaJob>& dma_out;
     sim::Link<DmaDone>& dma_in;
-    sim::Link<RasterJob>* raster_out = nullptr;  ///< null: no rasteriser
+    sim::Link<RasterJob>* raster_out = nullptr;  ///< null: the core has no rasteriser
     sim::Link<RasterDone>* raster_in = nullptr;
   };
-  /// Properties of the frame that the SRP needs.
+  /// Properties of the frame and the configuration that a shader core needs in addition to its own settings.
   struct Frame {
     const traces::Layout* layout = nullptr;
     std::span<const KernelSchedule> kernels;   ///< by KernelId
@@ -93,13 +93,13 @@ class Srp {
     traces::FrameRequirements needs;
     sim::Time ray_interval = 0;        ///< time between rays on the direct interface
     std::array<Addr, kAreas> areas{};  ///< start addresses; this core's ray slots spill to kSpill
-    std::uint32_t encode_cycles = 0;   ///< cycles of the DMA to encode a line of pixels; 0: no encoding
+    std::uint32_t encode_cycles = 0;   ///< cycles of the DMA to sRGB-encode a line of pixels; 0: no encoding
     std::uint32_t plane_bytes = 0;     ///< bytes that a rasteriser writes to the tile buffer per sample
     bool ideal = false;                ///< kernels cost no time
     bool ideal_buffer = false;         ///< the tile buffer is unlimited and has no bank conflicts
     bool ideal_cache = false;          ///< every probe of the data cache hits
     Observer* observer = nullptr;
-    std::uint32_t core = 0;  ///< number of this core in events
+    std::uint32_t core = 0;  ///< number of this core, for events
   };
 
   Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& frame, Links links, std::uint16_t client,
@@ -119,9 +119,9 @@ class Srp {
   bool warm_line(Addr line) { return cache_.warm_line(line); }
 
  private:
-  static constexpr std::uint32_t kNoItem = 0xffffffffU;    ///< no item's lines are listed
+  static constexpr std::uint32_t kNoItem = 0xffffffffU;    ///< marks that the lines of no item are collected
   static constexpr std::uint64_t kAccessBytes = 16;        ///< bytes of an access to the tile buffer
-  static constexpr std::uint32_t kSpillTag = 0xffffffffU;  ///< the tag of DMA jobs for spilled ray slots
+  static constexpr std::uint32_t kSpillTag = 0xffffffffU;  ///< tag of DMA jobs for spilled rays
   // A handle combines the slot of a tile in flight (high bits) with the index of a ray or node in the tile.
   static constexpr std::uint32_t kTileShift = 24;
   static_assert(kMaxRays == 1U << kTileShift);
@@ -130,35 +130,35 @@ class Srp {
   }
   static constexpr std::uint32_t tile_of_handle(std::uint32_t handle) { return handle >> kTileShift; }
   static constexpr std::uint32_t index_of_handle(std::uint32_t handle) { return handle & ((1U << kTileShift) - 1); }
-  /// Loads of the loop on the array, through the data cache.
+  /// The data cache loads of the loop that the array runs.
   struct Loads {
-    /// An item whose lines have not all arrived.
+    /// A loop item that waits for cache lines.
     struct Item {
-      sim::Time needed = 0;  ///< array time at which it needs them
+      sim::Time needed = 0;  ///< array time at which the item needs the lines
       std::uint32_t slot = 0;
     };
     sim::Ring<Item> queue;
-    std::uint64_t missing = 0;                 ///< slots of items that wait for lines
-    std::vector<std::uint32_t> lines_missing;  ///< by slot
+    std::uint64_t missing = 0;                 ///< mask of the slots of items that wait for lines
+    std::vector<std::uint32_t> lines_missing;  ///< lines that each slot waits for
     std::vector<Addr> lines;
-    std::uint32_t lines_of_item = kNoItem;  ///< the loop's item that `lines` belongs to
-    bool mshrs_full = false;                ///< the array is stalled for lack of an MSHR
+    std::uint32_t lines_of_item = kNoItem;  ///< loop item to which `lines` belongs
+    bool mshrs_full = false;                ///< the array is stalled because no MSHR is free
   };
-  /// The launch scheduler.
+  /// State of the launch scheduler.
   struct Launch {
     bool check_pending = false;          ///< an event may have made a launch ready
-    bool is_blocked = false;             ///< a launch found no ray slots
-    std::uint32_t kernel = 0xffffffffU;  ///< the kernel configured on the array
+    bool is_blocked = false;             ///< a launch was ready but found too few free ray slots
+    std::uint32_t kernel = 0xffffffffU;  ///< kernel configured on the array
     ConfigMemory config_memory;
   };
-  /// DMA jobs and rasteriser nodes to be sent.
+  /// Jobs that wait to be sent to the DMA and to the rasteriser.
   struct Transfers {
     sim::Ring<DmaJob> dma;
     sim::Ring<RasterJob> raster;
     std::uint64_t spills_started = 0, spills_done = 0;
     std::uint64_t awaited = 0;  ///< transfers in progress that nodes wait for
   };
-  /// State since the last tick, for the counters `fed` and `awaited`.
+  /// State of the shader core since the last tick, for the counters `fed` and `awaited`.
   struct Occupancy {
     bool tni_had_rays = false, array_was_busy = false;
     sim::Time until = 0;  ///< end of the time accounted so far
@@ -166,7 +166,7 @@ class Srp {
 
   // Tiles.
   void take_tile(sim::Time now);
-  /// Returns the slot of a tile in flight that receives a border update; tiles_.size() for a new tile.
+  /// Returns the slot of the tile in flight to which a border update belongs; tiles_.size() if the job is a new tile.
   std::uint32_t find_in_flight_slot(const TileJob& job) const;
   bool has_room(const TileJob& job) const {
     return by_age_.size() < tiles_.size() || find_in_flight_slot(job) != tiles_.size();
@@ -199,7 +199,7 @@ class Srp {
   bool feed_ray(sim::Time now);
   void take_hit(sim::Time now);
   void notify_hit(sim::Time now, std::uint32_t tile, std::uint32_t ray) const;
-  /// Returns when the next ray of a feed can be sent; kNever if not known yet.
+  /// Returns the time at which the next ray of a batch can be sent; kNever if it is not known yet.
   sim::Time ray_ready_at(const RayFeed& feed) const;
 
   // Transfers.
@@ -216,14 +216,14 @@ class Srp {
   const sim::Clock clock_;
   const Frame frame_;
   Links links_;
-  /// When the next tile (or border update), hit, line and end of a transfer can be taken.
+  /// Earliest times at which the next tile or border update, hit, cache line and finished transfer can be taken.
   struct {
     sim::Time tiles = sim::kNever, hits = sim::kNever, lines = sim::kNever, transfers = sim::kNever;
   } arrivals_;
   TileBuffer buffer_;
   L1Cache cache_;
   std::vector<TileRun> tiles_;
-  std::vector<std::uint32_t> by_age_;  ///< active tiles, oldest first
+  std::vector<std::uint32_t> by_age_;  ///< slots of the tiles in flight, oldest tile first
   ArrayLoop loop_;
   Loads loads_;
   Launch launch_;

@@ -10,8 +10,8 @@
 
 namespace hw {
 
-/// The array of functional units (FUs): all of them add, compare, shift and convert; the first `mul_units` also
-/// multiply and the first `div_sqrt_units` also divide and take square roots.
+/// Configuration of the shader core's array of functional units (FUs). All of them add, compare, shift and convert; the
+/// first `mul_units` also multiply, and the first `div_sqrt_units` also divide and take square roots.
 struct ArrayConfig {
   std::uint32_t rows = 4;
   std::uint32_t columns = 4;
@@ -47,7 +47,8 @@ struct ArrayConfig {
   }
 
   std::uint32_t unit_count() const { return rows * columns; }
-  /// Returns the parts that take area. A multiplier handles floats and integers; a multiply-add unit also has an adder.
+  /// Returns the parts of the array that take area. A multiplier handles floats and integers; a multiply-add unit also
+  /// has an adder.
   std::vector<sim::UnitPart> parts() const {
     return {{"functional_unit", unit_count()},
             {"multiplier", mul_units},
@@ -56,10 +57,10 @@ struct ArrayConfig {
   }
 };
 
-/// Longest time of a data-cache load in cycles. Items that wait for lines are bits of a 64-bit word.
+/// Maximum latency of a data-cache load in cycles. Items that wait for lines are bits of a 64-bit word.
 inline constexpr std::uint32_t kMostLoadCycles = 64;
 
-/// Cycles from an operation's issue to its result's use.
+/// Latencies of kernel operations: cycles from an operation's issue to the use of its result.
 struct OpLatencyConfig {
   std::uint32_t fp_add = 2;
   std::uint32_t fp_mul = 2;
@@ -98,16 +99,17 @@ struct OpLatencyConfig {
                                ", make more than " + std::to_string(kMostLoadCycles) + " cycles");
   }
 
-  /// Returns the cycles from a data-cache load to the use of its data.
+  /// Returns the cycles from the issue of a data-cache load that hits to the use of its data.
   std::uint32_t cached_load_latency() const { return cached_load + load_queue; }
 };
 
-/// The shader core's data cache; a hit takes latency.cached_load and latency.load_queue.
+/// Configuration of the shader core's data cache. Its hit time is the sum of latency.cached_load and
+/// latency.load_queue.
 struct DataCacheConfig : CacheConfig {
   static void describe(auto& c, auto&& field) { describe_shape(c, field); }
 };
 
-/// The shader core: an array that runs kernels as software-pipelined loops.
+/// Configuration of the shader core (SRP): an array of functional units that runs kernels as software-pipelined loops.
 struct SrpConfig {
   ArrayConfig array;
   OpLatencyConfig latency;
@@ -141,16 +143,16 @@ struct SrpConfig {
     field(NAMED(c.config_load), "bytes", "configuration loaded a cycle", sim::between(1, 65536), Affects::kTiming);
   }
 
-  /// Returns the bytes of configuration memory of a kernel with this initiation interval.
+  /// Returns the bytes of configuration memory that a kernel with initiation interval `ii` occupies.
   std::uint64_t config_bytes(std::uint32_t ii) const {
     return std::uint64_t{ii} * array.unit_count() * config_word.bytes;
   }
-  /// Returns the cycles to load its configuration.
+  /// Returns the cycles to load the configuration of a kernel with initiation interval `ii`.
   std::uint64_t load_cycles(std::uint32_t ii) const {
     return (config_bytes(ii) + config_load.bytes - 1) / config_load.bytes;
   }
 
-  /// Returns the bytes of storage that leaks, without the tile buffer.
+  /// Returns the bytes of SRAM that leaks, without the tile buffer.
   std::uint64_t sram_bytes() const { return data_cache.size.bytes + kernel_data.bytes + config_memory.bytes; }
 };
 

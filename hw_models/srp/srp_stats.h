@@ -6,13 +6,13 @@
 
 namespace hw {
 
-/// Cost of one kernel on a core.
+/// Cost of one kernel on a shader core.
 struct KernelUse {
   std::uint64_t launches = 0;  ///< loops, each with prologue and drain
   std::uint64_t items = 0;
   std::uint64_t idle = 0;     ///< items that idle through the loop, included in `items`
-  std::uint64_t cycles = 0;   ///< switch and stalls included
-  std::uint64_t starved = 0;  ///< of `cycles`, those in which the T&I unit had no ray of the core
+  std::uint64_t cycles = 0;   ///< shader core cycles, with switches and stalls
+  std::uint64_t starved = 0;  ///< part of `cycles` in which the T&I unit had no ray of the core
 
   KernelUse& operator+=(const KernelUse& other) {
     launches += other.launches;
@@ -84,7 +84,7 @@ struct SrpStats {
     counter(NAMED(s.queued_loads), "loads that went through the load queue", "srp.load_queue");
   }
 
-  /// Charges a switch to a kernel of `rows` configuration rows.
+  /// Counts a switch to a kernel of `rows` configuration rows. `resident`: the rows are in configuration memory.
   void add_switch(std::uint32_t rows, bool resident) {
     switches += 1;
     resident_switches += resident ? 1 : 0;
@@ -93,7 +93,7 @@ struct SrpStats {
     config_rows_loaded += resident ? 0 : rows;
   }
 
-  /// Charges a loop of `n` items. The first `working` items do not idle; the others access no cache.
+  /// Counts a loop of `n` items of a kernel. The first `working` items do not idle; the others access no cache.
   void add_loop(const KernelSchedule& k, std::uint64_t n, std::uint64_t working) {
     const auto ops = [&](OpClass c) { return n * k.ops[static_cast<std::size_t>(c)]; };
     chunks += 1;
@@ -112,7 +112,8 @@ struct SrpStats {
     rf_writes += n * k.rf_writes;
     route_hops += n * k.route_hops;
     queued_loads += working * k.queued_loads;
-    config_reads += (k.depth + (n - 1) * k.ii) * (k.config_reads / k.ii);  // prologue and drain read them too
+    config_reads +=
+        (k.depth + (n - 1) * k.ii) * (k.config_reads / k.ii);  // prologue and drain read configuration words, too
   }
 };
 

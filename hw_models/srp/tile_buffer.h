@@ -12,7 +12,7 @@
 
 namespace hw {
 
-/// Configuration of a core's tile buffer, the on-chip memory for the data of its tiles in flight.
+/// Configuration of a core's tile buffer, the on-chip memory for the data of the tiles that the core works on.
 struct TileBufferConfig {
   sim::ByteSize size{64 * 1024};
   std::uint32_t tiles_in_flight = 3;
@@ -41,21 +41,22 @@ struct TileBufferConfig {
   }
 };
 
-/// Tiles of a frame that a core works on at once.
+/// Number of tiles of a frame that a core works on at once.
 struct TilesInFlight {
   std::uint32_t first = 1;  ///< in the first pass
   std::uint32_t later = 1;  ///< in each later pass
   std::uint32_t max_tiles() const { return std::max(first, later); }
 };
 
-/// Returns the bytes of a full tile in the buffer: its colours and `attribute_bytes`.
+/// Returns the bytes of a full tile in the tile buffer: its colours and `attribute_bytes`.
 inline std::uint64_t tile_bytes(const TileBufferConfig& config, const traces::FrameRequirements& needs,
                                 std::uint32_t attribute_bytes) {
   return std::uint64_t{needs.tile_samples} * config.colour_bytes + attribute_bytes;
 }
 
-/// Returns how many tiles a core works on at once. In the first pass: the configured number, reduced to leave ray slots
-/// their share, but at least one. Tiles of later passes share the room of these. An ideal buffer is unlimited.
+/// Returns how many tiles a core works on at once. In the first pass this is the configured number, reduced to leave
+/// ray slots their share, but at least one. Tiles of later passes share the space of these. An ideal tile buffer is
+/// unlimited.
 inline TilesInFlight tiles_in_flight(const TileBufferConfig& config, const traces::FrameRequirements& needs,
                                      bool ideal) {
   const std::uint64_t tile = tile_bytes(config, needs, needs.attribute_bytes);
@@ -73,9 +74,9 @@ inline TilesInFlight tiles_in_flight(const TileBufferConfig& config, const trace
   return tiles;
 }
 
-/// Accounts for the tile buffer: ray slots in use, and 16-byte accesses, which cost energy.
+/// A core's tile buffer: counts the ray slots in use and the 16-byte accesses, which cost energy.
 ///
-/// 1. A ray needs a free slot, which is also reserved for its hit. So hits never wait.
+/// 1. A ray needs a free slot, which is also reserved for its hit, so hits never wait.
 /// 2. Bank conflicts of kernels are part of their schedules (bank_conflicts.h).
 ///
 /// Not modelled: conflicts with accesses of the T&I unit and the DMA.
@@ -101,7 +102,7 @@ class TileBuffer {
     }
   };
 
-  /// Reserves the colours and attributes of all tiles in flight.
+  /// Reserves the space for colours and attributes of all tiles in flight; the rest becomes ray slots.
   TileBuffer(const TileBufferConfig& config, const traces::FrameRequirements& needs, sim::Clock clock,
              bool ideal = false)
       : clock_(clock), slot_bytes_(config.slot_bytes) {
@@ -116,7 +117,7 @@ class TileBuffer {
   std::uint64_t slot_count() const { return slots_; }
   std::uint32_t slot_bytes() const { return slot_bytes_; }
 
-  /// Takes `n` slots, and returns how many of them do not fit.
+  /// Takes `n` ray slots, and returns how many of them are not available.
   std::uint64_t take_slots(std::uint64_t n) {
     const std::uint64_t spilled = n - std::min(n, free_slots());
     used_ += n;
@@ -131,7 +132,7 @@ class TileBuffer {
   void count_writes(std::uint64_t accesses) { stats_.writes += accesses; }
   void count_conflicts(std::uint64_t cycles) { stats_.bank_conflicts += cycles; }
 
-  /// Notes whether the buffer is in use from `now` on.
+  /// Records whether the tile buffer is in use from time `now` on.
   void set_in_use(sim::Time now, bool used) {
     const CycleReason why = used ? CycleReason::kInUse : CycleReason::kIdle;
     activity_.spend(now, clock_.period(), why, why);

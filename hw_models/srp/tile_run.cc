@@ -12,12 +12,12 @@ using traces::WorkNode;
 
 namespace {
 
-/// True if the node's items have ray slots, taken by the launch that makes them.
+/// True if the node's items have ray slots, which the launch that makes the items has taken.
 bool has_slots(const WorkNode& node) {
   return node.kind == WorkNode::Kind::kRays || node.kind == WorkNode::Kind::kRaster;
 }
 
-/// Reserves room for a typical tile, or twice the need, so that later and larger tiles rarely allocate.
+/// Reserves memory for a typical tile, or twice the need, so that later and larger tiles rarely allocate.
 template <class T>
 void make_room(std::vector<T>& list, std::size_t needed) {
   constexpr std::size_t kUsual = 4096;
@@ -68,7 +68,7 @@ void TileRun::start_tile(const traces::TileWork& work, std::uint32_t chunk, std:
   list_batches();
 }
 
-/// Lists the batches launch by launch; those of a launch in the order of the graph.
+/// Lists the batches of every launch, launch by launch, in graph order.
 void TileRun::list_batches() {
   std::uint32_t next = 0;
   for (Progress& p : progress_) {

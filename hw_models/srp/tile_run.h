@@ -13,11 +13,12 @@ namespace hw {
 /// Maximum number of rays of a tile: a handle has 24 bits for the ray.
 inline constexpr std::uint32_t kMaxRays = 1U << 24;
 
-/// A tile in flight: the progress of each node of its work graph. It has no notion of time; the SRP keeps that.
+/// The progress of a tile in flight: how much of each node of its work graph is done. It does not depend on time, which
+/// the SRP tracks.
 class TileRun {
  public:
-  /// Starts a tile. `chunk`: items of a launch that run together. A launch's next chunk is ready when all inputs of its
-  /// items are. `missing`: imported borders that are not in memory yet, a bit each.
+  /// Starts a tile. `chunk`: number of items of a launch that run together; a launch's next chunk is ready when all
+  /// inputs of its items are. `missing`: mask of the imported borders that are not in memory yet.
   void start_tile(const traces::TileWork& work, std::uint32_t chunk, std::uint32_t missing = 0, TileTag tag = kNoTile);
   void set_missing_borders(std::uint32_t missing) { missing_ = missing; }
   void clear_tile() { work_ = nullptr; }
@@ -27,11 +28,11 @@ class TileRun {
   TileTag tile_tag() const { return tile_tag_; }
   const traces::WorkNode& node(std::uint32_t n) const { return work_->nodes[n]; }
   std::uint32_t node_count() const { return static_cast<std::uint32_t>(work_->nodes.size()); }
-  /// Items of node `n`, idle ones included.
+  /// Returns the number of items of node `n`, including idle ones.
   std::uint32_t total_items(std::uint32_t n) const { return node(n).items + node(n).idle; }
-  /// Finished items of node `n`.
+  /// Returns the number of finished items of node `n`.
   std::uint32_t done_items(std::uint32_t n) const { return progress_[n].done; }
-  /// True if nodes that depend on node `n` may start. Idle items may be left.
+  /// True if nodes that depend on node `n` may start; idle items of `n` may still run.
   bool dependents_released(std::uint32_t n) const { return progress_[n].done >= node(n).items; }
   bool is_complete(std::uint32_t n) const { return progress_[n].done == total_items(n); }
   bool is_all_complete() const { return nodes_left_ == 0; }
@@ -40,8 +41,8 @@ class TileRun {
   /// True if unfinished nodes depend on node `n`.
   bool is_awaited(std::uint32_t n) const { return progress_[n].readers > 0; }
 
-  /// Returns the launch to run next: the last node in the graph's order whose next chunk is ready and that `usable(n)`
-  /// accepts. So consumers run before producers. kNone if there is none.
+  /// Returns the launch to run next: among the launches whose next chunk is ready and for which usable(n) is true, the
+  /// last one in graph order, so that consumers run before producers. kNone if there is none.
   template <class Usable>
   std::uint32_t next_launch(Usable&& usable) const {
     for (std::uint32_t n = node_count(); n-- > 0;) {
@@ -49,7 +50,7 @@ class TileRun {
     }
     return kNone;
   }
-  /// Calls `start(n)` once for each transfer and rasteriser node whose inputs are done and whose border is in memory.
+  /// Calls start(n) once for each transfer and rasteriser node n whose inputs are done and whose border is in memory.
   template <class Start>
   void start_transfers(Start&& start) {
     std::size_t left = 0;
@@ -67,30 +68,31 @@ class TileRun {
   }
   /// True if a transfer waits for another tile's border and for nothing else.
   bool is_awaiting_border() const { return awaits_border_; }
-  /// Items in the next chunk of launch `n`, idle ones included.
+  /// Returns the number of items in the next chunk of launch `n`, including idle ones.
   std::uint32_t chunk_items(std::uint32_t n) const;
   /// Returns the item of the producing launch that makes ray `i` of batch `n`.
   std::uint32_t source_item(std::uint32_t n, std::uint32_t i) const {
     const std::uint32_t map = node(n).sources;
     return map == traces::WorkNode::kNone ? i : work_->sources[map + i];
   }
-  /// The launch that makes the rays of batch `n`.
+  /// Returns the launch that makes the rays of batch `n`.
   std::uint32_t producing_launch(std::uint32_t n) const { return node(n).inputs.front().node; }
-  /// Batches that launch `n` makes: of rays, and of samples to be rasterised.
+  /// Returns the batches that launch `n` makes: batches of rays and of samples to be rasterised.
   std::span<const std::uint32_t> batches_of(std::uint32_t n) const {
     return std::span(batches_).subspan(progress_[n].first_batch, progress_[n].batches);
   }
-  /// Returns how many items in [first, first + items) of launch `n` do not idle.
+  /// Returns how many of the items first to first + items - 1 of launch `n` do not idle.
   std::uint32_t working_items(std::uint32_t n, std::uint32_t first, std::uint32_t items) const {
     return std::min(first + items, node(n).items) - std::min(first, node(n).items);
   }
-  /// Returns the rays that items [first, first + items) of launch `n` make, in all its batches.
+  /// Returns the number of rays that the items first to first + items - 1 of launch `n` make, over all its batches.
   std::uint32_t rays_made(std::uint32_t n, std::uint32_t first, std::uint32_t items) const;
   std::uint32_t batch_of(std::uint32_t ray) const { return batch_of_ray_[ray]; }
 
-  /// Finishes `items` more items of a launch, or a whole transfer. Returns the number of ray slots that become free.
+  /// Marks `items` more items of a launch, or a whole transfer, as finished. Returns the number of ray slots that
+  /// become free.
   std::uint32_t finish_items(std::uint32_t n, std::uint32_t items);
-  /// Notes the return of a ray of the tile. True if that may have made another node ready.
+  /// Marks a ray of the tile as returned. Returns true if that may have made another node ready.
   bool finish_ray(std::uint32_t ray);
 
   static constexpr std::uint32_t kNone = 0xffffffffU;
@@ -98,11 +100,11 @@ class TileRun {
  private:
   struct Progress {
     std::uint32_t done = 0;
-    std::uint32_t prefix = 0;   ///< rays: leading items that are all done, in whole chunks
-    std::uint32_t readers = 0;  ///< unfinished launches and transfers that wait for it or read its ray slots
+    std::uint32_t prefix = 0;   ///< batches of rays: leading items that are all done, in whole chunks
+    std::uint32_t readers = 0;  ///< unfinished launches and transfers that wait for the node or read its ray slots
     bool follows_rays = false;
     std::uint32_t first_batch = 0, batches = 0;  ///< launches: range in batches_
-    std::uint32_t first_chunk = 0;               ///< rays: index in chunk_left_
+    std::uint32_t first_chunk = 0;               ///< batches of rays: index in chunk_left_
   };
   void list_batches();
   bool is_ready(std::uint32_t n) const;
@@ -114,14 +116,14 @@ class TileRun {
 
   const traces::TileWork* work_ = nullptr;
   std::uint32_t chunk_ = 1;
-  std::uint32_t missing_ = 0;  ///< borders not in memory yet, a bit each
+  std::uint32_t missing_ = 0;  ///< mask of the imported borders that are not in memory yet
   TileTag tile_tag_ = kNoTile;
   bool awaits_border_ = false;
   std::uint32_t nodes_left_ = 0;
   std::vector<Progress> progress_;
   std::vector<std::uint32_t> transfers_;   ///< transfers and rasteriser nodes that have not started
-  std::vector<std::uint32_t> batches_;     ///< grouped by the launch that makes them
-  std::vector<std::uint32_t> chunk_left_;  ///< rays not returned, by chunk of each batch
+  std::vector<std::uint32_t> batches_;     ///< batches, grouped by the launch that makes them
+  std::vector<std::uint32_t> chunk_left_;  ///< rays not returned yet, by chunk of each batch
   std::vector<std::uint32_t> batch_of_ray_;
 };
 
