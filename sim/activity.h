@@ -12,11 +12,11 @@ namespace sim {
 enum class ReasonKind : std::uint8_t {
   kWorking,     ///< the unit works, or its pipeline latency elapses
   kWaiting,     ///< the unit waits for another unit
-  kIdle,        ///< nothing to do; the clock is gated
+  kIdle,        ///< the unit has nothing to do and its clock is gated
   kBackground,  ///< caused by time alone, such as refresh
 };
 
-/// One reason of a unit's cycles, as the unit declares it.
+/// A reason to which a unit charges cycles, as the unit declares it.
 struct Reason {
   const char* name;
   ReasonKind kind;
@@ -27,14 +27,16 @@ constexpr Reason waiting(const char* name, const char* meaning) { return {name, 
 constexpr Reason idle(const char* name, const char* meaning) { return {name, ReasonKind::kIdle, meaning}; }
 constexpr Reason background(const char* name, const char* meaning) { return {name, ReasonKind::kBackground, meaning}; }
 
-/// An element of the argument of sim::reasons().
+/// A line of a unit's table of reasons: a CycleReason and its declaration.
 template <class CycleReason>
 struct ReasonLine {
   CycleReason reason;
   Reason declared;
 };
 
-/// Builds a unit's table of reasons. Does not compile unless the table lists every value of the enumeration in order:
+/// Builds a unit's table of cycle reasons. Does not compile unless the table lists every value of the enumeration in
+/// order:
+///
 ///   static constexpr auto kReasons = sim::reasons<CycleReason>({{kIdle, sim::idle("idle", "nothing inside")}, ...});
 template <class CycleReason, std::size_t kLines>
 consteval std::array<Reason, kLines> reasons(const ReasonLine<CycleReason> (&lines)[kLines]) {
@@ -47,14 +49,14 @@ consteval std::array<Reason, kLines> reasons(const ReasonLine<CycleReason> (&lin
   return all;
 }
 
-/// Accounts a unit's time: every cycle is charged to exactly one CycleReason. The last value of the enumeration is
-/// kCount.
+/// Accounts for a unit's time: every cycle is charged to exactly one CycleReason. The last value of that enumeration
+/// must be kCount.
 template <class CycleReason>
 class Activity {
  public:
   static constexpr std::size_t kReasons = static_cast<std::size_t>(CycleReason::kCount);
 
-  /// Charges the cycle at `now` to `now_why` and every later cycle until the next call to `then_why`.
+  /// Charges the cycle at time `now` to the reason `now_why`, and every later cycle until the next call to `then_why`.
   void spend(Time now, Time period, CycleReason now_why, CycleReason then_why) {
     assert(now >= accounted_);
     // Always updates: the branch would be unpredictable.
@@ -64,14 +66,15 @@ class Activity {
     then_ = then_why;
   }
 
-  /// Charges the time up to `end`, an edge of the unit's clock. No effect if that time is already charged.
+  /// Charges the time up to `end`, which must be an edge of the unit's clock. Has no effect if that time is already
+  /// charged.
   void finish(Time end) {
     if (end <= accounted_) return;
     spent_[index(then_)] += end - accounted_;
     accounted_ = end;
   }
 
-  /// Time charged to a reason, as of the last finish().
+  /// Returns the time charged to a reason, as of the last finish().
   Time spent(CycleReason why) const { return spent_[index(why)]; }
   Time accounted_until() const { return accounted_; }
 
@@ -83,11 +86,11 @@ class Activity {
   CycleReason then_{};
 };
 
-/// How a counter is combined when two time spans are added.
+/// How a counter is combined when the results of two time spans are added.
 enum class CounterKind : std::uint8_t {
-  kSum,    ///< values add
-  kPeak,   ///< the larger value
-  kAtEnd,  ///< values add, but the counter is filled in only at the end of the run
+  kSum,    ///< the values add
+  kPeak,   ///< the result is the larger value
+  kAtEnd,  ///< the values add, but the counter is computed only at the end of the run
 };
 
 }  // namespace sim

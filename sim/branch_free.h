@@ -7,10 +7,10 @@
 
 namespace sim {
 
-/// Values are compared in groups of eight: two AVX2 vectors where available.
+/// Number of values that match_mask8() compares at a time: two AVX2 vectors where available.
 inline constexpr std::size_t kMatchWidth = 8;
 
-/// Returns a mask with a bit for each of eight values that equals `number`.
+/// Returns a mask of those of eight values that equal `number`.
 #if defined(__AVX2__)  // vector extensions of the compiler: <immintrin.h> is longer than most files including this one
 inline unsigned match_mask8(const std::uint64_t* eight, std::uint64_t number) {
   using Four [[gnu::vector_size(32)]] = std::uint64_t;
@@ -31,8 +31,8 @@ inline unsigned match_mask8(const std::uint64_t* eight, std::uint64_t number) {
 }
 #endif
 
-/// Returns the index of the smallest of `count` (at least one) numbers, the first of equals. Branch-free: the outcome
-/// is unpredictable.
+/// Returns the index of the smallest of `count` numbers; among equals, the first. `count` must not be 0.
+/// Branch-free: the outcome is unpredictable.
 inline std::uint32_t index_of_min(const std::uint32_t* numbers, std::size_t count) {
   std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
   for (std::size_t i = 0; i < count; ++i) least = std::min(least, std::uint64_t{numbers[i]} << 32 | i);

@@ -8,7 +8,8 @@
 
 namespace sim {
 
-/// Edit distance: the number of letters to insert, delete or replace and of neighbours to swap.
+/// Returns the edit distance of two texts: how many letters must be inserted, deleted or replaced and how many
+/// neighbours swapped to turn one into the other.
 inline std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
   for (std::size_t i = 0; i <= a.size(); ++i) {
@@ -27,10 +28,12 @@ inline std::size_t edit_distance(std::string_view a, std::string_view b) {
   return d[a.size()][b.size()];
 }
 
-/// The first 64 bytes of a word. The time of a comparison grows with the length, and the word is untrusted.
+/// Returns the first 64 bytes of a word. Limits the time of comparisons with untrusted words, which grows with their
+/// length.
 constexpr std::string_view comparable_start(std::string_view word) { return word.substr(0, 64); }
 
-/// Returns the candidate nearest to a word, the first of equals, or the end if none is within `most` edits.
+/// Returns the candidate nearest to a word, the first among equals; the end of `candidates` if none is within `most`
+/// edits.
 template <std::ranges::forward_range Candidates, class Name = std::identity>
 auto find_nearest(std::string_view word, const Candidates& candidates, std::size_t most, Name name = {}) {
   auto found = std::ranges::end(candidates);

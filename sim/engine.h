@@ -19,14 +19,14 @@ enum class Skip : std::uint8_t {
   kOff,  ///< visit every clock edge of every unit; slow, and the reference for kOn
 };
 
-/// What the engine requires of the class that owns a machine:
-///   machine()            its units and links
-///   done()               true once all work has left the machine
+/// Members that the engine requires of the class that owns a simulated machine:
+///   machine()      its units and links
+///   done()         true once all work has left the machine
 /// Optional, to run the machine's partitions one after the other:
-///   run_limits(t)             how far the partitions may run once all have reached t; not past a time at which done()
-///   may become true
+///   run_limits(t)  how far the partitions may run once all have reached time t; not past a time at which done() may
+///                  become true
 /// Optional, to detect livelock:
-///   patience()           the longest time without a retired item
+///   patience()     the longest time that may pass without a retired item
 template <class Owner>
 concept HasPartitions = requires(Owner& owner, Time now) {
   owner.run_limits(now);
@@ -37,8 +37,8 @@ concept HasPatience = requires(const Owner& owner) {
   owner.patience();
 };
 
-/// Periodic checks during a run: samples all counters at interval boundaries, and detects livelock (units are active
-/// and nothing is retired).
+/// Periodic checks during a run of a simulated machine: samples all counters at interval boundaries, and detects
+/// livelock, in which units are active but retire nothing.
 template <class Owner>
 class Watchdog {
  public:
@@ -46,12 +46,12 @@ class Watchdog {
     if constexpr (HasPatience<Owner>) progress_due_at_ = patience_ = owner.patience();
     next_check_at_ = std::min(progress_due_at_, owner_.machine().next_boundary());
   }
-  /// Called once all units have finished the work before `now`, the next wake-up time. Throws Deadlock if a whole
-  /// patience() has passed without a retired item.
+  /// Performs the checks that are due before time `now`, the next wake-up time. Call once all units have finished the
+  /// work before `now`. Throws Deadlock if no item has been retired for patience().
   void check_at(Time now) {
     if (now >= next_check_at_ && now != kNever) run_checks(now);
   }
-  /// The next interval boundary; no partition may run past it before the others have reached it.
+  /// Returns the next interval boundary, which no partition may pass before the others have reached it.
   Time next_boundary() const { return owner_.machine().next_boundary(); }
 
  private:
@@ -80,7 +80,8 @@ class Watchdog {
   std::uint64_t retired_ = 0;
 };
 
-/// Runs the inner partition on its own and returns its next wake-up time.
+/// Runs the machine's inner partition on its own as far as it may run, and returns its next wake-up time. `others`:
+/// time that the other partitions have reached.
 template <class TickAt>
 Time run_inner(WakeupTable& wakeups, const Partition& inner, Time others, Time end, TickAt&& tick_at) {
   Time at = wakeups.earliest_time(inner.units);
@@ -88,8 +89,8 @@ Time run_inner(WakeupTable& wakeups, const Partition& inner, Time others, Time e
   return at;
 }
 
-/// Runs an outer partition on its own and returns its next wake-up time. Its cluster runs alone while no other unit of
-/// the partition is due.
+/// Runs an outer partition on its own as far as it may run, and returns its next wake-up time. The partition's cluster
+/// runs alone while no other unit of the partition is due. `inner`: time that the inner partition has reached.
 template <class TickAt>
 Time run_outer(WakeupTable& wakeups, const Partition& partition, Time inner, Time end, TickAt&& tick_at) {
   const Cluster& cluster = partition.cluster;
@@ -104,8 +105,8 @@ Time run_outer(WakeupTable& wakeups, const Partition& partition, Time inner, Tim
   }
 }
 
-/// Runs the partitions one after the other, as far as each may run. Returns the time from which they must run together,
-/// or kNever. No partition passes an interval boundary before all have reached it.
+/// Runs a machine's partitions one after the other, each as far as it may run. Returns the time from which they must
+/// run together, or kNever. No partition passes an interval boundary before all have reached it.
 template <class Owner, class TickAt>
 Time run_partitions(Owner& owner, Time now, Watchdog<Owner>& watchdog, TickAt&& tick_at) {
   WakeupTable& wakeups = owner.machine().wakeup_table();
@@ -121,7 +122,7 @@ Time run_partitions(Owner& owner, Time now, Watchdog<Owner>& watchdog, TickAt&& 
     const Time next = run_inner(wakeups, partitions.inner, now, std::min(reach.lead, reach.end), tick_at);
     // A pop from a full link would wake the inner partition immediately.
     const Time led = partitions.inner.nearly_full == 0 ? std::min(next, reach.end) : now;
-    Time reached = reach.end;  // reached by all outer partitions
+    Time reached = reach.end;  // time that all outer partitions have reached
     for (std::size_t i = 0; i < count; ++i) {
       const Partition& partition = partitions.outer[back ? count - 1 - i : i];
       reached = std::min(reached, run_outer(wakeups, partition, led, reach.end, tick_at));
@@ -130,7 +131,7 @@ Time run_partitions(Owner& owner, Time now, Watchdog<Owner>& watchdog, TickAt&& 
   }
 }
 
-/// Runs the machine until done() and returns the time of the last visited edge.
+/// Runs a simulated machine until done() is true. Returns the time of the last clock edge that it visited.
 template <Skip kSkip = Skip::kOn, class Owner>
 Time run(Owner& owner) {
   Machine& machine = owner.machine();
@@ -165,8 +166,8 @@ Time run(Owner& owner) {
   }
 }
 
-/// As run(), but visits the units of each step in an order drawn by hash from `seed`. For tests: the result must not
-/// depend on the order.
+/// Runs a simulated machine as run() does, but ticks the units of each time in a random order, drawn by hash from
+/// `seed`. For tests: the result must not depend on the order.
 template <class Owner>
 Time run_shuffled(Owner& owner, std::uint64_t seed) {
   Machine& machine = owner.machine();

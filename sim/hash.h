@@ -3,14 +3,15 @@
 
 namespace sim {
 
-/// Bijective 64-bit finaliser (the variant 13 constants of D. Stafford, as in SplitMix64).
+/// Mixes the bits of a number: a bijective 64-bit finaliser with the variant 13 constants of D. Stafford, as in
+/// SplitMix64.
 constexpr std::uint64_t mix_bits(std::uint64_t x) {
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
   x = (x ^ (x >> 27)) * 0x94d049bb133111ebULL;
   return x ^ (x >> 31);
 }
 
-/// Stateless random number: depends on the keys alone, e.g. hash(frame, pixel, sample, bounce, dimension).
+/// Returns a random number that depends on the keys alone, such as hash(frame, pixel, sample, bounce, dimension).
 template <class... Keys>
 constexpr std::uint64_t hash(Keys... keys) {
   std::uint64_t h = 0x9e3779b97f4a7c15ULL;
@@ -18,7 +19,7 @@ constexpr std::uint64_t hash(Keys... keys) {
   return h;
 }
 
-/// A hash as a float in [0, 1), exact in 24 bits.
+/// Converts a hash to a float in [0, 1) with 24 random bits.
 constexpr float unit_float(std::uint64_t h) { return static_cast<float>(h >> 40) * 0x1p-24F; }
 
 }  // namespace sim

@@ -5,14 +5,14 @@
 
 namespace sim {
 
-/// Wall-clock time of the host, for statements about the host only; never for simulated time.
+/// Wall clock of the host, used for times of the host only, never for simulated time.
 using HostClock = std::chrono::steady_clock;
 
 inline double seconds_since(HostClock::time_point begin) {
   return std::chrono::duration<double>(HostClock::now() - begin).count();
 }
 
-/// Processor time of the calling thread, in seconds.
+/// Returns the processor time that the calling thread has used, in seconds.
 inline double thread_seconds() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);

@@ -11,7 +11,7 @@
 
 namespace sim {
 
-/// The links that lead into one unit, at most 64, with a mask of the links that hold items: a unit with many links
+/// The links that lead into one unit, at most 64, with a mask of the links that hold items. A unit with many links
 /// examines only those.
 template <class T>
 class Inputs {
@@ -29,12 +29,12 @@ class Inputs {
   std::size_t size() const { return links_.size(); }
   Link<T>& operator[](std::size_t i) const { return *links_[i]; }
 
-  /// Mask of the links that hold items, including items that cannot be popped yet.
+  /// Returns a mask of the links that hold items, including items that cannot be popped yet.
   std::uint64_t nonempty_mask() const { return nonempty_mask_; }
-  /// Link::pop_at() and can_pop() of a link, from a local array.
+  /// Returns Link::pop_at() of link `i`, from a local array.
   Time pop_at(std::size_t i) const { return pop_at_[i]; }
   bool can_pop(std::size_t i, Time now) const { return pop_at_[i] <= now; }
-  /// The earliest pop_at() of all links.
+  /// Returns the earliest pop_at() of all links.
   Time pop_at() const {
     Time first = kNever;
     for (std::uint64_t left = nonempty_mask_; left != 0; left &= left - 1) {

@@ -13,33 +13,34 @@ namespace sim {
 ///   0 ------|------|------|------|---> end
 ///         row 0  row 1  row 2   ...   last row       full: every second row is dropped, intervals are twice as long
 ///
-/// A row holds each unit's cycles by reason, then its counters, in the order of Machine::report(), all since the start.
-/// An interval is the difference of two rows, so dropping the row between two intervals merges them. An event at a
-/// boundary belongs to the later interval; so does a cycle that begins there.
+/// 1. A row holds each unit's cycles by reason, then its counters, in the order of Machine::report(), all since the
+/// start of the run.
+/// 2. An interval is the difference of two rows, so dropping the row between two intervals merges them.
+/// 3. An event at a boundary belongs to the later interval; so does a cycle that begins there.
 class Intervals {
  public:
   static constexpr Time kFirstLength = 1'000 * kFemtosecondsPerNanosecond;
   static constexpr std::size_t kMost = 2048;
   static constexpr std::size_t kMostValues = 8 << 20;  ///< limit over all rows
 
-  /// `most`: the maximum number of intervals, even. Reduced if rows are long.
+  /// `most`: maximum number of intervals, an even number. It is reduced if rows are long.
   explicit Intervals(Time length = kFirstLength, std::size_t most = kMost);
 
   // Called by the recorded machine.
   void allocate_rows(std::size_t width);
   Time next_boundary() const { return (rows_ + 1) * length_; }
-  /// Adds the row of the next boundary, to be filled by the caller.
+  /// Adds a row for the next interval boundary, which the caller fills.
   std::uint64_t* next_row();
-  /// Adds the row of the end of the run, to be filled by the caller.
+  /// Adds a row for the end of the run, which the caller fills.
   std::uint64_t* last_row(Time end);
 
   Time interval_length() const { return length_; }
   Time end() const { return end_; }
-  /// Number of intervals. The last one may be shorter than the others.
+  /// Returns the number of intervals. The last one may be shorter than the others.
   std::size_t size() const { return rows_; }
   std::size_t row_width() const { return width_; }
   std::span<const std::uint64_t> row(std::size_t i) const { return {values_.get() + i * width_, width_}; }
-  /// End time of an interval.
+  /// Returns the time at which interval `i` ends.
   Time end_of(std::size_t i) const { return i + 1 == rows_ && end_ != 0 ? end_ : (i + 1) * length_; }
 
  private:

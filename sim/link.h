@@ -11,7 +11,7 @@
 
 namespace sim {
 
-/// Connection that carries items from one unit to another: a wire, a queue or a fixed-latency pipe.
+/// A connection that carries items from one unit to another: a wire, a queue or a fixed-latency pipe.
 ///
 ///   producer --push--> [ `capacity` slots, visible `latency` later ] --pop--> consumer
 ///
@@ -21,12 +21,12 @@ namespace sim {
 template <class T>
 class Link {
  public:
-  /// One clock domain: an item pushed at t can be popped `latency_cycles` (at least 1) cycles later.
+  /// A link within one clock domain: an item pushed at time t can be popped `latency_cycles` (at least 1) cycles later.
   Link(std::size_t capacity, std::uint64_t latency_cycles, Clock clock)
       : Link(capacity, latency_cycles, clock, clock, 0) {}
 
-  /// Two domains: the latency in producer cycles plus `synchroniser_cycles` consumer cycles, rounded up to the
-  /// consumer's next edge.
+  /// A link between two clock domains. The latency is `latency_cycles` producer cycles plus `synchroniser_cycles`
+  /// consumer cycles, rounded up to the consumer's next edge.
   Link(std::size_t capacity, std::uint64_t latency_cycles, Clock producer, Clock consumer,
        std::uint64_t synchroniser_cycles)
       : slots_(capacity),
@@ -42,19 +42,19 @@ class Link {
   Link& operator=(const Link&) = delete;
 
   /// Sets the wake-up times of both ends. The link lowers them for events that an end cannot predict: the first item in
-  /// an empty link, the first free slot of a full one. pop_at() and push_at() give all others.
+  /// an empty link, the first free slot of a full one. pop_at() and push_at() give the times of all other events.
   void set_wakeup_handles(WakeupHandle producer, WakeupHandle consumer) {
     if (producer.unit != nullptr) producer_ = producer;
     if (consumer.unit != nullptr) consumer_ = consumer;
   }
-  /// Keeps `bit` of `*set` equal to "the link holds items" (sim/inputs.h).
+  /// Keeps `bit` of `*set` equal to 1 while the link holds items, and to 0 while it is empty (sim/inputs.h).
   void bind_occupancy_bit(std::uint64_t* set, unsigned bit) {
     occupancy_mask_ = set;
     bit_ = std::uint64_t{1} << bit;
     if (size_ != 0) *occupancy_mask_ |= bit_;
   }
 
-  /// Mirrors pop_at() in `*pop_at`. Also lowers `*soonest` to it when the first item enters an empty link.
+  /// Keeps a copy of pop_at() in `*pop_at`. Also lowers `*soonest` to it when the first item enters an empty link.
   void mirror_pop_time(Time* pop_at, Time* soonest = nullptr) {
     *pop_at = *pop_at_;
     pop_at_ = pop_at;
@@ -70,12 +70,12 @@ class Link {
     nearly_full_from_ = capacity_ - std::min(static_cast<std::uint32_t>(room), capacity_);
     *nearly_full_ += nearly_full_from_ == 0;
   }
-  /// Time from a push until the item is visible, without the wait for the consumer's edge.
+  /// Returns the time from a push until the item is visible, without the wait for the consumer's edge.
   Time latency() const { return latency_; }
 
-  /// Earliest time of the next push as far as known now; kNever while the link is full.
+  /// Returns the earliest time of the next push as far as known now; kNever while the link is full.
   Time push_at() const { return push_at_; }
-  /// Earliest time of the next pop as far as known now; kNever while the link is empty.
+  /// Returns the earliest time of the next pop as far as known now; kNever while the link is empty.
   Time pop_at() const { return *pop_at_; }
   bool can_push(Time now) const { return push_at() <= now; }
   bool can_pop(Time now) const { return pop_at() <= now; }
@@ -121,7 +121,7 @@ class Link {
     return std::move(slot.item);
   }
 
-  /// True if no item is inside, visible or not. For tests and state dumps.
+  /// True if the link holds no item, visible or not. For tests and state dumps.
   bool empty() const { return size_ == 0; }
   std::size_t size() const { return size_; }
   std::size_t capacity() const { return capacity_; }
@@ -131,7 +131,7 @@ class Link {
     Time stamp = 0;
     T item{};
   };
-  /// Next ring index. Branch-free: the wrap of a short ring is unpredictable.
+  /// Returns the next index in the link's ring of slots. Branch-free: the wrap of a short ring is unpredictable.
   std::uint32_t next_index(std::uint32_t i) const { return (i + 1) * std::uint32_t{i + 1 != capacity_}; }
 
   // Timestamps of both ends, kept apart from the slots: units read them far more often than they push or pop.
@@ -156,8 +156,8 @@ class Link {
   const Clock producer_clock_, consumer_clock_;
 };
 
-/// The next time after `now` at which a transfer may become possible, given when the item and the room for it are
-/// ready.
+/// Returns the next time after `now` at which a unit may transfer an item, given the times at which the item is
+/// available and the output has room.
 constexpr Time next_transfer_time(Time now, Time period, Time item_at, Time room_at) {
   return item_at > now ? item_at : std::max(now + period, room_at);
 }

@@ -103,7 +103,8 @@ void Machine::start() {
   connect_links();
 }
 
-/// Assigns wake-up times: whole groups for each partition, separate groups for its cluster, the inner partition last.
+/// Assigns wake-up times to all units: to each partition whole groups, to its cluster separate groups, to the inner
+/// partition the last ones.
 void Machine::place_units() {
   std::size_t partitions = 1;
   for (const Declaration& declared : declared_) partitions = std::max(partitions, declared.partition + 1);
@@ -136,7 +137,7 @@ void Machine::place_units() {
   }
 }
 
-/// Gives the units neighbouring wake-up times from `slot` on and advances `slot` to the next whole group.
+/// Gives the units neighbouring wake-up times from index `slot` on, and advances `slot` to the next whole group.
 WakeupTable::Groups Machine::place_group(std::span<const std::size_t> units, std::size_t& slot) {
   const std::size_t first = slot / WakeupTable::kGroup;
   for (const std::size_t unit : units) slots_[unit] = slot++;

@@ -18,20 +18,20 @@
 
 namespace sim {
 
-/// A declared unit, which links can refer to.
+/// Identifies a declared unit, for its links.
 struct UnitId {
   std::size_t index;
   Clock clock;
 };
 
-/// How a link between two partitions limits how far each may run on its own.
+/// How a link between two partitions limits the time that each may run on its own.
 enum class Lookahead : std::uint8_t {
   kByLatency,  ///< its items may arrive at any time after the latency
   kByOwner,    ///< the machine's owner computes the arrival times and includes them in run_limits()
 };
 
-/// Units and the links between them, each declared once. The machine derives the rest: wake-up times, order of visits,
-/// partitions, synchronisers between clock domains, state, reports and the end of a run.
+/// A simulated machine: units and the links between them, each declared once. The machine derives wake-up times, order
+/// of visits, partitions, synchronisers between clock domains, state, reports and the end of a run.
 ///
 ///   unit(), unit(), ... --> link<T>(), ... --> build<U>(), ... --> sim::run
 ///
@@ -52,7 +52,7 @@ class Machine {
     std::uint32_t data_lines = 0;   ///< data lines at the die's edge
   };
 
-  /// `synchroniser_cycles`: delay of a clock crossing, in cycles of the consumer (Link).
+  /// `synchroniser_cycles`: delay of a link between two clock domains, in cycles of the consumer.
   explicit Machine(std::uint64_t synchroniser_cycles = 0) : synchroniser_cycles_(synchroniser_cycles) {}
   Machine(const Machine&) = delete;
   Machine& operator=(const Machine&) = delete;
@@ -76,9 +76,9 @@ class Machine {
     return link;
   }
 
-  /// Builds a declared unit. U needs tick(now) and clock(). Optional: finish(end), state(), idle(), retired() and what
-  /// sim::report_of needs. finish(end) updates time and counters to an edge of its clock; the unit may continue after
-  /// it.
+  /// Builds a declared unit of class U from `args`. U must have tick(now) and clock(); finish(end), state(), idle(),
+  /// retired() and the members that sim::report_of uses are optional. finish(end) updates time and counters to an edge
+  /// of its clock; the unit may continue after it.
   template <class U, class... Args>
   U& build(UnitId id, Args&&... args) {
     require_unbuilt(id);
@@ -108,40 +108,42 @@ class Machine {
     clusters_.push_back({std::move(units), &owner,
                          [](void* of, const ClusterTurn& turn, Time now) { static_cast<Owner*>(of)->run(turn, now); }});
   }
-  /// Reports a part of the unit built last as a unit of its own.
+  /// Reports `part`, a part of the unit built last, as a unit of its own.
   template <class Part>
   void report_subunit(std::string name, const Part& part, std::uint64_t sram_bytes) {
     reports_.push_back([&part, name = std::move(name), sram_bytes] { return report_of(part, name, sram_bytes); });
     values_.push_back(values_by(part));
   }
-  /// Samples the values of all reports at every interval boundary and at the end. Call before the start; `intervals`
-  /// must outlive the machine.
+  /// Samples the values of all reports into `intervals`, at every interval boundary and at the end. Call before the
+  /// start; `intervals` must outlive the machine.
   void record_intervals(Intervals& intervals);
 
   /// True if all links are empty, and all units that have idle() are idle.
   bool is_drained() const;
-  /// Charges every unit's time up to the end, rounded up to its clock. Call once, after the run.
+  /// Charges every unit's time up to the end of the run, rounded up to the unit's clock. Call once, after the run.
   void finish(Time end);
-  /// Updates time and counters of every unit to `end`, rounded up to its clock. The run may continue after it.
+  /// Updates time and counters of every unit to time `end`, rounded up to the unit's clock. The run may continue after
+  /// it.
   void account_until(Time end);
-  /// One line for each unit that has a state.
+  /// Returns the state of the units as text, one line for each unit that reports a state.
   std::string state() const;
   std::vector<UnitReport> report() const;
-  /// Number of items that units have retired, of all kinds. It grows as long as the machine makes progress.
+  /// Returns the number of items that units have retired, of all kinds. It grows as long as the machine makes progress.
   std::uint64_t retired() const;
 
   // Interface for the engine.
-  /// Assigns wake-up times and wakes all units at time 0. No effect if already started.
+  /// Prepares the machine for a run: assigns wake-up times and wakes all units at time 0. Has no effect if the machine
+  /// has started.
   void start();
   WakeupTable& wakeup_table() { return wakeups_; }
   Partitions& partitions() { return partitions_; }
-  /// Shortest latency of the links between partitions, without those of kind kByOwner.
+  /// Returns the shortest latency of the links between partitions, without those of kind kByOwner.
   Time min_lookahead() const { return lookahead_; }
   Time wake_time(UnitId unit) const { return wakeups_[slots_[unit.index]]; }
-  /// The next interval boundary, which all units must reach together; kNever if nothing is recorded.
+  /// Returns the next interval boundary, which all units must reach together; kNever if no intervals are recorded.
   Time next_boundary() const { return next_boundary_; }
-  /// Samples all boundaries up to `now`. All units must have finished the work before the next boundary, and no later
-  /// work.
+  /// Samples the counters at all interval boundaries up to `now`. All units must have finished the work before the next
+  /// boundary, and no later work.
   void sample_intervals_until(Time now);
   /// A unit and its tick function, called without virtual dispatch.
   struct TickFunction {
@@ -222,7 +224,7 @@ class Machine {
     Link<T> link;
   };
 
-  /// Throws std::logic_error unless `kept`.
+  /// Throws std::logic_error with the text `rule` unless `kept` is true.
   static void require_rule(bool kept, std::string_view rule);
   void require_unbuilt(UnitId id) const;
   void require_cluster_rules(const std::vector<UnitId>& units) const;
@@ -242,7 +244,7 @@ class Machine {
   Intervals* intervals_ = nullptr;
   Time next_boundary_ = kNever;
   std::vector<std::size_t> slots_;            ///< index of the wake-up time of each declared unit
-  std::vector<TickFunction> tick_functions_;  ///< by slot
+  std::vector<TickFunction> tick_functions_;  ///< by index of the wake-up time
   WakeupTable wakeups_;
   Partitions partitions_;
   Time lookahead_ = kNever;

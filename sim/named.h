@@ -2,7 +2,7 @@
 
 namespace sim {
 
-/// Returns "size" for an expression such as "config.l1.size".
+/// Returns the member's name in an expression: "size" for "config.l1.size".
 consteval const char* member_name(const char* expression) {
   const char* name = expression;
   for (const char* c = expression; *c != '\0'; ++c) {

@@ -10,16 +10,16 @@ namespace sim {
 
 struct ClusterTurn;
 
-/// Units of one partition and one clock, ticked by their owner through direct calls, without the engine between cycles.
-/// An optimisation; results do not change, because an action at time t is not visible at t.
+/// Units of one partition and one clock that their owner ticks through direct calls, without the engine between cycles.
+/// This is an optimisation. Results do not change, because an action at time t is not visible at t.
 struct Cluster {
   WakeupTable::Groups units;  ///< separate groups, in the order of declaration
   void* owner = nullptr;
   void (*run)(void* owner, const ClusterTurn& turn, Time now) = nullptr;
 };
 
-/// A partition: units whose links to other partitions all have a latency. It may run on its own up to that lookahead,
-/// which keeps its state in the host's caches.
+/// A partition of a machine: units whose links to other partitions all have a latency. It may run on its own up to that
+/// lookahead, which keeps its state in the host's caches.
 ///
 ///   outer partitions --links--> [ the inner partition ] --links--> outer partitions
 ///
@@ -27,15 +27,15 @@ struct Cluster {
 /// 2. The inner partition runs ahead by the lookahead; the outer ones follow.
 /// 3. A pop frees a slot at a later time, so it is visible early enough. A partition whose outgoing links may be full
 /// waits until the others have reached its own time.
-/// 4. Results do not depend on it.
+/// 4. Results do not depend on partitions.
 struct Partition {
-  WakeupTable::Groups units;      ///< separate groups of wake-up times; without the cluster's
-  std::uint32_t nearly_full = 0;  ///< outgoing links to other partitions that one tick may fill
+  WakeupTable::Groups units;      ///< groups of wake-up times, without those of the cluster
+  std::uint32_t nearly_full = 0;  ///< number of outgoing links to other partitions that one tick may fill
   Cluster cluster;
 };
 
-/// How far a partition may run, if the others have finished the work before `others` and the limit is `end`. With a
-/// nearly full link it stops after their time.
+/// Returns the time before which a partition must stop, if the others have finished the work before `others` and the
+/// limit for all is `end`. A partition with a nearly full link must not pass the others.
 inline Time run_limit(const Partition& partition, Time others, Time end) {
   return std::min(end, partition.nearly_full == 0 ? end : others + 1);
 }
@@ -47,9 +47,9 @@ struct ClusterTurn {
   const Partition& partition;
   Time inner;                    ///< time up to which the inner partition has run
   Time end;                      ///< exclusive end of the turn
-  std::span<const Time> others;  ///< minima of the partition's other units, by groups
+  std::span<const Time> others;  ///< minima of the groups of the partition's other units
 
-  /// True if the turn includes `at`: the partition may run that far, and no other unit is due earlier.
+  /// True if the cluster may tick at time `at`: the partition may run that far, and no other unit of it is due earlier.
   bool includes_time(Time at) const {
     // A single comparison, because the limit that ends the turn is unpredictable.
     Time over = run_limit(partition, inner, end) - 1;
@@ -58,13 +58,13 @@ struct ClusterTurn {
   }
 };
 
-/// Limits for partitions that have all reached the same time.
+/// Times up to which partitions may run that have all reached the same time.
 struct RunLimits {
   Time lead;  ///< of the inner partition, which runs first
   Time end;   ///< of all partitions
 };
 
-/// The partitions of a machine.
+/// All partitions of a machine.
 struct Partitions {
   std::vector<Partition> outer;
   Partition inner;

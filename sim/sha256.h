@@ -5,7 +5,7 @@
 
 namespace sim {
 
-/// SHA-256 digest of bytes that are added in pieces.
+/// Computes the SHA-256 digest of bytes that are added in pieces.
 class Sha256 {
  public:
   Sha256();
@@ -14,7 +14,7 @@ class Sha256 {
   Sha256& operator=(Sha256&&) noexcept;
 
   void add(std::string_view bytes);
-  /// Returns 64 lower-case hexadecimal digits. More bytes may be added afterwards.
+  /// Returns the digest as 64 lower-case hexadecimal digits. More bytes may be added afterwards.
   std::string hex_digest() const;
 
  private:
@@ -22,7 +22,7 @@ class Sha256 {
   std::unique_ptr<State> state_;
 };
 
-/// Returns the digest of one piece of text.
+/// Returns the SHA-256 digest of one text as hexadecimal digits.
 std::string sha256_hex(std::string_view bytes);
 
 }  // namespace sim

@@ -6,15 +6,15 @@
 
 namespace sim {
 
-/// A point in time or a duration, in integer femtoseconds: exact for every clock.
+/// A point in simulated time or a duration, in integer femtoseconds: exact for every clock.
 using Time = std::uint64_t;
 
-/// Later than any time; also the largest value as a signed number.
+/// A time later than any other; also the largest value as a signed number.
 inline constexpr Time kNever = std::numeric_limits<std::int64_t>::max();
 inline constexpr Time kFemtosecondsPerNanosecond = 1'000'000;
 inline constexpr Time kFemtosecondsPerSecond = 1'000'000'000'000'000;
 
-/// A clock domain: edges at all multiples of the period, from time 0.
+/// A clock domain, with edges at all multiples of the period from time 0.
 class Clock {
  public:
   constexpr explicit Clock(Time period)
@@ -27,9 +27,9 @@ class Clock {
   constexpr Time period() const { return period_; }
   constexpr Time edge_at_or_after(Time t) const { return cycles(t + period_ - 1) * period_; }
   constexpr bool is_edge(Time t) const { return cycles(t) * period_ == t; }
-  /// The edge `cycles` cycles after `now`, which must be an edge.
+  /// Returns the edge `cycles` cycles after `now`, which must be an edge.
   constexpr Time after(Time now, std::uint64_t cycles) const { return now + cycles * period_; }
-  /// Number of whole cycles in `t`, which must be below 2^kTimeBits (over an hour).
+  /// Returns the number of whole cycles in time `t`, which must be below 2^kTimeBits femtoseconds (over an hour).
   constexpr std::uint64_t cycles(Time t) const {
     assert(t >> kTimeBits == 0);
     return static_cast<std::uint64_t>((Wide{t} * inverse_) >> (kTimeBits + shift_));

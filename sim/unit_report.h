@@ -14,7 +14,7 @@
 namespace sim {
 
 /// One counter of a unit, declared in its Stats::describe: counter(NAMED(s.hits), "line found", "cache.l1_read").
-/// `event` names the energy event of each count, or is empty. A kind may follow.
+/// `event` names the energy event of each count; empty: none.
 struct CounterReport {
   std::string name;
   std::string meaning;
@@ -23,19 +23,19 @@ struct CounterReport {
   CounterKind kind = CounterKind::kSum;
 };
 
-/// Replicated parts in a unit's logic, whose number a key sets.
+/// A part that a unit's logic contains several times, such as a box tester. A configuration key sets their number.
 struct UnitPart {
   std::string name;  ///< "box_tester"
   std::uint32_t count = 0;
 };
 
-/// Results of one unit. Plain data: reports, energy and comparisons need no types of units.
+/// Results of one unit as plain data, so that reports, energy and comparisons need no types of units.
 struct UnitReport {
   std::string path;                                                     ///< "core0.tni.trv2"
-  std::string block;                                                    ///< energy block
+  std::string block;                                                    ///< block of the GPU, for sums of energy
   std::uint64_t elapsed = 0;                                            ///< cycles of the unit's own clock
   std::vector<std::pair<std::string, std::uint64_t>> cycles_by_reason;  ///< cycles by reason; they sum to `elapsed`
-  std::span<const Reason> reasons;  ///< the declared reasons, one for each entry of `why`
+  std::span<const Reason> reasons;  ///< the declared reasons, one for each entry of `cycles_by_reason`
   std::vector<CounterReport> counters;
   std::uint64_t sram_bytes = 0;   ///< storage that leaks
   std::uint64_t cache_bytes = 0;  ///< the array whose accesses are counted; selects size-dependent energies
@@ -45,14 +45,14 @@ struct UnitReport {
   std::uint32_t data_lines = 0;         ///< data lines at the die's edge
 };
 
-/// Adds the results of the same units over another time span.
+/// Adds the results of the same units over another time span to `sum`.
 void add_reports(std::vector<UnitReport>& sum, const std::vector<UnitReport>& more);
 
-/// Subtracts the results up to an earlier time. Peaks stay those of the whole time.
+/// Subtracts from `later` the results of the same units up to an earlier time. Peaks remain those of the whole time.
 void subtract_reports(std::vector<UnitReport>& later, const std::vector<UnitReport>& earlier);
 
-/// Builds the report of a unit from its declarations: kBlock, kReasons, Stats::describe. `cache_bytes` is `sram_bytes`
-/// if 0.
+/// Builds the report of a unit from its declarations kBlock, kReasons and Stats::describe. If `cache_bytes` is 0,
+/// `sram_bytes` takes its place.
 template <class Unit>
 UnitReport report_of(const Unit& unit, std::string path, std::uint64_t sram_bytes = 0, std::uint64_t cache_bytes = 0) {
   UnitReport r;
@@ -78,8 +78,8 @@ UnitReport report_of(const Unit& unit, std::string path, std::uint64_t sram_byte
   return r;
 }
 
-/// Writes the values of a unit's report to `out` without allocating: cycles by reason, then counters. Returns the end
-/// of the written values.
+/// Writes the values of a unit's report to `out` without allocating memory: cycles by reason, then counters. Returns
+/// the end of the written values.
 template <class Unit>
 std::uint64_t* write_values(const Unit& unit, std::uint64_t* out) {
   const Clock clock = unit.clock();
@@ -91,8 +91,8 @@ std::uint64_t* write_values(const Unit& unit, std::uint64_t* out) {
   return out;
 }
 
-/// Calls set(value, number, kind) for each value of the units, in the order of write_values(), and updates `elapsed` to
-/// the sum of the reasons.
+/// Calls set(value, number, kind) for each value of the units, in the order of write_values(), then updates `elapsed`
+/// of each unit to the sum of its cycles by reason.
 void each_value(std::span<UnitReport> units, auto&& set) {
   std::size_t number = 0;
   for (UnitReport& unit : units) {

@@ -12,7 +12,7 @@
 
 namespace sim {
 
-/// Handle through which a link lowers a unit's wake-up time and the minimum of its group.
+/// Handle through which a link lowers a unit's wake-up time and the minimum of the unit's group.
 struct WakeupHandle {
   WakeupHandle() = default;
   WakeupHandle(Time* wake) : unit(wake), group(wake) {}  ///< without a group; detached if nullptr
@@ -27,21 +27,21 @@ struct WakeupHandle {
   Time* group = nullptr;
 };
 
-/// The engine's wake-up times: one for each unit, and the minimum of each group of eight neighbours. A group is
-/// compared at once (sim/eight.h).
+/// The engine's table of wake-up times: one for each unit, and the minimum of each group of eight neighbours. The eight
+/// times of a group are compared at once (sim/branch_free.h).
 class WakeupTable {
  public:
   static constexpr std::size_t kGroup = kMatchWidth;
-  /// `units` rounded up to whole groups.
+  /// Returns a number of units rounded up to whole groups.
   static constexpr std::size_t round_up_to_groups(std::size_t units) { return (units + kGroup - 1) / kGroup * kGroup; }
 
   WakeupTable() = default;
-  /// All units wake at time 0.
+  /// Creates a table in which all units wake at time 0.
   explicit WakeupTable(std::size_t units) { reset(units); }
   WakeupTable(const WakeupTable&) = delete;
   WakeupTable& operator=(const WakeupTable&) = delete;
 
-  /// All units wake at `first`.
+  /// Resizes the table to `units` units, which all wake at time `first`.
   void reset(std::size_t units, Time first = 0) {
     groups_.assign(round_up_to_groups(units) / kGroup, Eight{});
     for (Eight& group : groups_) group.fill(kNever);
@@ -54,36 +54,37 @@ class WakeupTable {
   WakeupHandle handle_of(std::size_t unit) { return {&time_of(unit), &group_minima_[unit / kGroup]}; }
   void lower(std::size_t unit, Time time) { handle_of(unit).lower(time); }
 
-  /// A range of groups.
+  /// A range of groups of the table.
   struct Groups {
     std::size_t first = 0, end = 0;
   };
 
-  /// The earliest time of all units.
+  /// Returns the earliest wake-up time of all units.
   Time earliest_time() const {
     Time first = kNever;
     for (std::size_t i = 0; i < group_minima_.size(); i += kGroup)
       first = std::min(first, min_of_eight(&group_minima_[i]));
     return first;
   }
-  /// The earliest time of a range.
+  /// Returns the earliest wake-up time of the units in a range of groups.
   Time earliest_time(Groups of) const {
     Time first = kNever;
     for (std::size_t g = of.first; g < of.end; ++g) first = std::min(first, load_time(group_minima_[g]));
     return first;
   }
 
-  /// The times of a range's units, and the minima of its groups.
+  /// Returns the wake-up times of the units in a range of groups, or the minima of these groups.
   Time* unit_times(Groups of) { return of.first == of.end ? nullptr : groups_[of.first].data(); }
   std::span<Time> group_minima(Groups of) { return {group_minima_.data() + of.first, of.end - of.first}; }
 
-  /// Calls tick(unit) for all units that are due at `now`, the earliest time of all. tick() returns the unit's next
-  /// wake-up time. Ticks may lower any unit's time to one after `now`.
+  /// Calls tick(unit) for all units that are due at `now`, the earliest wake-up time of all. tick() returns the unit's
+  /// next wake-up time. Ticks may lower any unit's wake-up time to one after `now`.
   template <class Tick>
   void tick_due(Time now, Tick&& tick) {
     tick_due({0, groups_.size()}, now, tick);
   }
-  /// Ticks the due units of a range; `now` is its earliest time. Returns its next earliest time.
+  /// Ticks those units of a range of groups that are due at `now`, the earliest wake-up time of the range. Returns the
+  /// range's next earliest wake-up time.
   template <class Tick>
   Time tick_due(Groups of, Time now, Tick&& tick) {
     for (std::size_t g = of.first; g < of.end; ++g) {
@@ -108,8 +109,8 @@ class WakeupTable {
     lower(unit, own);
     group_minima_[unit / kGroup] = min_of_eight(groups_[unit / kGroup].data());
   }
-  /// The minimum of eight times that were just written one by one. Reading them in pairs, as a compiler would, stalls
-  /// on store forwarding.
+  /// Returns the minimum of eight times that were just written one by one. Reading them in pairs, as a compiler would,
+  /// stalls on store forwarding.
   static Time min_of_eight(const Time* eight) {
     const Time a = std::min(std::min(load_time(eight[0]), load_time(eight[1])),
                             std::min(load_time(eight[2]), load_time(eight[3])));
@@ -117,7 +118,7 @@ class WakeupTable {
                             std::min(load_time(eight[6]), load_time(eight[7])));
     return std::min(a, b);
   }
-  /// Mask of the units, in up to eight groups, that wake at `now`.
+  /// Returns a mask of the units, in up to eight groups, that wake at `now`.
   static std::uint64_t due_mask(const Time* times, std::size_t groups, Time now) {
     std::uint64_t due = match_mask8(times, now);
     for (std::size_t g = 1; g < groups; ++g) due |= std::uint64_t{match_mask8(times + g * kGroup, now)} << g * kGroup;
@@ -137,7 +138,7 @@ class WakeupTable {
  private:
   using Eight = std::array<Time, kGroup>;
 
-  /// Reads one time with a load of its own.
+  /// Reads one time with a load instruction of its own.
   static Time load_time(const Time& time) { return const_cast<const volatile Time&>(time); }
   Time& time_of(std::size_t unit) { return groups_[unit / kGroup][unit % kGroup]; }
 

@@ -10,7 +10,7 @@
 
 namespace hw {
 
-/// Counters of a fetch stage and its cache; part of the unit's Stats.
+/// Counters of a unit's fetch stage and its cache; part of the unit's Stats.
 struct FetchStats {
   std::uint64_t l1_accesses = 0;  ///< computed by stats()
   std::uint64_t l1_hits = 0, l1_misses = 0, l1_late = 0, l1_fills = 0, mshr_full = 0;
@@ -31,7 +31,8 @@ struct FetchStats {
   }
 };
 
-/// The fetch stage of a unit: slots read lines through the L1, and misses are handled as tni.miss_handling selects.
+/// The fetch stage of a traversal or intersection unit: the unit's slots read lines through its L1, and misses are
+/// handled as tni.miss_handling selects.
 ///
 ///   slots that need a line --> [one probe at a time] --> hit: continue with the line
 ///            ^                        | miss
@@ -46,9 +47,10 @@ struct FetchStats {
 /// the input buffer.
 class FetchStage {
  public:
-  /// The resource that a slot waits for; kNothing if it has read its line.
+  /// The resource for which a slot waits: its line, an MSHR, or room in the `rau` table. kNothing: the slot has read
+  /// its line.
   enum class Wait : std::uint8_t { kNothing, kLine, kMshr, kTable };
-  /// The unit's reason for a cycle in which its slots wait for `wait`; `otherwise` if they wait for nothing.
+  /// Returns a unit's cycle reason while its slots wait for the resource `wait`; `otherwise` if `wait` is kNothing.
   template <class CycleReason>
   static constexpr CycleReason wait_reason(Wait wait, CycleReason otherwise) {
     switch (wait) {
@@ -64,7 +66,7 @@ class FetchStage {
     return otherwise;
   }
 
-  /// `ready`: the unit's mask of slots that need to read a line.
+  /// `ready`: the unit's mask of slots that need to read a line, which the fetch stage updates.
   FetchStage(const CacheConfig& cache, const TniMode& mode, std::uint16_t client, std::uint64_t& ready)
       : l1_(cache, client, mode.ideal_l1), handling_(mode.handling), rau_(mode.rau), ready_(ready) {
     rows_read_.reserve(rau_.rows);
@@ -72,26 +74,26 @@ class FetchStage {
   FetchStage(const FetchStage&) = delete;
   FetchStage& operator=(const FetchStage&) = delete;
 
-  /// Slots that may probe in this cycle.
+  /// Returns a mask of the slots that may probe the L1 in this cycle.
   std::uint64_t issuable_slots() const {
     if (handling_ <= MissHandling::kBypass) return ready_;
     const std::uint64_t first = ready_ & (served_ | resumed_);
     return (first != 0 || stalled_) ? first : ready_;
   }
-  /// True while a stalled (or just resumed) slot has priority over all others.
+  /// True while a stalled or just resumed slot has priority over all others.
   bool is_stalled() const {
     return handling_ >= MissHandling::kRau && (stalled_ || (ready_ & (served_ | resumed_)) != 0);
   }
   bool is_bypassing() const { return handling_ == MissHandling::kBypass; }
-  /// The resource that slots wait for, the scarcest first.
+  /// Returns the scarcest resource for which any slot waits.
   Wait waits_for() const {
     if (table_full_ != 0) return Wait::kTable;
     if (no_mshr_ != 0) return Wait::kMshr;
     return missing_ != 0 ? Wait::kLine : Wait::kNothing;
   }
 
-  /// Probes for the line of a slot out of issuable_slots(). A slot that misses becomes ready again by itself, except
-  /// under `bypass`.
+  /// Probes the L1 for the line of a slot, which must be one of issuable_slots(). After a miss the fetch stage sets the
+  /// slot's `ready` bit again when it may retry; under `bypass` the unit does so.
   [[gnu::noinline]] Wait read_line(std::uint32_t slot, Addr line, std::uint64_t cycle) {
     const std::uint64_t bit = std::uint64_t{1} << slot;
     ready_ &= ~bit;
@@ -136,8 +138,8 @@ class FetchStage {
     return Wait::kMshr;
   }
 
-  /// Fast path: a first probe that hits; the unit then clears the slot's bit in `ready`. Returns false without side
-  /// effects if read_line() is needed. Only for reordered misses in a cache that is not ideal.
+  /// Fast path for a slot's first probe: true if it hits; the unit then clears the slot's bit in `ready`. Returns false
+  /// without side effects if read_line() is needed. Only for reordered misses in a cache that is not ideal.
   bool try_first_probe_hit(std::uint64_t bit, Addr line) {
     if (((served_ | late_) & bit) != 0 || !l1_.try_hit(line)) [[unlikely]]
       return false;
@@ -145,7 +147,7 @@ class FetchStage {
     return true;
   }
 
-  /// Fills a line and makes the slots that wait for it ready.
+  /// Fills a line into the L1 and sets the `ready` bits of the slots that wait for it.
   void fill(Addr line, std::uint64_t cycle) {
     const L1Cache::Miss miss = l1_.fill(line);
     stats_.l1_fills += 1;
@@ -158,27 +160,27 @@ class FetchStage {
     no_mshr_ = 0;
   }
 
-  /// Prefetches, on the host, the tags that a probe for the line will read; the model is not changed.
+  /// Prefetches, on the host, the tags that a probe for the line will read. The simulated cache is not changed.
   void prefetch_tags_on_host(Addr line) const { l1_.prefetch_tags_on_host(line); }
   bool warm_line(Addr line) { return l1_.warm_line(line); }
 
   /// True if a prefetch would leave an MSHR free for demand misses.
   bool can_prefetch() const { return l1_.free_mshrs() >= 2; }
-  /// Prefetches the line on behalf of a slot. False if it is in the cache or already requested.
+  /// Prefetches a line into the L1 on behalf of a slot. Returns false if the line is cached or already requested.
   bool prefetch_line(Addr line, std::uint32_t slot, std::uint64_t cycle) {
     return l1_.prefetch_line(line, slot, cycle);
   }
-  /// Attributes later requests of this slot to the given tile.
+  /// Attributes later requests of a slot to the given tile.
   void set_slot_tile(std::uint32_t slot, TileTag tile) { l1_.set_slot_tile(slot, tile); }
   TileTag slot_tile(std::uint32_t slot) const { return l1_.slot_tile(slot); }
 
-  /// Requests that have not been sent yet.
+  /// Returns the number of L1 misses whose requests to memory have not been sent yet.
   std::size_t unsent_requests() const { return l1_.unsent_requests(); }
   void send_request(sim::Time now, sim::Link<MemRequest>& out) { l1_.send_request(now, out); }
   sim::Time next_send_time(sim::Time next, const sim::Link<MemRequest>& out) const {
     return l1_.next_send_time(next, out);
   }
-  /// True while requested lines have not arrived.
+  /// True while a line requested from memory has not arrived.
   bool waits_for_memory() const { return l1_.outstanding_misses() != 0; }
 
   FetchStats stats() const {
@@ -192,7 +194,7 @@ class FetchStage {
  private:
   static constexpr Addr kAnyRow = ~Addr{0};
 
-  /// Counts a read that succeeded, at the first probe or later.
+  /// Counts a successful read, as late if the slot's first probe missed.
   void note_read(std::uint64_t slot) {
     stats_.l1_late += (late_ & slot) != 0;
     late_ &= ~slot;
@@ -203,9 +205,10 @@ class FetchStage {
     no_mshr_ &= ~slot;
     resumed_ &= ~slot;
   }
-  /// Makes a slot that missed wait: in a row of the table (`rau`) or in the fetch stage (`blocking`).
+  /// Makes a slot wait after a miss: in a row of the table (`rau`) or in the fetch stage (`blocking`).
   void wait_after_miss(Addr line, std::uint64_t slot);
-  /// A fill or a freed MSHR unblocks stalled slots.
+  /// Resumes the slots that wait for an MSHR, for the filled line or for room in the table. Called after a fill;
+  /// `slots`: mask of the slots that waited for the line.
   void unblock_waiters(Addr line, std::uint64_t slots);
   bool has_room_in_table(Addr line);
   void leave_table(std::uint64_t slot);
@@ -220,12 +223,12 @@ class FetchStage {
   std::uint64_t& ready_;          ///< slots that need to read a line
   std::uint64_t missing_ = 0;     ///< slots that wait for a line
   std::uint64_t no_mshr_ = 0;     ///< slots that wait for an MSHR
-  std::uint64_t resumed_ = 0;     ///< slots that have stalled and may probe again, before all others
+  std::uint64_t resumed_ = 0;     ///< slots that were stalled and may probe again, before all others
   bool stalled_ = false;          ///< a slot stalls the fetch stage
-  std::uint64_t table_full_ = 0;  ///< the slot that stalls for lack of room in the table
-  Addr wanted_row_ = kAnyRow;     ///< the line whose row must get room; kAnyRow: a row must become free
+  std::uint64_t table_full_ = 0;  ///< slot that stalls the fetch stage because the table has no room
+  Addr wanted_row_ = kAnyRow;     ///< line whose row must get room; kAnyRow: a row must become free
   std::uint32_t rows_used_ = 0;
-  std::vector<std::uint64_t> rows_read_;  ///< rows whose line has arrived: their slots that have not resumed
+  std::vector<std::uint64_t> rows_read_;  ///< rows whose line has arrived: mask of their slots that have not resumed
 };
 
 }  // namespace hw

@@ -18,7 +18,7 @@
 
 namespace hw {
 
-/// The intersection unit (IST) of a T&I unit: tests the triangles of leaves, one triangle line per cycle.
+/// The intersection unit (IST) of a T&I unit tests the triangles of leaves, one triangle line per cycle.
 ///
 ///   leaves of all TRVs --> [input buffer] --> triangle fetch (L1) --> distance | edges | hit --> answers
 ///
@@ -26,6 +26,7 @@ namespace hw {
 /// 2. A triangle that straddles two lines takes two accesses.
 /// 3. Triangles of a leaf are pipelined. The answer leaves when the last result is known.
 /// 4. Leaves are served round robin by slot.
+///
 /// Not modelled: a hit in one triangle of a leaf does not shorten the tests of the others.
 class Ist {
  public:
@@ -96,8 +97,8 @@ class Ist {
   struct Slot {
     LeafJob job;
     std::uint32_t trv = 0;
-    std::uint32_t tested = 0;    ///< triangles fully fetched
-    bool second_line = false;    ///< the first line of the current triangle has been read
+    std::uint32_t tested = 0;    ///< triangles fetched completely
+    bool second_line = false;    ///< the first of two lines of the current triangle has been read
     std::uint64_t known_at = 0;  ///< cycle at which the results of all tests so far are known
   };
 
@@ -118,16 +119,17 @@ class Ist {
   const TrianglesInMemory triangles_;
   const bool ideal_;     ///< unlimited operations per cycle
   const bool reorders_;  ///< misses are reordered, and the L1 is not ideal
-  /// Cycles from a triangle's fetch to its result, by exit phase (1 to 3).
+  /// Cycles from the fetch of a triangle to the result of its test, by the phase with which the test ends (1 to 3).
   const std::array<std::uint32_t, 4> known_after_;
-  sim::Time line_at_ = sim::kNever;  ///< when the next line can be taken
+  sim::Time line_at_ = sim::kNever;  ///< time at which the next line can be taken
   const std::vector<sim::Link<LeafDone>*> leaves_out_;
   const sim::Inputs<LeafJob> leaves_in_;
   sim::Link<MemRequest>& memory_out_;
   sim::Link<MemResponse>& memory_in_;
   Arbiter sources_;
   Stats stats_;
-  TimingWheel<kPipes>::Masks waiting_{};  ///< slots with an answer to send, and slots that need to read a line
+  TimingWheel<kPipes>::Masks
+      waiting_{};  ///< masks of the slots with an answer to send and of the slots that need to read a line
   FetchStage fetch_;
   std::vector<Slot> slots_;
   TimingWheel<kPipes> pipe_;

@@ -14,7 +14,8 @@
 
 namespace hw {
 
-/// The entrance of a T&I unit: hands rays to the traversal units and collects finished rays from them.
+/// The ray dispatcher is the entrance of a T&I unit: it hands rays to the traversal units (TRVs) and collects finished
+/// rays from them.
 ///
 ///   ray FIFO --> [one ray a cycle] --> TRV with the emptiest input buffer, or the next in turn that has room
 ///   hit FIFO <-- [one hit every `hit_interval` cycles] <-- TRVs, round robin
@@ -67,7 +68,7 @@ class RayDispatcher {
   bool dispatch_ray(sim::Time now);
   bool collect_hit(sim::Time now);
   std::size_t emptiest_trv() const;
-  /// Returns the TRV that can take a ray soonest at or after `at`; of several, the first in turn.
+  /// Returns the TRV that can take a ray soonest at or after time `at`; among equals, the next in round-robin order.
   std::size_t next_trv_in_turn(sim::Time at) const;
   std::size_t chosen_trv(sim::Time at) const;
   sim::Time next_wake(sim::Time now) const;
@@ -79,8 +80,8 @@ class RayDispatcher {
   const std::vector<sim::Link<RayJob>*> to_trv_;
   const sim::Inputs<RayDone> from_trv_;
   Arbiter collects_;
-  std::vector<std::uint32_t> load_;  ///< rays inside each TRV
-  std::size_t turn_ = 0;             ///< the TRV whose turn it is
+  std::vector<std::uint32_t> load_;  ///< number of rays inside each TRV
+  std::size_t turn_ = 0;             ///< next TRV in round-robin order
   sim::Time collect_at_ = 0;
   Stats stats_;
   sim::Activity<CycleReason> activity_;

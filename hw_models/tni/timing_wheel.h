@@ -10,13 +10,13 @@
 
 namespace hw {
 
-/// A clock cycle: the times of its edge and of the next edge, and its number.
+/// A clock cycle: its number, and the times of its edge and of the next edge.
 struct Cycle {
   sim::Time now, next;
   std::uint64_t number;
 
   Cycle(sim::Time at, const sim::Clock& clock) : now(at), next(clock.after(at, 1)), number(clock.cycles(at)) {}
-  /// Moves to a later edge.
+  /// Advances to the cycle that begins at the later edge `at`.
   void advance_to(sim::Time at, const sim::Clock& clock) {
     number += at == next ? 1 : clock.cycles(at - now);
     now = at;
@@ -24,22 +24,22 @@ struct Cycle {
   }
 };
 
-/// Timing wheel (Varghese and Lauck 1987) for the fixed-latency pipelines of a unit with up to 64 slots. It keeps a bit
-/// mask of slots per pipe and cycle, so pipes need no queues.
+/// Timing wheel (Varghese and Lauck 1987) for the fixed-latency pipelines of a unit with up to 64 slots. For each pipe
+/// and each future cycle it keeps a bit mask of the slots that complete then, so pipes need no queues.
 template <std::size_t kPipes>
 class TimingWheel {
  public:
   static constexpr std::uint64_t kMostSpan = 64;  ///< latencies must be shorter than this
-  /// A mask of slots for each pipe.
+  /// For each pipe, a mask of slots.
   struct alignas(kPipes * sizeof(std::uint64_t)) Masks : std::array<std::uint64_t, kPipes> {};
 
-  /// `longest`: largest latency that schedule_completion() will receive. The number of bins is the next power of two
-  /// above it.
+  /// `longest`: largest latency in cycles that schedule_completion() will receive. The number of bins is the next power
+  /// of two above it.
   TimingWheel(sim::Clock clock, std::uint64_t longest) : clock_(clock), last_bin_(std::bit_ceil(longest + 1) - 1) {
     assert(last_bin_ < kMostSpan);
   }
 
-  /// Moves the slots that complete in this cycle into `waiting`. Must be called, in order, in every cycle in which
+  /// Adds the slots that complete in this cycle to the masks `waiting`. Call it, in order, for every cycle in which
   /// slots complete (next_completion()). Branch-free: completions are unpredictable.
   void take_completed(std::uint64_t cycle, Masks& waiting) {
     const std::uint64_t bin = cycle & last_bin_;
@@ -51,16 +51,16 @@ class TimingWheel {
     bins_[bin] = Masks{};
     occupied_ &= ~(std::uint64_t{1} << bin);
   }
-  /// Schedules the slot to complete `latency` cycles after this one.
+  /// Schedules a slot to complete in a pipe `latency` cycles after cycle `cycle`.
   void schedule_completion(std::size_t pipe, std::uint32_t slot, std::uint64_t cycle, std::uint64_t latency) {
     assert(latency <= last_bin_);
     const std::uint64_t bin = (cycle + latency) & last_bin_;
     bins_[bin][pipe] |= std::uint64_t{1} << slot;
     occupied_ |= std::uint64_t{1} << bin;
   }
-  /// Returns 1 if a slot completes in this cycle, else 0.
+  /// Returns 1 if a slot completes in the given cycle, else 0.
   std::uint64_t completes_in(std::uint64_t cycle) const { return (occupied_ >> (cycle & last_bin_)) & 1U; }
-  /// Returns when the next slot completes after this cycle; kNever if the pipes are empty.
+  /// Returns the time of the next completion after the given cycle; kNever if all pipes are empty.
   sim::Time next_completion(const Cycle& cycle) const {
     if (occupied_ == 0) return sim::kNever;
     const std::uint64_t bin = cycle.number & last_bin_;
@@ -74,23 +74,23 @@ class TimingWheel {
   using All [[gnu::vector_size(sizeof(Masks))]] = std::uint64_t;  ///< the masks as one host vector
 
   sim::Clock clock_;
-  std::uint64_t occupied_ = 0;    ///< bins with slots, a bit each
+  std::uint64_t occupied_ = 0;    ///< mask of the bins that hold slots
   const std::uint64_t last_bin_;  ///< index of the last bin
   std::array<Masks, kMostSpan> bins_{};
 };
 
-/// Runs `step` once or, for an ideal unit, until it returns false.
+/// Calls `step` once or, if `drain_all`, until it returns false.
 template <class Step>
 void run_once_or_drain(bool drain_all, Step&& step) {
   while (step() && drain_all) {
   }
 }
 
-/// Masks of one slot, and of the first `slots` slots.
+/// Returns a mask with the bit of one slot, or with the bits of the first `slots` slots.
 constexpr std::uint64_t slot_bit(std::uint32_t slot) { return std::uint64_t{1} << slot; }
 constexpr std::uint64_t all_slots(std::uint32_t slots) { return slots == 64 ? ~std::uint64_t{0} : slot_bit(slots) - 1; }
 
-/// Returns the first set bit at or after `from`, wrapping around: round robin. `mask` must not be 0.
+/// Returns the first set bit of a 64-bit mask at or after bit `from`, wrapping around. The mask must not be 0.
 inline std::uint32_t round_robin(std::uint64_t mask, std::uint32_t from) {
   return (from + static_cast<std::uint32_t>(std::countr_zero(std::rotr(mask, static_cast<int>(from))))) % 64;
 }

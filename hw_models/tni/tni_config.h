@@ -11,7 +11,7 @@
 
 namespace hw {
 
-/// Where a ray keeps the far children it still has to visit.
+/// Stack scheme of a traversal unit: where a ray keeps the far children that it still has to visit.
 enum class StackScheme : std::uint8_t {
   kFull,          ///< unlimited depth
   kRestartLink,   ///< short stack: overflow drops the oldest entry but keeps a link to its node; when the stack runs
@@ -21,14 +21,14 @@ enum class StackScheme : std::uint8_t {
 };
 constexpr std::array<std::string_view, 3> names_of(StackScheme) { return {"full", "restart_link", "restart_trail"}; }
 
-/// Node that a traversal unit prefetches.
+/// Which node a traversal unit prefetches, if any.
 enum class Prefetch : std::uint8_t {
   kNone,
   kSibling,  ///< the far child's node, if a visit hits both children
 };
 constexpr std::array<std::string_view, 2> names_of(Prefetch) { return {"none", "sibling"}; }
 
-/// Handling of a ray or leaf that misses in the first-level cache (fetch_stage.h).
+/// How a ray or leaf is handled that misses in the first-level cache of a T&I unit (fetch_stage.h).
 enum class MissHandling : std::uint8_t {
   kReorder,   ///< it waits in the input buffer and probes again when its line has arrived (Lee et al. 2015)
   kBypass,    ///< it passes through the pipe without work and probes again, until it hits (US patent 9,754,403)
@@ -37,7 +37,7 @@ enum class MissHandling : std::uint8_t {
 };
 constexpr std::array<std::string_view, 4> names_of(MissHandling) { return {"reorder", "bypass", "rau", "blocking"}; }
 
-/// The ray accumulation unit: a table with one row per line that rays wait for.
+/// Configuration of the ray accumulation unit (RAU): a table with one row for each line that rays wait for.
 struct RauConfig {
   std::uint32_t rows = 16;
   std::uint32_t rays = 4;
@@ -47,23 +47,23 @@ struct RauConfig {
     field(NAMED(c.rows), "rows", "lines waited for at once, each with its rays", sim::between(1, 64), Affects::kTiming);
     field(NAMED(c.rays), "rays", "rays of a row", sim::between(1, 64), Affects::kTiming);
   }
-  /// Returns the table's storage in bytes; a row holds a line and `rays` rays.
+  /// Returns the size of the RAU table in bytes; a row holds a line and `rays` rays.
   std::uint64_t sram_bytes(std::uint32_t ray_bytes, std::uint64_t line_bytes) const {
     return rows * (std::uint64_t{rays} * ray_bytes + line_bytes);
   }
 };
 
-/// Dispatch policy: which traversal unit gets the next ray.
+/// Dispatch policy of a T&I unit: which traversal unit gets the next ray.
 enum class Dispatch : std::uint8_t {
   kEmptiest,    ///< the traversal unit with the fewest rays inside
   kRoundRobin,  ///< each unit with room in turn
 };
 constexpr std::array<std::string_view, 2> names_of(Dispatch) { return {"emptiest", "round_robin"}; }
 
-/// Longest pipeline that a TimingWheel holds, in cycles.
+/// Maximum latency of a pipeline that a TimingWheel simulates, in cycles.
 inline constexpr std::uint32_t kLongestPipe = 63;
 
-/// Configuration of a traversal unit.
+/// Configuration of a traversal unit (TRV).
 struct TrvConfig {
   std::uint32_t rays = 32;
   std::uint32_t box_testers = 2;
@@ -112,13 +112,13 @@ struct TrvConfig {
       complain("transform_latency", "instance fetch (l1.hit_cycles) and transform together must not exceed 63 cycles");
   }
   std::vector<sim::UnitPart> parts() const { return {{"box_tester", box_testers}}; }
-  /// Returns the storage of cache, input buffer and stacks in bytes.
+  /// Returns the size of the TRV's cache, input buffer and stacks in bytes.
   std::uint64_t sram_bytes() const {
     return l1.size.bytes + std::uint64_t{rays} * (ray_bytes + std::uint64_t{stack_entry_bytes} * stack_entries);
   }
 };
 
-/// Configuration of an intersection unit.
+/// Configuration of an intersection unit (IST).
 struct IstConfig {
   std::uint32_t leaves = 32;
   std::uint32_t leaf_bytes = 96;
@@ -157,8 +157,8 @@ struct TniMode {
   bool ideal_l1 = false;  ///< every probe hits (ideal.l1)
 };
 
-/// Configuration of a traversal & intersection unit: one ray dispatcher, several traversal units, one intersection
-/// unit.
+/// Configuration of a T&I (traversal and intersection) unit: one ray dispatcher, several traversal units, one
+/// intersection unit.
 struct TniConfig {
   std::uint32_t trvs = 4;
   std::uint32_t link_depth = 2;
@@ -181,7 +181,8 @@ struct TniConfig {
     field.group(NAMED(c.trv), "traversal unit");
     field.group(NAMED(c.ist), "intersection unit");
   }
-  /// Returns the storage of one traversal unit, and of the intersection unit, in bytes.
+  /// Returns the size in bytes of the SRAM of one traversal unit, or of the intersection unit, including its RAU table
+  /// if it has one.
   std::uint64_t trv_sram_bytes() const { return trv.sram_bytes() + rau_bytes(trv.ray_bytes, trv.l1.line.bytes); }
   std::uint64_t ist_sram_bytes() const { return ist.sram_bytes() + rau_bytes(ist.leaf_bytes, ist.l1.line.bytes); }
 

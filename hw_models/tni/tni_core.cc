@@ -3,7 +3,7 @@
 namespace hw {
 namespace {
 
-/// Returns the configuration with ideal pipes. Misses are reordered, so that no ray delays another.
+/// Returns the configuration of a T&I unit with ideal pipes. Misses are reordered, so that no ray delays another.
 TniConfig with_ideal_pipes(TniConfig config) {
   constexpr std::uint32_t kMost = 64;
   config.link_depth = kMost;

@@ -13,22 +13,22 @@
 
 namespace hw {
 
-/// Declares a core's IST, which is built later with its links.
+/// Declares the intersection unit (IST) of a core's T&I unit. It is built later, with its links.
 sim::UnitId declare_ist(sim::Machine& machine, const TniConfig& config, std::uint32_t core, sim::Clock clock);
 
-/// A core's traversal & intersection unit: dispatcher, TRVs, IST and the links between them.
+/// A core's T&I unit: ray dispatcher, traversal units (TRVs), intersection unit (IST), and the links between them.
 ///
 ///   rays --> dispatcher --> TRV x n <--> IST
 ///   hits <-- dispatcher <-- TRV x n
 ///
-/// It is declared first, so that links can connect to it, and built once they exist.
+/// The units are declared first, so that links can connect to them, and built once the links exist.
 class TniCore {
  public:
   struct Scene {
     TreeInMemory tree;
     TrianglesInMemory triangles;
   };
-  /// Parts made ideal, for bounds (ideal.*).
+  /// Which parts of a T&I unit are ideal (ideal.*).
   struct Ideal {
     bool tni = false;  ///< 64 rays per TRV, 64 leaves, unlimited operations per cycle, each in one cycle
     bool l1 = false;   ///< every probe hits
@@ -40,16 +40,18 @@ class TniCore {
   };
 
   TniCore(sim::Machine& machine, const TniConfig& config, const Ideal& ideal, std::uint32_t core, sim::Clock clock);
-  /// Builds the units in the machine that declared them. `hit_interval`: cycles from one returned hit to the next.
+  /// Builds the dispatcher, TRVs and IST in the machine that declared them. `hit_interval`: cycles from one returned
+  /// hit to the next.
   void build_units(sim::Machine& machine, const Scene& scene, std::uint32_t hit_interval, const Links& links);
 
-  /// Makes its units a cluster of the machine (sim/partitions.h), with the core's port if that has the same clock.
+  /// Lets this object tick its units as a cluster of the machine (sim/partitions.h). The cluster includes the core's
+  /// port if that has the same clock.
   void make_cluster(sim::Machine& machine, sim::UnitId port_id, CorePort& port);
   void run(const sim::ClusterTurn& turn, sim::Time now);
 
-  /// The unit that takes rays and returns hits.
+  /// Returns the unit that takes rays and returns hits.
   sim::UnitId dispatcher_id() const { return dispatcher_id_; }
-  /// The L1s: one for each TRV, then one for the IST.
+  /// Returns the memory clients of the T&I unit: the L1 of each TRV, then the L1 of the IST.
   std::vector<MemoryClient> memory_clients() const;
 
   const RayDispatcher& dispatcher() const { return *dispatcher_; }
@@ -64,11 +66,11 @@ class TniCore {
   RayDispatcher* dispatcher_ = nullptr;
   std::vector<Trv*> trvs_;
   Ist* ist_ = nullptr;
-  CorePort* port_ = nullptr;  ///< null if it is not in the cluster
+  CorePort* port_ = nullptr;  ///< null if the port is not in the cluster
 };
 
-/// Returns the scene of an image as a T&I unit sees it. `parents`: from traces::parents_of(). Both must outlive the
-/// result.
+/// Returns the addresses and links of a scene in memory as a T&I unit needs them. `parents`: from traces::parents_of().
+/// Both arguments must outlive the result.
 inline TniCore::Scene scene_in_memory(const traces::MemoryImage& image, std::span<const std::uint32_t> parents) {
   const traces::Layout& layout = image.layout;
   return {{.nodes = layout.nodes,

@@ -11,7 +11,7 @@ void RestartPath::plan_path(std::span<const StackEntryOrigin> entries, const Tre
   const std::uint32_t from = from_root ? 0 : entries.front().node;
   const std::uint32_t instance = entries.back().instance;
   const std::uint32_t root = instance == traces::kNone ? traces::kNone : tree.placed[instance].root;
-  // Walk upwards. At an instance's root, continue in the tree over instances.
+  // The loop walks upwards. At the root of an instance's tree it continues in the tree over instances.
   for (std::uint32_t node = entries.back().node;;) {
     path_.push_back(node);
     if (node == from) break;
@@ -24,7 +24,7 @@ void RestartPath::plan_path(std::span<const StackEntryOrigin> entries, const Tre
   }
 }
 
-/// next_pipe() for the rare steps that its table does not cover.
+/// Returns the sub-pipe of the next step in the rare cases that the table of next_pipe() does not cover.
 TraversalSlot::Pipe TraversalSlot::next_pipe_slow_path() {
   if (restarting_) return kToInner;
   if (traces::kind_of(next_step_) == StepKind::kCull) {
@@ -35,8 +35,8 @@ TraversalSlot::Pipe TraversalSlot::next_pipe_slow_path() {
   return next_pipe();
 }
 
-/// Lists the origins of the entries on the stack, oldest first, by replaying the walk up to its next step. Restarts are
-/// rare, so rays keep no such list.
+/// Lists the origins of the entries on the ray's stack, oldest first, by replaying the walk up to its next step.
+/// Restarts are rare, so rays keep no such list.
 void TraversalSlot::list_entries(const std::uint32_t* walk, std::vector<StackEntryOrigin>& entries) const {
   entries.clear();
   std::uint32_t instance = traces::kNone;
@@ -59,7 +59,7 @@ void TraversalSlot::list_entries(const std::uint32_t* walk, std::vector<StackEnt
     }
     must_pop = kind == StepKind::kLeaf || traces::hits_of(*step) == 0;
     if (kind == StepKind::kLeaf) {
-      ++step;  // its exit phases
+      ++step;  // word with the exit phases of the step
     } else if (traces::hits_of(*step) == 3) {
       entries.push_back({traces::node_of(*step), instance});
     }

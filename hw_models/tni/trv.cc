@@ -62,8 +62,8 @@ void Trv::finish(sim::Time end) {
   stats_.full = clock_.cycles(full_time_);
 }
 
-/// Updates the counts of full cycles after rays have moved in the cycle at `now`. The cycle counts by its state at the
-/// end, its visit by the state before.
+/// Updates the counts of cycles and visits with a full input buffer, after rays have entered or left at time `now`. The
+/// cycle counts by its state at the end, its visit by the state before.
 void Trv::note_full(sim::Time now) {
   rays_moved_ = false;
   if (full_ == (free_ == 0)) return;
@@ -97,7 +97,7 @@ void Trv::prefetch_far_nodes(std::uint64_t cycle) {
   far_nodes_.clear();
 }
 
-/// Handles a probe that missed, and returns the cycle's reason.
+/// Handles a probe of the L1 that missed, and returns the reason to which the cycle is charged.
 Trv::CycleReason Trv::handle_miss(FetchStage::Wait wait, std::uint32_t index, std::uint64_t cycle) {
   if (fetch_.is_bypassing()) {
     stats_.bypass_passes += 1;
@@ -106,7 +106,8 @@ Trv::CycleReason Trv::handle_miss(FetchStage::Wait wait, std::uint32_t index, st
   return FetchStage::wait_reason(wait, CycleReason::kL1Miss);
 }
 
-/// Slots that may enter the one shared pipe; those with leaves only if there is room for a leaf.
+/// Returns a mask of the slots that may enter the shared pipe of a unit with one pipe; slots with leaves only if there
+/// is room for a leaf.
 std::uint64_t Trv::shared_work(bool room_for_leaves) const {
   if (fetch_.is_stalled()) return fetch_.issuable_slots();
   return fetch_.issuable_slots() | waiting_[kToStack] | (room_for_leaves ? waiting_[kToLeaf] : 0);
@@ -293,8 +294,8 @@ Trv::CycleReason Trv::issue_any(const Cycle& cycle) {
   return CycleReason::kSerial;
 }
 
-/// Does one cycle. Fast path: the default features as constants save 12, 5 and 4 % of the host's instructions
-/// (conference-331k, chess-42k and garden-outdoor-643k at 128x64).
+/// Simulates one cycle of the traversal unit. Fast path: the default features as constants save 12, 5 and 4 % of the
+/// host's instructions (conference-331k, chess-42k and garden-outdoor-643k at 128x64).
 template <bool kDefault>
 [[gnu::always_inline]] inline sim::Time Trv::tick_as(const Cycle& cycle) {
   const TrvFeatures has = active_features<kDefault>();
@@ -302,7 +303,7 @@ template <bool kDefault>
   const auto issuable_slots = [&] { return has.reorders ? waiting_[kToInner] : fetch_.issuable_slots(); };
   take_from_pipes<kDefault>(cycle);
   if (arrivals_.soonest <= now) take_arrivals(cycle);
-  CycleReason why = CycleReason::kStarved;  // until a slot tries
+  CycleReason why = CycleReason::kStarved;  // until a slot tries to issue
   if (has.one_pipe) {
     why = issue_any(cycle);
   } else {
@@ -344,8 +345,8 @@ bool Trv::enters_instance(const TraversalSlot& slot, std::uint32_t index) const 
   return slot.is_restarting() ? paths_[index].enters_instance() : traces::is_enter(slot.next_step());
 }
 
-/// Transforms a ray into an instance's space, one operation of the box pipe: 9 multiplications and 9 additions for the
-/// origin, 9 and 6 for the direction, and a reciprocal.
+/// Transforms a ray into an instance's space, as one operation of the box pipe: 9 multiplications and 9 additions for
+/// the origin, 9 and 6 for the direction, and a reciprocal.
 Trv::CycleReason Trv::issue_transform(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle) {
   const std::uint32_t instance =
       slot.is_restarting() ? paths_[index].next_instance() : traces::instance_of(slot.next_step());

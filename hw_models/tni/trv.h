@@ -31,10 +31,11 @@ struct TrvFeatures {
   friend bool operator==(const TrvFeatures&, const TrvFeatures&) = default;
 };
 
-/// Features of the default machine. Trv::tick() is compiled twice: for these as constants, and for any features.
+/// Features of a traversal unit in the default configuration. Trv::tick() is compiled twice: for these features as
+/// constants, and for any features.
 inline constexpr TrvFeatures kDefaultTrvFeatures{};
 
-/// A traversal unit (TRV): takes independent rays through a 2-wide BVH. Its three sub-pipes run in parallel, each with
+/// A traversal unit (TRV) takes independent rays through a 2-wide BVH. Its three sub-pipes run in parallel, each with
 /// one operation per cycle.
 ///
 ///   rays --> [input buffer: up to 64 slots] --> inner: node fetch (L1) + both boxes --+
@@ -126,8 +127,8 @@ class Trv {
   Trv& operator=(const Trv&) = delete;
 
   sim::Time tick(sim::Time now);
-  /// Ticks the units of a core whose bits in `due` are set, and stores when each next wakes. All have one
-  /// configuration.
+  /// Ticks those traversal units of a core whose bits in the mask `due` are set, and stores each unit's next wake-up
+  /// time in `wakes`. All units must have the same configuration.
   static void tick_due(std::span<Trv* const> trvs, std::uint64_t due, sim::Time* wakes, const Cycle& cycle);
   const sim::Clock& clock() const { return clock_; }
   Stats stats() const;
@@ -146,7 +147,7 @@ class Trv {
     std::uint32_t node = 0, slot = 0;
   };
 
-  /// `kDefault`: the unit has kDefaultTrvFeatures, which are compile-time constants here.
+  /// Simulates one cycle. `kDefault`: the unit has kDefaultTrvFeatures, which are then compile-time constants.
   template <bool kDefault>
   sim::Time tick_as(const Cycle& cycle);
   sim::Time tick_as_declared(const Cycle& cycle);
@@ -155,20 +156,21 @@ class Trv {
     return kDefault ? kDefaultTrvFeatures : features_;
   }
 
-  // Each does at most one operation and returns true if it did.
+  // Each of these does at most one operation and returns true if it did.
   bool take_ray(sim::Time now);
   bool take_answer(sim::Time now);
   bool fill(const Cycle& cycle);
   bool issue_leaf(sim::Time now);
   bool retire_ray(sim::Time now);
 
-  /// Takes a line, an answer and a ray, each if it has arrived.
+  /// Takes a cache line, an answer of the intersection unit and a ray from the unit's links, each if it has arrived.
   void take_arrivals(const Cycle& cycle);
-  /// True if any output can be issued. One combined test, as the single conditions are unpredictable.
+  /// True if the unit can send a leaf, retire a ray or send a memory request in this cycle. One combined test, because
+  /// the single conditions are unpredictable.
   bool has_output(sim::Time now) const {
     return (issuable_leaves(now) | waiting_[kToRetire] | fetch_.unsent_requests()) != 0;
   }
-  /// Slots with a leaf, if the leaf pipe and the link are free.
+  /// Returns a mask of the slots with a leaf to send; 0 while the leaf pipe or the link is not free.
   std::uint64_t issuable_leaves(sim::Time now) const {
     const bool room = std::max(leaf_free_at_, links_.leaves_out.push_at()) <= now;
     return waiting_[kToLeaf] & (std::uint64_t{0} - std::uint64_t{room});
@@ -177,7 +179,7 @@ class Trv {
   /// it.
   void issue_outputs(const Cycle& cycle);
 
-  /// Returns the next slot of a mask, round robin.
+  /// Returns the slot of the mask to serve next, round robin.
   std::uint32_t next_slot(std::uint64_t slots) {
     const std::uint32_t index = round_robin(slots, inner_turn_);
     inner_turn_ = (index + 1) % 64;
@@ -193,36 +195,36 @@ class Trv {
   void issue_pop(const Cycle& cycle);
   void pop_entry(std::uint32_t index, std::uint64_t cycle);
   void send_leaf(sim::Time now, std::uint32_t index);
-  /// Ends a pass. False if the visit needs another pass.
+  /// Ends a pass of a visit. Returns false if the visit needs another pass.
   bool ends_with_pass(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle);
   template <bool kDefault>
   void complete_visit(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle);
   bool has_trail() const { return config_.stack == StackScheme::kRestartTrail; }
   template <bool kDefault>
   void take_from_pipes(const Cycle& cycle);
-  /// Lists the far children of visits that hit both children, for prefetch_far_nodes().
+  /// Collects, for prefetching, the far children of those visits in the mask `visited` that hit both children.
   void note_far_nodes(std::uint64_t visited);
   void prefetch_far_nodes(std::uint64_t cycle);
-  /// Reason for cycles from `next` on in which no node enters the box pipe.
+  /// Returns the reason for the cycles from time `next` on in which no node enters the box pipe.
   CycleReason wait_reason(sim::Time next) const;
   sim::Time next_wake(const Cycle& cycle) const;
   void note_full(sim::Time now);
 
   // Members that ticks read come first, so that they share few host cache lines.
   alignas(64) TimingWheel<kPipes>::Masks waiting_{};  ///< slots that wait for each sub-pipe
-  /// When the next ray, answer and line can be taken; none of them before `soonest`.
+  /// Earliest times at which the next ray, answer and cache line can be taken; none of them is before `soonest`.
   struct Arrivals {
     sim::Time soonest = sim::kNever, rays = sim::kNever, answers = sim::kNever, lines = sim::kNever;
   } arrivals_;
-  sim::Time leaf_free_at_ = 0;  ///< when the leaf pipe, or the one shared pipe, accepts its next operation
+  sim::Time leaf_free_at_ = 0;  ///< time at which the leaf pipe, or the one shared pipe, accepts its next operation
   std::uint32_t inner_turn_ = 0, stack_turn_ = 0, leaf_turn_ = 0, retire_turn_ = 0;
   const std::uint32_t box_latency_, transform_latency_;  ///< L1 hit included
   const std::uint32_t stack_latency_;
   const std::uint32_t stack_room_;  ///< capacity of a ray's stack in entries
   const TrvFeatures features_;
-  const bool is_default_;    ///< the features are the default machine's
+  const bool is_default_;    ///< the features are those of the default configuration
   bool rays_moved_ = false;  ///< a ray entered or retired in this cycle
-  bool full_ = false;        ///< every slot has held a ray since `full_since_`, that is after visit `full_since_visit_`
+  bool full_ = false;  ///< every slot has held a ray since `full_since_`, which was after visit `full_since_visit_`
   std::vector<TraversalSlot> slots_;
   const sim::Clock clock_;
   sim::Activity<CycleReason> activity_;
@@ -237,8 +239,8 @@ class Trv {
   std::uint64_t at_ist_ = 0;             ///< slots that wait for the intersection unit's answer
   std::uint64_t both_children_hit_ = 0;  ///< slots in the box pipe whose visit hits both children, for prefetching
   const TrvConfig config_;
-  std::vector<const std::uint32_t*> begins_;  ///< the first step of each slot's ray
-  std::vector<RestartPath> paths_;            ///< by slot
+  std::vector<const std::uint32_t*> begins_;  ///< first step of each slot's ray
+  std::vector<RestartPath> paths_;            ///< restart path of each slot
   std::vector<StackEntryOrigin> entries_;     ///< scratch space for a restart
   std::vector<FarNode> far_nodes_;            ///< nodes to be prefetched in this cycle
   sim::Time full_since_ = 0, full_time_ = 0;

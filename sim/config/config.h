@@ -14,7 +14,7 @@
 
 namespace sim {
 
-/// Applies "a.b=c" arguments to a configuration, then checks it. Throws InputError, naming the argument.
+/// Applies --set arguments such as "a.b=c" to a configuration, then checks it. Throws InputError, naming the argument.
 template <class Config>
 void apply_sets(Config& config, std::span<const std::string> sets) {
   ConfigNode tree = config_tree(config);
@@ -23,8 +23,8 @@ void apply_sets(Config& config, std::span<const std::string> sets) {
   check_tree(tree);
 }
 
-/// Reads a configuration file with the files that it `extends`, applies "a.b=c" arguments, then checks the whole.
-/// Throws InputError with one line: file, line, column (or the --set argument), key, fault, what is allowed.
+/// Reads a configuration file and the files that it `extends`, applies --set arguments such as "a.b=c", then checks the
+/// result. Throws InputError with one line: file, line, column (or the --set argument), key, fault, what is allowed.
 template <class Config>
 Config load_config(const std::filesystem::path& file, std::span<const std::string> sets = {}) {
   Config config;
@@ -36,50 +36,53 @@ Config load_config(const std::filesystem::path& file, std::span<const std::strin
   return config;
 }
 
-/// Checks every value against its limits, then the rules that involve several. Throws InputError with the key.
+/// Checks every value of a configuration against its limits, then the rules that involve several values. Throws
+/// InputError with the key.
 template <class Config>
 void check_config(const Config& config) {
   Config copy = config;
   check_tree(config_tree(copy));
 }
 
-/// Returns the effective configuration as YAML: every field, with unit and meaning as a comment. Loading the text
-/// restores it.
+/// Returns the effective configuration as YAML text: every field, with unit and meaning as a comment. Loading the text
+/// restores the configuration.
 template <class Config>
 std::string dump_config(const Config& config) {
   Config copy = config;
   return dump_tree(config_tree(copy), Comments::kOn);
 }
 
-/// Returns the SHA-256 of the effective configuration without comments, or of the fields of one kind.
+/// Returns the SHA-256 hash of a configuration's values. `only`: hash only the fields that affect this.
 template <class Config>
 std::string config_hash(const Config& config, std::optional<Affects> only = {}) {
   Config copy = config;
   return hash_tree(config_tree(copy), only);
 }
 
-/// Returns a Markdown table for each group: key, value in `config`, unit, range, what it affects, meaning.
+/// Returns the manual of a configuration as Markdown: for each group a table of key, value in `config`, unit, range,
+/// what the key affects, and meaning.
 template <class Config>
 std::string config_manual(const Config& config) {
   Config copy = config;
   return manual_of(config_tree(copy));
 }
 
-/// Returns every field in the order of declaration, with its value in `config`.
+/// Returns every field of a configuration in the order of declaration, with its value in `config`.
 template <class Config>
 std::vector<FieldInfo> list_fields(const Config& config) {
   Config copy = config;
   return fields_of(config_tree(copy));
 }
 
-/// Returns a JSON Schema (draft 2020-12) of the configuration files of this type.
+/// Returns a JSON Schema (draft 2020-12) for configuration files of this type.
 template <class Config>
 Json config_schema() {
   Config defaults;
   return schema_of(config_tree(defaults));
 }
 
-/// Returns the configuration as nested objects: numbers as numbers, quantities as their text in a file ("500 MHz").
+/// Returns a configuration as nested JSON objects. Numbers are JSON numbers; quantities are texts as in a file ("500
+/// MHz").
 template <class Config>
 Json config_json(const Config& config) {
   Config copy = config;

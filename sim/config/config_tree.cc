@@ -23,8 +23,8 @@ void find_all(const ConfigNode& group, std::string_view key, std::vector<const C
   }
 }
 
-/// True if a field of another group may have been meant here. A group without subgroups accepts only fields of its
-/// kinds.
+/// True if a user who wrote an unknown key in `group` may have meant the field `elsewhere` of another group. A group
+/// without subgroups accepts only fields of the kinds that it has.
 bool may_be_meant(const ConfigNode& elsewhere, const ConfigNode& group) {
   if (std::ranges::any_of(group.children, &ConfigNode::is_group)) return true;
   return !elsewhere.is_group() &&
@@ -39,7 +39,8 @@ void check_limits(const ConfigNode& node, std::string_view origin) {
   if (const std::string problem = value_problem(node); !problem.empty()) refuse(origin, node.path, problem);
 }
 
-/// Collects the origins of the group's fields that are nearest to the user, if nearer than `than`.
+/// Finds the origins (files, --set arguments) of the group's fields that are nearest to the user, if nearer than
+/// `than`, and updates `than`.
 void find_nearest_origins(const ConfigNode& group, std::size_t& than, std::vector<std::string>& origins) {
   for (const ConfigNode& child : group.children) {
     if (child.is_group()) {
@@ -54,8 +55,8 @@ void find_nearest_origins(const ConfigNode& group, std::size_t& than, std::vecto
   }
 }
 
-/// Throws for a field that violates a rule of the group. If a nearer origin changed the other fields of the rule, the
-/// error names that origin.
+/// Throws InputError for a field that violates a rule of its group. If an origin nearer to the user changed the other
+/// fields of the rule, the error names that origin.
 [[noreturn]] void refuse_rule(const ConfigNode& group, std::string_view at, std::size_t nearness,
                               const std::string& path, std::string_view problem) {
   constexpr std::size_t kMostShown = 4;

@@ -17,14 +17,15 @@
 
 namespace sim {
 
-/// An enum member with its type erased: its names in the order of the values 0, 1, 2, ...
+/// Access to a configuration member of any enumeration type. The names are in the order of the values 0, 1, 2, ...
 struct EnumTarget {
   std::vector<std::string_view> names;
   std::function<std::size_t()> get;
   std::function<void(std::size_t)> set;
 };
 
-/// Pointer to the member that a field is bound to. FieldKind names the alternatives in this order.
+/// Pointer to the member of a configuration struct that a field is bound to. FieldKind names the alternatives in this
+/// order.
 using Target = std::variant<bool*, std::uint32_t*, std::uint64_t*, double*, std::string*, Frequency*, ByteSize*,
                             Duration*, AutoCount*, Triple*, Band*, std::map<std::string, Band>*, EnumTarget>;
 enum class FieldKind : std::uint8_t {
@@ -49,13 +50,13 @@ constexpr std::array<std::string_view, 13> names_of(FieldKind) {
 
 static_assert(std::variant_size_v<Target> == names_of(FieldKind{}).size());
 
-/// Receives the rules that a struct's check() finds violated.
+/// Receives each rule that a configuration struct's check() finds violated: the key and the problem.
 using Complain = std::function<void(std::string_view key, std::string_view problem)>;
 
 inline constexpr std::string_view kSetOrigin = "--set ";
 inline constexpr std::size_t kNearestFile = 16;  ///< ConfigNode::nearness of a file that no other file extends
 
-/// One field or group of a configuration, bound to an instance of its struct. The instance must outlive it.
+/// One field or group of a configuration, bound to an instance of its struct. The instance must outlive the node.
 struct ConfigNode {
   // Defined in config_tree.cc because the functions of `target` are slow to compile.
   ConfigNode();
@@ -71,9 +72,9 @@ struct ConfigNode {
   std::string meaning;
   Limits limits;
   Affects affects = Affects::kTiming;
-  std::optional<Target> target;                ///< the field's member; none for a group
-  std::vector<ConfigNode> children;            ///< a group's fields and groups, as declared
-  std::function<void(const Complain&)> check;  ///< a group's own rules, if any
+  std::optional<Target> target;                ///< the member that a field is bound to; empty for a group
+  std::vector<ConfigNode> children;            ///< fields and groups of a group, as declared
+  std::function<void(const Complain&)> check;  ///< rules of a group, if it has any
   std::map<std::string, std::string, std::less<>>
       not_modelled;    ///< keys of mechanisms that the model lacks, each with the reason
   std::string origin;  ///< where the value was set last (kSetOrigin); empty for a default
@@ -86,7 +87,7 @@ struct ConfigNode {
   ConfigNode* find_child(std::string_view name);
 };
 
-/// The visitor passed to describe(): adds each declared field and group to a ConfigNode.
+/// The visitor that describe() of a configuration struct receives: adds each declared field and group to a ConfigNode.
 class TreeBuilder {
  public:
   explicit TreeBuilder(ConfigNode& group) : group_(group) {}
@@ -113,7 +114,8 @@ class TreeBuilder {
     bind(add(key, meaning), member);
   }
 
-  /// Declares a key of a mechanism that the model lacks; using it is an error with this reason.
+  /// Declares a key of a mechanism that the model lacks. A configuration that sets the key is an error with this
+  /// reason.
   void not_modelled(std::string_view key, std::string_view reason) { group_.not_modelled.emplace(key, reason); }
 
   /// Adds the fields of `config` to `node`.
@@ -139,15 +141,15 @@ ConfigNode config_tree(Config& config) {
   return root;
 }
 
-/// Throws InputError for the first value outside its limits, then for the first violated rule. `origin` names the whole
-/// configuration, for keys that keep their default.
+/// Checks a configuration. Throws InputError for the first value outside its limits, otherwise for the first violated
+/// rule. `origin`: name of the whole configuration in errors about keys that keep their default.
 void check_tree(const ConfigNode& root, std::string_view origin = {});
 
-/// Throws InputError("<origin>: <path>: <problem>") without the empty parts.
+/// Throws InputError("<origin>: <path>: <problem>"); empty parts are left out.
 [[noreturn]] void refuse(std::string_view origin, std::string_view path, std::string_view problem);
 
-/// Returns "did you mean 'x'?" with the same key elsewhere in the tree or the nearest key here, or else the allowed
-/// keys.
+/// Returns a hint for an unknown key: "did you mean 'x'?" with the same key elsewhere in the tree or the nearest key of
+/// the group, otherwise the keys that are allowed.
 std::string suggest_keys(const ConfigNode& root, const ConfigNode& group, std::string_view key);
 
 /// Combines several callables into one, for std::visit.

@@ -67,7 +67,7 @@ Json value_json(const ConfigNode& field) {
   return value_text(field);
 }
 
-/// Escapes '|', which ends a table cell.
+/// Escapes '|', which ends a cell of a Markdown table.
 std::string escape_cell(std::string_view text) {
   std::string escaped;
   for (const char c : text) escaped += c == '|' ? std::string("\\|") : std::string(1, c);
@@ -131,7 +131,7 @@ std::string with_points(const std::string& text) {
   return out;
 }
 
-/// Returns the value as in a configuration file. Quoted where YAML 1.1 readers would read a boolean.
+/// Returns the field's value as in a configuration file. Words that YAML 1.1 readers would read as booleans are quoted.
 std::string yaml_value(const ConfigNode& field) {
   const std::string text = value_text(field);
   const FieldKind kind = field.kind();
@@ -228,7 +228,7 @@ std::string escape_regex(std::string_view text) {
   return escaped;
 }
 
-/// Accepts a number, or a text of a number with the field's unit.
+/// Returns the JSON Schema of a numeric field, which accepts a number, or a text of a number with the field's unit.
 Json number_schema(const ConfigNode& field, const char* type) {
   Json number = {{"type", type}};
   if (std::isfinite(field.limits.min)) number["minimum"] = field.limits.min;
@@ -251,7 +251,8 @@ Json band_schema(const ConfigNode& field) {
   return {{"anyOf", {number, band}}};
 }
 
-/// Accepts the names, and the booleans that YAML 1.1 readers make of `off` and `on`.
+/// Returns the JSON Schema of an enumeration, which accepts its names, and the booleans that YAML 1.1 readers make of
+/// `off` and `on`.
 Json enum_schema(const std::vector<std::string_view>& names) {
   Json choices = names;
   for (const std::string_view name : names) {

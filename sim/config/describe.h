@@ -9,7 +9,7 @@
 
 namespace sim {
 
-/// One field of a configuration as plain data. "<path>=<value>" is the --set argument that restores the value.
+/// One field of a configuration as plain data. The argument --set <path>=<value> restores the value.
 struct FieldInfo {
   std::string path;  ///< "tni.trv.rays"
   FieldKind kind = FieldKind::kBool;
@@ -23,7 +23,7 @@ struct FieldInfo {
 
 enum class Comments : std::uint8_t { kOff, kOn };
 
-// Views of a bound configuration; config.h has them for the structs.
+// Views of a bound configuration; config.h offers them for configuration structs.
 std::string dump_tree(const ConfigNode& root, Comments comments, std::optional<Affects> only = {});
 std::string hash_tree(const ConfigNode& root, std::optional<Affects> only);
 std::vector<FieldInfo> fields_of(const ConfigNode& root);
@@ -31,7 +31,7 @@ Json json_of(const ConfigNode& root);
 Json schema_of(const ConfigNode& root);
 std::string manual_of(const ConfigNode& root);
 
-/// Returns the lines of one field, or of a group without its fields, at a depth of `depth` groups.
+/// Returns the YAML lines of one field, or of a group without its fields. `depth`: number of enclosing groups.
 std::string dump_node(const ConfigNode& node, std::size_t depth, Comments comments);
 
 }  // namespace sim

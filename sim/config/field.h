@@ -9,7 +9,7 @@
 
 namespace sim {
 
-/// What a configuration field changes.
+/// What a configuration field affects.
 enum class Affects : std::uint8_t {
   kFunction,  ///< the recorded work: scene, program, thresholds, tile size, BVH build
   kLayout,    ///< addresses: node, triangle and texture formats, placement
@@ -22,10 +22,10 @@ constexpr std::array<std::string_view, 6> names_of(Affects) {
   return {"function", "layout", "walk", "timing", "energy", "report"};
 }
 
-/// Quantities with a unit in the configuration file ("500 MHz", "16 KiB", "50 ns", "12 pJ").
+/// A frequency, written with a unit in configuration files ("500 MHz").
 struct Frequency {
   std::uint64_t hz = 0;
-  /// The clock domain; the period is rounded to the nearest femtosecond.
+  /// Returns the clock domain of this frequency; the period is rounded to the nearest femtosecond.
   Clock clock() const { return Clock((kFemtosecondsPerSecond + hz / 2) / hz); }
   friend bool operator==(const Frequency&, const Frequency&) = default;
 };
@@ -37,13 +37,14 @@ struct Duration {
   Time time = 0;
   friend bool operator==(const Duration&, const Duration&) = default;
 };
-/// A value known within a band. The field has the unit ("pJ", "mW").
+/// A value that is known within a band. The unit of the field applies ("pJ", "mW").
 struct Band {
   double low = 0, nominal = 0, high = 0;
   friend bool operator==(const Band&, const Band&) = default;
 };
 
-/// A count, or `auto`: derived from the rest of the configuration after loading.
+/// A count that is given as a number or as `auto`. An automatic count is computed from the rest of the configuration
+/// after loading.
 struct AutoCount {
   std::uint32_t value = 0;
   bool is_auto = false;
@@ -51,14 +52,14 @@ struct AutoCount {
   operator std::uint32_t() const { return value; }      // NOLINT(google-explicit-constructor): a count
 };
 
-/// Three numbers in one field, "x y z": a point, direction or colour.
+/// Three numbers in one configuration field, "x y z": a point, direction or colour.
 struct Triple {
   double x = 0, y = 0, z = 0;
   friend bool operator==(const Triple&, const Triple&) = default;
 };
 
-/// Values that a number may take. Bounds are inclusive and in the field's own unit (bytes, hertz, femtoseconds for
-/// quantities).
+/// Values that a numeric configuration field may take. Bounds are inclusive and in the field's own unit (bytes, hertz,
+/// femtoseconds for quantities).
 struct Limits {
   double min = 0;
   double max = std::numeric_limits<double>::infinity();

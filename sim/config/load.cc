@@ -26,7 +26,7 @@ std::vector<std::filesystem::path>& search_path() {
   return folders;
 }
 
-/// Returns the configuration files on the search path and one folder below it, named as in `extends`:
+/// Returns the configuration files in the folders of the search path and one folder below, named as in `extends`:
 /// "dram/lpddr3-1600".
 std::vector<std::filesystem::path> known_files() {
   std::vector<std::filesystem::path> files;
@@ -46,7 +46,8 @@ std::vector<std::filesystem::path> known_files() {
   return files;
 }
 
-/// Suggests files for `group`: "; did you mean 'dram/lpddr3-1600'?" if one is near, and "; known: ...".
+/// Returns a hint for a configuration file that was not found: "; did you mean 'dram/lpddr3-1600'?" if a name is near,
+/// and "; known: ..." with the files for `group`.
 std::string known_files_of(const std::filesystem::path& name, std::string_view group) {
   const std::string stem = name.stem().string();
   const std::string_view start = comparable_start(stem);
@@ -74,7 +75,7 @@ std::string unknown_key(const ConfigNode& root, const ConfigNode& group, std::st
   return fmt::format("unknown key '{}'; {}", key, suggest_keys(root, group, key));
 }
 
-/// Returns an entry of a map of values as a field of its own. Adds the entry if absent.
+/// Returns an entry of a map of values as a configuration field of its own. Adds the entry if it is absent.
 ConfigNode map_entry(const ConfigNode& map, std::string_view key) {
   ConfigNode field = map;
   field.path = path_of(map, key);
@@ -82,8 +83,8 @@ ConfigNode map_entry(const ConfigNode& map, std::string_view key) {
   return field;
 }
 
-/// Returns the rest of a --set path after a field, without a final "nominal": a single number sets low, nominal and
-/// high.
+/// Returns the part of a --set path that follows the field's own path, without a final "nominal": a single number sets
+/// low, nominal and high. Throws InputError for a final "low" or "high", which cannot be set alone.
 std::string_view path_in_band(const ConfigNode& node, std::string_view path, const std::string& at) {
   const std::size_t dot = path.rfind('.');
   const std::string_view last = path.substr(dot == std::string_view::npos ? 0 : dot + 1);
@@ -97,7 +98,7 @@ std::string_view path_in_band(const ConfigNode& node, std::string_view path, con
   return is_band && last == kNominal ? entry : path;
 }
 
-/// Parses the text after '=': a mapping in braces, a text in double quotes, or plain text.
+/// Parses the text after '=' of a --set argument: a mapping in braces, a text in double quotes, or plain text.
 std::shared_ptr<const YamlNode> set_value(const std::string& text, const std::string& name) {
   if (text.starts_with('{')) return parse_yaml_mapping(text, name);
   if (text.starts_with('"')) return parse_yaml_mapping("value: " + text, name)->entries.front().value;

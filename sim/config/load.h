@@ -10,31 +10,32 @@
 
 namespace sim {
 
-/// Sets the folders in which configuration files are searched, in order. Call once, before any file is loaded.
+/// Sets the folders in which configuration files are searched, in order. Call once, before any configuration is loaded.
 void set_config_search_path(std::vector<std::filesystem::path> folders);
 
-/// Resolves a configuration name: an absolute path, relative to `beside`, or on the search path. ".yaml" is optional.
-/// `group` is the group of keys that refers to the file. InputError, prefixed with `asked_at`, if no file is found; it
-/// names the nearest file.
+/// Returns the path of a configuration file, which `name` gives absolutely, relative to the folder `beside`, or
+/// relative to a folder of the search path. ".yaml" is optional. Throws InputError if no file is found; the error
+/// begins with `asked_at` and suggests the nearest file. `group`: the group of keys that refers to the file.
 std::filesystem::path find_config(const std::filesystem::path& name, const std::filesystem::path& beside = {},
                                   std::string_view asked_at = {}, std::string_view group = {});
 
-/// Reads configuration files and --set arguments into a bound tree. Each layer changes only the fields that it
-/// mentions. Throws InputError.
+/// Reads configuration files and --set arguments into a bound configuration tree, one after the other. Each changes
+/// only the fields that it mentions. Functions throw InputError.
 class ConfigLoader {
  public:
   explicit ConfigLoader(ConfigNode& root) : root_(root) {}
 
   void apply_file(const std::filesystem::path& file) { apply_file(root_, file, {}); }
-  /// Reads a file that may contain only these keys at its top level.
+  /// Reads a configuration file that may contain only the given keys at its top level.
   void apply_file_with_keys(const std::filesystem::path& file, std::span<const std::string_view> keys);
-  /// Reads the output of dump_config. `name` identifies it in errors.
+  /// Reads a configuration from YAML text, such as the output of dump_config. `name` identifies the text in errors.
   void apply_text(const std::string& text, const std::string& name);
-  /// Applies "tni.trv.rays=16", "dram.extends=dram/lpddr3-1600" or "dram.energy.refresh={low: 1, nominal: 2, high: 3}".
+  /// Applies one --set argument: "tni.trv.rays=16", "dram.extends=dram/lpddr3-1600" or "dram.energy.refresh={low: 1,
+  /// nominal: 2, high: 3}".
   void apply_set(const std::string& argument);
 
  private:
-  /// Origin of a layer: a file's name, or the whole --set argument.
+  /// Where configuration values come from: a file, or a --set argument.
   struct Source {
     std::string name;
     std::filesystem::path folder;
@@ -51,7 +52,7 @@ class ConfigLoader {
 
   ConfigNode& root_;
   std::span<const std::string_view> top_keys_;     ///< allowed keys of the files being read; empty: all
-  std::vector<std::filesystem::path> open_files_;  ///< each is extended by the file before it
+  std::vector<std::filesystem::path> open_files_;  ///< files being read; each is extended by the file before it
   std::size_t files_read_ = 0;
 };
 

@@ -24,13 +24,13 @@ constexpr std::array<MeasureUnit, 6> kDurationUnits{{{"fs", 1},
 
 constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// The value digits / 10^fraction_digits.
+/// The decimal number digits / 10^fraction_digits.
 struct Decimal {
   std::uint64_t digits = 0;
   unsigned fraction_digits = 0;
 };
 
-/// Returns nullopt if the text is not a plain decimal number or does not fit 64 bits.
+/// Parses a plain decimal number. Returns nullopt if the text is not one or does not fit 64 bits.
 std::optional<Decimal> read_decimal(std::string_view text) {
   const std::size_t dot = text.find('.');
   const std::string_view whole = text.substr(0, dot);
@@ -47,7 +47,7 @@ std::optional<Decimal> read_decimal(std::string_view text) {
   return number;
 }
 
-/// Divides one of two factors by a prime. False if neither is divisible.
+/// Divides one of the factors `a` and `b` by a prime. Returns false if neither is divisible.
 bool divide_out(std::uint64_t& a, std::uint64_t& b, std::uint64_t prime) {
   std::uint64_t& factor = a % prime == 0 ? a : b;
   if (factor % prime != 0) return false;

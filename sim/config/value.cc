@@ -22,7 +22,7 @@ std::string_view trim_blanks(std::string_view text) {
   return text;
 }
 
-/// Removes the field's unit after a number, if present.
+/// Returns a text without the field's unit at its end, if it ends with the unit.
 std::string_view without_unit(std::string_view text, std::string_view unit) {
   const std::size_t gap = text.find(' ');
   if (gap != std::string_view::npos && !unit.empty() && trim_blanks(text.substr(gap)) == unit)
@@ -78,7 +78,7 @@ std::string band_problem(const ConfigNode& field, const Band& band) {
   return fmt::format("'{}' is not in order; allowed: low <= nominal <= high", band_text(band));
 }
 
-/// Parses a number; `text` is the user's text, for errors.
+/// Parses a number. `text`: the user's whole text, for errors.
 double parse_double(const ConfigNode& field, std::string_view digits, std::string_view text, std::string_view what) {
   double value = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);

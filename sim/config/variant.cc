@@ -14,7 +14,7 @@ std::uint32_t affects_bit(Affects affects) { return std::uint32_t{1} << static_c
 bool is_same(const AutoCount& a, const AutoCount& b) { return a.value == b.value && a.is_auto == b.is_auto; }
 bool is_same(const auto& a, const auto& b) { return a == b; }
 
-/// True if two fields of one declaration hold the same value.
+/// True if two nodes of the same field hold the same value.
 bool holds_same(const ConfigNode& a, const ConfigNode& b) {
   return std::visit(
       Overloaded{[&](const EnumTarget& of_a) { return of_a.get() == std::get<EnumTarget>(*b.target).get(); },

@@ -8,20 +8,20 @@
 
 namespace sim {
 
-/// A configuration that is changed, hashed and reset many times. Only fields that differ from the base are written
-/// again.
+/// A configuration that is changed, hashed and reset many times, as in a sweep. Only fields that differ from a base
+/// configuration are written and hashed again.
 class ConfigVariant {
  public:
-  /// Both trees are bound to structs of one type with equal values, and outlive this object.
+  /// Both trees must be bound to structs of one type with equal values, and must outlive this object.
   ConfigVariant(const ConfigNode& base, ConfigNode& variant);
 
-  /// Copies the values and origins of the base to the variant.
+  /// Copies the values and origins of the base configuration to the variant.
   void reset();
-  /// Same as hash_tree() of the variant.
+  /// Returns the hash that hash_tree() returns for the variant.
   std::string hash(std::optional<Affects> only) const;
 
  private:
-  /// A field, or a group without its fields.
+  /// A field of both configurations, or a group without its fields.
   struct Node {
     const ConfigNode* base;
     ConfigNode* variant;

@@ -19,7 +19,7 @@ namespace {
 
 using Node = std::shared_ptr<YamlNode>;
 
-/// Builds the tree from the parser's events.
+/// Builds the tree of YamlNodes from the events of the YAML parser.
 class YamlTreeBuilder final : public YAML::EventHandler {
  public:
   explicit YamlTreeBuilder(const std::string& name) : name_(name) {}
@@ -64,7 +64,7 @@ class YamlTreeBuilder final : public YAML::EventHandler {
   }
 
  private:
-  /// A mapping or sequence that is not closed yet.
+  /// A mapping or sequence whose end has not been parsed yet.
   struct Open {
     Node node;
     YAML::anchor_t anchor;
@@ -95,7 +95,7 @@ class YamlTreeBuilder final : public YAML::EventHandler {
     set_anchor(open_.back().anchor, open_.back().node);
     open_.pop_back();
   }
-  /// Adds a node to the open mapping or sequence, or makes it the root.
+  /// Adds a node to the innermost open mapping or sequence, or makes it the root.
   void add_node(const YAML::Mark& mark, const Node& node) {
     if (open_.empty()) {
       root_ = node;

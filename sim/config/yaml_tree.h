@@ -5,13 +5,13 @@
 
 namespace sim {
 
-/// Line and column, counted from 1.
+/// A position in a text; line and column count from 1.
 struct TextPosition {
   int line = 1;
   int column = 1;
 };
 
-/// A parsed YAML value. Aliases share the node of their anchor, so memory stays proportional to the file.
+/// A parsed YAML value. Aliases share the node of their anchor, so memory stays proportional to the size of the text.
 struct YamlNode {
   enum class Kind : std::uint8_t { kEmpty, kScalar, kMapping, kSequence };
   struct Entry {
@@ -28,9 +28,9 @@ struct YamlNode {
   const Entry* find(std::string_view key) const;
 };
 
-/// Parses a text that contains one mapping. Throws InputError("<name>:<line>:<column>: <problem>") for anything else:
-/// broken YAML, an empty text, several documents, repeated keys, keys that are not plain text, tags, and aliases inside
-/// their own anchor.
+/// Parses a YAML text that contains one mapping. Throws InputError("<name>:<line>:<column>: <problem>") for anything
+/// else: broken YAML, an empty text, several documents, repeated keys, keys that are not plain text, tags, and aliases
+/// inside their own anchor.
 std::shared_ptr<const YamlNode> parse_yaml_mapping(const std::string& text, const std::string& name);
 
 }  // namespace sim

@@ -21,7 +21,7 @@ namespace {
 
 std::string reason(int error) { return std::generic_category().message(error); }
 
-/// An open file descriptor.
+/// An open file descriptor, closed by the destructor.
 class Descriptor {
  public:
   explicit Descriptor(int fd) : fd_(fd) {}
@@ -41,7 +41,7 @@ class Descriptor {
 
 constexpr std::string_view kTemporary = ".raywatt-tmp";  // ends the temporary names of no other program
 
-/// True if an open file still is the one called `path`: another process may have removed it.
+/// True if the open file still has the name `path`: another process may have removed it.
 bool has_name(int file, const std::filesystem::path& path) {
   struct stat open {
   }, named{};
@@ -51,8 +51,8 @@ bool has_name(int file, const std::filesystem::path& path) {
 
 enum class Kind : std::uint8_t { kFile, kFolder };
 
-/// Creates a temporary file or folder that does not exist yet, and locks it. Returns its descriptor; -1 with EEXIST if
-/// the name is taken, or with another error. File systems without locks are accepted.
+/// Creates a temporary file or folder that does not exist yet, and locks it. Returns its descriptor. Returns -1 with
+/// errno EEXIST if the name is taken, or -1 with another error. File systems without locks are accepted.
 int create_locked(const std::filesystem::path& path, Kind kind) {
   int file = -1;
   if (kind == Kind::kFile) {
@@ -66,7 +66,7 @@ int create_locked(const std::filesystem::path& path, Kind kind) {
     }
   }
   if (file < 0) return file;
-  // Until it is locked, another process may take it for stale and remove it.
+  // Until the file is locked, another process may take it for stale and remove it.
   const bool is_taken = ::flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
   if (!is_taken && has_name(file, path)) return file;
   ::close(file);
@@ -74,7 +74,7 @@ int create_locked(const std::filesystem::path& path, Kind kind) {
   return -1;
 }
 
-/// Removes the entries of a folder that have such a name and whose lock is free.
+/// Removes those entries of a folder whose names match and whose locks are free.
 void remove_stale_entries(const std::filesystem::path& folder, const std::function<bool(const std::string&)>& matches) {
   std::error_code failed, ignored;
   std::filesystem::directory_iterator entry(folder, failed);
@@ -87,8 +87,8 @@ void remove_stale_entries(const std::filesystem::path& folder, const std::functi
   }
 }
 
-/// Splits "PID-N" off the end of a text, with the dot before it; former versions wrote "PID.N" for folders. False if
-/// there is none.
+/// Removes "PID-N" and the dot before it from the end of a text; former versions wrote "PID.N" for folders. Returns
+/// false if the text does not end so.
 bool remove_process_and_number(std::string_view& text) {
   constexpr std::string_view kDigits = "0123456789";
   for (const std::string_view separators : {"-.", "."}) {
@@ -174,7 +174,8 @@ static void check_replaceable(const std::filesystem::path& path, const Replaceab
   }
 }
 
-/// Checks that the folder exists and takes new files: a file is replaced through a temporary one next to it.
+/// Checks that the folder of `path` exists and accepts new files, because a file is replaced through a temporary one
+/// next to it.
 static void check_folder_of(const std::filesystem::path& path) {
   const std::string shown = printable(path.string());
   const std::filesystem::path folder = parent_of(path);
@@ -211,7 +212,7 @@ NewFile::~NewFile() {
 
 void NewFile::fail() const { fail_to_write(path_, errno); }
 
-/// Writes all bytes. False with the error in errno if that fails.
+/// Writes all bytes to an open file. Returns false with the error in errno if that fails.
 static bool write_all(int file, std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t written = ::write(file, bytes.data(), bytes.size());
@@ -312,7 +313,8 @@ constexpr std::size_t kMostNote = 512;
   throw IoError(fmt::format("{}: cannot be locked: {}", printable(path.string()), reason(error)));
 }
 
-// A lock of the open file description: freed by the kernel, and seen by other hosts, which flock() is not.
+// Returns a lock of the open file description, which the kernel frees at its end. Other hosts see it, unlike a lock of
+// flock().
 struct flock write_lock() {
   struct flock range {};
   range.l_type = F_WRLCK;
@@ -326,7 +328,7 @@ std::string note_in(int file) {
   return {text.data(), static_cast<std::size_t>(size < 0 ? 0 : size)};
 }
 
-/// A lock file is empty or holds one line, "HOST PID". Any other file is not ours.
+/// True if an open file is a lock file of this program: empty, or one line "HOST PID".
 bool is_lock_file(int file) {
   struct stat open {};
   if (::fstat(file, &open) != 0 || !S_ISREG(open.st_mode) || open.st_size > static_cast<off_t>(kMostNote)) return false;

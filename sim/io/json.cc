@@ -19,7 +19,8 @@ using Type = Json::Type;
 
 // --- Objects -----------------------------------------------------------------------------------------------------
 
-/// The entries of an object, with an index if there are many. The index is a tree: no choice of keys makes it slow.
+/// The entries of a JSON object, with an index if there are many. The index is a search tree, so no choice of keys
+/// makes it slow.
 struct Json::Object {
   static constexpr std::size_t kFewKeys = 16;
 
@@ -50,7 +51,7 @@ struct Json::Object {
     const auto found = std::ranges::find(entries, key, &Entry::key);
     return found == entries.end() ? nullptr : &*found;
   }
-  /// The key must be absent.
+  /// Adds an entry for a key, which must be absent, and returns its value.
   Json& add(std::string key) {
     entries.push_back({std::move(key), Json()});
     if (index != nullptr) {
@@ -459,10 +460,10 @@ JsonPointer::JsonPointer(std::string_view text) {
 
 namespace {
 
-/// Writes strings and floating-point numbers through the serializer of nlohmann.
+/// Writes a Json value as text. Strings and floating-point numbers are written by the serializer of nlohmann.
 class JsonWriter {
  public:
-  /// `indent`: spaces per level; 0: one line.
+  /// `indent`: spaces per level; 0: the whole text is one line.
   explicit JsonWriter(std::size_t indent) : indent_(indent) {}
 
   void write(const Json& json) {
@@ -578,7 +579,7 @@ void check_json_depth(std::string_view json, std::size_t levels) {
   }
 }
 
-/// Builds a value from parser events.
+/// Builds a Json value from the events of a JSON parser.
 class JsonBuilder : public JsonReader {
  public:
   bool null() override { return put(Json()); }
@@ -634,7 +635,7 @@ class JsonBuilder : public JsonReader {
 
 namespace {
 
-/// Sends the events of the parser of nlohmann to a reader.
+/// Forwards the events of the nlohmann JSON parser to a JsonReader.
 class Adapter : public nlohmann::json_sax<nlohmann::json> {
  public:
   explicit Adapter(JsonReader& reader) : reader_(reader) {}

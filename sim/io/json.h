@@ -18,12 +18,12 @@
 
 namespace sim {
 
-/// The most levels of a JSON file that Raywatt writes.
+/// Maximum depth of nested arrays and objects in a JSON file that Raywatt writes.
 inline constexpr std::size_t kDeepestJson = 64;
-/// The most keys of one object: several times the keys of a whole report of the largest machine.
+/// Maximum number of keys of one JSON object: several times the keys of a whole report of the largest machine.
 inline constexpr std::size_t kMostJsonKeys = 250'000;
 
-/// A JSON value of the wrong type, an absent key or element, or text that is not JSON.
+/// Exception: a JSON value has the wrong type, a key or element is absent, or a text is not JSON.
 class JsonError : public std::runtime_error {
  public:
   enum class Kind : std::uint8_t { kSyntax, kNumberRange, kType, kKey, kIndex };
@@ -32,10 +32,10 @@ class JsonError : public std::runtime_error {
       : std::runtime_error(what), kind(found), bytes_read(bytes) {}
 
   Kind kind;
-  std::size_t bytes_read;  ///< kSyntax: up to and including the wrong byte
+  std::size_t bytes_read;  ///< kSyntax: number of bytes up to and including the wrong one
 };
 
-/// An iterator over the elements of an array or over the values of an object.
+/// An iterator over the elements of a JSON array or over the values of a JSON object.
 template <class Value, class Entry>
 class JsonIterator {
  public:
@@ -71,7 +71,7 @@ class JsonIterator {
   Entry* entry_ = nullptr;
 };
 
-/// The place of a value in a tree: "/frames/0/cycles". "~1" is a '/' in a key and "~0" a '~'.
+/// The place of a value in a JSON tree: "/frames/0/cycles". "~1" stands for a '/' in a key and "~0" for a '~'.
 class JsonPointer {
  public:
   explicit JsonPointer(std::string_view text);
@@ -83,10 +83,10 @@ class JsonPointer {
 
 /// A JSON value. Objects keep the order in which their keys were added; finding a key takes logarithmic time.
 ///
-/// - A braced list is an object if each element is a list of a string and a value, and an array otherwise. The first of
-///   equal keys counts.
-/// - Functions throw JsonError for a value of the wrong type, an absent key or an absent element.
-/// - Iteration visits the elements of an array, the values of an object, nothing of null, and any other value itself.
+/// 1. A braced list is an object if each element is a list of a string and a value, and an array otherwise. The first
+/// of equal keys counts.
+/// 2. Functions throw JsonError for a value of the wrong type, an absent key or an absent element.
+/// 3. Iteration visits the elements of an array, the values of an object, nothing of null, and any other value itself.
 class Json {
  public:
   enum class Type : std::uint8_t { kNull, kBoolean, kInteger, kUnsigned, kDouble, kString, kArray, kObject };
@@ -156,11 +156,11 @@ class Json {
   bool is_object() const { return type_ == Type::kObject; }
   bool is_structured() const { return is_array() || is_object(); }
 
-  /// The value as a bool, a number type, std::string, or a std::vector of std::string, double or std::uint64_t. Numbers
-  /// are cast to T; JsonError for a value of another kind.
+  /// Returns the value converted to T: bool, a number type, std::string, or a std::vector of std::string, double or
+  /// std::uint64_t. Numbers are cast to T. Throws JsonError for a value of another kind.
   template <class T>
   T get() const;
-  /// T: const std::string&, valid until the value changes.
+  /// Returns a reference to the text of a JSON string, valid until the value changes. T: const std::string&.
   template <class T>
   T get_ref() const;
 
@@ -175,7 +175,7 @@ class Json {
   Json& back();
   const Json& back() const;
 
-  /// The entries of an object in their order; empty for null. The keys must not be changed.
+  /// Returns the entries of an object in their order; empty for null. The keys must not be changed.
   std::span<Entry> items();
   std::span<const Entry> items() const;
   bool contains(std::string_view key) const;
@@ -188,16 +188,17 @@ class Json {
   Json& at(std::size_t index);
   const Json& at(std::size_t index) const;
   const Json& at(const JsonPointer& pointer) const;
-  /// Adds null if the key is absent; null itself becomes an object.
+  /// Returns the value of a key of an object. Adds a null value if the key is absent; null itself becomes an object.
   Json& operator[](std::string_view key);
   Json& operator[](std::size_t index) { return at(index); }
-  /// Adds absent values along the path: arrays for numeric tokens, objects for others.
+  /// Returns the value at a place of the tree. Adds absent values along the path: arrays for numeric tokens, objects
+  /// for others.
   Json& operator[](const JsonPointer& pointer);
   const Json& operator[](std::string_view key) const { return at(key); }
   const Json& operator[](std::size_t index) const { return at(index); }
   const Json& operator[](const JsonPointer& pointer) const { return at(pointer); }
 
-  /// The value of a key of an object, converted as by get(), or `otherwise` if the key is absent.
+  /// Returns the value of a key of an object, converted as by get(); `otherwise` if the key is absent.
   template <class T>
   T value(std::string_view key, T otherwise) const {
     const Json* found = find_for_value(key);
@@ -205,18 +206,19 @@ class Json {
   }
   std::string value(std::string_view key, const char* otherwise) const { return value(key, std::string(otherwise)); }
 
-  /// Null becomes an array.
+  /// Appends an element to an array; null becomes an array.
   void push_back(Json element);
-  /// Sets the keys of another object; null becomes an object.
+  /// Sets all keys of another object in this object; null becomes an object.
   void update(const Json& other);
-  /// Removes a key if it exists, in time linear in the number of keys.
+  /// Removes a key from an object if it exists, in time linear in the number of keys.
   void erase(std::string_view key);
   /// Sorts the keys of all objects of the tree by their bytes.
   void sort_keys();
-  /// Returns an object of all leaves of the tree, by the text of their pointers. Empty arrays and objects are null.
+  /// Returns an object with all leaves of the tree; the key of a leaf is its JSON pointer as text. Empty arrays and
+  /// objects become null.
   Json flatten() const;
 
-  /// Numbers of different types are compared by value. The order of keys counts.
+  /// True if two JSON values are equal. Numbers of different types are compared by value. The order of keys counts.
   friend bool operator==(const Json& a, const Json& b) { return a.equals_json(b); }
 
  private:
@@ -283,32 +285,34 @@ std::vector<std::uint64_t> Json::get() const;
 template <>
 const std::string& Json::get_ref() const;
 
-/// The JSON as a line, for test messages.
+/// Writes a JSON value as one line, for test messages.
 std::ostream& operator<<(std::ostream& out, const Json& json);
 
-/// True if the JSON nests objects and arrays deeper than `levels`. Every walk over the values takes a stack frame per
-/// level. The answer for text that is not JSON is arbitrary.
+/// True if a JSON text nests objects and arrays deeper than `levels`. Recursive walks over the values take a stack
+/// frame per level. The answer for text that is not JSON is arbitrary.
 bool is_nested_deeper(std::string_view json, std::size_t levels);
 
-/// Throws InputError for JSON that is nested deeper than `levels`.
+/// Throws InputError if a JSON text nests objects and arrays deeper than `levels`.
 void check_json_depth(std::string_view json, std::size_t levels = kDeepestJson);
 
-/// JSON as one line, and as indented text. Bytes that are not UTF-8 become U+FFFD (with_escaped_bytes() of printable.h
-/// keeps them). Numbers have the fewest digits that read back exactly.
+/// Returns a JSON value as text: in one line, or indented over several lines. Bytes that are not UTF-8 become U+FFFD
+/// (with_escaped_bytes() of printable.h keeps them). Numbers have the fewest digits that read back exactly.
 std::string json_line(const Json& json);
 std::string json_lines(const Json& json);
 
-/// Parses untrusted JSON in linear time. The last of equal keys counts, at the position of the first. InputError for
-/// more than `levels` levels or kMostJsonKeys keys in an object; JsonError for text that is not JSON.
+/// Parses untrusted JSON text in linear time. Of equal keys the last counts, at the position of the first. Throws
+/// InputError for more than `levels` levels or more than kMostJsonKeys keys in an object; JsonError for text that is
+/// not JSON.
 Json parse_json(std::string_view text, std::size_t levels = kDeepestJson);
-/// Parses the next value of a stream; errors as above. The caller has checked the depth.
+/// Parses the next JSON value of a stream, with the errors of the other parse_json(). The caller must have checked the
+/// depth.
 Json parse_json(std::istream& text);
 
-/// Throws the InputError of whole_number().
+/// Throws the InputError of whole_number() for a value `what` that is not a whole number from `min` to `max`.
 [[noreturn]] void refuse_whole_number(std::string_view what, std::string_view min, std::string_view max);
 
-/// Converts untrusted JSON to a whole number that fits T. Throws InputError that begins with `what` otherwise; get()
-/// would convert any number.
+/// Converts untrusted JSON to a whole number that fits T. Throws an InputError that begins with `what` if the value is
+/// not such a number; get() would convert any number.
 template <class T>
 T whole_number(const Json& json, std::string_view what) {
   if (json.is_number_unsigned()) {
@@ -322,7 +326,8 @@ T whole_number(const Json& json, std::string_view what) {
                       std::to_string(std::numeric_limits<T>::max()));
 }
 
-/// Receives JSON events in the order of the text. A function that returns false ends the parsing.
+/// Receives the values and brackets of a JSON text as events, in the order of the text. A function that returns false
+/// ends the parsing.
 class JsonReader {
  public:
   virtual ~JsonReader() = default;
@@ -339,7 +344,7 @@ class JsonReader {
   virtual bool end_array() = 0;
 };
 
-/// Sends the events of untrusted JSON to a reader; errors as parse_json(), without the limit on keys.
+/// Parses untrusted JSON text and sends its events to a reader. Throws as parse_json() does, without the limit on keys.
 void scan_json(std::string_view text, JsonReader& reader);
 
 }  // namespace sim

@@ -8,7 +8,8 @@
 namespace sim {
 namespace {
 
-/// Returns the size of the UTF-8 character at the start of `text`; 0 for other bytes and control characters.
+/// Returns the number of bytes of the UTF-8 character at the start of `text`; 0 for control characters and bytes that
+/// are not UTF-8.
 std::size_t character_size(std::string_view text) {
   const auto first = static_cast<std::uint8_t>(text.front());
   if (first < 0x80) return first < 0x20 || first == 0x7f ? 0 : 1;

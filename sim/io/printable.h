@@ -4,11 +4,11 @@
 
 namespace sim {
 
-/// Makes `text` safe for one line of a message: control characters and bytes that are not UTF-8 become '?'. Cut after
-/// `most` bytes.
+/// Returns a text that is safe in one line of a message: control characters and bytes that are not UTF-8 become '?'.
+/// The text is cut after `most` bytes.
 std::string printable(std::string_view text, std::size_t most = 160);
 
-/// Makes `text` valid UTF-8 for JSON: other bytes, such as in file names, become "\\xff".
+/// Returns a text as valid UTF-8, for JSON: bytes that are not UTF-8, such as in file names, become "\\xff".
 std::string with_escaped_bytes(std::string_view text);
 
 }  // namespace sim

@@ -11,7 +11,7 @@
 namespace sim {
 namespace {
 
-/// Area of the unit's array, or its share of an array of several banks.
+/// Returns the area of a unit's memory array, or its share of an array of several banks.
 Band array_of(const EnergyTable& arrays, const UnitReport& unit) {
   const double share = static_cast<double>(unit.sram_bytes) / static_cast<double>(unit.cache_bytes);
   for (const std::string& name : {entry_name(unit), unit.block}) {
@@ -20,7 +20,7 @@ Band array_of(const EnergyTable& arrays, const UnitReport& unit) {
   refuse_without_entry(unit, "area.arrays");
 }
 
-/// Area of a unit's pads; the table gives it for sixteen data lines.
+/// Returns the area of a unit's pads; `area` is that for sixteen data lines.
 Band pads_of(const Band& area, const UnitReport& unit) {
   if (unit.data_lines != 0) return area * (static_cast<double>(unit.data_lines) / 16);
   throw InputError(fmt::format("area.pads: unit '{}' has no data lines at the die's edge", unit.path));

@@ -10,11 +10,12 @@
 
 namespace sim {
 
-/// Area table of a process: one file of configs/area. EnergyConfig has the area of logic (LogicArea), which also
-/// determines leakage; `logic_scale` converts it to this process.
+/// Area table of a manufacturing process: one file of configs/area. The area of logic is in EnergyConfig (LogicArea),
+/// because it also determines leakage; `logic_scale` converts it to this process.
 ///
-/// The area of an array depends on its size: "l2@64KiB" and "l2@256KiB" are points of the curve "l2", a power law
-/// between and beyond them. A unit is looked up as "<block>.<kind>", then as "<block>".
+/// 1. The area of a memory array depends on its size: "l2@64KiB" and "l2@256KiB" are points of the curve "l2", a power
+/// law between and beyond them.
+/// 2. A unit is looked up as "<block>.<kind>", then as "<block>".
 struct AreaConfig {
   std::string process = "unnamed";
   Band logic_scale{1, 1, 1};
@@ -36,7 +37,7 @@ struct AreaConfig {
   }
 };
 
-/// Area of a block in mm2.
+/// Area of one block of the chip in mm2.
 struct AreaOfBlock {
   Band logic, arrays, buffers, pads;
   Band total() const;
@@ -47,8 +48,8 @@ struct AreaReport {
   Band total;  ///< including wires between blocks and gaps
 };
 
-/// Computes the area by block. Throws InputError for a unit whose block, storage or part is not in the tables. `energy`
-/// has the area of logic.
+/// Computes the area of each block. `energy` contains the area of logic. Throws InputError for a unit whose block,
+/// storage or part is not in the tables.
 AreaReport compute_area(std::span<const UnitReport> units, const EnergyConfig& energy, const AreaConfig& config);
 
 }  // namespace sim

@@ -15,12 +15,12 @@
 
 namespace sim {
 
-/// Energy table of a technology: one file of configs/energy.
+/// Energy table of a manufacturing process: one file of configs/energy.
 ///
-/// 1. An event may depend on the size of the array: "cache.l1_read@16KiB" and "cache.l1_read@32KiB" are points of the
-/// curve "cache.l1_read", a power law between and beyond them.
-/// 2. `logic` and `flops` describe a unit without its SRAM; `parts` corrects `logic` for parts whose number is a key
-/// (LogicArea).
+/// 1. The energy of an event may depend on the size of the memory array: "cache.l1_read@16KiB" and
+/// "cache.l1_read@32KiB" are points of the curve "cache.l1_read", a power law between and beyond them.
+/// 2. `logic` and `flops` describe a unit without its SRAM; `parts` corrects `logic` for parts whose number is a
+/// configuration key (LogicArea).
 /// 3. A unit is looked up as "<block>.<kind>", then as "<block>". Its kind is the last part of its path without digits
 /// ("core0.tni.trv2" -> "tni.trv").
 struct EnergyConfig {
@@ -66,9 +66,9 @@ struct EnergyConfig {
   }
 };
 
-/// Energy of an event that a device's own model computes, including the device's clock.
+/// Energy of an event that a device's own model computes, such as DRAM, including the device's clock.
 struct DeviceEvent {
-  Band pj;               ///< per count
+  Band pj;               ///< energy per event
   bool standby = false;  ///< independent of activity; counted as leakage
 };
 
@@ -77,7 +77,7 @@ Band operator*(const Band& a, const Band& b);
 Band operator*(const Band& a, double factor);
 Band& operator+=(Band& a, const Band& b);
 
-/// Energy by kind in pJ.
+/// Energy in pJ, split into dynamic energy, clock and leakage.
 struct EnergyByKind {
   Band dynamic;
   Band clock;
@@ -89,22 +89,22 @@ struct EnergyByKind {
 /// Energy of a run in pJ. The sums by block and by kind both equal `total_pj`.
 struct EnergyReport {
   std::map<std::string, EnergyByKind> blocks;
-  /// Energy by block and event: counts times energy per count. Standby of devices is leakage; the others sum to the
-  /// dynamic energy.
+  /// Energy of each event of each block: number of events times energy per event. Standby of devices is leakage; the
+  /// others sum to the dynamic energy.
   std::map<std::string, std::map<std::string, Band>> events;
   EnergyByKind kinds;
   Band total_pj;
   EnergyReport& operator+=(const EnergyReport& other);
 };
 
-/// Computes E_block = sum(count x pJ) / (1 - clock share) + leakage x time + idle clock. The idle clock runs in cycles
-/// charged to reasons of kind kIdle. All but device events is multiplied by the block's `scales`. Throws InputError for
-/// a counter whose event has no energy, a unit without `logic` or `flops`, or an unknown part.
+/// Computes the energy of each block: sum(count x pJ) / (1 - clock share) + leakage x time + idle clock. The idle clock
+/// runs in cycles charged to reasons of kind kIdle. All but device events is multiplied by the block's `scales`. Throws
+/// InputError for a counter whose event has no energy, a unit without `logic` or `flops`, or an unknown part.
 EnergyReport compute_energy(std::span<const UnitReport> units, const EnergyConfig& config,
                             const std::map<std::string, DeviceEvent>& device_events, Time elapsed,
                             const PowerScales& scales = {});
 
-/// Area of a unit's logic in mm2, as a formula of the table's values, which may change:
+/// Area of a unit's logic in mm2, as a formula of values in the energy table, which may change later:
 ///
 ///   energy.logic + sum over the unit's parts ( (count - energy.parts_in_logic) x energy.parts ), at least 0
 ///
@@ -114,7 +114,7 @@ EnergyReport compute_energy(std::span<const UnitReport> units, const EnergyConfi
 /// 4. `config` must outlive the formula and keep its entries.
 class LogicArea {
  public:
-  /// Throws InputError for a unit without `logic` or with an unknown part.
+  /// Throws InputError for a unit without `logic` in the table or with an unknown part.
   LogicArea(const UnitReport& unit, const EnergyConfig& config);
 
   double at(Side side) const;
@@ -129,37 +129,38 @@ class LogicArea {
   std::vector<Difference> differences_;
 };
 
-/// Energy as a formula of the table's values: names are resolved once, then the values may change and the sum be
-/// evaluated again. `config` and `device_events` must outlive it and keep their entries.
+/// Energy of a run as a formula of the values in the energy table. Names are looked up once; then the values may change
+/// and the energy be computed again. `config` and `device_events` must outlive the formula and keep their entries.
 class EnergyFormula {
  public:
   /// Throws InputError for a counter whose event has no energy, a unit without `logic` or `flops`, or an unknown part.
   EnergyFormula(std::span<const UnitReport> units, const EnergyConfig& config,
                 const std::map<std::string, DeviceEvent>& device_events, Time elapsed, const PowerScales& scales = {});
 
-  /// Replaces the counts by others of the same units.
+  /// Replaces the counts of the formula by other counts of the same units.
   void set_counts(std::span<const UnitReport> units, Time elapsed);
 
   /// Returns low, nominal and high energy by block, kind and event.
   EnergyReport report() const;
-  /// Energy of one unit.
+  /// Energy of one unit in pJ.
   struct UnitEnergy {
     std::vector<Band> events;  ///< one for each counter that names an event, in order, with its share of the clock tree
     Band idle;                 ///< energy independent of activity: leakage, standby, idle clock
   };
-  /// In the order of the units. The sum equals report().total_pj except for the order of additions.
+  /// Returns the energy of each unit, in the order of the units. Their sum equals report().total_pj except for the
+  /// order of additions.
   std::vector<UnitEnergy> unit_energies() const;
-  /// Returns the energy of each block in pJ, blocks in alphabetical order; `side` is low, nominal or high.
+  /// Returns the energy of each block in pJ, in alphabetical order of the blocks. `side`: low, nominal or high.
   std::vector<double> block_energies(Side side) const;
-  /// Returns the energy of each kind in pJ.
+  /// Returns dynamic energy, clock and leakage in pJ. `side`: low, nominal or high.
   std::vector<double> kind_energies(Side side) const;
   static constexpr std::array<const char*, 3> kKinds = {"dynamic", "clock", "leakage"};
-  /// pJ of one side, bit-equal to that side of report().total_pj.
+  /// Returns the total energy in pJ, equal to report().total_pj to the last bit. `side`: low, nominal or high.
   double total(Side side) const;
   const std::vector<std::string>& block_names() const { return blocks_; }
 
  private:
-  /// Energy per count: from the table for arrays of one size, or of a device.
+  /// Energy of one event: from the table, for memory arrays of one size, or from a device's model.
   struct EventEnergy {
     EnergyPoint point{};
     const DeviceEvent* device = nullptr;
@@ -178,7 +179,7 @@ class EnergyFormula {
     const Band* flops;
     LogicArea logic;
   };
-  /// Energy of one side by kind.
+  /// Low, nominal or high energy in pJ, split into dynamic energy, clock and leakage.
   struct Kinds {
     double dynamic = 0, clock = 0, leakage = 0;
     double total() const { return dynamic + clock + leakage; }

@@ -11,12 +11,12 @@
 
 namespace sim {
 
-/// Selects low, nominal or high of a value.
+/// Selects the low, nominal or high value of a Band.
 using Side = double Band::*;
 inline constexpr std::array<Side, 3> kSides = {&Band::low, &Band::nominal, &Band::high};
 
-/// A curve at one size: a power law between two points, or a single point. Refers to the table's values, which may
-/// change.
+/// Energy of an event for one size of memory array: interpolated by a power law between two points of a curve, or a
+/// single point. Refers to values in the energy table, which may change later.
 struct EnergyPoint {
   const Band* left = nullptr;
   const Band* right = nullptr;  ///< null: only `left`
@@ -25,13 +25,13 @@ struct EnergyPoint {
   friend bool operator==(const EnergyPoint&, const EnergyPoint&) = default;
 };
 
-/// Energy of an event in pJ over the size of the array that it accesses.
+/// Energy of an event in pJ as a function of the size of the memory array that it accesses.
 class EnergyCurve {
  public:
   bool depends_on_size() const { return points_.size() > 1; }
-  /// `bytes`: size of the array, more than 0 if depends_on_size().
+  /// Returns the energy for an array of `bytes` bytes, more than 0 if depends_on_size().
   EnergyPoint at(std::uint64_t bytes) const;
-  /// Range of the curve's points; at() extrapolates beyond them.
+  /// Smallest and largest size of the curve's points, in bytes. at() extrapolates beyond them.
   std::uint64_t least_bytes() const { return static_cast<std::uint64_t>(points_.front().bytes); }
   std::uint64_t most_bytes() const { return static_cast<std::uint64_t>(points_.back().bytes); }
 
@@ -41,41 +41,41 @@ class EnergyCurve {
     double bytes;
     const Band* pj;
   };
-  /// by increasing size; one point of size 0 if the event does not depend on it
+  /// By increasing size. If the event does not depend on the size, one point of size 0.
   std::vector<Point> points_;
 };
 
-/// Lookup of the events of an EnergyConfig. `events` must outlive the table and keep its entries.
+/// Finds the energy of events in the energy table `events`, which must outlive this object and keep its entries.
 class EnergyTable {
  public:
-  /// Throws InputError for an invalid size ("@16KiB"), or an event both with and without a size. `key` names the table
-  /// in errors.
+  /// Throws InputError for an event with an invalid size ("@16KiB"), and for an event both with and without a size.
+  /// `key`: name of the table in errors.
   explicit EnergyTable(const std::map<std::string, Band>& events, std::string_view key = "energy.events");
   explicit EnergyTable(std::map<std::string, Band>&&,
                        std::string_view = {}) = delete;  // the table keeps pointers to the entries
 
-  /// Energy of an event in pJ in an array of `bytes`. contains() must be true.
+  /// Returns the energy in pJ of an event in a memory array of `bytes` bytes. contains() must be true for the event.
   Band at(std::string_view event, std::uint64_t bytes) const;
   bool contains(std::string_view event) const { return curves_.contains(std::string(event)); }
   const EnergyCurve& curve_of(std::string_view event) const { return curves_.at(std::string(event)); }
-  /// Names without sizes, in alphabetical order.
+  /// Returns the names of all events, without sizes, in alphabetical order.
   std::vector<std::string> event_names() const;
 
  private:
   std::map<std::string, EnergyCurve> curves_;
 };
 
-/// "cache.l1_read@16KiB" -> "cache.l1_read"
+/// Returns the event of a table entry, without the size: "cache.l1_read@16KiB" -> "cache.l1_read".
 inline std::string event_of(std::string_view entry) { return std::string(entry.substr(0, entry.find('@'))); }
 
-/// Returns the name of a unit in a table: "core0.tni.trv2" of block "tni" -> "tni.trv".
+/// Returns the name under which a table lists a unit: "core0.tni.trv2" of block "tni" -> "tni.trv".
 inline std::string entry_name(const UnitReport& unit) {
   std::string kind = unit.path.substr(unit.path.rfind('.') + 1);
   kind.erase(kind.find_last_not_of("0123456789") + 1);
   return unit.block + "." + kind;
 }
 
-/// Returns a unit's own entry of a table, or its block's; null if there is neither.
+/// Returns a unit's entry in a table by unit name, or else the entry of its block; null if the table has neither.
 template <class Table>
 auto find_entry(const Table& table, const UnitReport& unit) -> const typename Table::mapped_type* {
   for (const std::string& name : {entry_name(unit), unit.block}) {
@@ -84,9 +84,10 @@ auto find_entry(const Table& table, const UnitReport& unit) -> const typename Ta
   return nullptr;
 }
 
-/// Returns a unit's entry, or throws InputError with the table's key and both names.
+/// Returns a unit's entry in a table. Throws InputError if there is none, with the key of the table and both names
+/// under which it was looked up.
 const Band& required_entry(const std::map<std::string, Band>& table, const UnitReport& unit, std::string_view key);
-/// Throws the error of required_entry().
+/// Throws the InputError of required_entry().
 [[noreturn]] void refuse_without_entry(const UnitReport& unit, std::string_view key);
 
 }  // namespace sim

@@ -11,14 +11,15 @@
 
 namespace sim {
 
-/// Voltage used for energy reporting.
+/// Voltage for which energies are computed.
 enum class Voltage : std::uint8_t {
   kNominal,  ///< the voltage of the energy table at any clock
   kDvfs,     ///< the voltage that each domain needs for its clock
 };
 constexpr std::array<std::string_view, 2> names_of(Voltage) { return {"nominal", "dvfs"}; }
 
-/// Operating conditions of the chip: one file of configs/power. The defaults scale nothing.
+/// Operating conditions of the chip, such as voltage and temperature: one file of configs/power. The defaults leave
+/// energies unscaled.
 struct PowerConfig {
   Voltage voltage = Voltage::kNominal;
   std::map<std::string, Band> dvfs;
@@ -53,15 +54,15 @@ struct PowerConfig {
   }
 };
 
-/// Scale factors of a block's energies relative to the energy table; not applied to devices.
+/// Factors by which a block's energies differ from those in the energy table. Not applied to devices.
 struct PowerScale {
   double dynamic = 1, leakage = 1;
 };
-/// Scales by block name; 1 for absent blocks.
+/// Scale factors by block name; blocks that are absent have factor 1.
 using PowerScales = std::map<std::string, PowerScale>;
 
-/// Voltage over the frequency of a clock domain: linear between points, constant below the lowest, extrapolated above
-/// the highest.
+/// Voltage of a clock domain as a function of its frequency: linear between points, constant below the lowest,
+/// extrapolated above the highest.
 class VoltageCurve {
  public:
   double at(std::uint64_t hz) const;
@@ -77,12 +78,12 @@ class VoltageCurve {
   std::vector<Point> points_;  ///< by increasing frequency
 };
 
-/// Returns the curves of `config.dvfs` by domain. InputError for an entry without a frequency, or a voltage that falls
-/// as the clock rises.
+/// Returns the voltage curve of each clock domain in `config.dvfs`. Throws InputError for an entry without a frequency,
+/// or a voltage that falls as the clock rises.
 std::map<std::string, VoltageCurve> voltage_curves(const PowerConfig& config);
 
-/// Dynamic energy scales with the square of the voltage, leakage with a power of it, doubling every `leakage_doubling`
-/// degrees.
+/// Returns the factors for a voltage. Dynamic energy grows with the square of the voltage, leakage with a power of it;
+/// leakage also doubles every `leakage_doubling` degrees.
 PowerScale power_scale(const PowerConfig& config, double volt);
 
 }  // namespace sim

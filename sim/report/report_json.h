@@ -8,19 +8,19 @@
 
 namespace sim {
 
-/// Returns {low, nominal, high}, each multiplied by `factor`.
+/// Returns a Band as JSON {low, nominal, high}, each multiplied by `factor`.
 Json band_json(const Band& band, double factor = 1);
 
-/// Returns the units as a tree by the parts of their paths: "core0.tni.trv2" is at ["core0"]["tni"]["trv2"], with
-/// {elapsed, why{reason: cycles}, counters{name: value}}. In the order given.
+/// Returns the reports of units as a JSON tree by the parts of their paths: "core0.tni.trv2" is at
+/// ["core0"]["tni"]["trv2"], with {elapsed, why{reason: cycles}, counters{name: value}}. Keeps the order of the units.
 Json units_json(std::span<const UnitReport> units);
 
-/// Returns {energy_mj, energy_by_block_mj{block}, energy_by_kind_mj{dynamic, clock, leakage}}, each a band in
-/// millijoules, and energy_by_event_mj{block{event}}, nominal.
+/// Returns an energy report as JSON {energy_mj, energy_by_block_mj{block}, energy_by_kind_mj{dynamic, clock, leakage}},
+/// each a band in millijoules, and energy_by_event_mj{block{event}}, nominal.
 Json energy_json(const EnergyReport& energy);
 
-/// Returns the text of a report file: indented, with a final line end. Numbers have the fewest digits that read back
-/// exactly, so equal reports are equal bytes.
+/// Returns the text of a report file: indented JSON with a final line end. Numbers have the fewest digits that read
+/// back exactly, so equal reports are equal bytes.
 std::string json_text(const Json& json);
 
 }  // namespace sim

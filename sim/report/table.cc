@@ -10,12 +10,12 @@
 namespace sim {
 namespace {
 
-/// Number of characters (not bytes) of a UTF-8 text.
+/// Returns the number of characters (not bytes) of a UTF-8 text.
 std::size_t character_count(std::string_view text) {
   return static_cast<std::size_t>(std::ranges::count_if(text, [](char c) { return (c & 0xc0) != 0x80; }));
 }
 
-/// The decimal exponent of a number rounded to `digits` digits: 999.9 in three digits is 1.00e3.
+/// Returns the decimal exponent of a number rounded to `digits` digits: 999.9 in three digits is 1.00e3.
 int exponent_of(double value, int digits) {
   const std::string rounded = fmt::format("{:.{}e}", value, digits - 1);
   int exponent = 0;
@@ -24,7 +24,8 @@ int exponent_of(double value, int digits) {
   return exponent;
 }
 
-/// Returns a number of `digits` digits with the metric prefix that leaves one to three of them before the point.
+/// Returns a number as text of `digits` digits, and the metric prefix that leaves one to three of them before the
+/// point.
 std::pair<std::string, std::string_view> metric_text(double value, int digits) {
   constexpr std::string_view kPrefixes[] = {"f", "p", "n", "u", "m", "", "k", "M", "G", "T", "P"};
   constexpr int kNone = 5;
@@ -34,7 +35,7 @@ std::pair<std::string, std::string_view> metric_text(double value, int digits) {
   return {fmt::format("{:.{}f}", value / std::pow(10.0, 3 * group), decimals), kPrefixes[group + kNone]};
 }
 
-/// True for "12.3 k", "-0.5 %", "x1.24", "± 2 %".
+/// True if a table cell begins with a number, such as "12.3 k", "-0.5 %", "x1.24" or "± 2 %".
 bool begins_with_number(std::string_view cell) {
   const std::size_t digit = cell.find_first_of("0123456789");
   return digit != std::string_view::npos &&
@@ -67,7 +68,8 @@ std::string four_digits(double value) {
 
 std::string Table::text() const {
   std::vector<std::size_t> widths;
-  std::vector<int> numbers = {-1};  // in a column, less other words; the first is of names
+  // For each column the number of cells with numbers minus those with words; the first column holds names.
+  std::vector<int> numbers = {-1};
   for (const auto& row : rows_) {
     widths.resize(std::max(widths.size(), row.size()));
     numbers.resize(widths.size());
