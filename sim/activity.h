@@ -56,30 +56,31 @@ class Activity {
  public:
   static constexpr std::size_t kReasons = static_cast<std::size_t>(CycleReason::kCount);
 
-  /// Charges the cycle at time `now` to the reason `now_why`, and every later cycle until the next call to `then_why`.
-  void spend(Time now, Time period, CycleReason now_why, CycleReason then_why) {
+  /// Charges the cycle at time `now` to the reason `reason_now`, and every later cycle until the next call to
+  /// `reason_after`.
+  void spend(Time now, Time period, CycleReason reason_now, CycleReason reason_after) {
     assert(now >= accounted_);
     // Always updates: the branch would be unpredictable.
-    spent_[index(then_)] += now - accounted_;
-    spent_[index(now_why)] += period;
+    spent_[index_of(then_)] += now - accounted_;
+    spent_[index_of(reason_now)] += period;
     accounted_ = now + period;
-    then_ = then_why;
+    then_ = reason_after;
   }
 
   /// Charges the time up to `end`, which must be an edge of the unit's clock. Has no effect if that time is already
   /// charged.
   void finish(Time end) {
     if (end <= accounted_) return;
-    spent_[index(then_)] += end - accounted_;
+    spent_[index_of(then_)] += end - accounted_;
     accounted_ = end;
   }
 
   /// Returns the time charged to a reason, as of the last finish().
-  Time spent(CycleReason why) const { return spent_[index(why)]; }
+  Time spent(CycleReason reason) const { return spent_[index_of(reason)]; }
   Time accounted_until() const { return accounted_; }
 
  private:
-  static constexpr std::size_t index(CycleReason why) { return static_cast<std::size_t>(why); }
+  static constexpr std::size_t index_of(CycleReason reason) { return static_cast<std::size_t>(reason); }
 
   std::array<Time, kReasons> spent_{};
   Time accounted_ = 0;  ///< end of the charged time; later cycles are charged to `then_`

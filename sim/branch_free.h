@@ -12,21 +12,21 @@ inline constexpr std::size_t kMatchWidth = 8;
 
 /// Returns a mask of those of eight values that equal `number`.
 #if defined(__AVX2__)  // vector extensions of the compiler: <immintrin.h> is longer than most files including this one
-inline unsigned match_mask8(const std::uint64_t* eight, std::uint64_t number) {
+inline unsigned match_mask8(const std::uint64_t* eight_numbers, std::uint64_t number) {
   using Four [[gnu::vector_size(32)]] = std::uint64_t;
   using Doubles [[gnu::vector_size(32)]] = double;
   unsigned mask = 0;
   for (std::size_t i = 0; i < kMatchWidth; i += 4) {
     Four four;
-    std::memcpy(&four, eight + i, sizeof four);
+    std::memcpy(&four, eight_numbers + i, sizeof four);
     mask |= static_cast<unsigned>(__builtin_ia32_movmskpd256(reinterpret_cast<Doubles>(four == number))) << i;
   }
   return mask;
 }
 #else
-inline unsigned match_mask8(const std::uint64_t* eight, std::uint64_t number) {
+inline unsigned match_mask8(const std::uint64_t* eight_numbers, std::uint64_t number) {
   unsigned mask = 0;
-  for (std::size_t i = 0; i < kMatchWidth; ++i) mask |= unsigned{eight[i] == number} << i;
+  for (std::size_t i = 0; i < kMatchWidth; ++i) mask |= unsigned{eight_numbers[i] == number} << i;
   return mask;
 }
 #endif

@@ -30,16 +30,16 @@ inline std::size_t edit_distance(std::string_view a, std::string_view b) {
 
 /// Returns the first 64 bytes of a word. Limits the time of comparisons with untrusted words, which grows with their
 /// length.
-constexpr std::string_view comparable_start(std::string_view word) { return word.substr(0, 64); }
+constexpr std::string_view comparison_prefix(std::string_view word) { return word.substr(0, 64); }
 
-/// Returns the candidate nearest to a word, the first among equals; the end of `candidates` if none is within `most`
-/// edits.
+/// Returns the candidate nearest to a word, the first among equals; the end of `candidates` if none is within
+/// `max_edits` edits.
 template <std::ranges::forward_range Candidates, class Name = std::identity>
-auto find_nearest(std::string_view word, const Candidates& candidates, std::size_t most, Name name = {}) {
+auto find_nearest(std::string_view word, const Candidates& candidates, std::size_t max_edits, Name name_of = {}) {
   auto found = std::ranges::end(candidates);
-  std::size_t best = most + 1;
+  std::size_t best = max_edits + 1;
   for (auto at = std::ranges::begin(candidates); at != std::ranges::end(candidates); ++at) {
-    const std::size_t distance = edit_distance(word, std::invoke(name, *at));
+    const std::size_t distance = edit_distance(word, std::invoke(name_of, *at));
     if (distance < best) best = distance, found = at;
   }
   return found;

@@ -26,15 +26,15 @@ enum class Skip : std::uint8_t {
 ///   run_limits(t)  how far the partitions may run once all have reached time t; not past a time at which done() may
 ///                  become true
 /// Optional, to detect livelock:
-///   patience()     the longest time that may pass without a retired item
+///   livelock_timeout()     the longest time that may pass without a retired item
 template <class Owner>
 concept HasPartitions = requires(Owner& owner, Time now) {
   owner.run_limits(now);
 };
 
 template <class Owner>
-concept HasPatience = requires(const Owner& owner) {
-  owner.patience();
+concept HasLivelockTimeout = requires(const Owner& owner) {
+  owner.livelock_timeout();
 };
 
 /// Periodic checks during a run of a simulated machine: samples all counters at interval boundaries, and detects
@@ -43,12 +43,12 @@ template <class Owner>
 class Watchdog {
  public:
   explicit Watchdog(Owner& owner) : owner_(owner) {
-    if constexpr (HasPatience<Owner>) progress_due_at_ = patience_ = owner.patience();
+    if constexpr (HasLivelockTimeout<Owner>) progress_due_at_ = livelock_timeout_ = owner.livelock_timeout();
     next_check_at_ = std::min(progress_due_at_, owner_.machine().next_boundary());
   }
   /// Performs the checks that are due before time `now`, the next wake-up time. Call once all units have finished the
-  /// work before `now`. Throws Deadlock if no item has been retired for patience().
-  void check_at(Time now) {
+  /// work before `now`. Throws Deadlock if no item has been retired for livelock_timeout().
+  void run_due_checks(Time now) {
     if (now >= next_check_at_ && now != kNever) run_checks(now);
   }
   /// Returns the next interval boundary, which no partition may pass before the others have reached it.
@@ -63,43 +63,44 @@ class Watchdog {
   }
   void check_progress(Time now) {
     Machine& machine = owner_.machine();
-    const std::uint64_t retired = machine.retired();
+    const std::uint64_t retired = machine.retired_items();
     if (retired == retired_) {
       throw Deadlock("the machine is in a livelock: its units go on, and none has retired anything for " +
-                         std::to_string(patience_ / kFemtosecondsPerNanosecond) +
+                         std::to_string(livelock_timeout_ / kFemtosecondsPerNanosecond) +
                          " ns, the time that its watchdog gives it",
                      machine.state());
     }
     retired_ = retired;
-    progress_due_at_ = now + std::min(patience_, kNever - now);
+    progress_due_at_ = now + std::min(livelock_timeout_, kNever - now);
   }
 
   Owner& owner_;
-  Time patience_ = kNever, progress_due_at_ = kNever;
+  Time livelock_timeout_ = kNever, progress_due_at_ = kNever;
   Time next_check_at_ = kNever;  ///< time of the next check
   std::uint64_t retired_ = 0;
 };
 
-/// Runs the machine's inner partition on its own as far as it may run, and returns its next wake-up time. `others`:
-/// time that the other partitions have reached.
+/// Runs the machine's inner partition on its own as far as it may run, and returns its next wake-up time.
+/// `others_reached`: time that the other partitions have reached.
 template <class TickAt>
-Time run_inner(WakeupTable& wakeups, const Partition& inner, Time others, Time end, TickAt&& tick_at) {
+Time run_inner(WakeupTable& wakeups, const Partition& inner, Time others_reached, Time end, TickAt&& tick_at) {
   Time at = wakeups.earliest_time(inner.units);
-  while (at < run_limit(inner, others, end)) at = wakeups.tick_due(inner.units, at, tick_at(at));
+  while (at < run_limit(inner, others_reached, end)) at = wakeups.tick_due(inner.units, at, tick_at(at));
   return at;
 }
 
 /// Runs an outer partition on its own as far as it may run, and returns its next wake-up time. The partition's cluster
-/// runs alone while no other unit of the partition is due. `inner`: time that the inner partition has reached.
+/// runs alone while no other unit of the partition is due. `inner_reached`: time that the inner partition has reached.
 template <class TickAt>
-Time run_outer(WakeupTable& wakeups, const Partition& partition, Time inner, Time end, TickAt&& tick_at) {
+Time run_outer(WakeupTable& wakeups, const Partition& partition, Time inner_reached, Time end, TickAt&& tick_at) {
   const Cluster& cluster = partition.cluster;
   const auto clustered_units = wakeups.group_minima(cluster.units), other_units = wakeups.group_minima(partition.units);
-  const ClusterTurn turn{wakeups.unit_times(cluster.units), clustered_units, partition, inner, end, other_units};
+  const ClusterTurn turn{
+      wakeups.unit_times(cluster.units), clustered_units, partition, inner_reached, end, other_units};
   for (;;) {
     const Time others = wakeups.earliest_time(partition.units), clustered = wakeups.earliest_time(cluster.units);
     const Time at = std::min(others, clustered);
-    if (at >= run_limit(partition, inner, end)) return at;
+    if (at >= run_limit(partition, inner_reached, end)) return at;
     if (clustered == at) cluster.run(cluster.owner, turn, at);
     if (others == at) wakeups.tick_due(partition.units, at, tick_at(at));
   }
@@ -117,7 +118,7 @@ Time run_partitions(Owner& owner, Time now, Watchdog<Owner>& watchdog, TickAt&& 
     if (now == kNever) return now;
     RunLimits reach = owner.run_limits(now);
     if (reach.end <= now) return now;
-    watchdog.check_at(now);
+    watchdog.run_due_checks(now);
     reach.end = std::min(reach.end, watchdog.next_boundary());
     const Time next = run_inner(wakeups, partitions.inner, now, std::min(reach.lead, reach.end), tick_at);
     // A pop from a full link would wake the inner partition immediately.
@@ -145,7 +146,7 @@ Time run(Owner& owner) {
   if constexpr (kSkip == Skip::kOn && HasPartitions<Owner>) now = wakeups.earliest_time();
   for (;;) {
     if constexpr (kSkip == Skip::kOn && HasPartitions<Owner>) now = run_partitions(owner, now, watchdog, tick_at);
-    watchdog.check_at(now);
+    watchdog.run_due_checks(now);
     if constexpr (kSkip == Skip::kOff) {
       machine.for_each_clock([&](std::size_t i, Clock clock) {
         if (clock.is_edge(now)) wakeups.tick_one(i, tick_at(now));
@@ -177,7 +178,7 @@ Time run_shuffled(Owner& owner, std::uint64_t seed) {
   std::iota(order.begin(), order.end(), std::size_t{0});
   Watchdog<Owner> watchdog(owner);
   for (Time now = 0;;) {
-    watchdog.check_at(now);
+    watchdog.run_due_checks(now);
     std::ranges::sort(order, {}, [&](std::size_t i) { return hash(seed, now, i); });
     for (const std::size_t i : order) {
       if (wakeups[i] == now) wakeups.tick_one(i, [&](std::size_t) { return machine.tick_functions()[i](now); });

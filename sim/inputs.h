@@ -31,9 +31,9 @@ class Inputs {
 
   /// Returns a mask of the links that hold items, including items that cannot be popped yet.
   std::uint64_t nonempty_mask() const { return nonempty_mask_; }
-  /// Returns Link::pop_at() of link `i`, from a local array.
-  Time pop_at(std::size_t i) const { return pop_at_[i]; }
-  bool can_pop(std::size_t i, Time now) const { return pop_at_[i] <= now; }
+  /// Returns Link::pop_at() of link `link_index`, from a local array.
+  Time pop_at(std::size_t link_index) const { return pop_at_[link_index]; }
+  bool can_pop(std::size_t link_index, Time now) const { return pop_at_[link_index] <= now; }
   /// Returns the earliest pop_at() of all links.
   Time pop_at() const {
     Time first = kNever;

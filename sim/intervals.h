@@ -23,25 +23,27 @@ class Intervals {
   static constexpr std::size_t kMost = 2048;
   static constexpr std::size_t kMostValues = 8 << 20;  ///< limit over all rows
 
-  /// `most`: maximum number of intervals, an even number. It is reduced if rows are long.
-  explicit Intervals(Time length = kFirstLength, std::size_t most = kMost);
+  /// `max_intervals`: maximum number of intervals, an even number. It is reduced if rows are long.
+  explicit Intervals(Time length = kFirstLength, std::size_t max_intervals = kMost);
 
   // Called by the recorded machine.
-  void allocate_rows(std::size_t width);
+  void allocate_rows(std::size_t values_per_row);
   Time next_boundary() const { return (rows_ + 1) * length_; }
   /// Adds a row for the next interval boundary, which the caller fills.
-  std::uint64_t* next_row();
+  std::uint64_t* add_next_row();
   /// Adds a row for the end of the run, which the caller fills.
-  std::uint64_t* last_row(Time end);
+  std::uint64_t* add_last_row(Time end);
 
   Time interval_length() const { return length_; }
   Time end() const { return end_; }
   /// Returns the number of intervals. The last one may be shorter than the others.
   std::size_t size() const { return rows_; }
   std::size_t row_width() const { return width_; }
-  std::span<const std::uint64_t> row(std::size_t i) const { return {values_.get() + i * width_, width_}; }
-  /// Returns the time at which interval `i` ends.
-  Time end_of(std::size_t i) const { return i + 1 == rows_ && end_ != 0 ? end_ : (i + 1) * length_; }
+  std::span<const std::uint64_t> row(std::size_t interval) const { return {values_.get() + interval * width_, width_}; }
+  /// Returns the time at which interval `interval` ends.
+  Time interval_end(std::size_t interval) const {
+    return interval + 1 == rows_ && end_ != 0 ? end_ : (interval + 1) * length_;
+  }
 
  private:
   void merge_pairs();

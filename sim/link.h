@@ -48,8 +48,8 @@ class Link {
     if (consumer.unit != nullptr) consumer_ = consumer;
   }
   /// Keeps `bit` of `*set` equal to 1 while the link holds items, and to 0 while it is empty (sim/inputs.h).
-  void bind_occupancy_bit(std::uint64_t* set, unsigned bit) {
-    occupancy_mask_ = set;
+  void bind_occupancy_bit(std::uint64_t* mask, unsigned bit) {
+    occupancy_mask_ = mask;
     bit_ = std::uint64_t{1} << bit;
     if (size_ != 0) *occupancy_mask_ |= bit_;
   }
@@ -63,11 +63,11 @@ class Link {
     soonest_ = soonest;
   }
 
-  /// Counts this link in `*count` while it has at most `room` free slots (sim/partitions.h).
-  void count_if_nearly_full(std::uint32_t* count, std::size_t room) {
+  /// Counts this link in `*count` while it has at most `free_slots` free slots (sim/partitions.h).
+  void count_if_nearly_full(std::uint32_t* count, std::size_t free_slots) {
     assert(size_ == 0);
     nearly_full_ = count;
-    nearly_full_from_ = capacity_ - std::min(static_cast<std::uint32_t>(room), capacity_);
+    nearly_full_from_ = capacity_ - std::min(static_cast<std::uint32_t>(free_slots), capacity_);
     *nearly_full_ += nearly_full_from_ == 0;
   }
   /// Returns the time from a push until the item is visible, without the wait for the consumer's edge.
@@ -90,7 +90,7 @@ class Link {
       *pop_at_ = stamp;
       *soonest_ = std::min(*soonest_, stamp);
       *occupancy_mask_ |= bit_;
-      consumer_.lower(stamp);
+      consumer_.lower_to(stamp);
     }
     size_ += 1;
     *nearly_full_ += size_ == nearly_full_from_;
@@ -107,7 +107,7 @@ class Link {
     slot.stamp = stamp;
     if (size_ == capacity_) {
       push_at_ = stamp;
-      producer_.lower(stamp);
+      producer_.lower_to(stamp);
     }
     *nearly_full_ -= size_ == nearly_full_from_;
     size_ -= 1;
@@ -158,8 +158,8 @@ class Link {
 
 /// Returns the next time after `now` at which a unit may transfer an item, given the times at which the item is
 /// available and the output has room.
-constexpr Time next_transfer_time(Time now, Time period, Time item_at, Time room_at) {
-  return item_at > now ? item_at : std::max(now + period, room_at);
+constexpr Time next_transfer_time(Time now, Time period, Time item_at, Time output_free_at) {
+  return item_at > now ? item_at : std::max(now + period, output_free_at);
 }
 
 }  // namespace sim

@@ -6,14 +6,14 @@
 
 namespace sim {
 
-UnitId Machine::unit(Declaration declared) {
+UnitId Machine::unit(Declaration declaration) {
   require_rule(!is_started(), "a unit is declared before the start");
-  declared_.push_back(std::move(declared));
+  declared_.push_back(std::move(declaration));
   return {declared_.size() - 1, declared_.back().clock};
 }
 
-void Machine::require_rule(bool kept, std::string_view rule) {
-  if (!kept) throw std::logic_error("sim::Machine: " + std::string(rule));
+void Machine::require_rule(bool is_kept, std::string_view rule) {
+  if (!is_kept) throw std::logic_error("sim::Machine: " + std::string(rule));
 }
 
 void Machine::require_unbuilt(UnitId id) const {
@@ -54,7 +54,7 @@ void Machine::record_intervals(Intervals& intervals) {
 void Machine::sample_intervals_until(Time now) {
   for (; next_boundary_ <= now; next_boundary_ = intervals_->next_boundary()) {
     account_until(next_boundary_);
-    write_row(intervals_->next_row());
+    write_row(intervals_->add_next_row());
   }
 }
 
@@ -62,7 +62,7 @@ void Machine::finish(Time end) {
   if (intervals_ != nullptr) sample_intervals_until(end - 1);
   account_until(end);
   if (intervals_ == nullptr) return;
-  write_row(intervals_->last_row(end));
+  write_row(intervals_->add_last_row(end));
   next_boundary_ = kNever;
 }
 
@@ -90,9 +90,9 @@ std::vector<UnitReport> Machine::report() const {
   return all;
 }
 
-std::uint64_t Machine::retired() const {
+std::uint64_t Machine::retired_items() const {
   std::uint64_t all = 0;
-  for (const auto& unit : units_) all += unit->retired();
+  for (const auto& unit : units_) all += unit->retired_items();
   return all;
 }
 
@@ -133,7 +133,7 @@ void Machine::place_units() {
   tick_functions_.resize(slot);
   for (const auto& unit : units_) {
     tick_functions_[slots_[unit->declared]] = unit->tick;
-    wakeups_.lower(slots_[unit->declared], 0);
+    wakeups_.lower_to(slots_[unit->declared], 0);
   }
 }
 

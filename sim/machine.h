@@ -57,7 +57,7 @@ class Machine {
   Machine(const Machine&) = delete;
   Machine& operator=(const Machine&) = delete;
 
-  UnitId unit(Declaration declared);
+  UnitId unit(Declaration declaration);
 
   /// Declares a link with a latency in cycles of `from`. If it leads to another partition and is not kByOwner, `from`
   /// pushes at most `at_once` items per tick.
@@ -77,8 +77,8 @@ class Machine {
   }
 
   /// Builds a declared unit of class U from `args`. U must have tick(now) and clock(); finish(end), state(), idle(),
-  /// retired() and the members that sim::report_of uses are optional. finish(end) updates time and counters to an edge
-  /// of its clock; the unit may continue after it.
+  /// retired_items() and the members that sim::report_of uses are optional. finish(end) updates time and counters to an
+  /// edge of its clock; the unit may continue after it.
   template <class U, class... Args>
   U& build(UnitId id, Args&&... args) {
     require_unbuilt(id);
@@ -129,7 +129,7 @@ class Machine {
   std::string state() const;
   std::vector<UnitReport> report() const;
   /// Returns the number of items that units have retired, of all kinds. It grows as long as the machine makes progress.
-  std::uint64_t retired() const;
+  std::uint64_t retired_items() const;
 
   // Interface for the engine.
   /// Prepares the machine for a run: assigns wake-up times and wakes all units at time 0. Has no effect if the machine
@@ -178,7 +178,7 @@ class Machine {
     virtual bool idle() const = 0;
     virtual void finish(Time end) = 0;
     virtual std::string state() const = 0;  ///< empty if the unit has no state
-    virtual std::uint64_t retired() const = 0;
+    virtual std::uint64_t retired_items() const = 0;
     TickFunction tick;
     std::size_t declared = 0;
   };
@@ -197,8 +197,8 @@ class Machine {
       if constexpr (requires { unit.state(); }) return unit.state();
       return {};
     }
-    std::uint64_t retired() const override {
-      if constexpr (requires { unit.retired(); }) return unit.retired();
+    std::uint64_t retired_items() const override {
+      if constexpr (requires { unit.retired_items(); }) return unit.retired_items();
       return 0;
     }
     U unit;
@@ -224,8 +224,8 @@ class Machine {
     Link<T> link;
   };
 
-  /// Throws std::logic_error with the text `rule` unless `kept` is true.
-  static void require_rule(bool kept, std::string_view rule);
+  /// Throws std::logic_error with the text `rule` unless `is_kept` is true.
+  static void require_rule(bool is_kept, std::string_view rule);
   void require_unbuilt(UnitId id) const;
   void require_cluster_rules(const std::vector<UnitId>& units) const;
   bool is_started() const { return wakeups_.size() != 0; }

@@ -34,10 +34,10 @@ struct Partition {
   Cluster cluster;
 };
 
-/// Returns the time before which a partition must stop, if the others have finished the work before `others` and the
-/// limit for all is `end`. A partition with a nearly full link must not pass the others.
-inline Time run_limit(const Partition& partition, Time others, Time end) {
-  return std::min(end, partition.nearly_full == 0 ? end : others + 1);
+/// Returns the time before which a partition must stop, if the others have finished the work before `others_reached`
+/// and the limit for all is `end`. A partition with a nearly full link must not pass the others.
+inline Time run_limit(const Partition& partition, Time others_reached, Time end) {
+  return std::min(end, partition.nearly_full == 0 ? end : others_reached + 1);
 }
 
 /// Limits of one call of a cluster's owner, and the wake-up times that the owner updates.

@@ -28,7 +28,7 @@ class Clock {
   constexpr Time edge_at_or_after(Time t) const { return cycles(t + period_ - 1) * period_; }
   constexpr bool is_edge(Time t) const { return cycles(t) * period_ == t; }
   /// Returns the edge `cycles` cycles after `now`, which must be an edge.
-  constexpr Time after(Time now, std::uint64_t cycles) const { return now + cycles * period_; }
+  constexpr Time edge_after(Time now, std::uint64_t cycles) const { return now + cycles * period_; }
   /// Returns the number of whole cycles in time `t`, which must be below 2^kTimeBits femtoseconds (over an hour).
   constexpr std::uint64_t cycles(Time t) const {
     assert(t >> kTimeBits == 0);

@@ -18,9 +18,9 @@ struct WakeupHandle {
   WakeupHandle(Time* wake) : unit(wake), group(wake) {}  ///< without a group; detached if nullptr
   WakeupHandle(Time* wake, Time* earliest) : unit(wake), group(earliest) {}
 
-  void lower(Time at) const {
-    *unit = std::min(*unit, at);
-    *group = std::min(*group, at);
+  void lower_to(Time time) const {
+    *unit = std::min(*unit, time);
+    *group = std::min(*group, time);
   }
 
   Time* unit = nullptr;
@@ -46,13 +46,13 @@ class WakeupTable {
     groups_.assign(round_up_to_groups(units) / kGroup, Eight{});
     for (Eight& group : groups_) group.fill(kNever);
     group_minima_.assign(round_up_to_groups(groups_.size()), kNever);
-    for (std::size_t i = 0; i < units; ++i) lower(i, first);
+    for (std::size_t i = 0; i < units; ++i) lower_to(i, first);
     size_ = units;
   }
   std::size_t size() const { return size_; }
 
   WakeupHandle handle_of(std::size_t unit) { return {&time_of(unit), &group_minima_[unit / kGroup]}; }
-  void lower(std::size_t unit, Time time) { handle_of(unit).lower(time); }
+  void lower_to(std::size_t unit, Time time) { handle_of(unit).lower_to(time); }
 
   /// A range of groups of the table.
   struct Groups {
@@ -67,15 +67,17 @@ class WakeupTable {
     return first;
   }
   /// Returns the earliest wake-up time of the units in a range of groups.
-  Time earliest_time(Groups of) const {
+  Time earliest_time(Groups groups) const {
     Time first = kNever;
-    for (std::size_t g = of.first; g < of.end; ++g) first = std::min(first, load_time(group_minima_[g]));
+    for (std::size_t g = groups.first; g < groups.end; ++g) first = std::min(first, load_time(group_minima_[g]));
     return first;
   }
 
   /// Returns the wake-up times of the units in a range of groups, or the minima of these groups.
-  Time* unit_times(Groups of) { return of.first == of.end ? nullptr : groups_[of.first].data(); }
-  std::span<Time> group_minima(Groups of) { return {group_minima_.data() + of.first, of.end - of.first}; }
+  Time* unit_times(Groups groups) { return groups.first == groups.end ? nullptr : groups_[groups.first].data(); }
+  std::span<Time> group_minima(Groups groups) {
+    return {group_minima_.data() + groups.first, groups.end - groups.first};
+  }
 
   /// Calls tick(unit) for all units that are due at `now`, the earliest wake-up time of all. tick() returns the unit's
   /// next wake-up time. Ticks may lower any unit's wake-up time to one after `now`.
@@ -86,8 +88,8 @@ class WakeupTable {
   /// Ticks those units of a range of groups that are due at `now`, the earliest wake-up time of the range. Returns the
   /// range's next earliest wake-up time.
   template <class Tick>
-  Time tick_due(Groups of, Time now, Tick&& tick) {
-    for (std::size_t g = of.first; g < of.end; ++g) {
+  Time tick_due(Groups groups, Time now, Tick&& tick) {
+    for (std::size_t g = groups.first; g < groups.end; ++g) {
       if (group_minima_[g] != now) continue;
       Eight& group = groups_[g];
       for (unsigned due = match_mask8(group.data(), now); due != 0; due &= due - 1) {
@@ -98,7 +100,7 @@ class WakeupTable {
       }
       group_minima_[g] = min_of_eight(group.data());
     }
-    return earliest_time(of);
+    return earliest_time(groups);
   }
 
   /// Ticks one unit whether or not it is due.
@@ -106,22 +108,23 @@ class WakeupTable {
   void tick_one(std::size_t unit, Tick&& tick) {
     time_of(unit) = kNever;
     const Time own = tick(unit);
-    lower(unit, own);
+    lower_to(unit, own);
     group_minima_[unit / kGroup] = min_of_eight(groups_[unit / kGroup].data());
   }
   /// Returns the minimum of eight times that were just written one by one. Reading them in pairs, as a compiler would,
   /// stalls on store forwarding.
-  static Time min_of_eight(const Time* eight) {
-    const Time a = std::min(std::min(load_time(eight[0]), load_time(eight[1])),
-                            std::min(load_time(eight[2]), load_time(eight[3])));
-    const Time b = std::min(std::min(load_time(eight[4]), load_time(eight[5])),
-                            std::min(load_time(eight[6]), load_time(eight[7])));
+  static Time min_of_eight(const Time* eight_times) {
+    const Time a = std::min(std::min(load_time(eight_times[0]), load_time(eight_times[1])),
+                            std::min(load_time(eight_times[2]), load_time(eight_times[3])));
+    const Time b = std::min(std::min(load_time(eight_times[4]), load_time(eight_times[5])),
+                            std::min(load_time(eight_times[6]), load_time(eight_times[7])));
     return std::min(a, b);
   }
   /// Returns a mask of the units, in up to eight groups, that wake at `now`.
-  static std::uint64_t due_mask(const Time* times, std::size_t groups, Time now) {
+  static std::uint64_t due_mask(const Time* times, std::size_t group_count, Time now) {
     std::uint64_t due = match_mask8(times, now);
-    for (std::size_t g = 1; g < groups; ++g) due |= std::uint64_t{match_mask8(times + g * kGroup, now)} << g * kGroup;
+    for (std::size_t g = 1; g < group_count; ++g)
+      due |= std::uint64_t{match_mask8(times + g * kGroup, now)} << g * kGroup;
     return due;
   }
   /// Updates the minimum of each group and returns the minimum of all.

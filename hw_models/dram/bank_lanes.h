@@ -13,41 +13,41 @@ class BankLanes {
  public:
   static constexpr std::uint32_t kMaxBanks = 32;  ///< banks of all ranks
 
-  /// `banks`: number of banks of the channel.
-  explicit BankLanes(std::uint32_t banks) : fours_((banks + kWidth - 1) / kWidth) {}
+  /// `bank_count`: number of banks of the channel.
+  explicit BankLanes(std::uint32_t bank_count) : fours_((bank_count + kWidth - 1) / kWidth) {}
 
   std::uint64_t& operator[](std::size_t bank) { return all_[bank]; }
   std::uint64_t operator[](std::size_t bank) const { return all_[bank]; }
 
-  /// Returns a mask of the banks whose number is at most `most`, which is below 2^63. Bits above the last bank are
+  /// Returns a mask of the banks whose number is at most `limit`, which is below 2^63. Bits above the last bank are
   /// undefined.
-  std::uint32_t banks_up_to(std::uint64_t most) const {
-    return banks_up_to(most, [&](std::uint32_t four) { return load_four(four); });
+  std::uint32_t banks_at_most(std::uint64_t limit) const {
+    return banks_at_most(limit, [&](std::uint32_t four) { return load_four(four); });
   }
-  /// Returns a mask of the banks whose numbers in this object and in `other` are both at most `most`.
-  std::uint32_t banks_with_both_up_to(const BankLanes& other, std::uint64_t most) const {
-    return banks_up_to(most, [&](std::uint32_t four) { return max_of(load_four(four), other.load_four(four)); });
+  /// Returns a mask of the banks whose numbers in this object and in `other` are both at most `limit`.
+  std::uint32_t banks_with_both_at_most(const BankLanes& other, std::uint64_t limit) const {
+    return banks_at_most(limit, [&](std::uint32_t four) { return max_of(load_four(four), other.load_four(four)); });
   }
-  /// Returns the smallest number of the banks in the mask `banks`.
-  std::uint64_t min_of(std::uint32_t banks) const {
-    return min_of(banks, [&](std::uint32_t four) { return load_four(four); });
+  /// Returns the smallest number of the banks in the mask `bank_mask`.
+  std::uint64_t min_of(std::uint32_t bank_mask) const {
+    return min_of(bank_mask, [&](std::uint32_t four) { return load_four(four); });
   }
-  /// Returns the minimum, over the banks in the mask `banks`, of max(number in this object, number in `other`).
-  std::uint64_t min_of_max(const BankLanes& other, std::uint32_t banks) const {
-    return min_of(banks, [&](std::uint32_t four) { return max_of(load_four(four), other.load_four(four)); });
+  /// Returns the minimum, over the banks in the mask `bank_mask`, of max(number in this object, number in `other`).
+  std::uint64_t min_of_max(const BankLanes& other, std::uint32_t bank_mask) const {
+    return min_of(bank_mask, [&](std::uint32_t four) { return max_of(load_four(four), other.load_four(four)); });
   }
-  /// Returns the bitwise OR of the numbers of the banks in the mask `banks`.
-  std::uint64_t combined_bits(std::uint32_t banks) const {
+  /// Returns the bitwise OR of the numbers of the banks in the mask `bank_mask`.
+  std::uint64_t bitwise_or_of(std::uint32_t bank_mask) const {
     Four any{};
-    for_each_four([&](std::uint32_t four, const Four& bit) { any |= load_four(four) & ((bit & banks) == bit); });
+    for_each_four([&](std::uint32_t four, const Four& bit) { any |= load_four(four) & ((bit & bank_mask) == bit); });
     return static_cast<std::uint64_t>(any[0] | any[1] | any[2] | any[3]);
   }
-  /// Raises the numbers of the banks in the mask `banks` to at least `to`.
-  void raise_to(std::uint32_t banks, std::uint64_t to) {
-    const Four bound = Four{} + static_cast<std::int64_t>(to);
+  /// Raises the numbers of the banks in the mask `bank_mask` to at least `minimum`.
+  void raise_to(std::uint32_t bank_mask, std::uint64_t minimum) {
+    const Four bound = Four{} + static_cast<std::int64_t>(minimum);
     Four bit{1, 2, 4, 8};
     for (std::uint32_t four = 0; four < fours_; ++four, bit <<= kWidth) {
-      const Four number = load_four(four), above = ((bit & banks) == bit) & (bound > number);
+      const Four number = load_four(four), above = ((bit & bank_mask) == bit) & (bound > number);
       const Four raised = (bound & above) | (number & ~above);
       std::memcpy(&all_[std::size_t{four} * kWidth], &raised, sizeof raised);
     }
@@ -69,18 +69,18 @@ class BankLanes {
     for (std::uint32_t four = 0; four < fours_; ++four, bit <<= kWidth) f(four, bit);
   }
   template <class Get>
-  std::uint32_t banks_up_to(std::uint64_t most, Get&& get) const {
+  std::uint32_t banks_at_most(std::uint64_t limit, Get&& get) const {
     Four banks{};
     for_each_four(
-        [&](std::uint32_t four, const Four& bit) { banks |= bit & (get(four) <= static_cast<std::int64_t>(most)); });
+        [&](std::uint32_t four, const Four& bit) { banks |= bit & (get(four) <= static_cast<std::int64_t>(limit)); });
     return static_cast<std::uint32_t>(banks[0] | banks[1] | banks[2] | banks[3]);
   }
   template <class Get>
-  std::uint64_t min_of(std::uint32_t banks, Get&& get) const {
+  std::uint64_t min_of(std::uint32_t bank_mask, Get&& get) const {
     constexpr std::int64_t kNone = std::numeric_limits<std::int64_t>::max();
     Four least{kNone, kNone, kNone, kNone};
     for_each_four([&](std::uint32_t four, const Four& bit) {
-      const Four asked = (bit & banks) == bit, number = get(four), less = asked & (number < least);
+      const Four asked = (bit & bank_mask) == bit, number = get(four), less = asked & (number < least);
       least = (number & less) | (least & ~less);
     });
     return static_cast<std::uint64_t>(std::min(std::min(least[0], least[1]), std::min(least[2], least[3])));

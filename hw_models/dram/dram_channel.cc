@@ -8,18 +8,18 @@
 
 namespace hw {
 
-static std::size_t max_bursts(const DramTiming& t) {
-  return (std::max(t.rl + t.dqsck, t.wl + t.dqss) + 64) / t.burst + 4;
+static std::size_t max_booked_bursts(const DramTiming& timing) {
+  return (std::max(timing.rl + timing.dqsck, timing.wl + timing.dqss) + 64) / timing.burst + 4;
 }
 
-DramChannel::DramChannel(const DramConfig& c, Links links, bool ideal, const DramPerturbation& shift)
+DramChannel::DramChannel(const DramConfig& c, Links links, bool ideal, const DramPerturbation& perturbation)
     : controller_(c.controller),
       map_(c),
       ranks_(c.organisation.ranks),
       ideal_(ideal),
       bursts_(c.bursts_per_line()),
       line_bytes_(c.line.bytes),
-      fabric_(shift.moved_fabric((c.fabric.time + c.timing.ck.time - 1) / c.timing.ck.time)),
+      fabric_(perturbation.perturbed_fabric_cycles((c.fabric.time + c.timing.ck.time - 1) / c.timing.ck.time)),
       refresh_interval_(c.refresh_interval()),
       refresh_cycles_(c.controller.refresh == RefreshKind::kAllBank ? c.timing.rfc_ab : c.timing.rfc_pb),
       exit_cycles_(c.timing.xp),
@@ -29,10 +29,10 @@ DramChannel::DramChannel(const DramConfig& c, Links links, bool ideal, const Dra
       observer_(links.observer),
       device_(c),
       scheduler_(c, device_),
-      data_bus_(max_bursts(c.timing)),
+      data_bus_(max_booked_bursts(c.timing)),
       page_policy_(c.controller.page_policy),
-      refresh_at_(refresh_interval_ == 0 || ideal ? sim::kNever : shift.first_refresh(refresh_interval_)),
-      to_refresh_(device_.refresh_leaders()),
+      refresh_at_(refresh_interval_ == 0 || ideal ? sim::kNever : perturbation.first_refresh_cycle(refresh_interval_)),
+      to_refresh_(device_.refresh_leader_mask()),
       reads_(c.controller.read_queue, c.organisation.all_banks()),
       writes_(c.controller.write_queue, c.organisation.all_banks()),
       ports_(Arbitration::kRoundRobin, ports_in_.size()) {
@@ -65,11 +65,11 @@ void DramChannel::finish(sim::Time end) {
     account_until(cycle);
     run_due_refreshes(cycle);
     power_down_if_idle(cycle);
-    count_power_down(cycle);
+    count_power_down_cycles(cycle);
   }
   activity_.finish(end);
   stats_.turnarounds = device_.turnaround_count();
-  stats_.active_standby = device_.active_cycles(cycle);
+  stats_.active_standby = device_.cycles_with_open_row(cycle);
   stats_.precharge_standby = ranks_ * cycle - stats_.active_standby - stats_.power_down;
 }
 
@@ -79,7 +79,7 @@ inline void DramChannel::take_request(sim::Time now, Cycle cycle) {
   };
   const std::uint32_t port =
       ports_.choose_requester(ports_in_.nonempty_mask(), has_room, [](std::uint32_t) { return sim::Time{0}; });
-  if (port == ports_.count()) return;
+  if (port == ports_.requester_count()) return;
   ports_.note_served(port);
   const MemRequest request = ports_in_[port].pop(now);
   const DramAddress address = map_.address_of(request.line);
@@ -98,7 +98,7 @@ inline void DramChannel::take_request(sim::Time now, Cycle cycle) {
 inline bool DramChannel::next_command_survives(bool write, std::uint32_t bank, bool row_is_open) const {
   if (write != writing_) return false;
   const DramQueue& queue = write ? writes_ : reads_;
-  return queue.hit_positions(bank) != 0 || (queue.waiting_positions(bank) != 0 && !row_is_open);
+  return queue.hit_position_mask(bank) != 0 || (queue.request_position_mask(bank) != 0 && !row_is_open);
 }
 
 /// Sends the data of a read to its requester if they are due; sends at most one line per cycle. Fast path: if the link
@@ -130,7 +130,7 @@ inline sim::Time DramChannel::next_wake(sim::Time now) const {
 
 void DramChannel::choose_next_command(Cycle now) {
   next_is_stale_ = false;
-  const Cycle read_due = overdue_at(reads_), write_due = overdue_at(writes_);
+  const Cycle read_due = overdue_cycle(reads_), write_due = overdue_cycle(writes_);
   reschedule_at_ = std::min(read_due <= now ? sim::kNever : read_due, write_due <= now ? sim::kNever : write_due);
   if (writes_.size() >= controller_.write_high) draining_ = true;
   if (writes_.size() <= controller_.write_low) draining_ = false;
@@ -142,14 +142,14 @@ void DramChannel::choose_next_command(Cycle now) {
 
 ScheduledCommand DramChannel::best_command(Cycle now) const {
   const DramQueue& queue = writing_ ? writes_ : reads_;
-  return scheduler_.best_command(queue, writing_, overdue_at(queue) <= now, now);
+  return scheduler_.best_command(queue, writing_, overdue_cycle(queue) <= now, now);
 }
 
 /// Returns the reason for the cycles in which a DRAM channel's data bus is idle until it next chooses a command.
 DramChannel::CycleReason DramChannel::wait_reason() const {
   if ((writing_ ? writes_ : reads_).empty()) return CycleReason::kIdle;
   if (next_.is_none()) return CycleReason::kReturnsFull;
-  return device_.wait_reason(next_.command(), next_.bank(), writing_, next_.start_cycle());
+  return device_.wait_reason(next_.command_kind(), next_.bank(), writing_, next_.start_cycle());
 }
 
 /// True if the DRAM channel serves its write queue before its read queue. `read_due`, `write_due`: cycle at which the
@@ -162,13 +162,14 @@ inline bool DramChannel::serves_writes_first(Cycle read_due, Cycle write_due, Cy
 
 inline void DramChannel::issue_command(sim::Time now, Cycle cycle) {
   DramQueue& queue = writing_ ? writes_ : reads_;
-  DramQueue::Entry& entry = queue.at(next_.position());
+  DramQueue::Entry& entry = queue.at(next_.queue_position());
   const DramAddress address = entry.address;
-  switch (next_.command()) {
+  switch (next_.command_kind()) {
     case DramCommand::kColumn:
       transfer_line(entry, now, cycle);
-      queue.remove_at(next_.position());
-      if ((reads_.hit_positions(address.bank) | writes_.hit_positions(address.bank)) == 0) apply_page_policy(address);
+      queue.remove_at(next_.queue_position());
+      if ((reads_.hit_position_mask(address.bank) | writes_.hit_position_mask(address.bank)) == 0)
+        apply_page_policy(address);
       break;
     case DramCommand::kActivate:
       entry.activated = true;
@@ -190,7 +191,7 @@ inline void DramChannel::issue_command(sim::Time now, Cycle cycle) {
 
 /// Closes the row now if the page policy says so. Called after the last queued hit of the row.
 inline void DramChannel::apply_page_policy(const DramAddress& address) {
-  const bool others = (reads_.waiting_positions(address.bank) | writes_.waiting_positions(address.bank)) != 0;
+  const bool others = (reads_.request_position_mask(address.bank) | writes_.request_position_mask(address.bank)) != 0;
   if (page_policy_.closes_row(address.bank, address.row, others)) device_.auto_precharge(address.bank);
 }
 
@@ -262,7 +263,7 @@ void DramChannel::run_due_refreshes(Cycle now) {
     power_down_if_idle(due);
     if (is_down_) {
       if (due > down_since_) {
-        count_power_down(due);
+        count_power_down_cycles(due);
         due += exit_cycles_;
         device_.leave_power_down(due);
       }
@@ -278,35 +279,35 @@ void DramChannel::run_due_refreshes(Cycle now) {
 void DramChannel::refresh_banks(std::uint32_t rank, Cycle due) {
   if (controller_.refresh == RefreshKind::kAllBank) {
     device_.refresh_rank(rank, due);
-    note_rows_closed(device_.banks_of(rank));
+    note_rows_closed(device_.bank_mask_of_rank(rank));
     stats_.refreshes_all += 1;
     return;
   }
-  const std::uint32_t leader = next_refresh(rank);
-  const std::uint32_t banks = device_.banks_refreshed_with(leader);
+  const std::uint32_t leader = next_bank_to_refresh(rank);
+  const std::uint32_t banks = device_.bank_mask_refreshed_with(leader);
   device_.refresh_banks(banks, due);
   note_rows_closed(banks);
   stats_.refreshes += 1;
   to_refresh_ &= ~(1U << leader);
-  const std::uint32_t of_rank = device_.banks_of(rank);
-  if ((to_refresh_ & of_rank) == 0) to_refresh_ |= device_.refresh_leaders() & of_rank;
+  const std::uint32_t of_rank = device_.bank_mask_of_rank(rank);
+  if ((to_refresh_ & of_rank) == 0) to_refresh_ |= device_.refresh_leader_mask() & of_rank;
 }
 
-std::uint32_t DramChannel::next_refresh(std::uint32_t rank) const {
-  const std::uint32_t candidates = to_refresh_ & device_.banks_of(rank);
+std::uint32_t DramChannel::next_bank_to_refresh(std::uint32_t rank) const {
+  const std::uint32_t candidates = to_refresh_ & device_.bank_mask_of_rank(rank);
   if (controller_.refresh_order == RefreshOrder::kIdleFirst) {
-    const std::uint32_t wanted = reads_.requested_banks() | writes_.requested_banks();
+    const std::uint32_t wanted = reads_.requested_bank_mask() | writes_.requested_bank_mask();
     for (std::uint32_t left = candidates; left != 0; left &= left - 1) {
       const auto leader = static_cast<std::uint32_t>(std::countr_zero(left));
-      if ((wanted & device_.banks_refreshed_with(leader)) == 0) return leader;
+      if ((wanted & device_.bank_mask_refreshed_with(leader)) == 0) return leader;
     }
   }
   return static_cast<std::uint32_t>(std::countr_zero(candidates));
 }
 
 /// Updates the request queues after the device has closed these banks.
-void DramChannel::note_rows_closed(std::uint32_t banks) {
-  for (std::uint32_t left = banks; left != 0; left &= left - 1) {
+void DramChannel::note_rows_closed(std::uint32_t bank_mask) {
+  for (std::uint32_t left = bank_mask; left != 0; left &= left - 1) {
     const auto bank = static_cast<std::uint32_t>(std::countr_zero(left));
     reads_.note_row_closed(bank);
     writes_.note_row_closed(bank);
@@ -321,10 +322,10 @@ void DramChannel::power_down_if_idle(Cycle now) {
   is_down_ = true;
   down_since_ = due;
   for (std::uint32_t rank = 0; rank < ranks_; ++rank)
-    down_since_ = std::max(down_since_, device_.precharge_banks(device_.banks_of(rank), due));
+    down_since_ = std::max(down_since_, device_.precharge_banks(device_.bank_mask_of_rank(rank), due));
 }
 
-void DramChannel::count_power_down(Cycle until) {
+void DramChannel::count_power_down_cycles(Cycle until) {
   const Cycle from = std::max(down_since_, down_counted_);
   if (!is_down_ || until <= from) return;
   stats_.power_down += ranks_ * (until - from);
@@ -334,7 +335,7 @@ void DramChannel::count_power_down(Cycle until) {
 /// Takes the DRAM channel out of power-down because a request has arrived.
 void DramChannel::leave_power_down(Cycle now) {
   if (!is_down_) return;
-  count_power_down(now);
+  count_power_down_cycles(now);
   is_down_ = false;
   if (now <= down_since_) return;
   stats_.power_downs += 1;

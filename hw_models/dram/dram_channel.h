@@ -128,7 +128,7 @@ class DramChannel {
     Observer* observer = nullptr;
   };
 
-  DramChannel(const DramConfig& config, Links links, bool ideal = false, const DramPerturbation& shift = {});
+  DramChannel(const DramConfig& config, Links links, bool ideal = false, const DramPerturbation& perturbation = {});
   DramChannel(const DramChannel&) = delete;
   DramChannel& operator=(const DramChannel&) = delete;
 
@@ -154,11 +154,11 @@ class DramChannel {
 
   void account_until(Cycle until);
   void run_due_refreshes(Cycle now);
-  std::uint32_t next_refresh(std::uint32_t rank) const;
+  std::uint32_t next_bank_to_refresh(std::uint32_t rank) const;
   void refresh_banks(std::uint32_t rank, Cycle due);
-  void note_rows_closed(std::uint32_t banks);
+  void note_rows_closed(std::uint32_t bank_mask);
   void power_down_if_idle(Cycle now);
-  void count_power_down(Cycle until);
+  void count_power_down_cycles(Cycle until);
   void leave_power_down(Cycle now);
   void take_request(sim::Time now, Cycle cycle);
   bool send_response(const Return& line, sim::Time now);
@@ -174,7 +174,7 @@ class DramChannel {
   void apply_page_policy(const DramAddress& address);
   void transfer_line(const DramQueue::Entry& entry, sim::Time now, Cycle cycle);
   /// Returns the cycle at which the oldest request in the queue exceeds the age limit.
-  Cycle overdue_at(const DramQueue& queue) const {
+  Cycle overdue_cycle(const DramQueue& queue) const {
     return queue.empty() ? sim::kNever : queue.oldest_entry().arrived + controller_.age_limit;
   }
   bool has_room_for(const MemRequest& request) const { return !(request.write ? writes_ : reads_).is_full(); }

@@ -311,9 +311,9 @@ class DramMap {
  public:
   explicit DramMap(const DramConfig& c)
       : bank_first_(c.controller.mapping == DramMapping::kRowColumnBankChannel),
-        skip_(shift_of(c.line.bytes) + shift_of(c.channels)),
-        column_bits_(shift_of(c.organisation.page.bytes) - shift_of(c.line.bytes)),
-        bank_bits_(shift_of(c.organisation.all_banks())),
+        skip_(log2_of(c.line.bytes) + log2_of(c.channels)),
+        column_bits_(log2_of(c.organisation.page.bytes) - log2_of(c.line.bytes)),
+        bank_bits_(log2_of(c.organisation.all_banks())),
         xor_mask_(c.controller.bank_xor ? c.organisation.banks - 1 : 0),
         row_mask_(c.organisation.rows - 1) {}
 
@@ -329,7 +329,9 @@ class DramMap {
   }
 
  private:
-  static constexpr std::uint32_t shift_of(std::uint64_t n) { return static_cast<std::uint32_t>(std::countr_zero(n)); }
+  static constexpr std::uint32_t log2_of(std::uint64_t power_of_two) {
+    return static_cast<std::uint32_t>(std::countr_zero(power_of_two));
+  }
 
   bool bank_first_;
   std::uint32_t skip_;
@@ -345,10 +347,12 @@ struct DramPerturbation {
   std::int32_t fabric = 0;  ///< command clock cycles added to the latency of reads; the resulting latency is at least 0
   std::uint32_t refresh = 0;  ///< cycles by which all refreshes are earlier, modulo the refresh interval
 
-  std::uint64_t moved_fabric(std::uint64_t cycles) const {
-    return static_cast<std::uint64_t>(std::max(std::int64_t{0}, static_cast<std::int64_t>(cycles) + fabric));
+  std::uint64_t perturbed_fabric_cycles(std::uint64_t fabric_cycles) const {
+    return static_cast<std::uint64_t>(std::max(std::int64_t{0}, static_cast<std::int64_t>(fabric_cycles) + fabric));
   }
-  std::uint64_t first_refresh(std::uint64_t interval) const { return interval - refresh % interval; }
+  std::uint64_t first_refresh_cycle(std::uint64_t refresh_interval) const {
+    return refresh_interval - refresh % refresh_interval;
+  }
 };
 
 }  // namespace hw

@@ -27,23 +27,25 @@ class CommandCalendar {
  public:
   using Cycle = std::uint64_t;
 
-  /// A line is transferred in `bursts` bursts, which `commands` column commands start.
-  CommandCalendar(const DramTiming& t, std::uint32_t bursts, std::uint32_t commands)
-      : half_activate_(t.aad == 0 ? 0 : t.ca_activate / 2),
-        aad_(t.aad),
-        command_bus_{block_pattern(commands, t.ca_column, t.ccd_l * (bursts / commands)),
-                     block_pattern(1, half_activate_ == 0 ? t.ca_activate : half_activate_, 0),
-                     block_pattern(1, t.ca_precharge, 0),
-                     (block_pattern(commands, t.ca_column, t.ccd_l * (bursts / commands)) << t.wck_sync) |
-                         block_pattern(1, t.wck_sync, 0)},
-        data_bus_(block_pattern(bursts, t.ccd_s, t.ccd_l)) {
+  /// A line is transferred in `bursts_per_line` bursts, which `commands_per_line` column commands start.
+  CommandCalendar(const DramTiming& timing, std::uint32_t bursts_per_line, std::uint32_t commands_per_line)
+      : half_activate_(timing.aad == 0 ? 0 : timing.ca_activate / 2),
+        aad_(timing.aad),
+        command_bus_{
+            block_pattern(commands_per_line, timing.ca_column, timing.ccd_l * (bursts_per_line / commands_per_line)),
+            block_pattern(1, half_activate_ == 0 ? timing.ca_activate : half_activate_, 0),
+            block_pattern(1, timing.ca_precharge, 0),
+            (block_pattern(commands_per_line, timing.ca_column, timing.ccd_l * (bursts_per_line / commands_per_line))
+             << timing.wck_sync) |
+                block_pattern(1, timing.wck_sync, 0)},
+        data_bus_(block_pattern(bursts_per_line, timing.ccd_s, timing.ccd_l)) {
     for (std::size_t booked = 0; booked < kKinds; ++booked) {
       for (std::size_t asked = 0; asked < kKinds; ++asked)
         forbids_[booked][asked] = conflict_distances(command_bus_[booked], command_bus_[asked]);
     }
     for (std::size_t asked = 0; asked < kKinds; ++asked)
       act2_conflicts_[asked] = conflicting_starts(command_bus_[asked], block_pattern(1, half_activate_, 0) << kLatest);
-    const std::uint64_t data_after_cas = data_bus_ << t.wck_sync;
+    const std::uint64_t data_after_cas = data_bus_ << timing.wck_sync;
     for (const std::size_t kind : {kColumn, kSync}) {
       const std::uint64_t data = kind == kSync ? data_after_cas : data_bus_;
       forbids_data_[kind == kSync] = conflicting_starts(data_bus_, data);
@@ -54,30 +56,30 @@ class CommandCalendar {
 
   /// Returns the first cycle at or after `from` in which the command can start without a conflict on the command and
   /// data buses.
-  Cycle first_free(DramCommand command, Cycle from) const {
-    if (command != DramCommand::kActivate) return first_free(index_of(command), from);
-    if (half_activate_ == 0) return from + distance_to_free(mask_from(blocked_[kActivate], from));
+  Cycle first_free_cycle(DramCommand command, Cycle from) const {
+    if (command != DramCommand::kActivate) return first_free_cycle(index_of(command), from);
+    if (half_activate_ == 0) return from + cycles_until_free(mask_relative_to(blocked_[kActivate], from));
     from = std::max(from, act2_at_ + half_activate_);
-    std::uint64_t blocked = mask_from(blocked_[kActivate], from);
+    std::uint64_t blocked = mask_relative_to(blocked_[kActivate], from);
     std::uint64_t no_second = ~std::uint64_t{0};
     for (std::uint32_t d = half_activate_; d <= aad_; ++d) no_second &= blocked >> d;
-    return from + distance_to_free(blocked | no_second);
+    return from + cycles_until_free(blocked | no_second);
   }
   /// Returns the first cycle at or after `from` in which a CAS can start, followed by its column command.
-  Cycle first_free_with_sync(Cycle from) const { return first_free(kSync, from); }
+  Cycle first_cycle_for_cas_and_column(Cycle from) const { return first_free_cycle(kSync, from); }
   /// True if the data bus is free for all bursts of a line whose first burst starts at cycle `at`.
-  bool is_data_bus_free(Cycle at) const { return (mask_from(blocked_data_, at) & 1) == 0; }
+  bool is_data_bus_free(Cycle at) const { return (mask_relative_to(blocked_data_, at) & 1) == 0; }
 
   /// Books a command at cycle `at` and forgets all cycles before it.
   void book_command(DramCommand command, Cycle at) {
     book_kind(index_of(command), at);
     if (command != DramCommand::kActivate || half_activate_ == 0) return;
     act2_until_ = at + aad_;
-    act2_at_ = at + half_activate_ + distance_to_free(blocked_[kActivate] >> half_activate_);
+    act2_at_ = at + half_activate_ + cycles_until_free(blocked_[kActivate] >> half_activate_);
     assert(act2_at_ <= act2_until_);
   }
   /// Books a CAS at cycle `at` and the column command that follows it.
-  void book_with_sync(Cycle at) { book_kind(kSync, at); }
+  void book_cas_and_column(Cycle at) { book_kind(kSync, at); }
 
  private:
   static constexpr std::size_t kColumn = 0, kActivate = 1, kPrecharge = 2, kSync = 3, kKinds = 4;
@@ -86,14 +88,16 @@ class CommandCalendar {
 
   static constexpr std::size_t index_of(DramCommand command) { return static_cast<std::size_t>(command); }
   /// Returns the number of cycles until the first unblocked one.
-  static Cycle distance_to_free(std::uint64_t blocked) { return static_cast<Cycle>(std::countr_one(blocked)); }
+  static Cycle cycles_until_free(std::uint64_t blocked_mask) {
+    return static_cast<Cycle>(std::countr_one(blocked_mask));
+  }
 
-  Cycle first_free(std::size_t kind, Cycle from) const {
-    std::uint64_t blocked = mask_from(blocked_[kind], from);
-    Cycle at = from + distance_to_free(blocked);
+  Cycle first_free_cycle(std::size_t kind, Cycle from) const {
+    std::uint64_t blocked = mask_relative_to(blocked_[kind], from);
+    Cycle at = from + cycles_until_free(blocked);
     while (conflicts_with_act2(kind, at) && !can_displace_act2(kind, at)) {
       blocked |= std::uint64_t{1} << (at - from);
-      at = from + distance_to_free(blocked);
+      at = from + cycles_until_free(blocked);
     }
     return at;
   }
@@ -102,25 +106,26 @@ class CommandCalendar {
     return at < act2_at_ + half_activate_ && ((act2_conflicts_[kind] >> (kLatest + at - act2_at_)) & 1) != 0;
   }
   bool can_displace_act2(std::size_t kind, Cycle at) const {
-    return kind != kPrecharge && at <= act2_at_ && act2_if_booked(kind, at) <= act2_until_;
+    return kind != kPrecharge && at <= act2_at_ && act2_cycle_if_booked(kind, at) <= act2_until_;
   }
   /// Returns the cycle to which the pending ACT-2 moves if the command is booked at cycle `at`.
-  Cycle act2_if_booked(std::size_t kind, Cycle at) const {
-    return at + distance_to_free(mask_from(blocked_[kActivate], at) | forbids_[kind][kActivate]);
+  Cycle act2_cycle_if_booked(std::size_t kind, Cycle at) const {
+    return at + cycles_until_free(mask_relative_to(blocked_[kActivate], at) | forbids_[kind][kActivate]);
   }
   void book_kind(std::size_t kind, Cycle at) {
-    if (conflicts_with_act2(kind, at)) act2_at_ = act2_if_booked(kind, at);
+    if (conflicts_with_act2(kind, at)) act2_at_ = act2_cycle_if_booked(kind, at);
     for (std::size_t asked = 0; asked < kKinds; ++asked)
-      blocked_[asked] = mask_from(blocked_[asked], at) | forbids_[kind][asked];
-    blocked_data_ = mask_from(blocked_data_, at);
+      blocked_[asked] = mask_relative_to(blocked_[asked], at) | forbids_[kind][asked];
+    blocked_data_ = mask_relative_to(blocked_data_, at);
     if (kind == kColumn || kind == kSync) blocked_data_ |= forbids_data_[kind == kSync];
     base_ = at;
   }
-  /// Returns a mask of the start cycles at which a command with the bus pattern `asked` conflicts with the pattern
-  /// `booked`.
-  static std::uint64_t conflicting_starts(std::uint64_t asked, std::uint64_t booked) {
+  /// Returns a mask of the start cycles at which a command with the bus pattern `asked_pattern` conflicts with the
+  /// pattern `booked_pattern`.
+  static std::uint64_t conflicting_starts(std::uint64_t asked_pattern, std::uint64_t booked_pattern) {
     std::uint64_t all = 0;
-    for (; asked != 0; asked &= asked - 1) all |= booked >> std::countr_zero(asked);
+    for (; asked_pattern != 0; asked_pattern &= asked_pattern - 1)
+      all |= booked_pattern >> std::countr_zero(asked_pattern);
     return all;
   }
   /// Returns the bus pattern of `count` blocks of `length` cycles each, `stride` cycles apart, as a mask.
@@ -129,16 +134,16 @@ class CommandCalendar {
     for (std::uint32_t i = 0; i < count; ++i) pattern |= ((std::uint64_t{1} << length) - 1) << (i * stride);
     return pattern;
   }
-  /// Returns a mask of the distances, in cycles, at which a command with the bus pattern `asked` conflicts with one of
-  /// pattern `booked` that started earlier.
-  static constexpr std::uint64_t conflict_distances(std::uint64_t booked, std::uint64_t asked) {
+  /// Returns a mask of the distances, in cycles, at which a command with the bus pattern `asked_pattern` conflicts with
+  /// one of pattern `booked_pattern` that started earlier.
+  static constexpr std::uint64_t conflict_distances(std::uint64_t booked_pattern, std::uint64_t asked_pattern) {
     std::uint64_t distances = 0;
     for (std::uint32_t d = 0; d < 64; ++d) {
-      if (((booked >> d) & asked) != 0) distances |= std::uint64_t{1} << d;
+      if (((booked_pattern >> d) & asked_pattern) != 0) distances |= std::uint64_t{1} << d;
     }
     return distances;
   }
-  std::uint64_t mask_from(std::uint64_t mask, Cycle from) const {
+  std::uint64_t mask_relative_to(std::uint64_t mask, Cycle from) const {
     return from - base_ >= 64 ? 0 : mask >> (from - base_);
   }
 
@@ -173,38 +178,41 @@ class DramDevice {
   bool is_open(std::uint32_t bank, std::uint32_t row) const { return is_open(bank) && rows_[bank] == row; }
 
   /// Returns a mask of the banks with an open row.
-  std::uint32_t open_mask() const { return open_; }
+  std::uint32_t open_bank_mask() const { return open_; }
 
   /// Returns the first cycle at or after `now` at which the DRAM device is out of power-down.
   Cycle first_awake_cycle(Cycle now) const { return std::max(now, awake_at_); }
   /// Returns the first cycle at or after `from` at which the timing constraints of the rank allow the command.
-  Cycle rank_ready_at(DramCommand command, std::uint32_t rank, bool write, Cycle from) const {
-    if (command == DramCommand::kActivate) return rank_[rank].next_activate(from, t_);
-    return command == DramCommand::kColumn ? std::max(from, rank_[rank].at[index_of(column_op(write))]) : from;
+  Cycle earliest_rank_cycle(DramCommand command, std::uint32_t rank, bool write, Cycle from) const {
+    if (command == DramCommand::kActivate) return rank_[rank].next_activate_cycle(from, t_);
+    return command == DramCommand::kColumn ? std::max(from, rank_[rank].at[index_of(column_operation(write))]) : from;
   }
-  /// Returns a mask of the banks that allow the command in cycle `by`. Ignores constraints of the rank and the buses.
+  /// Returns a mask of the banks that allow the command in the given cycle. Ignores constraints of the rank and the
+  /// buses.
   template <DramCommand kCommand>
-  std::uint32_t ready_banks(bool write, Cycle by) const {
-    const BankLanes& at = bank_at_[index_of(op_of(kCommand, write))];
-    return kCommand == DramCommand::kColumn ? at.banks_with_both_up_to(group_at_[write], by) : at.banks_up_to(by);
+  std::uint32_t ready_bank_mask(bool write, Cycle cycle) const {
+    const BankLanes& at = bank_at_[index_of(operation_of(kCommand, write))];
+    return kCommand == DramCommand::kColumn ? at.banks_with_both_at_most(group_at_[write], cycle)
+                                            : at.banks_at_most(cycle);
   }
-  /// Returns the first cycle at which any bank of the mask `banks` allows the command. Ignores constraints of the rank
-  /// and the buses.
+  /// Returns the first cycle at which any bank of the mask `bank_mask` allows the command. Ignores constraints of the
+  /// rank and the buses.
   template <DramCommand kCommand>
-  Cycle first_ready_cycle(std::uint32_t banks, bool write) const {
-    const BankLanes& at = bank_at_[index_of(op_of(kCommand, write))];
-    return kCommand == DramCommand::kColumn ? at.min_of_max(group_at_[write], banks) : at.min_of(banks);
+  Cycle first_ready_cycle(std::uint32_t bank_mask, bool write) const {
+    const BankLanes& at = bank_at_[index_of(operation_of(kCommand, write))];
+    return kCommand == DramCommand::kColumn ? at.min_of_max(group_at_[write], bank_mask) : at.min_of(bank_mask);
   }
   /// Returns the first cycle at or after `ready` at which the command bus and data bus are free for the command. If WCK
   /// is stopped, a read or write needs a CAS first; then it is the cycle of the CAS.
   Cycle first_bus_slot(DramCommand command, std::uint32_t rank, Cycle ready) const {
     const Rank& of = rank_[rank];
-    Cycle free = calendar_.first_free(command, ready);
+    Cycle free = calendar_.first_free_cycle(command, ready);
     if (command == DramCommand::kColumn && t_.wck_sync != 0 && free >= of.wck_stops_at)
-      return calendar_.first_free_with_sync(std::max(ready, of.wck_stops_at));
+      return calendar_.first_cycle_for_cas_and_column(std::max(ready, of.wck_stops_at));
     if (command == DramCommand::kActivate && t_.pbr2act != 0) {
-      for (Cycle allowed = of.next_activate(free, t_); allowed != free; allowed = of.next_activate(free, t_)) {
-        free = calendar_.first_free(command, allowed);
+      for (Cycle allowed = of.next_activate_cycle(free, t_); allowed != free;
+           allowed = of.next_activate_cycle(free, t_)) {
+        free = calendar_.first_free_cycle(command, allowed);
       }
     }
     return free;
@@ -216,7 +224,7 @@ class DramDevice {
   void activate_row(std::uint32_t bank, std::uint32_t row, Cycle now);
   void precharge_bank(std::uint32_t bank, Cycle now);
   /// Closes the bank's row after its last read or write, without a precharge command on the bus.
-  void auto_precharge(std::uint32_t bank) { close_bank(bank, ready_at(DramOp::kPrecharge, bank)); }
+  void auto_precharge(std::uint32_t bank) { close_bank(bank, earliest_cycle(DramOp::kPrecharge, bank)); }
   /// Reads or writes one line, after a CAS if WCK is stopped. Returns the cycle in which its data begin.
   Cycle read_line(std::uint32_t bank, Cycle now);
   Cycle write_line(std::uint32_t bank, Cycle now);
@@ -229,18 +237,18 @@ class DramDevice {
   }
 
   /// Returns a mask: the banks of a rank, or the banks that a per-bank refresh of `bank` refreshes together.
-  std::uint32_t banks_of(std::uint32_t rank) const { return rank_banks_ << (rank << rank_shift_); }
-  std::uint32_t banks_refreshed_with(std::uint32_t bank) const { return refresh_set_ << bank; }
+  std::uint32_t bank_mask_of_rank(std::uint32_t rank) const { return rank_banks_ << (rank << rank_shift_); }
+  std::uint32_t bank_mask_refreshed_with(std::uint32_t bank) const { return refresh_set_ << bank; }
   /// Returns a mask of the banks that name a per-bank refresh: the lower bank of each pair.
-  std::uint32_t refresh_leaders() const { return refresh_leaders_; }
+  std::uint32_t refresh_leader_mask() const { return refresh_leaders_; }
 
   /// Closes the banks of the mask and refreshes them together, as soon as allowed at or after cycle `due`.
-  void refresh_banks(std::uint32_t banks, Cycle due);
+  void refresh_banks(std::uint32_t bank_mask, Cycle due);
   /// Closes all banks of the rank and refreshes it, as soon as allowed at or after cycle `due`.
   void refresh_rank(std::uint32_t rank, Cycle due);
   /// Closes the banks of the mask together, as soon as allowed at or after cycle `from`. Returns the cycle at which all
   /// are precharged.
-  Cycle precharge_banks(std::uint32_t banks, Cycle from);
+  Cycle precharge_banks(std::uint32_t bank_mask, Cycle from);
   /// Takes the DRAM device out of power-down; the first command may run at cycle `at`.
   void leave_power_down(Cycle at) { awake_at_ = at; }
 
@@ -248,27 +256,27 @@ class DramDevice {
   std::uint64_t turnaround_count() const { return turnarounds_; }
   /// Returns the number of cycles before `until` with an open row, summed over ranks. `until` must not decrease between
   /// calls.
-  Cycle active_cycles(Cycle until);
+  Cycle cycles_with_open_row(Cycle until);
 
  private:
   static constexpr std::size_t index_of(DramOp op) { return static_cast<std::size_t>(op); }
-  static constexpr DramOp column_op(bool write) { return write ? DramOp::kWrite : DramOp::kRead; }
-  static constexpr DramOp op_of(DramCommand command, bool write) {
-    if (command == DramCommand::kColumn) return column_op(write);
+  static constexpr DramOp column_operation(bool write) { return write ? DramOp::kWrite : DramOp::kRead; }
+  static constexpr DramOp operation_of(DramCommand command, bool write) {
+    if (command == DramCommand::kColumn) return column_operation(write);
     return command == DramCommand::kActivate ? DramOp::kActivate : DramOp::kPrecharge;
   }
-  Cycle& ready_at(DramOp op, std::uint32_t bank) { return bank_at_[index_of(op)][bank]; }
-  Cycle ready_at(DramOp op, std::uint32_t bank) const { return bank_at_[index_of(op)][bank]; }
+  Cycle& earliest_cycle(DramOp op, std::uint32_t bank) { return bank_at_[index_of(op)][bank]; }
+  Cycle earliest_cycle(DramOp op, std::uint32_t bank) const { return bank_at_[index_of(op)][bank]; }
   std::uint32_t rank_of(std::uint32_t bank) const { return bank >> rank_shift_; }
   /// Returns a mask of the banks in the bank group of `bank`.
-  std::uint32_t group_of(std::uint32_t bank) const { return group_banks_ << (bank & group_mask_); }
+  std::uint32_t bank_group_mask_of(std::uint32_t bank) const { return group_banks_ << (bank & group_mask_); }
   template <DramOp kFrom>
   void apply_constraints(std::uint32_t bank, Cycle now);
   void close_bank(std::uint32_t bank, Cycle now);
   Cycle reserve_burst_sequence(std::uint32_t bank, bool write, Cycle now);
-  Cycle begin_of_refresh(std::uint32_t banks, Cycle from) const;
+  Cycle first_precharged_cycle(std::uint32_t bank_mask, Cycle from) const;
   template <DramOp kRefresh>
-  void start_refresh(std::uint32_t banks, Cycle begin);
+  void start_refresh(std::uint32_t bank_mask, Cycle begin);
 
   struct Rank {
     std::array<Cycle, 3> at{};                ///< earliest cycle of a read, write or activate, by DramOp
@@ -282,21 +290,21 @@ class DramDevice {
     Cycle refreshed_at = 0;  ///< start of the last per-bank refresh; 0 before the first
     Cycle wck_stops_at = 0;  ///< cycle at which WCK stops; a later read or write needs a CAS
 
-    Cycle next_activate(Cycle from, const DramTiming& t) const {
+    Cycle next_activate_cycle(Cycle from, const DramTiming& timing) const {
       Cycle activate = std::max({from, at[index_of(DramOp::kActivate)], four_activates[oldest_activate]});
-      if (t.pbr2act == 0 || refreshed_at == 0) return activate;
-      if (activate + t.pbr2act > refreshed_at) activate = std::max(activate, refreshed_at + t.pbr2act);
-      const Cycle window = refreshed_at + t.faw;
-      if (!t.pbr_in_faw || activate < refreshed_at || activate >= window) return activate;
+      if (timing.pbr2act == 0 || refreshed_at == 0) return activate;
+      if (activate + timing.pbr2act > refreshed_at) activate = std::max(activate, refreshed_at + timing.pbr2act);
+      const Cycle window = refreshed_at + timing.faw;
+      if (!timing.pbr_in_faw || activate < refreshed_at || activate >= window) return activate;
       return std::max(activate, std::min(window, four_activates[(oldest_activate + 1) % 4]));
     }
-    void raise_bound(DramOp op, Cycle to, DramCycleReason why) {
-      if (to <= at[index_of(op)]) return;
-      at[index_of(op)] = to;
-      reason[index_of(op)] = why;
+    void raise_earliest_cycle(DramOp op, Cycle cycle, DramCycleReason waits_for) {
+      if (cycle <= at[index_of(op)]) return;
+      at[index_of(op)] = cycle;
+      reason[index_of(op)] = waits_for;
     }
-    void add_to_window(Cycle leaves_at) {
-      four_activates[oldest_activate] = leaves_at;
+    void add_to_activate_window(Cycle leaves_window_at) {
+      four_activates[oldest_activate] = leaves_window_at;
       oldest_activate = (oldest_activate + 1) % 4;
     }
   };

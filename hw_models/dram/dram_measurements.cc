@@ -36,20 +36,20 @@ class ChannelRunner : Observer {
   }
 
   DramRun run_requests() {
-    for (sim::Time now = 0; served_ < requests_.size(); now = next_time(now)) {
+    for (sim::Time now = 0; served_ < requests_.size(); now = next_event_time(now)) {
       for (; !reads_.empty() && reads_.front() <= now; reads_.pop_front()) waiting_ -= 1;
-      for (; may_send() && requests_[next_].earliest <= now; ++next_) send_request(now);
+      for (; can_send_request() && requests_[next_].earliest <= now; ++next_) send_request(now);
       while (out_.can_pop(now)) out_.pop(now);
       if (wake_ > now) continue;
       wake_ = sim::kNever;
       wake_ = std::min(wake_, channel_.tick(now));
-      take_posted();
+      complete_posted_writes();
     }
     return take_result();
   }
 
  private:
-  bool may_send() const { return next_ < requests_.size() && waiting_ < outstanding_; }
+  bool can_send_request() const { return next_ < requests_.size() && waiting_ < outstanding_; }
 
   void send_request(sim::Time now) {
     const DramRequest& r = requests_[next_];
@@ -60,7 +60,7 @@ class ChannelRunner : Observer {
   }
 
   /// Completes the writes that the channel has accepted, because writes are posted.
-  void take_posted() {
+  void complete_posted_writes() {
     for (; taken_ + in_.size() < next_; ++taken_) waiting_ -= requests_[taken_].write ? 1 : 0;
   }
 
@@ -75,10 +75,10 @@ class ChannelRunner : Observer {
     served_ += 1;
   }
 
-  sim::Time next_time(sim::Time now) const {
+  sim::Time next_event_time(sim::Time now) const {
     sim::Time next = std::min(wake_, out_.pop_at());
-    if (may_send()) next = std::min(next, clock_.edge_at_or_after(requests_[next_].earliest));
-    if (!may_send() && next_ < requests_.size() && !reads_.empty()) next = std::min(next, reads_.front());
+    if (can_send_request()) next = std::min(next, clock_.edge_at_or_after(requests_[next_].earliest));
+    if (!can_send_request() && next_ < requests_.size() && !reads_.empty()) next = std::min(next, reads_.front());
     return std::max(next, now + clock_.period());
   }
 
@@ -112,12 +112,12 @@ class ChannelRunner : Observer {
 
 }  // namespace
 
-DramRun play_requests(DramConfig config, std::span<const DramRequest> requests, std::uint32_t outstanding) {
-  assert(requests.size() < std::uint64_t{1} << 32 && outstanding > 0);
+DramRun run_dram_requests(DramConfig config, std::span<const DramRequest> requests, std::uint32_t max_outstanding) {
+  assert(requests.size() < std::uint64_t{1} << 32 && max_outstanding > 0);
   config.channels = 1;
   config.fabric = {0};
   if (requests.empty()) return {};
-  return ChannelRunner(config, requests, outstanding).run_requests();
+  return ChannelRunner(config, requests, max_outstanding).run_requests();
 }
 
 namespace {
@@ -153,25 +153,25 @@ class Experiment {
     config.check([&good](auto&&...) { good = false; });
     return good;
   }
-  void run_requests() { run_ = play_requests(config, requests_, kOutstanding); }
+  void run_requests() { run_ = run_dram_requests(config, requests_, kOutstanding); }
 
   double to_ns(double cycles) const { return cycles * static_cast<double>(config.timing.ck.time) * 1e-6; }
   /// Converts the cycles per line to a bandwidth in GB/s.
   double to_gbps(double cycles) const { return static_cast<double>(config.line.bytes) / to_ns(cycles); }
   /// Nominal energy of all requests of the experiment, in pJ.
-  double total_energy() const { return dram_energy(config, run_.stats).nominal; }
+  double total_energy_pj() const { return dram_energy(config, run_.stats).nominal; }
   /// Time from the start to the end of the last data transfer, in ns.
-  double total_time() const { return static_cast<double>(run_.end) * 1e-6; }
+  double total_time_ns() const { return static_cast<double>(run_.end) * 1e-6; }
   double total_bits() const { return static_cast<double>(8 * run_.stats.bytes); }
   double latency_ns(std::size_t request) const { return static_cast<double>(run_.request_latency(request)) * 1e-6; }
   /// Returns the time from the last data of request `first` to the last data of request `second`.
-  double time_between(std::size_t first, std::size_t second) const {
+  double time_between_last_data(std::size_t first, std::size_t second) const {
     return static_cast<double>(run_.done[second] - run_.done[first]) * 1e-6;
   }
   /// Bandwidth of the experiment without the first tenth of its lines, in GB/s.
   double steady_gbps() const {
     const std::size_t first = requests_.size() / 10, last = requests_.size() - 1;
-    return static_cast<double>((last - first) * config.line.bytes) / time_between(first, last);
+    return static_cast<double>((last - first) * config.line.bytes) / time_between_last_data(first, last);
   }
 
   DramConfig config;
@@ -181,55 +181,57 @@ class Experiment {
   DramRun run_;
 };
 
-void measure_single_reads(const DramConfig& grade, std::vector<DramMeasurement>& measured) {
+void measure_single_reads(const DramConfig& grade, std::vector<DramMeasurement>& measurements) {
   Experiment m(grade);
   const DramClosedForms form(m.config);
   m.add_request(m.row_address(0, 1));
   m.add_request(m.row_address(0, 1), kPause);
   m.add_request(m.row_address(0, 2), 2 * kPause);
   m.run_requests();
-  measured.push_back({"read, row open", "ns", m.latency_ns(1), m.to_ns(form.row_hit())});
-  measured.push_back({"read, bank closed", "ns", m.latency_ns(0), m.to_ns(form.closed_bank())});
-  measured.push_back({"read, other row open", "ns", m.latency_ns(2), m.to_ns(form.row_conflict())});
+  measurements.push_back({"read, row open", "ns", m.latency_ns(1), m.to_ns(form.row_hit_latency())});
+  measurements.push_back({"read, bank closed", "ns", m.latency_ns(0), m.to_ns(form.closed_bank_latency())});
+  measurements.push_back({"read, other row open", "ns", m.latency_ns(2), m.to_ns(form.row_conflict_latency())});
 
   Experiment sleeper(grade);
   sleeper.config.controller.power_down = true;
   sleeper.add_request(sleeper.row_address(0, 1));
   sleeper.add_request(sleeper.row_address(0, 1), kPause);
   sleeper.run_requests();
-  measured.push_back({"read, powered down", "ns", sleeper.latency_ns(1), sleeper.to_ns(form.after_power_down())});
+  measurements.push_back(
+      {"read, powered down", "ns", sleeper.latency_ns(1), sleeper.to_ns(form.latency_after_power_down())});
 }
 
 /// Returns the time between the last data of two row hits that arrive in consecutive cycles.
-double time_between_hits(Experiment& m, std::uint32_t second_bank, bool first_writes, bool second_writes) {
-  m.add_request(m.row_address(0, 0));
-  m.add_request(m.row_address(second_bank, 0), kPause);
-  m.add_request(m.row_address(0, 0), 2 * kPause, first_writes);
-  m.add_request(m.row_address(second_bank, 0), 2 * kPause + 1, second_writes);
-  m.run_requests();
-  return m.time_between(2, 3);
+double time_between_hits(Experiment& experiment, std::uint32_t second_bank, bool first_writes, bool second_writes) {
+  experiment.add_request(experiment.row_address(0, 0));
+  experiment.add_request(experiment.row_address(second_bank, 0), kPause);
+  experiment.add_request(experiment.row_address(0, 0), 2 * kPause, first_writes);
+  experiment.add_request(experiment.row_address(second_bank, 0), 2 * kPause + 1, second_writes);
+  experiment.run_requests();
+  return experiment.time_between_last_data(2, 3);
 }
 
-void measure_turnarounds(const DramConfig& grade, std::vector<DramMeasurement>& measured) {
+void measure_turnarounds(const DramConfig& grade, std::vector<DramMeasurement>& measurements) {
   const DramClosedForms form(grade);
   Experiment write(grade), read(grade), group(grade), rank(grade);
-  measured.push_back(
+  measurements.push_back(
       {"read to write", "ns", time_between_hits(write, 0, false, true), write.to_ns(form.write_after_read())});
-  measured.push_back(
+  measurements.push_back(
       {"write to read", "ns", time_between_hits(read, 0, true, false), read.to_ns(form.read_after_write())});
   if (grade.organisation.bank_groups > 1) {
     const double expected = group.to_ns(form.read_after_write_of_other_group());
-    measured.push_back({"write to read, other bank group", "ns", time_between_hits(group, 1, true, false), expected});
+    measurements.push_back(
+        {"write to read, other bank group", "ns", time_between_hits(group, 1, true, false), expected});
   }
   if (2 * grade.organisation.banks <= 32) {
     rank.config.organisation.ranks = 2;
     const double expected = rank.to_ns(form.read_after_read_of_other_rank());
-    measured.push_back(
+    measurements.push_back(
         {"read to read, other rank", "ns", time_between_hits(rank, grade.organisation.banks, false, false), expected});
   }
 }
 
-void measure_streams(const DramConfig& grade, std::vector<DramMeasurement>& measured) {
+void measure_streams(const DramConfig& grade, std::vector<DramMeasurement>& measurements) {
   for (const bool write : {false, true}) {
     for (const bool refresh : {false, true}) {
       Experiment m(grade);
@@ -238,49 +240,54 @@ void measure_streams(const DramConfig& grade, std::vector<DramMeasurement>& meas
       if (refresh) m.config.controller = grade.controller;
       for (Addr i = 0; i < kLines; ++i) m.add_request(i * m.config.line.bytes, 0, write);
       m.run_requests();
-      measured.push_back({std::string(write ? "sequential writes" : "sequential reads") + (refresh ? ", as set" : ""),
-                          "GB/s", m.steady_gbps(), m.to_gbps(DramClosedForms(m.config).streamed_line()),
-                          refresh ? Agreement::kNearly : Agreement::kClosely});
+      measurements.push_back(
+          {std::string(write ? "sequential writes" : "sequential reads") + (refresh ? ", as set" : ""), "GB/s",
+           m.steady_gbps(), m.to_gbps(DramClosedForms(m.config).cycles_per_streamed_line()),
+           refresh ? Agreement::kNearly : Agreement::kClosely});
     }
   }
 }
 
-/// Measures the bandwidth of a stream that reads `lines` lines from each row, bank after bank.
-DramMeasurement measure_row_stream(Experiment& m, const char* name, std::uint32_t lines, Agreement holds) {
-  const std::uint32_t banks = m.config.organisation.banks;
+/// Measures the bandwidth of a stream that reads `lines_per_row` lines from each row, bank after bank.
+DramMeasurement measure_row_stream(Experiment& experiment, const char* name, std::uint32_t lines_per_row,
+                                   Agreement agreement) {
+  const std::uint32_t banks = experiment.config.organisation.banks;
   for (std::uint32_t i = 0; i < kLines; ++i) {
-    const std::uint32_t row = i / lines;
-    m.add_request(m.row_address(row % banks, row / banks) + i % lines * m.config.line.bytes);
+    const std::uint32_t row = i / lines_per_row;
+    experiment.add_request(experiment.row_address(row % banks, row / banks) +
+                           i % lines_per_row * experiment.config.line.bytes);
   }
-  m.run_requests();
-  return {name, "GB/s", m.steady_gbps(), m.to_gbps(DramClosedForms(m.config).line_of_own_row(lines)), holds};
+  experiment.run_requests();
+  return {name, "GB/s", experiment.steady_gbps(),
+          experiment.to_gbps(DramClosedForms(experiment.config).cycles_per_line_of_row(lines_per_row)), agreement};
 }
 
-void measure_rows(const DramConfig& grade, std::vector<DramMeasurement>& measured) {
+void measure_rows(const DramConfig& grade, std::vector<DramMeasurement>& measurements) {
   Experiment activates(grade), lines(grade), long_rows(grade), random(grade);
   activates.config.line = grade.organisation.burst;
   activates.config.organisation.bl32 = false;
   DramTiming& t = activates.config.timing;
   t.ca_activate = t.ca_column = t.ca_precharge = 1;
-  measured.push_back(
+  measurements.push_back(
       measure_row_stream(activates, "a burst of every row, tRRD and tFAW alone", 1, Agreement::kClosely));
   const auto most = static_cast<std::uint32_t>(grade.organisation.page.bytes / grade.line.bytes);
   const std::uint32_t lines_of_row = std::min<std::uint32_t>(16, most);
-  measured.push_back(measure_row_stream(long_rows, "sixteen lines of every row", lines_of_row, Agreement::kClosely));
+  measurements.push_back(
+      measure_row_stream(long_rows, "sixteen lines of every row", lines_of_row, Agreement::kClosely));
   // A split activate fits between the commands of other lines; a whole activate may not. Lines of one command are
   // packed less closely than lines of two, whose command slots keep their bursts apart. Random reads lose up to 3 % of
   // a saturated command bus to displaced ACT-2s.
   const bool is_close = grade.timing.aad != 0 && !grade.organisation.bl32;
-  measured.push_back(
+  measurements.push_back(
       measure_row_stream(lines, "a line of every row", 1, is_close ? Agreement::kClosely : Agreement::kAtMost));
   for (Addr i = 0; i < kLines; ++i) random.add_request(sim::hash(i) % (1 << 22) * random.config.line.bytes);
   random.run_requests();
-  const double expected = random.to_gbps(DramClosedForms(random.config).line_of_own_row(1));
-  measured.push_back(
+  const double expected = random.to_gbps(DramClosedForms(random.config).cycles_per_line_of_row(1));
+  measurements.push_back(
       {"random reads", "GB/s", random.steady_gbps(), expected, is_close ? Agreement::kNearly : Agreement::kAtMost});
 }
 
-void measure_refreshes(const DramConfig& grade, std::vector<DramMeasurement>& measured) {
+void measure_refreshes(const DramConfig& grade, std::vector<DramMeasurement>& measurements) {
   for (const RefreshKind kind : {RefreshKind::kPerBank, RefreshKind::kAllBank}) {
     Experiment m(grade);
     m.config.timing = grade.timing;
@@ -288,27 +295,27 @@ void measure_refreshes(const DramConfig& grade, std::vector<DramMeasurement>& me
     if (m.config.refresh_interval() == 0 || !m.is_possible()) continue;
     for (Addr i = 0; i < kLines; ++i) m.add_request(m.row_address(0, 0));
     m.run_requests();
-    const double expected = m.to_gbps(DramClosedForms(m.config).line_between_refreshes());
-    measured.push_back(
+    const double expected = m.to_gbps(DramClosedForms(m.config).cycles_per_line_with_refreshes());
+    measurements.push_back(
         {kind == RefreshKind::kPerBank ? "a row's hits, refresh by bank" : "a row's hits, refresh of all", "GB/s",
          m.steady_gbps(), expected, Agreement::kClosely});
   }
 }
 
 /// Returns an experiment with the ranks, refreshes and controller settings of the configuration, without power-down.
-Experiment as_set(const DramConfig& grade) {
-  Experiment m(grade);
-  m.config = grade;
+Experiment as_configured(const DramConfig& config) {
+  Experiment m(config);
+  m.config = config;
   m.config.controller.power_down = false;
   return m;
 }
 
 /// Returns the power of an idle DRAM channel in mW: the given standby power of all ranks, plus refreshes.
-double background_mw(const DramConfig& c, const sim::Band& standby) {
-  const bool all = c.controller.refresh == RefreshKind::kAllBank;
-  const double refresh = all ? c.energy.refresh_all.nominal : c.energy.refresh.nominal;
-  const double interval_ns = static_cast<double>(c.refresh_interval() * c.timing.ck.time) * 1e-6;
-  return c.organisation.ranks * (standby.nominal + (interval_ns == 0 ? 0 : refresh / interval_ns));
+double background_mw(const DramConfig& config, const sim::Band& standby) {
+  const bool all = config.controller.refresh == RefreshKind::kAllBank;
+  const double refresh = all ? config.energy.refresh_all.nominal : config.energy.refresh.nominal;
+  const double interval_ns = static_cast<double>(config.refresh_interval() * config.timing.ck.time) * 1e-6;
+  return config.organisation.ranks * (standby.nominal + (interval_ns == 0 ? 0 : refresh / interval_ns));
 }
 
 }  // namespace
@@ -345,28 +352,28 @@ std::vector<DramMeasurement> dram_energy_measurements(const DramConfig& grade) {
   const double lines_of_row = static_cast<double>(grade.organisation.page.bytes / grade.line.bytes);
   std::vector<DramMeasurement> measured;
 
-  Experiment stream = as_set(grade);
+  Experiment stream = as_configured(grade);
   for (Addr i = 0; i < kLines; ++i) stream.add_request(i * stream.config.line.bytes);
   stream.run_requests();
   const double active = background_mw(grade, e.active_standby);
   const double streamed = (line + e.activate.nominal / lines_of_row) / line_bits;
-  measured.push_back({"energy, sequential reads", "pJ/bit", stream.total_energy() / stream.total_bits(),
-                      streamed + active * stream.total_time() / stream.total_bits(), Agreement::kClosely});
+  measured.push_back({"energy, sequential reads", "pJ/bit", stream.total_energy_pj() / stream.total_bits(),
+                      streamed + active * stream.total_time_ns() / stream.total_bits(), Agreement::kClosely});
 
-  Experiment random = as_set(grade);
+  Experiment random = as_configured(grade);
   for (Addr i = 0; i < kLines; ++i) random.add_request(sim::hash(i) % (1 << 22) * random.config.line.bytes);
   random.run_requests();
-  measured.push_back({"energy, random reads", "pJ/bit", random.total_energy() / random.total_bits(),
-                      (line + e.activate.nominal) / line_bits + active * random.total_time() / random.total_bits(),
+  measured.push_back({"energy, random reads", "pJ/bit", random.total_energy_pj() / random.total_bits(),
+                      (line + e.activate.nominal) / line_bits + active * random.total_time_ns() / random.total_bits(),
                       Agreement::kClosely});
 
-  Experiment idle = as_set(grade);
+  Experiment idle = as_configured(grade);
   idle.config.controller.page_policy = PagePolicy::kClosed;
   constexpr std::uint64_t kIdleCycles = 8'000'000;
   idle.add_request(0);
   idle.add_request(0, kIdleCycles);
   idle.run_requests();
-  const double mw = idle.total_energy() / idle.total_time(), expected = background_mw(grade, e.precharge_standby);
+  const double mw = idle.total_energy_pj() / idle.total_time_ns(), expected = background_mw(grade, e.precharge_standby);
   const double peak_bits_per_ns =
       8 * static_cast<double>(grade.organisation.burst.bytes) / idle.to_ns(grade.timing.burst);
   measured.push_back({"energy, idle", "mW", mw, expected, Agreement::kClosely});

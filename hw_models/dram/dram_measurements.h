@@ -26,10 +26,10 @@ class DramClosedForms {
         refresh_((c.controller.refresh == RefreshKind::kAllBank ? t_.rp_ab + t_.rfc_ab : t_.rp + t_.rfc_pb)) {}
 
   // Latency of a single read, by the state of its bank.
-  double row_hit() const { return t_.wck_sync + t_.rl + t_.dqsck + column_span() + t_.burst; }
-  double closed_bank() const { return t_.rcd + row_hit(); }
-  double row_conflict() const { return t_.rp + closed_bank(); }
-  double after_power_down() const { return t_.xp + closed_bank(); }
+  double row_hit_latency() const { return t_.wck_sync + t_.rl + t_.dqsck + column_span() + t_.burst; }
+  double closed_bank_latency() const { return t_.rcd + row_hit_latency(); }
+  double row_conflict_latency() const { return t_.rp + closed_bank_latency(); }
+  double latency_after_power_down() const { return t_.xp + closed_bank_latency(); }
 
   // Time from the last data of one row hit to the last data of the next.
   double write_after_read() const { return column_span() + t_.burst + t_.rtw + t_.dqss; }
@@ -43,18 +43,18 @@ class DramClosedForms {
 
   /// Returns the cycles per line of a stream that keeps the data bus busy: bursts of other bank groups fill the gaps
   /// between bursts of one group.
-  double streamed_line() const { return bursts_ * std::max(t_.burst, groups_ > 1 ? t_.ccd_s : t_.ccd_l); }
-  /// Returns the cycles per line of a stream that reads `lines` lines of each row, bank after bank: the tightest of the
-  /// limits by activates, buses and banks.
-  double line_of_own_row(std::uint32_t lines) const {
+  double cycles_per_streamed_line() const { return bursts_ * std::max(t_.burst, groups_ > 1 ? t_.ccd_s : t_.ccd_l); }
+  /// Returns the cycles per line of a stream that reads `lines_per_row` lines of each row, bank after bank: the
+  /// tightest of the limits by activates, buses and banks.
+  double cycles_per_line_of_row(std::uint32_t lines_per_row) const {
     const double activate = std::max<double>(t_.rrd, t_.faw / 4.0) / ranks_;  // each rank has its own tFAW window
-    const std::uint32_t hits = (lines - 1) * bursts_ * t_.ccd_l + column_span();
+    const std::uint32_t hits = (lines_per_row - 1) * bursts_ * t_.ccd_l + column_span();
     const double row = std::max(t_.rc, std::max(t_.ras, t_.rcd + hits + t_.rtp) + t_.rp);
-    const double commands = t_.ca_activate + lines * commands_ * t_.ca_column + t_.ca_precharge;
-    return std::max({activate, row / banks_, commands, lines * streamed_line()}) / lines;
+    const double commands = t_.ca_activate + lines_per_row * commands_ * t_.ca_column + t_.ca_precharge;
+    return std::max({activate, row / banks_, commands, lines_per_row * cycles_per_streamed_line()}) / lines_per_row;
   }
   /// Returns the cycles per line of a stream of row hits in one bank, including the refreshes that close its row.
-  double line_between_refreshes() const {
+  double cycles_per_line_with_refreshes() const {
     const double line = bursts_ * t_.ccd_l;
     const double lost = column_span() + t_.rtp + refresh_ + t_.rcd + t_.wck_sync - line;
     return line * bank_refresh_interval_ / (bank_refresh_interval_ - lost);
@@ -91,9 +91,9 @@ struct DramRun {
   sim::Time request_latency(std::size_t request) const { return done[request] - arrived[request]; }
 };
 
-/// Runs the requests through a single DRAM channel in their order, with at most `outstanding` of them in flight.
+/// Runs the requests through a single DRAM channel in their order, with at most `max_outstanding` of them in flight.
 /// Addresses are those within the channel; the configured fabric latency is ignored.
-DramRun play_requests(DramConfig config, std::span<const DramRequest> requests, std::uint32_t outstanding);
+DramRun run_dram_requests(DramConfig config, std::span<const DramRequest> requests, std::uint32_t max_outstanding);
 
 /// A measured value of a DRAM channel and its prediction by a closed formula.
 struct DramMeasurement {

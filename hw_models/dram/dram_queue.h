@@ -25,7 +25,8 @@ class DramQueue {
     bool activated = false;   ///< the channel opened the row for this request
   };
 
-  DramQueue(std::uint32_t capacity, std::uint32_t banks) : capacity_(capacity), waiting_(banks), hits_(banks) {
+  DramQueue(std::uint32_t capacity, std::uint32_t bank_count)
+      : capacity_(capacity), waiting_(bank_count), hits_(bank_count) {
     assert(capacity <= 64);
     for (std::size_t i = 0; i < order_.size(); ++i) order_[i] = static_cast<std::uint8_t>(i);
   }
@@ -38,17 +39,19 @@ class DramQueue {
   const Entry& at(std::uint32_t position) const { return entries_[order_[position]]; }
 
   /// Returns a mask of the banks with queued requests.
-  std::uint32_t requested_banks() const { return banks_; }
+  std::uint32_t requested_bank_mask() const { return banks_; }
   /// Returns a mask of the banks with a queued row hit.
-  std::uint32_t hit_banks() const { return hit_banks_; }
+  std::uint32_t hit_bank_mask() const { return hit_banks_; }
   /// Returns a mask of the queue positions of the bank's requests.
-  std::uint64_t waiting_positions(std::uint32_t bank) const { return waiting_[bank]; }
+  std::uint64_t request_position_mask(std::uint32_t bank) const { return waiting_[bank]; }
   /// Returns a mask of the queue positions of the bank's row hits.
-  std::uint64_t hit_positions(std::uint32_t bank) const { return hits_[bank]; }
+  std::uint64_t hit_position_mask(std::uint32_t bank) const { return hits_[bank]; }
 
-  /// Returns a mask of the queue positions of all requests, or of all row hits, of the banks in the mask `banks`.
-  std::uint64_t waiting_positions_in(std::uint32_t banks) const { return waiting_.combined_bits(banks); }
-  std::uint64_t hit_positions_in(std::uint32_t banks) const { return hits_.combined_bits(banks); }
+  /// Returns a mask of the queue positions of all requests, or of all row hits, of the banks in the mask `bank_mask`.
+  std::uint64_t request_position_mask_of_banks(std::uint32_t bank_mask) const {
+    return waiting_.bitwise_or_of(bank_mask);
+  }
+  std::uint64_t hit_position_mask_of_banks(std::uint32_t bank_mask) const { return hits_.bitwise_or_of(bank_mask); }
 
   void push(const Entry& entry, bool row_is_open) {
     assert(!is_full());
@@ -57,7 +60,7 @@ class DramQueue {
     entries_[order_[size_]] = entry;
     size_ += 1;
     waiting_[bank] |= bit;
-    if (row_is_open) set_hits(bank, hits_[bank] | bit);
+    if (row_is_open) set_hit_positions(bank, hits_[bank] | bit);
     banks_ |= 1U << bank;
   }
 
@@ -70,7 +73,7 @@ class DramQueue {
     order_[size_] = slot;
     waiting_.replace_all([&](std::uint64_t positions) { return without_position(positions, position); });
     hits_.replace_all([&](std::uint64_t positions) { return without_position(positions, position); });
-    set_hits(bank, hits_[bank]);
+    set_hit_positions(bank, hits_[bank]);
     if (waiting_[bank] == 0) banks_ &= ~(1U << bank);
   }
 
@@ -80,21 +83,21 @@ class DramQueue {
       const auto position = static_cast<std::size_t>(std::countr_zero(left));
       if (entries_[order_[position]].address.row == row) hits |= std::uint64_t{1} << position;
     }
-    set_hits(bank, hits);
+    set_hit_positions(bank, hits);
   }
-  void note_row_closed(std::uint32_t bank) { set_hits(bank, 0); }
+  void note_row_closed(std::uint32_t bank) { set_hit_positions(bank, 0); }
 
  private:
-  void set_hits(std::uint32_t bank, std::uint64_t positions) {
-    hits_[bank] = positions;
-    hit_banks_ = (hit_banks_ & ~(1U << bank)) | std::uint32_t{positions != 0} << bank;
+  void set_hit_positions(std::uint32_t bank, std::uint64_t position_mask) {
+    hits_[bank] = position_mask;
+    hit_banks_ = (hit_banks_ & ~(1U << bank)) | std::uint32_t{position_mask != 0} << bank;
   }
 
   /// Returns a mask of queue positions as it is after removal of the request at `position`: later requests move up by
   /// one.
-  static std::uint64_t without_position(std::uint64_t mask, std::uint32_t position) {
+  static std::uint64_t without_position(std::uint64_t position_mask, std::uint32_t position) {
     const std::uint64_t before = (std::uint64_t{1} << position) - 1;
-    return (mask & before) | ((mask >> 1) & ~before);
+    return (position_mask & before) | ((position_mask >> 1) & ~before);
   }
 
   std::uint32_t capacity_;

@@ -10,12 +10,12 @@ namespace hw {
 /// request whose bank is ready by then; if there is none, the first slot after a bank becomes ready is given in the
 /// same way.
 template <DramCommand kCommand>
-[[gnu::always_inline]] inline void DramScheduler::best_of(const DramQueue& queue, std::uint32_t banks,
-                                                          std::uint32_t rank, bool writes, Cycle from,
-                                                          ScheduledCommand& best) const {
-  if (banks == 0) return;
+[[gnu::always_inline]] inline void DramScheduler::keep_better_command(const DramQueue& queue, std::uint32_t bank_mask,
+                                                                      std::uint32_t rank, bool writes, Cycle from,
+                                                                      ScheduledCommand& best) const {
+  if (bank_mask == 0) return;
   const auto none_is_better = [&](Cycle at) { return best < ScheduledCommand(at, kCommand, 0, 0); };
-  const Cycle rank_ready = device_.rank_ready_at(kCommand, rank, writes, from);
+  const Cycle rank_ready = device_.earliest_rank_cycle(kCommand, rank, writes, from);
   if (none_is_better(rank_ready)) return;
   const auto take = [&](Cycle at, std::uint64_t positions) {
     const auto oldest = static_cast<std::uint32_t>(std::countr_zero(positions));
@@ -24,13 +24,14 @@ template <DramCommand kCommand>
   // True if the slot is later than the best command so far, or if a command has been found for it.
   const auto is_over = [&](Cycle slot) {
     if (none_is_better(slot)) return true;
-    const std::uint32_t ready = banks & device_.ready_banks<kCommand>(writes, slot);
+    const std::uint32_t ready = bank_mask & device_.ready_bank_mask<kCommand>(writes, slot);
     if (ready != 0)
-      take(slot, kCommand == DramCommand::kColumn ? queue.hit_positions_in(ready) : queue.waiting_positions_in(ready));
+      take(slot, kCommand == DramCommand::kColumn ? queue.hit_position_mask_of_banks(ready)
+                                                  : queue.request_position_mask_of_banks(ready));
     return ready != 0;
   };
   if (is_over(device_.first_bus_slot(kCommand, rank, rank_ready))) return;
-  is_over(device_.first_bus_slot(kCommand, rank, device_.first_ready_cycle<kCommand>(banks, writes)));
+  is_over(device_.first_bus_slot(kCommand, rank, device_.first_ready_cycle<kCommand>(bank_mask, writes)));
 }
 
 ScheduledCommand DramScheduler::best_command(const DramQueue& queue, bool writes, bool is_overdue, Cycle now) const {
@@ -39,10 +40,10 @@ ScheduledCommand DramScheduler::best_command(const DramQueue& queue, bool writes
   const Cycle from = device_.first_awake_cycle(now);
   ScheduledCommand best;
   for (std::uint32_t rank = 0; rank < ranks_; ++rank) {
-    const std::uint32_t here = eligible.all & device_.banks_of(rank), others = here & ~eligible.columns;
-    best_of<DramCommand::kColumn>(queue, here & eligible.columns, rank, writes, from, best);
-    best_of<DramCommand::kActivate>(queue, others & ~device_.open_mask(), rank, writes, from, best);
-    best_of<DramCommand::kPrecharge>(queue, others & device_.open_mask(), rank, writes, from, best);
+    const std::uint32_t here = eligible.all & device_.bank_mask_of_rank(rank), others = here & ~eligible.columns;
+    keep_better_command<DramCommand::kColumn>(queue, here & eligible.columns, rank, writes, from, best);
+    keep_better_command<DramCommand::kActivate>(queue, others & ~device_.open_bank_mask(), rank, writes, from, best);
+    keep_better_command<DramCommand::kPrecharge>(queue, others & device_.open_bank_mask(), rank, writes, from, best);
   }
   return best;
 }

@@ -25,8 +25,8 @@ class ScheduledCommand {
 
   bool is_none() const { return key_ == kNone; }
   Cycle start_cycle() const { return is_none() ? sim::kNever : kAt.extract_from(key_); }
-  DramCommand command() const { return static_cast<DramCommand>(kCommand.extract_from(key_)); }
-  std::uint32_t position() const { return static_cast<std::uint32_t>(kPosition.extract_from(key_)); }
+  DramCommand command_kind() const { return static_cast<DramCommand>(kCommand.extract_from(key_)); }
+  std::uint32_t queue_position() const { return static_cast<std::uint32_t>(kPosition.extract_from(key_)); }
   std::uint32_t bank() const { return static_cast<std::uint32_t>(kBank.extract_from(key_)); }
   friend auto operator<=>(const ScheduledCommand&, const ScheduledCommand&) = default;
 
@@ -54,23 +54,23 @@ struct EligibleBanks {
 /// bank until the queue's oldest request exceeds the age limit.
 struct FrFcfs {
   static EligibleBanks eligible_banks(const DramQueue& queue, bool is_overdue) {
-    EligibleBanks banks{queue.requested_banks(), queue.hit_banks()};
+    EligibleBanks banks{queue.requested_bank_mask(), queue.hit_bank_mask()};
     if (is_overdue) [[unlikely]]
-      banks.columns = without_overtaking(queue);
+      banks.columns = hit_bank_mask_without_overtaking(queue);
     return banks;
   }
   /// Returns a mask of the banks with row hits. The bank of the oldest request is included only if that request is a
   /// hit.
-  static std::uint32_t without_overtaking(const DramQueue& queue) {
+  static std::uint32_t hit_bank_mask_without_overtaking(const DramQueue& queue) {
     const std::uint32_t bank = queue.oldest_entry().address.bank;
-    return (queue.hit_positions(bank) & 1) != 0 ? queue.hit_banks() : queue.hit_banks() & ~(1U << bank);
+    return (queue.hit_position_mask(bank) & 1) != 0 ? queue.hit_bank_mask() : queue.hit_bank_mask() & ~(1U << bank);
   }
 };
 
 /// FCFS (first come, first served): the oldest request blocks all others.
 struct Fcfs {
   static EligibleBanks eligible_banks(const DramQueue& queue, bool /*is_overdue*/) {
-    return {1U << queue.oldest_entry().address.bank, FrFcfs::without_overtaking(queue)};
+    return {1U << queue.oldest_entry().address.bank, FrFcfs::hit_bank_mask_without_overtaking(queue)};
   }
 };
 
@@ -89,8 +89,8 @@ class DramScheduler {
 
  private:
   template <DramCommand kCommand>
-  void best_of(const DramQueue& queue, std::uint32_t banks, std::uint32_t rank, bool writes, Cycle from,
-               ScheduledCommand& best) const;
+  void keep_better_command(const DramQueue& queue, std::uint32_t bank_mask, std::uint32_t rank, bool writes, Cycle from,
+                           ScheduledCommand& best) const;
 
   const DramSchedulingPolicy policy_;
   const std::uint32_t ranks_;
@@ -106,11 +106,11 @@ class DramPagePolicy {
  public:
   explicit DramPagePolicy(PagePolicy policy) : policy_(policy) {}
 
-  /// True if the row is to be closed after the hit that is being served, the last one queued. `others`: requests for
-  /// other rows of the bank wait.
-  bool closes_row(std::uint32_t bank, std::uint32_t row, bool others) {
+  /// True if the row is to be closed after the hit that is being served, the last one queued. `other_rows_wait`:
+  /// requests for other rows of the bank wait.
+  bool closes_row(std::uint32_t bank, std::uint32_t row, bool other_rows_wait) {
     if (policy_ != PagePolicy::kAdaptive) return policy_ == PagePolicy::kClosed;
-    if (others) {
+    if (other_rows_wait) {
       count_next_row(bank, true);
       return true;
     }
@@ -127,9 +127,9 @@ class DramPagePolicy {
   }
 
  private:
-  void count_next_row(std::uint32_t bank, bool other) {
+  void count_next_row(std::uint32_t bank, bool is_other_row) {
     std::uint8_t& n = others_[bank];
-    if (other ? n < 3 : n > 0) n = static_cast<std::uint8_t>(other ? n + 1 : n - 1);
+    if (is_other_row ? n < 3 : n > 0) n = static_cast<std::uint8_t>(is_other_row ? n + 1 : n - 1);
   }
 
   PagePolicy policy_;

@@ -16,9 +16,9 @@ sim::Time Dma::tick(sim::Time now) {
     active_ = true;
     begun_at_ = now;
     next_line_ = line_of(job_.base);
-    lines_left_ = static_cast<std::uint32_t>((whole_lines(job_.base + job_.bytes) - next_line_) / kLineBytes);
+    lines_left_ = static_cast<std::uint32_t>((round_up_to_lines(job_.base + job_.bytes) - next_line_) / kLineBytes);
     replies_left_ = job_.write ? 0 : lines_left_;
-    encoded_at_ = clock_.after(now, job_.encode_cycles == 0 ? 0 : job_.encode_cycles - 1);
+    encoded_at_ = clock_.edge_after(now, job_.encode_cycles == 0 ? 0 : job_.encode_cycles - 1);
   }
   const bool moved = active_ && move_line(now);
   if (active_ && lines_left_ == 0 && replies_left_ == 0 && links_.done_out.can_push(now)) {
@@ -34,7 +34,7 @@ sim::Time Dma::tick(sim::Time now) {
     if (!active_) return CycleReason::kIdle;
     return is_encoding(at) ? CycleReason::kEncoding : CycleReason::kWaiting;
   };
-  activity_.spend(now, clock_.period(), moved ? CycleReason::kMoving : reason(now), reason(clock_.after(now, 1)));
+  activity_.spend(now, clock_.period(), moved ? CycleReason::kMoving : reason(now), reason(clock_.edge_after(now, 1)));
   return next_wake(now);
 }
 
@@ -43,7 +43,7 @@ bool Dma::move_line(sim::Time now) {
   links_.memory_out.push(now, MemRequest{next_line_, client_, 0, job_.write, kWholeLine, job_.tile});
   next_line_ += kLineBytes;
   lines_left_ -= 1;
-  encoded_at_ = clock_.after(now, job_.encode_cycles);
+  encoded_at_ = clock_.edge_after(now, job_.encode_cycles);
   if (job_.encode_cycles != 0) stats_.pixels_encoded += kLineBytes / traces::kPixelBytes;
   Stats::Lines& lines = stats_.lines[static_cast<std::size_t>(job_.area)];
   (job_.write ? stats_.lines_written : stats_.lines_read) += 1;
@@ -52,7 +52,7 @@ bool Dma::move_line(sim::Time now) {
 }
 
 sim::Time Dma::next_wake(sim::Time now) const {
-  const sim::Time next = clock_.after(now, 1);
+  const sim::Time next = clock_.edge_after(now, 1);
   sim::Time at = std::max(next, links_.memory_in.pop_at());
   if (!active_) {
     at = std::min(at, std::max(next, links_.jobs_in.pop_at()));

@@ -71,7 +71,7 @@ class Dma {
   sim::Time tick(sim::Time now);
   const sim::Clock& clock() const { return clock_; }
   const Stats& stats() const { return stats_; }
-  std::uint64_t retired() const { return stats_.lines_written + stats_.lines_read; }
+  std::uint64_t retired_items() const { return stats_.lines_written + stats_.lines_read; }
   const sim::Activity<CycleReason>& activity() const { return activity_; }
   void finish(sim::Time end) { activity_.finish(end); }
   std::string state() const;

@@ -7,22 +7,24 @@
 namespace hw {
 namespace {
 
-MemoryInterface::Rays::Shape rays_of(const DirectInterfaceConfig& c, Addr base, std::uint16_t client) {
-  return {base, c.ray_bytes, c.ring, c.depth, client};
+MemoryInterface::Rays::Shape ray_ring_shape(const DirectInterfaceConfig& config, Addr base, std::uint16_t client) {
+  return {base, config.ray_bytes, config.ring, config.depth, client};
 }
-MemoryInterface::Hits::Shape hits_of(const DirectInterfaceConfig& c, Addr base, std::uint16_t client) {
-  return {base + MemoryInterface::Rays::bytes_of(rays_of(c, base, client)), c.hit_bytes, c.ring, c.depth,
-          static_cast<std::uint16_t>(client + 1)};
+MemoryInterface::Hits::Shape hit_ring_shape(const DirectInterfaceConfig& config, Addr base, std::uint16_t client) {
+  return {base + MemoryInterface::Rays::memory_bytes(ray_ring_shape(config, base, client)), config.hit_bytes,
+          config.ring, config.depth, static_cast<std::uint16_t>(client + 1)};
 }
 
 }  // namespace
 
 MemoryInterface::MemoryInterface(const DirectInterfaceConfig& config, Addr base, std::uint16_t client,
                                  const Rays::Links& rays, const Hits::Links& hits, sim::Clock clock)
-    : clock_(clock), rays_(rays_of(config, base, client), rays), hits_(hits_of(config, base, client), hits) {}
+    : clock_(clock),
+      rays_(ray_ring_shape(config, base, client), rays),
+      hits_(hit_ring_shape(config, base, client), hits) {}
 
-Addr MemoryInterface::bytes_of(const DirectInterfaceConfig& config) {
-  return Rays::bytes_of(rays_of(config, 0, 0)) + Hits::bytes_of(hits_of(config, 0, 0));
+Addr MemoryInterface::memory_bytes(const DirectInterfaceConfig& config) {
+  return Rays::memory_bytes(ray_ring_shape(config, 0, 0)) + Hits::memory_bytes(hit_ring_shape(config, 0, 0));
 }
 
 sim::Time MemoryInterface::tick(sim::Time now) {
@@ -34,7 +36,7 @@ sim::Time MemoryInterface::tick(sim::Time now) {
       std::max(static_cast<std::size_t>(hits_.wait_state(now)), static_cast<std::size_t>(rays_.wait_state(now)));
   const CycleReason then = kWaits[waits];
   activity_.spend(now, clock_.period(), moved ? CycleReason::kMoving : then, then);
-  const sim::Time next = clock_.after(now, 1);
+  const sim::Time next = clock_.edge_after(now, 1);
   return std::min(hits_.next_wake(next), rays_.next_wake(next));
 }
 

@@ -49,7 +49,7 @@ class MemoryFifo {
       : shape_(shape), links_(links), records_(shape.ring), chunks_(max_chunks(shape)) {}
 
   /// Returns the size of the ring in bytes, in whole lines.
-  static Addr bytes_of(const Shape& shape) { return end_of_line(Addr{shape.ring} * shape.record_bytes - 1); }
+  static Addr memory_bytes(const Shape& shape) { return end_of_line(Addr{shape.ring} * shape.record_bytes - 1); }
 
   /// Advances the queue by one cycle; true if a record or request has moved.
   bool tick(sim::Time now) {
@@ -89,9 +89,11 @@ class MemoryFifo {
     bool has_arrived = false;
   };
 
-  static Addr end_of_line(Addr byte) { return line_of(byte) + kLineBytes; }
+  static Addr end_of_line(Addr address) { return line_of(address) + kLineBytes; }
   /// Returns the maximum number of outstanding read requests. Each ends at the end of a record or of a line.
-  static std::size_t max_chunks(const Shape& s) { return s.depth * (std::size_t{s.record_bytes} / kLineBytes + 2); }
+  static std::size_t max_chunks(const Shape& shape) {
+    return shape.depth * (std::size_t{shape.record_bytes} / kLineBytes + 2);
+  }
 
   bool has_room() const { return accepted_ - delivered_ < shape_.ring; }
   bool has_record() const { return arrived_ >= (delivered_ + 1) * shape_.record_bytes; }
@@ -129,7 +131,7 @@ class MemoryFifo {
     const Addr end = std::min(end_of_line(at), read ? written_ : accepted_ * shape_.record_bytes);
     const auto first = static_cast<std::uint32_t>(at % kLineBytes / kSectorBytes);
     const auto past = static_cast<std::uint32_t>((end - 1) % kLineBytes / kSectorBytes + 1);
-    MemRequest request{shape_.base + line_of(at) % bytes_of(shape_),
+    MemRequest request{shape_.base + line_of(at) % memory_bytes(shape_),
                        shape_.client,
                        0,
                        !read,
@@ -215,7 +217,7 @@ class MemoryInterface {
   MemoryInterface& operator=(const MemoryInterface&) = delete;
 
   /// Returns the size in bytes of the memory that one core's rays and hits need.
-  static Addr bytes_of(const DirectInterfaceConfig& config);
+  static Addr memory_bytes(const DirectInterfaceConfig& config);
 
   sim::Time tick(sim::Time now);
   const sim::Clock& clock() const { return clock_; }

@@ -15,7 +15,7 @@ TileDispatcher::TileDispatcher(TileSource& source, TilesInFlight tiles_per_core,
       next_(source.next()),
       in_flight_(links_.to_core.size()),
       start_at_(links_.to_core.size()) {
-  for (std::size_t core = 0; core < starts.size(); ++core) start_at_[core] = clock.after(0, starts[core]);
+  for (std::size_t core = 0; core < starts.size(); ++core) start_at_[core] = clock.edge_after(0, starts[core]);
   importers_.reserve(tiles_per_core.max_tiles() * links_.to_core.size());
 }
 
@@ -23,14 +23,14 @@ sim::Time TileDispatcher::tick(sim::Time now) {
   collect_messages(now);
   flush_l2(now);
   notify_importers(now);
-  const bool dispatched = next_ != nullptr && !must_wait() && dispatch_tile(now);
-  const bool waits = next_ != nullptr && must_wait();
+  const bool dispatched = next_ != nullptr && !next_tile_must_wait() && dispatch_tile(now);
+  const bool waits = next_ != nullptr && next_tile_must_wait();
   const CycleReason then = next_ == nullptr ? CycleReason::kIdle
                            : waits          ? CycleReason::kWaiting
                                             : CycleReason::kCoresFull;
   activity_.spend(now, clock_.period(), dispatched ? CycleReason::kDispatching : then, then);
 
-  const sim::Time next = clock_.after(now, 1);
+  const sim::Time next = clock_.edge_after(now, 1);
   sim::Time at = sim::kNever;
   for (std::size_t core = 0; core < in_flight_.size(); ++core) {
     at = std::min(at, std::max(next, links_.from_core[core]->pop_at()));
@@ -44,7 +44,7 @@ sim::Time TileDispatcher::tick(sim::Time now) {
   return at;
 }
 
-bool TileDispatcher::must_wait() const { return next_->after_all && stats_.finished < stats_.dispatched; }
+bool TileDispatcher::next_tile_must_wait() const { return next_->after_all && stats_.finished < stats_.dispatched; }
 
 bool TileDispatcher::has_room(std::size_t core) const {
   const bool later = is_later_pass_ || (next_->after_all && has_samples_);
@@ -70,7 +70,7 @@ bool TileDispatcher::dispatch_tile(sim::Time now) {
     in_flight_[core] += 1;
     stats_.dispatched += 1;
     turn_ = (core + 1) % cores;
-    source_.dispatched(now);
+    source_.note_dispatched(now);
     next_ = source_.next();
     return true;
   }
@@ -131,9 +131,9 @@ void TileDispatcher::flush_l2(sim::Time now) {
 }
 
 std::string TileDispatcher::state() const {
-  const std::string next = next_ == nullptr ? "none left"
-                           : must_wait()    ? fmt::format("tile {} waits for all before it", next_->tile)
-                                            : "some left";
+  const std::string next = next_ == nullptr        ? "none left"
+                           : next_tile_must_wait() ? fmt::format("tile {} waits for all before it", next_->tile)
+                                                   : "some left";
   return fmt::format("tiles dispatched {}, finished {}, of these without all borders {}, {}", stats_.dispatched,
                      stats_.finished, importers_.size(), next);
 }

@@ -23,7 +23,7 @@ class TileSource {
   virtual const traces::TileWork* next() = 0;
   virtual void give_back(const traces::TileWork* work) = 0;
   /// Called when the tile returned by the last next() is dispatched to a core at time `now`.
-  virtual void dispatched([[maybe_unused]] sim::Time now) {}
+  virtual void note_dispatched([[maybe_unused]] sim::Time now) {}
 };
 
 /// The tile dispatcher sends tiles to the cores in the order of the tile list, and tracks which tile borders are in
@@ -79,14 +79,16 @@ class TileDispatcher {
   const sim::Activity<CycleReason>& activity() const { return activity_; }
   void finish(sim::Time end) { activity_.finish(end); }
   /// True if tiles are left to dispatch.
-  bool has_more() const { return next_ != nullptr; }
+  bool has_more_tiles() const { return next_ != nullptr; }
   /// True if all tiles have been dispatched and finished.
   bool is_done() const { return next_ == nullptr && stats_.dispatched == stats_.finished; }
   std::string state() const;
 
-  /// Returns the maximum number of messages in flight from a core that works on `tiles` tiles: one per border and one
-  /// per end of a tile.
-  static constexpr std::size_t max_messages(std::size_t tiles) { return tiles * (traces::kMostBorders + 1); }
+  /// Returns the maximum number of messages in flight from a core that works on `tiles_per_core` tiles: one per border
+  /// and one per end of a tile.
+  static constexpr std::size_t max_messages(std::size_t tiles_per_core) {
+    return tiles_per_core * (traces::kMostBorders + 1);
+  }
 
  private:
   /// A tile in flight that imports borders which are not in memory yet.
@@ -98,7 +100,7 @@ class TileDispatcher {
 
   bool dispatch_tile(sim::Time now);
   /// True if the next tile is an `after_all` tile and earlier tiles are unfinished.
-  bool must_wait() const;
+  bool next_tile_must_wait() const;
   bool has_room(std::size_t core) const;
   void collect_messages(sim::Time now);
   void note_borders_written(std::uint32_t tile, std::uint32_t borders);

@@ -9,7 +9,7 @@
 namespace hw {
 
 /// Returns the BVH in memory as a traversal unit with two box testers reads it, without the links for prefetching.
-inline TreeInMemory tree_of(const traces::Layout& layout) {
+inline TreeInMemory tree_from_layout(const traces::Layout& layout) {
   return {.nodes = layout.nodes,
           .node_bytes = layout.node_bytes,
           .single_boxes = layout.single_boxes,
@@ -22,14 +22,14 @@ inline TreeInMemory tree_of(const traces::Layout& layout) {
 template <class Node, class Triangle, class Data>
 void for_each_line(const traces::TileWork& work, const traces::Layout& layout, Node&& node, Triangle&& triangle,
                    Data&& data) {
-  const TreeInMemory tree = tree_of(layout);
-  const bool node_is_line = tree.node_is_line();
+  const TreeInMemory tree = tree_from_layout(layout);
+  const bool node_is_line = tree.has_one_line_per_node();
   for (std::uint32_t ray = 0; ray < work.ray_begin.size(); ++ray) {
     for (const std::uint32_t* step = &work.walk[work.ray_begin[ray]];; ++step) {
       const traces::StepKind kind = traces::kind_of(*step);
       if (kind == traces::StepKind::kVisit) {
         if (node_is_line) {
-          node(ray, tree.line_of(traces::node_of(*step)));
+          node(ray, tree.line_of_node(traces::node_of(*step)));
           continue;
         }
         for (std::uint32_t i = 0;; ++i) {
@@ -50,7 +50,7 @@ void for_each_line(const traces::TileWork& work, const traces::Layout& layout, N
     }
   }
   for (const traces::Access& access : work.accesses) {
-    const LineSet lines = lines_of(access, layout);
+    const LineSet lines = lines_of_access(access, layout);
     for (std::uint32_t i = 0; i < lines.count; ++i) data(lines.line[i]);
   }
 }

@@ -30,7 +30,7 @@ constexpr std::uint32_t kFabrics = 3;  // fabric latency changes by -1, 0 or +1 
 
 }  // namespace
 
-Perturbation draw_perturbation(std::uint32_t cores, std::uint32_t frame, std::uint32_t replicate) {
+Perturbation random_perturbation(std::uint32_t cores, std::uint32_t frame, std::uint32_t replicate) {
   Perturbation drawn;
   if (replicate == 0) return drawn;
   for (std::uint32_t core = 0; core < cores; ++core) {
@@ -49,26 +49,27 @@ Addr spill_bytes(const GpuConfig& config) { return Addr{4} * config.srp.chunk * 
 
 /// Returns the start addresses of the frame's areas in memory for one core: the regions after the scene, then space for
 /// the core's ray spill.
-std::array<Addr, kAreas> areas_of(const GpuConfig& config, const Gpu::Workload& workload, std::uint32_t core) {
+std::array<Addr, kAreas> memory_areas_of_core(const GpuConfig& config, const Gpu::Workload& workload,
+                                              std::uint32_t core) {
   std::array<Addr, kAreas> areas{};
   Addr next = workload.image.layout.frame_buffer;
   for (std::size_t region = 0; region < kRegions; ++region) {
     areas[region] = next;
-    next = whole_lines(next + workload.needs.region_bytes[region]);
+    next = round_up_to_lines(next + workload.needs.region_bytes[region]);
   }
-  areas[static_cast<std::size_t>(Area::kSpill)] = whole_lines(next + core * spill_bytes(config));
+  areas[static_cast<std::size_t>(Area::kSpill)] = round_up_to_lines(next + core * spill_bytes(config));
   return areas;
 }
 
 /// Returns the address of the memory through which one core's rays and hits pass without a direct interface.
-Addr records_of(const GpuConfig& config, const Gpu::Workload& workload, std::uint32_t core) {
-  const Addr spills_end = areas_of(config, workload, config.cores)[static_cast<std::size_t>(Area::kSpill)];
-  return spills_end + core * MemoryInterface::bytes_of(config.direct_interface);
+Addr record_memory_of_core(const GpuConfig& config, const Gpu::Workload& workload, std::uint32_t core) {
+  const Addr spills_end = memory_areas_of_core(config, workload, config.cores)[static_cast<std::size_t>(Area::kSpill)];
+  return spills_end + core * MemoryInterface::memory_bytes(config.direct_interface);
 }
 
 /// Returns the addresses of the rasterisers' arrays, which all cores share; they follow the areas of all cores.
 RasterMemory raster_memory_of(const GpuConfig& config, const Gpu::Workload& workload) {
-  return {whole_lines(records_of(config, workload, config.cores)), *workload.needs.raster};
+  return {round_up_to_lines(record_memory_of_core(config, workload, config.cores)), *workload.needs.raster};
 }
 
 }  // namespace
@@ -85,7 +86,7 @@ Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles, c
       machine_(config.clocks.synchroniser),
       memory_(machine_, config_, MemorySystem::Dma::kYes, perturbation.dram, workload.observer),
       dispatcher_id_(machine_.unit({TileDispatcher::kName, l2_clock_})) {
-  patience_ = hw::livelock_timeout(config, scheduled_->kernels, scheduled_->conflicts);
+  livelock_timeout_ = hw::livelock_timeout(config, scheduled_->kernels, scheduled_->conflicts);
 
   TileDispatcher::Links links;
   links.observer = workload.observer;
@@ -104,19 +105,20 @@ Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles, c
   memory_.build_banks_and_channels();
 }
 
-Gpu::Core& Gpu::declare_core(std::uint32_t c) {
-  const sim::UnitId srp = machine_.unit({name_in_core(Srp::kName, c), srp_clock_, c + 1, config_.srp.sram_bytes(),
-                                         config_.srp.data_cache.size.bytes, config_.srp.array.parts()});
+Gpu::Core& Gpu::declare_core(std::uint32_t core_number) {
+  const sim::UnitId srp =
+      machine_.unit({name_in_core(Srp::kName, core_number), srp_clock_, core_number + 1, config_.srp.sram_bytes(),
+                     config_.srp.data_cache.size.bytes, config_.srp.array.parts()});
   const std::uint32_t in_flight = in_flight_.max_tiles();
   const auto known = sim::Lookahead::kByOwner;  // run_limits() bounds how early a tile can arrive
-  TniCore tni(machine_, config_.tni, {config_.ideal.tni, config_.ideal.l1}, c, tni_clock_);
+  TniCore tni(machine_, config_.tni, {config_.ideal.tni, config_.ideal.l1}, core_number, tni_clock_);
   memory_.declare_ports();
   return cores_.emplace_back(
       Core{srp, std::move(tni), machine_.link<TileJob>(in_flight, 1, dispatcher_id_, srp, known),
            machine_.link<TileDone>(TileDispatcher::max_messages(in_flight + 1), 1, srp, dispatcher_id_, known)});
 }
 
-Gpu::Interface Gpu::link_interface(const Core& core, sim::UnitId between) {
+Gpu::Interface Gpu::link_interface(const Core& core, sim::UnitId memory_interface) {
   const std::size_t depth = config_.direct_interface.depth;
   const sim::UnitId srp = core.srp_id, tni = core.tni.dispatcher_id();
   if (config_.direct_interface.enabled) {
@@ -124,26 +126,27 @@ Gpu::Interface Gpu::link_interface(const Core& core, sim::UnitId between) {
     auto& hits = machine_.link<RayDone>(depth, 1, tni, srp);
     return {rays, rays, hits, hits};
   }
-  return {machine_.link<RayJob>(depth, 1, srp, between), machine_.link<RayJob>(depth, 1, between, tni),
-          machine_.link<RayDone>(depth, 1, tni, between), machine_.link<RayDone>(depth, 1, between, srp)};
+  return {
+      machine_.link<RayJob>(depth, 1, srp, memory_interface), machine_.link<RayJob>(depth, 1, memory_interface, tni),
+      machine_.link<RayDone>(depth, 1, tni, memory_interface), machine_.link<RayDone>(depth, 1, memory_interface, srp)};
 }
 
-Gpu::RasterWires Gpu::link_rasteriser(const Core& core, std::uint32_t c) {
+Gpu::RasterWires Gpu::link_rasteriser(const Core& core, std::uint32_t core_number) {
   const RasterUnitConfig& raster = config_.raster;
-  const sim::UnitId unit =
-      machine_.unit({name_in_core(RasterUnit::kName, c), tni_clock_, c + 1, raster.sram_bytes(), raster.l1.size.bytes});
+  const sim::UnitId unit = machine_.unit({name_in_core(RasterUnit::kName, core_number), tni_clock_, core_number + 1,
+                                          raster.sram_bytes(), raster.l1.size.bytes});
   auto& jobs = machine_.link<RasterJob>(raster.jobs, 1, core.srp_id, unit);
   auto& done = machine_.link<RasterDone>(2 * raster.jobs, 1, unit, core.srp_id);
-  return {unit, jobs, done, memory_.add_cache_client(c, {unit, raster.l1.mshrs, RequesterKind::kRaster})};
+  return {unit, jobs, done, memory_.add_cache_client(core_number, {unit, raster.l1.mshrs, RequesterKind::kRaster})};
 }
 
-Srp::Frame Gpu::frame_of(const Workload& workload, std::uint32_t core) const {
+Srp::Frame Gpu::srp_frame_of(const Workload& workload, std::uint32_t core) const {
   return {.layout = &layout_,
           .kernels = scheduled_->kernels,
           .conflicts = scheduled_->conflicts,
           .needs = workload.needs,
           .ray_interval = config_.ideal.tni ? 0 : config_.direct_interface.interval * tni_clock_.period(),
-          .areas = areas_of(config_, workload, core),
+          .areas = memory_areas_of_core(config_, workload, core),
           .encode_cycles = workload.dma_encodes ? config_.tile_buffer.colour_bytes / traces::kPixelBytes : 0,
           .plane_bytes = config_.raster.plane_bytes,
           .ideal = config_.ideal.srp,
@@ -153,34 +156,36 @@ Srp::Frame Gpu::frame_of(const Workload& workload, std::uint32_t core) const {
           .core = core};
 }
 
-void Gpu::build_core(std::uint32_t c, const Workload& workload) {
-  Core& core = cores_[c];
+void Gpu::build_core(std::uint32_t core_number, const Workload& workload) {
+  Core& core = cores_[core_number];
   const DirectInterfaceConfig& direct = config_.direct_interface;
-  const sim::UnitId dma = machine_.unit({name_in_core(Dma::kName, c), srp_clock_, c + 1});
+  const sim::UnitId dma = machine_.unit({name_in_core(Dma::kName, core_number), srp_clock_, core_number + 1});
   std::optional<sim::UnitId> between;
-  if (!direct.enabled) between = machine_.unit({name_in_core(MemoryInterface::kName, c), l2_clock_, c + 1});
+  if (!direct.enabled)
+    between = machine_.unit({name_in_core(MemoryInterface::kName, core_number), l2_clock_, core_number + 1});
   const Interface wires = link_interface(core, between.value_or(core.srp_id));
 
-  const std::vector<MemoryPort> tni = memory_.add_cache_clients(c, core.tni.memory_clients());
+  const std::vector<MemoryPort> tni = memory_.add_cache_clients(core_number, core.tni.memory_clients());
   const MemoryPort data =
-      memory_.add_cache_client(c, {core.srp_id, config_.srp.data_cache.mshrs, RequesterKind::kShading});
-  const MemoryPort transfers = memory_.add_dma_client(c, dma);
+      memory_.add_cache_client(core_number, {core.srp_id, config_.srp.data_cache.mshrs, RequesterKind::kShading});
+  const MemoryPort transfers = memory_.add_dma_client(core_number, dma);
   const std::uint32_t in_flight = in_flight_.max_tiles();
   auto& dma_jobs = machine_.link<DmaJob>(in_flight, 1, core.srp_id, dma);
   auto& dma_dones = machine_.link<DmaDone>(in_flight, 1, dma, core.srp_id);
 
   std::optional<RasterWires> raster;
-  if (workload.needs.raster) raster.emplace(link_rasteriser(core, c));
+  if (workload.needs.raster) raster.emplace(link_rasteriser(core, core_number));
   core.srp = &machine_.build<Srp>(
-      core.srp_id, config_.srp, config_.tile_buffer, frame_of(workload, c),
+      core.srp_id, config_.srp, config_.tile_buffer, srp_frame_of(workload, core_number),
       Srp::Links{core.tiles_in, core.tiles_out, wires.rays_from_srp, wires.hits_to_srp, data.requests, data.responses,
                  dma_jobs, dma_dones, raster ? &raster->jobs : nullptr, raster ? &raster->done : nullptr},
       data.client, srp_clock_);
-  machine_.report_subunit(name_in_core(TileBuffer::kName, c), core.srp->tile_buffer(), config_.tile_buffer.size.bytes);
+  machine_.report_subunit(name_in_core(TileBuffer::kName, core_number), core.srp->tile_buffer(),
+                          config_.tile_buffer.size.bytes);
   core.tni.build_units(machine_, scene_in_memory(workload.image, workload.parents), direct.interval,
                        {wires.rays_to_tni, wires.hits_from_tni, tni});
   core.dma = &machine_.build<Dma>(
-      dma, Dma::Links{dma_jobs, dma_dones, transfers.requests, transfers.responses, workload.observer, c},
+      dma, Dma::Links{dma_jobs, dma_dones, transfers.requests, transfers.responses, workload.observer, core_number},
       transfers.client, srp_clock_);
   if (raster) {
     machine_.build<RasterUnit>(
@@ -191,13 +196,13 @@ void Gpu::build_core(std::uint32_t c, const Workload& workload) {
   std::vector<MemoryPort> records;  // ports for the rays and for the hits
   if (between) {
     const MemoryClient client{*between, config_.interconnect.link_depth, RequesterKind::kRecords};
-    records = memory_.add_cache_clients(c, std::array{client, client});
+    records = memory_.add_cache_clients(core_number, std::array{client, client});
   }
-  core.tni.make_cluster(machine_, memory_.cache_port_id(c), memory_.build_ports(c));
+  core.tni.make_cluster(machine_, memory_.cache_port_id(core_number), memory_.build_ports(core_number));
   if (!between) return;
   const MemoryPort &rays = records[0], &hits = records[1];
   machine_.build<MemoryInterface>(
-      *between, direct, records_of(config_, workload, c), rays.client,
+      *between, direct, record_memory_of_core(config_, workload, core_number), rays.client,
       MemoryInterface::Rays::Links{wires.rays_from_srp, wires.rays_to_tni, rays.requests, rays.responses},
       MemoryInterface::Hits::Links{wires.hits_from_tni, wires.hits_to_srp, hits.requests, hits.responses}, l2_clock_);
 }
@@ -210,12 +215,12 @@ sim::RunLimits Gpu::run_limits(sim::Time now) const {
   const sim::Time lookahead = std::min(machine_.min_lookahead(), core.tiles_in.latency() + core.tiles_out.latency());
   const sim::Time end = std::min(now + lookahead, next_tile);
   // A tile may end within this time, so the dispatcher must not run ahead.
-  return {dispatch, dispatcher_->has_more() ? end : std::min(end, last_tile_may_end(now))};
+  return {dispatch, dispatcher_->has_more_tiles() ? end : std::min(end, earliest_end_of_last_tile(now))};
 }
 
 /// Returns the earliest time at which the tile dispatcher can receive the end of the last tile. Called when no tile is
 /// left to dispatch.
-sim::Time Gpu::last_tile_may_end(sim::Time now) const {
+sim::Time Gpu::earliest_end_of_last_tile(sim::Time now) const {
   sim::Time at = now + cores_.front().tiles_out.latency();
   for (const Core& core : cores_) at = std::min(at, core.tiles_out.pop_at());
   return at;

@@ -41,7 +41,7 @@ struct Perturbation {
 };
 
 /// Returns the timing perturbation of one repetition of a frame, from a hash; repetition 0 is unperturbed.
-Perturbation draw_perturbation(std::uint32_t cores, std::uint32_t frame, std::uint32_t replicate);
+Perturbation random_perturbation(std::uint32_t cores, std::uint32_t frame, std::uint32_t replicate);
 
 /// The simulated GPU: cores, the memory side that they share, and the tile dispatcher.
 ///
@@ -73,7 +73,7 @@ class Gpu {
   sim::Machine& machine() { return machine_; }
   bool done() const { return stopped_ || (dispatcher_->is_done() && machine_.is_drained()); }
   sim::RunLimits run_limits(sim::Time now) const;
-  sim::Time patience() const { return patience_; }
+  sim::Time livelock_timeout() const { return livelock_timeout_; }
 
   /// Charges every unit's time up to the end of the run. Call once, with the time that the engine returned.
   void finish(sim::Time last_edge);
@@ -125,19 +125,19 @@ class Gpu {
     MemoryPort memory;
   };
 
-  Core& declare_core(std::uint32_t core);
-  Interface link_interface(const Core& core, sim::UnitId between);
-  RasterWires link_rasteriser(const Core& core, std::uint32_t number);
-  void build_core(std::uint32_t core, const Workload& workload);
-  Srp::Frame frame_of(const Workload& workload, std::uint32_t core) const;
-  sim::Time last_tile_may_end(sim::Time now) const;
+  Core& declare_core(std::uint32_t core_number);
+  Interface link_interface(const Core& core, sim::UnitId memory_interface);
+  RasterWires link_rasteriser(const Core& core, std::uint32_t core_number);
+  void build_core(std::uint32_t core_number, const Workload& workload);
+  Srp::Frame srp_frame_of(const Workload& workload, std::uint32_t core) const;
+  sim::Time earliest_end_of_last_tile(sim::Time now) const;
 
   const GpuConfig config_;
   const traces::Layout& layout_;
   const sim::Clock tni_clock_, srp_clock_, l2_clock_;
   const TilesInFlight in_flight_;
   const std::shared_ptr<const ScheduledKernels> scheduled_;
-  sim::Time patience_ = sim::kNever;
+  sim::Time livelock_timeout_ = sim::kNever;
 
   sim::Machine machine_;
   MemorySystem memory_;

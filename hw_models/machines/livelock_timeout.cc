@@ -12,8 +12,8 @@ constexpr sim::Time kLongest = 1000 * sim::kFemtosecondsPerSecond;
 /// Maximum number of memory lines that one item needs one after the other; no record has more.
 constexpr sim::Time kLines = 16;
 
-sim::Time longest_chunk(const GpuConfig& config, std::span<const KernelSchedule> kernels,
-                        std::span<const BankConflicts> conflicts) {
+sim::Time longest_chunk_time(const GpuConfig& config, std::span<const KernelSchedule> kernels,
+                             std::span<const BankConflicts> conflicts) {
   sim::Time cycles = 0;
   for (std::size_t k = 0; k < kernels.size(); ++k) {
     const sim::Time items = config.srp.chunk;
@@ -56,7 +56,7 @@ sim::Time livelock_timeout(const GpuConfig& config, std::span<const KernelSchedu
   if (config.watchdog != 0) return config.watchdog * config.clocks.tni.clock().period();
   const sim::Time memory =
       kLines * (round_trip_latency(config) + max_requests(config) * worst_line_latency(config.dram));
-  const sim::Time item = longest_chunk(config, kernels, conflicts) + memory;
+  const sim::Time item = longest_chunk_time(config, kernels, conflicts) + memory;
   return kMargin * std::min(item, kLongest / kMargin);
 }
 

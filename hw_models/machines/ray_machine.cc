@@ -13,18 +13,18 @@ namespace hw {
 CoreRays::CoreRays(std::span<const traces::Ray> rays, const traces::Tracer& tracer, std::uint32_t core,
                    std::uint32_t cores, Finished finished)
     : rays_(rays), tracer_(tracer), core_(core), cores_(cores), finished_(std::move(finished)), hit_(kBlock) {
-  for (std::uint32_t block = 0; !block_of(block).empty(); ++block) {
-    count_ += static_cast<std::uint32_t>(block_of(block).size());
+  for (std::uint32_t block = 0; !rays_of_block(block).empty(); ++block) {
+    count_ += static_cast<std::uint32_t>(rays_of_block(block).size());
   }
 }
 
-std::span<const traces::Ray> CoreRays::block_of(std::uint32_t block) const {
+std::span<const traces::Ray> CoreRays::rays_of_block(std::uint32_t block) const {
   const std::size_t begin = std::min(rays_.size(), (core_ + std::size_t{cores_} * block) * kBlock);
   return rays_.subspan(begin, std::min<std::size_t>(kBlock, rays_.size() - begin));
 }
 
 void CoreRays::trace_next_block() {
-  const auto rays = block_of(first_ + static_cast<std::uint32_t>(blocks_.size()));
+  const auto rays = rays_of_block(first_ + static_cast<std::uint32_t>(blocks_.size()));
   if (spare_.empty()) spare_.emplace_back();
   blocks_.push_back(std::move(spare_.back()));
   spare_.pop_back();
@@ -39,19 +39,19 @@ void CoreRays::trace_next_block() {
   steps_ += traces::count_steps(block.words).all();
 }
 
-const std::uint32_t* CoreRays::walk(std::uint32_t ray) {
+const std::uint32_t* CoreRays::ray_walk(std::uint32_t ray) {
   while (ray / kBlock >= first_ + blocks_.size()) trace_next_block();
   const Block& block = blocks_[ray / kBlock - first_];
   return block.words.data() + block.begin[ray % kBlock];
 }
 
-void CoreRays::returned(std::uint32_t ray, sim::Time now) {
+void CoreRays::note_returned(std::uint32_t ray, sim::Time now) {
   blocks_[ray / kBlock - first_].left -= 1;
   for (; !blocks_.empty() && blocks_.front().left == 0; ++first_) {
     const auto traced = first_ + static_cast<std::uint32_t>(blocks_.size());
     spare_.push_back(std::move(blocks_.front()));
     blocks_.pop_front();
-    const bool goes_on = finished_(static_cast<std::uint32_t>(block_of(first_).size()), now);
+    const bool goes_on = finished_(static_cast<std::uint32_t>(rays_of_block(first_).size()), now);
     if (!goes_on) count_ = std::min(count_, traced * kBlock);
   }
 }
@@ -95,7 +95,7 @@ bool RayMachine::done() const {
   return std::ranges::all_of(cores_, [](const Core& core) { return core.source->is_done(); }) && machine_.is_drained();
 }
 
-sim::Time RayMachine::patience() const { return hw::livelock_timeout(config_, {}, {}); }
+sim::Time RayMachine::livelock_timeout() const { return hw::livelock_timeout(config_, {}, {}); }
 
 std::uint64_t RayMachine::hit_count() const {
   std::uint64_t sum = 0;

@@ -20,30 +20,31 @@ namespace hw {
 /// Takes the place of the shader core: sends one ray every `interval` cycles if the link has room, and accepts every
 /// hit at once.
 ///
-/// `Rays` provides the rays by number: `count()`, `walk(ray)`, and `returned(ray, now)`, which is called for each
-/// finished ray.
+/// `Rays` provides the rays by number: `ray_count()`, `ray_walk(ray)`, and `note_returned(ray, now)`, which is called
+/// for each finished ray.
 template <class Rays>
 class RaySource {
  public:
-  RaySource(sim::Clock clock, std::uint32_t interval, Rays& rays, sim::Link<RayJob>& out, sim::Link<RayDone>& in)
-      : clock_(clock), interval_(interval), rays_(rays), out_(out), in_(in) {}
+  RaySource(sim::Clock clock, std::uint32_t interval, Rays& rays, sim::Link<RayJob>& rays_out,
+            sim::Link<RayDone>& hits_in)
+      : clock_(clock), interval_(interval), rays_(rays), out_(rays_out), in_(hits_in) {}
 
   const sim::Clock& clock() const { return clock_; }
   sim::Time tick(sim::Time now) {
     if (in_.can_pop(now)) {
-      rays_.returned(in_.pop(now).id, now);
+      rays_.note_returned(in_.pop(now).id, now);
       returned_ += 1;
     }
-    if (sent_ < rays_.count() && now >= send_at_ && out_.can_push(now)) {
-      out_.push(now, {rays_.walk(sent_), sent_});
+    if (sent_ < rays_.ray_count() && now >= send_at_ && out_.can_push(now)) {
+      out_.push(now, {rays_.ray_walk(sent_), sent_});
       sent_ += 1;
-      send_at_ = clock_.after(now, interval_);
+      send_at_ = clock_.edge_after(now, interval_);
     }
-    const sim::Time next = clock_.after(now, 1);
-    const sim::Time send = sent_ < rays_.count() ? std::max({next, send_at_, out_.push_at()}) : sim::kNever;
+    const sim::Time next = clock_.edge_after(now, 1);
+    const sim::Time send = sent_ < rays_.ray_count() ? std::max({next, send_at_, out_.push_at()}) : sim::kNever;
     return std::min(send, std::max(next, in_.pop_at()));
   }
-  bool is_done() const { return returned_ == rays_.count(); }
+  bool is_done() const { return returned_ == rays_.ray_count(); }
 
  private:
   const sim::Clock clock_;
@@ -78,12 +79,12 @@ class CoreRays {
   /// core's list ends after the blocks traced so far.
   using Finished = std::function<bool(std::uint32_t rays, sim::Time now)>;
 
-  CoreRays(std::span<const traces::Ray> rays, const traces::Tracer& tracer, std::uint32_t core, std::uint32_t cores,
-           Finished finished);
+  CoreRays(std::span<const traces::Ray> rays, const traces::Tracer& tracer, std::uint32_t core,
+           std::uint32_t core_count, Finished finished);
 
-  std::uint32_t count() const { return count_; }
-  const std::uint32_t* walk(std::uint32_t ray);
-  void returned(std::uint32_t ray, sim::Time now);
+  std::uint32_t ray_count() const { return count_; }
+  const std::uint32_t* ray_walk(std::uint32_t ray);
+  void note_returned(std::uint32_t ray, sim::Time now);
   std::uint64_t hit_count() const { return hits_; }
   std::uint64_t step_count() const { return steps_; }
 
@@ -92,7 +93,7 @@ class CoreRays {
     std::vector<std::uint32_t> words, begin;
     std::uint32_t left = 0;
   };
-  std::span<const traces::Ray> block_of(std::uint32_t block) const;
+  std::span<const traces::Ray> rays_of_block(std::uint32_t block) const;
   void trace_next_block();
 
   const std::span<const traces::Ray> rays_;
@@ -141,7 +142,7 @@ class RayMachine {
   // Interface for the engine (sim/engine.h).
   sim::Machine& machine() { return machine_; }
   bool done() const;
-  sim::Time patience() const;
+  sim::Time livelock_timeout() const;
 
  private:
   struct Core {

@@ -40,12 +40,12 @@ inline constexpr std::array<UnitKind, 13> kUnitKinds = {{{DramChannel::kName, Dr
                                                          {Srp::kName, Srp::kReasons},
                                                          {TileDispatcher::kName, TileDispatcher::kReasons}}};
 
-/// Returns the category of a cycle reason, such as waiting or idle. `unit`: a kind of unit ("core.tni.trv"). Empty if
-/// the unit has no such reason.
-inline std::optional<sim::ReasonKind> kind_of_reason(std::string_view unit, std::string_view reason) {
-  const auto kind = std::ranges::find(kUnitKinds, unit, &UnitKind::name);
+/// Returns the category of a cycle reason, such as waiting or idle. `unit_kind`: a kind of unit ("core.tni.trv"). Empty
+/// if the unit has no such reason.
+inline std::optional<sim::ReasonKind> kind_of_reason(std::string_view unit_kind, std::string_view reason_name) {
+  const auto kind = std::ranges::find(kUnitKinds, unit_kind, &UnitKind::name);
   if (kind == kUnitKinds.end()) return {};
-  const auto declared = std::ranges::find(kind->reasons, reason, &sim::Reason::name);
+  const auto declared = std::ranges::find(kind->reasons, reason_name, &sim::Reason::name);
   if (declared == kind->reasons.end()) return {};
   return declared->kind;
 }

@@ -26,16 +26,16 @@ class Arbiter {
     assert(count <= 64);
   }
 
-  std::uint32_t count() const { return count_; }
+  std::uint32_t requester_count() const { return count_; }
 
-  /// Returns the requester to serve next, among those in the mask `requesting` for which ready(i) is true; count() if
-  /// there is none. since(i): time at which requester i began to wait.
+  /// Returns the requester to serve next, among those in the mask `requester_mask` for which is_ready(i) is true;
+  /// requester_count() if there is none. waiting_since(i): time at which requester i began to wait.
   template <class Ready, class Since>
-  std::uint32_t choose_requester(std::uint64_t requesting, Ready&& ready, Since&& since) const {
-    if (arbitration_ == Arbitration::kOldestFirst) return oldest_ready(requesting, ready, since);
-    for (std::uint64_t left = std::rotr(requesting, static_cast<int>(turn_)); left != 0; left &= left - 1) {
+  std::uint32_t choose_requester(std::uint64_t requester_mask, Ready&& is_ready, Since&& waiting_since) const {
+    if (arbitration_ == Arbitration::kOldestFirst) return oldest_ready(requester_mask, is_ready, waiting_since);
+    for (std::uint64_t left = std::rotr(requester_mask, static_cast<int>(turn_)); left != 0; left &= left - 1) {
       const std::uint32_t i = (static_cast<std::uint32_t>(std::countr_zero(left)) + turn_) % 64;
-      if (ready(i)) return i;
+      if (is_ready(i)) return i;
     }
     return count_;
   }
@@ -47,14 +47,14 @@ class Arbiter {
  private:
   std::uint32_t next_index(std::uint32_t i) const { return i + 1 == count_ ? 0 : i + 1; }
   template <class Ready, class Since>
-  std::uint32_t oldest_ready(std::uint64_t requesting, Ready&& ready, Since&& since) const {
+  std::uint32_t oldest_ready(std::uint64_t requester_mask, Ready&& is_ready, Since&& waiting_since) const {
     std::uint32_t found = count_;
     sim::Time first = sim::kNever;
-    for (std::uint64_t left = requesting; left != 0; left &= left - 1) {
+    for (std::uint64_t left = requester_mask; left != 0; left &= left - 1) {
       const auto i = static_cast<std::uint32_t>(std::countr_zero(left));
-      if (since(i) >= first || !ready(i)) continue;
+      if (waiting_since(i) >= first || !is_ready(i)) continue;
       found = i;
-      first = since(i);
+      first = waiting_since(i);
     }
     return found;
   }

@@ -35,18 +35,18 @@ class CacheTags {
   };
 
   /// `clock`: initial value of the times of use, for tests.
-  explicit CacheTags(const CacheConfig& config, std::uint32_t banks = 1, std::uint32_t clock = 0)
+  explicit CacheTags(const CacheConfig& config, std::uint32_t bank_count = 1, std::uint32_t clock = 0)
       : line_shift_(static_cast<std::uint32_t>(std::countr_zero(config.line.bytes))),
-        set_shift_(line_shift_ + static_cast<std::uint32_t>(std::countr_zero(banks))),
+        set_shift_(line_shift_ + static_cast<std::uint32_t>(std::countr_zero(bank_count))),
         ways_(config.ways),
         stride_((config.ways + kLanes - 1) / kLanes * kLanes),
         words_(2 * stride_),
         replacement_(config.replacement),
-        set_mask_(config.set_count() / banks - 1),
-        sets_(config.set_count() / banks * 2 * stride_, 0),
-        trees_(replacement_ == Replacement::kPlru ? config.set_count() / banks : 0, 0),
+        set_mask_(config.set_count() / bank_count - 1),
+        sets_(config.set_count() / bank_count * 2 * stride_, 0),
+        trees_(replacement_ == Replacement::kPlru ? config.set_count() / bank_count : 0, 0),
         clock_(clock) {
-    assert(std::has_single_bit(banks) && config.set_count() >= banks);
+    assert(std::has_single_bit(bank_count) && config.set_count() >= bank_count);
     for (std::size_t set = 0; set < sets_.size(); set += 2 * stride_) std::fill_n(&sets_[set], stride_, kInvalid);
   }
 
@@ -79,7 +79,7 @@ class CacheTags {
   void prefetch_tags_on_host(Addr line) const { __builtin_prefetch(tags_of(set_of(line))); }
 
   /// Fills the line into an empty way of its set, or replaces another line.
-  Filled fill(Addr line) {
+  Filled fill_line(Addr line) {
     const std::size_t set = set_of(line);
     const std::uint32_t found = find_way(set, tag_of(line));
     const std::uint32_t way = found != kNoWay ? found : choose_victim(set, tag_of(line));
@@ -115,35 +115,35 @@ class CacheTags {
   /// Returns the way of set `set` that holds the tag, or kNoWay.
   std::uint32_t find_way(std::size_t set, std::uint32_t tag) const { return find_way(tags_of(set), tag); }
   /// Returns the way that holds the tag, given the tags of one set; kNoWay if no way holds it.
-  std::uint32_t find_way(const std::uint32_t* here, std::uint32_t tag) const {
-    if (const std::uint32_t mask = match_four(here, tag); mask != 0)
+  std::uint32_t find_way(const std::uint32_t* set_tags, std::uint32_t tag) const {
+    if (const std::uint32_t mask = match_four_tags(set_tags, tag); mask != 0)
       return static_cast<std::uint32_t>(std::countr_zero(mask));
     for (std::uint32_t way = kLanes; way < stride_; way += kLanes) {
-      const std::uint32_t mask = match_four(here + way, tag);
+      const std::uint32_t mask = match_four_tags(set_tags + way, tag);
       if (mask != 0) return way + static_cast<std::uint32_t>(std::countr_zero(mask));
     }
     return kNoWay;
   }
   /// Returns a mask of those of four tags that equal `tag`.
-  static std::uint32_t match_four(const std::uint32_t* four, std::uint32_t tag) {
+  static std::uint32_t match_four_tags(const std::uint32_t* four_tags, std::uint32_t tag) {
 #if defined(__SSE4_1__)
-    const __m128i all = _mm_loadu_si128(reinterpret_cast<const __m128i*>(four));
+    const __m128i all = _mm_loadu_si128(reinterpret_cast<const __m128i*>(four_tags));
     const __m128i same = _mm_cmpeq_epi32(all, _mm_set1_epi32(static_cast<std::int32_t>(tag)));
     return static_cast<std::uint32_t>(_mm_movemask_ps(_mm_castsi128_ps(same)));
 #else
     std::uint32_t mask = 0;
-    for (std::uint32_t lane = 0; lane < kLanes; ++lane) mask |= std::uint32_t{four[lane] == tag} << lane;
+    for (std::uint32_t lane = 0; lane < kLanes; ++lane) mask |= std::uint32_t{four_tags[lane] == tag} << lane;
     return mask;
 #endif
   }
 
   void mark_used(std::size_t set, std::uint32_t way) { mark_used(tags_of(set), set, way); }
-  /// Marks a way of a set as recently used. `here`: the tags of the set.
-  void mark_used(std::uint32_t* here, std::size_t set, std::uint32_t way) {
+  /// Marks a way of a set as recently used. `set_tags`: the tags of the set.
+  void mark_used(std::uint32_t* set_tags, std::size_t set, std::uint32_t way) {
     if (clock_ == std::numeric_limits<std::uint32_t>::max()) [[unlikely]]
       renumber_use_times();
-    here[stride_ + way] = ++clock_;
-    if (replacement_ == Replacement::kPlru) point_away(trees_[set], way);
+    set_tags[stride_ + way] = ++clock_;
+    if (replacement_ == Replacement::kPlru) point_tree_away_from(trees_[set], way);
   }
   /// Replaces the times of last use by their ranks within each set, so that the clock can restart.
   void renumber_use_times();
@@ -152,18 +152,18 @@ class CacheTags {
     const std::uint32_t least = sim::index_of_min(use_times_of(set), ways_);
     if (replacement_ == Replacement::kLru || tags_of(set)[least] == kInvalid) return least;
     if (replacement_ == Replacement::kRandom) return static_cast<std::uint32_t>(sim::hash(tag, fills_) % ways_);
-    return pointed_at(trees_[set]);
+    return way_pointed_at(trees_[set]);
   }
 
   // In the pseudo-LRU tree, bit n selects the half below node n that contains the next victim. Node 1 is the root; 2n
   // and 2n + 1 are the halves of n.
-  void point_away(std::uint64_t& tree, std::uint32_t way) const {
+  void point_tree_away_from(std::uint64_t& tree, std::uint32_t way) const {
     for (std::uint32_t node = way + ways_; node > 1; node /= 2) {
       const std::uint64_t bit = std::uint64_t{1} << (node / 2);
       tree = node % 2 == 0 ? tree | bit : tree & ~bit;
     }
   }
-  std::uint32_t pointed_at(std::uint64_t tree) const {
+  std::uint32_t way_pointed_at(std::uint64_t tree) const {
     std::uint32_t node = 1;
     while (node < ways_) node = 2 * node + static_cast<std::uint32_t>((tree >> node) & 1U);
     return node - ways_;

@@ -32,7 +32,7 @@ CorePort::CorePort(const InterconnectConfig& config, Links links, Interleave tar
 sim::Time CorePort::tick(sim::Time now) {
   account_until(now);
   const bool requested = clients_in_.nonempty_mask() != 0 && send_requests_up(now);
-  if (targets_in_.nonempty_mask() != 0) carry_lines_down(now);
+  if (targets_in_.nonempty_mask() != 0) send_lines_down(now);
   const sim::Time next = now + clock_.period();
   const sim::Time wake = find_next_wake(now);
   const auto why_at = [&](sim::Time at, CycleReason otherwise) {
@@ -59,16 +59,16 @@ inline void CorePort::account_until(sim::Time until) {
 inline bool CorePort::send_requests_up(sim::Time now) {
   if (ideal_) {
     bool any = false;
-    for (std::uint32_t client = 0; client < up_.count(); ++client) {
-      for (; can_send(client, now); any = true) send_request(client, now);
+    for (std::uint32_t client = 0; client < up_.requester_count(); ++client) {
+      for (; can_send_request(client, now); any = true) send_request(client, now);
     }
     return any;
   }
   if (up_free_ > now) return false;
   const std::uint32_t client = up_.choose_requester(
-      clients_in_.nonempty_mask(), [&](std::uint32_t i) { return can_send(i, now); },
+      clients_in_.nonempty_mask(), [&](std::uint32_t i) { return can_send_request(i, now); },
       [&](std::uint32_t i) { return clients_in_.pop_at(i); });
-  if (client == up_.count()) return false;
+  if (client == up_.requester_count()) return false;
   send_request(client, now);
   up_.note_served(client);
   return true;
@@ -89,23 +89,23 @@ inline void CorePort::send_request(std::uint32_t client, sim::Time now) {
   stats_.lines_up += request.write;
 }
 
-[[gnu::always_inline]] inline void CorePort::carry_lines_down(sim::Time now) {
+[[gnu::always_inline]] inline void CorePort::send_lines_down(sim::Time now) {
   if (ideal_) {
-    for (std::uint32_t target = 0; target < down_.count(); ++target) {
-      while (can_carry(target, now)) carry_line(target, now);
+    for (std::uint32_t target = 0; target < down_.requester_count(); ++target) {
+      while (can_send_line(target, now)) send_line(target, now);
     }
     return;
   }
   if (down_free_ > now) return;
   const std::uint32_t target = down_.choose_requester(
-      targets_in_.nonempty_mask(), [&](std::uint32_t i) { return can_carry(i, now); },
+      targets_in_.nonempty_mask(), [&](std::uint32_t i) { return can_send_line(i, now); },
       [&](std::uint32_t i) { return targets_in_.pop_at(i); });
-  if (target == down_.count()) return;
-  carry_line(target, now);
+  if (target == down_.requester_count()) return;
+  send_line(target, now);
   down_.note_served(target);
 }
 
-inline void CorePort::carry_line(std::uint32_t target, sim::Time now) {
+inline void CorePort::send_line(std::uint32_t target, sim::Time now) {
   sim::Link<MemResponse>& in = targets_in_[target];
   line_wait_ += now - targets_in_.pop_at(target);
   clients_out_[in.front().source]->push(now, in.pop(now));

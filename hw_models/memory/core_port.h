@@ -101,13 +101,13 @@ class CorePort {
 
  private:
   bool send_requests_up(sim::Time now);
-  void carry_lines_down(sim::Time now);
+  void send_lines_down(sim::Time now);
   void send_request(std::uint32_t client, sim::Time now);
-  void carry_line(std::uint32_t target, sim::Time now);
-  bool can_send(std::uint32_t client, sim::Time now) const {
+  void send_line(std::uint32_t target, sim::Time now);
+  bool can_send_request(std::uint32_t client, sim::Time now) const {
     return clients_in_.can_pop(client, now) && target_of(clients_in_[client].front()).can_push(now);
   }
-  bool can_carry(std::uint32_t target, sim::Time now) const {
+  bool can_send_line(std::uint32_t target, sim::Time now) const {
     return targets_in_.can_pop(target, now) && clients_out_[targets_in_[target].front().source]->can_push(now);
   }
   void account_until(sim::Time until);

@@ -18,7 +18,7 @@ class L1Cache {
  public:
   enum class Result : std::uint8_t {
     kHit,
-    kMiss,  ///< the slot now waits for the line; fill() will return the slot
+    kMiss,  ///< the slot now waits for the line; fill_line() will return the slot
     kFull,  ///< no MSHR is free, and nothing has changed; the slot must retry after a fill
   };
 
@@ -59,15 +59,15 @@ class L1Cache {
   TileTag slot_tile(std::uint32_t slot) const { return slot_tiles_[slot]; }
 
   /// Fills a line and frees its MSHR. Returns the slots that waited for the line and the cycle of the miss.
-  Miss fill(Addr line) {
-    tags_.fill(line);
+  Miss fill_line(Addr line) {
+    tags_.fill_line(line);
     return misses_.release(line);
   }
 
   /// Puts a line into the cache in no simulated time (Gpu::warm_caches). Returns false if it was not there before.
   bool warm_line(Addr line) {
     if (ideal_ || tags_.probe(line)) return true;
-    tags_.fill(line);
+    tags_.fill_line(line);
     return false;
   }
 

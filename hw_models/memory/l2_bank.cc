@@ -94,7 +94,7 @@ void L2Bank::take_fill(sim::Time now) {
   filled_ = {line, 0, waiters.count, &waiters};
   line_time_.note_departure(waiters.list[0].missed, now);
   for (std::uint32_t i = 0; i < waiters.count; ++i) memory_time_.note_departure(waiters.list[i].missed, now);
-  write_back(now, store_.allocate(line, kWholeLine, waiters.dirty), waiters.tile);
+  write_back_victim(now, store_.allocate(line, kWholeLine, waiters.dirty), waiters.tile);
   if (observer_ != nullptr) [[unlikely]]
     notify(*observer_, L2Filled{waiters.tile});
   stats_.fills += 1;
@@ -114,7 +114,7 @@ void L2Bank::queue_to_memory(sim::Time now, const MemRequest& request) {
     stats_.bytes_to_memory += sector_bytes_ * static_cast<std::uint32_t>(std::popcount(request.sectors));
 }
 
-void L2Bank::write_back(sim::Time now, const L2Store::Victim& victim, TileTag tile) {
+void L2Bank::write_back_victim(sim::Time now, const L2Store::Victim& victim, TileTag tile) {
   if (victim.sectors == 0) return;
   queue_to_memory(now, MemRequest{victim.line, index_, 0, true, victim.sectors, tile});
   stats_.written_back += 1;
@@ -128,7 +128,7 @@ inline bool L2Bank::take_request(sim::Time now) {
     const std::uint32_t core = cores_.choose_requester(
         cores_in_.nonempty_mask(), [&](std::uint32_t i) { return cores_in_.can_pop(i, now); },
         [&](std::uint32_t i) { return cores_in_.pop_at(i); });
-    if (core == cores_.count()) return false;
+    if (core == cores_.requester_count()) return false;
     cores_.note_served(core);
     head_.arrived = cores_in_.pop_at(core);
     head_.request = cores_in_[core].pop(now);
@@ -151,7 +151,7 @@ inline bool L2Bank::process_read(sim::Time now) {
     stats_.hits += 1;
   } else {
     Waiters* waiters = misses_.find_payload(r.line);
-    if (waiters == nullptr ? misses_.is_full() || !has_room(2) : waiters->count == targets_) {
+    if (waiters == nullptr ? misses_.is_full() || !has_room_to_memory(2) : waiters->count == targets_) {
       head_.needs_mshr = misses_.is_full();
       return false;
     }
@@ -161,7 +161,7 @@ inline bool L2Bank::process_read(sim::Time now) {
       waiters->count = 0;
       waiters->dirty = 0;
       waiters->tile = r.tile;
-      if (found == L2Store::Found::kPart) waiters->dirty = store_.invalidate(r.line);
+      if (found == L2Store::Found::kPart) waiters->dirty = store_.invalidate_line(r.line);
       queue_to_memory(now, MemRequest{r.line, index_, 0, false, kWholeLine, r.tile});
     } else {
       stats_.merges += 1;
@@ -180,7 +180,7 @@ inline L2Bank::CycleReason L2Bank::wait_reason(sim::Time now) const {
   const std::uint16_t core = reply_core(now);
   if (core != kNoCore && !cores_out_[core]->can_push(now)) return CycleReason::kOutputFull;
   if (head_.full) {
-    const bool to_memory = head_.request.write || (!misses_.is_full() && !has_room(2));
+    const bool to_memory = head_.request.write || (!misses_.is_full() && !has_room_to_memory(2));
     return to_memory ? CycleReason::kMemoryFull : CycleReason::kMshrFull;
   }
   if (!hits_.empty() || (!unsent_.empty() && !unsent_.can_pop(now))) return CycleReason::kLookup;
@@ -204,7 +204,7 @@ inline sim::Time L2Bank::next_wake(sim::Time now) const {
     at(hits_.push_at());
   }  // the head waits for a fill or for memory, whose tick looks it up again
   if (flush_in_ != nullptr) at(flush_in_->pop_at());
-  if (flushing_ && store_.dirty_lines() != 0 && has_room(1)) at(next);
+  if (flushing_ && store_.dirty_lines() != 0 && has_room_to_memory(1)) at(next);
   at(unsent_.can_pop(now) ? channel_of(unsent_.front()).push_at() : unsent_.pop_at());
   return std::max(next, wake);
 }
@@ -219,14 +219,14 @@ std::string L2Bank::state() const {
 
 /// Executes the write at the head of the queue by the L2's write policy; false if the write must wait.
 bool L2Bank::process_write(sim::Time now) {
-  if (!has_room(1)) return false;
+  if (!has_room_to_memory(1)) return false;
   const MemRequest& r = head_.request;
   if (writes_ == L2Writes::kBack) {
     store_write(now);
   } else {
     const bool here = store_.look_up(r.line, r.sectors) != L2Store::Found::kNot;
     const bool stored = here && writes_ == L2Writes::kThrough;
-    if (here && !stored) store_.invalidate(r.line);
+    if (here && !stored) store_.invalidate_line(r.line);
     stats_.write_hits += here;
     (stored ? stats_.stored : stats_.not_stored) += 1;
     queue_to_memory(now, MemRequest{r.line, index_, 0, true, r.sectors, r.tile});
@@ -251,7 +251,7 @@ void L2Bank::store_write(sim::Time now) {
     overwritten = store_.write_sectors(r.line, r.sectors);
   } else {
     hit = false;
-    write_back(now, store_.allocate(r.line, r.sectors, r.sectors), r.tile);
+    write_back_victim(now, store_.allocate(r.line, r.sectors, r.sectors), r.tile);
   }
   stats_.write_hits += hit;
   stats_.stored += 1;
@@ -264,8 +264,8 @@ bool L2Bank::flush_line(sim::Time now) {
     flush_in_->pop(now);
     flushing_ = true;
   }
-  if (!flushing_ || store_.dirty_lines() == 0 || !has_room(1)) return false;
-  write_back(now, store_.clean_next());
+  if (!flushing_ || store_.dirty_lines() == 0 || !has_room_to_memory(1)) return false;
+  write_back_victim(now, store_.clean_next_dirty_line());
   return true;
 }
 

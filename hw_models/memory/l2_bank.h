@@ -37,14 +37,14 @@ class L2Store {
 
   /// Returns whether none of the line is cached (kNot), some of the wanted sectors are invalid (kPart), or all are
   /// valid.
-  Found look_up(Addr line, SectorMask wanted) {
+  Found look_up(Addr line, SectorMask wanted_sectors) {
     const std::size_t slot = tags_.look_up(line);
     if (slot == CacheTags::kNoSlot) return Found::kNot;
-    return (wanted & ~valid_[slot]) == 0 ? Found::kAll : Found::kPart;
+    return (wanted_sectors & ~valid_[slot]) == 0 ? Found::kAll : Found::kPart;
   }
 
   /// Removes a cached line and returns its dirty sectors.
-  SectorMask invalidate(Addr line) {
+  SectorMask invalidate_line(Addr line) {
     const std::size_t slot = tags_.look_up(line);
     tags_.clear_slot(slot);
     return clean_slot(slot);
@@ -55,17 +55,17 @@ class L2Store {
     const std::size_t slot = tags_.look_up(line);
     const SectorMask before = dirty_[slot] & sectors;
     valid_[slot] |= sectors;
-    make_dirty(slot, sectors);
+    mark_dirty(slot, sectors);
     return before;
   }
 
   /// Allocates a line that is not cached, with the given valid and dirty sectors. Returns the evicted line with its
   /// dirty sectors.
-  Victim allocate(Addr line, SectorMask sectors, SectorMask dirty) {
-    const CacheTags::Filled filled = tags_.fill(line);
+  Victim allocate(Addr line, SectorMask valid_sectors, SectorMask dirty_sectors) {
+    const CacheTags::Filled filled = tags_.fill_line(line);
     const Victim victim{filled.evicted, clean_slot(filled.slot)};
-    valid_[filled.slot] = sectors;
-    make_dirty(filled.slot, dirty);
+    valid_[filled.slot] = valid_sectors;
+    mark_dirty(filled.slot, dirty_sectors);
     return victim;
   }
 
@@ -73,13 +73,13 @@ class L2Store {
   std::size_t dirty_lines() const { return dirty_lines_; }
   /// Marks the next dirty line, in slot order, as clean and returns it with the sectors to be written. There must be a
   /// dirty line.
-  Victim clean_next() {
+  Victim clean_next_dirty_line() {
     while (dirty_[next_] == 0) next_ = next_ + 1 == dirty_.size() ? 0 : next_ + 1;
     return {tags_.line_at(next_), clean_slot(next_)};
   }
 
  private:
-  void make_dirty(std::size_t slot, SectorMask sectors) {
+  void mark_dirty(std::size_t slot, SectorMask sectors) {
     dirty_lines_ += dirty_[slot] == 0 && sectors != 0;
     dirty_[slot] |= sectors;
   }
@@ -93,7 +93,7 @@ class L2Store {
   CacheTags tags_;
   std::vector<SectorMask> valid_, dirty_;  ///< valid and dirty sectors of each slot
   std::size_t dirty_lines_ = 0;
-  std::size_t next_ = 0;  ///< slot at which clean_next() continues
+  std::size_t next_ = 0;  ///< slot at which clean_next_dirty_line() continues
 };
 
 /// One bank of the L2: accepts one request and returns one line per cycle.
@@ -237,12 +237,14 @@ class L2Bank {
   void store_write(sim::Time now);
   bool flush_line(sim::Time now);
   void queue_to_memory(sim::Time now, const MemRequest& request);
-  void write_back(sim::Time now, const L2Store::Victim& victim, TileTag tile = kNoTile);
+  void write_back_victim(sim::Time now, const L2Store::Victim& victim, TileTag tile = kNoTile);
   /// True if the head of the queue is blocked until a fill frees an MSHR.
   bool waits_for_fill() const { return head_.needs_mshr && misses_.is_full(); }
-  /// True if the queue to memory has room for `requests` requests and, in addition, a dirty victim of every outstanding
-  /// miss.
-  bool has_room(std::uint32_t requests) const { return unsent_.size() + misses_.size() + requests <= unsent_capacity_; }
+  /// True if the queue to memory has room for `request_count` requests and, in addition, a dirty victim of every
+  /// outstanding miss.
+  bool has_room_to_memory(std::uint32_t request_count) const {
+    return unsent_.size() + misses_.size() + request_count <= unsent_capacity_;
+  }
   sim::Time tick_ideal(sim::Time now);
   CycleReason wait_reason(sim::Time now) const;
   sim::Time next_wake(sim::Time now) const;

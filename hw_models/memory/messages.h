@@ -14,7 +14,7 @@ inline constexpr Addr kLineBytes = 64;
 /// Returns the address of the cache line that contains the byte at address `byte`.
 constexpr Addr line_of(Addr byte) { return byte & ~(kLineBytes - 1); }
 /// Returns a number of bytes rounded up to whole cache lines.
-constexpr Addr whole_lines(Addr bytes) { return line_of(bytes + kLineBytes - 1); }
+constexpr Addr round_up_to_lines(Addr bytes) { return line_of(bytes + kLineBytes - 1); }
 
 /// Mask of the eight sectors of a cache line, one bit each; bit 0 is the first sector.
 using SectorMask = std::uint8_t;
@@ -27,9 +27,9 @@ using TileTag = std::uint16_t;
 inline constexpr TileTag kNoTile = 0xffff;
 inline constexpr std::uint32_t kTileTagMask = 0x7fff;
 /// Returns the number of the tile with tag `tag`, given the number of another tile in flight at the same time.
-constexpr std::uint32_t tile_number_near(TileTag tag, std::uint32_t other) {
-  const std::uint32_t ahead = (tag - other) & kTileTagMask;
-  return ahead <= kTileTagMask / 2 ? other + ahead : other + ahead - (kTileTagMask + 1);
+constexpr std::uint32_t tile_number_of_tag(TileTag tag, std::uint32_t other_tile_in_flight) {
+  const std::uint32_t ahead = (tag - other_tile_in_flight) & kTileTagMask;
+  return ahead <= kTileTagMask / 2 ? other_tile_in_flight + ahead : other_tile_in_flight + ahead - (kTileTagMask + 1);
 }
 
 /// Areas of memory that only the DMA accesses: the frame's regions, and space for spilled rays.

@@ -157,7 +157,7 @@ class ObserverList final : public Observer {
     if (observer != nullptr) observers_.push_back(observer);
   }
   /// Returns the observer to attach to the machine: this list, its only observer, or null if the list is empty.
-  Observer* get() {
+  Observer* attached_observer() {
     if (observers_.size() > 1) return this;
     return observers_.empty() ? nullptr : observers_.front();
   }

@@ -34,7 +34,7 @@ class TileAccounting final : public Observer {
 
   const std::vector<TileAccount>& tiles() const { return accounts_; }
   /// Moves the accounts of all tiles out of this object. Call at the end of a run.
-  std::vector<TileAccount> take_tiles() { return std::move(accounts_); }
+  std::vector<TileAccount> take_accounts() { return std::move(accounts_); }
   const TileAccount& untiled_account() const { return rest_; }
 
  private:

@@ -15,45 +15,45 @@ void RasterFetch::add_triangle(const traces::RasterTriangle& triangle, std::uint
   s.entry = entry;
 }
 
-void RasterFetch::add_lines(Slot& slot, Addr first, std::uint32_t bytes) {
-  for (const Addr line : {line_of(first), line_of(first + bytes - 1)}) {
+void RasterFetch::add_lines(Slot& slot, Addr first_byte, std::uint32_t bytes) {
+  for (const Addr line : {line_of(first_byte), line_of(first_byte + bytes - 1)}) {
     const auto end = slot.lines.begin() + slot.count;
     if (std::find(slot.lines.begin(), end, line) == end) slot.lines[slot.count++] = line;
   }
 }
 
-void RasterFetch::list_lines(Stage stage, Slot& slot) {
+void RasterFetch::collect_lines(Stage stage, Slot& slot) {
   slot.listed = true;
   slot.count = slot.next = 0;
   if (stage == kList) {
-    if (slot.entry != kBatch) add_lines(slot, memory_.entry_at(slot.entry), RasterMemory::kEntryBytes);
+    if (slot.entry != kBatch) add_lines(slot, memory_.entry_address(slot.entry), RasterMemory::kEntryBytes);
   } else if (stage == kIndices) {
-    add_lines(slot, memory_.index_at(slot.triangle->number), RasterMemory::kIndexBytes);
+    add_lines(slot, memory_.index_address(slot.triangle->number), RasterMemory::kIndexBytes);
   } else {
-    list_vertices(slot);
+    collect_vertex_lines(slot);
   }
 }
 
-void RasterFetch::list_vertices(Slot& slot) {
+void RasterFetch::collect_vertex_lines(Slot& slot) {
   for (const std::uint32_t vertex : slot.triangle->vertices) {
     if (slot.entry != kBatch) {
-      add_lines(slot, memory_.transformed_at(vertex), RasterMemory::kTransformedBytes);
+      add_lines(slot, memory_.transformed_address(vertex), RasterMemory::kTransformedBytes);
     } else if (vertex_cache_.find_or_add(vertex)) {
       stats_.vertices_reused += 1;
     } else {
       slot.vertices[slot.missed++] = vertex;
-      add_lines(slot, memory_.position_at(vertex), RasterMemory::kPositionBytes);
+      add_lines(slot, memory_.position_address(vertex), RasterMemory::kPositionBytes);
     }
   }
 }
 
-bool RasterFetch::advance_stage(Stage stage, std::uint32_t& looked) {
+bool RasterFetch::advance_stage(Stage stage, std::uint32_t& lookups_done) {
   const std::uint64_t number = done_[stage];
   if (number == entered_ || (stage != kList && done_[stage - 1] <= number)) return false;
   Slot& s = slot_of(number);
   if (!s.listed) {
     if (s.pending != 0) return false;  // lines of the previous stage have not arrived
-    list_lines(stage, s);
+    collect_lines(stage, s);
   }
   if (s.next < s.count) {
     const auto slot_number = static_cast<std::uint32_t>(number % slots_.size());
@@ -69,7 +69,7 @@ bool RasterFetch::advance_stage(Stage stage, std::uint32_t& looked) {
         break;
     }
     stats_.l1_accesses += 1;
-    looked += 1;
+    lookups_done += 1;
     s.next += 1;
   }
   if (s.next == s.count) {
@@ -89,9 +89,9 @@ bool RasterFetch::look_up_lines() {
   return any;
 }
 
-void RasterFetch::fill(Addr line) {
+void RasterFetch::fill_line(Addr line) {
   stats_.l1_fills += 1;
-  for (std::uint64_t waiting = l1_.fill(line).slots; waiting != 0; waiting &= waiting - 1) {
+  for (std::uint64_t waiting = l1_.fill_line(line).slots; waiting != 0; waiting &= waiting - 1) {
     slots_[static_cast<std::size_t>(std::countr_zero(waiting))].pending -= 1;
   }
 }
@@ -111,22 +111,22 @@ RasterUnit::RasterUnit(const RasterUnitConfig& config, const RasterMemory& memor
       jobs_(config.jobs) {}
 
 sim::Time RasterUnit::tick(sim::Time now) {
-  if (links_.memory_in.can_pop(now)) fetch_.fill(links_.memory_in.pop(now).line);
+  if (links_.memory_in.can_pop(now)) fetch_.fill_line(links_.memory_in.pop(now).line);
   bool wrote = false;
-  bool moved = end_job(now);
+  bool moved = finish_oldest_job(now);
   if (end_ == End::kWriting && job_at(ended_).is_batch()) wrote = write_lists();
-  moved |= end_back(now);
-  begin_back(now);
-  moved |= end_front(now);
-  begin_back(now);
-  begin_front(now);
+  moved |= end_back_stage(now);
+  begin_back_stage(now);
+  moved |= end_front_stage(now);
+  begin_back_stage(now);
+  begin_front_stage(now);
   const bool looked = fetch_.look_up_lines();
-  moved |= enter_triangle();
+  moved |= add_triangle_to_window();
   moved |= take_job(now);
   wrote |= send_line(now);
   moved |= looked || wrote;
   activity_.spend(now, clock_.period(), cycle_reason(now, wrote, looked),
-                  cycle_reason(clock_.after(now, 1), false, false));
+                  cycle_reason(clock_.edge_after(now, 1), false, false));
   return next_wake(now, moved);
 }
 
@@ -136,12 +136,12 @@ bool RasterUnit::take_job(sim::Time now) {
   return true;
 }
 
-bool RasterUnit::advance_cursor(Cursor& at) const {
-  while (at.job < taken_ && at.triangle == job_at(at.job).triangle_count()) at = {at.job + 1, 0};
-  return at.job < taken_;
+bool RasterUnit::advance_cursor(Cursor& cursor) const {
+  while (cursor.job < taken_ && cursor.triangle == job_at(cursor.job).triangle_count()) cursor = {cursor.job + 1, 0};
+  return cursor.job < taken_;
 }
 
-bool RasterUnit::enter_triangle() {
+bool RasterUnit::add_triangle_to_window() {
   if (!fetch_.has_room() || !advance_cursor(entering_)) return false;
   const Job& from = job_at(entering_.job);
   if (entering_.triangle == 0) run_ = run_entry_ = 0;
@@ -158,7 +158,7 @@ bool RasterUnit::enter_triangle() {
   return true;
 }
 
-void RasterUnit::begin_front(sim::Time now) {
+void RasterUnit::begin_front_stage(sim::Time now) {
   constexpr std::uint32_t kLines = 4;  // maximum number of lines that a triangle's transformed vertices fill
   if (has_front_ || !fetch_.is_ready()) return;
   advance_cursor(setting_);
@@ -166,27 +166,27 @@ void RasterUnit::begin_front(sim::Time now) {
   if (of.is_batch() && !writes_.has_room(kLines)) return;
   std::uint64_t cycles = 0;
   if (of.is_batch()) {
-    cycles = std::uint64_t{fetch_.missed_count()} * config_.vertex_interval;
+    cycles = std::uint64_t{fetch_.missed_vertex_count()} * config_.vertex_interval;
     write_vertices();
   } else {
-    cycles = config_.setup_interval * parts_of(of);
-    stats_.triangles_set_up += parts_of(of);
+    cycles = config_.setup_interval * depth_buffer_parts_of(of);
+    stats_.triangles_set_up += depth_buffer_parts_of(of);
   }
   fetch_.remove_oldest();
   has_front_ = true;
-  front_until_ = clock_.after(now, std::max<std::uint64_t>(1, cycles));
+  front_until_ = clock_.edge_after(now, std::max<std::uint64_t>(1, cycles));
 }
 
 /// Queues the transformed vertices of the next triangle for writing to memory.
 void RasterUnit::write_vertices() {
   const TileTag tile = job_at(setting_.job).job.tile;
-  for (std::uint32_t i = 0; i < fetch_.missed_count(); ++i) {
-    writes_.add_bytes(memory_.transformed_at(fetch_.missed_vertices()[i]), RasterMemory::kTransformedBytes, tile);
+  for (std::uint32_t i = 0; i < fetch_.missed_vertex_count(); ++i) {
+    writes_.add_bytes(memory_.transformed_address(fetch_.missed_vertices()[i]), RasterMemory::kTransformedBytes, tile);
   }
-  stats_.vertices_transformed += fetch_.missed_count();
+  stats_.vertices_transformed += fetch_.missed_vertex_count();
 }
 
-bool RasterUnit::end_front(sim::Time now) {
+bool RasterUnit::end_front_stage(sim::Time now) {
   if (!has_front_ || now < front_until_ || queued_ == config_.queue) return false;
   has_front_ = false;
   queued_ += 1;
@@ -194,7 +194,7 @@ bool RasterUnit::end_front(sim::Time now) {
   return true;
 }
 
-void RasterUnit::begin_back(sim::Time now) {
+void RasterUnit::begin_back_stage(sim::Time now) {
   // Further triangles in the queue belong to a later job.
   if (has_back_ || queued_ == 0 || finished_ == job_at(ended_).triangle_count()) return;
   const Job& of = job_at(ended_);
@@ -202,7 +202,7 @@ void RasterUnit::begin_back(sim::Time now) {
   const std::uint64_t cycles = of.is_batch() ? list_cycles(triangle) : cover_cycles(triangle, of.work());
   queued_ -= 1;
   has_back_ = true;
-  back_until_ = clock_.after(now, std::max<std::uint64_t>(1, cycles));
+  back_until_ = clock_.edge_after(now, std::max<std::uint64_t>(1, cycles));
 }
 
 std::uint64_t RasterUnit::list_cycles(const traces::RasterTriangle& triangle) {
@@ -211,24 +211,24 @@ std::uint64_t RasterUnit::list_cycles(const traces::RasterTriangle& triangle) {
   return std::uint64_t{triangle.lists} * config_.list_interval;
 }
 
-std::uint64_t RasterUnit::cover_cycles(const traces::RasterTriangle& t, const traces::RasterWork& work) {
+std::uint64_t RasterUnit::cover_cycles(const traces::RasterTriangle& triangle, const traces::RasterWork& work) {
   const bool leaves_out = config_.hierarchical_z;
-  const std::uint32_t quads = t.quads - (leaves_out ? t.hidden_quads : 0);
-  const std::uint32_t hidden = leaves_out ? t.hidden_samples : 0;
+  const std::uint32_t quads = triangle.quads - (leaves_out ? triangle.hidden_quads : 0);
+  const std::uint32_t hidden = leaves_out ? triangle.hidden_samples : 0;
   const std::uint64_t passes = (work.pixel_samples + config_.sub_samples - 1) / config_.sub_samples;
-  stats_.blocks += t.blocks;
-  stats_.blocks_hidden += leaves_out ? t.hidden_blocks : 0;
+  stats_.blocks += triangle.blocks;
+  stats_.blocks_hidden += leaves_out ? triangle.hidden_blocks : 0;
   stats_.quads += quads;
-  stats_.quads_hidden += t.quads - quads;
+  stats_.quads_hidden += triangle.quads - quads;
   stats_.quad_passes += quads * passes;
-  stats_.samples_covered += t.samples;
+  stats_.samples_covered += triangle.samples;
   stats_.samples_hidden += hidden;
-  stats_.samples_passed += t.passed;
-  stats_.samples_failed += t.samples - hidden - t.passed;
-  return std::uint64_t{t.blocks} * config_.block_interval + quads * passes * config_.quad_interval;
+  stats_.samples_passed += triangle.passed;
+  stats_.samples_failed += triangle.samples - hidden - triangle.passed;
+  return std::uint64_t{triangle.blocks} * config_.block_interval + quads * passes * config_.quad_interval;
 }
 
-bool RasterUnit::end_back(sim::Time now) {
+bool RasterUnit::end_back_stage(sim::Time now) {
   if (!has_back_ || now < back_until_) return false;
   has_back_ = false;
   finished_ += 1;
@@ -237,17 +237,17 @@ bool RasterUnit::end_back(sim::Time now) {
 
 /// Finishes the rasteriser's oldest job when all its triangles have been processed: writes the batch's lists or the
 /// wave's hits, then reports to the core.
-bool RasterUnit::end_job(sim::Time now) {
+bool RasterUnit::finish_oldest_job(sim::Time now) {
   if (!has_jobs() || finished_ < job_at(ended_).triangle_count()) return false;
   const Job& of = job_at(ended_);
   if (end_ == End::kNot) {
     end_ = End::kWriting;
     out_run_ = out_entry_ = 0;
-    if (of.is_batch() && of.work().runs == 0) close_writes();
+    if (of.is_batch() && of.work().runs == 0) end_batch_writes();
     const std::uint64_t bytes = std::uint64_t{of.node().items} * config_.plane_bytes;
     const std::uint64_t cycles =
         of.is_batch() ? 0 : (bytes + config_.plane_width.bytes - 1) / config_.plane_width.bytes;
-    end_until_ = clock_.after(now, cycles);
+    end_until_ = clock_.edge_after(now, cycles);
     return true;
   }
   if (end_ == End::kWriting) {
@@ -273,7 +273,7 @@ bool RasterUnit::write_lists() {
   const Job& of = job_at(ended_);
   if (out_run_ == of.work().runs || !writes_.has_room(2)) return false;
   const traces::ListRun& run = of.run_at(out_run_);
-  const Addr first = memory_.entry_at(run.first + out_entry_);
+  const Addr first = memory_.entry_address(run.first + out_entry_);
   const auto in_line = static_cast<std::uint32_t>((line_of(first) + kLineBytes - first) / RasterMemory::kEntryBytes);
   const std::uint32_t entries = std::min(in_line, run.entries - out_entry_);
   if (entries != 0) writes_.add_bytes(first, entries * RasterMemory::kEntryBytes, of.job.tile);
@@ -283,11 +283,11 @@ bool RasterUnit::write_lists() {
     out_run_ += 1;
     out_entry_ = 0;
   }
-  if (out_run_ == of.work().runs) close_writes();
+  if (out_run_ == of.work().runs) end_batch_writes();
   return true;
 }
 
-void RasterUnit::close_writes() {
+void RasterUnit::end_batch_writes() {
   writes_.close_line();
   closed_ = writes_.closed_lines();
 }
@@ -317,7 +317,7 @@ RasterUnit::CycleReason RasterUnit::cycle_reason(sim::Time at, bool wrote, bool 
 }
 
 sim::Time RasterUnit::next_wake(sim::Time now, bool moved) const {
-  const sim::Time next = clock_.after(now, 1);
+  const sim::Time next = clock_.edge_after(now, 1);
   if (moved) return next;
   sim::Time at = std::max(next, links_.memory_in.pop_at());
   if (taken_ - ended_ < jobs_.size()) at = std::min(at, std::max(next, links_.jobs_in.pop_at()));

@@ -31,15 +31,15 @@ struct RasterMemory {
 
   RasterMemory() = default;
   RasterMemory(Addr base, const traces::RasterDemands& demands) : positions(base) {
-    indices = whole_lines(positions + Addr{demands.vertices} * kPositionBytes);
-    transformed = whole_lines(indices + Addr{demands.triangles} * kIndexBytes);
-    lists = whole_lines(transformed + Addr{demands.vertices} * kTransformedBytes);
-    end = whole_lines(lists + Addr{demands.entries} * kEntryBytes);
+    indices = round_up_to_lines(positions + Addr{demands.vertices} * kPositionBytes);
+    transformed = round_up_to_lines(indices + Addr{demands.triangles} * kIndexBytes);
+    lists = round_up_to_lines(transformed + Addr{demands.vertices} * kTransformedBytes);
+    end = round_up_to_lines(lists + Addr{demands.entries} * kEntryBytes);
   }
-  Addr position_at(std::uint32_t vertex) const { return positions + Addr{vertex} * kPositionBytes; }
-  Addr index_at(std::uint32_t triangle) const { return indices + Addr{triangle} * kIndexBytes; }
-  Addr transformed_at(std::uint32_t vertex) const { return transformed + Addr{vertex} * kTransformedBytes; }
-  Addr entry_at(std::uint32_t entry) const { return lists + Addr{entry} * kEntryBytes; }
+  Addr position_address(std::uint32_t vertex) const { return positions + Addr{vertex} * kPositionBytes; }
+  Addr index_address(std::uint32_t triangle) const { return indices + Addr{triangle} * kIndexBytes; }
+  Addr transformed_address(std::uint32_t vertex) const { return transformed + Addr{vertex} * kTransformedBytes; }
+  Addr entry_address(std::uint32_t entry) const { return lists + Addr{entry} * kEntryBytes; }
 };
 
 /// Counters of a rasteriser.
@@ -96,10 +96,10 @@ class RasterWrites {
   std::uint64_t sent_lines() const { return sent_; }
 
   /// Adds bytes of one cache line, written on behalf of a tile. Requires room for one line.
-  void add_bytes(Addr first, std::uint32_t bytes, TileTag tile) {
-    const Addr line = line_of(first);
+  void add_bytes(Addr first_byte, std::uint32_t bytes, TileTag tile) {
+    const Addr line = line_of(first_byte);
     if (open_.sectors != 0 && open_.line != line) close_line();
-    const Addr from = (first - line) / kSectorBytes, to = (first + bytes - 1 - line) / kSectorBytes;
+    const Addr from = (first_byte - line) / kSectorBytes, to = (first_byte + bytes - 1 - line) / kSectorBytes;
     open_.line = line;
     open_.source = client_;
     open_.write = true;
@@ -178,13 +178,13 @@ class RasterFetch {
   /// True if all lines of the oldest triangle in the window have arrived.
   bool is_ready() const { return !empty() && done_[kLast] > left_ && slot_of(left_).pending == 0; }
   /// Returns the number of vertices of the oldest triangle that must be transformed.
-  std::uint32_t missed_count() const { return slot_of(left_).missed; }
+  std::uint32_t missed_vertex_count() const { return slot_of(left_).missed; }
   std::array<std::uint32_t, 3> missed_vertices() const { return slot_of(left_).vertices; }
   void remove_oldest() { left_ += 1; }
 
   /// Looks up lines of the triangles in the window; true if a stage has advanced.
   bool look_up_lines();
-  void fill(Addr line);
+  void fill_line(Addr line);
   void send_request(sim::Time now, sim::Link<MemRequest>& out) { l1_.send_request(now, out); }
   sim::Time next_send_time(sim::Time next, const sim::Link<MemRequest>& out) const {
     return l1_.next_send_time(next, out);
@@ -209,11 +209,11 @@ class RasterFetch {
   Slot& slot_of(std::uint64_t number) { return slots_[number % slots_.size()]; }
   const Slot& slot_of(std::uint64_t number) const { return slots_[number % slots_.size()]; }
   /// Looks up one line of the oldest triangle at a fetch stage, or passes a triangle that needs no line; false if the
-  /// stage cannot advance. `looked` counts the look-ups.
-  bool advance_stage(Stage stage, std::uint32_t& looked);
-  void list_lines(Stage stage, Slot& slot);
-  void list_vertices(Slot& slot);
-  static void add_lines(Slot& slot, Addr first, std::uint32_t bytes);
+  /// stage cannot advance. `lookups_done` counts the look-ups.
+  bool advance_stage(Stage stage, std::uint32_t& lookups_done);
+  void collect_lines(Stage stage, Slot& slot);
+  void collect_vertex_lines(Slot& slot);
+  static void add_lines(Slot& slot, Addr first_byte, std::uint32_t bytes);
 
   const RasterMemory memory_;
   L1Cache l1_;
@@ -284,7 +284,7 @@ class RasterUnit {
   sim::Time tick(sim::Time now);
   const sim::Clock& clock() const { return clock_; }
   const Stats& stats() const { return stats_; }
-  std::uint64_t retired() const {
+  std::uint64_t retired_items() const {
     return stats_.triangles + stats_.triangles_set_up + stats_.writes + stats_.l1_fills + stats_.batches + stats_.waves;
   }
   const sim::Activity<CycleReason>& activity() const { return activity_; }
@@ -313,24 +313,24 @@ class RasterUnit {
 
   // The rasteriser's stages from last to first. A stage that returns bool returns true if it did something.
   bool send_line(sim::Time now);
-  bool end_job(sim::Time now);
+  bool finish_oldest_job(sim::Time now);
   bool write_lists();
-  void close_writes();
-  bool end_back(sim::Time now);
-  void begin_back(sim::Time now);
-  bool end_front(sim::Time now);
-  void begin_front(sim::Time now);
-  bool enter_triangle();
+  void end_batch_writes();
+  bool end_back_stage(sim::Time now);
+  void begin_back_stage(sim::Time now);
+  bool end_front_stage(sim::Time now);
+  void begin_front_stage(sim::Time now);
+  bool add_triangle_to_window();
   bool take_job(sim::Time now);
 
   const Job& job_at(std::uint64_t number) const { return jobs_[number % jobs_.size()]; }
   bool has_jobs() const { return taken_ != ended_; }
   /// Moves the cursor to the first job that has a triangle left; false if there is none.
-  bool advance_cursor(Cursor& at) const;
+  bool advance_cursor(Cursor& cursor) const;
   std::uint64_t list_cycles(const traces::RasterTriangle& triangle);
   std::uint64_t cover_cycles(const traces::RasterTriangle& triangle, const traces::RasterWork& work);
   void write_vertices();
-  std::uint64_t parts_of(const Job& job) const { return config_.depth_buffer_parts(job.node().items); }
+  std::uint64_t depth_buffer_parts_of(const Job& job) const { return config_.depth_buffer_parts(job.node().items); }
   CycleReason cycle_reason(sim::Time at, bool wrote, bool looked) const;
   sim::Time next_wake(sim::Time now, bool moved) const;
 

@@ -14,22 +14,22 @@ namespace hw {
 /// fragmentation.
 class ConfigMemory {
  public:
-  ConfigMemory(std::uint64_t bytes, std::size_t kernels) : free_(bytes) { resident_.reserve(kernels); }
+  ConfigMemory(std::uint64_t bytes, std::size_t max_kernels) : free_(bytes) { resident_.reserve(max_kernels); }
 
-  /// Selects the kernel that runs next and takes `bytes` of configuration. Returns true if it is in the memory;
+  /// Selects the kernel that runs next and takes `config_bytes` of configuration. Returns true if it is in the memory;
   /// otherwise loads it, and keeps it if it fits.
-  bool select_kernel(traces::KernelId kernel, std::uint64_t bytes) {
+  bool select_kernel(traces::KernelId kernel, std::uint64_t config_bytes) {
     const auto found = std::ranges::find(resident_, kernel, &Resident::kernel);
     if (found != resident_.end()) {
       std::rotate(found, found + 1, resident_.end());
       return true;
     }
     std::size_t leave = 0;
-    for (; free_ < bytes && leave < resident_.size(); ++leave) free_ += resident_[leave].bytes;
+    for (; free_ < config_bytes && leave < resident_.size(); ++leave) free_ += resident_[leave].bytes;
     resident_.erase(resident_.begin(), resident_.begin() + static_cast<std::ptrdiff_t>(leave));
-    if (bytes > free_) return false;
-    free_ -= bytes;
-    resident_.push_back({kernel, bytes});
+    if (config_bytes > free_) return false;
+    free_ -= config_bytes;
+    resident_.push_back({kernel, config_bytes});
     return false;
   }
 
@@ -54,16 +54,16 @@ struct LoopChunk {
 /// chunks, then all idle items.
 class LoopChunks {
  public:
-  void reserve(std::size_t parts) { chunks_.reserve(parts); }
+  void reserve(std::size_t chunks) { chunks_.reserve(chunks); }
   void clear() {
     chunks_.clear();
     items_ = working_ = 0;
   }
-  void add(LoopChunk part) {
-    part.begin = working_;
-    items_ += part.items;
-    working_ += part.working;
-    chunks_.push_back(part);
+  void add(LoopChunk chunk) {
+    chunk.begin = working_;
+    items_ += chunk.items;
+    working_ += chunk.working;
+    chunks_.push_back(chunk);
   }
 
   std::uint32_t item_count() const { return items_; }
@@ -72,7 +72,7 @@ class LoopChunks {
   auto begin() const { return chunks_.begin(); }
   auto end() const { return chunks_.end(); }
   /// Returns the chunk of a launch in this loop, or null if the loop has none of that launch.
-  const LoopChunk* find_launch(std::uint32_t tile, std::uint32_t node) const {
+  const LoopChunk* find_chunk_of_launch(std::uint32_t tile, std::uint32_t node) const {
     const auto part =
         std::ranges::find_if(chunks_, [&](const LoopChunk& p) { return p.tile == tile && p.node == node; });
     return part == chunks_.end() ? nullptr : &*part;

@@ -50,19 +50,20 @@ std::vector<LocalAccess> accesses_of(const KernelSchedule& schedule, const kerne
 
 }  // namespace
 
-BankConflicts bank_conflicts(const KernelSchedule& schedule, const kernels::Graph& graph, std::uint32_t banks) {
+BankConflicts bank_conflicts(const KernelSchedule& schedule, const kernels::Graph& graph, std::uint32_t bank_count) {
   const std::vector<LocalAccess> accesses = accesses_of(schedule, graph);
-  BankConflicts conflicts{0, banks};
-  std::vector<std::uint32_t> used(banks);
-  for (std::uint32_t item = 0; item < banks; ++item) {  // the pattern of banks repeats every `banks` items
+  BankConflicts conflicts{0, bank_count};
+  std::vector<std::uint32_t> used(bank_count);
+  for (std::uint32_t item = 0; item < bank_count;
+       ++item) {  // the pattern of bank_count repeats every `bank_count` items
     for (std::uint32_t slot = 0; slot < schedule.ii; ++slot) {
       std::ranges::fill(used, 0);
       std::uint32_t most = 0;
       for (const LocalAccess& a : accesses) {
         if (a.slot != slot) continue;
-        // A negative difference wraps at 2^32, a multiple of the number of banks.
+        // A negative difference wraps at 2^32, a multiple of the number of bank_count.
         const std::uint32_t record = a.constant ? a.index : item - a.behind;
-        most = std::max(most, ++used[(record * a.words + a.part) % banks]);
+        most = std::max(most, ++used[(record * a.words + a.part) % bank_count]);
       }
       conflicts.cycles += most > 1 ? most - 1 : 0;
     }

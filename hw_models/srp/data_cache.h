@@ -13,7 +13,7 @@ struct LineSet {
   Addr line[4];
   std::uint32_t count = 0;
 
-  void add(Addr address) {
+  void add_line_of(Addr address) {
     const Addr wanted = line_of(address);
     for (std::uint32_t i = 0; i < count; ++i) {
       if (line[i] == wanted) return;
@@ -22,37 +22,37 @@ struct LineSet {
   }
 };
 
-inline LineSet lines_of(const traces::Access& access, const traces::Layout& layout) {
+inline LineSet lines_of_access(const traces::Access& access, const traces::Layout& layout) {
   LineSet lines;
   switch (access.kind()) {
     case traces::Access::Kind::kAttributes:
-      lines.add(layout.attributes_at(access.element));
+      lines.add_line_of(layout.attributes_at(access.element));
       break;
     case traces::Access::Kind::kMaterial:
-      lines.add(layout.material_at(access.element));
+      lines.add_line_of(layout.material_at(access.element));
       break;
     case traces::Access::Kind::kVertices:
-      lines.add(layout.vertices_at(access.element));
+      lines.add_line_of(layout.vertices_at(access.element));
       break;
     case traces::Access::Kind::kDetail:
-      lines.add(layout.detail_at(access.element));
+      lines.add_line_of(layout.detail_at(access.element));
       break;
     case traces::Access::Kind::kTriangle:
-      lines.add(layout.triangle_at(access.element));
-      lines.add(layout.triangle_at(access.element) + layout.triangle_bytes - 1);
+      lines.add_line_of(layout.triangle_at(access.element));
+      lines.add_line_of(layout.triangle_at(access.element) + layout.triangle_bytes - 1);
       if (layout.has_labels()) {
-        lines.add(layout.label_at(access.element));
-        lines.add(layout.label_at(access.element) + traces::Layout::kLabelBytes - 1);
+        lines.add_line_of(layout.label_at(access.element));
+        lines.add_line_of(layout.label_at(access.element) + traces::Layout::kLabelBytes - 1);
       }
       break;
     case traces::Access::Kind::kInstance:
-      lines.add(layout.instance_at(access.element));
+      lines.add_line_of(layout.instance_at(access.element));
       break;
     case traces::Access::Kind::kTexels: {
       const std::uint32_t xs[2] = {access.element & 0xffffU, access.element2 & 0xffffU};
       const std::uint32_t ys[2] = {access.element >> 16, access.element2 >> 16};
       for (const std::uint32_t y : ys) {
-        for (const std::uint32_t x : xs) lines.add(layout.texel_tile_at(access.texture(), x, y));
+        for (const std::uint32_t x : xs) lines.add_line_of(layout.texel_tile_at(access.texture(), x, y));
       }
       break;
     }

@@ -14,12 +14,12 @@ struct Table {
   std::array<const char*, kOpClasses> event{};
   std::size_t ops = 0;  ///< number of operations that have a class
 
-  constexpr void add_class(OpClass c, std::initializer_list<Op> of, std::uint32_t OpLatencyConfig::*key,
+  constexpr void add_class(OpClass op_class, std::initializer_list<Op> operations, std::uint32_t OpLatencyConfig::*key,
                            const char* name) {
-    for (const Op op : of) class_of[static_cast<std::size_t>(op)] = c;
-    latency[static_cast<std::size_t>(c)] = key;
-    event[static_cast<std::size_t>(c)] = name;
-    ops += of.size();
+    for (const Op op : operations) class_of[static_cast<std::size_t>(op)] = op_class;
+    latency[static_cast<std::size_t>(op_class)] = key;
+    event[static_cast<std::size_t>(op_class)] = name;
+    ops += operations.size();
   }
 };
 
@@ -49,20 +49,20 @@ static_assert(kTable.ops == static_cast<std::size_t>(Op::kCount), "every operati
 
 }  // namespace
 
-OpClass class_of(Op op) { return kTable.class_of[static_cast<std::size_t>(op)]; }
+OpClass op_class_of(Op op) { return kTable.class_of[static_cast<std::size_t>(op)]; }
 
-std::uint32_t latency_of(OpClass c, const OpLatencyConfig& latency) {
-  if (c == OpClass::kLocalWrite) return 1;
-  if (c == OpClass::kCachedRead) return latency.cached_load_latency();
-  if (c == OpClass::kFpMulAdd) return latency.fp_mul + latency.fp_add;
-  const auto key = kTable.latency[static_cast<std::size_t>(c)];
+std::uint32_t latency_of(OpClass op_class, const OpLatencyConfig& latency) {
+  if (op_class == OpClass::kLocalWrite) return 1;
+  if (op_class == OpClass::kCachedRead) return latency.cached_load_latency();
+  if (op_class == OpClass::kFpMulAdd) return latency.fp_mul + latency.fp_add;
+  const auto key = kTable.latency[static_cast<std::size_t>(op_class)];
   return key == nullptr ? 0 : latency.*key;
 }
 
-std::uint32_t occupancy_of(OpClass c, const OpLatencyConfig& latency) {
-  return c == OpClass::kFpDivSqrt ? latency.div_sqrt_interval : 1;
+std::uint32_t occupancy_of(OpClass op_class, const OpLatencyConfig& latency) {
+  return op_class == OpClass::kFpDivSqrt ? latency.div_sqrt_interval : 1;
 }
 
-const char* energy_event(OpClass c) { return kTable.event[static_cast<std::size_t>(c)]; }
+const char* energy_event_of(OpClass op_class) { return kTable.event[static_cast<std::size_t>(op_class)]; }
 
 }  // namespace hw

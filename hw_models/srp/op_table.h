@@ -37,19 +37,19 @@ constexpr std::array<std::string_view, kOpClasses> names_of(OpClass) {
           "int_mul", "int_logic", "int_shift", "convert",    "local_read",  "local_write", "cached_read"};
 }
 
-OpClass class_of(kernels::Op op);
+OpClass op_class_of(kernels::Op op);
 
-constexpr bool is_memory(OpClass c) {
-  return c == OpClass::kLocalRead || c == OpClass::kLocalWrite || c == OpClass::kCachedRead;
+constexpr bool is_memory_class(OpClass op_class) {
+  return op_class == OpClass::kLocalRead || op_class == OpClass::kLocalWrite || op_class == OpClass::kCachedRead;
 }
 
 /// Returns the cycles from the issue of an operation of this class to the first use of its result.
-std::uint32_t latency_of(OpClass c, const OpLatencyConfig& latency);
+std::uint32_t latency_of(OpClass op_class, const OpLatencyConfig& latency);
 /// Returns the cycles for which an operation of this class occupies its unit or port.
-std::uint32_t occupancy_of(OpClass c, const OpLatencyConfig& latency);
+std::uint32_t occupancy_of(OpClass op_class, const OpLatencyConfig& latency);
 
 /// Returns the name of the energy event of one operation of this class (for local memory, of one 16-byte access).
 /// Returns an empty string for classes without an event; the data cache counts its own events.
-const char* energy_event(OpClass c);
+const char* energy_event_of(OpClass op_class);
 
 }  // namespace hw

@@ -61,7 +61,7 @@ class Placer {
     for (std::size_t p = 0; p < kPools; ++p) {
       const std::uint32_t units = pool_size(static_cast<Pool>(p), config.array);
       table_[p].assign(std::size_t{units} * ii, kNone);
-      busy_[p].assign(units, Bits(ii));
+      busy_[p].assign(units, BitVector(ii));
     }
     for (const Dependence& d : graph.dependences()) {
       incoming_[d.to].push_back(d);
@@ -69,15 +69,16 @@ class Placer {
     }
   }
 
-  /// Places all operations. Returns false if the schedule is incomplete after `patience` placements per operation.
-  bool place_all(std::size_t patience) {
+  /// Places all operations. Returns false if the schedule is incomplete after `tries_per_operation` placements per
+  /// operation.
+  bool place_all_operations(std::size_t tries_per_operation) {
     if (height_.size() != starts_.size()) return false;
-    for (; tried_ < patience * starts_.size(); ++tried_) {
-      const std::uint32_t op = most_urgent();
+    for (; tried_ < tries_per_operation * starts_.size(); ++tried_) {
+      const std::uint32_t op = most_urgent_operation();
       if (op == kNone) return true;
       place_operation(op);
     }
-    return most_urgent() == kNone;
+    return most_urgent_operation() == kNone;
   }
   std::size_t placements_tried() const { return tried_; }
   std::uint32_t initiation_interval() const { return ii_; }
@@ -85,20 +86,20 @@ class Placer {
   std::uint32_t unit_of(std::uint32_t op) const { return units_[op]; }
 
  private:
-  std::uint32_t most_urgent() const {
+  std::uint32_t most_urgent_operation() const {
     const std::uint32_t rank = waiting_.find_first(0, waiting_.size(), true);
     return rank < waiting_.size() ? by_urgency_[rank] : kNone;
   }
 
   std::uint32_t& table_entry(std::uint32_t op, std::uint32_t unit, std::int64_t cycle) {
-    return table_of(op)[std::size_t{unit} * ii_ + row_of(cycle)];
+    return reservation_table_of(op)[std::size_t{unit} * ii_ + row_of(cycle)];
   }
-  std::vector<std::uint32_t>& table_of(std::uint32_t op) {
+  std::vector<std::uint32_t>& reservation_table_of(std::uint32_t op) {
     return table_[static_cast<std::size_t>(pool_of(graph_.operations()[op].kind))];
   }
   std::uint32_t row_of(std::int64_t cycle) const { return static_cast<std::uint32_t>(cycle % ii_); }
 
-  std::vector<Bits>& busy_rows(std::uint32_t op) {
+  std::vector<BitVector>& busy_rows(std::uint32_t op) {
     return busy_[static_cast<std::size_t>(pool_of(graph_.operations()[op].kind))];
   }
 
@@ -107,7 +108,7 @@ class Placer {
     const std::int64_t earliest = earliest_start(op);
     const Operation& operation = graph_.operations()[op];
     const std::uint32_t units = capable_units(operation.kind, config_.array), row = row_of(earliest);
-    const std::vector<Bits>& rows = busy_rows(op);
+    const std::vector<BitVector>& rows = busy_rows(op);
     std::uint32_t wait = ii_, best = 0;
     for (std::uint32_t unit = units; unit-- > 0 && wait > 0;) {
       const std::uint32_t here = rows_until_gap(rows[unit], row, operation.occupancy, wait);
@@ -122,24 +123,24 @@ class Placer {
   std::int64_t earliest_start(std::uint32_t op) const {
     std::int64_t earliest = 0;
     for (const Dependence& d : incoming_[op]) {
-      if (d.from != op && starts_[d.from]) earliest = std::max(earliest, ready_at(d));
+      if (d.from != op && starts_[d.from]) earliest = std::max(earliest, earliest_start_after(d));
     }
     return earliest;
   }
-  std::int64_t ready_at(const Dependence& d) const {
-    return *starts_[d.from] + graph_.operations()[d.from].latency - std::int64_t{d.after} -
-           std::int64_t{d.distance} * ii_;
+  std::int64_t earliest_start_after(const Dependence& dependence) const {
+    return *starts_[dependence.from] + graph_.operations()[dependence.from].latency - std::int64_t{dependence.after} -
+           std::int64_t{dependence.distance} * ii_;
   }
 
   /// Returns the unit whose operations in these cycles are least urgent. The search of a unit stops as soon as it is
   /// worse than the best so far.
-  std::uint32_t least_urgent_unit(std::uint32_t op, std::uint32_t units, std::int64_t start) {
+  std::uint32_t least_urgent_unit(std::uint32_t op, std::uint32_t unit_count, std::int64_t start) {
     const std::uint32_t occupancy = graph_.operations()[op].occupancy, first = row_of(start);
-    const std::vector<Bits>& rows = busy_rows(op);
-    const std::uint32_t* slots = table_of(op).data() + std::size_t{units} * ii_;
-    std::uint32_t best = units - 1;
+    const std::vector<BitVector>& rows = busy_rows(op);
+    const std::uint32_t* slots = reservation_table_of(op).data() + std::size_t{unit_count} * ii_;
+    std::uint32_t best = unit_count - 1;
     std::int64_t least = std::numeric_limits<std::int64_t>::max();
-    for (std::uint32_t unit = units; unit-- > 0 && least > 0;) {
+    for (std::uint32_t unit = unit_count; unit-- > 0 && least > 0;) {
       slots -= ii_;
       std::int64_t urgency = 0;
       for (std::uint32_t c = rows_until(rows[unit], first, true); c < occupancy && urgency < least;
@@ -168,7 +169,7 @@ class Placer {
     units_[op] = unit;
     last_[op] = start;
     for (const Dependence& d : outgoing_[op]) {
-      if (d.to != op && starts_[d.to] && *starts_[d.to] < ready_at(d)) evict_operation(d.to);
+      if (d.to != op && starts_[d.to] && *starts_[d.to] < earliest_start_after(d)) evict_operation(d.to);
     }
   }
 
@@ -190,17 +191,17 @@ class Placer {
   std::vector<std::int64_t> last_;  ///< start of the operation's last placement; -1: not placed yet
   std::vector<std::uint32_t> by_urgency_,
       rank_;               ///< operations, most urgent first; index of each operation in that order
-  Bits waiting_;           ///< ranks of the operations without a place
+  BitVector waiting_;      ///< ranks of the operations without a place
   std::size_t tried_ = 0;  ///< number of placements tried
   std::vector<std::vector<Dependence>> incoming_, outgoing_;
   std::array<std::vector<std::uint32_t>, kPools> table_;  ///< reservation table: the operation at unit * ii + row
-  std::array<std::vector<Bits>, kPools> busy_;            ///< occupied rows of the table, by unit
+  std::array<std::vector<BitVector>, kPools> busy_;       ///< occupied rows of the table, by unit
 };
 
 /// Tries initiation intervals upwards from the lower bound, each with both orders, until all operations are placed. The
 /// interval grows by one, later in larger steps (kQuick).
-std::unique_ptr<Placer> place_at_least_interval(const ScheduleGraph& graph, const SrpConfig& config,
-                                                std::uint32_t bound) {
+std::unique_ptr<Placer> place_at_smallest_interval(const ScheduleGraph& graph, const SrpConfig& config,
+                                                   std::uint32_t bound) {
   std::size_t tried = 0;
   std::uint32_t step = 1;
   for (std::uint32_t ii = bound;; ii += step) {
@@ -209,35 +210,35 @@ std::unique_ptr<Placer> place_at_least_interval(const ScheduleGraph& graph, cons
           !std::ranges::any_of(graph.operations(), [](const Operation& op) { return op.occupancy > 1; }))
         continue;
       auto placer = std::make_unique<Placer>(graph, config, ii, order);
-      if (placer->place_all(tried > kQuick ? kLessPatience : kPatience)) return placer;
+      if (placer->place_all_operations(tried > kQuick ? kLessPatience : kPatience)) return placer;
       tried += placer->placements_tried();
     }
     if (tried > kQuick) ++step;
   }
 }
 
-void count_events(const kernels::Graph& graph, const ScheduleGraph& parts, KernelSchedule& s) {
-  for (const Operation& op : parts.operations()) s.ops[static_cast<std::size_t>(op.kind)] += 1;
-  s.local_reads = s.ops[static_cast<std::size_t>(OpClass::kLocalRead)];
-  s.local_writes = s.ops[static_cast<std::size_t>(OpClass::kLocalWrite)];
+void count_events(const kernels::Graph& graph, const ScheduleGraph& parts, KernelSchedule& counted) {
+  for (const Operation& op : parts.operations()) counted.ops[static_cast<std::size_t>(op.kind)] += 1;
+  counted.local_reads = counted.ops[static_cast<std::size_t>(OpClass::kLocalRead)];
+  counted.local_writes = counted.ops[static_cast<std::size_t>(OpClass::kLocalWrite)];
   const auto made = [&](std::uint32_t id) {
     const GraphNode& node = graph.nodes[id];
     return node.op != Op::kConstant && (node.op != Op::kInput || node.inputs[0] != kNone);
   };
   for (std::uint32_t id = 0; id < graph.nodes.size(); ++id) {
     const GraphNode& node = graph.nodes[id];
-    const OpClass kind = class_of(node.op);
+    const OpClass kind = op_class_of(node.op);
     if (kind == OpClass::kFree) continue;
     kernels::for_each_input(node, [&](std::uint32_t input) {
       if (parts.is_fused(input)) return;
-      s.rf_reads += 1;
-      s.route_hops += made(input) ? 1 : 0;
+      counted.rf_reads += 1;
+      counted.route_hops += made(input) ? 1 : 0;
     });
     if (parts.is_fused(id)) continue;
     const bool store = kind == OpClass::kLocalWrite;
-    if (!is_memory(kind)) s.fu_ops += 1;
-    if (kind == OpClass::kCachedRead) s.cached_loads += 1;
-    s.rf_writes += is_memory(kind) ? (store ? 0 : node.bytes / 4) : 1;
+    if (!is_memory_class(kind)) counted.fu_ops += 1;
+    if (kind == OpClass::kCachedRead) counted.cached_loads += 1;
+    counted.rf_writes += is_memory_class(kind) ? (store ? 0 : node.bytes / 4) : 1;
   }
 }
 
@@ -250,7 +251,7 @@ KernelSchedule schedule_kernel(const kernels::Graph& graph, const SrpConfig& con
   count_events(graph, parts, s);
   s.res_mii = resource_interval(parts.operations(), config.array);
   s.rec_mii = parts.recurrence_interval();
-  const auto placed = place_at_least_interval(parts, config, std::max({1U, s.res_mii, s.rec_mii}));
+  const auto placed = place_at_smallest_interval(parts, config, std::max({1U, s.res_mii, s.rec_mii}));
   s.ii = placed->initiation_interval();
   const auto operations = static_cast<std::uint32_t>(parts.operations().size());
   std::int64_t first = operations == 0 ? 0 : placed->start_of(0);

@@ -14,12 +14,12 @@ using kernels::Op;
 
 namespace {
 
-/// True if a cycle is reached by following the links in `next`.
-bool has_cycle(const std::vector<std::uint32_t>& next) {
-  std::vector<std::uint32_t> met_from(next.size(), GraphNode::kNone);
-  for (std::uint32_t first = 0; first < next.size(); ++first) {
+/// True if a cycle is reached by following the links in `links`.
+bool has_cycle(const std::vector<std::uint32_t>& links) {
+  std::vector<std::uint32_t> met_from(links.size(), GraphNode::kNone);
+  for (std::uint32_t first = 0; first < links.size(); ++first) {
     std::uint32_t at = first;
-    for (; at != GraphNode::kNone && met_from[at] == GraphNode::kNone; at = next[at]) met_from[at] = first;
+    for (; at != GraphNode::kNone && met_from[at] == GraphNode::kNone; at = links[at]) met_from[at] = first;
     if (at != GraphNode::kNone && met_from[at] == first) return true;
   }
   return false;
@@ -42,7 +42,7 @@ void ScheduleGraph::fuse_products(const Graph& graph) {
   std::vector<std::uint32_t> uses(graph.nodes.size());
   for (const GraphNode& node : graph.nodes) kernels::for_each_input(node, [&](std::uint32_t id) { ++uses[id]; });
   for (const GraphNode& node : graph.nodes) {
-    if (class_of(node.op) != OpClass::kFpAdd) continue;
+    if (op_class_of(node.op) != OpClass::kFpAdd) continue;
     const auto product = std::ranges::find_if(node.inputs, [&](std::uint32_t id) {
       return id != GraphNode::kNone && graph.nodes[id].op == Op::kMul && uses[id] == 1;
     });
@@ -51,16 +51,16 @@ void ScheduleGraph::fuse_products(const Graph& graph) {
 }
 
 bool ScheduleGraph::adds_product(const GraphNode& node) const {
-  return class_of(node.op) == OpClass::kFpAdd &&
+  return op_class_of(node.op) == OpClass::kFpAdd &&
          std::ranges::any_of(node.inputs, [&](std::uint32_t id) { return id != GraphNode::kNone && fused_[id]; });
 }
 
 void ScheduleGraph::add_operations(const GraphNode& node, std::uint32_t id, const OpLatencyConfig& latency) {
-  const OpClass kind = adds_product(node) ? OpClass::kFpMulAdd : class_of(node.op);
+  const OpClass kind = adds_product(node) ? OpClass::kFpMulAdd : op_class_of(node.op);
   first_.push_back(static_cast<std::uint32_t>(operations_.size()));
   if (kind == OpClass::kFree || fused_[id]) return;
   const std::uint32_t parts =
-      is_memory(kind) ? std::max(1U, (node.bytes + access_bytes(kind) - 1) / access_bytes(kind)) : 1;
+      is_memory_class(kind) ? std::max(1U, (node.bytes + access_bytes(kind) - 1) / access_bytes(kind)) : 1;
   for (std::uint32_t part = 0; part < parts; ++part) {
     operations_.push_back({kind, id, part, latency_of(kind, latency), occupancy_of(kind, latency)});
   }
@@ -96,11 +96,11 @@ ScheduleGraph::Source ScheduleGraph::source_of(const Graph& graph, std::uint32_t
   std::uint32_t distance = 0;
   for (std::size_t step = 0; step <= graph.nodes.size(); ++step) {
     const GraphNode& node = graph.nodes[id];
-    if (class_of(node.op) != OpClass::kFree) return {first_[id], distance};
+    if (op_class_of(node.op) != OpClass::kFree) return {first_[id], distance};
     const std::uint32_t from = node.inputs[0];
     if (from == GraphNode::kNone) return {};
-    const OpClass maker = class_of(graph.nodes[from].op);
-    const bool field = node.op == Op::kInput && node.distance == 0 && is_memory(maker);
+    const OpClass maker = op_class_of(graph.nodes[from].op);
+    const bool field = node.op == Op::kInput && node.distance == 0 && is_memory_class(maker);
     if (field) return {first_[from] + node.value / access_bytes(maker), distance};
     distance += node.distance;
     id = from;
@@ -144,9 +144,9 @@ std::uint32_t ceil_div(std::uint32_t a, std::uint32_t b) { return (a + b - 1) / 
 
 }  // namespace
 
-Pool pool_of(OpClass c) {
-  if (c == OpClass::kCachedRead) return Pool::kCache;
-  return is_memory(c) ? Pool::kLocal : Pool::kArray;
+Pool pool_of(OpClass op_class) {
+  if (op_class == OpClass::kCachedRead) return Pool::kCache;
+  return is_memory_class(op_class) ? Pool::kLocal : Pool::kArray;
 }
 
 std::uint32_t pool_size(Pool pool, const ArrayConfig& array) {
@@ -160,10 +160,11 @@ std::uint32_t pool_size(Pool pool, const ArrayConfig& array) {
   }
 }
 
-std::uint32_t capable_units(OpClass c, const ArrayConfig& array) {
-  if (c == OpClass::kFpDivSqrt) return array.div_sqrt_units;
-  if (c == OpClass::kFpMul || c == OpClass::kFpMulAdd || c == OpClass::kIntMul) return array.mul_units;
-  return pool_size(pool_of(c), array);
+std::uint32_t capable_units(OpClass op_class, const ArrayConfig& array) {
+  if (op_class == OpClass::kFpDivSqrt) return array.div_sqrt_units;
+  if (op_class == OpClass::kFpMul || op_class == OpClass::kFpMulAdd || op_class == OpClass::kIntMul)
+    return array.mul_units;
+  return pool_size(pool_of(op_class), array);
 }
 
 std::uint32_t resource_interval(const std::vector<Operation>& operations, const ArrayConfig& array) {

@@ -62,7 +62,9 @@ class ScheduleGraph {
   bool adds_product(const kernels::GraphNode& node) const;
   void add_operations(const kernels::GraphNode& node, std::uint32_t id, const OpLatencyConfig& latency);
   /// Returns the bytes that one access of a load or store of this class moves.
-  std::uint32_t access_bytes(OpClass c) const { return c == OpClass::kCachedRead ? cache_width_ : kPortBytes; }
+  std::uint32_t access_bytes(OpClass op_class) const {
+    return op_class == OpClass::kCachedRead ? cache_width_ : kPortBytes;
+  }
   void add_dependences(const kernels::Graph& graph, std::uint32_t id);
   void add_dependence(const kernels::Graph& graph, std::uint32_t operation, std::uint32_t on_node, std::uint32_t after);
   Source source_of(const kernels::Graph& graph, std::uint32_t id) const;
@@ -79,17 +81,17 @@ class ScheduleGraph {
 enum class Pool : std::uint8_t { kArray, kLocal, kCache, kCount };
 inline constexpr std::size_t kPools = static_cast<std::size_t>(Pool::kCount);
 
-Pool pool_of(OpClass c);
+Pool pool_of(OpClass op_class);
 std::uint32_t pool_size(Pool pool, const ArrayConfig& array);
 /// Returns how many units of its pool, counted from the first, can execute an operation of this class.
-std::uint32_t capable_units(OpClass c, const ArrayConfig& array);
+std::uint32_t capable_units(OpClass op_class, const ArrayConfig& array);
 /// Returns the smallest initiation interval at which the array has enough units and ports for all operations.
 std::uint32_t resource_interval(const std::vector<Operation>& operations, const ArrayConfig& array);
 
 /// A bit vector that is searched one word at a time.
-class Bits {
+class BitVector {
  public:
-  explicit Bits(std::uint32_t size) : size_(size), words_((size + 63) / 64) {}
+  explicit BitVector(std::uint32_t size) : size_(size), words_((size + 63) / 64) {}
 
   std::uint32_t size() const { return size_; }
   void set(std::uint32_t index, bool value) {
@@ -116,18 +118,19 @@ class Bits {
   std::vector<std::uint64_t> words_;
 };
 
-/// Returns the distance from `row` to the first row that is busy, or free if `busy` is false, in a reservation table
+/// Returns the distance from `row` to the first row that is busy, or free if `is_busy` is false, in a reservation table
 /// that wraps around; the number of rows if there is none. `row` may exceed that number.
-inline std::uint32_t rows_until(const Bits& rows, std::uint32_t row, bool busy) {
+inline std::uint32_t rows_until(const BitVector& rows, std::uint32_t row, bool is_busy) {
   std::uint32_t first = row;
   while (first >= rows.size()) first -= rows.size();
-  const std::uint32_t found = rows.find_first(first, rows.size(), busy);
-  return found < rows.size() ? found - first : rows.size() - first + rows.find_first(0, first, busy);
+  const std::uint32_t found = rows.find_first(first, rows.size(), is_busy);
+  return found < rows.size() ? found - first : rows.size() - first + rows.find_first(0, first, is_busy);
 }
 
 /// Returns the distance from row `from` to the first gap of `length` free rows in a reservation table that wraps
 /// around; at most `limit`.
-inline std::uint32_t rows_until_gap(const Bits& rows, std::uint32_t from, std::uint32_t length, std::uint32_t limit) {
+inline std::uint32_t rows_until_gap(const BitVector& rows, std::uint32_t from, std::uint32_t length,
+                                    std::uint32_t limit) {
   if (rows.count_of(false) < length) return limit;
   for (std::uint32_t at = 0; at < limit;) {
     at += rows_until(rows, from + at, false);

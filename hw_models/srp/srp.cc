@@ -37,8 +37,8 @@ Srp::Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& f
 sim::Time Srp::tick(sim::Time now) {
   if (arrivals_.tiles <= now) take_tile(now);
   take_hit(now);
-  fill(now);
-  take_dma(now);
+  fill_arrived_line(now);
+  take_finished_transfer(now);
   if (links_.raster_out != nullptr) service_rasteriser_links(now);
   run_array(now);
   while (feed_ray(now) && frame_.ray_interval == 0) {
@@ -86,7 +86,7 @@ inline Srp::CycleReason Srp::current_reason(sim::Time now) const {
 }
 
 inline sim::Time Srp::next_wake(sim::Time now) const {
-  const sim::Time next = clock_.after(now, 1);
+  const sim::Time next = clock_.edge_after(now, 1);
   if (!loop_.active && launch_.check_pending) return next;
   sim::Time at = sim::kNever;
   if (loop_.active && now < loop_.start) {
@@ -162,7 +162,7 @@ void Srp::finish_items(sim::Time now, std::uint32_t tile, std::uint32_t node, st
 }
 
 void Srp::end_tile(sim::Time now, std::uint32_t tile) {
-  if (!tiles_[tile].is_active() || !tiles_[tile].is_all_complete()) return;
+  if (!tiles_[tile].is_active() || !tiles_[tile].is_tile_complete()) return;
   assert(links_.tiles_out.can_push(now) && "room for all messages of tiles in flight");
   links_.tiles_out.push(now, TileDone{&tiles_[tile].work(), WorkNode::kNone, tiles_[tile].tile_tag()});
   if (frame_.observer != nullptr) notify(*frame_.observer, TileEnded{frame_.core, tile, now});
@@ -176,7 +176,7 @@ void Srp::end_tile(sim::Time now, std::uint32_t tile) {
 
 inline void Srp::run_array(sim::Time now) {
   if (loop_.active && now >= loop_.start) {
-    const bool flowing = frame_.ideal ? load_all(now) : loads_in_time(now) && issue_loads(now);
+    const bool flowing = frame_.ideal ? load_all_items(now) : ensure_loads_in_time(now) && issue_loads(now);
     if (flowing && loop_.next_item == loop_.loading && loads_.queue.empty() &&
         now >= loop_.item_end(clock_, loop_.chunks.item_count() - 1)) {
       finish_chunk(now);
@@ -190,14 +190,14 @@ void Srp::finish_chunk(sim::Time now) {
   const std::uint64_t cycles = clock_.cycles(now - loop_.begin);
   use.cycles += cycles;
   use.starved += clock_.cycles(rays_.time_without_rays(now) - loop_.without_rays);
-  if (frame_.observer != nullptr) notify_loop(now, cycles);
+  if (frame_.observer != nullptr) notify_loop_end(now, cycles);
   loop_.active = false;
   for (const LoopChunk& part : loop_.chunks) finish_items(now, part.tile, part.node, part.items);
 }
 
 /// Notifies the observer that the loop on the array has ended. The loop's cycles are divided among its tiles by their
 /// items, in whole cycles that add up.
-void Srp::notify_loop(sim::Time now, std::uint64_t cycles) const {
+void Srp::notify_loop_end(sim::Time now, std::uint64_t cycles) const {
   std::uint64_t items = 0, charged = 0;
   for (const LoopChunk& part : loop_.chunks) {
     items += part.items;
@@ -218,9 +218,9 @@ void Srp::notify_loop(sim::Time now, std::uint64_t cycles) const {
                                      .tile = tiles_[loop_.chunks.begin()->tile].tile_tag()});
 }
 
-void Srp::fill(sim::Time now) {
+void Srp::fill_arrived_line(sim::Time now) {
   if (arrivals_.lines > now) return;
-  const L1Cache::Miss miss = cache_.fill(links_.memory_in.pop(now).line);
+  const L1Cache::Miss miss = cache_.fill_line(links_.memory_in.pop(now).line);
   stats_.cache_fills += 1;
   stats_.cache_miss_cycles += clock_.cycles(now) - miss.requested_at;
   for (std::uint64_t waited = miss.slots; waited != 0; waited &= waited - 1) {
@@ -231,7 +231,7 @@ void Srp::fill(sim::Time now) {
 }
 
 /// True if all cache lines that the loop needs at this array time have arrived; otherwise stalls the array.
-bool Srp::loads_in_time(sim::Time now) {
+bool Srp::ensure_loads_in_time(sim::Time now) {
   if (loop_.is_stalled()) {
     const bool late = !loads_.queue.empty() && loads_.queue.front().needed == loop_.array_time(now) &&
                       ((loads_.missing >> loads_.queue.front().slot) & 1U) != 0;
@@ -307,7 +307,7 @@ inline bool Srp::request_lines(sim::Time now, std::uint32_t item) {
 
 /// Ideal shader core: requests the cache lines of all items at once, as long as MSHRs are free. Returns true when all
 /// lines have arrived.
-bool Srp::load_all(sim::Time now) {
+bool Srp::load_all_items(sim::Time now) {
   while (!loads_.mshrs_full && loop_.next_item < loop_.loading && request_lines(now, loop_.next_item))
     loop_.next_item += 1;
   if (loads_.mshrs_full || cache_.outstanding_misses() > 0) {
@@ -331,7 +331,7 @@ void Srp::collect_lines(std::uint32_t item) {
   loads_.lines_of_item = item;
   loads_.lines.clear();
   for (const traces::Access& access : accesses_of(item)) {
-    const LineSet lines = lines_of(access, *frame_.layout);
+    const LineSet lines = lines_of_access(access, *frame_.layout);
     for (std::uint32_t i = 0; i < lines.count; ++i) {
       if (std::ranges::find(loads_.lines, lines.line[i]) == loads_.lines.end()) loads_.lines.push_back(lines.line[i]);
     }
@@ -381,11 +381,11 @@ void Srp::begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node) {
   loop_.chunks.clear();
   loads_.lines_of_item = kNoItem;
   add_chunk(tile, node);
-  if (config_.merge) join_launches(work);
+  if (config_.merge) join_ready_launches(work);
   const std::uint32_t items = loop_.chunks.item_count(), working = loop_.chunks.working_count();
   const bool conflicts = !frame_.ideal && !frame_.ideal_buffer;
   const std::uint64_t conflict_cycles = conflicts ? frame_.conflicts[work.kernel].stall_cycles(items) : 0;
-  const sim::Time configured = clock_.after(now, switch_to(work.kernel));
+  const sim::Time configured = clock_.edge_after(now, switch_to_kernel(work.kernel));
   loop_ = ArrayLoop{.active = true,
                     .kernel = work.kernel,
                     .chunks = std::move(loop_.chunks),
@@ -393,7 +393,7 @@ void Srp::begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node) {
                     .begin = now,
                     .without_rays = rays_.time_without_rays(now),
                     .configured = configured,
-                    .start = clock_.after(configured, conflict_cycles),
+                    .start = clock_.edge_after(configured, conflict_cycles),
                     .ii = frame_.ideal ? 0 : kernel.ii,
                     .depth = frame_.ideal ? 1 : kernel.depth};
   stats_.add_loop(kernel, items, working);
@@ -408,7 +408,7 @@ void Srp::begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node) {
 }
 
 /// Switches the array to a kernel and returns the cycles until it can run the kernel.
-std::uint64_t Srp::switch_to(traces::KernelId kernel) {
+std::uint64_t Srp::switch_to_kernel(traces::KernelId kernel) {
   if (std::exchange(launch_.kernel, kernel) == kernel || frame_.ideal) return 0;
   const std::uint32_t rows = frame_.kernels[kernel].ii;
   const bool resident = launch_.config_memory.select_kernel(kernel, config_.config_bytes(rows));
@@ -441,13 +441,13 @@ void Srp::add_chunk(std::uint32_t tile, std::uint32_t node) {
 
 /// Adds other ready launches of the same kernel to the loop, oldest tile first, up to the items of a chunk and the free
 /// ray slots.
-void Srp::join_launches(const WorkNode& work) {
+void Srp::join_ready_launches(const WorkNode& work) {
   for (const std::uint32_t tile : by_age_) {
     const TileRun& run = tiles_[tile];
     const auto joins = [&](std::uint32_t n) {
       return run.node(n).kernel == work.kernel && run.node(n).has_accesses == work.has_accesses &&
              loop_.chunks.item_count() + run.chunk_items(n) <= config_.chunk &&
-             loop_.chunks.find_launch(tile, n) == nullptr && has_ray_slots(tile, n);
+             loop_.chunks.find_chunk_of_launch(tile, n) == nullptr && has_ray_slots(tile, n);
     };
     for (std::uint32_t n = run.next_launch(joins); n != TileRun::kNone; n = run.next_launch(joins)) add_chunk(tile, n);
   }
@@ -461,7 +461,7 @@ sim::Time Srp::ray_ready_at(const RayFeed& feed) const {
   const std::uint32_t launch = run.producing_launch(feed.batch);
   const std::uint32_t item = run.source_item(feed.batch, feed.next);
   if (item < run.done_items(launch)) return 0;
-  const LoopChunk* part = loop_.active ? loop_.chunks.find_launch(feed.tile, launch) : nullptr;
+  const LoopChunk* part = loop_.active ? loop_.chunks.find_chunk_of_launch(feed.tile, launch) : nullptr;
   if (part == nullptr || item >= part->first + part->working) return sim::kNever;
   if (frame_.ideal && loop_.is_stalled()) return sim::kNever;
   const sim::Time leaves = loop_.item_end(clock_, part->begin + item - part->first);
@@ -496,13 +496,13 @@ inline void Srp::take_hit(sim::Time now) {
   const std::uint32_t tile = tile_of_handle(id);
   const bool may_be_ready = tiles_[tile].finish_ray(index_of_handle(id));
   if (frame_.observer != nullptr) [[unlikely]]
-    notify_hit(now, tile, index_of_handle(id));
+    notify_batch_end(now, tile, index_of_handle(id));
   if (may_be_ready) start_transfers(tile);
   if (may_be_ready || rays_.in_flight == 0) launch_.check_pending = true;
 }
 
 /// Notifies the observer that a batch of rays has ended, if this hit is the batch's last one.
-void Srp::notify_hit(sim::Time now, std::uint32_t tile, std::uint32_t ray) const {
+void Srp::notify_batch_end(sim::Time now, std::uint32_t tile, std::uint32_t ray) const {
   const TileRun& run = tiles_[tile];
   const std::uint32_t batch = run.batch_of(ray);
   if (!run.is_complete(batch)) return;
@@ -514,7 +514,7 @@ void Srp::notify_hit(sim::Time now, std::uint32_t tile, std::uint32_t ray) const
 void Srp::start_transfers(std::uint32_t tile) {
   tiles_[tile].start_transfers([&](std::uint32_t n) {
     const WorkNode& node = tiles_[tile].node(n);
-    if (node.kind != WorkNode::Kind::kTransfer) return start_raster(tile, n);
+    if (node.kind != WorkNode::Kind::kTransfer) return queue_raster_job(tile, n);
     const Area area = area_of(node.region);
     const Addr base = frame_.areas[static_cast<std::size_t>(area)] + node.offset;
     const std::uint32_t cycles = area == Area::kPicture ? frame_.encode_cycles : 0;
@@ -530,7 +530,7 @@ void Srp::start_transfers(std::uint32_t tile) {
   });
 }
 
-inline void Srp::take_dma(sim::Time now) {
+inline void Srp::take_finished_transfer(sim::Time now) {
   if (arrivals_.transfers > now) return;
   const std::uint32_t tag = links_.dma_in.pop(now).tag;
   if (tag == kSpillTag) {
@@ -547,7 +547,7 @@ inline void Srp::take_dma(sim::Time now) {
   finish_items(now, tile, node, tiles_[tile].node(node).items);
 }
 
-void Srp::start_raster(std::uint32_t tile, std::uint32_t node) {
+void Srp::queue_raster_job(std::uint32_t tile, std::uint32_t node) {
   transfers_.raster.push_back({&tiles_[tile].work(), node, handle_of(tile, node), tiles_[tile].tile_tag()});
   if (tiles_[tile].is_awaited(node)) transfers_.awaited += 1;
 }

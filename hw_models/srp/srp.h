@@ -110,7 +110,9 @@ class Srp {
   sim::Time tick(sim::Time now);
   const sim::Clock& clock() const { return clock_; }
   const Stats& stats() const { return stats_; }
-  std::uint64_t retired() const { return stats_.tiles + stats_.items + stats_.rays + stats_.hits + stats_.cache_fills; }
+  std::uint64_t retired_items() const {
+    return stats_.tiles + stats_.items + stats_.rays + stats_.hits + stats_.cache_fills;
+  }
   const sim::Activity<CycleReason>& activity() const { return activity_; }
   const TileBuffer& tile_buffer() const { return buffer_; }
   std::span<const KernelUse> kernel_use() const { return kernel_use_; }
@@ -176,36 +178,36 @@ class Srp {
 
   // Array loop and its loads.
   void run_array(sim::Time now);
-  void fill(sim::Time now);
+  void fill_arrived_line(sim::Time now);
   bool issue_loads(sim::Time now);
-  bool load_all(sim::Time now);
+  bool load_all_items(sim::Time now);
   void issue_ready_hits();
   bool request_lines(sim::Time now, std::uint32_t item);
-  bool loads_in_time(sim::Time now);
+  bool ensure_loads_in_time(sim::Time now);
   std::span<const traces::Access> accesses_of(std::uint32_t item) const;
   void collect_lines(std::uint32_t item);
   void finish_chunk(sim::Time now);
-  void notify_loop(sim::Time now, std::uint64_t cycles) const;
+  void notify_loop_end(sim::Time now, std::uint64_t cycles) const;
 
   // Launch scheduler.
   void start_chunk(sim::Time now);
   bool has_ray_slots(std::uint32_t tile, std::uint32_t node) const;
   void begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node);
-  std::uint64_t switch_to(traces::KernelId kernel);
+  std::uint64_t switch_to_kernel(traces::KernelId kernel);
   void add_chunk(std::uint32_t tile, std::uint32_t node);
-  void join_launches(const traces::WorkNode& work);
+  void join_ready_launches(const traces::WorkNode& work);
 
   // Ray feeder.
   bool feed_ray(sim::Time now);
   void take_hit(sim::Time now);
-  void notify_hit(sim::Time now, std::uint32_t tile, std::uint32_t ray) const;
+  void notify_batch_end(sim::Time now, std::uint32_t tile, std::uint32_t ray) const;
   /// Returns the time at which the next ray of a batch can be sent; kNever if it is not known yet.
   sim::Time ray_ready_at(const RayFeed& feed) const;
 
   // Transfers.
   void start_transfers(std::uint32_t tile);
-  void start_raster(std::uint32_t tile, std::uint32_t node);
-  void take_dma(sim::Time now);
+  void queue_raster_job(std::uint32_t tile, std::uint32_t node);
+  void take_finished_transfer(sim::Time now);
   void service_rasteriser_links(sim::Time now);
 
   void account_until(sim::Time now);

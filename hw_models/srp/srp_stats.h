@@ -60,17 +60,17 @@ struct SrpStats {
     counter(NAMED(s.hits), "hits taken back", "tni.hit_route");
     counter(NAMED(s.fed), "cycles with rays in the T&I unit");
     counter(NAMED(s.awaited), "of these, cycles with nothing on the array");
-    counter(NAMED(s.fp_add), "additions and subtractions", energy_event(OpClass::kFpAdd));
-    counter(NAMED(s.fp_mul), "multiplications", energy_event(OpClass::kFpMul));
+    counter(NAMED(s.fp_add), "additions and subtractions", energy_event_of(OpClass::kFpAdd));
+    counter(NAMED(s.fp_mul), "multiplications", energy_event_of(OpClass::kFpMul));
     counter(NAMED(s.fp_mul_add), "multiplications with the addition of their product",
-            energy_event(OpClass::kFpMulAdd));
-    counter(NAMED(s.fp_div_sqrt), "divisions and square roots", energy_event(OpClass::kFpDivSqrt));
-    counter(NAMED(s.fp_compare), "comparisons, minima and maxima", energy_event(OpClass::kFpCompare));
-    counter(NAMED(s.int_add), "integer additions and comparisons", energy_event(OpClass::kIntAdd));
-    counter(NAMED(s.int_mul), "integer multiplications", energy_event(OpClass::kIntMul));
-    counter(NAMED(s.int_logic), "logic operations and selects", energy_event(OpClass::kIntLogic));
-    counter(NAMED(s.int_shift), "shifts", energy_event(OpClass::kIntShift));
-    counter(NAMED(s.convert), "conversions", energy_event(OpClass::kConvert));
+            energy_event_of(OpClass::kFpMulAdd));
+    counter(NAMED(s.fp_div_sqrt), "divisions and square roots", energy_event_of(OpClass::kFpDivSqrt));
+    counter(NAMED(s.fp_compare), "comparisons, minima and maxima", energy_event_of(OpClass::kFpCompare));
+    counter(NAMED(s.int_add), "integer additions and comparisons", energy_event_of(OpClass::kIntAdd));
+    counter(NAMED(s.int_mul), "integer multiplications", energy_event_of(OpClass::kIntMul));
+    counter(NAMED(s.int_logic), "logic operations and selects", energy_event_of(OpClass::kIntLogic));
+    counter(NAMED(s.int_shift), "shifts", energy_event_of(OpClass::kIntShift));
+    counter(NAMED(s.convert), "conversions", energy_event_of(OpClass::kConvert));
     counter(NAMED(s.rf_reads), "register operands read", "srp.rf_read");
     counter(NAMED(s.rf_writes), "register results written", "srp.rf_write");
     counter(NAMED(s.route_hops), "operands routed between units", "srp.route_hop");
@@ -84,20 +84,22 @@ struct SrpStats {
     counter(NAMED(s.queued_loads), "loads that went through the load queue", "srp.load_queue");
   }
 
-  /// Counts a switch to a kernel of `rows` configuration rows. `resident`: the rows are in configuration memory.
-  void add_switch(std::uint32_t rows, bool resident) {
+  /// Counts a switch to a kernel of `config_rows` configuration rows. `is_resident`: the rows are in configuration
+  /// memory.
+  void add_switch(std::uint32_t config_rows, bool is_resident) {
     switches += 1;
-    resident_switches += resident ? 1 : 0;
-    cold_switches += resident ? 0 : 1;
-    config_rows_switched += rows;
-    config_rows_loaded += resident ? 0 : rows;
+    resident_switches += is_resident ? 1 : 0;
+    cold_switches += is_resident ? 0 : 1;
+    config_rows_switched += config_rows;
+    config_rows_loaded += is_resident ? 0 : config_rows;
   }
 
-  /// Counts a loop of `n` items of a kernel. The first `working` items do not idle; the others access no cache.
-  void add_loop(const KernelSchedule& k, std::uint64_t n, std::uint64_t working) {
-    const auto ops = [&](OpClass c) { return n * k.ops[static_cast<std::size_t>(c)]; };
+  /// Counts a loop of `item_count` items of a kernel. The first `working_count` items do not idle; the others access no
+  /// cache.
+  void add_loop(const KernelSchedule& kernel, std::uint64_t item_count, std::uint64_t working_count) {
+    const auto ops = [&](OpClass c) { return item_count * kernel.ops[static_cast<std::size_t>(c)]; };
     chunks += 1;
-    items += n;
+    items += item_count;
     fp_add += ops(OpClass::kFpAdd);
     fp_mul += ops(OpClass::kFpMul);
     fp_mul_add += ops(OpClass::kFpMulAdd);
@@ -108,12 +110,12 @@ struct SrpStats {
     int_logic += ops(OpClass::kIntLogic);
     int_shift += ops(OpClass::kIntShift);
     convert += ops(OpClass::kConvert);
-    rf_reads += n * k.rf_reads;
-    rf_writes += n * k.rf_writes;
-    route_hops += n * k.route_hops;
-    queued_loads += working * k.queued_loads;
-    config_reads +=
-        (k.depth + (n - 1) * k.ii) * (k.config_reads / k.ii);  // prologue and drain read configuration words, too
+    rf_reads += item_count * kernel.rf_reads;
+    rf_writes += item_count * kernel.rf_writes;
+    route_hops += item_count * kernel.route_hops;
+    queued_loads += working_count * kernel.queued_loads;
+    config_reads += (kernel.depth + (item_count - 1) * kernel.ii) *
+                    (kernel.config_reads / kernel.ii);  // prologue and drain read configuration words, too
   }
 };
 

@@ -117,24 +117,24 @@ class TileBuffer {
   std::uint64_t slot_count() const { return slots_; }
   std::uint32_t slot_bytes() const { return slot_bytes_; }
 
-  /// Takes `n` ray slots, and returns how many of them are not available.
-  std::uint64_t take_slots(std::uint64_t n) {
-    const std::uint64_t spilled = n - std::min(n, free_slots());
-    used_ += n;
-    stats_.slots_taken += n;
+  /// Takes `count` ray slots, and returns how many of them are not available.
+  std::uint64_t take_slots(std::uint64_t count) {
+    const std::uint64_t spilled = count - std::min(count, free_slots());
+    used_ += count;
+    stats_.slots_taken += count;
     stats_.slots_peak = std::max(stats_.slots_peak, used_);
     stats_.spilled_slots += spilled;
     return spilled;
   }
-  void return_slots(std::uint64_t n) { used_ -= n; }
+  void return_slots(std::uint64_t count) { used_ -= count; }
 
   void count_reads(std::uint64_t accesses) { stats_.reads += accesses; }
   void count_writes(std::uint64_t accesses) { stats_.writes += accesses; }
   void count_conflicts(std::uint64_t cycles) { stats_.bank_conflicts += cycles; }
 
   /// Records whether the tile buffer is in use from time `now` on.
-  void set_in_use(sim::Time now, bool used) {
-    const CycleReason why = used ? CycleReason::kInUse : CycleReason::kIdle;
+  void set_in_use(sim::Time now, bool is_used) {
+    const CycleReason why = is_used ? CycleReason::kInUse : CycleReason::kIdle;
     activity_.spend(now, clock_.period(), why, why);
   }
   void finish(sim::Time end) { activity_.finish(end); }

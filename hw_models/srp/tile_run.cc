@@ -13,34 +13,35 @@ using traces::WorkNode;
 namespace {
 
 /// True if the node's items have ray slots, which the launch that makes the items has taken.
-bool has_slots(const WorkNode& node) {
+bool has_ray_slots(const WorkNode& node) {
   return node.kind == WorkNode::Kind::kRays || node.kind == WorkNode::Kind::kRaster;
 }
 
 /// Reserves memory for a typical tile, or twice the need, so that later and larger tiles rarely allocate.
 template <class T>
-void make_room(std::vector<T>& list, std::size_t needed) {
+void reserve_with_slack(std::vector<T>& vector, std::size_t needed) {
   constexpr std::size_t kUsual = 4096;
-  if (list.capacity() < needed) list.reserve(std::max(kUsual, 2 * needed));
+  if (vector.capacity() < needed) vector.reserve(std::max(kUsual, 2 * needed));
 }
 
 }  // namespace
 
-void TileRun::start_tile(const traces::TileWork& work, std::uint32_t chunk, std::uint32_t missing, TileTag tag) {
+void TileRun::start_tile(const traces::TileWork& work, std::uint32_t chunk_items_limit, std::uint32_t missing_borders,
+                         TileTag tag) {
   if (work.ray_begin.size() > kMaxRays) {
     throw sim::InputError(
         "render.tile: a tile has more than 16777216 rays; allowed: a smaller tile, depth or number of lights");
   }
   work_ = &work;
-  chunk_ = chunk;
-  missing_ = missing;
+  chunk_ = chunk_items_limit;
+  missing_ = missing_borders;
   tile_tag_ = tag;
   awaits_border_ = false;
   nodes_left_ = static_cast<std::uint32_t>(work.nodes.size());
-  make_room(progress_, work.nodes.size());
-  make_room(batch_of_ray_, work.ray_begin.size());
-  make_room(transfers_, work.nodes.size());
-  make_room(chunk_left_, work.ray_begin.size() / chunk + work.nodes.size());
+  reserve_with_slack(progress_, work.nodes.size());
+  reserve_with_slack(batch_of_ray_, work.ray_begin.size());
+  reserve_with_slack(transfers_, work.nodes.size());
+  reserve_with_slack(chunk_left_, work.ray_begin.size() / chunk_items_limit + work.nodes.size());
   progress_.assign(work.nodes.size(), {});
   batch_of_ray_.resize(work.ray_begin.size());
   transfers_.clear();
@@ -50,13 +51,13 @@ void TileRun::start_tile(const traces::TileWork& work, std::uint32_t chunk, std:
     const WorkNode& w = node(n);
     assert(w.items > 0);
     p.follows_rays = std::ranges::any_of(
-        w.inputs, [&](const Edge& e) { return has_slots(node(e.node)) || progress_[e.node].follows_rays; });
+        w.inputs, [&](const Edge& e) { return has_ray_slots(node(e.node)) || progress_[e.node].follows_rays; });
     if (w.kind == WorkNode::Kind::kRays) {
       assert(w.inputs.size() == 1 && w.inputs.front().kind == Edge::Kind::kEach && "rays come from one launch each");
       progress_[producing_launch(n)].batches += 1;
       p.first_chunk = static_cast<std::uint32_t>(chunk_left_.size());
-      for (std::uint32_t left = w.items; left > 0; left -= std::min(left, chunk)) {
-        chunk_left_.push_back(std::min(left, chunk));
+      for (std::uint32_t left = w.items; left > 0; left -= std::min(left, chunk_items_limit)) {
+        chunk_left_.push_back(std::min(left, chunk_items_limit));
       }
       std::fill_n(batch_of_ray_.begin() + w.first, w.items, n);
     } else {
@@ -76,43 +77,45 @@ void TileRun::list_batches() {
     next += p.batches;
     p.batches = 0;
   }
-  make_room(batches_, next);
+  reserve_with_slack(batches_, next);
   batches_.resize(next);
   for (std::uint32_t n = 0; n < node_count(); ++n) {
-    if (!has_slots(node(n))) continue;
+    if (!has_ray_slots(node(n))) continue;
     Progress& p = progress_[producing_launch(n)];
     batches_[p.first_batch + p.batches++] = n;
   }
 }
 
-std::uint32_t TileRun::available_items(std::uint32_t n, const Edge& edge) const {
+std::uint32_t TileRun::available_items(std::uint32_t node_id, const Edge& edge) const {
   const Progress& from = progress_[edge.node];
-  if (edge.kind == Edge::Kind::kAll) return dependents_released(edge.node) ? node(n).items : 0;
+  if (edge.kind == Edge::Kind::kAll) return releases_dependents(edge.node) ? node(node_id).items : 0;
   const std::uint32_t prefix = node(edge.node).kind == WorkNode::Kind::kRays ? from.prefix : from.done;
-  const std::uint32_t map = node(n).sources;
+  const std::uint32_t map = node(node_id).sources;
   if (map == WorkNode::kNone) return prefix;
   const auto first = work_->sources.begin() + map;
-  return static_cast<std::uint32_t>(std::lower_bound(first, first + node(n).items, prefix) - first);
+  return static_cast<std::uint32_t>(std::lower_bound(first, first + node(node_id).items, prefix) - first);
 }
 
-std::uint32_t TileRun::chunk_items(std::uint32_t n) const { return std::min(chunk_, total_items(n) - done_items(n)); }
-
-bool TileRun::is_ready(std::uint32_t n) const {
-  if (is_complete(n)) return false;
-  const std::uint32_t want = std::min(done_items(n) + chunk_items(n), node(n).items);
-  return std::ranges::all_of(node(n).inputs, [&](const Edge& e) { return available_items(n, e) >= want; });
+std::uint32_t TileRun::chunk_items(std::uint32_t launch) const {
+  return std::min(chunk_, total_items(launch) - done_items(launch));
 }
 
-bool TileRun::inputs_released(std::uint32_t n) const {
-  return std::ranges::all_of(node(n).inputs, [&](const Edge& e) { return dependents_released(e.node); });
+bool TileRun::is_ready(std::uint32_t launch) const {
+  if (is_complete(launch)) return false;
+  const std::uint32_t want = std::min(done_items(launch) + chunk_items(launch), node(launch).items);
+  return std::ranges::all_of(node(launch).inputs, [&](const Edge& e) { return available_items(launch, e) >= want; });
 }
 
-std::uint32_t TileRun::rays_made(std::uint32_t n, std::uint32_t first, std::uint32_t items) const {
+bool TileRun::has_released_inputs(std::uint32_t node_id) const {
+  return std::ranges::all_of(node(node_id).inputs, [&](const Edge& e) { return releases_dependents(e.node); });
+}
+
+std::uint32_t TileRun::rays_made(std::uint32_t launch, std::uint32_t first, std::uint32_t items) const {
   std::uint32_t rays = 0;
-  for (const std::uint32_t batch : batches_of(n)) {
+  for (const std::uint32_t batch : batches_of(launch)) {
     const WorkNode& w = node(batch);
     if (w.sources == WorkNode::kNone) {
-      rays += working_items(n, first, items);
+      rays += working_items(launch, first, items);
       continue;
     }
     const auto begin = work_->sources.begin() + w.sources;
@@ -122,14 +125,14 @@ std::uint32_t TileRun::rays_made(std::uint32_t n, std::uint32_t first, std::uint
   return rays;
 }
 
-std::uint32_t TileRun::finish_items(std::uint32_t n, std::uint32_t items) {
-  progress_[n].done += items;
-  assert(progress_[n].done <= total_items(n));
-  if (!is_complete(n)) return 0;
+std::uint32_t TileRun::finish_items(std::uint32_t node_id, std::uint32_t items) {
+  progress_[node_id].done += items;
+  assert(progress_[node_id].done <= total_items(node_id));
+  if (!is_complete(node_id)) return 0;
   nodes_left_ -= 1;
   std::uint32_t freed = 0;
-  for (const Edge& e : node(n).inputs) {
-    if (--progress_[e.node].readers == 0 && has_slots(node(e.node))) freed += node(e.node).items;
+  for (const Edge& e : node(node_id).inputs) {
+    if (--progress_[e.node].readers == 0 && has_ray_slots(node(e.node))) freed += node(e.node).items;
   }
   return freed;
 }

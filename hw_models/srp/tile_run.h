@@ -17,29 +17,30 @@ inline constexpr std::uint32_t kMaxRays = 1U << 24;
 /// the SRP tracks.
 class TileRun {
  public:
-  /// Starts a tile. `chunk`: number of items of a launch that run together; a launch's next chunk is ready when all
-  /// inputs of its items are. `missing`: mask of the imported borders that are not in memory yet.
-  void start_tile(const traces::TileWork& work, std::uint32_t chunk, std::uint32_t missing = 0, TileTag tag = kNoTile);
-  void set_missing_borders(std::uint32_t missing) { missing_ = missing; }
+  /// Starts a tile. `chunk_items_limit`: number of items of a launch that run together; a launch's next chunk is ready
+  /// when all inputs of its items are. `missing_borders`: mask of the imported borders that are not in memory yet.
+  void start_tile(const traces::TileWork& work, std::uint32_t chunk_items_limit, std::uint32_t missing_borders = 0,
+                  TileTag tag = kNoTile);
+  void set_missing_borders(std::uint32_t border_mask) { missing_ = border_mask; }
   void clear_tile() { work_ = nullptr; }
 
   bool is_active() const { return work_ != nullptr; }
   const traces::TileWork& work() const { return *work_; }
   TileTag tile_tag() const { return tile_tag_; }
-  const traces::WorkNode& node(std::uint32_t n) const { return work_->nodes[n]; }
+  const traces::WorkNode& node(std::uint32_t node_id) const { return work_->nodes[node_id]; }
   std::uint32_t node_count() const { return static_cast<std::uint32_t>(work_->nodes.size()); }
-  /// Returns the number of items of node `n`, including idle ones.
-  std::uint32_t total_items(std::uint32_t n) const { return node(n).items + node(n).idle; }
-  /// Returns the number of finished items of node `n`.
-  std::uint32_t done_items(std::uint32_t n) const { return progress_[n].done; }
-  /// True if nodes that depend on node `n` may start; idle items of `n` may still run.
-  bool dependents_released(std::uint32_t n) const { return progress_[n].done >= node(n).items; }
-  bool is_complete(std::uint32_t n) const { return progress_[n].done == total_items(n); }
-  bool is_all_complete() const { return nodes_left_ == 0; }
-  /// True if node `n` depends on rays, directly or through other nodes.
-  bool depends_on_rays(std::uint32_t n) const { return progress_[n].follows_rays; }
-  /// True if unfinished nodes depend on node `n`.
-  bool is_awaited(std::uint32_t n) const { return progress_[n].readers > 0; }
+  /// Returns the number of items of a node, including idle ones.
+  std::uint32_t total_items(std::uint32_t node_id) const { return node(node_id).items + node(node_id).idle; }
+  /// Returns the number of finished items of a node.
+  std::uint32_t done_items(std::uint32_t node_id) const { return progress_[node_id].done; }
+  /// True if nodes that depend on this node may start; idle items of the node may still run.
+  bool releases_dependents(std::uint32_t node_id) const { return progress_[node_id].done >= node(node_id).items; }
+  bool is_complete(std::uint32_t node_id) const { return progress_[node_id].done == total_items(node_id); }
+  bool is_tile_complete() const { return nodes_left_ == 0; }
+  /// True if the node depends on rays, directly or through other nodes.
+  bool depends_on_rays(std::uint32_t node_id) const { return progress_[node_id].follows_rays; }
+  /// True if unfinished nodes depend on this node.
+  bool is_awaited(std::uint32_t node_id) const { return progress_[node_id].readers > 0; }
 
   /// Returns the launch to run next: among the launches whose next chunk is ready and for which usable(n) is true, the
   /// last one in graph order, so that consumers run before producers. kNone if there is none.
@@ -56,7 +57,7 @@ class TileRun {
     std::size_t left = 0;
     awaits_border_ = false;
     for (const std::uint32_t n : transfers_) {
-      const bool released = inputs_released(n), needs_border = released && has_missing_border(n);
+      const bool released = has_released_inputs(n), needs_border = released && has_missing_border(n);
       awaits_border_ |= needs_border;
       if (released && !needs_border) {
         start(n);
@@ -68,30 +69,31 @@ class TileRun {
   }
   /// True if a transfer waits for another tile's border and for nothing else.
   bool is_awaiting_border() const { return awaits_border_; }
-  /// Returns the number of items in the next chunk of launch `n`, including idle ones.
-  std::uint32_t chunk_items(std::uint32_t n) const;
-  /// Returns the item of the producing launch that makes ray `i` of batch `n`.
-  std::uint32_t source_item(std::uint32_t n, std::uint32_t i) const {
-    const std::uint32_t map = node(n).sources;
-    return map == traces::WorkNode::kNone ? i : work_->sources[map + i];
+  /// Returns the number of items in the next chunk of a launch, including idle ones.
+  std::uint32_t chunk_items(std::uint32_t launch) const;
+  /// Returns the item of the producing launch that makes ray number `ray_index` of a batch.
+  std::uint32_t source_item(std::uint32_t batch, std::uint32_t ray_index) const {
+    const std::uint32_t map = node(batch).sources;
+    return map == traces::WorkNode::kNone ? ray_index : work_->sources[map + ray_index];
   }
-  /// Returns the launch that makes the rays of batch `n`.
-  std::uint32_t producing_launch(std::uint32_t n) const { return node(n).inputs.front().node; }
-  /// Returns the batches that launch `n` makes: batches of rays and of samples to be rasterised.
-  std::span<const std::uint32_t> batches_of(std::uint32_t n) const {
-    return std::span(batches_).subspan(progress_[n].first_batch, progress_[n].batches);
+  /// Returns the launch that makes the rays of a batch.
+  std::uint32_t producing_launch(std::uint32_t batch) const { return node(batch).inputs.front().node; }
+  /// Returns the batches that a launch makes: batches of rays and of samples to be rasterised.
+  std::span<const std::uint32_t> batches_of(std::uint32_t launch) const {
+    return std::span(batches_).subspan(progress_[launch].first_batch, progress_[launch].batches);
   }
-  /// Returns how many of the items first to first + items - 1 of launch `n` do not idle.
-  std::uint32_t working_items(std::uint32_t n, std::uint32_t first, std::uint32_t items) const {
-    return std::min(first + items, node(n).items) - std::min(first, node(n).items);
+  /// Returns how many of the items first to first + items - 1 of a launch do not idle.
+  std::uint32_t working_items(std::uint32_t launch, std::uint32_t first, std::uint32_t items) const {
+    return std::min(first + items, node(launch).items) - std::min(first, node(launch).items);
   }
-  /// Returns the number of rays that the items first to first + items - 1 of launch `n` make, over all its batches.
-  std::uint32_t rays_made(std::uint32_t n, std::uint32_t first, std::uint32_t items) const;
+  /// Returns the number of rays that the items first to first + items - 1 of a launch make, over all its
+  /// batches.
+  std::uint32_t rays_made(std::uint32_t launch, std::uint32_t first, std::uint32_t items) const;
   std::uint32_t batch_of(std::uint32_t ray) const { return batch_of_ray_[ray]; }
 
   /// Marks `items` more items of a launch, or a whole transfer, as finished. Returns the number of ray slots that
   /// become free.
-  std::uint32_t finish_items(std::uint32_t n, std::uint32_t items);
+  std::uint32_t finish_items(std::uint32_t node_id, std::uint32_t items);
   /// Marks a ray of the tile as returned. Returns true if that may have made another node ready.
   bool finish_ray(std::uint32_t ray);
 
@@ -107,12 +109,12 @@ class TileRun {
     std::uint32_t first_chunk = 0;               ///< batches of rays: index in chunk_left_
   };
   void list_batches();
-  bool is_ready(std::uint32_t n) const;
-  bool inputs_released(std::uint32_t n) const;
-  bool has_missing_border(std::uint32_t n) const {
-    return node(n).border != kNone && !node(n).to_memory && (missing_ >> node(n).border & 1U) != 0;
+  bool is_ready(std::uint32_t launch) const;
+  bool has_released_inputs(std::uint32_t node_id) const;
+  bool has_missing_border(std::uint32_t node_id) const {
+    return node(node_id).border != kNone && !node(node_id).to_memory && (missing_ >> node(node_id).border & 1U) != 0;
   }
-  std::uint32_t available_items(std::uint32_t n, const traces::Edge& edge) const;
+  std::uint32_t available_items(std::uint32_t node_id, const traces::Edge& edge) const;
 
   const traces::TileWork* work_ = nullptr;
   std::uint32_t chunk_ = 1;

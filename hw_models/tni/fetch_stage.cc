@@ -5,29 +5,29 @@
 
 namespace hw {
 
-void FetchStage::wait_after_miss(Addr line, std::uint64_t slot) {
+void FetchStage::wait_after_miss(Addr line, std::uint64_t slot_mask) {
   if (handling_ == MissHandling::kBlocking) {
     stalled_ = true;
     return;
   }
   stats_.rau_writes += 1;
-  if (l1_.find_miss(line)->slots == slot) rows_used_ += 1;
+  if (l1_.find_miss(line)->slots == slot_mask) rows_used_ += 1;
 }
 
-void FetchStage::unblock_waiters(Addr line, std::uint64_t slots) {
+void FetchStage::unblock_waiters(Addr line, std::uint64_t slot_mask) {
   resume_slots(no_mshr_);
   if (handling_ == MissHandling::kBlocking) {
-    if (slots != 0) stalled_ = false;
+    if (slot_mask != 0) stalled_ = false;
     return;
   }
-  if (slots != 0) {
+  if (slot_mask != 0) {
     stats_.rau_fills += 1;
-    rows_read_.push_back(slots);
+    rows_read_.push_back(slot_mask);
   }
   if (wanted_row_ == line) resume_slots(table_full_);
 }
 
-bool FetchStage::has_room_in_table(Addr line) {
+bool FetchStage::has_room_in_rau_table(Addr line) {
   const L1Cache::Miss* row = l1_.find_miss(line);
   if (row != nullptr && row->slots != 0) {
     wanted_row_ = line;
@@ -37,11 +37,11 @@ bool FetchStage::has_room_in_table(Addr line) {
   return rows_used_ < rau_.rows || (row == nullptr && l1_.has_line(line));
 }
 
-void FetchStage::leave_table(std::uint64_t slot) {
+void FetchStage::leave_rau_table(std::uint64_t slot_mask) {
   stats_.rau_reads += 1;
-  const auto row = std::ranges::find_if(rows_read_, [&](std::uint64_t slots) { return (slots & slot) != 0; });
+  const auto row = std::ranges::find_if(rows_read_, [&](std::uint64_t slots) { return (slots & slot_mask) != 0; });
   assert(row != rows_read_.end() && "a line is kept for a slot that is in no row");
-  *row &= ~slot;
+  *row &= ~slot_mask;
   if (*row != 0) return;
   *row = rows_read_.back();
   rows_read_.pop_back();
@@ -49,11 +49,11 @@ void FetchStage::leave_table(std::uint64_t slot) {
   if (wanted_row_ == kAnyRow) resume_slots(table_full_);
 }
 
-void FetchStage::resume_slots(std::uint64_t slot) {
-  if (slot == 0) return;
-  resumed_ |= slot;
-  ready_ |= slot;
-  table_full_ &= ~slot;
+void FetchStage::resume_slots(std::uint64_t slot_mask) {
+  if (slot_mask == 0) return;
+  resumed_ |= slot_mask;
+  ready_ |= slot_mask;
+  table_full_ &= ~slot_mask;
   stalled_ = false;
 }
 

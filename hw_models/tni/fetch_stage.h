@@ -86,7 +86,7 @@ class FetchStage {
   }
   bool is_bypassing() const { return handling_ == MissHandling::kBypass; }
   /// Returns the scarcest resource for which any slot waits.
-  Wait waits_for() const {
+  Wait scarcest_wait() const {
     if (table_full_ != 0) return Wait::kTable;
     if (no_mshr_ != 0) return Wait::kMshr;
     return missing_ != 0 ? Wait::kLine : Wait::kNothing;
@@ -102,13 +102,13 @@ class FetchStage {
       served_ &= ~bit;
       note_read(bit);
       if (handling_ == MissHandling::kRau) {
-        leave_table(bit);
+        leave_rau_table(bit);
         return Wait::kNothing;
       }
       stats_.l1_hits += 1;
       return Wait::kNothing;
     }
-    if (handling_ == MissHandling::kRau && !has_room_in_table(line)) {
+    if (handling_ == MissHandling::kRau && !has_room_in_rau_table(line)) {
       late_ |= bit;
       stats_.l1_misses += 1;
       stats_.rau_full += 1;
@@ -140,16 +140,16 @@ class FetchStage {
 
   /// Fast path for a slot's first probe: true if it hits; the unit then clears the slot's bit in `ready`. Returns false
   /// without side effects if read_line() is needed. Only for reordered misses in a cache that is not ideal.
-  bool try_first_probe_hit(std::uint64_t bit, Addr line) {
-    if (((served_ | late_) & bit) != 0 || !l1_.try_hit(line)) [[unlikely]]
+  bool try_first_probe_hit(std::uint64_t slot_bit_mask, Addr line) {
+    if (((served_ | late_) & slot_bit_mask) != 0 || !l1_.try_hit(line)) [[unlikely]]
       return false;
     stats_.l1_hits += 1;
     return true;
   }
 
   /// Fills a line into the L1 and sets the `ready` bits of the slots that wait for it.
-  void fill(Addr line, std::uint64_t cycle) {
-    const L1Cache::Miss miss = l1_.fill(line);
+  void fill_line(Addr line, std::uint64_t cycle) {
+    const L1Cache::Miss miss = l1_.fill_line(line);
     stats_.l1_fills += 1;
     stats_.l1_miss_cycles += cycle - miss.requested_at;
     served_ |= miss.slots;
@@ -195,24 +195,24 @@ class FetchStage {
   static constexpr Addr kAnyRow = ~Addr{0};
 
   /// Counts a successful read, as late if the slot's first probe missed.
-  void note_read(std::uint64_t slot) {
-    stats_.l1_late += (late_ & slot) != 0;
-    late_ &= ~slot;
+  void note_read(std::uint64_t slot_mask) {
+    stats_.l1_late += (late_ & slot_mask) != 0;
+    late_ &= ~slot_mask;
   }
   /// Clears the wait state of a slot that probes again.
-  void clear_waits(std::uint64_t slot) {
-    missing_ &= ~slot;
-    no_mshr_ &= ~slot;
-    resumed_ &= ~slot;
+  void clear_waits(std::uint64_t slot_mask) {
+    missing_ &= ~slot_mask;
+    no_mshr_ &= ~slot_mask;
+    resumed_ &= ~slot_mask;
   }
   /// Makes a slot wait after a miss: in a row of the table (`rau`) or in the fetch stage (`blocking`).
-  void wait_after_miss(Addr line, std::uint64_t slot);
+  void wait_after_miss(Addr line, std::uint64_t slot_mask);
   /// Resumes the slots that wait for an MSHR, for the filled line or for room in the table. Called after a fill;
-  /// `slots`: mask of the slots that waited for the line.
-  void unblock_waiters(Addr line, std::uint64_t slots);
-  bool has_room_in_table(Addr line);
-  void leave_table(std::uint64_t slot);
-  void resume_slots(std::uint64_t slot);
+  /// `slot_mask`: mask of the slots that waited for the line.
+  void unblock_waiters(Addr line, std::uint64_t slot_mask);
+  bool has_room_in_rau_table(Addr line);
+  void leave_rau_table(std::uint64_t slot_mask);
+  void resume_slots(std::uint64_t slot_mask);
 
   std::uint64_t late_ = 0;    ///< slots whose first probe for their line missed
   std::uint64_t served_ = 0;  ///< slots whose line has arrived and is kept for them

@@ -29,13 +29,13 @@ Ist::Ist(const IstConfig& config, const TniMode& mode, const TrianglesInMemory& 
       fetch_(config.l1, mode, client, waiting_[kToFetch]),
       slots_(config.leaves),
       pipe_(clock, config.l1.hit_cycles + config.latency),
-      free_(all_slots(config.leaves)) {
+      free_(first_slots_mask(config.leaves)) {
   memory_in_.mirror_pop_time(&line_at_);
 }
 
-inline bool Ist::fill(const Cycle& cycle) {
+inline bool Ist::fill_arrived_line(const Cycle& cycle) {
   if (line_at_ > cycle.now) return false;
-  fetch_.fill(memory_in_.pop(cycle.now).line, cycle.number);
+  fetch_.fill_line(memory_in_.pop(cycle.now).line, cycle.number);
   return true;
 }
 
@@ -44,7 +44,7 @@ inline bool Ist::take_leaf(sim::Time now) {
   const std::uint32_t trv = sources_.choose_requester(
       leaves_in_.nonempty_mask(), [&](std::uint32_t i) { return leaves_in_.can_pop(i, now); },
       [](std::uint32_t) { return sim::Time{0}; });
-  if (trv == sources_.count()) return false;
+  if (trv == sources_.requester_count()) return false;
   sources_.note_served(trv);
   const auto index = static_cast<std::uint32_t>(std::countr_zero(free_));
   free_ &= ~slot_bit(index);
@@ -80,8 +80,8 @@ inline void Ist::complete_fetch(Slot& slot, std::uint32_t index, bool last_line,
   }
 }
 
-[[gnu::always_inline]] inline Ist::CycleReason Ist::issue_test(std::uint64_t able, std::uint64_t cycle) {
-  const std::uint32_t index = round_robin(able, turn_);
+[[gnu::always_inline]] inline Ist::CycleReason Ist::issue_test(std::uint64_t ready_slots, std::uint64_t cycle) {
+  const std::uint32_t index = round_robin(ready_slots, turn_);
   turn_ = (index + 1) % 64;
   Slot& slot = slots_[index];
   const Addr begin = triangles_.base + Addr{slot.job.first + slot.tested} * triangles_.bytes;
@@ -132,7 +132,7 @@ inline bool Ist::send_answer(sim::Time now) {
 inline Ist::CycleReason Ist::wait_reason() const {
   if (occupied_ == 0) return CycleReason::kStarved;
   if (waiting_[kToAnswer] != 0) return CycleReason::kOutputFull;
-  return FetchStage::wait_reason(fetch_.waits_for(), CycleReason::kPipe);
+  return FetchStage::wait_reason(fetch_.scarcest_wait(), CycleReason::kPipe);
 }
 
 inline sim::Time Ist::next_wake(const Cycle& cycle) const {
@@ -147,7 +147,7 @@ inline sim::Time Ist::next_wake(const Cycle& cycle) const {
 sim::Time Ist::tick(const Cycle& cycle) {
   const sim::Time now = cycle.now;
   pipe_.take_completed(cycle.number, waiting_);
-  if (line_at_ <= now) run_once_or_drain(ideal_, [&] { return fill(cycle); });
+  if (line_at_ <= now) run_once_or_drain(ideal_, [&] { return fill_arrived_line(cycle); });
   run_once_or_drain(ideal_, [&] { return take_leaf(now); });
   const CycleReason tested = issue_tests(cycle.number);
   const bool tried = tested != CycleReason::kStarved;

@@ -86,7 +86,7 @@ class Ist {
     static_cast<FetchStats&>(all) = fetch_.stats();
     return all;
   }
-  std::uint64_t retired() const { return stats_.tests + stats_.leaves_out; }
+  std::uint64_t retired_items() const { return stats_.tests + stats_.leaves_out; }
   const sim::Activity<CycleReason>& activity() const { return activity_; }
   void finish(sim::Time end) { activity_.finish(end); }
   bool idle() const { return occupied_ == 0; }
@@ -104,11 +104,11 @@ class Ist {
 
   enum Pipe : std::size_t { kToAnswer, kToFetch, kPipes };
 
-  bool fill(const Cycle& cycle);
+  bool fill_arrived_line(const Cycle& cycle);
   bool take_leaf(sim::Time now);
   std::uint64_t issuable_slots() const;
   CycleReason issue_tests(std::uint64_t cycle);
-  CycleReason issue_test(std::uint64_t able, std::uint64_t cycle);
+  CycleReason issue_test(std::uint64_t ready_slots, std::uint64_t cycle);
   void complete_fetch(Slot& slot, std::uint32_t index, bool last_line, std::uint64_t cycle);
   bool send_answer(sim::Time now);
   CycleReason wait_reason() const;

@@ -30,7 +30,7 @@ sim::Time RayDispatcher::tick(sim::Time now) {
     return rays_in_.can_pop(at) ? CycleReason::kTrvsFull : CycleReason::kStarved;
   };
   activity_.spend(now, clock_.period(), collected || dispatched ? CycleReason::kDispatching : waiting(now),
-                  waiting(clock_.after(now, 1)));
+                  waiting(clock_.edge_after(now, 1)));
   return next_wake(now);
 }
 
@@ -69,17 +69,17 @@ bool RayDispatcher::collect_hit(sim::Time now) {
   const std::uint32_t trv = collects_.choose_requester(
       from_trv_.nonempty_mask(), [&](std::uint32_t i) { return from_trv_.can_pop(i, now); },
       [](std::uint32_t) { return sim::Time{0}; });
-  if (trv == collects_.count()) return false;
+  if (trv == collects_.requester_count()) return false;
   collects_.note_served(trv);
   hits_out_.push(now, from_trv_[trv].pop(now));
   load_[trv] -= 1;
   stats_.hits_out += 1;
-  if (!policy_.ideal) collect_at_ = clock_.after(now, policy_.hit_interval);
+  if (!policy_.ideal) collect_at_ = clock_.edge_after(now, policy_.hit_interval);
   return true;
 }
 
 inline sim::Time RayDispatcher::next_wake(sim::Time now) const {
-  const sim::Time next = clock_.after(now, 1);
+  const sim::Time next = clock_.edge_after(now, 1);
   const sim::Time at = std::max({next, collect_at_, from_trv_.pop_at(), hits_out_.push_at()});
   if (rays_in_.pop_at() == sim::kNever) return at;
   const std::size_t trv = chosen_trv(next);

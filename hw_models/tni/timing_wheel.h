@@ -15,12 +15,12 @@ struct Cycle {
   sim::Time now, next;
   std::uint64_t number;
 
-  Cycle(sim::Time at, const sim::Clock& clock) : now(at), next(clock.after(at, 1)), number(clock.cycles(at)) {}
+  Cycle(sim::Time at, const sim::Clock& clock) : now(at), next(clock.edge_after(at, 1)), number(clock.cycles(at)) {}
   /// Advances to the cycle that begins at the later edge `at`.
   void advance_to(sim::Time at, const sim::Clock& clock) {
     number += at == next ? 1 : clock.cycles(at - now);
     now = at;
-    next = clock.after(at, 1);
+    next = clock.edge_after(at, 1);
   }
 };
 
@@ -33,9 +33,10 @@ class TimingWheel {
   /// For each pipe, a mask of slots.
   struct alignas(kPipes * sizeof(std::uint64_t)) Masks : std::array<std::uint64_t, kPipes> {};
 
-  /// `longest`: largest latency in cycles that schedule_completion() will receive. The number of bins is the next power
-  /// of two above it.
-  TimingWheel(sim::Clock clock, std::uint64_t longest) : clock_(clock), last_bin_(std::bit_ceil(longest + 1) - 1) {
+  /// `longest_latency`: largest latency in cycles that schedule_completion() will receive. The number of bins is the
+  /// next power of two above it.
+  TimingWheel(sim::Clock clock, std::uint64_t longest_latency)
+      : clock_(clock), last_bin_(std::bit_ceil(longest_latency + 1) - 1) {
     assert(last_bin_ < kMostSpan);
   }
 
@@ -67,7 +68,7 @@ class TimingWheel {
     const std::uint64_t later = occupied_ >> bin;  // 0: the next bin has wrapped around
     const int bins =
         later != 0 ? std::countr_zero(later) : static_cast<int>(last_bin_ + 1 - bin) + std::countr_zero(occupied_);
-    return clock_.after(cycle.now, static_cast<std::uint64_t>(bins));
+    return clock_.edge_after(cycle.now, static_cast<std::uint64_t>(bins));
   }
 
  private:
@@ -88,11 +89,13 @@ void run_once_or_drain(bool drain_all, Step&& step) {
 
 /// Returns a mask with the bit of one slot, or with the bits of the first `slots` slots.
 constexpr std::uint64_t slot_bit(std::uint32_t slot) { return std::uint64_t{1} << slot; }
-constexpr std::uint64_t all_slots(std::uint32_t slots) { return slots == 64 ? ~std::uint64_t{0} : slot_bit(slots) - 1; }
+constexpr std::uint64_t first_slots_mask(std::uint32_t count) {
+  return count == 64 ? ~std::uint64_t{0} : slot_bit(count) - 1;
+}
 
-/// Returns the first set bit of a 64-bit mask at or after bit `from`, wrapping around. The mask must not be 0.
-inline std::uint32_t round_robin(std::uint64_t mask, std::uint32_t from) {
-  return (from + static_cast<std::uint32_t>(std::countr_zero(std::rotr(mask, static_cast<int>(from))))) % 64;
+/// Returns the first set bit of a 64-bit mask at or after bit `first`, wrapping around. The mask must not be 0.
+inline std::uint32_t round_robin(std::uint64_t mask, std::uint32_t first) {
+  return (first + static_cast<std::uint32_t>(std::countr_zero(std::rotr(mask, static_cast<int>(first))))) % 64;
 }
 
 }  // namespace hw

@@ -79,7 +79,7 @@ void TniCore::make_cluster(sim::Machine& machine, sim::UnitId port_id, CorePort&
 
 void TniCore::run(const sim::ClusterTurn& turn, sim::Time now) {
   const std::size_t trvs = trvs_.size();
-  const std::uint64_t all_trvs = all_slots(static_cast<std::uint32_t>(trvs));
+  const std::uint64_t all_trvs = first_slots_mask(static_cast<std::uint32_t>(trvs));
   sim::Time* const wakes = turn.wakeup_times;
   Cycle cycle(now, dispatcher_id_.clock);
   for (;;) {

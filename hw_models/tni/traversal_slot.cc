@@ -85,7 +85,7 @@ void TraversalSlot::restart_walk(const std::uint32_t* walk, const TreeInMemory& 
 }
 
 void TraversalSlot::complete_replayed_visit(RestartPath& path, bool has_trail) {
-  path.pop();
+  path.remove_next_step();
   restarting_ = !path.is_empty();
   if (!restarting_ && has_trail) consume_entry();
 }

@@ -31,7 +31,7 @@ class RestartPath {
   bool enters_instance() const { return (path_.back() & kEnter) != 0; }
   std::uint32_t next_instance() const { return path_.back() & ~kEnter; }
   std::uint32_t next_node() const { return path_.back(); }
-  void pop() { path_.pop_back(); }
+  void remove_next_step() { path_.pop_back(); }
 
  private:
   static constexpr std::size_t kUsualDepth = 128;    ///< nodes reserved; deeper trees allocate more
@@ -138,16 +138,16 @@ class TraversalSlot {
 
   // Progress of a visit that takes several lines or passes.
   std::uint32_t lines_read() const { return lines_read_; }
-  void count_line() { lines_read_ += 1; }
+  void count_line_read() { lines_read_ += 1; }
   void reset_lines() { lines_read_ = 0; }
   /// Returns which child's box the current pass tests, 0 or 1; for units with one box tester.
   std::uint32_t tested_child() const { return child_; }
   void switch_child() { child_ ^= 1U; }
 
  private:
-  void go_to_step(const std::uint32_t* to) {
-    next_word_ = to;
-    next_step_ = *to;
+  void go_to_step(const std::uint32_t* step) {
+    next_word_ = step;
+    next_step_ = *step;
   }
   /// Drops a popped stack entry if it is farther than the ray's hit; otherwise the ray continues there.
   void consume_entry() {

@@ -25,10 +25,14 @@ struct TreeInMemory {
   std::span<const traces::InstanceRecord> placed{};
 
   /// True if each node's record holds the boxes of both children and is exactly one cache line.
-  bool node_is_line() const { return single_boxes.empty() && node_bytes == kLineBytes && nodes % kLineBytes == 0; }
-  /// Returns the address of a node's cache line. Requires node_is_line().
-  Addr line_of(std::uint32_t node) const { return nodes + Addr{node} * kLineBytes; }
-  Addr line_of_instance(std::uint32_t i) const { return instances + Addr{i} * sizeof(traces::InstanceRecord); }
+  bool has_one_line_per_node() const {
+    return single_boxes.empty() && node_bytes == kLineBytes && nodes % kLineBytes == 0;
+  }
+  /// Returns the address of a node's cache line. Requires has_one_line_per_node().
+  Addr line_of_node(std::uint32_t node) const { return nodes + Addr{node} * kLineBytes; }
+  Addr line_of_instance(std::uint32_t instance) const {
+    return instances + Addr{instance} * sizeof(traces::InstanceRecord);
+  }
 
   /// A cache line that a visit to a node reads.
   struct Line {

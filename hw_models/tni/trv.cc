@@ -20,7 +20,7 @@ Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree,
       stack_latency_(config.stack_latency),
       stack_room_(config.stack == StackScheme::kFull ? ~std::uint32_t{0} : config.stack_entries),
       features_{.instances = !tree.placed.empty(),
-                .plain = tree.node_is_line() && !tree.hybrid && config.box_testers == 2,
+                .plain = tree.has_one_line_per_node() && !tree.hybrid && config.box_testers == 2,
                 .one_pipe = config.box_testers == 1 && !mode.ideal,
                 .ideal = mode.ideal,
                 .prefetches = config.prefetch == Prefetch::kSibling,
@@ -33,7 +33,7 @@ Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree,
       pipes_(clock, std::max({box_latency_, transform_latency_, stack_latency_})),
       tree_(tree),
       links_(links),
-      free_(all_slots(config.rays)),
+      free_(first_slots_mask(config.rays)),
       config_(config),
       begins_(config.rays),
       paths_(config.rays) {
@@ -64,7 +64,7 @@ void Trv::finish(sim::Time end) {
 
 /// Updates the counts of cycles and visits with a full input buffer, after rays have entered or left at time `now`. The
 /// cycle counts by its state at the end, its visit by the state before.
-void Trv::note_full(sim::Time now) {
+void Trv::account_full_buffer(sim::Time now) {
   rays_moved_ = false;
   if (full_ == (free_ == 0)) return;
   full_ = !full_;
@@ -77,10 +77,10 @@ void Trv::note_full(sim::Time now) {
   }
 }
 
-void Trv::note_far_nodes(std::uint64_t visited) {
-  both_children_hit_ &= ~visited;
-  for (; visited != 0; visited &= visited - 1) {
-    const auto slot = static_cast<std::uint32_t>(std::countr_zero(visited));
+void Trv::collect_far_nodes(std::uint64_t visited_slots) {
+  both_children_hit_ &= ~visited_slots;
+  for (; visited_slots != 0; visited_slots &= visited_slots - 1) {
+    const auto slot = static_cast<std::uint32_t>(std::countr_zero(visited_slots));
     const std::uint32_t step = slots_[slot].last_visit();
     const std::uint32_t far = tree_.links[traces::node_of(step)].child[1 - traces::near_of(step)];
     if (!traces::is_leaf(far)) far_nodes_.push_back({far, slot});
@@ -108,7 +108,7 @@ Trv::CycleReason Trv::handle_miss(FetchStage::Wait wait, std::uint32_t index, st
 
 /// Returns a mask of the slots that may enter the shared pipe of a unit with one pipe; slots with leaves only if there
 /// is room for a leaf.
-std::uint64_t Trv::shared_work(bool room_for_leaves) const {
+std::uint64_t Trv::shared_pipe_slots(bool room_for_leaves) const {
   if (fetch_.is_stalled()) return fetch_.issuable_slots();
   return fetch_.issuable_slots() | waiting_[kToStack] | (room_for_leaves ? waiting_[kToLeaf] : 0);
 }
@@ -117,7 +117,7 @@ Trv::CycleReason Trv::wait_reason(sim::Time next) const {
   if (occupied_ == 0) return CycleReason::kStarved;
   if (features_.one_pipe && next < leaf_free_at_) return CycleReason::kSerial;
   if (waiting_[kToRetire] != 0) return CycleReason::kOutputFull;
-  return FetchStage::wait_reason(fetch_.waits_for(),
+  return FetchStage::wait_reason(fetch_.scarcest_wait(),
                                  (at_ist_ | waiting_[kToLeaf]) != 0 ? CycleReason::kIst : CycleReason::kPipe);
 }
 
@@ -126,7 +126,7 @@ sim::Time Trv::next_wake(const Cycle& cycle) const {
   sim::Time at = pipes_.next_completion(cycle);
   if (features_.one_pipe) {
     const sim::Time free_at = std::max(next, leaf_free_at_);
-    if (free_at > next || shared_work(false) != 0) at = std::min(at, free_at);
+    if (free_at > next || shared_pipe_slots(false) != 0) at = std::min(at, free_at);
     if (waiting_[kToLeaf] != 0 && !fetch_.is_stalled())
       at = std::min(at, std::max(free_at, links_.leaves_out.push_at()));
   } else if (waiting_[kToLeaf] != 0) {
@@ -154,12 +154,12 @@ template <bool kDefault>
   TimingWheel<kPipes>::Masks out{};
   pipes_.take_completed(cycle.number, out);
   for (std::size_t pipe = 0; pipe < kPipes; ++pipe) waiting_[pipe] |= out[pipe];
-  note_far_nodes(both_children_hit_ & (out[kToInner] | out[kToLeaf]));
+  collect_far_nodes(both_children_hit_ & (out[kToInner] | out[kToLeaf]));
 }
 
-bool Trv::fill(const Cycle& cycle) {
+bool Trv::fill_arrived_line(const Cycle& cycle) {
   if (arrivals_.lines > cycle.now) return false;
-  fetch_.fill(links_.memory_in.pop(cycle.now).line, cycle.number);
+  fetch_.fill_line(links_.memory_in.pop(cycle.now).line, cycle.number);
   return true;
 }
 
@@ -207,7 +207,7 @@ bool Trv::take_ray(sim::Time now) {
 }
 
 void Trv::take_arrivals(const Cycle& cycle) {
-  run_once_or_drain(features_.ideal, [&] { return fill(cycle); });
+  run_once_or_drain(features_.ideal, [&] { return fill_arrived_line(cycle); });
   run_once_or_drain(features_.ideal, [&] { return take_answer(cycle.now); });
   rays_moved_ = arrivals_.rays <= cycle.now && free_ != 0;
   run_once_or_drain(features_.ideal, [&] { return take_ray(cycle.now); });
@@ -221,9 +221,9 @@ template <bool kDefault>
   if (has.instances && enters_instance(slot, index)) return issue_transform(slot, index, cycle.number);
   const std::uint32_t node = slot.is_restarting() ? paths_[index].next_node() : traces::node_of(slot.next_step());
   const TreeInMemory::Line read =
-      has.plain ? TreeInMemory::Line{tree_.line_of(node), true}
+      has.plain ? TreeInMemory::Line{tree_.line_of_node(node), true}
                 : tree_.line_of_visit(node, config_.box_testers, slot.tested_child(), slot.lines_read());
-  // Fast path: it saves 6, 1 and 1 % of the host's instructions (frames as at tick_as()).
+  // Fast path: it saves 6, 1 and 1 % of the host's instructions (frames as at tick_with_features()).
   if (has.reorders && fetch_.try_first_probe_hit(slot_bit(index), read.line)) {
     waiting_[kToInner] &= ~slot_bit(index);
   } else if (const FetchStage::Wait wait = fetch_.read_line(index, read.line, cycle.number);
@@ -233,13 +233,13 @@ template <bool kDefault>
   if (read.last) {
     complete_visit<kDefault>(slot, index, cycle.number);
   } else {
-    slot.count_line();
+    slot.count_line_read();
     waiting_[kToInner] |= slot_bit(index);
   }
   return CycleReason::kVisiting;
 }
 
-bool Trv::ends_with_pass(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle) {
+bool Trv::end_pass(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle) {
   slot.reset_lines();
   if (config_.box_testers == 2) return true;
   slot.switch_child();
@@ -252,7 +252,7 @@ bool Trv::ends_with_pass(TraversalSlot& slot, std::uint32_t index, std::uint64_t
 template <bool kDefault>
 [[gnu::always_inline]] inline void Trv::complete_visit(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle) {
   const TrvFeatures has = active_features<kDefault>();
-  if (!has.plain && !ends_with_pass(slot, index, cycle)) return;
+  if (!has.plain && !end_pass(slot, index, cycle)) return;
   stats_.visits += 1;
   if (slot.is_restarting()) [[unlikely]] {
     stats_.restarted_visits += 1;
@@ -279,11 +279,11 @@ template <bool kDefault>
   pop_entry(index, cycle.number);
 }
 
-Trv::CycleReason Trv::issue_any(const Cycle& cycle) {
+Trv::CycleReason Trv::issue_in_shared_pipe(const Cycle& cycle) {
   if (cycle.now < leaf_free_at_) return CycleReason::kSerial;
-  const std::uint64_t work = shared_work(links_.leaves_out.can_push(cycle.now));
+  const std::uint64_t work = shared_pipe_slots(links_.leaves_out.can_push(cycle.now));
   if (work == 0) return CycleReason::kStarved;
-  const std::uint32_t index = next_slot(work);
+  const std::uint32_t index = next_slot_round_robin(work);
   if ((waiting_[kToStack] & slot_bit(index)) != 0) {
     pop_entry(index, cycle.number);
   } else if ((waiting_[kToLeaf] & slot_bit(index)) != 0) {
@@ -297,7 +297,7 @@ Trv::CycleReason Trv::issue_any(const Cycle& cycle) {
 /// Simulates one cycle of the traversal unit. Fast path: the default features as constants save 12, 5 and 4 % of the
 /// host's instructions (conference-331k, chess-42k and garden-outdoor-643k at 128x64).
 template <bool kDefault>
-[[gnu::always_inline]] inline sim::Time Trv::tick_as(const Cycle& cycle) {
+[[gnu::always_inline]] inline sim::Time Trv::tick_with_features(const Cycle& cycle) {
   const TrvFeatures has = active_features<kDefault>();
   const sim::Time now = cycle.now;
   const auto issuable_slots = [&] { return has.reorders ? waiting_[kToInner] : fetch_.issuable_slots(); };
@@ -305,18 +305,18 @@ template <bool kDefault>
   if (arrivals_.soonest <= now) take_arrivals(cycle);
   CycleReason why = CycleReason::kStarved;  // until a slot tries to issue
   if (has.one_pipe) {
-    why = issue_any(cycle);
+    why = issue_in_shared_pipe(cycle);
   } else {
-    if (issuable_slots() != 0) why = issue_visit<kDefault>(next_slot(issuable_slots()), cycle);
+    if (issuable_slots() != 0) why = issue_visit<kDefault>(next_slot_round_robin(issuable_slots()), cycle);
     while (has.ideal && issuable_slots() != 0) {
-      if (issue_visit<kDefault>(next_slot(issuable_slots()), cycle) == CycleReason::kVisiting)
+      if (issue_visit<kDefault>(next_slot_round_robin(issuable_slots()), cycle) == CycleReason::kVisiting)
         why = CycleReason::kVisiting;
     }
     if (waiting_[kToStack] != 0) issue_pop(cycle);
     while (has.ideal && waiting_[kToStack] != 0) issue_pop(cycle);
   }
   if (has_output(now) || (has.prefetches && !far_nodes_.empty())) issue_outputs(cycle);
-  if (rays_moved_) note_full(now);
+  if (rays_moved_) account_full_buffer(now);
   const bool is_busy =
       !has.one_pipe && (issuable_slots() | waiting_[kToStack] | pipes_.completes_in(cycle.number + 1)) != 0;
   const sim::Time wake = is_busy ? cycle.next : next_wake(cycle);
@@ -326,18 +326,18 @@ template <bool kDefault>
   return wake;
 }
 
-sim::Time Trv::tick_as_declared(const Cycle& cycle) { return tick_as<false>(cycle); }
+sim::Time Trv::tick_with_any_features(const Cycle& cycle) { return tick_with_features<false>(cycle); }
 
 sim::Time Trv::tick(sim::Time now) {
   const Cycle cycle(now, clock_);
-  return is_default_ ? tick_as<true>(cycle) : tick_as_declared(cycle);
+  return is_default_ ? tick_with_features<true>(cycle) : tick_with_any_features(cycle);
 }
 
 void Trv::tick_due(std::span<Trv* const> trvs, std::uint64_t due, sim::Time* wakes, const Cycle& cycle) {
   const bool is_default = trvs.front()->is_default_;
   for (; due != 0; due &= due - 1) {
     const auto t = static_cast<std::size_t>(std::countr_zero(due));
-    wakes[t] = is_default ? trvs[t]->tick_as<true>(cycle) : trvs[t]->tick_as_declared(cycle);
+    wakes[t] = is_default ? trvs[t]->tick_with_features<true>(cycle) : trvs[t]->tick_with_any_features(cycle);
   }
 }
 
@@ -354,7 +354,7 @@ Trv::CycleReason Trv::issue_transform(TraversalSlot& slot, std::uint32_t index, 
   if (wait != FetchStage::Wait::kNothing) return handle_miss(wait, index, cycle);
   stats_.transforms += 1;
   if (slot.is_restarting()) {
-    paths_[index].pop();  // never the last one: a node of the instance's tree follows
+    paths_[index].remove_next_step();  // never the last one: a node of the instance's tree follows
   } else {
     slot.enter_instance();
   }
@@ -380,7 +380,7 @@ void Trv::send_leaf(sim::Time now, std::uint32_t index) {
                                       static_cast<std::uint8_t>(index), fetch_.slot_tile(index)});
   slot.advance_past_leaf();
   at_ist_ |= slot_bit(index);
-  if (!features_.ideal) leaf_free_at_ = clock_.after(now, std::max(count, 1U));
+  if (!features_.ideal) leaf_free_at_ = clock_.edge_after(now, std::max(count, 1U));
   stats_.leaves += 1;
 }
 

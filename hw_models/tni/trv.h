@@ -132,7 +132,9 @@ class Trv {
   static void tick_due(std::span<Trv* const> trvs, std::uint64_t due, sim::Time* wakes, const Cycle& cycle);
   const sim::Clock& clock() const { return clock_; }
   Stats stats() const;
-  std::uint64_t retired() const { return stats_.visits - stats_.restarted_visits + stats_.leaves + stats_.rays_out; }
+  std::uint64_t retired_items() const {
+    return stats_.visits - stats_.restarted_visits + stats_.leaves + stats_.rays_out;
+  }
   const sim::Activity<CycleReason>& activity() const { return activity_; }
   void finish(sim::Time end);
   bool idle() const { return occupied_ == 0 && !fetch_.waits_for_memory(); }
@@ -149,8 +151,8 @@ class Trv {
 
   /// Simulates one cycle. `kDefault`: the unit has kDefaultTrvFeatures, which are then compile-time constants.
   template <bool kDefault>
-  sim::Time tick_as(const Cycle& cycle);
-  sim::Time tick_as_declared(const Cycle& cycle);
+  sim::Time tick_with_features(const Cycle& cycle);
+  sim::Time tick_with_any_features(const Cycle& cycle);
   template <bool kDefault>
   TrvFeatures active_features() const {
     return kDefault ? kDefaultTrvFeatures : features_;
@@ -159,7 +161,7 @@ class Trv {
   // Each of these does at most one operation and returns true if it did.
   bool take_ray(sim::Time now);
   bool take_answer(sim::Time now);
-  bool fill(const Cycle& cycle);
+  bool fill_arrived_line(const Cycle& cycle);
   bool issue_leaf(sim::Time now);
   bool retire_ray(sim::Time now);
 
@@ -180,8 +182,8 @@ class Trv {
   void issue_outputs(const Cycle& cycle);
 
   /// Returns the slot of the mask to serve next, round robin.
-  std::uint32_t next_slot(std::uint64_t slots) {
-    const std::uint32_t index = round_robin(slots, inner_turn_);
+  std::uint32_t next_slot_round_robin(std::uint64_t slot_mask) {
+    const std::uint32_t index = round_robin(slot_mask, inner_turn_);
     inner_turn_ = (index + 1) % 64;
     return index;
   }
@@ -190,25 +192,25 @@ class Trv {
   CycleReason handle_miss(FetchStage::Wait wait, std::uint32_t index, std::uint64_t cycle);
   bool enters_instance(const TraversalSlot& slot, std::uint32_t index) const;
   CycleReason issue_transform(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle);
-  CycleReason issue_any(const Cycle& cycle);
-  std::uint64_t shared_work(bool room_for_leaves) const;
+  CycleReason issue_in_shared_pipe(const Cycle& cycle);
+  std::uint64_t shared_pipe_slots(bool room_for_leaves) const;
   void issue_pop(const Cycle& cycle);
   void pop_entry(std::uint32_t index, std::uint64_t cycle);
   void send_leaf(sim::Time now, std::uint32_t index);
   /// Ends a pass of a visit. Returns false if the visit needs another pass.
-  bool ends_with_pass(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle);
+  bool end_pass(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle);
   template <bool kDefault>
   void complete_visit(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle);
   bool has_trail() const { return config_.stack == StackScheme::kRestartTrail; }
   template <bool kDefault>
   void take_from_pipes(const Cycle& cycle);
-  /// Collects, for prefetching, the far children of those visits in the mask `visited` that hit both children.
-  void note_far_nodes(std::uint64_t visited);
+  /// Collects, for prefetching, the far children of those visits in the mask `visited_slots` that hit both children.
+  void collect_far_nodes(std::uint64_t visited_slots);
   void prefetch_far_nodes(std::uint64_t cycle);
   /// Returns the reason for the cycles from time `next` on in which no node enters the box pipe.
   CycleReason wait_reason(sim::Time next) const;
   sim::Time next_wake(const Cycle& cycle) const;
-  void note_full(sim::Time now);
+  void account_full_buffer(sim::Time now);
 
   // Members that ticks read come first, so that they share few host cache lines.
   alignas(64) TimingWheel<kPipes>::Masks waiting_{};  ///< slots that wait for each sub-pipe

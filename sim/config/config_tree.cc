@@ -16,10 +16,10 @@ namespace {
 
 constexpr std::size_t kMostSuggested = 5;
 
-void find_all(const ConfigNode& group, std::string_view key, std::vector<const ConfigNode*>& nodes) {
+void find_nodes_with_key(const ConfigNode& group, std::string_view key, std::vector<const ConfigNode*>& nodes) {
   for (const ConfigNode& child : group.children) {
     if (child.key == key) nodes.push_back(&child);
-    find_all(child, key, nodes);
+    find_nodes_with_key(child, key, nodes);
   }
 }
 
@@ -106,7 +106,7 @@ ConfigNode* ConfigNode::find_child(std::string_view name) {
   return const_cast<ConfigNode*>(std::as_const(*this).find_child(name));
 }
 
-ConfigNode& TreeBuilder::add(std::string_view key, std::string_view meaning) {
+ConfigNode& TreeBuilder::add_node(std::string_view key, std::string_view meaning) {
   assert(group_.find_child(key) == nullptr && "a key declared twice");
   ConfigNode& node = group_.children.emplace_back();
   node.key = key;
@@ -131,14 +131,14 @@ void refuse(std::string_view origin, std::string_view path, std::string_view pro
 
 std::string suggest_keys(const ConfigNode& root, const ConfigNode& group, std::string_view key) {
   std::vector<const ConfigNode*> same_name;
-  find_all(root, key, same_name);
+  find_nodes_with_key(root, key, same_name);
   std::vector<std::string> elsewhere;
   for (const ConfigNode* node : same_name) {
     if (may_be_meant(*node, group)) elsewhere.push_back(node->path);
   }
   if (!elsewhere.empty() && elsewhere.size() <= kMostSuggested)
     return fmt::format("did you mean '{}'?", fmt::join(elsewhere, "' or '"));
-  const std::string_view start = comparable_start(key);
+  const std::string_view start = comparison_prefix(key);
   const auto nearest =
       find_nearest(start, group.children, std::max<std::size_t>(1, start.size() / 3), &ConfigNode::key);
   if (nearest != group.children.end()) return fmt::format("did you mean '{}'?", nearest->path);

@@ -95,7 +95,7 @@ class TreeBuilder {
   template <class T>
   void operator()(T& member, std::string_view key, std::string_view unit, std::string_view meaning, Limits limits,
                   Affects affects) {
-    ConfigNode& node = add(key, meaning);
+    ConfigNode& node = add_node(key, meaning);
     node.unit = unit;
     node.limits = limits;
     node.affects = affects;
@@ -111,7 +111,7 @@ class TreeBuilder {
 
   template <class Group>
   void group(Group& member, std::string_view key, std::string_view meaning) {
-    bind(add(key, meaning), member);
+    bind(add_node(key, meaning), member);
   }
 
   /// Declares a key of a mechanism that the model lacks. A configuration that sets the key is an error with this
@@ -129,7 +129,7 @@ class TreeBuilder {
   }
 
  private:
-  ConfigNode& add(std::string_view key, std::string_view meaning);
+  ConfigNode& add_node(std::string_view key, std::string_view meaning);
 
   ConfigNode& group_;
 };

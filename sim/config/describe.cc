@@ -76,7 +76,7 @@ std::string escape_cell(std::string_view text) {
 
 constexpr std::size_t kWidestCell = 100;  // longer values, such as large maps, are left to `config show`
 
-void manual_group(const ConfigNode& group, std::string& text) {
+void append_manual_of_group(const ConfigNode& group, std::string& text) {
   std::string rows;
   for (const ConfigNode& node : group.children) {
     if (node.is_group()) continue;
@@ -91,7 +91,7 @@ void manual_group(const ConfigNode& group, std::string& text) {
     text += "| key | default | unit | range | affects | meaning |\n|---|---|---|---|---|---|\n" + rows + "\n";
   }
   for (const ConfigNode& node : group.children) {
-    if (node.is_group()) manual_group(node, text);
+    if (node.is_group()) append_manual_of_group(node, text);
   }
 }
 
@@ -112,14 +112,14 @@ Json json_of(const ConfigNode& root) {
 
 std::string manual_of(const ConfigNode& root) {
   std::string text;
-  manual_group(root, text);
+  append_manual_of_group(root, text);
   return text;
 }
 
 namespace {
 
 /// Writes numbers such as 1e-05 as 1.0e-05: YAML 1.1 readers such as PyYAML read a number without a point as text.
-std::string with_points(const std::string& text) {
+std::string with_decimal_points(const std::string& text) {
   std::string out;
   bool is_whole = false;  // the number so far has digits and no point
   for (const char c : text) {
@@ -135,7 +135,7 @@ std::string with_points(const std::string& text) {
 std::string yaml_value(const ConfigNode& field) {
   const std::string text = value_text(field);
   const FieldKind kind = field.kind();
-  if (kind == FieldKind::kDouble || kind == FieldKind::kBand) return with_points(text);
+  if (kind == FieldKind::kDouble || kind == FieldKind::kBand) return with_decimal_points(text);
   return kind == FieldKind::kEnum && boolean_of_word(text) ? double_quoted(text) : text;
 }
 
@@ -184,7 +184,8 @@ class DumpWriter {
     for (const auto& [name, band] : bands) {
       const std::string text = band_text(band);
       write_line(depth + 1,
-                 fmt::format("{}: {}", key_text(name), comments_ == Comments::kOn ? with_points(text) : text), {});
+                 fmt::format("{}: {}", key_text(name), comments_ == Comments::kOn ? with_decimal_points(text) : text),
+                 {});
     }
   }
   void write_line(std::size_t depth, std::string_view content, std::string_view remark) {

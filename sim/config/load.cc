@@ -48,9 +48,9 @@ std::vector<std::filesystem::path> known_files() {
 
 /// Returns a hint for a configuration file that was not found: "; did you mean 'dram/lpddr3-1600'?" if a name is near,
 /// and "; known: ..." with the files for `group`.
-std::string known_files_of(const std::filesystem::path& name, std::string_view group) {
+std::string known_files_hint(const std::filesystem::path& name, std::string_view group) {
   const std::string stem = name.stem().string();
-  const std::string_view start = comparable_start(stem);
+  const std::string_view start = comparison_prefix(stem);
   auto files = known_files();
   std::erase_if(files, [&](const std::filesystem::path& file) { return file.parent_path() != group; });
   const auto found = find_nearest(start, files, start.size() / 2,
@@ -68,7 +68,7 @@ std::string path_of(const ConfigNode& group, std::string_view key) {
   return group.path.empty() ? std::string(key) : fmt::format("{}.{}", group.path, key);
 }
 
-std::string unknown_key(const ConfigNode& root, const ConfigNode& group, std::string_view key) {
+std::string unknown_key_error(const ConfigNode& root, const ConfigNode& group, std::string_view key) {
   if (const auto absent = group.not_modelled.find(key); absent != group.not_modelled.end()) {
     return fmt::format("is not modelled: {} (docs/design/not-modelled.md)", absent->second);
   }
@@ -85,7 +85,7 @@ ConfigNode map_entry(const ConfigNode& map, std::string_view key) {
 
 /// Returns the part of a --set path that follows the field's own path, without a final "nominal": a single number sets
 /// low, nominal and high. Throws InputError for a final "low" or "high", which cannot be set alone.
-std::string_view path_in_band(const ConfigNode& node, std::string_view path, const std::string& at) {
+std::string_view path_after_field(const ConfigNode& node, std::string_view path, const std::string& at) {
   const std::size_t dot = path.rfind('.');
   const std::string_view last = path.substr(dot == std::string_view::npos ? 0 : dot + 1);
   const std::string_view entry = dot == std::string_view::npos ? std::string_view() : path.substr(0, dot);
@@ -99,7 +99,7 @@ std::string_view path_in_band(const ConfigNode& node, std::string_view path, con
 }
 
 /// Parses the text after '=' of a --set argument: a mapping in braces, a text in double quotes, or plain text.
-std::shared_ptr<const YamlNode> set_value(const std::string& text, const std::string& name) {
+std::shared_ptr<const YamlNode> parse_set_value(const std::string& text, const std::string& name) {
   if (text.starts_with('{')) return parse_yaml_mapping(text, name);
   if (text.starts_with('"')) return parse_yaml_mapping("value: " + text, name)->entries.front().value;
   const auto value = std::make_shared<YamlNode>();
@@ -128,7 +128,7 @@ std::filesystem::path find_config(const std::filesystem::path& name, const std::
       }
     }
   }
-  refuse(asked_at, {}, fmt::format("no configuration file '{}'{}", name.string(), known_files_of(name, group)));
+  refuse(asked_at, {}, fmt::format("no configuration file '{}'{}", name.string(), known_files_hint(name, group)));
 }
 
 std::string ConfigLoader::Source::place_of(TextPosition position) const {
@@ -175,7 +175,7 @@ void ConfigLoader::apply_mapping(ConfigNode& group, const YamlNode& mapping, con
              fmt::format("does not belong into such a file; allowed: {}", fmt::join(top_keys_, ", ")));
     }
     if (node == nullptr) {
-      refuse(source.place_of(entry.key_at), path_of(group, entry.key), unknown_key(root_, group, entry.key));
+      refuse(source.place_of(entry.key_at), path_of(group, entry.key), unknown_key_error(root_, group, entry.key));
     }
     node->origin = source.place_of(entry.key_at);
     node->nearness = source.nearness;
@@ -243,14 +243,14 @@ void ConfigLoader::apply_set(const std::string& argument) {
   const Source source{std::string(kSetOrigin) + printable(argument), {}, kNearestFile + 1, false};
   const std::size_t equals = argument.find('=');
   if (equals == std::string::npos || equals == 0) refuse(source.name, {}, "allowed: key=value, e.g. --set cores=2");
-  const auto value = set_value(argument.substr(equals + 1), source.name);
+  const auto value = parse_set_value(argument.substr(equals + 1), source.name);
   ConfigNode* node = &root_;
   std::string_view path = std::string_view(argument).substr(0, equals);
   while (node->is_group() && !path.empty()) {
     const std::string_view key = first_key(path);
     if (path == kExtends) return apply_extends(*node, *value, source, source.name);
     ConfigNode* child = node->find_child(key);
-    if (child == nullptr) refuse(source.name, path_of(*node, key), unknown_key(root_, *node, key));
+    if (child == nullptr) refuse(source.name, path_of(*node, key), unknown_key_error(root_, *node, key));
     node = child;
     node->origin = source.name;
     node->nearness = source.nearness;
@@ -258,7 +258,7 @@ void ConfigLoader::apply_set(const std::string& argument) {
   }
   if (path.empty()) return apply_value(*node, *value, source, source.name);
   const bool is_map = node->kind() == FieldKind::kBandMap;
-  const std::string_view rest = path_in_band(*node, path, source.name);
+  const std::string_view rest = path_after_field(*node, path, source.name);
   if (is_map) {
     ConfigNode field = map_entry(*node, rest);
     return apply_value(field, *value, source, source.name);

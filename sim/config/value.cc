@@ -34,7 +34,7 @@ std::string_view without_unit(std::string_view text, std::string_view unit) {
   throw BadValue{fmt::format("'{}' is not {}; allowed: {}", text, what, allowed_text(field))};
 }
 
-std::string out_of_range(const ConfigNode& field, std::string_view text) {
+std::string out_of_range_text(const ConfigNode& field, std::string_view text) {
   return fmt::format("'{}' is out of range; allowed: {}", text, allowed_text(field));
 }
 
@@ -44,12 +44,12 @@ Integer parse_integer(const ConfigNode& field, std::string_view text) {
   Integer value = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (error == std::errc::result_out_of_range && end == digits.data() + digits.size()) {
-    throw BadValue{out_of_range(field, text)};
+    throw BadValue{out_of_range_text(field, text)};
   }
   if (error != std::errc{} || end != digits.data() + digits.size()) {
     const bool is_negative = digits.size() > 1 && digits.find_first_not_of("0123456789", 1) == std::string_view::npos &&
                              digits.front() == '-';
-    if (is_negative) throw BadValue{out_of_range(field, text)};
+    if (is_negative) throw BadValue{out_of_range_text(field, text)};
     refuse_kind(text, "a whole number", field);
   }
   return value;
@@ -72,7 +72,7 @@ bool is_within(double value, const Limits& limits) {
 std::string band_problem(const ConfigNode& field, const Band& band) {
   const Limits limits = effective_limits(field);
   for (const double value : {band.low, band.nominal, band.high}) {
-    if (!is_within(value, limits)) return out_of_range(field, fmt::format("{}", value));
+    if (!is_within(value, limits)) return out_of_range_text(field, fmt::format("{}", value));
   }
   if (band.low <= band.nominal && band.nominal <= band.high) return {};
   return fmt::format("'{}' is not in order; allowed: low <= nominal <= high", band_text(band));
@@ -103,7 +103,7 @@ Triple parse_triple(const ConfigNode& field, std::string_view text) {
 
 std::string triple_problem(const ConfigNode& field, const Triple& triple) {
   for (const double value : {triple.x, triple.y, triple.z}) {
-    if (!is_within(value, effective_limits(field))) return out_of_range(field, fmt::format("{}", value));
+    if (!is_within(value, effective_limits(field))) return out_of_range_text(field, fmt::format("{}", value));
   }
   return {};
 }
@@ -157,7 +157,7 @@ void parse_value(const ConfigNode& field, std::string_view raw) {
 
 std::string value_problem(const ConfigNode& field) {
   const auto number = [&](double value) {
-    return is_within(value, effective_limits(field)) ? std::string{} : out_of_range(field, value_text(field));
+    return is_within(value, effective_limits(field)) ? std::string{} : out_of_range_text(field, value_text(field));
   };
   return std::visit(Overloaded{
                         [&](const bool*) { return std::string{}; },

@@ -29,7 +29,7 @@ class ConfigVariant {
     std::string text;       ///< its lines in a dump of the base, without comments
     std::uint32_t affects;  ///< mask over Affects: of the field, or of all fields of the group
   };
-  std::uint32_t add(const ConfigNode& base, ConfigNode& variant, std::size_t depth);
+  std::uint32_t add_node(const ConfigNode& base, ConfigNode& variant, std::size_t depth);
 
   std::vector<Node> nodes_;  ///< in dump order
   std::size_t bytes_ = 0;    ///< size of the dump

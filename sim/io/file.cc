@@ -19,7 +19,7 @@
 namespace sim {
 namespace {
 
-std::string reason(int error) { return std::generic_category().message(error); }
+std::string error_text(int error) { return std::generic_category().message(error); }
 
 /// An open file descriptor, closed by the destructor.
 class Descriptor {
@@ -32,8 +32,8 @@ class Descriptor {
   Descriptor(const Descriptor&) = delete;
   Descriptor& operator=(const Descriptor&) = delete;
 
-  bool valid() const { return fd_ >= 0; }
-  int get() const { return fd_; }
+  bool is_open() const { return fd_ >= 0; }
+  int descriptor_number() const { return fd_; }
 
  private:
   const int fd_;
@@ -42,7 +42,7 @@ class Descriptor {
 constexpr std::string_view kTemporary = ".raywatt-tmp";  // ends the temporary names of no other program
 
 /// True if the open file still has the name `path`: another process may have removed it.
-bool has_name(int file, const std::filesystem::path& path) {
+bool is_file_named(int file, const std::filesystem::path& path) {
   struct stat open {
   }, named{};
   return ::fstat(file, &open) == 0 && ::lstat(path.c_str(), &named) == 0 && open.st_ino == named.st_ino &&
@@ -68,7 +68,7 @@ int create_locked(const std::filesystem::path& path, Kind kind) {
   if (file < 0) return file;
   // Until the file is locked, another process may take it for stale and remove it.
   const bool is_taken = ::flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
-  if (!is_taken && has_name(file, path)) return file;
+  if (!is_taken && is_file_named(file, path)) return file;
   ::close(file);
   errno = EEXIST;
   return -1;
@@ -82,7 +82,8 @@ void remove_stale_entries(const std::filesystem::path& folder, const std::functi
     const std::filesystem::path& path = entry->path();
     if (!matches(path.filename().string())) continue;
     const Descriptor stale(path, O_RDONLY | O_NOFOLLOW | O_NONBLOCK);
-    const bool is_free = stale.valid() && ::flock(stale.get(), LOCK_EX | LOCK_NB) == 0 && has_name(stale.get(), path);
+    const bool is_free = stale.is_open() && ::flock(stale.descriptor_number(), LOCK_EX | LOCK_NB) == 0 &&
+                         is_file_named(stale.descriptor_number(), path);
     if (is_free) std::filesystem::remove_all(path, ignored);
   }
 }
@@ -110,13 +111,13 @@ std::filesystem::path parent_of(const std::filesystem::path& path) {
   return path.has_parent_path() ? path.parent_path() : ".";
 }
 
-[[noreturn]] void fail_to_write(const std::filesystem::path& path, int error) {
-  throw IoError(fmt::format("{}: cannot be written: {}", printable(path.string()), reason(error)));
+[[noreturn]] void throw_write_error(const std::filesystem::path& path, int error) {
+  throw IoError(fmt::format("{}: cannot be written: {}", printable(path.string()), error_text(error)));
 }
 
 }  // namespace
 
-std::string read_file(const std::filesystem::path& path, std::uint64_t most_bytes) {
+std::string read_file(const std::filesystem::path& path, std::uint64_t max_bytes) {
   const std::string shown = printable(path.string());
   std::error_code failed;
   const std::filesystem::file_status status = std::filesystem::status(path, failed);
@@ -127,21 +128,22 @@ std::string read_file(const std::filesystem::path& path, std::uint64_t most_byte
   if (std::filesystem::is_directory(status)) throw InputError(shown + ": is a folder, not a file");
   if (!std::filesystem::is_regular_file(status)) throw InputError(shown + ": is not a regular file");
   const Descriptor file(path, O_RDONLY);
-  if (!file.valid()) throw InputError(fmt::format("{}: cannot be opened: {}", shown, reason(errno)));
+  if (!file.is_open()) throw InputError(fmt::format("{}: cannot be opened: {}", shown, error_text(errno)));
   const auto refuse_size = [&] {
-    throw InputError(fmt::format("{}: is too large; allowed: {} bytes", shown, most_bytes));
+    throw InputError(fmt::format("{}: is too large; allowed: {} bytes", shown, max_bytes));
   };
   struct stat about {};
-  if (::fstat(file.get(), &about) == 0 && static_cast<std::uint64_t>(about.st_size) > most_bytes) refuse_size();
+  if (::fstat(file.descriptor_number(), &about) == 0 && static_cast<std::uint64_t>(about.st_size) > max_bytes)
+    refuse_size();
   std::string bytes;
   for (;;) {
     constexpr std::size_t kPiece = 1 << 17;
     const std::size_t size = bytes.size();
     bytes.resize(size + kPiece);
-    const ssize_t got = ::read(file.get(), bytes.data() + size, kPiece);
-    if (got < 0 && errno != EINTR) throw IoError(fmt::format("{}: cannot be read: {}", shown, reason(errno)));
+    const ssize_t got = ::read(file.descriptor_number(), bytes.data() + size, kPiece);
+    if (got < 0 && errno != EINTR) throw IoError(fmt::format("{}: cannot be read: {}", shown, error_text(errno)));
     bytes.resize(size + static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
-    if (bytes.size() > most_bytes) refuse_size();
+    if (bytes.size() > max_bytes) refuse_size();
     if (got == 0) return bytes;
   }
 }
@@ -151,7 +153,7 @@ void remove_stale_files(const std::filesystem::path& path) {
                        [&](const std::string& name) { return is_temporary_name(name, path.filename()); });
 }
 
-static void check_replaceable(const std::filesystem::path& path, const Replaceable& what) {
+static void check_replaceable(const std::filesystem::path& path, const Replaceable& replaceable) {
   using Type = std::filesystem::file_type;
   const std::string shown = printable(path.string());
   std::error_code failed;
@@ -161,16 +163,16 @@ static void check_replaceable(const std::filesystem::path& path, const Replaceab
   if (type == Type::directory) throw InputError(shown + ": is a folder, not a file");
   if (type != Type::regular) {  // opening a pipe would block until it has a writer
     throw InputError(fmt::format("{}: is there and is {}; allowed: a new file, or a {} to be replaced", shown,
-                                 type == Type::symlink ? "a link" : "not a regular file", what.kind));
+                                 type == Type::symlink ? "a link" : "not a regular file", replaceable.kind));
   }
-  if (what.any) return;
+  if (replaceable.any) return;
   std::string start(512, '\0');
   std::ifstream file(path, std::ios::binary);
   file.read(start.data(), static_cast<std::streamsize>(start.size()));
   start.resize(static_cast<std::size_t>(file.gcount()));
-  if (what.mark.empty() || start.find(what.mark) == std::string::npos) {
+  if (replaceable.mark.empty() || start.find(replaceable.mark) == std::string::npos) {
     throw InputError(fmt::format("{}: is there and is no {}; allowed: a new file, or a {} to be replaced", shown,
-                                 what.kind, what.kind));
+                                 replaceable.kind, replaceable.kind));
   }
 }
 
@@ -185,11 +187,11 @@ static void check_folder_of(const std::filesystem::path& path) {
         fmt::format("{}: cannot be written: there is no folder {}; make it first", shown, printable(folder.string())));
   }
   if (::faccessat(AT_FDCWD, folder.c_str(), W_OK | X_OK, AT_EACCESS) == 0) return;
-  throw InputError(fmt::format("{}: cannot be written into its folder: {}", shown, reason(errno)));
+  throw InputError(fmt::format("{}: cannot be written into its folder: {}", shown, error_text(errno)));
 }
 
-void check_output(const std::filesystem::path& path, const Replaceable& what) {
-  check_replaceable(path, what);
+void check_output(const std::filesystem::path& path, const Replaceable& replaceable) {
+  check_replaceable(path, replaceable);
   check_folder_of(path);
   remove_stale_files(path);
 }
@@ -202,7 +204,7 @@ NewFile::NewFile(std::filesystem::path path) : path_(std::move(path)) {
     file_ = create_locked(temporary_, Kind::kFile);
     if (file_ >= 0) return;
   }
-  fail();
+  throw_error();
 }
 
 NewFile::~NewFile() {
@@ -210,7 +212,7 @@ NewFile::~NewFile() {
   if (!temporary_.empty()) ::unlink(temporary_.c_str());
 }
 
-void NewFile::fail() const { fail_to_write(path_, errno); }
+void NewFile::throw_error() const { throw_write_error(path_, errno); }
 
 /// Writes all bytes to an open file. Returns false with the error in errno if that fails.
 static bool write_all(int file, std::string_view bytes) {
@@ -223,18 +225,18 @@ static bool write_all(int file, std::string_view bytes) {
 }
 
 void NewFile::write(std::string_view bytes) {
-  if (!write_all(file_, bytes)) fail();
+  if (!write_all(file_, bytes)) throw_error();
 }
 
 void NewFile::commit() {
-  if (::fsync(file_) != 0) fail();
+  if (::fsync(file_) != 0) throw_error();
   // The lock is held until the rename: without it another process would remove the file as stale.
   const Descriptor locked(::fcntl(file_, F_DUPFD_CLOEXEC, 0));
-  if (::close(std::exchange(file_, -1)) != 0) fail();  // some file systems report a full disk only here
-  if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail();
+  if (::close(std::exchange(file_, -1)) != 0) throw_error();  // some file systems report a full disk only here
+  if (::rename(temporary_.c_str(), path_.c_str()) != 0) throw_error();
   temporary_.clear();
   const Descriptor folder(parent_of(path_), O_RDONLY | O_DIRECTORY);
-  if (folder.valid()) ::fsync(folder.get());
+  if (folder.is_open()) ::fsync(folder.descriptor_number());
 }
 
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes) {
@@ -247,15 +249,15 @@ void append_to_file(const std::filesystem::path& path, std::string_view bytes) {
   const Descriptor file(
       ::open(path.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0666));
   struct stat about {};
-  const bool regular = file.valid() && ::fstat(file.get(), &about) == 0 && S_ISREG(about.st_mode);
-  if (regular && write_all(file.get(), bytes)) return;
+  const bool regular = file.is_open() && ::fstat(file.descriptor_number(), &about) == 0 && S_ISREG(about.st_mode);
+  if (regular && write_all(file.descriptor_number(), bytes)) return;
   throw IoError(fmt::format("{}: cannot be written: {}", printable(path.string()),
-                            file.valid() && !regular ? "it is not a regular file" : reason(errno)));
+                            file.is_open() && !regular ? "it is not a regular file" : error_text(errno)));
 }
 
 void sync_to_disk(const std::filesystem::path& path) {
   const Descriptor file(path, O_RDONLY);
-  if (!file.valid() || ::fsync(file.get()) != 0) fail_to_write(path, errno);
+  if (!file.is_open() || ::fsync(file.descriptor_number()) != 0) throw_write_error(path, errno);
 }
 
 void make_folders(const std::filesystem::path& path) {
@@ -264,7 +266,7 @@ void make_folders(const std::filesystem::path& path) {
   const std::filesystem::path parent = std::filesystem::absolute(path).lexically_normal().parent_path();
   if (parent != path) make_folders(parent);
   if (std::filesystem::create_directory(path, error)) sync_to_disk(parent);
-  if (error) fail_to_write(path, error == std::errc::file_exists ? ENOTDIR : error.value());
+  if (error) throw_write_error(path, error == std::errc::file_exists ? ENOTDIR : error.value());
 }
 
 bool is_temporary_name(std::string_view name, const std::filesystem::path& target) {
@@ -309,20 +311,20 @@ namespace {
 
 constexpr std::size_t kMostNote = 512;
 
-[[noreturn]] void fail_to_lock(const std::filesystem::path& path, int error) {
-  throw IoError(fmt::format("{}: cannot be locked: {}", printable(path.string()), reason(error)));
+[[noreturn]] void throw_lock_error(const std::filesystem::path& path, int error) {
+  throw IoError(fmt::format("{}: cannot be locked: {}", printable(path.string()), error_text(error)));
 }
 
 // Returns a lock of the open file description, which the kernel frees at its end. Other hosts see it, unlike a lock of
 // flock().
-struct flock write_lock() {
+struct flock whole_file_lock() {
   struct flock range {};
   range.l_type = F_WRLCK;
   range.l_whence = SEEK_SET;
   return range;
 }
 
-std::string note_in(int file) {
+std::string read_note(int file) {
   std::array<char, kMostNote> text{};
   const ssize_t size = ::pread(file, text.data(), text.size(), 0);
   return {text.data(), static_cast<std::size_t>(size < 0 ? 0 : size)};
@@ -332,7 +334,7 @@ std::string note_in(int file) {
 bool is_lock_file(int file) {
   struct stat open {};
   if (::fstat(file, &open) != 0 || !S_ISREG(open.st_mode) || open.st_size > static_cast<off_t>(kMostNote)) return false;
-  const std::string note = note_in(file);
+  const std::string note = read_note(file);
   const std::size_t space = note.rfind(' ');
   return open.st_size == 0 ||
          (space != std::string::npos && note.find_first_not_of("0123456789", space + 1) == note.size() - 1 &&
@@ -344,25 +346,25 @@ bool is_lock_file(int file) {
 std::optional<FileLock> FileLock::try_acquire(const std::filesystem::path& path, const std::string& note) {
   for (;;) {
     const int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
-    if (file < 0 && errno != ELOOP) fail_to_lock(path, errno);
+    if (file < 0 && errno != ELOOP) throw_lock_error(path, errno);
     if (file < 0 || !is_lock_file(file)) {
       if (file >= 0) ::close(file);
       throw InputError(printable(path.string()) + ": is not a lock file of Raywatt; allowed: another folder");
     }
-    struct flock range = write_lock();
+    struct flock range = whole_file_lock();
     if (::fcntl(file, F_OFD_SETLK, &range) != 0) {
       const int error = errno;
       ::close(file);
       if (error == EAGAIN || error == EACCES) return std::nullopt;
-      fail_to_lock(path, error);
+      throw_lock_error(path, error);
     }
-    if (has_name(file, path)) {  // the former holder removes the file when it releases the lock
+    if (is_file_named(file, path)) {  // the former holder removes the file when it releases the lock
       if (!note.empty() && (::ftruncate(file, 0) != 0 ||
                             ::pwrite(file, note.data(), note.size(), 0) != static_cast<ssize_t>(note.size()))) {
         const int error = errno;
         ::unlink(path.c_str());
         ::close(file);
-        fail_to_lock(path, error);
+        throw_lock_error(path, error);
       }
       return FileLock(path, file);
     }
@@ -372,9 +374,10 @@ std::optional<FileLock> FileLock::try_acquire(const std::filesystem::path& path,
 
 std::optional<std::string> FileLock::read_holder(const std::filesystem::path& path) {
   const Descriptor file(path, O_RDWR | O_NOFOLLOW | O_NONBLOCK);
-  struct flock range = write_lock();
-  const bool is_held = file.valid() && ::fcntl(file.get(), F_OFD_GETLK, &range) == 0 && range.l_type != F_UNLCK;
-  return is_held ? std::optional(note_in(file.get())) : std::nullopt;
+  struct flock range = whole_file_lock();
+  const bool is_held =
+      file.is_open() && ::fcntl(file.descriptor_number(), F_OFD_GETLK, &range) == 0 && range.l_type != F_UNLCK;
+  return is_held ? std::optional(read_note(file.descriptor_number())) : std::nullopt;
 }
 
 FileLock::~FileLock() {

@@ -12,8 +12,8 @@
 namespace sim {
 
 /// Returns the bytes of a regular file. Throws InputError if it is missing, not a regular file, cannot be opened or is
-/// larger than `most_bytes`; IoError if reading fails.
-std::string read_file(const std::filesystem::path& path, std::uint64_t most_bytes);
+/// larger than `max_bytes`; IoError if reading fails.
+std::string read_file(const std::filesystem::path& path, std::uint64_t max_bytes);
 
 /// Describes which existing files a verb may replace with its own output.
 struct Replaceable {
@@ -24,7 +24,7 @@ struct Replaceable {
 /// Checks that an output file can be written: `path` is free or a replaceable file, and its folder accepts new files.
 /// Then removes stale temporary files of `path`. Throws InputError otherwise; links, folders, devices and pipes are
 /// never replaced.
-void check_output(const std::filesystem::path& path, const Replaceable& what);
+void check_output(const std::filesystem::path& path, const Replaceable& replaceable);
 
 /// A new file that gets its name only when it is complete, so that a crash or power failure leaves no partial file.
 ///
@@ -44,7 +44,7 @@ class NewFile {
   void commit();
 
  private:
-  [[noreturn]] void fail() const;
+  [[noreturn]] void throw_error() const;
 
   const std::filesystem::path path_;
   std::filesystem::path temporary_;

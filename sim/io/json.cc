@@ -98,7 +98,7 @@ Json::Json(std::initializer_list<Json> list) {
 Json Json::array(std::initializer_list<Json> elements) {
   Json json(Type::kArray);
   json.value_.elements->reserve(elements.size());
-  for (const Json& element : elements) json.value_.elements->push_back(element.take());
+  for (const Json& element : elements) json.value_.elements->push_back(element.move_out());
   return json;
 }
 
@@ -123,7 +123,7 @@ Json::~Json() {
   if (type_ == Type::kObject) delete value_.object;
 }
 
-Json Json::take() const noexcept {
+Json Json::move_out() const noexcept {
   Json json;
   std::swap(json.type_, type_);
   std::swap(json.value_, value_);
@@ -160,7 +160,7 @@ void Json::refuse(int number, const char* what) const {
 }
 
 template <class T>
-T Json::number() const {
+T Json::to_number() const {
   if (type_ == Type::kInteger) return static_cast<T>(value_.integer);
   if (type_ == Type::kUnsigned) return static_cast<T>(value_.natural);
   if (type_ != Type::kDouble) refuse(kNotOfType, "type must be number, but is");
@@ -174,7 +174,7 @@ T Json::number() const {
 }
 
 template <class T>
-std::vector<T> Json::list() const {
+std::vector<T> Json::to_list() const {
   if (type_ != Type::kArray) refuse(kNotOfType, "type must be array, but is");
   std::vector<T> all;
   all.reserve(size());
@@ -198,27 +198,27 @@ std::string Json::get<std::string>() const {
 }
 template <>
 int Json::get<int>() const {
-  return number<int>();
+  return to_number<int>();
 }
 template <>
 std::uint32_t Json::get<std::uint32_t>() const {
-  return number<std::uint32_t>();
+  return to_number<std::uint32_t>();
 }
 template <>
 std::int64_t Json::get<std::int64_t>() const {
-  return number<std::int64_t>();
+  return to_number<std::int64_t>();
 }
 template <>
 std::uint64_t Json::get<std::uint64_t>() const {
-  return number<std::uint64_t>();
+  return to_number<std::uint64_t>();
 }
 template <>
 float Json::get<float>() const {
-  return number<float>();
+  return to_number<float>();
 }
 template <>
 double Json::get<double>() const {
-  return number<double>();
+  return to_number<double>();
 }
 template <>
 Json Json::get<Json>() const {
@@ -226,15 +226,15 @@ Json Json::get<Json>() const {
 }
 template <>
 std::vector<std::string> Json::get<std::vector<std::string>>() const {
-  return list<std::string>();
+  return to_list<std::string>();
 }
 template <>
 std::vector<double> Json::get<std::vector<double>>() const {
-  return list<double>();
+  return to_list<double>();
 }
 template <>
 std::vector<std::uint64_t> Json::get<std::vector<std::uint64_t>>() const {
-  return list<std::uint64_t>();
+  return to_list<std::uint64_t>();
 }
 
 std::size_t Json::size() const {
@@ -483,7 +483,7 @@ class JsonWriter {
     }
   }
 
-  std::string take() { return std::move(out_); }
+  std::string take_text() { return std::move(out_); }
 
  private:
   void write_object(const Json& json) {
@@ -496,7 +496,7 @@ class JsonWriter {
       out_ += indent_ == 0 ? ":" : ": ";
       write(value);
     }
-    end('}');
+    end_container('}');
   }
   void write_array(const Json& json) {
     if (json.empty()) return void(out_ += "[]");
@@ -506,13 +506,13 @@ class JsonWriter {
       begin_element(before);
       write(element);
     }
-    end(']');
+    end_container(']');
   }
   void begin_element(char& before) {
     out_ += std::exchange(before, ',');
     begin_line();
   }
-  void end(char closing) {
+  void end_container(char closing) {
     --level_;
     begin_line();
     out_ += closing;
@@ -539,7 +539,7 @@ class JsonWriter {
 std::string written_text(const Json& json, std::size_t indent) {
   JsonWriter writer(indent);
   writer.write(json);
-  return writer.take();
+  return writer.take_text();
 }
 
 }  // namespace
@@ -582,12 +582,12 @@ void check_json_depth(std::string_view json, std::size_t levels) {
 /// Builds a Json value from the events of a JSON parser.
 class JsonBuilder : public JsonReader {
  public:
-  bool null() override { return put(Json()); }
-  bool boolean(bool value) override { return put(value); }
-  bool integer(std::int64_t value) override { return put(value); }
-  bool natural(std::uint64_t value) override { return put(value); }
-  bool real(double value) override { return put(value); }
-  bool text(std::string& value) override { return put(std::move(value)); }
+  bool null() override { return add_value(Json()); }
+  bool boolean(bool value) override { return add_value(value); }
+  bool integer(std::int64_t value) override { return add_value(value); }
+  bool natural(std::uint64_t value) override { return add_value(value); }
+  bool real(double value) override { return add_value(value); }
+  bool text(std::string& value) override { return add_value(std::move(value)); }
   bool key(std::string& name) override {
     Json::Object& object = *open_.back()->value_.object;
     Json::Entry* entry = object.find(name);
@@ -597,30 +597,30 @@ class JsonBuilder : public JsonReader {
     member_ = entry != nullptr ? &entry->value : &object.add(std::move(name));
     return true;
   }
-  bool begin_object() override { return open(Json::object()); }
-  bool begin_array() override { return open(Json::array()); }
-  bool end_object() override { return close(); }
-  bool end_array() override { return close(); }
+  bool begin_object() override { return begin_container(Json::object()); }
+  bool begin_array() override { return begin_container(Json::array()); }
+  bool end_object() override { return end_container(); }
+  bool end_array() override { return end_container(); }
 
-  Json take() { return std::move(root_); }
+  Json take_value() { return std::move(root_); }
 
  private:
-  bool put(Json value) {
-    place(std::move(value));
+  bool add_value(Json value) {
+    add_to_parent(std::move(value));
     return true;
   }
-  bool open(Json value) {
-    open_.push_back(&place(std::move(value)));
+  bool begin_container(Json value) {
+    open_.push_back(&add_to_parent(std::move(value)));
     return true;
   }
-  bool close() {
+  bool end_container() {
     Json& done = *open_.back();
     if (done.is_array()) done.value_.elements->shrink_to_fit();
     if (done.is_object()) done.value_.object->entries.shrink_to_fit();
     open_.pop_back();
     return true;
   }
-  Json& place(Json value) {
+  Json& add_to_parent(Json value) {
     if (open_.empty()) return root_ = std::move(value);
     if (open_.back()->is_object()) return *member_ = std::move(value);
     std::vector<Json>& elements = *open_.back()->value_.elements;
@@ -672,14 +672,14 @@ Json parse_json(std::string_view text, std::size_t levels) {
   check_json_depth(text, levels);
   JsonBuilder builder;
   read_json(text, builder);
-  return builder.take();
+  return builder.take_value();
 }
 
 Json parse_json(std::istream& text) {
   JsonBuilder builder;
   Adapter adapter(builder);
   nlohmann::json::sax_parse(text, &adapter, nlohmann::json::input_format_t::json, false);
-  return builder.take();
+  return builder.take_value();
 }
 
 void scan_json(std::string_view text, JsonReader& reader) {

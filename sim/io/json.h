@@ -236,18 +236,18 @@ class Json {
 
   explicit Json(Type type);
   [[noreturn]] void refuse(int number, const char* what) const;
-  Json take() const noexcept;  ///< moves an element out of a braced list
+  Json move_out() const noexcept;  ///< moves an element out of a braced list
   bool equals_json(const Json& other) const;
   const Json* find_value(std::string_view key) const;
   const Json* find_for_value(std::string_view key) const;
   const Json* find_at(const JsonPointer& pointer) const;
   Json& add(std::string key);
   template <class T>
-  T number() const;
+  T to_number() const;
   template <class T>
-  std::vector<T> list() const;
+  std::vector<T> to_list() const;
 
-  // Mutable because the elements of an initializer list are const: take() moves them. No other function changes a const
+  // Mutable because the elements of an initializer list are const: move_out() moves them. No other function changes a const
   // value.
   mutable Type type_ = Type::kNull;
   mutable Value value_;

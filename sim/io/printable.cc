@@ -25,11 +25,11 @@ std::size_t character_size(std::string_view text) {
 
 }  // namespace
 
-std::string printable(std::string_view text, std::size_t most) {
+std::string printable(std::string_view text, std::size_t max_bytes) {
   std::string line;
   while (!text.empty()) {
     const std::size_t size = character_size(text);
-    if (line.size() + std::max<std::size_t>(size, 1) > most) return line + "...";
+    if (line.size() + std::max<std::size_t>(size, 1) > max_bytes) return line + "...";
     line.append(size == 0 ? "?" : text.substr(0, size));
     text.remove_prefix(std::max<std::size_t>(size, 1));
   }

@@ -12,16 +12,16 @@ namespace sim {
 namespace {
 
 /// Returns the area of a unit's memory array, or its share of an array of several banks.
-Band array_of(const EnergyTable& arrays, const UnitReport& unit) {
+Band array_area_of(const EnergyTable& arrays, const UnitReport& unit) {
   const double share = static_cast<double>(unit.sram_bytes) / static_cast<double>(unit.cache_bytes);
   for (const std::string& name : {entry_name(unit), unit.block}) {
-    if (arrays.contains(name)) return arrays.at(name, unit.cache_bytes) * std::min(1.0, share);
+    if (arrays.contains(name)) return arrays.energy_of(name, unit.cache_bytes) * std::min(1.0, share);
   }
   refuse_without_entry(unit, "area.arrays");
 }
 
 /// Returns the area of a unit's pads; `area` is that for sixteen data lines.
-Band pads_of(const Band& area, const UnitReport& unit) {
+Band pad_area_of(const Band& area, const UnitReport& unit) {
   if (unit.data_lines != 0) return area * (static_cast<double>(unit.data_lines) / 16);
   throw InputError(fmt::format("area.pads: unit '{}' has no data lines at the die's edge", unit.path));
 }
@@ -36,12 +36,12 @@ AreaReport compute_area(std::span<const UnitReport> units, const EnergyConfig& e
   for (const UnitReport& unit : units) {
     AreaOfBlock& block = report.blocks[unit.block];
     block.logic += LogicArea(unit, energy).area_band() * config.logic_scale;
-    if (unit.cache_bytes != 0) block.arrays += array_of(arrays, unit);
+    if (unit.cache_bytes != 0) block.arrays += array_area_of(arrays, unit);
     if (unit.sram_bytes > unit.cache_bytes) {
       const double kib = static_cast<double>(unit.sram_bytes - unit.cache_bytes) / 1024;
       block.buffers += required_entry(config.buffers, unit, "area.buffers") * kib;
     }
-    if (const Band* const pads = find_entry(config.pads, unit)) block.pads += pads_of(*pads, unit);
+    if (const Band* const pads = find_entry(config.pads, unit)) block.pads += pad_area_of(*pads, unit);
   }
   for (const auto& [name, block] : report.blocks) report.total += block.total();
   report.total = report.total * config.placement;

@@ -19,7 +19,7 @@ Band& operator+=(Band& a, const Band& b) { return a = a + b; }
 EnergyReport compute_energy(std::span<const UnitReport> units, const EnergyConfig& config,
                             const std::map<std::string, DeviceEvent>& device_events, Time elapsed,
                             const PowerScales& scales) {
-  return EnergyFormula(units, config, device_events, elapsed, scales).report();
+  return EnergyFormula(units, config, device_events, elapsed, scales).compute_report();
 }
 
 EnergyByKind& EnergyByKind::operator+=(const EnergyByKind& other) {
@@ -123,7 +123,7 @@ EnergyFormula::EventEnergy EnergyFormula::find_event_energy(
     throw InputError(fmt::format("energy.events: '{}' depends on the size of an array, and unit '{}' has none",
                                  counter.event, unit.path));
   }
-  return {.point = curve.at(unit.cache_bytes)};
+  return {.point = curve.point_at(unit.cache_bytes)};
 }
 
 std::size_t EnergyFormula::index_of(const EventEnergy& energy) {
@@ -133,15 +133,15 @@ std::size_t EnergyFormula::index_of(const EventEnergy& energy) {
   return event_energies_.size() - 1;
 }
 
-std::vector<double> EnergyFormula::pj_per_event(Side side) const {
+std::vector<double> EnergyFormula::pj_per_event(BandMember member) const {
   std::vector<double> out;
   out.reserve(event_energies_.size());
-  for (const EventEnergy& energy : event_energies_) out.push_back(energy.at(side));
+  for (const EventEnergy& energy : event_energies_) out.push_back(energy.energy_of(member));
   return out;
 }
 
 EnergyFormula::Kinds EnergyFormula::unit_kinds(const Unit& unit, const std::vector<double>& pj_per_event,
-                                               Side side) const {
+                                               BandMember member) const {
   const PowerScale& scale = scales_[unit.block];
   Kinds sum;
   double on_chip = 0;
@@ -151,44 +151,45 @@ EnergyFormula::Kinds EnergyFormula::unit_kinds(const Unit& unit, const std::vect
      : device->standby ? sum.leakage
                        : sum.dynamic) += pj_per_event[term.energy_index] * term.count;
   }
-  const double share = config_.clock_share.*side;
+  const double share = config_.clock_share.*member;
   sum.dynamic += on_chip * scale.dynamic;
   sum.clock = (on_chip * (share / (1 - share)) +
-               config_.flop_clock.*side * (config_.idle_clocked.*side) * (unit.flops->*side) * unit.idle_cycles) *
+               config_.flop_clock.*member * (config_.idle_clocked.*member) * (unit.flops->*member) * unit.idle_cycles) *
               scale.dynamic;
-  sum.leakage += (config_.sram_leakage.*side * unit.sram_kib + config_.logic_leakage.*side * unit.logic.at(side)) *
-                 leakage_pj_per_mw_ * scale.leakage;
+  sum.leakage +=
+      (config_.sram_leakage.*member * unit.sram_kib + config_.logic_leakage.*member * unit.logic.area_of(member)) *
+      leakage_pj_per_mw_ * scale.leakage;
   return sum;
 }
 
-std::vector<double> EnergyFormula::block_energies(Side side) const {
-  const std::vector<double> values = pj_per_event(side);
+std::vector<double> EnergyFormula::block_energies(BandMember member) const {
+  const std::vector<double> values = pj_per_event(member);
   std::vector<Kinds> kinds(blocks_.size());
-  for (const Unit& unit : units_) kinds[unit.block].add(unit_kinds(unit, values, side));
+  for (const Unit& unit : units_) kinds[unit.block].add(unit_kinds(unit, values, member));
   std::vector<double> out;
   for (const Kinds& block : kinds) out.push_back(block.total());
   return out;
 }
 
-std::vector<double> EnergyFormula::kind_energies(Side side) const {
-  const std::vector<double> values = pj_per_event(side);
+std::vector<double> EnergyFormula::kind_energies(BandMember member) const {
+  const std::vector<double> values = pj_per_event(member);
   Kinds sum;
-  for (const Unit& unit : units_) sum.add(unit_kinds(unit, values, side));
+  for (const Unit& unit : units_) sum.add(unit_kinds(unit, values, member));
   return {sum.dynamic, sum.clock, sum.leakage};
 }
 
-double EnergyFormula::total(Side side) const {
-  const std::vector<double> values = pj_per_event(side);
+double EnergyFormula::total_pj(BandMember member) const {
+  const std::vector<double> values = pj_per_event(member);
   Kinds sum;
-  for (const Unit& unit : units_) sum.add(unit_kinds(unit, values, side));
+  for (const Unit& unit : units_) sum.add(unit_kinds(unit, values, member));
   return sum.total();
 }
 
 std::vector<EnergyFormula::UnitEnergy> EnergyFormula::unit_energies() const {
   std::vector<UnitEnergy> all(units_.size());
-  for (const Side side : kSides) {
-    const std::vector<double> values = pj_per_event(side);
-    const double share = config_.clock_share.*side;
+  for (const BandMember member : kBandMembers) {
+    const std::vector<double> values = pj_per_event(member);
+    const double share = config_.clock_share.*member;
     for (std::size_t u = 0; u < units_.size(); ++u) {
       const Unit& unit = units_[u];
       const PowerScale& scale = scales_[unit.block];
@@ -198,29 +199,29 @@ std::vector<EnergyFormula::UnitEnergy> EnergyFormula::unit_energies() const {
         const DeviceEvent* device = event_energies_[unit.terms[t].energy_index].device;
         double pj = values[unit.terms[t].energy_index] * unit.terms[t].count;
         if (device == nullptr) pj = pj / (1 - share) * scale.dynamic;
-        if (device == nullptr || !device->standby) counted += all[u].events[t].*side = pj;
+        if (device == nullptr || !device->standby) counted += all[u].events[t].*member = pj;
       }
-      all[u].idle.*side = unit_kinds(unit, values, side).total() - counted;
+      all[u].idle.*member = unit_kinds(unit, values, member).total() - counted;
     }
   }
   return all;
 }
 
-EnergyReport EnergyFormula::report() const {
+EnergyReport EnergyFormula::compute_report() const {
   EnergyReport report;
-  for (const Side side : kSides) {
-    const std::vector<double> values = pj_per_event(side);
+  for (const BandMember member : kBandMembers) {
+    const std::vector<double> values = pj_per_event(member);
     for (const Unit& unit : units_) {
-      const Kinds kinds = unit_kinds(unit, values, side);
+      const Kinds kinds = unit_kinds(unit, values, member);
       std::map<std::string, Band>& events = report.events[blocks_[unit.block]];
       for (const Term& term : unit.terms) {
         const double scale = event_energies_[term.energy_index].device == nullptr ? scales_[unit.block].dynamic : 1;
-        events[term.event].*side += values[term.energy_index] * term.count * scale;
+        events[term.event].*member += values[term.energy_index] * term.count * scale;
       }
       for (EnergyByKind* sum : {&report.blocks[blocks_[unit.block]], &report.kinds}) {
-        sum->dynamic.*side += kinds.dynamic;
-        sum->clock.*side += kinds.clock;
-        sum->leakage.*side += kinds.leakage;
+        sum->dynamic.*member += kinds.dynamic;
+        sum->clock.*member += kinds.clock;
+        sum->leakage.*member += kinds.leakage;
       }
     }
   }
@@ -252,12 +253,12 @@ LogicArea::LogicArea(const UnitReport& unit, const EnergyConfig& config)
   }
 }
 
-double LogicArea::at(Side side) const {
-  double mm2 = logic_->*side;
-  for (const Difference& d : differences_) mm2 += d.count * (d.count < 0 ? d.part->nominal : d.part->*side);
+double LogicArea::area_of(BandMember member) const {
+  double mm2 = logic_->*member;
+  for (const Difference& d : differences_) mm2 += d.count * (d.count < 0 ? d.part->nominal : d.part->*member);
   return std::max(0.0, mm2);
 }
 
-Band LogicArea::area_band() const { return {at(&Band::low), at(&Band::nominal), at(&Band::high)}; }
+Band LogicArea::area_band() const { return {area_of(&Band::low), area_of(&Band::nominal), area_of(&Band::high)}; }
 
 }  // namespace sim

@@ -117,7 +117,7 @@ class LogicArea {
   /// Throws InputError for a unit without `logic` in the table or with an unknown part.
   LogicArea(const UnitReport& unit, const EnergyConfig& config);
 
-  double at(Side side) const;
+  double area_of(BandMember member) const;
   Band area_band() const;
 
  private:
@@ -141,22 +141,23 @@ class EnergyFormula {
   void set_counts(std::span<const UnitReport> units, Time elapsed);
 
   /// Returns low, nominal and high energy by block, kind and event.
-  EnergyReport report() const;
+  EnergyReport compute_report() const;
   /// Energy of one unit in pJ.
   struct UnitEnergy {
     std::vector<Band> events;  ///< one for each counter that names an event, in order, with its share of the clock tree
     Band idle;                 ///< energy independent of activity: leakage, standby, idle clock
   };
-  /// Returns the energy of each unit, in the order of the units. Their sum equals report().total_pj except for the
-  /// order of additions.
+  /// Returns the energy of each unit, in the order of the units. Their sum equals compute_report().total_pj except for
+  /// the order of additions.
   std::vector<UnitEnergy> unit_energies() const;
-  /// Returns the energy of each block in pJ, in alphabetical order of the blocks. `side`: low, nominal or high.
-  std::vector<double> block_energies(Side side) const;
-  /// Returns dynamic energy, clock and leakage in pJ. `side`: low, nominal or high.
-  std::vector<double> kind_energies(Side side) const;
+  /// Returns the energy of each block in pJ, in alphabetical order of the blocks. `member`: low, nominal or high.
+  std::vector<double> block_energies(BandMember member) const;
+  /// Returns dynamic energy, clock and leakage in pJ. `member`: low, nominal or high.
+  std::vector<double> kind_energies(BandMember member) const;
   static constexpr std::array<const char*, 3> kKinds = {"dynamic", "clock", "leakage"};
-  /// Returns the total energy in pJ, equal to report().total_pj to the last bit. `side`: low, nominal or high.
-  double total(Side side) const;
+  /// Returns the total energy in pJ, equal to compute_report().total_pj to the last bit. `member`: low, nominal or
+  /// high.
+  double total_pj(BandMember member) const;
   const std::vector<std::string>& block_names() const { return blocks_; }
 
  private:
@@ -164,7 +165,9 @@ class EnergyFormula {
   struct EventEnergy {
     EnergyPoint point{};
     const DeviceEvent* device = nullptr;
-    double at(Side side) const { return device != nullptr ? device->pj.*side : point.at(side); }
+    double energy_of(BandMember member) const {
+      return device != nullptr ? device->pj.*member : point.energy_of(member);
+    }
     friend bool operator==(const EventEnergy&, const EventEnergy&) = default;
   };
   struct Term {
@@ -189,8 +192,8 @@ class EnergyFormula {
   EventEnergy find_event_energy(const UnitReport& unit, const CounterReport& counter,
                                 const std::map<std::string, DeviceEvent>& device_events) const;
   std::size_t index_of(const EventEnergy& energy);
-  std::vector<double> pj_per_event(Side side) const;
-  Kinds unit_kinds(const Unit& unit, const std::vector<double>& pj_per_event, Side side) const;
+  std::vector<double> pj_per_event(BandMember member) const;
+  Kinds unit_kinds(const Unit& unit, const std::vector<double>& pj_per_event, BandMember member) const;
 
   const EnergyConfig& config_;
   EnergyTable table_;

@@ -29,7 +29,7 @@ EnergyTable::EnergyTable(const std::map<std::string, Band>& events, std::string_
   for (const auto& [name, pj] : events) {
     const std::size_t at = name.find('@');
     const double bytes = at == std::string::npos ? 0 : size_of(key, name, std::string_view(name).substr(at + 1));
-    std::vector<EnergyCurve::Point>& curve = curves_[event_of(name)].points_;
+    std::vector<EnergyCurve::Point>& curve = curves_[event_name_of(name)].points_;
     if (!curve.empty() && (bytes == 0 || curve.front().bytes == 0)) {
       throw InputError(fmt::format("{}.{}: given with and without a size; allowed: either", key, name));
     }
@@ -38,12 +38,12 @@ EnergyTable::EnergyTable(const std::map<std::string, Band>& events, std::string_
   for (auto& [name, curve] : curves_) std::ranges::sort(curve.points_, {}, &EnergyCurve::Point::bytes);
 }
 
-double EnergyPoint::at(Side side) const {
-  const double pj = left->*side;
-  return right == nullptr ? pj : pj * std::pow(right->*side / pj, part);
+double EnergyPoint::energy_of(BandMember member) const {
+  const double pj = left->*member;
+  return right == nullptr ? pj : pj * std::pow(right->*member / pj, part);
 }
 
-EnergyPoint EnergyCurve::at(std::uint64_t bytes) const {
+EnergyPoint EnergyCurve::point_at(std::uint64_t bytes) const {
   if (points_.size() == 1) return {.left = points_.front().pj};
   assert(bytes > 0);
   const auto size = static_cast<double>(bytes);
@@ -54,9 +54,9 @@ EnergyPoint EnergyCurve::at(std::uint64_t bytes) const {
   return {a.pj, b.pj, std::log(size / a.bytes) / std::log(b.bytes / a.bytes)};
 }
 
-Band EnergyTable::at(std::string_view event, std::uint64_t bytes) const {
-  const EnergyPoint point = curve_of(event).at(bytes);
-  return {point.at(&Band::low), point.at(&Band::nominal), point.at(&Band::high)};
+Band EnergyTable::energy_of(std::string_view event, std::uint64_t bytes) const {
+  const EnergyPoint point = curve_of(event).point_at(bytes);
+  return {point.energy_of(&Band::low), point.energy_of(&Band::nominal), point.energy_of(&Band::high)};
 }
 
 std::vector<std::string> EnergyTable::event_names() const {

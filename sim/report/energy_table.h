@@ -12,8 +12,8 @@
 namespace sim {
 
 /// Selects the low, nominal or high value of a Band.
-using Side = double Band::*;
-inline constexpr std::array<Side, 3> kSides = {&Band::low, &Band::nominal, &Band::high};
+using BandMember = double Band::*;
+inline constexpr std::array<BandMember, 3> kBandMembers = {&Band::low, &Band::nominal, &Band::high};
 
 /// Energy of an event for one size of memory array: interpolated by a power law between two points of a curve, or a
 /// single point. Refers to values in the energy table, which may change later.
@@ -21,7 +21,7 @@ struct EnergyPoint {
   const Band* left = nullptr;
   const Band* right = nullptr;  ///< null: only `left`
   double part = 0;              ///< position between left and right in the logarithm of the size
-  double at(Side side) const;
+  double energy_of(BandMember member) const;
   friend bool operator==(const EnergyPoint&, const EnergyPoint&) = default;
 };
 
@@ -30,8 +30,8 @@ class EnergyCurve {
  public:
   bool depends_on_size() const { return points_.size() > 1; }
   /// Returns the energy for an array of `bytes` bytes, more than 0 if depends_on_size().
-  EnergyPoint at(std::uint64_t bytes) const;
-  /// Smallest and largest size of the curve's points, in bytes. at() extrapolates beyond them.
+  EnergyPoint point_at(std::uint64_t bytes) const;
+  /// Smallest and largest size of the curve's points, in bytes. point_at() extrapolates beyond them.
   std::uint64_t least_bytes() const { return static_cast<std::uint64_t>(points_.front().bytes); }
   std::uint64_t most_bytes() const { return static_cast<std::uint64_t>(points_.back().bytes); }
 
@@ -55,7 +55,7 @@ class EnergyTable {
                        std::string_view = {}) = delete;  // the table keeps pointers to the entries
 
   /// Returns the energy in pJ of an event in a memory array of `bytes` bytes. contains() must be true for the event.
-  Band at(std::string_view event, std::uint64_t bytes) const;
+  Band energy_of(std::string_view event, std::uint64_t bytes) const;
   bool contains(std::string_view event) const { return curves_.contains(std::string(event)); }
   const EnergyCurve& curve_of(std::string_view event) const { return curves_.at(std::string(event)); }
   /// Returns the names of all events, without sizes, in alphabetical order.
@@ -66,7 +66,7 @@ class EnergyTable {
 };
 
 /// Returns the event of a table entry, without the size: "cache.l1_read@16KiB" -> "cache.l1_read".
-inline std::string event_of(std::string_view entry) { return std::string(entry.substr(0, entry.find('@'))); }
+inline std::string event_name_of(std::string_view entry) { return std::string(entry.substr(0, entry.find('@'))); }
 
 /// Returns the name under which a table lists a unit: "core0.tni.trv2" of block "tni" -> "tni.trv".
 inline std::string entry_name(const UnitReport& unit) {

@@ -25,7 +25,7 @@ std::uint64_t frequency_of(const std::string& name, std::string_view text) {
 
 }  // namespace
 
-double VoltageCurve::at(std::uint64_t hz) const {
+double VoltageCurve::voltage_at(std::uint64_t hz) const {
   const auto above = std::ranges::find_if(points_, [&](const Point& p) { return p.hz >= hz; });
   if (above != points_.end() && (above == points_.begin() || above->hz == hz)) return above->volt;
   if (points_.size() == 1) return points_.front().volt;

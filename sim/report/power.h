@@ -65,7 +65,7 @@ using PowerScales = std::map<std::string, PowerScale>;
 /// extrapolated above the highest.
 class VoltageCurve {
  public:
-  double at(std::uint64_t hz) const;
+  double voltage_at(std::uint64_t hz) const;
   std::uint64_t least_hz() const { return points_.front().hz; }
   std::uint64_t most_hz() const { return points_.back().hz; }
 

@@ -19,13 +19,13 @@ namespace {
 
 using Names = std::set<std::string>;
 
-/// Throws InputError for a table entry with an unknown name. `unknown`: what is wrong, such as "no counter names this
+/// Throws InputError for a table entry with an unknown name. `fault`: what is wrong, such as "no counter names this
 /// event".
-[[noreturn]] void refuse_entry(std::string_view table, const std::string& name, std::string_view unknown,
+[[noreturn]] void refuse_entry(std::string_view table, const std::string& name, std::string_view fault,
                                const Names& known) {
-  const std::string_view start = comparable_start(name);
+  const std::string_view start = comparison_prefix(name);
   const auto found = find_nearest(start, known, std::max<std::size_t>(1, start.size() / 3));
-  throw InputError(fmt::format("{}.{}: {}{}; allowed: {}", table, name, unknown,
+  throw InputError(fmt::format("{}.{}: {}{}; allowed: {}", table, name, fault,
                                found == known.end() ? "" : fmt::format(", did you mean '{}'?", *found),
                                fmt::join(known, ", ")));
 }
@@ -33,11 +33,11 @@ using Names = std::set<std::string>;
 std::string whole_entry(std::string_view entry) { return std::string(entry); }
 
 /// Checks that the names of all entries of a table are known. `name_of` returns the name of an entry: all of it, or
-/// event_of() where a size may follow.
-void check_entries(std::string_view table, const std::map<std::string, Band>& entries, std::string_view unknown,
+/// event_name_of() where a size may follow.
+void check_entries(std::string_view table, const std::map<std::string, Band>& entries, std::string_view fault,
                    const Names& known, std::string (*name_of)(std::string_view) = whole_entry) {
   for (const auto& [entry, value] : entries) {
-    if (const std::string name = name_of(entry); !known.contains(name)) refuse_entry(table, name, unknown, known);
+    if (const std::string name = name_of(entry); !known.contains(name)) refuse_entry(table, name, fault, known);
   }
 }
 
@@ -63,7 +63,7 @@ Names parts_of(std::span<const UnitReport> units) {
 
 void check_energy_events(const EnergyConfig& config, std::span<const std::string> declared) {
   const Names known(declared.begin(), declared.end());
-  check_entries("energy.events", config.events, "no counter names this event", known, event_of);
+  check_entries("energy.events", config.events, "no counter names this event", known, event_name_of);
   const EnergyTable table(config.events);
   for (const std::string& name : known) {
     if (!table.contains(name)) throw InputError(fmt::format("energy.events: no figure for '{}'", name));
@@ -80,7 +80,7 @@ void check_unit_names(const EnergyConfig& config, std::span<const UnitReport> un
 
 void check_unit_names(const AreaConfig& config, std::span<const UnitReport> units) {
   const Names known = names_of(units);
-  check_entries("area.arrays", config.arrays, kNoUnit, known, event_of);
+  check_entries("area.arrays", config.arrays, kNoUnit, known, event_name_of);
   check_entries("area.buffers", config.buffers, kNoUnit, known);
   check_entries("area.pads", config.pads, kNoUnit, known);
 }

@@ -21,9 +21,9 @@ void link_push_and_pop(benchmark::State& state) {
   sim::Time now = 0;
   for (auto _ : state) {
     link.push(now, now);
-    now = clock.after(now, 1);
+    now = clock.edge_after(now, 1);
     benchmark::DoNotOptimize(link.pop(now));
-    now = clock.after(now, 1);
+    now = clock.edge_after(now, 1);
   }
 }
 BENCHMARK(link_push_and_pop);
@@ -77,8 +77,9 @@ void dram_request(benchmark::State& state) {
         wake = sim::kNever;
         wake = std::min(wake, channel.tick(now));
       }
-      const sim::Time feed = sent < kRequests ? std::max(clock.after(now, 1), in.push_at()) : sim::kNever;
-      now = std::min({std::max(clock.after(now, 1), wake), feed, std::max(clock.after(now, 1), out.pop_at())});
+      const sim::Time feed = sent < kRequests ? std::max(clock.edge_after(now, 1), in.push_at()) : sim::kNever;
+      now =
+          std::min({std::max(clock.edge_after(now, 1), wake), feed, std::max(clock.edge_after(now, 1), out.pop_at())});
     }
   }
   state.SetItemsProcessed(state.iterations() * kRequests);
@@ -94,7 +95,7 @@ void dram_play(benchmark::State& state, const char* grade) {
     const std::uint64_t line = state.range(0) == 0 ? i : sim::mix_bits(i) % (1 << 24);
     requests.push_back({line * 64, sim::hash(i) % 100 >= static_cast<std::uint64_t>(state.range(1)), 0});
   }
-  for (auto _ : state) benchmark::DoNotOptimize(hw::play_requests(config, requests, 32).end);
+  for (auto _ : state) benchmark::DoNotOptimize(hw::run_dram_requests(config, requests, 32).end);
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(requests.size()));
 }
 BENCHMARK_CAPTURE(dram_play, lpddr4, "lpddr4-3200")->Args({0, 100})->Args({0, 80})->Args({1, 100})->Args({1, 80});

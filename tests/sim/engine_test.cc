@@ -139,7 +139,7 @@ TEST(Engine, AMachineThatGoesOnAndRetiresNothingIsFound) {
   c.appetite = 10;
   c.restless = true;
   c.source = c.stage = c.sink = Clock(kFemtosecondsPerNanosecond);
-  c.patience = 1000 * kFemtosecondsPerNanosecond;
+  c.livelock_timeout = 1000 * kFemtosecondsPerNanosecond;
   const auto complaint = [](auto&& machine, auto&& engine) {
     try {
       engine(machine);
@@ -162,7 +162,7 @@ TEST(Engine, AMachineThatGoesOnAndRetiresNothingIsFound) {
 TEST(Engine, AMachineThatRetiresWithinItsPatienceIsLeftAlone) {
   PipelineConfig c;
   c.interval = 100;
-  c.patience = 2 * 100 + 2 * (1 + 3 + 1);  // one rest of the sink plus the latency to it
+  c.livelock_timeout = 2 * 100 + 2 * (1 + 3 + 1);  // one rest of the sink plus the latency to it
   Pipeline machine(c);
   EXPECT_NO_THROW(run(machine));
   EXPECT_EQ(machine.sink.taken.size(), c.items);

@@ -13,9 +13,9 @@ Intervals recorded(Time length, std::size_t most, Time end) {
   intervals.allocate_rows(1);
   while (intervals.next_boundary() < end) {
     const Time edge = intervals.next_boundary();
-    *intervals.next_row() = edge;
+    *intervals.add_next_row() = edge;
   }
-  *intervals.last_row(end) = end;
+  *intervals.add_last_row(end) = end;
   return intervals;
 }
 
@@ -24,7 +24,7 @@ TEST(IntervalRows, AreAtMultiplesOfTheirLengthAndAtTheEnd) {
   ASSERT_EQ(intervals.size(), 4U);
   for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(intervals.row(i)[0], 10 * (i + 1));
   EXPECT_EQ(intervals.row(3)[0], 34U);
-  EXPECT_EQ(intervals.end_of(3), 34U);
+  EXPECT_EQ(intervals.interval_end(3), 34U);
 }
 
 TEST(IntervalRows, HaveNoEmptyOneAtAnEndThatIsAnEdge) {
@@ -38,8 +38,9 @@ TEST(IntervalRows, AreAtMostTheLimitAndAtLeastHalfOfIt) {
       const Intervals intervals = recorded(10, most, end);
       ASSERT_LE(intervals.size(), most) << end;
       ASSERT_GE(2 * intervals.size(), std::min<std::size_t>(most, end / 10)) << end;
-      for (std::size_t i = 0; i < intervals.size(); ++i) ASSERT_EQ(intervals.row(i)[0], intervals.end_of(i)) << end;
-      ASSERT_EQ(intervals.end_of(intervals.size() - 1), end);
+      for (std::size_t i = 0; i < intervals.size(); ++i)
+        ASSERT_EQ(intervals.row(i)[0], intervals.interval_end(i)) << end;
+      ASSERT_EQ(intervals.interval_end(intervals.size() - 1), end);
     }
   }
 }
@@ -47,7 +48,7 @@ TEST(IntervalRows, AreAtMostTheLimitAndAtLeastHalfOfIt) {
 TEST(IntervalRows, AreFewerOfLongRows) {
   Intervals intervals(10);
   intervals.allocate_rows(Intervals::kMostValues / 4);
-  for (int edge = 0; edge < 20; ++edge) intervals.next_row();
+  for (int edge = 0; edge < 20; ++edge) intervals.add_next_row();
   EXPECT_LT(intervals.size(), 4U);
 }
 

@@ -39,7 +39,7 @@ class Relay {
       stats_.taken += 1;
       last = now;
     }
-    const Time next = clock_.after(now, 1);
+    const Time next = clock_.edge_after(now, 1);
     const Time give = numbers_ > 0 ? std::max(next, out_->push_at()) : kNever;
     return in_ == nullptr ? give : std::min(give, std::max(next, in_->pop_at()));
   }

@@ -19,7 +19,7 @@ struct PipelineConfig {
   std::uint64_t interval = 1;   ///< cycles between two items of the sink
   std::uint64_t appetite = 50;  ///< number of items that the sink accepts
   bool restless = false;        ///< a full sink still ticks every cycle
-  Time patience = kNever;
+  Time livelock_timeout = kNever;
 };
 
 /// Sends a number whenever there is room.
@@ -108,7 +108,7 @@ class Sink {
     return taken.size() < appetite_ ? in_.pop_at() : kNever;
   }
   Clock clock() const { return clock_; }
-  std::uint64_t retired() const { return taken.size(); }
+  std::uint64_t retired_items() const { return taken.size(); }
   void finish(Time end) { activity.finish(end); }
 
   Activity<CycleReason> activity;
@@ -142,7 +142,7 @@ class Pipeline {
 
   Machine& machine() { return machine_; }
   bool done() const { return sink.taken.size() == config_.items; }
-  Time patience() const { return config_.patience; }
+  Time livelock_timeout() const { return config_.livelock_timeout; }
   /// Returns each unit's time by reason, in order.
   std::vector<Time> spent(Time end) {
     machine_.finish(end + 1);

@@ -16,7 +16,7 @@ TEST(Clock, HasAnEdgeAtEveryMultipleOfItsPeriod) {
   EXPECT_EQ(clock.edge_at_or_after(3), 3U);
   EXPECT_TRUE(clock.is_edge(6));
   EXPECT_FALSE(clock.is_edge(7));
-  EXPECT_EQ(clock.after(6, 4), 18U);
+  EXPECT_EQ(clock.edge_after(6, 4), 18U);
   EXPECT_EQ(clock.cycles(20), 6U);
 }
 

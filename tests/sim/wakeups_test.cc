@@ -30,7 +30,7 @@ TEST(WakeupTable, TicksExactlyTheDueUnits) {
     });
     ASSERT_EQ(ticked, due);
     const std::size_t other = hash(step) % kUnits;
-    wakeups.lower(other, now + 3);
+    wakeups.lower_to(other, now + 3);
     expected[other] = std::min(expected[other], now + 3);
   }
 }
@@ -53,8 +53,8 @@ TEST(WakeupTable, ReportsDueUnitsAndTheNextTimeOverSeveralGroups) {
 TEST(WakeupTable, ATickMayLowerTheTimeOfItsOwnUnitAndOfOthers) {
   WakeupTable wakeups(12);
   wakeups.tick_due(0, [&](std::size_t i) {
-    if (i == 1) wakeups.lower(1, 5);
-    if (i == 2) wakeups.lower(11, 4);
+    if (i == 1) wakeups.lower_to(1, 5);
+    if (i == 2) wakeups.lower_to(11, 4);
     return i == 11 ? Time{9} : kNever;
   });
   EXPECT_EQ(wakeups[1], 5U);

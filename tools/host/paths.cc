@@ -98,7 +98,7 @@ void check_no_scene(const std::string& argument) {
 std::string suggest_name(const std::string& argument, const std::vector<std::string>& configs) {
   std::vector<std::string> scenes = workload_names();
   for (const traces::BuiltinInfo& scene : traces::builtin_scenes()) scenes.push_back(scene.name);
-  const std::string_view start = sim::comparable_start(argument);
+  const std::string_view start = sim::comparison_prefix(argument);
   const auto config = sim::find_nearest(start, configs, start.size() / 2);
   const std::size_t most = config == configs.end() ? start.size() / 2 : sim::edit_distance(start, *config);
   const auto scene = most == 0 ? scenes.end() : sim::find_nearest(start, scenes, most - 1);

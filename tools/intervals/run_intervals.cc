@@ -142,7 +142,7 @@ class Growing {
 /// Builds one frame's table, interval by interval.
 class Table {
  public:
-  Table(const RunIntervals& run, const IntervalFrame& frame, sim::Side side)
+  Table(const RunIntervals& run, const IntervalFrame& frame, sim::BandMember side)
       : run_(run),
         frame_(frame),
         side_(side),
@@ -176,7 +176,7 @@ class Table {
   void add_power(std::size_t interval) {
     const sim::EnergyFormula& energy = energy_.formula_at(frame_, interval, until_);
     std::vector<double> blocks = energy.block_energies(side_), kinds = energy.kind_energies(side_);
-    blocks.push_back(energy.total(side_));
+    blocks.push_back(energy.total_pj(side_));
     if (blocks_before_.empty()) blocks_before_.resize(blocks.size()), kinds_before_.resize(kinds.size());
     const auto watts = [&](double until, double before) {
       return (until - before) / time_ * sim::kWattsPerPicojouleOverFemtosecond;
@@ -247,7 +247,7 @@ class Table {
 
   const RunIntervals& run_;
   const IntervalFrame& frame_;
-  const sim::Side side_;
+  const sim::BandMember side_;
   EnergyUntil energy_;
   Reports until_, within_;
   IntervalTable table_;
@@ -264,11 +264,12 @@ const IntervalSeries* IntervalTable::find(std::string_view group, std::string_vi
   return found == series.end() ? nullptr : &*found;
 }
 
-IntervalTable derive_table(const RunIntervals& run, const IntervalFrame& frame, sim::Side side, std::size_t most) {
+IntervalTable derive_table(const RunIntervals& run, const IntervalFrame& frame, sim::BandMember side,
+                           std::size_t most) {
   return Table(run, frame.merged_to(most), side).make_table();
 }
 
-IntervalEnergy energy_until(const RunIntervals& run, const IntervalFrame& frame, sim::Side side) {
+IntervalEnergy energy_until(const RunIntervals& run, const IntervalFrame& frame, sim::BandMember side) {
   EnergyUntil energy(run);
   Reports until(run.units().begin(), run.units().end());
   IntervalEnergy all;

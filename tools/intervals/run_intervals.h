@@ -82,8 +82,8 @@ struct IntervalTable {
 ///
 /// The energy of an interval is the difference of two cumulative energies, each computed as totals.energy_mj from the
 /// counters until an edge. The last edge therefore gives the frame's energy bit by bit.
-IntervalTable derive_table(const RunIntervals& run, const IntervalFrame& frame, sim::Side side = &sim::Band::nominal,
-                           std::size_t most = sim::Intervals::kMost);
+IntervalTable derive_table(const RunIntervals& run, const IntervalFrame& frame,
+                           sim::BandMember side = &sim::Band::nominal, std::size_t most = sim::Intervals::kMost);
 
 /// Cumulative energy in pJ of each block at the end of each interval, under one side's figures: one row per interval,
 /// blocks in alphabetical order.
@@ -91,6 +91,7 @@ struct IntervalEnergy {
   std::vector<std::string> blocks;
   std::vector<std::vector<double>> until_pj;
 };
-IntervalEnergy energy_until(const RunIntervals& run, const IntervalFrame& frame, sim::Side side = &sim::Band::nominal);
+IntervalEnergy energy_until(const RunIntervals& run, const IntervalFrame& frame,
+                            sim::BandMember side = &sim::Band::nominal);
 
 }  // namespace tools

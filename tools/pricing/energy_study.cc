@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::string_view kByBlock = "totals.energy_by_block_mj.", kNominal = ".nominal";
 
-double side_pj(const PricedRun& run, const std::string& block, sim::Side side) {
+double side_pj(const PricedRun& run, const std::string& block, sim::BandMember side) {
   return block.empty() ? run.total(side) : run.of_block(block, side);
 }
 
@@ -55,7 +55,8 @@ Interval95 interval_of(std::vector<double> samples) {
 
 EnergyRatio energy_ratio(PricedRun& a, PricedRun& b, const std::string& block) {
   EnergyRatio out;
-  for (const sim::Side side : sim::kSides) out.together.*side = side_pj(b, block, side) / side_pj(a, block, side);
+  for (const sim::BandMember side : sim::kBandMembers)
+    out.together.*side = side_pj(b, block, side) / side_pj(a, block, side);
   const std::vector<double> of_a = drawn_pj(a, block), of_b = drawn_pj(b, block);
   std::vector<double> ratios;
   std::size_t less = 0;

@@ -37,7 +37,7 @@ std::uint64_t hash_of(const std::string& name) {
 void add_figure(std::vector<EnergyEntry>& entries, const sim::ConfigNode& node, const std::string& key,
                 sim::Band& figure) {
   const std::string name = key.empty() ? node.path : node.path + "." + key;
-  const std::string entry = sim::event_of(name);
+  const std::string entry = sim::event_name_of(name);
   if (entries.empty() || entries.back().name != entry) {
     entries.push_back({entry, node.unit, node.meaning, hash_of(entry), {}});
   }
@@ -208,7 +208,7 @@ void PricedRun::restore_nominal() {
   update_formula();
 }
 
-double PricedRun::of_block(const std::string& block, sim::Side side) const {
+double PricedRun::of_block(const std::string& block, sim::BandMember side) const {
   const std::vector<std::string>& names = formula_->block_names();
   const auto found = std::ranges::find(names, block);
   if (found == names.end()) throw sim::InputError(fmt::format("no energy block is called '{}'", block));

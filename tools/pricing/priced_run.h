@@ -69,7 +69,7 @@ class PricedRun {
   PricedRun& operator=(const PricedRun&) = delete;
 
   const RunConfig& config() const { return config_; }
-  sim::EnergyReport energy() const { return formula_->report(); }
+  sim::EnergyReport energy() const { return formula_->compute_report(); }
   const WorkDone& work() const { return work_; }
   /// Returns a line for each kind of unit whose array is outside all points of a curve of the table, and for each clock
   /// whose energies hold at another voltage.
@@ -84,8 +84,8 @@ class PricedRun {
   void update_formula();
 
   /// Returns the current pJ of one side.
-  double total(sim::Side side) const { return formula_->total(side); }
-  double of_block(const std::string& block, sim::Side side) const;
+  double total(sim::BandMember side) const { return formula_->total_pj(side); }
+  double of_block(const std::string& block, sim::BandMember side) const;
 
  private:
   void make_formula(const std::vector<sim::UnitReport>& units);

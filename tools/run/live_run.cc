@@ -65,16 +65,16 @@ void LiveRun::publish_frame(std::span<const float> rgb) {
   row_.assign(intervals_->row(last).begin(), intervals_->row(last).end());
   before_.assign(row_.size(), 0);
   begin_ = 0;
-  end_ = intervals_->end_of(last);
+  end_ = intervals_->interval_end(last);
   if (last == 0) return;
   std::ranges::copy(intervals_->row(last - 1), before_.begin());
-  begin_ = intervals_->end_of(last - 1);
+  begin_ = intervals_->interval_end(last - 1);
 }
 
 double LiveRun::until_pj(const std::vector<std::uint64_t>& row, sim::Time end) {
   sim::each_value(units_, [&](std::uint64_t& value, std::size_t i, sim::CounterKind) { value = row[i]; });
   formula_->set_counts(units_, end);
-  return formula_->total(&sim::Band::nominal);
+  return formula_->total_pj(&sim::Band::nominal);
 }
 
 std::vector<std::string> LiveRun::lines() {

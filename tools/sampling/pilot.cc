@@ -114,7 +114,7 @@ constexpr double kLaunchCycles = 10, kRayCycles = 20, kStepCycles = 12;
 /// Reads a line; true if it was a hit.
 bool access_line(hw::CacheTags& tags, hw::Addr line) {
   if (tags.probe(line)) return true;
-  tags.fill(line);
+  tags.fill_line(line);
   return false;
 }
 

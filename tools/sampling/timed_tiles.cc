@@ -43,7 +43,7 @@ void TimedTiles::give_back(const traces::TileWork* work) {
   source_.give_back(work);
 }
 
-void TimedTiles::dispatched(sim::Time now) {
+void TimedTiles::note_dispatched(sim::Time now) {
   const std::uint32_t tile = waiting_.back();
   waiting_.pop_back();
   for (const std::uint32_t ended : back_) {

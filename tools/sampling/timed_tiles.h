@@ -44,7 +44,7 @@ class TimedTiles final : public hw::TileSource {
 
   const traces::TileWork* next() override;
   void give_back(const traces::TileWork* work) override;
-  void dispatched(sim::Time now) override;
+  void note_dispatched(sim::Time now) override;
   /// Sets the end of tiles still in flight. Call once, after the machine has finished.
   void end_tiles();
 

@@ -31,7 +31,7 @@ std::uint32_t TimelineRecorder::entry_of(std::uint32_t core, hw::TileTag tile) c
 void TimelineRecorder::start_tile(const hw::TileStarted& event) {
   std::vector<Slot>& slots = slots_[event.core];
   if (slots.size() <= event.slot) slots.resize(event.slot + 1);
-  slots[event.slot] = {event.tile, hw::tile_number_near(event.tile, newest_), event.at};
+  slots[event.slot] = {event.tile, hw::tile_number_of_tag(event.tile, newest_), event.at};
   newest_ = std::max(newest_, slots[event.slot].entry);
 }
 

@@ -54,8 +54,8 @@ TEST_P(BankLanesOf, EqualABankByBankReference) {
     const std::uint64_t most = seed % 16;
     const auto of = static_cast<std::uint32_t>(sim::hash(seed, 77U)) & first(banks);
     const auto larger = [&](std::uint32_t bank) { return std::max(a[bank], b[bank]); };
-    EXPECT_EQ(a.banks_up_to(most) & first(banks), expected.all_that([&](std::uint32_t i) { return a[i] <= most; }));
-    EXPECT_EQ(a.banks_with_both_up_to(b, most) & first(banks),
+    EXPECT_EQ(a.banks_at_most(most) & first(banks), expected.all_that([&](std::uint32_t i) { return a[i] <= most; }));
+    EXPECT_EQ(a.banks_with_both_at_most(b, most) & first(banks),
               expected.all_that([&](std::uint32_t i) { return larger(i) <= most; }));
     BankLanes raised = a;
     raised.raise_to(of, most);
@@ -66,7 +66,7 @@ TEST_P(BankLanesOf, EqualABankByBankReference) {
     EXPECT_EQ(a.min_of_max(b, of), expected.least(of, larger));
     std::uint64_t any = 0;
     for (std::uint32_t bank = 0; bank < banks; ++bank) any |= (of >> bank & 1) != 0 ? a[bank] : 0;
-    EXPECT_EQ(a.combined_bits(of), any);
+    EXPECT_EQ(a.bitwise_or_of(of), any);
   }
 }
 
@@ -82,8 +82,8 @@ INSTANTIATE_TEST_SUITE_P(Sizes, BankLanesOf, testing::Values(1U, 2U, 4U, 8U, 16U
 TEST(BankLanes, HoldWhatTakesAllBitsOfACycle) {
   BankLanes lanes(8);
   lanes[5] = std::uint64_t{1} << 62;
-  EXPECT_EQ(lanes.banks_up_to((std::uint64_t{1} << 62) - 1), 0xdfU);
-  EXPECT_EQ(lanes.banks_up_to(std::uint64_t{1} << 62), 0xffU);
+  EXPECT_EQ(lanes.banks_at_most((std::uint64_t{1} << 62) - 1), 0xdfU);
+  EXPECT_EQ(lanes.banks_at_most(std::uint64_t{1} << 62), 0xffU);
   EXPECT_EQ(lanes.min_of(1U << 5), std::uint64_t{1} << 62);
   EXPECT_EQ(lanes.min_of(0), kNobody);
 }

@@ -18,7 +18,7 @@ TEST(ClosedPages, MakeEverySingleReadOneOfAClosedBank) {
   s.read(0, 1, 1000);
   s.read(0, 2, 2000);
   s.go();
-  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(s.latency(i), kForm.closed_bank());
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(s.latency(i), kForm.closed_bank_latency());
   EXPECT_EQ(s.result.stats.row_misses, 3U);
 }
 
@@ -36,17 +36,18 @@ TEST(ClosedPages, ARowIsClosedNoSoonerThanItsTimesAllow) {
   s.read(0, 2, kT.rcd + 1);  // arrives after row 1's only hit is served
   s.go();
   const std::uint64_t precharge = std::max(kT.ras, kT.rcd + kT.ccd_l + kT.rtp);
-  EXPECT_EQ(s.done(1),
-            std::max<std::uint64_t>(precharge + kT.rp, kT.rc) + static_cast<std::uint64_t>(kForm.closed_bank()));
+  EXPECT_EQ(s.done(1), std::max<std::uint64_t>(precharge + kT.rp, kT.rc) +
+                           static_cast<std::uint64_t>(kForm.closed_bank_latency()));
 }
 
 TEST(AdaptivePages, AreClosedIfTheNextRequestNeedsAnotherRow) {
   Script s(with_policy(PagePolicy::kAdaptive));
   for (std::uint64_t i = 0; i < 6; ++i) s.read(0, i, 1000 * i);
   s.go();
-  EXPECT_EQ(s.latency(1), kForm.row_conflict());
-  EXPECT_EQ(s.latency(2), kForm.row_conflict());
-  for (const std::size_t i : {3U, 4U, 5U}) EXPECT_EQ(s.latency(i), kForm.closed_bank()) << "two in a row are enough";
+  EXPECT_EQ(s.latency(1), kForm.row_conflict_latency());
+  EXPECT_EQ(s.latency(2), kForm.row_conflict_latency());
+  for (const std::size_t i : {3U, 4U, 5U})
+    EXPECT_EQ(s.latency(i), kForm.closed_bank_latency()) << "two in a row are enough";
 }
 
 TEST(AdaptivePages, StayOpenAgainIfTheNextRequestNeedsTheSameRow) {
@@ -54,8 +55,8 @@ TEST(AdaptivePages, StayOpenAgainIfTheNextRequestNeedsTheSameRow) {
   for (std::uint64_t i = 0; i < 6; ++i) s.read(0, i, 1000 * i);
   for (std::uint64_t i = 6; i < 12; ++i) s.read(0, 5, 1000 * i);
   s.go();
-  EXPECT_EQ(s.latency(6), kForm.closed_bank());
-  for (const std::size_t i : {9U, 10U, 11U}) EXPECT_EQ(s.latency(i), kForm.row_hit());
+  EXPECT_EQ(s.latency(6), kForm.closed_bank_latency());
+  for (const std::size_t i : {9U, 10U, 11U}) EXPECT_EQ(s.latency(i), kForm.row_hit_latency());
 }
 
 TEST(Scheduler, FirstComeFirstServedNeitherOvertakesNorPreparesBanks) {
@@ -73,8 +74,8 @@ TEST(Scheduler, FirstComeFirstServedNeitherOvertakesNorPreparesBanks) {
   EXPECT_LT(scripts[0].done(3), scripts[0].done(1)) << "another bank is made ready meanwhile";
   const Script& in_turn = scripts[1];
   for (std::size_t i = 1; i < 4; ++i) EXPECT_LT(in_turn.done(i - 1), in_turn.done(i));
-  const std::uint64_t third = in_turn.done(2) - static_cast<std::uint64_t>(kForm.row_hit());
-  EXPECT_EQ(in_turn.done(3), third + kT.ca_column + static_cast<std::uint64_t>(kForm.closed_bank()))
+  const std::uint64_t third = in_turn.done(2) - static_cast<std::uint64_t>(kForm.row_hit_latency());
+  EXPECT_EQ(in_turn.done(3), third + kT.ca_column + static_cast<std::uint64_t>(kForm.closed_bank_latency()))
       << "the bank is opened in the first gap after the third read's first command";
 }
 
@@ -101,8 +102,8 @@ TEST(Ranks, AreRefreshedInTurn) {
   s.read(8, 0, 780);  // its rank's refresh is half an interval later
   s.read(0, 0, 780'000);
   s.go();
-  EXPECT_EQ(s.latency(0), kT.rfc_pb - 1 + kForm.closed_bank());
-  EXPECT_LT(s.latency(1), kForm.closed_bank() + 2 * kT.burst);
+  EXPECT_EQ(s.latency(0), kT.rfc_pb - 1 + kForm.closed_bank_latency());
+  EXPECT_LT(s.latency(1), kForm.closed_bank_latency() + 2 * kT.burst);
   EXPECT_NEAR(static_cast<double>(s.result.stats.refreshes), 2000.0, 2.0);
   const std::uint64_t cycles = s.done(2);
   EXPECT_EQ(s.result.stats.active_standby + s.result.stats.precharge_standby, 2 * cycles) << "of either rank";

@@ -140,13 +140,13 @@ TEST(DramDevice, StandbyIsActiveFromTheFirstActivateToTheLastPrecharge) {
   d.activate_row(0, 0, 100);
   d.activate_row(1, 0, 150);
   d.precharge_bank(0, 300);
-  EXPECT_EQ(d.active_cycles(350), 250U);
+  EXPECT_EQ(d.cycles_with_open_row(350), 250U);
   d.precharge_bank(1, 400);
-  EXPECT_EQ(d.active_cycles(1000), 300U);
+  EXPECT_EQ(d.cycles_with_open_row(1000), 300U);
   d.activate_row(0, 0, 2000);
   d.refresh_banks(1U << 0, 2010);  // closes at 2000 + tRAS
-  EXPECT_EQ(d.active_cycles(2020), 320U);
-  EXPECT_EQ(d.active_cycles(3000), 300U + kT.ras);
+  EXPECT_EQ(d.cycles_with_open_row(2020), 320U);
+  EXPECT_EQ(d.cycles_with_open_row(3000), 300U + kT.ras);
 }
 
 TEST(DramConfig, ALineHasAsManyBurstsAsTheirCommandsFit64Cycles) {

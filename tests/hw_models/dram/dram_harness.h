@@ -76,7 +76,7 @@ inline DramDevice::Cycle earliest_start(const DramDevice& d, DramCommand command
         return d.first_ready_cycle<DramCommand::kPrecharge>(1U << bank, write);
     }
   };
-  const DramDevice::Cycle rank_ready = d.rank_ready_at(command, rank, write, d.first_awake_cycle(now));
+  const DramDevice::Cycle rank_ready = d.earliest_rank_cycle(command, rank, write, d.first_awake_cycle(now));
   return d.first_bus_slot(command, rank, std::max(rank_ready, bank_ready()));
 }
 
@@ -88,7 +88,7 @@ struct Script {
     const Addr page = row * config.organisation.all_banks() + bank;
     requests.push_back({page * config.organisation.page.bytes + 64 * line, false, cycle * config.timing.ck.time});
   }
-  void go() { result = play_requests(config, requests, 32); }
+  void go() { result = run_dram_requests(config, requests, 32); }
   double latency(std::size_t i) const {
     return static_cast<double>(result.request_latency(i)) / static_cast<double>(config.timing.ck.time);
   }

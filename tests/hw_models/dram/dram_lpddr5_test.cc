@@ -163,7 +163,7 @@ TEST(DramPlayer, PostedWritesFillTheChannelForAnyWindow) {
   for (std::uint64_t i = 0; i < 4000; ++i) writes.push_back({i * c.line.bytes, true, 0});
   const auto gbps = [&](std::uint32_t outstanding) {
     return static_cast<double>(writes.size() * c.line.bytes) /
-           (static_cast<double>(play_requests(c, writes, outstanding).end) * 1e-6);
+           (static_cast<double>(run_dram_requests(c, writes, outstanding).end) * 1e-6);
   };
   constexpr double kPeak = 12.8;  // 16 pins at 6.4 Gb/s
   EXPECT_GT(gbps(32), 0.95 * kPeak);

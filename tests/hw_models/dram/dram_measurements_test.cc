@@ -46,25 +46,26 @@ TEST(DramClosedForms, AStreamIsLimitedByTheLongerOfBurstsAndTheirDistance) {
   DramConfig c;
   c.timing.burst = 8;
   c.timing.ccd_l = 10;
-  EXPECT_EQ(DramClosedForms(c).streamed_line(), 2 * 10);
+  EXPECT_EQ(DramClosedForms(c).cycles_per_streamed_line(), 2 * 10);
   c.timing.ccd_l = 6;
-  EXPECT_EQ(DramClosedForms(c).streamed_line(), 2 * 8);
+  EXPECT_EQ(DramClosedForms(c).cycles_per_streamed_line(), 2 * 8);
 }
 
 TEST(DramClosedForms, LinesOfManyRowsAreLimitedByTheCommandBusIfCommandsAreLong) {
   DramConfig c;
   c.timing.rrd = c.timing.faw = c.timing.rc = c.timing.ras = c.timing.rcd = c.timing.rp = c.timing.rtp = 1;
   c.timing.ca_column = 20;
-  EXPECT_EQ(DramClosedForms(c).line_of_own_row(1), c.timing.ca_activate + 2 * 20 + c.timing.ca_precharge);
-  EXPECT_EQ(DramClosedForms(c).line_of_own_row(2), (c.timing.ca_activate + 4 * 20 + c.timing.ca_precharge) / 2.0);
+  EXPECT_EQ(DramClosedForms(c).cycles_per_line_of_row(1), c.timing.ca_activate + 2 * 20 + c.timing.ca_precharge);
+  EXPECT_EQ(DramClosedForms(c).cycles_per_line_of_row(2),
+            (c.timing.ca_activate + 4 * 20 + c.timing.ca_precharge) / 2.0);
 }
 
 TEST(DramClosedForms, LinesOfManyRowsHaveTheActivateWindowsOfAllRanks) {
   DramConfig c;
   c.timing.faw = 400;
-  EXPECT_EQ(DramClosedForms(c).line_of_own_row(1), 100);
+  EXPECT_EQ(DramClosedForms(c).cycles_per_line_of_row(1), 100);
   c.organisation.ranks = 2;
-  EXPECT_EQ(DramClosedForms(c).line_of_own_row(1), 50);
+  EXPECT_EQ(DramClosedForms(c).cycles_per_line_of_row(1), 50);
 }
 
 TEST(DramMeasurement, OfRefreshesThatLeaveNoTimeIsLeftOut) {

@@ -18,7 +18,7 @@ TEST(DramPowerDown, LastsToTheEndOfTheFrameInEveryRank) {
     b.requester().send(b.row(0, 1));
     const std::uint64_t cycles = b.run();
     EXPECT_EQ(cycles, kEnd + 1);
-    const auto read = static_cast<std::uint64_t>(DramClosedForms(c).closed_bank());
+    const auto read = static_cast<std::uint64_t>(DramClosedForms(c).closed_bank_latency());
     const std::uint64_t down =
         1 + read + c.controller.power_down_after + c.timing.rp_ab;  // after one cycle on the link
     EXPECT_EQ(b.stats().power_down, ranks * (cycles - down));
@@ -31,13 +31,14 @@ TEST(DramPowerDown, LastsToTheEndOfTheFrameInEveryRank) {
 TEST(DramPowerDown, DelaysNoRequestThatArrivesInItsFirstCycle) {
   const DramConfig c = with([](DramConfig& d) { d.controller.power_down = true; });
   const DramClosedForms form(c);
-  const auto down = static_cast<std::uint64_t>(form.closed_bank()) + c.controller.power_down_after + c.timing.rp_ab;
+  const auto down =
+      static_cast<std::uint64_t>(form.closed_bank_latency()) + c.controller.power_down_after + c.timing.rp_ab;
   for (const std::uint64_t later : {0U, 1U}) {
     Script s(c);
     s.read(0, 1);
     s.read(0, 1, down + later);
     s.go();
-    EXPECT_EQ(s.latency(1), later == 0 ? form.closed_bank() : form.after_power_down());
+    EXPECT_EQ(s.latency(1), later == 0 ? form.closed_bank_latency() : form.latency_after_power_down());
     EXPECT_EQ(s.result.stats.power_downs, later);
     EXPECT_EQ(s.result.stats.power_down, later);
   }

@@ -18,7 +18,7 @@ TEST(AllBankRefresh, KeepsEveryBankBusy) {
   s.read(5, 0, 12'400);  // leaves a row open until the next refresh
   s.read(6, 0, 2 * 6246);
   s.go();
-  const auto closed = static_cast<std::uint64_t>(kForm.closed_bank());
+  const auto closed = static_cast<std::uint64_t>(kForm.closed_bank_latency());
   EXPECT_EQ(s.done(0), 6246 - 1 + kT.rfc_ab + closed) << "a player's cycles begin one later";
   EXPECT_EQ(s.done(2), 2 * 6246 - 1 + kT.rp_ab + kT.rfc_ab + closed);
   EXPECT_EQ(s.result.stats.refreshes_all, 2U);
@@ -32,12 +32,12 @@ TEST(PairRefresh, TakesBanksOfTwoGroupsTogether) {
   c.organisation.bank_groups = 4;
   c.organisation.refresh_banks = 2;
   const DramDevice paired(c);
-  EXPECT_EQ(paired.refresh_leaders(), 0b0011'0011'0011'0011U);
-  EXPECT_EQ(paired.banks_refreshed_with(5), 1U << 5 | 1U << 7);
+  EXPECT_EQ(paired.refresh_leader_mask(), 0b0011'0011'0011'0011U);
+  EXPECT_EQ(paired.bank_mask_refreshed_with(5), 1U << 5 | 1U << 7);
   c.organisation.bank_groups = 1;
   const DramDevice halves(c);
-  EXPECT_EQ(halves.refresh_leaders(), 0x00FFU);
-  EXPECT_EQ(halves.banks_refreshed_with(5), 1U << 5 | 1U << 13);
+  EXPECT_EQ(halves.refresh_leader_mask(), 0x00FFU);
+  EXPECT_EQ(halves.bank_mask_refreshed_with(5), 1U << 5 | 1U << 13);
 }
 
 TEST(PowerDown, BeginsAfterTheIdleTimeAndThePrechargeAndEndsWithARequest) {
@@ -45,7 +45,7 @@ TEST(PowerDown, BeginsAfterTheIdleTimeAndThePrechargeAndEndsWithARequest) {
   s.read(0, 1);
   s.read(0, 1, 5000);
   s.go();
-  EXPECT_EQ(s.latency(1), kForm.after_power_down());
+  EXPECT_EQ(s.latency(1), kForm.latency_after_power_down());
   EXPECT_EQ(s.why(DramCycleReason::kPowerDown), kT.xp);
   EXPECT_EQ(s.result.stats.power_downs, 1U);
   EXPECT_EQ(s.result.stats.power_down, 5000 - s.done(0) - s.config.controller.power_down_after - kT.rp_ab);

@@ -45,7 +45,7 @@ double clocks_a_read(std::uint64_t gap, std::uint64_t expected) {
   constexpr std::uint64_t kReads = 200;
   for (std::uint64_t i = 0; i < kReads; ++i)
     requests.push_back({line_in(i % 16, i / 16), false, (kStart + i * expected) * c.timing.ck.time});
-  const DramRun p = play_requests(c, requests, 1);
+  const DramRun p = run_dram_requests(c, requests, 1);
   for (std::size_t i = 17; i < requests.size(); ++i) {
     EXPECT_EQ(clocks_of(c, p.arrived[i] - p.done[i - 1]), gap) << "read " << i;
   }
@@ -69,7 +69,7 @@ double clocks_a_pair(std::uint64_t read_bank, std::uint64_t write_bank, std::uin
     requests.push_back({line_in(read_bank, i % kColumns), false, (read_at - (i == 0 ? 0 : kWait)) * c.timing.ck.time});
     requests.push_back({line_in(write_bank, i % kColumns), true, (read_at + 2) * c.timing.ck.time});
   }
-  const DramRun p = play_requests(c, requests, 32);
+  const DramRun p = run_dram_requests(c, requests, 32);
   return clocks_of(c, p.done.back() - p.done[17]) / (kPairs - 1);
 }
 
@@ -95,7 +95,7 @@ Copy copy(std::uint32_t n, Source&& from, Destination&& to) {
     requests.push_back({from(i) * kLine, false, 0});
     requests.push_back({to(i) * kLine, true, 0});
   }
-  const DramRun p = play_requests(c, requests, 64);
+  const DramRun p = run_dram_requests(c, requests, 64);
   const double pairs = static_cast<double>(p.stats.turnarounds) / 2;
   EXPECT_NEAR(pairs, static_cast<double>(kLines) / n, 0.2 * static_cast<double>(kLines) / n) << n;
   return {clocks_of(c, p.end), pairs};

@@ -63,7 +63,7 @@ class BorderHarness {
   }
   template <sim::Skip kSkip = sim::Skip::kOn>
   BorderHarness& run() {
-    end_ = clock_.after(sim::run<kSkip>(*this), 1);
+    end_ = clock_.edge_after(sim::run<kSkip>(*this), 1);
     machine_.finish(end_);
     return *this;
   }
@@ -88,7 +88,7 @@ class BorderHarness {
       for (const Said& s : b.script_) {
         if (s.cycle == cycle) b.out_[s.core]->push(now, {&b.tiles_.work(s.tile), s.border});
       }
-      return b.clock_.after(now, 1);
+      return b.clock_.edge_after(now, 1);
     }
     BorderHarness& harness;
   };

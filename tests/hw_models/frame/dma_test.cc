@@ -41,7 +41,7 @@ class DmaHarness {
   }
   template <sim::Skip kSkip = sim::Skip::kOn>
   DmaHarness& run() {
-    end_ = clock_.after(sim::run<kSkip>(*this), 1);
+    end_ = clock_.edge_after(sim::run<kSkip>(*this), 1);
     machine_.finish(end_);
     return *this;
   }
@@ -67,7 +67,7 @@ class DmaHarness {
         harness.tags_.push_back(harness.dones_.pop(now).tag);
         harness.done_at_.push_back(now);
       }
-      return harness.clock_.after(now, 1);
+      return harness.clock_.edge_after(now, 1);
     }
     DmaHarness& harness;
     std::size_t sent = 0;
@@ -79,9 +79,9 @@ class DmaHarness {
         const MemRequest r = harness.to_memory_.pop(now);
         harness.lines_.push_back(r.line);
         if (!r.write) harness.from_memory_.push(now, {r.line, r.source, r.tag});
-        free_at = harness.clock_.after(now, harness.setup_.memory_interval);
+        free_at = harness.clock_.edge_after(now, harness.setup_.memory_interval);
       }
-      return harness.clock_.after(now, 1);
+      return harness.clock_.edge_after(now, 1);
     }
     DmaHarness& harness;
     sim::Time free_at = 0;

@@ -61,7 +61,7 @@ class DispatcherHarness {
 
   template <sim::Skip kSkip = sim::Skip::kOn>
   DispatcherHarness& run() {
-    end_ = clock_.after(sim::run<kSkip>(*this), 1);
+    end_ = clock_.edge_after(sim::run<kSkip>(*this), 1);
     machine_.finish(end_);
     return *this;
   }
@@ -113,7 +113,7 @@ class DispatcherHarness {
         harness.arrivals.push_back({index, job.work->tile, harness.clock_.cycles(now)});
         out.push(now, {job.work});
       }
-      return harness.clock_.after(now, 1);
+      return harness.clock_.edge_after(now, 1);
     }
     DispatcherHarness& harness;
     std::size_t index;

@@ -39,14 +39,15 @@ TEST_F(CoreRaysTest, ABlockIsDroppedWhenTheLastOfItsRaysReturns) {
     finished.push_back(count);
     return true;
   });
-  ASSERT_EQ(core.count(), list.size());
+  ASSERT_EQ(core.ray_count(), list.size());
   std::vector<std::vector<std::uint32_t>> walks;
-  for (std::uint32_t ray = 0; ray < core.count(); ++ray) walks.push_back({*core.walk(ray), *(core.walk(ray) + 1)});
-  for (std::uint32_t ray = 1; ray < core.count(); ++ray) core.returned(ray, 0);
+  for (std::uint32_t ray = 0; ray < core.ray_count(); ++ray)
+    walks.push_back({*core.ray_walk(ray), *(core.ray_walk(ray) + 1)});
+  for (std::uint32_t ray = 1; ray < core.ray_count(); ++ray) core.note_returned(ray, 0);
   EXPECT_TRUE(finished.empty()) << "the first ray is out, and blocks are forgotten in their order";
-  EXPECT_EQ(*core.walk(0), walks[0][0]);
-  EXPECT_EQ(*core.walk(2 * kBlock), walks[2 * kBlock][0]);
-  core.returned(0, 0);
+  EXPECT_EQ(*core.ray_walk(0), walks[0][0]);
+  EXPECT_EQ(*core.ray_walk(2 * kBlock), walks[2 * kBlock][0]);
+  core.note_returned(0, 0);
   EXPECT_EQ(finished, (std::vector<std::uint32_t>{kBlock, kBlock, 8}));
 }
 
@@ -54,13 +55,13 @@ TEST_F(CoreRaysTest, CoresTakeBlocksInTurnAndStopOnRequest) {
   const std::vector<traces::Ray> list = rays(image_, 5 * kBlock);
   std::uint32_t finished = 0;
   CoreRays core(list, tracer_, 1, 2, [&](std::uint32_t, sim::Time) { return ++finished < 1; });
-  ASSERT_EQ(core.count(), 2 * kBlock) << "the second and the fourth block";
+  ASSERT_EQ(core.ray_count(), 2 * kBlock) << "the second and the fourth block";
   for (std::uint32_t ray = 0; ray < kBlock; ++ray) {
-    core.walk(ray);
-    core.returned(ray, 0);
+    core.ray_walk(ray);
+    core.note_returned(ray, 0);
   }
   EXPECT_EQ(finished, 1U);
-  EXPECT_EQ(core.count(), kBlock) << "no other block had been traced";
+  EXPECT_EQ(core.ray_count(), kBlock) << "no other block had been traced";
 }
 
 }  // namespace

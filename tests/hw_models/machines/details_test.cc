@@ -85,10 +85,10 @@ TEST(GpuDetails, RecordsOfAllKindsAreReadAtTheirAddresses) {
   layout.vertices = 1 << 12;
   layout.details = 1 << 13;
   using Kind = traces::Access::Kind;
-  const LineSet vertices = lines_of(traces::Access::of_kind(Kind::kVertices, 3), layout);
+  const LineSet vertices = lines_of_access(traces::Access::of_kind(Kind::kVertices, 3), layout);
   ASSERT_EQ(vertices.count, 1U);
   EXPECT_EQ(vertices.line[0], (1U << 12) + 3 * 64);
-  const LineSet detail = lines_of(traces::Access::of_kind(Kind::kDetail, 2), layout);
+  const LineSet detail = lines_of_access(traces::Access::of_kind(Kind::kDetail, 2), layout);
   ASSERT_EQ(detail.count, 1U);
   EXPECT_EQ(detail.line[0], (1U << 13) + 2 * 64);
 }

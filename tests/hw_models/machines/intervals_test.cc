@@ -88,7 +88,7 @@ TEST(Intervals, HaveOfEachUnitTheCyclesThatBeginInThem) {
       std::uint64_t cycles = 0;
       for (std::size_t v = 0; v < unit.cycles_by_reason.size(); ++v) cycles += intervals.row(i)[value + v];
       const sim::Clock& clock = is_tni ? tni : dram;
-      ASSERT_EQ(cycles, clock.cycles(clock.edge_at_or_after(intervals.end_of(i)))) << unit.path << ' ' << i;
+      ASSERT_EQ(cycles, clock.cycles(clock.edge_at_or_after(intervals.interval_end(i)))) << unit.path << ' ' << i;
     }
     value += unit.cycles_by_reason.size() + unit.counters.size();
   }
@@ -141,7 +141,7 @@ TEST(Intervals, MergeInPairsWhenThereAreTooMany) {
   EXPECT_EQ(coarse.interval_length() % fine.interval_length(), 0U);
   for (std::size_t i = 0; i < coarse.size(); ++i) {
     const std::size_t last = std::min((i + 1) * merged, fine.size()) - 1;
-    EXPECT_EQ(coarse.end_of(i), fine.end_of(last));
+    EXPECT_EQ(coarse.interval_end(i), fine.interval_end(last));
     EXPECT_TRUE(std::ranges::equal(coarse.row(i), fine.row(last))) << i;
   }
 }

@@ -24,7 +24,7 @@ Outcome play(const Frame& frame, const GpuConfig& config, const Perturbation& pe
 }
 
 TEST(Perturbation, TheFirstReplicateHasNone) {
-  const Perturbation none = draw_perturbation(4, 7, 0);
+  const Perturbation none = random_perturbation(4, 7, 0);
   EXPECT_TRUE(none.starts.empty());
   EXPECT_EQ(none.dram.fabric, 0);
   EXPECT_EQ(none.dram.refresh, 0U);
@@ -35,7 +35,7 @@ TEST(Perturbation, IsSmallAndAnotherOneForEachReplicateAndFrame) {
   std::set<std::int32_t> fabrics;
   for (std::uint32_t frame = 0; frame < 4; ++frame) {
     for (std::uint32_t replicate = 1; replicate <= 10; ++replicate) {
-      const Perturbation drawn = draw_perturbation(6, frame, replicate);
+      const Perturbation drawn = random_perturbation(6, frame, replicate);
       ASSERT_EQ(drawn.starts.size(), 6U);
       for (const std::uint32_t start : drawn.starts) EXPECT_LT(start, 8U);
       fabrics.insert(drawn.dram.fabric);
@@ -50,7 +50,7 @@ TEST(Perturbation, SkippingIdleTimeAndTheOrderOfUnitsStayInvisible) {
   const GpuConfig config;
   const Outcome plain = play(test::cornell_64x32(), config, {});
   for (const std::uint32_t replicate : {1U, 2U, 3U}) {
-    const Perturbation drawn = draw_perturbation(config.cores, 0, replicate);
+    const Perturbation drawn = random_perturbation(config.cores, 0, replicate);
     const Outcome fast = play(test::cornell_64x32(), config, drawn);
     EXPECT_NE(difference(plain, fast), "") << replicate;
     EXPECT_EQ(difference(fast, play(test::cornell_64x32(), config, drawn, Engine::kOracle)), "") << replicate;
@@ -62,7 +62,7 @@ TEST(Perturbation, TheEnginesAgreeOnRandomMachinesToo) {
   static const Frame frame("cornell", 16, 16);
   for (std::uint64_t seed = 50; seed < 60; ++seed) {
     const GpuConfig config = test::random_config(seed);
-    const Perturbation drawn = draw_perturbation(config.cores, 0, static_cast<std::uint32_t>(seed));
+    const Perturbation drawn = random_perturbation(config.cores, 0, static_cast<std::uint32_t>(seed));
     const Outcome fast = play(frame, config, drawn);
     EXPECT_EQ(difference(fast, play(frame, config, drawn, Engine::kOracle)), "") << "seed " << seed;
     EXPECT_EQ(difference(fast, play(frame, config, drawn, Engine::kShuffled, seed)), "") << "seed " << seed;

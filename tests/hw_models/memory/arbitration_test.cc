@@ -17,7 +17,7 @@ std::vector<std::uint32_t> order(Arbitration how, std::array<sim::Time, 3> since
     const std::uint32_t next = arbiter.choose_requester(
         7, [&](std::uint32_t a) { return since[a] != 0; }, [&](std::uint32_t a) { return since[a]; });
     served.push_back(next);
-    if (next == arbiter.count()) continue;
+    if (next == arbiter.requester_count()) continue;
     arbiter.note_served(next);
     since[next] += 10;
   }

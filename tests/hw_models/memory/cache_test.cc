@@ -31,7 +31,7 @@ CacheConfig shape(std::uint64_t size, std::uint64_t line, std::uint32_t ways) {
 TEST(CacheTags, ALineIsAbsentUntilFilledAndThenPresent) {
   CacheTags tags(shape(4096, 64, 4));
   EXPECT_FALSE(tags.probe(640));
-  tags.fill(640);
+  tags.fill_line(640);
   EXPECT_TRUE(tags.probe(640));
   EXPECT_FALSE(tags.probe(704));
 }
@@ -40,9 +40,9 @@ TEST(CacheTags, EvictTheLeastRecentlyUsedLineOfTheSet) {
   const CacheConfig c = shape(4 * 64 * 16, 64, 4);
   CacheTags tags(c);
   const Addr stride = 64 * c.set_count();
-  for (Addr i = 0; i < 4; ++i) tags.fill(i * stride);
+  for (Addr i = 0; i < 4; ++i) tags.fill_line(i * stride);
   EXPECT_TRUE(tags.probe(0));
-  tags.fill(4 * stride);
+  tags.fill_line(4 * stride);
   EXPECT_TRUE(tags.probe(0)) << "used since";
   EXPECT_FALSE(tags.probe(stride)) << "the oldest";
   EXPECT_TRUE(tags.probe(2 * stride));
@@ -58,7 +58,7 @@ TEST(CacheTags, EqualsAReferenceWithListsOnRandomTraffic) {
       std::list<Addr>& set = sets[line / 64 % 16];
       const bool expected = std::ranges::find(set, line) != set.end();
       ASSERT_EQ(tags.probe(line), expected);
-      if (!expected) tags.fill(line);
+      if (!expected) tags.fill_line(line);
       set.remove(line);
       set.push_front(line);
       if (set.size() > ways) set.pop_back();
@@ -69,7 +69,7 @@ TEST(CacheTags, EqualsAReferenceWithListsOnRandomTraffic) {
 TEST(CacheTags, ABankHoldsItsShareOfTheLines) {
   const CacheConfig c = shape(64 * 64, 64, 2);
   CacheTags bank(c, 4);
-  for (Addr i = 0; i < 16; ++i) bank.fill(i * 4 * 64);
+  for (Addr i = 0; i < 16; ++i) bank.fill_line(i * 4 * 64);
   for (Addr i = 0; i < 16; ++i) EXPECT_TRUE(bank.probe(i * 4 * 64));
 }
 
@@ -155,7 +155,7 @@ TEST(CacheTags, KeepTheirOrderWhenTheirClockRestarts) {
     const bool here = fresh.probe(line);
     ASSERT_EQ(late.probe(line), here) << "probe " << n;
     if (here) continue;
-    const CacheTags::Filled a = fresh.fill(line), b = late.fill(line);
+    const CacheTags::Filled a = fresh.fill_line(line), b = late.fill_line(line);
     ASSERT_EQ(a.slot, b.slot);
     ASSERT_EQ(a.evicted, b.evicted);
   }

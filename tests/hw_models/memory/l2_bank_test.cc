@@ -77,19 +77,19 @@ TEST(ObserverList, ForwardsEventsToAllAndIsNullIfEmpty) {
   one.add(&first);
   two.add(&first);
   two.add(&second);
-  EXPECT_EQ(none.get(), nullptr);
-  EXPECT_EQ(one.get(), &first);
-  two.get()->on_event(RowActivated{kNoTile});
+  EXPECT_EQ(none.attached_observer(), nullptr);
+  EXPECT_EQ(one.attached_observer(), &first);
+  two.attached_observer()->on_event(RowActivated{kNoTile});
   EXPECT_EQ(first.untiled_account().activates, 1U);
   EXPECT_EQ(second.untiled_account().activates, 1U);
 }
 
 TEST(TileTag, GivesTheNumberOfATileRelativeToAnotherInFlightAcrossTagWrapAround) {
   constexpr std::uint32_t kTags = 0x8000;
-  EXPECT_EQ(tile_number_near(12, 10), 12U);
-  EXPECT_EQ(tile_number_near(8, 10), 8U);
-  EXPECT_EQ(tile_number_near(3, kTags - 2), kTags + 3);
-  EXPECT_EQ(tile_number_near(kTags - 2, kTags + 3), kTags - 2);
+  EXPECT_EQ(tile_number_of_tag(12, 10), 12U);
+  EXPECT_EQ(tile_number_of_tag(8, 10), 8U);
+  EXPECT_EQ(tile_number_of_tag(3, kTags - 2), kTags + 3);
+  EXPECT_EQ(tile_number_of_tag(kTags - 2, kTags + 3), kTags - 2);
 }
 
 TEST(L2Bank, HitsLeaveOnePerCycle) {

@@ -18,11 +18,11 @@ TEST(L2Store, IsCleanedInTheOrderOfItsSlotsWithWrapAround) {
   L2Store store(four_lines());
   for (const Addr line : {192U, 64U, 0U}) store.allocate(line, kWholeLine, 0b1);
   EXPECT_EQ(store.dirty_lines(), 3U);
-  EXPECT_EQ(store.clean_next().line, 0U);
-  EXPECT_EQ(store.clean_next().line, 64U);
+  EXPECT_EQ(store.clean_next_dirty_line().line, 0U);
+  EXPECT_EQ(store.clean_next_dirty_line().line, 64U);
   store.write_sectors(0, 0b1000);
-  EXPECT_EQ(store.clean_next().line, 192U);
-  const L2Store::Victim last = store.clean_next();
+  EXPECT_EQ(store.clean_next_dirty_line().line, 192U);
+  const L2Store::Victim last = store.clean_next_dirty_line();
   EXPECT_EQ(last.line, 0U);
   EXPECT_EQ(last.sectors, 0b1000U);
   EXPECT_EQ(store.dirty_lines(), 0U);
@@ -36,7 +36,7 @@ TEST(L2Store, DistinguishesPartialFromWholeLines) {
   EXPECT_EQ(store.look_up(64, 0b0110), L2Store::Found::kPart);
   EXPECT_EQ(store.write_sectors(64, 0b0101), 0b0001U) << "dirty before";
   EXPECT_EQ(store.look_up(64, 0b0111), L2Store::Found::kAll);
-  EXPECT_EQ(store.invalidate(64), 0b0101U) << "what is dirty";
+  EXPECT_EQ(store.invalidate_line(64), 0b0101U) << "what is dirty";
   EXPECT_EQ(store.look_up(64, 0b1), L2Store::Found::kNot);
 }
 

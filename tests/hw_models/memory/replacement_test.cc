@@ -20,7 +20,7 @@ CacheConfig cache(Replacement replacement, std::uint32_t ways, std::uint32_t set
 
 /// Fills line `n` of a cache with one set, and returns the evicted line.
 Addr victim_of(CacheTags& tags, Addr n) {
-  const CacheTags::Filled filled = tags.fill(64 * n);
+  const CacheTags::Filled filled = tags.fill_line(64 * n);
   EXPECT_TRUE(filled.evicts);
   return filled.evicted / 64;
 }
@@ -50,17 +50,17 @@ struct Tree {
 TEST(Replacement, OfAllKindsTakesEmptyWaysFirst) {
   for (const Replacement how : {Replacement::kLru, Replacement::kPlru, Replacement::kRandom}) {
     CacheTags tags(cache(how, 8));
-    for (Addr n = 0; n < 8; ++n) EXPECT_FALSE(tags.fill(64 * n).evicts);
+    for (Addr n = 0; n < 8; ++n) EXPECT_FALSE(tags.fill_line(64 * n).evicts);
     for (Addr n = 0; n < 8; ++n) EXPECT_TRUE(tags.probe(64 * n));
     tags.clear_slot(tags.look_up(64 * 5));
     EXPECT_FALSE(tags.probe(64 * 5));
-    EXPECT_FALSE(tags.fill(64 * 9).evicts) << "the way of what was removed";
+    EXPECT_FALSE(tags.fill_line(64 * 9).evicts) << "the way of what was removed";
   }
 }
 
 TEST(Replacement, LruByHand) {
   CacheTags tags(cache(Replacement::kLru, 4));
-  for (Addr n = 0; n < 4; ++n) tags.fill(64 * n);
+  for (Addr n = 0; n < 4; ++n) tags.fill_line(64 * n);
   tags.probe(0);
   tags.probe(64 * 2);
   EXPECT_EQ(victim_of(tags, 4), 1U);
@@ -71,7 +71,7 @@ TEST(Replacement, LruByHand) {
 
 TEST(Replacement, PlruByHand) {
   CacheTags tags(cache(Replacement::kPlru, 4));
-  for (Addr n = 0; n < 4; ++n) tags.fill(64 * n);
+  for (Addr n = 0; n < 4; ++n) tags.fill_line(64 * n);
   EXPECT_EQ(victim_of(tags, 4), 0U) << "the last fills were in the upper half, 1 after 0 in the lower";
   EXPECT_EQ(victim_of(tags, 5), 2U) << "way 0 was just filled; of the upper half, 3 came last";
   tags.probe(64 * 1);
@@ -84,8 +84,8 @@ TEST(Replacement, PlruOfTwoWaysIsLru) {
   for (std::uint64_t i = 0; i < 5000; ++i) {
     const Addr line = 64 * (sim::hash(i) % 24);
     ASSERT_EQ(plru.probe(line), lru.probe(line));
-    plru.fill(line);
-    lru.fill(line);
+    plru.fill_line(line);
+    lru.fill_line(line);
   }
 }
 
@@ -95,7 +95,7 @@ TEST(Replacement, PlruEqualsTheDrawnTree) {
     Tree tree(ways);
     std::vector<Addr> lines(ways);
     for (std::uint32_t way = 0; way < ways; ++way) {
-      lines[way] = tags.fill(64 * way).slot == way ? 64 * way : 1;
+      lines[way] = tags.fill_line(64 * way).slot == way ? 64 * way : 1;
       tree.touch(way);
     }
     for (std::uint64_t i = 0; i < 5000; ++i) {
@@ -105,7 +105,7 @@ TEST(Replacement, PlruEqualsTheDrawnTree) {
       auto way = static_cast<std::uint32_t>(at - lines.begin());
       if (at == lines.end()) {
         way = tree.victim();
-        ASSERT_EQ(tags.fill(line).evicted, lines[way]);
+        ASSERT_EQ(tags.fill_line(line).evicted, lines[way]);
         lines[way] = line;
       }
       tree.touch(way);
@@ -116,9 +116,9 @@ TEST(Replacement, PlruEqualsTheDrawnTree) {
 TEST(Replacement, RandomSpreadsOverAllWays) {
   constexpr std::uint32_t kWays = 8, kFills = 8000;
   CacheTags tags(cache(Replacement::kRandom, kWays));
-  for (Addr n = 0; n < kWays; ++n) tags.fill(64 * n);
+  for (Addr n = 0; n < kWays; ++n) tags.fill_line(64 * n);
   std::array<std::uint32_t, kWays> count{};
-  for (Addr n = 0; n < kFills; ++n) count[tags.fill(64 * (kWays + n)).slot] += 1;
+  for (Addr n = 0; n < kFills; ++n) count[tags.fill_line(64 * (kWays + n)).slot] += 1;
   for (const std::uint32_t c : count) EXPECT_NEAR(c, kFills / kWays, 150) << "five deviations of a fair draw";
 }
 
@@ -126,7 +126,7 @@ TEST(Replacement, RandomDependsOnlyOnFills) {
   CacheTags looked(cache(Replacement::kRandom, 4)), quiet(cache(Replacement::kRandom, 4));
   for (Addr n = 0; n < 200; ++n) {
     for (Addr i = 0; i < n % 3; ++i) looked.probe(64 * i);
-    ASSERT_EQ(looked.fill(64 * n).slot, quiet.fill(64 * n).slot);
+    ASSERT_EQ(looked.fill_line(64 * n).slot, quiet.fill_line(64 * n).slot);
   }
 }
 

@@ -68,7 +68,7 @@ class RasterHarness {
   }
   template <sim::Skip kSkip = sim::Skip::kOn>
   RasterHarness& run() {
-    end_ = clock_.after(sim::run<kSkip>(*this), 1);
+    end_ = clock_.edge_after(sim::run<kSkip>(*this), 1);
     machine_.finish(end_);
     return *this;
   }
@@ -95,7 +95,7 @@ class RasterHarness {
         harness.done_ += 1;
         harness.done_at_ = now;
       }
-      return harness.clock_.after(now, 1);
+      return harness.clock_.edge_after(now, 1);
     }
     RasterHarness& harness;
     std::size_t sent = 0;
@@ -113,7 +113,7 @@ class RasterHarness {
           harness.from_memory_.push(now, {r.line, r.source, r.tag});
         }
       }
-      return harness.clock_.after(now, 1);
+      return harness.clock_.edge_after(now, 1);
     }
     RasterHarness& harness;
   };

@@ -8,7 +8,7 @@ namespace hw {
 namespace {
 
 std::vector<Addr> lines(std::uint32_t triangle, const traces::Layout& layout) {
-  const LineSet set = lines_of(traces::Access::of_kind(traces::Access::Kind::kTriangle, triangle), layout);
+  const LineSet set = lines_of_access(traces::Access::of_kind(traces::Access::Kind::kTriangle, triangle), layout);
   return {set.line, set.line + set.count};
 }
 

@@ -45,9 +45,9 @@ class Player {
     std::size_t expected = 0;
     for (std::uint32_t id = 0; id < graph_.nodes.size(); ++id) {
       const GraphNode& node = graph_.nodes[id];
-      const OpClass kind = class_of(node.op);
+      const OpClass kind = op_class_of(node.op);
       if (kind == OpClass::kFree || is_fused(id)) continue;
-      const std::uint32_t parts = is_memory(kind) ? (node.bytes + width(kind) - 1) / width(kind) : 1;
+      const std::uint32_t parts = is_memory_class(kind) ? (node.bytes + width(kind) - 1) / width(kind) : 1;
       for (std::uint32_t part = 0; part < parts; ++part) {
         if (!placed_.contains({id, part})) wrong_ += fmt::format("node {} part {} has no place\n", id, part);
       }
@@ -57,7 +57,7 @@ class Player {
   }
 
   void reserve(const Placement& p, std::uint32_t item) {
-    const OpClass kind = class_of(graph_.nodes[p.node].op);
+    const OpClass kind = op_class_of(graph_.nodes[p.node].op);
     const ArrayConfig& array = config_.array;
     std::uint32_t units = array.unit_count();
     int pool = 0;
@@ -96,12 +96,12 @@ class Player {
   /// Returns the cycle from which the value of `id` in `item` can be used; 0 for values from before the loop.
   std::uint64_t there_at(std::uint32_t id, std::uint32_t item) const {
     const GraphNode& node = graph_.nodes[id];
-    if (class_of(node.op) != OpClass::kFree) return made_at(id, 0, item);
+    if (op_class_of(node.op) != OpClass::kFree) return made_at(id, 0, item);
     if (node.inputs[0] == GraphNode::kNone) return 0;
     if (node.distance > item) return 0;
-    const bool loaded = node.op == Op::kInput && is_memory(class_of(graph_.nodes[node.inputs[0]].op));
+    const bool loaded = node.op == Op::kInput && is_memory_class(op_class_of(graph_.nodes[node.inputs[0]].op));
     if (loaded && node.distance == 0) {
-      return made_at(node.inputs[0], node.value / width(class_of(graph_.nodes[node.inputs[0]].op)), item);
+      return made_at(node.inputs[0], node.value / width(op_class_of(graph_.nodes[node.inputs[0]].op)), item);
     }
     return there_at(node.inputs[0], item - node.distance);
   }
@@ -130,7 +130,7 @@ class Player {
   }
   bool is_fused(std::uint32_t id) const { return fused_.contains(id); }
   std::uint32_t latency(std::uint32_t id) const {
-    const std::uint32_t own = latency_of(class_of(graph_.nodes[id].op), config_.latency);
+    const std::uint32_t own = latency_of(op_class_of(graph_.nodes[id].op), config_.latency);
     return product_of_.contains(id) ? own + config_.latency.fp_mul : own;
   }
 

@@ -6,14 +6,14 @@
 namespace hw::test {
 namespace {
 
-Bits with(std::uint32_t size, std::initializer_list<std::uint32_t> taken) {
-  Bits bits(size);
+BitVector with(std::uint32_t size, std::initializer_list<std::uint32_t> taken) {
+  BitVector bits(size);
   for (const std::uint32_t row : taken) bits.set(row, true);
   return bits;
 }
 
 TEST(ScheduleRows, AGapMayWrapAroundTheTable) {
-  const Bits rows = with(10, {2, 5});
+  const BitVector rows = with(10, {2, 5});
   EXPECT_EQ(rows_until_gap(rows, 0, 2, 10), 0U);
   EXPECT_EQ(rows_until_gap(rows, 2, 2, 10), 1U);
   EXPECT_EQ(rows_until_gap(rows, 2, 3, 10), 4U) << "rows 6, 7, 8";
@@ -23,8 +23,8 @@ TEST(ScheduleRows, AGapMayWrapAroundTheTable) {
 }
 
 TEST(ScheduleRows, AnEmptyTableHoldsAnOperationOfItsOwnLength) {
-  EXPECT_EQ(rows_until_gap(Bits(64), 63, 64, 64), 0U);
-  EXPECT_EQ(rows_until_gap(Bits(65), 64, 65, 65), 0U);
+  EXPECT_EQ(rows_until_gap(BitVector(64), 63, 64, 64), 0U);
+  EXPECT_EQ(rows_until_gap(BitVector(65), 64, 65, 65), 0U);
 }
 
 /// Reference implementation, row by row.
@@ -43,7 +43,7 @@ TEST(ScheduleRows, RandomTablesAreSearchedAsRowByRow) {
   const auto random = [&](std::uint64_t below) { return static_cast<std::uint32_t>(sim::hash(7, draws++) % below); };
   for (int table = 0; table < 2000; ++table) {
     const std::uint32_t size = 1 + random(200), taken = random(size + 1);
-    Bits bits(size);
+    BitVector bits(size);
     std::vector<bool> rows(size);
     for (std::uint32_t i = 0; i < taken; ++i) {
       const std::uint32_t row = random(size);

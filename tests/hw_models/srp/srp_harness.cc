@@ -89,9 +89,9 @@ sim::Time SrpHarness::World::tick(sim::Time now) {
   sim::Time at = std::min({b.tiles_out_.pop_at(), b.rays_out_.pop_at(), b.memory_out_.pop_at(), b.dma_out_.pop_at()});
   if (tiles_sent < b.works_.size()) at = std::min(at, b.tiles_in_.push_at());
   for (const News& n : b.news_) {
-    if (n.cycle > cycle) at = std::min(at, b.clock_.after(0, n.cycle));
+    if (n.cycle > cycle) at = std::min(at, b.clock_.edge_after(0, n.cycle));
   }
-  return at == sim::kNever ? at : std::max(b.clock_.after(now, 1), at);
+  return at == sim::kNever ? at : std::max(b.clock_.edge_after(now, 1), at);
 }
 
 TileBuilder::Node TileBuilder::add(WorkNode::Kind kind, std::uint32_t items, std::vector<Edge> inputs) {

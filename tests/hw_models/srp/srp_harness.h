@@ -59,7 +59,7 @@ class SrpHarness {
   SrpHarness& tell(std::uint64_t cycle, std::size_t tile, std::uint32_t missing);
   template <sim::Skip kSkip = sim::Skip::kOn>
   SrpHarness& run() {
-    end_ = clock_.after(sim::run<kSkip>(*this), 1);
+    end_ = clock_.edge_after(sim::run<kSkip>(*this), 1);
     machine_.finish(end_);
     return *this;
   }

@@ -136,9 +136,9 @@ TEST(TileRun, IsCompleteWhenLaunchesRaysAndTransfersAre) {
   tile.run.finish_ray(1);
   tile.run.finish_items(shade, 2);
   EXPECT_EQ(tile.next(), kNone) << "a transfer is no launch";
-  EXPECT_FALSE(tile.run.is_all_complete());
+  EXPECT_FALSE(tile.run.is_tile_complete());
   tile.run.finish_items(out, 64);
-  EXPECT_TRUE(tile.run.is_all_complete());
+  EXPECT_TRUE(tile.run.is_tile_complete());
 }
 
 TEST(TileRun, ATransferStartsOnceWhenItsLastInputIsComplete) {
@@ -183,12 +183,12 @@ TEST(TileRun, IdleItemsComeLastAndNoNodeWaitsForThem) {
   EXPECT_EQ(tile.next(), all) << "every item that works is finished";
   tile.run.finish_items(all, 3);
   tile.run.finish_items(each, 2);
-  EXPECT_FALSE(tile.run.is_all_complete());
+  EXPECT_FALSE(tile.run.is_tile_complete());
   EXPECT_EQ(tile.next(), producer);
   EXPECT_EQ(tile.run.chunk_items(producer), 3U);
   EXPECT_EQ(tile.run.working_items(producer, 8, 3), 0U);
   tile.run.finish_items(producer, 3);
-  EXPECT_TRUE(tile.run.is_all_complete());
+  EXPECT_TRUE(tile.run.is_tile_complete());
 }
 
 TEST(TileRun, IdleItemsWaitForAllInputsOfTheirLaunchAndKeepTheSlotsItReads) {
@@ -226,7 +226,7 @@ TEST(TileRun, AReusedSlotKeepsNothingOfTheTileBefore) {
   tile.run.finish_items(0, 9);
   for (std::uint32_t r = 0; r < 9; ++r) tile.run.finish_ray(r);
   tile.run.finish_items(2, 9);
-  EXPECT_TRUE(tile.run.is_all_complete());
+  EXPECT_TRUE(tile.run.is_tile_complete());
   tile.run.clear_tile();
   EXPECT_FALSE(tile.run.is_active());
 
@@ -238,7 +238,7 @@ TEST(TileRun, AReusedSlotKeepsNothingOfTheTileBefore) {
   EXPECT_EQ(tile.run.rays_made(0, 0, 3), 3U);
   tile.run.finish_items(0, 3);
   EXPECT_EQ(tile.next(), kNone) << "no ray of this tile is back";
-  EXPECT_FALSE(tile.run.is_all_complete());
+  EXPECT_FALSE(tile.run.is_tile_complete());
 }
 
 }  // namespace

@@ -86,7 +86,7 @@ class TniHarness {
   struct Memory {
     explicit Memory(TniHarness& b) : harness(b) {}
     sim::Time tick(sim::Time now) {
-      const sim::Time next = harness.clock_.after(now, 1);
+      const sim::Time next = harness.clock_.edge_after(now, 1);
       sim::Time at = sim::kNever;
       for (const MemoryPort& port : harness.ports_) {
         if (port.requests.can_pop(now) && port.responses.can_push(now)) {
@@ -106,7 +106,7 @@ class TniHarness {
       TniHarness& b = harness;
       if (b.sent_ < b.to_send_.size() && b.rays_in_.can_push(now)) {
         b.rays_in_.push(now, b.to_send_[b.sent_++]);
-        b.sent_at_.push_back(b.clock_.after(now, 1));
+        b.sent_at_.push_back(b.clock_.edge_after(now, 1));
       }
       if (now >= b.drain_at_ && b.hits_out_.can_pop(now)) {
         const std::uint32_t id = b.hits_out_.pop(now).id;
@@ -114,9 +114,9 @@ class TniHarness {
         b.arrived_at_.resize(b.to_send_.size());
         b.arrived_at_[id] = now;
         b.last_ = now;
-        b.drain_at_ = b.clock_.after(now, b.setup_.drain_every);
+        b.drain_at_ = b.clock_.edge_after(now, b.setup_.drain_every);
       }
-      const sim::Time next = b.clock_.after(now, 1);
+      const sim::Time next = b.clock_.edge_after(now, 1);
       sim::Time at = std::max({next, b.hits_out_.pop_at(), b.drain_at_});
       if (b.sent_ < b.to_send_.size()) at = std::min(at, std::max(next, b.rays_in_.push_at()));
       return at;
@@ -125,7 +125,7 @@ class TniHarness {
   };
 
   TniHarness& end(sim::Time last) {
-    end_ = clock_.after(last, 1);
+    end_ = clock_.edge_after(last, 1);
     machine_.finish(end_);
     return *this;
   }

@@ -77,7 +77,7 @@ TEST(Area, OfABankIsItsShareOfTheArray) {
   EXPECT_DOUBLE_EQ(compute_area(banks, energy(), area_config()).blocks.at("tni").arrays.nominal, 8);
 }
 
-TEST(Area, OfPadsIsByTheSixteenDataLines) {
+TEST(Area, OfPadsIsProportionalToTheDataLines) {
   for (const std::uint32_t lines : {8U, 16U, 32U}) {
     EXPECT_EQ(compute_area(std::vector{channel(lines)}, energy(), area_config()).blocks.at("dram").pads,
               (Band{lines / 16., lines / 8., lines * 3 / 16.}))
@@ -92,7 +92,7 @@ TEST(Area, OfLogicGrowsByEachPartMoreAndShrinksByEachPartLess) {
   EXPECT_EQ(logic_with(1, 3), (Band{0.5 - 0.25 + 0.5, 1 - 0.25 + 1, 2 - 0.25 + 2}));
 }
 
-TEST(Area, OfLogicIsNoSmallerUnderHighTablesThanUnderLowOnesThoughItHoldsLess) {
+TEST(Area, OfLogicWithFewerPartsIsNoSmallerForHighThanForLow) {
   EnergyConfig c = energy();
   c.logic["tni.trv"] = {1, 1, 1};
   UnitReport u = sized_unit("core0.tni.trv0", "tni", 0, 0);
@@ -100,7 +100,7 @@ TEST(Area, OfLogicIsNoSmallerUnderHighTablesThanUnderLowOnesThoughItHoldsLess) {
   EXPECT_EQ(LogicArea(u, c).area_band(), (Band{0.5, 0.5, 0.5}));
 }
 
-TEST(Area, OfLogicIsNeverBelowNothing) {
+TEST(Area, OfLogicIsNeverNegative) {
   EnergyConfig c = energy();
   c.parts_in_logic["tni.adder"] = {100, 100, 100};
   UnitReport u = sized_unit("core0.tni.trv0", "tni", 0, 0);
@@ -116,7 +116,7 @@ TEST(Area, OfLogicEqualsTheTableWithoutParts) {
   EXPECT_EQ(LogicArea(u, c).area_band(), (Band{0.5, 1, 2}));
 }
 
-TEST(Area, OfWhatTheTableDoesNotKnowIsAnError) {
+TEST(Area, OfAUnitThatTheTableLacksIsAnError) {
   const Folder folder;
   const auto error = [&](const UnitReport& u) {
     return complaint<InputError>(folder, [&] { compute_area(std::vector{u}, energy(), area_config()); });

@@ -46,7 +46,7 @@ TEST(SiText, HasNoPrefixForARatio) {
   EXPECT_EQ(si_text(0.335, "J"), "335 mJ");
 }
 
-TEST(FourDigits, AreEnoughForPeople) {
+TEST(FourDigits, RoundToFourSignificantDigits) {
   EXPECT_EQ(four_digits(4733.4), "4733");
   EXPECT_EQ(four_digits(350), "350.0");
   EXPECT_EQ(four_digits(9999.7), "10.00 k");

@@ -87,15 +87,15 @@ TEST(Energy, TheClockOfIdleAndStarvedCyclesRunsOn) {
   expect_near(compute_energy(std::vector{u}, energy_config(), {}, 0).kinds.clock, {15, 30, 75});
 }
 
-TEST(Energy, SizeDependentEventsAreInterpolatedOnLogLogPaper) {
+TEST(Energy, SizeDependentEventsAreInterpolatedByAPowerLaw) {
   const EnergyConfig config = energy_config();
   const EnergyTable table(config.events);
-  expect_near(table.at("read", 16 * 1024), {1, 4, 16});
-  expect_near(table.at("read", 64 * 1024), {4, 8, 32});
-  expect_near(table.at("read", 32 * 1024), {2, 4 * std::sqrt(2.0), 16 * std::sqrt(2.0)});
-  expect_near(table.at("read", 256 * 1024), {16, 16, 64});
-  expect_near(table.at("read", 4 * 1024), {0.25, 2, 8});
-  expect_near(table.at("box", 4 * 1024), {1, 2, 4});
+  expect_near(table.energy_of("read", 16 * 1024), {1, 4, 16});
+  expect_near(table.energy_of("read", 64 * 1024), {4, 8, 32});
+  expect_near(table.energy_of("read", 32 * 1024), {2, 4 * std::sqrt(2.0), 16 * std::sqrt(2.0)});
+  expect_near(table.energy_of("read", 256 * 1024), {16, 16, 64});
+  expect_near(table.energy_of("read", 4 * 1024), {0.25, 2, 8});
+  expect_near(table.energy_of("box", 4 * 1024), {1, 2, 4});
 }
 
 TEST(Energy, TheUnitsArraySizeSelectsTheEntry) {
@@ -189,8 +189,8 @@ TEST(Energy, JsonIsInMillijoules) {
 TEST(Energy14nm, IsAValidTableWithEveryBlock) {
   const EnergyConfig c = load_config<EnergyConfig>("configs/energy/14nm.yaml");
   const EnergyTable table(c.events);
-  EXPECT_NEAR(table.at("cache.l2_read", 256 * 1024).nominal, 45, 1e-9);
-  EXPECT_DOUBLE_EQ(table.at("tni.box_test", 0).nominal, 24);
+  EXPECT_NEAR(table.energy_of("cache.l2_read", 256 * 1024).nominal, 45, 1e-9);
+  EXPECT_DOUBLE_EQ(table.energy_of("tni.box_test", 0).nominal, 24);
   for (const char* block : {"tni", "srp", "l2", "tile_buffer", "dma", "interconnect", "dram"}) {
     EXPECT_TRUE(c.logic.contains(block)) << block;
     EXPECT_TRUE(c.flops.contains(block)) << block;

@@ -25,18 +25,18 @@ std::string error_of(const PowerConfig& c) {
   return complaint<InputError>(folder, [&] { voltage_curves(c); });
 }
 
-TEST(VoltageCurve, IsStraightBetweenPointsFlatBelowAndGoesOnAbove) {
+TEST(VoltageCurve, IsLinearBetweenPointsConstantBelowAndExtrapolatedAbove) {
   const VoltageCurve curve = voltage_curves(power_config()).at("core");
-  EXPECT_EQ(curve.at(100 * kMhz), 0.6);
-  EXPECT_EQ(curve.at(200 * kMhz), 0.7);
-  EXPECT_EQ(curve.at(400 * kMhz), 1.1);
-  EXPECT_NEAR(curve.at(150 * kMhz), 0.65, 1e-12);
-  EXPECT_NEAR(curve.at(300 * kMhz), 0.9, 1e-12);
-  EXPECT_EQ(curve.at(50 * kMhz), 0.6);
-  EXPECT_NEAR(curve.at(500 * kMhz), 1.3, 1e-12);
+  EXPECT_EQ(curve.voltage_at(100 * kMhz), 0.6);
+  EXPECT_EQ(curve.voltage_at(200 * kMhz), 0.7);
+  EXPECT_EQ(curve.voltage_at(400 * kMhz), 1.1);
+  EXPECT_NEAR(curve.voltage_at(150 * kMhz), 0.65, 1e-12);
+  EXPECT_NEAR(curve.voltage_at(300 * kMhz), 0.9, 1e-12);
+  EXPECT_EQ(curve.voltage_at(50 * kMhz), 0.6);
+  EXPECT_NEAR(curve.voltage_at(500 * kMhz), 1.3, 1e-12);
 }
 
-TEST(VoltageCurve, RefusesWhatIsNone) {
+TEST(VoltageCurve, RefusesInvalidEntries) {
   PowerConfig c = power_config();
   c.dvfs["core@300MHz"] = {0.5, 0.5, 0.5};
   EXPECT_NE(error_of(c).find("0.7 V at 200 MHz and 0.5 V at 300 MHz"), std::string::npos) << error_of(c);
@@ -51,7 +51,7 @@ TEST(PowerScale, IsExactlyOneAtTheTablesVoltageAndTemperature) {
   EXPECT_EQ(scale.leakage, 1);
 }
 
-TEST(PowerScale, GoesWithTheSquareTheExponentAndTheTemperature) {
+TEST(PowerScale, FollowsTheVoltageTheExponentAndTheTemperature) {
   PowerConfig c = power_config();
   EXPECT_NEAR(power_scale(c, 0.4).dynamic, 0.25, 1e-12);
   EXPECT_NEAR(power_scale(c, 0.4).leakage, 0.125, 1e-12);
@@ -121,9 +121,9 @@ TEST(EnergyOfADevice, DoesNotFollowTheChipsVoltage) {
 
 TEST(Power14nm, HasTheTablesVoltageAtTheDefaultClocks) {
   const auto curves = voltage_curves(load_config<PowerConfig>("configs/power/14nm.yaml"));
-  EXPECT_EQ(curves.at("tni").at(500 * kMhz), 0.8);
-  EXPECT_EQ(curves.at("srp").at(1000 * kMhz), 0.8);
-  EXPECT_EQ(curves.at("l2").at(500 * kMhz), 0.8);
+  EXPECT_EQ(curves.at("tni").voltage_at(500 * kMhz), 0.8);
+  EXPECT_EQ(curves.at("srp").voltage_at(1000 * kMhz), 0.8);
+  EXPECT_EQ(curves.at("l2").voltage_at(500 * kMhz), 0.8);
 }
 
 }  // namespace

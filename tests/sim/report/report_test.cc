@@ -99,7 +99,7 @@ TEST(Table, AlignsItsColumns) {
             "dispatcher \xc2\xb5       5\n");
 }
 
-TEST(Table, PutsWordsToTheLeft) {
+TEST(Table, AlignsWordsToTheLeft) {
   Table table({"scene", "what it is", "size"});
   table.add_row({"cornell", "a box", "10.3 k"});
   table.add_row({"chess", "32 men on a board", ""});

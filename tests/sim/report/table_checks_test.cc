@@ -1,8 +1,9 @@
+#include "sim/report/table_checks.h"
+
 #include <gtest/gtest.h>
 
 #include "../folder.h"
 #include "sim/error.h"
-#include "sim/report/table_checks.h"
 
 namespace sim::test {
 namespace {

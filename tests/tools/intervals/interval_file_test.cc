@@ -36,8 +36,8 @@ sim::Intervals grown(std::size_t rows, std::uint64_t seed) {
   const auto fill = [&](std::uint64_t* row, std::size_t i) {
     for (std::size_t v = 0; v < 5; ++v) row[v] = values[v] += v == 4 ? 0 : sim::hash(seed, i, v) >> (v * 20);
   };
-  for (std::size_t i = 0; i + 1 < rows; ++i) fill(intervals.next_row(), i);
-  fill(intervals.last_row(10 * rows - 3), rows);
+  for (std::size_t i = 0; i + 1 < rows; ++i) fill(intervals.add_next_row(), i);
+  fill(intervals.add_last_row(10 * rows - 3), rows);
   return intervals;
 }
 
@@ -73,7 +73,7 @@ TEST(IntervalFile, IsReadAsItWasWritten) {
     EXPECT_EQ(frame.end, written[f].end());
     for (std::size_t i = 0; i < frame.rows; ++i) {
       EXPECT_TRUE(std::ranges::equal(frame.row(i), written[f].row(i))) << i;
-      EXPECT_EQ(frame.end_of(i), written[f].end_of(i));
+      EXPECT_EQ(frame.end_of(i), written[f].interval_end(i));
     }
   }
 }

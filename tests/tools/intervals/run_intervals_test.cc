@@ -30,7 +30,7 @@ std::uint64_t machines() {
 /// order.
 void expect_energy_adds_up(const RunIntervals& run, const nlohmann::json& frame_report,
                            const tools::IntervalFrame& frame) {
-  const std::pair<const char*, sim::Side> sides[] = {
+  const std::pair<const char*, sim::BandMember> sides[] = {
       {"low", &sim::Band::low}, {"nominal", &sim::Band::nominal}, {"high", &sim::Band::high}};
   for (const auto& [name, side] : sides) {
     const tools::IntervalEnergy energy = tools::energy_until(run, frame, side);

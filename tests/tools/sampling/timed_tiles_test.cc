@@ -115,7 +115,7 @@ TEST(TimedTiles, ATileThatWasJustWarmedMissesNothingInTheL2) {
     explicit Same(const std::vector<traces::TileWork>& w) : work(w) {}
     const traces::TileWork* next() override { return std::exchange(given, true) ? nullptr : &work[60]; }
     void give_back(const traces::TileWork*) override {}
-    void dispatched(sim::Time) override { gpu->warm_caches(work[60], 0); }
+    void note_dispatched(sim::Time) override { gpu->warm_caches(work[60], 0); }
   } same(work);
   hw::Gpu gpu(config, frame().workload(), same);
   same.gpu = &gpu;

@@ -304,7 +304,7 @@ void set_hit_cycles(RunConfig& config) {
     if (!c.cache.hit_cycles.is_auto) continue;
     const sim::EnergyCurve& curve = curve_of(table, c.path);
     if (c.cache.size.bytes == 0) continue;  // check_tree() refuses it
-    const double ns = curve.at(c.cache.size.bytes).at(&sim::Band::nominal);
+    const double ns = curve.point_at(c.cache.size.bytes).energy_of(&sim::Band::nominal);
     const double cycles = std::ceil(ns * static_cast<double>(c.hz) / kHzPerNanosecond - kCycleRounding);
     c.cache.hit_cycles.value = std::max(1U, c.around + static_cast<std::uint32_t>(cycles));
   }

@@ -129,7 +129,7 @@ std::vector<FrameResult> simulate_replicates(const Inputs& inputs, const kernels
                                              std::uint32_t count, std::uint32_t threads, Progress* progress) {
   std::vector<MachineVariant> plays;
   for (std::uint32_t number = 1; number <= count; ++number) {
-    plays.push_back({inputs.config, hw::draw_perturbation(inputs.config.gpu->cores, inputs.frame, number),
+    plays.push_back({inputs.config, hw::random_perturbation(inputs.config.gpu->cores, inputs.frame, number),
                      gpu.scheduled_kernels()});
   }
   return simulate_variants(inputs, requirements, work, plain, plays, "replicating", threads, progress);

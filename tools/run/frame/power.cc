@@ -65,7 +65,7 @@ std::vector<std::string> power_warnings(const RunConfig& config) {
     if (found == curves.end()) continue;
     const sim::VoltageCurve& curve = found->second;
     const std::uint64_t hz = (config.gpu->clocks.*domain.clock).hz;
-    const double volt = curve.at(hz);
+    const double volt = curve.voltage_at(hz);
     if (config.power.voltage == sim::Voltage::kDvfs) {
       if (hz >= curve.least_hz() && hz <= curve.most_hz()) continue;
       lines.push_back(fmt::format("power.dvfs: clocks.{} of {} is outside {} to {}; {:.4g} V is assumed", domain.name,

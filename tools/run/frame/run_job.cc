@@ -196,7 +196,7 @@ FrameResult simulate_program(const Inputs& inputs, const kernels::ProgramSpec& p
   hw::ObserverList observers;
   if (extras.itemised) observers.add(&accounting);
   observers.add(extras.observer);
-  const std::unique_ptr<hw::Gpu> gpu = make_gpu(inputs, requirements, tiles, {}, observers.get());
+  const std::unique_ptr<hw::Gpu> gpu = make_gpu(inputs, requirements, tiles, {}, observers.attached_observer());
   check_tables(*gpu, inputs.config);  // report missing entries before the work
   if (extras.intervals != nullptr) gpu->machine().record_intervals(*extras.intervals);
   tiles.begin_part("simulating", inputs.frame);
@@ -213,7 +213,7 @@ FrameResult simulate_program(const Inputs& inputs, const kernels::ProgramSpec& p
   s.machine = inputs.config.gpu;
   s.rendered = front_end.result();
   collect_results(*gpu, inputs.config, s);
-  s.tile_accounts = accounting.take_tiles();
+  s.tile_accounts = accounting.take_accounts();
   s.rest = accounting.untiled_account();
   s.wall_seconds = sim::seconds_since(begin);
   s.tiles = frame.tiles();

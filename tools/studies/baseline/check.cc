@@ -196,7 +196,7 @@ std::string nearest_end_like(const std::string& text, const std::vector<std::str
     known.insert(end_like(path, text));
     if (path.ends_with(kNominal)) known.insert(end_like(path.substr(0, path.size() - kNominal.size()), text));
   }
-  const std::string_view start = sim::comparable_start(text);
+  const std::string_view start = sim::comparison_prefix(text);
   const auto found = sim::find_nearest(start, known, std::max<std::size_t>(1, start.size() / 4));
   return found == known.end() ? std::string() : *found;
 }

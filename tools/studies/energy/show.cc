@@ -278,7 +278,7 @@ std::string energy_show(const JobOptions& options, const std::string& name) {
   for (EnergyEntry& entry : energy_entries(config)) {
     std::ranges::sort(entry.figures, {}, size_of);
     add_names(entry, known);
-    if (!is_meant(entry.name, sim::event_of(name))) continue;
+    if (!is_meant(entry.name, sim::event_name_of(name))) continue;
     out += (out.empty() ? "" : "\n") + entry_text(entry, users, origins);
   }
   if (out.empty()) {

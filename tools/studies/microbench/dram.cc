@@ -149,7 +149,7 @@ struct Result {
 
   Result(const hw::DramConfig& c, const std::vector<hw::DramRequest>& requests, std::uint32_t limit)
       : config(c),
-        play(hw::play_requests(c, requests, limit)),
+        play(hw::run_dram_requests(c, requests, limit)),
         outstanding(limit),
         all(latencies_ns(requests, true, true)),
         reads(latencies_ns(requests, true, false)),

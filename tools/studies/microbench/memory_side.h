@@ -41,12 +41,12 @@ class Reader {
   const sim::Clock& clock() const { return clock_; }
   sim::Time tick(sim::Time now) {
     if (in_.can_pop(now)) {
-      reads_[l1_.fill(in_.pop(now).line).requested_at].arrived = now;
+      reads_[l1_.fill_line(in_.pop(now).line).requested_at].arrived = now;
       finished_ += 1;
     }
     if (may_read() && reads_[next_].earliest <= now) read_next(now);
     l1_.send_request(now, out_);
-    const sim::Time next = clock_.after(now, 1);
+    const sim::Time next = clock_.edge_after(now, 1);
     sim::Time wake = std::max(next, in_.pop_at());
     if (may_read()) wake = std::min(wake, std::max(next, clock_.edge_at_or_after(reads_[next_].earliest)));
     return std::min(wake, l1_.next_send_time(next, out_));
@@ -161,8 +161,8 @@ class MemoryForms {
     }
     return {kRounds * kPerSecond / static_cast<double>(pushed), "request wire"};
   }
-  UpperBound stream_rate() const { return {lines_of_channels(dram_forms_.streamed_line()), "DRAM"}; }
-  UpperBound lines_of_own_row() const { return {lines_of_channels(dram_forms_.line_of_own_row(1)), "DRAM"}; }
+  UpperBound stream_rate() const { return {lines_of_channels(dram_forms_.cycles_per_streamed_line()), "DRAM"}; }
+  UpperBound lines_of_own_row() const { return {lines_of_channels(dram_forms_.cycles_per_line_of_row(1)), "DRAM"}; }
 
  private:
   static constexpr double kPerSecond = static_cast<double>(sim::kFemtosecondsPerSecond);
@@ -175,9 +175,9 @@ class MemoryForms {
   /// Returns the time at which the line is in the bank, after a lookup at `at_bank`.
   sim::Time fill_time(sim::Time at_bank, Level level) const {
     const sim::Time arrived = cross_clocks(at_bank + c_.l2.lookup_cycles * l2_.period(), l2_, 1, dram_);
-    const double device = level == Level::kRowOpen      ? dram_forms_.row_hit()
-                          : level == Level::kBankClosed ? dram_forms_.closed_bank()
-                                                        : dram_forms_.row_conflict();
+    const double device = level == Level::kRowOpen      ? dram_forms_.row_hit_latency()
+                          : level == Level::kBankClosed ? dram_forms_.closed_bank_latency()
+                                                        : dram_forms_.row_conflict_latency();
     const sim::Time fabric = dram_.edge_at_or_after(c_.dram.fabric.time);
     return cross_clocks(arrived + static_cast<sim::Time>(device) * dram_.period() + fabric, dram_, 1, l2_);
   }

@@ -132,9 +132,9 @@ constexpr std::uint32_t kRays = 12'000;
 struct EqualRays {
   std::vector<std::uint32_t> steps;
   std::vector<sim::Time> hits{};
-  std::uint32_t count() const { return kRays; }
-  const std::uint32_t* walk(std::uint32_t) const { return steps.data(); }
-  void returned(std::uint32_t, sim::Time now) { hits.push_back(now); }
+  std::uint32_t ray_count() const { return kRays; }
+  const std::uint32_t* ray_walk(std::uint32_t) const { return steps.data(); }
+  void note_returned(std::uint32_t, sim::Time now) { hits.push_back(now); }
 };
 
 /// A T&I unit whose lines are all in its caches, with both ends of its interface.
@@ -231,7 +231,7 @@ class IstHarness {
                                machine_.link<hw::MemResponse>(1, 1, ist_id_, ist_id_)};
     machine_.build<hw::Ist>(ist_id_, config.gpu->tni.ist, hw::TniMode{.rau = {}, .ideal_l1 = true},
                             hw::TrianglesInMemory{0, config.bvh.triangle_bytes}, links, std::uint16_t{0}, clock_);
-    machine_.finish(clock_.after(sim::run(*this), 1));
+    machine_.finish(clock_.edge_after(sim::run(*this), 1));
   }
 
   const std::vector<sim::Time>& answer_times() const { return source_.answered; }
@@ -260,7 +260,7 @@ class IstHarness {
         harness.jobs_.push(now, job);
         sent += 1;
       }
-      const sim::Time next = harness.clock_.after(now, 1);
+      const sim::Time next = harness.clock_.edge_after(now, 1);
       const sim::Time send = sent < leaves ? std::max(next, harness.jobs_.push_at()) : sim::kNever;
       return std::min(send, std::max(next, harness.answers_.pop_at()));
     }
@@ -284,7 +284,7 @@ double counted_pj(const sim::UnitReport& unit, const sim::EnergyTable& table) {
   double pj = 0;
   for (const sim::CounterReport& counter : unit.counters) {
     if (!counter.event.empty())
-      pj += static_cast<double>(counter.value) * table.at(counter.event, unit.cache_bytes).nominal;
+      pj += static_cast<double>(counter.value) * table.energy_of(counter.event, unit.cache_bytes).nominal;
   }
   return pj;
 }
@@ -294,10 +294,10 @@ double leaf_pj(ExitPhase exit, std::uint64_t cache_bytes, const sim::EnergyTable
   double pj = 0;
   for (const char* event :
        {"tni.ray_buffer_write", "tni.ray_buffer_read", "cache.l1_read", "tni.tri_phase1", "tni.hit_route"}) {
-    pj += table.at(event, cache_bytes).nominal;
+    pj += table.energy_of(event, cache_bytes).nominal;
   }
-  if (exit != ExitPhase::kDistance) pj += table.at("tni.tri_phase2", cache_bytes).nominal;
-  if (exit == ExitPhase::kHit) pj += table.at("tni.tri_phase3", cache_bytes).nominal;
+  if (exit != ExitPhase::kDistance) pj += table.energy_of("tni.tri_phase2", cache_bytes).nominal;
+  if (exit == ExitPhase::kHit) pj += table.energy_of("tni.tri_phase3", cache_bytes).nominal;
   return pj;
 }
 
