@@ -134,7 +134,7 @@ TEST(Engine, AStuckMachineIsFoundWithItsState) {
   EXPECT_EQ(state_of([](Pipeline& m) { run_shuffled(m, 1); }), stuck);
 }
 
-TEST(Engine, AMachineThatGoesOnAndRetiresNothingIsFound) {
+TEST(Engine, AMachineThatRetiresNothingIsInALivelock) {
   PipelineConfig c;
   c.appetite = 10;
   c.restless = true;
@@ -159,7 +159,7 @@ TEST(Engine, AMachineThatGoesOnAndRetiresNothingIsFound) {
   EXPECT_EQ(complaint(ApartPipeline(c), [](ApartPipeline& m) { run(m); }), livelock);
 }
 
-TEST(Engine, AMachineThatRetiresWithinItsPatienceIsLeftAlone) {
+TEST(Engine, AMachineThatRetiresWithinItsTimeoutIsInNoLivelock) {
   PipelineConfig c;
   c.interval = 100;
   c.livelock_timeout = 2 * 100 + 2 * (1 + 3 + 1);  // one rest of the sink plus the latency to it

@@ -45,7 +45,7 @@ TEST(IntervalRows, AreAtMostTheLimitAndAtLeastHalfOfIt) {
   }
 }
 
-TEST(IntervalRows, AreFewerOfLongRows) {
+TEST(IntervalRows, AreFewerIfRowsAreLong) {
   Intervals intervals(10);
   intervals.allocate_rows(Intervals::kMostValues / 4);
   for (int edge = 0; edge < 20; ++edge) intervals.add_next_row();

@@ -24,7 +24,7 @@ TEST(Link, HandsItemsOutInTheOrderOfPushes) {
   for (int i = 0; i < 3; ++i) EXPECT_EQ(link.pop(10), i);
 }
 
-TEST(Link, WithoutRoomIsPushableAfterAPop) {
+TEST(Link, AFullLinkAcceptsAPushAfterAPop) {
   Link<int> link(2, 1, kFast);
   link.push(0, 1);
   EXPECT_EQ(link.push_at(), 0U);
@@ -34,7 +34,7 @@ TEST(Link, WithoutRoomIsPushableAfterAPop) {
   EXPECT_EQ(link.size(), link.capacity());
 }
 
-TEST(Link, RoomIsSeenTheCycleAfterThePop) {
+TEST(Link, AFreedSlotIsVisibleTheCycleAfterThePop) {
   Link<int> link(1, 1, kFast);
   link.push(0, 1);
   link.pop(8);
@@ -64,7 +64,7 @@ TEST(Link, IntoAnotherClockDomainWaitsForTheSynchroniserAndTheConsumersEdge) {
   EXPECT_EQ(link.pop_at(), 15U);  // 14 is not an edge
 }
 
-TEST(Link, RoomGoesBackOnTheProducersEdge) {
+TEST(Link, AFreedSlotIsVisibleOnTheProducersEdge) {
   Link<int> link(1, 1, kFast, kSlow, 0);
   link.push(0, 1);
   link.pop(link.pop_at());
@@ -88,7 +88,7 @@ TEST(Link, LowersTheWakeUpTimesOfItsEnds) {
   EXPECT_EQ(consumer, 1U);
 }
 
-TEST(Link, ShowsWhenItsFirstItemCanBePoppedAndThatOneHasComeIntoAnEmptyLink) {
+TEST(Link, MirrorsItsPopTimeAndLowersTheSoonestForAnItemInAnEmptyLink) {
   Link<int> link(3, 2, kFast);
   link.push(0, 1);
   Time pop_at = 0, soonest = 40;
@@ -107,7 +107,7 @@ TEST(Link, ShowsWhenItsFirstItemCanBePoppedAndThatOneHasComeIntoAnEmptyLink) {
   EXPECT_EQ(soonest, 12U);
 }
 
-TEST(Opens, IsTheNextTimeAtWhichItemOrRoomChanges) {
+TEST(NextTransferTime, IsWhenItemOrRoomChanges) {
   EXPECT_EQ(next_transfer_time(10, 2, 16, 0), 16U);  // the item arrives later
   EXPECT_EQ(next_transfer_time(10, 2, 10, kNever),
             kNever);  // the item is here; the link wakes the unit when there is room

@@ -112,7 +112,7 @@ TEST(Machine, UnitsAreReportedInTheOrderInWhichTheyAreBuilt) {
   EXPECT_EQ(report[1].elapsed, 6U);
 }
 
-TEST(Machine, IsQuietWhenUnitsAreIdleAndLinksEmpty) {
+TEST(Machine, IsDrainedWhenUnitsAreIdleAndLinksEmpty) {
   Pair pair;
   EXPECT_FALSE(pair.machine().is_drained()) << "a number has not left yet";
   run(pair);
@@ -123,7 +123,7 @@ TEST(Machine, IsQuietWhenUnitsAreIdleAndLinksEmpty) {
 
 TEST(Machine, StateHasALineForEachUnitThatHasOne) { EXPECT_EQ(Pair().machine().state(), "giver: has numbers\n"); }
 
-TEST(Machine, WhatLeadsInwardBoundsTheLookaheadAndIsCountedWhenNearlyFull) {
+TEST(Machine, LinksBetweenPartitionsBoundTheLookaheadAndAreCountedWhenNearlyFull) {
   Pair pair(2, 1, 100);
   pair.machine().start();
   EXPECT_EQ(pair.machine().min_lookahead(), 26U);
@@ -232,7 +232,7 @@ TEST(Machine, AClusterThatRunsAloneChangesNothing) {
   EXPECT_EQ(oracle.turns + shuffled.turns, 0U) << "where every unit is visited there are no clusters";
 }
 
-TEST(Machine, ThrowsForAClusterThatIsNone) {
+TEST(Machine, ThrowsForAnInvalidCluster) {
   Machine machine;
   const UnitId inner = machine.unit({.name = "inner", .clock = Clock(2)});
   const UnitId slow = machine.unit({.name = "slow", .clock = Clock(4), .partition = 1});

@@ -62,7 +62,7 @@ TEST(WakeupTable, ATickMayLowerTheTimeOfItsOwnUnitAndOfOthers) {
   EXPECT_EQ(wakeups.earliest_time(), 5U);
 }
 
-TEST(Ring, GivesBackInOrderAndGrows) {
+TEST(Ring, PopsInOrderAndGrows) {
   Ring<int> ring;
   int in = 0, out = 0;
   for (int round = 0; round < 50; ++round) {

@@ -156,7 +156,7 @@ TEST(Lpddr4, ARefreshOfOneBankIsAnActivateToTheOthers) {
   EXPECT_EQ(earliest(d, kActivate, 3, 1000 + Cycle{t.rrd} * 4), 1000U + t.faw) << "the fifth in the window";
 }
 
-TEST(DramPlayer, PostedWritesFillTheChannelForAnyWindow) {
+TEST(DramRequests, PostedWritesFillTheChannelForAnyWindow) {
   DramConfig c = lpddr5();
   c.controller.write_high = 32;
   std::vector<DramRequest> writes;

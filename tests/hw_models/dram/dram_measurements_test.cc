@@ -35,7 +35,7 @@ TEST(DramMeasurement, OfCommandsOfTwoBurstsAgreesWithItsClosedForm) {
   expect_good(grade);
 }
 
-TEST(DramMeasurement, OfTwoRanksIsMadeWhereTheirBanksAreAsManyAsAChannelMayHave) {
+TEST(DramMeasurement, OfTwoRanksIsMadeIfTheirBanksFitAChannel) {
   const auto is_of_ranks = [](const DramMeasurement& m) { return m.name == "read to read, other rank"; };
   DramConfig grade = load("lpddr5-6400");
   ASSERT_EQ(grade.organisation.banks, 16U);
@@ -68,7 +68,7 @@ TEST(DramClosedForms, LinesOfManyRowsHaveTheActivateWindowsOfAllRanks) {
   EXPECT_EQ(DramClosedForms(c).cycles_per_line_of_row(1), 50);
 }
 
-TEST(DramMeasurement, OfRefreshesThatLeaveNoTimeIsLeftOut) {
+TEST(DramMeasurement, IsOmittedForRefreshesThatLeaveNoTime) {
   DramConfig grade = load("lpddr4-3200");
   const std::size_t all = dram_measurements(grade).size();
   grade.timing.rfc_ab = 8192;

@@ -6,7 +6,7 @@
 namespace hw::test {
 namespace {
 
-TEST(DramPlayer, LetsARequestArriveWhenAnEarlierOneIsDoneIfNoMoreMayBeOutstanding) {
+TEST(DramRequests, ARequestArrivesWhenAnEarlierOneIsDoneIfNoMoreMayBeOutstanding) {
   const DramConfig c = DramHarness::quiet();
   std::vector<DramRequest> requests(12);
   for (std::size_t i = 0; i < requests.size(); ++i) requests[i].address = 64 * i;
@@ -18,7 +18,7 @@ TEST(DramPlayer, LetsARequestArriveWhenAnEarlierOneIsDoneIfNoMoreMayBeOutstandin
   }
 }
 
-TEST(DramPlayer, ASingleBankTakesRowAfterRowInTheTimeOfTheClosedForm) {
+TEST(DramRequests, ASingleBankTakesRowAfterRowInTheTimeOfTheClosedForm) {
   DramConfig c = DramHarness::quiet();
   c.organisation.banks = c.organisation.bank_groups = c.organisation.refresh_banks = c.organisation.ranks = 1;
   const auto lines = static_cast<std::uint32_t>(c.organisation.page.bytes / c.line.bytes);
@@ -30,7 +30,7 @@ TEST(DramPlayer, ASingleBankTakesRowAfterRowInTheTimeOfTheClosedForm) {
   EXPECT_NEAR(static_cast<double>(row) / static_cast<double>(c.timing.ck.time), expected, 0.01 * expected);
 }
 
-TEST(DramPlayer, DistinguishesAnyNumberOfRequests) {
+TEST(DramRequests, AnyNumberIsDistinguished) {
   const DramConfig c = DramHarness::quiet();
   std::vector<DramRequest> requests((std::size_t{1} << 16) + 100);
   for (std::size_t i = 0; i < requests.size(); ++i) requests[i].address = 64 * (i % 16);
@@ -38,7 +38,7 @@ TEST(DramPlayer, DistinguishesAnyNumberOfRequests) {
   for (std::size_t i = 1; i < requests.size(); ++i) ASSERT_GT(play.done[i], play.done[i - 1]) << i;
 }
 
-TEST(DramPlayer, LetsNoRequestArriveBeforeItsTime) {
+TEST(DramRequests, NoRequestArrivesBeforeItsTime) {
   const DramConfig c = DramHarness::quiet();
   const sim::Time late = 777 * c.timing.ck.time;
   const DramRun play = hw::run_dram_requests(c, std::vector<DramRequest>{{0, false, 0}, {64, false, late}}, 8);

@@ -105,7 +105,7 @@ class BorderHarness {
 
 using Heard = BorderHarness::Heard;
 
-TEST(Borders, ATileWithAMissingOneIsDispatchedAtOnceAndUpdatedALinkEachWayAfterTheWrite) {
+TEST(Borders, ATileWithAMissingBorderIsDispatchedAtOnceAndUpdatedAfterTheWrite) {
   BorderHarness harness({{}, {{0, 3}}}, {{20, 0, 0, 3}, {30, 0, 0}, {40, 1, 1}});
   harness.run();
   const std::vector<Heard> expected = {{1, 0, 0, 0}, {2, 1, 1, 1}, {22, 1, 1, 0}};
@@ -151,7 +151,7 @@ TEST(Borders, AllTilesThatImportABorderGetAnUpdate) {
   EXPECT_EQ(notified, (std::vector<std::uint32_t>{1, 2, 3}));
 }
 
-TEST(Borders, TheOracleAgreesAndTheTimeIsTheSameAsWithoutThem) {
+TEST(Borders, ImportsAddNoTimeAndTheOracleAgrees) {
   const std::vector<BorderHarness::Said> script = {{10, 0, 0, 2}, {12, 1, 1, 0}, {20, 0, 0}, {22, 1, 1},
                                                    {50, 0, 2},    {51, 1, 3},    {90, 0, 4}};
   const std::vector<std::vector<traces::Border>> imports = {{}, {{0, 2}}, {{0, 0}, {1, 0}}, {{2, 1}}, {{3, 0}, {1, 0}}};

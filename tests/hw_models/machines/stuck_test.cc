@@ -66,7 +66,7 @@ TEST(Gpu, AMachineSlowerThanItsWatchdogReportsTheStateOfEveryUnit) {
   EXPECT_THROW(test::play(test::cornell_64x32(), config), sim::Deadlock);
 }
 
-TEST(Patience, GrowsWithEverythingThatARequestCanWaitFor) {
+TEST(LivelockTimeout, GrowsWithEverythingThatARequestCanWaitFor) {
   const GpuConfig plain;
   const auto grows = [&](const char* what, auto&& change) {
     GpuConfig config;
@@ -94,7 +94,7 @@ TEST(Patience, GrowsWithEverythingThatARequestCanWaitFor) {
   grows("hits of the L2", [](GpuConfig& c) { c.l2.cache.hit_cycles.value += 10; });
 }
 
-TEST(Patience, CoversEightChunksOfTheLongestKernel) {
+TEST(LivelockTimeout, CoversEightChunksOfTheLongestKernel) {
   GpuConfig config;
   config.clocks.srp = {1'000'000'000};
   config.srp.chunk = 1000;

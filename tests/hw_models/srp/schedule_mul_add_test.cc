@@ -43,7 +43,7 @@ TEST(ScheduleMulAdd, AProductAndItsSumAreOneOperationOfBothLatencies) {
   }
 }
 
-TEST(ScheduleMulAdd, WithoutSuchUnitsTheyAreTwo) {
+TEST(ScheduleMulAdd, WithoutMultiplyAddUnitsAProductAndItsSumAreTwoOperations) {
   GraphBuilder g;
   const auto x = g.item();
   g.op(Op::kAdd, {g.op(Op::kMul, {x, x}), x});
@@ -99,7 +99,7 @@ TEST(ScheduleMulAdd, ASumOfProductsOverItemsWaitsForItsAdditionAlone) {
   EXPECT_EQ(s.ii, 2U);
 }
 
-TEST(ScheduleMulAdd, TheyNeedAMultiplier) {
+TEST(ScheduleMulAdd, AMultiplyAddNeedsAMultiplier) {
   SrpConfig config = with_mul_add();
   config.array.mul_units = 2;
   GraphBuilder g;

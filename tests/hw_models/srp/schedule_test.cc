@@ -169,7 +169,7 @@ TEST(Schedule, MultipliersAndDividersCountAgainstTheUnitsTheyShare) {
   EXPECT_EQ(checked(g, config).ii, 3U);  // 12 on the first 4; all 32 on 16 would take 2
 }
 
-TEST(Schedule, APushedOutOperationFindsAnotherPlace) {
+TEST(Schedule, AnEvictedOperationIsPlacedAgain) {
   SrpConfig config;
   config.array = {.rows = 1, .columns = 2, .mul_units = 1, .div_sqrt_units = 1};
   config.latency.div_sqrt = 4;

@@ -38,7 +38,7 @@ TEST(SrpBorders, AnImportWaitsForItsBorderAndTheRestOfTheTileDoesNot) {
   EXPECT_EQ(harness.spent(CycleReason::kWaiting), kDma);
 }
 
-TEST(SrpBorders, APresentOneIsReadAtOnce) {
+TEST(SrpBorders, ABorderInMemoryIsReadAtOnce) {
   SrpHarness harness({}, {{1, 10}}), without({}, {{1, 10}});
   harness.add(importing(1), 0).run();
   EXPECT_EQ(harness.done_at(0), kLoop + 10 + 15) << "the transfer is done long before the first launch is";
@@ -102,7 +102,7 @@ TEST(SrpBorders, TheOldestTileSpillsThoughAYoungerOneWaitsForItsBorder) {
   EXPECT_EQ(harness.srp().tile_buffer().stats().spilled_slots, 16U);
 }
 
-TEST(SrpBorders, NothingSpillsWhileTheOldestTileWaitsForOne) {
+TEST(SrpBorders, NothingSpillsWhileTheOldestTileWaitsForABorder) {
   SrpHarness harness(room_for(16), {{1, 10}, {1, 10}});
   harness.add(tracing(1, 1, true), 1).add(tracing(2, 1, false)).tell(100'000, 0, 0).run();
   EXPECT_EQ(harness.srp().tile_buffer().stats().spilled_slots, 0U);

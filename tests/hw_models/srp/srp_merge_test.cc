@@ -67,7 +67,7 @@ TEST(SrpMerge, ALoopsCyclesAreDividedAmongItsTilesExactly) {
       << "all tiles go by no name here";
 }
 
-TEST(SrpMerge, OffEachPaysItsOwn) {
+TEST(SrpMerge, WithoutMergingEachLaunchPaysItsOwnSwitchPrologueAndDrain) {
   SrpHarness::Setup setup = merging();
   setup.config.merge = false;
   SrpHarness harness(setup, kKernels);

@@ -25,7 +25,7 @@ TEST(SrpStarved, ASingleLaunchWithoutRaysStarvesTheUnitSwitchAndStallsIncluded) 
   EXPECT_EQ(starved(harness, kA), harness.cycles(kA));
 }
 
-TEST(SrpStarved, RaysEndItAsTheyLeaveAndTheLastHitBeginsItAgain) {
+TEST(SrpStarved, TheFirstRayEndsItAndTheLastHitBeginsItAgain) {
   constexpr std::uint32_t kItems = 8;
   SrpHarness harness({}, {{5, 30}, {2, 20}});
   TileBuilder work;
@@ -35,7 +35,7 @@ TEST(SrpStarved, RaysEndItAsTheyLeaveAndTheLastHitBeginsItAgain) {
   EXPECT_EQ(starved(harness, kB), SrpHarness::cold(2) + 20 + (kItems - 1) * 2) << "every hit is back when it begins";
 }
 
-TEST(SrpStarved, NotWhileTheUnitIsBusyThroughout) {
+TEST(SrpStarved, AKernelIsNotChargedWhileTheUnitIsBusyThroughout) {
   SrpHarness::Setup setup;
   setup.tni_latency = 5000;
   SrpHarness harness(setup, {{1, 10}, {3, 40}});
@@ -47,7 +47,7 @@ TEST(SrpStarved, NotWhileTheUnitIsBusyThroughout) {
   EXPECT_EQ(harness.cycles(kB), SrpHarness::cold(3) + 40 + 199 * 3);
 }
 
-TEST(SrpStarved, OfAKernelWithReturningHitsOnlyTheRestCounts) {
+TEST(SrpStarved, AKernelIsChargedOnlyFromTheReturnOfTheLastHit) {
   SrpHarness::Setup setup;
   setup.tni_latency = 300;
   SrpHarness harness(setup, {{1, 10}, {3, 40}});

@@ -25,7 +25,7 @@ struct Tile {
   TileRun run;
 };
 
-TEST(TileRun, AnEachEdgeLetsAChunkGoWhenItsOwnItemsAreDone) {
+TEST(TileRun, AnEachEdgeReleasesAChunkWhenItsOwnItemsAreDone) {
   TileBuilder builder;
   builder.launch(kKernel, 10, {TileBuilder::each(builder.launch(kKernel, 10))});
   Tile tile(builder, 4);

@@ -22,7 +22,7 @@ using traces::visit_step;
 const Walk kTwoDown = {visit_step(0, 1, 0), visit_step(1, 0, 0), end_step(false)};
 const Walk kPopped = {visit_step(0, 3, 0), visit_step(1, 0, 0), visit_step(2, 0, 0), end_step(false)};
 
-TEST(BoxTesters, OneTakesTwoPassesAVisit) {
+TEST(BoxTesters, ASingleTesterTakesTwoPassesPerVisit) {
   TniHarness::Setup setup = one_trv();
   EXPECT_EQ(alone(setup, kPopped), 3 * kVisit + kPop);
   setup.config.trv.box_testers = 1;
@@ -30,7 +30,7 @@ TEST(BoxTesters, OneTakesTwoPassesAVisit) {
   EXPECT_EQ(alone(setup, kPopped), 3 * 2 * kVisit + kPop);
 }
 
-TEST(BoxTesters, WithOnePassesPopsAndLeavesShareTheIssueOfOnePipe) {
+TEST(BoxTesters, WithASingleTesterPassesPopsAndLeavesShareOnePipe) {
   constexpr std::uint32_t kRays = 1000;
   const auto run = [&](std::uint32_t testers, const Walk& walk, auto&& check) {
     TniHarness::Setup setup = one_trv();

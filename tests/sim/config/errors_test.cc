@@ -137,7 +137,7 @@ TEST(ConfigFile, MessagesAreOneLineOfPrintableText) {
   EXPECT_EQ(message, "a.yaml:1:8: unit.ra?ys?[31m: unknown key 'ra?ys?[31m'; allowed: rays, stack, prefetch, l1");
 }
 
-TEST(ConfigRules, BlameTheFileThatChangedWhatTheValueOfOneBelowItGoesWith) {
+TEST(ConfigRules, NameTheFileThatChangedTheOtherFieldOfTheRule) {
   ConfigHarness b;
   b.folder().write("base.yaml", "unit:\n  l1: {size: 1 KiB}\n");
   EXPECT_EQ(b.error("extends: base\nunit: {l1: {ways: 3}}\n"),
@@ -146,7 +146,7 @@ TEST(ConfigRules, BlameTheFileThatChangedWhatTheValueOfOneBelowItGoesWith) {
             "a.yaml:2:22: unit.l1.size: is no whole number of sets");
 }
 
-TEST(ConfigRules, BlameTheArgumentThatChangedWhatAFilesValueGoesWith) {
+TEST(ConfigRules, NameTheArgumentThatChangedTheOtherFieldOfTheRule) {
   const std::string file = "unit:\n  l1: {size: 1 KiB}\nl2: {size: 1 KiB}\n";
   EXPECT_EQ(ConfigHarness().error(file, {"unit.l1.ways=3", "unit.rays=8"}),
             "--set unit.l1.ways=3: unit.l1.size: is no whole number of sets (a.yaml:2:8 has its value)");

@@ -100,7 +100,7 @@ TEST(Sets, AreAppliedLastAndInOrder) {
   EXPECT_EQ(c.events, (std::map<std::string, Band>{{"tni.box", {1, 2, 3}}, {"tni.tri", {9, 9, 9}}}));
 }
 
-TEST(Sets, OneNumberForABandLeavesNone) {
+TEST(Sets, OneNumberSetsAllOfABand) {
   ConfigHarness b;
   for (const char* set : {"refresh=2", "refresh.nominal=2"}) {
     EXPECT_EQ(b.load("refresh: {low: 1, nominal: 3, high: 5}\n", {set}).refresh, (Band{2, 2, 2})) << set;
@@ -111,7 +111,7 @@ TEST(Sets, OneNumberForABandLeavesNone) {
   }
 }
 
-TEST(Sets, ABandIsNotChangedByHalves) {
+TEST(Sets, ABandIsNotSetInPart) {
   ConfigHarness b;
   EXPECT_EQ(b.error("seed: 1\n", {"events.tni.box.low=2"}),
             "--set events.tni.box.low=2: events.tni.box.low: is a part of a band; allowed: one number, which leaves no "

@@ -62,7 +62,7 @@ TEST(ConfigVariant, IsTheBaseAfterAReset) {
   }
 }
 
-TEST(ConfigVariant, AfterAResetBlamesNoFormerArgument) {
+TEST(ConfigVariant, NamesNoFormerArgumentAfterAReset) {
   Bound b;
   b.set("l2.ways=3");  // the number of sets is not whole
   EXPECT_THROW(check_tree(b.tree), std::exception);

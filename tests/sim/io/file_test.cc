@@ -62,7 +62,7 @@ TEST(WriteFile, TwoWritersOfOneFileDoNotMix) {
   EXPECT_EQ(files_in(folder.path()), 1U);
 }
 
-TEST(WriteFile, HasTheRightsThatTheMaskLeaves) {
+TEST(WriteFile, HasThePermissionsThatTheUmaskLeaves) {
   const Folder folder;
   const mode_t before = ::umask(027);
   write_file_atomically(folder.path() / "x", "");
@@ -83,7 +83,7 @@ TEST(AppendToFile, TakesRegularFilesAlone) {
   EXPECT_EQ(read_file(file, 100), "one\ntwo\n");
 }
 
-TEST(CheckOutput, RemovesWhatWasLeftOnlyForAnOutputThatIsTaken) {
+TEST(CheckOutput, RemovesStaleFilesOnlyIfTheOutputIsAccepted) {
   const Folder folder;
   const auto out = folder.write("x.json", "of others"), left = folder.write("x.123-0.raywatt-tmp.json", "half"),
              theirs = folder.write("x.2024-01.tmp.json", "of others");
@@ -109,7 +109,7 @@ TEST(CheckOutput, AFolderThatTheUserMayNotWriteIntoIsRefused) {
   std::filesystem::permissions(folder.path(), std::filesystem::perms::owner_all);
 }
 
-TEST(WriteFile, WhatAKilledWriterLeavesIsKnownByItsName) {
+TEST(WriteFile, AStaleFileOfAKilledWriterIsRecognisedByItsName) {
   EXPECT_TRUE(is_temporary_name("x.123-0.raywatt-tmp.json", "x.json"));
   EXPECT_TRUE(is_temporary_name("x.123-45.raywatt-tmp", "x"));
   for (const char* other : {"x.json", "x.raywatt-tmp.json", "x.123.raywatt-tmp.json", "x.a-0.raywatt-tmp.json",

@@ -25,7 +25,7 @@ std::vector<std::string> names_in(const fs::path& folder) {
 }
 
 // Each thread removes stale folders, and none of them is one that another thread uses.
-TEST(NewFolder, OfManyWithOneTargetNoneIsRemovedWhileItIsUsed) {
+TEST(NewFolder, NoneIsRemovedWhileItIsUsedAlsoIfManyHaveOneTarget) {
   const Folder folder;
   std::atomic<int> lost = 0;
   std::vector<std::thread> threads;
@@ -77,7 +77,7 @@ TEST(FileLock, IsHeldByOneAtATimeAndLeavesNoFile) {
   EXPECT_FALSE(fs::exists(name));
 }
 
-TEST(FileLock, TakesNoFileOfSomebodyElse) {
+TEST(FileLock, TakesNoFileThatIsNoLockFile) {
   const Folder folder;
   const fs::path precious = folder.path() / "precious", name = folder.path() / "lock";
   const auto expect_refusal = [&] {
