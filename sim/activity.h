@@ -56,7 +56,7 @@ class Activity {
  public:
   static constexpr std::size_t kReasons = static_cast<std::size_t>(CycleReason::kCount);
 
-  /// Charges the cycle at time `now` to the reason `reason_now`, and every later cycle until the next call to
+  /// Charges the cycle at time `now` to `reason_now`. Later cycles, until the next call of spend(), are charged to
   /// `reason_after`.
   void spend(Time now, Time period, CycleReason reason_now, CycleReason reason_after) {
     assert(now >= accounted_);

@@ -31,10 +31,11 @@ class Inputs {
 
   /// Returns a mask of the links that hold items, including items that cannot be popped yet.
   std::uint64_t nonempty_mask() const { return nonempty_mask_; }
-  /// Returns Link::pop_at() of link `link_index`, from a local array.
+  /// Returns the earliest time at which an item can be popped from link `link_index`. Reads a local copy of
+  /// Link::pop_at().
   Time pop_at(std::size_t link_index) const { return pop_at_[link_index]; }
   bool can_pop(std::size_t link_index, Time now) const { return pop_at_[link_index] <= now; }
-  /// Returns the earliest pop_at() of all links.
+  /// Returns the earliest time at which an item can be popped from any of the links.
   Time pop_at() const {
     Time first = kNever;
     for (std::uint64_t left = nonempty_mask_; left != 0; left &= left - 1) {

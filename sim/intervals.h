@@ -23,7 +23,8 @@ class Intervals {
   static constexpr std::size_t kMost = 2048;
   static constexpr std::size_t kMostValues = 8 << 20;  ///< limit over all rows
 
-  /// `max_intervals`: maximum number of intervals, an even number. It is reduced if rows are long.
+  /// `length`: length of the first intervals. `max_intervals`: maximum number of intervals, an even number; it is
+  /// reduced if rows have many values.
   explicit Intervals(Time length = kFirstLength, std::size_t max_intervals = kMost);
 
   // Called by the recorded machine.

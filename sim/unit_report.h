@@ -45,7 +45,7 @@ struct UnitReport {
   std::uint32_t data_lines = 0;         ///< data lines at the die's edge
 };
 
-/// Adds the results of the same units over another time span to `sum`.
+/// Adds to `sum` the results of the same units over another time span.
 void add_reports(std::vector<UnitReport>& sum, const std::vector<UnitReport>& more);
 
 /// Subtracts from `later` the results of the same units up to an earlier time. Peaks remain those of the whole time.

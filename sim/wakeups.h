@@ -54,7 +54,7 @@ class WakeupTable {
   WakeupHandle handle_of(std::size_t unit) { return {&time_of(unit), &group_minima_[unit / kGroup]}; }
   void lower_to(std::size_t unit, Time time) { handle_of(unit).lower_to(time); }
 
-  /// A range of groups of the table.
+  /// A range of groups of wake-up times: groups `first` to `end` - 1.
   struct Groups {
     std::size_t first = 0, end = 0;
   };
@@ -141,7 +141,7 @@ class WakeupTable {
  private:
   using Eight = std::array<Time, kGroup>;
 
-  /// Reads one time with a load instruction of its own.
+  /// Loads one time with a separate instruction, so that the compiler does not load several at once.
   static Time load_time(const Time& time) { return const_cast<const volatile Time&>(time); }
   Time& time_of(std::size_t unit) { return groups_[unit / kGroup][unit % kGroup]; }
 

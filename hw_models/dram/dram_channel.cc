@@ -102,8 +102,8 @@ inline bool DramChannel::next_command_survives(bool write, std::uint32_t bank, b
 }
 
 /// Sends the data of a read to its requester if they are due; sends at most one line per cycle. Fast path: if the link
-/// will have room, the line is pushed early with its future timestamp. The return queue is then never full later than
-/// it would be, since it holds twice the lines that can be pending.
+/// will have room, the line is pushed early with its future timestamp. This cannot hide a full return queue, which has
+/// room for twice the lines that can be pending.
 bool DramChannel::send_response(const Return& line, sim::Time now) {
   const sim::Time at = std::max(now, line.due);
   sim::Link<MemResponse>& out = *ports_out_[line.port];
@@ -314,8 +314,8 @@ void DramChannel::note_rows_closed(std::uint32_t bank_mask) {
   }
 }
 
-/// Puts the DRAM channel into power-down if it has been idle long enough before `now`. The result does not depend on
-/// when this is called, as long as the channel's state has not changed since.
+/// Puts the DRAM channel into power-down if it has been idle long enough before `now`. Call it before any change of the
+/// channel's state; the time of the call does not affect the result.
 void DramChannel::power_down_if_idle(Cycle now) {
   const Cycle due = data_end_ + controller_.power_down_after;
   if (!controller_.power_down || is_down_ || due >= now || !reads_.empty() || !writes_.empty()) return;

@@ -59,7 +59,7 @@ class ChannelRunner : Observer {
                    static_cast<std::uint16_t>(next_), r.write});
   }
 
-  /// Completes the writes that the channel has accepted, because writes are posted.
+  /// Completes the writes that the channel has accepted. Writes are posted, so they wait for no response.
   void complete_posted_writes() {
     for (; taken_ + in_.size() < next_; ++taken_) waiting_ -= requests_[taken_].write ? 1 : 0;
   }

@@ -18,7 +18,7 @@ class ScheduledCommand {
 
   /// Constructs the absence of a command, which sorts after every command.
   ScheduledCommand() = default;
-  /// `position`: the request's position in its DramQueue.
+  /// A command that starts at cycle `at`, for the request at position `position` of its DramQueue.
   ScheduledCommand(Cycle at, DramCommand command, std::uint32_t position, std::uint32_t bank)
       : key_(at << kAt.first | std::uint64_t{static_cast<std::uint8_t>(command)} << kCommand.first |
              position << kPosition.first | bank << kBank.first) {}

@@ -67,7 +67,7 @@ class TileDispatcher {
     Observer* observer = nullptr;
   };
 
-  /// `starts`: cycles after time 0 before each core may get its first tile; empty: 0 for all cores.
+  /// `starts`: for each core, the number of cycles before it may get its first tile; empty: 0 for all cores.
   TileDispatcher(TileSource& source, TilesInFlight tiles_per_core, Links links, sim::Clock clock,
                  std::span<const std::uint32_t> starts = {});
   TileDispatcher(const TileDispatcher&) = delete;

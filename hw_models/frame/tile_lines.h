@@ -8,7 +8,8 @@
 
 namespace hw {
 
-/// Returns the BVH in memory as a traversal unit with two box testers reads it, without the links for prefetching.
+/// Returns the BVH as it is in memory and as a traversal unit with two box testers reads it; without the links that
+/// only prefetching needs.
 inline TreeInMemory tree_from_layout(const traces::Layout& layout) {
   return {.nodes = layout.nodes,
           .node_bytes = layout.node_bytes,

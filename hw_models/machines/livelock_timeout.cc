@@ -7,9 +7,10 @@ namespace {
 
 /// Safety factor for effects that the timeout's formula ignores; chosen.
 constexpr sim::Time kMargin = 8;
-/// A time longer than any frame, and small enough for arithmetic without overflow.
+/// Upper limit of the timeout: longer than any frame, and small enough for arithmetic without overflow.
 constexpr sim::Time kLongest = 1000 * sim::kFemtosecondsPerSecond;
-/// Maximum number of memory lines that one item needs one after the other; no record has more.
+/// Maximum number of memory lines that one item, such as a ray's visit to a node, reads one after the other; no record
+/// has more.
 constexpr sim::Time kLines = 16;
 
 sim::Time longest_chunk_time(const GpuConfig& config, std::span<const KernelSchedule> kernels,

@@ -18,7 +18,7 @@ enum class Arbitration : std::uint8_t {
 };
 constexpr std::array<std::string_view, 3> names_of(Arbitration) { return {"round_robin", "oldest_first", "fixed"}; }
 
-/// Decides which of up to 64 requesters of one resource is served next.
+/// An arbiter, which decides which of up to 64 requesters of one resource is served next.
 class Arbiter {
  public:
   Arbiter(Arbitration arbitration, std::size_t count)

@@ -9,8 +9,8 @@
 
 namespace hw {
 
-/// What one tile used: its core, its times, and its share of the units that all tiles share. A request is charged to
-/// the tile that causes it.
+/// Account of one tile: its core, its times, and what it used of the units that all tiles share. A request is charged
+/// to the tile that causes it.
 struct TileAccount {
   std::uint32_t core = 0;
   sim::Time dispatched = 0, finished = 0;

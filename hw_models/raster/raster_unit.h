@@ -91,7 +91,7 @@ class RasterWrites {
   bool empty() const { return queue_.empty() && open_.sectors == 0; }
   /// True if a complete line waits to be sent to memory.
   bool has_closed_line() const { return !queue_.empty(); }
-  /// Returns the number of lines completed so far, sent or not.
+  /// Returns the number of cache lines that the write queue has completed so far, whether sent or not.
   std::uint64_t closed_lines() const { return sent_ + queue_.size(); }
   std::uint64_t sent_lines() const { return sent_; }
 
@@ -106,7 +106,7 @@ class RasterWrites {
     open_.tile = tile;
     open_.sectors = static_cast<SectorMask>(open_.sectors | ((2U << to) - (1U << from)));
   }
-  /// Ends the line that is being filled, so that it is sent as it is.
+  /// Closes the cache line that collects written bytes, so that it is sent even if it is not full.
   void close_line() {
     if (open_.sectors == 0) return;
     queue_.push_back(open_);

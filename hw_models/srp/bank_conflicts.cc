@@ -14,8 +14,8 @@ using kernels::Op;
 
 namespace {
 
-/// An access to local memory that every item of a loop makes, in cycle `slot` of the initiation interval. When an item
-/// makes it, `behind` younger items have started.
+/// An access to local memory that every item of a loop makes. `slot`: cycle of the access within the initiation
+/// interval. `behind`: number of younger items that have started by then.
 struct LocalAccess {
   std::uint32_t slot = 0, behind = 0;
   std::uint32_t words = 1;  ///< number of 16-byte pieces of a record

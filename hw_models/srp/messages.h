@@ -45,7 +45,7 @@ struct DmaDone {
   std::uint32_t tag = 0;
 };
 
-/// Job for a core's rasteriser: one node of a tile's work.
+/// Job for a core's rasteriser: one node of the work graph of a tile.
 struct RasterJob {
   const traces::TileWork* work = nullptr;
   std::uint32_t node = 0;

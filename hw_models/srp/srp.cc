@@ -54,8 +54,8 @@ sim::Time Srp::tick(sim::Time now) {
   return next_wake(now);
 }
 
-/// Counts the cycles since the last tick for the counters `fed` and `awaited`, by the state that the shader core had in
-/// them.
+/// Adds the cycles since the last tick to the counters `fed` (the T&I unit had rays of this core) and `awaited` (it had
+/// rays while the array was idle).
 inline void Srp::account_until(sim::Time now) {
   const std::uint64_t cycles = clock_.cycles(now - occupancy_.until);
   if (occupancy_.tni_had_rays) stats_.fed += cycles;

@@ -132,7 +132,7 @@ class Srp {
   }
   static constexpr std::uint32_t tile_of_handle(std::uint32_t handle) { return handle >> kTileShift; }
   static constexpr std::uint32_t index_of_handle(std::uint32_t handle) { return handle & ((1U << kTileShift) - 1); }
-  /// The data cache loads of the loop that the array runs.
+  /// Progress of the data cache loads of the loop that the array runs.
   struct Loads {
     /// A loop item that waits for cache lines.
     struct Item {
@@ -146,7 +146,7 @@ class Srp {
     std::uint32_t lines_of_item = kNoItem;  ///< loop item to which `lines` belongs
     bool mshrs_full = false;                ///< the array is stalled because no MSHR is free
   };
-  /// State of the launch scheduler.
+  /// State of the shader core's launch scheduler, which chooses the kernel launch that the array runs next.
   struct Launch {
     bool check_pending = false;          ///< an event may have made a launch ready
     bool is_blocked = false;             ///< a launch was ready but found too few free ray slots

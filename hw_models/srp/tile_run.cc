@@ -12,7 +12,7 @@ using traces::WorkNode;
 
 namespace {
 
-/// True if the node's items have ray slots, which the launch that makes the items has taken.
+/// True if the items of the node occupy ray slots of the tile buffer. The launch that makes the items takes the slots.
 bool has_ray_slots(const WorkNode& node) {
   return node.kind == WorkNode::Kind::kRays || node.kind == WorkNode::Kind::kRaster;
 }

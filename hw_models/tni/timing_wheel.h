@@ -87,7 +87,7 @@ void run_once_or_drain(bool drain_all, Step&& step) {
   }
 }
 
-/// Returns a mask with the bit of one slot, or with the bits of the first `slots` slots.
+/// Returns a mask with the bit of slot `slot`, or with the bits of the first `count` slots.
 constexpr std::uint64_t slot_bit(std::uint32_t slot) { return std::uint64_t{1} << slot; }
 constexpr std::uint64_t first_slots_mask(std::uint32_t count) {
   return count == 64 ? ~std::uint64_t{0} : slot_bit(count) - 1;

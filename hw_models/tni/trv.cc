@@ -62,8 +62,8 @@ void Trv::finish(sim::Time end) {
   stats_.full = clock_.cycles(full_time_);
 }
 
-/// Updates the counts of cycles and visits with a full input buffer, after rays have entered or left at time `now`. The
-/// cycle counts by its state at the end, its visit by the state before.
+/// Updates the counts of cycles and visits with a full input buffer, after rays have entered or left at time `now`. A
+/// cycle counts as full by the state at its end, a visit by the state before it.
 void Trv::account_full_buffer(sim::Time now) {
   rays_moved_ = false;
   if (full_ == (free_ == 0)) return;

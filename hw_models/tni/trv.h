@@ -197,7 +197,7 @@ class Trv {
   void issue_pop(const Cycle& cycle);
   void pop_entry(std::uint32_t index, std::uint64_t cycle);
   void send_leaf(sim::Time now, std::uint32_t index);
-  /// Ends a pass of a visit. Returns false if the visit needs another pass.
+  /// Ends a pass of a visit, which reads one line or tests one box. Returns false if the visit needs another pass.
   bool end_pass(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle);
   template <bool kDefault>
   void complete_visit(TraversalSlot& slot, std::uint32_t index, std::uint64_t cycle);

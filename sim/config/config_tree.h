@@ -118,7 +118,7 @@ class TreeBuilder {
   /// reason.
   void not_modelled(std::string_view key, std::string_view reason) { group_.not_modelled.emplace(key, reason); }
 
-  /// Adds the fields of `config` to `node`.
+  /// Adds a node for each field of the configuration struct `config` to `node`.
   template <class Config>
   static void bind(ConfigNode& node, Config& config) {
     TreeBuilder builder(node);

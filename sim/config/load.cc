@@ -18,7 +18,7 @@ constexpr std::uint64_t kMostBytes = 4 << 20;
 constexpr std::size_t kMostFilesDeep = kNearestFile;
 constexpr std::size_t kMostFiles = 256;
 constexpr std::string_view kExtends = "extends";
-/// Keys of a value with a band. A single number sets all three.
+/// Configuration keys of the three numbers of a Band. A single number without keys sets all three.
 constexpr std::string_view kNominal = "nominal", kLow = "low", kHigh = "high";
 
 std::vector<std::filesystem::path>& search_path() {

@@ -15,7 +15,7 @@ namespace sim {
 /// larger than `max_bytes`; IoError if reading fails.
 std::string read_file(const std::filesystem::path& path, std::uint64_t max_bytes);
 
-/// Describes which existing files a verb may replace with its own output.
+/// Describes which existing files a command of the program may replace with its own output.
 struct Replaceable {
   std::string_view mark = {};  ///< text in the first 512 bytes of every file that the verb writes; empty: no such text
   std::string_view kind = "file";  ///< word for such a file in messages: "trace"

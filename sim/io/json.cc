@@ -463,7 +463,7 @@ namespace {
 /// Writes a Json value as text. Strings and floating-point numbers are written by the serializer of nlohmann.
 class JsonWriter {
  public:
-  /// `indent`: spaces per level; 0: the whole text is one line.
+  /// Writes JSON text with `indent` spaces per level; 0: the whole text is one line.
   explicit JsonWriter(std::size_t indent) : indent_(indent) {}
 
   void write(const Json& json) {

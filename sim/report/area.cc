@@ -20,7 +20,7 @@ Band array_area_of(const EnergyTable& arrays, const UnitReport& unit) {
   refuse_without_entry(unit, "area.arrays");
 }
 
-/// Returns the area of a unit's pads; `area` is that for sixteen data lines.
+/// Returns the area of a unit's pads. `area`: the entry of the area table, which is for sixteen data lines.
 Band pad_area_of(const Band& area, const UnitReport& unit) {
   if (unit.data_lines != 0) return area * (static_cast<double>(unit.data_lines) / 16);
   throw InputError(fmt::format("area.pads: unit '{}' has no data lines at the die's edge", unit.path));

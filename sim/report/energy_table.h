@@ -41,7 +41,8 @@ class EnergyCurve {
     double bytes;
     const Band* pj;
   };
-  /// By increasing size. If the event does not depend on the size, one point of size 0.
+  /// Points of the curve by increasing size. If the energy of the event does not depend on the size, a single point of
+  /// size 0.
   std::vector<Point> points_;
 };
 
