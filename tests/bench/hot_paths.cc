@@ -33,7 +33,7 @@ void cache_probe(benchmark::State& state) {
   std::uint64_t n = 0;
   for (auto _ : state) {
     const hw::Addr line = sim::mix_bits(n++) % 512 * 64;
-    if (!tags.probe(line)) tags.fill(line);
+    if (!tags.probe(line)) tags.fill_line(line);
   }
 }
 BENCHMARK(cache_probe);

@@ -41,7 +41,7 @@ const std::array<ClockDomain, 3>& clock_domains() {
 }
 
 double voltage_needed(const RunConfig& config, const ClockDomain& domain) {
-  return curve_of(sim::voltage_curves(config.power), domain).at((config.gpu->clocks.*domain.clock).hz);
+  return curve_of(sim::voltage_curves(config.power), domain).voltage_at((config.gpu->clocks.*domain.clock).hz);
 }
 
 sim::PowerScales power_scales(const RunConfig& config) {
