@@ -24,14 +24,14 @@
 
 namespace kernels {
 
-/// All kernels; a kernel's index in this list is its KernelId.
+/// All kernel types of the simulator. A kernel's position in this list is its KernelId.
 using AllKernels = std::tuple<
     GenerateRays, GenerateJitteredRays, ClassifyLayers, TestAlpha<false, false>, TestAlpha<true, false>,
     TestShadow<false, false>, TestShadow<true, false>, ScatterLayers, ClassifyHits, ShadeBackground,
     ShadeSurface<false>, ClassifyDetails, Absorb, FetchVertices<false>, ShadeBase<>, ShadePhysical<>, ShadeBump<>,
     ShadeBlend, ClassifySurfaces, ShadeTextured<>, ShadeEmission, ShadeGlow<>, ShadeAmbient, ShadeOccluded<>,
     ShadeDiffuse, CombineShadow, ShadeStraight, ShadeMirror, ShadeGlass, AverageColour, PackColour,
-    // For adaptive sampling.
+    // Kernels of adaptive sampling.
     ListSamples, GenerateListedRays, ClearGeometry, ClearSecondary, RecordGeometry<false>, RecordSurface<false>,
     RecordSecondary<false>, RecordShadow, RecordSecondaryShadow, CheckSimilarity<false, false, false>,
     CheckSimilarity<false, true, false>, CheckSimilarity<true, false, false>, CheckSimilarity<true, true, false>,
@@ -41,7 +41,7 @@ using AllKernels = std::tuple<
     CheckAttributes<false, true>, CheckAttributes<true, true>, InterpolateAttributes<false>,
     InterpolateAttributes<true>, ShadeVisible, ClassifyOccluded, StoreIdentities<false>, StoreIdentities<true>,
     FindSuspects<false>, FindSuspects<true>,
-    // For supersample.
+    // Kernels of the supersample program.
     ClearTraits, RecordTraits<false>, RecordTraitsShadow, WeighBranch, RecordBranch<false>, RecordBranchShadow,
     TestSubpixels, WeighCentres<false>, WeighCentres<true>, PackSubpixels, PackSubpixelsAtomic, GenerateExtraRays,
     SumSubpixels, ShowSubpixels<false>, ShowSubpixels<true>, SettleSubpixels, PropagateSubpixels, AverageSubpixels,
@@ -55,15 +55,15 @@ using AllKernels = std::tuple<
     ShadePhysical<MipFilter::kNearest>, ShadePhysical<MipFilter::kLinear>, ShadeBump<MipFilter::kNearest>,
     ShadeBump<MipFilter::kLinear>, ShadeGlow<MipFilter::kNearest>, ShadeGlow<MipFilter::kLinear>,
     ShadeOccluded<MipFilter::kNearest>, ShadeOccluded<MipFilter::kLinear>,
-    // Variants for classes of tiles.
+    // A variant for tiles whose samples may have a colour that is not interpolated.
     CountColoured,
-    // For reconstruct.
+    // Kernels of the reconstruct programs.
     GenerateRotatedRays, GenerateShadedRays, GenerateVisibleRays, ClearBranch, BeginBranch, RecordVisible,
     RecordBranchVisible, RecordVisibleShadow, LimitColours<0>, LimitColours<1>, LimitColours<2>, ListBranches,
     Reconstruct<1, false>, Reconstruct<2, false>, Reconstruct<1, true>, Reconstruct<2, true>, ListContrasts<0>,
     ListContrasts<1>, ListContrasts<2>, GenerateContrastRays, AverageContrasts<0>, AverageContrasts<1>,
     AverageContrasts<2>,
-    // For the effects of a frame.
+    // Kernels for soft shadows, ambient occlusion and effects at a lower rate.
     ShadeOpen, ShadeSoft, CastOcclusion, ClearEffects, GenerateCentredRays, SelectEffects<false>, SelectEffects<true>,
     ShadeSoftShare, CastOcclusionShare, CombineRatio, UpsampleEffects<false>, UpsampleEffects<true>,
     // Fused kernels: after all others (hand_counts.h), before their variants.
@@ -101,12 +101,12 @@ struct KernelInfo {
   std::string_view name;
   std::string_view meaning;
   Graph graph;
-  std::vector<std::string_view> parts{};  ///< kernels that a fused kernel consists of
+  std::vector<std::string_view> parts{};  ///< for a fused kernel: the names of the kernels that it runs
 };
 
-/// Returns all kernels by id. Their graphs are recorded on the first call.
+/// Returns all kernels, indexed by KernelId. The first call records their graphs.
 const std::vector<KernelInfo>& kernel_catalogue();
-/// Returns the kernel called `name`, or null.
+/// Returns the kernel called `name`, or null if there is none.
 const KernelInfo* find_kernel(std::string_view name);
 
 }  // namespace kernels

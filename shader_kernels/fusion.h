@@ -7,7 +7,7 @@
 
 namespace kernels {
 
-/// Ports of a fused kernel: the ports of all its parts. Ports with the same name are the same memory or uniform.
+/// Ports of a fused kernel: the ports of all kernels in it. Ports with the same name are the same memory or uniform.
 template <class V, class... Parts>
 struct FusedPorts : Parts::template Ports<V>... {
   static constexpr void describe(auto& p, auto&& port) {
@@ -19,18 +19,18 @@ struct FusedPorts : Parts::template Ports<V>... {
 ///
 ///   item --> body of the first part --> ... --> body of the last
 ///
-/// In the graph, values that one part passes to the next stay in registers (keep_in_registers). Memories in kRegisters
-/// have no other reader, so they are not stored.
+/// In the graph, values that one part passes to the next stay in registers (keep_in_registers). A memory in kRegisters
+/// is read by no other kernel, so it is not stored.
 template <class... Parts>
 struct Fused {
-  /// Returns the names of the kernels that it replaces.
+  /// Returns the names of the kernels that the fused kernel runs.
   static std::vector<std::string_view> part_names() {
     std::vector<std::string_view> names;
     (add_name<Parts>(names), ...);
     return names;
   }
   static constexpr std::array<std::string_view, 0> kRegisters{};
-  /// Calls f<Part>() for each part.
+  /// Calls f<Part>() for each kernel in the fused kernel.
   static void for_each_part(auto&& f) { (f.template operator()<Parts>(), ...); }
   template <class V>
   using Ports = FusedPorts<V, Parts...>;
@@ -50,7 +50,7 @@ struct Fused {
   }
 };
 
-/// Returns the ports of part K.
+/// Returns the ports of kernel K, one of the parts of a fused kernel, from the fused kernel's ports.
 template <class K>
 typename K::template Ports<float>& ports_of(typename K::template Ports<float>& fused) {
   return fused;

@@ -124,22 +124,24 @@ class Fuser {
   std::vector<GraphNode> fuse_nodes() {
     for (std::uint32_t i = 0; i < from_.nodes.size(); ++i) node_of_[i] = map_node(i);
     for (GraphNode& node : to_) {
-      if (node.distance != 0) node.inputs[0] = node_of_[node.inputs[0]];  // set last, because the producer comes later
+      if (node.distance != 0)
+        node.inputs[0] = node_of_[node.inputs[0]];  // set last, because the producer of a carried
+                                                    // value may come later
     }
     return std::move(to_);
   }
 
  private:
-  /// Address of a record: its memory and index values.
+  /// Key of a record: its memory, and the nodes that compute its index.
   using Address = std::tuple<std::string, std::uint32_t, std::uint32_t, std::uint32_t>;
   struct Record {
-    std::uint32_t load = kNone;   ///< node that loads the record
+    std::uint32_t load = kNone;   ///< node whose load reads the record
     std::uint32_t store = kNone;  ///< last node that stores the record
     std::vector<std::uint32_t> words;
   };
   using Operation = std::tuple<Op, std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, std::string>;
 
-  /// Adds node `i` or reuses an equal one; returns its new number.
+  /// Adds node `i` of the old graph to the new one, or reuses an equal node; returns its new number.
   std::uint32_t map_node(std::uint32_t i) {
     GraphNode node = from_.nodes[i];
     if (node.distance != 0) return add(std::move(node));
@@ -186,7 +188,7 @@ class Fuser {
 
   std::uint32_t map_store(GraphNode node) {
     const Address address = address_of(node);
-    // A store under another index may overwrite the same record.
+    // A store under another index may overwrite this record.
     std::erase_if(records_, [&](const auto& r) {
       return std::get<0>(r.first) == node.label && r.first != address && r.second.store == kNone;
     });
@@ -206,7 +208,7 @@ class Fuser {
   const std::span<const std::string_view> registers_;
   std::vector<GraphNode> to_;
   std::vector<std::uint32_t> node_of_;
-  std::vector<Address> record_of_;  ///< address of each load
+  std::vector<Address> record_of_;  ///< for each load of the new graph, the record that it reads
   std::map<Address, Record> records_;
   std::map<Operation, std::uint32_t> operations_;
 };

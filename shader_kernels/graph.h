@@ -10,40 +10,42 @@
 namespace kernels {
 
 // clang-format off
-/// Operations of the SRP's functional units, and memory accesses.
+/// Operations of a kernel's graph: those of the SRP's functional units, and memory accesses.
 enum class Op : std::uint8_t {
-  kInput,     ///< a field of a loaded record (free: the load is counted), or the loop's item index
-  kConstant,  ///< a literal or a uniform, kept in a register for the whole loop
+  kInput,     ///< a field of a loaded record (free: its load is counted), or the item index of the loop
+  kConstant,  ///< a literal or a uniform, kept in a register during the whole loop
   kAdd, kSub, kMul, kDiv, kSqrt, kMin, kMax, kAbs, kNeg, kFloor,  // 32-bit float
   kIntAdd, kIntSub, kIntMul, kAnd, kOr, kXor, kShiftLeft, kShiftRight,  // 32-bit integer
-  kLess, kLessEqual, kEqual, kIntLess, kIntEqual, kSelect,  // comparisons produce a mask, which select uses
+  kLess, kLessEqual, kEqual, kIntLess, kIntEqual, kSelect,  // comparisons return a mask; kSelect reads one
   kToFloat, kToInt, kBits,  // conversions; kBits reinterprets and is free
-  kLoadLocal, kStoreLocal,  // tile buffer or kernel data: one access per width of the memory port
+  kLoadLocal, kStoreLocal,  // tile buffer or kernel data; a record wider than the memory port takes several cycles
   kLoadCached,              // memory, read through the data cache
   kCount
 };
 // clang-format on
 
-/// One operation of a kernel's dataflow graph. Inputs refer to earlier nodes, except for a loop-carried value: a kInput
-/// with a `distance` other than 0, whose inputs[0] is the (usually later) node that produced it `distance` items ago.
+/// One operation of a kernel's dataflow graph. Its inputs are earlier nodes. The exception is a loop-carried value: a
+/// kInput whose `distance` is not 0, and whose inputs[0] is the (usually later) node that produced it `distance` items
+/// ago.
 struct GraphNode {
   Op op = Op::kConstant;
   std::uint32_t inputs[3] = {kNone, kNone, kNone};
-  std::uint32_t bytes = 0;              ///< record size of a load or store
-  std::uint32_t distance = 0;           ///< loop-carried input: items between producer and consumer (0: same item)
-  std::uint32_t value = 0;              ///< kConstant: its bits; kInput: the field's byte offset in its record
-  std::string label{};                  ///< name for listings, such as "left.normal.x"; for a load or store, the memory
-  std::vector<std::uint32_t> stored{};  ///< kStoreLocal: the record's 4-byte values; inputs[0] is its index
+  std::uint32_t bytes = 0;     ///< size of the record that a load or store accesses
+  std::uint32_t distance = 0;  ///< loop-carried input: items between producer and consumer (0: same item)
+  std::uint32_t value = 0;     ///< for kConstant, its 32 bits; for kInput, the byte offset of the field in its record
+  std::string label{};  ///< name in listings, such as "left.normal.x"; for a load or store, the name of the memory
+  std::vector<std::uint32_t> stored{};  ///< for kStoreLocal: the nodes of the record's 4-byte values; inputs[0] is the
+                                        ///< record's index
   static constexpr std::uint32_t kNone = 0xffffffffU;
 };
 
-/// The dataflow graph of one kernel, recorded from its source. Nodes are in topological order.
+/// The dataflow graph of one kernel, recorded from its C++ source. Nodes are in topological order.
 struct Graph {
   std::string kernel;
   std::vector<GraphNode> nodes;
 };
 
-/// Calls f(id) for each node that `node` depends on, including stored values.
+/// Calls f(id) for each node that `node` reads, including the values that it stores.
 template <class Function>
 void for_each_input(const GraphNode& node, Function&& f) {
   for (const std::uint32_t id : node.inputs) {
@@ -52,32 +54,33 @@ void for_each_input(const GraphNode& node, Function&& f) {
   for (const std::uint32_t id : node.stored) f(id);
 }
 
-/// Renumbers the nodes by their dependences and drops unused fields and uniforms. Loads, stores and carried values keep
-/// their order, each after its inputs, operands from left to right. The graph is then independent of the order in which
-/// a compiler evaluates a + b.
+/// Renumbers the nodes of a graph in an order that depends only on their dependences, and drops unused nodes. Loads,
+/// stores and carried values keep their order; operands precede their operation, left before right. The result does not
+/// depend on the order in which a compiler evaluates a + b.
 void sort_canonically(Graph& graph);
 
-/// Replaces repeated memory accesses of an item in a fused kernel's graph by registers:
+/// Removes repeated accesses to one record by the same item from the graph of a fused kernel:
 ///
 ///   load, load of the same          -> one load              store, load of the same  -> the value stored
 ///   equal operations, equal values  -> one operation         store, store of the same -> the second
 ///   store to one of `registers`     -> nothing
 ///
-/// Throws std::logic_error if a part loads a record that another part may have stored under another index.
+/// `registers` are the memories that only this kernel reads. Throws std::logic_error if a load may read a record that
+/// an earlier part stored under another index.
 void keep_in_registers(Graph& graph, std::span<const std::string_view> registers);
 
 std::string_view name_of(Op op);
 
-/// Number of a graph's nodes per operation.
+/// For each operation, the number of nodes in a graph that perform it.
 using OpCounts = std::array<std::uint32_t, static_cast<std::size_t>(Op::kCount)>;
 OpCounts count_ops(const Graph& graph);
 
-/// Returns the number of operations executed by functional units: all except inputs, constants and kBits.
+/// Returns the number of operations that functional units execute: all except inputs, constants and kBits.
 std::uint32_t executed_ops(const Graph& graph);
 
-/// Returns one line per operation that occurs, then one per load and store.
+/// Returns text about a graph: one line for each operation in it with its count, then one for each load and store.
 std::string operation_summary(const Graph& graph);
-/// Returns one line per node.
+/// Returns the text of a graph, one line for each node.
 std::string node_listing(const Graph& graph);
 
 }  // namespace kernels

@@ -93,7 +93,7 @@ T& find_bound(std::map<std::string, T, std::less<>>& all, const std::string& nam
   return at->second;
 }
 
-/// Interpreter state: the values of the current and the previous item.
+/// Executes a kernel's graph item by item. It keeps the values of the current and of the previous item.
 class Interpreter {
  public:
   Interpreter(const Graph& graph, Environment& environment)
@@ -163,7 +163,7 @@ class Interpreter {
   const Graph& graph_;
   Environment& environment_;
   std::vector<Word> values_;
-  std::vector<std::array<Word, 16>> records_;  ///< record of each load
+  std::vector<std::array<Word, 16>> records_;  ///< for each load, the record that it read
 };
 
 }  // namespace

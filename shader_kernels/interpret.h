@@ -12,19 +12,19 @@
 
 namespace kernels {
 
-/// The memories, uniforms and loop-carried values of a graph, by port name.
+/// What a graph reads and writes when it is interpreted: memories, uniforms and loop-carried values, each by port name.
 struct Environment {
   std::map<std::string, std::byte*, std::less<>> memories;
   std::map<std::string, std::uint32_t, std::less<>> uniforms;
-  std::map<std::string, std::uint32_t, std::less<>> carried;  ///< value before the first item; after the run, after the
-                                                              ///< last item
+  std::map<std::string, std::uint32_t, std::less<>> carried;  ///< before a run, the value for the first item; after it,
+                                                              ///< the value that the last item produced
   const traces::Texture* textures = nullptr;
 };
 
-/// Runs a recorded graph, item by item. The result is the reference for the machine's schedule.
+/// Executes `graph` for items 0 to `items` - 1. Tests compare the results with those of the kernel run on floats.
 void interpret_graph(const Graph& graph, std::uint32_t items, Environment& environment);
 
-/// Builds an Environment from the ports of the float reading; for describe().
+/// Fills an Environment from the ports of a kernel; passed to describe() as its visitor.
 class EnvironmentBinder {
  public:
   explicit EnvironmentBinder(Environment& environment) : to_(environment) {}

@@ -11,33 +11,34 @@
 
 namespace kernels {
 
-// Ports of kernels. A kernel's Ports struct names its ports with describe(ports, port). In the float reading, here, a
-// port is a pointer or a number; recorder.h has the recording reading.
+// Ports of kernels. A kernel's Ports struct names its ports with describe(ports, port). The classes here are for V =
+// float, where a port is a pointer or a number; recorder.h has those for V = Recorded.
 //
 // attach() binds a port to the array of the same name (programs/wavefront/port_binding.h); bind() binds it to any
 // array.
 
-/// A port to records in the tile buffer.
+/// A port through which a kernel loads and stores records in the tile buffer.
 template <class V, template <class> class R>
 struct Local;
-/// A port to read-only records in the SRP's own memory (kernel data).
+/// A port through which a kernel loads records from the SRP's own memory (kernel data).
 template <class V, template <class> class R>
 struct Table;
-/// A port to read-only records in memory, through the data cache.
+/// A port through which a kernel loads records from memory, through the data cache.
 template <class V, template <class> class R, traces::Access::Kind kKind>
 struct Cached;
-/// A port to texels in memory, through the data cache. A load reads a bilinear footprint; the cache's address generator
-/// finds its one to four lines.
+/// A port through which a kernel loads texels from memory, through the data cache. A load reads a bilinear footprint;
+/// the cache's address generator finds its one to four lines.
 template <class V>
 struct Texels;
-/// A port for the length of a compacted item list. A record stored at next(keep) counts only if `keep` is true.
+/// A port for the length of a list to which a kernel appends. A record stored at index next(keep) stays only if `keep`
+/// is true.
 template <class V>
 struct Counter;
-/// A port for a value passed from one item to the next.
+/// A port for a value that one item passes to the next.
 template <class V>
 struct Carried;
 
-/// Copies a record out of raw memory, whatever C++ type was stored there.
+/// Copies record `index` from raw memory, whatever C++ type was stored there.
 template <template <class> class R>
 R<float> load_record(const std::byte* base, std::uint32_t index) {
   R<float> record;
@@ -56,7 +57,7 @@ struct Local<float, R> {
   }
   bool is_bound() const { return base != nullptr; }
   void attach(void* records, std::vector<traces::Access>* /*log*/) { base = static_cast<std::byte*>(records); }
-  // Always inlined: in large sources the calls cost 1 % of all instructions.
+  // Always inlined: in large sources, calls would cost 1 % of all instructions.
   [[gnu::always_inline]] R<float> load(std::uint32_t index) const { return load_record<R>(base, index); }
   [[gnu::always_inline]] void store(std::uint32_t index, const R<float>& record) const {
     std::memcpy(base + std::size_t{index} * sizeof(record), &record, sizeof(record));
@@ -79,7 +80,7 @@ struct Table<float, R> {
   R<float> load(std::uint32_t index) const { return load_record<R>(base, index); }
 };
 
-/// A cached port appends its accesses to `log`, unless that is null.
+/// A port that loads records through the data cache and appends its accesses to `log`, unless `log` is null.
 template <template <class> class R, traces::Access::Kind kKind>
 struct Cached<float, R, kKind> {
   using Record = R<float>;
@@ -106,7 +107,7 @@ struct Texels<float> {
     textures = static_cast<const traces::Texture*>(all);
     log = accesses;
   }
-  /// Corners are y << 16 | x.
+  /// Loads the texels at two opposite corners of a footprint and at the other two. A corner is y << 16 | x.
   FootprintRecord<float> load(std::uint32_t texture, std::uint32_t corner0, std::uint32_t corner1) const {
     const std::uint32_t x0 = corner0 & 0xffffU, y0 = corner0 >> 16, x1 = corner1 & 0xffffU, y1 = corner1 >> 16;
     if (log) log->push_back(traces::Access::texels(texture, x0, y0, x1, y1));
@@ -134,7 +135,7 @@ struct Carried<float> {
   void set(float x) { value = x; }
 };
 
-/// True if a launch of a kernel with these ports lists its memory accesses.
+/// True if kernels with these ports access memory through the data cache.
 template <class Ports>
 inline constexpr bool kListsAccesses = requires(Ports& p) {
   p.materials;

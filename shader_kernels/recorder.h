@@ -15,10 +15,10 @@
 
 namespace kernels {
 
-/// The value type of the recording reading (value.h).
+/// The value type with which a kernel records its graph instead of computing (value.h).
 struct Recorded;
 
-/// Records a kernel's operations into a graph while the kernel's source runs.
+/// Records the operations of a kernel as a graph while the kernel's source runs.
 class Recorder {
  public:
   explicit Recorder(Graph& graph) : graph_(graph) {}
@@ -27,15 +27,15 @@ class Recorder {
     graph_.nodes.push_back(std::move(node));
     return static_cast<std::uint32_t>(graph_.nodes.size() - 1);
   }
-  /// Returns the node of a literal; equal bits share one node.
+  /// Returns the graph node of a literal. Equal literals share one node.
   std::uint32_t add_literal(std::uint32_t bits) {
     const auto [at, is_new] = literals_.try_emplace(bits, 0);
     if (is_new) at->second = add({.op = Op::kConstant, .value = bits});
     return at->second;
   }
-  /// Returns the node of a named value that is constant over the loop.
+  /// Returns a new graph node for a uniform: a named value that is constant during the loop.
   std::uint32_t add_uniform(std::string label) { return add({.op = Op::kConstant, .label = std::move(label)}); }
-  /// Returns a node for the previous item's value of the producer given to `close_loop(id, producer)`.
+  /// Returns a new graph node for a loop-carried value. close_loop(id, producer) later sets the node that produces it.
   std::uint32_t add_carried(std::string label) {
     return add({.op = Op::kInput, .distance = 1, .label = std::move(label)});
   }
@@ -47,7 +47,7 @@ class Recorder {
   std::map<std::uint32_t, std::uint32_t> literals_;
 };
 
-/// A value of the recording reading: a node, or a literal that becomes a node when it is combined with one.
+/// A value while a graph is recorded: a node, or a literal, which becomes a node when it is combined with one.
 struct Value {
   Recorder* recorder = nullptr;
   std::uint32_t node_or_bits = 0;
@@ -75,7 +75,8 @@ struct Reading<Recorded> {
   using Mask = MaskNode;
 };
 
-/// Records `op`. At least one input must be a node; the compiler should compute operations on literals alone.
+/// Records operation `op` and returns its result. At least one input must be a node; the compiler computes operations
+/// on literals.
 template <class Result>
 Result record_op(Op op, const std::derived_from<Value> auto&... in) {
   Recorder* r = nullptr;
@@ -126,7 +127,7 @@ inline IntNode select(const MaskNode& mask, const IntNode& yes, const IntNode& n
   return record_op<IntNode>(Op::kSelect, mask, yes, no);
 }
 
-/// Adds the load of a data structure to the graph. Each field becomes a kInput node with its byte offset.
+/// Records a load of a whole record. Each of its fields becomes a kInput node with the field's byte offset.
 template <template <class> class R>
 R<Recorded> record_load(Recorder& recorder, Op op, const std::string& memory, std::array<IntNode, 3> address,
                         std::uint32_t address_words) {
@@ -156,7 +157,7 @@ R<Recorded> record_load(Recorder& recorder, Op op, const std::string& memory, st
   return record;
 }
 
-/// A port of the recording reading: its recorder and name.
+/// A port while a graph is recorded: its recorder and name.
 struct RecordedPort {
   Recorder* recorder = nullptr;
   std::string name;
@@ -217,7 +218,7 @@ struct Carried<Recorded> : RecordedPort {
   void set(const FloatNode& x) const { recorder->close_loop(node, x.node_in(*recorder)); }
 };
 
-/// Binds a kernel's ports and uniforms to the recorder by name; for describe().
+/// Connects the ports and uniforms of a kernel to a recorder by name; passed to describe() as its visitor.
 class PortBinder {
  public:
   explicit PortBinder(Recorder& recorder) : recorder_(recorder) {}
@@ -242,7 +243,7 @@ class PortBinder {
   Recorder& recorder_;
 };
 
-/// Returns the dataflow graph of kernel K.
+/// Runs kernel K once and returns the dataflow graph that this records.
 template <class K>
 Graph record_graph() {
   Graph graph{.kernel = std::string(K::kName), .nodes = {}};

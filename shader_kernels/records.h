@@ -5,8 +5,8 @@
 
 namespace kernels {
 
-// Records that kernels load and store. fields() names every member in memory order; with V = float the record has the
-// memory layout itself. A ray slot of the tile buffer is Ray + Path + Hit, 64 bytes. A surface is SurfacePoint +
+// Records that kernels load and store. fields() names every member in memory order; with V = float the struct has the
+// layout of the memory. A ray slot of the tile buffer is Ray + Path + Hit, 64 bytes. A surface is SurfacePoint +
 // Diffuse + Texcoord + Specular, with Tangent if it has vertex detail.
 
 template <class V>
@@ -18,8 +18,8 @@ struct RayRecord {
   static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.origin, r.t_min, r.direction, r.t_max)); }
 };
 
-/// The path of a ray. `throughput` is the ray's weight in the sample's colour; for a shadow ray, the light it
-/// contributes if it is not blocked.
+/// The path that a ray belongs to. `throughput` is the ray's weight in the sample's colour; for a shadow ray, it is the
+/// light that arrives if nothing blocks the ray.
 template <class V>
 struct PathRecord {
   Vec3<V> throughput;
@@ -34,7 +34,7 @@ struct HitRecord {
   static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.t, r.u, r.v, r.triangle)); }
 };
 
-/// A hit in a scene with instances: `u` and `v` contain whole numbers (traces/ray.h).
+/// A hit in a scene with instances. `u` and `v` contain integers (traces/ray.h).
 template <class V>
 struct InstanceHitRecord {
   F<V> t;
@@ -46,20 +46,20 @@ template <class V>
 struct SurfacePointRecord {
   Vec3<V> position;
   I<V> material;
-  Vec3<V> normal;  ///< unit length, on the side from which the ray came
-  F<V> side;       ///< +1 on the outside, -1 on the inside
+  Vec3<V> normal;  ///< unit vector, on the side from which the ray came
+  F<V> side;       ///< +1 if the ray came from outside, -1 if from inside
   static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.position, r.material, r.normal, r.side)); }
 };
 
 template <class V>
 struct DiffuseRecord {
-  Vec3<V> diffuse;  ///< base colour times the share of light that is neither mirrored nor transmitted
-  I<V> classes;     ///< traces::MaterialFlag; each bit has an item list
+  Vec3<V> diffuse;  ///< base colour times the fraction of light that is neither mirrored nor transmitted
+  I<V> classes;     ///< bits of traces::MaterialFlag; each bit has a list of surfaces
   static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.diffuse, r.classes)); }
 };
 
-/// Texture coordinates. With mip maps the lower half of `texture` is the number of the first level, and the upper half,
-/// as a bfloat16, the footprint of the ray's cone in texture coordinates.
+/// Texture coordinates of a surface. With mip maps the lower half of `texture` is the number of the first level, and
+/// the upper half, as a bfloat16, the footprint of the ray's cone in texture coordinates.
 template <class V>
 struct TexcoordRecord {
   F<V> u, v;
@@ -67,43 +67,43 @@ struct TexcoordRecord {
   static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.u, r.v, r.texture)); }
 };
 
-/// Light that a surface mirrors, refracts or passes on.
+/// How a surface mirrors, refracts or passes light.
 template <class V>
 struct SpecularRecord {
-  Vec3<V> mirrored;  ///< mirrored share per channel
-  F<V> entering;     ///< share that Fresnel's law splits
-  Vec3<V> tint;      ///< base colour: factor of the refracted light
+  Vec3<V> mirrored;  ///< fraction of each channel that is mirrored at any angle
+  F<V> entering;     ///< fraction of light that Fresnel's law divides between mirrored and refracted
+  Vec3<V> tint;      ///< base colour, by which refracted light is multiplied
   F<V> ior;
-  F<V> alpha;  ///< opaque share of a blended surface; the rest passes straight through
-  F<V> kept;   ///< factor of the surface's own emission
+  F<V> alpha;  ///< opacity of a blended surface; the remaining light passes straight through
+  F<V> kept;   ///< fraction of the surface's own emission that leaves it
   static void fields(auto& r, auto&& field) {
     name_all(field, NAMED_ALL(r.mirrored, r.entering, r.tint, r.ior, r.alpha, r.kept));
   }
 };
 
-/// More attributes of a surface with vertex detail.
+/// Tangent and second texture coordinates of a surface with vertex detail.
 template <class V>
 struct TangentRecord {
-  Vec3<V> tangent;  ///< about unit length; zero if there is none
+  Vec3<V> tangent;  ///< has length about 1, or 0 if the surface has no tangent
   F<V> handedness;  ///< sign of the bitangent
   F<V> u, v;        ///< second texture coordinates
   static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.tangent, r.handedness, r.u, r.v)); }
 };
 
-/// Geometry of a sample's first hit, kept for comparison with neighbours. A miss has kNoObject and the normal (0, 0,
-/// 1), so that two misses are equal.
+/// Geometry of a sample's first hit, which is compared with that of neighbours. A miss has kNoObject and the normal (0,
+/// 0, 1), so that two misses are equal.
 template <class V>
 struct GeometryRecord {
   Vec3<V> normal;  ///< shading normal
-  I<V> object;     ///< traces::TriangleRecord::object, with kTexturedObject above it
+  I<V> object;     ///< traces::TriangleRecord::object, with kTexturedObject in the highest bit
   Vec3<V> position;
-  I<V> shadows;  ///< one bit per light whose shadow ray was blocked
+  I<V> shadows;  ///< one bit for each light source whose shadow ray was blocked
   static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.normal, r.object, r.position, r.shadows)); }
 };
 inline constexpr std::uint32_t kTexturedObject = 1U << 31;
 inline constexpr std::uint32_t kNoObject = traces::kFocusObject - 1;
 
-/// Traits of a hit for supersample: as GeometryRecord, without the position and with a count of shadows.
+/// What supersample compares of a hit: a GeometryRecord without position, with a count of shadows.
 template <class V>
 struct TraitsRecord {
   Vec3<V> normal;
@@ -111,7 +111,8 @@ struct TraitsRecord {
   static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.normal, r.object, r.shadows)); }
 };
 
-/// Identifies a sample's dominant secondary hit during shading: its weight, and a checksum of its position.
+/// Identifies which secondary hit of a sample has the largest weight: that weight, and a checksum of the hit's
+/// position.
 template <class V>
 struct BranchRecord {
   F<V> weight, position_sum;
@@ -121,8 +122,8 @@ struct BranchRecord {
   }
 };
 
-/// Geometry of a sample's secondary hits: the normals of the next hits by mirror and by glass (unit z if none), and
-/// sums over all secondary hits of hashes of objects and of shadows, which do not depend on the order of hits.
+/// Geometry of a sample's secondary hits: the normals after the first mirror and the first glass (unit z if none), and
+/// sums of hashes of all secondary objects and shadows. The sums do not depend on the order of hits.
 template <class V>
 struct SecondaryRecord {
   Vec3<V> mirror_normal;
@@ -134,32 +135,33 @@ struct SecondaryRecord {
   }
 };
 
-/// Geometry for reconstruct of one hit of a sample: the first, or the next by mirror or glass.
+/// Geometry that reconstruct compares of one hit of a sample: the first hit, or the next one after a mirror or glass.
 template <class V>
 struct VisibleRecord {
   Vec3<V> normal;  ///< shading normal; unit z for a miss
-  F<V> depth;      ///< in units of the filter; also kMissDepth, kNoBranchDepth
-  I<V> shadows;    ///< as in GeometryRecord
+  F<V> depth;      ///< depth divided by the filter's unit; also kMissDepth, kNoBranchDepth
+  I<V> shadows;    ///< one bit for each light source whose shadow ray was blocked
   static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.normal, r.depth, r.shadows)); }
 };
-// Depths of a ray without a hit, a sample without such a ray, and a pixel outside the picture. They differ from
-// all others that the filter weight is 0.
+// Depths of a ray that hits nothing, of a sample without a mirrored or refracted ray, and of a pixel outside the
+// picture. They differ so much from all others that the filter weight is 0.
 inline constexpr float kMissDepth = 1e9F, kNoBranchDepth = -1e9F, kOutsideDepth = -3e9F;
 
-/// The visible share of a light at a sample: light contributed by shadow rays, over their light if none were blocked.
+/// The visible fraction of a light source at a sample: the light that its shadow rays contributed, divided by the light
+/// if none were blocked.
 template <class V>
 struct RatioRecord {
   Vec3<V> rgb;
-  F<V> found;  ///< about 1; 0 if there were no rays
+  F<V> found;  ///< about 1 if the sample emitted rays, otherwise 0
   static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.rgb, r.found)); }
 };
 
-/// Surface of a sample's first hit, for samples that are interpolated before shading.
+/// Surface of a sample's first hit, for samples that are interpolated before they are shaded.
 template <class V>
 struct SurfaceRecord {
-  Vec3<V> diffuse;  ///< without a kTextured texture, with any other
+  Vec3<V> diffuse;  ///< base colour before a kTextured texture is applied, after all others
   I<V> classes;
-  Vec3<V> plane;  ///< the triangle's geometric normal, on the side from which the ray came
+  Vec3<V> plane;  ///< unit normal of the triangle's plane, on the side from which the ray came
   F<V> u, v;
   I<V> texture;  ///< as in TexcoordRecord
   I<V> material;
@@ -168,7 +170,7 @@ struct SurfaceRecord {
   }
 };
 
-/// State of a sub-pixel in supersample between rounds of propagation (kernels/subpixels.h).
+/// State of a sub-pixel in supersample between rounds of propagation; kernels/subpixels.h defines its bits.
 template <class V>
 struct SubpixelRecord {
   I<V> red_green, blue_why;
@@ -181,7 +183,7 @@ struct ColourRecord {
   static void fields(auto& r, auto&& field) { field(NAMED(r.rgb)); }
 };
 
-/// A 32-bit number: an item's slot in an item list, or a pixel of the frame buffer.
+/// A 32-bit word: an index in a list, or a pixel of the frame buffer.
 template <class V>
 struct WordRecord {
   I<V> word;
@@ -191,7 +193,7 @@ struct WordRecord {
 // Scene records that kernels load: those of traces/accel/memory_image.h, and texture parameters in the SRP's own
 // memory. fields() names every member in memory order.
 
-/// As traces::AttributeRecord.
+/// The record of a triangle's attributes as a kernel loads it; layout of traces::AttributeRecord.
 template <class V>
 struct AttributeFields {
   Vec3<V> normal0, normal1, normal2;
@@ -202,7 +204,7 @@ struct AttributeFields {
   }
 };
 
-/// As traces::TriangleRecord.
+/// The record of a triangle as a kernel loads it; layout of traces::TriangleRecord.
 template <class V>
 struct TriangleFields {
   Vec3<V> v0, v1, v2;
@@ -212,7 +214,7 @@ struct TriangleFields {
   }
 };
 
-/// As traces::InstanceRecord.
+/// The record of an instance as a kernel loads it; layout of traces::InstanceRecord.
 template <class V>
 struct InstanceFields {
   Vec3<V> row0;
@@ -229,7 +231,7 @@ struct InstanceFields {
   }
 };
 
-/// As traces::MaterialRecord.
+/// The record of a material as a kernel loads it; layout of traces::MaterialRecord.
 template <class V>
 struct MaterialFields {
   Vec3<V> base_colour;
@@ -246,7 +248,7 @@ struct MaterialFields {
   }
 };
 
-/// As traces::VertexRecord.
+/// The record of a triangle's vertex details as a kernel loads it; layout of traces::VertexRecord.
 template <class V>
 struct VertexFields {
   F<V> u0, v0, u1, v1, u2, v2;
@@ -258,7 +260,7 @@ struct VertexFields {
   }
 };
 
-/// As traces::MaterialDetailRecord.
+/// The record of a material's details as a kernel loads it; layout of traces::MaterialDetailRecord.
 template <class V>
 struct DetailFields {
   Vec3<V> emission;
@@ -273,10 +275,10 @@ struct DetailFields {
   }
 };
 
-/// Addressing of one axis of a texture, without branches. A coordinate is clamped to [low, high], folded into [0,
-/// period), mirrored above 1 and scaled by `size`. A neighbour beyond the lower end is replaced by `below`, beyond the
-/// upper end by `last` - `below`. A clamped axis has period 2. `offset` is half a texel for bilinear lookups. For
-/// nearest lookups it is 0, and `size` is slightly smaller so that 1 falls within the last texel.
+/// How coordinates along one axis of a texture become texel numbers, without branches. A coordinate is clamped to [low,
+/// high], folded into [0, period), mirrored above 1 and scaled by `size`. A texel before the first is replaced by
+/// `below`, one after the last by `last` - `below`. A clamped axis has period 2. `offset` is half a texel for bilinear
+/// lookups. For nearest lookups it is 0, and `size` is slightly smaller so that 1 falls in the last texel.
 template <class V>
 struct AxisRecord {
   F<V> size, last, low, high, period, inverse_period, below, offset;
@@ -285,22 +287,23 @@ struct AxisRecord {
   }
 };
 
-/// Mip-level (LOD) parameters of a texture.
+/// Parameters with which a lookup finds the mip level of a texture.
 template <class V>
 struct LevelRecord {
-  F<V> size;     ///< side in texels of a square of equal area; for nearest-level lookups times the root of 2
-  F<V> highest;  ///< 2 to the power of the last level's number
+  F<V> size;     ///< side in texels of a square with the texture's area; times the square root of 2 for nearest-level
+                 ///< lookups
+  F<V> highest;  ///< 2 to the power of the number of the last level
   static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.size, r.highest)); }
 };
 
-/// Linear value of an 8-bit sRGB code; the table has 256.
+/// Linear value of an 8-bit sRGB code, an entry of the table of 256.
 template <class V>
 struct SrgbCodeRecord {
   F<V> linear;
   static void fields(auto& r, auto&& field) { field(NAMED(r.linear)); }
 };
 
-/// A bilinear footprint: RGBA8 texels at (x0, y0), (x1, y0), (x0, y1), (x1, y1).
+/// The four texels (RGBA8) of a bilinear footprint, at (x0, y0), (x1, y0), (x0, y1), (x1, y1).
 template <class V>
 struct FootprintRecord {
   I<V> at00, at10, at01, at11;

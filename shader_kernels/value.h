@@ -10,10 +10,10 @@
 
 namespace kernels {
 
-// The value type of kernels. A kernel is written once over a type V and has two readings. With V = float it computes:
-// F<V> is float, I<V> a 32-bit unsigned integer, M<V> bool. With V = Recorded each operation becomes a node of a
-// dataflow graph (recorder.h). Both readings have exactly the operations of Op in graph.h. Control flow is select(),
-// because an array loop has no branches.
+// The value type of kernels. A kernel is written once over a type V, and used with two types. With V = float it
+// computes: F<V> is float, I<V> a 32-bit unsigned integer, M<V> bool. With V = Recorded each operation becomes a node
+// of a dataflow graph (recorder.h). Both types have exactly the operations of Op in graph.h. The only control flow is
+// select(), because an array loop has no branches.
 
 template <class V>
 struct Reading;
@@ -39,9 +39,9 @@ inline float min(float a, float b) { return a < b ? a : b; }
 inline float max(float a, float b) { return a > b ? a : b; }
 
 inline float to_float(std::uint32_t x) { return static_cast<float>(x); }
-/// Rounds towards zero; 0 if the result does not fit.
+/// Converts to an integer, rounding towards zero. Returns 0 if the result does not fit in 32 bits.
 inline std::uint32_t to_int(float x) { return x >= 0 && x < 0x1p32F ? static_cast<std::uint32_t>(x) : 0; }
-/// Reinterprets the 32 bits; from_bits() is the inverse.
+/// Returns the 32 bits of a float, unchanged. from_bits() is the inverse.
 inline std::uint32_t bits_of(float x) { return std::bit_cast<std::uint32_t>(x); }
 inline float from_bits(std::uint32_t x) { return std::bit_cast<float>(x); }
 
@@ -87,13 +87,13 @@ template <class V>
 Vec3<V> select(const M<V>& mask, const Vec3<V>& yes, const Vec3<V>& no) {
   return {select(mask, yes.x, no.x), select(mask, yes.y, no.y), select(mask, yes.z, no.z)};
 }
-/// Returns the unit vector; a zero vector stays zero.
+/// Returns the vector scaled to length 1; a zero vector stays zero.
 template <class V>
 Vec3<V> unit_vector(const Vec3<V>& a) {
   return a * (1.0F / sqrt(max(dot(a, a), F<V>(1e-30F))));
 }
 
-/// The names of N members, split at compile time from a list such as "p.rays, p.hits".
+/// The names of N members of a struct, split at compile time from a list such as "p.rays, p.hits".
 template <std::size_t N>
 struct MemberNames {
   std::array<std::string_view, N> names{};
@@ -106,7 +106,7 @@ struct MemberNames {
     }
   }
 };
-/// Calls f(member, name) for each member of a NAMED_ALL list.
+/// Calls f(member, name) for each member of a list made by NAMED_ALL.
 template <class... Members>
 constexpr void name_all(auto&& f, std::type_identity_t<MemberNames<sizeof...(Members)>> list, Members&... members) {
   std::size_t next = 0;
@@ -115,5 +115,5 @@ constexpr void name_all(auto&& f, std::type_identity_t<MemberNames<sizeof...(Mem
 
 }  // namespace kernels
 
-/// A list of members and its text: name_all(port, NAMED_ALL(p.rays, p.hits)) names each member once.
+/// Expands to the text of a list of members and the members: name_all(port, NAMED_ALL(p.rays, p.hits)).
 #define NAMED_ALL(...) std::string_view(#__VA_ARGS__), __VA_ARGS__

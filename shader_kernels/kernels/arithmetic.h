@@ -8,14 +8,14 @@ template <class V>
 struct DivMod {
   F<V> quotient, remainder;
 };
-/// Integer division of small counts (below 2^20) in floats; `inverse` is 1 / divisor.
+/// Divides small counts (below 2^20) in floating point. `inverse` is 1 / divisor.
 template <class V>
 DivMod<V> divmod(const F<V>& count, const F<V>& divisor, const F<V>& inverse) {
   const F<V> quotient = floor((count + 0.5F) * inverse);
   return {quotient, count - quotient * divisor};
 }
 
-/// Scrambles the bits of a hash: a 32-bit finaliser (multipliers found by C. Wellons).
+/// Mixes the bits of a 32-bit key into a hash (a finaliser with multipliers found by C. Wellons).
 template <class V>
 I<V> scramble_bits(const I<V>& key) {
   const I<V> a = (key ^ (key >> 16U)) * 0x7feb352dU;
@@ -23,7 +23,7 @@ I<V> scramble_bits(const I<V>& key) {
   return b ^ (b >> 16U);
 }
 
-/// Returns a hash as a float in [0, 1), exact in 24 bits.
+/// Converts a hash to a float in [0, 1), from its upper 24 bits.
 template <class V>
 F<V> unit_float(const I<V>& hash) {
   return to_float(hash >> 8U) * 0x1p-24F;
@@ -34,7 +34,7 @@ M<V> has_class(const I<V>& flags, traces::MaterialFlag bit) {
   return I<V>(0U) < (flags & static_cast<std::uint32_t>(bit));
 }
 
-/// Returns byte 0 (lowest) to 3 of a word.
+/// Returns byte `byte` of a word; byte 0 is the lowest, 3 the highest.
 template <class V>
 I<V> byte_of(const I<V>& word, std::uint32_t byte) {
   if (byte == 0) return word & 255U;
@@ -47,7 +47,7 @@ F<V> clamp_to_unit(const F<V>& x) {
   return min(max(x, F<V>(0.0F)), F<V>(1.0F));
 }
 
-/// Converts linear to sRGB in [0, 1]. Exact near black, elsewhere within 0.2 / 255.
+/// Converts a linear channel to sRGB, both in [0, 1]. The result is exact near black, elsewhere within 0.2 / 255.
 template <class V>
 F<V> encode_srgb(const F<V>& x) {
   const F<V> half = sqrt(x);
@@ -56,7 +56,7 @@ F<V> encode_srgb(const F<V>& x) {
   return select(x <= 0.0031308F, x * 12.92F, curve);
 }
 
-/// Returns the squared distance of two linear colours, after clamping and sRGB encoding.
+/// Returns the squared distance of two linear colours, after both are clamped to [0, 1] and sRGB-encoded.
 template <class V>
 F<V> encoded_distance_squared(const Vec3<V>& a, const Vec3<V>& b) {
   const auto code = [](const F<V>& x) { return encode_srgb<V>(clamp_to_unit<V>(x)); };
@@ -64,7 +64,8 @@ F<V> encoded_distance_squared(const Vec3<V>& a, const Vec3<V>& b) {
   return dot(apart, apart);
 }
 
-/// Returns exp(-x) for x >= 0, within 4e-6: 1 over the fourth-order series of exp(x / 16), squared four times.
+/// Returns exp(-x) for x >= 0, with an error below 4e-6. The formula is 1 / series(x / 16), squared four times, with
+/// the fourth-order series of exp.
 template <class V>
 F<V> exp_negative(const F<V>& x) {
   const F<V> y = x * (1.0F / 16.0F);
@@ -76,7 +77,7 @@ F<V> exp_negative(const F<V>& x) {
   return eight * eight;
 }
 
-/// Barycentric weights of a point in a triangle.
+/// Barycentric weights of a hit in its triangle, one for each corner.
 template <class V>
 struct Weights {
   F<V> first, second, third;
@@ -85,17 +86,17 @@ struct Weights {
   Vec3<V> interpolate(const Vec3<V>& a, const Vec3<V>& b, const Vec3<V>& c) const {
     return a * first + b * second + c * third;
   }
-  /// Interpolates whole numbers.
+  /// Interpolates integers, which are converted to floats first.
   F<V> interpolate_int(const I<V>& a, const I<V>& b, const I<V>& c) const {
     return interpolate(to_float(a), to_float(b), to_float(c));
   }
 };
 
-/// Reflection and refraction at a surface between two media.
+/// How a ray is reflected and refracted at a surface between two media.
 template <class V>
 struct Interface {
-  F<V> cosine;       ///< cosine of the incoming angle
-  F<V> eta;          ///< refractive index on the ray's side over that on the other side
+  F<V> cosine;       ///< cosine of the angle between the incoming ray and the normal
+  F<V> eta;          ///< refractive index of the medium that the ray comes from, divided by that of the other medium
   F<V> inside;       ///< squared cosine of the refracted angle; negative for total internal reflection
   F<V> reflectance;  ///< Schlick's approximation of the Fresnel reflectance; 1 for total reflection
 };
@@ -105,7 +106,7 @@ Interface<V> make_interface(const Vec3<V>& direction, const Vec3<V>& normal, con
   const F<V> eta = select(F<V>(0.0F) < side, 1.0F / ior, ior);
   const F<V> inside = 1.0F - eta * eta * (1.0F - cosine * cosine);
   const F<V> ratio = (ior - 1.0F) / (ior + 1.0F);
-  // Schlick's formula uses the angle in the thinner medium.
+  // Schlick's formula takes the angle in the medium with the smaller refractive index.
   const F<V> away = 1.0F - select(eta <= 1.0F, cosine, sqrt(max(inside, F<V>(0.0F))));
   const F<V> squared = away * away;
   return {cosine, eta, inside, 1.0F - (1.0F - ratio * ratio) * (1.0F - squared * squared * away)};

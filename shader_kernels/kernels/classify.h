@@ -7,7 +7,7 @@
 
 namespace kernels {
 
-/// First inspector: sorts the slots of rays into misses and hits.
+/// Sorts the ray slots of a tile into a list of misses and a list of hits.
 struct ClassifyHits {
   static constexpr std::string_view kName = "classify_hits";
   static constexpr std::string_view kMeaning = "ray slot -> stream of misses or stream of hits";
@@ -28,14 +28,14 @@ struct ClassifyHits {
   }
 };
 
-/// Appends a surface to an item list if its classes have the bit.
+/// Appends surface `slot` to the list `stream` if `bit` is set in its classes.
 template <class V>
 void append_if(const I<V>& slot, const I<V>& classes, traces::MaterialFlag bit, const Local<V, WordRecord>& stream,
                Counter<V>& count) {
   stream.store(count.next(has_class<V>(classes, bit)), {slot});
 }
 
-/// Second inspector: appends a surface to the item list of each of its classes.
+/// Appends each surface to the list of each material class that it has.
 struct ClassifySurfaces {
   static constexpr std::string_view kName = "classify_surfaces";
   static constexpr std::string_view kMeaning = "surface -> streams textured, diffuse, mirror, glass, emissive";
@@ -62,7 +62,7 @@ struct ClassifySurfaces {
   }
 };
 
-/// Inspector of classes that only some scenes have; launched if the scene has any of them.
+/// Appends each surface to the lists of the rarer material classes. Launched only if the scene has such a class.
 struct ClassifyDetails {
   static constexpr std::string_view kName = "classify_details";
   static constexpr std::string_view kMeaning = "surface -> streams absorbing, vertexed, based, physical, bumped, ...";
@@ -94,8 +94,8 @@ struct ClassifyDetails {
   }
 };
 
-/// Lists interpolated surfaces with an occlusion texture. Interpolated samples need no other class of classify_details,
-/// because the records of their references already contain the results.
+/// Lists interpolated surfaces with an occlusion texture. Other details need no list, because the interpolated records
+/// already contain their results.
 struct ClassifyOccluded {
   static constexpr std::string_view kName = "classify_occluded";
   static constexpr std::string_view kMeaning = "interpolated surface -> stream occluded";
@@ -116,13 +116,13 @@ struct ClassifyOccluded {
   }
 };
 
-/// True if a hit's flags require a test. `solid` is the largest triangle word that requires none.
+/// True if a hit must be tested for transparency. `solid` is the largest triangle word that needs no test.
 template <class V>
 M<V> needs_test(const I<V>& triangle, const I<V>& solid) {
   return logical_and(solid < triangle, triangle < traces::kNoHit);
 }
 
-/// Inspector of flagged hits, at which the ray may have to continue.
+/// Lists the hits on triangles flagged as possibly transparent, where the ray may have to continue.
 struct ClassifyLayers {
   static constexpr std::string_view kName = "classify_layers";
   static constexpr std::string_view kMeaning = "ray slot -> stream of hits that a texture or a tint decides about";

@@ -9,7 +9,8 @@
 
 namespace kernels {
 
-/// Absorbs light along a ray. Nearest-hit rays have unit directions, so `t` is the distance.
+/// Dims a ray by the absorption of the body that it has passed through. Nearest-hit rays have unit directions, so `t`
+/// is the distance.
 struct Absorb {
   static constexpr std::string_view kName = "absorb";
   static constexpr std::string_view kMeaning = "surface of an absorbing body -> path dimmed if it was met from inside";
@@ -38,8 +39,8 @@ struct Absorb {
   }
 };
 
-/// Applies base textures that shade_textured does not cover: those with second texture coordinates or a used alpha, and
-/// those of surfaces whose mirror or glass depends on the colour.
+/// Multiplies a surface's base colour by its base texture, in the cases that shade_textured excludes: second texture
+/// coordinates, a used alpha, or mirror or glass terms that depend on the colour.
 template <MipFilter kMips = MipFilter::kNone>
 struct ShadeBase {
   static constexpr std::string_view kName = by_filter<kMips>("shade_base", "shade_base_mip", "shade_base_trilinear");
@@ -71,9 +72,9 @@ struct ShadeBase {
   }
 };
 
-/// Applies the metal-rough rule of traces/scene/gltf/materials/materials.h per texel: the mirrored share and colour,
-/// and the remaining shares. The surface initially has its full base colour as diffuse colour, and its transmitted
-/// light as if nothing were mirrored.
+/// Applies a metal-roughness texture per texel, with the rule of traces/scene/gltf/materials.h: it computes how much
+/// light the surface mirrors, in which colour, and how much remains. The input surface has its full base colour as
+/// diffuse colour, and transmits light as if it mirrored none.
 template <MipFilter kMips = MipFilter::kNone>
 struct ShadePhysical {
   static constexpr std::string_view kName =
@@ -107,7 +108,7 @@ struct ShadePhysical {
     const F<V> metal = gloss * metallic;
     const F<V> white = (gloss - metal) * m.dielectric + m.coat;
     const F<V> sum = metal + white;
-    // Below 0.02 no rays are emitted; above 1 the shares are scaled down to conserve energy.
+    // A mirrored share below 0.02 emits no ray; a sum above 1 is scaled down to conserve energy.
     const F<V> scale = select(sum < 0.02F, F<V>(0.0F), 1.0F / max(sum, F<V>(1.0F)));
     optics.mirrored = (matte.diffuse * metal + Vec3<V>{white, white, white}) * scale;
     const F<V> left = 1.0F - sum * scale;
@@ -123,7 +124,7 @@ struct ShadePhysical {
   }
 };
 
-/// Applies a normal map in tangent space, as defined by glTF. Without a tangent the normal is unchanged. A mapped
+/// Applies a normal map in tangent space, as glTF defines it. A surface without a tangent keeps its normal. A mapped
 /// normal that faces away from the ray is turned back until the ray grazes the surface.
 template <MipFilter kMips = MipFilter::kNone>
 struct ShadeBump {
@@ -157,7 +158,7 @@ struct ShadeBump {
     const F<V> x = (texel.linear_channel(0) * 2.0F - 1.0F) * m.normal_scale;
     const F<V> y = (texel.linear_channel(1) * 2.0F - 1.0F) * m.normal_scale;
     const F<V> z = max(texel.linear_channel(2) * 2.0F - 1.0F, F<V>(0.01F));
-    const Vec3<V> normal = point.normal * point.side;  // the normal of the outside
+    const Vec3<V> normal = point.normal * point.side;  // the normal on the outside
     const Vec3<V> bitangent = cross(normal, frame.tangent);
     const Vec3<V> mapped = frame.tangent * x + bitangent * (y * frame.handedness) + normal * z;
     const Vec3<V> facing = unit_vector(mapped) * point.side;
@@ -167,7 +168,7 @@ struct ShadeBump {
   }
 };
 
-/// Scales the light of a blended surface by its alpha; shade_straight passes the rest straight on.
+/// Scales the light that a blended surface reflects by its alpha. shade_straight continues the ray with the rest.
 struct ShadeBlend {
   static constexpr std::string_view kName = "shade_blend";
   static constexpr std::string_view kMeaning = "blended surface -> all that it sends out, times its alpha";
@@ -225,7 +226,7 @@ struct ShadeGlow {
   }
 };
 
-/// Subtracts the part of shade_ambient's light that the occlusion texture removes.
+/// Subtracts the ambient light that a surface's occlusion texture removes; shade_ambient has added all of it.
 template <MipFilter kMips = MipFilter::kNone>
 struct ShadeOccluded {
   static constexpr std::string_view kName =

@@ -13,12 +13,12 @@
 
 namespace kernels {
 
-/// Parameters of a random point in the unit square, one per ray of an effect. The rays of a surface cover the square
-/// evenly; a hash shifts the pattern from surface to surface.
+/// Uniforms from which a kernel computes a random point in the unit square, one launch per ray of an effect. The rays
+/// of one surface cover the square evenly; a hash shifts their pattern from surface to surface.
 template <class V>
 struct DrawUniforms {
-  F<V> x, y;  ///< before the shift
-  I<V> seed;  ///< depends on the frame and the effect
+  F<V> x, y;  ///< the point of this launch's ray, before the shift
+  I<V> seed;  ///< hash seed; differs between frames and between effects
   static constexpr void describe(auto& d, auto&& port) {
     port(d.x, "draw.x");
     port(d.y, "draw.y");
@@ -31,8 +31,8 @@ struct DrawnPoint {
   F<V> x, y;
 };
 
-/// Returns the point of one ray. The hash key is the direction of the ray that found the surface, which has the same
-/// bits in every tile, order and tracer.
+/// Returns the random point of one ray. Its hash key is the direction of the ray that hit the surface, which has the
+/// same bits for any tile size, order and tracer.
 template <class V>
 DrawnPoint<V> random_point(const Vec3<V>& direction, const DrawUniforms<V>& draw) {
   const I<V> key = (bits_of(direction.x) * 0x9e3779b1U) ^ (bits_of(direction.y) * 0x85ebca77U) ^
@@ -43,14 +43,14 @@ DrawnPoint<V> random_point(const Vec3<V>& direction, const DrawUniforms<V>& draw
   return {x - floor(x), y - floor(y)};
 }
 
-/// Returns the sine of an angle in half turns, from -1 to 1: two parabolas, with an error below 0.0012.
+/// Returns the sine of an angle given in half turns, -1 to 1. It consists of two parabolas; the error is below 0.0012.
 template <class V>
 F<V> sine_of(const F<V>& half_turns) {
   const F<V> arch = half_turns * 4.0F * (1.0F - abs(half_turns));
   return arch * (abs(arch) * 0.225F + 0.775F);
 }
 
-/// Maps the unit square to the unit disc with uniform density: `x` gives the angle, `y` the squared radius.
+/// Maps a point of the unit square to the unit disc with uniform density. `x` gives the angle, `y` the squared radius.
 template <class V>
 DrawnPoint<V> on_disc(const DrawnPoint<V>& square) {
   const F<V> half_turns = square.x * 2.0F - 1.0F;
@@ -60,7 +60,7 @@ DrawnPoint<V> on_disc(const DrawnPoint<V>& square) {
           radius * sine_of<V>(half_turns)};
 }
 
-/// Two unit vectors, perpendicular to a unit vector and to each other (Duff et al. 2017).
+/// Two unit vectors that are perpendicular to a given unit vector and to each other (Duff et al. 2017).
 template <class V>
 struct PerpendicularAxes {
   Vec3<V> x, y;
@@ -74,10 +74,10 @@ PerpendicularAxes<V> perpendicular_axes(const Vec3<V>& normal) {
   return {{1.0F + x * normal.x * a, sign * b, -x}, {b, sign + normal.y * normal.y * a, -normal.y}};
 }
 
-/// A light as a disc facing the surface, and the share of one ray.
+/// A light source as a disc that faces the surface, and the fraction of the light that one ray carries.
 template <class V>
 struct DiscUniforms {
-  Vec3<V> across_x, across_y;  ///< axes of the disc, with the length of its radius
+  Vec3<V> across_x, across_y;  ///< axes of the disc; their length is the radius of the light source
   F<V> radius, share;
   static constexpr void describe(auto& d, auto&& port) {
     port(d.across_x, "disc.across_x");
@@ -100,9 +100,9 @@ struct ShadeDiscPorts : ShadeDiffuse::Ports<V> {
   }
 };
 
-/// Replaces shade_diffuse for soft shadows: one launch per light and ray. A ray goes to a point of the light's disc and
-/// ends one radius before it, so that the lamp's geometry cannot block it. The light is that of the disc's centre. With
-/// kShareAlone a ray returns only its share of the light.
+/// Emits soft-shadow rays; it replaces shade_diffuse, with one launch per light and ray. A ray goes to a point of the
+/// light's disc and ends one radius before it, so that the lamp's own geometry cannot block it. The light is computed
+/// for the disc's centre. With kShareAlone a ray carries the visible fraction of the light instead of the light.
 template <bool kShareAlone>
 struct ShadeDisc {
   static constexpr std::string_view kName = kShareAlone ? "shade_soft_share" : "shade_soft";
@@ -115,7 +115,7 @@ struct ShadeDisc {
   static void body(const I<V>& item, Ports<V>& at) {
     shade_slot<V>(at.diffuse.load(item).word, AllItems{}, at);
   }
-  /// Shades the slots where `mask` holds.
+  /// Emits the ray of surface `slot` if `mask` holds.
   template <class V>
   static void shade_slot(const I<V>& slot, const auto& mask, Ports<V>& at) {
     const SurfacePointRecord<V> point = at.points.load(slot);
@@ -150,7 +150,7 @@ struct CastAmbientPorts {
   Local<V, RayRecord> shadow_rays;
   Local<V, PathRecord> shadow_paths;
   Counter<V> emitted;
-  Vec3<V> ambient;  ///< light of one ray
+  Vec3<V> ambient;  ///< ambient light that one ray carries
   F<V> epsilon, distance;
   DrawUniforms<V> draw;
   static constexpr void describe(auto& p, auto&& port) {
@@ -162,8 +162,8 @@ struct CastAmbientPorts {
   }
 };
 
-/// Replaces shade_ambient for ambient occlusion: one launch per ray. Directions are cosine-distributed, so that all
-/// rays have the same weight. With kShareAlone a ray returns only its share, of light that the samples store.
+/// Emits ambient-occlusion rays; it replaces shade_ambient, with one launch per ray. Directions are cosine-distributed,
+/// so all rays weigh the same. With kShareAlone a ray carries a fraction of the ambient light instead of the light.
 template <bool kShareAlone>
 struct CastAmbient {
   static constexpr std::string_view kName = kShareAlone ? "cast_occlusion_share" : "cast_occlusion";
@@ -172,7 +172,7 @@ struct CastAmbient {
                                                    : "diffuse surface -> ray that brings a share of its ambient light";
   template <class V>
   struct Ports : CastAmbientPorts<V> {
-    F<V> share;  ///< bound with kShareAlone
+    F<V> share;  ///< fraction that one ray carries; bound if kShareAlone
     static constexpr void describe(auto& p, auto&& port) {
       CastAmbientPorts<V>::describe(p, port);
       if constexpr (kShareAlone) port(NAMED(p.share));
@@ -182,7 +182,7 @@ struct CastAmbient {
   static void body(const I<V>& item, Ports<V>& at) {
     shade_slot<V>(at.diffuse.load(item).word, AllItems{}, at);
   }
-  /// Shades the slots where `mask` holds.
+  /// Emits the ray of surface `slot` if `mask` holds.
   template <class V>
   static void shade_slot(const I<V>& slot, const auto& mask, Ports<V>& at) {
     const SurfacePointRecord<V> point = at.points.load(slot);
@@ -205,16 +205,16 @@ struct CastAmbient {
 using CastOcclusion = CastAmbient<false>;
 using CastOcclusionShare = CastAmbient<true>;
 
-// Effects at a lower rate (docs/design/effects.md): one of 2 x 2 pixels, or every other pixel of a checkerboard, traces
-// rays. The other pixels take the visible share of a light from the pixels around.
+// Effects at a lower rate (docs/design/effects.md): only one pixel of 2 x 2, or every other pixel of a checkerboard,
+// emits effect rays. The other pixels average the visible fraction of a light over the pixels around them.
 
-/// Returns a word that is not 0 if the pixel at (x, y) traces no rays.
+/// Returns a word that is not 0 if the pixel at (x, y) emits no effect rays.
 template <class V, bool kCheckerboard>
 I<V> is_left_out(const I<V>& x, const I<V>& y) {
   return (kCheckerboard ? x ^ y : x | y) & 1U;
 }
 
-/// Inspector: selects the samples that trace rays. Samples of the tile buffer are pixels.
+/// Lists the samples that emit effect rays. Samples of the tile buffer are pixels.
 template <bool kCheckerboard>
 struct SelectEffects {
   static constexpr std::string_view kName = kCheckerboard ? "select_effects_checkerboard" : "select_effects";
@@ -237,13 +237,13 @@ struct SelectEffects {
   static void body(const I<V>& item, Ports<V>& at) {
     const I<V> slot = at.diffuse.load(item).word;
     const DivMod<V> pixel = divmod<V>(to_float(at.paths.load(slot).sample), at.grid.pitch, at.grid.inverse_pitch);
-    const I<V> left_out = is_left_out<V, kCheckerboard>(to_int(at.grid.x0 + pixel.remainder),  //
-                                                        to_int(at.grid.y0 + pixel.quotient));
+    const I<V> left_out =
+        is_left_out<V, kCheckerboard>(to_int(at.grid.x0 + pixel.remainder), to_int(at.grid.y0 + pixel.quotient));
     at.passed.store(at.passed_count.next(left_out == 0U), {slot});
   }
 };
 
-/// Clears the stored light and share of a sample, in one of several `layers` of samples.
+/// Clears the stored light and the visible fraction of a sample, in one of several `layers` (one for each light).
 struct ClearEffects {
   static constexpr std::string_view kName = "clear_effects";
   static constexpr std::string_view kMeaning = "sample -> no light whose share is to be found, nothing found of it";
@@ -266,7 +266,8 @@ struct ClearEffects {
   }
 };
 
-/// Like combine_shadow, for rays that carry a share instead of light.
+/// Adds the result of an effect ray to its sample if the ray was not blocked. It is combine_shadow for rays that carry
+/// a fraction instead of light.
 struct CombineRatio {
   static constexpr std::string_view kName = "combine_ratio";
   static constexpr std::string_view kMeaning =
@@ -291,11 +292,11 @@ struct CombineRatio {
   }
 };
 
-/// Weight of a dissimilar pixel; it counts only if no pixel is similar.
+/// Filter weight of a dissimilar pixel, so small that it matters only if no pixel is similar.
 inline constexpr float kUnlikeWeight = 1e-4F;
 
-/// Adds the light of one launch's light source to all pixels that a tile finishes. A pixel without rays uses the mean
-/// share of up to four pixels around that have rays, with the similarity weights of reconstruct.
+/// Adds the light of one light source to all pixels that a tile finishes. A pixel that emitted no rays uses the mean
+/// visible fraction of up to four neighbours that did, weighted by the similarity of reconstruct.
 template <bool kCheckerboard>
 struct UpsampleEffects {
   static constexpr std::string_view kName = kCheckerboard ? "upsample_effects_checkerboard" : "upsample_effects";
@@ -309,9 +310,9 @@ struct UpsampleEffects {
     Local<V, ColourRecord> lights;
     Local<V, RatioRecord> ratios;
     Local<V, ColourRecord> colours;
-    F<V> x0, y0;  ///< position in the picture of the first finished pixel
+    F<V> x0, y0;  ///< picture position of the first pixel that the tile finishes
     F<V> bend;
-    I<V> apart;  ///< offset of the light's layer
+    I<V> apart;  ///< offset from a sample to its record in this light's layer
     static constexpr void describe(auto& p, auto&& port) {
       FinishedUniforms<V>::describe(p.finished, port);
       name_all(port, NAMED_ALL(p.visible, p.lights, p.ratios, p.colours, p.x0, p.y0, p.bend, p.apart));
@@ -334,7 +335,7 @@ struct UpsampleEffects {
   }
 
  private:
-  /// A step to another pixel along a row or column.
+  /// The step from a pixel to another one in its row or column.
   template <class V>
   struct Step {
     F<V> samples;
@@ -352,7 +353,7 @@ struct UpsampleEffects {
                                    Ports<V>& at) {
     const FinishedUniforms<V>& of = at.finished;
     F<V> left = -1.0F, right = 1.0F, above = -1.0F, below = 1.0F;
-    if constexpr (!kCheckerboard) {  // no step within columns and rows whose pixels trace rays
+    if constexpr (!kCheckerboard) {  // in columns and rows whose pixels emit rays, the step is 0
       right = to_float(to_int(at.x0 + pixel.remainder) & 1U);
       below = to_float(to_int(at.y0 + pixel.quotient) & 1U);
       left = -right;

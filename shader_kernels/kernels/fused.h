@@ -15,9 +15,10 @@
 
 namespace kernels {
 
-// Fused kernels (shader_kernels/fusion.h), which render.fusion launches instead of their parts.
+// Fused kernels (shader_kernels/fusion.h). With render.fusion they are launched instead of their parts.
 
-// Surfaces: fetch, classify, and add ambient light and the first light where no other kernel must come before.
+// Surface kernels: they fetch and classify a surface. They add ambient light and the first light if no other kernel has
+// to run in between.
 
 template <bool kInstanced, bool kCones = false>
 struct FetchSurface : Fused<ShadeSurface<kInstanced, kCones>, ClassifyDetails> {
@@ -26,7 +27,7 @@ struct FetchSurface : Fused<ShadeSurface<kInstanced, kCones>, ClassifyDetails> {
   static constexpr std::string_view kMeaning = "shade_surface, classify_details";
 };
 
-/// For surfaces whose details are complete.
+/// Parts that classify a surface and light it, for surfaces whose texture details have been applied.
 template <class... Record>
 using Lit = Fused<ClassifySurfaces, ListDeferred, ImmediateLit<ShadeAmbient>, ImmediateLit<ShadeDiffuse>, Record...>;
 
@@ -54,7 +55,7 @@ struct LightSurfaceSecondary : Lit<RecordSecondary<kInstanced>> {
   static constexpr std::string_view kMeaning = "light_surface, record_secondary";
 };
 
-/// For surfaces without details.
+/// Parts that fetch a surface, classify it and light it, for scenes without texture details.
 template <bool kInstanced, bool kCones, class... Record>
 using FetchedAndLit = Fused<ShadeSurface<kInstanced, kCones>, ClassifySurfaces, ListDeferred,
                             ImmediateLit<ShadeAmbient>, ImmediateLit<ShadeDiffuse>, Record...>;
@@ -89,14 +90,14 @@ struct FetchLitSecondary : FetchedAndLit<kInstanced, kCones, RecordSecondary<kIn
   static constexpr std::string_view kMeaning = "shade_surface, light_surface, record_secondary";
 };
 
-/// For surfaces whose light is deferred. Texture kernels are not fused, because a loop with a longer interval has fewer
-/// items in flight and hides less load latency.
+/// Lights the surfaces whose lighting had to wait for their textures. Texture kernels are not fused with it: a loop
+/// with a longer initiation interval has fewer items in flight and hides less load latency.
 struct LightDeferred : Fused<ShadeAmbient, ShadeDiffuse> {
   static constexpr std::string_view kName = "light_later";
   static constexpr std::string_view kMeaning = "shade_ambient, shade_diffuse of the first light";
 };
 
-// Primary rays, with clearing of their samples' records.
+// Kernels that generate primary rays and clear the records of their samples.
 
 struct GenerateGeometry : Fused<GenerateListedRays, ClearGeometry> {
   static constexpr std::string_view kName = "generate_geometry";
@@ -118,7 +119,7 @@ struct GenerateTraits : Fused<GenerateListedRays, ClearTraits> {
   static constexpr std::string_view kMeaning = "generate_listed_rays, clear_traits";
 };
 
-// Shadow rays: their light, and the shadow bits of their samples.
+// Kernels that add the light of shadow rays and record the shadows of their samples.
 
 struct CombineRecordShadow : Fused<CombineShadow, RecordShadow> {
   static constexpr std::string_view kName = "combine_record_shadow";
@@ -145,9 +146,9 @@ struct CombineRecordVisibleShadow : Fused<CombineShadow, RecordVisibleShadow> {
   static constexpr std::string_view kMeaning = "combine_shadow, record_visible_shadow";
 };
 
-// Samples between references.
+// Kernels that check and interpolate samples between two reference samples.
 
-/// For passes in which only the host reads the list of passed samples.
+/// Checks a sample and interpolates it in one pass. Used where only the host reads the list of samples that passed.
 template <bool kAlongY, bool kSecondary, bool kTexture>
 struct CheckInterpolate : Fused<CheckSimilarity<kAlongY, kSecondary, kTexture>,
                                 AllPassed<kAlongY, InterpolateSample<kAlongY, kSecondary && !kAlongY>>> {
@@ -172,7 +173,7 @@ struct InterpolateLit : Fused<InterpolateAttributes<kAlongY>, ClassifySurfaces, 
       "interpolate_attributes, classify_surfaces, shade_ambient, shade_visible of the first light";
 };
 
-// Pixels of one sample.
+// Kernels that store pixels with one sample.
 
 struct PackSample : Fused<TakeSample, PackClamped> {
   static constexpr std::string_view kName = "pack_sample";
@@ -191,7 +192,7 @@ struct RecordCounted : Fused<RecordGlobal, CountColoured> {
   static constexpr std::string_view kMeaning = "record_global, count_coloured";
 };
 
-/// For post-correction, which starts with the identities of all samples.
+/// Stores a pixel and the identity of its sample, with which post-correction starts.
 template <bool kShadows>
 struct PackIdentified : Fused<TakeGridSample, PackClamped, StoreIdentities<kShadows>> {
   using Identities = StoreIdentities<kShadows>;
@@ -200,8 +201,9 @@ struct PackIdentified : Fused<TakeGridSample, PackClamped, StoreIdentities<kShad
   static constexpr std::array<std::string_view, 1> kRegisters{"pixels"};
 };
 
-// Like light_surface and fetch_lit, for frames with other effects than hard shadows (docs/design/effects.md). The last
-// part is the first launch of the effect: the first ray of the first light, or the first occlusion ray.
+// Variants of light_surface and fetch_lit for frames without shadows, with soft shadows or with occlusion
+// (docs/design/effects.md). The last part is the first launch of the effect: the first ray of the first light, or the
+// first occlusion ray.
 
 template <class... Local>
 using LitBy = Fused<ClassifySurfaces, ListDeferred, ImmediateLit<Local>...>;
@@ -245,7 +247,7 @@ struct FetchLitOcclusion : FetchedAndLitBy<kInstanced, kCones, CastOcclusion> {
   static constexpr std::string_view kMeaning = "shade_surface, light_surface_occlusion";
 };
 
-/// For surfaces without details, whose light is kept for upsampling.
+/// Fetches a surface without details and records its light for upsampling.
 template <bool kInstanced, bool kCones>
 struct FetchVisible : Fused<ShadeSurface<kInstanced, kCones>, ClassifySurfaces, RecordVisible> {
   static constexpr std::string_view kName = by_surface<kInstanced, kCones>(

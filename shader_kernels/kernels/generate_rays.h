@@ -26,12 +26,12 @@ struct GeneratePorts {
   }
 };
 
-/// Position of a sample: its pixel, and the cell within the pixel.
+/// Position of a sample: its pixel in the picture, and its cell in the pixel's sample grid.
 template <class V>
 struct SamplePosition {
-  F<V> x, y;         ///< pixel
-  F<V> column, row;  ///< cell of the pixel's grid
-  F<V> number;       ///< number of the cell
+  F<V> x, y;         ///< pixel in the picture
+  F<V> column, row;  ///< cell of the sample grid in the pixel
+  F<V> number;       ///< number of the cell in its pixel, row by row
 };
 template <class V>
 SamplePosition<V> sample_position(const I<V>& item, const TileUniforms<V>& tile) {
@@ -41,7 +41,7 @@ SamplePosition<V> sample_position(const I<V>& item, const TileUniforms<V>& tile)
   return {tile.x0 + row.remainder, tile.y0 + row.quotient, cell.remainder, cell.quotient, pixel.remainder};
 }
 
-/// Stores in slot `item` the ray of `sample` through picture position (x, y).
+/// Stores the primary ray of `sample` in ray slot `item`. The ray goes through picture position (x, y), in pixels.
 template <class V>
 void emit_primary(const I<V>& item, const I<V>& sample, const F<V>& x, const F<V>& y, const auto& at) {
   const Vec3<V> direction = unit_vector(at.camera.corner + at.camera.right * x + at.camera.down * y);
@@ -63,7 +63,7 @@ struct GenerateRays {
   }
 };
 
-/// A random point in a cell. It depends only on the frame's seed, the pixel and the cell.
+/// A random point in a cell of a pixel's sample grid. It depends only on the frame's seed, the pixel and the cell.
 template <class V>
 struct Jitter {
   F<V> x, y;
@@ -90,25 +90,26 @@ struct GenerateJitteredRays {
   }
 };
 
-/// Samples per pixel in reconstruct, and the side of their grid.
+/// Samples per pixel in reconstruct, which is also the number of rows of their grid.
 inline constexpr std::uint32_t kGeometrySamples = 4;
 
-/// Column of sample k of four on a rotated grid: row k of 4 x 4 cells, column (2 k + 1) mod 5.
+/// Returns the grid column of sample k of four in a pixel: row k of 4 x 4 cells has its sample in column (2 k + 1) mod
+/// 5.
 template <class V>
 F<V> rotated_column(const F<V>& k) {
   const F<V> column = k + k + 1.0F;
   return column - select(F<V>(4.0F) < column, F<V>(5.0F), F<V>(0.0F));
 }
 
-/// Generates rays on a rotated grid. Sample k of n x n is in row k of n^2 x n^2 cells and column n (k + 1) mod (n^2 +
-/// 1)
-/// - 1, so that each row and column has one sample. Four samples are those of reconstruct; a single one is centred.
+/// Generates rays on a rotated grid: each row and column of a pixel's n^2 x n^2 cells has one sample. Sample k of n x n
+/// is in row k and column n (k + 1) mod (n^2 + 1) - 1. With n = 2 these are the samples of reconstruct; with n = 1 the
+/// sample is centred.
 struct GenerateRotatedRays {
   static constexpr std::string_view kName = "generate_rotated_rays";
   static constexpr std::string_view kMeaning = "sample -> primary ray, samples on a rotated grid";
   template <class V>
   struct Ports : GeneratePorts<V> {
-    F<V> cycle, inverse_cycle;  ///< n^2 + 1
+    F<V> cycle, inverse_cycle;  ///< n^2 + 1, where the pixel has n x n samples
     static constexpr void describe(auto& p, auto&& port) {
       GeneratePorts<V>::describe(p, port);
       name_all(port, NAMED_ALL(p.cycle, p.inverse_cycle));
@@ -125,7 +126,7 @@ struct GenerateRotatedRays {
   }
 };
 
-/// Lists the reference samples of a tile.
+/// Lists the reference samples of a tile, which are always traced.
 struct ListSamples {
   static constexpr std::string_view kName = "list_samples";
   static constexpr std::string_view kMeaning = "number -> reference sample";
@@ -146,7 +147,7 @@ struct ListSamples {
   }
 };
 
-/// Generates the rays of listed samples; they equal those of generate_rays.
+/// Generates the primary rays of listed samples. They equal those of generate_rays.
 struct GenerateListedRays {
   static constexpr std::string_view kName = "generate_listed_rays";
   static constexpr std::string_view kMeaning = "listed sample -> primary ray, samples at the centres of a regular grid";
@@ -175,8 +176,8 @@ struct GenerateListedRays {
   }
 };
 
-/// Generates four rays per active sub-pixel: those of the pixel's 16 jittered samples that lie in it, equal to the rays
-/// of generate_jittered_rays for full:16.
+/// Generates four primary rays for each sub-pixel that needs more samples. They are the pixel's jittered samples in
+/// that quarter, equal to those of generate_jittered_rays with 16 samples per pixel.
 struct GenerateExtraRays {
   static constexpr std::string_view kName = "generate_extra_rays";
   static constexpr std::string_view kMeaning = "active sub-pixel -> four primary rays, anywhere in their cells";
@@ -187,8 +188,8 @@ struct GenerateExtraRays {
     Local<V, PathRecord> paths;
     Local<V, ColourRecord> colours;
     CameraUniforms<V> camera;
-    F<V> x0, y0, width, inverse_width;  ///< first pixel that the tile finishes; pixels per row
-    F<V> first_sample;                  ///< index of their first colour
+    F<V> x0, y0, width, inverse_width;  ///< first pixel that the tile finishes; pixels per row of the tile
+    F<V> first_sample;                  ///< index in `colours` of the first sample that this kernel generates
     I<V> image_width, seed;
     static constexpr void describe(auto& p, auto&& port) {
       name_all(port, NAMED_ALL(p.active, p.rays, p.paths, p.colours));
@@ -202,7 +203,7 @@ struct GenerateExtraRays {
     const DivMod<V> row = divmod<V>(to_float(subpixel >> 2U), at.width, at.inverse_width);
     const F<V> x = at.x0 + row.remainder;
     const F<V> y = at.y0 + row.quotient;
-    // The cell among the pixel's 4 x 4: two bits of column and row, one from the sub-pixel and one from the sample.
+    // The pixel has 4 x 4 cells: the sub-pixel gives the upper bit of column and row, the sample the lower bit.
     const I<V> column = ((subpixel & 1U) << 1U) | (item & 1U);
     const I<V> line = (subpixel & 2U) | ((item >> 1U) & 1U);
     const I<V> pixel = to_int(y) * at.image_width + to_int(x);
@@ -213,14 +214,14 @@ struct GenerateExtraRays {
 };
 
 /// Ports of the kernels that generate reconstruct's primary rays. Sample k of the pixel at position p of the tile
-/// buffer is sample k * `apart` + p; sample 0 is shaded.
+/// buffer has index k * `apart` + p; sample 0 is shaded.
 template <class V>
 struct VisibleRayPorts {
   Local<V, RayRecord> rays;
   Local<V, PathRecord> paths;
   Local<V, VisibleRecord> visible;
   CameraUniforms<V> camera;
-  GridUniforms<V> grid;  ///< counts pixels
+  GridUniforms<V> grid;  ///< coordinates are in pixels
   LatticeUniforms<V> lattice;
   static constexpr void describe(auto& p, auto&& port) {
     name_all(port, NAMED_ALL(p.rays, p.paths, p.visible));
@@ -230,13 +231,14 @@ struct VisibleRayPorts {
   }
 };
 
-/// Returns the record of a ray without a hit.
+/// Returns the geometry record of a ray that hits nothing.
 template <class V>
 VisibleRecord<V> visible_miss() {
   return {{0.0F, 0.0F, 1.0F}, kMissDepth, 0U};
 }
 
-/// Stores the ray of `sample`, at (x, y) within the pixel at position `pixel`.
+/// Stores the primary ray of `sample` in ray slot `item`. The ray goes through point (x, y) of the pixel, each from 0
+/// to 1.
 template <class V>
 void emit_in_pixel(const I<V>& item, const I<V>& pixel, const I<V>& sample, const F<V>& x, const F<V>& y, auto& at) {
   const DivMod<V> row = divmod<V>(to_float(pixel), at.grid.pitch, at.grid.inverse_pitch);
@@ -246,19 +248,19 @@ void emit_in_pixel(const I<V>& item, const I<V>& pixel, const I<V>& sample, cons
   at.paths.store(item, {{1.0F, 1.0F, 1.0F}, sample});
 }
 
-/// Like emit_in_pixel(), and sets the sample's record to a miss.
+/// Stores the primary ray of `sample`, as emit_in_pixel() does, and sets its geometry record to a miss.
 template <class V>
 void emit_visible(const I<V>& item, const I<V>& pixel, const I<V>& sample, const F<V>& x, const F<V>& y, auto& at) {
   emit_in_pixel<V>(item, pixel, sample, x, y, at);
   at.visible.store(sample, visible_miss<V>());
 }
 
-/// A further sample of a pixel: the pixel's index in a list, the sample's number, its position within the pixel.
+/// One of a pixel's three samples that are not shaded.
 template <class V>
 struct GeometrySample {
   F<V> pixel, number, x, y;
 };
-/// Returns the sample of an item; each pixel has three items.
+/// Returns the sample that item `item` stands for; three consecutive items belong to one pixel.
 template <class V>
 GeometrySample<V> other_sample(const I<V>& item) {
   const DivMod<V> of_pixel = divmod<V>(to_float(item), F<V>(3.0F), F<V>(1.0F / 3.0F));
@@ -299,7 +301,7 @@ struct GenerateCentredRays {
   }
 };
 
-/// Three items per pixel.
+/// Generates the primary rays of a pixel's samples that are not shaded, three items per pixel.
 struct GenerateVisibleRays {
   static constexpr std::string_view kName = "generate_visible_rays";
   static constexpr std::string_view kMeaning = "sample that is not shaded -> primary ray";
@@ -319,7 +321,7 @@ struct GenerateVisibleRays {
   }
 };
 
-/// Clears the branch records of a pixel's samples: no sample has such a ray yet.
+/// Clears the records of mirrored or refracted hits of a pixel's samples: no sample has such a hit yet.
 struct ClearBranch {
   static constexpr std::string_view kName = "clear_branch";
   static constexpr std::string_view kMeaning = "pixel -> its samples see nothing by a mirror, or through glass";
@@ -327,7 +329,7 @@ struct ClearBranch {
   struct Ports {
     Local<V, VisibleRecord> visible;
     Local<V, ColourRecord> colours;
-    LatticeUniforms<V> lattice;  ///< the branch's samples
+    LatticeUniforms<V> lattice;  ///< index of the mirrored or refracted samples
     I<V> apart;
     static constexpr void describe(auto& p, auto&& port) {
       name_all(port, NAMED_ALL(p.visible, p.colours));

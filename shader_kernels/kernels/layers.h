@@ -9,8 +9,8 @@
 
 namespace kernels {
 
-/// Ports of tests of flagged hits. A continuing ray begins just after the hit of its slot's ray. `kColoured`: the scene
-/// has vertex records with colours and second texture coordinates.
+/// Ports of kernels that test possibly transparent hits. A continuing ray begins just after the hit of its slot's ray.
+/// kColoured: the scene has vertex records with colours and second texture coordinates.
 template <class V, bool kColoured, bool kInstanced>
 struct LayerPorts {
   Local<V, WordRecord> layers;
@@ -22,10 +22,10 @@ struct LayerPorts {
   Table<V, AxisRecord> axes;
   Texels<V> texels;
   Local<V, RayRecord> next_rays;
-  Local<V, WordRecord> targets;  ///< slots of the continuing rays
+  Local<V, WordRecord> targets;  ///< ray slots that receive the hits of the continuing rays
   Counter<V> emitted;
-  F<V> epsilon, min_weight;  ///< paths below min_weight end
-  I<V> white;                ///< texture of materials that have none
+  F<V> epsilon, min_weight;  ///< a path with a smaller weight than min_weight ends
+  I<V> white;                ///< texture that replaces the missing base texture of a material
   static constexpr void describe(auto& p, auto&& port) {
     name_all(port, NAMED_ALL(p.layers, p.rays, p.hits, p.attributes, p.materials));
     if constexpr (kColoured) port(NAMED(p.vertices));
@@ -33,7 +33,7 @@ struct LayerPorts {
   }
 };
 
-/// The surface at a flagged hit.
+/// The surface at a possibly transparent hit.
 template <class V>
 struct Layer {
   MaterialFields<V> material;
@@ -65,8 +65,8 @@ Layer<V> fetch_layer(const LayerPorts<V, kColoured, kInstanced>& at, const HitRe
   return {m, base, colour, alpha * base.linear_channel(3)};
 }
 
-/// Continues a slot's ray where `onwards` holds. It begins slightly more than a rounding error after its hit, so that
-/// other surfaces at the same distance are passed too.
+/// Emits a ray that continues the ray of `slot` after its hit at distance `t`, if `onwards` holds. The new ray begins
+/// slightly more than a rounding error after the hit, so that it also passes other surfaces at the same distance.
 template <class V, bool kColoured, bool kInstanced>
 void continue_ray(LayerPorts<V, kColoured, kInstanced>& at, const M<V>& onwards, const I<V>& slot,
                   const RayRecord<V>& ray, const F<V>& t) {
@@ -76,8 +76,8 @@ void continue_ray(LayerPorts<V, kColoured, kInstanced>& at, const M<V>& onwards,
   at.targets.store(out, {slot});
 }
 
-/// Test for nearest-hit rays. There is no surface if a mask's alpha is below its cutoff, or a blended surface's alpha
-/// is too small to be visible.
+/// Tests whether a nearest-hit ray passes a transparent surface: the alpha of a mask is below its cutoff, or the alpha
+/// of a blended surface is too small to be visible.
 template <bool kColoured, bool kInstanced>
 struct TestAlpha {
   static constexpr std::string_view kName = kInstanced
@@ -111,9 +111,9 @@ struct ShadowLayerPorts : LayerPorts<V, kColoured, kInstanced> {
   }
 };
 
-/// Test for shadow rays: computes the light that passes, and continues the ray if it is enough. A mask blocks all light
-/// or none. A blended surface passes 1 - alpha. Glass tints by its transmission and base colour; light is neither bent
-/// nor mirrored, which would lead away from the light source.
+/// Tests how much light of a shadow ray passes a transparent surface, and continues the ray if enough does. A mask
+/// passes all or nothing. A blended surface passes 1 - alpha. Glass multiplies by its transmission and base colour; the
+/// ray is not bent, as it would miss the light source.
 template <bool kColoured, bool kInstanced>
 struct TestShadow {
   static constexpr std::string_view kName =
@@ -144,7 +144,7 @@ struct TestShadow {
   }
 };
 
-/// Ends a round of continued rays: stores their hits and lists the flagged ones for the next round.
+/// Stores the hits of continued rays in their original slots, and lists those to be tested in the next round.
 struct ScatterLayers {
   static constexpr std::string_view kName = "scatter_layers";
   static constexpr std::string_view kMeaning = "continuing ray -> its hit into the slot of the ray that it continues";

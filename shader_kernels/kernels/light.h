@@ -12,7 +12,7 @@
 
 namespace kernels {
 
-/// Adds to a sample's colour. Two items of one sample in flight at once would read a stale sum. No interlock is
+/// Adds light to a sample's colour. Two items of one sample in flight at once would read a stale sum. No interlock is
 /// modelled, because item lists keep such items far apart (one launch per light, reflections before refractions).
 template <class V>
 [[gnu::always_inline]] inline void add_light(const Local<V, ColourRecord>& colours, const I<V>& sample,
@@ -20,10 +20,10 @@ template <class V>
   colours.store(sample, {colours.load(sample).rgb + light});
 }
 
-/// A mask that holds for all items.
+/// A mask that holds for every item.
 struct AllItems {};
 
-/// Returns the value where the mask holds, otherwise 0.
+/// Returns `value` if the mask holds, otherwise 0.
 template <class V>
 Vec3<V> masked_value(AllItems, const Vec3<V>& value) {
   return value;
@@ -41,17 +41,20 @@ M<V> both_of(const M<V>& mask, const M<V>& other) {
   return logical_and(mask, other);
 }
 
-/// Classes of surfaces that add light before or between local lights, or change the base colour.
+/// Material classes whose light must be added before or between the lights of a surface, or that change its base
+/// colour.
 inline constexpr std::uint32_t kDeferredClasses =
     traces::kTextured | traces::kEmissive | traces::kGlowing | traces::kOccluded;
 
-/// True for surfaces that can be lit as soon as they are fetched: no other light precedes their local light.
+/// True for diffuse surfaces that can be lit as soon as they are fetched, because no kernel of their other classes has
+/// to run first.
 template <class V>
 M<V> is_immediately_lit(const I<V>& classes) {
   return (classes & (kDeferredClasses | traces::kDiffuse)) == static_cast<std::uint32_t>(traces::kDiffuse);
 }
 
-/// Runs kernel K, which is written for diffuse surfaces, over all surfaces. It acts on those that are lit immediately.
+/// Runs kernel K over the list of all surfaces, and acts on those that can be lit immediately. K itself is written for
+/// the list of diffuse surfaces.
 template <class K>
 struct ImmediateLit {
   using Of = K;
@@ -70,7 +73,7 @@ struct ImmediateLit {
   }
 };
 
-/// Lists the diffuse surfaces whose light is deferred.
+/// Lists the diffuse surfaces whose lighting must wait for other kernels.
 struct ListDeferred {
   template <class V>
   struct Ports {
@@ -94,13 +97,13 @@ struct ListDeferred {
   }
 };
 
-/// Light that a surface scatters if the light source is not blocked. Falloff by spot cone and range is that of glTF's
-/// KHR_lights_punctual.
+/// Light that a surface scatters if nothing blocks the light source. It falls off with the spot cone and the range as
+/// in glTF's KHR_lights_punctual.
 template <class V>
 struct DiffuseLight {
-  Vec3<V> to_light;  ///< not normalised: the light is at t = 1
+  Vec3<V> to_light;  ///< not normalised: the light source is at t = 1
   F<V> inverse_distance;
-  Vec3<V> light;  ///< includes the path's throughput; no channel is above 0 if the surface faces away
+  Vec3<V> light;  ///< light including the path's throughput; no channel is above 0 if the surface faces away
 };
 template <class V>
 DiffuseLight<V> diffuse_light(const SurfacePointRecord<V>& point, const PathRecord<V>& path, const Vec3<V>& diffuse,
@@ -137,7 +140,8 @@ struct ShadeBackground {
   }
 };
 
-/// Applies base textures with first texture coordinates whose alpha is unused; shade_base applies the others.
+/// Multiplies a surface's base colour by its base texture. It handles first texture coordinates and an unused alpha;
+/// shade_base handles the other cases.
 template <MipFilter kMips = MipFilter::kNone>
 struct ShadeTextured {
   static constexpr std::string_view kName =
@@ -221,7 +225,7 @@ struct ShadeAmbient {
   static void body(const I<V>& item, Ports<V>& at) {
     shade_slot<V>(at.diffuse.load(item).word, AllItems{}, at);
   }
-  /// Shades the slots where `mask` holds.
+  /// Adds the light of surface `slot` if `mask` holds.
   template <class V>
   static void shade_slot(const I<V>& slot, const auto& mask, Ports<V>& at) {
     const PathRecord<V> path = at.paths.load(slot);
@@ -230,7 +234,8 @@ struct ShadeAmbient {
   }
 };
 
-/// One launch per light; an item is a surface.
+/// Computes the light that a diffuse surface scatters from one light source and emits its shadow ray. One launch per
+/// light.
 struct ShadeDiffuse {
   static constexpr std::string_view kName = "shade_diffuse";
   static constexpr std::string_view kMeaning = "diffuse surface, one light -> shadow ray that brings its light";
@@ -257,7 +262,7 @@ struct ShadeDiffuse {
   static void body(const I<V>& item, Ports<V>& at) {
     shade_slot<V>(at.diffuse.load(item).word, AllItems{}, at);
   }
-  /// Shades the slots where `mask` holds.
+  /// Emits the shadow ray of surface `slot` if `mask` holds.
   template <class V>
   static void shade_slot(const I<V>& slot, const auto& mask, Ports<V>& at) {
     const SurfacePointRecord<V> point = at.points.load(slot);
@@ -272,7 +277,8 @@ struct ShadeDiffuse {
   }
 };
 
-/// Replaces shade_diffuse in frames without shadows. One launch per light.
+/// Adds the light of one light source to diffuse surfaces without a shadow ray; replaces shade_diffuse in frames
+/// without shadows. One launch per light.
 struct ShadeOpen {
   static constexpr std::string_view kName = "shade_open";
   static constexpr std::string_view kMeaning = "diffuse surface, one light -> its light into its sample, no shadow";
@@ -295,7 +301,7 @@ struct ShadeOpen {
   static void body(const I<V>& item, Ports<V>& at) {
     shade_slot<V>(at.diffuse.load(item).word, AllItems{}, at);
   }
-  /// Shades the slots where `mask` holds.
+  /// Adds the light of surface `slot` if `mask` holds.
   template <class V>
   static void shade_slot(const I<V>& slot, const auto& mask, Ports<V>& at) {
     const PathRecord<V> path = at.paths.load(slot);
@@ -305,7 +311,8 @@ struct ShadeOpen {
   }
 };
 
-/// Replaces shade_diffuse where the light's visibility is already known. One launch per light.
+/// Adds the light of one light source to surfaces whose shadows are already known; replaces shade_diffuse for
+/// interpolated samples. One launch per light.
 struct ShadeVisible {
   static constexpr std::string_view kName = "shade_visible";
   static constexpr std::string_view kMeaning =
@@ -331,7 +338,7 @@ struct ShadeVisible {
   static void body(const I<V>& item, Ports<V>& at) {
     shade_slot<V>(at.diffuse.load(item).word, AllItems{}, at);
   }
-  /// Shades the slots where `mask` holds.
+  /// Adds the light of surface `slot` if `mask` holds.
   template <class V>
   static void shade_slot(const I<V>& slot, const auto& mask, Ports<V>& at) {
     const PathRecord<V> path = at.paths.load(slot);

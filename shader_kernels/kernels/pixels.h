@@ -7,7 +7,8 @@
 
 namespace kernels {
 
-/// Adds each sample to the running sum of its pixel. The pixel's last sample turns the sum into the mean.
+/// Averages the samples of a pixel: each sample is added to a running sum, which the pixel's last sample turns into the
+/// mean.
 struct AverageColour {
   static constexpr std::string_view kName = "average_colour";
   static constexpr std::string_view kMeaning = "sample -> mean of its pixel's samples, clamped, in linear light";
@@ -25,7 +26,7 @@ struct AverageColour {
     const DivMod<V> pixel = divmod<V>(to_float(item), at.samples, at.inverse_samples);
     add<V>(at, pixel, at.colours.load(item).rgb);
   }
-  /// Adds a sample by its number within the pixel; samples come in order.
+  /// Adds a sample to the sum of its pixel. The samples of a pixel are added in order of their numbers.
   template <class V>
   static void add(Ports<V>& at, const DivMod<V>& pixel, const Vec3<V>& colour) {
     const M<V> first = pixel.remainder <= 0.0F;
@@ -39,13 +40,13 @@ struct AverageColour {
   }
 };
 
-/// Like average_colour, for samples in row order.
+/// Averages the samples of a pixel, as average_colour does, for samples stored row by row of the tile.
 struct AverageSamples {
   static constexpr std::string_view kName = "average_samples";
   static constexpr std::string_view kMeaning = "sample of a grid -> mean of its pixel's samples, clamped, linear light";
   template <class V>
   struct Ports : AverageColour::Ports<V> {
-    F<V> width, inverse_width;  ///< pixels in a row of the tile
+    F<V> width, inverse_width;  ///< number of pixels in a row of the tile
     F<V> grid, inverse_grid;
     F<V> first, pitch;
     static constexpr void describe(auto& p, auto&& port) {
@@ -64,7 +65,7 @@ struct AverageSamples {
   }
 };
 
-/// Like average_colour, for pixels with one sample.
+/// Replaces average_colour for pixels with one sample: clamps it.
 struct TakeSample {
   template <class V>
   struct Ports {
@@ -82,11 +83,11 @@ struct TakeSample {
   }
 };
 
-/// Like average_samples, for pixels with one sample.
+/// Replaces average_samples for pixels with one sample: clamps it.
 struct TakeGridSample {
   template <class V>
   struct Ports : TakeSample::Ports<V> {
-    LatticeUniforms<V> lattice;  ///< samples of the tile's pixels
+    LatticeUniforms<V> lattice;  ///< indices of the samples of the tile's pixels
     static constexpr void describe(auto& p, auto&& port) {
       TakeSample::Ports<V>::describe(p, port);
       LatticeUniforms<V>::describe(p.lattice, port);
@@ -98,7 +99,7 @@ struct TakeGridSample {
   }
 };
 
-/// Returns the frame buffer's RGBA8 word of a colour with channels in [0, 1].
+/// Packs a colour with channels in [0, 1] into a word of the frame buffer (RGBA8).
 template <class V>
 I<V> encoded_pixel(const Vec3<V>& colour) {
   const auto byte = [](const F<V>& x) { return to_int(encode_srgb<V>(x) * 255.0F + 0.5F); };
@@ -122,7 +123,7 @@ struct PackColour {
   }
 };
 
-/// Like pack_colour, for a pixel that an earlier part of a fused kernel has clamped.
+/// Packs a colour that an earlier part of the fused kernel has clamped; otherwise equal to pack_colour.
 struct PackClamped {
   using Of = PackColour;
   template <class V>

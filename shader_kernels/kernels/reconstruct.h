@@ -14,7 +14,7 @@
 
 namespace kernels {
 
-/// The eye and the viewing direction, whose length is the unit of depth.
+/// Position of the eye, and the viewing direction. The length of the direction is the unit of depth.
 template <class V>
 struct EyeUniforms {
   Vec3<V> position, axis;
@@ -50,8 +50,8 @@ struct RecordVisible {
   }
 };
 
-/// Gives a mirrored or refracted ray its own sample, `apart` samples after that of the surface. It receives the
-/// branch's light and geometry; the geometry begins as a miss.
+/// Gives a mirrored or refracted ray its own sample, `apart` samples after that of the surface. The sample collects the
+/// light and geometry of that ray; its geometry begins as a miss.
 struct BeginBranch {
   static constexpr std::string_view kName = "begin_branch";
   static constexpr std::string_view kMeaning = "ray by a mirror or through glass -> of a sample of its own";
@@ -73,7 +73,7 @@ struct BeginBranch {
   }
 };
 
-/// Depth is the distance from the mirror, or along the refracted ray.
+/// Records the geometry of a mirrored or refracted hit. Its depth is the distance along that ray.
 struct RecordBranchVisible {
   static constexpr std::string_view kName = "record_branch_visible";
   static constexpr std::string_view kMeaning =
@@ -103,10 +103,10 @@ struct RecordBranchVisible {
 };
 
 /// Weight of a shaded sample's colour at another sample: exp(-dz^2) exp(-(bend (1 - n.n))^2), or 0 if their shadows
-/// differ. Depths are already scaled by the filter's factor.
+/// differ. dz is the difference of depths, which are already scaled by the filter's factor; n are the normals.
 template <class V>
 struct Similarity {
-  F<V> depth, normal;  ///< exponents
+  F<V> depth, normal;  ///< exponents of the weight by depth and by normal
   M<V> same_shadows;
   Similarity(const VisibleRecord<V>& a, const VisibleRecord<V>& b, const F<V>& bend)
       : depth(b.depth - a.depth),
@@ -118,18 +118,18 @@ struct Similarity {
   F<V> filter_weight() const { return select(same_shadows, exp_negative<V>(depth + normal), F<V>(0.0F)); }
 };
 
-/// Sum of exponents that halves a weight.
+/// Sum of exponents at which a weight is one half.
 inline constexpr float kHalved = 0.69314718F;
-/// Smaller sums of weights count as none.
+/// Smallest sum of weights that counts; a pixel with less has no similar sample.
 inline constexpr float kLeastWeight = 1e-30F;
 
-/// True if a sample's branch record comes from a ray.
+/// True if the record is that of a mirrored or refracted ray, hit or miss.
 template <class V>
 M<V> has_branch(const VisibleRecord<V>& record) {
   return F<V>(0.5F * kNoBranchDepth) < record.depth;
 }
 
-/// The shaded samples around that of a pixel, row by row: a square of side 2 kRadius + 1.
+/// The shaded samples of the pixels around a pixel, row by row: a square of side 2 kRadius + 1.
 template <std::uint32_t kRadius, class V>
 class ShadedAround {
  public:
@@ -138,8 +138,8 @@ class ShadedAround {
       : columns_(steps(pixel.remainder, of.low_x, of.high_x, [](float by) { return F<V>(by); })),
         rows_(steps(pixel.quotient, of.low_y, of.high_y, [&](float by) { return of.pitch * by; })) {}
 
-  /// Calls f(number of the sample, whether it is inside the picture) for tap t around `centre`; t must not be the
-  /// centre.
+  /// Calls f(index, inside) for the shaded sample at position `t` of the square around sample `centre`; `inside` is
+  /// false outside the picture. The centre itself is not allowed.
   auto at(std::uint32_t t, const F<V>& centre, auto&& f) const {
     const std::uint32_t x = t % kSide, y = t / kSide;
     if (x == kRadius) return f(centre + rows_[step_to(y)].samples, rows_[step_to(y)].inside);
@@ -149,13 +149,14 @@ class ShadedAround {
   }
 
  private:
-  /// Offset to the neighbour in another column or row; 0 where the neighbour is outside the picture.
+  /// Offset from a sample to the one in another column or row; 0 if that is outside the picture.
   struct Step {
     F<V> samples;
     M<V> inside;
   };
   using Steps = std::array<Step, 2 * kRadius>;
-  /// Returns the steps by -kRadius to kRadius, except 0. `samples` converts a step to samples.
+  /// Returns the offsets to the columns or rows -kRadius to kRadius around `from`, without 0. `samples` converts a
+  /// distance in pixels to samples.
   static Steps steps(const F<V>& from, const F<V>& low, const F<V>& high, auto&& samples) {
     const auto step = [&](std::size_t n) -> Step {
       const float by = static_cast<float>(n < kRadius ? n : n + 1) - static_cast<float>(kRadius);
@@ -166,13 +167,13 @@ class ShadedAround {
     return [&]<std::size_t... n>(std::index_sequence<n...>) { return Steps{step(n)...}; }
     (std::make_index_sequence<2 * kRadius>{});
   }
-  /// Returns the index of the step to column or row `n` of kSide.
+  /// Returns the index in Steps of column or row `n` of the square.
   static constexpr std::uint32_t step_to(std::uint32_t n) { return n < kRadius ? n : n - 1; }
 
   const Steps columns_, rows_;
 };
 
-/// Lists the pixels with a mirrored or refracted sample.
+/// Lists the pixels that have a mirrored or refracted sample.
 struct ListBranches {
   static constexpr std::string_view kName = "list_branches";
   static constexpr std::string_view kMeaning = "finished pixel -> listed if one of its samples sees something that way";
@@ -203,12 +204,12 @@ struct ListBranches {
 };
 
 /// The filter of reconstruct. The colour of each of a pixel's four samples is the weighted mean of the shaded samples
-/// around; the pixel is the mean of the four. Each shaded sample is loaded once for all four:
+/// around it; the pixel is the mean of the four. Each shaded sample is loaded once for all four:
 ///
 ///   pixel = 1/4 sum_i (sum_j w_ij c_j) / (sum_j w_ij) = sum_j c_j (sum_i w_ij r_i),   r_i = 1/4 / sum_j w_ij
 ///
 /// A sample without similar shaded samples has the colour of its own pixel's shaded sample. With kBranch the filter
-/// runs over listed pixels and adds mirrored or refracted light; samples without such a ray add 0.
+/// runs over listed pixels and adds their mirrored or refracted light; samples without such a ray add 0.
 template <std::uint32_t kRadius, bool kBranch>
 struct Reconstruct {
   static constexpr std::array<std::string_view, 4> kNames{"reconstruct", "reconstruct_wide", "reconstruct_branch",
@@ -220,7 +221,7 @@ struct Reconstruct {
   template <class V>
   struct Ports {
     FinishedUniforms<V> finished;
-    Local<V, WordRecord> masters;  ///< bound if kBranch, as is `branch`
+    Local<V, WordRecord> masters;  ///< listed pixels; bound if kBranch, as is `branch`
     Local<V, VisibleRecord> visible;
     Local<V, ColourRecord> colours, pixels;
     F<V> bend, branch;
@@ -250,7 +251,7 @@ struct Reconstruct {
   }
 
  private:
-  /// A shaded sample's weights for the pixel's four samples.
+  /// One shaded sample, with its weight for each of the pixel's four samples.
   template <class V>
   struct Tap {
     Vec3<V> colour;
@@ -296,14 +297,14 @@ struct Reconstruct {
     return sum;
   }
 
-  /// Returns each sample's share of the pixel, divided by its sum of weights.
+  /// Returns, for each of the pixel's samples, its fraction of the pixel divided by its sum of weights.
   template <class V>
   static std::array<F<V>, kGeometrySamples> shares_of(const Samples<V>& own, std::array<Tap<V>, kTaps>& taps) {
     std::array<F<V>, kGeometrySamples> shares;
     for (std::uint32_t k = 0; k < kGeometrySamples; ++k) {
       F<V> all = taps[0].weights[k];
       for (std::uint32_t t = 1; t < kTaps; ++t) all = all + taps[t].weights[k];
-      if (k != 0) {  // the shaded sample is similar to itself
+      if (k != 0) {  // sample 0 is the shaded sample itself
         const M<V> alone = all < kLeastWeight;
         all = select(alone, F<V>(1.0F), all);
         taps[kOwn].weights[k] = select(alone, F<V>(1.0F), taps[kOwn].weights[k]);
@@ -314,7 +315,7 @@ struct Reconstruct {
     return shares;
   }
 
-  /// Returns the tap of the pixel's own shaded sample.
+  /// Returns the shaded sample of the pixel itself, with its weights.
   template <class V>
   static Tap<V> own_tap(const Own<V>& own, Ports<V>& at) {
     Tap<V> out{at.colours.load(own.shaded).rgb, {}};
@@ -325,7 +326,7 @@ struct Reconstruct {
     return out;
   }
 
-  /// Returns the tap of another pixel's shaded sample.
+  /// Returns the shaded sample of another pixel, at `index`, with its weights; all are 0 unless `inside` holds.
   template <class V>
   static Tap<V> weigh_tap(const Own<V>& own, const F<V>& index, const M<V>& inside, Ports<V>& at) {
     const I<V> sample = to_int(index);
@@ -339,9 +340,9 @@ struct Reconstruct {
   }
 };
 
-/// Lists the pixels whose colour changes where the geometry does not: texture edges, which the filter would blur. A
-/// pixel is listed if the contrast (Mitchell 1987) of its own and the similar samples among 3 x 3 reaches `threshold`
-/// in a channel. Each layer is tested, so that textures seen in mirrors and glass count too.
+/// Lists the pixels whose colour changes where the geometry does not, such as at texture edges, which the filter would
+/// blur. A pixel is listed if the contrast (Mitchell 1987) among itself and the similar ones of 3 x 3 reaches
+/// `threshold` in a channel. Each layer (surface, mirrored, refracted) is tested.
 template <std::uint32_t kBranches>
 struct ListContrasts {
   static constexpr std::array<std::string_view, 3> kNames{"list_contrasts", "list_contrasts_branch",
@@ -357,7 +358,7 @@ struct ListContrasts {
     Local<V, WordRecord> masters;
     Counter<V> masters_count;
     F<V> bend, threshold;
-    F<V> branch;  ///< offset from a sample to its next branch; bound if there are branches
+    F<V> branch;  ///< offset from a sample to its sample of the next branch; bound if there are branches
     static constexpr void describe(auto& p, auto&& port) {
       FinishedUniforms<V>::describe(p.finished, port);
       name_all(port, NAMED_ALL(p.visible, p.colours, p.masters, p.masters_count, p.bend, p.threshold));
@@ -378,7 +379,7 @@ struct ListContrasts {
   }
 
  private:
-  /// True if a layer's colours differ around the sample at `centre`.
+  /// True if the colours of one layer differ too much around the sample `centre`.
   template <class V>
   static M<V> colours_differ(const F<V>& centre, const ShadedAround<1, V>& around, Ports<V>& at) {
     const I<V> own = to_int(centre);
@@ -411,7 +412,7 @@ struct ListContrasts {
   }
 };
 
-/// Three items per listed pixel.
+/// Generates the primary rays of the three samples of a listed pixel that are not shaded yet.
 struct GenerateContrastRays {
   static constexpr std::string_view kName = "generate_contrast_rays";
   static constexpr std::string_view kMeaning = "sample of a listed pixel that is not shaded yet -> primary ray";
@@ -422,7 +423,7 @@ struct GenerateContrastRays {
     Local<V, PathRecord> paths;
     Local<V, ColourRecord> colours;
     CameraUniforms<V> camera;
-    GridUniforms<V> grid;  ///< counts pixels
+    GridUniforms<V> grid;  ///< coordinates are in pixels
     FinishedUniforms<V> finished;
     F<V> apart;
     static constexpr void describe(auto& p, auto&& port) {
@@ -444,7 +445,7 @@ struct GenerateContrastRays {
   }
 };
 
-/// Averages the colour of a listed pixel, whose samples are all shaded.
+/// Averages the four samples of a listed pixel, which are all shaded by now.
 template <std::uint32_t kBranches>
 struct AverageContrasts {
   static constexpr std::array<std::string_view, 3> kNames{"average_contrasts", "average_contrasts_branch",
@@ -457,7 +458,7 @@ struct AverageContrasts {
     Local<V, ColourRecord> colours, pixels;
     FinishedUniforms<V> finished;
     I<V> apart;
-    I<V> branch;  ///< bound if there are branches
+    I<V> branch;  ///< offset from a sample to its sample of the next branch; bound if there are branches
     static constexpr void describe(auto& p, auto&& port) {
       name_all(port, NAMED_ALL(p.masters, p.colours, p.pixels));
       FinishedUniforms<V>::describe(p.finished, port);
@@ -469,7 +470,7 @@ struct AverageContrasts {
   static void body(const I<V>& item, Ports<V>& at) {
     const I<V> listed = at.masters.load(item).word;
     const I<V> own = to_int(centre_sample<V>(finished_pixel<V>(to_float(listed), at.finished), at.finished));
-    // Layers of the pixel's first sample, which sum to its clamped colour.
+    // The layers of the pixel's shaded sample sum to its clamped colour.
     Vec3<V> sum = at.colours.load(own).rgb;
     I<V> sample = own;
     for (std::uint32_t branch = 0; branch < kBranches; ++branch) {
@@ -485,8 +486,8 @@ struct AverageContrasts {
   }
 };
 
-/// Clamps a shaded sample's colour, whose layers are filtered one by one: first that of its surface, then the branches.
-/// The layers then sum to the clamped colour.
+/// Clamps a shaded sample's colour before its layers are filtered one by one: first that of its surface, then the
+/// mirrored and refracted ones. The clamped layers sum to the clamped colour.
 template <std::uint32_t kBranches>
 struct LimitColours {
   static constexpr std::array<std::string_view, 3> kNames{"limit_colours", "limit_colours_branch",
@@ -497,7 +498,7 @@ struct LimitColours {
   struct Ports {
     Local<V, ColourRecord> colours;
     LatticeUniforms<V> lattice;
-    I<V> branch;  ///< offset from a sample to its next branch
+    I<V> branch;  ///< offset from a sample to its sample of the next branch
     static constexpr void describe(auto& p, auto&& port) {
       port(NAMED(p.colours));
       LatticeUniforms<V>::describe(p.lattice, port);

@@ -11,7 +11,7 @@
 
 namespace kernels {
 
-/// Sets the records of samples about to be traced to a miss.
+/// Clears the geometry records of samples before they are traced: they begin as misses.
 struct ClearGeometry {
   static constexpr std::string_view kName = "clear_geometry";
   static constexpr std::string_view kMeaning = "sample -> its geometry is that of a miss";
@@ -63,7 +63,7 @@ struct ClearTraits {
   }
 };
 
-/// Like clear_geometry, for samples that keep their surface.
+/// Clears the geometry and surface records of samples before they are traced.
 struct ClearSurface {
   static constexpr std::string_view kName = "clear_surface";
   static constexpr std::string_view kMeaning = "sample -> its geometry and surface are those of a miss";
@@ -87,15 +87,15 @@ struct ClearSurface {
   }
 };
 
-/// Classes of surfaces whose colour comes from a texture.
+/// Material classes whose colour comes from a texture.
 inline constexpr std::uint32_t kAnyTexture =
     traces::kTextured | traces::kBased | traces::kPhysical | traces::kBumped | traces::kGlowing;
 
-/// Records with a hit's object id: those of triangles, which the intersection unit has just read, or of instances.
+/// Records that contain a hit's object: those of triangles, which the intersection unit has just read, or of instances.
 template <class V, bool kInstanced>
 using Objects = std::conditional_t<kInstanced, Instances<V>, Triangles<V>>;
 
-/// Returns the index of that record.
+/// Returns the index in Objects of a hit's record.
 template <class V>
 I<V> index_of(const HitRecord<V>& hit) {
   return triangle_of<V>(hit);
@@ -105,13 +105,13 @@ I<V> index_of(const InstanceHitRecord<V>& hit) {
   return instance_of<V>(hit);
 }
 
-/// Returns the object id, with the flag of a textured object if the classes include a texture.
+/// Returns the object id, with kTexturedObject set if the material classes include a texture.
 template <class V>
 I<V> mark_textured(const I<V>& object, const I<V>& classes) {
   return object | select(I<V>(0U) < (classes & kAnyTexture), I<V>(kTexturedObject), I<V>(0U));
 }
 
-/// Ports of kernels that record a sample's surface.
+/// Ports of kernels that record the surface of a sample's hit.
 template <class V, bool kInstanced>
 struct SurfaceHitPorts {
   Local<V, WordRecord> surfaces;
@@ -131,7 +131,7 @@ struct SurfaceHitPorts {
 template <class V>
 struct SurfaceHit {
   SurfacePointRecord<V> point;
-  I<V> object;  ///< with the flag of a textured object
+  I<V> object;  ///< object id, with kTexturedObject set if the surface has a texture
   PathRecord<V> path;
 };
 template <class V, bool kInstanced>
@@ -184,14 +184,14 @@ struct RecordTraits {
   }
 };
 
-/// Returns the vector perpendicular to a triangle's plane.
+/// Returns the normal of a triangle's plane, not normalised.
 template <class V>
 Vec3<V> across_of(const TriangleFields<V>& t) {
   return cross(t.v1 - t.v0, t.v2 - t.v0);
 }
 
-/// Like record_geometry, with all data for interpolation and later shading. The triangle's normal is turned to the side
-/// of the shading normal.
+/// Records the geometry of a sample's first hit and the data with which it is interpolated and shaded later. The
+/// triangle's normal is turned to the side of the shading normal.
 template <bool kInstanced>
 struct RecordSurface {
   static constexpr std::string_view kName = kInstanced ? "record_surface_instanced" : "record_surface";
@@ -199,7 +199,7 @@ struct RecordSurface {
       kInstanced ? "as record_surface, of an instance" : "first hit -> its sample's geometry and surface";
   template <class V>
   struct Ports : RecordGeometry<kInstanced>::template Ports<V> {
-    Triangles<V> corners;  ///< bound if kInstanced; otherwise `objects` has the triangles
+    Triangles<V> corners;  ///< triangles; bound if kInstanced, otherwise `objects` are the triangles
     Local<V, TexcoordRecord> texcoords;
     Local<V, SurfaceRecord> kept;
     static constexpr void describe(auto& p, auto&& port) {
@@ -230,13 +230,14 @@ struct RecordSurface {
   }
 };
 
-/// Uniforms of a bounce after the first. `way` is the bounce's hash key: the same objects in another order give another
-/// hash.
+/// Uniforms of one bounce after the first hit. `way` is the hash key of the bounce: the same objects in another order
+/// have another hash.
 template <class V>
 struct BounceUniforms {
   I<V> way;
-  I<V> mirrored, refracted;  ///< slots below `mirrored` continue straight, those below `refracted` were mirrored
-  F<V> first;                ///< 1 for the bounce whose normals are kept, otherwise 0
+  I<V> mirrored, refracted;  ///< ray slots below `mirrored` continue straight, those from there to `refracted` are
+                             ///< mirrored, the rest refracted
+  F<V> first;                ///< 1 for the bounce whose normals are recorded, otherwise 0
   static constexpr void describe(auto& b, auto&& port) {
     port(NAMED(b.way));
     port(NAMED(b.mirrored));
@@ -245,7 +246,7 @@ struct BounceUniforms {
   }
 };
 
-/// One launch per bounce.
+/// Records the geometry of secondary hits in their samples. One launch per bounce.
 template <bool kInstanced>
 struct RecordSecondary {
   static constexpr std::string_view kName = kInstanced ? "record_secondary_instanced" : "record_secondary";
@@ -287,16 +288,17 @@ struct RecordSecondary {
   }
 };
 
-// Traits are the data that supersample compares. Of its secondary hits a sample keeps one: that of the heaviest
-// mirrored or refracted branch, one bounce after the first hit.
+// Traits are the data that supersample compares between samples. Of its secondary hits a sample records one: that of
+// the mirrored or refracted ray with the largest weight, one bounce after the first hit.
 
-/// Returns a checksum of a position; two hits of a sample almost never share one.
+/// Returns a checksum of a position. Two hits of a sample almost never have the same.
 template <class V>
 F<V> position_sum(const Vec3<V>& position) {
   return dot(position, Vec3<V>{1.0F, 1.7320508F, 2.2360680F});
 }
 
-/// Runs over all rays of the first bounce, because the heaviest branch may hit nothing.
+/// Finds the largest weight of a sample's mirrored and refracted rays. It runs over all rays of the first bounce,
+/// because the ray with the largest weight may hit nothing.
 struct WeighBranch {
   static constexpr std::string_view kName = "weigh_branch";
   static constexpr std::string_view kMeaning = "secondary ray -> most that one of its sample carries";
@@ -339,7 +341,7 @@ struct RecordBranch {
   }
 };
 
-/// Records the shadows of a branch. A shadow ray is assigned to a branch by its origin.
+/// Records the shadows of a mirrored or refracted hit. The origin of a shadow ray identifies the hit.
 struct RecordBranchShadow {
   static constexpr std::string_view kName = "record_branch_shadow";
   static constexpr std::string_view kMeaning = "shadow ray of the kept secondary hit -> counted if it was stopped";
@@ -366,8 +368,9 @@ struct RecordBranchShadow {
   }
 };
 
-/// Separates a sample's global colour: all light except ambient and local lights at its first hit, which interpolated
-/// samples compute again. It is found by difference, so that a traced sample's colour does not change.
+/// Separates a sample's global colour: all its light except ambient and local lights at the first hit, which
+/// interpolated samples compute themselves. It is the difference of two sums, so that a traced sample's colour does not
+/// change.
 template <bool kAfter>
 struct RecordLocal {
   static constexpr std::string_view kName = kAfter ? "record_local_after" : "record_local_before";
@@ -412,10 +415,10 @@ struct RecordGlobal {
 };
 
 /// Returns the largest channel of a faint colour. Channels up to 0.0031 are encoded as 12.92 times themselves, so two
-/// faint colours are at most 3^(1/2) x 12.92 x 0.04 = 0.9 of `threshold` apart.
+/// faint colours differ by at most 3^(1/2) x 12.92 x 0.04 = 0.9 of `threshold`.
 inline float faint_channel(float threshold) { return std::min(0.003F, 0.04F * threshold); }
 
-/// Counts samples whose global colour is not faint. Two faint colours always pass the colour check.
+/// Counts the samples whose global colour is not faint. Two faint colours always pass the colour check.
 struct CountColoured {
   static constexpr std::string_view kName = "count_coloured";
   static constexpr std::string_view kMeaning = "sample -> number of those whose global colour is not faint";
@@ -436,8 +439,8 @@ struct CountColoured {
   }
 };
 
-/// Ports of kernels that record shadows: one launch per light and bounce, after combine_shadow. A light behind the
-/// surface casts no shadow on it.
+/// Ports of kernels that record shadows after combine_shadow, one launch per light and bounce. A light source on the
+/// far side of the surface casts no shadow on it.
 template <template <class> class R>
 struct RecordShadowPorts {
   template <class V>
@@ -457,7 +460,7 @@ struct RecordShadowPorts {
     R<V> record = at.records.load(sample);
     const I<V> mark = select(lit, I<V>(0U), at.mark);
     if constexpr (std::is_same_v<R<V>, GeometryRecord<V>> || std::is_same_v<R<V>, VisibleRecord<V>>) {
-      record.shadows = record.shadows | mark;  // lights beyond 32 share bits
+      record.shadows = record.shadows | mark;  // lights after the 32nd share bits with earlier ones
     } else {
       record.shadows = record.shadows + mark;
     }

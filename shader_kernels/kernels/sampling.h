@@ -9,36 +9,36 @@
 
 namespace kernels {
 
-/// Mip levels that a lookup blends.
+/// Which mip levels a texture lookup reads.
 enum class MipFilter : std::uint8_t {
-  kNone,     ///< no mip maps
-  kNearest,  ///< the level whose texel size is nearest to the footprint
-  kLinear,   ///< the two nearest levels (trilinear)
+  kNone,     ///< the full texture; there are no mip maps
+  kNearest,  ///< the level whose texel size is nearest to the footprint's
+  kLinear,   ///< the two nearest levels, blended (trilinear)
 };
 
-/// Returns the name that belongs to the filter.
+/// Returns the one of three names that belongs to the kernel variant with filter kMips.
 template <MipFilter kMips>
 constexpr std::string_view by_filter(std::string_view none, std::string_view nearest, std::string_view linear) {
   return kMips == MipFilter::kNone ? none : kMips == MipFilter::kNearest ? nearest : linear;
 }
 
-/// The four texels around a point, and their bilinear weights.
+/// The four texels around a texture position, and their bilinear weights.
 template <class V>
 struct TexelSample {
   FootprintRecord<V> texels;
-  F<V> right, lower;  ///< weight of the right and of the lower two texels
-  /// Blends the values that `channel` extracts from each texel's bits.
+  F<V> right, lower;  ///< weights of the right two and of the lower two texels
+  /// Blends one value over the four texels. `channel` extracts it from a texel's bits.
   F<V> blend_texels(auto&& channel) const {
     const F<V> upper_left = channel(texels.at00), lower_left = channel(texels.at01);
     const F<V> upper = upper_left + (channel(texels.at10) - upper_left) * right;
     const F<V> low = lower_left + (channel(texels.at11) - lower_left) * right;
     return upper + (low - upper) * lower;
   }
-  /// Returns channel 0 (red) to 3 (alpha) of a linear texture.
+  /// Returns the blended channel of a linear texture: 0 is red, 3 alpha.
   F<V> linear_channel(std::uint32_t channel) const {
     return blend_texels([&](const I<V>& rgba) { return to_float(byte_of<V>(rgba, channel)) * (1.0F / 255.0F); });
   }
-  /// Returns the colour of an sRGB texture; texels are decoded before blending.
+  /// Returns the blended colour of an sRGB texture. Texels are decoded before they are blended.
   Vec3<V> srgb_colour(const Table<V, SrgbCodeRecord>& codes) const {
     const auto decoded = [&](std::uint32_t channel) {
       return blend_texels([&](const I<V>& rgba) { return codes.load(byte_of<V>(rgba, channel)).linear; });
@@ -48,7 +48,7 @@ struct TexelSample {
   }
 };
 
-/// The two texels around a coordinate, and the weight of the second.
+/// The two texels around a texture coordinate along one axis, and the weight of the second.
 template <class V>
 struct TexelPair {
   I<V> first, second;
@@ -65,7 +65,8 @@ TexelPair<V> texel_pair(const F<V>& coordinate, const AxisRecord<V>& axis) {
           to_int(select(axis.last < second, axis.last - axis.below, second)), texel - first};
 }
 
-/// Looks up a texture. Texel (0, 0) is at the top left, where v is 0. `axes` has two entries per texture.
+/// Fetches the four texels around (u, v). Texel (0, 0) is at the top left, where v is 0. `axes` has two entries per
+/// texture.
 template <class V>
 TexelSample<V> sample_texture(const Table<V, AxisRecord>& axes, const Texels<V>& texels, const I<V>& texture,
                               const F<V>& u, const F<V>& v) {
@@ -75,7 +76,7 @@ TexelSample<V> sample_texture(const Table<V, AxisRecord>& axes, const Texels<V>&
   return {texels.load(texture, (y.first << 16U) | x.first, (y.second << 16U) | x.second), x.weight, y.weight};
 }
 
-/// Samples of two neighbouring levels, and the weight of the second.
+/// Texture samples of two neighbouring mip levels, and the weight of the second.
 template <class V>
 struct TrilinearSample {
   TexelSample<V> fine, coarse;
@@ -92,7 +93,7 @@ struct TrilinearSample {
   F<V> blend_levels(const F<V>& a, const F<V>& b) const { return a + (b - a) * weight; }
 };
 
-/// Fields of TexcoordRecord::texture with mip levels.
+/// Masks of TexcoordRecord::texture in scenes with mip maps.
 inline constexpr std::uint32_t kTextureMask = traces::kMostMipLevels - 1;
 template <class V>
 I<V> with_footprint(const I<V>& texture, const F<V>& footprint) {
@@ -103,19 +104,19 @@ F<V> footprint_of(const I<V>& word) {
   return from_bits(word & ~kTextureMask);
 }
 
-/// Ports of texture lookups.
+/// Ports through which a kernel looks up textures.
 template <class V, MipFilter kMips>
 struct TexturePorts {
-  Table<V, AxisRecord> axes;     ///< two per texture
-  Table<V, LevelRecord> levels;  ///< one per texture; bound with mip levels
+  Table<V, AxisRecord> axes;     ///< addressing modes, two for each texture
+  Table<V, LevelRecord> levels;  ///< parameters of the mip levels, one record for each texture; bound with mip maps
   Texels<V> texels;
   static constexpr void describe(auto& p, auto&& port) {
     port(NAMED(p.axes));
     if constexpr (kMips != MipFilter::kNone) port(NAMED(p.levels));
     port(NAMED(p.texels));
   }
-  /// Looks up a mip-mapped texture, whose first level is `texture`, for a footprint in texture coordinates. The level
-  /// is the logarithm of the footprint in texels: a float's exponent, with its mantissa as the blending weight.
+  /// Looks up a mip-mapped texture with first level `texture` for a footprint in texture coordinates. The level is the
+  /// logarithm of the footprint in texels: the float's exponent, with its mantissa as blending weight.
   auto sample_level(const I<V>& texture, const F<V>& footprint, const F<V>& u, const F<V>& v) const {
     const LevelRecord<V> chain = levels.load(texture);
     const I<V> across = bits_of(min(max(footprint * chain.size, F<V>(1.0F)), chain.highest));
@@ -132,7 +133,7 @@ struct TexturePorts {
   }
 };
 
-/// Returns the surface's base texture.
+/// Returns the number of the surface's base texture.
 template <class V, MipFilter kMips>
 I<V> texture_of(const TexcoordRecord<V>& uv) {
   if constexpr (kMips == MipFilter::kNone) {
@@ -142,7 +143,7 @@ I<V> texture_of(const TexcoordRecord<V>& uv) {
   }
 }
 
-/// Ports of executors that look up textures of detailed surfaces; `stream` is their item list.
+/// Ports of kernels that apply a texture to listed surfaces; `stream` is the list.
 template <class V, MipFilter kMips>
 struct DetailPorts : TexturePorts<V, kMips> {
   Local<V, WordRecord> stream;
@@ -153,8 +154,8 @@ struct DetailPorts : TexturePorts<V, kMips> {
     TexturePorts<V, kMips>::describe(p, port);
     name_all(port, NAMED_ALL(p.stream, p.mattes, p.texcoords, p.tangents));
   }
-  /// Looks up a texture with the first texture coordinates, or with the second if the surface's classes have the bit
-  /// `second`. The latter reads the first level, because the footprint is in first coordinates.
+  /// Looks up a texture with the first texture coordinates, or with the second if `second` is set in the classes. The
+  /// latter reads the first mip level, because the footprint is in first coordinates.
   auto look_up(const I<V>& texture, const I<V>& classes, traces::MaterialFlag second, const TexcoordRecord<V>& uv,
                const TangentRecord<V>& other) const {
     const M<V> use_second = has_class<V>(classes, second);

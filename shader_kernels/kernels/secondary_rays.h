@@ -8,7 +8,7 @@
 
 namespace kernels {
 
-/// Ports of executors that emit secondary rays; `stream` is their item list.
+/// Ports of kernels that emit secondary rays from listed surfaces; `stream` is the list.
 template <class V>
 struct SecondaryPorts {
   Local<V, WordRecord> stream;
@@ -27,7 +27,7 @@ struct SecondaryPorts {
   }
 };
 
-/// Emits the next ray of a path whose throughput is still visible.
+/// Emits the next ray of a path if its throughput is large enough to be visible.
 template <class V>
 void emit_secondary(SecondaryPorts<V>& at, const Vec3<V>& origin, const Vec3<V>& direction, const PathRecord<V>& path) {
   const I<V> out = at.emitted.next(at.min_weight < max_channel(path.throughput));
@@ -35,7 +35,7 @@ void emit_secondary(SecondaryPorts<V>& at, const Vec3<V>& origin, const Vec3<V>&
   at.next_paths.store(out, path);
 }
 
-/// A path at a mirroring or transmitting surface.
+/// A path's hit on a mirroring or transmitting surface.
 template <class V>
 struct SpecularHit {
   SurfacePointRecord<V> point;
@@ -54,7 +54,7 @@ SpecularHit<V> specular_hit(const I<V>& item, const SecondaryPorts<V>& at) {
   return {point, direction, path, optics, make_interface<V>(direction, point.normal, point.side, optics.ior)};
 }
 
-/// Emits mirror rays, and the mirrored share of glass; one ray carries both.
+/// Emits mirrored rays, of mirrors and of glass. A surface that is both emits one ray with the sum.
 struct ShadeMirror {
   static constexpr std::string_view kName = "shade_mirror";
   static constexpr std::string_view kMeaning = "mirror or glass surface -> reflection ray";
@@ -70,8 +70,8 @@ struct ShadeMirror {
   }
 };
 
-/// Emits refracted rays. They take the base colour, once per surface (KHR_materials_transmission); light mirrored by
-/// glass does not. Total reflection leaves no throughput, so no ray is emitted.
+/// Emits refracted rays. They are multiplied by the base colour once per surface (KHR_materials_transmission); mirrored
+/// light is not. Total reflection leaves no throughput, so no ray is emitted.
 struct ShadeGlass {
   static constexpr std::string_view kName = "shade_glass";
   static constexpr std::string_view kMeaning = "glass surface -> refraction ray";

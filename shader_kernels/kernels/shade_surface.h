@@ -12,8 +12,8 @@
 
 namespace kernels {
 
-// Kernels that read more of a hit than its triangle have two variants. `kInstanced` is for scenes with instances (two
-// levels), where a hit names its instance and the mesh's data are in the mesh's own space.
+// Kernels that read more of a hit than its triangle have two variants. kInstanced is for scenes with instances (two
+// levels), where a hit names its instance and mesh data are in the space of the mesh.
 
 template <class V, bool kInstanced>
 using Hits = std::conditional_t<kInstanced, Local<V, InstanceHitRecord>, Local<V, HitRecord>>;
@@ -38,23 +38,23 @@ I<V> instance_of(const InstanceHitRecord<V>& hit) {
   return (hit.u & traces::kHalfMask) | ((hit.v & traces::kHalfMask) << traces::kHalfBits);
 }
 
-/// Transforms a mesh normal to world space, without normalising: multiplies by the transpose of the matrix from world
-/// to mesh space.
+/// Transforms a normal from mesh to world space with the transpose of the world-to-mesh matrix. The result is not
+/// normalised.
 template <class V>
 Vec3<V> normal_to_world(const InstanceFields<V>& instance, const Vec3<V>& n) {
   return instance.row0 * n.x + instance.row1 * n.y + instance.row2 * n.z;
 }
 
-/// Returns the texture density in world space. The mesh normal `n` has the density in the mesh's space as its length.
-/// Areas perpendicular to n grow by volume * |normal_to_world(n)| / |n|, densities by its root.
+/// Returns the texture density of a triangle in world space. The length of the mesh normal `n` is its density in mesh
+/// space. Areas perpendicular to n grow by volume * |normal_to_world(n)| / |n|, densities by the square root of that.
 template <class V>
 F<V> density_in_world(const InstanceFields<V>& instance, const Vec3<V>& n, const F<V>& length_in_world) {
   const F<V> squared = dot(n, n);
   return sqrt(squared * sqrt(squared) / (instance.volume * length_in_world));
 }
 
-/// Transforms a tangent to world space; the result is unit or zero. The columns of the inverse matrix are cross
-/// products of rows over the determinant; only its sign matters.
+/// Transforms a tangent from mesh to world space; the result has length 1 or 0. The columns of the inverse matrix are
+/// cross products of its rows over the determinant, of which only the sign matters.
 template <class V>
 Vec3<V> tangent_to_world(const InstanceFields<V>& instance, const Vec3<V>& t) {
   const Vec3<V> along = cross(instance.row1, instance.row2) * t.x + cross(instance.row2, instance.row0) * t.y +
@@ -81,22 +81,21 @@ VertexColour<V> vertex_colour(const Weights<V>& corners, const VertexFields<V>& 
           high(at.blue_alpha0, at.blue_alpha1, at.blue_alpha2)};
 }
 
-/// Returns the name that belongs to the variant.
+/// Returns the one of four names that belongs to the kernel variant.
 template <bool kInstanced, bool kCones>
 constexpr std::string_view by_surface(std::string_view plain, std::string_view instanced, std::string_view cones,
                                       std::string_view cones_instanced) {
   return kCones ? (kInstanced ? cones_instanced : cones) : (kInstanced ? instanced : plain);
 }
 
-/// Smallest cosine for which a cone's footprint on a surface is computed; at more grazing angles it stays the same.
+/// Smallest cosine with which a cone's footprint on a surface is computed; at more grazing angles it grows no further.
 inline constexpr float kLeastCosine = 0x1p-6F;
 
-/// Fetches the surface of a hit and stores it in the tile buffer for the executors. Only shading normals are read:
-/// where they disagree with the triangle, at silhouettes, a ray may be mirrored into the surface.
+/// Fetches the surface at a hit and stores it in the tile buffer. Only shading normals are read: where they disagree
+/// with the triangle, at silhouettes, a ray may be mirrored into the surface.
 ///
-/// With cones it also computes the footprint of the ray's cone in texture coordinates, along its longer axis. Mirrors
-/// and refraction do not change a cone's spread, and the distance from the eye to the start of the last ray is taken as
-/// straight.
+/// With kCones it also computes the footprint of the ray's cone in texture coordinates, along its longer axis. Mirrors
+/// and refraction keep the cone's spread. The path from the eye to the last ray's origin counts as straight.
 template <bool kInstanced, bool kCones = false>
 struct ShadeSurface {
   static constexpr std::string_view kName = by_surface<kInstanced, kCones>(

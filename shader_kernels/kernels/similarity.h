@@ -9,9 +9,9 @@
 
 namespace kernels {
 
-/// Similarity checks between the two references of a sample. A check kernel stores the failed ones as bits in the tile
-/// buffer; 0 means that all passed. They are in the order of the papers; the first that fails is the reason why a
-/// sample is traced.
+/// Similarity checks between the two reference samples around a sample. A kernel stores the failed ones as bits in the
+/// tile buffer; 0 means that all passed. The order is that of the papers; the first failed check is reported as the
+/// reason why a sample is traced.
 enum class Check : std::uint8_t {
   kObject,
   kPosition,
@@ -23,8 +23,8 @@ enum class Check : std::uint8_t {
   kSecondaryObject,
   kSecondaryNormal,
   kSecondaryShadow,
-  kDetail,  ///< a surface that cannot be shaded from interpolated attributes
-  kBorder,  ///< a reference is outside the picture
+  kDetail,  ///< the surface cannot be shaded from interpolated attributes
+  kBorder,  ///< a reference sample is outside the picture
   kCount
 };
 constexpr std::array<std::string_view, 12> names_of(Check) {
@@ -33,13 +33,15 @@ constexpr std::array<std::string_view, 12> names_of(Check) {
 }
 constexpr std::uint32_t bit(Check check) { return 1U << static_cast<std::uint32_t>(check); }
 
-/// The samples between reference samples of parallel lines. Along a line every `block`-th sample is a reference, from
-/// position 0; positions below `low` or above `high` are outside the picture. `gaps` is block - 1.
+/// Samples on parallel lines, where every `block`-th sample is a reference and the others are to be interpolated. A
+/// line starts with a reference at position 0; positions below `low` or above `high` are outside the picture. `gaps` is
+/// block - 1.
 template <class V>
 struct LineUniforms {
-  F<V> inner, inverse_inner;  ///< along x: samples between references per line; along y: lines
+  F<V> inner, inverse_inner;  ///< along x: interpolated samples per line; along y: number of lines
   F<V> gaps, inverse_gaps, block, inverse_block;
-  F<V> first, step, line_step;  ///< position 0 of line 0; steps between positions and between lines
+  F<V> first, step, line_step;  ///< sample index of position 0 of line 0; index steps between positions and between
+                                ///< lines
   F<V> low, high;
   static constexpr void describe(auto& l, auto&& port) {
     port(l.inner, "line.inner");
@@ -56,15 +58,16 @@ struct LineUniforms {
   }
 };
 
-/// A sample and its two references.
+/// A sample and the two reference samples around it.
 template <class V>
 struct SampleNeighbours {
   I<V> sample, before, after;
-  I<V> gap;      ///< position between the references, from 0
+  I<V> gap;      ///< number of the sample between its references, from 0
   M<V> outside;  ///< a reference is outside the picture
 };
 
-/// Returns the sample of an item. Along x the items follow the lines, along y they alternate between lines.
+/// Returns the sample that item `item` checks, with its references. Along x, items follow the lines; along y, they
+/// alternate between lines.
 template <bool kAlongY, class V>
 SampleNeighbours<V> sample_neighbours(const I<V>& item, const LineUniforms<V>& line) {
   const DivMod<V> outer = divmod<V>(to_float(item), line.inner, line.inverse_inner);
@@ -77,14 +80,15 @@ SampleNeighbours<V> sample_neighbours(const I<V>& item, const LineUniforms<V>& l
           to_int(gap.remainder), logical_or(position < line.low, line.high < position + line.block)};
 }
 
-// An entry in the list of passed samples: the sample, with the gap above it.
+// Layout of an entry in the list of passed samples: the sample's index in the low bits, its SampleNeighbours::gap
+// above.
 inline constexpr std::uint32_t kGapShift = 24;
 inline constexpr std::uint32_t kSampleMask = (1U << kGapShift) - 1;
 
 template <class V>
 struct PassedSample {
   I<V> sample, before, after;
-  F<V> weight;  ///< weight of `after`; 1 minus that of `before`
+  F<V> weight;  ///< weight of `after`; `before` has 1 minus this
 };
 template <class V>
 PassedSample<V> passed_sample(const I<V>& word, const LineUniforms<V>& line) {
@@ -95,7 +99,8 @@ PassedSample<V> passed_sample(const I<V>& word, const LineUniforms<V>& line) {
   return {sample, to_int(before), to_int(before + line.block * line.step), steps * line.inverse_block};
 }
 
-/// Runs kernel K over all samples instead of the list of passed ones; samples that failed are traced afterwards.
+/// Runs interpolation kernel K over all samples instead of the list of those that passed. Samples that failed are
+/// traced afterwards, which overwrites them.
 template <bool kAlongY, class K>
 struct AllPassed {
   using Of = K;
@@ -108,7 +113,7 @@ struct AllPassed {
   }
 };
 
-/// Ports of check kernels: the failed checks of a sample go to the tile buffer, the sample to one of two lists.
+/// Ports of kernels that check samples: the failed checks go to `verdicts`, the sample to one of two lists.
 template <class V>
 struct VerdictPorts {
   LineUniforms<V> line;
@@ -141,16 +146,17 @@ Vec3<V> lerp(const Vec3<V>& a, const Vec3<V>& b, const F<V>& weight) {
   return a + (b - a) * weight;
 }
 
-/// Interpolates two colours. Samples are clamped first, because pixels average clamped samples.
+/// Interpolates two colours. Both are clamped to [0, 1] first, because pixels average clamped samples.
 template <class V>
 Vec3<V> lerp_colours(const Vec3<V>& a, const Vec3<V>& b, const F<V>& weight) {
   return lerp<V>({clamp_to_unit<V>(a.x), clamp_to_unit<V>(a.y), clamp_to_unit<V>(a.z)},
                  {clamp_to_unit<V>(b.x), clamp_to_unit<V>(b.y), clamp_to_unit<V>(b.z)}, weight);
 }
 
-/// Inspector of multirate (Lee et al. 2016): checks for the same object, similar normals and the same shadows at the
-/// first hit, and with kSecondary at mirrored and refracted hits. With kTexture it also compares the colours of
-/// textured surfaces: one distance decides a check, another counts samples that pass and yet are rough.
+/// Checks samples for multirate (Lee et al. 2016): both references must have the same object, similar normals and the
+/// same shadows at the first hit. With kSecondary this includes mirrored and refracted hits. With kTexture textured
+/// surfaces must have similar colours; a second, smaller threshold counts samples that pass with rather different
+/// colours.
 template <bool kAlongY, bool kSecondary, bool kTexture>
 struct CheckSimilarity {
   static constexpr std::array<std::string_view, 8> kNames{"check_similarity_x",
@@ -168,8 +174,9 @@ struct CheckSimilarity {
     Local<V, GeometryRecord> geometry;
     Local<V, SecondaryRecord> secondary;
     F<V> least_dot;
-    Local<V, ColourRecord> colours;      ///< bound if kTexture, as are the next two
-    F<V> texture_squared, rate_squared;  ///< colours farther apart fail, or are rough
+    Local<V, ColourRecord> colours;      ///< bound if kTexture, like the next two ports
+    F<V> texture_squared, rate_squared;  ///< squared distances of colours above which a sample fails, or counts as
+                                         ///< rough
     Counter<V> rough_count;
     static constexpr void describe(auto& p, auto&& port) {
       VerdictPorts<V>::describe(p, port);
@@ -208,16 +215,16 @@ struct CheckSimilarity {
   }
 };
 
-/// Interpolates the geometry of a sample that will be a reference along the other axis. Attributes that had to be equal
-/// are copied.
+/// Interpolates the geometry record of a sample, which becomes a reference for checks along the other axis. Attributes
+/// that the checks require to be equal are copied.
 template <class V>
 GeometryRecord<V> lerp_geometry(const GeometryRecord<V>& a, const GeometryRecord<V>& b, const F<V>& weight) {
   return {unit_vector(lerp<V>(a.normal, b.normal, weight)), a.object, lerp<V>(a.position, b.position, weight),
           a.shadows};
 }
 
-/// Executor of multirate for samples that passed (Lee et al. 2016): interpolates the colour. Along x it also stores the
-/// geometry for the checks along y.
+/// Interpolates the colours of samples that passed the checks of multirate (Lee et al. 2016). Along x it also stores
+/// the geometry for the checks along y.
 template <bool kAlongY, bool kSecondary>
 struct InterpolateSample {
   static constexpr std::string_view kName =
@@ -256,8 +263,8 @@ struct InterpolateSample {
   }
 };
 
-/// True if two texture coordinates are on opposite sides of a texture's edge: one below the threshold, the other above
-/// 1 minus the threshold.
+/// True if two texture coordinates are on opposite sides of a texture's border: the fraction of one is below the
+/// threshold, that of the other above 1 minus the threshold.
 template <class V>
 M<V> crosses_edge(const F<V>& a, const F<V>& b, const F<V>& threshold) {
   const F<V> x = a - floor(a);
@@ -265,11 +272,11 @@ M<V> crosses_edge(const F<V>& a, const F<V>& b, const F<V>& threshold) {
   return logical_and(min(x, y) < threshold, 1.0F - threshold < max(x, y));
 }
 
-/// Inspector of undersample: the seven similarity checks of Kim et al. 2016, table 1.
+/// Checks samples for undersample: the seven similarity checks of Kim et al. 2016, table 1.
 ///
 /// 1. The convexity check has a slack of 0.001 squared distances, because rounding would fail coplanar pairs.
-/// 2. Base and occlusion textures are read at the interpolated coordinates. Second coordinates are not kept, so a
-///    surface whose occlusion texture needs them is traced.
+/// 2. Base and occlusion textures are read at the interpolated coordinates. Second coordinates are not stored, so a
+/// surface whose occlusion texture needs them is traced.
 /// 3. Without kTextures the scene has no textures to check; without kColours the tile has no global colours.
 template <bool kAlongY, bool kTextures, bool kColours = true>
 struct CheckAttributes {
@@ -326,8 +333,8 @@ struct CheckAttributes {
   }
 };
 
-/// Executor of undersample for samples that passed (Kim et al. 2016): interpolates the attributes of two references to
-/// a surface, which is shaded next. Along x it also stores the attributes for the checks along y.
+/// Interpolates the attributes of samples that passed the checks of undersample (Kim et al. 2016), to be shaded next.
+/// Along x it also stores them for the checks along y.
 template <bool kAlongY>
 struct InterpolateAttributes {
   static constexpr std::string_view kName = kAlongY ? "interpolate_attributes_y" : "interpolate_attributes_x";
@@ -377,14 +384,14 @@ struct InterpolateAttributes {
   }
 };
 
-// The identity word of a sample for post-correction: a hash of what it shows, and these flags. Reference samples have
-// neither flag.
+// Flags of a sample's identity word in post-correction; the other bits are a hash of what the sample shows. A reference
+// sample has neither flag.
 inline constexpr std::uint32_t kTracedSample = 1U << 31;
 inline constexpr std::uint32_t kInterpolatedSample = 1U << 30;
 inline constexpr std::uint32_t kIdentityMask = kInterpolatedSample - 1;
 
-/// One scan of post-correction (Kim et al. 2016, section 4). An interpolated sample is suspect if a traced neighbour
-/// has another identity. Samples of a line are `step` apart, lines `line_step`.
+/// One pass of post-correction (Kim et al. 2016, section 4). It lists an interpolated sample, to be traced, if a traced
+/// neighbour has another identity. Samples of a line are `step` apart, lines `line_step`.
 template <bool kEight>
 struct FindSuspects {
   static constexpr std::string_view kName = kEight ? "find_suspects_8" : "find_suspects_4";
@@ -424,7 +431,7 @@ I<V> shown_by(const GeometryRecord<V>& geometry) {
   return shown & kIdentityMask;
 }
 
-/// With kShadows the identity includes a sample's shadows.
+/// Stores the identity words of samples for post-correction. With kShadows the identity includes a sample's shadows.
 template <bool kShadows>
 struct StoreIdentities {
   static constexpr std::string_view kName = kShadows ? "store_identities_shadows" : "store_identities";

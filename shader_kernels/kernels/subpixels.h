@@ -10,7 +10,7 @@
 
 namespace kernels {
 
-/// Attributes that supersample compares between pixels, each with a threshold. The threshold of kColour applies if no
+/// Attributes that supersample compares between pixels. Each has a contrast threshold; that of kColour applies if no
 /// other attribute differs.
 enum class Attribute : std::uint8_t {
   kColour,
@@ -31,23 +31,24 @@ constexpr std::array<std::string_view, kAttributes> names_of(Attribute) {
 }
 constexpr std::uint32_t bit(Attribute attribute) { return 1U << static_cast<std::uint32_t>(attribute); }
 
-// The verdict on a sub-pixel, four per pixel, row by row: bits of the differing attributes (kColour if none), the
-// active bit, and above it the index in the list of active sub-pixels. Entries of that list are pixel * 4 + sub-pixel.
+// Layout of a sub-pixel's verdict word; a pixel has four sub-pixels, row by row. The low bits are the differing
+// attributes (kColour if none), then comes the active bit, then the index in the list of active sub-pixels. An active
+// sub-pixel receives more samples. Entries of the list are pixel * 4 + sub-pixel.
 inline constexpr std::uint32_t kActiveShift = kAttributes;
 inline constexpr std::uint32_t kIndexShift = 12;
 
-/// Factors of the contrast threshold per channel (Jin et al. 2009).
+/// Factors by which the contrast threshold of red, green and blue is multiplied (Jin et al. 2009).
 inline constexpr std::array<float, 3> kChannelFactors{1.36F, 1.02F, 2.04F};
-/// A threshold above any contrast.
+/// A contrast threshold that no contrast reaches.
 inline constexpr float kNever = 4.0F;
 
-/// Sub-pixels in a chunk, which executors process together.
+/// Number of active sub-pixels in a chunk, which kernels process together.
 inline constexpr std::uint32_t kChunk = 64;
-/// Samples of an active sub-pixel, of a pixel with four of them, and the side of that pixel's grid.
+/// Samples of an active sub-pixel; samples of a pixel whose four sub-pixels are active, and the side of their grid.
 inline constexpr std::uint32_t kExtra = 4, kWhole = 16, kWholeGrid = 4;
 
-/// The pixels that a tile finishes, row by row, and their centre samples: `pitch` per row, beginning at `first`.
-/// Columns and rows of existing samples go from `low` to `high`, counted as the pixels.
+/// The pixels that a tile finishes, row by row. The samples at their centres begin at `first`, with `pitch` per row.
+/// `low` to `high` are the columns and rows that have a sample, in the same coordinates.
 template <class V>
 struct FinishedUniforms {
   F<V> width, inverse_width;
@@ -65,13 +66,14 @@ struct FinishedUniforms {
   }
 };
 
-/// Steps from a pixel's centre sample to those around its corner; 0 beyond the edge of the picture.
+/// Steps from a pixel's centre sample to the neighbours around one corner; 0 outside the picture.
 template <class V>
 struct CornerSteps {
   F<V> x, y;
   M<V> has_both;
 };
-/// Returns the steps to a corner. `right` and `below` are 1 for right and lower corners, -1 for left and upper ones.
+/// Returns the steps around a corner of `pixel`. `right` and `below` are 1 for right and lower corners, -1 for left and
+/// upper ones.
 template <class V>
 CornerSteps<V> corner_steps(const DivMod<V>& pixel, const F<V>& right, const F<V>& below,
                             const FinishedUniforms<V>& of) {
@@ -82,7 +84,7 @@ CornerSteps<V> corner_steps(const DivMod<V>& pixel, const F<V>& right, const F<V
   return {select(has_x, right, F<V>(0.0F)), select(has_y, below * of.pitch, F<V>(0.0F)), logical_and(has_x, has_y)};
 }
 
-/// Returns the pixel's row (quotient) and column.
+/// Returns the row (quotient) and column (remainder) of a pixel number.
 template <class V>
 DivMod<V> finished_pixel(const F<V>& pixel, const FinishedUniforms<V>& of) {
   return divmod<V>(pixel, of.width, of.inverse_width);
@@ -102,8 +104,9 @@ Vec3<V> clamped_colour(const Vec3<V>& colour) {
   return {clamp_to_unit<V>(colour.x), clamp_to_unit<V>(colour.y), clamp_to_unit<V>(colour.z)};
 }
 
-/// Returns the bits of an attribute set that differ between two pixels. An object counts only if one of the two has the
-/// flag `focus` (0: always). Normals are equal if their dot product is at least `same_normal`.
+/// Returns the attributes that differ between two hits, as bits for object, normal and shadows. They count only if one
+/// of the two objects has the flag `focus` (0: always). Normals are equal if their dot product is at least
+/// `same_normal`.
 template <class V>
 I<V> disagreeing_attributes(const TraitsRecord<V>& own, const TraitsRecord<V>& other, const F<V>& same_normal,
                             const I<V>& focus) {
@@ -114,7 +117,8 @@ I<V> disagreeing_attributes(const TraitsRecord<V>& own, const TraitsRecord<V>& o
   return select(((own.object | other.object) & focus) == focus, differ, I<V>(0U));
 }
 
-/// Returns the contrast of one channel (Mitchell 1987) of linear colours, clamped and sRGB-encoded, from 0 to 1.
+/// Returns the contrast of one channel among four linear colours (Mitchell 1987), after clamping and sRGB encoding,
+/// from 0 to 1.
 template <class V>
 F<V> channel_contrast(const F<V>& a, const F<V>& b, const F<V>& c, const F<V>& d) {
   const F<V> most = encode_srgb<V>(clamp_to_unit<V>(max(max(a, b), max(c, d))));
@@ -122,9 +126,9 @@ F<V> channel_contrast(const F<V>& a, const F<V>& b, const F<V>& c, const F<V>& d
   return (most - least) / max(most + least, F<V>(1e-30F));
 }
 
-/// Inspector of supersample (Jin et al. 2009), run for each of a pixel's four sub-pixels. It compares the pixel with
-/// the three others around the sub-pixel's corner. The smallest threshold of the differing attributes applies to the
-/// contrast of the four colours.
+/// Decides which sub-pixels need more samples in supersample (Jin et al. 2009). It compares a pixel with the three
+/// others around the sub-pixel's corner. The smallest threshold of the differing attributes applies to the contrast of
+/// the four colours.
 struct TestSubpixels {
   static constexpr std::string_view kName = "test_subpixels";
   static constexpr std::string_view kMeaning =
@@ -135,10 +139,10 @@ struct TestSubpixels {
     Local<V, TraitsRecord> traits, secondary;
     Local<V, ColourRecord> colours;
     Local<V, WordRecord> verdicts;
-    std::array<F<V>, kAttributes> thresholds;  ///< above 1: never reached
+    std::array<F<V>, kAttributes> thresholds;  ///< contrast thresholds; one above 1 is never reached
     F<V> same_normal;
-    I<V> compared;         ///< bits of the attributes to compare
-    I<V> focus, textured;  ///< flags of objects: in focus, textured
+    I<V> compared;         ///< attributes to compare, as bits
+    I<V> focus, textured;  ///< flags of an object that is in focus, and of one with a texture
     static constexpr void describe(auto& p, auto&& port) {
       FinishedUniforms<V>::describe(p.finished, port);
       name_all(port, NAMED_ALL(p.traits, p.secondary, p.colours, p.verdicts));
@@ -152,7 +156,7 @@ struct TestSubpixels {
     const CornerSteps<V> step =
         corner_steps<V>(pixel, to_float((item << 1U) & 2U) - 1.0F, to_float(item & 2U) - 1.0F, at.finished);
     const F<V> own = centre_sample<V>(pixel, at.finished);
-    // A pixel outside the picture is replaced by the pixel itself, so that nothing differs.
+    // Outside the picture the pixel is compared with itself, so that nothing differs.
     const I<V> centre = to_int(own);
     const I<V> beside = to_int(own + step.x);
     const I<V> above = to_int(own + step.y);
@@ -181,8 +185,8 @@ struct TestSubpixels {
   }
 
  private:
-  /// Returns the differing bits of one attribute set. The texture bit is set whenever the pixel's own object is
-  /// textured.
+  /// Returns the attributes that differ between the pixel `centre` and its three neighbours, as bits. The texture bit
+  /// is set whenever the pixel's own object is textured.
   template <class V>
   static I<V> differing_bits(const Local<V, TraitsRecord>& set, const I<V>& centre, const I<V>& beside,
                              const I<V>& above, const I<V>& corner, const Ports<V>& at) {
@@ -198,8 +202,8 @@ struct TestSubpixels {
   }
 };
 
-/// Adds the share of a pixel's inactive sub-pixels, a quarter each: the colour at the pixel's centre or, with
-/// kBilinear, the one interpolated at the sub-pixel's centre.
+/// Sums the colours of a pixel's sub-pixels that need no more samples, a quarter each. Their colour is that of the
+/// pixel's centre or, with kBilinear, the one interpolated at the sub-pixel's centre.
 template <bool kBilinear>
 struct WeighCentres {
   static constexpr std::string_view kName = kBilinear ? "weigh_centres_bilinear" : "weigh_centres";
@@ -229,7 +233,7 @@ struct WeighCentres {
         const Vec3<V> above = clamped_colour<V>(at.colours.load(to_int(own + step.y)).rgb);
         const Vec3<V> corner = clamped_colour<V>(at.colours.load(to_int(own + step.x + step.y)).rgb);
         const F<V> weight =
-            0.015625F - to_float(active_bit<V>(at.verdicts.load(first + i).word)) * 0.015625F;  // 1/4 of 1/16
+            0.015625F - to_float(active_bit<V>(at.verdicts.load(first + i).word)) * 0.015625F;  // a quarter of 1/16
         sum = sum + (centre * F<V>(9.0F) + (beside + above) * F<V>(3.0F) + corner) * weight;
       }
       at.pixels.store(item, {sum});
@@ -241,23 +245,25 @@ struct WeighCentres {
   }
 };
 
-// Size in pixels of a block, whose sub-pixels are listed together. Blocks at the tile's edges may extend beyond it.
+// Size in pixels of a block of pixels whose sub-pixels are listed together. Blocks at the tile's edges may extend
+// beyond it.
 inline constexpr std::uint32_t kBlockWidth = 8, kBlockHeight = 4;
 
 /// Lists the active sub-pixels in chunks of 64, block by block (Jin et al. 2009).
 ///
 /// 1. The sub-pixels of a pixel stay in one chunk; entries at a chunk's end may be left empty for that.
-/// 2. Pixels with active sub-pixels are listed as masters in the same order. A master collects the samples of its
-///    chunk.
+/// 2. Pixels with active sub-pixels are also listed, in the same order, as masters. A master collects the samples of
+/// its chunk.
 struct PackSubpixels {
   static constexpr std::string_view kName = "pack_subpixels";
   static constexpr std::string_view kMeaning = "pixel -> its active sub-pixels into the list, within one chunk";
   template <class V>
   struct Ports {
-    F<V> across, inverse_across;  ///< blocks per row
-    F<V> width, height;           ///< in pixels
+    F<V> across, inverse_across;  ///< number of blocks in a row of the tile
+    F<V> width, height;           ///< size of the tile in pixels
     Local<V, WordRecord> verdicts, active, masters;
-    Local<V, WordRecord> fills;  ///< per chunk: used entries; above kFillBits, masters so far
+    Local<V, WordRecord> fills;  ///< for each chunk: its used entries and, above kFillBits, the number of masters up to
+                                 ///< its end
     Carried<V> list_end;
     Counter<V> masters_count;
     static constexpr void describe(auto& p, auto&& port) {
@@ -313,9 +319,9 @@ struct PackSubpixels {
   }
 };
 
-/// Lists the active sub-pixels with one atomic addition to the list's length per sub-pixel: one word of the tile buffer
-/// is read, added to and written back. Their real order is undefined; the modelled one takes every `stride`-th
-/// sub-pixel in turn.
+/// Lists the active sub-pixels with one atomic addition per sub-pixel: a word of the tile buffer, the list's length, is
+/// read, incremented and written back. Hardware leaves the order undefined; the modelled order takes every `stride`-th
+/// sub-pixel.
 struct PackSubpixelsAtomic {
   static constexpr std::string_view kName = "pack_subpixels_atomic";
   static constexpr std::string_view kMeaning = "sub-pixel, in scattered order -> into the list if it is active";
@@ -343,9 +349,9 @@ struct PackSubpixelsAtomic {
   }
 };
 
-/// Adds the samples of a listed pixel's active sub-pixels to the sum of weigh_centres, in the order of average_colour
-/// for full:16. A pixel has 16 items, its 4 x 4 cells row by row. Each item stores the sum so far; the last completes
-/// it.
+/// Adds the samples of a listed pixel's active sub-pixels to its sum from weigh_centres, in the order of a full frame
+/// with 16 samples per pixel. A pixel has 16 items, its 4 x 4 cells row by row. Each item stores the sum so far; the
+/// last completes it.
 struct SumSubpixels {
   static constexpr std::string_view kName = "sum_subpixels";
   static constexpr std::string_view kMeaning = "cell of a pixel -> its sample's share of the pixel";
@@ -354,7 +360,7 @@ struct SumSubpixels {
     Local<V, WordRecord> listed, verdicts;
     Local<V, ColourRecord> colours, pixels;
     Carried<V> red, green, blue, base_red, base_green, base_blue;
-    F<V> first_sample;  ///< index of the first listed sub-pixel's colours
+    F<V> first_sample;  ///< index in `colours` of the first listed sub-pixel's samples
     static constexpr void describe(auto& p, auto&& port) {
       name_all(port, NAMED_ALL(p.listed, p.verdicts, p.colours, p.pixels, p.red, p.green, p.blue, p.base_red,
                                p.base_green, p.base_blue, p.first_sample));
@@ -384,14 +390,14 @@ struct SumSubpixels {
   }
 };
 
-// State of a sub-pixel (SubpixelRecord) between rounds of propagation. It has the channels of its sRGB-encoded colour,
-// 16 bits each. Above blue are its reasons, and above those the round that made it active: 1 for the first test, 0 for
-// none.
+// Layout of a sub-pixel's state (SubpixelRecord) between rounds of propagation: three sRGB-encoded channels of 16 bits.
+// Above blue are the attributes that made it active, and above those the number of that round (1 for the first test, 0
+// if it is inactive).
 inline constexpr std::uint32_t kReasonsShift = 16, kRoundShift = kReasonsShift + kAttributes;
 inline constexpr std::uint32_t kReasonsMask = (1U << kAttributes) - 1;
 inline constexpr std::uint32_t kChannelMask = (1U << kReasonsShift) - 1;
 
-/// The array of sub-pixel states: row by row, `pitch` per row, beginning at `first`, with `width` pixels per row.
+/// The array of sub-pixel states, row by row. It begins at `first`; rows are `pitch` apart and have `width` pixels.
 template <class V>
 struct StateUniforms {
   F<V> width, inverse_width;
@@ -403,7 +409,7 @@ struct StateUniforms {
     port(s.pitch, "states.pitch");
   }
 };
-/// Returns the position of sub-pixel `subpixel`, four per pixel.
+/// Returns the index in the array of states of a sub-pixel, numbered pixel * 4 + sub-pixel.
 template <class V>
 F<V> state_of(const I<V>& subpixel, const StateUniforms<V>& of) {
   const DivMod<V> pixel = divmod<V>(to_float(subpixel >> 2U), of.width, of.inverse_width);
@@ -412,14 +418,14 @@ F<V> state_of(const I<V>& subpixel, const StateUniforms<V>& of) {
   return of.first + row * of.pitch + column;
 }
 
-/// `why`: reasons and round, already shifted.
+/// Packs a sub-pixel's state. `why` contains its attributes and round, already shifted to their bits.
 template <class V>
 SubpixelRecord<V> state_with(const Vec3<V>& colour, const I<V>& why) {
   const auto channel = [](const F<V>& x) { return to_int(encode_srgb<V>(x) * 65535.0F + 0.5F); };
   return {channel(colour.x) | (channel(colour.y) << 16U), channel(colour.z) | why};
 }
 
-/// Stores the colour of an active sub-pixel for propagation: the mean of its four samples.
+/// Stores the colour of an active sub-pixel, the mean of its four samples, in its state for propagation.
 struct SettleSubpixels {
   static constexpr std::string_view kName = "settle_subpixels";
   static constexpr std::string_view kMeaning = "listed sub-pixel, its four samples -> its colour and state";
@@ -430,7 +436,7 @@ struct SettleSubpixels {
     Local<V, ColourRecord> colours, shown;
     Local<V, SubpixelRecord> states;
     F<V> first_sample;
-    I<V> round;  ///< already shifted
+    I<V> round;  ///< number of the round, already shifted to its bits
     static constexpr void describe(auto& p, auto&& port) {
       StateUniforms<V>::describe(p.grid, port);
       name_all(port, NAMED_ALL(p.active, p.verdicts, p.colours, p.shown, p.states, p.first_sample, p.round));
@@ -452,8 +458,8 @@ struct SettleSubpixels {
   }
 };
 
-/// Stores the colour of every sub-pixel as if none were active: the colour at the pixel's centre or, with kBilinear,
-/// the one interpolated at the sub-pixel's centre.
+/// Stores the state of every sub-pixel as if none were active. Its colour is that of the pixel's centre or, with
+/// kBilinear, the one interpolated at the sub-pixel's centre.
 template <bool kBilinear>
 struct ShowSubpixels {
   static constexpr std::string_view kName = kBilinear ? "show_subpixels_bilinear" : "show_subpixels";
@@ -488,8 +494,9 @@ struct ShowSubpixels {
   }
 };
 
-/// Inspector of a propagation round: compares an inactive sub-pixel with those of its four neighbours that the previous
-/// round made active. Their smallest threshold applies to the contrast of all of them.
+/// Decides in a propagation round which inactive sub-pixels become active. It compares each with those of its four
+/// neighbours that became active in the previous round; their smallest threshold applies to the contrast of all of
+/// them.
 struct PropagateSubpixels {
   static constexpr std::string_view kName = "propagate_subpixels";
   static constexpr std::string_view kMeaning =
@@ -500,9 +507,9 @@ struct PropagateSubpixels {
     Local<V, SubpixelRecord> states;
     Local<V, WordRecord> verdicts, active, masters;
     Counter<V> active_count, masters_count;
-    Carried<V> last_master;                    ///< the pixel listed last
-    std::array<F<V>, kAttributes> thresholds;  ///< above 1: never reached
-    I<V> round;                                ///< the previous round, already shifted
+    Carried<V> last_master;                    ///< the pixel that was listed last
+    std::array<F<V>, kAttributes> thresholds;  ///< contrast thresholds; one above 1 is never reached
+    I<V> round;                                ///< number of the previous round, already shifted to its bits
     static constexpr void describe(auto& p, auto&& port) {
       StateUniforms<V>::describe(p.grid, port);
       name_all(port,
@@ -545,7 +552,7 @@ struct PropagateSubpixels {
   }
 
  private:
-  /// Minimum and maximum of each channel, and the reasons, over the neighbours that count.
+  /// Minimum and maximum of each channel over the compared neighbours, and the attributes that made them active.
   template <class V>
   struct Range {
     Vec3<V> least, most;
@@ -568,7 +575,7 @@ struct PropagateSubpixels {
   }
 };
 
-/// Four items per listed pixel: the mean of its sub-pixels.
+/// Averages the sub-pixels of a listed pixel, in four items per pixel.
 struct AverageSubpixels {
   static constexpr std::string_view kName = "average_subpixels";
   static constexpr std::string_view kMeaning = "sub-pixel of a listed pixel -> mean of the pixel's sub-pixels";

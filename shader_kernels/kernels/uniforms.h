@@ -18,26 +18,26 @@ struct CameraUniforms {
   }
 };
 
-/// Ray cones (Akenine-Moeller et al. 2021): as wide as a sample in the picture plane, growing with the distance from
-/// the eye.
+/// Ray cones (Akenine-Moeller et al. 2021). A cone is as wide as a sample in the picture plane and widens with the
+/// distance from the eye.
 template <class V>
 struct ConeUniforms {
   Vec3<V> eye;
-  F<V> spread;  ///< width per unit of distance
+  F<V> spread;  ///< width of the cone per unit of distance
   static constexpr void describe(auto& c, auto&& port) {
     port(c.eye, "cone.eye");
     port(c.spread, "cone.spread");
   }
 };
 
-/// The samples of a tile. Items run over the samples of a pixel, then over pixels row by row. Reciprocals replace
-/// divisions by constants.
+/// The samples of a tile. Items run over the samples of a pixel, then over the pixels row by row. Kernels multiply by
+/// the reciprocals instead of dividing.
 template <class V>
 struct TileUniforms {
-  F<V> x0, y0;                    ///< first pixel
-  F<V> width, inverse_width;      ///< pixels per row
-  F<V> samples, inverse_samples;  ///< samples per pixel, in a grid of
-  F<V> grid, inverse_grid;        ///< grid x grid
+  F<V> x0, y0;                    ///< picture position of the tile's first pixel
+  F<V> width, inverse_width;      ///< pixels per row of the tile
+  F<V> samples, inverse_samples;  ///< samples per pixel, `grid` squared
+  F<V> grid, inverse_grid;        ///< side of a pixel's sample grid
   static constexpr void describe(auto& c, auto&& port) {
     port(c.x0, "tile.x0");
     port(c.y0, "tile.y0");
@@ -50,9 +50,9 @@ struct TileUniforms {
   }
 };
 
-/// A light of any kind. Point and spot: `local` is 1, `position` its position, `reach` 1. Directional: `local` is 0,
-/// `position` a unit vector towards the light, `reach` infinite. Without a cone `cone_scale` is 0 and `cone_offset` 1;
-/// without a range `inverse_range_squared` is 0.
+/// A light source of any kind. Point and spot: `local` is 1, `position` its position, `reach` 1. Directional: `local`
+/// is 0, `position` a unit vector towards the light, `reach` infinite. Without a cone `cone_scale` is 0 and
+/// `cone_offset` 1; without a range `inverse_range_squared` is 0.
 template <class V>
 struct LightUniforms {
   Vec3<V> position, direction, intensity;
@@ -69,11 +69,11 @@ struct LightUniforms {
   }
 };
 
-/// The samples of a tile in the tile buffer: row by row, `pitch` per row, including the halo. The picture's samples
-/// form a grid with `grid` x `grid` per pixel.
+/// The samples of a tile, stored row by row with `pitch` per row, including the halo. In the picture the samples form a
+/// grid, with `grid` x `grid` per pixel.
 template <class V>
 struct GridUniforms {
-  F<V> x0, y0;  ///< position of the first sample in the picture's grid
+  F<V> x0, y0;  ///< position in the picture's sample grid of the tile's first sample
   F<V> pitch, inverse_pitch;
   F<V> grid, inverse_grid;
   static constexpr void describe(auto& g, auto&& port) {
@@ -86,7 +86,7 @@ struct GridUniforms {
   }
 };
 
-/// A lattice of samples: `across` per row, steps in samples.
+/// A regular subset of a tile's samples, with `across` of them per row. Its steps are in samples.
 template <class V>
 struct LatticeUniforms {
   F<V> first, across, inverse_across, step, row_step;
@@ -104,7 +104,7 @@ I<V> lattice_sample(const I<V>& number, const LatticeUniforms<V>& lattice) {
   return to_int(lattice.first + row.remainder * lattice.step + row.quotient * lattice.row_step);
 }
 
-/// Verdict of a reference sample, which is not checked.
+/// Verdict word of a reference sample, which no kernel checks.
 inline constexpr std::uint32_t kReferenceVerdict = 1U << 31;
 
 }  // namespace kernels

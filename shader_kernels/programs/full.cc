@@ -79,7 +79,7 @@ void FullProgram::run_tile(std::uint32_t tile, const traces::Tracer& tracer, boo
 }
 
 Wavefront::Node FullProgram::launch_rays(TileGraph& graph, GeneratePorts<float>& ports, std::uint32_t samples) const {
-  if (samples_ == 1 || config_.samples == SamplePattern::kRegular) {  // a single sample is at the pixel's centre
+  if (samples_ == 1 || config_.samples == SamplePattern::kRegular) {  // a single sample is always at the pixel's centre
     return graph.launch<GenerateRays>(ports, samples);
   }
   if (config_.samples == SamplePattern::kJittered) return graph.launch<GenerateJitteredRays>(ports, samples);

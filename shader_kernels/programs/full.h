@@ -15,14 +15,14 @@ namespace kernels {
 /// A tile is a square of whole pixels. It has at most the configured number of samples, but at least one pixel.
 class FullProgram final : public FrameProgram {
  public:
-  /// `samples`: per pixel, a square number. The image must outlive the program.
+  /// `samples` is the number per pixel, a square. The image must outlive the program.
   FullProgram(const traces::MemoryImage& image, const traces::Camera& camera, const RenderConfig& config,
               std::uint32_t samples, std::uint32_t frame);
 
-  std::uint32_t tiles() const override { return tiles_across_ * tiles_down_; }  ///< row by row
+  std::uint32_t tiles() const override { return tiles_across_ * tiles_down_; }  ///< tiles are numbered row by row
   TileCounts tile_counts() const override { return {tiles_across_, tiles_down_}; }
   FrameRequirements requirements() const override;
-  /// Returns the pixels of a full tile.
+  /// Returns the number of pixels in a full tile.
   std::uint32_t tile_pixels() const { return side_ * side_; }
   std::uint32_t tile_samples() const { return tile_pixels() * samples_; }
 
@@ -30,14 +30,14 @@ class FullProgram final : public FrameProgram {
 
  private:
   Wavefront::Node launch_rays(TileGraph& graph, GeneratePorts<float>& ports, std::uint32_t samples) const;
-  /// Averages and encodes the pixels of a tile with `samples` samples, and writes them to memory.
+  /// Averages and encodes the pixels of a tile that has `samples` samples, and writes them to memory.
   void write_pixels(TileGraph& graph, std::uint32_t samples, TileResult& out) const;
 
   const RenderConfig config_;
   const SceneTables scene_;
   const CameraUniforms<float> camera_;
   const std::uint32_t samples_, grid_, frame_;
-  const std::uint32_t side_;  ///< side of a tile in pixels
+  const std::uint32_t side_;  ///< number of pixels along the side of a tile
   const std::uint32_t tiles_across_, tiles_down_;
   const std::uint32_t seed_;
 };

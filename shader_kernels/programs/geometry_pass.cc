@@ -30,7 +30,7 @@ void GeometryPass::run_tile(std::uint32_t tile_index, const traces::Tracer& trac
   if (tile_index < batch_count()) return run_batch(tile_index, record, out);
   out.rasteriser = rasteriser_.get();
   program_->run_tile(tile_index - batch_count(), tracer, record, out);
-  // Lists must be complete before a tile reads them.
+  // The lists of triangles must be complete before a tile reads them.
   if (tile_index == batch_count() && batch_count() > 0) out.work.after_all = true;
 }
 

@@ -6,8 +6,8 @@
 
 namespace kernels {
 
-/// A frame program with a rasteriser for its primary hits. A geometry pass, which adds all triangles to the lists of
-/// screen regions, precedes the program's own entries.
+/// A frame program that finds its primary hits by rasterisation. Before the entries of the wrapped program, a geometry
+/// pass adds all triangles to the lists of screen regions.
 ///
 ///   pass 0: batches of triangles --> lists --> all later passes: the program's own, whose first waves are rasterised
 ///
@@ -40,7 +40,7 @@ class GeometryPass final : public FrameProgram {
   const std::uint32_t frame_;
 };
 
-/// Returns a rasteriser for a picture with square tiles of `side` pixels.
+/// Returns a rasteriser for a picture that is divided into square tiles of `side` pixels.
 std::unique_ptr<traces::Rasteriser> make_rasteriser(const traces::MemoryImage& image, const traces::Camera& camera,
                                                     std::uint32_t width, std::uint32_t height,
                                                     const traces::RasterConfig& config, std::uint32_t side);

@@ -6,18 +6,19 @@
 
 namespace kernels {
 
-/// A frame program as given by the user.
+/// A frame program and its number of samples, as the user names it.
 struct ProgramSpec {
   enum class Kind : std::uint8_t { kFull, kMultirate, kUndersample, kSupersample, kReconstruct, kSraa };
   Kind kind = Kind::kFull;
-  std::uint32_t samples = 1;  ///< samples per pixel, a square number; for full and multirate
+  std::uint32_t samples = 1;  ///< samples per pixel, a square number; used by full and multirate
   std::string name() const;
 };
 
-/// Parses "full:4" or "multirate:under"; "full" means full:1. Throws sim::InputError with the allowed programs.
+/// Parses the name of a frame program, such as "full:4" or "multirate:under"; "full" means full:1. Throws
+/// sim::InputError with the allowed programs.
 ProgramSpec parse_program(std::string_view text);
 
-/// Returns the names that parse_program() accepts.
+/// Returns the program names that parse_program() accepts.
 std::vector<std::string> program_names();
 
 }  // namespace kernels

@@ -18,7 +18,7 @@
 namespace kernels {
 namespace {
 
-/// Surfaces that undersample interpolates cast no rays.
+/// Throws if the frame has occlusion or soft shadows: undersample lights interpolated surfaces without rays.
 void check_undersampled(const Effects& effects) {
   for (const Effect effect : {Effect::kOcclusion, Effect::kSoftShadows}) {
     if (!effects.has(effect)) continue;
@@ -29,7 +29,7 @@ void check_undersampled(const Effects& effects) {
   }
 }
 
-/// Only full:1 has a filter for effects at a lower rate.
+/// Throws if effects have a lower rate and the program is not full:1, which alone can filter them.
 void check_rate(const ProgramSpec& spec, EffectRate rate) {
   if (rate == EffectRate::kFull || (spec.kind == ProgramSpec::Kind::kFull && spec.samples == 1)) return;
   throw sim::InputError(fmt::format(
@@ -66,7 +66,7 @@ std::unique_ptr<FrameProgram> make_plain(const ProgramSpec& spec, const Frame& f
   return std::make_unique<FullProgram>(f.image, f.camera, f.render, spec.samples, f.number);
 }
 
-/// Returns the approximate side of a tile in pixels.
+/// Returns the desired side of a tile in pixels.
 std::uint32_t side_of_tile(const ProgramSpec& spec, const Frame& f) {
   std::uint32_t grid = static_cast<std::uint32_t>(std::lround(std::sqrt(spec.samples)));
   using Kind = ProgramSpec::Kind;

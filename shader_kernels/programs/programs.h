@@ -13,7 +13,7 @@
 
 namespace kernels {
 
-/// Keys of the frame programs, one group each.
+/// Configuration keys of the frame programs, with one group for each program.
 struct ProgramConfig {
   MultirateConfig multirate;
   ReconstructConfig reconstruct;
@@ -28,7 +28,7 @@ struct ProgramConfig {
   }
 };
 
-/// Inputs of a frame program. The image and the rates must outlive it.
+/// What a frame program renders. The image and the rates must outlive the program.
 struct Frame {
   const traces::MemoryImage& image;
   const traces::Camera& camera;
@@ -36,7 +36,7 @@ struct Frame {
   const ProgramConfig& programs;
   const RateMap& rates;
   std::uint32_t number = 0;
-  float scene_size = 1;  ///< longest side of the scene's bounds in frame 0
+  float scene_size = 1;  ///< longest side of the scene's bounds, in frame 0
 };
 
 std::unique_ptr<FrameProgram> make_program(const ProgramSpec& spec, const Frame& frame);

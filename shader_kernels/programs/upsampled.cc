@@ -9,7 +9,7 @@ UpsampledProgram::UpsampledProgram(const traces::MemoryImage& image, const trace
       config_(config),
       scene_(image, config),
       camera_(camera_uniforms(camera, config.width, config.height)),
-      tiles_(config.width, config.height, config.tile / 2, 1),  // half the side, because samples keep much data
+      tiles_(config.width, config.height, config.tile / 2, 1),  // half the side, because a sample keeps much data
       order_(tiles_.tiles().rendering_order(Halo::kReload)),
       frame_(frame),
       layers_(scene_.rated_lights()),
@@ -20,8 +20,8 @@ std::uint32_t UpsampledProgram::light_bytes() const {
   return layers_ * static_cast<std::uint32_t>(sizeof(ColourRecord<float>) + sizeof(RatioRecord<float>));
 }
 
-/// Returns the bytes of a sample in a border. Of the outer half only shares and geometry are read; the inner half is
-/// finished by the neighbour.
+/// Returns the mean bytes per sample of a border. The outer half of the halo needs only visible fractions and geometry.
+/// The inner half is finished by the neighbour, which needs all data.
 std::uint32_t UpsampledProgram::exchanged_bytes() const {
   const auto shares = static_cast<std::uint32_t>(sizeof(VisibleRecord<float>) + layers_ * sizeof(RatioRecord<float>));
   return shares + (1 + layers_) * static_cast<std::uint32_t>(sizeof(ColourRecord<float>)) / 2;
@@ -59,7 +59,7 @@ void UpsampledProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& 
   out.linear.resize(tile.pixels);
   out.packed.resize(tile.pixels);
   trace_pixels(tile, tiles_.halo_width(), tiles_.halo_width(), at.width, at.height);
-  export_borders(tile);  // needs no halo, so no chain of tiles waits
+  export_borders(tile);  // exported first: a border needs no halo, so no chain of tiles waits
   make_halo(tile);
   write_finished(tile, upsample_effects(tile));
   wave.finish();
@@ -67,7 +67,7 @@ void UpsampledProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& 
   out.sampling.background = out.sampling.traced_background = out.background.size();
 }
 
-/// Traces the samples of a rectangle of the tile buffer.
+/// Traces the samples in a rectangle of the tile buffer.
 void UpsampledProgram::trace_pixels(Tile& tile, std::uint32_t x, std::uint32_t y, std::uint32_t across,
                                     std::uint32_t down) const {
   Wavefront& wave = tile.wave;
@@ -102,7 +102,8 @@ void UpsampledProgram::trace_pixels(Tile& tile, std::uint32_t x, std::uint32_t y
   wave.run(generated, pixels, retained);
 }
 
-/// Makes the halo. A tile always computes it; if neighbours write it to memory, the machine reads it back.
+/// Fills the halo of a tile. The host always traces it; if neighbours write it to memory, the recorded work is a
+/// transfer.
 void UpsampledProgram::make_halo(Tile& tile) const {
   tiles_.for_each_part(tile.at, [&](const HaloPart& part) {
     tile.graph.import_samples(part.border, store_bytes() * part.border.tile + part.first * exchanged_bytes(),

@@ -12,8 +12,8 @@
 
 namespace kernels {
 
-/// Frame program full:1 with RenderConfig::effect_rate: occlusion and soft shadows of first hits are traced for some
-/// pixels and filtered for the others (docs/design/effects.md).
+/// Frame program full:1 with effects at a lower rate (RenderConfig::effect_rate). First hits emit rays for occlusion
+/// and soft shadows in some pixels only, and a filter supplies the others (docs/design/effects.md).
 ///
 ///   per tile: generate_centred_rays -> shaded, without those lights: lights, shares of some samples
 ///                                      -> [halo] -> upsample_effects (per light) -> pack_grid_sample
@@ -22,7 +22,7 @@ namespace kernels {
 /// samples.
 class UpsampledProgram final : public FrameProgram {
  public:
-  /// `scene_size`: longest side of the scene's bounds, the same in all frames.
+  /// `scene_size` is the longest side of the scene's bounds, the same in all frames.
   UpsampledProgram(const traces::MemoryImage& image, const traces::Camera& camera, const RenderConfig& config,
                    const ReconstructConfig& filter, float scene_size, std::uint32_t frame);
 
@@ -33,19 +33,19 @@ class UpsampledProgram final : public FrameProgram {
 
  private:
   using Node = Wavefront::Node;
-  /// A tile in progress.
+  /// The rendering of one tile.
   struct Tile {
     SampleTile at;
     FinishedUniforms<float> finished;
     GridUniforms<float> grid;
-    std::uint32_t pixels;  ///< pixels that it finishes
+    std::uint32_t pixels;  ///< number of pixels that the tile finishes
     Wavefront& wave;
     TileGraph& graph;
     TileResult& out;
   };
 
   std::uint32_t position_count() const { return tiles_.buffer_samples(); }
-  /// Return the bytes that a sample keeps for all lights, and those that neighbours read.
+  /// Return the bytes of a sample's data for all lights, and the bytes per sample that neighbours read.
   std::uint32_t light_bytes() const;
   std::uint32_t exchanged_bytes() const;
   std::uint64_t store_bytes() const { return tiles_.stored_samples() * exchanged_bytes(); }
@@ -55,7 +55,7 @@ class UpsampledProgram final : public FrameProgram {
   Node upsample_effects(Tile& tile) const;
   template <bool kCheckerboard>
   Node upsample_effects(Tile& tile) const;
-  /// Packs and writes the finished pixels after `upsampled`.
+  /// Packs and writes the finished pixels after the launch `upsampled`.
   void write_finished(Tile& tile, Node upsampled) const;
 
   const RenderConfig config_;

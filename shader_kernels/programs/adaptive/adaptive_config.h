@@ -9,15 +9,16 @@
 
 namespace kernels {
 
-/// Source of the halo samples: reload them from the neighbour's memory, or trace them again.
+/// Where a tile's halo samples come from: the neighbour writes them to memory and the tile reloads them, or the tile
+/// traces them again.
 enum class Halo : std::uint8_t { kReload, kRetrace };
 constexpr std::array<std::string_view, 2> names_of(Halo) { return {"reload", "retrace"}; }
 
-/// Memory that holds the samples' attributes until they are compared.
+/// Where the samples' attributes are kept until they are compared: the tile buffer or DRAM.
 enum class AttributeStorage : std::uint8_t { kTile, kDram };
 constexpr std::array<std::string_view, 2> names_of(AttributeStorage) { return {"tile", "dram"}; }
 
-/// Keys of every adaptive method.
+/// Configuration keys that all adaptive sampling methods share.
 struct AdaptiveConfig {
   Halo halo = Halo::kReload;
   AttributeStorage attributes = AttributeStorage::kTile;
@@ -32,7 +33,8 @@ struct AdaptiveConfig {
   }
 };
 
-/// How a tile's sampling rate depends on earlier frames.
+/// How a tile's sampling rate follows from its results: it never changes, it has two thresholds (hysteresis), or the
+/// two thresholds alternate between frames.
 enum class RateControl : std::uint8_t { kOff, kHysteresis, kAlternate };
 constexpr std::array<std::string_view, 3> names_of(RateControl) { return {"off", "hysteresis", "alternate"}; }
 
@@ -78,7 +80,7 @@ struct MultirateConfig : AdaptiveConfig {
   }
 };
 
-/// Scans of post-correction: none, two (right, down) or four (also left, up).
+/// Passes of post-correction: none, two (right, down) or four (also left, up).
 enum class Correction : std::uint8_t { kOff, kTwo, kFour };
 constexpr std::array<std::string_view, 3> names_of(Correction) { return {"off", "two", "four"}; }
 
@@ -115,27 +117,28 @@ struct UndersampleConfig : AdaptiveConfig {
           Affects::kFunction);
     AdaptiveConfig::describe(c, field);
   }
-  /// Returns the samples along a pixel's side.
+  /// Returns the number of samples along the side of a pixel.
   std::uint32_t pixel_grid() const { return static_cast<std::uint32_t>(std::lround(std::sqrt(samples))); }
   void check(auto&& complain) const {
     if (pixel_grid() * pixel_grid() != samples) complain("samples", "is not a square; allowed: 1, 4, 9, 16, ... 256");
   }
 };
 
-/// How active sub-pixels are listed for the kernels that sample them.
+/// How active sub-pixels are listed for the kernels that sample them: block by block, with atomic additions, or not at
+/// all.
 enum class Packing : std::uint8_t { kBlock, kAtomic, kNone };
 constexpr std::array<std::string_view, 3> names_of(Packing) { return {"block", "atomic", "none"}; }
 
-/// Colour of inactive sub-pixels.
+/// How inactive sub-pixels get their colour: from the pixel's centre, or interpolated between pixel centres.
 enum class SubpixelFilter : std::uint8_t { kNearest, kBilinear };
 constexpr std::array<std::string_view, 2> names_of(SubpixelFilter) { return {"nearest", "bilinear"}; }
 
-/// Limit of the rounds of a frame; each round is a pass over the whole frame.
+/// Largest number of propagation rounds per frame. Each round is a pass over the whole frame.
 inline constexpr std::uint32_t kMostRounds = 14;
 
-/// Selective and adaptive supersampling (Jin et al. 2009). A threshold applies where its attribute differs: at 0 every
-/// such sub-pixel is sampled, at 1 none, and -1 excludes the attribute from the comparison. Every key changes the
-/// recorded work.
+/// Keys of selective and adaptive supersampling (Jin et al. 2009). Each attribute that differs between pixels has a
+/// contrast threshold: at 0 every such sub-pixel is sampled, at 1 none, and -1 excludes the attribute from the
+/// comparison. Every key changes the recorded work.
 struct SupersampleConfig : AdaptiveConfig {
   double colour = 0.6;
   double object = 0.05, normal = 0.06, shadow = 0.06, texture = 0.6;
@@ -190,11 +193,12 @@ struct SupersampleConfig : AdaptiveConfig {
   }
 };
 
-/// Meaning of the weight of normals, x = 1 - sat(n.n): exp(-(sigma x)^2) as printed, or exp(-(x / sigma)^2).
+/// How the filter weighs normals with x = 1 - sat(n.n): exp(-(sigma x)^2) as printed, or exp(-(x / sigma)^2).
 enum class NormalWeight : std::uint8_t { kFactor, kWidth };
 constexpr std::array<std::string_view, 2> names_of(NormalWeight) { return {"factor", "width"}; }
 
-/// Subpixel reconstruction antialiasing for ray tracing (Chiu et al. 2012). Every key changes the recorded work.
+/// Keys of subpixel reconstruction antialiasing for ray tracing (Chiu et al. 2012). Every key changes the recorded
+/// work.
 struct ReconstructConfig : AdaptiveConfig {
   std::uint32_t radius = 1;
   double depth_factor = 10;
@@ -225,7 +229,7 @@ struct ReconstructConfig : AdaptiveConfig {
           sim::between(-1, 1), Affects::kFunction);
     AdaptiveConfig::describe(c, field);
   }
-  /// Returns the filter's depth units per unit of length.
+  /// Returns the filter's depth units per unit of length, for a scene whose longest side is `scene_size`.
   float depth_scale(float scene_size) const { return static_cast<float>(depth_factor * scene_side / scene_size); }
   float bend_factor() const {
     return static_cast<float>(normal_weight == NormalWeight::kFactor ? normal_sigma : 1 / normal_sigma);

@@ -46,11 +46,12 @@ std::uint32_t BlockFrame::exchanged_bytes() const {
 
 FrameRequirements BlockFrame::requirements() const {
   const std::uint32_t side = tiles.tile_side();
-  const std::uint32_t kept = side * (side / setup.block);  // rows of references; others are never compared
+  const std::uint32_t kept = side * (side / setup.block);  // only the rows of references: later rows are not compared
+                                                           // again
   const std::uint32_t pixels = side / setup.grid * (side / setup.grid);
   FrameRequirements needs;
   needs.tile_samples = side * side;
-  needs.wave_samples = side * side / setup.whole * (setup.whole - 1);  // samples checked along y
+  needs.wave_samples = side * side / setup.whole * (setup.whole - 1);  // the samples that are checked along y
   needs.attribute_bytes = adaptive.attributes == AttributeStorage::kTile ? kept * setup.record_bytes : 0;
   needs.region_bytes = {std::uint64_t{tiles.count()} * pixels * kPixelBytes, tiles.count() * store_bytes(),
                         setup.carries_rates ? tiles.count() : 0};
@@ -106,14 +107,14 @@ BlockTile::BlockTile(const BlockFrame& frame, const SampleTile& tile, const trac
   out.packed.resize(out.linear.size());
   out.sampling = {};
   out.marks.assign(std::size_t{at.width} * at.height, 0);
-  // Kernels may load samples beyond the last row in place of a missing reference; the values are not used.
+  // A kernel may load a sample after the last row in place of a missing reference, and does not use the value.
   buffer.reserve_samples(std::size_t{frame.row_pitch()} * (frame.row_pitch() + frame.setup.whole));
   out.work.frame = frame.number;
   out.work.tile = at.index;
   out.work.samples = at.width * at.height;
 }
 
-/// Reads the block sides of the tile and of the tiles in its halo.
+/// Reads from memory the block sides of this tile and of the neighbours in its halo.
 void BlockTile::read_rates() {
   const std::uint32_t first = at.has_left ? at.left : at.index;
   start_ = graph.add_transfer(Region::kRates, false, first, at.index - first + 1);
@@ -186,7 +187,7 @@ void BlockTile::trace_listed(SampleQueue& list, Wavefront::Node lister, std::uin
   if (!is_own) out.sampling.halo += items;
 }
 
-/// Records the reflected and refracted light of listed samples, for the checks of undersample.
+/// Records the light that is not local to the first hit for each listed sample, for the colour check of undersample.
 void BlockTile::record_global_light(SampleQueue& list, std::uint32_t items, std::uint32_t lanes, float faint) {
   const auto launch = [&]<class K>(typename K::template Ports<float>& ports) {
     ports_of<RecordGlobal>(ports).samples.bind(list.entries.data());
@@ -214,7 +215,7 @@ void BlockTile::trace_failed(const BlockLines& lines, const Verdict& verdict) {
   graph.wait_all(written, verdict.node);
 }
 
-/// Counts a check's results, and marks its samples for debug pictures.
+/// Counts the results of a check, and marks the checked samples for debug pictures.
 void BlockTile::mark_samples(const BlockLines& lines, const Verdict& verdict) {
   const std::uint32_t pitch = frame_.row_pitch();
   const auto own = [&](std::uint32_t sample) -> SampleMark& {
@@ -246,19 +247,19 @@ void BlockTile::mark_samples(const BlockLines& lines, const Verdict& verdict) {
 void BlockTile::import_samples(std::uint32_t tile, std::uint32_t border, std::uint64_t offset, std::uint32_t samples) {
   graph.import_samples({tile, border}, frame_.store_bytes() * tile + offset, samples * frame_.exchanged_bytes());
   if (!frame_.scene.fuses || !frame_.setup.before_check_y.surfaces) return;
-  // The machine counts imported samples here; functionally they were counted when traced.
+  // The modelled machine counts imported samples here. The host has counted them when they were traced.
   const Wavefront::Node counted = graph.record_known<CountColoured>(samples);
   graph.wait_for_records(counted);
   graph.register_record_writer(counted);
 }
 
-/// The picture must not depend on which tile traces the halo, so a tile always computes it. If neighbours write it to
-/// memory, the recorded work is a transfer and the tracing is muted.
+/// The host always traces the halo, so that the picture does not depend on which tile does so. If neighbours write the
+/// halo to memory, the recorded work is a transfer and recording of the tracing is paused.
 void BlockTile::import_left() {
   if (!at.has_left) return;
   const std::uint32_t step = block_ * frame_.row_pitch();
   if (frame_.adaptive.halo == Halo::kRetrace) return trace_lattice(step, 1, 0, step, block_rows(), false);
-  // A coarser neighbour has references in some rows only.
+  // A neighbour with larger blocks has references in some rows only.
   const std::uint32_t stride = left_block_ / block_ > 1 ? left_block_ / block_ : 1;
   const std::uint32_t kept = block_rows() / stride;
   if (kept != 0) {
@@ -279,7 +280,7 @@ bool BlockTile::begin_import_above() {
   return true;
 }
 
-/// Traces the references of the last row above, and the corner sample.
+/// Traces the references in the last row of the tile above, and the corner sample.
 void BlockTile::trace_references_above() {
   const std::uint32_t columns_above = at.width / above_block_, corner = at.has_left ? 1 : 0;
   trace_lattice(at.has_left ? 0 : above_block_, columns_above + corner, above_block_, 0, columns_above + corner, false);

@@ -11,48 +11,50 @@
 
 namespace kernels {
 
-/// Properties of a block program that all tiles of a frame share.
+/// Properties of multirate or undersample that all tiles of a frame share.
 struct BlockSetup {
-  std::uint32_t grid = 1;            ///< samples along a pixel's side
-  std::uint32_t block = 2;           ///< samples along a block's side
-  std::uint32_t whole = 2;           ///< a tile's side is a multiple of it, and so is every block side
-  std::uint32_t record_bytes = 0;    ///< size of a sample's record, without the colour
-  bool carries_rates = false;        ///< block sides are read from memory, and similar ratios are written there
-  RetainedRecords before_check_y{};  ///< records of samples that a later check reads
-  RetainedRecords after_check_y{};   ///< records of samples that no check reads
-  float faint = 0;                   ///< colours with no channel above this pass the colour check (CountColoured)
+  std::uint32_t grid = 1;   ///< number of samples along the side of a pixel
+  std::uint32_t block = 2;  ///< number of samples along the side of a block
+  std::uint32_t whole = 2;  ///< a tile's side is a multiple of this number of samples, which is a multiple of every
+                            ///< block side
+  std::uint32_t record_bytes = 0;  ///< bytes of a sample's record in the tile buffer, without the colour
+  bool carries_rates = false;  ///< tiles read block sides from memory and write the fraction of similar samples there
+  RetainedRecords before_check_y{};  ///< records of samples that a check along y will read
+  RetainedRecords after_check_y{};   ///< records of samples that no later check reads
+  float faint = 0;  ///< a colour whose channels are all at most this passes every colour check (CountColoured)
 };
 
-/// Frame of multirate and undersample. The picture's samples are divided into blocks. The last sample of a block is its
-/// reference R and is always traced. The others are checked between two samples of their line:
+/// A frame of multirate or undersample. The picture's samples are divided into blocks. The last sample of a block is
+/// its reference R and is always traced. The others are checked between two samples of their line:
 ///
 ///   I I I I        1. x samples of reference rows are between two references of the row.
 ///   I R x R        2. y samples of other rows are between two samples above and below.
 ///   y y y y        3. Similar samples are interpolated, all others traced.
 ///   x R x R        4. Samples at the picture's edge that lack a reference are traced.
 ///
-/// A tile's blocks need the last rows and columns of the tiles above and to the left (its halo). The tile buffer has
-/// the samples row by row, with a row and a column of halo before the tile's own.
+/// The blocks of a tile also need the last rows and columns of the tiles above and to the left (the halo). The tile
+/// buffer has the samples row by row, with a row and a column of halo before the tile's own.
 struct BlockFrame {
   BlockFrame(const traces::MemoryImage& image, const traces::Camera& viewer, const RenderConfig& config,
              const AdaptiveConfig& keys, const BlockSetup& properties, std::uint32_t frame);
 
   FrameRequirements requirements() const;
-  /// Returns the samples per row of the tile buffer.
+  /// Returns the number of samples in a row of the tile buffer.
   std::uint32_t row_pitch() const { return tiles.tile_side() + 1; }
   ConeUniforms<float> ray_cone() const { return cone_uniforms(camera, setup.grid); }
-  /// Returns the tile's samples in the tile buffer, without its halo.
+  /// Returns where the tile's samples are in the tile buffer, without its halo.
   LatticeUniforms<float> own_samples(const SampleTile& at) const;
   GridUniforms<float> grid_uniforms(float x0, float y0, std::uint32_t row_samples) const;
   /// Returns the bytes of a sample that a neighbouring tile reads.
   std::uint32_t exchanged_bytes() const;
-  /// Returns the bytes of memory per tile: its last row, its last column, and all records if they are kept in DRAM.
+  /// Returns the bytes that a tile stores in memory: its last row, its last column, and all records if they are kept in
+  /// DRAM.
   std::uint64_t store_bytes() const;
-  /// Returns the bytes of a tile in the picture.
+  /// Returns the bytes of a tile's pixels in the frame buffer.
   std::uint64_t picture_bytes() const { return requirements().region_bytes[0] / tiles.count(); }
-  /// Allocates the per-tile counts of a frame.
+  /// Allocates the counts that `frame_counts` keeps for each tile.
   void size_counts(Sampling& frame_counts) const;
-  /// Adds the similar ratio and block side of a finished tile to the frame's counts.
+  /// Adds a finished tile to the frame's counts: its fraction of similar samples, and the side of its blocks.
   void count_tile(const TileResult& tile, std::uint32_t block, Sampling& frame_counts) const;
 
   const AdaptiveConfig adaptive;
@@ -60,29 +62,29 @@ struct BlockFrame {
   const SceneTables scene;
   const CameraUniforms<float> camera;
   const SampleTiles tiles;
-  const std::vector<std::uint32_t> order;  ///< tiles in rendering order
+  const std::vector<std::uint32_t> order;  ///< tile indices in rendering order
   const std::uint32_t number;
 };
 
-/// The samples that one check examines: those between references along x, or along y.
+/// The samples that one check examines: samples between references along x, or along y.
 struct BlockLines {
   LineUniforms<float> uniforms{};
   bool along_y = false;
   std::uint32_t samples = 0;
-  bool is_own = true;  ///< false: samples of a neighbouring tile
+  bool is_own = true;  ///< false for samples of a neighbouring tile
 };
 
-/// Result of a check: its launch, and the number of samples in the queues `passed` and `failed`.
+/// Result of a check: its launch, and how many samples it appended to the queues `passed` and `failed`.
 struct Verdict {
   Wavefront::Node node = Wavefront::kNone;
   std::uint32_t passed = 0, failed = 0;
-  std::uint32_t rough = 0;  ///< passed samples that count as failed for the tile's rate
+  std::uint32_t rough = 0;  ///< samples that passed but count as failed when the tile's rate is chosen
 };
 
-/// A tile in progress of a block program, with the steps that multirate and undersample share.
+/// The rendering of one tile by multirate or undersample, with the steps that both share.
 class BlockTile {
  public:
-  /// `block_of(tile)` returns a tile's block side in this frame, in pixels.
+  /// `block_of(tile)` returns the side in pixels of a tile's blocks in this frame.
   BlockTile(const BlockFrame& frame, std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
             TileResult& result, auto&& block_of)
       : BlockTile(frame, frame.tiles.sample_tile(frame.order[tile_index]), tracer, record, result) {
@@ -94,20 +96,21 @@ class BlockTile {
 
   /// Traces the reference sample of every block.
   void trace_references();
-  /// Returns the samples of reference rows, between two references.
+  /// Returns the samples of the reference rows that are between two references.
   BlockLines lines_along_x() const { return lines_along_x(block_, true); }
-  /// Returns the samples of all other rows, between two rows.
+  /// Returns the samples of all other rows, which are between samples of two reference rows.
   BlockLines lines_along_y() const;
   /// Traces the samples that failed a check.
   void trace_failed(const BlockLines& lines, const Verdict& verdict);
 
-  /// Exports the references of the last column to the tile on the right.
+  /// Writes the references of the last column to memory, for the tile on the right.
   void export_right();
-  /// Exports the last row to the tile below.
+  /// Writes the last row to memory, for the tile below.
   void export_below();
-  /// Loads or retraces the last column of the tile on the left, as `AdaptiveConfig::halo` selects.
+  /// Loads or traces the last column of the tile on the left, as AdaptiveConfig::halo selects.
   void import_left();
-  /// Loads or retraces the last row of the tile above. `resolve(lines)` renders the samples between its references.
+  /// Loads or traces the last row of the tile above, as AdaptiveConfig::halo selects. `resolve(lines)` renders the
+  /// samples between its references.
   template <class Resolve>
   void import_above(Resolve&& resolve) {
     if (!begin_import_above()) return;
@@ -115,20 +118,21 @@ class BlockTile {
     resolve(lines_along_x(above_block_, false));
     graph.resume_recording();
   }
-  /// Writes the records of the references to DRAM and reads them back, if `AdaptiveConfig::attributes` is dram.
+  /// Writes the records of the references to DRAM and reads them back, if AdaptiveConfig::attributes is dram.
   void spill_references_to_dram() { spill_records(block_rows() * block_columns(), block_rows() * block_columns()); }
-  /// Does the same for the x samples, and reads all reference rows back.
+  /// Writes the records of the x samples to DRAM and reads all reference rows back, if AdaptiveConfig::attributes is
+  /// dram.
   void spill_reference_rows_to_dram() {
     spill_records(block_rows() * (at.width - block_columns()), block_rows() * at.width);
   }
 
-  /// True if one kernel clamps, encodes and packs pixels; they have a single sample each.
+  /// True if one kernel can clamp, encode and pack a pixel, because it has a single sample.
   bool packs_samples() const { return frame_.scene.fuses && frame_.setup.grid == 1 && !frame_.scene.dma_encodes; }
-  /// Averages the samples of each pixel and writes the picture.
+  /// Averages the samples of each pixel and writes the pixels to the frame buffer.
   void average_pixels();
-  /// Writes the pixels that `packed` encoded.
+  /// Writes pixels to the frame buffer that launch `packed` has encoded.
   void write_packed(Wavefront::Node packed);
-  /// Ends the tile's work and counts its samples.
+  /// Completes the tile's graph of work and counts its samples.
   void finish();
 
   const SampleTile at;
@@ -136,7 +140,7 @@ class BlockTile {
   TileBuffer& buffer;
   Wavefront wave;
   TileGraph& graph;
-  std::uint32_t coloured = 0;  ///< samples whose global light the colour check may reject (CountColoured)
+  std::uint32_t coloured = 0;  ///< number of samples whose global light the colour check may reject (CountColoured)
 
  private:
   BlockTile(const BlockFrame& frame, const SampleTile& tile, const traces::Tracer& tracer, bool record,
@@ -159,7 +163,7 @@ class BlockTile {
 
   const BlockFrame& frame_;
   std::uint32_t block_ = 2, left_block_ = 2, above_block_ = 2;
-  Wavefront::Node start_ = Wavefront::kNone;  ///< node that the tile's first launch waits for
+  Wavefront::Node start_ = Wavefront::kNone;  ///< node that the first launch of the tile waits for
 };
 
 }  // namespace kernels

@@ -4,12 +4,12 @@ namespace kernels {
 
 namespace {
 
-/// True if secondary hits are checked. Fusion leaves out checks that the scene cannot fail.
+/// True if the checks include secondary hits. With fusion, checks that this scene cannot fail are omitted.
 bool checks_secondary(const MultirateConfig& multirate, const SceneTables& scene) {
   return multirate.secondary_checks && (!scene.fuses || (scene.has_secondary && scene.depth > 1));
 }
 
-/// A distance above that of any two colours, which lie at most sqrt(3) apart.
+/// A distance that no two colours reach: they are at most sqrt(3) apart.
 constexpr double kNotCompared = 2;
 
 BlockSetup block_setup(const MultirateConfig& multirate, std::uint32_t grid, bool has_secondary) {
@@ -50,20 +50,19 @@ void MultirateProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& 
     tile.trace_failed(lines, verdict);
   };
 
-  // 1. Trace the reference sample of each block. Borders are exported before imports that they do not need, which keeps
-  //    chains of waiting tiles short.
+  // 1. Trace the reference sample of each block. A border is exported before imports that it does not need, which keeps
+  // chains of waiting tiles short.
   tile.trace_references();
   tile.export_right();
   tile.import_left();
   tile.spill_references_to_dram();
-  // 2. Check the samples between two references of a row: interpolate similar ones, trace the others.
+  // 2. Check the samples between two references of a row. Interpolate similar ones, trace the others.
   resolve(tile.lines_along_x());
   tile.export_below();
   tile.import_above(resolve);
   tile.spill_reference_rows_to_dram();
-  // 3. Check all other samples, between the rows.
+  // 3. Check the samples of all other rows, between samples above and below.
   resolve(tile.lines_along_y());
-  // 4. Average the samples of each pixel.
   tile.average_pixels();
   tile.finish();
 }
@@ -94,7 +93,8 @@ Verdict MultirateProgram::check_and_interpolate(BlockTile& tile, const BlockLine
   typename Interpolate::template Ports<float> interpolate;
   interpolate.line = lines.uniforms;
 
-  // With fusion, one kernel interpolates every sample that it checks; failed ones are traced later and overwritten.
+  // With fusion, one kernel interpolates every sample that it checks. Failed samples are traced later, which overwrites
+  // them.
   if (blocks_.scene.fuses) {
     typename CheckThenInterpolate::template Ports<float> both;
     ports_of<Similarity>(both) = check;

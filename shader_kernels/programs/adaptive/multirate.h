@@ -7,11 +7,11 @@
 
 namespace kernels {
 
-/// Frame programs multirate:under and multirate:super (Lee et al. 2016): samples between similar references get an
-/// interpolated colour. A sample is a pixel, or one of four per pixel.
+/// Frame programs multirate:under and multirate:super (Lee et al. 2016). A sample between similar references gets an
+/// interpolated colour instead of rays. The program renders one sample per pixel, or four.
 class MultirateProgram final : public FrameProgram {
  public:
-  /// `grid`: samples along a pixel's side, 1 or 2. `rates` must not change while the program is in use.
+  /// `grid` is the number of samples along the side of a pixel, 1 or 2. `rates` must not change while the program runs.
   MultirateProgram(const traces::MemoryImage& image, const traces::Camera& camera, const RenderConfig& config,
                    const MultirateConfig& multirate, std::uint32_t grid, const RateMap& rates, std::uint32_t frame);
 
@@ -22,7 +22,7 @@ class MultirateProgram final : public FrameProgram {
   void commit_tile(const TileResult& tile) override;
 
  private:
-  /// Checks samples, and interpolates the colour of those that pass.
+  /// Checks samples, and interpolates the colours of those that pass.
   Verdict check_and_interpolate(BlockTile& tile, const BlockLines& lines) const;
   template <bool kAlongY, bool kSecondary, bool kTexture>
   Verdict check_and_interpolate(BlockTile& tile, const BlockLines& lines) const;
@@ -30,7 +30,7 @@ class MultirateProgram final : public FrameProgram {
   const MultirateConfig multirate_;
   const BlockFrame blocks_;
   const bool secondary_checks_;
-  const bool compares_colours_;  ///< colours of textured surfaces are checked
+  const bool compares_colours_;  ///< the checks include the colours of textured surfaces
   const RateMap& rates_;
 };
 

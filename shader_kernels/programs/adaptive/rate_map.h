@@ -7,22 +7,23 @@
 
 namespace kernels {
 
-/// The block sides of tiles, updated from frame to frame (Lee et al. 2016, section 3).
+/// The block sides of all tiles, which change from frame to frame with the results of multirate (Lee et al. 2016,
+/// section 3).
 class RateMap {
  public:
-  static constexpr std::uint8_t kCoarse = 4;  ///< block side of tiles with few changes
+  static constexpr std::uint8_t kCoarse = 4;  ///< block side of tiles whose samples were similar
 
   explicit RateMap(const MultirateConfig& config) : config_(config) {}
 
-  /// Returns the block side of a tile in this frame.
+  /// Returns the side in samples of a tile's blocks in this frame.
   std::uint32_t block_side(std::uint32_t tile) const { return tiles_.empty() ? config_.block : tiles_[tile].block; }
-  /// Updates the block sides for the next frame from this frame's counts.
+  /// Chooses the block sides of the next frame from the counts of this frame.
   void advance(const Sampling& frame);
 
  private:
   struct Tile {
     std::uint8_t block = 2;
-    std::uint32_t held = 0;  ///< frames for which the block side is held
+    std::uint32_t held = 0;  ///< number of frames for which the block side must not change
   };
   MultirateConfig config_;
   std::vector<Tile> tiles_;  ///< empty in the first frame

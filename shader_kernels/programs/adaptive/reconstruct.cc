@@ -8,7 +8,7 @@ namespace kernels {
 
 namespace {
 
-/// Returns the flags of all materials of a scene.
+/// Returns the union of the flags of all materials.
 std::uint32_t flags_of(const traces::MemoryImage& image) {
   std::uint32_t flags = 0;
   for (const traces::MaterialRecord& material : image.materials) flags |= material.flags;
@@ -82,12 +82,12 @@ void ReconstructProgram::run_tile(std::uint32_t tile_index, const traces::Tracer
   out.packed.resize(tile.pixels);
 
   const PixelRect own{tiles_.halo_width(), tiles_.halo_width(), at.width, at.height};
-  // Shade one sample of every pixel; find geometry and shadows of the other three.
+  // Shade one sample of every pixel. Of the other three, find geometry and shadows.
   trace_pixels(tile, own, own, true);
-  export_borders(tile);  // borders need no halo
+  export_borders(tile);  // exported first, because borders need no halo
   make_halo(tile);
   spill_attributes_to_dram(tile);
-  // Filter the shaded samples around each sample by geometry; shade all four where colours still differ.
+  // Filter the shaded samples around each sample by geometry. Where colours still differ, shade all four.
   Node made = has_geometry() ? filter_pixels(tile) : show_shaded(tile);
   if (tests_colours()) made = shade_contrasts(tile, made);
   graph.write_pixels(made, std::uint64_t{at.index} * tiles_.most_pixels() * kPixelBytes);
@@ -106,7 +106,7 @@ VisibleSamples ReconstructProgram::records_to_keep(bool are_shaded) const {
   return records;
 }
 
-/// Traces the shaded samples of one rectangle and the other samples of another.
+/// Traces the shaded samples of one rectangle of pixels, and the other samples of another one.
 void ReconstructProgram::trace_pixels(Tile& tile, const PixelRect& shaded, const PixelRect& others, bool is_own) const {
   const Node cleared = clear_branches(tile, shaded);
   trace_shaded(tile, shaded, cleared);
@@ -139,7 +139,7 @@ VisibleRayPorts<float>& ReconstructProgram::bind_rays(VisibleRayPorts<float>& po
   return ports;
 }
 
-/// Assigns the samples of the wave, and those of mirrored and refracted rays, to pixels.
+/// Records to which pixel each sample belongs, including the samples of mirrored and refracted rays.
 void ReconstructProgram::place_samples(Tile& tile, std::uint32_t rays) const {
   if (!tile.wave.wave_tracer().counts_pixels()) return;
   for (std::uint32_t i = 0; i < rays; ++i) {
@@ -197,7 +197,7 @@ void ReconstructProgram::limit_colours(Tile& tile, const PixelRect& part) const 
   with_branches(launch);
 }
 
-/// With a radius of 0 a pixel has the colour of its own shaded sample.
+/// Writes pixels with the colour of their own shaded sample, which is all that a filter with radius 0 does.
 ReconstructProgram::Node ReconstructProgram::show_shaded(Tile& tile) const {
   AverageSamples::Ports<float> ports;
   ports.samples = ports.inverse_samples = 1;
@@ -252,9 +252,9 @@ ReconstructProgram::Node ReconstructProgram::filter_with(Tile& tile) const {
   return last;
 }
 
-/// Shades the other samples of pixels whose colour changes where the geometry does not, and averages all four. Their
-/// primary rays are cast again, because the first time only geometry was kept. In the tile buffer their colours replace
-/// the geometry, which the filters no longer need.
+/// Finds the pixels whose colour changes where the geometry does not, shades their other samples, and averages all
+/// four. The primary rays of these samples are cast again, because before only their geometry was kept. In the tile
+/// buffer the new colours replace the geometry, which the filters no longer need.
 ReconstructProgram::Node ReconstructProgram::shade_contrasts(Tile& tile, Node filtered) const {
   return with_branches([&]<std::uint32_t kBranches> { return shade_contrasts<kBranches>(tile, filtered); });
 }
@@ -302,23 +302,24 @@ ReconstructProgram::Node ReconstructProgram::shade_contrasts(Tile& tile, Node fi
 
 using traces::Region;
 
-/// Returns the bytes of a pixel in a border. Of the outer half of the halo only shaded samples are read. The inner half
+/// Returns the mean bytes per pixel of a border. The outer half of the halo needs shaded samples only. The inner half
 /// is finished by the neighbour, which also needs the other samples.
 std::uint32_t ReconstructProgram::exchanged_bytes() const { return shaded_bytes() + other_bytes() / 2; }
 
-// A tile's store: its borders (FinishedTiles), and all attributes if they are kept in DRAM.
+// A tile stores its borders in memory (FinishedTiles), and all attributes if they are kept in DRAM.
 std::uint64_t ReconstructProgram::store_bytes() const {
   const bool is_parked = reconstruct_.attributes == AttributeStorage::kDram;
   return tiles_.stored_samples() * exchanged_bytes() +
          (is_parked ? std::uint64_t{position_count()} * attribute_bytes() : 0);
 }
 
-/// Makes the halo. A tile always computes it; if neighbours write it to memory, the machine reads it back.
+/// Fills the halo of a tile. The host always traces it; if neighbours write it to memory, the recorded work is a
+/// transfer.
 void ReconstructProgram::make_halo(Tile& tile) const {
   tiles_.for_each_part(tile.at, [&](const HaloPart& part) {
     const bool is_left = part.x < tiles_.halo_width(), is_above = part.y < tiles_.halo_width();
-    const HaloPart inner = part.inner_part(is_left ? reconstruct_.radius : part.across,  //
-                                           is_above ? reconstruct_.radius : part.down);
+    const HaloPart inner =
+        part.inner_part(is_left ? reconstruct_.radius : part.across, is_above ? reconstruct_.radius : part.down);
     if (reconstruct_.halo == Halo::kReload) {
       tile.graph.import_samples(part.border, store_bytes() * part.border.tile + part.first * exchanged_bytes(),
                                 part.across * part.down * exchanged_bytes());
@@ -337,7 +338,7 @@ void ReconstructProgram::export_borders(Tile& tile) const {
   });
 }
 
-/// Writes all attributes to DRAM and reads them back, if they are kept there.
+/// If attributes are kept in DRAM, writes all of them there and reads them back.
 void ReconstructProgram::spill_attributes_to_dram(Tile& tile) const {
   if (reconstruct_.attributes == AttributeStorage::kTile || !has_geometry()) return;
   const std::uint32_t across = tile.at.width + (tile.at.has_left ? tiles_.halo_width() : 0);
@@ -353,9 +354,9 @@ void ReconstructProgram::spill_attributes_to_dram(Tile& tile) const {
 
 namespace {
 
-constexpr std::uint32_t kWanted = 16;  ///< samples per pixel of the picture that the method approximates
+constexpr std::uint32_t kWanted = 16;  ///< samples per pixel of the picture that reconstruct approximates
 
-/// A layer's edges: bits for depth, normal, and shadows.
+/// For one layer of light, which marks mean that the filter rejected a sample: by depth, by normal, by shadows.
 struct EdgeBits {
   std::uint32_t depth, normal, shadow;
 };
@@ -384,7 +385,7 @@ void ReconstructProgram::count_samples(Tile& tile) const {
   for (std::uint32_t pixel = 0; pixel < tile.pixels; ++pixel) tile.out.marks[pixel] = pixel_mark(tile, pixel);
 }
 
-/// Returns the mark of a pixel, comparing as the filters do.
+/// Returns the debug mark of a pixel, from the same comparisons as the filters.
 SampleMark ReconstructProgram::pixel_mark(const Tile& tile, std::uint32_t pixel) const {
   const FinishedUniforms<float>& of = tile.finished;
   const DivMod<float> at = finished_pixel<float>(static_cast<float>(pixel), of);

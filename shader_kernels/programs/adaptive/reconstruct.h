@@ -21,20 +21,21 @@ namespace kernels {
 ///                                                               list_branches -> reconstruct_branch
 ///
 /// 1. Surfaces are filtered by their own geometry and shadows; mirrored and refracted light by the geometry and shadows
-///    of what the secondary rays hit.
+/// of what the secondary rays hit.
 /// 2. With a colour test, all four samples are shaded in pixels whose colour changes where the geometry does not:
 ///
 ///     reconstruct -> list_contrasts -> generate_contrast_rays -> shaded -> average_contrasts -> pack_colour
 ///
 /// 3. reconstruct:sraa, for comparison, filters whole colours by the first hits' geometry; its other samples are
-///    primary rays only.
+/// primary rays only.
 ///
-/// Sample k of a pixel in layer b (0 is the surface, then mirrors and glass) has index position + (4 b + k) x positions
-/// in the tile buffer, where position is that of the pixel. Shaded samples also have a colour.
+/// The samples are divided into layers: layer 0 is the surface, then come mirrors and glass. Sample k of layer b of the
+/// pixel at `position` of the tile buffer has index position + (4 b + k) x positions. Shaded samples also have a
+/// colour.
 class ReconstructProgram final : public FrameProgram {
  public:
   enum class Filters : std::uint8_t { kApart, kOne };
-  /// `scene_size`: longest side of the scene's bounds, the same in all frames.
+  /// `scene_size` is the longest side of the scene's bounds, the same in all frames.
   ReconstructProgram(const traces::MemoryImage& image, const traces::Camera& camera, const RenderConfig& config,
                      const ReconstructConfig& reconstruct, Filters filters, float scene_size, std::uint32_t frame);
 
@@ -45,17 +46,18 @@ class ReconstructProgram final : public FrameProgram {
 
  private:
   using Node = Wavefront::Node;
-  /// A tile in progress.
+  /// The rendering of one tile.
   struct Tile {
     SampleTile at;
     FinishedUniforms<float> finished;
-    std::uint32_t pixels;  ///< pixels that it finishes
+    std::uint32_t pixels;  ///< number of pixels that the tile finishes
     Wavefront& wave;
     TileGraph& graph;
     TileResult& out;
     TileBuffer& buffer;
   };
-  static constexpr std::uint32_t kOtherSamples = kGeometrySamples - 1;  ///< samples of a pixel that are not shaded
+  static constexpr std::uint32_t kOtherSamples = kGeometrySamples - 1;  ///< number of samples of a pixel that are not
+                                                                        ///< shaded
   /// A rectangle of pixels of the tile buffer.
   struct PixelRect {
     std::uint32_t x, y, across, down;
@@ -66,16 +68,17 @@ class ReconstructProgram final : public FrameProgram {
   bool has_geometry() const { return reconstruct_.radius != 0; }
   bool tests_colours() const { return reconstruct_.colour >= 0; }
   std::uint32_t position_count() const { return tiles_.buffer_samples(); }
-  /// Returns the offset from a sample to that of the next layer.
+  /// Returns the offset from a sample to the same sample of the next layer.
   std::uint32_t layer_offset() const { return kGeometrySamples * position_count(); }
-  /// Return the bytes of a pixel's shaded sample in all layers with colours, of its other samples, and of all records.
+  /// Return the bytes per pixel of its shaded sample in all layers with colours, of its other samples, and of all
+  /// records.
   std::uint32_t shaded_bytes() const;
   std::uint32_t other_bytes() const;
   std::uint32_t attribute_bytes() const;
   std::uint32_t exchanged_bytes() const;
   std::uint64_t store_bytes() const;
 
-  /// Calls f<kBranches>() with the number of branch layers.
+  /// Calls f<kBranches>() with the number of layers of mirrored and refracted light.
   template <class Function>
   auto with_branches(Function&& f) const {
     if (layers_ == 1) return f.template operator()<0>();
@@ -98,7 +101,7 @@ class ReconstructProgram final : public FrameProgram {
   Node filter_pixels(Tile& tile) const;
   template <std::uint32_t kRadius>
   Node filter_with(Tile& tile) const;
-  // Colour test.
+  // The test for pixels whose colour changes where the geometry does not.
   Node shade_contrasts(Tile& tile, Node filtered) const;
   template <std::uint32_t kBranches>
   Node shade_contrasts(Tile& tile, Node filtered) const;
@@ -117,11 +120,12 @@ class ReconstructProgram final : public FrameProgram {
   const std::vector<std::uint32_t> order_;
   const std::uint32_t frame_;
   const float depth_scale_, bend_;
-  std::uint32_t mirrors_ = 0, glass_ = 0;  ///< layers of mirrored and refracted light; 0: none
+  std::uint32_t mirrors_ = 0, glass_ = 0;  ///< numbers of the layers of mirrored and refracted light; 0 if there is
+                                           ///< none
   std::uint32_t layers_ = 1;
 };
 
-/// Binds the camera and the grid of pixels.
+/// Sets a kernel's ports for the camera and the pixels of the tile.
 void ReconstructProgram::bind_pixels(auto& ports, const Tile& tile) const {
   const auto halo = static_cast<float>(tiles_.halo_width()), pitch = static_cast<float>(tiles_.row_pitch());
   ports.camera = camera_;

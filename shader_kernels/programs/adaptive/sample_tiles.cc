@@ -6,7 +6,7 @@
 namespace kernels {
 
 std::uint32_t scattered_bytes(std::uint64_t records, std::uint64_t all) {
-  constexpr std::uint64_t kLine = 64;  // transfer size of a single record
+  constexpr std::uint64_t kLine = 64;  // bytes of memory that a transfer of one record moves
   return static_cast<std::uint32_t>(std::min(records * kLine, all));
 }
 

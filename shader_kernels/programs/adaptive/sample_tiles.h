@@ -11,26 +11,27 @@
 
 namespace kernels {
 
-/// Numbers of a tile's borders: its last columns and its last rows.
+/// Numbers of the two borders that a tile exports: its last columns, and its last rows.
 inline constexpr std::uint32_t kRightBorder = 0, kLowerBorder = 1;
 
-/// Returns the bytes moved for `records` records scattered over `all` bytes: a line each, but at most `all`.
+/// Returns the bytes that a transfer of `records` scattered records moves: a memory line each, but at most `all`.
 std::uint32_t scattered_bytes(std::uint64_t records, std::uint64_t all);
 
-/// A tile in the picture's grid of samples.
+/// A tile of the picture, in samples.
 struct SampleTile {
-  std::uint32_t index = 0;     ///< row by row
-  std::uint32_t x = 0, y = 0;  ///< first sample
+  std::uint32_t index = 0;     ///< number of the tile, row by row
+  std::uint32_t x = 0, y = 0;  ///< position in the picture of its first sample
   std::uint32_t width = 0, height = 0;
-  std::uint32_t left = 0, above = 0, above_left = 0;  ///< neighbouring tiles, if they exist
+  std::uint32_t left = 0, above = 0, above_left = 0;  ///< indices of the neighbouring tiles, if they exist
   bool has_left = false, has_above = false;
   bool has_right = false, has_below = false;
 };
 
-/// Divides the picture's samples into square tiles of whole pixels and whole blocks.
+/// Divides the samples of the picture into square tiles of whole pixels and whole blocks.
 class SampleTiles {
  public:
-  /// `side`: desired side in samples; `grid`: samples along a pixel's side; `block`: a tile's side is a multiple of it.
+  /// `side` is the desired side of a tile in samples, `grid` the number of samples along a pixel's side. A tile's side
+  /// is a multiple of `block`.
   SampleTiles(std::uint32_t width, std::uint32_t height, std::uint32_t grid, std::uint32_t side, std::uint32_t block);
 
   std::uint32_t count() const { return across_ * down_; }
@@ -39,8 +40,8 @@ class SampleTiles {
   std::uint32_t tile_side() const { return side_; }
   std::uint32_t pixel_grid() const { return grid_; }
   SampleTile sample_tile(std::uint32_t index) const;
-  /// Returns the tiles in rendering order: by diagonals, so that a tile is long after its left and upper neighbours, or
-  /// row by row if halos are retraced.
+  /// Returns the tile indices in rendering order. The order is by diagonals, so that the left and upper neighbours of a
+  /// tile are rendered long before it, or row by row if halos are retraced.
   std::vector<std::uint32_t> rendering_order(Halo halo) const;
 
  private:
@@ -48,18 +49,18 @@ class SampleTiles {
   std::uint32_t grid_, side_, across_, down_;
 };
 
-/// Samples of a tile's halo: a rectangle of the tile buffer, and its source in another tile's store.
+/// A rectangle of a tile's halo in the tile buffer, and where another tile has stored its samples.
 struct HaloPart {
   traces::Border border;
-  std::uint64_t first = 0;     ///< first sample within that store
-  std::uint32_t x = 0, y = 0;  ///< position in the tile buffer
+  std::uint64_t first = 0;     ///< index of the first sample in the other tile's store
+  std::uint32_t x = 0, y = 0;  ///< position in the tile buffer of its first sample
   std::uint32_t across = 0, down = 0;
-  /// Returns its `columns` last columns and `rows` last rows, which are nearest to the tile.
+  /// Returns the last `columns` columns and `rows` rows of the part, which are nearest to the tile.
   HaloPart inner_part(std::uint32_t columns, std::uint32_t rows) const;
 };
 
-/// Tiles for programs whose pixels read neighbours in all directions, up to `reach` pixels away, while tiles import
-/// only from the left and above.
+/// Tiles for programs whose pixels read neighbours in all directions, up to `reach` pixels away, although a tile
+/// imports only from the left and above.
 ///
 /// The pixels that a tile finishes are offset from its samples by `reach` to the left and up. It needs twice as many
 /// columns and rows of its neighbours (its halo). With a reach of 1:
@@ -70,10 +71,11 @@ struct HaloPart {
 ///   h F|F F F .
 ///   h .|. . . .
 ///
-/// A tile's store in memory has its last columns row by row, so that they end with the corner; then its last rows.
+/// A tile stores in memory its last columns row by row, so that they end with the corner; then its last rows.
 class FinishedTiles {
  public:
-  /// `side`: desired side in pixels. All tiles except the last of a row or column are at least as wide as a halo.
+  /// `side` is the desired side of a tile in pixels. All tiles except the last of a row or column are at least as wide
+  /// as a halo.
   FinishedTiles(std::uint32_t width, std::uint32_t height, std::uint32_t side, std::uint32_t reach)
       : tiles_(width, height, 1, side, std::max(1U, 2 * reach)), reach_(reach) {}
 
@@ -81,21 +83,21 @@ class FinishedTiles {
   std::uint32_t count() const { return tiles_.count(); }
   std::uint32_t tile_side() const { return tiles_.tile_side(); }
   std::uint32_t halo_width() const { return 2 * reach_; }
-  /// Returns the samples per row of the tile buffer: the halo, then the tile's own.
+  /// Returns the number of samples in a row of the tile buffer: the halo, then the tile's own.
   std::uint32_t row_pitch() const { return tile_side() + halo_width(); }
   std::uint32_t buffer_samples() const { return row_pitch() * row_pitch(); }
   /// Returns the largest number of pixels that a tile finishes.
   std::uint32_t most_pixels() const { return (tile_side() + reach_) * (tile_side() + reach_); }
-  /// Sets in `out` the part of the picture that a tile finishes.
+  /// Sets in `out` which rectangle of the picture a tile finishes.
   void place(const SampleTile& at, TileResult& out) const;
-  /// Returns the same part within the tile buffer.
+  /// Returns which pixels and samples of the tile buffer a tile finishes.
   FinishedUniforms<float> finished_uniforms(const SampleTile& at, const TileResult& out) const;
-  /// Returns the lattice of a rectangle of the tile buffer that begins at (x, y).
+  /// Returns the indices of the samples in a rectangle of the tile buffer that begins at (x, y).
   LatticeUniforms<float> rect_lattice(std::uint32_t x, std::uint32_t y, std::uint32_t across) const;
 
-  /// Returns the number of samples in a tile's store.
+  /// Returns the number of samples that a tile stores in memory for its neighbours.
   std::uint64_t stored_samples() const { return 2 * std::uint64_t{halo_width()} * tile_side(); }
-  /// Calls f(part) for each part of a tile's halo.
+  /// Calls f(part) for each of the HaloParts of a tile.
   void for_each_part(const SampleTile& at, auto&& f) const {
     const std::uint32_t h = halo_width();
     if (h == 0) return;
@@ -105,7 +107,8 @@ class FinishedTiles {
       f(HaloPart{{at.above_left, kRightBorder}, std::uint64_t{h} * (tile_side() - h), 0, 0, h, h});
     }
   }
-  /// Calls f(border, first sample of the store, samples) for each border that other tiles read.
+  /// Calls f(border, first, samples) for each border of a tile that other tiles read. `first` is its first sample in
+  /// the tile's store.
   void for_each_export(const SampleTile& at, auto&& f) const {
     if (halo_width() == 0) return;
     if (at.has_right) f(kRightBorder, std::uint64_t{0}, halo_width() * at.height);

@@ -17,7 +17,7 @@ SupersampleProgram::SupersampleProgram(const traces::MemoryImage& image, const t
       supersample_(supersample),
       scene_(image, config),
       camera_(camera_uniforms(camera, config.width, config.height)),
-      tiles_(config.width, config.height, config.tile / 2, 1),  // in sub-pixels, two along a pixel's side
+      tiles_(config.width, config.height, config.tile / 2, 1),  // in sub-pixels, of which a pixel has two along a side
       order_(tiles_.tiles().rendering_order(supersample.halo)),
       frame_(frame),
       shown_(supersample.propagate == 0 ? 0 : config.width, supersample.propagate == 0 ? 0 : config.height,
@@ -42,7 +42,7 @@ void SupersampleProgram::begin_tile(const SampleTile& at, TileResult& out) const
   out.subpixels.clear();
   out.corrected.clear();
   out.buffer.reserve_samples(centre_samples() + std::size_t{kWhole} * tile_pixels());
-  // Blocks that extend beyond the tile read verdicts after the last.
+  // A block that extends beyond the tile reads verdicts after the last one.
   out.buffer.reserve_subpixels(centre_samples(), tile_pixels() + kBlockHeight * tiles_.row_pitch() + kBlockWidth);
   out.work.frame = frame_;
   out.work.tile = at.index;
@@ -65,12 +65,12 @@ void SupersampleProgram::run_tile(std::uint32_t tile_index, const traces::Tracer
   out.packed.resize(tile.pixels);
   out.marks.assign(tile.pixels, 0);
 
-  // Trace one sample at the centre of every pixel. Borders need no halo, so they are exported before it.
+  // Trace one sample at the centre of every pixel. Borders need no halo, so they are exported before it is filled.
   trace_centres(tile, tiles_.halo_width(), tiles_.halo_width(), at.width, at.height, true);
   export_borders(tile);
   make_halo(tile);
   spill_attributes_to_dram(tile);
-  // Compare each sub-pixel with the three pixels around its corner; weigh the centres of inactive sub-pixels.
+  // Compare each sub-pixel with the three pixels around its corner. Sum the centre colours of the inactive sub-pixels.
   const Node tested = test_pixels(tile);
   const Node weighed = weigh_centres(tile, tested);
   // Trace four samples in every active sub-pixel, chunk by chunk, and add them to their pixels.
@@ -82,7 +82,7 @@ void SupersampleProgram::run_tile(std::uint32_t tile_index, const traces::Tracer
   count_samples(tile);
 }
 
-/// Traces samples at pixel centres; (x, y) is the first one's position in the tile buffer.
+/// Traces samples at the centres of a rectangle of pixels; (x, y) is the position in the tile buffer of the first.
 void SupersampleProgram::trace_centres(Tile& tile, std::uint32_t x, std::uint32_t y, std::uint32_t across,
                                        std::uint32_t down, bool is_own) const {
   Wavefront& wave = tile.wave;
@@ -111,7 +111,7 @@ void SupersampleProgram::trace_centres(Tile& tile, std::uint32_t x, std::uint32_
   if (!is_own) tile.out.sampling.halo += items;
 }
 
-/// Returns the thresholds of the attributes; that of an excluded attribute is never reached.
+/// Returns the contrast thresholds of all attributes. An excluded attribute gets one that is never reached.
 std::array<float, kAttributes> SupersampleProgram::attribute_thresholds() const {
   const SupersampleConfig& c = supersample_;
   const std::array<double, kAttributes> all{c.colour,           c.object,           c.normal,
@@ -122,7 +122,7 @@ std::array<float, kAttributes> SupersampleProgram::attribute_thresholds() const 
   return reached;
 }
 
-/// Returns the sample at a finished pixel's centre.
+/// Returns the index of the sample at the centre of a pixel that the tile finishes.
 std::size_t SupersampleProgram::centre_of(const Tile& tile, std::uint32_t pixel) {
   const DivMod<float> row = finished_pixel<float>(static_cast<float>(pixel), tile.finished);
   return static_cast<std::size_t>(centre_sample<float>(row, tile.finished));
@@ -189,13 +189,13 @@ namespace {
 
 using traces::Region;
 
-/// Bytes of a sample that neighbours read.
+/// Bytes of a sample that neighbouring tiles read.
 constexpr std::uint32_t kExchangedBytes = 2 * sizeof(TraitsRecord<float>) + sizeof(ColourRecord<float>);
 
 }  // namespace
 
-// A tile's store has: its last two columns, row by row, so that they end with the corner; its last two rows; all
-// attributes, if they are kept in DRAM; samples of active sub-pixels, if all must be traced before they are summed.
+// A tile stores in memory: its last two columns, row by row, so that they end with the corner; its last two rows; all
+// attributes, if they are kept in DRAM; the samples of active sub-pixels, if all must be traced before they are summed.
 std::uint64_t SupersampleProgram::store_bytes() const {
   const bool is_parked = supersample_.attributes == AttributeStorage::kDram;
   const bool is_spilt = supersample_.packing == Packing::kAtomic;
@@ -204,7 +204,8 @@ std::uint64_t SupersampleProgram::store_bytes() const {
          (is_spilt ? std::uint64_t{tile_pixels()} * kWhole * sizeof(ColourRecord<float>) : 0);
 }
 
-/// Makes the halo. A tile always computes it; if neighbours write it to memory, the machine reads it back.
+/// Fills the halo of a tile. The host always traces it; if neighbours write it to memory, the recorded work is a
+/// transfer.
 void SupersampleProgram::make_halo(Tile& tile) const {
   tiles_.for_each_part(tile.at, [&](const HaloPart& part) {
     if (supersample_.halo == Halo::kReload) {
@@ -225,7 +226,7 @@ void SupersampleProgram::export_borders(Tile& tile) const {
   });
 }
 
-/// Writes all attributes to DRAM and reads them back, if they are kept there.
+/// If attributes are kept in DRAM, writes all of them there and reads them back.
 void SupersampleProgram::spill_attributes_to_dram(Tile& tile) const {
   if (supersample_.attributes == AttributeStorage::kTile) return;
   const std::uint32_t across = tile.at.width + (tile.at.has_left ? 2 : 0);
@@ -238,7 +239,8 @@ void SupersampleProgram::spill_attributes_to_dram(Tile& tile) const {
   tile.graph.register_record_writer(in);
 }
 
-/// Samples the active sub-pixels. Returns the launch that completes the tile's pixels.
+/// Samples the active sub-pixels after the nodes `tested` and `weighed`. Returns the launch that completes the tile's
+/// pixels.
 SupersampleProgram::Node SupersampleProgram::sample_active(Tile& tile, Node tested, Node weighed) const {
   std::vector<Chunk> chunks;
   const Node packed = list_active(tile, tested, chunks);
@@ -300,7 +302,7 @@ SupersampleProgram::Node SupersampleProgram::pack_by_atomics(Tile& tile, Node te
                                                              std::vector<Chunk>& chunks) const {
   TileBuffer& buffer = tile.buffer;
   const std::uint32_t subpixels = 4 * tile.pixels;
-  // The stride is near the golden section, so that neighbours in the list are far apart in the picture.
+  // A stride near the golden section, so that neighbours in the list are far apart in the picture.
   std::uint32_t stride = static_cast<std::uint32_t>(std::uint64_t{subpixels} * 618 / 1000) | 1U;
   while (std::gcd(stride, subpixels) != 1) stride += 2;
   buffer.subpixels.fills[0] = 0;
@@ -318,7 +320,7 @@ SupersampleProgram::Node SupersampleProgram::pack_by_atomics(Tile& tile, Node te
   return node;
 }
 
-/// Adds all sub-pixels to chunks without a list: each item of a chunk tests whether its sub-pixel is active.
+/// Divides all sub-pixels into chunks without a list. Each item of a chunk tests whether its sub-pixel is active.
 void SupersampleProgram::chunk_all(Tile& tile, std::vector<Chunk>& chunks) const {
   TileBuffer& buffer = tile.buffer;
   constexpr std::uint32_t kChunkPixels = kChunk / 4;
@@ -343,7 +345,7 @@ void SupersampleProgram::chunk_all(Tile& tile, std::vector<Chunk>& chunks) const
   }
 }
 
-/// Traces the samples of a chunk's sub-pixels; their colours begin at `first_sample`.
+/// Traces the samples of a chunk's sub-pixels. Their colours begin at `first_sample`.
 void SupersampleProgram::trace_extra(Tile& tile, const Chunk& chunk, std::uint32_t first_sample, Node after) const {
   Wavefront& wave = tile.wave;
   TileGraph& graph = tile.graph;
@@ -364,7 +366,7 @@ void SupersampleProgram::trace_extra(Tile& tile, const Chunk& chunk, std::uint32
   generate.seed = jitter_seed(frame_);
   const Node generated = graph.launch<GenerateExtraRays>(generate, items, items + padding, padding);
   graph.wait_all(generated, after);
-  graph.wait_for_colours(generated);  // the slots are free then
+  graph.wait_for_colours(generated);  // the ray slots are free when all colours have been added
   for (std::uint32_t i = 0; wave.wave_tracer().counts_pixels() && i < items; ++i) {
     const std::uint32_t pixel = buffer.subpixels.active[chunk.first + i / kExtra] / 4;
     wave.wave_tracer().place_ray(i, tile.out.x + pixel % tile.out.width, tile.out.y + pixel / tile.out.width);
@@ -372,7 +374,7 @@ void SupersampleProgram::trace_extra(Tile& tile, const Chunk& chunk, std::uint32
   if (items != 0) wave.run(generated, items, {}, items + padding, padding);
 }
 
-/// Writes the samples of a chunk to memory until all chunks are traced.
+/// Writes the samples of a chunk to memory, where they stay until all chunks are traced.
 void SupersampleProgram::spill_chunk(Tile& tile, const Chunk& chunk) const {
   TileGraph& graph = tile.graph;
   const std::uint32_t items = kExtra * chunk.subpixels;
@@ -410,7 +412,8 @@ SupersampleProgram::Node SupersampleProgram::sum_from_memory(Tile& tile, std::ui
   return sum_samples(tile, tile.buffer.subpixels.masters.entries.data(), tile.pixels, 0, 0, weighed);
 }
 
-/// Completes the listed pixels. Colours of their samples begin with those of the active sub-pixel at `first_index`.
+/// Completes the listed pixels by adding the samples of their active sub-pixels. Their colours begin with those of the
+/// active sub-pixel at `first_index`.
 SupersampleProgram::Node SupersampleProgram::sum_samples(Tile& tile, std::uint32_t* listed, std::uint32_t pixels,
                                                          std::uint32_t padding, std::uint32_t first_index,
                                                          Node weighed) const {

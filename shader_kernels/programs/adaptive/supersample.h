@@ -17,29 +17,29 @@
 
 namespace kernels {
 
-/// Colours and states of all sub-pixels of a picture, between rounds of propagation. A round reads the results of
-/// earlier rounds; results of its own are applied by apply_round() after all its tiles.
+/// Colours and states of all sub-pixels of a picture, kept between rounds of propagation. A round reads the results of
+/// earlier rounds. Its own results are collected, and apply_round() applies them after all tiles of the round.
 class ShownSubpixels {
  public:
-  /// Begins without active sub-pixels, for a picture of `tiles` tiles.
+  /// All sub-pixels of a picture of `tiles` tiles are inactive at first.
   ShownSubpixels(std::uint32_t width, std::uint32_t height, std::uint32_t tiles);
 
-  /// Stores all sub-pixels of a tile, before the first round.
+  /// Stores the sub-pixels of a tile before the first round.
   void set_all(std::uint32_t tile, const std::vector<ShownSubpixel>& all);
-  /// Stores the sub-pixels that a round made active in a tile; apply_round() applies them.
+  /// Adds sub-pixels that this round made active in a tile. apply_round() applies them.
   void add_found(std::uint32_t tile, const std::vector<ShownSubpixel>& found);
   void apply_round();
 
-  /// True if the last round made sub-pixels of the tile active.
+  /// True if the last applied round made sub-pixels of the tile active.
   bool is_fresh(std::uint32_t tile) const { return fresh_[tile] != 0; }
-  /// Copies the states of `width` x `height` sub-pixels at (x, y), and of one more on each side. Beyond the edge of the
-  /// picture they are inactive.
+  /// Copies the states of `width` x `height` sub-pixels at (x, y), and of one more on each side. Sub-pixels outside the
+  /// picture are inactive.
   void copy_states(std::uint32_t x, std::uint32_t y, std::uint32_t width, std::uint32_t height,
                    SubpixelRecord<float>* to) const;
   const glm::vec3& subpixel_colour(std::uint32_t x, std::uint32_t y) const {
     return colours_[std::size_t{y} * width_ + x];
   }
-  /// Returns the number of a pixel's active sub-pixels.
+  /// Returns how many sub-pixels of pixel (x, y) are active.
   std::uint32_t active_of(std::uint32_t x, std::uint32_t y) const;
   bool is_background(std::uint32_t x, std::uint32_t y) const {
     return is_background_[std::size_t{y} * width_ + x] != 0;
@@ -49,10 +49,12 @@ class ShownSubpixels {
   void store_subpixels(const std::vector<ShownSubpixel>& subpixels);
 
   const std::uint32_t width_, height_;         ///< in sub-pixels
-  std::vector<SubpixelRecord<float>> states_;  ///< with a border of inactive ones
+  std::vector<SubpixelRecord<float>> states_;  ///< states of all sub-pixels, with a frame of inactive ones around the
+                                               ///< picture
   std::vector<glm::vec3> colours_;
   std::vector<std::uint8_t> is_background_;
-  std::vector<std::uint8_t> fresh_, next_fresh_;  ///< per tile
+  std::vector<std::uint8_t> fresh_, next_fresh_;  ///< for each tile, whether the last round made sub-pixels active, and
+                                                  ///< whether this round did
   std::vector<ShownSubpixel> found_;
 };
 
@@ -65,12 +67,12 @@ class ShownSubpixels {
 ///
 /// 1. Pixels read neighbours one pixel away, with tiles as in FinishedTiles.
 /// 2. Active sub-pixels are sampled in chunks of 64, which share 256 ray slots. A chunk begins when the previous one
-///    has been summed.
+/// has been summed.
 /// 3. Packing `block` keeps the sub-pixels of a pixel in one chunk. Entries left empty for that are idle in all loops
-///    up to the first inspector.
+/// up to the first inspector.
 /// 4. Packing `none` has no list: a chunk is 16 pixels, whose inactive sub-pixels are idle.
 /// 5. Packing `atomic` lists sub-pixels in random order. A pixel's sub-pixels may be in several chunks, so all samples
-///    are written to memory and read back before they are summed.
+/// are written to memory and read back before they are summed.
 ///
 /// Rounds of propagation are passes over the whole frame; the sub-pixels' colours and states are in memory between
 /// them. A tile reads them if the previous round made sub-pixels active in it or next to it:
@@ -93,25 +95,25 @@ class SupersampleProgram final : public FrameProgram {
 
  private:
   using Node = Wavefront::Node;
-  /// A tile in progress.
+  /// The rendering of one tile.
   struct Tile {
     SampleTile at;
     FinishedUniforms<float> finished;
-    std::uint32_t pixels;  ///< pixels that it finishes
+    std::uint32_t pixels;  ///< number of pixels that the tile finishes
     Wavefront& wave;
     TileGraph& graph;
     TileResult& out;
     TileBuffer& buffer;
-    Node shown = Wavefront::kNone;  ///< last transfer of the sub-pixels' colours and states
+    Node shown = Wavefront::kNone;  ///< last transfer of the colours and states of sub-pixels to memory
   };
-  /// Sub-pixels that are sampled together, and the pixels that they complete.
+  /// Active sub-pixels that are sampled together, and the pixels that they complete.
   struct Chunk {
     std::uint32_t first = 0, subpixels = 0;
-    std::uint32_t padding = 0;  ///< idle entries
+    std::uint32_t padding = 0;  ///< number of entries left empty
     std::uint32_t first_master = 0, masters = 0;
   };
 
-  /// Bytes of a sample's records, without the colour: two hits.
+  /// Bytes of a sample's records of its first hit and one secondary hit, without the colour.
   static constexpr std::uint32_t kAttributeBytes = 2 * sizeof(TraitsRecord<float>);
 
   std::uint32_t centre_samples() const { return tiles_.buffer_samples(); }
@@ -120,7 +122,7 @@ class SupersampleProgram final : public FrameProgram {
   void begin_tile(const SampleTile& at, TileResult& out) const;
   Tile tile_of(const SampleTile& at, Wavefront& wave, TileResult& out) const;
 
-  // Centres and tests.
+  // Samples at pixel centres, and the tests for active sub-pixels.
   void trace_centres(Tile& tile, std::uint32_t x, std::uint32_t y, std::uint32_t across, std::uint32_t down,
                      bool is_own) const;
   std::array<float, kAttributes> attribute_thresholds() const;
@@ -131,7 +133,7 @@ class SupersampleProgram final : public FrameProgram {
   Node weigh_with(Tile& tile, Node tested) const;
   void count_samples(Tile& tile) const;
 
-  // Halo.
+  // The halo and the borders of a tile.
   void make_halo(Tile& tile) const;
   void export_borders(Tile& tile) const;
   void spill_attributes_to_dram(Tile& tile) const;
@@ -174,7 +176,7 @@ class SupersampleProgram final : public FrameProgram {
   const FinishedTiles tiles_;
   const std::vector<std::uint32_t> order_;
   const std::uint32_t frame_;
-  ShownSubpixels shown_;  ///< empty without rounds
+  ShownSubpixels shown_;  ///< without rounds of propagation, empty
 };
 
 }  // namespace kernels

@@ -73,11 +73,11 @@ std::uint32_t SupersampleProgram::pass_end(std::uint32_t tile_index) const {
   return (tile_index / tiles_.count() + 1) * tiles_.count();
 }
 
-/// Returns the bytes of the colours and states of a tile's sub-pixels.
+/// Returns the bytes in memory of the colours and states of a tile's sub-pixels.
 std::uint32_t SupersampleProgram::shown_bytes() const { return 4 * tile_pixels() * kShownBytes; }
 
-/// Address of a tile's states, which its colours follow. After those of all tiles come two arrays of a byte per tile,
-/// for even and odd rounds: whether the round made sub-pixels of the tile active.
+/// Returns the address of the states of a tile's sub-pixels, which their colours follow. After those of all tiles come
+/// two arrays of a byte per tile, for even and odd rounds: whether the round made sub-pixels of the tile active.
 std::uint64_t SupersampleProgram::shown_store(std::uint32_t tile) const {
   return tiles_.count() * store_bytes() + std::uint64_t{tile} * shown_bytes();
 }
@@ -86,16 +86,15 @@ std::uint64_t SupersampleProgram::fresh_store(std::uint32_t tile, std::uint32_t 
 }
 
 StateUniforms<float> SupersampleProgram::state_uniforms(const Tile& tile) {
-  const float pitch = 2 * tile.finished.width + 2;  // one more on each side
+  const float pitch = 2 * tile.finished.width + 2;  // one more sub-pixel on each side
   return {tile.finished.width, tile.finished.inverse_width, pitch + 1, pitch};
 }
 
-/// Returns the bytes of the tile buffer that wait for the DMA while rays are traced: those of a chunk. Earlier, the
-/// sub-pixels' data occupy the slots of finished rays.
+/// Returns the bytes of the tile buffer that wait for the DMA while rays are traced, those of one chunk. Other data of
+/// sub-pixels are in the slots of finished rays.
 std::uint32_t SupersampleProgram::waiting_bytes() { return kChunk * kShownBytes; }
 
-/// Writes colours and states of all sub-pixels as if they were inactive; apply_round() overwrites those that are
-/// active.
+/// Writes colours and states of all sub-pixels as if none were active. apply_round() overwrites those that are.
 void SupersampleProgram::store_inactive(Tile& tile) const {
   const auto launch = [&]<class K>(K) {
     typename K::template Ports<float> ports;
@@ -114,7 +113,7 @@ void SupersampleProgram::store_inactive(Tile& tile) const {
 }
 
 /// Stores colours and states of a chunk's sub-pixels, whose samples begin at `first_sample`. Before the first round
-/// they are written to memory at once.
+/// they are also written to memory.
 void SupersampleProgram::store_active(Tile& tile, const Chunk& chunk, std::uint32_t first_sample,
                                       std::uint32_t round) const {
   if (chunk.subpixels == 0) return;
@@ -135,7 +134,7 @@ void SupersampleProgram::store_active(Tile& tile, const Chunk& chunk, std::uint3
   tile.shown = out;
 }
 
-/// Returns a sub-pixel of the tile from the tile buffer.
+/// Returns the colour and state of one of the tile's sub-pixels, from the tile buffer.
 ShownSubpixel SupersampleProgram::shown_subpixel(const Tile& tile, std::uint32_t subpixel) {
   const std::uint32_t x = 2 * (subpixel / 4 % tile.out.width) + subpixel % 2;
   const std::uint32_t y = 2 * (subpixel / 4 / tile.out.width) + subpixel / 2 % 2;
@@ -147,7 +146,7 @@ ShownSubpixel SupersampleProgram::shown_subpixel(const Tile& tile, std::uint32_t
           {rgb.x, rgb.y, rgb.z}};
 }
 
-/// Writes colours and states of all sub-pixels to memory.
+/// Writes colours and states of all the tile's sub-pixels to memory.
 void SupersampleProgram::write_subpixels(Tile& tile) const {
   const Node out =
       tile.graph.add_transfer(Region::kSamples, true, shown_store(tile.at.index), 4 * tile.pixels * kShownBytes);
@@ -166,7 +165,7 @@ void SupersampleProgram::begin_pass(std::uint32_t tile_index, const traces::Trac
 }
 
 /// True if the previous round made sub-pixels active in the tile or its neighbours. Calls `read(tile, bytes)` for each
-/// flag that is read.
+/// flag that the machine reads.
 bool SupersampleProgram::has_fresh_neighbour(const SampleTile& at, auto&& read) const {
   const std::uint32_t first = at.has_left ? at.index - 1 : at.index;
   const std::uint32_t across = 1U + (at.has_left ? 1 : 0) + (at.has_right ? 1 : 0);
@@ -206,10 +205,10 @@ void SupersampleProgram::run_round(std::uint32_t tile_index, const traces::Trace
   }
   wave.finish();
   out.sampling.traced_background = out.background.size();
-  out.width = out.height = 0;  // only corrected pixels
+  out.width = out.height = 0;  // the tile returns corrected pixels only
 }
 
-/// Reads the states of the tile's sub-pixels and of those around it.
+/// Reads from memory the states of the tile's sub-pixels and of those next to the tile.
 SupersampleProgram::Node SupersampleProgram::read_states(Tile& tile, Node before) const {
   const TileResult& out = tile.out;
   shown_.copy_states(2 * out.x, 2 * out.y, 2 * out.width, 2 * out.height, tile.buffer.subpixels.states.data());
@@ -228,7 +227,7 @@ SupersampleProgram::Node SupersampleProgram::read_states(Tile& tile, Node before
   return before;
 }
 
-/// Runs a round of propagation in a tile that has active sub-pixels nearby.
+/// Runs one round of propagation in a tile that has newly active sub-pixels nearby.
 void SupersampleProgram::propagate_round(Tile& tile, std::uint32_t round, Node before) const {
   TileBuffer& buffer = tile.buffer;
   PropagateSubpixels::Ports<float> ports;
@@ -255,7 +254,7 @@ void SupersampleProgram::propagate_round(Tile& tile, std::uint32_t round, Node b
   write_corrected(tile, ports.masters_count.value, subpixels, round);
 }
 
-/// Averages the listed pixels again, and writes them and the sampled sub-pixels to memory.
+/// Averages the listed pixels again. Writes them and the newly sampled sub-pixels to memory.
 void SupersampleProgram::write_corrected(Tile& tile, std::uint32_t pixels, std::uint32_t subpixels,
                                          std::uint32_t round) const {
   TileGraph& graph = tile.graph;
@@ -290,7 +289,7 @@ void SupersampleProgram::write_corrected(Tile& tile, std::uint32_t pixels, std::
   put(fresh_store(tile.at.index, round), 1);
 }
 
-/// Loads into the tile buffer the colours of a pixel's other sub-pixels, as they are in memory.
+/// Loads from memory into the tile buffer the colours of a pixel's other sub-pixels.
 void SupersampleProgram::load_other_subpixels(Tile& tile, std::uint32_t pixel) const {
   TileResult& out = tile.out;
   const std::uint32_t x = out.x + pixel % out.width, y = out.y + pixel / out.width;
@@ -321,7 +320,7 @@ void SupersampleProgram::commit_tile(const TileResult& tile) {
   }
 }
 
-/// Updates the counts for a pixel's active sub-pixels.
+/// Updates the frame's counts after a pixel's number of active sub-pixels has changed.
 void SupersampleProgram::recount_pixel(std::uint32_t pixel, const TileResult& tile) {
   const std::uint32_t x = pixel % width(), y = pixel / width();
   const auto more = static_cast<std::uint32_t>(

@@ -42,7 +42,7 @@ void PostCorrection::begin_scan() {
   std::ranges::fill(rounds_, std::uint16_t{0});
 }
 
-/// Finds the samples to trace again (suspects) at position `step` of every row or column of the scan.
+/// Finds the samples to trace again at position `step` of every row or column of the picture.
 void PostCorrection::find_suspects(const Scan& scan, std::uint32_t step) {
   const std::uint32_t lines = scan.is_along_y ? width_ : height_;
   const std::uint32_t length = scan.is_along_y ? height_ : width_;
@@ -148,7 +148,7 @@ void UndersampleProgram::run_tile(std::uint32_t tile_index, const traces::Tracer
   };
 
   tile.trace_references();
-  tile.export_right();  // before imports, as in multirate
+  tile.export_right();  // exported before imports, which keeps chains of waiting tiles short
   tile.import_left();
   tile.spill_references_to_dram();
   resolve(tile.lines_along_x());
@@ -160,7 +160,7 @@ void UndersampleProgram::run_tile(std::uint32_t tile_index, const traces::Tracer
   tile.finish();
 }
 
-/// Checks samples. Leaves out checks that nothing in the scene or tile can fail.
+/// Checks samples for similarity. Checks that nothing in the scene or tile can fail are omitted.
 Verdict UndersampleProgram::check_samples(BlockTile& tile, const BlockLines& lines) const {
   const bool has_textures = !blocks_.scene.fuses || blocks_.scene.has_textures;
   const bool has_colours = !blocks_.scene.fuses || tile.coloured != 0;
@@ -188,7 +188,7 @@ Verdict UndersampleProgram::check_with(BlockTile& tile, const BlockLines& lines)
   return {node, ports.passed_count.value, ports.failed_count.value};
 }
 
-/// Averages samples to pixels. With post-correction, the samples' identities are written to memory for its scans.
+/// Averages the samples of each pixel. With post-correction it also writes the identities of the samples to memory.
 void UndersampleProgram::average_pixels(BlockTile& tile) const {
   if (correction_.scan_count() == 0) return tile.average_pixels();
   const auto store = [&]<class Shadows, class Plain>(std::type_identity<Shadows>, std::type_identity<Plain>) {
@@ -203,7 +203,7 @@ void UndersampleProgram::average_pixels(BlockTile& tile) const {
   }
 }
 
-/// Launches K, which stores the samples' identities, and writes them to memory.
+/// Launches kernel K, which stores the samples' identities, and writes them to memory.
 template <class K>
 Wavefront::Node UndersampleProgram::store_identities(BlockTile& tile) const {
   typename K::template Ports<float> ports;
@@ -233,11 +233,11 @@ using traces::Region;
 namespace {
 
 constexpr std::uint32_t kWordBytes = sizeof(WordRecord<float>);
-constexpr std::uint32_t kScanned = 0;  // border of a tile in a scan: all words that it corrects
+constexpr std::uint32_t kScanned = 0;  // number of the border that consists of all words a tile corrects in a scan
 constexpr auto kPicture = static_cast<std::size_t>(Region::kPicture);
 constexpr auto kSamples = static_cast<std::size_t>(Region::kSamples);
 
-/// Returns the number of pixels that contain the samples.
+/// Returns how many pixels the samples belong to, with grid x grid samples in a pixel.
 std::uint32_t pixels_of(std::span<const PostCorrection::Suspect> suspects, std::uint32_t grid) {
   std::set<std::pair<std::uint32_t, std::uint32_t>> pixels;
   for (const PostCorrection::Suspect& s : suspects) pixels.emplace(s.x / grid, s.y / grid);
@@ -253,7 +253,7 @@ std::uint32_t UndersampleProgram::pass_end(std::uint32_t tile_index) const {
   return (tile_index / count + 1) * count;
 }
 
-/// Returns the bytes of a sample in a scan: its identity and, if pixels have several samples, its colour.
+/// Returns the bytes that a scan reads per sample: its identity and, if pixels have several samples, its colour.
 std::uint32_t UndersampleProgram::scanned_bytes() const {
   return kWordBytes + (undersample_.samples > 1 ? static_cast<std::uint32_t>(sizeof(ColourRecord<float>)) : 0);
 }
@@ -267,7 +267,7 @@ FrameRequirements UndersampleProgram::requirements() const {
   FrameRequirements needs = blocks_.requirements();
   if (correction_.scan_count() > 0) {
     needs.region_bytes[kSamples] = scan_store(blocks_.tiles.count());
-    // A tile of a scan keeps its samples' words.
+    // During a scan, a tile keeps the words of its samples in the tile buffer.
     needs.pass_attribute_bytes = needs.tile_samples * kWordBytes;
   }
   return needs;
@@ -279,7 +279,7 @@ void UndersampleProgram::begin_pass(std::uint32_t tile_index, const traces::Trac
   const PostCorrection::Scan scan = correction_.scan_direction(scan_of(tile_index));
   TileResult scratch;
   const auto trace = [&](std::span<const PostCorrection::Suspect> suspects) {
-    // All suspects of a step are in one column or one row.
+    // All samples found in one step are in one column or one row.
     const std::uint32_t pitch = scan.is_along_y ? width() * undersample_.pixel_grid() : 1;
     const PostCorrection::Suspect& first = suspects.front();
     const GridUniforms<float> grid = scan.is_along_y ? blocks_.grid_uniforms(0, static_cast<float>(first.y), pitch)
@@ -386,7 +386,8 @@ Wavefront::Node UndersampleProgram::note_search(TileGraph& graph, std::uint32_t 
                                                           : graph.record_known<FindSuspects<false>>(items);
 }
 
-/// Traces a tile's suspects, round by round, and writes the corrected pixels. `found`: the first search.
+/// Traces the samples that a scan corrects in a tile, round by round, and writes the corrected pixels. `found` is the
+/// launch that found the first ones.
 void UndersampleProgram::correct_samples(Wavefront& wave, TileResult& out, const SampleTile& at,
                                          Wavefront::Node found) const {
   TileGraph& graph = wave.tile_graph();
@@ -416,8 +417,8 @@ void UndersampleProgram::correct_samples(Wavefront& wave, TileResult& out, const
   write_corrected(graph, at, corrected, pixels, found);
 }
 
-/// Averages and encodes the corrected pixels, and writes them with their words: one memory line each, but at most the
-/// whole tile.
+/// Averages and encodes the corrected pixels, and writes them with their words. A scattered pixel costs a memory line,
+/// and all together at most the whole tile.
 void UndersampleProgram::write_corrected(TileGraph& graph, const SampleTile& at, std::uint32_t corrected,
                                          std::uint32_t corrected_pixels, Wavefront::Node last) const {
   const std::uint64_t store = scan_store(at.index);

@@ -13,41 +13,42 @@
 
 namespace kernels {
 
-/// Post-correction of an undersampled frame (Kim et al. 2016, section 4): the identities of all samples, and the scans
-/// that correct interpolated samples next to traced ones.
+/// Post-correction of an undersampled frame (Kim et al. 2016, section 4). It keeps the identities of all samples, and
+/// traces interpolated samples that differ from a traced neighbour.
 ///
-/// 1. A scan advances along all lines of the picture at once, sample by sample.
+/// 1. A scan visits all lines of the picture at once, sample by sample.
 /// 2. An interpolated sample is suspect if its predecessor was traced and has another identity.
 /// 3. Suspects are traced, so that a suspect may make the next sample suspect.
 class PostCorrection {
  public:
-  /// Direction of a scan.
+  /// Axis and direction of a scan over the picture.
   struct Scan {
     bool is_along_y = false, is_backward = false;
   };
-  /// A sample to trace.
+  /// An interpolated sample that is to be traced.
   struct Suspect {
     std::uint32_t tile = 0;
-    std::uint32_t round = 0;  ///< length of the chain of suspects that led to it
+    std::uint32_t round = 0;  ///< number of suspects in a row that led to this one
     std::uint32_t x = 0, y = 0;
   };
-  /// Results of traced suspects, in their order.
+  /// Results of tracing suspects, in the same order.
   struct Found {
     std::vector<std::uint32_t> identities;
-    std::vector<glm::vec3> colours;  ///< clamped
+    std::vector<glm::vec3> colours;  ///< colours, clamped to [0, 1]
   };
 
   PostCorrection(const UndersampleConfig& config, std::uint32_t width, std::uint32_t height, std::uint32_t tile_side);
 
   std::uint32_t scan_count() const;
-  /// Returns a scan's direction in the paper's order: right, left, down, up; with two scans right, down.
+  /// Returns the direction of a scan, in the paper's order: right, left, down, up; with two scans right, down.
   Scan scan_direction(std::uint32_t number) const {
     return {2 * number >= scan_count(), scan_count() == 4 && number % 2 == 1};
   }
 
-  /// Stores a tile's samples.
+  /// Stores the identities and colours of a tile's samples.
   void store_samples(const TileResult& tile, const SampleTile& at);
-  /// Runs a scan over the picture. `trace(suspects)` returns their results. Returns all suspects, by tile, then round.
+  /// Runs a scan over the picture. `trace(suspects)` returns their results. Returns all suspects, sorted by tile, then
+  /// by round.
   template <class Trace>
   const std::vector<Suspect>& run_scan(const Scan& scan, Trace&& trace) {
     begin_scan();
@@ -58,7 +59,7 @@ class PostCorrection {
     end_scan();
     return all_;
   }
-  /// Returns the last scan's suspects in a tile.
+  /// Returns the samples of a tile that the last scan traced.
   std::span<const Suspect> suspects_of(std::uint32_t tile) const;
 
   glm::vec3 sample_colour(std::uint32_t x, std::uint32_t y) const { return colours_[std::size_t{y} * width_ + x]; }
@@ -72,14 +73,15 @@ class PostCorrection {
 
   const UndersampleConfig config_;
   const std::uint32_t width_, height_, side_, across_;
-  std::vector<std::uint32_t> identities_;  ///< with a border of samples without identity
-  std::vector<std::uint16_t> rounds_;      ///< rounds of this scan's suspects, with the same border
+  std::vector<std::uint32_t> identities_;  ///< identity words, with a frame of words without identity around the
+                                           ///< picture
+  std::vector<std::uint16_t> rounds_;      ///< for each sample, the round in which this scan traced it; the same frame
   std::vector<glm::vec3> colours_;
   std::vector<std::uint32_t> line_, found_;
   std::vector<Suspect> fresh_, all_;
 };
 
-/// Frame program undersample (Kim et al. 2016): samples between similar references get interpolated attributes and are
+/// Frame program undersample (Kim et al. 2016). Samples between similar references get interpolated attributes and are
 /// shaded from those. Scans over the whole frame then correct samples whose interpolation missed something.
 ///
 ///   per tile: references -> check_attributes_x -> interpolate_attributes, shade | trace -> check_attributes_y -> ...
@@ -87,7 +89,7 @@ class PostCorrection {
 ///   per scan and tile: identities from memory -> find_suspects -> trace -> find_suspects -> ... -> corrected pixels
 class UndersampleProgram final : public FrameProgram {
  public:
-  /// `scene_size`: longest side of the scene's bounds, the same in all frames.
+  /// `scene_size` is the longest side of the scene's bounds, the same in all frames.
   UndersampleProgram(const traces::MemoryImage& image, const traces::Camera& camera, const RenderConfig& config,
                      const UndersampleConfig& undersample, float scene_size, std::uint32_t frame);
 
@@ -123,7 +125,7 @@ class UndersampleProgram final : public FrameProgram {
 
   const UndersampleConfig undersample_;
   const BlockFrame blocks_;
-  const float apart_;  ///< largest distance between hits that count as close
+  const float apart_;  ///< largest distance between two hits that pass the position check
   PostCorrection correction_;
 };
 

@@ -6,7 +6,7 @@
 namespace kernels {
 
 void FrameProgram::commit_tile(const TileResult& tile) {
-  picture_.resize(std::size_t{3} * width_ * height_);  // a new picture, if the previous one was taken
+  picture_.resize(std::size_t{3} * width_ * height_);  // begins a new picture if the previous one was moved out
   for (std::uint32_t row = 0; row < tile.height; ++row) {
     float* to = picture_.data() + std::size_t{3} * (std::size_t{tile.y + row} * width_ + tile.x);
     for (std::uint32_t column = 0; column < tile.width; ++column) {

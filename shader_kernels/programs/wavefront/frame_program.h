@@ -12,13 +12,13 @@ namespace kernels {
 
 using traces::FrameRequirements;
 
-/// Number of tiles of a picture.
+/// Number of tiles of a picture, across and down.
 struct TileCounts {
   std::uint32_t columns = 0, rows = 0;
 };
 
-/// Interface of a frame program. It renders a list of entries in one or more passes, mostly one tile of the picture per
-/// entry, and records the work. A pass may read the results of all earlier passes.
+/// Interface of a frame program. It renders a list of entries in one or more passes and records the work. An entry is
+/// mostly one tile of the picture. A pass may read the results of all earlier passes.
 class FrameProgram {
  public:
   FrameProgram(std::uint32_t width, std::uint32_t height)
@@ -29,31 +29,31 @@ class FrameProgram {
 
   std::uint32_t width() const { return width_; }
   std::uint32_t height() const { return height_; }
-  /// Returns the number of entries of all passes.
+  /// Returns the number of entries of all passes together.
   virtual std::uint32_t tiles() const = 0;
-  /// Returns the number of tiles across and down; 0 if the program has none.
+  /// Returns the number of tiles across and down, or 0 if the entries are not tiles of a grid.
   virtual TileCounts tile_counts() const { return {}; }
-  /// Returns the end of the pass that contains entry `tile_index`.
+  /// Returns the index after the last entry of the pass that contains entry `tile_index`.
   virtual std::uint32_t pass_end([[maybe_unused]] std::uint32_t tile_index) const { return tiles(); }
   virtual FrameRequirements requirements() const = 0;
 
-  /// Called before the pass that begins with entry `tile_index`, after all earlier entries have been committed.
+  /// Prepares the pass that begins with entry `tile_index`. Called after all earlier entries have been committed.
   virtual void begin_pass([[maybe_unused]] std::uint32_t tile_index, [[maybe_unused]] const traces::Tracer& tracer) {}
   /// Renders an entry into `out`, and records its work if `record` is set. Entries of a pass may run on any number of
   /// threads, each with its own `out`, whose storage is reused.
   virtual void run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const = 0;
-  /// Adds an entry's results to the frame. Called once per entry, in list order.
+  /// Adds the results of an entry to the frame. Called once per entry, in list order.
   virtual void commit_tile(const TileResult& tile);
 
-  /// Returns the picture as far as committed: linear RGB, row by row.
+  /// Returns the picture with all entries committed so far: linear RGB, row by row.
   virtual const std::vector<float>& picture() const { return picture_; }
-  /// Moves the picture out after the last tile of a frame; the next tile begins a new one.
+  /// Moves the picture out after the last tile of a frame. The next tile begins a new picture.
   virtual std::vector<float> take_picture() { return std::move(picture_); }
   virtual const Sampling& sampling() const { return sampling_; }
-  /// Makes commit_tile() store marks as well.
+  /// Makes commit_tile() store the debug marks of samples.
   virtual void keep_marks() { keeps_marks_ = true; }
-  /// Returns the marks of all samples, row by row, with the program's number per pixel; empty if it makes none or they
-  /// are not stored.
+  /// Returns the debug marks of all samples, row by row, with the program's number of marks per pixel. Empty if the
+  /// program makes none or they are not stored.
   virtual const std::vector<SampleMark>& sample_marks() const { return marks_; }
 
  protected:

@@ -14,7 +14,7 @@
 
 namespace kernels {
 
-// Binding of a kernel's ports to arrays of the tile or the scene. A port is bound to the array with its name and record
+// Binds a kernel's ports to arrays of the tile or the scene. A port is bound to the array with its name and record
 // type. Names are compared at compile time; a launch only loads addresses.
 
 /// The record type with which kernels read and write elements of type T.
@@ -36,22 +36,22 @@ template <> struct RecordOf<traces::VertexRecord> { using Type = VertexFields<fl
 template <> struct RecordOf<traces::MaterialDetailRecord> { using Type = DetailFields<float>; };
 // clang-format on
 
-/// A variable whose address identifies a record type.
+/// A variable whose address identifies the record type.
 template <class Record>
 inline constexpr char kRecordType = 0;
 
-/// An array that ports can be bound to.
+/// An array to which ports can be bound.
 struct PortArray {
   std::string_view name;
   const char* record;
   const void* (*data)(const TileResult&, const SceneTables&);
-  std::string_view counter{};  ///< for a queue: the port that counts its items
+  std::string_view counter{};  ///< if the array is a queue, the name of the port that counts its items
   std::uint32_t* (*items)(TileResult&) = nullptr;
 };
 
 namespace port_arrays {
 
-/// Follows member pointers: `follow_members<&A::b, &B::c>(a)` is a.b.c.
+/// Returns the member of an object that a list of member pointers leads to: `follow_members<&A::b, &B::c>(a)` is a.b.c.
 template <auto kMember, auto... kRest>
 constexpr auto& follow_members(auto& object) {
   if constexpr (sizeof...(kRest) == 0) {
@@ -174,7 +174,7 @@ inline constexpr auto kAll = std::to_array<PortArray>({
 
 }  // namespace port_arrays
 
-/// True if P is a port of records; ports that are neither records nor counters are uniforms.
+/// True if P is a port of records. Ports that are neither records nor counters are uniforms.
 template <class P>
 inline constexpr bool kIsRecordPort = requires {
   typename P::Record;
@@ -182,9 +182,9 @@ inline constexpr bool kIsRecordPort = requires {
 template <class P>
 inline constexpr bool kIsCounter = std::is_same_v<P, Counter<float>>;
 
-/// For each record port and counter, the index of its array in port_arrays::kAll; kNoArray if there is none.
 inline constexpr std::uint8_t kNoArray = 0xff;
 inline constexpr std::size_t kMostPorts = 64;
+/// For each record port and counter of a kernel, in order, the index of its array in port_arrays::kAll, or kNoArray.
 using PortMatches = std::array<std::uint8_t, kMostPorts>;
 
 template <class K>
@@ -218,7 +218,7 @@ inline constexpr PortMatches kPortMatches = match_ports<K>();
                          "' is not bound, and no array of the tile or the scene has its name and type");
 }
 
-/// Binds the ports of kernel K that are not bound yet. Cached ports list their accesses in `log` unless it is null.
+/// Binds the ports of kernel K that are not bound yet. Cached ports append their accesses to `log` unless it is null.
 /// Throws std::logic_error if a port has no array.
 template <class K>
 void bind_ports(typename K::template Ports<float>& ports, const TileResult& tile, const SceneTables& scene,
@@ -236,7 +236,7 @@ void bind_ports(typename K::template Ports<float>& ports, const TileResult& tile
   });
 }
 
-/// Sets the lengths of the queues that a launch of kernel K filled.
+/// Sets the lengths of the queues to which a launch of kernel K has appended.
 template <class K>
 void count_queued(typename K::template Ports<float>& ports, TileResult& tile) {
   std::size_t next = 0;

@@ -12,7 +12,7 @@
 
 namespace kernels {
 
-/// Effects that cast rays from the surfaces of first and later hits (docs/design/effects.md).
+/// Light effects for which surfaces emit rays (docs/design/effects.md).
 enum class Effect : std::uint8_t { kShadows, kReflections, kRefractions, kOcclusion, kSoftShadows, kCount };
 constexpr std::array<std::string_view, static_cast<std::size_t>(Effect::kCount)> names_of(Effect) {
   return {"shadows", "reflections", "refractions", "occlusion", "soft_shadows"};
@@ -27,10 +27,10 @@ class Effects {
   std::uint32_t bits_ = 0;
 };
 
-/// Parses "shadows, occlusion" or "none". Throws sim::InputError with the allowed effects.
+/// Parses a list of effects such as "shadows, occlusion", or "none". Throws sim::InputError with the allowed effects.
 Effects parse_effects(std::string_view text);
 
-/// Source of primary hits: rays, or a rasteriser (docs/design/rasteriser.md).
+/// How primary hits are found: by rays, or by a rasteriser (docs/design/rasteriser.md).
 enum class Primary : std::uint8_t { kRays, kRaster };
 constexpr std::array<std::string_view, 2> names_of(Primary) { return {"rays", "raster"}; }
 
@@ -43,22 +43,22 @@ constexpr std::array<std::string_view, 2> names_of(GlassShadows) { return {"opaq
 enum class Streams : std::uint8_t { kCompacted, kDivergent };
 constexpr std::array<std::string_view, 2> names_of(Streams) { return {"compacted", "divergent"}; }
 
-/// Mip levels that a lookup blends: the nearest, or the two nearest.
+/// Mip levels that a texture lookup reads: the nearest one, or a blend of the two nearest.
 enum class MipBlend : std::uint8_t { kNearest, kLinear };
 constexpr std::array<std::string_view, 2> names_of(MipBlend) { return {"nearest", "linear"}; }
 
-/// Encoder of the frame buffer's sRGB: a kernel, or the DMA during the transfer.
+/// What encodes pixels as sRGB: a kernel, or the DMA during the transfer to the frame buffer.
 enum class SrgbEncoder : std::uint8_t { kKernel, kDma };
 constexpr std::array<std::string_view, 2> names_of(SrgbEncoder) { return {"kernel", "dma"}; }
 
-/// Pixels whose first hits trace rays for occlusion and soft shadows: all, one of 2 x 2, or every other one.
+/// Which pixels' first hits emit rays for occlusion and soft shadows: all, one of 2 x 2, or every other one.
 enum class EffectRate : std::uint8_t { kFull, kHalf, kCheckerboard };
 constexpr std::array<std::string_view, 3> names_of(EffectRate) { return {"full", "half", "checkerboard"}; }
 
 enum class Fusion : std::uint8_t { kOff, kOn };
 constexpr std::array<std::string_view, 2> names_of(Fusion) { return {"off", "on"}; }
 
-/// Settings of the picture and its rendering. All of them change the recorded work.
+/// Configuration keys of the picture and its rendering. All of them change the recorded work.
 struct RenderConfig {
   std::uint32_t width = 1024, height = 512;
   std::uint32_t tile = 16;
@@ -153,7 +153,7 @@ struct RenderConfig {
           "radius of every light's disc, with the effect soft_shadows; directional lights are a diagonal away",
           sim::between(0, 1), Affects::kFunction);
   }
-  /// True if there are effects that can have a lower rate.
+  /// True if the frame has effects that can have a lower rate.
   bool has_rated_effects() const {
     const Effects all = parse_effects(effects);
     return all.has(Effect::kOcclusion) || all.has(Effect::kSoftShadows);

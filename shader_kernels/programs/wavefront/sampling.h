@@ -10,53 +10,57 @@
 
 namespace kernels {
 
-/// Counts of the samples that a frame program had to render, and of those that it traced. A background sample's primary
-/// ray hits nothing, or the sample lies between two such samples.
+/// Counts of the samples that a frame program renders, and of those that it traces. A background sample is one whose
+/// primary ray hits nothing, or that lies between two such samples.
 struct Sampling {
   std::uint64_t wanted = 0;
-  std::uint64_t traced = 0;                             ///< includes halo and correction
-  std::uint64_t halo = 0;                               ///< samples of neighbouring tiles that were traced again
-  std::uint64_t correction = 0;                         ///< traced samples that had been interpolated
-  std::uint64_t background = 0, traced_background = 0;  ///< background samples of `wanted`, of `traced`
-  std::uint64_t checked = 0, passed = 0;                ///< samples between references
-  std::array<std::uint64_t, static_cast<std::size_t>(Check::kCount)> failed{};  ///< a sample may fail several checks
-  std::array<std::uint64_t, static_cast<std::size_t>(Check::kCount)> first_failed{};  ///< by the first failed check
-  std::uint64_t rough = 0;  ///< passed samples that do not count for a tile's rate
+  std::uint64_t traced = 0;      ///< all traced samples, including those of the halo and of corrections
+  std::uint64_t halo = 0;        ///< traced samples that belong to neighbouring tiles
+  std::uint64_t correction = 0;  ///< samples that were traced after they had been interpolated
+  std::uint64_t background = 0, traced_background = 0;  ///< background samples among `wanted` and among `traced`
+  std::uint64_t checked = 0, passed = 0;  ///< samples between references that were checked, and those that passed
+  /// Samples that failed each check; a sample may fail several.
+  std::array<std::uint64_t, static_cast<std::size_t>(Check::kCount)> failed{};
+  /// Samples by the first check that they failed.
+  std::array<std::uint64_t, static_cast<std::size_t>(Check::kCount)> first_failed{};
+  std::uint64_t rough = 0;  ///< samples that passed but count as failed when the tile's rate is chosen
 
-  // supersample: pixels by their number of active sub-pixels; active sub-pixels by differing attributes (one may have
-  // several) and by the first of them; empty entries in lists of sub-pixels.
+  // Counts of supersample: pixels by their number of active sub-pixels; active sub-pixels by differing attributes (one
+  // may have several) and by the first of them; empty entries in lists of sub-pixels.
   std::array<std::uint64_t, 5> active{};
   std::array<std::uint64_t, kAttributes> reasons{}, first_reasons{};
   std::uint64_t padding = 0;
-  std::uint64_t propagated = 0;  ///< sub-pixels that rounds of propagation made active
+  std::uint64_t propagated = 0;  ///< sub-pixels that became active in rounds of propagation
 
-  /// Per tile of the grid, row by row, if the program has it: share of checked samples that passed, and block side.
+  /// For each tile of the grid, row by row, the fraction of checked samples that passed. Empty if the program has no
+  /// checks.
   std::vector<float> similar;
   std::vector<std::uint8_t> blocks;
-  std::uint32_t tile_side = 0;  ///< in samples
-  bool has_rates = false;       ///< block sides differ from tile to tile
+  std::uint32_t tile_side = 0;  ///< side of a tile in samples
+  bool has_rates = false;       ///< block sides may differ from tile to tile
 
-  /// Adds the counts of a tile or frame, except the per-tile data.
+  /// Adds the counts of a tile or frame, except those kept per tile.
   void add(const Sampling& other);
 };
 
-/// Mark of a sample: bits of failed checks (Check), and flags of its origin above them.
+/// Mark of a sample in debug pictures: bits of the failed checks (Check), and above them flags of how its colour was
+/// computed.
 using SampleMark = std::uint16_t;
 inline constexpr SampleMark kTracedMark = 1U << 12, kReferenceMark = 1U << 13, kCorrectedMark = 1U << 14;
 static_assert(static_cast<std::size_t>(Check::kCount) <= 12);
 
-// Mark of a pixel of supersample: bits of the attributes that differed at its active sub-pixels (Attribute), and above
-// them the number of these sub-pixels.
+// Mark of a pixel of supersample in debug pictures: bits of the attributes that differed at its active sub-pixels
+// (Attribute), and above them the number of these sub-pixels.
 inline constexpr std::uint32_t kActiveCountShift = kAttributes;
 inline constexpr std::uint32_t active_of(SampleMark mark) { return (mark >> kActiveCountShift) & 7U; }
 static_assert(kActiveCountShift + 3 <= 12);
 
-/// Reasons why a filter of reconstruct rejects a shaded sample, for surfaces, mirrored light and refracted light.
+/// Why a filter of reconstruct rejected a shaded sample, for surfaces, mirrored light and refracted light.
 enum class FilterEdge : std::uint8_t {
   kDepth,
   kNormal,
   kShadow,
-  kReflection,  ///< depth or normal
+  kReflection,  ///< depth or normal of the mirrored hit differs
   kReflectedShadow,
   kRefraction,
   kRefractedShadow,
@@ -66,8 +70,8 @@ constexpr std::array<std::string_view, static_cast<std::size_t>(FilterEdge::kCou
   return {"depth", "normal", "shadow", "reflection", "reflected-shadow", "refraction", "refracted-shadow"};
 }
 
-// Mark of a pixel of reconstruct: bits of the edges found by its filters, and above them the remaining weight of all
-// shaded samples, as a share of 255.
+// Mark of a pixel of reconstruct in debug pictures: bits of the edges found by its filters (FilterEdge), and above them
+// the weight of all shaded samples that remained, as a fraction of 255.
 inline constexpr std::uint32_t kWeightShift = 8;
 static_assert(static_cast<std::size_t>(FilterEdge::kCount) <= kWeightShift);
 

@@ -15,63 +15,65 @@
 namespace kernels {
 
 CameraUniforms<float> camera_uniforms(const traces::Camera& camera, std::uint32_t width, std::uint32_t height);
-/// Returns the ray cones of grid x grid samples per pixel: as wide as a sample in the middle of the picture.
+/// Returns the ray cones for grid x grid samples per pixel. A cone is as wide as a sample in the middle of the picture.
 ConeUniforms<float> cone_uniforms(const CameraUniforms<float>& camera, std::uint32_t grid);
-/// Returns the eye of a picture, with `depth_scale` units of depth per unit of length.
+/// Returns the eye position and viewing direction of a picture, with `depth_scale` units of depth per unit of length.
 EyeUniforms<float> eye_uniforms(const CameraUniforms<float>& camera, std::uint32_t width, std::uint32_t height,
                                 float depth_scale);
 LightUniforms<float> light_uniforms(const traces::Light& light);
-/// Returns the linear values of all sRGB codes.
+/// Returns the linear values of all 256 sRGB codes.
 std::vector<SrgbCodeRecord<float>> srgb_code_records();
-/// Returns a light as a disc facing the surface; `radius` is in scene diagonals.
+/// Returns a light source as a disc that faces the surface. `radius` is in scene diagonals, `rays` the number of rays
+/// per surface.
 DiscUniforms<float> disc_uniforms(const traces::Light& light, float radius, float diagonal, std::uint32_t rays);
-/// Returns the seed of a frame's jittered samples.
+/// Returns the seed of the jittered sample positions of a frame.
 std::uint32_t jitter_seed(std::uint32_t frame);
 AxisRecord<float> axis_record(std::uint32_t size, traces::Texture::Wrap wrap, traces::Texture::Filter filter);
-/// Returns the mip-level (LOD) record of a texture with `levels` levels.
+/// Returns the parameters with which lookups find the mip level of a texture that has `levels` levels.
 LevelRecord<float> level_record(const traces::Texture& texture, std::uint32_t levels, MipFilter mips);
 
-/// The largest triangle word of a hit that requires no test, if only alpha requires one.
+/// Largest triangle word of a hit that requires no transparency test, if only alpha requires one.
 inline constexpr std::uint32_t kSolidNearest = traces::kAlphaFlag - 1;
 
-/// Scene data that kernels read besides memory: uniforms, and tables in the SRP's own memory.
+/// Scene data that kernels read besides memory: uniforms, tables in the SRP's own memory, and which kernels the scene
+/// needs.
 struct SceneTables {
   SceneTables(const traces::MemoryImage& memory_image, const RenderConfig& config);
 
   const traces::MemoryImage& image;
   std::vector<LightUniforms<float>> lights;
-  std::vector<DiscUniforms<float>> discs;  ///< of the lights, if shadows are soft
-  std::vector<AxisRecord<float>> axes;     ///< two per texture
-  std::vector<LevelRecord<float>> levels;  ///< with mip maps, one per texture
+  std::vector<DiscUniforms<float>> discs;  ///< if shadows are soft, the light sources as discs
+  std::vector<AxisRecord<float>> axes;     ///< addressing modes, two for each texture
+  std::vector<LevelRecord<float>> levels;  ///< with mip maps, one record for each texture
   std::vector<SrgbCodeRecord<float>> srgb_codes = srgb_code_records();
-  MipFilter mips;  ///< from the image's mip levels and RenderConfig::mip_filter
+  MipFilter mips;  ///< combines the image's mip levels and RenderConfig::mip_filter
   Vec3<float> background, ambient;
   float epsilon, min_weight, occlusion_distance;
   std::uint32_t depth, layers;
-  std::uint32_t width;  ///< pixels per row of the picture
+  std::uint32_t width;  ///< number of pixels in a row of the picture
   Effects effects;
-  std::uint32_t occlusion_rays;  ///< per surface; 0: no ambient occlusion
-  std::uint32_t shadow_rays;     ///< per surface and light; 0: no shadows
-  bool is_checkerboard;          ///< RenderConfig::effect_rate
-  bool has_details;              ///< some surface goes into a queue of classify_details
-  bool dma_encodes;              ///< RenderConfig::srgb
-  bool diverges;                 ///< RenderConfig::streams
-  bool fuses;                    ///< RenderConfig::fusion
-  bool has_deferred;             ///< the light of some surface is deferred (kernels/light.h)
+  std::uint32_t occlusion_rays;  ///< number of occlusion rays per surface; 0: no ambient occlusion
+  std::uint32_t shadow_rays;     ///< number of shadow rays per surface and light; 0: no shadows
+  bool is_checkerboard;          ///< from RenderConfig::effect_rate
+  bool has_details;              ///< some surface belongs to a queue that classify_details fills
+  bool dma_encodes;              ///< the DMA encodes sRGB (RenderConfig::srgb)
+  bool diverges;                 ///< divergent kernels run over all items (RenderConfig::streams)
+  bool fuses;                    ///< fused kernels are used (RenderConfig::fusion)
+  bool has_deferred;             ///< some surface must wait for textures before it is lit (kernels/light.h)
   bool has_secondary;            ///< some surface may emit secondary rays
-  bool has_textures;             ///< some surface may fail a check because of its textures
+  bool has_textures;             ///< some surface may fail a similarity check because of its textures
   bool has_occlusion;            ///< some surface has an occlusion texture
-  bool has_alpha, has_shades;    ///< hits may require a test: of nearest-hit rays, of shadow rays
-  std::uint32_t solid_shadow;    ///< largest triangle word of a shadow ray's hit that requires no test
-  /// True if ambient light is not occluded and shadows are hard.
+  bool has_alpha, has_shades;    ///< hits may require a transparency test: of nearest-hit rays, of shadow rays
+  std::uint32_t solid_shadow;    ///< largest triangle word of a shadow ray's hit that requires no transparency test
+  /// True if ambient light is not occluded and each light casts one shadow ray.
   bool lights_as_usual() const { return occlusion_rays == 0 && shadow_rays == 1 && discs.empty(); }
-  /// Returns the number of lights, including ambient light, of effects that can have a lower rate.
+  /// Returns the number of light sources, counting ambient light, that effects at a lower rate apply to.
   std::uint32_t rated_lights() const {
     return (occlusion_rays != 0 ? 1 : 0) + static_cast<std::uint32_t>(discs.size());
   }
-  /// Returns the number of launches for one light.
+  /// Returns the number of launches that light a surface from one light source.
   std::uint32_t rays_to_light() const { return std::max(1U, shadow_rays); }
-  /// Returns an occlusion ray's share of a surface's ambient light.
+  /// Returns the fraction of a surface's ambient light that one occlusion ray carries.
   float occlusion_share() const { return 1.0F / static_cast<float>(occlusion_rays); }
 };
 

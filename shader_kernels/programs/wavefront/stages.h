@@ -12,14 +12,14 @@
 
 namespace kernels {
 
-/// Geometry that samples of reconstruct keep, and the rays that it comes from.
+/// Which geometry reconstruct keeps of a wave's samples, and which rays find it.
 struct VisibleSamples {
   bool are_kept = false;
-  bool are_shaded = true;                                           ///< false: hits are found but not shaded
+  bool are_shaded = true;                                           ///< false if hits are found but not shaded
   bool have_shadows = true;                                         ///< shadow rays are cast, and blocked ones recorded
-  std::uint32_t depth = std::numeric_limits<std::uint32_t>::max();  ///< longest path from the eye
+  std::uint32_t depth = std::numeric_limits<std::uint32_t>::max();  ///< largest number of rays in a path from the eye
   std::uint32_t mirrored = 0, refracted = 0;  ///< offset from a surface's sample to those of mirrored and refracted
-                                              ///< rays; 0: not kept
+                                              ///< rays; 0 if these are not kept
   EyeUniforms<float> eye{};
   float depth_scale = 0;
   bool keeps_branch(std::uint32_t bounce) const { return are_kept && bounce == 2 && (mirrored | refracted) != 0; }
@@ -28,46 +28,48 @@ struct VisibleSamples {
   }
 };
 
-/// Effects of first hits that only some samples trace rays for (kernels/effects.h).
+/// How a wave treats effects for which only some samples emit rays (kernels/effects.h).
 struct RatedEffects {
   bool are_rated = false;
-  std::uint32_t layer = 0;     ///< offset between a sample's data of one light and the next
-  GridUniforms<float> grid{};  ///< pixels of the tile buffer
+  std::uint32_t layer = 0;     ///< offset between a sample's data of one light and of the next
+  GridUniforms<float> grid{};  ///< the pixels in the tile buffer
 };
 
-/// Records that samples keep of their hits, next to their colour.
+/// Which records a wave's samples keep of their hits, in addition to the colour.
 struct RetainedRecords {
-  bool geometry = false, surfaces = false;  ///< of the first hit: geometry, or all that shading needs
+  bool geometry = false, surfaces = false;  ///< keep of the first hit: its geometry, or all data that shading needs
   bool secondary = false;
-  bool traits = false;  ///< of the first hit and of the heaviest secondary one
+  bool traits = false;  ///< keep the traits of the first hit and of the secondary hit with the largest weight
   VisibleSamples visible{};
   RatedEffects rated{};
   StreamBuilder::Node cleared = StreamBuilder::kNone,
-                      cleared_secondary = StreamBuilder::kNone;  ///< launches that cleared them
+                      cleared_secondary = StreamBuilder::kNone;  ///< launches that cleared the records
 };
 
-// Rows of the stage tables of a wave (wavefront.cc), and the launch of a row's kernel.
+// Rows of the tables of shading stages (wavefront.cc), and how a row's kernel is launched.
 
-/// A bounce in progress: its rays, and the nodes that its stages wait for.
+/// One bounce of a wave while it is shaded: its rays, and the nodes of the work graph that its stages wait for.
 struct WaveBounce {
   using Node = TileGraph::Node;
   std::uint32_t rays = 0;
   std::uint32_t depth = 1;
-  std::uint32_t lanes = 0, padding = 0;                     ///< as for TileGraph::launch()
-  std::uint32_t straight = 0, mirrored = 0, refracted = 0;  ///< first slots of each kind of rays
+  std::uint32_t lanes = 0, padding = 0;                     ///< passed to TileGraph::launch()
+  std::uint32_t straight = 0, mirrored = 0, refracted = 0;  ///< first ray slots of rays that continue straight, of
+                                                            ///< mirrored and of refracted rays
   std::array<TracedBatch, 3> batches{};
   std::uint32_t batch_count = 0;
-  bool is_single = true;              ///< no sample has two rays in the bounce
-  bool has_lit = false;               ///< diffuse surfaces have ambient and first light, except those in `deferred`
-  Node begun = TileGraph::kNone;      ///< node that gave its rays samples of their own
-  Node after = TileGraph::kNone;      ///< last node of the previous bounce that changes colours
-  Node fetched = TileGraph::kNone;    ///< node that wrote its surfaces; the next stage waits for it item by item
-  Node inspector = TileGraph::kNone;  ///< node that filled the queues that its stages read
+  bool is_single = true;          ///< no sample has two rays in this bounce
+  bool has_lit = false;           ///< diffuse surfaces already have ambient light and the first light, except those in
+                                  ///< `deferred`
+  Node begun = TileGraph::kNone;  ///< node that gave the rays samples of their own
+  Node after = TileGraph::kNone;  ///< last node of the previous bounce that changes colours
+  Node fetched = TileGraph::kNone;    ///< node that wrote the surfaces; the next stage waits for it item by item
+  Node inspector = TileGraph::kNone;  ///< node that filled the queues that the stages read
   Node colours = TileGraph::kNone;    ///< node that wrote base colours, if textures did so after the inspector
-  Node recorded = TileGraph::kNone;   ///< node that recorded its hits
+  Node recorded = TileGraph::kNone;   ///< node that recorded the hits
 };
 
-/// State of a wave that launches read.
+/// State of a wave that the launches of its stages read.
 struct WaveContext {
   const SceneTables& scene;
   TileGraph& graph;
@@ -77,44 +79,44 @@ struct WaveContext {
   RetainedRecords retained{};
 };
 
-/// Input of a launch.
+/// What a stage's launch works on.
 struct StageInput {
-  std::uint32_t* entries = nullptr;  ///< entries of the queue; null for kernels that run over all rays
+  std::uint32_t* entries = nullptr;  ///< entries of the stage's queue; null for kernels that run over all rays
   std::uint32_t items = 0, lanes = 0;
-  std::uint32_t light = 0, ray = 0;           ///< index of the light and ray that it casts
-  std::uint32_t next_ray = 0;                 ///< slot of its first ray in the next wave
-  const LineUniforms<float>* line = nullptr;  ///< lines of interpolated samples
-  ColourRecord<float>* colours = nullptr;     ///< if not null, receives light instead of the samples' colours
+  std::uint32_t light = 0, ray = 0;           ///< index of the light, and of the ray towards it, that the launch casts
+  std::uint32_t next_ray = 0;                 ///< slot in the next wave of the first ray that the launch emits
+  const LineUniforms<float>* line = nullptr;  ///< for interpolated samples, the lines that they are on
+  ColourRecord<float>* colours = nullptr;     ///< receives light instead of the samples' colours, unless null
 };
 
-/// Result of a launch: its node, and the number of rays that it emitted.
+/// Result of a stage's launch: its node in the work graph, and the number of rays that it emitted.
 struct Launched {
   TileGraph::Node node = TileGraph::kNone;
   std::uint32_t rays = 0;
 };
 using Launch = Launched (*)(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in);
 
-/// Nodes that a stage waits for.
+/// Which nodes of the work graph a stage waits for.
 enum class Waits : std::uint8_t {
-  kItem,       ///< item by item: the launch that fetched the surfaces
+  kItem,       ///< item by item for the launch that fetched the surfaces
   kInspector,  ///< the launch that filled the queues
-  kBounce,     ///< inspector or base colours, rays of all batches, and the previous bounce
+  kBounce,     ///< the inspector or base colours, the rays of all batches, and the previous bounce
 };
 
-/// Effect of a stage on the waiting of later ones, as bits.
+/// How a stage changes what later stages wait for, as bits.
 enum StageEffect : std::uint32_t {
-  kFetches = 1,      ///< writes surfaces; the next stage waits for it item by item
-  kFillsQueues = 2,  ///< later stages wait for it
-  kBaseColours = 4,  ///< stages that read base colours wait for it
+  kFetches = 1,      ///< it writes surfaces, for which the next stage waits item by item
+  kFillsQueues = 2,  ///< it fills queues, for which later stages wait
+  kBaseColours = 4,  ///< it writes base colours, for which stages that read them wait
   kAddsColours = 8,
   kCastsRays = 16,          ///< its rays are shadow or occlusion rays
-  kEndsSurfaces = 32,       ///< all surfaces are known, so that hits are recorded next
-  kRecordsHits = 64,        ///< records hits itself
-  kCastsAmbientRays = 128,  ///< its rays bring ambient light, so that no shadow is recorded
-  kOwnItemsOnly = 256       ///< runs only over its queue, even if kernels diverge
+  kEndsSurfaces = 32,       ///< after it all surfaces are known, so that hits are recorded next
+  kRecordsHits = 64,        ///< it records hits itself
+  kCastsAmbientRays = 128,  ///< its rays carry ambient light, so that no shadow is recorded
+  kOwnItemsOnly = 256       ///< it runs only over its queue, even if kernels diverge
 };
 
-/// A row of a stage table. A stage with an empty queue is skipped.
+/// A row of a table of shading stages. A stage with an empty queue is skipped.
 struct WaveStage {
   SlotQueue StageQueues::*queue;
   Launch launch;
@@ -123,25 +125,26 @@ struct WaveStage {
   constexpr bool has(StageEffect effect) const { return (effects & effect) != 0; }
 };
 
-/// A row of the table of kernels that emit the rays of the next wave.
+/// A row of the table of kernels that emit rays of the next wave.
 struct SpawnStage {
   SlotQueue StageQueues::*queue;
   Launch launch;
   traces::RayKind kind;
-  std::uint32_t WaveBounce::*first;  ///< slot of its first ray
-  std::optional<Effect> effect;      ///< effect to which the rays belong
+  std::uint32_t WaveBounce::*first;  ///< slot of the first ray that the kernel emits
+  std::optional<Effect> effect;      ///< effect that must be enabled for these rays
 };
 
-/// Kernels that record a bounce's hits and shadow rays. `combine_shadows` also adds the rays' light to samples.
+/// The kernels that record the hits and shadow rays of a bounce. `combine_shadows` also adds the light of the rays to
+/// the samples.
 struct RecordStages {
   Launch hits, shadows, combine_shadows;
 };
 
-/// Returns a light's bit; lights from 32 on share bits.
+/// Returns the bit that stands for light number `light` in records of shadows. Lights from 32 on share bits.
 inline std::uint32_t bit_of(std::uint32_t light) { return 1U << (light % 32); }
 
 BounceUniforms<float> bounce_uniforms(const WaveBounce& bounce);
-/// Returns a hash of a light and a bounce; secondary shadow records sum them.
+/// Returns a hash of a light and a bounce, which records of secondary shadows sum.
 std::uint32_t secondary_mark(const WaveBounce& bounce, std::uint32_t light);
 DrawUniforms<float> occlusion_draw(const WaveContext& wave, std::uint32_t ray);
 DrawUniforms<float> soft_shadow_draw(const WaveContext& wave, std::uint32_t light, std::uint32_t ray);
@@ -156,13 +159,13 @@ struct KernelOf<ImmediateLit<K>> {
   using Type = K;
 };
 
-/// True if kernel K records the heaviest secondary hit (supersample).
+/// True if kernel K records the shadows of the secondary hit with the largest weight (supersample).
 template <class K>
 inline constexpr bool kRecordsBranch = std::is_same_v<K, RecordBranchShadow>;
 template <bool kInstanced>
 inline constexpr bool kRecordsBranch<RecordBranch<kInstanced>> = true;
 
-/// Sets the uniforms of kernel K, and the ports whose array depends on the stage.
+/// Sets the uniforms of kernel K, and the ports whose array differs between stages.
 template <class K, class P>
 void bind_stage(P& p, const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
   const SceneTables& scene = wave.scene;
@@ -218,7 +221,7 @@ void bind_stage(P& p, const WaveContext& wave, const WaveBounce& bounce, const S
   if constexpr (kRecordsBranch<K>) p.traits.bind(wave.buffer.subpixels.secondary_traits.data());
 }
 
-/// Launches kernel K. A fused kernel's parts are bound one by one.
+/// Binds the ports of kernel K, or of each part of a fused kernel, and launches it.
 template <class K>
 Launched launch(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
   typename K::template Ports<float> ports;
@@ -242,13 +245,13 @@ Launched by_mips(const WaveContext& wave, const WaveBounce& bounce, const StageI
   return launch<K<MipFilter::kLinear>>(wave, bounce, in);
 }
 
-/// Launches the variant of kernel K with or without instances.
+/// Launches the variant of kernel K for scenes with instances or for those without.
 template <template <bool> class K>
 Launched by_instances(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
   return wave.scene.image.has_levels() ? launch<K<true>>(wave, bounce, in) : launch<K<false>>(wave, bounce, in);
 }
 
-/// Launches the variant of kernel K with or without instances, and with or without ray cones (mip maps).
+/// Launches the variant of kernel K for scenes with or without instances, and with or without ray cones (mip maps).
 template <template <bool, bool> class K>
 Launched by_surfaces(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
   const bool has_cones = wave.scene.mips != MipFilter::kNone;

@@ -74,13 +74,13 @@ void TileBuffer::reserve_subpixels(std::size_t centres, std::size_t pixels) {
   grow_to(s.secondary_traits, centres);
   grow_to(s.branches, centres);
   grow_to(s.verdicts, 4 * pixels);
-  // Rejected entries are written after a list's end, and chunks may be up to three entries short.
+  // Rejected entries are written after the end of a list, and a chunk may have up to three empty entries.
   const std::size_t chunks = (4 * pixels + kChunk - 4) / (kChunk - 3) + 1;
   grow_to(s.active, chunks * kChunk + 4);
   grow_to(s.masters, pixels);
   grow_to(s.fills, chunks + 1);
   grow_to(s.shown, 4 * pixels);
-  grow_to(s.states, 12 * pixels + 4);  // one more line on each side, for pixels of any shape
+  grow_to(s.states, 12 * pixels + 4);  // includes one more line of sub-pixels on each side, for tiles of any shape
 }
 
 void TileBuffer::reserve_visible(std::size_t count, std::size_t pixels) {

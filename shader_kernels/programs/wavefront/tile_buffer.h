@@ -10,8 +10,9 @@
 
 namespace kernels {
 
-/// Work items of a stage: indices of ray slots, samples or pixels (`Item`). An inspector kernel writes `entries`, and
-/// its counter port sets `items`. There is one spare entry, because rejected items are written after the end.
+/// Work items of a shading stage: indices of ray slots, samples or pixels (`Item`). A classifying kernel writes
+/// `entries`, and its counter port sets `items`. There is one spare entry, because rejected items are written after the
+/// end.
 template <class Item>
 struct Queue {
   std::vector<std::uint32_t> entries;
@@ -24,7 +25,7 @@ using SlotQueue = Queue<RaySlotItem>;
 using SampleQueue = Queue<SampleItem>;
 using PixelQueue = Queue<PixelItem>;
 
-/// Ray slots of a wave: rays in flight, their paths and hits.
+/// Ray slots of a wave: the rays in flight with their paths and hits.
 struct RaySlots {
   std::vector<traces::Ray> rays;
   std::vector<PathRecord<float>> paths;
@@ -32,26 +33,26 @@ struct RaySlots {
   void reserve_slots(std::size_t slots);
 };
 
-/// Rays of a tile in flight.
+/// All ray slots of a tile.
 struct RayBuffers {
   RaySlots wave, next_wave, shadow;
   RaySlots layer;  ///< rays that continue after a hole or tinted glass
 };
 
-/// Queues between the shading stages of a wave, which is a batch of rays of one tile (stages.h).
+/// Queues between the shading stages of a wave. A wave is a batch of rays of one tile (stages.h).
 struct StageQueues {
-  SlotQueue misses, surfaces;                                       ///< from classify_hits
-  SlotQueue textured, diffuse, mirror, glass, emissive;             ///< from classify_surfaces
-  SlotQueue deferred;                                               ///< diffuse surfaces with deferred light
-  SlotQueue absorbing, vertexed, based, physical, bumped, blended;  ///< from classify_details
-  SlotQueue glowing, occluded;                                      ///< from classify_details
-  SlotQueue layers;                                                 ///< hits to test for holes
-  SlotQueue targets;                                                ///< slots of continuing rays
+  SlotQueue misses, surfaces;                            ///< filled by classify_hits
+  SlotQueue textured, diffuse, mirror, glass, emissive;  ///< filled by classify_surfaces
+  SlotQueue deferred;  ///< diffuse surfaces whose lighting must wait for other kernels
+  SlotQueue absorbing, vertexed, based, physical, bumped, blended;  ///< filled by classify_details
+  SlotQueue glowing, occluded;                                      ///< filled by classify_details
+  SlotQueue layers;                                                 ///< hits to be tested for transparency
+  SlotQueue targets;  ///< ray slots that receive the hits of continuing rays
   /// Empties all queues of surfaces.
   void clear_surfaces();
 };
 
-/// Surfaces hit by a wave, by ray slot.
+/// The surfaces that the rays of a wave hit, indexed by ray slot.
 struct HitSurfaces {
   std::vector<SurfacePointRecord<float>> points;
   std::vector<DiffuseRecord<float>> mattes;
@@ -60,53 +61,54 @@ struct HitSurfaces {
   std::vector<TangentRecord<float>> tangents;
 };
 
-/// Colours of samples, and records of their hits.
+/// Colours of a tile's samples, and records of their hits.
 struct SampleRecords {
   std::vector<ColourRecord<float>> colours;
   std::vector<GeometryRecord<float>> geometry;
   std::vector<SecondaryRecord<float>> secondary;
   std::vector<SurfaceRecord<float>> kept;
-  std::vector<ColourRecord<float>> globals;  ///< light of kept surfaces from reflection and refraction
+  std::vector<ColourRecord<float>> globals;  ///< light of samples from reflection and refraction
 };
 
-/// Checks of multirate and undersample.
+/// Results of the checks of multirate and undersample.
 struct CheckRecords {
-  std::vector<std::uint32_t> verdicts, identities;  ///< by sample
+  std::vector<std::uint32_t> verdicts, identities;  ///< words of the checks and of post-correction, indexed by sample
   SampleQueue samples;                              ///< samples to trace
   SampleQueue passed, failed;
 };
 
-/// Records of supersample.
+/// Records that supersample keeps of samples and sub-pixels.
 struct SubpixelRecords {
-  std::vector<TraitsRecord<float>> traits, secondary_traits;  ///< by sample
+  std::vector<TraitsRecord<float>> traits, secondary_traits;  ///< what is compared of first and secondary hits, indexed
+                                                              ///< by sample
   std::vector<BranchRecord<float>> branches;
-  std::vector<std::uint32_t> verdicts;  ///< by sub-pixel
+  std::vector<std::uint32_t> verdicts;  ///< indexed by sub-pixel
   std::vector<std::uint32_t> active, fills;
   PixelQueue masters;
   std::vector<SubpixelRecord<float>> states;  ///< states of sub-pixels between rounds of propagation
   std::vector<ColourRecord<float>> shown;     ///< colours of sub-pixels
 };
 
-/// Records for filters: those of reconstruct, and of effects with a lower rate.
+/// Records that filters read: those of reconstruct, and of effects at a lower rate.
 struct FilterRecords {
   std::vector<VisibleRecord<float>> visible;
-  std::vector<ColourRecord<float>> lights;  ///< unoccluded light of samples whose effects have a lower rate
-  std::vector<RatioRecord<float>> ratios;   ///< visible share of that light
+  std::vector<ColourRecord<float>> lights;  ///< light of samples as if nothing blocked it, for effects at a lower rate
+  std::vector<RatioRecord<float>> ratios;   ///< visible fraction of that light
 };
 
-/// Work of the rays of a pixel.
+/// Traversal work of the rays of one pixel.
 struct PixelWork {
-  std::uint32_t pixel = 0;  ///< index in the picture, row by row
+  std::uint32_t pixel = 0;  ///< index of the pixel in the picture, row by row
   std::uint32_t rays = 0, steps = 0, tests = 0;
 };
 
-/// Host-side data of a tile in progress.
+/// Data of a tile in progress that only the host needs.
 struct TileScratch {
-  std::vector<PixelWork> pixel_work;          ///< by sample, if counted
-  std::vector<std::uint32_t> record_writers;  ///< nodes that write records of samples
-  std::vector<std::uint32_t> colour_writers;  ///< nodes that add to colours
+  std::vector<PixelWork> pixel_work;          ///< work of each sample's rays, if it is counted
+  std::vector<std::uint32_t> record_writers;  ///< nodes of the work graph that write records of samples
+  std::vector<std::uint32_t> colour_writers;  ///< nodes of the work graph that add to samples' colours
   std::vector<traces::WorkNode> spare_nodes;
-  traces::Coverage coverage;  ///< coverage of a rasterised wave
+  traces::Coverage coverage;  ///< pixels covered by the triangles of a rasterised wave
 };
 
 /// Contents of the tile buffer while a tile is rendered. Arrays only grow, so that a reused buffer allocates nothing.
@@ -120,16 +122,16 @@ struct TileBuffer {
   FilterRecords filters;
   TileScratch scratch;
 
-  /// Makes room for a wave of `slots` rays.
+  /// Grows the arrays of a wave to `slots` ray slots.
   void reserve_wave(std::size_t slots);
   void reserve_details(std::size_t slots);
   void reserve_layers(std::size_t slots);
   void reserve_samples(std::size_t count);
-  /// Makes room for `pixels` pixels whose centres are among `centres` samples.
+  /// Grows the arrays of supersample to `pixels` pixels whose centres are among `centres` samples.
   void reserve_subpixels(std::size_t centres, std::size_t pixels);
-  /// Makes room for `count` samples of reconstruct; at most `pixels` of them are queued.
+  /// Grows the arrays of reconstruct to `count` samples, of which at most `pixels` are queued.
   void reserve_visible(std::size_t count, std::size_t pixels);
-  /// Makes room for `count` samples with effects at a lower rate, and `light_count` lights.
+  /// Grows the arrays of effects at a lower rate to `count` samples and `light_count` lights.
   void reserve_rated(std::size_t count, std::size_t light_count);
 };
 

@@ -11,8 +11,8 @@
 
 namespace kernels {
 
-/// Builds a tile's graph of work. It reuses the storage of the previous contents; unused nodes are kept in `spare`. A
-/// builder that does not record does nothing.
+/// Builds a tile's graph of work, node by node. It reuses the storage of the previous contents and keeps unused nodes
+/// in `spare`. A builder that does not record does nothing.
 class StreamBuilder {
  public:
   using Node = std::uint32_t;
@@ -20,27 +20,28 @@ class StreamBuilder {
 
   StreamBuilder(traces::TileWork& work, std::vector<traces::WorkNode>& spare, bool on);
   bool is_on() const { return on_ && !muted_; }
-  /// A muted builder records nothing until it is unmuted.
+  /// While the builder is muted, it records nothing.
   void set_muted(bool muted) { muted_ = muted; }
   bool is_muted() const { return muted_; }
 
-  /// Adds a launch. `idle` is the number of inactive iterations after its items.
+  /// Adds the launch of a kernel. `idle` is the number of inactive iterations after its items.
   Node add_launch(traces::KernelId kernel, std::uint32_t items, bool has_accesses, std::uint32_t idle = 0);
-  /// Begins the next item of the last launch; for launches with accesses.
+  /// Begins the next item of the last launch, for launches that list memory accesses.
   void begin_item() { work_.access_begin.push_back(static_cast<std::uint32_t>(work_.accesses.size())); }
-  /// Records that the last launch made a ray from `item`.
+  /// Records that `item` of the last launch emitted a ray.
   void add_source(std::uint32_t item) { work_.sources.push_back(item); }
-  /// Adds rays made by `launch`: one per item, or, if `is_mapped`, one per source added since that launch.
+  /// Adds a batch of rays that `launch` emitted: one per item, or, if `is_mapped`, one per source added since that
+  /// launch.
   Node add_rays(traces::RayKind kind, std::uint32_t count, std::uint32_t first, Node launch, bool is_mapped);
   Node add_transfer(traces::Region region, bool to_memory, std::uint64_t offset, std::uint32_t bytes);
-  /// Adds the rasterised primary hits of `count` samples, whose rays `launch` made. Uses the last entry of the work's
+  /// Adds the rasterisation of `count` samples, whose rays `launch` generated. Uses the last entry of the work's
   /// `raster`.
   Node add_raster(std::uint32_t count, Node launch);
-  /// Adds the binning of triangles. Uses the last entry of the work's `raster`.
+  /// Adds the binning of triangles to screen regions. Uses the last entry of the work's `raster`.
   Node add_bin(std::uint32_t triangles);
-  /// Adds a transfer of samples that completes border `number` of the tile.
+  /// Adds a transfer of samples to memory, which completes border `number` of the tile.
   Node export_border(std::uint32_t number, std::uint64_t offset, std::uint32_t bytes);
-  /// Adds a transfer of samples that waits for another tile's border.
+  /// Adds a transfer of samples from memory, which waits for another tile's border.
   Node import_border(traces::Border border, std::uint64_t offset, std::uint32_t bytes);
   void add_wait(Node node, Node for_node, traces::Edge::Kind kind);
   void finish();
@@ -53,10 +54,10 @@ class StreamBuilder {
   bool on_;
   bool muted_ = false;
   Node count_ = 0;
-  std::uint32_t launch_sources_ = 0;  ///< first source of the last launch
+  std::uint32_t launch_sources_ = 0;  ///< index of the first source of the last launch
 };
 
-/// Runs kernels on a tile's buffer, and records each launch and transfer as a node of the tile's work with the nodes
+/// Runs kernels on the buffer of a tile. Each launch and transfer becomes a node of the tile's work, with the nodes
 /// that it waits for.
 class TileGraph {
  public:
@@ -66,8 +67,8 @@ class TileGraph {
   TileGraph(const SceneTables& scene, bool record, TileResult& out);
 
   /// Runs kernel K over `items` items and records the launch. Unbound ports are bound by name, and the queues that K
-  /// fills get their lengths. `lanes`: items of the inspector's queue; divergent kernels (RenderConfig::streams) run
-  /// over all of them. `padding`: empty entries of K's queue.
+  /// fills get their lengths. `lanes` is the number of items of the classifying kernel's queue; divergent kernels
+  /// (RenderConfig::streams) run over all of them. `padding` is the number of empty entries in K's queue.
   template <class K>
   Node launch(typename K::template Ports<float>& ports, std::uint32_t items, std::uint32_t lanes = 0,
               std::uint32_t padding = 0);
@@ -76,7 +77,7 @@ class TileGraph {
     typename K::template Ports<float> ports;
     return launch<K>(ports, items, lanes);
   }
-  /// Records a launch, without memory accesses, whose results are already known.
+  /// Records a launch of kernel K, without memory accesses, whose results the host already has.
   template <class K>
   Node record_known(std::uint32_t items) {
     return stream_.add_launch(kKernelId<K>, items, false);
@@ -84,12 +85,12 @@ class TileGraph {
 
   void wait_all(Node node, Node for_node) { stream_.add_wait(node, for_node, traces::Edge::Kind::kAll); }
   void wait_each(Node node, Node for_node) { stream_.add_wait(node, for_node, traces::Edge::Kind::kEach); }
-  /// Make `node` wait for all nodes so far that add to samples' colours, or that write samples' records.
+  /// Makes `node` wait for all earlier nodes that add to samples' colours, or that write samples' records.
   void wait_for_colours(Node node);
   void wait_for_records(Node node);
   void register_colour_writer(Node node) { scratch_.colour_writers.push_back(node); }
   void register_record_writer(Node node) { scratch_.record_writers.push_back(node); }
-  /// Replaces all colour writers so far by `node`, which has waited for them.
+  /// Makes `node` the only node to wait for before colours are read. It must have waited for all earlier ones.
   void replace_colour_writers(Node node) { scratch_.colour_writers.assign(1, node); }
 
   Node add_transfer(traces::Region region, bool to_memory, std::uint64_t offset, std::uint32_t bytes) {
@@ -101,19 +102,19 @@ class TileGraph {
   Node import_border(traces::Border border, std::uint64_t offset, std::uint32_t bytes) {
     return stream_.import_border(border, offset, bytes);
   }
-  /// Exports samples after all writers of their records and colours so far.
+  /// Adds a transfer of border `number` to memory, after all earlier nodes that write records and colours.
   void export_samples(std::uint32_t number, std::uint64_t offset, std::uint32_t bytes);
-  /// Imports samples; the transfer counts as a writer of records and colours.
+  /// Adds a transfer of another tile's border from memory, which counts as a writer of records and colours.
   void import_samples(traces::Border border, std::uint64_t offset, std::uint32_t bytes);
 
-  /// Encodes the tile's pixels after `averaged`, and writes them to byte `offset` of the picture.
+  /// Encodes the tile's pixels after node `averaged`, and writes them to byte `offset` of the picture.
   void write_pixels(Node averaged, std::uint64_t offset);
-  /// Writes the pixels that `packed` encoded.
+  /// Writes pixels that node `packed` has encoded to byte `offset` of the picture.
   void write_packed(Node packed, std::uint64_t offset);
-  /// Writes pixels that the DMA encodes; returns the transfer.
+  /// Writes linear pixels, which the DMA encodes, to byte `offset` of the picture. Returns the transfer.
   Node write_linear(std::uint64_t offset);
 
-  /// While muted, kernels run but nothing is recorded, because the work belongs to another tile.
+  /// Stops recording: kernels still run on the host, but their work belongs to another tile.
   void pause_recording() { stream_.set_muted(true); }
   void resume_recording() { stream_.set_muted(false); }
   bool is_muted() const { return stream_.is_muted(); }
@@ -139,7 +140,7 @@ TileGraph::Node TileGraph::launch(typename K::template Ports<float>& ports, std:
   const std::uint32_t idle = scene_.diverges && lanes > items ? lanes - items : padding;
   const Node node = stream_.add_launch(kKernelId<K>, items, kReads, idle);
   bind_ports<K>(ports, out_, scene_, access_log());
-  typename K::template Ports<float> at = ports;  // local copy so that the compiler keeps it in registers
+  typename K::template Ports<float> at = ports;  // a local copy, so that the compiler keeps it in registers
   if (!stream_.is_on()) {
     for (std::uint32_t i = 0; i < items; ++i) K::template body<float>(i, at);
   } else {

@@ -17,13 +17,13 @@ namespace kernels {
 
 using traces::kPixelBytes;
 
-/// A sample for post-correction.
+/// A sample as post-correction stores it.
 struct ShownSample {
   std::uint32_t identity = 0;
   glm::vec3 colour{};
 };
 
-/// A sub-pixel for later rounds of propagation.
+/// A sub-pixel as supersample stores it for later rounds of propagation.
 struct ShownSubpixel {
   std::uint32_t x = 0, y = 0;  ///< position in the picture's grid of sub-pixels
   SubpixelRecord<float> state{};
@@ -31,54 +31,59 @@ struct ShownSubpixel {
   bool is_background = false;  ///< the sample at its pixel's centre hit nothing
 };
 
-/// Result of one tile.
+/// Everything that a frame program returns for one entry of its list.
 struct TileResult {
-  /// If not null, makes the work of primary waves instead of rays (geometry_pass.h).
+  /// If not null, the rasteriser that finds primary hits, so that their work is recorded as rasterisation
+  /// (geometry_pass.h).
   const traces::Rasteriser* rasteriser = nullptr;
   std::uint32_t tile = 0;
-  std::uint32_t x = 0, y = 0, width = 0, height = 0;  ///< in pixels
-  std::vector<glm::vec3> linear;                      ///< per pixel, row by row: linear RGB in [0, 1]
-  std::vector<std::uint32_t> packed;                  ///< per pixel: as in the frame buffer, R in the lowest byte
+  std::uint32_t x = 0, y = 0, width = 0, height = 0;  ///< rectangle of the picture, in pixels
+  std::vector<glm::vec3> linear;                      ///< for each pixel, row by row: linear RGB in [0, 1]
+  std::vector<std::uint32_t> packed;  ///< for each pixel, the word of the frame buffer, R in the lowest byte
   std::array<std::uint64_t, static_cast<std::size_t>(traces::RayKind::kCount)> rays{};
-  std::uint64_t continued = 0;  ///< rays that continued after a surface that was not solid; also counted above
+  std::uint64_t continued = 0;  ///< rays that continued after a transparent surface; also included in the counts above
   Sampling sampling;
-  std::vector<SampleMark> marks;          ///< of adaptive sampling: per sample or pixel of the tile, row by row
-  std::vector<ShownSample> shown;         ///< the tile's samples, row by row, if a later pass needs them
-  std::vector<ShownSubpixel> subpixels;   ///< all sub-pixels of the tile, or those that a round made active
-  std::vector<std::uint32_t> corrected;   ///< pixels of the picture whose new colours a round stored in `linear`
+  std::vector<SampleMark> marks;   ///< debug marks of adaptive sampling: for each sample or pixel of the tile, row by
+                                   ///< row
+  std::vector<ShownSample> shown;  ///< the tile's samples, row by row, if a later pass needs them
+  std::vector<ShownSubpixel> subpixels;   ///< all sub-pixels of the tile, or those that a round of propagation made
+                                          ///< active
+  std::vector<std::uint32_t> corrected;   ///< indices in the picture of the pixels whose new colours a round stored in
+                                          ///< `linear`
   std::vector<std::uint32_t> background;  ///< samples whose primary ray hit nothing, in the order traced
-  std::uint64_t traversal_steps = 0;      ///< node visits and triangle tests, counted from the walks; 0 if not recorded
-  std::uint64_t triangle_tests = 0;       ///< triangle tests among these steps
-  bool wants_pixel_work = false;          ///< set before rendering: fill `pixel_work`
+  std::uint64_t traversal_steps = 0;      ///< node visits and triangle tests, counted from the rays' walks; 0 if not
+                                          ///< recorded
+  std::uint64_t triangle_tests = 0;       ///< triangle tests among `traversal_steps`
+  bool wants_pixel_work = false;          ///< set before rendering to fill `pixel_work`
   std::vector<PixelWork> pixel_work;      ///< a pixel may have several entries, and may belong to a neighbour
-  traces::TileWork work;                  ///< filled if recorded
+  traces::TileWork work;                  ///< the graph of work, if it is recorded
   TileBuffer buffer;
-  /// Returns a sample's colour as used for averaging.
+  /// Returns a sample's colour as it enters the mean of its pixel.
   glm::vec3 averaged_colour(std::uint32_t sample) const;
 };
 
-/// Items of a kernel, including idle ones.
+/// How many items a kernel has run over, including idle ones.
 struct KernelItems {
   traces::KernelId kernel = 0;
   std::uint32_t items = 0;
 };
 
-/// Counts of an entry of the tile list, independent of any machine.
+/// Work of one entry of the tile list, in counts that do not depend on a machine.
 struct TileSummary {
   std::uint32_t tile = 0;
-  std::uint32_t x = 0, y = 0, width = 0, height = 0;  ///< in pixels, as set by the frame program
+  std::uint32_t x = 0, y = 0, width = 0, height = 0;  ///< rectangle of the picture, in pixels
   bool begins_pass = false;                           ///< the entry waits for all earlier ones
   std::array<std::uint64_t, static_cast<std::size_t>(traces::RayKind::kCount)> rays{};
   std::uint64_t steps = 0, tests = 0;  ///< canonical steps (node visits and triangle tests), and triangle tests alone
-  std::uint64_t accesses = 0;          ///< accesses of kernels to records and texels
-  std::uint64_t transfer_bytes = 0;    ///< between tile buffer and memory
-  std::uint64_t kernels = 0;           ///< end of its part of TileSummaries::kernels
+  std::uint64_t accesses = 0;          ///< number of records and texels that kernels read through the data cache
+  std::uint64_t transfer_bytes = 0;    ///< bytes moved between tile buffer and memory
+  std::uint64_t kernels = 0;           ///< index in TileSummaries::kernels after the last entry of this tile
 };
 
-/// The summaries of a frame, in list order.
+/// The summaries of all entries of a frame, in list order.
 struct TileSummaries {
   std::vector<TileSummary> tiles;
-  std::vector<KernelItems> kernels;  ///< of all tiles, one after the other
+  std::vector<KernelItems> kernels;  ///< counts of all tiles, one tile after the other
   void add(const TileResult& tile);
 };
 

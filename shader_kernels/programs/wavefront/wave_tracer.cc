@@ -12,8 +12,8 @@ using traces::RayKind;
 
 namespace {
 
-/// Light below this share of min_weight is dropped: by default one step of a dark 8-bit sRGB channel. Paths are dropped
-/// earlier, because a sample has few paths, but a picture may have many dark surfaces.
+/// Light below this fraction of min_weight is dropped. By default it is one step of a dark 8-bit sRGB channel. Paths
+/// are dropped earlier, because a sample has few paths, but a picture may have many dark surfaces.
 constexpr float kLeastLight = 0x1p-5F;
 
 }  // namespace
@@ -40,7 +40,7 @@ TracedBatch WaveTracer::trace(RayKind kind, RaySlots& slots, std::uint32_t first
 TracedBatch WaveTracer::find_primary_hits(std::uint32_t count, Node maker) {
   RaySlots& wave = buffer_.rays.wave;
   if (out_.rasteriser == nullptr) return trace(RayKind::kPrimary, wave, 0, count, maker, false);
-  // The hits come from the tracer in both cases; the recorded work is the rasteriser's.
+  // The tracer finds the hits in both cases. The recorded work is that of the rasteriser.
   tracer_.trace({wave.rays.data(), count}, RayKind::kPrimary, {wave.hits.data(), count}, nullptr);
   TracedBatch batch;
   if (graph_.is_recording()) {
@@ -65,11 +65,11 @@ WaveTracer::Node WaveTracer::trace_once(RayKind kind, RaySlots& slots, std::uint
   return node;
 }
 
-/// Counts the steps of the last rays, for the tile and for their samples.
+/// Counts the traversal steps of the last rays, for the tile and for their samples.
 void WaveTracer::count_walks(std::size_t first_ray, std::span<const PathRecord<float>> paths) {
   const std::span walk(out_.work.walk);
   const std::vector<std::uint32_t>& begin = out_.work.ray_begin;
-  if (first_ray == begin.size()) return;  // the tracer records no walks
+  if (first_ray == begin.size()) return;  // the tracer has recorded no walks
   if (!counts_pixels()) {
     const traces::WalkSteps steps = traces::count_steps(walk.subspan(begin[first_ray]));
     out_.traversal_steps += steps.all();
@@ -88,7 +88,7 @@ void WaveTracer::count_walks(std::size_t first_ray, std::span<const PathRecord<f
   }
 }
 
-/// Numbers of samples are reused by samples of other pixels.
+/// Sample numbers are reused by samples of other pixels.
 void WaveTracer::place(std::uint32_t sample, std::uint32_t x, std::uint32_t y) {
   std::vector<PixelWork>& all = buffer_.scratch.pixel_work;
   if (all.size() <= sample) all.resize(std::size_t{sample} + 1);
@@ -102,8 +102,8 @@ void WaveTracer::finish() {
                        [](const PixelWork& work) { return work.rays != 0; });
 }
 
-/// Continues rays whose hit is a hole or lets light pass. They become rays of their own, made from the original ray and
-/// hit, and their hits replace the original's. Returns the last launch that wrote hits, or kNone if nothing was tested.
+/// Continues rays whose hit is a hole or lets light pass. New rays are made from the original ray and hit, and their
+/// hits replace the original ones. Returns the last launch that wrote hits, or kNone if nothing was tested.
 WaveTracer::Node WaveTracer::continue_through_layers(RayKind kind, RaySlots& slots, std::uint32_t first,
                                                      std::uint32_t count, Node batch) {
   const std::uint32_t solid = kind == RayKind::kShadow ? scene_.solid_shadow : kSolidNearest;

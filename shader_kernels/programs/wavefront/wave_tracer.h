@@ -24,23 +24,23 @@ class WaveTracer {
 
   WaveTracer(const SceneTables& scene, const traces::Tracer& tracer, TileGraph& graph, TileResult& out);
 
-  /// Traces the rays of `count` slots from `first`, emitted by `maker`. `is_mapped`: only some of its items emitted
-  /// rays.
+  /// Traces the rays in `count` slots from `first`, which launch `maker` emitted. `is_mapped` means that only some of
+  /// its items emitted rays.
   TracedBatch trace(traces::RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count, Node maker,
                     bool is_mapped);
-  /// Finds the hits of a wave's primary rays. If the frame has a rasteriser, the recorded work is that of the
-  /// rasteriser.
+  /// Finds the hits of a wave's primary rays, which launch `maker` generated. If the frame has a rasteriser,
+  /// rasterisation is recorded instead of rays.
   TracedBatch find_primary_hits(std::uint32_t count, Node maker);
 
-  /// True if the work of each pixel's rays is counted; programs must then call place().
+  /// True if the work of each pixel's rays is counted. Programs must then call place().
   bool counts_pixels() const { return out_.wants_pixel_work && graph_.is_recording(); }
-  /// Assigns the sample of a primary ray of the first wave to pixel (x, y).
+  /// Records that the sample of a primary ray of the first wave belongs to pixel (x, y).
   void place_ray(std::uint32_t ray, std::uint32_t x, std::uint32_t y) {
     place(buffer_.rays.wave.paths[ray].sample, x, y);
   }
-  /// Assigns a sample to pixel (x, y).
+  /// Records that a sample belongs to pixel (x, y), for counting its work.
   void place(std::uint32_t sample, std::uint32_t x, std::uint32_t y);
-  /// Moves the counted work of all pixels to the result.
+  /// Moves the work counted for all pixels to the result.
   void finish();
 
  private:

@@ -15,7 +15,7 @@ namespace {
 
 using Q = StageQueues;
 
-// Tables of the surface stages, which fetch the surfaces of a bounce and sort them into queues by class.
+// Tables of the surface stages, which fetch the surfaces of a bounce and sort them into queues by material class.
 
 constexpr auto kSeparate = std::to_array<WaveStage>({
     {&Q::surfaces, by_surfaces<ShadeSurface>, Waits::kBounce, kFetches},
@@ -34,7 +34,7 @@ constexpr auto kSeparateDetailed = std::to_array<WaveStage>({
     {&Q::surfaces, launch<ClassifySurfaces>, Waits::kInspector, kFillsQueues | kEndsSurfaces},
 });
 
-/// Precedes the lit stage in scenes with details.
+/// Stages for texture details, which run before the fused stage that lights surfaces.
 constexpr auto kFusedDetails = std::to_array<WaveStage>({
     {&Q::surfaces, by_surfaces<FetchSurface>, Waits::kBounce, kFillsQueues},
     {&Q::absorbing, launch<Absorb>, Waits::kBounce, kFillsQueues},
@@ -45,7 +45,7 @@ constexpr auto kFusedDetails = std::to_array<WaveStage>({
     {&Q::blended, launch<ShadeBlend>, Waits::kBounce, kFillsQueues},
 });
 
-/// Fused stage that also adds ambient light and the first light, for scenes without and with details.
+/// Fused stage that also adds ambient light and the first light, for scenes without and with texture details.
 struct LitStage {
   WaveStage plain, detailed;
 };
@@ -66,7 +66,7 @@ constexpr LitStage kLitOcclusion =
 
 constexpr WaveStage kReducedRate{&Q::surfaces, by_surfaces<FetchVisible>, Waits::kBounce, kFillsQueues | kRecordsHits};
 
-// Stages that shade sorted surfaces.
+// Stages that shade the sorted surfaces.
 
 constexpr WaveStage kBackground{&Q::misses, launch<ShadeBackground>, Waits::kBounce, kAddsColours};
 constexpr WaveStage kTextures{&Q::textured, by_mips<ShadeTextured>, Waits::kInspector, kBaseColours};
@@ -83,13 +83,13 @@ constexpr WaveStage kOpenLight{&Q::diffuse, launch<ShadeOpen>, Waits::kBounce, k
 constexpr WaveStage kHardShadows{&Q::diffuse, launch<ShadeDiffuse>, Waits::kBounce, kCastsRays};
 constexpr WaveStage kSoftShadows{&Q::diffuse, launch<ShadeSoft>, Waits::kBounce, kCastsRays};
 
-// Stages of interpolated surfaces, whose shadows are known.
+// Stages for interpolated surfaces, whose shadows are already known.
 
 constexpr WaveStage kSortInterpolated{&Q::surfaces, launch<ClassifySurfaces>, Waits::kInspector, kFillsQueues};
 constexpr WaveStage kFindOcclusionTextures{&Q::surfaces, launch<ClassifyOccluded>, Waits::kInspector, kFillsQueues};
 constexpr WaveStage kKnownShadows{&Q::diffuse, launch<ShadeVisible>, Waits::kBounce, kAddsColours};
 
-// Rays of the next wave.
+// Stages that emit the rays of the next wave.
 
 constexpr auto kSpawn = std::to_array<SpawnStage>({
     {&Q::blended, launch<ShadeStraight>, RayKind::kRefraction, &WaveBounce::straight, std::nullopt},
@@ -97,10 +97,10 @@ constexpr auto kSpawn = std::to_array<SpawnStage>({
     {&Q::glass, launch<ShadeGlass>, RayKind::kRefraction, &WaveBounce::refracted, Effect::kRefractions},
 });
 
-// Records of a sample's hits and shadow rays.
+// Stages that record a sample's hits and shadow rays.
 
-/// Keeps the hit of the branch with the greatest weight in the pixel. All rays are compared first, because that branch
-/// may hit nothing.
+/// Records the secondary hit whose ray has the largest weight in the pixel. All rays are compared first, because that
+/// ray may hit nothing.
 template <bool kInstanced>
 Launched record_branch(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
   const Node weighed = wave.graph.launch<WeighBranch>(bounce.rays);
@@ -127,20 +127,20 @@ constexpr RecordStages kVisibleRecords{launch<RecordVisible>, launch<RecordVisib
 constexpr RecordStages kVisibleBranchRecords{launch<RecordBranchVisible>, launch<RecordVisibleShadow>,
                                              launch<CombineRecordVisibleShadow>};
 
-/// Returns a hash of the bounce, whose two lowest bits are 0.
+/// Returns a hash of the number of the bounce. Its two lowest bits are 0.
 std::uint32_t bounce_hash(std::uint32_t depth) { return depth * 0x9e3779b9U; }
 
-/// Distinguishes the seeds of occlusion rays from those of soft shadows.
+/// A number that makes the seeds of occlusion rays differ from those of soft shadows.
 constexpr std::uint32_t kAmbientSeed = 0x9e3779b9U;
 
-/// Returns point n of `count` points that cover the unit square evenly (Hammersley).
+/// Returns point `n` of a set of `count` points that cover the unit square evenly (Hammersley).
 DrawUniforms<float> hammersley_point(std::uint32_t n, std::uint32_t count, std::uint32_t seed) {
   std::uint32_t mirrored = 0;
   for (std::uint32_t bit = 0; bit < 32; ++bit) mirrored |= (n >> bit & 1U) << (31 - bit);
   return {(static_cast<float>(n) + 0.5F) / static_cast<float>(count), unit_float<float>(mirrored), seed};
 }
 
-/// Assigns the primary rays of listed samples to their pixels.
+/// Records to which pixels the primary rays of listed samples belong.
 void place_listed(WaveTracer& tracer, const GridUniforms<float>& grid, const SampleQueue& list, std::uint32_t items) {
   if (!tracer.counts_pixels()) return;
   const auto pitch = static_cast<std::uint32_t>(grid.pitch), side = static_cast<std::uint32_t>(grid.grid);
@@ -232,15 +232,15 @@ void Wavefront::classify_hits(WaveBounce& bounce) {
   }
 }
 
-/// Fetches the bounce's surfaces and sorts them, with the stages for the scene and the bounce.
+/// Fetches the surfaces of a bounce and sorts them, with the stages that the scene and the bounce need.
 void Wavefront::shade_surfaces(WaveBounce& bounce) {
   const SceneTables& scene = wave_.scene;
   const RetainedRecords& kept = wave_.retained;
   TileBuffer& buffer = wave_.buffer;
   buffer.queues.clear_surfaces();
   if (scene.has_details) buffer.reserve_details(bounce.rays);
-  // Surfaces are not lit at once if a sample has two rays in the wave and light may be deferred, because lights would
-  // be added in another order.
+  // Surfaces are not lit immediately if a sample has two rays in the wave and light may be deferred, because the lights
+  // would be added in another order.
   const bool has_light = !scene.lights.empty() || scene.occlusion_rays != 0;
   const bool is_lit =
       is_shaded() && scene.fuses && has_light && !is_rated(bounce) && (bounce.is_single || !scene.has_deferred);
@@ -271,7 +271,7 @@ void Wavefront::run_stages(std::span<const WaveStage> stages, WaveBounce& bounce
   for (const WaveStage& stage : stages) run_stage(stage, bounce, wave_.buffer.queues.*stage.queue);
 }
 
-/// Launches a stage on a queue, traces its rays, if any, and adds their light.
+/// Launches a stage on a queue. Traces the rays that it emits and adds their light.
 void Wavefront::run_stage(const WaveStage& stage, WaveBounce& bounce, SlotQueue& queue, std::uint32_t light,
                           std::uint32_t ray) {
   if (queue.items == 0) return;
@@ -305,12 +305,12 @@ void Wavefront::run_stage(const WaveStage& stage, WaveBounce& bounce, SlotQueue&
 
 void Wavefront::wait_for_bounce(Node node, const WaveBounce& bounce) {
   graph_.wait_all(node, bounce.colours != kNone ? bounce.colours : bounce.inspector);
-  // The rays are already traced; these edges keep their slots reserved.
+  // The rays are already traced. These edges keep their slots reserved.
   for (const TracedBatch& batch : bounce.batches) graph_.wait_all(node, batch.rays);
   if (bounce.depth > 1) graph_.wait_all(node, bounce.after);
 }
 
-/// Waits item by item, unless rays continued through layers.
+/// Makes `node` wait for a batch of rays: item by item, unless rays continued after transparent surfaces.
 void Wavefront::wait_for_batch(Node node, const TracedBatch& batch) {
   if (batch.settled == kNone) {
     graph_.wait_each(node, batch.rays);
@@ -320,7 +320,7 @@ void Wavefront::wait_for_batch(Node node, const TracedBatch& batch) {
   }
 }
 
-/// Adds ambient light and all lights to diffuse surfaces. Surfaces of a lit stage already have ambient light and the
+/// Adds ambient light and all lights to diffuse surfaces. Surfaces of a fused stage already have ambient light and the
 /// first light, or the first occlusion ray.
 void Wavefront::shade_local(WaveBounce& bounce) {
   const SceneTables& scene = wave_.scene;
@@ -331,7 +331,7 @@ void Wavefront::shade_local(WaveBounce& bounce) {
   const auto lights = static_cast<std::uint32_t>(scene.lights.size());
   const bool has_occlusion_rays = scene.occlusion_rays != 0;
   const bool is_fused = scene.lights_as_usual() && scene.fuses && lights != 0 && queues.occluded.items == 0;
-  // Surfaces that are lit at once had no colour before.
+  // Surfaces that were lit immediately had no colour before.
   if (keeps_local && first.items != 0) bounce.colours = record_local<false>(bounce, first);
   if (has_occlusion_rays) {
     run_stage(kOcclusionRays, bounce, first);
@@ -355,7 +355,7 @@ void Wavefront::shade_local(WaveBounce& bounce) {
   if (keeps_local) bounce.after = record_local<true>(bounce, queues.diffuse);
 }
 
-/// Adds one light to the surfaces of a queue: rays [first_ray, end_ray) of each, or all.
+/// Adds one light to the surfaces of a queue, with rays [first_ray, end_ray) of each surface, or all rays.
 void Wavefront::shade_light(WaveBounce& bounce, std::uint32_t light, SlotQueue& queue, std::uint32_t first_ray,
                             std::uint32_t end_ray) {
   const SceneTables& scene = wave_.scene;
@@ -365,7 +365,7 @@ void Wavefront::shade_light(WaveBounce& bounce, std::uint32_t light, SlotQueue& 
   }
 }
 
-/// Adds the light of shadow rays to their samples, and blocked rays to the samples' records.
+/// Adds the light of shadow rays to their samples, and records which rays were blocked.
 void Wavefront::combine_shadows(const WaveBounce& bounce, std::uint32_t light, const TracedBatch& batch,
                                 std::uint32_t rays, bool is_recorded) {
   const StageInput in{.items = rays, .lanes = bounce.lanes, .light = light};
@@ -385,8 +385,8 @@ void Wavefront::combine_shadows(const WaveBounce& bounce, std::uint32_t light, c
   if (kept != nullptr) combine(kept->shadows, false, true);
 }
 
-/// Lights first hits in frames with effects at a lower rate. Samples keep the unoccluded light; some of them find the
-/// visible ratio by rays.
+/// Lights first hits in frames with effects at a lower rate. Samples store the light as if nothing blocked it; some of
+/// them find the visible fraction with rays.
 void Wavefront::shade_rated(WaveBounce& bounce) {
   const SceneTables& scene = wave_.scene;
   TileBuffer& buffer = wave_.buffer;
@@ -439,7 +439,7 @@ void Wavefront::shade_rated(WaveBounce& bounce) {
   }
 }
 
-/// Casts rays from the selected samples, and adds their share of the light to the samples' ratios.
+/// Emits rays from the selected samples, and adds their results to the samples' visible fractions.
 void Wavefront::launch_visibility_ratio(const WaveBounce& bounce, Launch cast, StageInput in, Node selected,
                                         float share, std::uint32_t layer) {
   TileBuffer& buffer = wave_.buffer;
@@ -462,7 +462,7 @@ void Wavefront::launch_visibility_ratio(const WaveBounce& bounce, Launch cast, S
   graph_.register_record_writer(combined);
 }
 
-/// Returns the kernels that record the bounce's hits; null if samples keep none.
+/// Returns the kernels that record the hits of a bounce, or null if the samples keep no records.
 const RecordStages* Wavefront::record_stages(const WaveBounce& bounce) const {
   const RetainedRecords& kept = wave_.retained;
   if (kept.visible.are_kept) {
@@ -487,7 +487,7 @@ void Wavefront::record_hits(WaveBounce& bounce) {
   graph_.register_record_writer(bounce.recorded);
 }
 
-/// Records samples' colours before or after local shading. Later bounces wait for the launch after it.
+/// Records the colours of samples before or after local lights are added. Later bounces wait for the launch after it.
 template <bool kAfter>
 Node Wavefront::record_local(const WaveBounce& bounce, SlotQueue& queue) {
   const StageInput in{.entries = queue.entries.data(), .items = queue.items, .lanes = bounce.lanes};
@@ -529,7 +529,7 @@ WaveBounce Wavefront::spawn_secondary_rays(const WaveBounce& bounce) {
   return next;
 }
 
-/// Gives the last rays of the next wave, emitted by `maker`, samples of their own.
+/// Gives the last `rays` rays of the next wave, which launch `maker` emitted, samples of their own.
 void Wavefront::begin_branch(WaveBounce& next, std::uint32_t rays, std::uint32_t apart, Node maker) {
   BeginBranch::Ports<float> ports;
   ports.next_paths.bind(wave_.buffer.rays.next_wave.paths.data() + next.rays);

@@ -31,24 +31,25 @@ class Wavefront {
 
   TileGraph& tile_graph() { return graph_; }
   WaveTracer& wave_tracer() { return tracer_; }
-  /// Sets the ray cone for all later rays.
+  /// Sets the ray cone that all later rays of the tile have.
   void set_cone(const ConeUniforms<float>& cone) { wave_.cone = cone; }
 
-  /// Emits primary rays of the samples in `list`, which `lister` filled, and clears the records selected by `retained`;
-  /// sets the clearing nodes in `retained`. `ports` has camera and grid.
+  /// Generates the primary rays of the samples in `list`, which launch `lister` filled, and clears the records selected
+  /// by `retained`. Stores the clearing nodes in `retained`. `ports` must have camera and grid.
   Node generate_listed(GenerateListedRays::Ports<float>& ports, SampleQueue& list, Node lister, std::uint32_t items,
                        RetainedRecords& retained, std::uint32_t lanes = 0);
-  /// Traces and shades the primary rays that `maker` wrote to the first wave, one per item, and all later bounces.
-  /// `lanes` and `padding` are those of TileGraph::launch().
+  /// Traces and shades primary rays and all later bounces. Launch `maker` wrote the primary rays to the first wave, one
+  /// per item. `lanes` and `padding` are those of TileGraph::launch().
   void run(Node maker, std::uint32_t rays, const RetainedRecords& retained = {}, std::uint32_t lanes = 0,
            std::uint32_t padding = 0);
-  /// Interpolates surfaces of samples that passed in `checked`, and adds their local light, whose shadows are known.
+  /// Interpolates the surfaces of samples that passed the launch `checked`, and adds their local light with the known
+  /// shadows.
   template <bool kAlongY>
   void shade_interpolated(const LineUniforms<float>& line, std::uint32_t items, std::uint32_t lanes, Node checked);
   void finish();
 
  private:
-  // Stages.
+  // Stages that fetch and classify surfaces.
   void classify_hits(WaveBounce& bounce);
   void shade_surfaces(WaveBounce& bounce);
   void run_stage(const WaveStage& stage, WaveBounce& bounce, SlotQueue& queue, std::uint32_t light = 0,
@@ -57,7 +58,7 @@ class Wavefront {
   void wait_for_bounce(Node node, const WaveBounce& bounce);
   void wait_for_batch(Node node, const TracedBatch& batch);
 
-  // Light.
+  // Stages that add light.
   void shade_local(WaveBounce& bounce);
   void shade_light(WaveBounce& bounce, std::uint32_t light, SlotQueue& queue, std::uint32_t first_ray = 0,
                    std::uint32_t end_ray = ~0U);
@@ -67,20 +68,20 @@ class Wavefront {
     return bounce.has_lit ? wave_.buffer.queues.deferred : wave_.buffer.queues.diffuse;
   }
 
-  // Effects at a reduced rate.
+  // Stages of effects at a reduced rate.
   bool is_rated(const WaveBounce& bounce) const { return wave_.retained.rated.are_rated && bounce.depth == 1; }
   void shade_rated(WaveBounce& bounce);
   void launch_visibility_ratio(const WaveBounce& bounce, Launch cast, StageInput in, Node selected, float share,
                                std::uint32_t layer);
 
-  // Records of samples.
+  // Stages that record what samples keep.
   bool is_shaded() const { return !wave_.retained.visible.are_kept || wave_.retained.visible.are_shaded; }
   const RecordStages* record_stages(const WaveBounce& bounce) const;
   void record_hits(WaveBounce& bounce);
   template <bool kAfter>
   Node record_local(const WaveBounce& bounce, SlotQueue& queue);
 
-  // Next wave.
+  // Stages that emit the next wave.
   WaveBounce spawn_secondary_rays(const WaveBounce& bounce);
   void begin_branch(WaveBounce& next, std::uint32_t rays, std::uint32_t apart, Node maker);
 
