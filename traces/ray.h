@@ -43,9 +43,9 @@ struct Hit {
   bool is_flagged() const { return triangle > kTriangleMask && is_hit(); }
 };
 
-// In a two-level memory image a hit also names its instance, within the same four words: the upper kWeightBits bits of
-// `u` and `v` are fixed-point weights (kWeightOne is 1), the lower bits each hold half of the instance's number. The
-// resolution of a weight equals that of a float near 1/4.
+// In a two-level memory image a hit also names its instance, within the same four words. The upper kWeightBits bits of
+// `u` and `v` are fixed-point weights (kWeightOne is 1), and the lower bits of each contain half of the instance's
+// number. The resolution of a weight equals that of a float near 1/4.
 inline constexpr std::uint32_t kWeightBits = 22, kHalfBits = 32 - kWeightBits;
 inline constexpr std::uint32_t kHalfMask = (1U << kHalfBits) - 1;
 inline constexpr std::uint32_t kWeightOne = (1U << kWeightBits) - 1;
@@ -65,14 +65,14 @@ inline std::uint32_t instance_of(const Hit& hit) {
                                                                  << kHalfBits;
 }
 
-/// Destination of canonical walks (walk.h); each ray adds one entry to `begin`.
+/// Where a tracer appends the canonical walks of rays (walk.h). Each ray adds one entry to `begin`.
 struct WalkSink {
   std::vector<std::uint32_t>& words;
   std::vector<std::uint32_t>& begin;
 };
 
-/// Interface of a tracer. A shadow ray ends at the first triangle without flags (ray.h); if there is none, its hit is
-/// the nearest flagged triangle. Any other ray finds its nearest hit.
+/// Interface of a tracer, which finds the hits of rays. A shadow ray ends at the first triangle without flags (ray.h);
+/// if there is none, its hit is the nearest flagged triangle. Any other ray finds its nearest hit.
 class Tracer {
  public:
   virtual ~Tracer() = default;

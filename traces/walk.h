@@ -24,7 +24,7 @@ namespace traces {
 
 enum class StepKind : std::uint32_t { kVisit = 0, kLeaf = 1, kCull = 2, kEnd = 3 };
 
-/// The phase in which a triangle test stopped; a hit passes all three.
+/// The phase of a triangle test in which it stopped. A hit passes all three.
 enum class ExitPhase : std::uint32_t { kDistance = 1, kBarycentric = 2, kHit = 3 };
 
 inline constexpr std::uint32_t kMaxNodes = 1U << 27;
@@ -60,7 +60,7 @@ constexpr std::uint32_t end_step(bool hit) { return (3U << 30) | (hit ? 1U : 0U)
 /// Counts of canonical traversal steps: nodes visited and triangles tested.
 struct WalkSteps {
   std::uint64_t visits = 0, tests = 0;
-  std::uint64_t enters = 0;  ///< instances entered (not counted as steps)
+  std::uint64_t enters = 0;  ///< instances entered, which do not count as steps
   std::uint64_t all() const { return visits + tests; }
   WalkSteps& operator+=(const WalkSteps& other) {
     visits += other.visits;
@@ -70,7 +70,7 @@ struct WalkSteps {
   }
 };
 
-/// Returns the number of steps in concatenated walks.
+/// Counts the traversal steps in concatenated walks.
 inline WalkSteps count_steps(std::span<const std::uint32_t> words) {
   WalkSteps steps;
   for (std::size_t i = 0; i < words.size(); ++i) {

@@ -76,7 +76,7 @@ MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config, unsi
   return image;
 }
 
-/// Children follow their parents, so one backward pass has every box before it is needed.
+/// Nodes precede their children, so one backward pass computes every child's box before its parent's.
 void fit_boxes(MemoryImage& image, std::size_t first, std::size_t end) {
   for (std::size_t i = end; i-- > first;) {
     NodeRecord& node = image.nodes[i];

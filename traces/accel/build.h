@@ -5,23 +5,23 @@
 
 namespace traces {
 
-/// Builds the memory image: flattens the scene's instances to world space, builds the BVH and lays out all arrays. The
-/// result does not depend on the number of threads (0: all). With mip maps, textures get all their levels. A triangle
-/// without area is kept as a point that no ray can hit. Throws sim::InputError for invalid references or a scene that
-/// is too large, and sim::Cancelled if `stop` returns true.
+/// Builds the memory image of a scene: flattens its instances to world space, builds the BVH and lays out all arrays.
+/// The result does not depend on the number of threads (0: all). With mip maps, textures get all their levels. A
+/// triangle without area is kept as a point that no ray can hit. Throws sim::InputError for invalid references or a
+/// scene that is too large, and sim::Cancelled if `stop` returns true.
 MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config = {}, unsigned threads = 0,
                                sim::Stop stop = nullptr, MipMaps mip_maps = MipMaps::kOff);
 
-/// Fits the boxes of nodes [first, end), which are whole trees, to their triangles.
+/// Recomputes the boxes of nodes [first, end), which must be whole trees, from their triangles.
 void fit_boxes(MemoryImage& image, std::size_t first, std::size_t end);
 
-/// Updates the image of a scene that has moved, by refit or rebuild as configured.
+/// Updates the memory image of a scene that has moved, by refit or rebuild as BvhConfig selects.
 void update_memory_image(const Scene& posed, const BvhConfig& config, unsigned threads, MemoryImage& image,
                          sim::Stop stop = nullptr);
 
-/// Updates a one-level image to a moved scene: triangles, attributes, boxes, scene bounds and lights are recomputed;
-/// the tree, leaf order and addresses stay. The result depends on `posed` and the tree alone, not on earlier refits.
-/// The more the scene has moved since the build, the more boxes overlap. `posed` must have the instances and triangles
+/// Updates a one-level image to a moved scene. Triangles, attributes, boxes, scene bounds and lights are recomputed;
+/// the tree, leaf order and addresses stay. The result depends on `posed` and the tree, not on earlier refits. The
+/// farther the scene has moved since the build, the more boxes overlap. `posed` must have the instances and triangles
 /// of the build.
 void refit_memory_image(const Scene& posed, MemoryImage& image);
 

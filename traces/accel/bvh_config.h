@@ -11,18 +11,18 @@
 
 namespace traces {
 
-/// BVH update for an animated scene: rebuild the tree, or refit its boxes (traces/accel/build.h).
+/// How the BVH follows an animated scene: the tree is rebuilt, or only its boxes are refitted (traces/accel/build.h).
 enum class BvhUpdate : std::uint8_t { kRebuild, kRefit };
 constexpr std::array<std::string_view, 2> names_of(BvhUpdate) { return {"rebuild", "refit"}; }
 
-/// Storage of a mesh that has several instances.
+/// How a mesh with several instances is stored.
 enum class InstanceLevels : std::uint8_t {
-  kFlatten,   ///< one copy per instance, in world space, under one tree
-  kTwoLevel,  ///< one copy with its own tree, under a tree of instances (traces/accel/build/two_level.h)
+  kFlatten,   ///< one copy of the mesh per instance, in world space, all under one tree
+  kTwoLevel,  ///< one copy of the mesh with its own tree, under a tree of instances (traces/accel/build/two_level.h)
 };
 constexpr std::array<std::string_view, 2> names_of(InstanceLevels) { return {"flatten", "two_level"}; }
 
-/// Settings of the BVH: how it is built, which decides the walks, and its memory format.
+/// Configuration keys of the BVH: how it is built, which determines the walks, and its format in memory.
 struct BvhConfig {
   std::uint32_t leaf_size = 4;
   std::uint32_t max_depth = 64;

@@ -45,20 +45,20 @@ double root_area(const NodeRecord& root) {
                    {std::max(root.x[2], root.x[3]), std::max(root.y[2], root.y[3]), std::max(root.z[2], root.z[3])});
 }
 
-/// Expected cost and depth of a tree, for a line that meets its bounds.
+/// Expected cost and depth of a tree, for a random line through its bounds.
 struct TreeCost {
   double cost = 0;
   std::uint32_t depth = 0;
 };
 
-/// Returns the cost and depth of the tree at nodes [begin, end), whose bounds have `area`. `below` has the trees of its
-/// instance leaves.
+/// Returns the cost and depth of the tree in nodes [begin, end), whose bounds have surface area `area`. `below` has the
+/// trees that its instance leaves lead to.
 TreeCost measure_tree(const MemoryImage& image, std::size_t begin, std::size_t end, double area,
                       const BvhConfig& config, const std::vector<TreeCost>& below, BvhInfo& info) {
   const glm::vec3 step = image.grid ? image.grid->step() : glm::vec3(1);
   TreeCost tree;
   double cost = area * config.traversal_cost;
-  // Parents precede their children, so one forward pass finds every depth.
+  // Nodes precede their children, so one forward pass finds every node's depth.
   std::vector<std::uint32_t> depth(end - begin, 1);
   for (std::size_t i = begin; i < end; ++i) {
     const NodeRecord& node = image.nodes[i];
@@ -90,7 +90,7 @@ BvhInfo bvh_info(const MemoryImage& image, const BvhConfig& config) {
   BvhInfo info;
   info.nodes = image.nodes.size();
   info.bytes = image.node_array_bytes() + image.instances.size() * sizeof(InstanceRecord) +
-               image.triangles.size() * sizeof(TriangleRecord);  // includes the labels
+               image.triangles.size() * sizeof(TriangleRecord);  // includes the label words
   std::vector<TreeCost> objects;
   for (std::size_t k = 0; k < image.trees.size(); ++k) {
     const std::size_t begin = image.trees[k].first_node;

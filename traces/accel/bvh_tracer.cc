@@ -14,7 +14,8 @@
 
 namespace traces {
 
-/// Collects walk words in a small buffer, so that a step costs one store, and appends them to a sink.
+/// Collects the words of canonical walks in a small buffer, so that a step costs one store, and appends them to a
+/// WalkSink.
 class Recorder {
  public:
   explicit Recorder(WalkSink& sink) : sink_(sink) {}
@@ -22,12 +23,12 @@ class Recorder {
   Recorder& operator=(const Recorder&) = delete;
 
   void begin_ray() { sink_.begin.push_back(static_cast<std::uint32_t>(sink_.words.size() + used_)); }
-  /// Call before each step, which writes at most kStepWords words.
+  /// Flushes the buffer if it is nearly full. Call before each step, which writes at most kStepWords words.
   void make_room() {
     if (used_ + kStepWords > buffer_.size()) flush();
   }
   void write(std::uint32_t word) { buffer_[used_++] = word; }
-  /// Call after the last ray. Not a destructor, because running out of memory must throw.
+  /// Flushes the buffer. Call after the last ray; a destructor could not throw if memory runs out.
   void finish() { flush(); }
 
   static constexpr std::size_t kStepWords = 4;
@@ -43,7 +44,7 @@ class Recorder {
   std::array<std::uint32_t, 4096> buffer_;
 };
 
-/// Recorder that drops the walks.
+/// Replaces Recorder if walks are not wanted; it discards all words.
 struct NoRecorder {
   void begin_ray() {}
   void make_room() {}
@@ -53,21 +54,21 @@ struct NoRecorder {
 
 namespace {
 
-constexpr std::size_t kStackSize = 128;  // deeper than any tree that BvhConfig allows
+constexpr std::size_t kStackSize = 128;  // entries; deeper than any tree that BvhConfig allows
 
-/// Returns the exit phases of four tests, from the lanes that pass the distance test and those that hit.
+/// Returns the exit phases of four triangle tests, given which lanes passed the distance test and which hit.
 constexpr std::uint32_t phases_of(unsigned in_range, unsigned hit) {
   constexpr std::array<std::uint16_t, 16> kBand = {0x0000, 0x0001, 0x0010, 0x0011, 0x0100, 0x0101, 0x0110, 0x0111,
                                                    0x1000, 0x1001, 0x1010, 0x1011, 0x1100, 0x1101, 0x1110, 0x1111};
   return 0x1111U + kBand[in_range] + kBand[hit];
 }
 
-/// Replaces the world-space boxes in images of one level.
+/// Replaces the world-space boxes in images of one level, and takes no memory.
 struct Nothing {
   explicit Nothing(const auto&) {}
 };
 
-/// The walk of one ray. `kLevels`: the image has two levels.
+/// The traversal of the image by one ray. `kLevels`: the image has two levels.
 template <class Lanes, bool kAnyHit, bool kLevels, class Record>
 class Walk {
  public:
@@ -107,8 +108,8 @@ class Walk {
     float enter;
   };
 
-  /// Enters an instance: transforms the ray into its space and returns the root of its tree. The root's boxes give the
-  /// reach of the box test.
+  /// Transforms the ray into the space of an instance and returns the root of the instance's tree. Boxes of the root
+  /// determine the rounding margin of box tests.
   std::uint32_t enter_instance(std::uint32_t instance) {
     record_.write(enter_step(instance));
     const InstanceRecord& record = image_.instances[instance];
@@ -125,7 +126,7 @@ class Walk {
     return record.root;
   }
 
-  /// Tests both children and returns the next link.
+  /// Tests both children of a node and returns the link to visit next.
   std::uint32_t visit_node(std::uint32_t index) {
     const NodeRecord& node = image_.nodes[index];
     unsigned hits = 0;
@@ -154,7 +155,7 @@ class Walk {
     }
     if (culled != 0) record_.write(cull_step(culled));
     if constexpr (kLevels) {
-      if (depth_ < floor_) {  // the entry was on the stack before the ray entered the instance
+      if (depth_ < floor_) {  // the entry was pushed before the ray entered the instance
         boxes_ = world_;
         instance_ = kNone;
         floor_ = 0;
@@ -163,7 +164,7 @@ class Walk {
     return link;
   }
 
-  /// Tests the triangles of a leaf; an any-hit ray stops at the first hit that ends the walk. True if there was one.
+  /// Tests the triangles of a leaf. Returns true if one of them ends the walk of an any-hit ray.
   bool enter_leaf(std::uint32_t link) {
     const std::uint32_t first = leaf_first(link);
     const std::uint32_t count = leaf_count(link);
@@ -194,11 +195,11 @@ class Walk {
     unsigned hits = in_range & inside;
     if (hits == 0) return phases_of(in_range, 0);
 
-    // A hit shortens the ray for the later triangles of the leaf.
+    // A hit shortens the ray for the triangles that follow in the leaf.
     for (unsigned lane = 0; lane < count; ++lane) {
       if (((hits >> lane) & 1U) == 0) continue;
       if (kAnyHit && image_.triangles[first + lane].hit_flags() == 0) {
-        hit_ = Hit{};  // drops a candidate at the same distance
+        hit_ = Hit{};  // drops a flagged candidate at the same distance
         accept_hit(result, lane, first + lane);
         count = lane + 1;
         ends = true;
@@ -225,7 +226,7 @@ class Walk {
     if constexpr (kLevels) hit_instance_ = instance_;
   }
 
-  /// True if `triangle`, at the same distance as the hit, has the higher `source`.
+  /// True if `triangle`, which is as far as the current hit, has the higher `source` and so loses the tie.
   bool comes_later(std::uint32_t triangle) const {
     if (kLevels && instance_ != hit_instance_) return instance_ > hit_instance_;
     return image_.triangles[triangle].source > image_.triangles[hit_.triangle].source;
@@ -236,14 +237,14 @@ class Walk {
   Record& record_;
   RayBoxes<Lanes> boxes_;
   RayTriangles<Lanes> triangles_;
-  /// `boxes_` in world space
+  /// The ray in world space, kept while `boxes_` has the space of an instance.
   [[no_unique_address]] const std::conditional_t<kLevels, RayBoxes<Lanes>, Nothing> world_;
-  std::uint32_t instance_ = kNone;  ///< the instance whose space the ray is in
+  std::uint32_t instance_ = kNone;  ///< the instance in whose space the ray is, or kNone
   std::uint32_t hit_instance_ = kNone;
-  std::size_t floor_ = 0;       ///< stack depth at entry of the instance
-  const bool is_single_sided_;  ///< some triangles have only one face
+  std::size_t floor_ = 0;       ///< number of stack entries when the ray entered the instance
+  const bool is_single_sided_;  ///< some triangles of the image have only one face
   const float t_min_;
-  float limit_;  ///< end of the ray: t_max, later the distance of the hit
+  float limit_;  ///< end of the ray: t_max, or the distance of the hit found so far
   Hit hit_;
   std::size_t depth_ = 0;
   std::array<Entry, kLevels ? 2 * kStackSize : kStackSize> stack_;

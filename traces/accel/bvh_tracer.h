@@ -4,19 +4,20 @@
 
 namespace traces {
 
-/// Functional traversal of the memory image; the only tracer that records canonical walks (walk.h).
+/// Functional tracer that traverses the memory image; the only one that records canonical walks (walk.h).
 ///
 /// 1. The root's boxes are tested first. If both boxes of a node are hit, the one entered earlier is near (child 0 if
-///    equal).
+/// equal).
 /// 2. The far child is pushed with its entry distance. When popped, it is dropped if it begins beyond the current hit.
 /// 3. The nearest hit wins; of hits at equal distance, the triangle with the lowest `source`.
 /// 4. A shadow ray's walk ends at the first hit without flags. A flagged hit becomes the candidate, limits the ray, and
-///    the walk continues; the candidate is the result if no hit ends the walk.
+/// the walk continues; the candidate is the result if no hit ends the walk.
 ///
 /// Rays must start at t_min >= 0.
 class BvhTracer : public Tracer {
  public:
-  /// Implementation of the arithmetic. Both give the same bits; kPortable serves other processors and tests of kNative.
+  /// Which instructions the tracer uses. Both give the same bits; kPortable is for other processors and for tests of
+  /// kNative.
   enum class Arithmetic { kNative, kPortable };
 
   /// `image` must outlive the tracer.

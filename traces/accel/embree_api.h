@@ -1,5 +1,5 @@
 #pragma once
-// Includes the installed Embree, version 3.13 or 4. Only for the .cc files of this folder.
+// Includes the header of the installed Embree, version 3.13 or 4. Only .cc files of this folder include this file.
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>
 #else
@@ -14,7 +14,7 @@
 
 namespace traces {
 
-/// Deleter of an Embree handle: drops one reference.
+/// Deleter of an Embree handle, which releases one reference.
 template <class Handle, void (*kRelease)(Handle)>
 struct EmbreeRelease {
   void operator()(Handle handle) const { kRelease(handle); }
@@ -34,7 +34,7 @@ inline EmbreeDevice open_embree(const std::string& options) {
   return device;
 }
 
-/// Throws if the Embree device has an error; `doing` names the failed operation.
+/// Throws if the Embree device reports an error. `doing` names the operation for the message.
 inline void check_embree(RTCDevice device, const std::string& doing) {
   const RTCError error = rtcGetDeviceError(device);
   if (error != RTC_ERROR_NONE) {

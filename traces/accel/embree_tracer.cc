@@ -23,15 +23,15 @@ inline void rtcInitRayQueryContext(RTCRayQueryContext* context) { rtcInitInterse
 namespace traces {
 namespace {
 
-/// Hits within this relative distance are ordered by BvhTracer's rule. It is far more than rounding error, and a tenth
-/// of the tolerance for comparing distances.
+/// Hits whose distances differ by less than this fraction count as equal, and BvhTracer's rule selects one. It is far
+/// above rounding error, and a tenth of the tolerance with which distances are compared.
 constexpr float kTieOfDistance = 1e-5F;
 constexpr float kTieOfDiagonal = 1e-6F;
 
-/// Excludes fused multiply-add, so that edge tests round as in BvhTracer on every processor.
+/// An Embree setting without fused multiply-add, so that edge tests round as in BvhTracer on every processor.
 const std::string kInstructionSet = "isa=sse4.2";
 
-/// The position of a triangle in the order of BvhTracer's rule.
+/// The key by which BvhTracer's rule orders hits: distance, then number of the triangle.
 struct Rank {
   bool inside = false;
   float t = 0;
@@ -43,13 +43,14 @@ struct Rank {
   }
 };
 
-/// State of one nearest-hit query. Embree passes its context on to the filter, so the context must come first.
+/// State of one nearest-hit query. The filter function receives a pointer to Embree's context, so that must be the
+/// first member.
 struct Query {
   RTCRayQueryContext context;
   const MemoryImage* image = nullptr;
   const Ray* ray = nullptr;
   bool is_single_sided = false;
-  float tie = 0;  ///< constant part of the tie distance
+  float tie = 0;  ///< the part of the tie distance that does not depend on `t`
   Hit best;
   Rank rank;
 
@@ -57,7 +58,7 @@ struct Query {
     const Ray seen = image->has_levels() ? into_object(image->instances[instance], *ray) : *ray;
     return RayTriangles<NativeLanes>(seen).test_triangles(&record, 1);
   }
-  /// True if the face that the ray sees is not culled.
+  /// True if the face of the triangle that the ray sees is not culled.
   bool is_there(std::uint32_t instance, std::uint32_t triangle) const {
     if (!is_single_sided) return true;
     const TriangleRecord& record = image->triangles[triangle];
@@ -70,10 +71,10 @@ struct Query {
     result.t.store(t.data());
     return {(result.inside_mask() & 1U) != 0, t[0], instance, record.source};
   }
-  /// Returns the largest distance at which a hit may tie with the best one.
+  /// Returns the largest distance at which a hit counts as equal to the best one.
   float tie_limit() const { return std::min(best.t + kTieOfDistance * best.t + tie, ray->t_max); }
 
-  /// Replaces the best hit if `hit` is better. `instance` is 0 in an image of one level.
+  /// Makes `hit` the best hit if BvhTracer's rule prefers it. `instance` is 0 in an image of one level.
   void offer_hit(const Hit& hit, std::uint32_t instance) {
     const float band = kTieOfDistance * best.t + tie;
     const Rank offered = rank_of(instance, hit.triangle);
@@ -85,7 +86,8 @@ struct Query {
   }
 };
 
-/// Receives every hit that Embree finds, and shortens the ray to the tie distance after the best hit.
+/// Embree calls this filter for every hit. It compares the hit with the best one, and shortens the ray to the tie
+/// distance.
 void keep_best(const RTCFilterFunctionNArguments* arguments) {
   assert(arguments->N == 1);
   auto& query = *reinterpret_cast<Query*>(arguments->context);
@@ -112,14 +114,14 @@ RTCRay embree_ray(const Ray& ray) {
   return r;
 }
 
-/// Callback from Embree's threads: false cancels the build.
+/// Embree calls this during the build; returning false cancels it.
 bool continue_commit(void* stop, double) { return !(*static_cast<const sim::Stop*>(stop))(); }
 
 }  // namespace
 
 struct EmbreeTracer::Impl {
   Impl(const MemoryImage& image, unsigned threads, sim::Stop stop);
-  /// Adds triangles [first, first + count) of the image to a scene.
+  /// Adds triangles [first, first + count) of the image to an Embree scene.
   void attach_triangles(RTCScene scene, std::size_t first, std::size_t count) const;
   void attach_instances();
   Hit find_nearest(const Ray& ray) const;
@@ -130,7 +132,7 @@ struct EmbreeTracer::Impl {
   bool has_flags_;
   float diagonal_;
   EmbreeDevice device_;
-  std::vector<EmbreeScene> objects_;  ///< one scene per tree of the image
+  std::vector<EmbreeScene> objects_;  ///< one Embree scene per tree of the image
   EmbreeScene scene_;
 };
 
@@ -155,8 +157,8 @@ EmbreeTracer::Impl::Impl(const MemoryImage& image, unsigned threads, sim::Stop s
 
 void EmbreeTracer::Impl::attach_triangles(RTCScene scene, std::size_t first, std::size_t count) const {
   const EmbreeGeometry geometry(rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
-  // Embree reads a record as four vertices. No triangle names the fourth, which contains labels. The last one is left
-  // out, because Embree reads 16 bytes per vertex.
+  // Embree reads a triangle record as four vertices. No triangle uses the fourth, which contains the labels. The last
+  // one is omitted, because Embree reads 16 bytes per vertex.
   static_assert(sizeof(TriangleRecord) == 4 * sizeof(glm::vec3) && offsetof(TriangleRecord, v2) == 24);
   rtcSetSharedGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, &image_.triangles[first], 0,
                              sizeof(glm::vec3), 4 * count - 1);

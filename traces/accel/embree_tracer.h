@@ -29,7 +29,7 @@ class EmbreeTracer : public Tracer {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Returns the version of Embree, such as "3.13.5".
+/// Returns the version of the Embree library, such as "3.13.5".
 std::string embree_version();
 
 }  // namespace traces

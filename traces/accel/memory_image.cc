@@ -10,13 +10,13 @@ namespace {
 
 constexpr std::uint64_t align_to_line(std::uint64_t at) { return (at + 63) & ~std::uint64_t{63}; }
 
-/// Returns the record indices of each inner node's children. Each tree is stored depth first with a record per node and
-/// leaf: child 0 follows its parent, child 1 follows the subtree of child 0. A kNoChild link has a record too, because
-/// both boxes are read.
+/// Returns, for each inner node, the indices of its children's records if a record holds a single box. Each tree is
+/// stored depth first with a record per node and leaf: child 0 follows its parent, child 1 follows the subtree of child
+/// 0. A kNoChild link has a record too, because both boxes are read.
 std::vector<std::array<std::uint32_t, 2>> place_single_boxes(const std::vector<NodeRecord>& nodes) {
   const auto has_records = [](std::uint32_t link) { return !is_leaf(link) && link != kNoChild; };
   // Inner nodes are in depth-first order, so a backward pass sees children before their parents.
-  std::vector<std::uint32_t> records(nodes.size());  // records of the node and its subtree
+  std::vector<std::uint32_t> records(nodes.size());  // number of records of the node and its subtree
   for (std::size_t i = nodes.size(); i-- > 0;) {
     records[i] = 1;
     for (const std::uint32_t link : nodes[i].child) records[i] += has_records(link) ? records[link] : 1;
@@ -25,7 +25,7 @@ std::vector<std::array<std::uint32_t, 2>> place_single_boxes(const std::vector<N
   std::vector<std::uint32_t> own(nodes.size(), kNone);
   std::uint32_t next_tree = 0;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    if (own[i] == kNone) {  // a root: no parent has placed it
+    if (own[i] == kNone) {  // a root, which no parent has placed
       own[i] = next_tree;
       next_tree += records[i];
     }
@@ -55,7 +55,7 @@ ImageCounts counts_of(const MemoryImage& image) {
   return counts;
 }
 
-// Arrays that the scene does not need take no memory.
+// Arrays that the scene does not need have size 0.
 Layout layout_of(const ImageCounts& counts, const std::vector<NodeRecord>& nodes, const BvhConfig& config) {
   Layout at;
   at.node_bytes = node_bytes(config.numbers, config.boxes);

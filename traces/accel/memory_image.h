@@ -21,13 +21,13 @@ namespace traces {
 /// memory.
 struct alignas(64) NodeRecord {
   float x[4], y[4], z[4];
-  std::uint32_t child[2];  ///< link words
-  std::uint32_t spare[2];  ///< padding to one line
+  std::uint32_t child[2];  ///< link words of the two children
+  std::uint32_t spare[2];  ///< pads the node to one line
 };
 static_assert(sizeof(NodeRecord) == 64);
 
-// A link word: 1 | triangles - 1 (3) | first triangle (28) for a leaf, 0 | node (31) for an inner node. Only the root
-// of a one-leaf tree has a kNoChild link; its inverted box is never hit.
+// A link word names a child. A leaf is 1 | triangles - 1 (3 bits) | first triangle (28), a node is 0 | node (31). Only
+// the root of a one-leaf tree has a kNoChild link; its inverted box is never hit.
 inline constexpr std::uint32_t kNoChild = 0x7fffffffU;
 constexpr bool is_leaf(std::uint32_t link) { return (link >> 31) != 0; }
 constexpr std::uint32_t leaf_link(std::uint32_t first, std::uint32_t count) {
@@ -36,48 +36,51 @@ constexpr std::uint32_t leaf_link(std::uint32_t first, std::uint32_t count) {
 constexpr std::uint32_t leaf_first(std::uint32_t link) { return link & ((1U << 28) - 1); }
 constexpr std::uint32_t leaf_count(std::uint32_t link) { return ((link >> 28) & 7U) + 1; }
 
-// Marks a leaf that names an instance. No first triangle is large enough to set this bit. In the GPU's memory the level
-// of the tree makes the difference instead.
+// Bit of a link word to a leaf that names an instance. No first triangle is large enough to set it. The GPU's memory
+// has no such bit, because the tree over instances has only instance leaves.
 inline constexpr std::uint32_t kInstanceBit = 1U << 27;
 static_assert(kMaxTriangles <= kInstanceBit && kMaxInstances <= kMaxTriangles);
 constexpr std::uint32_t instance_link(std::uint32_t instance) { return leaf_link(kInstanceBit | instance, 1); }
 constexpr bool is_instance(std::uint32_t link) { return is_leaf(link) && (link & kInstanceBit) != 0; }
 constexpr std::uint32_t link_instance(std::uint32_t link) { return leaf_first(link) & (kInstanceBit - 1); }
 
-/// Bit of an object id: the instance is in focus.
+/// Bit of an object id: the object is in focus.
 inline constexpr std::uint32_t kFocusObject = 1U << 30;
 
-/// An instance of a mesh, one line. Traversal units read it before they enter the mesh's tree; kernels read it for
-/// hits. The rows are the matrix from world to mesh space; its transposed upper left part carries normals to the world.
+/// The record of an instance of a mesh, one line. Traversal units read it before they enter the mesh's tree; kernels
+/// read it for hits. The rows are the matrix from world to mesh space; its transposed upper left part transforms
+/// normals to the world.
 struct alignas(64) InstanceRecord {
   float to_object[3][4];
-  std::uint32_t root;    ///< root node of the mesh's tree
-  std::uint32_t object;  ///< as in TriangleRecord
-  float handedness;      ///< -1 if the instance is mirrored, else 1
-  float volume;          ///< volume scale: the absolute determinant of the matrix to the world
+  std::uint32_t root;    ///< root node of the tree of the mesh
+  std::uint32_t object;  ///< object id, as in TriangleRecord
+  float handedness;      ///< -1 if the instance is mirrored, otherwise 1
+  float volume;          ///< factor of volumes: the absolute determinant of the matrix to the world
 };
 static_assert(sizeof(InstanceRecord) == 64);
 
 // Culled faces in TriangleRecord::material: a ray that sees the corners in that order passes through. The first phase
-// of the intersection test decides by the sign of the plane's slope along the ray.
+// of the intersection test decides by the sign of the slope of the triangle's plane along the ray.
 inline constexpr std::uint32_t kNoClockwise = 1U << 29, kNoCounterClockwise = 1U << 28;
 
-/// Triangle for the intersection unit: 48 bytes, three vertices and the labels that a hit copies.
+/// The record of a triangle for the intersection unit, 48 bytes: three vertices, and the labels that a hit copies.
 struct TriangleRecord {
   glm::vec3 v0, v1, v2;
   std::uint32_t object;    ///< object id: index of the instance, with kFocusObject above it; 0 in two levels, where
-                           ///< InstanceRecord has it
-  std::uint32_t material;  ///< material index, with the culled faces and the flags of ray.h above it
-  std::uint32_t source;    ///< triangle's index before leaf order: over all instances, or in two levels within its mesh
+                           ///< InstanceRecord has the id
+  std::uint32_t material;  ///< material index in the low bits; culled faces and the flags of ray.h above
+  std::uint32_t source;  ///< number of the triangle before it was sorted into leaf order: over all instances, or in two
+                         ///< levels within its mesh
   std::uint32_t hit_flags() const { return material & ~kTriangleMask; }
 };
 static_assert(sizeof(TriangleRecord) == 48);
 
-/// Shading attributes, 64 bytes per triangle, read through the SRP's data cache; same index as the triangle record.
+/// Shading attributes of a triangle, 64 bytes, read through the SRP's data cache. Its index is that of the triangle
+/// record.
 struct AttributeRecord {
-  /// Shading normals in world space; in two levels, in the mesh's space. With mip maps a normal's length is the texture
-  /// density of the triangle: the root of its area in texture coordinates over that in space, kLeastDensity to
-  /// kMostDensity. Otherwise normals are unit vectors.
+  /// Shading normals in world space, or in the mesh's space in two levels. With mip maps the length of a normal is the
+  /// texture density of the triangle, kLeastDensity to kMostDensity: the square root of its area in texture coordinates
+  /// divided by its area in space. Otherwise normals are unit vectors.
   glm::vec3 normal[3];
   glm::vec2 uv[3];
   std::uint32_t material;
@@ -86,23 +89,25 @@ static_assert(sizeof(AttributeRecord) == 64);
 
 inline constexpr float kLeastDensity = 0x1p-20F, kMostDensity = 0x1p20F;
 
-/// More vertex data for materials with kVertexed, 64 bytes per triangle, same index; absent if no material needs it.
+/// Further vertex data of a triangle for materials with kVertexed, 64 bytes. Its index is that of the triangle record.
+/// The array is empty if no material needs it.
 struct VertexRecord {
-  glm::vec2 uv[3];             ///< Mesh::second_uvs
-  std::uint32_t colour[3][2];  ///< RGBA, 16 bits per channel, linear, R lowest
-  std::uint32_t tangent[3];    ///< world space x, y, z and the bitangent's sign, one byte each: 128 + 127 * value, x
+  glm::vec2 uv[3];             ///< second texture coordinates (Mesh::second_uvs)
+  std::uint32_t colour[3][2];  ///< linear RGBA, 16 bits per channel, R lowest
+  std::uint32_t tangent[3];    ///< x, y, z in world space and the bitangent's sign, one byte each: 128 + 127 * value, x
                                ///< lowest
-  std::uint32_t spare;         ///< padding to one line
+  std::uint32_t spare;         ///< pads the record to one line
 };
 static_assert(sizeof(VertexRecord) == 64);
 
-/// Flags of MaterialRecord::flags. Each flag of the first two groups has an item list, which an inspector fills.
+/// Flags of MaterialRecord::flags. For each flag of the first two groups there is a list of surfaces, which a kernel
+/// fills.
 enum MaterialFlag : std::uint32_t {
-  kTextured = 1,        ///< a base texture multiplies the diffuse colour and has no other use
-  kDiffuse = 1U << 1,   ///< a metal_rough texture decides per texel
-  kMirror = 1U << 2,    ///< a metal_rough texture decides per texel
+  kTextured = 1,        ///< has a base texture that only multiplies the diffuse colour
+  kDiffuse = 1U << 1,   ///< scatters light; with a metal_rough texture each texel decides
+  kMirror = 1U << 2,    ///< mirrors light; with a metal_rough texture each texel decides
   kGlass = 1U << 3,     ///< some light passes through the surface
-  kEmissive = 1U << 4,  ///< emission without a texture
+  kEmissive = 1U << 4,  ///< emits light without a texture
   kVertexed = 1U << 5,  ///< needs vertex colours, second texture coordinates or tangents
   kBased = 1U << 6,     ///< has a base texture that kTextured does not cover
   kPhysical = 1U << 7,  ///< has a metal_rough texture
@@ -112,34 +117,34 @@ enum MaterialFlag : std::uint32_t {
   kGlowing = 1U << 11,      ///< has an emission texture
   kOccluded = 1U << 12,     ///< has an occlusion texture
   kMasked = 1U << 13,       ///< Material::Alpha::kMask
-  kSingleSided = 1U << 14,  ///< rays pass through back faces
-  // Textures that use the second texture coordinates.
+  kSingleSided = 1U << 14,  ///< rays pass through the back faces
+  // Flags of textures that use the second texture coordinates.
   kBaseSecond = 1U << 16,
   kMetalRoughSecond = 1U << 17,
   kNormalSecond = 1U << 18,
   kOcclusionSecond = 1U << 19,
   kEmissionSecond = 1U << 20,
 };
-inline constexpr std::uint32_t kDetailStreams = 0x1fe0U;  ///< flags whose kernels run only if some material has the
-                                                          ///< flag
+inline constexpr std::uint32_t kDetailStreams = 0x1fe0U;  ///< flags whose kernels are launched only if some material
+                                                          ///< has the flag
 
-/// Material data that every hit reads: 64 bytes, all colours linear. With a metal_rough texture, `mirrored` is 0 and
-/// the other shares are as for a pure dielectric.
+/// Material data that every hit reads, 64 bytes, all colours linear. With a metal_rough texture, `mirrored` is 0 and
+/// the other fractions are those of a pure dielectric.
 struct MaterialRecord {
   glm::vec3 base_colour;
   float diffuse_share;  ///< (1 - mirror) (1 - transmission)
   glm::vec3 mirrored;   ///< mirror * mirror_tint
-  float entering;       ///< (1 - mirror) transmission, split later by Fresnel's law
+  float entering;       ///< (1 - mirror) transmission, which Fresnel's law splits later
   glm::vec3 emission;
   float ior;
-  std::uint32_t base_texture;  ///< kNoTexture or an index into textures
-  std::uint32_t flags;         ///< MaterialFlag
+  std::uint32_t base_texture;  ///< index into textures, or kNoTexture
+  std::uint32_t flags;         ///< bits of MaterialFlag
   float opacity;               ///< 1 if the material ignores alpha
-  float alpha_cutoff;          ///< used with kMasked, otherwise 0
+  float alpha_cutoff;          ///< smallest alpha that is opaque with kMasked, otherwise 0
 };
 static_assert(sizeof(MaterialRecord) == 64);
 
-/// Further material data, 64 bytes per material; absent if no material needs it.
+/// Further data of a material, 64 bytes, for textures and absorption. The array is empty if no material needs it.
 struct MaterialDetailRecord {
   glm::vec3 emission;
   std::uint32_t normal_texture;
@@ -152,15 +157,15 @@ struct MaterialDetailRecord {
 static_assert(sizeof(MaterialDetailRecord) == 64);
 
 /// Byte addresses of all arrays in the GPU's memory, 64-byte aligned. Textures are RGBA8 in tiles of 4 x 4 texels, one
-/// line per tile, stored row by row.
+/// line per tile, and tiles are stored row by row.
 struct Layout {
   std::uint64_t nodes = 0, instances = 0, triangles = 0, attributes = 0, vertices = 0, materials = 0, details = 0;
   std::uint32_t node_bytes = sizeof(NodeRecord);
-  /// The record indices of each inner node's children, if records hold single boxes; otherwise empty, and a node's
-  /// record has the node's index.
+  /// If a tree record holds a single box: the record indices of each inner node's children. Otherwise empty, and a
+  /// record has the index of its node.
   std::vector<std::array<std::uint32_t, 2>> single_boxes;
   std::uint32_t triangle_bytes = sizeof(TriangleRecord);
-  /// Address of the label words of triangles, if TriangleRecord is stored as vertices and labels apart.
+  /// Address of the triangles' label words, if they are stored apart from the vertices.
   std::uint64_t labels = 0;
   struct TextureAt {
     std::uint64_t base = 0;
@@ -173,7 +178,7 @@ struct Layout {
   static constexpr std::uint32_t kVerticesBytes = 36;
   static constexpr std::uint32_t kLabelBytes = sizeof(TriangleRecord) - kVerticesBytes;
 
-  /// Returns the address of tree record `i`.
+  /// Returns the address of record `i` of the trees.
   std::uint64_t node_at(std::uint32_t i) const { return nodes + std::uint64_t{i} * node_bytes; }
   std::uint64_t instance_at(std::uint32_t i) const { return instances + std::uint64_t{i} * sizeof(InstanceRecord); }
   std::uint64_t triangle_at(std::uint32_t i) const { return triangles + std::uint64_t{i} * triangle_bytes; }
@@ -183,7 +188,7 @@ struct Layout {
   std::uint64_t material_at(std::uint32_t i) const { return materials + std::uint64_t{i} * sizeof(MaterialRecord); }
   std::uint64_t vertices_at(std::uint32_t i) const { return vertices + std::uint64_t{i} * sizeof(VertexRecord); }
   std::uint64_t detail_at(std::uint32_t i) const { return details + std::uint64_t{i} * sizeof(MaterialDetailRecord); }
-  /// Returns the address of the 4 x 4 tile that contains texel (x, y).
+  /// Returns the address of the tile of 4 x 4 texels that contains texel (x, y).
   std::uint64_t texel_tile_at(std::uint32_t texture, std::uint32_t x, std::uint32_t y) const {
     const TextureAt& t = textures[texture];
     return t.base + (std::uint64_t{y / 4} * t.tiles_per_row + x / 4) * 64;
@@ -193,47 +198,50 @@ struct Layout {
 /// Whether textures have mip levels in memory.
 enum class MipMaps : std::uint8_t { kOff, kOn };
 constexpr std::array<std::string_view, 2> names_of(MipMaps) { return {"off", "on"}; }
-/// Limit of the mip levels of all textures together; a footprint stores a level's number in 16 bits.
+/// Largest number of mip levels of all textures together; a texture coordinate record has 16 bits for the level's
+/// number.
 inline constexpr std::uint32_t kMostMipLevels = 1U << 16;
 
-/// Numbers of records and sizes of textures. Together with the tree they determine the layout.
+/// Numbers of records and sizes of textures of a scene. Together with the tree they determine the memory layout.
 struct ImageCounts {
   std::uint64_t triangles = 0, attributes = 0, vertices = 0, materials = 0, details = 0;
-  std::vector<std::array<std::uint32_t, 2>> textures;  ///< width and height
-  std::uint64_t instances = 0, trees = 0;              ///< two levels: instances, and trees below the tree of instances
+  std::vector<std::array<std::uint32_t, 2>> textures;  ///< width and height of each texture, in texels
+  std::uint64_t instances = 0, trees = 0;  ///< in two levels: instances, and trees below the tree over instances
   friend bool operator==(const ImageCounts&, const ImageCounts&) = default;
 };
 
-/// The part of the arrays that belongs to one tree over triangles.
+/// Which nodes and triangles of the image belong to the tree of one mesh.
 struct ObjectTree {
   std::uint32_t mesh = 0;
-  std::uint32_t only = kNone;  ///< the only instance that uses the tree, if it cannot be shared
-  bool in_world = false;       ///< its triangles are in world space, because the instance's matrix has no inverse
+  std::uint32_t only = kNone;  ///< the only instance that uses the tree, if the mesh cannot be shared, otherwise kNone
+  bool in_world = false;       ///< the triangles are in world space, because the instance's matrix has no inverse
   std::uint32_t first_triangle = 0, triangles = 0;
-  std::uint32_t first_node = 0;  ///< root node; a tree ends where the next one begins
+  std::uint32_t first_node = 0;  ///< root node; the tree ends where the next one begins
 };
 
 /// The scene as stored in the GPU's memory. It has one of two forms: all instances flattened into world space under one
 /// tree, or two levels (two_level.h), a tree over instances followed by one tree per mesh in its own space.
 struct MemoryImage {
-  std::vector<NodeRecord> nodes;          ///< node 0 is the root
-  std::vector<InstanceRecord> instances;  ///< two levels: in the order of Scene::instances; otherwise empty
-  std::vector<ObjectTree> trees;          ///< two levels, host only; shared trees first
-  std::vector<std::uint32_t> tree_of;     ///< tree of each instance; kNone if the instance has no triangles
-  std::vector<TriangleRecord> triangles;  ///< in leaf order
+  std::vector<NodeRecord> nodes;          ///< nodes of all trees; node 0 is the root
+  std::vector<InstanceRecord> instances;  ///< in two levels, the instances in the order of Scene::instances; otherwise
+                                          ///< empty
+  std::vector<ObjectTree> trees;  ///< in two levels, the trees of meshes, shared ones first; only the host reads them
+  std::vector<std::uint32_t> tree_of;     ///< for each instance, the index of its tree; kNone if it has no triangles
+  std::vector<TriangleRecord> triangles;  ///< triangles in leaf order
   std::vector<AttributeRecord> attributes;
   std::vector<VertexRecord> vertices;  ///< empty if no material needs them
   std::vector<MaterialRecord> materials;
   std::vector<MaterialDetailRecord> details;  ///< empty if no material needs them
-  std::vector<Texture> textures;              ///< texels decoded row by row; only their addresses are tiled
-  /// With mip maps, the number of levels for each texture that is a first level, and 0 for the others; otherwise empty.
+  std::vector<Texture> textures;              ///< texels row by row; only addresses are tiled
+  /// With mip maps, the number of levels of each texture that is a first level, and 0 for the others; otherwise empty.
   /// Each level is a texture of its own, stored after the previous level. Materials name the first level.
   std::vector<std::uint32_t> mip_levels;
-  std::uint32_t white = kNoTexture;  ///< index of a white texel, for flagged triangles without a base texture
+  std::uint32_t white = kNoTexture;  ///< index of a texture with one white texel, which replaces the missing base
+                                     ///< texture of flagged triangles
   std::vector<Light> lights;
   glm::vec3 background{0}, ambient{0};
   glm::vec3 lower{0}, upper{0};  ///< bounds of all triangles
-  std::optional<BoxGrid> grid;   ///< grid of the nodes' boxes, in hybrid numbers
+  std::optional<BoxGrid> grid;   ///< with hybrid numbers, the grid of the nodes' boxes
   Layout layout;
   bool has_levels() const { return !instances.empty(); }
   bool has_mip_maps() const { return !mip_levels.empty(); }
@@ -246,11 +254,11 @@ struct BvhConfig;
 
 ImageCounts counts_of(const MemoryImage& image);
 
-/// Lays out all arrays one after the other, each beginning on a new line.
+/// Computes the address of every array. The arrays follow each other, each beginning on a new line.
 Layout layout_of(const ImageCounts& counts, const std::vector<NodeRecord>& nodes, const BvhConfig& config);
 
-/// Returns the parent of each inner node; a root is its own parent. In two levels, the parent node of each instance
-/// follows.
+/// Returns the parent of each inner node; a root is its own parent. In two levels, the parent nodes of all instances
+/// follow.
 std::vector<std::uint32_t> parents_of(const MemoryImage& image);
 
 }  // namespace traces

@@ -13,9 +13,9 @@ namespace traces {
 
 BoxGrid::BoxGrid(const glm::vec3& lower, const glm::vec3& upper) : lower_(lower), step_(0) {
   const glm::dvec3 extent = glm::dvec3(upper) - glm::dvec3(lower);
-  constexpr double kLeast = 1e-12;  // keeps the step and its reciprocal within the range of floats
+  constexpr double kLeast = 1e-12;  // smallest step, which keeps it and its reciprocal within the range of floats
   const double widest = std::max({extent.x, extent.y, extent.z});
-  // One spare plane covers the rounding of the step to a float.
+  // One plane is left over, because the step is rounded to a float.
   for (int a = 0; a < 3; ++a) {
     step_[a] = static_cast<float>(std::max({extent[a], widest / 1024, kLeast}) / (kLastPlane - 1));
   }
@@ -39,7 +39,7 @@ void put_on_grid(MemoryImage& image) {
   const BoxGrid grid(image.lower, image.upper);
   for (NodeRecord& node : image.nodes) {
     for (int c = 0; c < 2; ++c) {
-      if (node.child[c] == kNoChild) continue;  // its inverted box stays
+      if (node.child[c] == kNoChild) continue;  // keeps its inverted box
       for (auto [planes, axis] : {std::pair{node.x, 0}, {node.y, 1}, {node.z, 2}}) {
         planes[c] = grid.plane_below(planes[c], axis);
         planes[2 + c] = grid.plane_above(planes[2 + c], axis);

@@ -9,11 +9,11 @@
 
 namespace traces {
 
-/// Number format of box planes.
+/// Number format of box planes: floats, or steps of a grid (hybrid).
 enum class BoxNumbers : std::uint8_t { kFp32, kHybrid };
 constexpr std::array<std::string_view, 2> names_of(BoxNumbers) { return {"fp32", "hybrid"}; }
 
-/// Contents of a tree record: both child boxes of an inner node, or one box with its link.
+/// What a tree record contains: both child boxes of an inner node, or one box with its link.
 enum class BoxRecords : std::uint8_t { kPair, kSingle };
 constexpr std::array<std::string_view, 2> names_of(BoxRecords) { return {"pair", "single"}; }
 
@@ -23,14 +23,15 @@ inline constexpr std::uint32_t kPlaneBits = 19;
 
 constexpr std::uint32_t plane_bits(BoxNumbers numbers) { return numbers == BoxNumbers::kHybrid ? kPlaneBits : 32; }
 
-/// Returns the bytes of a record's boxes, rounded up.
+/// Returns the bytes that the boxes of a tree record take, rounded up.
 constexpr std::uint32_t box_bytes(BoxNumbers numbers, BoxRecords boxes) {
   return ((boxes == BoxRecords::kPair ? 12 : 6) * plane_bits(numbers) + 7) / 8;
 }
 
-/// Returns the bytes of a record: its boxes and, for each box, 30 bits of link and 16 bits of flags. A link is a leaf
-/// bit and either a node, or the number of triangles less one and the first triangle. A leaf has two flag bits per
-/// triangle, for triangle formats without flags. The size is rounded up to words; a pair of float boxes fills a line.
+/// Returns the size in bytes of a tree record: its boxes and, for each box, 30 bits of link and 16 bits of flags. A
+/// link is a leaf bit and either a node, or the number of triangles less one and the first triangle. A leaf has two
+/// flag bits per triangle, for triangle formats without flags. The size is rounded up to words; a pair of float boxes
+/// fills a line.
 constexpr std::uint32_t node_bytes(BoxNumbers numbers, BoxRecords boxes) {
   if (numbers == BoxNumbers::kHybrid) return boxes == BoxRecords::kPair ? 40 : 20;
   return boxes == BoxRecords::kPair ? 64 : 32;
@@ -39,26 +40,27 @@ inline constexpr std::uint32_t kLinkBits = 1 + 3 + 26, kFlagBits = 2 * kMaxLeafT
 static_assert(kMaxTriangles == 1U << 26 && kMaxLeafTriangles == 1U << 3 && 2 * kMaxNodes < 1U << (kLinkBits - 1));
 static_assert(6 * kPlaneBits + kLinkBits + kFlagBits == 8 * node_bytes(BoxNumbers::kHybrid, BoxRecords::kSingle));
 
-/// Returns the number of records of trees with `inner` inner nodes in total. With single boxes each node has two child
-/// records, and each root has a record too.
+/// Returns the number of records of `trees` trees that have `inner` inner nodes together. With single boxes each node
+/// has two child records, and each root has a record too.
 constexpr std::uint64_t node_records(std::uint64_t inner, BoxRecords boxes, std::uint64_t trees = 1) {
   return boxes == BoxRecords::kPair ? inner : 2 * inner + trees;
 }
 
-/// The grid of box planes in hybrid numbers (US patent 9,830,733). Each axis has 2^19 planes spread over the scene;
-/// plane p is at lower + p * step.
+/// The grid on which hybrid numbers place box planes (US patent 9,830,733). Each axis has 2^19 planes spread over the
+/// scene; plane p is at lower + p * step.
 class BoxGrid {
  public:
   static constexpr std::uint32_t kLastPlane = (1U << kPlaneBits) - 1;
 
-  /// Spreads the grid over the scene's bounds. On an axis where the scene is nearly flat, the step is limited to 1/1024
-  /// of the widest axis's; the box test resolves no finer distances (ray_tests.h).
+  /// Spreads the grid over the scene's bounds. On an axis where the scene is nearly flat, the step is at least 1/1024
+  /// of that of the longest axis, because box tests resolve no finer distances (ray_tests.h).
   BoxGrid(const glm::vec3& lower, const glm::vec3& upper);
 
-  /// Returns the last plane not above `x` and the first plane not below it, as whole numbers. `x` is within the bounds.
+  /// Returns the last plane not above `x`, and the first plane not below it, as integers. `x` must be within the
+  /// bounds.
   float plane_below(float x, int axis) const;
   float plane_above(float x, int axis) const;
-  /// Returns the coordinate of plane `p`.
+  /// Returns the coordinate of plane `p` of the grid.
   double plane_position(double p, int axis) const { return lower_[axis] + p * step_[axis]; }
 
   const glm::vec3& lower() const { return lower_; }
@@ -71,7 +73,8 @@ class BoxGrid {
 
 struct MemoryImage;
 
-/// Converts the image's boxes to hybrid numbers: spreads a grid over its bounds and rounds all planes outward to it.
+/// Converts the boxes of an image to hybrid numbers: spreads a grid over its bounds and rounds all planes outward to
+/// it.
 void put_on_grid(MemoryImage& image);
 
 }  // namespace traces

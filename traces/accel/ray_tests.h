@@ -15,10 +15,10 @@
 
 namespace traces {
 
-// Vectors of four floats, in plain C++ and in an SSE register. Both round every operation equally, so code written on
-// top of them gives the same bits. A comparison returns one bit per lane.
+// Vectors of four floats, once in plain C++ and once in an SSE register. Both round every operation equally, so code
+// that uses them gives the same bits. A comparison returns one bit per lane.
 
-/// Four floats in plain C++.
+/// A vector of four floats in plain C++.
 struct PortableLanes {
   std::array<float, 4> v;
 
@@ -27,7 +27,7 @@ struct PortableLanes {
   static PortableLanes load(const float* p) { return {{p[0], p[1], p[2], p[3]}}; }
   void store(float* p) const { std::copy_n(v.data(), 4, p); }
 
-  /// Argument of swap_pairs(): exchanges the lower and upper pair of lanes if true.
+  /// Argument of swap_pairs(): if true, the lower and upper pair of lanes are exchanged.
   struct Swap {
     bool on;
     explicit Swap(bool swap) : on(swap) {}
@@ -76,7 +76,7 @@ struct PortableLanes {
   friend unsigned equal_mask(const PortableLanes& a, const PortableLanes& b) {
     return lane_mask(a, b, [](float x, float y) { return x == y; });
   }
-  /// Returns, lane by lane, `a < b ? yes : no`.
+  /// Returns in each lane `a < b ? yes : no`.
   friend PortableLanes if_less(const PortableLanes& a, const PortableLanes& b, const PortableLanes& yes,
                                const PortableLanes& no) {
     PortableLanes r = no;
@@ -99,7 +99,7 @@ struct PortableLanes {
 
 #if defined(__SSE4_1__)
 
-/// Four floats in an SSE register.
+/// A vector of four floats in an SSE register.
 struct SseLanes {
   __m128 v;
 
@@ -160,15 +160,15 @@ using NativeLanes = PortableLanes;
 template <class Lanes>
 class RayBoxes {
  public:
-  /// Prepares a ray for boxes in floats, in a scene with these bounds.
+  /// Prepares a ray for boxes in floats. The scene bounds determine the rounding margin.
   RayBoxes(const Ray& ray, const glm::vec3& scene_lower, const glm::vec3& scene_upper)
       : RayBoxes(ray, scene_reach(ray.origin, scene_lower, scene_upper)) {}
-  /// Prepares a ray for boxes on a grid.
+  /// Prepares a ray for boxes in hybrid numbers on `grid`.
   RayBoxes(const Ray& ray, const glm::vec3& scene_lower, const glm::vec3& scene_upper, const BoxGrid& grid)
       : RayBoxes(ray, scene_reach(ray.origin, scene_lower, scene_upper), grid) {}
 
-  /// Returns in lanes 0 and 1 the distances at which the ray enters the two boxes, at least t_min. A box's bit in
-  /// `hits` is set if the ray enters it before leaving it and before `limit`.
+  /// Returns in lanes 0 and 1 the distances at which the ray enters the two boxes of a node, at least t_min. Bit i of
+  /// `hits` is set if the ray enters box i before it leaves it and before `limit`.
   Lanes entry_distances(const NodeRecord& node, Lanes limit, unsigned& hits) const {
     const Lanes x = (Lanes::load(node.x).swap_pairs(swap_x_) - x_) * inverse_x_;
     const Lanes y = (Lanes::load(node.y).swap_pairs(swap_y_) - y_) * inverse_y_;
@@ -177,7 +177,7 @@ class RayBoxes {
     hits = less_equal_mask(span, -span.upper_pair()) & 3U;
     return span;
   }
-  /// Returns the `limit` argument of enter() for the range t_min to t_max.
+  /// Returns the `limit` argument of entry_distances() for a ray from t_min to t_max.
   static Lanes distance_limits(float t_min, float t_max) { return Lanes::of(t_min, t_min, -t_max, -t_max); }
 
  private:
@@ -205,7 +205,8 @@ class RayBoxes {
         inverse_y_(both_ways(safe_reciprocal(ray.direction.y, grid.step().y))),
         inverse_z_(both_ways(safe_reciprocal(ray.direction.z, grid.step().z))) {}
 
-  /// Returns the largest distance along any axis from the origin to the scene's bounds. Rounding errors grow with it.
+  /// Returns the largest distance along any axis from the ray's origin to the scene's bounds. Rounding errors grow with
+  /// it.
   static float scene_reach(const glm::vec3& o, const glm::vec3& lower, const glm::vec3& upper) {
     float r = 0;
     for (int a = 0; a < 3; ++a) r = std::max({r, std::fabs(o[a] - lower[a]), std::fabs(o[a] - upper[a])});
@@ -228,7 +229,7 @@ class RayBoxes {
     return Lanes::of(ahead, ahead, back, back);
   }
   static float safe_reciprocal(float d) { return 1 / (std::fabs(d) < kTiny ? (d < 0 ? -kTiny : kTiny) : d); }
-  /// Returns the reciprocal in grid steps, limited to that of `kTiny`.
+  /// Returns the reciprocal of direction component `d` in grid steps, limited to that of kTiny.
   static float safe_reciprocal(float d, float step) {
     return std::clamp(step * safe_reciprocal(d), -1 / kTiny, 1 / kTiny);
   }
@@ -239,7 +240,7 @@ class RayBoxes {
   Lanes inverse_x_, inverse_y_, inverse_z_;
 };
 
-/// A 3D vector per lane.
+/// A 3D vector in each lane.
 template <class Lanes>
 struct Lanes3 {
   Lanes x, y, z;
@@ -251,11 +252,11 @@ struct Lanes3 {
   }
 };
 
-/// Tests one ray against up to four triangles.
+/// Tests one ray against up to four triangles at once.
 ///
 /// 1. The edge tests are Pluecker products of vertices relative to the ray's origin. Triangles that share an edge
-///    compute the same value with opposite sign, so no ray passes between them.
-/// 2. Both faces are hit; Result::missing() finds culled faces.
+/// compute the same value with opposite sign, so no ray passes between them.
+/// 2. Both faces are hit; Result::culled_mask() finds culled faces.
 /// 3. A triangle without area, or a ray in the triangle's plane, gives no finite distance.
 template <class Lanes>
 class RayTriangles {
@@ -265,17 +266,17 @@ class RayTriangles {
         direction_{Lanes::all(ray.direction.x), Lanes::all(ray.direction.y), Lanes::all(ray.direction.z)} {}
 
   struct Result {
-    Lanes t;             ///< distance of the triangle's plane
+    Lanes t;             ///< distance from the ray's origin to the plane of the triangle
     Lanes slope;         ///< negative if the ray sees the corners in counter-clockwise order
     Lanes u, v, w, sum;  ///< weights of the second, third and first vertex, multiplied by `sum`
-    /// Returns a bit per lane: the ray passes through the triangle.
+    /// Returns a bit for each lane whose triangle the ray passes through.
     unsigned inside_mask() const {
       const Lanes slack = Lanes::all(std::numeric_limits<float>::epsilon()) * abs(sum);
       const unsigned positive = less_equal_mask(-slack, min(min(u, v), w));
       const unsigned negative = less_equal_mask(max(max(u, v), w), slack);
       return (positive | negative) & ~equal_mask(sum, Lanes::all(0));
     }
-    /// Returns a bit for each of the `count` triangles at `at`: the face that the ray sees is culled.
+    /// Returns a bit for each of the `count` triangles at `at` whose face on the ray's side is culled.
     unsigned culled_mask(const TriangleRecord* at, unsigned count) const {
       const unsigned clockwise = less_mask(Lanes::all(0), slope);
       unsigned lanes = 0;
@@ -287,7 +288,7 @@ class RayTriangles {
     }
   };
 
-  /// Tests the `count` triangles at `at` (1 to 4); unused lanes repeat the last.
+  /// Tests the `count` triangles at `at` (1 to 4). Unused lanes repeat the last triangle.
   Result test_triangles(const TriangleRecord* at, unsigned count) const {
     Lanes rows[3][4];
     for (unsigned i = 0; i < 4; ++i) {
@@ -314,7 +315,8 @@ class RayTriangles {
   }
 
  private:
-  /// Returns the normal. Each component comes from the pair of edges with the smaller product, which rounds less.
+  /// Returns the normal of a triangle's plane. Each component comes from the pair of edges with the smaller product,
+  /// which rounds less.
   static Lanes3<Lanes> plane_normal(const Lanes3<Lanes>& a, const Lanes3<Lanes>& b, const Lanes3<Lanes>& c) {
     const auto better = [](Lanes ab0, Lanes ab1, Lanes bc0, Lanes bc1) {
       return if_less(abs(ab1), abs(bc1), ab0 - ab1, bc0 - bc1);

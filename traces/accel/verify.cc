@@ -23,13 +23,13 @@ constexpr double kIntervalMargin = 1e-5;
 
 Certainty less_certain(Certainty a, Certainty b) { return std::min(a, b); }
 
-/// Classifies a quantity that is positive for a hit and known to within `margin`.
+/// Classifies a quantity that is positive for a hit and has an error of at most `margin`.
 Certainty certainty_of(double value, double margin) {
   if (value < -margin) return Certainty::kMiss;
   return value > margin ? Certainty::kHit : Certainty::kUncertain;
 }
 
-/// Transform from the mesh's space to the world.
+/// Transforms points from the mesh's space to the world, in double precision.
 struct ToWorld {
   glm::dmat3 linear{1};
   glm::dvec3 origin{0};  ///< origin of the mesh's space
@@ -50,7 +50,7 @@ ToWorld to_world(const InstanceRecord& instance) {
   return {glm::inverse(linear_of(instance)), translation_of(instance), instance.handedness};
 }
 
-/// True if the ray passes near the boxes of the instance's root. The margin is about 100 times that of uncertain hits.
+/// True if the ray passes near the root boxes of the instance. The margin is about 100 times that of uncertain hits.
 bool passes_near(const Ray& ray, const MemoryImage& image, const InstanceRecord& instance) {
   const glm::dmat3 linear = linear_of(instance);
   const glm::dvec3 origin = linear * glm::dvec3(ray.origin) + translation_of(instance);
@@ -71,8 +71,8 @@ bool passes_near(const Ray& ray, const MemoryImage& image, const InstanceRecord&
   return enter <= leave;
 }
 
-/// Classifies whether the face that the ray sees exists. `cosine` is between the ray and the normal of the
-/// counter-clockwise face.
+/// Classifies whether the face of a triangle that the ray sees exists. `cosine` is between the ray and the normal of
+/// the counter-clockwise face.
 Certainty face_certainty(const TriangleRecord& triangle, double cosine) {
   const bool has_clockwise = (triangle.material & kNoClockwise) == 0;
   const bool has_other = (triangle.material & kNoCounterClockwise) == 0;
@@ -100,7 +100,7 @@ ExactHit exact_hit(const Ray& ray, const TriangleRecord& triangle, const ToWorld
   const double twice_area = glm::length(normal);
   for (std::size_t i = 0; i < 3 && certainty != Certainty::kMiss; ++i) {
     const glm::dvec3 edge = v[(i + 1) % 3] - v[i];
-    // distance from the edge, times the edge's length
+    // distance from the edge, times the length of the edge
     const double inwards = glm::dot(normal, glm::cross(edge, at - v[i])) / twice_area;
     const double margin = std::max(kBarycentricMargin * twice_area, length_margin * glm::length(edge));
     certainty = less_certain(certainty, certainty_of(inwards, margin));
@@ -177,7 +177,7 @@ double VerifyingTracer::distance_tolerance(const Ray& ray, double t) const {
 bool VerifyingTracer::is_same_hit(const Ray& ray, bool any, const Hit& tested, const Hit& reference) const {
   if (tested.is_hit() != reference.is_hit()) return false;
   if (!tested.is_hit()) return true;
-  // A reference that stopped at a flagged triangle gives no answer; test the hit itself.
+  // If the reference tracer stopped at a flagged triangle, it gives no answer; the hit itself is tested.
   if (any) return !reference.is_flagged() || is_possible(ray, tested);
   return tested.triangle == reference.triangle &&
          (!image_.has_levels() || instance_of(tested) == instance_of(reference)) &&

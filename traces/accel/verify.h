@@ -8,9 +8,9 @@
 
 namespace traces {
 
-/// Certainty of a hit in double precision. kUncertain: the hit is within 1e-5 (barycentric) or 1e-6 of the scene's
-/// diagonal of an edge, or within 1e-5 (and 1e-6 of the diagonal) of an end of the ray. Single precision may then
-/// decide either way.
+/// Whether a ray hits a triangle, in double precision. kUncertain: the hit is within 1e-5 (barycentric) or 1e-6 of the
+/// scene's diagonal of an edge, or within 1e-5 (and 1e-6 of the diagonal) of an end of the ray. Single precision may
+/// then decide either way.
 enum class Certainty { kMiss, kUncertain, kHit };
 
 struct ExactHit {
@@ -18,10 +18,11 @@ struct ExactHit {
   double t = std::numeric_limits<double>::infinity();
 };
 
-/// Tests the ray against the triangle and instance named by `hit`, which must exist.
+/// Tests a ray in double precision against the triangle and instance that `hit` names, which must exist.
 ExactHit exact_hit(const Ray& ray, const MemoryImage& image, const Hit& hit);
 
-/// Result of testing a ray against all triangles of the scene. In two levels, instances far from the ray are skipped.
+/// Result of testing a ray in double precision against all triangles of the scene. In two levels, instances far from
+/// the ray are skipped.
 struct ExactTrace {
   double nearest = std::numeric_limits<double>::infinity();  ///< distance of the nearest certain hit
   bool any_possible = false;                                 ///< some hit is certain or uncertain
@@ -29,14 +30,15 @@ struct ExactTrace {
 
 ExactTrace exact_trace(const Ray& ray, const MemoryImage& image);
 
-/// Result of tracing rays with two tracers. The first three counts are errors of the tested tracer.
+/// How the results of two tracers for the same rays differ. The first three counts are errors of the tested tracer.
 struct VerifyCounts {
   std::uint64_t rays = 0;
   std::uint64_t missing_hits = 0;      ///< only the reference tracer found a hit
   std::uint64_t extra_hits = 0;        ///< only the tested tracer found a hit
   std::uint64_t distance_errors = 0;   ///< both found a hit, with different triangles or distances
-  std::uint64_t edge_ties = 0;         ///< they differ, and double precision allows either result
-  std::uint64_t reference_errors = 0;  ///< they differ, and double precision allows only the tested tracer's result
+  std::uint64_t edge_ties = 0;         ///< the results differ, and double precision allows either
+  std::uint64_t reference_errors = 0;  ///< the results differ, and double precision allows only that of the tested
+                                       ///< tracer
 
   VerifyCounts& operator+=(const VerifyCounts& other);
   std::uint64_t error_count() const { return missing_hits + extra_hits + distance_errors; }
@@ -54,7 +56,7 @@ class VerifyingTracer : public Tracer {
  public:
   static constexpr std::uint64_t kRetries = 4096;
 
-  /// All three must outlive this tracer.
+  /// The image and both tracers must outlive this tracer.
   VerifyingTracer(const MemoryImage& image, const Tracer& tested, const Tracer& reference);
   void trace(std::span<const Ray> rays, RayKind kind, std::span<Hit> hits, WalkSink* walk) const override;
   VerifyCounts counts() const;
@@ -62,10 +64,10 @@ class VerifyingTracer : public Tracer {
  private:
   enum class Verdict { kTie, kReferenceWrong, kTestedWrong };
 
-  /// True if any hit answers the query, false if it must be the nearest.
+  /// True if any hit answers the query, false if the hit must be the nearest.
   static bool is_any(RayKind kind, const Hit& tested) { return kind == RayKind::kShadow && !tested.is_flagged(); }
   bool is_same_hit(const Ray& ray, bool any, const Hit& tested, const Hit& reference) const;
-  /// True if the hit names an existing triangle and instance.
+  /// True if the triangle and instance that the hit names exist.
   bool is_there(const Hit& hit) const;
   bool is_possible(const Ray& ray, const Hit& hit) const;
   Verdict decide_exactly(const Ray& ray, bool any, const Hit& tested, const Hit& reference) const;

@@ -6,7 +6,7 @@
 
 namespace traces {
 
-/// Granularity of a rasteriser's work.
+/// Configuration keys of the rasteriser: how much of its work is recorded together.
 struct RasterConfig {
   std::uint32_t batch = 1024;
   std::uint32_t block = 8;

@@ -20,13 +20,13 @@ struct PictureCamera {
 /// in the plane of PictureCamera::corner.
 using Projected = glm::dvec3;
 
-/// Projection from world space to the picture.
+/// Projects points from world space to the picture.
 class RasterView {
  public:
   explicit RasterView(const PictureCamera& camera);
 
   Projected project_point(const glm::dvec3& point) const { return to_picture_ * (point - origin_); }
-  /// Projects the direction of a ray from the eye: gives its pixel position and the depth per unit of length.
+  /// Projects a ray from the eye: returns its pixel position and the depth per unit of its length.
   Projected of_ray(const glm::vec3& direction) const { return to_picture_ * glm::dvec3(direction); }
   std::uint32_t width() const { return width_; }
   std::uint32_t height() const { return height_; }
@@ -37,29 +37,29 @@ class RasterView {
   std::uint32_t width_, height_;
 };
 
-/// A rectangle of the picture in pixels, both ends included.
+/// A rectangle of pixels of the picture, both ends included.
 struct PictureBox {
   glm::dvec2 low{0}, high{0};
 };
 
-/// The homogeneous edge functions of a triangle (Olano & Greer 1997). They find coverage without clipping, even if a
-/// vertex is close to the eye or behind it. Both faces are drawn.
+/// The homogeneous edge functions of a triangle (Olano & Greer 1997). They find which samples the triangle covers
+/// without clipping, even if a vertex is close to the eye or behind it. Both faces are drawn.
 ///
 /// A sample on an edge belongs to the triangle on the right of it, or below a horizontal edge. Triangles that share an
 /// edge compute the same value for it, so the sample is covered exactly once.
 class EdgeFunctions {
  public:
-  /// Prepares a triangle. False if it has no area in the picture or a vertex that is not finite.
+  /// Prepares a triangle. Returns false if it has no area in the picture or a vertex that is not finite.
   bool set_triangle(const std::array<Projected, 3>& vertices);
 
-  /// True if the corners appear in clockwise order.
+  /// True if the corners of the triangle appear in clockwise order.
   bool is_clockwise() const { return is_clockwise_; }
   bool covers_point(const glm::dvec2& at) const;
-  /// Returns the depth at a covered point.
+  /// Returns the depth of the triangle at a point that it covers.
   double depth_at(const glm::dvec2& at) const {
     return determinant_ / (edge_value(0, at) + edge_value(1, at) + edge_value(2, at));
   }
-  /// False if the triangle covers no point of the box.
+  /// Returns false only if the triangle covers no point of the box.
   bool may_touch(const PictureBox& box) const;
 
  private:
@@ -67,15 +67,15 @@ class EdgeFunctions {
     return edges_[edge].x * at.x + edges_[edge].y * at.y + edges_[edge].z;
   }
 
-  std::array<glm::dvec3, 3> edges_{};  ///< each is positive inside
+  std::array<glm::dvec3, 3> edges_{};  ///< functions of pixel position; each is positive inside the triangle
   double determinant_ = 0;
   bool is_clockwise_ = false;
 };
 
-/// Bounds of a triangle's visible part, clipped at the near plane.
+/// Bounds of the visible part of a triangle, after clipping at the near plane.
 struct RasterBounds {
-  PictureBox box;      ///< contains all covered points, including rounding
-  double nearest = 0;  ///< depth of the nearest point
+  PictureBox box;      ///< contains all covered pixels, including a margin for rounding
+  double nearest = 0;  ///< depth of the nearest point of the triangle
 };
 bool bounds_of(const std::array<Projected, 3>& vertices, double near, RasterBounds& bounds);
 

@@ -7,7 +7,7 @@
 namespace traces {
 namespace {
 
-/// Depth of the near plane, in diagonals of the scene. Rays begin at the eye, so it is small.
+/// Depth of the near plane, in diagonals of the scene. It is small, because rays begin at the eye.
 constexpr double kNear = 1e-6;
 
 double near_of(const MemoryImage& image) {
@@ -39,7 +39,8 @@ bool boxes_overlap(const PictureBox& a, const PictureBox& b) {
   return a.high.x >= b.low.x && a.low.x <= b.high.x && a.high.y >= b.low.y && a.low.y <= b.high.y;
 }
 
-/// Depth test: true if the triangle is the nearest so far at a sample that it covers.
+/// Tests the depth of a triangle at a sample that it covers. Returns true if the triangle is the nearest so far, and
+/// stores it.
 bool test_depth(const Coverage::Sample& sample, std::uint32_t number, const EdgeFunctions& edges, Coverage& found) {
   Coverage::Winner& winner = found.winners[sample.sample];
   const double depth = edges.depth_at(sample.at);
@@ -48,7 +49,7 @@ bool test_depth(const Coverage::Sample& sample, std::uint32_t number, const Edge
   return true;
 }
 
-/// Tests the samples of a block, which are sorted by quad.
+/// Tests which samples of a block of pixels a triangle covers. The samples are sorted by quad.
 void cover_block(const Coverage::Block& block, bool hidden, const EdgeFunctions& edges, Coverage& found,
                  RasterTriangle& triangle) {
   const std::span<const Coverage::Sample> samples = block.samples;
@@ -119,7 +120,7 @@ std::uint32_t Rasteriser::bin_triangles(std::uint32_t batch, Coverage& scratch, 
   return job.triangles;
 }
 
-/// Projects the rays and sorts the samples by list, block and quad.
+/// Projects the rays, and sorts their samples by triangle list, block and quad.
 void Rasteriser::sort_samples(std::span<const Ray> rays, Coverage& found) const {
   const std::uint32_t blocks = view_.width() / config_.block + 1, quads = view_.width() / 2 + 1;
   found.samples.resize(rays.size());
@@ -145,7 +146,7 @@ void Rasteriser::cover_samples(std::span<const Ray> rays, Coverage& found, TileW
     job.first_triangle = static_cast<std::uint32_t>(work->raster_triangles.size());
     job.first_run = static_cast<std::uint32_t>(work->list_runs.size());
   }
-  std::uint32_t most = 1;  // samples of a quad
+  std::uint32_t most = 1;  // largest number of samples in a quad
   for (std::size_t begin = 0, end = 0; begin < rays.size(); begin = end) {
     const std::uint32_t list = found.samples[begin].list;
     std::size_t quad = begin;

@@ -11,18 +11,19 @@
 
 namespace traces {
 
-/// Result of rasterising a wave, per sample. Storage is reused.
+/// Result of rasterising a wave: for each sample, the nearest triangle and counts of work. Storage is reused.
 struct Coverage {
   /// The nearest triangle at a sample.
   struct Winner {
-    std::uint32_t triangle = kNone;  ///< index within the frame; kNone if no triangle covers the sample
+    std::uint32_t triangle = kNone;  ///< index of the triangle in the frame; kNone if no triangle covers the sample
     double depth = 0;
   };
-  std::vector<Winner> winners;        ///< one entry per sample
-  std::vector<std::uint32_t> layers;  ///< number of triangles that cover the sample
-  std::vector<std::uint32_t> quads;   ///< number of triangle quads that contain the sample
+  std::vector<Winner> winners;        ///< nearest triangle, one entry per sample
+  std::vector<std::uint32_t> layers;  ///< number of triangles that cover each sample
+  std::vector<std::uint32_t> quads;   ///< number of triangle quads that contain each sample
 
-  // Scratch: samples sorted by list, block and quad; the blocks of a list; the lists of a batch's triangles.
+  // Scratch data of the rasteriser: samples sorted by list, block and quad; the blocks of a list; the lists of a
+  // batch's triangles.
   struct Sample {
     std::uint32_t list = 0, block = 0, quad = 0, sample = 0;
     glm::dvec2 at{0};
@@ -30,7 +31,7 @@ struct Coverage {
   struct Block {
     std::span<const Sample> samples;
     PictureBox box;
-    double farthest = 0;  ///< depth beyond which the block is hidden
+    double farthest = 0;  ///< triangles beyond this depth are hidden in the whole block
   };
   std::vector<Sample> samples;
   std::vector<Block> blocks;
@@ -50,18 +51,18 @@ struct Coverage {
 /// Not modelled: positions rounded to a sub-pixel grid, as in hardware; all arithmetic is in double precision.
 class Rasteriser {
  public:
-  /// Builds geometry and lists. `side` is the side of a list's screen region in pixels. `image` need not outlive this.
-  /// Throws InputError if the lists become too long.
+  /// Projects the scene and builds the triangle lists. A list belongs to a square of the picture with `side` pixels.
+  /// `image` need not outlive the rasteriser. Throws InputError if the lists become too long.
   Rasteriser(const MemoryImage& image, const PictureCamera& camera, const RasterConfig& config, std::uint32_t side);
   Rasteriser(const Rasteriser&) = delete;
   Rasteriser& operator=(const Rasteriser&) = delete;
 
   RasterDemands raster_demands() const;
-  /// Returns the number of batches of the geometry pass.
+  /// Returns the number of batches of triangles in the geometry pass.
   std::uint32_t batch_count() const { return (triangle_count() + config_.batch - 1) / config_.batch; }
-  /// Appends the work of a batch and returns its number of triangles. `scratch` provides storage.
+  /// Appends the work of binning a batch of triangles, and returns the number of triangles. `scratch` provides storage.
   std::uint32_t bin_triangles(std::uint32_t batch, Coverage& scratch, TileWork& work) const;
-  /// Finds the first hit of each ray from the eye. Appends the work to `work` unless it is null.
+  /// Finds the first hit of each ray from the eye. Appends the rasterisation work to `work` unless it is null.
   void cover_samples(std::span<const Ray> rays, Coverage& found, TileWork* work) const;
 
   const RasterGeometry& geometry() const { return geometry_; }

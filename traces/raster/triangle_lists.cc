@@ -16,7 +16,7 @@ namespace traces {
 
 namespace {
 
-/// A position by its bits. Positions that compare equal but differ in a bit are different vertices.
+/// A vertex position as bits. Positions that compare equal but differ in a bit are different vertices.
 using Key = std::array<std::uint32_t, 3>;
 Key key_of(const glm::vec3& p) {
   return {std::bit_cast<std::uint32_t>(p.x), std::bit_cast<std::uint32_t>(p.y), std::bit_cast<std::uint32_t>(p.z)};
@@ -25,7 +25,7 @@ struct KeyHash {
   std::size_t operator()(const Key& key) const { return sim::hash(key[0], key[1], key[2]); }
 };
 
-/// Transforms points of a mesh's space to the world.
+/// Transforms points from a mesh's space to the world.
 class ToWorld {
  public:
   explicit ToWorld(const InstanceRecord& instance) {
@@ -43,13 +43,13 @@ class ToWorld {
   glm::dvec3 offset_{0};
 };
 
-/// Returns the flags of a triangle's culled face in world space. A mirrored instance swaps front and back.
+/// Returns the flag of the face of a triangle that is culled, in world space. A mirrored instance swaps front and back.
 std::uint32_t missing_face(const TriangleRecord& triangle, bool is_mirrored) {
   const std::uint32_t missing = triangle.material & (kNoClockwise | kNoCounterClockwise);
   return missing != 0 && is_mirrored ? missing ^ (kNoClockwise | kNoCounterClockwise) : missing;
 }
 
-/// Numbers the vertices of triangles: equal positions share a vertex, each new position gets the next number.
+/// Numbers the vertices of triangles: equal positions share a number, and each new position gets the next one.
 class Welder {
  public:
   explicit Welder(RasterGeometry& geometry) : geometry_(geometry) {}
@@ -57,7 +57,7 @@ class Welder {
   template <class ToSpace>
   void add(const MemoryImage& image, std::uint32_t first, std::uint32_t count, std::uint32_t instance, bool is_mirrored,
            ToSpace&& in_world) {
-    numbers_.clear();  // instances share no vertices: their world positions differ
+    numbers_.clear();  // instances share no vertices, because their world positions differ
     numbers_.reserve(count);
     for (std::uint32_t t = first; t < first + count; ++t) {
       const TriangleRecord& record = image.triangles[t];
@@ -75,7 +75,7 @@ class Welder {
 
  private:
   RasterGeometry& geometry_;
-  std::unordered_map<Key, std::uint32_t, KeyHash> numbers_;  // never iterated
+  std::unordered_map<Key, std::uint32_t, KeyHash> numbers_;  // only looked up, because its order varies between hosts
 };
 
 }  // namespace
@@ -104,7 +104,7 @@ RasterGeometry raster_geometry(const MemoryImage& image) {
 
 namespace {
 
-/// Limit of list entries (chosen): one gigabyte.
+/// Largest number of list entries (chosen: one gigabyte).
 constexpr std::uint64_t kMostEntries = 1U << 28;
 
 }  // namespace

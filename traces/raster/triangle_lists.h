@@ -16,8 +16,8 @@ namespace traces {
 struct RasterGeometry {
   struct Triangle {
     std::array<std::uint32_t, 3> vertices{};
-    std::uint32_t index = 0;         ///< index in the memory image
-    std::uint32_t instance = kNone;  ///< set in two-level images
+    std::uint32_t index = 0;         ///< index of the triangle in the memory image
+    std::uint32_t instance = kNone;  ///< index of the instance in two-level images
     std::uint32_t missing = 0;       ///< culled face in world space: kNoClockwise, kNoCounterClockwise or 0
   };
   std::vector<glm::dvec3> vertices;
@@ -26,23 +26,24 @@ struct RasterGeometry {
 
 RasterGeometry raster_geometry(const MemoryImage& image);
 
-/// The triangle lists of screen regions, which are squares in row order. A triangle is in the list of each region that
-/// its bounds overlap and none of its edges excludes, unless its visible face is culled. Lists are stored one after the
-/// other, each in the order of triangles.
+/// For each screen region, the list of triangles that may be visible in it. Regions are squares in row order. A
+/// triangle is in the list of each region that its bounds overlap and none of its edges excludes, unless its visible
+/// face is culled. Lists are stored one after the other, each in the order of triangles.
 class TriangleLists {
  public:
-  /// `geometry` and `view` must outlive the lists.
+  /// `near` is the depth of the near plane, `side` that of a region in pixels. `geometry` and `view` must outlive the
+  /// lists.
   TriangleLists(const RasterGeometry& geometry, const RasterView& view, double near, std::uint32_t side);
 
   std::uint32_t list_count() const { return across_ * down_; }
   std::uint32_t region_side() const { return side_; }
   std::uint32_t entry_count() const { return static_cast<std::uint32_t>(entries_.size()); }
-  /// Returns the list of the region that contains a point.
+  /// Returns the number of the list whose screen region contains a point of the picture.
   std::uint32_t list_at(const glm::dvec2& point) const;
   std::span<const std::uint32_t> triangle_list(std::uint32_t number) const {
     return std::span(entries_).subspan(begin_[number], begin_[number + 1] - begin_[number]);
   }
-  /// Returns the index of the list's first entry.
+  /// Returns the index of the first entry of list `number` among the entries of all lists.
   std::uint32_t first_entry(std::uint32_t number) const { return begin_[number]; }
   /// Calls `f(list)` for each list that contains the triangle, in ascending order.
   template <class F>

@@ -5,7 +5,7 @@
 namespace traces {
 namespace {
 
-/// Counts the accesses of each kind.
+/// For each access of an item, counts how many accesses of its kind came before it.
 class Ranks {
  public:
   std::uint32_t next_rank(std::uint32_t kind) { return seen_[kind]++; }
@@ -64,7 +64,7 @@ void AccessWriter::write_launch(const TileWork& work, const WorkNode& launch, st
     for (std::uint32_t a = begin_of(item); a < begin_of(item + 1); ++a) {
       shape.push_back(static_cast<std::uint8_t>(work.accesses[a].kind()));
     }
-    // Fast path: most items have the shape of the previous one.
+    // Fast path: most items access memory in the same pattern as the previous one.
     if (item == 0 || shape != shapes_[shape_of_.back()]) {
       const auto found = std::ranges::find(shapes_, shape);
       shape_of_.push_back(static_cast<std::uint32_t>(found - shapes_.begin()));

@@ -10,24 +10,24 @@
 
 namespace traces {
 
-// Encoding of a launch's accesses. A shape is an item's list of access kinds. First come the shapes of the launch;
-// then, if there are several, the shape of each item; then each access, as the difference to the tile's previous access
-// of the same kind and rank (first, second, ... of its kind within the item).
+// Encoding of the memory accesses of a launch. A shape is the list of access kinds of an item. First come the shapes of
+// the launch; then, if there are several, the shape of each item; then each access, as the difference to the tile's
+// previous access of the same kind and rank (first, second, ... of its kind within the item).
 
-/// Limits: shapes of a launch, accesses of an item.
+/// Largest number of shapes of a launch, and of accesses of an item.
 inline constexpr std::uint32_t kMaxShapes = 4096, kMaxItemAccesses = 64;
 inline constexpr std::size_t kAccessKinds = 7;
 static_assert(static_cast<std::size_t>(Access::Kind::kInstance) + 1 == kAccessKinds);
 
-/// The previous access of each kind and rank.
+/// The previous access of each kind and rank in the tile.
 struct LastAccesses {
   std::array<std::array<Access, kMaxItemAccesses>, kAccessKinds> of{};
 };
 
-/// Writes accesses, launch by launch.
+/// Encodes the memory accesses of a tile, launch by launch.
 class AccessWriter {
  public:
-  /// Call before a tile's first launch.
+  /// Forgets the previous tile. Call before a tile's first launch.
   void begin_tile() { last_ = {}; }
   void write_launch(const TileWork& work, const WorkNode& launch, std::string& out);
 
@@ -36,14 +36,15 @@ class AccessWriter {
 
   LastAccesses last_;
   std::vector<std::vector<std::uint8_t>> shapes_;
-  std::vector<std::uint32_t> shape_of_;  ///< shape of each item
+  std::vector<std::uint32_t> shape_of_;  ///< for each item, the number of its shape
 };
 
-/// Reads the accesses written by AccessWriter.
+/// Decodes the memory accesses that AccessWriter has encoded.
 class AccessReader {
  public:
   void begin_tile() { last_ = {}; }
-  /// Appends the accesses of a launch of `items` items. Throws InputError if they are missing or exceed `counts`.
+  /// Decodes and appends the accesses of a launch of `items` items. Throws InputError if they are missing or exceed
+  /// `counts`.
   void read_launch(ByteReader& from, const ImageCounts& counts, std::uint32_t items, TileWork& work);
 
  private:
@@ -51,8 +52,9 @@ class AccessReader {
   Access read_access(ByteReader& from, const ImageCounts& counts, std::uint32_t kind, std::uint32_t rank);
 
   LastAccesses last_;
-  std::vector<std::uint8_t> kinds_, ranks_;  ///< of all shapes, concatenated
-  std::vector<std::uint32_t> shape_begin_;   ///< with a final end entry
+  std::vector<std::uint8_t> kinds_, ranks_;  ///< kind and rank of each access of all shapes, one shape after the other
+  std::vector<std::uint32_t> shape_begin_;   ///< for each shape, the index of its first access; the last entry is the
+                                             ///< end
   std::vector<std::uint32_t> shape_of_;
 };
 

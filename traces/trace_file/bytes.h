@@ -8,8 +8,8 @@
 
 namespace traces {
 
-/// Appends numbers to a byte string: single bytes, and varints of 7 bits per byte, lowest first, with the top bit set
-/// in all but the last byte.
+/// Appends numbers to a byte string: single bytes, and varints. A varint has 7 bits per byte, lowest first, and the top
+/// bit set in all bytes except the last.
 class ByteWriter {
  public:
   explicit ByteWriter(std::string& out) : out_(out) {}
@@ -19,7 +19,7 @@ class ByteWriter {
     for (; value >= 0x80; value >>= 7) write_byte(static_cast<std::uint32_t>(value & 0x7f) | 0x80U);
     write_byte(static_cast<std::uint32_t>(value));
   }
-  /// Writes 0, -1, 1, -2, 2, ... as 0, 1, 2, 3, 4, ...
+  /// Writes a signed number as a varint: 0, -1, 1, -2, 2, ... become 0, 1, 2, 3, 4, ...
   void write_difference(std::int64_t value) {
     write_number((static_cast<std::uint64_t>(value) << 1) ^ static_cast<std::uint64_t>(value >> 63));
   }
@@ -28,8 +28,8 @@ class ByteWriter {
   std::string& out_;
 };
 
-/// Reads the numbers written by ByteWriter. Throws InputError, without a file name, if the bytes end early or a number
-/// is out of range.
+/// Reads the numbers that ByteWriter has written. Throws InputError, without a file name, if the bytes end early or a
+/// number is out of range.
 class ByteReader {
  public:
   explicit ByteReader(std::string_view bytes) : at_(bytes.data()), end_(bytes.data() + bytes.size()) {}
@@ -42,7 +42,7 @@ class ByteReader {
     const std::uint32_t first = read_byte();
     return first < 0x80 ? first : long_number(first & 0x7f);
   }
-  /// Reads a number of at most `most`; `what` names it in the error.
+  /// Reads a varint of at most `most`; `what` names it in the error message.
   std::uint64_t read_number(std::uint64_t most, const char* what) {
     const std::uint64_t value = read_number();
     if (value > most) out_of_range(what);
@@ -51,7 +51,8 @@ class ByteReader {
   std::uint32_t read_number32(std::uint64_t most, const char* what) {
     return static_cast<std::uint32_t>(read_number(most, what));
   }
-  /// Reads a difference and returns its sum with `base`, at most `most`.
+  /// Reads a difference and returns its sum with `base`. Throws if the sum is above `most`; `what` names it in the
+  /// message.
   std::uint32_t read_moved(std::uint32_t base, std::uint64_t most, const char* what) {
     const std::uint64_t coded = read_number();
     const std::uint64_t value = base + ((coded >> 1) ^ (~(coded & 1) + 1));

@@ -58,7 +58,7 @@ ImageCounts counts_of_json(const Json& json) {
 }
 
 FrameRequirements requirements_of_json(const Json& json) {
-  // Absent in traces of a frame with one pass and one wave.
+  // Fields that are absent in traces of a frame with one pass and one wave.
   const auto optional_at = [&](const char* key, std::uint64_t most) {
     return json.contains(key) ? static_cast<std::uint32_t>(number_at(json, key, most)) : 0;
   };

@@ -10,7 +10,7 @@
 
 namespace traces {
 
-// A trace: streams of work on disk (docs/trace-format.md).
+// A trace is a file with streams of work (docs/trace-format.md).
 //
 //   magic | header | trees and parts: tiles, sizes of tiles | contents | footer
 //
@@ -19,36 +19,37 @@ namespace traces {
 using sim::Json;
 
 inline constexpr std::string_view kTraceMagic = "raywatt-trace/4\n";
-/// the previous version, without rasterisers; still readable
+/// Magic of the previous version, which has no rasterisers and can still be read.
 inline constexpr std::string_view kFormerMagic = "raywatt-trace/3\n";
 inline constexpr std::string_view kTraceKind = "raywatt-trace/";  ///< start of the magic of all versions
 inline constexpr int kTraceVersion = 4;
 inline constexpr std::string_view kTraceEnd = "end\n";
 inline constexpr std::size_t kFooterBytes = 16;  ///< offset of the contents (8 bytes), their size (4), kTraceEnd
 
-/// Limits of unpacked blocks. The contents are mostly two numbers per tile, 17 to 22 bytes: 23 MB for a frame of 16384
-/// x 16384 pixels in tiles of 16 x 16. Once read, they take up to 20 times that memory.
+/// Largest unpacked size of each kind of block. The contents are mostly two numbers per tile, 17 to 22 bytes: 23 MB for
+/// a frame of 16384 x 16384 pixels in tiles of 16 x 16. Once read, they take up to 20 times that memory.
 inline constexpr std::uint64_t kMaxHeaderBytes = 1U << 24, kMaxContentsBytes = 1U << 26,
                                kMaxTreeBytes = std::uint64_t{1} << 31;
 inline constexpr std::uint32_t kMaxPartTiles = 1U << 26, kMaxFrame = 1'000'000;
 
-/// Returns the limit of a tile's encoded bytes: 64 KiB per sample. Real tiles need 100 to 500 bytes per sample.
+/// Returns the largest encoded size of a tile: 64 KiB per sample. Real tiles need 100 to 500 bytes per sample.
 constexpr std::uint64_t most_tile_bytes(const FrameRequirements& requirements) {
   return std::min<std::uint64_t>(kMaxTileBytes, (1U << 16) + (std::uint64_t{1} << 16) * requirements.tile_samples);
 }
 
-/// Returns the limit of a block's unpacked bytes for its packed size. It keeps the memory for a small file small, up to
-/// 30 times its blocks' contents. Only highly repetitive data would pack better.
+/// Returns the largest unpacked size that a block of `packed` bytes may have. It keeps the memory that a small file can
+/// take within 30 times its blocks' contents. Only highly repetitive data would pack better.
 inline constexpr std::uint64_t kMaxSmallBlock = 1U << 18, kMaxPacking = 64;
 constexpr std::uint64_t most_held(std::uint64_t packed) { return std::max(kMaxSmallBlock, kMaxPacking * packed); }
 
-/// Returns a whole number of at most `most`. Throws InputError, without a file name, for anything else.
+/// Returns an integer from JSON that is at most `most`. Throws InputError, without a file name, for anything else.
 std::uint64_t number_of(const Json& json, std::uint64_t most, const char* what);
 std::uint64_t number_at(const Json& json, const char* key, std::uint64_t most);
 
 Json to_json(const ImageCounts& counts);
 Json to_json(const FrameRequirements& requirements);
-/// Throws InputError, without a file name, for counts that no scene has, and JsonError for missing ones.
+/// Reads the sizes of a scene from JSON. Throws InputError, without a file name, for counts that no scene has, and
+/// JsonError for missing ones.
 ImageCounts counts_of_json(const Json& json);
 FrameRequirements requirements_of_json(const Json& json);
 

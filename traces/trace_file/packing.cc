@@ -12,10 +12,10 @@
 namespace traces {
 namespace {
 
-// Limits of a zstd block: contents at most, packed size at least.
+// Limits of a zstd block: largest contents and smallest packed size, in bytes.
 constexpr std::uint64_t kMostInBlock = 128U << 10, kLeastOfBlock = 3;
 
-// Start of a zstd frame (RFC 8878, 3.1.1): the magic number, then a byte of flags.
+// Start of a zstd frame (RFC 8878, 3.1.1): the magic number, followed by a byte of flags.
 constexpr std::string_view kFrameMagic = "\x28\xb5\x2f\xfd";
 constexpr unsigned kChecksumFlag = 1U << 2;
 
@@ -44,7 +44,7 @@ std::string_view Packer::pack_loosely(std::string_view bytes, std::size_t bytes_
   ZSTD_CCtx_setPledgedSrcSize(context_.get(), bytes.size());
   packed_.clear();
   std::string piece(ZSTD_CStreamOutSize(), '\0');
-  // A flush ends a zstd block.
+  // A flush ends a zstd block, which limits how well it packs.
   const std::size_t most = (kLeastOfBlock + 1) * bytes_a_byte;
   for (bool is_last = false; !is_last; bytes.remove_prefix(std::min(most, bytes.size()))) {
     is_last = bytes.size() <= most;
@@ -82,7 +82,8 @@ std::string_view Unpacker::unpack_block(std::string_view block, std::uint64_t mo
   if (size > most) {
     throw sim::InputError(fmt::format("has a block of {} bytes that holds {}; allowed: {}", block.size(), size, most));
   }
-  if (size > (block.size() / kLeastOfBlock + 1) * kMostInBlock) throw_damaged();  // checked before `size` is trusted
+  // An impossible size, refused before memory is allocated.
+  if (size > (block.size() / kLeastOfBlock + 1) * kMostInBlock) throw_damaged();
   if (ZSTD_findFrameCompressedSize(block.data(), block.size()) != block.size()) throw_damaged();
   if (bytes_.size() < size + kBitsPadding) bytes_.resize(size + kBitsPadding);
   if (ZSTD_decompressDCtx(context_.get(), bytes_.data(), size, block.data(), block.size()) != size) throw_damaged();

@@ -10,17 +10,18 @@ struct ZSTD_DCtx_s;
 
 namespace traces {
 
-/// Size of the smallest block: an empty zstd frame.
+/// Bytes of the smallest packed block, an empty zstd frame.
 inline constexpr std::uint64_t kLeastPacked = 9;
 
-/// Packs blocks, one zstd frame each, with the size and checksum of the contents.
+/// Packs blocks of bytes with zstd, one frame each, which includes their size and checksum.
 class Packer {
  public:
-  /// Level 1, because higher levels save little: a tile consists mostly of walks, which hardly compress.
+  /// `level` is zstd's. Level 1 is enough: a tile consists mostly of walks, which hardly compress.
   explicit Packer(int level = 1);
-  /// Returns a packed block, valid until the next call.
+  /// Packs bytes into a block. The result is valid until the next call.
   std::string_view pack_block(std::string_view bytes);
-  /// Like pack(), but the block has at least one byte per `bytes_a_byte` bytes of contents (at least 4).
+  /// Packs bytes like pack_block(), but so that the block has at least one byte per `bytes_a_byte` bytes of contents
+  /// (at least 4).
   std::string_view pack_loosely(std::string_view bytes, std::size_t bytes_a_byte);
 
  private:
@@ -34,10 +35,10 @@ class Packer {
 class Unpacker {
  public:
   Unpacker();
-  /// Returns the size of the block at the beginning of `bytes`. Throws InputError, without a file name, if there is
-  /// none.
+  /// Returns the size of the packed block at the beginning of `bytes`. Throws InputError, without a file name, if there
+  /// is none.
   static std::size_t size_of(std::string_view bytes);
-  /// Returns the contents of a block, followed by kBitsPadding bytes; valid until the next call. Throws InputError,
+  /// Unpacks a block. kBitsPadding bytes follow the contents, which are valid until the next call. Throws InputError,
   /// without a file name, if the block is damaged or holds more than `most` bytes; nothing is allocated in that case.
   std::string_view unpack_block(std::string_view block, std::uint64_t most);
 

@@ -17,11 +17,11 @@
 namespace traces {
 namespace {
 
-// Data of rasteriser nodes.
+// Encoding of the data of rasteriser nodes.
 
-// A limit far above any tile's counts; it keeps sums within 32 bits.
+// Far above the counts of any tile. It keeps sums within 32 bits.
 constexpr std::uint64_t kMost = 1U << 26;
-constexpr std::uint64_t kLeastBytes = 5;  ///< minimum per triangle
+constexpr std::uint64_t kLeastBytes = 5;  ///< fewest bytes of an encoded triangle
 
 std::int64_t signed_difference(std::uint32_t from, std::uint32_t to) { return std::int64_t{to} - std::int64_t{from}; }
 
@@ -47,7 +47,7 @@ void read_cover(ByteReader& from, RasterTriangle& t) {
   t.passed = from.read_number32(t.samples - t.hidden_samples, kWhat);
 }
 
-/// Counts of the node's data, stored with the node; reading adds an entry to TileWork::raster.
+/// Writes how much data a rasteriser node has. Reading these counts adds an entry to TileWork::raster.
 void write_raster_counts(const TileWork& work, const WorkNode& node, ByteWriter& to) {
   const RasterWork& job = work.raster[node.raster];
   to.write_number(job.runs);
@@ -67,7 +67,7 @@ void read_raster_counts(ByteReader& from, WorkNode& node, TileWork& work) {
   work.raster.push_back(job);
 }
 
-/// Appends the data of a rasteriser node: list runs, then triangles.
+/// Writes the data of a rasteriser node: list runs, then triangles.
 void write_raster(const TileWork& work, const WorkNode& node, ByteWriter& to) {
   const RasterWork& job = work.raster[node.raster];
   std::uint32_t end = 0;
@@ -133,14 +133,14 @@ void read_raster(ByteReader& from, const RasterDemands& demands, const WorkNode&
   if (listed != entries) throw sim::InputError("lists have not as many entries as triangles are in them");
 }
 
-// Checks that any machine can play a decoded tile. They throw InputError, without a file name.
+// Checks that any machine can execute a decoded tile. They throw InputError, without a file name.
 
-/// True if the node's items occupy ray slots.
+/// True if the items of a node occupy ray slots.
 bool has_slots(const WorkNode& node) {
   return node.kind == WorkNode::Kind::kRays || node.kind == WorkNode::Kind::kRaster;
 }
 
-/// A node with ray slots must have one launch as its source.
+/// Throws unless a node with ray slots has one launch as its source.
 void check_rays(const WorkNode& rays, const TileWork& work) {
   if (rays.inputs.size() != 1 || rays.inputs[0].kind != Edge::Kind::kEach ||
       work.nodes[rays.inputs[0].node].kind != WorkNode::Kind::kLaunch) {
@@ -151,7 +151,7 @@ void check_rays(const WorkNode& rays, const TileWork& work) {
   }
 }
 
-/// All hits must be read: a ray's slot is released when its hit has been read.
+/// Throws unless some node reads all hits: a ray's slot is released when its hit has been read.
 void check_readers(const TileWork& work) {
   std::vector<bool> read(work.nodes.size()), whole(work.nodes.size());
   for (const WorkNode& node : work.nodes) {
@@ -168,7 +168,7 @@ void check_readers(const TileWork& work) {
   }
 }
 
-/// All imports must be read, because the end of a tile implies that its borders have arrived.
+/// Throws unless some node reads all imports, because the end of a tile implies that its borders have arrived.
 void check_imports(const TileWork& work) {
   std::uint32_t read = 0;
   for (const WorkNode& node : work.nodes) {
@@ -180,11 +180,12 @@ void check_imports(const TileWork& work) {
   }
 }
 
-// Nodes, walks and sources.
+// Encoding of nodes, walks and sources.
 
-// Limits far above any tile's counts; they keep sums within 32 bits.
+// Far above the counts of any tile. They keep sums within 32 bits.
 constexpr std::uint64_t kMaxItems = 1U << 26, kMaxRaysOfTile = 1U << 24, kMaxTiles = 1U << 28;
-constexpr std::uint64_t kMaxFreeItems = 1U << 20;  ///< items with accesses; items whose list is empty take no byte
+constexpr std::uint64_t kMaxFreeItems = 1U << 20;  ///< largest number of items with accesses; an item without accesses
+                                                   ///< takes no byte
 
 enum Walks : std::uint32_t { kCompact = 0, kPlain = 1 };
 
@@ -262,14 +263,14 @@ void read_transfer(ByteReader& from, const TileScope& scope, std::uint32_t impor
   node.border = border == 0 ? WorkNode::kNone : border - 1;
 }
 
-/// Reads the inputs of node `n`, which must be earlier nodes.
+/// Reads which earlier nodes node `n` depends on, and how.
 void read_inputs(ByteReader& from, std::uint32_t n, TileWork& work) {
   WorkNode& node = work.nodes[n];
   for (std::uint32_t left = from.read_number32(from.bytes_left(), "inputs of a node"); left > 0; --left) {
     const std::uint64_t code = from.read_number(2 * std::uint64_t{n} + 1, "input of a node");
     if (code < 2) ByteReader::out_of_range("input of a node");
     const Edge edge{n - static_cast<std::uint32_t>(code >> 1), static_cast<Edge::Kind>(code & 1)};
-    // Without sources, item i waits for item i of the input, which must exist.
+    // If the node maps no items, item i waits for item i of the input, which must exist.
     const bool each = edge.kind == Edge::Kind::kEach && node.sources == WorkNode::kNone;
     if (each && node.items > work.nodes[edge.node].items) ByteReader::out_of_range("input of a node");
     node.inputs.push_back(edge);
@@ -295,7 +296,7 @@ void TileEncoder::encode(const TileWork& work, const Links& links, std::string& 
   }
   to.write_number(work.nodes.size());
   for (std::uint32_t n = 0; n < work.nodes.size(); ++n) write_node(work, n, to);
-  // Then follow further data of the nodes, in node order.
+  // After all nodes come further data of the nodes, in node order.
   accesses_.begin_tile();
   std::uint32_t rays = 0, items = 0;
   for (const WorkNode& node : work.nodes) {
@@ -343,7 +344,7 @@ void TileDecoder::read_rays(ByteReader& from, WorkNode& node) {
   const std::uint32_t ray_kind = from.read_byte();
   if (ray_kind >= kRayKinds) ByteReader::out_of_range("kind of rays");
   node.ray_kind = static_cast<RayKind>(ray_kind);
-  // Marks that the node has sources; their position is set once they are read.
+  // A placeholder for a node with sources; their position is set once they are read.
   node.sources = read_flag(from, "sources of rays") != 0 ? 0 : WorkNode::kNone;
   node.first = rays_;
   rays_ += node.items;

@@ -18,29 +18,30 @@ namespace traces {
 inline constexpr std::size_t kRegionCount = static_cast<std::size_t>(Region::kCount);
 inline constexpr std::size_t kRayKinds = static_cast<std::size_t>(RayKind::kCount);
 
-/// Limits of a tile's bytes and nodes. Real tiles have up to some hundred nodes, and some hundred thousand with the
-/// largest render.layers and render.depth. A node takes many times its encoded bytes in memory.
+/// Largest encoded size of a tile, and largest number of nodes. Real tiles have up to some hundred nodes, and some
+/// hundred thousand with the largest render.layers and render.depth. A node takes many times its encoded bytes in
+/// memory.
 inline constexpr std::uint64_t kMaxTileBytes = 1U << 26;
 inline constexpr std::uint32_t kMaxTileNodes = 1U << 20;
 
-/// Limits for the references in a tile's work.
+/// Largest values that references in a tile's work may have.
 struct TileScope {
   Links links;
   ImageCounts counts;
   std::uint32_t kernels = 0;
   std::array<std::uint64_t, kRegionCount> region_bytes{};
-  std::optional<RasterDemands> raster{};     ///< present if there is a rasteriser
-  std::uint64_t tile_bytes = kMaxTileBytes;  ///< limit of the encoded size
+  std::optional<RasterDemands> raster{};     ///< present if the trace has a rasteriser
+  std::uint64_t tile_bytes = kMaxTileBytes;  ///< largest encoded size of the tile
 };
 
-/// Ray and step counts of a tile.
+/// Number of rays of a decoded tile, and the traversal steps of their walks.
 struct TileRays {
   std::array<std::uint64_t, kRayKinds> by_kind{};
   WalkSteps steps;
 };
 
-/// Encodes a tile's work as bytes (docs/trace-format.md). Walks that do not fit the tree are stored as plain words,
-/// which take more space. Throws InputError for work that the format cannot represent.
+/// Encodes the work of a tile as bytes (docs/trace-format.md). Walks that do not fit the tree are stored as plain
+/// words, which take more space. Throws InputError for work that the format cannot represent.
 class TileEncoder {
  public:
   void encode(const TileWork& work, const Links& links, std::string& out);
@@ -49,10 +50,10 @@ class TileEncoder {
   AccessWriter accesses_;
 };
 
-/// Decodes tiles and reuses the storage of earlier ones.
+/// Decodes the work of tiles. It reuses the storage of earlier tiles.
 class TileDecoder {
  public:
-  /// Decodes a tile that any machine can play. `bytes` must be followed by kBitsPadding bytes. Throws InputError,
+  /// Decodes a tile that any machine can execute. `bytes` must be followed by kBitsPadding bytes. Throws InputError,
   /// without a file name, if the bytes are not a valid tile within `scope`.
   TileRays decode(std::string_view bytes, const TileScope& scope, TileWork& work);
 

@@ -17,14 +17,14 @@ class TraceReader {
   struct FileRange {
     std::uint64_t offset = 0, bytes = 0;
   };
-  /// One frame, rendered by one program.
+  /// One frame of the picture, rendered by one program.
   struct Part {
     std::uint32_t frame = 0;
     bool reference = false;
     std::size_t tree = 0;
     FrameRequirements requirements;
     std::uint32_t tiles = 0;
-    std::uint64_t tiles_at = 0;  ///< offset of the first tile; the others follow
+    std::uint64_t tiles_at = 0;  ///< file offset of the first tile; the others follow
     FileRange sizes;
     Json result;
   };
@@ -34,16 +34,16 @@ class TraceReader {
   TraceReader(const TraceReader&) = delete;
   TraceReader& operator=(const TraceReader&) = delete;
 
-  int file_version() const { return version_; }  ///< version of the file
+  int file_version() const { return version_; }
   const Json& header() const { return header_; }
   const std::vector<Part>& parts() const { return parts_; }
   const Json& frames() const { return frames_; }
   std::uint64_t bytes() const { return size_; }
   std::size_t tree_count() const { return trees_.size(); }
 
-  /// Returns the limits for tiles of the part; `kernels` is the number of kernels.
+  /// Returns the limits for tiles of a part. `kernels` is the number of kernels that exist.
   TileScope tile_scope(const Part& part, std::uint32_t kernels) const;
-  /// Returns the file range of each tile of the part.
+  /// Returns where in the file each tile of a part is.
   std::vector<FileRange> tiles(const Part& part) const;
 
   /// Reads tiles one at a time. Any number of cursors may be used at once.
@@ -59,7 +59,7 @@ class TraceReader {
     TileDecoder decoder_;
   };
 
-  /// Calls `f`; errors it throws are prefixed with the file name.
+  /// Calls `f`. Errors that it throws are prefixed with the file name.
   template <class F>
   decltype(auto) naming_file(F&& f) const {
     try {
@@ -80,7 +80,7 @@ class TraceReader {
   static std::string damage_of(const sim::JsonError& error);
   [[noreturn]] void throw_error(const std::string& what) const;
   void read_at(const FileRange& range, std::string& out) const;
-  /// Reads and unpacks a block.
+  /// Reads a block from the file and unpacks it to at most `most` bytes.
   std::string read_block(const FileRange& range, std::uint64_t most) const;
   FileRange range_of(const Json& json) const;
   void read_header();

@@ -17,7 +17,8 @@ namespace {
 
 constexpr std::size_t kPiece = 1U << 20;
 
-/// Opens the file. A path that cannot be written is an input error; a disk that fills up later is not.
+/// Opens a new file. A path that cannot be written is an input error (InputError); a disk that fills up later is an
+/// IoError.
 std::unique_ptr<sim::NewFile> begin(const std::filesystem::path& path) {
   try {
     return std::make_unique<sim::NewFile>(path);
@@ -48,7 +49,7 @@ void OutputFile::commit() {
 
 namespace {
 
-/// Returns the path, unless a file of another kind is there and would be overwritten by mistake.
+/// Returns the path. Throws if a file is there that is not a trace, and would be overwritten by mistake.
 const std::filesystem::path& may_replace(const std::filesystem::path& path) {
   sim::check_output(path, {.mark = kTraceKind, .kind = "trace"});
   return path;

@@ -13,13 +13,13 @@
 
 namespace traces {
 
-/// A sim::NewFile with a buffer for larger writes.
+/// A new file with a buffer that collects small writes.
 class OutputFile {
  public:
   /// Throws InputError if the file cannot be created.
   explicit OutputFile(const std::filesystem::path& path);
 
-  /// Throws IoError, possibly for earlier writes.
+  /// Throws IoError, possibly because of earlier writes.
   void write(std::string_view bytes);
   std::uint64_t size() const { return size_; }
   void commit();
@@ -32,7 +32,7 @@ class OutputFile {
   std::uint64_t size_ = 0;
 };
 
-/// Writes a trace: the header, then each part with its tiles in list order. The file appears at `path`, complete, on
+/// Writes a trace: the header, then each part with its tiles in list order. The complete file appears at `path` on
 /// commit().
 ///
 ///   TraceWriter trace(path, header);
@@ -42,38 +42,38 @@ class TraceWriter {
  public:
   struct PartId {
     std::uint32_t frame = 0;
-    bool reference = false;  ///< made by the reference program
+    bool reference = false;  ///< the part was rendered by the reference program
   };
 
   /// Throws InputError if `path` cannot be written or is an existing file that is not a trace.
   TraceWriter(const std::filesystem::path& path, const Json& header);
 
-  /// Begins a part. A tree equal to the previous part's is not stored again.
+  /// Begins a part of the trace. A tree equal to the previous part's is not stored again.
   void begin_part(PartId id, Links links, const ImageCounts& counts, const FrameRequirements& requirements);
   void add(const TileWork& work);
-  /// Ends the part. `result` has the rest of its report.
+  /// Ends the part. `result` is the remaining JSON of its report.
   void end_part(Json result);
-  /// Adds the report data of a frame that belong to none of its parts.
+  /// Adds report data of a frame that belong to none of its parts.
   void end_frame(Json frame) { contents_["frames"].push_back(std::move(frame)); }
   void commit();
 
  private:
-  /// Packs a block within the limit of most_held(); valid until the next call.
+  /// Packs a block so that its unpacked size is within most_held(). The result is valid until the next call.
   std::string_view pack_limited(std::string_view bytes);
-  /// Appends a block and returns its file range.
+  /// Appends a packed block to the file and returns where it is.
   Json append_block(std::string_view bytes);
 
   OutputFile file_;
   Packer packer_;
   TileEncoder encoder_;
   Json contents_;
-  std::uint64_t contents_bytes_ = 0;  ///< bytes of all parts' JSON text
-  // State of the current part.
+  std::uint64_t contents_bytes_ = 0;  ///< bytes of the JSON text of all parts
+  // State of the part that is being written.
   Links links_;
   ImageCounts counts_;
   Json part_;
-  std::uint64_t most_of_tile_ = 0;    ///< limit of a tile's encoded bytes
-  std::vector<std::uint32_t> sizes_;  ///< packed sizes of its tiles
+  std::uint64_t most_of_tile_ = 0;    ///< largest encoded size of a tile
+  std::vector<std::uint32_t> sizes_;  ///< packed sizes of the part's tiles
   std::string bytes_;
 };
 

@@ -8,12 +8,13 @@
 namespace traces {
 namespace {
 
-// Encoding of a child: 0 (none), an even number (twice the distance to an inner node) or an odd one (a leaf). Above a
-// leaf's lowest bit are 3 bits of its size less one, then the difference between its first triangle (or instance) and
-// the end of the previous leaf. An instance is encoded as 0 (no tree) or 1 plus the index of its tree.
+// How a child of a tree node is encoded: 0 (none), an even number (twice the distance to an inner node) or an odd one
+// (a leaf). A leaf has, above its lowest bit, 3 bits of its size less one, then the difference between its first
+// triangle (or instance) and the end of the previous leaf. An instance is encoded as 0 (no tree) or 1 plus the index of
+// its tree.
 constexpr std::uint64_t kNothing = 0;
 
-/// Ends of the previous leaf of triangles and the previous leaf of instances.
+/// Where the previous leaf of triangles and the previous leaf of instances ended.
 struct LeafEnds {
   std::int64_t of_triangles = 0, of_instances = 0;
 };
@@ -29,7 +30,7 @@ std::uint64_t leaf_code(std::uint32_t link, LeafEnds& ends) {
   return code << 4 | (count - 1) << 1 | 1;
 }
 
-/// Decodes a tree, child by child.
+/// Decodes the links of a tree, child by child.
 class Decoder {
  public:
   Decoder(std::string_view bytes, const ImageCounts& counts)
@@ -56,7 +57,7 @@ class Decoder {
   }
 
  private:
-  /// Begins a tree at a node that no earlier node names.
+  /// Begins a tree at a node that no earlier node has as a child.
   void begin_tree(std::uint32_t node) {
     if (node != 0 && !has_levels_) throw sim::InputError("tree: a node has no parent");
     if (node != 0) trees_.push_back(node);
@@ -111,9 +112,10 @@ class Decoder {
   const std::uint64_t triangles_;
   const bool has_levels_;
   Links links_;
-  std::vector<std::uint8_t> depth_;    ///< depth of each node; 0 if it has no parent yet
-  std::vector<bool> is_upper_, seen_;  ///< nodes of the tree over instances; instances found in it
-  std::vector<std::uint32_t> trees_;   ///< roots of the trees below
+  std::vector<std::uint8_t> depth_;    ///< depth of each node; 0 if no parent has been read yet
+  std::vector<bool> is_upper_, seen_;  ///< which nodes are in the tree over instances, and which instances were found
+                                       ///< in it
+  std::vector<std::uint32_t> trees_;   ///< roots of the trees below the tree over instances
   std::uint64_t triangles_end_ = 0, instances_end_ = 0;
 };
 
@@ -139,7 +141,7 @@ std::string encode_links(const Links& links) {
                                        : std::uint64_t{link - node} << 1);
     }
   }
-  // Trees are numbered in the order of their roots.
+  // Trees are numbered in the order of their root nodes.
   std::vector<std::uint32_t> trees = links.roots;
   std::ranges::sort(trees);
   trees.erase(std::unique(trees.begin(), trees.end()), trees.end());

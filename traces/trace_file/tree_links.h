@@ -9,14 +9,14 @@
 
 namespace traces {
 
-/// The part of a tree that determines valid walks.
+/// The links of a tree, which determine which walks are possible.
 struct Links {
-  std::vector<std::array<std::uint32_t, 2>> nodes;  ///< link words of each inner node's children
-  std::vector<std::uint32_t> roots;  ///< root of each instance's tree, or kNone; empty in trees of one level
+  std::vector<std::array<std::uint32_t, 2>> nodes;  ///< for each inner node, the link words of its children
+  std::vector<std::uint32_t> roots;  ///< for each instance, the root of its tree or kNone; empty in trees of one level
   friend bool operator==(const Links&, const Links&) = default;
 };
 
-/// Limit of a tree's depth in a trace, and of the stack entries per level.
+/// Largest depth of a tree in a trace, which is also the number of stack entries per level.
 inline constexpr std::uint32_t kMaxTreeDepth = 128;
 
 Links links_of(const MemoryImage& image);

@@ -14,7 +14,7 @@ namespace {
 
 enum Pop : std::uint32_t { kNext = 0, kCullAll = 1, kEndHere = 2, kCullSome = 3 };
 
-/// Converts exit phases of 4 bits each to 2 bits each; unpack_phases() does the reverse.
+/// Packs exit phases of 4 bits each to 2 bits each; unpack_phases() is the inverse.
 constexpr std::uint32_t pack_phases(std::uint32_t x) {
   x &= 0x33333333U;
   x = (x | x >> 2) & 0x0f0f0f0fU;
@@ -27,7 +27,7 @@ constexpr std::uint32_t unpack_phases(std::uint32_t x) {
   return (x | x << 2) & 0x33333333U;
 }
 
-/// Returns the lowest bit of each nibble that is not 0.
+/// Returns a word with the lowest bit of each nibble that is not 0.
 constexpr std::uint32_t nonzero_phases(std::uint32_t phases) {
   phases |= phases >> 1;
   return (phases | phases >> 2) & 0x11111111U;
@@ -38,7 +38,7 @@ constexpr bool are_tested(std::uint32_t phases, std::uint32_t tested) {
   return tested != 0 && nonzero_phases(phases) == (0x11111111U & (0xffffffffU >> (32 - 4 * tested)));
 }
 
-/// Bits of a cull count; a stack has kMaxTreeDepth entries per level.
+/// Bits of the number of culled entries; a stack has kMaxTreeDepth entries per level.
 constexpr std::uint32_t kCullBits = 7;
 static_assert(kMaxTreeDepth == 1U << kCullBits);
 constexpr std::uint32_t cull_bits(bool levels) { return kCullBits + (levels ? 1 : 0); }
@@ -46,7 +46,7 @@ constexpr std::size_t kStackSize = 2 * std::size_t{kMaxTreeDepth} + 1;
 
 [[noreturn]] void no_walk() { throw sim::InputError("a ray's walk is none on this tree"); }
 
-/// Writes bits, lowest first.
+/// Appends bits to memory, lowest bit first.
 class BitWriter {
  public:
   explicit BitWriter(char* out) : out_(out) {}
@@ -59,7 +59,7 @@ class BitWriter {
     held_ >>= 32;
     count_ -= 32;
   }
-  /// Flushes and returns the end of the bytes.
+  /// Writes the remaining bits and returns the end of the bytes.
   char* finish_bits() {
     std::memcpy(out_, &held_, 8);
     return out_ + (count_ + 7) / 8;
@@ -75,7 +75,7 @@ struct NoBits {
   void put_bits(std::uint64_t, std::uint32_t) {}
 };
 
-/// Checks walks against a tree, word by word.
+/// Checks word by word whether walks are possible in a tree.
 class Follower {
  public:
   Follower(const Links& links, const std::uint32_t* words, const std::uint32_t* end)
@@ -84,7 +84,7 @@ class Follower {
   const std::uint32_t* at() const { return at_; }
   const WalkSteps& steps() const { return steps_; }
 
-  /// Checks one ray's walk and writes its bits to `out`. False if the walk does not fit the tree.
+  /// Checks one ray's walk and writes its bits to `out`. Returns false if the walk does not fit the tree.
   template <class Bits>
   bool follow_walk(Bits& out) {
     std::uint32_t link = 0, depth = 0;
@@ -111,7 +111,7 @@ class Follower {
       } else if (!leave_leaf(out, link, word)) {
         return false;
       }
-      // A pop or the end follows.
+      // A pop or the end must follow.
       if (at_ == end_) return false;
       std::uint32_t next = *at_, culled = 0;
       if (depth != 0) {
@@ -189,10 +189,10 @@ WalkSteps decode_plain_walks(std::string_view bytes, const Links& links, std::ui
 
 namespace {
 
-constexpr std::uint32_t kMostWords = 4;  // of a step and what follows it
+constexpr std::uint32_t kMostWords = 4;  // number of words that a step and what follows it can write
 
-/// Decoder state: the input bits and the output words. Output grows only as far as input has been decoded, so a forged
-/// count cannot exhaust memory.
+/// State of the decoder: the input bits and the output words. Output grows only as far as input has been decoded, so a
+/// forged count cannot exhaust memory.
 struct Cursor {
   Cursor(std::string_view from, std::uint32_t count, std::vector<std::uint32_t>& to)
       : bits(from.data()), end(8 * from.size()), words(count), walk(to) {
@@ -206,8 +206,8 @@ struct Cursor {
   }
 
   const char* bits;
-  const std::uint64_t end;    ///< number of bits
-  const std::uint32_t words;  ///< expected number of words
+  const std::uint64_t end;    ///< number of input bits
+  const std::uint32_t words;  ///< expected number of output words
   std::vector<std::uint32_t>& walk;
   std::uint32_t* out;
   std::uint32_t* last;  ///< end of the output, less the room for one step
@@ -223,7 +223,7 @@ struct Cursor {
   }
 };
 
-/// Decodes a leaf's tests from the next bits and returns the number of bits used.
+/// Decodes the triangle tests of a leaf from the next bits, and returns how many bits it used.
 inline std::uint32_t decode_leaf(std::uint64_t window, std::uint32_t link, Cursor& c) {
   const std::uint32_t size = 2 * leaf_count(link);
   const std::uint32_t phases = unpack_phases(static_cast<std::uint32_t>(window) & ((1U << size) - 1));
@@ -240,7 +240,7 @@ template <bool kLevels>
 inline void decode_walk(const Links& links, Cursor& c) {
   const std::array<std::uint32_t, 2>* const tree = links.nodes.data();
   const auto nodes = static_cast<std::uint32_t>(links.nodes.size());
-  // Child entered first, by the code of a visit.
+  // Which child is entered first, for each code of a visit.
   constexpr std::array<std::uint8_t, 8> kNear = {0, 0, 1, 0, 0, 0, 0, 1};
   std::array<std::uint32_t, kStackSize> stack;
   std::uint32_t link = 0, depth = 0;

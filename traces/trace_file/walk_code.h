@@ -21,18 +21,19 @@ namespace traces {
 //                                                        after the culled ones is next
 //   end       hit(1)
 
-/// Readable bytes required after the bits to decode; their values do not matter.
+/// Number of readable bytes that must follow the bits to decode; their values do not matter.
 inline constexpr std::size_t kBitsPadding = 8;
 
-/// Appends the bits of all walks of the tile. Returns false, with `out` unchanged, if a walk does not fit the tree.
+/// Appends the bits of all walks of a tile. Returns false, with `out` unchanged, if a walk does not fit the tree.
 bool encode_walks(const TileWork& work, const Links& links, std::string& out);
 
-/// Decodes the walks of `rays` rays, `words` words in total, into `walk` and `ray_begin`, and returns their steps.
-/// `bits` must be followed by kBitsPadding bytes. Throws InputError if the bits are not valid.
+/// Decodes the walks of `rays` rays with `words` words in total, and returns their traversal steps. `bits` must be
+/// followed by kBitsPadding bytes. Throws InputError if the bits are not valid.
 WalkSteps decode_walks(std::string_view bits, const Links& links, std::uint32_t rays, std::uint32_t words,
                        TileWork& work);
 
-/// Like decode_walks(), for plain words as in walk.h, four bytes each.
+/// Reads the walks of `rays` rays that are stored as plain words of four bytes (walk.h), and returns their traversal
+/// steps. Throws InputError if a walk does not fit the tree.
 WalkSteps decode_plain_walks(std::string_view bytes, const Links& links, std::uint32_t rays, TileWork& work);
 
 }  // namespace traces

@@ -14,19 +14,19 @@
 namespace traces {
 namespace {
 
-// Nodes created by Embree's builder callbacks, in Embree's memory. They are small, because a tree has about as many
-// nodes as triangles.
+// Tree nodes that Embree's builder callbacks create in Embree's memory. They are small, because a tree has about as
+// many nodes as triangles.
 
 struct TreeNode {
-  std::uint32_t count = 0;  ///< triangles of a leaf; 0 for an inner node
+  std::uint32_t count = 0;  ///< number of triangles of a leaf; 0 for an inner node
 };
 
 struct InnerNode : TreeNode {
   TreeNode* child[2] = {nullptr, nullptr};
-  Bounds bounds[2];  ///< the children's boxes
+  Bounds bounds[2];  ///< boxes of the two children
 };
 
-/// A leaf, followed in memory by `count` triangle indices.
+/// A leaf. In memory `count` triangle indices follow it.
 struct LeafNode : TreeNode {
   std::uint32_t* triangles() { return reinterpret_cast<std::uint32_t*>(this + 1); }
   const std::uint32_t* triangles() const { return reinterpret_cast<const std::uint32_t*>(this + 1); }
@@ -43,7 +43,8 @@ float half_area(const Bounds& b) {
   return d.x * d.y + d.y * d.z + d.z * d.x;
 }
 
-/// Allocates builder memory. Throws std::bad_alloc, which ends the build, if Embree returns a null pointer.
+/// Allocates memory from Embree's builder. Throws std::bad_alloc, which ends the build, if Embree returns a null
+/// pointer.
 void* allocate_node(RTCThreadLocalAllocator allocator, std::size_t bytes) {
   void* memory = rtcThreadLocalAlloc(allocator, bytes, alignof(InnerNode));
   if (memory == nullptr) throw std::bad_alloc();
@@ -77,7 +78,7 @@ void* create_leaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* pr
   return leaf;
 }
 
-/// Appends the tree below `root` and returns its link word.
+/// Appends the tree below `root` and returns the link word of its root.
 std::uint32_t append_subtree(const TreeNode& root, FlatBvh& out) {
   if (root.count != 0) {
     const std::uint32_t* triangles = static_cast<const LeafNode&>(root).triangles();
@@ -98,8 +99,8 @@ std::uint32_t append_subtree(const TreeNode& root, FlatBvh& out) {
   return index;
 }
 
-/// Appends the root, which is always an inner node: a single leaf, or an empty tree, gets a parent. `bounds` are those
-/// of the whole tree.
+/// Appends the root of a tree as an inner node. A single leaf or an empty tree gets an inner node as parent. `bounds`
+/// are those of the whole tree.
 void append_root(const TreeNode* root, const Bounds& bounds, FlatBvh& out) {
   if (root != nullptr && root->count == 0) {
     append_subtree(*root, out);
@@ -116,7 +117,7 @@ void append_root(const TreeNode* root, const Bounds& bounds, FlatBvh& out) {
   }
 }
 
-/// Callback from Embree's threads. Throws to end the build, because Embree 3 ignores the return value.
+/// Embree calls this during the build. It throws to end the build, because Embree 3 ignores the return value.
 bool continue_build(void* stop, double) {
   if ((*static_cast<const sim::Stop*>(stop))()) throw sim::Cancelled{};
   return true;
@@ -168,12 +169,12 @@ FlatBvh build_tree(RTCDevice device, std::vector<RTCBuildPrimitive> primitives, 
   const RTCError error = rtcGetDeviceError(device);
   if (root == nullptr && stop != nullptr && stop()) throw sim::Cancelled{};
   if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
-  if (error != RTC_ERROR_NONE || root == nullptr) {  // Embree's error for an insufficient depth
+  if (error != RTC_ERROR_NONE || root == nullptr) {  // Embree's error if the tree is too deep
     throw sim::InputError("bvh.max_depth: " + std::to_string(config.max_depth) + " levels are not enough for " +
                           std::to_string(count) + " triangles in leaves of " + std::to_string(config.leaf_size));
   }
 
-  primitives = {};  // no longer needed: leaves have the indices
+  primitives = {};  // frees memory: the leaves have the indices
   out.nodes.reserve(count);
   out.order.reserve(count);
   append_root(root, all, out);

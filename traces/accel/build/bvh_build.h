@@ -12,10 +12,10 @@
 
 namespace traces {
 
-/// A tree in its final order: depth first, with the child of larger surface area (child 0) directly after its parent.
+/// A tree in its final order: depth first, and the child of larger surface area (child 0) directly after its parent.
 struct FlatBvh {
   std::vector<NodeRecord> nodes;
-  std::vector<std::uint32_t> order;  ///< input indices in leaf order
+  std::vector<std::uint32_t> order;  ///< input indices of the triangles or boxes, in leaf order
 };
 
 inline void set_box(NodeRecord& node, int child, const Bounds& b) {
@@ -25,15 +25,15 @@ inline void set_box(NodeRecord& node, int child, const Bounds& b) {
   }
 }
 
-/// Builds trees with Embree's builder.
+/// Builds bounding volume hierarchies with Embree's builder.
 class BvhBuilder {
  public:
-  /// `stop` is polled during the build; sim::Cancelled is thrown once it returns true.
+  /// The build polls `stop` and throws sim::Cancelled once it returns true.
   BvhBuilder(const BvhConfig& config, unsigned threads, sim::Stop stop = nullptr);
   ~BvhBuilder();
   /// Builds a tree over triangles. Throws InputError if it is too deep.
   FlatBvh build_over(std::span<const TriangleRecord> triangles) const;
-  /// Builds a tree with one leaf per box. No box may be empty.
+  /// Builds a tree over boxes, with one box per leaf. No box may be empty.
   FlatBvh build_over(std::span<const Bounds> boxes) const;
 
  private:
@@ -43,7 +43,7 @@ class BvhBuilder {
   const std::unique_ptr<const Device> device_;
 };
 
-/// Moves record order[i] to index i for all i, in place, along the cycles of the permutation.
+/// Moves record order[i] to index i for all i. It works in place, along the cycles of the permutation.
 template <class Record>
 void reorder_records(std::span<Record> records, const std::vector<std::uint32_t>& order) {
   std::vector<bool> done(records.size(), false);

@@ -17,14 +17,15 @@
 namespace traces {
 namespace {
 
-/// Returns the matrix for normals: the transposed inverse times |determinant|, which exists for flat instances too.
+/// Returns the matrix that transforms normals: the transposed inverse times |determinant|. It exists even if the
+/// instance is flat.
 glm::mat3 normal_matrix(const glm::mat4& to_world) {
   const glm::vec3 x(to_world[0]), y(to_world[1]), z(to_world[2]);
   const glm::mat3 cofactors(glm::cross(y, z), glm::cross(z, x), glm::cross(x, y));
   return glm::dot(x, glm::cross(y, z)) < 0 ? -cofactors : cofactors;
 }
 
-/// Returns `v` normalised, or `otherwise` if it has no direction.
+/// Returns `v` scaled to length 1, or `otherwise` if the length of `v` is 0.
 glm::vec3 unit_or(const glm::vec3& v, const glm::vec3& otherwise) {
   const glm::dvec3 wide(v);
   const double length = glm::length(wide);
@@ -54,7 +55,7 @@ void check(const Mesh& mesh, std::size_t materials) {
   }
 }
 
-/// Returns 128 + 127 * x, for x in [-1, 1].
+/// Encodes x in [-1, 1] as the byte 128 + 127 * x.
 std::uint32_t byte_of(float x) {
   return static_cast<std::uint32_t>(std::lround(127 * std::clamp(x, -1.0F, 1.0F)) + 128);
 }
@@ -65,8 +66,8 @@ std::uint32_t packed_tangent(const glm::vec3& t, float sign) {
 
 std::uint32_t half_word(float x) { return static_cast<std::uint32_t>(std::lround(65535 * std::clamp(x, 0.0F, 1.0F))); }
 
-/// Returns a triangle's vertex record. Missing data default to white, the first texture coordinates and a tangent of
-/// length 0.
+/// Returns the vertex record of a triangle. Missing data default to white, the first texture coordinates and a tangent
+/// of length 0.
 VertexRecord vertices_of(const Mesh& mesh, const std::array<std::uint32_t, 3>& corners, const glm::mat3& to_world) {
   const float handedness = glm::determinant(to_world) < 0 ? -1.0F : 1.0F;
   VertexRecord record{};
@@ -83,8 +84,9 @@ VertexRecord vertices_of(const Mesh& mesh, const std::array<std::uint32_t, 3>& c
   return record;
 }
 
-/// Returns the root of the triangle's area in texture coordinates over that in space. Returns the least density if the
-/// triangle shows only a point or line of the texture, which must not be averaged.
+/// Returns the texture density of a triangle: the square root of its area in texture coordinates divided by its area in
+/// space. A triangle that shows only a point or line of the texture gets the smallest density, so that its texels are
+/// not averaged.
 float texture_density(const Mesh& mesh, const std::array<std::uint32_t, 3>& corners, const glm::mat3& to_space) {
   if (mesh.uvs.empty()) return kLeastDensity;
   const auto edge = [&](const auto& array, std::size_t i) { return array[corners[i]] - array[corners[0]]; };
@@ -122,8 +124,8 @@ std::size_t count_of(std::span<const PlacedMesh> placed) {
   return count;
 }
 
-/// Returns the culled face: the back face of a single-sided material. Front faces have counter-clockwise corners, in a
-/// mirrored mesh clockwise ones (glTF).
+/// Returns which face of a triangle is culled: the back face if the material is single-sided. Front faces have
+/// counter-clockwise corners, or clockwise ones in a mirrored mesh (glTF).
 std::uint32_t missing_face(const MaterialRecord& material, const glm::mat4& to_space) {
   if ((material.flags & kSingleSided) == 0) return 0;
   return glm::determinant(glm::dmat3(to_space)) < 0 ? kNoCounterClockwise : kNoClockwise;
@@ -160,7 +162,7 @@ void append_triangles(const PlacedMesh& placed, const MaterialTables& materials,
   const MaterialRecord& record = materials.records[mesh.material];
   const std::uint32_t material = triangle_flags(record) | missing_face(record, placed.to_space) | mesh.material;
   std::vector<glm::vec3> positions(mesh.positions.size());
-  // Adding 0 turns -0 into +0, so that boxes do not depend on the order of merging.
+  // Adding 0 turns -0 into +0, so that boxes do not depend on the order in which they are merged.
   std::ranges::transform(mesh.positions, positions.begin(),
                          [&](const glm::vec3& p) { return glm::vec3(placed.to_space * glm::vec4(p, 1)) + 0.0F; });
   for (const auto& corners : mesh.triangles) {

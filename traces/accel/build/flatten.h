@@ -11,36 +11,36 @@
 
 namespace traces {
 
-/// A mesh and where to put its triangles.
+/// A mesh and the space in which its triangles are stored.
 struct PlacedMesh {
   const Mesh* mesh = nullptr;
   glm::mat4 to_space{1};     ///< matrix from the mesh's space to that of the stored triangles
   std::uint32_t object = 0;  ///< TriangleRecord::object
 };
 
-/// Shading records, in the order of the triangles.
+/// Records that shading kernels read for each triangle, in the order of the triangles.
 struct ShadingRecords {
   std::vector<AttributeRecord> attributes;
-  std::vector<VertexRecord> vertices;  ///< empty if no material needs them
+  std::vector<VertexRecord> vertices;  ///< empty if no material needs vertex records
 };
 
-/// Returns the object id of instance `i`.
+/// Returns the object id that hits on instance `i` have.
 inline std::uint32_t object_of(const Instance& instance, std::uint32_t i) {
   return i | (instance.focus ? kFocusObject : 0);
 }
 
-/// Returns all instances with their matrices to world space. Throws InputError for invalid references.
+/// Returns the meshes of all instances with their matrices to world space. Throws InputError for invalid references.
 std::vector<PlacedMesh> placed_instances(const Scene& scene);
 /// Throws InputError if a mesh has invalid references.
 void check_meshes(const Scene& scene);
 
-/// Appends the triangles of a mesh; their `source` counts from `base`.
+/// Appends the triangles of a mesh. The first gets `source` number `base`.
 void append_triangles(const PlacedMesh& placed, const MaterialTables& materials, std::size_t base,
                       std::vector<TriangleRecord>& out);
-/// Returns the triangles of all meshes, numbered in order. Throws InputError if there are too many.
+/// Returns the triangles of all meshes, with consecutive `source` numbers. Throws InputError if there are too many.
 std::vector<TriangleRecord> triangles_of(std::span<const PlacedMesh> placed, const MaterialTables& materials);
-/// Returns the shading records of the same triangles. Separate from triangles_of() to save memory while the tree is
-/// built.
+/// Returns the shading records of the triangles that triangles_of() returns. It is a separate function, which saves
+/// memory while the tree is built.
 ShadingRecords shading_of(std::span<const PlacedMesh> placed, const MaterialTables& materials);
 
 /// Throws InputError if there are too many triangles.

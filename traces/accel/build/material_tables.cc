@@ -31,7 +31,7 @@ void check(const Material& m, const std::vector<Texture>& textures) {
 
 bool shines(const Material& m) { return std::max({m.emission.x, m.emission.y, m.emission.z}) > 0; }
 
-/// Returns all flags except kVertexed, which also depends on the meshes.
+/// Returns the flags of a material except kVertexed, which also depends on the meshes.
 std::uint32_t flags_of(const Material& m, const MaterialRecord& record) {
   const bool physical = m.metal_rough_texture.used();
   const bool has_alpha = m.alpha != Material::Alpha::kOpaque;
@@ -138,14 +138,14 @@ namespace {
 
 constexpr std::size_t kChannels = 4;
 
-/// A linear texel of four channels, R first; 65535 is 1.
+/// A texel of four linear channels, R first; 65535 stands for 1.
 using WideTexel = std::array<std::uint16_t, kChannels>;
 struct WideTexture {
   std::uint32_t width = 0, height = 0;
   std::vector<WideTexel> texels;
 };
 
-/// Conversion between the codes of an 8-bit channel and linear values.
+/// Converts the codes of an 8-bit texture channel to linear values and back.
 class Encoding {
  public:
   explicit Encoding(bool srgb) {
@@ -155,7 +155,7 @@ class Encoding {
     }
   }
   std::uint16_t linear_value(std::uint32_t code) const { return values_[code]; }
-  /// Returns the code with the nearest value.
+  /// Returns the 8-bit code whose linear value is nearest to `value`.
   std::uint32_t nearest_code(std::uint16_t value) const {
     const auto above = std::ranges::lower_bound(values_, value);
     const bool is_below = above != values_.begin() && value - *(above - 1) < *above - value;
@@ -166,7 +166,7 @@ class Encoding {
   std::array<std::uint16_t, 256> values_{};
 };
 
-/// The texels along one axis that a texel of the next level covers, and their weights.
+/// The texels along one axis that a texel of the next mip level covers, and their weights.
 struct Cover {
   std::uint32_t first = 0;
   std::array<std::uint64_t, 3> weights{};
@@ -179,7 +179,7 @@ Cover cover_of(std::uint32_t size, std::uint32_t i) {
   return {2 * i, {half - i, half, i + 1}};
 }
 
-/// Returns the next level of the texture whose texels are `at(x, y)`.
+/// Returns the next mip level of a texture of which `at(x, y)` returns a texel.
 WideTexture halve_texture(std::uint32_t width, std::uint32_t height, auto&& at) {
   WideTexture half{std::max(1U, width / 2), std::max(1U, height / 2), {}};
   half.texels.reserve(std::size_t{half.width} * half.height);
@@ -204,7 +204,7 @@ WideTexture halve_texture(std::uint32_t width, std::uint32_t height, auto&& at) 
   return half;
 }
 
-/// Encodings of the colour and alpha channels.
+/// How a texture encodes its colour channels and its alpha channel.
 struct Encodings {
   explicit Encodings(bool srgb) : colour(srgb), alpha(false) {}
   const Encoding& of(std::size_t channel) const { return channel < 3 ? colour : alpha; }

@@ -6,30 +6,30 @@
 
 namespace traces {
 
-/// A scene's material records, and which optional data they need.
+/// The material records of a scene, and which optional data its materials need.
 struct MaterialTables {
-  std::vector<MaterialRecord> records;        ///< at least one
-  std::vector<MaterialDetailRecord> details;  ///< empty, or one per record
+  std::vector<MaterialRecord> records;        ///< one record per material, at least one
+  std::vector<MaterialDetailRecord> details;  ///< empty if no material needs it, otherwise one entry per record
   bool needs_vertices = false;                ///< some material is kVertexed
-  bool needs_white = false;                   ///< some triangle has flags but no base texture
-  bool needs_density = false;                 ///< the length of normals is the texture density
+  bool needs_white = false;                   ///< some triangle needs a transparency test but has no base texture
+  bool needs_density = false;                 ///< normals have the texture density as their length
 };
 
-/// Builds the tables. Throws sim::InputError if a material names a missing texture, or two uses of a texture need
-/// different encodings.
+/// Builds the material tables of a scene. Throws sim::InputError if a material names a missing texture, or if two uses
+/// of a texture need different encodings.
 MaterialTables material_tables(const Scene& scene, bool has_mip_maps);
 
-/// Returns the flags that the triangles of a material pass to hits: kAlphaFlag, kTintFlag or neither.
+/// Returns the flags that hits on triangles of a material carry: kAlphaFlag, kTintFlag or neither.
 std::uint32_t triangle_flags(const MaterialRecord& material);
 
-/// Returns the texture and its mip levels down to one texel; each level has half the width and height (rounded down, at
+/// Returns a texture and its mip levels down to one texel. Each level has half the width and height (rounded down, at
 /// least 1). A texel is the mean of the texels that it covers, in linear light, rounded to the texture's encoding at
-/// the end. Along an odd side it covers three texels, weighted by overlap. Integer arithmetic only, so that every
-/// compiler gives the same texels.
+/// the end. Along an odd side it covers three texels, weighted by overlap. All arithmetic is integer, so every compiler
+/// gives the same texels.
 std::vector<Texture> mip_chain(const Texture& texture);
 
-/// Replaces each texture of the image by its mip chain and makes material records name the first levels. Throws
-/// InputError if there are more levels than a texture word can name.
+/// Replaces each texture of the image by its mip levels, and makes material records name the first levels. Throws
+/// InputError if there are more levels than a texture number can express.
 void add_mip_levels(MaterialTables& materials, MemoryImage& image);
 
 }  // namespace traces

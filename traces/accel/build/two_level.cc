@@ -19,21 +19,21 @@
 namespace traces {
 namespace {
 
-/// Limits for inverting a matrix: its error growth (Placement::growth) and the entries of the inverse. The latter keep
-/// squared products of two entries within single precision in kernels.
+/// Limits for inverting the matrix of an instance: the growth of errors (Placement::growth), and the size of the
+/// inverse's entries. The latter keep products of two squared entries within single precision in kernels.
 constexpr double kMostGrowth = 256, kLargestEntry = 0x1p16, kSmallestEntry = 0x1p-16;
-/// Padding of instance boxes, in epsilons; see pad_box().
+/// Padding of instance boxes, in machine epsilons; see pad_box().
 constexpr float kPadding = 64;
 
-/// An instance's record and error growth.
+/// The record of an instance, and by how much its transform enlarges rounding errors.
 struct Placement {
   InstanceRecord record{};
-  /// Factor by which rounding errors grow between the world and the mesh's space: the largest row sum of
-  /// to_world| |to_object|. It is 1 for a scaling along axes and at most 3 for a rotation.
+  /// Factor by which rounding errors grow between the world and the mesh's space: the largest row sum of |to_world|
+  /// |to_object|. It is 1 for a scaling along axes and at most 3 for a rotation.
   float growth = 1;
 };
 
-/// Inverts the matrix into `out`. False if there is no sufficiently accurate inverse.
+/// Inverts the matrix of an instance into `out`. Returns false if there is no sufficiently accurate inverse.
 bool invert_matrix(const glm::mat4& to_world, Placement& out) {
   const glm::dmat3 linear{glm::dmat4(to_world)};
   const double determinant = glm::determinant(linear);
@@ -69,7 +69,7 @@ Placement identity_placement() {
   return p;
 }
 
-/// The trees of an image and the tree of each instance; root nodes are set later.
+/// The trees of a two-level image, and which tree each instance uses. Root nodes are set later.
 struct TreePlan {
   explicit TreePlan(const Scene& scene);
   bool matches_image(const MemoryImage& image) const;
@@ -127,13 +127,13 @@ PlacedMesh placed_in(const Scene& scene, const ObjectTree& tree) {
   return {&scene.meshes[tree.mesh], tree.in_world ? scene.instances[tree.only].to_world : glm::mat4(1)};
 }
 
-/// Returns a tree's part of an array.
+/// Returns the part of an array of records that belongs to one tree.
 template <class Record>
 std::span<Record> part_of(std::vector<Record>& records, const ObjectTree& tree) {
   return std::span(records).subspan(tree.first_triangle, tree.triangles);
 }
 
-/// Stores the shading records of a tree in leaf order; `shading` is in the mesh's order.
+/// Copies the shading records of a tree from the order of the mesh to leaf order.
 void store_shading(const ShadingRecords& shading, const ObjectTree& tree, MemoryImage& image) {
   for (std::uint32_t i = tree.first_triangle; i < tree.first_triangle + tree.triangles; ++i) {
     const std::uint32_t source = image.triangles[i].source;
@@ -142,7 +142,7 @@ void store_shading(const ShadingRecords& shading, const ObjectTree& tree, Memory
   }
 }
 
-/// Builds a tree after the existing nodes and sorts its triangles into leaf order.
+/// Builds the tree of a mesh, appends its nodes to the image and sorts its triangles into leaf order.
 void add_tree(const BvhBuilder& builder, ObjectTree& tree, MemoryImage& image) {
   const std::span<TriangleRecord> triangles = part_of(image.triangles, tree);
   const FlatBvh bvh = builder.build_over(std::span<const TriangleRecord>(triangles));
@@ -175,8 +175,8 @@ Bounds pad_box(Bounds box, const Placement& placement, const glm::mat4& to_world
   return box;
 }
 
-/// Fills the instances, the tree over them and the scene's bounds. The tree takes the first nodes, which are already
-/// allocated.
+/// Fills the instance records, the tree over instances and the scene's bounds. The tree takes the first nodes of the
+/// image, which are already allocated.
 void place_instances(const Scene& scene, const TreePlan& plan, const BvhBuilder& builder, MemoryImage& image) {
   std::vector<Bounds> boxes;
   std::vector<std::uint32_t> shown;
@@ -213,7 +213,7 @@ void place_instances(const Scene& scene, const TreePlan& plan, const BvhBuilder&
   }
 }
 
-/// Returns the number of inner nodes of a tree with `leaves` leaves of one item each.
+/// Returns how many inner nodes a tree has with `leaves` leaves of one item each.
 std::size_t nodes_over(std::size_t leaves) { return std::max<std::size_t>(leaves, 2) - 1; }
 
 }  // namespace

@@ -15,11 +15,11 @@ namespace traces {
 // 4. Two kinds of meshes are not shared: a mesh that deforms, which has only one instance, and an instance whose matrix
 //    has no inverse in single precision. The triangles of the latter are in world space and its matrix is the identity.
 
-/// Returns an image with all geometry: trees, triangles, shading records, instances and scene bounds.
+/// Builds the geometry of a two-level image: trees, triangles, shading records, instances and scene bounds.
 MemoryImage two_levels(const Scene& scene, const MaterialTables& materials, const BvhConfig& config, unsigned threads,
                        sim::Stop stop = nullptr);
 
-/// Updates the image of a scene that has moved.
+/// Updates the two-level image of a scene that has moved.
 ///
 /// 1. Instances and the tree over them are rebuilt. Shared meshes and their trees stay.
 /// 2. Trees of deforming meshes and of meshes in world space are refitted or rebuilt (bvh.update).
@@ -29,7 +29,7 @@ MemoryImage two_levels(const Scene& scene, const MaterialTables& materials, cons
 bool update_levels(const Scene& posed, const BvhConfig& config, unsigned threads, MemoryImage& image,
                    sim::Stop stop = nullptr);
 
-/// Returns the ray in the space of the instance's mesh.
+/// Transforms a ray into the space of an instance's mesh.
 Ray into_object(const InstanceRecord& instance, const Ray& ray);
 
 }  // namespace traces
