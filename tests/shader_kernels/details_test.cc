@@ -96,7 +96,7 @@ TEST(NormalMaps, TheNormalStaysOnTheRaysSide) {
   }
 }
 
-/// The rule of traces/scene/gltf/materials/materials.h, written again for comparison.
+/// The rule of traces/scene/gltf/materials.h, written again for comparison.
 Material by_rule(const glm::vec3& base, float metallic, float roughness, float dielectric, float coat) {
   const float gloss = std::clamp((0.5F - roughness) / 0.4F, 0.0F, 1.0F);
   const float metal = gloss * metallic, white = gloss * (1 - metallic) * dielectric + coat;

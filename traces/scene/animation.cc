@@ -49,7 +49,7 @@ bool place_instance(Scene& scene, Instance& instance, const NodePoses& nodes) {
   return instance.node != kNone && assign_if_different(instance.to_world, glm::mat4(nodes.to_world[instance.node]));
 }
 
-/// Throws InputError if a moved instance leaves the range in which ray arithmetic is finite.
+/// Throws InputError if a moved instance is so far away that ray arithmetic would overflow.
 void check_reach(const Scene& scene, const Instance& instance, double seconds) {
   const Mesh& mesh = scene.meshes[instance.mesh];
   float reach = 0;

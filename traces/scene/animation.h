@@ -11,24 +11,24 @@ namespace traces {
 
 struct Scene;
 
-/// Index value for "none".
+/// Index that stands for "none" in all of the scene's arrays.
 inline constexpr std::uint32_t kNone = 0xffffffffU;
 
-/// Applied in this order: scale, rotation, translation.
+/// A transform that applies scale, then rotation, then translation.
 struct Transform {
   glm::vec3 translation{0};
-  glm::quat rotation{1, 0, 0, 0};  ///< order w, x, y, z; unit length
+  glm::quat rotation{1, 0, 0, 0};  ///< in the order w, x, y, z; unit length
   glm::vec3 scale{1};
 };
 
-/// A coordinate system that instances, cameras and lights are attached to. The local matrix is `matrix` x `rest`; files
-/// set only one of the two.
+/// A coordinate system to which instances, cameras and lights are attached. Its matrix relative to its parent is
+/// `matrix` x `rest`; files set only one of the two.
 struct Node {
   std::string name;
   std::uint32_t parent = kNone;
   glm::mat4 matrix{1};
   Transform rest;
-  std::vector<float> morph_weights;  ///< weights at rest of the mesh that this node shows
+  std::vector<float> morph_weights;  ///< at rest, the weights of the morph targets of the mesh that this node shows
 };
 
 /// Key frames of one property of a node, as in glTF. Before the first and after the last key the value is constant.
@@ -38,9 +38,9 @@ struct Track {
   std::uint32_t node = 0;
   Path path = Path::kTranslation;
   Interpolation interpolation = Interpolation::kLinear;
-  std::vector<float> times;   ///< seconds, ascending
-  std::vector<float> values;  ///< per key 3 numbers, 4 (x, y, z, w) or one per morph target; kCubicSpline: in-tangent,
-                              ///< value, out-tangent
+  std::vector<float> times;   ///< time of each key in seconds, ascending
+  std::vector<float> values;  ///< per key 3 numbers, 4 (x, y, z, w) or one per morph target; with kCubicSpline
+                              ///< in-tangent, value and out-tangent
 };
 
 struct Skin {
@@ -48,23 +48,23 @@ struct Skin {
   std::vector<glm::mat4> inverse_bind;
 };
 
-/// Kinds of scene content that pose_scene() changed.
+/// What a call of pose_scene() has changed.
 struct Moved {
-  bool geometry = false;  ///< an instance or a mesh's vertices
+  bool geometry = false;  ///< an instance, or vertices of a mesh
   bool view = false;      ///< a camera
   bool lights = false;
 };
 
-/// Moves instances, deforming meshes, cameras and lights to their state at a time.
+/// Moves instances, deforming meshes, cameras and lights to where they are at a time.
 ///
-/// 1. The result depends on the time alone, not on the previous pose, and has the same bits on every host.
+/// 1. The result depends only on the time, not on the previous pose, and has the same bits on every host.
 /// 2. All tracks start at time 0. A file is loaded in its pose at time 0.
 /// 3. Nothing repeats; for a loop, pass the time modulo animation_seconds().
 ///
-/// Throws InputError if something moves further than kFarthest from the origin.
+/// Throws InputError if something moves farther than kFarthest from the origin.
 Moved pose_scene(Scene& scene, double seconds);
 
-/// Returns the time of the last key of any track in seconds; 0 for a still scene.
+/// Returns the time of the last key of any track, in seconds; 0 for a still scene.
 double animation_seconds(const Scene& scene);
 
 }  // namespace traces

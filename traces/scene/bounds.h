@@ -9,7 +9,7 @@ namespace traces {
 
 struct Scene;
 
-/// An axis-parallel box; initially empty.
+/// An axis-parallel box, which is empty at first.
 struct Bounds {
   glm::vec3 lower{std::numeric_limits<float>::infinity()};
   glm::vec3 upper{-std::numeric_limits<float>::infinity()};

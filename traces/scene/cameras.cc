@@ -31,7 +31,7 @@ std::optional<glm::mat4> camera_to_world(const glm::dmat4& node_to_world) {
 
 Camera framing_camera(const Scene& scene) {
   constexpr float kFov = 0.7F;
-  constexpr float kInverseSine = 2.92F;  // 1 / sin(kFov / 2): the bounding sphere just fits
+  constexpr float kInverseSine = 2.92F;  // 1 / sin(kFov / 2): the bounding sphere just fits the picture
   const Bounds bounds = world_bounds(scene);
   const float distance = std::max(0.5F * bounds.diagonal(), 1e-6F) * kInverseSine;
   const glm::vec3 from = glm::normalize(glm::vec3(0.55F, 0.4F, 1.0F));

@@ -6,7 +6,7 @@
 namespace traces {
 namespace {
 
-// Header: magic, version, length of the file. Then the first chunk: size, type, JSON.
+// Layout of a GLB file: magic, version, length of the file. Then the first chunk: size, type, JSON.
 constexpr std::size_t kFileLength = 8, kChunkSize = 12, kJson = 20;
 
 // GLB is little-endian, as are all supported hosts.

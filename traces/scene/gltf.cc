@@ -24,7 +24,7 @@ namespace {
 
 constexpr float kBrightest = 1e6F;
 
-/// Reads three numbers, clamped to 0..kBrightest.
+/// Reads a colour of three numbers from our extras, each clamped to 0..kBrightest.
 glm::vec3 read_colour(const Context& context, const tinygltf::Value& ours, const char* key) {
   const std::string what = std::string("extras.raywatt.") + key;
   std::vector<double> list;
@@ -37,9 +37,9 @@ glm::vec3 read_colour(const Context& context, const tinygltf::Value& ours, const
   return glm::clamp(to_vec3(context, list, glm::vec3(0), what), 0.0F, kBrightest);
 }
 
-/// Reads the light that export_glb() stores in the scene's extras, `"raywatt": {"background": [r, g, b], "ambient": [r,
-/// g, b]}`, and converts the file's lights from glTF's units. Returns false if it is missing. If it is present, no
-/// lights for emitters, default sun or exposure are added.
+/// Reads the background and ambient light that export_glb() stores in the scene's extras, `"raywatt": {"background":
+/// [r, g, b], "ambient": [r, g, b]}`, and converts the file's lights from glTF's units. Returns false if the extras are
+/// missing. If they are present, no lights for emitters, default sun or exposure are added.
 bool read_final_light(Context& context) {
   const tinygltf::Model& model = context.model;
   if (model.scenes.empty()) return false;
@@ -60,7 +60,7 @@ bool read_final_light(Context& context) {
 namespace traces {
 namespace {
 
-/// Poses an animated file at time 0.
+/// Poses the scene of an animated file at time 0. Errors name the file.
 void place_all(gltf::Context& context) {
   try {
     pose_scene(context.scene, 0);
@@ -98,7 +98,7 @@ Scene read_scene(const std::filesystem::path& path, const SceneLimits& limits) {
         "shows no triangles; at least one is needed; points, lines and primitives without POSITION do not count");
   if (scene.cameras.empty()) scene.cameras.push_back(framing_camera(scene));
   if (!gltf::read_final_light(context)) finish_lights(scene);
-  pose_scene(scene, 0);  // places the emitters' lights, too: a later pose at time 0 gives the same bits
+  pose_scene(scene, 0);  // includes the lights of emitters: a later pose at time 0 gives the same bits
   return scene;
 }
 

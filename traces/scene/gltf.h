@@ -6,15 +6,15 @@
 
 namespace traces {
 
-/// Reads a glTF 2.0 file, .gltf or .glb, distinguished by the first bytes.
+/// Reads a glTF 2.0 file, .gltf or .glb, which its first bytes distinguish.
 ///
-/// 1. Read are the default scene's nodes with their triangles, materials, lights, perspective cameras, skins, morph
-///    targets and animations, posed at time 0.
+/// 1. It reads the default scene's nodes with their triangles, materials, lights, perspective cameras, skins, morph
+/// targets and animations, posed at time 0.
 /// 2. Content that cannot be shown as the file specifies becomes a line of Scene::warnings; content that cannot be read
-///    throws InputError.
+/// throws InputError.
 /// 3. Files that the .gltf names must be in its folder or below; nothing is read over a network.
-/// 4. Surfaces follow gltf/materials/materials.h, lights and exposure follow lights.h. A file without cameras gets
-///    framing_camera(), one without lights add_default_light().
+/// 4. Surfaces are converted as gltf/materials.h describes, lights and exposure as lights.h does. A file without
+/// cameras gets framing_camera(), one without lights add_default_light().
 Scene load_gltf(const std::filesystem::path& path, const SceneLimits& limits = {});
 
 }  // namespace traces

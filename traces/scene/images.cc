@@ -30,7 +30,7 @@ const char* format_of(std::span<const std::byte> bytes) {
   return nullptr;
 }
 
-/// True if a chunk of a PNG file claims more bytes than the file has; libpng would allocate them first.
+/// True if a chunk of a PNG file claims more bytes than the file has. libpng would allocate them before it reads.
 bool has_longer_chunk(std::span<const std::byte> png) {
   constexpr std::size_t kBegin = 8, kAroundContent = 12;
   const auto byte = [&](std::size_t at) { return std::to_integer<std::uint64_t>(png[at]); };
@@ -51,7 +51,7 @@ void check_size(const std::filesystem::path& path, std::uint32_t width, std::uin
   }
 }
 
-/// Calls `write`; an IoError that it throws is prefixed with the name of the file or texture.
+/// Calls `write`. An IoError that it throws is prefixed with the name of the file or texture.
 template <class Write>
 std::string call_with_name(const std::string& name, const Write& write) try {
   return write();

@@ -6,17 +6,17 @@
 
 namespace traces {
 
-/// Sizes of a scene.
+/// Numbers and sizes of what a scene contains.
 struct SceneInfo {
   std::string name;
-  std::size_t triangles = 0;         ///< as seen by rays: each instance counts its mesh
-  std::size_t stored_triangles = 0;  ///< each mesh once
+  std::size_t triangles = 0;         ///< triangles that rays can hit: each instance counts all those of its mesh
+  std::size_t stored_triangles = 0;  ///< triangles of all meshes, each mesh once
   std::size_t instances = 0, meshes = 0, materials = 0, textures = 0, lights = 0, cameras = 0;
-  std::size_t texture_bytes = 0;  ///< decoded, 4 per texel
-  double duration = 0;            ///< of its animation in seconds; 0: still
+  std::size_t texture_bytes = 0;  ///< bytes of all decoded textures, 4 per texel
+  double duration = 0;            ///< length of the animation in seconds; 0 if the scene is still
   std::size_t tracks = 0, skins = 0;
   std::size_t morph_targets = 0;     ///< sum over all meshes
-  std::size_t moving_instances = 0;  ///< attached to a moving node, or deforming
+  std::size_t moving_instances = 0;  ///< instances that are attached to a moving node, or deform
 };
 
 SceneInfo scene_info(const Scene& scene);

@@ -17,11 +17,11 @@ namespace {
 
 float strongest_channel(const glm::vec3& c) { return std::max({c.x, c.y, c.z}); }
 
-/// Surface of an emissive instance in world space.
+/// The surface of an emissive instance in world space.
 struct Emitter {
   double area = 0;
-  glm::dvec3 moment{0};  ///< sum of area x centroid
-  glm::dvec3 normal{0};  ///< sum of area x normal
+  glm::dvec3 moment{0};  ///< sum of area x centroid over its triangles
+  glm::dvec3 normal{0};  ///< sum of area x normal over its triangles
   Bounds bounds;
 };
 
@@ -43,7 +43,7 @@ Emitter measure_emitter(const Mesh& mesh, const glm::mat4& to_world) {
   return e;
 }
 
-/// Returns the direction in which light leaves the emitter, towards the middle of the scene.
+/// Returns the direction in which light leaves an emitter: on the side of the middle of the scene.
 glm::vec3 way_out(const Emitter& e, const glm::vec3& centroid, const glm::vec3& middle) {
   glm::vec3 way{0};
   if (glm::length(e.normal) > 0.5 * e.area) {
@@ -56,7 +56,7 @@ glm::vec3 way_out(const Emitter& e, const glm::vec3& centroid, const glm::vec3& 
   return glm::dot(way, middle - centroid) < 0 ? -way : way;
 }
 
-/// Returns an orthonormal frame at `position` whose -z is `direction`.
+/// Returns an orthonormal coordinate system at `position` whose -z is `direction`.
 glm::mat4 light_frame(const glm::vec3& position, const glm::vec3& direction) {
   const glm::vec3 other = std::abs(direction.y) < 0.9F ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0);
   const glm::vec3 right = glm::normalize(glm::cross(other, -direction));
@@ -64,12 +64,12 @@ glm::mat4 light_frame(const glm::vec3& position, const glm::vec3& direction) {
           glm::vec4(position, 1)};
 }
 
-/// True if the matrix has no inverse, within single precision.
+/// True if the matrix has no inverse in single precision.
 bool is_flat(const glm::dmat3& m) {
   return std::abs(glm::determinant(m)) <= 1e-6 * glm::length(m[0]) * glm::length(m[1]) * glm::length(m[2]);
 }
 
-/// Returns the mean emission of each material; zero for a material that is not a lamp.
+/// Returns the mean emission of each material; zero for a material whose surfaces become no lights.
 std::vector<glm::vec3> mean_emissions(const Scene& scene) {
   std::vector<glm::vec3> means;
   for (const Material& material : scene.materials) {
@@ -143,12 +143,12 @@ struct Point {
   glm::vec3 position, normal;
 };
 
-/// True for a lamp or an unlit surface, whose colour does not depend on incident light.
+/// True for a light source or an unlit surface, whose colour does not depend on incident light.
 bool is_shining(const Material& material) {
   return material.emission != glm::vec3(0) && !(material.casts_light && material.emission_texture.used());
 }
 
-/// Calls visit(triangle's corners), in world space, for each triangle that does not shine.
+/// Calls visit(corners), in world space, for each triangle whose material does not shine.
 template <class Visit>
 void for_each_triangle(const Scene& scene, Visit visit) {
   for (const Instance& instance : scene.instances) {
@@ -163,7 +163,7 @@ void for_each_triangle(const Scene& scene, Visit visit) {
   }
 }
 
-/// Returns `count` points spread evenly over the area of all surfaces.
+/// Returns `count` points that are spread evenly over the area of all surfaces.
 std::vector<Point> spread_points(const Scene& scene, std::size_t count) {
   double total = 0;
   for_each_triangle(scene, [&](const glm::vec3* p) {
@@ -214,7 +214,7 @@ struct Sample {
   float irradiance, weight;
 };
 
-/// Returns the irradiance at the points in the camera's view (2:1), each weighted by the picture area that it
+/// Returns the irradiance at the points that a camera sees in a 2:1 picture, each weighted by the picture area that it
 /// represents.
 std::vector<Sample> seen_by(const Camera& camera, const Scene& scene, const std::vector<Point>& points, float nearest) {
   std::vector<Sample> samples;
@@ -233,7 +233,7 @@ std::vector<Sample> seen_by(const Camera& camera, const Scene& scene, const std:
   return samples;
 }
 
-/// Returns the irradiance below which a share `rank` of the total weight falls.
+/// Returns the irradiance below which the fraction `rank` of the total weight is.
 float weighted_percentile(std::vector<Sample> samples, float rank) {
   std::sort(samples.begin(), samples.end(),
             [](const Sample& a, const Sample& b) { return a.irradiance < b.irradiance; });

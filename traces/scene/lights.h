@@ -5,33 +5,33 @@
 
 namespace traces {
 
-/// Replaces emissive surfaces by point lights, as a Whitted renderer has points and directions only.
+/// Replaces emissive surfaces by point lights, because a Whitted renderer has only points and directions.
 ///
 /// 1. Each emissive instance with an emission of 1 or more gets one light. Weaker and unlit surfaces light nothing.
 /// 2. intensity = area x emission x mean of its texture. The light moves with the instance's node.
 /// 3. The position is the area's centroid, moved out of the emitter so that it casts no shadow on itself: along the
-///    mean normal of an open surface, or the shortest side of a closed one's box, towards the middle of the scene.
-/// 4. Lights below 1 % of the strongest are dropped, then all but the strongest kMaxEmitterLights; the strongest is
-///    first.
-/// 5. Emissions above 1 are then scaled to 1, hue kept, so that lamps look white.
+/// mean normal of an open surface, or the shortest side of a closed one's box, towards the middle of the scene.
+/// 4. Lights below 1 % of the strongest are dropped, then all except the strongest kMaxEmitterLights; the strongest is
+/// first.
+/// 5. Emissions above 1 are then scaled to 1 with the same hue, so that lamps look white.
 void add_emitter_lights(Scene& scene);
 inline constexpr std::size_t kMaxEmitterLights = 4;
 
 /// Adds a sun high on one side and a bright sky, if the scene has no light of its own.
 void add_default_light(Scene& scene);
 
-/// Sets the exposure, as files give light in candela, lux, watts or arbitrary units. All lights are scaled by one
-/// factor: of what the first camera sees, the brightest tenth receives an irradiance of at least kTargetIrradiance.
-/// `ambient` becomes kAmbient. Shadows are ignored.
+/// Scales all lights to a suitable exposure, because files give light in candela, lux, watts or arbitrary units. Of
+/// what the first camera sees, the brightest tenth receives an irradiance of at least kTargetIrradiance. `ambient`
+/// becomes kAmbient. Shadows are ignored.
 void expose_lights(Scene& scene);
 inline constexpr float kTargetIrradiance = 0.85F;
 inline constexpr float kAmbient = 0.15F;
 
-/// Drops all lights except the one that alone makes the first camera's view brightest.
+/// Removes all lights except the one that alone makes the first camera's view brightest.
 void keep_strongest_light(Scene& scene);
 
-/// Runs add_emitter_lights(), add_default_light() and, if lights came with the scene, expose_lights(). Needs the
-/// cameras.
+/// Runs add_emitter_lights(), add_default_light() and, if lights came with the scene, expose_lights(). The cameras must
+/// be set.
 void finish_lights(Scene& scene);
 
 }  // namespace traces

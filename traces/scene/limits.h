@@ -6,10 +6,10 @@
 
 namespace traces {
 
-/// Largest distance of a vertex from the origin: squares and products of two such coordinates are finite floats.
+/// Largest distance of a vertex from the origin. Squares and products of two such coordinates are finite floats.
 inline constexpr double kFarthest = 1e15;
 
-/// Largest scene that is accepted; a larger one is refused before memory is allocated.
+/// Sizes of the largest scene that is accepted. A larger one is refused before memory is allocated.
 struct SceneLimits {
   sim::ByteSize memory{std::uint64_t{1} << 33};
   std::uint64_t pixels = std::uint64_t{1} << 27;

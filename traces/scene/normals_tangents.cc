@@ -35,7 +35,8 @@ void select_vertices(Mesh& mesh, const std::vector<std::uint32_t>& from) {
 
 namespace {
 
-/// Returns a triangle's normal; +y if it has no area. Computed in double for tiny and huge triangles.
+/// Returns the unit normal of a triangle; +y if it has no area. Computed in double precision for tiny and huge
+/// triangles.
 glm::vec3 geometric_normal(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
   const glm::dvec3 normal = glm::cross(glm::dvec3(b) - glm::dvec3(a), glm::dvec3(c) - glm::dvec3(a));
   const double length = glm::length(normal);
@@ -95,13 +96,13 @@ namespace {
 
 bool is_zero(double x) { return !(std::abs(x) > FLT_MIN); }
 
-/// Returns the vector at unit length, or zero.
+/// Returns the vector scaled to length 1; zero stays zero.
 glm::dvec3 direction_of(const glm::dvec3& v) {
   const double length = glm::length(v);
   return is_zero(length) || !std::isfinite(length) ? glm::dvec3(0) : v / length;
 }
 
-/// Returns the unit vector of the part perpendicular to the normal, or zero.
+/// Returns the part of `v` perpendicular to the normal, scaled to length 1, or zero if there is none.
 glm::dvec3 perpendicular_part(const glm::dvec3& v, const glm::dvec3& normal) {
   return direction_of(v - normal * glm::dot(normal, v));
 }
@@ -111,11 +112,11 @@ glm::dvec3 any_perpendicular(const glm::dvec3& normal) {
   return glm::normalize(other - normal * glm::dot(normal, other));
 }
 
-/// Texture coordinates over a triangle.
+/// How texture coordinates run over a triangle.
 struct Frame {
-  glm::dvec3 along_u{0};       ///< unit
+  glm::dvec3 along_u{0};       ///< direction of increasing u, a unit vector
   bool is_degenerate = false;  ///< two corners have the same position
-  bool has_direction = false;  ///< the coordinates have an area
+  bool has_direction = false;  ///< the triangle has an area in texture coordinates
   bool is_mirrored = false;    ///< u and v have the opposite winding from the picture
 };
 
@@ -143,9 +144,9 @@ class TangentBuilder {
  private:
   using Corners = std::array<std::uint32_t, 3>;
   struct Edge {
-    std::uint32_t low, high;  ///< vertices
-    std::uint32_t number;     ///< 3 * triangle + its first corner
-    bool runs_up;             ///< from `low` to `high`
+    std::uint32_t low, high;  ///< indices of its two vertices
+    std::uint32_t number;     ///< 3 * triangle + number of the edge's first corner
+    bool runs_up;             ///< the edge runs from `low` to `high`
   };
 
   Corners corners_of(std::size_t triangle) const {
@@ -178,7 +179,7 @@ class TangentBuilder {
     const glm::dvec2 uv1 = glm::dvec2(uvs_[b]) - glm::dvec2(uvs_[a]), uv2 = glm::dvec2(uvs_[c]) - glm::dvec2(uvs_[a]);
     const double area = uv1.x * uv2.y - uv2.x * uv1.y;
     if (is_zero(area) || !std::isfinite(area)) return frame;
-    frame.is_mirrored = area > 0;  // v grows downwards
+    frame.is_mirrored = area > 0;  // v grows downwards in the picture
     frame.along_u = direction_of((edge1 * uv2.y - edge2 * uv1.y) / area);
     const glm::dvec3 along_v = direction_of((edge2 * uv1.x - edge1 * uv2.x) / area);
     frame.has_direction = frame.along_u != glm::dvec3(0) && along_v != glm::dvec3(0);
@@ -218,7 +219,7 @@ class TangentBuilder {
     }
   }
 
-  /// Fills a group from one of its corners, across shared edges.
+  /// Adds to a group all corners that shared edges connect to the corner `seed`.
   void add_group(std::uint32_t seed) {
     const std::uint32_t vertex = corners_of(seed / 3)[seed % 3];
     const bool is_mirrored = frames_[seed / 3].is_mirrored;
@@ -234,7 +235,7 @@ class TangentBuilder {
       std::uint32_t* const groups = &group_of_[std::size_t{3} * triangle];
       if (groups[i] != kNone) continue;
       Frame& frame = frames_[triangle];
-      // A triangle without a direction joins the first group that reaches it.
+      // A triangle without a texture direction joins the first group that reaches it.
       const bool is_free = groups[0] == kNone && groups[1] == kNone && groups[2] == kNone;
       if (!frame.has_direction && is_free) frame.is_mirrored = is_mirrored;
       if (frame.is_mirrored != is_mirrored) continue;
@@ -261,13 +262,13 @@ class TangentBuilder {
 
   const Mesh& mesh_;
   const std::vector<glm::vec2>& uvs_;
-  std::vector<std::uint32_t> vertex_of_;  ///< per vertex of the mesh, the first equal vertex
-  std::vector<Frame> frames_;             ///< per triangle
-  std::vector<std::uint32_t> neighbour_;  ///< triangle across each edge, or kNone
-  std::vector<std::uint32_t> group_of_;   ///< per corner
-  std::vector<std::uint32_t> group_at_;   ///< per vertex, its first group
-  std::vector<glm::vec4> tangents_;       ///< per group
-  std::vector<std::uint32_t> open_;       ///< triangles that a group has reached
+  std::vector<std::uint32_t> vertex_of_;  ///< for each vertex of the mesh, the first vertex equal to it
+  std::vector<Frame> frames_;             ///< one per triangle
+  std::vector<std::uint32_t> neighbour_;  ///< for each edge, the triangle across it, or kNone
+  std::vector<std::uint32_t> group_of_;   ///< for each corner, its group
+  std::vector<std::uint32_t> group_at_;   ///< for each vertex, its first group
+  std::vector<glm::vec4> tangents_;       ///< one per group
+  std::vector<std::uint32_t> open_;       ///< triangles that the current group has reached
 };
 
 }  // namespace

@@ -6,14 +6,14 @@
 
 namespace traces {
 
-/// Gives every triangle its own vertices with its geometric normal, as glTF demands where a file has no normals.
-/// Returns the old vertex of each new vertex.
+/// Gives every triangle its own vertices with its geometric normal, as glTF demands if a file has no normals. Returns
+/// for each new vertex the old one that it copies.
 std::vector<std::uint32_t> flatten_normals(Mesh& mesh);
 
-/// Returns for every vertex the normal of the last triangle that uses it: for meshes with flat normals.
+/// Returns for every vertex the normal of the last triangle that uses it. Intended for meshes with flat normals.
 std::vector<glm::vec3> triangle_normals(const Mesh& mesh);
 
-/// Makes normals unit length; a zero normal becomes the geometric normal of a triangle that uses the vertex.
+/// Scales normals to length 1. A zero normal becomes the geometric normal of a triangle that uses the vertex.
 void repair_normals(Mesh& mesh);
 
 /// Computes Mesh::tangents by the rule of MikkTSpace (Mikkelsen, "Simulation of Wrinkled Surfaces Revisited", 2008), as

@@ -21,10 +21,10 @@ namespace {
 
 using Interpolation = Track::Interpolation;
 
-/// The keys before and after a time; equal before the first and after the last key.
+/// The keys before and after a time. Both are the same key before the first and after the last one.
 struct Span {
   std::size_t from = 0, to = 0;
-  double share = 0;    ///< position between the two keys, 0..1
+  double share = 0;    ///< position between the two keys, 0 to 1
   double seconds = 0;  ///< time between the two keys
 };
 
@@ -194,7 +194,7 @@ NodePoses pose_nodes(const Scene& scene, double seconds) {
     local.push_back(at_rest(node.rest));
     poses.morph_weights.emplace_back(node.morph_weights.begin(), node.morph_weights.end());
   }
-  // In reverse, so that the first track of a node and path takes effect.
+  // In reverse order, so that the first track of a node and path takes effect.
   for (auto track = scene.tracks.rbegin(); track != scene.tracks.rend(); ++track) {
     apply_track(*track, seconds, local[track->node], poses.morph_weights[track->node]);
   }
@@ -233,7 +233,7 @@ glm::dmat4x3 blend_joints(std::span<const glm::dmat4x3> joints, const std::array
   return sum;
 }
 
-/// Returns the cofactor matrix, which transforms normals; it exists for singular matrices, too.
+/// Returns the cofactor matrix, which transforms normals and exists for singular matrices, too.
 glm::dmat3 cofactor_matrix(const glm::dmat4x3& m) {
   const glm::dmat3 c(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
   return glm::dot(m[0], c[0]) < 0 ? -c : c;

@@ -12,25 +12,26 @@
 
 namespace traces {
 
-/// Computes the track's value at a time, `out.size()` numbers. Rotations (four numbers) have unit length; linear ones
-/// follow the shortest arc. Arithmetic and square roots only, so that every host gets the same bits.
+/// Computes the value of a track at a time, `out.size()` numbers. Rotations (four numbers) have unit length; linear
+/// ones follow the shortest arc. Only arithmetic and square roots are used, so that every host gets the same bits.
 void sample_track(const Track& track, double seconds, std::span<double> out);
 
-/// Computes in `out` the time derivative, per second, of a cubic spline track.
+/// Computes in `out` the derivative, per second, of a cubic spline track at a time.
 void sample_track_slope(const Track& track, double seconds, std::span<double> out);
 
 struct Scene;
 
-/// Returns the matrix that applies scale, rotation (unit) and translation in this order.
+/// Returns the matrix that applies scale, then rotation (a unit quaternion), then translation.
 glm::dmat4 matrix_of(const glm::dvec3& translation, const glm::dquat& rotation, const glm::dvec3& scale);
 
-/// Scene::nodes at a time.
+/// Transforms of all of Scene::nodes at a time.
 struct NodePoses {
   std::vector<glm::dmat4> to_world;
   std::vector<std::vector<double>> morph_weights;
 };
 
-/// Computes all nodes at a time. Throws InputError if a node is further than kFarthest from the origin.
+/// Computes the transforms of all nodes at a time. Throws InputError if a node is farther than kFarthest from the
+/// origin.
 NodePoses pose_nodes(const Scene& scene, double seconds);
 
 double largest_entry(const glm::dmat4& m);

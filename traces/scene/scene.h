@@ -16,16 +16,16 @@ namespace traces {
 
 inline constexpr std::uint32_t kNoTexture = 0xffffffffU;
 
-/// Skinning, morph targets or both. The mesh's own arrays hold the current pose; these hold its source, in the same
-/// order.
+/// How a mesh deforms: by a skin, morph targets or both. The mesh's own arrays have the current pose; these have its
+/// rest pose, in the same order.
 struct Deformation {
   std::vector<glm::vec3> positions, normals;             ///< at rest; `normals` may be empty
   std::vector<glm::vec4> tangents;                       ///< at rest, or empty
-  std::vector<std::array<std::uint16_t, 4>> joints;      ///< per vertex, indices in Skin::joints; empty: no skin
-  std::vector<glm::vec4> weights;                        ///< weights of those joints, summing to 1
-  std::vector<std::vector<glm::vec3>> target_positions;  ///< per morph target: displacements
-  std::vector<std::vector<glm::vec3>> target_normals;    ///< per morph target: displacements, or empty
-  std::uint32_t skin = kNone;                            ///< index in Scene::skins
+  std::vector<std::array<std::uint16_t, 4>> joints;      ///< for each vertex, indices in Skin::joints; empty: no skin
+  std::vector<glm::vec4> weights;                        ///< weights of those joints; their sum is 1
+  std::vector<std::vector<glm::vec3>> target_positions;  ///< for each morph target, the displacements of all vertices
+  std::vector<std::vector<glm::vec3>> target_normals;  ///< for each morph target, the changes of all normals, or empty
+  std::uint32_t skin = kNone;                          ///< index in Scene::skins
 };
 
 /// Vertices and triangles of one glTF primitive, in its own space. `normals` and the other attributes are empty or have
@@ -40,18 +40,19 @@ struct Mesh {
   std::vector<glm::vec4> colours;   ///< linear RGBA, multiplied with the base colour
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::uint32_t material = 0;
-  std::shared_ptr<const Deformation> deformation;  ///< null: rigid. A deforming mesh has one instance.
+  std::shared_ptr<const Deformation> deformation;  ///< null if the mesh is rigid; a deforming mesh has one instance
 };
 
 /// A mesh placed in the world. Its index in Scene::instances is the object id of (node instance, primitive).
 struct Instance {
   std::uint32_t mesh = 0;
   glm::mat4 to_world{1};
-  std::uint32_t node = kNone;  ///< kNone: it never moves
-  bool focus = false;          ///< an object of interest (glTF: extras.focus), for object-selective sampling
+  std::uint32_t node = kNone;  ///< the node that it is attached to; kNone: it never moves
+  bool focus = false;  ///< of interest to the viewer (glTF: extras.focus); supersample can restrict its samples to such
+                       ///< objects
 };
 
-/// RGBA, 8 bits a channel, top row first; colour is sRGB-encoded if `srgb`.
+/// A texture of RGBA texels with 8 bits per channel, top row first. Colour is sRGB-encoded if `srgb`.
 struct Texture {
   enum class Wrap : std::uint8_t { kRepeat, kMirror, kClamp };
   enum class Filter : std::uint8_t { kLinear, kNearest };
@@ -66,7 +67,7 @@ struct Texture {
 /// A material's reference to a texture.
 struct TextureUse {
   std::uint32_t texture = kNoTexture;
-  bool second_uv = false;  ///< looked up with Mesh::second_uvs
+  bool second_uv = false;  ///< it is looked up with Mesh::second_uvs
   bool used() const { return texture != kNoTexture; }
 };
 
@@ -81,32 +82,34 @@ struct Material {
   std::string name{};
   glm::vec3 base_colour{0.8F};
   TextureUse base_texture{};  ///< sRGB; its alpha is used unless `alpha` is kOpaque
-  float mirror = 0;           ///< share of light mirrored, 0..1
+  float mirror = 0;           ///< fraction of light that is mirrored, 0 to 1
   glm::vec3 mirror_tint{1};   ///< metals tint what they mirror
-  float transmission = 0;     ///< share of light transmitted, 0..1
+  float transmission = 0;     ///< fraction of light that is transmitted, 0 to 1
   float ior = 1.5F;
   glm::vec3 emission{0};
   TextureUse emission_texture{};  ///< sRGB, multiplied with `emission`
 
-  /// Linear: green multiplies `roughness`, blue multiplies `metallic`. If set, `mirror` and `mirror_tint` are ignored
-  /// and computed per texel from these and the next two by the rule of traces/scene/gltf/materials/materials.h.
+  /// Metal-roughness texture, linear: green multiplies `roughness`, blue multiplies `metallic`. If set, `mirror` and
+  /// `mirror_tint` are ignored and computed per texel from these, `dielectric` and `coat` by the rule of
+  /// traces/scene/gltf/materials.h.
   TextureUse metal_rough_texture{};
   float metallic = 0, roughness = 1;
-  float dielectric = 0.08F;  ///< mirror share of the non-metallic part at gloss 1
-  float coat = 0;            ///< mirror share of a white clear coat on top
+  float dielectric = 0.08F;  ///< fraction of light that the non-metallic part mirrors if it is smooth
+  float coat = 0;            ///< fraction of light that a white clear coat mirrors
 
-  TextureUse normal_texture{};  ///< linear, in tangent space
+  TextureUse normal_texture{};  ///< normal map, linear, in tangent space
   float normal_scale = 1;
   TextureUse occlusion_texture{};  ///< linear, red channel; multiplies the ambient light only
   float occlusion_strength = 1;
 
-  /// kMask: the surface exists only where alpha is at least `alpha_cutoff`. kBlend: a share 1 - alpha of the light
+  /// kMask: the surface exists only where alpha is at least `alpha_cutoff`. kBlend: the fraction 1 - alpha of the light
   /// passes straight through.
   Alpha alpha = Alpha::kOpaque;
   float opacity = 1;  ///< alpha, multiplied with the base texture's and the vertex colours' alpha
   float alpha_cutoff = 0.5F;
-  glm::vec3 absorption{0};   ///< per unit of length inside: light falls with exp(-absorption x length)
-  bool double_sided = true;  ///< false: rays pass through back faces, unless the material transmits
+  glm::vec3 absorption{0};   ///< absorption per unit of length inside the body: light falls with exp(-absorption x
+                             ///< length)
+  bool double_sided = true;  ///< if false, rays pass through back faces unless the material transmits
   bool casts_light = true;   ///< an emission of 1 or more becomes a light (false for glTF's unlit surfaces)
 };
 
@@ -114,19 +117,20 @@ struct Light {
   enum class Kind : std::uint8_t { kPoint, kDirectional, kSpot };
   Kind kind = Kind::kPoint;
   glm::vec3 position{0};
-  glm::vec3 direction{0, -1, 0};  ///< unit, the direction in which light travels
-  glm::vec3 intensity{1};  ///< point and spot: per steradian (falls with distance squared); directional: irradiance
-  float cos_inner = 1, cos_outer = 0;  ///< spot cone
-  float range = 0;                     ///< KHR_lights_punctual: distance at which the light is zero; 0: unlimited
-  std::uint32_t node = kNone;          ///< kNone: it never moves
-  glm::mat4 in_node{1};                ///< its place in the node's space: origin at `position`, -z along `direction`
+  glm::vec3 direction{0, -1, 0};  ///< unit vector in which light travels
+  glm::vec3 intensity{1};  ///< for point and spot, per steradian (falls with distance squared); for directional, the
+                           ///< irradiance
+  float cos_inner = 1, cos_outer = 0;  ///< cosines of the angles of the spot cone
+  float range = 0;                     ///< distance at which the light is zero (KHR_lights_punctual); 0: unlimited
+  std::uint32_t node = kNone;          ///< the node that it is attached to; kNone: it never moves
+  glm::mat4 in_node{1};  ///< transform of the light in the node's space: origin at `position`, -z along `direction`
 };
 
 struct Camera {
   std::string name;
-  glm::mat4 to_world{1};       ///< looks along -z, +y up; no scale
-  float vertical_fov = 0.8F;   ///< radians
-  std::uint32_t node = kNone;  ///< kNone: it never moves
+  glm::mat4 to_world{1};       ///< the camera looks along -z, with +y up; no scale
+  float vertical_fov = 0.8F;   ///< vertical field of view in radians
+  std::uint32_t node = kNone;  ///< the node that it is attached to; kNone: it never moves
 };
 
 struct Scene {
@@ -137,11 +141,11 @@ struct Scene {
   std::vector<Texture> textures;
   std::vector<Light> lights;
   std::vector<Camera> cameras;
-  std::vector<Node> nodes;  ///< a parent precedes its children
+  std::vector<Node> nodes;  ///< all nodes; a parent precedes its children
   std::vector<Skin> skins;
-  std::vector<Track> tracks;                ///< of all animations; the first of a node and path takes effect
+  std::vector<Track> tracks;                ///< tracks of all animations; the first of a node and path takes effect
   glm::vec3 background{0.6F, 0.7F, 0.85F};  ///< radiance of rays that leave the scene
-  glm::vec3 ambient{0.1F};                  ///< constant irradiance on every surface
+  glm::vec3 ambient{0.1F};                  ///< constant irradiance that every surface receives
   std::string sha256;                       ///< hash of the file and the files it names, or of the generated scene
   std::vector<std::string> warnings;        ///< deviations from what the file specifies, one sentence each
 };

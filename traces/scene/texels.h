@@ -7,12 +7,13 @@
 
 namespace traces {
 
-/// sRGB's transfer function; argument and result 0..1 (IEC 61966-2-1).
+/// Decodes an sRGB channel to a linear value; argument and result are 0 to 1 (IEC 61966-2-1).
 inline double srgb_to_linear(double encoded) {
   return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
 }
 
-/// Returns the mean of all texels, alpha included, 0..1; the mean of linear colour if the texture is sRGB-encoded.
+/// Returns the mean of all texels, alpha included, 0 to 1. For an sRGB-encoded texture it is the mean of the linear
+/// colours.
 glm::vec4 mean_texel(const Texture& texture);
 
 }  // namespace traces

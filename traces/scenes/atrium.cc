@@ -20,12 +20,12 @@
 namespace traces::atrium {
 namespace {
 
-// The court in metres; the origin is the middle of its floor. Columns form a rectangle of 18 x 7.2, with arcades of two
-// storeys on all sides, galleries 3 deep around them, and the sky above.
+// Dimensions of the court in metres; the origin is the middle of its floor. Columns form a rectangle of 18 x 7.2, with
+// arcades of two storeys on all sides, galleries 3 deep around them, and the sky above.
 constexpr float kHalfLength = 9, kHalfWidth = 3.6F, kGallery = 3;
 constexpr int kLongBays = 6, kShortBays = 3;
 constexpr float kLongBay = 3.0F, kShortBay = 2.4F;
-constexpr float kWall = 0.5F;  ///< thickness of an arcade
+constexpr float kWall = 0.5F;  ///< thickness of the wall of an arcade
 constexpr float kSpring = 3.0F, kUpper = 5.0F, kUpperSpring = 7.3F, kTop = 9.4F;
 
 /// Indices in Scene::textures.
@@ -37,7 +37,8 @@ struct Materials {
       water, glow;
 };
 
-/// Calls visit(middle of the bay, direction into the court, width) for all bays of the rectangle.
+/// Calls visit(middle, inwards, width) for each bay of the arcades: its middle, the direction into the court and its
+/// width.
 template <class Visit>
 void for_each_bay(Visit visit) {
   for (const float side : {-1.0F, 1.0F}) {
@@ -52,7 +53,7 @@ void for_each_bay(Visit visit) {
   }
 }
 
-/// Slabs of two stones with small dark squares at the corners.
+/// Returns the colour of a floor of slabs in two stones, with small dark squares at the corners.
 glm::vec4 floor_slabs(float u, float v) {
   const float x = u * 4 - std::floor(u * 4), y = v * 4 - std::floor(v * 4);
   const auto i = static_cast<std::uint64_t>(u * 4), j = static_cast<std::uint64_t>(v * 4);
@@ -65,7 +66,7 @@ glm::vec4 floor_slabs(float u, float v) {
   return {slab * (0.82F + 0.1F * random_unit(3, i, j) + 0.25F * (cloud - 0.4F)), 1};
 }
 
-/// A woven banner: a border, a field and an eight-pointed star.
+/// Returns the colour of a woven banner: a border, a field and an eight-pointed star.
 glm::vec4 banner_colour(float u, float v, const glm::vec3& ground) {
   const glm::vec3 gold(0.86F, 0.66F, 0.24F);
   const float weave =
@@ -140,7 +141,8 @@ Materials add_materials(Scene& scene) {
   return is;
 }
 
-/// Makes a column: Attic base, slightly swelling shaft, bell with two rings of leaves, abacus. `radius`: at the foot.
+/// Makes a column: Attic base, slightly swelling shaft, bell with two rings of leaves, abacus. `radius` is that of the
+/// shaft's foot.
 Mesh make_column(float height, float radius, const Detail& detail) {
   const std::uint32_t round = detail.cell_count(18, 6);
   const float r = radius;
@@ -175,7 +177,7 @@ Mesh make_column(float height, float radius, const Detail& detail) {
   return mesh;
 }
 
-/// Makes a pier for the corners, where two arcades meet.
+/// Makes a pier for a corner of the court, where two arcades meet.
 Mesh make_pier(float height) {
   constexpr float a = 0.32F;
   Mesh mesh = make_box("pier", {-a, 0, -a}, {a, height, a});
@@ -228,7 +230,7 @@ void add_balustrades(Scene& scene, const Materials& is, const Detail& detail) {
 
 constexpr float kOuterX = kHalfLength + kGallery, kOuterZ = kHalfWidth + kGallery;
 
-/// Makes a strip of an arch between two points (radius, z) of its section.
+/// Makes the strip of an arch between two points (radius, z) of its cross-section.
 Mesh make_arch_strip(const glm::vec2& from, const glm::vec2& to, std::uint32_t cells) {
   return make_surface("", cells, 1, [&](float s, float t) {
     const glm::vec2 ring = t < 0.5F ? from : to;
@@ -237,7 +239,7 @@ Mesh make_arch_strip(const glm::vec2& from, const glm::vec2& to, std::uint32_t c
   });
 }
 
-/// Makes one bay of wall above the springing line (y = 0 here) with its round arch; its face is at z = kWall / 2.
+/// Makes one bay of wall with a round arch, from the springing line (y = 0) upwards. Its face is at z = kWall / 2.
 Mesh make_arch_wall(float width, float radius, float height, const Detail& detail) {
   const std::uint32_t cells = detail.cell_count(16, 4);
   constexpr float kHalf = kWall / 2;
@@ -265,7 +267,7 @@ Mesh make_arch_wall(float width, float radius, float height, const Detail& detai
   return mesh;
 }
 
-/// Makes the moulding round the arch on both faces, and its keystones.
+/// Makes the moulding around an arch on both faces of its wall, with keystones.
 Mesh make_archivolt(float radius, const Detail& detail) {
   constexpr float z = kWall / 2;
   const glm::vec2 section[] = {{radius - 0.004F, z - 0.06F}, {radius - 0.004F, z + 0.06F}, {radius + 0.1F, z + 0.06F},
@@ -286,7 +288,7 @@ Mesh make_archivolt(float radius, const Detail& detail) {
   return mesh;
 }
 
-/// Makes a cornice along x, from -half to half, its back at z = 0.
+/// Makes a cornice along x, from -half to half, with its back at z = 0.
 Mesh make_cornice(float half, std::span<const glm::vec2> outline) {
   const glm::mat4 along{{0, 0, 1, 0}, {0, 1, 0, 0}, {-1, 0, 0, 0}, {half, 0, 0, 1}};
   Mesh mesh = transform_mesh(make_extrusion("cornice", outline, 2 * half), along);
@@ -295,7 +297,7 @@ Mesh make_cornice(float half, std::span<const glm::vec2> outline) {
 }
 
 void add_slabs(Scene& scene, std::uint32_t material, float low, float high, float rim) {
-  // Four boards round the court; `rim` is how far they project into it.
+  // Four boards around the court; `rim` is how far they project into it.
   const float x = kHalfLength - rim, z = kHalfWidth - rim;
   const std::array<std::array<float, 4>, 4> areas = {
       {{-kOuterX, kOuterX, -kOuterZ, -z}, {-kOuterX, kOuterX, z, kOuterZ}, {-kOuterX, -x, -z, z}, {x, kOuterX, -z, z}}};
@@ -590,8 +592,8 @@ void add_cameras(Scene& scene) {
 
 }  // namespace
 
-/// A court with arcades on two storeys, like Marko Dabrovic's and Crytek's atrium of Sponza. Needs at least a quarter
-/// of its class's triangles, as it has many different parts.
+/// Builds a court with arcades on two storeys, like Marko Dabrovic's and Crytek's atrium of Sponza. It has at least a
+/// quarter of its class's triangles, because it has many different parts.
 Scene build_atrium(const BuiltinOptions& options) {
   constexpr std::uint32_t kClass = 66'000;
   Scene scene = build_to_size(options.triangles_or(kClass), furnish_court);
@@ -602,7 +604,7 @@ Scene build_atrium(const BuiltinOptions& options) {
   sun.direction = glm::normalize(glm::vec3(0.34F, -1, -0.36F));
   sun.intensity = {1.0F, 0.93F, 0.80F};
   scene.lights.push_back(sun);
-  // Light that the sunlit wall and floor reflect into the galleries.
+  // Lights that stand for what the sunlit wall and floor reflect into the galleries.
   for (const float x : {-4.6F, 5.2F}) {
     Light bounce;
     bounce.position = {x, 3.2F, -0.6F};

@@ -8,24 +8,24 @@
 
 namespace traces {
 
-/// A scene that the program generates, so that nothing must be downloaded.
+/// Name and description of a scene that the program can generate, so that nothing must be downloaded.
 struct BuiltinInfo {
   std::string name;
-  std::string description;      ///< one line
-  std::uint32_t triangles = 0;  ///< triangles of its class in the literature
+  std::string description;      ///< one line of text
+  std::uint32_t triangles = 0;  ///< number of triangles of the scene in the literature that it resembles
 };
 
-/// Options of a generator.
+/// Options with which a built-in scene is generated.
 struct BuiltinOptions {
-  std::uint32_t triangles = 0;  ///< approximate number; 0: that of its class
+  std::uint32_t triangles = 0;  ///< approximate number of triangles; 0: BuiltinInfo::triangles
   std::uint32_t triangles_or(std::uint32_t of_class) const { return triangles == 0 ? of_class : triangles; }
 };
 
 std::vector<BuiltinInfo> builtin_scenes();
-/// Throws InputError with the nearest name unless a scene of this name is built in.
+/// Throws InputError, with the nearest name, unless a scene called `name` is built in.
 void check_builtin_name(std::string_view name);
 
-/// Generates the scene of that name. Throws InputError with the nearest name if there is none.
+/// Generates the built-in scene called `name`. Throws InputError with the nearest name if there is none.
 Scene build_scene(std::string_view name, const BuiltinOptions& options = {});
 
 Scene build_atrium(const BuiltinOptions& options);

@@ -6,9 +6,9 @@
 
 namespace traces {
 
-/// The box is twice as wide as high; the camera is where its open front just fills a 2:1 picture.
+/// Builds the Cornell box, twice as wide as high. The camera is where the open front just fills a 2:1 picture.
 Scene build_cornell(const BuiltinOptions& options) {
-  constexpr std::uint32_t kTriangles = 10'338;  // with 16 and 18 cells
+  constexpr std::uint32_t kTriangles = 10'338;  // number of triangles with 16 and 18 cells
   const Detail detail = detail_for(options.triangles_or(kTriangles), kTriangles);
   const std::uint32_t wall_cells = detail.cell_count(16, 2), sphere_cells = detail.cell_count(18, 4);
   Scene scene;

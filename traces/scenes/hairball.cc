@@ -19,7 +19,7 @@ constexpr std::uint32_t kTriangles = 2'880'000;
 constexpr std::uint32_t kBundles = 12, kColours = 3;
 constexpr std::uint32_t kSegments = 40;  // segments of a strand
 constexpr std::uint32_t kSides = 3;
-constexpr std::uint32_t kLock = 14;  // parallel strands
+constexpr std::uint32_t kLock = 14;  // number of parallel strands in a lock
 constexpr float kFov = 0.62F;
 constexpr glm::vec3 kMiddle{0, 1.22F, 0};
 
@@ -30,7 +30,7 @@ glm::vec3 any_direction(std::uint64_t a, std::uint64_t b) {
   return {r * round.x, y, r * round.y};
 }
 
-/// Adds a strand that wanders over the unit sphere, in and out, and gets thinner.
+/// Adds a strand of hair that winds over the unit sphere, in and out, and gets thinner.
 void add_strand(Mesh& mesh, std::uint64_t bundle, std::uint64_t strand, float radius) {
   const std::uint64_t lock = strand / kLock;
   glm::vec3 way = glm::normalize(any_direction(bundle * 2, lock) + 0.13F * any_direction(bundle * 2, strand + 99));
@@ -38,7 +38,7 @@ void add_strand(Mesh& mesh, std::uint64_t bundle, std::uint64_t strand, float ra
   const float depth = random_between(0.25F, 0.97F, bundle, lock, 3) + 0.05F * random_unit(bundle, strand, 9);
   const float wave = random_unit(bundle, lock, 4) + 0.12F * random_unit(bundle, strand, 4);
   const float rate = random_between(0.6F, 1.7F, bundle, lock, 5);
-  const float stride = random_between(0.012F, 0.034F, bundle, lock, 6);  // turns per step
+  const float stride = random_between(0.012F, 0.034F, bundle, lock, 6);  // turns per segment
   const float loose = random_unit(bundle, strand, 8);
   const float flown = loose > 0.93F ? 0.3F : 0.04F;  // a few strands project from the ball
   float bend = 0;
@@ -113,7 +113,7 @@ void add_lights(Scene& scene) {
 
 }  // namespace
 
-/// Twelve bundles of strands in three colours, each bundle rotated differently.
+/// Builds a ball of hair: twelve bundles of strands in three colours, each bundle rotated differently.
 Scene build_hairball(const BuiltinOptions& options) {
   const std::uint32_t triangles = options.triangles_or(kTriangles);
   Scene scene;
@@ -124,7 +124,7 @@ Scene build_hairball(const BuiltinOptions& options) {
   const auto room = static_cast<std::uint32_t>(triangles_of(scene));
   const std::uint32_t strands =
       std::max((std::max(triangles, room) - room + kBundles * kStrand / 2) / (kBundles * kStrand), 8U);
-  // Fewer strands are thicker, so that the ball remains equally dense.
+  // With fewer strands each is thicker, so that the ball remains equally dense.
   const float radius = 0.0055F * std::sqrt(std::clamp(1000 / static_cast<float>(strands), 0.3F, 16.0F));
   const glm::vec3 colours[kColours] = {{0.86F, 0.38F, 0.14F}, {0.95F, 0.70F, 0.34F}, {0.50F, 0.22F, 0.12F}};
   for (std::uint32_t colour = 0; colour < kColours; ++colour) {

@@ -33,7 +33,7 @@ constexpr Profile kProfiles[] = {
     {{1.5F, 1.5F, 1.425F, 0}, {0.15F, 0.075F, 0, 0}},                    // bottom
 };
 
-// One half of handle and spout: four rows of {x, half width, height}.
+// One half of the handle and of the spout: four rows of {x, half width, height}.
 constexpr float kHalves[][4][4][3] = {
     // upper handle
     {{{-1.6F, 0, 2.025F}, {-1.6F, 0.3F, 2.025F}, {-1.5F, 0.3F, 2.25F}, {-1.5F, 0, 2.25F}},
@@ -57,7 +57,8 @@ constexpr float kHalves[][4][4][3] = {
      {{2.8F, 0, 2.4F}, {2.8F, 0.15F, 2.4F}, {3.2F, 0.15F, 2.4F}, {3.2F, 0, 2.4F}}},
 };
 
-/// Returns the patch of quarter turn `quarter`. The factor 0.56 approximates a circle, as in the original table.
+/// Returns the patch of revolution for quarter turn `quarter`. The factor 0.56 approximates a circle, as in the
+/// original table.
 BezierPatch revolve_profile(const Profile& profile, int quarter) {
   constexpr float kArc[4][2] = {{1, 0}, {1, 0.56F}, {0.56F, 1}, {0, 1}};
   BezierPatch patch;
@@ -76,8 +77,8 @@ BezierPatch revolve_profile(const Profile& profile, int quarter) {
   return patch;
 }
 
-/// Returns one half of handle or spout; `side` is +1 or -1. Rows run along it; columns run round it so that normals
-/// point out.
+/// Returns one half of the handle or spout; `side` is +1 or -1. Rows run along it; columns run around it so that
+/// normals point outwards.
 BezierPatch half_patch(const float (&rows)[4][4][3], float side) {
   BezierPatch patch;
   for (std::size_t row = 0; row < 4; ++row) {
@@ -138,7 +139,8 @@ SurfacePoint evaluate_patch(const BezierPatch& patch, float u, float v) {
 
 namespace {
 
-/// Makes one mesh of the patches, each in cells x cells, without the triangles at the poles that have no area.
+/// Makes one mesh of the patches, with cells x cells squares each. Triangles at the poles that have no area are
+/// omitted.
 Mesh make_pot(std::string name, std::span<const BezierPatch> patches, std::uint32_t cells) {
   Mesh mesh;
   mesh.name = std::move(name);
@@ -164,7 +166,7 @@ Mesh make_pot(std::string name, std::span<const BezierPatch> patches, std::uint3
   return mesh;
 }
 
-/// Makes four squares with a fine grain, so that neighbouring texels differ.
+/// Returns a texture of four squares with a fine grain, so that neighbouring texels differ.
 Texture make_checker() {
   constexpr std::uint32_t kSize = 256;
   Texture texture;
@@ -186,7 +188,7 @@ Texture make_checker() {
 }  // namespace
 
 Scene build_teapot(const BuiltinOptions& options) {
-  constexpr std::uint32_t kTriangles = 14'792;  // with 15 and 16 cells
+  constexpr std::uint32_t kTriangles = 14'792;  // number of triangles with 15 and 16 cells
   const Detail detail = detail_for(options.triangles_or(kTriangles), kTriangles);
   Scene scene;
   scene.name = "teapot";
@@ -211,7 +213,7 @@ Scene build_teapot(const BuiltinOptions& options) {
   lamp.intensity = glm::vec3(1, 0.95F, 0.88F);
   scene.lights.push_back(lamp);
   scene.cameras.push_back(look_at("front", {1.2F, 4.2F, 8.6F}, {0.2F, 1.3F, 0}, 0.5F));
-  // Once round the pot.
+  // The camera moves once around the pot.
   std::vector<ViewKey> path;
   for (int k = 0; k <= 8; ++k) {
     const glm::vec2 way = on_circle(0.25 - k / 8.0);

@@ -18,8 +18,8 @@ struct SurfacePoint {
   glm::vec3 position, normal;
 };
 
-/// Returns the patch at (u, v), 0 to 1. At a pole, where one side of the patch has no length, it returns a nearby
-/// normal.
+/// Returns the point of a patch at (u, v), 0 to 1, with its normal. At a pole, where one side of the patch has no
+/// length, it returns a nearby normal.
 SurfacePoint evaluate_patch(const BezierPatch& patch, float u, float v);
 
 }  // namespace traces

@@ -80,7 +80,7 @@ void hold_camera(Scene& scene) {
   scene.nodes.push_back(std::move(node));
 }
 
-/// Rotates the camera round the vertical axis through the middle of the scene in its current pose.
+/// Rotates the camera around the vertical axis through the middle of the scene in its current pose.
 void orbit_camera(Scene& scene, double degrees) {
   const glm::dvec3 centre(world_bounds(scene).centre());
   const glm::dmat4 turn = glm::translate(glm::dmat4(1), centre) *

@@ -11,12 +11,12 @@
 
 namespace traces {
 
-/// Selection of the scene's lights.
+/// Which lights a run uses.
 enum class LightRig : std::uint8_t {
   kScene,      ///< all lights of the scene
-  kStrongest,  ///< only the light that makes the first camera's view brightest
-  kPoint,      ///< a configured point light instead
-  kSun,        ///< a configured directional light instead
+  kStrongest,  ///< only the light of the scene that makes the first camera's view brightest
+  kPoint,      ///< a point light from the configuration instead of the scene's lights
+  kSun,        ///< a directional light from the configuration instead of the scene's lights
 };
 constexpr std::array<std::string_view, 4> names_of(LightRig) { return {"scene", "strongest", "point", "sun"}; }
 
@@ -31,8 +31,8 @@ enum class ViewSource : std::uint8_t { kScene, kOwn };
 constexpr std::array<std::string_view, 2> names_of(ViewSource) { return {"scene", "own"}; }
 
 enum class CameraPath : std::uint8_t {
-  kScene,  ///< as animated in the scene
-  kOrbit,  ///< round the middle of the scene, at the camera's distance and height
+  kScene,  ///< as the scene animates it
+  kOrbit,  ///< around the middle of the scene, at the camera's distance and height
 };
 constexpr std::array<std::string_view, 2> names_of(CameraPath) { return {"scene", "orbit"}; }
 
@@ -81,7 +81,7 @@ struct ViewConfig {
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
-    constexpr double kFar = 1e9;  // its square is a finite float
+    constexpr double kFar = 1e9;  // the largest distance, whose square is a finite float
     const sim::Limits anywhere = sim::between(-kFar, kFar);
     field(NAMED(c.source), "", "a camera of the scene, or one's own", sim::any(), Affects::kFunction);
     field(NAMED(c.position), "", "of one's own camera, in the scene's units", anywhere, Affects::kFunction);
@@ -97,7 +97,8 @@ struct ViewConfig {
   }
 };
 
-/// Scene, camera and frames of a run: the group `scene` of a run's configuration, and the content of a workload file.
+/// Configuration keys of a run's scene, camera and frames (group `scene`), which are also the content of a workload
+/// file.
 struct WorkloadConfig {
   std::string name = "cornell";
   std::uint32_t triangles = 0;
@@ -147,11 +148,11 @@ struct WorkloadConfig {
   double seconds_of(std::uint32_t frame) const { return frame / frame_rate; }
 };
 
-/// Opens the scene with the workload's lights and sky, posed at its first frame. Its camera becomes the only entry of
+/// Opens a workload's scene with its lights and sky, posed at its first frame. Its camera becomes the only entry of
 /// Scene::cameras. Throws InputError, listing the valid names, for an unknown scene or camera.
 Scene open_workload(const WorkloadConfig& workload, const SceneLimits& limits = {});
 
-/// Poses the scene at that frame.
+/// Poses a workload's scene at frame `frame`. Returns what has moved.
 Moved pose_workload(Scene& scene, const WorkloadConfig& workload, std::uint32_t frame);
 
 }  // namespace traces

@@ -11,7 +11,7 @@
 namespace traces::gltf {
 namespace {
 
-/// Elements of `size` bytes at distance `stride`, all inside their buffer view.
+/// Where an accessor's elements of `size` bytes are: one every `stride` bytes, all inside their buffer view.
 struct Elements {
   const std::uint8_t* data = nullptr;
   std::size_t stride = 0;
@@ -91,7 +91,8 @@ bool is_unsigned(int type) {
          type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
 }
 
-/// Calls put(element index, its bytes) for each dense element, then for each element that a sparse accessor replaces.
+/// Calls put(index, bytes) for each dense element of an accessor, then for each element that a sparse accessor
+/// replaces.
 template <class Put>
 void for_each_element(const Context& context, const tinygltf::Accessor& accessor, std::size_t size,
                       const std::string& what, Put put) {
@@ -119,10 +120,10 @@ void for_each_element(const Context& context, const tinygltf::Accessor& accessor
   }
 }
 
-/// Largest number of elements without bytes in the file.
+/// Largest number of elements that have no bytes in the file and so are zero.
 constexpr std::size_t kMostZeros = 1 << 20;
 
-/// Returns the accessor after checking its bounds and taking its decoded size from the budget.
+/// Returns an accessor after checking its bounds. Takes its decoded size from the memory budget.
 const tinygltf::Accessor& find_accessor(Context& context, int index, int type, std::size_t bytes_each,
                                         const std::string& what) {
   const tinygltf::Accessor& accessor = context.at(context.model.accessors, index, "accessors");
@@ -158,7 +159,7 @@ std::vector<Vector> read_elements(Context& context, int index, int type, const c
   return out;
 }
 
-/// A fixed number of floats with the interface of a vector.
+/// A fixed number of floats, with the interface of a vector.
 template <int kCount>
 struct Numbers {
   std::array<float, kCount> values;

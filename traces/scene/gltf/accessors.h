@@ -11,20 +11,21 @@
 
 namespace traces::gltf {
 
-/// Bytes of a buffer view; refused if the view exceeds its buffer.
+/// The bytes of a buffer view. Throws InputError if the view exceeds its buffer.
 struct Bytes {
   const std::uint8_t* data = nullptr;
   std::size_t size = 0;
 };
 Bytes view_bytes(const Context& context, int buffer_view);
 
-// These read accessors of any component type with sparse elements filled in. Normalised integers become 0..1 or -1..1.
-// Refused: a missing index, a wrong type, values outside the buffer view, numbers that are not finite.
+// These functions read accessors of any component type, with sparse elements filled in. Normalised integers become 0..1
+// or -1..1. They throw InputError for a missing index, a wrong type, values outside the buffer view, and numbers that
+// are not finite.
 std::vector<float> read_floats(Context& context, int accessor, const char* what);
 std::vector<glm::vec2> read_vec2(Context& context, int accessor, const char* what);
 std::vector<glm::vec3> read_vec3(Context& context, int accessor, const char* what);
 std::vector<glm::vec4> read_vec4(Context& context, int accessor, const char* what);
-/// Single precision only.
+/// Reads 4 x 4 matrices, which must have single precision.
 std::vector<glm::mat4> read_mat4(Context& context, int accessor, const char* what);
 
 /// Reads unsigned integers of 8, 16 or 32 bits.

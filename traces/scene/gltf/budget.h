@@ -10,12 +10,12 @@
 
 namespace traces::gltf {
 
-/// Memory that the file may still use, so that a small file cannot demand a huge scene.
+/// The memory that a file may still use, so that a small file cannot demand a huge scene.
 class Budget {
  public:
   Budget(std::string file, std::uint64_t bytes) : file_(std::move(file)), limit_(bytes), left_(bytes) {}
 
-  /// Takes memory from the budget; call before allocating. Throws InputError if not enough is left.
+  /// Takes memory from the budget. Call before allocating. Throws InputError if not enough is left.
   void take(std::uint64_t count, std::uint64_t bytes_each, std::string_view what) {
     if (count != 0 && bytes_each > left_ / count) {
       throw sim::InputError(

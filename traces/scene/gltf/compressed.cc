@@ -21,7 +21,7 @@
 namespace traces::gltf {
 namespace {
 
-/// A Draco decoder that checks the budget at both places where the data determine an allocation.
+/// A Draco decoder that checks the memory budget at the two places where the data determine an allocation.
 template <class Base>
 class Bounded : public Base {
  public:
@@ -63,7 +63,7 @@ bool decode_with(Budget& budget, const Bytes& bytes, draco::Mesh& mesh) {
   return decoder.Decode(options, &buffer, &mesh).ok();
 }
 
-/// Returns the fault of the data, or null.
+/// Decodes a Draco mesh. Returns what is wrong with the data, or null.
 const char* decode_mesh(Budget& budget, const Bytes& bytes, draco::Mesh& mesh) {
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(bytes.data), bytes.size);
@@ -77,7 +77,7 @@ const char* decode_mesh(Budget& budget, const Bytes& bytes, draco::Mesh& mesh) {
   return good ? nullptr : "damaged Draco data";
 }
 
-/// Returns an accessor without sparse elements; tinygltf leaves the fields of sparse ones uninitialised.
+/// Returns an accessor without sparse elements, whose fields tinygltf leaves uninitialised.
 tinygltf::Accessor dense_accessor(int component_type, int type, std::size_t count) {
   tinygltf::Accessor accessor;
   accessor.sparse = {};
@@ -87,7 +87,7 @@ tinygltf::Accessor dense_accessor(int component_type, int type, std::size_t coun
   return accessor;
 }
 
-/// Appends the bytes to the model as a buffer with a view and an accessor; returns the accessor's index.
+/// Appends bytes to the model as a buffer with a view and an accessor. Returns the accessor's index.
 int add_accessor(tinygltf::Model& model, std::vector<unsigned char> bytes, tinygltf::Accessor accessor) {
   tinygltf::BufferView view;
   view.buffer = static_cast<int>(model.buffers.size());
@@ -113,7 +113,7 @@ int add_indices(Context& context, tinygltf::Model& model, const draco::Mesh& mes
       dense_accessor(TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, TINYGLTF_TYPE_SCALAR, std::size_t{mesh.num_faces()} * 3));
 }
 
-/// Appends the value as component type T; returns false if T cannot represent it.
+/// Appends a value as component type T. Returns false if T cannot represent it.
 template <class T>
 bool append_value(double value, std::vector<unsigned char>& bytes) {
   if constexpr (std::is_integral_v<T>) {
@@ -214,7 +214,7 @@ std::string text_or(const tinygltf::Value& object, const char* key, const char* 
   return object.Has(key) && object.Get(key).IsString() ? object.Get(key).Get<std::string>() : absent;
 }
 
-/// Checks the preconditions that the decoders do not check. Returns the fault, or null.
+/// Checks conditions that the decoder requires and does not check. Returns what is wrong, or null.
 const char* fault_of(const std::string& mode, const std::string& filter, std::size_t count, std::size_t stride) {
   const bool attributes = mode == "ATTRIBUTES";
   if (!attributes && mode != "TRIANGLES" && mode != "INDICES") return "the mode is unknown";

@@ -88,7 +88,7 @@ glm::vec3 vec3_or(const Context& context, const tinygltf::Value& object, const c
 }
 
 std::uint64_t size_or(const Context& context, const tinygltf::Value& object, const char* key, std::uint64_t absent) {
-  constexpr double kMost = 9007199254740992;  // 2^53: doubles represent every integer up to it
+  constexpr double kMost = 9007199254740992;  // 2^53: a double represents every integer up to it
   if (!object.Has(key)) return absent;
   const double value = object.Get(key).IsNumber() ? object.Get(key).GetNumberAsDouble() : -1;
   if (!(value >= 0 && value <= kMost)) context.refuse(fmt::format("{} is not a number of 0 or more", key));

@@ -15,22 +15,23 @@
 
 namespace traces::gltf {
 
-/// State shared by all parts of the reader: the parsed file and the scene being filled.
+/// State that all parts of the glTF reader share: the parsed file, and the scene that they fill.
 struct Context {
-  std::string file;  ///< as printed in messages
+  std::string file;  ///< name of the file, as printed in messages
   const tinygltf::Model& model;
   const SceneLimits& limits;
   Budget& budget;
   Scene& scene;
-  std::vector<std::uint32_t> scene_nodes{};  ///< Scene::nodes index of each of the file's nodes; kNone: not shown
+  std::vector<std::uint32_t> scene_nodes{};  ///< for each node of the file, its index in Scene::nodes; kNone if it is
+                                             ///< not shown
 
-  /// Throws InputError.
+  /// Throws InputError with the file's name and `why`.
   [[noreturn]] void refuse(const std::string& why) const;
 
-  /// Adds to the scene's warnings, each text once.
+  /// Adds a line to the scene's warnings, unless it is there already.
   void warn(const std::string& what);
 
-  /// Returns `list[index]`; refused if there is no such entry. `what` names the list.
+  /// Returns `list[index]`. Throws InputError if there is no such entry; `what` names the list.
   template <class T>
   const T& at(const std::vector<T>& list, int index, const char* what) const {
     if (index < 0 || static_cast<std::size_t>(index) >= list.size()) refuse_index(what, index, list.size());
@@ -40,34 +41,35 @@ struct Context {
   [[noreturn]] void refuse_index(const char* what, long long index, std::size_t size) const;
 };
 
-/// Converts a JSON number to float; refused if it does not fit.
+/// Converts a JSON number to float. Throws InputError if it does not fit; `what` names the number.
 float to_float(const Context& context, double value, const std::string& what);
 
-/// Convert a list of exactly three or four numbers; an empty list gives `absent`.
+/// Convert a JSON list of exactly three or four numbers. An empty list gives `absent`.
 glm::vec3 to_vec3(const Context& context, const std::vector<double>& list, const glm::vec3& absent,
                   const std::string& what);
 glm::vec4 to_vec4(const Context& context, const std::vector<double>& list, const glm::vec4& absent,
                   const std::string& what);
 
-/// Returns a unit quaternion from x, y, z, w; refused if it is zero.
+/// Returns a unit quaternion from numbers x, y, z, w. Throws InputError if it is zero.
 glm::quat to_rotation(const Context& context, const std::vector<double>& list, const std::string& what);
 
-/// Returns the matrix with 0, 0, 0, 1 as its last row, which glTF demands.
+/// Returns the matrix with 0, 0, 0, 1 as its last row, as glTF demands.
 glm::mat4 to_affine(glm::mat4 matrix);
 
-/// Returns the object of that extension, or null.
+/// Returns the object of the extension called `name`, or null.
 const tinygltf::Value* find_extension(const tinygltf::ExtensionMap& extensions, const char* name);
 
-/// Returns a number of an extension's object, or `absent`.
+/// Returns the number `key` of an extension's object, or `absent`.
 float number_or(const Context& context, const tinygltf::Value& object, const char* key, float absent);
 
-/// Returns a list of three numbers of an extension's object, or `absent`.
+/// Returns the list `key` of three numbers of an extension's object, or `absent`.
 glm::vec3 vec3_or(const Context& context, const tinygltf::Value& object, const char* key, const glm::vec3& absent);
 
-/// Returns a count of bytes or elements of an extension's object, or `absent`; refused if it is not a count.
+/// Returns the count `key` (of bytes or elements) of an extension's object, or `absent`. Throws InputError if it is not
+/// a count.
 std::uint64_t size_or(const Context& context, const tinygltf::Value& object, const char* key, std::uint64_t absent);
 
-/// Returns an index of an extension's object, or -1.
+/// Returns the index `key` of an extension's object, or -1.
 int index_or_none(const tinygltf::Value& object, const char* key);
 
 }  // namespace traces::gltf

@@ -132,12 +132,12 @@ bool Placements::is_second(Context& context, const TexturePlacement& placement, 
 
 namespace {
 
-/// The numbers of a glTF material and its extensions; textures of the extensions are folded in by their mean.
+/// The numbers of a glTF material and its extensions. Textures of the extensions are replaced by their means.
 struct Surface {
   float metallic = 1, roughness = 1;            ///< factors
-  float mean_metallic = 1, mean_roughness = 1;  ///< factors times the mean of their texture
+  float mean_metallic = 1, mean_roughness = 1;  ///< factors multiplied with the mean of their texture
   float ior = 1.5F;
-  float specular = 1;  ///< KHR_materials_specular: scales the mirror share of a dielectric
+  float specular = 1;  ///< KHR_materials_specular: factor of a dielectric's mirrored light
   float transmission = 0;
   bool thin = false;  ///< KHR_materials_volume with thickness 0: no refraction
   glm::vec3 absorption{0};
@@ -146,7 +146,7 @@ struct Surface {
 
 float gloss_of(float roughness) { return std::clamp((0.5F - roughness) / 0.4F, 0.0F, 1.0F); }
 
-/// Returns twice the reflectance at normal incidence.
+/// Returns the fraction of light that a dielectric mirrors: twice its reflectance at normal incidence.
 float dielectric_share(float ior) {
   const float ratio = (ior - 1) / (ior + 1);
   return std::min(2 * ratio * ratio, 1.0F);
@@ -156,7 +156,7 @@ float clamp_to_unit(const Context& context, double value, const std::string& wha
   return std::clamp(to_float(context, value, what), 0.0F, 1.0F);
 }
 
-/// A material's extension with its factors and the means of their textures.
+/// One extension of a material, with its factors and the means of their textures.
 struct Extension {
   Context& context;
   Textures& textures;
@@ -166,7 +166,7 @@ struct Extension {
     const int index = object.Has(texture) ? index_or_none(object.Get(texture), "index") : -1;
     return index < 0 ? glm::vec4(1) : textures.mean_of(index, srgb);
   }
-  /// Returns a factor of 0 to 1 times the mean of a channel of its texture.
+  /// Returns a factor of 0 to 1, multiplied with the mean of a channel of its texture.
   float textured_factor(const char* name, float absent, const char* texture, int channel) const {
     const float value = std::clamp(number_or(context, object, name, absent), 0.0F, 1.0F);
     return value > 0 ? value * mean_of(texture, false)[channel] : 0;
@@ -174,7 +174,7 @@ struct Extension {
 };
 
 void read_volume(const Context& context, const tinygltf::Value& volume, Surface& s) {
-  constexpr float kDarkest = 1e-6F;  // avoids the logarithm of 0
+  constexpr float kDarkest = 1e-6F;  // keeps the logarithm finite
   s.thin = !(number_or(context, volume, "thicknessFactor", 0) > 0);
   const float distance = number_or(context, volume, "attenuationDistance", 0);
   if (s.thin || !(distance > 0)) return;
@@ -216,7 +216,7 @@ Surface read_surface(Context& context, Textures& textures, const tinygltf::Mater
 }
 
 /// Sets the mirror, transmission and absorption of `out` by the rule of materials.h. `mean_base` is its base colour
-/// times its texture's mean.
+/// times the mean of its texture.
 void set_surface(Material& out, const Surface& s, const glm::vec3& mean_base) {
   constexpr float kLeast = 0.02F;
   const bool bends = s.transmission > 0 && !s.thin;
@@ -237,7 +237,7 @@ void set_surface(Material& out, const Surface& s, const glm::vec3& mean_base) {
   if (out.mirror > 0) out.mirror_tint = (metal * mean_base + white * glm::vec3(1)) / (metal + white);
 }
 
-/// Fills one Material and records how its textures are placed.
+/// Converts one glTF material, and records where its textures are placed.
 class Reader {
  public:
   Reader(Context& context, Textures& textures, const tinygltf::Material& from, std::string what)
@@ -309,7 +309,9 @@ class Reader {
     out_.casts_light = false;
     out_.base_colour = glm::vec3(0);
     out_.dielectric = 0;
-    if (out_.alpha == Material::Alpha::kOpaque) out_.base_texture = {};  // otherwise its alpha is still used
+    if (out_.alpha == Material::Alpha::kOpaque)
+      out_.base_texture = {};  // with other modes the texture's alpha is
+                               // still used
   }
 
   void read_emission() {

@@ -13,33 +13,35 @@
 
 namespace traces::gltf {
 
-/// Decodes an image when a material first uses it; unused images are never decoded.
+/// The textures of a file. An image is decoded when a material first uses it; unused images are never decoded.
 class Textures {
  public:
   explicit Textures(Context& context) : context_(context) {}
 
-  /// Returns the Scene::textures index of glTF texture `texture`, read as colour (`srgb`) or as numbers; kNoTexture if
-  /// it has no readable image.
+  /// Returns the index in Scene::textures of glTF texture `texture`, read as colour (`srgb`) or as numbers; kNoTexture
+  /// if it has no readable image.
   std::uint32_t find_or_add(int texture, bool srgb);
 
-  /// Returns the mean of all texels, 0..1, alpha included; linear colour if `srgb`. White if the texture has no image.
+  /// Returns the mean of all texels of a texture, 0..1, alpha included; linear colour if `srgb`. White if the texture
+  /// has no image.
   glm::vec4 mean_of(int texture, bool srgb);
 
  private:
   Texture& decode_image(int index);
   int source_of(int texture);
-  /// Adds the texture's pixels; refused if the scene then exceeds its limit.
+  /// Adds the pixels of a texture to the count. Throws InputError if the scene then exceeds its limit.
   void count_pixels(const Texture& texture, const std::string& name);
 
   Context& context_;
   std::map<int, Texture> images_;
-  std::set<int> shown_;       ///< images that a texture of the scene shows
-  std::uint64_t pixels_ = 0;  ///< decoded, including copies for other wrap modes, filters or encodings
+  std::set<int> shown_;       ///< images that some texture of the scene shows
+  std::uint64_t pixels_ = 0;  ///< number of decoded pixels, including copies for other wrap modes, filters or encodings
   std::map<std::pair<int, bool>, glm::vec4> means_;
-  std::map<std::tuple<int, int, int, bool, bool>, std::uint32_t> added_;  ///< key: image, wrap modes, nearest, sRGB
+  std::map<std::tuple<int, int, int, bool, bool>, std::uint32_t> added_;  ///< indices in Scene::textures, by image,
+                                                                          ///< wrap modes, nearest, sRGB
 };
 
-/// Texture coordinates of a texture: the set of the primitive, and KHR_texture_transform.
+/// Where a texture takes its coordinates from: a set of the primitive, and KHR_texture_transform.
 struct TexturePlacement {
   int set = 0;
   glm::vec2 offset{0}, scale{1};
@@ -48,10 +50,10 @@ struct TexturePlacement {
   friend bool operator==(const TexturePlacement&, const TexturePlacement&) = default;
 };
 
-/// Reads the placement of a glTF texture reference.
+/// Reads the placement of a glTF reference to a texture.
 TexturePlacement read_placement(const Context& context, int set, const tinygltf::ExtensionMap& extensions);
 
-/// The placements that a material's textures use: at most two, for Mesh::uvs and Mesh::second_uvs.
+/// The texture placements that a material uses: at most two, for Mesh::uvs and Mesh::second_uvs.
 class Placements {
  public:
   /// True if a texture with this placement uses the second coordinates. A third placement adds a warning that names the

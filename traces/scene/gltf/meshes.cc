@@ -107,7 +107,7 @@ std::vector<std::array<std::uint32_t, 3>> assemble_triangles(const std::vector<s
   return triangles;
 }
 
-/// Returns the vertex indices in the order in which they form triangles.
+/// Returns the indices of a primitive's vertices, in the order in which they form triangles.
 std::vector<std::uint32_t> read_order(Context& context, const tinygltf::Primitive& primitive, const Mesh& mesh) {
   std::vector<std::uint32_t> order;
   if (primitive.indices < 0) {
@@ -153,7 +153,7 @@ void Meshes::fold_colours(Mesh& mesh) {
 }
 
 Mesh Meshes::read_mesh(const tinygltf::Primitive& primitive, const std::string& name, int skin) {
-  constexpr std::uint64_t kCornerBytes = 96;    // a triangle's corner with all vertex attributes
+  constexpr std::uint64_t kCornerBytes = 96;    // one corner of a triangle with all vertex attributes
   constexpr std::uint64_t kTangentBytes = 160;  // temporaries of a corner, and a copy of its vertex if it is split
   static const Placements kNowhere;
   Mesh mesh;
@@ -170,7 +170,7 @@ Mesh Meshes::read_mesh(const tinygltf::Primitive& primitive, const std::string& 
   context_.budget.take(order.size(), kCornerBytes, "the triangles of mesh '" + name + "'");
   mesh.triangles = assemble_triangles(order, primitive.mode);
   const bool flat = mesh.normals.empty();
-  std::vector<std::uint32_t> from;  // the file's vertex of each vertex of the mesh
+  std::vector<std::uint32_t> from;  // for each vertex of the mesh, the vertex of the file that it copies
   if (!flat) {
     repair_normals(mesh);
     from.resize(mesh.positions.size());

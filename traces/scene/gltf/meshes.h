@@ -9,27 +9,28 @@
 
 namespace traces::gltf {
 
-/// Returns the accessor index of the primitive's attribute of that name, or -1.
+/// Returns the accessor index of the primitive's attribute called `name`, or -1.
 int find_attribute(const tinygltf::Primitive& primitive, const std::string& name);
 
-// These fill `mesh`, whose material and positions are set. Refused: a number of values other than that of positions.
+// These functions fill `mesh`, whose material and positions must be set. They throw InputError if the number of values
+// differs from that of positions.
 void read_normals(Context& context, const tinygltf::Primitive& primitive, Mesh& mesh);
 void read_uvs(Context& context, const tinygltf::Primitive& primitive, const Placements& placements, Mesh& mesh);
 void read_tangents(Context& context, const tinygltf::Primitive& primitive, Mesh& mesh);
-/// Reads COLOR_0, 0..1; leaves the colours empty if all are white and opaque.
+/// Reads vertex colours (COLOR_0), 0..1. The colours stay empty if all are white and opaque.
 void read_colours(Context& context, const tinygltf::Primitive& primitive, Mesh& mesh);
 
-/// Reads a glTF mesh when a node first shows it; meshes that no node shows are left out of the scene.
+/// The meshes of a file. A mesh is read when a node first shows it; a mesh that no node shows is not in the scene.
 class Meshes {
  public:
   Meshes(Context& context, std::vector<Placements> placements)
       : context_(context), placements_(std::move(placements)) {}
 
-  /// Returns the Scene::meshes indices of the mesh's triangle primitives as shown by a node with glTF skin `skin` (-1:
-  /// none). Deforming primitives are read again for each such node.
+  /// Returns the indices in Scene::meshes of the triangle primitives of glTF mesh `mesh`, for a node with glTF skin
+  /// `skin` (-1: none). Deforming primitives are read again for each such node.
   std::vector<std::uint32_t> primitives_of(int mesh, int skin);
 
-  /// Returns the largest coordinate of a mesh of Scene::meshes.
+  /// Returns the largest absolute coordinate of mesh `mesh` of Scene::meshes.
   float reach_of(std::uint32_t mesh) const { return reaches_[mesh]; }
 
  private:
@@ -40,10 +41,11 @@ class Meshes {
   void fold_colours(Mesh& mesh);
 
   Context& context_;
-  std::vector<Placements> placements_;  ///< of the file's materials
+  std::vector<Placements> placements_;  ///< texture placements of each of the file's materials
   std::uint32_t default_material_ = kNone;
-  std::map<std::pair<int, std::size_t>, std::uint32_t> read_;  ///< rigid meshes, by mesh and primitive
-  std::vector<float> reaches_;                                 ///< parallel to Scene::meshes
+  std::map<std::pair<int, std::size_t>, std::uint32_t> read_;  ///< indices in Scene::meshes of rigid meshes, by glTF
+                                                               ///< mesh and primitive
+  std::vector<float> reaches_;                                 ///< largest coordinate of each of Scene::meshes
 };
 
 }  // namespace traces::gltf

@@ -20,7 +20,7 @@ int find_accessor(const std::map<std::string, int>& attributes, const std::strin
   return found == attributes.end() ? -1 : found->second;
 }
 
-/// Returns the values of the vertices that make up the mesh.
+/// Returns the values of the vertices that the mesh consists of: result i is all[from[i]].
 template <class T>
 std::vector<T> pick_vertices(const std::vector<T>& all, const std::vector<std::uint32_t>& from) {
   std::vector<T> picked;
@@ -116,7 +116,7 @@ std::vector<std::vector<glm::vec3>> read_targets(Context& context, const tinyglt
   return targets;
 }
 
-/// Returns the inverse bind matrices; identities if the skin has none.
+/// Returns the inverse bind matrices of a skin; identities if it has none.
 std::vector<glm::mat4> read_inverse_bind(Context& context, const tinygltf::Skin& skin, std::size_t index) {
   if (skin.inverseBindMatrices < 0) return std::vector<glm::mat4>(skin.joints.size(), glm::mat4(1));
   std::vector<glm::mat4> matrices = read_mat4(context, skin.inverseBindMatrices, "inverse bind matrices");
@@ -181,7 +181,7 @@ namespace {
 using Path = Track::Path;
 using Interpolation = Track::Interpolation;
 
-/// Returns the property that a channel moves; none, with a warning, if it is not one of glTF's own.
+/// Returns which property of a node an animation channel moves; nothing, with a warning, if glTF does not define it.
 std::optional<Path> read_path(Context& context, const std::string& name, const std::string& what) {
   if (name == "translation") return Path::kTranslation;
   if (name == "rotation") return Path::kRotation;

@@ -10,20 +10,20 @@ namespace traces::gltf {
 /// True if the primitive has morph targets or is deformed by glTF skin `skin` (-1: none).
 bool is_deforming(const tinygltf::Primitive& primitive, int skin);
 
-/// Returns the deformation of a mesh, given the mesh at rest. Vertex i of the mesh is vertex `from[i]` of the
-/// primitive. JOINTS_n and WEIGHTS_n after the first set are folded into the four largest weights, with a warning.
-/// Without joints there is no skin. Not modelled: morphed tangents.
+/// Returns how a mesh deforms, given the mesh at rest. Vertex i of the mesh is vertex `from[i]` of the primitive.
+/// JOINTS_n and WEIGHTS_n after the first set are merged into the four largest weights, with a warning. Without joints
+/// there is no skin. Not modelled: morphed tangents.
 std::shared_ptr<const Deformation> read_deformation(Context& context, const tinygltf::Primitive& primitive, int skin,
                                                     const Mesh& mesh, bool flat_normals,
                                                     const std::vector<std::uint32_t>& from);
 
 /// Fills Scene::skins, one per glTF skin that a shown mesh uses (others remain empty), and sizes the morph weights of
-/// nodes. Call after read_nodes(). Refused: joints that are not shown.
+/// nodes. Call after read_nodes(). Throws InputError for joints that are not shown.
 void finish_deformations(Context& context);
 
-/// Fills Scene::tracks from all animations, which play at once. If two move the same property of a node, the first is
-/// used. Channels of nodes that are not shown are left out. Requires Context::scene_nodes and the nodes' morph weights.
-/// Refused: descending key times, lists of the wrong length, numbers that are not finite.
+/// Fills Scene::tracks from all animations, which play together. If two move the same property of a node, the first is
+/// used. Channels of nodes that are not shown are omitted. Requires Context::scene_nodes and the nodes' morph weights.
+/// Throws InputError for descending key times, lists of the wrong length, and numbers that are not finite.
 void read_animations(Context& context);
 
 }  // namespace traces::gltf

@@ -20,8 +20,8 @@
 namespace traces::gltf {
 namespace {
 
-/// Reads EXT_mesh_gpu_instancing: the places of the node's mesh, in the node's space; empty if the node does not use
-/// the extension.
+/// Reads EXT_mesh_gpu_instancing: transforms at which the node shows its mesh, in the node's space. Empty if the node
+/// does not use the extension.
 std::vector<Transform> read_instancing(Context& context, const tinygltf::Node& node, const std::string& what) {
   std::vector<Transform> copies;
   const auto* extension = find_extension(node.extensions, "EXT_mesh_gpu_instancing");
@@ -56,8 +56,8 @@ std::string unique_name(const std::vector<Camera>& cameras, const std::string& w
   return name;
 }
 
-/// Adds the node's camera, if it has one. Orthographic cameras are left out with a warning; a second camera of the same
-/// name gets a number as suffix. `index`: of the node in Scene::nodes.
+/// Adds the camera of a node, if it has one; `index` is the node's index in Scene::nodes. Orthographic cameras are
+/// omitted with a warning; a second camera of the same name gets a number as suffix.
 void add_camera(Context& context, const tinygltf::Node& node, const glm::dmat4& to_world, std::uint32_t index) {
   constexpr std::size_t kMost = 1000;  // each new name is compared with all others
   if (node.camera < 0) return;
@@ -90,10 +90,10 @@ void add_camera(Context& context, const tinygltf::Node& node, const glm::dmat4& 
   cameras.push_back(camera);
 }
 
-/// Each light costs a shadow ray per visible surface.
+/// Largest number of lights: each costs a shadow ray per visible surface.
 constexpr std::size_t kMostLights = 1024;
 
-/// Adds the node's light by KHR_lights_punctual, if it has one. `index`: of the node in Scene::nodes.
+/// Adds the light of a node (KHR_lights_punctual), if it has one; `index` is the node's index in Scene::nodes.
 void add_punctual_light(Context& context, const tinygltf::Node& node, const glm::dmat4& to_world, std::uint32_t index) {
   const auto* extension = find_extension(node.extensions, "KHR_lights_punctual");
   if (extension == nullptr) return;
@@ -126,7 +126,7 @@ void add_punctual_light(Context& context, const tinygltf::Node& node, const glm:
   context.scene.lights.push_back(light);
 }
 
-/// Reads the node with its transform relative to its parent; the parent itself is not set.
+/// Reads a node with its transform relative to its parent. The parent itself is not set.
 Node read_node(const Context& context, const tinygltf::Node& node, const std::string& what) {
   Node out;
   out.name = sim::printable(node.name);
@@ -157,10 +157,10 @@ bool has_focus(const tinygltf::Value& extras) {
   return focus.IsBool() && focus.Get<bool>();
 }
 
-/// Adds an instance at `to_world`, attached to Scene::nodes[index], for each primitive of the node's mesh.
+/// Adds an instance at `to_world` for each primitive of the node's mesh, attached to Scene::nodes[index].
 void add_instances(Context& context, Meshes& meshes, const tinygltf::Node& node, const glm::dmat4& to_world,
                    std::uint32_t index, const std::string& what) {
-  constexpr std::uint64_t kTriangleBytes = 240;  // on the GPU: record, attributes and share of the nodes
+  constexpr std::uint64_t kTriangleBytes = 240;  // memory in the GPU: record, attributes and a part of the tree nodes
   const bool may_move = node.skin >= 0 || !context.model.animations.empty();
   if (!may_move && glm::dmat3(to_world) == glm::dmat3(0)) {
     context.warn(what + " is scaled to a point and left out");
@@ -177,7 +177,7 @@ void add_instances(Context& context, Meshes& meshes, const tinygltf::Node& node,
   }
 }
 
-/// Appends to Scene::nodes; returns the index.
+/// Appends a node to Scene::nodes; returns its index.
 std::uint32_t add_node(Context& context, Node node, std::uint32_t parent) {
   std::vector<Node>& nodes = context.scene.nodes;
   if (nodes.size() >= context.limits.nodes) {
@@ -188,7 +188,8 @@ std::uint32_t add_node(Context& context, Node node, std::uint32_t parent) {
   return static_cast<std::uint32_t>(nodes.size() - 1);
 }
 
-/// Shows the node's mesh once, or once per transform of EXT_mesh_gpu_instancing; these become nodes of their own.
+/// Shows a node's mesh once, or once per transform of EXT_mesh_gpu_instancing; each transform becomes a node of its
+/// own.
 void show_mesh(Context& context, Meshes& meshes, const tinygltf::Node& node, const glm::dmat4& to_world,
                std::uint32_t index, const std::string& what) {
   const std::vector<Transform> copies = read_instancing(context, node, what);

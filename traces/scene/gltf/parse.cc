@@ -72,14 +72,14 @@ namespace {
 
 bool keep_encoded(tinygltf::Image* image, const int, std::string*, std::string*, int, int, const unsigned char* bytes,
                   int size, void*) {
-  // Bytes of a buffer view are not read here: tinygltf has not checked that they exist.
+  // The bytes of a buffer view are not read here, because tinygltf has not checked that they exist.
   if (image->bufferView < 0) image->image.assign(bytes, bytes + size);
   return true;
 }
 
 const Source& source_of(void* user) { return *static_cast<const Source*>(user); }
 
-/// tinygltf 2.9 and later also have a callback for file sizes.
+/// Sets the callback for file sizes, which tinygltf has since version 2.9.
 template <class Callbacks>
 void tell_sizes(Callbacks& fs) {
   if constexpr (requires { fs.GetFileSizeInBytes; }) {
@@ -90,7 +90,8 @@ void tell_sizes(Callbacks& fs) {
   }
 }
 
-/// Sets all callbacks: if one is missing, newer releases access the file system.
+/// Returns callbacks that read the source's bytes. All are set: if one is missing, newer releases access the file
+/// system.
 tinygltf::FsCallbacks file_callbacks(const Source& source) {
   tinygltf::FsCallbacks fs{};
   fs.user_data = const_cast<Source*>(&source);
@@ -106,7 +107,7 @@ tinygltf::FsCallbacks file_callbacks(const Source& source) {
   return fs;
 }
 
-/// Returns the last line: tinygltf prints a line per complaint, and the fatal one is last.
+/// Returns the last line of tinygltf's messages, which is the fatal one.
 std::string last_line(std::string text) {
   while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
   return sim::printable(text.substr(text.rfind('\n') + 1));  // npos + 1 is 0

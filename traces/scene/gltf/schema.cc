@@ -38,7 +38,7 @@ Property number_property(std::string_view name) { return {.name = name, .type = 
 Property number_list(std::string_view name, std::size_t size = 0, std::string_view allowed = {}) {
   return {.name = name, .type = kNumber, .is_list = true, .size = size, .allowed = allowed};
 }
-/// A factor, or a list of factors, of 0 to 1.
+/// Returns the rule for a property that is a factor of 0 to 1, or a list of such factors.
 Property share_property(std::string_view name) {
   return {.name = name, .type = kNumber, .least = 0, .most = 1, .allowed = "0 to 1"};
 }
@@ -58,7 +58,7 @@ Property code_choice(std::string_view name, std::string_view allowed) {
   return {.name = name, .type = kCount, .allowed = allowed, .is_choice = true};
 }
 
-/// Buffers, buffer views, accessors, meshes.
+/// Returns the rules for buffers, buffer views, accessors and meshes.
 ObjectKinds geometry_kinds() {
   return {
       {"accessor",
@@ -84,7 +84,7 @@ ObjectKinds geometry_kinds() {
   };
 }
 
-/// Materials, textures and images.
+/// Returns the rules for materials, textures and images.
 ObjectKinds surface_kinds() {
   return {
       {"image", {index_property("bufferView"), text_property("mimeType"), text_property("uri")}},
@@ -109,7 +109,7 @@ ObjectKinds surface_kinds() {
   };
 }
 
-/// The document, its nodes, cameras, lights and animations.
+/// Returns the rules for the document, its nodes, cameras, lights and animations.
 ObjectKinds scene_kinds() {
   return {
       {"glTF",
@@ -209,7 +209,7 @@ const ObjectKinds& extension_kinds() {
        {share_list("attenuationColor", 3, "3 numbers of 0 to 1"), above_zero("attenuationDistance"),
         from_zero("thicknessFactor"), object_property("thicknessTexture", "texture use")}},
       {"KHR_materials_unlit", {}},
-      {"KHR_materials_variants", {}},  // the primitive's own material, which is the default, is shown
+      {"KHR_materials_variants", {}},  // the primitive's own material is shown, which is the default
       {"KHR_mesh_quantization", {}},
       {"KHR_texture_transform",
        {number_list("offset", 2, "2 numbers"), number_property("rotation"), number_list("scale", 2, "2 numbers"),
@@ -258,7 +258,7 @@ bool has_type(const Json& value, PropertyType type) {
   return value.is_boolean();
 }
 
-/// True if a value that is not a list has the property's type, range and choice.
+/// True if a value that is not a list has the type, range and choice that the rule of the property demands.
 bool has_valid_value(const Json& value, const Property& property) {
   if (!has_type(value, property.type)) return false;
   if (property.is_choice) {

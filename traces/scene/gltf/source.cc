@@ -25,7 +25,8 @@
 namespace traces::gltf {
 namespace {
 
-/// Decodes percent escapes. Sets `is_good` to false, and keeps the percent sign, if two hexadecimal digits are missing.
+/// Decodes percent escapes. Sets `is_good` to false, and keeps the percent sign, if two hexadecimal digits do not
+/// follow it.
 std::string decode_percent(std::string_view text, bool& is_good) {
   std::string out;
   out.reserve(text.size());
@@ -59,8 +60,8 @@ bool equal_ignoring_case(std::string_view a, std::string_view b) {
   return std::ranges::equal(a, b, {}, lower, lower);
 }
 
-/// Returns the fault of the part between "data:" and the comma, or an empty text. `is_base64`: true if it ends with
-/// ";base64".
+/// Checks the part of a data: URI between "data:" and the comma. Returns what is wrong, or an empty text. Sets
+/// `is_base64` if it ends with ";base64".
 std::string fault_of_header(std::string_view header, bool& is_base64) {
   std::size_t end = header.find(';');
   const std::string_view type = header.substr(0, end);
@@ -81,7 +82,7 @@ std::string fault_of_header(std::string_view header, bool& is_base64) {
   return {};
 }
 
-/// Decodes base64 in place; returns the fault, or an empty text. The '=' at the end is optional.
+/// Decodes base64 in place. Returns what is wrong, or an empty text. The '=' at the end is optional.
 std::string decode_base64(std::string& text) {
   while (text.ends_with('=')) text.pop_back();
   const std::size_t size = text.size();
@@ -94,7 +95,7 @@ std::string decode_base64(std::string& text) {
                        sim::printable(std::string_view(&*wrong, 1)));
   }
   if (size % 4 == 1) return "has base64 data that ends within a byte";
-  constexpr std::size_t kPiece = 1 << 20;  // a multiple of 4; the function takes an int
+  constexpr std::size_t kPiece = 1 << 20;  // a multiple of 4, which fits the int that the decoder takes
   text.append((4 - size % 4) % 4, '=');
   std::string bytes(text.size() / 4 * 3, '\0');
   for (std::size_t i = 0; i < text.size(); i += kPiece) {
@@ -152,7 +153,7 @@ std::string local_path(std::string_view uri, std::string_view where) {
 
 namespace {
 
-/// Reads a file of a scene. Throws InputError, naming the key, if it exceeds limits.memory.
+/// Reads a file of a scene. Throws InputError, which names the key, if the file exceeds limits.memory.
 std::string read_limited(const std::filesystem::path& file, const SceneLimits& limits) {
   std::error_code failed;
   const std::uintmax_t size = std::filesystem::file_size(file, failed);
@@ -175,7 +176,7 @@ std::uint32_t word_at(const std::string& bytes, std::size_t at) {
   return word;
 }
 
-/// Checks the GLB header, the JSON chunk and an optional BIN chunk; further chunks are ignored.
+/// Checks the GLB header, the JSON chunk and an optional BIN chunk. Further chunks are ignored.
 void check_container(Source& source) {
   constexpr std::uint32_t kJson = 0x4e4f534a, kBin = 0x004e4942;
   const std::uint64_t size = source.bytes.size();
@@ -203,7 +204,7 @@ std::string_view json_of(const Source& source) {
   return std::string_view(source.bytes).substr(source.json_begin, source.json_size);
 }
 
-/// Image formats, to recognise a picture given as a scene: first bytes and name.
+/// First bytes and names of image formats, to recognise a picture that is given as a scene.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kPictures = {
     {{"\x89PNG", "PNG"}, {"\xff\xd8\xff", "JPEG"}, {"\x76\x2f\x31\x01", "OpenEXR"}}};
 
@@ -266,7 +267,7 @@ void replace_json(Source& source, std::string text) {
   }
 }
 
-/// Refuses symbolic links that lead out of the folder.
+/// Throws InputError if a symbolic link leads out of the folder.
 void check_inside(const std::filesystem::path& folder, const std::string& relative, const std::string& where) {
   std::error_code failed;
   const std::filesystem::path home = std::filesystem::canonical(folder.empty() ? "." : folder, failed);
@@ -279,15 +280,15 @@ void check_inside(const std::filesystem::path& folder, const std::string& relati
   }
 }
 
-/// Reads the files and data: URIs of buffers and images.
+/// Reads the files and data: URIs that a glTF file's buffers and images name.
 class Resources {
  public:
   Resources(Source& source, std::filesystem::path folder, Budget& budget, const SceneLimits& limits)
       : source_(source), folder_(std::move(folder)), budget_(budget), limits_(limits) {}
 
-  /// Reads the URIs of a list's entries and replaces them by keys of Source::external. Needed because tinygltf
-  /// accepts few data: URIs, decodes '+' in file names as a blank and refuses files longer than byteLength. Returns
-  /// true if there were any.
+  /// Reads the URIs in a list's entries and replaces them by keys of Source::external. tinygltf cannot read them
+  /// itself: it accepts few data: URIs, decodes '+' in file names as a blank and rejects files longer than byteLength.
+  /// Returns true if there were any.
   bool replace_uris(sim::Json& json, const char* list) {
     const auto entries = json.find(list);
     if (entries == json.end()) return false;
@@ -298,7 +299,7 @@ class Resources {
       const auto uri = entry.find("uri");
       const std::string where = fmt::format("{}: {}[{}]", source_.shown_name, list, i);
       if (uri == entry.end()) {
-        const bool is_placeholder = entry.contains("extensions");  // for decompressed data
+        const bool is_placeholder = entry.contains("extensions");  // a placeholder for decompressed data
         if (is_buffers && !source_.binary && !is_placeholder) {
           throw sim::InputError(where + ": has no URI; allowed for the first buffer of a GLB file");
         }
@@ -317,14 +318,14 @@ class Resources {
       if (bytes.empty()) throw sim::InputError(where + ": its URI holds no bytes; allowed: 1 or more");
       if (!is_data_uri(asked) && entry.value("name", "").empty()) entry["name"] = asked;
       std::string key = fmt::format("{}-{}", list, i);
-      entry["uri"] = key;  // assigning the name may have moved the entry's members
+      entry["uri"] = key;  // assigning the name may have moved the members of the entry
       source_.external.emplace(std::move(key), std::move(bytes));
       any = true;
     }
     return any;
   }
 
-  /// SHA-256 digests of the files read; empty if there were none.
+  /// Returns the SHA-256 digests of the files read, concatenated; empty if there were none.
   const std::string& file_digests() const { return digests_; }
 
  private:
@@ -352,7 +353,7 @@ class Resources {
 }  // namespace
 
 Source read_source(const std::filesystem::path& path, const SceneLimits& limits, Budget& budget) {
-  constexpr std::uint64_t kJsonExpansion = 16;  // upper bound of the bytes that a parsed value takes per byte of text
+  constexpr std::uint64_t kJsonExpansion = 16;  // largest number of bytes that a parsed value takes per byte of text
   Source source;
   source.shown_name = sim::printable(path.string());
   source.bytes = read_limited(path, limits);

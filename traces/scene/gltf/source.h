@@ -11,22 +11,23 @@
 
 namespace traces::gltf {
 
-/// A glTF file and everything its URIs name, in memory. Checked: chunk sizes, depth, list lengths, property types,
-/// required extensions, and the places that URIs name.
+/// A glTF file and everything its URIs name, in memory. These have been checked: chunk sizes, depth, list lengths,
+/// property types, required extensions, and the places that URIs name.
 struct Source {
-  std::string shown_name;  ///< for messages
+  std::string shown_name;  ///< name of the file in messages
   std::string bytes;
-  bool binary = false;                          ///< GLB
-  std::size_t json_begin = 0, json_size = 0;    ///< in `bytes`
-  std::map<std::string, std::string> external;  ///< bytes of URIs, by the keys that replace them in the JSON
-  std::vector<std::size_t> lent;                ///< accessors that make_parsable() gave a buffer view
+  bool binary = false;                          ///< the file is a GLB
+  std::size_t json_begin = 0, json_size = 0;    ///< where the JSON is in `bytes`
+  std::map<std::string, std::string> external;  ///< the bytes that URIs name, by the keys that replace the URIs in the
+                                                ///< JSON
+  std::vector<std::size_t> lent;                ///< accessors to which make_parsable() has given a buffer view
   std::string sha256;                           ///< hash of the file, or of the digests of all files if it names others
 };
 
 Source read_source(const std::filesystem::path& path, const SceneLimits& limits, Budget& budget);
 
-/// Returns the relative path of a URI, percent escapes decoded. Throws InputError, beginning with `where`, if it has a
-/// scheme, is absolute or leaves the file's folder.
+/// Returns the relative path that a URI stands for, with percent escapes decoded. Throws InputError, beginning with
+/// `where`, if it has a scheme, is absolute or leaves the file's folder.
 std::string local_path(std::string_view uri, std::string_view where);
 
 /// True for a data: URI (RFC 2397).

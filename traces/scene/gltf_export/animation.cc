@@ -69,8 +69,8 @@ void begin_at_zero(Track& track) {
   track.values.insert(track.values.begin(), key.begin(), key.end());
 }
 
-/// Makes key times distinct. Of keys at the same time, the first moves to just before that time, the last stays, and
-/// the others are removed.
+/// Makes the key times of a track distinct. Of keys at the same time, the first moves to just before that time, the
+/// last stays, and the others are removed.
 void separate_keys(Track& track) {
   const std::size_t row = track.values.size() / track.times.size();
   std::vector<float> times, values;
@@ -89,8 +89,8 @@ void separate_keys(Track& track) {
   track.values = std::move(values);
 }
 
-/// Returns the track as glTF allows it: ascending times from 0, rotations of unit length, at least two keys of a cubic
-/// spline.
+/// Returns a track in a form that glTF allows: ascending times from 0, rotations of unit length, at least two keys of a
+/// cubic spline.
 Track make_valid(Track track) {
   begin_at_zero(track);
   separate_keys(track);

@@ -11,7 +11,7 @@
 namespace traces::gltf_export {
 namespace {
 
-/// Replaces nulls by empty objects: tinygltf writes an object without members, such as an empty node, as null.
+/// Replaces JSON nulls by empty objects: tinygltf writes an object without members, such as an empty node, as null.
 bool replace_nulls(sim::Json& value) {
   bool changed = value.is_null();
   if (changed) value = sim::Json::object();

@@ -16,30 +16,31 @@
 
 namespace traces::gltf_export {
 
-/// The glTF document being written, with its single buffer.
+/// The glTF document that is being written, with its single buffer.
 class Document {
  public:
   tinygltf::Model model;
 
-  /// Use of a buffer view, which the validator checks.
+  /// What a buffer view is used for, which glTF validators check.
   enum class Use { kVertices, kIndices, kOther };
 
-  // Each appends a buffer view and an accessor, and returns the accessor's index. Minimum and maximum are written where
-  // glTF demands them.
+  // Each of these functions appends a buffer view and an accessor, and returns the accessor's index. Minimum and
+  // maximum are written where glTF demands them.
   int add(std::span<const float> values, bool bounds);
   int add(std::span<const glm::vec2> values);
   int add(std::span<const glm::vec3> values, bool bounds = false, Use use = Use::kVertices);
   int add(std::span<const glm::vec4> values, Use use = Use::kVertices);
   int add(std::span<const glm::mat4> values);
   int add(std::span<const std::array<std::uint16_t, 4>> values);
-  int add(std::span<const std::array<std::uint32_t, 3>> triangles, bool wide);  ///< indices of 16 or 32 bits
+  /// `wide` selects indices of 32 bits instead of 16.
+  int add(std::span<const std::array<std::uint32_t, 3>> triangles, bool wide);
 
   int add_view(std::span<const std::byte> bytes, Use use = Use::kOther);
 
-  /// Adds an extension's object and lists the extension as used.
+  /// Adds an extension with its object, and lists the extension as used.
   void add_extension(tinygltf::ExtensionMap& extensions, const char* name, tinygltf::Value::Object object);
 
-  /// Returns the file's bytes and empties the document.
+  /// Returns the bytes of the GLB file and empties the document.
   std::string glb_bytes() &&;
 
  private:

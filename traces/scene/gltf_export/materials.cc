@@ -69,9 +69,11 @@ void write_textures(const Scene& scene, Document& out) {
 
 namespace {
 
-constexpr float kCoatShare = 0.08F;  // mirror share of a clear coat of factor 1: twice the reflectance of index 1.5
+constexpr float kCoatShare = 0.08F;  // fraction mirrored by a clear coat of factor 1: twice the reflectance of index
+                                     // 1.5
 
-/// Returns the index of refraction whose reflectance at normal incidence, times two, is `share`.
+/// Returns the index of refraction with which a dielectric mirrors `share` of the light, twice its reflectance at
+/// normal incidence.
 float index_for(float share) {
   const float ratio = std::sqrt(0.5F * std::clamp(share, 0.0F, 1.0F));
   return (1 + ratio) / (1 - ratio);
@@ -79,7 +81,7 @@ float index_for(float share) {
 
 float strongest_channel(const glm::vec3& c) { return std::max({c.x, c.y, c.z}); }
 
-/// glTF values from which the loader's rule derives the surface.
+/// The glTF values from which the loader derives the surface.
 struct Surface {
   glm::vec3 base{1};
   float metallic = 0, roughness = 1;
@@ -88,7 +90,7 @@ struct Surface {
   bool thin = false;  ///< a sheet of glass that mirrors like any dielectric and does not refract
 };
 
-/// Returns the metallic part of a mirror: the least-squares a of a (base - 1) = mirror (tint - 1).
+/// Returns which fraction of a mirror is metallic: the least-squares a of a (base - 1) = mirror (tint - 1).
 float metal_share(const Material& m, const glm::vec3& mean_base) {
   const glm::vec3 base = mean_base - 1.0F, tint = m.mirror_tint - 1.0F;
   const float squared = glm::dot(base, base);
@@ -160,7 +162,8 @@ void write_surface(const Material& m, const Surface& s, tinygltf::Material& to, 
     if (s.thin && s.ior > 1) {
       out.add_extension(to.extensions, "KHR_materials_volume", {{"thicknessFactor", to_value(0)}});
     } else if (const float most = strongest_channel(m.absorption); most > 0) {
-      // One distance for all channels: the one at which the most absorbed channel has fallen to 1 / e.
+      // glTF has one distance for all channels. It is the one after which the most absorbed channel has fallen to 1 /
+      // e.
       const glm::vec3 colour(std::exp(-m.absorption.x / most), std::exp(-m.absorption.y / most),
                              std::exp(-m.absorption.z / most));
       out.add_extension(to.extensions, "KHR_materials_volume",

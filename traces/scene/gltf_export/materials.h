@@ -3,8 +3,8 @@
 
 namespace traces::gltf_export {
 
-/// Writes Scene::materials one to one as metallic-roughness with extensions, so that the loader's rule
-/// (gltf/materials/materials.h) restores the same values:
+/// Writes Scene::materials one to one as metallic-roughness with extensions, so that the rule of the loader
+/// (gltf/materials.h) restores the same values:
 ///
 ///   mirror     a part a is metal (metallic a, roughness 0) and mirrors in the base colour. The rest w is a white
 ///              dielectric mirror (KHR_materials_ior, 2 F0 = w / (1 - a)), or on glass, whose index is given, a clear
@@ -14,14 +14,14 @@ namespace traces::gltf_export {
 ///   no mirror  roughness 1
 ///   per texel  (metal_rough_texture) the factors as they are; the index from `dielectric`, a clear coat from `coat`
 ///   glass      KHR_materials_transmission, _ior and _volume; a sheet that does not refract (ior 1) but mirrors white
-///              has a volume of thickness 0 and the index of its mirror share
+///              has a volume of thickness 0 and the index of its mirrored fraction
 ///   emission   KHR_materials_emissive_strength above 1; a black surface that shines without lighting others is unlit
 ///
 /// Approximated, as glTF cannot express them: a tint darker than any mixture of base colour and white, more than 8 %
 /// white mirror on glass, a mirror of less than 2 %.
 void write_materials(const Scene& scene, Document& out);
 
-/// Writes Scene::textures one to one; equal texels share one PNG, equal wrap modes and filters one sampler.
+/// Writes Scene::textures one to one. Equal texels share one PNG, equal wrap modes and filters one sampler.
 void write_textures(const Scene& scene, Document& out);
 
 }  // namespace traces::gltf_export

@@ -20,8 +20,8 @@
 namespace traces::gltf_export {
 namespace {
 
-/// Makes columns p and q of `m` orthogonal by a rotation, accumulated in `v`: a step of one-sided Jacobi. m x
-/// transpose(v) is unchanged.
+/// Makes columns p and q of `m` orthogonal by a rotation, which is accumulated in `v`. This is a step of one-sided
+/// Jacobi; m x transpose(v) is unchanged.
 void rotate_columns(glm::dmat3& m, glm::dmat3& v, int p, int q) {
   const double alpha = glm::dot(m[p], m[p]), beta = glm::dot(m[q], m[q]), gamma = glm::dot(m[p], m[q]);
   if (!(std::abs(gamma) > 1e-16 * std::sqrt(alpha * beta))) return;
@@ -35,8 +35,8 @@ void rotate_columns(glm::dmat3& m, glm::dmat3& v, int p, int q) {
   }
 }
 
-/// Returns the columns of `m` at unit length. Columns without direction, as in a flat matrix, are replaced so that all
-/// three are orthogonal; their lengths become 0.
+/// Returns the columns of `m` scaled to length 1, and their lengths. Columns without direction, as in a flat matrix,
+/// are replaced so that all three are orthogonal; their lengths become 0.
 glm::dmat3 unit_columns(const glm::dmat3& m, glm::dvec3& lengths) {
   const double least = 1e-12 * std::max({lengths.x, lengths.y, lengths.z});
   glm::dmat3 out(1);
@@ -70,7 +70,7 @@ void set_unless_default(std::vector<double>& list, const glm::dvec3& v, const gl
 }  // namespace
 
 bool is_placement(const glm::mat4& matrix) {
-  constexpr double kMost = 1e-5;  // absolute, as in the validator
+  constexpr double kMost = 1e-5;  // an absolute difference, as in glTF validators
   const glm::dmat3 m(matrix);
   if (matrix[0].w != 0 || matrix[1].w != 0 || matrix[2].w != 0 || matrix[3].w != 1) return false;
   const double longest = std::max({glm::length(m[0]), glm::length(m[1]), glm::length(m[2])});
@@ -86,7 +86,7 @@ TwoPlacements split_matrix(const glm::mat4& matrix) {
     rotate_columns(m, turns, 0, 2);
     rotate_columns(m, turns, 1, 2);
   }
-  // matrix = m x transpose(turns), and the columns of m are orthogonal: their lengths are the scale.
+  // matrix = m x transpose(turns). The columns of m are orthogonal, and their lengths are the scale.
   TwoPlacements out;
   out.outer.translation = glm::dvec3(matrix[3]);
   for (int i = 0; i < 3; ++i) out.outer.scale[i] = glm::length(m[i]);
@@ -121,7 +121,7 @@ void set_transform(tinygltf::Node& node, const glm::mat4& matrix) {
 
 namespace {
 
-/// Merges repeated joints and sets unused ones to joint 0, as glTF demands.
+/// Merges repeated joints of a vertex and replaces unused ones by joint 0, as glTF demands.
 void tidy_joints(std::array<std::uint16_t, 4>& joints, glm::vec4& weights) {
   for (int i = 0; i < 4; ++i) {
     for (int earlier = 0; earlier < i; ++earlier) {
@@ -134,7 +134,7 @@ void tidy_joints(std::array<std::uint16_t, 4>& joints, glm::vec4& weights) {
   }
 }
 
-/// Returns the number of texture coordinate sets that the material's textures use.
+/// Returns how many sets of texture coordinates the material's textures use.
 int uv_sets(const Material& m) {
   int sets = 0;
   for (const TextureUse& use :
@@ -173,7 +173,7 @@ tinygltf::Primitive Meshes::write_primitive(const Mesh& mesh) {
   if (!normals.empty()) to.attributes["NORMAL"] = out_.add(normals);
   if (!normals.empty() && !tangents.empty()) to.attributes["TANGENT"] = out_.add(tangents);
   const int sets = to.material < 0 ? 0 : uv_sets(scene_.materials[mesh.material]);
-  const std::vector<glm::vec2> none(mesh.positions.size());  // textures without coordinates are looked up at 0, 0
+  const std::vector<glm::vec2> none(mesh.positions.size());  // textures without coordinates are looked up at (0, 0)
   if (!mesh.uvs.empty() || sets > 0) to.attributes["TEXCOORD_0"] = out_.add(mesh.uvs.empty() ? none : mesh.uvs);
   if (sets > 1) to.attributes["TEXCOORD_1"] = out_.add(mesh.second_uvs.empty() ? none : mesh.second_uvs);
   if (!mesh.colours.empty()) {
@@ -216,7 +216,7 @@ std::vector<bool> animated_nodes(const Scene& scene) {
   return animated;
 }
 
-/// Returns the root of each of Scene::nodes.
+/// Returns for each of Scene::nodes the root node above it.
 std::vector<std::uint32_t> roots_of(const Scene& scene) {
   std::vector<std::uint32_t> roots;
   for (std::uint32_t i = 0; i < scene.nodes.size(); ++i) {
@@ -226,7 +226,7 @@ std::vector<std::uint32_t> roots_of(const Scene& scene) {
   return roots;
 }
 
-/// Moves all roots below one new node, except skinned meshes, which ignore their parent's transform.
+/// Moves all root nodes below one new node, except skinned meshes, which ignore the transform of their parent.
 void join_roots(Document& out) {
   std::vector<int>& roots = out.model.scenes[0].nodes;
   const auto joined = std::ranges::stable_partition(
@@ -330,7 +330,7 @@ void write_cameras(const Scene& scene, const NodeMap& map, Document& out) {
 
 namespace {
 
-/// Instances that form the primitives of one glTF mesh on one node.
+/// Instances on one node that become the primitives of one glTF mesh.
 struct Group {
   const Instance* first = nullptr;
   std::uint32_t skin = kNone;
@@ -396,13 +396,14 @@ void write_instances(const Scene& scene, Meshes& meshes, NodeMap& map, Document&
 
 namespace {
 
-/// tinygltf 2.9 and later have a member for a node's light, and drop the extension without it.
+/// Stores the index of a node's light in the member that tinygltf has since version 2.9; without it, that version drops
+/// the extension.
 template <class Node>
 void refer_to_light(Node& node, int light) {
   if constexpr (requires { node.light; }) node.light = light;
 }
 
-/// Returns a matrix at the light's position whose -z is the light's direction.
+/// Returns a matrix with the light's position as origin and the light's direction as -z.
 glm::mat4 frame_of(const Light& light) {
   if (light.kind == Light::Kind::kPoint) {
     glm::mat4 frame(1);

@@ -12,34 +12,34 @@
 
 namespace traces::gltf_export {
 
-/// Applied in this order: scale, rotation, translation.
+/// A transform that applies scale, then rotation, then translation.
 struct Placement {
   glm::dvec3 translation{0};
   glm::dquat rotation{1, 0, 0, 0};
   glm::dvec3 scale{1};
 };
 
-/// True if the matrix is a translation, a rotation and a scale alone, as glTF demands of a node.
+/// True if the matrix consists of a translation, a rotation and a scale, as glTF demands of a node.
 bool is_placement(const glm::mat4& matrix);
 
-/// Any affine matrix as the product of an outer placement and an inner one, which only rotates. A matrix that shears,
-/// as nodes of uneven scale make, is a rotation, a scale and another rotation (singular value decomposition).
+/// An affine matrix as the product of an outer placement and an inner one, which only rotates. A matrix that shears, as
+/// nodes of uneven scale make, is a rotation, a scale and another rotation (singular value decomposition).
 struct TwoPlacements {
   Placement outer, inner;
 };
 TwoPlacements split_matrix(const glm::mat4& matrix);
 
-/// These write only values that differ from glTF's defaults.
+/// These functions write only values that differ from glTF's defaults.
 void set_transform(tinygltf::Node& node, const Placement& placement);
 void set_transform(tinygltf::Node& node, const Transform& transform);
 void set_transform(tinygltf::Node& node, const glm::mat4& matrix);
 
-/// Writes a mesh when it is first used; later uses share its accessors.
+/// Writes the scene's meshes. A mesh is written when it is first used; later uses share its accessors.
 class Meshes {
  public:
   Meshes(const Scene& scene, Document& out) : scene_(scene), out_(out) {}
 
-  /// Returns the index of a glTF mesh whose primitives are these meshes of Scene::meshes.
+  /// Returns the index of a glTF mesh whose primitives are the meshes `parts` of Scene::meshes.
   int mesh_of(const std::vector<std::uint32_t>& parts);
 
  private:
@@ -52,43 +52,43 @@ class Meshes {
   std::map<std::vector<std::uint32_t>, int> meshes_;
 };
 
-/// Appends a node below `parent`, or below the scene if that is -1; returns its index.
+/// Appends a node below `parent`, or to the roots of the scene if that is -1. Returns its index.
 int add_node(Document& out, int parent, tinygltf::Node node);
 
-/// Appends one node with this transform, or two if it shears; returns the inner one's index.
+/// Appends one node with the transform `matrix`, or two if it shears. Returns the index of the inner one.
 int add_placed(Document& out, int parent, const glm::mat4& matrix);
 
-/// glTF indices of the scene's nodes and skins.
+/// The glTF indices that the scene's nodes and skins get.
 struct NodeMap {
-  std::vector<int> gltf_nodes;             ///< glTF node of each of Scene::nodes
-  std::vector<std::vector<int>> morphing;  ///< glTF nodes that show the morphing meshes of each of Scene::nodes
-  std::vector<std::uint32_t> skins;  ///< indices in Scene::skins of the shown ones, in the order of the glTF skins
+  std::vector<int> gltf_nodes;             ///< for each of Scene::nodes, its glTF node
+  std::vector<std::vector<int>> morphing;  ///< for each of Scene::nodes, the glTF nodes that show its morphing meshes
+  std::vector<std::uint32_t> skins;  ///< indices in Scene::skins of the skins in use, in the order of the glTF skins
 };
 
 /// Writes Scene::nodes. A node with both a matrix and a transform, or with a matrix that glTF does not allow, becomes a
 /// chain of nodes; the map refers to the innermost.
 NodeMap write_nodes(const Scene& scene, Document& out);
 
-/// Writes Scene::instances; instances of one node become primitives of one glTF mesh. Skinned meshes get root nodes of
-/// their own, as their joints alone place them.
+/// Writes Scene::instances. Instances of one node become primitives of one glTF mesh. Skinned meshes get root nodes of
+/// their own, because only their joints place them.
 void write_instances(const Scene& scene, Meshes& meshes, NodeMap& map, Document& out);
 
-/// Writes the skins that instances show. glTF demands distinct joints with a common root: a repeated joint becomes a
+/// Writes the skins that instances use. glTF demands distinct joints with a common root: a repeated joint becomes a
 /// child of itself, and joints of several roots get a root above all.
 void write_skins(const Scene& scene, const NodeMap& map, Document& out);
 
-/// Writes Scene::cameras, in this order as far as the node tree allows.
+/// Writes Scene::cameras, in their order as far as the node tree allows.
 void write_cameras(const Scene& scene, const NodeMap& map, Document& out);
 
-/// Writes the tracks that take effect as one animation; tracks with equal key times share them.
+/// Writes the tracks that take effect as one animation. Tracks with equal key times share them.
 void write_animation(const Scene& scene, const NodeMap& map, Document& out);
 
 /// Writes Scene::lights by KHR_lights_punctual, and the light that glTF cannot express into the scene's extras:
 /// `"raywatt": {"background": [r, g, b], "ambient": [r, g, b]}`.
 ///
 /// Intensities are multiplied by pi: a white surface has radiance 1 at an irradiance of pi in glTF, and of 1 in a Scene
-/// (traces/scene/scene.h). The extras mark the light as final: lights for emitters and the exposure are already in it
-/// (gltf/final_light.h).
+/// (traces/scene/scene.h). If a file has the extras, the loader adds no lights for emitters and does not change the
+/// exposure (traces/scene/gltf.cc).
 void write_lights(const Scene& scene, const NodeMap& map, Document& out);
 
 }  // namespace traces::gltf_export

@@ -7,8 +7,8 @@
 
 namespace traces {
 
-/// Interface of the images module: converts between pixels and the bytes of a file. It opens no image files and throws
-/// nothing: each call returns an error text, empty on success.
+/// Interface of the images module, which converts between pixels and the bytes of a file. It opens no image files and
+/// throws nothing: each call returns an error text, which is empty on success.
 class ImageCodec {
  public:
   struct Size {
@@ -16,20 +16,21 @@ class ImageCodec {
   };
 
   virtual ~ImageCodec() = default;
-  /// Decodes a "png" or "jpeg" file; `rgba` has 8 bits a channel, R in the lowest byte.
+  /// Decodes a "png" or "jpeg" file. `rgba` has 8 bits per channel, R in the lowest byte.
   virtual std::string decode_image(std::span<const std::byte> bytes, const char* format, std::uint64_t most_pixels,
                                    Size& size, std::vector<std::uint32_t>& rgba) const = 0;
   virtual std::string decode_exr(std::span<const std::byte> bytes, std::uint64_t most_pixels, Size& size,
                                  std::vector<float>& rgb) const = 0;
-  /// Maps values from 0 to 1 to sRGB colours, 3 bytes each, by one of the library's colour maps.
+  /// Maps values from 0 to 1 to sRGB colours, 3 bytes each, by a colour map of OpenImageIO.
   virtual std::string map_colours(const char* map, std::span<const float> values,
                                   std::vector<std::uint8_t>& rgb) const = 0;
-  /// Draws a line of text in black on white, in the font of that file; `height` rows, 8 bits a pixel.
+  /// Draws a line of text in black on white with the font file `font`. The result has `height` rows of 8 bits per
+  /// pixel.
   virtual std::string draw_text(const char* text, const char* font, std::uint32_t height, Size& size,
                                 std::vector<std::uint8_t>& grey) const = 0;
 };
 
-/// Type and name of the module's only symbol; the number is increased when the class above changes.
+/// Type and name of the only symbol that the module exports. The number is increased when ImageCodec changes.
 using ImageCodecFactory = const ImageCodec* (*)();
 inline constexpr char kImageCodecSymbol[] = "raywatt_image_codec_5";
 

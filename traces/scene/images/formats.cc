@@ -23,7 +23,7 @@
 namespace traces {
 namespace {
 
-/// A PNG file being written, with libpng's structures. libpng reports errors by longjmp, so write_picture() holds
+/// A PNG file that is being written, with libpng's structures. libpng reports errors by longjmp, so write_picture() has
 /// nothing to destroy.
 class Writer {
  public:
@@ -86,7 +86,7 @@ std::string png_bytes(std::uint32_t width, std::uint32_t height, std::uint32_t c
 
 namespace {
 
-/// A file in memory. Seekable, as the library writes the offsets of lines last.
+/// An output file in memory. It can seek, because OpenEXR writes the offsets of scan lines last.
 class Memory : public Imf::OStream {
  public:
   Memory() : OStream("memory") {}
@@ -141,14 +141,14 @@ std::string exr_bytes(std::uint32_t width, std::uint32_t height, std::span<const
 
 namespace {
 
-// The file begins with a magic number of four bytes, one byte of version and three bytes of flags.
+// An OpenEXR file begins with a magic number of four bytes, one byte of version and three bytes of flags.
 constexpr std::size_t kFlags = 5, kHeader = 8;
 constexpr int kTiledDeepOrParts = 0x02 | 0x08 | 0x10;
 
-constexpr std::size_t kMostChannels = 4, kBytesOfChannel = 16;  // after its name
+constexpr std::size_t kMostChannels = 4, kBytesOfChannel = 16;  // bytes of a channel's entry after its name
 constexpr std::size_t kLongestName = 255;
 
-// Attribute types of fixed size: the library reads that number of bytes, whatever size the header claims.
+// Attribute types of fixed size. OpenEXR reads that number of bytes, whatever size the header claims.
 constexpr std::array<std::pair<std::string_view, std::size_t>, 9> kKinds = {{{"box2i", 16},
                                                                              {"chromaticities", 32},
                                                                              {"compression", 1},
@@ -166,7 +166,7 @@ T number_at(std::string_view bytes, std::size_t at) {
   return number;
 }
 
-/// Removes a zero-terminated text from the front of `rest`. Returns false if there is no zero.
+/// Removes a zero-terminated text from the front of `rest` and stores it in `text`. Returns false if there is no zero.
 bool take_text(std::string_view& rest, std::string_view& text) {
   const std::size_t end = rest.find('\0');
   if (end == std::string_view::npos) return false;
@@ -175,7 +175,7 @@ bool take_text(std::string_view& rest, std::string_view& text) {
   return true;
 }
 
-/// Returns the fault of a channel list, or an empty text.
+/// Checks a channel list. Returns what is wrong with it, or an empty text.
 std::string problem_of_channels(std::string_view list) {
   std::size_t channels = 0;
   std::string_view name;
@@ -186,7 +186,7 @@ std::string problem_of_channels(std::string_view list) {
   return channels > kMostChannels ? fmt::format("{} channels, allowed are 1 to {}", channels, kMostChannels) : "";
 }
 
-/// Returns the fault of an attribute whose type has another size or is not one that we write, or an empty text.
+/// Returns what is wrong with an attribute whose type has another size or is not one that we write, or an empty text.
 std::string problem_of_kind(std::string_view kind, std::size_t size) {
   if (kind == "string" || kind == "chlist") return {};
   const auto* found = std::ranges::find(kKinds, kind, &std::pair<std::string_view, std::size_t>::first);
@@ -194,7 +194,7 @@ std::string problem_of_kind(std::string_view kind, std::size_t size) {
   return found->second == size ? "" : fmt::format("damaged: a {} of {} bytes", kind, size);
 }
 
-/// Returns the fault of a data window (two inclusive corners), or an empty text.
+/// Returns what is wrong with a data window (two inclusive corners), or an empty text.
 std::string problem_of_window(std::string_view box, std::uint64_t most_pixels) {
   const auto side = [&](std::size_t at) {
     return std::int64_t{number_at<std::int32_t>(box, at + 8)} - number_at<std::int32_t>(box, at) + 1;

@@ -6,33 +6,33 @@
 
 namespace traces {
 
-// These write image files by libpng and OpenEXR, the libraries that OpenImageIO itself uses: loading OpenImageIO takes
-// longer than a small run. Equal arguments give equal bytes.
+// Writing of image files with libpng and OpenEXR, the libraries that OpenImageIO itself uses. Loading OpenImageIO would
+// take longer than a small run. Equal arguments give equal bytes.
 
-/// A line of text stored in an image file.
+/// A line of text that is stored in an image file.
 struct ImageNote {
   std::string name, text;
 };
 
-/// Returns the bytes of a PNG file: 8 bits a channel, sRGB, 3 or 4 channels, colour not multiplied by alpha. Throws
-/// IoError if libpng refuses, e.g. a side of more than 1,000,000 pixels.
+/// Returns the bytes of a PNG file: 8 bits per channel, sRGB, 3 or 4 channels, colour not multiplied by alpha. Throws
+/// IoError if libpng reports an error, such as for a side of more than 1,000,000 pixels.
 std::string png_bytes(std::uint32_t width, std::uint32_t height, std::uint32_t channels,
                       std::span<const std::uint8_t> pixels, std::span<const ImageNote> notes = {});
 
-/// A channel of an OpenEXR file. `is_half`: 16 bits, exact for whole numbers up to 2,048.
+/// A channel of an OpenEXR file. `is_half` selects 16 bits, which are exact for integers up to 2,048.
 struct ImageChannel {
   std::string name;
   bool is_half = false;
 };
 
-/// Returns the bytes of a losslessly compressed OpenEXR file; `values` pixel by pixel, one per channel. Throws IoError
-/// if OpenEXR refuses, e.g. a note with the name of an attribute of another type.
+/// Returns the bytes of a losslessly compressed OpenEXR file. `values` are pixel by pixel, one per channel. Throws
+/// IoError if OpenEXR reports an error, such as for a note with the name of an attribute of another type.
 std::string exr_bytes(std::uint32_t width, std::uint32_t height, std::span<const ImageChannel> channels,
                       std::span<const float> values, std::span<const ImageNote> notes = {});
 
-/// Returns why this file must not be given to OpenEXR, which allocates whatever a header claims; empty if it may.
-/// Allowed: one part of scan lines, the attribute types that we write, all within the file, up to four channels, at
-/// most `most_pixels` pixels.
+/// Returns why a file must not be given to OpenEXR, which allocates whatever a header claims; empty if it may. Allowed
+/// are one part of scan lines, the attribute types that we write, all within the file, up to four channels, at most
+/// `most_pixels` pixels.
 std::string exr_problem(std::string_view file, std::uint64_t most_pixels);
 
 }  // namespace traces

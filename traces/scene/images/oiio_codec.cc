@@ -1,4 +1,4 @@
-// The only source file that uses OpenImageIO; it makes the module raywatt_images.
+// The only source file that uses OpenImageIO. It is compiled into the module raywatt_images.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -16,7 +16,7 @@
 namespace traces {
 namespace {
 
-/// Suppresses what libpng and libjpeg print on stderr while an object exists; faults are returned as texts instead.
+/// Suppresses what libpng and libjpeg print on stderr while the object exists; errors are returned as texts instead.
 /// Only the stream is replaced, not the descriptor (glibc allows it).
 class QuietLibraries {
  public:
@@ -38,7 +38,7 @@ class QuietLibraries {
   static inline std::FILE* const heard_ = stderr;
 };
 
-/// A file in memory, opened for reading as `format` alone.
+/// An image file in memory, opened for reading in one format.
 class Input {
  public:
   Input(std::span<const std::byte> bytes, const char* format)

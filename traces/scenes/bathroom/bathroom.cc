@@ -38,7 +38,7 @@ glm::vec4 terry_colour(float u, float v) {
   return {glm::vec3(0.93F, 0.72F, 0.60F) * loop * (0.92F + 0.12F * fractal_noise(u, v, 8, 3, 6)), 1};
 }
 
-/// A bottle's label; u runs round the bottle.
+/// Returns the colour of a bottle's label; u runs around the bottle.
 glm::vec4 label_colour(float u, float v) {
   glm::vec3 c(0.93F, 0.92F, 0.86F);
   const float x = u * 2 - std::floor(u * 2);
@@ -69,7 +69,7 @@ Materials add_materials(Scene& scene) {
     return add_material(scene, make_textured(name, picture, glm::vec3(1), mirror));
   };
   Material ceiling = make_paint("ceiling", {0.86F, 0.86F, 0.85F});
-  ceiling.emission = {0.3F, 0.295F, 0.285F};  // light that the room reflects to the ceiling
+  ceiling.emission = {0.3F, 0.295F, 0.285F};  // stands for light that the room reflects to the ceiling
   Material bulb = make_lamp("bulb", {0.99F, 0.95F, 0.86F});
   ceiling.casts_light = bulb.casts_light = false;
   Materials is{};
@@ -110,8 +110,8 @@ namespace {
 constexpr float kTileWidth = 0.2F, kTileHeight = 0.1F, kJoint = 0.003F, kTiled = 2.1F;
 constexpr int kAccentRow = 12;
 
-/// Makes tiles in running bond over a wall's coordinates from `left` to `right`, cut at both ends. `accent`: only the
-/// accent row.
+/// Makes tiles in running bond on a wall, from `left` to `right` in the wall's coordinates, cut at both ends. `accent`
+/// selects only the accent row.
 Mesh make_tiles(float left, float right, float top, bool accent, const Detail& detail) {
   const glm::vec2 rings[] = {{0, 0.002F}, {0, 0.006F}, {0.004F, 0.0085F}, {0.014F, 0.01F}};
   Mesh mesh;
@@ -275,8 +275,8 @@ void add_light(Scene& scene, const glm::vec3& position, const glm::vec3& intensi
 
 }  // namespace
 
-/// A bathroom: mirrors and chrome, a glass screen, and many parts thinner than a pixel (hose, rails, wires, bristles,
-/// tufts).
+/// Builds a bathroom: mirrors and chrome, a glass screen, and many parts thinner than a pixel (hose, rails, wires,
+/// bristles, tufts).
 Scene build_bathroom(const BuiltinOptions& options) {
   constexpr std::uint32_t kClass = 270'000;
   Scene scene = build_to_size(options.triangles_or(kClass), furnish_room);

@@ -8,10 +8,10 @@
 
 namespace traces::bathroom {
 
-// The room in metres; the origin is the middle of its floor. At -z: the bath tub (left) and the wash basin below the
-// mirror (right); at +x: toilet and towel radiator; at +z: the door.
+// Dimensions of the room in metres; the origin is the middle of its floor. At -z are the bath tub (left) and the wash
+// basin below the mirror (right); at +x toilet and towel radiator; at +z the door.
 inline constexpr float kHalfLength = 1.8F, kHalfWidth = 1.45F, kHeight = 2.5F;
-inline constexpr float kCounter = 0.84F;  ///< height of the wash basin's counter
+inline constexpr float kCounter = 0.84F;  ///< height of the counter with the wash basin
 inline constexpr float kTubLeft = -1.74F, kTubHalf = 0.86F, kTubZ = -1.02F, kTubRim = 0.58F;
 
 /// Indices in Scene::textures.
@@ -26,7 +26,7 @@ struct Materials {
 Materials add_materials(Scene& scene);
 
 /// Makes a vessel by sweeping smoothed rings (half length, half depth, height), from the outer foot over the rim to the
-/// inner bottom. `square`: rounded rectangles instead of ellipses.
+/// inner bottom. `square` selects rounded rectangles instead of ellipses.
 Mesh make_vessel(std::string name, std::span<const glm::vec3> rings, bool square, std::uint32_t round,
                  std::uint32_t steps);
 

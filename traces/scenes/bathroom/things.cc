@@ -12,7 +12,7 @@
 namespace traces::bathroom {
 namespace {
 
-/// Makes a swan-necked tap at the origin, its spout towards +z.
+/// Makes a swan-necked tap at the origin, with its spout towards +z.
 Mesh make_tap(const Detail& detail, float height, float reach) {
   const std::uint32_t round = detail.cell_count(16, 6);
   const glm::vec2 foot[] = {{0.028F, 0},     {0.028F, 0.008F}, {0.02F, 0.014F},
@@ -79,9 +79,9 @@ void add_tub(Scene& scene, const Materials& is, const Detail& detail) {
   add_object(scene,
              transform_mesh(make_tap(detail, 0.2F, 0.2F), placement_at({kTubLeft + 0.035F, kTubRim, kTubZ}, 0.25)),
              is.chrome);
-  // A glass screen on the rim, hinged at the wall.
+  // The glass screen on the rim of the tub, hinged at the wall.
   const float z = kTubZ + 0.36F;
-  // One sheet without refraction: through two glass surfaces, paths of limited depth would not reach the chrome.
+  // One sheet that does not refract: through two glass surfaces, paths of limited depth would not reach the chrome.
   add_object(scene, make_quad("shower screen", {-1.77F, kTubRim + 0.012F, z}, {0.82F, 0, 0}, {0, 1.4F, 0}, 1),
              is.glass);
   Mesh profile = make_box("screen profile", {-1.79F, kTubRim + 0.01F, z - 0.012F}, {-1.765F, 2.01F, z + 0.012F});
@@ -172,7 +172,7 @@ void add_toilet(Scene& scene, const Materials& is, const Detail& detail) {
       {0.15F, 0.11F, 0.3F},   {0.06F, 0.05F, 0.18F},   {0, 0, 0.17F}};
   const glm::vec3 lid[] = {{0.225F, 0.175F, 0.41F}, {0.245F, 0.188F, 0.415F}, {0.247F, 0.19F, 0.43F},
                            {0.235F, 0.18F, 0.442F}, {0.12F, 0.1F, 0.448F},    {0, 0, 0.45F}};
-  // Its length becomes x; the front is elongated.
+  // The length of the mesh becomes x; the front is elongated.
   const auto egg = [](const glm::vec3& p) {
     return glm::vec3(p.x < 0 ? 1.15F * p.x : p.x, p.y, p.z * (1 - 0.25F * p.x / 0.25F * 0.3F));
   };
@@ -210,7 +210,7 @@ Mesh make_rod(const glm::vec3& from, const glm::vec3& to, float radius, std::uin
   return make_tube("", std::array{from, to}, std::array{radius}, round);
 }
 
-/// Makes a metal hose whose radius alternates along the path.
+/// Makes a metal hose whose radius alternates along its path.
 Mesh make_hose(std::span<const glm::vec3> path, const Detail& detail) {
   const std::vector<glm::vec3> curve = catmull_rom(path, detail.cell_count(60, 12));
   std::vector<float> radii;
@@ -218,7 +218,7 @@ Mesh make_hose(std::span<const glm::vec3> path, const Detail& detail) {
   return make_tube("shower hose", curve, radii, detail.cell_count(9, 5));
 }
 
-/// Makes a shower head, its jets towards -y.
+/// Makes a shower head with its jets towards -y.
 Mesh make_head(const Detail& detail) {
   const glm::vec2 body[] = {{0, 0},          {0.05F, 0},      {0.055F, 0.005F}, {0.055F, 0.014F},
                             {0.035F, 0.03F}, {0.016F, 0.04F}, {0, 0.042F}};
@@ -233,7 +233,8 @@ Mesh make_head(const Detail& detail) {
   return mesh;
 }
 
-/// Makes a wire basket of stacked hoops and of ribs that meet at the bottom. `a`: half length, `b`: half depth.
+/// Makes a wire basket of stacked hoops and of ribs that meet at the bottom. `a` is half its length, `b` half its
+/// depth.
 Mesh make_basket(const Detail& detail, float a, float b, float height, std::uint32_t most_ribs, int hoops) {
   const std::uint32_t sides = detail.cell_count(6, 3), round = detail.cell_count(48, 16);
   const int ribs = static_cast<int>(std::min(detail.cell_count(most_ribs, most_ribs / 3), most_ribs));
@@ -337,15 +338,15 @@ void add_baskets(Scene& scene, const Materials& is, const Detail& detail) {
 
 namespace {
 
-/// Makes a towel over a rail along x at the origin, with soft waves: `front` is its length on the side of +z, `back` on
-/// the other side. It is two sheets joined at the hems.
+/// Makes a towel that hangs over a rail along x at the origin, with soft waves. `front` is its length on the side of
+/// +z, `back` on the other side. It is two sheets joined at the hems.
 Mesh make_towel(const Detail& detail, float width, float front, float back, float radius, std::uint32_t seed) {
   constexpr float kThick = 0.007F, kQuarter = 1.5708F;
   const float over = 2 * kQuarter * radius, length = front + over + back;
   const auto on_sheet = [=](float s, float t, float lift) {
     const float at = t * length;
     const float r = radius + lift;
-    glm::vec2 p;  // (z, y)
+    glm::vec2 p;  // (z, y) of the section
     float down = 0;
     if (at < front) {
       down = front - at;
@@ -490,7 +491,7 @@ Mesh make_bristles(std::string name, float half_length, float half_width, float 
   return mesh;
 }
 
-/// Adds a brush: an oval head that tapers into a handle along x, bristles upwards.
+/// Adds a brush: an oval head that tapers into a handle along x, with its bristles upwards.
 void add_brush(Scene& scene, const Materials& is, const Detail& detail, const glm::mat4& at, float size,
                std::uint32_t wood) {
   Mesh body = warp_mesh(make_cushion("brush", {-0.5F, -0.09F, -0.13F}, {0.5F, 0.0F, 0.13F}, 0.044F,
@@ -595,7 +596,7 @@ void add_toiletries(Scene& scene, const Materials& is, const Detail& detail) {
   add_bottle(scene, detail, {1.53F, kCounter, back + 0.38F}, 0.02F, 0.09F, is.rose, is.white);
   add_fern(scene, is, detail, {0.46F, kCounter, back + 0.18F});
   add_brush(scene, is, detail, placement_at({0.52F, kCounter + 0.022F, back + 0.45F}, 0.06), 0.22F, is.oak);
-  // In the caddy above the tub, and on the tub's rim.
+  // Bottles and soap in the caddy above the tub, and on the tub's rim.
   const float y = 1.256F, z = back + 0.075F;
   add_bottle(scene, detail, {-1.41F, y, z}, 0.033F, 0.2F, is.blue, is.white);
   add_bottle(scene, detail, {-1.32F, y, z}, 0.03F, 0.17F, is.bottle, is.rose);

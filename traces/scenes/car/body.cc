@@ -17,9 +17,10 @@ namespace traces::car {
 namespace {
 
 constexpr float kNose = 2.23F, kTail = -2.20F, kSill = 0.17F;
-constexpr float kRoll = 0.06F, kRolled = 0.09F;  // height, and share of the width, of the rounded shoulder
+constexpr float kRoll = 0.06F, kRolled = 0.09F;  // height, and fraction of the width, of the rounded shoulder of the
+                                                 // body
 
-/// Interpolates (x, value) points smoothly; x ascending.
+/// Interpolates smoothly between points (x, value), in ascending order of x.
 float interpolate_keys(std::span<const glm::vec2> keys, float x) {
   std::size_t k = 0;
   while (k + 2 < keys.size() && x > keys[k + 1].x) ++k;
@@ -30,7 +31,7 @@ float interpolate_keys(std::span<const glm::vec2> keys, float x) {
   return b.y + t * (m0 + t * (3 * (c.y - b.y) - 2 * m0 - m1 + t * (2 * (b.y - c.y) + m0 + m1)));
 }
 
-/// Returns 1 at 0, falling smoothly to 0 at +-1.
+/// Returns a smooth bump: 1 at 0, falling to 0 at -1 and 1.
 float smooth_bump(float a) {
   const float s = std::max(1 - a * a, 0.0F);
   return s * s;
@@ -46,7 +47,7 @@ constexpr glm::vec2 kBottom[] = {{-2.20F, 0.36F}, {-2.05F, 0.29F}, {-1.75F, 0.21
 constexpr glm::vec2 kWidth[] = {{-2.20F, 0.91F}, {-1.70F, 0.925F}, {-1.31F, 0.93F}, {-0.60F, 0.90F},
                                 {0.20F, 0.885F}, {0.80F, 0.89F},   {1.30F, 0.905F}, {2.23F, 0.89F}};
 
-/// Returns the share of the width at x; nose and tail are rounded in plan view.
+/// Returns the width of the car at x as a fraction of its largest width. Nose and tail are rounded in plan view.
 float width_share(float x) {
   const float front = std::clamp((x - 1.10F) / (kNose - 1.10F), 0.0F, 1.0F);
   const float rear = std::clamp((-1.25F - x) / (-1.25F - kTail), 0.0F, 1.0F);
@@ -54,7 +55,7 @@ float width_share(float x) {
   return std::sqrt(std::sqrt(std::max(1 - e2 * e2 * (front > 0 ? 1.0F : e2), 0.0F)));
 }
 
-/// Returns the x offset of front and rear in side view: largest at bumper height.
+/// Returns how far front and rear of the car project in side view, as an x offset. It is largest at bumper height.
 float lean_offset(float x, float y) {
   const float front = glm::smoothstep(1.7F, kNose, x), rear = glm::smoothstep(1.75F, -kTail, -x);
   const float low = (y - 0.42F) / 0.30F, high = (y - 0.72F) / 0.40F;
@@ -70,8 +71,8 @@ float bottom_height(float x) {
   return y;
 }
 
-/// Returns a point of a wheel arch's edge in the xy plane, axle at the origin: up from the sill, round, down; share
-/// 0..1.
+/// Returns a point on the edge of a wheel arch in the xy plane, with the axle at the origin. `share` runs from 0 to 1:
+/// up from the sill, around the wheel, down.
 glm::vec2 arch_edge(float share) {
   constexpr float kStraight = 0.12F, kDrop = kWheel - kSill;
   if (share < kStraight) return {kArch, -kDrop * (1 - share / kStraight)};
@@ -79,7 +80,7 @@ glm::vec2 arch_edge(float share) {
   return kArch * on_circle(0.5 * static_cast<double>((share - kStraight) / (1 - 2 * kStraight)));
 }
 
-/// Returns the x positions of the cross sections: denser at the ends of arches, nose and tail.
+/// Returns the x positions of the body's cross-sections, which are denser at the ends of arches, nose and tail.
 std::vector<float> section_positions(const Detail& detail) {
   constexpr float kReach = kArch - 1e-4F;  // beyond it, the edge drops to the sill
   std::vector<float> xs{kTail};
@@ -112,7 +113,7 @@ std::vector<float> section_positions(const Detail& detail) {
 float side_at(float x, float y) {
   const float u = std::clamp((y - kSill) / (interpolate_keys(kShoulder, x) - kSill), 0.0F, 1.0F);
   float z = interpolate_keys(kWidth, x) - 0.045F * (1 - u) * (1 - u) - 0.055F * u * u * u;
-  z -= 0.045F * smooth_bump((x - 0.05F) / 1.05F) * smooth_bump((u - 0.42F) / 0.36F);  // the doors are recessed
+  z -= 0.045F * smooth_bump((x - 0.05F) / 1.05F) * smooth_bump((u - 0.42F) / 0.36F);  // recesses the doors
   for (const float axle : {kFrontAxle, kRearAxle}) {
     const float away = std::sqrt((x - axle) * (x - axle) + (y - kWheel) * (y - kWheel));
     z += 0.030F * (1 - glm::smoothstep(kArch, kArch + 0.17F, away));
@@ -161,7 +162,7 @@ Mesh make_cabin(const Detail& detail) {
   static constexpr glm::vec2 kHalf[] = {{-2.02F, 0.40F}, {-1.75F, 0.53F}, {-1.3F, 0.68F}, {-0.8F, 0.765F},
                                         {-0.2F, 0.79F},  {0.35F, 0.77F},  {0.80F, 0.70F}, {1.10F, 0.60F}};
   constexpr float kFoot = 0.78F, kFrom = -2.02F, kTo = 1.10F;
-  const auto power = [](float c) { return std::sqrt(c * std::sqrt(c)); };  // c to the power 3/4: a fuller ellipse
+  const auto power = [](float c) { return std::sqrt(c * std::sqrt(c)); };  // c to the power 3/4: fuller than an ellipse
   return make_surface("cabin", 2 * detail.cell_count(20, 6), detail.cell_count(50, 12), [&](float s, float t) {
     const float x = kFrom + (kTo - kFrom) * t;
     const glm::vec2 q = on_circle(0.5 - 0.5 * static_cast<double>(s));
@@ -217,7 +218,7 @@ glm::vec2 on_line(const std::vector<glm::vec2>& line, float t) {
   return line[k] + (at - static_cast<float>(k)) * (line[k + 1] - line[k]);
 }
 
-/// World axes of a patch's x and y, and the axis of projection with its sign.
+/// How a patch is projected: the world axes of its x and y, and the axis of projection with its sign.
 struct Throw {
   int x, y, along;
   float sign;

@@ -7,16 +7,16 @@
 
 namespace traces::car {
 
-// In metres. The car's front is +x, its right side +z, the ground y = 0.
+// Dimensions of the car in metres. Its front is +x, its right side +z, the ground y = 0.
 inline constexpr float kFrontAxle = 1.30F, kRearAxle = -1.31F;
-inline constexpr float kWheel = 0.335F;  ///< radius, and height of the axles
+inline constexpr float kWheel = 0.335F;  ///< radius of a wheel, and height of the axles
 inline constexpr float kArch = 0.385F;   ///< radius of the wheel arches
-inline constexpr float kTrack = 0.795F;  ///< from the car's middle plane to the middle of a wheel
+inline constexpr float kTrack = 0.795F;  ///< distance from the car's middle plane to the middle of a wheel
 
-/// Makes the shell up to the belt line: fenders, bonnet, doors, tail. It is open below and has wheel arches.
+/// Makes the body of the car up to the belt line: fenders, bonnet, doors, tail. It is open below and has wheel arches.
 Mesh make_shell(const Detail& detail);
 
-/// Makes roof and pillars without glass; the lower edge is inside the shell.
+/// Makes roof and pillars without glass. The lower edge is inside the shell.
 Mesh make_cabin(const Detail& detail);
 
 /// Makes the liners of the wheel arches and the floor.
@@ -33,10 +33,10 @@ float side_at(float x, float y);
 Mesh make_patch(std::span<const glm::vec2> first, std::span<const glm::vec2> second, std::uint32_t columns,
                 std::uint32_t rows);
 
-/// Makes a strip of that width along a line in the plane.
+/// Makes a strip of the given width along a line in the plane z = 0.
 Mesh make_strip(std::span<const glm::vec2> line, float width, std::uint32_t columns);
 
-/// Direction in which a patch is projected, and its plane's axes.
+/// Side from which a patch is projected onto the body: direction of projection, and the world axes of the patch.
 enum class From : std::uint8_t {
   kFront,  ///< along -x: (z, y)
   kRear,   ///< along +x: (z, y)
@@ -45,7 +45,8 @@ enum class From : std::uint8_t {
   kAbove   ///< along -y: (x, z)
 };
 
-/// Projects the patch onto a body, `lift` above its surface and with its normals; parts that miss are left out.
+/// Projects a patch onto a body, `lift` above its surface and with its normals. Parts of the patch that miss the body
+/// are omitted.
 Mesh drape_patch(const Mesh& body, const Mesh& patch, From from, float lift);
 
 }  // namespace traces::car

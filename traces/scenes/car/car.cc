@@ -18,9 +18,9 @@
 namespace traces::car {
 namespace {
 
-// Wheels rotate about z; the outer side faces +z.
+// Parts of a wheel, which rotates about z; the outer side faces +z.
 
-/// Turns a mesh from the y axis to the z axis.
+/// Rotates a mesh from the y axis to the z axis.
 Mesh lay_down(Mesh mesh) {
   return transform_mesh(std::move(mesh), glm::mat4(glm::vec4(1, 0, 0, 0), glm::vec4(0, 0, 1, 0), glm::vec4(0, -1, 0, 0),
                                                    glm::vec4(0, 0, 0, 1)));
@@ -43,7 +43,7 @@ Mesh make_tyre(const Detail& detail) {
 
 /// Makes a rim with five pairs of spokes.
 Mesh make_rim(const Detail& detail) {
-  // The lip, then back into the barrel: normals towards the axis.
+  // The lip of the rim, then back into the barrel, with normals towards the axis.
   Outline lip({0.242F, 0.080F});
   lip.arc_to(0.240F, 0.113F, 0.002F).line_to(0.234F, 0.116F).line_to(0.226F, 0.108F).arc_to(0.212F, 0.075F, -0.004F);
   lip.line_to(0.205F, -0.02F).line_to(0.212F, -0.10F);
@@ -104,7 +104,7 @@ Mesh make_caliper(const Detail& detail) {
 
 constexpr float kEnd = 16, kSide = 7.5F, kHeight = 5.2F;
 
-/// Concrete slabs with joints and the holes of their formwork.
+/// Returns a texture of concrete slabs with joints and the holes of their formwork.
 Texture concrete_texture() {
   return paint_texture("concrete", 512, 512, [](float u, float v) {
     const float cloud = fractal_noise(u, v, 5, 6, 41),
@@ -118,7 +118,7 @@ Texture concrete_texture() {
   });
 }
 
-/// A floor with two white lines and worn paint; u runs along the hall.
+/// Returns a texture of a floor with two white lines and worn paint; u runs along the hall.
 Texture floor_texture() {
   return paint_texture("painted floor", 1024, 512, [](float u, float v) {
     const float cloud = fractal_noise(u, v, 8, 6, 43);
@@ -158,7 +158,7 @@ void add_hall(Scene& scene, const Detail& detail) {
   wall("right end", high, -y, -z, {2, 6}, concrete);
   wall("ceiling", high, -z, -x, {6, 12}, dark);
 
-  // Columns of light between ribs of steel.
+  // Glowing columns between ribs of steel.
   const std::uint32_t column =
       add_mesh(scene, make_box("light column", {-0.09F, 0.25F, 0}, {0.09F, 4.3F, 0.08F}), glow);
   const std::uint32_t rib = add_mesh(
@@ -174,7 +174,7 @@ void add_hall(Scene& scene, const Detail& detail) {
     }
     add_instance(scene, beam, placement_at({at, 0, 0}));
   }
-  // Strips under the ceiling; the middle ones light the hall, the others only glow.
+  // Strips under the ceiling. The middle ones light the hall, the others only glow.
   for (int k = 0; k < 3; ++k) {
     const float at = -8 + 8 * static_cast<float>(k);
     for (const float side : {-2.6F, 2.6F}) {
@@ -189,7 +189,7 @@ using Line = std::vector<glm::vec2>;
 
 enum class Stuff : std::uint8_t { kGlass, kLens, kLed, kTailLight, kBlack, kGap, kChrome, kPlate, kCount };
 
-/// A thin part on the surface of the body.
+/// A thin part on the surface of the car's body, such as a window or a gap.
 struct Sheet {
   Stuff stuff;
   From from;
@@ -203,7 +203,7 @@ Line mirror_line(Line line) {
   return line;
 }
 
-/// Makes sheets at one detail.
+/// Makes the thin parts on the surface of the car's body.
 class SheetMaker {
  public:
   explicit SheetMaker(const Detail& detail) : detail_(detail) {}
@@ -240,7 +240,7 @@ class SheetMaker {
               {{-0.44F, 1.165F}, {-0.10F, 1.165F}, {0.25F, 1.08F}, {0.66F, 0.885F}}, 22, 10, 0.004F);
     add_patch(Stuff::kGlass, side, true, {{-1.28F, 0.965F}, {-0.9F, 0.915F}, {-0.49F, 0.902F}},
               {{-1.28F, 0.98F}, {-0.95F, 1.09F}, {-0.49F, 1.162F}}, 16, 10, 0.004F);
-    // Gaps of doors, tank lid and bumpers; the sill.
+    // Gaps of doors, tank lid and bumpers, and the sill.
     add_strip(Stuff::kGap, side, false, {{0.70F, 0.80F}, {0.72F, 0.6F}, {0.68F, 0.40F}, {0.56F, 0.27F}}, 0.008F, 20,
               0.0025F);
     add_strip(Stuff::kGap, side, false, {{-0.50F, 0.84F}, {-0.56F, 0.65F}, {-0.58F, 0.45F}, {-0.50F, 0.27F}}, 0.008F,
@@ -254,15 +254,15 @@ class SheetMaker {
     add_patch(Stuff::kTailLight, side, false, {{-1.93F, 0.475F}, {-1.80F, 0.475F}},
               {{-1.93F, 0.495F}, {-1.80F, 0.495F}}, 5, 2, 0.004F);
     const float sign = side == From::kLeft ? -1.0F : 1.0F;
-    // Bonnet and boot.
+    // Gaps of bonnet and boot.
     add_strip(Stuff::kGap, From::kAbove, false,
               {{0.98F, sign * 0.66F}, {1.4F, sign * 0.60F}, {1.8F, sign * 0.50F}, {1.98F, sign * 0.40F}}, 0.008F, 24,
               0.0025F);
   }
 
-  /// Adds the parts of front and rear.
+  /// Adds the parts at the front and the rear.
   void add_ends() {
-    // Face: grille, side intakes, headlights with a bright line.
+    // Front: grille, side intakes, headlights with a bright line.
     add_patch(Stuff::kBlack, From::kFront, false, {{-0.44F, 0.235F}, {0, 0.225F}, {0.44F, 0.235F}},
               {{-0.52F, 0.37F}, {0, 0.385F}, {0.52F, 0.37F}}, 24, 6, 0.004F);
     for (const float y : {0.27F, 0.305F, 0.34F}) {
@@ -303,7 +303,7 @@ Mesh make_mirror(float side, const Detail& detail) {
       "", 2 * cells, cells,
       [&](float s, float t) {
         const glm::vec2 round = on_circle(static_cast<double>(s)), up = on_circle(0.25 - 0.5 * static_cast<double>(t));
-        // Blunt at the rear, where the glass is; long and round in front.
+        // The mirror is blunt at the rear, where the glass is, and long and round in front.
         const float x = -up.y < 0 ? 0.10F * up.y : 0.03F * up.y;
         return glm::vec3(x, 0.062F * up.x * round.x, -0.105F * up.x * round.y);
       },
@@ -345,7 +345,7 @@ std::uint64_t triangles_of_trim(const Detail& detail) {
   return sum + 2 * (make_mirror(1, detail).triangles.size() + make_handle(1, detail).triangles.size());
 }
 
-/// Adds the parts on the body, attached to the node: windows, lights, grilles, gaps, mirrors, handles, number plates,
+/// Adds the parts on the body, attached to `node`: windows, lights, grilles, gaps, mirrors, handles, number plates,
 /// exhausts.
 void add_trim(Scene& scene, const Mesh& shell, const Mesh& cabin, std::uint32_t node, std::uint32_t lacquer,
               const Detail& detail) {
@@ -393,13 +393,13 @@ namespace {
 
 constexpr float kSeconds = 6, kWay = 7;
 
-/// Returns the distance driven at a time; the car starts and ends at rest.
+/// Returns the distance that the car has driven at a time. It starts and ends at rest.
 float distance_driven(float seconds) {
   const float t = seconds / kSeconds;
   return kWay * t * t * t * (10 - 15 * t + 6 * t * t);
 }
 
-/// Attaches a mesh to a node and shows it at the node's rest position.
+/// Attaches a mesh to a node of the car and shows it at the node's rest position.
 void add_part(Scene& scene, Mesh mesh, std::uint32_t material, std::uint32_t node) {
   attach_to_node(scene, add_instance(scene, add_mesh(scene, std::move(mesh), material)), node);
 }
@@ -450,7 +450,7 @@ std::uint64_t triangles_of_car(const Detail& detail) {
 
 }  // namespace
 
-/// A coupe that drives through a hall: one large glossy object of smooth curves.
+/// Builds a coupe that drives through a hall: one large glossy object of smooth curves.
 Scene build_car(const BuiltinOptions& options) {
   constexpr std::uint32_t kClass = 55'000;
   Scene scene;

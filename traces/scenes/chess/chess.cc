@@ -17,12 +17,12 @@
 namespace traces::chess {
 namespace {
 
-/// Height of the table below the squares of the board.
+/// Height of the table's surface. The squares of the board are at 0.
 constexpr float kTableTop = -0.42F;
 
 constexpr float kFloor = -9, kCeiling = 14, kLeft = -15, kRight = 19, kBack = -17, kFront = 19;
 
-/// Makes the light or dark squares; each shows another part of the plank.
+/// Makes all light or all dark squares of the board. Each shows another part of the plank's texture.
 Mesh make_squares(bool light) {
   Mesh squares;
   for (int file = 0; file < 8; ++file) {
@@ -40,7 +40,7 @@ Mesh make_squares(bool light) {
   return squares;
 }
 
-/// Makes four boards with mitred corners, rounded outside, round the squares.
+/// Makes the frame of the board: four planks with mitred corners, rounded outside, around the squares.
 Mesh make_frame() {
   constexpr float kInner = 4, kOuter = 4.75F;
   const glm::vec2 shape[] = {{kInner, -0.02F},        {kInner, 0.03F},          {kInner + 0.08F, 0.05F},
@@ -60,7 +60,7 @@ Mesh make_frame() {
           board.uvs.emplace_back(0.1F * end * p.x, 0.16F * (p.x + p.y) + 0.37F * static_cast<float>(side));
         }
       }
-      // Rows run outwards, columns along the board towards -z.
+      // Rows of vertices run outwards, columns along the board towards -z.
       board.triangles.push_back({first, first + 3, first + 1});
       board.triangles.push_back({first, first + 2, first + 3});
     }
@@ -72,7 +72,7 @@ Mesh make_frame() {
 
 void add_clock(Scene& scene, const Detail& detail, std::uint32_t wood, std::uint32_t brass, std::uint32_t ivory,
                std::uint32_t black) {
-  // In its own space the clock faces +z.
+  // The clock, which faces +z in its own space.
   const glm::mat4 at = placement_at({-6.9F, kTableTop, -0.6F}, 0.19);
   const auto part = [&](Mesh mesh, std::uint32_t material) {
     add_instance(scene, add_mesh(scene, std::move(mesh), material), at);
@@ -125,8 +125,8 @@ void add_window(Scene& scene, std::uint32_t frame_paint) {
   add_object(scene, make_box("window frame", {kLeft, 0.6F, -3.8F}, {kLeft + 0.2F, 11.7F, 5.5F}), frame_paint);
 }
 
-/// Adds board (64 squares of 1 x 1 about the origin, their tops at y = 0), table, clock and the room with its window.
-/// `detail` scales the resolution of curves.
+/// Adds the board (64 squares of 1 x 1 about the origin, their tops at y = 0), the table, the clock and the room with
+/// its window.
 void add_surroundings(Scene& scene, const Detail& detail) {
   const std::uint32_t maple =
       add_texture(scene, wood_texture("maple", {0.93F, 0.80F, 0.60F}, {0.80F, 0.61F, 0.38F}, 11));
@@ -195,14 +195,14 @@ namespace {
 
 using chess::Piece;
 
-/// A kind of piece and its squares in the order of pieces: "g1".
+/// A kind of piece and its squares, in the order of its pieces, each such as "g1".
 struct Placement {
   Piece piece;
   bool white;
   std::string_view squares;
 };
 
-// Legal's mate after the fourth move; the animation plays 5. Nxe5 Bxd1.
+// The position in Legal's mate after the fourth move. The animation plays 5. Nxe5 Bxd1.
 constexpr Placement kPosition[] = {
     {Piece::kPawn, true, "a2b2c2d2e4f2g2h2"},
     {Piece::kRook, true, "a1h1"},
@@ -218,7 +218,7 @@ constexpr Placement kPosition[] = {
     {Piece::kKing, false, "e8"},
 };
 
-/// Returns the middle of a square; White sits at +z.
+/// Returns the middle of a square of the board, such as "e4"; White sits at +z.
 glm::vec3 square_middle(std::string_view name) {
   return {static_cast<float>(name[0] - 'a') - 3.5F, 0, 3.5F - static_cast<float>(name[1] - '1')};
 }
@@ -227,11 +227,11 @@ struct Move {
   std::string_view from;
   glm::vec3 to;
   float start, end;
-  float height;  ///< height of the arc
+  float height;  ///< height of the arc on which the piece moves
 };
 
-/// Returns the moves: the pawn on e5 leaves, a knight takes its place, the queen on d1 leaves, a bishop takes her
-/// place.
+/// Returns the animated moves: the pawn on e5 leaves, a knight takes its place, the queen on d1 leaves, a bishop takes
+/// her place.
 std::array<Move, 4> game_moves() {
   const float table = chess::kTableTop;
   return {{{"e5", {5.75F, table, -1.2F}, 0.4F, 1.9F, 2.2F},
@@ -240,7 +240,7 @@ std::array<Move, 4> game_moves() {
            {"g4", square_middle("d1"), 3.7F, 5.5F, 2.0F}}};
 }
 
-/// Animates a move: lift, carry, set down.
+/// Animates the node of a piece: lift, carry, set down.
 void animate_move(Scene& scene, std::uint32_t node, const Move& move) {
   constexpr int kSamples = 24;
   const glm::vec3 from = square_middle(move.from);
@@ -290,7 +290,7 @@ std::uint64_t triangles_of_set(const Detail& detail) {
 
 }  // namespace
 
-/// A game on a wooden board by a window: many glossy curved pieces that mirror each other.
+/// Builds a chess game on a wooden board by a window: many glossy curved pieces that mirror each other.
 Scene build_chess(const BuiltinOptions& options) {
   Scene scene;
   scene.name = "chess";

@@ -12,7 +12,7 @@
 namespace traces::chess {
 namespace {
 
-/// Makes the foot of all pieces: a heavy ring and a step.
+/// Makes the profile of the foot that all pieces have: a heavy ring and a step.
 Outline make_foot(float radius) {
   return Outline({0, 0})
       .line_to(radius - 0.02F, 0)
@@ -22,7 +22,7 @@ Outline make_foot(float radius) {
       .line_to(radius - 0.115F, 0.21F);
 }
 
-/// Adds a ring round the neck.
+/// Adds a ring around the neck of a piece to its profile.
 Outline& add_collar(Outline& outline, float radius, float height, float thickness) {
   return outline.line_to(radius - 0.02F, height)
       .arc_to(radius - 0.02F, height + thickness, 0.6F * thickness)
@@ -41,7 +41,7 @@ Mesh make_pawn(const Detail& detail) {
   return turn_outline(o, detail, 20);
 }
 
-/// Adds six battlements: sectors of a ring.
+/// Adds six battlements to a rook: sectors of a ring.
 void add_battlements(Mesh& rook, const Detail& detail) {
   const std::uint32_t steps = detail.cell_count(4, 2);
   for (int k = 0; k < 6; ++k) {
@@ -72,7 +72,7 @@ Mesh make_rook(const Detail& detail) {
   return rook;
 }
 
-/// Makes a mitre with its slit: rows near the slit lean forward, and the slit ends at the back.
+/// Makes a bishop's mitre with its slit: rows near the slit lean forward, and the slit ends at the back.
 Mesh make_mitre(const Detail& detail) {
   constexpr float kLow = 0.86F, kHeight = 0.36F;
   const auto radius = [](float share) {  // 0 at the neck, 1 at the tip
@@ -91,7 +91,7 @@ Mesh make_mitre(const Detail& detail) {
       row(0.60F, 0);
   for (std::uint32_t k = 1; k <= above; ++k) row(0.60F + 0.40F * static_cast<float>(k) / static_cast<float>(above), 0);
   return make_turned("", profile, detail.cell_count(26, 10), [&](float around, std::size_t k, const glm::vec3& p) {
-    const float forward = 0.5F - 0.5F * cos_turns(static_cast<double>(around));  // 1 at the front, -x
+    const float forward = 0.5F - 0.5F * cos_turns(static_cast<double>(around));  // 1 at the front (-x)
     const float open = glm::smoothstep(0.25F, 0.6F, forward);
     const float r = profile[k].x;
     const float in = r > 0 ? (r - depth[k] * open) / r : 1;
@@ -113,7 +113,7 @@ Mesh make_bishop(const Detail& detail) {
   return bishop;
 }
 
-/// Makes the body of queen and king up to the crown, which begins at radius 0.14.
+/// Makes the profile of queen and king up to the crown, which begins at radius 0.14.
 Outline royal_body(float radius, float neck) {
   Outline o = make_foot(radius);
   o.line_to(radius - 0.10F, 0.25F).arc_to(0.125F, neck, -0.075F);
@@ -195,13 +195,13 @@ Mesh make_piece(Piece piece, const Detail& detail) {
 
 namespace {
 
-/// A section of neck or head: its ends in the plane of symmetry (forward, up) and half its width.
+/// A cross-section of a knight's neck or head: its ends in the plane of symmetry (forward, up) and half its width.
 struct Cut {
   glm::vec2 back, front;
   float half_width;
 };
 
-// From the collar up the neck, over the poll and down to the muzzle.
+// Cross-sections from the collar up the neck, over the poll and down to the muzzle.
 constexpr Cut kCuts[] = {
     {{-0.255F, 0.26F}, {0.250F, 0.26F}, 0.235F},  {{-0.285F, 0.38F}, {0.245F, 0.35F}, 0.215F},
     {{-0.305F, 0.53F}, {0.190F, 0.45F}, 0.180F},  {{-0.290F, 0.70F}, {0.100F, 0.55F}, 0.150F},
@@ -237,7 +237,7 @@ Mesh make_head(const Detail& detail) {
       true);
 }
 
-/// Makes the locks along the crest, thin and serrated.
+/// Makes the locks of a knight's mane along the crest, thin and serrated.
 Mesh make_mane() {
   const glm::vec2 crest[] = {{-0.240F, 0.42F}, {-0.270F, 0.55F}, {-0.255F, 0.70F}, {-0.205F, 0.84F},
                              {-0.125F, 0.96F}, {-0.030F, 1.03F}, {0.060F, 1.03F}};

@@ -18,7 +18,7 @@
 namespace traces::conference {
 namespace {
 
-/// Loops of wool with small diamonds in rows.
+/// Returns the colour of a carpet: loops of wool with small diamonds in rows.
 glm::vec4 carpet_colour(float u, float v) {
   const float x = u * 8 - std::floor(u * 8) - 0.5F, y = v * 8 - std::floor(v * 8) - 0.5F;
   const float diamond = std::abs(x) + std::abs(y);
@@ -50,7 +50,7 @@ glm::vec4 chart_colour(float u, float v) {
   return {c, 1};
 }
 
-/// Rows of hills, paler with distance.
+/// Returns the colour of a picture of hills, paler with distance.
 glm::vec4 hills_colour(float u, float v) {
   glm::vec3 c = glm::mix(glm::vec3(0.95F, 0.75F, 0.5F), glm::vec3(0.35F, 0.55F, 0.8F), std::max(0.0F, 1 - 1.6F * v));
   for (std::uint32_t k = 0; k < 5; ++k) {
@@ -74,7 +74,7 @@ glm::vec4 sea_colour(float u, float v) {
   return {c, 1};
 }
 
-/// Blocks of colour between black lines.
+/// Returns the colour of an abstract picture: blocks of colour between black lines.
 glm::vec4 shapes_colour(float u, float v) {
   const float columns[] = {0, 0.22F, 0.64F, 0.8F, 1.01F}, rows[] = {0, 0.3F, 0.48F, 0.83F, 1.01F};
   const glm::vec3 inks[] = {{0.93F, 0.9F, 0.84F}, {0.76F, 0.15F, 0.12F}, {0.93F, 0.9F, 0.84F}, {0.12F, 0.25F, 0.55F},
@@ -92,7 +92,7 @@ glm::vec4 shapes_colour(float u, float v) {
           1};
 }
 
-/// A laptop's screen with a window of text.
+/// Returns the colour of a laptop's screen with a window of text.
 glm::vec4 page_colour(float u, float v) {
   glm::vec3 c(0.93F, 0.95F, 0.97F);
   if (v < 0.08F) c = {0.2F, 0.32F, 0.5F};
@@ -130,7 +130,7 @@ Materials add_materials(Scene& scene) {
     return add_material(scene, make_paint(name, colour, mirror));
   };
   Material ceiling = make_paint("ceiling board", {0.86F, 0.85F, 0.82F});
-  ceiling.emission = {0.33F, 0.32F, 0.30F};  // light that the room reflects to the ceiling
+  ceiling.emission = {0.33F, 0.32F, 0.30F};  // stands for light that the room reflects to the ceiling
   Material panel = make_lamp("lamp panel", glm::vec3(0.98F, 0.96F, 0.9F));
   Material screen = make_textured("projection", kChart, glm::vec3(0.25F));
   screen.emission = glm::vec3(0.42F);
@@ -172,11 +172,12 @@ Materials add_materials(Scene& scene) {
 
 namespace {
 
-constexpr float kPanelling = 1.02F;  // height
+constexpr float kPanelling = 1.02F;  // height of the wall panelling
 constexpr glm::vec2 kField[] = {{0, 0},         {0, 0.022F},      {0.085F, 0.022F},
                                 {0.1F, 0.008F}, {0.115F, 0.008F}, {0.16F, 0.02F}};
 
-/// Makes a wainscot of that width in a wall's coordinates: raised fields, a base board and a rail on top.
+/// Makes the panelling of a wall in the wall's coordinates, `width` wide: raised fields, a base board and a rail on
+/// top.
 Mesh make_panelling(float width, const Detail& detail) {
   Mesh mesh;
   mesh.name = "panelling";
@@ -188,7 +189,7 @@ Mesh make_panelling(float width, const Detail& detail) {
   }
   const glm::vec2 base[] = {{0, 0}, {0.03F, 0}, {0.03F, 0.1F}, {0.024F, 0.12F}, {0, 0.12F}};
   const glm::vec2 rail[] = {{0, 0}, {0.025F, 0}, {0.03F, 0.01F}, {0.045F, 0.035F}, {0.045F, 0.05F}, {0, 0.05F}};
-  // The outlines' x becomes the direction out of the wall, their z the direction along it.
+  // x of the outlines becomes the direction out of the wall, z the direction along it.
   const glm::mat4 along{{0, 0, 1, 0}, {0, 1, 0, 0}, {-1, 0, 0, 0}, {width, 0, 0, 1}};
   append_mesh(mesh, transform_mesh(make_extrusion("", base, width), along));
   append_mesh(mesh, transform_mesh(transform_mesh(make_extrusion("", rail, width), along),
@@ -232,7 +233,7 @@ void add_door(Scene& scene, const Materials& is, const Detail& detail) {
   add_object(scene, transform_mesh(std::move(handle), wall), is.brass);
 }
 
-/// Adds one wall above the panelling.
+/// Adds one wall above its panelling.
 void add_wall(Scene& scene, const Materials& is, const Detail& detail, const glm::vec3& origin,
               const glm::vec3& outward, float width, float height) {
   const Mesh wall = make_quad("wall", glm::vec3(0), {width, 0, 0}, {0, height, 0}, detail.cell_count(12));
@@ -257,7 +258,7 @@ void add_room(Scene& scene, const Materials& is, const Detail& detail) {
   add_door(scene, is, detail);
 }
 
-/// Adds a cornice along all walls.
+/// Adds a cornice along all walls of the room.
 void add_cornice(Scene& scene, const Materials& is) {
   const glm::vec2 outline[] = {{0, 0}, {0.02F, 0}, {0.03F, 0.03F}, {0.06F, 0.045F}, {0.09F, 0.09F}, {0, 0.09F}};
   Mesh cornice;
@@ -418,7 +419,7 @@ void add_cameras(Scene& scene) {
 
 }  // namespace
 
-/// A room like Anat Grynberg's and Greg Ward's conference room: much diffuse furniture under a lit ceiling.
+/// Builds a room like Anat Grynberg's and Greg Ward's conference room: much diffuse furniture under a lit ceiling.
 Scene build_conference(const BuiltinOptions& options) {
   constexpr std::uint32_t kClass = 190'000;
   Scene scene = build_to_size(options.triangles_or(kClass), furnish_room);

@@ -6,8 +6,8 @@
 
 namespace traces::conference {
 
-// The room in metres: 9.2 x 6.4 x 2.9, the origin in the middle of its floor. The windows are at +z, the screen at +x,
-// the door at -x.
+// Dimensions of the room in metres: 9.2 x 6.4 x 2.9, with the origin in the middle of its floor. The windows are at +z,
+// the screen at +x, the door at -x.
 inline constexpr float kHalfLength = 4.6F, kHalfWidth = 3.2F, kHeight = 2.9F;
 inline constexpr float kTableHeight = 0.74F;
 

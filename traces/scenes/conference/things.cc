@@ -12,7 +12,7 @@ namespace {
 
 constexpr float kHalfTable = 2.75F, kHalfDepth = 0.82F;
 
-/// Makes a slab with a rounded outline from `rings` (inset, height), outside in, bottom to top.
+/// Makes a slab with a rounded outline. `rings` are (inset, height), outside in, bottom to top.
 Mesh make_slab(std::string name, float a, float b, std::span<const glm::vec2> rings, std::uint32_t round) {
   const auto last = static_cast<std::uint32_t>(rings.size() - 1);
   return make_surface(
@@ -25,7 +25,7 @@ Mesh make_slab(std::string name, float a, float b, std::span<const glm::vec2> ri
       true);
 }
 
-/// Makes the flat face inside that outline, facing up or down.
+/// Makes the flat face inside a rounded outline, facing up or down.
 Mesh make_face(std::string name, float a, float b, float y, bool up, std::uint32_t round, std::uint32_t rows) {
   Mesh mesh = make_surface(
       std::move(name), round, rows,
@@ -52,8 +52,8 @@ Mesh make_castor(const Detail& detail) {
   return mesh;
 }
 
-/// Makes the hard parts of a chair: five-star base, castors, gas lift, armrests, the shell of the back. The chair faces
-/// +z.
+/// Makes the hard parts of an office chair: five-star base, castors, gas lift, armrests, the shell of the back. The
+/// chair faces +z.
 Mesh make_chair_frame(const Detail& detail) {
   const std::uint32_t round = detail.cell_count(10, 4);
   Mesh mesh;
@@ -81,7 +81,7 @@ Mesh make_chair_frame(const Detail& detail) {
   return mesh;
 }
 
-/// Makes seat and back, both slightly concave.
+/// Makes the seat and the back of a chair, both slightly concave.
 Mesh make_upholstery(const Detail& detail) {
   const std::uint32_t steps = detail.cell_count(4), cells = detail.cell_count(10);
   Mesh mesh =
@@ -232,7 +232,7 @@ Mesh make_leaves(const Detail& detail, const glm::vec3& centre, std::uint32_t co
   mesh.name = "leaves";
   for (std::uint32_t k = 0; k < count; ++k) {
     const float turn = 0.382F * static_cast<float>(k) + 0.05F * random_unit(seed, k);
-    const float age = (static_cast<float>(k) + 0.5F) / static_cast<float>(count);  // 1: outermost, lowest
+    const float age = (static_cast<float>(k) + 0.5F) / static_cast<float>(count);  // 1: outermost and lowest leaf
     const glm::vec2 round = on_circle(static_cast<double>(turn));
     const glm::vec3 way = glm::normalize(glm::vec3(round.x, 1.8F - 1.5F * age, round.y));
     const float reach = length * random_between(0.75F, 1.1F, seed, k, 1) * (0.65F + 0.35F * age);

@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::uint32_t kTriangles = 174'000;
 
-/// Returns the height of the ground: uneven, but flat in the clearing.
+/// Returns the height of the forest's ground in metres: uneven, but flat in the clearing.
 float ground_height(float x, float z) {
   const float r = std::sqrt(x * x + z * z);
   const float t = std::clamp((r - 2.5F) / 9, 0.0F, 1.0F);
@@ -32,7 +32,7 @@ float ground_height(float x, float z) {
 
 glm::vec3 on_ground(float x, float z, float above = 0) { return {x, ground_height(x, z) + above, z}; }
 
-/// The generator's state: the scene and its detail.
+/// Generates the forest: the scene so far and its level of detail.
 class Forest {
  public:
   Forest(Scene& scene, std::uint32_t triangles)
@@ -47,7 +47,7 @@ class Forest {
     return std::max(static_cast<std::uint32_t>(n * detail_ + 0.5F), least);
   }
 
-  /// Returns a number of objects: n, or fewer in a scene of few triangles.
+  /// Returns `n`, or a smaller number of objects for a scene of few triangles.
   std::uint32_t capped_count(float n) const { return static_cast<std::uint32_t>(n * std::min(detail_, 1.0F) + 0.5F); }
 
   void show_pieces(const Pieces& pieces, const glm::mat4& at, bool focus);
@@ -60,9 +60,9 @@ class Forest {
   void add_stones_and_logs();
   void add_ferns();
   void add_mushrooms();
-  /// Adds undergrowth, bushes and canopy up to the wanted number of triangles.
+  /// Adds undergrowth, bushes and canopy until the scene has the requested number of triangles.
   void add_leaves();
-  // `left`: remaining triangles.
+  // `left` is the number of triangles that remain.
   void add_undergrowth(float left);
   void add_bushes(float left);
   void add_canopy();
@@ -100,7 +100,7 @@ void Forest::add_floor() {
   const std::uint32_t cells = scaled_count(84, 24);
   Mesh floor = make_surface("forest floor", cells, cells, [](float s, float t) {
     const glm::vec2 p = (glm::vec2(s, 1 - t) - 0.5F) * 64.0F;
-    // Denser in the middle.
+    // Plants are denser in the middle.
     const glm::vec2 near = p * (0.35F + 0.65F * glm::abs(p) / 32.0F);
     return on_ground(near.x, near.y);
   });
@@ -193,7 +193,7 @@ struct Spot {
   float x, z, size;
 };
 
-/// Returns the places of some near trees, then of others round the clearing, `wanted` in all.
+/// Returns `wanted` places for trees: first some near the clearing, then others around it.
 std::vector<Spot> tree_spots(std::size_t wanted) {
   std::vector<Spot> spots = {{0, -4.3F, 1.2F, 1.15F}, {1, 4.5F, 0.2F, 1.1F},  {2, 3.1F, -3.6F, 1},
                              {1, -2.9F, -4.6F, 1},    {0, 1.3F, -7.0F, 1.1F}, {2, -5.3F, -2.6F, 1.1F}};
@@ -202,7 +202,7 @@ std::vector<Spot> tree_spots(std::size_t wanted) {
     const float r = random_between(6, 26, 42, k);
     const glm::vec2 p = way * r;
     const bool crowded = std::ranges::any_of(spots, [&](const Spot& o) { return glm::distance(p, {o.x, o.z}) < 2.6F; });
-    // The camera's lane must remain free.
+    // The lane of the camera remains free.
     if (crowded || (p.y > 0 && std::abs(p.x) < 3.6F)) continue;
     spots.push_back(
         {static_cast<std::uint32_t>(random_unit(43, k) * 2.999F), p.x, p.y, random_between(0.75F, 1.15F, 44, k)});

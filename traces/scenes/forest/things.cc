@@ -21,7 +21,7 @@ struct Joint {
   float radius;
 };
 
-/// Makes a smooth limb through joints.
+/// Makes a smooth limb of an animal through joints.
 Mesh make_limb(std::span<const Joint> joints, std::uint32_t steps, std::uint32_t sides) {
   std::vector<glm::vec3> path, radii;
   for (const Joint& j : joints) {
@@ -92,7 +92,7 @@ Pieces make_mushroom(float height, float bell, std::uint32_t round, std::uint32_
   };
   Mesh stalk = lathe(foot, steps);
   append_mesh(stalk, lathe(skirt, std::max(steps / 2, 1U)));
-  // The underside faces down: its profile runs from the inside outwards.
+  // The profile of the underside runs from the inside outwards, so that it faces down.
   Pieces pieces;
   pieces.emplace_back(std::move(stalk), stem);
   pieces.emplace_back(lathe(under, std::max(steps / 2, 1U)), gills);
@@ -266,7 +266,8 @@ std::uint32_t pack_colour(const glm::vec3& c) {
   return byte(c.x) | (byte(c.y) << 8) | (byte(c.z) << 16) | 0xff000000U;
 }
 
-/// Returns the distance, in cells, to the nearest point of a repeating jittered grid; v cells are as long as u cells.
+/// Returns the distance, in cells, to the nearest point of a repeating jittered grid. A cell is as long in v as in u.
+/// Sets `size` to a random number of that point.
 float spot_distance(float u, float v, std::uint32_t columns, std::uint32_t rows, std::uint32_t seed, float& size) {
   const glm::vec2 p(u * static_cast<float>(columns), v * static_cast<float>(rows));
   const glm::vec2 cell = glm::floor(p);

@@ -12,9 +12,10 @@ namespace traces::laboratory {
 namespace {
 
 constexpr float kWall = 0.002F;  ///< thickness of the glass
-constexpr float kGap = 0.0015F;  ///< from glass to filling: more than the offset at which secondary rays begin
+constexpr float kGap = 0.0015F;  ///< gap between glass and filling, larger than the offset at which secondary rays
+                                 ///< begin
 
-/// Returns the outer profile, from the middle of the bottom to the rim.
+/// Returns the outer profile of a vessel, from the middle of the bottom to the rim.
 Outline outer_profile(Vessel vessel) {
   Outline o({0, 0});
   switch (vessel) {
@@ -55,7 +56,7 @@ std::vector<glm::vec2> line_of(Vessel vessel, const Detail& detail) {
   return simplify_line(outer_profile(vessel).points(), detail.cell_count(16, 7));
 }
 
-/// Returns the line moved inwards; its first point remains on the axis.
+/// Returns a line moved inwards by a distance. Its first point remains on the axis.
 std::vector<glm::vec2> inset_line(const std::vector<glm::vec2>& line, float by) {
   std::vector<glm::vec2> out;
   const std::size_t last = line.size() - 1;

@@ -18,12 +18,12 @@ enum class Vessel : std::uint8_t {
   kDish
 };
 
-// In metres, about the y axis, bottoms at y = 0.
+// Vessels of the laboratory, in metres, about the y axis and with their bottoms at y = 0.
 
 /// Makes a glass vessel with an outer and an inner surface.
 Mesh make_vessel(Vessel vessel, const Detail& detail);
 
-/// Makes the liquid up to that height, with a small gap to the glass.
+/// Makes the liquid in a vessel up to a height, with a small gap to the glass.
 Mesh make_filling(Vessel vessel, float height, const Detail& detail);
 
 }  // namespace traces::laboratory

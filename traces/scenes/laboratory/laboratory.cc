@@ -19,7 +19,7 @@
 namespace traces::laboratory {
 namespace {
 
-/// Indices of the laboratory's materials.
+/// Indices in Scene::materials of the laboratory's materials.
 struct Looks {
   std::uint32_t steel, iron, brass, wood, porcelain, plastic, cork, rubber;
   std::uint32_t tiles, floor, plaster, bench, lacquer, shelf, chart, rail, daylight, lamp;
@@ -28,13 +28,13 @@ struct Looks {
   std::array<std::uint32_t, 4> bottles;
 };
 
-/// Chart of the elements: 18 columns, seven rows and two below, coloured by kind.
+/// Returns a texture of the periodic table: 18 columns, seven rows and two below, coloured by kind of element.
 Texture chart_texture() {
   constexpr glm::vec3 kColours[] = {{0.86F, 0.36F, 0.30F}, {0.93F, 0.66F, 0.28F}, {0.95F, 0.85F, 0.45F},
                                     {0.55F, 0.76F, 0.48F}, {0.42F, 0.68F, 0.80F}, {0.60F, 0.52F, 0.78F}};
   return paint_texture("chart of the elements", 1024, 512, [&](float u, float v) {
     const glm::vec4 paper(0.95F, 0.94F, 0.90F, 1), ink(0.13F, 0.13F, 0.16F, 1);
-    if (v > 0.045F && v < 0.095F && std::abs(u - 0.5F) < 0.22F) {  // the title, as bars of writing
+    if (v > 0.045F && v < 0.095F && std::abs(u - 0.5F) < 0.22F) {  // title, as bars instead of letters
       const auto letter = static_cast<std::uint64_t>(u * 70);
       const float in = u * 70 - static_cast<float>(letter);
       return random_unit(letter, 51) < 0.85F && in < 0.72F ? ink : paper;
@@ -52,7 +52,7 @@ Texture chart_texture() {
                                      : true;
     if (!is_there || in_x < 0.06F || in_y < 0.06F || in_x > 0.94F || in_y > 0.94F) return paper;
     const auto id = static_cast<std::uint64_t>(row * 18 + column);
-    if (in_x > 0.24F && in_x < 0.76F && in_y > 0.30F && in_y < 0.66F) {  // a symbol
+    if (in_x > 0.24F && in_x < 0.76F && in_y > 0.30F && in_y < 0.66F) {  // symbol of an element
       const auto i = static_cast<std::uint64_t>(in_x * 9), j = static_cast<std::uint64_t>(in_y * 11);
       if (random_unit(id, i, j) < 0.6F) return ink;
     }
@@ -61,7 +61,7 @@ Texture chart_texture() {
   });
 }
 
-/// A lined page of handwritten notes.
+/// Returns a texture of a lined page with handwritten notes.
 Texture page_texture() {
   return paint_texture("page", 512, 512, [](float u, float v) {
     const float y = v * 24;
@@ -77,7 +77,7 @@ Texture page_texture() {
   });
 }
 
-/// A label of a bottle, with a red edge.
+/// Returns a texture of a bottle's label with a red edge.
 Texture label_texture() {
   return paint_texture("label", 128, 128, [](float u, float v) {
     const bool is_edge = u < 0.05F || u > 0.95F || v < 0.06F || v > 0.94F;
@@ -90,7 +90,8 @@ Texture label_texture() {
   });
 }
 
-/// Clear glass. It transmits a little less and emits a little light in place of the paths that limited depth cuts off.
+/// Returns clear glass. It transmits slightly less and emits a little light, in place of paths that limited depth cuts
+/// off.
 Material clear_glass() {
   Material m = make_glass("glass", {0.93F, 0.97F, 0.98F});
   m.transmission = 0.92F;
@@ -98,7 +99,8 @@ Material clear_glass() {
   return m;
 }
 
-/// A liquid. It emits the light that it would scatter, as shadow rays do not reach it through glass.
+/// Returns a coloured liquid. It emits the light that it would scatter, because shadow rays do not reach it through
+/// glass.
 Material make_liquid(std::string name, const glm::vec3& colour) {
   Material m = make_glass(std::move(name), colour, 1.33F);
   m.transmission = 0.5F;
@@ -113,7 +115,7 @@ Material make_flame(std::string name, const glm::vec3& emission) {
   return m;
 }
 
-/// Adds all textures and materials.
+/// Adds all textures and materials of the laboratory.
 Looks add_looks(Scene& scene) {
   const auto add = [&scene](Material material) { return add_material(scene, std::move(material)); };
   return {
@@ -161,9 +163,9 @@ Looks add_looks(Scene& scene) {
   };
 }
 
-constexpr float kShelf = 0.375F, kUpperShelf = 0.60F;  ///< heights
-constexpr float kShelfFrom = 0.02F, kShelfTo = 0.98F;  ///< in x
-constexpr float kShelfDepth = -0.43F;                  ///< z of its middle
+constexpr float kShelf = 0.375F, kUpperShelf = 0.60F;  ///< heights of the shelves
+constexpr float kShelfFrom = 0.02F, kShelfTo = 0.98F;  ///< ends of the shelves in x
+constexpr float kShelfDepth = -0.43F;                  ///< z of the middle of a shelf
 
 constexpr float kFloor = -0.9F, kCeiling = 1.6F, kLeft = -1.35F, kRight = 1.45F, kBack = -0.52F, kFront = 1.9F;
 
@@ -199,7 +201,8 @@ void add_shelves(Scene& scene, std::uint32_t board, const Detail& detail) {
   }
 }
 
-/// Adds bench (its top at y = 0), tiled wall with a chart and shelves, cupboards, window on the left, lamp above.
+/// Adds the room: bench (its top at y = 0), tiled wall with a chart and shelves, cupboards, window on the left, lamp
+/// above.
 void add_room(Scene& scene, const Looks& looks, const Detail& detail) {
   const glm::vec3 x(kRight - kLeft, 0, 0), y(0, kCeiling - kFloor, 0), z(0, 0, kFront - kBack);
   const glm::vec3 low(kLeft, kFloor, kBack), high(kRight, kCeiling, kFront);
@@ -222,7 +225,7 @@ void add_room(Scene& scene, const Looks& looks, const Detail& detail) {
   for (glm::vec2& uv : scene.meshes.back().uvs) uv.y = 1 - uv.y;
   add_object(scene, make_box("chart rail", {-0.81F, 0.61F, kBack}, {-0.07F, 0.622F, kBack + 0.012F}), looks.rail);
 
-  // The window's panes, in front of their frame, light the room; so does, weakly, a lamp at the ceiling.
+  // The panes of the window, in front of their frame, light the room. A lamp at the ceiling adds a little light.
   Mesh panes;
   for (int column = 0; column < 2; ++column) {
     for (int row = 0; row < 2; ++row) {
@@ -248,8 +251,8 @@ Mesh make_thin_rod(const glm::vec3& from, const glm::vec3& to, float radius, con
   return make_tube("rod", path, radii, detail.cell_count(12, 5));
 }
 
-/// Adds foot, rod, and a clamp at height `clamp` that holds a vessel at distance `reach` from the rod (+x, rotated
-/// about y).
+/// Adds a laboratory stand: foot, rod, and a clamp at height `clamp` that holds a vessel at distance `reach` from the
+/// rod (along +x, rotated about y).
 void add_stand(Scene& scene, const Looks& looks, const glm::vec3& position, double turns, float clamp, float reach,
                const Detail& detail) {
   const glm::mat4 at = placement_at(position, turns);
@@ -262,7 +265,7 @@ void add_stand(Scene& scene, const Looks& looks, const glm::vec3& position, doub
   Mesh holder = make_rounded_box("clamp", {-0.014F, clamp - 0.014F, -0.014F}, {0.016F, clamp + 0.014F, 0.014F}, 0.003F,
                                  detail.cell_count(2));
   append_mesh(holder, make_thin_rod({-0.014F, clamp, 0}, {-0.035F, clamp, 0}, 0.005F, detail));
-  // Two fingers round the neck.
+  // Two fingers of the clamp around the neck.
   for (const float side : {-1.0F, 1.0F}) {
     std::vector<glm::vec3> finger;
     for (int k = 0; k <= 8; ++k) {
@@ -277,7 +280,7 @@ void add_stand(Scene& scene, const Looks& looks, const glm::vec3& position, doub
   add(scene, std::move(holder), looks.iron, at);
 }
 
-/// Adds a burner with its flame, below a tripod with a wire gauze at height 0.2.
+/// Adds a gas burner with its flame, below a tripod with a wire gauze at height 0.2.
 void add_burner(Scene& scene, const Looks& looks, const glm::vec3& position, const Detail& detail) {
   const glm::mat4 at = placement_at(position);
   const std::uint32_t sides = detail.cell_count(28, 8);
@@ -347,7 +350,7 @@ void add_burner(Scene& scene, const Looks& looks, const glm::vec3& position, con
   add(scene, std::move(gauze), looks.steel, at);
 }
 
-/// Adds a wooden rack for six tubes, 0.04 apart along x, whose bottoms are 0.02 above the bench.
+/// Adds a wooden rack for six test tubes, 0.04 apart along x, whose bottoms are 0.02 above the bench.
 void add_rack(Scene& scene, const Looks& looks, const glm::vec3& position, const Detail& detail) {
   const glm::mat4 at = placement_at(position);
   const std::uint32_t steps = detail.cell_count(2);
@@ -355,7 +358,7 @@ void add_rack(Scene& scene, const Looks& looks, const glm::vec3& position, const
   for (const float x : {-0.135F, 0.123F}) {
     append_mesh(rack, make_rounded_box("", {x, 0.018F, -0.028F}, {x + 0.012F, 0.115F, 0.028F}, 0.003F, steps));
   }
-  // A shelf with holes: a strip on each side of the tubes, and bridges between them.
+  // A shelf with holes is a strip on each side of the tubes, and bridges between them.
   for (const float y : {0.055F, 0.105F}) {
     for (const float z : {-0.026F, 0.0125F})
       append_mesh(rack, make_box("", {-0.123F, y, z}, {0.123F, y + 0.009F, z + 0.0135F}, 1, 4));
@@ -370,7 +373,7 @@ void add_rack(Scene& scene, const Looks& looks, const glm::vec3& position, const
   add(scene, std::move(rack), looks.wood, at);
 }
 
-/// Adds a magnetic stirrer, its plate at height 0.055.
+/// Adds a magnetic stirrer, with its plate at height 0.055.
 void add_stirrer(Scene& scene, const Looks& looks, const glm::vec3& position, const Detail& detail) {
   const glm::mat4 at = placement_at(position);
   add(scene,
@@ -551,7 +554,7 @@ void add_all(Scene& scene, const Looks& looks, const Detail& detail) {
   laboratory::add_room(scene, looks, detail);
   Glassware ware(scene, looks.glass, detail);
 
-  // Left: a flask over the burner.
+  // On the left: a flask over the burner.
   const glm::vec3 burner(-0.50F, 0, -0.13F);
   laboratory::add_burner(scene, looks, burner, detail);
   laboratory::add_stand(scene, looks, burner + glm::vec3(-0.17F, 0, -0.06F), -0.054, 0.338F, 0.18F, detail);
@@ -566,7 +569,7 @@ void add_all(Scene& scene, const Looks& looks, const Detail& detail) {
                       tubes[k]);
   }
 
-  // The middle: a titration.
+  // In the middle: a titration.
   const glm::vec3 stirrer(0.17F, 0, -0.08F), flask = stirrer + glm::vec3(0, 0.0555F, 0);
   constexpr float kTip = 0.215F;
   laboratory::add_stirrer(scene, looks, stirrer, detail);
@@ -605,7 +608,7 @@ void add_all(Scene& scene, const Looks& looks, const Detail& detail) {
 
 }  // namespace
 
-/// A chemist's bench with nested glass: most rays are refracted.
+/// Builds a chemist's bench with nested glass, where most rays are refracted.
 Scene build_laboratory(const BuiltinOptions& options) {
   constexpr std::uint32_t kClass = 98'000;
   const Detail detail = fit_detail(options.triangles_or(kClass), [](const Detail& at) {

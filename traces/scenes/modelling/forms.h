@@ -7,38 +7,38 @@
 
 namespace traces {
 
-// Parts of rooms and buildings, based on shapes.h and sweeps.h.
+// Parts of rooms and buildings, based on shapes.h.
 
 /// Returns the axes of a wall: x to the right and y up as seen from the room, z = `outward` (horizontal unit vector)
 /// out of the wall.
 glm::mat4 wall_axes(const glm::vec3& origin, const glm::vec3& outward);
-/// Returns the axes of a floor (x, y = -z of the world) or of a ceiling (x, y = z of the world).
+/// Return the axes of a floor (x, y = -z of the world) and of a ceiling (x, y = z of the world).
 glm::mat4 floor_axes(const glm::vec3& origin);
 glm::mat4 ceiling_axes(const glm::vec3& origin);
-/// Returns a rotation about an axis of unit length through `origin`.
+/// Returns a rotation about an axis (a unit vector) through `origin`.
 glm::mat4 rotation_about(const glm::vec3& origin, const glm::vec3& axis, double turns);
 
-/// Makes a plate in relief, z outwards, lower left corner at the origin. `rings` are nested rectangles, each given by
-/// distance from the rim and height, joined by flat faces; the innermost is filled with cells x cells squares.
+/// Makes a plate in relief with its lower left corner at the origin, z outwards. `rings` are nested rectangles, each
+/// given by distance from the rim and height, joined by flat faces; the innermost is filled with cells x cells squares.
 Mesh make_panel(std::string name, float width, float height, std::span<const glm::vec2> rings, std::uint32_t cells = 1);
 
-/// Makes a rounded box whose flat parts have cells x cells squares, to be warped.
+/// Makes a rounded box to be deformed with warp_mesh(). Its flat parts have cells x cells squares.
 Mesh make_cushion(std::string name, const glm::vec3& lower, const glm::vec3& upper, float radius, std::uint32_t steps,
                   std::uint32_t cells);
 
-/// Returns the mesh with every point moved by `to`, normals included. `to` must be smooth and must not turn things
-/// inside out.
+/// Returns a mesh whose points `to` has moved, normals included. `to` must be smooth and must not turn the mesh inside
+/// out.
 Mesh warp_mesh(Mesh mesh, const std::function<glm::vec3(const glm::vec3&)>& to);
 
-/// Sets texture coordinates in units of length, in the coordinate plane nearest to the normal's. `upright`: u points up
-/// on vertical faces, so that wood grain does too.
+/// Sets texture coordinates from positions, in the coordinate plane nearest to each normal's; `repeats` per unit of
+/// length. `upright` makes u point up on vertical faces, so that wood grain does too.
 void project_uvs(Mesh& mesh, float repeats, bool upright = false);
 
 /// Makes a curtain with `folds` waves of `depth`, from y = height to y = 0 and x = 0 to x = width, gathered above.
 Mesh make_curtain(std::string name, float width, float height, std::uint32_t folds, float depth, std::uint32_t columns,
                   std::uint32_t rows, std::uint32_t seed);
 
-/// Returns a point of the rounded outline |x / a|^8 + |y / b|^8 = 1, counter-clockwise: between an ellipse and a
+/// Returns a point of the outline |x / a|^8 + |y / b|^8 = 1, counter-clockwise. The outline is between an ellipse and a
 /// rectangle.
 glm::vec2 on_rounded_rectangle(double turns, float a, float b);
 

@@ -15,7 +15,7 @@
 namespace traces {
 namespace {
 
-/// Returns the SHA-256 of everything in the scene that can change a picture.
+/// Returns the SHA-256 of everything in a scene that can change a picture.
 std::string scene_digest(const Scene& scene) {
   std::string bytes = scene.name;
   const auto add = [&bytes](const auto& values) {
@@ -61,7 +61,7 @@ std::string scene_digest(const Scene& scene) {
   return sim::sha256_hex(bytes);
 }
 
-/// Returns the quaternion of a rotation matrix, by square roots alone.
+/// Returns the quaternion of a rotation matrix, computed with square roots only.
 glm::quat turn_of(const glm::mat3& m) {
   glm::quat q;
   const float trace = m[0][0] + m[1][1] + m[2][2];

@@ -16,17 +16,17 @@ struct TurnKey {
   glm::quat value;
 };
 
-/// Adds a node; returns its index.
+/// Adds a node to the scene. Returns its index.
 std::uint32_t add_node(Scene& scene, std::string name, const Transform& rest = {}, std::uint32_t parent = kNone);
 
-/// Attaches the instance to the node, its mesh in the node's space; replaces its to_world.
+/// Attaches an instance to a node, with its mesh in the node's space. Replaces the to_world matrix of the instance.
 void attach_to_node(Scene& scene, std::uint32_t instance, std::uint32_t node);
 
 void move_node(Scene& scene, std::uint32_t node, std::span<const Key> keys,
                Track::Interpolation interpolation = Track::Interpolation::kLinear);
 void turn_node(Scene& scene, std::uint32_t node, std::span<const TurnKey> keys);
 
-/// Camera position and target at a time.
+/// Position and target of a camera at a time.
 struct ViewKey {
   float seconds;
   glm::vec3 eye, target;
@@ -36,7 +36,7 @@ struct ViewKey {
 void add_camera_path(Scene& scene, std::string name, std::span<const ViewKey> keys, float vertical_fov,
                      std::uint32_t samples = 8);
 
-/// Last step of every generator: poses the scene at time 0, sets lights and exposure, computes the digest.
+/// Completes a generated scene: poses it at time 0, sets lights and exposure, computes the digest.
 void finish_scene(Scene& scene, const glm::vec3& ambient = glm::vec3(kAmbient));
 
 }  // namespace traces

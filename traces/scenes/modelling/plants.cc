@@ -61,7 +61,7 @@ void add_wood(Mesh& mesh, const Wood& wood, std::uint32_t sides, float bark) {
   append_mesh(mesh, tube);
 }
 
-/// Returns the length of a branch at `share` of the trunk's crown (0: lowest).
+/// Returns the length of a branch at height `share` of the crown, from 0 (lowest branch) to 1.
 float branch_length(const TreeShape& s, float share) {
   const float round = 0.45F + 2.2F * share * (1 - share);
   return s.reach * glm::mix(round, 1.02F - 0.93F * share, s.taper);

@@ -13,17 +13,17 @@ struct Twig {
   glm::vec3 foot, tip;
 };
 
-/// Shape of a tree; lengths in metres, its foot at the origin.
+/// Shape of a generated tree. Lengths are in metres; the foot is at the origin.
 struct TreeShape {
   float height = 9;
   float girth = 0.3F;     ///< radius of the trunk at the ground
-  float bare = 0.3F;      ///< share of the trunk without branches
+  float bare = 0.3F;      ///< fraction of the trunk's height without branches
   float reach = 3;        ///< length of the longest branch
-  float rise = 0.5F;      ///< slope of the branches: 0 horizontal, negative drooping
-  float taper = 0;        ///< 0: a round crown, 1: branches get shorter towards the top as on a fir
-  float crooked = 0.15F;  ///< deviation of the wood from straight
+  float rise = 0.5F;      ///< slope of the branches: 0 is horizontal, negative drooping
+  float taper = 0;        ///< 0: a round crown; 1: branches get shorter towards the top, as on a fir
+  float crooked = 0.15F;  ///< how much trunk and branches deviate from straight lines
   std::uint32_t branches = 11;
-  std::uint32_t twigs = 6;  ///< per branch
+  std::uint32_t twigs = 6;  ///< number of twigs per branch
   std::uint32_t sides = 8;  ///< sides of the trunk's tube; branches have fewer
   std::uint64_t seed = 1;
 };
@@ -33,37 +33,39 @@ struct Tree {
   std::vector<Twig> twigs;
 };
 
-/// Makes trunk, branches and twigs as tubes. Bark repeats once round the trunk and every `bark` metres along it.
+/// Makes trunk, branches and twigs of a tree as tubes. Bark repeats once around the trunk and every `bark` metres along
+/// it.
 Tree make_tree(std::string name, const TreeShape& shape, float bark = 1);
 
-/// Leaves of two triangles, spread over the twigs, with random rotation, facing roughly away from `centre`. Each shows
-/// another small piece of the texture, so that colours vary.
+/// Shape of the leaves of a tree. They are two triangles each, spread over the twigs with random rotation, facing
+/// roughly away from `centre`. Each shows another small piece of the texture, so that colours vary.
 struct LeafShape {
   float length = 0.25F, width = 0.14F;
-  float scatter = 0.3F;  ///< distance from the twig
+  float scatter = 0.3F;  ///< largest distance from the twig
   float along = 0.3F;    ///< 1: parallel to the twig, as needles are
 };
 Mesh make_leaves(std::string name, std::span<const Twig> twigs, std::uint32_t count, const LeafShape& shape,
                  const glm::vec3& centre, std::uint64_t seed);
 
-/// Adds a leaf: a blade of two triangles folded lengthwise, from `foot` to `foot + length`, `half_width` to each side.
+/// Adds a leaf to `mesh`: a blade of two triangles folded lengthwise, from `foot` to `foot + length`, `half_width` to
+/// each side.
 void add_leaf(Mesh& mesh, const glm::vec3& foot, const glm::vec3& length, const glm::vec3& half_width,
               const glm::vec3& normal, const glm::vec2& uv, float uv_size);
 
-/// Returns twigs that point out of a half dome, for bushes.
+/// Returns the twigs of a bush, which point out of a half dome.
 std::vector<Twig> dome_twigs(const glm::vec3& radii, std::uint32_t count, std::uint64_t seed);
 
-/// Makes bent blades of grass within `radius`, each of 2 x `segments` - 1 triangles, up to `height` high.
+/// Makes bent blades of grass within `radius`, up to `height` high. Each has 2 x `segments` - 1 triangles.
 Mesh make_grass(std::string name, std::uint32_t blades, std::uint32_t segments, float radius, float height, float width,
                 std::uint64_t seed);
 
-/// Makes a rock: a sphere displaced by noise, its lowest fifth below y = 0.
+/// Makes a rock: a sphere displaced by noise, with its lowest fifth below y = 0.
 Mesh make_rock(std::string name, const glm::vec3& radii, std::uint32_t cells, float rough, std::uint32_t seed);
 
-/// Leaves in close-up, from dark to light; colours 0..1, tileable.
+/// Returns a texture of leaves in close-up, from `dark` to `light`. Colours are 0 to 1; it can be tiled.
 Texture foliage_texture(std::string name, const glm::vec3& dark, const glm::vec3& light, std::uint32_t seed,
                         std::uint32_t size = 256);
-/// Bark with furrows along v, tileable.
+/// Returns a texture of bark with furrows along v. It can be tiled.
 Texture bark_texture(std::string name, const glm::vec3& dark, const glm::vec3& light, std::uint32_t furrows,
                      std::uint32_t seed, std::uint32_t size = 512);
 

@@ -95,7 +95,7 @@ Mesh make_box(std::string name, const glm::vec3& lower, const glm::vec3& upper, 
 
 Mesh make_rounded_box(std::string name, const glm::vec3& lower, const glm::vec3& upper, float radius,
                       std::uint32_t steps) {
-  // A sphere cut into octants: every vertex moves with the nearest corner of the inner box.
+  // The box is a sphere cut into octants: every vertex moves with the nearest corner of the inner box.
   const std::uint32_t cells = 2 * steps + 1;
   Mesh mesh;
   mesh.name = std::move(name);
@@ -107,7 +107,7 @@ Mesh make_rounded_box(std::string name, const glm::vec3& lower, const glm::vec3&
         for (std::uint32_t i = 0; i <= cells; ++i) {
           const auto along = [steps](std::uint32_t k) {
             const float step = static_cast<float>(k <= steps ? k : k - 1) / static_cast<float>(steps);
-            return step - 1;  // -1 .. 1, the middle 0 twice
+            return step - 1;  // -1 to 1, with the middle 0 twice
           };
           const auto half = [steps](std::uint32_t k) { return k <= steps ? 0 : 1; };
           glm::vec3 on_cube, corner;
@@ -294,7 +294,7 @@ std::vector<P> curve_through(std::span<const P> points, std::uint32_t steps) {
   return out;
 }
 
-/// Returns twice the area of the triangle, positive if counter-clockwise.
+/// Returns twice the signed area of a triangle, positive if it is counter-clockwise.
 float turn_area(const glm::vec2& a, const glm::vec2& b, const glm::vec2& c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
@@ -384,7 +384,7 @@ Mesh make_lathe(std::string name, std::span<const glm::vec2> profile, std::uint3
       for (std::uint32_t i = 0; i <= segments; ++i) {
         const float u = static_cast<float>(i) / static_cast<float>(segments);
         const glm::vec2 round = rounds[i];
-        // Clockwise, so that u grows to the right and v up seen from outside.
+        // Vertices are clockwise, so that u grows to the right and v up as seen from outside.
         mesh.positions.emplace_back(profile[point].x * round.x, profile[point].y, -profile[point].x * round.y);
         mesh.normals.push_back(glm::normalize(glm::vec3(normal.x * round.x, normal.y, -normal.x * round.y)));
         mesh.uvs.emplace_back(u, static_cast<float>(point) / static_cast<float>(stretches));

@@ -5,14 +5,15 @@
 
 namespace traces {
 
-// Angles are in turns (1 = 360 degrees). Polynomials within 1e-7 give the same bits with every compiler and library.
+// Trigonometric functions. Angles are in turns (1 = 360 degrees). Polynomials with errors below 1e-7 give the same bits
+// with every compiler and library.
 
 float sin_turns(double turns);
 float cos_turns(double turns);
-/// Returns (cos, sin).
+/// Returns the point (cos, sin) of an angle.
 glm::vec2 on_circle(double turns);
 
-/// Returns a rotation about an axis of unit length, counter-clockwise seen against the axis.
+/// Returns a rotation about an axis (a unit vector), counter-clockwise seen against the axis.
 glm::quat axis_rotation(const glm::vec3& axis, double turns);
 
 }  // namespace traces

@@ -11,8 +11,8 @@
 namespace traces::village {
 namespace {
 
-constexpr float kBelow = 1;     // foundations
-constexpr float kEave = 0.55F;  // overhang
+constexpr float kBelow = 1;     // depth of the foundations
+constexpr float kEave = 0.55F;  // overhang of the roof
 constexpr float kThick = 0.16F;
 
 void add_window(Parts& parts, const Paints& p, const glm::mat4& at, float width, float height, bool shutters) {
@@ -53,7 +53,7 @@ void add_door(Parts& parts, const Paints& p, const glm::mat4& at, float width, f
   parts.add(p.shutter, make_sphere("", {0.36F * width, 0.48F * height, 0.09F}, 0.05F, 3), at);
 }
 
-/// Adds posts, rails and braces on a wall from y = 0 to `height`.
+/// Adds posts, rails and braces of timber to a wall from y = 0 to `height`.
 void add_timber(Parts& parts, std::uint32_t timber, const glm::mat4& at, float length, float height,
                 std::uint32_t storeys) {
   const float w = length / 2, storey = height / static_cast<float>(storeys);
@@ -236,7 +236,7 @@ Building add_house(Scene& scene, const std::string& name, const HouseShape& s, c
 namespace {
 
 constexpr float kTower = 5.4F, kTowerTop = 17.5F, kSpireTop = 30;
-constexpr float kTowerZ = 11;  // the nave's front is at 9.5
+constexpr float kTowerZ = 11;  // the front of the nave is at 9.5
 
 void add_arch_window(Parts& parts, const Paints& p, const glm::mat4& at, float width, float height) {
   const glm::mat4 back = at * placement_at({0, 0, -0.04F});
@@ -313,7 +313,7 @@ void add_tower(Parts& parts, const Paints& p, std::uint32_t white, std::uint32_t
     }
     add_clock(parts, at * placement_at({0, 10.2F, 0}), white, gold, p.timber);
     if (side % 2 == 0) add_arch_window(parts, p, at * placement_at({0, 3, 0}), 0.7F, 2);
-    // The spire's eight sides: the transition from square to octagon is simplified to two slopes.
+    // The eight sides of the spire. The transition from square to octagon is simplified to two slopes.
     for (int part = 0; part < 2; ++part) {
       const float low = part == 0 ? w + 0.35F : w * 0.62F, high = part == 0 ? w * 0.62F : 0.12F;
       const float from = part == 0 ? kTowerTop : kTowerTop + 2.6F, to = part == 0 ? kTowerTop + 2.6F : kSpireTop;

@@ -96,7 +96,8 @@ Mesh make_square(std::string name, float radius, std::uint32_t round, float text
 
 Texture countryside_texture(std::string name, std::uint32_t size) {
   return paint_texture(std::move(name), size, size, [](float u, float v) {
-    // Each point belongs to the nearest of a grid of shifted centres; where two are equally near, a hedge grows.
+    // Each point of the land belongs to the nearest of a grid of shifted centres. Where two are equally near, a hedge
+    // grows.
     constexpr float kFields = 13;
     const float warp = 0.5F * value_noise(u, v, 20, 8);
     const glm::vec2 p(u * kFields + warp, v * kFields + 0.6F * value_noise(u, v, 17, 9));
@@ -192,10 +193,10 @@ enum Kind : std::uint32_t { kOak, kPoplar, kApple, kSpruce, kBirch, kMaple, kBus
 
 struct Species {
   const char* name;
-  TreeShape shape;  ///< no height: a bush
+  TreeShape shape;  ///< without a height it is a bush
   LeafShape leaf;
   glm::vec3 dark, light;
-  float weight;  ///< its share of leaves
+  float weight;  ///< fraction of all leaves that the plant gets
 };
 
 const Species kSpecies[kKinds] = {
@@ -353,7 +354,7 @@ std::vector<Planted> plant_places() {
   return all;
 }
 
-/// Adds woods on the hills, visible from afar only: rounded crowns on stems.
+/// Adds woods on the hills, which are only seen from afar: rounded crowns on stems.
 void add_far_trees(Scene& scene, std::uint32_t leaves, std::uint32_t bark, float detail) {
   const auto cells = std::max(static_cast<std::uint32_t>(7 * detail), 4U);
   Mesh crown = make_rock("far tree", {2.8F, 3.6F, 2.8F}, cells, 0.45F, 3);
@@ -386,7 +387,7 @@ void add_blossoms(Scene& scene, const std::vector<Planted>& plants) {
   }
 }
 
-/// Adds the leaves of all plants, using up the remaining triangles.
+/// Adds the leaves of all plants, with all triangles that remain.
 void add_leaves(Scene& scene, std::uint32_t triangles, float detail, const std::vector<Planted>& plants,
                 const std::vector<std::vector<Twig>>& twigs, const std::vector<std::uint32_t>& materials) {
   float weight = 0;
@@ -399,7 +400,7 @@ void add_leaves(Scene& scene, std::uint32_t triangles, float detail, const std::
     const Species& kind = kSpecies[k];
     const auto count = std::max(static_cast<std::uint32_t>(left / 2 * kind.weight / weight), 24U);
     LeafShape leaf = kind.leaf;
-    // Fewer leaves are larger, so that the crown remains equally dense.
+    // With fewer leaves each is larger, so that the crown remains equally dense.
     const float grown = std::min(1 / std::min(detail, 2.0F), 2.6F);
     leaf.length *= grown;
     leaf.width *= grown;

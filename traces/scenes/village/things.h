@@ -6,15 +6,15 @@
 
 namespace traces::village {
 
-/// Makes a dry stone wall of `length` metres along x, 1 m high, its middle at the origin.
+/// Makes a dry stone wall along x, `length` metres long, 1 m high, with its middle at the origin.
 Mesh make_stone_wall(float length, float detail, std::uint32_t seed);
 /// Makes a fence of posts and rails, `length` metres along x.
 Mesh make_fence(float length);
 
-/// Adds a round basin with a column in its middle; the water is a mesh of its own.
+/// Adds a round fountain with a column in its middle. The water is a mesh of its own.
 Building add_fountain(Scene& scene, std::uint32_t stone, std::uint32_t water, float detail);
 
-/// Adds the mill without its sails; their hub is at kHub, and they turn about +z.
+/// Adds the windmill without its sails, whose hub is at kHub; they turn about +z.
 Building add_mill(Scene& scene, const Paints& paints, std::uint32_t cap, float detail);
 inline constexpr glm::vec3 kHub{0, 11.6F, 3.6F};
 Building add_sails(Scene& scene, std::uint32_t timber, std::uint32_t cloth);
