@@ -10,7 +10,7 @@
 
 #include "block_stream.h"
 
-// Borders between tiles of blocks: which are read, and which launches wait for them.
+// Which borders tiles of blocks read, and which launches wait for them.
 
 namespace kernels {
 namespace {
@@ -72,7 +72,7 @@ TEST_P(BlockBorders, BytesReadFromOtherTilesWereWrittenByThem) {
     programs_.undersample.correction = Correction::kOff;
     using Range = std::pair<std::uint64_t, std::uint64_t>;
     std::vector<Range> all;
-    std::map<std::pair<std::uint32_t, std::uint32_t>, Range> borders;  // by tile and number
+    std::map<std::pair<std::uint32_t, std::uint32_t>, Range> borders;  // key: tile, number of the border
     std::uint64_t imports = 0;
     for (const traces::TileWork& work : record(scene).works) {
       for (const WorkNode& node : work.nodes) {

@@ -10,18 +10,18 @@
 
 namespace kernels {
 
-/// Results of a frame program and its recorded work.
+/// What a frame program returned for a frame, with its recorded work.
 struct Sampled {
   std::vector<float> rgb;
   Sampling sampling;
-  std::vector<SampleMark> marks;  ///< per sample of the picture's grid, row by row
+  std::vector<SampleMark> marks;  ///< marks of all samples of the picture's grid, row by row
   std::uint32_t samples_across = 0;
   std::array<std::uint64_t, static_cast<std::size_t>(traces::RayKind::kCount)> rays{};
-  std::vector<traces::TileWork> works;  ///< in list order, if recorded
+  std::vector<traces::TileWork> works;  ///< work of each tile in list order, if it was recorded
   SampleMark mark(std::uint32_t x, std::uint32_t y) const { return marks[std::size_t{y} * samples_across + x]; }
 };
 
-/// Runs a frame program to its end. `grid`: samples along a pixel's side.
+/// Runs a frame program for a whole frame. `grid` is the number of samples along a pixel's side.
 inline Sampled run_program(FrameProgram& program, const traces::Tracer& tracer, std::uint32_t grid = 1,
                            bool record = false) {
   Sampled out;
@@ -40,7 +40,7 @@ inline Sampled run_program(FrameProgram& program, const traces::Tracer& tracer, 
   return out;
 }
 
-/// A scene that any method can sample.
+/// A scene that any sampling program can render.
 struct Stage {
   Stage(const traces::Scene& scene, const traces::Camera& view, traces::MipMaps mip_maps = traces::MipMaps::kOff)
       : image(traces::build_memory_image(scene, {}, 1, nullptr, mip_maps)), tracer(image), camera(view) {}
@@ -51,7 +51,7 @@ struct Stage {
     FullProgram program(image, camera, render, samples, 0);
     return run_program(program, tracer);
   }
-  /// Without `rates`, every tile has the rate of the first frame.
+  /// Renders with multirate. Without `rates`, every tile has the rate of the first frame.
   Sampled multirate(const RenderConfig& render, const MultirateConfig& config, std::uint32_t grid = 1,
                     bool record = false, const RateMap* rates = nullptr) const {
     const RateMap first(config);
@@ -91,7 +91,7 @@ inline void expect_equal(const Sampling& a, const Sampling& b) {
 using traces::Material;
 using Names = std::set<std::string_view>;
 
-/// Returns the failed checks, except those at the picture's edge.
+/// Returns the names of the checks that failed, except at the picture's edge.
 inline Names failing(const Sampling& sampling) {
   Names names;
   for (std::size_t check = 0; check < sampling.failed.size(); ++check) {
@@ -109,7 +109,7 @@ inline std::uint64_t failed(const Sampling& sampling, Check check) {
 struct Room {
   traces::Scene scene = empty_scene();
   Room() { scene.ambient = glm::vec3(1); }
-  /// Adds `part`, as one object, with `material`.
+  /// Adds `part` with `material` as one object.
   Room& add(const traces::Mesh& part, const Material& material = {}) {
     traces::add_object(scene, part, traces::add_material(scene, material));
     return *this;
@@ -132,7 +132,7 @@ inline traces::Mesh both_sides(traces::Mesh left, const traces::Mesh& right) {
   return left;
 }
 
-/// Returns an edge at x = 0 towards the viewer (`rise` < 0: away from the viewer).
+/// Returns a surface with an edge at x = 0, which rises towards the viewer by `rise` (below 0: falls away).
 inline traces::Mesh fold(float rise) {
   return both_sides(traces::make_quad("left", {-10, -10, -10 * rise}, {10, 0, 10 * rise}, {0, 20, 0}, 1),
                     traces::make_quad("right", {0, -10, 0}, {10, 0, -10 * rise}, {0, 20, 0}, 1));

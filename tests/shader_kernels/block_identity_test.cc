@@ -17,7 +17,7 @@ class Blocks : public testing::TestWithParam<const char*> {
   }
   const Stage stage_{scene()};
 
-  /// Expects `b` to have the picture and marks of `a`, and all its counts except the halo.
+  /// Expects `b` to have the same picture, marks and counts as `a`, except the counts of the halo.
   static void expect_same(const Sampled& b, const Sampled& a) {
     EXPECT_EQ(b.rgb, a.rgb);
     EXPECT_EQ(b.marks, a.marks);

@@ -20,10 +20,10 @@ using traces::WorkNode;
 struct Recorded {
   FrameRequirements requirements;
   std::vector<traces::TileWork> works;
-  std::uint32_t count = 0, across = 0;  ///< counted in tiles
+  std::uint32_t count = 0, across = 0;  ///< number of tiles in total and in a row
 };
 
-/// Recorded work of a program made of blocks.
+/// Tests of the work that a program made of blocks records.
 class BlockStream : public testing::TestWithParam<const char*> {
  protected:
   static constexpr std::uint32_t kWidth = 75, kHeight = 41;  // not multiples of the tile: edge tiles are cut

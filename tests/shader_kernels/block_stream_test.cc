@@ -14,7 +14,7 @@
 #include "shader_kernels/programs/programs.h"
 #include "showcase.h"
 
-// Recorded work of pictures made of blocks: dependences between tiles, transfers, idle items.
+// Recorded work of block programs: dependences between tiles, transfers, idle items.
 
 namespace kernels {
 namespace {

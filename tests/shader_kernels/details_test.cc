@@ -55,7 +55,7 @@ TEST(NormalMaps, BitangentsTurnWithTheirSignAndWithAMirroredInstance) {
   traces::Scene scene = empty_scene();
   const glm::vec3 light = glm::normalize(glm::vec3(0, 1, 1));
   scene.lights.push_back({.kind = traces::Light::Kind::kDirectional, .direction = -light, .intensity = glm::vec3(1)});
-  // (0, 0.6, 0.8)
+  // the normal (0, 0.6, 0.8) in a normal map
   const Material bumped{.base_colour = glm::vec3(1), .normal_texture = {add_plain_texture(scene, 0xffe5cc80U, false)}};
   const auto lit = [&](float sign, float scale_x) {
     traces::Scene s = scene;
@@ -96,7 +96,7 @@ TEST(NormalMaps, TheNormalStaysOnTheRaysSide) {
   }
 }
 
-/// The rule of traces/scene/gltf/materials.h, written again for comparison.
+/// The metal-roughness rule of traces/scene/gltf/materials.h, written again for comparison.
 Material by_rule(const glm::vec3& base, float metallic, float roughness, float dielectric, float coat) {
   const float gloss = std::clamp((0.5F - roughness) / 0.4F, 0.0F, 1.0F);
   const float metal = gloss * metallic, white = gloss * (1 - metallic) * dielectric + coat;

@@ -12,7 +12,7 @@
 namespace kernels {
 namespace {
 
-/// As in design/methods.md: for sRGB-encoded values, peak 1.
+/// PSNR as in design/methods.md: of sRGB-encoded values, with peak 1.
 double psnr(const Picture& a, const Picture& b) {
   const auto encode = [](double x) { return x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055; };
   double sum = 0;

@@ -14,7 +14,7 @@
 
 namespace kernels {
 
-/// Stores every ray that is traced.
+/// A tracer that stores every ray it traces.
 class SpyTracer : public traces::Tracer {
  public:
   explicit SpyTracer(const traces::Tracer& tracer) : tracer_(tracer) {}

@@ -11,7 +11,7 @@
 #include "showcase.h"
 #include "tests/param_name.h"
 
-// Scenes of instances in two levels render the same picture as flattened.
+// Scenes of instances render the same picture in two levels as flattened.
 
 namespace kernels {
 namespace {

@@ -10,14 +10,14 @@
 #include "showcase.h"
 #include "traces/accel/build/material_tables.h"
 
-// The selected mip levels, and their effect on pictures.
+// Which mip levels lookups select, and how they change pictures.
 
 namespace kernels {
 namespace {
 
 using traces::Texture;
 
-/// Returns a texture of white and grey texels, whose mip level L is about 16 (L + 1) everywhere.
+/// Returns a texture of white and grey texels with its mip levels; level L is about 16 (L + 1) everywhere.
 std::vector<Texture> numbered_levels(std::uint32_t width, std::uint32_t height) {
   std::vector<Texture> chain = traces::mip_chain(
       {.name = "t", .width = width, .height = height, .texels = std::vector<std::uint32_t>(width * height)});

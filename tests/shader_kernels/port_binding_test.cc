@@ -31,7 +31,7 @@ struct PortBinding : testing::Test {
     tile.buffer.reserve_wave(4);
     tile.buffer.reserve_samples(4);
   }
-  /// Returns the error of binding the ports of K, or nothing.
+  /// Returns the error message of binding the ports of K, or an empty text.
   template <class K>
   std::string failure() const {
     typename K::template Ports<float> ports;

@@ -9,7 +9,7 @@
 #include "block_harness.h"
 #include "sim/hash.h"
 
-// Scans along thin objects that samples hit by chance.
+// Post-correction along thin objects that only some samples hit.
 
 namespace kernels {
 namespace {
@@ -53,7 +53,7 @@ UndersampleConfig scanning(Correction scans, Neighbourhood neighbours = Neighbou
   return config;
 }
 
-/// The picture of a rod: traced completely, and undersampled without correction.
+/// The picture of a rod, once fully traced and once undersampled without correction.
 struct Rod {
   Rod(std::uint32_t seed, float pixels_thick)
       : stage(rod_of(seed, pixels_thick)),

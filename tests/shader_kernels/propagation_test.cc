@@ -9,7 +9,7 @@
 #include "shader_kernels/kernels/subpixels.h"
 #include "shader_kernels/programs/adaptive/supersample.h"
 
-// Rounds of propagation: sub-pixels next to active ones that differ from them are sampled too.
+// Rounds of supersample's propagation: a sub-pixel that differs from an active neighbour is sampled too.
 
 namespace kernels {
 namespace {

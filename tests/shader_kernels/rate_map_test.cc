@@ -5,7 +5,7 @@
 #include "block_harness.h"
 #include "tests/param_name.h"
 
-// Rates of tiles over several frames.
+// Block sides of tiles over several frames.
 
 namespace kernels {
 namespace {
@@ -16,14 +16,15 @@ MultirateConfig controlled(RateControl control = RateControl::kHysteresis) {
   return config;
 }
 
-/// Returns a frame whose tiles have these similar ratios.
+/// Returns a frame whose tiles have the given fractions of similar samples.
 Sampling frame_of(std::vector<float> similar) {
   Sampling frame;
   frame.similar = std::move(similar);
   return frame;
 }
 
-/// Returns the block sides of a tile, frame by frame, if its ratio depends only on its rate.
+/// Returns the block sides of a tile, frame by frame, if its fraction of similar samples depends only on its block
+/// side.
 std::vector<std::uint32_t> blocks(const MultirateConfig& config, float at_two, float at_four, int frames) {
   RateMap rates(config);
   std::vector<std::uint32_t> out;
@@ -91,7 +92,7 @@ TEST(RateMap, AStaticViewChangesAtMostOnceUpAndOnceDownInAnyEightFrames) {
   }
 }
 
-/// Tiles of block side 2 and 4, by the bits of a number.
+/// Frames whose tiles have block side 2 or 4, by the bits of a number.
 class MixedRates : public testing::TestWithParam<std::uint64_t> {
  protected:
   static constexpr std::uint32_t kWidth = 75, kHeight = 41;

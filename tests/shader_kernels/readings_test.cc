@@ -14,14 +14,15 @@ namespace kernels {
 namespace {
 
 constexpr std::uint32_t kItems = 200;
-constexpr std::uint32_t kRecords = 16 * kItems;  ///< memory size; random indices may exceed the items
+constexpr std::uint32_t kRecords = 16 * kItems;  ///< size of each memory in records; random indices may exceed the
+                                                 ///< items
 constexpr std::uint32_t kTextureSize = 16;
 constexpr std::uint32_t kLeast = 32;  // samples from here on have neighbours on all sides
 
 /// Binds every port of a kernel to random records, and every uniform to a random value.
 class RandomPorts {
  public:
-  /// With identities, verdicts are those of block programs, otherwise those of sub-pixels.
+  /// `with_identities`: verdict words are those of block programs, otherwise those of sub-pixels.
   RandomPorts(std::uint32_t seed, bool with_misses, bool with_identities)
       : seed_(seed), with_misses_(with_misses), with_identities_(with_identities) {
     for (std::uint32_t i = 0; i < kItems; ++i) {
@@ -70,7 +71,7 @@ class RandomPorts {
   void operator()(Vec3<float>& uniform, std::string_view) { uniform = vector(); }
 
   std::deque<std::vector<std::byte>>& memories() { return memories_; }
-  /// Returns the memories, except those that a fused kernel keeps in registers.
+  /// Returns the memories after a run, except those that a fused kernel keeps in registers.
   template <class K>
   std::deque<std::vector<std::byte>> stored() const {
     std::deque<std::vector<std::byte>> all = memories_;
@@ -86,7 +87,7 @@ class RandomPorts {
   float signed_number() { return number() * ((random() & 1U) != 0 ? 1.0F : -1.0F); }
   Vec3<float> vector() { return {signed_number(), signed_number(), signed_number()}; }
 
-  /// True if a port of the same name was bound; both share a memory.
+  /// True if a port of the same name has been bound; both then use the same memory.
   bool known(auto& port, std::string_view name) {
     const auto at = index_.find(name);
     if (at != index_.end()) port.base = memories_[at->second].data();

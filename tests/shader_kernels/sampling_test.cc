@@ -4,7 +4,7 @@
 #include "block_harness.h"
 #include "showcase.h"
 
-// Counts of samples: each check fails exactly where its attribute differs.
+// How often each check fails: exactly where its attribute differs.
 
 namespace kernels {
 namespace {

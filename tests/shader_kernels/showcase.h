@@ -9,7 +9,7 @@
 
 namespace kernels {
 
-/// Adds a texture of side x side texels, whose texels are texel(x, y).
+/// Adds a texture of side x side texels, of which `texel(x, y)` returns one.
 inline std::uint32_t add_texture(traces::Scene& scene, std::uint32_t side, bool srgb, auto&& texel) {
   traces::Texture t;
   t.width = t.height = side;
@@ -28,7 +28,7 @@ inline traces::Mesh tangent_quad(const glm::vec3& corner, const glm::vec3& u, co
   return mesh;
 }
 
-/// Indices of materials.
+/// Indices of the showcase's materials.
 struct ShowcaseMaterials {
   std::uint32_t floor, leaves, cloth, glass, sign, paint;
 };

@@ -15,7 +15,7 @@ namespace {
 
 struct Frame {
   std::vector<float> linear;
-  std::vector<std::uint32_t> packed;  ///< tile by tile
+  std::vector<std::uint32_t> packed;  ///< words of the frame buffer, tile by tile
   std::uint64_t packing_items = 0, launches = 0, picture_bytes = 0;
 };
 

@@ -16,7 +16,7 @@ using traces::Edge;
 using traces::RayKind;
 using traces::WorkNode;
 
-/// Every tile of a scene at a low, odd resolution.
+/// Tests of the work of every tile of a scene at a low, odd resolution.
 class Stream : public testing::TestWithParam<const char*> {
  protected:
   static traces::Scene scene() {

@@ -24,7 +24,7 @@ TEST(Contrast, IsTheDifferenceOverTheSumOfEncodedColours) {
   EXPECT_EQ(channel_contrast<float>(0.7F, 0.7F, 0.7F, 0.7F), 0.0F);
 }
 
-/// Returns the verdict on sub-pixel 1 of the first of two pixels, which is compared with the second. Their encoded
+/// Returns the verdict word of sub-pixel 1 of the first of two pixels, which is compared with the second. Their encoded
 /// colours are 0 and `colour`, their objects 1 and `object`.
 std::uint32_t verdict_between(const Vec3<float>& colour, std::uint32_t object, double object_threshold) {
   std::array<TraitsRecord<float>, 2> traits{};

@@ -13,7 +13,7 @@ namespace {
 
 using Reason = Attribute;
 
-/// Returns a configuration with all thresholds at `value`.
+/// Returns a configuration with all contrast thresholds at `value`.
 SupersampleConfig all_at(double value) {
   SupersampleConfig c;
   c.colour = c.object = c.normal = c.shadow = c.texture = value;
@@ -164,7 +164,7 @@ traces::Scene mirrored_room() {
   return scene;
 }
 
-/// The comparison of the method, for a pixel and a neighbour.
+/// True if attribute `of` differs between a pixel and a neighbour, written again for comparison.
 bool disagrees(Reason of, const TraitsRecord<float>& own, const TraitsRecord<float>& other) {
   switch (of) {
     case Reason::kObject:
@@ -181,7 +181,7 @@ bool disagrees(Reason of, const TraitsRecord<float>& own, const TraitsRecord<flo
   }
 }
 
-/// Returns the sub-pixels at which `of` differs, from the samples' records.
+/// Returns the sub-pixels at which attribute `of` differs, computed from the samples' records.
 std::set<std::uint32_t> disagreeing(Reason of, const TileResult& tile, std::uint32_t pitch, bool focus = false) {
   const auto& kept =
       of < Reason::kSecondaryObject ? tile.buffer.subpixels.traits : tile.buffer.subpixels.secondary_traits;

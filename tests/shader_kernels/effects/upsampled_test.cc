@@ -19,7 +19,7 @@ namespace {
 
 constexpr EffectRate kLowerRates[] = {EffectRate::kHalf, EffectRate::kCheckerboard};
 
-/// A scene for full:1 with effects at a given rate.
+/// A scene that full:1 renders with effects at a given rate.
 struct RatedStage {
   explicit RatedStage(const traces::Scene& of) : scene(of), image(traces::build_memory_image(scene)), tracer(image) {}
   struct Frame {
@@ -66,7 +66,7 @@ std::uint64_t shadow_rays(const RatedStage::Frame& frame) {
   return frame.rays[static_cast<std::size_t>(traces::RayKind::kShadow)];
 }
 
-/// As in design/methods.md: for sRGB-encoded values, peak 1.
+/// PSNR as in design/methods.md: of sRGB-encoded values, with peak 1.
 double decibels(const std::vector<float>& a, const std::vector<float>& b) {
   double sum = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -161,7 +161,7 @@ TEST(EffectRate, IsCloseToAllRays) {
 }
 
 TEST(EffectRate, UsesSharesOfSimilarPixels) {
-  // A row of pixels, 3 of them finished: the middle one has no rays, the left one is far behind it.
+  // A row of pixels, three of them finished. The middle one emits no rays, the left one is far behind it.
   constexpr std::uint32_t kPixels = 3;
   std::vector<VisibleRecord<float>> visible(kPixels, {{0, 0, 1}, 5, 0});
   std::vector<RatioRecord<float>> ratios = {{{0.25F, 0.25F, 0.25F}, 1}, {{0, 0, 0}, 0}, {{0.75F, 0.5F, 1}, 1}};
@@ -185,7 +185,7 @@ TEST(EffectRate, UsesSharesOfSimilarPixels) {
   visible[0].depth = 50;
   expect_near(middle(), {0.75F, 0.5F, 1}, 1e-3F);
   visible[2].normal = {1, 0, 0};
-  expect_near(middle(), {0.5F, 0.375F, 0.625F}, 1e-3F);  // none is similar: their mean
+  expect_near(middle(), {0.5F, 0.375F, 0.625F}, 1e-3F);  // no neighbour is similar: their mean
   ratios[0].found = ratios[2].found = 0;
   expect_near({colours[0].rgb.x, 0, 0}, {0.25F, 0, 0}, 0);
 }

@@ -14,15 +14,15 @@
 namespace kernels {
 namespace {
 
-/// Results of a frame program.
+/// Pictures and work of all frames that a program rendered.
 struct Frames {
   std::vector<float> rgb;
-  std::vector<std::vector<std::uint32_t>> packed;  ///< per tile, in list order
+  std::vector<std::vector<std::uint32_t>> packed;  ///< words of the frame buffer of each tile, in list order
   std::vector<std::vector<SampleMark>> marks;
   std::array<std::uint64_t, static_cast<std::size_t>(traces::RayKind::kCount)> rays{};
   Sampling sampling;
   std::uint64_t launches = 0, fused = 0;
-  std::set<std::string_view> kernels;  ///< all that were launched
+  std::set<std::string_view> kernels;  ///< names of all kernels that were launched
 };
 
 Frames run(FrameProgram& program, const traces::Tracer& tracer) {

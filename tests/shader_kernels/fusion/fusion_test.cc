@@ -26,7 +26,7 @@ struct Double {
   }
 };
 
-/// Loads a word and its double, and adds them.
+/// A kernel that loads a word and its double, and adds them.
 struct Add {
   template <class V>
   struct Ports {
@@ -43,7 +43,7 @@ struct Add {
   }
 };
 
-/// Stores the double again, plus one.
+/// A kernel that stores the double again, plus one.
 struct Increment {
   template <class V>
   struct Ports {
@@ -56,7 +56,7 @@ struct Increment {
   }
 };
 
-/// Loads the double of the next item.
+/// A kernel that loads the double of the next item.
 struct LookAhead {
   template <class V>
   struct Ports {
@@ -72,7 +72,7 @@ struct LookAhead {
   }
 };
 
-/// Doubles a word of its own, by the same operation.
+/// A kernel that doubles a word of its own with the same operation as another part.
 struct DoubleAgain {
   template <class V>
   struct Ports {

@@ -5,8 +5,7 @@
 #include "tests/shader_kernels/reconstruct/reconstruct_harness.h"
 #include "tests/shader_kernels/showcase.h"
 
-// reconstruct with the colour test of supersample: all samples are shaded where colours change but the geometry does
-// not.
+// reconstruct with the colour test: all samples are shaded where colours change but the geometry does not.
 
 namespace kernels {
 namespace {

@@ -15,11 +15,11 @@ namespace {
 
 constexpr std::array kInstanceLevels{InstanceLevels::kFlatten, InstanceLevels::kTwoLevel};
 
-/// Hits the middle of one_triangle(), which faces +z.
+/// A ray that hits the middle of one_triangle(), which faces +z.
 const Ray kFromFront{{0.25F, 0.25F, 1}, 0, {0, 0, -1}};
 const Ray kFromBack{{0.25F, 0.25F, -1}, 0, {0, 0, 1}};
 
-/// Returns whether a ray from the front and one from the back hit, for every tracer.
+/// Returns for every tracer whether a ray from the front and one from the back hit.
 std::vector<bool> seen(const Scene& scene, InstanceLevels instances, RayKind kind) {
   const MemoryImage image = build_memory_image(scene, {.instances = instances}, 1);
   const BvhTracer bvh(image);

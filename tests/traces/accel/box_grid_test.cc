@@ -8,7 +8,7 @@
 #include "traces/accel/node_format.h"
 #include "traces/scenes/builtin.h"
 
-// Boxes in hybrid numbers.
+// Boxes in hybrid numbers contain those in floats.
 
 namespace traces {
 namespace {

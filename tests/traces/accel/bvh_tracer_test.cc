@@ -16,8 +16,8 @@
 namespace traces {
 namespace {
 
-/// The hit of a ray, computed in double precision from the triangle's equations alone. A ray is clear if no edge of a
-/// triangle is close to it.
+/// The hit of a ray, computed in double precision from the equations of the triangles. A ray is clear if it passes
+/// close to no edge.
 struct Exact {
   double t = std::numeric_limits<double>::infinity();
   std::uint32_t triangle = kNoHit;
@@ -87,7 +87,7 @@ TEST(BvhTracer, PortableArithmeticGivesTheSameBits) {
   }
 }
 
-/// Returns the number of rays from inside a sphere that miss it.
+/// Returns the number of rays from inside a closed sphere that hit nothing.
 std::uint64_t leaks(const MemoryImage& image, const std::vector<Ray>& rays) {
   return static_cast<std::uint64_t>(std::ranges::count_if(trace(BvhTracer(image), rays), std::not_fn(&Hit::is_hit)));
 }

@@ -9,7 +9,7 @@
 #include "traces/accel/embree_tracer.h"
 #include "traces/accel/verify.h"
 
-// Traversal of boxes in hybrid numbers.
+// Traversal of trees with boxes in hybrid numbers.
 
 namespace traces {
 namespace {

@@ -9,7 +9,7 @@
 #include "traces/accel/build.h"
 #include "traces/accel/bvh_info.h"
 
-// Memory layout of tree and triangles.
+// Layout of tree and triangle records in memory.
 
 namespace traces {
 namespace {
@@ -52,7 +52,7 @@ TEST(NodeFormat, PairsAreStoredAtTheirNodesIndex) {
   }
 }
 
-// Depth first: root 0; node 1 is record 1, its leaves 2 and 3; node 2 is record 4, its leaves 5 and 6.
+// Stored depth first: root 0; node 1 is record 1, its leaves 2 and 3; node 2 is record 4, its leaves 5 and 6.
 TEST(NodeFormat, SingleBoxesAreStoredDepthFirstIncludingLeaves) {
   using Children = std::array<std::uint32_t, 2>;
   for (const auto& [numbers, bytes] : {std::pair{BoxNumbers::kFp32, 32U}, {BoxNumbers::kHybrid, 20U}}) {

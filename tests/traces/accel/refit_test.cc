@@ -47,7 +47,7 @@ Scene coloured_soup() {
   return scene;
 }
 
-/// Scenes with areas, flat ones, some that are only a line or point; zeros of both signs.
+/// Returns scenes with areas, flat ones, some that are only a line or point, and zeros of both signs.
 std::vector<Scene> scenes() {
   Scene signs = grid_soup(500);
   signs.instances[0].to_world = glm::scale(glm::translate(glm::mat4(1), {-0.0F, -0.0F, -0.0F}), {-1, 1, -1});

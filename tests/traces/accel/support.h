@@ -25,30 +25,34 @@ class Dice {
 };
 
 Scene scene_of(Mesh mesh);
-/// Returns `count` triangles of about `size` in the cube from -1 to 1.
+/// Returns `count` random triangles of about `size` in the cube from -1 to 1.
 Scene triangle_soup(std::uint32_t count, float size, std::uint64_t seed = 1);
-/// Corners on a grid of eighths: many shared planes, equal distances, edges and flat boxes, some without area.
+/// Returns random triangles with corners on a grid of eighths: many shared planes, equal distances, edges and flat
+/// boxes, some without area.
 Scene grid_soup(std::uint32_t count, std::uint64_t seed = 1);
-/// A closed sphere of radius 1 around the origin.
+/// Returns a closed sphere of radius 1 around the origin.
 Scene sphere(std::uint32_t rings, std::uint32_t segments);
-/// One triangle: (0,0,0), (1,0,0), (0,1,0).
+/// Returns a scene of one triangle: (0,0,0), (1,0,0), (0,1,0).
 Scene one_triangle();
 
-/// `count` instances: turned, stretched, mirrored, some of them flat or without a triangle.
+/// Returns a scene of `count` instances: turned, stretched, mirrored, some of them flat or without a triangle.
 Scene scattered(std::uint32_t count, std::uint64_t seed = 4);
 
-/// Gives two of three triangles a material that is not opaque: one with alpha, one that transmits light.
+/// Returns the scene with a material that is not opaque on two of three triangles: one with alpha, one that transmits
+/// light.
 Scene with_flags(Scene scene);
 
-/// Makes all materials single-sided.
+/// Returns the scene with all materials single-sided.
 Scene single_sided(Scene scene);
 
 std::vector<Ray> random_rays(std::uint32_t count, std::uint64_t seed = 2);
-/// Rays from and along the grid of eighths: zero components of both signs, origins on planes, edges and corners.
+/// Returns rays from and along the grid of eighths: zero components of both signs, origins on planes, edges and
+/// corners.
 std::vector<Ray> grid_rays(std::uint32_t count, std::uint64_t seed = 3);
 
 std::vector<Hit> trace(const Tracer& tracer, const std::vector<Ray>& rays, RayKind kind = RayKind::kPrimary);
-/// Returns the hit by testing every triangle of every instance, with the triangle test and the rule of BvhTracer.
+/// Returns the hit that testing every triangle of every instance finds, with the triangle test and the rule of
+/// BvhTracer.
 Hit test_all(const MemoryImage& image, const Ray& ray);
 
 template <class Record>

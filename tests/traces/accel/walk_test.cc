@@ -14,7 +14,7 @@ class Replay {
  public:
   Replay(const MemoryImage& image, const std::uint32_t* word) : image_(image), word_(word) {}
 
-  /// Returns the hit bit; `phase_hit` is set if any triangle test reported a hit.
+  /// Returns the hit bit of the walk. Sets `phase_hit` if any triangle test reported a hit.
   bool run(bool any_hit, bool& phase_hit) {
     std::uint32_t link = 0;
     while (link != kNoChild) {

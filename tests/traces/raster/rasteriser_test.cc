@@ -15,7 +15,8 @@ namespace {
 
 constexpr float kAway = -1;
 
-/// Returns a square from (x0, y0) to (x1, y1), in shares of the picture's height, at `depth` before straight_ahead().
+/// Returns a square from (x0, y0) to (x1, y1), in fractions of the picture's height, at `depth` in front of
+/// straight_ahead().
 std::vector<std::array<glm::vec3, 3>> square(float x0, float y0, float x1, float y1, float depth = 1) {
   const auto at = [&](float x, float y) { return glm::vec3((x - 0.5F) * depth, (0.5F - y) * depth, kAway * depth); };
   return {{at(x0, y0), at(x1, y0), at(x1, y1)}, {at(x0, y0), at(x1, y1), at(x0, y1)}};

@@ -55,7 +55,7 @@ inline std::vector<Ray> rays_of(const PictureCamera& camera, std::uint32_t x0, s
   return rays;
 }
 
-/// Returns an image of triangles alone, which need not be valid.
+/// Returns an image with only triangles, which need not be valid.
 inline MemoryImage image_of(const std::vector<std::array<glm::vec3, 3>>& triangles) {
   MemoryImage image;
   for (const auto& t : triangles) {

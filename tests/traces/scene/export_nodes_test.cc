@@ -54,7 +54,7 @@ TEST(ExportOfNodes, AnEmptyNodeIsAnEmptyObject) {
   EXPECT_EQ(document.dump().find("null"), std::string::npos);
 }
 
-/// The tiny triangle on a skin of the nodes 1 and 2, which are roots.
+/// Returns a file with the tiny triangle on a skin of the nodes 1 and 2, which are roots.
 TinyGltf skinned_by_two_roots() {
   TinyGltf file;
   file.primitive()["attributes"]["JOINTS_0"] =
@@ -150,7 +150,7 @@ TEST(ExportOfTracks, MoveNodesWithoutMatrix) {
   }
 }
 
-/// Returns the world positions of the vertices of all instances of meshes of that name.
+/// Returns the world positions of the vertices of all instances of meshes called `mesh`.
 std::vector<glm::vec3> shown(const Scene& scene, const std::string& mesh) {
   std::vector<glm::vec3> points;
   for (const traces::Instance& instance : scene.instances) {

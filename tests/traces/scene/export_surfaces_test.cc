@@ -13,7 +13,7 @@ using nlohmann::json;
 using traces::Material;
 using traces::Scene;
 
-/// Exports and reloads a surface without textures.
+/// Returns a surface without textures after it was exported and reloaded.
 Material reloaded(const Material& m) {
   Scene scene = traces::build_scene("cornell");
   for (Material& each : scene.materials) each = m;

@@ -43,7 +43,7 @@ class Exports {
     }
   }
 
-  /// Returns the validator's lines about the files since the last call.
+  /// Returns what the validator has printed about the files since the last call.
   std::string complaints() {
     if (waiting_ == 0) return {};
     if (std::system("command -v node >/dev/null") != 0) return "node is not installed; tools/test installs it";

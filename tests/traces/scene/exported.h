@@ -10,7 +10,7 @@
 
 namespace test {
 
-// Scenes as written by export_glb().
+// Helpers to read scenes that export_glb() wrote.
 
 inline nlohmann::json document_of(const std::string& glb) {
   std::uint32_t size = 0;
@@ -25,7 +25,7 @@ inline traces::Scene there_and_back(const traces::Scene& scene) {
   return traces::load_gltf(folder.write("scene.glb", traces::export_glb(scene)));
 }
 
-/// Returns the node of that name.
+/// Returns the node called `name` of a glTF document.
 inline nlohmann::json node_of(const nlohmann::json& document, const std::string& name) {
   for (const nlohmann::json& node : document["nodes"]) {
     if (node.value("name", "") == name) return node;

@@ -11,7 +11,7 @@
 namespace test {
 namespace {
 
-/// Returns an attribute: name, kind, size, value.
+/// Returns the bytes of an OpenEXR attribute: name, kind, size, value.
 std::string attribute(const std::string& name, const std::string& kind, const std::string& value, std::uint32_t size) {
   return name + '\0' + kind + '\0' + std::string(reinterpret_cast<const char*>(&size), 4) + value;
 }

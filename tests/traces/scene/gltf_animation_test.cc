@@ -11,7 +11,7 @@ namespace {
 using traces::pose_scene;
 using traces::Scene;
 
-/// Adds a channel to the first animation.
+/// Adds a channel to the first animation of a file.
 void animate(TinyGltf& file, int node, const std::string& path, int times, int values,
              const std::string& interpolation = "LINEAR") {
   auto& animation = file.json["animations"][0];
@@ -24,7 +24,7 @@ int add_floats(TinyGltf& file, const std::vector<float>& values, const std::stri
   return file.add(values, kFloat, type, count);
 }
 
-/// The tiny triangle slides from x = 0 to x = 2 in one second.
+/// Returns a file whose triangle slides from x = 0 to x = 2 in one second.
 TinyGltf sliding() {
   TinyGltf file;
   animate(file, 0, "translation", add_floats(file, {0, 1}, "SCALAR", 2),
@@ -32,7 +32,7 @@ TinyGltf sliding() {
   return file;
 }
 
-/// The triangle is attached to node 1 as joint; node 0 shows it.
+/// Returns a file whose triangle is attached to node 1 as joint; node 0 shows it.
 TinyGltf skinned() {
   TinyGltf file;
   file.json["nodes"].push_back({{"translation", {0, 0, 5}}});
@@ -223,7 +223,7 @@ TEST(GltfMorphTargets, MayBeSparseWithoutAnythingDense) {
   EXPECT_EQ(scene.meshes[0].positions[1].z, 3);
 }
 
-// Refused with one line.
+// Animations that are refused with one line.
 
 TEST(BrokenAnimations, AreRefused) {
   const auto said = [](auto change) {

@@ -9,7 +9,7 @@
 #include "tests/traces/scene/gltf_seeds.h"
 #include "traces/scene/bounds.h"
 
-// Compressed geometry equals the plain one, within the encoder's quantisation.
+// Compressed geometry equals uncompressed geometry, within the encoder's quantisation.
 
 namespace test {
 namespace {
@@ -56,7 +56,8 @@ TEST(GltfDraco, TextAndBinaryFilesAndTextureCoordinates) {
   expect_same(scene, 1e-3F);
 }
 
-/// The tiny triangle as Draco data with joints in floats, and the accessors of `joints` and weights.
+/// Returns a file with the tiny triangle as Draco data, with joints in floats, and the accessors of `joints` and
+/// weights.
 TinyGltf draco_skin(int joint_type, const std::vector<float>& joints) {
   draco::TriangleSoupMeshBuilder builder;
   builder.Start(1);
@@ -118,7 +119,7 @@ TEST(GltfDraco, DamageIsRefused) {
 
 TEST(GltfDraco, AbsurdCountsAreRefusedBeforeMemoryIsTaken) {
   TinyGltf file = draco_patch(false);
-  // After the header of 11 bytes: faces, points, as numbers of 7 bits a byte.
+  // After the header of 11 bytes come the numbers of faces and points, with 7 bits per byte.
   file.binary.replace(11, 5, "\xff\xff\xff\xff\x04");
   EXPECT_SAYS(refusal(file.text()), "of Draco data would take");
 }

@@ -145,7 +145,7 @@ TEST(GltfExtensions, ThoseNotShownAreToldByName) {
 TEST(GltfExtensions, WhatOthersHoldIsNotLookedInto) {
   TinyGltf file;
   file.json["extensionsUsed"] = {"KHR_materials_pbrSpecularGlossiness"};
-  // A list here, a number in KHR_materials_specular.
+  // In this extension the property is a list, in KHR_materials_specular a number.
   file.material()["extensions"]["KHR_materials_pbrSpecularGlossiness"] = {
       {"specularFactor", {0.5, 0.5, 0.5}}, {"glossinessFactor", "odd"}, {"diffuseTexture", {{"index", -1}}}};
   const Scene scene = load(file);

@@ -11,7 +11,7 @@ namespace {
 
 using nlohmann::json;
 
-/// Random numbers for one mutant.
+/// Random numbers that determine one mutant.
 class Dice {
  public:
   explicit Dice(std::uint64_t mutant) : mutant_(mutant) {}
@@ -28,7 +28,7 @@ void collect(json& value, std::vector<json*>& all) {
   }
 }
 
-/// Replaces or removes a value of the JSON.
+/// Replaces or removes a random value of the JSON.
 void edit_json(TinyGltf& file, Dice& dice) {
   static const json kValues[] = {0,
                                  1,
@@ -78,33 +78,33 @@ std::string mutant_of(const TinyGltf& seed, std::uint64_t number) {
   Dice dice(number);
   TinyGltf file = seed;
   switch (dice.below(6)) {
-    case 0:  // flipped bits in the buffer: numbers, indices, compressed data, pictures
+    case 0:  // flips bits in the buffer: numbers, indices, compressed data, pictures
       for (std::size_t n = 1 + dice.below(4); n > 0; --n) {
         char& byte = file.binary[dice.below(file.binary.size())];
         byte = static_cast<char>(byte ^ (1 << dice.below(8)));
       }
       return file.glb();
-    case 1: {  // a run of other bytes in the buffer
+    case 1: {  // replaces a run of bytes in the buffer
       const std::size_t begin = dice.below(file.binary.size()), run = 1 + dice.below(16);
       for (std::size_t i = begin; i < std::min(begin + run, file.binary.size()); ++i) {
         file.binary[i] = static_cast<char>(dice.below(2) == 0 ? 0xff : dice.below(256));
       }
       return file.glb();
     }
-    case 2: {  // cut, with or without matching lengths in the header
+    case 2: {  // cuts the file, with or without matching lengths in the header
       std::string bytes = file.glb();
       bytes.resize(dice.below(bytes.size()));
       if (dice.below(2) == 0) set_word(bytes, 8, static_cast<std::uint32_t>(bytes.size()));
       return bytes;
     }
-    case 3: {  // wrong lengths, flipped bits anywhere
+    case 3: {  // sets wrong lengths, flips bits anywhere
       std::string bytes = file.glb();
       set_word(bytes, 4 * dice.below(5), static_cast<std::uint32_t>(sim::hash(number, 99) >> dice.below(32)));
       char& byte = bytes[dice.below(bytes.size())];
       byte = static_cast<char>(byte ^ (1 << dice.below(8)));
       return bytes;
     }
-    default:  // other values in the JSON
+    default:  // changes values in the JSON
       for (std::size_t n = 1 + dice.below(3); n > 0; --n) edit_json(file, dice);
       return dice.below(2) == 0 ? file.glb() : file.text();
   }

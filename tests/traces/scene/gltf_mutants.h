@@ -6,8 +6,8 @@
 
 namespace test {
 
-/// Returns the file's bytes after a change drawn from the number: other JSON values, flipped bits, wrong lengths, a
-/// cut.
+/// Returns the bytes of a file after a random change that `number` determines: other JSON values, flipped bits, wrong
+/// lengths, a cut.
 std::string mutant_of(const TinyGltf& seed, std::uint64_t number);
 
 }  // namespace test

@@ -2,7 +2,7 @@
 
 #include "tests/traces/scene/tiny_gltf_file.h"
 
-// The node hierarchy, which animations move.
+// Nodes of a file and their hierarchy, which animations move.
 
 namespace test {
 namespace {
@@ -10,7 +10,7 @@ namespace {
 using traces::kNone;
 using traces::Scene;
 
-/// A root with two children; the second one shows the triangle.
+/// Returns a file with a root that has two children; the second one shows the triangle.
 TinyGltf family() {
   TinyGltf file;
   file.json["nodes"] = {{{"name", "child"}, {"mesh", 0}, {"translation", {0, 2, 0}}, {"scale", {2, 2, 2}}},

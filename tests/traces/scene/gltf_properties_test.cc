@@ -4,7 +4,7 @@
 
 #include "tests/traces/scene/gltf_seeds.h"
 
-// Types of JSON values, and which properties are optional.
+// Which JSON types properties may have, and which properties are optional.
 
 namespace test {
 namespace {
@@ -54,8 +54,8 @@ TEST(GltfTypes, RequiredPropertiesMustBeThere) {
               "materials[0].normalTexture.index is missing; allowed: 0 1 2 ...");
 }
 
-/// Replaces each value of the document, one at a time, by one of another type; each refusal must name its path. The
-/// numbers of a list are named by their list, indices and objects by themselves.
+/// Replaces each value of the document, one at a time, by one of another type. Each error message must contain its
+/// path. A number in a list is reported with the path of the list.
 void expect_types_checked(TinyGltf& file, json& value, const std::string& path) {
   for (std::size_t i = 0; value.is_array() && i < value.size(); ++i) {
     const bool is_index = path.ends_with("nodes") || path.ends_with("children") || path.ends_with("joints");
@@ -63,7 +63,8 @@ void expect_types_checked(TinyGltf& file, json& value, const std::string& path) 
     expect_types_checked(file, value[i], element);
   }
   for (auto member = value.begin(); value.is_object() && member != value.end(); ++member) {
-    if (member.key() == "fallback" || member.key() == "extensionsRequired") continue;  // not read; checked before types
+    // Not read, or checked before types.
+    if (member.key() == "fallback" || member.key() == "extensionsRequired") continue;
     expect_types_checked(file, *member, path.empty() ? member.key() : path + "." + member.key());
   }
   if (path.empty()) return;

@@ -12,7 +12,7 @@ namespace {
 
 using nlohmann::json;
 
-/// The tiny file without its triangle.
+/// Returns the tiny file without its triangle.
 TinyGltf empty_file() {
   TinyGltf file;
   file.binary.clear();
@@ -199,7 +199,7 @@ TinyGltf meshopt_patch() {
     return out;
   };
   std::vector<std::uint32_t> exponential(patch.positions.size());
-#if MESHOPTIMIZER_VERSION < 190  // it has only one mode
+#if MESHOPTIMIZER_VERSION < 190  // that release has only one mode
   meshopt_encodeFilterExp(exponential.data(), patch.vertices(), 12, 15, patch.positions.data());
 #else
   meshopt_encodeFilterExp(exponential.data(), patch.vertices(), 12, 15, patch.positions.data(),

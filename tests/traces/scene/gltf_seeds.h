@@ -14,7 +14,7 @@ struct Patch {
 };
 Patch make_patch();
 
-// The patch in files of each kind.
+// Files of each kind that contain the patch.
 TinyGltf plain_patch();
 TinyGltf draco_patch(bool edgebreaker);
 TinyGltf meshopt_patch();  ///< with a fallback buffer, as gltfpack writes it
@@ -23,7 +23,7 @@ struct Seed {
   std::string name;
   TinyGltf file;
 };
-/// Returns small files that together use everything the loader reads, for mutation.
+/// Returns small files that together use everything the loader reads, to be mutated.
 std::vector<Seed> seeds();
 
 }  // namespace test

@@ -14,7 +14,7 @@ using nlohmann::json;
 using traces::Material;
 using traces::Scene;
 
-/// The triangle with texture coordinates, and a red and blue picture as texture 0.
+/// Returns a file with texture coordinates on the triangle, and a red and blue picture as texture 0.
 TinyGltf textured() {
   const TempFolder folder;
   traces::write_png(folder.path() / "a.png", 2, 1, std::vector<std::uint8_t>{255, 0, 0, 0, 0, 255});

@@ -35,7 +35,7 @@ TEST(DataUri, WithoutBase64HoldsPercentEncodedBytes) {
 }
 
 TEST(DataUri, Base64OfEveryRest) {
-  // RFC 4648, section 10.
+  // Test vectors of RFC 4648, section 10.
   EXPECT_EQ(data_of("data:;base64,", ""), "");
   EXPECT_EQ(data_of("data:;base64,Zg==", ""), "f");
   EXPECT_EQ(data_of("data:;base64,Zm8=", ""), "fo");
@@ -60,7 +60,7 @@ TEST(DataUri, FaultsAreNamed) {
   EXPECT_SAYS(fault_of("data:,100%"), "has a '%' in its data that is not followed by two hexadecimal digits");
 }
 
-/// Returns the bytes, all percent-encoded.
+/// Returns the bytes with all of them percent-encoded.
 std::string percent_encoded(const std::string& bytes) {
   std::string out;
   for (const char c : bytes) {

@@ -10,7 +10,7 @@ namespace {
 
 using traces::Scene;
 
-/// A white floor of 20 x 20 seen from above.
+/// Returns a scene with a white floor of 20 x 20 seen from above.
 Scene floor_scene() {
   Scene scene;
   traces::add_material(scene, {});

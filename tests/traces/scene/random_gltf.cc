@@ -19,7 +19,7 @@ class Draw {
   float between(double least, double most) {
     return static_cast<float>(least + (most - least) * static_cast<double>(below(1 << 20)) / (1 << 20));
   }
-  /// Returns 0, 1 or a number between them.
+  /// Returns 0, 1 or a number in between.
   float share() { return one_in(3) ? static_cast<float>(below(2)) : between(0, 1); }
   json shares(std::size_t count) {
     json list = json::array();
@@ -210,7 +210,7 @@ class Maker {
     }
     return p;
   }
-  /// Every other mesh has joints.
+  /// Adds a random mesh; every other mesh has joints.
   void add_mesh() {
     json mesh = {{"primitives", json::array()}};
     const bool skinned = list("meshes").size() % 2 == 1;

@@ -14,7 +14,7 @@ namespace {
 using traces::Mesh;
 using Tangents = std::vector<glm::vec4>;
 
-/// Faces +z.
+/// Returns a mesh that faces +z.
 Mesh flat_mesh(const std::vector<glm::vec2>& at, const std::vector<glm::vec2>& uvs,
                const std::vector<std::array<std::uint32_t, 3>>& triangles) {
   Mesh mesh;
@@ -61,7 +61,7 @@ TEST(Tangents, ComeFromTheCoordinatesOfTheNormalMap) {
   EXPECT_EQ(mesh.tangents, Tangents(4, {0, -1, 0, 1}));
 }
 
-/// u is 0, 1, 0 at x = 0, 1, 2: both halves share the vertices in the middle.
+/// Returns a strip whose u is 0, 1, 0 at x = 0, 1, 2: both halves share the vertices in the middle.
 Mesh mirrored_strip() {
   return flat_mesh({{0, 0}, {1, 0}, {2, 0}, {0, 1}, {1, 1}, {2, 1}}, {{0, 1}, {1, 1}, {0, 1}, {0, 0}, {1, 0}, {0, 0}},
                    {{0, 1, 4}, {0, 4, 3}, {1, 2, 5}, {1, 5, 4}});
@@ -84,11 +84,11 @@ TEST(Tangents, SplitVerticesWhereTheTextureIsMirrored) {
   }
 }
 
-/// Two triangles that share the origin. Their angles there are 90 and 45 degrees; u increases along (1, 0) in the first
-/// and along (1, -1) in the second.
+/// Vertices of two triangles that share the origin. Their angles there are 90 and 45 degrees; u increases along (1, 0)
+/// in the first and along (1, -1) in the second.
 constexpr std::array<glm::vec2, 4> kFanAt{{{0, 0}, {1, 0}, {0, 1}, {-1, 1}}};
 constexpr std::array<glm::vec2, 4> kFanUvs{{{0, 0}, {1, 0}, {0, -1}, {-1, 0}}};
-/// 90 (1, 0) + 45 (1, -1) / sqrt(2), normalised.
+/// The tangent that is expected: 90 (1, 0) + 45 (1, -1) / sqrt(2), normalised.
 const glm::vec4 kFanTangent(0.9675382F, -0.2527247F, 0, 1);
 
 TEST(Tangents, AreWeightedByAngle) {

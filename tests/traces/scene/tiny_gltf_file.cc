@@ -32,7 +32,7 @@ std::string padded(std::string text, char with) {
   return text;
 }
 
-/// Returns null if a test has replaced it.
+/// Returns the first buffer of a file, or null if a test has replaced it.
 nlohmann::json* first_buffer(nlohmann::json& file) {
   const auto buffers = file.find("buffers");
   if (buffers == file.end() || !buffers->is_array() || buffers->empty() || !(*buffers)[0].is_object()) return nullptr;

@@ -13,15 +13,15 @@
 
 namespace test {
 
-/// A glTF document for tests to change: one triangle (0,0,0), (1,0,0), (0,1,0) in one mesh on one node, with indices
-/// and without normals. Accessor 0 holds the positions, 1 the indices.
+/// A glTF document for tests to change. It has one triangle (0,0,0), (1,0,0), (0,1,0) in one mesh on one node, with
+/// indices and without normals. Accessor 0 holds the positions, 1 the indices.
 struct TinyGltf {
   nlohmann::json json;
   std::string binary;
 
   TinyGltf();
 
-  /// Appends the values as a buffer view with an accessor; returns the accessor's index.
+  /// Appends values as a buffer view with an accessor. Returns the accessor's index.
   template <class T>
   int add(const std::vector<T>& values, int component_type, const std::string& type, std::size_t count,
           bool normalized = false) {
@@ -36,7 +36,7 @@ struct TinyGltf {
   nlohmann::json& node() { return json["nodes"][0]; }
   nlohmann::json& material();
 
-  std::string text() const;  ///< .gltf with the buffer as a data: URI
+  std::string text() const;  ///< the bytes of a .gltf whose buffer is a data: URI
   std::string glb() const;
 };
 

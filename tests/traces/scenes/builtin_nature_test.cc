@@ -27,7 +27,7 @@ struct Case {
 constexpr Case kCases[] = {
     {"village", 600'000, 1100, 20, 1}, {"forest", 174'000, 60, 14, 2}, {"hairball", 2'880'000, 12, 2, 3}};
 
-/// Each scene is made once for all tests.
+/// Returns a built-in scene, which is built once for all tests.
 const Scene& scene_of(std::string_view name) {
   static std::vector<Scene> made;
   const auto found = std::ranges::find(made, name, &Scene::name);
@@ -96,7 +96,7 @@ TEST_P(NatureScene, HasWholeMeshes) {
   }
 }
 
-/// True if the ray hits the triangle.
+/// True if the ray from `from` along `way` hits the triangle.
 bool meets(const glm::vec3& from, const glm::vec3& way, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
   const glm::vec3 u = b - a, v = c - a, p = glm::cross(way, v), s = from - a, q = glm::cross(s, u);
   const float d = glm::dot(u, p), x = glm::dot(s, p) / d, y = glm::dot(way, q) / d;

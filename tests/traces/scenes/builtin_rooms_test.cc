@@ -18,7 +18,7 @@ using traces::Scene;
 struct Room {
   std::string name;
   std::uint32_t triangles;
-  double smallest;  // share of the triangles below which shapes would be lost
+  double smallest;  // fraction of the triangles below which shapes would be lost
   float size;       // upper bound of the distance from the origin, in metres
 };
 
@@ -42,7 +42,7 @@ bool is_blocked(const Scene& scene, const glm::vec3& from, const glm::vec3& way)
   return false;
 }
 
-/// Built once for all tests.
+/// Returns a built-in scene, which is built once for all tests.
 const Scene& scene_called(std::string_view name) {
   static std::map<std::string, Scene, std::less<>> scenes;
   const auto found = scenes.find(name);

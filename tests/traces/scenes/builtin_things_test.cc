@@ -26,13 +26,13 @@ std::uint32_t class_of(std::string_view name) {
   return 0;
 }
 
-/// Returns the scene's triangles as a share of the wanted number.
+/// Returns the number of triangles of a scene as a fraction of the wanted number.
 double share_of(std::string_view name, std::uint32_t wanted) {
   const Scene scene = traces::build_scene(name, {.triangles = wanted});
   return static_cast<double>(traces::triangles_of(scene)) / wanted;
 }
 
-/// Positive for a closed mesh whose faces look outwards.
+/// Returns the volume of a closed mesh; positive if its faces look outwards.
 double volume(const Mesh& mesh) {
   double sum = 0;
   for (const auto& t : mesh.triangles) {

@@ -11,7 +11,7 @@
 #include "traces/accel/bvh_tracer.h"
 #include "traces/trace_file/bytes.h"
 
-// Encoding of a tile's work: lossless and compact; no bytes decode to a tile that a machine cannot play.
+// Encoding of a tile's work is lossless and compact, and no bytes decode to a tile that a machine cannot execute.
 
 namespace traces {
 namespace {
@@ -197,7 +197,7 @@ TEST(TileCode, ATileHasALimitedNumberOfNodes) {
   }
 }
 
-/// Damages a valid tile in many ways.
+/// Damages a valid tile in many ways, and expects a valid tile or an error message each time.
 void expect_tile_or_complaint(const TileScope& scope, const TileWork& tile) {
   const std::string good = encode(tile, scope.links);
   TileWork back;

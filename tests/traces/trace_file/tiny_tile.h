@@ -185,7 +185,7 @@ inline bool same(const TileWork& a, const TileWork& b) {
          std::ranges::equal(a.nodes, b.nodes, [](const WorkNode& x, const WorkNode& y) { return same(x, y); });
 }
 
-/// Appends the padding that a decoder requires.
+/// Returns the bytes with the padding that a decoder requires.
 inline std::string padded(std::string bytes) { return bytes.append(16, '\x5a'); }
 
 inline TileRays decode(const std::string& bytes, const TileScope& scope, TileWork& work) {
@@ -199,7 +199,7 @@ inline std::string encode(const TileWork& work, const Links& links) {
   return bytes;
 }
 
-/// Returns the error of a tile, which must have only one.
+/// Returns the error message of encoding or decoding a tile, which must have exactly one error.
 inline std::string complaint(const TileWork& tile, const TileScope& scope) {
   TileWork back;
   try {

@@ -12,7 +12,7 @@
 #include "traces/trace_file/trace_reader.h"
 #include "traces/trace_file/trace_writer.h"
 
-// The trace file: tiles are read back in any order, damage is refused in one line, and files appear complete or not at
+// The trace file: tiles can be read in any order, damage is refused with one line, and files appear complete or not at
 // all.
 
 namespace traces {
@@ -217,7 +217,7 @@ TEST(TraceFile, TwoWritersOfOneFileDoNotMixAndNoOtherFileIsTouched) {
   EXPECT_TRUE(std::filesystem::is_symlink(folder.path() / "a.raywatt-tmp.trace"));
 }
 
-/// Returns a valid file with other contents.
+/// Returns a valid trace file with other contents.
 std::string with_contents(const std::string& good, const std::string& contents) {
   const auto offset = load_unaligned<std::uint64_t>(good.data() + good.size() - kFooterBytes);
   Packer packer;
@@ -270,7 +270,7 @@ TEST(TraceFile, EveryDamageIsFoundOrHarmless) {
     bad[i] = static_cast<char>(static_cast<unsigned char>(bad[i]) ^ (1U << (i % 8)));
     if (!is_refused(bad)) ++harmless;
   }
-  // Only unused bits of zstd may change unnoticed.
+  // Only changes of bits that zstd does not use may remain unnoticed.
   EXPECT_LT(harmless, good.size() / 5 / 50 + 1);
 }
 

@@ -9,7 +9,7 @@
 #include "tests/traces/trace_file/tiny_tile.h"
 #include "traces/accel/build.h"
 
-// The tree of a trace: lossless, and no bytes decode to an invalid tree.
+// The tree of a trace is stored without loss, and no bytes decode to an invalid tree.
 
 namespace traces {
 namespace {

@@ -189,7 +189,8 @@ TEST(TwoLevels, MeshesThatDeformOrCannotBeInvertedHaveTheirOwnTree) {
 }
 
 TEST(FlatInstances, HaveFiniteRecordsInTreesOfOneAndTwoLevels) {
-  // A plane, a line, a point, and a plane whose determinant is not 0 only because of rounding.
+  // Matrices without inverse: to a plane, a line, a point, and a plane whose determinant is not 0 only because of
+  // rounding.
   const glm::mat4 turn = glm::rotate(glm::mat4(1), 0.7F, glm::vec3(1, 2, 3));
   const glm::mat4 flat[] = {glm::scale(glm::mat4(1), {1, 1, 0}), glm::scale(glm::mat4(1), {0, 2, 0}),
                             glm::scale(glm::mat4(1), {0, 0, 0}),

@@ -6,14 +6,14 @@
 #include "tests/traces/scene/pose/moving_scene.h"
 #include "traces/scene/pose.h"
 
-// Skins and morph targets.
+// Meshes that skins and morph targets deform.
 
 namespace traces {
 namespace {
 
 using Path = Track::Path;
 
-/// A strip of two triangles along x. Joint 1 (node 2), a child of node 1 at x = 1, moves its end at x = 2.
+/// Returns a strip of two triangles along x. Joint 1 (node 2), a child of node 1 at x = 1, moves its end at x = 2.
 Scene bending_strip() {
   Scene scene = one_node();
   scene.nodes.resize(3);

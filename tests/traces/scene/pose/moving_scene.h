@@ -17,7 +17,7 @@ inline Track track_of(Track::Path path, std::vector<float> times, std::vector<fl
   return track;
 }
 
-/// A node at the origin with a triangle, a camera and a light on it.
+/// Returns a scene with a node at the origin that has a triangle, a camera and a light.
 inline Scene one_node() {
   Scene scene;
   scene.name = "one node";
