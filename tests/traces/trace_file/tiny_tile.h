@@ -199,7 +199,7 @@ inline std::string encode(const TileWork& work, const Links& links) {
   return bytes;
 }
 
-/// Returns the error message of encoding or decoding a tile, which must have exactly one error.
+/// Returns the error message of encoding and decoding a tile, or "no error".
 inline std::string complaint(const TileWork& tile, const TileScope& scope) {
   TileWork back;
   try {
