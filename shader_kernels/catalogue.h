@@ -88,13 +88,13 @@ using AllKernels = std::tuple<
     FetchVisible<false, false>, FetchVisible<true, false>, FetchVisible<false, true>, FetchVisible<true, true>>;
 
 template <class K, class... Ks>
-constexpr traces::KernelId index_in(std::type_identity<std::tuple<Ks...>>) {
+constexpr traces::KernelId kernel_index_in(std::type_identity<std::tuple<Ks...>>) {
   traces::KernelId index = 0;
   (void)((std::is_same_v<K, Ks> || (++index, false)) || ...);
   return index;
 }
 template <class K>
-inline constexpr traces::KernelId kKernelId = index_in<K>(std::type_identity<AllKernels>{});
+inline constexpr traces::KernelId kKernelId = kernel_index_in<K>(std::type_identity<AllKernels>{});
 
 struct KernelInfo {
   traces::KernelId id = 0;

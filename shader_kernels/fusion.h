@@ -26,7 +26,7 @@ struct Fused {
   /// Returns the names of the kernels that the fused kernel runs.
   static std::vector<std::string_view> part_names() {
     std::vector<std::string_view> names;
-    (add_name<Parts>(names), ...);
+    (append_part_name<Parts>(names), ...);
     return names;
   }
   static constexpr std::array<std::string_view, 0> kRegisters{};
@@ -35,13 +35,13 @@ struct Fused {
   template <class V>
   using Ports = FusedPorts<V, Parts...>;
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    (Parts::template body<V>(item, at), ...);
+  static void body(const I<V>& item, Ports<V>& io) {
+    (Parts::template body<V>(item, io), ...);
   }
 
  private:
   template <class Part>
-  static void add_name(std::vector<std::string_view>& names) {
+  static void append_part_name(std::vector<std::string_view>& names) {
     if constexpr (requires { typename Part::Of; }) {
       names.push_back(Part::Of::kName);
     } else if constexpr (requires { Part::kName; }) {

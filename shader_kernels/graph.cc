@@ -45,7 +45,7 @@ OpCounts count_ops(const Graph& graph) {
   return counts;
 }
 
-std::uint32_t executed_ops(const Graph& graph) {
+std::uint32_t count_executed_ops(const Graph& graph) {
   std::uint32_t ops = 0;
   for (const GraphNode& node : graph.nodes) {
     ops += node.op != Op::kInput && node.op != Op::kConstant && node.op != Op::kBits ? 1U : 0U;
@@ -54,7 +54,7 @@ std::uint32_t executed_ops(const Graph& graph) {
 }
 
 std::string operation_summary(const Graph& graph) {
-  std::string text = fmt::format("{}: {} operations\n", graph.kernel, executed_ops(graph));
+  std::string text = fmt::format("{}: {} operations\n", graph.kernel, count_executed_ops(graph));
   const OpCounts counts = count_ops(graph);
   for (std::size_t op = 0; op < counts.size(); ++op) {
     if (counts[op] != 0) text += fmt::format("  {:<12}{:>5}\n", kNames[op], counts[op]);
@@ -144,7 +144,7 @@ class Fuser {
   /// Adds node `i` of the old graph to the new one, or reuses an equal node; returns its new number.
   std::uint32_t map_node(std::uint32_t i) {
     GraphNode node = from_.nodes[i];
-    if (node.distance != 0) return add(std::move(node));
+    if (node.distance != 0) return add_node(std::move(node));
     const bool is_field = node.op == Op::kInput && node.inputs[0] != kNone;
     if (is_field) return map_field(record_of_[node.inputs[0]], node);
     for (std::uint32_t& id : node.inputs) id = id == kNone ? kNone : node_of_[id];
@@ -153,11 +153,11 @@ class Fuser {
     if (node.op == Op::kStoreLocal) return map_store(std::move(node));
     const Operation same{node.op, node.inputs[0], node.inputs[1], node.inputs[2], node.value, node.label};
     const auto [at, is_new] = operations_.try_emplace(same, kNone);
-    if (is_new) at->second = add(std::move(node));
+    if (is_new) at->second = add_node(std::move(node));
     return at->second;
   }
 
-  std::uint32_t add(GraphNode node) {
+  std::uint32_t add_node(GraphNode node) {
     to_.push_back(std::move(node));
     return static_cast<std::uint32_t>(to_.size() - 1);
   }
@@ -167,11 +167,11 @@ class Fuser {
     std::uint32_t& word = record.words[node.value / 4];
     if (word != kNone) return word;
     node.inputs[0] = record.load;
-    return word = add(std::move(node));
+    return word = add_node(std::move(node));
   }
 
   std::uint32_t map_load(std::uint32_t i, GraphNode node) {
-    const Address address = address_of(node);
+    const Address address = record_key(node);
     record_of_[i] = address;
     const auto known = records_.find(address);
     if (known != records_.end()) return known->second.load;
@@ -183,11 +183,11 @@ class Fuser {
     }
     Record& record = records_[address];
     record.words.assign(node.bytes / 4, kNone);
-    return record.load = add(std::move(node));
+    return record.load = add_node(std::move(node));
   }
 
   std::uint32_t map_store(GraphNode node) {
-    const Address address = address_of(node);
+    const Address address = record_key(node);
     // A store under another index may overwrite this record.
     std::erase_if(records_, [&](const auto& r) {
       return std::get<0>(r.first) == node.label && r.first != address && r.second.store == kNone;
@@ -196,10 +196,10 @@ class Fuser {
     if (record.store != kNone && !is_register(node.label)) to_[record.store] = {};  // drops the overwritten store
     record.words = node.stored;
     record.store = static_cast<std::uint32_t>(to_.size());
-    return is_register(node.label) ? kNone : add(std::move(node));
+    return is_register(node.label) ? kNone : add_node(std::move(node));
   }
 
-  static Address address_of(const GraphNode& node) {
+  static Address record_key(const GraphNode& node) {
     return {node.label, node.inputs[0], node.inputs[1], node.inputs[2]};
   }
   bool is_register(std::string_view memory) const { return std::ranges::find(registers_, memory) != registers_.end(); }

@@ -76,7 +76,7 @@ using OpCounts = std::array<std::uint32_t, static_cast<std::size_t>(Op::kCount)>
 OpCounts count_ops(const Graph& graph);
 
 /// Returns the number of operations that functional units execute: all except inputs, constants and kBits.
-std::uint32_t executed_ops(const Graph& graph);
+std::uint32_t count_executed_ops(const Graph& graph);
 
 /// Returns text about a graph: one line for each operation in it with its count, then one for each load and store.
 std::string operation_summary(const Graph& graph);

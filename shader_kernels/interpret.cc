@@ -109,7 +109,7 @@ class Interpreter {
   }
 
  private:
-  Word operand(const GraphNode& node, int i) const {
+  Word operand_value(const GraphNode& node, int i) const {
     return node.inputs[i] == GraphNode::kNone ? 0 : values_[node.inputs[i]];
   }
 
@@ -130,7 +130,7 @@ class Interpreter {
         run_store(node);
         break;
       default:
-        values_[i] = compute_word(node.op, operand(node, 0), operand(node, 1), operand(node, 2));
+        values_[i] = compute_word(node.op, operand_value(node, 0), operand_value(node, 1), operand_value(node, 2));
     }
   }
 
@@ -143,17 +143,17 @@ class Interpreter {
   void run_load(std::size_t i) {
     const GraphNode& node = graph_.nodes[i];
     if (node.inputs[1] != GraphNode::kNone) {
-      const FootprintRecord<float> texels =
-          Texels<float>{environment_.textures}.load(operand(node, 0), operand(node, 1), operand(node, 2));
+      const FootprintRecord<float> texels = Texels<float>{environment_.textures}.load(
+          operand_value(node, 0), operand_value(node, 1), operand_value(node, 2));
       records_[i] = {texels.at00, texels.at10, texels.at01, texels.at11};
     } else {
       const std::byte* memory = find_bound(environment_.memories, node.label);
-      std::memcpy(records_[i].data(), memory + std::size_t{operand(node, 0)} * node.bytes, node.bytes);
+      std::memcpy(records_[i].data(), memory + std::size_t{operand_value(node, 0)} * node.bytes, node.bytes);
     }
   }
 
   void run_store(const GraphNode& node) {
-    std::byte* to = find_bound(environment_.memories, node.label) + std::size_t{operand(node, 0)} * node.bytes;
+    std::byte* to = find_bound(environment_.memories, node.label) + std::size_t{operand_value(node, 0)} * node.bytes;
     for (const std::uint32_t id : node.stored) {
       std::memcpy(to, &values_[id], sizeof(Word));
       to += sizeof(Word);

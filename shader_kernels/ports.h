@@ -14,7 +14,7 @@ namespace kernels {
 // Ports of kernels. A kernel's Ports struct names its ports with describe(ports, port). The classes here are for V =
 // float, where a port is a pointer or a number; recorder.h has those for V = Recorded.
 //
-// attach() binds a port to the array of the same name (programs/wavefront/port_binding.h); bind() binds it to any
+// bind_raw() binds a port to the array of the same name (programs/wavefront/port_binding.h); bind() binds it to any
 // array.
 
 /// A port through which a kernel loads and stores records in the tile buffer.
@@ -30,8 +30,8 @@ struct Cached;
 /// the cache's address generator finds its one to four lines.
 template <class V>
 struct Texels;
-/// A port for the length of a list to which a kernel appends. A record stored at index next(keep) stays only if `keep`
-/// is true.
+/// A port for the length of a list to which a kernel appends. A record stored at index next_index(keep) stays only if
+/// `keep` is true.
 template <class V>
 struct Counter;
 /// A port for a value that one item passes to the next.
@@ -56,7 +56,7 @@ struct Local<float, R> {
     base = reinterpret_cast<std::byte*>(records);
   }
   bool is_bound() const { return base != nullptr; }
-  void attach(void* records, std::vector<traces::Access>* /*log*/) { base = static_cast<std::byte*>(records); }
+  void bind_raw(void* records, std::vector<traces::Access>* /*log*/) { base = static_cast<std::byte*>(records); }
   // Always inlined: in large sources, calls would cost 1 % of all instructions.
   [[gnu::always_inline]] R<float> load(std::uint32_t index) const { return load_record<R>(base, index); }
   [[gnu::always_inline]] void store(std::uint32_t index, const R<float>& record) const {
@@ -74,7 +74,7 @@ struct Table<float, R> {
     base = reinterpret_cast<const std::byte*>(records);
   }
   bool is_bound() const { return base != nullptr; }
-  void attach(const void* records, std::vector<traces::Access>* /*log*/) {
+  void bind_raw(const void* records, std::vector<traces::Access>* /*log*/) {
     base = static_cast<const std::byte*>(records);
   }
   R<float> load(std::uint32_t index) const { return load_record<R>(base, index); }
@@ -87,7 +87,7 @@ struct Cached<float, R, kKind> {
   const std::byte* base = nullptr;
   std::vector<traces::Access>* log = nullptr;
   bool is_bound() const { return base != nullptr; }
-  void attach(const void* records, std::vector<traces::Access>* accesses) {
+  void bind_raw(const void* records, std::vector<traces::Access>* accesses) {
     base = static_cast<const std::byte*>(records);
     log = accesses;
   }
@@ -103,7 +103,7 @@ struct Texels<float> {
   const traces::Texture* textures = nullptr;
   std::vector<traces::Access>* log = nullptr;
   bool is_bound() const { return textures != nullptr; }
-  void attach(const void* all, std::vector<traces::Access>* accesses) {
+  void bind_raw(const void* all, std::vector<traces::Access>* accesses) {
     textures = static_cast<const traces::Texture*>(all);
     log = accesses;
   }
@@ -121,7 +121,7 @@ struct Texels<float> {
 template <>
 struct Counter<float> {
   std::uint32_t value = 0;
-  std::uint32_t next(bool keep) {
+  std::uint32_t next_index(bool keep) {
     const std::uint32_t at = value;
     value += keep ? 1U : 0U;
     return at;

@@ -23,21 +23,21 @@ class Recorder {
  public:
   explicit Recorder(Graph& graph) : graph_(graph) {}
 
-  std::uint32_t add(GraphNode node) {
+  std::uint32_t add_node(GraphNode node) {
     graph_.nodes.push_back(std::move(node));
     return static_cast<std::uint32_t>(graph_.nodes.size() - 1);
   }
   /// Returns the graph node of a literal. Equal literals share one node.
   std::uint32_t add_literal(std::uint32_t bits) {
     const auto [at, is_new] = literals_.try_emplace(bits, 0);
-    if (is_new) at->second = add({.op = Op::kConstant, .value = bits});
+    if (is_new) at->second = add_node({.op = Op::kConstant, .value = bits});
     return at->second;
   }
   /// Returns a new graph node for a uniform: a named value that is constant during the loop.
-  std::uint32_t add_uniform(std::string label) { return add({.op = Op::kConstant, .label = std::move(label)}); }
+  std::uint32_t add_uniform(std::string label) { return add_node({.op = Op::kConstant, .label = std::move(label)}); }
   /// Returns a new graph node for a loop-carried value. close_loop(id, producer) later sets the node that produces it.
   std::uint32_t add_carried(std::string label) {
-    return add({.op = Op::kInput, .distance = 1, .label = std::move(label)});
+    return add_node({.op = Op::kInput, .distance = 1, .label = std::move(label)});
   }
   void set_bytes(std::uint32_t load, std::uint32_t bytes) { graph_.nodes[load].bytes = bytes; }
   void close_loop(std::uint32_t carried, std::uint32_t producer) { graph_.nodes[carried].inputs[0] = producer; }
@@ -85,7 +85,7 @@ Result record_op(Op op, const std::derived_from<Value> auto&... in) {
   GraphNode node{.op = op};
   std::uint32_t n = 0;
   ((node.inputs[n++] = in.node_in(*r)), ...);
-  return {*r, r->add(std::move(node))};
+  return {*r, r->add_node(std::move(node))};
 }
 
 inline FloatNode operator+(const FloatNode& a, const FloatNode& b) { return record_op<FloatNode>(Op::kAdd, a, b); }
@@ -133,13 +133,13 @@ R<Recorded> record_load(Recorder& recorder, Op op, const std::string& memory, st
                         std::uint32_t address_words) {
   GraphNode load{.op = op, .label = memory};
   for (std::uint32_t i = 0; i < address_words; ++i) load.inputs[i] = address[i].node_in(recorder);
-  const std::uint32_t id = recorder.add(std::move(load));
+  const std::uint32_t id = recorder.add_node(std::move(load));
   std::uint32_t offset = 0;
   const auto input = [&](const std::string& name) {
     GraphNode field{.op = Op::kInput, .value = offset, .label = memory + '.' + name};
     field.inputs[0] = id;
     offset += 4;
-    return recorder.add(std::move(field));
+    return recorder.add_node(std::move(field));
   };
   R<Recorded> record;
   const auto read = [&]<class T>(T& field, std::string_view member) {
@@ -178,7 +178,7 @@ struct Local<Recorded, R> : RecordedPort {
     };
     R<Recorded>::fields(record, write);
     store.bytes = static_cast<std::uint32_t>(4 * store.stored.size());
-    recorder->add(std::move(store));
+    recorder->add_node(std::move(store));
   }
 };
 
@@ -201,7 +201,7 @@ struct Texels<Recorded> : RecordedPort {
 
 template <>
 struct Counter<Recorded> : RecordedPort {
-  IntNode next(const MaskNode& keep) {
+  IntNode next_index(const MaskNode& keep) {
     const IntNode at{*recorder, recorder->add_carried(name)};
     recorder->close_loop(at.node_or_bits, (at + select(keep, 1U, 0U)).node_or_bits);
     return at;
@@ -250,7 +250,7 @@ Graph record_graph() {
   Recorder recorder(graph);
   typename K::template Ports<Recorded> ports;
   K::template Ports<Recorded>::describe(ports, PortBinder(recorder));
-  K::template body<Recorded>(IntNode{recorder, recorder.add({.op = Op::kInput, .label = "item"})}, ports);
+  K::template body<Recorded>(IntNode{recorder, recorder.add_node({.op = Op::kInput, .label = "item"})}, ports);
   if constexpr (requires { K::kRegisters; }) keep_in_registers(graph, K::kRegisters);
   sort_canonically(graph);
   return graph;

@@ -159,7 +159,7 @@ struct RatioRecord {
 /// Surface of a sample's first hit, for samples that are interpolated before they are shaded.
 template <class V>
 struct SurfaceRecord {
-  Vec3<V> diffuse;  ///< base colour before a kTextured texture is applied, after all others
+  Vec3<V> diffuse;  ///< base colour times all its textures except a kTextured one
   I<V> classes;
   Vec3<V> plane;  ///< unit normal of the triangle's plane, on the side from which the ray came
   F<V> u, v;

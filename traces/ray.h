@@ -39,7 +39,7 @@ struct Hit {
   float v = 0;
   std::uint32_t triangle = kNoHit;
   bool is_hit() const { return triangle != kNoHit; }
-  std::uint32_t index() const { return triangle & kTriangleMask; }
+  std::uint32_t triangle_index() const { return triangle & kTriangleMask; }
   bool is_flagged() const { return triangle > kTriangleMask && is_hit(); }
 };
 

@@ -61,7 +61,7 @@ constexpr std::uint32_t end_step(bool hit) { return (3U << 30) | (hit ? 1U : 0U)
 struct WalkSteps {
   std::uint64_t visits = 0, tests = 0;
   std::uint64_t enters = 0;  ///< instances entered, which do not count as steps
-  std::uint64_t all() const { return visits + tests; }
+  std::uint64_t total_steps() const { return visits + tests; }
   WalkSteps& operator+=(const WalkSteps& other) {
     visits += other.visits;
     tests += other.tests;

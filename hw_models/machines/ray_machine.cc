@@ -36,7 +36,7 @@ void CoreRays::trace_next_block() {
   tracer_.trace(rays, traces::RayKind::kPrimary, std::span(hit_).first(rays.size()), &sink);
   hits_ += static_cast<std::uint64_t>(
       std::count_if(hit_.begin(), hit_.begin() + block.left, [](const traces::Hit& hit) { return hit.is_hit(); }));
-  steps_ += traces::count_steps(block.words).all();
+  steps_ += traces::count_steps(block.words).total_steps();
 }
 
 const std::uint32_t* CoreRays::ray_walk(std::uint32_t ray) {

@@ -10,7 +10,7 @@ struct DivMod {
 };
 /// Divides small counts (below 2^20) in floating point. `inverse` is 1 / divisor.
 template <class V>
-DivMod<V> divmod(const F<V>& count, const F<V>& divisor, const F<V>& inverse) {
+DivMod<V> div_mod(const F<V>& count, const F<V>& divisor, const F<V>& inverse) {
   const F<V> quotient = floor((count + 0.5F) * inverse);
   return {quotient, count - quotient * divisor};
 }
@@ -36,7 +36,7 @@ M<V> has_class(const I<V>& flags, traces::MaterialFlag bit) {
 
 /// Returns byte `byte` of a word; byte 0 is the lowest, 3 the highest.
 template <class V>
-I<V> byte_of(const I<V>& word, std::uint32_t byte) {
+I<V> extract_byte(const I<V>& word, std::uint32_t byte) {
   if (byte == 0) return word & 255U;
   if (byte == 3) return word >> 24U;
   return (word >> (8U * byte)) & 255U;

@@ -21,18 +21,18 @@ struct ClassifyHits {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> triangle = at.hits.load(item).triangle;
-    at.misses.store(at.miss_count.next(triangle == traces::kNoHit), {item});
-    at.surfaces.store(at.surface_count.next(triangle < traces::kNoHit), {item});
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> triangle = io.hits.load(item).triangle;
+    io.misses.store(io.miss_count.next_index(triangle == traces::kNoHit), {item});
+    io.surfaces.store(io.surface_count.next_index(triangle < traces::kNoHit), {item});
   }
 };
 
 /// Appends surface `slot` to the list `stream` if `bit` is set in its classes.
 template <class V>
-void append_if(const I<V>& slot, const I<V>& classes, traces::MaterialFlag bit, const Local<V, WordRecord>& stream,
-               Counter<V>& count) {
-  stream.store(count.next(has_class<V>(classes, bit)), {slot});
+void append_if_class_set(const I<V>& slot, const I<V>& classes, traces::MaterialFlag bit,
+                         const Local<V, WordRecord>& stream, Counter<V>& count) {
+  stream.store(count.next_index(has_class<V>(classes, bit)), {slot});
 }
 
 /// Appends each surface to the list of each material class that it has.
@@ -51,14 +51,14 @@ struct ClassifySurfaces {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> slot = at.surfaces.load(item).word;
-    const I<V> classes = at.mattes.load(slot).classes;
-    append_if<V>(slot, classes, traces::kTextured, at.textured, at.textured_count);
-    append_if<V>(slot, classes, traces::kDiffuse, at.diffuse, at.diffuse_count);
-    append_if<V>(slot, classes, traces::kMirror, at.mirror, at.mirror_count);
-    append_if<V>(slot, classes, traces::kGlass, at.glass, at.glass_count);
-    append_if<V>(slot, classes, traces::kEmissive, at.emissive, at.emissive_count);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> slot = io.surfaces.load(item).word;
+    const I<V> classes = io.mattes.load(slot).classes;
+    append_if_class_set<V>(slot, classes, traces::kTextured, io.textured, io.textured_count);
+    append_if_class_set<V>(slot, classes, traces::kDiffuse, io.diffuse, io.diffuse_count);
+    append_if_class_set<V>(slot, classes, traces::kMirror, io.mirror, io.mirror_count);
+    append_if_class_set<V>(slot, classes, traces::kGlass, io.glass, io.glass_count);
+    append_if_class_set<V>(slot, classes, traces::kEmissive, io.emissive, io.emissive_count);
   }
 };
 
@@ -80,17 +80,17 @@ struct ClassifyDetails {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> slot = at.surfaces.load(item).word;
-    const I<V> classes = at.mattes.load(slot).classes;
-    append_if<V>(slot, classes, traces::kAbsorbing, at.absorbing, at.absorbing_count);
-    append_if<V>(slot, classes, traces::kVertexed, at.vertexed, at.vertexed_count);
-    append_if<V>(slot, classes, traces::kBased, at.based, at.based_count);
-    append_if<V>(slot, classes, traces::kPhysical, at.physical, at.physical_count);
-    append_if<V>(slot, classes, traces::kBumped, at.bumped, at.bumped_count);
-    append_if<V>(slot, classes, traces::kBlended, at.blended, at.blended_count);
-    append_if<V>(slot, classes, traces::kGlowing, at.glowing, at.glowing_count);
-    append_if<V>(slot, classes, traces::kOccluded, at.occluded, at.occluded_count);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> slot = io.surfaces.load(item).word;
+    const I<V> classes = io.mattes.load(slot).classes;
+    append_if_class_set<V>(slot, classes, traces::kAbsorbing, io.absorbing, io.absorbing_count);
+    append_if_class_set<V>(slot, classes, traces::kVertexed, io.vertexed, io.vertexed_count);
+    append_if_class_set<V>(slot, classes, traces::kBased, io.based, io.based_count);
+    append_if_class_set<V>(slot, classes, traces::kPhysical, io.physical, io.physical_count);
+    append_if_class_set<V>(slot, classes, traces::kBumped, io.bumped, io.bumped_count);
+    append_if_class_set<V>(slot, classes, traces::kBlended, io.blended, io.blended_count);
+    append_if_class_set<V>(slot, classes, traces::kGlowing, io.glowing, io.glowing_count);
+    append_if_class_set<V>(slot, classes, traces::kOccluded, io.occluded, io.occluded_count);
   }
 };
 
@@ -110,15 +110,15 @@ struct ClassifyOccluded {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> slot = at.surfaces.load(item).word;
-    append_if<V>(slot, at.mattes.load(slot).classes, traces::kOccluded, at.occluded, at.occluded_count);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> slot = io.surfaces.load(item).word;
+    append_if_class_set<V>(slot, io.mattes.load(slot).classes, traces::kOccluded, io.occluded, io.occluded_count);
   }
 };
 
 /// True if a hit must be tested for transparency. `solid` is the largest triangle word that needs no test.
 template <class V>
-M<V> needs_test(const I<V>& triangle, const I<V>& solid) {
+M<V> needs_transparency_test(const I<V>& triangle, const I<V>& solid) {
   return logical_and(solid < triangle, triangle < traces::kNoHit);
 }
 
@@ -137,9 +137,9 @@ struct ClassifyLayers {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> triangle = at.hits.load(item).triangle;
-    at.layers.store(at.layer_count.next(needs_test<V>(triangle, at.solid)), {item});
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> triangle = io.hits.load(item).triangle;
+    io.layers.store(io.layer_count.next_index(needs_transparency_test<V>(triangle, io.solid)), {item});
   }
 };
 

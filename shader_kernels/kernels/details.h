@@ -28,14 +28,14 @@ struct Absorb {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> slot = at.absorbing.load(item).word;
-    const SurfacePointRecord<V> point = at.points.load(slot);
-    const PathRecord<V> path = at.paths.load(slot);
-    const F<V> inside = at.hits.load(slot).t * max(-point.side, F<V>(0.0F));
-    const Vec3<V> depth = at.details.load(point.material).absorption * inside;
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> slot = io.absorbing.load(item).word;
+    const SurfacePointRecord<V> point = io.points.load(slot);
+    const PathRecord<V> path = io.paths.load(slot);
+    const F<V> inside = io.hits.load(slot).t * max(-point.side, F<V>(0.0F));
+    const Vec3<V> depth = io.details.load(point.material).absorption * inside;
     const Vec3<V> left{exp_negative<V>(depth.x), exp_negative<V>(depth.y), exp_negative<V>(depth.z)};
-    at.paths.store(slot, {path.throughput * left, path.sample});
+    io.paths.store(slot, {path.throughput * left, path.sample});
   }
 };
 
@@ -43,10 +43,11 @@ struct Absorb {
 /// coordinates, a used alpha, or mirror or glass terms that depend on the colour.
 template <MipFilter kMips = MipFilter::kNone>
 struct ShadeBase {
-  static constexpr std::string_view kName = by_filter<kMips>("shade_base", "shade_base_mip", "shade_base_trilinear");
+  static constexpr std::string_view kName =
+      name_by_filter<kMips>("shade_base", "shade_base_mip", "shade_base_trilinear");
   static constexpr std::string_view kMeaning =
-      by_filter<kMips>("surface -> base colour and alpha times a fetch", "as shade_base, from the nearest mip level",
-                       "as shade_base, from two mip levels");
+      name_by_filter<kMips>("surface -> base colour and alpha times a fetch",
+                            "as shade_base, from the nearest mip level", "as shade_base, from two mip levels");
   template <class V>
   struct Ports : DetailPorts<V, kMips> {
     Local<V, SpecularRecord> optics;
@@ -57,18 +58,18 @@ struct ShadeBase {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> slot = at.stream.load(item).word;
-    const DiffuseRecord<V> matte = at.mattes.load(slot);
-    const TexcoordRecord<V> uv = at.texcoords.load(slot);
-    const TangentRecord<V> other = at.tangents.load(slot);
-    SpecularRecord<V> optics = at.optics.load(slot);
-    const auto base = at.look_up(texture_of<V, kMips>(uv), matte.classes, traces::kBaseSecond, uv, other);
-    const Vec3<V> colour = base.srgb_colour(at.srgb_codes);
-    at.mattes.store(slot, {matte.diffuse * colour, matte.classes});
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> slot = io.stream.load(item).word;
+    const DiffuseRecord<V> matte = io.mattes.load(slot);
+    const TexcoordRecord<V> uv = io.texcoords.load(slot);
+    const TangentRecord<V> other = io.tangents.load(slot);
+    SpecularRecord<V> optics = io.optics.load(slot);
+    const auto base = io.look_up(texture_number<V, kMips>(uv), matte.classes, traces::kBaseSecond, uv, other);
+    const Vec3<V> colour = base.srgb_colour(io.srgb_codes);
+    io.mattes.store(slot, {matte.diffuse * colour, matte.classes});
     optics.tint = optics.tint * colour;
     optics.alpha = optics.alpha * base.linear_channel(3);
-    at.optics.store(slot, optics);
+    io.optics.store(slot, optics);
   }
 };
 
@@ -78,10 +79,10 @@ struct ShadeBase {
 template <MipFilter kMips = MipFilter::kNone>
 struct ShadePhysical {
   static constexpr std::string_view kName =
-      by_filter<kMips>("shade_physical", "shade_physical_mip", "shade_physical_trilinear");
+      name_by_filter<kMips>("shade_physical", "shade_physical_mip", "shade_physical_trilinear");
   static constexpr std::string_view kMeaning =
-      by_filter<kMips>("surface with a metallic-roughness texture -> mirror and diffuse shares",
-                       "as shade_physical, from the nearest mip level", "as shade_physical, from two mip levels");
+      name_by_filter<kMips>("surface with a metallic-roughness texture -> mirror and diffuse shares",
+                            "as shade_physical, from the nearest mip level", "as shade_physical, from two mip levels");
   template <class V>
   struct Ports : DetailPorts<V, kMips> {
     Local<V, SurfacePointRecord> points;
@@ -94,14 +95,14 @@ struct ShadePhysical {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> slot = at.stream.load(item).word;
-    const DiffuseRecord<V> matte = at.mattes.load(slot);
-    const TexcoordRecord<V> uv = at.texcoords.load(slot);
-    const TangentRecord<V> other = at.tangents.load(slot);
-    const DetailFields<V> m = at.details.load(at.points.load(slot).material);
-    SpecularRecord<V> optics = at.optics.load(slot);
-    const auto texel = at.look_up(m.metal_rough_texture, matte.classes, traces::kMetalRoughSecond, uv, other);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> slot = io.stream.load(item).word;
+    const DiffuseRecord<V> matte = io.mattes.load(slot);
+    const TexcoordRecord<V> uv = io.texcoords.load(slot);
+    const TangentRecord<V> other = io.tangents.load(slot);
+    const DetailFields<V> m = io.details.load(io.points.load(slot).material);
+    SpecularRecord<V> optics = io.optics.load(slot);
+    const auto texel = io.look_up(m.metal_rough_texture, matte.classes, traces::kMetalRoughSecond, uv, other);
 
     const F<V> gloss = clamp_to_unit<V>((0.5F - m.roughness * texel.linear_channel(1)) * 2.5F);
     const F<V> metallic = m.metallic * texel.linear_channel(2);
@@ -119,8 +120,8 @@ struct ShadePhysical {
     };
     const I<V> classes = matte.classes | bit(F<V>(0.0F) < max_channel(diffuse), traces::kDiffuse) |
                          bit(F<V>(0.0F) < max_channel(optics.mirrored), traces::kMirror);
-    at.mattes.store(slot, {diffuse, classes});
-    at.optics.store(slot, optics);
+    io.mattes.store(slot, {diffuse, classes});
+    io.optics.store(slot, optics);
   }
 };
 
@@ -128,10 +129,11 @@ struct ShadePhysical {
 /// normal that faces away from the ray is turned back until the ray grazes the surface.
 template <MipFilter kMips = MipFilter::kNone>
 struct ShadeBump {
-  static constexpr std::string_view kName = by_filter<kMips>("shade_bump", "shade_bump_mip", "shade_bump_trilinear");
+  static constexpr std::string_view kName =
+      name_by_filter<kMips>("shade_bump", "shade_bump_mip", "shade_bump_trilinear");
   static constexpr std::string_view kMeaning =
-      by_filter<kMips>("surface with a normal map -> its normal from the map",
-                       "as shade_bump, from the nearest mip level", "as shade_bump, from two mip levels");
+      name_by_filter<kMips>("surface with a normal map -> its normal from the map",
+                            "as shade_bump, from the nearest mip level", "as shade_bump, from two mip levels");
   template <class V>
   struct Ports : DetailPorts<V, kMips> {
     Local<V, RayRecord> rays;
@@ -145,15 +147,15 @@ struct ShadeBump {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> slot = at.stream.load(item).word;
-    const I<V> classes = at.mattes.load(slot).classes;
-    const TexcoordRecord<V> uv = at.texcoords.load(slot);
-    const TangentRecord<V> frame = at.tangents.load(slot);
-    const Vec3<V> direction = at.rays.load(slot).direction;
-    SurfacePointRecord<V> point = at.points.load(slot);
-    const DetailFields<V> m = at.details.load(point.material);
-    const auto texel = at.look_up(m.normal_texture, classes, traces::kNormalSecond, uv, frame);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> slot = io.stream.load(item).word;
+    const I<V> classes = io.mattes.load(slot).classes;
+    const TexcoordRecord<V> uv = io.texcoords.load(slot);
+    const TangentRecord<V> frame = io.tangents.load(slot);
+    const Vec3<V> direction = io.rays.load(slot).direction;
+    SurfacePointRecord<V> point = io.points.load(slot);
+    const DetailFields<V> m = io.details.load(point.material);
+    const auto texel = io.look_up(m.normal_texture, classes, traces::kNormalSecond, uv, frame);
 
     const F<V> x = (texel.linear_channel(0) * 2.0F - 1.0F) * m.normal_scale;
     const F<V> y = (texel.linear_channel(1) * 2.0F - 1.0F) * m.normal_scale;
@@ -164,7 +166,7 @@ struct ShadeBump {
     const Vec3<V> facing = unit_vector(mapped) * point.side;
     const F<V> away = max(dot(facing, direction) + 0.01F, F<V>(0.0F));
     point.normal = unit_vector(facing - direction * away);
-    at.points.store(slot, point);
+    io.points.store(slot, point);
   }
 };
 
@@ -180,24 +182,25 @@ struct ShadeBlend {
     static constexpr void describe(auto& p, auto&& port) { name_all(port, NAMED_ALL(p.blended, p.mattes, p.optics)); }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> slot = at.blended.load(item).word;
-    const DiffuseRecord<V> matte = at.mattes.load(slot);
-    SpecularRecord<V> optics = at.optics.load(slot);
-    at.mattes.store(slot, {matte.diffuse * optics.alpha, matte.classes});
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> slot = io.blended.load(item).word;
+    const DiffuseRecord<V> matte = io.mattes.load(slot);
+    SpecularRecord<V> optics = io.optics.load(slot);
+    io.mattes.store(slot, {matte.diffuse * optics.alpha, matte.classes});
     optics.mirrored = optics.mirrored * optics.alpha;
     optics.entering = optics.entering * optics.alpha;
     optics.kept = optics.alpha;
-    at.optics.store(slot, optics);
+    io.optics.store(slot, optics);
   }
 };
 
 template <MipFilter kMips = MipFilter::kNone>
 struct ShadeGlow {
-  static constexpr std::string_view kName = by_filter<kMips>("shade_glow", "shade_glow_mip", "shade_glow_trilinear");
+  static constexpr std::string_view kName =
+      name_by_filter<kMips>("shade_glow", "shade_glow_mip", "shade_glow_trilinear");
   static constexpr std::string_view kMeaning =
-      by_filter<kMips>("surface with an emission texture -> its own light into its sample",
-                       "as shade_glow, from the nearest mip level", "as shade_glow, from two mip levels");
+      name_by_filter<kMips>("surface with an emission texture -> its own light into its sample",
+                            "as shade_glow, from the nearest mip level", "as shade_glow, from two mip levels");
   template <class V>
   struct Ports : DetailPorts<V, kMips> {
     Local<V, SurfacePointRecord> points;
@@ -213,16 +216,16 @@ struct ShadeGlow {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> slot = at.stream.load(item).word;
-    const I<V> classes = at.mattes.load(slot).classes;
-    const TexcoordRecord<V> uv = at.texcoords.load(slot);
-    const TangentRecord<V> other = at.tangents.load(slot);
-    const PathRecord<V> path = at.paths.load(slot);
-    const F<V> kept = at.optics.load(slot).kept;
-    const DetailFields<V> m = at.details.load(at.points.load(slot).material);
-    const auto texel = at.look_up(m.emission_texture, classes, traces::kEmissionSecond, uv, other);
-    add_light<V>(at.colours, path.sample, path.throughput * (m.emission * texel.srgb_colour(at.srgb_codes)) * kept);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> slot = io.stream.load(item).word;
+    const I<V> classes = io.mattes.load(slot).classes;
+    const TexcoordRecord<V> uv = io.texcoords.load(slot);
+    const TangentRecord<V> other = io.tangents.load(slot);
+    const PathRecord<V> path = io.paths.load(slot);
+    const F<V> kept = io.optics.load(slot).kept;
+    const DetailFields<V> m = io.details.load(io.points.load(slot).material);
+    const auto texel = io.look_up(m.emission_texture, classes, traces::kEmissionSecond, uv, other);
+    add_light<V>(io.colours, path.sample, path.throughput * (m.emission * texel.srgb_colour(io.srgb_codes)) * kept);
   }
 };
 
@@ -230,10 +233,10 @@ struct ShadeGlow {
 template <MipFilter kMips = MipFilter::kNone>
 struct ShadeOccluded {
   static constexpr std::string_view kName =
-      by_filter<kMips>("shade_occluded", "shade_occluded_mip", "shade_occluded_trilinear");
+      name_by_filter<kMips>("shade_occluded", "shade_occluded_mip", "shade_occluded_trilinear");
   static constexpr std::string_view kMeaning =
-      by_filter<kMips>("surface with an occlusion texture -> ambient light taken back",
-                       "as shade_occluded, from the nearest mip level", "as shade_occluded, from two mip levels");
+      name_by_filter<kMips>("surface with an occlusion texture -> ambient light taken back",
+                            "as shade_occluded, from the nearest mip level", "as shade_occluded, from two mip levels");
   template <class V>
   struct Ports : DetailPorts<V, kMips> {
     Local<V, SurfacePointRecord> points;
@@ -248,16 +251,16 @@ struct ShadeOccluded {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> slot = at.stream.load(item).word;
-    const DiffuseRecord<V> matte = at.mattes.load(slot);
-    const TexcoordRecord<V> uv = at.texcoords.load(slot);
-    const TangentRecord<V> other = at.tangents.load(slot);
-    const PathRecord<V> path = at.paths.load(slot);
-    const DetailFields<V> m = at.details.load(at.points.load(slot).material);
-    const auto texel = at.look_up(m.occlusion_texture, matte.classes, traces::kOcclusionSecond, uv, other);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> slot = io.stream.load(item).word;
+    const DiffuseRecord<V> matte = io.mattes.load(slot);
+    const TexcoordRecord<V> uv = io.texcoords.load(slot);
+    const TangentRecord<V> other = io.tangents.load(slot);
+    const PathRecord<V> path = io.paths.load(slot);
+    const DetailFields<V> m = io.details.load(io.points.load(slot).material);
+    const auto texel = io.look_up(m.occlusion_texture, matte.classes, traces::kOcclusionSecond, uv, other);
     const F<V> taken = (texel.linear_channel(0) - 1.0F) * m.occlusion_strength;
-    add_light<V>(at.colours, path.sample, path.throughput * matte.diffuse * at.ambient * taken);
+    add_light<V>(io.colours, path.sample, path.throughput * matte.diffuse * io.ambient * taken);
   }
 };
 

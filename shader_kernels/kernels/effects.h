@@ -16,7 +16,7 @@ namespace kernels {
 /// Uniforms from which a kernel computes a random point in the unit square, one launch per ray of an effect. The rays
 /// of one surface cover the square evenly; a hash shifts their pattern from surface to surface.
 template <class V>
-struct DrawUniforms {
+struct RandomPointUniforms {
   F<V> x, y;  ///< the point of this launch's ray, before the shift
   I<V> seed;  ///< hash seed; differs between frames and between effects
   static constexpr void describe(auto& d, auto&& port) {
@@ -27,14 +27,14 @@ struct DrawUniforms {
 };
 
 template <class V>
-struct DrawnPoint {
+struct UnitPoint {
   F<V> x, y;
 };
 
 /// Returns the random point of one ray. Its hash key is the direction of the ray that hit the surface, which has the
 /// same bits for any tile size, order and tracer.
 template <class V>
-DrawnPoint<V> random_point(const Vec3<V>& direction, const DrawUniforms<V>& draw) {
+UnitPoint<V> random_point(const Vec3<V>& direction, const RandomPointUniforms<V>& draw) {
   const I<V> key = (bits_of(direction.x) * 0x9e3779b1U) ^ (bits_of(direction.y) * 0x85ebca77U) ^
                    (bits_of(direction.z) * 0xc2b2ae3dU) ^ draw.seed;
   const I<V> first = scramble_bits<V>(key);
@@ -45,19 +45,19 @@ DrawnPoint<V> random_point(const Vec3<V>& direction, const DrawUniforms<V>& draw
 
 /// Returns the sine of an angle given in half turns, -1 to 1. It consists of two parabolas; the error is below 0.0012.
 template <class V>
-F<V> sine_of(const F<V>& half_turns) {
+F<V> sin_half_turns(const F<V>& half_turns) {
   const F<V> arch = half_turns * 4.0F * (1.0F - abs(half_turns));
   return arch * (abs(arch) * 0.225F + 0.775F);
 }
 
 /// Maps a point of the unit square to the unit disc with uniform density. `x` gives the angle, `y` the squared radius.
 template <class V>
-DrawnPoint<V> on_disc(const DrawnPoint<V>& square) {
+UnitPoint<V> map_to_disc(const UnitPoint<V>& square) {
   const F<V> half_turns = square.x * 2.0F - 1.0F;
   const F<V> quarter_on = half_turns + 0.5F;
   const F<V> radius = sqrt(square.y);
-  return {radius * sine_of<V>(select(quarter_on < 1.0F, quarter_on, quarter_on - 2.0F)),
-          radius * sine_of<V>(half_turns)};
+  return {radius * sin_half_turns<V>(select(quarter_on < 1.0F, quarter_on, quarter_on - 2.0F)),
+          radius * sin_half_turns<V>(half_turns)};
 }
 
 /// Two unit vectors that are perpendicular to a given unit vector and to each other (Duff et al. 2017).
@@ -91,12 +91,12 @@ template <class V>
 struct ShadeDiscPorts : ShadeDiffuse::Ports<V> {
   Local<V, RayRecord> rays;
   DiscUniforms<V> disc;
-  DrawUniforms<V> draw;
+  RandomPointUniforms<V> draw;
   static constexpr void describe(auto& p, auto&& port) {
     ShadeDiffuse::Ports<V>::describe(p, port);
     port(NAMED(p.rays));
     DiscUniforms<V>::describe(p.disc, port);
-    DrawUniforms<V>::describe(p.draw, port);
+    RandomPointUniforms<V>::describe(p.draw, port);
   }
 };
 
@@ -112,28 +112,28 @@ struct ShadeDisc {
   template <class V>
   using Ports = ShadeDiscPorts<V>;
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    shade_slot<V>(at.diffuse.load(item).word, AllItems{}, at);
+  static void body(const I<V>& item, Ports<V>& io) {
+    shade_slot<V>(io.diffuse.load(item).word, AllItems{}, io);
   }
   /// Emits the ray of surface `slot` if `mask` holds.
   template <class V>
-  static void shade_slot(const I<V>& slot, const auto& mask, Ports<V>& at) {
-    const SurfacePointRecord<V> point = at.points.load(slot);
-    const PathRecord<V> path = at.paths.load(slot);
+  static void shade_slot(const I<V>& slot, const auto& mask, Ports<V>& io) {
+    const SurfacePointRecord<V> point = io.points.load(slot);
+    const PathRecord<V> path = io.paths.load(slot);
     const auto [to_light, inverse_distance, light] =
-        diffuse_light<V>(point, path, at.mattes.load(slot).diffuse, at.light);
-    const DrawnPoint<V> aim = on_disc<V>(random_point<V>(at.rays.load(slot).direction, at.draw));
-    const Vec3<V> direction = to_light + at.disc.across_x * aim.x + at.disc.across_y * aim.y;
+        diffuse_light<V>(point, path, io.mattes.load(slot).diffuse, io.light);
+    const UnitPoint<V> aim = map_to_disc<V>(random_point<V>(io.rays.load(slot).direction, io.draw));
+    const Vec3<V> direction = to_light + io.disc.across_x * aim.x + io.disc.across_y * aim.y;
 
-    const I<V> out = at.emitted.next(both_of<V>(mask, F<V>(0.0F) < max_channel(light)));
-    const F<V> t_min = at.epsilon * inverse_distance;
-    const F<V> before = max(at.disc.radius * inverse_distance, t_min);
-    at.shadow_rays.store(out, {point.position, t_min, direction, at.light.reach - before});
-    const F<V>& share = at.disc.share;
+    const I<V> out = io.emitted.next_index(and_masks<V>(mask, F<V>(0.0F) < max_channel(light)));
+    const F<V> t_min = io.epsilon * inverse_distance;
+    const F<V> before = max(io.disc.radius * inverse_distance, t_min);
+    io.shadow_rays.store(out, {point.position, t_min, direction, io.light.reach - before});
+    const F<V>& share = io.disc.share;
     if constexpr (kShareAlone) {
-      at.shadow_paths.store(out, {{share, share, share}, path.sample});
+      io.shadow_paths.store(out, {{share, share, share}, path.sample});
     } else {
-      at.shadow_paths.store(out, {light * share, path.sample});
+      io.shadow_paths.store(out, {light * share, path.sample});
     }
   }
 };
@@ -152,13 +152,13 @@ struct CastAmbientPorts {
   Counter<V> emitted;
   Vec3<V> ambient;  ///< ambient light that one ray carries
   F<V> epsilon, distance;
-  DrawUniforms<V> draw;
+  RandomPointUniforms<V> draw;
   static constexpr void describe(auto& p, auto&& port) {
     port(NAMED(p.diffuse));
     port(p.points, "places");
     name_all(port, NAMED_ALL(p.rays, p.paths, p.mattes, p.shadow_rays, p.shadow_paths, p.emitted, p.ambient, p.epsilon,
                              p.distance));
-    DrawUniforms<V>::describe(p.draw, port);
+    RandomPointUniforms<V>::describe(p.draw, port);
   }
 };
 
@@ -179,26 +179,26 @@ struct CastAmbient {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    shade_slot<V>(at.diffuse.load(item).word, AllItems{}, at);
+  static void body(const I<V>& item, Ports<V>& io) {
+    shade_slot<V>(io.diffuse.load(item).word, AllItems{}, io);
   }
   /// Emits the ray of surface `slot` if `mask` holds.
   template <class V>
-  static void shade_slot(const I<V>& slot, const auto& mask, Ports<V>& at) {
-    const SurfacePointRecord<V> point = at.points.load(slot);
-    const PathRecord<V> path = at.paths.load(slot);
-    const Vec3<V> light = path.throughput * at.mattes.load(slot).diffuse * at.ambient;
-    const DrawnPoint<V> square = random_point<V>(at.rays.load(slot).direction, at.draw);
-    const DrawnPoint<V> disc = on_disc<V>(square);
+  static void shade_slot(const I<V>& slot, const auto& mask, Ports<V>& io) {
+    const SurfacePointRecord<V> point = io.points.load(slot);
+    const PathRecord<V> path = io.paths.load(slot);
+    const Vec3<V> light = path.throughput * io.mattes.load(slot).diffuse * io.ambient;
+    const UnitPoint<V> square = random_point<V>(io.rays.load(slot).direction, io.draw);
+    const UnitPoint<V> disc = map_to_disc<V>(square);
     const PerpendicularAxes<V> to_side = perpendicular_axes<V>(point.normal);
     const Vec3<V> direction = to_side.x * disc.x + to_side.y * disc.y + point.normal * sqrt(1.0F - square.y);
 
-    const I<V> out = at.emitted.next(both_of<V>(mask, F<V>(0.0F) < max_channel(light)));
-    at.shadow_rays.store(out, {point.position, at.epsilon, direction, at.distance});
+    const I<V> out = io.emitted.next_index(and_masks<V>(mask, F<V>(0.0F) < max_channel(light)));
+    io.shadow_rays.store(out, {point.position, io.epsilon, direction, io.distance});
     if constexpr (kShareAlone) {
-      at.shadow_paths.store(out, {{at.share, at.share, at.share}, path.sample});
+      io.shadow_paths.store(out, {{io.share, io.share, io.share}, path.sample});
     } else {
-      at.shadow_paths.store(out, {light, path.sample});
+      io.shadow_paths.store(out, {light, path.sample});
     }
   }
 };
@@ -210,7 +210,7 @@ using CastOcclusionShare = CastAmbient<true>;
 
 /// Returns a word that is not 0 if the pixel at (x, y) emits no effect rays.
 template <class V, bool kCheckerboard>
-I<V> is_left_out(const I<V>& x, const I<V>& y) {
+I<V> effect_rays_skipped(const I<V>& x, const I<V>& y) {
   return (kCheckerboard ? x ^ y : x | y) & 1U;
 }
 
@@ -234,12 +234,12 @@ struct SelectEffects {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> slot = at.diffuse.load(item).word;
-    const DivMod<V> pixel = divmod<V>(to_float(at.paths.load(slot).sample), at.grid.pitch, at.grid.inverse_pitch);
-    const I<V> left_out =
-        is_left_out<V, kCheckerboard>(to_int(at.grid.x0 + pixel.remainder), to_int(at.grid.y0 + pixel.quotient));
-    at.passed.store(at.passed_count.next(left_out == 0U), {slot});
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> slot = io.diffuse.load(item).word;
+    const DivMod<V> pixel = div_mod<V>(to_float(io.paths.load(slot).sample), io.grid.pitch, io.grid.inverse_pitch);
+    const I<V> left_out = effect_rays_skipped<V, kCheckerboard>(to_int(io.grid.x0 + pixel.remainder),
+                                                                to_int(io.grid.y0 + pixel.quotient));
+    io.passed.store(io.passed_count.next_index(left_out == 0U), {slot});
   }
 };
 
@@ -258,11 +258,11 @@ struct ClearEffects {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> sample = lattice_sample<V>(item, at.lattice);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> sample = lattice_sample<V>(item, io.lattice);
     const Vec3<V> none{0.0F, 0.0F, 0.0F};
-    at.lights.store(sample, {none});
-    at.ratios.store(sample, {none, 0.0F});
+    io.lights.store(sample, {none});
+    io.ratios.store(sample, {none, 0.0F});
   }
 };
 
@@ -283,12 +283,12 @@ struct CombineRatio {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const M<V> lit = at.shadow_hits.load(item).triangle == traces::kNoHit;
-    const PathRecord<V> path = at.shadow_paths.load(item);
-    const RatioRecord<V> so_far = at.ratios.load(path.sample);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const M<V> lit = io.shadow_hits.load(item).triangle == traces::kNoHit;
+    const PathRecord<V> path = io.shadow_paths.load(item);
+    const RatioRecord<V> so_far = io.ratios.load(path.sample);
     const Vec3<V> brought = select(lit, path.throughput, Vec3<V>{0.0F, 0.0F, 0.0F});
-    at.ratios.store(path.sample, {so_far.rgb + brought, so_far.found + at.share});
+    io.ratios.store(path.sample, {so_far.rgb + brought, so_far.found + io.share});
   }
 };
 
@@ -319,19 +319,19 @@ struct UpsampleEffects {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const DivMod<V> pixel = finished_pixel<V>(to_float(item), at.finished);
-    const F<V> centre = centre_sample<V>(pixel, at.finished);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const DivMod<V> pixel = row_and_column<V>(to_float(item), io.finished);
+    const F<V> centre = centre_sample<V>(pixel, io.finished);
     const I<V> sample = to_int(centre);
-    const VisibleRecord<V> own = at.visible.load(sample);
-    const I<V> of_light = sample + at.apart;
-    const RatioRecord<V> found = at.ratios.load(of_light);
-    const RatioRecord<V> around = sum_around<V>(pixel, centre, own, at);
+    const VisibleRecord<V> own = io.visible.load(sample);
+    const I<V> of_light = sample + io.apart;
+    const RatioRecord<V> found = io.ratios.load(of_light);
+    const RatioRecord<V> around = sum_neighbour_ratios<V>(pixel, centre, own, io);
     const M<V> is_found = F<V>(0.0F) < found.found;
     const M<V> is_known = F<V>(0.0F) < around.found;
     const F<V> inverse = 1.0F / select(is_known, around.found, F<V>(1.0F));
     const Vec3<V> filtered = select(is_known, around.rgb * inverse, Vec3<V>{1.0F, 1.0F, 1.0F});
-    add_light<V>(at.colours, sample, at.lights.load(of_light).rgb * select(is_found, found.rgb, filtered));
+    add_light<V>(io.colours, sample, io.lights.load(of_light).rgb * select(is_found, found.rgb, filtered));
   }
 
  private:
@@ -342,47 +342,48 @@ struct UpsampleEffects {
     M<V> inside;
   };
   template <class V>
-  static Step<V> step_to(const F<V>& from, const F<V>& by, const F<V>& samples, const F<V>& low, const F<V>& high) {
+  static Step<V> step_within(const F<V>& from, const F<V>& by, const F<V>& samples, const F<V>& low, const F<V>& high) {
     const F<V> to = from + by;
     const M<V> inside = logical_and(low <= to, to <= high);
     return {select(inside, samples, F<V>(0.0F)), inside};
   }
 
   template <class V>
-  static RatioRecord<V> sum_around(const DivMod<V>& pixel, const F<V>& centre, const VisibleRecord<V>& own,
-                                   Ports<V>& at) {
-    const FinishedUniforms<V>& of = at.finished;
+  static RatioRecord<V> sum_neighbour_ratios(const DivMod<V>& pixel, const F<V>& centre, const VisibleRecord<V>& own,
+                                             Ports<V>& io) {
+    const FinishedUniforms<V>& tile = io.finished;
     F<V> left = -1.0F, right = 1.0F, above = -1.0F, below = 1.0F;
     if constexpr (!kCheckerboard) {  // in columns and rows whose pixels emit rays, the step is 0
-      right = to_float(to_int(at.x0 + pixel.remainder) & 1U);
-      below = to_float(to_int(at.y0 + pixel.quotient) & 1U);
+      right = to_float(to_int(io.x0 + pixel.remainder) & 1U);
+      below = to_float(to_int(io.y0 + pixel.quotient) & 1U);
       left = -right;
       above = -below;
     }
-    const std::array<Step<V>, 2> columns{step_to<V>(pixel.remainder, left, left, of.low_x, of.high_x),
-                                         step_to<V>(pixel.remainder, right, right, of.low_x, of.high_x)};
-    const std::array<Step<V>, 2> rows{step_to<V>(pixel.quotient, above, above * of.pitch, of.low_y, of.high_y),
-                                      step_to<V>(pixel.quotient, below, below * of.pitch, of.low_y, of.high_y)};
+    const std::array<Step<V>, 2> columns{step_within<V>(pixel.remainder, left, left, tile.low_x, tile.high_x),
+                                         step_within<V>(pixel.remainder, right, right, tile.low_x, tile.high_x)};
+    const std::array<Step<V>, 2> rows{
+        step_within<V>(pixel.quotient, above, above * tile.pitch, tile.low_y, tile.high_y),
+        step_within<V>(pixel.quotient, below, below * tile.pitch, tile.low_y, tile.high_y)};
     RatioRecord<V> sum{{0.0F, 0.0F, 0.0F}, 0.0F};
     for (std::uint32_t tap = 0; tap < 4; ++tap) {
       const Step<V>& column = columns[tap % 2];
       const Step<V>& row = rows[tap / 2];
       if constexpr (kCheckerboard) {
         const Step<V>& beside = tap < 2 ? column : rows[tap % 2];
-        add<V>(sum, centre + beside.samples, beside.inside, own, at);
+        add_neighbour<V>(sum, centre + beside.samples, beside.inside, own, io);
       } else {
-        add<V>(sum, centre + column.samples + row.samples, logical_and(column.inside, row.inside), own, at);
+        add_neighbour<V>(sum, centre + column.samples + row.samples, logical_and(column.inside, row.inside), own, io);
       }
     }
     return sum;
   }
 
   template <class V>
-  static void add(RatioRecord<V>& sum, const F<V>& index, const M<V>& inside, const VisibleRecord<V>& own,
-                  Ports<V>& at) {
+  static void add_neighbour(RatioRecord<V>& sum, const F<V>& index, const M<V>& inside, const VisibleRecord<V>& own,
+                            Ports<V>& io) {
     const I<V> sample = to_int(index);
-    const RatioRecord<V> ratio = at.ratios.load(sample + at.apart);
-    const F<V> alike = Similarity<V>(own, at.visible.load(sample), at.bend).filter_weight();
+    const RatioRecord<V> ratio = io.ratios.load(sample + io.apart);
+    const F<V> alike = Similarity<V>(own, io.visible.load(sample), io.bend).filter_weight();
     const F<V> weight = select(inside, max(alike, F<V>(kUnlikeWeight)) * ratio.found, F<V>(0.0F));
     sum = {sum.rgb + ratio.rgb * weight, sum.found + weight};
   }

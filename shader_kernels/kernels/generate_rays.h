@@ -35,19 +35,19 @@ struct SamplePosition {
 };
 template <class V>
 SamplePosition<V> sample_position(const I<V>& item, const TileUniforms<V>& tile) {
-  const DivMod<V> pixel = divmod<V>(to_float(item), tile.samples, tile.inverse_samples);
-  const DivMod<V> row = divmod<V>(pixel.quotient, tile.width, tile.inverse_width);
-  const DivMod<V> cell = divmod<V>(pixel.remainder, tile.grid, tile.inverse_grid);
+  const DivMod<V> pixel = div_mod<V>(to_float(item), tile.samples, tile.inverse_samples);
+  const DivMod<V> row = div_mod<V>(pixel.quotient, tile.width, tile.inverse_width);
+  const DivMod<V> cell = div_mod<V>(pixel.remainder, tile.grid, tile.inverse_grid);
   return {tile.x0 + row.remainder, tile.y0 + row.quotient, cell.remainder, cell.quotient, pixel.remainder};
 }
 
 /// Stores the primary ray of `sample` in ray slot `item`. The ray goes through picture position (x, y), in pixels.
 template <class V>
-void emit_primary(const I<V>& item, const I<V>& sample, const F<V>& x, const F<V>& y, const auto& at) {
-  const Vec3<V> direction = unit_vector(at.camera.corner + at.camera.right * x + at.camera.down * y);
-  at.rays.store(item, {at.camera.origin, 0.0F, direction, std::numeric_limits<float>::infinity()});
-  at.paths.store(item, {{1.0F, 1.0F, 1.0F}, sample});
-  at.colours.store(sample, {{0.0F, 0.0F, 0.0F}});
+void emit_primary_ray(const I<V>& item, const I<V>& sample, const F<V>& x, const F<V>& y, const auto& io) {
+  const Vec3<V> direction = unit_vector(io.camera.corner + io.camera.right * x + io.camera.down * y);
+  io.rays.store(item, {io.camera.origin, 0.0F, direction, std::numeric_limits<float>::infinity()});
+  io.paths.store(item, {{1.0F, 1.0F, 1.0F}, sample});
+  io.colours.store(sample, {{0.0F, 0.0F, 0.0F}});
 }
 
 struct GenerateRays {
@@ -56,10 +56,10 @@ struct GenerateRays {
   template <class V>
   using Ports = GeneratePorts<V>;
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const SamplePosition<V> s = sample_position<V>(item, at.tile);
-    emit_primary<V>(item, item, s.x + (s.column + 0.5F) * at.tile.inverse_grid,
-                    s.y + (s.row + 0.5F) * at.tile.inverse_grid, at);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const SamplePosition<V> s = sample_position<V>(item, io.tile);
+    emit_primary_ray<V>(item, item, s.x + (s.column + 0.5F) * io.tile.inverse_grid,
+                        s.y + (s.row + 0.5F) * io.tile.inverse_grid, io);
   }
 };
 
@@ -81,12 +81,12 @@ struct GenerateJitteredRays {
   template <class V>
   using Ports = GeneratePorts<V>;
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const SamplePosition<V> s = sample_position<V>(item, at.tile);
-    const I<V> pixel = to_int(s.y) * at.image_width + to_int(s.x);
-    const Jitter<V> in_cell = jittered_point<V>(pixel, to_int(s.number), at.seed);
-    emit_primary<V>(item, item, s.x + (s.column + in_cell.x) * at.tile.inverse_grid,
-                    s.y + (s.row + in_cell.y) * at.tile.inverse_grid, at);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const SamplePosition<V> s = sample_position<V>(item, io.tile);
+    const I<V> pixel = to_int(s.y) * io.image_width + to_int(s.x);
+    const Jitter<V> in_cell = jittered_point<V>(pixel, to_int(s.number), io.seed);
+    emit_primary_ray<V>(item, item, s.x + (s.column + in_cell.x) * io.tile.inverse_grid,
+                        s.y + (s.row + in_cell.y) * io.tile.inverse_grid, io);
   }
 };
 
@@ -116,13 +116,13 @@ struct GenerateRotatedRays {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const DivMod<V> pixel = divmod<V>(to_float(item), at.tile.samples, at.tile.inverse_samples);
-    const DivMod<V> row = divmod<V>(pixel.quotient, at.tile.width, at.tile.inverse_width);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const DivMod<V> pixel = div_mod<V>(to_float(item), io.tile.samples, io.tile.inverse_samples);
+    const DivMod<V> row = div_mod<V>(pixel.quotient, io.tile.width, io.tile.inverse_width);
     const F<V> number = pixel.remainder;
-    const DivMod<V> column = divmod<V>((number + 1.0F) * at.tile.grid, at.cycle, at.inverse_cycle);
-    emit_primary<V>(item, item, at.tile.x0 + row.remainder + (column.remainder - 0.5F) * at.tile.inverse_samples,
-                    at.tile.y0 + row.quotient + (number + 0.5F) * at.tile.inverse_samples, at);
+    const DivMod<V> column = div_mod<V>((number + 1.0F) * io.tile.grid, io.cycle, io.inverse_cycle);
+    emit_primary_ray<V>(item, item, io.tile.x0 + row.remainder + (column.remainder - 0.5F) * io.tile.inverse_samples,
+                        io.tile.y0 + row.quotient + (number + 0.5F) * io.tile.inverse_samples, io);
   }
 };
 
@@ -140,10 +140,10 @@ struct ListSamples {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> sample = lattice_sample<V>(item, at.lattice);
-    at.samples.store(item, {sample});
-    at.verdicts.store(sample, {kReferenceVerdict});
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> sample = lattice_sample<V>(item, io.lattice);
+    io.samples.store(item, {sample});
+    io.verdicts.store(sample, {kReferenceVerdict});
   }
 };
 
@@ -166,13 +166,13 @@ struct GenerateListedRays {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> sample = at.samples.load(item).word;
-    const DivMod<V> row = divmod<V>(to_float(sample), at.grid.pitch, at.grid.inverse_pitch);
-    const DivMod<V> x = divmod<V>(at.grid.x0 + row.remainder, at.grid.grid, at.grid.inverse_grid);
-    const DivMod<V> y = divmod<V>(at.grid.y0 + row.quotient, at.grid.grid, at.grid.inverse_grid);
-    emit_primary<V>(item, sample, x.quotient + (x.remainder + 0.5F) * at.grid.inverse_grid,
-                    y.quotient + (y.remainder + 0.5F) * at.grid.inverse_grid, at);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> sample = io.samples.load(item).word;
+    const DivMod<V> row = div_mod<V>(to_float(sample), io.grid.pitch, io.grid.inverse_pitch);
+    const DivMod<V> x = div_mod<V>(io.grid.x0 + row.remainder, io.grid.grid, io.grid.inverse_grid);
+    const DivMod<V> y = div_mod<V>(io.grid.y0 + row.quotient, io.grid.grid, io.grid.inverse_grid);
+    emit_primary_ray<V>(item, sample, x.quotient + (x.remainder + 0.5F) * io.grid.inverse_grid,
+                        y.quotient + (y.remainder + 0.5F) * io.grid.inverse_grid, io);
   }
 };
 
@@ -198,18 +198,18 @@ struct GenerateExtraRays {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> subpixel = at.active.load(item >> 2U).word;
-    const DivMod<V> row = divmod<V>(to_float(subpixel >> 2U), at.width, at.inverse_width);
-    const F<V> x = at.x0 + row.remainder;
-    const F<V> y = at.y0 + row.quotient;
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> subpixel = io.active.load(item >> 2U).word;
+    const DivMod<V> row = div_mod<V>(to_float(subpixel >> 2U), io.width, io.inverse_width);
+    const F<V> x = io.x0 + row.remainder;
+    const F<V> y = io.y0 + row.quotient;
     // The pixel has 4 x 4 cells: the sub-pixel gives the upper bit of column and row, the sample the lower bit.
     const I<V> column = ((subpixel & 1U) << 1U) | (item & 1U);
     const I<V> line = (subpixel & 2U) | ((item >> 1U) & 1U);
-    const I<V> pixel = to_int(y) * at.image_width + to_int(x);
-    const Jitter<V> in_cell = jittered_point<V>(pixel, (line << 2U) | column, at.seed);
-    emit_primary<V>(item, to_int(at.first_sample + to_float(item)), x + (to_float(column) + in_cell.x) * 0.25F,
-                    y + (to_float(line) + in_cell.y) * 0.25F, at);
+    const I<V> pixel = to_int(y) * io.image_width + to_int(x);
+    const Jitter<V> in_cell = jittered_point<V>(pixel, (line << 2U) | column, io.seed);
+    emit_primary_ray<V>(item, to_int(io.first_sample + to_float(item)), x + (to_float(column) + in_cell.x) * 0.25F,
+                        y + (to_float(line) + in_cell.y) * 0.25F, io);
   }
 };
 
@@ -233,26 +233,27 @@ struct VisibleRayPorts {
 
 /// Returns the geometry record of a ray that hits nothing.
 template <class V>
-VisibleRecord<V> visible_miss() {
+VisibleRecord<V> visible_miss_record() {
   return {{0.0F, 0.0F, 1.0F}, kMissDepth, 0U};
 }
 
 /// Stores the primary ray of `sample` in ray slot `item`. The ray goes through point (x, y) of the pixel, each from 0
 /// to 1.
 template <class V>
-void emit_in_pixel(const I<V>& item, const I<V>& pixel, const I<V>& sample, const F<V>& x, const F<V>& y, auto& at) {
-  const DivMod<V> row = divmod<V>(to_float(pixel), at.grid.pitch, at.grid.inverse_pitch);
-  const Vec3<V> direction = unit_vector(at.camera.corner + at.camera.right * (at.grid.x0 + row.remainder + x) +
-                                        at.camera.down * (at.grid.y0 + row.quotient + y));
-  at.rays.store(item, {at.camera.origin, 0.0F, direction, std::numeric_limits<float>::infinity()});
-  at.paths.store(item, {{1.0F, 1.0F, 1.0F}, sample});
+void emit_ray_in_pixel(const I<V>& item, const I<V>& pixel, const I<V>& sample, const F<V>& x, const F<V>& y,
+                       auto& io) {
+  const DivMod<V> row = div_mod<V>(to_float(pixel), io.grid.pitch, io.grid.inverse_pitch);
+  const Vec3<V> direction = unit_vector(io.camera.corner + io.camera.right * (io.grid.x0 + row.remainder + x) +
+                                        io.camera.down * (io.grid.y0 + row.quotient + y));
+  io.rays.store(item, {io.camera.origin, 0.0F, direction, std::numeric_limits<float>::infinity()});
+  io.paths.store(item, {{1.0F, 1.0F, 1.0F}, sample});
 }
 
-/// Stores the primary ray of `sample`, as emit_in_pixel() does, and sets its geometry record to a miss.
+/// Stores the primary ray of `sample`, as emit_ray_in_pixel() does, and sets its geometry record to a miss.
 template <class V>
-void emit_visible(const I<V>& item, const I<V>& pixel, const I<V>& sample, const F<V>& x, const F<V>& y, auto& at) {
-  emit_in_pixel<V>(item, pixel, sample, x, y, at);
-  at.visible.store(sample, visible_miss<V>());
+void emit_visible_ray(const I<V>& item, const I<V>& pixel, const I<V>& sample, const F<V>& x, const F<V>& y, auto& io) {
+  emit_ray_in_pixel<V>(item, pixel, sample, x, y, io);
+  io.visible.store(sample, visible_miss_record<V>());
 }
 
 /// One of a pixel's three samples that are not shaded.
@@ -262,8 +263,8 @@ struct GeometrySample {
 };
 /// Returns the sample that item `item` stands for; three consecutive items belong to one pixel.
 template <class V>
-GeometrySample<V> other_sample(const I<V>& item) {
-  const DivMod<V> of_pixel = divmod<V>(to_float(item), F<V>(3.0F), F<V>(1.0F / 3.0F));
+GeometrySample<V> unshaded_sample(const I<V>& item) {
+  const DivMod<V> of_pixel = div_mod<V>(to_float(item), F<V>(3.0F), F<V>(1.0F / 3.0F));
   const F<V> k = of_pixel.remainder + 1.0F;
   const F<V> x = rotated_column<V>(k) * 0.25F + 0.125F;
   return {of_pixel.quotient, k, x, k * 0.25F + 0.125F};
@@ -281,10 +282,10 @@ struct GenerateShadedRays {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> pixel = lattice_sample<V>(item, at.lattice);
-    emit_visible<V>(item, pixel, pixel, F<V>(0.375F), F<V>(0.125F), at);  // column 1, row 0 of 4 x 4 cells
-    at.colours.store(pixel, {{0.0F, 0.0F, 0.0F}});
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> pixel = lattice_sample<V>(item, io.lattice);
+    emit_visible_ray<V>(item, pixel, pixel, F<V>(0.375F), F<V>(0.125F), io);  // column 1, row 0 of 4 x 4 cells
+    io.colours.store(pixel, {{0.0F, 0.0F, 0.0F}});
   }
 };
 
@@ -294,10 +295,10 @@ struct GenerateCentredRays {
   template <class V>
   using Ports = GenerateShadedRays::Ports<V>;
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> pixel = lattice_sample<V>(item, at.lattice);
-    emit_visible<V>(item, pixel, pixel, F<V>(0.5F), F<V>(0.5F), at);
-    at.colours.store(pixel, {{0.0F, 0.0F, 0.0F}});
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> pixel = lattice_sample<V>(item, io.lattice);
+    emit_visible_ray<V>(item, pixel, pixel, F<V>(0.5F), F<V>(0.5F), io);
+    io.colours.store(pixel, {{0.0F, 0.0F, 0.0F}});
   }
 };
 
@@ -314,10 +315,10 @@ struct GenerateVisibleRays {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const GeometrySample<V> of = other_sample<V>(item);
-    const I<V> pixel = lattice_sample<V>(to_int(of.pixel), at.lattice);
-    emit_visible<V>(item, pixel, pixel + to_int(of.number * at.apart), of.x, of.y, at);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const GeometrySample<V> of = unshaded_sample<V>(item);
+    const I<V> pixel = lattice_sample<V>(to_int(of.pixel), io.lattice);
+    emit_visible_ray<V>(item, pixel, pixel + to_int(of.number * io.apart), of.x, of.y, io);
   }
 };
 
@@ -338,12 +339,12 @@ struct ClearBranch {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    I<V> sample = lattice_sample<V>(item, at.lattice);
-    at.colours.store(sample, {{0.0F, 0.0F, 0.0F}});
+  static void body(const I<V>& item, Ports<V>& io) {
+    I<V> sample = lattice_sample<V>(item, io.lattice);
+    io.colours.store(sample, {{0.0F, 0.0F, 0.0F}});
     for (std::uint32_t k = 0; k < kGeometrySamples; ++k) {
-      if (k != 0) sample = sample + at.apart;
-      at.visible.store(sample, {{0.0F, 0.0F, 1.0F}, kNoBranchDepth, 0U});
+      if (k != 0) sample = sample + io.apart;
+      io.visible.store(sample, {{0.0F, 0.0F, 1.0F}, kNoBranchDepth, 0U});
     }
   }
 };

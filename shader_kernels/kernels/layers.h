@@ -43,37 +43,37 @@ struct Layer {
 };
 
 template <class V, bool kColoured, bool kInstanced>
-Layer<V> fetch_layer(const LayerPorts<V, kColoured, kInstanced>& at, const HitRecord<V>& hit) {
+Layer<V> fetch_layer(const LayerPorts<V, kColoured, kInstanced>& io, const HitRecord<V>& hit) {
   const I<V> triangle = triangle_of<V>(hit);
-  const AttributeFields<V> a = at.attributes.load(triangle);
-  const MaterialFields<V> m = at.materials.load(a.material);
+  const AttributeFields<V> a = io.attributes.load(triangle);
+  const MaterialFields<V> m = io.materials.load(a.material);
   const Weights<V> corners(hit);
   F<V> u = corners.interpolate(a.u0, a.u1, a.u2);
   F<V> v = corners.interpolate(a.v0, a.v1, a.v2);
   F<V> alpha = m.opacity;
   VertexColour<V> colour{};
   if constexpr (kColoured) {
-    const VertexFields<V> vertex = at.vertices.load(triangle);
+    const VertexFields<V> vertex = io.vertices.load(triangle);
     const M<V> second = has_class<V>(m.flags, traces::kBaseSecond);
     u = select(second, corners.interpolate(vertex.u0, vertex.u1, vertex.u2), u);
     v = select(second, corners.interpolate(vertex.v0, vertex.v1, vertex.v2), v);
     colour = vertex_colour<V>(corners, vertex);
     alpha = alpha * colour.alpha;
   }
-  const I<V> texture = select(m.base_texture < traces::kNoTexture, m.base_texture, at.white);
-  const TexelSample<V> base = sample_texture<V>(at.axes, at.texels, texture, u, v);
+  const I<V> texture = select(m.base_texture < traces::kNoTexture, m.base_texture, io.white);
+  const TexelSample<V> base = sample_texture<V>(io.axes, io.texels, texture, u, v);
   return {m, base, colour, alpha * base.linear_channel(3)};
 }
 
 /// Emits a ray that continues the ray of `slot` after its hit at distance `t`, if `onwards` holds. The new ray begins
 /// slightly more than a rounding error after the hit, so that it also passes other surfaces at the same distance.
 template <class V, bool kColoured, bool kInstanced>
-void continue_ray(LayerPorts<V, kColoured, kInstanced>& at, const M<V>& onwards, const I<V>& slot,
+void continue_ray(LayerPorts<V, kColoured, kInstanced>& io, const M<V>& onwards, const I<V>& slot,
                   const RayRecord<V>& ray, const F<V>& t) {
-  const I<V> out = at.emitted.next(onwards);
-  const F<V> step = at.epsilon * 0x1p-6F / sqrt(dot(ray.direction, ray.direction));
-  at.next_rays.store(out, {ray.origin, t + (t * 0x1p-17F + step), ray.direction, ray.t_max});
-  at.targets.store(out, {slot});
+  const I<V> out = io.emitted.next_index(onwards);
+  const F<V> step = io.epsilon * 0x1p-6F / sqrt(dot(ray.direction, ray.direction));
+  io.next_rays.store(out, {ray.origin, t + (t * 0x1p-17F + step), ray.direction, ray.t_max});
+  io.targets.store(out, {slot});
 }
 
 /// Tests whether a nearest-hit ray passes a transparent surface: the alpha of a mask is below its cutoff, or the alpha
@@ -90,14 +90,14 @@ struct TestAlpha {
   template <class V>
   using Ports = LayerPorts<V, kColoured, kInstanced>;
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> slot = at.layers.load(item).word;
-    const RayRecord<V> ray = at.rays.load(slot);
-    const HitRecord<V> hit = with_float_weights<V>(at.hits.load(slot));
-    const Layer<V> layer = fetch_layer<V, kColoured, kInstanced>(at, hit);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> slot = io.layers.load(item).word;
+    const RayRecord<V> ray = io.rays.load(slot);
+    const HitRecord<V> hit = with_float_weights<V>(io.hits.load(slot));
+    const Layer<V> layer = fetch_layer<V, kColoured, kInstanced>(io, hit);
     const M<V> is_blended = has_class<V>(layer.material.flags, traces::kBlended);
-    const F<V> least = select(is_blended, at.min_weight, layer.material.alpha_cutoff);
-    continue_ray<V, kColoured, kInstanced>(at, layer.alpha < least, slot, ray, hit.t);
+    const F<V> least = select(is_blended, io.min_weight, layer.material.alpha_cutoff);
+    continue_ray<V, kColoured, kInstanced>(io, layer.alpha < least, slot, ray, hit.t);
   }
 };
 
@@ -126,21 +126,21 @@ struct TestShadow {
   template <class V>
   using Ports = ShadowLayerPorts<V, kColoured, kInstanced>;
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> slot = at.layers.load(item).word;
-    const RayRecord<V> ray = at.rays.load(slot);
-    const HitRecord<V> hit = with_float_weights<V>(at.hits.load(slot));
-    const PathRecord<V> path = at.paths.load(slot);
-    const Layer<V> layer = fetch_layer<V, kColoured, kInstanced>(at, hit);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> slot = io.layers.load(item).word;
+    const RayRecord<V> ray = io.rays.load(slot);
+    const HitRecord<V> hit = with_float_weights<V>(io.hits.load(slot));
+    const PathRecord<V> path = io.paths.load(slot);
+    const Layer<V> layer = fetch_layer<V, kColoured, kInstanced>(io, hit);
     const MaterialFields<V>& m = layer.material;
     const F<V> solid = select(layer.alpha < m.alpha_cutoff, F<V>(0.0F), F<V>(1.0F));
     const F<V> cover = select(has_class<V>(m.flags, traces::kBlended), layer.alpha, solid);
-    Vec3<V> colour = m.base_colour * layer.base.srgb_colour(at.srgb_codes);
+    Vec3<V> colour = m.base_colour * layer.base.srgb_colour(io.srgb_codes);
     if constexpr (kColoured) colour = colour * layer.colour.rgb;
     const F<V> open = 1.0F - cover;
     const Vec3<V> light = path.throughput * (colour * (cover * m.entering) + Vec3<V>{open, open, open});
-    at.paths.store(slot, {light, path.sample});
-    continue_ray<V, kColoured, kInstanced>(at, at.min_weight < max_channel(light), slot, ray, hit.t);
+    io.paths.store(slot, {light, path.sample});
+    continue_ray<V, kColoured, kInstanced>(io, io.min_weight < max_channel(light), slot, ray, hit.t);
   }
 };
 
@@ -161,11 +161,11 @@ struct ScatterLayers {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> slot = at.targets.load(item).word;
-    const HitRecord<V> hit = at.layer_hits.load(item);
-    at.hits.store(slot, hit);
-    at.layers.store(at.layer_count.next(needs_test<V>(hit.triangle, at.solid)), {slot});
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> slot = io.targets.load(item).word;
+    const HitRecord<V> hit = io.layer_hits.load(item);
+    io.hits.store(slot, hit);
+    io.layers.store(io.layer_count.next_index(needs_transparency_test<V>(hit.triangle, io.solid)), {slot});
   }
 };
 

@@ -33,11 +33,11 @@ Vec3<V> masked_value(const M<V>& mask, const Vec3<V>& value) {
   return select(mask, value, Vec3<V>{0.0F, 0.0F, 0.0F});
 }
 template <class V>
-M<V> both_of(AllItems, const M<V>& other) {
+M<V> and_masks(AllItems, const M<V>& other) {
   return other;
 }
 template <class V>
-M<V> both_of(const M<V>& mask, const M<V>& other) {
+M<V> and_masks(const M<V>& mask, const M<V>& other) {
   return logical_and(mask, other);
 }
 
@@ -67,9 +67,9 @@ struct ImmediateLit {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> slot = at.surfaces.load(item).word;
-    K::template shade_slot<V>(slot, is_immediately_lit<V>(at.mattes.load(slot).classes), at);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> slot = io.surfaces.load(item).word;
+    K::template shade_slot<V>(slot, is_immediately_lit<V>(io.mattes.load(slot).classes), io);
   }
 };
 
@@ -88,12 +88,12 @@ struct ListDeferred {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> slot = at.surfaces.load(item).word;
-    const I<V> classes = at.mattes.load(slot).classes;
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> slot = io.surfaces.load(item).word;
+    const I<V> classes = io.mattes.load(slot).classes;
     const M<V> is_deferred =
         logical_and(has_class<V>(classes, traces::kDiffuse), I<V>(0U) < (classes & kDeferredClasses));
-    at.deferred.store(at.deferred_count.next(is_deferred), {slot});
+    io.deferred.store(io.deferred_count.next_index(is_deferred), {slot});
   }
 };
 
@@ -134,9 +134,9 @@ struct ShadeBackground {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const PathRecord<V> path = at.paths.load(at.misses.load(item).word);
-    add_light<V>(at.colours, path.sample, path.throughput * at.background);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const PathRecord<V> path = io.paths.load(io.misses.load(item).word);
+    add_light<V>(io.colours, path.sample, path.throughput * io.background);
   }
 };
 
@@ -145,10 +145,10 @@ struct ShadeBackground {
 template <MipFilter kMips = MipFilter::kNone>
 struct ShadeTextured {
   static constexpr std::string_view kName =
-      by_filter<kMips>("shade_textured", "shade_textured_mip", "shade_textured_trilinear");
+      name_by_filter<kMips>("shade_textured", "shade_textured_mip", "shade_textured_trilinear");
   static constexpr std::string_view kMeaning =
-      by_filter<kMips>("textured surface -> base colour times a bilinear fetch",
-                       "as shade_textured, from the nearest mip level", "as shade_textured, from two mip levels");
+      name_by_filter<kMips>("textured surface -> base colour times a bilinear fetch",
+                            "as shade_textured, from the nearest mip level", "as shade_textured, from two mip levels");
   template <class V>
   struct Ports : TexturePorts<V, kMips> {
     Local<V, WordRecord> textured;
@@ -162,21 +162,21 @@ struct ShadeTextured {
   };
 
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> slot = at.textured.load(item).word;
-    const TexcoordRecord<V> uv = at.texcoords.load(slot);
-    const auto base = look_up<V>(uv, at);
-    const DiffuseRecord<V> matte = at.mattes.load(slot);
-    at.mattes.store(slot, {matte.diffuse * base.srgb_colour(at.srgb_codes), matte.classes});
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> slot = io.textured.load(item).word;
+    const TexcoordRecord<V> uv = io.texcoords.load(slot);
+    const auto base = look_up<V>(uv, io);
+    const DiffuseRecord<V> matte = io.mattes.load(slot);
+    io.mattes.store(slot, {matte.diffuse * base.srgb_colour(io.srgb_codes), matte.classes});
   }
 
  private:
   template <class V>
-  static auto look_up(const TexcoordRecord<V>& uv, const Ports<V>& at) {
+  static auto look_up(const TexcoordRecord<V>& uv, const Ports<V>& io) {
     if constexpr (kMips == MipFilter::kNone) {
-      return sample_texture<V>(at.axes, at.texels, uv.texture, uv.u, uv.v);
+      return sample_texture<V>(io.axes, io.texels, uv.texture, uv.u, uv.v);
     } else {
-      return at.sample_level(texture_of<V, kMips>(uv), footprint_of<V>(uv.texture), uv.u, uv.v);
+      return io.sample_mip_level(texture_number<V, kMips>(uv), footprint_of<V>(uv.texture), uv.u, uv.v);
     }
   }
 };
@@ -199,11 +199,11 @@ struct ShadeEmission {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> slot = at.emissive.load(item).word;
-    const PathRecord<V> path = at.paths.load(slot);
-    const MaterialFields<V> material = at.materials.load(at.points.load(slot).material);
-    add_light<V>(at.colours, path.sample, path.throughput * material.emission * at.optics.load(slot).kept);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> slot = io.emissive.load(item).word;
+    const PathRecord<V> path = io.paths.load(slot);
+    const MaterialFields<V> material = io.materials.load(io.points.load(slot).material);
+    add_light<V>(io.colours, path.sample, path.throughput * material.emission * io.optics.load(slot).kept);
   }
 };
 
@@ -222,15 +222,15 @@ struct ShadeAmbient {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    shade_slot<V>(at.diffuse.load(item).word, AllItems{}, at);
+  static void body(const I<V>& item, Ports<V>& io) {
+    shade_slot<V>(io.diffuse.load(item).word, AllItems{}, io);
   }
   /// Adds the light of surface `slot` if `mask` holds.
   template <class V>
-  static void shade_slot(const I<V>& slot, const auto& mask, Ports<V>& at) {
-    const PathRecord<V> path = at.paths.load(slot);
-    const Vec3<V> light = path.throughput * at.mattes.load(slot).diffuse * at.ambient;
-    add_light<V>(at.colours, path.sample, masked_value<V>(mask, light));
+  static void shade_slot(const I<V>& slot, const auto& mask, Ports<V>& io) {
+    const PathRecord<V> path = io.paths.load(slot);
+    const Vec3<V> light = path.throughput * io.mattes.load(slot).diffuse * io.ambient;
+    add_light<V>(io.colours, path.sample, masked_value<V>(mask, light));
   }
 };
 
@@ -259,21 +259,21 @@ struct ShadeDiffuse {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    shade_slot<V>(at.diffuse.load(item).word, AllItems{}, at);
+  static void body(const I<V>& item, Ports<V>& io) {
+    shade_slot<V>(io.diffuse.load(item).word, AllItems{}, io);
   }
   /// Emits the shadow ray of surface `slot` if `mask` holds.
   template <class V>
-  static void shade_slot(const I<V>& slot, const auto& mask, Ports<V>& at) {
-    const SurfacePointRecord<V> point = at.points.load(slot);
-    const PathRecord<V> path = at.paths.load(slot);
+  static void shade_slot(const I<V>& slot, const auto& mask, Ports<V>& io) {
+    const SurfacePointRecord<V> point = io.points.load(slot);
+    const PathRecord<V> path = io.paths.load(slot);
     const auto [to_light, inverse_distance, light] =
-        diffuse_light<V>(point, path, at.mattes.load(slot).diffuse, at.light);
+        diffuse_light<V>(point, path, io.mattes.load(slot).diffuse, io.light);
 
-    const I<V> out = at.emitted.next(both_of<V>(mask, F<V>(0.0F) < max_channel(light)));
-    const F<V> t_min = at.epsilon * inverse_distance;
-    at.shadow_rays.store(out, {point.position, t_min, to_light, at.light.reach - t_min});
-    at.shadow_paths.store(out, {light, path.sample});
+    const I<V> out = io.emitted.next_index(and_masks<V>(mask, F<V>(0.0F) < max_channel(light)));
+    const F<V> t_min = io.epsilon * inverse_distance;
+    io.shadow_rays.store(out, {point.position, t_min, to_light, io.light.reach - t_min});
+    io.shadow_paths.store(out, {light, path.sample});
   }
 };
 
@@ -298,16 +298,16 @@ struct ShadeOpen {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    shade_slot<V>(at.diffuse.load(item).word, AllItems{}, at);
+  static void body(const I<V>& item, Ports<V>& io) {
+    shade_slot<V>(io.diffuse.load(item).word, AllItems{}, io);
   }
   /// Adds the light of surface `slot` if `mask` holds.
   template <class V>
-  static void shade_slot(const I<V>& slot, const auto& mask, Ports<V>& at) {
-    const PathRecord<V> path = at.paths.load(slot);
-    const Vec3<V> light = diffuse_light<V>(at.points.load(slot), path, at.mattes.load(slot).diffuse, at.light).light;
-    const M<V> is_lit = both_of<V>(mask, F<V>(0.0F) < max_channel(light));
-    add_light<V>(at.colours, path.sample, select(is_lit, light, Vec3<V>{0.0F, 0.0F, 0.0F}));
+  static void shade_slot(const I<V>& slot, const auto& mask, Ports<V>& io) {
+    const PathRecord<V> path = io.paths.load(slot);
+    const Vec3<V> light = diffuse_light<V>(io.points.load(slot), path, io.mattes.load(slot).diffuse, io.light).light;
+    const M<V> is_lit = and_masks<V>(mask, F<V>(0.0F) < max_channel(light));
+    add_light<V>(io.colours, path.sample, select(is_lit, light, Vec3<V>{0.0F, 0.0F, 0.0F}));
   }
 };
 
@@ -335,18 +335,18 @@ struct ShadeVisible {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    shade_slot<V>(at.diffuse.load(item).word, AllItems{}, at);
+  static void body(const I<V>& item, Ports<V>& io) {
+    shade_slot<V>(io.diffuse.load(item).word, AllItems{}, io);
   }
   /// Adds the light of surface `slot` if `mask` holds.
   template <class V>
-  static void shade_slot(const I<V>& slot, const auto& mask, Ports<V>& at) {
-    const PathRecord<V> path = at.paths.load(slot);
-    const Vec3<V> light = diffuse_light<V>(at.points.load(slot), path, at.mattes.load(slot).diffuse, at.light).light;
-    const M<V> dark = I<V>(0U) < (at.geometry.load(path.sample).shadows & at.mark);
+  static void shade_slot(const I<V>& slot, const auto& mask, Ports<V>& io) {
+    const PathRecord<V> path = io.paths.load(slot);
+    const Vec3<V> light = diffuse_light<V>(io.points.load(slot), path, io.mattes.load(slot).diffuse, io.light).light;
+    const M<V> dark = I<V>(0U) < (io.geometry.load(path.sample).shadows & io.mark);
     const Vec3<V> none{0.0F, 0.0F, 0.0F};
-    const Vec3<V> seen = select(both_of<V>(mask, F<V>(0.0F) < max_channel(light)), light, none);
-    add_light<V>(at.colours, path.sample, select(dark, none, seen));
+    const Vec3<V> seen = select(and_masks<V>(mask, F<V>(0.0F) < max_channel(light)), light, none);
+    add_light<V>(io.colours, path.sample, select(dark, none, seen));
   }
 };
 
@@ -363,11 +363,11 @@ struct CombineShadow {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const M<V> lit = at.shadow_hits.load(item).triangle == traces::kNoHit;
-    const PathRecord<V> path = at.shadow_paths.load(item);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const M<V> lit = io.shadow_hits.load(item).triangle == traces::kNoHit;
+    const PathRecord<V> path = io.shadow_paths.load(item);
     const Vec3<V> none{0.0F, 0.0F, 0.0F};
-    add_light<V>(at.colours, path.sample, select(lit, path.throughput, none));
+    add_light<V>(io.colours, path.sample, select(lit, path.throughput, none));
   }
 };
 

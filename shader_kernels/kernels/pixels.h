@@ -22,21 +22,21 @@ struct AverageColour {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const DivMod<V> pixel = divmod<V>(to_float(item), at.samples, at.inverse_samples);
-    add<V>(at, pixel, at.colours.load(item).rgb);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const DivMod<V> pixel = div_mod<V>(to_float(item), io.samples, io.inverse_samples);
+    add_sample<V>(io, pixel, io.colours.load(item).rgb);
   }
   /// Adds a sample to the sum of its pixel. The samples of a pixel are added in order of their numbers.
   template <class V>
-  static void add(Ports<V>& at, const DivMod<V>& pixel, const Vec3<V>& colour) {
+  static void add_sample(Ports<V>& io, const DivMod<V>& pixel, const Vec3<V>& colour) {
     const M<V> first = pixel.remainder <= 0.0F;
     const auto sum = [&](Carried<V>& so_far, const F<V>& sample) {
       const F<V> next = select(first, F<V>(0.0F), so_far.get()) + clamp_to_unit<V>(sample);
       so_far.set(next);
       return next;
     };
-    const Vec3<V> total{sum(at.red, colour.x), sum(at.green, colour.y), sum(at.blue, colour.z)};
-    at.pixels.store(to_int(pixel.quotient), {total * at.inverse_samples});
+    const Vec3<V> total{sum(io.red, colour.x), sum(io.green, colour.y), sum(io.blue, colour.z)};
+    io.pixels.store(to_int(pixel.quotient), {total * io.inverse_samples});
   }
 };
 
@@ -55,13 +55,13 @@ struct AverageSamples {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const DivMod<V> pixel = divmod<V>(to_float(item), at.samples, at.inverse_samples);
-    const DivMod<V> row = divmod<V>(pixel.quotient, at.width, at.inverse_width);
-    const DivMod<V> cell = divmod<V>(pixel.remainder, at.grid, at.inverse_grid);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const DivMod<V> pixel = div_mod<V>(to_float(item), io.samples, io.inverse_samples);
+    const DivMod<V> row = div_mod<V>(pixel.quotient, io.width, io.inverse_width);
+    const DivMod<V> cell = div_mod<V>(pixel.remainder, io.grid, io.inverse_grid);
     const F<V> sample =
-        at.first + (row.quotient * at.grid + cell.quotient) * at.pitch + row.remainder * at.grid + cell.remainder;
-    AverageColour::add<V>(at, pixel, at.colours.load(to_int(sample)).rgb);
+        io.first + (row.quotient * io.grid + cell.quotient) * io.pitch + row.remainder * io.grid + cell.remainder;
+    AverageColour::add_sample<V>(io, pixel, io.colours.load(to_int(sample)).rgb);
   }
 };
 
@@ -73,13 +73,13 @@ struct TakeSample {
     static constexpr void describe(auto& p, auto&& port) { name_all(port, NAMED_ALL(p.colours, p.pixels)); }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    take_sample<V>(item, item, at);
+  static void body(const I<V>& item, Ports<V>& io) {
+    store_clamped_sample<V>(item, item, io);
   }
   template <class V>
-  static void take_sample(const I<V>& pixel, const I<V>& sample, const Ports<V>& at) {
-    const Vec3<V> colour = at.colours.load(sample).rgb;
-    at.pixels.store(pixel, {{clamp_to_unit<V>(colour.x), clamp_to_unit<V>(colour.y), clamp_to_unit<V>(colour.z)}});
+  static void store_clamped_sample(const I<V>& pixel, const I<V>& sample, const Ports<V>& io) {
+    const Vec3<V> colour = io.colours.load(sample).rgb;
+    io.pixels.store(pixel, {{clamp_to_unit<V>(colour.x), clamp_to_unit<V>(colour.y), clamp_to_unit<V>(colour.z)}});
   }
 };
 
@@ -94,14 +94,14 @@ struct TakeGridSample {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    TakeSample::take_sample<V>(item, lattice_sample<V>(item, at.lattice), at);
+  static void body(const I<V>& item, Ports<V>& io) {
+    TakeSample::store_clamped_sample<V>(item, lattice_sample<V>(item, io.lattice), io);
   }
 };
 
 /// Packs a colour with channels in [0, 1] into a word of the frame buffer (RGBA8).
 template <class V>
-I<V> encoded_pixel(const Vec3<V>& colour) {
+I<V> pack_pixel(const Vec3<V>& colour) {
   const auto byte = [](const F<V>& x) { return to_int(encode_srgb<V>(x) * 255.0F + 0.5F); };
   return byte(colour.x) | (byte(colour.y) << 8U) | (byte(colour.z) << 16U) | 0xff000000U;
 }
@@ -116,10 +116,10 @@ struct PackColour {
     static constexpr void describe(auto& p, auto&& port) { name_all(port, NAMED_ALL(p.pixels, p.packed)); }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const Vec3<V> colour = at.pixels.load(item).rgb;
-    at.packed.store(
-        item, {encoded_pixel<V>({clamp_to_unit<V>(colour.x), clamp_to_unit<V>(colour.y), clamp_to_unit<V>(colour.z)})});
+  static void body(const I<V>& item, Ports<V>& io) {
+    const Vec3<V> colour = io.pixels.load(item).rgb;
+    io.packed.store(
+        item, {pack_pixel<V>({clamp_to_unit<V>(colour.x), clamp_to_unit<V>(colour.y), clamp_to_unit<V>(colour.z)})});
   }
 };
 
@@ -129,8 +129,8 @@ struct PackClamped {
   template <class V>
   using Ports = PackColour::Ports<V>;
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    at.packed.store(item, {encoded_pixel<V>(at.pixels.load(item).rgb)});
+  static void body(const I<V>& item, Ports<V>& io) {
+    io.packed.store(item, {pack_pixel<V>(io.pixels.load(item).rgb)});
   }
 };
 

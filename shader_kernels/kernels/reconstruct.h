@@ -42,11 +42,11 @@ struct RecordVisible {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> slot = at.surfaces.load(item).word;
-    const SurfacePointRecord<V> point = at.points.load(slot);
-    const I<V> sample = at.paths.load(slot).sample;
-    at.visible.store(sample, {point.normal, dot(point.position - at.eye.position, at.eye.axis), 0U});
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> slot = io.surfaces.load(item).word;
+    const SurfacePointRecord<V> point = io.points.load(slot);
+    const I<V> sample = io.paths.load(slot).sample;
+    io.visible.store(sample, {point.normal, dot(point.position - io.eye.position, io.eye.axis), 0U});
   }
 };
 
@@ -65,11 +65,11 @@ struct BeginBranch {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const PathRecord<V> path = at.next_paths.load(item);
-    const I<V> sample = path.sample + at.apart;
-    at.next_paths.store(item, {path.throughput, sample});
-    at.visible.store(sample, visible_miss<V>());
+  static void body(const I<V>& item, Ports<V>& io) {
+    const PathRecord<V> path = io.next_paths.load(item);
+    const I<V> sample = path.sample + io.apart;
+    io.next_paths.store(item, {path.throughput, sample});
+    io.visible.store(sample, visible_miss_record<V>());
   }
 };
 
@@ -93,12 +93,12 @@ struct RecordBranchVisible {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> slot = at.surfaces.load(item).word;
-    const F<V> way = at.hits.load(slot).t;
-    const Vec3<V> normal = at.points.load(slot).normal;
-    const I<V> sample = at.paths.load(slot).sample;
-    at.visible.store(sample, {normal, way * at.depth_scale, 0U});
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> slot = io.surfaces.load(item).word;
+    const F<V> way = io.hits.load(slot).t;
+    const Vec3<V> normal = io.points.load(slot).normal;
+    const I<V> sample = io.paths.load(slot).sample;
+    io.visible.store(sample, {normal, way * io.depth_scale, 0U});
   }
 };
 
@@ -123,7 +123,7 @@ inline constexpr float kHalved = 0.69314718F;
 /// Smallest sum of weights that counts; a pixel with less has no similar sample.
 inline constexpr float kLeastWeight = 1e-30F;
 
-/// True if the record is that of a mirrored or refracted ray, hit or miss.
+/// True if the sample had a mirrored or refracted ray, whether it hit something or not.
 template <class V>
 M<V> has_branch(const VisibleRecord<V>& record) {
   return F<V>(0.5F * kNoBranchDepth) < record.depth;
@@ -134,17 +134,17 @@ template <std::uint32_t kRadius, class V>
 class ShadedAround {
  public:
   static constexpr std::uint32_t kSide = 2 * kRadius + 1, kTaps = kSide * kSide, kOwn = kTaps / 2;
-  ShadedAround(const DivMod<V>& pixel, const FinishedUniforms<V>& of)
-      : columns_(steps(pixel.remainder, of.low_x, of.high_x, [](float by) { return F<V>(by); })),
-        rows_(steps(pixel.quotient, of.low_y, of.high_y, [&](float by) { return of.pitch * by; })) {}
+  ShadedAround(const DivMod<V>& pixel, const FinishedUniforms<V>& tile)
+      : columns_(bounded_steps(pixel.remainder, tile.low_x, tile.high_x, [](float by) { return F<V>(by); })),
+        rows_(bounded_steps(pixel.quotient, tile.low_y, tile.high_y, [&](float by) { return tile.pitch * by; })) {}
 
   /// Calls f(index, inside) for the shaded sample at position `t` of the square around sample `centre`; `inside` is
   /// false outside the picture. The centre itself is not allowed.
-  auto at(std::uint32_t t, const F<V>& centre, auto&& f) const {
+  auto call_with_tap(std::uint32_t t, const F<V>& centre, auto&& f) const {
     const std::uint32_t x = t % kSide, y = t / kSide;
-    if (x == kRadius) return f(centre + rows_[step_to(y)].samples, rows_[step_to(y)].inside);
-    if (y == kRadius) return f(centre + columns_[step_to(x)].samples, columns_[step_to(x)].inside);
-    const Step &column = columns_[step_to(x)], &row = rows_[step_to(y)];
+    if (x == kRadius) return f(centre + rows_[step_index(y)].samples, rows_[step_index(y)].inside);
+    if (y == kRadius) return f(centre + columns_[step_index(x)].samples, columns_[step_index(x)].inside);
+    const Step &column = columns_[step_index(x)], &row = rows_[step_index(y)];
     return f(centre + column.samples + row.samples, logical_and(column.inside, row.inside));
   }
 
@@ -155,9 +155,9 @@ class ShadedAround {
     M<V> inside;
   };
   using Steps = std::array<Step, 2 * kRadius>;
-  /// Returns the offsets to the columns or rows -kRadius to kRadius around `from`, without 0. `samples` converts a
-  /// distance in pixels to samples.
-  static Steps steps(const F<V>& from, const F<V>& low, const F<V>& high, auto&& samples) {
+  /// Returns the steps from column or row `from` to those at distances -kRadius to kRadius, except 0.
+  /// `samples` converts a distance in pixels to samples.
+  static Steps bounded_steps(const F<V>& from, const F<V>& low, const F<V>& high, auto&& samples) {
     const auto step = [&](std::size_t n) -> Step {
       const float by = static_cast<float>(n < kRadius ? n : n + 1) - static_cast<float>(kRadius);
       const F<V> to = from + by;
@@ -168,7 +168,7 @@ class ShadedAround {
     (std::make_index_sequence<2 * kRadius>{});
   }
   /// Returns the index in Steps of column or row `n` of the square.
-  static constexpr std::uint32_t step_to(std::uint32_t n) { return n < kRadius ? n : n - 1; }
+  static constexpr std::uint32_t step_index(std::uint32_t n) { return n < kRadius ? n : n - 1; }
 
   const Steps columns_, rows_;
 };
@@ -191,15 +191,15 @@ struct ListBranches {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const DivMod<V> pixel = finished_pixel<V>(to_float(item), at.finished);
-    I<V> sample = to_int(centre_sample<V>(pixel, at.finished) + at.branch);
-    M<V> any = has_branch<V>(at.visible.load(sample));
+  static void body(const I<V>& item, Ports<V>& io) {
+    const DivMod<V> pixel = row_and_column<V>(to_float(item), io.finished);
+    I<V> sample = to_int(centre_sample<V>(pixel, io.finished) + io.branch);
+    M<V> any = has_branch<V>(io.visible.load(sample));
     for (std::uint32_t k = 1; k < kGeometrySamples; ++k) {
-      sample = sample + at.apart;
-      any = logical_or(any, has_branch<V>(at.visible.load(sample)));
+      sample = sample + io.apart;
+      any = logical_or(any, has_branch<V>(io.visible.load(sample)));
     }
-    at.masters.store(at.masters_count.next(any), {item});
+    io.masters.store(io.masters_count.next_index(any), {item});
   }
 };
 
@@ -236,17 +236,17 @@ struct Reconstruct {
   };
 
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
+  static void body(const I<V>& item, Ports<V>& io) {
     I<V> listed = item;
-    if constexpr (kBranch) listed = at.masters.load(item).word;
-    const DivMod<V> pixel = finished_pixel<V>(to_float(listed), at.finished);
-    F<V> centre = centre_sample<V>(pixel, at.finished);
-    if constexpr (kBranch) centre = centre + at.branch;
-    const Vec3<V> sum = filter_pixel<V>(pixel, centre, at);
+    if constexpr (kBranch) listed = io.masters.load(item).word;
+    const DivMod<V> pixel = row_and_column<V>(to_float(listed), io.finished);
+    F<V> centre = centre_sample<V>(pixel, io.finished);
+    if constexpr (kBranch) centre = centre + io.branch;
+    const Vec3<V> sum = filter_pixel<V>(pixel, centre, io);
     if constexpr (kBranch) {
-      at.pixels.store(listed, {at.pixels.load(listed).rgb + sum});
+      io.pixels.store(listed, {io.pixels.load(listed).rgb + sum});
     } else {
-      at.pixels.store(listed, {sum});
+      io.pixels.store(listed, {sum});
     }
   }
 
@@ -266,27 +266,28 @@ struct Reconstruct {
     Samples<V> samples;
   };
   template <class V>
-  static Own<V> samples_of(const F<V>& centre, Ports<V>& at) {
+  static Own<V> load_own_samples(const F<V>& centre, Ports<V>& io) {
     Own<V> own{to_int(centre), {}};
     I<V> sample = own.shaded;
     for (std::uint32_t k = 0; k < kGeometrySamples; ++k) {
-      if (k != 0) sample = sample + at.apart;
-      own.samples[k] = at.visible.load(sample);
+      if (k != 0) sample = sample + io.apart;
+      own.samples[k] = io.visible.load(sample);
     }
     return own;
   }
 
   template <class V>
-  static Vec3<V> filter_pixel(const DivMod<V>& pixel, const F<V>& centre, Ports<V>& at) {
-    const Own<V> own = samples_of<V>(centre, at);
-    const ShadedAround<kRadius, V> around(pixel, at.finished);
+  static Vec3<V> filter_pixel(const DivMod<V>& pixel, const F<V>& centre, Ports<V>& io) {
+    const Own<V> own = load_own_samples<V>(centre, io);
+    const ShadedAround<kRadius, V> around(pixel, io.finished);
     std::array<Tap<V>, kTaps> taps;
     for (std::uint32_t t = 0; t < kTaps; ++t) {
-      taps[t] = t == kOwn ? own_tap<V>(own, at) : around.at(t, centre, [&](const F<V>& index, const M<V>& inside) {
-        return weigh_tap<V>(own, index, inside, at);
-      });
+      taps[t] = t == kOwn ? weigh_own_sample<V>(own, io)
+                          : around.call_with_tap(t, centre, [&](const F<V>& index, const M<V>& inside) {
+                              return weigh_other_sample<V>(own, index, inside, io);
+                            });
     }
-    const std::array<F<V>, kGeometrySamples> shares = shares_of<V>(own.samples, taps);
+    const std::array<F<V>, kGeometrySamples> shares = sample_fractions<V>(own.samples, taps);
     Vec3<V> sum;
     for (std::uint32_t t = 0; t < kTaps; ++t) {
       F<V> share = taps[t].weights[0] * shares[0];
@@ -299,7 +300,7 @@ struct Reconstruct {
 
   /// Returns, for each of the pixel's samples, its fraction of the pixel divided by its sum of weights.
   template <class V>
-  static std::array<F<V>, kGeometrySamples> shares_of(const Samples<V>& own, std::array<Tap<V>, kTaps>& taps) {
+  static std::array<F<V>, kGeometrySamples> sample_fractions(const Samples<V>& own, std::array<Tap<V>, kTaps>& taps) {
     std::array<F<V>, kGeometrySamples> shares;
     for (std::uint32_t k = 0; k < kGeometrySamples; ++k) {
       F<V> all = taps[0].weights[k];
@@ -317,24 +318,24 @@ struct Reconstruct {
 
   /// Returns the shaded sample of the pixel itself, with its weights.
   template <class V>
-  static Tap<V> own_tap(const Own<V>& own, Ports<V>& at) {
-    Tap<V> out{at.colours.load(own.shaded).rgb, {}};
+  static Tap<V> weigh_own_sample(const Own<V>& own, Ports<V>& io) {
+    Tap<V> out{io.colours.load(own.shaded).rgb, {}};
     out.weights[0] = 1.0F;
     for (std::uint32_t k = 1; k < kGeometrySamples; ++k) {
-      out.weights[k] = Similarity<V>(own.samples[k], own.samples[0], at.bend).filter_weight();
+      out.weights[k] = Similarity<V>(own.samples[k], own.samples[0], io.bend).filter_weight();
     }
     return out;
   }
 
   /// Returns the shaded sample of another pixel, at `index`, with its weights; all are 0 unless `inside` holds.
   template <class V>
-  static Tap<V> weigh_tap(const Own<V>& own, const F<V>& index, const M<V>& inside, Ports<V>& at) {
+  static Tap<V> weigh_other_sample(const Own<V>& own, const F<V>& index, const M<V>& inside, Ports<V>& io) {
     const I<V> sample = to_int(index);
-    VisibleRecord<V> record = at.visible.load(sample);
+    VisibleRecord<V> record = io.visible.load(sample);
     record.depth = select(inside, record.depth, F<V>(kOutsideDepth));
-    Tap<V> out{at.colours.load(sample).rgb, {}};
+    Tap<V> out{io.colours.load(sample).rgb, {}};
     for (std::uint32_t k = 0; k < kGeometrySamples; ++k) {
-      out.weights[k] = Similarity<V>(own.samples[k], record, at.bend).filter_weight();
+      out.weights[k] = Similarity<V>(own.samples[k], record, io.bend).filter_weight();
     }
     return out;
   }
@@ -366,46 +367,46 @@ struct ListContrasts {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const DivMod<V> pixel = finished_pixel<V>(to_float(item), at.finished);
-    const ShadedAround<1, V> around(pixel, at.finished);
-    F<V> centre = centre_sample<V>(pixel, at.finished);
-    M<V> any = colours_differ<V>(centre, around, at);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const DivMod<V> pixel = row_and_column<V>(to_float(item), io.finished);
+    const ShadedAround<1, V> around(pixel, io.finished);
+    F<V> centre = centre_sample<V>(pixel, io.finished);
+    M<V> any = colours_differ<V>(centre, around, io);
     for (std::uint32_t branch = 0; branch < kBranches; ++branch) {
-      centre = centre + at.branch;
-      any = logical_or(any, colours_differ<V>(centre, around, at));
+      centre = centre + io.branch;
+      any = logical_or(any, colours_differ<V>(centre, around, io));
     }
-    at.masters.store(at.masters_count.next(any), {item});
+    io.masters.store(io.masters_count.next_index(any), {item});
   }
 
  private:
   /// True if the colours of one layer differ too much around the sample `centre`.
   template <class V>
-  static M<V> colours_differ(const F<V>& centre, const ShadedAround<1, V>& around, Ports<V>& at) {
+  static M<V> colours_differ(const F<V>& centre, const ShadedAround<1, V>& around, Ports<V>& io) {
     const I<V> own = to_int(centre);
-    const VisibleRecord<V> record = at.visible.load(own);
-    const Vec3<V> colour = at.colours.load(own).rgb;
+    const VisibleRecord<V> record = io.visible.load(own);
+    const Vec3<V> colour = io.colours.load(own).rgb;
     Vec3<V> least = colour, most = colour;
     for (std::uint32_t t = 0; t < ShadedAround<1, V>::kTaps; ++t) {
       if (t == ShadedAround<1, V>::kOwn) continue;
-      const Vec3<V> seen = around.at(t, centre, [&](const F<V>& index, const M<V>& inside) {
+      const Vec3<V> seen = around.call_with_tap(t, centre, [&](const F<V>& index, const M<V>& inside) {
         const I<V> sample = to_int(index);
-        VisibleRecord<V> other = at.visible.load(sample);
+        VisibleRecord<V> other = io.visible.load(sample);
         other.depth = select(inside, other.depth, F<V>(kOutsideDepth));
-        const Similarity<V> similar(record, other, at.bend);
+        const Similarity<V> similar(record, other, io.bend);
         const M<V> alike = logical_and(similar.same_shadows, similar.depth + similar.normal < kHalved);
-        return select(alike, at.colours.load(sample).rgb, colour);
+        return select(alike, io.colours.load(sample).rgb, colour);
       });
       least = {min(least.x, seen.x), min(least.y, seen.y), min(least.z, seen.z)};
       most = {max(most.x, seen.x), max(most.y, seen.y), max(most.z, seen.z)};
     }
-    const M<V> red = at.threshold * kChannelFactors[0] <= contrast_of<V>(least.x, most.x);
-    const M<V> green = at.threshold * kChannelFactors[1] <= contrast_of<V>(least.y, most.y);
-    const M<V> blue = at.threshold * kChannelFactors[2] <= contrast_of<V>(least.z, most.z);
+    const M<V> red = io.threshold * kChannelFactors[0] <= contrast_between<V>(least.x, most.x);
+    const M<V> green = io.threshold * kChannelFactors[1] <= contrast_between<V>(least.y, most.y);
+    const M<V> blue = io.threshold * kChannelFactors[2] <= contrast_between<V>(least.z, most.z);
     return logical_or(logical_or(red, green), blue);
   }
   template <class V>
-  static F<V> contrast_of(const F<V>& least, const F<V>& most) {
+  static F<V> contrast_between(const F<V>& least, const F<V>& most) {
     const F<V> high = encode_srgb<V>(clamp_to_unit<V>(most));
     const F<V> low = encode_srgb<V>(clamp_to_unit<V>(least));
     return (high - low) / max(high + low, F<V>(1e-30F));
@@ -435,13 +436,13 @@ struct GenerateContrastRays {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const GeometrySample<V> of = other_sample<V>(item);
-    const I<V> listed = at.masters.load(to_int(of.pixel)).word;
-    const I<V> pixel = to_int(centre_sample<V>(finished_pixel<V>(to_float(listed), at.finished), at.finished));
-    const I<V> sample = pixel + to_int(of.number * at.apart);
-    emit_in_pixel<V>(item, pixel, sample, of.x, of.y, at);
-    at.colours.store(sample, {{0.0F, 0.0F, 0.0F}});
+  static void body(const I<V>& item, Ports<V>& io) {
+    const GeometrySample<V> of = unshaded_sample<V>(item);
+    const I<V> listed = io.masters.load(to_int(of.pixel)).word;
+    const I<V> pixel = to_int(centre_sample<V>(row_and_column<V>(to_float(listed), io.finished), io.finished));
+    const I<V> sample = pixel + to_int(of.number * io.apart);
+    emit_ray_in_pixel<V>(item, pixel, sample, of.x, of.y, io);
+    io.colours.store(sample, {{0.0F, 0.0F, 0.0F}});
   }
 };
 
@@ -467,22 +468,22 @@ struct AverageContrasts {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> listed = at.masters.load(item).word;
-    const I<V> own = to_int(centre_sample<V>(finished_pixel<V>(to_float(listed), at.finished), at.finished));
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> listed = io.masters.load(item).word;
+    const I<V> own = to_int(centre_sample<V>(row_and_column<V>(to_float(listed), io.finished), io.finished));
     // The layers of the pixel's shaded sample sum to its clamped colour.
-    Vec3<V> sum = at.colours.load(own).rgb;
+    Vec3<V> sum = io.colours.load(own).rgb;
     I<V> sample = own;
     for (std::uint32_t branch = 0; branch < kBranches; ++branch) {
-      sample = sample + at.branch;
-      sum = sum + at.colours.load(sample).rgb;
+      sample = sample + io.branch;
+      sum = sum + io.colours.load(sample).rgb;
     }
     sample = own;
     for (std::uint32_t k = 1; k < kGeometrySamples; ++k) {
-      sample = sample + at.apart;
-      sum = sum + clamped_colour<V>(at.colours.load(sample).rgb);
+      sample = sample + io.apart;
+      sum = sum + clamped_colour<V>(io.colours.load(sample).rgb);
     }
-    at.pixels.store(listed, {sum * 0.25F});
+    io.pixels.store(listed, {sum * 0.25F});
   }
 };
 
@@ -506,15 +507,15 @@ struct LimitColours {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    I<V> sample = lattice_sample<V>(item, at.lattice);
+  static void body(const I<V>& item, Ports<V>& io) {
+    I<V> sample = lattice_sample<V>(item, io.lattice);
     const auto limited = [](const Vec3<V>& a) { return Vec3<V>{min(a.x, 1.0F), min(a.y, 1.0F), min(a.z, 1.0F)}; };
-    Vec3<V> sum = limited(at.colours.load(sample).rgb);
-    at.colours.store(sample, {sum});
+    Vec3<V> sum = limited(io.colours.load(sample).rgb);
+    io.colours.store(sample, {sum});
     for (std::uint32_t branch = 0; branch < kBranches; ++branch) {
-      sample = sample + at.branch;
-      const Vec3<V> next = limited(sum + at.colours.load(sample).rgb);
-      at.colours.store(sample, {next - sum});
+      sample = sample + io.branch;
+      const Vec3<V> next = limited(sum + io.colours.load(sample).rgb);
+      io.colours.store(sample, {next - sum});
       sum = next;
     }
   }

@@ -22,8 +22,8 @@ struct ClearGeometry {
     static constexpr void describe(auto& p, auto&& port) { name_all(port, NAMED_ALL(p.samples, p.geometry)); }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    at.geometry.store(at.samples.load(item).word, {{0.0F, 0.0F, 1.0F}, kNoObject, {0.0F, 0.0F, 0.0F}, 0U});
+  static void body(const I<V>& item, Ports<V>& io) {
+    io.geometry.store(io.samples.load(item).word, {{0.0F, 0.0F, 1.0F}, kNoObject, {0.0F, 0.0F, 0.0F}, 0U});
   }
 };
 
@@ -37,8 +37,8 @@ struct ClearSecondary {
     static constexpr void describe(auto& p, auto&& port) { name_all(port, NAMED_ALL(p.samples, p.secondary)); }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    at.secondary.store(at.samples.load(item).word, {{0.0F, 0.0F, 1.0F}, 0U, {0.0F, 0.0F, 1.0F}, 0U});
+  static void body(const I<V>& item, Ports<V>& io) {
+    io.secondary.store(io.samples.load(item).word, {{0.0F, 0.0F, 1.0F}, 0U, {0.0F, 0.0F, 1.0F}, 0U});
   }
 };
 
@@ -55,11 +55,11 @@ struct ClearTraits {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> sample = at.samples.load(item).word;
-    at.traits.store(sample, {{0.0F, 0.0F, 1.0F}, kNoObject, 0U});
-    at.secondary.store(sample, {{0.0F, 0.0F, 1.0F}, kNoObject, 0U});
-    at.branches.store(sample, {0.0F, 0.0F});
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> sample = io.samples.load(item).word;
+    io.traits.store(sample, {{0.0F, 0.0F, 1.0F}, kNoObject, 0U});
+    io.secondary.store(sample, {{0.0F, 0.0F, 1.0F}, kNoObject, 0U});
+    io.branches.store(sample, {0.0F, 0.0F});
   }
 };
 
@@ -78,12 +78,12 @@ struct ClearSurface {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> sample = at.samples.load(item).word;
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> sample = io.samples.load(item).word;
     const Vec3<V> none{0.0F, 0.0F, 0.0F};
-    at.geometry.store(sample, {{0.0F, 0.0F, 1.0F}, kNoObject, none, 0U});
-    at.kept.store(sample, {none, 0U, {0.0F, 0.0F, 1.0F}, 0.0F, 0.0F, 0U, 0U});
-    at.globals.store(sample, {none});
+    io.geometry.store(sample, {{0.0F, 0.0F, 1.0F}, kNoObject, none, 0U});
+    io.kept.store(sample, {none, 0U, {0.0F, 0.0F, 1.0F}, 0.0F, 0.0F, 0U, 0U});
+    io.globals.store(sample, {none});
   }
 };
 
@@ -97,17 +97,17 @@ using Objects = std::conditional_t<kInstanced, Instances<V>, Triangles<V>>;
 
 /// Returns the index in Objects of a hit's record.
 template <class V>
-I<V> index_of(const HitRecord<V>& hit) {
+I<V> object_record_index(const HitRecord<V>& hit) {
   return triangle_of<V>(hit);
 }
 template <class V>
-I<V> index_of(const InstanceHitRecord<V>& hit) {
+I<V> object_record_index(const InstanceHitRecord<V>& hit) {
   return instance_of<V>(hit);
 }
 
 /// Returns the object id, with kTexturedObject set if the material classes include a texture.
 template <class V>
-I<V> mark_textured(const I<V>& object, const I<V>& classes) {
+I<V> with_textured_flag(const I<V>& object, const I<V>& classes) {
   return object | select(I<V>(0U) < (classes & kAnyTexture), I<V>(kTexturedObject), I<V>(0U));
 }
 
@@ -135,11 +135,11 @@ struct SurfaceHit {
   PathRecord<V> path;
 };
 template <class V, bool kInstanced>
-SurfaceHit<V> surface_hit(const I<V>& item, const SurfaceHitPorts<V, kInstanced>& at) {
-  const I<V> slot = at.surfaces.load(item).word;
-  const SurfacePointRecord<V> point = at.points.load(slot);
-  const I<V> object = at.objects.load(index_of<V>(at.hits.load(slot))).object;
-  return {point, mark_textured<V>(object, at.mattes.load(slot).classes), at.paths.load(slot)};
+SurfaceHit<V> surface_hit(const I<V>& item, const SurfaceHitPorts<V, kInstanced>& io) {
+  const I<V> slot = io.surfaces.load(item).word;
+  const SurfacePointRecord<V> point = io.points.load(slot);
+  const I<V> object = io.objects.load(object_record_index<V>(io.hits.load(slot))).object;
+  return {point, with_textured_flag<V>(object, io.mattes.load(slot).classes), io.paths.load(slot)};
 }
 
 template <bool kInstanced>
@@ -157,9 +157,9 @@ struct RecordGeometry {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const SurfaceHit<V> hit = surface_hit<V, kInstanced>(item, at);
-    at.geometry.store(hit.path.sample, {hit.point.normal, hit.object, hit.point.position, 0U});
+  static void body(const I<V>& item, Ports<V>& io) {
+    const SurfaceHit<V> hit = surface_hit<V, kInstanced>(item, io);
+    io.geometry.store(hit.path.sample, {hit.point.normal, hit.object, hit.point.position, 0U});
   }
 };
 
@@ -178,15 +178,15 @@ struct RecordTraits {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const SurfaceHit<V> hit = surface_hit<V, kInstanced>(item, at);
-    at.traits.store(hit.path.sample, {hit.point.normal, hit.object, 0U});
+  static void body(const I<V>& item, Ports<V>& io) {
+    const SurfaceHit<V> hit = surface_hit<V, kInstanced>(item, io);
+    io.traits.store(hit.path.sample, {hit.point.normal, hit.object, 0U});
   }
 };
 
 /// Returns the normal of a triangle's plane, not normalised.
 template <class V>
-Vec3<V> across_of(const TriangleFields<V>& t) {
+Vec3<V> scaled_plane_normal(const TriangleFields<V>& t) {
   return cross(t.v1 - t.v0, t.v2 - t.v0);
 }
 
@@ -209,23 +209,23 @@ struct RecordSurface {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> slot = at.surfaces.load(item).word;
-    const SurfacePointRecord<V> point = at.points.load(slot);
-    const DiffuseRecord<V> matte = at.mattes.load(slot);
-    const TexcoordRecord<V> texcoord = at.texcoords.load(slot);
-    const auto hit = at.hits.load(slot);
-    const auto found = at.objects.load(index_of<V>(hit));
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> slot = io.surfaces.load(item).word;
+    const SurfacePointRecord<V> point = io.points.load(slot);
+    const DiffuseRecord<V> matte = io.mattes.load(slot);
+    const TexcoordRecord<V> texcoord = io.texcoords.load(slot);
+    const auto hit = io.hits.load(slot);
+    const auto found = io.objects.load(object_record_index<V>(hit));
     Vec3<V> across;
     if constexpr (kInstanced) {
-      across = normal_to_world<V>(found, across_of<V>(at.corners.load(triangle_of<V>(hit))));
+      across = normal_to_world<V>(found, scaled_plane_normal<V>(io.corners.load(triangle_of<V>(hit))));
     } else {
-      across = across_of<V>(found);
+      across = scaled_plane_normal<V>(found);
     }
     const F<V> side = select(dot(across, point.normal) <= 0.0F, F<V>(-1.0F), F<V>(1.0F));
-    const I<V> sample = at.paths.load(slot).sample;
-    at.geometry.store(sample, {point.normal, mark_textured<V>(found.object, matte.classes), point.position, 0U});
-    at.kept.store(sample, {matte.diffuse, matte.classes, unit_vector(across) * side, texcoord.u, texcoord.v,
+    const I<V> sample = io.paths.load(slot).sample;
+    io.geometry.store(sample, {point.normal, with_textured_flag<V>(found.object, matte.classes), point.position, 0U});
+    io.kept.store(sample, {matte.diffuse, matte.classes, unit_vector(across) * side, texcoord.u, texcoord.v,
                            texcoord.texture, point.material});
   }
 };
@@ -271,19 +271,19 @@ struct RecordSecondary {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> slot = at.surfaces.load(item).word;
-    const Vec3<V> normal = at.points.load(slot).normal;
-    const I<V> object = at.objects.load(index_of<V>(at.hits.load(slot))).object;
-    const I<V> sample = at.paths.load(slot).sample;
-    const SecondaryRecord<V> so_far = at.secondary.load(sample);
-    const M<V> is_first = F<V>(0.0F) < at.bounce.first;
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> slot = io.surfaces.load(item).word;
+    const Vec3<V> normal = io.points.load(slot).normal;
+    const I<V> object = io.objects.load(object_record_index<V>(io.hits.load(slot))).object;
+    const I<V> sample = io.paths.load(slot).sample;
+    const SecondaryRecord<V> so_far = io.secondary.load(sample);
+    const M<V> is_first = F<V>(0.0F) < io.bounce.first;
     const I<V> kind =
-        select(slot < at.bounce.mirrored, I<V>(0U), select(slot < at.bounce.refracted, I<V>(1U), I<V>(2U)));
+        select(slot < io.bounce.mirrored, I<V>(0U), select(slot < io.bounce.refracted, I<V>(1U), I<V>(2U)));
     const M<V> by_mirror = logical_and(is_first, kind == 1U);
     const M<V> by_glass = logical_and(is_first, kind == 2U);
-    at.secondary.store(sample, {select(by_mirror, normal, so_far.mirror_normal),
-                                so_far.objects + scramble_bits<V>(object ^ at.bounce.way ^ (kind << 28U)),
+    io.secondary.store(sample, {select(by_mirror, normal, so_far.mirror_normal),
+                                so_far.objects + scramble_bits<V>(object ^ io.bounce.way ^ (kind << 28U)),
                                 select(by_glass, normal, so_far.glass_normal), so_far.shadows});
   }
 };
@@ -293,7 +293,7 @@ struct RecordSecondary {
 
 /// Returns a checksum of a position. Two hits of a sample almost never have the same.
 template <class V>
-F<V> position_sum(const Vec3<V>& position) {
+F<V> position_checksum(const Vec3<V>& position) {
   return dot(position, Vec3<V>{1.0F, 1.7320508F, 2.2360680F});
 }
 
@@ -309,10 +309,10 @@ struct WeighBranch {
     static constexpr void describe(auto& p, auto&& port) { name_all(port, NAMED_ALL(p.paths, p.branches)); }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const PathRecord<V> path = at.paths.load(item);
-    const BranchRecord<V> so_far = at.branches.load(path.sample);
-    at.branches.store(path.sample, {max(so_far.weight, max_channel(path.throughput)), so_far.position_sum});
+  static void body(const I<V>& item, Ports<V>& io) {
+    const PathRecord<V> path = io.paths.load(item);
+    const BranchRecord<V> so_far = io.branches.load(path.sample);
+    io.branches.store(path.sample, {max(so_far.weight, max_channel(path.throughput)), so_far.position_sum});
   }
 };
 
@@ -330,14 +330,15 @@ struct RecordBranch {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const auto [point, object, path] = surface_hit<V, kInstanced>(item, at);
-    const TraitsRecord<V> so_far = at.traits.load(path.sample);
-    const BranchRecord<V> branch = at.branches.load(path.sample);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const auto [point, object, path] = surface_hit<V, kInstanced>(item, io);
+    const TraitsRecord<V> so_far = io.traits.load(path.sample);
+    const BranchRecord<V> branch = io.branches.load(path.sample);
     const M<V> most = branch.weight <= max_channel(path.throughput);
-    at.traits.store(path.sample,
+    io.traits.store(path.sample,
                     {select(most, point.normal, so_far.normal), select(most, object, so_far.object), so_far.shadows});
-    at.branches.store(path.sample, {branch.weight, select(most, position_sum<V>(point.position), branch.position_sum)});
+    io.branches.store(path.sample,
+                      {branch.weight, select(most, position_checksum<V>(point.position), branch.position_sum)});
   }
 };
 
@@ -357,14 +358,14 @@ struct RecordBranchShadow {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const Vec3<V> origin = at.shadow_rays.load(item).origin;
-    const M<V> lit = at.shadow_hits.load(item).triangle == traces::kNoHit;
-    const I<V> sample = at.shadow_paths.load(item).sample;
-    const M<V> same = position_sum<V>(origin) == at.branches.load(sample).position_sum;
-    TraitsRecord<V> record = at.traits.load(sample);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const Vec3<V> origin = io.shadow_rays.load(item).origin;
+    const M<V> lit = io.shadow_hits.load(item).triangle == traces::kNoHit;
+    const I<V> sample = io.shadow_paths.load(item).sample;
+    const M<V> same = position_checksum<V>(origin) == io.branches.load(sample).position_sum;
+    TraitsRecord<V> record = io.traits.load(sample);
     record.shadows = record.shadows + select(same, select(lit, I<V>(0U), I<V>(1U)), I<V>(0U));
-    at.traits.store(sample, record);
+    io.traits.store(sample, record);
   }
 };
 
@@ -387,13 +388,13 @@ struct RecordLocal {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> sample = at.paths.load(at.diffuse.load(item).word).sample;
-    const Vec3<V> colour = at.colours.load(sample).rgb;
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> sample = io.paths.load(io.diffuse.load(item).word).sample;
+    const Vec3<V> colour = io.colours.load(sample).rgb;
     if constexpr (kAfter) {
-      at.globals.store(sample, {at.globals.load(sample).rgb - colour});
+      io.globals.store(sample, {io.globals.load(sample).rgb - colour});
     } else {
-      at.globals.store(sample, {colour});
+      io.globals.store(sample, {colour});
     }
   }
 };
@@ -408,15 +409,15 @@ struct RecordGlobal {
     static constexpr void describe(auto& p, auto&& port) { name_all(port, NAMED_ALL(p.samples, p.colours, p.globals)); }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> sample = at.samples.load(item).word;
-    at.globals.store(sample, {at.globals.load(sample).rgb + at.colours.load(sample).rgb});
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> sample = io.samples.load(item).word;
+    io.globals.store(sample, {io.globals.load(sample).rgb + io.colours.load(sample).rgb});
   }
 };
 
 /// Returns the largest channel of a faint colour. Channels up to 0.0031 are encoded as 12.92 times themselves, so two
 /// faint colours differ by at most 3^(1/2) x 12.92 x 0.04 = 0.9 of `threshold`.
-inline float faint_channel(float threshold) { return std::min(0.003F, 0.04F * threshold); }
+inline float largest_faint_channel(float threshold) { return std::min(0.003F, 0.04F * threshold); }
 
 /// Counts the samples whose global colour is not faint. Two faint colours always pass the colour check.
 struct CountColoured {
@@ -433,9 +434,9 @@ struct CountColoured {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const Vec3<V> global = at.globals.load(at.samples.load(item).word).rgb;
-    at.coloured_count.next(at.faint < max(max(global.x, global.y), global.z));
+  static void body(const I<V>& item, Ports<V>& io) {
+    const Vec3<V> global = io.globals.load(io.samples.load(item).word).rgb;
+    io.coloured_count.next_index(io.faint < max(max(global.x, global.y), global.z));
   }
 };
 
@@ -454,17 +455,17 @@ struct RecordShadowPorts {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const M<V> lit = at.shadow_hits.load(item).triangle == traces::kNoHit;
-    const I<V> sample = at.shadow_paths.load(item).sample;
-    R<V> record = at.records.load(sample);
-    const I<V> mark = select(lit, I<V>(0U), at.mark);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const M<V> lit = io.shadow_hits.load(item).triangle == traces::kNoHit;
+    const I<V> sample = io.shadow_paths.load(item).sample;
+    R<V> record = io.records.load(sample);
+    const I<V> mark = select(lit, I<V>(0U), io.mark);
     if constexpr (std::is_same_v<R<V>, GeometryRecord<V>> || std::is_same_v<R<V>, VisibleRecord<V>>) {
       record.shadows = record.shadows | mark;  // lights after the 32nd share bits with earlier ones
     } else {
       record.shadows = record.shadows + mark;
     }
-    at.records.store(sample, record);
+    io.records.store(sample, record);
   }
 };
 

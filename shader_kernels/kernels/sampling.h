@@ -18,7 +18,7 @@ enum class MipFilter : std::uint8_t {
 
 /// Returns the one of three names that belongs to the kernel variant with filter kMips.
 template <MipFilter kMips>
-constexpr std::string_view by_filter(std::string_view none, std::string_view nearest, std::string_view linear) {
+constexpr std::string_view name_by_filter(std::string_view none, std::string_view nearest, std::string_view linear) {
   return kMips == MipFilter::kNone ? none : kMips == MipFilter::kNearest ? nearest : linear;
 }
 
@@ -36,12 +36,12 @@ struct TexelSample {
   }
   /// Returns the blended channel of a linear texture: 0 is red, 3 alpha.
   F<V> linear_channel(std::uint32_t channel) const {
-    return blend_texels([&](const I<V>& rgba) { return to_float(byte_of<V>(rgba, channel)) * (1.0F / 255.0F); });
+    return blend_texels([&](const I<V>& rgba) { return to_float(extract_byte<V>(rgba, channel)) * (1.0F / 255.0F); });
   }
   /// Returns the blended colour of an sRGB texture. Texels are decoded before they are blended.
   Vec3<V> srgb_colour(const Table<V, SrgbCodeRecord>& codes) const {
     const auto decoded = [&](std::uint32_t channel) {
-      return blend_texels([&](const I<V>& rgba) { return codes.load(byte_of<V>(rgba, channel)).linear; });
+      return blend_texels([&](const I<V>& rgba) { return codes.load(extract_byte<V>(rgba, channel)).linear; });
     };
     const F<V> red = decoded(0), green = decoded(1), blue = decoded(2);
     return {red, green, blue};
@@ -117,7 +117,7 @@ struct TexturePorts {
   }
   /// Looks up a mip-mapped texture with first level `texture` for a footprint in texture coordinates. The level is the
   /// logarithm of the footprint in texels: the float's exponent, with its mantissa as blending weight.
-  auto sample_level(const I<V>& texture, const F<V>& footprint, const F<V>& u, const F<V>& v) const {
+  auto sample_mip_level(const I<V>& texture, const F<V>& footprint, const F<V>& u, const F<V>& v) const {
     const LevelRecord<V> chain = levels.load(texture);
     const I<V> across = bits_of(min(max(footprint * chain.size, F<V>(1.0F)), chain.highest));
     const I<V> level = texture + ((across >> 23U) - 127U);
@@ -135,7 +135,7 @@ struct TexturePorts {
 
 /// Returns the number of the surface's base texture.
 template <class V, MipFilter kMips>
-I<V> texture_of(const TexcoordRecord<V>& uv) {
+I<V> texture_number(const TexcoordRecord<V>& uv) {
   if constexpr (kMips == MipFilter::kNone) {
     return uv.texture;
   } else {
@@ -164,7 +164,7 @@ struct DetailPorts : TexturePorts<V, kMips> {
       return sample_texture<V>(this->axes, this->texels, texture, u, v);
     } else {
       const F<V> footprint = select(use_second, F<V>(0.0F), footprint_of<V>(uv.texture));
-      return this->sample_level(texture, footprint, u, v);
+      return this->sample_mip_level(texture, footprint, u, v);
     }
   }
 };

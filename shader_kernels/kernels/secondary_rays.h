@@ -29,10 +29,11 @@ struct SecondaryPorts {
 
 /// Emits the next ray of a path if its throughput is large enough to be visible.
 template <class V>
-void emit_secondary(SecondaryPorts<V>& at, const Vec3<V>& origin, const Vec3<V>& direction, const PathRecord<V>& path) {
-  const I<V> out = at.emitted.next(at.min_weight < max_channel(path.throughput));
-  at.next_rays.store(out, {origin, at.epsilon, direction, std::numeric_limits<float>::infinity()});
-  at.next_paths.store(out, path);
+void emit_secondary_ray(SecondaryPorts<V>& io, const Vec3<V>& origin, const Vec3<V>& direction,
+                        const PathRecord<V>& path) {
+  const I<V> out = io.emitted.next_index(io.min_weight < max_channel(path.throughput));
+  io.next_rays.store(out, {origin, io.epsilon, direction, std::numeric_limits<float>::infinity()});
+  io.next_paths.store(out, path);
 }
 
 /// A path's hit on a mirroring or transmitting surface.
@@ -45,12 +46,12 @@ struct SpecularHit {
   Interface<V> glass;
 };
 template <class V>
-SpecularHit<V> specular_hit(const I<V>& item, const SecondaryPorts<V>& at) {
-  const I<V> slot = at.stream.load(item).word;
-  const SurfacePointRecord<V> point = at.points.load(slot);
-  const Vec3<V> direction = at.rays.load(slot).direction;
-  const PathRecord<V> path = at.paths.load(slot);
-  const SpecularRecord<V> optics = at.optics.load(slot);
+SpecularHit<V> specular_hit(const I<V>& item, const SecondaryPorts<V>& io) {
+  const I<V> slot = io.stream.load(item).word;
+  const SurfacePointRecord<V> point = io.points.load(slot);
+  const Vec3<V> direction = io.rays.load(slot).direction;
+  const PathRecord<V> path = io.paths.load(slot);
+  const SpecularRecord<V> optics = io.optics.load(slot);
   return {point, direction, path, optics, make_interface<V>(direction, point.normal, point.side, optics.ior)};
 }
 
@@ -61,12 +62,12 @@ struct ShadeMirror {
   template <class V>
   using Ports = SecondaryPorts<V>;
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const auto [point, direction, path, optics, glass] = specular_hit<V>(item, at);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const auto [point, direction, path, optics, glass] = specular_hit<V>(item, io);
     const F<V> share = optics.entering * glass.reflectance;
     const Vec3<V> tint = optics.mirrored + Vec3<V>{share, share, share};
     const Vec3<V> reflected = direction + point.normal * (2.0F * glass.cosine);
-    emit_secondary<V>(at, point.position, reflected, {path.throughput * tint, path.sample});
+    emit_secondary_ray<V>(io, point.position, reflected, {path.throughput * tint, path.sample});
   }
 };
 
@@ -78,12 +79,12 @@ struct ShadeGlass {
   template <class V>
   using Ports = SecondaryPorts<V>;
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const auto [point, direction, path, optics, glass] = specular_hit<V>(item, at);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const auto [point, direction, path, optics, glass] = specular_hit<V>(item, io);
     const F<V> bend = glass.eta * glass.cosine - sqrt(max(glass.inside, F<V>(0.0F)));
     const Vec3<V> refracted = direction * glass.eta + point.normal * bend;
     const F<V> share = optics.entering * (1.0F - glass.reflectance);
-    emit_secondary<V>(at, point.position, refracted, {path.throughput * (optics.tint * share), path.sample});
+    emit_secondary_ray<V>(io, point.position, refracted, {path.throughput * (optics.tint * share), path.sample});
   }
 };
 
@@ -93,13 +94,13 @@ struct ShadeStraight {
   template <class V>
   using Ports = SecondaryPorts<V>;
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> slot = at.stream.load(item).word;
-    const Vec3<V> position = at.points.load(slot).position;
-    const Vec3<V> direction = at.rays.load(slot).direction;
-    const PathRecord<V> path = at.paths.load(slot);
-    const F<V> share = 1.0F - at.optics.load(slot).alpha;
-    emit_secondary<V>(at, position, direction, {path.throughput * share, path.sample});
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> slot = io.stream.load(item).word;
+    const Vec3<V> position = io.points.load(slot).position;
+    const Vec3<V> direction = io.rays.load(slot).direction;
+    const PathRecord<V> path = io.paths.load(slot);
+    const F<V> share = 1.0F - io.optics.load(slot).alpha;
+    emit_secondary_ray<V>(io, position, direction, {path.throughput * share, path.sample});
   }
 };
 

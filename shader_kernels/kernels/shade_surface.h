@@ -69,22 +69,23 @@ struct VertexColour {
 };
 
 template <class V>
-VertexColour<V> vertex_colour(const Weights<V>& corners, const VertexFields<V>& at) {
+VertexColour<V> vertex_colour(const Weights<V>& corners, const VertexFields<V>& vertices) {
   const auto low = [&](const I<V>& a, const I<V>& b, const I<V>& c) {
     return corners.interpolate_int(a & 0xffffU, b & 0xffffU, c & 0xffffU) * (1.0F / 65535.0F);
   };
   const auto high = [&](const I<V>& a, const I<V>& b, const I<V>& c) {
     return corners.interpolate_int(a >> 16U, b >> 16U, c >> 16U) * (1.0F / 65535.0F);
   };
-  return {{low(at.red_green0, at.red_green1, at.red_green2), high(at.red_green0, at.red_green1, at.red_green2),
-           low(at.blue_alpha0, at.blue_alpha1, at.blue_alpha2)},
-          high(at.blue_alpha0, at.blue_alpha1, at.blue_alpha2)};
+  return {{low(vertices.red_green0, vertices.red_green1, vertices.red_green2),
+           high(vertices.red_green0, vertices.red_green1, vertices.red_green2),
+           low(vertices.blue_alpha0, vertices.blue_alpha1, vertices.blue_alpha2)},
+          high(vertices.blue_alpha0, vertices.blue_alpha1, vertices.blue_alpha2)};
 }
 
 /// Returns the one of four names that belongs to the kernel variant.
 template <bool kInstanced, bool kCones>
-constexpr std::string_view by_surface(std::string_view plain, std::string_view instanced, std::string_view cones,
-                                      std::string_view cones_instanced) {
+constexpr std::string_view name_by_surface(std::string_view plain, std::string_view instanced, std::string_view cones,
+                                           std::string_view cones_instanced) {
   return kCones ? (kInstanced ? cones_instanced : cones) : (kInstanced ? instanced : plain);
 }
 
@@ -98,9 +99,9 @@ inline constexpr float kLeastCosine = 0x1p-6F;
 /// and refraction keep the cone's spread. The path from the eye to the last ray's origin counts as straight.
 template <bool kInstanced, bool kCones = false>
 struct ShadeSurface {
-  static constexpr std::string_view kName = by_surface<kInstanced, kCones>(
+  static constexpr std::string_view kName = name_by_surface<kInstanced, kCones>(
       "shade_surface", "shade_surface_instanced", "shade_surface_cones", "shade_surface_cones_instanced");
-  static constexpr std::string_view kMeaning = by_surface<kInstanced, kCones>(
+  static constexpr std::string_view kMeaning = name_by_surface<kInstanced, kCones>(
       "hit -> surface: position, normal, texture coordinates, base colour",
       "as shade_surface, with the normal out of the mesh's space", "as shade_surface, with the footprint of ray cones",
       "as shade_surface_cones, with the normal out of the mesh's space");
@@ -128,20 +129,20 @@ struct ShadeSurface {
   };
 
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> slot = at.surfaces.load(item).word;
-    const RayRecord<V> ray = at.rays.load(slot);
-    const auto found = at.hits.load(slot);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> slot = io.surfaces.load(item).word;
+    const RayRecord<V> ray = io.rays.load(slot);
+    const auto found = io.hits.load(slot);
     const HitRecord<V> hit = with_float_weights<V>(found);
-    const AttributeFields<V> a = at.attributes.load(triangle_of<V>(hit));
-    const MaterialFields<V> m = at.materials.load(a.material);
+    const AttributeFields<V> a = io.attributes.load(triangle_of<V>(hit));
+    const MaterialFields<V> m = io.materials.load(a.material);
 
     const Weights<V> corners(hit);
     Vec3<V> interpolated = corners.interpolate(a.normal0, a.normal1, a.normal2);
     InstanceFields<V> instance;
     const Vec3<V> of_mesh = interpolated;
     if constexpr (kInstanced) {
-      instance = at.instances.load(instance_of<V>(found));
+      instance = io.instances.load(instance_of<V>(found));
       interpolated = normal_to_world<V>(instance, interpolated);
     }
     const F<V> length = sqrt(max(dot(interpolated, interpolated), F<V>(1e-30F)));
@@ -150,16 +151,16 @@ struct ShadeSurface {
     const F<V> side = select(cosine <= 0.0F, F<V>(1.0F), F<V>(-1.0F));
     I<V> texture = m.base_texture;
     if constexpr (kCones) {
-      const Vec3<V> before = ray.origin - at.cone.eye;
-      const F<V> width = (sqrt(dot(before, before)) + hit.t) * at.cone.spread;
+      const Vec3<V> before = ray.origin - io.cone.eye;
+      const F<V> width = (sqrt(dot(before, before)) + hit.t) * io.cone.spread;
       F<V> density = length;
       if constexpr (kInstanced) density = density_in_world<V>(instance, of_mesh, length);
       texture = with_footprint<V>(texture, width * density / max(abs(cosine), F<V>(kLeastCosine)));
     }
-    at.points.store(slot, {ray.origin + ray.direction * hit.t, a.material, normal * side, side});
-    at.mattes.store(slot, {m.base_colour * m.diffuse_share, m.flags});
-    at.texcoords.store(slot, {corners.interpolate(a.u0, a.u1, a.u2), corners.interpolate(a.v0, a.v1, a.v2), texture});
-    at.optics.store(slot, {m.mirrored, m.entering, m.base_colour, m.ior, m.opacity, 1.0F});
+    io.points.store(slot, {ray.origin + ray.direction * hit.t, a.material, normal * side, side});
+    io.mattes.store(slot, {m.base_colour * m.diffuse_share, m.flags});
+    io.texcoords.store(slot, {corners.interpolate(a.u0, a.u1, a.u2), corners.interpolate(a.v0, a.v1, a.v2), texture});
+    io.optics.store(slot, {m.mirrored, m.entering, m.base_colour, m.ior, m.opacity, 1.0F});
   }
 };
 
@@ -184,32 +185,32 @@ struct FetchVertices {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> slot = at.vertexed.load(item).word;
-    const auto found = at.hits.load(slot);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> slot = io.vertexed.load(item).word;
+    const auto found = io.hits.load(slot);
     const HitRecord<V> hit = with_float_weights<V>(found);
-    const DiffuseRecord<V> matte = at.mattes.load(slot);
-    SpecularRecord<V> optics = at.optics.load(slot);
-    const VertexFields<V> vertex = at.vertices.load(triangle_of<V>(hit));
+    const DiffuseRecord<V> matte = io.mattes.load(slot);
+    SpecularRecord<V> optics = io.optics.load(slot);
+    const VertexFields<V> vertex = io.vertices.load(triangle_of<V>(hit));
     const Weights<V> corners(hit);
     const VertexColour<V> colour = vertex_colour<V>(corners, vertex);
-    at.mattes.store(slot, {matte.diffuse * colour.rgb, matte.classes});
+    io.mattes.store(slot, {matte.diffuse * colour.rgb, matte.classes});
     optics.tint = optics.tint * colour.rgb;
     optics.alpha = optics.alpha * colour.alpha;
-    at.optics.store(slot, optics);
+    io.optics.store(slot, optics);
     const auto signed_byte = [&](std::uint32_t byte) {
-      const auto part = [&](const I<V>& word) { return byte_of<V>(word, byte); };
+      const auto part = [&](const I<V>& word) { return extract_byte<V>(word, byte); };
       return (corners.interpolate_int(part(vertex.tangent0), part(vertex.tangent1), part(vertex.tangent2)) - 128.0F) *
              (1.0F / 127.0F);
     };
     Vec3<V> tangent{signed_byte(0), signed_byte(1), signed_byte(2)};
     F<V> handedness = signed_byte(3);
     if constexpr (kInstanced) {
-      const InstanceFields<V> instance = at.instances.load(instance_of<V>(found));
+      const InstanceFields<V> instance = io.instances.load(instance_of<V>(found));
       tangent = tangent_to_world<V>(instance, tangent);
       handedness = handedness * instance.handedness;
     }
-    at.tangents.store(slot, {tangent, handedness, corners.interpolate(vertex.u0, vertex.u1, vertex.u2),
+    io.tangents.store(slot, {tangent, handedness, corners.interpolate(vertex.u0, vertex.u1, vertex.u2),
                              corners.interpolate(vertex.v0, vertex.v1, vertex.v2)});
   }
 };

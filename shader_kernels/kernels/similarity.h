@@ -31,7 +31,7 @@ constexpr std::array<std::string_view, 12> names_of(Check) {
   return {"object", "position",         "normal",           "convexity",        "texture", "shadow",
           "colour", "secondary_object", "secondary_normal", "secondary_shadow", "detail",  "border"};
 }
-constexpr std::uint32_t bit(Check check) { return 1U << static_cast<std::uint32_t>(check); }
+constexpr std::uint32_t check_bit(Check check) { return 1U << static_cast<std::uint32_t>(check); }
 
 /// Samples on parallel lines, where every `block`-th sample is a reference and the others are to be interpolated. A
 /// line starts with a reference at position 0; positions below `low` or above `high` are outside the picture. `gaps` is
@@ -70,10 +70,10 @@ struct SampleNeighbours {
 /// alternate between lines.
 template <bool kAlongY, class V>
 SampleNeighbours<V> sample_neighbours(const I<V>& item, const LineUniforms<V>& line) {
-  const DivMod<V> outer = divmod<V>(to_float(item), line.inner, line.inverse_inner);
+  const DivMod<V> outer = div_mod<V>(to_float(item), line.inner, line.inverse_inner);
   const F<V> number = kAlongY ? outer.quotient : outer.remainder;
   const F<V> of_line = kAlongY ? outer.remainder : outer.quotient;
-  const DivMod<V> gap = divmod<V>(number, line.gaps, line.inverse_gaps);
+  const DivMod<V> gap = div_mod<V>(number, line.gaps, line.inverse_gaps);
   const F<V> position = gap.quotient * line.block;
   const F<V> before = line.first + of_line * line.line_step + position * line.step;
   return {to_int(before + (gap.remainder + 1.0F) * line.step), to_int(before), to_int(before + line.block * line.step),
@@ -94,8 +94,8 @@ template <class V>
 PassedSample<V> passed_sample(const I<V>& word, const LineUniforms<V>& line) {
   const I<V> sample = word & kSampleMask;
   const F<V> steps = to_float(word >> kGapShift) + 1.0F;
-  const F<V> at = to_float(sample);
-  const F<V> before = at - steps * line.step;
+  const F<V> own = to_float(sample);
+  const F<V> before = own - steps * line.step;
   return {sample, to_int(before), to_int(before + line.block * line.step), steps * line.inverse_block};
 }
 
@@ -107,9 +107,9 @@ struct AllPassed {
   template <class V>
   using Ports = typename K::template Ports<V>;
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const SampleNeighbours<V> b = sample_neighbours<kAlongY, V>(item, at.line);
-    K::template interpolate<V>({b.sample, b.before, b.after, (to_float(b.gap) + 1.0F) * at.line.inverse_block}, at);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const SampleNeighbours<V> b = sample_neighbours<kAlongY, V>(item, io.line);
+    K::template interpolate<V>({b.sample, b.before, b.after, (to_float(b.gap) + 1.0F) * io.line.inverse_block}, io);
   }
 };
 
@@ -125,16 +125,16 @@ struct VerdictPorts {
   }
 };
 template <class V>
-void write_verdict(VerdictPorts<V>& at, const SampleNeighbours<V>& b, const I<V>& checks) {
-  const I<V> failed = select(b.outside, I<V>(bit(Check::kBorder)), checks);
-  at.verdicts.store(b.sample, {failed});
-  at.passed.store(at.passed_count.next(failed == 0U), {b.sample | (b.gap << kGapShift)});
-  at.failed.store(at.failed_count.next(I<V>(0U) < failed), {b.sample});
+void write_verdict(VerdictPorts<V>& io, const SampleNeighbours<V>& neighbours, const I<V>& failed_checks) {
+  const I<V> failed = select(neighbours.outside, I<V>(check_bit(Check::kBorder)), failed_checks);
+  io.verdicts.store(neighbours.sample, {failed});
+  io.passed.store(io.passed_count.next_index(failed == 0U), {neighbours.sample | (neighbours.gap << kGapShift)});
+  io.failed.store(io.failed_count.next_index(I<V>(0U) < failed), {neighbours.sample});
 }
 
 template <class V>
 I<V> fails_if(const M<V>& mask, Check check) {
-  return select(mask, I<V>(bit(check)), I<V>(0U));
+  return select(mask, I<V>(check_bit(check)), I<V>(0U));
 }
 
 template <class V>
@@ -187,31 +187,31 @@ struct CheckSimilarity {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const SampleNeighbours<V> b = sample_neighbours<kAlongY, V>(item, at.line);
-    const GeometryRecord<V> before = at.geometry.load(b.before);
-    const GeometryRecord<V> after = at.geometry.load(b.after);
-    I<V> failed = select(before.object == after.object, I<V>(0U), I<V>(bit(Check::kObject))) |
-                  fails_if<V>(dot(before.normal, after.normal) < at.least_dot, Check::kNormal) |
-                  select(before.shadows == after.shadows, I<V>(0U), I<V>(bit(Check::kShadow)));
+  static void body(const I<V>& item, Ports<V>& io) {
+    const SampleNeighbours<V> b = sample_neighbours<kAlongY, V>(item, io.line);
+    const GeometryRecord<V> before = io.geometry.load(b.before);
+    const GeometryRecord<V> after = io.geometry.load(b.after);
+    I<V> failed = select(before.object == after.object, I<V>(0U), I<V>(check_bit(Check::kObject))) |
+                  fails_if<V>(dot(before.normal, after.normal) < io.least_dot, Check::kNormal) |
+                  select(before.shadows == after.shadows, I<V>(0U), I<V>(check_bit(Check::kShadow)));
     if constexpr (kSecondary) {
-      const SecondaryRecord<V> one = at.secondary.load(b.before);
-      const SecondaryRecord<V> other = at.secondary.load(b.after);
+      const SecondaryRecord<V> one = io.secondary.load(b.before);
+      const SecondaryRecord<V> other = io.secondary.load(b.after);
       const F<V> least = min(dot(one.mirror_normal, other.mirror_normal), dot(one.glass_normal, other.glass_normal));
-      failed = failed | select(one.objects == other.objects, I<V>(0U), I<V>(bit(Check::kSecondaryObject))) |
-               fails_if<V>(least < at.least_dot, Check::kSecondaryNormal) |
-               select(one.shadows == other.shadows, I<V>(0U), I<V>(bit(Check::kSecondaryShadow)));
+      failed = failed | select(one.objects == other.objects, I<V>(0U), I<V>(check_bit(Check::kSecondaryObject))) |
+               fails_if<V>(least < io.least_dot, Check::kSecondaryNormal) |
+               select(one.shadows == other.shadows, I<V>(0U), I<V>(check_bit(Check::kSecondaryShadow)));
     }
     if constexpr (kTexture) {
-      const Vec3<V> one = at.colours.load(b.before).rgb;
-      const Vec3<V> other = at.colours.load(b.after).rgb;
+      const Vec3<V> one = io.colours.load(b.before).rgb;
+      const Vec3<V> other = io.colours.load(b.after).rgb;
       const F<V> apart = encoded_distance_squared<V>(one, other);
       const M<V> textured = (before.object & kTexturedObject) == kTexturedObject;
-      failed = failed | fails_if<V>(logical_and(textured, at.texture_squared < apart), Check::kTexture);
-      const M<V> rough = logical_and(textured, at.rate_squared < apart);
-      at.rough_count.next(logical_and(rough, select(b.outside, I<V>(1U), failed) == 0U));
+      failed = failed | fails_if<V>(logical_and(textured, io.texture_squared < apart), Check::kTexture);
+      const M<V> rough = logical_and(textured, io.rate_squared < apart);
+      io.rough_count.next_index(logical_and(rough, select(b.outside, I<V>(1U), failed) == 0U));
     }
-    write_verdict<V>(at, b, failed);
+    write_verdict<V>(io, b, failed);
   }
 };
 
@@ -244,20 +244,20 @@ struct InterpolateSample {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    interpolate<V>(passed_sample<V>(at.passed.load(item).word, at.line), at);
+  static void body(const I<V>& item, Ports<V>& io) {
+    interpolate<V>(passed_sample<V>(io.passed.load(item).word, io.line), io);
   }
   template <class V>
-  static void interpolate(const PassedSample<V>& p, const Ports<V>& at) {
-    at.colours.store(p.sample,
-                     {lerp_colours<V>(at.colours.load(p.before).rgb, at.colours.load(p.after).rgb, p.weight)});
+  static void interpolate(const PassedSample<V>& p, const Ports<V>& io) {
+    io.colours.store(p.sample,
+                     {lerp_colours<V>(io.colours.load(p.before).rgb, io.colours.load(p.after).rgb, p.weight)});
     if constexpr (!kAlongY) {
-      at.geometry.store(p.sample, lerp_geometry<V>(at.geometry.load(p.before), at.geometry.load(p.after), p.weight));
+      io.geometry.store(p.sample, lerp_geometry<V>(io.geometry.load(p.before), io.geometry.load(p.after), p.weight));
     }
     if constexpr (kSecondary) {
-      const SecondaryRecord<V> a = at.secondary.load(p.before);
-      const SecondaryRecord<V> b = at.secondary.load(p.after);
-      at.secondary.store(p.sample, {unit_vector(lerp<V>(a.mirror_normal, b.mirror_normal, p.weight)), a.objects,
+      const SecondaryRecord<V> a = io.secondary.load(p.before);
+      const SecondaryRecord<V> b = io.secondary.load(p.after);
+      io.secondary.store(p.sample, {unit_vector(lerp<V>(a.mirror_normal, b.mirror_normal, p.weight)), a.objects,
                                     unit_vector(lerp<V>(a.glass_normal, b.glass_normal, p.weight)), a.shadows});
     }
   }
@@ -266,7 +266,7 @@ struct InterpolateSample {
 /// True if two texture coordinates are on opposite sides of a texture's border: the fraction of one is below the
 /// threshold, that of the other above 1 minus the threshold.
 template <class V>
-M<V> crosses_edge(const F<V>& a, const F<V>& b, const F<V>& threshold) {
+M<V> crosses_texture_border(const F<V>& a, const F<V>& b, const F<V>& threshold) {
   const F<V> x = a - floor(a);
   const F<V> y = b - floor(b);
   return logical_and(min(x, y) < threshold, 1.0F - threshold < max(x, y));
@@ -303,33 +303,33 @@ struct CheckAttributes {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const SampleNeighbours<V> b = sample_neighbours<kAlongY, V>(item, at.line);
-    const GeometryRecord<V> g0 = at.geometry.load(b.before);
-    const GeometryRecord<V> g1 = at.geometry.load(b.after);
-    const SurfaceRecord<V> s0 = at.kept.load(b.before);
-    const SurfaceRecord<V> s1 = at.kept.load(b.after);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const SampleNeighbours<V> b = sample_neighbours<kAlongY, V>(item, io.line);
+    const GeometryRecord<V> g0 = io.geometry.load(b.before);
+    const GeometryRecord<V> g1 = io.geometry.load(b.after);
+    const SurfaceRecord<V> s0 = io.kept.load(b.before);
+    const SurfaceRecord<V> s1 = io.kept.load(b.after);
     const Vec3<V> d = g1.position - g0.position;
     const F<V> squared = dot(d, d);
     const F<V> bend = dot(d, s0.plane) * -dot(d, s1.plane);
-    I<V> failed = select(g0.object == g1.object, I<V>(0U), I<V>(bit(Check::kObject))) |
-                  fails_if<V>(at.apart_squared < squared, Check::kPosition) |
-                  fails_if<V>(dot(g0.normal, g1.normal) < at.least_dot, Check::kNormal) |
+    I<V> failed = select(g0.object == g1.object, I<V>(0U), I<V>(check_bit(Check::kObject))) |
+                  fails_if<V>(io.apart_squared < squared, Check::kPosition) |
+                  fails_if<V>(dot(g0.normal, g1.normal) < io.least_dot, Check::kNormal) |
                   fails_if<V>(bend < squared * -1e-6F, Check::kConvexity) |
-                  select(g0.shadows == g1.shadows, I<V>(0U), I<V>(bit(Check::kShadow)));
+                  select(g0.shadows == g1.shadows, I<V>(0U), I<V>(check_bit(Check::kShadow)));
     if constexpr (kColours) {
-      const F<V> colours = encoded_distance_squared<V>(at.globals.load(b.before).rgb, at.globals.load(b.after).rgb);
-      failed = failed | fails_if<V>(at.colour_squared < colours, Check::kColour);
+      const F<V> colours = encoded_distance_squared<V>(io.globals.load(b.before).rgb, io.globals.load(b.after).rgb);
+      failed = failed | fails_if<V>(io.colour_squared < colours, Check::kColour);
     }
     if constexpr (kTextures) {
-      const M<V> over_edge =
-          logical_or(crosses_edge<V>(s0.u, s1.u, at.texture), crosses_edge<V>(s0.v, s1.v, at.texture));
+      const M<V> over_edge = logical_or(crosses_texture_border<V>(s0.u, s1.u, io.texture),
+                                        crosses_texture_border<V>(s0.v, s1.v, io.texture));
       const M<V> has_any = I<V>(0U) < (s0.classes & (traces::kTextured | traces::kOccluded));
       constexpr std::uint32_t kUnkept = traces::kOccluded | traces::kOcclusionSecond;
       failed = failed | fails_if<V>(logical_and(over_edge, has_any), Check::kTexture) |
-               select((s0.classes & kUnkept) == kUnkept, I<V>(bit(Check::kDetail)), I<V>(0U));
+               select((s0.classes & kUnkept) == kUnkept, I<V>(check_bit(Check::kDetail)), I<V>(0U));
     }
-    write_verdict<V>(at, b, failed);
+    write_verdict<V>(io, b, failed);
   }
 };
 
@@ -360,27 +360,27 @@ struct InterpolateAttributes {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const PassedSample<V> p = passed_sample<V>(at.passed.load(item).word, at.line);
-    const GeometryRecord<V> g = lerp_geometry<V>(at.geometry.load(p.before), at.geometry.load(p.after), p.weight);
-    const SurfaceRecord<V> a = at.kept.load(p.before);
-    const SurfaceRecord<V> b = at.kept.load(p.after);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const PassedSample<V> p = passed_sample<V>(io.passed.load(item).word, io.line);
+    const GeometryRecord<V> g = lerp_geometry<V>(io.geometry.load(p.before), io.geometry.load(p.after), p.weight);
+    const SurfaceRecord<V> a = io.kept.load(p.before);
+    const SurfaceRecord<V> b = io.kept.load(p.after);
     const Vec3<V> diffuse = lerp<V>(a.diffuse, b.diffuse, p.weight);
     const F<V> u = lerp<V>(a.u, b.u, p.weight);
     const F<V> v = lerp<V>(a.v, b.v, p.weight);
-    const Vec3<V> global = lerp<V>(at.globals.load(p.before).rgb, at.globals.load(p.after).rgb, p.weight);
-    at.geometry.store(p.sample, g);
+    const Vec3<V> global = lerp<V>(io.globals.load(p.before).rgb, io.globals.load(p.after).rgb, p.weight);
+    io.geometry.store(p.sample, g);
     if constexpr (!kAlongY) {
-      at.kept.store(p.sample, {diffuse, a.classes, unit_vector(lerp<V>(a.plane, b.plane, p.weight)), u, v, a.texture,
+      io.kept.store(p.sample, {diffuse, a.classes, unit_vector(lerp<V>(a.plane, b.plane, p.weight)), u, v, a.texture,
                                a.material});
-      at.globals.store(p.sample, {global});
+      io.globals.store(p.sample, {global});
     }
-    at.colours.store(p.sample, {global});
-    at.surfaces.store(item, {item});
-    at.points.store(item, {g.position, a.material, g.normal, 1.0F});
-    at.paths.store(item, {{1.0F, 1.0F, 1.0F}, p.sample});
-    at.mattes.store(item, {diffuse, a.classes});
-    at.texcoords.store(item, {u, v, a.texture});
+    io.colours.store(p.sample, {global});
+    io.surfaces.store(item, {item});
+    io.points.store(item, {g.position, a.material, g.normal, 1.0F});
+    io.paths.store(item, {{1.0F, 1.0F, 1.0F}, p.sample});
+    io.mattes.store(item, {diffuse, a.classes});
+    io.texcoords.store(item, {u, v, a.texture});
   }
 };
 
@@ -407,25 +407,25 @@ struct FindSuspects {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> sample = at.samples.load(item).word;
-    const I<V> own = at.identities.load(sample).word;
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> sample = io.samples.load(item).word;
+    const I<V> own = io.identities.load(sample).word;
     const auto differs = [&](const I<V>& neighbour) {
-      const I<V> other = at.identities.load(neighbour).word;
+      const I<V> other = io.identities.load(neighbour).word;
       const M<V> same = ((own ^ other) & kIdentityMask) == 0U;
       return select(same, I<V>(0U), other & kTracedSample);
     };
-    I<V> traced = differs(sample - at.step);
+    I<V> traced = differs(sample - io.step);
     if constexpr (kEight) {
-      traced = traced | differs(sample - at.step - at.line_step) | differs(sample - at.step + at.line_step);
+      traced = traced | differs(sample - io.step - io.line_step) | differs(sample - io.step + io.line_step);
     }
     const M<V> suspect = logical_and(I<V>(0U) < traced, I<V>(0U) < (own & kInterpolatedSample));
-    at.suspects.store(at.suspect_count.next(suspect), {sample});
+    io.suspects.store(io.suspect_count.next_index(suspect), {sample});
   }
 };
 
 template <class V, bool kShadows>
-I<V> shown_by(const GeometryRecord<V>& geometry) {
+I<V> identity_bits(const GeometryRecord<V>& geometry) {
   I<V> shown = geometry.object;
   if constexpr (kShadows) shown = scramble_bits<V>(shown ^ scramble_bits<V>(geometry.shadows));
   return shown & kIdentityMask;
@@ -447,13 +447,13 @@ struct StoreIdentities {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> sample = lattice_sample<V>(item, at.lattice);
-    const GeometryRecord<V> geometry = at.geometry.load(sample);
-    const I<V> verdict = at.verdicts.load(sample).word;
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> sample = lattice_sample<V>(item, io.lattice);
+    const GeometryRecord<V> geometry = io.geometry.load(sample);
+    const I<V> verdict = io.verdicts.load(sample).word;
     const I<V> how = select(verdict == 0U, I<V>(kInterpolatedSample),
                             select(verdict == kReferenceVerdict, I<V>(0U), I<V>(kTracedSample)));
-    at.identities.store(item, {shown_by<V, kShadows>(geometry) | how});
+    io.identities.store(item, {identity_bits<V, kShadows>(geometry) | how});
   }
 };
 

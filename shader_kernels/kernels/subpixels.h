@@ -29,7 +29,7 @@ constexpr std::array<std::string_view, kAttributes> names_of(Attribute) {
   return {"colour",           "object",           "normal",           "shadow",           "texture",
           "secondary_object", "secondary_normal", "secondary_shadow", "secondary_texture"};
 }
-constexpr std::uint32_t bit(Attribute attribute) { return 1U << static_cast<std::uint32_t>(attribute); }
+constexpr std::uint32_t attribute_bit(Attribute attribute) { return 1U << static_cast<std::uint32_t>(attribute); }
 
 // Layout of a sub-pixel's verdict word; a pixel has four sub-pixels, row by row. The low bits are the differing
 // attributes (kColour if none), then comes the active bit, then the index in the list of active sub-pixels. An active
@@ -76,22 +76,22 @@ struct CornerSteps {
 /// upper ones.
 template <class V>
 CornerSteps<V> corner_steps(const DivMod<V>& pixel, const F<V>& right, const F<V>& below,
-                            const FinishedUniforms<V>& of) {
+                            const FinishedUniforms<V>& tile) {
   const F<V> x = pixel.remainder + right;
   const F<V> y = pixel.quotient + below;
-  const M<V> has_x = logical_and(of.low_x <= x, x <= of.high_x);
-  const M<V> has_y = logical_and(of.low_y <= y, y <= of.high_y);
-  return {select(has_x, right, F<V>(0.0F)), select(has_y, below * of.pitch, F<V>(0.0F)), logical_and(has_x, has_y)};
+  const M<V> has_x = logical_and(tile.low_x <= x, x <= tile.high_x);
+  const M<V> has_y = logical_and(tile.low_y <= y, y <= tile.high_y);
+  return {select(has_x, right, F<V>(0.0F)), select(has_y, below * tile.pitch, F<V>(0.0F)), logical_and(has_x, has_y)};
 }
 
 /// Returns the row (quotient) and column (remainder) of a pixel number.
 template <class V>
-DivMod<V> finished_pixel(const F<V>& pixel, const FinishedUniforms<V>& of) {
-  return divmod<V>(pixel, of.width, of.inverse_width);
+DivMod<V> row_and_column(const F<V>& pixel, const FinishedUniforms<V>& tile) {
+  return div_mod<V>(pixel, tile.width, tile.inverse_width);
 }
 template <class V>
-F<V> centre_sample(const DivMod<V>& pixel, const FinishedUniforms<V>& of) {
-  return of.first + pixel.quotient * of.pitch + pixel.remainder;
+F<V> centre_sample(const DivMod<V>& pixel, const FinishedUniforms<V>& tile) {
+  return tile.first + pixel.quotient * tile.pitch + pixel.remainder;
 }
 
 template <class V>
@@ -151,36 +151,36 @@ struct TestSubpixels {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const DivMod<V> pixel = finished_pixel<V>(to_float(item >> 2U), at.finished);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const DivMod<V> pixel = row_and_column<V>(to_float(item >> 2U), io.finished);
     const CornerSteps<V> step =
-        corner_steps<V>(pixel, to_float((item << 1U) & 2U) - 1.0F, to_float(item & 2U) - 1.0F, at.finished);
-    const F<V> own = centre_sample<V>(pixel, at.finished);
+        corner_steps<V>(pixel, to_float((item << 1U) & 2U) - 1.0F, to_float(item & 2U) - 1.0F, io.finished);
+    const F<V> own = centre_sample<V>(pixel, io.finished);
     // Outside the picture the pixel is compared with itself, so that nothing differs.
     const I<V> centre = to_int(own);
     const I<V> beside = to_int(own + step.x);
     const I<V> above = to_int(own + step.y);
     const I<V> corner = to_int(select(step.has_both, own + step.x + step.y, own));
 
-    const I<V> primary = differing_bits<V>(at.traits, centre, beside, above, corner, at);
-    const I<V> secondary = differing_bits<V>(at.secondary, centre, beside, above, corner, at);
-    const I<V> counting = ((primary << 1U) | (secondary << 5U)) & at.compared;
+    const I<V> primary = differing_bits<V>(io.traits, centre, beside, above, corner, io);
+    const I<V> secondary = differing_bits<V>(io.secondary, centre, beside, above, corner, io);
+    const I<V> counting = ((primary << 1U) | (secondary << 5U)) & io.compared;
     F<V> threshold = kNever;
     for (std::uint32_t i = 1; i < kAttributes; ++i) {
-      threshold = min(threshold, select((counting & (1U << i)) == 0U, F<V>(kNever), at.thresholds[i]));
+      threshold = min(threshold, select((counting & (1U << i)) == 0U, F<V>(kNever), io.thresholds[i]));
     }
     const M<V> none = counting == 0U;
-    threshold = select(none, at.thresholds[0], threshold);
+    threshold = select(none, io.thresholds[0], threshold);
 
-    const Vec3<V> a = at.colours.load(centre).rgb;
-    const Vec3<V> b = at.colours.load(beside).rgb;
-    const Vec3<V> c = at.colours.load(above).rgb;
-    const Vec3<V> d = at.colours.load(corner).rgb;
+    const Vec3<V> a = io.colours.load(centre).rgb;
+    const Vec3<V> b = io.colours.load(beside).rgb;
+    const Vec3<V> c = io.colours.load(above).rgb;
+    const Vec3<V> d = io.colours.load(corner).rgb;
     const M<V> active =
         logical_or(logical_or(threshold * kChannelFactors[0] <= channel_contrast<V>(a.x, b.x, c.x, d.x),
                               threshold * kChannelFactors[1] <= channel_contrast<V>(a.y, b.y, c.y, d.y)),
                    threshold * kChannelFactors[2] <= channel_contrast<V>(a.z, b.z, c.z, d.z));
-    at.verdicts.store(item, {select(none, I<V>(bit(Attribute::kColour)), counting) |
+    io.verdicts.store(item, {select(none, I<V>(attribute_bit(Attribute::kColour)), counting) |
                              select(active, I<V>(1U << kActiveShift), I<V>(0U))});
   }
 
@@ -189,16 +189,16 @@ struct TestSubpixels {
   /// is set whenever the pixel's own object is textured.
   template <class V>
   static I<V> differing_bits(const Local<V, TraitsRecord>& set, const I<V>& centre, const I<V>& beside,
-                             const I<V>& above, const I<V>& corner, const Ports<V>& at) {
+                             const I<V>& above, const I<V>& corner, const Ports<V>& io) {
     constexpr std::uint32_t kTexture = 8;
     const TraitsRecord<V> own = set.load(centre);
     const TraitsRecord<V> one = set.load(beside);
     const TraitsRecord<V> two = set.load(above);
     const TraitsRecord<V> three = set.load(corner);
-    return disagreeing_attributes<V>(own, one, at.same_normal, at.focus) |
-           disagreeing_attributes<V>(own, two, at.same_normal, at.focus) |
-           disagreeing_attributes<V>(own, three, at.same_normal, at.focus) |
-           select((own.object & at.textured) == at.textured, I<V>(kTexture), I<V>(0U));
+    return disagreeing_attributes<V>(own, one, io.same_normal, io.focus) |
+           disagreeing_attributes<V>(own, two, io.same_normal, io.focus) |
+           disagreeing_attributes<V>(own, three, io.same_normal, io.focus) |
+           select((own.object & io.textured) == io.textured, I<V>(kTexture), I<V>(0U));
   }
 };
 
@@ -219,28 +219,28 @@ struct WeighCentres {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const DivMod<V> pixel = finished_pixel<V>(to_float(item), at.finished);
-    const F<V> own = centre_sample<V>(pixel, at.finished);
-    const Vec3<V> centre = clamped_colour<V>(at.colours.load(to_int(own)).rgb);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const DivMod<V> pixel = row_and_column<V>(to_float(item), io.finished);
+    const F<V> own = centre_sample<V>(pixel, io.finished);
+    const Vec3<V> centre = clamped_colour<V>(io.colours.load(to_int(own)).rgb);
     const I<V> first = item << 2U;
     if constexpr (kBilinear) {
       Vec3<V> sum{0.0F, 0.0F, 0.0F};
       for (std::uint32_t i = 0; i < 4; ++i) {
         const CornerSteps<V> step =
-            corner_steps<V>(pixel, F<V>((i & 1U) != 0 ? 1.0F : -1.0F), F<V>((i & 2U) != 0 ? 1.0F : -1.0F), at.finished);
-        const Vec3<V> beside = clamped_colour<V>(at.colours.load(to_int(own + step.x)).rgb);
-        const Vec3<V> above = clamped_colour<V>(at.colours.load(to_int(own + step.y)).rgb);
-        const Vec3<V> corner = clamped_colour<V>(at.colours.load(to_int(own + step.x + step.y)).rgb);
+            corner_steps<V>(pixel, F<V>((i & 1U) != 0 ? 1.0F : -1.0F), F<V>((i & 2U) != 0 ? 1.0F : -1.0F), io.finished);
+        const Vec3<V> beside = clamped_colour<V>(io.colours.load(to_int(own + step.x)).rgb);
+        const Vec3<V> above = clamped_colour<V>(io.colours.load(to_int(own + step.y)).rgb);
+        const Vec3<V> corner = clamped_colour<V>(io.colours.load(to_int(own + step.x + step.y)).rgb);
         const F<V> weight =
-            0.015625F - to_float(active_bit<V>(at.verdicts.load(first + i).word)) * 0.015625F;  // a quarter of 1/16
+            0.015625F - to_float(active_bit<V>(io.verdicts.load(first + i).word)) * 0.015625F;  // a quarter of 1/16
         sum = sum + (centre * F<V>(9.0F) + (beside + above) * F<V>(3.0F) + corner) * weight;
       }
-      at.pixels.store(item, {sum});
+      io.pixels.store(item, {sum});
     } else {
-      I<V> active = active_bit<V>(at.verdicts.load(first).word);
-      for (std::uint32_t i = 1; i < 4; ++i) active = active + active_bit<V>(at.verdicts.load(first + i).word);
-      at.pixels.store(item, {centre * (1.0F - to_float(active) * 0.25F)});
+      I<V> active = active_bit<V>(io.verdicts.load(first).word);
+      for (std::uint32_t i = 1; i < 4; ++i) active = active + active_bit<V>(io.verdicts.load(first + i).word);
+      io.pixels.store(item, {centre * (1.0F - to_float(active) * 0.25F)});
     }
   }
 };
@@ -276,46 +276,46 @@ struct PackSubpixels {
   static constexpr std::uint32_t kFillBits = 8;
 
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
+  static void body(const I<V>& item, Ports<V>& io) {
     constexpr std::uint32_t kColumnBits = 3, kItemBits = 5;
     static_assert(1U << kColumnBits == kBlockWidth && 1U << kItemBits == kBlockWidth * kBlockHeight);
-    const DivMod<V> block = divmod<V>(to_float(item >> kItemBits), at.across, at.inverse_across);
+    const DivMod<V> block = div_mod<V>(to_float(item >> kItemBits), io.across, io.inverse_across);
     const F<V> column = block.remainder * static_cast<float>(kBlockWidth) + to_float(item & (kBlockWidth - 1));
     const F<V> row =
         block.quotient * static_cast<float>(kBlockHeight) + to_float((item >> kColumnBits) & (kBlockHeight - 1));
-    const M<V> inside = logical_and(column < at.width, row < at.height);
-    const I<V> pixel = to_int(row * at.width + column);
+    const M<V> inside = logical_and(column < io.width, row < io.height);
+    const I<V> pixel = to_int(row * io.width + column);
     const I<V> first = pixel << 2U;
 
     std::array<I<V>, 4> verdicts, active, before;
     I<V> count = 0U;
     for (std::uint32_t i = 0; i < 4; ++i) {
-      verdicts[i] = at.verdicts.load(first + i).word;
+      verdicts[i] = io.verdicts.load(first + i).word;
       active[i] = select(inside, active_bit<V>(verdicts[i]), I<V>(0U));
       before[i] = count;
       count = i == 0 ? active[i] : count + active[i];
     }
     const F<V> taken = to_float(count);
-    const F<V> behind = at.list_end.get();
+    const F<V> behind = io.list_end.get();
     const F<V> chunk_so_far = floor(behind * (1.0F / kChunk));
     const F<V> chunk =
         chunk_so_far + select(static_cast<float>(kChunk) < behind - chunk_so_far * static_cast<float>(kChunk) + taken,
                               F<V>(1.0F), F<V>(0.0F));
     const F<V> begin = max(behind, chunk * static_cast<float>(kChunk));
     const F<V> end = begin + taken;
-    at.list_end.set(end);
+    io.list_end.set(end);
     const I<V> begin_index = to_int(begin);
     for (std::uint32_t i = 0; i < 4; ++i) {
       const I<V> index = i == 0 ? begin_index : begin_index + before[i];
       const M<V> is_active = active[i] == 1U;
-      at.active.store(index, {first + i});
-      at.verdicts.store(first + i, {select(is_active, verdicts[i] | (index << kIndexShift), verdicts[i])});
+      io.active.store(index, {first + i});
+      io.verdicts.store(first + i, {select(is_active, verdicts[i] | (index << kIndexShift), verdicts[i])});
     }
     const M<V> has_any = I<V>(0U) < count;
-    const I<V> master = at.masters_count.next(has_any);
-    at.masters.store(master, {pixel});
+    const I<V> master = io.masters_count.next_index(has_any);
+    io.masters.store(master, {pixel});
     const I<V> masters = master + select(has_any, I<V>(1U), I<V>(0U));
-    at.fills.store(to_int(chunk), {to_int(end - chunk * static_cast<float>(kChunk)) | (masters << kFillBits)});
+    io.fills.store(to_int(chunk), {to_int(end - chunk * static_cast<float>(kChunk)) | (masters << kFillBits)});
   }
 };
 
@@ -335,17 +335,17 @@ struct PackSubpixelsAtomic {
     }
   };
   template <class V>
-  static void body(const I<V>&, Ports<V>& at) {
-    const F<V> number = at.subpixel.get();
-    const F<V> next = number + at.stride;
-    at.subpixel.set(select(next < at.subpixels, next, next - at.subpixels));
+  static void body(const I<V>&, Ports<V>& io) {
+    const F<V> number = io.subpixel.get();
+    const F<V> next = number + io.stride;
+    io.subpixel.set(select(next < io.subpixels, next, next - io.subpixels));
     const I<V> subpixel = to_int(number);
-    const I<V> verdict = at.verdicts.load(subpixel).word;
+    const I<V> verdict = io.verdicts.load(subpixel).word;
     const I<V> active = active_bit<V>(verdict);
-    const I<V> index = at.length.load(I<V>(0U)).word;
-    at.length.store(I<V>(0U), {index + active});
-    at.active.store(index, {subpixel});
-    at.verdicts.store(subpixel, {select(active == 1U, verdict | (index << kIndexShift), verdict)});
+    const I<V> index = io.length.load(I<V>(0U)).word;
+    io.length.store(I<V>(0U), {index + active});
+    io.active.store(index, {subpixel});
+    io.verdicts.store(subpixel, {select(active == 1U, verdict | (index << kIndexShift), verdict)});
   }
 };
 
@@ -367,15 +367,15 @@ struct SumSubpixels {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> pixel = at.listed.load(item >> 4U).word;
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> pixel = io.listed.load(item >> 4U).word;
     const I<V> subpixel = ((item >> 2U) & 2U) | ((item >> 1U) & 1U);
     const I<V> sample = ((item >> 1U) & 2U) | (item & 1U);
-    const I<V> verdict = at.verdicts.load((pixel << 2U) | subpixel).word;
+    const I<V> verdict = io.verdicts.load((pixel << 2U) | subpixel).word;
     const M<V> is_active = active_bit<V>(verdict) == 1U;
     const I<V> index = ((verdict >> kIndexShift) << 2U) | sample;
-    const Vec3<V> colour = at.colours.load(to_int(at.first_sample + to_float(index))).rgb;
-    const Vec3<V> centre = at.pixels.load(pixel).rgb;
+    const Vec3<V> colour = io.colours.load(to_int(io.first_sample + to_float(index))).rgb;
+    const Vec3<V> centre = io.pixels.load(pixel).rgb;
     const M<V> first = (item & 15U) == 0U;
     const auto sum = [&](Carried<V>& so_far, Carried<V>& base, const F<V>& more, const F<V>& begin) {
       const F<V> next = select(first, F<V>(0.0F), so_far.get()) + select(is_active, clamp_to_unit<V>(more), F<V>(0.0F));
@@ -384,9 +384,9 @@ struct SumSubpixels {
       base.set(kept);
       return next * 0.0625F + kept;
     };
-    at.pixels.store(pixel,
-                    {{sum(at.red, at.base_red, colour.x, centre.x), sum(at.green, at.base_green, colour.y, centre.y),
-                      sum(at.blue, at.base_blue, colour.z, centre.z)}});
+    io.pixels.store(pixel,
+                    {{sum(io.red, io.base_red, colour.x, centre.x), sum(io.green, io.base_green, colour.y, centre.y),
+                      sum(io.blue, io.base_blue, colour.z, centre.z)}});
   }
 };
 
@@ -411,18 +411,18 @@ struct StateUniforms {
 };
 /// Returns the index in the array of states of a sub-pixel, numbered pixel * 4 + sub-pixel.
 template <class V>
-F<V> state_of(const I<V>& subpixel, const StateUniforms<V>& of) {
-  const DivMod<V> pixel = divmod<V>(to_float(subpixel >> 2U), of.width, of.inverse_width);
+F<V> state_index(const I<V>& subpixel, const StateUniforms<V>& states) {
+  const DivMod<V> pixel = div_mod<V>(to_float(subpixel >> 2U), states.width, states.inverse_width);
   const F<V> column = pixel.remainder + pixel.remainder + to_float(subpixel & 1U);
   const F<V> row = pixel.quotient + pixel.quotient + to_float((subpixel >> 1U) & 1U);
-  return of.first + row * of.pitch + column;
+  return states.first + row * states.pitch + column;
 }
 
-/// Packs a sub-pixel's state. `why` contains its attributes and round, already shifted to their bits.
+/// Packs a sub-pixel's state. `cause` contains its attributes and round, already shifted to their bits.
 template <class V>
-SubpixelRecord<V> state_with(const Vec3<V>& colour, const I<V>& why) {
+SubpixelRecord<V> pack_state(const Vec3<V>& colour, const I<V>& cause) {
   const auto channel = [](const F<V>& x) { return to_int(encode_srgb<V>(x) * 65535.0F + 0.5F); };
-  return {channel(colour.x) | (channel(colour.y) << 16U), channel(colour.z) | why};
+  return {channel(colour.x) | (channel(colour.y) << 16U), channel(colour.z) | cause};
 }
 
 /// Stores the colour of an active sub-pixel, the mean of its four samples, in its state for propagation.
@@ -436,25 +436,26 @@ struct SettleSubpixels {
     Local<V, ColourRecord> colours, shown;
     Local<V, SubpixelRecord> states;
     F<V> first_sample;
-    I<V> round;  ///< number of the round, already shifted to its bits
+    I<V> round;  ///< number of the round of propagation, shifted to its place in a state word
     static constexpr void describe(auto& p, auto&& port) {
       StateUniforms<V>::describe(p.grid, port);
       name_all(port, NAMED_ALL(p.active, p.verdicts, p.colours, p.shown, p.states, p.first_sample, p.round));
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> subpixel = at.active.load(item).word;
-    const I<V> sample = to_int(at.first_sample + to_float(item << 2U));
-    const auto colour = [&](std::uint32_t i) { return clamped_colour<V>(at.colours.load(sample + i).rgb); };
+  static void body(const I<V>& item, Ports<V>& io) {
+    const I<V> subpixel = io.active.load(item).word;
+    const I<V> sample = to_int(io.first_sample + to_float(item << 2U));
+    const auto colour = [&](std::uint32_t i) { return clamped_colour<V>(io.colours.load(sample + i).rgb); };
     const Vec3<V> a = colour(0);
     const Vec3<V> b = colour(1);
     const Vec3<V> c = colour(2);
     const Vec3<V> d = colour(3);
     const Vec3<V> mean = ((a + b) + (c + d)) * F<V>(0.25F);
-    const I<V> reasons = at.verdicts.load(subpixel).word & kReasonsMask;
-    at.shown.store(subpixel, {mean});
-    at.states.store(to_int(state_of<V>(subpixel, at.grid)), state_with<V>(mean, (reasons << kReasonsShift) | at.round));
+    const I<V> reasons = io.verdicts.load(subpixel).word & kReasonsMask;
+    io.shown.store(subpixel, {mean});
+    io.states.store(to_int(state_index<V>(subpixel, io.grid)),
+                    pack_state<V>(mean, (reasons << kReasonsShift) | io.round));
   }
 };
 
@@ -477,20 +478,20 @@ struct ShowSubpixels {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const DivMod<V> pixel = finished_pixel<V>(to_float(item >> 2U), at.finished);
-    const F<V> own = centre_sample<V>(pixel, at.finished);
-    Vec3<V> colour = clamped_colour<V>(at.colours.load(to_int(own)).rgb);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const DivMod<V> pixel = row_and_column<V>(to_float(item >> 2U), io.finished);
+    const F<V> own = centre_sample<V>(pixel, io.finished);
+    Vec3<V> colour = clamped_colour<V>(io.colours.load(to_int(own)).rgb);
     if constexpr (kBilinear) {
       const CornerSteps<V> step =
-          corner_steps<V>(pixel, to_float((item << 1U) & 2U) - 1.0F, to_float(item & 2U) - 1.0F, at.finished);
-      const Vec3<V> beside = clamped_colour<V>(at.colours.load(to_int(own + step.x)).rgb);
-      const Vec3<V> above = clamped_colour<V>(at.colours.load(to_int(own + step.y)).rgb);
-      const Vec3<V> corner = clamped_colour<V>(at.colours.load(to_int(own + step.x + step.y)).rgb);
+          corner_steps<V>(pixel, to_float((item << 1U) & 2U) - 1.0F, to_float(item & 2U) - 1.0F, io.finished);
+      const Vec3<V> beside = clamped_colour<V>(io.colours.load(to_int(own + step.x)).rgb);
+      const Vec3<V> above = clamped_colour<V>(io.colours.load(to_int(own + step.y)).rgb);
+      const Vec3<V> corner = clamped_colour<V>(io.colours.load(to_int(own + step.x + step.y)).rgb);
       colour = (colour * F<V>(9.0F) + (beside + above) * F<V>(3.0F) + corner) * F<V>(0.0625F);
     }
-    at.shown.store(item, {colour});
-    at.states.store(to_int(state_of<V>(item, at.grid)), state_with<V>(colour, I<V>(0U)));
+    io.shown.store(item, {colour});
+    io.states.store(to_int(state_index<V>(item, io.grid)), pack_state<V>(colour, I<V>(0U)));
   }
 };
 
@@ -509,7 +510,7 @@ struct PropagateSubpixels {
     Counter<V> active_count, masters_count;
     Carried<V> last_master;                    ///< the pixel that was listed last
     std::array<F<V>, kAttributes> thresholds;  ///< contrast thresholds; one above 1 is never reached
-    I<V> round;                                ///< number of the previous round, already shifted to its bits
+    I<V> round;  ///< number of the previous round of propagation, shifted to its place in a state word
     static constexpr void describe(auto& p, auto&& port) {
       StateUniforms<V>::describe(p.grid, port);
       name_all(port,
@@ -519,19 +520,19 @@ struct PropagateSubpixels {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const F<V> centre = state_of<V>(item, at.grid);
-    const SubpixelRecord<V> own = at.states.load(to_int(centre));
-    const Vec3<V> colour = channels_of<V>(own);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const F<V> centre = state_index<V>(item, io.grid);
+    const SubpixelRecord<V> own = io.states.load(to_int(centre));
+    const Vec3<V> colour = unpack_channels<V>(own);
     Range<V> range{colour, colour, 0U};
-    extend_range<V>(range, at.states.load(to_int(centre - 1.0F)), at.round);
-    extend_range<V>(range, at.states.load(to_int(centre + 1.0F)), at.round);
-    extend_range<V>(range, at.states.load(to_int(centre - at.grid.pitch)), at.round);
-    extend_range<V>(range, at.states.load(to_int(centre + at.grid.pitch)), at.round);
+    extend_range<V>(range, io.states.load(to_int(centre - 1.0F)), io.round);
+    extend_range<V>(range, io.states.load(to_int(centre + 1.0F)), io.round);
+    extend_range<V>(range, io.states.load(to_int(centre - io.grid.pitch)), io.round);
+    extend_range<V>(range, io.states.load(to_int(centre + io.grid.pitch)), io.round);
 
     F<V> threshold = kNever;
     for (std::uint32_t i = 0; i < kAttributes; ++i) {
-      threshold = min(threshold, select((range.reasons & (1U << i)) == 0U, F<V>(kNever), at.thresholds[i]));
+      threshold = min(threshold, select((range.reasons & (1U << i)) == 0U, F<V>(kNever), io.thresholds[i]));
     }
     const auto differs = [&](float factor, const F<V>& least, const F<V>& most) {
       return threshold * factor * max(most + least, F<V>(1.0F)) < most - least;
@@ -541,14 +542,14 @@ struct PropagateSubpixels {
                                       differs(kChannelFactors[2], range.least.z, range.most.z));
     const M<V> found = logical_and(contrasts, own.blue_why >> kRoundShift == 0U);
 
-    at.verdicts.store(item, {range.reasons});
-    at.active.store(at.active_count.next(found), {item});
+    io.verdicts.store(item, {range.reasons});
+    io.active.store(io.active_count.next_index(found), {item});
     const I<V> pixel = item >> 2U;
     const F<V> number = to_float(pixel);
-    const F<V> last = at.last_master.get();
+    const F<V> last = io.last_master.get();
     const M<V> is_first = logical_and(found, last < number);
-    at.last_master.set(select(is_first, number, last));
-    at.masters.store(at.masters_count.next(is_first), {pixel});
+    io.last_master.set(select(is_first, number, last));
+    io.masters.store(io.masters_count.next_index(is_first), {pixel});
   }
 
  private:
@@ -559,14 +560,14 @@ struct PropagateSubpixels {
     I<V> reasons;
   };
   template <class V>
-  static Vec3<V> channels_of(const SubpixelRecord<V>& state) {
+  static Vec3<V> unpack_channels(const SubpixelRecord<V>& state) {
     return {to_float(state.red_green & kChannelMask), to_float(state.red_green >> 16U),
             to_float(state.blue_why & kChannelMask)};
   }
   template <class V>
   static void extend_range(Range<V>& range, const SubpixelRecord<V>& neighbour, const I<V>& round) {
     const M<V> is_fresh = (neighbour.blue_why >> kRoundShift) << kRoundShift == round;
-    const Vec3<V> colour = channels_of<V>(neighbour);
+    const Vec3<V> colour = unpack_channels<V>(neighbour);
     const Vec3<V> low = select(is_fresh, colour, range.least);
     const Vec3<V> high = select(is_fresh, colour, range.most);
     range.least = {min(range.least.x, low.x), min(range.least.y, low.y), min(range.least.z, low.z)};
@@ -589,10 +590,10 @@ struct AverageSubpixels {
     }
   };
   template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const DivMod<V> pixel = divmod<V>(to_float(item), at.samples, at.inverse_samples);
-    const I<V> listed = at.masters.load(to_int(pixel.quotient)).word;
-    AverageColour::add<V>(at, pixel, at.shown.load((listed << 2U) | (item & 3U)).rgb);
+  static void body(const I<V>& item, Ports<V>& io) {
+    const DivMod<V> pixel = div_mod<V>(to_float(item), io.samples, io.inverse_samples);
+    const I<V> listed = io.masters.load(to_int(pixel.quotient)).word;
+    AverageColour::add_sample<V>(io, pixel, io.shown.load((listed << 2U) | (item & 3U)).rgb);
   }
 };
 

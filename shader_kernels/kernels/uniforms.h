@@ -100,7 +100,7 @@ struct LatticeUniforms {
 };
 template <class V>
 I<V> lattice_sample(const I<V>& number, const LatticeUniforms<V>& lattice) {
-  const DivMod<V> row = divmod<V>(to_float(number), lattice.across, lattice.inverse_across);
+  const DivMod<V> row = div_mod<V>(to_float(number), lattice.across, lattice.inverse_across);
   return to_int(lattice.first + row.remainder * lattice.step + row.quotient * lattice.row_step);
 }
 

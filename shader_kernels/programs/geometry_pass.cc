@@ -49,7 +49,7 @@ void GeometryPass::run_batch(std::uint32_t batch, bool record, TileResult& out) 
   out.work.tile = out.tile;
   out.work.samples = 0;
   StreamBuilder stream(out.work, out.buffer.scratch.spare_nodes, record);
-  if (record) stream.add_bin(rasteriser_->bin_triangles(batch, out.buffer.scratch.coverage, out.work));
+  if (record) stream.add_binning(rasteriser_->bin_triangles(batch, out.buffer.scratch.coverage, out.work));
   stream.finish();
 }
 

@@ -73,7 +73,7 @@ std::uint32_t side_of_tile(const ProgramSpec& spec, const Frame& f) {
   const bool has_four = spec.kind == Kind::kReconstruct || spec.kind == Kind::kSraa;
   if (has_four || spec.kind == Kind::kSupersample) grid = 2;  // samples or sub-pixels
   if (f.render.effect_rate != EffectRate::kFull) grid = 2;
-  if (spec.kind == ProgramSpec::Kind::kUndersample) grid = f.programs.undersample.pixel_grid();
+  if (spec.kind == ProgramSpec::Kind::kUndersample) grid = f.programs.undersample.pixel_grid_side();
   return std::max(1U, f.render.tile / grid);
 }
 

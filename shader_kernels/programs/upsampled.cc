@@ -10,9 +10,9 @@ UpsampledProgram::UpsampledProgram(const traces::MemoryImage& image, const trace
       scene_(image, config),
       camera_(camera_uniforms(camera, config.width, config.height)),
       tiles_(config.width, config.height, config.tile / 2, 1),  // half the side, because a sample keeps much data
-      order_(tiles_.tiles().rendering_order(Halo::kReload)),
+      order_(tiles_.sample_tiles().rendering_order(Halo::kReload)),
       frame_(frame),
-      layers_(scene_.rated_lights()),
+      layers_(scene_.rated_light_count()),
       bend_(filter.bend_factor()),
       eye_(eye_uniforms(camera_, config.width, config.height, filter.depth_scale(scene_size))) {}
 
@@ -32,15 +32,15 @@ FrameRequirements UpsampledProgram::requirements() const {
   FrameRequirements needs;
   needs.tile_samples = pixels;
   needs.attribute_bytes = pixels * (static_cast<std::uint32_t>(sizeof(VisibleRecord<float>)) + light_bytes());
-  needs.region_bytes = {std::uint64_t{tiles_.count()} * tiles_.most_pixels() * kPixelBytes,
-                        tiles_.count() * store_bytes(), 0};
+  needs.region_bytes = {std::uint64_t{tiles_.tile_count()} * tiles_.most_pixels() * kPixelBytes,
+                        tiles_.tile_count() * stored_bytes(), 0};
   return needs;
 }
 
 void UpsampledProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
                                 TileResult& out) const {
-  const SampleTile at = tiles_.tiles().sample_tile(order_[tile_index]);
-  tiles_.place(at, out);
+  const SampleTile at = tiles_.sample_tiles().sample_tile(order_[tile_index]);
+  tiles_.set_finished_rect(at, out);
   out.sampling = {};
   out.work.frame = frame_;
   out.work.tile = at.index;
@@ -60,7 +60,7 @@ void UpsampledProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& 
   out.packed.resize(tile.pixels);
   trace_pixels(tile, tiles_.halo_width(), tiles_.halo_width(), at.width, at.height);
   export_borders(tile);  // exported first: a border needs no halo, so no chain of tiles waits
-  make_halo(tile);
+  fill_halo(tile);
   write_finished(tile, upsample_effects(tile));
   wave.finish();
   out.sampling.wanted = out.sampling.traced = out.work.samples;
@@ -74,7 +74,7 @@ void UpsampledProgram::trace_pixels(Tile& tile, std::uint32_t x, std::uint32_t y
   TileGraph& graph = tile.graph;
   const std::uint32_t pixels = across * down;
   tile.out.buffer.reserve_wave(pixels);
-  const LatticeUniforms<float> lattice = tiles_.rect_lattice(x, y, across);
+  const LatticeUniforms<float> lattice = tiles_.rect_samples(x, y, across);
   Node cleared = Wavefront::kNone;
   for (std::uint32_t layer = 0; layer < layers_; ++layer) {
     ClearEffects::Ports<float> ports;
@@ -104,9 +104,9 @@ void UpsampledProgram::trace_pixels(Tile& tile, std::uint32_t x, std::uint32_t y
 
 /// Fills the halo of a tile. The host always traces it; if neighbours write it to memory, the recorded work is a
 /// transfer.
-void UpsampledProgram::make_halo(Tile& tile) const {
-  tiles_.for_each_part(tile.at, [&](const HaloPart& part) {
-    tile.graph.import_samples(part.border, store_bytes() * part.border.tile + part.first * exchanged_bytes(),
+void UpsampledProgram::fill_halo(Tile& tile) const {
+  tiles_.for_each_halo_part(tile.at, [&](const HaloPart& part) {
+    tile.graph.import_samples(part.border, stored_bytes() * part.border.tile + part.first * exchanged_bytes(),
                               part.across * part.down * exchanged_bytes());
     tile.graph.pause_recording();
     trace_pixels(tile, part.x, part.y, part.across, part.down);
@@ -115,8 +115,8 @@ void UpsampledProgram::make_halo(Tile& tile) const {
 }
 
 void UpsampledProgram::export_borders(Tile& tile) const {
-  const std::uint64_t store = store_bytes() * tile.at.index;
-  tiles_.for_each_export(tile.at, [&](std::uint32_t border, std::uint64_t first, std::uint32_t samples) {
+  const std::uint64_t store = stored_bytes() * tile.at.index;
+  tiles_.for_each_export_border(tile.at, [&](std::uint32_t border, std::uint64_t first, std::uint32_t samples) {
     tile.graph.export_samples(border, store + first * exchanged_bytes(), samples * exchanged_bytes());
   });
 }

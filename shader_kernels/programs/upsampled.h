@@ -26,8 +26,10 @@ class UpsampledProgram final : public FrameProgram {
   UpsampledProgram(const traces::MemoryImage& image, const traces::Camera& camera, const RenderConfig& config,
                    const ReconstructConfig& filter, float scene_size, std::uint32_t frame);
 
-  std::uint32_t tiles() const override { return tiles_.count(); }
-  TileCounts tile_counts() const override { return {tiles_.tiles().tiles_across(), tiles_.tiles().tiles_down()}; }
+  std::uint32_t tiles() const override { return tiles_.tile_count(); }
+  TileCounts tile_counts() const override {
+    return {tiles_.sample_tiles().tiles_across(), tiles_.sample_tiles().tiles_down()};
+  }
   FrameRequirements requirements() const override;
   void run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const override;
 
@@ -48,9 +50,9 @@ class UpsampledProgram final : public FrameProgram {
   /// Return the bytes of a sample's data for all lights, and the bytes per sample that neighbours read.
   std::uint32_t light_bytes() const;
   std::uint32_t exchanged_bytes() const;
-  std::uint64_t store_bytes() const { return tiles_.stored_samples() * exchanged_bytes(); }
+  std::uint64_t stored_bytes() const { return tiles_.stored_samples() * exchanged_bytes(); }
   void trace_pixels(Tile& tile, std::uint32_t x, std::uint32_t y, std::uint32_t across, std::uint32_t down) const;
-  void make_halo(Tile& tile) const;
+  void fill_halo(Tile& tile) const;
   void export_borders(Tile& tile) const;
   Node upsample_effects(Tile& tile) const;
   template <bool kCheckerboard>

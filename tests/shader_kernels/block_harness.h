@@ -60,7 +60,7 @@ struct Stage {
   }
   Sampled undersample(const RenderConfig& render, const UndersampleConfig& config, bool record = false) const {
     UndersampleProgram program(image, camera, render, config, size(), 0);
-    return run_program(program, tracer, config.pixel_grid(), record);
+    return run_program(program, tracer, config.pixel_grid_side(), record);
   }
 
   /// Returns the longest side of the scene's bounds.

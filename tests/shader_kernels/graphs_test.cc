@@ -6,12 +6,12 @@ namespace kernels {
 namespace {
 
 // Counted by hand from the kernels' sources. In short: normalised is unit_vector, scrambled scramble_bits, encoded
-// encode_srgb, clamped clamp_to_unit, decay exp_negative, passed passed_sample, wraps crosses_edge, go_on continue_ray,
-// interface make_interface, largest max_channel, contrast channel_contrast.
+// encode_srgb, clamped clamp_to_unit, decay exp_negative, passed passed_sample, wraps crosses_texture_border, go_on
+// continue_ray, interface make_interface, largest max_channel, contrast channel_contrast.
 //
 //   dot 3 mul 2 add | vector + vector 3 add | vector * scalar 3 mul | largest 2 max
 //   normalised      dot, max, sqrt, div, 3 mul                            2 add  6 mul 2 div_sqrt 1 other
-//   divmod          add, mul, floor, mul, sub                             2 add  2 mul 1 other
+//   div_mod          add, mul, floor, mul, sub                             2 add  2 mul 1 other
 //   scrambled       3 xor, 3 shift, 2 mul                                 8 integer
 //   next            select, int_add                                       1 select 1 integer
 //   add_light       load, 3 add, store                                    3 add
@@ -27,13 +27,13 @@ namespace {
 //   fetch_layer     and; weights, 2 interpolate; compare, select; sample, linear; mul
 //                                            26 add 20 mul 10 other 5 compare 5 select 11 integer 8 convert
 //     with colours  has; 2 interpolate, 2 select; vertex_colour; mul
-//   emit_primary    2 scale, 2 vector add, normalised; 3 store             8 add 12 mul 2 div_sqrt 1 other
+//   emit_primary_ray    2 scale, 2 vector add, normalised; 3 store             8 add 12 mul 2 div_sqrt 1 other
 //   diffuse_light   scale, vector sub; dot, sqrt, div; dot, mul; dot, neg, mul; mul add max min; mul mul sub max;
 //                   4 mul; 7 mul                                           11 add 31 mul 2 div_sqrt 4 other
 //   encoded         3 sqrt, 3 mul add sub, compare, mul, select            2 add  4 mul 3 div_sqrt 1 compare 1 select
 //   clamped         max, min                                               2 other
-//   lattice_sample  to_float, divmod; 2 (mul, add); to_int                 4 add  4 mul 1 other 2 convert
-//   sample_neighbours  to_float, 2 divmod; mul; 2 (mul, add); add, mul, add, to_int; to_int; mul, add, to_int; to_int;
+//   lattice_sample  to_float, div_mod; 2 (mul, add); to_int                 4 add  4 mul 1 other 2 convert
+//   sample_neighbours  to_float, 2 div_mod; mul; 2 (mul, add); add, mul, add, to_int; to_int; mul, add, to_int; to_int;
 //                   compare, add, compare, or                              10 add 9 mul 2 other 2 compare 1 integer
 //                                                                           5 convert
 //   write_verdict   select; 2 (compare, next); shift, or; 3 store          3 select 2 compare 4 integer
@@ -50,7 +50,7 @@ namespace {
 //   interface       -dot, less, 1/ior, select; 3 mul 2 sub; sub add div; compare max sqrt select sub; mul;
 //                   4 mul 3 sub              10 add 11 mul 3 div_sqrt 2 other 2 compare 2 select
 //
-//   generate_rays             to_float, 3 divmod, 2 add, 2 (2 add, mul), emit_primary
+//   generate_rays             to_float, 3 div_mod, 2 add, 2 (2 add, mul), emit_primary_ray
 //   generate_jittered_rays    the same with 2 (shift, to_float, mul) for 0.5; 2 to_int, mul, add; xor; 3 scrambled;
 //                             to_int, add; xor
 //   classify_hits             2 (compare, next)
@@ -86,11 +86,11 @@ namespace {
 //                             compare, next
 //   shade_glass               interface; mul, max, sqrt, sub; 2 scale, vector add; sub, mul; scale, 3 mul;
 //                             2 max, compare, next
-//   average_colour            to_float, divmod, add_samples
+//   average_colour            to_float, div_mod, add_samples
 //   pack_colour               3 (clamped, encoded, mul, add, to_int); 2 shift, 3 or
 //
 //   list_samples              lattice_sample
-//   generate_listed_rays      to_float, 3 divmod, 2 add, 2 (2 add, mul), emit_primary
+//   generate_listed_rays      to_float, 3 div_mod, 2 add, 2 (2 add, mul), emit_primary_ray
 //   record_geometry           and, object_of
 //   record_surface            and; 2 vector sub, cross 6 mul 3 sub; dot, compare, select; object_of; normalised, scale
 //   record_secondary          and; 5 compare, 2 and, 2 select; 2 vectors of select; xor, shift, xor, scrambled, add
@@ -103,7 +103,7 @@ namespace {
 //   interpolate_x             passed, lerp_colours, lerp_geometry
 //     with secondary hits     2 (lerp, normalised) more
 //   interpolate_y             passed, lerp_colours
-//   average_samples           to_float, 3 divmod; 3 mul, 4 add, to_int; add_samples
+//   average_samples           to_float, 3 div_mod; 3 mul, 4 add, to_int; add_samples
 //   record_local_after, record_global   vector add or sub
 //   check_attributes          sample_neighbours; vector sub, dot; 2 dot, neg, mul; 2 wraps, or;
 //                             6 (clamped, encoded), vector sub, dot; 8 fails with dot, mul, 2 and for flags, 1 and; 7
@@ -129,41 +129,42 @@ namespace {
 //   weigh_branch              largest, max
 //   record_branch             and; object_of; largest, compare; 4 select; position_sum, select
 //   record_branch_shadow      compare; position_sum, compare; 2 select, add
-//   test_subpixels            shift, to_float, divmod; (shift, and), and, 2 (to_float, sub); corner_steps; 2 add, mul;
+//   test_subpixels            shift, to_float, div_mod; (shift, and), and, 2 (to_float, sub); corner_steps; 2 add, mul;
 //                             2 add, 2 add, select, 4 to_int; 2 sets of 3 (2 compare, 2 select; dot, compare, select;
 //                             2 or; or, and, compare, select), 3 or, and, compare, select; 2 shift, or, and; 8 (and,
 //                             compare, select, min); compare, select; 3 contrast, 3 (mul, compare), 2 or; 2 select, or
-//   weigh_centres             to_float, divmod; 2 add, mul, to_int; clamped; shift; 4 active_bit, 3 (add, add);
+//   weigh_centres             to_float, div_mod; 2 add, mul, to_int; clamped; shift; 4 active_bit, 3 (add, add);
 //                             to_float, mul, sub; scale
-//   weigh_centres_bilinear    to_float, divmod; 2 add, mul, to_int; clamped; shift; 4 of (corner_steps; 4 add, 3
+//   weigh_centres_bilinear    to_float, div_mod; 2 add, mul, to_int; clamped; shift; 4 of (corner_steps; 4 add, 3
 //   to_int;
 //                             3 clamped; add, active_bit, to_float, mul, sub; 3 scale, 4 vector add)
-//   pack_subpixels            shift, to_float, divmod; mul, and, to_float, add; mul, shift, and, to_float, add; 2
+//   pack_subpixels            shift, to_float, div_mod; mul, and, to_float, add; mul, shift, and, to_float, add; 2
 //   compare,
 //                             and; mul, add, to_int; shift; 4 (add, active_bit, select), 3 add; to_float; mul, floor;
 //                             mul, sub, add, compare, select, add; mul, max; add; to_int; 3 add, 4 (2 add, compare,
 //                             shift, or, select); compare, next, select, add; to_int, mul, sub, to_int, shift, or
 //   pack_subpixels_atomic     add, compare, sub, select; to_int; active_bit; add; compare, shift, or, select
-//   generate_extra_rays       shift, shift, to_float, divmod; 2 add; 2 (and, and, or) with 2 shift; 2 to_int, mul, add;
+//   generate_extra_rays       shift, shift, to_float, div_mod; 2 add; 2 (and, and, or) with 2 shift; 2 to_int, mul,
+//   add;
 //                             shift, or; hashes as generate_jittered_rays; add, to_float, to_int; 2 (to_float, add,
 //                             mul, add), 2 scale, 2 vector add, normalised
-//   state_of        shift, to_float, divmod; 3 and, shift; 2 (add, to_float, add); add, mul, add
+//   state_index        shift, to_float, div_mod; 3 and, shift; 2 (add, to_float, add); add, mul, add
 //                                                                           8 add  3 mul 1 other 4 integer 3 convert
-//   state_with      3 (encoded, mul, add, to_int); shift, 2 or              9 add 15 mul 9 div_sqrt 3 compare 3 select
+//   pack_state      3 (encoded, mul, add, to_int); shift, 2 or              9 add 15 mul 9 div_sqrt 3 compare 3 select
 //                                                                           3 integer 3 convert
-//   channels_of     2 and, shift, 3 to_float
+//   unpack_channels     2 and, shift, 3 to_float
 //
-//   show_subpixels            shift, to_float, divmod; 2 add, mul, to_int; clamped; state_of, to_int; state_with
+//   show_subpixels            shift, to_float, div_mod; 2 add, mul, to_int; clamped; state_index, to_int; pack_state
 //   show_subpixels_bilinear   shift, 2 and, 2 (to_float, sub); corner_steps; 4 add, 3 to_int; 3 clamped; 3 scale, 3
 //                             vector add more
 //   settle_subpixels          shift, to_float, add, to_int; 4 add, clamped; 3 vector add, scale; and, shift, or;
-//                             state_of, to_int; state_with
-//   propagate_subpixels       state_of, to_int; channels_of; 4 (add, to_int; 2 shift, compare; channels_of; 2 vectors
-//   of
+//                             state_index, to_int; pack_state
+//   propagate_subpixels       state_index, to_int; unpack_channels; 4 (add, to_int; 2 shift, compare; unpack_channels;
+//   2 vectors of
 //                             select, 3 min, 3 max; shift, and, select, or); 9 (and, compare, select, min); 3 (2 mul, 2
 //                             add, max, compare), 2 or; shift, compare, and; next; shift, to_float, compare, and,
 //                             select; next
-//   average_subpixels         to_float, divmod; to_int; shift, and, or; add_samples
+//   average_subpixels         to_float, div_mod; to_int; shift, and, or; add_samples
 //   sum_subpixels             shift; 2 (and, and, or) with 3 shift; shift, or; active_bit, compare; shift, shift, or;
 //                             to_float, add, to_int; and, compare; 3 (max, min, 3 select, add, mul, add)
 constexpr Hand kByHand[] = {

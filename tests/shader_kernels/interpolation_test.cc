@@ -46,7 +46,7 @@ traces::Scene ramp() {
 
 TEST(FaintColours, AlwaysPassTheCheckAndBrighterOnesMayFail) {
   for (const float threshold : {1e-6F, 0.001F, 0.02F, 0.08F, 0.5F, 2.0F}) {
-    const float faint = faint_channel(threshold);
+    const float faint = largest_faint_channel(threshold);
     const auto apart = [&](const glm::vec3& a, const glm::vec3& b) {
       return std::sqrt(encoded_distance_squared<float>({a.x, a.y, a.z}, {b.x, b.y, b.z}));
     };

@@ -185,8 +185,8 @@ TEST(Layers, EmbreeAgreesOnEveryRayAndSeesTheSamePicture) {
   const traces::EmbreeTracer embree(image, 1);
   const traces::VerifyingTracer verifying(image, bvh, embree);
   const Picture ours = render(image, scene.cameras[0], verifying, small(192, 128));
-  EXPECT_EQ(verifying.counts().error_count(), 0U);
-  EXPECT_GT(verifying.counts().rays, 50000U);
+  EXPECT_EQ(verifying.verify_counts().error_count(), 0U);
+  EXPECT_GT(verifying.verify_counts().rays, 50000U);
   const Picture truth = render(image, scene.cameras[0], embree, small(192, 128));
   std::uint64_t different = 0;
   for (std::size_t i = 0; i < ours.rgb.size(); ++i) different += std::abs(ours.rgb[i] - truth.rgb[i]) > 0.02F ? 1U : 0U;

@@ -46,7 +46,7 @@ float look_up(std::uint32_t width, std::uint32_t height, float footprint, std::v
   ports.mattes.bind(mattes);
   ports.axes.bind(axes.data());
   ports.levels.bind(levels);
-  ports.texels.attach(chain.data(), log);
+  ports.texels.bind_raw(chain.data(), log);
   const std::vector<SrgbCodeRecord<float>> codes = srgb_code_records();
   ports.srgb_codes.bind(codes.data());
   ShadeTextured<kMips>::template body<float>(0, ports);

@@ -243,7 +243,7 @@ TEST(PostCorrection, ManyCorrectedSamplesMoveNoMoreThanTheirTile) {
     config.samples = samples;
     const RenderConfig render = small(32, 32);
     UndersampleProgram program(stage.image, stage.camera, render, config, stage.size(), 0);
-    const Sampled run = run_program(program, stage.tracer, config.pixel_grid(), true);
+    const Sampled run = run_program(program, stage.tracer, config.pixel_grid_side(), true);
     EXPECT_GT(run.sampling.correction, 32U * 32U / 16) << "lines of the picture";
     const FrameRequirements requirements = program.requirements();
     for (const traces::TileWork& work : run.works) {

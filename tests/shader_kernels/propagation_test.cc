@@ -105,7 +105,7 @@ TEST(Propagation, CountsAndMarksTracedSubpixels) {
   std::array<std::uint64_t, 5> marked{};
   std::uint64_t subpixels = 0;
   for (std::size_t i = 0; i < with.marks.size(); ++i) {
-    const std::uint32_t active = active_of(with.marks[i]), first = active_of(once.marks[i]);
+    const std::uint32_t active = active_subpixel_count(with.marks[i]), first = active_subpixel_count(once.marks[i]);
     marked.at(active) += 1;
     subpixels += active - first;
     EXPECT_EQ((with.marks[i] & kCorrectedMark) != 0, active > first);
@@ -190,7 +190,7 @@ std::vector<std::uint32_t> found(const std::array<float, 16>& greys, const std::
   std::vector<SubpixelRecord<float>> states(36);
   for (std::uint32_t i = 0; i < 16; ++i) {
     const std::uint32_t grey = static_cast<std::uint32_t>(greys[i] * 65535);
-    const std::uint32_t why = made[i] << kRoundShift | (made[i] != 0 ? bit(reason) << kReasonsShift : 0U);
+    const std::uint32_t why = made[i] << kRoundShift | (made[i] != 0 ? attribute_bit(reason) << kReasonsShift : 0U);
     states[(i / 4 + 1) * 6 + i % 4 + 1] = {grey | grey << 16, grey | why};
   }
   std::array<std::uint32_t, 17> verdicts{}, active{}, masters{};
@@ -209,7 +209,7 @@ std::vector<std::uint32_t> found(const std::array<float, 16>& greys, const std::
   for (std::uint32_t i = 0; i < ports.active_count.value; ++i) {
     const std::uint32_t subpixel = active[i], pixel = subpixel / 4;
     out.push_back((2 * (pixel / 2) + subpixel / 2 % 2) * 4 + 2 * (pixel % 2) + subpixel % 2);  // row by row
-    EXPECT_EQ(verdicts[subpixel], bit(reason)) << "it has its neighbour's reasons";
+    EXPECT_EQ(verdicts[subpixel], attribute_bit(reason)) << "it has its neighbour's reasons";
   }
   std::vector<std::uint32_t> pixels;
   for (std::uint32_t i = 0; i < ports.active_count.value; ++i) {

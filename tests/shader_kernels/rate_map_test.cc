@@ -30,7 +30,7 @@ std::vector<std::uint32_t> blocks(const MultirateConfig& config, float at_two, f
   std::vector<std::uint32_t> out;
   for (int frame = 0; frame < frames; ++frame) {
     out.push_back(rates.block_side(0));
-    rates.advance(frame_of({out.back() == RateMap::kCoarse ? at_four : at_two}));
+    rates.update_rates(frame_of({out.back() == RateMap::kCoarse ? at_four : at_two}));
   }
   return out;
 }
@@ -66,7 +66,7 @@ TEST(RateMap, AlternateTakesTheThresholdsInTurn) {
 
 TEST(RateMap, TilesAreIndependent) {
   RateMap rates(controlled());
-  rates.advance(frame_of({1, 0, 0.95F, 0.94F}));
+  rates.update_rates(frame_of({1, 0, 0.95F, 0.94F}));
   EXPECT_EQ(rates.block_side(0), 4U);
   EXPECT_EQ(rates.block_side(1), 2U);
   EXPECT_EQ(rates.block_side(2), 4U);
@@ -101,12 +101,12 @@ class MixedRates : public testing::TestWithParam<std::uint64_t> {
 
   RateMap rates(std::uint32_t grid) const {
     const SampleTiles tiles(kWidth, kHeight, grid, render_.tile, RateMap::kCoarse);
-    std::vector<float> similar(tiles.count());
-    for (std::uint32_t i = 0; i < tiles.count(); ++i) {
+    std::vector<float> similar(tiles.tile_count());
+    for (std::uint32_t i = 0; i < tiles.tile_count(); ++i) {
       similar[i] = GetParam() >> (i % tiles.tiles_across() + i / tiles.tiles_across() * 7) % 64 & 1U ? 1.0F : 0.0F;
     }
     RateMap map(controlled());
-    map.advance(frame_of(similar));
+    map.update_rates(frame_of(similar));
     return map;
   }
 };
@@ -177,7 +177,7 @@ TEST(RateMap, AFlatSceneChangesToCoarseBlocksAndTracesLess) {
   const Stage stage(scene, traces::look_at("c", {0, 0, 4}, {0, 0, 0}, 0.5F));
   RateMap rates(controlled());
   const Sampled first = stage.multirate(small(64, 64), controlled(), 1, false, &rates);
-  rates.advance(first.sampling);
+  rates.update_rates(first.sampling);
   const Sampled second = stage.multirate(small(64, 64), controlled(), 1, false, &rates);
   EXPECT_EQ(second.sampling.blocks[5], 4) << "a tile within the picture";
   EXPECT_LT(second.sampling.traced * 2, first.sampling.traced);

@@ -68,12 +68,12 @@ TEST(TestSubpixelsKernel, EachChannelHasItsWeight) {
 
 TEST(TestSubpixelsKernel, TheThresholdOfTheDifferingAttributeApplies) {
   const Vec3<float> same{0.5F, 0.5F, 0.5F};
-  EXPECT_EQ(verdict_between(same, 2, 0), bit(Attribute::kObject) | 1U << kActiveShift);
-  EXPECT_EQ(verdict_between(same, 2, 0.05), bit(Attribute::kObject));
-  EXPECT_EQ(verdict_between({0.55F, 0.55F, 0.55F}, 2, 0.04), bit(Attribute::kObject) | 1U << kActiveShift);
-  EXPECT_EQ(verdict_between({0.55F, 0.55F, 0.55F}, 2, 0.05), bit(Attribute::kObject));
-  EXPECT_EQ(verdict_between({0, 0, 0}, 2, 1), bit(Attribute::kObject));
-  EXPECT_EQ(verdict_between({0, 0, 0}, 1, 1), bit(Attribute::kColour) | 1U << kActiveShift);
+  EXPECT_EQ(verdict_between(same, 2, 0), attribute_bit(Attribute::kObject) | 1U << kActiveShift);
+  EXPECT_EQ(verdict_between(same, 2, 0.05), attribute_bit(Attribute::kObject));
+  EXPECT_EQ(verdict_between({0.55F, 0.55F, 0.55F}, 2, 0.04), attribute_bit(Attribute::kObject) | 1U << kActiveShift);
+  EXPECT_EQ(verdict_between({0.55F, 0.55F, 0.55F}, 2, 0.05), attribute_bit(Attribute::kObject));
+  EXPECT_EQ(verdict_between({0, 0, 0}, 2, 1), attribute_bit(Attribute::kObject));
+  EXPECT_EQ(verdict_between({0, 0, 0}, 1, 1), attribute_bit(Attribute::kColour) | 1U << kActiveShift);
 }
 
 TEST(SameNormal, IsTheLeastDotProductOfNormalsThatDoNotDiffer) {

@@ -26,7 +26,7 @@ float fetch_red(const traces::Texture& texture, float u, float v, std::vector<tr
   ports.texcoords.bind(texcoords);
   ports.mattes.bind(mattes);
   ports.axes.bind(axes);
-  ports.texels.attach(&texture, log);
+  ports.texels.bind_raw(&texture, log);
   const std::vector<SrgbCodeRecord<float>> codes = srgb_code_records();
   ports.srgb_codes.bind(codes.data());
   ShadeTextured<>::body<float>(0, ports);

@@ -149,8 +149,9 @@ std::vector<DebugPicture> debug_pictures(const kernels::ProgramSpec& program, co
   using Kind = kernels::ProgramSpec::Kind;
   if (program.kind == Kind::kSupersample) {
     constexpr std::array<Colour, 5> kCounts{{{0, 0, 0}, {255, 0, 0}, {0, 255, 0}, {0, 0, 255}, kWhite}};
-    pictures.push_back(canvas.paint_samples(
-        "active", [&](SampleMark mark, std::uint32_t, std::uint32_t) { return kCounts.at(kernels::active_of(mark)); }));
+    pictures.push_back(canvas.paint_samples("active", [&](SampleMark mark, std::uint32_t, std::uint32_t) {
+      return kCounts.at(kernels::active_subpixel_count(mark));
+    }));
     if (frame.sampling.propagated != 0)
       pictures.push_back(canvas.marked_picture("propagated", kernels::kCorrectedMark));
     add_marked(pictures, canvas, "differs-", frame.sampling.reasons, names_of(kernels::Attribute{}));

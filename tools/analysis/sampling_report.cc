@@ -44,7 +44,7 @@ double part_of(std::string_view kernel, KernelGroup group) {
   if (info == nullptr || info->parts.empty()) return group_of(kernel) == group ? 1 : 0;
   double all = 0, those = 0;
   for (const std::string_view part : info->parts) {
-    const double ops = kernels::executed_ops(kernels::find_kernel(part)->graph);
+    const double ops = kernels::count_executed_ops(kernels::find_kernel(part)->graph);
     all += ops;
     if (group_of(part) == group) those += ops;
   }

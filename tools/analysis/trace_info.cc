@@ -47,9 +47,9 @@ Json trace_info(const traces::TraceReader& trace) {
                  {"tiles", tiles},
                  {"rays", rays},
                  {"traversal_steps", steps},
-                 {"bytes", trace.bytes()},
+                 {"bytes", trace.file_bytes()},
                  {"tile_bytes", bytes}};
-    const double per_ray = rays == 0 ? 0 : static_cast<double>(trace.bytes()) / static_cast<double>(rays);
+    const double per_ray = rays == 0 ? 0 : static_cast<double>(trace.file_bytes()) / static_cast<double>(rays);
     info["bytes_per_ray"] = per_ray;
     info["function"] = Json::object();
     for (const auto& [key, value] : header.at("function").items()) {

@@ -123,7 +123,7 @@ void print_kernels(const JobOptions& options) {
   sim::Table table({"kernel", "operations", "on units", "II", "depth", "local reads", "writes", "cached loads", ""});
   for (const kernels::KernelInfo& kernel : kernels::kernel_catalogue()) {
     const hw::KernelSchedule s = hw::schedule_kernel(kernel.graph, srp);
-    table.add_row({std::string(kernel.name), std::to_string(kernels::executed_ops(kernel.graph)),
+    table.add_row({std::string(kernel.name), std::to_string(kernels::count_executed_ops(kernel.graph)),
                    std::to_string(s.fu_ops), std::to_string(s.ii), std::to_string(s.depth),
                    std::to_string(s.local_reads), std::to_string(s.local_writes), std::to_string(s.cached_loads),
                    std::string(kernel.meaning)});

@@ -67,7 +67,7 @@ EmbreeComparison verify_frame(const Inputs& inputs, const kernels::ProgramSpec& 
     traces::write_png(folder / "image.png", width, height, to_rgb8(ours));
     traces::write_png(folder / "embree.png", width, height, to_rgb8(truth));
   }
-  return {verifying.counts(), mean_squared_error(ours, truth)};
+  return {verifying.verify_counts(), mean_squared_error(ours, truth)};
 }
 
 /// Verifies frames one after the other and sums their results.
@@ -155,7 +155,7 @@ int verify_rays(const JobOptions& options) {
   std::vector<traces::Hit> hits(list.rays.size());
   progress.begin_part("tracing", 0, 1);
   verifying.trace(list.rays, traces::RayKind::kPrimary, hits, nullptr);
-  const traces::VerifyCounts counts = verifying.counts();
+  const traces::VerifyCounts counts = verifying.verify_counts();
   progress.set_tiles_done(1, counts.rays, 0);
   progress.finish("done");
   folder.fill([&](const RunFolder::Open& open) {

@@ -27,14 +27,14 @@ Bounds bounds_of(const NodeRecord& node) {
           {std::max(node.x[2], node.x[3]), std::max(node.y[2], node.y[3]), std::max(node.z[2], node.z[3])}};
 }
 
-MemoryImage one_level(const Scene& scene, const MaterialTables& materials, const BvhConfig& config, unsigned threads,
-                      sim::Stop stop) {
+MemoryImage build_one_level(const Scene& scene, const MaterialTables& materials, const BvhConfig& config,
+                            unsigned threads, sim::Stop stop) {
   const std::vector<PlacedMesh> placed = placed_instances(scene);
   MemoryImage image;
-  image.triangles = triangles_of(placed, materials);
+  image.triangles = triangle_records(placed, materials);
   FlatBvh bvh = BvhBuilder(config, threads, stop).build_over(image.triangles);
   image.nodes = std::move(bvh.nodes);
-  ShadingRecords shading = shading_of(placed, materials);
+  ShadingRecords shading = shading_records(placed, materials);
   image.attributes = std::move(shading.attributes);
   image.vertices = std::move(shading.vertices);
   reorder_records<TriangleRecord>(image.triangles, bvh.order);
@@ -48,7 +48,7 @@ MemoryImage one_level(const Scene& scene, const MaterialTables& materials, const
     image.lower = bounds.lower;
     image.upper = bounds.upper;
   }
-  if (config.numbers == BoxNumbers::kHybrid) put_on_grid(image);
+  if (config.numbers == BoxNumbers::kHybrid) round_boxes_to_grid(image);
   return image;
 }
 
@@ -59,8 +59,8 @@ MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config, unsi
   const bool has_mip_maps = mip_maps == MipMaps::kOn && !scene.textures.empty();
   MaterialTables materials = material_tables(scene, has_mip_maps);
   const bool levels = config.instances == InstanceLevels::kTwoLevel;
-  MemoryImage image =
-      levels ? two_levels(scene, materials, config, threads, stop) : one_level(scene, materials, config, threads, stop);
+  MemoryImage image = levels ? build_two_levels(scene, materials, config, threads, stop)
+                             : build_one_level(scene, materials, config, threads, stop);
   image.textures = scene.textures;
   if (materials.needs_white) {
     image.white = static_cast<std::uint32_t>(image.textures.size());
@@ -91,10 +91,10 @@ void fit_boxes(MemoryImage& image, std::size_t first, std::size_t end) {
 void refit_memory_image(const Scene& posed, MemoryImage& image) {
   const MaterialTables materials = material_tables(posed, image.has_mip_maps());
   const std::vector<PlacedMesh> placed = placed_instances(posed);
-  const std::vector<TriangleRecord> triangles = triangles_of(placed, materials);
+  const std::vector<TriangleRecord> triangles = triangle_records(placed, materials);
   assert(triangles.size() == image.triangles.size() && "a refit moves triangles, it does not add or remove any");
   for (TriangleRecord& t : image.triangles) t = triangles[t.source];
-  const ShadingRecords shading = shading_of(placed, materials);
+  const ShadingRecords shading = shading_records(placed, materials);
   for (std::size_t i = 0; i < image.triangles.size(); ++i) {
     const std::uint32_t source = image.triangles[i].source;
     image.attributes[i] = shading.attributes[source];
@@ -106,14 +106,14 @@ void refit_memory_image(const Scene& posed, MemoryImage& image) {
     image.lower = bounds.lower;
     image.upper = bounds.upper;
   }
-  if (image.grid) put_on_grid(image);
+  if (image.grid) round_boxes_to_grid(image);
   image.lights = posed.lights;
 }
 
 void update_memory_image(const Scene& posed, const BvhConfig& config, unsigned threads, MemoryImage& image,
                          sim::Stop stop) {
   if (config.instances == InstanceLevels::kTwoLevel) {
-    if (update_levels(posed, config, threads, image, stop)) return;
+    if (update_two_levels(posed, config, threads, image, stop)) return;
   } else if (config.update == BvhUpdate::kRefit) {
     refit_memory_image(posed, image);
     return;

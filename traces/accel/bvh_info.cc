@@ -20,7 +20,7 @@ std::string digest_of(const std::vector<Record>& records) {
 std::string bvh_hash(const MemoryImage& image) {
   std::string parts = digest_of(image.nodes) + digest_of(image.triangles);
   if (image.has_levels()) parts += digest_of(image.instances);
-  if (image.grid) parts += digest_of(std::vector{image.grid->lower(), image.grid->step()});
+  if (image.grid) parts += digest_of(std::vector{image.grid->lower_corner(), image.grid->plane_spacing()});
   return sim::sha256_hex(parts);
 }
 
@@ -55,7 +55,7 @@ struct TreeCost {
 /// trees that its instance leaves lead to.
 TreeCost measure_tree(const MemoryImage& image, std::size_t begin, std::size_t end, double area,
                       const BvhConfig& config, const std::vector<TreeCost>& below, BvhInfo& info) {
-  const glm::vec3 step = image.grid ? image.grid->step() : glm::vec3(1);
+  const glm::vec3 step = image.grid ? image.grid->plane_spacing() : glm::vec3(1);
   TreeCost tree;
   double cost = area * config.traversal_cost;
   // Nodes precede their children, so one forward pass finds every node's depth.

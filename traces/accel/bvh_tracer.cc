@@ -27,7 +27,7 @@ class Recorder {
   void make_room() {
     if (used_ + kStepWords > buffer_.size()) flush();
   }
-  void write(std::uint32_t word) { buffer_[used_++] = word; }
+  void write_word(std::uint32_t word) { buffer_[used_++] = word; }
   /// Flushes the buffer. Call after the last ray; a destructor could not throw if memory runs out.
   void finish() { flush(); }
 
@@ -48,7 +48,7 @@ class Recorder {
 struct NoRecorder {
   void begin_ray() {}
   void make_room() {}
-  void write(std::uint32_t) {}
+  void write_word(std::uint32_t) {}
   void finish() {}
 };
 
@@ -57,7 +57,7 @@ namespace {
 constexpr std::size_t kStackSize = 128;  // entries; deeper than any tree that BvhConfig allows
 
 /// Returns the exit phases of four triangle tests, given which lanes passed the distance test and which hit.
-constexpr std::uint32_t phases_of(unsigned in_range, unsigned hit) {
+constexpr std::uint32_t exit_phases(unsigned in_range, unsigned hit) {
   constexpr std::array<std::uint16_t, 16> kBand = {0x0000, 0x0001, 0x0010, 0x0011, 0x0100, 0x0101, 0x0110, 0x0111,
                                                    0x1000, 0x1001, 0x1010, 0x1011, 0x1100, 0x1101, 0x1110, 0x1111};
   return 0x1111U + kBand[in_range] + kBand[hit];
@@ -97,7 +97,7 @@ class Walk {
         link = visit_node(link);
       }
     } while (link != kNoChild);
-    record_.write(end_step(hit_.is_hit()));
+    record_.write_word(end_step(hit_.is_hit()));
     if (hit_.is_hit()) hit_.triangle |= image_.triangles[hit_.triangle].hit_flags();
     return kLevels && hit_.is_hit() ? with_instance(hit_, hit_instance_) : hit_;
   }
@@ -111,14 +111,14 @@ class Walk {
   /// Transforms the ray into the space of an instance and returns the root of the instance's tree. Boxes of the root
   /// determine the rounding margin of box tests.
   std::uint32_t enter_instance(std::uint32_t instance) {
-    record_.write(enter_step(instance));
+    record_.write_word(enter_step(instance));
     const InstanceRecord& record = image_.instances[instance];
     const NodeRecord& root = image_.nodes[record.root];
     const glm::vec3 lower{std::min(root.x[0], root.x[1]), std::min(root.y[0], root.y[1]),
                           std::min(root.z[0], root.z[1])};
     const glm::vec3 upper{std::max(root.x[2], root.x[3]), std::max(root.y[2], root.y[3]),
                           std::max(root.z[2], root.z[3])};
-    const Ray ray = into_object(record, ray_);
+    const Ray ray = to_object_space(record, ray_);
     boxes_ = RayBoxes<Lanes>(ray, lower, upper);
     triangles_ = RayTriangles<Lanes>(ray);
     instance_ = instance;
@@ -134,11 +134,11 @@ class Walk {
     if (hits == 3) {
       const float first = enter.lane_0(), second = enter.lane_1();
       const std::uint32_t near = second < first ? 1 : 0;
-      record_.write(visit_step(index, hits, near));
+      record_.write_word(visit_step(index, hits, near));
       stack_[depth_++] = {node.child[1 - near], std::max(first, second)};
       return node.child[near];
     }
-    record_.write(visit_step(index, hits, 0));
+    record_.write_word(visit_step(index, hits, 0));
     return hits == 0 ? pop_entry() : node.child[hits >> 1];
   }
 
@@ -153,7 +153,7 @@ class Walk {
       }
       ++culled;
     }
-    if (culled != 0) record_.write(cull_step(culled));
+    if (culled != 0) record_.write_word(cull_step(culled));
     if constexpr (kLevels) {
       if (depth_ < floor_) {  // the entry was pushed before the ray entered the instance
         boxes_ = world_;
@@ -177,8 +177,8 @@ class Walk {
       phases |= (exits & (0xffffU >> (16 - 4 * done))) << (4 * tested);
       tested += done;
     }
-    record_.write(leaf_step(first, tested));
-    record_.write(phases);
+    record_.write_word(leaf_step(first, tested));
+    record_.write_word(phases);
     return ends;
   }
 
@@ -187,13 +187,13 @@ class Walk {
   std::uint32_t test_group(std::uint32_t first, std::uint32_t& count, bool& ends) {
     const auto result = triangles_.test_triangles(&image_.triangles[first], count);
     const unsigned lanes = (1U << count) - 1;
-    unsigned reached = less_equal_mask(Lanes::all(t_min_), result.t) & lanes;
+    unsigned reached = less_equal_mask(Lanes::from_float(t_min_), result.t) & lanes;
     if (is_single_sided_) reached &= ~result.culled_mask(&image_.triangles[first], count);
-    unsigned in_range = reached & less_equal_mask(result.t, Lanes::all(limit_));
-    if (in_range == 0) return phases_of(0, 0);
+    unsigned in_range = reached & less_equal_mask(result.t, Lanes::from_float(limit_));
+    if (in_range == 0) return exit_phases(0, 0);
     const unsigned inside = result.inside_mask();
     unsigned hits = in_range & inside;
-    if (hits == 0) return phases_of(in_range, 0);
+    if (hits == 0) return exit_phases(in_range, 0);
 
     // A hit shortens the ray for the triangles that follow in the leaf.
     for (unsigned lane = 0; lane < count; ++lane) {
@@ -207,16 +207,16 @@ class Walk {
       }
       accept_hit(result, lane, first + lane);
       const unsigned earlier = (2U << lane) - 1;
-      in_range = (in_range & earlier) | (reached & less_equal_mask(result.t, Lanes::all(limit_)) & ~earlier);
+      in_range = (in_range & earlier) | (reached & less_equal_mask(result.t, Lanes::from_float(limit_)) & ~earlier);
       hits = in_range & inside;
     }
-    return phases_of(in_range, hits);
+    return exit_phases(in_range, hits);
   }
 
   void accept_hit(const typename RayTriangles<Lanes>::Result& result, unsigned lane, std::uint32_t triangle) {
     alignas(16) float t[4], u[4], v[4], sum[4];
     result.t.store(t);
-    if (hit_.is_hit() && t[lane] == hit_.t && comes_later(triangle)) return;
+    if (hit_.is_hit() && t[lane] == hit_.t && loses_tie(triangle)) return;
     result.u.store(u);
     result.v.store(v);
     result.sum.store(sum);
@@ -227,7 +227,7 @@ class Walk {
   }
 
   /// True if `triangle`, which is as far as the current hit, has the higher `source` and so loses the tie.
-  bool comes_later(std::uint32_t triangle) const {
+  bool loses_tie(std::uint32_t triangle) const {
     if (kLevels && instance_ != hit_instance_) return instance_ > hit_instance_;
     return image_.triangles[triangle].source > image_.triangles[hit_.triangle].source;
   }

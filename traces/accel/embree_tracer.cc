@@ -55,11 +55,11 @@ struct Query {
   Rank rank;
 
   RayTriangles<NativeLanes>::Result test_triangle(std::uint32_t instance, const TriangleRecord& record) const {
-    const Ray seen = image->has_levels() ? into_object(image->instances[instance], *ray) : *ray;
+    const Ray seen = image->has_levels() ? to_object_space(image->instances[instance], *ray) : *ray;
     return RayTriangles<NativeLanes>(seen).test_triangles(&record, 1);
   }
   /// True if the face of the triangle that the ray sees is not culled.
-  bool is_there(std::uint32_t instance, std::uint32_t triangle) const {
+  bool is_face_visible(std::uint32_t instance, std::uint32_t triangle) const {
     if (!is_single_sided) return true;
     const TriangleRecord& record = image->triangles[triangle];
     return test_triangle(instance, record).culled_mask(&record, 1) == 0;
@@ -88,7 +88,7 @@ struct Query {
 
 /// Embree calls this filter for every hit. It compares the hit with the best one, and shortens the ray to the tie
 /// distance.
-void keep_best(const RTCFilterFunctionNArguments* arguments) {
+void keep_best_hit(const RTCFilterFunctionNArguments* arguments) {
   assert(arguments->N == 1);
   auto& query = *reinterpret_cast<Query*>(arguments->context);
   auto& ray = *reinterpret_cast<RTCRay*>(arguments->ray);
@@ -96,7 +96,7 @@ void keep_best(const RTCFilterFunctionNArguments* arguments) {
   const bool levels = query.image->has_levels();
   const std::uint32_t instance = levels ? hit.instID[0] : 0;
   const std::uint32_t first = levels ? query.image->trees[query.image->tree_of[instance]].first_triangle : 0;
-  if (!query.is_there(instance, first + hit.primID)) {
+  if (!query.is_face_visible(instance, first + hit.primID)) {
     arguments->valid[0] = 0;  // rejects the hit; Embree continues
     return;
   }
@@ -168,7 +168,7 @@ void EmbreeTracer::Impl::attach_triangles(RTCScene scene, std::size_t first, std
   for (std::uint32_t i = 0; i < count; ++i) {
     for (std::uint32_t corner = 0; corner < 3; ++corner) *corners++ = 4 * i + corner;
   }
-  rtcSetGeometryIntersectFilterFunction(geometry.get(), keep_best);
+  rtcSetGeometryIntersectFilterFunction(geometry.get(), keep_best_hit);
   rtcCommitGeometry(geometry.get());
   rtcAttachGeometry(scene, geometry.get());
 }

@@ -35,7 +35,7 @@ float BoxGrid::plane_above(float x, int axis) const {
   return static_cast<float>(plane);
 }
 
-void put_on_grid(MemoryImage& image) {
+void round_boxes_to_grid(MemoryImage& image) {
   const BoxGrid grid(image.lower, image.upper);
   for (NodeRecord& node : image.nodes) {
     for (int c = 0; c < 2; ++c) {

@@ -63,8 +63,8 @@ class BoxGrid {
   /// Returns the coordinate of plane `p` of the grid.
   double plane_position(double p, int axis) const { return lower_[axis] + p * step_[axis]; }
 
-  const glm::vec3& lower() const { return lower_; }
-  const glm::vec3& step() const { return step_; }
+  const glm::vec3& lower_corner() const { return lower_; }
+  const glm::vec3& plane_spacing() const { return step_; }
   friend bool operator==(const BoxGrid&, const BoxGrid&) = default;
 
  private:
@@ -75,6 +75,6 @@ struct MemoryImage;
 
 /// Converts the boxes of an image to hybrid numbers: spreads a grid over its bounds and rounds all planes outward to
 /// it.
-void put_on_grid(MemoryImage& image);
+void round_boxes_to_grid(MemoryImage& image);
 
 }  // namespace traces

@@ -22,8 +22,8 @@ namespace traces {
 struct PortableLanes {
   std::array<float, 4> v;
 
-  static PortableLanes all(float x) { return {{x, x, x, x}}; }
-  static PortableLanes of(float a, float b, float c, float d) { return {{a, b, c, d}}; }
+  static PortableLanes from_float(float x) { return {{x, x, x, x}}; }
+  static PortableLanes from_floats(float a, float b, float c, float d) { return {{a, b, c, d}}; }
   static PortableLanes load(const float* p) { return {{p[0], p[1], p[2], p[3]}}; }
   void store(float* p) const { std::copy_n(v.data(), 4, p); }
 
@@ -32,13 +32,13 @@ struct PortableLanes {
     bool on;
     explicit Swap(bool swap) : on(swap) {}
   };
-  PortableLanes swap_pairs(Swap s) const { return s.on ? of(v[2], v[3], v[0], v[1]) : *this; }
+  PortableLanes swap_pairs(Swap s) const { return s.on ? from_floats(v[2], v[3], v[0], v[1]) : *this; }
   float lane_0() const { return v[0]; }
   float lane_1() const { return v[1]; }
-  PortableLanes upper_pair() const { return of(v[2], v[3], v[2], v[3]); }
+  PortableLanes upper_pair() const { return from_floats(v[2], v[3], v[2], v[3]); }
 
   static PortableLanes map_lanes(const PortableLanes& a, const PortableLanes& b, auto&& f) {
-    return of(f(a.v[0], b.v[0]), f(a.v[1], b.v[1]), f(a.v[2], b.v[2]), f(a.v[3], b.v[3]));
+    return from_floats(f(a.v[0], b.v[0]), f(a.v[1], b.v[1]), f(a.v[2], b.v[2]), f(a.v[3], b.v[3]));
   }
   static unsigned lane_mask(const PortableLanes& a, const PortableLanes& b, auto&& f) {
     unsigned mask = 0;
@@ -57,7 +57,7 @@ struct PortableLanes {
   friend PortableLanes operator/(const PortableLanes& a, const PortableLanes& b) {
     return map_lanes(a, b, [](float x, float y) { return x / y; });
   }
-  friend PortableLanes operator-(const PortableLanes& a) { return of(-a.v[0], -a.v[1], -a.v[2], -a.v[3]); }
+  friend PortableLanes operator-(const PortableLanes& a) { return from_floats(-a.v[0], -a.v[1], -a.v[2], -a.v[3]); }
   friend PortableLanes min(const PortableLanes& a, const PortableLanes& b) {
     return map_lanes(a, b, [](float x, float y) { return x < y ? x : y; });
   }
@@ -65,7 +65,7 @@ struct PortableLanes {
     return map_lanes(a, b, [](float x, float y) { return x > y ? x : y; });
   }
   friend PortableLanes abs(const PortableLanes& a) {
-    return of(std::fabs(a.v[0]), std::fabs(a.v[1]), std::fabs(a.v[2]), std::fabs(a.v[3]));
+    return from_floats(std::fabs(a.v[0]), std::fabs(a.v[1]), std::fabs(a.v[2]), std::fabs(a.v[3]));
   }
   friend unsigned less_mask(const PortableLanes& a, const PortableLanes& b) {
     return lane_mask(a, b, [](float x, float y) { return x < y; });
@@ -103,8 +103,8 @@ struct PortableLanes {
 struct SseLanes {
   __m128 v;
 
-  static SseLanes all(float x) { return {_mm_set1_ps(x)}; }
-  static SseLanes of(float a, float b, float c, float d) { return {_mm_setr_ps(a, b, c, d)}; }
+  static SseLanes from_float(float x) { return {_mm_set1_ps(x)}; }
+  static SseLanes from_floats(float a, float b, float c, float d) { return {_mm_setr_ps(a, b, c, d)}; }
   static SseLanes load(const float* p) { return {_mm_loadu_ps(p)}; }
   void store(float* p) const { _mm_storeu_ps(p, v); }
 
@@ -178,7 +178,7 @@ class RayBoxes {
     return span;
   }
   /// Returns the `limit` argument of entry_distances() for a ray from t_min to t_max.
-  static Lanes distance_limits(float t_min, float t_max) { return Lanes::of(t_min, t_min, -t_max, -t_max); }
+  static Lanes distance_limits(float t_min, float t_max) { return Lanes::from_floats(t_min, t_min, -t_max, -t_max); }
 
  private:
   static constexpr float kEpsilon = std::numeric_limits<float>::epsilon();
@@ -201,9 +201,9 @@ class RayBoxes {
         x_(shifted_origin(ray, 0, reach, grid)),
         y_(shifted_origin(ray, 1, reach, grid)),
         z_(shifted_origin(ray, 2, reach, grid)),
-        inverse_x_(both_ways(safe_reciprocal(ray.direction.x, grid.step().x))),
-        inverse_y_(both_ways(safe_reciprocal(ray.direction.y, grid.step().y))),
-        inverse_z_(both_ways(safe_reciprocal(ray.direction.z, grid.step().z))) {}
+        inverse_x_(both_ways(safe_reciprocal(ray.direction.x, grid.plane_spacing().x))),
+        inverse_y_(both_ways(safe_reciprocal(ray.direction.y, grid.plane_spacing().y))),
+        inverse_z_(both_ways(safe_reciprocal(ray.direction.z, grid.plane_spacing().z))) {}
 
   /// Returns the largest distance along any axis from the ray's origin to the scene's bounds. Rounding errors grow with
   /// it.
@@ -220,20 +220,20 @@ class RayBoxes {
   static Lanes shifted_origin(const Ray& ray, int axis, float reach, const BoxGrid& grid) {
     const float o = ray.origin[axis];
     const float pad = kEpsilon * (10 * reach + std::fabs(o));
-    const auto planes = [&](float x) { return (x - grid.lower()[axis]) / grid.step()[axis]; };
+    const auto planes = [&](float x) { return (x - grid.lower_corner()[axis]) / grid.plane_spacing()[axis]; };
     return ahead_and_back(ray, axis, std::floor(planes(o - pad)), std::ceil(planes(o + pad)));
   }
   static Lanes ahead_and_back(const Ray& ray, int axis, float below, float above) {
     const float ahead = ray.direction[axis] < 0 ? below : above;
     const float back = ray.direction[axis] < 0 ? above : below;
-    return Lanes::of(ahead, ahead, back, back);
+    return Lanes::from_floats(ahead, ahead, back, back);
   }
   static float safe_reciprocal(float d) { return 1 / (std::fabs(d) < kTiny ? (d < 0 ? -kTiny : kTiny) : d); }
   /// Returns the reciprocal of direction component `d` in grid steps, limited to that of kTiny.
   static float safe_reciprocal(float d, float step) {
     return std::clamp(step * safe_reciprocal(d), -1 / kTiny, 1 / kTiny);
   }
-  static Lanes both_ways(float inverse) { return Lanes::of(inverse, inverse, -inverse, -inverse); }
+  static Lanes both_ways(float inverse) { return Lanes::from_floats(inverse, inverse, -inverse, -inverse); }
 
   typename Lanes::Swap swap_x_, swap_y_, swap_z_;
   Lanes x_, y_, z_;
@@ -262,8 +262,9 @@ template <class Lanes>
 class RayTriangles {
  public:
   explicit RayTriangles(const Ray& ray)
-      : origin_{Lanes::all(ray.origin.x), Lanes::all(ray.origin.y), Lanes::all(ray.origin.z)},
-        direction_{Lanes::all(ray.direction.x), Lanes::all(ray.direction.y), Lanes::all(ray.direction.z)} {}
+      : origin_{Lanes::from_float(ray.origin.x), Lanes::from_float(ray.origin.y), Lanes::from_float(ray.origin.z)},
+        direction_{Lanes::from_float(ray.direction.x), Lanes::from_float(ray.direction.y),
+                   Lanes::from_float(ray.direction.z)} {}
 
   struct Result {
     Lanes t;             ///< distance from the ray's origin to the plane of the triangle
@@ -271,14 +272,14 @@ class RayTriangles {
     Lanes u, v, w, sum;  ///< weights of the second, third and first vertex, multiplied by `sum`
     /// Returns a bit for each lane whose triangle the ray passes through.
     unsigned inside_mask() const {
-      const Lanes slack = Lanes::all(std::numeric_limits<float>::epsilon()) * abs(sum);
+      const Lanes slack = Lanes::from_float(std::numeric_limits<float>::epsilon()) * abs(sum);
       const unsigned positive = less_equal_mask(-slack, min(min(u, v), w));
       const unsigned negative = less_equal_mask(max(max(u, v), w), slack);
-      return (positive | negative) & ~equal_mask(sum, Lanes::all(0));
+      return (positive | negative) & ~equal_mask(sum, Lanes::from_float(0));
     }
     /// Returns a bit for each of the `count` triangles at `at` whose face on the ray's side is culled.
     unsigned culled_mask(const TriangleRecord* at, unsigned count) const {
-      const unsigned clockwise = less_mask(Lanes::all(0), slope);
+      const unsigned clockwise = less_mask(Lanes::from_float(0), slope);
       unsigned lanes = 0;
       for (unsigned i = 0; i < count; ++i) {
         const bool is_clockwise = ((clockwise >> i) & 1U) != 0;

@@ -37,7 +37,7 @@ struct ToWorld {
   glm::dvec3 operator()(const glm::vec3& p) const { return linear * (glm::dvec3(p) - origin); }
 };
 
-glm::dmat3 linear_of(const InstanceRecord& instance) {
+glm::dmat3 linear_part(const InstanceRecord& instance) {
   const auto& m = instance.to_object;
   return glm::transpose(glm::dmat3(m[0][0], m[0][1], m[0][2], m[1][0], m[1][1], m[1][2], m[2][0], m[2][1], m[2][2]));
 }
@@ -47,12 +47,12 @@ glm::dvec3 translation_of(const InstanceRecord& instance) {
 }
 
 ToWorld to_world(const InstanceRecord& instance) {
-  return {glm::inverse(linear_of(instance)), translation_of(instance), instance.handedness};
+  return {glm::inverse(linear_part(instance)), translation_of(instance), instance.handedness};
 }
 
 /// True if the ray passes near the root boxes of the instance. The margin is about 100 times that of uncertain hits.
 bool passes_near(const Ray& ray, const MemoryImage& image, const InstanceRecord& instance) {
-  const glm::dmat3 linear = linear_of(instance);
+  const glm::dmat3 linear = linear_part(instance);
   const glm::dvec3 origin = linear * glm::dvec3(ray.origin) + translation_of(instance);
   const glm::dvec3 direction = linear * glm::dvec3(ray.direction);
   const NodeRecord& root = image.nodes[instance.root];
@@ -108,8 +108,8 @@ ExactHit exact_hit(const Ray& ray, const TriangleRecord& triangle, const ToWorld
   return {certainty, t};
 }
 
-void test_all(const Ray& ray, std::span<const TriangleRecord> triangles, const ToWorld& world, double diagonal,
-              ExactTrace& trace) {
+void test_all_triangles(const Ray& ray, std::span<const TriangleRecord> triangles, const ToWorld& world,
+                        double diagonal, ExactTrace& trace) {
   for (const TriangleRecord& triangle : triangles) {
     const ExactHit hit = exact_hit(ray, triangle, world, diagonal);
     if (hit.certainty == Certainty::kMiss) continue;
@@ -122,20 +122,20 @@ void test_all(const Ray& ray, std::span<const TriangleRecord> triangles, const T
 
 ExactHit exact_hit(const Ray& ray, const MemoryImage& image, const Hit& hit) {
   const ToWorld world = image.has_levels() ? to_world(image.instances[instance_of(hit)]) : ToWorld{};
-  return exact_hit(ray, image.triangles[hit.index()], world, image.diagonal());
+  return exact_hit(ray, image.triangles[hit.triangle_index()], world, image.diagonal());
 }
 
 ExactTrace exact_trace(const Ray& ray, const MemoryImage& image) {
   ExactTrace trace;
   if (!image.has_levels()) {
-    test_all(ray, image.triangles, {}, image.diagonal(), trace);
+    test_all_triangles(ray, image.triangles, {}, image.diagonal(), trace);
     return trace;
   }
   for (std::size_t i = 0; i < image.instances.size(); ++i) {
     if (image.tree_of[i] == kNone || !passes_near(ray, image, image.instances[i])) continue;
     const ObjectTree& tree = image.trees[image.tree_of[i]];
-    test_all(ray, std::span(image.triangles).subspan(tree.first_triangle, tree.triangles), to_world(image.instances[i]),
-             image.diagonal(), trace);
+    test_all_triangles(ray, std::span(image.triangles).subspan(tree.first_triangle, tree.triangles),
+                       to_world(image.instances[i]), image.diagonal(), trace);
   }
   return trace;
 }
@@ -160,12 +160,12 @@ VerifyCounts& VerifyCounts::operator+=(const VerifyCounts& other) {
 VerifyingTracer::VerifyingTracer(const MemoryImage& image, const Tracer& tested, const Tracer& reference)
     : image_(image), tested_(tested), reference_(reference), diagonal_(image.diagonal()) {}
 
-VerifyCounts VerifyingTracer::counts() const {
+VerifyCounts VerifyingTracer::verify_counts() const {
   const std::lock_guard lock(mutex_);
   return counts_;
 }
 
-bool VerifyingTracer::take_retry() const {
+bool VerifyingTracer::use_retry() const {
   const std::lock_guard lock(mutex_);
   return retries_++ < kRetries;
 }
@@ -184,12 +184,13 @@ bool VerifyingTracer::is_same_hit(const Ray& ray, bool any, const Hit& tested, c
          std::fabs(double{tested.t} - reference.t) <= distance_tolerance(ray, reference.t);
 }
 
-bool VerifyingTracer::is_there(const Hit& hit) const {
-  return hit.index() < image_.triangles.size() && (!image_.has_levels() || instance_of(hit) < image_.instances.size());
+bool VerifyingTracer::names_existing_triangle(const Hit& hit) const {
+  return hit.triangle_index() < image_.triangles.size() &&
+         (!image_.has_levels() || instance_of(hit) < image_.instances.size());
 }
 
 bool VerifyingTracer::is_possible(const Ray& ray, const Hit& hit) const {
-  return is_there(hit) && exact_hit(ray, image_, hit).certainty != Certainty::kMiss;
+  return names_existing_triangle(hit) && exact_hit(ray, image_, hit).certainty != Certainty::kMiss;
 }
 
 VerifyingTracer::Verdict VerifyingTracer::decide_exactly(const Ray& ray, bool any, const Hit& tested,
@@ -198,7 +199,7 @@ VerifyingTracer::Verdict VerifyingTracer::decide_exactly(const Ray& ray, bool an
   const auto allowed = [&](const Hit& hit) {
     if (!hit.is_hit()) return std::isinf(truth.nearest);
     if (any) return hit.is_flagged() || reference.is_flagged() ? is_possible(ray, hit) : truth.any_possible;
-    if (!is_there(hit)) return false;
+    if (!names_existing_triangle(hit)) return false;
     const ExactHit exact = exact_hit(ray, image_, hit);
     const double slack = distance_tolerance(ray, exact.t);
     return exact.certainty != Certainty::kMiss && std::fabs(hit.t - exact.t) <= slack && hit.t <= truth.nearest + slack;
@@ -218,9 +219,9 @@ void VerifyingTracer::trace(std::span<const Ray> rays, RayKind kind, std::span<H
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const Hit& tested = hits[i];
     const Hit& reference = references[i];
-    const bool any = is_any(kind, tested);
+    const bool any = accepts_any_hit(kind, tested);
     if (is_same_hit(rays[i], any, tested, reference)) continue;
-    const Verdict verdict = take_retry() ? decide_exactly(rays[i], any, tested, reference) : Verdict::kTestedWrong;
+    const Verdict verdict = use_retry() ? decide_exactly(rays[i], any, tested, reference) : Verdict::kTestedWrong;
     if (verdict == Verdict::kTie) {
       ++found.edge_ties;
     } else if (verdict == Verdict::kReferenceWrong) {

@@ -59,20 +59,22 @@ class VerifyingTracer : public Tracer {
   /// The image and both tracers must outlive this tracer.
   VerifyingTracer(const MemoryImage& image, const Tracer& tested, const Tracer& reference);
   void trace(std::span<const Ray> rays, RayKind kind, std::span<Hit> hits, WalkSink* walk) const override;
-  VerifyCounts counts() const;
+  VerifyCounts verify_counts() const;
 
  private:
   enum class Verdict { kTie, kReferenceWrong, kTestedWrong };
 
   /// True if any hit answers the query, false if the hit must be the nearest.
-  static bool is_any(RayKind kind, const Hit& tested) { return kind == RayKind::kShadow && !tested.is_flagged(); }
+  static bool accepts_any_hit(RayKind kind, const Hit& tested) {
+    return kind == RayKind::kShadow && !tested.is_flagged();
+  }
   bool is_same_hit(const Ray& ray, bool any, const Hit& tested, const Hit& reference) const;
   /// True if the triangle and instance that the hit names exist.
-  bool is_there(const Hit& hit) const;
+  bool names_existing_triangle(const Hit& hit) const;
   bool is_possible(const Ray& ray, const Hit& hit) const;
   Verdict decide_exactly(const Ray& ray, bool any, const Hit& tested, const Hit& reference) const;
   double distance_tolerance(const Ray& ray, double t) const;
-  bool take_retry() const;
+  bool use_retry() const;
 
   const MemoryImage& image_;
   const Tracer& tested_;

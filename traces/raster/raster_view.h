@@ -27,7 +27,7 @@ class RasterView {
 
   Projected project_point(const glm::dvec3& point) const { return to_picture_ * (point - origin_); }
   /// Projects a ray from the eye: returns its pixel position and the depth per unit of its length.
-  Projected of_ray(const glm::vec3& direction) const { return to_picture_ * glm::dvec3(direction); }
+  Projected project_direction(const glm::vec3& direction) const { return to_picture_ * glm::dvec3(direction); }
   std::uint32_t width() const { return width_; }
   std::uint32_t height() const { return height_; }
 

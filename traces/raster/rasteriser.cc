@@ -10,14 +10,14 @@ namespace {
 /// Depth of the near plane, in diagonals of the scene. It is small, because rays begin at the eye.
 constexpr double kNear = 1e-6;
 
-double near_of(const MemoryImage& image) {
+double near_plane_depth(const MemoryImage& image) {
   const double diagonal = image.diagonal();
   return diagonal > 0 && diagonal < std::numeric_limits<double>::infinity() ? kNear * diagonal : kNear;
 }
 
 std::uint32_t whole_pixels(double pixels) { return pixels <= 0 ? 0 : static_cast<std::uint32_t>(pixels); }
 
-Coverage::Block block_of(std::span<const Coverage::Sample> samples) {
+Coverage::Block make_block(std::span<const Coverage::Sample> samples) {
   Coverage::Block block{samples, {samples[0].at, samples[0].at}, std::numeric_limits<double>::infinity()};
   for (const Coverage::Sample& s : samples) {
     block.box = {glm::min(block.box.low, s.at), glm::max(block.box.high, s.at)};
@@ -25,7 +25,7 @@ Coverage::Block block_of(std::span<const Coverage::Sample> samples) {
   return block;
 }
 
-double farthest_of(const Coverage::Block& block, const Coverage& found) {
+double farthest_depth(const Coverage::Block& block, const Coverage& found) {
   double depth = 0;
   for (const Coverage::Sample& s : block.samples) {
     const Coverage::Winner& winner = found.winners[s.sample];
@@ -79,7 +79,7 @@ Rasteriser::Rasteriser(const MemoryImage& image, const PictureCamera& camera, co
     : config_(config),
       geometry_(raster_geometry(image)),
       view_(camera),
-      near_(near_of(image)),
+      near_(near_plane_depth(image)),
       lists_(geometry_, view_, near_, side) {}
 
 RasterDemands Rasteriser::raster_demands() const {
@@ -101,7 +101,7 @@ std::uint32_t Rasteriser::bin_triangles(std::uint32_t batch, Coverage& scratch, 
   for (std::uint32_t t = first; t < end; ++t) {
     RasterTriangle& triangle =
         work.raster_triangles.emplace_back(RasterTriangle{.number = t, .vertices = geometry_.triangles[t].vertices});
-    lists_.each_of(t, [&](std::uint32_t list) {
+    lists_.for_each_list(t, [&](std::uint32_t list) {
       triangle.lists += 1;
       touched.push_back(list);
     });
@@ -125,12 +125,12 @@ void Rasteriser::sort_samples(std::span<const Ray> rays, Coverage& found) const 
   const std::uint32_t blocks = view_.width() / config_.block + 1, quads = view_.width() / 2 + 1;
   found.samples.resize(rays.size());
   for (std::uint32_t i = 0; i < rays.size(); ++i) {
-    const Projected seen = view_.of_ray(rays[i].direction);
+    const Projected seen = view_.project_direction(rays[i].direction);
     const glm::dvec2 at = glm::dvec2(seen) / seen.z;
     const std::uint32_t x = std::min(whole_pixels(at.x), view_.width() - 1),
                         y = std::min(whole_pixels(at.y), view_.height() - 1);
-    found.samples[i] = {lists_.list_at(at), y / config_.block * blocks + x / config_.block, y / 2 * quads + x / 2, i,
-                        at};
+    found.samples[i] = {lists_.list_number_at(at), y / config_.block * blocks + x / config_.block,
+                        y / 2 * quads + x / 2, i, at};
   }
   std::ranges::sort(found.samples, {},
                     [](const Coverage::Sample& s) { return std::tuple(s.list, s.block, s.quad, s.sample); });
@@ -172,7 +172,7 @@ void Rasteriser::cover_list(std::span<const Coverage::Sample> samples, Coverage&
   found.blocks.clear();
   for (std::size_t begin = 0, end = 0; begin < samples.size(); begin = end) {
     while (end < samples.size() && samples[end].block == samples[begin].block) ++end;
-    found.blocks.push_back(block_of(samples.subspan(begin, end - begin)));
+    found.blocks.push_back(make_block(samples.subspan(begin, end - begin)));
   }
   EdgeFunctions edges;
   RasterBounds bounds;
@@ -187,7 +187,7 @@ void Rasteriser::cover_list(std::span<const Coverage::Sample> samples, Coverage&
         triangle.blocks += 1;
         if (hidden) triangle.hidden_blocks += 1;
         cover_block(block, hidden, edges, found, triangle);
-        if (triangle.passed != passed) block.farthest = farthest_of(block, found);
+        if (triangle.passed != passed) block.farthest = farthest_depth(block, found);
       }
     }
     if (work != nullptr) work->raster_triangles.push_back(triangle);

@@ -65,8 +65,8 @@ class Rasteriser {
   /// Finds the first hit of each ray from the eye. Appends the rasterisation work to `work` unless it is null.
   void cover_samples(std::span<const Ray> rays, Coverage& found, TileWork* work) const;
 
-  const RasterGeometry& geometry() const { return geometry_; }
-  const RasterView& view() const { return view_; }
+  const RasterGeometry& scene_geometry() const { return geometry_; }
+  const RasterView& raster_view() const { return view_; }
 
  private:
   std::uint32_t triangle_count() const { return static_cast<std::uint32_t>(geometry_.triangles.size()); }

@@ -18,7 +18,7 @@ namespace {
 
 /// A vertex position as bits. Positions that compare equal but differ in a bit are different vertices.
 using Key = std::array<std::uint32_t, 3>;
-Key key_of(const glm::vec3& p) {
+Key vertex_key(const glm::vec3& p) {
   return {std::bit_cast<std::uint32_t>(p.x), std::bit_cast<std::uint32_t>(p.y), std::bit_cast<std::uint32_t>(p.z)};
 }
 struct KeyHash {
@@ -44,7 +44,7 @@ class ToWorld {
 };
 
 /// Returns the flag of the face of a triangle that is culled, in world space. A mirrored instance swaps front and back.
-std::uint32_t missing_face(const TriangleRecord& triangle, bool is_mirrored) {
+std::uint32_t culled_face(const TriangleRecord& triangle, bool is_mirrored) {
   const std::uint32_t missing = triangle.material & (kNoClockwise | kNoCounterClockwise);
   return missing != 0 && is_mirrored ? missing ^ (kNoClockwise | kNoCounterClockwise) : missing;
 }
@@ -55,17 +55,17 @@ class Welder {
   explicit Welder(RasterGeometry& geometry) : geometry_(geometry) {}
 
   template <class ToSpace>
-  void add(const MemoryImage& image, std::uint32_t first, std::uint32_t count, std::uint32_t instance, bool is_mirrored,
-           ToSpace&& in_world) {
+  void weld_triangles(const MemoryImage& image, std::uint32_t first, std::uint32_t count, std::uint32_t instance,
+                      bool is_mirrored, ToSpace&& in_world) {
     numbers_.clear();  // instances share no vertices, because their world positions differ
     numbers_.reserve(count);
     for (std::uint32_t t = first; t < first + count; ++t) {
       const TriangleRecord& record = image.triangles[t];
-      RasterGeometry::Triangle triangle{{}, t, instance, missing_face(record, is_mirrored)};
+      RasterGeometry::Triangle triangle{{}, t, instance, culled_face(record, is_mirrored)};
       std::size_t corner = 0;
       for (const glm::vec3* p : {&record.v0, &record.v1, &record.v2}) {
         const auto next = static_cast<std::uint32_t>(geometry_.vertices.size());
-        const auto [at, is_new] = numbers_.try_emplace(key_of(*p), next);
+        const auto [at, is_new] = numbers_.try_emplace(vertex_key(*p), next);
         if (is_new) geometry_.vertices.push_back(in_world(*p));
         triangle.vertices[corner++] = at->second;
       }
@@ -86,17 +86,17 @@ RasterGeometry raster_geometry(const MemoryImage& image) {
   const auto as_it_is = [](const glm::vec3& p) { return glm::dvec3(p); };
   if (!image.has_levels()) {
     geometry.triangles.reserve(image.triangles.size());
-    welder.add(image, 0, static_cast<std::uint32_t>(image.triangles.size()), kNone, false, as_it_is);
+    welder.weld_triangles(image, 0, static_cast<std::uint32_t>(image.triangles.size()), kNone, false, as_it_is);
     return geometry;
   }
   for (std::uint32_t i = 0; i < image.instances.size(); ++i) {
     if (image.tree_of[i] == kNone) continue;
     const ObjectTree& tree = image.trees[image.tree_of[i]];
     if (tree.in_world) {
-      welder.add(image, tree.first_triangle, tree.triangles, i, false, as_it_is);
+      welder.weld_triangles(image, tree.first_triangle, tree.triangles, i, false, as_it_is);
     } else {
       const bool is_mirrored = image.instances[i].handedness < 0;
-      welder.add(image, tree.first_triangle, tree.triangles, i, is_mirrored, ToWorld(image.instances[i]));
+      welder.weld_triangles(image, tree.first_triangle, tree.triangles, i, is_mirrored, ToWorld(image.instances[i]));
     }
   }
   return geometry;
@@ -120,7 +120,7 @@ TriangleLists::TriangleLists(const RasterGeometry& geometry, const RasterView& v
   const auto triangles = static_cast<std::uint32_t>(geometry.triangles.size());
   std::uint64_t entries = 0;
   for (std::uint32_t t = 0; t < triangles; ++t) {
-    each_of(t, [&](std::uint32_t list) {
+    for_each_list(t, [&](std::uint32_t list) {
       begin_[list + 1] += 1;
       entries += 1;
     });
@@ -134,10 +134,11 @@ TriangleLists::TriangleLists(const RasterGeometry& geometry, const RasterView& v
   std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
   entries_.resize(begin_.back());
   std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
-  for (std::uint32_t t = 0; t < triangles; ++t) each_of(t, [&](std::uint32_t list) { entries_[next[list]++] = t; });
+  for (std::uint32_t t = 0; t < triangles; ++t)
+    for_each_list(t, [&](std::uint32_t list) { entries_[next[list]++] = t; });
 }
 
-std::uint32_t TriangleLists::list_at(const glm::dvec2& point) const {
+std::uint32_t TriangleLists::list_number_at(const glm::dvec2& point) const {
   const auto part = [&](double pixels, std::uint32_t parts) {
     return pixels <= 0 ? 0U : std::min(parts - 1, static_cast<std::uint32_t>(pixels / side_));
   };

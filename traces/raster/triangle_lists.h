@@ -36,10 +36,9 @@ class TriangleLists {
   TriangleLists(const RasterGeometry& geometry, const RasterView& view, double near, std::uint32_t side);
 
   std::uint32_t list_count() const { return across_ * down_; }
-  std::uint32_t region_side() const { return side_; }
   std::uint32_t entry_count() const { return static_cast<std::uint32_t>(entries_.size()); }
   /// Returns the number of the list whose screen region contains a point of the picture.
-  std::uint32_t list_at(const glm::dvec2& point) const;
+  std::uint32_t list_number_at(const glm::dvec2& point) const;
   std::span<const std::uint32_t> triangle_list(std::uint32_t number) const {
     return std::span(entries_).subspan(begin_[number], begin_[number + 1] - begin_[number]);
   }
@@ -47,14 +46,14 @@ class TriangleLists {
   std::uint32_t first_entry(std::uint32_t number) const { return begin_[number]; }
   /// Calls `f(list)` for each list that contains the triangle, in ascending order.
   template <class F>
-  void each_of(std::uint32_t triangle, F&& f) const {
-    each_of(project_corners(triangle), geometry_.triangles[triangle].missing, f);
+  void for_each_list(std::uint32_t triangle, F&& f) const {
+    for_each_list(project_corners(triangle), geometry_.triangles[triangle].missing, f);
   }
 
  private:
   std::array<Projected, 3> project_corners(std::uint32_t triangle) const;
   template <class F>
-  void each_of(const std::array<Projected, 3>& corners, std::uint32_t missing, F&& f) const;
+  void for_each_list(const std::array<Projected, 3>& corners, std::uint32_t missing, F&& f) const;
 
   const RasterGeometry& geometry_;
   const RasterView& view_;
@@ -64,7 +63,7 @@ class TriangleLists {
 };
 
 template <class F>
-void TriangleLists::each_of(const std::array<Projected, 3>& corners, std::uint32_t missing, F&& f) const {
+void TriangleLists::for_each_list(const std::array<Projected, 3>& corners, std::uint32_t missing, F&& f) const {
   RasterBounds bounds;
   EdgeFunctions edges;
   if (!bounds_of(corners, near_, bounds) || !edges.set_triangle(corners)) return;

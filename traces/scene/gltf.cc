@@ -61,7 +61,7 @@ namespace traces {
 namespace {
 
 /// Poses the scene of an animated file at time 0. Errors name the file.
-void place_all(gltf::Context& context) {
+void pose_at_zero(gltf::Context& context) {
   try {
     pose_scene(context.scene, 0);
   } catch (const sim::InputError& error) {
@@ -82,7 +82,7 @@ Scene read_scene(const std::filesystem::path& path, const SceneLimits& limits) {
   gltf::Context context{file, model, limits, budget, scene};
   for (const std::string& extension : model.extensionsUsed) {
     if (!gltf::is_supported_extension(extension)) {
-      context.warn(fmt::format("the extension {} is not supported and left out", sim::printable(extension)));
+      context.add_warning(fmt::format("the extension {} is not supported and left out", sim::printable(extension)));
     }
   }
   gltf::expand_meshopt(context, model);
@@ -92,7 +92,7 @@ Scene read_scene(const std::filesystem::path& path, const SceneLimits& limits) {
   gltf::read_nodes(context, meshes);
   gltf::finish_deformations(context);
   gltf::read_animations(context);
-  place_all(context);
+  pose_at_zero(context);
   if (scene.instances.empty())
     context.refuse(
         "shows no triangles; at least one is needed; points, lines and primitives without POSITION do not count");

@@ -44,7 +44,7 @@ Emitter measure_emitter(const Mesh& mesh, const glm::mat4& to_world) {
 }
 
 /// Returns the direction in which light leaves an emitter: on the side of the middle of the scene.
-glm::vec3 way_out(const Emitter& e, const glm::vec3& centroid, const glm::vec3& middle) {
+glm::vec3 exit_direction(const Emitter& e, const glm::vec3& centroid, const glm::vec3& middle) {
   glm::vec3 way{0};
   if (glm::length(e.normal) > 0.5 * e.area) {
     way = glm::vec3(glm::normalize(e.normal));
@@ -65,7 +65,7 @@ glm::mat4 light_frame(const glm::vec3& position, const glm::vec3& direction) {
 }
 
 /// True if the matrix has no inverse in single precision.
-bool is_flat(const glm::dmat3& m) {
+bool is_singular(const glm::dmat3& m) {
   return std::abs(glm::determinant(m)) <= 1e-6 * glm::length(m[0]) * glm::length(m[1]) * glm::length(m[2]);
 }
 
@@ -74,7 +74,7 @@ std::vector<glm::vec3> mean_emissions(const Scene& scene) {
   std::vector<glm::vec3> means;
   for (const Material& material : scene.materials) {
     means.push_back(material.casts_light ? material.emission : glm::vec3(0));
-    if (strongest_channel(means.back()) < 1 || !material.emission_texture.used()) continue;
+    if (strongest_channel(means.back()) < 1 || !material.emission_texture.is_used()) continue;
     means.back() *= glm::vec3(mean_texel(scene.textures[material.emission_texture.texture]));
   }
   return means;
@@ -93,7 +93,7 @@ void add_emitter_lights(Scene& scene) {
     const Emitter e = measure_emitter(mesh, instance.to_world);
     if (!(e.area > 0)) continue;
     const glm::vec3 centroid(e.moment / e.area);
-    const glm::vec3 way = way_out(e, centroid, world.centre());
+    const glm::vec3 way = exit_direction(e, centroid, world.centre());
     const glm::vec3 corner = glm::mix(e.bounds.lower, e.bounds.upper, glm::greaterThan(way, glm::vec3(0)));
     Light light;
     light.kind = Light::Kind::kPoint;
@@ -101,7 +101,7 @@ void add_emitter_lights(Scene& scene) {
     light.direction = way;
     light.intensity = static_cast<float>(e.area) * emission;
     const bool skinned = mesh.deformation != nullptr && mesh.deformation->skin != kNone;
-    if (instance.node != kNone && !skinned && !is_flat(glm::dmat3(instance.to_world))) {
+    if (instance.node != kNone && !skinned && !is_singular(glm::dmat3(instance.to_world))) {
       light.node = instance.node;
       light.in_node =
           glm::mat4(glm::inverse(glm::dmat4(instance.to_world)) * glm::dmat4(light_frame(light.position, way)));
@@ -145,7 +145,7 @@ struct Point {
 
 /// True for a light source or an unlit surface, whose colour does not depend on incident light.
 bool is_shining(const Material& material) {
-  return material.emission != glm::vec3(0) && !(material.casts_light && material.emission_texture.used());
+  return material.emission != glm::vec3(0) && !(material.casts_light && material.emission_texture.is_used());
 }
 
 /// Calls visit(corners), in world space, for each triangle whose material does not shine.
@@ -216,7 +216,8 @@ struct Sample {
 
 /// Returns the irradiance at the points that a camera sees in a 2:1 picture, each weighted by the picture area that it
 /// represents.
-std::vector<Sample> seen_by(const Camera& camera, const Scene& scene, const std::vector<Point>& points, float nearest) {
+std::vector<Sample> irradiance_in_view(const Camera& camera, const Scene& scene, const std::vector<Point>& points,
+                                       float nearest) {
   std::vector<Sample> samples;
   const glm::mat4 to_camera = glm::inverse(camera.to_world);
   const float slope = std::tan(0.5F * camera.vertical_fov);
@@ -254,8 +255,8 @@ constexpr float kRank = 0.9F;
 float view_brightness(const Scene& scene, const std::vector<Point>& points) {
   float level = 0;
   if (!scene.cameras.empty()) {
-    level =
-        weighted_percentile(seen_by(scene.cameras[0], scene, points, 0.02F * world_bounds(scene).diagonal()), kRank);
+    level = weighted_percentile(
+        irradiance_in_view(scene.cameras[0], scene, points, 0.02F * world_bounds(scene).diagonal()), kRank);
   }
   if (!(level > 0)) {
     std::vector<Sample> everywhere;

@@ -265,10 +265,10 @@ class TangentBuilder {
   std::vector<std::uint32_t> vertex_of_;  ///< for each vertex of the mesh, the first vertex equal to it
   std::vector<Frame> frames_;             ///< one per triangle
   std::vector<std::uint32_t> neighbour_;  ///< for each edge, the triangle across it, or kNone
-  std::vector<std::uint32_t> group_of_;   ///< for each corner, its group
-  std::vector<std::uint32_t> group_at_;   ///< for each vertex, its first group
+  std::vector<std::uint32_t> group_of_;   ///< for each corner of a triangle, its tangent group
+  std::vector<std::uint32_t> group_at_;   ///< for each vertex, its first tangent group
   std::vector<glm::vec4> tangents_;       ///< one per group
-  std::vector<std::uint32_t> open_;       ///< triangles that the current group has reached
+  std::vector<std::uint32_t> open_;       ///< triangles that the current tangent group has reached
 };
 
 }  // namespace

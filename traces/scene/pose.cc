@@ -48,7 +48,7 @@ double key_number(const Track& track, std::size_t key, Part part, std::size_t i,
   return static_cast<double>(track.values[row * count + i]);
 }
 
-double on_spline(const Track& track, const Span& span, std::size_t i, std::size_t count) {
+double spline_value(const Track& track, const Span& span, std::size_t i, std::size_t count) {
   const double s = span.share, s2 = s * s, s3 = s2 * s;
   return (2 * s3 - 3 * s2 + 1) * key_number(track, span.from, Part::kValue, i, count) +
          (s3 - 2 * s2 + s) * span.seconds * key_number(track, span.from, Part::kOutTangent, i, count) +
@@ -72,7 +72,7 @@ double dot_product(std::span<const double> a, std::span<const double> b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
 }
 
-void to_unit(std::span<double> q) {
+void normalise_rotation(std::span<double> q) {
   const double length = std::sqrt(dot_product(q, q));
   if (!(length > 0)) {
     std::ranges::fill(q, 0.0);
@@ -82,14 +82,14 @@ void to_unit(std::span<double> q) {
   for (double& x : q) x /= length;
 }
 
-void on_arc(const Track& track, const Span& span, std::span<double> out) {
+void interpolate_arc(const Track& track, const Span& span, std::span<double> out) {
   double from[4], to[4];
   for (std::size_t i = 0; i < 4; ++i) {
     from[i] = key_number(track, span.from, Part::kValue, i, 4);
     to[i] = key_number(track, span.to, Part::kValue, i, 4);
   }
-  to_unit(from);
-  to_unit(to);
+  normalise_rotation(from);
+  normalise_rotation(to);
   const double cosine = dot_product(from, to);
   const double angle_cosine = std::min(std::abs(cosine), 1.0);
   const double a = arc_weight(1 - span.share, angle_cosine);
@@ -109,16 +109,16 @@ void sample_track(const Track& track, double seconds, std::span<double> out) {
   if (span.from == span.to || track.interpolation == Interpolation::kStep) {
     for (std::size_t i = 0; i < count; ++i) out[i] = key_number(track, span.from, Part::kValue, i, count);
   } else if (track.interpolation == Interpolation::kCubicSpline) {
-    for (std::size_t i = 0; i < count; ++i) out[i] = on_spline(track, span, i, count);
+    for (std::size_t i = 0; i < count; ++i) out[i] = spline_value(track, span, i, count);
   } else if (rotation) {
-    on_arc(track, span, out);
+    interpolate_arc(track, span, out);
   } else {
     for (std::size_t i = 0; i < count; ++i) {
       const double from = key_number(track, span.from, Part::kValue, i, count);
       out[i] = from + span.share * (key_number(track, span.to, Part::kValue, i, count) - from);
     }
   }
-  if (rotation) to_unit(out);
+  if (rotation) normalise_rotation(out);
 }
 
 void sample_track_slope(const Track& track, double seconds, std::span<double> out) {
@@ -143,7 +143,7 @@ struct LocalPose {
   double translation[3], rotation[4], scale[3];
 };
 
-LocalPose at_rest(const Transform& t) {
+LocalPose rest_pose(const Transform& t) {
   const glm::dvec3 move(t.translation), scale(t.scale);
   const glm::dquat q = glm::normalize(glm::dquat(t.rotation));
   return {{move.x, move.y, move.z}, {q.x, q.y, q.z, q.w}, {scale.x, scale.y, scale.z}};
@@ -191,7 +191,7 @@ NodePoses pose_nodes(const Scene& scene, double seconds) {
   std::vector<LocalPose> local;
   local.reserve(scene.nodes.size());
   for (const Node& node : scene.nodes) {
-    local.push_back(at_rest(node.rest));
+    local.push_back(rest_pose(node.rest));
     poses.morph_weights.emplace_back(node.morph_weights.begin(), node.morph_weights.end());
   }
   // In reverse order, so that the first track of a node and path takes effect.
@@ -239,7 +239,7 @@ glm::dmat3 cofactor_matrix(const glm::dmat4x3& m) {
   return glm::dot(m[0], c[0]) < 0 ? -c : c;
 }
 
-glm::vec3 unit_or_null(const glm::dvec3& v) {
+glm::vec3 unit_or_zero(const glm::dvec3& v) {
   const double length = glm::length(v);
   return length > 0 ? glm::vec3(v / length) : glm::vec3(0);
 }
@@ -270,9 +270,9 @@ bool deform_mesh(Mesh& mesh, std::span<const glm::dmat4x3> joints, std::span<con
 
   Mesh posed;
   posed.positions.assign(positions.begin(), positions.end());
-  std::ranges::transform(normals, std::back_inserter(posed.normals), unit_or_null);
+  std::ranges::transform(normals, std::back_inserter(posed.normals), unit_or_zero);
   for (std::size_t i = 0; i < tangents.size(); ++i) {
-    posed.tangents.emplace_back(unit_or_null(tangents[i]), rest.tangents[i].w);
+    posed.tangents.emplace_back(unit_or_zero(tangents[i]), rest.tangents[i].w);
   }
   bool changed = swap_if_different(mesh.positions, posed.positions);
   if (normals.empty()) {

@@ -68,7 +68,7 @@ struct Texture {
 struct TextureUse {
   std::uint32_t texture = kNoTexture;
   bool second_uv = false;  ///< it is looked up with Mesh::second_uvs
-  bool used() const { return texture != kNoTexture; }
+  bool is_used() const { return texture != kNoTexture; }
 };
 
 /// A Whitted surface: diffuse, mirror, refraction. All colours are linear.

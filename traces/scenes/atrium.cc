@@ -121,24 +121,24 @@ Materials add_materials(Scene& scene) {
   };
   Material glow = make_lamp("lantern", {0.99F, 0.80F, 0.48F});
   glow.casts_light = false;
-  Materials is{};
-  is.ashlar = with_picture("ashlar", kAshlar);
-  is.brick = with_picture("brick", kBrick);
-  is.floor = with_picture("polished floor", kFloor, glm::vec3(1), 0.14F);
-  is.stone = with_picture("stone", kStone);
-  is.light_stone = with_picture("light stone", kStone, glm::vec3(1.0F, 0.98F, 0.95F));
-  is.wood = with_picture("oak", kWood);
-  is.plaster = add_material(scene, make_paint("plaster", {0.80F, 0.73F, 0.62F}));
-  is.red = with_picture("red banner", kRedBanner);
-  is.blue = with_picture("blue banner", kBlueBanner);
-  is.curtain = with_picture("curtain", kCurtain);
-  is.iron = add_material(scene, make_paint("iron", {0.07F, 0.065F, 0.06F}));
-  is.leaf = add_material(scene, make_paint("leaves", {0.17F, 0.38F, 0.11F}));
-  is.clay = add_material(scene, make_paint("clay", {0.68F, 0.38F, 0.24F}));
-  is.soil = add_material(scene, make_paint("soil", {0.14F, 0.10F, 0.07F}));
-  is.water = add_material(scene, make_paint("water", {0.10F, 0.22F, 0.24F}, 0.45F));
-  is.glow = add_material(scene, glow);
-  return is;
+  Materials materials{};
+  materials.ashlar = with_picture("ashlar", kAshlar);
+  materials.brick = with_picture("brick", kBrick);
+  materials.floor = with_picture("polished floor", kFloor, glm::vec3(1), 0.14F);
+  materials.stone = with_picture("stone", kStone);
+  materials.light_stone = with_picture("light stone", kStone, glm::vec3(1.0F, 0.98F, 0.95F));
+  materials.wood = with_picture("oak", kWood);
+  materials.plaster = add_material(scene, make_paint("plaster", {0.80F, 0.73F, 0.62F}));
+  materials.red = with_picture("red banner", kRedBanner);
+  materials.blue = with_picture("blue banner", kBlueBanner);
+  materials.curtain = with_picture("curtain", kCurtain);
+  materials.iron = add_material(scene, make_paint("iron", {0.07F, 0.065F, 0.06F}));
+  materials.leaf = add_material(scene, make_paint("leaves", {0.17F, 0.38F, 0.11F}));
+  materials.clay = add_material(scene, make_paint("clay", {0.68F, 0.38F, 0.24F}));
+  materials.soil = add_material(scene, make_paint("soil", {0.14F, 0.10F, 0.07F}));
+  materials.water = add_material(scene, make_paint("water", {0.10F, 0.22F, 0.24F}, 0.45F));
+  materials.glow = add_material(scene, glow);
+  return materials;
 }
 
 /// Makes a column: Attic base, slightly swelling shaft, bell with two rings of leaves, abacus. `radius` is that of the
@@ -187,11 +187,11 @@ Mesh make_pier(float height) {
   return mesh;
 }
 
-void add_columns(Scene& scene, const Materials& is, const Detail& detail) {
-  const std::uint32_t low = add_mesh(scene, make_column(kSpring, 0.2F, detail), is.stone);
-  const std::uint32_t high = add_mesh(scene, make_column(kUpperSpring - kUpper, 0.155F, detail), is.stone);
-  const std::uint32_t low_pier = add_mesh(scene, make_pier(kUpper - 0.2F), is.ashlar);
-  const std::uint32_t high_pier = add_mesh(scene, make_pier(kTop - kUpper), is.ashlar);
+void add_columns(Scene& scene, const Materials& materials, const Detail& detail) {
+  const std::uint32_t low = add_mesh(scene, make_column(kSpring, 0.2F, detail), materials.stone);
+  const std::uint32_t high = add_mesh(scene, make_column(kUpperSpring - kUpper, 0.155F, detail), materials.stone);
+  const std::uint32_t low_pier = add_mesh(scene, make_pier(kUpper - 0.2F), materials.ashlar);
+  const std::uint32_t high_pier = add_mesh(scene, make_pier(kTop - kUpper), materials.ashlar);
   for (const float side : {-1.0F, 1.0F}) {
     const auto add_pair = [&](const glm::vec3& at, bool is_pier) {
       add_instance(scene, is_pier ? low_pier : low, placement_at(at));
@@ -205,7 +205,7 @@ void add_columns(Scene& scene, const Materials& is, const Detail& detail) {
   }
 }
 
-void add_balustrades(Scene& scene, const Materials& is, const Detail& detail) {
+void add_balustrades(Scene& scene, const Materials& materials, const Detail& detail) {
   const glm::vec2 shape[] = {{0.06F, 0.12F},  {0.06F, 0.16F}, {0.035F, 0.2F}, {0.075F, 0.34F}, {0.05F, 0.52F},
                              {0.032F, 0.64F}, {0.04F, 0.72F}, {0.06F, 0.76F}, {0.06F, 0.8F}};
   const Mesh baluster = make_lathe("", detail.coarser_profile(shape), detail.cell_count(8, 4));
@@ -220,7 +220,7 @@ void add_balustrades(Scene& scene, const Materials& is, const Detail& detail) {
       append_mesh(mesh, transform_mesh(baluster, placement_at({x, 0, 0})));
     }
     project_uvs(mesh, 0.8F);
-    return add_mesh(scene, std::move(mesh), is.light_stone);
+    return add_mesh(scene, std::move(mesh), materials.light_stone);
   };
   const std::uint32_t long_bay = make_bay(kLongBay), short_bay = make_bay(kShortBay);
   for_each_bay([&](const glm::vec3& middle, const glm::vec3& inward, float width) {
@@ -308,7 +308,7 @@ void add_slabs(Scene& scene, std::uint32_t material, float low, float high, floa
   }
 }
 
-void add_door(Scene& scene, const Materials& is, const Detail& detail, const glm::mat4& wall) {
+void add_door(Scene& scene, const Materials& materials, const Detail& detail, const glm::mat4& wall) {
   const glm::vec2 leaf[] = {{0, 0}, {0, 0.05F}, {0.09F, 0.05F}, {0.11F, 0.025F}, {0.14F, 0.025F}, {0.18F, 0.045F}};
   Mesh door;
   door.name = "door";
@@ -320,7 +320,7 @@ void add_door(Scene& scene, const Materials& is, const Detail& detail, const glm
     }
   }
   project_uvs(door, 0.8F, true);
-  add_object(scene, std::move(door), is.wood);
+  add_object(scene, std::move(door), materials.wood);
   Mesh frame;
   frame.name = "door frame";
   for (const float x : {-0.82F, 0.62F}) append_mesh(frame, make_box("", {x, 0, 0}, {x + 0.2F, 2.3F, 0.12F}));
@@ -328,51 +328,51 @@ void add_door(Scene& scene, const Materials& is, const Detail& detail, const glm
   append_mesh(frame, make_box("", {-0.98F, 2.52F, 0}, {0.98F, 2.6F, 0.22F}));
   frame = transform_mesh(std::move(frame), wall);
   project_uvs(frame, 0.6F);
-  add_object(scene, std::move(frame), is.stone);
+  add_object(scene, std::move(frame), materials.stone);
 }
 
-void add_walls(Scene& scene, const Materials& is, const Detail& detail) {
+void add_walls(Scene& scene, const Materials& materials, const Detail& detail) {
   Mesh floor =
       make_quad("floor", {-kOuterX, 0, -kOuterZ}, {0, 0, 2 * kOuterZ}, {2 * kOuterX, 0, 0}, detail.cell_count(12));
   project_uvs(floor, 0.25F);
-  add_object(scene, std::move(floor), is.floor);
+  add_object(scene, std::move(floor), materials.floor);
   const auto add_outer = [&](const glm::vec3& origin, const glm::vec3& outward, float width) {
     Mesh wall = transform_mesh(make_quad("outer wall", glm::vec3(0), {width, 0, 0}, {0, kTop, 0}, detail.cell_count(8)),
                                wall_axes(origin, outward));
     project_uvs(wall, 0.7F);
-    add_object(scene, std::move(wall), is.brick);
+    add_object(scene, std::move(wall), materials.brick);
   };
   add_outer({-kOuterX, 0, -kOuterZ}, {0, 0, 1}, 2 * kOuterX);
   add_outer({kOuterX, 0, kOuterZ}, {0, 0, -1}, 2 * kOuterX);
   add_outer({kOuterX, 0, -kOuterZ}, {-1, 0, 0}, 2 * kOuterZ);
   add_outer({-kOuterX, 0, kOuterZ}, {1, 0, 0}, 2 * kOuterZ);
-  add_slabs(scene, is.plaster, kUpper - 0.2F, kUpper - 0.001F, 0.25F);
-  add_slabs(scene, is.stone, kUpper - 0.001F, kUpper, 0.4F);
-  add_slabs(scene, is.wood, kTop, kTop + 0.25F, 0.7F);
+  add_slabs(scene, materials.plaster, kUpper - 0.2F, kUpper - 0.001F, 0.25F);
+  add_slabs(scene, materials.stone, kUpper - 0.001F, kUpper, 0.4F);
+  add_slabs(scene, materials.wood, kTop, kTop + 0.25F, 0.7F);
   int count = 0;
   for_each_bay([&](const glm::vec3& middle, const glm::vec3& inward, float) {
     const glm::vec3 foot = middle - (kGallery - 0.001F) * inward;
     for (const float y : {0.0F, kUpper}) {
-      if (count++ % 3 != 1) add_door(scene, is, detail, wall_axes(foot + glm::vec3(0, y, 0), inward));
+      if (count++ % 3 != 1) add_door(scene, materials, detail, wall_axes(foot + glm::vec3(0, y, 0), inward));
     }
     // Beams below both ceilings.
     for (const float y : {kUpper - 0.2F, kTop}) {
       Mesh beam = transform_mesh(make_box("beam", {-0.1F, -0.2F, 0}, {0.1F, 0, kGallery - 0.2F}),
                                  wall_axes(foot + glm::vec3(0, y, 0), inward));
       project_uvs(beam, 0.8F);
-      add_object(scene, std::move(beam), is.wood);
+      add_object(scene, std::move(beam), materials.wood);
     }
   });
 }
 
-void add_arcades(Scene& scene, const Materials& is, const Detail& detail) {
+void add_arcades(Scene& scene, const Materials& materials, const Detail& detail) {
   struct Kind {
     std::uint32_t wall, archivolt;
   };
   const auto make_kind = [&](float bay, float height) {
     const float radius = 0.5F * bay - 0.3F;
-    return Kind{add_mesh(scene, make_arch_wall(bay, radius, height, detail), is.ashlar),
-                add_mesh(scene, make_archivolt(radius, detail), is.light_stone)};
+    return Kind{add_mesh(scene, make_arch_wall(bay, radius, height, detail), materials.ashlar),
+                add_mesh(scene, make_archivolt(radius, detail), materials.light_stone)};
   };
   const Kind long_low = make_kind(kLongBay, kUpper - 0.2F - kSpring),
              short_low = make_kind(kShortBay, kUpper - 0.2F - kSpring);
@@ -399,8 +399,10 @@ void add_arcades(Scene& scene, const Materials& is, const Detail& detail) {
     for (const float side : {-1.0F, 1.0F}) {
       const glm::mat4 long_side = wall_axes({0, y, side * (kHalfWidth - kWall / 2)}, {0, 0, -side});
       const glm::mat4 short_side = wall_axes({side * (kHalfLength - kWall / 2), y, 0}, {-side, 0, 0});
-      add_object(scene, transform_mesh(make_cornice(kHalfLength - kWall / 2, outline), long_side), is.light_stone);
-      add_object(scene, transform_mesh(make_cornice(kHalfWidth - kWall / 2, outline), short_side), is.light_stone);
+      add_object(scene, transform_mesh(make_cornice(kHalfLength - kWall / 2, outline), long_side),
+                 materials.light_stone);
+      add_object(scene, transform_mesh(make_cornice(kHalfWidth - kWall / 2, outline), short_side),
+                 materials.light_stone);
       if (y < kTop - 1) continue;
       const Mesh dentil = make_box("", {-0.07F, -0.16F, 0}, {0.07F, 0, 0.1F});
       for (int k = -21; k <= 21; ++k)
@@ -409,14 +411,14 @@ void add_arcades(Scene& scene, const Materials& is, const Detail& detail) {
         append_mesh(dentils, transform_mesh(dentil, short_side * placement_at({0.4F * static_cast<float>(k), 0, 0})));
     }
   }
-  add_object(scene, std::move(dentils), is.light_stone);
+  add_object(scene, std::move(dentils), materials.light_stone);
 }
 
 void upright_picture(Mesh& mesh) {
   for (glm::vec2& uv : mesh.uvs) uv.y = 1 - uv.y;
 }
 
-void add_cloth(Scene& scene, const Materials& is, const Detail& detail) {
+void add_cloth(Scene& scene, const Materials& materials, const Detail& detail) {
   // Banners over the balustrades, at every other column.
   constexpr float kWide = 0.95F, kTall = 3.1F;
   Mesh cloth = make_surface("banner", detail.cell_count(10, 4), detail.cell_count(18, 6), [](float s, float t) {
@@ -427,15 +429,16 @@ void add_cloth(Scene& scene, const Materials& is, const Detail& detail) {
     return glm::vec3((s - 0.5F) * kWide, kTall * (t - 1) + point, wave);
   });
   upright_picture(cloth);
-  const std::uint32_t red = add_mesh(scene, cloth, is.red), blue = add_mesh(scene, std::move(cloth), is.blue);
+  const std::uint32_t red = add_mesh(scene, cloth, materials.red),
+                      blue = add_mesh(scene, std::move(cloth), materials.blue);
   const std::uint32_t rod = add_mesh(scene,
                                      transform_mesh(make_cylinder("banner rod", 0.022F, 1.15F, detail.cell_count(8, 4)),
                                                     rotation_about({0.575F, 0, 0}, {0, 0, 1}, 0.25)),
-                                     is.iron);
+                                     materials.iron);
   const std::uint32_t arm = add_mesh(scene,
                                      transform_mesh(make_cylinder("banner arm", 0.018F, 0.45F, detail.cell_count(8, 4)),
                                                     rotation_about({0, 0, -0.42F}, {1, 0, 0}, 0.25)),
-                                     is.iron);
+                                     materials.iron);
   const auto add_banner = [&](const glm::vec3& at, const glm::vec3& inward, std::uint32_t which) {
     const glm::mat4 to_world = wall_axes(at, inward);
     add_instance(scene, which, to_world);
@@ -453,12 +456,12 @@ void add_cloth(Scene& scene, const Materials& is, const Detail& detail) {
   Mesh curtain =
       make_curtain("curtain", half, 2.62F, 5, 0.07F, detail.cell_count(30, 10), detail.cell_count(10, 3), 77);
   upright_picture(curtain);
-  const std::uint32_t curtain_mesh = add_mesh(scene, std::move(curtain), is.curtain);
+  const std::uint32_t curtain_mesh = add_mesh(scene, std::move(curtain), materials.curtain);
   const std::uint32_t pole =
       add_mesh(scene,
                transform_mesh(make_cylinder("curtain pole", 0.025F, 2 * half, detail.cell_count(8, 4)),
                               rotation_about({half, 0, 0}, {0, 0, 1}, 0.25)),
-               is.iron);
+               materials.iron);
   for (const auto& [bay, side, both] : {std::tuple{1, -1.0F, true},
                                         {3, -1.0F, false},
                                         {4, -1.0F, true},
@@ -473,7 +476,7 @@ void add_cloth(Scene& scene, const Materials& is, const Detail& detail) {
   }
 }
 
-void add_fountain(Scene& scene, const Materials& is, const Detail& detail) {
+void add_fountain(Scene& scene, const Materials& materials, const Detail& detail) {
   const glm::mat4 at = placement_at({2.6F, 0, 0});
   const auto add_lathe = [&](const char* name, std::span<const glm::vec2> profile, std::uint32_t segments,
                              std::uint32_t material) {
@@ -492,21 +495,22 @@ void add_fountain(Scene& scene, const Materials& is, const Detail& detail) {
   const glm::vec2 upper_pool[] = {{0.56F, 1.42F}, {0, 1.42F}};
   const glm::vec2 finial[] = {{0.07F, 1.36F}, {0.06F, 1.55F}, {0.12F, 1.66F},
                               {0.13F, 1.74F}, {0.05F, 1.86F}, {0, 1.9F}};
-  add_lathe("fountain step", step, 8, is.light_stone);
-  add_lathe("fountain rim", rim, 8, is.stone);
-  add_lathe("fountain water", pool, 8, is.water);
-  add_lathe("fountain bowl", catmull_rom(foot, detail.cell_count(2)), round, is.stone);
-  add_lathe("fountain bowl's water", upper_pool, round, is.water);
-  add_lathe("finial", catmull_rom(finial, detail.cell_count(2)), round, is.light_stone);
+  add_lathe("fountain step", step, 8, materials.light_stone);
+  add_lathe("fountain rim", rim, 8, materials.stone);
+  add_lathe("fountain water", pool, 8, materials.water);
+  add_lathe("fountain bowl", catmull_rom(foot, detail.cell_count(2)), round, materials.stone);
+  add_lathe("fountain bowl's water", upper_pool, round, materials.water);
+  add_lathe("finial", catmull_rom(finial, detail.cell_count(2)), round, materials.light_stone);
 }
 
-void add_plants(Scene& scene, const Materials& is, const Detail& detail) {
+void add_plants(Scene& scene, const Materials& materials, const Detail& detail) {
   const glm::vec2 pot[] = {{0, 0},         {0.2F, 0},     {0.24F, 0.04F}, {0.33F, 0.3F},  {0.3F, 0.5F},
                            {0.27F, 0.55F}, {0.33F, 0.6F}, {0.34F, 0.65F}, {0.28F, 0.65F}, {0.25F, 0.58F}};
   const glm::vec2 ground[] = {{0.26F, 0.59F}, {0, 0.62F}};
   const std::uint32_t round = detail.cell_count(22, 8);
-  const std::uint32_t pot_mesh = add_mesh(scene, make_lathe("pot", detail.coarser_profile(pot), round), is.clay);
-  const std::uint32_t soil_mesh = add_mesh(scene, make_lathe("soil", detail.coarser_profile(ground), round), is.soil);
+  const std::uint32_t pot_mesh = add_mesh(scene, make_lathe("pot", detail.coarser_profile(pot), round), materials.clay);
+  const std::uint32_t soil_mesh =
+      add_mesh(scene, make_lathe("soil", detail.coarser_profile(ground), round), materials.soil);
   const glm::vec3 positions[] = {{-5.9F, 0, 2.75F}, {-6.1F, 0, -2.75F}, {-0.2F, 0, -2.75F},
                                  {0.1F, 0, 2.75F},  {5.9F, 0, -2.75F},  {6.1F, 0, 2.75F}};
   std::uint32_t seed = 90;
@@ -525,11 +529,11 @@ void add_plants(Scene& scene, const Materials& is, const Detail& detail) {
       add_leaf(foliage, at + glm::vec3(0.1F * way.x, 0.6F, 0.1F * way.y), glm::normalize(glm::vec3(way.x, rise, way.y)),
                length, 0.075F, 0.25F + 0.5F * age, detail.cell_count(6, 3));
     }
-    add_object(scene, std::move(foliage), is.leaf);
+    add_object(scene, std::move(foliage), materials.leaf);
   }
 }
 
-void add_lanterns(Scene& scene, const Materials& is, const Detail& detail) {
+void add_lanterns(Scene& scene, const Materials& materials, const Detail& detail) {
   const std::uint32_t round = detail.cell_count(10, 6);
   const glm::vec2 hood[] = {{0.13F, 0.28F}, {0.14F, 0.3F},   {0.05F, 0.38F},
                             {0.02F, 0.42F}, {0.012F, 0.46F}, {0.012F, 1.05F}};
@@ -544,9 +548,9 @@ void add_lanterns(Scene& scene, const Materials& is, const Detail& detail) {
                                  std::array{0.006F}, 4));
   }
   const glm::vec2 flame[] = {{0.05F, 0.03F}, {0.075F, 0.12F}, {0.06F, 0.22F}, {0, 0.27F}};
-  const std::uint32_t frame_mesh = add_mesh(scene, std::move(frame), is.iron);
-  const std::uint32_t flame_mesh =
-      add_mesh(scene, make_lathe("lantern's light", catmull_rom(detail.coarser_profile(flame), 2), round), is.glow);
+  const std::uint32_t frame_mesh = add_mesh(scene, std::move(frame), materials.iron);
+  const std::uint32_t flame_mesh = add_mesh(
+      scene, make_lathe("lantern's light", catmull_rom(detail.coarser_profile(flame), 2), round), materials.glow);
   int count = 0;
   for_each_bay([&](const glm::vec3& middle, const glm::vec3& inward, float) {
     if (count++ % 2 == 0) return;
@@ -568,15 +572,15 @@ Scene furnish_court(const Detail& detail) {
   Scene scene;
   scene.name = "atrium";
   scene.background = {0.50F, 0.68F, 0.92F};
-  const Materials is = add_materials(scene);
-  add_walls(scene, is, detail);
-  add_arcades(scene, is, detail);
-  add_columns(scene, is, detail);
-  add_balustrades(scene, is, detail);
-  add_cloth(scene, is, detail);
-  add_fountain(scene, is, detail);
-  add_plants(scene, is, detail);
-  add_lanterns(scene, is, detail);
+  const Materials materials = add_materials(scene);
+  add_walls(scene, materials, detail);
+  add_arcades(scene, materials, detail);
+  add_columns(scene, materials, detail);
+  add_balustrades(scene, materials, detail);
+  add_cloth(scene, materials, detail);
+  add_fountain(scene, materials, detail);
+  add_plants(scene, materials, detail);
+  add_lanterns(scene, materials, detail);
   return scene;
 }
 

@@ -121,7 +121,7 @@ Scene build_hairball(const BuiltinOptions& options) {
   scene.background = {0.10F, 0.12F, 0.16F};
   add_room(scene);
   constexpr std::uint32_t kStrand = 2 * kSides * kSegments;
-  const auto room = static_cast<std::uint32_t>(triangles_of(scene));
+  const auto room = static_cast<std::uint32_t>(count_triangles(scene));
   const std::uint32_t strands =
       std::max((std::max(triangles, room) - room + kBundles * kStrand / 2) / (kBundles * kStrand), 8U);
   // With fewer strands each is thicker, so that the ball remains equally dense.

@@ -41,7 +41,7 @@ std::size_t find_camera(const Scene& scene, const std::string& wanted) {
                                     did_you_mean(wanted, names), known));
 }
 
-Camera own_camera(const ViewConfig& view) {
+Camera configured_camera(const ViewConfig& view) {
   const glm::dvec3 eye = to_dvec3(view.position);
   Camera camera;
   camera.name = "own";
@@ -70,7 +70,7 @@ void choose_lights(Scene& scene, const LightsConfig& config) {
 }
 
 /// Attaches a fixed camera to a node, so that posing the scene restores its place.
-void hold_camera(Scene& scene) {
+void pin_camera(Scene& scene) {
   Camera& camera = scene.cameras.front();
   if (camera.node != kNone) return;
   camera.node = static_cast<std::uint32_t>(scene.nodes.size());
@@ -113,11 +113,12 @@ void show_back_faces(Scene& scene) {
 Scene open_workload(const WorkloadConfig& workload, const SceneLimits& limits) {
   Scene scene = open_scene(workload.name, {.triangles = workload.triangles}, limits);
   const bool own_view = workload.view.source == ViewSource::kOwn;
-  const Camera camera = own_view ? own_camera(workload.view) : scene.cameras[find_camera(scene, workload.camera)];
+  const Camera camera =
+      own_view ? configured_camera(workload.view) : scene.cameras[find_camera(scene, workload.camera)];
   if (workload.back_faces == BackFaces::kShown) show_back_faces(scene);
   choose_lights(scene, workload.lights);
   scene.cameras = {camera};
-  if (workload.camera_path == CameraPath::kOrbit) hold_camera(scene);
+  if (workload.camera_path == CameraPath::kOrbit) pin_camera(scene);
   if (workload.sky.source == Sky::kOwn) {
     scene.background = to_vec3(workload.sky.background);
     scene.ambient = to_vec3(workload.sky.ambient);

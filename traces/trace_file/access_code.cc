@@ -34,8 +34,8 @@ std::uint64_t record_count(const ImageCounts& counts, Access::Kind kind) {
   return 0;
 }
 
-constexpr std::uint32_t x_of(std::uint32_t corner) { return corner & 0xffffU; }
-constexpr std::uint32_t y_of(std::uint32_t corner) { return corner >> 16; }
+constexpr std::uint32_t corner_x(std::uint32_t corner) { return corner & 0xffffU; }
+constexpr std::uint32_t corner_y(std::uint32_t corner) { return corner >> 16; }
 constexpr std::int64_t signed_difference(std::uint32_t a, std::uint32_t b) { return std::int64_t{a} - std::int64_t{b}; }
 
 }  // namespace
@@ -44,10 +44,10 @@ void AccessWriter::write_access(const Access& access, std::uint32_t rank, ByteWr
   Access& last = last_.of[static_cast<std::size_t>(access.kind())][rank];
   if (access.kind() == Access::Kind::kTexels) {
     to.write_difference(signed_difference(access.texture(), last.texture()));
-    to.write_difference(signed_difference(x_of(access.element), x_of(last.element)));
-    to.write_difference(signed_difference(y_of(access.element), y_of(last.element)));
-    to.write_difference(signed_difference(x_of(access.element2), x_of(access.element)));
-    to.write_difference(signed_difference(y_of(access.element2), y_of(access.element)));
+    to.write_difference(signed_difference(corner_x(access.element), corner_x(last.element)));
+    to.write_difference(signed_difference(corner_y(access.element), corner_y(last.element)));
+    to.write_difference(signed_difference(corner_x(access.element2), corner_x(access.element)));
+    to.write_difference(signed_difference(corner_y(access.element2), corner_y(access.element)));
   } else {
     to.write_difference(signed_difference(access.element, last.element));
   }
@@ -97,7 +97,7 @@ void AccessWriter::write_launch(const TileWork& work, const WorkNode& launch, st
 
 void AccessReader::read_shapes(ByteReader& from) {
   const std::uint32_t shapes = from.read_number32(kMaxShapes, "number of shapes");
-  if (shapes == 0) ByteReader::out_of_range("number of shapes");
+  if (shapes == 0) ByteReader::throw_out_of_range("number of shapes");
   kinds_.clear();
   ranks_.clear();
   shape_begin_.assign(1, 0);
@@ -105,7 +105,7 @@ void AccessReader::read_shapes(ByteReader& from) {
     Ranks ranks;
     for (std::uint32_t left = from.read_number32(kMaxItemAccesses, "accesses of an item"); left > 0; --left) {
       const std::uint32_t kind = from.read_byte();
-      if (kind >= kAccessKinds) ByteReader::out_of_range("kind of an access");
+      if (kind >= kAccessKinds) ByteReader::throw_out_of_range("kind of an access");
       kinds_.push_back(static_cast<std::uint8_t>(kind));
       ranks_.push_back(static_cast<std::uint8_t>(ranks.next_rank(kind)));
     }
@@ -117,18 +117,19 @@ Access AccessReader::read_access(ByteReader& from, const ImageCounts& counts, st
   Access& last = last_.of[kind][rank];
   if (static_cast<Access::Kind>(kind) != Access::Kind::kTexels) {
     const std::uint64_t count = record_count(counts, static_cast<Access::Kind>(kind));
-    if (count == 0) ByteReader::out_of_range("an accessed record");
+    if (count == 0) ByteReader::throw_out_of_range("an accessed record");
     last = Access::of_kind(static_cast<Access::Kind>(kind),
-                           from.read_moved(last.element, count - 1, "an accessed record"));
+                           from.read_difference_from(last.element, count - 1, "an accessed record"));
     return last;
   }
-  if (counts.textures.empty()) ByteReader::out_of_range("an accessed texture");
-  const std::uint32_t texture = from.read_moved(last.texture(), counts.textures.size() - 1, "an accessed texture");
+  if (counts.textures.empty()) ByteReader::throw_out_of_range("an accessed texture");
+  const std::uint32_t texture =
+      from.read_difference_from(last.texture(), counts.textures.size() - 1, "an accessed texture");
   const auto [width, height] = counts.textures[texture];
-  const std::uint32_t x0 = from.read_moved(x_of(last.element), width - 1, "an accessed texel");
-  const std::uint32_t y0 = from.read_moved(y_of(last.element), height - 1, "an accessed texel");
-  const std::uint32_t x1 = from.read_moved(x0, width - 1, "an accessed texel");
-  const std::uint32_t y1 = from.read_moved(y0, height - 1, "an accessed texel");
+  const std::uint32_t x0 = from.read_difference_from(corner_x(last.element), width - 1, "an accessed texel");
+  const std::uint32_t y0 = from.read_difference_from(corner_y(last.element), height - 1, "an accessed texel");
+  const std::uint32_t x1 = from.read_difference_from(x0, width - 1, "an accessed texel");
+  const std::uint32_t y1 = from.read_difference_from(y0, height - 1, "an accessed texel");
   last = Access::texels(texture, x0, y0, x1, y1);
   return last;
 }
@@ -138,10 +139,10 @@ void AccessReader::read_launch(ByteReader& from, const ImageCounts& counts, std:
   const std::uint32_t shapes = static_cast<std::uint32_t>(shape_begin_.size()) - 1;
   shape_of_.clear();
   if (shapes > 1) {
-    if (items > from.bytes_left()) ByteReader::out_of_range("number of items");
+    if (items > from.bytes_left()) ByteReader::throw_out_of_range("number of items");
     for (std::uint32_t item = 0; item < items; ++item) shape_of_.push_back(from.read_number32(shapes - 1, "a shape"));
   } else if (shape_begin_.back() > 0 && items > from.bytes_left()) {
-    ByteReader::out_of_range("number of items");
+    ByteReader::throw_out_of_range("number of items");
   }
   for (std::uint32_t item = 0; item < items; ++item) {
     const std::uint32_t shape = shapes > 1 ? shape_of_[item] : 0;

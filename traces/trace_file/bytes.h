@@ -35,7 +35,7 @@ class ByteReader {
   explicit ByteReader(std::string_view bytes) : at_(bytes.data()), end_(bytes.data() + bytes.size()) {}
 
   std::uint32_t read_byte() {
-    if (at_ == end_) ends_early();
+    if (at_ == end_) throw_early_end();
     return static_cast<unsigned char>(*at_++);
   }
   std::uint64_t read_number() {
@@ -45,7 +45,7 @@ class ByteReader {
   /// Reads a varint of at most `most`; `what` names it in the error message.
   std::uint64_t read_number(std::uint64_t most, const char* what) {
     const std::uint64_t value = read_number();
-    if (value > most) out_of_range(what);
+    if (value > most) throw_out_of_range(what);
     return value;
   }
   std::uint32_t read_number32(std::uint64_t most, const char* what) {
@@ -53,33 +53,33 @@ class ByteReader {
   }
   /// Reads a difference and returns its sum with `base`. Throws if the sum is above `most`; `what` names it in the
   /// message.
-  std::uint32_t read_moved(std::uint32_t base, std::uint64_t most, const char* what) {
+  std::uint32_t read_difference_from(std::uint32_t base, std::uint64_t most, const char* what) {
     const std::uint64_t coded = read_number();
     const std::uint64_t value = base + ((coded >> 1) ^ (~(coded & 1) + 1));
-    if (value > most) out_of_range(what);
+    if (value > most) throw_out_of_range(what);
     return static_cast<std::uint32_t>(value);
   }
   std::string_view read_bytes(std::uint64_t count) {
-    if (count > bytes_left()) ends_early();
+    if (count > bytes_left()) throw_early_end();
     const std::string_view all(at_, count);
     at_ += count;
     return all;
   }
   std::uint64_t bytes_left() const { return static_cast<std::uint64_t>(end_ - at_); }
 
-  [[noreturn]] static void out_of_range(const char* what) {
+  [[noreturn]] static void throw_out_of_range(const char* what) {
     throw sim::InputError(std::string(what) + " is out of range");
   }
 
  private:
-  [[noreturn]] static void ends_early() { throw sim::InputError("ends early"); }
+  [[noreturn]] static void throw_early_end() { throw sim::InputError("ends early"); }
   std::uint64_t long_number(std::uint64_t value) {
     for (unsigned shift = 7; shift < 64; shift += 7) {
       const std::uint64_t next = read_byte();
       value |= (next & 0x7f) << shift;
       if (next < 0x80) return value;
     }
-    out_of_range("a number");
+    throw_out_of_range("a number");
   }
 
   const char* at_;

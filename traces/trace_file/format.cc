@@ -16,7 +16,7 @@ constexpr std::uint32_t kMaxTextureSide = 1U << 16;
 }  // namespace
 
 std::uint64_t number_of(const Json& json, std::uint64_t most, const char* what) {
-  if (!json.is_number_unsigned() || json.get<std::uint64_t>() > most) ByteReader::out_of_range(what);
+  if (!json.is_number_unsigned() || json.get<std::uint64_t>() > most) ByteReader::throw_out_of_range(what);
   return json.get<std::uint64_t>();
 }
 
@@ -50,7 +50,7 @@ ImageCounts counts_of_json(const Json& json) {
     std::array<std::uint32_t, 2> texture{};
     for (std::size_t i = 0; i < 2; ++i) {
       texture[i] = static_cast<std::uint32_t>(number_of(sides.at(i), kMaxTextureSide, "textures"));
-      if (texture[i] == 0) ByteReader::out_of_range("textures");
+      if (texture[i] == 0) ByteReader::throw_out_of_range("textures");
     }
     c.textures.push_back(texture);
   }

@@ -40,7 +40,9 @@ constexpr std::uint64_t most_tile_bytes(const FrameRequirements& requirements) {
 /// Returns the largest unpacked size that a block of `packed` bytes may have. It keeps the memory that a small file can
 /// take within 30 times its blocks' contents. Only highly repetitive data would pack better.
 inline constexpr std::uint64_t kMaxSmallBlock = 1U << 18, kMaxPacking = 64;
-constexpr std::uint64_t most_held(std::uint64_t packed) { return std::max(kMaxSmallBlock, kMaxPacking * packed); }
+constexpr std::uint64_t most_unpacked_bytes(std::uint64_t packed) {
+  return std::max(kMaxSmallBlock, kMaxPacking * packed);
+}
 
 /// Returns an integer from JSON that is at most `most`. Throws InputError, without a file name, for anything else.
 std::uint64_t number_of(const Json& json, std::uint64_t most, const char* what);

@@ -63,7 +63,7 @@ void read_raster_counts(ByteReader& from, WorkNode& node, TileWork& work) {
   job.runs = from.read_number32(kMost, "runs of lists");
   job.triangles = bins ? node.items : from.read_number32(kMost, "triangles of a node");
   if (!bins) job.pixel_samples = from.read_number32(kMost, "samples of a pixel");
-  if (job.pixel_samples == 0) ByteReader::out_of_range("samples of a pixel");
+  if (job.pixel_samples == 0) ByteReader::throw_out_of_range("samples of a pixel");
   work.raster.push_back(job);
 }
 
@@ -98,28 +98,28 @@ void write_raster(const TileWork& work, const WorkNode& node, ByteWriter& to) {
 void read_raster(ByteReader& from, const RasterDemands& demands, const WorkNode& node, TileWork& work) {
   const RasterWork& job = work.raster[node.raster];
   const bool bins = node.kind == WorkNode::Kind::kBin;
-  if (job.runs > from.bytes_left() / 2) ByteReader::out_of_range("runs of lists");
+  if (job.runs > from.bytes_left() / 2) ByteReader::throw_out_of_range("runs of lists");
   std::uint64_t entries = 0;
   std::uint32_t end = 0;
   for (std::uint32_t i = 0; i < job.runs; ++i) {
     ListRun run;
-    run.first = from.read_moved(end, demands.entries, "a list of triangles");
+    run.first = from.read_difference_from(end, demands.entries, "a list of triangles");
     run.entries = from.read_number32(demands.entries - run.first, "a list of triangles");
     entries += run.entries;
     end = run.first + run.entries;
     work.list_runs.push_back(run);
   }
-  if (job.triangles > from.bytes_left() / kLeastBytes) ByteReader::out_of_range("triangles of a node");
+  if (job.triangles > from.bytes_left() / kLeastBytes) ByteReader::throw_out_of_range("triangles of a node");
   std::uint64_t listed = 0;
   RasterTriangle last;
   for (std::uint32_t i = 0; i < job.triangles; ++i) {
     RasterTriangle t;
-    t.number = from.read_moved(last.number, demands.triangles, "number of a triangle");
-    if (t.number == demands.triangles) ByteReader::out_of_range("number of a triangle");
+    t.number = from.read_difference_from(last.number, demands.triangles, "number of a triangle");
+    if (t.number == demands.triangles) ByteReader::throw_out_of_range("number of a triangle");
     std::uint32_t base = last.vertices[0];
     for (std::uint32_t& vertex : t.vertices) {
-      vertex = base = from.read_moved(base, demands.vertices, "vertex of a triangle");
-      if (vertex == demands.vertices) ByteReader::out_of_range("vertex of a triangle");
+      vertex = base = from.read_difference_from(base, demands.vertices, "vertex of a triangle");
+      if (vertex == demands.vertices) ByteReader::throw_out_of_range("vertex of a triangle");
     }
     if (bins) {
       t.lists = from.read_number32(demands.entries, "lists of a triangle");
@@ -247,18 +247,18 @@ void write_sources(const TileWork& work, const WorkNode& node, ByteWriter& to) {
 
 std::uint32_t read_flag(ByteReader& from, const char* what) {
   const std::uint32_t value = from.read_byte();
-  if (value > 1) ByteReader::out_of_range(what);
+  if (value > 1) ByteReader::throw_out_of_range(what);
   return value;
 }
 
 void read_transfer(ByteReader& from, const TileScope& scope, std::uint32_t imports, WorkNode& node) {
   const std::uint32_t region = from.read_byte();
-  if (region >= kRegionCount) ByteReader::out_of_range("region of a transfer");
+  if (region >= kRegionCount) ByteReader::throw_out_of_range("region of a transfer");
   node.region = static_cast<Region>(region);
   node.to_memory = read_flag(from, "direction of a transfer") != 0;
   const std::uint64_t size = scope.region_bytes[region];
   node.offset = from.read_number(size, "offset of a transfer");
-  if (node.items > size - node.offset) ByteReader::out_of_range("bytes of a transfer");
+  if (node.items > size - node.offset) ByteReader::throw_out_of_range("bytes of a transfer");
   const std::uint32_t border = from.read_number32(node.to_memory ? kMostBorders : imports, "border of a transfer");
   node.border = border == 0 ? WorkNode::kNone : border - 1;
 }
@@ -268,18 +268,18 @@ void read_inputs(ByteReader& from, std::uint32_t n, TileWork& work) {
   WorkNode& node = work.nodes[n];
   for (std::uint32_t left = from.read_number32(from.bytes_left(), "inputs of a node"); left > 0; --left) {
     const std::uint64_t code = from.read_number(2 * std::uint64_t{n} + 1, "input of a node");
-    if (code < 2) ByteReader::out_of_range("input of a node");
+    if (code < 2) ByteReader::throw_out_of_range("input of a node");
     const Edge edge{n - static_cast<std::uint32_t>(code >> 1), static_cast<Edge::Kind>(code & 1)};
     // If the node maps no items, item i waits for item i of the input, which must exist.
     const bool each = edge.kind == Edge::Kind::kEach && node.sources == WorkNode::kNone;
-    if (each && node.items > work.nodes[edge.node].items) ByteReader::out_of_range("input of a node");
+    if (each && node.items > work.nodes[edge.node].items) ByteReader::throw_out_of_range("input of a node");
     node.inputs.push_back(edge);
   }
 }
 
 }  // namespace
 
-void TileEncoder::encode(const TileWork& work, const Links& links, std::string& out) {
+void TileEncoder::encode_tile(const TileWork& work, const Links& links, std::string& out) {
   if (work.nodes.size() > kMaxTileNodes) {
     throw sim::InputError(fmt::format(
         "a tile of more than {} launches, batches of rays and transfers cannot be recorded", kMaxTileNodes));
@@ -342,20 +342,20 @@ void TileDecoder::read_launch(ByteReader& from, const TileScope& scope, WorkNode
 
 void TileDecoder::read_rays(ByteReader& from, WorkNode& node) {
   const std::uint32_t ray_kind = from.read_byte();
-  if (ray_kind >= kRayKinds) ByteReader::out_of_range("kind of rays");
+  if (ray_kind >= kRayKinds) ByteReader::throw_out_of_range("kind of rays");
   node.ray_kind = static_cast<RayKind>(ray_kind);
   // A placeholder for a node with sources; their position is set once they are read.
   node.sources = read_flag(from, "sources of rays") != 0 ? 0 : WorkNode::kNone;
   node.first = rays_;
   rays_ += node.items;
-  if (rays_ > kMaxRaysOfTile) ByteReader::out_of_range("rays of a tile");
+  if (rays_ > kMaxRaysOfTile) ByteReader::throw_out_of_range("rays of a tile");
   found_.by_kind[ray_kind] += node.items;
 }
 
 void TileDecoder::read_kind(ByteReader& from, const TileScope& scope, WorkNode& node) {
   const std::uint32_t kind = from.read_byte();
   const WorkNode::Kind last = scope.raster ? WorkNode::Kind::kRaster : WorkNode::Kind::kTransfer;
-  if (kind > static_cast<std::uint32_t>(last)) ByteReader::out_of_range("kind of a node");
+  if (kind > static_cast<std::uint32_t>(last)) ByteReader::throw_out_of_range("kind of a node");
   node.kind = static_cast<WorkNode::Kind>(kind);
 }
 
@@ -366,13 +366,13 @@ void TileDecoder::read_nodes(ByteReader& from, const TileScope& scope, TileWork&
   work.list_runs.clear();
   const std::uint32_t nodes =
       from.read_number32(std::min<std::uint64_t>(from.bytes_left() / 3, kMaxTileNodes), "number of nodes");
-  if (nodes == 0) ByteReader::out_of_range("number of nodes");
+  if (nodes == 0) ByteReader::throw_out_of_range("number of nodes");
   for (std::uint32_t n = 0; n < nodes; ++n) {
     WorkNode& node = next_node(work);
     read_kind(from, scope, node);
     const bool moves = node.kind == WorkNode::Kind::kTransfer;
     node.items = from.read_number32(moves ? std::numeric_limits<std::uint32_t>::max() : kMaxItems, "items of a node");
-    if (node.items == 0) ByteReader::out_of_range("items of a node");
+    if (node.items == 0) ByteReader::throw_out_of_range("items of a node");
     switch (node.kind) {
       case WorkNode::Kind::kLaunch:
         read_launch(from, scope, node);
@@ -399,7 +399,7 @@ void TileDecoder::read_nodes(ByteReader& from, const TileScope& scope, TileWork&
   check_imports(work);
 }
 
-TileRays TileDecoder::decode(std::string_view bytes, const TileScope& scope, TileWork& work) {
+TileRays TileDecoder::decode_tile(std::string_view bytes, const TileScope& scope, TileWork& work) {
   ByteReader from(bytes);
   found_ = {};
   most_items_ = std::min(kMaxItems, kMaxFreeItems + 8 * bytes.size());
@@ -422,10 +422,10 @@ TileRays TileDecoder::decode(std::string_view bytes, const TileScope& scope, Til
       node.sources = static_cast<std::uint32_t>(work.sources.size());
       const std::uint32_t makers = work.nodes[node.inputs[0].node].items;
       std::uint64_t source = 0;
-      if (node.items > from.bytes_left()) ByteReader::out_of_range("sources of rays");
+      if (node.items > from.bytes_left()) ByteReader::throw_out_of_range("sources of rays");
       for (std::uint32_t i = 0; i < node.items; ++i) {
         source += from.read_number(makers, "source of a ray");
-        if (source >= makers) ByteReader::out_of_range("source of a ray");
+        if (source >= makers) ByteReader::throw_out_of_range("source of a ray");
         work.sources.push_back(static_cast<std::uint32_t>(source));
       }
     }
@@ -450,7 +450,7 @@ TileRays TileDecoder::decode(std::string_view bytes, const TileScope& scope, Til
     found_.steps = decode_plain_walks(rest, scope.links, rays, work);
   } else {
     // Each word takes at least one bit.
-    if (words > 8 * std::uint64_t{rest.size()}) ByteReader::out_of_range("words of walks");
+    if (words > 8 * std::uint64_t{rest.size()}) ByteReader::throw_out_of_range("words of walks");
     found_.steps = decode_walks(rest, scope.links, rays, words, work);
   }
   return found_;

@@ -44,7 +44,7 @@ struct TileRays {
 /// words, which take more space. Throws InputError for work that the format cannot represent.
 class TileEncoder {
  public:
-  void encode(const TileWork& work, const Links& links, std::string& out);
+  void encode_tile(const TileWork& work, const Links& links, std::string& out);
 
  private:
   AccessWriter accesses_;
@@ -55,7 +55,7 @@ class TileDecoder {
  public:
   /// Decodes a tile that any machine can execute. `bytes` must be followed by kBitsPadding bytes. Throws InputError,
   /// without a file name, if the bytes are not a valid tile within `scope`.
-  TileRays decode(std::string_view bytes, const TileScope& scope, TileWork& work);
+  TileRays decode_tile(std::string_view bytes, const TileScope& scope, TileWork& work);
 
  private:
   void read_launch(ByteReader& from, const TileScope& scope, WorkNode& node);

@@ -39,7 +39,7 @@ TraceReader::TraceReader(std::filesystem::path path) : path_(std::move(path)) {
 
 TraceReader::~TraceReader() { ::close(file_); }
 
-std::string TraceReader::damage_of(const sim::JsonError& error) {
+std::string TraceReader::damage_text(const sim::JsonError& error) {
   const std::string what = error.what();
   const std::size_t begin = what.find('\''), end = what.rfind('\'');
   if (error.kind == sim::JsonError::Kind::kKey && begin < end)
@@ -71,7 +71,7 @@ void TraceReader::read_at(const FileRange& range, std::string& out) const {
 std::string TraceReader::read_block(const FileRange& range, std::uint64_t most) const {
   std::string packed;
   read_at(range, packed);
-  return std::string(Unpacker().unpack_block(packed, std::min(most, most_held(packed.size()))));
+  return std::string(Unpacker().unpack_block(packed, std::min(most, most_unpacked_bytes(packed.size()))));
 }
 
 TraceReader::FileRange TraceReader::range_of(const Json& json) const {
@@ -151,10 +151,10 @@ std::vector<TraceReader::FileRange> TraceReader::tiles(const Part& part) const {
   });
 }
 
-TileRays TraceReader::Cursor::read(const FileRange& tile, const TileScope& scope, TileWork& work) {
+TileRays TraceReader::Cursor::read_tile(const FileRange& tile, const TileScope& scope, TileWork& work) {
   trace_.read_at(tile, block_);
-  const std::uint64_t most = std::min(scope.tile_bytes, most_held(block_.size()));
-  return decoder_.decode(unpacker_.unpack_block(block_, most), scope, work);
+  const std::uint64_t most = std::min(scope.tile_bytes, most_unpacked_bytes(block_.size()));
+  return decoder_.decode_tile(unpacker_.unpack_block(block_, most), scope, work);
 }
 
 }  // namespace traces

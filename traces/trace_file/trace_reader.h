@@ -38,7 +38,7 @@ class TraceReader {
   const Json& header() const { return header_; }
   const std::vector<Part>& parts() const { return parts_; }
   const Json& frames() const { return frames_; }
-  std::uint64_t bytes() const { return size_; }
+  std::uint64_t file_bytes() const { return size_; }
   std::size_t tree_count() const { return trees_.size(); }
 
   /// Returns the limits for tiles of a part. `kernels` is the number of kernels that exist.
@@ -50,7 +50,7 @@ class TraceReader {
   class Cursor {
    public:
     explicit Cursor(const TraceReader& trace) : trace_(trace) {}
-    TileRays read(const FileRange& tile, const TileScope& scope, TileWork& work);
+    TileRays read_tile(const FileRange& tile, const TileScope& scope, TileWork& work);
 
    private:
     const TraceReader& trace_;
@@ -67,7 +67,7 @@ class TraceReader {
     } catch (const sim::InputError& error) {
       throw_error(error.what());
     } catch (const sim::JsonError& error) {
-      throw_error(damage_of(error));
+      throw_error(damage_text(error));
     }
   }
 
@@ -77,7 +77,7 @@ class TraceReader {
     std::uint64_t nodes = 0;
     ImageCounts counts;
   };
-  static std::string damage_of(const sim::JsonError& error);
+  static std::string damage_text(const sim::JsonError& error);
   [[noreturn]] void throw_error(const std::string& what) const;
   void read_at(const FileRange& range, std::string& out) const;
   /// Reads a block from the file and unpacks it to at most `most` bytes.

@@ -19,7 +19,7 @@ constexpr std::size_t kPiece = 1U << 20;
 
 /// Opens a new file. A path that cannot be written is an input error (InputError); a disk that fills up later is an
 /// IoError.
-std::unique_ptr<sim::NewFile> begin(const std::filesystem::path& path) {
+std::unique_ptr<sim::NewFile> open_trace_file(const std::filesystem::path& path) {
   try {
     return std::make_unique<sim::NewFile>(path);
   } catch (const sim::IoError& error) {
@@ -29,7 +29,7 @@ std::unique_ptr<sim::NewFile> begin(const std::filesystem::path& path) {
 
 }  // namespace
 
-OutputFile::OutputFile(const std::filesystem::path& path) : file_(begin(path)) {}
+OutputFile::OutputFile(const std::filesystem::path& path) : file_(open_trace_file(path)) {}
 
 void OutputFile::write(std::string_view bytes) {
   held_.append(bytes);
@@ -50,7 +50,7 @@ void OutputFile::commit() {
 namespace {
 
 /// Returns the path. Throws if a file is there that is not a trace, and would be overwritten by mistake.
-const std::filesystem::path& may_replace(const std::filesystem::path& path) {
+const std::filesystem::path& check_replaceable(const std::filesystem::path& path) {
   sim::check_output(path, {.mark = kTraceKind, .kind = "trace"});
   return path;
 }
@@ -64,7 +64,7 @@ void append_bytes(T number, std::string& out) {
 
 }  // namespace
 
-TraceWriter::TraceWriter(const std::filesystem::path& path, const Json& header) : file_(may_replace(path)) {
+TraceWriter::TraceWriter(const std::filesystem::path& path, const Json& header) : file_(check_replaceable(path)) {
   contents_ = {{"trees", Json::array()}, {"parts", Json::array()}, {"frames", Json::array()}};
   const std::string_view packed = pack_limited(sim::json_line(header));
   std::string size;
@@ -76,7 +76,7 @@ TraceWriter::TraceWriter(const std::filesystem::path& path, const Json& header) 
 
 std::string_view TraceWriter::pack_limited(std::string_view bytes) {
   const std::string_view packed = packer_.pack_block(bytes);
-  return bytes.size() <= most_held(packed.size()) ? packed : packer_.pack_loosely(bytes, kMaxPacking);
+  return bytes.size() <= most_unpacked_bytes(packed.size()) ? packed : packer_.pack_loosely(bytes, kMaxPacking);
 }
 
 Json TraceWriter::append_block(std::string_view bytes) {
@@ -105,9 +105,9 @@ void TraceWriter::begin_part(PartId id, Links links, const ImageCounts& counts, 
            {"offset", file_.size()}};
 }
 
-void TraceWriter::add(const TileWork& work) {
+void TraceWriter::add_tile(const TileWork& work) {
   bytes_.clear();
-  encoder_.encode(work, links_, bytes_);
+  encoder_.encode_tile(work, links_, bytes_);
   if (bytes_.size() > most_of_tile_) {
     throw sim::InputError(
         fmt::format("render.tile: a tile's work takes {} MiB and cannot be recorded; allowed: {} MiB, with a smaller "

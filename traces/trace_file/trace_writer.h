@@ -36,7 +36,7 @@ class OutputFile {
 /// commit().
 ///
 ///   TraceWriter trace(path, header);
-///   trace.begin_part({.frame = 0}, links, counts, requirements);  for each tile: trace.add(work);
+///   trace.begin_part({.frame = 0}, links, counts, requirements);  for each tile: trace.add_tile(work);
 ///   trace.end_part(result); trace.commit();
 class TraceWriter {
  public:
@@ -50,7 +50,7 @@ class TraceWriter {
 
   /// Begins a part of the trace. A tree equal to the previous part's is not stored again.
   void begin_part(PartId id, Links links, const ImageCounts& counts, const FrameRequirements& requirements);
-  void add(const TileWork& work);
+  void add_tile(const TileWork& work);
   /// Ends the part. `result` is the remaining JSON of its report.
   void end_part(Json result);
   /// Adds report data of a frame that belong to none of its parts.
@@ -58,7 +58,7 @@ class TraceWriter {
   void commit();
 
  private:
-  /// Packs a block so that its unpacked size is within most_held(). The result is valid until the next call.
+  /// Packs a block so that its unpacked size is within most_unpacked_bytes(). The result is valid until the next call.
   std::string_view pack_limited(std::string_view bytes);
   /// Appends a packed block to the file and returns where it is.
   Json append_block(std::string_view bytes);

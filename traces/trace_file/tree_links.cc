@@ -71,7 +71,7 @@ class Decoder {
   }
 
   std::uint32_t decode_inner(std::uint32_t node, std::uint64_t distance) {
-    if (distance == 0 || distance >= links_.nodes.size() - node) ByteReader::out_of_range("tree: a child");
+    if (distance == 0 || distance >= links_.nodes.size() - node) ByteReader::throw_out_of_range("tree: a child");
     const std::uint32_t link = node + static_cast<std::uint32_t>(distance);
     if (depth_[link] != 0) throw sim::InputError("tree: a node has two parents");
     depth_[link] = static_cast<std::uint8_t>(depth_[node] + 1);
@@ -86,7 +86,7 @@ class Decoder {
     const auto count = static_cast<std::uint32_t>(code >> 1 & 7) + 1;
     const std::uint64_t moved = code >> 4;
     const std::uint64_t first = end + ((moved >> 1) ^ (~(moved & 1) + 1));
-    if (first > all || count > all - first || count > most) ByteReader::out_of_range("tree: a leaf");
+    if (first > all || count > all - first || count > most) ByteReader::throw_out_of_range("tree: a leaf");
     end = first + count;
     if (!enters) return leaf_link(static_cast<std::uint32_t>(first), count);
     if (seen_[first]) throw sim::InputError("tree: an instance is there twice");
@@ -154,8 +154,9 @@ std::string encode_links(const Links& links) {
 
 Links decode_links(std::string_view bytes, std::uint64_t nodes, const ImageCounts& counts) {
   // Each child and each instance takes at least one byte.
-  if (nodes == 0 || nodes > kMaxNodes || 2 * nodes > bytes.size()) ByteReader::out_of_range("tree: number of nodes");
-  if (counts.instances > bytes.size() - 2 * nodes) ByteReader::out_of_range("tree: number of instances");
+  if (nodes == 0 || nodes > kMaxNodes || 2 * nodes > bytes.size())
+    ByteReader::throw_out_of_range("tree: number of nodes");
+  if (counts.instances > bytes.size() - 2 * nodes) ByteReader::throw_out_of_range("tree: number of instances");
   return Decoder(bytes, counts).run(nodes);
 }
 

@@ -44,7 +44,7 @@ static_assert(kMaxTreeDepth == 1U << kCullBits);
 constexpr std::uint32_t cull_bits(bool levels) { return kCullBits + (levels ? 1 : 0); }
 constexpr std::size_t kStackSize = 2 * std::size_t{kMaxTreeDepth} + 1;
 
-[[noreturn]] void no_walk() { throw sim::InputError("a ray's walk is none on this tree"); }
+[[noreturn]] void throw_invalid_walk() { throw sim::InputError("a ray's walk is none on this tree"); }
 
 /// Appends bits to memory, lowest bit first.
 class BitWriter {
@@ -81,8 +81,8 @@ class Follower {
   Follower(const Links& links, const std::uint32_t* words, const std::uint32_t* end)
       : links_(links.nodes), roots_(links.roots), cull_bits_(cull_bits(!links.roots.empty())), at_(words), end_(end) {}
 
-  const std::uint32_t* at() const { return at_; }
-  const WalkSteps& steps() const { return steps_; }
+  const std::uint32_t* position() const { return at_; }
+  const WalkSteps& step_counts() const { return steps_; }
 
   /// Checks one ray's walk and writes its bits to `out`. Returns false if the walk does not fit the tree.
   template <class Bits>
@@ -165,9 +165,9 @@ bool encode_walks(const TileWork& work, const Links& links, std::string& out) {
   Follower follower(links, begin, begin + work.walk.size());
   bool good = true;
   for (std::size_t ray = 0; good && ray < work.ray_begin.size(); ++ray) {
-    good = follower.at() == begin + work.ray_begin[ray] && follower.follow_walk(bits);
+    good = follower.position() == begin + work.ray_begin[ray] && follower.follow_walk(bits);
   }
-  good = good && follower.at() == begin + work.walk.size();
+  good = good && follower.position() == begin + work.walk.size();
   out.resize(good ? static_cast<std::size_t>(bits.finish_bits() - out.data()) : before);
   return good;
 }
@@ -180,11 +180,11 @@ WalkSteps decode_plain_walks(std::string_view bytes, const Links& links, std::ui
   Follower follower(links, begin, begin + work.walk.size());
   NoBits none;
   for (std::uint32_t& at : work.ray_begin) {
-    at = static_cast<std::uint32_t>(follower.at() - begin);
-    if (!follower.follow_walk(none)) no_walk();
+    at = static_cast<std::uint32_t>(follower.position() - begin);
+    if (!follower.follow_walk(none)) throw_invalid_walk();
   }
-  if (follower.at() != begin + work.walk.size()) no_walk();
-  return follower.steps();
+  if (follower.position() != begin + work.walk.size()) throw_invalid_walk();
+  return follower.step_counts();
 }
 
 namespace {
@@ -201,7 +201,7 @@ struct Cursor {
   std::uint32_t word_count() const { return static_cast<std::uint32_t>(out - walk.data()); }
   void grow_output() {
     const std::uint32_t done = word_count();
-    if (done >= words) no_walk();
+    if (done >= words) throw_invalid_walk();
     make_room(2 * walk.size(), done);
   }
 
@@ -228,7 +228,7 @@ inline std::uint32_t decode_leaf(std::uint64_t window, std::uint32_t link, Curso
   const std::uint32_t size = 2 * leaf_count(link);
   const std::uint32_t phases = unpack_phases(static_cast<std::uint32_t>(window) & ((1U << size) - 1));
   const std::uint32_t tested = static_cast<std::uint32_t>(std::bit_width(phases) + 3) / 4;
-  if (!are_tested(phases, tested)) no_walk();
+  if (!are_tested(phases, tested)) throw_invalid_walk();
   *c.out++ = leaf_step(leaf_first(link), tested);
   *c.out++ = phases;
   c.steps.tests += tested;
@@ -245,12 +245,12 @@ inline void decode_walk(const Links& links, Cursor& c) {
   std::array<std::uint32_t, kStackSize> stack;
   std::uint32_t link = 0, depth = 0;
   for (;;) {
-    if (c.at >= c.end) no_walk();
+    if (c.at >= c.end) throw_invalid_walk();
     if (c.out >= c.last) c.grow_output();
     std::uint64_t window = load_unaligned<std::uint64_t>(c.bits + (c.at >> 3)) >> (c.at & 7);
     if (!is_leaf(link)) {
       const std::uint32_t code = window & 7;
-      if (link >= nodes || ((1U << code) & 0x70U) != 0) no_walk();
+      if (link >= nodes || ((1U << code) & 0x70U) != 0) throw_invalid_walk();
       *c.out++ = code << 27 | link;
       c.steps.visits += 1;
       c.at += 3;
@@ -258,7 +258,7 @@ inline void decode_walk(const Links& links, Cursor& c) {
       if (hits != 0) {
         const std::uint32_t near = kNear[code];
         stack[depth] = tree[link][1 - near];
-        if (hits == 3 && stack[depth++] == kNoChild) no_walk();
+        if (hits == 3 && stack[depth++] == kNoChild) throw_invalid_walk();
         link = tree[link][near];
         continue;
       }
@@ -283,7 +283,7 @@ inline void decode_walk(const Links& links, Cursor& c) {
       if (pop == kCullSome) {
         const std::uint32_t culled = window & ((1U << cull_bits(kLevels)) - 1);
         c.at += cull_bits(kLevels);
-        if (culled == 0 || culled >= depth) no_walk();
+        if (culled == 0 || culled >= depth) throw_invalid_walk();
         *c.out++ = cull_step(culled);
         depth -= culled;
         link = stack[--depth];
@@ -307,7 +307,7 @@ WalkSteps decode_levels(std::string_view bits, const Links& links, std::uint32_t
     ray = c.word_count();
     decode_walk<kLevels>(links, c);
   }
-  if (c.word_count() != words || (c.at + 7) / 8 != bits.size()) no_walk();
+  if (c.word_count() != words || (c.at + 7) / 8 != bits.size()) throw_invalid_walk();
   work.walk.resize(words);
   return c.steps;
 }

@@ -118,9 +118,10 @@ struct UndersampleConfig : AdaptiveConfig {
     AdaptiveConfig::describe(c, field);
   }
   /// Returns the number of samples along the side of a pixel.
-  std::uint32_t pixel_grid() const { return static_cast<std::uint32_t>(std::lround(std::sqrt(samples))); }
+  std::uint32_t pixel_grid_side() const { return static_cast<std::uint32_t>(std::lround(std::sqrt(samples))); }
   void check(auto&& complain) const {
-    if (pixel_grid() * pixel_grid() != samples) complain("samples", "is not a square; allowed: 1, 4, 9, 16, ... 256");
+    if (pixel_grid_side() * pixel_grid_side() != samples)
+      complain("samples", "is not a square; allowed: 1, 4, 9, 16, ... 256");
   }
 };
 

@@ -34,7 +34,7 @@ BlockFrame::BlockFrame(const traces::MemoryImage& image, const traces::Camera& v
       order(tiles.rendering_order(keys.halo)),
       number(frame) {}
 
-std::uint64_t BlockFrame::store_bytes() const {
+std::uint64_t BlockFrame::stored_bytes() const {
   const std::uint64_t side = tiles.tile_side();
   return 2 * side * exchanged_bytes() +
          (adaptive.attributes == AttributeStorage::kDram ? side * side * setup.record_bytes : 0);
@@ -53,8 +53,8 @@ FrameRequirements BlockFrame::requirements() const {
   needs.tile_samples = side * side;
   needs.wave_samples = side * side / setup.whole * (setup.whole - 1);  // the samples that are checked along y
   needs.attribute_bytes = adaptive.attributes == AttributeStorage::kTile ? kept * setup.record_bytes : 0;
-  needs.region_bytes = {std::uint64_t{tiles.count()} * pixels * kPixelBytes, tiles.count() * store_bytes(),
-                        setup.carries_rates ? tiles.count() : 0};
+  needs.region_bytes = {std::uint64_t{tiles.tile_count()} * pixels * kPixelBytes, tiles.tile_count() * stored_bytes(),
+                        setup.carries_rates ? tiles.tile_count() : 0};
   return needs;
 }
 
@@ -75,9 +75,9 @@ GridUniforms<float> BlockFrame::grid_uniforms(float x0, float y0, std::uint32_t 
           .inverse_grid = inverse_or_one(setup.grid)};
 }
 
-void BlockFrame::size_counts(Sampling& frame_counts) const {
-  frame_counts.similar.resize(tiles.count());
-  frame_counts.blocks.resize(tiles.count());
+void BlockFrame::allocate_counts(Sampling& frame_counts) const {
+  frame_counts.similar.resize(tiles.tile_count());
+  frame_counts.blocks.resize(tiles.tile_count());
   frame_counts.tile_side = tiles.tile_side();
 }
 
@@ -115,7 +115,7 @@ BlockTile::BlockTile(const BlockFrame& frame, const SampleTile& tile, const trac
 }
 
 /// Reads from memory the block sides of this tile and of the neighbours in its halo.
-void BlockTile::read_rates() {
+void BlockTile::read_block_sides() {
   const std::uint32_t first = at.has_left ? at.left : at.index;
   start_ = graph.add_transfer(Region::kRates, false, first, at.index - first + 1);
   if (!at.has_above) return;
@@ -179,7 +179,7 @@ void BlockTile::trace_listed(SampleQueue& list, Wavefront::Node lister, std::uin
   generate.grid =
       frame_.grid_uniforms(static_cast<float>(at.x) - 1.0F, static_cast<float>(at.y) - 1.0F, frame_.row_pitch());
   RetainedRecords retained = kept;
-  const Wavefront::Node generated = wave.generate_listed(generate, list, lister, items, retained, lanes);
+  const Wavefront::Node generated = wave.generate_listed_rays(generate, list, lister, items, retained, lanes);
   wave.run(generated, items, retained, lanes);
   if (retained.surfaces) record_global_light(list, items, lanes, frame_.setup.faint);
   if (graph.is_muted()) return;
@@ -234,7 +234,7 @@ void BlockTile::mark_samples(const BlockLines& lines, const Verdict& verdict) {
   for (std::uint32_t i = 0; i < verdict.failed; ++i) {
     const std::uint32_t sample = buffer.checks.failed.entries[i];
     const std::uint32_t failed = buffer.checks.verdicts[sample];
-    if (failed == bit(Check::kBorder)) unchecked += 1;
+    if (failed == check_bit(Check::kBorder)) unchecked += 1;
     own(sample) = static_cast<SampleMark>(failed | kTracedMark);
     for (std::size_t check = 0; check < sampling.failed.size(); ++check) sampling.failed[check] += failed >> check & 1U;
     sampling.first_failed[static_cast<std::size_t>(std::countr_zero(failed))] += 1;
@@ -245,7 +245,7 @@ void BlockTile::mark_samples(const BlockLines& lines, const Verdict& verdict) {
 }
 
 void BlockTile::import_samples(std::uint32_t tile, std::uint32_t border, std::uint64_t offset, std::uint32_t samples) {
-  graph.import_samples({tile, border}, frame_.store_bytes() * tile + offset, samples * frame_.exchanged_bytes());
+  graph.import_samples({tile, border}, frame_.stored_bytes() * tile + offset, samples * frame_.exchanged_bytes());
   if (!frame_.scene.fuses || !frame_.setup.before_check_y.surfaces) return;
   // The modelled machine counts imported samples here. The host has counted them when they were traced.
   const Wavefront::Node counted = graph.record_known<CountColoured>(samples);
@@ -289,19 +289,19 @@ void BlockTile::trace_references_above() {
 void BlockTile::export_right() {
   if (frame_.adaptive.halo == Halo::kRetrace || !at.has_right) return;
   const std::uint64_t bytes = frame_.exchanged_bytes();
-  graph.export_samples(kRightBorder, frame_.store_bytes() * at.index + frame_.tiles.tile_side() * bytes,
+  graph.export_samples(kRightBorder, frame_.stored_bytes() * at.index + frame_.tiles.tile_side() * bytes,
                        block_rows() * frame_.exchanged_bytes());
 }
 
 void BlockTile::export_below() {
   if (frame_.adaptive.halo == Halo::kRetrace || !at.has_below) return;
-  graph.export_samples(kLowerBorder, frame_.store_bytes() * at.index, at.width * frame_.exchanged_bytes());
+  graph.export_samples(kLowerBorder, frame_.stored_bytes() * at.index, at.width * frame_.exchanged_bytes());
 }
 
 void BlockTile::spill_records(std::uint32_t written, std::uint32_t read) {
   if (frame_.adaptive.attributes == AttributeStorage::kTile || written == 0) return;
   const std::uint64_t borders = 2 * std::uint64_t{frame_.tiles.tile_side()} * frame_.exchanged_bytes();
-  const std::uint64_t store = frame_.store_bytes() * at.index + borders;
+  const std::uint64_t store = frame_.stored_bytes() * at.index + borders;
   const Wavefront::Node to_dram =
       graph.add_transfer(Region::kSamples, true, store, written * frame_.setup.record_bytes);
   graph.wait_for_records(to_dram);
@@ -311,7 +311,7 @@ void BlockTile::spill_records(std::uint32_t written, std::uint32_t read) {
 }
 
 void BlockTile::average_pixels() {
-  if (packs_samples()) {
+  if (can_pack_samples()) {
     PackGridSample::Ports<float> pack;
     pack.lattice = frame_.own_samples(at);
     return write_packed(graph.launch<PackGridSample>(pack, at.width * at.height));

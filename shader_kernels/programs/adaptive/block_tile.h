@@ -49,11 +49,11 @@ struct BlockFrame {
   std::uint32_t exchanged_bytes() const;
   /// Returns the bytes that a tile stores in memory: its last row, its last column, and all records if they are kept in
   /// DRAM.
-  std::uint64_t store_bytes() const;
+  std::uint64_t stored_bytes() const;
   /// Returns the bytes of a tile's pixels in the frame buffer.
-  std::uint64_t picture_bytes() const { return requirements().region_bytes[0] / tiles.count(); }
+  std::uint64_t picture_bytes() const { return requirements().region_bytes[0] / tiles.tile_count(); }
   /// Allocates the counts that `frame_counts` keeps for each tile.
-  void size_counts(Sampling& frame_counts) const;
+  void allocate_counts(Sampling& frame_counts) const;
   /// Adds a finished tile to the frame's counts: its fraction of similar samples, and the side of its blocks.
   void count_tile(const TileResult& tile, std::uint32_t block, Sampling& frame_counts) const;
 
@@ -91,7 +91,7 @@ class BlockTile {
     block_ = block_of(at.index);
     if (at.has_left) left_block_ = block_of(at.left);
     if (at.has_above) above_block_ = block_of(at.above);
-    if (frame.setup.carries_rates) read_rates();
+    if (frame.setup.carries_rates) read_block_sides();
   }
 
   /// Traces the reference sample of every block.
@@ -127,7 +127,7 @@ class BlockTile {
   }
 
   /// True if one kernel can clamp, encode and pack a pixel, because it has a single sample.
-  bool packs_samples() const { return frame_.scene.fuses && frame_.setup.grid == 1 && !frame_.scene.dma_encodes; }
+  bool can_pack_samples() const { return frame_.scene.fuses && frame_.setup.grid == 1 && !frame_.scene.dma_encodes; }
   /// Averages the samples of each pixel and writes the pixels to the frame buffer.
   void average_pixels();
   /// Writes pixels to the frame buffer that launch `packed` has encoded.
@@ -147,7 +147,7 @@ class BlockTile {
             TileResult& result);
   std::uint32_t block_rows() const { return at.height / block_; }
   std::uint32_t block_columns() const { return at.width / block_; }
-  void read_rates();
+  void read_block_sides();
   BlockLines lines_along_x(std::uint32_t block, bool is_own) const;
   /// Traces `items` samples, `across` per row, beginning at sample `first`.
   void trace_lattice(std::uint32_t first, std::uint32_t across, std::uint32_t step, std::uint32_t row_step,

@@ -5,7 +5,7 @@ namespace kernels {
 namespace {
 
 /// True if the checks include secondary hits. With fusion, checks that this scene cannot fail are omitted.
-bool checks_secondary(const MultirateConfig& multirate, const SceneTables& scene) {
+bool has_secondary_checks(const MultirateConfig& multirate, const SceneTables& scene) {
   return multirate.secondary_checks && (!scene.fuses || (scene.has_secondary && scene.depth > 1));
 }
 
@@ -33,12 +33,12 @@ MultirateProgram::MultirateProgram(const traces::MemoryImage& image, const trace
     : FrameProgram(config.width, config.height),
       multirate_(multirate),
       blocks_(image, camera, config, multirate,
-              block_setup(multirate, grid, checks_secondary(multirate, {image, config})), frame),
+              block_setup(multirate, grid, has_secondary_checks(multirate, {image, config})), frame),
       secondary_checks_(blocks_.setup.before_check_y.secondary),
       compares_colours_(multirate.texture < kNotCompared ||
                         (multirate.rate_control != RateControl::kOff && multirate.rate_texture < kNotCompared)),
       rates_(rates) {
-  blocks_.size_counts(kept_sampling());
+  blocks_.allocate_counts(mutable_sampling());
 }
 
 void MultirateProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
@@ -126,7 +126,7 @@ Verdict MultirateProgram::check_and_interpolate(BlockTile& tile, const BlockLine
 
 void MultirateProgram::commit_tile(const TileResult& tile) {
   FrameProgram::commit_tile(tile);
-  blocks_.count_tile(tile, rates_.block_side(tile.tile), kept_sampling());
+  blocks_.count_tile(tile, rates_.block_side(tile.tile), mutable_sampling());
 }
 
 }  // namespace kernels

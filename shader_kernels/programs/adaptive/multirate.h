@@ -15,7 +15,7 @@ class MultirateProgram final : public FrameProgram {
   MultirateProgram(const traces::MemoryImage& image, const traces::Camera& camera, const RenderConfig& config,
                    const MultirateConfig& multirate, std::uint32_t grid, const RateMap& rates, std::uint32_t frame);
 
-  std::uint32_t tiles() const override { return blocks_.tiles.count(); }
+  std::uint32_t tiles() const override { return blocks_.tiles.tile_count(); }
   TileCounts tile_counts() const override { return {blocks_.tiles.tiles_across(), blocks_.tiles.tiles_down()}; }
   FrameRequirements requirements() const override { return blocks_.requirements(); }
   void run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const override;

@@ -2,7 +2,7 @@
 
 namespace kernels {
 
-void RateMap::advance(const Sampling& frame) {
+void RateMap::update_rates(const Sampling& frame) {
   if (config_.rate_control == RateControl::kOff) return;
   tiles_.resize(frame.similar.size());
   const bool alternates = config_.rate_control == RateControl::kAlternate;

@@ -18,7 +18,7 @@ class RateMap {
   /// Returns the side in samples of a tile's blocks in this frame.
   std::uint32_t block_side(std::uint32_t tile) const { return tiles_.empty() ? config_.block : tiles_[tile].block; }
   /// Chooses the block sides of the next frame from the counts of this frame.
-  void advance(const Sampling& frame);
+  void update_rates(const Sampling& frame);
 
  private:
   struct Tile {

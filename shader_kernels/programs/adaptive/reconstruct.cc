@@ -9,7 +9,7 @@ namespace kernels {
 namespace {
 
 /// Returns the union of the flags of all materials.
-std::uint32_t flags_of(const traces::MemoryImage& image) {
+std::uint32_t all_material_flags(const traces::MemoryImage& image) {
   std::uint32_t flags = 0;
   for (const traces::MaterialRecord& material : image.materials) flags |= material.flags;
   return flags;
@@ -28,12 +28,12 @@ ReconstructProgram::ReconstructProgram(const traces::MemoryImage& image, const t
       camera_(camera_uniforms(camera, config.width, config.height)),
       tiles_(config.width, config.height, config.tile / 2,
              reconstruct.radius),  // pixels have four samples, two along a side
-      order_(tiles_.tiles().rendering_order(reconstruct.halo)),
+      order_(tiles_.sample_tiles().rendering_order(reconstruct.halo)),
       frame_(frame),
       depth_scale_(reconstruct.depth_scale(scene_size)),
       bend_(reconstruct.bend_factor()) {
   if (!filters_apart() || !has_geometry() || config.depth == 1) return;
-  const std::uint32_t flags = flags_of(image);
+  const std::uint32_t flags = all_material_flags(image);
   // Glass reflects too.
   const bool reflects = scene_.effects.has(Effect::kReflections), refracts = scene_.effects.has(Effect::kRefractions);
   if (reflects && (flags & (traces::kMirror | traces::kGlass | traces::kPhysical)) != 0) mirrors_ = layers_++;
@@ -56,19 +56,19 @@ FrameRequirements ReconstructProgram::requirements() const {
   needs.tile_samples = layers_ * pixels;
   needs.wave_samples = has_geometry() ? kOtherSamples * pixels : pixels;
   needs.attribute_bytes = reconstruct_.attributes == AttributeStorage::kTile ? pixels * attribute_bytes() : 0;
-  needs.region_bytes = {std::uint64_t{tiles_.count()} * tiles_.most_pixels() * kPixelBytes,
-                        tiles_.count() * store_bytes(), 0};
+  needs.region_bytes = {std::uint64_t{tiles_.tile_count()} * tiles_.most_pixels() * kPixelBytes,
+                        tiles_.tile_count() * stored_bytes(), 0};
   return needs;
 }
 
-ReconstructProgram::Tile ReconstructProgram::tile_of(const SampleTile& at, Wavefront& wave, TileResult& out) const {
+ReconstructProgram::Tile ReconstructProgram::make_tile(const SampleTile& at, Wavefront& wave, TileResult& out) const {
   return {at, tiles_.finished_uniforms(at, out), out.width * out.height, wave, wave.tile_graph(), out, out.buffer};
 }
 
 void ReconstructProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
                                   TileResult& out) const {
-  const SampleTile at = tiles_.tiles().sample_tile(order_[tile_index]);
-  tiles_.place(at, out);
+  const SampleTile at = tiles_.sample_tiles().sample_tile(order_[tile_index]);
+  tiles_.set_finished_rect(at, out);
   out.sampling = {};
   out.marks.clear();
   out.work.frame = frame_;
@@ -77,7 +77,7 @@ void ReconstructProgram::run_tile(std::uint32_t tile_index, const traces::Tracer
   out.buffer.reserve_visible(std::size_t{layers_} * layer_offset(), tiles_.most_pixels());
   Wavefront wave(scene_, tracer, record, cone_uniforms(camera_, 1), out);
   TileGraph& graph = wave.tile_graph();
-  Tile tile = tile_of(at, wave, out);
+  Tile tile = make_tile(at, wave, out);
   out.linear.resize(tile.pixels);
   out.packed.resize(tile.pixels);
 
@@ -85,10 +85,10 @@ void ReconstructProgram::run_tile(std::uint32_t tile_index, const traces::Tracer
   // Shade one sample of every pixel. Of the other three, find geometry and shadows.
   trace_pixels(tile, own, own, true);
   export_borders(tile);  // exported first, because borders need no halo
-  make_halo(tile);
+  fill_halo(tile);
   spill_attributes_to_dram(tile);
   // Filter the shaded samples around each sample by geometry. Where colours still differ, shade all four.
-  Node made = has_geometry() ? filter_pixels(tile) : show_shaded(tile);
+  Node made = has_geometry() ? filter_pixels(tile) : copy_shaded_colours(tile);
   if (tests_colours()) made = shade_contrasts(tile, made);
   graph.write_pixels(made, std::uint64_t{at.index} * tiles_.most_pixels() * kPixelBytes);
   wave.finish();
@@ -121,7 +121,7 @@ ReconstructProgram::Node ReconstructProgram::clear_branches(Tile& tile, const Pi
   Node last = Wavefront::kNone;
   for (std::uint32_t b = 1; b < layers_; ++b) {
     ClearBranch::Ports<float> ports;
-    ports.lattice = tiles_.rect_lattice(part.x, part.y, part.across);
+    ports.lattice = tiles_.rect_samples(part.x, part.y, part.across);
     ports.lattice.first += static_cast<float>(b * layer_offset());
     ports.apart = position_count();
     const Node cleared = tile.graph.launch<ClearBranch>(ports, part.pixel_count());
@@ -135,7 +135,7 @@ ReconstructProgram::Node ReconstructProgram::clear_branches(Tile& tile, const Pi
 VisibleRayPorts<float>& ReconstructProgram::bind_rays(VisibleRayPorts<float>& ports, const Tile& tile,
                                                       const PixelRect& part) const {
   bind_pixels(ports, tile);
-  ports.lattice = tiles_.rect_lattice(part.x, part.y, part.across);
+  ports.lattice = tiles_.rect_samples(part.x, part.y, part.across);
   return ports;
 }
 
@@ -146,7 +146,7 @@ void ReconstructProgram::place_samples(Tile& tile, std::uint32_t rays) const {
     const std::uint32_t sample = tile.buffer.rays.wave.paths[i].sample, position = sample % position_count();
     const std::uint32_t x = tile.at.x + position % tiles_.row_pitch() - tiles_.halo_width();
     const std::uint32_t y = tile.at.y + position / tiles_.row_pitch() - tiles_.halo_width();
-    for (std::uint32_t b = 0; b < layers_; ++b) tile.wave.wave_tracer().place(sample + b * layer_offset(), x, y);
+    for (std::uint32_t b = 0; b < layers_; ++b) tile.wave.wave_tracer().place_sample(sample + b * layer_offset(), x, y);
   }
 }
 
@@ -188,17 +188,17 @@ void ReconstructProgram::trace_others(Tile& tile, const PixelRect& part, Node cl
 void ReconstructProgram::limit_colours(Tile& tile, const PixelRect& part) const {
   const auto launch = [&]<std::uint32_t kBranches> {
     typename LimitColours<kBranches>::template Ports<float> ports;
-    ports.lattice = tiles_.rect_lattice(part.x, part.y, part.across);
+    ports.lattice = tiles_.rect_samples(part.x, part.y, part.across);
     ports.branch = layer_offset();
     const Node limited = tile.graph.launch<LimitColours<kBranches>>(ports, part.pixel_count());
     tile.graph.wait_for_colours(limited);
     if (!tile.graph.is_muted()) tile.graph.replace_colour_writers(limited);
   };
-  with_branches(launch);
+  call_with_branch_count(launch);
 }
 
 /// Writes pixels with the colour of their own shaded sample, which is all that a filter with radius 0 does.
-ReconstructProgram::Node ReconstructProgram::show_shaded(Tile& tile) const {
+ReconstructProgram::Node ReconstructProgram::copy_shaded_colours(Tile& tile) const {
   AverageSamples::Ports<float> ports;
   ports.samples = ports.inverse_samples = 1;
   ports.width = tile.finished.width;
@@ -212,7 +212,7 @@ ReconstructProgram::Node ReconstructProgram::show_shaded(Tile& tile) const {
 }
 
 ReconstructProgram::Node ReconstructProgram::filter_pixels(Tile& tile) const {
-  return reconstruct_.radius == 1 ? filter_with<1>(tile) : filter_with<2>(tile);
+  return reconstruct_.radius == 1 ? launch_filter<1>(tile) : launch_filter<2>(tile);
 }
 
 template <class K>
@@ -223,7 +223,7 @@ void ReconstructProgram::bind_filter(typename K::template Ports<float>& ports, c
 }
 
 template <std::uint32_t kRadius>
-ReconstructProgram::Node ReconstructProgram::filter_with(Tile& tile) const {
+ReconstructProgram::Node ReconstructProgram::launch_filter(Tile& tile) const {
   TileGraph& graph = tile.graph;
   using Surfaces = Reconstruct<kRadius, false>;
   typename Surfaces::template Ports<float> ports;
@@ -256,7 +256,7 @@ ReconstructProgram::Node ReconstructProgram::filter_with(Tile& tile) const {
 /// four. The primary rays of these samples are cast again, because before only their geometry was kept. In the tile
 /// buffer the new colours replace the geometry, which the filters no longer need.
 ReconstructProgram::Node ReconstructProgram::shade_contrasts(Tile& tile, Node filtered) const {
-  return with_branches([&]<std::uint32_t kBranches> { return shade_contrasts<kBranches>(tile, filtered); });
+  return call_with_branch_count([&]<std::uint32_t kBranches> { return shade_contrasts<kBranches>(tile, filtered); });
 }
 
 template <std::uint32_t kBranches>
@@ -307,7 +307,7 @@ using traces::Region;
 std::uint32_t ReconstructProgram::exchanged_bytes() const { return shaded_bytes() + other_bytes() / 2; }
 
 // A tile stores its borders in memory (FinishedTiles), and all attributes if they are kept in DRAM.
-std::uint64_t ReconstructProgram::store_bytes() const {
+std::uint64_t ReconstructProgram::stored_bytes() const {
   const bool is_parked = reconstruct_.attributes == AttributeStorage::kDram;
   return tiles_.stored_samples() * exchanged_bytes() +
          (is_parked ? std::uint64_t{position_count()} * attribute_bytes() : 0);
@@ -315,13 +315,13 @@ std::uint64_t ReconstructProgram::store_bytes() const {
 
 /// Fills the halo of a tile. The host always traces it; if neighbours write it to memory, the recorded work is a
 /// transfer.
-void ReconstructProgram::make_halo(Tile& tile) const {
-  tiles_.for_each_part(tile.at, [&](const HaloPart& part) {
+void ReconstructProgram::fill_halo(Tile& tile) const {
+  tiles_.for_each_halo_part(tile.at, [&](const HaloPart& part) {
     const bool is_left = part.x < tiles_.halo_width(), is_above = part.y < tiles_.halo_width();
     const HaloPart inner =
         part.inner_part(is_left ? reconstruct_.radius : part.across, is_above ? reconstruct_.radius : part.down);
     if (reconstruct_.halo == Halo::kReload) {
-      tile.graph.import_samples(part.border, store_bytes() * part.border.tile + part.first * exchanged_bytes(),
+      tile.graph.import_samples(part.border, stored_bytes() * part.border.tile + part.first * exchanged_bytes(),
                                 part.across * part.down * exchanged_bytes());
       tile.graph.pause_recording();
     }
@@ -332,8 +332,8 @@ void ReconstructProgram::make_halo(Tile& tile) const {
 
 void ReconstructProgram::export_borders(Tile& tile) const {
   if (reconstruct_.halo == Halo::kRetrace) return;
-  const std::uint64_t store = store_bytes() * tile.at.index;
-  tiles_.for_each_export(tile.at, [&](std::uint32_t border, std::uint64_t first, std::uint32_t samples) {
+  const std::uint64_t store = stored_bytes() * tile.at.index;
+  tiles_.for_each_export_border(tile.at, [&](std::uint32_t border, std::uint64_t first, std::uint32_t samples) {
     tile.graph.export_samples(border, store + first * exchanged_bytes(), samples * exchanged_bytes());
   });
 }
@@ -344,7 +344,7 @@ void ReconstructProgram::spill_attributes_to_dram(Tile& tile) const {
   const std::uint32_t across = tile.at.width + (tile.at.has_left ? tiles_.halo_width() : 0);
   const std::uint32_t down = tile.at.height + (tile.at.has_above ? tiles_.halo_width() : 0);
   const std::uint32_t bytes = across * down * attribute_bytes();
-  const std::uint64_t store = store_bytes() * tile.at.index + tiles_.stored_samples() * exchanged_bytes();
+  const std::uint64_t store = stored_bytes() * tile.at.index + tiles_.stored_samples() * exchanged_bytes();
   const Node out = tile.graph.add_transfer(Region::kSamples, true, store, bytes);
   tile.graph.wait_for_records(out);
   const Node in = tile.graph.add_transfer(Region::kSamples, false, store, bytes);
@@ -360,12 +360,12 @@ constexpr std::uint32_t kWanted = 16;  ///< samples per pixel of the picture tha
 struct EdgeBits {
   std::uint32_t depth, normal, shadow;
 };
-constexpr std::uint32_t bit(FilterEdge edge) { return 1U << static_cast<std::uint32_t>(edge); }
-constexpr EdgeBits kSurface{bit(FilterEdge::kDepth), bit(FilterEdge::kNormal), bit(FilterEdge::kShadow)};
-constexpr EdgeBits kMirror{bit(FilterEdge::kReflection), bit(FilterEdge::kReflection),
-                           bit(FilterEdge::kReflectedShadow)};
-constexpr EdgeBits kGlass{bit(FilterEdge::kRefraction), bit(FilterEdge::kRefraction),
-                          bit(FilterEdge::kRefractedShadow)};
+constexpr std::uint32_t edge_bit(FilterEdge edge) { return 1U << static_cast<std::uint32_t>(edge); }
+constexpr EdgeBits kSurface{edge_bit(FilterEdge::kDepth), edge_bit(FilterEdge::kNormal), edge_bit(FilterEdge::kShadow)};
+constexpr EdgeBits kMirror{edge_bit(FilterEdge::kReflection), edge_bit(FilterEdge::kReflection),
+                           edge_bit(FilterEdge::kReflectedShadow)};
+constexpr EdgeBits kGlass{edge_bit(FilterEdge::kRefraction), edge_bit(FilterEdge::kRefraction),
+                          edge_bit(FilterEdge::kRefractedShadow)};
 
 }  // namespace
 
@@ -380,7 +380,7 @@ void ReconstructProgram::count_samples(Tile& tile) const {
         position % tiles_.row_pitch() >= tiles_.halo_width() && position / tiles_.row_pitch() >= tiles_.halo_width();
     sampling.background += is_own ? stands_for : 0;
   }
-  if (!wants_marks() || !has_geometry()) return;
+  if (!stores_marks() || !has_geometry()) return;
   tile.out.marks.resize(tile.pixels);
   for (std::uint32_t pixel = 0; pixel < tile.pixels; ++pixel) tile.out.marks[pixel] = pixel_mark(tile, pixel);
 }
@@ -388,7 +388,7 @@ void ReconstructProgram::count_samples(Tile& tile) const {
 /// Returns the debug mark of a pixel, from the same comparisons as the filters.
 SampleMark ReconstructProgram::pixel_mark(const Tile& tile, std::uint32_t pixel) const {
   const FinishedUniforms<float>& of = tile.finished;
-  const DivMod<float> at = finished_pixel<float>(static_cast<float>(pixel), of);
+  const DivMod<float> at = row_and_column<float>(static_cast<float>(pixel), of);
   const auto centre = static_cast<std::uint32_t>(centre_sample<float>(at, of));
   const auto radius = static_cast<float>(reconstruct_.radius);
   std::uint32_t edges = 0;

@@ -39,8 +39,10 @@ class ReconstructProgram final : public FrameProgram {
   ReconstructProgram(const traces::MemoryImage& image, const traces::Camera& camera, const RenderConfig& config,
                      const ReconstructConfig& reconstruct, Filters filters, float scene_size, std::uint32_t frame);
 
-  std::uint32_t tiles() const override { return tiles_.count(); }
-  TileCounts tile_counts() const override { return {tiles_.tiles().tiles_across(), tiles_.tiles().tiles_down()}; }
+  std::uint32_t tiles() const override { return tiles_.tile_count(); }
+  TileCounts tile_counts() const override {
+    return {tiles_.sample_tiles().tiles_across(), tiles_.sample_tiles().tiles_down()};
+  }
   FrameRequirements requirements() const override;
   void run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const override;
 
@@ -76,15 +78,15 @@ class ReconstructProgram final : public FrameProgram {
   std::uint32_t other_bytes() const;
   std::uint32_t attribute_bytes() const;
   std::uint32_t exchanged_bytes() const;
-  std::uint64_t store_bytes() const;
+  std::uint64_t stored_bytes() const;
 
   /// Calls f<kBranches>() with the number of layers of mirrored and refracted light.
   template <class Function>
-  auto with_branches(Function&& f) const {
+  auto call_with_branch_count(Function&& f) const {
     if (layers_ == 1) return f.template operator()<0>();
     return layers_ == 2 ? f.template operator()<1>() : f.template operator()<2>();
   }
-  Tile tile_of(const SampleTile& at, Wavefront& wave, TileResult& out) const;
+  Tile make_tile(const SampleTile& at, Wavefront& wave, TileResult& out) const;
   VisibleSamples records_to_keep(bool are_shaded) const;
   void bind_pixels(auto& ports, const Tile& tile) const;
   VisibleRayPorts<float>& bind_rays(VisibleRayPorts<float>& ports, const Tile& tile, const PixelRect& part) const;
@@ -94,13 +96,13 @@ class ReconstructProgram final : public FrameProgram {
   void trace_shaded(Tile& tile, const PixelRect& part, Node cleared) const;
   void trace_others(Tile& tile, const PixelRect& part, Node cleared) const;
   void limit_colours(Tile& tile, const PixelRect& part) const;
-  void make_halo(Tile& tile) const;
+  void fill_halo(Tile& tile) const;
   void export_borders(Tile& tile) const;
   void spill_attributes_to_dram(Tile& tile) const;
-  Node show_shaded(Tile& tile) const;
+  Node copy_shaded_colours(Tile& tile) const;
   Node filter_pixels(Tile& tile) const;
   template <std::uint32_t kRadius>
-  Node filter_with(Tile& tile) const;
+  Node launch_filter(Tile& tile) const;
   // The test for pixels whose colour changes where the geometry does not.
   Node shade_contrasts(Tile& tile, Node filtered) const;
   template <std::uint32_t kBranches>

@@ -39,7 +39,7 @@ SampleTile SampleTiles::sample_tile(std::uint32_t index) const {
 }
 
 std::vector<std::uint32_t> SampleTiles::rendering_order(Halo halo) const {
-  std::vector<std::uint32_t> order(count());
+  std::vector<std::uint32_t> order(tile_count());
   std::iota(order.begin(), order.end(), 0U);
   if (halo == Halo::kRetrace) return order;
   std::ranges::stable_sort(order, {}, [&](std::uint32_t i) { return i % across_ + i / across_; });
@@ -55,7 +55,7 @@ HaloPart HaloPart::inner_part(std::uint32_t columns, std::uint32_t rows) const {
   return part;
 }
 
-void FinishedTiles::place(const SampleTile& at, TileResult& out) const {
+void FinishedTiles::set_finished_rect(const SampleTile& at, TileResult& out) const {
   const std::uint32_t left = at.has_left ? reach_ : 0;
   const std::uint32_t above = at.has_above ? reach_ : 0;
   out.tile = at.index;
@@ -80,7 +80,7 @@ FinishedUniforms<float> FinishedTiles::finished_uniforms(const SampleTile& at, c
           .high_y = at.has_below ? height + reach - 1.0F : height - 1.0F};
 }
 
-LatticeUniforms<float> FinishedTiles::rect_lattice(std::uint32_t x, std::uint32_t y, std::uint32_t across) const {
+LatticeUniforms<float> FinishedTiles::rect_samples(std::uint32_t x, std::uint32_t y, std::uint32_t across) const {
   return {.first = static_cast<float>(y * row_pitch() + x),
           .across = static_cast<float>(across),
           .inverse_across = 1.0F / static_cast<float>(across),

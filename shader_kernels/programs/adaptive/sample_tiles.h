@@ -34,11 +34,11 @@ class SampleTiles {
   /// is a multiple of `block`.
   SampleTiles(std::uint32_t width, std::uint32_t height, std::uint32_t grid, std::uint32_t side, std::uint32_t block);
 
-  std::uint32_t count() const { return across_ * down_; }
+  std::uint32_t tile_count() const { return across_ * down_; }
   std::uint32_t tiles_across() const { return across_; }
   std::uint32_t tiles_down() const { return down_; }
   std::uint32_t tile_side() const { return side_; }
-  std::uint32_t pixel_grid() const { return grid_; }
+  std::uint32_t pixel_grid_side() const { return grid_; }
   SampleTile sample_tile(std::uint32_t index) const;
   /// Returns the tile indices in rendering order. The order is by diagonals, so that the left and upper neighbours of a
   /// tile are rendered long before it, or row by row if halos are retraced.
@@ -79,8 +79,8 @@ class FinishedTiles {
   FinishedTiles(std::uint32_t width, std::uint32_t height, std::uint32_t side, std::uint32_t reach)
       : tiles_(width, height, 1, side, std::max(1U, 2 * reach)), reach_(reach) {}
 
-  const SampleTiles& tiles() const { return tiles_; }
-  std::uint32_t count() const { return tiles_.count(); }
+  const SampleTiles& sample_tiles() const { return tiles_; }
+  std::uint32_t tile_count() const { return tiles_.tile_count(); }
   std::uint32_t tile_side() const { return tiles_.tile_side(); }
   std::uint32_t halo_width() const { return 2 * reach_; }
   /// Returns the number of samples in a row of the tile buffer: the halo, then the tile's own.
@@ -89,16 +89,16 @@ class FinishedTiles {
   /// Returns the largest number of pixels that a tile finishes.
   std::uint32_t most_pixels() const { return (tile_side() + reach_) * (tile_side() + reach_); }
   /// Sets in `out` which rectangle of the picture a tile finishes.
-  void place(const SampleTile& at, TileResult& out) const;
+  void set_finished_rect(const SampleTile& at, TileResult& out) const;
   /// Returns which pixels and samples of the tile buffer a tile finishes.
   FinishedUniforms<float> finished_uniforms(const SampleTile& at, const TileResult& out) const;
   /// Returns the indices of the samples in a rectangle of the tile buffer that begins at (x, y).
-  LatticeUniforms<float> rect_lattice(std::uint32_t x, std::uint32_t y, std::uint32_t across) const;
+  LatticeUniforms<float> rect_samples(std::uint32_t x, std::uint32_t y, std::uint32_t across) const;
 
   /// Returns the number of samples that a tile stores in memory for its neighbours.
   std::uint64_t stored_samples() const { return 2 * std::uint64_t{halo_width()} * tile_side(); }
   /// Calls f(part) for each of the HaloParts of a tile.
-  void for_each_part(const SampleTile& at, auto&& f) const {
+  void for_each_halo_part(const SampleTile& at, auto&& f) const {
     const std::uint32_t h = halo_width();
     if (h == 0) return;
     if (at.has_left) f(HaloPart{{at.left, kRightBorder}, 0, 0, h, h, at.height});
@@ -109,7 +109,7 @@ class FinishedTiles {
   }
   /// Calls f(border, first, samples) for each border of a tile that other tiles read. `first` is its first sample in
   /// the tile's store.
-  void for_each_export(const SampleTile& at, auto&& f) const {
+  void for_each_export_border(const SampleTile& at, auto&& f) const {
     if (halo_width() == 0) return;
     if (at.has_right) f(kRightBorder, std::uint64_t{0}, halo_width() * at.height);
     if (at.has_below) f(kLowerBorder, std::uint64_t{halo_width()} * tile_side(), halo_width() * at.width);

@@ -18,25 +18,26 @@ SupersampleProgram::SupersampleProgram(const traces::MemoryImage& image, const t
       scene_(image, config),
       camera_(camera_uniforms(camera, config.width, config.height)),
       tiles_(config.width, config.height, config.tile / 2, 1),  // in sub-pixels, of which a pixel has two along a side
-      order_(tiles_.tiles().rendering_order(supersample.halo)),
+      order_(tiles_.sample_tiles().rendering_order(supersample.halo)),
       frame_(frame),
       shown_(supersample.propagate == 0 ? 0 : config.width, supersample.propagate == 0 ? 0 : config.height,
-             tiles_.count()) {}
+             tiles_.tile_count()) {}
 
 FrameRequirements SupersampleProgram::requirements() const {
   const std::uint32_t samples = tiles_.tile_side() * tiles_.tile_side();
   FrameRequirements needs;
   needs.tile_samples = std::max(samples, kChunk * kExtra);
   needs.attribute_bytes = supersample_.attributes == AttributeStorage::kTile ? samples * kAttributeBytes : 0;
-  if (supersample_.propagate != 0) needs.attribute_bytes += waiting_bytes();
-  needs.region_bytes = {std::uint64_t{tiles_.count()} * tile_pixels() * kPixelBytes,
-                        supersample_.propagate == 0 ? tiles_.count() * store_bytes() : fresh_store(tiles_.count(), 1),
-                        0};
+  if (supersample_.propagate != 0) needs.attribute_bytes += dma_waiting_bytes();
+  needs.region_bytes = {
+      std::uint64_t{tiles_.tile_count()} * tile_pixels() * kPixelBytes,
+      supersample_.propagate == 0 ? tiles_.tile_count() * stored_bytes() : fresh_flag_address(tiles_.tile_count(), 1),
+      0};
   return needs;
 }
 
 void SupersampleProgram::begin_tile(const SampleTile& at, TileResult& out) const {
-  tiles_.place(at, out);
+  tiles_.set_finished_rect(at, out);
   out.sampling = {};
   out.marks.clear();
   out.subpixels.clear();
@@ -49,18 +50,18 @@ void SupersampleProgram::begin_tile(const SampleTile& at, TileResult& out) const
   out.work.samples = at.width * at.height;
 }
 
-SupersampleProgram::Tile SupersampleProgram::tile_of(const SampleTile& at, Wavefront& wave, TileResult& out) const {
+SupersampleProgram::Tile SupersampleProgram::make_tile(const SampleTile& at, Wavefront& wave, TileResult& out) const {
   return {at, tiles_.finished_uniforms(at, out), out.width * out.height, wave, wave.tile_graph(), out, out.buffer};
 }
 
 void SupersampleProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
                                   TileResult& out) const {
-  if (tile_index >= tiles_.count()) return run_round(tile_index, tracer, record, out);
-  const SampleTile at = tiles_.tiles().sample_tile(order_[tile_index]);
+  if (tile_index >= tiles_.tile_count()) return run_round(tile_index, tracer, record, out);
+  const SampleTile at = tiles_.sample_tiles().sample_tile(order_[tile_index]);
   begin_tile(at, out);
   Wavefront wave(scene_, tracer, record, cone_uniforms(camera_, 1), out);
   TileGraph& graph = wave.tile_graph();
-  Tile tile = tile_of(at, wave, out);
+  Tile tile = make_tile(at, wave, out);
   out.linear.resize(tile.pixels);
   out.packed.resize(tile.pixels);
   out.marks.assign(tile.pixels, 0);
@@ -68,7 +69,7 @@ void SupersampleProgram::run_tile(std::uint32_t tile_index, const traces::Tracer
   // Trace one sample at the centre of every pixel. Borders need no halo, so they are exported before it is filled.
   trace_centres(tile, tiles_.halo_width(), tiles_.halo_width(), at.width, at.height, true);
   export_borders(tile);
-  make_halo(tile);
+  fill_halo(tile);
   spill_attributes_to_dram(tile);
   // Compare each sub-pixel with the three pixels around its corner. Sum the centre colours of the inactive sub-pixels.
   const Node tested = test_pixels(tile);
@@ -90,7 +91,7 @@ void SupersampleProgram::trace_centres(Tile& tile, std::uint32_t x, std::uint32_
   TileBuffer& buffer = tile.buffer;
   const std::uint32_t items = across * down;
   ListSamples::Ports<float> list;
-  list.lattice = tiles_.rect_lattice(x, y, across);
+  list.lattice = tiles_.rect_samples(x, y, across);
   const Node listed = graph.launch<ListSamples>(list, items);
 
   buffer.reserve_wave(items);
@@ -104,7 +105,7 @@ void SupersampleProgram::trace_centres(Tile& tile, std::uint32_t x, std::uint32_
                    .inverse_grid = 1};
   RetainedRecords retained;
   retained.traits = true;
-  const Node generated = wave.generate_listed(generate, buffer.checks.samples, listed, items, retained);
+  const Node generated = wave.generate_listed_rays(generate, buffer.checks.samples, listed, items, retained);
   wave.run(generated, items, retained);
   if (graph.is_muted()) return;
   tile.out.sampling.traced += items;
@@ -124,7 +125,7 @@ std::array<float, kAttributes> SupersampleProgram::attribute_thresholds() const 
 
 /// Returns the index of the sample at the centre of a pixel that the tile finishes.
 std::size_t SupersampleProgram::centre_of(const Tile& tile, std::uint32_t pixel) {
-  const DivMod<float> row = finished_pixel<float>(static_cast<float>(pixel), tile.finished);
+  const DivMod<float> row = row_and_column<float>(static_cast<float>(pixel), tile.finished);
   return static_cast<std::size_t>(centre_sample<float>(row, tile.finished));
 }
 
@@ -148,12 +149,12 @@ SupersampleProgram::Node SupersampleProgram::test_pixels(Tile& tile) const {
 }
 
 SupersampleProgram::Node SupersampleProgram::weigh_centres(Tile& tile, Node tested) const {
-  return supersample_.filter == SubpixelFilter::kBilinear ? weigh_with<true>(tile, tested)
-                                                          : weigh_with<false>(tile, tested);
+  return supersample_.filter == SubpixelFilter::kBilinear ? launch_weighing<true>(tile, tested)
+                                                          : launch_weighing<false>(tile, tested);
 }
 
 template <bool kBilinear>
-SupersampleProgram::Node SupersampleProgram::weigh_with(Tile& tile, Node tested) const {
+SupersampleProgram::Node SupersampleProgram::launch_weighing(Tile& tile, Node tested) const {
   typename WeighCentres<kBilinear>::template Ports<float> ports;
   ports.finished = tile.finished;
   ports.verdicts.bind(tile.buffer.subpixels.verdicts.data());
@@ -196,7 +197,7 @@ constexpr std::uint32_t kExchangedBytes = 2 * sizeof(TraitsRecord<float>) + size
 
 // A tile stores in memory: its last two columns, row by row, so that they end with the corner; its last two rows; all
 // attributes, if they are kept in DRAM; the samples of active sub-pixels, if all must be traced before they are summed.
-std::uint64_t SupersampleProgram::store_bytes() const {
+std::uint64_t SupersampleProgram::stored_bytes() const {
   const bool is_parked = supersample_.attributes == AttributeStorage::kDram;
   const bool is_spilt = supersample_.packing == Packing::kAtomic;
   return tiles_.stored_samples() * kExchangedBytes +
@@ -206,10 +207,10 @@ std::uint64_t SupersampleProgram::store_bytes() const {
 
 /// Fills the halo of a tile. The host always traces it; if neighbours write it to memory, the recorded work is a
 /// transfer.
-void SupersampleProgram::make_halo(Tile& tile) const {
-  tiles_.for_each_part(tile.at, [&](const HaloPart& part) {
+void SupersampleProgram::fill_halo(Tile& tile) const {
+  tiles_.for_each_halo_part(tile.at, [&](const HaloPart& part) {
     if (supersample_.halo == Halo::kReload) {
-      tile.graph.import_samples(part.border, store_bytes() * part.border.tile + part.first * kExchangedBytes,
+      tile.graph.import_samples(part.border, stored_bytes() * part.border.tile + part.first * kExchangedBytes,
                                 part.across * part.down * kExchangedBytes);
       tile.graph.pause_recording();
     }
@@ -220,8 +221,8 @@ void SupersampleProgram::make_halo(Tile& tile) const {
 
 void SupersampleProgram::export_borders(Tile& tile) const {
   if (supersample_.halo == Halo::kRetrace) return;
-  const std::uint64_t store = store_bytes() * tile.at.index;
-  tiles_.for_each_export(tile.at, [&](std::uint32_t border, std::uint64_t first, std::uint32_t samples) {
+  const std::uint64_t store = stored_bytes() * tile.at.index;
+  tiles_.for_each_export_border(tile.at, [&](std::uint32_t border, std::uint64_t first, std::uint32_t samples) {
     tile.graph.export_samples(border, store + first * kExchangedBytes, samples * kExchangedBytes);
   });
 }
@@ -231,7 +232,7 @@ void SupersampleProgram::spill_attributes_to_dram(Tile& tile) const {
   if (supersample_.attributes == AttributeStorage::kTile) return;
   const std::uint32_t across = tile.at.width + (tile.at.has_left ? 2 : 0);
   const std::uint32_t bytes = across * (tile.at.height + (tile.at.has_above ? 2 : 0)) * kAttributeBytes;
-  const std::uint64_t store = store_bytes() * tile.at.index + tiles_.stored_samples() * kExchangedBytes;
+  const std::uint64_t store = stored_bytes() * tile.at.index + tiles_.stored_samples() * kExchangedBytes;
   const Node out = tile.graph.add_transfer(Region::kSamples, true, store, bytes);
   tile.graph.wait_for_records(out);
   const Node in = tile.graph.add_transfer(Region::kSamples, false, store, bytes);
@@ -249,7 +250,7 @@ SupersampleProgram::Node SupersampleProgram::sample_active(Tile& tile, Node test
   const bool is_spilt = supersample_.packing == Packing::kAtomic;
   for (const Chunk& chunk : chunks) {
     const std::uint32_t first_sample = centre_samples() + (is_spilt ? kExtra * chunk.first : 0);
-    trace_extra(tile, chunk, first_sample, packed);
+    trace_chunk(tile, chunk, first_sample, packed);
     if (supersample_.propagate != 0) store_active(tile, chunk, first_sample, 0);
     is_spilt ? spill_chunk(tile, chunk) : void(summed = sum_chunk(tile, chunk, weighed));
     tile.out.sampling.padding += chunk.padding;
@@ -269,7 +270,7 @@ SupersampleProgram::Node SupersampleProgram::list_active(Tile& tile, Node tested
     case Packing::kNone:
       break;
   }
-  chunk_all(tile, chunks);
+  chunk_all_subpixels(tile, chunks);
   return tested;
 }
 
@@ -321,7 +322,7 @@ SupersampleProgram::Node SupersampleProgram::pack_by_atomics(Tile& tile, Node te
 }
 
 /// Divides all sub-pixels into chunks without a list. Each item of a chunk tests whether its sub-pixel is active.
-void SupersampleProgram::chunk_all(Tile& tile, std::vector<Chunk>& chunks) const {
+void SupersampleProgram::chunk_all_subpixels(Tile& tile, std::vector<Chunk>& chunks) const {
   TileBuffer& buffer = tile.buffer;
   constexpr std::uint32_t kChunkPixels = kChunk / 4;
   std::uint32_t masters = 0;
@@ -346,7 +347,7 @@ void SupersampleProgram::chunk_all(Tile& tile, std::vector<Chunk>& chunks) const
 }
 
 /// Traces the samples of a chunk's sub-pixels. Their colours begin at `first_sample`.
-void SupersampleProgram::trace_extra(Tile& tile, const Chunk& chunk, std::uint32_t first_sample, Node after) const {
+void SupersampleProgram::trace_chunk(Tile& tile, const Chunk& chunk, std::uint32_t first_sample, Node after) const {
   Wavefront& wave = tile.wave;
   TileGraph& graph = tile.graph;
   TileBuffer& buffer = tile.buffer;
@@ -379,7 +380,7 @@ void SupersampleProgram::spill_chunk(Tile& tile, const Chunk& chunk) const {
   TileGraph& graph = tile.graph;
   const std::uint32_t items = kExtra * chunk.subpixels;
   const std::uint64_t offset =
-      store_bytes() * (tile.at.index + 1) -
+      stored_bytes() * (tile.at.index + 1) -
       (std::uint64_t{tile_pixels()} * kWhole - std::uint64_t{kExtra} * chunk.first) * sizeof(ColourRecord<float>);
   const Node out = graph.add_transfer(traces::Region::kSamples, true, offset, items * sizeof(ColourRecord<float>));
   graph.wait_for_colours(out);
@@ -395,7 +396,7 @@ SupersampleProgram::Node SupersampleProgram::sum_chunk(Tile& tile, const Chunk& 
 
 SupersampleProgram::Node SupersampleProgram::sum_from_memory(Tile& tile, std::uint32_t subpixels, Node weighed) const {
   const std::uint64_t offset =
-      store_bytes() * (tile.at.index + 1) - std::uint64_t{tile_pixels()} * kWhole * sizeof(ColourRecord<float>);
+      stored_bytes() * (tile.at.index + 1) - std::uint64_t{tile_pixels()} * kWhole * sizeof(ColourRecord<float>);
   const auto bytes = static_cast<std::uint32_t>(kExtra * subpixels * sizeof(ColourRecord<float>));
   const Node in = tile.graph.add_transfer(traces::Region::kSamples, false, offset, bytes);
   tile.graph.wait_for_colours(in);

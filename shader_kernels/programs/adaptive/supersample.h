@@ -31,7 +31,7 @@ class ShownSubpixels {
   void apply_round();
 
   /// True if the last applied round made sub-pixels of the tile active.
-  bool is_fresh(std::uint32_t tile) const { return fresh_[tile] != 0; }
+  bool is_newly_active(std::uint32_t tile) const { return fresh_[tile] != 0; }
   /// Copies the states of `width` x `height` sub-pixels at (x, y), and of one more on each side. Sub-pixels outside the
   /// picture are inactive.
   void copy_states(std::uint32_t x, std::uint32_t y, std::uint32_t width, std::uint32_t height,
@@ -40,7 +40,7 @@ class ShownSubpixels {
     return colours_[std::size_t{y} * width_ + x];
   }
   /// Returns how many sub-pixels of pixel (x, y) are active.
-  std::uint32_t active_of(std::uint32_t x, std::uint32_t y) const;
+  std::uint32_t active_subpixel_count(std::uint32_t x, std::uint32_t y) const;
   bool is_background(std::uint32_t x, std::uint32_t y) const {
     return is_background_[std::size_t{y} * width_ + x] != 0;
   }
@@ -85,8 +85,10 @@ class SupersampleProgram final : public FrameProgram {
   SupersampleProgram(const traces::MemoryImage& image, const traces::Camera& camera, const RenderConfig& config,
                      const SupersampleConfig& supersample, std::uint32_t frame);
 
-  std::uint32_t tiles() const override { return tiles_.count() * (1 + supersample_.propagate); }
-  TileCounts tile_counts() const override { return {tiles_.tiles().tiles_across(), tiles_.tiles().tiles_down()}; }
+  std::uint32_t tiles() const override { return tiles_.tile_count() * (1 + supersample_.propagate); }
+  TileCounts tile_counts() const override {
+    return {tiles_.sample_tiles().tiles_across(), tiles_.sample_tiles().tiles_down()};
+  }
   std::uint32_t pass_end(std::uint32_t tile_index) const override;
   FrameRequirements requirements() const override;
   void begin_pass(std::uint32_t tile_index, const traces::Tracer& tracer) override;
@@ -118,9 +120,9 @@ class SupersampleProgram final : public FrameProgram {
 
   std::uint32_t centre_samples() const { return tiles_.buffer_samples(); }
   std::uint32_t tile_pixels() const { return tiles_.most_pixels(); }
-  std::uint64_t store_bytes() const;
+  std::uint64_t stored_bytes() const;
   void begin_tile(const SampleTile& at, TileResult& out) const;
-  Tile tile_of(const SampleTile& at, Wavefront& wave, TileResult& out) const;
+  Tile make_tile(const SampleTile& at, Wavefront& wave, TileResult& out) const;
 
   // Samples at pixel centres, and the tests for active sub-pixels.
   void trace_centres(Tile& tile, std::uint32_t x, std::uint32_t y, std::uint32_t across, std::uint32_t down,
@@ -130,11 +132,11 @@ class SupersampleProgram final : public FrameProgram {
   Node test_pixels(Tile& tile) const;
   Node weigh_centres(Tile& tile, Node tested) const;
   template <bool kBilinear>
-  Node weigh_with(Tile& tile, Node tested) const;
+  Node launch_weighing(Tile& tile, Node tested) const;
   void count_samples(Tile& tile) const;
 
   // The halo and the borders of a tile.
-  void make_halo(Tile& tile) const;
+  void fill_halo(Tile& tile) const;
   void export_borders(Tile& tile) const;
   void spill_attributes_to_dram(Tile& tile) const;
 
@@ -143,8 +145,8 @@ class SupersampleProgram final : public FrameProgram {
   Node list_active(Tile& tile, Node tested, std::vector<Chunk>& chunks) const;
   Node pack_by_block(Tile& tile, Node tested, std::vector<Chunk>& chunks) const;
   Node pack_by_atomics(Tile& tile, Node tested, std::vector<Chunk>& chunks) const;
-  void chunk_all(Tile& tile, std::vector<Chunk>& chunks) const;
-  void trace_extra(Tile& tile, const Chunk& chunk, std::uint32_t first_sample, Node after) const;
+  void chunk_all_subpixels(Tile& tile, std::vector<Chunk>& chunks) const;
+  void trace_chunk(Tile& tile, const Chunk& chunk, std::uint32_t first_sample, Node after) const;
   void spill_chunk(Tile& tile, const Chunk& chunk) const;
   Node sum_chunk(Tile& tile, const Chunk& chunk, Node weighed) const;
   Node sum_from_memory(Tile& tile, std::uint32_t subpixels, Node weighed) const;
@@ -152,16 +154,16 @@ class SupersampleProgram final : public FrameProgram {
                    std::uint32_t first_index, Node weighed) const;
 
   // Rounds of propagation (supersample_rounds.cc).
-  std::uint32_t shown_bytes() const;
-  static std::uint32_t waiting_bytes();
-  std::uint64_t shown_store(std::uint32_t tile) const;
-  std::uint64_t fresh_store(std::uint32_t tile, std::uint32_t round) const;
+  std::uint32_t subpixel_bytes() const;
+  static std::uint32_t dma_waiting_bytes();
+  std::uint64_t shown_address(std::uint32_t tile) const;
+  std::uint64_t fresh_flag_address(std::uint32_t tile, std::uint32_t round) const;
   static StateUniforms<float> state_uniforms(const Tile& tile);
   static ShownSubpixel shown_subpixel(const Tile& tile, std::uint32_t subpixel);
   void store_inactive(Tile& tile) const;
   void store_active(Tile& tile, const Chunk& chunk, std::uint32_t first_sample, std::uint32_t round) const;
   void write_subpixels(Tile& tile) const;
-  bool has_fresh_neighbour(const SampleTile& at, auto&& read) const;
+  bool has_newly_active_neighbour(const SampleTile& at, auto&& read) const;
   void run_round(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const;
   Node read_states(Tile& tile, Node before) const;
   void propagate_round(Tile& tile, std::uint32_t round, Node before) const;

@@ -42,7 +42,7 @@ void ShownSubpixels::store_subpixels(const std::vector<ShownSubpixel>& subpixels
   }
 }
 
-std::uint32_t ShownSubpixels::active_of(std::uint32_t x, std::uint32_t y) const {
+std::uint32_t ShownSubpixels::active_subpixel_count(std::uint32_t x, std::uint32_t y) const {
   std::uint32_t active = 0;
   for (std::uint32_t i = 0; i < 4; ++i) {
     const std::size_t at = std::size_t{2 * y + i / 2 + 1} * (width_ + 2) + 2 * x + i % 2 + 1;
@@ -70,19 +70,19 @@ constexpr std::uint32_t kShownBytes = kStateBytes + sizeof(ColourRecord<float>);
 }  // namespace
 
 std::uint32_t SupersampleProgram::pass_end(std::uint32_t tile_index) const {
-  return (tile_index / tiles_.count() + 1) * tiles_.count();
+  return (tile_index / tiles_.tile_count() + 1) * tiles_.tile_count();
 }
 
 /// Returns the bytes in memory of the colours and states of a tile's sub-pixels.
-std::uint32_t SupersampleProgram::shown_bytes() const { return 4 * tile_pixels() * kShownBytes; }
+std::uint32_t SupersampleProgram::subpixel_bytes() const { return 4 * tile_pixels() * kShownBytes; }
 
 /// Returns the address of the states of a tile's sub-pixels, which their colours follow. After those of all tiles come
 /// two arrays of a byte per tile, for even and odd rounds: whether the round made sub-pixels of the tile active.
-std::uint64_t SupersampleProgram::shown_store(std::uint32_t tile) const {
-  return tiles_.count() * store_bytes() + std::uint64_t{tile} * shown_bytes();
+std::uint64_t SupersampleProgram::shown_address(std::uint32_t tile) const {
+  return tiles_.tile_count() * stored_bytes() + std::uint64_t{tile} * subpixel_bytes();
 }
-std::uint64_t SupersampleProgram::fresh_store(std::uint32_t tile, std::uint32_t round) const {
-  return shown_store(tiles_.count()) + std::uint64_t{round % 2} * tiles_.count() + tile;
+std::uint64_t SupersampleProgram::fresh_flag_address(std::uint32_t tile, std::uint32_t round) const {
+  return shown_address(tiles_.tile_count()) + std::uint64_t{round % 2} * tiles_.tile_count() + tile;
 }
 
 StateUniforms<float> SupersampleProgram::state_uniforms(const Tile& tile) {
@@ -90,9 +90,9 @@ StateUniforms<float> SupersampleProgram::state_uniforms(const Tile& tile) {
   return {tile.finished.width, tile.finished.inverse_width, pitch + 1, pitch};
 }
 
-/// Returns the bytes of the tile buffer that wait for the DMA while rays are traced, those of one chunk. Other data of
-/// sub-pixels are in the slots of finished rays.
-std::uint32_t SupersampleProgram::waiting_bytes() { return kChunk * kShownBytes; }
+/// Returns how many bytes of the tile buffer wait for the DMA while rays are traced: those of one chunk. Other data of
+/// sub-pixels reuse the slots of finished rays.
+std::uint32_t SupersampleProgram::dma_waiting_bytes() { return kChunk * kShownBytes; }
 
 /// Writes colours and states of all sub-pixels as if none were active. apply_round() overwrites those that are.
 void SupersampleProgram::store_inactive(Tile& tile) const {
@@ -107,7 +107,7 @@ void SupersampleProgram::store_inactive(Tile& tile) const {
   tile.graph.wait_for_colours(node);
   tile.graph.register_colour_writer(node);
   tile.shown =
-      tile.graph.add_transfer(Region::kSamples, true, shown_store(tile.at.index), 4 * tile.pixels * kShownBytes);
+      tile.graph.add_transfer(Region::kSamples, true, shown_address(tile.at.index), 4 * tile.pixels * kShownBytes);
   tile.graph.wait_all(tile.shown, node);
   tile.graph.register_colour_writer(tile.shown);
 }
@@ -127,7 +127,7 @@ void SupersampleProgram::store_active(Tile& tile, const Chunk& chunk, std::uint3
   tile.graph.wait_for_colours(node);
   tile.graph.register_colour_writer(node);
   if (round != 0) return;
-  const std::uint64_t store = shown_store(tile.at.index);
+  const std::uint64_t store = shown_address(tile.at.index);
   const Node out = tile.graph.add_transfer(Region::kSamples, true, store, chunk.subpixels * kShownBytes);
   tile.graph.wait_all(out, node);
   tile.graph.wait_all(out, tile.shown);
@@ -149,9 +149,9 @@ ShownSubpixel SupersampleProgram::shown_subpixel(const Tile& tile, std::uint32_t
 /// Writes colours and states of all the tile's sub-pixels to memory.
 void SupersampleProgram::write_subpixels(Tile& tile) const {
   const Node out =
-      tile.graph.add_transfer(Region::kSamples, true, shown_store(tile.at.index), 4 * tile.pixels * kShownBytes);
+      tile.graph.add_transfer(Region::kSamples, true, shown_address(tile.at.index), 4 * tile.pixels * kShownBytes);
   tile.graph.wait_for_colours(out);
-  const Node noted = tile.graph.add_transfer(Region::kSamples, true, fresh_store(tile.at.index, 0), 1);
+  const Node noted = tile.graph.add_transfer(Region::kSamples, true, fresh_flag_address(tile.at.index, 0), 1);
   tile.graph.wait_all(noted, out);
   for (std::uint32_t i = 0; i < 4 * tile.pixels; ++i) {
     ShownSubpixel shown = shown_subpixel(tile, i);
@@ -161,46 +161,46 @@ void SupersampleProgram::write_subpixels(Tile& tile) const {
 }
 
 void SupersampleProgram::begin_pass(std::uint32_t tile_index, const traces::Tracer& /*tracer*/) {
-  if (tile_index >= tiles_.count()) shown_.apply_round();
+  if (tile_index >= tiles_.tile_count()) shown_.apply_round();
 }
 
 /// True if the previous round made sub-pixels active in the tile or its neighbours. Calls `read(tile, bytes)` for each
 /// flag that the machine reads.
-bool SupersampleProgram::has_fresh_neighbour(const SampleTile& at, auto&& read) const {
+bool SupersampleProgram::has_newly_active_neighbour(const SampleTile& at, auto&& read) const {
   const std::uint32_t first = at.has_left ? at.index - 1 : at.index;
   const std::uint32_t across = 1U + (at.has_left ? 1 : 0) + (at.has_right ? 1 : 0);
   read(first, across);
   bool reached = false;
-  for (std::uint32_t i = 0; i < across; ++i) reached |= shown_.is_fresh(first + i);
-  for (const auto& [has, tile] : {std::pair{at.has_above, at.index - tiles_.tiles().tiles_across()},
-                                  std::pair{at.has_below, at.index + tiles_.tiles().tiles_across()}}) {
+  for (std::uint32_t i = 0; i < across; ++i) reached |= shown_.is_newly_active(first + i);
+  for (const auto& [has, tile] : {std::pair{at.has_above, at.index - tiles_.sample_tiles().tiles_across()},
+                                  std::pair{at.has_below, at.index + tiles_.sample_tiles().tiles_across()}}) {
     if (!has) continue;
     read(tile, 1U);
-    reached |= shown_.is_fresh(tile);
+    reached |= shown_.is_newly_active(tile);
   }
   return reached;
 }
 
 void SupersampleProgram::run_round(std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
                                    TileResult& out) const {
-  const std::uint32_t count = tiles_.count();
+  const std::uint32_t count = tiles_.tile_count();
   const std::uint32_t round = tile_index / count;
-  const SampleTile at = tiles_.tiles().sample_tile(order_[tile_index % count]);
+  const SampleTile at = tiles_.sample_tiles().sample_tile(order_[tile_index % count]);
   begin_tile(at, out);
   out.tile = out.work.tile = round * count + at.index;
   Wavefront wave(scene_, tracer, record, cone_uniforms(camera_, kWholeGrid), out);
   TileGraph& graph = wave.tile_graph();
   out.work.after_all = tile_index % count == 0;
   Node before = Wavefront::kNone;
-  const bool reached = has_fresh_neighbour(at, [&](std::uint32_t tile, std::uint32_t bytes) {
-    const Node read = graph.add_transfer(Region::kSamples, false, fresh_store(tile, round - 1), bytes);
+  const bool reached = has_newly_active_neighbour(at, [&](std::uint32_t tile, std::uint32_t bytes) {
+    const Node read = graph.add_transfer(Region::kSamples, false, fresh_flag_address(tile, round - 1), bytes);
     graph.wait_all(read, before);
     before = read;
   });
   out.linear.clear();
   out.packed.clear();
   if (reached) {
-    Tile tile = tile_of(at, wave, out);
+    Tile tile = make_tile(at, wave, out);
     propagate_round(tile, round, before);
   }
   wave.finish();
@@ -215,15 +215,15 @@ SupersampleProgram::Node SupersampleProgram::read_states(Tile& tile, Node before
   const std::uint32_t index = tile.at.index;
   const auto read = [&](bool has, std::uint32_t from, std::uint32_t subpixels) {
     if (!has) return;
-    const Node in = tile.graph.add_transfer(Region::kSamples, false, shown_store(from), subpixels * kStateBytes);
+    const Node in = tile.graph.add_transfer(Region::kSamples, false, shown_address(from), subpixels * kStateBytes);
     tile.graph.wait_all(in, before);
     before = in;
   };
   read(true, index, 4 * tile.pixels);
   read(tile.at.has_left, index - 1, 2 * out.height);
   read(tile.at.has_right, index + 1, 2 * out.height);
-  read(tile.at.has_above, index - tiles_.tiles().tiles_across(), 2 * out.width);
-  read(tile.at.has_below, index + tiles_.tiles().tiles_across(), 2 * out.width);
+  read(tile.at.has_above, index - tiles_.sample_tiles().tiles_across(), 2 * out.width);
+  read(tile.at.has_below, index + tiles_.sample_tiles().tiles_across(), 2 * out.width);
   return before;
 }
 
@@ -244,7 +244,7 @@ void SupersampleProgram::propagate_round(Tile& tile, std::uint32_t round, Node b
 
   for (std::uint32_t first = 0; first < subpixels; first += kChunk) {
     const Chunk chunk{.first = first, .subpixels = std::min(kChunk, subpixels - first)};
-    trace_extra(tile, chunk, 0, found);
+    trace_chunk(tile, chunk, 0, found);
     store_active(tile, chunk, 0, round);
   }
   tile.out.sampling.propagated = subpixels;
@@ -261,7 +261,7 @@ void SupersampleProgram::write_corrected(Tile& tile, std::uint32_t pixels, std::
   TileResult& out = tile.out;
   const std::uint64_t states = 4 * std::uint64_t{tile_pixels()} * kStateBytes;
   const std::uint64_t colours = 4 * std::uint64_t{tile_pixels()} * sizeof(ColourRecord<float>);
-  const std::uint64_t store = shown_store(tile.at.index);
+  const std::uint64_t store = shown_address(tile.at.index);
   const Node in = graph.add_transfer(Region::kSamples, false, store + states, scattered_bytes(pixels, colours));
   graph.wait_for_colours(in);
   out.linear.resize(pixels);
@@ -286,7 +286,7 @@ void SupersampleProgram::write_corrected(Tile& tile, std::uint32_t pixels, std::
   };
   put(store, scattered_bytes(subpixels, states));
   put(store + states, scattered_bytes(subpixels, colours));
-  put(fresh_store(tile.at.index, round), 1);
+  put(fresh_flag_address(tile.at.index, round), 1);
 }
 
 /// Loads from memory into the tile buffer the colours of a pixel's other sub-pixels.
@@ -305,9 +305,9 @@ void SupersampleProgram::load_other_subpixels(Tile& tile, std::uint32_t pixel) c
 void SupersampleProgram::commit_tile(const TileResult& tile) {
   FrameProgram::commit_tile(tile);
   if (supersample_.propagate == 0) return;
-  if (tile.tile < tiles_.count()) return shown_.set_all(tile.tile, tile.subpixels);
-  shown_.add_found(tile.tile % tiles_.count(), tile.subpixels);
-  Sampling& sampling = kept_sampling();
+  if (tile.tile < tiles_.tile_count()) return shown_.set_all(tile.tile, tile.subpixels);
+  shown_.add_found(tile.tile % tiles_.tile_count(), tile.subpixels);
+  Sampling& sampling = mutable_sampling();
   sampling.background += tile.background.size();
   for (const ShownSubpixel& s : tile.subpixels) {
     if (shown_.is_background(s.x, s.y)) sampling.background -= kExtra;
@@ -315,7 +315,7 @@ void SupersampleProgram::commit_tile(const TileResult& tile) {
   for (std::size_t i = 0; i < tile.corrected.size(); ++i) {
     const std::uint32_t pixel = tile.corrected[i];
     const glm::vec3& colour = tile.linear[i];
-    std::copy_n(&colour.x, 3, kept_picture().data() + std::size_t{3} * pixel);
+    std::copy_n(&colour.x, 3, mutable_picture().data() + std::size_t{3} * pixel);
     recount_pixel(pixel, tile);
   }
 }
@@ -325,11 +325,12 @@ void SupersampleProgram::recount_pixel(std::uint32_t pixel, const TileResult& ti
   const std::uint32_t x = pixel % width(), y = pixel / width();
   const auto more = static_cast<std::uint32_t>(
       std::ranges::count_if(tile.subpixels, [&](const auto& s) { return s.x / 2 == x && s.y / 2 == y; }));
-  const std::uint32_t before = shown_.active_of(x, y);
-  kept_sampling().active[before] -= 1;
-  kept_sampling().active[before + more] += 1;
-  if (kept_marks().empty()) return;
-  kept_marks()[pixel] = static_cast<SampleMark>(kept_marks()[pixel] + (more << kActiveCountShift)) | kCorrectedMark;
+  const std::uint32_t before = shown_.active_subpixel_count(x, y);
+  mutable_sampling().active[before] -= 1;
+  mutable_sampling().active[before + more] += 1;
+  if (mutable_marks().empty()) return;
+  mutable_marks()[pixel] =
+      static_cast<SampleMark>(mutable_marks()[pixel] + (more << kActiveCountShift)) | kCorrectedMark;
 }
 
 }  // namespace kernels

@@ -31,7 +31,7 @@ void PostCorrection::store_samples(const TileResult& tile, const SampleTile& at)
   for (std::uint32_t row = 0; row < at.height; ++row) {
     for (std::uint32_t column = 0; column < at.width; ++column) {
       const ShownSample& sample = tile.shown[std::size_t{row} * at.width + column];
-      identities_[index_of(at.x + column, at.y + row)] = sample.identity;
+      identities_[sample_index(at.x + column, at.y + row)] = sample.identity;
       colours_[std::size_t{at.y + row} * width_ + at.x + column] = sample.colour;
     }
   }
@@ -52,7 +52,7 @@ void PostCorrection::find_suspects(const Scan& scan, std::uint32_t step) {
   const std::uint32_t ahead = scan.is_backward ? 0 - along : along;
   line_.resize(lines);
   found_.resize(lines + 1);
-  const std::uint32_t first = scan.is_along_y ? index_of(0, at) : index_of(at, 0);
+  const std::uint32_t first = scan.is_along_y ? sample_index(0, at) : sample_index(at, 0);
   for (std::uint32_t line = 0; line < lines; ++line) line_[line] = first + line * across;
 
   const bool eight = config_.neighbours == Neighbourhood::kEight;
@@ -86,7 +86,7 @@ void PostCorrection::find_suspects(const Scan& scan, std::uint32_t step) {
 void PostCorrection::apply_results(const Found& found) {
   for (std::size_t i = 0; i < fresh_.size(); ++i) {
     const Suspect& s = fresh_[i];
-    identities_[index_of(s.x, s.y)] = found.identities[i];
+    identities_[sample_index(s.x, s.y)] = found.identities[i];
     colours_[std::size_t{s.y} * width_ + s.x] = found.colours[i];
   }
   all_.insert(all_.end(), fresh_.begin(), fresh_.end());
@@ -107,11 +107,11 @@ constexpr std::uint32_t kRecordBytes =
     sizeof(GeometryRecord<float>) + sizeof(SurfaceRecord<float>) + sizeof(ColourRecord<float>);
 
 BlockSetup block_setup(const UndersampleConfig& undersample) {
-  BlockSetup setup{.grid = undersample.pixel_grid(),
+  BlockSetup setup{.grid = undersample.pixel_grid_side(),
                    .block = undersample.block,
                    .whole = undersample.block,
                    .record_bytes = kRecordBytes,
-                   .faint = faint_channel(static_cast<float>(undersample.colour))};
+                   .faint = largest_faint_channel(static_cast<float>(undersample.colour))};
   setup.before_check_y.surfaces = true;
   setup.after_check_y.geometry = undersample.correction != Correction::kOff;
   return setup;
@@ -126,14 +126,14 @@ UndersampleProgram::UndersampleProgram(const traces::MemoryImage& image, const t
       undersample_(undersample),
       blocks_(image, camera, config, undersample, block_setup(undersample), frame),
       apart_(static_cast<float>(undersample.position) * scene_size),
-      correction_(undersample, config.width * undersample.pixel_grid(), config.height * undersample.pixel_grid(),
-                  blocks_.tiles.tile_side()) {
-  blocks_.size_counts(kept_sampling());
+      correction_(undersample, config.width * undersample.pixel_grid_side(),
+                  config.height * undersample.pixel_grid_side(), blocks_.tiles.tile_side()) {
+  blocks_.allocate_counts(mutable_sampling());
 }
 
 void UndersampleProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
                                   TileResult& out) const {
-  if (tile_index >= blocks_.tiles.count()) return run_scan(tile_index, tracer, record, out);
+  if (tile_index >= blocks_.tiles.tile_count()) return run_scan(tile_index, tracer, record, out);
   BlockTile tile(blocks_, tile_index, tracer, record, out, [this](std::uint32_t) { return undersample_.block; });
   const auto resolve = [&](const BlockLines& lines) {
     if (lines.samples == 0) return;
@@ -165,8 +165,8 @@ Verdict UndersampleProgram::check_samples(BlockTile& tile, const BlockLines& lin
   const bool has_textures = !blocks_.scene.fuses || blocks_.scene.has_textures;
   const bool has_colours = !blocks_.scene.fuses || tile.coloured != 0;
   const auto along = [&]<bool kTextures, bool kColours> {
-    return lines.along_y ? check_with<CheckAttributes<true, kTextures, kColours>>(tile, lines)
-                         : check_with<CheckAttributes<false, kTextures, kColours>>(tile, lines);
+    return lines.along_y ? launch_check<CheckAttributes<true, kTextures, kColours>>(tile, lines)
+                         : launch_check<CheckAttributes<false, kTextures, kColours>>(tile, lines);
   };
   if (has_colours) {
     return has_textures ? along.template operator()<true, true>() : along.template operator()<false, true>();
@@ -175,7 +175,7 @@ Verdict UndersampleProgram::check_samples(BlockTile& tile, const BlockLines& lin
 }
 
 template <class K>
-Verdict UndersampleProgram::check_with(BlockTile& tile, const BlockLines& lines) const {
+Verdict UndersampleProgram::launch_check(BlockTile& tile, const BlockLines& lines) const {
   const auto colour = static_cast<float>(undersample_.colour);
   typename K::template Ports<float> ports;
   ports.line = lines.uniforms;
@@ -195,7 +195,7 @@ void UndersampleProgram::average_pixels(BlockTile& tile) const {
     return undersample_.correct_shadows ? store_identities<Shadows>(tile) : store_identities<Plain>(tile);
   };
   using std::type_identity;
-  if (tile.packs_samples()) {
+  if (tile.can_pack_samples()) {
     tile.write_packed(store(type_identity<PackIdentified<true>>{}, type_identity<PackIdentified<false>>{}));
   } else {
     store(type_identity<StoreIdentities<true>>{}, type_identity<StoreIdentities<false>>{});
@@ -217,7 +217,7 @@ Wavefront::Node UndersampleProgram::store_identities(BlockTile& tile) const {
   const Wavefront::Node node = tile.graph.launch<K>(ports, samples);
   tile.graph.wait_for_records(node);
   const Wavefront::Node out =
-      tile.graph.add_transfer(traces::Region::kSamples, true, scan_store(tile.at.index), samples * scanned_bytes());
+      tile.graph.add_transfer(traces::Region::kSamples, true, scan_address(tile.at.index), samples * scanned_bytes());
   tile.graph.wait_all(out, node);
   tile.graph.wait_for_colours(out);
   tile.out.shown.clear();
@@ -238,7 +238,7 @@ constexpr auto kPicture = static_cast<std::size_t>(Region::kPicture);
 constexpr auto kSamples = static_cast<std::size_t>(Region::kSamples);
 
 /// Returns how many pixels the samples belong to, with grid x grid samples in a pixel.
-std::uint32_t pixels_of(std::span<const PostCorrection::Suspect> suspects, std::uint32_t grid) {
+std::uint32_t count_pixels_of(std::span<const PostCorrection::Suspect> suspects, std::uint32_t grid) {
   std::set<std::pair<std::uint32_t, std::uint32_t>> pixels;
   for (const PostCorrection::Suspect& s : suspects) pixels.emplace(s.x / grid, s.y / grid);
   return static_cast<std::uint32_t>(pixels.size());
@@ -246,10 +246,10 @@ std::uint32_t pixels_of(std::span<const PostCorrection::Suspect> suspects, std::
 
 }  // namespace
 
-std::uint32_t UndersampleProgram::tiles() const { return blocks_.tiles.count() * (1 + correction_.scan_count()); }
+std::uint32_t UndersampleProgram::tiles() const { return blocks_.tiles.tile_count() * (1 + correction_.scan_count()); }
 
 std::uint32_t UndersampleProgram::pass_end(std::uint32_t tile_index) const {
-  const std::uint32_t count = blocks_.tiles.count();
+  const std::uint32_t count = blocks_.tiles.tile_count();
   return (tile_index / count + 1) * count;
 }
 
@@ -258,7 +258,7 @@ std::uint32_t UndersampleProgram::scanned_bytes() const {
   return kWordBytes + (undersample_.samples > 1 ? static_cast<std::uint32_t>(sizeof(ColourRecord<float>)) : 0);
 }
 
-std::uint64_t UndersampleProgram::scan_store(std::uint32_t tile) const {
+std::uint64_t UndersampleProgram::scan_address(std::uint32_t tile) const {
   const std::uint64_t side = blocks_.tiles.tile_side();
   return blocks_.requirements().region_bytes[kSamples] + tile * side * side * scanned_bytes();
 }
@@ -266,7 +266,7 @@ std::uint64_t UndersampleProgram::scan_store(std::uint32_t tile) const {
 FrameRequirements UndersampleProgram::requirements() const {
   FrameRequirements needs = blocks_.requirements();
   if (correction_.scan_count() > 0) {
-    needs.region_bytes[kSamples] = scan_store(blocks_.tiles.count());
+    needs.region_bytes[kSamples] = scan_address(blocks_.tiles.tile_count());
     // During a scan, a tile keeps the words of its samples in the tile buffer.
     needs.pass_attribute_bytes = needs.tile_samples * kWordBytes;
   }
@@ -274,13 +274,13 @@ FrameRequirements UndersampleProgram::requirements() const {
 }
 
 void UndersampleProgram::begin_pass(std::uint32_t tile_index, const traces::Tracer& tracer) {
-  const std::uint32_t count = blocks_.tiles.count();
+  const std::uint32_t count = blocks_.tiles.tile_count();
   if (tile_index < count) return;
-  const PostCorrection::Scan scan = correction_.scan_direction(scan_of(tile_index));
+  const PostCorrection::Scan scan = correction_.scan_direction(scan_number(tile_index));
   TileResult scratch;
   const auto trace = [&](std::span<const PostCorrection::Suspect> suspects) {
     // All samples found in one step are in one column or one row.
-    const std::uint32_t pitch = scan.is_along_y ? width() * undersample_.pixel_grid() : 1;
+    const std::uint32_t pitch = scan.is_along_y ? width() * undersample_.pixel_grid_side() : 1;
     const PostCorrection::Suspect& first = suspects.front();
     const GridUniforms<float> grid = scan.is_along_y ? blocks_.grid_uniforms(0, static_cast<float>(first.y), pitch)
                                                      : blocks_.grid_uniforms(static_cast<float>(first.x), 0, pitch);
@@ -292,17 +292,17 @@ void UndersampleProgram::begin_pass(std::uint32_t tile_index, const traces::Trac
     for (const PostCorrection::Suspect& s : suspects) {
       const GeometryRecord<float>& geometry = scratch.buffer.samples.geometry[sample(s)];
       const std::uint32_t shown =
-          undersample_.correct_shadows ? shown_by<float, true>(geometry) : shown_by<float, false>(geometry);
+          undersample_.correct_shadows ? identity_bits<float, true>(geometry) : identity_bits<float, false>(geometry);
       found.identities.push_back(shown | kTracedSample);
       found.colours.push_back(scratch.averaged_colour(sample(s)));
     }
     return found;
   };
-  const std::uint32_t grid = undersample_.pixel_grid();
+  const std::uint32_t grid = undersample_.pixel_grid_side();
   for (const PostCorrection::Suspect& s : correction_.run_scan(scan, trace)) {
-    average_again(s.x / grid, s.y / grid);
-    if (!kept_marks().empty()) {
-      kept_marks()[std::size_t{s.y} * width() * grid + s.x] = kTracedMark | kCorrectedMark;
+    average_pixel_again(s.x / grid, s.y / grid);
+    if (!mutable_marks().empty()) {
+      mutable_marks()[std::size_t{s.y} * width() * grid + s.x] = kTracedMark | kCorrectedMark;
     }
   }
 }
@@ -325,12 +325,13 @@ void UndersampleProgram::trace_suspects(Wavefront& wave, TileResult& out, const 
   generate.grid = grid;
   RetainedRecords retained;
   retained.geometry = true;
-  const Wavefront::Node generated = wave.generate_listed(generate, out.buffer.checks.samples, lister, items, retained);
+  const Wavefront::Node generated =
+      wave.generate_listed_rays(generate, out.buffer.checks.samples, lister, items, retained);
   wave.run(generated, items, retained);
 }
 
-void UndersampleProgram::average_again(std::uint32_t x, std::uint32_t y) {
-  const std::uint32_t grid = undersample_.pixel_grid();
+void UndersampleProgram::average_pixel_again(std::uint32_t x, std::uint32_t y) {
+  const std::uint32_t grid = undersample_.pixel_grid_side();
   glm::vec3 sum(0);
   for (std::uint32_t row = 0; row < grid; ++row) {
     for (std::uint32_t column = 0; column < grid; ++column) {
@@ -338,14 +339,14 @@ void UndersampleProgram::average_again(std::uint32_t x, std::uint32_t y) {
     }
   }
   sum *= 1.0F / static_cast<float>(grid * grid);
-  float* to = kept_picture().data() + std::size_t{3} * (std::size_t{y} * width() + x);
+  float* to = mutable_picture().data() + std::size_t{3} * (std::size_t{y} * width() + x);
   for (int channel = 0; channel < 3; ++channel) to[channel] = sum[channel];
 }
 
 void UndersampleProgram::run_scan(std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
                                   TileResult& out) const {
-  const std::uint32_t count = blocks_.tiles.count();
-  const std::uint32_t number = scan_of(tile_index);
+  const std::uint32_t count = blocks_.tiles.tile_count();
+  const std::uint32_t number = scan_number(tile_index);
   const PostCorrection::Scan scan = correction_.scan_direction(number);
   const std::uint32_t in_pass = tile_index % count;
   const SampleTile at = blocks_.tiles.sample_tile(blocks_.order[scan.is_backward ? count - 1 - in_pass : in_pass]);
@@ -367,13 +368,13 @@ void UndersampleProgram::run_scan(std::uint32_t tile_index, const traces::Tracer
                                           : (scan.is_backward ? at.has_right : at.has_left);
   const auto behind = [&](std::uint32_t tile) { return scan.is_backward ? tile + step : tile - step; };
 
-  const Wavefront::Node in = graph.add_transfer(Region::kSamples, false, scan_store(at.index), samples * 4);
+  const Wavefront::Node in = graph.add_transfer(Region::kSamples, false, scan_address(at.index), samples * 4);
   Wavefront::Node border = Wavefront::kNone;
   if (has_behind) {
     const std::uint32_t words = scan.is_along_y ? at.width : at.height;
-    border = graph.import_border({behind(out.tile), kScanned}, scan_store(behind(at.index)), words * 4);
+    border = graph.import_border({behind(out.tile), kScanned}, scan_address(behind(at.index)), words * 4);
   }
-  const Wavefront::Node found = note_search(graph, samples);
+  const Wavefront::Node found = record_search(graph, samples);
   graph.wait_all(found, in);
   graph.wait_all(found, border);
   correct_samples(wave, out, at, found);
@@ -381,7 +382,7 @@ void UndersampleProgram::run_scan(std::uint32_t tile_index, const traces::Tracer
   out.sampling.traced_background = out.background.size();
 }
 
-Wavefront::Node UndersampleProgram::note_search(TileGraph& graph, std::uint32_t items) const {
+Wavefront::Node UndersampleProgram::record_search(TileGraph& graph, std::uint32_t items) const {
   return undersample_.neighbours == Neighbourhood::kEight ? graph.record_known<FindSuspects<true>>(items)
                                                           : graph.record_known<FindSuspects<false>>(items);
 }
@@ -394,7 +395,7 @@ void UndersampleProgram::correct_samples(Wavefront& wave, TileResult& out, const
   std::span<const PostCorrection::Suspect> left = correction_.suspects_of(at.index);
   out.sampling.traced = out.sampling.correction = left.size();
   if (left.empty()) return;
-  const std::uint32_t pixels = pixels_of(left, undersample_.pixel_grid());
+  const std::uint32_t pixels = count_pixels_of(left, undersample_.pixel_grid_side());
   const auto corrected = static_cast<std::uint32_t>(left.size());
   const GridUniforms<float> grid =
       blocks_.grid_uniforms(static_cast<float>(at.x) - 1.0F, static_cast<float>(at.y) - 1.0F, blocks_.row_pitch());
@@ -411,7 +412,7 @@ void UndersampleProgram::correct_samples(Wavefront& wave, TileResult& out, const
     const Wavefront::Node stored = undersample_.correct_shadows ? graph.record_known<StoreIdentities<true>>(items)
                                                                 : graph.record_known<StoreIdentities<false>>(items);
     graph.wait_for_records(stored);
-    found = note_search(graph, items);
+    found = record_search(graph, items);
     graph.wait_all(found, stored);
   }
   write_corrected(graph, at, corrected, pixels, found);
@@ -421,8 +422,8 @@ void UndersampleProgram::correct_samples(Wavefront& wave, TileResult& out, const
 /// and all together at most the whole tile.
 void UndersampleProgram::write_corrected(TileGraph& graph, const SampleTile& at, std::uint32_t corrected,
                                          std::uint32_t corrected_pixels, Wavefront::Node last) const {
-  const std::uint64_t store = scan_store(at.index);
-  const std::uint64_t stored = scan_store(at.index + 1) - store;
+  const std::uint64_t store = scan_address(at.index);
+  const std::uint64_t stored = scan_address(at.index + 1) - store;
   Wavefront::Node packed = Wavefront::kNone;
   if (blocks_.scene.fuses && undersample_.samples == 1 && !blocks_.scene.dma_encodes) {
     packed = graph.record_known<PackGridSample>(corrected_pixels);
@@ -432,22 +433,22 @@ void UndersampleProgram::write_corrected(TileGraph& graph, const SampleTile& at,
     graph.wait_for_colours(averaged);
     if (undersample_.samples > 1) {
       const Wavefront::Node in = graph.add_transfer(
-          Region::kSamples, false, store, scattered_bytes(corrected_pixels * undersample_.pixel_grid(), stored));
+          Region::kSamples, false, store, scattered_bytes(corrected_pixels * undersample_.pixel_grid_side(), stored));
       graph.wait_all(averaged, in);
     }
     packed = blocks_.scene.dma_encodes ? averaged : graph.record_known<PackColour>(corrected_pixels);
     if (packed != averaged) graph.wait_all(packed, averaged);
   }
-  const std::uint64_t pixels = requirements().region_bytes[kPicture] / blocks_.tiles.count();
+  const std::uint64_t pixels = requirements().region_bytes[kPicture] / blocks_.tiles.tile_count();
   graph.wait_all(
       graph.add_transfer(Region::kPicture, true, pixels * at.index, scattered_bytes(corrected_pixels, pixels)), packed);
   graph.wait_all(graph.export_border(kScanned, store, scattered_bytes(corrected, stored)), last);
 }
 
 void UndersampleProgram::commit_tile(const TileResult& tile) {
-  if (tile.tile >= blocks_.tiles.count()) return FrameProgram::commit_tile(tile);
+  if (tile.tile >= blocks_.tiles.tile_count()) return FrameProgram::commit_tile(tile);
   FrameProgram::commit_tile(tile);
-  blocks_.count_tile(tile, undersample_.block, kept_sampling());
+  blocks_.count_tile(tile, undersample_.block, mutable_sampling());
   correction_.store_samples(tile, blocks_.tiles.sample_tile(tile.tile));
 }
 

@@ -65,7 +65,7 @@ class PostCorrection {
   glm::vec3 sample_colour(std::uint32_t x, std::uint32_t y) const { return colours_[std::size_t{y} * width_ + x]; }
 
  private:
-  std::uint32_t index_of(std::uint32_t x, std::uint32_t y) const { return (y + 1) * (width_ + 2) + x + 1; }
+  std::uint32_t sample_index(std::uint32_t x, std::uint32_t y) const { return (y + 1) * (width_ + 2) + x + 1; }
   void begin_scan();
   void find_suspects(const Scan& scan, std::uint32_t step);
   void apply_results(const Found& found);
@@ -104,21 +104,21 @@ class UndersampleProgram final : public FrameProgram {
  private:
   Verdict check_samples(BlockTile& tile, const BlockLines& lines) const;
   template <class K>
-  Verdict check_with(BlockTile& tile, const BlockLines& lines) const;
+  Verdict launch_check(BlockTile& tile, const BlockLines& lines) const;
   void average_pixels(BlockTile& tile) const;
   template <class K>
   Wavefront::Node store_identities(BlockTile& tile) const;
-  std::uint32_t scan_of(std::uint32_t tile_index) const { return tile_index / blocks_.tiles.count() - 1; }
+  std::uint32_t scan_number(std::uint32_t tile_index) const { return tile_index / blocks_.tiles.tile_count() - 1; }
   // Scans of post-correction.
   std::uint32_t scanned_bytes() const;
-  std::uint64_t scan_store(std::uint32_t tile) const;
+  std::uint64_t scan_address(std::uint32_t tile) const;
   void run_scan(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const;
   template <class Sample>
   void list_suspects(std::span<const PostCorrection::Suspect> suspects, TileResult& out, Sample&& sample) const;
   void trace_suspects(Wavefront& wave, TileResult& out, const GridUniforms<float>& grid, std::uint32_t items,
                       Wavefront::Node lister) const;
-  void average_again(std::uint32_t x, std::uint32_t y);
-  Wavefront::Node note_search(TileGraph& graph, std::uint32_t items) const;
+  void average_pixel_again(std::uint32_t x, std::uint32_t y);
+  Wavefront::Node record_search(TileGraph& graph, std::uint32_t items) const;
   void correct_samples(Wavefront& wave, TileResult& out, const SampleTile& at, Wavefront::Node found) const;
   void write_corrected(TileGraph& graph, const SampleTile& at, std::uint32_t corrected, std::uint32_t corrected_pixels,
                        Wavefront::Node last) const;

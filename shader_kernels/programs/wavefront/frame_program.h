@@ -57,10 +57,10 @@ class FrameProgram {
   virtual const std::vector<SampleMark>& sample_marks() const { return marks_; }
 
  protected:
-  std::vector<float>& kept_picture() { return picture_; }
-  Sampling& kept_sampling() { return sampling_; }
-  std::vector<SampleMark>& kept_marks() { return marks_; }
-  bool wants_marks() const { return keeps_marks_; }
+  std::vector<float>& mutable_picture() { return picture_; }
+  Sampling& mutable_sampling() { return sampling_; }
+  std::vector<SampleMark>& mutable_marks() { return marks_; }
+  bool stores_marks() const { return keeps_marks_; }
 
  private:
   void copy_marks(const TileResult& tile);

@@ -74,13 +74,13 @@ template <class Root, auto... kPath>
 using Array = std::remove_reference_t<decltype(follow_members<kPath...>(std::declval<Root&>()))>;
 
 template <auto... kPath>
-constexpr PortArray of_tile(std::string_view name) {
+constexpr PortArray tile_array(std::string_view name) {
   return {name, record_type(static_cast<Array<const TileResult, kPath...>*>(nullptr)),
           [](const TileResult& tile, const SceneTables&) { return array_data(follow_members<kPath...>(tile)); }};
 }
 template <auto... kPath>
-constexpr PortArray of_buffer(std::string_view name) {
-  return of_tile<&TileResult::buffer, kPath...>(name);
+constexpr PortArray buffer_array(std::string_view name) {
+  return tile_array<&TileResult::buffer, kPath...>(name);
 }
 template <auto... kPath>
 constexpr PortArray tile_queue(std::string_view name, std::string_view counter) {
@@ -95,12 +95,12 @@ constexpr PortArray stage_queue(std::string_view name, std::string_view counter)
   return tile_queue<&TileBuffer::queues, kMember>(name, counter);
 }
 template <auto kMember>
-constexpr PortArray of_scene(std::string_view name) {
+constexpr PortArray scene_array(std::string_view name) {
   return {name, record_type(static_cast<Array<const SceneTables, kMember>*>(nullptr)),
           [](const TileResult&, const SceneTables& scene) { return array_data(scene.*kMember); }};
 }
 template <auto kMember>
-constexpr PortArray of_image(std::string_view name) {
+constexpr PortArray image_array(std::string_view name) {
   return {name, record_type(static_cast<Array<const traces::MemoryImage, kMember>*>(nullptr)),
           [](const TileResult&, const SceneTables& scene) { return array_data(scene.image.*kMember); }};
 }
@@ -108,13 +108,13 @@ constexpr PortArray of_image(std::string_view name) {
 using Rays = RayBuffers;
 using Q = StageQueues;
 inline constexpr auto kAll = std::to_array<PortArray>({
-    of_buffer<&TileBuffer::rays, &Rays::wave, &RaySlots::rays>("rays"),
-    of_buffer<&TileBuffer::rays, &Rays::wave, &RaySlots::paths>("paths"),
-    of_buffer<&TileBuffer::rays, &Rays::wave, &RaySlots::hits>("hits"),
-    of_buffer<&TileBuffer::rays, &Rays::shadow, &RaySlots::rays>("shadow_rays"),
-    of_buffer<&TileBuffer::rays, &Rays::shadow, &RaySlots::paths>("shadow_paths"),
-    of_buffer<&TileBuffer::rays, &Rays::shadow, &RaySlots::hits>("shadow_hits"),
-    of_buffer<&TileBuffer::rays, &Rays::layer, &RaySlots::hits>("layer_hits"),
+    buffer_array<&TileBuffer::rays, &Rays::wave, &RaySlots::rays>("rays"),
+    buffer_array<&TileBuffer::rays, &Rays::wave, &RaySlots::paths>("paths"),
+    buffer_array<&TileBuffer::rays, &Rays::wave, &RaySlots::hits>("hits"),
+    buffer_array<&TileBuffer::rays, &Rays::shadow, &RaySlots::rays>("shadow_rays"),
+    buffer_array<&TileBuffer::rays, &Rays::shadow, &RaySlots::paths>("shadow_paths"),
+    buffer_array<&TileBuffer::rays, &Rays::shadow, &RaySlots::hits>("shadow_hits"),
+    buffer_array<&TileBuffer::rays, &Rays::layer, &RaySlots::hits>("layer_hits"),
     stage_queue<&Q::misses>("misses", "miss_count"),
     stage_queue<&Q::surfaces>("surfaces", "surface_count"),
     stage_queue<&Q::textured>("textured", "textured_count"),
@@ -133,43 +133,43 @@ inline constexpr auto kAll = std::to_array<PortArray>({
     stage_queue<&Q::occluded>("occluded", "occluded_count"),
     stage_queue<&Q::layers>("layers", "layer_count"),
     stage_queue<&Q::targets>("targets", ""),
-    of_buffer<&TileBuffer::surfaces, &HitSurfaces::points>("places"),
-    of_buffer<&TileBuffer::surfaces, &HitSurfaces::mattes>("mattes"),
-    of_buffer<&TileBuffer::surfaces, &HitSurfaces::texcoords>("texcoords"),
-    of_buffer<&TileBuffer::surfaces, &HitSurfaces::optics>("optics"),
-    of_buffer<&TileBuffer::surfaces, &HitSurfaces::tangents>("tangents"),
-    of_buffer<&TileBuffer::samples, &SampleRecords::colours>("colours"),
-    of_buffer<&TileBuffer::samples, &SampleRecords::geometry>("geometry"),
-    of_buffer<&TileBuffer::samples, &SampleRecords::secondary>("secondary"),
-    of_buffer<&TileBuffer::samples, &SampleRecords::kept>("kept"),
-    of_buffer<&TileBuffer::samples, &SampleRecords::globals>("globals"),
-    of_buffer<&TileBuffer::checks, &CheckRecords::verdicts>("verdicts"),
-    of_buffer<&TileBuffer::checks, &CheckRecords::identities>("identities"),
+    buffer_array<&TileBuffer::surfaces, &HitSurfaces::points>("places"),
+    buffer_array<&TileBuffer::surfaces, &HitSurfaces::mattes>("mattes"),
+    buffer_array<&TileBuffer::surfaces, &HitSurfaces::texcoords>("texcoords"),
+    buffer_array<&TileBuffer::surfaces, &HitSurfaces::optics>("optics"),
+    buffer_array<&TileBuffer::surfaces, &HitSurfaces::tangents>("tangents"),
+    buffer_array<&TileBuffer::samples, &SampleRecords::colours>("colours"),
+    buffer_array<&TileBuffer::samples, &SampleRecords::geometry>("geometry"),
+    buffer_array<&TileBuffer::samples, &SampleRecords::secondary>("secondary"),
+    buffer_array<&TileBuffer::samples, &SampleRecords::kept>("kept"),
+    buffer_array<&TileBuffer::samples, &SampleRecords::globals>("globals"),
+    buffer_array<&TileBuffer::checks, &CheckRecords::verdicts>("verdicts"),
+    buffer_array<&TileBuffer::checks, &CheckRecords::identities>("identities"),
     tile_queue<&TileBuffer::checks, &CheckRecords::samples>("samples", ""),
     tile_queue<&TileBuffer::checks, &CheckRecords::passed>("passed", "passed_count"),
     tile_queue<&TileBuffer::checks, &CheckRecords::failed>("failed", "failed_count"),
-    of_buffer<&TileBuffer::subpixels, &SubpixelRecords::traits>("traits"),
-    of_buffer<&TileBuffer::subpixels, &SubpixelRecords::branches>("branches"),
-    of_buffer<&TileBuffer::subpixels, &SubpixelRecords::active>("active"),
+    buffer_array<&TileBuffer::subpixels, &SubpixelRecords::traits>("traits"),
+    buffer_array<&TileBuffer::subpixels, &SubpixelRecords::branches>("branches"),
+    buffer_array<&TileBuffer::subpixels, &SubpixelRecords::active>("active"),
     tile_queue<&TileBuffer::subpixels, &SubpixelRecords::masters>("masters", "masters_count"),
-    of_buffer<&TileBuffer::subpixels, &SubpixelRecords::fills>("fills"),
-    of_buffer<&TileBuffer::subpixels, &SubpixelRecords::states>("states"),
-    of_buffer<&TileBuffer::subpixels, &SubpixelRecords::shown>("shown"),
-    of_buffer<&TileBuffer::filters, &FilterRecords::visible>("visible"),
-    of_buffer<&TileBuffer::filters, &FilterRecords::lights>("lights"),
-    of_buffer<&TileBuffer::filters, &FilterRecords::ratios>("ratios"),
-    of_tile<&TileResult::linear>("pixels"),
-    of_tile<&TileResult::packed>("packed"),
-    of_image<&traces::MemoryImage::attributes>("attributes"),
-    of_image<&traces::MemoryImage::triangles>("triangles"),
-    of_image<&traces::MemoryImage::instances>("instances"),
-    of_image<&traces::MemoryImage::materials>("materials"),
-    of_image<&traces::MemoryImage::vertices>("vertices"),
-    of_image<&traces::MemoryImage::details>("details"),
-    of_image<&traces::MemoryImage::textures>("texels"),
-    of_scene<&SceneTables::axes>("axes"),
-    of_scene<&SceneTables::levels>("levels"),
-    of_scene<&SceneTables::srgb_codes>("srgb_codes"),
+    buffer_array<&TileBuffer::subpixels, &SubpixelRecords::fills>("fills"),
+    buffer_array<&TileBuffer::subpixels, &SubpixelRecords::states>("states"),
+    buffer_array<&TileBuffer::subpixels, &SubpixelRecords::shown>("shown"),
+    buffer_array<&TileBuffer::filters, &FilterRecords::visible>("visible"),
+    buffer_array<&TileBuffer::filters, &FilterRecords::lights>("lights"),
+    buffer_array<&TileBuffer::filters, &FilterRecords::ratios>("ratios"),
+    tile_array<&TileResult::linear>("pixels"),
+    tile_array<&TileResult::packed>("packed"),
+    image_array<&traces::MemoryImage::attributes>("attributes"),
+    image_array<&traces::MemoryImage::triangles>("triangles"),
+    image_array<&traces::MemoryImage::instances>("instances"),
+    image_array<&traces::MemoryImage::materials>("materials"),
+    image_array<&traces::MemoryImage::vertices>("vertices"),
+    image_array<&traces::MemoryImage::details>("details"),
+    image_array<&traces::MemoryImage::textures>("texels"),
+    scene_array<&SceneTables::axes>("axes"),
+    scene_array<&SceneTables::levels>("levels"),
+    scene_array<&SceneTables::srgb_codes>("srgb_codes"),
 });
 
 }  // namespace port_arrays
@@ -213,13 +213,13 @@ consteval PortMatches match_ports() {
 template <class K>
 inline constexpr PortMatches kPortMatches = match_ports<K>();
 
-[[noreturn]] inline void fail_to_bind(std::string_view kernel, std::string_view port) {
+[[noreturn]] inline void throw_unbound_port(std::string_view kernel, std::string_view port) {
   throw std::logic_error("kernel '" + std::string(kernel) + "': port '" + std::string(port) +
                          "' is not bound, and no array of the tile or the scene has its name and type");
 }
 
-/// Binds the ports of kernel K that are not bound yet. Cached ports append their accesses to `log` unless it is null.
-/// Throws std::logic_error if a port has no array.
+/// Binds the ports of kernel K that are not bound yet. Ports that read through the data cache append their accesses to
+/// `log` unless it is null. Throws std::logic_error if a port has no array.
 template <class K>
 void bind_ports(typename K::template Ports<float>& ports, const TileResult& tile, const SceneTables& scene,
                 std::vector<traces::Access>* log) {
@@ -228,8 +228,8 @@ void bind_ports(typename K::template Ports<float>& ports, const TileResult& tile
     if constexpr (kIsRecordPort<P>) {
       const std::uint8_t found = kPortMatches<K>[next++];
       if (port.is_bound()) return;
-      if (found == kNoArray) fail_to_bind(K::kName, name);
-      port.attach(const_cast<void*>(port_arrays::kAll[found].data(tile, scene)), log);
+      if (found == kNoArray) throw_unbound_port(K::kName, name);
+      port.bind_raw(const_cast<void*>(port_arrays::kAll[found].data(tile, scene)), log);
     } else if constexpr (kIsCounter<P>) {
       ++next;
     }
@@ -238,7 +238,7 @@ void bind_ports(typename K::template Ports<float>& ports, const TileResult& tile
 
 /// Sets the lengths of the queues to which a launch of kernel K has appended.
 template <class K>
-void count_queued(typename K::template Ports<float>& ports, TileResult& tile) {
+void set_queue_lengths(typename K::template Ports<float>& ports, TileResult& tile) {
   std::size_t next = 0;
   K::template Ports<float>::describe(ports, [&]<class P>(P& port, std::string_view) {
     if constexpr (kIsRecordPort<P>) {

@@ -52,7 +52,7 @@ static_assert(static_cast<std::size_t>(Check::kCount) <= 12);
 // Mark of a pixel of supersample in debug pictures: bits of the attributes that differed at its active sub-pixels
 // (Attribute), and above them the number of these sub-pixels.
 inline constexpr std::uint32_t kActiveCountShift = kAttributes;
-inline constexpr std::uint32_t active_of(SampleMark mark) { return (mark >> kActiveCountShift) & 7U; }
+inline constexpr std::uint32_t active_subpixel_count(SampleMark mark) { return (mark >> kActiveCountShift) & 7U; }
 static_assert(kActiveCountShift + 3 <= 12);
 
 /// Why a filter of reconstruct rejected a shaded sample, for surfaces, mirrored light and refracted light.

@@ -32,7 +32,7 @@ AxisRecord<float> axis_record(std::uint32_t size, traces::Texture::Wrap wrap, tr
 /// Returns the parameters with which lookups find the mip level of a texture that has `levels` levels.
 LevelRecord<float> level_record(const traces::Texture& texture, std::uint32_t levels, MipFilter mips);
 
-/// Largest triangle word of a hit that requires no transparency test, if only alpha requires one.
+/// Largest triangle word (flags and index) of a nearest-hit ray's hit that needs no transparency test.
 inline constexpr std::uint32_t kSolidNearest = traces::kAlphaFlag - 1;
 
 /// Scene data that kernels read besides memory: uniforms, tables in the SRP's own memory, and which kernels the scene
@@ -66,13 +66,13 @@ struct SceneTables {
   bool has_alpha, has_shades;    ///< hits may require a transparency test: of nearest-hit rays, of shadow rays
   std::uint32_t solid_shadow;    ///< largest triangle word of a shadow ray's hit that requires no transparency test
   /// True if ambient light is not occluded and each light casts one shadow ray.
-  bool lights_as_usual() const { return occlusion_rays == 0 && shadow_rays == 1 && discs.empty(); }
+  bool has_plain_lighting() const { return occlusion_rays == 0 && shadow_rays == 1 && discs.empty(); }
   /// Returns the number of light sources, counting ambient light, that effects at a lower rate apply to.
-  std::uint32_t rated_lights() const {
+  std::uint32_t rated_light_count() const {
     return (occlusion_rays != 0 ? 1 : 0) + static_cast<std::uint32_t>(discs.size());
   }
   /// Returns the number of launches that light a surface from one light source.
-  std::uint32_t rays_to_light() const { return std::max(1U, shadow_rays); }
+  std::uint32_t launches_per_light() const { return std::max(1U, shadow_rays); }
   /// Returns the fraction of a surface's ambient light that one occlusion ray carries.
   float occlusion_share() const { return 1.0F / static_cast<float>(occlusion_rays); }
 };

@@ -105,15 +105,15 @@ enum class Waits : std::uint8_t {
 
 /// How a stage changes what later stages wait for, as bits.
 enum StageEffect : std::uint32_t {
-  kFetches = 1,      ///< it writes surfaces, for which the next stage waits item by item
-  kFillsQueues = 2,  ///< it fills queues, for which later stages wait
-  kBaseColours = 4,  ///< it writes base colours, for which stages that read them wait
+  kFetches = 1,      ///< the stage writes surfaces, for which the next one waits item by item
+  kFillsQueues = 2,  ///< the stage fills queues, for which later ones wait
+  kBaseColours = 4,  ///< the stage writes base colours, for which stages that read them wait
   kAddsColours = 8,
-  kCastsRays = 16,          ///< its rays are shadow or occlusion rays
-  kEndsSurfaces = 32,       ///< after it all surfaces are known, so that hits are recorded next
-  kRecordsHits = 64,        ///< it records hits itself
-  kCastsAmbientRays = 128,  ///< its rays carry ambient light, so that no shadow is recorded
-  kOwnItemsOnly = 256       ///< it runs only over its queue, even if kernels diverge
+  kCastsRays = 16,          ///< the stage emits shadow or occlusion rays
+  kEndsSurfaces = 32,       ///< after the stage all surfaces are known, so that hits are recorded next
+  kRecordsHits = 64,        ///< the stage records hits itself
+  kCastsAmbientRays = 128,  ///< the stage's rays carry ambient light, so that no shadow is recorded
+  kOwnItemsOnly = 256       ///< the stage runs only over its queue, even if divergent kernels run over all items
 };
 
 /// A row of a table of shading stages. A stage with an empty queue is skipped.
@@ -141,13 +141,13 @@ struct RecordStages {
 };
 
 /// Returns the bit that stands for light number `light` in records of shadows. Lights from 32 on share bits.
-inline std::uint32_t bit_of(std::uint32_t light) { return 1U << (light % 32); }
+inline std::uint32_t light_bit(std::uint32_t light) { return 1U << (light % 32); }
 
 BounceUniforms<float> bounce_uniforms(const WaveBounce& bounce);
 /// Returns a hash of a light and a bounce, which records of secondary shadows sum.
-std::uint32_t secondary_mark(const WaveBounce& bounce, std::uint32_t light);
-DrawUniforms<float> occlusion_draw(const WaveContext& wave, std::uint32_t ray);
-DrawUniforms<float> soft_shadow_draw(const WaveContext& wave, std::uint32_t light, std::uint32_t ray);
+std::uint32_t secondary_shadow_hash(const WaveBounce& bounce, std::uint32_t light);
+RandomPointUniforms<float> occlusion_points(const WaveContext& wave, std::uint32_t ray);
+RandomPointUniforms<float> soft_shadow_points(const WaveContext& wave, std::uint32_t light, std::uint32_t ray);
 
 /// The kernel that a part of a fused kernel runs.
 template <class Part>
@@ -184,12 +184,12 @@ void bind_stage(P& p, const WaveContext& wave, const WaveBounce& bounce, const S
   if constexpr (requires { p.light; }) p.light = scene.lights[in.light];
   if constexpr (requires { p.disc; }) {
     p.disc = scene.discs[in.light];
-    p.draw = soft_shadow_draw(wave, in.light, in.ray);
+    p.draw = soft_shadow_points(wave, in.light, in.ray);
   }
   if constexpr (requires { p.distance; }) {
     p.ambient = scene.ambient * scene.occlusion_share();
     p.distance = scene.occlusion_distance;
-    p.draw = occlusion_draw(wave, in.ray);
+    p.draw = occlusion_points(wave, in.ray);
   } else if constexpr (requires { p.ambient; }) {
     p.ambient = scene.ambient;
   }
@@ -201,14 +201,14 @@ void bind_stage(P& p, const WaveContext& wave, const WaveBounce& bounce, const S
   if constexpr (requires { p.colours; }) {
     if (in.colours != nullptr) p.colours.bind(in.colours);
   }
-  if constexpr (std::is_same_v<K, ShadeVisible>) p.mark = bit_of(in.light);
+  if constexpr (std::is_same_v<K, ShadeVisible>) p.mark = light_bit(in.light);
   if constexpr (std::is_same_v<K, RecordShadow>) {
     p.records.bind(wave.buffer.samples.geometry.data());
-    p.mark = bit_of(in.light);
+    p.mark = light_bit(in.light);
   }
   if constexpr (std::is_same_v<K, RecordVisibleShadow>) {
     p.records.bind(wave.buffer.filters.visible.data());
-    p.mark = bit_of(in.light);
+    p.mark = light_bit(in.light);
   }
   if constexpr (std::is_same_v<K, RecordTraitsShadow>) {
     p.records.bind(wave.buffer.subpixels.traits.data());
@@ -216,7 +216,7 @@ void bind_stage(P& p, const WaveContext& wave, const WaveBounce& bounce, const S
   }
   if constexpr (std::is_same_v<K, RecordSecondaryShadow>) {
     p.records.bind(wave.buffer.samples.secondary.data());
-    p.mark = secondary_mark(bounce, in.light);
+    p.mark = secondary_shadow_hash(bounce, in.light);
   }
   if constexpr (kRecordsBranch<K>) p.traits.bind(wave.buffer.subpixels.secondary_traits.data());
 }
@@ -239,7 +239,7 @@ Launched launch(const WaveContext& wave, const WaveBounce& bounce, const StageIn
 
 /// Launches the variant of kernel K for the scene's mip filter.
 template <template <MipFilter> class K>
-Launched by_mips(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
+Launched launch_by_mips(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
   if (wave.scene.mips == MipFilter::kNone) return launch<K<MipFilter::kNone>>(wave, bounce, in);
   if (wave.scene.mips == MipFilter::kNearest) return launch<K<MipFilter::kNearest>>(wave, bounce, in);
   return launch<K<MipFilter::kLinear>>(wave, bounce, in);
@@ -247,13 +247,13 @@ Launched by_mips(const WaveContext& wave, const WaveBounce& bounce, const StageI
 
 /// Launches the variant of kernel K for scenes with instances or for those without.
 template <template <bool> class K>
-Launched by_instances(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
+Launched launch_by_instances(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
   return wave.scene.image.has_levels() ? launch<K<true>>(wave, bounce, in) : launch<K<false>>(wave, bounce, in);
 }
 
 /// Launches the variant of kernel K for scenes with or without instances, and with or without ray cones (mip maps).
 template <template <bool, bool> class K>
-Launched by_surfaces(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
+Launched launch_by_surface_variant(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
   const bool has_cones = wave.scene.mips != MipFilter::kNone;
   if (wave.scene.image.has_levels()) {
     return has_cones ? launch<K<true, true>>(wave, bounce, in) : launch<K<true, false>>(wave, bounce, in);

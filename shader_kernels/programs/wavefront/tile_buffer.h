@@ -72,8 +72,9 @@ struct SampleRecords {
 
 /// Results of the checks of multirate and undersample.
 struct CheckRecords {
-  std::vector<std::uint32_t> verdicts, identities;  ///< words of the checks and of post-correction, indexed by sample
-  SampleQueue samples;                              ///< samples to trace
+  std::vector<std::uint32_t> verdicts,
+      identities;       ///< words of similarity checks and of post-correction, indexed by sample
+  SampleQueue samples;  ///< samples to trace
   SampleQueue passed, failed;
 };
 

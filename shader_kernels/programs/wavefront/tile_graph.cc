@@ -29,7 +29,7 @@ constexpr std::size_t kUsualInputs = 32;
 
 }  // namespace
 
-WorkNode& StreamBuilder::add(WorkNode::Kind kind, std::uint32_t items) {
+WorkNode& StreamBuilder::add_node(WorkNode::Kind kind, std::uint32_t items) {
   if (count_ == work_.nodes.size()) {
     if (spare_.empty()) spare_.emplace_back().inputs.reserve(kUsualInputs);
     work_.nodes.push_back(std::move(spare_.back()));
@@ -44,9 +44,9 @@ WorkNode& StreamBuilder::add(WorkNode::Kind kind, std::uint32_t items) {
 
 StreamBuilder::Node StreamBuilder::add_launch(traces::KernelId kernel, std::uint32_t items, bool has_accesses,
                                               std::uint32_t idle) {
-  if (!is_on()) return kNone;
+  if (!is_enabled()) return kNone;
   launch_sources_ = static_cast<std::uint32_t>(work_.sources.size());
-  WorkNode& node = add(WorkNode::Kind::kLaunch, items);
+  WorkNode& node = add_node(WorkNode::Kind::kLaunch, items);
   node.kernel = kernel;
   node.has_accesses = has_accesses;
   node.idle = idle;
@@ -56,8 +56,8 @@ StreamBuilder::Node StreamBuilder::add_launch(traces::KernelId kernel, std::uint
 
 StreamBuilder::Node StreamBuilder::add_rays(traces::RayKind kind, std::uint32_t count, std::uint32_t first, Node launch,
                                             bool is_mapped) {
-  if (!is_on()) return kNone;
-  WorkNode& node = add(WorkNode::Kind::kRays, count);
+  if (!is_enabled()) return kNone;
+  WorkNode& node = add_node(WorkNode::Kind::kRays, count);
   node.ray_kind = kind;
   node.first = first;
   if (is_mapped) node.sources = launch_sources_;
@@ -67,25 +67,25 @@ StreamBuilder::Node StreamBuilder::add_rays(traces::RayKind kind, std::uint32_t 
 
 StreamBuilder::Node StreamBuilder::add_transfer(traces::Region region, bool to_memory, std::uint64_t offset,
                                                 std::uint32_t bytes) {
-  if (!is_on()) return kNone;
-  WorkNode& node = add(WorkNode::Kind::kTransfer, bytes);
+  if (!is_enabled()) return kNone;
+  WorkNode& node = add_node(WorkNode::Kind::kTransfer, bytes);
   node.region = region;
   node.to_memory = to_memory;
   node.offset = offset;
   return count_ - 1;
 }
 
-StreamBuilder::Node StreamBuilder::add_raster(std::uint32_t count, Node launch) {
-  if (!is_on()) return kNone;
-  WorkNode& node = add(WorkNode::Kind::kRaster, count);
+StreamBuilder::Node StreamBuilder::add_rasterisation(std::uint32_t count, Node launch) {
+  if (!is_enabled()) return kNone;
+  WorkNode& node = add_node(WorkNode::Kind::kRaster, count);
   node.raster = static_cast<std::uint32_t>(work_.raster.size() - 1);
   node.inputs.push_back({launch, Edge::Kind::kEach});
   return count_ - 1;
 }
 
-StreamBuilder::Node StreamBuilder::add_bin(std::uint32_t triangles) {
-  if (!is_on()) return kNone;
-  add(WorkNode::Kind::kBin, triangles).raster = static_cast<std::uint32_t>(work_.raster.size() - 1);
+StreamBuilder::Node StreamBuilder::add_binning(std::uint32_t triangles) {
+  if (!is_enabled()) return kNone;
+  add_node(WorkNode::Kind::kBin, triangles).raster = static_cast<std::uint32_t>(work_.raster.size() - 1);
   return count_ - 1;
 }
 

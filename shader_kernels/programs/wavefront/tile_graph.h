@@ -19,7 +19,7 @@ class StreamBuilder {
   static constexpr Node kNone = traces::WorkNode::kNone;
 
   StreamBuilder(traces::TileWork& work, std::vector<traces::WorkNode>& spare, bool on);
-  bool is_on() const { return on_ && !muted_; }
+  bool is_enabled() const { return on_ && !muted_; }
   /// While the builder is muted, it records nothing.
   void set_muted(bool muted) { muted_ = muted; }
   bool is_muted() const { return muted_; }
@@ -34,11 +34,11 @@ class StreamBuilder {
   /// launch.
   Node add_rays(traces::RayKind kind, std::uint32_t count, std::uint32_t first, Node launch, bool is_mapped);
   Node add_transfer(traces::Region region, bool to_memory, std::uint64_t offset, std::uint32_t bytes);
-  /// Adds the rasterisation of `count` samples, whose rays `launch` generated. Uses the last entry of the work's
-  /// `raster`.
-  Node add_raster(std::uint32_t count, Node launch);
-  /// Adds the binning of triangles to screen regions. Uses the last entry of the work's `raster`.
-  Node add_bin(std::uint32_t triangles);
+  /// Adds a node that rasterises `count` samples, whose rays `launch` generated. Its data are the last entry of
+  /// TileWork::raster.
+  Node add_rasterisation(std::uint32_t count, Node launch);
+  /// Adds a node that bins triangles to screen regions. Its data are the last entry of TileWork::raster.
+  Node add_binning(std::uint32_t triangles);
   /// Adds a transfer of samples to memory, which completes border `number` of the tile.
   Node export_border(std::uint32_t number, std::uint64_t offset, std::uint32_t bytes);
   /// Adds a transfer of samples from memory, which waits for another tile's border.
@@ -47,7 +47,7 @@ class StreamBuilder {
   void finish();
 
  private:
-  traces::WorkNode& add(traces::WorkNode::Kind kind, std::uint32_t items);
+  traces::WorkNode& add_node(traces::WorkNode::Kind kind, std::uint32_t items);
 
   traces::TileWork& work_;
   std::vector<traces::WorkNode>& spare_;
@@ -118,13 +118,13 @@ class TileGraph {
   void pause_recording() { stream_.set_muted(true); }
   void resume_recording() { stream_.set_muted(false); }
   bool is_muted() const { return stream_.is_muted(); }
-  bool is_recording() const { return stream_.is_on(); }
+  bool is_recording() const { return stream_.is_enabled(); }
   void finish() { stream_.finish(); }
 
   StreamBuilder& stream_builder() { return stream_; }
 
  private:
-  std::vector<traces::Access>* access_log() { return stream_.is_on() ? &out_.work.accesses : nullptr; }
+  std::vector<traces::Access>* access_log() { return stream_.is_enabled() ? &out_.work.accesses : nullptr; }
 
   const SceneTables& scene_;
   TileResult& out_;
@@ -141,7 +141,7 @@ TileGraph::Node TileGraph::launch(typename K::template Ports<float>& ports, std:
   const Node node = stream_.add_launch(kKernelId<K>, items, kReads, idle);
   bind_ports<K>(ports, out_, scene_, access_log());
   typename K::template Ports<float> at = ports;  // a local copy, so that the compiler keeps it in registers
-  if (!stream_.is_on()) {
+  if (!stream_.is_enabled()) {
     for (std::uint32_t i = 0; i < items; ++i) K::template body<float>(i, at);
   } else {
     for (std::uint32_t i = 0; i < items; ++i) {
@@ -156,7 +156,7 @@ TileGraph::Node TileGraph::launch(typename K::template Ports<float>& ports, std:
     }
   }
   ports = at;
-  count_queued<K>(ports, out_);
+  set_queue_lengths<K>(ports, out_);
   return node;
 }
 

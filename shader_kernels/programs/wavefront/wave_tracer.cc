@@ -45,7 +45,7 @@ TracedBatch WaveTracer::find_primary_hits(std::uint32_t count, Node maker) {
   TracedBatch batch;
   if (graph_.is_recording()) {
     out_.rasteriser->cover_samples({wave.rays.data(), count}, buffer_.scratch.coverage, &out_.work);
-    batch.rays = graph_.stream_builder().add_raster(count, maker);
+    batch.rays = graph_.stream_builder().add_rasterisation(count, maker);
   }
   if (scene_.has_alpha) batch.settled = continue_through_layers(RayKind::kPrimary, wave, 0, count, batch.rays);
   return batch;
@@ -72,7 +72,7 @@ void WaveTracer::count_walks(std::size_t first_ray, std::span<const PathRecord<f
   if (first_ray == begin.size()) return;  // the tracer has recorded no walks
   if (!counts_pixels()) {
     const traces::WalkSteps steps = traces::count_steps(walk.subspan(begin[first_ray]));
-    out_.traversal_steps += steps.all();
+    out_.traversal_steps += steps.total_steps();
     out_.triangle_tests += steps.tests;
     return;
   }
@@ -81,15 +81,15 @@ void WaveTracer::count_walks(std::size_t first_ray, std::span<const PathRecord<f
     const traces::WalkSteps steps = traces::count_steps(walk.subspan(begin[ray], end - begin[ray]));
     PixelWork& work = buffer_.scratch.pixel_work[paths[ray - first_ray].sample];
     work.rays += 1;
-    work.steps += static_cast<std::uint32_t>(steps.all());
+    work.steps += static_cast<std::uint32_t>(steps.total_steps());
     work.tests += static_cast<std::uint32_t>(steps.tests);
-    out_.traversal_steps += steps.all();
+    out_.traversal_steps += steps.total_steps();
     out_.triangle_tests += steps.tests;
   }
 }
 
 /// Sample numbers are reused by samples of other pixels.
-void WaveTracer::place(std::uint32_t sample, std::uint32_t x, std::uint32_t y) {
+void WaveTracer::place_sample(std::uint32_t sample, std::uint32_t x, std::uint32_t y) {
   std::vector<PixelWork>& all = buffer_.scratch.pixel_work;
   if (all.size() <= sample) all.resize(std::size_t{sample} + 1);
   PixelWork& work = all[sample];

@@ -32,14 +32,14 @@ class WaveTracer {
   /// rasterisation is recorded instead of rays.
   TracedBatch find_primary_hits(std::uint32_t count, Node maker);
 
-  /// True if the work of each pixel's rays is counted. Programs must then call place().
+  /// True if the work of each pixel's rays is counted. Programs must then call place_sample().
   bool counts_pixels() const { return out_.wants_pixel_work && graph_.is_recording(); }
   /// Records that the sample of a primary ray of the first wave belongs to pixel (x, y).
   void place_ray(std::uint32_t ray, std::uint32_t x, std::uint32_t y) {
-    place(buffer_.rays.wave.paths[ray].sample, x, y);
+    place_sample(buffer_.rays.wave.paths[ray].sample, x, y);
   }
   /// Records that a sample belongs to pixel (x, y), for counting its work.
-  void place(std::uint32_t sample, std::uint32_t x, std::uint32_t y);
+  void place_sample(std::uint32_t sample, std::uint32_t x, std::uint32_t y);
   /// Moves the work counted for all pixels to the result.
   void finish();
 

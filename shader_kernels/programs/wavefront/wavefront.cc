@@ -18,30 +18,30 @@ using Q = StageQueues;
 // Tables of the surface stages, which fetch the surfaces of a bounce and sort them into queues by material class.
 
 constexpr auto kSeparate = std::to_array<WaveStage>({
-    {&Q::surfaces, by_surfaces<ShadeSurface>, Waits::kBounce, kFetches},
+    {&Q::surfaces, launch_by_surface_variant<ShadeSurface>, Waits::kBounce, kFetches},
     {&Q::surfaces, launch<ClassifySurfaces>, Waits::kItem, kFillsQueues | kEndsSurfaces},
 });
 
 constexpr auto kSeparateDetailed = std::to_array<WaveStage>({
-    {&Q::surfaces, by_surfaces<ShadeSurface>, Waits::kBounce, kFetches},
+    {&Q::surfaces, launch_by_surface_variant<ShadeSurface>, Waits::kBounce, kFetches},
     {&Q::surfaces, launch<ClassifyDetails>, Waits::kItem, kFillsQueues | kOwnItemsOnly},
     {&Q::absorbing, launch<Absorb>, Waits::kBounce, kFillsQueues},
-    {&Q::vertexed, by_instances<FetchVertices>, Waits::kBounce, kFillsQueues},
-    {&Q::based, by_mips<ShadeBase>, Waits::kBounce, kFillsQueues},
-    {&Q::physical, by_mips<ShadePhysical>, Waits::kBounce, kFillsQueues},
-    {&Q::bumped, by_mips<ShadeBump>, Waits::kBounce, kFillsQueues},
+    {&Q::vertexed, launch_by_instances<FetchVertices>, Waits::kBounce, kFillsQueues},
+    {&Q::based, launch_by_mips<ShadeBase>, Waits::kBounce, kFillsQueues},
+    {&Q::physical, launch_by_mips<ShadePhysical>, Waits::kBounce, kFillsQueues},
+    {&Q::bumped, launch_by_mips<ShadeBump>, Waits::kBounce, kFillsQueues},
     {&Q::blended, launch<ShadeBlend>, Waits::kBounce, kFillsQueues},
     {&Q::surfaces, launch<ClassifySurfaces>, Waits::kInspector, kFillsQueues | kEndsSurfaces},
 });
 
 /// Stages for texture details, which run before the fused stage that lights surfaces.
 constexpr auto kFusedDetails = std::to_array<WaveStage>({
-    {&Q::surfaces, by_surfaces<FetchSurface>, Waits::kBounce, kFillsQueues},
+    {&Q::surfaces, launch_by_surface_variant<FetchSurface>, Waits::kBounce, kFillsQueues},
     {&Q::absorbing, launch<Absorb>, Waits::kBounce, kFillsQueues},
-    {&Q::vertexed, by_instances<FetchVertices>, Waits::kBounce, kFillsQueues},
-    {&Q::based, by_mips<ShadeBase>, Waits::kBounce, kFillsQueues},
-    {&Q::physical, by_mips<ShadePhysical>, Waits::kBounce, kFillsQueues},
-    {&Q::bumped, by_mips<ShadeBump>, Waits::kBounce, kFillsQueues},
+    {&Q::vertexed, launch_by_instances<FetchVertices>, Waits::kBounce, kFillsQueues},
+    {&Q::based, launch_by_mips<ShadeBase>, Waits::kBounce, kFillsQueues},
+    {&Q::physical, launch_by_mips<ShadePhysical>, Waits::kBounce, kFillsQueues},
+    {&Q::bumped, launch_by_mips<ShadeBump>, Waits::kBounce, kFillsQueues},
     {&Q::blended, launch<ShadeBlend>, Waits::kBounce, kFillsQueues},
 });
 
@@ -53,29 +53,33 @@ constexpr LitStage lit_stage(Launch plain, Launch detailed, std::uint32_t effect
   const std::uint32_t all = kFillsQueues | kAddsColours | kCastsRays | effects;
   return {{&Q::surfaces, plain, Waits::kBounce, all}, {&Q::surfaces, detailed, Waits::kBounce, all}};
 }
-constexpr LitStage kLit = lit_stage(by_surfaces<FetchLit>, launch<LightSurface>, kEndsSurfaces);
+constexpr LitStage kLit = lit_stage(launch_by_surface_variant<FetchLit>, launch<LightSurface>, kEndsSurfaces);
 constexpr LitStage kLitGeometry =
-    lit_stage(by_surfaces<FetchLitGeometry>, by_instances<LightSurfaceGeometry>, kRecordsHits);
-constexpr LitStage kLitKept = lit_stage(by_surfaces<FetchLitKept>, by_instances<LightSurfaceKept>, kRecordsHits);
+    lit_stage(launch_by_surface_variant<FetchLitGeometry>, launch_by_instances<LightSurfaceGeometry>, kRecordsHits);
+constexpr LitStage kLitKept =
+    lit_stage(launch_by_surface_variant<FetchLitKept>, launch_by_instances<LightSurfaceKept>, kRecordsHits);
 constexpr LitStage kLitSecondary =
-    lit_stage(by_surfaces<FetchLitSecondary>, by_instances<LightSurfaceSecondary>, kRecordsHits);
-constexpr LitStage kLitOpen = lit_stage(by_surfaces<FetchLitOpen>, launch<LightSurfaceOpen>, kEndsSurfaces);
-constexpr LitStage kLitSoft = lit_stage(by_surfaces<FetchLitSoft>, launch<LightSurfaceSoft>, kEndsSurfaces);
-constexpr LitStage kLitOcclusion =
-    lit_stage(by_surfaces<FetchLitOcclusion>, launch<LightSurfaceOcclusion>, kEndsSurfaces | kCastsAmbientRays);
+    lit_stage(launch_by_surface_variant<FetchLitSecondary>, launch_by_instances<LightSurfaceSecondary>, kRecordsHits);
+constexpr LitStage kLitOpen =
+    lit_stage(launch_by_surface_variant<FetchLitOpen>, launch<LightSurfaceOpen>, kEndsSurfaces);
+constexpr LitStage kLitSoft =
+    lit_stage(launch_by_surface_variant<FetchLitSoft>, launch<LightSurfaceSoft>, kEndsSurfaces);
+constexpr LitStage kLitOcclusion = lit_stage(launch_by_surface_variant<FetchLitOcclusion>,
+                                             launch<LightSurfaceOcclusion>, kEndsSurfaces | kCastsAmbientRays);
 
-constexpr WaveStage kReducedRate{&Q::surfaces, by_surfaces<FetchVisible>, Waits::kBounce, kFillsQueues | kRecordsHits};
+constexpr WaveStage kReducedRate{&Q::surfaces, launch_by_surface_variant<FetchVisible>, Waits::kBounce,
+                                 kFillsQueues | kRecordsHits};
 
 // Stages that shade the sorted surfaces.
 
 constexpr WaveStage kBackground{&Q::misses, launch<ShadeBackground>, Waits::kBounce, kAddsColours};
-constexpr WaveStage kTextures{&Q::textured, by_mips<ShadeTextured>, Waits::kInspector, kBaseColours};
+constexpr WaveStage kTextures{&Q::textured, launch_by_mips<ShadeTextured>, Waits::kInspector, kBaseColours};
 constexpr auto kEmission = std::to_array<WaveStage>({
     {&Q::emissive, launch<ShadeEmission>, Waits::kBounce, kAddsColours},
-    {&Q::glowing, by_mips<ShadeGlow>, Waits::kBounce, kAddsColours},
+    {&Q::glowing, launch_by_mips<ShadeGlow>, Waits::kBounce, kAddsColours},
 });
 constexpr WaveStage kAmbient{&Q::diffuse, launch<ShadeAmbient>, Waits::kBounce, kAddsColours};
-constexpr WaveStage kOcclusionTextures{&Q::occluded, by_mips<ShadeOccluded>, Waits::kBounce, kAddsColours};
+constexpr WaveStage kOcclusionTextures{&Q::occluded, launch_by_mips<ShadeOccluded>, Waits::kBounce, kAddsColours};
 constexpr WaveStage kOcclusionRays{&Q::diffuse, launch<CastOcclusion>, Waits::kBounce, kCastsRays | kCastsAmbientRays};
 constexpr WaveStage kAmbientAndFirstLight{&Q::deferred, launch<LightDeferred>, Waits::kBounce,
                                           kAddsColours | kCastsRays};
@@ -114,13 +118,14 @@ Launched record_branches(const WaveContext& wave, const WaveBounce& bounce, cons
   return wave.scene.image.has_levels() ? record_branch<true>(wave, bounce, in) : record_branch<false>(wave, bounce, in);
 }
 
-constexpr RecordStages kGeometryRecords{by_instances<RecordGeometry>, launch<RecordShadow>,
+constexpr RecordStages kGeometryRecords{launch_by_instances<RecordGeometry>, launch<RecordShadow>,
                                         launch<CombineRecordShadow>};
-constexpr RecordStages kSurfaceRecords{by_instances<RecordSurface>, launch<RecordShadow>, launch<CombineRecordShadow>};
-constexpr RecordStages kTraitsRecords{by_instances<RecordTraits>, launch<RecordTraitsShadow>,
+constexpr RecordStages kSurfaceRecords{launch_by_instances<RecordSurface>, launch<RecordShadow>,
+                                       launch<CombineRecordShadow>};
+constexpr RecordStages kTraitsRecords{launch_by_instances<RecordTraits>, launch<RecordTraitsShadow>,
                                       launch<CombineRecordTraitsShadow>};
 constexpr RecordStages kBranchRecords{record_branches, launch<RecordBranchShadow>, launch<CombineRecordBranchShadow>};
-constexpr RecordStages kSecondaryRecords{by_instances<RecordSecondary>, launch<RecordSecondaryShadow>,
+constexpr RecordStages kSecondaryRecords{launch_by_instances<RecordSecondary>, launch<RecordSecondaryShadow>,
                                          launch<CombineRecordSecondaryShadow>};
 constexpr RecordStages kVisibleRecords{launch<RecordVisible>, launch<RecordVisibleShadow>,
                                        launch<CombineRecordVisibleShadow>};
@@ -134,14 +139,15 @@ std::uint32_t bounce_hash(std::uint32_t depth) { return depth * 0x9e3779b9U; }
 constexpr std::uint32_t kAmbientSeed = 0x9e3779b9U;
 
 /// Returns point `n` of a set of `count` points that cover the unit square evenly (Hammersley).
-DrawUniforms<float> hammersley_point(std::uint32_t n, std::uint32_t count, std::uint32_t seed) {
+RandomPointUniforms<float> hammersley_point(std::uint32_t n, std::uint32_t count, std::uint32_t seed) {
   std::uint32_t mirrored = 0;
   for (std::uint32_t bit = 0; bit < 32; ++bit) mirrored |= (n >> bit & 1U) << (31 - bit);
   return {(static_cast<float>(n) + 0.5F) / static_cast<float>(count), unit_float<float>(mirrored), seed};
 }
 
 /// Records to which pixels the primary rays of listed samples belong.
-void place_listed(WaveTracer& tracer, const GridUniforms<float>& grid, const SampleQueue& list, std::uint32_t items) {
+void place_listed_samples(WaveTracer& tracer, const GridUniforms<float>& grid, const SampleQueue& list,
+                          std::uint32_t items) {
   if (!tracer.counts_pixels()) return;
   const auto pitch = static_cast<std::uint32_t>(grid.pitch), side = static_cast<std::uint32_t>(grid.grid);
   const auto x0 = static_cast<std::int32_t>(grid.x0), y0 = static_cast<std::int32_t>(grid.y0);
@@ -158,16 +164,16 @@ BounceUniforms<float> bounce_uniforms(const WaveBounce& bounce) {
   return {bounce_hash(bounce.depth), bounce.mirrored, bounce.refracted, bounce.depth == 2 ? 1.0F : 0.0F};
 }
 
-std::uint32_t secondary_mark(const WaveBounce& bounce, std::uint32_t light) {
+std::uint32_t secondary_shadow_hash(const WaveBounce& bounce, std::uint32_t light) {
   return scramble_bits<float>(bounce_hash(bounce.depth) ^ light);
 }
 
-DrawUniforms<float> occlusion_draw(const WaveContext& wave, std::uint32_t ray) {
+RandomPointUniforms<float> occlusion_points(const WaveContext& wave, std::uint32_t ray) {
   return hammersley_point(ray, wave.scene.occlusion_rays,
                           scramble_bits<float>(jitter_seed(wave.out.work.frame) ^ kAmbientSeed));
 }
 
-DrawUniforms<float> soft_shadow_draw(const WaveContext& wave, std::uint32_t light, std::uint32_t ray) {
+RandomPointUniforms<float> soft_shadow_points(const WaveContext& wave, std::uint32_t light, std::uint32_t ray) {
   return hammersley_point(ray, wave.scene.shadow_rays, scramble_bits<float>(jitter_seed(wave.out.work.frame) + light));
 }
 
@@ -196,7 +202,7 @@ void Wavefront::run(Node maker, std::uint32_t rays, const RetainedRecords& retai
     if (is_shaded()) {
       run_stage(kTextures, bounce, buffer.queues.textured);
       run_stages(kEmission, bounce);
-      is_rated(bounce) ? shade_rated(bounce) : shade_local(bounce);
+      uses_rated_effects(bounce) ? shade_rated_effects(bounce) : shade_local_lights(bounce);
     } else if (wave_.retained.visible.have_shadows && wave_.scene.shadow_rays != 0) {
       for (std::uint32_t light = 0; light < wave_.scene.lights.size(); ++light) {
         shade_light(bounce, light, buffer.queues.diffuse);
@@ -242,11 +248,11 @@ void Wavefront::shade_surfaces(WaveBounce& bounce) {
   // Surfaces are not lit immediately if a sample has two rays in the wave and light may be deferred, because the lights
   // would be added in another order.
   const bool has_light = !scene.lights.empty() || scene.occlusion_rays != 0;
-  const bool is_lit =
-      is_shaded() && scene.fuses && has_light && !is_rated(bounce) && (bounce.is_single || !scene.has_deferred);
+  const bool is_lit = is_shaded() && scene.fuses && has_light && !uses_rated_effects(bounce) &&
+                      (bounce.is_single || !scene.has_deferred);
   if (is_lit) {
     const LitStage* stage = &kLit;
-    if (!scene.lights_as_usual()) {
+    if (!scene.has_plain_lighting()) {
       stage = scene.occlusion_rays != 0 ? &kLitOcclusion : scene.shadow_rays == 0 ? &kLitOpen : &kLitSoft;
     } else if (bounce.depth == 1 && kept.geometry) {
       stage = &kLitGeometry;
@@ -258,7 +264,7 @@ void Wavefront::shade_surfaces(WaveBounce& bounce) {
     if (scene.has_details) run_stages(kFusedDetails, bounce);
     run_stage(scene.has_details ? stage->detailed : stage->plain, bounce, buffer.queues.surfaces);
     bounce.has_lit = true;
-  } else if (is_rated(bounce) && scene.fuses && !scene.has_details) {
+  } else if (uses_rated_effects(bounce) && scene.fuses && !scene.has_details) {
     run_stage(kReducedRate, bounce, buffer.queues.surfaces);
   } else if (scene.has_details) {
     run_stages(kSeparateDetailed, bounce);
@@ -322,7 +328,7 @@ void Wavefront::wait_for_batch(Node node, const TracedBatch& batch) {
 
 /// Adds ambient light and all lights to diffuse surfaces. Surfaces of a fused stage already have ambient light and the
 /// first light, or the first occlusion ray.
-void Wavefront::shade_local(WaveBounce& bounce) {
+void Wavefront::shade_local_lights(WaveBounce& bounce) {
   const SceneTables& scene = wave_.scene;
   StageQueues& queues = wave_.buffer.queues;
   if (queues.diffuse.items == 0) return;
@@ -330,9 +336,9 @@ void Wavefront::shade_local(WaveBounce& bounce) {
   const bool keeps_local = wave_.retained.surfaces && bounce.depth == 1;
   const auto lights = static_cast<std::uint32_t>(scene.lights.size());
   const bool has_occlusion_rays = scene.occlusion_rays != 0;
-  const bool is_fused = scene.lights_as_usual() && scene.fuses && lights != 0 && queues.occluded.items == 0;
+  const bool is_fused = scene.has_plain_lighting() && scene.fuses && lights != 0 && queues.occluded.items == 0;
   // Surfaces that were lit immediately had no colour before.
-  if (keeps_local && first.items != 0) bounce.colours = record_local<false>(bounce, first);
+  if (keeps_local && first.items != 0) bounce.colours = record_local_colour<false>(bounce, first);
   if (has_occlusion_rays) {
     run_stage(kOcclusionRays, bounce, first);
     for (std::uint32_t ray = 1; ray < scene.occlusion_rays; ++ray) {
@@ -352,7 +358,7 @@ void Wavefront::shade_local(WaveBounce& bounce) {
       shade_light(bounce, 0, queues.diffuse, 1);
     }
   }
-  if (keeps_local) bounce.after = record_local<true>(bounce, queues.diffuse);
+  if (keeps_local) bounce.after = record_local_colour<true>(bounce, queues.diffuse);
 }
 
 /// Adds one light to the surfaces of a queue, with rays [first_ray, end_ray) of each surface, or all rays.
@@ -360,7 +366,7 @@ void Wavefront::shade_light(WaveBounce& bounce, std::uint32_t light, SlotQueue& 
                             std::uint32_t end_ray) {
   const SceneTables& scene = wave_.scene;
   const WaveStage& stage = scene.shadow_rays == 0 ? kOpenLight : scene.discs.empty() ? kHardShadows : kSoftShadows;
-  for (std::uint32_t ray = first_ray; ray < std::min(end_ray, scene.rays_to_light()); ++ray) {
+  for (std::uint32_t ray = first_ray; ray < std::min(end_ray, scene.launches_per_light()); ++ray) {
     run_stage(stage, bounce, queue, light, ray);
   }
 }
@@ -387,7 +393,7 @@ void Wavefront::combine_shadows(const WaveBounce& bounce, std::uint32_t light, c
 
 /// Lights first hits in frames with effects at a lower rate. Samples store the light as if nothing blocked it; some of
 /// them find the visible fraction with rays.
-void Wavefront::shade_rated(WaveBounce& bounce) {
+void Wavefront::shade_rated_effects(WaveBounce& bounce) {
   const SceneTables& scene = wave_.scene;
   TileBuffer& buffer = wave_.buffer;
   SlotQueue& diffuse = buffer.queues.diffuse;
@@ -487,9 +493,9 @@ void Wavefront::record_hits(WaveBounce& bounce) {
   graph_.register_record_writer(bounce.recorded);
 }
 
-/// Records the colours of samples before or after local lights are added. Later bounces wait for the launch after it.
+/// Records the samples' colours before local lights are added, or after with kAfter. Later bounces wait for the latter.
 template <bool kAfter>
-Node Wavefront::record_local(const WaveBounce& bounce, SlotQueue& queue) {
+Node Wavefront::record_local_colour(const WaveBounce& bounce, SlotQueue& queue) {
   const StageInput in{.entries = queue.entries.data(), .items = queue.items, .lanes = bounce.lanes};
   const Node node = launch<RecordLocal<kAfter>>(wave_, bounce, in).node;
   wait_for_bounce(node, bounce);
@@ -519,7 +525,7 @@ WaveBounce Wavefront::spawn_secondary_rays(const WaveBounce& bounce) {
     if (rays == 0) continue;
     next.batches[next.batch_count++] = tracer_.trace(stage.kind, slots, next.rays, rays, maker, true);
     const std::uint32_t apart = bounce.depth == 1 ? wave_.retained.visible.branch_offset(stage.kind) : 0;
-    if (apart != 0) begin_branch(next, rays, apart, maker);
+    if (apart != 0) assign_branch_samples(next, rays, apart, maker);
     next.rays += rays;
     next.lanes += bounce.lanes;
   }
@@ -530,7 +536,7 @@ WaveBounce Wavefront::spawn_secondary_rays(const WaveBounce& bounce) {
 }
 
 /// Gives the last `rays` rays of the next wave, which launch `maker` emitted, samples of their own.
-void Wavefront::begin_branch(WaveBounce& next, std::uint32_t rays, std::uint32_t apart, Node maker) {
+void Wavefront::assign_branch_samples(WaveBounce& next, std::uint32_t rays, std::uint32_t apart, Node maker) {
   BeginBranch::Ports<float> ports;
   ports.next_paths.bind(wave_.buffer.rays.next_wave.paths.data() + next.rays);
   ports.apart = apart;
@@ -575,8 +581,8 @@ template void Wavefront::shade_interpolated<false>(const LineUniforms<float>& li
 template void Wavefront::shade_interpolated<true>(const LineUniforms<float>& line, std::uint32_t items,
                                                   std::uint32_t lanes, Node checked);
 
-Node Wavefront::generate_listed(GenerateListedRays::Ports<float>& ports, SampleQueue& list, Node lister,
-                                std::uint32_t items, RetainedRecords& retained, std::uint32_t lanes) {
+Node Wavefront::generate_listed_rays(GenerateListedRays::Ports<float>& ports, SampleQueue& list, Node lister,
+                                     std::uint32_t items, RetainedRecords& retained, std::uint32_t lanes) {
   const auto launch_on_list = [&]<class K, class... Clear>(std::type_identity<K>, std::type_identity<Clear>...) {
     typename K::template Ports<float> bound;
     if constexpr (std::is_base_of_v<GenerateListedRays::Ports<float>, typename K::template Ports<float>>) {
@@ -602,13 +608,13 @@ Node Wavefront::generate_listed(GenerateListedRays::Ports<float>& ports, SampleQ
             ? launch_on_list(type_identity<GenerateSecondary>{}, geometry, type_identity<ClearSecondary>{})
             : launch_on_list(type_identity<GenerateGeometry>{}, geometry);
     retained.cleared = retained.cleared_secondary = node;
-    place_listed(tracer_, ports.grid, list, items);
+    place_listed_samples(tracer_, ports.grid, list, items);
     graph_.wait_all(node, lister);
     graph_.register_record_writer(node);
     return node;
   }
   const Node generated = launch_on_list(type_identity<GenerateListedRays>{});
-  place_listed(tracer_, ports.grid, list, items);
+  place_listed_samples(tracer_, ports.grid, list, items);
   graph_.wait_all(generated, lister);
   const auto clear = [&](auto kernel) {
     const Node node = launch_on_list(kernel);

@@ -36,8 +36,8 @@ class Wavefront {
 
   /// Generates the primary rays of the samples in `list`, which launch `lister` filled, and clears the records selected
   /// by `retained`. Stores the clearing nodes in `retained`. `ports` must have camera and grid.
-  Node generate_listed(GenerateListedRays::Ports<float>& ports, SampleQueue& list, Node lister, std::uint32_t items,
-                       RetainedRecords& retained, std::uint32_t lanes = 0);
+  Node generate_listed_rays(GenerateListedRays::Ports<float>& ports, SampleQueue& list, Node lister,
+                            std::uint32_t items, RetainedRecords& retained, std::uint32_t lanes = 0);
   /// Traces and shades primary rays and all later bounces. Launch `maker` wrote the primary rays to the first wave, one
   /// per item. `lanes` and `padding` are those of TileGraph::launch().
   void run(Node maker, std::uint32_t rays, const RetainedRecords& retained = {}, std::uint32_t lanes = 0,
@@ -59,7 +59,7 @@ class Wavefront {
   void wait_for_batch(Node node, const TracedBatch& batch);
 
   // Stages that add light.
-  void shade_local(WaveBounce& bounce);
+  void shade_local_lights(WaveBounce& bounce);
   void shade_light(WaveBounce& bounce, std::uint32_t light, SlotQueue& queue, std::uint32_t first_ray = 0,
                    std::uint32_t end_ray = ~0U);
   void combine_shadows(const WaveBounce& bounce, std::uint32_t light, const TracedBatch& batch, std::uint32_t rays,
@@ -69,8 +69,10 @@ class Wavefront {
   }
 
   // Stages of effects at a reduced rate.
-  bool is_rated(const WaveBounce& bounce) const { return wave_.retained.rated.are_rated && bounce.depth == 1; }
-  void shade_rated(WaveBounce& bounce);
+  bool uses_rated_effects(const WaveBounce& bounce) const {
+    return wave_.retained.rated.are_rated && bounce.depth == 1;
+  }
+  void shade_rated_effects(WaveBounce& bounce);
   void launch_visibility_ratio(const WaveBounce& bounce, Launch cast, StageInput in, Node selected, float share,
                                std::uint32_t layer);
 
@@ -79,11 +81,11 @@ class Wavefront {
   const RecordStages* record_stages(const WaveBounce& bounce) const;
   void record_hits(WaveBounce& bounce);
   template <bool kAfter>
-  Node record_local(const WaveBounce& bounce, SlotQueue& queue);
+  Node record_local_colour(const WaveBounce& bounce, SlotQueue& queue);
 
   // Stages that emit the next wave.
   WaveBounce spawn_secondary_rays(const WaveBounce& bounce);
-  void begin_branch(WaveBounce& next, std::uint32_t rays, std::uint32_t apart, Node maker);
+  void assign_branch_samples(WaveBounce& next, std::uint32_t rays, std::uint32_t apart, Node maker);
 
   TileResult& out_;
   TileGraph graph_;

@@ -257,9 +257,9 @@ TEST(EffectsOfAFrame, DrawTheSameRaysAtHitsThatEmbreeFinds) {
 }
 
 TEST(EffectsOfAFrame, AreThoseOfUnfusedKernelsInEveryProgram) {
-  traces::BvhConfig two_levels;
-  two_levels.instances = traces::InstanceLevels::kTwoLevel;
-  for (const traces::BvhConfig& bvh : {traces::BvhConfig{}, two_levels}) {
+  traces::BvhConfig build_two_levels;
+  build_two_levels.instances = traces::InstanceLevels::kTwoLevel;
+  for (const traces::BvhConfig& bvh : {traces::BvhConfig{}, build_two_levels}) {
     for (const traces::Scene& scene : {traces::open_scene("cornell"), showcase_scene()}) {
       const EffectStage stage(scene, bvh);
       for (const char* effects : {"reflections", "soft_shadows, refractions", "occlusion, shadows", kEverything}) {

@@ -57,7 +57,7 @@ constexpr Hand kFusedByHand[] = {
     // Without 2 wraps, or; 2 (has, select, or), and.
     {"check_attributes_x_untextured", {38, 50, 18, 15, 16, 15, 10, 5, 6, 3, 0}},
     {"check_attributes_y_untextured", {38, 50, 18, 15, 16, 15, 10, 5, 6, 3, 0}},
-    // As pack_colour; along rows to_float, divmod, 2 mul, 2 add, to_int.
+    // As pack_colour; along rows to_float, div_mod, 2 mul, 2 add, to_int.
     {"pack_sample", {9, 15, 9, 6, 3, 3, 5, 3, 1, 1, 0}},
     {"pack_grid_sample", {13, 19, 9, 7, 3, 3, 5, 5, 1, 1, 0}},
     // As without cones, and 6 add, 5 mul, 2 div_sqrt, 2 other, 3 integer for the footprint.

@@ -56,11 +56,11 @@ TEST(DebugPictures, RoundsOfPropagationAreShownWhereThereWereAny) {
 }
 
 TEST(DebugPictures, WeightsAndEdgesOfReconstructAreShownWhereThereAreAny) {
-  const auto bit = [](kernels::FilterEdge edge) { return 1U << static_cast<std::uint32_t>(edge); };
+  const auto edge_bit = [](kernels::FilterEdge edge) { return 1U << static_cast<std::uint32_t>(edge); };
   const std::uint32_t all = 255U << kernels::kWeightShift;
   const RenderResult frame = row_of(
-      {static_cast<kernels::SampleMark>(all), static_cast<kernels::SampleMark>(bit(kernels::FilterEdge::kShadow)),
-       static_cast<kernels::SampleMark>(51U << kernels::kWeightShift | bit(kernels::FilterEdge::kReflection))});
+      {static_cast<kernels::SampleMark>(all), static_cast<kernels::SampleMark>(edge_bit(kernels::FilterEdge::kShadow)),
+       static_cast<kernels::SampleMark>(51U << kernels::kWeightShift | edge_bit(kernels::FilterEdge::kReflection))});
   for (const char* program : {"reconstruct", "reconstruct:sraa"}) {
     const std::vector<DebugPicture> pictures = debug_pictures(kernels::parse_program(program), frame, 3, 1);
     EXPECT_EQ(picture_of(pictures, "weights"), (std::vector<Colour>{{255, 255, 255}, {0, 0, 0}, {51, 51, 51}}));

@@ -104,8 +104,8 @@ TEST(BackFaces, AreTheSameForEmbreeAndTheEquations) {
       for (const RayKind kind : {RayKind::kPrimary, RayKind::kShadow}) {
         const VerifyingTracer verifying(image, bvh, embree);
         trace(verifying, random_rays(20000), kind);
-        EXPECT_EQ(verifying.counts().error_count(), 0U);
-        EXPECT_EQ(verifying.counts().reference_errors, 0U);
+        EXPECT_EQ(verifying.verify_counts().error_count(), 0U);
+        EXPECT_EQ(verifying.verify_counts().reference_errors, 0U);
       }
     }
   }
@@ -118,7 +118,7 @@ TEST(BackFaces, AreMissedByTheEquations) {
   const EmbreeTracer embree(front, 1);
   const VerifyingTracer verifying(front, wrong, embree);
   trace(verifying, random_rays(3000));
-  EXPECT_GT(verifying.counts().error_count(), 100U) << "a tracer that hits back faces is found out";
+  EXPECT_GT(verifying.verify_counts().error_count(), 100U) << "a tracer that hits back faces is found out";
 }
 
 }  // namespace

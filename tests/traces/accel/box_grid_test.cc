@@ -45,7 +45,7 @@ TEST(HybridBoxes, ContainFloatBoxesWithinAStepInBuiltInScenes) {
     if (info.triangles > 100'000 && info.name != "hairball") continue;  // larger scenes take seconds to build
     const MemoryImage floats = build_memory_image(build_scene(info.name, {.triangles = 20000}));
     MemoryImage hybrid = floats;
-    put_on_grid(hybrid);
+    round_boxes_to_grid(hybrid);
     expect_around(hybrid, floats);
   }
 }
@@ -72,7 +72,7 @@ TEST(HybridBoxes, OfAMovedSceneUseAGridOfItsNewBounds) {
   refit_memory_image(moved, hybrid);
   refit_memory_image(moved, floats);
   EXPECT_FALSE(*hybrid.grid == before);
-  EXPECT_EQ(hybrid.grid->lower(), hybrid.lower);
+  EXPECT_EQ(hybrid.grid->lower_corner(), hybrid.lower);
   expect_around(hybrid, floats);
   refit_memory_image(scene, hybrid);
   EXPECT_EQ(bvh_hash(hybrid), bvh_hash(build_memory_image(scene, config))) << "and back";
@@ -95,9 +95,9 @@ TEST(BoxGrid, SpreadsItsPlanesOverTheScene) {
   const BoxGrid grid({-1, 0, 5}, {1, 4, 5});
   EXPECT_EQ(grid.plane_below(-1, 0), 0);
   EXPECT_GE(grid.plane_above(1, 0), 524286) << "of 524287";
-  EXPECT_FLOAT_EQ(grid.step().x, 2.0F / 524286);
-  EXPECT_FLOAT_EQ(grid.step().y, 4.0F / 524286);
-  EXPECT_FLOAT_EQ(grid.step().z, 4.0F / 1024 / 524286) << "flat";
+  EXPECT_FLOAT_EQ(grid.plane_spacing().x, 2.0F / 524286);
+  EXPECT_FLOAT_EQ(grid.plane_spacing().y, 4.0F / 524286);
+  EXPECT_FLOAT_EQ(grid.plane_spacing().z, 4.0F / 1024 / 524286) << "flat";
   EXPECT_EQ(grid.plane_below(5, 2), 0);
   EXPECT_EQ(grid.plane_above(5, 2), 0);
   const auto on_plane = static_cast<float>(grid.plane_position(3, 0));

@@ -196,7 +196,7 @@ TEST(BvhTracer, AShadowRayEndsAtAnOpaqueHitOrReportsTheNearestFlaggedOne) {
         const Hit nearest = test_all(image, rays[i]);
         ASSERT_EQ(hits[i].is_hit(), nearest.is_hit());
         if (!nearest.is_hit()) continue;
-        EXPECT_EQ(hits[i].triangle & ~kTriangleMask, image.triangles[hits[i].index()].hit_flags());
+        EXPECT_EQ(hits[i].triangle & ~kTriangleMask, image.triangles[hits[i].triangle_index()].hit_flags());
         if (hits[i].is_flagged()) {
           ++flagged;
           ASSERT_EQ(std::memcmp(&hits[i], &nearest, sizeof(Hit)), 0) << "ray " << i;

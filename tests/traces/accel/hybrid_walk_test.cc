@@ -151,7 +151,7 @@ TEST(HybridWalk, AgreesWithEmbree) {
   const VerifyingTracer verifying(image, bvh, embree);
   trace(verifying, random_rays(50000));
   trace(verifying, random_rays(50000, 9), RayKind::kShadow);
-  EXPECT_EQ(verifying.counts().error_count(), 0U);
+  EXPECT_EQ(verifying.verify_counts().error_count(), 0U);
 }
 
 TEST(HybridWalk, IsBarelyLongerThanWithFloats) {

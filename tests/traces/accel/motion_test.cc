@@ -53,7 +53,7 @@ void expect_no_faults(const MemoryImage& image, const Camera& camera, std::uint6
   EXPECT_GT(further.size(), rays.size() / 50) << "the camera looks past everything";
   trace(verifying, further, RayKind::kReflection);
   trace(verifying, further, RayKind::kShadow);
-  const VerifyCounts counts = verifying.counts();
+  const VerifyCounts counts = verifying.verify_counts();
   EXPECT_EQ(counts.missing_hits, 0U);
   EXPECT_EQ(counts.extra_hits, 0U);
   EXPECT_EQ(counts.distance_errors, 0U);

@@ -108,7 +108,7 @@ TEST(Refit, AgreesWithEmbreeOnTheMovedTriangles) {
   const EmbreeTracer embree(image, 1);
   const VerifyingTracer verifying(image, bvh, embree);
   trace(verifying, random_rays(50000));
-  EXPECT_EQ(verifying.counts().error_count(), 0U);
+  EXPECT_EQ(verifying.verify_counts().error_count(), 0U);
 }
 
 TEST(Refit, CostsMoreTheFurtherThingsMove) {

@@ -217,7 +217,7 @@ Hit test_all(const MemoryImage& image, const Ray& ray) {
   for (std::uint32_t i = 0; i < image.instances.size(); ++i) {
     if (image.tree_of[i] == kNone) continue;
     const ObjectTree& tree = image.trees[image.tree_of[i]];
-    test(into_object(image.instances[i], ray), i, tree.first_triangle, tree.triangles);
+    test(to_object_space(image.instances[i], ray), i, tree.first_triangle, tree.triangles);
   }
   if (!best.is_hit()) return {};
   best.triangle |= image.triangles[best.triangle].hit_flags();

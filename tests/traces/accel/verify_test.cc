@@ -32,7 +32,7 @@ class Verify : public ::testing::Test {
   VerifyCounts with(const Tracer& tested, RayKind kind = RayKind::kPrimary, std::uint32_t rays = 3000) {
     const VerifyingTracer verifying(image_, tested, embree_);
     trace(verifying, random_rays(rays), kind);
-    return verifying.counts();
+    return verifying.verify_counts();
   }
 
   const MemoryImage image_ = build_memory_image(triangle_soup(800, 0.3F));
@@ -82,8 +82,8 @@ TEST_F(Verify, BlamesTheReferenceIfThatIsWrong) {
   const BrokenTracer broken(embree_, [](Hit& hit) { hit = Hit{}; });
   const VerifyingTracer verifying(image_, bvh_, broken);
   trace(verifying, random_rays(3000));
-  EXPECT_GT(verifying.counts().reference_errors, 50U);
-  EXPECT_EQ(verifying.counts().error_count(), 0U);
+  EXPECT_GT(verifying.verify_counts().reference_errors, 50U);
+  EXPECT_EQ(verifying.verify_counts().error_count(), 0U);
 }
 
 TEST_F(Verify, ChecksThatFlaggedHitsOfShadowRaysAreNearest) {
@@ -94,7 +94,7 @@ TEST_F(Verify, ChecksThatFlaggedHitsOfShadowRaysAreNearest) {
     const BrokenTracer broken(bvh, std::move(damage));
     const VerifyingTracer verifying(image, broken, embree);
     trace(verifying, random_rays(20000), kind);
-    return verifying.counts();
+    return verifying.verify_counts();
   };
   for (const RayKind kind : {RayKind::kPrimary, RayKind::kShadow}) {
     EXPECT_EQ(counts_of([](Hit&) {}, kind).error_count(), 0U);
@@ -119,7 +119,7 @@ TEST_F(Verify, CallsADifferenceOnAnEdgeATie) {
   const auto counts_of = [&](const Ray& ray) {
     const VerifyingTracer verifying(image, broken, embree);
     trace(verifying, {ray});
-    return verifying.counts();
+    return verifying.verify_counts();
   };
   EXPECT_EQ(counts_of(Ray{{0.5F, 0.5F, 1}, 0, {0, 0, -1}}).edge_ties, 1U);
   EXPECT_EQ(counts_of(Ray{{0.25F, 0.25F, 1}, 0, {0, 0, -1}, 1.000001F}).edge_ties, 1U);
@@ -147,8 +147,8 @@ TEST_F(Verify, CountsTheSameFromManyThreads) {
     threads.emplace_back([&] { trace(verifying, random_rays(1000)); });
   }
   threads.clear();
-  EXPECT_EQ(verifying.counts().rays, 4 * alone.rays);
-  EXPECT_EQ(verifying.counts().missing_hits, 4 * alone.missing_hits);
+  EXPECT_EQ(verifying.verify_counts().rays, 4 * alone.rays);
+  EXPECT_EQ(verifying.verify_counts().missing_hits, 4 * alone.missing_hits);
 }
 
 TEST(ExactHit, ReportsItsCertainty) {

@@ -14,7 +14,7 @@ TEST(CountSteps, CountsNodesAndTrianglesOfWalksBackToBack) {
       end_step(true),      visit_step(0, 0, 0), end_step(false),     leaf_step(0, 1), 0x1,  end_step(false)};
   EXPECT_EQ(count_steps(words).visits, 3U);
   EXPECT_EQ(count_steps(words).tests, 2U + 1U);
-  EXPECT_EQ(count_steps(words).all(), 3U + 2U + 1U);
+  EXPECT_EQ(count_steps(words).total_steps(), 3U + 2U + 1U);
 }
 
 }  // namespace

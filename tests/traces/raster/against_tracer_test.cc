@@ -29,11 +29,11 @@ struct Agreement {
 
 /// Returns the distance in pixels of a sample from the nearest edge of a triangle.
 double from_edge(const Rasteriser& rasteriser, std::uint32_t triangle, const glm::dvec2& at) {
-  const auto& v = rasteriser.geometry().triangles[triangle].vertices;
+  const auto& v = rasteriser.scene_geometry().triangles[triangle].vertices;
   double nearest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < 3; ++i) {
-    const Projected a = rasteriser.view().project_point(rasteriser.geometry().vertices[v[i]]);
-    const Projected b = rasteriser.view().project_point(rasteriser.geometry().vertices[v[(i + 1) % 3]]);
+    const Projected a = rasteriser.raster_view().project_point(rasteriser.scene_geometry().vertices[v[i]]);
+    const Projected b = rasteriser.raster_view().project_point(rasteriser.scene_geometry().vertices[v[(i + 1) % 3]]);
     const glm::dvec3 line = glm::cross(a, b);
     nearest = std::min(nearest, std::abs(glm::dot(line, glm::dvec3(at, 1))) / glm::length(glm::dvec2(line)));
   }
@@ -58,13 +58,13 @@ bool share_a_corner(const RasterGeometry::Triangle& a, const RasterGeometry::Tri
 /// Compares rasteriser and tracer at one sample.
 void compare(const Rasteriser& rasteriser, const Ray& ray, const Coverage::Winner& winner, const Hit& hit,
              std::uint32_t traced, Agreement& all) {
-  const Projected seen = rasteriser.view().of_ray(ray.direction);
+  const Projected seen = rasteriser.raster_view().project_direction(ray.direction);
   const double depth = seen.z * hit.t, apart = std::abs(winner.depth - depth) / depth;
   if (winner.triangle == traced) {
     all.worst_depth = std::max(all.worst_depth, apart);
     return;
   }
-  const auto& triangles = rasteriser.geometry().triangles;
+  const auto& triangles = rasteriser.scene_geometry().triangles;
   const bool tie = share_a_corner(triangles[winner.triangle], triangles[traced]) && apart < 1e-4 &&
                    from_edge(rasteriser, winner.triangle, glm::dvec2(seen) / seen.z) < 1e-3;
   (tie ? all.ties : all.apart) += 1;
@@ -74,7 +74,7 @@ Agreement compare(const MemoryImage& image, const PictureCamera& camera) {
   constexpr std::uint32_t kSide = 32;
   const Rasteriser rasteriser(image, camera, {}, kSide);
   const BvhTracer tracer(image);
-  const Numbers numbers = numbers_of(rasteriser.geometry(), image.has_levels());
+  const Numbers numbers = numbers_of(rasteriser.scene_geometry(), image.has_levels());
   Agreement all;
   Coverage found;
   for (std::uint32_t y = 0; y < camera.height; y += kSide) {
@@ -91,7 +91,7 @@ Agreement compare(const MemoryImage& image, const PictureCamera& camera) {
         if (hits[i].is_hit() != drawn) all.apart += 1;
         if (!hits[i].is_hit() || !drawn) continue;
         const std::uint32_t instance = image.has_levels() ? instance_of(hits[i]) : 0;
-        compare(rasteriser, rays[i], found.winners[i], hits[i], numbers.at({instance, hits[i].index()}), all);
+        compare(rasteriser, rays[i], found.winners[i], hits[i], numbers.at({instance, hits[i].triangle_index()}), all);
       }
     }
   }

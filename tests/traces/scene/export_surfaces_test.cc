@@ -60,7 +60,7 @@ TEST(ExportOfSurfaces, APureMirrorIsASmoothMetal) {
 TEST(ExportOfSurfaces, ATexturedMirrorsTintIsTheMeanOfItsTexture) {
   Scene scene = traces::build_scene("teapot");
   Material& floor = scene.materials.at(1);
-  ASSERT_TRUE(floor.base_texture.used());
+  ASSERT_TRUE(floor.base_texture.is_used());
   floor.mirror = 0.3F;
   floor.mirror_tint = glm::vec3(1);
   const Material back = there_and_back(scene).materials.at(1);

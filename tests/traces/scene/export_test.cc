@@ -23,7 +23,7 @@ TEST_P(ExportOfBuiltin, GivesTheSameSceneBack) {
     const traces::Mesh &mesh = scene.meshes[scene.instances[i].mesh], &same = back.meshes[back.instances[i].mesh];
     EXPECT_EQ(back.instances[i].to_world, scene.instances[i].to_world);
     EXPECT_EQ(same.positions, mesh.positions) << mesh.name;
-    if (scene.materials[mesh.material].base_texture.used()) {
+    if (scene.materials[mesh.material].base_texture.is_used()) {
       EXPECT_EQ(same.uvs, mesh.uvs) << mesh.name;
     }
     EXPECT_EQ(same.triangles, mesh.triangles) << mesh.name;

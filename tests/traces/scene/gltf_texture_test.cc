@@ -130,7 +130,7 @@ TEST(GltfTextures, WebpFallsBackToTheOtherImageOrIsLeftOut) {
   EXPECT_EQ(load(file).textures.size(), 1U);
   file.json["textures"][0].erase("source");
   const Scene scene = load(file);
-  EXPECT_FALSE(scene.materials.at(0).base_texture.used());
+  EXPECT_FALSE(scene.materials.at(0).base_texture.is_used());
   EXPECT_EQ(scene.warnings.size(), 2U);
 }
 

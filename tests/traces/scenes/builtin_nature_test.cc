@@ -78,7 +78,7 @@ TEST_P(NatureScene, HasWholeMeshes) {
     if (!mesh.uvs.empty()) {
       ASSERT_EQ(mesh.uvs.size(), mesh.positions.size());
     }
-    if (scene.materials[mesh.material].base_texture.used()) {
+    if (scene.materials[mesh.material].base_texture.is_used()) {
       ASSERT_FALSE(mesh.uvs.empty()) << mesh.name;
     }
     std::size_t crooked = 0;

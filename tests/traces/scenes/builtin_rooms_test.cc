@@ -112,7 +112,7 @@ TEST_P(Rooms, AreTexturedLitAndHaveCameras) {
     EXPECT_EQ(texture.texels.size(), std::size_t{texture.width} * texture.height) << texture.name;
   }
   for (const traces::Material& m : scene_.materials) {
-    if (!m.base_texture.used()) continue;
+    if (!m.base_texture.is_used()) continue;
     ASSERT_LT(m.base_texture.texture, scene_.textures.size()) << m.name;
     EXPECT_FALSE(scene_.textures[m.base_texture.texture].name.empty());
   }

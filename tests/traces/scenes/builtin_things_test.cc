@@ -100,7 +100,7 @@ TEST_P(Things, AreWhole) {
     EXPECT_GE(scene.lights.size(), 1U);
     EXPECT_LE(scene.lights.size(), 4U);
     for (const traces::Material& m : scene.materials) {
-      EXPECT_TRUE(!m.base_texture.used() || m.base_texture.texture < scene.textures.size()) << m.name;
+      EXPECT_TRUE(!m.base_texture.is_used() || m.base_texture.texture < scene.textures.size()) << m.name;
     }
     for (const Instance& instance : scene.instances) {
       ASSERT_LT(instance.mesh, scene.meshes.size());

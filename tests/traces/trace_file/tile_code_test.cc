@@ -32,7 +32,7 @@ TEST(TileCode, RestoresATileWithEverything) {
   const TileRays rays = decode(encode(tile, scope.links), scope, back);
   EXPECT_TRUE(same(tile, back));
   EXPECT_EQ(rays.by_kind, (std::array<std::uint64_t, kRayKinds>{3, 2, 0, 0}));
-  EXPECT_EQ(rays.steps.all(), 1U + 3 + 3 + 6 + 3 + 1 + 2 + 2) << "visits and tests of the five rays";
+  EXPECT_EQ(rays.steps.total_steps(), 1U + 3 + 3 + 6 + 3 + 1 + 2 + 2) << "visits and tests of the five rays";
 }
 
 TEST(TileCode, RestoresRaysThatEnterInstances) {
@@ -40,7 +40,7 @@ TEST(TileCode, RestoresRaysThatEnterInstances) {
   const TileWork tile = tile_of_levels();
   const std::string bytes = encode(tile, scope.links);
   TileWork back;
-  EXPECT_EQ(decode(bytes, scope, back).steps.all(), (5U + 5) + (4 + 1) + 2) << "entering is no step";
+  EXPECT_EQ(decode(bytes, scope, back).steps.total_steps(), (5U + 5) + (4 + 1) + 2) << "entering is no step";
   EXPECT_TRUE(same(tile, back));
   TileWork flat = tile;  // without the enters
   flat.walk = {visit_step(0, 1, 0), end_step(false)};
@@ -58,12 +58,12 @@ TEST(TileCode, ADecoderReusesItsStorage) {
   const auto inside = [](const std::string& bytes) { return std::string_view(bytes).substr(0, bytes.size() - 16); };
   TileDecoder decoder;
   TileWork work;
-  decoder.decode(inside(large_bytes), scope, work);
+  decoder.decode_tile(inside(large_bytes), scope, work);
   const Edge* edges = work.nodes[5].inputs.data();
   const std::uint32_t* walk = work.walk.data();
-  decoder.decode(inside(small_bytes), scope, work);
+  decoder.decode_tile(inside(small_bytes), scope, work);
   EXPECT_TRUE(same(small, work));
-  decoder.decode(inside(large_bytes), scope, work);
+  decoder.decode_tile(inside(large_bytes), scope, work);
   EXPECT_TRUE(same(tile, work));
   EXPECT_EQ(work.walk.data(), walk);
   EXPECT_TRUE(std::ranges::any_of(work.nodes, [&](const WorkNode& n) { return n.inputs.data() == edges; }));
@@ -176,7 +176,7 @@ TEST(TileCode, ATileHasALimitedNumberOfNodes) {
   tile.nodes.resize(kMaxTileNodes, {.items = 1, .inputs = {}});
   tile.access_begin = {0};
   std::string bytes;
-  TileEncoder().encode(tile, tiny_scope().links, bytes);
+  TileEncoder().encode_tile(tile, tiny_scope().links, bytes);
   TileWork back;
   decode(bytes, tiny_scope(), back);
   EXPECT_EQ(back.nodes.size(), kMaxTileNodes);

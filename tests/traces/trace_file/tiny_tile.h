@@ -190,12 +190,12 @@ inline std::string padded(std::string bytes) { return bytes.append(16, '\x5a'); 
 
 inline TileRays decode(const std::string& bytes, const TileScope& scope, TileWork& work) {
   const std::string with_padding = padded(bytes);
-  return TileDecoder().decode(std::string_view(with_padding).substr(0, bytes.size()), scope, work);
+  return TileDecoder().decode_tile(std::string_view(with_padding).substr(0, bytes.size()), scope, work);
 }
 
 inline std::string encode(const TileWork& work, const Links& links) {
   std::string bytes;
-  TileEncoder().encode(work, links, bytes);
+  TileEncoder().encode_tile(work, links, bytes);
   return bytes;
 }
 

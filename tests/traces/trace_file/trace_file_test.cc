@@ -46,7 +46,7 @@ void write(const std::filesystem::path& path) {
   for (const std::uint32_t frame : {7U, 8U, 9U}) {
     trace.begin_part({.frame = frame}, frame == 9 ? other : scope.links, scope.counts, kDemands);
     if (frame != 9) {
-      for (std::uint32_t t = 0; t < kTiles; ++t) trace.add(tile(t + 100 * frame));
+      for (std::uint32_t t = 0; t < kTiles; ++t) trace.add_tile(tile(t + 100 * frame));
     }
     trace.end_part({{"rays", frame}});
     trace.end_frame({{"frame", frame}});
@@ -67,7 +67,7 @@ void read_all(const std::filesystem::path& path) {
   for (const TraceReader::Part& part : trace.parts()) {
     const TileScope scope = trace.tile_scope(part, 5);
     for (const TraceReader::FileRange& range : trace.tiles(part)) {
-      trace.naming_file([&] { cursor.read(range, scope, work); });
+      trace.naming_file([&] { cursor.read_tile(range, scope, work); });
     }
   }
 }
@@ -95,7 +95,7 @@ TEST(TraceFile, ReturnsItsPartsTreesAndTilesInAnyOrder) {
   TraceReader::Cursor cursor(trace);
   TileWork work;
   for (const std::uint32_t t : {kTiles - 1, 0U, 2U, 2U}) {
-    cursor.read(ranges[t], scope, work);
+    cursor.read_tile(ranges[t], scope, work);
     EXPECT_TRUE(same(work, tile(800 + t)));
   }
 }
@@ -114,7 +114,7 @@ TEST(TraceFile, ATileThatRepeatsItselfIsPackedNoBetterThanMayBeRead) {
   {
     TraceWriter trace(path, {});
     trace.begin_part({}, tiny_scope().links, tiny_scope().counts, demands);
-    trace.add(work);
+    trace.add_tile(work);
     trace.end_part({});
     trace.commit();
   }
@@ -123,7 +123,7 @@ TEST(TraceFile, ATileThatRepeatsItselfIsPackedNoBetterThanMayBeRead) {
   EXPECT_GT(ranges[0].bytes, kMaxSmallBlock / kMaxPacking);
   EXPECT_LT(ranges[0].bytes, 2 * kMaxSmallBlock / kMaxPacking) << "and not much worse";
   TileWork back;
-  TraceReader::Cursor(trace).read(ranges[0], trace.tile_scope(trace.parts()[0], 5), back);
+  TraceReader::Cursor(trace).read_tile(ranges[0], trace.tile_scope(trace.parts()[0], 5), back);
   EXPECT_TRUE(same(work, back));
 }
 
@@ -159,7 +159,7 @@ TEST(TraceFile, AppearsCompleteOrNotAtAll) {
   {
     TraceWriter trace(path, {});
     trace.begin_part({}, tiny_scope().links, tiny_scope().counts, kDemands);
-    trace.add(tiny_tile());
+    trace.add_tile(tiny_tile());
   }
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
   write(path);

@@ -202,7 +202,7 @@ const traces::TileWork* RunTiles::next() {
     return nullptr;
   }
   const traces::TileWork* work = front_end_.next();
-  if (trace_ != nullptr && work != nullptr) trace_->add(*work);
+  if (trace_ != nullptr && work != nullptr) trace_->add_tile(*work);
   if (kept_ != nullptr && work != nullptr) kept_->add(*work);
   return work;
 }

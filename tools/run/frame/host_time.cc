@@ -31,7 +31,7 @@ class MeasuredTiles final : public hw::TileSource {
     const double begin = sim::thread_seconds();
     const traces::TileWork* work = source_.next();
     making_ += sim::thread_seconds() - begin;
-    if (work != nullptr) steps_ += traces::count_steps(work->walk).all();
+    if (work != nullptr) steps_ += traces::count_steps(work->walk).total_steps();
     return work;
   }
   void give_back(const traces::TileWork* work) override { source_.give_back(work); }
@@ -65,7 +65,7 @@ double estimate_steps(const Inputs& inputs, const kernels::ProgramSpec& spec) {
   FrontEnd front(program, tracer, 0);
   std::uint64_t steps = 0;
   while (const traces::TileWork* work = front.next()) {
-    steps += traces::count_steps(work->walk).all();
+    steps += traces::count_steps(work->walk).total_steps();
     front.give_back(work);
   }
   const double looked_at = static_cast<double>(few.width) * few.height;

@@ -35,7 +35,7 @@ void ReplayProgram::run_tile(std::uint32_t tile_index, const traces::Tracer&, bo
   std::unique_ptr<Cursor> cursor = take_cursor();
   const traces::TileRays rays = trace_.naming_file([&] {
     try {
-      return cursor->read(tiles_[tile_index], scope_, out.work);
+      return cursor->read_tile(tiles_[tile_index], scope_, out.work);
     } catch (const sim::InputError& error) {
       throw sim::InputError(fmt::format("frame {}, tile {} of the list: {}", part_.frame, tile_index, error.what()));
     }
@@ -45,7 +45,7 @@ void ReplayProgram::run_tile(std::uint32_t tile_index, const traces::Tracer&, bo
   }
   out.tile = out.work.tile;
   std::ranges::copy(rays.by_kind, out.rays.begin());
-  out.traversal_steps = rays.steps.all();
+  out.traversal_steps = rays.steps.total_steps();
   out.triangle_tests = rays.steps.tests;
   out.continued = tile_index == 0 ? continued_ : 0;
   const std::lock_guard lock(mutex_);
@@ -67,7 +67,7 @@ void ReplayProgram::commit_tile(const kernels::TileResult& tile) {
   if (++kept_ < part_.tiles) return;
   if (rays_ == 0 && !part_.requirements.raster)
     trace_.naming_file([&] { throw sim::InputError(fmt::format("frame {} has no rays", part_.frame)); });
-  kept_sampling() = sampling_;
+  mutable_sampling() = sampling_;
 }
 
 const traces::TileScope* scope_of(const kernels::FrameProgram& program) {
@@ -77,7 +77,7 @@ const traces::TileScope* scope_of(const kernels::FrameProgram& program) {
 
 void InMemoryTrace::add(const traces::TileWork& work) {
   encoded_.clear();
-  encoder_.encode(work, scope_.links, encoded_);
+  encoder_.encode_tile(work, scope_.links, encoded_);
   encoded_.resize(encoded_.size() + traces::kBitsPadding);
   bytes_ += encoded_.size();
   if (bytes_ > most_bytes_) {
@@ -91,7 +91,7 @@ void InMemoryTrace::add(const traces::TileWork& work) {
 
 void InMemoryTrace::decode_tile(std::uint32_t tile_index, traces::TileDecoder& decoder, traces::TileWork& out) const {
   const std::string_view bytes = tiles_[tile_index];
-  decoder.decode(bytes.substr(0, bytes.size() - traces::kBitsPadding), scope_, out);
+  decoder.decode_tile(bytes.substr(0, bytes.size() - traces::kBitsPadding), scope_, out);
 }
 
 void InMemoryTraceProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& /*tracer*/, bool /*record*/,

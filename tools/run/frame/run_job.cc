@@ -178,7 +178,7 @@ FrameResult simulate_frame(const Inputs& inputs, const kernels::ProgramSpec& pro
   const PreparedProgram made(inputs, program, extras);
   const traces::BvhTracer tracer(inputs.image);
   FrameResult s = simulate_program(inputs, program, *made.frame, tracer, threads, extras);
-  if (extras.rates != nullptr && !s.is_part()) extras.rates->advance(s.rendered.sampling);
+  if (extras.rates != nullptr && !s.is_part()) extras.rates->update_rates(s.rendered.sampling);
   return s;
 }
 
@@ -261,7 +261,7 @@ RenderResult render_frame(const Inputs& inputs, const kernels::ProgramSpec& prog
   tiles.begin_part("rendering", inputs.frame);
   while (const traces::TileWork* work = tiles.next()) tiles.give_back(work);
   if (extras.trace != nullptr) extras.trace->end_part(recorded_result(front_end.result()));
-  if (extras.rates != nullptr) extras.rates->advance(front_end.result().sampling);
+  if (extras.rates != nullptr) extras.rates->update_rates(front_end.result().sampling);
   return front_end.result();
 }
 

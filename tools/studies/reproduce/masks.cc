@@ -42,7 +42,7 @@ class RowClassifier {
     kernels::RetainedRecords retained;
     retained.geometry = retained.secondary = true;
     const auto made =
-        wave.generate_listed(ports, out.buffer.checks.samples, kernels::Wavefront::kNone, samples, retained);
+        wave.generate_listed_rays(ports, out.buffer.checks.samples, kernels::Wavefront::kNone, samples, retained);
     wave.run(made, samples, retained);
     for (std::uint32_t x = 0; x < config_.width; ++x) row[x] = classify_pixel(x, pitch, out);
   }

@@ -28,8 +28,8 @@ struct InnerNode : TreeNode {
 
 /// A leaf. In memory `count` triangle indices follow it.
 struct LeafNode : TreeNode {
-  std::uint32_t* triangles() { return reinterpret_cast<std::uint32_t*>(this + 1); }
-  const std::uint32_t* triangles() const { return reinterpret_cast<const std::uint32_t*>(this + 1); }
+  std::uint32_t* triangle_indices() { return reinterpret_cast<std::uint32_t*>(this + 1); }
+  const std::uint32_t* triangle_indices() const { return reinterpret_cast<const std::uint32_t*>(this + 1); }
 };
 
 Bounds bounds_of(const TriangleRecord& t) {
@@ -72,16 +72,16 @@ void* create_leaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* pr
   const std::size_t bytes = sizeof(LeafNode) + count * sizeof(std::uint32_t);
   auto* leaf = new (allocate_node(allocator, bytes)) LeafNode;
   leaf->count = static_cast<std::uint32_t>(count);
-  std::transform(primitives, primitives + count, leaf->triangles(),
+  std::transform(primitives, primitives + count, leaf->triangle_indices(),
                  [](const RTCBuildPrimitive& p) { return p.primID; });
-  std::sort(leaf->triangles(), leaf->triangles() + count);
+  std::sort(leaf->triangle_indices(), leaf->triangle_indices() + count);
   return leaf;
 }
 
 /// Appends the tree below `root` and returns the link word of its root.
 std::uint32_t append_subtree(const TreeNode& root, FlatBvh& out) {
   if (root.count != 0) {
-    const std::uint32_t* triangles = static_cast<const LeafNode&>(root).triangles();
+    const std::uint32_t* triangles = static_cast<const LeafNode&>(root).triangle_indices();
     const auto first = static_cast<std::uint32_t>(out.order.size());
     out.order.insert(out.order.end(), triangles, triangles + root.count);
     return leaf_link(first, root.count);

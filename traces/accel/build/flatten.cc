@@ -26,7 +26,7 @@ glm::mat3 normal_matrix(const glm::mat4& to_world) {
 }
 
 /// Returns `v` scaled to length 1, or `otherwise` if the length of `v` is 0.
-glm::vec3 unit_or(const glm::vec3& v, const glm::vec3& otherwise) {
+glm::vec3 unit_vector_or(const glm::vec3& v, const glm::vec3& otherwise) {
   const glm::dvec3 wide(v);
   const double length = glm::length(wide);
   return length > 0 ? glm::vec3(wide / length) : otherwise;
@@ -37,7 +37,7 @@ bool has_area(const TriangleRecord& t) {
   return glm::cross(glm::dvec3(t.v1) - v0, glm::dvec3(t.v2) - v0) != glm::dvec3(0);
 }
 
-void check(const Mesh& mesh, std::size_t materials) {
+void check_mesh(const Mesh& mesh, std::size_t materials) {
   const auto refuse = [&](const std::string& what) { throw sim::InputError("mesh '" + mesh.name + "': " + what); };
   if (mesh.material >= materials) {
     refuse("material " + std::to_string(mesh.material) + " of " + std::to_string(materials));
@@ -56,19 +56,21 @@ void check(const Mesh& mesh, std::size_t materials) {
 }
 
 /// Encodes x in [-1, 1] as the byte 128 + 127 * x.
-std::uint32_t byte_of(float x) {
+std::uint32_t encode_signed_byte(float x) {
   return static_cast<std::uint32_t>(std::lround(127 * std::clamp(x, -1.0F, 1.0F)) + 128);
 }
 
 std::uint32_t packed_tangent(const glm::vec3& t, float sign) {
-  return byte_of(t.x) | byte_of(t.y) << 8 | byte_of(t.z) << 16 | byte_of(sign) << 24;
+  return encode_signed_byte(t.x) | encode_signed_byte(t.y) << 8 | encode_signed_byte(t.z) << 16 |
+         encode_signed_byte(sign) << 24;
 }
 
 std::uint32_t half_word(float x) { return static_cast<std::uint32_t>(std::lround(65535 * std::clamp(x, 0.0F, 1.0F))); }
 
 /// Returns the vertex record of a triangle. Missing data default to white, the first texture coordinates and a tangent
 /// of length 0.
-VertexRecord vertices_of(const Mesh& mesh, const std::array<std::uint32_t, 3>& corners, const glm::mat3& to_world) {
+VertexRecord vertex_record_of(const Mesh& mesh, const std::array<std::uint32_t, 3>& corners,
+                              const glm::mat3& to_world) {
   const float handedness = glm::determinant(to_world) < 0 ? -1.0F : 1.0F;
   VertexRecord record{};
   for (std::size_t i = 0; i < 3; ++i) {
@@ -79,7 +81,8 @@ VertexRecord vertices_of(const Mesh& mesh, const std::array<std::uint32_t, 3>& c
     record.colour[i][0] = half_word(colour.x) | half_word(colour.y) << 16;
     record.colour[i][1] = half_word(colour.z) | half_word(colour.w) << 16;
     const glm::vec4 tangent = mesh.tangents.empty() ? glm::vec4(0) : mesh.tangents[vertex];
-    record.tangent[i] = packed_tangent(unit_or(to_world * glm::vec3(tangent), glm::vec3(0)), handedness * tangent.w);
+    record.tangent[i] =
+        packed_tangent(unit_vector_or(to_world * glm::vec3(tangent), glm::vec3(0)), handedness * tangent.w);
   }
   return record;
 }
@@ -103,22 +106,24 @@ void append_shading(const PlacedMesh& placed, const MaterialTables& materials, S
   for (const auto& corners : mesh.triangles) {
     const glm::vec3& p0 = mesh.positions[corners[0]];
     const glm::vec3 face = glm::cross(mesh.positions[corners[1]] - p0, mesh.positions[corners[2]] - p0);
-    const glm::vec3 flat = unit_or(normals_to_space * unit_or(face, glm::vec3(0, 1, 0)), glm::vec3(0, 1, 0));
+    const glm::vec3 flat =
+        unit_vector_or(normals_to_space * unit_vector_or(face, glm::vec3(0, 1, 0)), glm::vec3(0, 1, 0));
     const float length = materials.needs_density ? texture_density(mesh, corners, glm::mat3(placed.to_space)) : 1.0F;
     AttributeRecord attributes{};
     for (int i = 0; i < 3; ++i) {
       const std::uint32_t vertex = corners[static_cast<std::size_t>(i)];
-      const glm::vec3 unit = mesh.normals.empty() ? flat : unit_or(normals_to_space * mesh.normals[vertex], flat);
+      const glm::vec3 unit =
+          mesh.normals.empty() ? flat : unit_vector_or(normals_to_space * mesh.normals[vertex], flat);
       attributes.normal[i] = unit * length;
       attributes.uv[i] = mesh.uvs.empty() ? glm::vec2(0) : mesh.uvs[vertex];
     }
     attributes.material = mesh.material;
     out.attributes.push_back(attributes);
-    if (materials.needs_vertices) out.vertices.push_back(vertices_of(mesh, corners, glm::mat3(placed.to_space)));
+    if (materials.needs_vertices) out.vertices.push_back(vertex_record_of(mesh, corners, glm::mat3(placed.to_space)));
   }
 }
 
-std::size_t count_of(std::span<const PlacedMesh> placed) {
+std::size_t count_triangles(std::span<const PlacedMesh> placed) {
   std::size_t count = 0;
   for (const PlacedMesh& p : placed) count += p.mesh->triangles.size();
   return count;
@@ -126,7 +131,7 @@ std::size_t count_of(std::span<const PlacedMesh> placed) {
 
 /// Returns which face of a triangle is culled: the back face if the material is single-sided. Front faces have
 /// counter-clockwise corners, or clockwise ones in a mirrored mesh (glTF).
-std::uint32_t missing_face(const MaterialRecord& material, const glm::mat4& to_space) {
+std::uint32_t culled_face(const MaterialRecord& material, const glm::mat4& to_space) {
   if ((material.flags & kSingleSided) == 0) return 0;
   return glm::determinant(glm::dmat3(to_space)) < 0 ? kNoCounterClockwise : kNoClockwise;
 }
@@ -134,13 +139,13 @@ std::uint32_t missing_face(const MaterialRecord& material, const glm::mat4& to_s
 }  // namespace
 
 void check_meshes(const Scene& scene) {
-  for (const Mesh& mesh : scene.meshes) check(mesh, std::max<std::size_t>(scene.materials.size(), 1));
+  for (const Mesh& mesh : scene.meshes) check_mesh(mesh, std::max<std::size_t>(scene.materials.size(), 1));
   for (const Instance& instance : scene.instances) {
     if (instance.mesh >= scene.meshes.size()) throw sim::InputError("an instance names a mesh that is not there");
   }
 }
 
-void check_count(std::size_t triangles) {
+void check_triangle_count(std::size_t triangles) {
   if (triangles <= kMaxTriangles) return;
   throw sim::InputError("the scene has " + std::to_string(triangles) + " triangles; at most " +
                         std::to_string(kMaxTriangles) + " are allowed");
@@ -151,7 +156,7 @@ std::vector<PlacedMesh> placed_instances(const Scene& scene) {
   std::vector<PlacedMesh> placed;
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
     const Instance& instance = scene.instances[i];
-    placed.push_back({&scene.meshes[instance.mesh], instance.to_world, object_of(instance, i)});
+    placed.push_back({&scene.meshes[instance.mesh], instance.to_world, object_id_of(instance, i)});
   }
   return placed;
 }
@@ -160,7 +165,7 @@ void append_triangles(const PlacedMesh& placed, const MaterialTables& materials,
                       std::vector<TriangleRecord>& out) {
   const Mesh& mesh = *placed.mesh;
   const MaterialRecord& record = materials.records[mesh.material];
-  const std::uint32_t material = triangle_flags(record) | missing_face(record, placed.to_space) | mesh.material;
+  const std::uint32_t material = triangle_flags(record) | culled_face(record, placed.to_space) | mesh.material;
   std::vector<glm::vec3> positions(mesh.positions.size());
   // Adding 0 turns -0 into +0, so that boxes do not depend on the order in which they are merged.
   std::ranges::transform(mesh.positions, positions.begin(),
@@ -177,18 +182,18 @@ void append_triangles(const PlacedMesh& placed, const MaterialTables& materials,
   }
 }
 
-std::vector<TriangleRecord> triangles_of(std::span<const PlacedMesh> placed, const MaterialTables& materials) {
+std::vector<TriangleRecord> triangle_records(std::span<const PlacedMesh> placed, const MaterialTables& materials) {
   std::vector<TriangleRecord> out;
-  check_count(count_of(placed));
-  out.reserve(count_of(placed));
+  check_triangle_count(count_triangles(placed));
+  out.reserve(count_triangles(placed));
   for (const PlacedMesh& p : placed) append_triangles(p, materials, 0, out);
   return out;
 }
 
-ShadingRecords shading_of(std::span<const PlacedMesh> placed, const MaterialTables& materials) {
+ShadingRecords shading_records(std::span<const PlacedMesh> placed, const MaterialTables& materials) {
   ShadingRecords out;
-  out.attributes.reserve(count_of(placed));
-  if (materials.needs_vertices) out.vertices.reserve(count_of(placed));
+  out.attributes.reserve(count_triangles(placed));
+  if (materials.needs_vertices) out.vertices.reserve(count_triangles(placed));
   for (const PlacedMesh& p : placed) append_shading(p, materials, out);
   return out;
 }

@@ -25,7 +25,7 @@ struct ShadingRecords {
 };
 
 /// Returns the object id that hits on instance `i` have.
-inline std::uint32_t object_of(const Instance& instance, std::uint32_t i) {
+inline std::uint32_t object_id_of(const Instance& instance, std::uint32_t i) {
   return i | (instance.focus ? kFocusObject : 0);
 }
 
@@ -38,12 +38,12 @@ void check_meshes(const Scene& scene);
 void append_triangles(const PlacedMesh& placed, const MaterialTables& materials, std::size_t base,
                       std::vector<TriangleRecord>& out);
 /// Returns the triangles of all meshes, with consecutive `source` numbers. Throws InputError if there are too many.
-std::vector<TriangleRecord> triangles_of(std::span<const PlacedMesh> placed, const MaterialTables& materials);
-/// Returns the shading records of the triangles that triangles_of() returns. It is a separate function, which saves
+std::vector<TriangleRecord> triangle_records(std::span<const PlacedMesh> placed, const MaterialTables& materials);
+/// Returns the shading records of the triangles that triangle_records() returns. It is a separate function, which saves
 /// memory while the tree is built.
-ShadingRecords shading_of(std::span<const PlacedMesh> placed, const MaterialTables& materials);
+ShadingRecords shading_records(std::span<const PlacedMesh> placed, const MaterialTables& materials);
 
 /// Throws InputError if there are too many triangles.
-void check_count(std::size_t triangles);
+void check_triangle_count(std::size_t triangles);
 
 }  // namespace traces

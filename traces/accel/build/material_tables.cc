@@ -13,9 +13,9 @@
 namespace traces {
 namespace {
 
-void check(const Material& m, const std::vector<Texture>& textures) {
+void check_material(const Material& m, const std::vector<Texture>& textures) {
   const auto check_use = [&](const TextureUse& use, const char* what, bool srgb) {
-    if (!use.used()) return;
+    if (!use.is_used()) return;
     const auto refuse = [&](const std::string& why) {
       throw sim::InputError("material '" + m.name + "': its " + what + " texture " + why);
     };
@@ -29,16 +29,16 @@ void check(const Material& m, const std::vector<Texture>& textures) {
   check_use(m.occlusion_texture, "occlusion", false);
 }
 
-bool shines(const Material& m) { return std::max({m.emission.x, m.emission.y, m.emission.z}) > 0; }
+bool emits_light(const Material& m) { return std::max({m.emission.x, m.emission.y, m.emission.z}) > 0; }
 
 /// Returns the flags of a material except kVertexed, which also depends on the meshes.
-std::uint32_t flags_of(const Material& m, const MaterialRecord& record) {
-  const bool physical = m.metal_rough_texture.used();
+std::uint32_t material_flags(const Material& m, const MaterialRecord& record) {
+  const bool physical = m.metal_rough_texture.is_used();
   const bool has_alpha = m.alpha != Material::Alpha::kOpaque;
   const glm::vec3 diffuse = m.base_colour * record.diffuse_share;
   const bool is_diffuse = std::max({diffuse.x, diffuse.y, diffuse.z}) > 0;
   const bool is_glass = record.entering > 0;
-  const bool base = m.base_texture.used() && (is_diffuse || physical || has_alpha || is_glass);
+  const bool base = m.base_texture.is_used() && (is_diffuse || physical || has_alpha || is_glass);
   const bool based = base && (physical || is_glass || m.base_texture.second_uv || m.alpha == Material::Alpha::kBlend);
   const glm::vec3 mirrored = record.mirrored;
   std::uint32_t flags = 0;
@@ -48,27 +48,27 @@ std::uint32_t flags_of(const Material& m, const MaterialRecord& record) {
   set(is_diffuse && !physical, kDiffuse);
   set(std::max({mirrored.x, mirrored.y, mirrored.z, record.entering}) > 0, kMirror);
   set(is_glass, kGlass);
-  set(shines(m) && !m.emission_texture.used(), kEmissive);
-  set(shines(m) && m.emission_texture.used(), kGlowing);
+  set(emits_light(m) && !m.emission_texture.is_used(), kEmissive);
+  set(emits_light(m) && m.emission_texture.is_used(), kGlowing);
   set(physical, kPhysical);
-  set(m.normal_texture.used() && m.normal_scale != 0, kBumped);
-  set(m.occlusion_texture.used() && m.occlusion_strength > 0 && (is_diffuse || physical), kOccluded);
+  set(m.normal_texture.is_used() && m.normal_scale != 0, kBumped);
+  set(m.occlusion_texture.is_used() && m.occlusion_strength > 0 && (is_diffuse || physical), kOccluded);
   set(m.absorption != glm::vec3(0), kAbsorbing);
   set(m.alpha == Material::Alpha::kBlend, kBlended);
   set(m.alpha == Material::Alpha::kMask, kMasked);
   set(!m.double_sided && m.transmission == 0, kSingleSided);
-  set(m.base_texture.used() && m.base_texture.second_uv, kBaseSecond);
+  set(m.base_texture.is_used() && m.base_texture.second_uv, kBaseSecond);
   set(physical && m.metal_rough_texture.second_uv, kMetalRoughSecond);
-  set(m.normal_texture.used() && m.normal_texture.second_uv, kNormalSecond);
-  set(m.occlusion_texture.used() && m.occlusion_texture.second_uv, kOcclusionSecond);
-  set(m.emission_texture.used() && m.emission_texture.second_uv, kEmissionSecond);
+  set(m.normal_texture.is_used() && m.normal_texture.second_uv, kNormalSecond);
+  set(m.occlusion_texture.is_used() && m.occlusion_texture.second_uv, kOcclusionSecond);
+  set(m.emission_texture.is_used() && m.emission_texture.second_uv, kEmissionSecond);
   constexpr std::uint32_t kSecond =
       kBaseSecond | kMetalRoughSecond | kNormalSecond | kOcclusionSecond | kEmissionSecond;
   set((flags & (kBumped | kSecond)) != 0, kVertexed);
   return flags;
 }
 
-MaterialRecord record_of(const Material& m) {
+MaterialRecord material_record(const Material& m) {
   const bool has_alpha = m.alpha != Material::Alpha::kOpaque;
   MaterialRecord record{.base_colour = m.base_colour,
                         .diffuse_share = (1 - m.mirror) * (1 - m.transmission),
@@ -80,16 +80,16 @@ MaterialRecord record_of(const Material& m) {
                         .flags = 0,
                         .opacity = has_alpha ? m.opacity : 1,
                         .alpha_cutoff = m.alpha == Material::Alpha::kMask ? m.alpha_cutoff : 0};
-  if (m.metal_rough_texture.used()) {
+  if (m.metal_rough_texture.is_used()) {
     record.diffuse_share = 1;
     record.mirrored = glm::vec3(0);
     record.entering = m.transmission;
   }
-  record.flags = flags_of(m, record);
+  record.flags = material_flags(m, record);
   return record;
 }
 
-MaterialDetailRecord detail_of(const Material& m) {
+MaterialDetailRecord detail_record(const Material& m) {
   return {.emission = m.emission,
           .normal_texture = m.normal_texture.texture,
           .absorption = m.absorption,
@@ -117,8 +117,8 @@ MaterialTables material_tables(const Scene& scene, bool has_mip_maps) {
   MaterialTables tables;
   tables.needs_density = has_mip_maps;
   for (const Material& m : materials) {
-    check(m, scene.textures);
-    tables.records.push_back(record_of(m));
+    check_material(m, scene.textures);
+    tables.records.push_back(material_record(m));
   }
   for (const Mesh& mesh : scene.meshes) {
     if (!mesh.colours.empty() && mesh.material < materials.size()) tables.records[mesh.material].flags |= kVertexed;
@@ -130,7 +130,7 @@ MaterialTables material_tables(const Scene& scene, bool has_mip_maps) {
     tables.needs_vertices |= (record.flags & kVertexed) != 0;
     tables.needs_white |= triangle_flags(record) != 0 && record.base_texture == kNoTexture;
   }
-  if (has_details) std::ranges::transform(materials, std::back_inserter(tables.details), detail_of);
+  if (has_details) std::ranges::transform(materials, std::back_inserter(tables.details), detail_record);
   return tables;
 }
 
@@ -170,9 +170,9 @@ class Encoding {
 struct Cover {
   std::uint32_t first = 0;
   std::array<std::uint64_t, 3> weights{};
-  std::uint64_t sum() const { return weights[0] + weights[1] + weights[2]; }
+  std::uint64_t weight_sum() const { return weights[0] + weights[1] + weights[2]; }
 };
-Cover cover_of(std::uint32_t size, std::uint32_t i) {
+Cover texel_cover(std::uint32_t size, std::uint32_t i) {
   if (size == 1) return {0, {1, 0, 0}};
   const std::uint32_t half = size / 2;
   if (size % 2 == 0) return {2 * i, {1, 1, 0}};
@@ -184,9 +184,9 @@ WideTexture halve_texture(std::uint32_t width, std::uint32_t height, auto&& at) 
   WideTexture half{std::max(1U, width / 2), std::max(1U, height / 2), {}};
   half.texels.reserve(std::size_t{half.width} * half.height);
   for (std::uint32_t y = 0; y < half.height; ++y) {
-    const Cover rows = cover_of(height, y);
+    const Cover rows = texel_cover(height, y);
     for (std::uint32_t x = 0; x < half.width; ++x) {
-      const Cover columns = cover_of(width, x);
+      const Cover columns = texel_cover(width, x);
       std::array<std::uint64_t, kChannels> sums{};
       for (std::uint32_t j = 0; j < 3; ++j) {
         for (std::uint32_t i = 0; i < 3; ++i) {
@@ -196,7 +196,7 @@ WideTexture halve_texture(std::uint32_t width, std::uint32_t height, auto&& at) 
           for (std::size_t k = 0; k < kChannels; ++k) sums[k] += weight * texel[k];
         }
       }
-      const std::uint64_t all = rows.sum() * columns.sum();
+      const std::uint64_t all = rows.weight_sum() * columns.weight_sum();
       WideTexel& mean = half.texels.emplace_back();
       for (std::size_t k = 0; k < kChannels; ++k) mean[k] = static_cast<std::uint16_t>((sums[k] + all / 2) / all);
     }
@@ -207,15 +207,15 @@ WideTexture halve_texture(std::uint32_t width, std::uint32_t height, auto&& at) 
 /// How a texture encodes its colour channels and its alpha channel.
 struct Encodings {
   explicit Encodings(bool srgb) : colour(srgb), alpha(false) {}
-  const Encoding& of(std::size_t channel) const { return channel < 3 ? colour : alpha; }
+  const Encoding& channel_encoding(std::size_t channel) const { return channel < 3 ? colour : alpha; }
   WideTexel decode_texels(std::uint32_t texel) const {
     WideTexel wide;
-    for (std::size_t k = 0; k < kChannels; ++k) wide[k] = of(k).linear_value((texel >> (8 * k)) & 255U);
+    for (std::size_t k = 0; k < kChannels; ++k) wide[k] = channel_encoding(k).linear_value((texel >> (8 * k)) & 255U);
     return wide;
   }
   std::uint32_t encode_texels(const WideTexel& wide) const {
     std::uint32_t texel = 0;
-    for (std::size_t k = 0; k < kChannels; ++k) texel |= of(k).nearest_code(wide[k]) << (8 * k);
+    for (std::size_t k = 0; k < kChannels; ++k) texel |= channel_encoding(k).nearest_code(wide[k]) << (8 * k);
     return texel;
   }
   Encoding colour, alpha;

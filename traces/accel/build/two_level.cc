@@ -93,7 +93,7 @@ TreePlan::TreePlan(const Scene& scene) : tree_of(scene.instances.size(), kNone) 
     Placement& placement = placements.emplace_back(identity_placement());
     const bool invertible = invert_matrix(instance.to_world, placement);
     if (!invertible) placement = identity_placement();
-    placement.record.object = object_of(instance, i);
+    placement.record.object = object_id_of(instance, i);
     if (mesh.triangles.empty()) continue;
     const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
     if (invertible && mesh.deformation == nullptr) {
@@ -123,13 +123,13 @@ bool TreePlan::matches_image(const MemoryImage& image) const {
   return tree_of == image.tree_of && std::ranges::equal(trees, image.trees, alike);
 }
 
-PlacedMesh placed_in(const Scene& scene, const ObjectTree& tree) {
+PlacedMesh placed_mesh_of(const Scene& scene, const ObjectTree& tree) {
   return {&scene.meshes[tree.mesh], tree.in_world ? scene.instances[tree.only].to_world : glm::mat4(1)};
 }
 
 /// Returns the part of an array of records that belongs to one tree.
 template <class Record>
-std::span<Record> part_of(std::vector<Record>& records, const ObjectTree& tree) {
+std::span<Record> tree_records(std::vector<Record>& records, const ObjectTree& tree) {
   return std::span(records).subspan(tree.first_triangle, tree.triangles);
 }
 
@@ -144,7 +144,7 @@ void store_shading(const ShadingRecords& shading, const ObjectTree& tree, Memory
 
 /// Builds the tree of a mesh, appends its nodes to the image and sorts its triangles into leaf order.
 void add_tree(const BvhBuilder& builder, ObjectTree& tree, MemoryImage& image) {
-  const std::span<TriangleRecord> triangles = part_of(image.triangles, tree);
+  const std::span<TriangleRecord> triangles = tree_records(image.triangles, tree);
   const FlatBvh bvh = builder.build_over(std::span<const TriangleRecord>(triangles));
   reorder_records(triangles, bvh.order);
   tree.first_node = static_cast<std::uint32_t>(image.nodes.size());
@@ -214,37 +214,38 @@ void place_instances(const Scene& scene, const TreePlan& plan, const BvhBuilder&
 }
 
 /// Returns how many inner nodes a tree has with `leaves` leaves of one item each.
-std::size_t nodes_over(std::size_t leaves) { return std::max<std::size_t>(leaves, 2) - 1; }
+std::size_t inner_node_count(std::size_t leaves) { return std::max<std::size_t>(leaves, 2) - 1; }
 
 }  // namespace
 
-MemoryImage two_levels(const Scene& scene, const MaterialTables& materials, const BvhConfig& config, unsigned threads,
-                       sim::Stop stop) {
+MemoryImage build_two_levels(const Scene& scene, const MaterialTables& materials, const BvhConfig& config,
+                             unsigned threads, sim::Stop stop) {
   check_meshes(scene);
   TreePlan plan(scene);
-  check_count(plan.triangles);
+  check_triangle_count(plan.triangles);
   MemoryImage image;
   image.trees = plan.trees;
   image.tree_of = plan.tree_of;
   image.triangles.reserve(plan.triangles);
   for (const ObjectTree& tree : image.trees) {
-    append_triangles(placed_in(scene, tree), materials, tree.first_triangle, image.triangles);
+    append_triangles(placed_mesh_of(scene, tree), materials, tree.first_triangle, image.triangles);
   }
   const BvhBuilder builder(config, threads, stop);
   const auto shown = std::ranges::count_if(plan.tree_of, [](std::uint32_t tree) { return tree != kNone; });
-  image.nodes.resize(nodes_over(static_cast<std::size_t>(shown)));
+  image.nodes.resize(inner_node_count(static_cast<std::size_t>(shown)));
   for (ObjectTree& tree : image.trees) add_tree(builder, tree, image);
   image.attributes.resize(plan.triangles);
   if (materials.needs_vertices) image.vertices.resize(plan.triangles);
   for (const ObjectTree& tree : image.trees) {
-    const PlacedMesh placed = placed_in(scene, tree);
-    store_shading(shading_of({&placed, 1}, materials), tree, image);
+    const PlacedMesh placed = placed_mesh_of(scene, tree);
+    store_shading(shading_records({&placed, 1}, materials), tree, image);
   }
   place_instances(scene, plan, builder, image);
   return image;
 }
 
-bool update_levels(const Scene& posed, const BvhConfig& config, unsigned threads, MemoryImage& image, sim::Stop stop) {
+bool update_two_levels(const Scene& posed, const BvhConfig& config, unsigned threads, MemoryImage& image,
+                       sim::Stop stop) {
   const TreePlan plan(posed);
   if (!plan.matches_image(image)) return false;
   const MaterialTables materials = material_tables(posed, image.has_mip_maps());
@@ -253,17 +254,17 @@ bool update_levels(const Scene& posed, const BvhConfig& config, unsigned threads
   const auto own = std::ranges::find_if(image.trees, [](const ObjectTree& tree) { return tree.only != kNone; });
   if (!refits && own != image.trees.end()) image.nodes.resize(own->first_node);
   for (auto tree = own; tree != image.trees.end(); ++tree) {
-    const PlacedMesh placed = placed_in(posed, *tree);
+    const PlacedMesh placed = placed_mesh_of(posed, *tree);
     std::vector<TriangleRecord> moved;
     append_triangles(placed, materials, 0, moved);
     if (refits) {
-      for (TriangleRecord& t : part_of(image.triangles, *tree)) t = moved[t.source];
+      for (TriangleRecord& t : tree_records(image.triangles, *tree)) t = moved[t.source];
       fit_boxes(image, tree->first_node, tree + 1 == image.trees.end() ? image.nodes.size() : (tree + 1)->first_node);
     } else {
-      std::ranges::copy(moved, part_of(image.triangles, *tree).begin());
+      std::ranges::copy(moved, tree_records(image.triangles, *tree).begin());
       add_tree(builder, *tree, image);
     }
-    store_shading(shading_of({&placed, 1}, materials), *tree, image);
+    store_shading(shading_records({&placed, 1}, materials), *tree, image);
   }
   place_instances(posed, plan, builder, image);
   image.lights = posed.lights;
@@ -271,7 +272,7 @@ bool update_levels(const Scene& posed, const BvhConfig& config, unsigned threads
   return true;
 }
 
-Ray into_object(const InstanceRecord& instance, const Ray& ray) {
+Ray to_object_space(const InstanceRecord& instance, const Ray& ray) {
   Ray out = ray;
   for (int row = 0; row < 3; ++row) {
     const auto& m = instance.to_object[row];

@@ -16,8 +16,8 @@ namespace traces {
 //    has no inverse in single precision. The triangles of the latter are in world space and its matrix is the identity.
 
 /// Builds the geometry of a two-level image: trees, triangles, shading records, instances and scene bounds.
-MemoryImage two_levels(const Scene& scene, const MaterialTables& materials, const BvhConfig& config, unsigned threads,
-                       sim::Stop stop = nullptr);
+MemoryImage build_two_levels(const Scene& scene, const MaterialTables& materials, const BvhConfig& config,
+                             unsigned threads, sim::Stop stop = nullptr);
 
 /// Updates the two-level image of a scene that has moved.
 ///
@@ -26,10 +26,10 @@ MemoryImage two_levels(const Scene& scene, const MaterialTables& materials, cons
 /// 3. The result depends on `posed` and, for a refit, on the shape of those trees.
 ///
 /// Returns false, with no change, if a matrix lost or gained its inverse, so that other meshes are shared.
-bool update_levels(const Scene& posed, const BvhConfig& config, unsigned threads, MemoryImage& image,
-                   sim::Stop stop = nullptr);
+bool update_two_levels(const Scene& posed, const BvhConfig& config, unsigned threads, MemoryImage& image,
+                       sim::Stop stop = nullptr);
 
 /// Transforms a ray into the space of an instance's mesh.
-Ray into_object(const InstanceRecord& instance, const Ray& ray);
+Ray to_object_space(const InstanceRecord& instance, const Ray& ray);
 
 }  // namespace traces

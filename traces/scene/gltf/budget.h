@@ -16,7 +16,7 @@ class Budget {
   Budget(std::string file, std::uint64_t bytes) : file_(std::move(file)), limit_(bytes), left_(bytes) {}
 
   /// Takes memory from the budget. Call before allocating. Throws InputError if not enough is left.
-  void take(std::uint64_t count, std::uint64_t bytes_each, std::string_view what) {
+  void take_memory(std::uint64_t count, std::uint64_t bytes_each, std::string_view what) {
     if (count != 0 && bytes_each > left_ / count) {
       throw sim::InputError(
           fmt::format("{}: {} would take {} x {} bytes, more than is left of the limit of {}; allowed: a larger "

@@ -35,8 +35,8 @@ class Bounded : public Base {
     std::uint32_t first = 0, second = 0;
     if (!draco::DecodeVarint(&first, &ahead) || !draco::DecodeVarint(&second, &ahead)) return false;
     constexpr bool kFacesFirst = std::is_same_v<Base, draco::MeshSequentialDecoder>;
-    budget_.take(kFacesFirst ? first : second, kFaceBytes, "the faces of Draco data");
-    budget_.take(kFacesFirst ? second : first, kPointBytes, "the points of Draco data");
+    budget_.take_memory(kFacesFirst ? first : second, kFaceBytes, "the faces of Draco data");
+    budget_.take_memory(kFacesFirst ? second : first, kPointBytes, "the points of Draco data");
     return Base::DecodeConnectivity();
   }
 
@@ -45,7 +45,7 @@ class Bounded : public Base {
     for (int i = 0; i < points.num_attributes(); ++i) {
       const draco::PointAttribute& attribute = *points.attribute(i);
       const auto each = static_cast<std::uint64_t>(attribute.byte_stride()) + 8U * attribute.num_components() + 8;
-      budget_.take(points.num_points(), each, "the attributes of Draco data");
+      budget_.take_memory(points.num_points(), each, "the attributes of Draco data");
     }
     return Base::DecodeAllAttributes();
   }
@@ -101,7 +101,7 @@ int add_accessor(tinygltf::Model& model, std::vector<unsigned char> bytes, tinyg
 }
 
 int add_indices(Context& context, tinygltf::Model& model, const draco::Mesh& mesh) {
-  context.budget.take(mesh.num_faces(), 3 * sizeof(std::uint32_t), "Draco indices");
+  context.budget.take_memory(mesh.num_faces(), 3 * sizeof(std::uint32_t), "Draco indices");
   std::vector<unsigned char> bytes(std::size_t{mesh.num_faces()} * 3 * sizeof(std::uint32_t));
   for (std::uint32_t i = 0; i < mesh.num_faces(); ++i) {
     const draco::Mesh::Face& face = mesh.face(draco::FaceIndex(i));
@@ -155,7 +155,7 @@ int add_attribute(Context& context, tinygltf::Model& model, const draco::PointAt
       dense_accessor(declared.componentType, components == 1 ? TINYGLTF_TYPE_SCALAR : components, points);
   accessor.normalized = declared.normalized;
   const auto count = static_cast<std::size_t>(components);
-  context.budget.take(points, count * sizeof(float), what);
+  context.budget.take_memory(points, count * sizeof(float), what);
   std::vector<unsigned char> bytes;
   bytes.reserve(points * count * sizeof(float));
   const bool mapped = !attribute.is_mapping_identity();
@@ -215,7 +215,7 @@ std::string text_or(const tinygltf::Value& object, const char* key, const char* 
 }
 
 /// Checks conditions that the decoder requires and does not check. Returns what is wrong, or null.
-const char* fault_of(const std::string& mode, const std::string& filter, std::size_t count, std::size_t stride) {
+const char* meshopt_fault(const std::string& mode, const std::string& filter, std::size_t count, std::size_t stride) {
   const bool attributes = mode == "ATTRIBUTES";
   if (!attributes && mode != "TRIANGLES" && mode != "INDICES") return "the mode is unknown";
   if (attributes && (stride == 0 || stride > 256 || stride % 4 != 0)) return "the stride is not one of 4, 8 .. 256";
@@ -237,11 +237,11 @@ std::vector<unsigned char> decode_view(Context& context, const tinygltf::Value& 
   const std::uint64_t stride = size_or(context, extension, "byteStride", 0);
   const std::string mode = text_or(extension, "mode", ""), filter = text_or(extension, "filter", "NONE");
   if (offset > buffer.size() || size > buffer.size() - offset) context.refuse(what + " leaves its buffer");
-  if (const char* fault = fault_of(mode, filter, count, stride)) {
+  if (const char* fault = meshopt_fault(mode, filter, count, stride)) {
     context.refuse(fmt::format("{}: {} (mode '{}', filter '{}', stride {}, count {})", what, fault,
                                sim::printable(mode), sim::printable(filter), stride, count));
   }
-  context.budget.take(count, stride, what);
+  context.budget.take_memory(count, stride, what);
   std::vector<unsigned char> out(count * stride);
   const unsigned char* from = buffer.data() + offset;
   const int failed = mode == "ATTRIBUTES"  ? meshopt_decodeVertexBuffer(out.data(), count, stride, from, size)

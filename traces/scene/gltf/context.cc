@@ -11,9 +11,9 @@
 
 namespace traces::gltf {
 
-void Context::refuse(const std::string& why) const { throw sim::InputError(file + ": " + why); }
+void Context::refuse(const std::string& reason) const { throw sim::InputError(file + ": " + reason); }
 
-void Context::warn(const std::string& what) {
+void Context::add_warning(const std::string& what) {
   constexpr std::size_t kMost = 50;
   if (scene.warnings.size() >= kMost || std::ranges::find(scene.warnings, what) != scene.warnings.end()) return;
   scene.warnings.push_back(scene.warnings.size() + 1 < kMost ? what : "further warnings are left out");

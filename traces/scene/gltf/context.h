@@ -25,11 +25,11 @@ struct Context {
   std::vector<std::uint32_t> scene_nodes{};  ///< for each node of the file, its index in Scene::nodes; kNone if it is
                                              ///< not shown
 
-  /// Throws InputError with the file's name and `why`.
-  [[noreturn]] void refuse(const std::string& why) const;
+  /// Throws InputError with the file's name and `reason`.
+  [[noreturn]] void refuse(const std::string& reason) const;
 
   /// Adds a line to the scene's warnings, unless it is there already.
-  void warn(const std::string& what);
+  void add_warning(const std::string& what);
 
   /// Returns `list[index]`. Throws InputError if there is no such entry; `what` names the list.
   template <class T>

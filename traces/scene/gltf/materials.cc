@@ -31,7 +31,8 @@ Texture::Wrap wrap_of(int mode) {
 
 int Textures::source_of(int texture) {
   const tinygltf::Texture& found = context_.at(context_.model.textures, texture, "textures");
-  if (found.source < 0) context_.warn(fmt::format("textures[{}] names no PNG or JPEG image and is left out", texture));
+  if (found.source < 0)
+    context_.add_warning(fmt::format("textures[{}] names no PNG or JPEG image and is left out", texture));
   return found.source;
 }
 
@@ -51,7 +52,7 @@ Texture& Textures::decode_image(int index) {
   limits.pixels = std::min(limits.pixels - pixels_, context_.budget.bytes_left() / (2 * sizeof(std::uint32_t)));
   Texture texture = read_image(bytes, name, limits);
   count_pixels(texture, name);
-  context_.budget.take(texture.texels.size(), sizeof(std::uint32_t), name);
+  context_.budget.take_memory(texture.texels.size(), sizeof(std::uint32_t), name);
   texture.name = sim::printable(image.name);
   return images_.emplace(index, std::move(texture)).first->second;
 }
@@ -76,7 +77,7 @@ std::uint32_t Textures::find_or_add(int texture, bool srgb) {
   if (is_new) {
     Texture copy = decode_image(source);
     if (!shown_.insert(source).second) count_pixels(copy, copy.name);
-    context_.budget.take(copy.texels.size(), sizeof(std::uint32_t), "a texture");
+    context_.budget.take_memory(copy.texels.size(), sizeof(std::uint32_t), "a texture");
     copy.wrap_u = wrap_of(sampler.wrapS);
     copy.wrap_v = wrap_of(sampler.wrapT);
     copy.filter = nearest ? Texture::Filter::kNearest : Texture::Filter::kLinear;
@@ -123,7 +124,8 @@ bool Placements::is_second(Context& context, const TexturePlacement& placement, 
   const auto found = std::ranges::find(list_, placement);
   if (found != list_.end()) return found != list_.begin();
   if (list_.size() == 2) {
-    context.warn(fmt::format("{} places its textures in more than two ways; the further ones use the first", material));
+    context.add_warning(
+        fmt::format("{} places its textures in more than two ways; the further ones use the first", material));
     return false;
   }
   list_.push_back(placement);
@@ -256,11 +258,11 @@ class Reader {
     set_surface(out_, read_surface(context_, textures_, from_, what_), mean_base_);
     out_.metal_rough_texture = use_texture(from_.pbrMetallicRoughness.metallicRoughnessTexture, false);
     out_.normal_texture = use_texture(from_.normalTexture, false);
-    if (out_.normal_texture.used()) {
+    if (out_.normal_texture.is_used()) {
       out_.normal_scale = to_float(context_, from_.normalTexture.scale, what_ + " normalTexture scale");
     }
     out_.occlusion_texture = use_texture(from_.occlusionTexture, false);
-    if (out_.occlusion_texture.used()) {
+    if (out_.occlusion_texture.is_used()) {
       out_.occlusion_strength = std::clamp(
           to_float(context_, from_.occlusionTexture.strength, what_ + " occlusionTexture strength"), 0.0F, 1.0F);
     }
@@ -275,7 +277,7 @@ class Reader {
     TextureUse result;
     if (info.index < 0) return result;
     result.texture = textures_.find_or_add(info.index, srgb);
-    if (!result.used()) return result;
+    if (!result.is_used()) return result;
     const TexturePlacement placement = read_placement(context_, info.texCoord, info.extensions);
     result.second_uv = placements_.is_second(context_, placement, fmt::format("{} '{}'", what_, out_.name));
     return result;
@@ -289,7 +291,7 @@ class Reader {
     out_.opacity = base.w;
     out_.base_texture = use_texture(pbr.baseColorTexture, true);
     mean_base_ = out_.base_colour;
-    if (out_.base_texture.used()) mean_base_ *= glm::vec3(textures_.mean_of(pbr.baseColorTexture.index, true));
+    if (out_.base_texture.is_used()) mean_base_ *= glm::vec3(textures_.mean_of(pbr.baseColorTexture.index, true));
   }
 
   void read_alpha() {

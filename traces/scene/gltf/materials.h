@@ -60,7 +60,7 @@ class Placements {
   /// material, and uses the first coordinates.
   bool is_second(Context& context, const TexturePlacement& placement, const std::string& material);
 
-  const std::vector<TexturePlacement>& list() const { return list_; }
+  const std::vector<TexturePlacement>& all_placements() const { return list_; }
 
  private:
   std::vector<TexturePlacement> list_;

@@ -16,7 +16,7 @@
 namespace traces::gltf {
 namespace {
 
-void check_count(const Context& context, const Mesh& mesh, std::size_t count, const char* what) {
+void check_value_count(const Context& context, const Mesh& mesh, std::size_t count, const char* what) {
   if (count == mesh.positions.size()) return;
   context.refuse(fmt::format("mesh '{}': {} {} for {} vertices", mesh.name, count, what, mesh.positions.size()));
 }
@@ -26,11 +26,11 @@ std::vector<glm::vec2> placed_uvs(Context& context, const tinygltf::Primitive& p
   const std::string name = fmt::format("TEXCOORD_{}", placement.set);
   const int accessor = find_attribute(primitive, name);
   if (accessor < 0) {
-    context.warn(fmt::format("mesh '{}' has no {}: its textures show one spot everywhere", mesh.name, name));
+    context.add_warning(fmt::format("mesh '{}' has no {}: its textures show one spot everywhere", mesh.name, name));
     return {};
   }
   std::vector<glm::vec2> uvs = read_vec2(context, accessor, "texture coordinates");
-  check_count(context, mesh, uvs.size(), "texture coordinates");
+  check_value_count(context, mesh, uvs.size(), "texture coordinates");
   for (glm::vec2& uv : uvs) {
     uv = placement.transform_uv(uv);
     if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) {
@@ -51,11 +51,11 @@ void read_normals(Context& context, const tinygltf::Primitive& primitive, Mesh& 
   const int accessor = find_attribute(primitive, "NORMAL");
   if (accessor < 0) return;
   mesh.normals = read_vec3(context, accessor, "normals");
-  check_count(context, mesh, mesh.normals.size(), "normals");
+  check_value_count(context, mesh, mesh.normals.size(), "normals");
 }
 
 void read_uvs(Context& context, const tinygltf::Primitive& primitive, const Placements& placements, Mesh& mesh) {
-  const std::vector<TexturePlacement>& list = placements.list();
+  const std::vector<TexturePlacement>& list = placements.all_placements();
   if (!list.empty()) mesh.uvs = placed_uvs(context, primitive, list[0], mesh);
   if (list.size() > 1) mesh.second_uvs = placed_uvs(context, primitive, list[1], mesh);
 }
@@ -64,7 +64,7 @@ void read_tangents(Context& context, const tinygltf::Primitive& primitive, Mesh&
   const int accessor = find_attribute(primitive, "TANGENT");
   if (accessor < 0) return;
   mesh.tangents = read_vec4(context, accessor, "tangents");
-  check_count(context, mesh, mesh.tangents.size(), "tangents");
+  check_value_count(context, mesh, mesh.tangents.size(), "tangents");
   for (glm::vec4& tangent : mesh.tangents) {
     const glm::dvec3 along(tangent);
     const double length = glm::length(along);
@@ -76,12 +76,12 @@ void read_colours(Context& context, const tinygltf::Primitive& primitive, Mesh& 
   const int index = find_attribute(primitive, "COLOR_0");
   if (index < 0) return;
   if (context.at(context.model.accessors, index, "accessors").type == TINYGLTF_TYPE_VEC3) {
-    context.budget.take(mesh.positions.size(), sizeof(glm::vec4), "vertex colours");
+    context.budget.take_memory(mesh.positions.size(), sizeof(glm::vec4), "vertex colours");
     for (const glm::vec3& colour : read_vec3(context, index, "colours")) mesh.colours.emplace_back(colour, 1);
   } else {
     mesh.colours = read_vec4(context, index, "colours");
   }
-  check_count(context, mesh, mesh.colours.size(), "colours");
+  check_value_count(context, mesh, mesh.colours.size(), "colours");
   for (glm::vec4& colour : mesh.colours) colour = glm::clamp(colour, 0.0F, 1.0F);
   if (std::ranges::all_of(mesh.colours, [](const glm::vec4& c) { return c == glm::vec4(1); })) mesh.colours.clear();
 }
@@ -142,7 +142,7 @@ std::uint32_t Meshes::material_of(const tinygltf::Primitive& primitive) {
   return default_material_;
 }
 
-void Meshes::fold_colours(Mesh& mesh) {
+void Meshes::fold_vertex_colours(Mesh& mesh) {
   if (mesh.colours.empty() || context_.scene.materials[mesh.material].casts_light) return;
   glm::dvec4 sum(0);
   for (const glm::vec4& colour : mesh.colours) sum += glm::dvec4(colour);
@@ -161,13 +161,13 @@ Mesh Meshes::read_mesh(const tinygltf::Primitive& primitive, const std::string& 
   mesh.material = material_of(primitive);
   mesh.positions = read_vec3(context_, find_attribute(primitive, "POSITION"), "positions");
   const bool is_default = mesh.material >= placements_.size();
-  const bool bumpy = context_.scene.materials[mesh.material].normal_texture.used();
+  const bool bumpy = context_.scene.materials[mesh.material].normal_texture.is_used();
   read_normals(context_, primitive, mesh);
   read_uvs(context_, primitive, is_default ? kNowhere : placements_[mesh.material], mesh);
   read_colours(context_, primitive, mesh);
   if (bumpy && !mesh.normals.empty()) read_tangents(context_, primitive, mesh);
   const std::vector<std::uint32_t> order = read_order(context_, primitive, mesh);
-  context_.budget.take(order.size(), kCornerBytes, "the triangles of mesh '" + name + "'");
+  context_.budget.take_memory(order.size(), kCornerBytes, "the triangles of mesh '" + name + "'");
   mesh.triangles = assemble_triangles(order, primitive.mode);
   const bool flat = mesh.normals.empty();
   std::vector<std::uint32_t> from;  // for each vertex of the mesh, the vertex of the file that it copies
@@ -179,13 +179,13 @@ Mesh Meshes::read_mesh(const tinygltf::Primitive& primitive, const std::string& 
     from = flatten_normals(mesh);
   }
   if (bumpy && mesh.tangents.empty()) {
-    context_.budget.take(order.size(), kTangentBytes, "tangents");
+    context_.budget.take_memory(order.size(), kTangentBytes, "tangents");
     const bool second = context_.scene.materials[mesh.material].normal_texture.second_uv;
     std::vector<std::uint32_t> of_file;
     for (const std::uint32_t vertex : compute_tangents(mesh, second)) of_file.push_back(from[vertex]);
     from = std::move(of_file);
   }
-  fold_colours(mesh);
+  fold_vertex_colours(mesh);
   if (is_deforming(primitive, skin)) mesh.deformation = read_deformation(context_, primitive, skin, mesh, flat, from);
   return mesh;
 }
@@ -212,11 +212,11 @@ std::vector<std::uint32_t> Meshes::primitives_of(int index, int skin) {
 
 std::uint32_t Meshes::add_mesh(const tinygltf::Primitive& primitive, const std::string& name, int skin) {
   if (!is_triangles(primitive.mode)) {
-    context_.warn(fmt::format("mesh '{}': points and lines are left out", name));
+    context_.add_warning(fmt::format("mesh '{}': points and lines are left out", name));
     return kNone;
   }
   if (find_attribute(primitive, "POSITION") < 0) {
-    context_.warn(fmt::format("mesh '{}' has no positions and is left out", name));
+    context_.add_warning(fmt::format("mesh '{}' has no positions and is left out", name));
     return kNone;
   }
   Mesh mesh = read_mesh(primitive, name, skin);

@@ -31,14 +31,14 @@ class Meshes {
   std::vector<std::uint32_t> primitives_of(int mesh, int skin);
 
   /// Returns the largest absolute coordinate of mesh `mesh` of Scene::meshes.
-  float reach_of(std::uint32_t mesh) const { return reaches_[mesh]; }
+  float largest_coordinate(std::uint32_t mesh) const { return reaches_[mesh]; }
 
  private:
   std::uint32_t add_mesh(const tinygltf::Primitive& primitive, const std::string& name, int skin);
   Mesh read_mesh(const tinygltf::Primitive& primitive, const std::string& name, int skin);
   std::uint32_t material_of(const tinygltf::Primitive& primitive);
   /// Gives an unlit mesh a copy of its material whose emission is multiplied by the mean of its vertex colours.
-  void fold_colours(Mesh& mesh);
+  void fold_vertex_colours(Mesh& mesh);
 
   Context& context_;
   std::vector<Placements> placements_;  ///< texture placements of each of the file's materials

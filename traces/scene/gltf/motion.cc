@@ -29,7 +29,8 @@ std::vector<T> pick_vertices(const std::vector<T>& all, const std::vector<std::u
   return picked;
 }
 
-void check_count(const Context& context, const Mesh& mesh, std::size_t found, std::size_t vertices, const char* what) {
+void check_value_count(const Context& context, const Mesh& mesh, std::size_t found, std::size_t vertices,
+                       const char* what) {
   if (found != vertices) {
     context.refuse(fmt::format("mesh '{}': {} {} for {} vertices", mesh.name, found, what, vertices));
   }
@@ -63,8 +64,8 @@ void read_set(Context& context, const tinygltf::Primitive& primitive, int set, s
   const auto joints = read_vec4(context, joints_at, "joints");
   const auto weights =
       read_vec4(context, find_accessor(primitive.attributes, fmt::format("WEIGHTS_{}", set)), "joint weights");
-  check_count(context, mesh, joints.size(), influences.size(), "joints");
-  check_count(context, mesh, weights.size(), influences.size(), "joint weights");
+  check_value_count(context, mesh, joints.size(), influences.size(), "joints");
+  check_value_count(context, mesh, weights.size(), influences.size(), "joint weights");
   for (std::size_t i = 0; i < influences.size(); ++i) {
     for (int k = 0; k < 4; ++k) {
       if (!(weights[i][k] > 0)) continue;
@@ -85,13 +86,14 @@ void read_joints(Context& context, const tinygltf::Primitive& primitive, int ski
   if (!has("JOINTS", 0) || !has("WEIGHTS", 0)) return;
   const std::size_t joint_count = context.at(context.model.skins, skin, "skins").joints.size();
   if (joint_count == 0) context.refuse(fmt::format("skins[{}] has no joints", skin));
-  context.budget.take(vertices, 2 * sizeof(Influences), "the joints of mesh '" + mesh.name + "'");
+  context.budget.take_memory(vertices, 2 * sizeof(Influences), "the joints of mesh '" + mesh.name + "'");
   std::vector<Influences> influences(vertices);
   int set = 0;
   for (; has("JOINTS", set) && has("WEIGHTS", set); ++set) {
     read_set(context, primitive, set, joint_count, mesh, influences);
   }
-  if (set > 1) context.warn(fmt::format("mesh '{}': only the four largest weights of a vertex count", mesh.name));
+  if (set > 1)
+    context.add_warning(fmt::format("mesh '{}': only the four largest weights of a vertex count", mesh.name));
   out.skin = static_cast<std::uint32_t>(skin);
   for (const std::uint32_t i : from) {
     influences[i].make_whole();
@@ -109,8 +111,8 @@ std::vector<std::vector<glm::vec3>> read_targets(Context& context, const tinyglt
     const int accessor = find_accessor(target, attribute);
     if (accessor < 0) continue;
     const auto all = read_vec3(context, accessor, "morph target");
-    check_count(context, mesh, all.size(), vertices, "displacements");
-    context.budget.take(from.size(), sizeof(glm::vec3), "a morph target of mesh '" + mesh.name + "'");
+    check_value_count(context, mesh, all.size(), vertices, "displacements");
+    context.budget.take_memory(from.size(), sizeof(glm::vec3), "a morph target of mesh '" + mesh.name + "'");
     picked = pick_vertices(all, from);
   }
   return targets;
@@ -140,7 +142,8 @@ std::shared_ptr<const Deformation> read_deformation(Context& context, const tiny
                                                     const std::vector<std::uint32_t>& from) {
   const std::size_t vertices =
       context.at(context.model.accessors, find_accessor(primitive.attributes, "POSITION"), "accessors").count;
-  context.budget.take(mesh.positions.size(), 2 * sizeof(glm::vec3) + sizeof(glm::vec4), "the rest of a moving mesh");
+  context.budget.take_memory(mesh.positions.size(), 2 * sizeof(glm::vec3) + sizeof(glm::vec4),
+                             "the rest of a moving mesh");
   auto out = std::make_shared<Deformation>();
   out->positions = mesh.positions;
   if (!flat_normals) out->normals = mesh.normals;
@@ -187,8 +190,8 @@ std::optional<Path> read_path(Context& context, const std::string& name, const s
   if (name == "rotation") return Path::kRotation;
   if (name == "scale") return Path::kScale;
   if (name == "weights") return Path::kMorphWeights;
-  context.warn(name == "pointer" ? what + ": KHR_animation_pointer is not supported, its channels stand still"
-                                 : fmt::format("{}: the path '{}' is not known", what, sim::printable(name)));
+  context.add_warning(name == "pointer" ? what + ": KHR_animation_pointer is not supported, its channels stand still"
+                                        : fmt::format("{}: the path '{}' is not known", what, sim::printable(name)));
   return std::nullopt;
 }
 
@@ -254,7 +257,7 @@ void read_animations(Context& context) {
       const std::vector<float>& weights = context.scene.nodes[track.node].morph_weights;
       if (track.path == Path::kMorphWeights && weights.empty()) continue;
       if (!taken.emplace(track.node, track.path).second) {
-        context.warn(name + " moves what is moved already: only the first counts");
+        context.add_warning(name + " moves what is moved already: only the first counts");
         continue;
       }
       const auto& sampler = context.at(animation.samplers, channel.sampler, (name + ".samplers").c_str());

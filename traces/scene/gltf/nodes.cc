@@ -32,7 +32,7 @@ std::vector<Transform> read_instancing(Context& context, const tinygltf::Node& n
     if (accessor < 0) return;
     const auto values = read(context, accessor, name);
     if (copies.empty()) {
-      context.budget.take(values.size(), sizeof(Node) + sizeof(Transform), what + " instances");
+      context.budget.take_memory(values.size(), sizeof(Node) + sizeof(Transform), what + " instances");
       copies.resize(values.size());
     }
     if (values.size() != copies.size()) {
@@ -66,11 +66,11 @@ void add_camera(Context& context, const tinygltf::Node& node, const glm::dmat4& 
   std::string name = sim::printable(!found.name.empty() ? found.name : node.name);
   if (name.empty()) name = fmt::format("camera {}", node.camera);
   if (found.type != "perspective") {
-    context.warn(fmt::format("camera '{}': only perspective cameras are supported", name));
+    context.add_warning(fmt::format("camera '{}': only perspective cameras are supported", name));
     return;
   }
   if (cameras.size() == kMost) {
-    context.warn(fmt::format("cameras after the first {} are left out", kMost));
+    context.add_warning(fmt::format("cameras after the first {} are left out", kMost));
     return;
   }
   const double fov = found.perspective.yfov;
@@ -79,7 +79,7 @@ void add_camera(Context& context, const tinygltf::Node& node, const glm::dmat4& 
   }
   const std::optional<glm::mat4> standing = camera_to_world(to_world);
   if (!standing) {
-    context.warn(fmt::format("camera '{}': its transform has no direction", name));
+    context.add_warning(fmt::format("camera '{}': its transform has no direction", name));
     return;
   }
   Camera camera;
@@ -111,7 +111,8 @@ void add_punctual_light(Context& context, const tinygltf::Node& node, const glm:
     light.cos_outer = static_cast<float>(std::cos(outer));
     light.cos_inner = static_cast<float>(std::cos(inner));
   } else {
-    context.warn(fmt::format("{}: the type '{}' is not point, spot or directional", what, sim::printable(found.type)));
+    context.add_warning(
+        fmt::format("{}: the type '{}' is not point, spot or directional", what, sim::printable(found.type)));
     return;
   }
   const float strength = to_float(context, found.intensity, what + " intensity");
@@ -163,16 +164,16 @@ void add_instances(Context& context, Meshes& meshes, const tinygltf::Node& node,
   constexpr std::uint64_t kTriangleBytes = 240;  // memory in the GPU: record, attributes and a part of the tree nodes
   const bool may_move = node.skin >= 0 || !context.model.animations.empty();
   if (!may_move && glm::dmat3(to_world) == glm::dmat3(0)) {
-    context.warn(what + " is scaled to a point and left out");
+    context.add_warning(what + " is scaled to a point and left out");
     return;
   }
   const bool focus = has_focus(node.extras) || has_focus(context.at(context.model.meshes, node.mesh, "meshes").extras);
   for (const std::uint32_t mesh : meshes.primitives_of(node.mesh, node.skin)) {
     const std::size_t triangles = context.scene.meshes[mesh].triangles.size();
-    if (!(largest_entry(to_world) * (3.0 * static_cast<double>(meshes.reach_of(mesh)) + 1) <= kFarthest)) {
+    if (!(largest_entry(to_world) * (3.0 * static_cast<double>(meshes.largest_coordinate(mesh)) + 1) <= kFarthest)) {
       context.refuse(fmt::format("{} reaches further than {} from the origin", what, kFarthest));
     }
-    context.budget.take(triangles, kTriangleBytes, fmt::format("the triangles of {}", what));
+    context.budget.take_memory(triangles, kTriangleBytes, fmt::format("the triangles of {}", what));
     context.scene.instances.push_back({mesh, glm::mat4(to_world), index, focus});
   }
 }

@@ -26,7 +26,7 @@ Json* find_extension_json(Json& object, const char* name) {
 
 /// Calls visit(entry) for each entry of `object[key]`, if that is a list.
 template <class Visit>
-void for_each(Json& object, const char* key, Visit visit) {
+void for_each_entry(Json& object, const char* key, Visit visit) {
   Json* list = find_member(object, key);
   if (list == nullptr || !list->is_array()) return;
   for (Json& entry : *list) visit(entry);
@@ -44,7 +44,7 @@ Json* find_entry(Json& object, const char* key, const Json& index) {
 
 bool make_parsable(Json& file, std::vector<std::size_t>& lent) {
   bool changed = false;
-  for_each(file, "buffers", [&](Json& buffer) {
+  for_each_entry(file, "buffers", [&](Json& buffer) {
     if (find_extension_json(buffer, "EXT_meshopt_compression") == nullptr &&
         find_extension_json(buffer, "KHR_meshopt_compression") == nullptr) {
       return;
@@ -54,8 +54,8 @@ bool make_parsable(Json& file, std::vector<std::size_t>& lent) {
     buffer["byteLength"] = 1;
     changed = true;
   });
-  for_each(file, "meshes", [&](Json& mesh) {
-    for_each(mesh, "primitives", [&](Json& primitive) {
+  for_each_entry(file, "meshes", [&](Json& mesh) {
+    for_each_entry(mesh, "primitives", [&](Json& primitive) {
       const Json* indices = find_member(primitive, "indices");
       Json* accessor = indices == nullptr ? nullptr : find_entry(file, "accessors", *indices);
       if (accessor == nullptr || accessor->contains("bufferView")) return;
@@ -81,7 +81,7 @@ const Source& source_of(void* user) { return *static_cast<const Source*>(user); 
 
 /// Sets the callback for file sizes, which tinygltf has since version 2.9.
 template <class Callbacks>
-void tell_sizes(Callbacks& fs) {
+void set_size_callback(Callbacks& fs) {
   if constexpr (requires { fs.GetFileSizeInBytes; }) {
     fs.GetFileSizeInBytes = [](std::size_t* size, std::string*, const std::string& name, void* user) {
       *size = source_of(user).external.at(name).size();
@@ -103,7 +103,7 @@ tinygltf::FsCallbacks file_callbacks(const Source& source) {
     return true;
   };
   fs.WriteWholeFile = [](std::string*, const std::string&, const std::vector<unsigned char>&, void*) { return false; };
-  tell_sizes(fs);
+  set_size_callback(fs);
   return fs;
 }
 

@@ -39,16 +39,16 @@ Property number_list(std::string_view name, std::size_t size = 0, std::string_vi
   return {.name = name, .type = kNumber, .is_list = true, .size = size, .allowed = allowed};
 }
 /// Returns the rule for a property that is a factor of 0 to 1, or a list of such factors.
-Property share_property(std::string_view name) {
+Property factor_property(std::string_view name) {
   return {.name = name, .type = kNumber, .least = 0, .most = 1, .allowed = "0 to 1"};
 }
-Property share_list(std::string_view name, std::size_t size, std::string_view allowed) {
+Property factor_list(std::string_view name, std::size_t size, std::string_view allowed) {
   return {.name = name, .type = kNumber, .is_list = true, .size = size, .least = 0, .most = 1, .allowed = allowed};
 }
-Property from_zero(std::string_view name) {
+Property non_negative_property(std::string_view name) {
   return {.name = name, .type = kNumber, .least = 0, .allowed = "0 or more"};
 }
-Property above_zero(std::string_view name, std::string_view allowed = "more than 0") {
+Property positive_property(std::string_view name, std::string_view allowed = "more than 0") {
   return {.name = name, .type = kNumber, .least = 0, .is_above = true, .allowed = allowed};
 }
 Property text_choice(std::string_view name, std::string_view allowed) {
@@ -58,7 +58,7 @@ Property code_choice(std::string_view name, std::string_view allowed) {
   return {.name = name, .type = kCount, .allowed = allowed, .is_choice = true};
 }
 
-/// Returns the rules for buffers, buffer views, accessors and meshes.
+/// Returns the rules that JSON of buffers, buffer views, accessors and meshes must satisfy.
 ObjectKinds geometry_kinds() {
   return {
       {"accessor",
@@ -84,24 +84,25 @@ ObjectKinds geometry_kinds() {
   };
 }
 
-/// Returns the rules for materials, textures and images.
+/// Returns the rules that JSON of materials, textures and images must satisfy.
 ObjectKinds surface_kinds() {
   return {
       {"image", {index_property("bufferView"), text_property("mimeType"), text_property("uri")}},
       {"material",
-       {from_zero("alphaCutoff"), text_choice("alphaMode", "OPAQUE MASK BLEND"), boolean_property("doubleSided"),
-        share_list("emissiveFactor", 3, "3 numbers of 0 to 1"), object_property("emissiveTexture", "texture use"),
-        object_property("normalTexture", "normal texture"), object_property("occlusionTexture", "occlusion texture"),
+       {non_negative_property("alphaCutoff"), text_choice("alphaMode", "OPAQUE MASK BLEND"),
+        boolean_property("doubleSided"), factor_list("emissiveFactor", 3, "3 numbers of 0 to 1"),
+        object_property("emissiveTexture", "texture use"), object_property("normalTexture", "normal texture"),
+        object_property("occlusionTexture", "occlusion texture"),
         object_property("pbrMetallicRoughness", "metallic roughness")}},
       {"metallic roughness",
-       {share_list("baseColorFactor", 4, "4 numbers of 0 to 1"), object_property("baseColorTexture", "texture use"),
-        share_property("metallicFactor"), object_property("metallicRoughnessTexture", "texture use"),
-        share_property("roughnessFactor")}},
+       {factor_list("baseColorFactor", 4, "4 numbers of 0 to 1"), object_property("baseColorTexture", "texture use"),
+        factor_property("metallicFactor"), object_property("metallicRoughnessTexture", "texture use"),
+        factor_property("roughnessFactor")}},
       {"texture use", {make_required(index_property("index")), index_property("texCoord")}},
       {"normal texture",
        {make_required(index_property("index")), number_property("scale"), index_property("texCoord")}},
       {"occlusion texture",
-       {make_required(index_property("index")), share_property("strength"), index_property("texCoord")}},
+       {make_required(index_property("index")), factor_property("strength"), index_property("texCoord")}},
       {"sampler",
        {code_choice("magFilter", "9728 9729"), code_choice("minFilter", "9728 9729 9984 9985 9986 9987"),
         code_choice("wrapS", "33071 33648 10497"), code_choice("wrapT", "33071 33648 10497")}},
@@ -109,7 +110,7 @@ ObjectKinds surface_kinds() {
   };
 }
 
-/// Returns the rules for the document, its nodes, cameras, lights and animations.
+/// Returns the rules that JSON of the document, its nodes, cameras, lights and animations must satisfy.
 ObjectKinds scene_kinds() {
   return {
       {"glTF",
@@ -145,10 +146,10 @@ ObjectKinds scene_kinds() {
         make_required(text_choice("type", "perspective orthographic"))}},
       {"orthographic",
        {make_required(number_property("xmag")), make_required(number_property("ymag")),
-        make_required(number_property("zfar")), make_required(from_zero("znear"))}},
+        make_required(number_property("zfar")), make_required(non_negative_property("znear"))}},
       {"perspective",
-       {above_zero("aspectRatio"), make_required(above_zero("yfov", "more than 0, less than pi")), above_zero("zfar"),
-        make_required(from_zero("znear"))}},
+       {positive_property("aspectRatio"), make_required(positive_property("yfov", "more than 0, less than pi")),
+        positive_property("zfar"), make_required(non_negative_property("znear"))}},
       {"node",
        {index_property("camera"), index_list("children"), number_list("matrix", 16, "16 numbers"),
         index_property("mesh"), number_list("rotation", 4, "4 numbers"), number_list("scale", 3, "3 numbers"),
@@ -188,13 +189,13 @@ const ObjectKinds& extension_kinds() {
        {object_property("attributes", "attributes"), make_required(index_property("bufferView"))}},
       {"KHR_lights_punctual", {index_property("light"), object_list("lights", "light")}},
       {"KHR_materials_clearcoat",
-       {share_property("clearcoatFactor"), object_property("clearcoatTexture", "texture use"),
-        share_property("clearcoatRoughnessFactor"), object_property("clearcoatRoughnessTexture", "texture use"),
+       {factor_property("clearcoatFactor"), object_property("clearcoatTexture", "texture use"),
+        factor_property("clearcoatRoughnessFactor"), object_property("clearcoatRoughnessTexture", "texture use"),
         object_property("clearcoatNormalTexture", "normal texture")}},
-      {"KHR_materials_emissive_strength", {from_zero("emissiveStrength")}},
+      {"KHR_materials_emissive_strength", {non_negative_property("emissiveStrength")}},
       {"KHR_materials_ior", {{.name = "ior", .type = kNumber, .least = 0, .allowed = "0, or 1 or more"}}},
       {"KHR_materials_specular",
-       {share_property("specularFactor"),
+       {factor_property("specularFactor"),
         object_property("specularTexture", "texture use"),
         {.name = "specularColorFactor",
          .type = kNumber,
@@ -204,10 +205,10 @@ const ObjectKinds& extension_kinds() {
          .allowed = "3 numbers of 0 or more"},
         object_property("specularColorTexture", "texture use")}},
       {"KHR_materials_transmission",
-       {share_property("transmissionFactor"), object_property("transmissionTexture", "texture use")}},
+       {factor_property("transmissionFactor"), object_property("transmissionTexture", "texture use")}},
       {"KHR_materials_volume",
-       {share_list("attenuationColor", 3, "3 numbers of 0 to 1"), above_zero("attenuationDistance"),
-        from_zero("thicknessFactor"), object_property("thicknessTexture", "texture use")}},
+       {factor_list("attenuationColor", 3, "3 numbers of 0 to 1"), positive_property("attenuationDistance"),
+        non_negative_property("thicknessFactor"), object_property("thicknessTexture", "texture use")}},
       {"KHR_materials_unlit", {}},
       {"KHR_materials_variants", {}},  // the primitive's own material is shown, which is the default
       {"KHR_mesh_quantization", {}},
@@ -235,7 +236,7 @@ bool is_within(double number, const Property& property) {
   return is_enough && number <= property.most + kRounding;
 }
 
-bool is_among(const std::string& value, std::string_view allowed) {
+bool is_listed(const std::string& value, std::string_view allowed) {
   return !value.empty() && value.find(' ') == std::string::npos &&
          fmt::format(" {} ", allowed).find(fmt::format(" {} ", value)) != std::string::npos;
 }
@@ -262,7 +263,7 @@ bool has_type(const Json& value, PropertyType type) {
 bool has_valid_value(const Json& value, const Property& property) {
   if (!has_type(value, property.type)) return false;
   if (property.is_choice) {
-    return is_among(value.is_string() ? value.get<std::string>() : sim::json_line(value), property.allowed);
+    return is_listed(value.is_string() ? value.get<std::string>() : sim::json_line(value), property.allowed);
   }
   return property.type != kNumber || is_within(value.get<double>(), property);
 }
@@ -302,7 +303,7 @@ class Checker {
  public:
   explicit Checker(const std::string& name) : name_(name) {}
 
-  void check(const Json& object, const std::string& at, const std::vector<Property>& properties) const {
+  void check_object(const Json& object, const std::string& at, const std::vector<Property>& properties) const {
     for (const auto& [key, member] : object.items()) {
       if (key == "extras") continue;
       if (key == "extensions") {
@@ -316,8 +317,8 @@ class Checker {
     }
     for (const Property& property : properties) {
       if (property.required && !object.contains(property.name)) {
-        throw sim::InputError(
-            fmt::format("{}: {} is missing; allowed: {}", name_, join_path(at, property.name), allowed_by(property)));
+        throw sim::InputError(fmt::format("{}: {} is missing; allowed: {}", name_, join_path(at, property.name),
+                                          allowed_values(property)));
       }
     }
   }
@@ -326,7 +327,7 @@ class Checker {
   static std::string join_path(const std::string& at, std::string_view key) {
     return at.empty() ? sim::printable(key) : fmt::format("{}.{}", at, sim::printable(key));
   }
-  static std::string_view allowed_by(const Property& property) {
+  static std::string_view allowed_values(const Property& property) {
     if (!property.allowed.empty()) return property.allowed;
     return property.is_list ? name_of_list(property.type) : name_of(property.type);
   }
@@ -336,13 +337,13 @@ class Checker {
       const auto kind = extension_kinds().find(name);
       if (kind == extension_kinds().end()) continue;
       check_value(extension, join_path(at, name), {.name = name, .type = kObject});
-      check(extension, join_path(at, name), kind->second);
+      check_object(extension, join_path(at, name), kind->second);
     }
   }
   void check_property(const Json& value, const std::string& at, const Property& property) const {
     if (!property.is_list) {
       check_value(value, at, property);
-      if (!property.kind.empty()) check(value, at, object_kinds().at(property.kind));
+      if (!property.kind.empty()) check_object(value, at, object_kinds().at(property.kind));
       return;
     }
     if (!value.is_array() || (property.size != 0 && value.size() != property.size)) refuse(at, value, property);
@@ -363,7 +364,7 @@ class Checker {
   [[noreturn]] void refuse(const std::string& at, const Json& value, const Property& property) const {
     const std::string shown = sim::json_line(value);
     throw sim::InputError(
-        fmt::format("{}: {} is {}; allowed: {}", name_, at, sim::printable(shown, 60), allowed_by(property)));
+        fmt::format("{}: {} is {}; allowed: {}", name_, at, sim::printable(shown, 60), allowed_values(property)));
   }
 
   const std::string& name_;
@@ -372,7 +373,7 @@ class Checker {
 }  // namespace
 
 void check_properties(const Json& json, const std::string& name) {
-  Checker(name).check(json, "", object_kinds().at("glTF"));
+  Checker(name).check_object(json, "", object_kinds().at("glTF"));
 }
 
 }  // namespace traces::gltf

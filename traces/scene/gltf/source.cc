@@ -46,7 +46,7 @@ std::string decode_percent(std::string_view text, bool& is_good) {
   return out;
 }
 
-bool leaves_folder(std::string_view path) {
+bool is_outside_folder(std::string_view path) {
   while (!path.empty()) {
     const std::size_t slash = path.find('/');
     if (path.substr(0, slash) == "..") return true;
@@ -62,7 +62,7 @@ bool equal_ignoring_case(std::string_view a, std::string_view b) {
 
 /// Checks the part of a data: URI between "data:" and the comma. Returns what is wrong, or an empty text. Sets
 /// `is_base64` if it ends with ";base64".
-std::string fault_of_header(std::string_view header, bool& is_base64) {
+std::string data_uri_fault(std::string_view header, bool& is_base64) {
   std::size_t end = header.find(';');
   const std::string_view type = header.substr(0, end);
   if (!type.empty() && type.find('/') == std::string_view::npos) {
@@ -119,7 +119,7 @@ std::string data_of(std::string_view uri, std::string_view where) {
   if (comma == std::string_view::npos) {
     fault = "has no comma";
   } else {
-    fault = fault_of_header(uri.substr(5, comma - 5), is_base64);
+    fault = data_uri_fault(uri.substr(5, comma - 5), is_base64);
     data = decode_percent(uri.substr(comma + 1), is_good);
   }
   if (!is_good) fault = "has a '%' in its data that is not followed by two hexadecimal digits";
@@ -140,7 +140,7 @@ std::string local_path(std::string_view uri, std::string_view where) {
     fault = "is remote or not a plain path";
   } else if (path.front() == '/') {
     fault = "is absolute";
-  } else if (leaves_folder(path)) {
+  } else if (is_outside_folder(path)) {
     fault = "leaves the file's folder";
   }
   if (fault != nullptr) {
@@ -170,7 +170,7 @@ std::string read_limited(const std::filesystem::path& file, const SceneLimits& l
   throw sim::InputError(source.shown_name + ": " + why);
 }
 
-std::uint32_t word_at(const std::string& bytes, std::size_t at) {
+std::uint32_t read_word(const std::string& bytes, std::size_t at) {
   std::uint32_t word;  // GLB is little-endian, as are all supported hosts
   std::memcpy(&word, bytes.data() + at, sizeof word);
   return word;
@@ -181,23 +181,23 @@ void check_container(Source& source) {
   constexpr std::uint32_t kJson = 0x4e4f534a, kBin = 0x004e4942;
   const std::uint64_t size = source.bytes.size();
   if (size < 20) refuse(source, fmt::format("a GLB file has at least 20 bytes, this one {}", size));
-  if (word_at(source.bytes, 4) != 2) {
-    refuse(source, fmt::format("GLB version {}; only 2 is supported", word_at(source.bytes, 4)));
+  if (read_word(source.bytes, 4) != 2) {
+    refuse(source, fmt::format("GLB version {}; only 2 is supported", read_word(source.bytes, 4)));
   }
-  const std::uint64_t length = word_at(source.bytes, 8);
+  const std::uint64_t length = read_word(source.bytes, 8);
   if (length != size) {
     refuse(source, fmt::format("the GLB header says {} bytes, the file has {}: truncated or damaged", length, size));
   }
-  if (word_at(source.bytes, 16) != kJson) refuse(source, "the first chunk of a GLB file must be JSON");
+  if (read_word(source.bytes, 16) != kJson) refuse(source, "the first chunk of a GLB file must be JSON");
   source.json_begin = 20;
-  source.json_size = word_at(source.bytes, 12);
+  source.json_size = read_word(source.bytes, 12);
   const std::uint64_t json_end = 20 + std::uint64_t{source.json_size};
   if (json_end > size) refuse(source, "the JSON chunk is longer than the file");
   if (json_end == size) return;
-  if (json_end + 8 > size || word_at(source.bytes, json_end) > size - json_end - 8) {
+  if (json_end + 8 > size || read_word(source.bytes, json_end) > size - json_end - 8) {
     refuse(source, "the chunk after the JSON is longer than the file");
   }
-  if (word_at(source.bytes, json_end + 4) != kBin) refuse(source, "the second chunk of a GLB file must be BIN");
+  if (read_word(source.bytes, json_end + 4) != kBin) refuse(source, "the second chunk of a GLB file must be BIN");
 }
 
 std::string_view json_of(const Source& source) {
@@ -331,13 +331,13 @@ class Resources {
  private:
   std::string bytes_of(const std::string& uri, const std::string& where) {
     if (is_data_uri(uri)) {
-      budget_.take(uri.size(), 2, where);
+      budget_.take_memory(uri.size(), 2, where);
       return data_of(uri, where);
     }
     const std::string relative = local_path(uri, where);
     check_inside(folder_, relative, where);
     std::string bytes = read_limited(folder_ / relative, limits_);
-    budget_.take(bytes.size(), 2, fmt::format("the file '{}'", sim::printable(relative)));
+    budget_.take_memory(bytes.size(), 2, fmt::format("the file '{}'", sim::printable(relative)));
     if (files_.insert(relative).second) digests_ += sim::sha256_hex(bytes);
     return bytes;
   }
@@ -357,14 +357,14 @@ Source read_source(const std::filesystem::path& path, const SceneLimits& limits,
   Source source;
   source.shown_name = sim::printable(path.string());
   source.bytes = read_limited(path, limits);
-  budget.take(source.bytes.size(), 2, "the file");
+  budget.take_memory(source.bytes.size(), 2, "the file");
   source.sha256 = sim::sha256_hex(source.bytes);
   source.json_size = source.bytes.size();
   source.binary = source.bytes.starts_with("glTF");
   if (source.binary) check_container(source);
   check_no_picture(source);
   if (source.json_size == 0) refuse(source, "the file is empty");
-  budget.take(source.json_size, kJsonExpansion, "the JSON");
+  budget.take_memory(source.json_size, kJsonExpansion, "the JSON");
   sim::Json json = parse_json_of(source, limits.json_depth);
   check_lists(source, json, limits);
   check_properties(json, source.shown_name);

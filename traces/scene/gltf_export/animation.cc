@@ -42,7 +42,7 @@ const char* name_of(Track::Interpolation interpolation) {
   return "LINEAR";
 }
 
-void to_unit(std::span<float, 4> q) {
+void normalise_rotation(std::span<float, 4> q) {
   const glm::dvec4 wide(q[0], q[1], q[2], q[3]);
   const double length = glm::length(wide);
   const glm::dvec4 unit = length > 0 ? wide / length : glm::dvec4(0, 0, 0, 1);
@@ -102,7 +102,7 @@ Track make_valid(Track track) {
   const bool spline = track.interpolation == Track::Interpolation::kCubicSpline;
   for (std::size_t i = spline ? 4 : 0; track.path == Track::Path::kRotation && i < track.values.size();
        i += spline ? 12 : 4) {
-    to_unit(std::span<float, 4>(&track.values[i], 4));
+    normalise_rotation(std::span<float, 4>(&track.values[i], 4));
   }
   return track;
 }
@@ -111,11 +111,11 @@ int add_values(const Track& track, Document& out) {
   const std::span<const float> values(track.values);
   if (track.path == Track::Path::kRotation) {
     const std::span<const glm::vec4> list(reinterpret_cast<const glm::vec4*>(values.data()), values.size() / 4);
-    return out.add(list, Document::Use::kOther);
+    return out.add_array(list, Document::Use::kOther);
   }
-  if (track.path == Track::Path::kMorphWeights) return out.add(values, false);
+  if (track.path == Track::Path::kMorphWeights) return out.add_array(values, false);
   const std::span<const glm::vec3> list(reinterpret_cast<const glm::vec3*>(values.data()), values.size() / 3);
-  return out.add(list, false, Document::Use::kOther);
+  return out.add_array(list, false, Document::Use::kOther);
 }
 
 }  // namespace
@@ -130,7 +130,7 @@ void write_animation(const Scene& scene, const NodeMap& map, Document& out) {
     if (track.times.empty() || targets.empty() || !moved.emplace(track.node, track.path).second) continue;
     const Track written = make_valid(track);
     const auto [input, is_new] = inputs.try_emplace(written.times, 0);
-    if (is_new) input->second = out.add(written.times, true);
+    if (is_new) input->second = out.add_array(written.times, true);
     tinygltf::AnimationSampler sampler;
     sampler.input = input->second;
     sampler.output = add_values(written, out);

@@ -48,7 +48,7 @@ int Document::add_accessor(std::span<const std::byte> bytes, int component, int 
   return static_cast<int>(model.accessors.size()) - 1;
 }
 
-int Document::add(std::span<const float> values, bool bounds) {
+int Document::add_array(std::span<const float> values, bool bounds) {
   const int index = add_accessor(std::as_bytes(values), TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_SCALAR,
                                  values.size(), Use::kOther);
   if (!bounds) return index;
@@ -58,12 +58,12 @@ int Document::add(std::span<const float> values, bool bounds) {
   return index;
 }
 
-int Document::add(std::span<const glm::vec2> values) {
+int Document::add_array(std::span<const glm::vec2> values) {
   return add_accessor(std::as_bytes(values), TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC2, values.size(),
                       Use::kVertices);
 }
 
-int Document::add(std::span<const glm::vec3> values, bool bounds, Use use) {
+int Document::add_array(std::span<const glm::vec3> values, bool bounds, Use use) {
   const int index =
       add_accessor(std::as_bytes(values), TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, values.size(), use);
   if (bounds) {
@@ -75,21 +75,21 @@ int Document::add(std::span<const glm::vec3> values, bool bounds, Use use) {
   return index;
 }
 
-int Document::add(std::span<const glm::vec4> values, Use use) {
+int Document::add_array(std::span<const glm::vec4> values, Use use) {
   return add_accessor(std::as_bytes(values), TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC4, values.size(), use);
 }
 
-int Document::add(std::span<const glm::mat4> values) {
+int Document::add_array(std::span<const glm::mat4> values) {
   return add_accessor(std::as_bytes(values), TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_MAT4, values.size(),
                       Use::kOther);
 }
 
-int Document::add(std::span<const std::array<std::uint16_t, 4>> values) {
+int Document::add_array(std::span<const std::array<std::uint16_t, 4>> values) {
   return add_accessor(std::as_bytes(values), TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT, TINYGLTF_TYPE_VEC4, values.size(),
                       Use::kVertices);
 }
 
-int Document::add(std::span<const std::array<std::uint32_t, 3>> triangles, bool wide) {
+int Document::add_array(std::span<const std::array<std::uint32_t, 3>> triangles, bool wide) {
   const std::size_t count = triangles.size() * 3;
   if (wide) {
     return add_accessor(std::as_bytes(triangles), TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, TINYGLTF_TYPE_SCALAR, count,

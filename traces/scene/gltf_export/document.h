@@ -26,14 +26,14 @@ class Document {
 
   // Each of these functions appends a buffer view and an accessor, and returns the accessor's index. Minimum and
   // maximum are written where glTF demands them.
-  int add(std::span<const float> values, bool bounds);
-  int add(std::span<const glm::vec2> values);
-  int add(std::span<const glm::vec3> values, bool bounds = false, Use use = Use::kVertices);
-  int add(std::span<const glm::vec4> values, Use use = Use::kVertices);
-  int add(std::span<const glm::mat4> values);
-  int add(std::span<const std::array<std::uint16_t, 4>> values);
+  int add_array(std::span<const float> values, bool bounds);
+  int add_array(std::span<const glm::vec2> values);
+  int add_array(std::span<const glm::vec3> values, bool bounds = false, Use use = Use::kVertices);
+  int add_array(std::span<const glm::vec4> values, Use use = Use::kVertices);
+  int add_array(std::span<const glm::mat4> values);
+  int add_array(std::span<const std::array<std::uint16_t, 4>> values);
   /// `wide` selects indices of 32 bits instead of 16.
-  int add(std::span<const std::array<std::uint32_t, 3>> triangles, bool wide);
+  int add_array(std::span<const std::array<std::uint32_t, 3>> triangles, bool wide);
 
   int add_view(std::span<const std::byte> bytes, Use use = Use::kOther);
 

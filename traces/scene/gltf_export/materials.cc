@@ -74,7 +74,7 @@ constexpr float kCoatShare = 0.08F;  // fraction mirrored by a clear coat of fac
 
 /// Returns the index of refraction with which a dielectric mirrors `share` of the light, twice its reflectance at
 /// normal incidence.
-float index_for(float share) {
+float ior_for_mirror(float share) {
   const float ratio = std::sqrt(0.5F * std::clamp(share, 0.0F, 1.0F));
   return (1 + ratio) / (1 - ratio);
 }
@@ -91,7 +91,7 @@ struct Surface {
 };
 
 /// Returns which fraction of a mirror is metallic: the least-squares a of a (base - 1) = mirror (tint - 1).
-float metal_share(const Material& m, const glm::vec3& mean_base) {
+float metallic_fraction(const Material& m, const glm::vec3& mean_base) {
   const glm::vec3 base = mean_base - 1.0F, tint = m.mirror_tint - 1.0F;
   const float squared = glm::dot(base, base);
   if (!(squared > 1e-12F)) return m.mirror >= 0.5F ? m.mirror : 0;
@@ -105,28 +105,28 @@ Surface surface_of(const Material& m, const glm::vec3& mean_texture) {
   const bool glass = m.transmission > 0 && !s.thin;
   if (glass) s.ior = std::max(m.ior, 1.0F);
   if (s.thin) s.ior = 1;
-  if (m.metal_rough_texture.used()) {
+  if (m.metal_rough_texture.is_used()) {
     s.metallic = m.metallic;
     s.roughness = m.roughness;
-    if (!glass) s.ior = index_for(m.dielectric);
+    if (!glass) s.ior = ior_for_mirror(m.dielectric);
     s.coat = std::min(m.coat / kCoatShare, 1.0F);
     return s;
   }
   if (m.transmission > 0) s.roughness = 0;
   if (!(m.mirror > 0)) return s;
   s.roughness = 0;
-  if (m.mirror >= 1 && !m.base_texture.used()) {
+  if (m.mirror >= 1 && !m.base_texture.is_used()) {
     s.base = glm::clamp(m.mirror_tint, 0.0F, 1.0F);
     s.metallic = 1;
     return s;
   }
-  s.metallic = metal_share(m, s.base * mean_texture);
+  s.metallic = metallic_fraction(m, s.base * mean_texture);
   const float white = m.mirror - s.metallic;
   const float share = s.metallic < 1 ? white / (1 - s.metallic) : 0;
   if (glass) {
     s.coat = std::min(share / kCoatShare, 1.0F);
   } else {
-    s.ior = index_for(share);
+    s.ior = ior_for_mirror(share);
   }
   return s;
 }
@@ -146,8 +146,8 @@ glm::vec3 mean_of(const Texture& texture) {
 }
 
 template <class Info>
-void use(const TextureUse& from, Info& to) {
-  if (!from.used()) return;
+void write_texture_use(const TextureUse& from, Info& to) {
+  if (!from.is_used()) return;
   to.index = static_cast<int>(from.texture);
   to.texCoord = from.second_uv ? 1 : 0;
 }
@@ -180,7 +180,7 @@ void write_emission(const Material& m, tinygltf::Material& to, Document& out) {
   if (strength > 1) {
     out.add_extension(to.extensions, "KHR_materials_emissive_strength", {{"emissiveStrength", to_value(strength)}});
   }
-  use(m.emission_texture, to.emissiveTexture);
+  write_texture_use(m.emission_texture, to.emissiveTexture);
 }
 
 void write_alpha(const Material& m, tinygltf::Material& to) {
@@ -192,7 +192,7 @@ void write_alpha(const Material& m, tinygltf::Material& to) {
 
 bool is_unlit(const Material& m) {
   return !m.casts_light && m.base_colour == glm::vec3(0) && m.mirror == 0 && m.transmission == 0 &&
-         !m.metal_rough_texture.used();
+         !m.metal_rough_texture.is_used();
 }
 
 tinygltf::Material material_of(const Scene& scene, const Material& m, Document& out) {
@@ -203,22 +203,22 @@ tinygltf::Material material_of(const Scene& scene, const Material& m, Document& 
     out.add_extension(to.extensions, "KHR_materials_unlit", {});
     to.doubleSided = m.double_sided;
     pbr.baseColorFactor = to_numbers(glm::vec4(glm::clamp(m.emission, 0.0F, 1.0F), 1));
-    use(m.emission_texture.used() ? m.emission_texture : m.base_texture, pbr.baseColorTexture);
+    write_texture_use(m.emission_texture.is_used() ? m.emission_texture : m.base_texture, pbr.baseColorTexture);
     write_alpha(m, to);
     return to;
   }
-  const bool tinted = m.mirror > 0 && m.base_texture.used();
+  const bool tinted = m.mirror > 0 && m.base_texture.is_used();
   const Surface s = surface_of(m, tinted ? mean_of(scene.textures[m.base_texture.texture]) : glm::vec3(1));
   pbr.baseColorFactor = to_numbers(glm::vec4(s.base, 1));
-  use(m.base_texture, pbr.baseColorTexture);
-  use(m.metal_rough_texture, pbr.metallicRoughnessTexture);
+  write_texture_use(m.base_texture, pbr.baseColorTexture);
+  write_texture_use(m.metal_rough_texture, pbr.metallicRoughnessTexture);
   write_surface(m, s, to, out);
   to.doubleSided = m.double_sided && !to.extensions.contains("KHR_materials_volume");  // a volume has an outside
   write_emission(m, to, out);
   write_alpha(m, to);
-  use(m.normal_texture, to.normalTexture);
+  write_texture_use(m.normal_texture, to.normalTexture);
   to.normalTexture.scale = double{m.normal_scale};
-  use(m.occlusion_texture, to.occlusionTexture);
+  write_texture_use(m.occlusion_texture, to.occlusionTexture);
   to.occlusionTexture.strength = double{m.occlusion_strength};
   return to;
 }

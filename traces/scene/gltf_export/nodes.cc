@@ -135,11 +135,11 @@ void tidy_joints(std::array<std::uint16_t, 4>& joints, glm::vec4& weights) {
 }
 
 /// Returns how many sets of texture coordinates the material's textures use.
-int uv_sets(const Material& m) {
+int count_uv_sets(const Material& m) {
   int sets = 0;
   for (const TextureUse& use :
        {m.base_texture, m.emission_texture, m.metal_rough_texture, m.normal_texture, m.occlusion_texture}) {
-    if (use.used()) sets = std::max(sets, use.second_uv ? 2 : 1);
+    if (use.is_used()) sets = std::max(sets, use.second_uv ? 2 : 1);
   }
   return sets;
 }
@@ -149,14 +149,14 @@ void write_deformation(const Deformation& d, tinygltf::Primitive& to, Document& 
     std::vector<std::array<std::uint16_t, 4>> joints = d.joints;
     std::vector<glm::vec4> weights = d.weights;
     for (std::size_t i = 0; i < joints.size(); ++i) tidy_joints(joints[i], weights[i]);
-    to.attributes["JOINTS_0"] = out.add(joints);
-    to.attributes["WEIGHTS_0"] = out.add(weights);
+    to.attributes["JOINTS_0"] = out.add_array(joints);
+    to.attributes["WEIGHTS_0"] = out.add_array(weights);
   }
   for (std::size_t i = 0; i < d.target_positions.size(); ++i) {
     std::map<std::string, int>& target = to.targets.emplace_back();
-    target["POSITION"] = out.add(d.target_positions[i], true);
+    target["POSITION"] = out.add_array(d.target_positions[i], true);
     if (!d.normals.empty() && i < d.target_normals.size() && !d.target_normals[i].empty())
-      target["NORMAL"] = out.add(d.target_normals[i]);
+      target["NORMAL"] = out.add_array(d.target_normals[i]);
   }
 }
 
@@ -169,20 +169,21 @@ tinygltf::Primitive Meshes::write_primitive(const Mesh& mesh) {
   if (mesh.material < scene_.materials.size()) to.material = static_cast<int>(mesh.material);
   const std::vector<glm::vec3>& normals = d != nullptr ? d->normals : mesh.normals;
   const std::vector<glm::vec4>& tangents = d != nullptr ? d->tangents : mesh.tangents;
-  to.attributes["POSITION"] = out_.add(d != nullptr ? d->positions : mesh.positions, true);
-  if (!normals.empty()) to.attributes["NORMAL"] = out_.add(normals);
-  if (!normals.empty() && !tangents.empty()) to.attributes["TANGENT"] = out_.add(tangents);
-  const int sets = to.material < 0 ? 0 : uv_sets(scene_.materials[mesh.material]);
+  to.attributes["POSITION"] = out_.add_array(d != nullptr ? d->positions : mesh.positions, true);
+  if (!normals.empty()) to.attributes["NORMAL"] = out_.add_array(normals);
+  if (!normals.empty() && !tangents.empty()) to.attributes["TANGENT"] = out_.add_array(tangents);
+  const int sets = to.material < 0 ? 0 : count_uv_sets(scene_.materials[mesh.material]);
   const std::vector<glm::vec2> none(mesh.positions.size());  // textures without coordinates are looked up at (0, 0)
-  if (!mesh.uvs.empty() || sets > 0) to.attributes["TEXCOORD_0"] = out_.add(mesh.uvs.empty() ? none : mesh.uvs);
-  if (sets > 1) to.attributes["TEXCOORD_1"] = out_.add(mesh.second_uvs.empty() ? none : mesh.second_uvs);
+  if (!mesh.uvs.empty() || sets > 0) to.attributes["TEXCOORD_0"] = out_.add_array(mesh.uvs.empty() ? none : mesh.uvs);
+  if (sets > 1) to.attributes["TEXCOORD_1"] = out_.add_array(mesh.second_uvs.empty() ? none : mesh.second_uvs);
   if (!mesh.colours.empty()) {
     std::vector<glm::vec4> colours = mesh.colours;
     for (glm::vec4& colour : colours) colour = glm::clamp(colour, 0.0F, 1.0F);
-    to.attributes["COLOR_0"] = out_.add(colours);
+    to.attributes["COLOR_0"] = out_.add_array(colours);
   }
   if (d != nullptr) write_deformation(*d, to, out_);
-  to.indices = out_.add(mesh.triangles, mesh.positions.size() > 0xffff);  // 0xffff itself is not a valid 16-bit index
+  to.indices =
+      out_.add_array(mesh.triangles, mesh.positions.size() > 0xffff);  // 0xffff itself is not a valid 16-bit index
   return to;
 }
 
@@ -192,7 +193,7 @@ const tinygltf::Primitive& Meshes::primitive_of(std::uint32_t mesh) {
   return primitives_.emplace(mesh, write_primitive(scene_.meshes[mesh])).first->second;
 }
 
-int Meshes::mesh_of(const std::vector<std::uint32_t>& parts) {
+int Meshes::gltf_mesh_of(const std::vector<std::uint32_t>& parts) {
   const auto [entry, is_new] = meshes_.try_emplace(parts, static_cast<int>(out_.model.meshes.size()));
   if (!is_new) return entry->second;
   tinygltf::Mesh to;
@@ -291,7 +292,7 @@ void write_skins(const Scene& scene, const NodeMap& map, Document& out) {
       to.joints.push_back(joints.insert(joint).second ? gltf_node : add_node(out, gltf_node, {}));
       joint_roots.insert(roots[joint]);
     }
-    if (!skin.inverse_bind.empty()) to.inverseBindMatrices = out.add(skin.inverse_bind);
+    if (!skin.inverse_bind.empty()) to.inverseBindMatrices = out.add_array(skin.inverse_bind);
     out.model.skins.push_back(to);
     if (joint_roots.size() > 1) join_roots(out);
   }
@@ -379,7 +380,7 @@ int gltf_skin_of(std::uint32_t skin, NodeMap& map) {
 
 void write_instances(const Scene& scene, Meshes& meshes, NodeMap& map, Document& out) {
   for (const Group& group : group_instances(scene)) {
-    const int mesh = meshes.mesh_of(group.parts);
+    const int mesh = meshes.gltf_mesh_of(group.parts);
     const int gltf_node = gltf_node_of(group, map, out);
     tinygltf::Node& node = out.model.nodes[static_cast<std::size_t>(gltf_node)];
     node.mesh = mesh;
@@ -399,12 +400,12 @@ namespace {
 /// Stores the index of a node's light in the member that tinygltf has since version 2.9; without it, that version drops
 /// the extension.
 template <class Node>
-void refer_to_light(Node& node, int light) {
+void set_node_light(Node& node, int light) {
   if constexpr (requires { node.light; }) node.light = light;
 }
 
 /// Returns a matrix with the light's position as origin and the light's direction as -z.
-glm::mat4 frame_of(const Light& light) {
+glm::mat4 light_matrix(const Light& light) {
   if (light.kind == Light::Kind::kPoint) {
     glm::mat4 frame(1);
     frame[3] = glm::vec4(light.position, 1);
@@ -442,7 +443,7 @@ void write_lights(const Scene& scene, const NodeMap& map, Document& out) {
     if (!(strongest > 0)) continue;
     int gltf_node = -1;
     if (light.node == kNone) {
-      gltf_node = add_placed(out, -1, frame_of(light));
+      gltf_node = add_placed(out, -1, light_matrix(light));
     } else {
       gltf_node = map.gltf_nodes[light.node];
       const bool taken =
@@ -452,7 +453,7 @@ void write_lights(const Scene& scene, const NodeMap& map, Document& out) {
     tinygltf::Node& node = out.model.nodes[static_cast<std::size_t>(gltf_node)];
     const int index = static_cast<int>(out.model.lights.size());
     out.add_extension(node.extensions, "KHR_lights_punctual", {{"light", tinygltf::Value(index)}});
-    refer_to_light(node, index);
+    set_node_light(node, index);
     if (node.name.empty()) node.name = "light";
     out.model.lights.push_back(light_of(light, strongest));
   }

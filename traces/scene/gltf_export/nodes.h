@@ -40,7 +40,7 @@ class Meshes {
   Meshes(const Scene& scene, Document& out) : scene_(scene), out_(out) {}
 
   /// Returns the index of a glTF mesh whose primitives are the meshes `parts` of Scene::meshes.
-  int mesh_of(const std::vector<std::uint32_t>& parts);
+  int gltf_mesh_of(const std::vector<std::uint32_t>& parts);
 
  private:
   const tinygltf::Primitive& primitive_of(std::uint32_t mesh);

@@ -54,7 +54,7 @@ class Input {
   }
 
   /// Returns why the image cannot be used, or an empty text.
-  std::string check(std::uint64_t most_pixels) const {
+  std::string image_problem(std::uint64_t most_pixels) const {
     if (!error_.empty()) return error_;
     if (spec_.width < 1 || spec_.height < 1 || spec_.depth > 1) return "the image has no pixels";
     const std::uint64_t pixels = static_cast<std::uint64_t>(spec_.width) * static_cast<std::uint64_t>(spec_.height);
@@ -93,7 +93,7 @@ class OiioCodec : public ImageCodec {
   std::string decode_image(std::span<const std::byte> bytes, const char* format, std::uint64_t most_pixels, Size& size,
                            std::vector<std::uint32_t>& rgba) const override {
     Input input(bytes, format);
-    if (std::string error = input.check(most_pixels); !error.empty()) return error;
+    if (std::string error = input.image_problem(most_pixels); !error.empty()) return error;
     std::vector<std::uint8_t> pixels;
     if (std::string error = input.read_pixels(OIIO::TypeDesc::UINT8, pixels); !error.empty()) return error;
     size = input.size();
@@ -111,7 +111,7 @@ class OiioCodec : public ImageCodec {
   std::string decode_exr(std::span<const std::byte> bytes, std::uint64_t most_pixels, Size& size,
                          std::vector<float>& rgb) const override {
     Input input(bytes, "openexr");
-    if (std::string error = input.check(most_pixels); !error.empty()) return error;
+    if (std::string error = input.image_problem(most_pixels); !error.empty()) return error;
     std::vector<float> pixels;
     if (std::string error = input.read_pixels(OIIO::TypeDesc::FLOAT, pixels); !error.empty()) return error;
     size = input.size();

@@ -72,37 +72,37 @@ Materials add_materials(Scene& scene) {
   ceiling.emission = {0.3F, 0.295F, 0.285F};  // stands for light that the room reflects to the ceiling
   Material bulb = make_lamp("bulb", {0.99F, 0.95F, 0.86F});
   ceiling.casts_light = bulb.casts_light = false;
-  Materials is{};
-  is.tile = with_paint("white tile", {0.80F, 0.83F, 0.82F}, 0.05F);
-  is.accent = with_paint("teal tile", {0.10F, 0.36F, 0.38F}, 0.07F);
-  is.grout = with_paint("grout", {0.60F, 0.60F, 0.58F});
-  is.floor = with_picture("marble floor", kMarble);
-  is.wall = with_paint("wall paint", {0.78F, 0.83F, 0.80F});
-  is.ceiling = add_material(scene, ceiling);
-  is.enamel = with_paint("enamel", {0.90F, 0.90F, 0.89F}, 0.05F);
-  is.chrome = add_material(scene, make_metal("chrome", {0.90F, 0.91F, 0.93F}, 0.82F));
-  is.mirror = add_material(scene, make_metal("mirror", glm::vec3(0.93F), 0.95F));
-  is.glass = add_material(scene, make_glass("shower screen", {0.94F, 0.98F, 0.965F}, 1.0F));
-  is.oak = with_picture("oak", kOak);
-  is.stone = with_picture("marble top", kMarble, 0.05F);
-  is.white = with_paint("white lacquer", {0.88F, 0.88F, 0.87F});
-  is.towel = with_picture("terry towel", kTerry);
-  is.striped = with_picture("striped towel", kStripes);
-  is.mat = with_paint("bath mat", {0.20F, 0.42F, 0.48F});
-  is.bristle = with_paint("bristles", {0.86F, 0.82F, 0.70F});
-  is.wire = with_paint("black wire", {0.06F, 0.06F, 0.065F});
-  is.bottle = with_picture("labelled bottle", kLabel);
-  is.blue = with_paint("blue plastic", {0.10F, 0.30F, 0.62F});
-  is.green = with_paint("green plastic", {0.22F, 0.52F, 0.26F});
-  is.amber = with_paint("amber soap", {0.80F, 0.42F, 0.10F}, 0.06F);
-  is.rose = with_paint("rose", {0.82F, 0.34F, 0.42F});
-  is.duck = with_paint("rubber duck", {0.95F, 0.76F, 0.08F});
-  is.beak = with_paint("beak", {0.90F, 0.36F, 0.06F});
-  is.black = with_paint("black", glm::vec3(0.03F));
-  is.leaf = with_paint("leaves", {0.16F, 0.42F, 0.13F});
-  is.lamp = add_material(scene, bulb);
-  is.water = add_material(scene, make_glass("clear glass", glm::vec3(1), 1.4F));
-  return is;
+  Materials materials{};
+  materials.tile = with_paint("white tile", {0.80F, 0.83F, 0.82F}, 0.05F);
+  materials.accent = with_paint("teal tile", {0.10F, 0.36F, 0.38F}, 0.07F);
+  materials.grout = with_paint("grout", {0.60F, 0.60F, 0.58F});
+  materials.floor = with_picture("marble floor", kMarble);
+  materials.wall = with_paint("wall paint", {0.78F, 0.83F, 0.80F});
+  materials.ceiling = add_material(scene, ceiling);
+  materials.enamel = with_paint("enamel", {0.90F, 0.90F, 0.89F}, 0.05F);
+  materials.chrome = add_material(scene, make_metal("chrome", {0.90F, 0.91F, 0.93F}, 0.82F));
+  materials.mirror = add_material(scene, make_metal("mirror", glm::vec3(0.93F), 0.95F));
+  materials.glass = add_material(scene, make_glass("shower screen", {0.94F, 0.98F, 0.965F}, 1.0F));
+  materials.oak = with_picture("oak", kOak);
+  materials.stone = with_picture("marble top", kMarble, 0.05F);
+  materials.white = with_paint("white lacquer", {0.88F, 0.88F, 0.87F});
+  materials.towel = with_picture("terry towel", kTerry);
+  materials.striped = with_picture("striped towel", kStripes);
+  materials.mat = with_paint("bath mat", {0.20F, 0.42F, 0.48F});
+  materials.bristle = with_paint("bristles", {0.86F, 0.82F, 0.70F});
+  materials.wire = with_paint("black wire", {0.06F, 0.06F, 0.065F});
+  materials.bottle = with_picture("labelled bottle", kLabel);
+  materials.blue = with_paint("blue plastic", {0.10F, 0.30F, 0.62F});
+  materials.green = with_paint("green plastic", {0.22F, 0.52F, 0.26F});
+  materials.amber = with_paint("amber soap", {0.80F, 0.42F, 0.10F}, 0.06F);
+  materials.rose = with_paint("rose", {0.82F, 0.34F, 0.42F});
+  materials.duck = with_paint("rubber duck", {0.95F, 0.76F, 0.08F});
+  materials.beak = with_paint("beak", {0.90F, 0.36F, 0.06F});
+  materials.black = with_paint("black", glm::vec3(0.03F));
+  materials.leaf = with_paint("leaves", {0.16F, 0.42F, 0.13F});
+  materials.lamp = add_material(scene, bulb);
+  materials.water = add_material(scene, make_glass("clear glass", glm::vec3(1), 1.4F));
+  return materials;
 }
 
 namespace {
@@ -131,21 +131,21 @@ Mesh make_tiles(float left, float right, float top, bool accent, const Detail& d
   return mesh;
 }
 
-void add_tiled_wall(Scene& scene, const Materials& is, const Detail& detail, const glm::mat4& wall, float left,
+void add_tiled_wall(Scene& scene, const Materials& materials, const Detail& detail, const glm::mat4& wall, float left,
                     float right) {
-  add_object(scene, transform_mesh(make_tiles(left, right, kTiled, false, detail), wall), is.tile);
-  add_object(scene, transform_mesh(make_tiles(left, right, kTiled, true, detail), wall), is.accent);
+  add_object(scene, transform_mesh(make_tiles(left, right, kTiled, false, detail), wall), materials.tile);
+  add_object(scene, transform_mesh(make_tiles(left, right, kTiled, true, detail), wall), materials.accent);
   const Mesh grout = make_quad("grout", {left, 0, 0.004F}, {right - left, 0, 0}, {0, kTiled, 0}, detail.cell_count(4));
-  add_object(scene, transform_mesh(grout, wall), is.grout);
+  add_object(scene, transform_mesh(grout, wall), materials.grout);
   Mesh trim =
       make_rounded_box("trim", {left, kTiled, 0}, {right, kTiled + 0.035F, 0.022F}, 0.009F, detail.cell_count(3));
-  add_object(scene, transform_mesh(std::move(trim), wall), is.accent);
+  add_object(scene, transform_mesh(std::move(trim), wall), materials.accent);
   const Mesh paint =
       make_quad("wall", {left, kTiled, 0}, {right - left, 0, 0}, {0, kHeight - kTiled, 0}, detail.cell_count(6));
-  add_object(scene, transform_mesh(paint, wall), is.wall);
+  add_object(scene, transform_mesh(paint, wall), materials.wall);
 }
 
-void add_floor(Scene& scene, const Materials& is, const Detail& detail) {
+void add_floor(Scene& scene, const Materials& materials, const Detail& detail) {
   constexpr float kRadius = 0.058F, kAcross = 0.866025F * 2 * kRadius;
   const glm::vec2 profile[] = {
       {kRadius - 0.0015F, 0}, {kRadius - 0.0015F, 0.002F}, {kRadius - 0.004F, 0.004F}, {0, 0.004F}};
@@ -161,14 +161,14 @@ void add_floor(Scene& scene, const Materials& is, const Detail& detail) {
     }
   }
   project_uvs(floor, 0.7F);
-  add_object(scene, std::move(floor), is.floor);
+  add_object(scene, std::move(floor), materials.floor);
   add_object(scene,
              make_quad("floor grout", {-kHalfLength, 0.0022F, -kHalfWidth}, {0, 0, 2 * kHalfWidth},
                        {2 * kHalfLength, 0, 0}, detail.cell_count(4)),
-             is.grout);
+             materials.grout);
 }
 
-void add_door(Scene& scene, const Materials& is, const Detail& detail, const glm::mat4& wall, float left) {
+void add_door(Scene& scene, const Materials& materials, const Detail& detail, const glm::mat4& wall, float left) {
   constexpr float kWidth = 0.84F, kTall = 2.06F;
   const glm::vec2 field[] = {{0, 0}, {0, 0.018F}, {0.1F, 0.018F}, {0.11F, 0.006F}};
   Mesh door;
@@ -183,36 +183,36 @@ void add_door(Scene& scene, const Materials& is, const Detail& detail, const glm
   append_mesh(door, make_box("", {left, kTall, 0}, {left + kWidth, kTall + 0.09F, 0.035F}));
   door = transform_mesh(std::move(door), wall);
   project_uvs(door, 0.9F, true);
-  add_object(scene, std::move(door), is.oak);
+  add_object(scene, std::move(door), materials.oak);
   const glm::vec3 grip[] = {{left + 0.78F, 1.02F, 0.01F},
                             {left + 0.78F, 1.02F, 0.06F},
                             {left + 0.74F, 1.02F, 0.07F},
                             {left + 0.66F, 1.02F, 0.065F}};
   Mesh handle = make_tube("door handle", catmull_rom(grip, detail.cell_count(6, 2)), std::array{0.009F},
                           detail.cell_count(10, 5));
-  add_object(scene, transform_mesh(std::move(handle), wall), is.chrome);
+  add_object(scene, transform_mesh(std::move(handle), wall), materials.chrome);
 }
 
 }  // namespace
 
-void add_walls(Scene& scene, const Materials& is, const Detail& detail) {
+void add_walls(Scene& scene, const Materials& materials, const Detail& detail) {
   constexpr float x = kHalfLength, z = kHalfWidth;
-  add_tiled_wall(scene, is, detail, wall_axes({-x, 0, -z}, {0, 0, 1}), 0, 2 * x);
-  add_tiled_wall(scene, is, detail, wall_axes({x, 0, -z}, {-1, 0, 0}), 0, 2 * z);
-  add_tiled_wall(scene, is, detail, wall_axes({-x, 0, z}, {1, 0, 0}), 0, 2 * z);
+  add_tiled_wall(scene, materials, detail, wall_axes({-x, 0, -z}, {0, 0, 1}), 0, 2 * x);
+  add_tiled_wall(scene, materials, detail, wall_axes({x, 0, -z}, {-1, 0, 0}), 0, 2 * z);
+  add_tiled_wall(scene, materials, detail, wall_axes({-x, 0, z}, {1, 0, 0}), 0, 2 * z);
   const glm::mat4 front = wall_axes({x, 0, z}, {0, 0, -1});
   constexpr float kDoorLeft = 0.7F, kDoorRight = kDoorLeft + 0.84F + 0.09F;
-  add_tiled_wall(scene, is, detail, front, 0, kDoorLeft - 0.09F);
-  add_tiled_wall(scene, is, detail, front, kDoorRight, 2 * x);
-  add_door(scene, is, detail, front, kDoorLeft);
+  add_tiled_wall(scene, materials, detail, front, 0, kDoorLeft - 0.09F);
+  add_tiled_wall(scene, materials, detail, front, kDoorRight, 2 * x);
+  add_door(scene, materials, detail, front, kDoorLeft);
   add_object(scene,
              transform_mesh(make_quad("wall above the door", {kDoorLeft - 0.09F, 2.1F, 0}, {1.02F, 0, 0},
                                       {0, kHeight - 2.1F, 0}, 2),
                             front),
-             is.wall);
-  add_floor(scene, is, detail);
+             materials.wall);
+  add_floor(scene, materials, detail);
   add_object(scene, make_quad("ceiling", {-x, kHeight, -z}, {2 * x, 0, 0}, {0, 0, 2 * z}, detail.cell_count(8)),
-             is.ceiling);
+             materials.ceiling);
   const glm::vec2 bowl[] = {{0, -0.12F}, {0.12F, -0.105F}, {0.18F, -0.07F}, {0.2F, -0.02F}};
   const glm::mat4 under_ceiling = placement_at({-0.3F, kHeight, 0.25F});
   add_object(
@@ -220,12 +220,12 @@ void add_walls(Scene& scene, const Materials& is, const Detail& detail) {
       transform_mesh(make_lathe("ceiling lamp", catmull_rom(detail.coarser_profile(bowl), detail.cell_count(4, 2)),
                                 detail.cell_count(36, 12)),
                      under_ceiling),
-      is.lamp);
+      materials.lamp);
   const glm::vec2 ring[] = {{0.2F, -0.03F}, {0.215F, -0.03F}, {0.215F, 0}};
   add_object(
       scene,
       transform_mesh(make_lathe("lamp ring", detail.coarser_profile(ring), detail.cell_count(36, 12)), under_ceiling),
-      is.chrome);
+      materials.chrome);
 }
 
 }  // namespace traces::bathroom
@@ -239,18 +239,18 @@ Scene furnish_room(const Detail& detail) {
   Scene scene;
   scene.name = "bathroom";
   scene.background = glm::vec3(0.3F);
-  const Materials is = add_materials(scene);
-  add_walls(scene, is, detail);
-  add_tub(scene, is, detail);
-  add_vanity(scene, is, detail);
-  add_basin(scene, is, detail);
-  add_mirror(scene, is, detail);
-  add_toilet(scene, is, detail);
-  add_shower(scene, is, detail);
-  add_towels(scene, is, detail);
-  add_mat(scene, is, detail);
-  add_baskets(scene, is, detail);
-  add_toiletries(scene, is, detail);
+  const Materials materials = add_materials(scene);
+  add_walls(scene, materials, detail);
+  add_tub(scene, materials, detail);
+  add_vanity(scene, materials, detail);
+  add_basin(scene, materials, detail);
+  add_mirror(scene, materials, detail);
+  add_toilet(scene, materials, detail);
+  add_shower(scene, materials, detail);
+  add_towels(scene, materials, detail);
+  add_mat(scene, materials, detail);
+  add_baskets(scene, materials, detail);
+  add_toiletries(scene, materials, detail);
   return scene;
 }
 

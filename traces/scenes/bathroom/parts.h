@@ -30,16 +30,16 @@ Materials add_materials(Scene& scene);
 Mesh make_vessel(std::string name, std::span<const glm::vec3> rings, bool square, std::uint32_t round,
                  std::uint32_t steps);
 
-void add_walls(Scene& scene, const Materials& is, const Detail& detail);
-void add_tub(Scene& scene, const Materials& is, const Detail& detail);
-void add_vanity(Scene& scene, const Materials& is, const Detail& detail);
-void add_basin(Scene& scene, const Materials& is, const Detail& detail);
-void add_mirror(Scene& scene, const Materials& is, const Detail& detail);
-void add_toilet(Scene& scene, const Materials& is, const Detail& detail);
-void add_shower(Scene& scene, const Materials& is, const Detail& detail);
-void add_towels(Scene& scene, const Materials& is, const Detail& detail);
-void add_mat(Scene& scene, const Materials& is, const Detail& detail);
-void add_baskets(Scene& scene, const Materials& is, const Detail& detail);
-void add_toiletries(Scene& scene, const Materials& is, const Detail& detail);
+void add_walls(Scene& scene, const Materials& materials, const Detail& detail);
+void add_tub(Scene& scene, const Materials& materials, const Detail& detail);
+void add_vanity(Scene& scene, const Materials& materials, const Detail& detail);
+void add_basin(Scene& scene, const Materials& materials, const Detail& detail);
+void add_mirror(Scene& scene, const Materials& materials, const Detail& detail);
+void add_toilet(Scene& scene, const Materials& materials, const Detail& detail);
+void add_shower(Scene& scene, const Materials& materials, const Detail& detail);
+void add_towels(Scene& scene, const Materials& materials, const Detail& detail);
+void add_mat(Scene& scene, const Materials& materials, const Detail& detail);
+void add_baskets(Scene& scene, const Materials& materials, const Detail& detail);
+void add_toiletries(Scene& scene, const Materials& materials, const Detail& detail);
 
 }  // namespace traces::bathroom

@@ -64,7 +64,7 @@ Mesh make_vessel(std::string name, std::span<const glm::vec3> rings, bool square
       true);
 }
 
-void add_tub(Scene& scene, const Materials& is, const Detail& detail) {
+void add_tub(Scene& scene, const Materials& materials, const Detail& detail) {
   const glm::vec3 rings[] = {{0.80F, 0.34F, 0.0F},     {0.81F, 0.345F, 0.04F}, {0.835F, 0.37F, 0.30F},
                              {0.85F, 0.388F, 0.53F},   {0.86F, 0.40F, 0.555F}, {0.86F, 0.40F, 0.575F},
                              {0.845F, 0.385F, 0.585F}, {0.80F, 0.335F, 0.58F}, {0.785F, 0.32F, 0.565F},
@@ -74,24 +74,25 @@ void add_tub(Scene& scene, const Materials& is, const Detail& detail) {
   add_object(scene,
              transform_mesh(make_vessel("bath tub", rings, true, detail.cell_count(112, 24), detail.cell_count(4)),
                             placement_at(middle)),
-             is.enamel);
-  add_object(scene, transform_mesh(make_drain(detail), placement_at(middle + glm::vec3(-0.45F, 0.108F, 0))), is.chrome);
+             materials.enamel);
+  add_object(scene, transform_mesh(make_drain(detail), placement_at(middle + glm::vec3(-0.45F, 0.108F, 0))),
+             materials.chrome);
   add_object(scene,
              transform_mesh(make_tap(detail, 0.2F, 0.2F), placement_at({kTubLeft + 0.035F, kTubRim, kTubZ}, 0.25)),
-             is.chrome);
+             materials.chrome);
   // The glass screen on the rim of the tub, hinged at the wall.
   const float z = kTubZ + 0.36F;
   // One sheet that does not refract: through two glass surfaces, paths of limited depth would not reach the chrome.
   add_object(scene, make_quad("shower screen", {-1.77F, kTubRim + 0.012F, z}, {0.82F, 0, 0}, {0, 1.4F, 0}, 1),
-             is.glass);
+             materials.glass);
   Mesh profile = make_box("screen profile", {-1.79F, kTubRim + 0.01F, z - 0.012F}, {-1.765F, 2.01F, z + 0.012F});
   append_mesh(profile, make_box("", {-1.765F, kTubRim + 0.004F, z - 0.007F}, {-0.95F, kTubRim + 0.014F, z + 0.007F}));
   append_mesh(profile, make_box("", {-1.765F, 2.0F, z - 0.007F}, {-0.95F, 2.012F, z + 0.007F}));
   append_mesh(profile, make_box("", {-0.955F, kTubRim + 0.004F, z - 0.006F}, {-0.945F, 2.012F, z + 0.006F}));
-  add_object(scene, std::move(profile), is.chrome);
+  add_object(scene, std::move(profile), materials.chrome);
 }
 
-void add_vanity(Scene& scene, const Materials& is, const Detail& detail) {
+void add_vanity(Scene& scene, const Materials& materials, const Detail& detail) {
   constexpr float kLeft = 0.32F, kRight = 1.72F, kFront = -kHalfWidth + 0.5F, back = -kHalfWidth + 0.012F;
   Mesh cabinet = make_box("vanity", {kLeft, 0.25F, back}, {kRight, kCounter - 0.04F, kFront});
   const glm::vec2 drawer[] = {{0.004F, 0}, {0.004F, 0.018F}, {0.012F, 0.022F}, {0.05F, 0.022F}, {0.055F, 0.015F}};
@@ -117,15 +118,15 @@ void add_vanity(Scene& scene, const Materials& is, const Detail& detail) {
     }
   }
   project_uvs(cabinet, 0.8F);
-  add_object(scene, std::move(cabinet), is.oak);
-  add_object(scene, std::move(pulls), is.chrome);
+  add_object(scene, std::move(cabinet), materials.oak);
+  add_object(scene, std::move(pulls), materials.chrome);
   Mesh top = make_rounded_box("counter", {kLeft - 0.03F, kCounter - 0.04F, back},
                               {kRight + 0.03F, kCounter, kFront + 0.04F}, 0.008F, detail.cell_count(3));
   project_uvs(top, 0.9F);
-  add_object(scene, std::move(top), is.stone);
+  add_object(scene, std::move(top), materials.stone);
 }
 
-void add_basin(Scene& scene, const Materials& is, const Detail& detail) {
+void add_basin(Scene& scene, const Materials& materials, const Detail& detail) {
   const glm::vec3 rings[] = {
       {0.15F, 0.11F, 0},        {0.19F, 0.14F, 0.03F},   {0.245F, 0.178F, 0.11F}, {0.255F, 0.187F, 0.135F},
       {0.252F, 0.184F, 0.142F}, {0.242F, 0.175F, 0.14F}, {0.23F, 0.163F, 0.115F}, {0.18F, 0.125F, 0.04F},
@@ -134,22 +135,22 @@ void add_basin(Scene& scene, const Materials& is, const Detail& detail) {
   add_object(scene,
              transform_mesh(make_vessel("wash basin", rings, false, detail.cell_count(72, 20), detail.cell_count(4)),
                             placement_at(at)),
-             is.enamel);
-  add_object(scene, transform_mesh(make_drain(detail), placement_at(at + glm::vec3(0, 0.013F, 0))), is.chrome);
+             materials.enamel);
+  add_object(scene, transform_mesh(make_drain(detail), placement_at(at + glm::vec3(0, 0.013F, 0))), materials.chrome);
   add_object(scene,
              transform_mesh(make_tap(detail, 0.28F, 0.17F), placement_at({1.02F, kCounter, -kHalfWidth + 0.075F})),
-             is.chrome);
+             materials.chrome);
 }
 
 /// Adds the mirror above the basin, and a row of bulbs above it.
-void add_mirror(Scene& scene, const Materials& is, const Detail& detail) {
+void add_mirror(Scene& scene, const Materials& materials, const Detail& detail) {
   const glm::mat4 wall = wall_axes({-kHalfLength, 0, -kHalfWidth}, {0, 0, 1});
   const glm::vec2 rim[] = {{0, 0}, {0, 0.03F}, {0.02F, 0.035F}, {0.03F, 0.02F}, {0.03F, 0.018F}};
   Mesh frame = make_panel("mirror frame", 1.4F, 0.9F, rim);
   frame.triangles.resize(frame.triangles.size() - 2);
-  add_object(scene, transform_mesh(std::move(frame), wall * placement_at({2.12F, 1.2F, 0})), is.oak);
+  add_object(scene, transform_mesh(std::move(frame), wall * placement_at({2.12F, 1.2F, 0})), materials.oak);
   add_object(scene, transform_mesh(make_quad("mirror", {2.15F, 1.23F, 0.019F}, {1.34F, 0, 0}, {0, 0.84F, 0}, 1), wall),
-             is.mirror);
+             materials.mirror);
   Mesh bulbs,
       sockets = transform_mesh(
           make_rounded_box("lamp strip", {2.3F, 2.15F, 0}, {3.34F, 2.21F, 0.03F}, 0.01F, detail.cell_count(2)), wall);
@@ -160,11 +161,11 @@ void add_mirror(Scene& scene, const Materials& is, const Detail& detail) {
     append_mesh(sockets, transform_mesh(make_cylinder("", 0.02F, 0.035F, detail.cell_count(14, 6)),
                                         wall * rotation_about({x, 2.18F, 0.025F}, {1, 0, 0}, 0.25)));
   }
-  add_object(scene, std::move(bulbs), is.lamp);
-  add_object(scene, std::move(sockets), is.chrome);
+  add_object(scene, std::move(bulbs), materials.lamp);
+  add_object(scene, std::move(sockets), materials.chrome);
 }
 
-void add_toilet(Scene& scene, const Materials& is, const Detail& detail) {
+void add_toilet(Scene& scene, const Materials& materials, const Detail& detail) {
   const std::uint32_t round = detail.cell_count(64, 18), steps = detail.cell_count(4);
   const glm::vec3 bowl[] = {
       {0.12F, 0.10F, 0},      {0.115F, 0.095F, 0.04F}, {0.11F, 0.09F, 0.14F},  {0.17F, 0.14F, 0.25F},
@@ -182,12 +183,12 @@ void add_toilet(Scene& scene, const Materials& is, const Detail& detail) {
   append_mesh(body, make_cushion("", {0.2F, 0.36F, -0.19F}, {0.44F, 0.78F, 0.19F}, 0.03F, detail.cell_count(4), 1));
   append_mesh(body, make_cushion("", {0.19F, 0.785F, -0.2F}, {0.445F, 0.82F, 0.2F}, 0.015F, detail.cell_count(3), 1));
   append_mesh(body, make_cushion("", {0.05F, 0.0F, -0.1F}, {0.40F, 0.37F, 0.1F}, 0.03F, detail.cell_count(3), 1));
-  add_object(scene, transform_mesh(std::move(body), at), is.enamel);
+  add_object(scene, transform_mesh(std::move(body), at), materials.enamel);
   const glm::vec2 button[] = {{0.025F, 0}, {0.025F, 0.004F}, {0.02F, 0.006F}, {0, 0.006F}};
   add_object(scene,
              transform_mesh(make_lathe("flush", detail.coarser_profile(button), detail.cell_count(16, 6)),
                             at * placement_at({0.32F, 0.82F, 0})),
-             is.chrome);
+             materials.chrome);
   // A roll of paper on its holder.
   const glm::vec3 holder[] = {{kHalfLength - 0.01F, 0.78F, 0.5F},
                               {kHalfLength - 0.06F, 0.78F, 0.5F},
@@ -196,12 +197,12 @@ void add_toilet(Scene& scene, const Materials& is, const Detail& detail) {
   add_object(scene,
              make_tube("paper holder", catmull_rom(holder, detail.cell_count(4, 2)), std::array{0.006F},
                        detail.cell_count(10, 5)),
-             is.chrome);
+             materials.chrome);
   const glm::vec2 roll[] = {{0.02F, 0}, {0.055F, 0}, {0.055F, 0.1F}, {0.02F, 0.1F}, {0.02F, 0}};
   add_object(scene,
              transform_mesh(make_lathe("paper roll", detail.coarser_profile(roll), detail.cell_count(36, 12)),
                             rotation_about({kHalfLength - 0.09F, 0.768F, 0.52F}, {1, 0, 0}, 0.25)),
-             is.white);
+             materials.white);
 }
 
 namespace {
@@ -264,7 +265,7 @@ Mesh make_basket(const Detail& detail, float a, float b, float height, std::uint
 
 }  // namespace
 
-void add_shower(Scene& scene, const Materials& is, const Detail& detail) {
+void add_shower(Scene& scene, const Materials& materials, const Detail& detail) {
   const std::uint32_t round = detail.cell_count(14, 6);
   constexpr float x = -kHalfLength + 0.06F, z = kTubZ - 0.14F;
   Mesh rail = make_rod({x, 1.05F, z}, {x, 1.98F, z}, 0.011F, round);
@@ -281,11 +282,11 @@ void add_shower(Scene& scene, const Materials& is, const Detail& detail) {
     append_mesh(rail, make_rod({x, 0.95F, z + end}, {x, 0.95F, z + end + 0.04F}, 0.028F, round));
   for (const float at : {0.03F, 0.25F})
     append_mesh(rail, make_rod({-kHalfLength, 0.95F, z + at}, {x, 0.95F, z + at}, 0.016F, round));
-  add_object(scene, std::move(rail), is.chrome);
+  add_object(scene, std::move(rail), materials.chrome);
   const glm::vec3 path[] = {{x, 0.93F, z + 0.14F},         {x + 0.01F, 0.84F, z + 0.15F}, {x + 0.05F, 0.70F, z + 0.2F},
                             {x + 0.12F, 0.66F, z + 0.12F}, {x + 0.16F, 0.85F, z + 0.05F}, {x + 0.12F, 1.3F, z + 0.09F},
                             {x + 0.06F, 1.65F, z + 0.04F}, {x + 0.04F, 1.79F, z}};
-  add_object(scene, make_hose(path, detail), is.chrome);
+  add_object(scene, make_hose(path, detail), materials.chrome);
 
   // A towel rail above the tub, and a radiator of rods on the wall at +x.
   constexpr float back = -kHalfWidth;
@@ -296,7 +297,7 @@ void add_shower(Scene& scene, const Materials& is, const Detail& detail) {
     append_mesh(bar, transform_mesh(make_cylinder("", 0.024F, 0.01F, detail.cell_count(20, 8)),
                                     rotation_about({at, 1.52F, back + 0.009F}, {1, 0, 0}, 0.25)));
   }
-  add_object(scene, std::move(bar), is.chrome);
+  add_object(scene, std::move(bar), materials.chrome);
   Mesh ladder;
   ladder.name = "towel radiator";
   constexpr float wall = kHalfLength - 0.075F, from = -0.78F, to = -0.3F;
@@ -309,13 +310,13 @@ void add_shower(Scene& scene, const Materials& is, const Detail& detail) {
     for (const float at : {from, to})
       append_mesh(ladder, make_rod({kHalfLength - 0.005F, y, at}, {wall, y, at}, 0.008F, round));
   }
-  add_object(scene, std::move(ladder), is.chrome);
+  add_object(scene, std::move(ladder), materials.chrome);
 }
 
-void add_baskets(Scene& scene, const Materials& is, const Detail& detail) {
+void add_baskets(Scene& scene, const Materials& materials, const Detail& detail) {
   // Laundry on the floor at the tub's end, bottles in a caddy on the tiles, soap on the tub's rim.
   const glm::mat4 laundry = placement_at({0.02F, 0.005F, -1.18F});
-  add_object(scene, transform_mesh(make_basket(detail, 0.19F, 0.19F, 0.42F, 52, 9), laundry), is.wire);
+  add_object(scene, transform_mesh(make_basket(detail, 0.19F, 0.19F, 0.42F, 52, 9), laundry), materials.wire);
   Mesh rolls;
   rolls.name = "rolled towels";
   constexpr float kTurns = 3.4F;
@@ -331,9 +332,9 @@ void add_baskets(Scene& scene, const Materials& is, const Detail& detail) {
                    laundry * placement_at({at.x, 0.012F, at.y}, 0.17 * k)));
   }
   scale_uvs(rolls, {6, 2});
-  add_object(scene, std::move(rolls), is.towel);
+  add_object(scene, std::move(rolls), materials.towel);
   const glm::mat4 caddy = placement_at({-1.3F, 1.25F, -kHalfWidth + 0.075F});
-  add_object(scene, transform_mesh(make_basket(detail, 0.17F, 0.06F, 0.09F, 40, 4), caddy), is.chrome);
+  add_object(scene, transform_mesh(make_basket(detail, 0.17F, 0.06F, 0.09F, 40, 4), caddy), materials.chrome);
 }
 
 namespace {
@@ -386,23 +387,23 @@ Mesh make_towel(const Detail& detail, float width, float front, float back, floa
 
 }  // namespace
 
-void add_towels(Scene& scene, const Materials& is, const Detail& detail) {
+void add_towels(Scene& scene, const Materials& materials, const Detail& detail) {
   constexpr float back = -kHalfWidth + 0.075F;
   add_object(scene,
              transform_mesh(make_towel(detail, 0.42F, 0.62F, 0.45F, 0.012F, 3), placement_at({-0.73F, 1.52F, back})),
-             is.towel);
+             materials.towel);
   add_object(scene,
              transform_mesh(make_towel(detail, 0.3F, 0.44F, 0.32F, 0.012F, 7), placement_at({-0.3F, 1.52F, back})),
-             is.striped);
+             materials.striped);
   const float y = 0.4F + 0.058F * 17;
   add_object(scene,
              transform_mesh(make_towel(detail, 0.38F, 0.5F, 0.4F, 0.012F, 12),
                             placement_at({kHalfLength - 0.075F, y, -0.54F}, -0.25)),
-             is.striped);
+             materials.striped);
 }
 
 /// Adds a mat of tufts on the floor at the tub.
-void add_mat(Scene& scene, const Materials& is, const Detail& detail) {
+void add_mat(Scene& scene, const Materials& materials, const Detail& detail) {
   constexpr float kLength = 0.8F, kDepth = 0.5F, kLow = 0.012F;
   Mesh mat = make_rounded_box("bath mat", {-kLength / 2, 0.004F, -kDepth / 2}, {kLength / 2, kLow, kDepth / 2}, 0.0035F,
                               detail.cell_count(2));
@@ -418,7 +419,7 @@ void add_mat(Scene& scene, const Materials& is, const Detail& detail) {
       append_mesh(mat, make_tube("", std::array{root, tip}, std::array{thick, 0.0F}, 3));
     }
   }
-  add_object(scene, transform_mesh(std::move(mat), placement_at({-0.72F, 0, -0.35F}, 0.015)), is.mat);
+  add_object(scene, transform_mesh(std::move(mat), placement_at({-0.72F, 0, -0.35F}, 0.015)), materials.mat);
 }
 
 namespace {
@@ -453,7 +454,7 @@ void add_bottle(Scene& scene, const Detail& detail, const glm::vec3& at, float r
 }
 
 /// Adds a soap dispenser with a pump.
-void add_dispenser(Scene& scene, const Materials& is, const Detail& detail, const glm::vec3& at) {
+void add_dispenser(Scene& scene, const Materials& materials, const Detail& detail, const glm::vec3& at) {
   const std::uint32_t round = detail.cell_count(36, 12);
   const glm::vec2 body[] = {{0.034F, 0},      {0.04F, 0.006F},  {0.041F, 0.05F}, {0.041F, 0.1F},
                             {0.036F, 0.118F}, {0.018F, 0.128F}, {0.016F, 0.132F}};
@@ -461,14 +462,14 @@ void add_dispenser(Scene& scene, const Materials& is, const Detail& detail, cons
              transform_mesh(make_lathe("soap dispenser",
                                        catmull_rom(detail.coarser_profile(body), detail.cell_count(4, 2)), round),
                             placement_at(at)),
-             is.amber);
+             materials.amber);
   const glm::vec2 collar[] = {{0.019F, 0.128F}, {0.019F, 0.143F}, {0.006F, 0.145F}, {0.006F, 0.165F},
                               {0.013F, 0.167F}, {0.013F, 0.178F}, {0, 0.18F}};
   Mesh pump = make_lathe("pump", detail.coarser_profile(collar), detail.cell_count(20, 8));
   const glm::vec3 spout[] = {{0, 0.172F, 0}, {0, 0.174F, 0.025F}, {0, 0.172F, 0.045F}, {0, 0.16F, 0.052F}};
   append_mesh(
       pump, make_tube("", catmull_rom(spout, detail.cell_count(5, 2)), std::array{0.0045F}, detail.cell_count(10, 4)));
-  add_object(scene, transform_mesh(std::move(pump), placement_at(at, 0.05)), is.chrome);
+  add_object(scene, transform_mesh(std::move(pump), placement_at(at, 0.05)), materials.chrome);
 }
 
 /// Makes bristles along +y on a rectangle around the origin.
@@ -492,7 +493,7 @@ Mesh make_bristles(std::string name, float half_length, float half_width, float 
 }
 
 /// Adds a brush: an oval head that tapers into a handle along x, with its bristles upwards.
-void add_brush(Scene& scene, const Materials& is, const Detail& detail, const glm::mat4& at, float size,
+void add_brush(Scene& scene, const Materials& materials, const Detail& detail, const glm::mat4& at, float size,
                std::uint32_t wood) {
   Mesh body = warp_mesh(make_cushion("brush", {-0.5F, -0.09F, -0.13F}, {0.5F, 0.0F, 0.13F}, 0.044F,
                                      detail.cell_count(4), detail.cell_count(6)),
@@ -505,16 +506,17 @@ void add_brush(Scene& scene, const Materials& is, const Detail& detail, const gl
   add_object(scene, transform_mesh(std::move(body), scaled), wood);
   Mesh bristles =
       make_bristles("bristles", 0.22F, 0.105F, 0.13F, 0.0035F, detail.cell_count(36, 8), detail.cell_count(18, 4));
-  add_object(scene, transform_mesh(std::move(bristles), scaled * placement_at({-0.24F, -0.002F, 0})), is.bristle);
+  add_object(scene, transform_mesh(std::move(bristles), scaled * placement_at({-0.24F, -0.002F, 0})),
+             materials.bristle);
 }
 
-void add_toothbrushes(Scene& scene, const Materials& is, const Detail& detail, const glm::vec3& at) {
+void add_toothbrushes(Scene& scene, const Materials& materials, const Detail& detail, const glm::vec3& at) {
   const glm::vec2 tumbler[] = {{0.03F, 0}, {0.036F, 0.1F}, {0.0345F, 0.1F}, {0.0285F, 0.008F}, {0, 0.008F}};
   add_object(scene,
              transform_mesh(make_lathe("tumbler", detail.coarser_profile(tumbler), detail.cell_count(36, 12)),
                             placement_at(at)),
-             is.white);
-  const std::uint32_t inks[] = {is.blue, is.rose, is.green};
+             materials.white);
+  const std::uint32_t inks[] = {materials.blue, materials.rose, materials.green};
   for (std::uint32_t k = 0; k < 3; ++k) {
     const glm::mat4 lean = placement_at(at + glm::vec3(0, 0.012F, 0), 0.33 * k) *
                            rotation_about(glm::vec3(-0.018F, 0, 0), {0, 0, 1}, -0.045);
@@ -523,11 +525,12 @@ void add_toothbrushes(Scene& scene, const Materials& is, const Detail& detail, c
     add_object(scene, transform_mesh(make_tube("toothbrush", stick, radii, detail.cell_count(8, 4)), lean), inks[k]);
     const Mesh tufts = make_bristles("toothbrush bristles", 0.013F, 0.0055F, 0.011F, 0.0006F, detail.cell_count(14, 4),
                                      detail.cell_count(7, 3));
-    add_object(scene, transform_mesh(tufts, lean * rotation_about({0.0035F, 0.168F, 0}, {0, 0, 1}, -0.25)), is.bristle);
+    add_object(scene, transform_mesh(tufts, lean * rotation_about({0.0035F, 0.168F, 0}, {0, 0, 1}, -0.25)),
+               materials.bristle);
   }
 }
 
-void add_duck(Scene& scene, const Materials& is, const Detail& detail, const glm::mat4& at) {
+void add_duck(Scene& scene, const Materials& materials, const Detail& detail, const glm::mat4& at) {
   const std::uint32_t cells = detail.cell_count(10, 4);
   Mesh duck = warp_mesh(make_sphere("rubber duck", glm::vec3(0), 1, cells), [](const glm::vec3& p) {
     const float tail = std::max(0.0F, -p.x);
@@ -544,23 +547,23 @@ void add_duck(Scene& scene, const Materials& is, const Detail& detail, const glm
                                      placement_at({-0.008F, 0.045F, side * 0.04F})));
   }
   duck.uvs.clear();
-  add_object(scene, transform_mesh(std::move(duck), at), is.duck);
+  add_object(scene, transform_mesh(std::move(duck), at), materials.duck);
   Mesh beak = warp_mesh(make_sphere("beak", glm::vec3(0), 1, detail.cell_count(5, 3)), [](const glm::vec3& p) {
     return glm::vec3(0.07F + 0.014F * p.x, 0.088F + 0.005F * p.y, 0.013F * p.z);
   });
-  add_object(scene, transform_mesh(std::move(beak), at), is.beak);
+  add_object(scene, transform_mesh(std::move(beak), at), materials.beak);
   Mesh eyes = make_sphere("eyes", {0.061F, 0.102F, 0.014F}, 0.004F, detail.cell_count(3, 2));
   append_mesh(eyes, make_sphere("", {0.061F, 0.102F, -0.014F}, 0.004F, detail.cell_count(3, 2)));
-  add_object(scene, transform_mesh(std::move(eyes), at), is.black);
+  add_object(scene, transform_mesh(std::move(eyes), at), materials.black);
 }
 
-void add_fern(Scene& scene, const Materials& is, const Detail& detail, const glm::vec3& at) {
+void add_fern(Scene& scene, const Materials& materials, const Detail& detail, const glm::vec3& at) {
   const glm::vec2 pot[] = {{0.035F, 0},     {0.05F, 0.08F},   {0.055F, 0.08F}, {0.055F, 0.095F},
                            {0.05F, 0.095F}, {0.045F, 0.085F}, {0, 0.085F}};
   add_object(
       scene,
       transform_mesh(make_lathe("pot", detail.coarser_profile(pot), detail.cell_count(28, 10)), placement_at(at)),
-      is.white);
+      materials.white);
   Mesh fern;
   fern.name = "fern";
   const std::uint32_t fronds = detail.cell_count(20, 8);
@@ -582,29 +585,32 @@ void add_fern(Scene& scene, const Materials& is, const Detail& detail, const glm
     const glm::vec3 rib[] = {on_rib(0), on_rib(0.33F), on_rib(0.66F), on_rib(1)};
     append_mesh(fern, make_tube("", rib, std::array{0.0015F}, 3));
   }
-  add_object(scene, std::move(fern), is.leaf);
+  add_object(scene, std::move(fern), materials.leaf);
 }
 
 }  // namespace
 
-void add_toiletries(Scene& scene, const Materials& is, const Detail& detail) {
+void add_toiletries(Scene& scene, const Materials& materials, const Detail& detail) {
   constexpr float back = -kHalfWidth;
-  add_dispenser(scene, is, detail, {0.66F, kCounter, back + 0.34F});
-  add_toothbrushes(scene, is, detail, {1.4F, kCounter, back + 0.22F});
-  add_bottle(scene, detail, {1.56F, kCounter, back + 0.17F}, 0.032F, 0.2F, is.bottle, is.green);
-  add_bottle(scene, detail, {1.63F, kCounter, back + 0.3F}, 0.026F, 0.13F, is.water, is.chrome);
-  add_bottle(scene, detail, {1.53F, kCounter, back + 0.38F}, 0.02F, 0.09F, is.rose, is.white);
-  add_fern(scene, is, detail, {0.46F, kCounter, back + 0.18F});
-  add_brush(scene, is, detail, placement_at({0.52F, kCounter + 0.022F, back + 0.45F}, 0.06), 0.22F, is.oak);
+  add_dispenser(scene, materials, detail, {0.66F, kCounter, back + 0.34F});
+  add_toothbrushes(scene, materials, detail, {1.4F, kCounter, back + 0.22F});
+  add_bottle(scene, detail, {1.56F, kCounter, back + 0.17F}, 0.032F, 0.2F, materials.bottle, materials.green);
+  add_bottle(scene, detail, {1.63F, kCounter, back + 0.3F}, 0.026F, 0.13F, materials.water, materials.chrome);
+  add_bottle(scene, detail, {1.53F, kCounter, back + 0.38F}, 0.02F, 0.09F, materials.rose, materials.white);
+  add_fern(scene, materials, detail, {0.46F, kCounter, back + 0.18F});
+  add_brush(scene, materials, detail, placement_at({0.52F, kCounter + 0.022F, back + 0.45F}, 0.06), 0.22F,
+            materials.oak);
   // Bottles and soap in the caddy above the tub, and on the tub's rim.
   const float y = 1.256F, z = back + 0.075F;
-  add_bottle(scene, detail, {-1.41F, y, z}, 0.033F, 0.2F, is.blue, is.white);
-  add_bottle(scene, detail, {-1.32F, y, z}, 0.03F, 0.17F, is.bottle, is.rose);
-  add_bottle(scene, detail, {-1.24F, y, z}, 0.028F, 0.21F, is.green, is.white);
-  add_duck(scene, is, detail, placement_at({-0.28F, kTubRim + 0.004F, kTubZ + 0.362F}, 0.11));
-  add_brush(scene, is, detail, placement_at({-0.055F, kTubRim + 0.04F, kTubZ - 0.05F}, 0.24), 0.34F, is.oak);
+  add_bottle(scene, detail, {-1.41F, y, z}, 0.033F, 0.2F, materials.blue, materials.white);
+  add_bottle(scene, detail, {-1.32F, y, z}, 0.03F, 0.17F, materials.bottle, materials.rose);
+  add_bottle(scene, detail, {-1.24F, y, z}, 0.028F, 0.21F, materials.green, materials.white);
+  add_duck(scene, materials, detail, placement_at({-0.28F, kTubRim + 0.004F, kTubZ + 0.362F}, 0.11));
+  add_brush(scene, materials, detail, placement_at({-0.055F, kTubRim + 0.04F, kTubZ - 0.05F}, 0.24), 0.34F,
+            materials.oak);
   Mesh soap = make_cushion("soap", {-0.04F, 0, -0.026F}, {0.04F, 0.026F, 0.026F}, 0.0125F, detail.cell_count(4), 1);
-  add_object(scene, transform_mesh(std::move(soap), placement_at({0.72F, kCounter, back + 0.47F}, 0.07)), is.rose);
+  add_object(scene, transform_mesh(std::move(soap), placement_at({0.72F, kCounter, back + 0.47F}, 0.07)),
+             materials.rose);
   // A rack across the tub with a sponge.
   Mesh rack;
   rack.name = "bath rack";
@@ -617,13 +623,13 @@ void add_toiletries(Scene& scene, const Materials& is, const Detail& detail) {
     append_mesh(rack, make_box("", {-0.86F, kTubRim + 0.0F, kTubZ + at - 0.015F},
                                {-0.696F, kTubRim + 0.006F, kTubZ + at + 0.015F}));
   project_uvs(rack, 1.5F);
-  add_object(scene, std::move(rack), is.oak);
+  add_object(scene, std::move(rack), materials.oak);
   Mesh sponge = warp_mesh(
       make_cushion("sponge", {-0.06F, 0, -0.045F}, {0.06F, 0.05F, 0.045F}, 0.02F, detail.cell_count(4),
                    detail.cell_count(10)),
       [](const glm::vec3& p) { return p * (1 + 0.16F * (fractal_noise(60.0F * p + glm::vec3(9), 2, 5) - 0.5F)); });
   add_object(scene, transform_mesh(std::move(sponge), placement_at({-0.78F, kTubRim + 0.02F, kTubZ + 0.08F}, 0.1)),
-             is.duck);
+             materials.duck);
 }
 
 }  // namespace traces::bathroom

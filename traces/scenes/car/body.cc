@@ -48,7 +48,7 @@ constexpr glm::vec2 kWidth[] = {{-2.20F, 0.91F}, {-1.70F, 0.925F}, {-1.31F, 0.93
                                 {0.20F, 0.885F}, {0.80F, 0.89F},   {1.30F, 0.905F}, {2.23F, 0.89F}};
 
 /// Returns the width of the car at x as a fraction of its largest width. Nose and tail are rounded in plan view.
-float width_share(float x) {
+float width_fraction(float x) {
   const float front = std::clamp((x - 1.10F) / (kNose - 1.10F), 0.0F, 1.0F);
   const float rear = std::clamp((-1.25F - x) / (-1.25F - kTail), 0.0F, 1.0F);
   const float e = std::max(front, rear), e2 = e * e;
@@ -110,7 +110,7 @@ std::vector<float> section_positions(const Detail& detail) {
 
 }  // namespace
 
-float side_at(float x, float y) {
+float half_width_at(float x, float y) {
   const float u = std::clamp((y - kSill) / (interpolate_keys(kShoulder, x) - kSill), 0.0F, 1.0F);
   float z = interpolate_keys(kWidth, x) - 0.045F * (1 - u) * (1 - u) - 0.055F * u * u * u;
   z -= 0.045F * smooth_bump((x - 0.05F) / 1.05F) * smooth_bump((u - 0.42F) / 0.36F);  // recesses the doors
@@ -118,7 +118,7 @@ float side_at(float x, float y) {
     const float away = std::sqrt((x - axle) * (x - axle) + (y - kWheel) * (y - kWheel));
     z += 0.030F * (1 - glm::smoothstep(kArch, kArch + 0.17F, away));
   }
-  return z * width_share(x);
+  return z * width_fraction(x);
 }
 
 Mesh make_shell(const Detail& detail) {
@@ -134,7 +134,7 @@ Mesh make_shell(const Detail& detail) {
     if (k <= side) {
       const float share = static_cast<float>(k) / static_cast<float>(side);
       y = glm::mix(bottom_height(x), shoulder, share);
-      z = side_at(x, y);
+      z = half_width_at(x, y);
     } else {
       // A third of the rows belongs to the rounded shoulder.
       const std::uint32_t rolling = top / 3;
@@ -142,13 +142,13 @@ Mesh make_shell(const Detail& detail) {
                                               : kRolled + (1 - kRolled) * static_cast<float>(k - side - rolling) /
                                                               static_cast<float>(top - rolling);
       const float out = 1 - share, past = std::max((out - 1 + kRolled) / kRolled, 0.0F);
-      z = side_at(x, shoulder) * out;
+      z = half_width_at(x, shoulder) * out;
       y = shoulder + kRoll * (1 - past * past) +
           (interpolate_keys(kMiddle, x) - interpolate_keys(kShoulder, x)) * (1 - out * out);
       // Fenders are higher than the bonnet, which has a rib on each side.
       const float fenders =
           0.050F * smooth_bump((x - kFrontAxle - 0.05F) / 0.75F) + 0.030F * smooth_bump((x - kRearAxle) / 0.7F);
-      y += fenders * smooth_bump((z - 0.68F) / 0.24F) * width_share(x);
+      y += fenders * smooth_bump((z - 0.68F) / 0.24F) * width_fraction(x);
       y += 0.014F * smooth_bump((x - 1.35F) / 0.75F) * smooth_bump((z - 0.36F) / 0.09F);
     }
     return glm::vec3(x + lean_offset(x, y), y, sign * z);
@@ -179,7 +179,7 @@ Mesh make_underbody(const Detail& detail) {
       const Mesh liner = make_surface("", detail.cell_count(20, 6), 2, [&](float s, float t) {
         const glm::vec2 edge = arch_edge(1 - s);
         const float x = axle + edge.x, y = kWheel + edge.y;
-        const float outer = side_at(x, y) - 0.015F;
+        const float outer = half_width_at(x, y) - 0.015F;
         return glm::vec3(x, y, sign * (outer - (sign > 0 ? t : 1 - t) * (outer - 0.45F)));
       });
       append_mesh(dark, liner);
@@ -200,7 +200,7 @@ Mesh make_arch_lips(const Detail& detail) {
       for (std::uint32_t k = 0; k <= steps; ++k) {
         const glm::vec2 edge = arch_edge(static_cast<float>(k) / static_cast<float>(steps));
         const float x = axle + edge.x, y = kWheel + edge.y;
-        path.emplace_back(x, y, sign * (side_at(x, y) - 0.004F));
+        path.emplace_back(x, y, sign * (half_width_at(x, y) - 0.004F));
       }
       const float radius[] = {0.011F};
       append_mesh(lips, make_tube("", path, radius, detail.cell_count(6, 4)));
@@ -212,19 +212,19 @@ Mesh make_arch_lips(const Detail& detail) {
 
 namespace {
 
-glm::vec2 on_line(const std::vector<glm::vec2>& line, float t) {
+glm::vec2 point_on_line(const std::vector<glm::vec2>& line, float t) {
   const float at = t * static_cast<float>(line.size() - 1);
   const auto k = std::min(static_cast<std::size_t>(at), line.size() - 2);
   return line[k] + (at - static_cast<float>(k)) * (line[k + 1] - line[k]);
 }
 
 /// How a patch is projected: the world axes of its x and y, and the axis of projection with its sign.
-struct Throw {
+struct PatchProjection {
   int x, y, along;
   float sign;
 };
 
-Throw projection_of(From from) {
+PatchProjection projection_of(From from) {
   switch (from) {
     case From::kFront:
       return {2, 1, 0, -1};
@@ -246,7 +246,7 @@ Mesh make_patch(std::span<const glm::vec2> first, std::span<const glm::vec2> sec
   constexpr std::uint32_t kFine = 8;
   const std::vector<glm::vec2> a = catmull_rom(first, kFine), b = catmull_rom(second, kFine);
   return make_surface("", columns, rows, [&](float s, float t) {
-    return glm::vec3(on_line(a, s) + t * (on_line(b, s) - on_line(a, s)), 0);
+    return glm::vec3(point_on_line(a, s) + t * (point_on_line(b, s) - point_on_line(a, s)), 0);
   });
 }
 
@@ -262,7 +262,7 @@ Mesh make_strip(std::span<const glm::vec2> line, float width, std::uint32_t colu
 }
 
 Mesh drape_patch(const Mesh& body, const Mesh& patch, From from, float lift) {
-  const Throw to = projection_of(from);
+  const PatchProjection to = projection_of(from);
   std::vector<char> is_hit(patch.positions.size(), 0);
   std::vector<float> best(patch.positions.size());
   Mesh out = patch;

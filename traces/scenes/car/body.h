@@ -26,7 +26,7 @@ Mesh make_underbody(const Detail& detail);
 Mesh make_arch_lips(const Detail& detail);
 
 /// Returns half the width of the shell at a point of its side.
-float side_at(float x, float y);
+float half_width_at(float x, float y);
 
 /// Makes a patch of columns x rows cells between two smoothed lines in the plane z = 0. The lines run in the same
 /// direction; the patch faces +z if the second is to the left of the first.
@@ -38,11 +38,11 @@ Mesh make_strip(std::span<const glm::vec2> line, float width, std::uint32_t colu
 
 /// Side from which a patch is projected onto the body: direction of projection, and the world axes of the patch.
 enum class From : std::uint8_t {
-  kFront,  ///< along -x: (z, y)
-  kRear,   ///< along +x: (z, y)
-  kLeft,   ///< along +z: (x, y)
-  kRight,  ///< along -z: (x, y)
-  kAbove   ///< along -y: (x, z)
+  kFront,  ///< projected along -x; patch axes (z, y)
+  kRear,   ///< projected along +x; patch axes (z, y)
+  kLeft,   ///< projected along +z; patch axes (x, y)
+  kRight,  ///< projected along -z; patch axes (x, y)
+  kAbove   ///< projected along -y; patch axes (x, z)
 };
 
 /// Projects a patch onto a body, `lift` above its surface and with its normals. Parts of the patch that miss the body

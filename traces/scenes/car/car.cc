@@ -21,7 +21,7 @@ namespace {
 // Parts of a wheel, which rotates about z; the outer side faces +z.
 
 /// Rotates a mesh from the y axis to the z axis.
-Mesh lay_down(Mesh mesh) {
+Mesh rotate_y_to_z(Mesh mesh) {
   return transform_mesh(std::move(mesh), glm::mat4(glm::vec4(1, 0, 0, 0), glm::vec4(0, 0, 1, 0), glm::vec4(0, -1, 0, 0),
                                                    glm::vec4(0, 0, 0, 1)));
 }
@@ -37,7 +37,7 @@ Mesh make_tyre(const Detail& detail) {
   }
   o.line_to(kWheel, 0.088F).arc_to(0.318F, 0.112F, 0.006F).arc_to(0.240F, 0.108F, 0.012F).line_to(0.232F, 0.095F);
   Mesh tyre =
-      lay_down(make_lathe("tyre", simplify_line(o.points(), detail.cell_count(26, 10)), round_segments(detail)));
+      rotate_y_to_z(make_lathe("tyre", simplify_line(o.points(), detail.cell_count(26, 10)), round_segments(detail)));
   return tyre;
 }
 
@@ -47,15 +47,16 @@ Mesh make_rim(const Detail& detail) {
   Outline lip({0.242F, 0.080F});
   lip.arc_to(0.240F, 0.113F, 0.002F).line_to(0.234F, 0.116F).line_to(0.226F, 0.108F).arc_to(0.212F, 0.075F, -0.004F);
   lip.line_to(0.205F, -0.02F).line_to(0.212F, -0.10F);
-  Mesh rim = lay_down(make_lathe("rim", simplify_line(lip.points(), detail.cell_count(12, 7)), round_segments(detail)));
+  Mesh rim =
+      rotate_y_to_z(make_lathe("rim", simplify_line(lip.points(), detail.cell_count(12, 7)), round_segments(detail)));
   Outline hub({0.070F, 0.02F});
   hub.line_to(0.066F, 0.070F)
       .arc_to(0.040F, 0.086F, 0.004F)
       .line_to(0.034F, 0.082F)
       .line_to(0.032F, 0.090F)
       .line_to(0, 0.092F);
-  append_mesh(rim,
-              lay_down(make_lathe("", simplify_line(hub.points(), detail.cell_count(9, 6)), detail.cell_count(24, 8))));
+  append_mesh(rim, rotate_y_to_z(
+                       make_lathe("", simplify_line(hub.points(), detail.cell_count(9, 6)), detail.cell_count(24, 8))));
   const std::uint32_t sides = detail.cell_count(8, 4), steps = detail.cell_count(5, 2);
   for (int k = 0; k < 5; ++k) {
     for (const double side : {-1.0, 1.0}) {
@@ -73,7 +74,7 @@ Mesh make_rim(const Detail& detail) {
     }
     const Outline bolt = Outline({0.010F, 0}).line_to(0.010F, 0.012F).line_to(0, 0.014F);
     const glm::vec2 at = 0.052F * on_circle(k / 5.0 + 0.1);
-    append_mesh(rim, transform_mesh(lay_down(make_lathe("", bolt.points(), 6)), placement_at({at, 0.074F})));
+    append_mesh(rim, transform_mesh(rotate_y_to_z(make_lathe("", bolt.points(), 6)), placement_at({at, 0.074F})));
   }
   return rim;
 }
@@ -85,7 +86,7 @@ Mesh make_brake_disc(const Detail& detail) {
                         .line_to(0.09F, 0.012F)
                         .line_to(0.085F, 0.045F)
                         .line_to(0, 0.045F);
-  return lay_down(make_lathe("brake disc", o.points(), detail.cell_count(32, 10)));
+  return rotate_y_to_z(make_lathe("brake disc", o.points(), detail.cell_count(32, 10)));
 }
 
 /// Makes the brake caliper, which does not rotate with the wheel.
@@ -316,7 +317,7 @@ Mesh make_mirror(float side, const Detail& detail) {
 }
 
 Mesh make_handle(float side, const Detail& detail) {
-  const float z = side_at(-0.33F, 0.70F);
+  const float z = half_width_at(-0.33F, 0.70F);
   return make_rounded_box("handle", {-0.42F, 0.69F, side * z - 0.018F}, {-0.22F, 0.715F, side * z + 0.018F}, 0.01F,
                           detail.cell_count(2));
 }
@@ -460,7 +461,7 @@ Scene build_car(const BuiltinOptions& options) {
   const Detail rough = detail_for(static_cast<double>(wanted), kClass);
   car::add_hall(scene, rough);
   const Detail detail =
-      fit_detail(wanted, triangles_of_car, {.made = triangles_of(scene) + car::triangles_of_trim(rough)});
+      fit_detail(wanted, triangles_of_car, {.made = count_triangles(scene) + car::triangles_of_trim(rough)});
 
   const std::uint32_t node = add_node(scene, "car", {.translation = {-0.4F, 0, 0}});
   std::vector<Key> keys;

@@ -298,7 +298,7 @@ Scene build_chess(const BuiltinOptions& options) {
   constexpr std::uint32_t kClass = 42'000;
   const std::uint64_t wanted = options.triangles_or(kClass);
   chess::add_surroundings(scene, detail_for(static_cast<double>(wanted), kClass));
-  add_pieces(scene, fit_detail(wanted, triangles_of_set, {.made = triangles_of(scene)}));
+  add_pieces(scene, fit_detail(wanted, triangles_of_set, {.made = count_triangles(scene)}));
 
   scene.cameras.push_back(look_at("front", {4.6F, 4.7F, 8.9F}, {0.12F, -0.15F, 0.35F}, 0.55F));
   scene.cameras.push_back(look_at("player", {0, 6.5F, 9.5F}, {0, 0, 0.2F}, 0.62F));

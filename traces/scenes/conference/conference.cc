@@ -139,35 +139,35 @@ Materials add_materials(Scene& scene) {
   glow.emission = glm::vec3(0.5F);
   glow.emission_texture.texture = kKeys;
   panel.casts_light = screen.casts_light = glow.casts_light = ceiling.casts_light = false;
-  Materials is{};
-  is.carpet = with_picture("carpet", kCarpet);
-  is.wall = with_paint("wall paint", {0.83F, 0.79F, 0.70F});
-  is.ceiling = add_material(scene, ceiling);
-  is.ceiling_grid = with_paint("ceiling grid", {0.75F, 0.75F, 0.74F});
-  is.lamp = add_material(scene, panel);
-  is.wood = with_picture("panelling", kWood);
-  is.table_wood = with_picture("table top", kTableWood, 0.08F);
-  is.white = with_paint("white lacquer", {0.85F, 0.85F, 0.83F});
-  is.dark = with_paint("black plastic", {0.045F, 0.045F, 0.05F});
-  is.steel = add_material(scene, make_metal("brushed steel", {0.72F, 0.73F, 0.75F}, 0.45F));
-  is.fabric = with_picture("upholstery", kFabric);
-  is.chart = with_paint("whiteboard", {0.9F, 0.91F, 0.92F}, 0.04F);
-  is.screen = add_material(scene, screen);
-  is.hills = with_picture("picture of hills", kHills);
-  is.sea = with_picture("picture of the sea", kSea);
-  is.shapes = with_picture("picture of shapes", kShapes);
-  is.slats = with_paint("window slats", {0.80F, 0.79F, 0.75F});
-  is.leaf = with_paint("leaves", {0.13F, 0.36F, 0.10F});
-  is.terracotta = with_paint("terracotta", {0.66F, 0.33F, 0.20F});
-  is.soil = with_paint("soil", {0.12F, 0.08F, 0.05F});
-  is.paper = with_paint("paper", {0.9F, 0.89F, 0.85F});
-  is.red = with_paint("red", {0.66F, 0.12F, 0.09F});
-  is.blue = with_paint("blue", {0.12F, 0.22F, 0.5F});
-  is.china = with_paint("china", {0.88F, 0.87F, 0.84F}, 0.05F);
-  is.keys = with_paint("laptop case", {0.42F, 0.43F, 0.45F});
-  is.glow = add_material(scene, glow);
-  is.brass = add_material(scene, make_metal("brass", {0.80F, 0.60F, 0.30F}, 0.4F));
-  return is;
+  Materials materials{};
+  materials.carpet = with_picture("carpet", kCarpet);
+  materials.wall = with_paint("wall paint", {0.83F, 0.79F, 0.70F});
+  materials.ceiling = add_material(scene, ceiling);
+  materials.ceiling_grid = with_paint("ceiling grid", {0.75F, 0.75F, 0.74F});
+  materials.lamp = add_material(scene, panel);
+  materials.wood = with_picture("panelling", kWood);
+  materials.table_wood = with_picture("table top", kTableWood, 0.08F);
+  materials.white = with_paint("white lacquer", {0.85F, 0.85F, 0.83F});
+  materials.dark = with_paint("black plastic", {0.045F, 0.045F, 0.05F});
+  materials.steel = add_material(scene, make_metal("brushed steel", {0.72F, 0.73F, 0.75F}, 0.45F));
+  materials.fabric = with_picture("upholstery", kFabric);
+  materials.chart = with_paint("whiteboard", {0.9F, 0.91F, 0.92F}, 0.04F);
+  materials.screen = add_material(scene, screen);
+  materials.hills = with_picture("picture of hills", kHills);
+  materials.sea = with_picture("picture of the sea", kSea);
+  materials.shapes = with_picture("picture of shapes", kShapes);
+  materials.slats = with_paint("window slats", {0.80F, 0.79F, 0.75F});
+  materials.leaf = with_paint("leaves", {0.13F, 0.36F, 0.10F});
+  materials.terracotta = with_paint("terracotta", {0.66F, 0.33F, 0.20F});
+  materials.soil = with_paint("soil", {0.12F, 0.08F, 0.05F});
+  materials.paper = with_paint("paper", {0.9F, 0.89F, 0.85F});
+  materials.red = with_paint("red", {0.66F, 0.12F, 0.09F});
+  materials.blue = with_paint("blue", {0.12F, 0.22F, 0.5F});
+  materials.china = with_paint("china", {0.88F, 0.87F, 0.84F}, 0.05F);
+  materials.keys = with_paint("laptop case", {0.42F, 0.43F, 0.45F});
+  materials.glow = add_material(scene, glow);
+  materials.brass = add_material(scene, make_metal("brass", {0.80F, 0.60F, 0.30F}, 0.4F));
+  return materials;
 }
 
 namespace {
@@ -197,14 +197,14 @@ Mesh make_panelling(float width, const Detail& detail) {
   return mesh;
 }
 
-void add_panelling(Scene& scene, const Materials& is, const Detail& detail, const glm::vec3& origin,
+void add_panelling(Scene& scene, const Materials& materials, const Detail& detail, const glm::vec3& origin,
                    const glm::vec3& outward, float width) {
   Mesh mesh = transform_mesh(make_panelling(width, detail), wall_axes(origin, outward));
   project_uvs(mesh, 0.9F, true);
-  add_object(scene, std::move(mesh), is.wood);
+  add_object(scene, std::move(mesh), materials.wood);
 }
 
-void add_door(Scene& scene, const Materials& is, const Detail& detail) {
+void add_door(Scene& scene, const Materials& materials, const Detail& detail) {
   const glm::mat4 wall = wall_axes({-kHalfLength, 0, 2.55F}, {1, 0, 0});
   constexpr float kWidth = 0.95F, kTall = 2.1F;
   Mesh frame;
@@ -222,7 +222,7 @@ void add_door(Scene& scene, const Materials& is, const Detail& detail) {
   for (Mesh* part : {&frame, &leaf}) {
     *part = transform_mesh(std::move(*part), wall);
     project_uvs(*part, 0.9F, true);
-    add_object(scene, std::move(*part), is.wood);
+    add_object(scene, std::move(*part), materials.wood);
   }
   const std::uint32_t round = detail.cell_count(12, 5);
   Mesh handle = transform_mesh(make_cylinder("door handle", 0.028F, 0.012F, round),
@@ -230,36 +230,36 @@ void add_door(Scene& scene, const Materials& is, const Detail& detail) {
   const glm::vec3 grip[] = {
       {0.88F, 1.02F, 0.03F}, {0.88F, 1.02F, 0.075F}, {0.85F, 1.02F, 0.085F}, {0.75F, 1.02F, 0.08F}};
   append_mesh(handle, make_tube("", catmull_rom(grip, detail.cell_count(6, 2)), std::array{0.01F}, round));
-  add_object(scene, transform_mesh(std::move(handle), wall), is.brass);
+  add_object(scene, transform_mesh(std::move(handle), wall), materials.brass);
 }
 
 /// Adds one wall above its panelling.
-void add_wall(Scene& scene, const Materials& is, const Detail& detail, const glm::vec3& origin,
+void add_wall(Scene& scene, const Materials& materials, const Detail& detail, const glm::vec3& origin,
               const glm::vec3& outward, float width, float height) {
   const Mesh wall = make_quad("wall", glm::vec3(0), {width, 0, 0}, {0, height, 0}, detail.cell_count(12));
-  add_object(scene, transform_mesh(wall, wall_axes(origin, outward)), is.wall);
+  add_object(scene, transform_mesh(wall, wall_axes(origin, outward)), materials.wall);
 }
 
 }  // namespace
 
-void add_room(Scene& scene, const Materials& is, const Detail& detail) {
+void add_room(Scene& scene, const Materials& materials, const Detail& detail) {
   constexpr float x = kHalfLength, z = kHalfWidth;
   Mesh floor = make_quad("carpet", {-x, 0, -z}, {0, 0, 2 * z}, {2 * x, 0, 0}, detail.cell_count(24));
   project_uvs(floor, 0.8F);
-  add_object(scene, std::move(floor), is.carpet);
-  add_wall(scene, is, detail, {-x, 0, -z}, {0, 0, 1}, 2 * x, kHeight);
-  add_wall(scene, is, detail, {x, 0, -z}, {-1, 0, 0}, 2 * z, kHeight);
-  add_wall(scene, is, detail, {-x, 0, z}, {1, 0, 0}, 2 * z, kHeight);
-  add_panelling(scene, is, detail, {-x, 0, -z}, {0, 0, 1}, 2 * x);
-  add_panelling(scene, is, detail, {x, 0, -z}, {-1, 0, 0}, 2 * z);
-  add_panelling(scene, is, detail, {x, 0, z}, {0, 0, -1}, 2 * x);
-  add_panelling(scene, is, detail, {-x, 0, z}, {1, 0, 0}, 0.55F);
-  add_panelling(scene, is, detail, {-x, 0, 1.5F}, {1, 0, 0}, z + 1.5F);
-  add_door(scene, is, detail);
+  add_object(scene, std::move(floor), materials.carpet);
+  add_wall(scene, materials, detail, {-x, 0, -z}, {0, 0, 1}, 2 * x, kHeight);
+  add_wall(scene, materials, detail, {x, 0, -z}, {-1, 0, 0}, 2 * z, kHeight);
+  add_wall(scene, materials, detail, {-x, 0, z}, {1, 0, 0}, 2 * z, kHeight);
+  add_panelling(scene, materials, detail, {-x, 0, -z}, {0, 0, 1}, 2 * x);
+  add_panelling(scene, materials, detail, {x, 0, -z}, {-1, 0, 0}, 2 * z);
+  add_panelling(scene, materials, detail, {x, 0, z}, {0, 0, -1}, 2 * x);
+  add_panelling(scene, materials, detail, {-x, 0, z}, {1, 0, 0}, 0.55F);
+  add_panelling(scene, materials, detail, {-x, 0, 1.5F}, {1, 0, 0}, z + 1.5F);
+  add_door(scene, materials, detail);
 }
 
 /// Adds a cornice along all walls of the room.
-void add_cornice(Scene& scene, const Materials& is) {
+void add_cornice(Scene& scene, const Materials& materials) {
   const glm::vec2 outline[] = {{0, 0}, {0.02F, 0}, {0.03F, 0.03F}, {0.06F, 0.045F}, {0.09F, 0.09F}, {0, 0.09F}};
   Mesh cornice;
   cornice.name = "cornice";
@@ -273,10 +273,10 @@ void add_cornice(Scene& scene, const Materials& is) {
   add_side({kHalfLength, y, kHalfWidth}, {0, 0, -1}, 2 * kHalfLength);
   add_side({kHalfLength, y, -kHalfWidth}, {-1, 0, 0}, 2 * kHalfWidth);
   add_side({-kHalfLength, y, kHalfWidth}, {1, 0, 0}, 2 * kHalfWidth);
-  add_object(scene, std::move(cornice), is.white);
+  add_object(scene, std::move(cornice), materials.white);
 }
 
-void add_ceiling(Scene& scene, const Materials& is, const Detail& detail) {
+void add_ceiling(Scene& scene, const Materials& materials, const Detail& detail) {
   constexpr int kColumns = 14, kRows = 10;
   constexpr float kStepX = 2 * kHalfLength / kColumns, kStepZ = 2 * kHalfWidth / kRows;
   const glm::vec2 board_rings[] = {{0.012F, -0.02F}, {0.012F, -0.008F}, {0.03F, 0}};
@@ -315,18 +315,18 @@ void add_ceiling(Scene& scene, const Materials& is, const Detail& detail) {
     append_mesh(
         grid, make_box("", {-kHalfLength, kHeight - 0.003F, at - 0.013F}, {kHalfLength, kHeight + 0.02F, at + 0.013F}));
   }
-  add_object(scene, std::move(boards), is.ceiling);
-  add_object(scene, std::move(panels), is.lamp);
-  add_object(scene, std::move(grid), is.ceiling_grid);
+  add_object(scene, std::move(boards), materials.ceiling);
+  add_object(scene, std::move(panels), materials.lamp);
+  add_object(scene, std::move(grid), materials.ceiling_grid);
   add_object(scene,
              make_quad("ceiling back", {-kHalfLength, kHeight + 0.04F, -kHalfWidth}, {2 * kHalfLength, 0, 0},
                        {0, 0, 2 * kHalfWidth}, 1),
-             is.dark);
-  add_cornice(scene, is);
+             materials.dark);
+  add_cornice(scene, materials);
 }
 
 /// Adds three windows in the wall at +z, with curved slats before them.
-void add_windows(Scene& scene, const Materials& is, const Detail& detail) {
+void add_windows(Scene& scene, const Materials& materials, const Detail& detail) {
   constexpr float kLow = 1.05F, kHigh = 2.5F, kWide = 2.3F, kLeft[] = {0.6F, 3.45F, 6.3F};
   const glm::mat4 wall = wall_axes({kHalfLength, 0, kHalfWidth}, {0, 0, -1});
   Mesh plaster, frame;
@@ -354,8 +354,8 @@ void add_windows(Scene& scene, const Materials& is, const Detail& detail) {
     append_mesh(frame, make_box("", {left + kWide - 0.004F, kLow, -0.15F}, {left + kWide, kHigh, 0}));
   }
   add_piece(from, 2 * kHalfLength, kLow, kHigh);
-  add_object(scene, transform_mesh(std::move(plaster), wall), is.wall);
-  add_object(scene, transform_mesh(std::move(frame), wall), is.white);
+  add_object(scene, transform_mesh(std::move(plaster), wall), materials.wall);
+  add_object(scene, transform_mesh(std::move(frame), wall), materials.white);
 
   constexpr int kSlats = 28;
   const std::uint32_t blind = [&] {
@@ -376,7 +376,7 @@ void add_windows(Scene& scene, const Materials& is, const Detail& detail) {
         append_mesh(mesh, make_box("", {x, kLow + 0.06F, z - 0.001F}, {x + 0.003F, kHigh - 0.03F, z + 0.001F}));
       }
     }
-    return add_mesh(scene, std::move(mesh), is.slats);
+    return add_mesh(scene, std::move(mesh), materials.slats);
   }();
   for (const float left : kLeft) add_instance(scene, blind, wall * placement_at({left, 0, 0}));
 }
@@ -392,15 +392,15 @@ Scene furnish_room(const Detail& detail) {
   Scene scene;
   scene.name = "conference";
   scene.background = {0.72F, 0.82F, 0.95F};
-  const Materials is = add_materials(scene);
-  add_room(scene, is, detail);
-  add_ceiling(scene, is, detail);
-  add_windows(scene, is, detail);
-  add_table(scene, is, detail);
-  add_chairs(scene, is, detail);
-  add_wall_things(scene, is, detail);
-  add_table_things(scene, is, detail);
-  add_plant(scene, is, detail);
+  const Materials materials = add_materials(scene);
+  add_room(scene, materials, detail);
+  add_ceiling(scene, materials, detail);
+  add_windows(scene, materials, detail);
+  add_table(scene, materials, detail);
+  add_chairs(scene, materials, detail);
+  add_wall_things(scene, materials, detail);
+  add_table_things(scene, materials, detail);
+  add_plant(scene, materials, detail);
   return scene;
 }
 

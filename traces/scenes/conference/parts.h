@@ -22,13 +22,13 @@ struct Materials {
 };
 Materials add_materials(Scene& scene);
 
-void add_room(Scene& scene, const Materials& is, const Detail& detail);
-void add_ceiling(Scene& scene, const Materials& is, const Detail& detail);
-void add_windows(Scene& scene, const Materials& is, const Detail& detail);
-void add_table(Scene& scene, const Materials& is, const Detail& detail);
-void add_chairs(Scene& scene, const Materials& is, const Detail& detail);
-void add_wall_things(Scene& scene, const Materials& is, const Detail& detail);
-void add_table_things(Scene& scene, const Materials& is, const Detail& detail);
-void add_plant(Scene& scene, const Materials& is, const Detail& detail);
+void add_room(Scene& scene, const Materials& materials, const Detail& detail);
+void add_ceiling(Scene& scene, const Materials& materials, const Detail& detail);
+void add_windows(Scene& scene, const Materials& materials, const Detail& detail);
+void add_table(Scene& scene, const Materials& materials, const Detail& detail);
+void add_chairs(Scene& scene, const Materials& materials, const Detail& detail);
+void add_wall_things(Scene& scene, const Materials& materials, const Detail& detail);
+void add_table_things(Scene& scene, const Materials& materials, const Detail& detail);
+void add_plant(Scene& scene, const Materials& materials, const Detail& detail);
 
 }  // namespace traces::conference

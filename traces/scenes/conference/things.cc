@@ -105,7 +105,7 @@ Mesh make_upholstery(const Detail& detail) {
 
 }  // namespace
 
-void add_table(Scene& scene, const Materials& is, const Detail& detail) {
+void add_table(Scene& scene, const Materials& materials, const Detail& detail) {
   const std::uint32_t round = detail.cell_count(112, 24);
   constexpr float y = kTableHeight;
   const glm::vec2 edge[] = {{0.07F, y - 0.05F}, {0.06F, y - 0.05F},   {0.012F, y - 0.032F}, {0.003F, y - 0.024F},
@@ -115,21 +115,21 @@ void add_table(Scene& scene, const Materials& is, const Detail& detail) {
   append_mesh(top, make_face("", kHalfTable - 0.07F, kHalfDepth - 0.07F, y - 0.05F, false, round, 1));
   top.name = "table top";
   project_uvs(top, 0.55F);
-  add_object(scene, std::move(top), is.table_wood);
+  add_object(scene, std::move(top), materials.table_wood);
   const glm::vec2 drum[] = {{0, 0.03F}, {0, y - 0.05F}}, plinth[] = {{0, 0}, {0, 0.025F}, {0.012F, 0.035F}};
   for (const float x : {-1.55F, 0.0F, 1.55F}) {
     Mesh foot = make_slab("table foot", 0.3F, 0.24F, drum, round / 2);
     project_uvs(foot, 0.8F, true);
-    add_object(scene, transform_mesh(std::move(foot), placement_at({x, 0, 0})), is.table_wood);
+    add_object(scene, transform_mesh(std::move(foot), placement_at({x, 0, 0})), materials.table_wood);
     Mesh base = make_slab("table plinth", 0.36F, 0.3F, plinth, round / 2);
     append_mesh(base, make_face("", 0.348F, 0.288F, 0.035F, true, round / 2, 1));
-    add_object(scene, transform_mesh(std::move(base), placement_at({x, 0, 0})), is.dark);
+    add_object(scene, transform_mesh(std::move(base), placement_at({x, 0, 0})), materials.dark);
   }
 }
 
-void add_chairs(Scene& scene, const Materials& is, const Detail& detail) {
-  const std::uint32_t frame = add_mesh(scene, make_chair_frame(detail), is.dark);
-  const std::uint32_t upholstery = add_mesh(scene, make_upholstery(detail), is.fabric);
+void add_chairs(Scene& scene, const Materials& materials, const Detail& detail) {
+  const std::uint32_t frame = add_mesh(scene, make_chair_frame(detail), materials.dark);
+  const std::uint32_t upholstery = add_mesh(scene, make_upholstery(detail), materials.fabric);
   std::uint64_t number = 0;
   const auto add_chair = [&](float x, float z, double turns) {
     ++number;
@@ -251,33 +251,33 @@ Mesh make_clock_hands() {
 
 }  // namespace
 
-void add_wall_things(Scene& scene, const Materials& is, const Detail& detail) {
+void add_wall_things(Scene& scene, const Materials& materials, const Detail& detail) {
   const glm::mat4 back = wall_axes({-kHalfLength, 0, -kHalfWidth}, {0, 0, 1});
-  add_framed_picture(scene, is.brass, is.paper, is.hills, back, 0.9F, 1.3F, 1.5F, 0.95F);
-  add_framed_picture(scene, is.dark, is.paper, is.shapes, back, 4.1F, 1.25F, 1.05F, 1.05F);
-  add_framed_picture(scene, is.brass, is.paper, is.sea, back, 6.85F, 1.3F, 1.5F, 0.95F);
+  add_framed_picture(scene, materials.brass, materials.paper, materials.hills, back, 0.9F, 1.3F, 1.5F, 0.95F);
+  add_framed_picture(scene, materials.dark, materials.paper, materials.shapes, back, 4.1F, 1.25F, 1.05F, 1.05F);
+  add_framed_picture(scene, materials.brass, materials.paper, materials.sea, back, 6.85F, 1.3F, 1.5F, 0.95F);
   const glm::mat4 left = wall_axes({-kHalfLength, 0, kHalfWidth}, {1, 0, 0});
-  add_framed_picture(scene, is.dark, is.paper, is.sea, left, 2.6F, 1.35F, 0.95F, 0.68F);
-  add_framed_picture(scene, is.dark, is.paper, is.hills, left, 3.85F, 1.35F, 0.95F, 0.68F);
+  add_framed_picture(scene, materials.dark, materials.paper, materials.sea, left, 2.6F, 1.35F, 0.95F, 0.68F);
+  add_framed_picture(scene, materials.dark, materials.paper, materials.hills, left, 3.85F, 1.35F, 0.95F, 0.68F);
   // Screen and whiteboard at the end of the room.
   const glm::mat4 end = wall_axes({kHalfLength, 0, -kHalfWidth}, {-1, 0, 0});
   Mesh projection = make_quad("screen", {1.75F, 1.12F, 0.05F}, {2.5F, 0, 0}, {0, 1.4F, 0}, 1);
   for (glm::vec2& uv : projection.uvs) uv.y = 1 - uv.y;
-  add_object(scene, transform_mesh(std::move(projection), end), is.screen);
+  add_object(scene, transform_mesh(std::move(projection), end), materials.screen);
   Mesh casing = make_box("screen casing", {1.68F, 2.52F, 0.02F}, {4.32F, 2.62F, 0.12F});
   append_mesh(casing, make_box("", {1.71F, 1.08F, 0.042F}, {4.29F, 2.52F, 0.048F}));
   append_mesh(casing, transform_mesh(make_cylinder("", 0.014F, 2.58F, detail.cell_count(12, 5)),
                                      rotation_about({4.29F, 1.09F, 0.05F}, {0, 0, 1}, 0.25)));
-  add_object(scene, transform_mesh(std::move(casing), end), is.dark);
+  add_object(scene, transform_mesh(std::move(casing), end), materials.dark);
   const glm::vec2 board[] = {{0, 0}, {0, 0.03F}, {0.02F, 0.03F}, {0.022F, 0.02F}};
   add_object(scene, transform_mesh(make_panel("whiteboard", 1.5F, 1.05F, board), end * placement_at({4.62F, 1.2F, 0})),
-             is.chart);
+             materials.chart);
   Mesh tray = make_box("pen tray", {4.75F, 1.15F, 0}, {5.95F, 1.165F, 0.09F});
-  add_object(scene, transform_mesh(std::move(tray), end), is.steel);
+  add_object(scene, transform_mesh(std::move(tray), end), materials.steel);
   for (const float x : {4.9F, 5.1F, 5.4F}) {
     const Mesh pen = transform_mesh(make_cylinder("pen", 0.009F, 0.13F, detail.cell_count(10, 5)),
                                     rotation_about({x + 0.13F, 1.175F, 0.05F}, {0, 0, 1}, 0.25));
-    add_object(scene, transform_mesh(pen, end), x < 5 ? is.red : is.blue);
+    add_object(scene, transform_mesh(pen, end), x < 5 ? materials.red : materials.blue);
   }
   // A clock above the door.
   const glm::mat4 clock = wall_axes({-kHalfLength, 2.5F, 2.07F}, {1, 0, 0});
@@ -286,10 +286,10 @@ void add_wall_things(Scene& scene, const Materials& is, const Detail& detail) {
   const glm::mat4 flat = clock * rotation_about(glm::vec3(0), {1, 0, 0}, 0.25);
   add_object(scene,
              transform_mesh(make_lathe("clock rim", detail.coarser_profile(rim), detail.cell_count(32, 12)), flat),
-             is.dark);
+             materials.dark);
   Mesh dial = make_lathe("clock face", detail.coarser_profile(face), detail.cell_count(32, 12));
-  add_object(scene, transform_mesh(std::move(dial), flat), is.white);
-  add_object(scene, transform_mesh(make_clock_hands(), clock), is.dark);
+  add_object(scene, transform_mesh(std::move(dial), flat), materials.white);
+  add_object(scene, transform_mesh(make_clock_hands(), clock), materials.dark);
   // A sideboard below the middle picture.
   const glm::vec2 door[] = {{0.004F, 0}, {0.004F, 0.018F}, {0.05F, 0.018F}, {0.055F, 0.012F}};
   Mesh chest = make_box("sideboard", {3.3F, 0.06F, 0}, {5.9F, 0.8F, 0.42F});
@@ -304,34 +304,35 @@ void add_wall_things(Scene& scene, const Materials& is, const Detail& detail) {
   }
   chest = transform_mesh(std::move(chest), back);
   project_uvs(chest, 0.8F);
-  add_object(scene, std::move(chest), is.wood);
-  add_object(scene, transform_mesh(std::move(knobs), back), is.brass);
+  add_object(scene, std::move(chest), materials.wood);
+  add_object(scene, transform_mesh(std::move(knobs), back), materials.brass);
   const glm::vec2 flask[] = {{0, 0},          {0.06F, 0},     {0.065F, 0.01F}, {0.065F, 0.19F},
                              {0.05F, 0.235F}, {0.03F, 0.25F}, {0.03F, 0.275F}, {0, 0.28F}};
   const std::uint32_t can =
-      add_mesh(scene, make_lathe("flask", detail.coarser_profile(flask), detail.cell_count(28, 10)), is.steel);
+      add_mesh(scene, make_lathe("flask", detail.coarser_profile(flask), detail.cell_count(28, 10)), materials.steel);
   for (const float x : {4.1F, 4.28F}) add_instance(scene, can, back * placement_at({x, 0.835F, 0.22F}));
 }
 
-void add_table_things(Scene& scene, const Materials& is, const Detail& detail) {
+void add_table_things(Scene& scene, const Materials& materials, const Detail& detail) {
   constexpr float y = kTableHeight;
-  const std::uint32_t parts[] = {add_mesh(scene, make_laptop_case(detail), is.keys),
-                                 add_mesh(scene, make_laptop_keys(), is.dark),
-                                 add_mesh(scene, make_laptop_screen(), is.glow)};
+  const std::uint32_t parts[] = {add_mesh(scene, make_laptop_case(detail), materials.keys),
+                                 add_mesh(scene, make_laptop_keys(), materials.dark),
+                                 add_mesh(scene, make_laptop_screen(), materials.glow)};
   const glm::mat4 laptops[] = {placement_at({-1.3F, y, 0.5F}, 0.02), placement_at({1.28F, y, -0.5F}, 0.52),
                                placement_at({0.42F, y, 0.5F}, -0.03)};
   for (const glm::mat4& at : laptops) {
     for (const std::uint32_t part : parts) add_instance(scene, part, at);
   }
-  const std::uint32_t cup = add_mesh(scene, make_cup(detail), is.china);
+  const std::uint32_t cup = add_mesh(scene, make_cup(detail), materials.china);
   const glm::vec3 cups[] = {
       {-1.75F, y, 0.42F}, {-0.55F, y, -0.45F}, {0.78F, y, 0.42F}, {1.7F, y, -0.42F}, {2.2F, y, 0.3F}};
   for (const glm::vec3& at : cups)
     add_instance(scene, cup,
                  placement_at(at, static_cast<double>(random_unit(9, static_cast<std::uint64_t>(at.x * 8 + 40)))));
   const std::uint32_t pad =
-      add_mesh(scene, make_box("note pad", {-0.105F, 0, -0.148F}, {0.105F, 0.008F, 0.148F}), is.paper);
-  const std::uint32_t pen = add_mesh(scene, make_cone("pen", 0.005F, 0.003F, 0.14F, detail.cell_count(10, 5)), is.blue);
+      add_mesh(scene, make_box("note pad", {-0.105F, 0, -0.148F}, {0.105F, 0.008F, 0.148F}), materials.paper);
+  const std::uint32_t pen =
+      add_mesh(scene, make_cone("pen", 0.005F, 0.003F, 0.14F, detail.cell_count(10, 5)), materials.blue);
   for (int k = 0; k < 6; ++k) {
     const float x = -2.15F + 0.86F * static_cast<float>(k), side = k % 2 == 0 ? -1.0F : 1.0F;
     const glm::mat4 at =
@@ -340,14 +341,14 @@ void add_table_things(Scene& scene, const Materials& is, const Detail& detail) {
     add_instance(scene, pad, at);
     add_instance(scene, pen, at * rotation_about({0.03F, 0.0135F, 0.06F}, {-0.6F, 0, -0.8F}, 0.25));
   }
-  add_object(scene, transform_mesh(make_telephone(detail), placement_at({-0.35F, y, 0.02F}, 0.1)), is.dark);
+  add_object(scene, transform_mesh(make_telephone(detail), placement_at({-0.35F, y, 0.02F}, 0.1)), materials.dark);
   const glm::vec2 bowl[] = {{0, 0},          {0.06F, 0},      {0.065F, 0.01F}, {0.1F, 0.05F},
                             {0.115F, 0.11F}, {0.11F, 0.115F}, {0.098F, 0.1F},  {0, 0.1F}};
   add_object(scene,
              transform_mesh(make_lathe("flower bowl", catmull_rom(detail.coarser_profile(bowl), detail.cell_count(3)),
                                        detail.cell_count(32, 10)),
                             placement_at({0.62F, y, -0.02F})),
-             is.china);
+             materials.china);
   Mesh leaves = make_leaves(detail, {0.62F, y + 0.08F, -0.02F}, detail.cell_count(30, 10), 0.26F, 5);
   Mesh blossoms;
   blossoms.name = "blossoms";
@@ -363,19 +364,20 @@ void add_table_things(Scene& scene, const Materials& is, const Detail& detail) {
                detail.cell_count(4, 2));
     }
   }
-  add_object(scene, std::move(leaves), is.leaf);
-  add_object(scene, std::move(blossoms), is.red);
+  add_object(scene, std::move(leaves), materials.leaf);
+  add_object(scene, std::move(blossoms), materials.red);
 }
 
-void add_plant(Scene& scene, const Materials& is, const Detail& detail) {
+void add_plant(Scene& scene, const Materials& materials, const Detail& detail) {
   const glm::vec3 corners[] = {{4.05F, 0, -2.65F}, {-4.1F, 0, -2.7F}};
   const glm::vec2 pot[] = {{0, 0},          {0.15F, 0},      {0.155F, 0.01F},  {0.2F, 0.3F},   {0.22F, 0.3F},
                            {0.225F, 0.31F}, {0.225F, 0.36F}, {0.215F, 0.365F}, {0.19F, 0.36F}, {0.185F, 0.32F}};
   const glm::vec2 ground[] = {{0.187F, 0.325F}, {0.1F, 0.34F}, {0, 0.345F}};
   const std::uint32_t round = detail.cell_count(36, 12);
   const std::uint32_t pot_mesh =
-      add_mesh(scene, make_lathe("flower pot", detail.coarser_profile(pot), round), is.terracotta);
-  const std::uint32_t soil_mesh = add_mesh(scene, make_lathe("soil", detail.coarser_profile(ground), round), is.soil);
+      add_mesh(scene, make_lathe("flower pot", detail.coarser_profile(pot), round), materials.terracotta);
+  const std::uint32_t soil_mesh =
+      add_mesh(scene, make_lathe("soil", detail.coarser_profile(ground), round), materials.soil);
   std::uint32_t seed = 40;
   for (const glm::vec3& at : corners) {
     add_instance(scene, pot_mesh, placement_at(at));
@@ -392,8 +394,8 @@ void add_plant(Scene& scene, const Materials& is, const Detail& detail) {
       append_mesh(canes, make_tube("", path, std::array{0.018F, 0.016F, 0.013F}, detail.cell_count(8, 4)));
       append_mesh(foliage, make_leaves(detail, top, detail.cell_count(56, 14), 0.5F, ++seed));
     }
-    add_object(scene, std::move(canes), is.soil);
-    add_object(scene, std::move(foliage), is.leaf);
+    add_object(scene, std::move(canes), materials.soil);
+    add_object(scene, std::move(foliage), materials.leaf);
   }
 }
 

@@ -30,7 +30,7 @@ float ground_height(float x, float z) {
   return 2.6F * (fractal_noise(glm::vec3(x / 9, z / 9, 4), 3, 7) - 0.5F) * t * t * (3 - 2 * t);
 }
 
-glm::vec3 on_ground(float x, float z, float above = 0) { return {x, ground_height(x, z) + above, z}; }
+glm::vec3 point_on_ground(float x, float z, float above = 0) { return {x, ground_height(x, z) + above, z}; }
 
 /// Generates the forest: the scene so far and its level of detail.
 class Forest {
@@ -40,7 +40,7 @@ class Forest {
         triangles_(triangles),
         detail_(std::sqrt(static_cast<float>(triangles) / static_cast<float>(kTriangles))) {}
 
-  void build();
+  void fill_scene();
 
  private:
   std::uint32_t scaled_count(float n, std::uint32_t least) const {
@@ -79,7 +79,7 @@ class Forest {
   std::uint32_t gills_ = 0, stem_ = 0, log_bark_ = 0, litter_ = 0;
 };
 
-void Forest::build() {
+void Forest::fill_scene() {
   add_floor();
   add_backdrop();
   add_trees();
@@ -102,7 +102,7 @@ void Forest::add_floor() {
     const glm::vec2 p = (glm::vec2(s, 1 - t) - 0.5F) * 64.0F;
     // Plants are denser in the middle.
     const glm::vec2 near = p * (0.35F + 0.65F * glm::abs(p) / 32.0F);
-    return on_ground(near.x, near.y);
+    return point_on_ground(near.x, near.y);
   });
   for (std::size_t i = 0; i < floor.uvs.size(); ++i) {
     floor.uvs[i] = glm::vec2(floor.positions[i].x, floor.positions[i].z) / 2.6F;
@@ -131,13 +131,13 @@ void Forest::add_focus() {
   const std::uint32_t horn =
       add_textured(scene_, bark_texture("antler", {0.42F, 0.33F, 0.24F}, {0.88F, 0.80F, 0.66F}, 6, 51, 256));
   const std::uint32_t dark = add_material(scene_, make_paint("hoof and eye", {0.02F, 0.016F, 0.014F}, 0.12F));
-  show_pieces(make_deer(scaled_count(18, 8), fur, horn, dark), placement_at(on_ground(-1.0F, -1.5F), 0.06), true);
+  show_pieces(make_deer(scaled_count(18, 8), fur, horn, dark), placement_at(point_on_ground(-1.0F, -1.5F), 0.06), true);
 
   const std::uint32_t wood =
       add_textured(scene_, wood_texture("bench wood", {0.72F, 0.56F, 0.38F}, {0.36F, 0.24F, 0.15F}, 52));
   const std::uint32_t iron = add_material(scene_, make_paint("iron", {0.05F, 0.05F, 0.06F}, 0.15F));
   const std::uint32_t flame = add_material(scene_, make_lamp("flame", {34, 22, 9}));
-  const glm::mat4 bench = placement_at(on_ground(1.75F, -0.1F), -0.06);
+  const glm::mat4 bench = placement_at(point_on_ground(1.75F, -0.1F), -0.06);
   show_pieces(make_bench(wood, iron), bench, true);
   show_pieces(make_lantern(iron, flame), bench * placement_at({0.45F, 0.46F, 0}), true);
 
@@ -149,7 +149,7 @@ void Forest::add_focus() {
       {-1.62F, 2.35F, 0.5F, 0.25F}, {-1.12F, 2.62F, 0.33F, 0.5F}, {-2.02F, 2.75F, 0.27F, 0.9F}};
   for (const auto& m : kBig) {
     show_pieces(make_mushroom(m[2], m[3], scaled_count(36, 12), caps_[0], gills_, stem_),
-                placement_at(on_ground(m[0], m[1])), true);
+                placement_at(point_on_ground(m[0], m[1])), true);
   }
 }
 
@@ -233,7 +233,7 @@ void Forest::add_trees() {
       const Spot& p = spots[k];
       if (p.kind != kind) continue;
       const glm::mat4 at =
-          placement_at(on_ground(p.x, p.z, -0.06F), static_cast<double>(random_unit(45, k)), glm::vec3(p.size));
+          placement_at(point_on_ground(p.x, p.z, -0.06F), static_cast<double>(random_unit(45, k)), glm::vec3(p.size));
       add_instance(scene_, mesh, at);
       crowns_.back().at.push_back(at);
     }
@@ -245,7 +245,7 @@ void Forest::add_canopy() {
   const glm::vec3 hues[][2] = {{{0.14F, 0.26F, 0.06F}, {0.52F, 0.62F, 0.18F}},
                                {{0.24F, 0.32F, 0.07F}, {0.68F, 0.70F, 0.22F}},
                                {{0.38F, 0.36F, 0.08F}, {0.84F, 0.74F, 0.26F}}};
-  const float rest = static_cast<float>(triangles_) - static_cast<float>(triangles_of(scene_));
+  const float rest = static_cast<float>(triangles_) - static_cast<float>(count_triangles(scene_));
   float trees = 0;
   for (const Crown& crown : crowns_) trees += static_cast<float>(crown.at.size());
   const auto count = static_cast<std::uint32_t>(std::max(rest, 0.02F * static_cast<float>(triangles_)) / 2 / trees);
@@ -275,9 +275,9 @@ void Forest::add_stones_and_logs() {
                             {-3.2F, 2.3F, 0.3F}, {0.6F, -3.2F, 0.7F},  {-3.4F, -3.0F, 0.8F}, {3.4F, -1.7F, 0.6F}};
   std::uint32_t count = 0;
   const auto put = [&](float x, float z, float size) {
-    add_instance(
-        scene_, meshes[count % meshes.size()],
-        placement_at(on_ground(x, z, -0.14F * size), static_cast<double>(random_unit(65, count)), glm::vec3(size)));
+    add_instance(scene_, meshes[count % meshes.size()],
+                 placement_at(point_on_ground(x, z, -0.14F * size), static_cast<double>(random_unit(65, count)),
+                              glm::vec3(size)));
     ++count;
   };
   for (const glm::vec3& p : near) put(p.x, p.y, p.z);
@@ -287,8 +287,8 @@ void Forest::add_stones_and_logs() {
     put(p.x, p.y, random_between(0.3F, 1.2F, 68, k));
   }
   const std::uint32_t log = add_mesh(scene_, make_log(3.6F, 0.24F, scaled_count(18, 8), 71), log_bark_);
-  add_instance(scene_, log, placement_at(on_ground(-2.9F, -0.5F, -0.03F), 0.09));
-  add_instance(scene_, log, placement_at(on_ground(4.6F, -5.2F, 0.1F), -0.14, glm::vec3(1.2F)));
+  add_instance(scene_, log, placement_at(point_on_ground(-2.9F, -0.5F, -0.03F), 0.09));
+  add_instance(scene_, log, placement_at(point_on_ground(4.6F, -5.2F, 0.1F), -0.14, glm::vec3(1.2F)));
 }
 
 void Forest::add_ferns() {
@@ -302,8 +302,9 @@ void Forest::add_ferns() {
                             {2.3F, -2.6F, 1},     {-4.4F, -1.2F, 1.1F}, {2.15F, 3.55F, 0.55F}, {-1.5F, 3.55F, 0.45F}};
   std::uint32_t count = 0;
   const auto put = [&](float x, float z, float size) {
-    add_instance(scene_, meshes[count % 2],
-                 placement_at(on_ground(x, z, -0.03F), static_cast<double>(random_unit(84, count)), glm::vec3(size)));
+    add_instance(
+        scene_, meshes[count % 2],
+        placement_at(point_on_ground(x, z, -0.03F), static_cast<double>(random_unit(84, count)), glm::vec3(size)));
     ++count;
   };
   for (const glm::vec3& p : near) put(p.x, p.y, p.z);
@@ -328,7 +329,7 @@ void Forest::add_mushrooms() {
   for (std::uint32_t g = 0; g < std::size(kGroups); ++g) {
     for (std::uint32_t k = 0; k < capped_count(4); ++k) {
       const glm::vec2 p = kGroups[g] + 0.32F * (glm::vec2(random_unit(91, g, k), random_unit(92, g, k)) - 0.5F);
-      const glm::mat4 at = placement_at(on_ground(p.x, p.y, -0.01F), static_cast<double>(random_unit(93, g, k)),
+      const glm::mat4 at = placement_at(point_on_ground(p.x, p.y, -0.01F), static_cast<double>(random_unit(93, g, k)),
                                         glm::vec3(random_between(0.5F, 1.15F, 94, g, k)));
       for (const std::uint32_t mesh : kinds[g % 2]) add_instance(scene_, mesh, at);
     }
@@ -336,7 +337,7 @@ void Forest::add_mushrooms() {
 }
 
 void Forest::add_leaves() {
-  const auto used = static_cast<std::uint32_t>(triangles_of(scene_));
+  const auto used = static_cast<std::uint32_t>(count_triangles(scene_));
   const float left =
       std::max(static_cast<float>(triangles_) - static_cast<float>(used), 0.05F * static_cast<float>(triangles_));
   add_undergrowth(left);
@@ -355,16 +356,16 @@ void Forest::add_undergrowth(float left) {
       add_mesh(scene_, make_grass("grass", std::max(grass, 4U), 3, 0.3F, 0.42F, 0.018F, 104), blades);
   for (std::uint32_t k = 0; k < kPatches; ++k) {
     const glm::vec2 p = on_circle(k * 0.381966) * (0.62F * std::sqrt(static_cast<float>(k) + 0.5F)) * 1.6F;
-    const glm::vec3 foot = on_ground(p.x, p.y);
+    const glm::vec3 foot = point_on_ground(p.x, p.y);
     const float e = 0.5F;
-    const glm::vec3 u = glm::normalize(on_ground(p.x + e, p.y) - on_ground(p.x - e, p.y));
-    const glm::vec3 n = glm::normalize(glm::cross(on_ground(p.x, p.y + e) - on_ground(p.x, p.y - e), u));
+    const glm::vec3 u = glm::normalize(point_on_ground(p.x + e, p.y) - point_on_ground(p.x - e, p.y));
+    const glm::vec3 n = glm::normalize(glm::cross(point_on_ground(p.x, p.y + e) - point_on_ground(p.x, p.y - e), u));
     add_instance(scene_, patch, {glm::vec4(u, 0), glm::vec4(n, 0), glm::vec4(glm::cross(u, n), 0), glm::vec4(foot, 1)});
   }
   for (std::uint32_t k = 0; k < kTufts; ++k) {
     const glm::vec2 p = on_circle(static_cast<double>(random_unit(105, k))) * random_between(1.5F, 7, 106, k);
     add_instance(scene_, tuft,
-                 placement_at(on_ground(p.x, p.y), static_cast<double>(random_unit(107, k)),
+                 placement_at(point_on_ground(p.x, p.y), static_cast<double>(random_unit(107, k)),
                               glm::vec3(random_between(0.6F, 1.1F, 108, k))));
   }
 }
@@ -381,7 +382,7 @@ void Forest::add_bushes(float left) {
   for (std::uint32_t k = 0; k < kBushes; ++k) {
     const glm::vec2 p = on_circle(-0.5 * (k + 0.5) / kBushes) * random_between(6.5F, 13, 8, k);
     add_instance(scene_, bush,
-                 placement_at(on_ground(p.x, p.y, -0.1F), static_cast<double>(random_unit(9, k)),
+                 placement_at(point_on_ground(p.x, p.y, -0.1F), static_cast<double>(random_unit(9, k)),
                               glm::vec3(random_between(0.7F, 1.3F, 10, k))));
   }
 }
@@ -396,7 +397,7 @@ Scene build_forest(const BuiltinOptions& options) {
   Scene scene;
   scene.name = "forest";
   scene.background = {0.66F, 0.76F, 0.72F};
-  forest::Forest(scene, options.triangles_or(forest::kTriangles)).build();
+  forest::Forest(scene, options.triangles_or(forest::kTriangles)).fill_scene();
   Light sun;
   sun.kind = Light::Kind::kDirectional;
   sun.direction = glm::normalize(glm::vec3(0.42F, -0.82F, -0.38F));

@@ -241,7 +241,7 @@ void add_room(Scene& scene, const Looks& looks, const Detail& detail) {
              looks.lamp);
 }
 
-void add(Scene& scene, Mesh mesh, std::uint32_t material, const glm::mat4& at) {
+void add_placed(Scene& scene, Mesh mesh, std::uint32_t material, const glm::mat4& at) {
   add_instance(scene, add_mesh(scene, std::move(mesh), material), at);
 }
 
@@ -256,12 +256,13 @@ Mesh make_thin_rod(const glm::vec3& from, const glm::vec3& to, float radius, con
 void add_stand(Scene& scene, const Looks& looks, const glm::vec3& position, double turns, float clamp, float reach,
                const Detail& detail) {
   const glm::mat4 at = placement_at(position, turns);
-  add(scene, make_rounded_box("foot", {-0.05F, 0, -0.075F}, {0.16F, 0.016F, 0.075F}, 0.005F, detail.cell_count(3)),
-      looks.iron, at);
+  add_placed(scene,
+             make_rounded_box("foot", {-0.05F, 0, -0.075F}, {0.16F, 0.016F, 0.075F}, 0.005F, detail.cell_count(3)),
+             looks.iron, at);
   Mesh steel = make_thin_rod({0, 0.015F, 0}, {0, 0.56F, 0}, 0.006F, detail);
   append_mesh(steel, make_thin_rod({0.01F, clamp, 0}, {reach - 0.035F, clamp, 0}, 0.004F, detail));
   steel.name = "rod";
-  add(scene, std::move(steel), looks.steel, at);
+  add_placed(scene, std::move(steel), looks.steel, at);
   Mesh holder = make_rounded_box("clamp", {-0.014F, clamp - 0.014F, -0.014F}, {0.016F, clamp + 0.014F, 0.014F}, 0.003F,
                                  detail.cell_count(2));
   append_mesh(holder, make_thin_rod({-0.014F, clamp, 0}, {-0.035F, clamp, 0}, 0.005F, detail));
@@ -277,7 +278,7 @@ void add_stand(Scene& scene, const Looks& looks, const glm::vec3& position, doub
   }
   append_mesh(holder, make_rounded_box("", {reach - 0.04F, clamp - 0.009F, -0.009F},
                                        {reach - 0.019F, clamp + 0.009F, 0.009F}, 0.003F, detail.cell_count(2)));
-  add(scene, std::move(holder), looks.iron, at);
+  add_placed(scene, std::move(holder), looks.iron, at);
 }
 
 /// Adds a gas burner with its flame, below a tripod with a wire gauze at height 0.2.
@@ -290,7 +291,8 @@ void add_burner(Scene& scene, const Looks& looks, const glm::vec3& position, con
       .arc_to(0.012F, 0.022F, -0.002F)
       .line_to(0.010F, 0.026F)
       .line_to(0, 0.026F);
-  add(scene, make_lathe("burner foot", simplify_line(foot.points(), detail.cell_count(12, 7)), sides), looks.iron, at);
+  add_placed(scene, make_lathe("burner foot", simplify_line(foot.points(), detail.cell_count(12, 7)), sides),
+             looks.iron, at);
   Outline pipe({0.008F, 0.026F});
   pipe.line_to(0.012F, 0.028F)
       .line_to(0.012F, 0.045F)
@@ -300,30 +302,31 @@ void add_burner(Scene& scene, const Looks& looks, const glm::vec3& position, con
   pipe.line_to(0.010F, 0.128F).line_to(0.0075F, 0.128F).line_to(0.0075F, 0.110F);
   Mesh barrel = make_lathe("burner", pipe.points(), sides);
   append_mesh(barrel, make_thin_rod({0.010F, 0.018F, 0}, {0.060F, 0.018F, 0}, 0.005F, detail));
-  add(scene, std::move(barrel), looks.brass, at);
+  add_placed(scene, std::move(barrel), looks.brass, at);
   // The hose to the gas tap in the wall.
   const std::vector<glm::vec3> course{{0.055F, 0.018F, 0},     {0.085F, 0.016F, 0.005F}, {0.12F, 0.008F, -0.03F},
                                       {0.10F, 0.008F, -0.12F}, {0.03F, 0.008F, -0.20F},  {0.0F, 0.03F, -0.29F},
                                       {0.0F, 0.085F, -0.335F}};
   const std::array hose{0.0065F};
-  add(scene,
-      make_tube("hose", catmull_rom(std::span<const glm::vec3>(course), detail.cell_count(7, 3)), hose,
-                detail.cell_count(12, 5)),
-      looks.rubber, at);
+  add_placed(scene,
+             make_tube("hose", catmull_rom(std::span<const glm::vec3>(course), detail.cell_count(7, 3)), hose,
+                       detail.cell_count(12, 5)),
+             looks.rubber, at);
   Mesh tap = make_thin_rod({0, 0.08F, -0.335F}, {0, 0.13F, -0.335F}, 0.007F, detail);
   append_mesh(tap, make_thin_rod({0, 0.12F, -0.40F}, {0, 0.12F, -0.32F}, 0.010F, detail));
   append_mesh(
       tap, make_rounded_box("", {-0.022F, 0.133F, -0.341F}, {0.022F, 0.141F, -0.329F}, 0.003F, detail.cell_count(2)));
   tap.name = "gas tap";
-  add(scene, std::move(tap), looks.brass, at);
+  add_placed(scene, std::move(tap), looks.brass, at);
 
   Outline outer({0.0065F, 0.126F});
   outer.arc_to(0.0115F, 0.148F, 0.001F).arc_to(0, 0.196F, 0.004F);
   Outline inner({0.0055F, 0.126F});
   inner.arc_to(0, 0.158F, 0.002F);
-  add(scene, make_lathe("flame", simplify_line(outer.points(), detail.cell_count(12, 5)), sides), looks.flame, at);
-  add(scene, make_lathe("inner flame", simplify_line(inner.points(), detail.cell_count(7, 4)), sides),
-      looks.inner_flame, at);
+  add_placed(scene, make_lathe("flame", simplify_line(outer.points(), detail.cell_count(12, 5)), sides), looks.flame,
+             at);
+  add_placed(scene, make_lathe("inner flame", simplify_line(inner.points(), detail.cell_count(7, 4)), sides),
+             looks.inner_flame, at);
 
   constexpr float kTop = 0.198F;
   Mesh tripod = transform_mesh(make_torus("", 0.06F, 0.004F, sides, detail.cell_count(8, 4)),
@@ -334,7 +337,7 @@ void add_burner(Scene& scene, const Looks& looks, const glm::vec3& position, con
                                       {0.06F * way.x, kTop - 0.004F, 0.06F * way.y}, 0.004F, detail));
   }
   tripod.name = "tripod";
-  add(scene, std::move(tripod), looks.iron, at);
+  add_placed(scene, std::move(tripod), looks.iron, at);
   // The gauze is woven: two layers of wire.
   Mesh gauze;
   const std::uint32_t wires = detail.cell_count(16, 6);
@@ -347,7 +350,7 @@ void add_burner(Scene& scene, const Looks& looks, const glm::vec3& position, con
     append_mesh(gauze, make_tube("", other, thin, 4));
   }
   gauze.name = "gauze";
-  add(scene, std::move(gauze), looks.steel, at);
+  add_placed(scene, std::move(gauze), looks.steel, at);
 }
 
 /// Adds a wooden rack for six test tubes, 0.04 apart along x, whose bottoms are 0.02 above the bench.
@@ -370,23 +373,24 @@ void add_rack(Scene& scene, const Looks& looks, const glm::vec3& position, const
   rack.name = "rack";
   for (std::size_t k = 0; k < rack.uvs.size(); ++k)
     rack.uvs[k] = {2 * rack.positions[k].x, 3 * (rack.positions[k].y + rack.positions[k].z)};
-  add(scene, std::move(rack), looks.wood, at);
+  add_placed(scene, std::move(rack), looks.wood, at);
 }
 
 /// Adds a magnetic stirrer, with its plate at height 0.055.
 void add_stirrer(Scene& scene, const Looks& looks, const glm::vec3& position, const Detail& detail) {
   const glm::mat4 at = placement_at(position);
-  add(scene,
+  add_placed(
+      scene,
       make_rounded_box("stirrer", {-0.075F, 0.004F, -0.08F}, {0.075F, 0.046F, 0.095F}, 0.008F, detail.cell_count(3)),
       looks.plastic, at);
   const Outline plate =
       Outline({0, 0.046F}).line_to(0.062F, 0.046F).line_to(0.062F, 0.052F).line_to(0.059F, 0.055F).line_to(0, 0.055F);
-  add(scene, make_lathe("plate", plate.points(), detail.cell_count(36, 10)), looks.steel, at);
+  add_placed(scene, make_lathe("plate", plate.points(), detail.cell_count(36, 10)), looks.steel, at);
   const Outline knob = Outline({0, 0}).line_to(0.014F, 0).line_to(0.012F, 0.012F).line_to(0, 0.013F);
   for (const float x : {-0.035F, 0.035F}) {
     const glm::mat4 front(glm::vec4(1, 0, 0, 0), glm::vec4(0, 0, 1, 0), glm::vec4(0, -1, 0, 0),
                           glm::vec4(x, 0.026F, 0.095F, 1));
-    add(scene, make_lathe("knob", knob.points(), detail.cell_count(18, 6)), looks.iron, at * front);
+    add_placed(scene, make_lathe("knob", knob.points(), detail.cell_count(18, 6)), looks.iron, at * front);
   }
 }
 
@@ -398,28 +402,32 @@ void add_mortar(Scene& scene, const Looks& looks, const glm::vec3& position, con
       .line_to(0.048F, 0.060F)
       .line_to(0.044F, 0.058F);
   bowl.arc_to(0, 0.016F, -0.017F);
-  add(scene, make_lathe("mortar", simplify_line(bowl.points(), detail.cell_count(20, 9)), detail.cell_count(36, 10)),
-      looks.porcelain, placement_at(position));
+  add_placed(scene,
+             make_lathe("mortar", simplify_line(bowl.points(), detail.cell_count(20, 9)), detail.cell_count(36, 10)),
+             looks.porcelain, placement_at(position));
   const std::vector<glm::vec3> path{
       {0.008F, 0.026F, 0}, {0.0F, 0.034F, 0}, {-0.014F, 0.048F, 0}, {-0.05F, 0.085F, 0.005F}, {-0.075F, 0.11F, 0.008F}};
   const std::array radii{0.0F, 0.012F, 0.010F, 0.007F, 0.008F};
-  add(scene, make_tube("pestle", path, radii, detail.cell_count(16, 6)), looks.porcelain, placement_at(position));
+  add_placed(scene, make_tube("pestle", path, radii, detail.cell_count(16, 6)), looks.porcelain,
+             placement_at(position));
 }
 
 void add_notebook(Scene& scene, const Looks& looks, const glm::vec3& position, double turns, const Detail& detail) {
   const glm::mat4 at = placement_at(position, turns);
-  add(scene, make_rounded_box("cover", {-0.155F, 0, -0.105F}, {0.155F, 0.006F, 0.105F}, 0.002F, detail.cell_count(2)),
-      looks.iron, at);
+  add_placed(scene,
+             make_rounded_box("cover", {-0.155F, 0, -0.105F}, {0.155F, 0.006F, 0.105F}, 0.002F, detail.cell_count(2)),
+             looks.iron, at);
   for (const float side : {-1.0F, 1.0F}) {
     // A page that rises towards the fold.
-    add(scene,
-        make_surface("page", detail.cell_count(10, 3), 2,
-                     [side](float s, float t) {
-                       const float out = side > 0 ? s : 1 - s;
-                       return glm::vec3(side * (0.001F + 0.148F * out),
-                                        0.007F + 0.012F * (1 - out) * (1 - out) * (0.3F + 2 * out), 0.1F - 0.2F * t);
-                     }),
-        looks.page, at);
+    add_placed(scene,
+               make_surface("page", detail.cell_count(10, 3), 2,
+                            [side](float s, float t) {
+                              const float out = side > 0 ? s : 1 - s;
+                              return glm::vec3(side * (0.001F + 0.148F * out),
+                                               0.007F + 0.012F * (1 - out) * (1 - out) * (0.3F + 2 * out),
+                                               0.1F - 0.2F * t);
+                            }),
+               looks.page, at);
     for (glm::vec2& uv : scene.meshes.back().uvs) uv.y = 1 - uv.y;
   }
   const std::vector<glm::vec3> pen{{0.02F, 0.022F, 0.06F},
@@ -428,7 +436,7 @@ void add_notebook(Scene& scene, const Looks& looks, const glm::vec3& position, d
                                    {0.12F, 0.0185F, -0.035F},
                                    {0.125F, 0.018F, -0.04F}};
   const std::array radii{0.0005F, 0.003F, 0.0042F, 0.0042F, 0.003F};
-  add(scene, make_tube("pen", pen, radii, detail.cell_count(12, 5)), looks.rubber, at);
+  add_placed(scene, make_tube("pen", pen, radii, detail.cell_count(12, 5)), looks.rubber, at);
 }
 
 }  // namespace
@@ -456,7 +464,7 @@ class Glassware {
                    placement_at(at));
   }
 
-  void add(Mesh mesh, const glm::vec3& at) {
+  void add_placed(Mesh mesh, const glm::vec3& at) {
     add_instance(scene_, add_mesh(scene_, std::move(mesh), glass_), placement_at(at));
   }
 
@@ -588,8 +596,8 @@ void add_all(Scene& scene, const Looks& looks, const Detail& detail) {
   ware.place_vessel(Vessel::kCylinder, {0.44F, 0.008F, -0.26F}, 0.16F, looks.blue);
   const Outline foot =
       Outline({0, 0}).line_to(0.032F, 0).line_to(0.032F, 0.004F).line_to(0.018F, 0.0065F).line_to(0, 0.0065F);
-  ware.add(make_lathe("cylinder foot", foot.points(), detail.cell_count(30, 8)), {0.34F, 0, -0.20F});
-  ware.add(make_lathe("cylinder foot", foot.points(), detail.cell_count(30, 8)), {0.44F, 0, -0.26F});
+  ware.add_placed(make_lathe("cylinder foot", foot.points(), detail.cell_count(30, 8)), {0.34F, 0, -0.20F});
+  ware.add_placed(make_lathe("cylinder foot", foot.points(), detail.cell_count(30, 8)), {0.44F, 0, -0.26F});
   const glm::vec3 ring(0.62F, 0, 0.09F);
   add_instance(
       scene,
@@ -614,7 +622,7 @@ Scene build_laboratory(const BuiltinOptions& options) {
   const Detail detail = fit_detail(options.triangles_or(kClass), [](const Detail& at) {
     Scene shapes;
     add_all(shapes, {}, at);
-    return triangles_of(shapes);
+    return count_triangles(shapes);
   });
   Scene scene;
   scene.name = "laboratory";

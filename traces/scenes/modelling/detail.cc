@@ -47,7 +47,7 @@ Scene build_to_size(std::uint32_t triangles, const std::function<Scene(const Det
   const auto triangles_at = [&](const Detail& detail) {
     made = detail;
     scene = make(detail);
-    return triangles_of(scene);
+    return count_triangles(scene);
   };
   const Detail best =
       fit_detail(triangles, triangles_at,

@@ -62,7 +62,7 @@ std::string scene_digest(const Scene& scene) {
 }
 
 /// Returns the quaternion of a rotation matrix, computed with square roots only.
-glm::quat turn_of(const glm::mat3& m) {
+glm::quat rotation_quaternion(const glm::mat3& m) {
   glm::quat q;
   const float trace = m[0][0] + m[1][1] + m[2][2];
   if (trace > 0) {
@@ -130,7 +130,7 @@ void add_camera_path(Scene& scene, std::string name, std::span<const ViewKey> ke
     const float after = keys[std::min(k + 1, keys.size() - 1)].seconds;
     const float seconds = keys[k].seconds + share * (after - keys[k].seconds);
     keys_of_eye.push_back({seconds, eyes[i]});
-    glm::quat turn = turn_of(glm::mat3(look_at("", eyes[i], targets[i], vertical_fov).to_world));
+    glm::quat turn = rotation_quaternion(glm::mat3(look_at("", eyes[i], targets[i], vertical_fov).to_world));
     if (!turns.empty() && glm::dot(turns.back().value, turn) < 0) turn = -turn;
     turns.push_back({seconds, turn});
   }

@@ -269,7 +269,7 @@ Material make_textured(std::string name, std::uint32_t texture, const glm::vec3&
   return m;
 }
 
-std::uint64_t triangles_of(const Scene& scene) {
+std::uint64_t count_triangles(const Scene& scene) {
   std::uint64_t sum = 0;
   for (const Instance& instance : scene.instances) sum += scene.meshes[instance.mesh].triangles.size();
   return sum;

@@ -67,7 +67,7 @@ Material make_textured(std::string name, std::uint32_t texture, const glm::vec3&
                        float mirror = 0);
 
 /// Returns the number of triangles in a scene, counted per instance.
-std::uint64_t triangles_of(const Scene& scene);
+std::uint64_t count_triangles(const Scene& scene);
 
 /// Makes a solid of revolution about +y. The points of the profile are (radius, height), bottom to top for normals
 /// outwards. Edges stay sharp where the profile turns by more than about 40 degrees. Texture u runs around, v along.

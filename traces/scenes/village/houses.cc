@@ -50,7 +50,7 @@ void add_door(Parts& parts, const Paints& p, const glm::mat4& at, float width, f
   parts.add_box(p.timber, at, {-w, height, -0.02F}, {w, height + 0.14F, 0.1F});
   parts.add_box(p.stone, at, {-w - 0.3F, -kBelow, 0}, {w + 0.3F, -0.02F, 0.75F});
   parts.add_box(p.stone, at, {-w - 0.5F, -kBelow, 0.75F}, {w + 0.5F, -0.2F, 1.15F});
-  parts.add(p.shutter, make_sphere("", {0.36F * width, 0.48F * height, 0.09F}, 0.05F, 3), at);
+  parts.add_piece(p.shutter, make_sphere("", {0.36F * width, 0.48F * height, 0.09F}, 0.05F, 3), at);
 }
 
 /// Adds posts, rails and braces of timber to a wall from y = 0 to `height`.
@@ -75,7 +75,7 @@ void add_timber(Parts& parts, std::uint32_t timber, const glm::mat4& at, float l
       const glm::vec3 side = glm::normalize(glm::vec3(-way.y, way.x, 0)) * 0.075F;
       const glm::mat4 along(glm::vec4(side, 0), glm::vec4(way, 0), glm::vec4(0, 0, s * glm::length(side), 0),
                             glm::vec4(foot, 1));
-      parts.add(timber, transform_mesh(make_box("", {-1, 0, -0.2F}, {1, 1, 0.6F}), along), at);
+      parts.add_piece(timber, transform_mesh(make_box("", {-1, 0, -0.2F}, {1, 1, 0.6F}), along), at);
     }
   }
 }
@@ -86,7 +86,7 @@ void add_chimney(Parts& parts, const Paints& p, const HouseShape& s) {
   parts.add_box(p.stone, at, {-0.42F, s.eaves, -0.35F}, {0.42F, top, 0.35F});
   parts.add_box(p.stone, at, {-0.5F, top - 0.25F, -0.43F}, {0.5F, top - 0.1F, 0.43F});
   for (const float x : {-0.2F, 0.2F}) {
-    parts.add(p.roof, transform_mesh(make_cone("", 0.13F, 0.1F, 0.45F, 10), placement_at({x, top, 0})), at);
+    parts.add_piece(p.roof, transform_mesh(make_cone("", 0.13F, 0.1F, 0.45F, 10), placement_at({x, top, 0})), at);
   }
 }
 
@@ -99,7 +99,8 @@ void add_dormer(Parts& parts, const Paints& p, const HouseShape& s, double turns
   parts.add_box(p.wall, at, {-w, -0.1F, -deep}, {w, h, 0});
   add_window(parts, p, at * placement_at({0, 0.2F, 0}), 0.8F, 0.75F, false);
   const glm::vec2 gable[] = {{-w - 0.2F, h - 0.13F}, {w + 0.2F, h - 0.13F}, {0, h + peak}};
-  parts.add(p.roof, transform_mesh(make_extrusion("", gable, deep + 0.9F), placement_at({0, 0, -deep - 0.7F})), at);
+  parts.add_piece(p.roof, transform_mesh(make_extrusion("", gable, deep + 0.9F), placement_at({0, 0, -deep - 0.7F})),
+                  at);
 }
 
 }  // namespace
@@ -108,7 +109,7 @@ glm::mat4 wall_frame(double turns, float out, float aside, float up) {
   return placement_at({0, up, 0}, turns) * placement_at({out, 0, 0}, 0.25) * placement_at({aside, 0, 0});
 }
 
-void Parts::add(std::uint32_t material, const Mesh& piece, const glm::mat4& at) {
+void Parts::add_piece(std::uint32_t material, const Mesh& piece, const glm::mat4& at) {
   auto found = std::ranges::find(meshes_, material, &std::pair<std::uint32_t, Mesh>::first);
   if (found == meshes_.end()) found = meshes_.insert(meshes_.end(), {material, Mesh{}});
   append_mesh(found->second, transform_mesh(piece, at));
@@ -121,14 +122,14 @@ void Parts::add_box(std::uint32_t material, const glm::mat4& at, const glm::vec3
     const glm::vec3 p = mesh.positions[i], n = glm::abs(mesh.normals[i]);
     mesh.uvs[i] = n.y > 0.5F ? glm::vec2(p.x, p.z) : glm::vec2(n.x > 0.5F ? p.z : p.x, -p.y);
   }
-  add(material, mesh, at);
+  add_piece(material, mesh, at);
 }
 
 void Parts::add_panel(std::uint32_t material, const glm::mat4& at, const glm::vec3& corner, const glm::vec3& u,
                       const glm::vec3& v) {
   Mesh mesh = make_quad("", corner, u, v, 1);
   scale_uvs(mesh, {glm::length(u), -glm::length(v)});
-  add(material, mesh, at);
+  add_piece(material, mesh, at);
 }
 
 Building Parts::take_meshes(Scene& scene, const std::string& name) const {
@@ -152,7 +153,7 @@ void add_walls(Parts& parts, std::uint32_t wall, const HouseShape& s) {
     top.normals.assign(3, {0, 0, 1});
     top.uvs = {{-w, -s.eaves}, {w, -s.eaves}, {0, -s.ridge}};
     top.triangles = {{0, 1, 2}};
-    parts.add(wall, top, gable);
+    parts.add_piece(wall, top, gable);
   }
 }
 
@@ -173,21 +174,22 @@ void add_roof(Parts& parts, std::uint32_t roof, std::uint32_t timber, const Hous
       return glm::vec3((u - 0.5F) * reach, s.ridge - rise + rise * up, run * (1 - up)) + normal * (kThick + lift);
     });
     scale_uvs(top, {reach, -pitch});
-    parts.add(roof, top, at);
+    parts.add_piece(roof, top, at);
     const glm::vec3 along(0, rise, -run);
     parts.add_panel(timber, at, {reach / 2, s.ridge - rise, run}, {-reach, 0, 0}, along);
     parts.add_panel(timber, at, glm::vec3(-reach / 2, s.ridge - rise, run), {reach, 0, 0}, normal * (kThick + 0.07F));
     for (const float side : {-1.0F, 1.0F}) {
       const glm::vec3 foot(side * reach / 2, s.ridge - rise, run);
       const glm::mat4 board(glm::vec4(1, 0, 0, 0), glm::vec4(normal, 0), glm::vec4(-along, 0), glm::vec4(foot, 1));
-      parts.add(timber, transform_mesh(make_box("", {-0.05F, -0.06F, -1}, {0.05F, kThick + 0.13F, 0.01F}), board), at);
+      parts.add_piece(timber, transform_mesh(make_box("", {-0.05F, -0.06F, -1}, {0.05F, kThick + 0.13F, 0.01F}), board),
+                      at);
     }
   }
   const glm::vec3 ends[] = {{0, s.ridge + kThick * 1.2F, -reach / 2}, {0, s.ridge + kThick * 1.2F, reach / 2}};
   const float radius[] = {0.15F};
   Mesh ridge = make_tube("", ends, radius, 8);
   scale_uvs(ridge, {0.5F, reach});
-  parts.add(roof, ridge);
+  parts.add_piece(roof, ridge);
 }
 
 Mesh make_arch(float width, float height, float depth, std::uint32_t steps) {
@@ -240,8 +242,8 @@ constexpr float kTowerZ = 11;  // the front of the nave is at 9.5
 
 void add_arch_window(Parts& parts, const Paints& p, const glm::mat4& at, float width, float height) {
   const glm::mat4 back = at * placement_at({0, 0, -0.04F});
-  parts.add(p.stone, make_arch(width + 0.36F, height + 0.2F, 0.12F, 10), back);
-  parts.add(p.glass, make_arch(width, height, 0.14F, 10), back);
+  parts.add_piece(p.stone, make_arch(width + 0.36F, height + 0.2F, 0.12F, 10), back);
+  parts.add_piece(p.glass, make_arch(width, height, 0.14F, 10), back);
   parts.add_box(p.timber, at, {-0.03F, 0, 0.05F}, {0.03F, height - 0.1F, 0.13F});
   for (const float y : {0.3F, 0.6F}) {
     parts.add_box(p.timber, at, {-width / 2, y * height - 0.03F, 0.05F}, {width / 2, y * height + 0.03F, 0.13F});
@@ -262,10 +264,10 @@ void add_nave(Parts& parts, const Paints& p, const HouseShape& nave) {
   const glm::vec2 apse[] = {{3.3F, -1}, {3.3F, 4.9F}, {3.55F, 4.9F}, {3.55F, 5.1F}, {0, 7.6F}};
   Mesh round = make_lathe("", std::span(apse).first(3), 32);
   scale_uvs(round, {20, 4});
-  parts.add(p.wall, round, placement_at({0, 0, -nave.length / 2}));
+  parts.add_piece(p.wall, round, placement_at({0, 0, -nave.length / 2}));
   Mesh cone = make_lathe("", std::span(apse).subspan(2), 32);
   scale_uvs(cone, {20, 4});
-  parts.add(p.roof, cone, placement_at({0, 0, -nave.length / 2}));
+  parts.add_piece(p.roof, cone, placement_at({0, 0, -nave.length / 2}));
   for (const double turns : {0.15, 0.25, 0.35}) {
     add_arch_window(parts, p, placement_at({0, 0, -nave.length / 2}) * wall_frame(turns, 3.3F, 0, 1.6F), 0.8F, 2.5F);
   }
@@ -274,11 +276,11 @@ void add_nave(Parts& parts, const Paints& p, const HouseShape& nave) {
 void add_clock(Parts& parts, const glm::mat4& at, std::uint32_t white, std::uint32_t gold, std::uint32_t dark) {
   const glm::mat4 face =
       at * glm::mat4(glm::vec4(1, 0, 0, 0), glm::vec4(0, 0, 1, 0), glm::vec4(0, -1, 0, 0), glm::vec4(0, 0, 0, 1));
-  parts.add(gold, make_cylinder("", 1.15F, 0.1F, 40), face);
-  parts.add(white, make_cylinder("", 1.02F, 0.13F, 40), face);
+  parts.add_piece(gold, make_cylinder("", 1.15F, 0.1F, 40), face);
+  parts.add_piece(white, make_cylinder("", 1.02F, 0.13F, 40), face);
   for (int k = 0; k < 12; ++k) {
     const glm::vec2 round = on_circle(k / 12.0) * 0.86F;
-    parts.add(
+    parts.add_piece(
         dark,
         transform_mesh(make_box("", {-0.05F, -0.09F, 0}, {0.05F, 0.09F, 0.16F}), placement_at({round.x, round.y, 0})),
         at);
@@ -301,8 +303,8 @@ void add_tower(Parts& parts, const Paints& p, std::uint32_t white, std::uint32_t
     }
     for (const float x : {-0.95F, 0.95F}) {
       const glm::mat4 opening = at * placement_at({x, 12.9F, -0.03F});
-      parts.add(p.stone, make_arch(1.5F, 3.6F, 0.1F, 8), opening * placement_at({0, -0.15F, 0}));
-      parts.add(p.timber, make_arch(1.15F, 3.3F, 0.12F, 8), opening);
+      parts.add_piece(p.stone, make_arch(1.5F, 3.6F, 0.1F, 8), opening * placement_at({0, -0.15F, 0}));
+      parts.add_piece(p.timber, make_arch(1.15F, 3.3F, 0.12F, 8), opening);
       for (int k = 0; k < 9; ++k) {
         const float y = 0.1F + 0.3F * static_cast<float>(k);
         parts.add_box(p.door, opening, {-0.52F, y, 0.1F}, {0.52F, y + 0.1F, 0.22F});
@@ -322,16 +324,16 @@ void add_tower(Parts& parts, const Paints& p, std::uint32_t white, std::uint32_t
         return glm::vec3((2 * s - 1) * out, from + (to - from) * t, out);
       });
       for (std::size_t i = 0; i < slope.uvs.size(); ++i) slope.uvs[i] = {slope.positions[i].x, -slope.positions[i].y};
-      parts.add(p.roof, slope, foot * placement_at({0, 0, 0}, side / 4.0));
+      parts.add_piece(p.roof, slope, foot * placement_at({0, 0, 0}, side / 4.0));
     }
   }
   parts.add_box(p.stone, foot, {-w - 0.3F, kTowerTop - 0.05F, -w - 0.3F}, {w + 0.3F, kTowerTop, w + 0.3F});
-  parts.add(gold, make_sphere("", {0, kSpireTop + 0.2F, 0}, 0.32F, 6), foot);
+  parts.add_piece(gold, make_sphere("", {0, kSpireTop + 0.2F, 0}, 0.32F, 6), foot);
   parts.add_box(gold, foot, {-0.06F, kSpireTop, -0.06F}, {0.06F, kSpireTop + 2.6F, 0.06F});
   parts.add_box(gold, foot, {-0.75F, kSpireTop + 1.6F, -0.06F}, {0.75F, kSpireTop + 1.75F, 0.06F});
   const glm::mat4 porch = foot * wall_frame(0.75, w);
-  parts.add(p.stone, make_arch(2.9F, 4.4F, 0.5F, 12), porch * placement_at({0, -0.2F, 0}));
-  parts.add(p.door, make_arch(1.9F, 3.5F, 0.54F, 12), porch);
+  parts.add_piece(p.stone, make_arch(2.9F, 4.4F, 0.5F, 12), porch * placement_at({0, -0.2F, 0}));
+  parts.add_piece(p.door, make_arch(1.9F, 3.5F, 0.54F, 12), porch);
   parts.add_box(p.timber, porch, {-0.03F, 0, 0.5F}, {0.03F, 3.3F, 0.57F});
   for (const float s : {-1.0F, 1.0F}) {
     for (const float y : {0.7F, 2.1F}) {

@@ -30,7 +30,7 @@ Building add_church(Scene& scene, const Paints& paints, std::uint32_t white, std
 /// The meshes of a building under construction, one per material.
 class Parts {
  public:
-  void add(std::uint32_t material, const Mesh& piece, const glm::mat4& at = glm::mat4(1));
+  void add_piece(std::uint32_t material, const Mesh& piece, const glm::mat4& at = glm::mat4(1));
   /// Adds a box in the coordinate system `at`.
   void add_box(std::uint32_t material, const glm::mat4& at, const glm::vec3& lower, const glm::vec3& upper);
   /// Adds a parallelogram in the coordinate system `at`, with texture coordinates in metres.

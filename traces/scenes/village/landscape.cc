@@ -27,7 +27,7 @@ float smooth_bump(const glm::vec2& p, const glm::vec2& middle, float height, flo
   return height / ((1 + d * d) * (1 + d * d));
 }
 
-void planar_uvs(Mesh& mesh, float texture_size) {
+void set_planar_uvs(Mesh& mesh, float texture_size) {
   mesh.uvs.clear();
   for (const glm::vec3& p : mesh.positions) mesh.uvs.push_back(glm::vec2(p.x, p.z) / texture_size);
 }
@@ -50,10 +50,10 @@ Mesh make_land(std::string name, float from, float to, std::uint32_t round, std:
       [&](float s, float t) {
         const glm::vec2 way = on_circle(static_cast<double>(s));
         const float r = from + (to - from) * t * (0.55F + 0.45F * t);
-        return on_ground(r * way.x, r * way.y);
+        return point_on_ground(r * way.x, r * way.y);
       },
       true);
-  planar_uvs(mesh, texture_size);
+  set_planar_uvs(mesh, texture_size);
   return mesh;
 }
 
@@ -63,7 +63,7 @@ Mesh make_field(std::string name, const glm::vec2& middle, const glm::vec2& size
   const auto cells = [cell](float length) { return std::max(static_cast<std::uint32_t>(length / cell), 4U); };
   Mesh mesh = make_surface(std::move(name), cells(size.x), cells(size.y), [&](float s, float t) {
     const glm::vec2 p = size * (glm::vec2(s, 1 - t) - 0.5F);
-    return on_ground(middle.x + p.x * round.x - p.y * round.y, middle.y + p.x * round.y + p.y * round.x, above);
+    return point_on_ground(middle.x + p.x * round.x - p.y * round.y, middle.y + p.x * round.y + p.y * round.x, above);
   });
   scale_uvs(mesh, size / texture_size);
   return mesh;
@@ -76,7 +76,7 @@ Mesh make_street(std::string name, float width, float cell, float texture_size) 
     const float z = kStreetStart - t * length;
     const float edge = 0.35F * (value_noise(0.5F, z / 200 + 1, 150, 3) - 0.5F);
     const float x = street_x(z) + (s - 0.5F) * (width + edge);
-    return on_ground(x, z, 0.03F + 0.25F * s * (1 - s));
+    return point_on_ground(x, z, 0.03F + 0.25F * s * (1 - s));
   });
   scale_uvs(mesh, glm::vec2(width, length) / texture_size);
   return mesh;
@@ -87,10 +87,10 @@ Mesh make_square(std::string name, float radius, std::uint32_t round, float text
       std::move(name), round, std::max(round / 5, 3U),
       [&](float s, float t) {
         const glm::vec2 way = on_circle(static_cast<double>(s)) * (radius * (1 - t));
-        return on_ground(kSquare.x + way.x, kSquare.y - way.y, 0.05F + 0.1F * t);
+        return point_on_ground(kSquare.x + way.x, kSquare.y - way.y, 0.05F + 0.1F * t);
       },
       true);
-  planar_uvs(mesh, texture_size);
+  set_planar_uvs(mesh, texture_size);
   return mesh;
 }
 
@@ -310,7 +310,7 @@ std::vector<Planted> plant_places() {
   const auto put = [&all](Kind kind, float x, float z, float size = 1) {
     const auto key = all.size();
     const float grown = size * random_between(0.88F, 1.14F, 17, key);
-    all.push_back({kind, placement_at(on_ground(x, z), static_cast<double>(random_unit(18, key)),
+    all.push_back({kind, placement_at(point_on_ground(x, z), static_cast<double>(random_unit(18, key)),
                                       glm::vec3(grown, grown * random_between(0.92F, 1.1F, 19, key), grown))});
   };
   put(kOak, 8.2F, -14.5F, 0.95F);
@@ -370,7 +370,7 @@ void add_far_trees(Scene& scene, std::uint32_t leaves, std::uint32_t bark, float
     const glm::vec2 p = middle + 42.0F * (glm::vec2(random_unit(65, k), random_unit(66, k)) - 0.5F);
     const float size = random_between(0.9F, 1.7F, 67, k);
     const glm::mat4 at =
-        placement_at(on_ground(p.x, p.y, -0.3F), static_cast<double>(random_unit(68, k)), glm::vec3(size));
+        placement_at(point_on_ground(p.x, p.y, -0.3F), static_cast<double>(random_unit(68, k)), glm::vec3(size));
     add_instance(scene, mesh, at);
     add_instance(scene, trunk, at);
   }
@@ -394,7 +394,7 @@ void add_leaves(Scene& scene, std::uint32_t triangles, float detail, const std::
   for (std::uint32_t k = 0; k < kKinds; ++k) {
     for (const Planted& plant : plants) weight += plant.kind == k ? kSpecies[k].weight : 0;
   }
-  const auto used = static_cast<float>(triangles_of(scene));
+  const auto used = static_cast<float>(count_triangles(scene));
   const float left = std::max(static_cast<float>(triangles) - used, 0.02F * static_cast<float>(triangles));
   for (std::uint32_t k = 0; k < kKinds; ++k) {
     const Species& kind = kSpecies[k];

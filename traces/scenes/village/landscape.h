@@ -8,7 +8,7 @@ namespace traces::village {
 
 /// Returns the height of the village's land in metres: flat at the houses, a hill for the mill, far hills on all sides.
 float ground_height(float x, float z);
-inline glm::vec3 on_ground(float x, float z, float above = 0) { return {x, ground_height(x, z) + above, z}; }
+inline glm::vec3 point_on_ground(float x, float z, float above = 0) { return {x, ground_height(x, z) + above, z}; }
 
 /// Returns x of the middle of the village street, which runs from z = kStreetEnd to kStreetStart, to the church.
 float street_x(float z);

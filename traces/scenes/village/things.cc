@@ -54,13 +54,13 @@ Building add_fountain(Scene& scene, std::uint32_t stone, std::uint32_t water, fl
                              {2.6F, 0.76F}, {2.6F, 0.88F}, {2.25F, 0.88F}, {2.2F, 0.4F},  {0, 0.4F}};
   Mesh bowl = make_lathe("", basin, round);
   scale_uvs(bowl, {8, 2});
-  parts.add(stone, bowl);
+  parts.add_piece(stone, bowl);
   const glm::vec2 coarse[] = {{0.55F, 0.35F}, {0.55F, 0.75F}, {0.3F, 0.95F},  {0.24F, 1.6F},
                               {0.34F, 1.85F}, {0.9F, 2.05F},  {1.05F, 2.2F},  {0.98F, 2.2F},
                               {0.3F, 2.05F},  {0.16F, 2.5F},  {0.26F, 2.75F}, {0, 3}};
   Mesh column = make_lathe("", catmull_rom(std::span<const glm::vec2>(coarse), 3), round);
   scale_uvs(column, {3, 4});
-  parts.add(stone, column);
+  parts.add_piece(stone, column);
   Mesh surface = make_surface(
       "", round, 10,
       [](float s, float t) {
@@ -69,7 +69,7 @@ Building add_fountain(Scene& scene, std::uint32_t stone, std::uint32_t water, fl
         return glm::vec3(way.x, 0.7F + 0.012F * sin_turns(static_cast<double>(r) * 2.2), -way.y);
       },
       true);
-  parts.add(water, surface);
+  parts.add_piece(water, surface);
   for (int k = 0; k < 6; ++k) {  // jets from the upper bowl
     std::vector<glm::vec3> jet;
     for (int i = 0; i <= 6; ++i) {
@@ -78,7 +78,7 @@ Building add_fountain(Scene& scene, std::uint32_t stone, std::uint32_t water, fl
       jet.emplace_back(way.x, 2.2F + 0.25F * t - 1.75F * t * t, way.y);
     }
     const float radius[] = {0.028F};
-    parts.add(water, make_tube("", jet, radius, 6));
+    parts.add_piece(water, make_tube("", jet, radius, 6));
   }
   return parts.take_meshes(scene, "fountain");
 }
@@ -89,16 +89,16 @@ Building add_mill(Scene& scene, const Paints& p, std::uint32_t cap, float detail
   const glm::vec2 tower[] = {{3.9F, -1.5F}, {3.9F, 0.3F}, {3.7F, 0.35F}, {3.3F, 4}, {2.9F, 8}, {2.7F, 10.4F}};
   Mesh walls = make_lathe("", tower, round);
   scale_uvs(walls, {22, 12});
-  parts.add(p.wall, walls);
+  parts.add_piece(p.wall, walls);
   const glm::vec2 hood[] = {{2.55F, 10.2F}, {3.05F, 10.3F}, {3.0F, 11}, {2.5F, 12.3F}, {1.3F, 13.5F}, {0, 13.9F}};
   Mesh roof = make_lathe("", catmull_rom(std::span<const glm::vec2>(hood), 3), round);
   scale_uvs(roof, {10, 5});
-  parts.add(cap, roof);
-  parts.add(
+  parts.add_piece(cap, roof);
+  parts.add_piece(
       p.timber,
       make_extrusion("", std::vector<glm::vec2>{{-0.3F, 11.3F}, {0.3F, 11.3F}, {0.3F, 11.9F}, {-0.3F, 11.9F}}, 3.5F));
-  parts.add(p.stone, make_arch(1.6F, 2.7F, 0.6F, 8), placement_at({0, 0, 3.2F}));
-  parts.add(p.door, make_arch(1.2F, 2.4F, 0.64F, 8), placement_at({0, 0, 3.2F}));
+  parts.add_piece(p.stone, make_arch(1.6F, 2.7F, 0.6F, 8), placement_at({0, 0, 3.2F}));
+  parts.add_piece(p.door, make_arch(1.2F, 2.4F, 0.64F, 8), placement_at({0, 0, 3.2F}));
   for (const double turns : {0.1, 0.4, 0.75, 0.9}) {
     for (const float y : {4.2F, 7.6F}) {
       const glm::mat4 at = wall_frame(turns, 3.3F - 0.1F * (y - 4), 0, y);
@@ -126,7 +126,7 @@ Building add_sails(Scene& scene, std::uint32_t timber, std::uint32_t cloth) {
       return glm::vec3(1.9F + 5.4F * s, 0.12F + 1.3F * t, 0.06F + 0.5F * s * (1 - s) * t * (1 - t));
     });
     scale_uvs(sail, {4, 1});
-    parts.add(cloth, sail, at);
+    parts.add_piece(cloth, sail, at);
   }
   return parts.take_meshes(scene, "sails");
 }
@@ -148,8 +148,8 @@ Building add_cart(Scene& scene, std::uint32_t timber, std::uint32_t hay, std::ui
   parts.add_box(timber, one, {-1.53F, 0.8F, -0.7F}, {-1.47F, 1.35F, 0.7F});
   const glm::vec3 axle[] = {{0, kWheelRadius, -0.95F}, {0, kWheelRadius, 0.95F}};
   const float radius[] = {0.06F};
-  parts.add(iron, make_tube("", axle, radius, 8));
-  parts.add(hay, make_rock("", {1.5F, 0.75F, 0.78F}, 16, 0.35F, 77), placement_at({0, 0.78F, 0}));
+  parts.add_piece(iron, make_tube("", axle, radius, 8));
+  parts.add_piece(hay, make_rock("", {1.5F, 0.75F, 0.78F}, 16, 0.35F, 77), placement_at({0, 0.78F, 0}));
   return parts.take_meshes(scene, "cart");
 }
 

@@ -159,11 +159,12 @@ void add_houses(Scene& s, const Palette& c, float detail) {
   for (const Plot& plot : kPlots) {
     const float x = street_x(plot.z) + plot.aside;
     const double along = static_cast<double>(street_x(plot.z + 4) - street_x(plot.z - 4)) / 8 / 6.2832;
-    show_building(s, buildings[plot.kind], placement_at(on_ground(x, plot.z), along + (plot.aside > 0 ? 0.5 : 0.0)));
+    show_building(s, buildings[plot.kind],
+                  placement_at(point_on_ground(x, plot.z), along + (plot.aside > 0 ? 0.5 : 0.0)));
   }
   const Paints holy{c.white_wall, c.slate, c.dark_wood, c.iron, c.glass, c.dark_wood, c.stone};
   show_building(s, add_church(s, holy, c.white, c.gold, detail),
-                placement_at(on_ground(kChurch.x, kChurch.y, -0.1F), 0.015));
+                placement_at(point_on_ground(kChurch.x, kChurch.y, -0.1F), 0.015));
 }
 
 void add_walls_and_fences(Scene& s, const Palette& c, float detail) {
@@ -174,7 +175,7 @@ void add_walls_and_fences(Scene& s, const Palette& c, float detail) {
     const glm::vec2 step = (to - from) / static_cast<float>(count);
     for (int k = 0; k < count; ++k) {
       const glm::vec2 a = from + step * static_cast<float>(k), b = a + step;
-      const glm::vec3 foot = on_ground(a.x, a.y), way = on_ground(b.x, b.y) - foot;
+      const glm::vec3 foot = point_on_ground(a.x, a.y), way = point_on_ground(b.x, b.y) - foot;
       const glm::vec3 side = glm::normalize(glm::cross(way, glm::vec3(0, 1, 0)));
       add_instance(
           s, mesh,
@@ -198,18 +199,20 @@ void add_walls_and_fences(Scene& s, const Palette& c, float detail) {
 }
 
 void add_square(Scene& s, const Palette& c, float detail) {
-  show_building(s, add_fountain(s, c.stone, c.water, detail), placement_at(on_ground(kSquare.x, kSquare.y, 0.12F)));
-  show_building(s, add_cart(s, c.pale_wood, c.hay, c.iron), placement_at(on_ground(street_x(22) + 4.3F, 22), 0.21));
+  show_building(s, add_fountain(s, c.stone, c.water, detail),
+                placement_at(point_on_ground(kSquare.x, kSquare.y, 0.12F)));
+  show_building(s, add_cart(s, c.pale_wood, c.hay, c.iron),
+                placement_at(point_on_ground(street_x(22) + 4.3F, 22), 0.21));
   const std::uint32_t wheel = add_mesh(s, make_wheel(), c.dark_wood);
   for (const float side : {-kWheelSide, kWheelSide}) {
     add_instance(s, wheel,
-                 placement_at(on_ground(street_x(22) + 4.3F, 22), 0.21) * placement_at({0, kWheelRadius, side}));
+                 placement_at(point_on_ground(street_x(22) + 4.3F, 22), 0.21) * placement_at({0, kWheelRadius, side}));
   }
 }
 
 void add_windmill(Scene& s, const Palette& c, float detail) {
   const Paints paints{c.white_wall, c.slate, c.dark_wood, c.red, c.glass, c.red, c.stone};
-  const glm::mat4 at = placement_at(on_ground(kMill.x, kMill.y), 0.13);
+  const glm::mat4 at = placement_at(point_on_ground(kMill.x, kMill.y), 0.13);
   show_building(s, add_mill(s, paints, c.dark_wood, detail), at);
   constexpr float kQuarter = 23.3F / 15;  // seconds per quarter turn: the sails turn for the whole flight
   const std::uint32_t base = add_node(
@@ -233,7 +236,7 @@ void add_windmill(Scene& s, const Palette& c, float detail) {
 
 void add_cameras(Scene& s) {
   s.cameras.push_back(look_at("overview", {6, 19, 112}, {-13, 4, -10}, kFov));
-  const auto along = [](float z, float above) { return on_ground(street_x(z), z, above); };
+  const auto along = [](float z, float above) { return point_on_ground(street_x(z), z, above); };
   s.cameras.push_back(look_at("street", along(62, 2), along(30, 3.2F), kFov));
   s.cameras.push_back(look_at("square", {7, 2.4F, 7}, {-6, 4.6F, -22}, kFov));
   const ViewKey keys[] = {{0, {6, 19, 112}, {-13, 4, -10}},

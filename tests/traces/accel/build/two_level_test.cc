@@ -114,7 +114,7 @@ TEST(TwoLevels, FindTheHitsOfTheFlattenedScene) {
       ++different;
     } else if (a[i].is_hit()) {
       ++hits;
-      different += flat.triangles[a[i].index()].object != instance_of(b[i]) ? 1 : 0;
+      different += flat.triangles[a[i].triangle_index()].object != instance_of(b[i]) ? 1 : 0;
       const float bound = 1e-4F * a[i].t + 1e-5F * flat.diagonal() / glm::length(rays[i].direction);
       different += std::abs(a[i].t - b[i].t) > bound ? 1 : 0;
     }
@@ -130,9 +130,9 @@ TEST(TwoLevels, AgreeWithEmbreesInstances) {
     const EmbreeTracer embree(image, 1);
     const VerifyingTracer verifying(image, bvh, embree);
     for (const RayKind kind : {RayKind::kPrimary, RayKind::kShadow}) trace(verifying, random_rays(50000), kind);
-    EXPECT_EQ(verifying.counts().error_count(), 0U);
-    EXPECT_EQ(verifying.counts().reference_errors, 0U);
-    EXPECT_LE(verifying.counts().edge_ties, 20U);
+    EXPECT_EQ(verifying.verify_counts().error_count(), 0U);
+    EXPECT_EQ(verifying.verify_counts().reference_errors, 0U);
+    EXPECT_LE(verifying.verify_counts().edge_ties, 20U);
   }
 }
 
@@ -154,7 +154,7 @@ TEST(TwoLevels, AWrongInstanceIsADistanceError) {
   const EmbreeTracer embree(image, 1);
   const VerifyingTracer verifying(image, wrong, embree);
   trace(verifying, random_rays(2000));
-  EXPECT_GT(verifying.counts().distance_errors, 100U);
+  EXPECT_GT(verifying.verify_counts().distance_errors, 100U);
 }
 
 TEST(TwoLevels, AMeshIsStoredOnceForAllItsInstances) {
