@@ -6,9 +6,9 @@
 #include <gtest/gtest.h>
 
 #include "shader_kernels/catalogue.h"
-#include "shader_kernels/interpret.h"
 #include "shader_kernels/programs/wavefront/scene_tables.h"
 #include "sim/hash.h"
+#include "tests/shader_kernels/interpret.h"
 
 namespace kernels {
 namespace {

@@ -1,4 +1,4 @@
-#include "shader_kernels/interpret.h"
+#include "tests/shader_kernels/interpret.h"
 
 #include <array>
 #include <bit>
