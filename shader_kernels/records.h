@@ -163,7 +163,7 @@ struct SurfaceRecord {
   I<V> classes;
   Vec3<V> plane;  ///< unit normal of the triangle's plane, on the side from which the ray came
   F<V> u, v;
-  I<V> texture;  ///< as in TexcoordRecord
+  I<V> texture;  ///< the texture word of a TexcoordRecord
   I<V> material;
   static void fields(auto& r, auto&& field) {
     name_all(field, NAMED_ALL(r.diffuse, r.classes, r.plane, r.u, r.v, r.texture, r.material));

@@ -10,7 +10,7 @@ namespace {
 
 std::uint32_t tiles_along(std::uint32_t pixels, std::uint32_t side) { return (pixels + side - 1) / side; }
 
-float inverse_of(std::uint32_t n) { return 1.0F / static_cast<float>(n); }
+float reciprocal_of(std::uint32_t n) { return 1.0F / static_cast<float>(n); }
 
 }  // namespace
 
@@ -55,11 +55,11 @@ void FullProgram::run_tile(std::uint32_t tile, const traces::Tracer& tracer, boo
   generate.tile = {.x0 = static_cast<float>(out.x),
                    .y0 = static_cast<float>(out.y),
                    .width = static_cast<float>(out.width),
-                   .inverse_width = inverse_of(out.width),
+                   .inverse_width = reciprocal_of(out.width),
                    .samples = static_cast<float>(samples_),
-                   .inverse_samples = inverse_of(samples_),
+                   .inverse_samples = reciprocal_of(samples_),
                    .grid = static_cast<float>(grid_),
-                   .inverse_grid = inverse_of(grid_)};
+                   .inverse_grid = reciprocal_of(grid_)};
   generate.image_width = config_.width;
   generate.seed = seed_;
   const Wavefront::Node generated = launch_rays(graph, generate, samples);
@@ -86,7 +86,7 @@ Wavefront::Node FullProgram::launch_rays(TileGraph& graph, GeneratePorts<float>&
   GenerateRotatedRays::Ports<float> rotated;
   static_cast<GeneratePorts<float>&>(rotated) = ports;
   rotated.cycle = static_cast<float>(samples_ + 1);
-  rotated.inverse_cycle = inverse_of(samples_ + 1);
+  rotated.inverse_cycle = reciprocal_of(samples_ + 1);
   return graph.launch<GenerateRotatedRays>(rotated, samples);
 }
 
@@ -105,7 +105,7 @@ void FullProgram::write_pixels(TileGraph& graph, std::uint32_t samples, TileResu
   }
   AverageColour::Ports<float> average;
   average.samples = static_cast<float>(samples_);
-  average.inverse_samples = inverse_of(samples_);
+  average.inverse_samples = reciprocal_of(samples_);
   const Wavefront::Node averaged = graph.launch<AverageColour>(average, samples);
   graph.wait_for_colours(averaged);
   graph.write_pixels(averaged, offset);

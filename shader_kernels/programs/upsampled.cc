@@ -81,7 +81,7 @@ void UpsampledProgram::trace_pixels(Tile& tile, std::uint32_t x, std::uint32_t y
     ports.lattice = lattice;
     ports.lattice.first += static_cast<float>(layer * position_count());
     const Node next = graph.launch<ClearEffects>(ports, pixels);
-    graph.wait_all(next, cleared);
+    graph.wait_for_all(next, cleared);
     cleared = next;
   }
   GenerateCentredRays::Ports<float> ports;
@@ -89,7 +89,7 @@ void UpsampledProgram::trace_pixels(Tile& tile, std::uint32_t x, std::uint32_t y
   ports.grid = tile.grid;
   ports.lattice = lattice;
   const Node generated = graph.launch<GenerateCentredRays>(ports, pixels);
-  graph.wait_all(generated, cleared);
+  graph.wait_for_all(generated, cleared);
   graph.register_record_writer(generated);
   for (std::uint32_t i = 0; wave.wave_tracer().counts_pixels() && i < pixels; ++i) {
     wave.wave_tracer().place_ray(i, tile.at.x + x + i % across - tiles_.halo_width(),
@@ -141,7 +141,7 @@ UpsampledProgram::Node UpsampledProgram::upsample_effects(Tile& tile) const {
       tile.graph.wait_for_records(next);
       tile.graph.wait_for_colours(next);
     }
-    tile.graph.wait_all(next, last);
+    tile.graph.wait_for_all(next, last);
     last = next;
   }
   return last;
@@ -155,7 +155,7 @@ void UpsampledProgram::write_finished(Tile& tile, Node upsampled) const {
     PackGridSample::Ports<float> ports;
     ports.lattice = {finished.first, finished.width, finished.inverse_width, 1, finished.pitch};
     const Node packed = graph.launch<PackGridSample>(ports, tile.pixels);
-    graph.wait_all(packed, upsampled);
+    graph.wait_for_all(packed, upsampled);
     graph.write_packed(packed, offset);
     return;
   }
@@ -167,7 +167,7 @@ void UpsampledProgram::write_finished(Tile& tile, Node upsampled) const {
   ports.first = finished.first;
   ports.pitch = finished.pitch;
   const Node shown = graph.launch<AverageSamples>(ports, tile.pixels);
-  graph.wait_all(shown, upsampled);
+  graph.wait_for_all(shown, upsampled);
   graph.write_pixels(shown, offset);
 }
 

@@ -47,7 +47,7 @@ TEST_P(BlockBorders, TilesFollowThoseWhoseBordersTheyImport) {
   });
 }
 
-TEST_P(BlockBorders, AScanImportsOfTheTileBehindIt) {
+TEST_P(BlockBorders, AScanImportsFromThePreviousTile) {
   if (spec_.kind != ProgramSpec::Kind::kUndersample) GTEST_SKIP() << "has none";
   const Recorded r = record(traces::open_scene("cornell"));
   ASSERT_EQ(r.works.size(), 5 * r.count);

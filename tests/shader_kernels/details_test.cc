@@ -210,7 +210,7 @@ TEST(Absorption, FollowsTheExponentialOfTheDistanceInside) {
   }
 }
 
-TEST(Blending, ShowsAShareOfTheSurfaceAndOfWhatLiesBehind) {
+TEST(Blending, AddsAFractionOfTheSurfaceToWhatIsBehindIt) {
   traces::Scene scene = empty_scene();
   scene.background = {1, 0, 0.5F};
   scene.ambient = glm::vec3(0.5F);

@@ -144,7 +144,7 @@ TEST_P(MixedRates, ReferencesAreThoseOfEachTilesBlocks) {
   }
 }
 
-TEST_P(MixedRates, NothingSimilarIsFullAtAnyRate) {
+TEST_P(MixedRates, WithoutSimilarSamplesItIsFullAtAnyRate) {
   const RateMap map = rates(2);
   MultirateConfig config = controlled();
   config.normal = 2;

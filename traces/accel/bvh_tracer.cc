@@ -16,11 +16,11 @@ namespace traces {
 
 /// Collects the words of canonical walks in a small buffer, so that a step costs one store, and appends them to a
 /// WalkSink.
-class Recorder {
+class WalkRecorder {
  public:
-  explicit Recorder(WalkSink& sink) : sink_(sink) {}
-  Recorder(const Recorder&) = delete;
-  Recorder& operator=(const Recorder&) = delete;
+  explicit WalkRecorder(WalkSink& sink) : sink_(sink) {}
+  WalkRecorder(const WalkRecorder&) = delete;
+  WalkRecorder& operator=(const WalkRecorder&) = delete;
 
   void begin_ray() { sink_.begin.push_back(static_cast<std::uint32_t>(sink_.words.size() + used_)); }
   /// Flushes the buffer if it is nearly full. Call before each step, which writes at most kStepWords words.
@@ -44,8 +44,8 @@ class Recorder {
   std::array<std::uint32_t, 4096> buffer_;
 };
 
-/// Replaces Recorder if walks are not wanted; it discards all words.
-struct NoRecorder {
+/// Replaces WalkRecorder if walks are not wanted; it discards all words.
+struct NoWalkRecorder {
   void begin_ray() {}
   void make_room() {}
   void write_word(std::uint32_t) {}
@@ -63,7 +63,7 @@ constexpr std::uint32_t exit_phases(unsigned in_range, unsigned hit) {
   return 0x1111U + kBand[in_range] + kBand[hit];
 }
 
-/// Replaces the world-space boxes in images of one level, and takes no memory.
+/// An empty type that stands in for the ray in world space if the image has one level.
 struct Nothing {
   explicit Nothing(const auto&) {}
 };
@@ -274,7 +274,7 @@ void trace_with(const MemoryImage& image, std::span<const Ray> rays, bool any, s
                        : trace_kind<Lanes, false>(image, rays, any, hits, record);
     record.finish();
   };
-  walk != nullptr ? with(Recorder(*walk)) : with(NoRecorder{});
+  walk != nullptr ? with(WalkRecorder(*walk)) : with(NoWalkRecorder{});
 }
 
 }  // namespace

@@ -191,9 +191,9 @@ class RayBoxes {
         x_(shifted_origin(ray, 0, reach)),
         y_(shifted_origin(ray, 1, reach)),
         z_(shifted_origin(ray, 2, reach)),
-        inverse_x_(both_ways(safe_reciprocal(ray.direction.x))),
-        inverse_y_(both_ways(safe_reciprocal(ray.direction.y))),
-        inverse_z_(both_ways(safe_reciprocal(ray.direction.z))) {}
+        inverse_x_(signed_lanes(safe_reciprocal(ray.direction.x))),
+        inverse_y_(signed_lanes(safe_reciprocal(ray.direction.y))),
+        inverse_z_(signed_lanes(safe_reciprocal(ray.direction.z))) {}
   RayBoxes(const Ray& ray, float reach, const BoxGrid& grid)
       : swap_x_(ray.direction.x < 0),
         swap_y_(ray.direction.y < 0),
@@ -201,9 +201,9 @@ class RayBoxes {
         x_(shifted_origin(ray, 0, reach, grid)),
         y_(shifted_origin(ray, 1, reach, grid)),
         z_(shifted_origin(ray, 2, reach, grid)),
-        inverse_x_(both_ways(safe_reciprocal(ray.direction.x, grid.plane_spacing().x))),
-        inverse_y_(both_ways(safe_reciprocal(ray.direction.y, grid.plane_spacing().y))),
-        inverse_z_(both_ways(safe_reciprocal(ray.direction.z, grid.plane_spacing().z))) {}
+        inverse_x_(signed_lanes(safe_reciprocal(ray.direction.x, grid.plane_spacing().x))),
+        inverse_y_(signed_lanes(safe_reciprocal(ray.direction.y, grid.plane_spacing().y))),
+        inverse_z_(signed_lanes(safe_reciprocal(ray.direction.z, grid.plane_spacing().z))) {}
 
   /// Returns the largest distance along any axis from the ray's origin to the scene's bounds. Rounding errors grow with
   /// it.
@@ -233,7 +233,7 @@ class RayBoxes {
   static float safe_reciprocal(float d, float step) {
     return std::clamp(step * safe_reciprocal(d), -1 / kTiny, 1 / kTiny);
   }
-  static Lanes both_ways(float inverse) { return Lanes::from_floats(inverse, inverse, -inverse, -inverse); }
+  static Lanes signed_lanes(float inverse) { return Lanes::from_floats(inverse, inverse, -inverse, -inverse); }
 
   typename Lanes::Swap swap_x_, swap_y_, swap_z_;
   Lanes x_, y_, z_;

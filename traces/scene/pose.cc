@@ -25,10 +25,10 @@ using Interpolation = Track::Interpolation;
 struct Span {
   std::size_t from = 0, to = 0;
   double share = 0;    ///< position between the two keys, 0 to 1
-  double seconds = 0;  ///< time between the two keys
+  double seconds = 0;  ///< seconds between the two keys
 };
 
-Span find_span(const Track& track, double seconds) {
+Span find_keys(const Track& track, double seconds) {
   const auto& times = track.times;
   const auto later = std::upper_bound(times.begin(), times.end(), seconds,
                                       [](double t, float key) { return t < static_cast<double>(key); });
@@ -105,7 +105,7 @@ void sample_track(const Track& track, double seconds, std::span<double> out) {
   assert(track.values.size() ==
          track.times.size() * count * (track.interpolation == Interpolation::kCubicSpline ? 3 : 1));
   const bool rotation = track.path == Track::Path::kRotation;
-  const Span span = find_span(track, seconds);
+  const Span span = find_keys(track, seconds);
   if (span.from == span.to || track.interpolation == Interpolation::kStep) {
     for (std::size_t i = 0; i < count; ++i) out[i] = key_number(track, span.from, Part::kValue, i, count);
   } else if (track.interpolation == Interpolation::kCubicSpline) {
@@ -124,7 +124,7 @@ void sample_track(const Track& track, double seconds, std::span<double> out) {
 void sample_track_slope(const Track& track, double seconds, std::span<double> out) {
   assert(track.interpolation == Interpolation::kCubicSpline);
   const std::size_t count = out.size();
-  const Span span = find_span(track, seconds);
+  const Span span = find_keys(track, seconds);
   std::ranges::fill(out, 0.0);
   if (span.from == span.to) return;
   const double s = span.share, s2 = s * s;

@@ -164,7 +164,7 @@ Mesh make_column(float height, float radius, const Detail& detail) {
   append_mesh(mesh, make_lathe("", detail.coarser_profile(bell), round));
   for (int ring = 0; ring < 2; ++ring) {
     for (int k = 0; k < 8; ++k) {
-      const glm::vec2 way = on_circle((k + 0.5 * ring) / 8.0);
+      const glm::vec2 way = circle_point((k + 0.5 * ring) / 8.0);
       const float y = neck + (0.2F + 0.65F * static_cast<float>(ring)) * r;
       add_leaf(mesh, {0.88F * r * way.x, y, 0.88F * r * way.y},
                glm::normalize(glm::vec3(0.35F * way.x, 1, 0.35F * way.y)), 1.05F * r, 0.42F * r, 0.22F,
@@ -234,7 +234,7 @@ constexpr float kOuterX = kHalfLength + kGallery, kOuterZ = kHalfWidth + kGaller
 Mesh make_arch_strip(const glm::vec2& from, const glm::vec2& to, std::uint32_t cells) {
   return make_surface("", cells, 1, [&](float s, float t) {
     const glm::vec2 ring = t < 0.5F ? from : to;
-    const glm::vec2 p = ring.x * on_circle(s == 1 ? 0.5 : 0.5 * static_cast<double>(s));
+    const glm::vec2 p = ring.x * circle_point(s == 1 ? 0.5 : 0.5 * static_cast<double>(s));
     return glm::vec3(p, ring.y);
   });
 }
@@ -247,7 +247,7 @@ Mesh make_arch_wall(float width, float radius, float height, const Detail& detai
   mesh.name = "arch wall";
   for (const float side : {-1.0F, 1.0F}) {
     Mesh face = make_surface("", cells, 1, [&](float s, float t) {
-      const glm::vec2 p = radius * on_circle(s == 1 ? 0.5 : 0.5 * static_cast<double>(s));
+      const glm::vec2 p = radius * circle_point(s == 1 ? 0.5 : 0.5 * static_cast<double>(s));
       return glm::vec3(-side * p.x, t < 0.5F ? p.y : height, side * kHalf);
     });
     append_mesh(mesh, face);
@@ -523,7 +523,7 @@ void add_plants(Scene& scene, const Materials& materials, const Detail& detail) 
     const std::uint32_t count = detail.piece_count(70, 12);
     for (std::uint32_t k = 0; k < count; ++k) {
       const float age = (static_cast<float>(k) + 0.5F) / static_cast<float>(count);
-      const glm::vec2 way = on_circle(static_cast<double>(0.382F * static_cast<float>(k)));
+      const glm::vec2 way = circle_point(static_cast<double>(0.382F * static_cast<float>(k)));
       const float rise = 2.4F - 2.0F * age + 0.5F * random_unit(seed, k);
       const float length = random_between(0.7F, 1.0F, seed, k, 1) * (1.15F - 0.3F * age);
       add_leaf(foliage, at + glm::vec3(0.1F * way.x, 0.6F, 0.1F * way.y), glm::normalize(glm::vec3(way.x, rise, way.y)),
@@ -541,7 +541,7 @@ void add_lanterns(Scene& scene, const Materials& materials, const Detail& detail
   Mesh frame = make_lathe("lantern", detail.coarser_profile(hood), round);
   append_mesh(frame, make_lathe("", detail.coarser_profile(base), round));
   for (int k = 0; k < 6; ++k) {
-    const glm::vec2 p = on_circle(k / 6.0);
+    const glm::vec2 p = circle_point(k / 6.0);
     append_mesh(frame, make_tube("",
                                  std::array{glm::vec3(0.105F * p.x, 0.02F, 0.105F * p.y),
                                             glm::vec3(0.125F * p.x, 0.29F, 0.125F * p.y)},

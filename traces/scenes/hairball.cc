@@ -25,7 +25,7 @@ constexpr glm::vec3 kMiddle{0, 1.22F, 0};
 
 glm::vec3 any_direction(std::uint64_t a, std::uint64_t b) {
   const float y = random_between(-1, 1, a, b, 1);
-  const glm::vec2 round = on_circle(static_cast<double>(random_unit(a, b, 2)));
+  const glm::vec2 round = circle_point(static_cast<double>(random_unit(a, b, 2)));
   const float r = std::sqrt(std::max(1 - y * y, 0.0F));
   return {r * round.x, y, r * round.y};
 }
@@ -61,7 +61,7 @@ void add_strand(Mesh& mesh, std::uint64_t bundle, std::uint64_t strand, float ra
     const glm::vec3 right = glm::cross(up, along);
     const float thick = radius * (1 - 0.75F * t);
     for (std::uint32_t i = 0; i < kSides; ++i) {
-      const glm::vec2 round = on_circle(static_cast<double>(i) / kSides);
+      const glm::vec2 round = circle_point(static_cast<double>(i) / kSides);
       const glm::vec3 normal = glm::normalize(right * round.x - up * round.y);
       mesh.positions.push_back(at + thick * normal);
       mesh.normals.push_back(normal);
@@ -89,7 +89,7 @@ void add_room(Scene& scene) {
   add_object(scene, make_quad("right wall", {2, 0, -2.6F}, {0, 0, 9.6F}, {0, 4.4F, 0}, 8), mirror);
   add_object(scene, transform_mesh(make_torus("stand", 0.42F, 0.045F, 64, 16), placement_at({0, 0.28F, 0})), brass);
   for (int k = 0; k < 3; ++k) {
-    const glm::vec2 round = on_circle(k / 3.0 + 0.1);
+    const glm::vec2 round = circle_point(k / 3.0 + 0.1);
     const glm::vec3 leg[] = {{0.62F * round.x, 0.02F, 0.62F * round.y}, {0.42F * round.x, 0.28F, 0.42F * round.y}};
     const float radius[] = {0.03F};
     add_object(scene, make_tube("leg", leg, radius, 12), brass);

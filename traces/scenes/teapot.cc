@@ -216,7 +216,7 @@ Scene build_teapot(const BuiltinOptions& options) {
   // The camera moves once around the pot.
   std::vector<ViewKey> path;
   for (int k = 0; k <= 8; ++k) {
-    const glm::vec2 way = on_circle(0.25 - k / 8.0);
+    const glm::vec2 way = circle_point(0.25 - k / 8.0);
     path.push_back({1.5F * static_cast<float>(k), {0.2F + 8.6F * way.x, 4.2F, 8.6F * way.y}, {0.2F, 1.3F, 0}});
   }
   add_camera_path(scene, "path", path, 0.5F);

@@ -25,7 +25,7 @@ constexpr std::uint64_t kLeastBytes = 5;  ///< fewest bytes of an encoded triang
 
 std::int64_t signed_difference(std::uint32_t from, std::uint32_t to) { return std::int64_t{to} - std::int64_t{from}; }
 
-void write_cover(const RasterTriangle& t, ByteWriter& to) {
+void write_coverage(const RasterTriangle& t, ByteWriter& to) {
   to.write_number(t.blocks);
   if (t.blocks == 0) return;
   to.write_number(t.hidden_blocks);
@@ -34,7 +34,7 @@ void write_cover(const RasterTriangle& t, ByteWriter& to) {
   for (const std::uint32_t count : {t.hidden_quads, t.samples, t.hidden_samples, t.passed}) to.write_number(count);
 }
 
-void read_cover(ByteReader& from, RasterTriangle& t) {
+void read_coverage(ByteReader& from, RasterTriangle& t) {
   constexpr const char* kWhat = "coverage of a triangle";
   t.blocks = from.read_number32(kMost, kWhat);
   if (t.blocks == 0) return;
@@ -47,7 +47,7 @@ void read_cover(ByteReader& from, RasterTriangle& t) {
   t.passed = from.read_number32(t.samples - t.hidden_samples, kWhat);
 }
 
-/// Writes how much data a rasteriser node has. Reading these counts adds an entry to TileWork::raster.
+/// Writes the numbers of list runs and triangles of a rasteriser node. Reading them adds an entry to TileWork::raster.
 void write_raster_counts(const TileWork& work, const WorkNode& node, ByteWriter& to) {
   const RasterWork& job = work.raster[node.raster];
   to.write_number(job.runs);
@@ -87,7 +87,7 @@ void write_raster(const TileWork& work, const WorkNode& node, ByteWriter& to) {
     if (node.kind == WorkNode::Kind::kBin) {
       to.write_number(t.lists);
     } else {
-      write_cover(t, to);
+      write_coverage(t, to);
     }
     last = t;
   }
@@ -124,7 +124,7 @@ void read_raster(ByteReader& from, const RasterDemands& demands, const WorkNode&
     if (bins) {
       t.lists = from.read_number32(demands.entries, "lists of a triangle");
     } else {
-      read_cover(from, t);
+      read_coverage(from, t);
     }
     listed += bins ? t.lists : 1;
     work.raster_triangles.push_back(t);
@@ -136,7 +136,7 @@ void read_raster(ByteReader& from, const RasterDemands& demands, const WorkNode&
 // Checks that any machine can execute a decoded tile. They throw InputError, without a file name.
 
 /// True if the items of a node occupy ray slots.
-bool has_slots(const WorkNode& node) {
+bool uses_ray_slots(const WorkNode& node) {
   return node.kind == WorkNode::Kind::kRays || node.kind == WorkNode::Kind::kRaster;
 }
 
@@ -163,7 +163,7 @@ void check_readers(const TileWork& work) {
     }
   }
   for (std::size_t n = 0; n < work.nodes.size(); ++n) {
-    if (!has_slots(work.nodes[n]) || whole[n]) continue;
+    if (!uses_ray_slots(work.nodes[n]) || whole[n]) continue;
     throw sim::InputError(fmt::format("no node reads {} hits of node {}", read[n] ? "all" : "the", n));
   }
 }
@@ -314,7 +314,7 @@ void TileEncoder::encode_tile(const TileWork& work, const Links& links, std::str
   write_walks(work, links, out);
 }
 
-WorkNode& TileDecoder::next_node(TileWork& work) {
+WorkNode& TileDecoder::add_node(TileWork& work) {
   if (nodes_ == work.nodes.size()) {
     if (spare_.empty()) spare_.emplace_back();
     work.nodes.push_back(std::move(spare_.back()));
@@ -368,7 +368,7 @@ void TileDecoder::read_nodes(ByteReader& from, const TileScope& scope, TileWork&
       from.read_number32(std::min<std::uint64_t>(from.bytes_left() / 3, kMaxTileNodes), "number of nodes");
   if (nodes == 0) ByteReader::throw_out_of_range("number of nodes");
   for (std::uint32_t n = 0; n < nodes; ++n) {
-    WorkNode& node = next_node(work);
+    WorkNode& node = add_node(work);
     read_kind(from, scope, node);
     const bool moves = node.kind == WorkNode::Kind::kTransfer;
     node.items = from.read_number32(moves ? std::numeric_limits<std::uint32_t>::max() : kMaxItems, "items of a node");
@@ -389,7 +389,7 @@ void TileDecoder::read_nodes(ByteReader& from, const TileScope& scope, TileWork&
         break;
     }
     read_inputs(from, n, work);
-    if (has_slots(node)) check_rays(node, work);
+    if (uses_ray_slots(node)) check_rays(node, work);
   }
   while (work.nodes.size() > nodes_) {
     spare_.push_back(std::move(work.nodes.back()));

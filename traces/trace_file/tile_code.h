@@ -62,7 +62,7 @@ class TileDecoder {
   void read_rays(ByteReader& from, WorkNode& node);
   void read_kind(ByteReader& from, const TileScope& scope, WorkNode& node);
   void read_nodes(ByteReader& from, const TileScope& scope, TileWork& work);
-  WorkNode& next_node(TileWork& work);
+  WorkNode& add_node(TileWork& work);
 
   AccessReader accesses_;
   std::vector<WorkNode> spare_;

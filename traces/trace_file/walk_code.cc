@@ -81,7 +81,7 @@ class Follower {
   Follower(const Links& links, const std::uint32_t* words, const std::uint32_t* end)
       : links_(links.nodes), roots_(links.roots), cull_bits_(cull_bits(!links.roots.empty())), at_(words), end_(end) {}
 
-  const std::uint32_t* position() const { return at_; }
+  const std::uint32_t* next_word() const { return at_; }
   const WalkSteps& step_counts() const { return steps_; }
 
   /// Checks one ray's walk and writes its bits to `out`. Returns false if the walk does not fit the tree.
@@ -165,9 +165,9 @@ bool encode_walks(const TileWork& work, const Links& links, std::string& out) {
   Follower follower(links, begin, begin + work.walk.size());
   bool good = true;
   for (std::size_t ray = 0; good && ray < work.ray_begin.size(); ++ray) {
-    good = follower.position() == begin + work.ray_begin[ray] && follower.follow_walk(bits);
+    good = follower.next_word() == begin + work.ray_begin[ray] && follower.follow_walk(bits);
   }
-  good = good && follower.position() == begin + work.walk.size();
+  good = good && follower.next_word() == begin + work.walk.size();
   out.resize(good ? static_cast<std::size_t>(bits.finish_bits() - out.data()) : before);
   return good;
 }
@@ -180,10 +180,10 @@ WalkSteps decode_plain_walks(std::string_view bytes, const Links& links, std::ui
   Follower follower(links, begin, begin + work.walk.size());
   NoBits none;
   for (std::uint32_t& at : work.ray_begin) {
-    at = static_cast<std::uint32_t>(follower.position() - begin);
+    at = static_cast<std::uint32_t>(follower.next_word() - begin);
     if (!follower.follow_walk(none)) throw_invalid_walk();
   }
-  if (follower.position() != begin + work.walk.size()) throw_invalid_walk();
+  if (follower.next_word() != begin + work.walk.size()) throw_invalid_walk();
   return follower.step_counts();
 }
 
@@ -206,7 +206,7 @@ struct Cursor {
   }
 
   const char* bits;
-  const std::uint64_t end;    ///< number of input bits
+  const std::uint64_t end;    ///< number of bits to decode
   const std::uint32_t words;  ///< expected number of output words
   std::vector<std::uint32_t>& walk;
   std::uint32_t* out;

@@ -120,7 +120,7 @@ void BlockTile::read_block_sides() {
   start_ = graph.add_transfer(Region::kRates, false, first, at.index - first + 1);
   if (!at.has_above) return;
   const Wavefront::Node above = graph.add_transfer(Region::kRates, false, at.above, 1);
-  graph.wait_all(above, start_);
+  graph.wait_for_all(above, start_);
   start_ = above;
 }
 
@@ -160,7 +160,7 @@ void BlockTile::trace_lattice(std::uint32_t first, std::uint32_t across, std::ui
                    .step = static_cast<float>(step),
                    .row_step = static_cast<float>(row_step)};
   const Wavefront::Node listed = graph.launch<ListSamples>(ports, items);
-  graph.wait_all(listed, start_);
+  graph.wait_for_all(listed, start_);
   trace_listed(buffer.checks.samples, listed, items, frame_.setup.before_check_y, is_own, items);
   if (!is_own) return;
   const std::uint32_t pitch = frame_.row_pitch();
@@ -212,7 +212,7 @@ void BlockTile::trace_failed(const BlockLines& lines, const Verdict& verdict) {
   trace_listed(buffer.checks.failed, verdict.node, verdict.failed, kept, lines.is_own, lines.samples);
   if (!lines.is_own || !lines.along_y || !frame_.setup.carries_rates) return;
   const Wavefront::Node written = graph.add_transfer(Region::kRates, true, at.index, 1);
-  graph.wait_all(written, verdict.node);
+  graph.wait_for_all(written, verdict.node);
 }
 
 /// Counts the results of a check, and marks the checked samples for debug pictures.
@@ -306,7 +306,7 @@ void BlockTile::spill_records(std::uint32_t written, std::uint32_t read) {
       graph.add_transfer(Region::kSamples, true, store, written * frame_.setup.record_bytes);
   graph.wait_for_records(to_dram);
   const Wavefront::Node back = graph.add_transfer(Region::kSamples, false, store, read * frame_.setup.record_bytes);
-  graph.wait_all(back, to_dram);
+  graph.wait_for_all(back, to_dram);
   graph.register_record_writer(back);
 }
 

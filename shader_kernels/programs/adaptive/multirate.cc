@@ -116,7 +116,7 @@ Verdict MultirateProgram::check_and_interpolate(BlockTile& tile, const BlockLine
   const std::uint32_t passed = check.passed_count.value, failed = check.failed_count.value;
   if (passed != 0) {
     const Wavefront::Node made = graph.launch<Interpolate>(interpolate, passed, passed + failed);
-    graph.wait_all(made, checked);
+    graph.wait_for_all(made, checked);
     graph.wait_for_colours(made);
     graph.register_colour_writer(made);
     graph.register_record_writer(made);

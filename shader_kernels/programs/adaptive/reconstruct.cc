@@ -125,7 +125,7 @@ ReconstructProgram::Node ReconstructProgram::clear_branches(Tile& tile, const Pi
     ports.lattice.first += static_cast<float>(b * layer_offset());
     ports.apart = position_count();
     const Node cleared = tile.graph.launch<ClearBranch>(ports, part.pixel_count());
-    tile.graph.wait_all(cleared, last);
+    tile.graph.wait_for_all(cleared, last);
     last = cleared;
   }
   if (last != Wavefront::kNone) tile.graph.register_record_writer(last);
@@ -238,7 +238,7 @@ ReconstructProgram::Node ReconstructProgram::launch_filter(Tile& tile) const {
     list.branch = layers_before;
     list.apart = position_count();
     const Node listed = graph.launch<ListBranches>(list, tile.pixels);
-    graph.wait_all(listed, last);
+    graph.wait_for_all(listed, last);
     last = listed;
     const std::uint32_t items = list.masters_count.value;
     if (items == 0) continue;
@@ -247,7 +247,7 @@ ReconstructProgram::Node ReconstructProgram::launch_filter(Tile& tile) const {
     bind_filter<Branch>(branch, tile);
     branch.branch = layers_before;
     last = graph.launch<Branch>(branch, items, tile.pixels);
-    graph.wait_all(last, listed);
+    graph.wait_for_all(last, listed);
   }
   return last;
 }
@@ -269,7 +269,7 @@ ReconstructProgram::Node ReconstructProgram::shade_contrasts(Tile& tile, Node fi
   list.threshold = static_cast<float>(reconstruct_.colour);
   list.branch = static_cast<float>(layer_offset());
   const Node listed = graph.launch<ListContrasts<kBranches>>(list, tile.pixels);
-  graph.wait_all(listed, filtered);
+  graph.wait_for_all(listed, filtered);
   const std::uint32_t pixels = list.masters_count.value;
   Sampling& sampling = tile.out.sampling;
   sampling.checked += tile.pixels;
@@ -283,7 +283,7 @@ ReconstructProgram::Node ReconstructProgram::shade_contrasts(Tile& tile, Node fi
   generate.finished = tile.finished;
   generate.apart = static_cast<float>(position_count());
   const Node generated = graph.launch<GenerateContrastRays>(generate, rays, lanes);
-  graph.wait_all(generated, listed);
+  graph.wait_for_all(generated, listed);
   place_samples(tile, rays);
   wave.set_cone(cone_uniforms(camera_, 2));  // pixels have four samples, two along a side
   wave.run(generated, rays, {}, lanes);
@@ -295,7 +295,7 @@ ReconstructProgram::Node ReconstructProgram::shade_contrasts(Tile& tile, Node fi
   average.apart = position_count();
   average.branch = layer_offset();
   const Node averaged = graph.launch<AverageContrasts<kBranches>>(average, pixels, tile.pixels);
-  graph.wait_all(averaged, generated);
+  graph.wait_for_all(averaged, generated);
   graph.wait_for_colours(averaged);
   return averaged;
 }
@@ -348,7 +348,7 @@ void ReconstructProgram::spill_attributes_to_dram(Tile& tile) const {
   const Node out = tile.graph.add_transfer(Region::kSamples, true, store, bytes);
   tile.graph.wait_for_records(out);
   const Node in = tile.graph.add_transfer(Region::kSamples, false, store, bytes);
-  tile.graph.wait_all(in, out);
+  tile.graph.wait_for_all(in, out);
   tile.graph.register_record_writer(in);
 }
 

@@ -159,7 +159,7 @@ SupersampleProgram::Node SupersampleProgram::launch_weighing(Tile& tile, Node te
   ports.finished = tile.finished;
   ports.verdicts.bind(tile.buffer.subpixels.verdicts.data());
   const Node node = tile.graph.launch<WeighCentres<kBilinear>>(ports, tile.pixels);
-  tile.graph.wait_all(node, tested);
+  tile.graph.wait_for_all(node, tested);
   return node;
 }
 
@@ -236,7 +236,7 @@ void SupersampleProgram::spill_attributes_to_dram(Tile& tile) const {
   const Node out = tile.graph.add_transfer(Region::kSamples, true, store, bytes);
   tile.graph.wait_for_records(out);
   const Node in = tile.graph.add_transfer(Region::kSamples, false, store, bytes);
-  tile.graph.wait_all(in, out);
+  tile.graph.wait_for_all(in, out);
   tile.graph.register_record_writer(in);
 }
 
@@ -285,7 +285,7 @@ SupersampleProgram::Node SupersampleProgram::pack_by_block(Tile& tile, Node test
   ports.height = static_cast<float>(tile.out.height);
   ports.verdicts.bind(buffer.subpixels.verdicts.data());
   const Node node = tile.graph.launch<PackSubpixels>(ports, across * down * kBlockWidth * kBlockHeight);
-  tile.graph.wait_all(node, tested);
+  tile.graph.wait_for_all(node, tested);
 
   const auto length = static_cast<std::uint32_t>(ports.list_end.value);
   for (std::uint32_t first = 0, masters = 0; first < length; first += kChunk) {
@@ -314,7 +314,7 @@ SupersampleProgram::Node SupersampleProgram::pack_by_atomics(Tile& tile, Node te
   ports.stride = static_cast<float>(stride % subpixels);
   ports.subpixels = static_cast<float>(subpixels);
   const Node node = tile.graph.launch<PackSubpixelsAtomic>(ports, subpixels);
-  tile.graph.wait_all(node, tested);
+  tile.graph.wait_for_all(node, tested);
   for (std::uint32_t first = 0; first < buffer.subpixels.fills[0]; first += kChunk) {
     chunks.push_back({first, std::min(kChunk, buffer.subpixels.fills[0] - first), 0, 0, 0});
   }
@@ -366,7 +366,7 @@ void SupersampleProgram::trace_chunk(Tile& tile, const Chunk& chunk, std::uint32
   generate.image_width = config_.width;
   generate.seed = jitter_seed(frame_);
   const Node generated = graph.launch<GenerateExtraRays>(generate, items, items + padding, padding);
-  graph.wait_all(generated, after);
+  graph.wait_for_all(generated, after);
   graph.wait_for_colours(generated);  // the ray slots are free when all colours have been added
   for (std::uint32_t i = 0; wave.wave_tracer().counts_pixels() && i < items; ++i) {
     const std::uint32_t pixel = buffer.subpixels.active[chunk.first + i / kExtra] / 4;
@@ -423,7 +423,7 @@ SupersampleProgram::Node SupersampleProgram::sum_samples(Tile& tile, std::uint32
   ports.verdicts.bind(tile.buffer.subpixels.verdicts.data());
   ports.first_sample = static_cast<float>(centre_samples()) - static_cast<float>(kExtra * first_index);
   const Node node = tile.graph.launch<SumSubpixels>(ports, kWhole * pixels, 0, kWhole * padding);
-  tile.graph.wait_all(node, weighed);
+  tile.graph.wait_for_all(node, weighed);
   tile.graph.wait_for_colours(node);
   tile.graph.replace_colour_writers(node);
   return node;

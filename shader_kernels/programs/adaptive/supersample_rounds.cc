@@ -108,7 +108,7 @@ void SupersampleProgram::store_inactive(Tile& tile) const {
   tile.graph.register_colour_writer(node);
   tile.shown =
       tile.graph.add_transfer(Region::kSamples, true, shown_address(tile.at.index), 4 * tile.pixels * kShownBytes);
-  tile.graph.wait_all(tile.shown, node);
+  tile.graph.wait_for_all(tile.shown, node);
   tile.graph.register_colour_writer(tile.shown);
 }
 
@@ -129,8 +129,8 @@ void SupersampleProgram::store_active(Tile& tile, const Chunk& chunk, std::uint3
   if (round != 0) return;
   const std::uint64_t store = shown_address(tile.at.index);
   const Node out = tile.graph.add_transfer(Region::kSamples, true, store, chunk.subpixels * kShownBytes);
-  tile.graph.wait_all(out, node);
-  tile.graph.wait_all(out, tile.shown);
+  tile.graph.wait_for_all(out, node);
+  tile.graph.wait_for_all(out, tile.shown);
   tile.shown = out;
 }
 
@@ -152,7 +152,7 @@ void SupersampleProgram::write_subpixels(Tile& tile) const {
       tile.graph.add_transfer(Region::kSamples, true, shown_address(tile.at.index), 4 * tile.pixels * kShownBytes);
   tile.graph.wait_for_colours(out);
   const Node noted = tile.graph.add_transfer(Region::kSamples, true, fresh_flag_address(tile.at.index, 0), 1);
-  tile.graph.wait_all(noted, out);
+  tile.graph.wait_for_all(noted, out);
   for (std::uint32_t i = 0; i < 4 * tile.pixels; ++i) {
     ShownSubpixel shown = shown_subpixel(tile, i);
     shown.is_background = tile.buffer.subpixels.traits[centre_of(tile, i / 4)].object == kNoObject;
@@ -194,7 +194,7 @@ void SupersampleProgram::run_round(std::uint32_t tile_index, const traces::Trace
   Node before = Wavefront::kNone;
   const bool reached = has_newly_active_neighbour(at, [&](std::uint32_t tile, std::uint32_t bytes) {
     const Node read = graph.add_transfer(Region::kSamples, false, fresh_flag_address(tile, round - 1), bytes);
-    graph.wait_all(read, before);
+    graph.wait_for_all(read, before);
     before = read;
   });
   out.linear.clear();
@@ -216,7 +216,7 @@ SupersampleProgram::Node SupersampleProgram::read_states(Tile& tile, Node before
   const auto read = [&](bool has, std::uint32_t from, std::uint32_t subpixels) {
     if (!has) return;
     const Node in = tile.graph.add_transfer(Region::kSamples, false, shown_address(from), subpixels * kStateBytes);
-    tile.graph.wait_all(in, before);
+    tile.graph.wait_for_all(in, before);
     before = in;
   };
   read(true, index, 4 * tile.pixels);
@@ -238,7 +238,7 @@ void SupersampleProgram::propagate_round(Tile& tile, std::uint32_t round, Node b
   ports.round = round << kRoundShift;
   const Node in = read_states(tile, before);
   const Node found = tile.graph.launch<PropagateSubpixels>(ports, 4 * tile.pixels);
-  tile.graph.wait_all(found, in);
+  tile.graph.wait_for_all(found, in);
   const std::uint32_t subpixels = ports.active_count.value;
   if (subpixels == 0) return;
 
@@ -272,16 +272,16 @@ void SupersampleProgram::write_corrected(Tile& tile, std::uint32_t pixels, std::
   ports.samples = 4;
   ports.inverse_samples = 0.25F;
   const Node averaged = graph.launch<AverageSubpixels>(ports, 4 * pixels);
-  graph.wait_all(averaged, in);
+  graph.wait_for_all(averaged, in);
   const Node packed = graph.launch<PackColour>(pixels);
-  graph.wait_all(packed, averaged);
+  graph.wait_for_all(packed, averaged);
   const std::uint64_t picture = std::uint64_t{tile_pixels()} * kPixelBytes;
-  graph.wait_all(graph.add_transfer(Region::kPicture, true, tile.at.index * picture, scattered_bytes(pixels, picture)),
-                 packed);
+  graph.wait_for_all(
+      graph.add_transfer(Region::kPicture, true, tile.at.index * picture, scattered_bytes(pixels, picture)), packed);
   Node last = averaged;
   const auto put = [&](std::uint64_t offset, std::uint32_t bytes) {
     const Node node = graph.add_transfer(Region::kSamples, true, offset, bytes);
-    graph.wait_all(node, last);
+    graph.wait_for_all(node, last);
     last = node;
   };
   put(store, scattered_bytes(subpixels, states));

@@ -216,9 +216,9 @@ Wavefront::Node UndersampleProgram::store_identities(BlockTile& tile) const {
   const std::uint32_t samples = tile.at.width * tile.at.height;
   const Wavefront::Node node = tile.graph.launch<K>(ports, samples);
   tile.graph.wait_for_records(node);
-  const Wavefront::Node out =
-      tile.graph.add_transfer(traces::Region::kSamples, true, scan_address(tile.at.index), samples * scanned_bytes());
-  tile.graph.wait_all(out, node);
+  const Wavefront::Node out = tile.graph.add_transfer(traces::Region::kSamples, true, scan_address(tile.at.index),
+                                                      samples * scan_bytes_per_sample());
+  tile.graph.wait_for_all(out, node);
   tile.graph.wait_for_colours(out);
   tile.out.shown.clear();
   for (std::uint32_t i = 0; i < samples; ++i) {
@@ -254,13 +254,13 @@ std::uint32_t UndersampleProgram::pass_end(std::uint32_t tile_index) const {
 }
 
 /// Returns the bytes that a scan reads per sample: its identity and, if pixels have several samples, its colour.
-std::uint32_t UndersampleProgram::scanned_bytes() const {
+std::uint32_t UndersampleProgram::scan_bytes_per_sample() const {
   return kWordBytes + (undersample_.samples > 1 ? static_cast<std::uint32_t>(sizeof(ColourRecord<float>)) : 0);
 }
 
 std::uint64_t UndersampleProgram::scan_address(std::uint32_t tile) const {
   const std::uint64_t side = blocks_.tiles.tile_side();
-  return blocks_.requirements().region_bytes[kSamples] + tile * side * side * scanned_bytes();
+  return blocks_.requirements().region_bytes[kSamples] + tile * side * side * scan_bytes_per_sample();
 }
 
 FrameRequirements UndersampleProgram::requirements() const {
@@ -375,8 +375,8 @@ void UndersampleProgram::run_scan(std::uint32_t tile_index, const traces::Tracer
     border = graph.import_border({behind(out.tile), kScanned}, scan_address(behind(at.index)), words * 4);
   }
   const Wavefront::Node found = record_search(graph, samples);
-  graph.wait_all(found, in);
-  graph.wait_all(found, border);
+  graph.wait_for_all(found, in);
+  graph.wait_for_all(found, border);
   correct_samples(wave, out, at, found);
   wave.finish();
   out.sampling.traced_background = out.background.size();
@@ -413,7 +413,7 @@ void UndersampleProgram::correct_samples(Wavefront& wave, TileResult& out, const
                                                                 : graph.record_known<StoreIdentities<false>>(items);
     graph.wait_for_records(stored);
     found = record_search(graph, items);
-    graph.wait_all(found, stored);
+    graph.wait_for_all(found, stored);
   }
   write_corrected(graph, at, corrected, pixels, found);
 }
@@ -434,15 +434,15 @@ void UndersampleProgram::write_corrected(TileGraph& graph, const SampleTile& at,
     if (undersample_.samples > 1) {
       const Wavefront::Node in = graph.add_transfer(
           Region::kSamples, false, store, scattered_bytes(corrected_pixels * undersample_.pixel_grid_side(), stored));
-      graph.wait_all(averaged, in);
+      graph.wait_for_all(averaged, in);
     }
     packed = blocks_.scene.dma_encodes ? averaged : graph.record_known<PackColour>(corrected_pixels);
-    if (packed != averaged) graph.wait_all(packed, averaged);
+    if (packed != averaged) graph.wait_for_all(packed, averaged);
   }
   const std::uint64_t pixels = requirements().region_bytes[kPicture] / blocks_.tiles.tile_count();
-  graph.wait_all(
+  graph.wait_for_all(
       graph.add_transfer(Region::kPicture, true, pixels * at.index, scattered_bytes(corrected_pixels, pixels)), packed);
-  graph.wait_all(graph.export_border(kScanned, store, scattered_bytes(corrected, stored)), last);
+  graph.wait_for_all(graph.export_border(kScanned, store, scattered_bytes(corrected, stored)), last);
 }
 
 void UndersampleProgram::commit_tile(const TileResult& tile) {

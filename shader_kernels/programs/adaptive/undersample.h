@@ -31,7 +31,7 @@ class PostCorrection {
     std::uint32_t round = 0;  ///< number of suspects in a row that led to this one
     std::uint32_t x = 0, y = 0;
   };
-  /// Results of tracing suspects, in the same order.
+  /// Results of tracing a list of suspects, in the order of the list.
   struct Found {
     std::vector<std::uint32_t> identities;
     std::vector<glm::vec3> colours;  ///< colours, clamped to [0, 1]
@@ -110,7 +110,7 @@ class UndersampleProgram final : public FrameProgram {
   Wavefront::Node store_identities(BlockTile& tile) const;
   std::uint32_t scan_number(std::uint32_t tile_index) const { return tile_index / blocks_.tiles.tile_count() - 1; }
   // Scans of post-correction.
-  std::uint32_t scanned_bytes() const;
+  std::uint32_t scan_bytes_per_sample() const;
   std::uint64_t scan_address(std::uint32_t tile) const;
   void run_scan(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const;
   template <class Sample>

@@ -129,11 +129,11 @@ TileGraph::TileGraph(const SceneTables& scene, bool record, TileResult& out)
 }
 
 void TileGraph::wait_for_colours(Node node) {
-  for (const Node writer : scratch_.colour_writers) wait_all(node, writer);
+  for (const Node writer : scratch_.colour_writers) wait_for_all(node, writer);
 }
 
 void TileGraph::wait_for_records(Node node) {
-  for (const Node writer : scratch_.record_writers) wait_all(node, writer);
+  for (const Node writer : scratch_.record_writers) wait_for_all(node, writer);
 }
 
 void TileGraph::export_samples(std::uint32_t number, std::uint64_t offset, std::uint32_t bytes) {
@@ -149,15 +149,15 @@ void TileGraph::import_samples(traces::Border border, std::uint64_t offset, std:
 }
 
 void TileGraph::write_pixels(Node averaged, std::uint64_t offset) {
-  if (scene_.dma_encodes) return wait_all(write_linear(offset), averaged);
+  if (scene_.dma_encodes) return wait_for_all(write_linear(offset), averaged);
   const Node packed = launch<PackColour>(static_cast<std::uint32_t>(out_.linear.size()));
-  wait_all(packed, averaged);
+  wait_for_all(packed, averaged);
   write_packed(packed, offset);
 }
 
 void TileGraph::write_packed(Node packed, std::uint64_t offset) {
   const auto bytes = static_cast<std::uint32_t>(out_.linear.size()) * kPixelBytes;
-  wait_all(add_transfer(traces::Region::kPicture, true, offset, bytes), packed);
+  wait_for_all(add_transfer(traces::Region::kPicture, true, offset, bytes), packed);
 }
 
 TileGraph::Node TileGraph::write_linear(std::uint64_t offset) {

@@ -83,8 +83,8 @@ class TileGraph {
     return stream_.add_launch(kKernelId<K>, items, false);
   }
 
-  void wait_all(Node node, Node for_node) { stream_.add_wait(node, for_node, traces::Edge::Kind::kAll); }
-  void wait_each(Node node, Node for_node) { stream_.add_wait(node, for_node, traces::Edge::Kind::kEach); }
+  void wait_for_all(Node node, Node for_node) { stream_.add_wait(node, for_node, traces::Edge::Kind::kAll); }
+  void wait_item_by_item(Node node, Node for_node) { stream_.add_wait(node, for_node, traces::Edge::Kind::kEach); }
   /// Makes `node` wait for all earlier nodes that add to samples' colours, or that write samples' records.
   void wait_for_colours(Node node);
   void wait_for_records(Node node);

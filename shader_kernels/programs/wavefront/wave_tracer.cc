@@ -112,7 +112,7 @@ WaveTracer::Node WaveTracer::continue_through_layers(RayKind kind, RaySlots& slo
   classify.hits.bind(slots.hits.data() + first);
   classify.solid = solid;
   Node before = graph_.launch<ClassifyLayers>(classify, count);
-  graph_.wait_each(before, batch);
+  graph_.wait_item_by_item(before, batch);
   std::uint32_t items = classify.layer_count.value;
   Node settled = TileGraph::kNone;
   for (std::uint32_t layer = 0; items != 0 && layer < scene_.layers; ++layer) {
@@ -121,8 +121,8 @@ WaveTracer::Node WaveTracer::continue_through_layers(RayKind kind, RaySlots& slo
                                            : test_layers<true, kInstanced>(kind, slots, first, items, count, settled);
     };
     const std::uint32_t rays = scene_.image.has_levels() ? test(std::true_type{}) : test(std::false_type{});
-    graph_.wait_all(settled, before);
-    graph_.wait_all(settled, batch);
+    graph_.wait_for_all(settled, before);
+    graph_.wait_for_all(settled, batch);
     if (rays == 0) break;
     for (std::uint32_t i = 0; counts_pixels() && i < rays; ++i) {
       buffer_.rays.layer.paths[i].sample = slots.paths[first + buffer_.queues.targets.entries[i]].sample;
@@ -134,8 +134,8 @@ WaveTracer::Node WaveTracer::continue_through_layers(RayKind kind, RaySlots& slo
     scatter.hits.bind(slots.hits.data() + first);
     scatter.solid = solid;
     settled = before = graph_.launch<ScatterLayers>(scatter, rays, count);
-    graph_.wait_each(settled, onwards);
-    graph_.wait_all(settled, batch);
+    graph_.wait_item_by_item(settled, onwards);
+    graph_.wait_for_all(settled, batch);
     items = scatter.layer_count.value;
   }
   return settled;

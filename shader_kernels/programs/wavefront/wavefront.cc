@@ -108,10 +108,10 @@ constexpr auto kSpawn = std::to_array<SpawnStage>({
 template <bool kInstanced>
 Launched record_branch(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
   const Node weighed = wave.graph.launch<WeighBranch>(bounce.rays);
-  wave.graph.wait_all(weighed, bounce.inspector);
-  wave.graph.wait_all(weighed, wave.retained.cleared);
+  wave.graph.wait_for_all(weighed, bounce.inspector);
+  wave.graph.wait_for_all(weighed, wave.retained.cleared);
   const Launched recorded = launch<RecordBranch<kInstanced>>(wave, bounce, in);
-  wave.graph.wait_all(recorded.node, weighed);
+  wave.graph.wait_for_all(recorded.node, weighed);
   return recorded;
 }
 Launched record_branches(const WaveContext& wave, const WaveBounce& bounce, const StageInput& in) {
@@ -222,13 +222,13 @@ void Wavefront::classify_hits(WaveBounce& bounce) {
   ClassifyHits::Ports<float> ports;
   bounce.inspector = graph_.launch<ClassifyHits>(ports, bounce.rays, bounce.lanes, bounce.padding);
   bounce.colours = kNone;
-  graph_.wait_all(bounce.inspector, bounce.begun);
+  graph_.wait_for_all(bounce.inspector, bounce.begun);
   if (bounce.batch_count == 1 && bounce.batches[0].settled == kNone) {
-    graph_.wait_each(bounce.inspector, bounce.batches[0].rays);
+    graph_.wait_item_by_item(bounce.inspector, bounce.batches[0].rays);
   } else {
     for (const TracedBatch& batch : bounce.batches) {
-      graph_.wait_all(bounce.inspector, batch.rays);
-      graph_.wait_all(bounce.inspector, batch.settled);
+      graph_.wait_for_all(bounce.inspector, batch.rays);
+      graph_.wait_for_all(bounce.inspector, batch.settled);
     }
   }
   if (bounce.depth != 1 || graph_.is_muted()) return;
@@ -290,8 +290,8 @@ void Wavefront::run_stage(const WaveStage& stage, WaveBounce& bounce, SlotQueue&
                                           .light = light,
                                           .ray = ray});
   const Node node = launched.node;
-  if (stage.waits == Waits::kItem) graph_.wait_each(node, bounce.fetched);
-  if (stage.waits == Waits::kInspector) graph_.wait_all(node, bounce.inspector);
+  if (stage.waits == Waits::kItem) graph_.wait_item_by_item(node, bounce.fetched);
+  if (stage.waits == Waits::kInspector) graph_.wait_for_all(node, bounce.inspector);
   if (stage.waits == Waits::kBounce) wait_for_bounce(node, bounce);
   if (stage.has(kAddsColours)) graph_.register_colour_writer(node);
   if (stage.has(kFetches)) bounce.fetched = node;
@@ -301,7 +301,7 @@ void Wavefront::run_stage(const WaveStage& stage, WaveBounce& bounce, SlotQueue&
   TracedBatch batch;
   if (launched.rays != 0) batch = tracer_.trace(RayKind::kShadow, shadow, 0, launched.rays, node, true);
   if (stage.has(kRecordsHits)) {
-    graph_.wait_all(node, bounce.depth == 1 ? wave_.retained.cleared : wave_.retained.cleared_secondary);
+    graph_.wait_for_all(node, bounce.depth == 1 ? wave_.retained.cleared : wave_.retained.cleared_secondary);
     graph_.register_record_writer(node);
     bounce.recorded = node;
   }
@@ -310,19 +310,19 @@ void Wavefront::run_stage(const WaveStage& stage, WaveBounce& bounce, SlotQueue&
 }
 
 void Wavefront::wait_for_bounce(Node node, const WaveBounce& bounce) {
-  graph_.wait_all(node, bounce.colours != kNone ? bounce.colours : bounce.inspector);
+  graph_.wait_for_all(node, bounce.colours != kNone ? bounce.colours : bounce.inspector);
   // The rays are already traced. These edges keep their slots reserved.
-  for (const TracedBatch& batch : bounce.batches) graph_.wait_all(node, batch.rays);
-  if (bounce.depth > 1) graph_.wait_all(node, bounce.after);
+  for (const TracedBatch& batch : bounce.batches) graph_.wait_for_all(node, batch.rays);
+  if (bounce.depth > 1) graph_.wait_for_all(node, bounce.after);
 }
 
 /// Makes `node` wait for a batch of rays: item by item, unless rays continued after transparent surfaces.
 void Wavefront::wait_for_batch(Node node, const TracedBatch& batch) {
   if (batch.settled == kNone) {
-    graph_.wait_each(node, batch.rays);
+    graph_.wait_item_by_item(node, batch.rays);
   } else {
-    graph_.wait_all(node, batch.rays);
-    graph_.wait_all(node, batch.settled);
+    graph_.wait_for_all(node, batch.rays);
+    graph_.wait_for_all(node, batch.settled);
   }
 }
 
@@ -381,7 +381,7 @@ void Wavefront::combine_shadows(const WaveBounce& bounce, std::uint32_t light, c
     const Node node = kernel(wave_, bounce, in).node;
     wait_for_batch(node, batch);
     if (records) {
-      graph_.wait_all(node, bounce.recorded);
+      graph_.wait_for_all(node, bounce.recorded);
       graph_.register_record_writer(node);
     }
     if (adds_colours) graph_.register_colour_writer(node);
@@ -417,7 +417,7 @@ void Wavefront::shade_rated_effects(WaveBounce& bounce) {
                 .colours = buffer.filters.lights.data() + std::size_t{layer} * wave_.retained.rated.layer})
             .node;
     wait_for_bounce(node, bounce);
-    graph_.wait_all(node, wave_.retained.cleared);
+    graph_.wait_for_all(node, wave_.retained.cleared);
     graph_.register_record_writer(node);
   };
   if (scene.occlusion_rays != 0) {
@@ -456,7 +456,7 @@ void Wavefront::launch_visibility_ratio(const WaveBounce& bounce, Launch cast, S
   buffer.rays.shadow.reserve_slots(std::size_t{in.items} + 1);
   const auto [node, rays] = cast(wave_, bounce, in);
   wait_for_bounce(node, bounce);
-  graph_.wait_all(node, selected);
+  graph_.wait_for_all(node, selected);
   if (rays == 0) return;
   const TracedBatch batch = tracer_.trace(RayKind::kShadow, buffer.rays.shadow, 0, rays, node, true);
   CombineRatio::Ports<float> combine;
@@ -464,7 +464,7 @@ void Wavefront::launch_visibility_ratio(const WaveBounce& bounce, Launch cast, S
   combine.share = share;
   const Node combined = graph_.launch<CombineRatio>(combine, rays, bounce.lanes);
   wait_for_batch(combined, batch);
-  graph_.wait_all(combined, wave_.retained.cleared);
+  graph_.wait_for_all(combined, wave_.retained.cleared);
   graph_.register_record_writer(combined);
 }
 
@@ -489,7 +489,7 @@ void Wavefront::record_hits(WaveBounce& bounce) {
       kept->hits(wave_, bounce, {.items = wave_.buffer.queues.surfaces.items, .lanes = bounce.lanes}).node;
   if (bounce.recorded == kNone) return;
   wait_for_bounce(bounce.recorded, bounce);
-  graph_.wait_all(bounce.recorded, bounce.depth == 1 ? wave_.retained.cleared : wave_.retained.cleared_secondary);
+  graph_.wait_for_all(bounce.recorded, bounce.depth == 1 ? wave_.retained.cleared : wave_.retained.cleared_secondary);
   graph_.register_record_writer(bounce.recorded);
 }
 
@@ -500,7 +500,7 @@ Node Wavefront::record_local_colour(const WaveBounce& bounce, SlotQueue& queue) 
   const Node node = launch<RecordLocal<kAfter>>(wave_, bounce, in).node;
   wait_for_bounce(node, bounce);
   graph_.wait_for_colours(node);
-  if (!kAfter) graph_.wait_all(node, wave_.retained.cleared);
+  if (!kAfter) graph_.wait_for_all(node, wave_.retained.cleared);
   return node;
 }
 
@@ -541,9 +541,9 @@ void Wavefront::assign_branch_samples(WaveBounce& next, std::uint32_t rays, std:
   ports.next_paths.bind(wave_.buffer.rays.next_wave.paths.data() + next.rays);
   ports.apart = apart;
   const Node begun = graph_.launch<BeginBranch>(ports, rays);
-  graph_.wait_all(begun, maker);
-  graph_.wait_all(begun, wave_.retained.cleared_secondary);
-  graph_.wait_all(begun, next.begun);
+  graph_.wait_for_all(begun, maker);
+  graph_.wait_for_all(begun, wave_.retained.cleared_secondary);
+  graph_.wait_for_all(begun, next.begun);
   graph_.register_record_writer(begun);
   next.begun = begun;
 }
@@ -561,7 +561,7 @@ void Wavefront::shade_interpolated(const LineUniforms<float>& line, std::uint32_
   bounce.has_lit = wave_.scene.fuses && !wave_.scene.lights.empty();
   const Launch interpolate = bounce.has_lit ? launch<InterpolateLit<kAlongY>> : launch<InterpolateAttributes<kAlongY>>;
   bounce.inspector = interpolate(wave_, bounce, {.items = items, .lanes = lanes, .line = &line}).node;
-  graph_.wait_all(bounce.inspector, checked);
+  graph_.wait_for_all(bounce.inspector, checked);
   graph_.register_record_writer(bounce.inspector);
   graph_.register_colour_writer(bounce.inspector);
   if (!bounce.has_lit) run_stage(kSortInterpolated, bounce, queues.surfaces);
@@ -609,16 +609,16 @@ Node Wavefront::generate_listed_rays(GenerateListedRays::Ports<float>& ports, Sa
             : launch_on_list(type_identity<GenerateGeometry>{}, geometry);
     retained.cleared = retained.cleared_secondary = node;
     place_listed_samples(tracer_, ports.grid, list, items);
-    graph_.wait_all(node, lister);
+    graph_.wait_for_all(node, lister);
     graph_.register_record_writer(node);
     return node;
   }
   const Node generated = launch_on_list(type_identity<GenerateListedRays>{});
   place_listed_samples(tracer_, ports.grid, list, items);
-  graph_.wait_all(generated, lister);
+  graph_.wait_for_all(generated, lister);
   const auto clear = [&](auto kernel) {
     const Node node = launch_on_list(kernel);
-    graph_.wait_all(node, lister);
+    graph_.wait_for_all(node, lister);
     graph_.register_record_writer(node);
     return node;
   };

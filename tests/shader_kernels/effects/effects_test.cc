@@ -234,7 +234,7 @@ TEST(EffectsOfAFrame, AreTheSameInTilesOfAnySizeRecordedOrNot) {
   }
 }
 
-TEST(EffectsOfAFrame, DrawOtherRaysInAnotherFrame) {
+TEST(EffectsOfAFrame, UseOtherRaysInAnotherFrame) {
   const EffectStage cornell(traces::open_scene("cornell"));
   const auto picture = [&](std::uint32_t frame) {
     FullProgram program(cornell.image, cornell.scene.cameras.front(), with_effects("occlusion", 32, 16), 1, frame);
@@ -245,7 +245,7 @@ TEST(EffectsOfAFrame, DrawOtherRaysInAnotherFrame) {
   EXPECT_NE(picture(3), picture(4));
 }
 
-TEST(EffectsOfAFrame, DrawTheSameRaysAtHitsThatEmbreeFinds) {
+TEST(EffectsOfAFrame, UseTheSameRaysAtHitsThatEmbreeFinds) {
   const EffectStage cornell(traces::open_scene("cornell"));
   const traces::EmbreeTracer embree(cornell.image);
   const RenderConfig config = with_effects("occlusion, soft_shadows", 64, 32);

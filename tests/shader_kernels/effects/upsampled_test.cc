@@ -160,7 +160,7 @@ TEST(EffectRate, IsCloseToAllRays) {
   }
 }
 
-TEST(EffectRate, UsesSharesOfSimilarPixels) {
+TEST(EffectRate, AveragesVisibilityOverSimilarPixels) {
   // A row of pixels, three of them finished. The middle one emits no rays, the left one is far behind it.
   constexpr std::uint32_t kPixels = 3;
   std::vector<VisibleRecord<float>> visible(kPixels, {{0, 0, 1}, 5, 0});

@@ -51,7 +51,7 @@ traces::Scene shadowed_wall() {
   return scene;
 }
 
-TEST(Similarity, FallsWithDepthAndWithTheAngleOfNormalsAndIsNothingAcrossAShadowsEdge) {
+TEST(Similarity, FallsWithDepthAndWithTheAngleOfNormalsAndIsZeroAcrossAShadowsEdge) {
   const VisibleRecord<float> here{{0, 0, 1}, 2, 1};
   const auto weight = [&](const VisibleRecord<float>& other, float bend) {
     return Similarity<float>(here, other, bend).filter_weight();

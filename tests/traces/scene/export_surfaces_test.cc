@@ -100,7 +100,7 @@ TEST(ExportOfSurfaces, AbsorptionIsAColourAfterADistance) {
   }
 }
 
-TEST(ExportOfSurfaces, TexturesStandInTheirPlaces) {
+TEST(ExportOfSurfaces, TexturesKeepTheirRoles) {
   const json document = exported(feature_scene());
   const json all = document["materials"][0];
   EXPECT_EQ(all["pbrMetallicRoughness"]["baseColorTexture"]["index"], 0);

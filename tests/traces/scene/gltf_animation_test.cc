@@ -124,7 +124,7 @@ TEST(GltfAnimations, PointersAreLeftOutWithAWarning) {
   EXPECT_SAYS(scene.warnings[0], "KHR_animation_pointer");
 }
 
-TEST(GltfAnimations, WhatIsScaledToNothingMayGrow) {
+TEST(GltfAnimations, ANodeScaledToZeroMayGrow) {
   TinyGltf file;
   animate(file, 0, "scale", add_floats(file, {0, 1}, "SCALAR", 2), add_floats(file, {0, 0, 0, 1, 1, 1}, "VEC3", 2));
   file.node()["scale"] = {0, 0, 0};

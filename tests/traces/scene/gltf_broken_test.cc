@@ -19,7 +19,7 @@ TEST(GltfBroken, NoTriangles) {
   EXPECT_SAYS(refusal(lines.text()), "no triangles");
 }
 
-TEST(GltfBroken, WhatExtrasHoldIsNobodysBusiness) {
+TEST(GltfBroken, ContentOfExtrasIsNotChecked) {
   TinyGltf file;
   file.json["nodes"][0]["extras"] = {{"mesh", -3}};
   EXPECT_NO_THROW(load(file));

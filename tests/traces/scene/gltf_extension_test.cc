@@ -76,7 +76,7 @@ TEST(GltfSpecular, FactorAndColourScaleWhatADielectricMirrors) {
   EXPECT_EQ(read_material(smooth({{"KHR_materials_specular", {{"specularFactor", 0}}}})).mirror, 0);
 }
 
-TEST(GltfClearCoat, IsKeptApartFromWhatLiesBelow) {
+TEST(GltfClearCoat, IsSeparateFromTheLayerBelow) {
   const Material m = read_material(
       smooth({{"KHR_materials_clearcoat", {{"clearcoatFactor", 0.5}, {"clearcoatRoughnessFactor", 0.1}}}}));
   EXPECT_NEAR(m.coat, 0.04F, 1e-6F);
@@ -130,7 +130,7 @@ TEST(GltfEmission, ALampsTextureCountsForTheLightByItsMean) {
   EXPECT_EQ(scene.materials[1].emission, glm::vec3(1)) << "shown no brighter than white";
 }
 
-TEST(GltfExtensions, ThoseNotShownAreToldByName) {
+TEST(GltfExtensions, UnsupportedOnesAreNamedInAWarning) {
   for (const char* name :
        {"KHR_materials_dispersion", "KHR_materials_sheen", "KHR_materials_iridescence", "KHR_materials_anisotropy",
         "KHR_materials_diffuse_transmission", "KHR_materials_pbrSpecularGlossiness"}) {
@@ -142,7 +142,7 @@ TEST(GltfExtensions, ThoseNotShownAreToldByName) {
   }
 }
 
-TEST(GltfExtensions, WhatOthersHoldIsNotLookedInto) {
+TEST(GltfExtensions, ContentOfUnknownExtensionsIsIgnored) {
   TinyGltf file;
   file.json["extensionsUsed"] = {"KHR_materials_pbrSpecularGlossiness"};
   // In this extension the property is a list, in KHR_materials_specular a number.

@@ -104,7 +104,7 @@ TEST(GltfGeometry, NormalisedIntegersAreUnfolded) {
   expect_near(scene.meshes[0].normals[1], {0, 1, 0});
 }
 
-TEST(GltfGeometry, QuantisedPositionsAreWhatTheirIntegersSay) {
+TEST(GltfGeometry, QuantisedPositionsAreReadAsIntegers) {
   TinyGltf bytes, words;
   bytes.primitive()["attributes"]["POSITION"] =
       bytes.add<std::int8_t>({0, 0, 0, 0, -100, 0, 0, 0, 0, 50, 0, 0}, kByte, "VEC3", 3);
@@ -153,7 +153,7 @@ TEST(GltfGeometry, OneInstanceForEachNodeAndPrimitive) {
   EXPECT_EQ(scene.instances.size(), 4U);
 }
 
-TEST(GltfGeometry, MeshesThatNobodyShowsAreLeftOut) {
+TEST(GltfGeometry, MeshesThatNoNodeShowsAreOmitted) {
   TinyGltf file;
   file.json["meshes"].push_back(file.json["meshes"][0]);
   EXPECT_EQ(load(file).meshes.size(), 1U);
@@ -225,7 +225,7 @@ TEST(GltfGeometry, AVeryDeepHierarchyIsNoProblem) {
   EXPECT_EQ(load(file).instances.size(), 1U);
 }
 
-TEST(GltfGeometry, FilesBesideTheGltfAreReadAndCountForTheDigest) {
+TEST(GltfGeometry, FilesNextToTheGltfAreReadAndCountForTheDigest) {
   const TempFolder folder;
   TinyGltf file;
   file.json["buffers"][0]["uri"] = "the%20buffer.bin";

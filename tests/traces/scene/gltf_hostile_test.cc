@@ -35,7 +35,7 @@ TEST(GltfHostile, AGlbCutAnywhere) {
   for (std::size_t size = 4; size < whole.size(); size += 7) EXPECT_SAYS(refusal(whole.substr(0, size)), "bytes");
 }
 
-TEST(GltfHostile, AGlbWhoseChunksLie) {
+TEST(GltfHostile, AGlbWithWrongChunkSizes) {
   const std::string whole = TinyGltf().glb();
   for (const std::size_t at : {8U, 12U, 16U}) {
     for (const char byte : {'\xff', '\x7f', '\x00'}) {
@@ -58,7 +58,7 @@ TEST(GltfHostile, JsonTwoHundredThousandDeep) {
   EXPECT_SAYS(refusal(std::string(200'000, '{')), "nested too deeply");
 }
 
-TEST(GltfHostile, BracketsInStringsAreNoDepth) {
+TEST(GltfHostile, BracketsInStringsDoNotCountAsDepth) {
   TinyGltf file;
   file.json["nodes"][0]["name"] = "\\\"{" + std::string(500, '[');
   EXPECT_EQ(load(file).instances.size(), 1U);

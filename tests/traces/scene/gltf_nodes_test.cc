@@ -52,7 +52,7 @@ TEST(GltfNodes, MatricesStayMatrices) {
   EXPECT_EQ(scene.instances.at(0).to_world, scene.nodes[0].matrix);
 }
 
-TEST(GltfNodes, CamerasAndLightsKnowTheirNode) {
+TEST(GltfNodes, CamerasAndLightsStoreTheirNode) {
   TinyGltf file;
   file.json["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 1}, {"znear", 0.1}}}}};
   file.json["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "point"}, {"range", 12.5}}};
@@ -81,7 +81,7 @@ TEST(GltfNodes, TheLightOfALampMovesWithTheLamp) {
   }
 }
 
-TEST(GltfNodes, TheLightOfAFlatLampStandsWhereTheLampIs) {
+TEST(GltfNodes, TheLightOfAFlatLampIsAtTheLamp) {
   // Rotated, flattened, rotated: the determinant is 0 except for rounding.
   TinyGltf file;
   file.material()["emissiveFactor"] = {1, 1, 1};

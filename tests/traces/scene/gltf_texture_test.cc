@@ -58,7 +58,7 @@ TEST(GltfTextures, EveryKindIsReadAndTheSameImageServesAsColourAndAsNumbers) {
   EXPECT_FALSE(read.normal_texture.second_uv);
 }
 
-TEST(GltfTextures, SamplersSayHowTexelsAreFiltered) {
+TEST(GltfTextures, SamplersSelectTheFilter) {
   TinyGltf file = textured();
   file.json["samplers"] = {{{"magFilter", 9728}, {"minFilter", 9987}}};
   file.json["textures"] = {{{"source", 0}, {"sampler", 0}}, {{"source", 0}}};
@@ -86,7 +86,7 @@ TEST(GltfTextures, TwoPlacementsFillTwoSetsOfCoordinates) {
   EXPECT_TRUE(scene.warnings.empty());
 }
 
-TEST(GltfTextures, AThirdPlacementUsesTheFirstAndIsToldWithTheMaterialsName) {
+TEST(GltfTextures, AThirdPlacementUsesTheFirstAndWarnsWithTheMaterialsName) {
   TinyGltf file = textured();
   file.material()["name"] = "busy";
   file.material()["pbrMetallicRoughness"]["baseColorTexture"] = moved(0.25);

@@ -11,7 +11,7 @@
 namespace test {
 namespace {
 
-TEST(ImageWriters, PutNotesBesideThePixels) {
+TEST(ImageWriters, StoreNotesWithThePixels) {
   const std::array<traces::ImageNote, 2> notes = {{{"Scene", "cornell"}, {"Unit", "rays"}}};
   const std::string png = traces::png_bytes(1, 1, 3, std::array<std::uint8_t, 3>{1, 2, 3}, notes);
   EXPECT_NE(png.find("tEXtScene" + std::string(1, '\0') + "cornell"), std::string::npos);
@@ -33,7 +33,7 @@ TEST(ImageWriters, KeepChannelsOfBothKindsApart) {
   EXPECT_NE(exr.find(std::string("s\0\2\0\0\0", 6)), std::string::npos) << "type 2: 32 bits";
 }
 
-TEST(ImageWriters, SayWhatTheirLibraryRefuses) {
+TEST(ImageWriters, ReportTheErrorOfTheirLibrary) {
   const auto refusal = [](const auto& write) -> std::string {
     try {
       write();

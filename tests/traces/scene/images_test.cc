@@ -42,7 +42,7 @@ TEST(Png, ComesBackAsWritten) {
   }
 }
 
-TEST(Png, OfDamagedDataIsComplainedOfOnce) {
+TEST(Png, OfDamagedDataGivesOneError) {
   const TempFolder folder;
   traces::write_png(folder.path() / "a.png", 64, 64, noise(64 * 64 * 3));
   std::string file = read_bytes(folder.path() / "a.png");
@@ -120,7 +120,7 @@ std::string big_endian(std::uint32_t value) {
   return out;
 }
 
-TEST(Images, ABombIsSeenInTheHeader) {
+TEST(Images, ADecompressionBombIsRefusedByItsHeader) {
   const TempFolder folder;
   traces::write_png(folder.path() / "a.png", 1, 1, noise(3));
   std::string file = read_bytes(folder.path() / "a.png");

@@ -37,15 +37,15 @@ const Scene& scene_of(std::string_view name) {
 class NatureScene : public testing::TestWithParam<Case> {};
 
 TEST_P(NatureScene, HasTheTrianglesOfItsClass) {
-  const auto count = static_cast<double>(traces::triangles_of(scene_of(GetParam().name)));
+  const auto count = static_cast<double>(traces::count_triangles(scene_of(GetParam().name)));
   EXPECT_NEAR(count, GetParam().triangles, 0.05 * GetParam().triangles);
 }
 
-TEST_P(NatureScene, GrowsAndShrinksOnRequest) {
+TEST_P(NatureScene, HasAboutTheRequestedNumberOfTriangles) {
   for (const double factor : {0.25, 2.0}) {
     if (GetParam().triangles * factor > 2e6) continue;  // takes long
     const auto wanted = static_cast<std::uint32_t>(factor * GetParam().triangles);
-    const auto count = static_cast<double>(traces::triangles_of(traces::build_scene(GetParam().name, {wanted})));
+    const auto count = static_cast<double>(traces::count_triangles(traces::build_scene(GetParam().name, {wanted})));
     EXPECT_NEAR(count, wanted, 0.25 * wanted);
   }
 }

@@ -55,14 +55,14 @@ class Rooms : public testing::TestWithParam<Room> {
 };
 
 TEST_P(Rooms, AreTheSizeOfTheirClass) {
-  EXPECT_NEAR(static_cast<double>(traces::triangles_of(scene_)), GetParam().triangles, 0.05 * GetParam().triangles);
+  EXPECT_NEAR(static_cast<double>(traces::count_triangles(scene_)), GetParam().triangles, 0.05 * GetParam().triangles);
 }
 
-TEST_P(Rooms, GrowAndShrinkAsAsked) {
+TEST_P(Rooms, HaveAboutTheRequestedNumberOfTriangles) {
   for (const double share : {GetParam().smallest, 4.0}) {
     const double wanted = share * GetParam().triangles;
     const Scene scene = traces::build_scene(GetParam().name, {.triangles = static_cast<std::uint32_t>(wanted)});
-    EXPECT_NEAR(static_cast<double>(traces::triangles_of(scene)), wanted, 0.25 * wanted);
+    EXPECT_NEAR(static_cast<double>(traces::count_triangles(scene)), wanted, 0.25 * wanted);
   }
 }
 

@@ -29,7 +29,7 @@ std::uint32_t class_of(std::string_view name) {
 /// Returns the number of triangles of a scene as a fraction of the wanted number.
 double share_of(std::string_view name, std::uint32_t wanted) {
   const Scene scene = traces::build_scene(name, {.triangles = wanted});
-  return static_cast<double>(traces::triangles_of(scene)) / wanted;
+  return static_cast<double>(traces::count_triangles(scene)) / wanted;
 }
 
 /// Returns the volume of a closed mesh; positive if its faces look outwards.
@@ -80,7 +80,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Things, testing::Values("chess", "car", "labora
 
 TEST_P(Things, HaveTheTrianglesOfTheirClass) { EXPECT_NEAR(share_of(GetParam(), class_of(GetParam())), 1, 0.05); }
 
-TEST_P(Things, HaveAsManyTrianglesAsAskedFor) {
+TEST_P(Things, HaveAboutTheRequestedNumberOfTriangles) {
   const std::uint32_t normal = class_of(GetParam());
   for (const std::uint32_t wanted : {normal / 4, normal / 2, 2 * normal, 4 * normal}) {
     EXPECT_NEAR(share_of(GetParam(), wanted), 1, 0.25) << wanted;
@@ -167,10 +167,10 @@ TEST_P(Paths, LeadACameraForSomeSeconds) {
   EXPECT_GT(glm::length(place_of(path->to_world) - start), 0.3F);
 }
 
-TEST(CornellAndTeapot, HaveAsManyTrianglesAsAskedFor) {
+TEST(CornellAndTeapot, HaveAboutTheRequestedNumberOfTriangles) {
   for (const char* name : {"cornell", "teapot"}) {
-    EXPECT_EQ(traces::triangles_of(traces::build_scene(name, {.triangles = class_of(name)})),
-              traces::triangles_of(traces::build_scene(name)));
+    EXPECT_EQ(traces::count_triangles(traces::build_scene(name, {.triangles = class_of(name)})),
+              traces::count_triangles(traces::build_scene(name)));
     for (const std::uint32_t wanted : {class_of(name) / 8, class_of(name) / 2, 4 * class_of(name)}) {
       EXPECT_NEAR(share_of(name, wanted), 1, 0.25) << name << " " << wanted;
     }
@@ -221,7 +221,7 @@ TEST(Car, WheelsRollWithoutSlipping) {
   }
 }
 
-TEST(Laboratory, GlassHasAnInsideAndLiquidKeepsOffIt) {
+TEST(Laboratory, LiquidDoesNotTouchTheGlass) {
   using traces::laboratory::Vessel;
   for (const Vessel vessel : {Vessel::kBeaker, Vessel::kErlenmeyer, Vessel::kRound, Vessel::kVolumetric}) {
     const Mesh glass = traces::laboratory::make_vessel(vessel, {2}),

@@ -24,7 +24,7 @@ WorkloadConfig of(const char* name) {
   return workload;
 }
 
-TEST(Workload, IsTheSceneUnlessItSaysMore) {
+TEST(Workload, UsesTheSceneAsItIsByDefault) {
   const Scene plain = traces::build_scene("atrium", {.triangles = 5000});
   const Scene scene = traces::open_workload(of("atrium"));
   EXPECT_EQ(scene.sha256, plain.sha256);
@@ -190,7 +190,7 @@ TEST(Workload, FirstFrameSetsTheTime) {
   EXPECT_LT(moved(), start.instances.size()) << "the hall stands still";
 }
 
-TEST(Workload, NamesTheCamerasThatThereAre) {
+TEST(Workload, ListsTheCamerasForAnUnknownName) {
   WorkloadConfig workload = of("conference");
   workload.camera = "conrer";
   try {

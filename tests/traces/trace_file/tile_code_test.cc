@@ -121,7 +121,7 @@ TEST(TileCode, EnteredInstancesMustExist) {
   EXPECT_THROW(decode(encode(tile_of_levels(), fewer.links), fewer, back), sim::InputError);
 }
 
-TEST(TileCode, AGraphThatAMachineCouldNotPlayIsRefused) {
+TEST(TileCode, AGraphThatAMachineCouldNotExecuteIsRefused) {
   const auto changed = [](auto&& change) {
     TileWork tile = tiny_tile();
     change(tile);

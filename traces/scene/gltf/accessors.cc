@@ -15,7 +15,7 @@ namespace {
 struct Elements {
   const std::uint8_t* data = nullptr;
   std::size_t stride = 0;
-  const std::uint8_t* element(std::size_t i) const { return data + i * stride; }
+  const std::uint8_t* element_bytes(std::size_t i) const { return data + i * stride; }
 };
 
 Elements view_elements(const Context& context, int buffer_view, std::size_t offset, std::size_t count, std::size_t size,
@@ -98,7 +98,7 @@ void for_each_element(const Context& context, const tinygltf::Accessor& accessor
                       const std::string& what, Put put) {
   if (accessor.bufferView >= 0) {
     const Elements dense = view_elements(context, accessor.bufferView, accessor.byteOffset, accessor.count, size, what);
-    for (std::size_t i = 0; i < accessor.count; ++i) put(i, dense.element(i));
+    for (std::size_t i = 0; i < accessor.count; ++i) put(i, dense.element_bytes(i));
   }
   if (!accessor.sparse.isSparse) return;
   const auto& sparse = accessor.sparse;
@@ -113,10 +113,10 @@ void for_each_element(const Context& context, const tinygltf::Accessor& accessor
   const Elements values = view_elements(context, sparse.values.bufferView,
                                         static_cast<std::size_t>(sparse.values.byteOffset), count, size, what);
   for (std::size_t i = 0; i < count; ++i) {
-    const std::uint32_t at = load_index(indices.element(i), index_size);
+    const std::uint32_t at = load_index(indices.element_bytes(i), index_size);
     if (at >= accessor.count)
       context.refuse(fmt::format("{}: sparse index {} of {} elements", what, at, accessor.count));
-    put(at, values.element(i));
+    put(at, values.element_bytes(i));
   }
 }
 

@@ -55,7 +55,7 @@ class Bounded : public Base {
 };
 
 template <class Base>
-bool decode_with(Budget& budget, const Bytes& bytes, draco::Mesh& mesh) {
+bool decode_draco_with(Budget& budget, const Bytes& bytes, draco::Mesh& mesh) {
   const draco::DecoderOptions options;
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(bytes.data), bytes.size);
@@ -72,8 +72,8 @@ const char* decode_mesh(Budget& budget, const Bytes& bytes, draco::Mesh& mesh) {
   if (header.version_major != 2 || header.version_minor != 2) return "not of Draco bitstream version 2.2";
   if (header.encoder_type != draco::TRIANGULAR_MESH) return "no mesh";
   const bool good = header.encoder_method == draco::MESH_EDGEBREAKER_ENCODING
-                        ? decode_with<draco::MeshEdgebreakerDecoder>(budget, bytes, mesh)
-                        : decode_with<draco::MeshSequentialDecoder>(budget, bytes, mesh);
+                        ? decode_draco_with<draco::MeshEdgebreakerDecoder>(budget, bytes, mesh)
+                        : decode_draco_with<draco::MeshSequentialDecoder>(budget, bytes, mesh);
   return good ? nullptr : "damaged Draco data";
 }
 

@@ -54,8 +54,8 @@ struct Influences {
   }
 };
 
-void read_set(Context& context, const tinygltf::Primitive& primitive, int set, std::size_t joint_count,
-              const Mesh& mesh, std::vector<Influences>& influences) {
+void read_joint_set(Context& context, const tinygltf::Primitive& primitive, int set, std::size_t joint_count,
+                    const Mesh& mesh, std::vector<Influences>& influences) {
   const int joints_at = find_accessor(primitive.attributes, fmt::format("JOINTS_{}", set));
   const int type = context.at(context.model.accessors, joints_at, "accessors").componentType;
   if (type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE && type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT) {
@@ -90,7 +90,7 @@ void read_joints(Context& context, const tinygltf::Primitive& primitive, int ski
   std::vector<Influences> influences(vertices);
   int set = 0;
   for (; has("JOINTS", set) && has("WEIGHTS", set); ++set) {
-    read_set(context, primitive, set, joint_count, mesh, influences);
+    read_joint_set(context, primitive, set, joint_count, mesh, influences);
   }
   if (set > 1)
     context.add_warning(fmt::format("mesh '{}': only the four largest weights of a vertex count", mesh.name));
@@ -119,7 +119,7 @@ std::vector<std::vector<glm::vec3>> read_targets(Context& context, const tinyglt
 }
 
 /// Returns the inverse bind matrices of a skin; identities if it has none.
-std::vector<glm::mat4> read_inverse_bind(Context& context, const tinygltf::Skin& skin, std::size_t index) {
+std::vector<glm::mat4> read_inverse_bind_matrices(Context& context, const tinygltf::Skin& skin, std::size_t index) {
   if (skin.inverseBindMatrices < 0) return std::vector<glm::mat4>(skin.joints.size(), glm::mat4(1));
   std::vector<glm::mat4> matrices = read_mat4(context, skin.inverseBindMatrices, "inverse bind matrices");
   if (matrices.size() < skin.joints.size()) {
@@ -163,7 +163,7 @@ void finish_deformations(Context& context) {
     const tinygltf::Skin& found = context.model.skins[index];
     Skin& skin = scene.skins[index];
     if (!skin.joints.empty()) continue;
-    skin.inverse_bind = read_inverse_bind(context, found, index);
+    skin.inverse_bind = read_inverse_bind_matrices(context, found, index);
     for (const int joint : found.joints) {
       const std::uint32_t node = context.at(context.scene_nodes, joint, "nodes");
       if (node == kNone) context.refuse(fmt::format("skins[{}]: joint nodes[{}] is not in the scene", index, joint));

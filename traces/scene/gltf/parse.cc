@@ -70,8 +70,8 @@ bool make_parsable(Json& file, std::vector<std::size_t>& lent) {
 
 namespace {
 
-bool keep_encoded(tinygltf::Image* image, const int, std::string*, std::string*, int, int, const unsigned char* bytes,
-                  int size, void*) {
+bool store_encoded_image(tinygltf::Image* image, const int, std::string*, std::string*, int, int,
+                         const unsigned char* bytes, int size, void*) {
   // The bytes of a buffer view are not read here, because tinygltf has not checked that they exist.
   if (image->bufferView < 0) image->image.assign(bytes, bytes + size);
   return true;
@@ -117,7 +117,7 @@ std::string last_line(std::string text) {
 
 tinygltf::Model parse_model(const Source& source) {
   tinygltf::TinyGLTF loader;
-  loader.SetImageLoader(keep_encoded, nullptr);
+  loader.SetImageLoader(store_encoded_image, nullptr);
   loader.SetFsCallbacks(file_callbacks(source));
   tinygltf::Model model;
   std::string error, ignored;

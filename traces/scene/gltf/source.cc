@@ -200,7 +200,7 @@ void check_container(Source& source) {
   if (read_word(source.bytes, json_end + 4) != kBin) refuse(source, "the second chunk of a GLB file must be BIN");
 }
 
-std::string_view json_of(const Source& source) {
+std::string_view json_text(const Source& source) {
   return std::string_view(source.bytes).substr(source.json_begin, source.json_size);
 }
 
@@ -215,8 +215,8 @@ void check_no_picture(const Source& source) {
   }
 }
 
-sim::Json parse_json_of(const Source& source, std::size_t levels) {
-  const std::string_view text = json_of(source);
+sim::Json parse_source_json(const Source& source, std::size_t levels) {
+  const std::string_view text = json_text(source);
   try {
     sim::Json json = sim::parse_json(text, levels);
     if (!json.is_object()) refuse(source, "the JSON must be an object");
@@ -365,7 +365,7 @@ Source read_source(const std::filesystem::path& path, const SceneLimits& limits,
   check_no_picture(source);
   if (source.json_size == 0) refuse(source, "the file is empty");
   budget.take_memory(source.json_size, kJsonExpansion, "the JSON");
-  sim::Json json = parse_json_of(source, limits.json_depth);
+  sim::Json json = parse_source_json(source, limits.json_depth);
   check_lists(source, json, limits);
   check_properties(json, source.shown_name);
   Resources resources(source, path.parent_path(), budget, limits);

@@ -418,7 +418,7 @@ glm::mat4 light_matrix(const Light& light) {
           glm::vec4(glm::vec3(back), 0), glm::vec4(light.position, 1)};
 }
 
-tinygltf::Light light_of(const Light& light, float strongest) {
+tinygltf::Light gltf_light(const Light& light, float strongest) {
   tinygltf::Light to;
   to.intensity = double{strongest} * std::numbers::pi;
   to.color = to_numbers(light.intensity / strongest);
@@ -455,7 +455,7 @@ void write_lights(const Scene& scene, const NodeMap& map, Document& out) {
     out.add_extension(node.extensions, "KHR_lights_punctual", {{"light", tinygltf::Value(index)}});
     set_node_light(node, index);
     if (node.name.empty()) node.name = "light";
-    out.model.lights.push_back(light_of(light, strongest));
+    out.model.lights.push_back(gltf_light(light, strongest));
   }
   const tinygltf::Value::Object ours{{"background", to_value(scene.background)}, {"ambient", to_value(scene.ambient)}};
   out.model.scenes[0].extras = tinygltf::Value(tinygltf::Value::Object{{"raywatt", tinygltf::Value(ours)}});

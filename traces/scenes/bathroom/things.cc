@@ -30,7 +30,7 @@ Mesh make_tap(const Detail& detail, float height, float reach) {
                               {0.018F, 0.046F}, {0.016F, 0.056F}, {0, 0.058F}};
     append_mesh(mesh, transform_mesh(make_lathe("", detail.coarser_profile(knob), round), at));
     for (int k = 0; k < 4; ++k) {
-      const glm::vec2 way = on_circle(0.25 * k + 0.1);
+      const glm::vec2 way = circle_point(0.25 * k + 0.1);
       const glm::vec3 spoke[] = {{0, 0.05F, 0}, {0.034F * way.x, 0.05F, 0.034F * way.y}};
       append_mesh(mesh, transform_mesh(make_tube("", spoke, std::array{0.005F}, detail.cell_count(8, 4)), at));
       append_mesh(mesh,
@@ -57,8 +57,8 @@ Mesh make_vessel(std::string name, std::span<const glm::vec3> rings, bool square
       [&](float s, float t) {
         const glm::vec3 ring = path[static_cast<std::size_t>(t * static_cast<float>(last) + 0.5F)];
         const float a = std::max(ring.x, 0.0F), b = std::max(ring.y, 0.0F);
-        const glm::vec2 p = square ? on_rounded_rectangle(static_cast<double>(s), a, b)
-                                   : on_circle(static_cast<double>(s)) * glm::vec2(a, b);
+        const glm::vec2 p = square ? rounded_rectangle_point(static_cast<double>(s), a, b)
+                                   : circle_point(static_cast<double>(s)) * glm::vec2(a, b);
         return glm::vec3(p.x, ring.z, -p.y);
       },
       true);
@@ -226,7 +226,7 @@ Mesh make_head(const Detail& detail) {
   Mesh mesh = make_lathe("shower head", detail.coarser_profile(body), detail.cell_count(32, 10));
   for (int ring = 1; ring <= (detail.share < 0.5 ? 2 : 4); ++ring) {
     for (int k = 0; k < 6 * ring; ++k) {
-      const glm::vec2 at = on_circle(k / (6.0 * ring)) * 0.0115F * static_cast<float>(ring);
+      const glm::vec2 at = circle_point(k / (6.0 * ring)) * 0.0115F * static_cast<float>(ring);
       append_mesh(mesh, transform_mesh(make_cylinder("", 0.002F, 0.004F, detail.cell_count(6, 3)),
                                        placement_at({at.x, -0.004F, at.y})));
     }
@@ -245,7 +245,8 @@ Mesh make_basket(const Detail& detail, float a, float b, float height, std::uint
   const auto add_hoop = [&](float y, float radius) {
     std::vector<glm::vec3> hoop;
     for (std::uint32_t k = 0; k <= round; ++k) {
-      const glm::vec2 p = on_rounded_rectangle(k == round ? 0.0 : static_cast<double>(k) / round, a, b) * widening(y);
+      const glm::vec2 p =
+          rounded_rectangle_point(k == round ? 0.0 : static_cast<double>(k) / round, a, b) * widening(y);
       hoop.emplace_back(p.x, y, p.y);
     }
     append_mesh(mesh, make_tube("", hoop, std::array{radius}, sides));
@@ -253,7 +254,7 @@ Mesh make_basket(const Detail& detail, float a, float b, float height, std::uint
   for (int k = 0; k <= hoops; ++k)
     add_hoop(0.004F + height * static_cast<float>(k) / static_cast<float>(hoops), k == hoops ? 0.003F : 0.0016F);
   for (int k = 0; k < ribs; ++k) {
-    const glm::vec2 p = on_rounded_rectangle(static_cast<double>(k) / ribs, a, b), q = p * widening(0);
+    const glm::vec2 p = rounded_rectangle_point(static_cast<double>(k) / ribs, a, b), q = p * widening(0);
     append_mesh(mesh, make_rod({q.x, 0.003F, q.y}, {p.x, height, p.y}, 0.0014F, sides));
   }
   for (int k = 1; k < 10; ++k) {
@@ -321,15 +322,16 @@ void add_baskets(Scene& scene, const Materials& materials, const Detail& detail)
   rolls.name = "rolled towels";
   constexpr float kTurns = 3.4F;
   for (int k = 0; k < 5; ++k) {
-    const glm::vec2 at = k == 4 ? glm::vec2(0) : 0.095F * on_circle(0.25 * k + 0.1);
-    append_mesh(
-        rolls, transform_mesh(
-                   make_surface("", detail.cell_count(64, 20), detail.cell_count(10, 2),
-                                [&](float s, float t) {
-                                  const glm::vec2 p = on_circle(static_cast<double>(kTurns * s)) * (0.012F + 0.05F * s);
-                                  return glm::vec3(p.x, 0.5F * t * (1 - 0.03F * s * static_cast<float>(k % 3)), -p.y);
-                                }),
-                   laundry * placement_at({at.x, 0.012F, at.y}, 0.17 * k)));
+    const glm::vec2 at = k == 4 ? glm::vec2(0) : 0.095F * circle_point(0.25 * k + 0.1);
+    append_mesh(rolls,
+                transform_mesh(make_surface("", detail.cell_count(64, 20), detail.cell_count(10, 2),
+                                            [&](float s, float t) {
+                                              const glm::vec2 p =
+                                                  circle_point(static_cast<double>(kTurns * s)) * (0.012F + 0.05F * s);
+                                              return glm::vec3(
+                                                  p.x, 0.5F * t * (1 - 0.03F * s * static_cast<float>(k % 3)), -p.y);
+                                            }),
+                               laundry * placement_at({at.x, 0.012F, at.y}, 0.17 * k)));
   }
   scale_uvs(rolls, {6, 2});
   add_object(scene, std::move(rolls), materials.towel);
@@ -353,7 +355,7 @@ Mesh make_towel(const Detail& detail, float width, float front, float back, floa
       down = front - at;
       p = {r, -down};
     } else if (at < front + over) {
-      const glm::vec2 round = on_circle(static_cast<double>((at - front) / over) * 0.5);
+      const glm::vec2 round = circle_point(static_cast<double>((at - front) / over) * 0.5);
       p = r * round;
     } else {
       down = at - front - over;
@@ -568,7 +570,7 @@ void add_fern(Scene& scene, const Materials& materials, const Detail& detail, co
   fern.name = "fern";
   const std::uint32_t fronds = detail.cell_count(20, 8);
   for (std::uint32_t k = 0; k < fronds; ++k) {
-    const glm::vec2 way = on_circle(static_cast<double>(0.382F * static_cast<float>(k)));
+    const glm::vec2 way = circle_point(static_cast<double>(0.382F * static_cast<float>(k)));
     const float rise = random_between(0.35F, 1.3F, 61, k), reach = random_between(0.16F, 0.24F, 62, k);
     const glm::vec3 direction = glm::normalize(glm::vec3(way.x, rise, way.y)), across(-way.y, 0, way.x);
     const auto on_rib = [&](float t) {

@@ -73,11 +73,11 @@ float bottom_height(float x) {
 
 /// Returns a point on the edge of a wheel arch in the xy plane, with the axle at the origin. `share` runs from 0 to 1:
 /// up from the sill, around the wheel, down.
-glm::vec2 arch_edge(float share) {
+glm::vec2 arch_edge_point(float share) {
   constexpr float kStraight = 0.12F, kDrop = kWheel - kSill;
   if (share < kStraight) return {kArch, -kDrop * (1 - share / kStraight)};
   if (share > 1 - kStraight) return {-kArch, -kDrop * (1 - (1 - share) / kStraight)};
-  return kArch * on_circle(0.5 * static_cast<double>((share - kStraight) / (1 - 2 * kStraight)));
+  return kArch * circle_point(0.5 * static_cast<double>((share - kStraight) / (1 - 2 * kStraight)));
 }
 
 /// Returns the x positions of the body's cross-sections, which are denser at the ends of arches, nose and tail.
@@ -165,7 +165,7 @@ Mesh make_cabin(const Detail& detail) {
   const auto power = [](float c) { return std::sqrt(c * std::sqrt(c)); };  // c to the power 3/4: fuller than an ellipse
   return make_surface("cabin", 2 * detail.cell_count(20, 6), detail.cell_count(50, 12), [&](float s, float t) {
     const float x = kFrom + (kTo - kFrom) * t;
-    const glm::vec2 q = on_circle(0.5 - 0.5 * static_cast<double>(s));
+    const glm::vec2 q = circle_point(0.5 - 0.5 * static_cast<double>(s));
     const float height = std::max(interpolate_keys(kRoof, x) - kFoot, 0.01F), up = power(std::max(q.y, 0.0F));
     const float half = interpolate_keys(kHalf, x) * (1 - 0.24F * up * height / 0.5F);
     return glm::vec3(x, kFoot + height * up, (q.x < 0 ? -half : half) * power(std::abs(q.x)));
@@ -177,7 +177,7 @@ Mesh make_underbody(const Detail& detail) {
   for (const float axle : {kFrontAxle, kRearAxle}) {
     for (const float sign : {-1.0F, 1.0F}) {
       const Mesh liner = make_surface("", detail.cell_count(20, 6), 2, [&](float s, float t) {
-        const glm::vec2 edge = arch_edge(1 - s);
+        const glm::vec2 edge = arch_edge_point(1 - s);
         const float x = axle + edge.x, y = kWheel + edge.y;
         const float outer = half_width_at(x, y) - 0.015F;
         return glm::vec3(x, y, sign * (outer - (sign > 0 ? t : 1 - t) * (outer - 0.45F)));
@@ -198,7 +198,7 @@ Mesh make_arch_lips(const Detail& detail) {
       std::vector<glm::vec3> path;
       const std::uint32_t steps = detail.cell_count(28, 8);
       for (std::uint32_t k = 0; k <= steps; ++k) {
-        const glm::vec2 edge = arch_edge(static_cast<float>(k) / static_cast<float>(steps));
+        const glm::vec2 edge = arch_edge_point(static_cast<float>(k) / static_cast<float>(steps));
         const float x = axle + edge.x, y = kWheel + edge.y;
         path.emplace_back(x, y, sign * (half_width_at(x, y) - 0.004F));
       }

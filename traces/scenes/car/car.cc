@@ -64,7 +64,8 @@ Mesh make_rim(const Detail& detail) {
           "", sides, steps,
           [&](float s, float t) {
             const double angle = k / 5.0 + side * (0.020 + 0.035 * static_cast<double>(t));
-            const glm::vec2 out = on_circle(angle), across(-out.y, out.x), round = on_circle(static_cast<double>(s));
+            const glm::vec2 out = circle_point(angle), across(-out.y, out.x),
+                            round = circle_point(static_cast<double>(s));
             const float radius = 0.045F + 0.172F * t;
             const glm::vec2 p = out * radius + across * ((0.017F - 0.004F * t) * round.x);
             return glm::vec3(p, 0.072F + 0.026F * t * t + 0.014F * round.y);
@@ -73,7 +74,7 @@ Mesh make_rim(const Detail& detail) {
       append_mesh(rim, spoke);
     }
     const Outline bolt = Outline({0.010F, 0}).line_to(0.010F, 0.012F).line_to(0, 0.014F);
-    const glm::vec2 at = 0.052F * on_circle(k / 5.0 + 0.1);
+    const glm::vec2 at = 0.052F * circle_point(k / 5.0 + 0.1);
     append_mesh(rim, transform_mesh(rotate_y_to_z(make_lathe("", bolt.points(), 6)), placement_at({at, 0.074F})));
   }
   return rim;
@@ -96,7 +97,7 @@ Mesh make_caliper(const Detail& detail) {
   for (const float radius : {0.19F, 0.12F}) {
     for (std::uint32_t i = 0; i <= steps; ++i) {
       const double share = static_cast<double>(radius > 0.15F ? i : steps - i) / steps;
-      outline.push_back(radius * on_circle(0.39 + 0.19 * share));
+      outline.push_back(radius * circle_point(0.39 + 0.19 * share));
     }
   }
   Mesh caliper = transform_mesh(make_extrusion("caliper", outline, 0.07F), placement_at({0, 0, -0.03F}));
@@ -303,7 +304,8 @@ Mesh make_mirror(float side, const Detail& detail) {
   Mesh shell = make_surface(
       "", 2 * cells, cells,
       [&](float s, float t) {
-        const glm::vec2 round = on_circle(static_cast<double>(s)), up = on_circle(0.25 - 0.5 * static_cast<double>(t));
+        const glm::vec2 round = circle_point(static_cast<double>(s)),
+                        up = circle_point(0.25 - 0.5 * static_cast<double>(t));
         // The mirror is blunt at the rear, where the glass is, and long and round in front.
         const float x = -up.y < 0 ? 0.10F * up.y : 0.03F * up.y;
         return glm::vec3(x, 0.062F * up.x * round.x, -0.105F * up.x * round.y);
@@ -428,7 +430,7 @@ void add_wheels(Scene& scene, std::uint32_t body, const Detail& detail) {
         constexpr float kRound = 6.2831853F * car::kWheel;
         turns.push_back({seconds, axis_rotation({0, 0, 1}, -static_cast<double>(distance_driven(seconds) / kRound))});
       }
-      turn_node(scene, axle, turns);
+      add_rotation_track(scene, axle, turns);
       const std::uint32_t wheel = add_node(scene, "wheel", {.rotation = out}, axle);
       for (const std::uint32_t mesh : {tyre, rim, disc}) attach_to_node(scene, add_instance(scene, mesh), wheel);
       attach_to_node(scene, add_instance(scene, caliper), still);
@@ -469,7 +471,7 @@ Scene build_car(const BuiltinOptions& options) {
     const float seconds = kSeconds * static_cast<float>(k) / 48;
     keys.push_back({seconds, {-0.4F + distance_driven(seconds), 0, 0}});
   }
-  move_node(scene, node, keys);
+  add_translation_track(scene, node, keys);
   const std::uint32_t lacquer = add_material(scene, make_paint("red lacquer", {0.62F, 0.025F, 0.02F}, 0.20F));
   const std::uint32_t black = add_material(scene, make_paint("underbody", {0.012F, 0.012F, 0.013F}));
   const Mesh shell = car::make_shell(detail), cabin = car::make_cabin(detail);

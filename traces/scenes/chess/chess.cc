@@ -88,13 +88,13 @@ void add_clock(Scene& scene, const Detail& detail, std::uint32_t wood, std::uint
     const glm::vec2 bezel[] = {{0.53F, 0}, {0.53F, 0.05F}, {0.50F, 0.07F}, {0.46F, 0.04F}, {0.46F, 0}};
     append_mesh(rings, transform_mesh(make_lathe("", bezel, sides), dial_to_clock));
     for (int hour = 0; hour < 12; ++hour) {
-      const glm::vec2 way = on_circle(hour / 12.0);
+      const glm::vec2 way = circle_point(hour / 12.0);
       const glm::mat4 turn(glm::vec4(way.y, -way.x, 0, 0), glm::vec4(way, 0, 0), glm::vec4(0, 0, 1, 0),
                            glm::vec4(x + 0.40F * way.x, 0.71F + 0.40F * way.y, 0.372F, 1));
       append_mesh(hands, transform_mesh(make_box("", {-0.012F, -0.035F, 0}, {0.012F, 0.035F, 0.004F}), turn));
     }
     for (const float length : {0.24F, 0.34F}) {
-      const glm::vec2 way = on_circle(length < 0.3F ? 0.13 + 0.1 * static_cast<double>(x) : 0.31);
+      const glm::vec2 way = circle_point(length < 0.3F ? 0.13 + 0.1 * static_cast<double>(x) : 0.31);
       const glm::mat4 turn(glm::vec4(way.y, -way.x, 0, 0), glm::vec4(way, 0, 0), glm::vec4(0, 0, 1, 0),
                            glm::vec4(x, 0.71F, 0.38F, 1));
       append_mesh(hands, transform_mesh(make_box("", {-0.016F, -0.05F, 0}, {0.016F, length, 0.006F}), turn));
@@ -253,7 +253,7 @@ void animate_move(Scene& scene, std::uint32_t node, const Move& move) {
                     glm::mix(from, move.to, share) + glm::vec3(0, move.height * lift * (1.6F - 0.6F * lift), 0)});
   }
   keys.push_back({6, move.to});
-  move_node(scene, node, keys);
+  add_translation_track(scene, node, keys);
 }
 
 void add_pieces(Scene& scene, const Detail& detail) {

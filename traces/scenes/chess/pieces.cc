@@ -49,7 +49,7 @@ void add_battlements(Mesh& rook, const Detail& detail) {
     for (const float radius : {0.265F, 0.185F}) {
       for (std::uint32_t i = 0; i <= steps; ++i) {
         const double share = static_cast<double>(radius > 0.2F ? i : steps - i) / steps;
-        outline.push_back(radius * on_circle((k + 0.14 + 0.72 * share) / 6));
+        outline.push_back(radius * circle_point((k + 0.14 + 0.72 * share) / 6));
       }
     }
     Mesh block = make_extrusion("", outline, 0.11F);
@@ -227,7 +227,7 @@ Mesh make_head(const Detail& detail) {
       "", detail.cell_count(20, 8), detail.cell_count(34, 9),
       [&](float s, float t) {
         const auto k = static_cast<std::size_t>(t * last + 0.5F);
-        const glm::vec2 round = on_circle(static_cast<double>(s));
+        const glm::vec2 round = circle_point(static_cast<double>(s));
         const glm::vec2 middle = 0.5F * glm::vec2(backs[k] + fronts[k]);
         const glm::vec2 p = middle + 0.5F * glm::vec2(fronts[k] - backs[k]) * round.x;
         // Wider than an ellipse at the jowls, narrower towards the throat.

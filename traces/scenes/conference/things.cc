@@ -19,7 +19,7 @@ Mesh make_slab(std::string name, float a, float b, std::span<const glm::vec2> ri
       std::move(name), round, last,
       [&](float s, float t) {
         const glm::vec2 ring = rings[static_cast<std::size_t>(t * static_cast<float>(last) + 0.5F)];
-        const glm::vec2 p = on_rounded_rectangle(static_cast<double>(s), a - ring.x, b - ring.x);
+        const glm::vec2 p = rounded_rectangle_point(static_cast<double>(s), a - ring.x, b - ring.x);
         return glm::vec3(p.x, ring.y, -p.y);
       },
       true);
@@ -30,7 +30,7 @@ Mesh make_face(std::string name, float a, float b, float y, bool up, std::uint32
   Mesh mesh = make_surface(
       std::move(name), round, rows,
       [=](float s, float t) {
-        const glm::vec2 p = on_rounded_rectangle(static_cast<double>(s), a, b) * (up ? 1 - t : t);
+        const glm::vec2 p = rounded_rectangle_point(static_cast<double>(s), a, b) * (up ? 1 - t : t);
         return glm::vec3(p.x, y, -p.y);
       },
       true);
@@ -221,7 +221,7 @@ Mesh make_telephone(const Detail& detail) {
         const float reach = 0.07F + 0.12F * arms * arms;
         const float ring[] = {1, 0.97F, 0.75F, 0.35F, 0}, lift[] = {0.004F, 0.03F, 0.045F, 0.055F, 0.056F};
         const auto k = static_cast<std::size_t>(t * 4 + 0.5F);
-        const glm::vec2 round = on_circle(static_cast<double>(s)) * reach * ring[k];
+        const glm::vec2 round = circle_point(static_cast<double>(s)) * reach * ring[k];
         return glm::vec3(round.x, lift[k], -round.y);
       },
       true);
@@ -233,7 +233,7 @@ Mesh make_leaves(const Detail& detail, const glm::vec3& centre, std::uint32_t co
   for (std::uint32_t k = 0; k < count; ++k) {
     const float turn = 0.382F * static_cast<float>(k) + 0.05F * random_unit(seed, k);
     const float age = (static_cast<float>(k) + 0.5F) / static_cast<float>(count);  // 1: outermost and lowest leaf
-    const glm::vec2 round = on_circle(static_cast<double>(turn));
+    const glm::vec2 round = circle_point(static_cast<double>(turn));
     const glm::vec3 way = glm::normalize(glm::vec3(round.x, 1.8F - 1.5F * age, round.y));
     const float reach = length * random_between(0.75F, 1.1F, seed, k, 1) * (0.65F + 0.35F * age);
     add_leaf(mesh, centre + glm::vec3(0.03F * round.x, 0.02F * (1 - age), 0.03F * round.y), way, reach, 0.13F * length,
@@ -354,12 +354,12 @@ void add_table_things(Scene& scene, const Materials& materials, const Detail& de
   blossoms.name = "blossoms";
   for (std::uint64_t k = 0; k < 7; ++k) {
     const glm::vec2 round =
-        on_circle(static_cast<double>(0.382F * static_cast<float>(k))) * (0.03F + 0.012F * static_cast<float>(k));
+        circle_point(static_cast<double>(0.382F * static_cast<float>(k))) * (0.03F + 0.012F * static_cast<float>(k));
     const glm::vec3 centre(0.62F + round.x, y + 0.27F + 0.05F * random_unit(31, k), -0.02F + round.y);
     const glm::vec3 stalk[] = {{0.62F, y + 0.08F, -0.02F}, centre - glm::vec3(0, 0.08F, 0), centre};
     append_mesh(leaves, make_tube("", stalk, std::array{0.002F}, 4));
     for (int petal = 0; petal < 6; ++petal) {
-      const glm::vec2 way = on_circle(petal / 6.0);
+      const glm::vec2 way = circle_point(petal / 6.0);
       add_leaf(blossoms, centre, glm::normalize(glm::vec3(way.x, 0.7F, way.y)), 0.045F, 0.02F, 0.3F,
                detail.cell_count(4, 2));
     }
@@ -386,7 +386,7 @@ void add_plant(Scene& scene, const Materials& materials, const Detail& detail) {
     foliage.name = "foliage";
     canes.name = "canes";
     for (int cane = 0; cane < 3; ++cane) {
-      const glm::vec2 round_at = 0.07F * on_circle(cane / 3.0);
+      const glm::vec2 round_at = 0.07F * circle_point(cane / 3.0);
       const float tall = 0.65F + 0.42F * static_cast<float>(cane);
       const glm::vec3 top = at + glm::vec3(1.4F * round_at.x, tall, 1.4F * round_at.y);
       const glm::vec3 path[] = {at + glm::vec3(round_at.x, 0.3F, round_at.y),

@@ -116,7 +116,7 @@ void Forest::add_backdrop() {
   Mesh round = make_surface(
       "deep forest", scaled_count(40, 20), 4,
       [](float s, float t) {
-        const glm::vec2 way = on_circle(static_cast<double>(s)) * kRadius;
+        const glm::vec2 way = circle_point(static_cast<double>(s)) * kRadius;
         return glm::vec3(way.x, -3 + 17 * t, way.y);
       },
       true);
@@ -198,7 +198,7 @@ std::vector<Spot> tree_spots(std::size_t wanted) {
   std::vector<Spot> spots = {{0, -4.3F, 1.2F, 1.15F}, {1, 4.5F, 0.2F, 1.1F},  {2, 3.1F, -3.6F, 1},
                              {1, -2.9F, -4.6F, 1},    {0, 1.3F, -7.0F, 1.1F}, {2, -5.3F, -2.6F, 1.1F}};
   for (std::uint32_t k = 0; spots.size() < wanted && k < 400; ++k) {
-    const glm::vec2 way = on_circle(static_cast<double>(random_unit(41, k)));
+    const glm::vec2 way = circle_point(static_cast<double>(random_unit(41, k)));
     const float r = random_between(6, 26, 42, k);
     const glm::vec2 p = way * r;
     const bool crowded = std::ranges::any_of(spots, [&](const Spot& o) { return glm::distance(p, {o.x, o.z}) < 2.6F; });
@@ -282,7 +282,7 @@ void Forest::add_stones_and_logs() {
   };
   for (const glm::vec3& p : near) put(p.x, p.y, p.z);
   for (std::uint32_t k = 0; k < 16; ++k) {
-    const glm::vec2 p = on_circle(static_cast<double>(random_unit(66, k))) * random_between(5.2F, 14, 67, k);
+    const glm::vec2 p = circle_point(static_cast<double>(random_unit(66, k))) * random_between(5.2F, 14, 67, k);
     if (p.y > 0 && std::abs(p.x) < 3.2F) continue;
     put(p.x, p.y, random_between(0.3F, 1.2F, 68, k));
   }
@@ -309,7 +309,7 @@ void Forest::add_ferns() {
   };
   for (const glm::vec3& p : near) put(p.x, p.y, p.z);
   for (std::uint32_t k = 0; count < capped_count(52); ++k) {
-    const glm::vec2 p = on_circle(static_cast<double>(random_unit(85, k))) * random_between(4.2F, 13, 86, k);
+    const glm::vec2 p = circle_point(static_cast<double>(random_unit(85, k))) * random_between(4.2F, 13, 86, k);
     if (p.y > 0 && std::abs(p.x) < 2.8F) continue;
     put(p.x, p.y, random_between(0.8F, 1.5F, 87, k));
   }
@@ -355,7 +355,7 @@ void Forest::add_undergrowth(float left) {
   const std::uint32_t tuft =
       add_mesh(scene_, make_grass("grass", std::max(grass, 4U), 3, 0.3F, 0.42F, 0.018F, 104), blades);
   for (std::uint32_t k = 0; k < kPatches; ++k) {
-    const glm::vec2 p = on_circle(k * 0.381966) * (0.62F * std::sqrt(static_cast<float>(k) + 0.5F)) * 1.6F;
+    const glm::vec2 p = circle_point(k * 0.381966) * (0.62F * std::sqrt(static_cast<float>(k) + 0.5F)) * 1.6F;
     const glm::vec3 foot = point_on_ground(p.x, p.y);
     const float e = 0.5F;
     const glm::vec3 u = glm::normalize(point_on_ground(p.x + e, p.y) - point_on_ground(p.x - e, p.y));
@@ -363,7 +363,7 @@ void Forest::add_undergrowth(float left) {
     add_instance(scene_, patch, {glm::vec4(u, 0), glm::vec4(n, 0), glm::vec4(glm::cross(u, n), 0), glm::vec4(foot, 1)});
   }
   for (std::uint32_t k = 0; k < kTufts; ++k) {
-    const glm::vec2 p = on_circle(static_cast<double>(random_unit(105, k))) * random_between(1.5F, 7, 106, k);
+    const glm::vec2 p = circle_point(static_cast<double>(random_unit(105, k))) * random_between(1.5F, 7, 106, k);
     add_instance(scene_, tuft,
                  placement_at(point_on_ground(p.x, p.y), static_cast<double>(random_unit(107, k)),
                               glm::vec3(random_between(0.6F, 1.1F, 108, k))));
@@ -380,7 +380,7 @@ void Forest::add_bushes(float left) {
   const std::uint32_t bush =
       add_mesh(scene_, make_leaves("bush", dome_twigs({1.1F, 1.5F, 1.1F}, 60, 6), many, small, {0, 0, 0}, 7), shrub);
   for (std::uint32_t k = 0; k < kBushes; ++k) {
-    const glm::vec2 p = on_circle(-0.5 * (k + 0.5) / kBushes) * random_between(6.5F, 13, 8, k);
+    const glm::vec2 p = circle_point(-0.5 * (k + 0.5) / kBushes) * random_between(6.5F, 13, 8, k);
     add_instance(scene_, bush,
                  placement_at(point_on_ground(p.x, p.y, -0.1F), static_cast<double>(random_unit(9, k)),
                               glm::vec3(random_between(0.7F, 1.3F, 10, k))));

@@ -44,7 +44,7 @@ Mesh make_fern(std::uint32_t fronds, std::uint32_t pairs, float reach, std::uint
   mesh.name = "fern";
   for (std::uint32_t f = 0; f < fronds; ++f) {
     const glm::vec2 round =
-        on_circle(static_cast<double>(f) / fronds + static_cast<double>(0.08F * random_unit(seed, f, 1)));
+        circle_point(static_cast<double>(f) / fronds + static_cast<double>(0.08F * random_unit(seed, f, 1)));
     const float r = reach * random_between(0.75F, 1.1F, seed, f, 2), h = r * random_between(0.6F, 1.0F, seed, f, 3);
     const glm::vec3 out(round.x, 0, round.y);
     const auto at = [&](float t) {
@@ -191,7 +191,7 @@ Pieces make_lantern(std::uint32_t iron, std::uint32_t flame) {
   append_mesh(frame, transform_mesh(make_cone("", 0.1F, 0.03F, 0.07F, 24), placement_at({0, 0.24F, 0})));
   append_mesh(frame, transform_mesh(make_cylinder("", 0.03F, 0.03F, 12), placement_at({0, 0.31F, 0})));
   for (int k = 0; k < 4; ++k) {
-    const glm::vec2 round = on_circle(k / 4.0 + 0.125) * 0.08F;
+    const glm::vec2 round = circle_point(k / 4.0 + 0.125) * 0.08F;
     append_mesh(frame, transform_mesh(make_cylinder("", 0.006F, 0.23F, 6), placement_at({round.x, 0.02F, round.y})));
   }
   const glm::mat4 upright(glm::vec4(1, 0, 0, 0), glm::vec4(0, 0, 1, 0), glm::vec4(0, -1, 0, 0),
@@ -215,7 +215,7 @@ Mesh make_log(float length, float radius, std::uint32_t sides, std::uint32_t see
   for (glm::vec2& uv : mesh.uvs) uv = {uv.x * 2, uv.y * length};
   for (int k = 0; k < 3; ++k) {
     const float x = length * (0.28F * static_cast<float>(k) - 0.3F);
-    const glm::vec2 round = on_circle(0.12 + 0.13 * k);
+    const glm::vec2 round = circle_point(0.12 + 0.13 * k);
     const glm::vec3 stub[] = {{x, radius * 0.75F, 0},
                               {x + 0.12F, radius * (0.75F + 1.7F * round.y), 1.7F * radius * round.x}};
     const float thin[] = {0.28F * radius, 0.17F * radius};
@@ -228,7 +228,7 @@ Mesh make_roots(float radius, std::uint32_t sides, std::uint64_t seed) {
   Mesh mesh;
   mesh.name = "roots";
   for (std::uint32_t k = 0; k < 6; ++k) {
-    const glm::vec2 round = on_circle(k / 6.0 + static_cast<double>(0.1F * random_unit(seed, k)));
+    const glm::vec2 round = circle_point(k / 6.0 + static_cast<double>(0.1F * random_unit(seed, k)));
     const glm::vec3 out(round.x, 0, round.y), aside(-round.y * 0.4F * radius, 0, round.x * 0.4F * radius);
     const float reach = random_between(2.2F, 3.4F, seed, k, 1), bend = 2 * random_unit(seed, k, 2) - 1;
     const Joint joints[] = {
@@ -248,8 +248,8 @@ Mesh make_litter(float radius, std::uint32_t leaves, std::uint64_t seed) {
   mesh.name = "fallen leaves";
   for (std::uint32_t k = 0; k < leaves; ++k) {
     const glm::vec2 position =
-        on_circle(static_cast<double>(random_unit(seed, k, 1))) * (radius * std::sqrt(random_unit(seed, k, 2)));
-    const glm::vec2 way = on_circle(static_cast<double>(random_unit(seed, k, 3)));
+        circle_point(static_cast<double>(random_unit(seed, k, 1))) * (radius * std::sqrt(random_unit(seed, k, 2)));
+    const glm::vec2 way = circle_point(static_cast<double>(random_unit(seed, k, 3)));
     const float size = random_between(0.07F, 0.13F, seed, k, 4), tilt = 0.5F * (random_unit(seed, k, 5) - 0.35F);
     const glm::vec3 length = glm::vec3(way.x, tilt, way.y) * size;
     const glm::vec3 wide = glm::vec3(-way.y, 0.7F * (random_unit(seed, k, 6) - 0.5F), way.x) * (0.3F * size);
@@ -301,7 +301,7 @@ Texture litter_texture(std::string name, std::uint32_t leaves, std::uint32_t see
                                  {0.45F, 0.47F, 0.20F}};
   for (std::uint32_t k = 0; k < leaves; ++k) {
     const float length = random_between(26, 58, seed, k, 1), width = length * random_between(0.4F, 0.62F, seed, k, 2);
-    const glm::vec2 way = on_circle(static_cast<double>(random_unit(seed, k, 3)));
+    const glm::vec2 way = circle_point(static_cast<double>(random_unit(seed, k, 3)));
     const glm::vec2 middle = glm::vec2(random_unit(seed, k, 4), random_unit(seed, k, 5)) * static_cast<float>(kSize);
     const glm::vec3 hue = kHues[static_cast<std::size_t>(random_unit(seed, k, 6) * 6.999F)] *
                           (0.7F + 0.65F * static_cast<float>(k) / static_cast<float>(leaves));

@@ -52,7 +52,7 @@ Outline outer_profile(Vessel vessel) {
   }
 }
 
-std::vector<glm::vec2> line_of(Vessel vessel, const Detail& detail) {
+std::vector<glm::vec2> vessel_profile(Vessel vessel, const Detail& detail) {
   return simplify_line(outer_profile(vessel).points(), detail.cell_count(16, 7));
 }
 
@@ -78,7 +78,7 @@ std::uint32_t round_segments(const Detail& detail) { return detail.cell_count(36
 }  // namespace
 
 Mesh make_vessel(Vessel vessel, const Detail& detail) {
-  std::vector<glm::vec2> profile = line_of(vessel, detail);
+  std::vector<glm::vec2> profile = vessel_profile(vessel, detail);
   const std::vector<glm::vec2> inner = inset_line(profile, kWall);
   profile.insert(profile.end(), inner.rbegin(), inner.rend());
   Mesh mesh = make_lathe("glass", profile, round_segments(detail));
@@ -92,7 +92,7 @@ Mesh make_vessel(Vessel vessel, const Detail& detail) {
 }
 
 Mesh make_filling(Vessel vessel, float height, const Detail& detail) {
-  const std::vector<glm::vec2> wall = inset_line(line_of(vessel, detail), kWall + kGap);
+  const std::vector<glm::vec2> wall = inset_line(vessel_profile(vessel, detail), kWall + kGap);
   std::vector<glm::vec2> profile{wall.front()};
   for (std::size_t k = 1; k < wall.size(); ++k) {
     if (wall[k].y >= height) {

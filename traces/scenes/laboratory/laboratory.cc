@@ -270,7 +270,7 @@ void add_stand(Scene& scene, const Looks& looks, const glm::vec3& position, doub
   for (const float side : {-1.0F, 1.0F}) {
     std::vector<glm::vec3> finger;
     for (int k = 0; k <= 8; ++k) {
-      const glm::vec2 way = on_circle(0.46 - 0.42 * k / 8);
+      const glm::vec2 way = circle_point(0.46 - 0.42 * k / 8);
       finger.emplace_back(reach + 0.0205F * way.x - 0.004F * (k == 0 ? 1.0F : 0.0F), clamp, side * 0.0205F * way.y);
     }
     const std::array radii{0.0035F};
@@ -332,7 +332,7 @@ void add_burner(Scene& scene, const Looks& looks, const glm::vec3& position, con
   Mesh tripod = transform_mesh(make_torus("", 0.06F, 0.004F, sides, detail.cell_count(8, 4)),
                                placement_at({0, kTop - 0.004F, 0}));
   for (int leg = 0; leg < 3; ++leg) {
-    const glm::vec2 way = on_circle(leg / 3.0 + 0.08);
+    const glm::vec2 way = circle_point(leg / 3.0 + 0.08);
     append_mesh(tripod, make_thin_rod({0.095F * way.x, 0, 0.095F * way.y},
                                       {0.06F * way.x, kTop - 0.004F, 0.06F * way.y}, 0.004F, detail));
   }
@@ -486,7 +486,7 @@ void add_bottles(Scene& scene, const Looks& looks, const Detail& detail) {
       add_mesh(scene,
                make_surface("label", detail.cell_count(10, 4), 1,
                             [](float s, float t) {
-                              const glm::vec2 way = on_circle(0.25 - 0.17 + 0.34 * static_cast<double>(1 - s));
+                              const glm::vec2 way = circle_point(0.25 - 0.17 + 0.34 * static_cast<double>(1 - s));
                               return glm::vec3(0.0335F * way.x, 0.03F + 0.04F * t, 0.0335F * way.y);
                             }),
                looks.label);
@@ -543,7 +543,7 @@ void add_titration(Scene& scene, const Looks& looks, const glm::vec3& flask, flo
     keys.push_back({start + kPeriod - 0.09F, {flask.x, tip + 0.02F, flask.z}});  // the next drop forms in the tip
     keys.push_back({start + kPeriod, {flask.x, tip, flask.z}});
   }
-  move_node(scene, node, keys);
+  add_translation_track(scene, node, keys);
 
   const std::array path{glm::vec3(-0.014F, 0, 0), glm::vec3(-0.012F, 0, 0), glm::vec3(0.012F, 0, 0),
                         glm::vec3(0.014F, 0, 0)};
@@ -555,10 +555,10 @@ void add_titration(Scene& scene, const Looks& looks, const glm::vec3& flask, flo
   std::vector<TurnKey> turns;
   for (int k = 0; k <= 96; ++k)
     turns.push_back({kSeconds * static_cast<float>(k) / 96, axis_rotation({0, 1, 0}, 0.25 * k)});
-  turn_node(scene, spin, turns);
+  add_rotation_track(scene, spin, turns);
 }
 
-void add_all(Scene& scene, const Looks& looks, const Detail& detail) {
+void add_apparatus(Scene& scene, const Looks& looks, const Detail& detail) {
   laboratory::add_room(scene, looks, detail);
   Glassware ware(scene, looks.glass, detail);
 
@@ -621,13 +621,13 @@ Scene build_laboratory(const BuiltinOptions& options) {
   constexpr std::uint32_t kClass = 98'000;
   const Detail detail = fit_detail(options.triangles_or(kClass), [](const Detail& at) {
     Scene shapes;
-    add_all(shapes, {}, at);
+    add_apparatus(shapes, {}, at);
     return count_triangles(shapes);
   });
   Scene scene;
   scene.name = "laboratory";
   scene.background = glm::vec3(0.3F);
-  add_all(scene, laboratory::add_looks(scene), detail);
+  add_apparatus(scene, laboratory::add_looks(scene), detail);
   scene.cameras.push_back(look_at("front", {0.10F, 0.38F, 1.08F}, {0.035F, 0.195F, -0.12F}, 0.60F));
   scene.cameras.push_back(look_at("burner", {-0.30F, 0.30F, 0.52F}, {-0.46F, 0.19F, -0.13F}, 0.65F));
   const ViewKey path[] = {{0, {-0.75F, 0.30F, 0.62F}, {-0.42F, 0.17F, -0.12F}},

@@ -8,12 +8,12 @@
 
 namespace traces {
 
-std::uint32_t Detail::cell_count(double at_one, std::uint32_t least) const {
-  return std::max(static_cast<std::uint32_t>(share * at_one + 0.5), least);
+std::uint32_t Detail::cell_count(double at_detail_1, std::uint32_t least) const {
+  return std::max(static_cast<std::uint32_t>(share * at_detail_1 + 0.5), least);
 }
 
-std::uint32_t Detail::piece_count(double at_one, std::uint32_t least) const {
-  return std::max(static_cast<std::uint32_t>(share * share * at_one + 0.5), least);
+std::uint32_t Detail::piece_count(double at_detail_1, std::uint32_t least) const {
+  return std::max(static_cast<std::uint32_t>(share * share * at_detail_1 + 0.5), least);
 }
 
 std::vector<glm::vec2> Detail::coarser_profile(std::span<const glm::vec2> points) const {
@@ -24,7 +24,7 @@ std::vector<glm::vec2> Detail::coarser_profile(std::span<const glm::vec2> points
   return kept;
 }
 
-Detail detail_for(double triangles, double at_one) { return {std::sqrt(triangles / at_one)}; }
+Detail detail_for(double triangles, double at_detail_1) { return {std::sqrt(triangles / at_detail_1)}; }
 
 Detail fit_detail(std::uint64_t wanted, const std::function<std::uint64_t(const Detail& detail)>& triangles_at,
                   const DetailSearch& search) {

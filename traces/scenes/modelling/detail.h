@@ -13,18 +13,20 @@ namespace traces {
 struct Detail {
   double share = 1;  ///< cells along a line relative to the scene's standard size
 
-  /// Returns the number of cells along a line: `at_one` at detail 1, proportional to the detail, and at least `least`.
-  std::uint32_t cell_count(double at_one, std::uint32_t least = 1) const;
-  /// Returns a number of objects that grows with the number of triangles: `at_one` at detail 1, and at least `least`.
-  std::uint32_t piece_count(double at_one, std::uint32_t least = 1) const;
+  /// Returns the number of cells along a line: `at_detail_1` at detail 1, proportional to the detail, and at least
+  /// `least`.
+  std::uint32_t cell_count(double at_detail_1, std::uint32_t least = 1) const;
+  /// Returns a number of objects that grows with the number of triangles: `at_detail_1` at detail 1, and at least
+  /// `least`.
+  std::uint32_t piece_count(double at_detail_1, std::uint32_t least = 1) const;
   /// Returns a profile with fewer points for scenes of few triangles: every second point between the ends up to half of
   /// detail 1, every third up to a third.
   std::vector<glm::vec2> coarser_profile(std::span<const glm::vec2> points) const;
 };
 
-/// Returns the detail at which a scene has `triangles` triangles, if it has `at_one` at detail 1. Their number grows
-/// with the square of the detail.
-Detail detail_for(double triangles, double at_one);
+/// Returns the detail at which a scene has `triangles` triangles, if it has `at_detail_1` at detail 1. Their number
+/// grows with the square of the detail.
+Detail detail_for(double triangles, double at_detail_1);
 
 /// Parameters of the search for a level of detail.
 struct DetailSearch {

@@ -149,8 +149,8 @@ Mesh make_curtain(std::string name, float width, float height, std::uint32_t fol
   });
 }
 
-glm::vec2 on_rounded_rectangle(double turns, float a, float b) {
-  const glm::vec2 c = on_circle(turns);
+glm::vec2 rounded_rectangle_point(double turns, float a, float b) {
+  const glm::vec2 c = circle_point(turns);
   const glm::vec2 c2 = c * c, c4 = c2 * c2, c8 = c4 * c4;
   const float eighth_root = std::sqrt(std::sqrt(std::sqrt(c8.x + c8.y)));
   return glm::vec2(a * c.x, b * c.y) / eighth_root;

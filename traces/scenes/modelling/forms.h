@@ -40,7 +40,7 @@ Mesh make_curtain(std::string name, float width, float height, std::uint32_t fol
 
 /// Returns a point of the outline |x / a|^8 + |y / b|^8 = 1, counter-clockwise. The outline is between an ellipse and a
 /// rectangle.
-glm::vec2 on_rounded_rectangle(double turns, float a, float b);
+glm::vec2 rounded_rectangle_point(double turns, float a, float b);
 
 /// Adds a leaf to `mesh`: a blade along the unit vector `direction` that bends down by `droop` times its length.
 void add_leaf(Mesh& mesh, const glm::vec3& base, const glm::vec3& direction, float length, float width, float droop,

@@ -94,7 +94,8 @@ std::uint32_t add_node(Scene& scene, std::string name, const Transform& rest, st
 
 void attach_to_node(Scene& scene, std::uint32_t instance, std::uint32_t node) { scene.instances[instance].node = node; }
 
-void move_node(Scene& scene, std::uint32_t node, std::span<const Key> keys, Track::Interpolation interpolation) {
+void add_translation_track(Scene& scene, std::uint32_t node, std::span<const Key> keys,
+                           Track::Interpolation interpolation) {
   Track track{
       .node = node, .path = Track::Path::kTranslation, .interpolation = interpolation, .times = {}, .values = {}};
   for (const Key& key : keys) {
@@ -104,7 +105,7 @@ void move_node(Scene& scene, std::uint32_t node, std::span<const Key> keys, Trac
   scene.tracks.push_back(std::move(track));
 }
 
-void turn_node(Scene& scene, std::uint32_t node, std::span<const TurnKey> keys) {
+void add_rotation_track(Scene& scene, std::uint32_t node, std::span<const TurnKey> keys) {
   Track track{.node = node, .path = Track::Path::kRotation, .times = {}, .values = {}};
   for (const TurnKey& key : keys) {
     track.times.push_back(key.seconds);
@@ -137,8 +138,8 @@ void add_camera_path(Scene& scene, std::string name, std::span<const ViewKey> ke
   Camera camera = look_at(name, eyes.front(), targets.front(), vertical_fov);
   camera.node = add_node(scene, std::move(name), {.translation = eyes.front(), .rotation = turns.front().value});
   scene.cameras.push_back(std::move(camera));
-  move_node(scene, scene.cameras.back().node, keys_of_eye);
-  turn_node(scene, scene.cameras.back().node, turns);
+  add_translation_track(scene, scene.cameras.back().node, keys_of_eye);
+  add_rotation_track(scene, scene.cameras.back().node, turns);
 }
 
 void finish_scene(Scene& scene, const glm::vec3& ambient) {

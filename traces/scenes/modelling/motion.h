@@ -22,9 +22,9 @@ std::uint32_t add_node(Scene& scene, std::string name, const Transform& rest = {
 /// Attaches an instance to a node, with its mesh in the node's space. Replaces the to_world matrix of the instance.
 void attach_to_node(Scene& scene, std::uint32_t instance, std::uint32_t node);
 
-void move_node(Scene& scene, std::uint32_t node, std::span<const Key> keys,
-               Track::Interpolation interpolation = Track::Interpolation::kLinear);
-void turn_node(Scene& scene, std::uint32_t node, std::span<const TurnKey> keys);
+void add_translation_track(Scene& scene, std::uint32_t node, std::span<const Key> keys,
+                           Track::Interpolation interpolation = Track::Interpolation::kLinear);
+void add_rotation_track(Scene& scene, std::uint32_t node, std::span<const TurnKey> keys);
 
 /// Position and target of a camera at a time.
 struct ViewKey {

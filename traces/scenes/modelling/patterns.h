@@ -32,7 +32,7 @@ Texture cloth_texture(std::string name, const glm::vec3& warp, const glm::vec3& 
                       std::uint32_t seed, std::uint32_t size = 512);
 
 /// Returns a random number in [0, 1), or in [low, high): a hash of the keys.
-float random_unit(std::uint64_t a, std::uint64_t b = 0, std::uint64_t c = 0);
-float random_between(float low, float high, std::uint64_t a, std::uint64_t b = 0, std::uint64_t c = 0);
+float random_unit(std::uint64_t key1, std::uint64_t key2 = 0, std::uint64_t key3 = 0);
+float random_between(float low, float high, std::uint64_t key1, std::uint64_t key2 = 0, std::uint64_t key3 = 0);
 
 }  // namespace traces

@@ -18,7 +18,7 @@ constexpr double kGolden = 0.38196601125;  // turns between one branch and the n
 
 glm::vec3 any_direction(std::uint64_t a, std::uint64_t b, std::uint64_t c) {
   const float y = random_between(-1, 1, a, b, c);
-  const glm::vec2 round = on_circle(static_cast<double>(random_unit(b, c, a + 77)));
+  const glm::vec2 round = circle_point(static_cast<double>(random_unit(b, c, a + 77)));
   const float r = std::sqrt(std::max(1 - y * y, 0.0F));
   return {r * round.x, y, r * round.y};
 }
@@ -80,7 +80,7 @@ Tree make_tree(std::string name, const TreeShape& s, float bark) {
   for (std::uint32_t b = 0; b < s.branches; ++b) {
     const float share = (static_cast<float>(b) + 0.5F) / static_cast<float>(s.branches);
     const float at = s.bare + (1 - s.bare) * 0.97F * share;
-    const glm::vec2 round = on_circle(kGolden * b + static_cast<double>(0.1F * random_unit(s.seed, b, 1)));
+    const glm::vec2 round = circle_point(kGolden * b + static_cast<double>(0.1F * random_unit(s.seed, b, 1)));
     const float rise = s.rise + (1 - s.taper) * 0.9F * share * share + 0.15F * (random_unit(s.seed, b, 2) - 0.5F);
     const glm::vec3 way = glm::normalize(glm::vec3(round.x, rise, round.y));
     const float length = branch_length(s, share) * random_between(0.85F, 1.1F, s.seed, b, 3);
@@ -149,7 +149,7 @@ std::vector<Twig> dome_twigs(const glm::vec3& radii, std::uint32_t count, std::u
   std::vector<Twig> twigs;
   for (std::uint32_t i = 0; i < count; ++i) {
     const float y = (static_cast<float>(i) + 0.5F) / static_cast<float>(count);
-    const glm::vec2 round = on_circle(kGolden * i);
+    const glm::vec2 round = circle_point(kGolden * i);
     const float r = std::sqrt(1 - y * y);
     const glm::vec3 tip = glm::vec3(r * round.x, y, r * round.y) * radii * random_between(0.8F, 1.1F, seed, i);
     twigs.push_back({tip * 0.45F, tip});
@@ -163,11 +163,11 @@ Mesh make_grass(std::string name, std::uint32_t blades, std::uint32_t segments, 
   mesh.name = std::move(name);
   for (std::uint32_t i = 0; i < blades; ++i) {
     const glm::vec2 root =
-        on_circle(static_cast<double>(random_unit(seed, i, 1))) * (radius * std::sqrt(random_unit(seed, i, 2)));
+        circle_point(static_cast<double>(random_unit(seed, i, 1))) * (radius * std::sqrt(random_unit(seed, i, 2)));
     const glm::vec2 lean =
-        on_circle(static_cast<double>(random_unit(seed, i, 3))) * random_between(0.1F, 0.6F, seed, i, 4);
+        circle_point(static_cast<double>(random_unit(seed, i, 3))) * random_between(0.1F, 0.6F, seed, i, 4);
     const float tall = height * random_between(0.5F, 1, seed, i, 5);
-    const glm::vec2 turn = on_circle(static_cast<double>(random_unit(seed, i, 6)));
+    const glm::vec2 turn = circle_point(static_cast<double>(random_unit(seed, i, 6)));
     const glm::vec3 side(turn.x * width * 0.5F, 0, turn.y * width * 0.5F);
     const auto first = static_cast<std::uint32_t>(mesh.positions.size());
     const glm::vec2 uv(random_unit(seed, i, 7), random_unit(seed, i, 8));
@@ -198,7 +198,7 @@ Mesh make_rock(std::string name, const glm::vec3& radii, std::uint32_t cells, fl
   Mesh mesh = make_surface(
       std::move(name), 2 * cells, cells,
       [&](float s, float t) {
-        const glm::vec2 round = on_circle(-static_cast<double>(s));
+        const glm::vec2 round = circle_point(-static_cast<double>(s));
         const float y = -cos_turns(static_cast<double>(t) / 2);
         const float r = t <= 0 || t >= 1 ? 0.0F : sin_turns(static_cast<double>(t) / 2);
         const glm::vec3 way(r * round.x, y, r * round.y);

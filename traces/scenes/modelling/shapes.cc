@@ -375,7 +375,7 @@ Mesh make_lathe(std::string name, std::span<const glm::vec2> profile, std::uint3
   std::vector<glm::vec2> rounds;
   for (std::uint32_t i = 0; i <= segments; ++i) {
     const float u = static_cast<float>(i) / static_cast<float>(segments);
-    rounds.push_back(on_circle(i == segments ? 0.0 : static_cast<double>(u)));
+    rounds.push_back(circle_point(i == segments ? 0.0 : static_cast<double>(u)));
   }
   for (std::size_t k = 0; k < stretches; ++k) {
     const auto first = static_cast<std::uint32_t>(mesh.positions.size());
@@ -409,7 +409,7 @@ Mesh make_cone(std::string name, float radius, float top_radius, float height, s
 Mesh make_torus(std::string name, float radius, float tube_radius, std::uint32_t segments, std::uint32_t sides) {
   std::vector<glm::vec2> profile;
   for (std::uint32_t i = 0; i <= sides; ++i) {
-    const glm::vec2 round = on_circle(i == sides ? 0.0 : static_cast<double>(i) / sides);
+    const glm::vec2 round = circle_point(i == sides ? 0.0 : static_cast<double>(i) / sides);
     profile.push_back(glm::vec2(radius, 0) + tube_radius * round);
   }
   return make_lathe(std::move(name), profile, segments);
@@ -431,7 +431,7 @@ Mesh make_tube(std::string name, std::span<const glm::vec3> path, std::span<cons
     right = glm::normalize(right - along * glm::dot(right, along));  // parallel transport: no twist
     const glm::vec3 up = glm::cross(along, right);
     for (std::uint32_t i = 0; i <= sides; ++i) {
-      const glm::vec2 round = on_circle(i == sides ? 0.0 : static_cast<double>(i) / sides);
+      const glm::vec2 round = circle_point(i == sides ? 0.0 : static_cast<double>(i) / sides);
       const glm::vec3 normal = right * round.x + up * round.y;
       mesh.positions.push_back(path[k] + radius(k) * normal);
       mesh.normals.push_back(normal);
@@ -505,7 +505,7 @@ Outline& Outline::arc_to(float radius, float height, float bulge) {
 Outline& Outline::add_round(const glm::vec2& centre, float radius, double from, double to) {
   constexpr int kSteps = 16;
   for (int k = 0; k <= kSteps; ++k) {
-    const glm::vec2 p = centre + radius * on_circle(from + (to - from) * k / kSteps);
+    const glm::vec2 p = centre + radius * circle_point(from + (to - from) * k / kSteps);
     if (glm::length(p - points_.back()) > 1e-6F) points_.emplace_back(std::max(p.x, 0.0F), p.y);
   }
   return *this;
@@ -533,7 +533,7 @@ Mesh make_turned(std::string name, const std::vector<glm::vec2>& profile, std::u
       std::move(name), segments, rows,
       [&](float s, float t) {
         const auto k = static_cast<std::size_t>(t * static_cast<float>(rows) + 0.5F);
-        const glm::vec2 way = on_circle(static_cast<double>(s));
+        const glm::vec2 way = circle_point(static_cast<double>(s));
         return shape(s, k, {profile[k].x * way.x, profile[k].y, -profile[k].x * way.y});
       },
       true);

@@ -29,7 +29,7 @@ float sin_turns(double turns) {
 
 float cos_turns(double turns) { return sin_turns(turns + 0.25); }
 
-glm::vec2 on_circle(double turns) { return {cos_turns(turns), sin_turns(turns)}; }
+glm::vec2 circle_point(double turns) { return {cos_turns(turns), sin_turns(turns)}; }
 
 glm::quat axis_rotation(const glm::vec3& axis, double turns) {
   const float s = sin_turns(turns / 2);

@@ -11,7 +11,7 @@ namespace traces {
 float sin_turns(double turns);
 float cos_turns(double turns);
 /// Returns the point (cos, sin) of an angle.
-glm::vec2 on_circle(double turns);
+glm::vec2 circle_point(double turns);
 
 /// Returns a rotation about an axis (a unit vector), counter-clockwise seen against the axis.
 glm::quat axis_rotation(const glm::vec3& axis, double turns);

@@ -195,7 +195,7 @@ void add_roof(Parts& parts, std::uint32_t roof, std::uint32_t timber, const Hous
 Mesh make_arch(float width, float height, float depth, std::uint32_t steps) {
   std::vector<glm::vec2> outline{{-width / 2, 0}, {width / 2, 0}};
   for (std::uint32_t k = 0; k <= steps; ++k) {
-    const glm::vec2 round = on_circle(0.5 * k / steps);
+    const glm::vec2 round = circle_point(0.5 * k / steps);
     outline.emplace_back(width / 2 * round.x, height - width / 2 + width / 2 * round.y * 1.25F);
   }
   return make_extrusion("", outline, depth);
@@ -279,7 +279,7 @@ void add_clock(Parts& parts, const glm::mat4& at, std::uint32_t white, std::uint
   parts.add_piece(gold, make_cylinder("", 1.15F, 0.1F, 40), face);
   parts.add_piece(white, make_cylinder("", 1.02F, 0.13F, 40), face);
   for (int k = 0; k < 12; ++k) {
-    const glm::vec2 round = on_circle(k / 12.0) * 0.86F;
+    const glm::vec2 round = circle_point(k / 12.0) * 0.86F;
     parts.add_piece(
         dark,
         transform_mesh(make_box("", {-0.05F, -0.09F, 0}, {0.05F, 0.09F, 0.16F}), placement_at({round.x, round.y, 0})),

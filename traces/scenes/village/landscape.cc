@@ -48,7 +48,7 @@ Mesh make_land(std::string name, float from, float to, std::uint32_t round, std:
   Mesh mesh = make_surface(
       std::move(name), round, rings,
       [&](float s, float t) {
-        const glm::vec2 way = on_circle(static_cast<double>(s));
+        const glm::vec2 way = circle_point(static_cast<double>(s));
         const float r = from + (to - from) * t * (0.55F + 0.45F * t);
         return point_on_ground(r * way.x, r * way.y);
       },
@@ -59,7 +59,7 @@ Mesh make_land(std::string name, float from, float to, std::uint32_t round, std:
 
 Mesh make_field(std::string name, const glm::vec2& middle, const glm::vec2& size, double turns, float above, float cell,
                 float texture_size) {
-  const glm::vec2 round = on_circle(turns);
+  const glm::vec2 round = circle_point(turns);
   const auto cells = [cell](float length) { return std::max(static_cast<std::uint32_t>(length / cell), 4U); };
   Mesh mesh = make_surface(std::move(name), cells(size.x), cells(size.y), [&](float s, float t) {
     const glm::vec2 p = size * (glm::vec2(s, 1 - t) - 0.5F);
@@ -86,7 +86,7 @@ Mesh make_square(std::string name, float radius, std::uint32_t round, float text
   Mesh mesh = make_surface(
       std::move(name), round, std::max(round / 5, 3U),
       [&](float s, float t) {
-        const glm::vec2 way = on_circle(static_cast<double>(s)) * (radius * (1 - t));
+        const glm::vec2 way = circle_point(static_cast<double>(s)) * (radius * (1 - t));
         return point_on_ground(kSquare.x + way.x, kSquare.y - way.y, 0.05F + 0.1F * t);
       },
       true);

@@ -65,7 +65,7 @@ Building add_fountain(Scene& scene, std::uint32_t stone, std::uint32_t water, fl
       "", round, 10,
       [](float s, float t) {
         const float r = 2.23F * (1 - t);
-        const glm::vec2 way = on_circle(static_cast<double>(s)) * r;
+        const glm::vec2 way = circle_point(static_cast<double>(s)) * r;
         return glm::vec3(way.x, 0.7F + 0.012F * sin_turns(static_cast<double>(r) * 2.2), -way.y);
       },
       true);
@@ -74,7 +74,7 @@ Building add_fountain(Scene& scene, std::uint32_t stone, std::uint32_t water, fl
     std::vector<glm::vec3> jet;
     for (int i = 0; i <= 6; ++i) {
       const float t = static_cast<float>(i) / 6;
-      const glm::vec2 way = on_circle(k / 6.0) * (0.95F + 0.6F * t);
+      const glm::vec2 way = circle_point(k / 6.0) * (0.95F + 0.6F * t);
       jet.emplace_back(way.x, 2.2F + 0.25F * t - 1.75F * t * t, way.y);
     }
     const float radius[] = {0.028F};
@@ -113,7 +113,7 @@ Building add_sails(Scene& scene, std::uint32_t timber, std::uint32_t cloth) {
   Parts parts;
   parts.add_box(timber, glm::mat4(1), {-0.35F, -0.35F, -0.5F}, {0.35F, 0.35F, 0.35F});
   for (int k = 0; k < 4; ++k) {
-    const glm::vec2 round = on_circle(k / 4.0);
+    const glm::vec2 round = circle_point(k / 4.0);
     const glm::mat4 at(glm::vec4(round.x, round.y, 0, 0), glm::vec4(-round.y, round.x, 0, 0), glm::vec4(0, 0, 1, 0),
                        glm::vec4(0, 0, 0, 1));
     parts.add_box(timber, at, {0, -0.11F, -0.1F}, {7.6F, 0.11F, 0.1F});
@@ -160,7 +160,7 @@ Mesh make_wheel() {
   append_mesh(mesh, transform_mesh(make_torus("", kWheelRadius - 0.05F, 0.05F, 32, 6), upright));
   append_mesh(mesh, transform_mesh(make_cylinder("", 0.12F, 0.22F, 12), placement_at({0, 0, -0.11F}) * upright));
   for (int k = 0; k < 10; ++k) {
-    const glm::vec2 round = on_circle(k / 10.0);
+    const glm::vec2 round = circle_point(k / 10.0);
     const glm::vec3 spoke[] = {{0.1F * round.x, 0.1F * round.y, 0},
                                {(kWheelRadius - 0.06F) * round.x, (kWheelRadius - 0.06F) * round.y, 0}};
     const float radius[] = {0.03F};

@@ -22,7 +22,7 @@ using namespace village;
 constexpr std::uint32_t kTriangles = 600'000;
 constexpr float kFov = 0.62F;
 
-void show_building(Scene& scene, const Building& building, const glm::mat4& at) {
+void add_building_instances(Scene& scene, const Building& building, const glm::mat4& at) {
   for (const std::uint32_t mesh : building) add_instance(scene, mesh, at);
 }
 
@@ -159,12 +159,12 @@ void add_houses(Scene& s, const Palette& c, float detail) {
   for (const Plot& plot : kPlots) {
     const float x = street_x(plot.z) + plot.aside;
     const double along = static_cast<double>(street_x(plot.z + 4) - street_x(plot.z - 4)) / 8 / 6.2832;
-    show_building(s, buildings[plot.kind],
-                  placement_at(point_on_ground(x, plot.z), along + (plot.aside > 0 ? 0.5 : 0.0)));
+    add_building_instances(s, buildings[plot.kind],
+                           placement_at(point_on_ground(x, plot.z), along + (plot.aside > 0 ? 0.5 : 0.0)));
   }
   const Paints holy{c.white_wall, c.slate, c.dark_wood, c.iron, c.glass, c.dark_wood, c.stone};
-  show_building(s, add_church(s, holy, c.white, c.gold, detail),
-                placement_at(point_on_ground(kChurch.x, kChurch.y, -0.1F), 0.015));
+  add_building_instances(s, add_church(s, holy, c.white, c.gold, detail),
+                         placement_at(point_on_ground(kChurch.x, kChurch.y, -0.1F), 0.015));
 }
 
 void add_walls_and_fences(Scene& s, const Palette& c, float detail) {
@@ -199,10 +199,10 @@ void add_walls_and_fences(Scene& s, const Palette& c, float detail) {
 }
 
 void add_square(Scene& s, const Palette& c, float detail) {
-  show_building(s, add_fountain(s, c.stone, c.water, detail),
-                placement_at(point_on_ground(kSquare.x, kSquare.y, 0.12F)));
-  show_building(s, add_cart(s, c.pale_wood, c.hay, c.iron),
-                placement_at(point_on_ground(street_x(22) + 4.3F, 22), 0.21));
+  add_building_instances(s, add_fountain(s, c.stone, c.water, detail),
+                         placement_at(point_on_ground(kSquare.x, kSquare.y, 0.12F)));
+  add_building_instances(s, add_cart(s, c.pale_wood, c.hay, c.iron),
+                         placement_at(point_on_ground(street_x(22) + 4.3F, 22), 0.21));
   const std::uint32_t wheel = add_mesh(s, make_wheel(), c.dark_wood);
   for (const float side : {-kWheelSide, kWheelSide}) {
     add_instance(s, wheel,
@@ -213,7 +213,7 @@ void add_square(Scene& s, const Palette& c, float detail) {
 void add_windmill(Scene& s, const Palette& c, float detail) {
   const Paints paints{c.white_wall, c.slate, c.dark_wood, c.red, c.glass, c.red, c.stone};
   const glm::mat4 at = placement_at(point_on_ground(kMill.x, kMill.y), 0.13);
-  show_building(s, add_mill(s, paints, c.dark_wood, detail), at);
+  add_building_instances(s, add_mill(s, paints, c.dark_wood, detail), at);
   constexpr float kQuarter = 23.3F / 15;  // seconds per quarter turn: the sails turn for the whole flight
   const std::uint32_t base = add_node(
       s, "mill", {.translation = glm::vec3(at * glm::vec4(kHub, 1)), .rotation = axis_rotation({0, 1, 0}, 0.13)});
@@ -224,9 +224,9 @@ void add_windmill(Scene& s, const Palette& c, float detail) {
   for (std::size_t k = 1; k < keys.size(); ++k) {
     if (glm::dot(keys[k].value, keys[k - 1].value) < 0) keys[k].value = -keys[k].value;
   }
-  turn_node(s, axle, keys);
+  add_rotation_track(s, axle, keys);
   s.nodes[axle].rest.rotation = keys[0].value;
-  const glm::vec2 round = on_circle(0.07);
+  const glm::vec2 round = circle_point(0.07);
   const glm::mat4 turned(glm::vec4(round.x, round.y, 0, 0), glm::vec4(-round.y, round.x, 0, 0), glm::vec4(0, 0, 1, 0),
                          glm::vec4(0, 0, 0, 1));
   for (const std::uint32_t mesh : add_sails(s, c.dark_wood, c.cloth)) {

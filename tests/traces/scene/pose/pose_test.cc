@@ -94,7 +94,7 @@ TEST(Tracks, RotationsOnASplineAreMadeUnit) {
   EXPECT_NEAR(q[3], std::sqrt(0.5), 1e-15);
 }
 
-TEST(Pose, MovesWhatHangsOnANodeAndSaysWhat) {
+TEST(Pose, MovesWhatIsAttachedToANodeAndReportsIt) {
   Scene scene = one_node();
   pose_scene(scene, 0);
   scene.tracks = {track_of(Path::kTranslation, {0, 1}, {0, 0, 0, 4, 0, 0})};
@@ -107,7 +107,7 @@ TEST(Pose, MovesWhatHangsOnANodeAndSaysWhat) {
   EXPECT_FALSE(again.geometry || again.view || again.lights);
 }
 
-TEST(Pose, SaysThatOnlyTheCameraMovesWhereOnlyTheCameraDoes) {
+TEST(Pose, ReportsIfOnlyTheCameraMoves) {
   Scene scene = one_node();
   scene.nodes.resize(2);
   scene.cameras[0].node = 1;
