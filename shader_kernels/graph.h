@@ -24,9 +24,8 @@ enum class Op : std::uint8_t {
 };
 // clang-format on
 
-/// One operation of a kernel's dataflow graph. Its inputs are earlier nodes. The exception is a loop-carried value: a
-/// kInput whose `distance` is not 0, and whose inputs[0] is the (usually later) node that produced it `distance` items
-/// ago.
+/// One operation of a kernel's dataflow graph. Its inputs are earlier nodes. Exception: a loop-carried value is a
+/// kInput whose `distance` is not 0, and inputs[0] is the (usually later) node that produced it `distance` items ago.
 struct GraphNode {
   Op op = Op::kConstant;
   std::uint32_t inputs[3] = {kNone, kNone, kNone};
@@ -34,8 +33,8 @@ struct GraphNode {
   std::uint32_t distance = 0;  ///< loop-carried input: items between producer and consumer (0: same item)
   std::uint32_t value = 0;     ///< for kConstant, its 32 bits; for kInput, the byte offset of the field in its record
   std::string label{};  ///< name in listings, such as "left.normal.x"; for a load or store, the name of the memory
-  std::vector<std::uint32_t> stored{};  ///< for kStoreLocal: the nodes of the record's 4-byte values; inputs[0] is the
-                                        ///< record's index
+  std::vector<std::uint32_t> stored{};  ///< for kStoreLocal: nodes of the record's 4-byte values; inputs[0] is its
+                                        ///< index
   static constexpr std::uint32_t kNone = 0xffffffffU;
 };
 

@@ -30,8 +30,8 @@ struct Cached;
 /// the cache's address generator finds its one to four lines.
 template <class V>
 struct Texels;
-/// A port for the length of a list to which a kernel appends. A record stored at index next_index(keep) stays only if
-/// `keep` is true.
+/// A port for the length of a list to which a kernel appends. A record stored at next_index(keep) stays only if `keep`
+/// is true.
 template <class V>
 struct Counter;
 /// A port for a value that one item passes to the next.

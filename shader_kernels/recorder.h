@@ -75,8 +75,7 @@ struct Reading<Recorded> {
   using Mask = MaskNode;
 };
 
-/// Records operation `op` and returns its result. At least one input must be a node; the compiler computes operations
-/// on literals.
+/// Records operation `op` and returns its result. At least one input is a node; the compiler computes with literals.
 template <class Result>
 Result record_op(Op op, const std::derived_from<Value> auto&... in) {
   Recorder* r = nullptr;

@@ -111,8 +111,7 @@ struct TraitsRecord {
   static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.normal, r.object, r.shadows)); }
 };
 
-/// Identifies which secondary hit of a sample has the largest weight: that weight, and a checksum of the hit's
-/// position.
+/// Identifies which secondary hit of a sample has the largest weight: that weight, and a checksum of its position.
 template <class V>
 struct BranchRecord {
   F<V> weight, position_sum;
@@ -290,8 +289,7 @@ struct AxisRecord {
 /// Parameters with which a lookup finds the mip level of a texture.
 template <class V>
 struct LevelRecord {
-  F<V> size;     ///< side in texels of a square with the texture's area; times the square root of 2 for nearest-level
-                 ///< lookups
+  F<V> size;     ///< side in texels of a square of the same area, for nearest levels times root 2
   F<V> highest;  ///< 2 to the power of the number of the last level
   static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.size, r.highest)); }
 };

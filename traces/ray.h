@@ -76,8 +76,7 @@ struct WalkSink {
 class Tracer {
  public:
   virtual ~Tracer() = default;
-  /// Traces `rays` and writes one entry of `hits` per ray. `walk` may be null; tracers without canonical walks ignore
-  /// it.
+  /// Traces `rays` and writes one entry of `hits` per ray. `walk` may be null; only BvhTracer records walks.
   virtual void trace(std::span<const Ray> rays, RayKind kind, std::span<Hit> hits, WalkSink* walk) const = 0;
 };
 

@@ -115,8 +115,7 @@ struct WorkNode {
   RayKind ray_kind = RayKind::kPrimary;  ///< for kRays
   KernelId kernel = 0;                   ///< for kLaunch
   std::uint32_t items = 0;    ///< number of work items, rays, bytes (kTransfer), triangles (kBin) or samples (kRaster)
-  std::uint32_t first = 0;    ///< for kRays, the tile's first ray; for kLaunch with accesses, its first entry of
-                              ///< access_begin
+  std::uint32_t first = 0;    ///< kRays: the tile's first ray; kLaunch with accesses: first entry of access_begin
   bool has_accesses = false;  ///< for kLaunch: its items read memory through the data cache
   std::uint32_t idle = 0;     ///< for kLaunch: number of inactive iterations after the last item
   Region region = Region::kPicture;  ///< for kTransfer: where in memory
@@ -125,8 +124,8 @@ struct WorkNode {
   /// For kTransfer to memory, the number of the tile's border that it completes. For kTransfer from memory, the index
   /// in TileWork::imports of the border that it reads. Otherwise kNone.
   std::uint32_t border = kNone;
-  std::uint32_t sources = kNone;  ///< if items are mapped to sources by kEach edges: index in TileWork::sources of the
-                                  ///< first of one entry per item; otherwise kNone
+  std::uint32_t sources = kNone;  ///< for items mapped by kEach edges: first of their entries in TileWork::sources;
+                                  ///< otherwise kNone
   std::uint32_t raster = kNone;   ///< for kBin and kRaster: index in TileWork::raster
   std::vector<Edge> inputs;
   static constexpr std::uint32_t kNone = 0xffffffffU;
@@ -143,8 +142,7 @@ struct TileWork {
   std::vector<std::uint32_t> walk;          ///< canonical walks of all rays, concatenated (walk.h)
   std::vector<std::uint32_t> ray_begin;     ///< for each ray, the index in `walk` of its first word
   std::vector<Access> accesses;             ///< accesses of all launches with has_accesses, in item order
-  std::vector<std::uint32_t> access_begin;  ///< for each item of these launches, the index of its first access; the
-                                            ///< last entry is the end
+  std::vector<std::uint32_t> access_begin;  ///< for each such item, its first access; then the end
   std::vector<std::uint32_t> sources;       ///< values of WorkNode::sources; non-decreasing within a node
   std::vector<RasterWork> raster;           ///< in the order of the nodes that use it, like the next two vectors
   std::vector<RasterTriangle> raster_triangles;

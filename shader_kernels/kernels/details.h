@@ -9,8 +9,8 @@
 
 namespace kernels {
 
-/// Dims a ray by the absorption of the body that it has passed through. Nearest-hit rays have unit directions, so `t`
-/// is the distance.
+/// Dims a ray by the absorption of the body that it has passed. Nearest-hit rays have unit directions, so `t` is a
+/// distance.
 struct Absorb {
   static constexpr std::string_view kName = "absorb";
   static constexpr std::string_view kMeaning = "surface of an absorbing body -> path dimmed if it was met from inside";

@@ -266,8 +266,8 @@ struct ClearEffects {
   }
 };
 
-/// Adds the result of an effect ray to its sample if the ray was not blocked. It is combine_shadow for rays that carry
-/// a fraction instead of light.
+/// Adds the result of an effect ray to its sample unless the ray was blocked. The ray carries a fraction instead of
+/// light.
 struct CombineRatio {
   static constexpr std::string_view kName = "combine_ratio";
   static constexpr std::string_view kMeaning =

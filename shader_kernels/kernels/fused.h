@@ -17,8 +17,8 @@ namespace kernels {
 
 // Fused kernels (shader_kernels/fusion.h). With render.fusion they are launched instead of their parts.
 
-// Surface kernels: they fetch and classify a surface. They add ambient light and the first light if no other kernel has
-// to run in between.
+// Surface kernels. They fetch and classify a surface, and add ambient light and the first light if no other kernel runs
+// between.
 
 template <bool kInstanced, bool kCones = false>
 struct FetchSurface : Fused<ShadeSurface<kInstanced, kCones>, ClassifyDetails> {

@@ -237,8 +237,7 @@ VisibleRecord<V> visible_miss_record() {
   return {{0.0F, 0.0F, 1.0F}, kMissDepth, 0U};
 }
 
-/// Stores the primary ray of `sample` in ray slot `item`. The ray goes through point (x, y) of the pixel, each from 0
-/// to 1.
+/// Stores the primary ray of `sample` in ray slot `item`. It goes through point (x, y) of the pixel, each from 0 to 1.
 template <class V>
 void emit_ray_in_pixel(const I<V>& item, const I<V>& pixel, const I<V>& sample, const F<V>& x, const F<V>& y,
                        auto& io) {

@@ -41,13 +41,11 @@ M<V> and_masks(const M<V>& mask, const M<V>& other) {
   return logical_and(mask, other);
 }
 
-/// Material classes whose light must be added before or between the lights of a surface, or that change its base
-/// colour.
+/// Material classes whose light must be added before or between a surface's lights, or that change its base colour.
 inline constexpr std::uint32_t kDeferredClasses =
     traces::kTextured | traces::kEmissive | traces::kGlowing | traces::kOccluded;
 
-/// True for diffuse surfaces that can be lit as soon as they are fetched, because no kernel of their other classes has
-/// to run first.
+/// True for diffuse surfaces that can be lit as soon as they are fetched: no kernel of their other classes runs first.
 template <class V>
 M<V> is_immediately_lit(const I<V>& classes) {
   return (classes & (kDeferredClasses | traces::kDiffuse)) == static_cast<std::uint32_t>(traces::kDiffuse);
@@ -234,7 +232,7 @@ struct ShadeAmbient {
   }
 };
 
-/// Computes the light that a diffuse surface scatters from one light source and emits its shadow ray. One launch per
+/// Computes the light that diffuse surfaces scatter from one light source and emits their shadow rays. One launch per
 /// light.
 struct ShadeDiffuse {
   static constexpr std::string_view kName = "shade_diffuse";

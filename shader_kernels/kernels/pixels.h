@@ -7,8 +7,7 @@
 
 namespace kernels {
 
-/// Averages the samples of a pixel: each sample is added to a running sum, which the pixel's last sample turns into the
-/// mean.
+/// Averages the samples of a pixel: each is added to a running sum, which the pixel's last sample turns into the mean.
 struct AverageColour {
   static constexpr std::string_view kName = "average_colour";
   static constexpr std::string_view kMeaning = "sample -> mean of its pixel's samples, clamped, in linear light";

@@ -230,13 +230,13 @@ struct RecordSurface {
   }
 };
 
-/// Uniforms of one bounce after the first hit. `way` is the hash key of the bounce: the same objects in another order
-/// have another hash.
+/// Uniforms of one bounce after the first hit. `way` is its hash key: the same objects in another order have another
+/// hash.
 template <class V>
 struct BounceUniforms {
   I<V> way;
-  I<V> mirrored, refracted;  ///< ray slots below `mirrored` continue straight, those from there to `refracted` are
-                             ///< mirrored, the rest refracted
+  I<V> mirrored, refracted;  ///< below `mirrored`, slots of straight rays; from there, of mirrored; from `refracted`,
+                             ///< of refracted
   F<V> first;                ///< 1 for the bounce whose normals are recorded, otherwise 0
   static constexpr void describe(auto& b, auto&& port) {
     port(NAMED(b.way));
@@ -370,7 +370,7 @@ struct RecordBranchShadow {
 };
 
 /// Separates a sample's global colour: all its light except ambient and local lights at the first hit, which
-/// interpolated samples compute themselves. It is the difference of two sums, so that a traced sample's colour does not
+/// interpolated samples compute themselves. It is a difference of two sums, so a traced sample's colour does not
 /// change.
 template <bool kAfter>
 struct RecordLocal {

@@ -38,8 +38,7 @@ I<V> instance_of(const InstanceHitRecord<V>& hit) {
   return (hit.u & traces::kHalfMask) | ((hit.v & traces::kHalfMask) << traces::kHalfBits);
 }
 
-/// Transforms a normal from mesh to world space with the transpose of the world-to-mesh matrix. The result is not
-/// normalised.
+/// Transforms a normal from mesh to world space with the transposed world-to-mesh matrix. The result is not normalised.
 template <class V>
 Vec3<V> normal_to_world(const InstanceFields<V>& instance, const Vec3<V>& n) {
   return instance.row0 * n.x + instance.row1 * n.y + instance.row2 * n.z;

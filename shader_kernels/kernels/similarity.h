@@ -33,15 +33,13 @@ constexpr std::array<std::string_view, 12> names_of(Check) {
 }
 constexpr std::uint32_t check_bit(Check check) { return 1U << static_cast<std::uint32_t>(check); }
 
-/// Samples on parallel lines, where every `block`-th sample is a reference and the others are to be interpolated. A
-/// line starts with a reference at position 0; positions below `low` or above `high` are outside the picture. `gaps` is
-/// block - 1.
+/// Samples on parallel lines: every `block`-th sample is a reference, the others are to be interpolated. A line starts
+/// with a reference at position 0; positions below `low` or above `high` are outside the picture. `gaps` is block - 1.
 template <class V>
 struct LineUniforms {
   F<V> inner, inverse_inner;  ///< along x: interpolated samples per line; along y: number of lines
   F<V> gaps, inverse_gaps, block, inverse_block;
-  F<V> first, step, line_step;  ///< sample index of position 0 of line 0; index steps between positions and between
-                                ///< lines
+  F<V> first, step, line_step;  ///< index of position 0 of line 0; index steps between positions and between lines
   F<V> low, high;
   static constexpr void describe(auto& l, auto&& port) {
     port(l.inner, "line.inner");
@@ -80,8 +78,7 @@ SampleNeighbours<V> sample_neighbours(const I<V>& item, const LineUniforms<V>& l
           to_int(gap.remainder), logical_or(position < line.low, line.high < position + line.block)};
 }
 
-// Layout of an entry in the list of passed samples: the sample's index in the low bits, its SampleNeighbours::gap
-// above.
+// Layout of an entry in the list of passed samples: sample index in the low bits, SampleNeighbours::gap above.
 inline constexpr std::uint32_t kGapShift = 24;
 inline constexpr std::uint32_t kSampleMask = (1U << kGapShift) - 1;
 
@@ -154,9 +151,8 @@ Vec3<V> lerp_colours(const Vec3<V>& a, const Vec3<V>& b, const F<V>& weight) {
 }
 
 /// Checks samples for multirate (Lee et al. 2016): both references must have the same object, similar normals and the
-/// same shadows at the first hit. With kSecondary this includes mirrored and refracted hits. With kTexture textured
-/// surfaces must have similar colours; a second, smaller threshold counts samples that pass with rather different
-/// colours.
+/// same shadows at the first hit, with kSecondary also at mirrored and refracted hits. With kTexture textured surfaces
+/// must have similar colours; a smaller threshold counts samples that pass with rather different colours.
 template <bool kAlongY, bool kSecondary, bool kTexture>
 struct CheckSimilarity {
   static constexpr std::array<std::string_view, 8> kNames{"check_similarity_x",
@@ -175,8 +171,7 @@ struct CheckSimilarity {
     Local<V, SecondaryRecord> secondary;
     F<V> least_dot;
     Local<V, ColourRecord> colours;      ///< bound if kTexture, like the next two ports
-    F<V> texture_squared, rate_squared;  ///< squared distances of colours above which a sample fails, or counts as
-                                         ///< rough
+    F<V> texture_squared, rate_squared;  ///< squared distances of colours above which a sample fails, or is rough
     Counter<V> rough_count;
     static constexpr void describe(auto& p, auto&& port) {
       VerdictPorts<V>::describe(p, port);
@@ -384,8 +379,8 @@ struct InterpolateAttributes {
   }
 };
 
-// Flags of a sample's identity word in post-correction; the other bits are a hash of what the sample shows. A reference
-// sample has neither flag.
+// Flags of a sample's identity word in post-correction; the other bits hash what the sample shows. References have
+// neither flag.
 inline constexpr std::uint32_t kTracedSample = 1U << 31;
 inline constexpr std::uint32_t kInterpolatedSample = 1U << 30;
 inline constexpr std::uint32_t kIdentityMask = kInterpolatedSample - 1;

@@ -10,8 +10,8 @@
 
 namespace kernels {
 
-/// Attributes that supersample compares between pixels. Each has a contrast threshold; that of kColour applies if no
-/// other attribute differs.
+/// Attributes that supersample compares between pixels. Each has a contrast threshold; kColour's applies if no other
+/// differs.
 enum class Attribute : std::uint8_t {
   kColour,
   kObject,
@@ -72,8 +72,7 @@ struct CornerSteps {
   F<V> x, y;
   M<V> has_both;
 };
-/// Returns the steps around a corner of `pixel`. `right` and `below` are 1 for right and lower corners, -1 for left and
-/// upper ones.
+/// Returns the steps around a corner of `pixel`. `right` and `below` are 1 for right and lower corners, otherwise -1.
 template <class V>
 CornerSteps<V> corner_steps(const DivMod<V>& pixel, const F<V>& right, const F<V>& below,
                             const FinishedUniforms<V>& tile) {
@@ -105,8 +104,7 @@ Vec3<V> clamped_colour(const Vec3<V>& colour) {
 }
 
 /// Returns the attributes that differ between two hits, as bits for object, normal and shadows. They count only if one
-/// of the two objects has the flag `focus` (0: always). Normals are equal if their dot product is at least
-/// `same_normal`.
+/// of the objects has the flag `focus` (0: always). Normals are equal if their dot product is at least `same_normal`.
 template <class V>
 I<V> disagreeing_attributes(const TraitsRecord<V>& own, const TraitsRecord<V>& other, const F<V>& same_normal,
                             const I<V>& focus) {
@@ -117,8 +115,8 @@ I<V> disagreeing_attributes(const TraitsRecord<V>& own, const TraitsRecord<V>& o
   return select(((own.object | other.object) & focus) == focus, differ, I<V>(0U));
 }
 
-/// Returns the contrast of one channel among four linear colours (Mitchell 1987), after clamping and sRGB encoding,
-/// from 0 to 1.
+/// Returns the contrast of one channel among four linear colours (Mitchell 1987), clamped and sRGB-encoded, from 0 to
+/// 1.
 template <class V>
 F<V> channel_contrast(const F<V>& a, const F<V>& b, const F<V>& c, const F<V>& d) {
   const F<V> most = encode_srgb<V>(clamp_to_unit<V>(max(max(a, b), max(c, d))));
@@ -126,9 +124,8 @@ F<V> channel_contrast(const F<V>& a, const F<V>& b, const F<V>& c, const F<V>& d
   return (most - least) / max(most + least, F<V>(1e-30F));
 }
 
-/// Decides which sub-pixels need more samples in supersample (Jin et al. 2009). It compares a pixel with the three
-/// others around the sub-pixel's corner. The smallest threshold of the differing attributes applies to the contrast of
-/// the four colours.
+/// Decides which sub-pixels supersample samples (Jin et al. 2009). It compares a pixel with the three others around the
+/// sub-pixel's corner. The smallest threshold of the differing attributes applies to the contrast of the four colours.
 struct TestSubpixels {
   static constexpr std::string_view kName = "test_subpixels";
   static constexpr std::string_view kMeaning =
@@ -245,8 +242,7 @@ struct WeighCentres {
   }
 };
 
-// Size in pixels of a block of pixels whose sub-pixels are listed together. Blocks at the tile's edges may extend
-// beyond it.
+// Size in pixels of a block of pixels whose sub-pixels are listed together. Blocks may extend beyond the tile's edges.
 inline constexpr std::uint32_t kBlockWidth = 8, kBlockHeight = 4;
 
 /// Lists the active sub-pixels in chunks of 64, block by block (Jin et al. 2009).
@@ -262,8 +258,7 @@ struct PackSubpixels {
     F<V> across, inverse_across;  ///< number of blocks in a row of the tile
     F<V> width, height;           ///< size of the tile in pixels
     Local<V, WordRecord> verdicts, active, masters;
-    Local<V, WordRecord> fills;  ///< for each chunk: its used entries and, above kFillBits, the number of masters up to
-                                 ///< its end
+    Local<V, WordRecord> fills;  ///< per chunk: its used entries; above kFillBits, masters up to its end
     Carried<V> list_end;
     Counter<V> masters_count;
     static constexpr void describe(auto& p, auto&& port) {
@@ -349,9 +344,8 @@ struct PackSubpixelsAtomic {
   }
 };
 
-/// Adds the samples of a listed pixel's active sub-pixels to its sum from weigh_centres, in the order of a full frame
-/// with 16 samples per pixel. A pixel has 16 items, its 4 x 4 cells row by row. Each item stores the sum so far; the
-/// last completes it.
+/// Adds the samples of a listed pixel's active sub-pixels to its sum from weigh_centres, in the order of a frame with
+/// 16 samples per pixel. A pixel has 16 items, its 4 x 4 cells row by row; the last completes its sum.
 struct SumSubpixels {
   static constexpr std::string_view kName = "sum_subpixels";
   static constexpr std::string_view kMeaning = "cell of a pixel -> its sample's share of the pixel";
@@ -390,9 +384,8 @@ struct SumSubpixels {
   }
 };
 
-// Layout of a sub-pixel's state (SubpixelRecord) between rounds of propagation: three sRGB-encoded channels of 16 bits.
-// Above blue are the attributes that made it active, and above those the number of that round (1 for the first test, 0
-// if it is inactive).
+// Layout of a sub-pixel's state (SubpixelRecord) between rounds of propagation: three sRGB-encoded channels of 16 bits,
+// then the attributes that made it active, then the number of that round (1 for the first test, 0 if inactive).
 inline constexpr std::uint32_t kReasonsShift = 16, kRoundShift = kReasonsShift + kAttributes;
 inline constexpr std::uint32_t kReasonsMask = (1U << kAttributes) - 1;
 inline constexpr std::uint32_t kChannelMask = (1U << kReasonsShift) - 1;
@@ -496,8 +489,7 @@ struct ShowSubpixels {
 };
 
 /// Decides in a propagation round which inactive sub-pixels become active. It compares each with those of its four
-/// neighbours that became active in the previous round; their smallest threshold applies to the contrast of all of
-/// them.
+/// neighbours that the previous round made active; their smallest threshold applies to the contrast of all.
 struct PropagateSubpixels {
   static constexpr std::string_view kName = "propagate_subpixels";
   static constexpr std::string_view kMeaning =

@@ -5,8 +5,8 @@
 
 namespace kernels {
 
-/// A pinhole camera. The ray through picture position (x, y), in pixels from the top left corner, has direction corner
-/// + x * right + y * down.
+/// A pinhole camera. The ray through picture position (x, y), in pixels from the top left, is corner + x * right + y *
+/// down.
 template <class V>
 struct CameraUniforms {
   Vec3<V> origin, corner, right, down;
@@ -18,8 +18,8 @@ struct CameraUniforms {
   }
 };
 
-/// Ray cones (Akenine-Moeller et al. 2021). A cone is as wide as a sample in the picture plane and widens with the
-/// distance from the eye.
+/// Ray cones (Akenine-Moeller et al. 2021): as wide as a sample in the picture plane, widening with distance from the
+/// eye.
 template <class V>
 struct ConeUniforms {
   Vec3<V> eye;

@@ -154,7 +154,7 @@ class RandomPorts {
   }
   void fill(float& field, std::string_view name) {
     field = signed_number();
-    if (name == "place" && (random() & 3U) != 0) field = position_sum<float>({1.5F, 0.5F, 2.5F});
+    if (name == "place" && (random() & 3U) != 0) field = position_checksum<float>({1.5F, 0.5F, 2.5F});
   }
   void fill(Vec3<float>& field, std::string_view name) {
     field = vector();

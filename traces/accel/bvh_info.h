@@ -18,8 +18,7 @@ struct BvhInfo {
 
 BvhInfo bvh_info(const MemoryImage& image, const BvhConfig& config = {});
 
-/// Returns the SHA-256 of the data that traversal reads: nodes, triangles and the hybrid grid. The memory layout is not
-/// included.
+/// Returns the SHA-256 of the data that traversal reads: nodes, triangles and hybrid grid. The layout is not included.
 std::string bvh_hash(const MemoryImage& image);
 
 }  // namespace traces

@@ -14,8 +14,7 @@
 
 namespace traces {
 
-/// Collects the words of canonical walks in a small buffer, so that a step costs one store, and appends them to a
-/// WalkSink.
+/// Collects words of canonical walks in a small buffer, so that a step costs one store, and appends them to a WalkSink.
 class WalkRecorder {
  public:
   explicit WalkRecorder(WalkSink& sink) : sink_(sink) {}

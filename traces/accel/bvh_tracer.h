@@ -16,7 +16,7 @@ namespace traces {
 /// Rays must start at t_min >= 0.
 class BvhTracer : public Tracer {
  public:
-  /// Which instructions the tracer uses. Both give the same bits; kPortable is for other processors and for tests of
+  /// Which instructions the tracer uses. Both give the same bits; kPortable serves other processors and tests of
   /// kNative.
   enum class Arithmetic { kNative, kPortable };
 

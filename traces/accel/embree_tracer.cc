@@ -86,8 +86,7 @@ struct Query {
   }
 };
 
-/// Embree calls this filter for every hit. It compares the hit with the best one, and shortens the ray to the tie
-/// distance.
+/// Embree calls this filter for every hit. It compares the hit with the best, and shortens the ray to the tie distance.
 void keep_best_hit(const RTCFilterFunctionNArguments* arguments) {
   assert(arguments->N == 1);
   auto& query = *reinterpret_cast<Query*>(arguments->context);

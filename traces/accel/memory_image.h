@@ -17,8 +17,7 @@ namespace traces {
 
 /// Inner node of the binary BVH, one 64-byte line: both child boxes and two links. The bounds of each axis are {lower
 /// of child 0, lower of child 1, upper of child 0, upper of child 1}, so that four lanes test both boxes. In hybrid
-/// numbers a bound is the whole number of a grid plane. node_format.h defines the bits and bytes of a node in the GPU's
-/// memory.
+/// numbers a bound is the whole number of a grid plane. node_format.h defines the node's bits in the GPU's memory.
 struct alignas(64) NodeRecord {
   float x[4], y[4], z[4];
   std::uint32_t child[2];  ///< link words of the two children
@@ -66,17 +65,15 @@ inline constexpr std::uint32_t kNoClockwise = 1U << 29, kNoCounterClockwise = 1U
 /// The record of a triangle for the intersection unit, 48 bytes: three vertices, and the labels that a hit copies.
 struct TriangleRecord {
   glm::vec3 v0, v1, v2;
-  std::uint32_t object;    ///< object id: index of the instance, with kFocusObject above it; 0 in two levels, where
-                           ///< InstanceRecord has the id
+  std::uint32_t object;    ///< object id, with kFocusObject above it; 0 in two levels (see InstanceRecord)
   std::uint32_t material;  ///< material index in the low bits; culled faces and the flags of ray.h above
-  std::uint32_t source;  ///< number of the triangle before it was sorted into leaf order: over all instances, or in two
-                         ///< levels within its mesh
+  std::uint32_t source;    ///< number before sorting into leaf order: over all instances, or in two levels within the
+                           ///< mesh
   std::uint32_t hit_flags() const { return material & ~kTriangleMask; }
 };
 static_assert(sizeof(TriangleRecord) == 48);
 
-/// Shading attributes of a triangle, 64 bytes, read through the SRP's data cache. Its index is that of the triangle
-/// record.
+/// Shading attributes of a triangle, 64 bytes, read through the SRP's data cache; same index as the triangle record.
 struct AttributeRecord {
   /// Shading normals in world space, or in the mesh's space in two levels. With mip maps the length of a normal is the
   /// texture density of the triangle, kLeastDensity to kMostDensity: the square root of its area in texture coordinates
@@ -94,14 +91,12 @@ inline constexpr float kLeastDensity = 0x1p-20F, kMostDensity = 0x1p20F;
 struct VertexRecord {
   glm::vec2 uv[3];             ///< second texture coordinates (Mesh::second_uvs)
   std::uint32_t colour[3][2];  ///< linear RGBA, 16 bits per channel, R lowest
-  std::uint32_t tangent[3];    ///< x, y, z in world space and the bitangent's sign, one byte each: 128 + 127 * value, x
-                               ///< lowest
+  std::uint32_t tangent[3];    ///< x, y, z in world space, bitangent's sign; a byte each: 128 + 127 * value, x lowest
   std::uint32_t spare;         ///< pads the record to one line
 };
 static_assert(sizeof(VertexRecord) == 64);
 
-/// Flags of MaterialRecord::flags. For each flag of the first two groups there is a list of surfaces, which a kernel
-/// fills.
+/// Flags of MaterialRecord::flags. For each flag of the first two groups, a kernel fills a list of surfaces.
 enum MaterialFlag : std::uint32_t {
   kTextured = 1,        ///< has a base texture that only multiplies the diffuse colour
   kDiffuse = 1U << 1,   ///< scatters light; with a metal_rough texture each texel decides
@@ -125,8 +120,7 @@ enum MaterialFlag : std::uint32_t {
   kOcclusionSecond = 1U << 19,
   kEmissionSecond = 1U << 20,
 };
-inline constexpr std::uint32_t kDetailStreams = 0x1fe0U;  ///< flags whose kernels are launched only if some material
-                                                          ///< has the flag
+inline constexpr std::uint32_t kDetailStreams = 0x1fe0U;  ///< flags whose kernels run only if a material has the flag
 
 /// Material data that every hit reads, 64 bytes, all colours linear. With a metal_rough texture, `mirrored` is 0 and
 /// the other fractions are those of a pure dielectric.
@@ -198,8 +192,7 @@ struct Layout {
 /// Whether textures have mip levels in memory.
 enum class MipMaps : std::uint8_t { kOff, kOn };
 constexpr std::array<std::string_view, 2> names_of(MipMaps) { return {"off", "on"}; }
-/// Largest number of mip levels of all textures together; a texture coordinate record has 16 bits for the level's
-/// number.
+/// Largest number of mip levels of all textures together: texture coordinate records have 16 bits for a level's number.
 inline constexpr std::uint32_t kMostMipLevels = 1U << 16;
 
 /// Numbers of records and sizes of textures of a scene. Together with the tree they determine the memory layout.
@@ -223,8 +216,7 @@ struct ObjectTree {
 /// tree, or two levels (two_level.h), a tree over instances followed by one tree per mesh in its own space.
 struct MemoryImage {
   std::vector<NodeRecord> nodes;          ///< nodes of all trees; node 0 is the root
-  std::vector<InstanceRecord> instances;  ///< in two levels, the instances in the order of Scene::instances; otherwise
-                                          ///< empty
+  std::vector<InstanceRecord> instances;  ///< in two levels, in the order of Scene::instances; otherwise empty
   std::vector<ObjectTree> trees;  ///< in two levels, the trees of meshes, shared ones first; only the host reads them
   std::vector<std::uint32_t> tree_of;     ///< for each instance, the index of its tree; kNone if it has no triangles
   std::vector<TriangleRecord> triangles;  ///< triangles in leaf order
@@ -236,8 +228,7 @@ struct MemoryImage {
   /// With mip maps, the number of levels of each texture that is a first level, and 0 for the others; otherwise empty.
   /// Each level is a texture of its own, stored after the previous level. Materials name the first level.
   std::vector<std::uint32_t> mip_levels;
-  std::uint32_t white = kNoTexture;  ///< index of a texture with one white texel, which replaces the missing base
-                                     ///< texture of flagged triangles
+  std::uint32_t white = kNoTexture;  ///< a texture with one white texel, for flagged triangles without a base texture
   std::vector<Light> lights;
   glm::vec3 background{0}, ambient{0};
   glm::vec3 lower{0}, upper{0};  ///< bounds of all triangles
@@ -257,8 +248,7 @@ ImageCounts counts_of(const MemoryImage& image);
 /// Computes the address of every array. The arrays follow each other, each beginning on a new line.
 Layout layout_of(const ImageCounts& counts, const std::vector<NodeRecord>& nodes, const BvhConfig& config);
 
-/// Returns the parent of each inner node; a root is its own parent. In two levels, the parent nodes of all instances
-/// follow.
+/// Returns the parent of each inner node; a root is its own parent. In two levels, the parents of all instances follow.
 std::vector<std::uint32_t> parents_of(const MemoryImage& image);
 
 }  // namespace traces

@@ -56,8 +56,7 @@ class BoxGrid {
   /// of that of the longest axis, because box tests resolve no finer distances (ray_tests.h).
   BoxGrid(const glm::vec3& lower, const glm::vec3& upper);
 
-  /// Returns the last plane not above `x`, and the first plane not below it, as integers. `x` must be within the
-  /// bounds.
+  /// Returns the last plane not above `x`, and the first not below it, as integers. `x` must be within the bounds.
   float plane_below(float x, int axis) const;
   float plane_above(float x, int axis) const;
   /// Returns the coordinate of plane `p` of the grid.
@@ -73,8 +72,7 @@ class BoxGrid {
 
 struct MemoryImage;
 
-/// Converts the boxes of an image to hybrid numbers: spreads a grid over its bounds and rounds all planes outward to
-/// it.
+/// Converts the boxes of an image to hybrid numbers: spreads a grid over its bounds and rounds all planes outward.
 void round_boxes_to_grid(MemoryImage& image);
 
 }  // namespace traces

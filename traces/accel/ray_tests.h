@@ -205,8 +205,7 @@ class RayBoxes {
         inverse_y_(signed_lanes(safe_reciprocal(ray.direction.y, grid.plane_spacing().y))),
         inverse_z_(signed_lanes(safe_reciprocal(ray.direction.z, grid.plane_spacing().z))) {}
 
-  /// Returns the largest distance along any axis from the ray's origin to the scene's bounds. Rounding errors grow with
-  /// it.
+  /// Returns the largest distance along any axis from the ray's origin to the scene's bounds, with which errors grow.
   static float scene_reach(const glm::vec3& o, const glm::vec3& lower, const glm::vec3& upper) {
     float r = 0;
     for (int a = 0; a < 3; ++a) r = std::max({r, std::fabs(o[a] - lower[a]), std::fabs(o[a] - upper[a])});

@@ -37,8 +37,7 @@ struct VerifyCounts {
   std::uint64_t extra_hits = 0;        ///< only the tested tracer found a hit
   std::uint64_t distance_errors = 0;   ///< both found a hit, with different triangles or distances
   std::uint64_t edge_ties = 0;         ///< the results differ, and double precision allows either
-  std::uint64_t reference_errors = 0;  ///< the results differ, and double precision allows only that of the tested
-                                       ///< tracer
+  std::uint64_t reference_errors = 0;  ///< the results differ, and double precision confirms the tested tracer
 
   VerifyCounts& operator+=(const VerifyCounts& other);
   std::uint64_t error_count() const { return missing_hits + extra_hits + distance_errors; }

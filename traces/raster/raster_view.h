@@ -9,8 +9,7 @@
 
 namespace traces {
 
-/// A pinhole camera. Pixel position (x, y), from the top left corner, is seen in direction corner + x * right + y *
-/// down.
+/// A pinhole camera. Pixel position (x, y), from the top left corner, has direction corner + x * right + y * down.
 struct PictureCamera {
   glm::vec3 origin{0}, corner{0}, right{0}, down{0};
   std::uint32_t width = 0, height = 0;

@@ -39,8 +39,7 @@ bool boxes_overlap(const PictureBox& a, const PictureBox& b) {
   return a.high.x >= b.low.x && a.low.x <= b.high.x && a.high.y >= b.low.y && a.low.y <= b.high.y;
 }
 
-/// Tests the depth of a triangle at a sample that it covers. Returns true if the triangle is the nearest so far, and
-/// stores it.
+/// Tests the depth of a triangle at a sample that it covers. Returns true, and stores it, if it is the nearest so far.
 bool test_depth(const Coverage::Sample& sample, std::uint32_t number, const EdgeFunctions& edges, Coverage& found) {
   Coverage::Winner& winner = found.winners[sample.sample];
   const double depth = edges.depth_at(sample.at);

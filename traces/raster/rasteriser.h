@@ -22,8 +22,8 @@ struct Coverage {
   std::vector<std::uint32_t> layers;  ///< number of triangles that cover each sample
   std::vector<std::uint32_t> quads;   ///< number of triangle quads that contain each sample
 
-  // Scratch data of the rasteriser: samples sorted by list, block and quad; the blocks of a list; the lists of a
-  // batch's triangles.
+  // Scratch data of the rasteriser: samples sorted by list, block and quad; blocks of a list; lists of a batch's
+  // triangles.
   struct Sample {
     std::uint32_t list = 0, block = 0, quad = 0, sample = 0;
     glm::dvec2 at{0};

@@ -214,8 +214,7 @@ struct Sample {
   float irradiance, weight;
 };
 
-/// Returns the irradiance at the points that a camera sees in a 2:1 picture, each weighted by the picture area that it
-/// represents.
+/// Returns the irradiance at the points that a camera sees in a 2:1 picture, each weighted by its picture area.
 std::vector<Sample> irradiance_in_view(const Camera& camera, const Scene& scene, const std::vector<Point>& points,
                                        float nearest) {
   std::vector<Sample> samples;

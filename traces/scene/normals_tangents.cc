@@ -35,8 +35,7 @@ void select_vertices(Mesh& mesh, const std::vector<std::uint32_t>& from) {
 
 namespace {
 
-/// Returns the unit normal of a triangle; +y if it has no area. Computed in double precision for tiny and huge
-/// triangles.
+/// Returns a triangle's unit normal; +y if it has no area. Double precision serves tiny and huge triangles.
 glm::vec3 geometric_normal(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
   const glm::dvec3 normal = glm::cross(glm::dvec3(b) - glm::dvec3(a), glm::dvec3(c) - glm::dvec3(a));
   const double length = glm::length(normal);

@@ -30,8 +30,7 @@ struct NodePoses {
   std::vector<std::vector<double>> morph_weights;
 };
 
-/// Computes the transforms of all nodes at a time. Throws InputError if a node is farther than kFarthest from the
-/// origin.
+/// Computes the transforms of all nodes at a time. Throws InputError if a node is farther than kFarthest away.
 NodePoses pose_nodes(const Scene& scene, double seconds);
 
 double largest_entry(const glm::dmat4& m);

@@ -48,8 +48,7 @@ struct Instance {
   std::uint32_t mesh = 0;
   glm::mat4 to_world{1};
   std::uint32_t node = kNone;  ///< the node that it is attached to; kNone: it never moves
-  bool focus = false;  ///< of interest to the viewer (glTF: extras.focus); supersample can restrict its samples to such
-                       ///< objects
+  bool focus = false;          ///< an object of interest (glTF: extras.focus), for object-selective sampling
 };
 
 /// A texture of RGBA texels with 8 bits per channel, top row first. Colour is sRGB-encoded if `srgb`.
@@ -107,8 +106,7 @@ struct Material {
   Alpha alpha = Alpha::kOpaque;
   float opacity = 1;  ///< alpha, multiplied with the base texture's and the vertex colours' alpha
   float alpha_cutoff = 0.5F;
-  glm::vec3 absorption{0};   ///< absorption per unit of length inside the body: light falls with exp(-absorption x
-                             ///< length)
+  glm::vec3 absorption{0};   ///< per unit of length inside: light falls with exp(-absorption x length)
   bool double_sided = true;  ///< if false, rays pass through back faces unless the material transmits
   bool casts_light = true;   ///< an emission of 1 or more becomes a light (false for glTF's unlit surfaces)
 };
@@ -118,8 +116,7 @@ struct Light {
   Kind kind = Kind::kPoint;
   glm::vec3 position{0};
   glm::vec3 direction{0, -1, 0};  ///< unit vector in which light travels
-  glm::vec3 intensity{1};  ///< for point and spot, per steradian (falls with distance squared); for directional, the
-                           ///< irradiance
+  glm::vec3 intensity{1};  ///< per steradian (falls with distance squared); for directional lights, the irradiance
   float cos_inner = 1, cos_outer = 0;  ///< cosines of the angles of the spot cone
   float range = 0;                     ///< distance at which the light is zero (KHR_lights_punctual); 0: unlimited
   std::uint32_t node = kNone;          ///< the node that it is attached to; kNone: it never moves

@@ -37,8 +37,7 @@ struct Materials {
       water, glow;
 };
 
-/// Calls visit(middle, inwards, width) for each bay of the arcades: its middle, the direction into the court and its
-/// width.
+/// Calls visit(middle, inwards, width) for each bay of the arcades; `inwards` is the direction into the court.
 template <class Visit>
 void for_each_bay(Visit visit) {
   for (const float side : {-1.0F, 1.0F}) {
@@ -141,8 +140,7 @@ Materials add_materials(Scene& scene) {
   return materials;
 }
 
-/// Makes a column: Attic base, slightly swelling shaft, bell with two rings of leaves, abacus. `radius` is that of the
-/// shaft's foot.
+/// Makes a column: Attic base, slightly swelling shaft, bell with two rings of leaves, abacus. `radius` is at its foot.
 Mesh make_column(float height, float radius, const Detail& detail) {
   const std::uint32_t round = detail.cell_count(18, 6);
   const float r = radius;

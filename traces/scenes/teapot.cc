@@ -57,8 +57,7 @@ constexpr float kHalves[][4][4][3] = {
      {{2.8F, 0, 2.4F}, {2.8F, 0.15F, 2.4F}, {3.2F, 0.15F, 2.4F}, {3.2F, 0, 2.4F}}},
 };
 
-/// Returns the patch of revolution for quarter turn `quarter`. The factor 0.56 approximates a circle, as in the
-/// original table.
+/// Returns the patch of revolution of quarter turn `quarter`. Factor 0.56 approximates a circle, as in the original.
 BezierPatch revolve_profile(const Profile& profile, int quarter) {
   constexpr float kArc[4][2] = {{1, 0}, {1, 0.56F}, {0.56F, 1}, {0, 1}};
   BezierPatch patch;
@@ -139,8 +138,7 @@ SurfacePoint evaluate_patch(const BezierPatch& patch, float u, float v) {
 
 namespace {
 
-/// Makes one mesh of the patches, with cells x cells squares each. Triangles at the poles that have no area are
-/// omitted.
+/// Makes one mesh of the patches, with cells x cells squares each, without triangles of no area at the poles.
 Mesh make_pot(std::string name, std::span<const BezierPatch> patches, std::uint32_t cells) {
   Mesh mesh;
   mesh.name = std::move(name);

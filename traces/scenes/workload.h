@@ -97,8 +97,7 @@ struct ViewConfig {
   }
 };
 
-/// Configuration keys of a run's scene, camera and frames (group `scene`), which are also the content of a workload
-/// file.
+/// Configuration keys of a run's scene, camera and frames (group `scene`); also the content of a workload file.
 struct WorkloadConfig {
   std::string name = "cornell";
   std::uint32_t triangles = 0;

@@ -43,7 +43,7 @@ class AccessWriter {
 class AccessReader {
  public:
   void begin_tile() { last_ = {}; }
-  /// Decodes and appends the accesses of a launch of `items` items. Throws InputError if they are missing or exceed
+  /// Decodes and appends a launch's accesses, for `items` items. Throws InputError if they are missing or exceed
   /// `counts`.
   void read_launch(ByteReader& from, const ImageCounts& counts, std::uint32_t items, TileWork& work);
 
@@ -53,8 +53,7 @@ class AccessReader {
 
   LastAccesses last_;
   std::vector<std::uint8_t> kinds_, ranks_;  ///< kind and rank of each access of all shapes, one shape after the other
-  std::vector<std::uint32_t> shape_begin_;   ///< for each shape, the index of its first access; the last entry is the
-                                             ///< end
+  std::vector<std::uint32_t> shape_begin_;   ///< for each shape, its first access; then the end
   std::vector<std::uint32_t> shape_of_;
 };
 

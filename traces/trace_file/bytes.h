@@ -51,7 +51,7 @@ class ByteReader {
   std::uint32_t read_number32(std::uint64_t most, const char* what) {
     return static_cast<std::uint32_t>(read_number(most, what));
   }
-  /// Reads a difference and returns its sum with `base`. Throws if the sum is above `most`; `what` names it in the
+  /// Reads a difference and returns its sum with `base`. Throws if that is above `most`; `what` names it in the
   /// message.
   std::uint32_t read_difference_from(std::uint32_t base, std::uint64_t most, const char* what) {
     const std::uint64_t coded = read_number();

@@ -20,8 +20,8 @@ class Packer {
   explicit Packer(int level = 1);
   /// Packs bytes into a block. The result is valid until the next call.
   std::string_view pack_block(std::string_view bytes);
-  /// Packs bytes like pack_block(), but so that the block has at least one byte per `bytes_a_byte` bytes of contents
-  /// (at least 4).
+  /// Packs bytes like pack_block(), but the block has at least one byte per `bytes_a_byte` bytes of contents (4 or
+  /// more).
   std::string_view pack_loosely(std::string_view bytes, std::size_t bytes_a_byte);
 
  private:
@@ -35,8 +35,7 @@ class Packer {
 class Unpacker {
  public:
   Unpacker();
-  /// Returns the size of the packed block at the beginning of `bytes`. Throws InputError, without a file name, if there
-  /// is none.
+  /// Returns the size of the packed block at the beginning of `bytes`. Throws InputError, without a file name, if none.
   static std::size_t size_of(std::string_view bytes);
   /// Unpacks a block. kBitsPadding bytes follow the contents, which are valid until the next call. Throws InputError,
   /// without a file name, if the block is damaged or holds more than `most` bytes; nothing is allocated in that case.

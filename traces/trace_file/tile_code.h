@@ -18,7 +18,7 @@ namespace traces {
 inline constexpr std::size_t kRegionCount = static_cast<std::size_t>(Region::kCount);
 inline constexpr std::size_t kRayKinds = static_cast<std::size_t>(RayKind::kCount);
 
-/// Largest encoded size of a tile, and largest number of nodes. Real tiles have up to some hundred nodes, and some
+/// Largest encoded size of a tile, and largest number of nodes. Real tiles have up to some hundred nodes, or some
 /// hundred thousand with the largest render.layers and render.depth. A node takes many times its encoded bytes in
 /// memory.
 inline constexpr std::uint64_t kMaxTileBytes = 1U << 26;

@@ -17,8 +17,7 @@ namespace {
 
 constexpr std::size_t kPiece = 1U << 20;
 
-/// Opens a new file. A path that cannot be written is an input error (InputError); a disk that fills up later is an
-/// IoError.
+/// Opens a new file. A path that cannot be written is an InputError, a disk that fills up later an IoError.
 std::unique_ptr<sim::NewFile> open_trace_file(const std::filesystem::path& path) {
   try {
     return std::make_unique<sim::NewFile>(path);

@@ -113,8 +113,7 @@ class Decoder {
   const bool has_levels_;
   Links links_;
   std::vector<std::uint8_t> depth_;    ///< depth of each node; 0 if no parent has been read yet
-  std::vector<bool> is_upper_, seen_;  ///< which nodes are in the tree over instances, and which instances were found
-                                       ///< in it
+  std::vector<bool> is_upper_, seen_;  ///< nodes of the tree over instances; instances found in it
   std::vector<std::uint32_t> trees_;   ///< roots of the trees below the tree over instances
   std::uint64_t triangles_end_ = 0, instances_end_ = 0;
 };

@@ -9,8 +9,7 @@
 
 namespace kernels {
 
-/// Where a tile's halo samples come from: the neighbour writes them to memory and the tile reloads them, or the tile
-/// traces them again.
+/// Where a tile's halo samples come from: reloaded from memory, where the neighbour writes them, or traced again.
 enum class Halo : std::uint8_t { kReload, kRetrace };
 constexpr std::array<std::string_view, 2> names_of(Halo) { return {"reload", "retrace"}; }
 
@@ -125,8 +124,7 @@ struct UndersampleConfig : AdaptiveConfig {
   }
 };
 
-/// How active sub-pixels are listed for the kernels that sample them: block by block, with atomic additions, or not at
-/// all.
+/// How active sub-pixels are listed for the kernels that sample them: block by block, with atomics, or not at all.
 enum class Packing : std::uint8_t { kBlock, kAtomic, kNone };
 constexpr std::array<std::string_view, 3> names_of(Packing) { return {"block", "atomic", "none"}; }
 
@@ -198,8 +196,7 @@ struct SupersampleConfig : AdaptiveConfig {
 enum class NormalWeight : std::uint8_t { kFactor, kWidth };
 constexpr std::array<std::string_view, 2> names_of(NormalWeight) { return {"factor", "width"}; }
 
-/// Keys of subpixel reconstruction antialiasing for ray tracing (Chiu et al. 2012). Every key changes the recorded
-/// work.
+/// Keys of subpixel reconstruction antialiasing (Chiu et al. 2012). Every key changes the recorded work.
 struct ReconstructConfig : AdaptiveConfig {
   std::uint32_t radius = 1;
   double depth_factor = 10;

@@ -46,8 +46,7 @@ std::uint32_t BlockFrame::exchanged_bytes() const {
 
 FrameRequirements BlockFrame::requirements() const {
   const std::uint32_t side = tiles.tile_side();
-  const std::uint32_t kept = side * (side / setup.block);  // only the rows of references: later rows are not compared
-                                                           // again
+  const std::uint32_t kept = side * (side / setup.block);  // only rows of references are compared again
   const std::uint32_t pixels = side / setup.grid * (side / setup.grid);
   FrameRequirements needs;
   needs.tile_samples = side * side;

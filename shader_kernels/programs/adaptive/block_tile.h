@@ -13,10 +13,9 @@ namespace kernels {
 
 /// Properties of multirate or undersample that all tiles of a frame share.
 struct BlockSetup {
-  std::uint32_t grid = 1;   ///< number of samples along the side of a pixel
-  std::uint32_t block = 2;  ///< number of samples along the side of a block
-  std::uint32_t whole = 2;  ///< a tile's side is a multiple of this number of samples, which is a multiple of every
-                            ///< block side
+  std::uint32_t grid = 1;          ///< number of samples along the side of a pixel
+  std::uint32_t block = 2;         ///< number of samples along the side of a block
+  std::uint32_t whole = 2;         ///< the side of a tile is a multiple of it, and it is one of every block side
   std::uint32_t record_bytes = 0;  ///< bytes of a sample's record in the tile buffer, without the colour
   bool carries_rates = false;  ///< tiles read block sides from memory and write the fraction of similar samples there
   RetainedRecords before_check_y{};  ///< records of samples that a check along y will read
@@ -47,8 +46,7 @@ struct BlockFrame {
   GridUniforms<float> grid_uniforms(float x0, float y0, std::uint32_t row_samples) const;
   /// Returns the bytes of a sample that a neighbouring tile reads.
   std::uint32_t exchanged_bytes() const;
-  /// Returns the bytes that a tile stores in memory: its last row, its last column, and all records if they are kept in
-  /// DRAM.
+  /// Returns the bytes that a tile stores in memory: last row, last column, and all records if they are kept in DRAM.
   std::uint64_t stored_bytes() const;
   /// Returns the bytes of a tile's pixels in the frame buffer.
   std::uint64_t picture_bytes() const { return requirements().region_bytes[0] / tiles.tile_count(); }
@@ -120,8 +118,7 @@ class BlockTile {
   }
   /// Writes the records of the references to DRAM and reads them back, if AdaptiveConfig::attributes is dram.
   void spill_references_to_dram() { spill_records(block_rows() * block_columns(), block_rows() * block_columns()); }
-  /// Writes the records of the x samples to DRAM and reads all reference rows back, if AdaptiveConfig::attributes is
-  /// dram.
+  /// Writes the x samples' records to DRAM and reads all reference rows back, if AdaptiveConfig::attributes is dram.
   void spill_reference_rows_to_dram() {
     spill_records(block_rows() * (at.width - block_columns()), block_rows() * at.width);
   }

@@ -50,8 +50,8 @@ void MultirateProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& 
     tile.trace_failed(lines, verdict);
   };
 
-  // 1. Trace the reference sample of each block. A border is exported before imports that it does not need, which keeps
-  // chains of waiting tiles short.
+  // 1. Trace the reference sample of each block. Exports precede imports that they do not need, so chains of waits stay
+  // short.
   tile.trace_references();
   tile.export_right();
   tile.import_left();
@@ -93,8 +93,7 @@ Verdict MultirateProgram::check_and_interpolate(BlockTile& tile, const BlockLine
   typename Interpolate::template Ports<float> interpolate;
   interpolate.line = lines.uniforms;
 
-  // With fusion, one kernel interpolates every sample that it checks. Failed samples are traced later, which overwrites
-  // them.
+  // With fusion, one kernel interpolates every sample that it checks. Tracing the failed ones later overwrites them.
   if (blocks_.scene.fuses) {
     typename CheckThenInterpolate::template Ports<float> both;
     ports_of<Similarity>(both) = check;

@@ -7,8 +7,8 @@
 
 namespace kernels {
 
-/// The block sides of all tiles, which change from frame to frame with the results of multirate (Lee et al. 2016,
-/// section 3).
+/// The block sides of all tiles, which change from frame to frame with multirate's results (Lee et al. 2016, section
+/// 3).
 class RateMap {
  public:
   static constexpr std::uint8_t kCoarse = 4;  ///< block side of tiles whose samples were similar

@@ -313,8 +313,7 @@ std::uint64_t ReconstructProgram::stored_bytes() const {
          (is_parked ? std::uint64_t{position_count()} * attribute_bytes() : 0);
 }
 
-/// Fills the halo of a tile. The host always traces it; if neighbours write it to memory, the recorded work is a
-/// transfer.
+/// Fills the halo of a tile. The host always traces it; if neighbours write it to memory, a transfer is recorded.
 void ReconstructProgram::fill_halo(Tile& tile) const {
   tiles_.for_each_halo_part(tile.at, [&](const HaloPart& part) {
     const bool is_left = part.x < tiles_.halo_width(), is_above = part.y < tiles_.halo_width();

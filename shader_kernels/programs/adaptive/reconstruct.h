@@ -58,8 +58,7 @@ class ReconstructProgram final : public FrameProgram {
     TileResult& out;
     TileBuffer& buffer;
   };
-  static constexpr std::uint32_t kOtherSamples = kGeometrySamples - 1;  ///< number of samples of a pixel that are not
-                                                                        ///< shaded
+  static constexpr std::uint32_t kOtherSamples = kGeometrySamples - 1;  ///< samples per pixel that are not shaded
   /// A rectangle of pixels of the tile buffer.
   struct PixelRect {
     std::uint32_t x, y, across, down;
@@ -72,8 +71,7 @@ class ReconstructProgram final : public FrameProgram {
   std::uint32_t position_count() const { return tiles_.buffer_samples(); }
   /// Returns the offset from a sample to the same sample of the next layer.
   std::uint32_t layer_offset() const { return kGeometrySamples * position_count(); }
-  /// Return the bytes per pixel of its shaded sample in all layers with colours, of its other samples, and of all
-  /// records.
+  /// Return the bytes per pixel of its shaded sample in all layers with colours, of its other samples, of all records.
   std::uint32_t shaded_bytes() const;
   std::uint32_t other_bytes() const;
   std::uint32_t attribute_bytes() const;
@@ -122,8 +120,7 @@ class ReconstructProgram final : public FrameProgram {
   const std::vector<std::uint32_t> order_;
   const std::uint32_t frame_;
   const float depth_scale_, bend_;
-  std::uint32_t mirrors_ = 0, glass_ = 0;  ///< numbers of the layers of mirrored and refracted light; 0 if there is
-                                           ///< none
+  std::uint32_t mirrors_ = 0, glass_ = 0;  ///< layers of mirrored and refracted light; 0: none
   std::uint32_t layers_ = 1;
 };
 

@@ -30,8 +30,8 @@ struct SampleTile {
 /// Divides the samples of the picture into square tiles of whole pixels and whole blocks.
 class SampleTiles {
  public:
-  /// `side` is the desired side of a tile in samples, `grid` the number of samples along a pixel's side. A tile's side
-  /// is a multiple of `block`.
+  /// `side` is the desired side of a tile in samples, `grid` the samples along a pixel's side. Tile sides are multiples
+  /// of `block`.
   SampleTiles(std::uint32_t width, std::uint32_t height, std::uint32_t grid, std::uint32_t side, std::uint32_t block);
 
   std::uint32_t tile_count() const { return across_ * down_; }
@@ -74,8 +74,8 @@ struct HaloPart {
 /// A tile stores in memory its last columns row by row, so that they end with the corner; then its last rows.
 class FinishedTiles {
  public:
-  /// `side` is the desired side of a tile in pixels. All tiles except the last of a row or column are at least as wide
-  /// as a halo.
+  /// `side` is the desired side of a tile in pixels. Tiles that are not last in a row or column are at least as wide as
+  /// a halo.
   FinishedTiles(std::uint32_t width, std::uint32_t height, std::uint32_t side, std::uint32_t reach)
       : tiles_(width, height, 1, side, std::max(1U, 2 * reach)), reach_(reach) {}
 
@@ -107,8 +107,8 @@ class FinishedTiles {
       f(HaloPart{{at.above_left, kRightBorder}, std::uint64_t{h} * (tile_side() - h), 0, 0, h, h});
     }
   }
-  /// Calls f(border, first, samples) for each border of a tile that other tiles read. `first` is its first sample in
-  /// the tile's store.
+  /// Calls f(border, first, samples) for each border that other tiles read; `first` is its first sample in the tile's
+  /// store.
   void for_each_export_border(const SampleTile& at, auto&& f) const {
     if (halo_width() == 0) return;
     if (at.has_right) f(kRightBorder, std::uint64_t{0}, halo_width() * at.height);

@@ -205,8 +205,7 @@ std::uint64_t SupersampleProgram::stored_bytes() const {
          (is_spilt ? std::uint64_t{tile_pixels()} * kWhole * sizeof(ColourRecord<float>) : 0);
 }
 
-/// Fills the halo of a tile. The host always traces it; if neighbours write it to memory, the recorded work is a
-/// transfer.
+/// Fills the halo of a tile. The host always traces it; if neighbours write it to memory, a transfer is recorded.
 void SupersampleProgram::fill_halo(Tile& tile) const {
   tiles_.for_each_halo_part(tile.at, [&](const HaloPart& part) {
     if (supersample_.halo == Halo::kReload) {
@@ -240,7 +239,7 @@ void SupersampleProgram::spill_attributes_to_dram(Tile& tile) const {
   tile.graph.register_record_writer(in);
 }
 
-/// Samples the active sub-pixels after the nodes `tested` and `weighed`. Returns the launch that completes the tile's
+/// Samples the active sub-pixels after nodes `tested` and `weighed`. Returns the launch that completes the tile's
 /// pixels.
 SupersampleProgram::Node SupersampleProgram::sample_active(Tile& tile, Node tested, Node weighed) const {
   std::vector<Chunk> chunks;

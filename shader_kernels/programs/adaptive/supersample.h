@@ -49,12 +49,11 @@ class ShownSubpixels {
   void store_subpixels(const std::vector<ShownSubpixel>& subpixels);
 
   const std::uint32_t width_, height_;         ///< in sub-pixels
-  std::vector<SubpixelRecord<float>> states_;  ///< states of all sub-pixels, with a frame of inactive ones around the
-                                               ///< picture
+  std::vector<SubpixelRecord<float>> states_;  ///< states of all sub-pixels, surrounded by inactive ones
   std::vector<glm::vec3> colours_;
   std::vector<std::uint8_t> is_background_;
-  std::vector<std::uint8_t> fresh_, next_fresh_;  ///< for each tile, whether the last round made sub-pixels active, and
-                                                  ///< whether this round did
+  std::vector<std::uint8_t> fresh_, next_fresh_;  ///< for each tile, whether the last round, or this one, made
+                                                  ///< sub-pixels active
   std::vector<ShownSubpixel> found_;
 };
 

@@ -47,8 +47,8 @@ class PostCorrection {
 
   /// Stores the identities and colours of a tile's samples.
   void store_samples(const TileResult& tile, const SampleTile& at);
-  /// Runs a scan over the picture. `trace(suspects)` returns their results. Returns all suspects, sorted by tile, then
-  /// by round.
+  /// Runs a scan over the picture. `trace(suspects)` returns their results. Returns all suspects by tile, then by
+  /// round.
   template <class Trace>
   const std::vector<Suspect>& run_scan(const Scan& scan, Trace&& trace) {
     begin_scan();
@@ -73,8 +73,7 @@ class PostCorrection {
 
   const UndersampleConfig config_;
   const std::uint32_t width_, height_, side_, across_;
-  std::vector<std::uint32_t> identities_;  ///< identity words, with a frame of words without identity around the
-                                           ///< picture
+  std::vector<std::uint32_t> identities_;  ///< identity words, surrounded by words without identity
   std::vector<std::uint16_t> rounds_;      ///< for each sample, the round in which this scan traced it; the same frame
   std::vector<glm::vec3> colours_;
   std::vector<std::uint32_t> line_, found_;

@@ -32,8 +32,7 @@ struct Sampling {
   std::uint64_t padding = 0;
   std::uint64_t propagated = 0;  ///< sub-pixels that became active in rounds of propagation
 
-  /// For each tile of the grid, row by row, the fraction of checked samples that passed. Empty if the program has no
-  /// checks.
+  /// For each tile of the grid, row by row, the fraction of checked samples that passed. Empty if there are no checks.
   std::vector<float> similar;
   std::vector<std::uint8_t> blocks;
   std::uint32_t tile_side = 0;  ///< side of a tile in samples
@@ -43,8 +42,7 @@ struct Sampling {
   void add(const Sampling& other);
 };
 
-/// Mark of a sample in debug pictures: bits of the failed checks (Check), and above them flags of how its colour was
-/// computed.
+/// Mark of a sample in debug pictures: bits of the failed checks (Check), and above them how its colour was computed.
 using SampleMark = std::uint16_t;
 inline constexpr SampleMark kTracedMark = 1U << 12, kReferenceMark = 1U << 13, kCorrectedMark = 1U << 14;
 static_assert(static_cast<std::size_t>(Check::kCount) <= 12);

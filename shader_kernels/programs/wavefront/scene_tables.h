@@ -23,8 +23,7 @@ EyeUniforms<float> eye_uniforms(const CameraUniforms<float>& camera, std::uint32
 LightUniforms<float> light_uniforms(const traces::Light& light);
 /// Returns the linear values of all 256 sRGB codes.
 std::vector<SrgbCodeRecord<float>> srgb_code_records();
-/// Returns a light source as a disc that faces the surface. `radius` is in scene diagonals, `rays` the number of rays
-/// per surface.
+/// Returns a light source as a disc that faces the surface. `radius` is in scene diagonals, `rays` per surface.
 DiscUniforms<float> disc_uniforms(const traces::Light& light, float radius, float diagonal, std::uint32_t rays);
 /// Returns the seed of the jittered sample positions of a frame.
 std::uint32_t jitter_seed(std::uint32_t frame);
@@ -35,8 +34,7 @@ LevelRecord<float> level_record(const traces::Texture& texture, std::uint32_t le
 /// Largest triangle word (flags and index) of a nearest-hit ray's hit that needs no transparency test.
 inline constexpr std::uint32_t kSolidNearest = traces::kAlphaFlag - 1;
 
-/// Scene data that kernels read besides memory: uniforms, tables in the SRP's own memory, and which kernels the scene
-/// needs.
+/// Scene data that kernels read besides memory: uniforms, tables in the SRP's own memory, and which kernels it needs.
 struct SceneTables {
   SceneTables(const traces::MemoryImage& memory_image, const RenderConfig& config);
 

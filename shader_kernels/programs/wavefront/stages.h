@@ -19,7 +19,7 @@ struct VisibleSamples {
   bool have_shadows = true;                                         ///< shadow rays are cast, and blocked ones recorded
   std::uint32_t depth = std::numeric_limits<std::uint32_t>::max();  ///< largest number of rays in a path from the eye
   std::uint32_t mirrored = 0, refracted = 0;  ///< offset from a surface's sample to those of mirrored and refracted
-                                              ///< rays; 0 if these are not kept
+                                              ///< rays; 0: not kept
   EyeUniforms<float> eye{};
   float depth_scale = 0;
   bool keeps_branch(std::uint32_t bounce) const { return are_kept && bounce == 2 && (mirrored | refracted) != 0; }
@@ -54,15 +54,14 @@ struct WaveBounce {
   std::uint32_t rays = 0;
   std::uint32_t depth = 1;
   std::uint32_t lanes = 0, padding = 0;                     ///< passed to TileGraph::launch()
-  std::uint32_t straight = 0, mirrored = 0, refracted = 0;  ///< first ray slots of rays that continue straight, of
-                                                            ///< mirrored and of refracted rays
+  std::uint32_t straight = 0, mirrored = 0, refracted = 0;  ///< first ray slots of straight, mirrored and refracted
+                                                            ///< rays
   std::array<TracedBatch, 3> batches{};
   std::uint32_t batch_count = 0;
-  bool is_single = true;          ///< no sample has two rays in this bounce
-  bool has_lit = false;           ///< diffuse surfaces already have ambient light and the first light, except those in
-                                  ///< `deferred`
-  Node begun = TileGraph::kNone;  ///< node that gave the rays samples of their own
-  Node after = TileGraph::kNone;  ///< last node of the previous bounce that changes colours
+  bool is_single = true;              ///< no sample has two rays in this bounce
+  bool has_lit = false;               ///< diffuse surfaces not in `deferred` have ambient and first light
+  Node begun = TileGraph::kNone;      ///< node that gave the rays samples of their own
+  Node after = TileGraph::kNone;      ///< last node of the previous bounce that changes colours
   Node fetched = TileGraph::kNone;    ///< node that wrote the surfaces; the next stage waits for it item by item
   Node inspector = TileGraph::kNone;  ///< node that filled the queues that the stages read
   Node colours = TileGraph::kNone;    ///< node that wrote base colours, if textures did so after the inspector
@@ -134,8 +133,7 @@ struct SpawnStage {
   std::optional<Effect> effect;      ///< effect that must be enabled for these rays
 };
 
-/// The kernels that record the hits and shadow rays of a bounce. `combine_shadows` also adds the light of the rays to
-/// the samples.
+/// The kernels that record a bounce's hits and shadow rays. `combine_shadows` also adds the rays' light to the samples.
 struct RecordStages {
   Launch hits, shadows, combine_shadows;
 };

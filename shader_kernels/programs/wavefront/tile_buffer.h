@@ -11,8 +11,7 @@
 namespace kernels {
 
 /// Work items of a shading stage: indices of ray slots, samples or pixels (`Item`). A classifying kernel writes
-/// `entries`, and its counter port sets `items`. There is one spare entry, because rejected items are written after the
-/// end.
+/// `entries`, and its counter port sets `items`. There is one spare entry: rejected items are written after the end.
 template <class Item>
 struct Queue {
   std::vector<std::uint32_t> entries;
@@ -80,8 +79,7 @@ struct CheckRecords {
 
 /// Records that supersample keeps of samples and sub-pixels.
 struct SubpixelRecords {
-  std::vector<TraitsRecord<float>> traits, secondary_traits;  ///< what is compared of first and secondary hits, indexed
-                                                              ///< by sample
+  std::vector<TraitsRecord<float>> traits, secondary_traits;  ///< compared data of first and secondary hits, by sample
   std::vector<BranchRecord<float>> branches;
   std::vector<std::uint32_t> verdicts;  ///< indexed by sub-pixel
   std::vector<std::uint32_t> active, fills;

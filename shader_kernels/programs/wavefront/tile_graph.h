@@ -30,11 +30,10 @@ class StreamBuilder {
   void begin_item() { work_.access_begin.push_back(static_cast<std::uint32_t>(work_.accesses.size())); }
   /// Records that `item` of the last launch emitted a ray.
   void add_source(std::uint32_t item) { work_.sources.push_back(item); }
-  /// Adds a batch of rays that `launch` emitted: one per item, or, if `is_mapped`, one per source added since that
-  /// launch.
+  /// Adds a batch of rays that `launch` emitted: one per item or, if `is_mapped`, one per source added since then.
   Node add_rays(traces::RayKind kind, std::uint32_t count, std::uint32_t first, Node launch, bool is_mapped);
   Node add_transfer(traces::Region region, bool to_memory, std::uint64_t offset, std::uint32_t bytes);
-  /// Adds a node that rasterises `count` samples, whose rays `launch` generated. Its data are the last entry of
+  /// Adds a node that rasterises `count` samples, whose rays `launch` generated, with the last entry of
   /// TileWork::raster.
   Node add_rasterisation(std::uint32_t count, Node launch);
   /// Adds a node that bins triangles to screen regions. Its data are the last entry of TileWork::raster.
@@ -57,8 +56,7 @@ class StreamBuilder {
   std::uint32_t launch_sources_ = 0;  ///< index of the first source of the last launch
 };
 
-/// Runs kernels on the buffer of a tile. Each launch and transfer becomes a node of the tile's work, with the nodes
-/// that it waits for.
+/// Runs kernels on a tile's buffer. Each launch and transfer becomes a node of the tile's work, which waits for others.
 class TileGraph {
  public:
   using Node = StreamBuilder::Node;

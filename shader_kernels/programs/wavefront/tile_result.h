@@ -33,8 +33,7 @@ struct ShownSubpixel {
 
 /// Everything that a frame program returns for one entry of its list.
 struct TileResult {
-  /// If not null, the rasteriser that finds primary hits, so that their work is recorded as rasterisation
-  /// (geometry_pass.h).
+  /// If not null, the rasteriser that finds primary hits, so that rasterisation is recorded (geometry_pass.h).
   const traces::Rasteriser* rasteriser = nullptr;
   std::uint32_t tile = 0;
   std::uint32_t x = 0, y = 0, width = 0, height = 0;  ///< rectangle of the picture, in pixels
@@ -43,16 +42,12 @@ struct TileResult {
   std::array<std::uint64_t, static_cast<std::size_t>(traces::RayKind::kCount)> rays{};
   std::uint64_t continued = 0;  ///< rays that continued after a transparent surface; also included in the counts above
   Sampling sampling;
-  std::vector<SampleMark> marks;   ///< debug marks of adaptive sampling: for each sample or pixel of the tile, row by
-                                   ///< row
-  std::vector<ShownSample> shown;  ///< the tile's samples, row by row, if a later pass needs them
-  std::vector<ShownSubpixel> subpixels;   ///< all sub-pixels of the tile, or those that a round of propagation made
-                                          ///< active
-  std::vector<std::uint32_t> corrected;   ///< indices in the picture of the pixels whose new colours a round stored in
-                                          ///< `linear`
+  std::vector<SampleMark> marks;          ///< debug marks, per sample or pixel of the tile, row by row
+  std::vector<ShownSample> shown;         ///< the tile's samples, row by row, if a later pass needs them
+  std::vector<ShownSubpixel> subpixels;   ///< all the tile's sub-pixels, or those that a round made active
+  std::vector<std::uint32_t> corrected;   ///< pixels of the picture whose new colours are in `linear`
   std::vector<std::uint32_t> background;  ///< samples whose primary ray hit nothing, in the order traced
-  std::uint64_t traversal_steps = 0;      ///< node visits and triangle tests, counted from the rays' walks; 0 if not
-                                          ///< recorded
+  std::uint64_t traversal_steps = 0;      ///< node visits and triangle tests of the rays' walks; 0 if not recorded
   std::uint64_t triangle_tests = 0;       ///< triangle tests among `traversal_steps`
   bool wants_pixel_work = false;          ///< set before rendering to fill `pixel_work`
   std::vector<PixelWork> pixel_work;      ///< a pixel may have several entries, and may belong to a neighbour

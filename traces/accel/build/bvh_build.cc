@@ -14,8 +14,7 @@
 namespace traces {
 namespace {
 
-// Tree nodes that Embree's builder callbacks create in Embree's memory. They are small, because a tree has about as
-// many nodes as triangles.
+// Tree nodes that Embree's builder callbacks create in Embree's memory; small, because there are as many as triangles.
 
 struct TreeNode {
   std::uint32_t count = 0;  ///< number of triangles of a leaf; 0 for an inner node
@@ -43,8 +42,7 @@ float half_area(const Bounds& b) {
   return d.x * d.y + d.y * d.z + d.z * d.x;
 }
 
-/// Allocates memory from Embree's builder. Throws std::bad_alloc, which ends the build, if Embree returns a null
-/// pointer.
+/// Allocates memory from Embree's builder. Throws std::bad_alloc, which ends the build, if it returns a null pointer.
 void* allocate_node(RTCThreadLocalAllocator allocator, std::size_t bytes) {
   void* memory = rtcThreadLocalAlloc(allocator, bytes, alignof(InnerNode));
   if (memory == nullptr) throw std::bad_alloc();

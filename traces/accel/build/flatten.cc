@@ -17,8 +17,7 @@
 namespace traces {
 namespace {
 
-/// Returns the matrix that transforms normals: the transposed inverse times |determinant|. It exists even if the
-/// instance is flat.
+/// Returns the matrix for normals: the transposed inverse times |determinant|. It exists even if the instance is flat.
 glm::mat3 normal_matrix(const glm::mat4& to_world) {
   const glm::vec3 x(to_world[0]), y(to_world[1]), z(to_world[2]);
   const glm::mat3 cofactors(glm::cross(y, z), glm::cross(z, x), glm::cross(x, y));
@@ -67,8 +66,7 @@ std::uint32_t packed_tangent(const glm::vec3& t, float sign) {
 
 std::uint32_t half_word(float x) { return static_cast<std::uint32_t>(std::lround(65535 * std::clamp(x, 0.0F, 1.0F))); }
 
-/// Returns the vertex record of a triangle. Missing data default to white, the first texture coordinates and a tangent
-/// of length 0.
+/// Returns a triangle's vertex record. Missing data default to white, first texture coordinates, tangents of length 0.
 VertexRecord vertex_record_of(const Mesh& mesh, const std::array<std::uint32_t, 3>& corners,
                               const glm::mat3& to_world) {
   const float handedness = glm::determinant(to_world) < 0 ? -1.0F : 1.0F;
@@ -87,9 +85,9 @@ VertexRecord vertex_record_of(const Mesh& mesh, const std::array<std::uint32_t, 
   return record;
 }
 
-/// Returns the texture density of a triangle: the square root of its area in texture coordinates divided by its area in
-/// space. A triangle that shows only a point or line of the texture gets the smallest density, so that its texels are
-/// not averaged.
+/// Returns the texture density of a triangle: the square root of its area in texture coordinates over its area in
+/// space. A triangle that shows only a point or line of the texture gets the smallest density: its texels are not
+/// averaged.
 float texture_density(const Mesh& mesh, const std::array<std::uint32_t, 3>& corners, const glm::mat3& to_space) {
   if (mesh.uvs.empty()) return kLeastDensity;
   const auto edge = [&](const auto& array, std::size_t i) { return array[corners[i]] - array[corners[0]]; };

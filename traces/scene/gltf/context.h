@@ -22,8 +22,7 @@ struct Context {
   const SceneLimits& limits;
   Budget& budget;
   Scene& scene;
-  std::vector<std::uint32_t> scene_nodes{};  ///< for each node of the file, its index in Scene::nodes; kNone if it is
-                                             ///< not shown
+  std::vector<std::uint32_t> scene_nodes{};  ///< Scene::nodes index of each of the file's nodes; kNone: not shown
 
   /// Throws InputError with the file's name and `reason`.
   [[noreturn]] void refuse(const std::string& reason) const;
@@ -65,8 +64,8 @@ float number_or(const Context& context, const tinygltf::Value& object, const cha
 /// Returns the list `key` of three numbers of an extension's object, or `absent`.
 glm::vec3 vec3_or(const Context& context, const tinygltf::Value& object, const char* key, const glm::vec3& absent);
 
-/// Returns the count `key` (of bytes or elements) of an extension's object, or `absent`. Throws InputError if it is not
-/// a count.
+/// Returns the count `key` (of bytes or elements) of an extension's object, or `absent`. Throws InputError if it is
+/// none.
 std::uint64_t size_or(const Context& context, const tinygltf::Value& object, const char* key, std::uint64_t absent);
 
 /// Returns the index `key` of an extension's object, or -1.

@@ -311,9 +311,7 @@ class Reader {
     out_.casts_light = false;
     out_.base_colour = glm::vec3(0);
     out_.dielectric = 0;
-    if (out_.alpha == Material::Alpha::kOpaque)
-      out_.base_texture = {};  // with other modes the texture's alpha is
-                               // still used
+    if (out_.alpha == Material::Alpha::kOpaque) out_.base_texture = {};  // otherwise its alpha is still used
   }
 
   void read_emission() {

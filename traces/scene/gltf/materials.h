@@ -22,8 +22,7 @@ class Textures {
   /// if it has no readable image.
   std::uint32_t find_or_add(int texture, bool srgb);
 
-  /// Returns the mean of all texels of a texture, 0..1, alpha included; linear colour if `srgb`. White if the texture
-  /// has no image.
+  /// Returns the mean of a texture's texels, 0..1, alpha included; linear colour if `srgb`. White if there is no image.
   glm::vec4 mean_of(int texture, bool srgb);
 
  private:
@@ -37,8 +36,8 @@ class Textures {
   std::set<int> shown_;       ///< images that some texture of the scene shows
   std::uint64_t pixels_ = 0;  ///< number of decoded pixels, including copies for other wrap modes, filters or encodings
   std::map<std::pair<int, bool>, glm::vec4> means_;
-  std::map<std::tuple<int, int, int, bool, bool>, std::uint32_t> added_;  ///< indices in Scene::textures, by image,
-                                                                          ///< wrap modes, nearest, sRGB
+  std::map<std::tuple<int, int, int, bool, bool>, std::uint32_t> added_;  ///< texture indices by image, wrap modes,
+                                                                          ///< nearest, sRGB
 };
 
 /// Where a texture takes its coordinates from: a set of the primitive, and KHR_texture_transform.

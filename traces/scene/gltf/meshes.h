@@ -43,8 +43,7 @@ class Meshes {
   Context& context_;
   std::vector<Placements> placements_;  ///< texture placements of each of the file's materials
   std::uint32_t default_material_ = kNone;
-  std::map<std::pair<int, std::size_t>, std::uint32_t> read_;  ///< indices in Scene::meshes of rigid meshes, by glTF
-                                                               ///< mesh and primitive
+  std::map<std::pair<int, std::size_t>, std::uint32_t> read_;  ///< rigid meshes by glTF mesh and primitive
   std::vector<float> reaches_;                                 ///< largest coordinate of each of Scene::meshes
 };
 

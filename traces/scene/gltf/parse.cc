@@ -90,8 +90,7 @@ void set_size_callback(Callbacks& fs) {
   }
 }
 
-/// Returns callbacks that read the source's bytes. All are set: if one is missing, newer releases access the file
-/// system.
+/// Returns callbacks that read the source's bytes. All are set: without one, newer releases access the file system.
 tinygltf::FsCallbacks file_callbacks(const Source& source) {
   tinygltf::FsCallbacks fs{};
   fs.user_data = const_cast<Source*>(&source);

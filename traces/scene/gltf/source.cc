@@ -25,8 +25,7 @@
 namespace traces::gltf {
 namespace {
 
-/// Decodes percent escapes. Sets `is_good` to false, and keeps the percent sign, if two hexadecimal digits do not
-/// follow it.
+/// Decodes percent escapes. Clears `is_good`, and keeps the percent sign, if two hexadecimal digits do not follow it.
 std::string decode_percent(std::string_view text, bool& is_good) {
   std::string out;
   out.reserve(text.size());

@@ -18,8 +18,7 @@ struct Source {
   std::string bytes;
   bool binary = false;                          ///< the file is a GLB
   std::size_t json_begin = 0, json_size = 0;    ///< where the JSON is in `bytes`
-  std::map<std::string, std::string> external;  ///< the bytes that URIs name, by the keys that replace the URIs in the
-                                                ///< JSON
+  std::map<std::string, std::string> external;  ///< bytes that URIs name, by the keys that replace them in the JSON
   std::vector<std::size_t> lent;                ///< accessors to which make_parsable() has given a buffer view
   std::string sha256;                           ///< hash of the file, or of the digests of all files if it names others
 };
@@ -33,8 +32,7 @@ std::string local_path(std::string_view uri, std::string_view where);
 /// True for a data: URI (RFC 2397).
 bool is_data_uri(std::string_view uri);
 
-/// Returns the bytes of a data: URI of any media type. Throws InputError, beginning with `where`, if the URI is
-/// malformed.
+/// Returns the bytes of a data: URI of any media type. Throws InputError, beginning with `where`, if it is malformed.
 std::string data_of(std::string_view uri, std::string_view where);
 
 }  // namespace traces::gltf

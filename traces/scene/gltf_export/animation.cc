@@ -89,8 +89,8 @@ void separate_keys(Track& track) {
   track.values = std::move(values);
 }
 
-/// Returns a track in a form that glTF allows: ascending times from 0, rotations of unit length, at least two keys of a
-/// cubic spline.
+/// Returns a track as glTF allows it: ascending times from 0, rotations of unit length, two keys or more of a cubic
+/// spline.
 Track make_valid(Track track) {
   begin_at_zero(track);
   separate_keys(track);

@@ -69,11 +69,9 @@ void write_textures(const Scene& scene, Document& out) {
 
 namespace {
 
-constexpr float kCoatShare = 0.08F;  // fraction mirrored by a clear coat of factor 1: twice the reflectance of index
-                                     // 1.5
+constexpr float kCoatShare = 0.08F;  // mirrored by a clear coat of factor 1: twice the reflectance of index 1.5
 
-/// Returns the index of refraction with which a dielectric mirrors `share` of the light, twice its reflectance at
-/// normal incidence.
+/// Returns the index of refraction of a dielectric that mirrors `share`, twice its reflectance at normal incidence.
 float ior_for_mirror(float share) {
   const float ratio = std::sqrt(0.5F * std::clamp(share, 0.0F, 1.0F));
   return (1 + ratio) / (1 - ratio);
@@ -162,8 +160,7 @@ void write_surface(const Material& m, const Surface& s, tinygltf::Material& to, 
     if (s.thin && s.ior > 1) {
       out.add_extension(to.extensions, "KHR_materials_volume", {{"thicknessFactor", to_value(0)}});
     } else if (const float most = strongest_channel(m.absorption); most > 0) {
-      // glTF has one distance for all channels. It is the one after which the most absorbed channel has fallen to 1 /
-      // e.
+      // glTF has one distance for all channels: where the most absorbed channel has fallen to 1 / e.
       const glm::vec3 colour(std::exp(-m.absorption.x / most), std::exp(-m.absorption.y / most),
                              std::exp(-m.absorption.z / most));
       out.add_extension(to.extensions, "KHR_materials_volume",

@@ -397,8 +397,7 @@ void write_instances(const Scene& scene, Meshes& meshes, NodeMap& map, Document&
 
 namespace {
 
-/// Stores the index of a node's light in the member that tinygltf has since version 2.9; without it, that version drops
-/// the extension.
+/// Stores a node's light index in the member that tinygltf 2.9 and later need; they drop the extension without it.
 template <class Node>
 void set_node_light(Node& node, int light) {
   if constexpr (requires { node.light; }) node.light = light;

@@ -24,8 +24,7 @@ class ImageCodec {
   /// Maps values from 0 to 1 to sRGB colours, 3 bytes each, by a colour map of OpenImageIO.
   virtual std::string map_colours(const char* map, std::span<const float> values,
                                   std::vector<std::uint8_t>& rgb) const = 0;
-  /// Draws a line of text in black on white with the font file `font`. The result has `height` rows of 8 bits per
-  /// pixel.
+  /// Draws a line of text in black on white with font file `font`. The result has `height` rows of 8 bits per pixel.
   virtual std::string draw_text(const char* text, const char* font, std::uint32_t height, Size& size,
                                 std::vector<std::uint8_t>& grey) const = 0;
 };

@@ -275,8 +275,8 @@ void add_light(Scene& scene, const glm::vec3& position, const glm::vec3& intensi
 
 }  // namespace
 
-/// Builds a bathroom: mirrors and chrome, a glass screen, and many parts thinner than a pixel (hose, rails, wires,
-/// bristles, tufts).
+/// Builds a bathroom: mirrors and chrome, a glass screen, many parts thinner than a pixel (hose, rails, wires,
+/// bristles).
 Scene build_bathroom(const BuiltinOptions& options) {
   constexpr std::uint32_t kClass = 270'000;
   Scene scene = build_to_size(options.triangles_or(kClass), furnish_room);

@@ -234,7 +234,7 @@ Mesh make_head(const Detail& detail) {
   return mesh;
 }
 
-/// Makes a wire basket of stacked hoops and of ribs that meet at the bottom. `a` is half its length, `b` half its
+/// Makes a wire basket of stacked hoops and of ribs that meet at the bottom; `a` is half its length, `b` half its
 /// depth.
 Mesh make_basket(const Detail& detail, float a, float b, float height, std::uint32_t most_ribs, int hoops) {
   const std::uint32_t sides = detail.cell_count(6, 3), round = detail.cell_count(48, 16);

@@ -17,8 +17,7 @@ namespace traces::car {
 namespace {
 
 constexpr float kNose = 2.23F, kTail = -2.20F, kSill = 0.17F;
-constexpr float kRoll = 0.06F, kRolled = 0.09F;  // height, and fraction of the width, of the rounded shoulder of the
-                                                 // body
+constexpr float kRoll = 0.06F, kRolled = 0.09F;  // height, and fraction of the width, of the body's rounded shoulder
 
 /// Interpolates smoothly between points (x, value), in ascending order of x.
 float interpolate_keys(std::span<const glm::vec2> keys, float x) {

@@ -45,8 +45,7 @@ enum class From : std::uint8_t {
   kAbove   ///< projected along -y; patch axes (x, z)
 };
 
-/// Projects a patch onto a body, `lift` above its surface and with its normals. Parts of the patch that miss the body
-/// are omitted.
+/// Projects a patch onto a body, `lift` above its surface and with its normals. Parts that miss the body are omitted.
 Mesh drape_patch(const Mesh& body, const Mesh& patch, From from, float lift);
 
 }  // namespace traces::car

@@ -348,8 +348,7 @@ std::uint64_t triangles_of_trim(const Detail& detail) {
   return sum + 2 * (make_mirror(1, detail).triangles.size() + make_handle(1, detail).triangles.size());
 }
 
-/// Adds the parts on the body, attached to `node`: windows, lights, grilles, gaps, mirrors, handles, number plates,
-/// exhausts.
+/// Adds the parts on the body, attached to `node`: windows, lights, grilles, gaps, mirrors, handles, plates, exhausts.
 void add_trim(Scene& scene, const Mesh& shell, const Mesh& cabin, std::uint32_t node, std::uint32_t lacquer,
               const Detail& detail) {
   const Material looks[] = {make_paint("tinted glass", {0.012F, 0.014F, 0.016F}, 0.32F),

@@ -125,8 +125,7 @@ void add_window(Scene& scene, std::uint32_t frame_paint) {
   add_object(scene, make_box("window frame", {kLeft, 0.6F, -3.8F}, {kLeft + 0.2F, 11.7F, 5.5F}), frame_paint);
 }
 
-/// Adds the board (64 squares of 1 x 1 about the origin, their tops at y = 0), the table, the clock and the room with
-/// its window.
+/// Adds board (64 squares of 1 x 1 about the origin, their tops at y = 0), table, clock and the room with its window.
 void add_surroundings(Scene& scene, const Detail& detail) {
   const std::uint32_t maple =
       add_texture(scene, wood_texture("maple", {0.93F, 0.80F, 0.60F}, {0.80F, 0.61F, 0.38F}, 11));
@@ -230,8 +229,7 @@ struct Move {
   float height;  ///< height of the arc on which the piece moves
 };
 
-/// Returns the animated moves: the pawn on e5 leaves, a knight takes its place, the queen on d1 leaves, a bishop takes
-/// her place.
+/// Returns the animated moves: pawn e5 leaves, a knight takes its place, queen d1 leaves, a bishop takes her place.
 std::array<Move, 4> game_moves() {
   const float table = chess::kTableTop;
   return {{{"e5", {5.75F, table, -1.2F}, 0.4F, 1.9F, 2.2F},

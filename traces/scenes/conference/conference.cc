@@ -176,8 +176,7 @@ constexpr float kPanelling = 1.02F;  // height of the wall panelling
 constexpr glm::vec2 kField[] = {{0, 0},         {0, 0.022F},      {0.085F, 0.022F},
                                 {0.1F, 0.008F}, {0.115F, 0.008F}, {0.16F, 0.02F}};
 
-/// Makes the panelling of a wall in the wall's coordinates, `width` wide: raised fields, a base board and a rail on
-/// top.
+/// Makes the panelling of a wall, `width` wide, in the wall's coordinates: raised fields, base board, rail on top.
 Mesh make_panelling(float width, const Detail& detail) {
   Mesh mesh;
   mesh.name = "panelling";

@@ -52,8 +52,8 @@ Mesh make_castor(const Detail& detail) {
   return mesh;
 }
 
-/// Makes the hard parts of an office chair: five-star base, castors, gas lift, armrests, the shell of the back. The
-/// chair faces +z.
+/// Makes the hard parts of an office chair that faces +z: five-star base, castors, gas lift, armrests, shell of the
+/// back.
 Mesh make_chair_frame(const Detail& detail) {
   const std::uint32_t round = detail.cell_count(10, 4);
   Mesh mesh;

@@ -90,8 +90,7 @@ Texture label_texture() {
   });
 }
 
-/// Returns clear glass. It transmits slightly less and emits a little light, in place of paths that limited depth cuts
-/// off.
+/// Returns clear glass. It transmits slightly less and emits a little, in place of paths that limited depth cuts off.
 Material clear_glass() {
   Material m = make_glass("glass", {0.93F, 0.97F, 0.98F});
   m.transmission = 0.92F;
@@ -99,8 +98,7 @@ Material clear_glass() {
   return m;
 }
 
-/// Returns a coloured liquid. It emits the light that it would scatter, because shadow rays do not reach it through
-/// glass.
+/// Returns a coloured liquid. It emits the light that it would scatter: shadow rays do not reach it through glass.
 Material make_liquid(std::string name, const glm::vec3& colour) {
   Material m = make_glass(std::move(name), colour, 1.33F);
   m.transmission = 0.5F;
@@ -201,8 +199,7 @@ void add_shelves(Scene& scene, std::uint32_t board, const Detail& detail) {
   }
 }
 
-/// Adds the room: bench (its top at y = 0), tiled wall with a chart and shelves, cupboards, window on the left, lamp
-/// above.
+/// Adds the room: bench (its top at y = 0), tiled wall with chart and shelves, cupboards, window on the left, lamp.
 void add_room(Scene& scene, const Looks& looks, const Detail& detail) {
   const glm::vec3 x(kRight - kLeft, 0, 0), y(0, kCeiling - kFloor, 0), z(0, 0, kFront - kBack);
   const glm::vec3 low(kLeft, kFloor, kBack), high(kRight, kCeiling, kFront);

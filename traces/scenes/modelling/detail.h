@@ -8,16 +8,14 @@
 
 namespace traces {
 
-/// Level of detail of a generated scene: it scales the cells of curved surfaces and the numbers of leaves, tufts and
+/// Level of detail of a generated scene: scales the cells of curved surfaces and the numbers of leaves, tufts,
 /// bristles.
 struct Detail {
   double share = 1;  ///< cells along a line relative to the scene's standard size
 
-  /// Returns the number of cells along a line: `at_detail_1` at detail 1, proportional to the detail, and at least
-  /// `least`.
+  /// Returns the number of cells along a line: `at_detail_1` at detail 1, proportional to the detail, at least `least`.
   std::uint32_t cell_count(double at_detail_1, std::uint32_t least = 1) const;
-  /// Returns a number of objects that grows with the number of triangles: `at_detail_1` at detail 1, and at least
-  /// `least`.
+  /// Returns a number of objects that grows with the number of triangles: `at_detail_1` at detail 1, at least `least`.
   std::uint32_t piece_count(double at_detail_1, std::uint32_t least = 1) const;
   /// Returns a profile with fewer points for scenes of few triangles: every second point between the ends up to half of
   /// detail 1, every third up to a third.

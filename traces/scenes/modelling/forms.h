@@ -26,8 +26,7 @@ Mesh make_panel(std::string name, float width, float height, std::span<const glm
 Mesh make_cushion(std::string name, const glm::vec3& lower, const glm::vec3& upper, float radius, std::uint32_t steps,
                   std::uint32_t cells);
 
-/// Returns a mesh whose points `to` has moved, normals included. `to` must be smooth and must not turn the mesh inside
-/// out.
+/// Returns a mesh whose points `to` has moved, normals included. `to` must be smooth and not turn the mesh inside out.
 Mesh warp_mesh(Mesh mesh, const std::function<glm::vec3(const glm::vec3&)>& to);
 
 /// Sets texture coordinates from positions, in the coordinate plane nearest to each normal's; `repeats` per unit of
@@ -38,8 +37,7 @@ void project_uvs(Mesh& mesh, float repeats, bool upright = false);
 Mesh make_curtain(std::string name, float width, float height, std::uint32_t folds, float depth, std::uint32_t columns,
                   std::uint32_t rows, std::uint32_t seed);
 
-/// Returns a point of the outline |x / a|^8 + |y / b|^8 = 1, counter-clockwise. The outline is between an ellipse and a
-/// rectangle.
+/// Returns a point of |x / a|^8 + |y / b|^8 = 1, an outline between ellipse and rectangle, counter-clockwise.
 glm::vec2 rounded_rectangle_point(double turns, float a, float b);
 
 /// Adds a leaf to `mesh`: a blade along the unit vector `direction` that bends down by `droop` times its length.

@@ -7,8 +7,7 @@
 
 namespace traces {
 
-/// Makes a texture from a function of (u, v) in [0, 1) x [0, 1), v downwards. Colours are sRGB-encoded, 0 to 1; w is
-/// alpha.
+/// Makes a texture from a function of (u, v) in [0, 1) x [0, 1), v downwards. Colours are sRGB, 0 to 1; w is alpha.
 Texture paint_texture(std::string name, std::uint32_t width, std::uint32_t height,
                       const std::function<glm::vec4(float u, float v)>& at);
 

@@ -33,8 +33,7 @@ struct Tree {
   std::vector<Twig> twigs;
 };
 
-/// Makes trunk, branches and twigs of a tree as tubes. Bark repeats once around the trunk and every `bark` metres along
-/// it.
+/// Makes a tree's trunk, branches and twigs as tubes. Bark repeats once around the trunk and every `bark` metres along.
 Tree make_tree(std::string name, const TreeShape& shape, float bark = 1);
 
 /// Shape of the leaves of a tree. They are two triangles each, spread over the twigs with random rotation, facing
@@ -47,8 +46,7 @@ struct LeafShape {
 Mesh make_leaves(std::string name, std::span<const Twig> twigs, std::uint32_t count, const LeafShape& shape,
                  const glm::vec3& centre, std::uint64_t seed);
 
-/// Adds a leaf to `mesh`: a blade of two triangles folded lengthwise, from `foot` to `foot + length`, `half_width` to
-/// each side.
+/// Adds a leaf to `mesh`: two triangles folded lengthwise, from `foot` to `foot + length`, `half_width` to each side.
 void add_leaf(Mesh& mesh, const glm::vec3& foot, const glm::vec3& length, const glm::vec3& half_width,
               const glm::vec3& normal, const glm::vec2& uv, float uv_size);
 

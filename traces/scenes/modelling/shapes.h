@@ -84,16 +84,16 @@ Mesh make_cone(std::string name, float radius, float top_radius, float height, s
 /// Makes a torus around the y axis.
 Mesh make_torus(std::string name, float radius, float tube_radius, std::uint32_t segments, std::uint32_t sides);
 
-/// Makes a round tube along a path. `radii` has one entry, or one per point. Flat caps close the ends unless the radius
-/// there is 0.
+/// Makes a round tube along a path. `radii` has one entry, or one per point. Flat caps close ends whose radius is not
+/// 0.
 Mesh make_tube(std::string name, std::span<const glm::vec3> path, std::span<const float> radii, std::uint32_t sides);
 
 /// Makes a prism from an outline in the xy plane, from z = 0 to z = depth. The outline is counter-clockwise and simple,
 /// and may be concave.
 Mesh make_extrusion(std::string name, std::span<const glm::vec2> outline, float depth);
 
-/// Builds the profile of a turned object for make_lathe() and make_turned(): points (radius, height), connected by
-/// lines and arcs.
+/// Builds the profile of a turned object (make_lathe, make_turned): points (radius, height), connected by lines and
+/// arcs.
 class Outline {
  public:
   explicit Outline(const glm::vec2& start) : points_{start} {}

@@ -5,8 +5,7 @@
 namespace traces {
 namespace {
 
-/// Returns sin(x) for |x| <= pi / 4 by Taylor's series. The first omitted term is below 1e-10; small_cos() uses the
-/// same method.
+/// Returns sin(x) for |x| <= pi / 4 by Taylor's series; the first omitted term is below 1e-10. small_cos() is similar.
 double small_sin(double x) {
   const double s = x * x;
   return x * (1 - s / 6 * (1 - s / 20 * (1 - s / 42 * (1 - s / 72))));
