@@ -58,7 +58,7 @@ constexpr std::array kIdentifiers = {
     Retired{"floors", "rank_ready", "hw_models"},
     Retired{"mixed", "lerp", "shader_kernels"},
     Retired{"either", "logical_or"},
-    Retired{"split", "divmod", "shader_kernels"},
+    Retired{"split", "div_mod", "shader_kernels"},
     Retired{"Between", "SampleNeighbours"},
     Retired{"Demands", "FrameRequirements", "shader_kernels"},
     Retired{"Keep", "RetainedRecords"},
