@@ -143,7 +143,7 @@ struct VisibleRecord {
   static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.normal, r.depth, r.shadows)); }
 };
 // Depths of a ray that hits nothing, of a sample without a mirrored or refracted ray, and of a pixel outside the
-// picture. They differ so much from all others that the filter weight is 0.
+// picture. They are so far from all others that the filter weight is 0.
 inline constexpr float kMissDepth = 1e9F, kNoBranchDepth = -1e9F, kOutsideDepth = -3e9F;
 
 /// The visible fraction of a light source at a sample: the light that its shadow rays contributed, divided by the light

@@ -53,7 +53,7 @@ F<V> density_in_world(const InstanceFields<V>& instance, const Vec3<V>& n, const
 }
 
 /// Transforms a tangent from mesh to world space; the result has length 1 or 0. The columns of the inverse matrix are
-/// cross products of its rows over the determinant, of which only the sign matters.
+/// cross products of its rows over the determinant; only its sign matters.
 template <class V>
 Vec3<V> tangent_to_world(const InstanceFields<V>& instance, const Vec3<V>& t) {
   const Vec3<V> along = cross(instance.row1, instance.row2) * t.x + cross(instance.row2, instance.row0) * t.y +

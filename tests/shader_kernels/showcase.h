@@ -9,7 +9,7 @@
 
 namespace kernels {
 
-/// Adds a texture of side x side texels, of which `texel(x, y)` returns one.
+/// Adds a texture of side x side texels; texel (x, y) is `texel(x, y)`.
 inline std::uint32_t add_texture(traces::Scene& scene, std::uint32_t side, bool srgb, auto&& texel) {
   traces::Texture t;
   t.width = t.height = side;

@@ -17,7 +17,7 @@ SupersampleProgram::SupersampleProgram(const traces::MemoryImage& image, const t
       supersample_(supersample),
       scene_(image, config),
       camera_(camera_uniforms(camera, config.width, config.height)),
-      tiles_(config.width, config.height, config.tile / 2, 1),  // in sub-pixels, of which a pixel has two along a side
+      tiles_(config.width, config.height, config.tile / 2, 1),  // in sub-pixels, two along a pixel's side
       order_(tiles_.sample_tiles().rendering_order(supersample.halo)),
       frame_(frame),
       shown_(supersample.propagate == 0 ? 0 : config.width, supersample.propagate == 0 ? 0 : config.height,

@@ -128,7 +128,7 @@ struct TileBuffer {
   void reserve_samples(std::size_t count);
   /// Grows the arrays of supersample to `pixels` pixels whose centres are among `centres` samples.
   void reserve_subpixels(std::size_t centres, std::size_t pixels);
-  /// Grows the arrays of reconstruct to `count` samples, of which at most `pixels` are queued.
+  /// Grows the arrays of reconstruct to `count` samples; at most `pixels` of them are queued.
   void reserve_visible(std::size_t count, std::size_t pixels);
   /// Grows the arrays of effects at a lower rate to `count` samples and `light_count` lights.
   void reserve_rated(std::size_t count, std::size_t light_count);

@@ -179,7 +179,7 @@ Cover texel_cover(std::uint32_t size, std::uint32_t i) {
   return {2 * i, {half - i, half, i + 1}};
 }
 
-/// Returns the next mip level of a texture of which `at(x, y)` returns a texel.
+/// Returns the next mip level of a texture, whose texel (x, y) is `at(x, y)`.
 WideTexture halve_texture(std::uint32_t width, std::uint32_t height, auto&& at) {
   WideTexture half{std::max(1U, width / 2), std::max(1U, height / 2), {}};
   half.texels.reserve(std::size_t{half.width} * half.height);
