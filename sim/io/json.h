@@ -247,8 +247,8 @@ class Json {
   template <class T>
   std::vector<T> to_list() const;
 
-  // Mutable because the elements of an initializer list are const: move_out() moves them. No other function changes a const
-  // value.
+  // Mutable because the elements of an initializer list are const: move_out() moves them. No other function changes a
+  // const value.
   mutable Type type_ = Type::kNull;
   mutable Value value_;
 };
