@@ -8,7 +8,7 @@
 
 namespace traces {
 std::string did_you_mean(std::string_view text, std::span<const std::string> candidates) {
-  const std::string_view start = sim::comparable_start(text);
+  const std::string_view start = sim::comparison_prefix(text);
   const auto suggestion = [](const std::string& candidate) { return ", did you mean '" + candidate + "'?"; };
   constexpr std::size_t kShortestBeginning = 3;
   if (start.size() >= kShortestBeginning) {
