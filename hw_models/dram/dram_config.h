@@ -31,6 +31,13 @@ enum class RefreshOrder : std::uint8_t {
 };
 constexpr std::array<std::string_view, 2> names_of(RefreshOrder) { return {"round_robin", "idle_first"}; }
 
+/// State of the devices between frames.
+enum class DramIdle : std::uint8_t {
+  kPowerDown,    ///< power-down without refreshes: the lowest power of a device
+  kSelfRefresh,  ///< the devices refresh the part of the array whose data are kept
+};
+constexpr std::array<std::string_view, 2> names_of(DramIdle) { return {"power_down", "self_refresh"}; }
+
 /// How many banks one refresh command occupies.
 enum class RefreshKind : std::uint8_t {
   kPerBank,  ///< one bank, or the pair that the device refreshes together; the other banks continue
@@ -75,7 +82,7 @@ struct DramOrganisation {
           sim::power_of_two(1, 2), Affects::kTiming);
     field(NAMED(c.rows), "rows", "rows of a bank", sim::power_of_two(1, 1 << 20), Affects::kTiming);
     field(NAMED(c.width), "lines", "data lines (area of the pads; what they move is in burst and timing)",
-          sim::power_of_two(8, 64), Affects::kEnergy);
+          sim::between(8, 64), Affects::kEnergy);
     field(NAMED(c.page), "bytes", "data of one row", sim::power_of_two(64, 1 << 16), Affects::kTiming);
     field(NAMED(c.burst), "bytes", "data of one read or write command", sim::power_of_two(8, 256), Affects::kTiming);
     field(NAMED(c.bl32), "", "a command moves two bursts, tCCD_L apart (BL32 of LPDDR5)", sim::any(), Affects::kTiming);
@@ -191,7 +198,7 @@ struct DramEnergy {
   sim::Band phy{307.2, 512, 768};
   sim::Band refresh{2743, 3162, 3810}, refresh_all{21943, 25295, 30476};
   sim::Band active_standby{12.24, 18.62, 31.47}, precharge_standby{7.847, 11.68, 20.49};
-  sim::Band power_down_standby{1.536, 2.285, 4.01};
+  sim::Band power_down_standby{1.536, 2.285, 4.01}, self_refresh_array{1.405, 1.62, 1.952};
 
   static void describe(auto& c, auto&& field) {
     const auto energy = [&](auto& value, const char* name, const char* unit, const char* meaning) {
@@ -208,6 +215,7 @@ struct DramEnergy {
     energy(NAMED(c.active_standby), "mW", "a rank while a row is open somewhere, clock included");
     energy(NAMED(c.precharge_standby), "mW", "a rank while every row is closed, clock included");
     energy(NAMED(c.power_down_standby), "mW", "a rank in power-down");
+    energy(NAMED(c.self_refresh_array), "mW", "refreshing a rank's whole array in self refresh, above power-down");
   }
 };
 
@@ -217,6 +225,8 @@ struct DramConfig {
   std::uint32_t channels = 4;
   sim::ByteSize line{kLineBytes};
   sim::Duration fabric{50'000'000};
+  DramIdle idle = DramIdle::kPowerDown;
+  double refreshed_part = 1;
   DramOrganisation organisation;
   DramTiming timing;
   DramController controller;
@@ -231,6 +241,10 @@ struct DramConfig {
     field(NAMED(c.line), "bytes", "data of one request", sim::power_of_two(16, 256), Affects::kTiming);
     field(NAMED(c.fabric), "ns", "fixed part of a read's latency between the GPU and the controller",
           sim::between(0, 1e9), Affects::kTiming);
+    field(NAMED(c.idle), "", "state of the devices between frames (raywatt dvfs, sustain)", sim::any(),
+          Affects::kEnergy);
+    field(NAMED(c.refreshed_part), "", "part of the array that self refresh keeps (partial-array self refresh)",
+          sim::between(0, 1), Affects::kEnergy);
     field.group(NAMED(c.organisation), "one channel");
     field.group(NAMED(c.timing), "speed grade, in cycles of the command clock");
     field.group(NAMED(c.controller), "order of requests");

@@ -59,7 +59,7 @@ class CommandCalendar {
   Cycle first_free_cycle(DramCommand command, Cycle from) const {
     if (command != DramCommand::kActivate) return first_free_cycle(index_of(command), from);
     if (half_activate_ == 0) return from + cycles_until_free(mask_relative_to(blocked_[kActivate], from));
-    from = std::max(from, act2_at_ + half_activate_);
+    from = std::max(from, act2_end_);
     std::uint64_t blocked = mask_relative_to(blocked_[kActivate], from);
     std::uint64_t no_second = ~std::uint64_t{0};
     for (std::uint32_t d = half_activate_; d <= aad_; ++d) no_second &= blocked >> d;
@@ -75,8 +75,8 @@ class CommandCalendar {
     book_kind(index_of(command), at);
     if (command != DramCommand::kActivate || half_activate_ == 0) return;
     act2_until_ = at + aad_;
-    act2_at_ = at + half_activate_ + cycles_until_free(blocked_[kActivate] >> half_activate_);
-    assert(act2_at_ <= act2_until_);
+    act2_end_ = at + 2 * half_activate_ + cycles_until_free(blocked_[kActivate] >> half_activate_);
+    assert(act2_end_ <= act2_until_ + half_activate_);
   }
   /// Books a CAS at cycle `at` and the column command that follows it.
   void book_cas_and_column(Cycle at) { book_kind(kSync, at); }
@@ -104,17 +104,17 @@ class CommandCalendar {
   }
   /// True if the command at cycle `at` would occupy the command bus in a cycle of the pending ACT-2.
   bool conflicts_with_act2(std::size_t kind, Cycle at) const {
-    return at < act2_at_ + half_activate_ && ((act2_conflicts_[kind] >> (kLatest + at - act2_at_)) & 1) != 0;
+    return at < act2_end_ && ((act2_conflicts_[kind] >> (kLatest + at + half_activate_ - act2_end_)) & 1) != 0;
   }
   bool can_displace_act2(std::size_t kind, Cycle at) const {
-    return kind != kPrecharge && at <= act2_at_ && act2_cycle_if_booked(kind, at) <= act2_until_;
+    return kind != kPrecharge && at + half_activate_ <= act2_end_ && act2_cycle_if_booked(kind, at) <= act2_until_;
   }
   /// Returns the cycle to which the pending ACT-2 moves if the command is booked at cycle `at`.
   Cycle act2_cycle_if_booked(std::size_t kind, Cycle at) const {
     return at + cycles_until_free(mask_relative_to(blocked_[kActivate], at) | forbids_[kind][kActivate]);
   }
   void book_kind(std::size_t kind, Cycle at) {
-    if (conflicts_with_act2(kind, at)) act2_at_ = act2_cycle_if_booked(kind, at);
+    if (conflicts_with_act2(kind, at)) act2_end_ = act2_cycle_if_booked(kind, at) + half_activate_;
     for (std::size_t asked = 0; asked < kKinds; ++asked)
       blocked_[asked] = mask_relative_to(blocked_[asked], at) | forbids_[kind][asked];
     blocked_data_ = mask_relative_to(blocked_data_, at);
@@ -157,7 +157,8 @@ class CommandCalendar {
   std::array<std::uint64_t, kKinds>
       blocked_{};  ///< blocked start cycles of each kind of command, without conflicts with the pending ACT-2
   std::uint64_t blocked_data_ = 0;
-  Cycle act2_at_ = 0, act2_until_ = 0;  ///< cycle of the last ACT-2, and the latest cycle to which it may move
+  Cycle act2_end_ = 0;    ///< first cycle after the last ACT-2; 0 before the first
+  Cycle act2_until_ = 0;  ///< latest cycle to which the last ACT-2 may move
   std::array<std::array<std::uint64_t, kKinds>, kKinds> forbids_{};
   std::array<std::uint64_t, 2> forbids_data_{};  ///< start cycles of a line's data that a column command blocks:
                                                  ///< without and with a preceding CAS

@@ -13,6 +13,9 @@ namespace hw {
 /// clock.
 std::map<std::string, sim::DeviceEvent> dram_energy_events(const DramConfig& config);
 
+/// Returns the power of the whole memory between frames, in mW.
+sim::Band dram_idle_mw(const DramConfig& config);
+
 /// Returns the energy of all events that a DRAM channel counted, in pJ.
 sim::Band dram_energy(const DramConfig& config, const DramChannel::Stats& stats);
 

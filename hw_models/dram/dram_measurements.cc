@@ -276,8 +276,8 @@ void measure_rows(const DramConfig& grade, std::vector<DramMeasurement>& measure
       measure_row_stream(long_rows, "sixteen lines of every row", lines_of_row, Agreement::kClosely));
   // A split activate fits between the commands of other lines; a whole activate may not. Lines of one command are
   // packed less closely than lines of two, whose command slots keep their bursts apart. Random reads lose up to 3 % of
-  // a saturated command bus to displaced ACT-2s.
-  const bool is_close = grade.timing.aad != 0 && !grade.organisation.bl32;
+  // a saturated command bus to displaced ACT-2s. Column commands of two cycles (LPDDR6) leave single free cycles.
+  const bool is_close = grade.timing.aad != 0 && grade.timing.ca_column == 1 && !grade.organisation.bl32;
   measurements.push_back(
       measure_row_stream(lines, "a line of every row", 1, is_close ? Agreement::kClosely : Agreement::kAtMost));
   for (Addr i = 0; i < kLines; ++i) random.add_request(sim::hash(i) % (1 << 22) * random.config.line.bytes);

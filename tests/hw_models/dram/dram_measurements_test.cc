@@ -11,7 +11,8 @@ namespace {
 
 class DramMeasurements : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Grades, DramMeasurements,
-                         testing::Values("lpddr3-1600", "lpddr4-3200", "lpddr4-4266", "lpddr4x-4266", "lpddr5-6400"),
+                         testing::Values("lpddr3-1600", "lpddr4-3200", "lpddr4-4266", "lpddr4x-4266", "lpddr5-6400",
+                                         "lpddr5x-8533", "lpddr6-10667"),
                          [](const auto& grade) {
                            std::string name = grade.param;
                            std::erase(name, '-');

@@ -1,3 +1,4 @@
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -5,10 +6,10 @@
 #include "hw_models/dram/dram_measurements.h"
 #include "sim/config/config.h"
 
-// LPDDR5 streams against the published rules of Ramulator 2.1 (python/ramulator/dram/lpddr5.py, LPDDR controller). In
-// clocks of CK: RL 17, WL 9; bursts are 2 (BL/n_min) or, in one group, 4 apart (tCCD_L, BL/n_max). RD to WR: RL + 2 + 2
-// - WL. WR to RD: WL + 2 + tWTR_S (5), or in one group WL + 4 + tWTR_L (10). WCK stops a clock after the data; a later
-// read or write follows a clock after its CAS. A line is two bursts of one bank.
+// LPDDR5 and LPDDR5X streams against the published rules of Ramulator 2.1 (python/ramulator/dram/lpddr5.py, LPDDR
+// controller). In clocks of CK: bursts are 2 (BL/n_min) or, in one group, 4 apart (tCCD_L, BL/n_max). RD to WR: RL + 2
+// + 2 - WL. WR to RD: WL + 2 + tWTR_S, or in one group WL + 4 + tWTR_L. WCK stops a clock after the data; a later read
+// or write follows a clock after its CAS. A line is two bursts of one bank.
 
 namespace hw {
 namespace {
@@ -16,12 +17,25 @@ namespace {
 constexpr std::uint64_t kLine = 64;
 constexpr std::uint64_t kColumns = 32;  ///< lines of a row
 
-DramConfig quiet_lpddr5() {
-  DramConfig c = sim::load_config<DramConfig>("configs/dram/lpddr5-6400.yaml");
+DramConfig quiet(const char* grade) {
+  DramConfig c = sim::load_config<DramConfig>(std::string("configs/dram/") + grade + ".yaml");
   c.timing.refi_pb = 0;
   c.controller.bank_xor = false;
   return c;
 }
+
+class Lpddr5Streams : public testing::TestWithParam<const char*> {
+ protected:
+  static DramTiming timing() { return quiet(GetParam()).timing; }
+  static std::uint64_t read_to_write() { return timing().rl + 2 + 2 - timing().wl; }
+  static std::uint64_t write_to_read() { return timing().wl + 2 + timing().wtr_s; }
+  static std::uint64_t write_to_read_of_group() { return timing().wl + 4 + timing().wtr_l; }
+};
+INSTANTIATE_TEST_SUITE_P(Grades, Lpddr5Streams, testing::Values("lpddr5-6400", "lpddr5x-8533"), [](const auto& grade) {
+  std::string name = grade.param;
+  std::erase(name, '-');
+  return name;
+});
 
 /// Returns the address of a line in row 0 of a bank. Even and odd banks are in different bank groups.
 std::uint64_t line_in(std::uint64_t bank, std::uint64_t column) { return (column * 16 + bank) * kLine; }
@@ -39,8 +53,8 @@ std::vector<DramRequest> opened_rows() {
 }
 
 /// Returns the mean clocks between reads that each arrive `gap` clocks after the data of the previous one.
-double clocks_a_read(std::uint64_t gap, std::uint64_t expected) {
-  const DramConfig c = quiet_lpddr5();
+double clocks_a_read(const char* grade, std::uint64_t gap, std::uint64_t expected) {
+  const DramConfig c = quiet(grade);
   std::vector<DramRequest> requests = opened_rows();
   constexpr std::uint64_t kReads = 200;
   for (std::uint64_t i = 0; i < kReads; ++i)
@@ -52,16 +66,18 @@ double clocks_a_read(std::uint64_t gap, std::uint64_t expected) {
   return clocks_of(c, p.done.back() - p.done[16]) / (kReads - 1);
 }
 
-TEST(Lpddr5Streams, AReadAtATimeStartsTheDataClockAgainIfItIsAClockLate) {
-  EXPECT_EQ(clocks_a_read(0, 23), 17 + 4 + 2) << "19 after the last read, and WCK stops 20 after it";
-  EXPECT_EQ(clocks_a_read(1, 25), 1 + 1 + 17 + 4 + 2) << "20 after it: CAS";
-  EXPECT_EQ(clocks_a_read(9, 33), 9 + 1 + 17 + 4 + 2);
+// RL + 2 after the last read its data end, and WCK stops a clock later.
+TEST_P(Lpddr5Streams, AReadAtATimeStartsTheDataClockAgainIfItIsAClockLate) {
+  const std::uint64_t line = timing().rl + 4 + 2;
+  EXPECT_EQ(clocks_a_read(GetParam(), 0, line), line);
+  EXPECT_EQ(clocks_a_read(GetParam(), 1, line + 2), 1 + 1 + line) << "CAS";
+  EXPECT_EQ(clocks_a_read(GetParam(), 9, line + 10), 9 + 1 + line);
 }
 
 /// Returns the clocks for a read and a write of one line each, alternately, in these banks. Each arrives before the bus
 /// is free.
-double clocks_a_pair(std::uint64_t read_bank, std::uint64_t write_bank, std::uint64_t expected) {
-  const DramConfig c = quiet_lpddr5();
+double clocks_a_pair(const char* grade, std::uint64_t read_bank, std::uint64_t write_bank, std::uint64_t expected) {
+  const DramConfig c = quiet(grade);
   std::vector<DramRequest> requests = opened_rows();
   constexpr std::uint64_t kPairs = 100, kWait = 12;  // clocks
   for (std::uint64_t i = 0; i < kPairs; ++i) {
@@ -73,10 +89,12 @@ double clocks_a_pair(std::uint64_t read_bank, std::uint64_t write_bank, std::uin
   return clocks_of(c, p.done.back() - p.done[17]) / (kPairs - 1);
 }
 
-// RD at 0 and 4; WR 12 after the second and 4 later; CAS 16 (or 23) after that, RD a clock later.
-TEST(Lpddr5Streams, ALineReadAndALineWrittenInTurnPayBothTurnaroundsAndACas) {
-  EXPECT_EQ(clocks_a_pair(0, 1, 37), 4 + 12 + 4 + 16 + 1) << "other bank group";
-  EXPECT_EQ(clocks_a_pair(0, 4, 44), 4 + 12 + 4 + 23 + 1) << "same bank group";
+// Two reads 4 apart, two writes 4 apart, and a CAS before the next read.
+TEST_P(Lpddr5Streams, ALineReadAndALineWrittenInTurnPayBothTurnaroundsAndACas) {
+  const std::uint64_t other = 4 + read_to_write() + 4 + write_to_read() + 1;
+  const std::uint64_t same = 4 + read_to_write() + 4 + write_to_read_of_group() + 1;
+  EXPECT_EQ(clocks_a_pair(GetParam(), 0, 1, other), other) << "other bank group";
+  EXPECT_EQ(clocks_a_pair(GetParam(), 0, 4, same), same) << "same bank group";
 }
 
 /// A copy of lines: groups of reads, then of writes, as the controller forms them.
@@ -86,8 +104,8 @@ struct Copy {
 };
 constexpr std::uint64_t kLines = 4096;
 template <class Source, class Destination>
-Copy copy(std::uint32_t n, Source&& from, Destination&& to) {
-  DramConfig c = quiet_lpddr5();
+Copy copy(const char* grade, std::uint32_t n, Source&& from, Destination&& to) {
+  DramConfig c = quiet(grade);
   c.controller.write_high = 28;
   c.controller.write_low = 28 - n;
   std::vector<DramRequest> requests;
@@ -102,25 +120,42 @@ Copy copy(std::uint32_t n, Source&& from, Destination&& to) {
 }
 
 // Copies one half of each row to the other. At 2 clocks per burst, a copied line takes 8 clocks. A pair of groups adds
-// 12 clocks instead of 2 before the first write, and 16 and a CAS instead of 2 before the first read. Rows stay open
-// for 16 lines of each half, so activates are hidden.
-TEST(Lpddr5Streams, ACopyWithinOpenRowsIsBoundByBurstsAndTurnarounds) {
+// two turnarounds instead of 2 clocks each; the second has a CAS. Rows stay open for 16 lines of each half, so
+// activates are hidden.
+TEST_P(Lpddr5Streams, ACopyWithinOpenRowsIsBoundByBurstsAndTurnarounds) {
   constexpr std::uint64_t kHalf = 16 * kColumns / 2;
   const auto from = [](std::uint64_t i) { return i / kHalf * 2 * kHalf + i % kHalf; };
+  const auto turns = static_cast<double>((read_to_write() - 2) + (write_to_read() + 1 - 2));
   for (const std::uint32_t n : {8U, 16U, 24U}) {
-    const Copy c = copy(n, from, [&](std::uint64_t i) { return from(i) + kHalf; });
-    const double expected = 8.0 * kLines + c.pairs_of_groups * ((12 - 2) + (16 + 1 - 2));
+    const Copy c = copy(GetParam(), n, from, [&](std::uint64_t i) { return from(i) + kHalf; });
+    const double expected = 8.0 * kLines + c.pairs_of_groups * turns;
     EXPECT_NEAR(c.clocks, expected, 0.02 * expected) << n << " lines a group";
   }
 }
 
 // Copies rows to other rows of the same banks. Each group closes and opens 16 rows: PRE a clock after the last column
-// command, tRP 15, tRCD 15, then one row per 4 clocks (tRRD, tFAW), which is as fast as the bursts of its line.
-TEST(Lpddr5Streams, ACopyBetweenRowsOfABankIsBoundByActivates) {
+// command, tRP 15, tRCD 15, then one row per 4 clocks (tRRD, tFAW), which is as fast as the bursts of its line. LPDDR5X
+// opens rows more slowly than it reads their lines, so groups share rows; "a line of every row" of DramMeasurements has
+// its rate.
+TEST(Lpddr5Copy, BetweenRowsOfABankIsBoundByActivates) {
   const auto from = [](std::uint64_t i) { return i; };
-  const Copy c = copy(16, from, [](std::uint64_t i) { return i + (1 << 20); });
+  const Copy c = copy("lpddr5-6400", 16, from, [](std::uint64_t i) { return i + (1 << 20); });
   const double expected = 8.0 * kLines + c.pairs_of_groups * 2 * (1 + 15 + 15);
   EXPECT_NEAR(c.clocks, expected, 0.02 * expected);
+}
+
+// LPDDR6 by the rules of Ramulator 2.1 (python/ramulator/dram/lpddr6.py): a line of two bursts, 6 clocks each between
+// bank groups. RD to WR takes nRL + nBL_min + nWCK2DQO - nODTLon + 1 = 41 clocks, WR to RD nWL + nBL_min + nWTRS = 49
+// after a CAS of 2 clocks.
+TEST(Lpddr6Streams, ACopyWithinOpenRowsIsBoundByBurstsAndTurnarounds) {
+  constexpr std::uint64_t kHalf = 16 * kColumns / 2;
+  constexpr double kBurst = 6, kTurns = (41 - kBurst) + (49 + 2 - kBurst);
+  const auto from = [](std::uint64_t i) { return i / kHalf * 2 * kHalf + i % kHalf; };
+  for (const std::uint32_t n : {8U, 16U, 24U}) {
+    const Copy c = copy("lpddr6-10667", n, from, [&](std::uint64_t i) { return from(i) + kHalf; });
+    const double expected = 4 * kBurst * kLines + c.pairs_of_groups * kTurns;
+    EXPECT_NEAR(c.clocks, expected, 0.02 * expected) << n << " lines a group";
+  }
 }
 
 }  // namespace

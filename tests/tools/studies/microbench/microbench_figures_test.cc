@@ -103,9 +103,9 @@ TEST(MicrobenchBandwidth, NearlyReachesTheStreamOfOneChannel) {
 
 TEST(MicrobenchBandwidth, HasTwoRowsForEachGrade) {
   const Json all = measured("bandwidth", {"--all-grades", "--set", "dram.channels=1"});
-  ASSERT_EQ(all["figures"].size(), 10U);
+  ASSERT_EQ(all["figures"].size(), 14U);
   EXPECT_EQ(all["figures"][0]["name"], "LPDDR3-1600, stream");
-  EXPECT_EQ(all["figures"][9]["name"], "LPDDR5-6400, random");
+  EXPECT_EQ(all["figures"][13]["name"], "LPDDR6-10667, random");
 }
 
 TEST(MicrobenchBandwidth, FindsGradesInAllFoldersOfRaywattPath) {
@@ -116,8 +116,8 @@ TEST(MicrobenchBandwidth, FindsGradesInAllFoldersOfRaywattPath) {
                                 {.variables = {{"RAYWATT_PATH", folder.path().string()}}});
   ASSERT_EQ(ending.exit, 0) << ending.err;
   const Json all = Json::parse(ending.out);
-  ASSERT_EQ(all["figures"].size(), 12U);
-  EXPECT_EQ(all["figures"][10]["name"], "mine, stream");
+  ASSERT_EQ(all["figures"].size(), 16U);
+  EXPECT_EQ(all["figures"][14]["name"], "mine, stream");
 }
 
 TEST(MicrobenchMshr, GivesALineForEachRegisterAndLatencyUntilThePortIsFull) {

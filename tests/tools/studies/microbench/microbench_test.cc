@@ -54,7 +54,7 @@ TEST(MicrobenchDram, ComparesTheEnergyOfAllGrades) {
   const Ending ending = raywatt({"microbench", "dram", "--all-grades", "--json"});
   ASSERT_EQ(ending.exit, 0) << ending.err;
   const nlohmann::json figures = nlohmann::json::parse(ending.out)["figures"];
-  ASSERT_EQ(figures.size(), 5U * 4U);
+  ASSERT_EQ(figures.size(), 7U * 4U);
   EXPECT_EQ(figures[0]["name"], "LPDDR3-1600, energy, sequential reads");
   EXPECT_EQ(figures[18]["name"], "LPDDR5-6400, energy, idle");
   EXPECT_NEAR(figures[18]["measured"], 10.67 + 2905 / 488.75, 0.01);
