@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 #include <typeindex>
 #include <utility>
 #include <vector>
@@ -22,6 +23,9 @@ struct CounterReport {
   std::string event;
   CounterKind kind = CounterKind::kSum;
 };
+
+/// Block of units that are not on the chip: they have counters, but neither energy nor area.
+inline constexpr std::string_view kOutsideBlock = "outside";
 
 /// A part that a unit's logic contains several times, such as a box tester. A configuration key sets their number.
 struct UnitPart {

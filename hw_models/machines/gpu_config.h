@@ -5,8 +5,10 @@
 
 #include "hw_models/dram/dram_config.h"
 #include "hw_models/frame/direct_interface_config.h"
+#include "hw_models/memory/background_source.h"
 #include "hw_models/memory/cache_config.h"
 #include "hw_models/memory/core_port.h"
+#include "hw_models/memory/system_cache.h"
 #include "hw_models/raster/raster_unit_config.h"
 #include "hw_models/srp/srp_config.h"
 #include "hw_models/srp/tile_buffer.h"
@@ -97,6 +99,8 @@ struct GpuConfig {
   DmaConfig dma;
   L2Config l2;
   InterconnectConfig interconnect;
+  SystemCacheConfig slc;
+  BackgroundConfig background;
   DramConfig dram;
   IdealConfig ideal;
   std::uint64_t watchdog = 0;
@@ -112,6 +116,8 @@ struct GpuConfig {
     field.group(NAMED(c.dma), "block transfers between tile buffer and memory, one per core");
     field.group(NAMED(c.l2), "second-level cache, shared");
     field.group(NAMED(c.interconnect), "between cores, L2 and memory");
+    field.group(NAMED(c.slc), "system cache, a slice in front of each memory channel");
+    field.group(NAMED(c.background), "traffic of the rest of the chip on the memory channels");
     field.group(NAMED(c.dram), "memory channels");
     field.group(NAMED(c.ideal), "resources made perfect, for bounds (--ideal)");
     field(
@@ -131,10 +137,16 @@ struct GpuConfig {
     line("raster.l1.line", raster.l1.line);
     line("l2.line", l2.cache.line);
     line("dram.line", dram.line);
-    if (cores + l2.banks > kMostWays) {
+    if (slc.is_present()) {
+      slc.slice_config(dram.channels).check([&](std::string_view key, const std::string& problem) {
+        complain("slc." + std::string(key == "banks" ? "size" : key), problem);
+      });
+    }
+    const std::uint32_t sources = background.rate > 0 ? 1 : 0;
+    if (cores + l2.banks + sources > kMostWays) {
       complain("cores", "a memory channel takes requests from " + std::to_string(kMostWays) +
                             " cores and L2 banks at most, not from " + std::to_string(cores) + " + " +
-                            std::to_string(l2.banks));
+                            std::to_string(l2.banks) + (sources > 0 ? " and the background" : ""));
     }
   }
   static constexpr std::uint32_t kMostWays = 64;

@@ -29,8 +29,10 @@ sim::Time round_trip_latency(const GpuConfig& config) {
   const sim::Time crossings = 8, synchroniser = config.clocks.synchroniser + 1;
   const sim::Time l2 = 2 * config.interconnect.latency + config.l2.lookup_cycles + config.l2.cache.hit_cycles +
                        2 * config.interconnect.cycles_of(kLineBytes) + crossings * synchroniser;
+  const sim::Time slice = config.slc.is_present() ? config.slc.lookup_cycles + config.slc.cache.hit_cycles : 0;
   const sim::Time tni = config.direct_interface.interval + crossings * synchroniser;
-  return l2 * config.clocks.l2.clock().period() + tni * config.clocks.tni.clock().period() + config.dram.fabric.time;
+  return (l2 + slice) * config.clocks.l2.clock().period() + tni * config.clocks.tni.clock().period() +
+         config.dram.fabric.time;
 }
 
 /// Returns the worst latency of one line in a DRAM channel that serves no other request.
@@ -47,7 +49,8 @@ sim::Time max_requests(const GpuConfig& config) {
                          config.srp.data_cache.mshrs + config.dma.depth +
                          2 * (config.tni.trvs + 4) * config.interconnect.link_depth;
   const sim::Time channel = config.dram.controller.read_queue + config.dram.controller.write_queue;
-  return config.cores * core + config.dram.channels * channel + config.l2.cache.mshrs;
+  const sim::Time slices = config.slc.is_present() ? config.slc.cache.mshrs : 0;
+  return config.cores * core + config.dram.channels * channel + config.l2.cache.mshrs + slices;
 }
 
 }  // namespace

@@ -30,7 +30,13 @@ MemorySystem::MemorySystem(sim::Machine& machine, const GpuConfig& config, Dma d
                                                 .clock = dram,
                                                 .data_lines = config.dram.organisation.width})});
   }
-  link_banks_to_channels();
+  const std::uint64_t system_bytes = config.slc.cache.size.bytes;
+  for (std::uint32_t k = 0; config.slc.is_present() && k < config.dram.channels; ++k) {
+    declared_slices_.push_back({machine.unit(
+        {SystemCacheSlice::kName + std::to_string(k), clock_, 0, system_bytes / config.dram.channels, system_bytes})});
+  }
+  for (Bank& bank : declared_banks_) link_to_memory(bank);
+  link_slices_to_channels();
 }
 
 void MemorySystem::declare_ports() {
@@ -42,16 +48,65 @@ void MemorySystem::declare_ports() {
   link_to_channels(dma_ports_.back());
 }
 
-void MemorySystem::link_banks_to_channels() {
-  for (Bank& bank : declared_banks_) {
-    for (Channel& channel : declared_channels_) {
-      auto& up = machine_.link<MemRequest>(link_depth_ + 1, 1, bank.unit, channel.unit);
-      auto& down = machine_.link<MemResponse>(link_depth_ + 1, 1, channel.unit, bank.unit);
-      bank.links.channels_out.push_back(&up);
-      bank.links.channels_in.push_back(&down);
-      channel.links.ports_in.push_back(&up);
-      channel.links.ports_out.push_back(&down);
-    }
+/// Links a bank to the slices of the system cache, or to the channels where there is none.
+void MemorySystem::link_to_memory(Bank& bank) {
+  const auto link = [&](sim::UnitId target, auto& requests, auto& lines) {
+    auto& up = machine_.link<MemRequest>(link_depth_ + 1, 1, bank.unit, target);
+    auto& down = machine_.link<MemResponse>(link_depth_ + 1, 1, target, bank.unit);
+    bank.links.channels_out.push_back(&up);
+    bank.links.channels_in.push_back(&down);
+    requests.push_back(&up);
+    lines.push_back(&down);
+  };
+  for (Bank& slice : declared_slices_) link(slice.unit, slice.links.cores_in, slice.links.cores_out);
+  if (has_slices()) return;
+  for (Channel& channel : declared_channels_) link(channel.unit, channel.links.ports_in, channel.links.ports_out);
+}
+
+void MemorySystem::link_slices_to_channels() {
+  for (std::size_t k = 0; k < declared_slices_.size(); ++k) {
+    Bank& slice = declared_slices_[k];
+    Channel& channel = declared_channels_[k];
+    auto& up = machine_.link<MemRequest>(link_depth_ + 1, 1, slice.unit, channel.unit);
+    auto& down = machine_.link<MemResponse>(link_depth_ + 1, 1, channel.unit, slice.unit);
+    slice.links.channels_out.push_back(&up);
+    slice.links.channels_in.push_back(&down);
+    channel.links.ports_in.push_back(&up);
+    channel.links.ports_out.push_back(&down);
+  }
+}
+
+std::vector<sim::Link<Flush>*> MemorySystem::add_background(sim::UnitId from) {
+  std::vector<sim::Link<Flush>*> ends;
+  if (config_.background.rate == 0) return ends;
+  const sim::Clock clock(config_.dram.timing.ck.time);
+  for (Channel& channel : declared_channels_) {
+    const auto number = std::to_string(declared_sources_.size());
+    const sim::UnitId unit = machine_.unit({BackgroundSource::kName + number, clock});
+    auto& up = machine_.link<MemRequest>(link_depth_ + 1, 1, unit, channel.unit);
+    auto& down = machine_.link<MemResponse>(link_depth_ + 1, 1, channel.unit, unit);
+    auto& end = machine_.link<Flush>(1, 1, from, unit);
+    channel.links.ports_in.push_back(&up);
+    channel.links.ports_out.push_back(&down);
+    declared_sources_.push_back({unit, {up, down, end}});
+    ends.push_back(&end);
+  }
+  return ends;
+}
+
+void MemorySystem::build_background() {
+  const DramConfig& dram = config_.dram;
+  const std::uint64_t bytes =
+      std::uint64_t{dram.organisation.all_banks()} * dram.organisation.rows * dram.organisation.page.bytes;
+  const bool by_page = dram.controller.mapping == DramMapping::kRowBankChannelColumn;
+  for (std::uint32_t k = 0; k < declared_sources_.size(); ++k) {
+    const BackgroundSource::Place place{.channel = k,
+                                        .channels = dram.channels,
+                                        .line_bytes = dram.line.bytes,
+                                        .granule = by_page ? dram.organisation.page.bytes : dram.line.bytes,
+                                        .lines = bytes / dram.line.bytes};
+    machine_.build<BackgroundSource>(declared_sources_[k].unit, config_.background, place, declared_sources_[k].links,
+                                     sim::Clock(dram.timing.ck.time));
   }
 }
 
@@ -78,6 +133,16 @@ void MemorySystem::link_to_channels(Port& dma) {
   const std::uint32_t depth = link_depth_ + distance_;
   const auto by_latency = sim::Lookahead::kByLatency;
   const std::size_t requests = config_.ideal.interconnect ? depth : 1;
+  for (Bank& slice : declared_slices_) {
+    auto& up = machine_.link<MemRequest>(depth, distance_, dma.unit, slice.unit, by_latency, requests);
+    auto& down =
+        machine_.link<MemResponse>(depth, distance_, slice.unit, dma.unit, by_latency, L2Bank::kMaxLinesPerTick);
+    dma.links.targets_out.push_back(&up);
+    dma.links.targets_in.push_back(&down);
+    slice.links.cores_in.push_back(&up);
+    slice.links.cores_out.push_back(&down);
+  }
+  if (has_slices()) return;
   const std::size_t lines = config_.ideal.dram ? depth : DramChannel::kMaxLinesPerTick;
   for (Channel& channel : declared_channels_) {
     auto& up = machine_.link<MemRequest>(depth, distance_, dma.unit, channel.unit, by_latency, requests);
@@ -137,6 +202,13 @@ void MemorySystem::build_banks_and_channels() {
                                              bank.links, config_.dram.channel_interleave(), clock_,
                                              config_.interconnect.arbitration, config_.ideal.l2));
   }
+  // Slices have no observer, because observers count look-ups of the L2.
+  for (std::uint32_t k = 0; k < declared_slices_.size(); ++k) {
+    machine_.build<SystemCacheSlice>(declared_slices_[k].unit, config_.slc.slice_config(config_.dram.channels),
+                                     static_cast<std::uint16_t>(k), declared_slices_[k].links,
+                                     Interleave(config_.dram.line.bytes, 1), clock_, config_.interconnect.arbitration);
+  }
+  build_background();
   for (Channel& channel : declared_channels_) {
     channel.links.observer = observer_;
     channels_.push_back(

@@ -5,10 +5,12 @@
 
 #include "hw_models/dram/dram_channel.h"
 #include "hw_models/machines/gpu_config.h"
+#include "hw_models/memory/background_source.h"
 #include "hw_models/memory/core_port.h"
 #include "hw_models/memory/l2_bank.h"
 #include "hw_models/memory/memory_port.h"
 #include "hw_models/memory/observer.h"
+#include "hw_models/memory/system_cache.h"
 #include "sim/machine.h"
 
 namespace hw {
@@ -20,6 +22,8 @@ inline constexpr std::uint32_t kRequestDepth = 2;
 ///
 ///   clients x n of each core --> cache port --> L2 banks --> channels
 ///   DMA of each core ----------> DMA port -----------------> channels
+///
+/// A slice of the system cache is in front of each channel, if there is one. Background sources send to channels.
 ///
 /// The ports are declared first, core by core, so that links can connect to them. They are built after their clients.
 class MemorySystem {
@@ -39,6 +43,10 @@ class MemorySystem {
   MemoryPort add_dma_client(std::uint32_t core, sim::UnitId dma);
   /// Returns one link from a unit to each L2 bank, for messages to flush the bank.
   std::vector<sim::Link<Flush>*> link_flushes(sim::UnitId from);
+
+  /// Adds a background source to each channel, if background.rate is above 0. Returns links that carry the Flush of
+  /// `from`, by which the sources stop at the end of the frame.
+  std::vector<sim::Link<Flush>*> add_background(sim::UnitId from);
 
   /// Builds the ports of a core and returns its cache port.
   CorePort& build_ports(std::uint32_t core);
@@ -62,8 +70,15 @@ class MemorySystem {
     sim::UnitId unit;
     DramChannel::Links links{};
   };
+  struct Source {
+    sim::UnitId unit;
+    BackgroundSource::Links links;
+  };
 
-  void link_banks_to_channels();
+  bool has_slices() const { return !declared_slices_.empty(); }
+  void link_to_memory(Bank& bank);
+  void link_slices_to_channels();
+  void build_background();
   void link_to_banks(Port& cache);
   void link_to_channels(Port& dma);
   MemoryPort add_client(Port& port, const MemoryClient& client, std::uint32_t request_depth);
@@ -77,6 +92,8 @@ class MemorySystem {
   const std::uint32_t distance_, link_depth_;  ///< latency and slots of the links between ports and banks or channels
   std::vector<Port> cache_ports_, dma_ports_;  ///< by core; `dma_ports_` is empty without DMA
   std::vector<Bank> declared_banks_;
+  std::vector<Bank> declared_slices_;     ///< by channel, or empty
+  std::vector<Source> declared_sources_;  ///< by channel, or empty
   std::vector<Channel> declared_channels_;
   std::vector<CorePort*> built_ports_;
   std::vector<L2Bank*> banks_;

@@ -9,8 +9,10 @@
 #include "hw_models/frame/dma.h"
 #include "hw_models/frame/memory_interface.h"
 #include "hw_models/frame/tile_dispatcher.h"
+#include "hw_models/memory/background_source.h"
 #include "hw_models/memory/core_port.h"
 #include "hw_models/memory/l2_bank.h"
+#include "hw_models/memory/system_cache.h"
 #include "hw_models/raster/raster_unit.h"
 #include "hw_models/srp/srp.h"
 #include "hw_models/tni/ist.h"
@@ -26,7 +28,9 @@ struct UnitKind {
 };
 
 /// All kinds of units, from the memory up: each kind precedes those that wait for it.
-inline constexpr std::array<UnitKind, 13> kUnitKinds = {{{DramChannel::kName, DramChannel::kReasons},
+inline constexpr std::array<UnitKind, 15> kUnitKinds = {{{DramChannel::kName, DramChannel::kReasons},
+                                                         {BackgroundSource::kName, BackgroundSource::kReasons},
+                                                         {SystemCacheSlice::kName, SystemCacheSlice::kReasons},
                                                          {L2Bank::kName, L2Bank::kReasons},
                                                          {CorePort::kCachePort, CorePort::kReasons},
                                                          {CorePort::kDmaPort, CorePort::kReasons},

@@ -4,12 +4,15 @@
 #include <string>
 #include <string_view>
 
+#include "sim/unit_report.h"
+
 namespace hw {
 
-/// Blocks of the GPU by which energy is summed. Each unit declares its block as kBlock.
-enum class Block : std::uint8_t { kTni, kSrp, kL2, kTileBuffer, kDma, kInterconnect, kDram, kRaster };
-constexpr std::array<std::string_view, 8> names_of(Block) {
-  return {"tni", "srp", "l2", "tile_buffer", "dma", "interconnect", "dram", "raster"};
+/// Blocks of the machine by which energy is summed. Each unit declares its block as kBlock. `outside` is not on the
+/// GPU's die and has neither energy nor area.
+enum class Block : std::uint8_t { kTni, kSrp, kL2, kTileBuffer, kDma, kInterconnect, kDram, kRaster, kOutside };
+constexpr std::array<std::string_view, 9> names_of(Block) {
+  return {"tni", "srp", "l2", "tile_buffer", "dma", "interconnect", "dram", "raster", sim::kOutsideBlock};
 }
 
 /// Returns the name of a unit of a core: ("core.tni.trv", 1) -> "core1.tni.trv".

@@ -54,6 +54,9 @@ std::uint64_t idle_cycles(const UnitReport& unit) {
   return cycles;
 }
 
+/// Flip-flops and logic of units that are not on the chip.
+constexpr Band kNothing{};
+
 std::vector<std::string> blocks_of(std::span<const UnitReport> units) {
   std::set<std::string> blocks;
   for (const UnitReport& unit : units) blocks.insert(unit.block);
@@ -85,7 +88,7 @@ EnergyFormula::EnergyFormula(std::span<const UnitReport> units, const EnergyConf
             {},
             static_cast<double>(unit.sram_bytes) / 1024,
             static_cast<double>(idle_cycles(unit)),
-            &required_entry(config.flops, unit, "energy.flops"),
+            unit.block == kOutsideBlock ? &kNothing : &required_entry(config.flops, unit, "energy.flops"),
             LogicArea(unit, config)};
     for (const CounterReport& counter : unit.counters) {
       if (counter.event.empty()) continue;
@@ -244,7 +247,8 @@ const Band& find_part_entry(const std::map<std::string, Band>& table, const Unit
 }  // namespace
 
 LogicArea::LogicArea(const UnitReport& unit, const EnergyConfig& config)
-    : logic_(&required_entry(config.logic, unit, "energy.logic")) {
+    : logic_(unit.block == kOutsideBlock ? &kNothing : &required_entry(config.logic, unit, "energy.logic")) {
+  if (unit.block == kOutsideBlock) return;
   if (config.parts.empty() && config.parts_in_logic.empty()) return;
   for (const UnitPart& part : unit.parts) {
     const Band& area = find_part_entry(config.parts, unit, part, "energy.parts");

@@ -1,0 +1,111 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "hw_models/memory/messages.h"
+#include "hw_models/memory/unit_names.h"
+#include "sim/activity.h"
+#include "sim/config/field.h"
+#include "sim/link.h"
+#include "sim/named.h"
+#include "sim/time.h"
+
+namespace hw {
+
+/// Order of the addresses of a background stream.
+enum class BackgroundPattern : std::uint8_t {
+  kSequential,  ///< line after line, as a display or a camera reads
+  kRandom,      ///< any line, as misses of processor cores
+};
+constexpr std::array<std::string_view, 2> names_of(BackgroundPattern) { return {"sequential", "random"}; }
+
+/// Memory traffic of the rest of the chip while the GPU renders.
+struct BackgroundConfig {
+  double rate = 0;
+  BackgroundPattern pattern = BackgroundPattern::kSequential;
+  double writes = 0.25;
+
+  static void describe(auto& c, auto&& field) {
+    using sim::Affects;
+    field(NAMED(c.rate), "GB/s", "lines that the rest of the chip reads and writes, all channels together; 0: none",
+          sim::between(0, 1000), Affects::kTiming);
+    field(NAMED(c.pattern), "", "order of their addresses", sim::any(), Affects::kTiming);
+    field(NAMED(c.writes), "", "share of them that are writes", sim::between(0, 1), Affects::kTiming);
+  }
+};
+
+/// Sends one memory channel its share of the background stream, line by line at a steady rate.
+///
+///   [next line, when it is due] --> channel --> [lines read are dropped]
+///
+/// 1. Line k is due at k / rate. A line that the channel does not accept waits, and later lines catch up.
+/// 2. Its lines are in the upper half of the channel, which the GPU does not use.
+/// 3. The source stops at the end of the frame (Flush).
+/// 4. Its lines cost memory energy like all others.
+/// 5. It bypasses the system cache, because the stream is already what misses there.
+///
+/// Not modelled: bursts of traffic, clients that wait for an answer.
+class BackgroundSource {
+ public:
+  static constexpr const char* kName = "background.source";
+  static constexpr Block kBlock = Block::kOutside;
+  enum class CycleReason : std::uint8_t { kStopped, kSending, kPaced, kBlocked, kCount };
+  static constexpr auto kReasons = sim::reasons<CycleReason>({
+      {CycleReason::kStopped, sim::idle("stopped", "the frame is over")},
+      {CycleReason::kSending, sim::working("sending", "a request left")},
+      {CycleReason::kPaced, sim::background("paced", "the next line is not due yet")},
+      {CycleReason::kBlocked, sim::waiting("blocked", "a line is due and the channel accepts none")},
+  });
+  struct Stats {
+    std::uint64_t reads = 0, writes = 0;
+    static void describe(auto& s, auto&& counter) {
+      counter(NAMED(s.reads), "lines read for the rest of the chip");
+      counter(NAMED(s.writes), "lines written for the rest of the chip");
+    }
+  };
+  struct Links {
+    sim::Link<MemRequest>& memory_out;
+    sim::Link<MemResponse>& memory_in;
+    sim::Link<Flush>& flush_in;
+  };
+  /// Place of a channel's lines among those of all channels.
+  struct Place {
+    std::uint32_t channel = 0, channels = 1;
+    std::uint64_t line_bytes = kLineBytes;
+    std::uint64_t granule = kLineBytes;  ///< consecutive bytes of one channel
+    std::uint64_t lines = 1 << 20;       ///< lines of the channel
+  };
+
+  BackgroundSource(const BackgroundConfig& config, const Place& place, Links links, sim::Clock clock);
+  BackgroundSource(const BackgroundSource&) = delete;
+  BackgroundSource& operator=(const BackgroundSource&) = delete;
+
+  sim::Time tick(sim::Time now);
+  void finish(sim::Time end) { activity_.finish(end); }
+  /// True after the end of the frame, once all lines are back.
+  bool idle() const { return stopped_ && outstanding_ == 0; }
+
+  const sim::Clock& clock() const { return clock_; }
+  const Stats& stats() const { return stats_; }
+  const sim::Activity<CycleReason>& activity() const { return activity_; }
+  std::string state() const;
+
+ private:
+  sim::Time next_due_time() const;
+  MemRequest next_request() const;
+
+  const BackgroundConfig config_;
+  const Place place_;
+  const Links links_;
+  const sim::Clock clock_;
+  const double interval_;  ///< between two lines, in units of sim::Time
+  std::uint64_t sent_ = 0;
+  std::uint64_t outstanding_ = 0;
+  bool stopped_ = false;
+  Stats stats_;
+  sim::Activity<CycleReason> activity_;
+};
+
+}  // namespace hw

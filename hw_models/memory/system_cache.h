@@ -1,0 +1,51 @@
+#pragma once
+#include <cstdint>
+#include <string_view>
+
+#include "hw_models/memory/cache_config.h"
+#include "hw_models/memory/l2_bank.h"
+#include "sim/config/field.h"
+#include "sim/named.h"
+
+namespace hw {
+
+/// System-level cache (SLC): one slice in front of each memory channel. Size and MSHRs are totals over all slices.
+struct SystemCacheConfig {
+  CacheConfig cache{.size = {0}, .ways = 16, .mshrs = 64, .hit_cycles = 16};
+  std::uint32_t lookup_cycles = 8;
+
+  static void describe(auto& c, auto&& field) {
+    using sim::Affects;
+    field(c.cache.size, "size", "bytes", "data held; 0: there is no system cache", sim::between(0, 64 << 20),
+          Affects::kTiming);
+    field(c.cache.ways, "ways", "ways", "lines of one set", sim::between(1, 64), Affects::kTiming);
+    field(c.cache.replacement, "replacement", "",
+          "line of a full set that is replaced; plru needs a power of two of ways", sim::any(), Affects::kTiming);
+    field(c.cache.mshrs, "mshrs", "registers", "misses in flight", sim::between(1, 1024), Affects::kTiming);
+    field(c.cache.hit_cycles, "hit_cycles", "cycles", "from probe to data of a hit, in cycles of the L2's clock",
+          sim::between(1, 64), Affects::kTiming);
+    field(NAMED(c.lookup_cycles), "cycles", "from a request's arrival until its miss leaves", sim::between(1, 64),
+          Affects::kTiming);
+  }
+  bool is_present() const { return cache.size.bytes != 0; }
+  /// Returns the configuration of the slices as L2 banks.
+  L2Config slice_config(std::uint32_t slices) const {
+    return {.cache = cache, .banks = slices, .lookup_cycles = lookup_cycles, .writes = L2Writes::kBack};
+  }
+};
+
+/// A slice of the system cache: an L2 bank between the L2 (and the DMA ports) and one memory channel.
+///
+///   L2 banks, DMA ports --> [slice k] --> channel k
+///
+/// 1. It keeps writes until their line is replaced; the end of a frame writes nothing back.
+/// 2. Its energy and area are part of block `l2`.
+///
+/// Not modelled: partitions among clients, lines of other clients.
+class SystemCacheSlice : public L2Bank {
+ public:
+  static constexpr const char* kName = "slc.slice";
+  using L2Bank::L2Bank;
+};
+
+}  // namespace hw
