@@ -75,6 +75,7 @@ struct ConfigNode {
   std::optional<Target> target;                ///< the member that a field is bound to; empty for a group
   std::vector<ConfigNode> children;            ///< fields and groups of a group, as declared
   std::function<void(const Complain&)> check;  ///< rules of a group, if it has any
+  std::vector<std::string> bundle;             ///< groups that extend the file which this field names
   std::map<std::string, std::string, std::less<>>
       not_modelled;    ///< keys of mechanisms that the model lacks, each with the reason
   std::string origin;  ///< where the value was set last (kSetOrigin); empty for a default
@@ -112,6 +113,14 @@ class TreeBuilder {
   template <class Group>
   void group(Group& member, std::string_view key, std::string_view meaning) {
     bind(add_node(key, meaning), member);
+  }
+
+  /// Declares a text that makes each of the sibling groups extend the file of that name: `process: 5nm` extends
+  /// energy/5nm in `energy`, area/5nm in `area`. All other settings of these groups override the files.
+  void bundle(std::string& member, std::string_view key, std::string_view meaning, std::vector<std::string> groups,
+              Affects affects) {
+    (*this)(member, key, "", meaning, any(), affects);
+    group_.children.back().bundle = std::move(groups);
   }
 
   /// Declares a key of a mechanism that the model lacks. A configuration that sets the key is an error with this

@@ -295,6 +295,12 @@ Json type_schema(const ConfigNode& field) {
 
 Json group_schema(const ConfigNode& group) {
   Json properties = {{"extends", {{"type", "string"}, {"description", "configuration file to start from"}}}};
+  const bool has_bands = std::ranges::any_of(group.children, [](const ConfigNode& node) {
+    return !node.is_group() && (node.kind() == FieldKind::kBand || node.kind() == FieldKind::kBandMap);
+  });
+  if (has_bands && group.find_child("scale") == nullptr) {
+    properties["scale"] = {{"type", "object"}, {"description", "factors of values of the extended file"}};
+  }
   for (const ConfigNode& node : group.children) {
     Json schema = node.is_group() ? group_schema(node) : type_schema(node);
     if (!node.is_group()) {

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "sim/config/scale.h"
 #include "sim/config/value.h"
 #include "sim/edit_distance.h"
 #include "sim/error.h"
@@ -17,7 +18,7 @@ namespace {
 constexpr std::uint64_t kMostBytes = 4 << 20;
 constexpr std::size_t kMostFilesDeep = kNearestFile;
 constexpr std::size_t kMostFiles = 256;
-constexpr std::string_view kExtends = "extends";
+constexpr std::string_view kExtends = "extends", kScale = "scale";
 /// Configuration keys of the three numbers of a Band. A single number without keys sets all three.
 constexpr std::string_view kNominal = "nominal", kLow = "low", kHigh = "high";
 
@@ -152,6 +153,16 @@ void ConfigLoader::apply_file(ConfigNode& group, const std::filesystem::path& fi
   open_files_.pop_back();
 }
 
+void ConfigLoader::choose_bundles(std::span<const std::string> sets) {
+  for (const std::string& set : sets) {
+    const std::size_t equals = std::min(set.find('='), set.size());
+    const ConfigNode* node = root_.find_child(std::string_view(set).substr(0, equals));
+    if (node == nullptr || node->bundle.empty() || equals + 1 >= set.size()) continue;
+    const std::string at = std::string(kSetOrigin) + printable(set);
+    bundles_[node->path] = {set_value(set.substr(equals + 1), at)->scalar, at, {}};
+  }
+}
+
 void ConfigLoader::apply_file_with_keys(const std::filesystem::path& file, std::span<const std::string_view> keys) {
   top_keys_ = keys;
   apply_file(file);
@@ -159,15 +170,35 @@ void ConfigLoader::apply_file_with_keys(const std::filesystem::path& file, std::
 }
 
 void ConfigLoader::apply_text(const std::string& text, const std::string& name) {
+  is_complete_ = true;
   apply_mapping(root_, *parse_yaml_mapping(text, name), {name, {}, kNearestFile});
+  is_complete_ = false;
 }
 
 void ConfigLoader::apply_mapping(ConfigNode& group, const YamlNode& mapping, const Source& source) {
-  if (const YamlNode::Entry* base = mapping.find(kExtends)) {
-    apply_extends(group, *base->value, source, source.place_of(base->value_at));
+  const auto each_bundle = [&](auto&& use) {
+    for (ConfigNode& node : group.children) {
+      if (node.bundle.empty() || is_complete_) continue;
+      if (const YamlNode::Entry* entry = mapping.find(node.key)) use(node, *entry);
+    }
+  };
+  each_bundle([&](const ConfigNode& node, const YamlNode::Entry& entry) {
+    bundles_.try_emplace(node.path, ChosenBundle{entry.value->scalar, source.place_of(entry.value_at), source.folder});
+  });
+  const YamlNode::Entry* base = mapping.find(kExtends);
+  if (base != nullptr) apply_extends(group, *base->value, source, source.place_of(base->value_at));
+  if (const YamlNode::Entry* scale = mapping.find(kScale); scale != nullptr && group.find_child(kScale) == nullptr) {
+    if (base == nullptr) {
+      refuse(source.place_of(scale->key_at), path_of(group, kScale),
+             "multiplies figures of the file that is extended; allowed: after 'extends'");
+    }
+    apply_scale(group, *scale->value, source);
   }
+  each_bundle([&](ConfigNode& node, const YamlNode::Entry& entry) {
+    apply_bundle(group, node, *entry.value, source, source.place_of(entry.value_at));
+  });
   for (const YamlNode::Entry& entry : mapping.entries) {
-    if (entry.key == kExtends) continue;
+    if (entry.key == kExtends || (entry.key == kScale && group.find_child(kScale) == nullptr)) continue;
     ConfigNode* node = group.find_child(entry.key);
     const bool fits = &group != &root_ || top_keys_.empty() || std::ranges::count(top_keys_, entry.key) != 0;
     if (node != nullptr && !fits) {
@@ -179,6 +210,7 @@ void ConfigLoader::apply_mapping(ConfigNode& group, const YamlNode& mapping, con
     }
     node->origin = source.place_of(entry.key_at);
     node->nearness = source.nearness;
+    if (!node->bundle.empty() && !is_complete_) continue;
     apply_value(*node, *entry.value, source, source.place_of(entry.value_at));
   }
 }
@@ -189,6 +221,41 @@ void ConfigLoader::apply_extends(ConfigNode& group, const YamlNode& name, const 
   }
   const std::string asked_at = fmt::format("{}: {}", at, path_of(group, kExtends));
   apply_file(group, find_config(name.scalar, source.folder, asked_at, group.key), asked_at);
+}
+
+void ConfigLoader::apply_scale(ConfigNode& group, const YamlNode& scale, const Source& source) {
+  FigureScale factors;
+  for (const YamlNode::Entry& entry : scale.entries) {
+    Band factor;
+    ConfigNode field;
+    field.path = path_of(group, fmt::format("{}.{}", kScale, entry.key));
+    field.target = &factor;
+    field.limits = at_least(0);
+    apply_value(field, *entry.value, source, source.place_of(entry.value_at));
+    factors.add(entry.key, factor);
+  }
+  const std::string unused = factors.apply(group);
+  if (scale.entries.empty() || !unused.empty()) {
+    refuse(source.name, path_of(group, fmt::format("{}.{}", kScale, unused)),
+           "covers no figure; allowed: a figure's key, or the first parts of its name, e.g. events.cache");
+  }
+}
+
+void ConfigLoader::apply_bundle(ConfigNode& group, ConfigNode& node, const YamlNode& value, const Source& source,
+                                const std::string& at) {
+  if (value.kind != YamlNode::Kind::kScalar || value.scalar.empty()) {
+    refuse(at, node.path, fmt::format("allowed: a name that files of {} have", fmt::join(node.bundle, ", ")));
+  }
+  const ChosenBundle& chosen =
+      bundles_.try_emplace(node.path, ChosenBundle{value.scalar, at, source.folder}).first->second;
+  std::string& member = *std::get<std::string*>(*node.target);
+  if (member == chosen.name) return;
+  const std::string asked_at = fmt::format("{}: {}", chosen.at, node.path);
+  for (const std::string& key : node.bundle) {
+    const std::filesystem::path file = std::filesystem::path(key) / chosen.name;
+    apply_file(*group.find_child(key), find_config(file, chosen.folder, asked_at, key), asked_at);
+  }
+  member = chosen.name;
 }
 
 void ConfigLoader::apply_value(ConfigNode& node, const YamlNode& value, const Source& source, const std::string& at) {
@@ -251,11 +318,13 @@ void ConfigLoader::apply_set(const std::string& argument) {
     if (path == kExtends) return apply_extends(*node, *value, source, source.name);
     ConfigNode* child = node->find_child(key);
     if (child == nullptr) refuse(source.name, path_of(*node, key), unknown_key_error(root_, *node, key));
+    if (!child->bundle.empty() && path == key) apply_bundle(*node, *child, *value, source, source.name);
     node = child;
     node->origin = source.name;
     node->nearness = source.nearness;
     path.remove_prefix(std::min(path.size(), key.size() + 1));
   }
+  if (path.empty() && !node->bundle.empty()) return;
   if (path.empty()) return apply_value(*node, *value, source, source.name);
   const bool is_map = node->kind() == FieldKind::kBandMap;
   const std::string_view rest = path_after_field(*node, path, source.name);

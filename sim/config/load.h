@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <map>
 #include <span>
 #include <string>
 #include <string_view>
@@ -26,6 +27,8 @@ class ConfigLoader {
   explicit ConfigLoader(ConfigNode& root) : root_(root) {}
 
   void apply_file(const std::filesystem::path& file) { apply_file(root_, file, {}); }
+  /// Reads the names of bundles (TreeBuilder::bundle) from settings, before any file. The last setting counts.
+  void choose_bundles(std::span<const std::string> sets);
   /// Reads a configuration file that may contain only the given keys at its top level.
   void apply_file_with_keys(const std::filesystem::path& file, std::span<const std::string_view> keys);
   /// Reads a configuration from YAML text, such as the output of dump_config. `name` identifies the text in errors.
@@ -43,10 +46,19 @@ class ConfigLoader {
     bool is_file = true;
     std::string place_of(TextPosition position) const;
   };
+  /// Name of a bundle, the place that chose it, and the folder that is searched first.
+  struct ChosenBundle {
+    std::string name, at;
+    std::filesystem::path folder;
+  };
 
   void apply_file(ConfigNode& group, const std::filesystem::path& file, std::string_view asked_at);
   void apply_mapping(ConfigNode& group, const YamlNode& mapping, const Source& source);
   void apply_extends(ConfigNode& group, const YamlNode& name, const Source& source, const std::string& at);
+  void apply_scale(ConfigNode& group, const YamlNode& scale, const Source& source);
+  /// Extends each group of a bundle by its file, once. The outermost file that names a bundle chooses it.
+  void apply_bundle(ConfigNode& group, ConfigNode& node, const YamlNode& value, const Source& source,
+                    const std::string& at);
   void apply_value(ConfigNode& node, const YamlNode& value, const Source& source, const std::string& at);
   void apply_band(const ConfigNode& field, const YamlNode& mapping, const Source& source, const std::string& at);
 
@@ -54,6 +66,8 @@ class ConfigLoader {
   std::span<const std::string_view> top_keys_;     ///< allowed keys of the files being read; empty: all
   std::vector<std::filesystem::path> open_files_;  ///< files being read; each is extended by the file before it
   std::size_t files_read_ = 0;
+  bool is_complete_ = false;                     ///< the text has every key, so bundles extend nothing
+  std::map<std::string, ChosenBundle> bundles_;  ///< by the bundle's path
 };
 
 }  // namespace sim

@@ -21,9 +21,11 @@ constexpr std::array<std::string_view, 2> names_of(Voltage) { return {"nominal",
 /// Operating conditions of the chip, such as voltage and temperature: one file of configs/power. The defaults leave
 /// energies unscaled.
 struct PowerConfig {
+  std::string process = "unnamed";
   Voltage voltage = Voltage::kNominal;
   std::map<std::string, Band> dvfs;
   double nominal_voltage = 0.8;
+  double max_voltage = 5;
   double temperature = 75, nominal_temperature = 75;
   double leakage_exponent = 3;
   double leakage_doubling = 25;
@@ -33,12 +35,15 @@ struct PowerConfig {
     const auto power = [&](auto& value, const char* name, const char* unit, const char* meaning, Limits limits) {
       field(value, name, unit, meaning, limits, Affects::kEnergy);
     };
+    power(NAMED(c.process), "", "what the figures describe", any());
     power(NAMED(c.voltage), "",
           "voltage used for energies: that of the energy table at any clock, or the one that each clock needs by dvfs",
           any());
     power(NAMED(c.dvfs), "V", "voltage that a clock domain needs for a frequency, as tni@500MHz: points of a curve",
           at_least(0));
     power(NAMED(c.nominal_voltage), "V", "voltage of the energy table", between(0.1, 5));
+    power(NAMED(c.max_voltage), "V", "highest voltage that the process allows; a clock that needs more is a warning",
+          between(0.1, 5));
     power(NAMED(c.temperature), "C", "of the chip, for leakage", between(-40, 150));
     power(NAMED(c.nominal_temperature), "C", "temperature of the energy table", between(-40, 150));
     power(NAMED(c.leakage_exponent), "", "power of the voltage with which leakage grows", between(0, 20));

@@ -56,6 +56,11 @@ void add_given(const fs::path& file, const std::string& above, std::set<std::str
   for (const Given& value : given_in(file)) {
     const std::string path = above + value.path;
     paths.insert(path);
+    if (above.empty() && path == "process") {
+      for (const std::string table : {"energy", "area", "power", "latency"}) {
+        add_given(fs::path("configs") / table / "14nm.yaml", table + ".", paths);
+      }
+    }
     if (!ends_with_key(path, "extends")) continue;
     const std::size_t colon = value.line.find(':');
     const std::string name = value.line.substr(value.line.find_first_not_of(' ', colon + 1));

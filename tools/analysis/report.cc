@@ -26,7 +26,8 @@
 #include "tools/analysis/top_down.h"
 #include "tools/analysis/units.h"
 #include "tools/host/build_info.h"
-#include "tools/run/frame/power.h"
+#include "tools/run/frame/sustained.h"
+#include "tools/run/frame/table_warnings.h"
 #include "traces/accel/bvh_info.h"
 #include "traces/accel/embree_tracer.h"
 
@@ -191,9 +192,18 @@ Json host_json(const ReportInput& report) {
   return host;
 }
 
+void add_sustained(Json& totals, const Sustained& s) {
+  totals["sustained_fps"] = s.sustained_fps;
+  totals["stability"] = s.stability();
+  totals["sustained"] = {{"minutes", s.seconds / 60},      {"first_fps", s.first_fps},
+                         {"energy_j", s.energy_j},         {"frames", s.frames},
+                         {"hottest_die_c", s.hottest.die}, {"hottest_body_c", s.hottest.body}};
+}
+
 Json warnings_json(const Inputs& inputs, const FrameResult& run) {
-  Json lines = inputs.warnings;
-  for (std::string& line : run_warnings(inputs.config, run.units, run.sampled)) lines.push_back(std::move(line));
+  std::vector<std::string> lines = inputs.warnings;
+  add_warnings(lines, run_warnings(inputs.config, run.units, run.sampled));
+  if (!run.sustained.empty()) add_warnings(lines, limit_warnings(run.sustained, sustain_setup(inputs.config)));
   return lines;
 }
 
@@ -257,7 +267,8 @@ Json report_json(const ReportInput& report) {
   const FrameResult& run = report.result.run;
   Json totals = totals_json(report.result);
   add_area(totals, run.units, inputs.config);
-  totals["extrapolated"] = extrapolation_warnings(inputs.config, run.units).size();
+  if (!run.sustained.empty()) add_sustained(totals, sustain(run.sustained, sustain_setup(inputs.config)));
+  totals["extrapolated"] = table_warnings(inputs.config, run.units).size();
   Json out = {{"schema", "raywatt-report/1"},
               {"partial", report.partial},
               {"program", run.program.name()},
@@ -342,36 +353,13 @@ namespace {
 /// Ratio of simulated to requested tiles that causes a warning. Chosen: blocks are whole tiles.
 constexpr double kMuchMore = 1.5;
 
-/// Returns "14nm" for "14 nm, 0.80 V, 75 C".
-std::string node_of(std::string process) {
-  std::erase(process, ' ');
-  return process.substr(0, process.find(','));
-}
-
-/// True if area and energy tables are of different processes; leakage and results per mm2 use both.
-bool are_of_two_processes(const RunConfig& config) {
-  return !config.area.arrays.empty() && config.area.process != sim::AreaConfig().process &&
-         config.energy.process != sim::EnergyConfig().process &&
-         node_of(config.area.process) != node_of(config.energy.process);
-}
-
 }  // namespace
-
-std::vector<std::string> extrapolation_warnings(const RunConfig& config, std::span<const sim::UnitReport> units) {
-  std::vector<std::string> lines = sim::sizes_outside_curves(units, config.energy.events, config.area.arrays);
-  std::ranges::move(latency_warnings(config), std::back_inserter(lines));
-  std::ranges::move(power_warnings(config), std::back_inserter(lines));
-  return lines;
-}
 
 std::vector<std::string> run_warnings(const RunConfig& config, std::span<const sim::UnitReport> units,
                                       const std::optional<SampledFrame>& sampled) {
-  std::vector<std::string> lines = extrapolation_warnings(config, units);
-  if (are_of_two_processes(config)) {
-    lines.push_back(
-        fmt::format("area.process is '{}' and energy.process '{}': results per mm2 mix two "
-                    "processes",
-                    sim::printable(config.area.process), sim::printable(config.energy.process)));
+  std::vector<std::string> lines = table_warnings(config, units);
+  if (sampled && config.thermal.minutes > 0) {
+    lines.emplace_back("thermal.minutes has no effect with --tile-sampling: the governor needs whole frames");
   }
   if (!sampled || sampled->asked == 0) return lines;
   const double timed = static_cast<double>(sampled->timed) / static_cast<double>(sampled->tiles);

@@ -64,12 +64,8 @@ sim::Json energy_totals_json(const sim::EnergyReport& energy, const WorkDone& wo
 /// perf.mrays_per_s_per_mm2. No effect without an area table.
 void add_area(sim::Json& totals, std::span<const sim::UnitReport> units, const RunConfig& config);
 
-/// Returns a warning for each size outside the curves of the tables, and for each clock whose energies are for another
-/// voltage.
-std::vector<std::string> extrapolation_warnings(const RunConfig& config, std::span<const sim::UnitReport> units);
-
-/// Returns the warnings of report.json from the run itself: extrapolations, tables of different processes, sampling
-/// that simulated more than requested.
+/// Returns the warnings of report.json from the run itself: table_warnings(), and sampling that simulated more than
+/// requested.
 std::vector<std::string> run_warnings(const RunConfig& config, std::span<const sim::UnitReport> units,
                                       const std::optional<SampledFrame>& sampled = {});
 

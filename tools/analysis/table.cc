@@ -131,6 +131,14 @@ std::string area_text(const Json& totals) {
                      sim::four_digits(totals["perf"]["mrays_per_s_per_mm2"].get<double>()));
 }
 
+std::string sustained_text(const Json& totals) {
+  const Json& s = totals["sustained"];
+  return fmt::format("{} frames/s after {:.4g} minutes, stability {:.1f} %, die {:.1f} C and body {:.1f} C at most",
+                     sim::four_digits(totals["sustained_fps"].get<double>()), s["minutes"].get<double>(),
+                     100 * totals["stability"].get<double>(), s["hottest_die_c"].get<double>(),
+                     s["hottest_body_c"].get<double>());
+}
+
 /// For a run with fewer traversal steps that is slower than its reference: the part that grew most; else empty.
 std::string slower_because(const Json& t) {
   const Json &relative = t["relative"], &reference = t["reference"];
@@ -186,6 +194,7 @@ std::string overview_text(const Json& report) {
   line("power", band_text(t["power_w"], 1, "W"));
   line("efficiency", efficiency_text(t));
   if (t.contains("area_mm2")) line("area", area_text(t));
+  if (t.contains("sustained")) line("sustained", sustained_text(t));
   if (t.contains("replicates")) line("replicates", replicates_text(t["replicates"]));
   if (t.contains("relative")) {
     const Json& r = t["relative"];

@@ -99,6 +99,7 @@ void add_benchmark(CLI::App& verb, const Benchmark& benchmark, int& exit) {
   for (const BenchmarkOption& option : benchmark.options) add_option(*app, option, *job);
   app->footer(benchmark.footer);
   app->callback([name = benchmark.name, measure = benchmark.measure, job, &exit] {
+    print_table_warnings(job->machine);
     print_findings(measure(*job), name, job->json, exit);
   });
 }

@@ -12,6 +12,7 @@
 #include "tools/studies/dvfs/dvfs.h"
 #include "tools/studies/energy/price.h"
 #include "tools/studies/energy/show.h"
+#include "tools/studies/sustain/sustain.h"
 
 namespace tools {
 namespace {
@@ -55,7 +56,10 @@ void add_show(CLI::App& group) {
   verb->add_option("--config", o->job.config, "configuration: file or name")->type_name("CONFIG");
   add_set_option(*verb, o->job.sets);
   verb->footer("Example: raywatt energy show cache.l1_read\nExit code 0, or 2 if there is no such entry.");
-  verb->callback([o] { fmt::print("{}", energy_show(o->job, o->name)); });
+  verb->callback([o] {
+    fmt::print("{}", energy_show(o->job, o->name));
+    print_table_warnings(o->job);
+  });
 }
 
 }  // namespace
@@ -93,6 +97,32 @@ void add_dvfs(CLI::App& app) {
     const DvfsCurve curve = dvfs_curve(*options, &progress);
     progress.finish("done");
     fmt::print("{}", *json ? sim::json_text(dvfs_json(curve)) : dvfs_text(curve));
+  });
+}
+
+void add_sustain(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("sustain", "Frame rate and temperature over minutes, under a thermal governor");
+  const auto options = std::make_shared<SustainOptions>();
+  const auto json = std::make_shared<bool>(false);
+  add_work_options(*verb, options->job);
+  add_frames_option(*verb, options->job);
+  require_positive(
+      *verb->add_option("--minutes", options->minutes, "simulated time (default: thermal.minutes, or 10 if that is 0)")
+           ->type_name("NUMBER"));
+  require_positive(*verb->add_option("--loop", options->loop, "seconds over which frame rates are averaged")
+                        ->capture_default_str()
+                        ->type_name("NUMBER"));
+  require_positive(
+      *verb->add_option("--fps", options->fps, "highest frame rate (default: each frame begins when the last ends)")
+           ->type_name("NUMBER"));
+  verb->add_flag("--json", *json, "print JSON");
+  add_progress_option(*verb, options->job.progress);
+  verb->footer("Example: raywatt sustain sgrt-2016 --scene chess --resolution 512x256 --set thermal.body_limit=40");
+  verb->callback([=] {
+    Progress progress(options->job.progress, options->job.quiet);
+    const SustainStudy study = sustain_study(*options, &progress);
+    progress.finish("done");
+    fmt::print("{}", *json ? sim::json_text(sustain_json(study)) : sustain_text(study));
   });
 }
 

@@ -8,6 +8,8 @@
 
 #include "hw_models/machines/gpu_config.h"
 #include "sim/io/printable.h"
+#include "tools/host/standard_streams.h"
+#include "tools/run/frame/table_warnings.h"
 
 namespace tools {
 
@@ -146,6 +148,10 @@ void refuse_empty_values(CLI::App& app) {
                    ""});
   }
   for (CLI::App* verb : app.get_subcommands([](CLI::App*) { return true; })) refuse_empty_values(*verb);
+}
+
+void print_table_warnings(const JobOptions& options) {
+  for (const std::string& line : table_warnings(load_run_config(options))) print_message("warning: {}", line);
 }
 
 void require_positive(CLI::Option& option) {

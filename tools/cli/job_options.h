@@ -33,6 +33,9 @@ void add_job_options(CLI::App& verb, JobOptions& options);
 void add_config_options(CLI::App& verb, std::string& config, std::vector<std::string>& sets);
 void add_set_option(CLI::App& verb, std::vector<std::string>& sets);
 
+/// Prints the warnings on a configuration's tables to stderr.
+void print_table_warnings(const JobOptions& options);
+
 /// Adds the options of the launcher of points.
 void add_launcher_options(CLI::App& verb, LauncherOptions& options);
 

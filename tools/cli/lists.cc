@@ -106,7 +106,10 @@ void add_config(CLI::App& app) {
   const auto options = std::make_shared<JobOptions>();
   add_config_options(*show, options->config, options->sets);
   show->footer("Example: raywatt config show sgrt-2016 --set cores=2");
-  show->callback([options] { fmt::print("{}", sim::dump_config(load_run_config(*options))); });
+  show->callback([options] {
+    fmt::print("{}", sim::dump_config(load_run_config(*options)));
+    print_table_warnings(*options);
+  });
   CLI::App* schema = verb->add_subcommand("schema", "Print a JSON Schema of configuration files");
   schema->footer("Example: raywatt config schema > schema.json");
   schema->callback([] { fmt::print("{}", sim::json_text(sim::config_schema<RunConfig>())); });

@@ -127,6 +127,7 @@ int run_command(int argc, char** argv) {
   tools::add_report(app);
   tools::add_energy(app);
   tools::add_dvfs(app);
+  tools::add_sustain(app);
   tools::add_baseline(app, exit);
   tools::add_trace(app, words);
   tools::add_microbench(app, exit);

@@ -23,6 +23,7 @@ void add_compare(CLI::App& app);
 void add_report(CLI::App& app);
 void add_energy(CLI::App& app);
 void add_dvfs(CLI::App& app);
+void add_sustain(CLI::App& app);
 void add_baseline(CLI::App& app, int& exit);
 void add_trace(CLI::App& app, const std::vector<std::string>& argv);
 void add_microbench(CLI::App& app, int& exit);

@@ -22,7 +22,8 @@
 #include "sim/unit_report.h"
 #include "tools/analysis/limiter.h"
 #include "tools/analysis/units.h"
-#include "tools/pricing/idle_machine.h"
+#include "tools/pricing/reported_units.h"
+#include "tools/run/frame/idle_machine.h"
 #include "tools/run/frame/power.h"
 
 namespace tools {

@@ -13,7 +13,7 @@ struct Level {
   double pixels, time, energy, traffic;
 };
 // source: docs/noise.md, 95 % of pairs of runs of the scene whose figures vary most
-constexpr std::array kLevels = {
+constexpr std::array kNoiseLevels = {
     Level{1024 * 512, 0.02, 0.02, 0.10},
     Level{512 * 256, 0.09, 0.05, 0.25},
     Level{0, 0.25, 0.05, 0.25},
@@ -48,7 +48,7 @@ double deviations_of_pair() { return student_t(kEndless) * std::sqrt(2.0); }
 }  // namespace
 
 double default_noise(double pixels, std::string_view figure) {
-  const Level& level = *std::ranges::find_if(kLevels, [&](const Level& l) { return pixels >= l.pixels; });
+  const Level& level = *std::ranges::find_if(kNoiseLevels, [&](const Level& l) { return pixels >= l.pixels; });
   return is_among(figure, kTraffic) ? level.traffic : is_among(figure, kEnergy) ? level.energy : level.time;
 }
 

@@ -21,9 +21,11 @@
 #include "sim/report/table.h"
 #include "sim/report/table_checks.h"
 #include "tools/host/paths.h"
-#include "tools/pricing/idle_machine.h"
+#include "tools/pricing/reported_units.h"
+#include "tools/run/frame/idle_machine.h"
 #include "tools/run/frame/load_config.h"
 #include "tools/run/frame/power.h"
+#include "tools/run/frame/table_warnings.h"
 
 namespace tools {
 namespace {
@@ -134,6 +136,13 @@ void apply_table(const PriceTable& table, RunConfig& config) {
   }
   sim::ConfigNode tree = sim::config_tree(config);
   sim::ConfigLoader loader(tree);
+  for (const std::string& set : table.sets) {
+    if (!set.starts_with("process=")) continue;
+    throw sim::InputError(
+        fmt::format("--set {0}: sets tables of area and latency too, so it needs another run; allowed: "
+                    "--energy energy/{1} --set power.extends=power/{1}",
+                    sim::printable(set), sim::printable(set.substr(set.find('=') + 1))));
+  }
   if (!table.energy.empty()) loader.apply_set("energy.extends=" + file.string());
   for (const std::string& set : table.sets) loader.apply_set(set);
   check_run_config(config, table.energy.empty() ? "--set" : table.energy);
@@ -191,6 +200,9 @@ void PricedRun::make_formula(const std::vector<sim::UnitReport>& units) {
   check_table_names(units, config_);
   extrapolated_ = sim::sizes_outside_curves(units, config_.energy.events, {});
   std::ranges::move(power_warnings(config_), std::back_inserter(extrapolated_));
+  RunConfig priced = config_;
+  priced.area.arrays.clear();  // areas are not priced
+  std::ranges::move(process_warnings(priced), std::back_inserter(extrapolated_));
   formula_ = std::make_unique<sim::EnergyFormula>(units, config_.energy, device_, elapsed_, power_scales(config_));
 }
 

@@ -21,10 +21,11 @@
 #include "tools/analysis/units.h"
 #include "tools/host/interrupt.h"
 #include "tools/host/run_folder.h"
-#include "tools/pricing/idle_machine.h"
+#include "tools/run/frame/idle_machine.h"
 #include "tools/run/frame/load_config.h"
 #include "tools/run/frame/power.h"
 #include "tools/run/frame/run_job.h"
+#include "tools/run/frame/table_warnings.h"
 #include "tools/run/jobs.h"
 #include "tools/run/run.h"
 
@@ -92,8 +93,8 @@ Json rays_report(const JobOptions& options, const Inputs& inputs, const RayList&
                           played.elapsed_time(), power_scales(inputs.config));
   Json provenance = provenance_json(inputs, options);
   provenance["rays_sha256"] = list.sha256;
-  Json warnings = inputs.warnings;
-  for (std::string& line : run_warnings(inputs.config, units)) warnings.push_back(std::move(line));
+  std::vector<std::string> warnings = inputs.warnings;
+  add_warnings(warnings, run_warnings(inputs.config, units));
   return {{"schema", "raywatt-rays/1"},
           {"partial", played.ray_count() < list.rays.size()},
           {"config", Json(sim::config_json(inputs.config))},

@@ -10,6 +10,7 @@
 #include "sim/io/printable.h"
 #include "tools/run/frame/host_time.h"
 #include "tools/run/frame/replay_program.h"
+#include "tools/run/frame/table_warnings.h"
 #include "tools/run/frame/trace_header.h"
 #include "traces/accel/bvh_config.h"
 
@@ -69,6 +70,7 @@ StoredFrames::StoredFrames(const std::filesystem::path& file, const JobOptions& 
           [&](const traces::Json& header, const std::string& name) { return replay_config(header, name, options); },
           options.threads, 1) {
   inputs_.warnings = ineffective_setting_warnings(options, inputs_.config);
+  add_warnings(inputs_.warnings, table_warnings(inputs_.config));
 }
 
 StoredFrames::StoredFrames(const std::filesystem::path& file, const RunConfig& config, std::uint32_t threads,

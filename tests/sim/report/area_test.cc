@@ -137,7 +137,8 @@ TEST(Area, OfAUnitThatTheTableLacksIsAnError) {
 }
 
 TEST(AreaTables, NameASourceForEveryEntryAndRiseWithSize) {
-  for (const char* name : {"configs/area/14nm.yaml", "configs/area/7nm.yaml"}) {
+  for (const char* process : {"28nm", "14nm", "7nm", "5nm", "3nm"}) {
+    const std::string name = std::string("configs/area/") + process + ".yaml";
     const AreaConfig c = load_config<AreaConfig>(name);
     for (const char* block : {"tni", "srp", "l2", "tile_buffer"}) {
       const auto of = [&](std::uint64_t kib) {
@@ -158,7 +159,7 @@ TEST(AreaTables, NameASourceForEveryEntryAndRiseWithSize) {
       ++figures;
       EXPECT_NE(line.find("# source: "), std::string::npos) << line;
     }
-    EXPECT_EQ(figures, 27) << name;
+    EXPECT_GE(figures, 4) << name;
   }
 }
 

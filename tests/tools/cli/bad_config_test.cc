@@ -39,7 +39,7 @@ TEST(BadConfig, AMisspeltKeyGetsTheNearestOne) {
 }
 
 TEST(BadConfig, AKeyLikeNoOtherGetsTheList) {
-  expect_yaml_refused("quux: 1\n", ":2:1:", {"unknown key 'quux'", "allowed: cores, clocks, tni"});
+  expect_yaml_refused("quux: 1\n", ":2:1:", {"unknown key 'quux'", "allowed: process, cores, clocks, tni"});
 }
 
 TEST(BadConfig, ANegativeSize) {

@@ -110,10 +110,10 @@ TEST(EnergyPrice, OfASweepCountsPointsWithoutAResult) {
 TEST(EnergyPrice, NamesTheReplicateAndTheExtrapolations) {
   const TempFolder folder;
   const std::string out =
-      run_into(folder.path() / "a", {"--replicates", "2", "--set", "tni.trv.l1.size=512KiB"}).string();
+      run_into(folder.path() / "a", {"--replicates", "2", "--set", "tni.trv.l1.size=512B"}).string();
   const std::string text = output_of({"energy", "price", out});
   EXPECT_SAYS(text, "priced: the first of 2 replicates");
-  EXPECT_SAYS(text, "note: energy.events: the array of tni.trv has 512 KiB, outside ");
+  EXPECT_SAYS(text, "note: energy.events: the array of tni.trv has 512 B, outside ");
   const Json run = Json::parse(output_of({"energy", "price", out, "--json"}))["runs"][0];
   EXPECT_EQ(run["plays"], 2);
   EXPECT_FALSE(run["extrapolated"].empty());

@@ -112,9 +112,9 @@ TEST(Names, OfFilesThatAGroupExtendsAreBareOnesOfItsFolder) {
 
 TEST(Names, AreListedWithALineEach) {
   const std::string list = ending_well({"config", "list"}).out;
-  for (const char* line : {"sgrt-balanced      A machine limited by its T&I units", "dram/lpddr3-1600   LPDDR3-1600: two x32",
-                           "energy/14nm  Energy, leakage and clock", "area/7nm   Area of a mobile GPU",
-                           "experiments/trv-cores        Where does the next"}) {
+  for (const char* line : {"sgrt-balanced      A machine limited by its T&I units",
+                           "dram/lpddr3-1600   LPDDR3-1600: two x32", "energy/14nm  Energy, leakage and clock",
+                           "area/7nm   Area at 7 nm", "experiments/trv-cores        Where does the next"}) {
     EXPECT_SAYS(list, line);
   }
   EXPECT_SAYS(list, "(Lee et al. ") << "a full stop within a sentence does not end it";
@@ -165,12 +165,12 @@ TEST(Warnings, OfSizesOutsideTheCurvesAreInTheReportToo) {
     return json;
   };
   EXPECT_EQ(report({})["warnings"], nlohmann::json::array());
-  for (const char* covered : {"4 KiB", "8 KiB"}) {
+  for (const char* covered : {"1 KiB", "8 KiB", "16 MiB"}) {
     EXPECT_EQ(report({"--set", std::string("tni.trv.l1.size=") + covered})["warnings"], nlohmann::json::array());
   }
-  const nlohmann::json small = report({"--set", "tni.trv.l1.size=2 KiB"});
+  const nlohmann::json small = report({"--set", "tni.trv.l1.size=512 B"});
   EXPECT_SAYS(small["warnings"][0].get<std::string>(),
-              "energy.events: the array of tni.trv has 2 KiB, outside 4 KiB to 128 KiB of cache.l1_fill, "
+              "energy.events: the array of tni.trv has 512 B, outside 1 KiB to 16 MiB of cache.l1_fill, "
               "cache.l1_read, and is extrapolated");
   EXPECT_EQ(small["totals"]["extrapolated"], small["warnings"].size());
 }

@@ -40,11 +40,44 @@ TEST(Warnings, OfIneffectiveSettingsArePrintedByEveryVerb) {
   }
 }
 
+TEST(Warnings, OfKeysOfASystemCacheOrBackgroundThatAreOffNameTheKeyThatIsMissing) {
+  const std::string said =
+      said_by({"bottleneck", "--resolution", "16x16"},
+              {"--set", "slc.ways=8", "--set", "background.writes=0.5", "--set", "dram.refreshed_part=0.5"});
+  EXPECT_SAYS(said, "slc.ways has no effect without slc.size");
+  EXPECT_SAYS(said, "background.writes has no effect without background.rate");
+  EXPECT_SAYS(said, "dram.refreshed_part has no effect without dram.idle=self_refresh");
+}
+
+/// Extrapolated figures, and tables of two processes.
+TEST(Warnings, OfTheTablesArePrintedByEveryVerbThatReadsAConfiguration) {
+  const TempFolder folder;
+  const std::string out = (folder.path() / "out").string(), trace = (folder.path() / "a.trace").string(),
+                    rays = folder.write("a.rays", ray_list(8)).string();
+  ASSERT_EQ(raywatt({"trace", "record", trace, "--resolution", "16x16", "--quiet"}).exit, 0);
+  const Words wrong = {"--set", "tni.trv.l1.size=512B", "--set", "area.extends=7nm"};
+  for (const Words& verb : std::vector<Words>{{"run", "--resolution", "16x16", "-o", out},
+                                              {"run", "--rays", rays, "-o", out + "-rays"},
+                                              {"bottleneck", "--resolution", "16x16"},
+                                              {"dvfs", "--resolution", "16x16", "--factors", "1"},
+                                              {"sustain", "--resolution", "16x16", "--minutes", "0.1"},
+                                              {"bench", "--scene", "cornell", "--resolution", "16x16", "--runs", "1"},
+                                              {"verify", "--resolution", "16x16", "-o", out + "-verify"},
+                                              {"trace", "replay", trace, "-o", out + "-replay"},
+                                              {"config", "show"},
+                                              {"energy", "show", "tni.box_test"},
+                                              {"microbench", "chase"}}) {
+    const std::string said = said_by(verb, wrong);
+    EXPECT_SAYS(said, "the array of tni.trv has 512 B, outside 1 KiB to 16 MiB");
+    EXPECT_SAYS(said, "results mix processes");
+  }
+}
+
 TEST(Warnings, OfTheRunArePrintedByBottleneckAndAreInItsJson) {
-  const Words words = {"bottleneck", "--resolution", "16x16", "--json", "--set", "tni.trv.l1.size=512KiB"};
+  const Words words = {"bottleneck", "--resolution", "16x16", "--json", "--set", "tni.trv.l1.size=512B"};
   const Ending ending = raywatt(words);
   ASSERT_EQ(ending.exit, 0) << ending.err;
-  EXPECT_SAYS(ending.err, "the array of tni.trv has 512 KiB");
+  EXPECT_SAYS(ending.err, "the array of tni.trv has 512 B");
   EXPECT_FALSE(nlohmann::json::parse(ending.out)["warnings"].empty());
 }
 

@@ -87,8 +87,10 @@ void check_scene(const std::string& name) {
 
 namespace {
 
-void load_base(sim::ConfigLoader& loader, RunConfig& config, const std::string& name, const std::string& scene) {
+void load_base(sim::ConfigLoader& loader, RunConfig& config, const std::string& name, const std::string& scene,
+               const std::vector<std::string>& sets) {
   sim::set_config_search_path(config_folders());
+  loader.choose_bundles(sets);
   loader.apply_file(find_config(name));
   if (const std::optional<std::filesystem::path> workload = find_workload(scene)) {
     apply_workload(loader, config, *workload);
@@ -147,8 +149,19 @@ constexpr std::array kIneffectiveKeys = {
                              c.scene.lights.rig != traces::LightRig::kSun;
                     },
                     "without scene.lights.rig=point or sun"},
+    IneffectiveKeys{"slc.", [](const RunConfig& c) { return !c.gpu->slc.is_present(); }, "without slc.size"},
+    IneffectiveKeys{"background.", [](const RunConfig& c) { return c.gpu->background.rate == 0; },
+                    "without background.rate"},
+    IneffectiveKeys{"dram.refreshed_part",
+                    [](const RunConfig& c) { return c.gpu->dram.idle == hw::DramIdle::kPowerDown; },
+                    "without dram.idle=self_refresh"},
     IneffectiveKeys{"scene.orbit", [](const RunConfig& c) { return c.scene.camera_path == traces::CameraPath::kScene; },
                     "without scene.camera_path=orbit"}};
+
+/// True for a key that gives other keys their effect.
+bool is_switch(std::string_view key) {
+  return key.ends_with(".source") || key == "slc.size" || key == "background.rate";
+}
 
 /// Warns if dram.grade is set to the name of a grade that has a configuration file.
 void add_grade_warning(const std::string& set, std::vector<std::string>& out) {
@@ -173,6 +186,8 @@ MachineConfig& MachineConfig::operator=(const MachineConfig& other) {
 MachineConfig::~MachineConfig() = default;
 
 void RunConfig::describe(auto& c, auto&& field) {
+  field.bundle(NAMED(c.process), "process of the chip: names the tables of energy, area, voltage and latency together",
+               {"energy", "area", "power", "latency"}, sim::Affects::kEnergy);
   hw::GpuConfig::describe(*c.gpu, field);
   field.group(NAMED(c.render), "what is rendered, and how finely");
   kernels::ProgramConfig::describe(c.programs, field);
@@ -181,6 +196,7 @@ void RunConfig::describe(auto& c, auto&& field) {
   field.group(NAMED(c.power), "voltage and temperature, and their effect on energy");
   field.group(NAMED(c.area), "area of storage and pads; that of logic is in energy.logic");
   field.group(NAMED(c.latency), "hit latency of caches over size, for hit_cycles auto");
+  field.group(NAMED(c.thermal), "heat path of the device and its governor (raywatt sustain)");
   field.group(NAMED(c.scene), "scene, camera and frames");
   field.group(NAMED(c.limits), "limits for scene files");
 }
@@ -191,16 +207,16 @@ RunConfig load_run_config(const JobOptions& options) {
   RunConfig config;
   sim::ConfigNode tree = sim::config_tree(config);
   sim::ConfigLoader loader(tree);
-  load_base(loader, config, options.config, options.scene);
+  load_base(loader, config, options.config, options.scene, options.sets);
   apply_rest(loader, tree, config, options, find_config(options.config).string());
   return config;
 }
 
-RunConfig load_base_config(const std::string& name, const std::string& scene) {
+RunConfig load_base_config(const std::string& name, const std::string& scene, const std::vector<std::string>& sets) {
   RunConfig config;
   sim::ConfigNode tree = sim::config_tree(config);
   sim::ConfigLoader loader(tree);
-  load_base(loader, config, name, scene);
+  load_base(loader, config, name, scene, sets);
   return config;
 }
 
@@ -224,7 +240,7 @@ std::vector<std::string> ineffective_setting_warnings(const JobOptions& options,
   for (const std::string& set : options.sets) {
     const std::string_view key = std::string_view(set).substr(0, set.find('='));
     for (const IneffectiveKeys& idle : kIneffectiveKeys) {
-      if (!key.starts_with(idle.keys) || key.ends_with(".source") || !idle.is_ineffective(config)) continue;
+      if (!key.starts_with(idle.keys) || is_switch(key) || !idle.is_ineffective(config)) continue;
       std::string line = fmt::format("{} has no effect {}", key, idle.why);
       if (std::ranges::find(out, line) == out.end()) out.push_back(std::move(line));
     }
@@ -266,11 +282,18 @@ struct Cache {
   std::uint32_t around;  ///< cycles of a hit in addition to the array's
 };
 
-std::array<Cache, 3> caches_of(RunConfig& config) {
+/// Returns the caches whose hit_cycles is `auto`.
+std::vector<Cache> automatic_caches(RunConfig& config) {
   hw::GpuConfig& gpu = *config.gpu;
-  return {{{"tni.trv.l1", gpu.tni.trv.l1, gpu.clocks.tni.hz, config.latency.l1},
-           {"tni.ist.l1", gpu.tni.ist.l1, gpu.clocks.tni.hz, config.latency.l1},
-           {"l2", gpu.l2.cache, gpu.clocks.l2.hz, config.latency.l2}}};
+  std::vector<Cache> caches;
+  const auto add = [&](const char* path, hw::CacheConfig& cache, std::uint64_t hz, std::uint32_t around) {
+    if (cache.hit_cycles.is_auto) caches.push_back({path, cache, hz, around});
+  };
+  add("tni.trv.l1", gpu.tni.trv.l1, gpu.clocks.tni.hz, config.latency.l1);
+  add("tni.ist.l1", gpu.tni.ist.l1, gpu.clocks.tni.hz, config.latency.l1);
+  add("l2", gpu.l2.cache, gpu.clocks.l2.hz, config.latency.l2);
+  if (gpu.slc.is_present()) add("slc", gpu.slc.cache, gpu.clocks.l2.hz, config.latency.l2);
+  return caches;
 }
 
 const sim::EnergyCurve& curve_of(const sim::EnergyTable& table, const std::string& path) {
@@ -300,8 +323,7 @@ void set_hit_cycles(RunConfig& config) {
   constexpr double kHzPerNanosecond = 1e9;
   const sim::EnergyTable table(config.latency.arrays, "latency.arrays");
   check_names(table);
-  for (const Cache& c : caches_of(config)) {
-    if (!c.cache.hit_cycles.is_auto) continue;
+  for (const Cache& c : automatic_caches(config)) {
     const sim::EnergyCurve& curve = curve_of(table, c.path);
     if (c.cache.size.bytes == 0) continue;  // check_tree() refuses it
     const double ns = curve.point_at(c.cache.size.bytes).energy_of(&sim::Band::nominal);
@@ -310,12 +332,16 @@ void set_hit_cycles(RunConfig& config) {
   }
 }
 
+bool uses_latency_table(const RunConfig& config) {
+  RunConfig read = config;
+  return !automatic_caches(read).empty();
+}
+
 std::vector<std::string> latency_warnings(const RunConfig& config) {
   std::vector<std::string> lines;
   RunConfig read = config;
   const sim::EnergyTable table(read.latency.arrays, "latency.arrays");
-  for (const Cache& c : caches_of(read)) {
-    if (!c.cache.hit_cycles.is_auto) continue;
+  for (const Cache& c : automatic_caches(read)) {
     const sim::EnergyCurve& curve = curve_of(table, c.path);
     const std::uint64_t bytes = c.cache.size.bytes;
     if (bytes >= curve.least_bytes() && bytes <= curve.most_bytes()) continue;

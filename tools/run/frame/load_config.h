@@ -15,6 +15,7 @@
 #include "sim/report/area.h"
 #include "sim/report/energy.h"
 #include "sim/report/power.h"
+#include "sim/report/thermal.h"
 #include "sim/unit_report.h"
 #include "tools/run/frame/job_options.h"
 #include "tools/run/frame/machine_config.h"
@@ -38,18 +39,23 @@ struct LatencyConfig {
           sim::at_least(0), Affects::kTiming);
     field(NAMED(c.l1), "cycles", "of a hit of a first-level cache of the T&I unit, in addition to its array",
           sim::between(0, 63), Affects::kTiming);
-    field(NAMED(c.l2), "cycles", "of a hit of the L2, in addition to its array", sim::between(0, 63), Affects::kTiming);
+    field(NAMED(c.l2), "cycles", "of a hit of the L2 or system cache, in addition to its array", sim::between(0, 63),
+          Affects::kTiming);
   }
 };
 
 /// Sets the hit latency of caches with hit_cycles `auto` from size and clock. InputError without a curve.
 void set_hit_cycles(RunConfig& config);
 
+/// True if a cache has hit_cycles `auto`.
+bool uses_latency_table(const RunConfig& config);
+
 /// Returns a warning for each cache with hit_cycles `auto` and a size outside the curve.
 std::vector<std::string> latency_warnings(const RunConfig& config);
 
 /// Everything that a run depends on, except the frame program: one YAML file. The machine's keys are at the top level.
 struct RunConfig {
+  std::string process;
   MachineConfig gpu;
   kernels::RenderConfig render;
   kernels::ProgramConfig programs;
@@ -58,6 +64,7 @@ struct RunConfig {
   sim::PowerConfig power;
   sim::AreaConfig area;
   LatencyConfig latency;
+  sim::ThermalConfig thermal;
   traces::WorkloadConfig scene;
   traces::SceneLimits limits;
 
@@ -76,8 +83,10 @@ std::vector<std::string> ineffective_setting_warnings(const JobOptions& options,
 void check_scene(const std::string& name);
 
 // First step of load_run_config(); ConfigVariants performs the others.
-/// Loads the file, then the workload if `scene` names one. The result is not checked.
-RunConfig load_base_config(const std::string& config, const std::string& scene);
+/// Loads the file, then the workload if `scene` names one. A process among `sets` replaces the file's. The result is
+/// not checked.
+RunConfig load_base_config(const std::string& config, const std::string& scene,
+                           const std::vector<std::string>& sets = {});
 
 // Last steps of load_run_config(), for configurations from other sources.
 void apply_ideal(RunConfig& config, const std::vector<std::string>& resources);

@@ -10,6 +10,7 @@
 #include "hw_models/machines/gpu_config.h"
 #include "sim/config/quantity.h"
 #include "sim/error.h"
+#include "sim/io/printable.h"
 #include "traces/scene/did_you_mean.h"
 
 namespace tools {
@@ -56,6 +57,31 @@ sim::PowerScales power_scales(const RunConfig& config) {
   return scales;
 }
 
+RunConfig at_clocks(const RunConfig& base, const std::vector<std::string>& domains, double factor,
+                    const std::string& origin) {
+  RunConfig config = base;
+  config.power.voltage = sim::Voltage::kDvfs;
+  for (const ClockDomain& domain : clock_domains()) {
+    if (std::ranges::find(domains, domain.name) == domains.end()) continue;
+    std::uint64_t& hz = (config.gpu->clocks.*domain.clock).hz;
+    hz = static_cast<std::uint64_t>(std::llround(static_cast<double>(hz) * factor));
+  }
+  check_run_config(config, origin);
+  return config;
+}
+
+double chip_leakage_mw(const sim::EnergyReport& energy, double ms) {
+  constexpr double kPicojoulesPerMicrojoule = 1e6;  // uJ / ms = mW
+  double pj = 0;
+  for (const ClockDomain& domain : clock_domains()) {
+    for (const std::string& block : domain.blocks) {
+      const auto of_block = energy.blocks.find(block);  // a machine may have no rasteriser
+      if (of_block != energy.blocks.end()) pj += of_block->second.leakage.nominal;
+    }
+  }
+  return pj / kPicojoulesPerMicrojoule / ms;
+}
+
 std::vector<std::string> power_warnings(const RunConfig& config) {
   std::vector<std::string> lines;
   const Curves curves = sim::voltage_curves(config.power);
@@ -66,6 +92,12 @@ std::vector<std::string> power_warnings(const RunConfig& config) {
     const sim::VoltageCurve& curve = found->second;
     const std::uint64_t hz = (config.gpu->clocks.*domain.clock).hz;
     const double volt = curve.voltage_at(hz);
+    if (volt > config.power.max_voltage) {
+      lines.push_back(fmt::format(
+          "power.max_voltage: clocks.{} of {} needs {:.4g} V, more than the {:.4g} V that {} "
+          "allows: no such chip reaches this clock",
+          domain.name, clock_text(hz), volt, config.power.max_voltage, sim::printable(config.power.process)));
+    }
     if (config.power.voltage == sim::Voltage::kDvfs) {
       if (hz >= curve.least_hz() && hz <= curve.most_hz()) continue;
       lines.push_back(fmt::format("power.dvfs: clocks.{} of {} is outside {} to {}; {:.4g} V is assumed", domain.name,

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sim/report/energy.h"
 #include "sim/report/power.h"
 #include "tools/run/frame/load_config.h"
 
@@ -27,7 +28,16 @@ double voltage_needed(const RunConfig& config, const ClockDomain& domain);
 /// Returns the energy scale factors of each block at the configured voltage and temperature.
 sim::PowerScales power_scales(const RunConfig& config);
 
-/// Returns a warning for each clock that needs another voltage than its energies use, or that is outside its curve.
+/// Returns the configuration with the clocks of `domains` times a factor, each at the voltage that it needs. `origin`:
+/// name of the factor in errors.
+RunConfig at_clocks(const RunConfig& base, const std::vector<std::string>& domains, double factor,
+                    const std::string& origin);
+
+/// Returns the nominal leakage of the chip, without the memory, in mW. `energy` is that of a frame of `ms`.
+double chip_leakage_mw(const sim::EnergyReport& energy, double ms);
+
+/// Returns a warning for each clock that needs another voltage than its energies use, that is outside its curve, or
+/// that needs more than power.max_voltage.
 std::vector<std::string> power_warnings(const RunConfig& config);
 
 /// Throws InputError for invalid curves, curves of unknown domains, and missing curves.

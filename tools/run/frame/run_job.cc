@@ -14,6 +14,7 @@
 #include "tools/run/frame/front_end.h"
 #include "tools/run/frame/machine_run.h"
 #include "tools/run/frame/replay_program.h"
+#include "tools/run/frame/table_warnings.h"
 #include "tools/run/frame/trace_header.h"
 #include "traces/accel/build.h"
 #include "traces/accel/bvh_info.h"
@@ -69,6 +70,22 @@ float size_in_frame_0(traces::Scene& scene, const traces::WorkloadConfig& worklo
   return std::max({sides.x, sides.y, sides.z});
 }
 
+/// Simulates recorded work at each of the governor's clocks.
+std::vector<SustainStep> simulate_clocks(const Inputs& inputs, const kernels::FrameRequirements& requirements,
+                                         const InMemoryTrace& work, const FrameResult& plain, std::uint32_t threads,
+                                         Progress* progress) {
+  std::vector<MachineVariant> variants;
+  for (RunConfig& config : governor_configs(inputs.config)) variants.push_back({std::move(config), {}, {}});
+  const std::vector<FrameResult> played =
+      simulate_variants(inputs, requirements, work, plain, variants, "simulating", threads, progress);
+  std::vector<SustainStep> steps;
+  const std::vector<double> factors = governor_factors(inputs.config.thermal);
+  for (std::size_t i = 0; i < played.size(); ++i) {
+    steps.push_back({factors[i], {sustain_frame(played[i].energy, played[i].elapsed)}});
+  }
+  return steps;
+}
+
 }  // namespace
 
 std::uint32_t host_threads(std::uint32_t wanted) {
@@ -84,7 +101,8 @@ Inputs load_inputs(const JobOptions& options, Progress* progress) {
   if (progress != nullptr) progress->set_phase("loading");
   const RunConfig config = load_run_config(options);
   Inputs in = load_inputs(config, options.threads, progress);
-  for (std::string& line : ineffective_setting_warnings(options, config)) in.warnings.push_back(std::move(line));
+  add_warnings(in.warnings, ineffective_setting_warnings(options, config));
+  add_warnings(in.warnings, table_warnings(config));
   return in;
 }
 
@@ -171,6 +189,10 @@ void FrameResult::add(const FrameResult& frame) {
   if (sampled) sampled->add(*frame.sampled);
   if (sliced) sliced->add(*frame.sliced);
   for (std::size_t i = 0; i < replicates.size(); ++i) replicates[i].add(frame.replicates[i]);
+  for (std::size_t i = 0; i < sustained.size(); ++i) {
+    sustained[i].frames.insert(sustained[i].frames.end(), frame.sustained[i].frames.begin(),
+                               frame.sustained[i].frames.end());
+  }
 }
 
 FrameResult simulate_frame(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
@@ -189,7 +211,10 @@ FrameResult simulate_program(const Inputs& inputs, const kernels::ProgramSpec& p
   RunTiles tiles(front_end, frame.tiles(), extras.progress, extras.keep_part);
   const kernels::FrameRequirements requirements = frame.requirements();
   std::optional<InMemoryTrace> kept;
-  if (extras.replicates > 1) kept.emplace(make_in_memory_trace(inputs, requirements, frame, extras.requested_by));
+  const bool sustains = inputs.config.thermal.minutes > 0 && !extras.reference;
+  if (extras.replicates > 1 || sustains) {
+    kept.emplace(make_in_memory_trace(inputs, requirements, frame, extras.requested_by));
+  }
   begin_part(inputs, requirements, extras);
   tiles.record_to(extras.trace, kept ? &*kept : nullptr);
   hw::TileAccounting accounting(extras.itemised ? frame.tiles() : 0);
@@ -218,10 +243,15 @@ FrameResult simulate_program(const Inputs& inputs, const kernels::ProgramSpec& p
   s.wall_seconds = sim::seconds_since(begin);
   s.tiles = frame.tiles();
   s.finished_tiles = tiles.finished_tiles();
-  if (extras.replicates == 1 || s.is_part()) return s;
+  if (!kept || s.is_part()) return s;
   try {
-    s.replicates = simulate_replicates(inputs, requirements, *kept, s, *gpu, extras.replicates - 1,
-                                       host_threads(threads), extras.progress);
+    if (sustains) {
+      s.sustained = simulate_clocks(inputs, requirements, *kept, s, host_threads(threads), extras.progress);
+    }
+    if (extras.replicates > 1) {
+      s.replicates = simulate_replicates(inputs, requirements, *kept, s, *gpu, extras.replicates - 1,
+                                         host_threads(threads), extras.progress);
+    }
     s.replicate_seconds = sim::seconds_since(begin) - s.wall_seconds;
   } catch (const Interrupted&) {
     if (!extras.keep_part) throw;

@@ -18,6 +18,7 @@
 #include "tools/host/progress.h"
 #include "tools/run/frame/front_end.h"
 #include "tools/run/frame/load_config.h"
+#include "tools/run/frame/sustained.h"
 #include "traces/accel/memory_image.h"
 #include "traces/scene/info.h"
 #include "traces/scene/scene.h"
@@ -117,6 +118,7 @@ struct FrameResult {
   std::optional<SampledFrame> sampled;  ///< set if the results are estimated from sampled tiles
   std::optional<SlicedFrame> sliced;    ///< set if slices were requested
   std::vector<FrameResult> replicates;  ///< results of perturbed machines, without pictures
+  std::vector<SustainStep> sustained;   ///< the same work at the governor's clocks, with thermal.minutes
   double replicate_seconds = 0;         ///< host time of the replicates
   std::vector<hw::TileAccount> tile_accounts;  ///< with SimulateOptions::itemised: one per entry of the tile list
   hw::TileAccount rest;                        ///< with SimulateOptions::itemised: activity that no tile requested

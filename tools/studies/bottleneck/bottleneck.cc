@@ -83,8 +83,6 @@ Bottleneck find_bottleneck(const JobOptions& options, Progress* progress) {
     return simulate_frame(inputs, program, options.threads, {.progress = progress, .replicates = options.replicates});
   };
   const FrameResult measured = play("as configured");
-  const std::vector<std::string> of_run = run_warnings(inputs.config, measured.units);
-  print_warnings(of_run, progress);
   const double pixels = double{1} * inputs.config.render.width * inputs.config.render.height;
   const CoreTime time = top_down(measured.units, *measured.machine).gpu;
   const std::vector<Estimate> estimates = estimate_speedups(time);
@@ -97,7 +95,6 @@ Bottleneck find_bottleneck(const JobOptions& options, Progress* progress) {
                    .plays = plays_of(measured),
                    .assumed_noise = default_noise(pixels, "cycles"),
                    .warnings = inputs.warnings};
-  std::ranges::copy(of_run, std::back_inserter(found.warnings));
   for (const hw::IdealConfig::Resource& resource : hw::IdealConfig::kResources) {
     bool& ideal = inputs.config.gpu->ideal.*resource.member;
     const bool configured = ideal;

@@ -26,7 +26,7 @@
 #include "tools/analysis/report_file.h"
 #include "tools/analysis/report_paths.h"
 #include "tools/analysis/units.h"
-#include "tools/pricing/idle_machine.h"
+#include "tools/pricing/reported_units.h"
 #include "tools/run/run.h"
 #include "traces/scene/images.h"
 

@@ -7,17 +7,18 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "hw_models/dram/dram_energy.h"
 #include "hw_models/machines/gpu_config.h"
 #include "sim/error.h"
 #include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "sim/report/report_json.h"
 #include "sim/report/table.h"
-#include "tools/analysis/report.h"
-#include "tools/pricing/idle_machine.h"
+#include "tools/run/frame/idle_machine.h"
 #include "tools/run/frame/load_config.h"
 #include "tools/run/frame/power.h"
 #include "tools/run/frame/run_job.h"
+#include "tools/run/frame/table_warnings.h"
 #include "traces/scene/did_you_mean.h"
 
 namespace tools {
@@ -37,32 +38,9 @@ void check_domains(const std::vector<std::string>& names) {
   }
 }
 
-/// Returns the configuration with scaled clocks, each at the voltage that it needs.
-RunConfig config_at_factor(const RunConfig& base, const std::vector<std::string>& domains, double factor) {
-  RunConfig config = base;
-  config.power.voltage = sim::Voltage::kDvfs;
-  for (const ClockDomain& domain : clock_domains()) {
-    if (std::ranges::find(domains, domain.name) == domains.end()) continue;
-    std::uint64_t& hz = (config.gpu->clocks.*domain.clock).hz;
-    hz = static_cast<std::uint64_t>(std::llround(static_cast<double>(hz) * factor));
-  }
-  check_run_config(config, fmt::format("--factors {}", factor));
-  return config;
-}
-
-/// Returns the power between frames: the leakage of the gated chip, and the memory in power-down.
+/// Returns the power between frames: the leakage of the gated chip, and the idle memory.
 double idle_mw(const RunConfig& config, const FrameResult& s, double ms) {
-  constexpr double kPicojoulesPerMicrojoule = 1e6;  // uJ / ms = mW
-  double leakage_pj = 0;
-  for (const ClockDomain& domain : clock_domains()) {
-    for (const std::string& block : domain.blocks) {
-      const auto of_block = s.energy.blocks.find(block);  // the rasteriser may be absent
-      if (of_block != s.energy.blocks.end()) leakage_pj += of_block->second.leakage.nominal;
-    }
-  }
-  const double ranks = config.gpu->dram.channels * config.gpu->dram.organisation.ranks;
-  return config.power.idle_leakage * leakage_pj / kPicojoulesPerMicrojoule / ms +
-         ranks * config.gpu->dram.energy.power_down_standby.nominal;
+  return config.power.idle_leakage * chip_leakage_mw(s.energy, ms) + hw::dram_idle_mw(config.gpu->dram).nominal;
 }
 
 DvfsPoint point_of(double factor, const RunConfig& config, const FrameResult& s) {
@@ -99,24 +77,27 @@ DvfsCurve dvfs_curve(const DvfsOptions& options, Progress* progress) {
   std::vector<double> factors = options.factors;
   std::ranges::sort(factors);
   factors.erase(std::unique(factors.begin(), factors.end()), factors.end());
-  const Inputs inputs = load_inputs(options.job, progress);
+  JobOptions job = options.job;
+  job.sets.emplace_back("power.voltage=dvfs");  // each clock has the voltage that it needs
+  const Inputs inputs = load_inputs(job, progress);
   print_warnings(inputs.warnings, progress);
   check_table_names(idle_units(*inputs.config.gpu), inputs.config);
   std::vector<RunConfig> configs;
-  for (const double factor : factors) configs.push_back(config_at_factor(inputs.config, options.domains, factor));
+  for (const double factor : factors) {
+    configs.push_back(at_clocks(inputs.config, options.domains, factor, fmt::format("--factors {}", factor)));
+  }
   const std::vector<FrameResult> runs = simulate_configs(inputs, kernels::parse_program(options.job.program), configs,
                                                          "dvfs", options.job.threads, progress);
   DvfsCurve curve;
   std::vector<std::string> warnings;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     curve.points.push_back(point_of(factors[i], configs[i], runs[i]));
-    for (const std::string& line : run_warnings(configs[i], runs[i].units)) {
-      if (std::ranges::find(warnings, line) == warnings.end()) warnings.push_back(line);
-    }
+    add_warnings(warnings, table_warnings(configs[i], runs[i].units));
   }
-  print_warnings(warnings, progress);
   curve.warnings = inputs.warnings;
-  std::ranges::move(warnings, std::back_inserter(curve.warnings));
+  add_warnings(curve.warnings, warnings);
+  print_warnings({curve.warnings.begin() + static_cast<std::ptrdiff_t>(inputs.warnings.size()), curve.warnings.end()},
+                 progress);
   double slowest = 0;
   for (const DvfsPoint& point : curve.points) slowest = std::max(slowest, point.ms);
   choose_points(curve, options.fps > 0 ? 1000 / options.fps : slowest);

@@ -14,13 +14,14 @@
 #include "hw_models/machines/gpu_config.h"
 #include "sim/config/load.h"
 #include "sim/config/quantity.h"
+#include "sim/config/scale.h"
 #include "sim/error.h"
 #include "sim/io/file.h"
 #include "sim/io/printable.h"
 #include "sim/report/energy_table.h"
 #include "tools/host/paths.h"
-#include "tools/pricing/idle_machine.h"
 #include "tools/pricing/priced_run.h"
+#include "tools/run/frame/idle_machine.h"
 #include "tools/run/frame/load_config.h"
 #include "traces/scene/did_you_mean.h"
 
@@ -52,7 +53,11 @@ std::string last_part(const std::string& path) { return path.substr(path.rfind('
 /// Records the origin of each value while files and settings override each other.
 class Layers {
  public:
-  explicit Layers(Origins& out) : out_(out) {}
+  Layers(Origins& out, const std::vector<std::string>& sets) : out_(out) {
+    for (const std::string& set : sets) {
+      if (set.starts_with("process=")) process_ = set.substr(set.find('=') + 1);
+    }
+  }
 
   void add_file(const std::string& prefix, const fs::path& path) {
     const std::string text = sim::read_file(path, kLargestConfig);
@@ -65,6 +70,7 @@ class Layers {
     const std::size_t equals = text.find('=');
     const std::string value = text.substr(equals + 1), origin = "--set " + text;
     std::string key = text.substr(0, equals);
+    if (key == "process") add_process({});
     for (const std::string end : {".nominal", ".extends"}) {
       if (key.ends_with(end)) key.resize(key.size() - end.size());
       if (text.substr(0, equals) == key + ".extends") add_file(key, sim::find_config(value, {}, text, last_part(key)));
@@ -79,23 +85,57 @@ class Layers {
   /// `origin` returns the origin of a line.
   void add_mapping(const std::string& prefix, const sim::YamlNode& node, const fs::path& folder,
                    const std::function<std::string(int)>& origin) {
+    const auto* process = prefix.empty() ? node.find("process") : nullptr;
+    if (process != nullptr && process_.empty()) process_ = process->value->scalar;
     if (const auto* base = node.find("extends"))
       add_file(prefix, sim::find_config(base->value->scalar, folder, "extends", last_part(prefix)));
+    if (const auto* factors = node.find("scale")) add_scale(prefix, *factors->value, origin);
+    if (process != nullptr) add_process(folder);
     for (const sim::YamlNode::Entry& entry : node.entries) {
+      if (entry.key == "scale") continue;
       const std::string key = prefix.empty() ? entry.key : prefix + "." + entry.key;
       out_[key] = origin(entry.key_at.line);
       if (entry.value->kind == sim::YamlNode::Kind::kMapping) add_mapping(key, *entry.value, folder, origin);
     }
   }
 
+  /// Adds the tables of the outermost process, once.
+  void add_process(const fs::path& folder) {
+    if (is_process_added_) return;
+    is_process_added_ = true;
+    for (const char* table : {"energy", "area", "power", "latency"}) {
+      add_file(table, sim::find_config(fs::path(table) / process_, folder, "process", table));
+    }
+  }
+
+  /// Appends the factor of each value below `prefix` to its origin.
+  void add_scale(const std::string& prefix, const sim::YamlNode& factors,
+                 const std::function<std::string(int)>& origin) {
+    sim::FigureScale keys;
+    std::map<std::string, std::string> texts;
+    for (const sim::YamlNode::Entry& entry : factors.entries) {
+      keys.add(entry.key, {});
+      const sim::YamlNode::Entry* nominal = entry.value->find("nominal");
+      const std::string factor = nominal == nullptr ? entry.value->scalar : nominal->value->scalar;
+      texts[entry.key] = fmt::format("\n    x {}: {}", factor, origin(entry.key_at.line));
+    }
+    for (auto& [path, text] : out_) {
+      if (!path.starts_with(prefix + ".")) continue;
+      const std::string key = keys.covering_key(std::string_view(path).substr(prefix.size() + 1));
+      if (!key.empty()) text += texts.at(key);
+    }
+  }
+
   Origins& out_;
+  std::string process_;  ///< the outermost that is set
+  bool is_process_added_ = false;
 };
 
 /// Returns the origin of each value of a configuration: the comment after "source:" and "FILE:LINE", or "--set ...".
 Origins config_origins(const JobOptions& options) {
   sim::set_config_search_path(config_folders());
   Origins out;
-  Layers layers(out);
+  Layers layers(out, options.sets);
   layers.add_file("", find_config(options.config));
   for (const std::string& set : options.sets) layers.add_set(set);
   return out;
@@ -198,8 +238,8 @@ class Users {
 };
 
 std::string band_text(const sim::Band& s, const std::string& unit) {
-  const std::string band =
-      s.low == s.high ? fmt::format("{}", s.nominal) : fmt::format("{} / {} / {}", s.low, s.nominal, s.high);
+  const std::string band = s.low == s.high ? fmt::format("{:.10g}", s.nominal)
+                                           : fmt::format("{:.10g} / {:.10g} / {:.10g}", s.low, s.nominal, s.high);
   return (unit.empty() ? band : band + " " + unit) + (s.low == s.high ? "  (no band)" : "");
 }
 
@@ -228,6 +268,18 @@ std::string short_name(const std::string& name) {
   return name.starts_with(kEvents) ? name.substr(kEvents.size()) : name;
 }
 
+/// The origin of a figure: a line for where it was given, and one for each factor since.
+std::string printable_lines(const std::string& text) {
+  std::string out;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    const std::size_t first = std::min(text.find_first_not_of(' ', begin), end);
+    out += (out.empty() ? "" : "\n      ") + sim::printable(text.substr(first, end - first), 2000);
+    begin = end + 1;
+  }
+  return out;
+}
+
 std::string entry_text(const EnergyEntry& entry, const Users& users, const Origins& origins) {
   std::string out = short_name(entry.name) + "\n";
   for (const EnergyEntry::Figure& f : entry.figures) {
@@ -235,7 +287,7 @@ std::string entry_text(const EnergyEntry& entry, const Users& users, const Origi
     const std::string size = at == std::string::npos ? "" : f.name.substr(at) + ": ";
     const auto origin = origins.find(f.name);
     out += fmt::format("  {}{}\n    {}\n", size, band_text(f.band, entry.unit),
-                       sim::printable(origin == origins.end() ? "by default" : origin->second, 2000));
+                       origin == origins.end() ? "by default" : printable_lines(origin->second));
   }
   if (entry.figures.size() > 1) out += curve_text(entry);
   const std::set<std::string> counters = users.users_of(entry);

@@ -7,7 +7,7 @@
 #include "hw_models/machines/gpu_config.h"
 #include "sim/config/value.h"
 #include "sim/error.h"
-#include "tools/pricing/idle_machine.h"
+#include "tools/run/frame/idle_machine.h"
 #include "tools/run/frame/load_config.h"
 
 namespace tools {
@@ -48,9 +48,11 @@ TEST(PowerWarnings, AreOfClocksWhoseVoltageIsNotTheTables) {
   ASSERT_EQ(slow.size(), 1U);
   EXPECT_NE(slow.front().find("clocks.tni of 400 MHz needs 0.7155 V"), std::string::npos) << slow.front();
   EXPECT_TRUE(power_warnings(with({"clocks.tni=400 MHz", "power.voltage=dvfs"})).empty());
-  const std::vector<std::string> fast = power_warnings(with({"clocks.tni=700 MHz", "power.voltage=dvfs"}));
-  ASSERT_EQ(fast.size(), 1U);
-  EXPECT_NE(fast.front().find("clocks.tni of 700 MHz is outside 77 MHz to 600 MHz"), std::string::npos) << fast.front();
+  EXPECT_TRUE(power_warnings(with({"clocks.tni=700 MHz", "power.voltage=dvfs"})).empty());
+  const std::vector<std::string> fast = power_warnings(with({"clocks.tni=1600 MHz", "power.voltage=dvfs"}));
+  ASSERT_EQ(fast.size(), 2U);
+  EXPECT_NE(fast[0].find("power.max_voltage: clocks.tni of 1600 MHz needs"), std::string::npos) << fast[0];
+  EXPECT_NE(fast[1].find("clocks.tni of 1600 MHz is outside 77 MHz to 1500 MHz"), std::string::npos) << fast[1];
 }
 
 TEST(PowerTables, OfADomainThatThereIsNotGetTheNearest) {
@@ -87,11 +89,24 @@ TEST(HitCycles, ThatAreAutoFollowSizeAndClock) {
   EXPECT_EQ(cycles(with(auto_and({"clocks.l2=2 GHz", "l2.size=32 KiB"}))).at(2), 12U);
 }
 
-TEST(HitCycles, OutsideTheCurveAreSaid) {
-  const std::vector<std::string> lines = latency_warnings(with(auto_and({"l2.size=2 MiB"})));
+// 1.02 ns at 512 KiB are three cycles at 2 GHz.
+TEST(HitCycles, OfTheSystemCacheThatAreAutoFollowItsSize) {
+  const auto cycles_at = [](const char* size) {
+    const RunConfig c = with({"slc.hit_cycles=auto", "clocks.l2=2 GHz", std::string("slc.size=") + size});
+    return c.gpu->slc.cache.hit_cycles.value;
+  };
+  EXPECT_EQ(cycles_at("512 KiB"), 11U + 3);
+  EXPECT_GT(cycles_at("16 MiB"), cycles_at("1 MiB"));
+  const std::vector<std::string> lines = latency_warnings(with({"slc.hit_cycles=auto", "slc.size=64 MiB"}));
   ASSERT_EQ(lines.size(), 1U);
-  EXPECT_NE(lines.front().find("l2 has 2 MiB, outside 4 KiB to 512 KiB"), std::string::npos) << lines.front();
-  EXPECT_TRUE(latency_warnings(with({"l2.size=2 MiB"})).empty());
+  EXPECT_NE(lines.front().find("slc has 64 MiB, outside 1 KiB to 16 MiB"), std::string::npos) << lines.front();
+}
+
+TEST(HitCycles, OutsideTheCurveAreSaid) {
+  const std::vector<std::string> lines = latency_warnings(with(auto_and({"l2.size=512 B", "l2.ways=2", "l2.banks=1"})));
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_NE(lines.front().find("l2 has 512 B, outside 1 KiB to 16 MiB"), std::string::npos) << lines.front();
+  EXPECT_TRUE(latency_warnings(with({"l2.size=512 B", "l2.ways=2", "l2.banks=1"})).empty());
 }
 
 TEST(HitCycles, ThatAreAutoStaySoInTheConfigurationAndItsJson) {

@@ -126,8 +126,9 @@ std::vector<std::string> extrapolation_lines(const sim::Json& report) {
   const sim::JsonPointer count("/totals/extrapolated"), warnings("/warnings");
   std::vector<std::string> lines;
   if (!report.contains(count) || report[count] == 0 || !report.contains(warnings)) return lines;
-  // Only these warnings begin with the name of a table.
-  constexpr std::array<std::string_view, 4> kTables = {"energy.events", "area.arrays", "latency.arrays", "power.dvfs"};
+  // Only these warnings begin with the name of a table or of their key.
+  constexpr std::array<std::string_view, 6> kTables = {"energy.events", "area.arrays",       "latency.arrays",
+                                                       "power.dvfs",    "power.max_voltage", "process"};
   for (const sim::Json& line : report[warnings]) {
     if (!line.is_string()) continue;
     const auto is_of = [text = line.get<std::string>()](std::string_view table) { return text.starts_with(table); };

@@ -1,5 +1,8 @@
 #include "tools/studies/sweep/spec/point.h"
 
+#include <algorithm>
+#include <iterator>
+
 #include <fmt/format.h>
 
 #include "shader_kernels/programs/program_spec.h"
@@ -150,13 +153,16 @@ bool can_share(const Point& point) { return point.tile_sampling.empty() && !poin
 }  // namespace
 
 const ConfigVariants& PointKeys::apply_point(const Point& point) {
-  const std::pair key(point.config, point.scene);
+  const JobOptions options = point.run_options();
+  std::vector<std::string> key = {point.config, point.scene};
+  std::ranges::copy_if(options.sets, std::back_inserter(key),
+                       [](const std::string& set) { return set.starts_with("process="); });
   auto base = bases_.find(key);
   if (base == bases_.end()) {
-    RunConfig config = load_base_config(point.config, point.scene);
+    RunConfig config = load_base_config(point.config, point.scene, options.sets);
     base = bases_.try_emplace(key, std::move(config), sim::find_config(point.config).string()).first;
   }
-  base->second.apply(point.run_options());
+  base->second.apply(options);
   return base->second;
 }
 

@@ -95,8 +95,8 @@ class PointKeys {
   Key make_key(const Point& point, const ConfigVariants& applied);
   std::string scene_digest(const RunConfig& config);
 
-  std::map<std::pair<std::string, std::string>, ConfigVariants> bases_;  ///< by configuration and scene
-  std::map<std::string, std::string> digests_;                           ///< by scene file
+  std::map<std::vector<std::string>, ConfigVariants> bases_;  ///< by configuration, scene and process
+  std::map<std::string, std::string> digests_;                ///< by scene file
 };
 
 }  // namespace tools::sweep

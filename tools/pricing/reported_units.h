@@ -6,15 +6,7 @@
 #include "tools/analysis/report_file.h"
 #include "tools/run/frame/load_config.h"
 
-namespace hw {
-struct GpuConfig;
-}
-
 namespace tools {
-
-/// Returns every unit of a machine before its first cycle: blocks, storage, reasons, and counters with their costs.
-/// `rasterises`: the machine has rasterisers.
-std::vector<sim::UnitReport> idle_units(const hw::GpuConfig& config, bool rasterises = false);
 
 /// Returns the configuration of a report. Throws InputError if it has none, or one that this program does not support.
 RunConfig reported_config(const ReportFile& report);

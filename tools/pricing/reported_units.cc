@@ -1,30 +1,16 @@
-#include "tools/pricing/idle_machine.h"
+#include "tools/pricing/reported_units.h"
 
-#include <memory>
 #include <string_view>
 
 #include <fmt/format.h>
 
-#include "hw_models/machines/gpu.h"
 #include "hw_models/memory/unit_names.h"
 #include "hw_models/raster/raster_unit.h"
 #include "sim/config/load.h"
 #include "sim/error.h"
 #include "sim/io/printable.h"
-#include "tools/run/frame/machine_run.h"
 
 namespace tools {
-
-std::vector<sim::UnitReport> idle_units(const hw::GpuConfig& config, bool rasterises) {
-  const traces::MemoryImage nothing;
-  NoTiles tiles;
-  // Kernels that no tile uses get no schedule: scheduling would dominate the time.
-  hw::Gpu::Workload workload{
-      .image = nothing, .parents = {}, .scheduled = std::make_shared<const hw::ScheduledKernels>()};
-  if (rasterises) workload.needs.raster = traces::RasterDemands{};
-  return std::make_unique<hw::Gpu>(config, workload, tiles)->unit_reports();
-}
-
 namespace {
 
 using sim::Json;
