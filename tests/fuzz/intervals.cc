@@ -1,8 +1,9 @@
+#include "tools/intervals/intervals.h"
+
 #include <string>
 
 #include "tests/fuzz/common.h"
 #include "tests/fuzz/trace_work.h"
-#include "tools/intervals/interval_file.h"
 #include "traces/trace_file/packing.h"
 
 // A file of intervals, as stored and by the content of its blocks, which is packed here.

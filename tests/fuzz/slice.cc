@@ -1,6 +1,6 @@
 #include "sim/io/json.h"
 #include "tests/fuzz/common.h"
-#include "tools/sampling/slice_file.h"
+#include "tools/sampling/slices.h"
 
 // A slice of a frame, as the store keeps it. The contents are read, written and read back, and must be the same.
 

@@ -2,7 +2,6 @@
 
 #include "tests/fuzz/common.h"
 #include "tools/studies/sweep/results/collect.h"
-#include "tools/studies/sweep/store/folder.h"
 #include "tools/studies/sweep/store/store.h"
 
 // The files of a sweep's folder and store. The input is read as each of them: sweep.json, points.jsonl, the record of a

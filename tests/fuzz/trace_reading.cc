@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "tests/fuzz/common.h"
-#include "tools/analysis/trace_info.h"
+#include "tools/analysis/info.h"
 #include "tools/run/frame/replay_program.h"
 #include "tools/run/frame/trace_header.h"
 

@@ -7,7 +7,7 @@
 #include "tests/real_scenes.h"
 #include "tests/validation/figures.h"
 #include "tools/analysis/picture.h"
-#include "tools/analysis/sampling_report.h"
+#include "tools/analysis/report.h"
 #include "tools/run/frame/run_job.h"
 #include "traces/accel/bvh_tracer.h"
 

@@ -8,7 +8,7 @@
 #include "tests/validation/figures.h"
 #include "tools/analysis/picture.h"
 #include "tools/run/frame/run_job.h"
-#include "tools/studies/reproduce/masks.h"
+#include "tools/studies/reproduce/runner.h"
 #include "traces/accel/bvh_tracer.h"
 
 // Subpixel reconstruction compared with its requirements. Deviations are explained in DEVIATIONS.md and asserted here

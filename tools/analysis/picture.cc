@@ -1,8 +1,15 @@
 #include "tools/analysis/picture.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
+#include <memory>
+#include <span>
+#include <string_view>
+
+#include "shader_kernels/programs/geometry_pass.h"
+#include "shader_kernels/programs/wavefront/scene_tables.h"
 
 namespace tools {
 
@@ -41,6 +48,191 @@ double mean_squared_error(std::span<const float> a, std::span<const float> b) {
 std::optional<double> psnr_db(double mean_squared_error) {
   if (mean_squared_error == 0) return {};
   return -10 * std::log10(mean_squared_error);
+}
+
+namespace {
+
+using Colour = std::array<std::uint8_t, 3>;
+using kernels::SampleMark;
+
+constexpr Colour kYellow{255, 221, 0}, kBlue{20, 40, 200}, kGreen{0, 200, 60}, kGrey{96, 96, 96}, kWhite{255, 255, 255};
+constexpr int kDarkened = 4;  // divisor of brightness under the marks
+
+struct Canvas {
+  const RenderResult& frame;
+  std::uint32_t width, height;  ///< in samples
+  std::uint32_t grid;           ///< samples per pixel and axis
+
+  /// Paints each sample with `colour(mark, x, y)`.
+  template <class F>
+  DebugPicture paint_samples(std::string name, F&& colour) const {
+    DebugPicture picture{std::move(name), width, height, {}};
+    picture.rgb.reserve(std::size_t{3} * width * height);
+    for (std::uint32_t y = 0; y < height; ++y) {
+      for (std::uint32_t x = 0; x < width; ++x) {
+        const Colour c = colour(frame.marks[std::size_t{y} * width + x], x, y);
+        picture.rgb.insert(picture.rgb.end(), c.begin(), c.end());
+      }
+    }
+    return picture;
+  }
+
+  /// Returns the pixel of a sample.
+  const std::uint8_t* pixel_at(const std::vector<std::uint8_t>& picture, std::uint32_t x, std::uint32_t y) const {
+    return &picture[3 * (std::size_t{y / grid} * (width / grid) + x / grid)];
+  }
+
+  /// Paints samples with `bit` white over the darkened picture.
+  DebugPicture marked_picture(std::string name, SampleMark bit) const {
+    const std::vector<std::uint8_t> picture = to_rgb8(frame.rgb);
+    return paint_samples(std::move(name), [&](SampleMark mark, std::uint32_t x, std::uint32_t y) -> Colour {
+      if ((mark & bit) != 0) return kWhite;
+      const std::uint8_t* at = pixel_at(picture, x, y);
+      const auto grey = static_cast<std::uint8_t>((at[0] + 2 * at[1] + at[2]) / 4 / kDarkened);
+      return {grey, grey, grey};
+    });
+  }
+};
+
+/// Colours samples by their origin.
+DebugPicture similar_picture(const Canvas& canvas) {
+  return canvas.paint_samples("similar", [](SampleMark mark, std::uint32_t, std::uint32_t) {
+    if ((mark & kernels::kReferenceMark) != 0) return kGrey;
+    if ((mark & kernels::kCorrectedMark) != 0) return kGreen;
+    return (mark & kernels::kTracedMark) != 0 ? kBlue : kYellow;
+  });
+}
+
+/// Shows interpolated samples; others are black.
+DebugPicture interpolated_picture(const Canvas& canvas) {
+  const std::vector<std::uint8_t> picture = to_rgb8(canvas.frame.rgb);
+  return canvas.paint_samples("interpolated", [&](SampleMark mark, std::uint32_t x, std::uint32_t y) -> Colour {
+    if ((mark & kernels::kTracedMark) != 0) return {0, 0, 0};
+    const std::uint8_t* at = canvas.pixel_at(picture, x, y);
+    return {at[0], at[1], at[2]};
+  });
+}
+
+/// Colours tiles, by rows; tiles at the right and lower edges may be smaller.
+DebugPicture rates_picture(const Canvas& canvas) {
+  const kernels::Sampling& s = canvas.frame.sampling;
+  const std::uint32_t across = (canvas.width + s.tile_side - 1) / s.tile_side;
+  return canvas.paint_samples("rates", [&](SampleMark, std::uint32_t x, std::uint32_t y) -> Colour {
+    const std::size_t tile = std::size_t{y / s.tile_side} * across + x / s.tile_side;
+    const int full = s.blocks[tile] > 2 ? 255 : 110;
+    const float similar = s.similar[tile];
+    return {static_cast<std::uint8_t>(static_cast<float>(full) * (1 - similar)),
+            static_cast<std::uint8_t>(static_cast<float>(full) * similar), static_cast<std::uint8_t>(full / 4)};
+  });
+}
+
+/// Remaining weights of the filter: white if all samples count, black if only the pixel's own do.
+DebugPicture weights_picture(const Canvas& canvas) {
+  return canvas.paint_samples("weights", [](SampleMark mark, std::uint32_t, std::uint32_t) -> Colour {
+    const auto share = static_cast<std::uint8_t>(mark >> kernels::kWeightShift);
+    return {share, share, share};
+  });
+}
+
+/// Adds a picture for each kind of edge that occurs.
+void add_edges(std::vector<DebugPicture>& pictures, const Canvas& canvas) {
+  constexpr auto kNames = names_of(kernels::FilterEdge{});
+  SampleMark all = 0;
+  for (const SampleMark mark : canvas.frame.marks) all |= mark;
+  for (std::size_t i = 0; i < kNames.size(); ++i) {
+    const auto bit = static_cast<SampleMark>(1U << i);
+    if ((all & bit) != 0) pictures.push_back(canvas.marked_picture("edges-" + std::string(kNames[i]), bit));
+  }
+}
+
+template <class Name>
+void add_marked(std::vector<DebugPicture>& pictures, const Canvas& canvas, std::string_view prefix,
+                std::span<const std::uint64_t> counts, const Name& names) {
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    if (counts[i] == 0) continue;
+    pictures.push_back(
+        canvas.marked_picture(std::string(prefix) + std::string(names[i]), static_cast<SampleMark>(1U << i)));
+  }
+}
+
+/// Colours for 0 to 8 or more.
+constexpr std::array<Colour, 9> kHeat{{{0, 0, 0},
+                                       {20, 40, 200},
+                                       {0, 130, 200},
+                                       {0, 180, 120},
+                                       {0, 200, 60},
+                                       {170, 210, 0},
+                                       {255, 221, 0},
+                                       {255, 130, 0},
+                                       {220, 0, 0}}};
+
+DebugPicture empty_picture(const char* name, const kernels::RenderConfig& render) {
+  return {name, render.width, render.height, std::vector<std::uint8_t>(std::size_t{3} * render.width * render.height)};
+}
+
+void paint_count(DebugPicture& picture, std::size_t pixel, std::uint32_t count) {
+  const Colour& colour = kHeat.at(std::min<std::size_t>(count, kHeat.size() - 1));
+  std::ranges::copy(colour, picture.rgb.begin() + static_cast<std::ptrdiff_t>(3 * pixel));
+}
+
+}  // namespace
+
+std::vector<DebugPicture> debug_pictures(const kernels::ProgramSpec& program, const RenderResult& frame,
+                                         std::uint32_t width, std::uint32_t height) {
+  std::vector<DebugPicture> pictures;
+  if (frame.marks.empty()) return pictures;
+  const auto grid =
+      static_cast<std::uint32_t>(std::lround(std::sqrt(frame.marks.size() / (std::size_t{width} * height))));
+  const Canvas canvas{frame, width * grid, height * grid, grid};
+  using Kind = kernels::ProgramSpec::Kind;
+  if (program.kind == Kind::kSupersample) {
+    constexpr std::array<Colour, 5> kCounts{{{0, 0, 0}, {255, 0, 0}, {0, 255, 0}, {0, 0, 255}, kWhite}};
+    pictures.push_back(canvas.paint_samples("active", [&](SampleMark mark, std::uint32_t, std::uint32_t) {
+      return kCounts.at(kernels::active_subpixel_count(mark));
+    }));
+    if (frame.sampling.propagated != 0)
+      pictures.push_back(canvas.marked_picture("propagated", kernels::kCorrectedMark));
+    add_marked(pictures, canvas, "differs-", frame.sampling.reasons, names_of(kernels::Attribute{}));
+    return pictures;
+  }
+  if (program.kind == Kind::kReconstruct || program.kind == Kind::kSraa) {
+    pictures.push_back(weights_picture(canvas));
+    add_edges(pictures, canvas);
+    return pictures;
+  }
+  pictures.push_back(similar_picture(canvas));
+  pictures.push_back(interpolated_picture(canvas));
+  add_marked(pictures, canvas, "check-", frame.sampling.failed, names_of(kernels::Check{}));
+  if (frame.sampling.has_rates) pictures.push_back(rates_picture(canvas));
+  return pictures;
+}
+
+std::vector<DebugPicture> raster_pictures(const traces::MemoryImage& image, const traces::Camera& camera,
+                                          const kernels::RenderConfig& render) {
+  const std::unique_ptr<traces::Rasteriser> rasteriser =
+      kernels::make_rasteriser(image, camera, render.width, render.height, render.raster, render.tile);
+  const kernels::CameraUniforms<float> at = kernels::camera_uniforms(camera, render.width, render.height);
+  std::vector<DebugPicture> pictures = {empty_picture("overdraw", render), empty_picture("quads", render)};
+  traces::Coverage found;
+  std::vector<traces::Ray> rays(render.width);
+  // Two rows at a time, so that quads are complete.
+  for (std::uint32_t y0 = 0; y0 < render.height; y0 += 2) {
+    const std::uint32_t rows = std::min(2U, render.height - y0);
+    rays.resize(std::size_t{rows} * render.width);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const auto x = static_cast<float>(i % render.width) + 0.5F;
+      const auto y = static_cast<float>(y0 + i / render.width) + 0.5F;
+      const auto direction = at.corner + at.right * x + at.down * y;
+      rays[i].direction = {direction.x, direction.y, direction.z};
+    }
+    rasteriser->cover_samples(rays, found, nullptr);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const std::size_t pixel = std::size_t{y0} * render.width + i;
+      paint_count(pictures[0], pixel, found.layers[i]);
+      paint_count(pictures[1], pixel, found.quads[i]);
+    }
+  }
+  return pictures;
 }
 
 }  // namespace tools

@@ -1,8 +1,16 @@
 #pragma once
+
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
+
+#include "shader_kernels/programs/program_spec.h"
+#include "shader_kernels/programs/wavefront/render_config.h"
+#include "tools/run/frame/front_end.h"
+#include "traces/accel/memory_image.h"
+#include "traces/scene/scene.h"
 
 namespace tools {
 
@@ -22,5 +30,29 @@ double mean_squared_error(std::span<const float> a, std::span<const float> b);
 
 /// Returns the peak signal-to-noise ratio in dB, peak 1; nullopt for identical pictures.
 std::optional<double> psnr_db(double mean_squared_error);
+
+/// Debug picture of an adaptive frame: 8-bit RGB, one pixel per sample.
+struct DebugPicture {
+  std::string name;
+  std::uint32_t width = 0, height = 0;
+  std::vector<std::uint8_t> rgb;
+};
+
+/// Returns the debug pictures of a frame with marks; none for programs without marks. Failed checks are white over the
+/// darkened picture.
+///   multirate, undersample: `similar` (yellow: interpolated, blue: traced, green: post-correction, grey: references),
+///   `interpolated` (interpolated samples, others black), `check-NAME` (samples that failed the check); with rate
+///   control `rates` (tiles: dark for blocks of 2, bright for 4; greener for more similar samples) supersample:
+///   `active` (0 to 4 active sub-pixels: black, red, green, blue, white), `differs-NAME` (pixels with an active
+///   sub-pixel whose attribute differed), `propagated` (pixels corrected by propagation rounds) reconstruct: `weights`
+///   (remaining filter weight around a pixel, from black to white), `edges-NAME` (pixels whose filter has an edge)
+std::vector<DebugPicture> debug_pictures(const kernels::ProgramSpec& program, const RenderResult& frame,
+                                         std::uint32_t width, std::uint32_t height);
+
+/// Returns pictures of the rasteriser's work for one sample per pixel:
+///   `overdraw`: triangles that cover the pixel's centre (black 0, blue 1, green, yellow, red 8 or more)
+///   `quads`: quads of 2 x 2 pixels that include the pixel, on the same scale; partially covered quads count
+std::vector<DebugPicture> raster_pictures(const traces::MemoryImage& image, const traces::Camera& camera,
+                                          const kernels::RenderConfig& render);
 
 }  // namespace tools

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <ctime>
 #include <iterator>
+#include <string_view>
+#include <vector>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -13,19 +16,20 @@
 #include "hw_models/dram/dram_channel.h"
 #include "hw_models/frame/dma.h"
 #include "hw_models/memory/l2_bank.h"
+#include "hw_models/srp/srp.h"
 #include "shader_kernels/catalogue.h"
+#include "shader_kernels/graph.h"
 #include "sim/config/config.h"
 #include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "sim/report/report_json.h"
 #include "sim/report/table.h"
 #include "sim/report/table_checks.h"
-#include "tools/analysis/limiter.h"
 #include "tools/analysis/picture.h"
-#include "tools/analysis/replicated.h"
 #include "tools/analysis/top_down.h"
 #include "tools/analysis/units.h"
 #include "tools/host/build_info.h"
+#include "tools/noise/noise.h"
 #include "tools/run/frame/sustained.h"
 #include "tools/run/frame/table_warnings.h"
 #include "traces/accel/bvh_info.h"
@@ -36,6 +40,288 @@ namespace tools {
 using sim::Json;
 
 namespace {
+
+struct Named {
+  std::string_view begins;  ///< prefix of the kernel's name
+  KernelGroup group;
+};
+
+/// All other kernels trace and shade.
+constexpr Named kGroups[] = {{"check_", KernelGroup::kCheck},
+                             {"test_subpixels", KernelGroup::kCheck},
+                             {"list_contrasts", KernelGroup::kCheck},
+                             {"interpolate_", KernelGroup::kInterpolation},
+                             {"find_suspects", KernelGroup::kCorrection},
+                             {"store_identities", KernelGroup::kCorrection},
+                             {"show_subpixels", KernelGroup::kCorrection},
+                             {"settle_subpixels", KernelGroup::kCorrection},
+                             {"propagate_subpixels", KernelGroup::kCorrection},
+                             {"average_subpixels", KernelGroup::kCorrection},
+                             {"average_contrasts", KernelGroup::kCorrection}};
+
+KernelGroup group_of(std::string_view kernel) {
+  for (const Named& named : kGroups) {
+    if (kernel.starts_with(named.begins)) return named.group;
+  }
+  return KernelGroup::kTracing;
+}
+
+/// Returns the share of a kernel's cycles in a group: 0 or 1; for a fused kernel by the operations of its parts.
+double part_of(std::string_view kernel, KernelGroup group) {
+  const kernels::KernelInfo* info = kernels::find_kernel(kernel);
+  if (info == nullptr || info->parts.empty()) return group_of(kernel) == group ? 1 : 0;
+  double all = 0, those = 0;
+  for (const std::string_view part : info->parts) {
+    const double ops = kernels::count_executed_ops(kernels::find_kernel(part)->graph);
+    all += ops;
+    if (group_of(part) == group) those += ops;
+  }
+  return those / all;
+}
+
+}  // namespace
+
+std::optional<double> kernel_share(const FrameResult& run, KernelGroup group) {
+  double all = 0, those = 0;
+  for (std::size_t k = 0; k < run.kernels.size(); ++k) {
+    const auto cycles = static_cast<double>(run.kernel_use[k].cycles);
+    all += cycles;
+    those += cycles * part_of(run.kernels[k].kernel, group);
+  }
+  if (all == 0) return {};
+  return those / all;
+}
+
+std::optional<double> starved_share(const FrameResult& run) {
+  const std::uint64_t elapsed = Units<hw::Srp>(run.units).elapsed();
+  double starved = 0;
+  for (std::size_t k = 0; k < run.kernels.size(); ++k) {
+    const std::string_view kernel = run.kernels[k].kernel;
+    const double part = part_of(kernel, KernelGroup::kCheck) + part_of(kernel, KernelGroup::kInterpolation);
+    starved += part * static_cast<double>(run.kernel_use[k].starved);
+  }
+  if (elapsed == 0) return {};
+  return starved / static_cast<double>(elapsed);
+}
+
+namespace {
+
+double share_of(std::uint64_t part, std::uint64_t whole) {
+  return static_cast<double>(part) / static_cast<double>(whole);
+}
+
+Json named_counts(const auto& names, const auto& counts) {
+  Json out = Json::object();
+  for (std::size_t i = 0; i < counts.size(); ++i) out[names[i]] = counts[i];
+  return out;
+}
+
+/// Returns totals.sampling of a report: traced and wanted samples, reasons for tracing, and the cost of the decision.
+Json sampling_json(const FrameResult& run) {
+  const kernels::Sampling& s = run.rendered.sampling;
+  Json out = {{"wanted", s.wanted},         {"traced", s.traced},         {"halo", s.halo},
+              {"correction", s.correction}, {"background", s.background}, {"traced_background", s.traced_background}};
+  if (s.wanted > s.background) {
+    out["traced_ratio_without_background"] = share_of(s.traced - s.traced_background, s.wanted - s.background);
+  }
+  const bool is_subdivided = run.program.kind == kernels::ProgramSpec::Kind::kSupersample;
+  if (is_subdivided) {
+    out["active"] = s.active;
+    out["reasons"] = named_counts(names_of(kernels::Attribute{}), s.reasons);
+    out["first_reasons"] = named_counts(names_of(kernels::Attribute{}), s.first_reasons);
+    out["padding"] = s.padding;
+    if (s.propagated != 0) out["propagated"] = s.propagated;
+  }
+  if (s.checked != 0) {
+    out["checked"] = s.checked;
+    out["passed"] = s.passed;
+    out["similar_ratio"] = share_of(s.passed, s.checked);
+    if (s.rough != 0) out["rough"] = s.rough;
+    out["failed"] = named_counts(names_of(kernels::Check{}), s.failed);
+    out["first_failed"] = named_counts(names_of(kernels::Check{}), s.first_failed);
+  }
+  if (!is_subdivided && s.checked == 0) return out;
+  const auto add = [&](const char* key, const std::optional<double>& share) {
+    if (share) out[key] = *share;
+  };
+  add("check_share", kernel_share(run, KernelGroup::kCheck));
+  add("interpolation_share", kernel_share(run, KernelGroup::kInterpolation));
+  add("correction_share", kernel_share(run, KernelGroup::kCorrection));
+  add("starved_share", starved_share(run));
+  return out;
+}
+
+}  // namespace
+
+Json tiles_json(const kernels::Sampling& sampling) {
+  Json similar = Json::array();
+  for (const float share : sampling.similar) similar.push_back(std::round(1e4 * share) / 1e4);
+  return {{"side", sampling.tile_side}, {"similar_ratio", std::move(similar)}, {"blocks", sampling.blocks}};
+}
+
+namespace {
+
+sim::JsonPointer pointer_to(const std::string& path) {
+  std::string pointer = "/" + path;
+  std::ranges::replace(pointer, '.', '/');
+  return sim::JsonPointer(pointer);
+}
+
+std::string path_of(const std::string& pointer) {
+  std::string path = pointer.substr(1);
+  std::ranges::replace(path, '/', '.');
+  return path;
+}
+
+/// Returns "6.764 ± 0.12 %".
+std::string give_or_take(const Json& metrics, const char* path) {
+  const Json& f = metrics.at(pointer_to(path));
+  const double mean = f["mean"].get<double>();
+  const double half = (f["high"].get<double>() - f["low"].get<double>()) / 2;
+  return fmt::format("{} ± {:.2g} %", sim::four_digits(mean), mean == 0 ? 0 : 100 * half / mean);
+}
+
+double pixels_of(const ReportFile& report) { return report.number("resolution[0]") * report.number("resolution[1]"); }
+
+/// Returns `totals.replicates` of a report: statistics of its noisy totals over all simulations; the first is
+/// `plain`.
+Json replicates_json(const ComparedResult& result, const Json& plain) {
+  std::vector<Json> plays = {plain};
+  for (std::size_t i = 0; i < result.run.replicates.size(); ++i) {
+    const FrameResult* reference = result.reference == nullptr ? nullptr : &result.reference->replicates[i];
+    plays.push_back(totals_json({result.run.replicates[i], reference, result.squared_error}));
+  }
+  Json out = {{"count", plays.size()}, {"level", 0.95}, {"figures", Json::object()}};
+  const Json flat = plain.flatten();
+  for (const auto& [pointer, value] : flat.items()) {
+    if (!value.is_number() || !is_noisy(path_of(pointer))) continue;
+    const sim::JsonPointer at(pointer);
+    const auto has_it = [&](const Json& play) { return play.contains(at); };
+    if (!std::ranges::all_of(plays, has_it)) continue;
+    std::vector<double> values;
+    for (const Json& play : plays) values.push_back(play.at(at).get<double>());
+    const Draws draws = draws_of(values);
+    out["figures"][at] = {{"mean", draws.mean},
+                          {"deviation", draws.deviation},
+                          {"low", draws.mean - draws.half_width()},
+                          {"high", draws.mean + draws.half_width()},
+                          {"values", values}};
+  }
+  return out;
+}
+
+/// Returns the statistics of a metric such as "energy_mj.nominal" in a report; nullopt without replicates.
+std::optional<Draws> draws_in(const ReportFile& report, const std::string& metric) {
+  const std::string at = "totals.replicates.figures." + metric;
+  if (!report.has(at + ".mean")) return std::nullopt;
+  return Draws{static_cast<std::size_t>(report.number("totals.replicates.count")), report.number(at + ".mean"),
+               report.number(at + ".deviation")};
+}
+
+}  // namespace
+
+std::string replicates_text(const Json& replicates) {
+  const Json& f = replicates["figures"];
+  return fmt::format("{} runs, mean and 95 %: cycles {}, mJ {}, W {}, frames/J {}", replicates["count"].get<int>(),
+                     give_or_take(f, "cycles"), give_or_take(f, "energy_mj.nominal"),
+                     give_or_take(f, "power_w.nominal"), give_or_take(f, "perf.frames_per_joule_gpu"));
+}
+
+std::string replicates_table(const Json& replicates) {
+  constexpr const char* kMetrics[] = {"cycles",
+                                      "time_ms",
+                                      "perf.fps",
+                                      "perf.mrays_per_s",
+                                      "dram_bytes",
+                                      "utilisation.tni",
+                                      "utilisation.srp",
+                                      "utilisation.dram",
+                                      "energy_mj.nominal",
+                                      "energy_by_block_mj.tni.nominal",
+                                      "power_w.nominal",
+                                      "perf.frames_per_joule_gpu",
+                                      "perf.frames_per_joule_tni",
+                                      "perf.nj_per_ray",
+                                      "relative.speedup",
+                                      "relative.dram_bytes",
+                                      "relative.tni_perf_per_watt",
+                                      "relative.gpu_perf_per_watt"};
+  sim::Table table({fmt::format("{} runs", replicates["count"].get<int>()), "mean", "deviation", "95 %, low", "high"});
+  for (const char* path : kMetrics) {
+    const sim::JsonPointer at = pointer_to(path);
+    if (!replicates["figures"].contains(at)) continue;
+    const Json& metric = replicates["figures"].at(at);
+    std::vector<std::string> cells = {path};
+    for (const char* part : {"mean", "deviation", "low", "high"}) {
+      cells.push_back(sim::four_digits(metric[part].get<double>()));
+    }
+    table.add_row(std::move(cells));
+  }
+  return table.text();
+}
+
+std::optional<NoisyDifference> noisy_difference(const ReportFile& a, const ReportFile& b, const std::string& metric) {
+  const double of_a = a.number("totals." + metric), of_b = b.number("totals." + metric);
+  if (!is_noisy(metric) || of_a == 0 || of_b == 0) return std::nullopt;
+  const std::optional<Draws> draws_a = draws_in(a, metric), draws_b = draws_in(b, metric);
+  double assumed = default_noise(std::min(pixels_of(a), pixels_of(b)), metric);
+  for (const auto& draws : {draws_a, draws_b}) {
+    if (draws) assumed = std::max(assumed, noise_of_pair(*draws));
+  }
+  const auto seen = [&](double value, const std::optional<Draws>& draws) {
+    return draws ? SeenFigure{draws->mean, draws} : SeenFigure{value, {}, assumed};
+  };
+  const SeenFigure seen_a = seen(of_a, draws_a), seen_b = seen(of_b, draws_b);
+  const MeanDifference d = difference_of(seen_a, seen_b);
+  return NoisyDifference{d.value / seen_a.value, d.half_width() / seen_a.value, draws_a && draws_b,
+                         std::abs(d.value) > d.half_width()};
+}
+
+namespace {
+
+/// Divides the statistics of replicates by an area.
+sim::Json per_mm2(sim::Json statistics, double mm2) {
+  for (auto& [name, number] : statistics.items()) {
+    if (!number.is_array()) {
+      number = number.get<double>() / mm2;
+      continue;
+    }
+    for (auto& value : number) value = value.get<double>() / mm2;
+  }
+  return statistics;
+}
+
+/// Adds the machine's area by block and by part to the totals, and perf.frames_per_joule_per_mm2 and
+/// perf.mrays_per_s_per_mm2. No effect without an area table.
+void add_area(sim::Json& totals, std::span<const sim::UnitReport> units, const RunConfig& config) {
+  if (config.area.arrays.empty()) return;
+  const sim::AreaReport area = sim::compute_area(units, config.energy, config.area);
+  const double mm2 = area.total.nominal;
+  totals["area_mm2"] = mm2;
+  totals["area_band_mm2"] = sim::band_json(area.total);
+  sim::AreaOfBlock all;
+  for (const auto& [name, block] : area.blocks) {
+    totals["area_by_block_mm2"][name] = sim::band_json(block.total());
+    all.logic += block.logic;
+    all.arrays += block.arrays;
+    all.buffers += block.buffers;
+    all.pads += block.pads;
+  }
+  totals["area_by_part_mm2"] = {{"logic", sim::band_json(all.logic)},
+                                {"arrays", sim::band_json(all.arrays)},
+                                {"buffers", sim::band_json(all.buffers)},
+                                {"pads", sim::band_json(all.pads)}};
+  auto& perf = totals["perf"];
+  perf["frames_per_joule_per_mm2"] = perf["frames_per_joule_gpu"].get<double>() / mm2;
+  perf["mrays_per_s_per_mm2"] = perf["mrays_per_s"].get<double>() / mm2;
+  if (!totals.contains("replicates")) return;
+  auto& replicated = totals["replicates"]["figures"]["perf"];
+  replicated["frames_per_joule_per_mm2"] = per_mm2(replicated["frames_per_joule_gpu"], mm2);
+  replicated["mrays_per_s_per_mm2"] = per_mm2(replicated["mrays_per_s"], mm2);
+}
+
+/// Ratio of simulated to requested tiles that causes a warning. Chosen: blocks are whole tiles.
+constexpr double kMuchMore = 1.5;
 
 double time_ms(const FrameResult& run) { return static_cast<double>(run.elapsed) / sim::kFemtosecondsPerMillisecond; }
 double energy_mj(const FrameResult& run) { return run.energy.total_pj.nominal / sim::kPicojoulesPerMillijoule; }
@@ -304,56 +590,6 @@ sim::Json energy_totals_json(const sim::EnergyReport& energy, const WorkDone& wo
                  {"frames_per_joule_tni", 1000 * work.frames / tni_mj}};
   return out;
 }
-
-namespace {
-
-/// Divides the statistics of replicates by an area.
-sim::Json per_mm2(sim::Json statistics, double mm2) {
-  for (auto& [name, number] : statistics.items()) {
-    if (!number.is_array()) {
-      number = number.get<double>() / mm2;
-      continue;
-    }
-    for (auto& value : number) value = value.get<double>() / mm2;
-  }
-  return statistics;
-}
-
-}  // namespace
-
-void add_area(sim::Json& totals, std::span<const sim::UnitReport> units, const RunConfig& config) {
-  if (config.area.arrays.empty()) return;
-  const sim::AreaReport area = sim::compute_area(units, config.energy, config.area);
-  const double mm2 = area.total.nominal;
-  totals["area_mm2"] = mm2;
-  totals["area_band_mm2"] = sim::band_json(area.total);
-  sim::AreaOfBlock all;
-  for (const auto& [name, block] : area.blocks) {
-    totals["area_by_block_mm2"][name] = sim::band_json(block.total());
-    all.logic += block.logic;
-    all.arrays += block.arrays;
-    all.buffers += block.buffers;
-    all.pads += block.pads;
-  }
-  totals["area_by_part_mm2"] = {{"logic", sim::band_json(all.logic)},
-                                {"arrays", sim::band_json(all.arrays)},
-                                {"buffers", sim::band_json(all.buffers)},
-                                {"pads", sim::band_json(all.pads)}};
-  auto& perf = totals["perf"];
-  perf["frames_per_joule_per_mm2"] = perf["frames_per_joule_gpu"].get<double>() / mm2;
-  perf["mrays_per_s_per_mm2"] = perf["mrays_per_s"].get<double>() / mm2;
-  if (!totals.contains("replicates")) return;
-  auto& replicated = totals["replicates"]["figures"]["perf"];
-  replicated["frames_per_joule_per_mm2"] = per_mm2(replicated["frames_per_joule_gpu"], mm2);
-  replicated["mrays_per_s_per_mm2"] = per_mm2(replicated["mrays_per_s"], mm2);
-}
-
-namespace {
-
-/// Ratio of simulated to requested tiles that causes a warning. Chosen: blocks are whole tiles.
-constexpr double kMuchMore = 1.5;
-
-}  // namespace
 
 std::vector<std::string> run_warnings(const RunConfig& config, std::span<const sim::UnitReport> units,
                                       const std::optional<SampledFrame>& sampled) {

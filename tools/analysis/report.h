@@ -1,4 +1,5 @@
 #pragma once
+
 #include <optional>
 #include <span>
 #include <string>
@@ -8,6 +9,8 @@
 #include "sim/report/area.h"
 #include "sim/report/energy.h"
 #include "sim/unit_report.h"
+#include "tools/analysis/report_file.h"
+#include "tools/noise/noise.h"
 #include "tools/run/frame/load_config.h"
 #include "tools/run/frame/run_job.h"
 
@@ -45,9 +48,6 @@ std::string report_table(const sim::Json& report);
 /// Returns the peak resident memory of this process in MiB.
 double peak_rss_mib();
 
-/// Returns totals.sampling of a report: traced and wanted samples, reasons for tracing, and the cost of the decision.
-sim::Json sampling_json(const FrameResult& run);
-
 /// Returns the share of similar samples among those checked and the block side, for each tile, by rows.
 sim::Json tiles_json(const kernels::Sampling& sampling);
 
@@ -60,13 +60,32 @@ struct WorkDone {
 /// frames_per_joule_gpu and frames_per_joule_tni.
 sim::Json energy_totals_json(const sim::EnergyReport& energy, const WorkDone& work);
 
-/// Adds the machine's area by block and by part to the totals, and perf.frames_per_joule_per_mm2 and
-/// perf.mrays_per_s_per_mm2. No effect without an area table.
-void add_area(sim::Json& totals, std::span<const sim::UnitReport> units, const RunConfig& config);
-
 /// Returns the warnings of report.json from the run itself: table_warnings(), and sampling that simulated more than
 /// requested.
 std::vector<std::string> run_warnings(const RunConfig& config, std::span<const sim::UnitReport> units,
                                       const std::optional<SampledFrame>& sampled = {});
+
+/// Purposes of kernels whose time papers report separately. Checks include the compaction of results into streams.
+enum class KernelGroup : std::uint8_t { kTracing, kCheck, kInterpolation, kCorrection };
+
+/// Returns the share of the shader cores' busy cycles; nullopt if they were never busy.
+std::optional<double> kernel_share(const FrameResult& run, KernelGroup group);
+
+/// Returns the share of time in which a core's T&I unit has no rays while its SRP runs checks or interpolation.
+std::optional<double> starved_share(const FrameResult& run);
+
+/// Formats the statistics as one line, and as a table of the main metrics.
+std::string replicates_text(const sim::Json& replicates);
+std::string replicates_table(const sim::Json& replicates);
+
+/// Difference of a metric between two reports, with its noise.
+struct NoisyDifference {
+  double relative = 0;    ///< relative difference of b's value or mean to a's
+  double half_width = 0;  ///< half-width of its 95 % interval, relative to a
+  bool measured = false;  ///< true if both have replicates
+  bool outside = false;   ///< larger than noise explains
+};
+/// Returns nullopt for metrics that have no noise or are 0.
+std::optional<NoisyDifference> noisy_difference(const ReportFile& a, const ReportFile& b, const std::string& metric);
 
 }  // namespace tools

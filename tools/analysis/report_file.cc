@@ -1,12 +1,19 @@
 #include "tools/analysis/report_file.h"
 
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <map>
+#include <set>
+
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "sim/error.h"
 #include "sim/io/file.h"
 #include "sim/io/json.h"
 #include "sim/io/printable.h"
-#include "tools/analysis/report_paths.h"
+#include "traces/scene/did_you_mean.h"
 
 namespace tools {
 
@@ -93,6 +100,204 @@ FlatConfig flat_config(const Json& config) {
   FlatConfig out;
   flatten_config(config, "", 0, out);
   return out;
+}
+
+namespace {
+
+using Numbers = std::vector<ReportNumber>;
+
+constexpr int kDeepestReport = 32;
+
+void collect_numbers(const Json& node, const std::string& path, int depth, Numbers& out) {
+  if (depth > kDeepestReport) throw sim::InputError("the report is nested more deeply than any report");
+  if (node.is_number()) {
+    out.push_back({path, node.get<double>()});
+  } else if (node.is_object()) {
+    for (const auto& [key, value] : node.items())
+      collect_numbers(value, fmt::format("{}.{}", path, key), depth + 1, out);
+  } else if (node.is_array()) {
+    for (std::size_t i = 0; i < node.size(); ++i)
+      collect_numbers(node[i], fmt::format("{}[{}]", path, i), depth + 1, out);
+  }
+}
+
+/// Returns the name without its number if siblings are numbered from 0: "core3" -> "core", but "l2" stays.
+std::string kind_of(const std::string& name, const Json& siblings) {
+  const std::string kind = name.substr(0, name.find_last_not_of("0123456789") + 1);
+  return !kind.empty() && siblings.contains(kind + "0") ? kind : name;
+}
+
+/// Sums the numbers of similar units in the tree of units.
+class Sums {
+ public:
+  void add(const Json& node, const std::string& kind, int depth) {
+    if (depth > kDeepestReport) return;
+    for (const auto& [key, value] : node.items()) {
+      if (value.is_object()) add(value, fmt::format("{}.{}", kind, kind_of(key, node)), depth + 1);
+      if (value.is_number()) add(fmt::format("{}.{}", kind, key), value.get<double>());
+    }
+    if (node.contains("elapsed")) add(kind + ".units", 1);
+  }
+  Numbers take() { return std::move(numbers_); }
+
+ private:
+  void add(std::string path, double value) {
+    const auto [at, is_new] = indices_.emplace(path, numbers_.size());
+    if (is_new) numbers_.push_back({std::move(path), 0});
+    numbers_[at->second].value += value;
+  }
+  Numbers numbers_;
+  std::map<std::string, std::size_t> indices_;
+};
+
+bool ends_in(std::string_view path, std::string_view text) {
+  return path.ends_with(text) && path.size() > text.size() && path[path.size() - text.size() - 1] == '.';
+}
+
+/// True if `path` is in the group `text`.
+bool is_below(std::string_view path, std::string_view text) {
+  return path.size() > text.size() && path.starts_with(text) && (path[text.size()] == '.' || path[text.size()] == '[');
+}
+
+/// Returns the last components of a path, as many as `text` has.
+std::string end_of(std::string_view path, std::string_view text) {
+  std::size_t at = std::string_view::npos;
+  for (auto dots = std::ranges::count(text, '.'); dots >= 0; --dots) {
+    at = at == 0 ? std::string_view::npos : path.rfind('.', at == std::string_view::npos ? at : at - 1);
+    if (at == std::string_view::npos) return std::string(path);
+  }
+  return std::string(path.substr(at + 1));
+}
+
+constexpr std::size_t kMostShown = 8;
+
+[[noreturn]] void refuse_several(std::string_view text, const char* what, const std::vector<std::string>& candidates,
+                                 const std::string& hint = "") {
+  const std::size_t shown = std::min(candidates.size(), kMostShown);
+  throw sim::InputError(
+      fmt::format("the report path '{}' {}: {}{}{}", sim::printable(text), what,
+                  fmt::join(candidates.begin(), candidates.begin() + static_cast<std::ptrdiff_t>(shown), ", "),
+                  shown < candidates.size() ? fmt::format(" and {} more", candidates.size() - shown) : "", hint));
+}
+
+/// What a text denotes among paths: one path, a group, several paths, or nothing.
+struct Meanings {
+  Meanings(std::string_view text, std::span<const std::string> paths) {
+    if (text.empty()) return;
+    const std::string in_totals = fmt::format("totals.{}", text), inside = fmt::format(".{}.", text);
+    std::array<std::vector<std::string>, 3> ends;  // in totals, elsewhere, in frames: in order of precedence
+    std::vector<std::string> below;
+    for (const std::string& path : paths) {
+      if (path == text || (path == in_totals && one.empty())) one = path;
+      if (is_below(path, text) || is_below(path, in_totals)) group.push_back(path);
+      if (path.find(inside) != std::string::npos) below.push_back(path);
+      if (!ends_in(path, text)) continue;
+      ends[path.starts_with("totals.") ? 0 : path.starts_with("frames[") ? 2 : 1].push_back(path);
+    }
+    if (!one.empty() || !group.empty()) return;
+    const auto first = std::ranges::find_if(ends, [](const auto& candidates) { return !candidates.empty(); });
+    if (first == ends.end()) {
+      group = below;
+    } else if (first->size() == 1) {
+      one = first->front();
+    } else {
+      several = *first;
+    }
+  }
+  std::string one;
+  std::vector<std::string> group, several;
+};
+
+/// Returns ", did you mean 'x'?" with the nearest end of the paths that start with `start`; bands count by name.
+std::string nearest_end(std::string_view text, std::span<const std::string> paths, std::string_view start) {
+  constexpr std::string_view kNominal = ".nominal";
+  std::set<std::string> known;
+  for (const std::string_view path : paths) {
+    if (!path.starts_with(start)) continue;
+    known.insert(end_of(path, text));
+    if (path.ends_with(kNominal)) known.insert(end_of(path.substr(0, path.size() - kNominal.size()), text));
+  }
+  const std::vector<std::string> names(known.begin(), known.end());
+  return traces::did_you_mean(text, names);
+}
+
+/// Returns the nominal path of a group that is a band; empty for other groups.
+std::string nominal_of(const std::vector<std::string>& group) {
+  constexpr std::size_t kSides = 3;
+  if (group.size() != kSides) return {};
+  const std::string name = group.front().substr(0, group.front().rfind('.'));
+  for (const char* side : {".low", ".nominal", ".high"}) {
+    if (std::ranges::find(group, name + side) == group.end()) return {};
+  }
+  return name + ".nominal";
+}
+
+}  // namespace
+
+bool is_total(std::string_view path) { return path.starts_with("totals."); }
+
+std::string metric_name(std::string_view path) {
+  return std::string(is_total(path) ? path.substr(std::string_view("totals.").size()) : path);
+}
+
+Numbers report_numbers(const Json& report) {
+  Numbers out;
+  if (!report.is_object()) return out;
+  for (const auto& [key, value] : report.items()) {
+    if (key != "host" && key != "provenance" && key != "sampled_counters") collect_numbers(value, key, 1, out);
+  }
+  Numbers sums = unit_sums(report);
+  {
+    std::set<std::string_view> known;
+    for (const ReportNumber& number : out) known.insert(number.path);
+    std::erase_if(sums, [&](const ReportNumber& sum) { return known.contains(sum.path); });
+  }
+  std::ranges::move(sums, std::back_inserter(out));
+  return out;
+}
+
+Numbers unit_sums(const Json& report) {
+  Sums sums;
+  if (!report.is_object()) return {};
+  if (const auto units = report.find("units"); units != report.end() && units->is_object()) {
+    sums.add(*units, "units", 0);
+  }
+  return sums.take();
+}
+
+std::string resolve_report_path(std::string_view text, std::span<const std::string> paths) {
+  const Meanings m(text, paths);
+  if (!m.one.empty()) return m.one;
+  if (std::string nominal = nominal_of(m.group); !nominal.empty()) return nominal;
+  if (!m.group.empty()) {
+    const bool is_in_totals = m.group.front().starts_with("totals.");
+    const std::string nearest = is_in_totals ? "" : nearest_end(text, paths, "totals.");
+    if (!nearest.empty() && m.group.size() > kMostShown) {
+      throw sim::InputError(fmt::format("the report path '{}' is a group of {} numbers, none of them a figure{}",
+                                        sim::printable(text), m.group.size(), nearest));
+    }
+    refuse_several(text, "is a group of", m.group, nearest);
+  }
+  if (!m.several.empty()) refuse_several(text, "may mean any of", m.several);
+  throw sim::InputError(
+      fmt::format("there is no report path '{}'{}; allowed is what report.json has, or the end of it, e.g. cycles, "
+                  "perf.frames_per_joule_gpu",
+                  sim::printable(text), nearest_end(text, paths, "")));
+}
+
+std::vector<std::string> report_path_group(std::string_view text, std::span<const std::string> paths) {
+  Meanings m(text, paths);
+  if (!m.one.empty()) return {m.one};
+  if (!m.several.empty()) refuse_several(text, "may mean any of", m.several);
+  if (text != "units") return m.group;
+  // Sums have a `units` entry; other paths belong to single units of several.
+  const std::set<std::string> known(paths.begin(), paths.end());
+  std::erase_if(m.group, [&](const std::string& path) {
+    const std::size_t end = std::min(path.find(".why."), path.find(".counters."));
+    const std::string unit = path.substr(0, end == std::string::npos ? path.rfind('.') : end);
+    return !known.contains(unit + ".units");
+  });
+  return m.group;
 }
 
 }  // namespace tools

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "sim/io/json.h"
-#include "tools/analysis/replicated.h"
 #include "tools/analysis/report.h"
 #include "tools/analysis/top_down.h"
 

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <functional>
-#include <map>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -239,30 +240,46 @@ CoreTime core_time(std::span<const UnitReport> units, std::uint32_t number, cons
   return t;
 }
 
-/// Calls f(member of a, same member of b) for every share and demand.
-template <class A, class F>
-void each_share(A& a, const CoreTime& b, F&& f) {
-  for (double CoreTime::*share :
-       {&CoreTime::kernels, &CoreTime::switches, &CoreTime::banks, &CoreTime::data_misses, &CoreTime::boxes,
-        &CoreTime::triangles, &CoreTime::pipes, &CoreTime::tree_misses, &CoreTime::raster, &CoreTime::raster_misses,
-        &CoreTime::transfers, &CoreTime::no_tile}) {
-    f(a.*share, b.*share);
-  }
-  using Demands = CoreTime::Demands;
-  for (double Demands::*demand :
-       {&Demands::no_slots, &Demands::fed, &Demands::occupied, &Demands::tree_lines, &Demands::tree_waits,
-        &Demands::tests, &Demands::data_lines, &Demands::l2_lines, &Demands::port_lines, &Demands::dram_bus,
-        &Demands::dram_busy, &Demands::dram_queue, &Demands::transfers, &Demands::spills, &Demands::spilling,
-        &Demands::spill_lines, &Demands::tracing, &Demands::records}) {
-    f(a.demands.*demand, b.demands.*demand);
-  }
-}
+/// A part of a core's time: its name in reports, its words, its share and, for misses, their levels.
+struct TimePart {
+  std::string_view name;
+  const char* words;
+  double CoreTime::*share;
+  MissLevels CoreTime::*levels = nullptr;
+};
+constexpr std::array<TimePart, 12> kParts = {
+    {{"kernels", "kernels", &CoreTime::kernels},
+     {"switches", "kernel switches", &CoreTime::switches},
+     {"banks", "tile-buffer banks", &CoreTime::banks},
+     {"data_misses", "data-cache misses", &CoreTime::data_misses, &CoreTime::data_levels},
+     {"boxes", "box tests", &CoreTime::boxes},
+     {"triangles", "triangle tests", &CoreTime::triangles},
+     {"pipes", "T&I pipelines", &CoreTime::pipes},
+     {"tree_misses", "tree misses", &CoreTime::tree_misses, &CoreTime::tree_levels},
+     {"raster", "rasteriser", &CoreTime::raster},
+     {"raster_misses", "rasteriser's misses", &CoreTime::raster_misses, &CoreTime::raster_levels},
+     {"transfers", "transfers", &CoreTime::transfers},
+     {"no_tile", "no tile", &CoreTime::no_tile}}};
 
-/// Miss time by kind of cache, and its levels.
-constexpr std::array<std::pair<double CoreTime::*, MissLevels CoreTime::*>, 3> kMisses = {
-    {{&CoreTime::data_misses, &CoreTime::data_levels},
-     {&CoreTime::tree_misses, &CoreTime::tree_levels},
-     {&CoreTime::raster_misses, &CoreTime::raster_levels}}};
+using Demands = CoreTime::Demands;
+constexpr std::array<std::pair<const char*, double Demands::*>, 18> kDemands = {{{"no_slots", &Demands::no_slots},
+                                                                                 {"fed", &Demands::fed},
+                                                                                 {"occupied", &Demands::occupied},
+                                                                                 {"tree_lines", &Demands::tree_lines},
+                                                                                 {"tree_waits", &Demands::tree_waits},
+                                                                                 {"tests", &Demands::tests},
+                                                                                 {"data_lines", &Demands::data_lines},
+                                                                                 {"l2_lines", &Demands::l2_lines},
+                                                                                 {"port_lines", &Demands::port_lines},
+                                                                                 {"dram_bus", &Demands::dram_bus},
+                                                                                 {"dram_busy", &Demands::dram_busy},
+                                                                                 {"dram_queue", &Demands::dram_queue},
+                                                                                 {"transfers", &Demands::transfers},
+                                                                                 {"spills", &Demands::spills},
+                                                                                 {"spilling", &Demands::spilling},
+                                                                                 {"spill_lines", &Demands::spill_lines},
+                                                                                 {"tracing", &Demands::tracing},
+                                                                                 {"records", &Demands::records}}};
 
 /// Adds a core's miss levels, weighted by its miss time.
 void add_levels(MissLevels& all, const MissLevels& core, double weight) {
@@ -274,26 +291,6 @@ void add_levels(MissLevels& all, const MissLevels& core, double weight) {
 
 sim::Json levels_json(const MissLevels& l, double share) {
   return {{"interconnect", share * l.interconnect}, {"l2", share * l.l2}, {"dram", share * l.dram}};
-}
-
-/// Returns the display name of a part or level.
-const char* word_for(const std::string& name) {
-  static const std::map<std::string, const char*> kWords = {{"kernels", "kernels"},
-                                                            {"switches", "kernel switches"},
-                                                            {"banks", "tile-buffer banks"},
-                                                            {"data_misses", "data-cache misses"},
-                                                            {"boxes", "box tests"},
-                                                            {"triangles", "triangle tests"},
-                                                            {"pipes", "T&I pipelines"},
-                                                            {"tree_misses", "tree misses"},
-                                                            {"raster", "rasteriser"},
-                                                            {"raster_misses", "rasteriser's misses"},
-                                                            {"transfers", "transfers"},
-                                                            {"no_tile", "no tile"},
-                                                            {"dram", "DRAM"},
-                                                            {"l2", "L2"},
-                                                            {"interconnect", "interconnect"}};
-  return kWords.at(name);
 }
 
 /// Returns a share, or the sum of its levels.
@@ -319,48 +316,39 @@ TopDown top_down(std::span<const UnitReport> units, const hw::GpuConfig& config)
   const auto cores = static_cast<double>(view.cores.size());
   CoreTime& gpu = view.gpu;
   for (const CoreTime& core : view.cores) {
-    each_share(gpu, core, [&](double& sum, double share) { sum += share / cores; });
+    for (const TimePart& part : kParts) gpu.*part.share += core.*part.share / cores;
+    for (const auto& [name, demand] : kDemands) gpu.demands.*demand += core.demands.*demand / cores;
   }
   for (const CoreTime& core : view.cores) {
-    for (const auto& [misses, of_levels] : kMisses) {
-      if (gpu.*misses > 0) add_levels(gpu.*of_levels, core.*of_levels, core.*misses / (cores * gpu.*misses));
+    for (const TimePart& part : kParts) {
+      if (part.levels == nullptr || gpu.*part.share <= 0) continue;
+      add_levels(gpu.*part.levels, core.*part.levels, core.*part.share / (cores * gpu.*part.share));
     }
   }
   return view;
 }
 
 sim::Json time_json(const CoreTime& t) {
-  return {{"kernels", t.kernels},
-          {"switches", t.switches},
-          {"banks", t.banks},
-          {"data_misses", levels_json(t.data_levels, t.data_misses)},
-          {"boxes", t.boxes},
-          {"triangles", t.triangles},
-          {"pipes", t.pipes},
-          {"tree_misses", levels_json(t.tree_levels, t.tree_misses)},
-          {"raster", t.raster},
-          {"raster_misses", levels_json(t.raster_levels, t.raster_misses)},
-          {"transfers", t.transfers},
-          {"no_tile", t.no_tile},
-          {"demands",
-           {{"no_slots", t.demands.no_slots},
-            {"fed", t.demands.fed},
-            {"occupied", t.demands.occupied},
-            {"tree_lines", t.demands.tree_lines},
-            {"tree_waits", t.demands.tree_waits},
-            {"tests", t.demands.tests},
-            {"data_lines", t.demands.data_lines},
-            {"l2_lines", t.demands.l2_lines},
-            {"port_lines", t.demands.port_lines},
-            {"dram_bus", t.demands.dram_bus},
-            {"dram_busy", t.demands.dram_busy},
-            {"dram_queue", t.demands.dram_queue},
-            {"transfers", t.demands.transfers},
-            {"spills", t.demands.spills},
-            {"spilling", t.demands.spilling},
-            {"spill_lines", t.demands.spill_lines},
-            {"tracing", t.demands.tracing},
-            {"records", t.demands.records}}}};
+  sim::Json out = sim::Json::object();
+  for (const TimePart& part : kParts) {
+    out[part.name] = part.levels == nullptr ? sim::Json(t.*part.share) : levels_json(t.*part.levels, t.*part.share);
+  }
+  for (const auto& [name, demand] : kDemands) out["demands"][name] = t.demands.*demand;
+  return out;
+}
+
+std::string part_words(const std::string& path) {
+  constexpr std::array<std::pair<std::string_view, const char*>, 3> kLevels = {
+      {{"dram", "DRAM"}, {"l2", "L2"}, {"interconnect", "interconnect"}}};
+  const std::size_t dot = path.find('.');
+  if (dot != std::string::npos) return part_words(path.substr(0, dot)) + ": " + part_words(path.substr(dot + 1));
+  for (const TimePart& part : kParts) {
+    if (part.name == path) return part.words;
+  }
+  for (const auto& [level, words] : kLevels) {
+    if (level == path) return words;
+  }
+  return path;
 }
 
 sim::Json top_down_json(const TopDown& view) {
@@ -376,8 +364,8 @@ std::string top_down_text(const sim::Json& time) {
     const double all = sum_of_levels(share);
     if (all < 0.005) continue;
     const std::string inner = share.is_object() ? top_down_text(share) : "";
-    parts.emplace_back(
-        all, fmt::format("{} {:.0f} %{}", word_for(name), 100 * all, inner.empty() ? "" : fmt::format(" ({})", inner)));
+    parts.emplace_back(all, fmt::format("{} {:.0f} %{}", part_words(name), 100 * all,
+                                        inner.empty() ? "" : fmt::format(" ({})", inner)));
   }
   std::ranges::stable_sort(parts, std::greater<>(), &std::pair<double, std::string>::first);
   std::vector<std::string> words;
@@ -390,9 +378,171 @@ GrownPart most_grown_part(const TimeInCycles& before, const TimeInCycles& after)
   for (const auto& [name, share] : before.time.items()) {
     if (name == "demands") continue;
     const double more = after.cycles * sum_of_levels(after.time.at(name)) - before.cycles * sum_of_levels(share);
-    if (more > most.cycles) most = {word_for(name), more};
+    if (more > most.cycles) most = {part_words(name), more};
   }
   return most;
+}
+
+namespace {
+
+// Fitted to 39 random machines other than those in the tables of docs/bottleneck.md.
+
+/// Mean share of a cache's MSHRs in use while it only waits for misses.
+constexpr double kRegistersInUse = 2.0 / 3;
+/// Reachable share of the data bus.
+constexpr double kBusAtBest = 0.9;
+/// Share of a channel's other busy time, such as row commands, that cannot overlap with data of other requests.
+constexpr double kBusyWeight = 1.0 / 3;
+/// Reachable share of a port's wires, given bursts of requests.
+constexpr double kPortAtBest = 0.7;
+/// Reachable share of test cycles of a T&I unit, given bursts of rays.
+constexpr double kTestsAtBest = 0.85;
+/// Fraction of the ideal gain from more ray slots that is realised.
+constexpr double kSlotsGain = 0.6;
+constexpr double kEndsOfTiles = 0.35, kSlotsWeight = 5;  // see never_full()
+
+/// Times of a core's stages, each on its own.
+using Stages = std::array<double, 3>;
+
+/// Returns the time of all stages together.
+double combined_time(const Stages& stages, double p) {
+  const double longest = std::ranges::max(stages);
+  if (longest <= 0) return 0;
+  double sum = 0;
+  for (const double stage : stages) sum += std::pow(std::max(stage, 0.0) / longest, p);
+  return longest * std::pow(sum, 1 / p);
+}
+
+/// Returns the overlap exponent p: together(stages, p) = time.
+double overlap_exponent(const Stages& stages, double time) {
+  if (combined_time(stages, 1) <= time) return 1;
+  double low = 1, high = 40;
+  for (int i = 0; i < 60; ++i) {
+    const double p = (low + high) / 2;
+    (combined_time(stages, p) > time ? low : high) = p;
+  }
+  return low;
+}
+
+/// Returns the fraction of the T&I unit's non-full time that ideal shader cores leave. The ends of tiles always remain;
+/// all remains if launches wait for ray slots while the unit has room.
+double never_full(const CoreTime::Demands& d) {
+  if (d.fed <= 0) return 1;
+  return std::min(1.0, kEndsOfTiles + kSlotsWeight * d.no_slots * (1 - d.tracing / d.fed));
+}
+
+/// Returns the queue length at a memory without the fraction `gone` of its traffic, relative to the length with it.
+/// Queue length is r / (1 - r) at utilisation r.
+double queue_left(double busy, double gone) {
+  constexpr double kMostBusy = 0.95;  // a finite frame has finite queues
+  if (busy <= 0) return 1;
+  const double r = std::min(busy, kMostBusy), left = r * (1 - gone);
+  return left / (1 - left) / (r / (1 - r));
+}
+
+/// Lower bounds of the frame time from the work that remains if other resources are ideal.
+struct Least {
+  double memory = 0, lines = 0, wires = 0, tests = 0;
+};
+Least least_times(const CoreTime::Demands& d) {
+  return {.memory = (1 - kBusyWeight) * d.dram_bus / kBusAtBest + kBusyWeight * d.dram_busy,
+          .lines = 2 * d.l2_lines / (1 + d.l2_lines),  // half of the free MSHRs could be used as well
+          .wires = d.port_lines / kPortAtBest,
+          .tests = d.tests / kTestsAtBest};
+}
+
+/// Returns the stages if every ray slot fits: shorter memory queues, a less blocked L2. `tree`: miss time of the T&I
+/// unit.
+Stages without_spills(const CoreTime& t, double tree) {
+  const double relief = t.demands.dram_queue * (1 - queue_left(t.demands.dram_busy, t.demands.spills));
+  const auto saved = [&](const MissLevels& m) { return relief * (m.dram + m.blocked_share()); };
+  return {t.busy_share() + t.data_misses * (1 - saved(t.data_levels)), t.demands.fed - tree * saved(t.tree_levels), 0};
+}
+
+std::string_view words_of(std::string_view resource) {
+  return std::ranges::find(hw::IdealConfig::kResources, resource, &hw::IdealConfig::Resource::name)->words;
+}
+
+}  // namespace
+
+Utilisation utilisation_of(std::span<const sim::UnitReport> units) {
+  using Reason = hw::Srp::CycleReason;
+  const Units<hw::Srp> srps(units);
+  return {Units<hw::Trv>(units).share(hw::Trv::CycleReason::kVisiting),
+          srps.share(Reason::kRunning) + srps.share(Reason::kSwitching), data_bus_share(units)};
+}
+
+std::vector<Estimate> estimate_speedups(const CoreTime& t) {
+  const CoreTime::Demands& d = t.demands;
+  const double time = 1 - (t.raster + t.raster_misses + t.transfers + t.no_tile);
+  const double kernels = t.busy_share(), shading = kernels + t.data_misses;
+  const double spilling = std::min(d.spilling, time);
+  const double p = overlap_exponent({shading, d.fed, spilling}, time);
+  const double tree =
+      t.tracing_share() > 0 ? d.fed * t.tree_misses / t.tracing_share() : 0;  // miss time of the T&I unit
+  const double ideal_tree = std::max(std::min(d.fed, d.tree_lines / kRegistersInUse), std::min(tree, d.tree_waits));
+  const double ideal_data = std::min(t.data_misses, d.data_lines / kRegistersInUse);
+  const double full_tracing = d.tracing + (d.fed - d.tracing) * never_full(d);
+
+  const Least least = least_times(d);
+  const double moved = least.memory * d.transfers;  // DMA traffic bypasses the caches and the L2
+  const double all = std::max({least.memory, least.lines, least.wires});
+
+  // Combined stages, and the rasteriser's miss time, without a part of the miss latencies.
+  using Part = double (*)(const MissLevels&);
+  const auto without = [&](Part part, double spills) {
+    return combined_time(
+        {kernels + t.data_misses * (1 - part(t.data_levels)), d.fed - tree * part(t.tree_levels), spills}, p);
+  };
+  const auto raster_without = [&](Part part) { return t.raster_misses * (1 - part(t.raster_levels)); };
+  const Part everything = [](const MissLevels&) { return 1.0; };
+  const Part of_l2 = [](const MissLevels& m) { return m.l2 + m.dram + m.blocked_request; };
+  const Part of_dram = [](const MissLevels& m) { return m.dram + m.blocked_share(); };
+  const Part of_wires = [](const MissLevels& m) { return m.wires; };
+
+  const double moving = std::min(spilling, d.spill_lines);  // spilled slots with an ideal memory
+
+  const Stages fitting = without_spills(t, tree);
+  const double fitting_time = combined_time(fitting, p);
+  const double hidden = std::clamp(fitting_time - std::ranges::max(fitting), 0.0, d.no_slots + t.banks);
+
+  struct Rest {
+    const char* resource;
+    double stages, transfers, raster_misses;
+    double least_time;  ///< lower bound of the frame time
+  };
+  const std::vector<Rest> rests = {
+      {"tni", combined_time({shading, ideal_tree, spilling}, p), t.transfers, t.raster_misses, all},
+      {"l1", without(everything, spilling), t.transfers, 0, std::max({all * d.records, moved, least.tests})},
+      {"l2", without(of_l2, spilling), t.transfers, raster_without(of_l2), std::max({moved, least.wires, least.tests})},
+      {"dram", without(of_dram, moving), spilling > 0 ? t.transfers * moving / spilling : 0, raster_without(of_dram),
+       std::max(least.wires, least.tests)},
+      {"srp", combined_time({ideal_data, full_tracing, spilling}, p), t.transfers, t.raster_misses, all},
+      {"tile_buffer", fitting_time - kSlotsGain * hidden, 0, t.raster_misses,
+       std::max((1 - d.spills) * std::max(least.memory, least.lines), least.wires)},
+      {"interconnect", without(of_wires, spilling), t.transfers, raster_without(of_wires),
+       std::max(least.memory, least.lines)},
+  };
+  std::vector<Estimate> estimates;
+  for (const Rest& rest : rests) {
+    // Cores that wait for the last tiles of others wait in proportion to tile times.
+    const double busy = std::min(rest.stages, time) + rest.transfers + t.raster + rest.raster_misses;
+    const double total = t.no_tile < 1 ? std::max(busy / (1 - t.no_tile), rest.least_time) : 1;
+    estimates.push_back({rest.resource, total > 0 && total < 1 ? 1 / total : 1});
+  }
+  return estimates;
+}
+
+const Estimate& largest_speedup(const std::vector<Estimate>& estimates) {
+  return *std::ranges::max_element(estimates, {}, &Estimate::speedup);
+}
+
+std::string limiter_text(std::vector<Estimate> estimates) {
+  std::ranges::stable_sort(estimates, std::greater<>(), &Estimate::speedup);
+  const Estimate &first = estimates[0], &second = estimates[1];
+  if (first.speedup < 1.01) return "no single resource: none would gain 1 % if ideal";
+  return fmt::format("{} (x{:.2f} if ideal; next: {}, x{:.2f})", words_of(first.resource), first.speedup,
+                     words_of(second.resource), second.speedup);
 }
 
 }  // namespace tools

@@ -92,13 +92,6 @@ void add_intervals_option(CLI::App& verb, JobOptions& options) {
       ->default_str("on");
 }
 
-void add_job_options(CLI::App& verb, JobOptions& options) {
-  add_work_options(verb, options);
-  add_frames_option(verb, options);
-  add_ideal_option(verb, options);
-  add_output_options(verb, options);
-}
-
 void add_rays_option(CLI::App& verb, JobOptions& options) {
   CLI::Option* rays = verb.add_option(
       "--rays", options.rays,

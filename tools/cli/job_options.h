@@ -28,8 +28,6 @@ void add_output_options(CLI::App& verb, JobOptions& options);
 void add_intervals_option(CLI::App& verb, JobOptions& options);
 /// Adds --frames.
 void add_frames_option(CLI::App& verb, JobOptions& options);
-/// Adds work, frame, ideal and output options.
-void add_job_options(CLI::App& verb, JobOptions& options);
 void add_config_options(CLI::App& verb, std::string& config, std::vector<std::string>& sets);
 void add_set_option(CLI::App& verb, std::vector<std::string>& sets);
 

@@ -21,7 +21,7 @@
 #include "sim/io/printable.h"
 #include "sim/report/report_json.h"
 #include "sim/report/table.h"
-#include "tools/analysis/scene_info.h"
+#include "tools/analysis/info.h"
 #include "tools/cli/job_options.h"
 #include "tools/cli/verbs.h"
 #include "tools/host/paths.h"

@@ -18,7 +18,7 @@
 #include "tools/cli/job_options.h"
 #include "tools/cli/verbs.h"
 #include "tools/host/build_info.h"
-#include "tools/host/interrupt.h"
+#include "tools/host/process.h"
 #include "tools/host/standard_streams.h"
 #include "traces/scene/did_you_mean.h"
 

@@ -1,6 +1,6 @@
 #include <unistd.h>
 
-#include "tools/host/exit_code.h"
+#include "tools/host/process.h"
 
 // Built for any x86-64 processor, as nothing else here is: it looks at the one there is before other code begins.
 

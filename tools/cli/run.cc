@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "sim/report/report_json.h"
-#include "tools/analysis/trace_info.h"
+#include "tools/analysis/info.h"
 #include "tools/cli/job_options.h"
 #include "tools/cli/verbs.h"
 #include "tools/run/jobs.h"
@@ -16,7 +16,10 @@ void add_run(CLI::App& app, const std::vector<std::string>& argv, int&) {
   CLI::App* verb = app.add_subcommand("run", "Render on the simulated GPU and report cycles, rays and energy");
   const auto options = std::make_shared<JobOptions>();
   options->argv = argv;
-  add_job_options(*verb, *options);
+  add_work_options(*verb, *options);
+  add_frames_option(*verb, *options);
+  add_ideal_option(*verb, *options);
+  add_output_options(*verb, *options);
   add_reference_option(*verb, *options);
   verb->add_option("--record", options->record, "also write the work to this trace file, for raywatt trace replay");
   verb->add_flag(

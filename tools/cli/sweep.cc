@@ -15,10 +15,9 @@
 #include "tools/host/standard_streams.h"
 #include "tools/studies/sweep/results/best.h"
 #include "tools/studies/sweep/results/collect.h"
-#include "tools/studies/sweep/results/pareto.h"
+#include "tools/studies/sweep/results/results.h"
 #include "tools/studies/sweep/results/sensitivity.h"
-#include "tools/studies/sweep/results/table.h"
-#include "tools/studies/sweep/store/folder.h"
+#include "tools/studies/sweep/store/store.h"
 
 namespace tools {
 namespace {
@@ -97,24 +96,6 @@ void add_sweep_cancel(CLI::App& group) {
   verb->callback([=] { cancel_sweep(*path); });
 }
 
-}  // namespace
-
-void add_sweep(CLI::App& app, int& exit) {
-  CLI::App* verb =
-      app.add_subcommand("sweep", "Run a design space: axes, conditions, subsets; stored results are reused");
-  verb->require_subcommand(1);
-  verb->footer("Example: raywatt sweep run trv-cores -o out/trv-cores");
-  add_sweep_run(*verb, exit);
-  add_sweep_point(*verb, exit);
-  add_sweep_status(*verb);
-  add_sweep_watch(*verb);
-  add_sweep_cancel(*verb);
-  add_sweep_results(*verb);
-}
-
-namespace {
-
-namespace fs = std::filesystem;
 
 /// Returns the width of the terminal, or 80.
 std::size_t terminal_width() {
@@ -250,12 +231,21 @@ void add_best(CLI::App& group) {
 
 }  // namespace
 
-void add_sweep_results(CLI::App& sweep) {
-  add_collect(sweep);
-  add_table(sweep);
-  add_pareto(sweep);
-  add_sensitivity(sweep);
-  add_best(sweep);
+void add_sweep(CLI::App& app, int& exit) {
+  CLI::App* verb =
+      app.add_subcommand("sweep", "Run a design space: axes, conditions, subsets; stored results are reused");
+  verb->require_subcommand(1);
+  verb->footer("Example: raywatt sweep run trv-cores -o out/trv-cores");
+  add_sweep_run(*verb, exit);
+  add_sweep_point(*verb, exit);
+  add_sweep_status(*verb);
+  add_sweep_watch(*verb);
+  add_sweep_cancel(*verb);
+  add_collect(*verb);
+  add_table(*verb);
+  add_pareto(*verb);
+  add_sensitivity(*verb);
+  add_best(*verb);
 }
 
 }  // namespace tools

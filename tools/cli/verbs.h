@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/host/exit_code.h"
+#include "tools/host/process.h"
 
 namespace CLI {
 class App;
@@ -28,8 +28,6 @@ void add_baseline(CLI::App& app, int& exit);
 void add_trace(CLI::App& app, const std::vector<std::string>& argv);
 void add_microbench(CLI::App& app, int& exit);
 void add_sweep(CLI::App& app, int& exit);
-/// Adds the verbs of `raywatt sweep` that read results.
-void add_sweep_results(CLI::App& sweep);
 void add_optimise(CLI::App& app, int& exit);
 void add_completion(CLI::App& app);
 void add_man(CLI::App& app);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstdio>
 #include <ctime>
 #include <fstream>
 #include <iterator>
@@ -21,7 +20,7 @@
 
 #include "sim/error.h"
 #include "sim/io/file.h"
-#include "tools/host/interrupt.h"
+#include "tools/host/process.h"
 
 namespace tools {
 

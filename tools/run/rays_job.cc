@@ -19,7 +19,7 @@
 #include "tools/analysis/report.h"
 #include "tools/analysis/top_down.h"
 #include "tools/analysis/units.h"
-#include "tools/host/interrupt.h"
+#include "tools/host/process.h"
 #include "tools/host/run_folder.h"
 #include "tools/run/frame/idle_machine.h"
 #include "tools/run/frame/load_config.h"

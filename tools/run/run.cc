@@ -13,11 +13,11 @@
 #include "tools/analysis/picture.h"
 #include "tools/analysis/report.h"
 #include "tools/analysis/report_file.h"
-#include "tools/host/interrupt.h"
+#include "tools/host/process.h"
 #include "tools/host/standard_streams.h"
 #include "tools/run/frame/trace_header.h"
 #include "tools/sampling/slices.h"
-#include "tools/tiles/tile_frame.h"
+#include "tools/tiles/tile_energy.h"
 #include "traces/trace_file/trace_writer.h"
 
 namespace tools {

@@ -10,11 +10,11 @@
 #include "shader_kernels/programs/program_spec.h"
 #include "sim/io/json.h"
 #include "tools/analysis/report.h"
-#include "tools/intervals/interval_file.h"
+#include "tools/intervals/intervals.h"
 #include "tools/run/frame/job_options.h"
 #include "tools/sampling/tile_sampling.h"
 #include "tools/tiles/tile_table.h"
-#include "tools/timeline/timeline_job.h"
+#include "tools/timeline/timeline.h"
 
 namespace tools {
 

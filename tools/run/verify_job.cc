@@ -7,8 +7,7 @@
 #include "sim/report/report_json.h"
 #include "tools/analysis/picture.h"
 #include "tools/analysis/report.h"
-#include "tools/host/exit_code.h"
-#include "tools/host/interrupt.h"
+#include "tools/host/process.h"
 #include "tools/host/run_folder.h"
 #include "tools/run/frame/host_time.h"
 #include "tools/run/frame/run_job.h"
@@ -37,68 +36,60 @@ std::string counts_text(const traces::VerifyCounts& counts) {
                      counts.distance_errors, counts.edge_ties);
 }
 
-/// Comparison of one or all frames with Embree.
-struct EmbreeComparison {
-  traces::VerifyCounts counts;
-  double squared_error = 0;
-
-  sim::Json to_json() const {
-    const std::optional<double> psnr = psnr_db(squared_error);
-    sim::Json json = counts_json(counts);
-    json["psnr_db"] = psnr ? sim::Json(*psnr) : sim::Json(nullptr);
-    json["identical"] = !psnr.has_value();
-    return json;
-  }
-};
-
-/// Compares the current frame; writes both pictures if `open` is given.
-EmbreeComparison verify_frame(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
-                              Progress& progress, const RunFolder::Open* open) {
-  const traces::BvhTracer tested(inputs.image);
-  progress.set_phase("building Embree's tree");
-  const traces::EmbreeTracer embree(inputs.image, host_threads(threads), is_interrupted);
-  const traces::VerifyingTracer verifying(inputs.image, tested, embree);
-  const SimulateOptions extras{.progress = &progress};
-  const std::vector<float> ours = render_frame(inputs, program, verifying, threads, extras).rgb;
-  const std::vector<float> truth = render_frame(inputs, program, embree, threads, extras).rgb;
-  if (open != nullptr) {
-    const std::filesystem::path& folder = (*open)();
-    const std::uint32_t width = inputs.config.render.width, height = inputs.config.render.height;
-    traces::write_png(folder / "image.png", width, height, to_rgb8(ours));
-    traces::write_png(folder / "embree.png", width, height, to_rgb8(truth));
-  }
-  return {verifying.verify_counts(), mean_squared_error(ours, truth)};
+/// `squared_error`: mean over the channels of the pictures.
+sim::Json comparison_json(const traces::VerifyCounts& counts, double squared_error) {
+  const std::optional<double> psnr = psnr_db(squared_error);
+  sim::Json json = counts_json(counts);
+  json["psnr_db"] = psnr ? sim::Json(*psnr) : sim::Json(nullptr);
+  json["identical"] = !psnr.has_value();
+  return json;
 }
 
-/// Verifies frames one after the other and sums their results.
-struct Verification {
-  EmbreeComparison total;  ///< squared_error is a sum
-  sim::Json frames = sim::Json::array();
+/// Compares frames with Embree one after the other and sums the results.
+class Verification {
+ public:
+  const traces::VerifyCounts& counts() const { return counts_; }
+  const sim::Json& frames() const { return frames_; }
+  double mean_squared_error() const { return squared_error_ / static_cast<double>(frames_.size()); }
 
-  EmbreeComparison mean_comparison() const {
-    return {total.counts, total.squared_error / static_cast<double>(frames.size())};
-  }
-
-  void add(std::uint32_t frame, const EmbreeComparison& verdict) {
-    sim::Json entry = {{"frame", frame}};
-    entry.update(verdict.to_json());
-    frames.push_back(std::move(entry));
-    total.counts += verdict.counts;
-    total.squared_error += verdict.squared_error;
-  }
-
-  /// Verifies all frames, or those before an interrupt; Interrupted if there are none.
+  /// Verifies all frames, or those before an interrupt; Interrupted if there are none. Writes both pictures of the
+  /// first.
   void verify_all(Inputs& inputs, const JobOptions& options, Progress& progress, const RunFolder::Open& open) {
-    const kernels::ProgramSpec program = kernels::parse_program(options.program);
     try {
-      add(inputs.frame, verify_frame(inputs, program, options.threads, progress, &open));
-      while (advance_frame(inputs, options.threads, &progress)) {
-        add(inputs.frame, verify_frame(inputs, program, options.threads, progress, nullptr));
-      }
+      do {
+        verify_frame(inputs, options, progress, open);
+      } while (advance_frame(inputs, options.threads, &progress));
     } catch (const Interrupted&) {
-      if (frames.empty()) throw;
+      if (frames_.empty()) throw;
     }
   }
+
+ private:
+  void verify_frame(const Inputs& inputs, const JobOptions& options, Progress& progress, const RunFolder::Open& open) {
+    const kernels::ProgramSpec program = kernels::parse_program(options.program);
+    const traces::BvhTracer tested(inputs.image);
+    progress.set_phase("building Embree's tree");
+    const traces::EmbreeTracer embree(inputs.image, host_threads(options.threads), is_interrupted);
+    const traces::VerifyingTracer verifying(inputs.image, tested, embree);
+    const SimulateOptions extras{.progress = &progress};
+    const std::vector<float> ours = render_frame(inputs, program, verifying, options.threads, extras).rgb;
+    const std::vector<float> truth = render_frame(inputs, program, embree, options.threads, extras).rgb;
+    if (frames_.empty()) {
+      const std::uint32_t width = inputs.config.render.width, height = inputs.config.render.height;
+      traces::write_png(open() / "image.png", width, height, to_rgb8(ours));
+      traces::write_png(open() / "embree.png", width, height, to_rgb8(truth));
+    }
+    const double squared_error = tools::mean_squared_error(ours, truth);
+    sim::Json entry = {{"frame", inputs.frame}};
+    entry.update(comparison_json(verifying.verify_counts(), squared_error));
+    frames_.push_back(std::move(entry));
+    counts_ += verifying.verify_counts();
+    squared_error_ += squared_error;
+  }
+
+  traces::VerifyCounts counts_;
+  double squared_error_ = 0;  ///< sum over frames
+  sim::Json frames_ = sim::Json::array();
 };
 
 /// Estimates the host seconds.
@@ -123,19 +114,19 @@ int verify_frames(const JobOptions& options) {
   Verification done;
   folder.fill([&](const RunFolder::Open& open) {
     done.verify_all(inputs, options, progress, open);
-    const bool partial = done.frames.size() < inputs.frames();
+    const bool partial = done.frames().size() < inputs.frames();
     progress.finish(partial ? "interrupted" : "done");
-    if (partial && done.frames.size() < to_replace) throw Interrupted();
+    if (partial && done.frames().size() < to_replace) throw Interrupted();
     sim::Json json = {{"schema", "raywatt-verify/1"}, {"partial", partial}};
-    json.update(done.mean_comparison().to_json());
-    json["frames"] = done.frames;
+    json.update(comparison_json(done.counts(), done.mean_squared_error()));
+    json["frames"] = done.frames();
     json["provenance"] = provenance_json(inputs, options);
     sim::write_file_atomically(open() / "verify.json", sim::json_text(json));
-    return fmt::format("{} of {} frames", done.frames.size(), inputs.frames());
+    return fmt::format("{} of {} frames", done.frames().size(), inputs.frames());
   });
-  const traces::VerifyCounts& counts = done.total.counts;
+  const traces::VerifyCounts& counts = done.counts();
   if (!options.quiet) {
-    const std::optional<double> psnr = psnr_db(done.mean_comparison().squared_error);
+    const std::optional<double> psnr = psnr_db(done.mean_squared_error());
     fmt::print("{}, picture {}\n", counts_text(counts), psnr ? fmt::format("{:.2f} dB", *psnr) : "identical");
     fmt::print("details: {}\n", (folder.target() / "verify.json").string());
   }

@@ -10,7 +10,7 @@
 #include "hw_models/srp/tile_buffer.h"
 #include "shader_kernels/catalogue.h"
 #include "shader_kernels/programs/full.h"
-#include "tools/host/interrupt.h"
+#include "tools/host/process.h"
 
 namespace tools {
 namespace {

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
+#include <numeric>
 #include <span>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -12,17 +15,145 @@
 #include "shader_kernels/programs/full.h"
 #include "sim/error.h"
 #include "sim/host_clock.h"
+#include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "tools/analysis/units.h"
 #include "tools/host/parallel.h"
 #include "tools/run/frame/machine_run.h"
 #include "tools/sampling/pilot.h"
-#include "tools/sampling/slice_file.h"
-#include "tools/sampling/slice_player.h"
 #include "traces/accel/bvh_tracer.h"
 
 namespace tools {
 namespace {
+
+/// A frame program that several threads execute concurrently. Each tile is committed and counted once.
+class SharedFrame {
+ public:
+  SharedFrame(kernels::FrameProgram& program, Progress* progress) : program_(program), progress_(progress) {}
+  const kernels::FrameProgram& frame_program() const { return program_; }
+
+  void commit_tile(const kernels::TileResult& tile) {
+    const std::lock_guard lock(mutex_);
+    program_.commit_tile(tile);
+    for (std::size_t k = 0; k < std::size(result_.rays); ++k) result_.rays[k] += tile.rays[k];
+    result_.continued += tile.continued;
+    result_.traversal_steps += tile.traversal_steps;
+    tiles_ += 1;
+    if (progress_ != nullptr) progress_->set_tiles_done(tiles_, result_.all_rays(), 0);
+  }
+  /// Adds the host times of one thread.
+  void add_times(const RenderResult& rendered) {
+    const std::lock_guard lock(mutex_);
+    result_.seconds += rendered.seconds;
+    result_.waited += rendered.waited;
+  }
+  /// Returns the results after all threads have finished.
+  RenderResult take_result() {
+    result_.rgb = program_.take_picture();
+    result_.sampling = program_.sampling();
+    return std::move(result_);
+  }
+
+ private:
+  kernels::FrameProgram& program_;
+  Progress* const progress_;
+  std::mutex mutex_;
+  RenderResult result_;
+  std::uint32_t tiles_ = 0;
+};
+
+/// View of a shared frame for one slice, which commits only the slice's own tiles. Throws Interrupted.
+class SliceProgram final : public kernels::FrameProgram {
+ public:
+  SliceProgram(SharedFrame& frame, const Slice& slice) : FrameProgram(0, 0), frame_(frame), slice_(slice) {}
+
+  std::uint32_t tiles() const override { return frame_.frame_program().tiles(); }
+  kernels::FrameRequirements requirements() const override { return frame_.frame_program().requirements(); }
+  void run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
+                kernels::TileResult& out) const override {
+    if (is_interrupted()) throw Interrupted{};
+    frame_.frame_program().run_tile(tile_index, tracer, record, out);
+  }
+  void commit_tile(const kernels::TileResult& tile) override {
+    if (slice_.has_tile(tile.work.tile)) frame_.commit_tile(tile);
+  }
+
+ private:
+  SharedFrame& frame_;
+  const Slice slice_;
+};
+
+/// Simulates slices of a frame, each on a machine of its own.
+class SlicePlayer {
+ public:
+  /// `frame`: program of the frame. `inputs` must outlive the player.
+  SlicePlayer(const Inputs& inputs, const kernels::FrameProgram& frame)
+      : inputs_(inputs),
+        requirements_(frame.requirements()),
+        tiles_(frame.tiles()),
+        shape_(slice_shape(*inputs.config.gpu, requirements_)),
+        scheduled_(std::make_shared<const hw::ScheduledKernels>(hw::schedule_kernels(*inputs.config.gpu))) {}
+
+  const Inputs& inputs() const { return inputs_; }
+  const SliceShape& plan_shape() const { return shape_; }
+  const std::vector<hw::KernelSchedule>& kernel_schedules() const { return scheduled_->kernels; }
+  std::uint32_t tile_count() const { return tiles_; }
+
+  /// Simulates one slice; thread-safe for different slices. `workers` threads render ahead. sim::Deadlock, Interrupted.
+  PlayedSlice run_slice(SharedFrame& frame, const traces::Tracer& tracer, const Slice& slice,
+                        std::uint32_t workers) const {
+    const double begin = sim::thread_seconds();
+    SliceProgram program(frame, slice);
+    const bool is_last = slice.end == tiles_;
+    std::vector<std::uint32_t> tile_indices((is_last ? slice.end : slice.end + 1) - slice.begin());
+    std::iota(tile_indices.begin(), tile_indices.end(), slice.begin());
+    FrontEnd front_end(program, tracer, workers, true, std::move(tile_indices));
+    std::vector<std::uint32_t> marked;
+    if (slice.first != 0) marked = {slice.first - shape_.probe, slice.first};
+    if (!is_last) marked.insert(marked.end(), {slice.end - shape_.probe, slice.end});
+    std::optional<std::uint32_t> stop_at;
+    if (!is_last) stop_at = slice.end;
+    TimedTiles tiles(front_end, {{slice.lead_begin(), slice.first, is_last ? slice.end : slice.end + 1, slice.warming}},
+                     std::move(marked), stop_at);
+    const auto gpu = make_machine(tiles);
+    tiles.set_gpu(*gpu);
+    run_to_end(*gpu);
+
+    PlayedSlice played;
+    played.slice = slice;
+    played.own = is_last ? MachineSpan(*gpu) : MachineSpan(tiles.mark_at(slice.end));
+    if (slice.first != 0) {
+      played.own.subtract_mark(tiles.mark_at(slice.first));
+      played.before = measure_probe(tiles, slice.first);
+    }
+    if (!is_last) played.after = measure_probe(tiles, slice.end);
+    frame.add_times(front_end.result());
+    played.seconds = sim::thread_seconds() - begin;
+    played.timing_seconds = played.seconds - tiles.making_seconds();
+    return played;
+  }
+  /// Counters of a machine before its first cycle.
+  MachineSpan initial_state() const {
+    NoTiles none;
+    return MachineSpan(*make_machine(none));
+  }
+
+ private:
+  std::unique_ptr<hw::Gpu> make_machine(hw::TileSource& tiles) const {
+    return make_gpu(inputs_, inputs_.config, requirements_, tiles, {}, {}, scheduled_);
+  }
+  Probe measure_probe(const TimedTiles& tiles, std::uint32_t border) const {
+    MachineSpan stretch(tiles.mark_at(border));
+    stretch.subtract_mark(tiles.mark_at(border - shape_.probe));
+    return {static_cast<double>(stretch.time), energy_of(stretch.units, stretch.time, inputs_.config).total_pj.nominal};
+  }
+
+  const Inputs& inputs_;
+  const kernels::FrameRequirements requirements_;
+  const std::uint32_t tiles_;
+  const SliceShape shape_;
+  const std::shared_ptr<const hw::ScheduledKernels> scheduled_;
+};
 
 /// Automatic length of slices in leads: leads cost less than a tenth, in small frames up to 15 %.
 constexpr std::uint32_t kTilesOfALead = 10;
@@ -67,6 +198,98 @@ struct SlicedProgram {
   const SlicePlayer player;
   const std::vector<Slice> plan;
 };
+
+/// Half-width of the error of a border that the probes do not show, in tiles (docs/slices.md).
+constexpr double kBorderError = 4;
+
+/// Work of a machine in units that rendering counts as well.
+struct Work {
+  double steps = 0, rays = 0;
+  explicit Work(std::span<const sim::UnitReport> reports) {
+    const Units<hw::Trv> trvs(reports);
+    const Units<hw::Ist> ists(reports);
+    steps = static_cast<double>(trvs.counted(&hw::Trv::Stats::visits) -
+                                trvs.counted(&hw::Trv::Stats::restarted_visits) + ists.counted(&hw::Ist::Stats::tests));
+    rays = static_cast<double>(Units<hw::Srp>(reports).counted(&hw::SrpStats::rays));
+  }
+};
+
+/// Ratio of the frame's work to the work that its slices simulated, which differs because tiles in flight at a border
+/// progress differently on both machines. Mean of the ratios of steps and rays.
+double work_ratio(const RenderResult& function, const Work& done) {
+  return (static_cast<double>(function.traversal_steps) / done.steps +
+          static_cast<double>(function.all_rays()) / done.rays) /
+         2;
+}
+
+void scale_counts(MachineSpan& all, double factor) {
+  const auto by = [factor](auto& value) {
+    value = static_cast<std::uint64_t>(std::llround(factor * static_cast<double>(value)));
+  };
+  by(all.time);
+  for (sim::UnitReport& unit : all.units) {
+    unit.elapsed = 0;
+    for (auto& [reason, cycles] : unit.cycles_by_reason) {
+      by(cycles);
+      unit.elapsed += cycles;
+    }
+    for (sim::CounterReport& counter : unit.counters) {
+      if (counter.kind != sim::CounterKind::kPeak) by(counter.value);
+    }
+  }
+  for (hw::KernelUse& use : all.kernels) {
+    for (std::uint64_t* value : {&use.launches, &use.items, &use.idle, &use.cycles, &use.starved}) by(*value);
+  }
+}
+
+/// Adds times and counters to the first slice. Returns the half-widths over all borders.
+Probe add_all(std::vector<PlayedSlice>& played, std::uint32_t probe) {
+  Probe error;
+  const auto add_error = [probe](double& sum, double filled, double under_way) {
+    sum = std::hypot(sum, filled - under_way, kBorderError * under_way / probe);
+  };
+  for (std::size_t i = 1; i < played.size(); ++i) {
+    played.front().own.add(played[i].own);
+    add_error(error.time, played[i].before.time, played[i - 1].after.time);
+    add_error(error.energy_pj, played[i].before.energy_pj, played[i - 1].after.energy_pj);
+  }
+  return error;
+}
+
+/// Joins all slices to a frame: sums of times and counters, and an interval from the differences at borders
+/// (docs/slices.md). `function`: results of rendering the frame.
+FrameResult sum_slices(const SlicePlayer& player, const kernels::ProgramSpec& program, RenderResult function,
+                       std::vector<PlayedSlice> played) {
+  const RunConfig& config = player.inputs().config;
+  FrameResult s;
+  s.program = program;
+  s.machine = config.gpu;
+  s.kernels = player.kernel_schedules();
+  s.rendered = std::move(function);
+  s.tiles = s.finished_tiles = player.tile_count();
+  SlicedFrame& sliced = s.sliced.emplace();
+  sliced.slices = static_cast<std::uint32_t>(played.size());
+  sliced.tiles = player.tile_count();
+  for (const PlayedSlice& one : played) {
+    sliced.again += one.slice.lead;
+    sliced.warmed += one.slice.warming;
+    sliced.seconds.push_back(one.seconds);
+    sliced.timing_seconds += one.timing_seconds;
+  }
+
+  const Probe error = add_all(played, player.plan_shape().probe);
+  MachineSpan& all = played.front().own;
+  if (played.size() > 1) scale_counts(all, work_ratio(s.rendered, Work(all.units)));
+  const sim::Clock clock = config.gpu->clocks.tni.clock();
+  s.elapsed = clock.edge_at_or_after(all.time);
+  s.cycles = clock.cycles(s.elapsed);
+  s.units = std::move(all.units);
+  s.kernel_use = std::move(all.kernels);
+  s.energy = energy_of(s.units, s.elapsed, config);
+  sliced.cycles = {static_cast<double>(s.cycles), error.time / static_cast<double>(clock.period()), 0};
+  sliced.energy_pj = {s.energy.total_pj.nominal, error.energy_pj, 0};
+  return s;
+}
 
 }  // namespace
 
@@ -174,98 +397,145 @@ void SlicedFrame::add(const SlicedFrame& other) {
   timing_seconds += other.timing_seconds;
 }
 
+void MachineSpan::subtract_mark(const Mark& earlier) {
+  time -= earlier.time;
+  sim::subtract_reports(units, earlier.units);
+  for (std::size_t k = 0; k < kernels.size(); ++k) kernels[k] -= earlier.kernels[k];
+}
+
+void MachineSpan::add(const MachineSpan& other) {
+  time += other.time;
+  sim::add_reports(units, other.units);
+  for (std::size_t k = 0; k < kernels.size(); ++k) kernels[k] += other.kernels[k];
+}
+
 namespace {
 
-/// Half-width of the error of a border that the probes do not show, in tiles (docs/slices.md).
-constexpr double kBorderError = 4;
+using sim::Json;
 
-/// Work of a machine in units that rendering counts as well.
-struct Work {
-  double steps = 0, rays = 0;
-  explicit Work(std::span<const sim::UnitReport> reports) {
-    const Units<hw::Trv> trvs(reports);
-    const Units<hw::Ist> ists(reports);
-    steps = static_cast<double>(trvs.counted(&hw::Trv::Stats::visits) -
-                                trvs.counted(&hw::Trv::Stats::restarted_visits) + ists.counted(&hw::Ist::Stats::tests));
-    rays = static_cast<double>(Units<hw::Srp>(reports).counted(&hw::SrpStats::rays));
-  }
-};
+/// Keys of counts of kernels, sampling and slices.
+constexpr std::pair<const char*, std::uint64_t hw::KernelUse::*> kKernelCounts[] = {
+    {"launches", &hw::KernelUse::launches},
+    {"items", &hw::KernelUse::items},
+    {"idle", &hw::KernelUse::idle},
+    {"cycles", &hw::KernelUse::cycles},
+    {"starved", &hw::KernelUse::starved}};
+constexpr std::pair<const char*, std::uint64_t kernels::Sampling::*> kSamplingCounts[] = {
+    {"wanted", &kernels::Sampling::wanted},
+    {"traced", &kernels::Sampling::traced},
+    {"background", &kernels::Sampling::background},
+    {"traced_background", &kernels::Sampling::traced_background}};
+constexpr std::pair<const char*, std::uint32_t Slice::*> kSliceTiles[] = {
+    {"first", &Slice::first}, {"end", &Slice::end}, {"lead", &Slice::lead}, {"warming", &Slice::warming}};
 
-/// Ratio of the frame's work to the work that its slices simulated, which differs because tiles in flight at a border
-/// progress differently on both machines. Mean of the ratios of steps and rays.
-double work_ratio(const RenderResult& function, const Work& done) {
-  return (static_cast<double>(function.traversal_steps) / done.steps +
-          static_cast<double>(function.all_rays()) / done.rays) /
-         2;
+/// Parses counts and lists of them.
+std::uint64_t count_in(const Json& json) { return sim::whole_number<std::uint64_t>(json, "a count"); }
+const Json& list_in(const Json& json, std::size_t size, const char* what) {
+  if (json.is_array() && json.size() == size) return json;
+  throw sim::InputError(fmt::format("{} are no list of {}", what, size));
+}
+double amount_in(const Json& json) {
+  const double amount = json.is_number() ? json.get<double>() : -1;
+  if (amount >= 0 && std::isfinite(amount)) return amount;
+  throw sim::InputError("an amount is no number from 0 on");
 }
 
-void scale_counts(MachineSpan& all, double factor) {
-  const auto by = [factor](auto& value) {
-    value = static_cast<std::uint64_t>(std::llround(factor * static_cast<double>(value)));
-  };
-  by(all.time);
-  for (sim::UnitReport& unit : all.units) {
-    unit.elapsed = 0;
-    for (auto& [reason, cycles] : unit.cycles_by_reason) {
-      by(cycles);
-      unit.elapsed += cycles;
-    }
-    for (sim::CounterReport& counter : unit.counters) {
-      if (counter.kind != sim::CounterKind::kPeak) by(counter.value);
-    }
-  }
-  for (hw::KernelUse& use : all.kernels) {
-    for (std::uint64_t* value : {&use.launches, &use.items, &use.idle, &use.cycles, &use.starved}) by(*value);
+template <class Members, class Counted>
+Json counts_json(const Members& members, const Counted& counted) {
+  Json out;
+  for (const auto& [name, member] : members) out[name] = counted.*member;
+  return out;
+}
+template <class Members, class Counted>
+void read_counts(const Members& members, const Json& json, Counted& counted) {
+  for (const auto& [name, member] : members) {
+    using Count = std::remove_reference_t<decltype(counted.*member)>;
+    counted.*member = sim::whole_number<Count>(json.at(name), name);
   }
 }
 
-/// Adds times and counters to the first slice. Returns the half-widths over all borders.
-Probe add_all(std::vector<PlayedSlice>& played, std::uint32_t probe) {
-  Probe error;
-  const auto add_error = [probe](double& sum, double filled, double under_way) {
-    sum = std::hypot(sum, filled - under_way, kBorderError * under_way / probe);
-  };
-  for (std::size_t i = 1; i < played.size(); ++i) {
-    played.front().own.add(played[i].own);
-    add_error(error.time, played[i].before.time, played[i - 1].after.time);
-    add_error(error.energy_pj, played[i].before.energy_pj, played[i - 1].after.energy_pj);
-  }
-  return error;
+Json unit_json(const sim::UnitReport& unit) {
+  Json why = Json::array(), counters = Json::array();
+  for (const auto& [reason, cycles] : unit.cycles_by_reason) why.push_back(cycles);
+  for (const sim::CounterReport& counter : unit.counters) counters.push_back(counter.value);
+  return {{"path", unit.path}, {"elapsed", unit.elapsed}, {"why", why}, {"counters", counters}};
+}
+
+void read_unit(const Json& json, sim::UnitReport& unit) {
+  if (json.at("path") != unit.path) throw sim::InputError(fmt::format("there is no unit {}", unit.path));
+  unit.elapsed = count_in(json.at("elapsed"));
+  const Json& why = list_in(json.at("why"), unit.cycles_by_reason.size(), "a unit's reasons");
+  for (std::size_t i = 0; i < unit.cycles_by_reason.size(); ++i) unit.cycles_by_reason[i].second = count_in(why[i]);
+  const Json& counters = list_in(json.at("counters"), unit.counters.size(), "a unit's counters");
+  for (std::size_t i = 0; i < unit.counters.size(); ++i) unit.counters[i].value = count_in(counters[i]);
+}
+
+void read_span(const Json& json, MachineSpan& own) {
+  own.time = count_in(json.at("time"));
+  const Json& units = list_in(json.at("units"), own.units.size(), "units");
+  for (std::size_t u = 0; u < own.units.size(); ++u) read_unit(units[u], own.units[u]);
+  const Json& kernels = list_in(json.at("kernels"), own.kernels.size(), "kernels");
+  for (std::size_t k = 0; k < own.kernels.size(); ++k) read_counts(kKernelCounts, kernels[k], own.kernels[k]);
+}
+
+Json probe_json(const Probe& probe) { return {{"time", probe.time}, {"energy_pj", probe.energy_pj}}; }
+Probe read_probe(const Json& json) { return {amount_in(json.at("time")), amount_in(json.at("energy_pj"))}; }
+
+void read_function(const Json& json, RenderResult& function) {
+  const Json& rays = list_in(json.at("rays"), std::size(function.rays), "rays");
+  for (std::size_t k = 0; k < std::size(function.rays); ++k) function.rays[k] = count_in(rays[k]);
+  function.continued = count_in(json.at("continued"));
+  function.traversal_steps = count_in(json.at("traversal_steps"));
+  read_counts(kSamplingCounts, json.at("sampling"), function.sampling);
 }
 
 }  // namespace
 
-FrameResult sum_slices(const SlicePlayer& player, const kernels::ProgramSpec& program, RenderResult function,
-                       std::vector<PlayedSlice> played) {
-  const RunConfig& config = player.inputs().config;
-  FrameResult s;
-  s.program = program;
-  s.machine = config.gpu;
-  s.kernels = player.kernel_schedules();
-  s.rendered = std::move(function);
-  s.tiles = s.finished_tiles = player.tile_count();
-  SlicedFrame& sliced = s.sliced.emplace();
-  sliced.slices = static_cast<std::uint32_t>(played.size());
-  sliced.tiles = player.tile_count();
-  for (const PlayedSlice& one : played) {
-    sliced.again += one.slice.lead;
-    sliced.warmed += one.slice.warming;
-    sliced.seconds.push_back(one.seconds);
-    sliced.timing_seconds += one.timing_seconds;
-  }
+Json slice_json(const SlicePart& part) {
+  const PlayedSlice& played = part.played;
+  const RenderResult& function = part.rendered;
+  Json units = Json::array(), kernels = Json::array();
+  for (const sim::UnitReport& unit : played.own.units) units.push_back(unit_json(unit));
+  for (const hw::KernelUse& use : played.own.kernels) kernels.push_back(counts_json(kKernelCounts, use));
+  return {{"tiles", counts_json(kSliceTiles, played.slice)},
+          {"time", played.own.time},
+          {"units", units},
+          {"kernels", kernels},
+          {"before", probe_json(played.before)},
+          {"after", probe_json(played.after)},
+          {"function",
+           {{"rays", std::span(function.rays)},
+            {"continued", function.continued},
+            {"traversal_steps", function.traversal_steps},
+            {"sampling", counts_json(kSamplingCounts, function.sampling)}}},
+          {"host",
+           {{"slice_s", played.seconds},
+            {"timing_s", played.timing_seconds},
+            {"functional_s", function.seconds},
+            {"waited_s", function.waited},
+            {"wall_s", part.wall_seconds}}}};
+}
 
-  const Probe error = add_all(played, player.plan_shape().probe);
-  MachineSpan& all = played.front().own;
-  if (played.size() > 1) scale_counts(all, work_ratio(s.rendered, Work(all.units)));
-  const sim::Clock clock = config.gpu->clocks.tni.clock();
-  s.elapsed = clock.edge_at_or_after(all.time);
-  s.cycles = clock.cycles(s.elapsed);
-  s.units = std::move(all.units);
-  s.kernel_use = std::move(all.kernels);
-  s.energy = energy_of(s.units, s.elapsed, config);
-  sliced.cycles = {static_cast<double>(s.cycles), error.time / static_cast<double>(clock.period()), 0};
-  sliced.energy_pj = {s.energy.total_pj.nominal, error.energy_pj, 0};
-  return s;
+SlicePart read_slice(const Json& json, MachineSpan nothing) {
+  try {
+    SlicePart part;
+    PlayedSlice& played = part.played;
+    read_counts(kSliceTiles, json.at("tiles"), played.slice);
+    played.own = std::move(nothing);
+    read_span(json, played.own);
+    played.before = read_probe(json.at("before"));
+    played.after = read_probe(json.at("after"));
+    read_function(json.at("function"), part.rendered);
+    const Json& host = json.at("host");
+    played.seconds = amount_in(host.at("slice_s"));
+    played.timing_seconds = amount_in(host.at("timing_s"));
+    part.rendered.seconds = amount_in(host.at("functional_s"));
+    part.rendered.waited = amount_in(host.at("waited_s"));
+    part.wall_seconds = amount_in(host.at("wall_s"));
+    return part;
+  } catch (const sim::JsonError& error) {
+    throw sim::InputError(sim::printable(error.what()));
+  }
 }
 
 }  // namespace tools

@@ -1,14 +1,60 @@
 #pragma once
+
 #include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "hw_models/machines/gpu.h"
+#include "shader_kernels/programs/wavefront/frame_program.h"
 #include "sim/io/json.h"
+#include "tools/host/process.h"
+#include "tools/host/progress.h"
+#include "tools/run/frame/front_end.h"
 #include "tools/run/frame/run_job.h"
-#include "tools/sampling/slice_player.h"
+#include "tools/sampling/timed_tiles.h"
 
 namespace tools {
+
+/// Time and counters of a machine between two points in time.
+struct MachineSpan {
+  sim::Time time = 0;
+  std::vector<sim::UnitReport> units;
+  std::vector<hw::KernelUse> kernels;
+
+  MachineSpan() = default;
+  explicit MachineSpan(const hw::Gpu& gpu)
+      : time(gpu.elapsed_time()), units(gpu.unit_reports()), kernels(gpu.kernel_use()) {}
+  explicit MachineSpan(const Mark& mark) : time(mark.time), units(mark.units), kernels(mark.kernels) {}
+  void subtract_mark(const Mark& earlier);
+  void add(const MachineSpan& other);
+};
+
+/// Cost of the tiles that two machines simulate.
+struct Probe {
+  double time = 0, energy_pj = 0;
+};
+
+/// Results of one slice.
+struct PlayedSlice {
+  Slice slice;
+  MachineSpan own;
+  Probe before, after;  ///< probes at the ends of its lead and of its own tiles, where there is a border
+  double seconds = 0, timing_seconds = 0;  ///< host processor time of its thread: total, and without executing tiles
+};
+
+/// Results of one slice that was simulated in another process than the others.
+struct SlicePart {
+  PlayedSlice played;
+  RenderResult rendered;
+  double wall_seconds = 0;  ///< host
+};
+
+/// Serialises a part exactly, for join_slices(). Names and structure of the machine are left out.
+sim::Json slice_json(const SlicePart& part);
+
+/// Parses a part. `nothing`: the slice's machine before its first cycle. InputError if the part does not match it.
+SlicePart read_slice(const sim::Json& json, MachineSpan nothing);
 
 /// Selects the number of slices automatically.
 inline constexpr std::uint32_t kAutoSlices = 0;
@@ -37,10 +83,5 @@ FrameResult join_slices(const Inputs& inputs, const kernels::ProgramSpec& progra
 
 /// Returns the slice data of a frame that was simulated as a whole.
 SlicedFrame as_single_slice(const FrameResult& s);
-
-/// Joins all slices to a frame: sums of times and counters, and an interval from the differences at borders
-/// (docs/slices.md). `function`: results of rendering the frame.
-FrameResult sum_slices(const SlicePlayer& player, const kernels::ProgramSpec& program, RenderResult function,
-                       std::vector<PlayedSlice> played);
 
 }  // namespace tools

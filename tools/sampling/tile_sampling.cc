@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include <Eigen/Cholesky>
 #include <fmt/format.h>
 
 #include "shader_kernels/programs/full.h"
@@ -14,16 +15,230 @@
 #include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "sim/report/report_json.h"
-#include "tools/analysis/report_paths.h"
+#include "tools/analysis/report_file.h"
 #include "tools/analysis/units.h"
+#include "tools/noise/noise.h"
 #include "tools/run/frame/front_end.h"
 #include "tools/run/frame/machine_run.h"
 #include "tools/sampling/pilot.h"
-#include "tools/sampling/sample_weights.h"
-#include "tools/sampling/tile_plan.h"
+#include "tools/sampling/timed_tiles.h"
 #include "traces/accel/bvh_tracer.h"
 
 namespace tools {
+namespace {
+
+/// Activity of the machine during the measured part of a block.
+struct MeasuredPart {
+  sim::Time time = 0;
+  std::vector<sim::UnitReport> units;
+  std::vector<hw::KernelUse> kernels;
+  TileTraits traits;  ///< traits of the work in this part
+};
+
+/// One run of a list of blocks on one machine.
+struct SampledRun {
+  MeasuredPart begin, end;  ///< counters of the first and last block, measured directly
+  std::vector<MeasuredPart> parts;
+  std::vector<sim::UnitReport> units;  ///< of the whole run
+  std::vector<hw::KernelSchedule> kernels;
+  sim::Time elapsed = 0;
+  sim::Time cycle = 0;  ///< period of the T&I clock
+  std::uint64_t timed = 0, warmed = 0;
+  double warming_seconds = 0;
+};
+
+/// Returns the difference of two marks.
+MeasuredPart difference_of(const Mark& a, const Mark& b) {
+  MeasuredPart part{b.time - a.time, b.units, b.kernels, {}};
+  sim::subtract_reports(part.units, a.units);
+  for (std::size_t k = 0; k < part.kernels.size(); ++k) part.kernels[k] -= a.kernels[k];
+  return part;
+}
+
+/// Traits of the work in a part: counted by the machine where it does, else those of the tiles in flight, weighted by
+/// the share of their time in the part.
+TileTraits traits_of(const MeasuredPart& part, sim::Time begin, sim::Time end, const TimedTiles& tiles,
+                     std::span<const TileTraits> traits, std::span<const hw::KernelSchedule> kernels) {
+  TileTraits sum;
+  for (const TimedTiles::TimedTile& tile : tiles.simulated_tiles()) {
+    const sim::Time from = std::max(tile.begin, begin), to = std::min(tile.end, end);
+    if (from < to)
+      sum.add(traits[tile.tile], static_cast<double>(to - from) / static_cast<double>(tile.end - tile.begin));
+  }
+  const Units<hw::Trv> trvs(part.units);
+  sum.visits =
+      static_cast<double>(trvs.counted(&hw::Trv::Stats::visits) - trvs.counted(&hw::Trv::Stats::restarted_visits));
+  sum.tests = static_cast<double>(Units<hw::Ist>(part.units).counted(&hw::Ist::Stats::tests));
+  sum.array = 0;
+  for (std::size_t k = 0; k < kernels.size(); ++k)
+    sum.array += static_cast<double>(part.kernels[k].items) * kernels[k].ii;
+  return sum;
+}
+
+/// Simulates blocks of a frame. `traits`: traits of each tile from the pilot.
+SampledRun run_blocks(const Inputs& inputs, RunTiles& source, const kernels::FrameRequirements& requirements,
+                      std::span<const TimedBlock> blocks, std::span<const TileTraits> traits) {
+  std::vector<std::uint32_t> marked;
+  for (const TimedBlock& block : blocks) {
+    if (block.first != blocks.front().first) marked.push_back(block.first);
+    if (marked.empty() || block.measured != marked.back()) marked.push_back(block.measured);
+  }
+  TimedTiles tiles(source, {blocks.begin(), blocks.end()}, std::move(marked));
+  const auto gpu = make_gpu(inputs, requirements, tiles);
+  tiles.set_gpu(*gpu);
+  source.set_gpu(*gpu);
+  run_to_end(*gpu);
+  tiles.end_tiles();
+
+  SampledRun run;
+  run.units = gpu->unit_reports();
+  run.kernels = gpu->kernel_schedules();
+  run.elapsed = gpu->elapsed_time();
+  run.cycle = gpu->elapsed_time() / gpu->elapsed_cycles();
+  run.timed = tiles.simulated_tiles().size();
+  run.warmed = tiles.warmed_tiles();
+  run.warming_seconds = tiles.warming_seconds();
+  // A measured part ends at the dispatch of the next block; the last one ends with the run.
+  const Mark finished{0, gpu->elapsed_time(), gpu->unit_reports(), gpu->kernel_use()};
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const bool is_last = i + 1 == blocks.size();
+    const Mark &begin = tiles.mark_at(blocks[i].measured),
+               &end = is_last ? finished : tiles.mark_at(blocks[i + 1].first);
+    MeasuredPart part = difference_of(begin, end);
+    part.traits = traits_of(part, begin.time, end.time, tiles, traits, run.kernels);
+    if (i == 0) {
+      run.begin = std::move(part);
+    } else if (is_last) {
+      run.end = std::move(part);
+    } else {
+      run.parts.push_back(std::move(part));
+    }
+  }
+  return run;
+}
+
+/// Returns the weighted sum of the parts. Peaks are the largest of the simulated parts.
+MeasuredPart weighted_sum(std::span<const MeasuredPart* const> parts, std::span<const double> weights,
+                          const SampledRun& run) {
+  const auto sum = [&](auto&& of) {
+    double total = static_cast<double>(of(run.begin)) + static_cast<double>(of(run.end));
+    for (std::size_t k = 0; k < parts.size(); ++k) total += weights[k] * static_cast<double>(of(*parts[k]));
+    return std::max(0.0, total);
+  };
+  const auto round_count = [](double x) { return static_cast<std::uint64_t>(std::llround(x)); };
+  MeasuredPart whole;
+  whole.time = round_count(sum([](const MeasuredPart& p) { return p.time; }));
+  const double longer = static_cast<double>(whole.time) / static_cast<double>(run.elapsed);
+  whole.units = run.units;
+  for (std::size_t u = 0; u < run.units.size(); ++u) {
+    sim::UnitReport& unit = whole.units[u];
+    for (std::size_t i = 0; i < unit.counters.size(); ++i) {
+      sim::CounterReport& counter = unit.counters[i];
+      if (counter.kind != sim::CounterKind::kPeak)
+        counter.value = round_count(sum([&](const MeasuredPart& p) { return p.units[u].counters[i].value; }));
+    }
+    // Reasons are scaled to add up to the unit's time; the largest takes the rounding difference.
+    unit.elapsed = round_count(longer * static_cast<double>(unit.elapsed));
+    std::vector<double> spent;
+    for (std::size_t i = 0; i < unit.cycles_by_reason.size(); ++i) {
+      spent.push_back(sum([&](const MeasuredPart& p) { return p.units[u].cycles_by_reason[i].second; }));
+    }
+    const double all = std::accumulate(spent.begin(), spent.end(), 0.0);
+    std::uint64_t given = 0;
+    for (std::size_t i = 0; i < unit.cycles_by_reason.size(); ++i) {
+      unit.cycles_by_reason[i].second =
+          all == 0 ? 0 : static_cast<std::uint64_t>(spent[i] / all * static_cast<double>(unit.elapsed));
+      given += unit.cycles_by_reason[i].second;
+    }
+    if (unit.cycles_by_reason.empty()) continue;
+    std::ranges::max_element(unit.cycles_by_reason, {}, [](const auto& why) { return why.second; })->second +=
+        unit.elapsed - given;
+  }
+  whole.kernels.resize(run.begin.kernels.size());
+  for (std::size_t k = 0; k < whole.kernels.size(); ++k) {
+    const auto of = [&](std::uint64_t hw::KernelUse::*member) {
+      return round_count(sum([&](const MeasuredPart& p) { return p.kernels[k].*member; }));
+    };
+    using Use = hw::KernelUse;
+    whole.kernels[k] = {of(&Use::launches), of(&Use::items), of(&Use::idle), of(&Use::cycles), of(&Use::starved)};
+  }
+  return whole;
+}
+
+}  // namespace
+
+std::map<std::string, double> summed_counters(std::vector<sim::UnitReport> units) {
+  for (sim::UnitReport& unit : units) {
+    std::erase_if(unit.counters, [](const sim::CounterReport& c) { return c.kind == sim::CounterKind::kPeak; });
+  }
+  constexpr std::string_view kUnits = "units.";
+  std::map<std::string, double> sums;
+  for (const ReportNumber& number : unit_sums({{"units", sim::units_json(units)}})) {
+    if (number.path.find(".counters.") != std::string::npos) sums[number.path.substr(kUnits.size())] = number.value;
+  }
+  return sums;
+}
+
+namespace {
+
+using Eigen::Index;
+
+Eigen::Map<const Eigen::VectorXd> as_vector(std::span<const double> values) {
+  return {values.data(), static_cast<Index>(values.size())};
+}
+
+/// Traits per size, standardised over the parts. Traits that are equal in all parts are 0.
+struct Traits {
+  Eigen::MatrixXd parts;  ///< one row per part
+  Eigen::VectorXd whole;
+};
+
+Traits standardise_traits(std::span<const SamplePart> parts, const SamplePart& whole) {
+  const auto n = static_cast<Index>(parts.size()), p = static_cast<Index>(whole.traits.size());
+  Traits traits{Eigen::MatrixXd::Zero(n, p), Eigen::VectorXd::Zero(p)};
+  for (std::size_t j = 0; j < whole.traits.size(); ++j) {
+    Eigen::VectorXd rates(n);
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      rates[static_cast<Index>(i)] = parts[i].traits[j] / parts[i].size;
+    }
+    const double mean = rates.mean();
+    rates.array() -= mean;
+    const double spread = std::sqrt(rates.squaredNorm() / static_cast<double>(n));
+    if (!(spread > 1e-9 * std::abs(mean))) continue;
+    traits.parts.col(static_cast<Index>(j)) = rates / spread;
+    traits.whole[static_cast<Index>(j)] = (whole.traits[j] / whole.size - mean) / spread;
+  }
+  return traits;
+}
+
+}  // namespace
+
+SampleWeights::SampleWeights(std::span<const SamplePart> parts, const SamplePart& whole, double ridge) {
+  const auto count = static_cast<double>(parts.size());
+  for (const SamplePart& part : parts) sizes_.push_back(part.size);
+  const Traits z = standardise_traits(parts, whole);
+  Eigen::MatrixXd normal = z.parts.transpose() * z.parts;
+  normal.diagonal().array() += count * std::max(ridge, 1e-9);
+  const Eigen::MatrixXd solved = normal.llt().solve(z.parts.transpose());
+  const Eigen::MatrixXd smoother = (z.parts * solved).array() + 1 / count;
+  const Eigen::VectorXd shares = whole.size * ((solved.transpose() * z.whole).array() + 1 / count);
+  smoother_.assign(smoother.data(), smoother.data() + smoother.size());
+  shares_.assign(shares.begin(), shares.end());
+  for (std::size_t i = 0; i < parts.size(); ++i) weights_.push_back(shares_[i] / sizes_[i]);
+  degrees_ = std::max(1.0, count - smoother.trace());
+}
+
+double SampleWeights::total(std::span<const double> observed) const {
+  return as_vector(weights_).dot(as_vector(observed));
+}
+
+double SampleWeights::half_width(std::span<const double> observed) const {
+  const Eigen::VectorXd rates = as_vector(observed).cwiseQuotient(as_vector(sizes_));
+  const Eigen::Map<const Eigen::MatrixXd> smoother(smoother_.data(), rates.size(), rates.size());
+  const double left = (rates - smoother * rates).squaredNorm();
+  return student_t(degrees_) * std::sqrt(left / degrees_ * as_vector(shares_).squaredNorm());
+}
+
 namespace {
 
 constexpr double kRidge = 0.2;
@@ -274,138 +489,6 @@ void SampledFrame::add(const SampledFrame& other) {
   for (const auto& [path, interval] : other.counters) counters[path].add(interval);
   pilot_seconds += other.pilot_seconds;
   warming_seconds += other.warming_seconds;
-}
-
-namespace {
-
-/// Returns the difference of two marks.
-MeasuredPart difference_of(const Mark& a, const Mark& b) {
-  MeasuredPart part{b.time - a.time, b.units, b.kernels, {}};
-  sim::subtract_reports(part.units, a.units);
-  for (std::size_t k = 0; k < part.kernels.size(); ++k) part.kernels[k] -= a.kernels[k];
-  return part;
-}
-
-/// Traits of the work in a part: counted by the machine where it does, else those of the tiles in flight, weighted by
-/// the share of their time in the part.
-TileTraits traits_of(const MeasuredPart& part, sim::Time begin, sim::Time end, const TimedTiles& tiles,
-                     std::span<const TileTraits> traits, std::span<const hw::KernelSchedule> kernels) {
-  TileTraits sum;
-  for (const TimedTiles::TimedTile& tile : tiles.simulated_tiles()) {
-    const sim::Time from = std::max(tile.begin, begin), to = std::min(tile.end, end);
-    if (from < to)
-      sum.add(traits[tile.tile], static_cast<double>(to - from) / static_cast<double>(tile.end - tile.begin));
-  }
-  const Units<hw::Trv> trvs(part.units);
-  sum.visits =
-      static_cast<double>(trvs.counted(&hw::Trv::Stats::visits) - trvs.counted(&hw::Trv::Stats::restarted_visits));
-  sum.tests = static_cast<double>(Units<hw::Ist>(part.units).counted(&hw::Ist::Stats::tests));
-  sum.array = 0;
-  for (std::size_t k = 0; k < kernels.size(); ++k)
-    sum.array += static_cast<double>(part.kernels[k].items) * kernels[k].ii;
-  return sum;
-}
-
-}  // namespace
-
-SampledRun run_blocks(const Inputs& inputs, RunTiles& source, const kernels::FrameRequirements& requirements,
-                      std::span<const TimedBlock> blocks, std::span<const TileTraits> traits) {
-  std::vector<std::uint32_t> marked;
-  for (const TimedBlock& block : blocks) {
-    if (block.first != blocks.front().first) marked.push_back(block.first);
-    if (marked.empty() || block.measured != marked.back()) marked.push_back(block.measured);
-  }
-  TimedTiles tiles(source, {blocks.begin(), blocks.end()}, std::move(marked));
-  const auto gpu = make_gpu(inputs, requirements, tiles);
-  tiles.set_gpu(*gpu);
-  source.set_gpu(*gpu);
-  run_to_end(*gpu);
-  tiles.end_tiles();
-
-  SampledRun run;
-  run.units = gpu->unit_reports();
-  run.kernels = gpu->kernel_schedules();
-  run.elapsed = gpu->elapsed_time();
-  run.cycle = gpu->elapsed_time() / gpu->elapsed_cycles();
-  run.timed = tiles.simulated_tiles().size();
-  run.warmed = tiles.warmed_tiles();
-  run.warming_seconds = tiles.warming_seconds();
-  // A measured part ends at the dispatch of the next block; the last one ends with the run.
-  const Mark finished{0, gpu->elapsed_time(), gpu->unit_reports(), gpu->kernel_use()};
-  for (std::size_t i = 0; i < blocks.size(); ++i) {
-    const bool is_last = i + 1 == blocks.size();
-    const Mark &begin = tiles.mark_at(blocks[i].measured),
-               &end = is_last ? finished : tiles.mark_at(blocks[i + 1].first);
-    MeasuredPart part = difference_of(begin, end);
-    part.traits = traits_of(part, begin.time, end.time, tiles, traits, run.kernels);
-    if (i == 0) {
-      run.begin = std::move(part);
-    } else if (is_last) {
-      run.end = std::move(part);
-    } else {
-      run.parts.push_back(std::move(part));
-    }
-  }
-  return run;
-}
-
-std::map<std::string, double> summed_counters(std::vector<sim::UnitReport> units) {
-  for (sim::UnitReport& unit : units) {
-    std::erase_if(unit.counters, [](const sim::CounterReport& c) { return c.kind == sim::CounterKind::kPeak; });
-  }
-  constexpr std::string_view kUnits = "units.";
-  std::map<std::string, double> sums;
-  for (const ReportNumber& number : unit_sums({{"units", sim::units_json(units)}})) {
-    if (number.path.find(".counters.") != std::string::npos) sums[number.path.substr(kUnits.size())] = number.value;
-  }
-  return sums;
-}
-
-MeasuredPart weighted_sum(std::span<const MeasuredPart* const> parts, std::span<const double> weights,
-                          const SampledRun& run) {
-  const auto sum = [&](auto&& of) {
-    double total = static_cast<double>(of(run.begin)) + static_cast<double>(of(run.end));
-    for (std::size_t k = 0; k < parts.size(); ++k) total += weights[k] * static_cast<double>(of(*parts[k]));
-    return std::max(0.0, total);
-  };
-  const auto round_count = [](double x) { return static_cast<std::uint64_t>(std::llround(x)); };
-  MeasuredPart whole;
-  whole.time = round_count(sum([](const MeasuredPart& p) { return p.time; }));
-  const double longer = static_cast<double>(whole.time) / static_cast<double>(run.elapsed);
-  whole.units = run.units;
-  for (std::size_t u = 0; u < run.units.size(); ++u) {
-    sim::UnitReport& unit = whole.units[u];
-    for (std::size_t i = 0; i < unit.counters.size(); ++i) {
-      sim::CounterReport& counter = unit.counters[i];
-      if (counter.kind != sim::CounterKind::kPeak)
-        counter.value = round_count(sum([&](const MeasuredPart& p) { return p.units[u].counters[i].value; }));
-    }
-    // Reasons are scaled to add up to the unit's time; the largest takes the rounding difference.
-    unit.elapsed = round_count(longer * static_cast<double>(unit.elapsed));
-    std::vector<double> spent;
-    for (std::size_t i = 0; i < unit.cycles_by_reason.size(); ++i) {
-      spent.push_back(sum([&](const MeasuredPart& p) { return p.units[u].cycles_by_reason[i].second; }));
-    }
-    const double all = std::accumulate(spent.begin(), spent.end(), 0.0);
-    std::uint64_t given = 0;
-    for (std::size_t i = 0; i < unit.cycles_by_reason.size(); ++i) {
-      unit.cycles_by_reason[i].second =
-          all == 0 ? 0 : static_cast<std::uint64_t>(spent[i] / all * static_cast<double>(unit.elapsed));
-      given += unit.cycles_by_reason[i].second;
-    }
-    if (unit.cycles_by_reason.empty()) continue;
-    std::ranges::max_element(unit.cycles_by_reason, {}, [](const auto& why) { return why.second; })->second +=
-        unit.elapsed - given;
-  }
-  whole.kernels.resize(run.begin.kernels.size());
-  for (std::size_t k = 0; k < whole.kernels.size(); ++k) {
-    const auto of = [&](std::uint64_t hw::KernelUse::*member) {
-      return round_count(sum([&](const MeasuredPart& p) { return p.kernels[k].*member; }));
-    };
-    using Use = hw::KernelUse;
-    whole.kernels[k] = {of(&Use::launches), of(&Use::items), of(&Use::idle), of(&Use::cycles), of(&Use::starved)};
-  }
-  return whole;
 }
 
 }  // namespace tools

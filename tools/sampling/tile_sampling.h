@@ -1,4 +1,5 @@
 #pragma once
+
 #include <cstdint>
 #include <map>
 #include <span>
@@ -29,36 +30,40 @@ void check_tile_sampling(const kernels::ProgramSpec& program);
 FrameResult simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
                              const TileSampling& sampling, Progress* progress = nullptr);
 
-/// Activity of the machine during the measured part of a block.
-struct MeasuredPart {
-  sim::Time time = 0;
-  std::vector<sim::UnitReport> units;
-  std::vector<hw::KernelUse> kernels;
-  TileTraits traits;  ///< traits of the work in this part
-};
-
-/// One run of a list of blocks on one machine.
-struct SampledRun {
-  MeasuredPart begin, end;  ///< counters of the first and last block, measured directly
-  std::vector<MeasuredPart> parts;
-  std::vector<sim::UnitReport> units;  ///< of the whole run
-  std::vector<hw::KernelSchedule> kernels;
-  sim::Time elapsed = 0;
-  sim::Time cycle = 0;  ///< period of the T&I clock
-  std::uint64_t timed = 0, warmed = 0;
-  double warming_seconds = 0;
-};
-
-/// Simulates blocks of a frame. `traits`: traits of each tile from the pilot.
-SampledRun run_blocks(const Inputs& inputs, RunTiles& source, const kernels::FrameRequirements& requirements,
-                      std::span<const TimedBlock> blocks, std::span<const TileTraits> traits);
-
 /// Returns the sums of counters over similar units by path: "core.tni.trv.counters.l1_hits". Counters that are not sums
 /// are left out.
 std::map<std::string, double> summed_counters(std::vector<sim::UnitReport> units);
 
-/// Returns the weighted sum of the parts. Peaks are the largest of the simulated parts.
-MeasuredPart weighted_sum(std::span<const MeasuredPart* const> parts, std::span<const double> weights,
-                          const SampledRun& run);
+/// A measured part of a whole: its size, and traits known for parts and whole.
+struct SamplePart {
+  double size = 0;
+  std::vector<double> traits;
+};
+
+/// Estimates totals of a whole from parts drawn with probability proportional to size.
+///
+/// 1. The rate (quantity per size) is modelled as linear in the traits per size, fitted by ridge regression and
+/// evaluated at the whole's traits: a calibration estimator (Deville and Särndal, JASA 1992).
+/// 2. It is linear in the observations, so one weight per part serves every quantity, and sums of quantities stay
+/// consistent.
+class SampleWeights {
+ public:
+  /// `ridge`: 0 gives least squares; larger values give estimates nearer to the mean of the parts.
+  SampleWeights(std::span<const SamplePart> parts, const SamplePart& whole, double ridge);
+
+  const std::vector<double>& part_weights() const { return weights_; }
+  /// Estimates the whole's total of a quantity observed in each part.
+  double total(std::span<const double> observed) const;
+  /// Half-width of the 95 % interval of total(), from the residuals of the fit.
+  double half_width(std::span<const double> observed) const;
+  double degrees_of_freedom() const { return degrees_; }
+
+ private:
+  std::vector<double> sizes_;
+  std::vector<double> smoother_;  ///< matrix: fitted rates = smoother x observed rates
+  std::vector<double> shares_;    ///< weights of rates instead of sums
+  std::vector<double> weights_;
+  double degrees_ = 0;
+};
 
 }  // namespace tools

@@ -10,11 +10,14 @@
 #include <string>
 #include <string_view>
 #include <typeindex>
+#include <utility>
 
 #include "hw_models/dram/dram_energy.h"
 #include "hw_models/machines/gpu_config.h"
 #include "hw_models/machines/unit_kinds.h"
+#include "hw_models/memory/messages.h"
 #include "sim/report/energy.h"
+#include "sim/report/report_json.h"
 #include "tools/analysis/units.h"
 #include "tools/run/frame/power.h"
 
@@ -168,111 +171,101 @@ std::uint64_t lines_of(const hw::TileAccount& account, hw::RequesterKind asker) 
 /// out.
 class TileWeights {
  public:
-  explicit TileWeights(const FrameResult& s);
+  explicit TileWeights(const FrameResult& s)
+      : s_(s), kinds_(kOperations + srp_counters()), values_(s.tile_accounts.size() * kinds_), rest_(kinds_) {
+    if (s.rendered.summaries.tiles.size() < s.tile_accounts.size()) throw std::logic_error("tiles without a summary");
+    for (std::size_t i = 0; i < s.tile_accounts.size(); ++i) {
+      const kernels::TileSummary& tile = s.rendered.summaries.tiles[i];
+      double* const values = &values_[i * kinds_];
+      std::uint64_t rays = 0;
+      for (const std::uint64_t of_kind : tile.rays) rays += of_kind;
+      values[kRays] = static_cast<double>(rays);
+      values[kVisits] = static_cast<double>(tile.steps - tile.tests);
+      values[kTests] = static_cast<double>(tile.tests);
+      values[kAccesses] = static_cast<double>(tile.accesses);
+      add_account(s.tile_accounts[i], values);
+    }
+    add_account(s.rest, rest_.data());
+    add_kernels(s);
+  }
 
   /// Returns the number of kinds of work.
   std::size_t kind_count() const { return kinds_; }
   double part_of(std::size_t tile, std::size_t kind) const { return values_[tile * kinds_ + kind]; }
   double of_rest(std::size_t kind) const { return rest_[kind]; }
   /// Returns the sum over all tiles of a core; without a core, over all tiles and requests without a tile.
-  double sum_of(std::size_t kind, std::optional<std::uint32_t> core) const;
+  double sum_of(std::size_t kind, std::optional<std::uint32_t> core) const {
+    double all = core ? 0 : rest_[kind];
+    for (std::size_t tile = 0; tile < s_.tile_accounts.size(); ++tile) {
+      if (!core || s_.tile_accounts[tile].core == *core) all += part_of(tile, kind);
+    }
+    return all;
+  }
 
   /// Returns the kind of work for a counter of a unit; none if it depends on time.
-  static std::optional<std::size_t> of_counter(const sim::UnitReport& unit, std::string_view counter);
+  static std::optional<std::size_t> of_counter(const sim::UnitReport& unit, std::string_view counter) {
+    const auto is_it = [&](const Rule& rule) { return rule.unit == unit.type && rule.counter == counter; };
+    const auto found = std::ranges::find_if(special_rules(), is_it);
+    if (found != special_rules().end()) return found->kind;
+    if (unit.type == typeid(hw::Srp)) return kOperations + srp_counter(counter);
+    return usual_kind(unit);
+  }
 
  private:
-  void add_account(const hw::TileAccount& account, double* values) const;
-  void add_kernels(const FrameResult& s);
+  void add_account(const hw::TileAccount& account, double* values) const {
+    using hw::RequesterKind;
+    const auto set = [&](Kind kind, std::uint64_t value) { values[kind] = static_cast<double>(value); };
+    set(kNodeLines, lines_of(account, RequesterKind::kNodes));
+    set(kTriangleLines, lines_of(account, RequesterKind::kTriangles));
+    set(kShadingLines, lines_of(account, RequesterKind::kShading));
+    set(kTransferLines, lines_of(account, RequesterKind::kTransfers));
+    set(kRecordLines, lines_of(account, RequesterKind::kRecords));
+    set(kRasterLines, lines_of(account, RequesterKind::kRaster));
+    for (const Kind kind : {kNodeLines, kTriangleLines, kShadingLines, kRecordLines, kRasterLines}) {
+      values[kCacheLines] += values[kind];
+    }
+    set(kSrpCycles, account.srp_cycles);
+    set(kL2Hits, account.l2_hits);
+    set(kL2Misses, account.l2_misses);
+    set(kL2Fills, account.l2_fills);
+    set(kL2Writes, account.l2_writes);
+    set(kDramReads, account.dram_reads);
+    set(kDramWrites, account.dram_writes);
+    set(kActivates, account.activates);
+  }
+  /// Adds operations of a tile's kernels, and accesses to the tile buffer: by kernels, by rays and their hits, by
+  /// transfers.
+  void add_kernels(const FrameResult& s) {
+    constexpr double kAccess = 16;          // bytes
+    std::vector<std::vector<double>> item;  // by kernel
+    for (const hw::KernelSchedule& kernel : s.kernels) {
+      hw::SrpStats one;
+      one.add_loop(kernel, 1, 1);
+      item.emplace_back();
+      each_counter(one, [&](std::uint64_t value, const char*) { item.back().push_back(static_cast<double>(value)); });
+    }
+    std::size_t next = 0;
+    for (std::size_t i = 0; i < s.tile_accounts.size(); ++i) {
+      const kernels::TileSummary& tile = s.rendered.summaries.tiles[i];
+      double* const values = &values_[i * kinds_];
+      values[kBufferAccesses] = values[kRays] * (2 * sizeof(traces::Ray) + 2 * sizeof(traces::Hit)) / kAccess +
+                                static_cast<double>(tile.transfer_bytes) / kAccess;
+      for (; next < tile.kernels; ++next) {
+        const kernels::KernelItems& use = s.rendered.summaries.kernels[next];
+        const hw::KernelSchedule& kernel = s.kernels[use.kernel];
+        for (std::size_t c = 0; c < item[use.kernel].size(); ++c) {
+          values[kOperations + c] += use.items * item[use.kernel][c];
+        }
+        values[kBufferAccesses] += use.items * static_cast<double>(kernel.local_reads + kernel.local_writes);
+      }
+    }
+  }
 
   const FrameResult& s_;
   const std::size_t kinds_;
   std::vector<double> values_;  ///< tile by tile
   std::vector<double> rest_;
 };
-
-std::optional<std::size_t> TileWeights::of_counter(const sim::UnitReport& unit, std::string_view counter) {
-  const auto is_it = [&](const Rule& rule) { return rule.unit == unit.type && rule.counter == counter; };
-  const auto found = std::ranges::find_if(special_rules(), is_it);
-  if (found != special_rules().end()) return found->kind;
-  if (unit.type == typeid(hw::Srp)) return kOperations + srp_counter(counter);
-  return usual_kind(unit);
-}
-
-TileWeights::TileWeights(const FrameResult& s)
-    : s_(s), kinds_(kOperations + srp_counters()), values_(s.tile_accounts.size() * kinds_), rest_(kinds_) {
-  if (s.rendered.summaries.tiles.size() < s.tile_accounts.size()) throw std::logic_error("tiles without a summary");
-  for (std::size_t i = 0; i < s.tile_accounts.size(); ++i) {
-    const kernels::TileSummary& tile = s.rendered.summaries.tiles[i];
-    double* const values = &values_[i * kinds_];
-    std::uint64_t rays = 0;
-    for (const std::uint64_t of_kind : tile.rays) rays += of_kind;
-    values[kRays] = static_cast<double>(rays);
-    values[kVisits] = static_cast<double>(tile.steps - tile.tests);
-    values[kTests] = static_cast<double>(tile.tests);
-    values[kAccesses] = static_cast<double>(tile.accesses);
-    add_account(s.tile_accounts[i], values);
-  }
-  add_account(s.rest, rest_.data());
-  add_kernels(s);
-}
-
-void TileWeights::add_account(const hw::TileAccount& account, double* values) const {
-  using hw::RequesterKind;
-  const auto set = [&](Kind kind, std::uint64_t value) { values[kind] = static_cast<double>(value); };
-  set(kNodeLines, lines_of(account, RequesterKind::kNodes));
-  set(kTriangleLines, lines_of(account, RequesterKind::kTriangles));
-  set(kShadingLines, lines_of(account, RequesterKind::kShading));
-  set(kTransferLines, lines_of(account, RequesterKind::kTransfers));
-  set(kRecordLines, lines_of(account, RequesterKind::kRecords));
-  set(kRasterLines, lines_of(account, RequesterKind::kRaster));
-  for (const Kind kind : {kNodeLines, kTriangleLines, kShadingLines, kRecordLines, kRasterLines}) {
-    values[kCacheLines] += values[kind];
-  }
-  set(kSrpCycles, account.srp_cycles);
-  set(kL2Hits, account.l2_hits);
-  set(kL2Misses, account.l2_misses);
-  set(kL2Fills, account.l2_fills);
-  set(kL2Writes, account.l2_writes);
-  set(kDramReads, account.dram_reads);
-  set(kDramWrites, account.dram_writes);
-  set(kActivates, account.activates);
-}
-
-/// Adds operations of a tile's kernels, and accesses to the tile buffer: by kernels, by rays and their hits, by
-/// transfers.
-void TileWeights::add_kernels(const FrameResult& s) {
-  constexpr double kAccess = 16;          // bytes
-  std::vector<std::vector<double>> item;  // by kernel
-  for (const hw::KernelSchedule& kernel : s.kernels) {
-    hw::SrpStats one;
-    one.add_loop(kernel, 1, 1);
-    item.emplace_back();
-    each_counter(one, [&](std::uint64_t value, const char*) { item.back().push_back(static_cast<double>(value)); });
-  }
-  std::size_t next = 0;
-  for (std::size_t i = 0; i < s.tile_accounts.size(); ++i) {
-    const kernels::TileSummary& tile = s.rendered.summaries.tiles[i];
-    double* const values = &values_[i * kinds_];
-    values[kBufferAccesses] = values[kRays] * (2 * sizeof(traces::Ray) + 2 * sizeof(traces::Hit)) / kAccess +
-                              static_cast<double>(tile.transfer_bytes) / kAccess;
-    for (; next < tile.kernels; ++next) {
-      const kernels::KernelItems& use = s.rendered.summaries.kernels[next];
-      const hw::KernelSchedule& kernel = s.kernels[use.kernel];
-      for (std::size_t c = 0; c < item[use.kernel].size(); ++c) {
-        values[kOperations + c] += use.items * item[use.kernel][c];
-      }
-      values[kBufferAccesses] += use.items * static_cast<double>(kernel.local_reads + kernel.local_writes);
-    }
-  }
-}
-
-double TileWeights::sum_of(std::size_t kind, std::optional<std::uint32_t> core) const {
-  double all = core ? 0 : rest_[kind];
-  for (std::size_t tile = 0; tile < s_.tile_accounts.size(); ++tile) {
-    if (!core || s_.tile_accounts[tile].core == *core) all += part_of(tile, kind);
-  }
-  return all;
-}
 
 using Shares = std::vector<double>;
 
@@ -351,6 +344,131 @@ TileEnergy tile_energy(const FrameResult& s, const RunConfig& config) {
   for (const Shared& shared : of_cores) shared.share_out(energy);
   of_all.share_out(energy);
   return energy;
+}
+
+namespace {
+
+constexpr double kMillijoulesPerPicojoule = 1e-9;  // as in report_json.cc: figures agree to the last bit
+
+/// Returns the number that must be added to a sum so that it is exactly `whole`.
+double missing_to(double whole, double sum) {
+  double rest = whole - sum;
+  while (sum + rest < whole) rest = std::nextafter(rest, INFINITY);
+  while (sum + rest > whole) rest = std::nextafter(rest, -INFINITY);
+  return rest;
+}
+
+class Builder {
+ public:
+  Builder(const FrameResult& s, const RunConfig& config, std::uint32_t frame) : s_(s), config_(config) {
+    frame_.frame = frame;
+  }
+
+  TileFrame build_frame() {
+    add_firsts();
+    add_times();
+    add_function();
+    add_memory();
+    add_energy();
+    return std::move(frame_);
+  }
+
+ private:
+  /// Adds a column of `value(i)` for each tile.
+  TileColumn& add(std::string name, std::string unit, auto&& value) {
+    TileColumn& column = frame_.columns.emplace_back(TileColumn{std::move(name), std::move(unit)});
+    column.values.reserve(s_.tile_accounts.size());
+    for (std::size_t i = 0; i < s_.tile_accounts.size(); ++i) {
+      column.values.push_back(static_cast<double>(value(i)));
+    }
+    return column;
+  }
+  void add_sum(std::string name, std::string unit, double rest, auto&& value) {
+    TileColumn& column = add(std::move(name), std::move(unit), value);
+    column.is_sum = true;
+    column.rest = rest;
+    for (const double one : column.values) column.total += one;
+    column.total += rest;
+  }
+  const kernels::TileSummary& summary_of(std::size_t i) const { return s_.rendered.summaries.tiles[i]; }
+  const hw::TileAccount& account_of(std::size_t i) const { return s_.tile_accounts[i]; }
+
+  void add_firsts() {
+    std::uint32_t pass = 0;
+    add("tile", "", [&](std::size_t i) { return summary_of(i).tile; });
+    add("pass", "", [&](std::size_t i) { return pass += summary_of(i).begins_pass ? 1U : 0U; });
+    if (s_.rendered.pixels.empty()) return;
+    const std::vector<const kernels::TileSummary*> firsts = first_passes();
+    add("x", "pixels", [&](std::size_t i) { return firsts[i]->x; });
+    add("y", "pixels", [&](std::size_t i) { return firsts[i]->y; });
+    add("width", "pixels", [&](std::size_t i) { return firsts[i]->width; });
+    add("height", "pixels", [&](std::size_t i) { return firsts[i]->height; });
+  }
+  /// Returns for each entry the same tile's entry in the first pass, which has its place. A later pass over the frame
+  /// numbers its tiles after those of the previous pass, in the same order.
+  std::vector<const kernels::TileSummary*> first_passes() const {
+    std::vector<const kernels::TileSummary*> by_tile, firsts;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < s_.tile_accounts.size() && !(i != 0 && summary_of(i).begins_pass); ++i) count += 1;
+    by_tile.resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      if (summary_of(i).tile < count) by_tile[summary_of(i).tile] = &summary_of(i);
+    }
+    for (std::size_t i = 0; i < s_.tile_accounts.size(); ++i) {
+      const kernels::TileSummary* first = i < count ? nullptr : by_tile[summary_of(i).tile % count];
+      firsts.push_back(first == nullptr ? &summary_of(i) : first);
+    }
+    return firsts;
+  }
+  void add_times() {
+    const sim::Clock tni = config_.gpu->clocks.tni.clock();
+    add("core", "", [&](std::size_t i) { return account_of(i).core; });
+    add("dispatched", "T&I cycles", [&](std::size_t i) { return tni.cycles(account_of(i).dispatched); });
+    add("finished", "T&I cycles", [&](std::size_t i) { return tni.cycles(account_of(i).finished); });
+    add_sum("srp_cycles", "SRP cycles", static_cast<double>(s_.rest.srp_cycles),
+            [&](std::size_t i) { return account_of(i).srp_cycles; });
+  }
+  void add_function() {
+    constexpr std::array kKinds = {"rays_primary", "rays_shadow", "rays_reflection", "rays_refraction"};
+    static_assert(kKinds.size() == static_cast<std::size_t>(traces::RayKind::kCount));
+    for (std::size_t k = 0; k < kKinds.size(); ++k) {
+      add_sum(kKinds[k], "rays", 0, [&](std::size_t i) { return summary_of(i).rays[k]; });
+    }
+    add_sum("steps", "steps", 0, [&](std::size_t i) { return summary_of(i).steps; });
+    add_sum("tests", "tests", 0, [&](std::size_t i) { return summary_of(i).tests; });
+  }
+  void add_memory() {
+    const auto bytes = [](std::uint64_t lines) { return static_cast<double>(hw::kLineBytes * lines); };
+    for (std::size_t a = 0; a < hw::kRequesterKinds; ++a) {
+      add_sum(std::string("bytes_").append(names_of(hw::RequesterKind{})[a]), "bytes", bytes(s_.rest.lines[a]),
+              [&](std::size_t i) { return bytes(account_of(i).lines[a]); });
+    }
+    add_sum("dram_bytes", "bytes", bytes(s_.rest.dram_reads + s_.rest.dram_writes),
+            [&](std::size_t i) { return bytes(account_of(i).dram_reads + account_of(i).dram_writes); });
+  }
+  void add_energy() {
+    const TileEnergy energy = tile_energy(s_, config_);
+    const auto add_side = [&](const char* name, double sim::Band::*side) {
+      add_sum(name, "mJ", 0, [&](std::size_t i) { return energy.tiles[i].*side * kMillijoulesPerPicojoule; });
+      TileColumn& column = frame_.columns.back();
+      const double whole = s_.energy.total_pj.*side * kMillijoulesPerPicojoule;
+      column.rest = missing_to(whole, column.total);
+      column.total = whole;
+    };
+    add_side("energy_mj_low", &sim::Band::low);
+    add_side("energy_mj_nominal", &sim::Band::nominal);
+    add_side("energy_mj_high", &sim::Band::high);
+  }
+
+  const FrameResult& s_;
+  const RunConfig& config_;
+  TileFrame frame_;
+};
+
+}  // namespace
+
+TileFrame tile_frame(const FrameResult& s, const RunConfig& config, std::uint32_t frame) {
+  return Builder(s, config, frame).build_frame();
 }
 
 }  // namespace tools

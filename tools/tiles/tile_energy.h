@@ -1,14 +1,14 @@
 #pragma once
-#include <cstddef>
+
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include "hw_models/memory/tile_accounting.h"
 #include "sim/report/energy.h"
 #include "tools/run/frame/run_job.h"
+#include "tools/tiles/tile_table.h"
 
 namespace tools {
 
@@ -37,5 +37,8 @@ struct TileEnergy {
 /// 4. A line is charged to the tile that requested it, even if others read it later.
 /// 5. Time-dependent energy is shared by the tiles in flight.
 TileEnergy tile_energy(const FrameResult& s, const RunConfig& config);
+
+/// Returns the tiles of an itemised frame. A replay has no columns x, y, width and height: a trace has no picture.
+TileFrame tile_frame(const FrameResult& s, const RunConfig& config, std::uint32_t frame);
 
 }  // namespace tools

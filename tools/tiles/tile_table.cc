@@ -16,8 +16,8 @@ namespace {
 
 using sim::Json;
 
-constexpr std::string_view kSchema = "raywatt-tiles/1";
-constexpr std::uint64_t kLargestFile = std::uint64_t{4} << 30;
+constexpr std::string_view kTilesSchema = "raywatt-tiles/1";
+constexpr std::uint64_t kLargestTiles = std::uint64_t{4} << 30;
 constexpr double kLargestExact = 0x1p53;
 
 Json number_json(double value) {
@@ -91,7 +91,7 @@ std::string tiles_text(const TileTable& table) {
     for (const TileColumn& column : frame.columns) units[column.name] = column.unit;
   }
   std::string out =
-      fmt::format("{{\n  \"schema\": \"{}\",\n  \"units\": {},\n  \"frames\": [", kSchema, sim::json_line(units));
+      fmt::format("{{\n  \"schema\": \"{}\",\n  \"units\": {},\n  \"frames\": [", kTilesSchema, sim::json_line(units));
   for (const TileFrame& frame : table.frames) {
     out += fmt::format("{}\n    {{\n      \"frame\": {},\n      \"columns\": {{",
                        &frame == &table.frames.front() ? "" : ",", frame.frame);
@@ -110,10 +110,10 @@ TileTable load_tiles(const std::filesystem::path& file_or_folder) {
   const std::string name = sim::printable(file.string());
   TileTable table;
   try {
-    const Json json = parse_file(sim::read_file(file, kLargestFile), name);
+    const Json json = parse_file(sim::read_file(file, kLargestTiles), name);
     const std::string schema = json.at("schema").get<std::string>();
-    if (schema != kSchema) {
-      throw sim::InputError(fmt::format("{}: schema '{}'; allowed: '{}'", name, sim::printable(schema), kSchema));
+    if (schema != kTilesSchema) {
+      throw sim::InputError(fmt::format("{}: schema '{}'; allowed: '{}'", name, sim::printable(schema), kTilesSchema));
     }
     for (const Json& frame : json.at("frames")) table.frames.push_back(frame_of(frame, json.at("units"), name));
   } catch (const sim::JsonError& error) {

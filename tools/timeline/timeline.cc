@@ -16,14 +16,17 @@
 
 #include "hw_models/machines/gpu_config.h"
 #include "sim/error.h"
+#include "sim/io/file.h"
+#include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "tools/run/frame/run_job.h"
 #include "tools/tiles/tile_table.h"
-#include "tools/timeline/recorder.h"
 #include "tools/timeline/trace_packets.h"
 
 namespace tools {
 namespace {
+
+using perfetto::TimelineTracks, perfetto::to_nanoseconds, perfetto::TracePackets;
 
 /// Parses `count` comma-separated whole numbers; empty if the text is anything else.
 std::vector<std::uint32_t> parse_numbers(std::string_view text, std::size_t count) {
@@ -394,6 +397,134 @@ Timeline make_timeline(const TimelineRecorder& recorder, const TimelineSelection
   tracks.write_descriptors(head);
   return {TracePackets::texts_of(packets) + head.bytes() + counters.bytes() + packets.bytes(), shown.size(),
           wanted - shown.size()};
+}
+
+TimelineJob::TimelineJob(std::string asked) : asked_(std::move(asked)) {
+  if (!asked_.empty()) selection_ = parse_timeline(asked_);
+}
+
+void TimelineJob::check_selection(const Inputs& inputs, const kernels::ProgramSpec& program) const {
+  if (!selection_ || !selection_->needs_places()) return;
+  const bool is_tile = selection_->kind == TimelineSelection::Kind::kTile;
+  kernels::TileCounts counts{inputs.config.render.width, inputs.config.render.height};
+  if (is_tile) counts = tile_counts(inputs, program);
+  if (selection_->x < counts.columns && selection_->y < counts.rows) return;
+  const char* const what = is_tile ? "tile" : "pixel";
+  throw sim::InputError(fmt::format(
+      "--timeline {}: there is no such {}: the picture's {}s are {} across and {} down; allowed: 0,0 to {},{}", asked_,
+      what, what, counts.columns, counts.rows, counts.columns - 1, counts.rows - 1));
+}
+
+hw::Observer* TimelineJob::begin_frame(const RunConfig& config) {
+  if (!selection_ || made_) return nullptr;
+  recorder_.emplace(config.gpu->cores);
+  return &*recorder_;
+}
+
+void TimelineJob::end_frame(const FrameResult& s, const TileFrame& tiles, const RunConfig& config) {
+  if (!recorder_) return;
+  try {
+    made_ = make_timeline(*recorder_, *selection_, s, tiles, config);
+  } catch (const sim::InputError& error) {
+    problem_ = error.what();
+    selection_.reset();
+  }
+  recorder_.reset();
+}
+
+void TimelineJob::write_file(const std::filesystem::path& folder, sim::Json& report) const {
+  if (!problem_.empty()) report["warnings"].push_back(problem_ + "; no timeline is written");
+  if (!made_) return;
+  sim::write_file_atomically(folder / kTimelineFile, made_->bytes);
+  report["timeline"] = {{"asked", asked_}, {"slices", made_->slices}, {"dropped", made_->dropped}};
+  if (made_->dropped == 0) return;
+  report["warnings"].push_back(fmt::format(
+      "{}: {} of {} slices are left out, as it may have {} MiB; --timeline slowest:N or tile:X,Y asks for fewer",
+      kTimelineFile, made_->dropped, made_->slices + made_->dropped, kMostTimelineBytes >> 20));
+}
+
+void TimelineRecorder::on_event(const hw::Event& event) {
+  std::visit(hw::HandleEvents{
+                 [&](const hw::TileStarted& e) { start_tile(e); },
+                 [&](const hw::TileEnded& e) { end_tile(e); },
+                 [&](const hw::LoopEnded& e) { add_loop(e); },
+                 [&](const hw::BatchStarted& e) {
+                   batches_[e.core].push_back({e.slot, e.node, static_cast<std::uint32_t>(e.rays), e.at});
+                 },
+                 [&](const hw::BatchEnded& e) { end_batch(e); },
+                 [&](const hw::TransferEnded& e) { add_transfer(e); },
+                 [&](const hw::L2LookedUp& e) { (e.hit ? bin_at(e.at).l2_hits : bin_at(e.at).l2_misses) += 1; },
+                 [&](const hw::DramServed& e) {
+                   (e.request.write ? bin_at(e.end).lines_written : bin_at(e.end).lines_read) += 1;
+                 },
+             },
+             event);
+}
+
+/// Tags are entries of the tile list modulo 2^15; tiles in flight on a core have different tags.
+std::uint32_t TimelineRecorder::entry_of(std::uint32_t core, hw::TileTag tile) const {
+  const auto slot = std::ranges::find(slots_[core], tile, &Slot::owner);
+  return slot == slots_[core].end() ? RecordedSlice::kNoEntry : slot->entry;
+}
+
+void TimelineRecorder::start_tile(const hw::TileStarted& event) {
+  std::vector<Slot>& slots = slots_[event.core];
+  if (slots.size() <= event.slot) slots.resize(event.slot + 1);
+  slots[event.slot] = {event.tile, hw::tile_number_of_tag(event.tile, newest_), event.at};
+  newest_ = std::max(newest_, slots[event.slot].entry);
+}
+
+void TimelineRecorder::end_tile(const hw::TileEnded& event) {
+  Slot& tile = slots_[event.core][event.slot];
+  slices_.push_back({.kind = RecordedSlice::Kind::kTile,
+                     .core = static_cast<std::uint16_t>(event.core),
+                     .slot = static_cast<std::uint16_t>(event.slot),
+                     .entry = tile.entry,
+                     .begin = tile.begin,
+                     .end = event.at});
+  tile = {};
+}
+
+void TimelineRecorder::add_loop(const hw::LoopEnded& loop) {
+  slices_.push_back({.kind = RecordedSlice::Kind::kLoop,
+                     .core = static_cast<std::uint16_t>(loop.core),
+                     .kernel = loop.kernel,
+                     .entry = entry_of(loop.core, loop.tile),
+                     .amount = loop.items,
+                     .launches = loop.launches,
+                     .begin = loop.begin,
+                     .end = loop.end,
+                     .configured = loop.configured,
+                     .start = loop.start,
+                     .cycles = loop.cycles,
+                     .stalled = loop.stalled});
+}
+
+void TimelineRecorder::end_batch(const hw::BatchEnded& event) {
+  std::vector<Batch>& batches = batches_[event.core];
+  const auto begun =
+      std::ranges::find_if(batches, [&](const Batch& b) { return b.slot == event.slot && b.node == event.node; });
+  slices_.push_back({.kind = RecordedSlice::Kind::kRays,
+                     .what = static_cast<std::uint8_t>(event.batch->ray_kind),
+                     .core = static_cast<std::uint16_t>(event.core),
+                     .entry = slots_[event.core][event.slot].entry,
+                     .amount = event.batch->items,
+                     .rays_at_begin = begun->rays,
+                     .rays_at_end = static_cast<std::uint32_t>(event.rays),
+                     .begin = begun->begin,
+                     .end = event.at});
+  batches.erase(begun);
+}
+
+void TimelineRecorder::add_transfer(const hw::TransferEnded& transfer) {
+  slices_.push_back({.kind = RecordedSlice::Kind::kTransfer,
+                     .what = static_cast<std::uint8_t>(transfer.area),
+                     .to_memory = transfer.to_memory,
+                     .core = static_cast<std::uint16_t>(transfer.core),
+                     .entry = entry_of(transfer.core, transfer.tile),
+                     .amount = transfer.bytes,
+                     .begin = transfer.begin,
+                     .end = transfer.end});
 }
 
 }  // namespace tools

@@ -1,5 +1,3 @@
-#include "tools/analysis/debug_pictures.h"
-
 #include <algorithm>
 #include <array>
 #include <string_view>

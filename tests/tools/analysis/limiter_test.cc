@@ -1,8 +1,7 @@
-#include "tools/analysis/limiter.h"
-
 #include <gtest/gtest.h>
 
 #include "tests/tools/analysis/made_up_machine.h"
+#include "tools/analysis/top_down.h"
 
 // The resource that the counters of one run name.
 

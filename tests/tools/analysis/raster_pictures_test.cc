@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/analysis/debug_pictures.h"
+#include "tools/analysis/picture.h"
 #include "traces/accel/build.h"
 #include "traces/scenes/library.h"
 

@@ -1,5 +1,3 @@
-#include "tools/analysis/report_paths.h"
-
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -9,6 +7,7 @@
 #include "sim/error.h"
 #include "sim/io/json.h"
 #include "tests/temp_folder.h"
+#include "tools/analysis/report_file.h"
 
 // Every number of a report has a path, and any unambiguous end of it names it.
 

@@ -1,5 +1,3 @@
-#include "tools/host/child_process.h"
-
 #include <csignal>
 #include <cstdlib>
 #include <string>
@@ -7,6 +5,8 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include "tools/host/process.h"
 
 namespace test {
 namespace {

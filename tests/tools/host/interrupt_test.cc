@@ -1,5 +1,3 @@
-#include "tools/host/interrupt.h"
-
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -7,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/tools/program.h"
+#include "tools/host/process.h"
 #include "tools/host/run_folder.h"
 
 // Signals and the handling by the process that receives them.

@@ -1,5 +1,3 @@
-#include "tools/host/view.h"
-
 #include <algorithm>
 #include <string>
 
@@ -8,6 +6,7 @@
 #include "tests/tools/host/on_terminal.h"
 #include "tests/tools/program.h"
 #include "tests/tools/studies/sweep/small_sweep.h"
+#include "tools/host/progress.h"
 
 // Live views: pictures and statistics on a terminal.
 

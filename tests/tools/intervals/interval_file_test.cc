@@ -1,5 +1,3 @@
-#include "tools/intervals/interval_file.h"
-
 #include <string>
 #include <utility>
 #include <vector>
@@ -8,6 +6,7 @@
 
 #include "sim/error.h"
 #include "sim/hash.h"
+#include "tools/intervals/intervals.h"
 #include "traces/trace_file/bytes.h"
 #include "traces/trace_file/packing.h"
 

@@ -1,17 +1,19 @@
-#include "tools/intervals/run_intervals.h"
-
 #include <cmath>
 #include <cstdlib>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "hw_models/dram/dram_energy.h"
+#include "hw_models/machines/gpu_config.h"
 #include "sim/config/config.h"
 #include "sim/error.h"
 #include "sim/io/file.h"
 #include "sim/report/energy.h"
 #include "tests/hw_models/machines/random_config.h"
 #include "tests/tools/program.h"
+#include "tools/intervals/intervals.h"
+#include "tools/run/frame/power.h"
 
 // Intervals of finished runs, read back. RAYWATT_INTERVALS sets the number of random machines.
 
@@ -32,12 +34,18 @@ void expect_energy_adds_up(const RunIntervals& run, const nlohmann::json& frame_
                            const tools::IntervalFrame& frame) {
   const std::pair<const char*, sim::BandMember> sides[] = {
       {"low", &sim::Band::low}, {"nominal", &sim::Band::nominal}, {"high", &sim::Band::high}};
+  const auto device = hw::dram_energy_events(run.config().gpu->dram);
+  sim::EnergyFormula energy(run.units(), run.config().energy, device, 0, tools::power_scales(run.config()));
+  std::vector<sim::UnitReport> until(run.units().begin(), run.units().end());
+  RunIntervals::set_until(frame, frame.rows - 1, until);
+  energy.set_counts(until, frame.end_of(frame.rows - 1));
   for (const auto& [name, side] : sides) {
-    const tools::IntervalEnergy energy = tools::energy_until(run, frame, side);
-    ASSERT_EQ(energy.blocks.size(), frame_report["energy_by_block_mj"].size());
-    for (std::size_t b = 0; b < energy.blocks.size(); ++b) {
-      const double stated = frame_report["energy_by_block_mj"][energy.blocks[b]][name].get<double>();
-      EXPECT_EQ(energy.until_pj.back()[b] * 1e-9, stated) << energy.blocks[b] << ' ' << name;
+    const std::vector<double> blocks = energy.block_energies(side);
+    ASSERT_EQ(blocks.size(), frame_report["energy_by_block_mj"].size());
+    for (std::size_t b = 0; b < blocks.size(); ++b) {
+      const std::string& block = energy.block_names()[b];
+      EXPECT_EQ(blocks[b] * 1e-9, frame_report["energy_by_block_mj"][block][name].get<double>())
+          << block << ' ' << name;
     }
     const tools::IntervalTable table = tools::derive_table(run, frame, side);
     const tools::IntervalSeries* power = table.find("power", "total");

@@ -1,10 +1,10 @@
-#include "tools/noise/statistics.h"
-
 #include <array>
 #include <cmath>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "tools/noise/noise.h"
 
 // Closed forms of means, intervals and tests.
 

@@ -1,5 +1,3 @@
-#include "tools/sampling/sample_weights.h"
-
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -7,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/hash.h"
+#include "tools/sampling/tile_sampling.h"
 
 // Estimated totals: exact cases, and the coverage of the interval.
 

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/sampling/tile_plan.h"
+#include "tools/sampling/timed_tiles.h"
 
 // Plans that split a frame's tiles into slices.
 

@@ -1,9 +1,9 @@
-#include "tools/sampling/tile_plan.h"
-
 #include <algorithm>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "tools/sampling/timed_tiles.h"
 
 // Plans of the simulated tiles of a frame.
 

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/tools/tiles/itemised.h"
-#include "tools/tiles/tile_frame.h"
+#include "tools/tiles/tile_energy.h"
 #include "traces/scene/images.h"
 
 // Heat maps: their values are those of tiles.json and pixels.exr, their colours run from 0 to the largest value.

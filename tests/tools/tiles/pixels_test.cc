@@ -7,7 +7,7 @@
 #include "tests/temp_folder.h"
 #include "tests/tools/tiles/itemised.h"
 #include "tools/tiles/heat_map.h"
-#include "tools/tiles/tile_frame.h"
+#include "tools/tiles/tile_energy.h"
 
 // Work of each pixel's rays: complete, and attributed to the right pixel.
 

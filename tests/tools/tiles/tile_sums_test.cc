@@ -11,7 +11,6 @@
 #include "tests/tools/tiles/itemised.h"
 #include "tools/analysis/units.h"
 #include "tools/tiles/tile_energy.h"
-#include "tools/tiles/tile_frame.h"
 
 // Figures of tiles sum to those of the frame on any machine, and itemising does not change the machine.
 

@@ -5,7 +5,7 @@
 #include "shader_kernels/programs/program_spec.h"
 #include "sim/error.h"
 #include "tests/tools/tiles/itemised.h"
-#include "tools/tiles/tile_frame.h"
+#include "tools/tiles/tile_energy.h"
 #include "tools/timeline/timeline.h"
 
 namespace tools::test {

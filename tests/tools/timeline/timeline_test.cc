@@ -11,7 +11,7 @@
 #include "tests/tools/tiles/itemised.h"
 #include "tests/tools/timeline/decoded.h"
 #include "tools/analysis/units.h"
-#include "tools/tiles/tile_frame.h"
+#include "tools/tiles/tile_energy.h"
 
 // Timelines in Perfetto's format, decoded by protoc, agree with the report.
 

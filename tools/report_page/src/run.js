@@ -1,4 +1,4 @@
-// The view of a run, from its report and what C++ adds to it (tools/studies/report/run_data.h).
+// The view of a run, from its report and what C++ adds to it (tools/studies/report/report.h).
 import { counted, percent, short } from "./format.js";
 import { at, capital, chart, dataset, entriesAt, flattened, hasNumber, headline, itemsAt, newView, numberAt, printable, section, table, text, textAt } from "./model.js";
 

@@ -8,7 +8,7 @@
 
 #include "hw_models/machines/gpu.h"
 #include "sim/host_clock.h"
-#include "tools/host/interrupt.h"
+#include "tools/host/process.h"
 #include "tools/run/frame/replay_program.h"
 #include "traces/trace_file/trace_writer.h"
 

@@ -12,7 +12,7 @@
 #include "sim/io/json.h"
 #include "sim/sha256.h"
 #include "tools/host/build_info.h"
-#include "tools/host/interrupt.h"
+#include "tools/host/process.h"
 #include "tools/host/standard_streams.h"
 #include "traces/accel/embree_tracer.h"
 #include "traces/scene/images.h"

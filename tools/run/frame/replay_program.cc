@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "sim/error.h"
-#include "tools/host/interrupt.h"
+#include "tools/host/process.h"
 #include "tools/run/frame/trace_header.h"
 #include "traces/trace_file/walk_code.h"
 

@@ -10,7 +10,7 @@
 #include "sim/config/config.h"
 #include "sim/host_clock.h"
 #include "sim/io/printable.h"
-#include "tools/host/interrupt.h"
+#include "tools/host/process.h"
 #include "tools/run/frame/front_end.h"
 #include "tools/run/frame/machine_run.h"
 #include "tools/run/frame/replay_program.h"

@@ -1,13 +1,19 @@
 #include "tools/studies/baseline/baseline.h"
 
 #include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <functional>
+#include <sstream>
+#include <utility>
 
 #include <fmt/format.h>
+#include <pugixml.hpp>
 
 #include "sim/error.h"
 #include "sim/io/file.h"
 #include "sim/io/printable.h"
-#include "tools/host/exit_code.h"
+#include "tools/host/process.h"
 #include "tools/host/standard_streams.h"
 #include "tools/run/frame/run_job.h"
 #include "tools/studies/baseline/check.h"
@@ -15,6 +21,204 @@
 
 namespace tools {
 namespace {
+
+/// Returns the first moved value whose path begins with `path`, or null.
+const Moved* find_moved(const RunCheck& run, std::string_view path) {
+  const auto found = std::ranges::find_if(run.moved, [&](const Moved& m) { return m.path.starts_with(path); });
+  return found == run.moved.end() ? nullptr : &*found;
+}
+
+/// Returns the value to print if cycles did not move: of the whole machine, or else of the named unit.
+const Moved& first_shown(const RunCheck& run) {
+  auto found = std::ranges::find_if(run.moved, [](const Moved& m) { return !m.path.starts_with("units."); });
+  if (found == run.moved.end() && run.names_unit()) {
+    const std::string prefix = fmt::format("units.{}.", run.located->unit);
+    found = std::ranges::find_if(run.moved, [&](const Moved& m) { return m.path.starts_with(prefix); });
+  }
+  return found == run.moved.end() ? run.moved.front() : *found;
+}
+
+/// Formats counts exactly and other numbers with six digits, so that small differences are visible.
+std::string number_text(double number) {
+  return number == std::trunc(number) && std::abs(number) < 1e15 ? fmt::format("{:.0f}", number)
+                                                                 : fmt::format("{:.6g}", number);
+}
+
+/// "100 -> 104 (+4, +4.0 %)"
+std::string moved_text(const Moved& moved) {
+  if (!moved.was) return fmt::format("{}, not stored", number_text(*moved.is));
+  if (!moved.is) return fmt::format("was {}, is missing", number_text(*moved.was));
+  const double difference = *moved.is - *moved.was;
+  const std::string relative =
+      *moved.was == 0 ? "" : fmt::format(", {:+.2g} %", 100 * difference / std::abs(*moved.was));
+  const std::string noise = !moved.noise || *moved.was == 0
+                                ? ""
+                                : fmt::format(", noise ± {:.2g} %", 100 * *moved.noise / std::abs(*moved.was));
+  return fmt::format("{} -> {} ({:+.4g}{}{})", number_text(*moved.was), number_text(*moved.is), difference, relative,
+                     noise);
+}
+
+/// Returns "most likely in l2.bank: why.lookup 1921 -> 2364 cycles (+443)". The run must have a located unit.
+std::string located_text(const RunCheck& run) {
+  const LocatedRegression& located = *run.located;
+  if (!run.keys.changed.empty()) return fmt::format("moved most in {}: {}", located.unit, located.moved);
+  return fmt::format("{} in {}: {}", located.is_certain() ? "most likely" : "perhaps", located.unit, located.moved);
+}
+
+/// Describes the first key and the number of the others.
+std::string first_changed(const std::vector<KeyPair>& keys) {
+  const std::string line = changed_text(std::vector{keys.front()});
+  return fmt::format("{}{}\n", line.substr(0, line.find('\n')),
+                     keys.size() > 1 ? fmt::format(", and {} more keys", keys.size() - 1) : "");
+}
+
+std::string run_details(const RunCheck& run) {
+  constexpr std::size_t kMost = 6;
+  if (!run.error.empty()) return fmt::format("\n{}: {}\n", run.name, run.error);
+  std::string out = fmt::format("\n{}\n", run.name);
+  for (const std::string& why : run.refused) out += fmt::format("  {}\n", why);
+  if (!run.keys.changed.empty()) out += "  " + first_changed(run.keys.changed);
+  std::size_t shown = 0;
+  const auto show = [&](bool of_units, std::string_view prefix) {
+    for (const Moved& moved : run.moved) {
+      if (moved.path.starts_with("units.") != of_units || !moved.path.starts_with(prefix)) continue;
+      if (shown == kMost) return;
+      out += fmt::format("  {}: {}\n", moved.path, moved_text(moved));
+      shown += 1;
+    }
+  };
+  show(false, "");
+  const std::size_t figures = std::exchange(shown, 0);
+  const std::string own = run.names_unit() ? fmt::format("units.{}.", run.located->unit) : "units.";
+  show(true, find_moved(run, own) != nullptr ? own : "units.");
+  if (figures + shown < run.moved.size()) {
+    out += fmt::format("  and {} more values\n", run.moved.size() - figures - shown);
+  }
+  if (run.names_unit()) out += fmt::format("  {}\n", located_text(run));
+  return out;
+}
+
+/// Returns the key pairs that differ in any run, without duplicates.
+std::vector<KeyPair> keys_of_all(const Checked& checked, std::vector<KeyPair> ChangedKeys::*of) {
+  std::vector<KeyPair> out;
+  for (const RunCheck& run : checked.runs) {
+    for (const KeyPair& key : run.keys.*of) {
+      const auto is_same = [&](const KeyPair& k) { return k.key == key.key && k.a == key.a && k.b == key.b; };
+      if (std::ranges::none_of(out, is_same)) out.push_back(key);
+    }
+  }
+  return out;
+}
+
+/// Returns the moved run whose located unit is most certain; null if there is none.
+const RunCheck* most_certain(const Checked& checked) {
+  const RunCheck* best = nullptr;
+  for (const RunCheck& run : checked.runs) {
+    if (run.located && (best == nullptr || run.located->certainty > best->located->certainty)) best = &run;
+  }
+  return best;
+}
+
+/// Returns a line: "ok  teapot", "MOVED  teapot: 12 of 300 values, cycles 100 -> 104 (+4.0 %)".
+std::string check_line(const RunCheck& run) {
+  if (!run.error.empty()) return fmt::format("FAILED   {}: {}", run.name, run.error.substr(0, run.error.find('\n')));
+  if (!run.refused.empty()) return fmt::format("REFUSED  {}: {}", run.name, run.refused.front());
+  if (run.moved.empty()) return fmt::format("ok       {}", run.name);
+  const Moved* cycles = find_moved(run, "totals.cycles");
+  const Moved& shown = cycles != nullptr ? *cycles : first_shown(run);
+  return fmt::format("MOVED    {}: {} of {} values, {} {}", run.name, run.moved.size(), run.values, shown.path,
+                     moved_text(shown));
+}
+
+/// Describes the runs that are not good: changed keys, moved values, and the unit.
+std::string check_details(const Checked& checked) {
+  constexpr std::size_t kMost = 6;
+  std::vector<const RunCheck*> bad;
+  for (const RunCheck& run : checked.runs) {
+    if (!run.is_good()) bad.push_back(&run);
+  }
+  std::ranges::stable_sort(bad, std::greater<>(), [](const RunCheck* run) {
+    return !run->error.empty() || !run->refused.empty() ? 2 : run->located ? run->located->certainty : 0;
+  });
+  std::string out;
+  for (std::size_t i = 0; i < std::min(bad.size(), kMost); ++i) out += run_details(*bad[i]);
+  if (bad.size() > kMost) out += fmt::format("\nand {} more runs; --junit writes all\n", bad.size() - kMost);
+  // Changed keys are certain and are printed before the estimate from counters.
+  const std::vector<KeyPair> changed = keys_of_all(checked, &ChangedKeys::changed);
+  if (!changed.empty()) out += "\n" + changed_text(changed);
+  if (const RunCheck* run = most_certain(checked); run != nullptr) {
+    std::string text = located_text(*run);
+    text.front() = static_cast<char>(std::toupper(text.front()));
+    out += fmt::format("{}{}, most clearly in run {}\n", changed.empty() ? "\n" : "", text, run->name);
+  } else if (!changed.empty() && bad.empty()) {
+    out += "No kept value has moved.\n";
+  }
+  const std::vector<KeyPair> of_one = keys_of_all(checked, &ChangedKeys::of_one);
+  if (!of_one.empty()) out += "\nKeys of only one of the two configurations:\n" + changed_text(of_one);
+  return out;
+}
+
+constexpr std::size_t kLongest = 1000;
+
+/// Removes control characters and invalid UTF-8, which XML does not allow.
+std::string xml_text(const std::string& text) { return sim::printable(text, kLongest); }
+
+/// Returns the failure text of a run.
+std::string failure_text(const RunCheck& run) {
+  std::string out;
+  std::istringstream error(run.error);
+  for (std::string line; std::getline(error, line);) out += xml_text(line) + "\n";
+  for (const std::string& why : run.refused) out += xml_text(why) + "\n";
+  std::istringstream keys(changed_text(run.keys.changed) + changed_text(run.keys.of_one));
+  for (std::string line; std::getline(keys, line);) out += xml_text(line) + "\n";
+  if (run.names_unit()) out += xml_text(located_text(run)) + "\n";
+  for (const Moved& moved : run.moved) out += xml_text(fmt::format("{}: {}", moved.path, moved_text(moved))) + "\n";
+  return out;
+}
+
+constexpr const char* kMadeBy = " made by raywatt baseline check ";
+
+/// Writes a check as JUnit XML for continuous integration, a test case per run. InputError if the file exists and is
+/// not from write_junit(); with `force`, if it is not a regular file.
+void check_junit(const std::filesystem::path& file, bool force) {
+  sim::check_output(file, {.mark = kMadeBy, .kind = "JUnit file of this verb", .any = force});
+}
+
+void write_junit(const std::filesystem::path& file, const Suite& suite, const Checked& checked) {
+  pugi::xml_document document;
+  pugi::xml_node declaration = document.append_child(pugi::node_declaration);
+  declaration.append_attribute("version") = "1.0";
+  declaration.append_attribute("encoding") = "UTF-8";
+  document.append_child(pugi::node_comment).set_value(kMadeBy);
+  pugi::xml_node root = document.append_child("testsuite");
+  std::size_t failures = 0, errors = 0;
+  double seconds = 0;
+  for (const RunCheck& run : checked.runs) {
+    const bool is_error = !run.error.empty() || !run.refused.empty();
+    errors += is_error ? 1 : 0;
+    failures += !is_error && !run.moved.empty() ? 1 : 0;
+    seconds += run.seconds;
+  }
+  root.append_attribute("name") = xml_text(suite.suite_name()).c_str();
+  root.append_attribute("tests") = checked.runs.size();
+  root.append_attribute("failures") = failures;
+  root.append_attribute("errors") = errors;
+  root.append_attribute("time") = fmt::format("{:.3f}", seconds).c_str();
+  for (const RunCheck& run : checked.runs) {
+    pugi::xml_node test = root.append_child("testcase");
+    test.append_attribute("classname") = xml_text(suite.suite_name()).c_str();
+    test.append_attribute("name") = xml_text(run.name).c_str();
+    test.append_attribute("time") = fmt::format("{:.3f}", run.seconds).c_str();
+    if (run.is_good()) continue;
+    pugi::xml_node problem = test.append_child(run.error.empty() && run.refused.empty() ? "failure" : "error");
+    problem.append_attribute("message") = xml_text(check_line(run)).c_str();
+    problem.append_attribute("type") = !run.error.empty() ? "failed" : !run.refused.empty() ? "refused" : "moved";
+    problem.append_child(pugi::node_pcdata).set_value(failure_text(run).c_str());
+  }
+  std::ostringstream text;
+  document.save(text, "  ");
+  sim::write_file_atomically(file, text.str());
+}
 
 constexpr std::size_t kLongestLine = 400;
 

@@ -1,15 +1,60 @@
 #pragma once
+
 #include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "tools/studies/baseline/changes.h"
 #include "tools/studies/baseline/suite.h"
+#include "tools/studies/compare/compare.h"
 
 namespace tools {
+
+/// Keys in which two configurations differ, in the order of their names.
+struct ChangedKeys {
+  std::vector<KeyPair> changed;  ///< keys of both, with other values
+  std::vector<KeyPair> of_one;   ///< keys of only one, due to another model or table; the missing value is "none"
+};
+ChangedKeys changed_keys(const FlatConfig& was, const FlatConfig& is);
+
+/// Returns the unit that a configuration key belongs to, by the groups of the key from the innermost to the outermost:
+///   1. the kind of units named like the group: "core.tni.trv" for "tni.trv.l1.size";
+///   2. the kind of units inside the group, if there is only one: "l2.bank" for "l2.mshrs";
+///   3. else the outermost group: "tni" for "tni.miss_handling", "clocks" for "clocks.tni".
+/// Empty for a key without a group: "cores".
+std::string unit_of_key(std::string_view key);
+
+/// True if a unit kind is the unit that a key configures, or a subunit of it: "core.tni.trv" is part of "tni".
+bool is_part_of(std::string_view kind, std::string_view unit);
+
+/// "l2.mshrs was 32, is 8"
+std::string changed_text(const KeyPair& key);
+/// "Changed in l2.bank: l2.mshrs was 32, is 8": a line per key, or per group of more than four keys, sorted by unit.
+std::string changed_text(const std::vector<KeyPair>& keys);
+
+/// The unit that most likely changed between two runs of equal work, according to the counters.
+struct LocatedRegression {
+  std::string unit;      ///< kind of unit, "core.tni.trv", or the path between two levels of memory
+  std::string moved;     ///< the counter: "why.pipe 1234 -> 1267 cycles (+33)"
+  double certainty = 0;  ///< 0 to 1; less if other units also moved
+  bool is_certain() const { return certainty >= 0.9; }
+};
+
+/// Finds the unit that most likely changed. Nothing without counters of units, or if none moved.
+///   1. The unit whose working time moved most. Units that wait for a slower unit do not work longer themselves.
+///   2. Else the path between two levels of memory: the miss time of the upper level minus the service time of the
+///   lower
+///      level, if both counted the same misses.
+///   3. Else the unit nearest to the memory whose waiting time moved.
+/// The result is certain if one thing happens at a time; with contention other units move, too.
+std::optional<LocatedRegression> locate_regression(const Values& was, const Values& is);
+
+/// Finds the reason, of work or of waiting, that moved most in a unit that is known to have changed (unit_of_key()).
+/// The certainty is the unit's share of all work that moved. Nothing if no reason moved.
+std::optional<LocatedRegression> largest_move_in(std::string_view unit, const Values& was, const Values& is);
 
 /// A kept value that differs from the stored one. `was` or `is` is empty if the value is missing on that side.
 struct Moved {
@@ -44,22 +89,5 @@ struct Checked {
 /// if no run has a path of `keep`; misspelled paths are found before the runs, by small pictures of each program.
 Checked check_suite(const Suite& suite, const Baseline* stored, std::uint32_t jobs,
                     const std::function<void(const RunCheck&)>& report);
-
-/// Returns the moved run whose located unit is most certain; null if there is none.
-const RunCheck* most_certain(const Checked& checked);
-
-/// Returns a line: "ok  teapot", "MOVED  teapot: 12 of 300 values, cycles 100 -> 104 (+4.0 %)".
-std::string check_line(const RunCheck& run);
-/// Describes the runs that are not good: changed keys, moved values, and the unit.
-std::string check_details(const Checked& checked);
-/// Returns "most likely in l2.bank: why.lookup 1921 -> 2364 cycles (+443)". The run must have a located unit.
-std::string located_text(const RunCheck& run);
-/// "100 -> 104 (+4, +4.0 %)"
-std::string moved_text(const Moved& moved);
-
-/// Writes a check as JUnit XML for continuous integration, a test case per run. InputError if the file exists and is
-/// not from write_junit(); with `force`, if it is not a regular file.
-void check_junit(const std::filesystem::path& file, bool force);
-void write_junit(const std::filesystem::path& file, const Suite& suite, const Checked& checked);
 
 }  // namespace tools

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "tools/analysis/report_file.h"
-#include "tools/noise/statistics.h"
+#include "tools/noise/noise.h"
 #include "tools/run/frame/job_options.h"
 
 namespace tools {

@@ -23,8 +23,7 @@
 #include "sim/report/table.h"
 #include "tools/analysis/report.h"
 #include "tools/host/build_info.h"
-#include "tools/host/child_process.h"
-#include "tools/host/interrupt.h"
+#include "tools/host/process.h"
 #include "tools/run/frame/run_job.h"
 #include "tools/run/frame/trace_header.h"
 #include "tools/run/stored_frames.h"
@@ -238,7 +237,7 @@ Json measure_scenes(const BenchOptions& options, const Json* other) {
 
 namespace {
 
-constexpr std::uint64_t kLargestFile = 16 << 20;
+constexpr std::uint64_t kLargestBench = 16 << 20;
 
 /// Returns the entry of a scene, or null.
 const Json* find_scene(const Json& bench, const Json& name) {
@@ -361,7 +360,7 @@ Json load_bench(const std::filesystem::path& file) {
     return sim::InputError(
         fmt::format("{}: {}; allowed: output of 'raywatt bench --json', once or several times", name, why));
   };
-  std::string bytes = sim::read_file(file, kLargestFile);
+  std::string bytes = sim::read_file(file, kLargestBench);
   if (sim::is_nested_deeper(bytes, sim::kDeepestJson))
     throw refuse(fmt::format("is nested deeper than {} levels", sim::kDeepestJson));
   std::istringstream text(std::move(bytes));

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "tools/analysis/top_down.h"
-#include "tools/noise/statistics.h"
+#include "tools/noise/noise.h"
 #include "tools/run/frame/job_options.h"
 
 namespace tools {

@@ -1,12 +1,11 @@
 #pragma once
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "tools/analysis/replicated.h"
+#include "tools/analysis/report.h"
 #include "tools/analysis/report_file.h"
 #include "tools/host/progress.h"
 #include "tools/pricing/energy_study.h"
@@ -70,12 +69,8 @@ sim::Json comparison_json(const std::vector<ReportFile>& reports, const std::vec
 /// Returns the comparisons for a terminal.
 std::string comparison_text(const std::vector<ReportFile>& reports, const std::vector<Comparison>& against);
 
-/// Returns a change as text: "+1.4 %", "x2.08", "new", "gone", "=".
-std::string change_text(const MetricPair& pair);
 /// Returns the folder names of the runs, with a letter in front if two are equal.
 std::vector<std::string> short_names(const std::vector<ReportFile>& reports);
-/// Replaces the names of `Comparison::time` by words: "tree misses: DRAM".
-std::vector<MetricPair> in_words(std::vector<MetricPair> times);
 
 /// Returns warnings on the reliability of the comparison, a line each.
 std::vector<std::string> comparison_warnings(const std::vector<ReportFile>& reports,

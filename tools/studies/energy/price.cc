@@ -19,8 +19,8 @@
 #include "sim/report/table.h"
 #include "tools/host/standard_streams.h"
 #include "tools/studies/sweep/results/collect.h"
-#include "tools/studies/sweep/results/table.h"
-#include "tools/studies/sweep/store/folder.h"
+#include "tools/studies/sweep/results/results.h"
+#include "tools/studies/sweep/store/store.h"
 
 namespace tools {
 namespace {

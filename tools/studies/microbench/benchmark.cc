@@ -1,6 +1,7 @@
 #include "tools/studies/microbench/benchmark.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 
@@ -18,31 +19,28 @@
 namespace tools {
 namespace {
 
-using Relation = Measurement::Relation;
-
 constexpr double kTolerance = 0.02;
 
-const char* words_for(Relation holds) {
-  switch (holds) {
-    case Relation::kExactly:
-      return "exactly";
-    case Relation::kClosely:
-      return "within 2 %";
-    case Relation::kNearly:
-      return "nine tenths or more";
-    case Relation::kAtMost:
-      return "an upper bound";
-    case Relation::kAtLeast:
-      return "a lower bound";
-  }
-  return "";
-}
+/// The words for a relation, and its test of a measured against an expected value.
+struct RelationRule {
+  const char* words;
+  bool (*holds)(double measured, double expected);
+};
+/// By Measurement::Relation.
+constexpr std::array<RelationRule, 5> kRules = {{
+    {"exactly", [](double m, double e) { return std::abs(m - e) <= 1e-9 * std::abs(e); }},
+    {"within 2 %", [](double m, double e) { return std::abs(m - e) <= kTolerance * e; }},
+    {"nine tenths or more", [](double m, double e) { return m >= 0.9 * e && m <= e; }},
+    {"an upper bound", [](double m, double e) { return m <= (1 + kTolerance) * e; }},
+    {"a lower bound", [](double m, double e) { return m >= e; }},
+}};
+const RelationRule& rule_of(const Measurement& m) { return kRules.at(static_cast<std::size_t>(m.holds)); }
 
 std::string measurement_table(const Findings& findings) {
   sim::Table table({findings.title, "measured", "closed form", "", "difference", "holds", "", ""});
   for (const Measurement& f : findings.measurements) {
     table.add_row({f.name, fmt::format("{:.3f}", f.measured), fmt::format("{:.3f}", f.expected), f.unit,
-                   fmt::format("{:+.2f} %", 100 * f.relative_error()), words_for(f.holds), f.remark,
+                   fmt::format("{:+.2f} %", 100 * f.relative_error()), rule_of(f).words, f.remark,
                    f.is_good() ? "" : "MISSED"});
   }
   return table.text();
@@ -50,21 +48,7 @@ std::string measurement_table(const Findings& findings) {
 
 }  // namespace
 
-bool Measurement::is_good() const {
-  switch (holds) {
-    case Relation::kExactly:
-      return std::abs(measured - expected) <= 1e-9 * std::abs(expected);
-    case Relation::kClosely:
-      return std::abs(measured - expected) <= kTolerance * expected;
-    case Relation::kNearly:
-      return measured >= 0.9 * expected && measured <= expected;
-    case Relation::kAtMost:
-      return measured <= (1 + kTolerance) * expected;
-    case Relation::kAtLeast:
-      return measured >= expected;
-  }
-  return false;
-}
+bool Measurement::is_good() const { return rule_of(*this).holds(measured, expected); }
 
 double Measurement::relative_error() const { return measured == expected ? 0 : measured / expected - 1; }
 
@@ -93,7 +77,7 @@ std::string json_of(std::string_view benchmark, const Findings& findings) {
                             {"measured", f.measured},
                             {"expected", f.expected},
                             {"relative_error", f.relative_error()},
-                            {"holds", words_for(f.holds)},
+                            {"holds", rule_of(f).words},
                             {"remark", f.remark},
                             {"good", f.is_good()}});
   }

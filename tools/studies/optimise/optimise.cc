@@ -15,14 +15,13 @@
 #include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "sim/report/table.h"
-#include "tools/analysis/report_paths.h"
-#include "tools/host/exit_code.h"
-#include "tools/host/interrupt.h"
+#include "tools/analysis/report_file.h"
+#include "tools/host/process.h"
 #include "tools/host/progress.h"
 #include "tools/host/standard_streams.h"
 #include "tools/studies/optimise/search_run.h"
-#include "tools/studies/sweep/results/table.h"
-#include "tools/studies/sweep/store/folder.h"
+#include "tools/studies/sweep/results/results.h"
+#include "tools/studies/sweep/store/store.h"
 
 namespace tools::optimise {
 namespace {

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "sim/hash.h"
-#include "tools/studies/optimise/acquisition.h"
 #include "tools/studies/optimise/multi_objective.h"
+#include "tools/studies/optimise/surrogate.h"
 #include "tools/studies/sweep/spec/plan.h"
 
 namespace tools::optimise {

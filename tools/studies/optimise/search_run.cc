@@ -10,10 +10,10 @@
 #include "sim/error.h"
 #include "sim/io/json.h"
 #include "sim/io/printable.h"
-#include "tools/analysis/report_paths.h"
+#include "tools/analysis/report_file.h"
 #include "tools/sampling/tile_sampling.h"
 #include "tools/studies/sweep/results/figure_noise.h"
-#include "tools/studies/sweep/spec/value.h"
+#include "tools/studies/sweep/spec/condition.h"
 
 namespace tools::optimise {
 namespace {

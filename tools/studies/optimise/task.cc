@@ -13,7 +13,7 @@
 #include "sim/error.h"
 #include "sim/io/file.h"
 #include "sim/io/printable.h"
-#include "tools/analysis/report_paths.h"
+#include "tools/analysis/report_file.h"
 #include "tools/studies/sweep/spec/spec.h"
 
 namespace tools::optimise {
@@ -22,6 +22,34 @@ namespace {
 std::string without_blanks(const std::string& text) {
   const std::size_t begin = text.find_first_not_of(' ');
   return begin == std::string::npos ? "" : text.substr(begin, text.find_last_not_of(' ') - begin + 1);
+}
+
+/// Parses "PATH < NUMBER", or with <=, >, >=; InputError for other text.
+Goal read_constraint(const std::string& text) {
+  const std::size_t sign = text.find_first_of("<>");
+  if (sign != std::string::npos) {
+    const bool or_equal = text.substr(sign + 1).starts_with('=');
+    Goal goal;
+    goal.kind = text[sign] == '<' ? (or_equal ? Goal::Kind::kAtMost : Goal::Kind::kBelow)
+                                  : (or_equal ? Goal::Kind::kAtLeast : Goal::Kind::kAbove);
+    goal.metric = without_blanks(text.substr(0, sign));
+    const std::string number = without_blanks(text.substr(sign + (or_equal ? 2 : 1)));
+    const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), goal.limit);
+    const bool is_number = error == std::errc() && std::isfinite(goal.limit) && !goal.metric.empty();
+    const std::string_view unit(end, number.data() + number.size());
+    if (is_number && unit.empty()) return goal;
+    if (is_number) {
+      throw sim::InputError(
+          fmt::format("constraint '{}': '{}' is not part of a number; a metric has the unit of its name; "
+                      "allowed: '{}'",
+                      sim::printable(text), sim::printable(without_blanks(std::string(unit))),
+                      sim::printable(text.substr(0, text.size() - unit.size()))));
+    }
+  }
+  throw sim::InputError(
+      fmt::format("'{}' is not a constraint; allowed: PATH < NUMBER, or with <=, >, >=, e.g. "
+                  "power_w.nominal < 1",
+                  sim::printable(text)));
 }
 
 }  // namespace
@@ -60,33 +88,6 @@ std::string Goal::room_text(double value) const {
   if (limit == 0) return fmt::format("{:.3g}", room_to_limit(value));
   const double percent = 100 * room_to_limit(value);
   return std::abs(percent) < 1 ? fmt::format("{:.2g} %", percent) : fmt::format("{:.1f} %", percent);
-}
-
-Goal read_constraint(const std::string& text) {
-  const std::size_t sign = text.find_first_of("<>");
-  if (sign != std::string::npos) {
-    const bool or_equal = text.substr(sign + 1).starts_with('=');
-    Goal goal;
-    goal.kind = text[sign] == '<' ? (or_equal ? Goal::Kind::kAtMost : Goal::Kind::kBelow)
-                                  : (or_equal ? Goal::Kind::kAtLeast : Goal::Kind::kAbove);
-    goal.metric = without_blanks(text.substr(0, sign));
-    const std::string number = without_blanks(text.substr(sign + (or_equal ? 2 : 1)));
-    const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), goal.limit);
-    const bool is_number = error == std::errc() && std::isfinite(goal.limit) && !goal.metric.empty();
-    const std::string_view unit(end, number.data() + number.size());
-    if (is_number && unit.empty()) return goal;
-    if (is_number) {
-      throw sim::InputError(
-          fmt::format("constraint '{}': '{}' is not part of a number; a metric has the unit of its name; "
-                      "allowed: '{}'",
-                      sim::printable(text), sim::printable(without_blanks(std::string(unit))),
-                      sim::printable(text.substr(0, text.size() - unit.size()))));
-    }
-  }
-  throw sim::InputError(
-      fmt::format("'{}' is not a constraint; allowed: PATH < NUMBER, or with <=, >, >=, e.g. "
-                  "power_w.nominal < 1",
-                  sim::printable(text)));
 }
 
 namespace {

@@ -33,9 +33,6 @@ struct Goal {
 };
 constexpr std::array<std::string_view, 6> names_of(Goal::Kind) { return {"max", "min", "<", "<=", ">", ">="}; }
 
-/// Parses "PATH < NUMBER", or with <=, >, >=; InputError for other text.
-Goal read_constraint(const std::string& text);
-
 /// The task of `raywatt optimise` (docs/optimise.md): axes, conditions and workload as of a sweep, and goals.
 struct Task {
   std::string file;  ///< name, for messages

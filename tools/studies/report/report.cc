@@ -2,8 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <iterator>
+#include <map>
+#include <memory>
+#include <span>
 #include <system_error>
 #include <vector>
 
@@ -11,19 +15,377 @@
 #include <fmt/ranges.h>
 #include <openssl/sha.h>
 
+#include "hw_models/dram/dram_energy.h"
+#include "hw_models/machines/gpu_config.h"
+#include "hw_models/machines/unit_kinds.h"
+#include "hw_models/srp/schedule.h"
+#include "shader_kernels/catalogue.h"
 #include "sim/error.h"
 #include "sim/io/file.h"
 #include "sim/io/printable.h"
+#include "sim/report/table.h"
 #include "tools/host/build_info.h"
 #include "tools/host/paths.h"
+#include "tools/host/standard_streams.h"
+#include "tools/intervals/intervals.h"
+#include "tools/pricing/priced_run.h"
 #include "tools/studies/compare/compare.h"
-#include "tools/studies/report/page_data.h"
-#include "tools/studies/report/pictures.h"
+#include "traces/scene/images.h"
 
 namespace tools::pages {
+
 namespace {
 
 using sim::Json;
+
+constexpr std::size_t kLongestName = 2000, kLongestCommand = 4000;
+constexpr std::size_t kMostIntervals = 512;
+/// Events below this share of the total, at its low, nominal and high, are joined within their block.
+constexpr double kSmallShare = 0.008;
+constexpr const char* kTotal = "GPU with memory";
+
+std::string command_of(const ReportFile& report) {
+  const sim::JsonPointer argv("/provenance/argv");
+  if (!report.json.contains(argv)) return {};
+  std::vector<std::string> words;
+  for (const Json& word : report.json.at(argv)) {
+    if (word.is_string()) words.push_back(word.get<std::string>());
+  }
+  return sim::printable(command_text(words), kLongestCommand);
+}
+
+/// Returns the report without most of what its frames contain.
+Json trimmed_report(Json report) {
+  const auto frames = report.find("frames");
+  if (frames == report.end() || !frames->is_array()) return report;
+  for (Json& frame : *frames) {
+    Json kept = Json::object();
+    for (const char* key : {"frame", "time_ms", "energy_mj", "rays", "limiter"}) {
+      if (frame.is_object() && frame.contains(key)) kept[key] = frame[key];
+    }
+    frame = std::move(kept);
+  }
+  return report;
+}
+
+Json unit_kinds_json() {
+  Json out = Json::array();
+  for (const hw::UnitKind& unit : hw::kUnitKinds) {
+    Json reasons = Json::array();
+    for (const sim::Reason& reason : unit.reasons)
+      reasons.push_back(
+          {{"name", reason.name}, {"kind", static_cast<std::uint32_t>(reason.kind)}, {"meaning", reason.meaning}});
+    out.push_back({{"name", unit.name}, {"reasons", std::move(reasons)}});
+  }
+  return out;
+}
+
+/// Returns what limits the initiation interval of a kernel.
+std::string bound_of(const hw::KernelSchedule& s, const hw::ArrayConfig& array) {
+  using hw::OpClass;
+  if (s.rec_mii >= s.ii) return "values from item to item";
+  const auto ops = [&](OpClass op) { return static_cast<double>(s.ops[static_cast<std::size_t>(op)]); };
+  const auto per_unit = [](double work, std::uint32_t units) { return units == 0 ? 0 : work / units; };
+  // The least interval at which the operations fit each resource.
+  const std::pair<double, const char*> most = std::max<std::pair<double, const char*>>(
+      {{per_unit(s.fu_ops, array.unit_count()), "functional units"},
+       {per_unit(ops(OpClass::kFpMul) + ops(OpClass::kFpMulAdd) + ops(OpClass::kIntMul), array.mul_units),
+        "multipliers"},
+       {per_unit(ops(OpClass::kFpDivSqrt), array.div_sqrt_units), "dividers"},
+       {per_unit(s.local_reads + s.local_writes, array.local_ports), "local-memory ports"},
+       {per_unit(s.queued_loads, array.cache_ports), "data-cache ports"}},
+      [](const auto& a, const auto& b) { return a.first < b.first; });
+  if (s.ii > s.res_mii) return fmt::format("the schedule: {} alone allow {}", most.second, s.res_mii);
+  return most.second;
+}
+
+Json kernels_json(const ReportFile& report, const PricedRun* priced) {
+  Json out = Json::object();
+  const sim::JsonPointer kernels("/totals/kernels");
+  if (!report.json.contains(kernels) || !report.json.at(kernels).is_object()) return out;
+  for (const auto& [name, kernel] : report.json.at(kernels).items()) {
+    const kernels::KernelInfo* const info = kernels::find_kernel(name);
+    if (info == nullptr) continue;
+    out[name]["meaning"] = info->meaning;
+    if (priced == nullptr) continue;
+    const hw::SrpConfig& srp = priced->config().gpu->srp;
+    const hw::KernelSchedule schedule = hw::schedule_kernel(info->graph, srp);
+    if (schedule.ii == report.number(fmt::format("totals.kernels.{}.ii", name)))
+      out[name]["bound"] = bound_of(schedule, srp.array);
+  }
+  return out;
+}
+
+bool is_small(const sim::Band& pj, const sim::Band& total) {
+  return pj.low < kSmallShare * total.low && pj.nominal < kSmallShare * total.nominal &&
+         pj.high < kSmallShare * total.high;
+}
+
+/// Returns links from the total to blocks, and from each block to its events, its clock and its leakage. Standby of the
+/// memory is moved from leakage to an event.
+Json energy_flow(const PricedRun& run) {
+  const sim::EnergyReport energy = run.energy();
+  const auto device = hw::dram_energy_events(run.config().gpu->dram);
+  std::map<std::pair<std::string, std::string>, sim::Band> links;
+  const auto add = [&](const std::string& from, const std::string& to, const sim::Band& pj) {
+    if (pj.high > 0) links[{from, to}] += pj;
+  };
+  for (const auto& [block, kinds] : energy.blocks) {
+    add(kTotal, block, kinds.total());
+    add(block, "clock", kinds.clock);
+    sim::Band leakage = kinds.leakage;
+    if (const auto events = energy.events.find(block); events != energy.events.end()) {
+      for (const auto& [name, pj] : events->second) {
+        const auto of_device = device.find(name);
+        if (of_device != device.end() && of_device->second.standby) leakage += pj * -1.0;
+        const bool is_prefixed = name.starts_with(block + ".");
+        const std::string words = is_prefixed ? name.substr(block.size() + 1) : name;
+        add(block, fmt::format("{}: {}", block, is_small(pj, energy.total_pj) ? "other events" : words), pj);
+      }
+    }
+    add(block, "leakage", leakage);
+  }
+  Json out = Json::array();
+  for (const auto& [ends, pj] : links) {
+    out.push_back(Json::array({ends.first, ends.second, pj.low / sim::kPicojoulesPerMillijoule,
+                               pj.nominal / sim::kPicojoulesPerMillijoule, pj.high / sim::kPicojoulesPerMillijoule}));
+  }
+  return out;
+}
+
+/// Returns the series of the first frame over time, without those that are always 0.
+Json series_json(const ReportFile& report) {
+  if (!RunIntervals::are_beside(report)) return {{"note", "This run has no intervals of time."}};
+  try {
+    const RunIntervals intervals(report);
+    if (intervals.frames().empty()) throw sim::InputError("its file of intervals is empty");
+    const IntervalTable table =
+        derive_table(intervals, intervals.frames().front(), &sim::Band::nominal, kMostIntervals);
+    Json all = Json::array();
+    for (const IntervalSeries& series : table.series) {
+      const auto is_nothing = [](double value) { return value == 0 || !std::isfinite(value); };
+      if (std::ranges::all_of(series.values, is_nothing)) continue;
+      all.push_back({{"group", series.group},
+                     {"name", series.name},
+                     {"unit", series.unit},
+                     {"values", page_numbers(series.values)}});
+    }
+    if (all.empty()) throw sim::InputError("nothing happened in any interval");
+    return {{"note", intervals.frames().size() > 1 ? "Of the first frame." : ""},
+            {"begin_us", page_numbers(table.begin_us)},
+            {"end_us", page_numbers(table.end_us)},
+            {"all", std::move(all)}};
+  } catch (const sim::InputError& error) {
+    print_message("warning: {}; the page shows no metrics over time", error.what());
+    return {{"note", fmt::format("Metrics over time are not shown: {}", error.what())}};
+  }
+}
+
+/// Returns what the page of a run shows: its report, and what the page's script cannot derive from it.
+///   title, command; report (of `frames` only what the page lists)
+///   unit_kinds   [{name, reasons: [{name, kind, meaning}]}]
+///   resources    words by name, e.g. {"l1": "first-level caches"}
+///   kernels      {name: {meaning, bound}}; bound: what limits the initiation interval
+///   flow         [[from, to, low, nominal, high], ...] in mJ; null, with the reason in not_priced
+///   series       {begin_us, end_us, all: [{group, name, unit, values}]}, or a note
+///   picture      run_picture()
+Json run_data(const ReportFile& report) {
+  std::unique_ptr<PricedRun> priced;
+  std::string not_priced;
+  try {
+    priced = std::make_unique<PricedRun>(report);
+  } catch (const sim::InputError& error) {
+    not_priced = error.what();
+  }
+  Json resources = Json::object();
+  for (const hw::IdealConfig::Resource& resource : hw::IdealConfig::kResources)
+    resources[resource.name] = resource.words;
+  return {{"title", run_title(report)},
+          {"command", command_of(report)},
+          {"report", trimmed_report(report.json)},
+          {"unit_kinds", unit_kinds_json()},
+          {"resources", std::move(resources)},
+          {"kernels", kernels_json(report, priced.get())},
+          {"flow", priced ? energy_flow(*priced) : Json()},
+          {"not_priced", not_priced},
+          {"series", series_json(report)},
+          {"picture", run_picture(report)}};
+}
+
+}  // namespace
+
+std::string run_title(const ReportFile& report) {
+  const auto program = report.json.find("program");
+  const bool has_program = program != report.json.end() && program->is_string();
+  return fmt::format("{}, {}x{}, {}", sim::printable(report.text("scene", "name"), kLongestName),
+                     report.number("resolution[0]"), report.number("resolution[1]"),
+                     has_program ? sim::printable(program->get_ref<const std::string&>(), kLongestName) : "");
+}
+
+namespace {
+
+constexpr std::uint64_t kLargestPicture = 64 << 20;
+constexpr std::uint32_t kCell = 16;  ///< side of a cell of the picture's difference map, in pixels
+
+/// Two runs and their names.
+struct Difference {
+  const ReportFile &a, &b;
+  std::string name_a, name_b;
+};
+
+TileFrame first_tile_frame(const ReportFile& report, const std::string& name) {
+  const std::filesystem::path file = report.file.parent_path() / kTilesFile;
+  std::error_code ignored;
+  if (report.is_reference()) throw sim::InputError(fmt::format("{} is a reference without a {}", name, kTilesFile));
+  if (!std::filesystem::is_regular_file(file, ignored))
+    throw sim::InputError(fmt::format("{} has no {}", name, kTilesFile));
+  try {
+    TileTable table = load_tiles(file);
+    if (!table.frames.empty()) return std::move(table.frames.front());
+  } catch (const sim::InputError& error) {
+    print_message("warning: {}; the page compares no tiles", error.what());
+    throw;
+  }
+  throw sim::InputError(fmt::format("{} of {} has no frames", kTilesFile, name));
+}
+
+/// Adds a grid for each tile metric that differs, the second run minus the first. `note`: metrics that do not differ,
+/// or why tiles are not compared.
+void add_tile_differences(const Difference& d, Json& grids, std::string& note) {
+  const double width = d.a.number("resolution[0]"), height = d.a.number("resolution[1]");
+  try {
+    const TileFrame a = first_tile_frame(d.a, d.name_a), b = first_tile_frame(d.b, d.name_b);
+    const TileGrid grid_a = tile_grid(a, width, height), grid_b = tile_grid(b, width, height);
+    if (grid_a.side != grid_b.side) {
+      throw sim::InputError(
+          fmt::format("{} has tiles of {} pixels, {} of {}", d.name_a, grid_a.side, d.name_b, grid_b.side));
+    }
+    std::vector<std::string> equal;
+    for (const TileMetric& metric : tile_metrics()) {
+      const std::vector<double> of_a = tile_values(metric, a, grid_a), of_b = tile_values(metric, b, grid_b);
+      std::vector<double> difference(of_a.size());
+      double most = 0;
+      for (std::size_t i = 0; i < difference.size(); ++i) {
+        difference[i] = of_b[i] - of_a[i];
+        most = std::max(most, std::abs(difference[i]));
+      }
+      if (most == 0) {
+        equal.emplace_back(metric.words);
+        continue;
+      }
+      grids.push_back({{"id", metric.id},
+                       {"name", metric.words},
+                       {"tile", grid_a.side},
+                       {"unit", metric.unit},
+                       {"values", page_numbers(difference)},
+                       {"of", {page_numbers(of_a), page_numbers(of_b)}},
+                       {"low", -most},
+                       {"high", most},
+                       {"diverging", true}});
+    }
+    if (!equal.empty()) note = fmt::format("Equal in every tile: {}.", fmt::join(equal, ", "));
+  } catch (const sim::InputError& error) {
+    note = fmt::format("Tiles are not compared: {}.", error.what());
+  }
+}
+
+struct Picture {
+  traces::Texture pixels;
+  Json url;
+};
+
+Picture read_picture(const ReportFile& report) {
+  const std::filesystem::path file = report.picture("png");
+  const std::string bytes = sim::read_file(file, kLargestPicture);
+  return {traces::read_image(std::as_bytes(std::span(bytes.data(), bytes.size())), file.string()),
+          data_url("image/png", bytes)};
+}
+
+/// Returns the mean absolute difference of the channels of each cell, in 8-bit steps.
+std::vector<double> cell_differences(const traces::Texture& a, const traces::Texture& b) {
+  const std::uint32_t columns = (a.width + kCell - 1) / kCell, rows = (a.height + kCell - 1) / kCell;
+  std::vector<double> sums(std::size_t{columns} * rows), counts(sums.size());
+  for (std::uint32_t y = 0; y < a.height; ++y) {
+    for (std::uint32_t x = 0; x < a.width; ++x) {
+      const std::size_t i = std::size_t{y} * a.width + x;
+      const std::size_t cell = std::size_t{y / kCell} * columns + x / kCell;
+      for (const unsigned shift : {0U, 8U, 16U}) {
+        const auto channel = [&](std::uint32_t texel) { return static_cast<double>((texel >> shift) & 0xff); };
+        sums[cell] += std::abs(channel(a.texels[i]) - channel(b.texels[i])) / 3;
+      }
+      ++counts[cell];
+    }
+  }
+  for (std::size_t i = 0; i < sums.size(); ++i) sums[i] = std::round(1e3 * sums[i] / counts[i]) / 1e3;
+  return sums;
+}
+
+/// Returns the block of both pictures and of what differs.
+Json pictures_json(const Difference& d) {
+  const auto size = [](const ReportFile& report) {
+    return std::pair{report.number("resolution[0]"), report.number("resolution[1]")};
+  };
+  if (size(d.a) != size(d.b)) {
+    return {{"missing", "The pictures differ in size, so neither pictures nor tiles are compared."}};
+  }
+  Json grids = Json::array(), out = {{"type", "pair"}, {"id", "pictures-pair"}, {"title", "Both pictures"}};
+  std::string note;
+  add_tile_differences(d, grids, note);
+  out.update({{"about", "Pictures of both runs"},
+              {"width", size(d.a).first},
+              {"height", size(d.a).second},
+              {"a", nullptr},
+              {"b", nullptr},
+              {"names", {d.name_a, d.name_b}},
+              {"note", note}});
+  try {
+    Picture first = read_picture(d.a), second = read_picture(d.b);
+    if (first.pixels.width != second.pixels.width || first.pixels.height != second.pixels.height)
+      throw sim::InputError("they differ in size");
+    const std::vector<double> cells = cell_differences(first.pixels, second.pixels);
+    if (const double most = std::ranges::max(cells); most > 0) {
+      grids.push_back({{"id", "picture"},
+                       {"name", "channels of the picture, mean distance in 255ths"},
+                       {"tile", kCell},
+                       {"unit", ""},
+                       {"values", cells},
+                       {"low", 0},
+                       {"high", most}});
+    }
+    out.update({{"width", first.pixels.width},
+                {"height", first.pixels.height},
+                {"a", std::move(first.url)},
+                {"b", std::move(second.url)}});
+  } catch (const sim::InputError& error) {
+    out["missing"] = fmt::format("The pictures are not shown: {}.", error.what());
+  }
+  out["grids"] = std::move(grids);
+  return out;
+}
+
+/// Returns what the page of several runs shows, each run but the first compared with the first.
+///   names, titles   of all runs
+///   against         entries of comparison_json() (schema raywatt-compare/1)
+///   warnings        a list per entry
+///   pictures        per entry the block of both pictures and of differences by tile; `missing`: why there are none
+Json diff_data(const std::vector<ReportFile>& reports) {
+  const std::vector<std::string> names = short_names(reports);
+  std::vector<Comparison> against;
+  std::vector<std::string> titles;
+  Json warnings = Json::array(), pictures = Json::array();
+  for (const ReportFile& report : reports) titles.push_back(run_title(report));
+  for (std::size_t i = 1; i < reports.size(); ++i) {
+    against.push_back(compare(reports.front(), reports[i]));
+    warnings.push_back(comparison_warnings({reports.front(), reports[i]}, {against.back()}));
+    pictures.push_back(pictures_json({reports.front(), reports[i], names.front(), names[i]}));
+  }
+  return {{"names", names},
+          {"titles", titles},
+          {"against", comparison_json(reports, against)["against"]},
+          {"warnings", std::move(warnings)},
+          {"pictures", std::move(pictures)}};
+}
+
 namespace fs = std::filesystem;
 
 /// Identifies pages that we write, within their first bytes.

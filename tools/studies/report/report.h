@@ -1,7 +1,15 @@
 #pragma once
+
+#include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
+
+#include "sim/io/json.h"
+#include "tools/analysis/report_file.h"
+#include "tools/tiles/tile_table.h"
 
 namespace tools::pages {
 
@@ -14,5 +22,59 @@ struct Options {
 /// Writes the page of a run, several runs or a sweep. InputError for other folders, for a mixture of kinds, and for an
 /// output that may not be replaced.
 void write_report_page(const Options& options);
+
+/// "chess, 1024x512, full:1"
+std::string run_title(const ReportFile& report);
+
+/// Returns the picture block of a run with its overlays and debug pictures, or {missing: reason}.
+sim::Json run_picture(const ReportFile& report);
+
+/// True if the folder is that of a sweep or a search.
+bool is_sweep(const std::filesystem::path& folder);
+
+/// Returns what the page of a sweep or a search shows, from the results so far.
+///   name, question; goals: texts of a search
+///   axes            [{field, levels}], levels in ascending order
+///   metrics         [{field, name, show, unit, more}]; more: more is better
+///   points          [[n, status, axes..., metrics..., is_eligible, error, command], ...]
+///   has_constraints, limits: [[constraint, met, best value, its 95 % interval, room], ...]
+///   headlines       fields of the metrics that headlines show, the main one first
+///   best            rows of the best points, by metric; ties: words on ties with the best of the main metric
+///   start           {x, y, front, near}: metrics and front of the scatter; null without metrics
+///   sensitivities   [{metric, points, is_grid, effects: [{axis, share, low, high, range, levels}]}]
+///   notices         warnings
+sim::Json sweep_data(const std::filesystem::path& folder);
+
+/// Returns bytes as a data: URL.
+std::string data_url(std::string_view mime, std::string_view bytes);
+
+/// Returns a picture file as a data: URL. A picture of more than `most` pixels is averaged over squares. Nothing if the
+/// file does not exist or is not a picture.
+std::optional<std::string> page_picture(const std::filesystem::path& file, std::size_t most);
+
+/// Tiles of a picture in row order, and the tile of each row of a tile table.
+struct TileGrid {
+  double side = 0;
+  std::size_t columns = 0, rows = 0;
+  std::vector<std::size_t> tile_of_row;
+  std::size_t size() const { return columns * rows; }
+};
+/// InputError for a table without positions, and for tiles outside of the picture.
+TileGrid tile_grid(const TileFrame& tiles, double width, double height);
+
+/// A metric of a tile: the sum of columns of tiles.json minus another column, over all rows of the tile.
+struct TileMetric {
+  const char *id, *words, *unit;
+  std::vector<const char*> columns;
+  const char* minus = nullptr;
+  double scale = 1;
+};
+/// Metrics that pages draw over pictures.
+const std::vector<TileMetric>& tile_metrics();
+
+/// Returns the metric of each tile of the grid; InputError if the table lacks a column.
+std::vector<double> tile_values(const TileMetric& metric, const TileFrame& tiles, const TileGrid& grid);
+/// Returns numbers for a page: integers exactly, others with five digits, null for values that are not finite.
+sim::Json page_numbers(const std::vector<double>& values);
 
 }  // namespace tools::pages

@@ -9,17 +9,15 @@
 #include "sim/error.h"
 #include "sim/io/printable.h"
 #include "tools/analysis/report_file.h"
-#include "tools/analysis/report_paths.h"
 #include "tools/host/standard_streams.h"
 #include "tools/studies/optimise/task.h"
-#include "tools/studies/report/page_data.h"
+#include "tools/studies/report/report.h"
 #include "tools/studies/sweep/results/best.h"
 #include "tools/studies/sweep/results/collect.h"
 #include "tools/studies/sweep/results/figure_noise.h"
-#include "tools/studies/sweep/results/pareto.h"
 #include "tools/studies/sweep/results/sensitivity.h"
 #include "tools/studies/sweep/spec/spec.h"
-#include "tools/studies/sweep/store/folder.h"
+#include "tools/studies/sweep/store/store.h"
 
 namespace tools::pages {
 namespace {

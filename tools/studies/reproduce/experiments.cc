@@ -8,55 +8,69 @@
 
 namespace tools::reproduce {
 
-// Lee 2016: multi-rate sampling at 2048x1024 without rate control, which section 5 of the paper lists as future work.
-// Two scopes: T&I units alone, as in figure 7, and the whole frame.
-
 namespace {
 
-constexpr std::uint32_t kLeeWidth = 2048, kLeeHeight = 1024;
+/// Triangles of a built-in scene in a quick run.
+constexpr const char* kFewTriangles = "scene.triangles=15000";
+
+Sets join_sets(Sets a, const Sets& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+std::vector<PaperMetric> metric_list(const std::string& experiment, const std::vector<std::string>& metrics) {
+  std::vector<PaperMetric> out;
+  for (const std::string& metric : metrics) out.push_back({experiment, metric});
+  return out;
+}
+void add_metrics(Case& c, const std::string& experiment, const std::vector<std::string>& metrics) {
+  for (PaperMetric& metric : metric_list(experiment, metrics)) c.metrics.push_back(std::move(metric));
+}
+
+/// A case at the paper's resolution, reduced if `quick`.
+Case case_of(const View& view, std::string setting, std::uint32_t width, std::uint32_t height, ProgramSetup run,
+             ProgramSetup reference, bool quick) {
+  return {.view = view,
+          .setting = std::move(setting),
+          .width = side_pixels(width, quick),
+          .height = side_pixels(height, quick),
+          .run = std::move(run),
+          .reference = std::move(reference)};
+}
+
+}  // namespace
+
+// Lee 2016: multi-rate sampling at 2048x1024 without rate control, which section 5 of the paper lists as future work.
+// Two scopes: T&I units alone, as in figure 7, and the whole frame.
+namespace {
 
 View view_of_lee(const std::string& scene, bool quick) {
   View view{.scene = scene, .stand_in = "lee2016-" + scene, .files = {}};
-  if (quick) view.sets = {"scene.triangles=15000"};
+  if (quick) view.sets = {kFewTriangles};
   return view;
 }
 
 Case mode_of(const View& view, bool super, bool quick) {
   const std::string setting = super ? "super" : "under";
-  return {.view = view,
-          .setting = setting,
-          .width = side_pixels(kLeeWidth, quick),
-          .height = side_pixels(kLeeHeight, quick),
-          .run = {"multirate:" + setting},
-          .reference = {super ? "full:4" : "full:1"}};
+  return case_of(view, setting, 2048, 1024, {"multirate:" + setting}, {super ? "full:4" : "full:1"}, quick);
 }
 
 Case whole_frame(const View& view, bool super, bool quick) {
   Case c = mode_of(view, super, quick);
-  c.metrics = {{"table 1", "psnr_db"},
-               {"whole frame", "traced_ratio"},
-               {"whole frame", "work_ratio"},
-               {"whole frame", "speedup"},
-               {"whole frame", "speedup_x_work"},
-               {"whole frame", "tni_power"},
-               {"whole frame", "tni_perf_per_watt"},
-               {"whole frame", "gpu_perf_per_watt"},
-               {"kernel shares", "check_share"},
-               {"kernel shares", "interpolation_share"},
-               {"kernel shares", "starved_share"}};
+  c.metrics = {{"table 1", "psnr_db"}};
+  add_metrics(c, "whole frame",
+              {"traced_ratio", "work_ratio", "speedup", "speedup_x_work", "tni_power", "tni_perf_per_watt",
+               "gpu_perf_per_watt"});
+  add_metrics(c, "kernel shares", {"check_share", "interpolation_share", "starved_share"});
   return c;
 }
 
 Case units_alone(const View& view, bool super, bool quick) {
   Case c = mode_of(view, super, quick);
   c.run.sets = c.reference.sets = tni_alone();
-  c.metrics = {{"figure 7", "time_ratio"},
-               {"figure 7", "speedup"},
-               {"figure 7", "speedup_x_work"},
-               {"figure 7", "tni_power"},
-               {"figure 7", "tni_perf_per_watt"}};
+  c.metrics = metric_list("figure 7", {"time_ratio", "speedup", "speedup_x_work", "tni_power", "tni_perf_per_watt"});
   if (view.scene == "village" && super) {
-    c.metrics.insert(c.metrics.end(), {{"figure 1", "psnr_db"}, {"figure 1", "tni_perf_per_watt"}});
+    add_metrics(c, "figure 1", {"psnr_db", "tni_perf_per_watt"});
     c.picture = "1-village";
   }
   return c;
@@ -77,9 +91,7 @@ std::vector<Case> lee_cases(bool quick) {
       Case c = mode_of(view, super, quick);
       c.reference = c.run;  // attributes in the tile buffer, the default
       c.run.sets = {"multirate.attributes=dram"};
-      c.metrics = {{"attributes in DRAM", "dram_bytes_ratio"},
-                   {"attributes in DRAM", "energy_ratio"},
-                   {"attributes in DRAM", "time_ratio"}};
+      c.metrics = metric_list("attributes in DRAM", {"dram_bytes_ratio", "energy_ratio", "time_ratio"});
       cases.push_back(std::move(c));
     }
   }
@@ -89,7 +101,7 @@ std::vector<Case> lee_cases(bool quick) {
     Case c = mode_of(view, false, quick);
     c.machine = false;
     c.setting = std::string("frame ") + frame;
-    c.metrics = {{"figure 4", "similar_ratio"}, {"figure 4", "traced_ratio"}};
+    c.metrics = metric_list("figure 4", {"similar_ratio", "traced_ratio"});
     c.picture = std::string("4-frame-") + frame;
     cases.push_back(std::move(c));
     if (quick && view.frame == "150") break;
@@ -105,7 +117,7 @@ View view_of_kim(const std::string& scene, bool quick) {
   View view{.scene = scene, .stand_in = "", .files = {}};
   if (scene == "bathroom" || scene == "conference" || scene == "hairball") {
     view.stand_in = "kim2016-" + scene;
-    if (quick) view.sets = {"scene.triangles=15000"};
+    if (quick) view.sets = {kFewTriangles};
     return view;
   }
   view.files = {scene + ".glb"};
@@ -119,18 +131,9 @@ View view_of_kim(const std::string& scene, bool quick) {
 
 /// grid x grid samples per pixel; the reference traces all of them.
 Case undersample_case(const View& view, std::uint32_t width, std::uint32_t height, std::uint32_t grid, bool quick) {
-  return {.view = view,
-          .setting = fmt::format("{}x{}", grid, grid),
-          .width = side_pixels(width, quick),
-          .height = side_pixels(height, quick),
-          .run = {"undersample", {fmt::format("undersample.samples={}", grid * grid)}},
-          .reference = {fmt::format("full:{}", grid * grid)}};
-}
-
-std::vector<PaperMetric> metric_list(const std::string& experiment, const std::vector<std::string>& metrics) {
-  std::vector<PaperMetric> out;
-  for (const std::string& metric : metrics) out.push_back({experiment, metric});
-  return out;
+  return case_of(view, fmt::format("{}x{}", grid, grid), width, height,
+                 {"undersample", {fmt::format("undersample.samples={}", grid * grid)}},
+                 {fmt::format("full:{}", grid * grid)}, quick);
 }
 
 /// Tables 5 and 3(a) of a scene, and its part of figures 1 and 6.
@@ -143,10 +146,8 @@ void add_table_5(std::vector<Case>& cases, const std::string& scene, bool quick)
       c.setting = fmt::format("{} {}", width, c.setting);
       c.metrics = metric_list("table 5", {"speedup", "traced_ratio", "traced_ratio_lit", "psnr_db"});
       if (width == 1024 && grid == 1) {
-        for (const char* share : {"tracing_share", "adaptive_share", "correction_share"}) {
-          c.metrics.push_back({"table 3a", share});
-        }
-        for (const char* ops : {"ops_of_traced", "ops_of_interpolated"}) c.metrics.push_back({"operations", ops});
+        add_metrics(c, "table 3a", {"tracing_share", "adaptive_share", "correction_share"});
+        add_metrics(c, "operations", {"ops_of_traced", "ops_of_interpolated"});
         if (scene == "kitchen") c.metrics.push_back({"figure 1", "traced_ratio"});
         if (scene == "kitchen" || scene == "bathroom") c.picture = "1-" + scene;
       }
@@ -230,8 +231,6 @@ std::vector<Case> kim_cases(bool quick) {
 
 namespace {
 
-constexpr std::uint32_t kJinSide = 1024;
-
 /// Attributes that are compared for the pixel and for its secondary ray.
 constexpr const char* kGeometry[] = {"object", "normal", "shadow", "texture"};
 
@@ -239,7 +238,7 @@ View view_of_jin(const std::string& scene, bool quick) {
   View view{.scene = scene, .stand_in = "", .files = {}};
   if (scene == "bathroom" || scene == "conference" || scene == "forest") {
     view.stand_in = "jin2009-" + scene;
-    if (quick) view.sets = {"scene.triangles=15000"};
+    if (quick) view.sets = {kFewTriangles};
     return view;
   }
   view.files = {scene + ".glb", scene == "room" ? "hotel-room-99k.glb" : "kitchen-866k.glb"};
@@ -267,20 +266,16 @@ ProgramSetup adaptive_supersampling(const std::string& scene, double alpha) {
 }
 
 Case against_truth(const View& view, std::string setting, ProgramSetup run, bool quick) {
-  return {.view = view,
-          .setting = std::move(setting),
-          .width = side_pixels(kJinSide, quick),
-          .height = side_pixels(kJinSide, quick),
-          .run = std::move(run),
-          .reference = {"full:1"},
-          .truth = true};
+  Case c = case_of(view, std::move(setting), 1024, 1024, std::move(run), {"full:1"}, quick);
+  c.truth = true;
+  return c;
 }
 
 void add_table_2(std::vector<Case>& cases, const std::string& scene, bool quick) {
   const View view = view_of_jin(scene, quick);
   const auto add = [&](std::string setting, ProgramSetup run) {
     Case c = against_truth(view, std::move(setting), std::move(run), quick);
-    c.metrics = {{"table 2", "psnr_db"}, {"table 2", "time_of_fixed_1"}};
+    c.metrics = metric_list("table 2", {"psnr_db", "time_of_fixed_1"});
     if (c.run.name == "supersample") {
       c.metrics.push_back({"table 2", "samples_of_fixed_9"});
       c.picture = fmt::format("1-{}-{}", scene, c.setting);
@@ -308,7 +303,7 @@ void add_figure_6_of_jin(std::vector<Case>& cases, bool quick) {
   View view{.scene = "textured room", .stand_in = "atrium", .files = {}};
   view.sets = reproduction_rules();
   view.sets.emplace_back("render.samples=jittered");
-  if (quick) view.sets.emplace_back("scene.triangles=15000");
+  if (quick) view.sets.emplace_back(kFewTriangles);
   std::vector<std::string> keys = {"colour"};
   for (const char* key : kGeometry) keys.insert(keys.end(), {key, std::string("secondary_") + key});
   for (const std::string& strict : keys) {
@@ -316,7 +311,7 @@ void add_figure_6_of_jin(std::vector<Case>& cases, bool quick) {
     for (const std::string& key : keys) run.sets.push_back(threshold_key(key, key == strict ? 0.05 : 1.0));
     Case c = against_truth(view, strict + " alone", std::move(run), quick);
     c.machine = false;
-    c.metrics = {{"figure 6", "sample_ratio"}, {"figure 6", "psnr_db"}};
+    c.metrics = metric_list("figure 6", {"sample_ratio", "psnr_db"});
     c.picture = "6-" + strict;
     cases.push_back(std::move(c));
   }
@@ -332,7 +327,7 @@ void add_figure_7(std::vector<Case>& cases, bool quick) {
       Case c = against_truth(view, fmt::format("{} {:.1f}", single ? "colour only" : "all thresholds", alpha),
                              single ? colour : adaptive_supersampling("forest", alpha), quick);
       c.machine = false;
-      c.metrics = {{"figure 7", "sample_ratio"}, {"figure 7", "psnr_db"}};
+      c.metrics = metric_list("figure 7", {"sample_ratio", "psnr_db"});
       c.picture = single ? fmt::format("7-colour-{:.1f}", alpha) : fmt::format("7-all-{:.1f}", alpha);
       cases.push_back(std::move(c));
     }
@@ -377,7 +372,7 @@ struct Setting {
 View view_of(const std::string& scene, const std::string& stand_in, bool quick, const std::string& camera = {}) {
   View view{.scene = scene, .stand_in = stand_in, .files = {}, .camera = camera};
   view.sets = reproduction_rules();
-  if (quick && stand_in != "cornell") view.sets.emplace_back("scene.triangles=15000");
+  if (quick && stand_in != "cornell") view.sets.emplace_back(kFewTriangles);
   return view;
 }
 /// A court with a polished floor.
@@ -385,18 +380,12 @@ View sponza_view(bool quick, const std::string& camera = {}) { return view_of("S
 
 Case chiu_case(const View& view, const Setting& setting, std::uint32_t pixels, const ProgramSetup& reference,
                bool quick) {
-  return {.view = view,
-          .setting = setting.name,
-          .width = side_pixels(pixels, quick),
-          .height = side_pixels(pixels, quick),
-          .run = setting.run,
-          .reference = reference};
+  return case_of(view, setting.name, pixels, pixels, setting.run, reference, quick);
 }
 
 /// Returns the program on T&I units that never wait for rays.
 ProgramSetup on_tni_alone(ProgramSetup program) {
-  const Sets sets = tni_alone();
-  program.sets.insert(program.sets.end(), sets.begin(), sets.end());
+  program.sets = join_sets(std::move(program.sets), tni_alone());
   return program;
 }
 
@@ -413,7 +402,7 @@ void add_times(std::vector<Case>& cases, bool quick) {
                                {"ours", raster_reconstruction()},
                                {"16x", sixteen_samples()}}) {
         Case c = chiu_case(view, {s.name + ", " + name, on(s.run)}, pixels, on(sixteen_samples()), quick);
-        c.metrics = {{"figure 3", "frame_ms"}, {"figure 3", "speedup"}, {"figure 3", "rays_ratio"}};
+        c.metrics = metric_list("figure 3", {"frame_ms", "speedup", "rays_ratio"});
         cases.push_back(std::move(c));
       }
       Case passes = chiu_case(view, {name, on(reconstruction_program())}, pixels, on(unfiltered_program()), quick);
@@ -501,7 +490,11 @@ std::vector<Case> chiu_cases(bool quick) {
 
 namespace {
 
-constexpr std::uint32_t kWidth = 512, kHeight = 256;
+/// A case of 512x256 pixels, a quarter of them on each side if `quick`.
+Case case_of_full_1(const View& view, const std::string& setting, const Sets& run, const Sets& reference, bool quick) {
+  const std::uint32_t part = quick ? 4 : 1;
+  return case_of(view, setting, 512 / part, 256 / part, {"full:1", run}, {"full:1", reference}, false);
+}
 
 struct Machine {
   std::string name;
@@ -523,7 +516,7 @@ std::vector<View> sgrt_views(bool quick) {
   if (quick) {
     View view{.scene = "chess", .stand_in = "chess", .files = {}};
     view.sets = reproduction_rules();
-    view.sets.emplace_back("scene.triangles=15000");
+    view.sets.emplace_back(kFewTriangles);
     return {view};
   }
   std::vector<View> all = {{.scene = "car", .stand_in = "car", .files = {"car-62k.glb"}},
@@ -535,11 +528,6 @@ std::vector<View> sgrt_views(bool quick) {
   return all;
 }
 
-Sets join_sets(Sets a, const Sets& b) {
-  a.insert(a.end(), b.begin(), b.end());
-  return a;
-}
-
 /// Collects the cases of one scene.
 class Plan {
  public:
@@ -547,13 +535,8 @@ class Plan {
 
   void add(const std::string& setting, const std::string& experiment, const Sets& run, const Sets& reference,
            const std::vector<std::string>& metrics) {
-    Case c{.view = view_,
-           .setting = setting,
-           .width = quick_ ? kWidth / 4 : kWidth,
-           .height = quick_ ? kHeight / 4 : kHeight,
-           .run = {"full:1", run},
-           .reference = {"full:1", reference}};
-    for (const std::string& metric : metrics) c.metrics.push_back({experiment, metric});
+    Case c = case_of_full_1(view_, setting, run, reference, quick_);
+    c.metrics = metric_list(experiment, metrics);
     cases_.push_back(std::move(c));
   }
 
@@ -642,8 +625,6 @@ std::vector<Case> sgrt_unit_cases(bool quick) {
 
 namespace {
 
-constexpr std::uint32_t kHybridWidth = 512, kHybridHeight = 256;
-
 std::vector<View> hybrid_views(bool quick) {
   std::vector<View> all;
   for (const char* scene : {"cornell", "chess", "conference", "car", "atrium"}) {
@@ -661,22 +642,11 @@ std::vector<Case> hybrid_cases(bool quick) {
   std::vector<Case> cases;
   for (const View& view : hybrid_views(quick)) {
     const auto add = [&](const std::string& setting, const Sets& sets) {
-      Sets raster = sets;
-      raster.emplace_back("render.primary=raster");
-      cases.push_back({.view = view,
-                       .setting = setting,
-                       .width = quick ? kHybridWidth / 4 : kHybridWidth,
-                       .height = quick ? kHybridHeight / 4 : kHybridHeight,
-                       .run = {"full:1", raster},
-                       .reference = {"full:1", sets},
-                       .metrics = {{"raster hybrid 2015", "rays_ratio"},
-                                   {"raster hybrid 2015", "cycles"},
-                                   {"raster hybrid 2015", "speedup"},
-                                   {"raster hybrid 2015", "dram_bytes"},
-                                   {"raster hybrid 2015", "dram_bytes_ratio"},
-                                   {"raster hybrid 2015", "energy_ratio"},
-                                   {"raster hybrid 2015", "gpu_perf_per_watt"},
-                                   {"raster hybrid 2015", "raster_share"}}});
+      Case c = case_of_full_1(view, setting, join_sets(sets, {"render.primary=raster"}), sets, quick);
+      c.metrics =
+          metric_list("raster hybrid 2015", {"rays_ratio", "cycles", "speedup", "dram_bytes", "dram_bytes_ratio",
+                                             "energy_ratio", "gpu_perf_per_watt", "raster_share"});
+      cases.push_back(std::move(c));
     };
     add("shadows", {"render.depth=1"});
     add("reflections and refractions", {});

@@ -28,7 +28,7 @@ struct ProgramSetup {
   std::string program_text() const;
 };
 
-/// A metric to measure (metrics.h), and its table or figure in the paper.
+/// A metric to measure (runner.h), and its table or figure in the paper.
 struct PaperMetric {
   std::string experiment, metric;
 };

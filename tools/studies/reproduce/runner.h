@@ -1,14 +1,77 @@
 #pragma once
+
+#include <array>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "tools/studies/reproduce/metrics.h"
+#include "tools/run/frame/run_job.h"
 #include "tools/studies/reproduce/plan.h"
 
 namespace tools::reproduce {
+
+/// Classes of pixels by how their sixteen samples on a regular grid differ. The first class that applies counts.
+enum class Mask : std::uint8_t {
+  kObjectEdge,      ///< objects differ, or a normal differs from the first (dot product below 0.9)
+  kShadowEdge,      ///< a light reaches only some samples
+  kReflectionEdge,  ///< objects or shadows in a mirror or through glass differ
+  kTextureEdge,     ///< the surface is textured, and colours differ by more than 0.1 in a channel (sRGB-encoded)
+  kElsewhere,
+  kCount
+};
+constexpr std::array<std::string_view, static_cast<std::size_t>(Mask::kCount)> names_of(Mask) {
+  return {"object_edges", "shadow_edges", "reflection_edges", "texture_edges", "elsewhere"};
+}
+
+/// Returns the mask of each pixel of a view, row by row.
+std::vector<Mask> masks_of(const Inputs& inputs, std::uint32_t threads);
+
+/// Mean squared error of the pixels of each mask; nothing for a mask without pixels.
+using MaskedErrors = std::array<std::optional<double>, static_cast<std::size_t>(Mask::kCount)>;
+MaskedErrors masked_errors(std::span<const Mask> masks, std::span<const float> a, std::span<const float> b);
+
+/// The result of a program on a view.
+struct ProgramResult {
+  FrameResult simulation;
+  std::uint64_t pixels = 0;
+  std::uint64_t box_bytes = 0, node_bytes = 0;  ///< size of the tree in memory: only boxes; whole nodes
+  bool machine = true;                          ///< false: `simulation` has only results of the frame program
+  const kernels::Sampling& sampling_counts() const { return simulation.rendered.sampling; }
+};
+
+/// The runs that a metric is computed from.
+struct Comparison {
+  const ProgramResult& run;
+  const ProgramResult& reference;
+  double squared_error = 0;                  ///< of the picture
+  MaskedErrors masked{};                     ///< by mask, if a metric needs it
+  std::optional<double> reflective_share{};  ///< of the pixels of the view
+};
+
+/// A metric that can be measured.
+struct Metric {
+  enum class Shown : std::uint8_t { kDecibel, kFactor, kShare, kCount, kMilliseconds };
+  std::string_view name;
+  std::string_view meaning;
+  Shown shown;
+  bool machine;  ///< needs cycles or energy
+  /// Returns nothing if the metric does not exist: the PSNR of a picture that is identical to its reference.
+  std::optional<double> (*measure)(const Comparison&);
+};
+
+/// Returns the metric of a name; std::logic_error if there is none.
+const Metric& find_metric(std::string_view name);
+
+/// True if the metric needs errors by mask.
+bool needs_masks(std::string_view name);
+
+/// "42.13 dB", "1.83 x", "5.2 %", "200", "1.207 ms"
+std::string metric_text(const Metric& metric, double value);
 
 /// Options of `raywatt reproduce`.
 struct Options {
@@ -41,7 +104,7 @@ class Runner {
   /// Returns the name or file of the scene that replaces the one of the paper. InputError if there is none.
   std::string stand_in(const View& view) const;
 
-  /// Writes the pictures of the last measured case: of the run, its debug pictures (debug_pictures.h), its reference
+  /// Writes the pictures of the last measured case: of the run, its debug pictures (picture.h), its reference
   /// (one file per reference), four times the difference, and crops of these.
   void write_pictures(const Case& c, const std::filesystem::path& folder) const;
 

@@ -6,7 +6,6 @@
 
 #include "tools/studies/sweep/launch/launcher.h"
 #include "tools/studies/sweep/spec/point.h"
-#include "tools/studies/sweep/store/folder.h"
 #include "tools/studies/sweep/store/store.h"
 
 namespace tools {

@@ -5,7 +5,7 @@
 #include "hw_models/machines/unit_kinds.h"
 #include "sim/config/config.h"
 #include "tools/run/frame/load_config.h"
-#include "tools/studies/baseline/changes.h"
+#include "tools/studies/baseline/check.h"
 
 // The unit that a key of the configuration belongs to.
 

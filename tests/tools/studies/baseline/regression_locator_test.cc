@@ -4,7 +4,7 @@
 
 #include "hw_models/machines/unit_kinds.h"
 #include "tools/run/frame/run_job.h"
-#include "tools/studies/baseline/changes.h"
+#include "tools/studies/baseline/check.h"
 
 // Locating the changed unit from the counters of two runs.
 

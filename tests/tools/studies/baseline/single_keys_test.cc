@@ -15,7 +15,7 @@
 #include "sim/hash.h"
 #include "tests/tools/program.h"
 #include "tools/run/frame/load_config.h"
-#include "tools/studies/baseline/changes.h"
+#include "tools/studies/baseline/check.h"
 
 // One key of the default machine is changed at a time, and the check names its unit first.
 

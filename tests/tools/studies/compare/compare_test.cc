@@ -9,7 +9,7 @@
 
 #include "tests/tools/program.h"
 #include "tests/tools/studies/compare/compare_harness.h"
-#include "tools/analysis/report_paths.h"
+#include "tools/analysis/report_file.h"
 
 // Comparisons of runs: what changed, and the counters that explain it.
 

@@ -1,10 +1,10 @@
-#include "tools/studies/optimise/acquisition.h"
-
 #include <cmath>
 #include <limits>
 #include <numbers>
 
 #include <gtest/gtest.h>
+
+#include "tools/studies/optimise/surrogate.h"
 
 namespace test {
 namespace {

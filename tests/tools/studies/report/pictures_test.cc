@@ -1,10 +1,9 @@
-#include "tools/studies/report/pictures.h"
-
 #include <gtest/gtest.h>
 
 #include "sim/error.h"
 #include "sim/io/json.h"
 #include "tests/tools/program.h"
+#include "tools/studies/report/report.h"
 #include "traces/scene/images.h"
 
 namespace test {

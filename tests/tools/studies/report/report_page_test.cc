@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/tools/program.h"
-#include "tools/studies/report/pictures.h"
+#include "tools/studies/report/report.h"
 
 // The data in pages, and what `raywatt report` refuses. tests/page has the tests of what is shown.
 

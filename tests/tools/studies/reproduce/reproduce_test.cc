@@ -1,3 +1,5 @@
+#include "tools/studies/reproduce/reproduce.h"
+
 #include <algorithm>
 #include <set>
 
@@ -8,7 +10,6 @@
 #include "sim/error.h"
 #include "tests/tools/program.h"
 #include "tools/studies/reproduce/plan.h"
-#include "tools/studies/reproduce/results.h"
 #include "tools/studies/reproduce/runner.h"
 
 // `raywatt reproduce`: measured and published values of experiments.

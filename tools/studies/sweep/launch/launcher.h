@@ -1,5 +1,7 @@
 #pragma once
+
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <span>
@@ -8,7 +10,7 @@
 #include <vector>
 
 #include "tools/studies/sweep/launch/compute.h"
-#include "tools/studies/sweep/store/folder.h"
+#include "tools/studies/sweep/store/store.h"
 
 namespace tools::sweep {
 
@@ -24,8 +26,8 @@ struct BatchEnd {
 
 /// Computes batches of points into a store.
 ///
-///   LocalLauncher launcher(store, {.jobs = 2});
-///   const BatchEnd end = launcher.run(points);
+///   const auto launcher = make_local_launcher(store, {.jobs = 2});
+///   const BatchEnd end = launcher->run(points);
 ///   if (is_done(end.statuses[0])) use(*store.read_report(points[0].id));
 ///
 /// 1. Points must have their keys (PointKeys::set_key). Two points with one id are computed once.
@@ -67,6 +69,19 @@ class Launcher {
  private:
   class CutBatch;
 };
+
+/// Options of make_local_launcher().
+struct LocalOptions {
+  std::uint32_t jobs = 0;     ///< workers; 0: one for each core of the host
+  std::uint32_t threads = 0;  ///< threads of each worker; 0: the cores of the host, shared out
+  bool retry_failed = false;
+  bool keep_streams = false;    ///< keep recorded streams for other launchers after the last point has used them
+  std::filesystem::path log{};  ///< folder for the output of workers; empty: it is discarded
+};
+
+/// Returns a launcher of worker processes on this host, which live as long as it does and compute one point after the
+/// other. A worker that crashes fails only its point. The calling process should have one thread, because it forks.
+std::unique_ptr<Launcher> make_local_launcher(const Store& store, const LocalOptions& options);
 
 }  // namespace tools::sweep
 

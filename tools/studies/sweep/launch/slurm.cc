@@ -29,7 +29,7 @@
 #include "sim/host_clock.h"
 #include "sim/io/file.h"
 #include "sim/io/printable.h"
-#include "tools/host/interrupt.h"
+#include "tools/host/process.h"
 #include "tools/host/standard_streams.h"
 
 extern char** environ;

@@ -1,6 +1,8 @@
 #include "tools/studies/sweep/results/best.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <optional>
 #include <set>
 
@@ -10,10 +12,11 @@
 #include "sim/error.h"
 #include "sim/io/printable.h"
 #include "sim/report/table.h"
+#include "tools/analysis/report_file.h"
 #include "tools/host/standard_streams.h"
 #include "tools/studies/sweep/results/energy_band.h"
+#include "tools/studies/sweep/results/results.h"
 #include "tools/studies/sweep/results/sensitivity.h"
-#include "tools/studies/sweep/results/table.h"
 
 namespace tools::results {
 namespace {
@@ -89,6 +92,24 @@ std::string axis_table(const Results& results, const FigureNoise& noise, const s
   return out;
 }
 
+/// Writes the ties with the axes in which they differ, and for each axis its values among the ties and the share of the
+/// variance over all candidates that it explains.
+std::string ties_text(const Results& results, const FigureNoise& noise, const std::vector<std::size_t>& candidates,
+                      std::size_t first, const std::vector<std::size_t>& ties) {
+  std::vector<std::size_t> rows = {first};
+  rows.insert(rows.end(), ties.begin(), ties.end());
+  std::string out;
+  if (ties.empty()) {
+    out = "no other point ties with it (95 %, all points together)";
+  } else {
+    out = fmt::format("{} point{} with it (95 %, all points together)", ties.size(),
+                      ties.size() == 1 ? " ties" : "s tie");
+  }
+  out += fmt::format("; {}\n", noise.describe());
+  if (!ties.empty()) out += "\n" + tie_table(results, noise, rows);
+  return out + axis_table(results, noise, candidates, rows);
+}
+
 }  // namespace
 
 std::vector<std::size_t> find_ties(const FigureNoise& noise, bool most, const std::vector<std::size_t>& candidates,
@@ -108,22 +129,6 @@ std::vector<std::size_t> find_ties(const FigureNoise& noise, bool most, const st
   std::ranges::stable_sort(
       ties, [&](std::size_t a, std::size_t b) { return most ? number(a) > number(b) : number(a) < number(b); });
   return ties;
-}
-
-std::string ties_text(const Results& results, const FigureNoise& noise, const std::vector<std::size_t>& candidates,
-                      std::size_t first, const std::vector<std::size_t>& ties) {
-  std::vector<std::size_t> rows = {first};
-  rows.insert(rows.end(), ties.begin(), ties.end());
-  std::string out;
-  if (ties.empty()) {
-    out = "no other point ties with it (95 %, all points together)";
-  } else {
-    out = fmt::format("{} point{} with it (95 %, all points together)", ties.size(),
-                      ties.size() == 1 ? " ties" : "s tie");
-  }
-  out += fmt::format("; {}\n", noise.describe());
-  if (!ties.empty()) out += "\n" + tie_table(results, noise, rows);
-  return out + axis_table(results, noise, candidates, rows);
 }
 
 namespace {
@@ -236,6 +241,294 @@ std::string best_text(const Results& results, std::span<const sweep::Point> poin
   }
   out += extrapolated_note(results, candidates);
   return missing.empty() ? out : out + "\n" + missing + "\n";
+}
+
+namespace {
+
+constexpr std::size_t kHeight = 20, kLeastWidth = 40, kMostWidth = 160;
+
+/// Range of the values of an objective.
+struct ValueRange {
+  double low = 0, high = 0;
+  std::string low_text, high_text;
+
+  ValueRange(const Objective& objective, const std::vector<std::size_t>& rows) {
+    const auto by_value = [&](std::size_t a, std::size_t b) { return *objective.value_of(a) < *objective.value_of(b); };
+    const auto [least, most] = std::ranges::minmax_element(rows, by_value);
+    low = *objective.value_of(*least);
+    high = *objective.value_of(*most);
+    low_text = end_text(objective, *least);
+    high_text = end_text(objective, *most);
+  }
+  static std::string end_text(const Objective& objective, std::size_t row) {
+    const Value& value = objective.column.values[row];
+    return std::holds_alternative<std::string>(value) ? std::get<std::string>(value)
+                                                      : number_text(*objective.value_of(row));
+  }
+  std::size_t cell_of(double value, std::size_t cells) const {
+    if (high == low) return cells / 2;
+    return static_cast<std::size_t>(std::lround((value - low) / (high - low) * static_cast<double>(cells - 1)));
+  }
+};
+
+std::string pareto_plot(const Objective& x, const Objective& y, const ParetoFront& front, std::size_t width) {
+  const std::vector<std::size_t> all = front.all_rows();
+  const ValueRange xs(x, all), ys(y, all);
+  const std::size_t margin = std::max(xs.low_text.size() / 2, std::max(ys.low_text.size(), ys.high_text.size()));
+  const std::size_t columns = std::clamp(width, kLeastWidth, kMostWidth) - margin - 3;
+  std::vector<std::string> lines(kHeight, std::string(columns, ' '));
+  const auto cell = [&](std::size_t row) -> char& {
+    return lines[kHeight - 1 - ys.cell_of(*y.value_of(row), kHeight)][xs.cell_of(*x.value_of(row), columns)];
+  };
+  for (const std::size_t row : front.other) cell(row) = '.';
+  for (const std::size_t row : front.near) cell(row) = '~';
+  for (std::size_t i = front.rows.size(); i-- > 0;) cell(front.rows[i]) = front.mark_of(i);
+
+  std::string out = fmt::format("{}\n", y.describe());
+  for (std::size_t line = 0; line < kHeight; ++line) {
+    const std::string& label = line == 0 ? ys.high_text : line == kHeight - 1 ? ys.low_text : std::string();
+    out += fmt::format("{:>{}} |{}", label, margin, lines[line]);
+    out.erase(out.find_last_not_of(' ') + 1);
+    out += '\n';
+  }
+  const std::size_t between = columns + 1 - std::min(columns, xs.low_text.size() + xs.high_text.size());
+  out += fmt::format("{:>{}} +{:->{}}\n", "", margin, "", columns);
+  out += fmt::format("{:>{}}  {}{:>{}}{}\n", "", margin, xs.low_text, "", between - 1, xs.high_text);
+  const std::string title = x.describe();
+  out += fmt::format("{:>{}}\n", title, std::max(title.size(), margin + 2 + columns));
+  out += fmt::format("{} of {} points are on the front: {}; dots are the others\n", front.rows.size(), all.size(),
+                     front.mark_of(0) == '#' ? "#" : "letters, as in the table");
+  if (std::ranges::find(front.sure, false) != front.sure.end()) {
+    out += "a letter with ~: noise does not tell whether another point is as good in both\n";
+  }
+  if (!front.near.empty()) {
+    out += fmt::format("{} more may be, marked ~: none beats them by more than the band\n", front.near.size());
+  }
+  return out;
+}
+
+/// Figures that are better high, except for those in kBetterLow.
+constexpr std::array<std::string_view, 4> kBetterHigh = {"totals.perf.", "totals.relative.", "totals.psnr_db",
+                                                         "totals.utilisation."};
+constexpr std::array<std::string_view, 5> kBetterLow = {"totals.perf.nj_per_ray", "totals.relative.traversal_steps",
+                                                        "totals.relative.dram_bytes", "totals.relative.tni_power",
+                                                        "totals.relative.rays"};
+
+bool is_better_high(std::string_view path) {
+  const auto begins = [&](std::string_view prefix) { return path.starts_with(prefix); };
+  return std::ranges::any_of(kBetterHigh, begins) && std::ranges::none_of(kBetterLow, begins);
+}
+
+std::string path_of(std::string_view text) {
+  return std::string(text.starts_with("min:") || text.starts_with("max:") ? text.substr(4) : text);
+}
+
+/// Marks of the points: on the front, on it perhaps ("~" added), and near it ("~").
+Column marks_of(const ParetoFront& front, std::size_t rows, bool csv) {
+  Column marks{"", std::vector<Value>(rows)};
+  for (std::size_t i = 0; i < front.rows.size(); ++i) {
+    marks.values[front.rows[i]] = std::string(1, front.mark_of(i)) + (csv || front.sure[i] ? "" : "~");
+  }
+  for (const std::size_t row : front.near) marks.values[row] = std::string("~");
+  return marks;
+}
+
+/// Two figures of the same points under draws of the energy tables.
+struct DrawnPair {
+  BandedMetric x, y;
+  std::vector<std::size_t> at;  ///< by row, its index in both
+
+  /// Share of the draws in which one row dominates another.
+  double share_dominating(std::size_t better, std::size_t worse) const {
+    const std::size_t b = at[better], w = at[worse];
+    std::size_t count = 0;
+    for (std::uint64_t draw = 0; draw < kEnergyDraws; ++draw) {
+      const double xb = x.drawn[b][draw], xw = x.drawn[w][draw], yb = y.drawn[b][draw], yw = y.drawn[w][draw];
+      const bool as_good = !x.is_better(xw, xb) && !y.is_better(yw, yb);
+      count += as_good && (xb != xw || yb != yw) ? 1 : 0;
+    }
+    return static_cast<double>(count) / double{kEnergyDraws};
+  }
+};
+
+DrawnPair price_both(const Results& results, const Objective& x, const Objective& y, const ParetoFront& front) {
+  if (!energy_metric(x.column.name) && !energy_metric(y.column.name)) {
+    throw sim::InputError(fmt::format("--energy band: neither {} nor {} has joules that draws tell of; allowed: {}",
+                                      shown_name(x.column), shown_name(y.column), kEnergyMetrics));
+  }
+  std::vector<bool> may(results.rows().size());
+  for (const std::size_t row : front.all_rows()) may[row] = true;
+  EnergyBand band(results, may);
+  DrawnPair out{band.price_metric(x.column, x.most), band.price_metric(y.column, y.most),
+                std::vector<std::size_t>(may.size())};
+  for (std::size_t i = 0; i < out.x.rows.size(); ++i) out.at[out.x.rows[i]] = i;
+  return out;
+}
+
+/// Column with the share of draws in which each row is on the front: "86.5 %".
+Column shares_of(const DrawnPair& draws, std::size_t rows, bool csv) {
+  Column shares{"on the front in", std::vector<Value>(rows)};
+  const std::vector<double> found = EnergyBand::shares_on_front(draws.x, draws.y);
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    shares.values[draws.x.rows[i]] = csv ? Value(found[i]) : Value(fmt::format("{:.1f} %", 100 * found[i]));
+  }
+  return shares;
+}
+
+/// Adds, for each figure with energy, the ratio of each row to the best one under low, nominal and high tables.
+void add_ratios(const DrawnPair& draws, std::size_t rows, std::vector<Column>& columns) {
+  for (const BandedMetric* metric : {&draws.x, &draws.y}) {
+    if (!energy_metric(metric->name)) continue;
+    Column ratios{fmt::format("{} over the best, low / nominal / high tables", metric_name(metric->name)),
+                  std::vector<Value>(rows)};
+    const std::size_t best = metric->rank_points().front();
+    for (std::size_t i = 0; i < metric->rows.size(); ++i) {
+      ratios.values[metric->rows[i]] = metric->ratio_text(i, best);
+    }
+    columns.push_back(std::move(ratios));
+  }
+}
+
+/// Line about the noise of a figure; empty if it has none.
+std::string noise_line(const Objective& objective, const FigureNoise& noise) {
+  return noise.is_noisy() ? fmt::format("{}: {}\n", shown_name(objective.column), noise.describe()) : std::string();
+}
+
+/// True, by `front.rows`, for rows that are significantly better than each other row in one figure, at 5 % for all
+/// comparisons of a row together.
+std::vector<bool> surely_on_front(const Objective& x, const Objective& y, const FigureNoise& x_noise,
+                                  const FigureNoise& y_noise, const ParetoFront& front) {
+  const std::vector<std::size_t> all = front.all_rows();
+  const double level = kError / (2 * static_cast<double>(all.size()));
+  std::vector<bool> sure;
+  for (const std::size_t row : front.rows) {
+    sure.push_back(std::ranges::all_of(all, [&](std::size_t other) {
+      const bool is_equal = *x.value_of(row) == *x.value_of(other) && *y.value_of(row) == *y.value_of(other);
+      return is_equal || x_noise.p_value_better(row, other, x.most) <= level ||
+             y_noise.p_value_better(row, other, y.most) <= level;
+    }));
+  }
+  return sure;
+}
+
+}  // namespace
+
+Objective::Objective(const Results& results, const std::string& text)
+    : column(results.column(path_of(text))),
+      most(text.starts_with("max:") || (!text.starts_with("min:") && is_better_high(column.name))) {}
+
+std::optional<double> Objective::value_of(std::size_t row) const {
+  const std::optional<sweep::Magnitude> number = amount_of(column.values[row]);
+  return number ? std::optional(number->value) : std::nullopt;
+}
+
+std::string Objective::describe() const {
+  return fmt::format("{} ({} is better)", shown_name(column), most ? "more" : "less");
+}
+
+std::vector<std::size_t> ParetoFront::all_rows() const {
+  std::vector<std::size_t> rows_of_both = rows;
+  rows_of_both.insert(rows_of_both.end(), other.begin(), other.end());
+  return rows_of_both;
+}
+
+char ParetoFront::mark_of(std::size_t i) const {
+  constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ";
+  return rows.size() <= kLetters.size() ? kLetters[i] : '#';
+}
+
+ParetoFront find_front(const Objective& x, const Objective& y, const std::vector<bool>& may) {
+  struct Point {
+    std::size_t row;
+    double x, y;
+  };
+  std::vector<Point> points;
+  for (std::size_t row = 0; row < may.size(); ++row) {
+    const auto at_x = x.value_of(row), at_y = y.value_of(row);
+    if (may[row] && at_x && at_y) points.push_back({row, *at_x, *at_y});
+  }
+  std::ranges::stable_sort(points, [&](const Point& a, const Point& b) {
+    return a.x != b.x ? x.is_better(a.x, b.x) : y.is_better(a.y, b.y);
+  });
+  ParetoFront front;
+  const Point* last = nullptr;  // the best in y so far
+  for (const Point& point : points) {
+    const bool is_equal = last != nullptr && point.x == last->x && point.y == last->y;
+    const bool is_on_it = last == nullptr || is_equal || y.is_better(point.y, last->y);
+    (is_on_it ? front.rows : front.other).push_back(point.row);
+    if (is_on_it) last = &point;
+  }
+  return front;
+}
+
+std::vector<std::size_t> find_near_front(const Objective& x, const Objective& y, const FigureNoise& x_noise,
+                                         const FigureNoise& y_noise, const ParetoFront& front,
+                                         const std::function<bool(std::size_t better, std::size_t worse)>& sure) {
+  const std::vector<std::size_t> all = front.all_rows();
+  const double level = kError / static_cast<double>(all.size());
+  const auto is_as_good = [&](const Objective& o, const FigureNoise& noise, std::size_t better, std::size_t worse) {
+    return noise.p_value_better(better, worse, o.most) <= level ||
+           (!noise.is_noisy() && *o.value_of(better) == *o.value_of(worse));
+  };
+  const auto beats = [&](std::size_t better, std::size_t worse) {
+    if (*x.value_of(better) == *x.value_of(worse) && *y.value_of(better) == *y.value_of(worse)) return false;
+    return is_as_good(x, x_noise, better, worse) && is_as_good(y, y_noise, better, worse) &&
+           (!sure || sure(better, worse));
+  };
+  std::vector<std::size_t> near;
+  for (const std::size_t row : front.other) {
+    if (std::ranges::none_of(all, [&](std::size_t other) { return beats(other, row); })) near.push_back(row);
+  }
+  return near;
+}
+
+std::string pareto_text(const Results& results, const ParetoOptions& options, std::size_t width) {
+  Objective x(results, options.x), y(results, options.y);
+  const std::vector<bool> may = rows_meeting(results, options.where);
+  std::vector<std::size_t> rows;
+  for (std::size_t row = 0; row < may.size(); ++row) {
+    if (may[row] && x.value_of(row) && y.value_of(row)) rows.push_back(row);
+  }
+  const FigureNoise x_noise(results, x.column, rows), y_noise(results, y.column, rows);
+  x.column = x_noise.means();
+  y.column = y_noise.means();
+  ParetoFront front = find_front(x, y, may);
+  if (front.rows.empty()) {
+    const std::string missing = results.missing_text();
+    throw sim::InputError(fmt::format("no point has both {} and {}{}{}", shown_name(x.column), shown_name(y.column),
+                                      options.where.empty() ? "" : " and meets --where",
+                                      missing.empty() ? "" : "; " + missing));
+  }
+  std::optional<DrawnPair> draws;
+  std::function<bool(std::size_t, std::size_t)> sure;
+  if (options.band) {
+    draws = price_both(results, x, y, front);
+    sure = [&](std::size_t better, std::size_t worse) { return draws->share_dominating(better, worse) >= 1 - kError; };
+  }
+  front.near = find_near_front(x, y, x_noise, y_noise, front, sure);
+  front.sure = surely_on_front(x, y, x_noise, y_noise, front);
+  std::vector<Column> columns = {marks_of(front, results.rows().size(), options.csv), results.column("n")};
+  if (options.csv) {
+    columns.front().name = "front";
+    columns.push_back(results.column("id"));
+  }
+  const auto is_objective = [&](const Column& c) { return c.name == x.column.name || c.name == y.column.name; };
+  for (Column& column : results.varying_axes()) {
+    if (!is_objective(column)) columns.push_back(std::move(column));
+  }
+  columns.push_back(x.column);
+  columns.push_back(y.column);
+  if (draws) columns.push_back(shares_of(*draws, results.rows().size(), options.csv));
+  if (draws && !options.csv) add_ratios(*draws, results.rows().size(), columns);
+  std::vector<std::size_t> shown = front.rows;
+  shown.insert(shown.end(), front.near.begin(), front.near.end());
+  std::vector<std::string> names;
+  for (const Column& column : columns) names.push_back(options.csv ? column.name : shown_name(column));
+  const std::string table = table_text(names, columns, shown, options.csv);
+  if (options.csv) return table;
+  std::string out = pareto_plot(x, y, front, width) + noise_line(x, x_noise) + noise_line(y, y_noise) + "\n" + table;
+  if (draws) out += energy_draws_note({&x_noise, &y_noise});
+  return out + extrapolated_note(results, rows);
 }
 
 }  // namespace tools::results

@@ -1,5 +1,7 @@
 #pragma once
+
 #include <cstddef>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -14,10 +16,6 @@ namespace tools::results {
 /// from the best on, without `first`.
 std::vector<std::size_t> find_ties(const FigureNoise& noise, bool most, const std::vector<std::size_t>& candidates,
                                    std::size_t first);
-/// Writes the ties with the axes in which they differ, and for each axis its values among the ties and the share of the
-/// variance over all candidates that it explains.
-std::string ties_text(const Results& results, const FigureNoise& noise, const std::vector<std::size_t>& candidates,
-                      std::size_t first, const std::vector<std::size_t>& ties);
 
 struct BestOptions {
   std::string metric;
@@ -28,5 +26,48 @@ struct BestOptions {
 /// Writes the point with the highest or lowest metric (of equal ones the first), its configuration and the command that
 /// runs it again. `points`: of the sweep. InputError if no point meets the conditions.
 std::string best_text(const Results& results, std::span<const sweep::Point> points, const BestOptions& options);
+
+/// A figure to minimise or maximise.
+struct Objective {
+  Column column;
+  bool most = false;  ///< more is better
+
+  /// Parses "PATH", "min:PATH" or "max:PATH". The default is max for performance, performance per watt, utilisation and
+  /// PSNR, min for all else. InputError for unknown paths.
+  Objective(const Results& results, const std::string& text);
+  /// Value of a point as a number; nothing if it has none.
+  std::optional<double> value_of(std::size_t row) const;
+  bool is_better(double a, double b) const { return most ? a > b : a < b; }
+  std::string describe() const;
+};
+
+struct ParetoFront {
+  std::vector<std::size_t> rows;   ///< rows on the front, the best x first
+  std::vector<std::size_t> other;  ///< rows that have both figures and are dominated
+  std::vector<std::size_t> near;   ///< rows of `other` that may be on the front, given the noise
+  std::vector<bool> sure{};        ///< by `rows`: surely_on_front()
+  /// Rows of the front, then all others.
+  std::vector<std::size_t> all_rows() const;
+  /// Mark of a row of the front: a letter, or '#' if there are too many.
+  char mark_of(std::size_t i) const;
+};
+
+/// Finds the Pareto front of the rows selected by `may`: rows that no other row dominates.
+ParetoFront find_front(const Objective& x, const Objective& y, const std::vector<bool>& may);
+
+/// Returns the rows of `front.other` that no other row dominates significantly, at 5 % for all comparisons of a row
+/// together. `sure`: also requires that a row dominates another under the draws of the energy tables; may be empty.
+std::vector<std::size_t> find_near_front(const Objective& x, const Objective& y, const FigureNoise& x_noise,
+                                         const FigureNoise& y_noise, const ParetoFront& front,
+                                         const std::function<bool(std::size_t better, std::size_t worse)>& sure);
+
+struct ParetoOptions {
+  std::string x, y;
+  std::vector<std::string> where;
+  bool csv = false;
+  bool band = false;  ///< also price the points under draws of the energy tables
+};
+/// Writes the plot and the table of the front, or the front as CSV.
+std::string pareto_text(const Results& results, const ParetoOptions& options, std::size_t width);
 
 }  // namespace tools::results

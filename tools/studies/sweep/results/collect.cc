@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <chrono>
-#include <iterator>
 #include <limits>
 #include <new>
-#include <numeric>
 #include <thread>
 
 #include <SQLiteCpp/SQLiteCpp.h>
@@ -20,7 +18,7 @@
 #include "sim/sha256.h"
 #include "tools/host/parallel.h"
 #include "tools/host/standard_streams.h"
-#include "tools/studies/sweep/results/table.h"
+#include "tools/studies/sweep/results/results.h"
 
 namespace tools::results {
 namespace {
@@ -28,131 +26,67 @@ namespace {
 namespace fs = std::filesystem;
 using sim::Json;
 
-// Levels of nesting; the report itself is level 1.
-constexpr std::size_t kInHost = 2, kInFrames = 2, kInFrame = 3, kDeepest = 32;
+constexpr std::size_t kDeepest = 32;  // levels of nesting of a report
 
-/// Tracks the path of each value while a report is parsed: "totals.top_down.cores[2].boxes".
-class ReportScanner : public sim::JsonReader {
- public:
-  ReportScanner(MetricNames& names, ReportScan& scan) : names_(names), scan_(scan) {}
-
-  bool null() override { return add_value({}); }
-  bool boolean(bool is_true) override {
-    if (section_ == Section::kPartial) partial_ = is_true;
-    return add_value(std::string(is_true ? "true" : "false"));
-  }
-  bool integer(std::int64_t number) override { return add_value(number); }
-  bool natural(std::uint64_t number) override {
-    if (number > std::uint64_t{std::numeric_limits<std::int64_t>::max()}) return add_value(static_cast<double>(number));
-    return add_value(static_cast<std::int64_t>(number));
-  }
-  bool real(double number) override { return add_value(number); }
-  bool text(std::string& text) override {
-    if (section_ == Section::kSchema) schema_ = text;
-    return section_ == Section::kNone || add_value(text);
-  }
-  bool begin_object() override { return open_container(false); }
-  bool begin_array() override { return open_container(true); }
-  bool end_object() override { return close_container(); }
-  bool end_array() override { return close_container(); }
-  bool key(std::string& name) override {
-    if (levels_.size() == 1) begin_section(name);
-    if (section_ == Section::kNone) return true;
-    path_.resize(levels_.back().path);
-    if (levels_.size() > 1) path_ += '.';
-    path_ += name;
-    return true;
-  }
-
-  std::optional<std::string> find_problem() const {
-    if (!problem_.empty()) return problem_;
-    if (!schema_.starts_with("raywatt-")) return "it is no report: it has no schema";
-    if (partial_) return "it is of an interrupted run";
-    if (scan_.metrics.empty()) return "it has no totals";
-    return std::nullopt;
-  }
-
- private:
-  enum class Section { kNone, kSchema, kPartial, kTotals, kFrames, kHost };
-  struct Level {
-    std::size_t path;      ///< length of the path so far
-    std::int64_t element;  ///< number of the next element; -1: an object
+/// Returns a scalar as the index stores it; absent for null, arrays and objects.
+Value scalar_of(const Json& json) {
+  if (json.is_boolean()) return std::string(json.get<bool>() ? "true" : "false");
+  if (json.is_string()) return json.get<std::string>();
+  const auto is_large = [](const Json& j) {
+    return j.is_number_unsigned() && j.get<std::uint64_t>() > std::uint64_t{std::numeric_limits<std::int64_t>::max()};
   };
+  if (json.is_number_float() || is_large(json)) return json.get<double>();
+  return json.is_number_integer() ? Value(json.get<std::int64_t>()) : Value();
+}
 
-  bool refuse(std::string problem) {
-    problem_ = std::move(problem);
-    return false;
+/// Adds all scalars with their paths: "totals.top_down.cores[2].boxes".
+void add_metrics(const Json& json, const std::string& path, MetricNames& names, ReportScan& scan) {
+  if (json.is_array()) {
+    for (std::size_t i = 0; i < json.size(); ++i) add_metrics(json[i], fmt::format("{}[{}]", path, i), names, scan);
+  } else if (json.is_object()) {
+    for (const auto& [name, value] : json.items()) add_metrics(value, path + "." + name, names, scan);
+  } else if (Value value = scalar_of(json); !is_absent(value)) {
+    scan.metrics.emplace_back(names.number_of(path), std::move(value));
   }
+}
 
-  void begin_section(std::string_view name) {
-    section_ = name == "totals"    ? Section::kTotals
-               : name == "frames"  ? Section::kFrames
-               : name == "host"    ? Section::kHost
-               : name == "schema"  ? Section::kSchema
-               : name == "partial" ? Section::kPartial
-                                   : Section::kNone;
+/// Returns the scalars at these dotted paths; absent where there is none.
+template <std::size_t kCount>
+std::array<Value, kCount> scalars_at(const Json& json, const std::array<const char*, kCount>& paths) {
+  std::array<Value, kCount> values;
+  for (std::size_t i = 0; i < kCount; ++i) {
+    std::string pointer = std::string("/") + paths[i];
+    std::ranges::replace(pointer, '.', '/');
+    if (const sim::JsonPointer at(pointer); json.contains(at)) values[i] = scalar_of(json.at(at));
   }
-
-  /// Updates the path before an element of an array.
-  void begin_element() {
-    if (section_ == Section::kNone || levels_.empty() || levels_.back().element < 0) return;
-    if (section_ == Section::kFrames && levels_.size() == kInFrames) scan_.frames.emplace_back();
-    path_.resize(levels_.back().path);
-    path_ += fmt::format("[{}]", levels_.back().element++);
-  }
-
-  bool open_container(bool is_array) {
-    if (levels_.size() == kDeepest) return refuse("it is nested more deeply than any report");
-    begin_element();
-    levels_.push_back({path_.size(), is_array ? 0 : -1});
-    return true;
-  }
-  bool close_container() {
-    levels_.pop_back();
-    return true;
-  }
-
-  bool add_value(Value value) {
-    begin_element();
-    if (is_absent(value)) return true;
-    if (section_ == Section::kTotals) scan_.metrics.emplace_back(names_.number_of(path_), std::move(value));
-    if (section_ == Section::kHost) keep_if_named(kHostFacts, kInHost, scan_.host, std::move(value));
-    if (section_ == Section::kFrames && !scan_.frames.empty()) {
-      keep_if_named(kFrameFigures, kInFrame, scan_.frames.back(), std::move(value));
-    }
-    return true;
-  }
-
-  /// Keeps a value if its path below a level is one of `names`.
-  template <class Names, class Values>
-  void keep_if_named(const Names& names, std::size_t level, Values& values, Value value) const {
-    if (levels_.size() < level) return;
-    const auto found = std::ranges::find(names, std::string_view(path_).substr(levels_[level - 1].path + 1));
-    if (found != names.end()) values[static_cast<std::size_t>(found - names.begin())] = std::move(value);
-  }
-
-  MetricNames& names_;
-  ReportScan& scan_;
-  Section section_ = Section::kNone;
-  std::vector<Level> levels_;
-  std::string path_, schema_, problem_;
-  bool partial_ = false;
-};
+  return values;
+}
 
 }  // namespace
 
-std::optional<std::string> scan_report(std::string_view json, MetricNames& names, ReportScan& scan) {
-  ReportScanner scanner(names, scan);
+std::optional<std::string> scan_report(std::string_view text, MetricNames& names, ReportScan& scan) {
+  Json report;
   try {
-    sim::scan_json(json, scanner);
+    report = sim::parse_json(text);
   } catch (const sim::JsonError& error) {
-    const std::string_view text = error.what();
-    const std::size_t head = text.find("] ");  // end of "[json.exception.parse_error.101] "
-    return sim::printable(text.substr(head == std::string_view::npos ? 0 : head + 2));
+    const std::string_view what = error.what();
+    const std::size_t head = what.find("] ");  // end of "[json.exception.parse_error.101] "
+    return sim::printable(what.substr(head == std::string_view::npos ? 0 : head + 2));
   } catch (const sim::InputError& error) {
     return error.what();
   }
-  return scanner.find_problem();
+  if (sim::is_nested_deeper(text, kDeepest)) return "it is nested more deeply than any report";
+  const auto has = [&](const char* name) { return report.is_object() && report.contains(name); };
+  if (!has("schema") || !report["schema"].is_string() || !report["schema"].get<std::string>().starts_with("raywatt-")) {
+    return "it is no report: it has no schema";
+  }
+  if (has("partial") && report["partial"] == true) return "it is of an interrupted run";
+  if (has("totals")) add_metrics(report["totals"], "totals", names, scan);
+  if (has("frames") && report["frames"].is_array()) {
+    for (const Json& frame : report["frames"]) scan.frames.push_back(scalars_at(frame, kFrameFigures));
+  }
+  if (has("host")) scan.host = scalars_at(report["host"], kHostFacts);
+  return scan.metrics.empty() ? std::optional<std::string>("it has no totals") : std::nullopt;
 }
 
 namespace {
@@ -178,18 +112,10 @@ struct PointState {
 };
 
 std::vector<ListedPoint> list_points(std::span<const sweep::Point> points) {
-  constexpr std::pair<const char*, std::string sweep::Point::*> kSettings[] = {
-      {"scene", &sweep::Point::scene},
-      {"camera", &sweep::Point::camera},
-      {"frames", &sweep::Point::frames},
-      {"resolution", &sweep::Point::resolution},
-      {"program", &sweep::Point::program},
-      {"reference", &sweep::Point::reference},
-      {"tile_sampling", &sweep::Point::tile_sampling}};
   std::vector<ListedPoint> listed;
   for (const sweep::Point& point : points) {
     ListedPoint& line = listed.emplace_back(ListedPoint{static_cast<std::int64_t>(point.n), point.id, point.axes});
-    for (const auto& [name, member] : kSettings) {
+    for (const auto& [name, option, member, job] : sweep::kPointTexts) {
       const bool is_axis =
           std::ranges::find(point.axes, name, [](const auto& axis) { return axis.first; }) != point.axes.end();
       if (!is_axis && !(point.*member).empty()) line.axes.emplace_back(name, point.*member);

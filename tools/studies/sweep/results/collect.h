@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "tools/studies/sweep/results/results.h"
-#include "tools/studies/sweep/store/folder.h"
+#include "tools/studies/sweep/store/store.h"
 
 namespace tools::results {
 
@@ -64,8 +64,8 @@ struct ReportScan {
   std::vector<std::array<Value, kFrameFigures.size()>> frames;
   std::array<Value, kHostFacts.size()> host;
 };
-/// Reads a report in one pass, without building a tree. Returns its error, if any: truncated, no report, or of an
+/// Reads a report. Returns its error, if any: truncated, no report, or of an
 /// interrupted run.
-std::optional<std::string> scan_report(std::string_view json, MetricNames& names, ReportScan& scan);
+std::optional<std::string> scan_report(std::string_view text, MetricNames& names, ReportScan& scan);
 
 }  // namespace tools::results

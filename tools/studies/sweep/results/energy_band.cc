@@ -9,8 +9,8 @@
 #include "sim/error.h"
 #include "sim/io/printable.h"
 #include "sim/report/table.h"
-#include "tools/analysis/report_paths.h"
-#include "tools/studies/sweep/results/table.h"
+#include "tools/analysis/report_file.h"
+#include "tools/studies/sweep/results/results.h"
 
 namespace tools::results {
 namespace {

@@ -9,7 +9,6 @@
 
 #include "sim/io/json.h"
 #include "tools/analysis/report_file.h"
-#include "tools/analysis/report_paths.h"
 #include "tools/run/frame/job_options.h"
 
 namespace tools::results {

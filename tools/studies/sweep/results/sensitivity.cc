@@ -14,10 +14,10 @@
 #include "sim/hash.h"
 #include "sim/io/printable.h"
 #include "sim/report/table.h"
-#include "tools/analysis/report_paths.h"
+#include "tools/analysis/report_file.h"
+#include "tools/studies/sweep/results/best.h"
 #include "tools/studies/sweep/results/energy_band.h"
-#include "tools/studies/sweep/results/pareto.h"
-#include "tools/studies/sweep/results/table.h"
+#include "tools/studies/sweep/results/results.h"
 
 namespace tools::results {
 namespace {

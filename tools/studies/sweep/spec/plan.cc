@@ -210,11 +210,9 @@ std::string scene_from(const std::string& value, const fs::path& folder) {
 
 void set_work(Point& point, const std::string& key, const std::string& value, const fs::path& folder) {
   if (value.empty()) return;
-  if (key == "scene") point.scene = scene_from(value, folder);
-  if (key == "camera") point.camera = value;
-  if (key == "frames") point.frames = value;
-  if (key == "resolution") point.resolution = value;
-  if (key == "program") point.program = value;
+  const auto* const text =
+      std::ranges::find(kPointTexts, key, [](const PointText& t) { return std::string_view(t.name); });
+  point.*text->member = key == "scene" ? scene_from(value, folder) : value;
 }
 
 /// Checks one setting "key=value" on the base configuration; throws the InputError that a run would report.

@@ -18,42 +18,19 @@
 #include "traces/scenes/library.h"
 
 namespace tools::sweep {
-namespace {
 
 using sim::Json;
-
-/// Members that are plain texts, with their names in points.jsonl and as options of a run.
-struct Text {
-  const char* name;
-  const char* option;
-  std::string Point::*member;
-};
-constexpr Text kTexts[] = {{"scene", "--scene", &Point::scene},
-                           {"camera", "--camera", &Point::camera},
-                           {"frames", "--frames", &Point::frames},
-                           {"resolution", "--resolution", &Point::resolution},
-                           {"program", "--program", &Point::program},
-                           {"reference", "--reference", &Point::reference},
-                           {"tile_sampling", "--tile-sampling", &Point::tile_sampling}};
-
-}  // namespace
 
 JobOptions Point::run_options() const {
   JobOptions o;
   o.config = config;
-  o.scene = scene;
-  o.camera = camera;
-  o.frames = frames;
-  o.resolution = resolution;
-  o.program = program;
-  o.reference = reference;
-  o.tile_sampling = tile_sampling;
   o.image = tile_sampling.empty() || image ? "full" : "none";
   o.replicates = replicates;
   if (slices != 0) o.slices = std::to_string(slices);
   o.sets = sets;
   o.argv = {"raywatt", "run", config};
-  for (const Text& t : kTexts) {
+  for (const PointText& t : kPointTexts) {
+    o.*t.job = this->*t.member;
     if (!(this->*t.member).empty()) o.argv.insert(o.argv.end(), {t.option, this->*t.member});
   }
   if (o.image == "none") o.argv.insert(o.argv.end(), {"--image", "none"});
@@ -90,7 +67,7 @@ Json made_of(const Point& slice) {
 std::string to_line(const Point& point) {
   Json json = {{"n", point.n}, {"id", point.id}, {"axes", Json::object()}, {"config", point.config}};
   for (const auto& [name, value] : point.axes) json["axes"][name] = value;
-  for (const Text& t : kTexts) {
+  for (const PointText& t : kPointTexts) {
     if (!(point.*t.member).empty()) json[t.name] = point.*t.member;
   }
   if (point.image) json["image"] = true;
@@ -124,7 +101,7 @@ Point read_line(const std::string& line, const std::string& where) {
     }
     for (const auto& [name, value] : json.at("axes").items()) point.axes.emplace_back(name, value.get<std::string>());
     point.config = json.at("config").get<std::string>();
-    for (const Text& t : kTexts) point.*t.member = json.value(t.name, "");
+    for (const PointText& t : kPointTexts) point.*t.member = json.value(t.name, "");
     point.image = json.value("image", false);
     const auto number = [&](const char* name, std::uint32_t otherwise) {
       return json.contains(name) ? sim::whole_number<std::uint32_t>(json[name], where + ": the number '" + name + "'")

@@ -56,6 +56,22 @@ struct Point {
   JobOptions run_options() const;
 };
 
+/// A member of a point that is a plain text.
+struct PointText {
+  const char* name;    ///< in the files of a sweep
+  const char* option;  ///< of `raywatt run`
+  std::string Point::*member;
+  std::string JobOptions::*job;
+};
+inline constexpr PointText kPointTexts[] = {
+    {"scene", "--scene", &Point::scene, &JobOptions::scene},
+    {"camera", "--camera", &Point::camera, &JobOptions::camera},
+    {"frames", "--frames", &Point::frames, &JobOptions::frames},
+    {"resolution", "--resolution", &Point::resolution, &JobOptions::resolution},
+    {"program", "--program", &Point::program, &JobOptions::program},
+    {"reference", "--reference", &Point::reference, &JobOptions::reference},
+    {"tile_sampling", "--tile-sampling", &Point::tile_sampling, &JobOptions::tile_sampling}};
+
 /// Lists the slices of a point in order; none if it is not cut.
 std::vector<Point> slices_of(const Point& point);
 /// Returns the whole point of a slice.

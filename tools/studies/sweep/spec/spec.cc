@@ -28,6 +28,8 @@ constexpr std::size_t kMostAxes = 64, kMostValues = 10'000, kMostKeys = 64, kMos
 constexpr std::uint64_t kMostSpecBytes = 1 << 20;
 constexpr std::string_view kSpecSchema = "raywatt-sweep/1";
 constexpr std::uint64_t kMostSlices = 10'000;
+constexpr std::array<std::pair<std::string_view, std::string Spec::*>, 4> kTextKeys = {
+    {{"question", &Spec::question}, {"config", &Spec::config}, {"scene", &Spec::scene}, {"camera", &Spec::camera}}};
 constexpr std::array<std::string_view, 21> kSpecKeys = {
     "schema",     "question", "config",    "sets",      "scene",         "camera",     "frames",
     "resolution", "program",  "reference", "workloads", "programs",      "axes",       "exclude",
@@ -546,17 +548,12 @@ Spec read_spec(const YamlValue& root, std::string_view schema, std::span<const s
     const std::string& key = entry.key();
     if (std::ranges::find(others, key) != others.end()) continue;
     spec.key_positions[key] = entry.where();
+    const auto plain = std::ranges::find(kTextKeys, key, &std::pair<std::string_view, std::string Spec::*>::first);
     if (key == "schema") continue;
-    if (key == "question") {
-      spec.question = entry.text();
-    } else if (key == "config") {
-      spec.config = entry.text();
+    if (plain != kTextKeys.end()) {
+      spec.*plain->second = entry.text();
     } else if (key == "sets") {
       spec.sets = entry.list_of_texts();
-    } else if (key == "scene") {
-      spec.scene = entry.text();
-    } else if (key == "camera") {
-      spec.camera = entry.text();
     } else if (key == "frames") {
       spec.frames = parsable_text(entry, parse_frames);
     } else if (key == "resolution") {

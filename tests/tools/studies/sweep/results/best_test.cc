@@ -8,7 +8,6 @@
 #include "tests/tools/program.h"
 #include "tests/tools/studies/sweep/results/made_sweep.h"
 #include "tools/studies/sweep/results/figure_noise.h"
-#include "tools/studies/sweep/results/pareto.h"
 
 // raywatt sweep best
 

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "tools/studies/sweep/results/table.h"
+#include "tools/studies/sweep/results/results.h"
 
 namespace test {
 namespace {

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/tools/studies/sweep/small_sweep.h"
-#include "tools/studies/sweep/results/pareto.h"
+#include "tools/studies/sweep/results/best.h"
 
 // Sweeps under draws of their energy tables.
 

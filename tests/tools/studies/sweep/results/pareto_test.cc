@@ -1,5 +1,3 @@
-#include "tools/studies/sweep/results/pareto.h"
-
 #include <algorithm>
 
 #include <gtest/gtest.h>
@@ -8,6 +6,7 @@
 #include "sim/error.h"
 #include "sim/hash.h"
 #include "tests/tools/studies/sweep/results/made_sweep.h"
+#include "tools/studies/sweep/results/best.h"
 
 // raywatt sweep pareto
 

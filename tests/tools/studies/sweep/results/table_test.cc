@@ -1,5 +1,3 @@
-#include "tools/studies/sweep/results/table.h"
-
 #include <array>
 
 #include <gtest/gtest.h>
@@ -8,6 +6,7 @@
 #include "sim/error.h"
 #include "tests/tools/program.h"
 #include "tests/tools/studies/sweep/results/made_sweep.h"
+#include "tools/studies/sweep/results/results.h"
 
 // raywatt sweep table
 

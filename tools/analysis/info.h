@@ -1,10 +1,12 @@
 #pragma once
+
 #include <cstdint>
 #include <string>
 
 #include "sim/io/json.h"
 #include "traces/accel/memory_image.h"
 #include "traces/scene/scene.h"
+#include "traces/trace_file/trace_reader.h"
 
 namespace tools {
 
@@ -20,5 +22,10 @@ sim::Json scene_info_json(const traces::Scene& scene, const traces::MemoryImage&
 
 /// Formats the description; `cameras`: with the position of each camera.
 std::string scene_info_text(const sim::Json& info, bool cameras);
+
+/// Returns the contents of a trace, schema raywatt-trace-info/1. InputError if the trace is damaged.
+sim::Json trace_info(const traces::TraceReader& trace);
+/// Formats the contents for a terminal, without the keys.
+std::string trace_info_text(const sim::Json& info);
 
 }  // namespace tools
