@@ -159,7 +159,7 @@ void ConfigLoader::choose_bundles(std::span<const std::string> sets) {
     const ConfigNode* node = root_.find_child(std::string_view(set).substr(0, equals));
     if (node == nullptr || node->bundle.empty() || equals + 1 >= set.size()) continue;
     const std::string at = std::string(kSetOrigin) + printable(set);
-    bundles_[node->path] = {set_value(set.substr(equals + 1), at)->scalar, at, {}};
+    bundles_[node->path] = {parse_set_value(set.substr(equals + 1), at)->scalar, at, {}};
   }
 }
 

@@ -20,7 +20,7 @@ namespace {
 constexpr double kPicojoulesPerJoule = 1e12;
 constexpr double kMilliwattsPerWatt = 1e3;
 /// Most frames of a run, so that it ends within minutes.
-constexpr double kMostFrames = 1e9;
+constexpr double kMostSustainedFrames = 1e9;
 /// Tolerance for rounding in sums of frames' times.
 constexpr double kTimeRounding = 1e-9;
 
@@ -165,10 +165,10 @@ SustainFrame sustain_frame(const sim::EnergyReport& energy, sim::Time elapsed) {
 
 Sustained sustain(const std::vector<SustainStep>& steps, const SustainSetup& setup) {
   const double shortest = steps.front().frames.front().seconds;
-  if (!(setup.seconds / shortest <= kMostFrames)) {
+  if (!(setup.seconds / shortest <= kMostSustainedFrames)) {
     throw sim::InputError(
         fmt::format("thermal.minutes: {:.4g} minutes of frames of {:.3g} s; allowed: at most {:.0e} frames",
-                    setup.seconds / 60, shortest, kMostFrames));
+                    setup.seconds / 60, shortest, kMostSustainedFrames));
   }
   Device device(steps, setup);
   for (std::size_t frame = 0; !device.run_frame(frame); ++frame) {
