@@ -44,7 +44,7 @@ class Launcher {
   using PointWatch = std::function<void(std::size_t point, PointStatus status)>;
   /// Called when a slice of a point has ended, with the index of the point.
   using SliceWatch = std::function<void(std::size_t point)>;
-  /// Returns when all points have ended or an interrupt waits (tools/host/interrupt.h; the caller holds interrupts).
+  /// Returns when all points have ended or an interrupt waits (tools/host/process.h; the caller holds interrupts).
   /// IoError if the store cannot be written; finished points are kept.
   BatchEnd run(
       std::span<const Point> points, const PointWatch& watch = [](std::size_t, PointStatus) {},
