@@ -579,16 +579,17 @@ void check_json_depth(std::string_view json, std::size_t levels) {
   }
 }
 
-/// Builds a Json value from the events of a JSON parser.
-class JsonBuilder : public JsonReader {
+/// Builds a value from the events of the nlohmann JSON parser.
+class JsonBuilder : public nlohmann::json_sax<nlohmann::json> {
  public:
   bool null() override { return add_value(Json()); }
   bool boolean(bool value) override { return add_value(value); }
-  bool integer(std::int64_t value) override { return add_value(value); }
-  bool natural(std::uint64_t value) override { return add_value(value); }
-  bool real(double value) override { return add_value(value); }
-  bool text(std::string& value) override { return add_value(std::move(value)); }
-  bool key(std::string& name) override {
+  bool number_integer(number_integer_t value) override { return add_value(value); }
+  bool number_unsigned(number_unsigned_t value) override { return add_value(value); }
+  bool number_float(number_float_t value, const string_t& /*digits*/) override { return add_value(value); }
+  bool string(string_t& value) override { return add_value(std::move(value)); }
+  bool binary(binary_t& /*bytes*/) override { return false; }
+  bool key(string_t& name) override {
     Json::Object& object = *open_.back()->value_.object;
     Json::Entry* entry = object.find(name);
     if (entry == nullptr && object.entries.size() == kMostJsonKeys) {
@@ -597,10 +598,14 @@ class JsonBuilder : public JsonReader {
     member_ = entry != nullptr ? &entry->value : &object.add(std::move(name));
     return true;
   }
-  bool begin_object() override { return begin_container(Json::object()); }
-  bool begin_array() override { return begin_container(Json::array()); }
+  bool start_object(std::size_t /*elements*/) override { return begin_container(Json::object()); }
+  bool start_array(std::size_t /*elements*/) override { return begin_container(Json::array()); }
   bool end_object() override { return end_container(); }
   bool end_array() override { return end_container(); }
+  bool parse_error(std::size_t byte, const std::string& /*token*/, const nlohmann::detail::exception& error) override {
+    const bool is_syntax = dynamic_cast<const nlohmann::json::parse_error*>(&error) != nullptr;
+    throw JsonError(is_syntax ? JsonError::Kind::kSyntax : JsonError::Kind::kNumberRange, error.what(), byte);
+  }
 
   Json take_value() { return std::move(root_); }
 
@@ -633,58 +638,17 @@ class JsonBuilder : public JsonReader {
   Json* member_ = nullptr;   ///< of the last key
 };
 
-namespace {
-
-/// Forwards the events of the nlohmann JSON parser to a JsonReader.
-class Adapter : public nlohmann::json_sax<nlohmann::json> {
- public:
-  explicit Adapter(JsonReader& reader) : reader_(reader) {}
-
-  bool null() override { return reader_.null(); }
-  bool boolean(bool value) override { return reader_.boolean(value); }
-  bool number_integer(number_integer_t value) override { return reader_.integer(value); }
-  bool number_unsigned(number_unsigned_t value) override { return reader_.natural(value); }
-  bool number_float(number_float_t value, const string_t& /*digits*/) override { return reader_.real(value); }
-  bool string(string_t& value) override { return reader_.text(value); }
-  bool binary(binary_t& /*bytes*/) override { return false; }
-  bool start_object(std::size_t /*elements*/) override { return reader_.begin_object(); }
-  bool key(string_t& name) override { return reader_.key(name); }
-  bool end_object() override { return reader_.end_object(); }
-  bool start_array(std::size_t /*elements*/) override { return reader_.begin_array(); }
-  bool end_array() override { return reader_.end_array(); }
-  bool parse_error(std::size_t byte, const std::string& /*token*/, const nlohmann::detail::exception& error) override {
-    const bool is_syntax = dynamic_cast<const nlohmann::json::parse_error*>(&error) != nullptr;
-    throw JsonError(is_syntax ? JsonError::Kind::kSyntax : JsonError::Kind::kNumberRange, error.what(), byte);
-  }
-
- private:
-  JsonReader& reader_;
-};
-
-void read_json(std::string_view text, JsonReader& reader) {
-  Adapter adapter(reader);
-  nlohmann::json::sax_parse(text.begin(), text.end(), &adapter);
-}
-
-}  // namespace
-
 Json parse_json(std::string_view text, std::size_t levels) {
   check_json_depth(text, levels);
   JsonBuilder builder;
-  read_json(text, builder);
+  nlohmann::json::sax_parse(text.begin(), text.end(), &builder);
   return builder.take_value();
 }
 
 Json parse_json(std::istream& text) {
   JsonBuilder builder;
-  Adapter adapter(builder);
-  nlohmann::json::sax_parse(text, &adapter, nlohmann::json::input_format_t::json, false);
+  nlohmann::json::sax_parse(text, &builder, nlohmann::json::input_format_t::json, false);
   return builder.take_value();
-}
-
-void scan_json(std::string_view text, JsonReader& reader) {
-  check_json_depth(text);
-  read_json(text, reader);
 }
 
 }  // namespace sim

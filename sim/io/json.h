@@ -326,25 +326,4 @@ T whole_number(const Json& json, std::string_view what) {
                       std::to_string(std::numeric_limits<T>::max()));
 }
 
-/// Receives the values and brackets of a JSON text as events, in the order of the text. A function that returns false
-/// ends the parsing.
-class JsonReader {
- public:
-  virtual ~JsonReader() = default;
-  virtual bool null() = 0;
-  virtual bool boolean(bool value) = 0;
-  virtual bool integer(std::int64_t value) = 0;  ///< below 0
-  virtual bool natural(std::uint64_t value) = 0;
-  virtual bool real(double value) = 0;
-  virtual bool text(std::string& value) = 0;
-  virtual bool key(std::string& name) = 0;
-  virtual bool begin_object() = 0;
-  virtual bool end_object() = 0;
-  virtual bool begin_array() = 0;
-  virtual bool end_array() = 0;
-};
-
-/// Parses untrusted JSON text and sends its events to a reader. Throws as parse_json() does, without the limit on keys.
-void scan_json(std::string_view text, JsonReader& reader);
-
 }  // namespace sim

@@ -115,7 +115,7 @@ TEST(Published, IsRefusedWithItsPlaceIfInvalid) {
 
 TEST(Reproduce, SkipsMissingScenesAndNamesTheirFiles) {
   const TempFolder folder;
-  Options options;
+  tools::reproduce::Options options;
   options.paper = "kim2016";
   const tools::reproduce::View kitchen{
       .scene = "kitchen", .stand_in = "", .files = {"kitchen.glb", "kitchen-866k.glb"}};
@@ -135,7 +135,7 @@ TEST(Reproduce, SkipsMissingScenesAndNamesTheirFiles) {
 
 TEST(Reproduce, UsesABuiltInSceneOnlyWithoutTheOriginal) {
   const TempFolder folder;
-  Options options;
+  tools::reproduce::Options options;
   const tools::reproduce::View car{.scene = "car", .stand_in = "car", .files = {"car-62k.glb"}};
   EXPECT_EQ(Runner(options).stand_in(car), "car");
   options.scenes = folder.path();
@@ -145,7 +145,7 @@ TEST(Reproduce, UsesABuiltInSceneOnlyWithoutTheOriginal) {
 }
 
 TEST(Reproduce, ComparesARunWithAReferenceOnAnotherTree) {
-  Options options;
+  tools::reproduce::Options options;
   options.threads = 1;
   Runner runner(options);
   Case c{.view = {.scene = "teapot", .stand_in = "teapot", .files = {}},
@@ -178,7 +178,7 @@ TEST(Reproduce, MeasuresFigure7OfLeeOnUnitsAloneAndTheFrameOnTheWholeMachine) {
 }
 
 TEST(Reproduce, CountsMoreOperationsForAnInterpolatedSampleThanForATracedOne) {
-  Options options;
+  tools::reproduce::Options options;
   options.threads = 1;
   Runner runner(options);
   Case c{.view = {.scene = "conference", .stand_in = "kim2016-conference", .files = {}},
