@@ -306,7 +306,7 @@ TEST_F(Optimise, TakesTheSustainedFrameRateAsObjectiveAndConstraint) {
       run("axes: {cores: [1, 2], clocks.tni: [300 MHz, 400 MHz, 500 MHz, 600 MHz]}\nsets: [thermal.minutes=0.1]\n"
           "objectives: [{max: sustained_fps}]\nconstraints: [sustained_fps > 1, stability >= 0.5]\nbudget: 4\n");
   ASSERT_EQ(ending.exit, 0) << ending.err;
-  EXPECT_SAYS(ending.out, "front of max sustained_fps");
+  EXPECT_SAYS(ending.out, "best: max sustained_fps");
   for (const Json& point : history()) EXPECT_GT(point["figures"]["totals.sustained_fps"], 1) << point;
 }
 
