@@ -258,4 +258,25 @@ void Gpu::warm_caches(const traces::TileWork& work, std::uint32_t core) {
       });
 }
 
+CacheContents Gpu::cache_contents() const {
+  CacheContents contents;
+  for (const Core& core : cores_) {
+    for (const Trv* trv : core.tni.trvs()) contents.first_level.push_back(trv->l1_tags());
+    contents.first_level.push_back(core.tni.ist().l1_tags());
+    contents.first_level.push_back(core.srp->cache_tags());
+  }
+  for (const L2Bank* bank : memory_.l2_banks()) contents.l2.push_back(bank->store());
+  return contents;
+}
+
+void Gpu::set_cache_contents(const CacheContents& contents) {
+  auto next = contents.first_level.begin();
+  for (const Core& core : cores_) {
+    for (Trv* trv : core.tni.trvs()) trv->set_l1_tags(*next++);
+    core.tni.ist().set_l1_tags(*next++);
+    core.srp->set_cache_tags(*next++);
+  }
+  for (std::size_t i = 0; i < contents.l2.size(); ++i) memory_.l2_banks()[i]->set_store(contents.l2[i]);
+}
+
 }  // namespace hw

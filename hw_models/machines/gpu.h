@@ -43,6 +43,13 @@ struct Perturbation {
 /// Returns the timing perturbation of one repetition of a frame, from a hash; repetition 0 is unperturbed.
 Perturbation random_perturbation(std::uint32_t cores, std::uint32_t frame, std::uint32_t replicate);
 
+/// Lines in the caches of a machine between two frames.
+struct CacheContents {
+  std::vector<CacheTags> first_level;  ///< core by core: TRVs, IST, data cache
+  std::vector<L2Store> l2;             ///< by bank
+  std::vector<L2Store> slc;            ///< by slice of the system cache, which may hold dirty lines
+};
+
 /// The simulated GPU: cores, the memory side that they share, and the tile dispatcher.
 ///
 ///   tile dispatcher --> core x n: SRP <--direct interface--> T&I unit        core ports       L2 banks    channels
@@ -101,6 +108,10 @@ class Gpu {
   /// Puts the cache lines that a tile reads into the caches of a core, and those that miss there into the L2. Takes no
   /// simulated time and counts no accesses.
   void warm_caches(const traces::TileWork& work, std::uint32_t core);
+  /// Returns the lines in all caches, before the first cycle or after the last.
+  CacheContents cache_contents() const;
+  /// Replaces the lines in all caches, before the first cycle, by those of a machine with equal caches.
+  void set_cache_contents(const CacheContents& contents);
 
  private:
   struct Core {

@@ -71,6 +71,10 @@ class L1Cache {
     return false;
   }
 
+  const CacheTags& tags() const { return tags_; }
+  /// Replaces the cached lines. No miss may be outstanding.
+  void set_tags(const CacheTags& tags) { tags_ = tags; }
+
   /// True if the line is cached. Does not change the replacement order.
   bool has_line(Addr line) const { return ideal_ || tags_.has_line(line); }
   /// Prefetches, on the host, the tags that a probe for the line will read. The simulated cache is not changed.

@@ -195,6 +195,9 @@ class L2Bank {
   void warm_line(Addr line) {
     if (store_.look_up(line, 0) == L2Store::Found::kNot) store_.allocate(line, kWholeLine, 0);
   }
+  const L2Store& store() const { return store_; }
+  /// Replaces the cached lines, before the first cycle.
+  void set_store(const L2Store& store) { store_ = store; }
 
  private:
   struct Reply {

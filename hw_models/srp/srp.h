@@ -119,6 +119,8 @@ class Srp {
   void finish(sim::Time end);
   std::string state() const;
   bool warm_line(Addr line) { return cache_.warm_line(line); }
+  const CacheTags& cache_tags() const { return cache_.tags(); }
+  void set_cache_tags(const CacheTags& tags) { cache_.set_tags(tags); }
 
  private:
   static constexpr std::uint32_t kNoItem = 0xffffffffU;    ///< marks that the lines of no item are collected

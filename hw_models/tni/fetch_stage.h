@@ -163,6 +163,8 @@ class FetchStage {
   /// Prefetches, on the host, the tags that a probe for the line will read. The simulated cache is not changed.
   void prefetch_tags_on_host(Addr line) const { l1_.prefetch_tags_on_host(line); }
   bool warm_line(Addr line) { return l1_.warm_line(line); }
+  const CacheTags& l1_tags() const { return l1_.tags(); }
+  void set_l1_tags(const CacheTags& tags) { l1_.set_tags(tags); }
 
   /// True if a prefetch would leave an MSHR free for demand misses.
   bool can_prefetch() const { return l1_.free_mshrs() >= 2; }

@@ -92,6 +92,8 @@ class Ist {
   bool idle() const { return occupied_ == 0; }
   std::string state() const;
   bool warm_line(Addr line) { return fetch_.warm_line(line); }
+  const CacheTags& l1_tags() const { return fetch_.l1_tags(); }
+  void set_l1_tags(const CacheTags& tags) { fetch_.set_l1_tags(tags); }
 
  private:
   struct Slot {

@@ -18,6 +18,14 @@ enum class Voltage : std::uint8_t {
 };
 constexpr std::array<std::string_view, 2> names_of(Voltage) { return {"nominal", "dvfs"}; }
 
+/// State of the chip between frames.
+enum class ChipIdle : std::uint8_t {
+  kPowerGated,  ///< `idle_leakage` of the leakage remains
+  kClockGated,  ///< supplied, without clocks: all leakage
+  kClocked,     ///< supplied and clocked: leakage, and the clock of idle units
+};
+constexpr std::array<std::string_view, 3> names_of(ChipIdle) { return {"power_gated", "clock_gated", "clocked"}; }
+
 /// Operating conditions of the chip, such as voltage and temperature: one file of configs/power. The defaults leave
 /// energies unscaled.
 struct PowerConfig {
@@ -29,6 +37,7 @@ struct PowerConfig {
   double temperature = 75, nominal_temperature = 75;
   double leakage_exponent = 3;
   double leakage_doubling = 25;
+  ChipIdle idle = ChipIdle::kPowerGated;
   double idle_leakage = 0.03;
 
   static void describe(auto& c, auto&& field) {
@@ -48,7 +57,10 @@ struct PowerConfig {
     power(NAMED(c.nominal_temperature), "C", "temperature of the energy table", between(-40, 150));
     power(NAMED(c.leakage_exponent), "", "power of the voltage with which leakage grows", between(0, 20));
     power(NAMED(c.leakage_doubling), "C", "rise of temperature that doubles leakage", between(1, 1000));
-    power(NAMED(c.idle_leakage), "", "share of the leakage that remains between frames (raywatt dvfs)", between(0, 1));
+    power(NAMED(c.idle), "",
+          "state of the chip between frames: without supply, without clocks, or with the clocks of idle units", any());
+    power(NAMED(c.idle_leakage), "", "share of the leakage that remains between frames with idle power_gated",
+          between(0, 1));
   }
   void check(auto&& complain) const {
     for (const auto& [name, volt] : dvfs) {

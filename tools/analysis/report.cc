@@ -26,6 +26,7 @@
 #include "sim/report/table.h"
 #include "sim/report/table_checks.h"
 #include "tools/analysis/picture.h"
+#include "tools/analysis/rate_report.h"
 #include "tools/analysis/top_down.h"
 #include "tools/analysis/units.h"
 #include "tools/host/build_info.h"
@@ -200,12 +201,7 @@ Json replicates_json(const ComparedResult& result, const Json& plain) {
     if (!std::ranges::all_of(plays, has_it)) continue;
     std::vector<double> values;
     for (const Json& play : plays) values.push_back(play.at(at).get<double>());
-    const Draws draws = draws_of(values);
-    out["figures"][at] = {{"mean", draws.mean},
-                          {"deviation", draws.deviation},
-                          {"low", draws.mean - draws.half_width()},
-                          {"high", draws.mean + draws.half_width()},
-                          {"values", values}};
+    out["figures"][at] = statistics_json(values);
   }
   return out;
 }
@@ -219,6 +215,15 @@ std::optional<Draws> draws_in(const ReportFile& report, const std::string& metri
 }
 
 }  // namespace
+
+Json statistics_json(const std::vector<double>& values) {
+  const Draws draws = draws_of(values);
+  return {{"mean", draws.mean},
+          {"deviation", draws.deviation},
+          {"low", draws.mean - draws.half_width()},
+          {"high", draws.mean + draws.half_width()},
+          {"values", values}};
+}
 
 std::string replicates_text(const Json& replicates) {
   const Json& f = replicates["figures"];
@@ -553,6 +558,7 @@ Json report_json(const ReportInput& report) {
   const FrameResult& run = report.result.run;
   Json totals = totals_json(report.result);
   add_area(totals, run.units, inputs.config);
+  add_frame_rate(totals, run, report.frames, inputs.config);
   if (!run.sustained.empty()) add_sustained(totals, sustain(run.sustained, sustain_setup(inputs.config)));
   totals["extrapolated"] = table_warnings(inputs.config, run.units).size();
   Json out = {{"schema", "raywatt-report/1"},

@@ -74,6 +74,8 @@ std::optional<double> kernel_share(const FrameResult& run, KernelGroup group);
 /// Returns the share of time in which a core's T&I unit has no rays while its SRP runs checks or interpolation.
 std::optional<double> starved_share(const FrameResult& run);
 
+/// Returns mean, deviation and 95 % interval of a metric from its values in all simulations.
+sim::Json statistics_json(const std::vector<double>& values);
 /// Formats the statistics as one line, and as a table of the main metrics.
 std::string replicates_text(const sim::Json& replicates);
 std::string replicates_table(const sim::Json& replicates);

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "sim/io/json.h"
+#include "tools/analysis/rate_report.h"
 #include "tools/analysis/report.h"
 #include "tools/analysis/top_down.h"
 
@@ -191,6 +192,10 @@ std::string overview_text(const Json& report) {
   line("energy", band_text(t["energy_mj"], 1, "mJ  (low / nominal / high)") + half_interval(t, "energy_mj"));
   line("power", band_text(t["power_w"], 1, "W"));
   line("efficiency", efficiency_text(t));
+  if (t.contains("at_fps")) {
+    line("at the frame rate", frame_rate_text(t));
+    if (const std::string points = operating_points_text(t); !points.empty()) line("clocks for it", points);
+  }
   if (t.contains("area_mm2")) line("area", area_text(t));
   if (t.contains("sustained")) line("sustained", sustained_text(t));
   if (t.contains("replicates")) line("replicates", replicates_text(t["replicates"]));

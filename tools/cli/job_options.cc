@@ -66,6 +66,14 @@ void add_frames_option(CLI::App& verb, JobOptions& options) {
   verb.add_option("--frames", options.frames, "frames of an animation: A:B (both included), or A (default: 0)");
 }
 
+void add_fps_option(CLI::App& verb, std::vector<std::string>& sets) {
+  require_positive(*verb.add_option_function<std::string>(
+                            "--fps", [&sets](const std::string& fps) { sets.push_back("frame.fps=" + fps); },
+                            "target frame rate: also report power_at_fps_w, fps_margin and the clocks that suffice\n"
+                            "(docs/frame-rate.md)")
+                        ->type_name("NUMBER"));
+}
+
 void add_ideal_option(CLI::App& verb, JobOptions& options) {
   std::vector<std::string> names;
   for (const hw::IdealConfig::Resource& resource : hw::IdealConfig::kResources) names.emplace_back(resource.name);
@@ -98,7 +106,7 @@ void add_rays_option(CLI::App& verb, JobOptions& options) {
       "trace the rays of this file, 8 floats each (origin, t_min, direction, t_max), on the T&I units only");
   for (const char* other :
        {"--program", "--camera", "--resolution", "--frames", "--reference", "--record", "--debug-images",
-        "--tile-sampling", "--slices", "--image", "--replicates", "--intervals", "--watch", "--timeline"}) {
+        "--tile-sampling", "--slices", "--image", "--replicates", "--intervals", "--watch", "--timeline", "--fps"}) {
     if (CLI::Option* option = verb.get_option_no_throw(other)) rays->excludes(option);
   }
 }

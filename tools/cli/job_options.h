@@ -20,6 +20,8 @@ void add_rays_option(CLI::App& verb, JobOptions& options);
 void add_timeline_option(CLI::App& verb, JobOptions& options);
 /// Adds --reference.
 void add_reference_option(CLI::App& verb, JobOptions& options);
+/// Adds --fps, which sets frame.fps.
+void add_fps_option(CLI::App& verb, std::vector<std::string>& sets);
 /// Adds --ideal.
 void add_ideal_option(CLI::App& verb, JobOptions& options);
 /// Adds the options of the output folder and of messages.

@@ -20,6 +20,7 @@ void add_run(CLI::App& app, const std::vector<std::string>& argv, int&) {
   add_frames_option(*verb, *options);
   add_ideal_option(*verb, *options);
   add_output_options(*verb, *options);
+  add_fps_option(*verb, options->sets);
   add_reference_option(*verb, *options);
   verb->add_option("--record", options->record, "also write the work to this trace file, for raywatt trace replay");
   verb->add_flag(
@@ -113,6 +114,7 @@ void add_replay(CLI::App& group, const std::vector<std::string>& argv) {
   options->argv = argv;
   add_arguments(*verb, *arguments);
   add_set_option(*verb, options->sets);
+  add_fps_option(*verb, options->sets);
   add_ideal_option(*verb, *options);
   verb->add_option("--threads", options->threads, "host threads (default: all cores)")->check(CLI::Range(1, 1024));
   add_intervals_option(*verb, *options);

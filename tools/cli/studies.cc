@@ -15,6 +15,7 @@
 #include "tools/host/progress.h"
 #include "tools/host/standard_streams.h"
 #include "tools/run/frame/job_options.h"
+#include "tools/pricing/rated_report.h"
 #include "tools/studies/baseline/baseline.h"
 #include "tools/studies/bench/bench.h"
 #include "tools/studies/bottleneck/bottleneck.h"
@@ -92,6 +93,7 @@ void add_optimise(CLI::App& app, int& exit) {
   verb->add_option("--fidelity", options->fidelity,
                    "sampled: evaluate points by tile sampling first (default: the file's)")
       ->check(CLI::IsMember({"full", "sampled"}));
+  add_fps_option(*verb, options->sets);
   verb->add_flag("--quiet", options->quiet, "no table, no bar");
   add_progress_option(*verb, options->progress);
   verb->footer(
@@ -213,6 +215,7 @@ namespace {
 struct CompareOptions {
   std::vector<std::string> paths;
   std::uint32_t replicates = 1, threads = 0;
+  double fps = 0;
   std::string progress = "auto";
   bool json = false;
 };
@@ -225,6 +228,9 @@ void run_comparison(const CompareOptions& options) {
     progress.expect_parts(options.replicates * static_cast<std::uint32_t>(reports.size()));
     for (ReportFile& report : reports) add_replicates(report, options.replicates, options.threads, &progress);
     progress.finish("done");
+  }
+  if (options.fps > 0) {
+    for (ReportFile& report : reports) set_frame_rate(report, options.fps);
   }
   std::vector<Comparison> against;
   for (std::size_t i = 1; i < reports.size(); ++i) against.push_back(compare(reports.front(), reports[i]));
@@ -253,6 +259,10 @@ void add_compare(CLI::App& app) {
       ->capture_default_str();
   verb->add_option("--threads", options->threads, "host threads of the replicates (default: all cores)")
       ->check(CLI::Range(1, 1024));
+  require_positive(*verb->add_option("--fps", options->fps,
+                                     "target frame rate: also compare power_at_fps_w and fps_margin at it\n"
+                                     "(docs/frame-rate.md)")
+                        ->type_name("NUMBER"));
   add_progress_option(*verb, options->progress);
   verb->add_flag("--json", options->json, "print JSON, with all differences");
   verb->footer("Example: raywatt compare raywatt-out/base raywatt-out/two-ports\nExit code 0 for any difference.");

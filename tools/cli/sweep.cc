@@ -34,7 +34,10 @@ void add_sweep_run(CLI::App& group, int& exit) {
                    "folder of results, shared by all sweeps (default: $RAYWATT_STORE, else raywatt-out/store)");
   add_launcher_options(*verb, *options);
   verb->add_flag("--wait", options->wait, "slurm: wait until all points have ended");
-  verb->add_flag("--resume", options->resume, "continue the sweep in the folder; FILE is optional then");
+  CLI::Option* const resume =
+      verb->add_flag("--resume", options->resume, "continue the sweep in the folder; FILE is optional then");
+  add_fps_option(*verb, options->sets);
+  resume->excludes(verb->get_option("--fps"));
   verb->add_flag("--dry-run", options->dry_run, "list the points; compute nothing, write nothing");
   verb->add_flag("--quiet", options->quiet, "no summary, no bar");
   add_progress_option(*verb, options->progress);

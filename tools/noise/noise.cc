@@ -24,6 +24,7 @@ constexpr std::array kNoiseLevels = {
 constexpr std::array kEnergy = {"energy_mj",
                                 "energy_by_block_mj",
                                 "energy_by_kind_mj",
+                                "power_at_fps_w",
                                 "perf.frames_per_joule_gpu",
                                 "perf.frames_per_joule_tni",
                                 "perf.frames_per_joule_per_mm2",

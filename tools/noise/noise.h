@@ -52,6 +52,8 @@ inline constexpr std::array kNoisyFigures = {
     "energy_by_block_mj",
     "energy_by_kind_mj",
     "power_w",
+    "power_at_fps_w",
+    "fps_margin",
     "dram_bytes",
     "dram_bytes_by_client.caches",
     "dram_bytes_by_client.spills",

@@ -10,16 +10,18 @@ namespace {
 
 constexpr std::string_view kByBlock = "totals.energy_by_block_mj.", kNominal = ".nominal";
 
+}  // namespace
+
 double side_pj(const PricedRun& run, const std::string& block, sim::BandMember side) {
+  if (block == kPeriod) return run.of_period(side);
   return block.empty() ? run.total(side) : run.of_block(block, side);
 }
-
-}  // namespace
 
 std::optional<EnergyMetric> energy_metric(std::string_view path) {
   if (path == "totals.energy_mj.nominal" || path == "totals.power_w.nominal" || path == "totals.perf.nj_per_ray") {
     return EnergyMetric{};
   }
+  if (path == "totals.power_at_fps_w.nominal") return EnergyMetric{std::string(kPeriod)};
   if (path == "totals.perf.frames_per_joule_gpu" || path == "totals.perf.frames_per_joule_per_mm2")
     return EnergyMetric{"", true};
   if (path == "totals.perf.frames_per_joule_tni") return EnergyMetric{"tni", true};

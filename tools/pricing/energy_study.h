@@ -11,18 +11,22 @@ namespace tools {
 
 inline constexpr std::uint64_t kEnergyDraws = 2000, kEnergySeed = 1;
 
+/// Stands in place of a block for the energy of a period at frame.fps (PricedRun::of_period).
+inline constexpr std::string_view kPeriod = "(period)";
+
 /// A figure of a report that is proportional to energy or to its inverse.
 struct EnergyMetric {
-  std::string block;     ///< empty: all blocks
+  std::string block;     ///< empty: all blocks; kPeriod
   bool inverse = false;  ///< divided by energy: frames per joule
   bool is_better(double a, double b) const { return inverse ? a > b : a < b; }
 };
 /// Returns the metric of "totals.energy_mj.nominal", "totals.energy_by_block_mj.tni.nominal", "totals.power_w.nominal"
-/// and the figures of totals.perf that contain joules; none for other paths.
+/// "totals.power_at_fps_w.nominal", and the figures of totals.perf that contain joules; none for other paths.
 std::optional<EnergyMetric> energy_metric(std::string_view path);
 /// Figures that energy_metric() accepts, in words.
 inline constexpr std::string_view kEnergyMetrics =
-    "energy_mj.nominal, power_w.nominal, nj_per_ray, frames_per_joule_gpu, frames_per_joule_tni, "
+    "energy_mj.nominal, power_w.nominal, power_at_fps_w.nominal, nj_per_ray, frames_per_joule_gpu, "
+    "frames_per_joule_tni, "
     "frames_per_joule_per_mm2, energy_by_block_mj.BLOCK.nominal";
 
 /// Returns the pJ of a block, or of all for an empty name, under each draw. Restores the run's own figures afterwards.
@@ -56,6 +60,8 @@ std::vector<TornadoBar> tornado_bars(PricedRun& a, PricedRun& b, const std::stri
 std::vector<std::string> entries_of(const std::vector<PricedRun*>& runs);
 /// Sets one entry to a quantile and all others to nominal.
 void set_alone(PricedRun& run, const std::string& entry, double quantile);
+/// Returns the pJ of one side under the current figures; all blocks for an empty name.
+double side_pj(const PricedRun& run, const std::string& block, sim::BandMember side);
 /// Returns the pJ under the current nominal figures; all blocks for an empty name.
 double nominal_pj(const PricedRun& run, const std::string& block);
 

@@ -22,6 +22,7 @@
 #include "sim/report/table_checks.h"
 #include "tools/host/paths.h"
 #include "tools/pricing/reported_units.h"
+#include "tools/run/frame/frame_rate.h"
 #include "tools/run/frame/idle_machine.h"
 #include "tools/run/frame/load_config.h"
 #include "tools/run/frame/power.h"
@@ -204,6 +205,17 @@ void PricedRun::make_formula(const std::vector<sim::UnitReport>& units) {
   priced.area.arrays.clear();  // areas are not priced
   std::ranges::move(process_warnings(priced), std::back_inserter(extrapolated_));
   formula_ = std::make_unique<sim::EnergyFormula>(units, config_.energy, device_, elapsed_, power_scales(config_));
+  idle_ = std::make_unique<sim::EnergyFormula>(idle_for_a_millisecond(units), config_.energy, device_,
+                                               sim::kFemtosecondsPerSecond / 1000, power_scales(config_));
+}
+
+double PricedRun::of_period(sim::BandMember side) const {
+  const std::vector<double> kinds = idle_->kind_energies(side);  // dynamic, clock, leakage
+  const double chip_pj_per_ms = between_frames(config_.power, kinds[2], kinds[1]);
+  constexpr double kPicojoulesPerMicrojoule = 1e6;  // mW x ms
+  const double memory_pj_per_ms = hw::dram_idle_mw(config_.gpu->dram).*side * kPicojoulesPerMicrojoule;
+  const double rest_ms = std::max(0.0, 1000 / config_.frame.fps - work_.time_ms / work_.frames);
+  return total(side) / work_.frames + (chip_pj_per_ms + memory_pj_per_ms) * rest_ms;
 }
 
 void PricedRun::update_formula() {

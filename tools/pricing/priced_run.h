@@ -86,6 +86,8 @@ class PricedRun {
   /// Returns the current pJ of one side.
   double total(sim::BandMember side) const { return formula_->total_pj(side); }
   double of_block(const std::string& block, sim::BandMember side) const;
+  /// Returns the pJ of a frame and of the idle rest of its period at the rate frame.fps, which is above 0.
+  double of_period(sim::BandMember side) const;
 
  private:
   void make_formula(const std::vector<sim::UnitReport>& units);
@@ -95,6 +97,7 @@ class PricedRun {
   sim::Time elapsed_ = 0;
   std::map<std::string, sim::DeviceEvent> device_;
   std::unique_ptr<sim::EnergyFormula> formula_;
+  std::unique_ptr<sim::EnergyFormula> idle_;  ///< of a millisecond without work
   std::vector<EnergyEntry> entries_;
   std::vector<std::string> extrapolated_;
 };

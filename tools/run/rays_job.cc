@@ -111,12 +111,19 @@ Json rays_report(const JobOptions& options, const Inputs& inputs, const RayList&
 
 }  // namespace
 
+/// Throws InputError for keys of a frame in a sequence.
+static void refuse_frame_keys(const FrameConfig& frame) {
+  if (frame.start == FrameStart::kCold && frame.fps == 0) return;
+  throw sim::InputError("--rays: a list of rays is no frame of a sequence; allowed: frame.start=cold, frame.fps=0");
+}
+
 void run_rays(const JobOptions& options) {
   const auto begin = sim::HostClock::now();
   RunFolder folder(options.out, options.force);
   Progress progress(options.progress, options.quiet);
   const RayList list = read_ray_list(options.rays);
   const Inputs inputs = load_inputs(options, &progress);
+  refuse_frame_keys(inputs.config.frame);
   check_table_names(idle_units(*inputs.config.gpu), inputs.config);
   print_warnings(inputs.warnings, &progress);
   hw::RayMachine machine(*inputs.config.gpu, inputs.image, inputs.parents, list.rays, [&](const hw::RaysDone& so_far) {

@@ -39,7 +39,9 @@ FrameResult RenderedFrames::simulate(const SimulateOptions& extras) {
   SimulateOptions own = extras;
   own.rates = &rates_;
   own.marks = plan_.whole_frames() != nullptr && plan_.whole_frames()->debug_images;
+  own.caches = std::exchange(caches_, nullptr);
   FrameResult frame = simulate_frame(inputs_, plan_.program, threads_, own);
+  caches_ = std::exchange(frame.caches, nullptr);
   if (slices_ == 1) frame.sliced = as_single_slice(frame);
   return frame;
 }
@@ -48,7 +50,10 @@ FrameResult RenderedFrames::simulate_reference(const SimulateOptions& extras) {
   SimulateOptions own = extras;
   own.rates = &reference_rates_;
   own.reference = true;
-  return simulate_frame(inputs_, *plan_.whole_frames()->reference, threads_, own);
+  own.caches = std::exchange(reference_caches_, nullptr);
+  FrameResult frame = simulate_frame(inputs_, *plan_.whole_frames()->reference, threads_, own);
+  reference_caches_ = std::exchange(frame.caches, nullptr);
+  return frame;
 }
 
 double RenderedFrames::squared_error(const FrameResult& frame, const FrameResult& reference) const {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
@@ -144,6 +145,7 @@ class RenderedFrames final : public PosedFrames {
   const RunPlan plan_;
   std::uint32_t slices_ = 0;  ///< per frame; 0 if the plan has none
   kernels::RateMap rates_, reference_rates_;
+  std::shared_ptr<const hw::CacheContents> caches_, reference_caches_;  ///< at the end of the last frame
 };
 
 /// A finished frame, before it is added to the run's result.

@@ -1,6 +1,7 @@
 #include "tools/run/stored_frames.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -171,18 +172,22 @@ double StoredFrames::estimate_seconds() {
 }
 
 FrameResult StoredFrames::play_part(const Part& part, const kernels::ProgramSpec& program,
-                                    const SimulateOptions& extras) {
+                                    const SimulateOptions& extras, Caches& caches) {
   load_tree(part);
   ReplayProgram frame(trace_, part, scope_, kernels_);
-  return tools::simulate_program(inputs_, program, frame, NoTracer(), threads_, extras);
+  SimulateOptions own = extras;
+  own.caches = std::exchange(caches, nullptr);
+  FrameResult s = tools::simulate_program(inputs_, program, frame, NoTracer(), threads_, own);
+  caches = std::exchange(s.caches, nullptr);
+  return s;
 }
 
 FrameResult StoredFrames::simulate(const SimulateOptions& extras) {
-  return play_part(find_part(false), program_, extras);
+  return play_part(find_part(false), program_, extras, caches_);
 }
 
 FrameResult StoredFrames::simulate_reference(const SimulateOptions& extras) {
-  return play_part(find_part(true), *reference_, extras);
+  return play_part(find_part(true), *reference_, extras, reference_caches_);
 }
 
 double StoredFrames::squared_error(const FrameResult&, const FrameResult&) const { return squared_error_; }

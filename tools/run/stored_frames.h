@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -31,7 +32,7 @@ class StoredFrames final : public FrameSource {
   double squared_error(const FrameResult& frame, const FrameResult& reference) const override;
   bool advance_frame() override;
   /// Goes back to the first frame.
-  void go_to_first_frame() { read_frame(0); }
+  void go_to_first_frame() { read_frame(0), caches_ = reference_caches_ = {}; }
 
  private:
   StoredFrames(const std::filesystem::path& file,
@@ -40,9 +41,11 @@ class StoredFrames final : public FrameSource {
   /// Traversal steps of all frames and references, as recorded.
   double recorded_steps() const;
   void read_frame(std::size_t index);
+  using Caches = std::shared_ptr<const hw::CacheContents>;
   const traces::TraceReader::Part& find_part(bool reference) const;
+  /// Simulates a part with the caches as the last frame left them, and replaces `caches` by what it leaves.
   FrameResult play_part(const traces::TraceReader::Part& part, const kernels::ProgramSpec& program,
-                        const SimulateOptions& extras);
+                        const SimulateOptions& extras, Caches& caches);
   void load_tree(const traces::TraceReader::Part& part);
 
   traces::TraceReader trace_;
@@ -55,6 +58,7 @@ class StoredFrames final : public FrameSource {
   std::vector<traces::KernelId> kernels_;  ///< kernels of this build, by number in the trace
   std::optional<std::size_t> tree_;        ///< the loaded tree
   traces::TileScope scope_;
+  Caches caches_, reference_caches_;  ///< at the end of the last frame
 };
 
 }  // namespace tools

@@ -20,6 +20,7 @@
 #include "tools/analysis/units.h"
 #include "tools/host/parallel.h"
 #include "tools/run/frame/machine_run.h"
+#include "tools/run/frame/warm_start.h"
 #include "tools/sampling/pilot.h"
 #include "traces/accel/bvh_tracer.h"
 
@@ -117,6 +118,10 @@ class SlicePlayer {
                      std::move(marked), stop_at);
     const auto gpu = make_machine(tiles);
     tiles.set_gpu(*gpu);
+    if (inputs_.config.frame.start == FrameStart::kWarm) {
+      SliceProgram previous(frame, slice);
+      warm_with_last_tiles(*gpu, previous, tracer, workers);
+    }
     run_to_end(*gpu);
 
     PlayedSlice played;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <functional>
 #include <numeric>
 
 #include <Eigen/Cholesky>
@@ -20,6 +21,7 @@
 #include "tools/noise/noise.h"
 #include "tools/run/frame/front_end.h"
 #include "tools/run/frame/machine_run.h"
+#include "tools/run/frame/warm_start.h"
 #include "tools/sampling/pilot.h"
 #include "tools/sampling/timed_tiles.h"
 #include "traces/accel/bvh_tracer.h"
@@ -75,9 +77,11 @@ TileTraits traits_of(const MeasuredPart& part, sim::Time begin, sim::Time end, c
   return sum;
 }
 
-/// Simulates blocks of a frame. `traits`: traits of each tile from the pilot.
+/// Simulates blocks of a frame. `traits`: traits of each tile from the pilot. `warm`: called with the machine before its
+/// first cycle, if set.
 SampledRun run_blocks(const Inputs& inputs, RunTiles& source, const kernels::FrameRequirements& requirements,
-                      std::span<const TimedBlock> blocks, std::span<const TileTraits> traits) {
+                      std::span<const TimedBlock> blocks, std::span<const TileTraits> traits,
+                      const std::function<void(hw::Gpu&)>& warm) {
   std::vector<std::uint32_t> marked;
   for (const TimedBlock& block : blocks) {
     if (block.first != blocks.front().first) marked.push_back(block.first);
@@ -87,6 +91,7 @@ SampledRun run_blocks(const Inputs& inputs, RunTiles& source, const kernels::Fra
   const auto gpu = make_gpu(inputs, requirements, tiles);
   tiles.set_gpu(*gpu);
   source.set_gpu(*gpu);
+  if (warm) warm(*gpu);
   run_to_end(*gpu);
   tiles.end_tiles();
 
@@ -442,7 +447,11 @@ FrameResult simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& p
     RunTiles source(front_end, picture ? frame.tiles() : static_cast<std::uint32_t>(tile_indices.size()), progress,
                     false, &reported);
     source.begin_part("simulating", inputs.frame);
-    runs.push_back(run_blocks(inputs, source, frame.requirements(), plan.blocks, pilot.traits));
+    std::function<void(hw::Gpu&)> warm;
+    if (inputs.config.frame.start == FrameStart::kWarm) {
+      warm = [&](hw::Gpu& gpu) { warm_with_last_tiles(gpu, frame, tracer, host_threads(threads) - 1); };
+    }
+    runs.push_back(run_blocks(inputs, source, frame.requirements(), plan.blocks, pilot.traits, warm));
     const SampledRun& run = runs.back();
     const RenderResult& function = front_end.result();
     waited += function.waited;

@@ -52,7 +52,8 @@ TEST(Dvfs, PointAtTheNominalClocksIsTheRun) {
   const TempFolder folder;
   const Json curve =
       Json::parse(ending_well({"dvfs", "--resolution", "64x64", "--factors", "1,0.5", "--json", "--threads", "2"}).out);
-  ending_well({"run", "--resolution", "64x64", "-o", (folder.path() / "one").string(), "--quiet"});
+  ending_well({"run", "--resolution", "64x64", "--set", "frame.start=warm", "-o", (folder.path() / "one").string(),
+               "--quiet"});
   const Json run = read_json(folder.path() / "one" / "report.json");
   ASSERT_EQ(curve["points"].size(), 2U);
   EXPECT_EQ(curve["points"][0]["factor"], 0.5);

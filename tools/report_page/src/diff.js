@@ -6,7 +6,7 @@ import { partWords } from "./run.js";
 /** Figures at the top: name, words, unit, format. */
 const FIGURES = [
   ["cycles", "Cycles", "", "si"], ["fps", "Frame rate", "frames/s", "number"], ["energy_mj", "Energy", "mJ", "number"],
-  ["power_w", "Power", "W", "number"], ["frames_per_joule_gpu", "Efficiency", "frames/J", "number"],
+  ["power_w", "Power", "W", "number"], ["power_at_fps_w", "Power at the target rate", "W", "number"], ["frames_per_joule_gpu", "Efficiency", "frames/J", "number"],
   ["mrays_per_s", "Ray rate", "Mrays/s", "number"], ["dram_bytes", "DRAM traffic", "B", "si"], ["area_mm2", "Area", "mm²", "number"],
 ];
 

@@ -91,6 +91,8 @@ const HEADLINES = [
   ["fps", "Frame rate", "frames/s", "number", "", "perf.fps"],
   ["energy_mj", "Energy", "mJ", "number", "GPU with memory, low to high", "energy_mj"],
   ["power_w", "Power", "W", "number", "GPU with memory, low to high", "power_w"],
+  ["power_at_fps_w", "Power at the target rate", "W", "number", "with idle time, low to high", "power_at_fps_w"],
+  ["fps_margin", "Rate over target", "×", "number", "of the slowest frame; 1 and more: met", "fps_margin"],
   ["frames_per_joule_gpu", "Efficiency", "frames/J", "number", "GPU with memory, nominal", "perf.frames_per_joule_gpu"],
   ["nj_per_ray", "Energy of a ray", "nJ", "number", "nominal", "perf.nj_per_ray"],
   ["mrays_per_s", "Ray rate", "Mrays/s", "number", "", "perf.mrays_per_s"],

@@ -197,6 +197,7 @@ void RunConfig::describe(auto& c, auto&& field) {
   field.group(NAMED(c.area), "area of storage and pads; that of logic is in energy.logic");
   field.group(NAMED(c.latency), "hit latency of caches over size, for hit_cycles auto");
   field.group(NAMED(c.thermal), "heat path of the device and its governor (raywatt sustain)");
+  field.group(NAMED(c.frame), "a frame in a sequence: its start, its rate");
   field.group(NAMED(c.scene), "scene, camera and frames");
   field.group(NAMED(c.limits), "limits for scene files");
 }

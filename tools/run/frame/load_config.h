@@ -17,6 +17,7 @@
 #include "sim/report/power.h"
 #include "sim/report/thermal.h"
 #include "sim/unit_report.h"
+#include "tools/run/frame/frame_config.h"
 #include "tools/run/frame/job_options.h"
 #include "tools/run/frame/machine_config.h"
 #include "traces/accel/bvh_config.h"
@@ -65,6 +66,7 @@ struct RunConfig {
   sim::AreaConfig area;
   LatencyConfig latency;
   sim::ThermalConfig thermal;
+  FrameConfig frame;
   traces::WorkloadConfig scene;
   traces::SceneLimits limits;
 

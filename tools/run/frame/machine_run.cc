@@ -8,6 +8,7 @@
 #include "tools/host/parallel.h"
 #include "tools/run/frame/load_config.h"
 #include "tools/run/frame/power.h"
+#include "tools/run/frame/warm_start.h"
 
 namespace tools {
 
@@ -86,6 +87,12 @@ class VariantRuns {
     FrontEnd tiles(program, no_tracer, 0);
     const RunConfig& config = plays_[i].config;
     const auto gpu = make_gpu(inputs_, config, requirements_, tiles, plays_[i].perturbation, {}, plays_[i].scheduled);
+    if (plays_[i].start) {
+      gpu->set_cache_contents(*plays_[i].start);
+    } else if (config.frame.start == FrameStart::kWarm) {
+      InMemoryTraceProgram previous(work_, requirements_, [] {});
+      warm_with_last_tiles(*gpu, previous, no_tracer, 0);
+    }
     run_to_end(*gpu);
     all_[i].machine = config.gpu;
     collect_results(*gpu, config, all_[i]);
@@ -125,14 +132,14 @@ std::vector<FrameResult> simulate_variants(const Inputs& inputs, const kernels::
 }
 
 std::vector<FrameResult> simulate_replicates(const Inputs& inputs, const kernels::FrameRequirements& requirements,
-                                             const InMemoryTrace& work, const FrameResult& plain, const hw::Gpu& gpu,
+                                             const InMemoryTrace& work, const UnperturbedRun& plain,
                                              std::uint32_t count, std::uint32_t threads, Progress* progress) {
   std::vector<MachineVariant> plays;
   for (std::uint32_t number = 1; number <= count; ++number) {
     plays.push_back({inputs.config, hw::random_perturbation(inputs.config.gpu->cores, inputs.frame, number),
-                     gpu.scheduled_kernels()});
+                     plain.scheduled, plain.start});
   }
-  return simulate_variants(inputs, requirements, work, plain, plays, "replicating", threads, progress);
+  return simulate_variants(inputs, requirements, work, plain.result, plays, "replicating", threads, progress);
 }
 
 }  // namespace tools

@@ -48,6 +48,7 @@ struct MachineVariant {
   RunConfig config;
   hw::Perturbation perturbation;
   std::shared_ptr<const hw::ScheduledKernels> scheduled{};  ///< kernel schedules of its shader cores; null: computed
+  std::shared_ptr<const hw::CacheContents> start{};  ///< lines in its caches; null: as frame.start of `config` says
 };
 
 /// Simulates recorded work on several machines, `threads` at a time, and returns their results in order. `plain`:
@@ -58,9 +59,16 @@ std::vector<FrameResult> simulate_variants(const Inputs& inputs, const kernels::
                                            std::span<const MachineVariant> plays, const char* what,
                                            std::uint32_t threads, Progress* progress);
 
-/// The same on `count` machines with perturbations 1 to `count`. `plain`: result of the unperturbed machine `gpu`.
+/// The unperturbed machine of replicates.
+struct UnperturbedRun {
+  const FrameResult& result;
+  std::shared_ptr<const hw::ScheduledKernels> scheduled;
+  std::shared_ptr<const hw::CacheContents> start;  ///< lines in its caches before its first cycle; null: none
+};
+
+/// The same on `count` machines with perturbations 1 to `count`.
 std::vector<FrameResult> simulate_replicates(const Inputs& inputs, const kernels::FrameRequirements& requirements,
-                                             const InMemoryTrace& work, const FrameResult& plain, const hw::Gpu& gpu,
+                                             const InMemoryTrace& work, const UnperturbedRun& plain,
                                              std::uint32_t count, std::uint32_t threads, Progress* progress);
 
 }  // namespace tools

@@ -16,6 +16,7 @@
 #include "tools/run/frame/replay_program.h"
 #include "tools/run/frame/table_warnings.h"
 #include "tools/run/frame/trace_header.h"
+#include "tools/run/frame/warm_start.h"
 #include "traces/accel/build.h"
 #include "traces/accel/bvh_info.h"
 #include "traces/accel/bvh_tracer.h"
@@ -62,6 +63,15 @@ struct PreparedProgram {
   const std::unique_ptr<kernels::FrameProgram> frame;
 };
 
+/// Fills the caches with what the previous frame left in them: `extras.caches`, or what the last tiles of `previous`
+/// leave.
+void warm_start(hw::Gpu& gpu, kernels::FrameProgram& previous, const traces::Tracer& tracer, std::uint32_t threads,
+                const SimulateOptions& extras) {
+  if (extras.caches) return gpu.set_cache_contents(*extras.caches);
+  if (extras.progress != nullptr) extras.progress->set_phase("warming caches");
+  warm_with_last_tiles(gpu, previous, tracer, host_threads(threads) - 1);
+}
+
 float size_in_frame_0(traces::Scene& scene, const traces::WorkloadConfig& workload) {
   if (workload.first_frame != 0) traces::pose_workload(scene, workload, 0);
   const traces::Bounds bounds = traces::world_bounds(scene);
@@ -70,12 +80,13 @@ float size_in_frame_0(traces::Scene& scene, const traces::WorkloadConfig& worklo
   return std::max({sides.x, sides.y, sides.z});
 }
 
-/// Simulates recorded work at each of the governor's clocks.
+/// Simulates recorded work at each of the governor's clocks. `start`: lines in the caches; null: none.
 std::vector<SustainStep> simulate_clocks(const Inputs& inputs, const kernels::FrameRequirements& requirements,
-                                         const InMemoryTrace& work, const FrameResult& plain, std::uint32_t threads,
+                                         const InMemoryTrace& work, const FrameResult& plain,
+                                         const std::shared_ptr<const hw::CacheContents>& start, std::uint32_t threads,
                                          Progress* progress) {
   std::vector<MachineVariant> variants;
-  for (RunConfig& config : governor_configs(inputs.config)) variants.push_back({std::move(config), {}, {}});
+  for (RunConfig& config : governor_configs(inputs.config)) variants.push_back({std::move(config), {}, {}, start});
   const std::vector<FrameResult> played =
       simulate_variants(inputs, requirements, work, plain, variants, "simulating", threads, progress);
   std::vector<SustainStep> steps;
@@ -199,7 +210,12 @@ FrameResult simulate_frame(const Inputs& inputs, const kernels::ProgramSpec& pro
                            const SimulateOptions& extras) {
   const PreparedProgram made(inputs, program, extras);
   const traces::BvhTracer tracer(inputs.image);
-  FrameResult s = simulate_program(inputs, program, *made.frame, tracer, threads, extras);
+  SimulateOptions own = extras;
+  std::optional<PreparedProgram> previous;
+  if (inputs.config.frame.start == FrameStart::kWarm && !extras.caches) {
+    own.previous = previous.emplace(inputs, program, extras).frame.get();
+  }
+  FrameResult s = simulate_program(inputs, program, *made.frame, tracer, threads, own);
   if (extras.rates != nullptr && !s.is_part()) extras.rates->update_rates(s.rendered.sampling);
   return s;
 }
@@ -223,6 +239,10 @@ FrameResult simulate_program(const Inputs& inputs, const kernels::ProgramSpec& p
   observers.add(extras.observer);
   const std::unique_ptr<hw::Gpu> gpu = make_gpu(inputs, requirements, tiles, {}, observers.attached_observer());
   check_tables(*gpu, inputs.config);  // report missing entries before the work
+  const bool is_warm = inputs.config.frame.start == FrameStart::kWarm;
+  if (is_warm) warm_start(*gpu, extras.previous != nullptr ? *extras.previous : frame, tracer, threads, extras);
+  std::shared_ptr<const hw::CacheContents> start;
+  if (is_warm && kept) start = std::make_shared<const hw::CacheContents>(gpu->cache_contents());
   if (extras.intervals != nullptr) gpu->machine().record_intervals(*extras.intervals);
   tiles.begin_part("simulating", inputs.frame);
   tiles.set_gpu(*gpu);
@@ -238,6 +258,7 @@ FrameResult simulate_program(const Inputs& inputs, const kernels::ProgramSpec& p
   s.machine = inputs.config.gpu;
   s.rendered = front_end.result();
   collect_results(*gpu, inputs.config, s);
+  if (is_warm) s.caches = std::make_shared<const hw::CacheContents>(gpu->cache_contents());
   s.tile_accounts = accounting.take_accounts();
   s.rest = accounting.untiled_account();
   s.wall_seconds = sim::seconds_since(begin);
@@ -246,11 +267,11 @@ FrameResult simulate_program(const Inputs& inputs, const kernels::ProgramSpec& p
   if (!kept || s.is_part()) return s;
   try {
     if (sustains) {
-      s.sustained = simulate_clocks(inputs, requirements, *kept, s, host_threads(threads), extras.progress);
+      s.sustained = simulate_clocks(inputs, requirements, *kept, s, start, host_threads(threads), extras.progress);
     }
     if (extras.replicates > 1) {
-      s.replicates = simulate_replicates(inputs, requirements, *kept, s, *gpu, extras.replicates - 1,
-                                         host_threads(threads), extras.progress);
+      s.replicates = simulate_replicates(inputs, requirements, *kept, {s, gpu->scheduled_kernels(), start},
+                                         extras.replicates - 1, host_threads(threads), extras.progress);
     }
     s.replicate_seconds = sim::seconds_since(begin) - s.wall_seconds;
   } catch (const Interrupted&) {
@@ -259,26 +280,37 @@ FrameResult simulate_program(const Inputs& inputs, const kernels::ProgramSpec& p
   return s;
 }
 
-std::vector<FrameResult> simulate_configs(const Inputs& inputs, const kernels::ProgramSpec& program,
-                                          std::span<const RunConfig> configs, const char* requested_by,
-                                          std::uint32_t threads, Progress* progress) {
+struct RecordedFrame::Work {
+  kernels::FrameRequirements requirements;
+  InMemoryTrace trace;
+  FrameResult plain;
+};
+
+RecordedFrame::RecordedFrame(const Inputs& inputs, const kernels::ProgramSpec& program, const char* requested_by,
+                             std::uint32_t threads, Progress* progress)
+    : inputs_(inputs), threads_(threads), progress_(progress) {
   const PreparedProgram made(inputs, program, {});
   const traces::BvhTracer tracer(inputs.image);
   FrontEnd front_end(*made.frame, tracer, host_threads(threads));
-  if (progress != nullptr) progress->expect_parts(static_cast<std::uint32_t>(configs.size()) + 1);
   RunTiles tiles(front_end, made.frame->tiles(), progress);
   const kernels::FrameRequirements requirements = made.frame->requirements();
-  InMemoryTrace kept = make_in_memory_trace(inputs, requirements, *made.frame, requested_by);
-  tiles.record_to(nullptr, &kept);
+  work_ = std::make_unique<Work>(
+      Work{requirements, make_in_memory_trace(inputs, requirements, *made.frame, requested_by), {}});
+  tiles.record_to(nullptr, &work_->trace);
   tiles.begin_part("rendering", inputs.frame);
   while (const traces::TileWork* work = tiles.next()) tiles.give_back(work);
-  FrameResult plain;
-  plain.program = program;
-  plain.rendered = front_end.result();
-  plain.tiles = plain.finished_tiles = made.frame->tiles();
+  work_->plain.program = program;
+  work_->plain.rendered = front_end.result();
+  work_->plain.tiles = work_->plain.finished_tiles = made.frame->tiles();
+}
+
+RecordedFrame::~RecordedFrame() = default;
+
+std::vector<FrameResult> RecordedFrame::simulate(std::span<const RunConfig> configs) const {
   std::vector<MachineVariant> plays;
-  for (const RunConfig& config : configs) plays.push_back({config, {}, {}});
-  return simulate_variants(inputs, requirements, kept, plain, plays, "simulating", threads, progress);
+  for (const RunConfig& config : configs) plays.push_back({config, {}, {}, {}});
+  return simulate_variants(inputs_, work_->requirements, work_->trace, work_->plain, plays, "simulating", threads_,
+                           progress_);
 }
 
 RenderResult render_frame(const Inputs& inputs, const kernels::ProgramSpec& program, const traces::Tracer& tracer,

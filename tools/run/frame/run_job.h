@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -25,7 +26,8 @@
 
 namespace hw {
 class Observer;
-}
+struct CacheContents;
+}  // namespace hw
 namespace traces {
 class TraceWriter;
 }
@@ -120,8 +122,9 @@ struct FrameResult {
   std::vector<FrameResult> replicates;  ///< results of perturbed machines, without pictures
   std::vector<SustainStep> sustained;   ///< the same work at the governor's clocks, with thermal.minutes
   double replicate_seconds = 0;         ///< host time of the replicates
-  std::vector<hw::TileAccount> tile_accounts;  ///< with SimulateOptions::itemised: one per entry of the tile list
-  hw::TileAccount rest;                        ///< with SimulateOptions::itemised: activity that no tile requested
+  std::vector<hw::TileAccount> tile_accounts;       ///< with SimulateOptions::itemised: one per entry of the tile list
+  std::shared_ptr<const hw::CacheContents> caches;  ///< at the end of a whole frame, with frame.start warm
+  hw::TileAccount rest;                             ///< with SimulateOptions::itemised: activity that no tile requested
   std::uint64_t rays() const;
   bool is_part() const { return finished_tiles < tiles; }
   /// Adds the results of a later frame. The picture stays.
@@ -142,26 +145,47 @@ struct SimulateOptions {
   Progress* progress = nullptr;
   traces::TraceWriter* trace = nullptr;  ///< receives the frame's work
   bool reference = false;  ///< this is the reference: its own part of the trace, rendered with reference_render()
-  sim::Intervals* intervals = nullptr;        ///< receives the machine's counters over time
-  RunWatcher* watcher = nullptr;              ///< receives the frame during the simulation
-  std::uint32_t replicates = 1;               ///< number of simulations; all but the first are perturbed
-  const char* requested_by = "--replicates";  ///< option or verb to name if memory runs out
-  bool itemised = false;                      ///< keep the costs of each tile and pixel
-  hw::Observer* observer = nullptr;           ///< observer of the machine
+  sim::Intervals* intervals = nullptr;                ///< receives the machine's counters over time
+  RunWatcher* watcher = nullptr;                      ///< receives the frame during the simulation
+  std::uint32_t replicates = 1;                       ///< number of simulations; all but the first are perturbed
+  const char* requested_by = "--replicates";          ///< option or verb to name if memory runs out
+  bool itemised = false;                              ///< keep the costs of each tile and pixel
+  hw::Observer* observer = nullptr;                   ///< observer of the machine
+  std::shared_ptr<const hw::CacheContents> caches{};  ///< at the end of the previous frame, for frame.start warm
+  kernels::FrameProgram* previous =
+      nullptr;  ///< the previous frame, if it has several passes and there are no `caches`
 };
 
-/// Renders a frame and simulates it on the machine. One host thread simulates; the others render ahead. Caches are cold
-/// at the start of each frame. An interrupted run that keeps a part has no replicates. sim::Deadlock; Interrupted if
-/// nothing is kept.
+/// Renders a frame and simulates it on the machine. One host thread simulates; the others render ahead. Caches are
+/// empty at the start of the frame, or with frame.start warm as the previous frame left them: `extras.caches`, or what
+/// the last tiles of this frame leave. An interrupted run that keeps a part has no replicates. sim::Deadlock;
+/// Interrupted if nothing is kept.
 FrameResult simulate_frame(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
                            const SimulateOptions& extras = {});
 
-/// Renders a frame once and simulates it on the machine of each configuration, `threads` at a time. The configurations
-/// may differ from `inputs` only in keys that do not change the work. Returns results in order, without pictures.
-/// InputError, which names `kept_for`, if memory runs out; sim::Deadlock, Interrupted.
-std::vector<FrameResult> simulate_configs(const Inputs& inputs, const kernels::ProgramSpec& program,
-                                          std::span<const RunConfig> configs, const char* requested_by,
-                                          std::uint32_t threads, Progress* progress = nullptr);
+/// The recorded work of the current frame, for several machines.
+class RecordedFrame {
+ public:
+  /// Renders the frame. `inputs` must outlive the object. InputError, which names `requested_by`, if memory runs out;
+  /// Interrupted.
+  RecordedFrame(const Inputs& inputs, const kernels::ProgramSpec& program, const char* requested_by,
+                std::uint32_t threads, Progress* progress = nullptr);
+  ~RecordedFrame();
+  RecordedFrame(const RecordedFrame&) = delete;
+  RecordedFrame& operator=(const RecordedFrame&) = delete;
+
+  /// Simulates the frame on the machine of each configuration, `threads` at a time. The configurations may differ from
+  /// `inputs` only in keys that do not change the work. Returns results in order, without pictures. sim::Deadlock,
+  /// Interrupted.
+  std::vector<FrameResult> simulate(std::span<const RunConfig> configs) const;
+
+ private:
+  struct Work;
+  const Inputs& inputs_;
+  const std::uint32_t threads_;
+  Progress* const progress_;
+  std::unique_ptr<Work> work_;
+};
 
 /// Simulates the tiles of a given frame program and tracer; the second half of simulate_frame().
 FrameResult simulate_program(const Inputs& inputs, const kernels::ProgramSpec& program, kernels::FrameProgram& frame,

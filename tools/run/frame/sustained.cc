@@ -145,7 +145,7 @@ SustainSetup sustain_setup(const RunConfig& config) {
   setup.thermal = config.thermal;
   setup.leakage_temperature = config.power.temperature;
   setup.leakage_doubling = config.power.leakage_doubling;
-  setup.idle_leakage = config.power.idle_leakage;
+  setup.idle_leakage = config.power.idle == sim::ChipIdle::kPowerGated ? config.power.idle_leakage : 1;
   setup.idle_memory_w = hw::dram_idle_mw(config.gpu->dram).nominal / kMilliwattsPerWatt;
   setup.seconds = 60 * config.thermal.minutes;
   setup.loop = std::min(setup.loop, setup.seconds);

@@ -39,7 +39,7 @@ namespace {
 using sim::Json;
 
 /// The main metrics: name and report path.
-constexpr std::array<std::pair<const char*, const char*>, 15> kTotals = {{
+constexpr std::array<std::pair<const char*, const char*>, 17> kTotals = {{
     {"cycles", "totals.cycles"},
     {"time_ms", "totals.time_ms"},
     {"fps", "totals.perf.fps"},
@@ -53,6 +53,8 @@ constexpr std::array<std::pair<const char*, const char*>, 15> kTotals = {{
     {"frames_per_joule_gpu", "totals.perf.frames_per_joule_gpu"},
     {"frames_per_joule_tni", "totals.perf.frames_per_joule_tni"},
     {"nj_per_ray", "totals.perf.nj_per_ray"},
+    {"power_at_fps_w", "totals.power_at_fps_w.nominal"},
+    {"fps_margin", "totals.fps_margin"},
     {"area_mm2", "totals.area_mm2"},
     {"traced_ratio", "totals.traced_ratio"},
 }};
@@ -483,7 +485,7 @@ std::string short_name(const ReportFile& report) {
 std::string metric_value_text(const std::string& name, double value) {
   static const std::map<std::string, const char*> kUnits = {
       {"time_ms", "ms"}, {"dram_bytes", "B"},        {"energy_mj", "mJ"},  {"energy_tni_mj", "mJ"},
-      {"power_w", "W"},  {"mrays_per_s", "Mrays/s"}, {"nj_per_ray", "nJ"}, {"area_mm2", "mm2"}};
+      {"power_w", "W"},  {"power_at_fps_w", "W"}, {"mrays_per_s", "Mrays/s"}, {"nj_per_ray", "nJ"}, {"area_mm2", "mm2"}};
   const auto unit = kUnits.find(name);
   if (name == "dram_bytes") return sim::si_text(value, "B");
   if (unit == kUnits.end()) return sim::si_text(value);

@@ -2,18 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "hw_models/dram/dram_energy.h"
 #include "hw_models/machines/gpu_config.h"
 #include "sim/error.h"
 #include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "sim/report/report_json.h"
 #include "sim/report/table.h"
+#include "tools/run/frame/frame_rate.h"
 #include "tools/run/frame/idle_machine.h"
 #include "tools/run/frame/load_config.h"
 #include "tools/run/frame/power.h"
@@ -38,11 +38,6 @@ void check_domains(const std::vector<std::string>& names) {
   }
 }
 
-/// Returns the power between frames: the leakage of the gated chip, and the idle memory.
-double idle_mw(const RunConfig& config, const FrameResult& s, double ms) {
-  return config.power.idle_leakage * chip_leakage_mw(s.energy, ms) + hw::dram_idle_mw(config.gpu->dram).nominal;
-}
-
 DvfsPoint point_of(double factor, const RunConfig& config, const FrameResult& s) {
   DvfsPoint point{
       .factor = factor, .mhz = {}, .volt = {}, .mj = s.energy.total_pj * (1 / sim::kPicojoulesPerMillijoule)};
@@ -52,7 +47,7 @@ DvfsPoint point_of(double factor, const RunConfig& config, const FrameResult& s)
   }
   point.cycles = s.cycles;
   point.ms = static_cast<double>(s.elapsed) / sim::kFemtosecondsPerMillisecond;
-  point.idle_mw = idle_mw(config, s, point.ms);
+  point.idle_mw = idle_power_mw(config, s.units).nominal;
   return point;
 }
 
@@ -72,6 +67,60 @@ void choose_points(DvfsCurve& curve, double period_ms) {
   }
 }
 
+namespace {
+
+/// Clocks are searched until neighbouring points are this close.
+constexpr double kFactorStep = 1.005;
+
+/// Adds the factor between two points, unless they are close.
+void add_between(const DvfsCurve& curve, std::size_t i, std::size_t k, std::vector<double>& out) {
+  const double low = curve.points[i].factor, high = curve.points[k].factor;
+  if (high / low > kFactorStep) out.push_back(std::sqrt(low * high));
+}
+
+/// Points of a frame at any clocks.
+class ClockScan {
+ public:
+  ClockScan(const Inputs& inputs, const DvfsOptions& options, Progress* progress)
+      : inputs_(inputs),
+        options_(options),
+        frame_(inputs, kernels::parse_program(options.job.program), "dvfs", options.job.threads, progress) {}
+
+  void add_points(const std::vector<double>& factors, DvfsCurve& curve) {
+    std::vector<RunConfig> configs;
+    for (const double factor : factors) {
+      configs.push_back(at_clocks(inputs_.config, options_.domains, factor, fmt::format("--factors {}", factor)));
+    }
+    const std::vector<FrameResult> runs = frame_.simulate(configs);
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+      curve.points.push_back(point_of(factors[i], configs[i], runs[i]));
+      add_warnings(curve.warnings, table_warnings(configs[i], runs[i].units));
+    }
+    std::ranges::sort(curve.points, {}, &DvfsPoint::factor);
+  }
+
+ private:
+  const Inputs& inputs_;
+  const DvfsOptions& options_;
+  const RecordedFrame frame_;
+};
+
+}  // namespace
+
+std::vector<double> factors_to_try(const DvfsCurve& curve) {
+  std::vector<double> out;
+  const auto meets = [&](std::size_t i) { return curve.points[i].period_mj >= 0; };
+  for (std::size_t i = 1; i < curve.points.size(); ++i) {
+    if (meets(i) && !meets(i - 1)) add_between(curve, i - 1, i, out);
+  }
+  const std::size_t best = curve.least_a_period;
+  if (best > 0) add_between(curve, best - 1, best, out);
+  if (best + 1 < curve.points.size()) add_between(curve, best, best + 1, out);
+  std::ranges::sort(out);
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+  return out;
+}
+
 DvfsCurve dvfs_curve(const DvfsOptions& options, Progress* progress) {
   check_domains(options.domains);
   std::vector<double> factors = options.factors;
@@ -79,28 +128,26 @@ DvfsCurve dvfs_curve(const DvfsOptions& options, Progress* progress) {
   factors.erase(std::unique(factors.begin(), factors.end()), factors.end());
   JobOptions job = options.job;
   job.sets.emplace_back("power.voltage=dvfs");  // each clock has the voltage that it needs
+  job.sets.insert(job.sets.begin(), "frame.start=warm");
   const Inputs inputs = load_inputs(job, progress);
   print_warnings(inputs.warnings, progress);
   check_table_names(idle_units(*inputs.config.gpu), inputs.config);
-  std::vector<RunConfig> configs;
-  for (const double factor : factors) {
-    configs.push_back(at_clocks(inputs.config, options.domains, factor, fmt::format("--factors {}", factor)));
-  }
-  const std::vector<FrameResult> runs = simulate_configs(inputs, kernels::parse_program(options.job.program), configs,
-                                                         "dvfs", options.job.threads, progress);
   DvfsCurve curve;
-  std::vector<std::string> warnings;
-  for (std::size_t i = 0; i < runs.size(); ++i) {
-    curve.points.push_back(point_of(factors[i], configs[i], runs[i]));
-    add_warnings(warnings, table_warnings(configs[i], runs[i].units));
-  }
   curve.warnings = inputs.warnings;
-  add_warnings(curve.warnings, warnings);
-  print_warnings({curve.warnings.begin() + static_cast<std::ptrdiff_t>(inputs.warnings.size()), curve.warnings.end()},
-                 progress);
+  ClockScan scan(inputs, options, progress);
+  scan.add_points(factors, curve);
   double slowest = 0;
   for (const DvfsPoint& point : curve.points) slowest = std::max(slowest, point.ms);
-  choose_points(curve, options.fps > 0 ? 1000 / options.fps : slowest);
+  const double fps = options.fps > 0 ? options.fps : inputs.config.frame.fps;
+  const auto choose = [&] { choose_points(curve, fps > 0 ? 1000 / fps : slowest); };
+  choose();
+  if (fps > 0 && curve.points[curve.least_a_period].period_mj >= 0) {
+    for (std::vector<double> more; !(more = factors_to_try(curve)).empty(); choose()) scan.add_points(more, curve);
+    const auto met = std::ranges::find_if(curve.points, [](const DvfsPoint& p) { return p.period_mj >= 0; });
+    curve.slowest_met = static_cast<std::size_t>(met - curve.points.begin());
+  }
+  print_warnings({curve.warnings.begin() + static_cast<std::ptrdiff_t>(inputs.warnings.size()), curve.warnings.end()},
+                 progress);
   return curve;
 }
 
@@ -113,6 +160,7 @@ std::string marks_of(const DvfsCurve& curve, std::size_t i) {
   const auto mark = [&](bool is, const char* name) {
     if (is) marks += (marks.empty() ? "" : ", ") + std::string(name);
   };
+  mark(i == curve.slowest_met, "slowest that meets the rate");
   mark(i == curve.energy_optimal, "energy-optimal");
   mark(i == curve.race_to_idle && curve.points[i].period_mj >= 0, "race to idle");
   mark(i == curve.least_a_period && curve.points[i].period_mj >= 0, "least per period");
@@ -162,7 +210,7 @@ Json dvfs_json(const DvfsCurve& curve) {
                       {"idle_mw", p.idle_mw},
                       {"period_mj", p.period_mj < 0 ? Json(nullptr) : Json(p.period_mj)}});
   }
-  return {
+  Json out = {
       {"schema", "raywatt-dvfs/1"},
       {"period_ms", curve.period_ms},
       {"energy_optimal", curve.energy_optimal},
@@ -170,6 +218,8 @@ Json dvfs_json(const DvfsCurve& curve) {
       {"least_a_period", curve.points[curve.least_a_period].period_mj < 0 ? Json(nullptr) : Json(curve.least_a_period)},
       {"warnings", curve.warnings},
       {"points", points}};
+  if (curve.slowest_met) out["slowest_met"] = *curve.slowest_met;
+  return out;
 }
 
 }  // namespace tools

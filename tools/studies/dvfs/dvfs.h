@@ -1,5 +1,7 @@
 #pragma once
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,15 +38,22 @@ struct DvfsCurve {
   std::vector<DvfsPoint> points;
   double period_ms = 0;
   std::vector<std::string> warnings;
-  std::size_t energy_optimal = 0;  ///< point with the least energy per frame
-  std::size_t race_to_idle = 0;    ///< fastest point; idle for the rest of the period
-  std::size_t least_a_period = 0;  ///< point with the least energy per period
+  std::size_t energy_optimal = 0;          ///< point with the least energy per frame
+  std::size_t race_to_idle = 0;            ///< fastest point; idle for the rest of the period
+  std::size_t least_a_period = 0;          ///< point with the least energy per period
+  std::optional<std::size_t> slowest_met;  ///< with a target rate: the slowest point that meets it
 };
 
 /// Computes the energy per period of all points, and the three special points.
 void choose_points(DvfsCurve& curve, double period_ms);
 
-/// Records the first frame once and simulates it for each factor. InputError, sim::Deadlock, Interrupted.
+/// Returns factors between those of the points, at which the slowest point that meets the period and that with the
+/// least energy per period are to be searched; none if both are known to 0.5 %. At least one point meets the period.
+std::vector<double> factors_to_try(const DvfsCurve& curve);
+
+/// Records the first frame once and simulates it for each factor. With a target rate it adds points until the slowest
+/// clocks that meet it, and those with the least energy per period, are known to 0.5 %. Caches are warm unless
+/// frame.start is set. InputError, sim::Deadlock, Interrupted.
 DvfsCurve dvfs_curve(const DvfsOptions& options, Progress* progress = nullptr);
 
 std::string dvfs_text(const DvfsCurve& curve);

@@ -44,6 +44,8 @@ struct Priced {
   std::vector<std::string> extrapolated;  ///< sizes outside of the curves of the new table
 };
 
+constexpr double kJoulesPerPicojoule = 1e-12;
+
 double number_in(const Json& totals, const char* pointer) { return totals.at(sim::JsonPointer(pointer)).get<double>(); }
 
 std::string percent_text(double from, double to) { return fmt::format("{:+.1f} %", 100 * (to / from - 1)); }
@@ -95,6 +97,10 @@ std::string run_text(const Priced& run) {
                                       {"frames/J T&I alone", "/perf/frames_per_joule_tni"}}) {
     out += fmt::format("{} {}, by its own table {}\n", sim::four_digits(number_in(run.repriced, pointer)), name,
                        sim::four_digits(number_in(run.own, pointer)));
+  }
+  if (run.repriced.contains("power_at_fps_w")) {
+    out += fmt::format("{} W at the target frame rate\n",
+                       sim::four_digits(number_in(run.repriced, "/power_at_fps_w/nominal")));
   }
   return out + notes_text({run});
 }
@@ -231,11 +237,22 @@ std::vector<TableChange> table_changes(const RunConfig& from, const RunConfig& t
   return out;
 }
 
+/// Returns energy_totals_json(), and with a target rate the power at it.
+Json priced_totals(const PricedRun& run) {
+  Json totals = energy_totals_json(run.energy(), run.work());
+  if (const double fps = run.config().frame.fps; fps > 0) {
+    sim::Band power;
+    for (const sim::BandMember side : sim::kBandMembers) power.*side = fps * run.of_period(side) * kJoulesPerPicojoule;
+    totals["power_at_fps_w"] = sim::band_json(power);
+  }
+  return totals;
+}
+
 Priced price_run(const std::string& run, const ReportFile& report, const PriceTable& table) {
   const PricedRun own(report), repriced(report, table);
   return {.run = run,
-          .own = energy_totals_json(own.energy(), own.work()),
-          .repriced = energy_totals_json(repriced.energy(), repriced.work()),
+          .own = priced_totals(own),
+          .repriced = priced_totals(repriced),
           .changes = table_changes(own.config(), repriced.config()),
           .plays = std::max<std::size_t>(1, static_cast<std::size_t>(report.number("totals.replicates.count"))),
           .extrapolated = repriced.extrapolation_warnings()};

@@ -365,6 +365,7 @@ Task task_of(const Options& options) {
   if (options.budget) task.budget = *options.budget;
   if (options.seed) task.seed = *options.seed;
   if (!options.fidelity.empty()) task.sampled = options.fidelity == "sampled";
+  task.space.sets.insert(task.space.sets.end(), options.sets.begin(), options.sets.end());
   return task;
 }
 

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "tools/studies/sweep/launch/launcher.h"
 
@@ -13,6 +14,7 @@ struct Options : LauncherOptions {
   std::filesystem::path file, out, store;
   std::optional<std::uint64_t> budget, seed;
   std::string fidelity;
+  std::vector<std::string> sets;  ///< "key=value", in addition to those of the file
   bool quiet = false;
   std::string progress = "auto";
 };

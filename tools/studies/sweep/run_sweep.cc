@@ -56,7 +56,8 @@ struct Planned {
 
 /// Plans the points of a sweep's file. Files that it names are relative to its folder.
 Planned plan_from_file(const SweepOptions& options, const fs::path& file) {
-  const sweep::Spec spec = sweep::read_spec(file);
+  sweep::Spec spec = sweep::read_spec(file);
+  spec.sets.insert(spec.sets.end(), options.sets.begin(), options.sets.end());
   Progress progress(options.progress == "json" ? "none" : options.progress, options.quiet);
   progress.expect_parts(1, "sweep");
   progress.set_phase("choosing points");

@@ -13,6 +13,7 @@ namespace tools {
 /// Options of `raywatt sweep run`: a sweep by its file, or with `resume` by its folder `out`.
 struct SweepOptions : LauncherOptions {
   std::filesystem::path file, out, store;
+  std::vector<std::string> sets;  ///< "key=value", in addition to those of the file
   bool wait = false, resume = false, dry_run = false, quiet = false;
   std::string progress = "auto";
 };

@@ -18,11 +18,6 @@ namespace {
 constexpr std::size_t kRivals = 6;  ///< rows of a table of the best points
 constexpr std::size_t kBars = 12;   ///< rows of a tornado table
 
-/// Energy of a block in pJ by the low or high tables; an empty name is the whole machine.
-double side_pj(const PricedRun& run, const std::string& block, sim::BandMember side) {
-  return block.empty() ? run.total(side) : run.of_block(block, side);
-}
-
 std::string percent_text(double share) { return fmt::format("{:.1f} %", 100 * share); }
 
 std::string sample_interval_text(const std::vector<double>& samples) {

@@ -1,0 +1,86 @@
+#include <gtest/gtest.h>
+
+#include "sim/engine.h"
+#include "tests/hw_models/machines/gpu_harness.h"
+#include "tests/hw_models/machines/random_config.h"
+
+// Machines that begin with the lines of another machine in their caches.
+
+namespace hw {
+namespace {
+
+using test::difference;
+using test::Engine;
+using test::Frame;
+using test::Outcome;
+
+Outcome outcome_of(const Gpu& gpu) {
+  return {gpu.unit_reports(), gpu.kernel_use(), {}, gpu.elapsed_time(), gpu.elapsed_cycles()};
+}
+
+/// Runs the frame with these lines in the caches, and replaces them by those at its end.
+Outcome play(const Frame& frame, const GpuConfig& config, CacheContents& contents, Engine engine = Engine::kFast,
+             std::uint64_t seed = 0) {
+  tools::FrontEnd front_end(frame.program(), frame.tracer(), 0);
+  Gpu gpu(config, frame.workload(), front_end);
+  gpu.set_cache_contents(contents);
+  switch (engine) {
+    case Engine::kFast:
+      gpu.finish(sim::run<sim::Skip::kOn>(gpu));
+      break;
+    case Engine::kOracle:
+      gpu.finish(sim::run<sim::Skip::kOff>(gpu));
+      break;
+    case Engine::kShuffled:
+      gpu.finish(sim::run_shuffled(gpu, seed));
+      break;
+  }
+  contents = gpu.cache_contents();
+  return outcome_of(gpu);
+}
+
+/// Lines in the caches of a machine before its first frame: none.
+CacheContents no_lines(const Frame& frame, const GpuConfig& config) {
+  tools::FrontEnd front_end(frame.program(), frame.tracer(), 0);
+  return Gpu(config, frame.workload(), front_end).cache_contents();
+}
+
+TEST(CacheContents, OfNoLinesChangeNothing) {
+  const GpuConfig config;
+  CacheContents contents = no_lines(test::cornell_64x32(), config);
+  EXPECT_EQ(difference(test::play(test::cornell_64x32(), config), play(test::cornell_64x32(), config, contents)), "");
+}
+
+TEST(CacheContents, OfTheFrameBeforeMakeHits) {
+  const GpuConfig config;
+  CacheContents contents = no_lines(test::teapot_64x32(), config);
+  const Outcome cold = play(test::teapot_64x32(), config, contents);
+  const Outcome warm = play(test::teapot_64x32(), config, contents);
+  EXPECT_LT(warm.cycles, cold.cycles);
+  EXPECT_LT(warm.sum("bank", "misses"), cold.sum("bank", "misses"));
+  EXPECT_EQ(warm.sum("trv", "visits"), cold.sum("trv", "visits"));
+}
+
+TEST(CacheContents, OfAFrameWhoseLinesAllFitLeaveNoMisses) {
+  GpuConfig config;
+  config.l2.cache.size = {4 << 20};
+  CacheContents contents = no_lines(test::cornell_64x32(), config);
+  play(test::cornell_64x32(), config, contents);
+  EXPECT_EQ(play(test::cornell_64x32(), config, contents).sum("bank", "fills"), 0U);
+}
+
+TEST(CacheContents, AreTheSameInAllEngines) {
+  static const Frame frame("cornell", 16, 16);
+  for (std::uint64_t seed = 70; seed < 76; ++seed) {
+    const GpuConfig config = test::random_config(seed);
+    CacheContents fast = no_lines(frame, config), oracle = fast, shuffled = fast;
+    for (int i = 0; i < 2; ++i) {
+      const Outcome a = play(frame, config, fast);
+      EXPECT_EQ(difference(a, play(frame, config, oracle, Engine::kOracle)), "") << "seed " << seed;
+      EXPECT_EQ(difference(a, play(frame, config, shuffled, Engine::kShuffled, seed)), "") << "seed " << seed;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace hw

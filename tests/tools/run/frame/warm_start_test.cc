@@ -1,0 +1,143 @@
+#include "tools/run/frame/warm_start.h"
+
+#include <cmath>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/hw_models/machines/gpu_harness.h"
+#include "tests/temp_folder.h"
+#include "tools/run/frame/trace_header.h"
+#include "tools/run/run.h"
+#include "tools/run/stored_frames.h"
+#include "tools/sampling/slices.h"
+#include "tools/sampling/tile_sampling.h"
+#include "traces/trace_file/trace_writer.h"
+
+// Frames that begin with the caches as the frame before left them.
+
+namespace tools {
+namespace {
+
+JobOptions options_of(const std::string& scene, const std::string& program = "full:1") {
+  JobOptions options;
+  options.scene = scene;
+  options.program = program;
+  options.resolution = "128x64";
+  options.sets = {"frame.start=warm", "render.tile=16"};
+  options.threads = 1;
+  return options;
+}
+
+hw::test::Outcome outcome_of(const FrameResult& s) { return {s.units, s.kernel_use, {}, s.elapsed, s.cycles}; }
+
+/// Cycles of each frame of a run.
+std::vector<double> cycles_of(JobOptions options, const std::string& frames) {
+  options.frames = frames;
+  Inputs inputs = load_inputs(options);
+  RenderedFrames source(inputs, make_plan(options), options.threads, nullptr);
+  std::vector<double> cycles;
+  for (const sim::Json& frame : run(source, {}).frames) cycles.push_back(frame["cycles"].get<double>());
+  return cycles;
+}
+
+FrameResult first_frame(const JobOptions& options, std::uint32_t threads = 1, const SimulateOptions& extras = {}) {
+  return simulate_frame(load_inputs(options), kernels::parse_program(options.program), threads, extras);
+}
+
+TEST(WarmStart, OfEqualFramesGivesEqualFramesFromTheSecondOn) {
+  for (const char* scene : {"cornell", "teapot"}) {
+    const std::vector<double> cycles = cycles_of(options_of(scene), "0:2");
+    EXPECT_NEAR(cycles[1] / cycles[0], 1, 0.02) << scene;
+    EXPECT_NEAR(cycles[2] / cycles[1], 1, 0.02) << scene;
+    JobOptions cold = options_of(scene);
+    cold.sets = {"render.tile=16"};
+    const std::vector<double> empty = cycles_of(cold, "0:1");
+    EXPECT_EQ(empty[0], empty[1]) << scene;
+    EXPECT_LT(cycles[0], 0.97 * empty[0]) << scene;
+  }
+}
+
+TEST(WarmStart, DoesNotDependOnThreads) {
+  for (const char* program : {"full:1", "undersample"}) {
+    const JobOptions options = options_of("cornell", program);
+    EXPECT_EQ(difference(outcome_of(first_frame(options)), outcome_of(first_frame(options, 3))), "") << program;
+  }
+}
+
+TEST(WarmStart, LeavesThePictureAsItIs) {
+  for (const char* program : {"full:1", "undersample", "supersample", "multirate:under", "reconstruct"}) {
+    JobOptions options = options_of("cornell", program);
+    const FrameResult warm = first_frame(options);
+    options.sets = {"render.tile=16"};
+    const FrameResult cold = first_frame(options);
+    EXPECT_EQ(hw::test::difference(warm.rendered, cold.rendered), "") << program;
+    EXPECT_LT(warm.cycles, cold.cycles) << program;
+  }
+}
+
+TEST(WarmStart, OfAFrameWithAGeometryPassPlaysAllPasses) {
+  JobOptions options = options_of("cornell");
+  options.sets.emplace_back("render.primary=raster");
+  const FrameResult warm = first_frame(options);
+  options.sets.front() = "frame.start=cold";
+  EXPECT_LT(warm.cycles, first_frame(options).cycles);
+}
+
+TEST(WarmStart, OfAReplayIsThatOfTheRun) {
+  const test::TempFolder folder;
+  JobOptions options = options_of("cornell");
+  options.frames = "0:1";
+  Inputs inputs = load_inputs(options);
+  traces::TraceWriter writer(folder.path() / "a.trace", trace_header(inputs, options));
+  RenderedFrames frames(inputs, make_plan(options), 1, nullptr);
+  const RunResult ran = run(frames, {.trace = &writer});
+  writer.commit();
+  JobOptions replay;
+  replay.sets = {"frame.start=warm"};
+  replay.threads = 1;
+  StoredFrames stored(folder.path() / "a.trace", replay);
+  const RunResult replayed = run(stored, {});
+  EXPECT_EQ(difference(outcome_of(*ran.total), outcome_of(*replayed.total)), "");
+  stored.go_to_first_frame();
+  EXPECT_EQ(difference(outcome_of(*ran.total), outcome_of(*run(stored, {}).total)), "");
+}
+
+TEST(WarmStart, OfReplicatesIsThatOfThePlainRun) {
+  const JobOptions options = options_of("cornell");
+  const FrameResult plain = first_frame(options), three = first_frame(options, 2, {.replicates = 3});
+  EXPECT_EQ(difference(outcome_of(plain), outcome_of(three)), "");
+  JobOptions cold = options;
+  cold.sets.front() = "frame.start=cold";
+  const FrameResult empty = first_frame(cold, 1, {.replicates = 3});
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_LT(three.replicates[i].cycles, empty.replicates[i].cycles);
+}
+
+TEST(WarmStart, OfRecordedWorkIsThatOfTheRun) {
+  const JobOptions options = options_of("teapot");
+  const Inputs inputs = load_inputs(options);
+  const RecordedFrame recorded(inputs, {}, "test", 1);
+  const std::vector<FrameResult> played = recorded.simulate(std::vector<RunConfig>(2, inputs.config));
+  for (const FrameResult& s : played) {
+    EXPECT_EQ(difference(outcome_of(first_frame(options)), outcome_of(s)), "");
+  }
+}
+
+TEST(WarmStart, OfAFrameTooSmallToSampleIsThatOfTheWholeFrame) {
+  const JobOptions options = options_of("cornell");
+  const Inputs inputs = load_inputs(options);
+  const FrameResult sampled = simulate_sampled(inputs, {}, 1, {});
+  EXPECT_EQ(sampled.cycles, first_frame(options).cycles);
+}
+
+TEST(WarmStart, OfSlicesIsWithinTheirInterval) {
+  JobOptions options = options_of("teapot");
+  options.resolution = "256x128";
+  const Inputs inputs = load_inputs(options);
+  const FrameResult whole = first_frame(options), sliced = simulate_slices(inputs, {}, 1, 2, nullptr);
+  EXPECT_NEAR(static_cast<double>(sliced.cycles), static_cast<double>(whole.cycles),
+              sliced.sliced->cycles.half_width() + 0.01 * static_cast<double>(whole.cycles));
+}
+
+}  // namespace
+}  // namespace tools

@@ -1,0 +1,112 @@
+#include "tools/analysis/rate_report.h"
+
+#include <algorithm>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "sim/report/report_json.h"
+#include "sim/report/table.h"
+#include "sim/time.h"
+#include "tools/analysis/report.h"
+#include "tools/run/frame/power.h"
+
+namespace tools {
+namespace {
+
+using sim::Json;
+
+double time_ms(const FrameResult& run) { return static_cast<double>(run.elapsed) / sim::kFemtosecondsPerMillisecond; }
+
+Json clocks_json(const RatedClocks& clocks) {
+  Json mhz = Json::object(), volt = Json::object();
+  for (std::size_t i = 0; i < clocks.mhz.size(); ++i) {
+    mhz[std::string(clock_domains()[i].name)] = clocks.mhz[i];
+    volt[std::string(clock_domains()[i].name)] = clocks.volt[i];
+  }
+  return {{"factor", clocks.factor}, {"mhz", mhz}, {"volt", volt}, {"power_w", sim::band_json(clocks.power_w)}};
+}
+
+/// `slowest_share`: time of the slowest frame over the mean.
+FrameRate rate_of(const FrameResult& run, double slowest_share, const RunConfig& config) {
+  const double ms = time_ms(run);
+  return at_frame_rate(config, {.energy = run.energy,
+                                .units = run.units,
+                                .count = static_cast<double>(run.frames),
+                                .time_ms = ms,
+                                .slowest_ms = slowest_share * ms / run.frames});
+}
+
+}  // namespace
+
+Json frame_rate_json(const FrameRate& rate) {
+  Json at_fps = {{"fps", rate.fps},
+                 {"met", rate.is_met()},
+                 {"period_ms", rate.period_ms},
+                 {"slowest_frame_ms", rate.slowest_ms},
+                 {"slack_ms", rate.slack_ms()},
+                 {"busy", rate.busy},
+                 {"idle_mw", sim::band_json(rate.idle_mw)},
+                 {"clock_factor", rate.clock_factor}};
+  if (rate.slowest) at_fps["slowest_clocks"] = clocks_json(*rate.slowest);
+  if (rate.best) at_fps["best_clocks"] = clocks_json(*rate.best);
+  return {
+      {"at_fps", std::move(at_fps)}, {"power_at_fps_w", sim::band_json(rate.power_w)}, {"fps_margin", rate.margin()}};
+}
+
+void add_frame_rate(Json& totals, const FrameResult& run, const Json& frames, const RunConfig& config) {
+  if (config.frame.fps <= 0) return;
+  double slowest_ms = 0;
+  for (const Json& frame : frames) slowest_ms = std::max(slowest_ms, frame["time_ms"].get<double>());
+  const double slowest_share = slowest_ms * run.frames / time_ms(run);
+  totals.update(frame_rate_json(rate_of(run, slowest_share, config)));
+  if (!totals.contains("replicates")) return;
+  std::vector<double> margins = {totals["fps_margin"].get<double>()}, low, nominal, high;
+  const auto add_power = [&](const Json& band) {
+    low.push_back(band["low"].get<double>());
+    nominal.push_back(band["nominal"].get<double>());
+    high.push_back(band["high"].get<double>());
+  };
+  add_power(totals["power_at_fps_w"]);
+  for (const FrameResult& replicate : run.replicates) {
+    const FrameRate rate = rate_of(replicate, slowest_share, config);
+    margins.push_back(rate.margin());
+    add_power(sim::band_json(rate.power_w));
+  }
+  Json& figures = totals["replicates"]["figures"];
+  figures["fps_margin"] = statistics_json(margins);
+  figures["power_at_fps_w"] = {
+      {"low", statistics_json(low)}, {"nominal", statistics_json(nominal)}, {"high", statistics_json(high)}};
+}
+
+std::string frame_rate_text(const Json& totals) {
+  const Json& at = totals["at_fps"];
+  const auto number = [](const Json& value) { return sim::four_digits(value.get<double>()); };
+  const double slack = at["slack_ms"].get<double>();
+  return fmt::format("{} frames/s {}, {} W; between frames {} mW", number(at["fps"]),
+                     at["met"].get<bool>() ? fmt::format("met, {} ms to spare", sim::four_digits(slack))
+                                           : fmt::format("NOT met by {} ms", sim::four_digits(-slack)),
+                     number(totals["power_at_fps_w"]["nominal"]), number(at["idle_mw"]["nominal"]));
+}
+
+std::string operating_points_text(const Json& totals) {
+  const Json& at = totals["at_fps"];
+  if (!at.contains("slowest_clocks")) {
+    return at["met"].get<bool>()
+               ? ""
+               : fmt::format("the rate needs clocks x{} or more", sim::four_digits(at["clock_factor"].get<double>()));
+  }
+  const auto point = [](const Json& clocks) {
+    std::string volt;
+    for (const auto& [domain, value] : clocks["volt"].items()) {
+      const std::string text = fmt::format("{:.3f}", value.get<double>());
+      if (volt.find(text) == std::string::npos) volt += (volt.empty() ? "" : "/") + text;
+    }
+    return fmt::format("x{:.3f} at {} V {} W", clocks["factor"].get<double>(), volt,
+                       sim::four_digits(clocks["power_w"]["nominal"].get<double>()));
+  };
+  return fmt::format("slowest that meet it {}, least power {} (raywatt dvfs --fps simulates them)",
+                     point(at["slowest_clocks"]), point(at["best_clocks"]));
+}
+
+}  // namespace tools

@@ -1,0 +1,179 @@
+#include "tools/run/frame/frame_rate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <iterator>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "hw_models/dram/dram_energy.h"
+#include "hw_models/machines/gpu_config.h"
+#include "sim/report/power.h"
+#include "sim/time.h"
+#include "tools/run/frame/power.h"
+
+namespace tools {
+namespace {
+
+constexpr double kPicojoulesPerMillisecond = 1e-6;  // in mW
+constexpr sim::Time kMillisecond = sim::kFemtosecondsPerSecond / 1000;
+constexpr double kMilliwattsPerWatt = 1000, kHzPerMhz = 1e6;
+/// Tolerance of the period for rounding.
+constexpr double kPeriodRounding = 1e-9;
+/// Operating points that are compared.
+constexpr int kOperatingPoints = 256;
+
+/// Returns the energy of a millisecond in which every unit is idle.
+sim::EnergyReport idle_energy(const RunConfig& config, std::span<const sim::UnitReport> units) {
+  return sim::compute_energy(idle_for_a_millisecond(units), config.energy, hw::dram_energy_events(config.gpu->dram),
+                             kMillisecond, power_scales(config));
+}
+
+/// The chip's clocks times a factor, and the resulting factors of each block's energies.
+struct ScaledClocks {
+  double factor = 1;
+  std::vector<double> mhz{}, volt{};
+  std::map<std::string, sim::PowerScale> blocks{};
+  sim::PowerScale of(const std::string& block) const {
+    const auto found = blocks.find(block);
+    return found == blocks.end() ? sim::PowerScale{} : found->second;
+  }
+};
+
+/// Returns what the chip takes between frames, in mW.
+sim::Band chip_idle_mw(const RunConfig& config, const sim::EnergyReport& idle, const ScaledClocks& clocks) {
+  sim::Band sum;
+  for (const ClockDomain& domain : clock_domains()) {
+    for (const std::string& name : domain.blocks) {
+      const auto block = idle.blocks.find(name);  // there may be no rasteriser
+      if (block == idle.blocks.end()) continue;
+      const sim::PowerScale scale = clocks.of(name);
+      sum += between_frames(config.power, block->second.leakage * scale.leakage,
+                            block->second.clock * (scale.dynamic * clocks.factor));
+    }
+  }
+  return sum * kPicojoulesPerMillisecond;
+}
+
+/// Returns the energy of all frames at other clocks, if they take equally many cycles of them.
+sim::Band energy_at(const sim::EnergyReport& energy, const ScaledClocks& clocks) {
+  sim::Band sum;
+  for (const auto& [name, block] : energy.blocks) {
+    const sim::PowerScale scale = clocks.of(name);
+    sum += (block.dynamic + block.clock) * scale.dynamic + block.leakage * (scale.leakage / clocks.factor);
+    if (name != "dram") continue;
+    const auto events = energy.events.find(name);
+    for (const char* refresh : {"dram.refresh", "dram.refresh_all"}) {  // as often in each second
+      if (events == energy.events.end() || !events->second.contains(refresh)) continue;
+      sum += events->second.at(refresh) * (1 / clocks.factor - 1);
+    }
+  }
+  return sum;
+}
+
+/// Returns the mean power over a period in W. `pj`: energy of all frames.
+sim::Band mean_power_w(const FinishedFrames& frames, double fps, const sim::Band& pj, double time_ms,
+                       const sim::Band& idle_mw) {
+  const double busy = fps * time_ms / frames.count / 1000;
+  const sim::Band joules_per_frame = pj * (1e-12 / frames.count);
+  return joules_per_frame * fps + idle_mw * (std::max(0.0, 1 - busy) / kMilliwattsPerWatt);
+}
+
+/// Evaluates frames at other clocks.
+class OperatingPoints {
+ public:
+  OperatingPoints(const RunConfig& config, const FinishedFrames& frames, const sim::EnergyReport& idle)
+      : config_(config),
+        frames_(frames),
+        idle_(idle),
+        memory_mw_(hw::dram_idle_mw(config.gpu->dram)),
+        curves_(sim::voltage_curves(config.power)),
+        own_(power_scales(config)) {}
+
+  /// True if every domain has a curve.
+  bool has_curves() const {
+    return std::ranges::all_of(clock_domains(),
+                               [&](const ClockDomain& d) { return curves_.contains(std::string(d.name)); });
+  }
+
+  RatedClocks at(double factor) const {
+    const ScaledClocks clocks = scaled_clocks(factor);
+    const sim::Band idle_mw = chip_idle_mw(config_, idle_, clocks) + memory_mw_;
+    return {
+        factor, clocks.mhz, clocks.volt,
+        mean_power_w(frames_, config_.frame.fps, energy_at(frames_.energy, clocks), frames_.time_ms / factor, idle_mw)};
+  }
+
+ private:
+  ScaledClocks scaled_clocks(double factor) const {
+    ScaledClocks clocks{.factor = factor};
+    for (const ClockDomain& domain : clock_domains()) {
+      const double hz = static_cast<double>((config_.gpu->clocks.*domain.clock).hz) * factor;
+      const double volt = curves_.at(std::string(domain.name)).voltage_at(static_cast<std::uint64_t>(std::llround(hz)));
+      clocks.mhz.push_back(hz / kHzPerMhz);
+      clocks.volt.push_back(volt);
+      const sim::PowerScale scale = sim::power_scale(config_.power, volt);
+      for (const std::string& block : domain.blocks) {
+        const sim::PowerScale& own = own_.at(block);
+        clocks.blocks[block] = {scale.dynamic / own.dynamic, scale.leakage / own.leakage};
+      }
+    }
+    return clocks;
+  }
+
+  const RunConfig& config_;
+  const FinishedFrames& frames_;
+  const sim::EnergyReport& idle_;
+  const sim::Band memory_mw_;
+  const std::map<std::string, sim::VoltageCurve> curves_;
+  const sim::PowerScales own_;
+};
+
+}  // namespace
+
+std::vector<sim::UnitReport> idle_for_a_millisecond(std::span<const sim::UnitReport> units) {
+  constexpr std::uint64_t kCyclesPerMhz = 1000;
+  std::vector<sim::UnitReport> idle;
+  std::ranges::copy_if(units, std::back_inserter(idle), [](const sim::UnitReport& u) { return u.block != "dram"; });
+  for (sim::UnitReport& unit : idle) {
+    for (sim::CounterReport& counter : unit.counters) counter.value = 0;
+    std::uint64_t cycles = unit.clock_mhz * kCyclesPerMhz;
+    for (std::size_t i = 0; i < unit.cycles_by_reason.size(); ++i) {
+      const bool is_idle = i < unit.reasons.size() && unit.reasons[i].kind == sim::ReasonKind::kIdle;
+      unit.cycles_by_reason[i].second = is_idle ? std::exchange(cycles, 0) : 0;
+    }
+  }
+  return idle;
+}
+
+sim::Band idle_power_mw(const RunConfig& config, std::span<const sim::UnitReport> units) {
+  return chip_idle_mw(config, idle_energy(config, units), {}) + hw::dram_idle_mw(config.gpu->dram);
+}
+
+bool FrameRate::is_met() const { return slowest_ms <= period_ms * (1 + kPeriodRounding); }
+
+FrameRate at_frame_rate(const RunConfig& config, const FinishedFrames& frames) {
+  const sim::EnergyReport idle = idle_energy(config, frames.units);
+  FrameRate rate;
+  rate.fps = config.frame.fps;
+  rate.period_ms = 1000 / rate.fps;
+  rate.slowest_ms = frames.slowest_ms;
+  rate.busy = frames.time_ms / frames.count / rate.period_ms;
+  rate.idle_mw = chip_idle_mw(config, idle, {}) + hw::dram_idle_mw(config.gpu->dram);
+  rate.power_w = mean_power_w(frames, rate.fps, frames.energy.total_pj, frames.time_ms, rate.idle_mw);
+  rate.clock_factor = rate.slowest_ms / rate.period_ms;
+  const OperatingPoints points(config, frames, idle);
+  if (!rate.is_met() || !points.has_curves()) return rate;
+  const double least = std::min(1.0, rate.clock_factor);
+  rate.slowest = rate.best = points.at(least);
+  for (int i = 1; i <= kOperatingPoints; ++i) {
+    RatedClocks point = points.at(least + (1 - least) * i / kOperatingPoints);
+    if (point.power_w.nominal < rate.best->power_w.nominal) rate.best = std::move(point);
+  }
+  return rate;
+}
+
+}  // namespace tools
