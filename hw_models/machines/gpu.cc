@@ -240,11 +240,14 @@ std::vector<KernelUse> Gpu::kernel_use() const {
   return sum;
 }
 
-void Gpu::warm_caches(const traces::TileWork& work, std::uint32_t core) {
+std::uint64_t Gpu::warm_caches(const traces::TileWork& work, std::uint32_t core) {
   const Core& c = cores_[core];
+  std::uint64_t filled = 0;
   const std::vector<Trv*>& trvs = c.tni.trvs();
   const Interleave banks = config_.l2.bank_interleave();
-  const auto second_level = [&](Addr line) { memory_.l2_banks()[banks.index_of(line)]->warm_line(line); };
+  const auto second_level = [&](Addr line) {
+    if (!memory_.l2_banks()[banks.index_of(line)]->warm_line(line)) filled += 1;
+  };
   for_each_line(
       work, layout_,
       [&](std::uint32_t ray, Addr line) {
@@ -256,6 +259,7 @@ void Gpu::warm_caches(const traces::TileWork& work, std::uint32_t core) {
       [&](Addr line) {
         if (!c.srp->warm_line(line)) second_level(line);
       });
+  return filled;
 }
 
 CacheContents Gpu::cache_contents() const {

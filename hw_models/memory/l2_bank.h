@@ -191,9 +191,12 @@ class L2Bank {
   const Stats& stats() const { return stats_; }
   const sim::Activity<CycleReason>& activity() const { return activity_; }
   std::string state() const;
-  /// Puts a line into the bank in no simulated time. Dirty sectors of the evicted line are lost.
-  void warm_line(Addr line) {
-    if (store_.look_up(line, 0) == L2Store::Found::kNot) store_.allocate(line, kWholeLine, 0);
+  /// Puts a line into the bank in no simulated time. Dirty sectors of the evicted line are lost. False if it was not
+  /// present.
+  bool warm_line(Addr line) {
+    if (store_.look_up(line, 0) != L2Store::Found::kNot) return true;
+    store_.allocate(line, kWholeLine, 0);
+    return false;
   }
   const L2Store& store() const { return store_; }
   /// Replaces the cached lines, before the first cycle.

@@ -16,7 +16,9 @@ namespace {
 
 using sim::Json;
 
-double time_ms(const FrameResult& run) { return static_cast<double>(run.elapsed) / sim::kFemtosecondsPerMillisecond; }
+double elapsed_ms(const FrameResult& run) {
+  return static_cast<double>(run.elapsed) / sim::kFemtosecondsPerMillisecond;
+}
 
 Json clocks_json(const RatedClocks& clocks) {
   Json mhz = Json::object(), volt = Json::object();
@@ -29,7 +31,7 @@ Json clocks_json(const RatedClocks& clocks) {
 
 /// `slowest_share`: time of the slowest frame over the mean.
 FrameRate rate_of(const FrameResult& run, double slowest_share, const RunConfig& config) {
-  const double ms = time_ms(run);
+  const double ms = elapsed_ms(run);
   return at_frame_rate(config, {.energy = run.energy,
                                 .units = run.units,
                                 .count = static_cast<double>(run.frames),
@@ -58,7 +60,7 @@ void add_frame_rate(Json& totals, const FrameResult& run, const Json& frames, co
   if (config.frame.fps <= 0) return;
   double slowest_ms = 0;
   for (const Json& frame : frames) slowest_ms = std::max(slowest_ms, frame["time_ms"].get<double>());
-  const double slowest_share = slowest_ms * run.frames / time_ms(run);
+  const double slowest_share = slowest_ms * run.frames / elapsed_ms(run);
   totals.update(frame_rate_json(rate_of(run, slowest_share, config)));
   if (!totals.contains("replicates")) return;
   std::vector<double> margins = {totals["fps_margin"].get<double>()}, low, nominal, high;

@@ -14,7 +14,7 @@ using test::Engine;
 using test::Frame;
 using test::Outcome;
 
-Outcome outcome_of(const Gpu& gpu) {
+Outcome machine_outcome(const Gpu& gpu) {
   return {gpu.unit_reports(), gpu.kernel_use(), {}, gpu.elapsed_time(), gpu.elapsed_cycles()};
 }
 
@@ -36,7 +36,7 @@ Outcome play(const Frame& frame, const GpuConfig& config, CacheContents& content
       break;
   }
   contents = gpu.cache_contents();
-  return outcome_of(gpu);
+  return machine_outcome(gpu);
 }
 
 /// Lines in the caches of a machine before its first frame: none.

@@ -20,9 +20,9 @@ namespace {
 
 constexpr double kPicojoulesPerMillisecond = 1e-6;  // in mW
 constexpr sim::Time kMillisecond = sim::kFemtosecondsPerSecond / 1000;
-constexpr double kMilliwattsPerWatt = 1000, kHzPerMhz = 1e6;
+constexpr double kMilliwattsPerWatt = 1000, kHertzPerMegahertz = 1e6;
 /// Tolerance of the period for rounding.
-constexpr double kPeriodRounding = 1e-9;
+constexpr double kRateRounding = 1e-9;
 /// Operating points that are compared.
 constexpr int kOperatingPoints = 256;
 
@@ -113,7 +113,7 @@ class OperatingPoints {
     for (const ClockDomain& domain : clock_domains()) {
       const double hz = static_cast<double>((config_.gpu->clocks.*domain.clock).hz) * factor;
       const double volt = curves_.at(std::string(domain.name)).voltage_at(static_cast<std::uint64_t>(std::llround(hz)));
-      clocks.mhz.push_back(hz / kHzPerMhz);
+      clocks.mhz.push_back(hz / kHertzPerMegahertz);
       clocks.volt.push_back(volt);
       const sim::PowerScale scale = sim::power_scale(config_.power, volt);
       for (const std::string& block : domain.blocks) {
@@ -153,7 +153,7 @@ sim::Band idle_power_mw(const RunConfig& config, std::span<const sim::UnitReport
   return chip_idle_mw(config, idle_energy(config, units), {}) + hw::dram_idle_mw(config.gpu->dram);
 }
 
-bool FrameRate::is_met() const { return slowest_ms <= period_ms * (1 + kPeriodRounding); }
+bool FrameRate::is_met() const { return slowest_ms <= period_ms * (1 + kRateRounding); }
 
 FrameRate at_frame_rate(const RunConfig& config, const FinishedFrames& frames) {
   const sim::EnergyReport idle = idle_energy(config, frames.units);

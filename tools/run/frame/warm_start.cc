@@ -32,38 +32,49 @@ class UncommittedTiles final : public kernels::FrameProgram {
 
 bool has_one_pass(const kernels::FrameProgram& frame) { return frame.pass_end(0) == frame.tiles(); }
 
-/// Warms caches with the tiles of a front end from entry `first` on. Tiles go to cores round robin.
-void warm_from(hw::Gpu& gpu, FrontEnd& front_end, std::uint32_t first) {
+/// Tiles of the first attempt to fill the caches, and the factor of each further one.
+constexpr std::uint32_t kFirstTiles = 64, kMoreTiles = 4;
+/// Fills of the L2 over its lines after which earlier lines are gone.
+constexpr std::uint64_t kFillsPerLine = 2;
+
+/// Warms caches with the tiles of a front end from entry `first` on. Tiles go to cores round robin. Returns the number
+/// of lines put into the L2.
+std::uint64_t warm_from(hw::Gpu& gpu, FrontEnd& front_end, std::uint32_t first) {
+  std::uint64_t filled = 0;
   std::uint32_t core = 0, index = 0;
   while (const traces::TileWork* work = front_end.next()) {
     if (index++ >= first) {
-      gpu.warm_caches(*work, core);
+      filled += gpu.warm_caches(*work, core);
       core = core + 1 == gpu.core_count() ? 0 : core + 1;
     }
     front_end.give_back(work);
   }
+  return filled;
 }
 
 }  // namespace
 
-static std::uint32_t tiles_that_fill_caches() {
-  const char* text = std::getenv("RAYWATT_TAIL");
-  return text != nullptr ? static_cast<std::uint32_t>(std::atoi(text)) : 1U << 30;
-}
-
 void warm_with_last_tiles(hw::Gpu& gpu, kernels::FrameProgram& frame, const traces::Tracer& tracer,
                           std::uint32_t workers) {
-  const std::uint32_t tiles = tiles_that_fill_caches();
-  const std::uint32_t first = frame.tiles() - std::min(tiles, frame.tiles());
+  const std::uint32_t all = frame.tiles();
   if (!has_one_pass(frame)) {
     FrontEnd front_end(frame, tracer, workers);
-    return warm_from(gpu, front_end, first);
+    warm_from(gpu, front_end, 0);
+    return;
   }
-  std::vector<std::uint32_t> last(frame.tiles() - first);
-  std::iota(last.begin(), last.end(), first);
-  UncommittedTiles program(frame);
-  FrontEnd front_end(program, tracer, workers, true, std::move(last));
-  warm_from(gpu, front_end, 0);
+  const hw::CacheContents empty = gpu.cache_contents();
+  const char* text = std::getenv("RAYWATT_TAIL");
+  for (std::uint32_t tiles = text != nullptr ? static_cast<std::uint32_t>(std::atoi(text)) : kFirstTiles;;
+       tiles *= kMoreTiles) {
+    const std::uint32_t first = all - std::min(tiles, all);
+    std::vector<std::uint32_t> last(all - first);
+    std::iota(last.begin(), last.end(), first);
+    UncommittedTiles program(frame);
+    FrontEnd front_end(program, tracer, workers, true, std::move(last));
+    const std::uint64_t filled = warm_from(gpu, front_end, 0);
+    if (first == 0 || filled >= kFillsPerLine * gpu.l2_line_count() || text != nullptr) return;
+    gpu.set_cache_contents(empty);
+  }
 }
 
 }  // namespace tools

@@ -18,7 +18,7 @@
 namespace tools {
 namespace {
 
-RunConfig with(std::vector<std::string> sets) {
+RunConfig config_with(std::vector<std::string> sets) {
   JobOptions options;
   options.sets = std::move(sets);
   return load_run_config(options);
@@ -49,7 +49,7 @@ FrameRate rate_of(const RunConfig& config, const sim::EnergyReport& energy, doub
 }
 
 TEST(FrameRate, OfAFrameThatTakesNoTimeIsTheIdlePower) {
-  const RunConfig config = with({"frame.fps=60"});
+  const RunConfig config = config_with({"frame.fps=60"});
   const FrameRate rate = rate_of(config, joules_of("tni", 0, 0), 1e-12);
   EXPECT_TRUE(rate.is_met());
   EXPECT_NEAR(rate.power_w.nominal, rate.idle_mw.nominal / 1000, 1e-12);
@@ -58,7 +58,7 @@ TEST(FrameRate, OfAFrameThatTakesNoTimeIsTheIdlePower) {
 }
 
 TEST(FrameRate, OfFramesWithoutIdleTimeIsThePowerOfTheRun) {
-  const FrameRate rate = rate_of(with({"frame.fps=50"}), joules_of("tni", 0.03, 0.01), 20);
+  const FrameRate rate = rate_of(config_with({"frame.fps=50"}), joules_of("tni", 0.03, 0.01), 20);
   EXPECT_TRUE(rate.is_met());
   EXPECT_DOUBLE_EQ(rate.margin(), 1);
   EXPECT_DOUBLE_EQ(rate.slack_ms(), 0);
@@ -68,7 +68,7 @@ TEST(FrameRate, OfFramesWithoutIdleTimeIsThePowerOfTheRun) {
 }
 
 TEST(FrameRate, OfFramesOfHalfAPeriodHasHalfOfTheIdlePower) {
-  const FrameRate rate = rate_of(with({"frame.fps=100"}), joules_of("srp", 0.01, 0), 15, 3);
+  const FrameRate rate = rate_of(config_with({"frame.fps=100"}), joules_of("srp", 0.01, 0), 15, 3);
   EXPECT_DOUBLE_EQ(rate.busy, 0.5);
   EXPECT_DOUBLE_EQ(rate.margin(), 2);
   EXPECT_DOUBLE_EQ(rate.slack_ms(), 5);
@@ -76,7 +76,7 @@ TEST(FrameRate, OfFramesOfHalfAPeriodHasHalfOfTheIdlePower) {
 }
 
 TEST(FrameRate, IsMetOnlyIfTheSlowestFrameMeetsIt) {
-  const FrameRate rate = rate_of(with({"frame.fps=100"}), joules_of("tni", 0.01, 0), 15, 3, 11);
+  const FrameRate rate = rate_of(config_with({"frame.fps=100"}), joules_of("tni", 0.01, 0), 15, 3, 11);
   EXPECT_FALSE(rate.is_met());
   EXPECT_DOUBLE_EQ(rate.margin(), 10.0 / 11);
   EXPECT_DOUBLE_EQ(rate.clock_factor, 1.1);
@@ -84,7 +84,8 @@ TEST(FrameRate, IsMetOnlyIfTheSlowestFrameMeetsIt) {
 }
 
 TEST(IdlePower, IsLeakageAndClockByTheStateOfTheChip) {
-  const RunConfig gated = with({}), stopped = with({"power.idle=clock_gated"}), clocked = with({"power.idle=clocked"});
+  const RunConfig gated = config_with({}), stopped = config_with({"power.idle=clock_gated"}),
+                  clocked = config_with({"power.idle=clocked"});
   const std::vector<sim::UnitReport> units = idle_units(*gated.gpu);
   const double memory = hw::dram_idle_mw(gated.gpu->dram).nominal;
   const auto chip_mw = [&](const RunConfig& config) { return idle_power_mw(config, units).nominal - memory; };
@@ -94,7 +95,7 @@ TEST(IdlePower, IsLeakageAndClockByTheStateOfTheChip) {
 }
 
 TEST(IdlePower, OfAMachineThatOnlyWaitsIsTheEnergyOfAnIdleMachine) {
-  const RunConfig config = with({"power.idle=clocked"});
+  const RunConfig config = config_with({"power.idle=clocked"});
   std::vector<sim::UnitReport> units = idle_units(*config.gpu);
   std::erase_if(units, [](const sim::UnitReport& unit) { return unit.block == "dram"; });
   // One microsecond in which every unit of the chip is idle, as a machine without work would count it.
@@ -114,11 +115,11 @@ TEST(IdlePower, OfAMachineThatOnlyWaitsIsTheEnergyOfAnIdleMachine) {
 }
 
 TEST(OperatingPoints, OfDynamicEnergyAloneAreAsSlowAsTheRateAllows) {
-  const FrameRate rate = rate_of(with({"frame.fps=50", "power.idle_leakage=0"}), joules_of("tni", 0.01, 0), 14);
+  const FrameRate rate = rate_of(config_with({"frame.fps=50", "power.idle_leakage=0"}), joules_of("tni", 0.01, 0), 14);
   ASSERT_TRUE(rate.best.has_value());
   EXPECT_DOUBLE_EQ(rate.slowest->factor, 0.7);
   EXPECT_DOUBLE_EQ(rate.best->factor, 0.7);
-  const RunConfig config = with({"clocks.tni=350 MHz"});
+  const RunConfig config = config_with({"clocks.tni=350 MHz"});
   const double volt = voltage_needed(config, clock_domains()[0]);
   EXPECT_DOUBLE_EQ(rate.slowest->mhz[0], 350);
   EXPECT_DOUBLE_EQ(rate.slowest->volt[0], volt);
@@ -126,8 +127,8 @@ TEST(OperatingPoints, OfDynamicEnergyAloneAreAsSlowAsTheRateAllows) {
 }
 
 TEST(OperatingPoints, OfLeakageAtOneVoltageRaceToIdle) {
-  const FrameRate rate =
-      rate_of(with({"frame.fps=50", "power.idle_leakage=0", "power.leakage_exponent=0"}), joules_of("l2", 0, 0.01), 10);
+  const FrameRate rate = rate_of(config_with({"frame.fps=50", "power.idle_leakage=0", "power.leakage_exponent=0"}),
+                                 joules_of("l2", 0, 0.01), 10);
   ASSERT_TRUE(rate.best.has_value());
   EXPECT_DOUBLE_EQ(rate.slowest->factor, 0.5);
   EXPECT_DOUBLE_EQ(rate.best->factor, 1);
@@ -136,7 +137,7 @@ TEST(OperatingPoints, OfLeakageAtOneVoltageRaceToIdle) {
 
 TEST(OperatingPoints, HaveTheLeastPowerOfAFineSearch) {
   const sim::EnergyReport energy = joules_of("tni", 0.01, 0.006);
-  const FrameRate rate = rate_of(with({"frame.fps=60"}), energy, 6);
+  const FrameRate rate = rate_of(config_with({"frame.fps=60"}), energy, 6);
   ASSERT_TRUE(rate.best.has_value());
   EXPECT_GT(rate.best->factor, rate.slowest->factor);
   EXPECT_LT(rate.best->factor, 1);
@@ -145,7 +146,8 @@ TEST(OperatingPoints, HaveTheLeastPowerOfAFineSearch) {
     const auto clock = [&](const char* name, double mhz) {
       return fmt::format("clocks.{}={} MHz", name, mhz * factor);
     };
-    const RunConfig config = with({clock("tni", 500), clock("srp", 1000), clock("l2", 500), "power.voltage=dvfs"});
+    const RunConfig config =
+        config_with({clock("tni", 500), clock("srp", 1000), clock("l2", 500), "power.voltage=dvfs"});
     const sim::PowerScale scale = power_scales(config).at("tni");
     const double ms = 6 / factor, joules = 0.01 * scale.dynamic + 0.006 * scale.leakage / factor;
     const double idle_w = idle_power_mw(config, idle_units(*config.gpu)).nominal / 1000;

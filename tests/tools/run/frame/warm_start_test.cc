@@ -29,7 +29,7 @@ JobOptions options_of(const std::string& scene, const std::string& program = "fu
   return options;
 }
 
-hw::test::Outcome outcome_of(const FrameResult& s) { return {s.units, s.kernel_use, {}, s.elapsed, s.cycles}; }
+hw::test::Outcome machine_outcome(const FrameResult& s) { return {s.units, s.kernel_use, {}, s.elapsed, s.cycles}; }
 
 /// Cycles of each frame of a run.
 std::vector<double> cycles_of(JobOptions options, const std::string& frames) {
@@ -61,7 +61,8 @@ TEST(WarmStart, OfEqualFramesGivesEqualFramesFromTheSecondOn) {
 TEST(WarmStart, DoesNotDependOnThreads) {
   for (const char* program : {"full:1", "undersample"}) {
     const JobOptions options = options_of("cornell", program);
-    EXPECT_EQ(difference(outcome_of(first_frame(options)), outcome_of(first_frame(options, 3))), "") << program;
+    EXPECT_EQ(difference(machine_outcome(first_frame(options)), machine_outcome(first_frame(options, 3))), "")
+        << program;
   }
 }
 
@@ -98,15 +99,15 @@ TEST(WarmStart, OfAReplayIsThatOfTheRun) {
   replay.threads = 1;
   StoredFrames stored(folder.path() / "a.trace", replay);
   const RunResult replayed = run(stored, {});
-  EXPECT_EQ(difference(outcome_of(*ran.total), outcome_of(*replayed.total)), "");
+  EXPECT_EQ(difference(machine_outcome(*ran.total), machine_outcome(*replayed.total)), "");
   stored.go_to_first_frame();
-  EXPECT_EQ(difference(outcome_of(*ran.total), outcome_of(*run(stored, {}).total)), "");
+  EXPECT_EQ(difference(machine_outcome(*ran.total), machine_outcome(*run(stored, {}).total)), "");
 }
 
 TEST(WarmStart, OfReplicatesIsThatOfThePlainRun) {
   const JobOptions options = options_of("cornell");
   const FrameResult plain = first_frame(options), three = first_frame(options, 2, {.replicates = 3});
-  EXPECT_EQ(difference(outcome_of(plain), outcome_of(three)), "");
+  EXPECT_EQ(difference(machine_outcome(plain), machine_outcome(three)), "");
   JobOptions cold = options;
   cold.sets.front() = "frame.start=cold";
   const FrameResult empty = first_frame(cold, 1, {.replicates = 3});
@@ -119,7 +120,7 @@ TEST(WarmStart, OfRecordedWorkIsThatOfTheRun) {
   const RecordedFrame recorded(inputs, {}, "test", 1);
   const std::vector<FrameResult> played = recorded.simulate(std::vector<RunConfig>(2, inputs.config));
   for (const FrameResult& s : played) {
-    EXPECT_EQ(difference(outcome_of(first_frame(options)), outcome_of(s)), "");
+    EXPECT_EQ(difference(machine_outcome(first_frame(options)), machine_outcome(s)), "");
   }
 }
 
