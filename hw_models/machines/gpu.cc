@@ -245,8 +245,11 @@ std::uint64_t Gpu::warm_caches(const traces::TileWork& work, std::uint32_t core)
   std::uint64_t filled = 0;
   const std::vector<Trv*>& trvs = c.tni.trvs();
   const Interleave banks = config_.l2.bank_interleave();
+  const Interleave channels = config_.dram.channel_interleave();
   const auto second_level = [&](Addr line) {
-    if (!memory_.l2_banks()[banks.index_of(line)]->warm_line(line)) filled += 1;
+    if (memory_.l2_banks()[banks.index_of(line)]->warm_line(line)) return;
+    filled += 1;
+    if (config_.slc.is_present()) memory_.system_cache_slices()[channels.index_of(line)]->warm_line(line);
   };
   for_each_line(
       work, layout_,
@@ -270,6 +273,7 @@ CacheContents Gpu::cache_contents() const {
     contents.first_level.push_back(core.srp->cache_tags());
   }
   for (const L2Bank* bank : memory_.l2_banks()) contents.l2.push_back(bank->store());
+  for (const SystemCacheSlice* slice : memory_.system_cache_slices()) contents.slc.push_back(slice->store());
   return contents;
 }
 
@@ -281,6 +285,9 @@ void Gpu::set_cache_contents(const CacheContents& contents) {
     core.srp->set_cache_tags(*next++);
   }
   for (std::size_t i = 0; i < contents.l2.size(); ++i) memory_.l2_banks()[i]->set_store(contents.l2[i]);
+  for (std::size_t i = 0; i < contents.slc.size(); ++i) {
+    memory_.system_cache_slices()[i]->set_store(contents.slc[i]);
+  }
 }
 
 }  // namespace hw

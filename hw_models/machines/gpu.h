@@ -108,8 +108,10 @@ class Gpu {
   /// Puts the cache lines that a tile reads into the caches of a core, and those that miss there into the L2. Takes no
   /// simulated time and counts no accesses. Returns the number of lines put into the L2.
   std::uint64_t warm_caches(const traces::TileWork& work, std::uint32_t core);
-  /// Returns the number of lines that the L2 can hold.
-  std::uint64_t l2_line_count() const { return config_.l2.cache.size.bytes / config_.l2.cache.line.bytes; }
+  /// Returns the number of lines that the L2 and the system cache can hold.
+  std::uint64_t shared_line_count() const {
+    return (config_.l2.cache.size.bytes + config_.slc.cache.size.bytes) / config_.l2.cache.line.bytes;
+  }
   /// Returns the lines in all caches, before the first cycle or after the last.
   CacheContents cache_contents() const;
   /// Replaces the lines in all caches, before the first cycle, by those of a machine with equal caches.

@@ -204,9 +204,9 @@ void MemorySystem::build_banks_and_channels() {
   }
   // Slices have no observer, because observers count look-ups of the L2.
   for (std::uint32_t k = 0; k < declared_slices_.size(); ++k) {
-    machine_.build<SystemCacheSlice>(declared_slices_[k].unit, config_.slc.slice_config(config_.dram.channels),
-                                     static_cast<std::uint16_t>(k), declared_slices_[k].links,
-                                     Interleave(config_.dram.line.bytes, 1), clock_, config_.interconnect.arbitration);
+    slices_.push_back(&machine_.build<SystemCacheSlice>(
+        declared_slices_[k].unit, config_.slc.slice_config(config_.dram.channels), static_cast<std::uint16_t>(k),
+        declared_slices_[k].links, Interleave(config_.dram.line.bytes, 1), clock_, config_.interconnect.arbitration));
   }
   build_background();
   for (Channel& channel : declared_channels_) {

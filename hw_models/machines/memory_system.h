@@ -55,6 +55,8 @@ class MemorySystem {
 
   const std::vector<CorePort*>& core_ports() const { return built_ports_; }
   const std::vector<L2Bank*>& l2_banks() const { return banks_; }
+  /// Returns the slices of the system cache, by channel; none without one.
+  const std::vector<SystemCacheSlice*>& system_cache_slices() const { return slices_; }
   const std::vector<DramChannel*>& dram_channels() const { return channels_; }
 
  private:
@@ -97,6 +99,7 @@ class MemorySystem {
   std::vector<Channel> declared_channels_;
   std::vector<CorePort*> built_ports_;
   std::vector<L2Bank*> banks_;
+  std::vector<SystemCacheSlice*> slices_;
   std::vector<DramChannel*> channels_;
 };
 

@@ -9,9 +9,9 @@
 
 #include "tools/analysis/rate_report.h"
 #include "tools/analysis/report_file.h"
+#include "tools/pricing/priced_run.h"
 #include "tools/pricing/reported_units.h"
 #include "tools/run/frame/idle_machine.h"
-#include "tools/pricing/priced_run.h"
 
 namespace tools {
 

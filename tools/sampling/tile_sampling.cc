@@ -77,8 +77,8 @@ TileTraits traits_of(const MeasuredPart& part, sim::Time begin, sim::Time end, c
   return sum;
 }
 
-/// Simulates blocks of a frame. `traits`: traits of each tile from the pilot. `warm`: called with the machine before its
-/// first cycle, if set.
+/// Simulates blocks of a frame. `traits`: traits of each tile from the pilot. `warm`: called with the machine before
+/// its first cycle, if set.
 SampledRun run_blocks(const Inputs& inputs, RunTiles& source, const kernels::FrameRequirements& requirements,
                       std::span<const TimedBlock> blocks, std::span<const TileTraits> traits,
                       const std::function<void(hw::Gpu&)>& warm) {

@@ -34,7 +34,7 @@ bool has_one_pass(const kernels::FrameProgram& frame) { return frame.pass_end(0)
 
 /// Tiles of the first attempt to fill the caches, and the factor of each further one.
 constexpr std::uint32_t kFirstTiles = 64, kMoreTiles = 4;
-/// Fills of the L2 over its lines after which earlier lines are gone.
+/// Fills of the L2 over the lines of all shared caches after which earlier lines are gone.
 constexpr std::uint64_t kFillsPerLine = 2;
 
 /// Warms caches with the tiles of a front end from entry `first` on. Tiles go to cores round robin. Returns the number
@@ -72,7 +72,7 @@ void warm_with_last_tiles(hw::Gpu& gpu, kernels::FrameProgram& frame, const trac
     UncommittedTiles program(frame);
     FrontEnd front_end(program, tracer, workers, true, std::move(last));
     const std::uint64_t filled = warm_from(gpu, front_end, 0);
-    if (first == 0 || filled >= kFillsPerLine * gpu.l2_line_count() || text != nullptr) return;
+    if (first == 0 || filled >= kFillsPerLine * gpu.shared_line_count() || text != nullptr) return;
     gpu.set_cache_contents(empty);
   }
 }

@@ -484,8 +484,9 @@ std::string short_name(const ReportFile& report) {
 
 std::string metric_value_text(const std::string& name, double value) {
   static const std::map<std::string, const char*> kUnits = {
-      {"time_ms", "ms"}, {"dram_bytes", "B"},        {"energy_mj", "mJ"},  {"energy_tni_mj", "mJ"},
-      {"power_w", "W"},  {"power_at_fps_w", "W"}, {"mrays_per_s", "Mrays/s"}, {"nj_per_ray", "nJ"}, {"area_mm2", "mm2"}};
+      {"time_ms", "ms"},          {"dram_bytes", "B"},  {"energy_mj", "mJ"},
+      {"energy_tni_mj", "mJ"},    {"power_w", "W"},     {"power_at_fps_w", "W"},
+      {"mrays_per_s", "Mrays/s"}, {"nj_per_ray", "nJ"}, {"area_mm2", "mm2"}};
   const auto unit = kUnits.find(name);
   if (name == "dram_bytes") return sim::si_text(value, "B");
   if (unit == kUnits.end()) return sim::si_text(value);
