@@ -1,7 +1,6 @@
 #include "tools/run/frame/warm_start.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -63,16 +62,14 @@ void warm_with_last_tiles(hw::Gpu& gpu, kernels::FrameProgram& frame, const trac
     return;
   }
   const hw::CacheContents empty = gpu.cache_contents();
-  const char* text = std::getenv("RAYWATT_TAIL");
-  for (std::uint32_t tiles = text != nullptr ? static_cast<std::uint32_t>(std::atoi(text)) : kFirstTiles;;
-       tiles *= kMoreTiles) {
+  for (std::uint32_t tiles = kFirstTiles;; tiles *= kMoreTiles) {
     const std::uint32_t first = all - std::min(tiles, all);
     std::vector<std::uint32_t> last(all - first);
     std::iota(last.begin(), last.end(), first);
     UncommittedTiles program(frame);
     FrontEnd front_end(program, tracer, workers, true, std::move(last));
     const std::uint64_t filled = warm_from(gpu, front_end, 0);
-    if (first == 0 || filled >= kFillsPerLine * gpu.shared_line_count() || text != nullptr) return;
+    if (first == 0 || filled >= kFillsPerLine * gpu.shared_line_count()) return;
     gpu.set_cache_contents(empty);
   }
 }
