@@ -41,8 +41,8 @@ struct CacheConfig {
     field(NAMED(c.ways), "ways", "lines of one set", sim::between(1, 64), Affects::kTiming);
     field(NAMED(c.replacement), "", "which line of a full set goes; plru wants a power of two of ways", sim::any(),
           Affects::kTiming);
-    field(NAMED(c.mshrs), "registers", "miss status registers: lines on their way at once", sim::between(1, 256),
-          Affects::kTiming);
+    field(NAMED(c.mshrs), "registers", "miss status holding registers: lines that can be outstanding at once",
+          sim::between(1, 256), Affects::kTiming);
   }
 
   void check(auto&& complain) const {

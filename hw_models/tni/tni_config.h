@@ -93,8 +93,8 @@ struct TrvConfig {
           sim::between(1, 40), Affects::kTiming);
     field(NAMED(c.stack), "", "where far children wait", sim::any(), Affects::kWalk);
     field(NAMED(c.stack_entries), "entries",
-          "depth per ray of the short stack, and of a full one what leaks and takes area; 0: restart_trail without a "
-          "stack",
+          "entries per ray of the short stack; for a full stack, the entries counted for leakage and area; 0: "
+          "restart_trail without a stack",
           sim::between(0, 64), Affects::kWalk);
     field(NAMED(c.stack_entry_bytes), "bytes", "storage of a stack entry (it leaks)", sim::between(1, 64),
           Affects::kEnergy);

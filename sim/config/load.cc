@@ -69,9 +69,23 @@ std::string path_of(const ConfigNode& group, std::string_view key) {
   return group.path.empty() ? std::string(key) : fmt::format("{}.{}", group.path, key);
 }
 
+/// Returns "tni: {trv: {rays: ...}}" for "tni.trv.rays".
+std::string nested_form(std::string_view key) {
+  std::string text, ends;
+  for (std::size_t dot = key.find('.'); dot != std::string_view::npos; dot = key.find('.')) {
+    text += fmt::format("{}: {{", key.substr(0, dot));
+    ends += '}';
+    key.remove_prefix(dot + 1);
+  }
+  return fmt::format("{}{}: ...{}", text, key, ends);
+}
+
 std::string unknown_key_error(const ConfigNode& root, const ConfigNode& group, std::string_view key) {
   if (const auto absent = group.not_modelled.find(key); absent != group.not_modelled.end()) {
     return fmt::format("is not modelled: {} (docs/design/not-modelled.md)", absent->second);
+  }
+  if (key.find('.') != std::string_view::npos && group.find_child(first_key(key)) != nullptr) {
+    return fmt::format("unknown key '{}'; allowed: {}", key, nested_form(key));
   }
   return fmt::format("unknown key '{}'; {}", key, suggest_keys(root, group, key));
 }

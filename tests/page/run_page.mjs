@@ -23,7 +23,7 @@ test("the verdict comes first and names the report's own bound", () => look("run
   const sentence = await page.locator("main").evaluate((main) => main.firstElementChild.querySelector(".sentence").innerText);
   const worths = report.totals.bottleneck.estimated_speedup;
   const most = Math.max(...Object.values(worths));
-  assert.ok(sentence.includes(`×${most.toFixed(2)} if perfect`), sentence);
+  assert.ok(sentence.includes(`×${most.toFixed(2)} if ideal`), sentence);
   assert.equal(rows((await data(page)).bounds)[0].speedup, most);
   await page.getByRole("link", { name: "where the cycles went", exact: true }).click();
   assert.equal(await page.evaluate(() => location.hash), "#at=cycles");

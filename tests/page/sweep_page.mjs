@@ -17,7 +17,7 @@ test("the table sorts, filters, and shows all points", () => look("sweep.html", 
   assert.match(await page.evaluate(() => decodeURIComponent(location.hash)), /filter\.points=cores=2/);
 }));
 
-test("headlines are the best of all points, with the band of all", () => look("sweep.html", {}, async (page) => {
+test("headlines are the best of all points, with the range over all points", () => look("sweep.html", {}, async (page) => {
   const best = (way) => numberOf(program("sweep", "best", "sweep", way, "totals.perf.fps").match(/^perf\.fps +(.+)$/m)[1]);
   const figure = page.locator('[data-figure="totals.perf.fps"]');
   assert.ok(Math.abs(numberOf(await figure.locator(".value").innerText()) / best("--max") - 1) < 1e-3);

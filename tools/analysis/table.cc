@@ -229,7 +229,7 @@ std::string energy_table(const Json& totals) {
 }
 
 std::string kernel_table(const Json& kernels) {
-  sim::Table table({"kernel", "chunks", "items", "II", "depth", "cycles", "share of SRP"});
+  sim::Table table({"kernel", "launches", "items", "II", "depth", "cycles", "share of SRP"});
   for (const auto& [name, k] : kernels.items()) {
     table.add_row({name, si_text(k["launches"].get<double>()), si_text(k["items"].get<double>()),
                    std::to_string(k["ii"].get<int>()), std::to_string(k["depth"].get<int>()),

@@ -159,11 +159,10 @@ void require_positive(CLI::Option& option) {
   option.check({[](const std::string& value) {
                   double number = 0;
                   const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
-                  const bool is_positive =
-                      error == std::errc{} && end == value.data() + value.size() && number > 0 && std::isfinite(number);
-                  return is_positive
-                             ? std::string()
-                             : fmt::format("'{}' is no number; allowed: a number above 0", sim::printable(value));
+                  const bool is_number = error == std::errc{} && end == value.data() + value.size();
+                  if (is_number && number > 0 && std::isfinite(number)) return std::string();
+                  return fmt::format("'{}' is {}; allowed: a number above 0", sim::printable(value),
+                                     is_number ? "out of range" : "no number");
                 },
                 ""});
 }

@@ -92,6 +92,19 @@ std::string config_list() {
   return text;
 }
 
+/// Throws InputError for `raywatt config show KEY`.
+void refuse_key(const std::string& name) {
+  if (std::ranges::count(config_names(), name) != 0) return;
+  for (const sim::FieldInfo& field : sim::list_fields(RunConfig())) {
+    const bool is_key = field.path == name;
+    if (!is_key && !field.path.starts_with(name + ".")) continue;
+    const std::string how = is_key ? fmt::format("; raywatt config show --set {}=VALUE changes it", name) : "";
+    throw sim::InputError(
+        fmt::format("'{}' is a {}, not a configuration; allowed: raywatt config show, which prints all keys{}", name,
+                    is_key ? "key" : "group of keys", how));
+  }
+}
+
 }  // namespace
 
 void add_config(CLI::App& app) {
@@ -107,6 +120,7 @@ void add_config(CLI::App& app) {
   add_config_options(*show, options->config, options->sets);
   show->footer("Example: raywatt config show sgrt-2016 --set cores=2");
   show->callback([options] {
+    refuse_key(options->config);
     fmt::print("{}", sim::dump_config(load_run_config(*options)));
     print_table_warnings(*options);
   });

@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <iterator>
+#include <memory>
 #include <new>
 #include <string>
 #include <string_view>
@@ -100,6 +102,63 @@ std::string missing_argument(const CLI::App& verb) {
   return {};
 }
 
+/// Returns a bound as in "0.010000", without its last zeros.
+std::string shown_bound(const std::string& bound) { return fmt::format("{}", std::strtod(bound.c_str(), nullptr)); }
+
+bool is_number(const std::string& text) {
+  char* end = nullptr;
+  std::strtod(text.c_str(), &end);
+  return !text.empty() && *end == '\0';
+}
+
+/// Rewords an error of CLI11 as "where: what; allowed: what", e.g. "--ideal: 'l3' is unknown; allowed: tni, l1". Other
+/// errors stay.
+std::string reworded(const std::string& error) {
+  constexpr std::string_view kNoConversion = "Could not convert: ", kValue = "Value ", kNotIn = " not in {",
+                             kNotInRange = " not in range ", kTo = " to ", kLeast = "At least ", kMost = "At Most ",
+                             kReceived = " required but received ", kRequired = " required ", kMissing = " missing";
+  if (const std::size_t equals = error.find(" = "); error.starts_with(kNoConversion) && equals != std::string::npos) {
+    return fmt::format("{}: '{}' cannot be read; allowed: a whole number",
+                       error.substr(kNoConversion.size(), equals - kNoConversion.size()), error.substr(equals + 3));
+  }
+  const std::size_t colon = error.find(": ");
+  if (colon == std::string::npos) return error;
+  const std::string where = error.substr(0, colon), what = error.substr(colon + 2);
+  if (const std::size_t at = what.rfind(kNotIn); at != std::string::npos && what.ends_with('}')) {
+    std::string allowed = what.substr(at + kNotIn.size());
+    allowed.pop_back();
+    const std::vector<std::string> words = CLI::detail::split(allowed, ',');
+    return fmt::format("{}: '{}' is unknown; allowed: {}", where, what.substr(0, at), fmt::join(words, ", "));
+  }
+  if (const std::size_t at = what.rfind(kNotInRange); at != std::string::npos && what.starts_with(kValue)) {
+    const std::string value = what.substr(kValue.size(), at - kValue.size());
+    const std::string range = what.substr(at + kNotInRange.size());
+    const std::size_t to = range.find(kTo);
+    return fmt::format("{}: '{}' is {}; allowed: {} to {}", where, value,
+                       is_number(value) ? "out of range" : "no number", shown_bound(range.substr(0, to)),
+                       shown_bound(range.substr(to + kTo.size())));
+  }
+  if (const std::size_t at = what.find(kReceived); at != std::string::npos) {
+    const bool is_least = what.starts_with(kLeast);
+    const std::size_t begin = is_least ? kLeast.size() : kMost.size();
+    return fmt::format("{}: {} given; allowed: at {} {}", where, what.substr(at + kReceived.size()),
+                       is_least ? "least" : "most", what.substr(begin, at - begin));
+  }
+  if (what.find(kRequired) != std::string::npos && what.ends_with(kMissing)) {
+    return fmt::format("{0}: has no value; allowed: {0} VALUE", where);
+  }
+  return error;
+}
+
+/// Writes an argument that takes several words in a usage line as its type: "DIR...", "RUN RUN...", "[CONFIG] FILE".
+class UsageFormatter : public CLI::Formatter {
+ public:
+  std::string make_option_usage(const CLI::Option* option) const override {
+    const bool is_list = option->get_expected_max() > 1 && option->get_type_name().find("TEXT") == std::string::npos;
+    return is_list ? option->get_type_name() : CLI::Formatter::make_option_usage(option);
+  }
+};
+
 /// Suggests --help for "raywatt help run"; empty for other command lines.
 std::string help_as_word(const CLI::App& verb, int argc, char** argv) {
   if (argc < 2 || std::string_view(argv[1]) != "help") return {};
@@ -110,6 +169,7 @@ int run_command(int argc, char** argv) {
   int exit = tools::kGood;
   CLI::App app{"Raywatt simulates a mobile ray-tracing GPU: cycles, rays, energy and performance per watt.", "raywatt"};
   app.require_subcommand(1);
+  app.formatter(std::make_shared<UsageFormatter>());
   app.set_version_flag(
       "--version", fmt::format("raywatt {} ({}{})", tools::build_info().version, tools::build_info().git.substr(0, 12),
                                tools::build_info().dirty ? ", with changes" : ""));
@@ -152,7 +212,7 @@ int run_command(int argc, char** argv) {
     if (problem.empty() && error.get_exit_code() == static_cast<int>(CLI::ExitCodes::RequiredError)) {
       problem = missing_argument(verb);
     }
-    if (problem.empty()) problem = fmt::format("{}; see {} --help", error.what(), command_of(verb));
+    if (problem.empty()) problem = fmt::format("{}; see {} --help", reworded(error.what()), command_of(verb));
     return print_error(problem, tools::kBadInput);
   }
   tools::flush_output();

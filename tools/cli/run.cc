@@ -81,10 +81,10 @@ struct Arguments {
 };
 
 void add_arguments(CLI::App& verb, Arguments& arguments) {
-  verb.add_option("arguments", arguments.words, "[CONFIG] FILE: an optional configuration, and the trace file")
+  verb.add_option("arguments", arguments.words, "an optional configuration, and the trace file")
       ->required()
       ->expected(1, 2)
-      ->type_name("");
+      ->type_name("[CONFIG] FILE");
 }
 
 void add_record(CLI::App& group, const std::vector<std::string>& argv) {

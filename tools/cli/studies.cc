@@ -37,10 +37,8 @@ void add_report(CLI::App& app) {
           "search")
       ->required()
       ->expected(1, 16)
-      ->type_name("DIR");
-  verb->add_option("-o,--output", options->out, "the HTML file; it needs no network")
-      ->required()
-      ->type_name("FILE.html");
+      ->type_name("DIR...");
+  verb->add_option("-o,--output", options->out, "the HTML file")->required()->type_name("FILE.html");
   verb->add_flag("--force", options->force, "replace a file that is not a report page");
   verb->footer(
       "Example: raywatt report raywatt-out/base -o base.html\n"
@@ -250,7 +248,7 @@ void add_compare(CLI::App& app) {
   verb->add_option("runs", options->paths, "folders of runs, or report.json files; all are compared with the first")
       ->required()
       ->expected(2, 100)
-      ->option_text("RUN RUN... REQUIRED");
+      ->type_name("RUN RUN...");
   verb->add_option(
           "--replicates", options->replicates,
           "simulate runs that have fewer replicates this number of times, slightly perturbed, to measure noise\n"

@@ -38,6 +38,18 @@ TEST(BadConfig, AMisspeltKeyGetsTheNearestOne) {
   expect_yaml_refused("tni:\n  trv:\n    rais: 32\n", ":4:5:", {"tni.trv.rais", "did you mean 'tni.trv.rays'?"});
 }
 
+TEST(BadConfig, ADottedKeyGetsItsNestedForm) {
+  expect_yaml_refused("tni.trv.l1.size: 4 KiB\n",
+                      ":2:1:", {"unknown key 'tni.trv.l1.size'; allowed: tni: {trv: {l1: {size: ...}}}"});
+  expect_yaml_refused("tni:\n  trv.rays: 4\n", ":3:3:", {"unknown key 'trv.rays'; allowed: trv: {rays: ...}"});
+}
+
+TEST(BadConfig, AFileWithoutEnergyFiguresGetsTheLineToAdd) {
+  const TempFolder folder;
+  const std::string file = folder.write("mine.yaml", "cores: 2\n").string();
+  expect_config_refused(folder, file, {file + ": has no energy figures; allowed: 'extends: sgrt-2016' as its first"});
+}
+
 TEST(BadConfig, AKeyLikeNoOtherGetsTheList) {
   expect_yaml_refused("quux: 1\n", ":2:1:", {"unknown key 'quux'", "allowed: process, cores, clocks, tni"});
 }

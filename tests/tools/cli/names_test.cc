@@ -72,13 +72,32 @@ TEST(Refusals, SuggestWhatToTypeInstead) {
   refused({"config", "show", "--set", "tni.predictor=on"}, {"tni.predictor: is not modelled", "root of the tree"});
   refused({"run", "--scene", "chess.obj"}, {"'chess.obj' is no glTF file; allowed: .glb, .gltf; convert it first"});
   refused({"run", "--scene", "mine"}, {"no scene is called 'mine'; allowed: --scene mine.glb"});
+  refused({"run", "--ideal", "l3"}, {"--ideal: 'l3' is unknown; allowed: tni, l1, l2, dram, "});
+  refused({"run", "--threads", "0"}, {"--threads: '0' is out of range; allowed: 1 to 1024; see raywatt run --help"});
+  refused({"run", "--threads", "many"}, {"--threads: 'many' is no number; allowed: 1 to 1024"});
+  refused({"dvfs", "--factors", "50"}, {"--factors: '50' is out of range; allowed: 0.01 to 20"});
+  refused({"sweep", "table", "out", "--limit", "few"}, {"--limit: 'few' cannot be read; allowed: a whole number"});
+  refused({"run", "--scene"}, {"--scene: has no value; allowed: --scene VALUE"});
+  refused({"compare", "mine.glb"}, {"runs: 1 given; allowed: at least 2"});
+  refused({"compare", ".", "."}, {".: no run: has no report.json; allowed: a folder that 'raywatt run' wrote"});
+  refused({"config", "show", "tni.trvs"}, {"'tni.trvs' is a key, not a configuration; allowed: raywatt config show, "});
+  refused({"config", "show", "tni.trv"}, {"'tni.trv' is a group of keys, not a configuration"});
+  refused({"dvfs", "--fps", "0"}, {"--fps: '0' is out of range; allowed: a number above 0"});
   refused({"dvfs", "--fps", "abc"}, {"--fps: 'abc' is no number; allowed: a number above 0"});
-  refused({"report"}, {"raywatt report needs DIR: folder of a run", "a sweep or a search; see raywatt report --help"});
-  refused({"trace", "record"}, {"raywatt trace record needs arguments: [CONFIG] FILE"});
+  refused({"report"},
+          {"raywatt report needs DIR...: folder of a run", "a sweep or a search; see raywatt report --help"});
+  refused({"trace", "record"},
+          {"raywatt trace record needs [CONFIG] FILE: an optional configuration, and the trace file"});
   refused({"help", "run"}, {"help is an option; allowed: raywatt run --help"});
   refused({"help"}, {"help is an option; allowed: raywatt --help"});
   refused({"--resolution", "64x32"}, {"'--resolution' is an option of a verb; allowed: raywatt run --resolution ..."});
   EXPECT_EQ(names_in(folder.path()), Words{"mine.glb"});
+}
+
+TEST(Help, HasUsageLinesThatCanBeTyped) {
+  EXPECT_SAYS(ending_well({"trace", "replay", "--help"}).out, "raywatt trace replay [OPTIONS] [CONFIG] FILE\n");
+  EXPECT_SAYS(ending_well({"report", "--help"}).out, "raywatt report [OPTIONS] DIR...\n");
+  EXPECT_SAYS(ending_well({"compare", "--help"}).out, "raywatt compare [OPTIONS] RUN RUN...\n");
 }
 
 TEST(Names, OfSceneFilesMayBeInCapitals) {

@@ -135,7 +135,7 @@ function addExplanations(found, first, second, view) {
   const lists = LISTS.filter(([, key]) => itemsAt(found, key).length > 0).map(([id, key, title, show, unit]) => {
     const value = (field, words) => [field, words, show, unit];
     view.data[id] = dataset([["name", "what"], value("a", first), value("b", second), value("difference", "difference"), ["change", "change"]],
-      itemsAt(found, key).map((p) => [p.name, p.a, p.b, p.difference, changeText(p)]));
+      itemsAt(found, key).map((p) => [id === "ratios" ? p.name.replace(" a ", " per ") : p.name, p.a, p.b, p.difference, changeText(p)]));
     return table(`${id}-table`, title, id);
   });
   const energy = energyWords(found, first, second);

@@ -78,9 +78,9 @@ function addVerdict(run, view) {
   const [first, next] = bounds;
   const source = "An estimate from this run's counters; raywatt bottleneck measures it.";
   view.verdict = first.speedup < WORTH_SAYING
-    ? { sentence: "No single resource limits this run: none made perfect would be worth 1 %.", more: "", links }
-    : { sentence: `${capital(first.words)} limit this run: ×${first.speedup.toFixed(2)} if perfect.`,
-      more: next ? `Next: ${next.words}, ×${next.speedup.toFixed(2)} if perfect. ${source}` : source, links };
+    ? { sentence: "No single resource limits this run: none would gain 1 % if ideal.", more: "", links }
+    : { sentence: `${capital(first.words)} limit this run: ×${first.speedup.toFixed(2)} if ideal.`,
+      more: next ? `Next: ${next.words}, ×${next.speedup.toFixed(2)} if ideal. ${source}` : source, links };
   view.data.bounds = dataset([["resource", "resource made ideal"], ["speedup", "speed-up", "number"], ["label", "shown"]],
     bounds.map((b) => [capital(b.words), b.speedup, `×${b.speedup.toFixed(2)}`]));
 }
@@ -260,7 +260,7 @@ function addKernels({ totals, kernels: known }, view) {
   if (kernels.length === 0) return view.sections.push(section("kernels", "Kernels on the shader cores", lead, text("No kernel ran.")));
   const over = (a, b) => (b > 0 ? a / b : null);
   view.data.kernels = dataset([["kernel", "kernel"], ["share", "share of SRP cycles", "percent"], ["label", "shown"], ["ii", "II", "number", "cycles"],
-    ["bound", "II is bound by"], ["depth", "depth", "number", "cycles"], ["items", "items", "si"], ["launches", "loops", "si"], ["cycles", "cycles", "si"],
+    ["bound", "II is bound by"], ["depth", "depth", "number", "cycles"], ["items", "items", "si"], ["launches", "launches", "si"], ["cycles", "cycles", "si"],
     ["per_item", "cycles per item", "number"], ["starved", "T&I unit starved", "percent"], ["meaning", "what it does"]],
   kernels.map(([name, k]) => [printable(name), numberAt(k, "share"), percent(numberAt(k, "share")), at(k, "ii"), at(known, name, "bound"), at(k, "depth"), at(k, "items"),
     at(k, "launches"), numberAt(k, "cycles"), over(numberAt(k, "cycles"), numberAt(k, "items")), over(numberAt(k, "starved"), numberAt(k, "cycles")), at(known, name, "meaning")]));

@@ -24,7 +24,7 @@ function addHeadlines(data, points, done, view) {
     const values = done.map((p) => p[field]).filter((v) => typeof v === "number");
     view.headlines.push(headline({ id: field, name: capital(metric.name), value: best[field], show: metric.show, unit: metric.unit,
       low: Math.min(...values), high: Math.max(...values),
-      note: `the ${metric.more ? "most" : "least"} of ${data.has_constraints ? "eligible" : "all"} points, of point ${best.n}; band of all` }));
+      note: `the ${metric.more ? "most" : "least"} of ${data.has_constraints ? "eligible" : "all"} points, of point ${best.n}; range over all points` }));
   }
 }
 

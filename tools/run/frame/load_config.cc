@@ -47,10 +47,8 @@ void apply_workload(sim::ConfigLoader& loader, RunConfig& config, const std::fil
 
 void check_energy_figures(const RunConfig& config, const std::string& origin) {
   if (!config.energy.events.empty()) return;
-  throw sim::InputError(
-      fmt::format("{}: energy: no figures; a file that lists only what differs begins with a line "
-                  "such as 'extends: sgrt-2016'",
-                  origin));
+  throw sim::InputError(fmt::format(
+      "{}: has no energy figures; allowed: 'extends: sgrt-2016' as its first line, then what differs", origin));
 }
 
 /// Throws InputError with the nearest scene or workload; traces/ does not have the list of workloads.

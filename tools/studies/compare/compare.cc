@@ -436,13 +436,13 @@ namespace {
 
 constexpr std::size_t kShown = 8;  ///< lines per list; --json has all
 
-/// "+1.42" per cent, "x3.19"
+/// "+1.42 %", "x3.19"
 std::string relative_text(double relative) {
-  return relative < 1 ? fmt::format("{:+.{}f}", 100 * relative, std::abs(relative) < 0.1 ? 2 : 1)
+  return relative < 1 ? fmt::format("{:+.{}f} %", 100 * relative, std::abs(relative) < 0.1 ? 2 : 1)
                       : fmt::format("x{:.3g}", 1 + relative);
 }
 
-/// Returns the noise of a difference: "within ± 2 %", or for means of replicates "mean +1.4 ± 0.52 %, outside".
+/// Returns the noise of a difference: "within ± 2 %", or for means of replicates "mean +1.4 % ± 0.52 %, outside".
 std::string noise_text(const Comparison& c, const MetricPair& pair) {
   if (c.is_meaningless(pair.name)) return "another clock";
   if (!pair.noise) return "";
@@ -503,6 +503,15 @@ std::string picture_text(const Comparison& c) {
 std::vector<MetricPair> in_words(std::vector<MetricPair> times) {
   for (MetricPair& time : times) time.name = part_words(time.name);
   return times;
+}
+
+/// Writes "node L1 cycles a miss" as "node L1 cycles per miss". --json keeps the names.
+std::vector<MetricPair> with_per(std::vector<MetricPair> ratios) {
+  for (MetricPair& ratio : ratios) {
+    const std::size_t article = ratio.name.find(" a ");
+    if (article != std::string::npos) ratio.name.replace(article, 3, " per ");
+  }
+  return ratios;
 }
 
 /// Returns a change as text: "+1.4 %", "x2.08", "new", "gone", "=".
@@ -599,10 +608,10 @@ std::string energy_text(const Comparison& c, const std::vector<std::string>& nam
   row("GPU with memory", c.energy->gpu);
   row("T&I alone", c.energy->tni);
   std::string out =
-      fmt::format("\n{}{} draws of all entries of the tables between low and high\n", ratios.text(), kEnergyDraws);
+      fmt::format("\n{}draws: {} random energy tables, each entry between low and high\n", ratios.text(), kEnergyDraws);
   const auto energy = std::ranges::find(c.metrics, "energy_mj", &MetricPair::name);
   if (energy != c.metrics.end() && energy->noise && !energy->noise->outside) {
-    out += "of the tables alone: the energies of these runs differ by no more than the noise above\n";
+    out += "The interval covers the energy tables only. The difference itself is within run-to-run noise.\n";
   }
   const std::vector<TornadoBar>& bars = c.energy->tornado;
   if (bars.empty()) return out;
@@ -619,7 +628,7 @@ std::string explanation_text(const Comparison& c, const std::vector<std::string>
   out += pairs_table(c.other_clock ? "cycles of an average core, each of its own clock" : "cycles of an average core",
                      in_words(c.time), Column::kCount, names, difference_of(c, "cycles"));
   out += pairs_table("cycles of an average unit", c.reasons, Column::kCount, names);
-  out += pairs_table("rates and mean times", c.ratios, Column::kRatio, names);
+  out += pairs_table("rates and mean times", with_per(c.ratios), Column::kRatio, names);
   out += pairs_table("mJ by block", c.blocks, Column::kEnergy, names, difference_of(c, "energy_mj"));
   out += pairs_table("mJ by event", c.events, Column::kEnergy, names, difference_of(c, "energy_mj"));
   out += energy_text(c, names);

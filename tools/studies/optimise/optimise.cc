@@ -113,7 +113,7 @@ std::string noise_text(const SearchRun& search) {
   for (const Trial* trial : search.feasible_trials()) {
     for (std::size_t g = 0; g < search.goals().size() && search.goals()[g].is_objective(); ++g) {
       const SeenFigure& seen = trial->seen[g];
-      if (seen.draws) add(parts, fmt::format("noise measured by {} replicates a point", seen.draws->count));
+      if (seen.draws) add(parts, fmt::format("noise measured by {} replicates per point", seen.draws->count));
       if (seen.assumed <= 0) continue;
       const std::string share = fmt::format("{:.2g} %", 100 * seen.assumed);
       add(shares, share);
@@ -121,9 +121,8 @@ std::string noise_text(const SearchRun& search) {
     }
   }
   if (!assumed.empty()) {
-    parts.push_back(
-        fmt::format("a noise of {}, assumed for this size of picture; set 'replicates' in the file to measure it",
-                    shares.size() == 1 ? shares.front() : fmt::format("{}", fmt::join(assumed, " and "))));
+    parts.push_back(fmt::format("noise of {} is assumed; set `replicates:` in the search file to measure it",
+                                shares.size() == 1 ? shares.front() : fmt::format("{}", fmt::join(assumed, " and "))));
   }
   return fmt::format("{}", fmt::join(parts, "; "));
 }

@@ -303,7 +303,7 @@ class Sweep {
     const results::FigureNoise noise(results_, results_.column(metric.path), candidates);
     if (!noise.is_noisy() || candidates.size() < 2) return {};
     const std::size_t ties = results::find_ties(noise, metric.more_is_better, candidates, best).size();
-    return fmt::format("; {} with it by {}",
+    return fmt::format("; {} with it ({})",
                        ties == 0   ? "no point ties"
                        : ties == 1 ? "1 point ties"
                                    : fmt::format("{} points tie", ties),

@@ -157,7 +157,9 @@ void print_summary(const sweep::BatchEnd& end, const fs::path& out) {
     fmt::print("time:    {:.1f} s, {} worker{} busy {:.1f} % of it\n", end.seconds, end.workers,
                end.workers == 1 ? "" : "s", 100 * end.busy);
   }
-  fmt::print("results: {}\n", (out / "results.csv").string());
+  const std::string folder = sim::printable(command_text({out.string()}), 4096);
+  fmt::print("results: {}\nnext:    raywatt sweep table {}, or raywatt report {} -o sweep.html\n",
+             (out / "results.csv").string(), folder, folder);
 }
 
 }  // namespace

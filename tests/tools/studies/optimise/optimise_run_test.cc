@@ -118,11 +118,11 @@ TEST_F(Optimise, NamesPointsThatEqualTheBestWithinNoise) {
   const std::string lines = "axes: {cores: [1, 2], tni.trvs: [2, 3, 4], clocks.tni: [500 MHz, 501 MHz]}\nbudget: 12\n";
   const Ending single = run(lines + "objectives: [max: perf.fps]\n");
   ASSERT_EQ(single.exit, 0) << single.err;
-  EXPECT_SAYS(single.out, " the best within noise; a noise of 25 %, assumed for this size of picture");
+  EXPECT_SAYS(single.out, " the best within noise; noise of 25 % is assumed");
   EXPECT_SAYS(single.out, " equal");
   const Ending both = run(lines + "objectives: [max: perf.fps, min: power_w]\nreplicates: 3\n");
   ASSERT_EQ(both.exit, 0) << both.err;
-  EXPECT_SAYS(both.out, " the front within noise; noise measured by 3 replicates a point");
+  EXPECT_SAYS(both.out, " the front within noise; noise measured by 3 replicates per point");
   EXPECT_SAYS(both.out, "--replicates 3");
 }
 

@@ -189,7 +189,7 @@ TEST_F(Pages, OfASweepWithReplicatesShowMeans) {
   ASSERT_EQ(shown.size(), 2U);
   for (std::size_t i = 0; i < shown.size(); ++i) EXPECT_DOUBLE_EQ(shown[i], means[i]);
   EXPECT_NE(plain, means) << "else the test says nothing";
-  EXPECT_SAYS(data["ties"].get<std::string>(), "with it by noise measured by 3 replicates a point");
+  EXPECT_SAYS(data["ties"].get<std::string>(), "with it (noise measured by 3 replicates per point)");
 }
 
 TEST_F(Pages, OfASearchHaveABestPointOnTheFront) {

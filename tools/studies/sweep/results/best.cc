@@ -213,9 +213,9 @@ std::string best_text(const Results& results, std::span<const sweep::Point> poin
     throw sim::InputError("the sweep has other points than the index; run 'raywatt sweep collect'");
   }
   const std::string config = (results.folder_of(results.rows()[*best]) / "config.yaml").string();
-  std::string out = fmt::format("{} {} of {} points that qualify: point {}{}\n\n", options.most ? "most" : "least",
-                                shown_name(metric), candidates.size(), results.rows()[*best].n,
-                                equal == 0 ? "" : fmt::format(" (and {} more with the same)", equal));
+  std::string out =
+      fmt::format("best of {} points{}: {}{}\n\n", candidates.size(), options.where.empty() ? "" : " that meet --where",
+                  results.rows()[*best].n, equal == 0 ? "" : fmt::format(" (and {} more with the same value)", equal));
   Lines lines = figure_lines(results, metric, options, *best);
   for (const std::string& axis : results.axes()) {
     const Value value = results.column(axis).values[*best];
@@ -299,10 +299,11 @@ std::string pareto_plot(const Objective& x, const Objective& y, const ParetoFron
   out += fmt::format("{} of {} points are on the front: {}; dots are the others\n", front.rows.size(), all.size(),
                      front.mark_of(0) == '#' ? "#" : "letters, as in the table");
   if (std::ranges::find(front.sure, false) != front.sure.end()) {
-    out += "a letter with ~: noise does not tell whether another point is as good in both\n";
+    out += "a letter with ~: because of noise, another point may be as good in both metrics\n";
   }
   if (!front.near.empty()) {
-    out += fmt::format("{} more may be, marked ~: none beats them by more than the band\n", front.near.size());
+    out += fmt::format("{} more may be on the front, marked ~: no point beats them by more than the noise\n",
+                       front.near.size());
   }
   return out;
 }

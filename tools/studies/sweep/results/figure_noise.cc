@@ -95,11 +95,11 @@ std::string interval_text(const FigureNoise& noise, std::size_t row) {
 std::string FigureNoise::describe() const {
   if (is_measured()) {
     const std::string to = least_ == most_ ? "" : fmt::format(" to {:.0f}", most_);
-    return fmt::format("noise measured by {:.0f}{} replicates a point", least_, to);
+    return fmt::format("noise measured by {:.0f}{} replicates per point", least_, to);
   }
   const std::string to = least_ == most_ ? "" : fmt::format(" to {:.2g}", 100 * most_);
-  return fmt::format("a noise of {:.2g}{} %, assumed for this size of picture; 'replicates' in the file measure it",
-                     100 * least_, to);
+  return fmt::format("noise of {:.2g}{} % is assumed; set `replicates:` in the sweep file to measure it", 100 * least_,
+                     to);
 }
 
 std::string extrapolated_note(const Results& results, const std::vector<std::size_t>& rows) {

@@ -28,9 +28,9 @@ std::string best(const MadeSweep& sweep, const tools::results::BestOptions& opti
 
 TEST(Best, IsTheFirstOfThoseWithTheMostOrLeast) {
   const FourSizes sweep;
-  EXPECT_SAYS(best(sweep, {"cycles", true, {}}), "most cycles of 4 points that qualify: point 0\n");
-  EXPECT_SAYS(best(sweep, {"cycles", false, {}}), "point 1 (and 1 more with the same)\n");
-  EXPECT_SAYS(best(sweep, {"cycles", true, {"cycles<300", "cores!=3"}}), "of 2 points that qualify: point 1");
+  EXPECT_SAYS(best(sweep, {"cycles", true, {}}), "best of 4 points: 0\n");
+  EXPECT_SAYS(best(sweep, {"cycles", false, {}}), "best of 4 points: 1 (and 1 more with the same value)\n");
+  EXPECT_SAYS(best(sweep, {"cycles", true, {"cycles<300", "cores!=3"}}), "best of 2 points that meet --where: 1\n");
 }
 
 /// A report of a picture of 1024x512 with three plays.
@@ -71,7 +71,7 @@ TEST(Best, ShowsFiguresThatConditionsCompareAndReadableSettings) {
 
 TEST(Best, ListsWhatTiesUnderTheAssumedNoiseAndTheAxesThatDecide) {
   const std::string text = best(CoresAndCaches(0), {"cycles", false, {}});
-  EXPECT_SAYS(text, "1 point ties with it (95 %, all points together); a noise of 2 %, assumed");
+  EXPECT_SAYS(text, "1 point ties with it (95 %, all points together); noise of 2 % is assumed");
   EXPECT_SAYS(text, "point     l1  cycles");
   EXPECT_SAYS(text, "matters for the first place: cores\n");
   EXPECT_SAYS(text, "does not matter there: l1\n");
@@ -108,7 +108,7 @@ TEST(Best, ReplicatesTellApartWhatTheAssumedNoiseDoesNot) {
   EXPECT_SAYS(sure, "no other point ties with it");
   EXPECT_SAYS(sure, "matters for the first place: cores\nmatters little, less than 5 % of the variance: l1\n");
   EXPECT_SAYS(best(CoresAndCaches(20), {"cycles", false, {}}),
-              "1 point ties with it (95 %, all points together); noise measured by 3 replicates a point\n");
+              "1 point ties with it (95 %, all points together); noise measured by 3 replicates per point\n");
 }
 
 TEST(Best, FiguresThatConditionsCompareAreMeansToo) {

@@ -129,22 +129,22 @@ TEST(Pareto, HasABandOfPointsThatNoneBeatsByMoreThanTheNoise) {
   };
   const std::string assumed = text(0);
   EXPECT_SAYS(assumed, "2 of 5 points are on the front");
-  EXPECT_SAYS(assumed, "1 more may be, marked ~");
-  EXPECT_SAYS(assumed, "\nperf.fps: a noise of 2 %, assumed");
+  EXPECT_SAYS(assumed, "1 more may be on the front, marked ~");
+  EXPECT_SAYS(assumed, "\nperf.fps: noise of 2 % is assumed");
   EXPECT_SAYS(assumed, "\n~   1      1 ");
   EXPECT_SAYS(assumed, "\na~  0 ");
   EXPECT_SAYS(assumed, "\nb   4 ");
   const std::string measured = text(0.01);
-  EXPECT_SAYS(measured, "noise measured by 5 replicates a point");
+  EXPECT_SAYS(measured, "noise measured by 5 replicates per point");
   EXPECT_EQ(measured.find('~'), std::string::npos) << measured;
-  EXPECT_SAYS(text(40), "3 more may be");
+  EXPECT_SAYS(text(40), "3 more may be on the front");
 }
 
 TEST(Pareto, NoiseOfOneFigureDecidesWhereTheOtherHasNone) {
   const auto text = [](double deviation) {
     return pareto_text(NoisyPlane({{1, 100}, {2, 99.9}}, deviation).results(), {"area_mm2", "fps", {}, false}, 60);
   };
-  EXPECT_SAYS(text(1), "1 more may be, marked ~") << "the larger one may be the faster one";
+  EXPECT_SAYS(text(1), "1 more may be on the front, marked ~") << "the larger one may be the faster one";
   EXPECT_EQ(text(0.01).find('~'), std::string::npos);
 }
 

@@ -173,7 +173,7 @@ TEST(Sensitivity, TakesOffWhatNoiseExplainsAndNamesIt) {
   }
   EXPECT_NEAR(sum, 1, 1e-12);
   const std::string text = sensitivity_text(results, {"cycles"}, {});
-  EXPECT_SAYS(text, "noise measured by 4 replicates a point\n");
+  EXPECT_SAYS(text, "noise measured by 4 replicates per point\n");
   EXPECT_SAYS(text, "\nnoise ");
 }
 
