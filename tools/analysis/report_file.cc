@@ -66,8 +66,9 @@ ReportFile load_report(const std::filesystem::path& file_or_folder) {
   const bool is_folder = std::filesystem::is_directory(file_or_folder, ignored);
   const std::filesystem::path file = is_folder ? file_or_folder / "report.json" : file_or_folder;
   if (is_folder && !std::filesystem::exists(file, ignored) && !ignored) {
-    throw sim::InputError(fmt::format("{}: no run: has no report.json; allowed: a folder that 'raywatt run' wrote",
-                                      sim::printable(file_or_folder.string())));
+    throw sim::InputError(
+        fmt::format("{}: has no report.json, so it is no run; allowed: a folder that 'raywatt run' wrote",
+                    sim::printable(file_or_folder.string())));
   }
   return parse_report(sim::read_file(file, kLargestReport), file);
 }

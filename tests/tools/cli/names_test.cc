@@ -79,7 +79,8 @@ TEST(Refusals, SuggestWhatToTypeInstead) {
   refused({"sweep", "table", "out", "--limit", "few"}, {"--limit: 'few' cannot be read; allowed: a whole number"});
   refused({"run", "--scene"}, {"--scene: has no value; allowed: --scene VALUE"});
   refused({"compare", "mine.glb"}, {"runs: 1 given; allowed: at least 2"});
-  refused({"compare", ".", "."}, {".: no run: has no report.json; allowed: a folder that 'raywatt run' wrote"});
+  refused({"compare", ".", "."},
+          {".: has no report.json, so it is no run; allowed: a folder that 'raywatt run' wrote"});
   refused({"config", "show", "tni.trvs"}, {"'tni.trvs' is a key, not a configuration; allowed: raywatt config show, "});
   refused({"config", "show", "tni.trv"}, {"'tni.trv' is a group of keys, not a configuration"});
   refused({"dvfs", "--fps", "0"}, {"--fps: '0' is out of range; allowed: a number above 0"});
