@@ -289,7 +289,7 @@ struct AxisRecord {
 /// Parameters with which a lookup finds the mip level of a texture.
 template <class V>
 struct LevelRecord {
-  F<V> size;     ///< side in texels of a square of the same area, for nearest levels times root 2
+  F<V> size;     ///< side in texels of a square of the texture's area; times root 2 if the nearest level is read
   F<V> highest;  ///< 2 to the power of the number of the last level
   static void fields(auto& r, auto&& field) { name_all(field, NAMED_ALL(r.size, r.highest)); }
 };

@@ -22,6 +22,7 @@ struct Reason {
   ReasonKind kind;
   const char* meaning;
 };
+/// Declare a reason of each kind, for the table kReasons of a unit.
 constexpr Reason working(const char* name, const char* meaning) { return {name, ReasonKind::kWorking, meaning}; }
 constexpr Reason waiting(const char* name, const char* meaning) { return {name, ReasonKind::kWaiting, meaning}; }
 constexpr Reason idle(const char* name, const char* meaning) { return {name, ReasonKind::kIdle, meaning}; }

@@ -103,8 +103,8 @@ void Machine::start() {
   connect_links();
 }
 
-/// Assigns wake-up times to all units: to each partition whole groups, to its cluster separate groups, to the inner
-/// partition the last ones.
+/// Assigns each unit an index in the wake-up table. Each partition has whole groups of its own, and so has its cluster;
+/// the inner partition has the last groups.
 void Machine::place_units() {
   std::size_t partitions = 1;
   for (const Declaration& declared : declared_) partitions = std::max(partitions, declared.partition + 1);

@@ -232,6 +232,7 @@ class Machine {
   void place_units();
   WakeupTable::Groups place_group(std::span<const std::size_t> units, std::size_t& slot);
   void connect_links();
+  /// Writes the counters of all units to `row`, a row of the interval record.
   void write_row(std::uint64_t* row) const;
 
   const std::uint64_t synchroniser_cycles_;

@@ -58,7 +58,7 @@ struct ClusterTurn {
   }
 };
 
-/// Times up to which partitions may run that have all reached the same time.
+/// Times up to which the partitions may run on their own, once all of them have reached the same time.
 struct RunLimits {
   Time lead;  ///< of the inner partition, which runs first
   Time end;   ///< of all partitions

@@ -71,7 +71,7 @@ struct WalkSink {
   std::vector<std::uint32_t>& begin;
 };
 
-/// Interface of a tracer, which finds the hits of rays. A shadow ray ends at the first triangle without flags (ray.h);
+/// Interface of a tracer, which finds the hits of rays. A shadow ray ends at the first opaque triangle (without flags);
 /// if there is none, its hit is the nearest flagged triangle. Any other ray finds its nearest hit.
 class Tracer {
  public:

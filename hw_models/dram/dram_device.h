@@ -241,7 +241,7 @@ class DramDevice {
   /// Returns a mask: the banks of a rank, or the banks that a per-bank refresh of `bank` refreshes together.
   std::uint32_t bank_mask_of_rank(std::uint32_t rank) const { return rank_banks_ << (rank << rank_shift_); }
   std::uint32_t bank_mask_refreshed_with(std::uint32_t bank) const { return refresh_set_ << bank; }
-  /// Returns a mask of the banks that name a per-bank refresh: the lower bank of each pair.
+  /// Returns a mask of the banks that a per-bank refresh may address: the lower bank of each pair.
   std::uint32_t refresh_leader_mask() const { return refresh_leaders_; }
 
   /// Closes the banks of the mask and refreshes them together, as soon as allowed at or after cycle `due`.

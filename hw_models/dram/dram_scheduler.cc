@@ -6,9 +6,9 @@
 namespace hw {
 
 /// Compares the best command of kind `kCommand` for the given banks of one rank with `best` and keeps the better one.
-/// Constraints of rank and buses delay all banks of the rank equally. So the rank's first slot goes to the oldest
-/// request whose bank is ready by then; if there is none, the first slot after a bank becomes ready is given in the
-/// same way.
+/// Constraints of rank and buses delay all banks of the rank equally. So the rank's first slot on the buses goes to the
+/// oldest request whose bank is ready by then. If no bank is ready, the first slot after one becomes ready is assigned
+/// by the same rule.
 template <DramCommand kCommand>
 [[gnu::always_inline]] inline void DramScheduler::keep_better_command(const DramQueue& queue, std::uint32_t bank_mask,
                                                                       std::uint32_t rank, bool writes, Cycle from,

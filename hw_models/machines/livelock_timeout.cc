@@ -9,8 +9,8 @@ namespace {
 constexpr sim::Time kMargin = 8;
 /// Upper limit of the timeout: longer than any frame, and small enough for arithmetic without overflow.
 constexpr sim::Time kLongest = 1000 * sim::kFemtosecondsPerSecond;
-/// Maximum number of memory lines that one item, such as a ray's visit to a node, reads one after the other; no record
-/// has more.
+/// Upper bound of the memory lines that a unit reads one after the other for one item, such as a ray's visit to a node.
+/// No record in memory spans more lines.
 constexpr sim::Time kLines = 16;
 
 sim::Time longest_chunk_time(const GpuConfig& config, std::span<const KernelSchedule> kernels,

@@ -21,7 +21,7 @@ enum class BackgroundPattern : std::uint8_t {
 };
 constexpr std::array<std::string_view, 2> names_of(BackgroundPattern) { return {"sequential", "random"}; }
 
-/// Memory traffic of the rest of the chip while the GPU renders.
+/// Configuration of the memory traffic that the rest of the chip causes while the GPU renders.
 struct BackgroundConfig {
   double rate = 0;
   BackgroundPattern pattern = BackgroundPattern::kSequential;
@@ -70,7 +70,7 @@ class BackgroundSource {
     sim::Link<MemResponse>& memory_in;
     sim::Link<Flush>& flush_in;
   };
-  /// Place of a channel's lines among those of all channels.
+  /// Address mapping of one channel: which lines of memory it holds.
   struct Place {
     std::uint32_t channel = 0, channels = 1;
     std::uint64_t line_bytes = kLineBytes;

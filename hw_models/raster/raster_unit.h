@@ -327,6 +327,8 @@ class RasterUnit {
   bool has_jobs() const { return taken_ != ended_; }
   /// Moves the cursor to the first job that has a triangle left; false if there is none.
   bool advance_cursor(Cursor& cursor) const;
+  /// Count a triangle's statistics and return the cycles that the back stage takes for it: to list it (geometry pass),
+  /// or to find the samples that it covers (wave).
   std::uint64_t list_cycles(const traces::RasterTriangle& triangle);
   std::uint64_t cover_cycles(const traces::RasterTriangle& triangle, const traces::RasterWork& work);
   void write_vertices();

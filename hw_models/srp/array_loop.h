@@ -42,7 +42,7 @@ class ConfigMemory {
   std::vector<Resident> resident_;  ///< least recently used first
 };
 
-/// A chunk of a kernel launch that runs as part of a loop on the shader core's array.
+/// Consecutive items of one kernel launch within a loop on the shader core's array. A loop runs one or more chunks.
 struct LoopChunk {
   std::uint32_t tile = 0, node = 0;
   std::uint32_t first = 0, items = 0;  ///< items of the launch, idle ones included

@@ -198,8 +198,8 @@ class Placer {
   std::array<std::vector<BitVector>, kPools> busy_;       ///< occupied rows of the table, by unit
 };
 
-/// Tries initiation intervals upwards from the lower bound, each with both orders, until all operations are placed. The
-/// interval grows by one, later in larger steps (kQuick).
+/// Tries initiation intervals upwards from `bound` until all operations are placed, each with both placement orders of
+/// Order. The interval grows by 1, and after kQuick placements by larger steps.
 std::unique_ptr<Placer> place_at_smallest_interval(const ScheduleGraph& graph, const SrpConfig& config,
                                                    std::uint32_t bound) {
   std::size_t tried = 0;

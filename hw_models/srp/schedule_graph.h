@@ -118,8 +118,8 @@ class BitVector {
   std::vector<std::uint64_t> words_;
 };
 
-/// Returns the distance from `row` to the first row that is busy, or free if `is_busy` is false, in a reservation table
-/// that wraps around; the number of rows if there is none. `row` may exceed that number.
+/// Returns the number of rows from `row` to the next row that is busy (`is_busy`) or free (not `is_busy`) in a
+/// reservation table that wraps around. Returns the size of the table if it has no such row. `row` may exceed the size.
 inline std::uint32_t rows_until(const BitVector& rows, std::uint32_t row, bool is_busy) {
   std::uint32_t first = row;
   while (first >= rows.size()) first -= rows.size();

@@ -54,9 +54,9 @@ inline std::uint64_t tile_bytes(const TileBufferConfig& config, const traces::Fr
   return std::uint64_t{needs.tile_samples} * config.colour_bytes + attribute_bytes;
 }
 
-/// Returns how many tiles a core works on at once. In the first pass this is the configured number, reduced to leave
-/// ray slots their share, but at least one. Tiles of later passes share the space of these. An ideal tile buffer is
-/// unlimited.
+/// Returns how many tiles a core works on at once. In the first pass this is the configured number, at least one,
+/// reduced so that ray slots get their share of the tile buffer. In later passes it is the number of tiles that fit
+/// into the space of the first pass's tiles. An ideal tile buffer is unlimited.
 inline TilesInFlight tiles_in_flight(const TileBufferConfig& config, const traces::FrameRequirements& needs,
                                      bool ideal) {
   const std::uint64_t tile = tile_bytes(config, needs, needs.attribute_bytes);

@@ -82,7 +82,8 @@ class TileRun {
   std::span<const std::uint32_t> batches_of(std::uint32_t launch) const {
     return std::span(batches_).subspan(progress_[launch].first_batch, progress_[launch].batches);
   }
-  /// Returns how many of the items first to first + items - 1 of a launch do not idle.
+  /// Returns how many of items `first` to `first + items - 1` of a launch do work. Idle items are inactive iterations
+  /// after a launch's last item.
   std::uint32_t working_items(std::uint32_t launch, std::uint32_t first, std::uint32_t items) const {
     return std::min(first + items, node(launch).items) - std::min(first, node(launch).items);
   }
@@ -102,7 +103,7 @@ class TileRun {
  private:
   struct Progress {
     std::uint32_t done = 0;
-    std::uint32_t prefix = 0;   ///< batches of rays: leading items that are all done, in whole chunks
+    std::uint32_t prefix = 0;   ///< batches of rays: number of leading rays that have all returned, in whole chunks
     std::uint32_t readers = 0;  ///< unfinished launches and transfers that wait for the node or read its ray slots
     bool follows_rays = false;
     std::uint32_t first_batch = 0, batches = 0;  ///< launches: range in batches_

@@ -196,7 +196,7 @@ class FetchStage {
  private:
   static constexpr Addr kAnyRow = ~Addr{0};
 
-  /// Counts a successful read, as late if the slot's first probe missed.
+  /// Counts a successful read of a slot; the read is late if the slot's first probe missed.
   void note_read(std::uint64_t slot_mask) {
     stats_.l1_late += (late_ & slot_mask) != 0;
     late_ &= ~slot_mask;
@@ -213,6 +213,7 @@ class FetchStage {
   /// `slot_mask`: mask of the slots that waited for the line.
   void unblock_waiters(Addr line, std::uint64_t slot_mask);
   bool has_room_in_rau_table(Addr line);
+  /// Removes a slot from its row of the RAU table, and frees the row if it is then empty.
   void leave_rau_table(std::uint64_t slot_mask);
   void resume_slots(std::uint64_t slot_mask);
 

@@ -45,7 +45,8 @@ M<V> and_masks(const M<V>& mask, const M<V>& other) {
 inline constexpr std::uint32_t kDeferredClasses =
     traces::kTextured | traces::kEmissive | traces::kGlowing | traces::kOccluded;
 
-/// True for diffuse surfaces that can be lit as soon as they are fetched: no kernel of their other classes runs first.
+/// True for diffuse surfaces that can be lit as soon as they are fetched, because no kernel for another of the
+/// surface's classes must run first.
 template <class V>
 M<V> is_immediately_lit(const I<V>& classes) {
   return (classes & (kDeferredClasses | traces::kDiffuse)) == static_cast<std::uint32_t>(traces::kDiffuse);

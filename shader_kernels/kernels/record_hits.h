@@ -230,13 +230,12 @@ struct RecordSurface {
   }
 };
 
-/// Uniforms of one bounce after the first hit. `way` is its hash key: the same objects in another order have another
-/// hash.
+/// Uniforms of record_secondary for one bounce. `way` is a hash key of the bounce: a sample that hits the same objects
+/// in another order gets another hash.
 template <class V>
 struct BounceUniforms {
   I<V> way;
-  I<V> mirrored, refracted;  ///< below `mirrored`, slots of straight rays; from there, of mirrored; from `refracted`,
-                             ///< of refracted
+  I<V> mirrored, refracted;  ///< first ray slots of mirrored and of refracted rays; straight rays have the slots before
   F<V> first;                ///< 1 for the bounce whose normals are recorded, otherwise 0
   static constexpr void describe(auto& b, auto&& port) {
     port(NAMED(b.way));

@@ -154,8 +154,9 @@ struct DetailPorts : TexturePorts<V, kMips> {
     TexturePorts<V, kMips>::describe(p, port);
     name_all(port, NAMED_ALL(p.stream, p.mattes, p.texcoords, p.tangents));
   }
-  /// Looks up a texture with the first texture coordinates, or with the second if `second` is set in the classes. The
-  /// latter reads the first mip level, because the footprint is in first coordinates.
+  /// Looks up a texture with the first set of texture coordinates, or with the second set if `classes` has the flag
+  /// `second`. Look-ups with the second set read mip level 0, because the ray's footprint is known in the first set
+  /// only.
   auto look_up(const I<V>& texture, const I<V>& classes, traces::MaterialFlag second, const TexcoordRecord<V>& uv,
                const TangentRecord<V>& other) const {
     const M<V> use_second = has_class<V>(classes, second);

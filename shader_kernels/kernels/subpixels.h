@@ -124,8 +124,9 @@ F<V> channel_contrast(const F<V>& a, const F<V>& b, const F<V>& c, const F<V>& d
   return (most - least) / max(most + least, F<V>(1e-30F));
 }
 
-/// Decides which sub-pixels supersample samples (Jin et al. 2009). It compares a pixel with the three others around the
-/// sub-pixel's corner. The smallest threshold of the differing attributes applies to the contrast of the four colours.
+/// Selects the sub-pixels that the program supersample samples (Jin et al. 2009). It compares a pixel with the three
+/// others around the sub-pixel's corner. The smallest threshold of the differing attributes applies to the contrast of
+/// the four colours.
 struct TestSubpixels {
   static constexpr std::string_view kName = "test_subpixels";
   static constexpr std::string_view kMeaning =
@@ -258,7 +259,7 @@ struct PackSubpixels {
     F<V> across, inverse_across;  ///< number of blocks in a row of the tile
     F<V> width, height;           ///< size of the tile in pixels
     Local<V, WordRecord> verdicts, active, masters;
-    Local<V, WordRecord> fills;  ///< per chunk: its used entries; above kFillBits, masters up to its end
+    Local<V, WordRecord> fills;  ///< per chunk: number of used entries; in bits from kFillBits, masters up to its end
     Carried<V> list_end;
     Counter<V> masters_count;
     static constexpr void describe(auto& p, auto&& port) {

@@ -15,8 +15,8 @@ namespace kernels {
 /// Frame program full:1 with effects at a lower rate (RenderConfig::effect_rate). First hits emit rays for occlusion
 /// and soft shadows in some pixels only, and a filter supplies the others (docs/design/effects.md).
 ///
-///   per tile: generate_centred_rays -> shaded, without those lights: lights, shares of some samples
-///                                      -> [halo] -> upsample_effects (per light) -> pack_grid_sample
+///   per tile: generate_centred_rays -> shading without these effects -> unblocked light of all samples, visible
+///             fractions of some -> [halo] -> upsample_effects (per light) -> pack_grid_sample
 ///
 /// A sample of the tile buffer is a pixel, halo included. Its data for light l have an offset of l times the number of
 /// samples.

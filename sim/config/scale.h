@@ -16,7 +16,8 @@ class FigureScale {
   void add(std::string key, const Band& factor) { factors_[std::move(key)] = factor; }
   /// Returns the longest key that covers `path`, which is relative to the group; empty if none does.
   std::string covering_key(std::string_view path) const;
-  /// Multiplies the figures of `group`. Returns a key that covers no figure, or an empty string.
+  /// Multiplies each figure of `group` by the factor of its longest covering key. Returns a key that covers no figure,
+  /// or an empty string if there is none.
   std::string apply(ConfigNode& group) const;
 
  private:

@@ -59,7 +59,8 @@ class EnergyTable {
   Band energy_of(std::string_view event, std::uint64_t bytes) const;
   bool contains(std::string_view event) const { return curves_.contains(std::string(event)); }
   const EnergyCurve& curve_of(std::string_view event) const { return curves_.at(std::string(event)); }
-  /// Returns the names of all events, without sizes, in alphabetical order.
+  /// Returns the names of all events in alphabetical order; an event with several sizes ("name@16KiB") appears once, as
+  /// "name".
   std::vector<std::string> event_names() const;
 
  private:

@@ -75,8 +75,8 @@ class ThermalNetwork {
   double die_time_constant() const { return config_.die_resistance * config_.die_capacity; }
   double body_time_constant() const;
 
-  /// Returns the steady temperatures with leakage of `leakage_w` at `nominal_c` that doubles every `doubling_k` of the
-  /// die; none if the temperature runs away.
+  /// Returns the steady temperatures with leakage of `leakage_w` at a die temperature of `nominal_c`, doubling every
+  /// `doubling_k` degrees; none if the temperature runs away.
   std::optional<Temperatures> steady_with_leakage(const HeatFlow& heat, double leakage_w, double nominal_c,
                                                   double doubling_k) const;
 

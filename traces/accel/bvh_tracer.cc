@@ -181,8 +181,8 @@ class Walk {
     return ends;
   }
 
-  /// Tests `count` triangles and returns their exit phases. If a triangle without flags blocks an any-hit ray, sets
-  /// `ends` and reduces `count` to the triangles up to that one.
+  /// Tests `count` triangles and returns their exit phases. If an opaque triangle (without flags) blocks an any-hit
+  /// ray, sets `ends` and reduces `count` to the triangles up to that one.
   std::uint32_t test_group(std::uint32_t first, std::uint32_t& count, bool& ends) {
     const auto result = triangles_.test_triangles(&image_.triangles[first], count);
     const unsigned lanes = (1U << count) - 1;

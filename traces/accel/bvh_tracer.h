@@ -10,8 +10,9 @@ namespace traces {
 /// equal).
 /// 2. The far child is pushed with its entry distance. When popped, it is dropped if it begins beyond the current hit.
 /// 3. The nearest hit wins; of hits at equal distance, the triangle with the lowest `source`.
-/// 4. A shadow ray's walk ends at the first hit without flags. A flagged hit becomes the candidate, limits the ray, and
-/// the walk continues; the candidate is the result if no hit ends the walk.
+/// 4. A shadow ray's walk ends at the first hit of an opaque triangle. A hit of a triangle with flags (alpha-tested or
+/// transparent) becomes the candidate and limits the ray, and the walk continues. The candidate is the result if no hit
+/// ends the walk.
 ///
 /// Rays must start at t_min >= 0.
 class BvhTracer : public Tracer {

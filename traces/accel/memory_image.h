@@ -96,7 +96,7 @@ struct VertexRecord {
 };
 static_assert(sizeof(VertexRecord) == 64);
 
-/// Flags of MaterialRecord::flags. For each flag of the first two groups, a kernel fills a list of surfaces.
+/// Flags of MaterialRecord::flags. For each flag up to kOccluded, a kernel lists the surfaces that have it.
 enum MaterialFlag : std::uint32_t {
   kTextured = 1,        ///< has a base texture that only multiplies the diffuse colour
   kDiffuse = 1U << 1,   ///< scatters light; with a metal_rough texture each texel decides

@@ -9,7 +9,7 @@
 
 namespace traces {
 
-/// Number format of box planes: floats, or steps of a grid (hybrid).
+/// Number format of box planes: 32-bit floats, or 19-bit plane numbers of a BoxGrid (hybrid).
 enum class BoxNumbers : std::uint8_t { kFp32, kHybrid };
 constexpr std::array<std::string_view, 2> names_of(BoxNumbers) { return {"fp32", "hybrid"}; }
 

@@ -14,12 +14,12 @@ namespace traces {
 // the launch; then, if there are several, the shape of each item; then each access, as the difference to the tile's
 // previous access of the same kind and rank (first, second, ... of its kind within the item).
 
-/// Largest number of shapes of a launch, and of accesses of an item.
+/// Largest number of shapes (lists of access kinds) of a launch, and of accesses of an item.
 inline constexpr std::uint32_t kMaxShapes = 4096, kMaxItemAccesses = 64;
 inline constexpr std::size_t kAccessKinds = 7;
 static_assert(static_cast<std::size_t>(Access::Kind::kInstance) + 1 == kAccessKinds);
 
-/// The previous access of each kind and rank in the tile.
+/// The tile's previous access of each kind and rank: rank k is the kth access of its kind within an item.
 struct LastAccesses {
   std::array<std::array<Access, kMaxItemAccesses>, kAccessKinds> of{};
 };

@@ -252,8 +252,8 @@ void BlockTile::import_samples(std::uint32_t tile, std::uint32_t border, std::ui
   graph.register_record_writer(counted);
 }
 
-/// The host always traces the halo, so that the picture does not depend on which tile does so. If neighbours write the
-/// halo to memory, the recorded work is a transfer and recording of the tracing is paused.
+/// Fills the left halo of a tile. The simulator always traces the halo itself, so that pixels are independent of tile
+/// order. If neighbours write their borders to memory, a transfer is recorded instead of the tracing.
 void BlockTile::import_left() {
   if (!at.has_left) return;
   const std::uint32_t step = block_ * frame_.row_pitch();

@@ -15,7 +15,7 @@ namespace kernels {
 struct BlockSetup {
   std::uint32_t grid = 1;          ///< number of samples along the side of a pixel
   std::uint32_t block = 2;         ///< number of samples along the side of a block
-  std::uint32_t whole = 2;         ///< the side of a tile is a multiple of it, and it is one of every block side
+  std::uint32_t whole = 2;         ///< a multiple of every block side; tile sides are multiples of it
   std::uint32_t record_bytes = 0;  ///< bytes of a sample's record in the tile buffer, without the colour
   bool carries_rates = false;  ///< tiles read block sides from memory and write the fraction of similar samples there
   RetainedRecords before_check_y{};  ///< records of samples that a check along y will read

@@ -313,7 +313,8 @@ std::uint64_t ReconstructProgram::stored_bytes() const {
          (is_parked ? std::uint64_t{position_count()} * attribute_bytes() : 0);
 }
 
-/// Fills the halo of a tile. The host always traces it; if neighbours write it to memory, a transfer is recorded.
+/// Fills the halo of a tile. The simulator always traces the halo itself, so that pixels are independent of tile order.
+/// If neighbours write their borders to memory, a transfer is recorded instead of the tracing.
 void ReconstructProgram::fill_halo(Tile& tile) const {
   tiles_.for_each_halo_part(tile.at, [&](const HaloPart& part) {
     const bool is_left = part.x < tiles_.halo_width(), is_above = part.y < tiles_.halo_width();
@@ -355,7 +356,8 @@ namespace {
 
 constexpr std::uint32_t kWanted = 16;  ///< samples per pixel of the picture that reconstruct approximates
 
-/// For one layer of light, which marks mean that the filter rejected a sample: by depth, by normal, by shadows.
+/// Debug marks of one layer of light: the bits which show that the filter rejected a sample by depth, normal or
+/// shadows.
 struct EdgeBits {
   std::uint32_t depth, normal, shadow;
 };

@@ -69,16 +69,18 @@ class ReconstructProgram final : public FrameProgram {
   bool has_geometry() const { return reconstruct_.radius != 0; }
   bool tests_colours() const { return reconstruct_.colour >= 0; }
   std::uint32_t position_count() const { return tiles_.buffer_samples(); }
-  /// Returns the offset from a sample to the same sample of the next layer.
+  /// Returns the number of records of one layer: the distance from a sample's record to its record in the next layer.
   std::uint32_t layer_offset() const { return kGeometrySamples * position_count(); }
-  /// Return the bytes per pixel of its shaded sample in all layers with colours, of its other samples, of all records.
+  /// Return bytes per pixel: of its shaded sample's records and colours, of its other samples' records, of all records;
+  /// all layers included.
   std::uint32_t shaded_bytes() const;
   std::uint32_t other_bytes() const;
   std::uint32_t attribute_bytes() const;
   std::uint32_t exchanged_bytes() const;
   std::uint64_t stored_bytes() const;
 
-  /// Calls f<kBranches>() with the number of layers of mirrored and refracted light.
+  /// Calls f<kBranches>(), where kBranches is 0, 1 or 2: the number of colour layers besides the first (mirrored light,
+  /// refracted light).
   template <class Function>
   auto call_with_branch_count(Function&& f) const {
     if (layers_ == 1) return f.template operator()<0>();

@@ -52,7 +52,7 @@ class SampleTiles {
 /// A rectangle of a tile's halo in the tile buffer, and where another tile has stored its samples.
 struct HaloPart {
   traces::Border border;
-  std::uint64_t first = 0;     ///< index of the first sample in the other tile's store
+  std::uint64_t first = 0;     ///< index of its first sample among those that the other tile stores
   std::uint32_t x = 0, y = 0;  ///< position in the tile buffer of its first sample
   std::uint32_t across = 0, down = 0;
   /// Returns the last `columns` columns and `rows` rows of the part, which are nearest to the tile.
@@ -107,8 +107,8 @@ class FinishedTiles {
       f(HaloPart{{at.above_left, kRightBorder}, std::uint64_t{h} * (tile_side() - h), 0, 0, h, h});
     }
   }
-  /// Calls f(border, first, samples) for each border that other tiles read; `first` is its first sample in the tile's
-  /// store.
+  /// Calls f(border, first, samples) for each border that other tiles read; `first` is the index of its first sample in
+  /// the memory region to which the tile writes its samples.
   void for_each_export_border(const SampleTile& at, auto&& f) const {
     if (halo_width() == 0) return;
     if (at.has_right) f(kRightBorder, std::uint64_t{0}, halo_width() * at.height);

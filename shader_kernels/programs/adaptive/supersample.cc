@@ -205,7 +205,8 @@ std::uint64_t SupersampleProgram::stored_bytes() const {
          (is_spilt ? std::uint64_t{tile_pixels()} * kWhole * sizeof(ColourRecord<float>) : 0);
 }
 
-/// Fills the halo of a tile. The host always traces it; if neighbours write it to memory, a transfer is recorded.
+/// Fills the halo of a tile. The simulator always traces the halo itself, so that pixels are independent of tile order.
+/// If neighbours write their borders to memory, a transfer is recorded instead of the tracing.
 void SupersampleProgram::fill_halo(Tile& tile) const {
   tiles_.for_each_halo_part(tile.at, [&](const HaloPart& part) {
     if (supersample_.halo == Halo::kReload) {

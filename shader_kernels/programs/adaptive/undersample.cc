@@ -418,8 +418,8 @@ void UndersampleProgram::correct_samples(Wavefront& wave, TileResult& out, const
   write_corrected(graph, at, corrected, pixels, found);
 }
 
-/// Averages and encodes the corrected pixels, and writes them with their words. A scattered pixel costs a memory line,
-/// and all together at most the whole tile.
+/// Averages and encodes the corrected pixels, and writes them and their identity words. A scattered pixel costs a
+/// memory line, and all of them together cost at most the whole tile.
 void UndersampleProgram::write_corrected(TileGraph& graph, const SampleTile& at, std::uint32_t corrected,
                                          std::uint32_t corrected_pixels, Wavefront::Node last) const {
   const std::uint64_t store = scan_address(at.index);

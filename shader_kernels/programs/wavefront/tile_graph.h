@@ -30,7 +30,8 @@ class StreamBuilder {
   void begin_item() { work_.access_begin.push_back(static_cast<std::uint32_t>(work_.accesses.size())); }
   /// Records that `item` of the last launch emitted a ray.
   void add_source(std::uint32_t item) { work_.sources.push_back(item); }
-  /// Adds a batch of rays that `launch` emitted: one per item or, if `is_mapped`, one per source added since then.
+  /// Adds a batch of rays that `launch` emitted: one per item or, if `is_mapped`, one per call of add_source() since
+  /// the launch.
   Node add_rays(traces::RayKind kind, std::uint32_t count, std::uint32_t first, Node launch, bool is_mapped);
   Node add_transfer(traces::Region region, bool to_memory, std::uint64_t offset, std::uint32_t bytes);
   /// Adds a node that rasterises `count` samples, whose rays `launch` generated, with the last entry of

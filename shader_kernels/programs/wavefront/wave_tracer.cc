@@ -88,7 +88,7 @@ void WaveTracer::count_walks(std::size_t first_ray, std::span<const PathRecord<f
   }
 }
 
-/// Sample numbers are reused by samples of other pixels.
+/// Sample numbers are reused: work counted for the pixel that had this number before is moved to the result first.
 void WaveTracer::place_sample(std::uint32_t sample, std::uint32_t x, std::uint32_t y) {
   std::vector<PixelWork>& all = buffer_.scratch.pixel_work;
   if (all.size() <= sample) all.resize(std::size_t{sample} + 1);

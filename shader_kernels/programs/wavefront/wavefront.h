@@ -14,11 +14,14 @@ namespace kernels {
 ///
 /// The surface stages have three variants, a table each in wavefront.cc:
 ///
-///   separate      shade_surface -> [details] -> classify_surfaces -> record kernels
-///   fused         fetch_lit, or fetch_surface -> [details] -> light_surface: with ambient and first light, and records
-///   reduced rate  fetch_visible: the light of effects is found for some samples only
-///   details       classify_details -> absorb -> fetch_vertices -> shade_base -> shade_physical -> shade_bump
-///                 -> shade_blend
+///   separate      shade_surface -> [details] -> classify_surfaces -> kernels that record samples
+///   fused         fetch_lit, or fetch_surface -> [details] -> light_surface; these also add ambient light and the
+///                 first light, and record samples
+///   reduced rate  fetch_visible: only some samples find the light of effects
+///
+/// Scenes with detailed materials insert the stages [details]:
+///
+///   classify_details -> absorb -> fetch_vertices -> shade_base -> shade_physical -> shade_bump -> shade_blend
 ///
 /// The order of rays and of additions to a sample depends only on the tile.
 class Wavefront {

@@ -26,7 +26,8 @@ Mesh make_panel(std::string name, float width, float height, std::span<const glm
 Mesh make_cushion(std::string name, const glm::vec3& lower, const glm::vec3& upper, float radius, std::uint32_t steps,
                   std::uint32_t cells);
 
-/// Returns a mesh whose points `to` has moved, normals included. `to` must be smooth and not turn the mesh inside out.
+/// Returns the mesh deformed by `to`, which maps old to new positions; normals follow. `to` must be smooth and must not
+/// turn the mesh inside out.
 Mesh warp_mesh(Mesh mesh, const std::function<glm::vec3(const glm::vec3&)>& to);
 
 /// Sets texture coordinates from positions, in the coordinate plane nearest to each normal's; `repeats` per unit of

@@ -39,7 +39,8 @@ struct Wood {
   float radius_at(float share) const { return radii[0] * (1 - share) + radii.back() * share; }
 };
 
-/// Makes a branch whose direction varies by `crooked` of its length and which bends upwards by `lift`.
+/// Makes a branch from `foot` to `foot + along`. Each point strays from the straight line by up to half of `crooked`
+/// times the length; the tip rises by `lift` times the length.
 Wood grow_branch(const glm::vec3& foot, const glm::vec3& along, float radius, float crooked, float lift,
                  std::uint32_t steps, std::uint64_t seed) {
   Wood wood;

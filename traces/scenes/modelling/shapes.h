@@ -39,7 +39,7 @@ void add_grid(Mesh& mesh, std::uint32_t first, std::uint32_t columns, std::uint3
 
 /// Adds all vertices and triangles of `other` to `mesh`. The material of `other` is ignored.
 void append_mesh(Mesh& mesh, const Mesh& other);
-/// Returns a mesh transformed by a rotation, scale or mirroring. A mirrored mesh keeps its outside.
+/// Returns a mesh transformed by a rotation, scale or mirroring. Normals of a mirrored mesh still point outwards.
 Mesh transform_mesh(Mesh mesh, const glm::mat4& by);
 glm::mat4 placement_at(const glm::vec3& position, double turns_about_y = 0, const glm::vec3& scale = glm::vec3(1));
 void scale_uvs(Mesh& mesh, const glm::vec2& by);
